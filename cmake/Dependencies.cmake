@@ -1,0 +1,17 @@
+# Everything comes from Debian: scripts/install-deps installs it.
+find_package(PkgConfig REQUIRED)
+find_package(Threads REQUIRED)
+# Debian 12's LCM ships no CMake package.
+pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
+pkg_check_modules(PCAP REQUIRED IMPORTED_TARGET libpcap)
+find_package(Eigen3 REQUIRED NO_MODULE)
+find_package(yaml-cpp REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(SQLite3 REQUIRED)
+find_package(PNG REQUIRED)
+if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
+  find_package(GTest REQUIRED)
+endif()

@@ -1,0 +1,20 @@
+# What a planner of someone else needs: find_package(curbstone) and curbstone::lcmtypes, or pkg-config curbstone-lcmtypes.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+get_property(programs GLOBAL PROPERTY CURBSTONE_PROGRAMS)
+if(programs)
+  install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+install(DIRECTORY ${PROJECT_BINARY_DIR}/lcmtypes/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS lcmtypes procman_lcmtypes EXPORT curbstoneTargets)
+install(EXPORT curbstoneTargets NAMESPACE curbstone:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/curbstone)
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/curbstoneConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/curbstoneConfig.cmake INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/curbstone)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/curbstoneConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/curbstoneConfig.cmake ${PROJECT_BINARY_DIR}/curbstoneConfigVersion.cmake
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/curbstone)
+configure_file(${PROJECT_SOURCE_DIR}/cmake/curbstone-lcmtypes.pc.in ${PROJECT_BINARY_DIR}/curbstone-lcmtypes.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/curbstone-lcmtypes.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/config/ DESTINATION share/curbstone/config)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/procman/ DESTINATION share/curbstone/procman FILES_MATCHING PATTERN "*.cfg")

@@ -1,0 +1,45 @@
+# How every target of the project is compiled: link `curbstone_options` (PRIVATE), nothing is global.
+option(CURBSTONE_WERROR "Warnings are errors" OFF)
+set(CURBSTONE_SANITIZE "" CACHE STRING "Sanitizers, as for -fsanitize=")
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+set(CMAKE_CXX_EXTENSIONS OFF)
+
+add_library(curbstone_options INTERFACE)
+target_compile_features(curbstone_options INTERFACE cxx_std_20)
+target_compile_options(curbstone_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wcast-align -Woverloaded-virtual
+  -Wnon-virtual-dtor -Wdouble-promotion -Wformat=2
+  -Wno-restrict  # g++ 12 warns falsely inside std::string (GCC bug 105329)
+  # The same bits on every machine: no contraction to fused multiply-add behind our back.
+  -ffp-contract=off)
+if(CURBSTONE_WERROR)
+  target_compile_options(curbstone_options INTERFACE -Werror)
+endif()
+if(CURBSTONE_SANITIZE)
+  target_compile_options(curbstone_options INTERFACE -fsanitize=${CURBSTONE_SANITIZE} -fno-omit-frame-pointer -O1)
+  target_link_options(curbstone_options INTERFACE -fsanitize=${CURBSTONE_SANITIZE})
+  if(CURBSTONE_SANITIZE MATCHES "undefined")
+    target_compile_options(curbstone_options INTERFACE -fno-sanitize-recover=undefined)
+  endif()
+endif()
+
+# curbstone_library(NAME sources...): a static library of the project, in namespace curbstone::, include root = source root.
+function(curbstone_library name)
+  add_library(${name} STATIC ${ARGN})
+  add_library(curbstone::${name} ALIAS ${name})
+  target_include_directories(${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/curbstone>)
+  target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:curbstone_options>)
+  set_property(GLOBAL APPEND PROPERTY CURBSTONE_LIBRARIES ${name})
+endfunction()
+
+# curbstone_program(NAME sources...): builds bin/<name>, installed.
+function(curbstone_program name)
+  add_executable(${name} ${ARGN})
+  target_link_libraries(${name} PRIVATE curbstone_options)
+  set_property(GLOBAL APPEND PROPERTY CURBSTONE_PROGRAMS ${name})
+endfunction()

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <vector>
+
+namespace curbstone {
+
+/// One thread that waits for file descriptors and timers: the loop of every process. SIGINT and SIGTERM end it.
+class EventLoop {
+ public:
+  /// Blocks SIGINT and SIGTERM for the process and takes them by signalfd. Create it before any thread.
+  EventLoop();
+  ~EventLoop();
+  EventLoop(const EventLoop&) = delete;
+  EventLoop& operator=(const EventLoop&) = delete;
+
+  /// Calls `on_readable` whenever `fd` is readable, at its end or in error. The caller keeps owning the fd.
+  void watch(int fd, std::function<void()> on_readable);
+  void unwatch(int fd);
+  void every(std::chrono::milliseconds period, std::function<void()> task);
+
+  /// Runs until stop() or a signal.
+  void run();
+  void stop() { running_ = false; }
+
+ private:
+  struct Watch {
+    int fd;
+    std::function<void()> on_readable;
+  };
+  struct Timer {
+    std::int64_t period_us;
+    std::int64_t due_us;
+    std::function<void()> task;
+  };
+  std::vector<Watch> watches_;
+  std::vector<Timer> timers_;
+  int signal_fd_ = -1;
+  bool running_ = false;
+};
+
+}  // namespace curbstone

@@ -1,0 +1,256 @@
+#include "common/lcm_bus.hpp"
+
+#include <fmt/format.h>
+#include <lcm/lcm.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace curbstone {
+
+namespace {
+
+std::string effective_url(std::string url) {
+  if (!url.empty()) return url;
+  const char* from_environment = std::getenv("LCM_DEFAULT_URL");
+  return from_environment != nullptr && *from_environment != '\0' ? from_environment : LcmBus::kDefaultUrl;
+}
+
+/// Inodes of the sockets this process holds now.
+std::set<std::uint64_t> own_sockets() {
+  std::set<std::uint64_t> inodes;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", ignored)) {
+    const std::string target = std::filesystem::read_symlink(entry.path(), ignored).string();
+    if (target.starts_with("socket:[")) inodes.insert(std::strtoull(target.c_str() + 8, nullptr, 10));
+  }
+  return inodes;
+}
+
+/// Datagrams that the kernel dropped at these sockets because their buffers were full.
+std::int64_t kernel_drops(const std::set<std::uint64_t>& inodes) {
+  std::ifstream table("/proc/self/net/udp");
+  std::string line;
+  std::getline(table, line);  // heading
+  std::int64_t drops = 0;
+  while (std::getline(table, line)) {
+    std::istringstream words(line);
+    std::vector<std::string> columns;
+    for (std::string word; words >> word;) columns.push_back(word);
+    if (columns.size() < 13) continue;
+    if (inodes.contains(std::strtoull(columns[9].c_str(), nullptr, 10)))
+      drops += std::strtoll(columns[12].c_str(), nullptr, 10);
+  }
+  return drops;
+}
+
+}  // namespace
+
+class LcmBus::Impl {
+ public:
+  explicit Impl(std::string url) : url_(effective_url(std::move(url))), threaded_(url_.starts_with("udpm")) {
+    const auto before = own_sockets();
+    lcm_ = lcm_create(url_.c_str());
+    if (lcm_ == nullptr) {
+      throw std::runtime_error(
+          fmt::format("cannot open the bus {}: check the URL, and that multicast is routed (ip link set lo up; ip "
+                      "route add 224.0.0.0/4 dev lo)",
+                      url_));
+    }
+    for (const auto inode : own_sockets()) {
+      if (!before.contains(inode)) sockets_.insert(inode);
+    }
+    if (threaded_) {
+      wake_fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+      stop_fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+    }
+  }
+
+  ~Impl() {
+    if (receiver_.joinable()) {
+      const std::uint64_t one = 1;
+      (void)!write(stop_fd_, &one, sizeof one);
+      receiver_.join();
+    }
+    lcm_destroy(lcm_);
+    if (wake_fd_ >= 0) close(wake_fd_);
+    if (stop_fd_ >= 0) close(stop_fd_);
+  }
+
+  void publish(const std::string& channel, const void* data, int size) {
+    const std::scoped_lock lock(publish_mutex_);
+    if (lcm_publish(lcm_, channel.c_str(), data, static_cast<unsigned>(size)) != 0) publish_failed_.fetch_add(1);
+  }
+
+  void subscribe(const std::string& channel, BytesHandler handler, QueueLimit limit) {
+    auto subscription = std::make_unique<Subscription>();
+    subscription->bus = this;
+    subscription->handler = std::move(handler);
+    subscription->capacity = static_cast<std::size_t>(limit.capacity);
+    // Channel names are exact to us and patterns to LCM: quote what is not a word character.
+    std::string pattern;
+    for (const char c : channel) {
+      if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_') pattern += '\\';
+      pattern += c;
+    }
+    lcm_subscription_t* handle = lcm_subscribe(lcm_, pattern.c_str(), &Impl::on_message, subscription.get());
+    if (handle == nullptr) throw std::runtime_error(fmt::format("cannot subscribe to {}", channel));
+    lcm_subscription_set_queue_capacity(handle, threaded_ ? 1000 : 0);
+    subscriptions_.push_back(std::move(subscription));
+    if (threaded_ && !receiver_.joinable()) receiver_ = std::thread([this] { receive(); });
+  }
+
+  bool handle(std::chrono::milliseconds timeout) {
+    if (!threaded_) return lcm_handle_timeout(lcm_, static_cast<int>(timeout.count())) >= 0;
+    if (timeout.count() > 0) {
+      pollfd waiting{wake_fd_, POLLIN, 0};
+      poll(&waiting, 1, static_cast<int>(timeout.count()));
+    }
+    std::uint64_t ignored = 0;
+    (void)!read(wake_fd_, &ignored, sizeof ignored);
+    for (int budget = 1000; budget > 0; --budget) {  // bounded, so that timers get their turn
+      Message message;
+      {
+        const std::scoped_lock lock(queue_mutex_);
+        if (queue_.empty()) return true;
+        message = std::move(queue_.front());
+        queue_.pop_front();
+        if (message.bytes.empty()) continue;  // dropped while it waited
+        --message.subscription->queued;
+      }
+      call(*message.subscription, message.bytes.data(), static_cast<int>(message.bytes.size()));
+    }
+    wake();
+    return true;
+  }
+
+  [[nodiscard]] int fd() const { return threaded_ ? wake_fd_ : lcm_get_fileno(lcm_); }
+
+  [[nodiscard]] Counters counters() const {
+    Counters all = counters_;
+    all.set("dropped.queue", queue_drops_.load());
+    if (!sockets_.empty()) all.set("dropped.kernel", kernel_drops(sockets_));
+    if (const auto failed = publish_failed_.load(); failed > 0) all.set("faults.publish", failed);
+    return all;
+  }
+  void count(std::string_view name) { counters_.add(name); }
+
+  [[nodiscard]] const std::string& url() const { return url_; }
+
+ private:
+  struct Subscription {
+    Impl* bus = nullptr;
+    BytesHandler handler;
+    std::size_t capacity = 0;
+    std::size_t queued = 0;
+  };
+  struct Message {
+    Subscription* subscription = nullptr;
+    std::vector<std::uint8_t> bytes;
+  };
+
+  static void on_message(const lcm_recv_buf_t* buffer, const char*, void* user) {
+    auto& subscription = *static_cast<Subscription*>(user);
+    subscription.bus->arrived(subscription, buffer->data, static_cast<int>(buffer->data_size));
+  }
+
+  void arrived(Subscription& subscription, const void* data, int size) {
+    if (!threaded_) {
+      call(subscription, data, size);
+      return;
+    }
+    const auto* bytes = static_cast<const std::uint8_t*>(data);
+    const std::scoped_lock lock(queue_mutex_);
+    if (subscription.queued >= subscription.capacity) {
+      for (Message& old : queue_) {  // latest wins: empty the oldest of this subscription
+        if (old.subscription == &subscription && !old.bytes.empty()) {
+          old.bytes.clear();
+          --subscription.queued;
+          break;
+        }
+      }
+      queue_drops_.fetch_add(1);
+    }
+    queue_.push_back({&subscription, {bytes, bytes + size}});
+    ++subscription.queued;
+    wake();
+  }
+
+  void call(Subscription& subscription, const void* data, int size) {
+    try {
+      subscription.handler(data, size);
+    } catch (const std::exception&) {
+      counters_.add("faults.handler");
+    }
+  }
+
+  void receive() {
+    pollfd fds[2] = {{lcm_get_fileno(lcm_), POLLIN, 0}, {stop_fd_, POLLIN, 0}};
+    while (true) {
+      if (poll(fds, 2, -1) < 0) continue;
+      if (fds[1].revents != 0) return;
+      if (fds[0].revents != 0) lcm_handle(lcm_);
+    }
+  }
+
+  void wake() const {
+    const std::uint64_t one = 1;
+    (void)!write(wake_fd_, &one, sizeof one);
+  }
+
+  std::string url_;
+  bool threaded_;
+  lcm_t* lcm_ = nullptr;
+  int wake_fd_ = -1;
+  int stop_fd_ = -1;
+  std::set<std::uint64_t> sockets_;
+  std::vector<std::unique_ptr<Subscription>> subscriptions_;
+  std::mutex queue_mutex_;
+  std::deque<Message> queue_;
+  std::mutex publish_mutex_;
+  std::atomic<std::int64_t> queue_drops_ = 0;
+  std::atomic<std::int64_t> publish_failed_ = 0;
+  Counters counters_;
+  std::thread receiver_;
+};
+
+LcmBus::LcmBus(std::string url) : impl_(std::make_unique<Impl>(std::move(url))) {}
+LcmBus::~LcmBus() = default;
+
+bool LcmBus::handle(std::chrono::milliseconds timeout) {
+  return impl_->handle(timeout);
+}
+int LcmBus::fd() const {
+  return impl_->fd();
+}
+Counters LcmBus::counters() const {
+  return impl_->counters();
+}
+void LcmBus::count(std::string_view name) {
+  impl_->count(name);
+}
+const std::string& LcmBus::url() const {
+  return impl_->url();
+}
+void LcmBus::publish_bytes(const std::string& channel, const void* data, int size) {
+  impl_->publish(channel, data, size);
+}
+void LcmBus::subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) {
+  impl_->subscribe(channel, std::move(handler), limit);
+}
+
+}  // namespace curbstone

@@ -1,0 +1,26 @@
+#include "common/local_bus.hpp"
+
+namespace curbstone {
+
+void LocalBus::inject(const std::string& channel, const void* data, int size) {
+  if (tap_) tap_(channel, data, size);
+  if (!handlers_.contains(channel)) return;
+  const auto* bytes = static_cast<const std::uint8_t*>(data);
+  queue_.push_back({channel, {bytes, bytes + size}});
+}
+
+void LocalBus::dispatch() {
+  while (!queue_.empty()) {
+    const Message message = std::move(queue_.front());
+    queue_.pop_front();
+    for (const auto& handler : handlers_.at(message.channel)) {
+      handler(message.bytes.data(), static_cast<int>(message.bytes.size()));
+    }
+  }
+}
+
+void LocalBus::subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit) {
+  handlers_[channel].push_back(std::move(handler));
+}
+
+}  // namespace curbstone

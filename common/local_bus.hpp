@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/bus.hpp"
+
+namespace curbstone {
+
+/// A bus inside one process and one thread: messages are delivered in the order in which they were published, nothing
+/// is lost, nothing depends on the clock. `curbstone replay` and the node tests run on it.
+class LocalBus final : public Publisher, public Subscriber {
+ public:
+  /// Sees every message before its subscribers do: for recording.
+  using Tap = std::function<void(const std::string& channel, const void* data, int size)>;
+
+  /// Puts encoded bytes on the bus, as read from a log.
+  void inject(const std::string& channel, const void* data, int size);
+  /// Delivers until the queue is empty, including what the handlers publish meanwhile.
+  void dispatch();
+  void set_tap(Tap tap) { tap_ = std::move(tap); }
+
+  [[nodiscard]] Counters counters() const override { return counters_; }
+
+ protected:
+  void count(std::string_view name) override { counters_.add(name); }
+  void publish_bytes(const std::string& channel, const void* data, int size) override { inject(channel, data, size); }
+  void subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) override;
+
+ private:
+  struct Message {
+    std::string channel;
+    std::vector<std::uint8_t> bytes;
+  };
+  std::map<std::string, std::vector<BytesHandler>, std::less<>> handlers_;
+  std::deque<Message> queue_;
+  Tap tap_;
+  Counters counters_;
+};
+
+}  // namespace curbstone
