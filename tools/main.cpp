@@ -1,0 +1,49 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <exception>
+#include <string_view>
+
+#include "common/version.hpp"
+#include "tools/replay/replay.hpp"
+
+namespace {
+
+struct Subcommand {
+  std::string_view name;
+  int (*run)(int argc, char** argv);
+  std::string_view summary;
+};
+
+constexpr std::array kSubcommands = {
+    Subcommand{"replay", curbstone::run_replay, "make a map from a log, as fast as the machine can"},
+};
+
+int usage(std::FILE* out) {
+  fmt::print(out, "usage: curbstone SUBCOMMAND [OPTIONS]   (curbstone SUBCOMMAND --help says more)\n\n");
+  for (const auto& subcommand : kSubcommands) fmt::print(out, "  {:<10} {}\n", subcommand.name, subcommand.summary);
+  return out == stdout ? 0 : 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) return usage(stderr);
+  const std::string_view name = argv[1];
+  if (name == "--help" || name == "-h" || name == "help") return usage(stdout);
+  if (name == "--version") {
+    fmt::print("{}\n", curbstone::version());
+    return 0;
+  }
+  for (const auto& subcommand : kSubcommands) {
+    if (name != subcommand.name) continue;
+    try {
+      return subcommand.run(argc - 1, argv + 1);
+    } catch (const std::exception& error) {
+      fmt::print(stderr, "curbstone {}: {}\n", name, error.what());
+      return 1;
+    }
+  }
+  fmt::print(stderr, "curbstone: no subcommand '{}'\n", name);
+  return usage(stderr);
+}

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+typedef struct _lcm_eventlog_t lcm_eventlog_t;
+
+namespace curbstone {
+
+/// One message of a log.
+struct LogEvent {
+  std::int64_t log_utime = 0;  ///< when the logger received it
+  std::string channel;
+  std::vector<std::uint8_t> bytes;
+};
+
+/// Reads an `lcm-logger` log from begin to end.
+class LogReader {
+ public:
+  /// Throws std::runtime_error with one clear line: the file is missing, unreadable, or no LCM log.
+  explicit LogReader(const std::string& file);
+  ~LogReader();
+  LogReader(const LogReader&) = delete;
+  LogReader& operator=(const LogReader&) = delete;
+
+  /// The next event; nothing at the end. A log cut off in mid-event ends there: see truncated().
+  [[nodiscard]] std::optional<LogEvent> next();
+  [[nodiscard]] bool truncated() const { return truncated_; }
+  /// 0..1 of the file read so far.
+  [[nodiscard]] double progress() const;
+
+ private:
+  lcm_eventlog_t* log_ = nullptr;
+  std::int64_t size_ = 0;
+  bool truncated_ = false;
+};
+
+}  // namespace curbstone
