@@ -4,8 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "tools/replay/log_reader.hpp"
-#include "tools/replay/message_order.hpp"
+#include "tools/log/log_reader.hpp"
+#include "tools/log/message_order.hpp"
 
 namespace curbstone {
 

@@ -1,4 +1,4 @@
-#include "tools/replay/log_reader.hpp"
+#include "tools/log/log_reader.hpp"
 
 #include <fmt/format.h>
 #include <lcm/eventlog.h>

@@ -1,22 +1,27 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <queue>
 #include <vector>
 
-#include "tools/replay/log_reader.hpp"
+#include "tools/log/log_reader.hpp"
 
 namespace curbstone {
 
-/// When the measurement of a message was taken: its first field, as in every type of ours. 0 if it is too short.
-[[nodiscard]] inline std::int64_t message_time(const LogEvent& event) {
-  if (event.bytes.size() < 16) return 0;
+/// When the measurement of an encoded message was taken: its first field, as in every type of ours. 0 if it is too
+/// short.
+[[nodiscard]] inline std::int64_t message_time(const void* data, std::size_t size) {
+  if (size < 16) return 0;
+  const auto* bytes = static_cast<const std::uint8_t*>(data);
   std::uint64_t utime = 0;
-  for (std::size_t i = 8; i < 16; ++i)
-    utime = (utime << 8) | event.bytes[i];  // after the 8-byte fingerprint, big-endian
+  for (std::size_t i = 8; i < 16; ++i) utime = (utime << 8) | bytes[i];  // after the 8-byte fingerprint, big-endian
   return static_cast<std::int64_t>(utime);
+}
+[[nodiscard]] inline std::int64_t message_time(const LogEvent& event) {
+  return message_time(event.bytes.data(), event.bytes.size());
 }
 
 /// Puts the events of a log into the order of their message times. Logged order differs from it by no more than the

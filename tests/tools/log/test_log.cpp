@@ -1,0 +1,94 @@
+#include <gtest/gtest.h>
+
+#include <curbstone/imu_t.hpp>
+#include <filesystem>
+#include <fstream>
+
+#include "tools/log/log_reader.hpp"
+#include "tools/log/log_writer.hpp"
+#include "tools/log/message_order.hpp"
+
+namespace curbstone {
+namespace {
+
+std::vector<std::uint8_t> encoded(std::int64_t utime) {
+  imu_t message{};
+  message.utime = utime;
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, message.getEncodedSize());
+  return bytes;
+}
+
+std::string write_log(const std::string& name, int events) {
+  const std::string file = ::testing::TempDir() + name;
+  LogWriter log(file);
+  for (int i = 0; i < events; ++i) {
+    const auto bytes = encoded(1000 + i);
+    log.write("IMU", bytes.data(), static_cast<int>(bytes.size()));
+  }
+  return file;
+}
+
+TEST(Log, ReadsBackWhatWasWritten) {
+  LogReader reader(write_log("whole.lcmlog", 3));
+  for (int i = 0; i < 3; ++i) {
+    const auto event = reader.next();
+    ASSERT_TRUE(event);
+    EXPECT_EQ(event->channel, "IMU");
+    EXPECT_EQ(event->log_utime, 1000 + i);
+    EXPECT_EQ(event->bytes, encoded(1000 + i));
+  }
+  EXPECT_FALSE(reader.next());
+  EXPECT_FALSE(reader.truncated());
+  EXPECT_EQ(reader.progress(), 1.0);
+}
+
+TEST(Log, SaysWhenItIsCutOff) {
+  const std::string file = write_log("cut.lcmlog", 3);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 10);
+  LogReader reader(file);
+  EXPECT_TRUE(reader.next());
+  EXPECT_TRUE(reader.next());
+  EXPECT_FALSE(reader.next());
+  EXPECT_TRUE(reader.truncated());
+}
+
+TEST(Log, RefusesWhatIsNoLogInOneLine) {
+  const std::string file = ::testing::TempDir() + "text";
+  std::ofstream(file) << "no log\n";
+  for (const std::string& path : {file, ::testing::TempDir() + "absent", ::testing::TempDir()}) {
+    try {
+      LogReader reader(path);
+      FAIL() << path;
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find(path), std::string::npos);
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    }
+  }
+}
+
+TEST(Log, RefusesToWriteWhereItCannot) {
+  EXPECT_THROW(LogWriter("/nonexistent/x.lcmlog"), std::runtime_error);
+}
+
+TEST(MessageOrder, SortsByMessageTimeWithinTheWindowAndKeepsTies) {
+  MessageOrder order(100);
+  std::vector<std::int64_t> out;
+  const auto drain = [&](bool all) {
+    while (const auto event = order.pop(all)) out.push_back(message_time(*event));
+  };
+  const std::int64_t times[] = {100, 300, 200, 200, 500};
+  for (std::int64_t i = 0; i < 5; ++i) {
+    order.push({300 + 60 * i, "IMU", encoded(times[i])});
+    drain(false);
+  }
+  drain(true);
+  EXPECT_EQ(out, (std::vector<std::int64_t>{100, 200, 200, 300, 500}));
+}
+
+TEST(MessageOrder, ShortMessagesHaveTimeZero) {
+  EXPECT_EQ(message_time("abc", 3), 0);
+}
+
+}  // namespace
+}  // namespace curbstone

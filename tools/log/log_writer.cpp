@@ -1,0 +1,35 @@
+#include "tools/log/log_writer.hpp"
+
+#include <fmt/format.h>
+#include <lcm/eventlog.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+#include "tools/log/message_order.hpp"
+
+namespace curbstone {
+
+LogWriter::LogWriter(const std::string& file) : file_(file), log_(lcm_eventlog_create(file.c_str(), "w")) {
+  if (log_ == nullptr) throw std::runtime_error(fmt::format("{}: cannot be written: {}", file, std::strerror(errno)));
+}
+
+LogWriter::~LogWriter() {
+  lcm_eventlog_destroy(log_);
+}
+
+void LogWriter::write(const std::string& channel, const void* data, int size, std::int64_t log_utime) {
+  lcm_eventlog_event_t event{};
+  event.eventnum = count_++;
+  event.timestamp = log_utime != 0 ? log_utime : message_time(data, static_cast<std::size_t>(size));
+  event.channellen = static_cast<std::int32_t>(channel.size());
+  event.datalen = size;
+  event.channel = const_cast<char*>(channel.c_str());  // the C interface does not write to it
+  event.data = const_cast<void*>(data);
+  if (lcm_eventlog_write_event(log_, &event) != 0) {
+    throw std::runtime_error(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
+  }
+}
+
+}  // namespace curbstone

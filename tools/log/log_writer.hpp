@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+typedef struct _lcm_eventlog_t lcm_eventlog_t;
+
+namespace curbstone {
+
+/// Writes an LCM log as lcm-logger does. The time of each record is the message's own: a written log depends on its
+/// messages alone.
+class LogWriter {
+ public:
+  /// Throws std::runtime_error when the file cannot be written.
+  explicit LogWriter(const std::string& file);
+  ~LogWriter();
+  LogWriter(const LogWriter&) = delete;
+  LogWriter& operator=(const LogWriter&) = delete;
+
+  /// With `log_utime` 0 the record's time is the message's (its first field). Throws when the disk is full.
+  void write(const std::string& channel, const void* data, int size, std::int64_t log_utime = 0);
+
+ private:
+  std::string file_;
+  lcm_eventlog_t* log_ = nullptr;
+  std::int64_t count_ = 0;
+};
+
+}  // namespace curbstone
