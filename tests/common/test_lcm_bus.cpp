@@ -71,10 +71,10 @@ TEST(LcmBus, ReadsBackALog) {
   EXPECT_EQ(received, (std::vector<int>{0, 1, 2, 3, 4}));
 }
 
-/// In a network namespace of its own; see tests/run_isolated.
+/// In a network namespace of its own; see scripts/isolated.
 TEST(LcmBus, SlowHandlerDropsOldestAndCounts) {
   const char* url = std::getenv("CURBSTONE_TEST_URL");
-  if (url == nullptr) GTEST_SKIP() << "CURBSTONE_TEST_URL not set: run through tests/run_isolated";
+  if (url == nullptr) GTEST_SKIP() << "CURBSTONE_TEST_URL not set: run through scripts/isolated";
   LcmBus bus(url);
   std::vector<int> received;
   bus.subscribe<imu_t>("IMU", [&](const imu_t& m) { received.push_back(m.sequence); }, {.capacity = 10});
