@@ -14,6 +14,8 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/curbstoneConfig.cmake.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/curbstoneConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/curbstoneConfig.cmake ${PROJECT_BINARY_DIR}/curbstoneConfigVersion.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/curbstone)
+# Relative to where the .pc file lies: the installation can be moved.
+file(RELATIVE_PATH CURBSTONE_PC_PREFIX /x/${CMAKE_INSTALL_LIBDIR}/pkgconfig /x)
 configure_file(${PROJECT_SOURCE_DIR}/cmake/curbstone-lcmtypes.pc.in ${PROJECT_BINARY_DIR}/curbstone-lcmtypes.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/curbstone-lcmtypes.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/config/ DESTINATION share/curbstone/config)
