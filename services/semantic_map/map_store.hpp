@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "services/semantic_map/map_types.hpp"
+
+namespace curbstone {
+
+class Sqlite;
+
+/// The map file: SQLite, application id "CURB", schema version in PRAGMA user_version.
+///
+///   meta(key, value)                         epoch, tile_size, cell_size
+///   tiles(x, y, utime, z_origin, cells)      cells: zlib of class[625], height[625] (int16 LE), cost[625],
+///   confidence[625] curbs(id, dropped, confidence, points)   points: float32 LE, 6 a vertex: x y z height high_side_x
+///   high_side_y trajectory(utime, revolution, x, y, z, qw, qx, qy, qz)    T_map_base at the end of each revolution
+///
+/// There is no wall clock, pid or revision in it: two replays of one log give the same bytes.
+inline constexpr std::int32_t kMapSchemaVersion = 1;
+
+/// One clear line: what is wrong with which file.
+class MapStoreError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads a map, also while a service writes it. Never changes the file. Everything throws MapStoreError.
+class MapReader {
+ public:
+  /// Refuses what is missing, not a map, or of a newer schema.
+  explicit MapReader(const std::string& path);
+  ~MapReader();
+
+  [[nodiscard]] std::int32_t epoch() const;
+  [[nodiscard]] std::vector<MapTile> tiles() const;              ///< by key
+  [[nodiscard]] std::vector<CurbLine> curbs() const;             ///< by id
+  [[nodiscard]] std::vector<TrajectoryPose> trajectory() const;  ///< by utime
+  /// PRAGMA integrity_check: "ok" or what is wrong.
+  [[nodiscard]] std::string integrity() const;
+
+ private:
+  std::string path_;
+  std::unique_ptr<Sqlite> db_;
+};
+
+/// Writes a map. One writer a file: a second one is refused while the first lives (also after kill -9, the lock goes
+/// with the process). A write is one transaction: it is there as a whole or not at all.
+class MapStore {
+ public:
+  /// Opens or creates. Throws MapStoreError: not a map (left untouched), newer schema (left untouched), another writer,
+  /// no such directory, no permission.
+  explicit MapStore(std::string path);
+  ~MapStore();
+
+  /// What one transaction changes.
+  struct Batch {
+    bool clear = false;  ///< first forget all that was stored: another drive begins
+    std::int32_t epoch = 0;
+    std::vector<MapTile> tiles = {};               ///< replace those with the same key
+    std::vector<TrajectoryPose> trajectory = {};   ///< appended
+    const std::vector<CurbLine>* curbs = nullptr;  ///< replaces all curbs, if given
+  };
+  /// Throws MapStoreError (disk full, I/O error): nothing of the batch is in the file then, try again later.
+  void write(const Batch& batch);
+
+  /// What is stored now, to decide whether a drive goes on: epoch and the newest pose's utime (0: none).
+  [[nodiscard]] std::int32_t epoch() const { return epoch_; }
+  [[nodiscard]] std::int64_t last_utime() const { return last_utime_; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+  /// The drive is over: rewrites the file in canonical order, so that the same content is the same bytes, and closes
+  /// it. Throws MapStoreError; the file is then as it was, complete.
+  void close_canonical();
+
+ private:
+  struct Lock;
+  std::string path_;
+  std::unique_ptr<Lock> lock_;  // outlives db_: SQLite's own locks go when any descriptor of the file is closed
+  std::unique_ptr<Sqlite> db_;
+  std::int32_t epoch_ = 0;
+  std::int64_t last_utime_ = 0;
+};
+
+}  // namespace curbstone

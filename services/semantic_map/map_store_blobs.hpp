@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "services/semantic_map/map_types.hpp"
+
+namespace curbstone {
+
+/// The blobs of the map file (map_store.hpp says what is in them); little-endian on any machine.
+[[nodiscard]] std::vector<std::uint8_t> pack_cells(const MapTile& tile);
+/// Fills class, height, cost and confidence; false if the blob is not one of ours.
+[[nodiscard]] bool unpack_cells(std::span<const std::uint8_t> blob, MapTile& tile);
+
+[[nodiscard]] std::vector<std::uint8_t> pack_vertices(const std::vector<CurbVertex>& vertices);
+[[nodiscard]] std::optional<std::vector<CurbVertex>> unpack_vertices(std::span<const std::uint8_t> blob);
+
+}  // namespace curbstone
