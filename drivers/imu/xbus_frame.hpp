@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "common/counters.hpp"
+
+namespace curbstone {
+
+/// Message ids of the Xsens "Xbus" protocol that we speak. An acknowledgement is the request plus one.
+enum class Mid : std::uint8_t {
+  kGotoMeasurement = 0x10,
+  kGotoMeasurementAck = 0x11,
+  kGotoConfig = 0x30,
+  kGotoConfigAck = 0x31,
+  kMtData2 = 0x36,
+  kWakeUp = 0x3E,
+  kWakeUpAck = 0x3F,
+  kReset = 0x40,
+  kResetAck = 0x41,
+  kError = 0x42,
+  kSetOutputConfiguration = 0xC0,
+  kOutputConfiguration = 0xC1,
+};
+
+/// One message, its checksum verified. `data` points into the parser's buffer: valid inside the handler only.
+struct XbusFrame {
+  std::uint8_t mid = 0;
+  std::span<const std::uint8_t> data;
+  std::size_t wire_size = 0;  ///< bytes, preamble to checksum
+
+  [[nodiscard]] bool is(Mid id) const { return mid == static_cast<std::uint8_t>(id); }
+};
+
+/// Preamble FA, bus id FF (master), id, length (extended where data exceeds 254 bytes), data, checksum.
+[[nodiscard]] std::vector<std::uint8_t> encode_xbus(Mid mid, std::span<const std::uint8_t> data = {});
+
+/// Cuts a byte stream into frames. FA also occurs inside payloads and garbage looks like headers, so a candidate counts
+/// only when its checksum is right; when it fails, the search goes on from its second byte and a good frame inside it
+/// is still found. Holds at most kMaxFrame bytes.
+///
+/// Counts: frames, refused.checksum, refused.header (bus id, id or length that no device sends), refused.incomplete (a
+/// candidate whose rest did not come within kPatience), garbage_bytes.
+class XbusParser {
+ public:
+  using Handler = std::function<void(const XbusFrame&)>;
+
+  static constexpr std::size_t kMaxData = 2048;  ///< bytes; no output configuration makes more
+  static constexpr std::size_t kMaxFrame = kMaxData + 7;
+  static constexpr std::int64_t kPatience = 250'000;  ///< us; kMaxFrame takes 180 ms at 115200 baud
+
+  /// `now`, us: when these bytes arrived. Any cutting of the stream into calls gives the same frames.
+  void parse(std::int64_t now, std::span<const std::uint8_t> bytes, const Handler& handler);
+
+  /// Forgets a half-received frame: the link was interrupted.
+  void reset() { buffer_.clear(); }
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  enum class Candidate { kComplete, kIncomplete, kRefused };
+
+  void drain(std::int64_t now, const Handler& handler);
+  Candidate examine(std::span<const std::uint8_t> bytes, XbusFrame& frame);
+
+  std::vector<std::uint8_t> buffer_;  // starts with the oldest candidate's preamble, if not empty
+  std::int64_t waiting_since_ = 0;    // us; when the candidate at the front was first found incomplete
+  bool waiting_ = false;
+  Counters counters_;
+};
+
+}  // namespace curbstone

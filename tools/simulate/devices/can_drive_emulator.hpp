@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "drivers/encoder/can_frame.hpp"
+#include "drivers/encoder/canopen.hpp"
+
+namespace curbstone {
+
+/// A ZLAC8015D wheel drive as the CAN bus sees it: boot-up, NMT, SDO server, heartbeat, two TPDOs with event and
+/// inhibit timers, EMCY. A frame state machine without a clock: whoever uses it passes the time (us, any monotonic
+/// clock).
+///
+/// To simulate: on_frame() with what the host sends; at next_due(), set_counts() to the truth of that instant and
+/// tick(). Settings that a power cycle or a reset loses are lost here too.
+class CanDriveEmulator {
+ public:
+  struct Settings {
+    std::uint8_t node = 1;
+    std::int64_t event_timer_unit = 500;  ///< us; the ZLAC's, the standard says 1000
+    std::int64_t heartbeat_unit = 500;    ///< us; so measured, the manual says 1000
+    double clock_error = 0.0;             ///< of the drive's oscillator: 50e-6 runs fast by 50 ppm
+  };
+  using Frames = std::vector<CanFrame>;
+
+  explicit CanDriveEmulator(const Settings& settings);
+  CanDriveEmulator() : CanDriveEmulator(Settings{}) {}
+
+  /// The supply comes on, or on again: counts start at 0, the configuration is lost. Sends boot-up.
+  Frames power_on(std::int64_t now);
+  /// A frame on the bus; returns the answers. Frames for others are ignored.
+  Frames on_frame(std::int64_t now, const CanFrame& frame);
+  /// Everything that is due up to `now`: TPDOs, heartbeat.
+  Frames tick(std::int64_t now);
+  /// When tick() has something next, us; empty while nothing is timed.
+  [[nodiscard]] std::optional<std::int64_t> next_due() const;
+
+  /// The encoders, as the drive counts them (raw: the right wheel is mounted mirrored). Wrap as int32.
+  void set_counts(std::int32_t left, std::int32_t right);
+  /// 0.1 rpm, raw.
+  void set_speeds(std::int16_t left, std::int16_t right);
+  /// Is somebody driving? Status word 0x27 (operation enabled), else 0x21 (ready).
+  void set_enabled(bool enabled);
+  /// A fault (603F bits) on a wheel, 0 clears: sends EMCY.
+  Frames set_faults(std::uint16_t left, std::uint16_t right);
+
+  [[nodiscard]] canopen::NmtState state() const { return state_; }
+
+ private:
+  struct Entry {
+    std::uint8_t size;  // bytes
+    bool writable;
+    std::uint32_t value;
+  };
+  struct Pdo {
+    std::uint32_t id;
+    std::uint16_t communication;  // index of its parameters: 1800, 1801
+    std::int64_t last_sent = 0;
+    std::vector<std::uint8_t> last_data;
+  };
+
+  void load_defaults();
+  CanFrame answer_sdo(const CanFrame& request);
+  void enter(canopen::NmtState state, std::int64_t now);
+  [[nodiscard]] CanFrame heartbeat(canopen::NmtState state) const;
+  [[nodiscard]] CanFrame emergency() const;
+  [[nodiscard]] std::vector<std::uint8_t> pdo_data(const Pdo& pdo) const;
+  [[nodiscard]] std::optional<std::int64_t> due(const Pdo& pdo) const;
+  [[nodiscard]] std::optional<std::int64_t> heartbeat_due() const;
+  [[nodiscard]] std::uint32_t value(std::uint16_t index, std::uint8_t sub) const;
+  void set(std::uint16_t index, std::uint8_t sub, std::uint32_t value);
+  [[nodiscard]] std::int64_t device_time(double us) const;
+  void update_status();
+
+  Settings settings_;
+  canopen::NmtState state_ = canopen::NmtState::kStopped;
+  bool powered_ = false;
+  bool enabled_ = false;
+  std::map<canopen::Object, Entry> dictionary_;
+  std::vector<Pdo> pdos_;
+  std::int64_t last_heartbeat_ = 0;
+};
+
+}  // namespace curbstone

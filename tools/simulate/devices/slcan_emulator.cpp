@@ -1,0 +1,60 @@
+#include "tools/simulate/devices/slcan_emulator.hpp"
+
+#include "drivers/encoder/slcan.hpp"
+
+namespace curbstone {
+
+namespace {
+constexpr std::uint8_t kOk = '\r';
+constexpr std::uint8_t kRefused = 0x07;
+constexpr std::size_t kMaxLine = 64;
+}  // namespace
+
+SlcanEmulator::Result SlcanEmulator::on_bytes(std::span<const std::uint8_t> bytes) {
+  Result result;
+  for (const std::uint8_t byte : bytes) {
+    if (byte == '\r') {
+      on_line(result);
+      line_.clear();
+    } else if (line_.size() < kMaxLine) {
+      line_.push_back(static_cast<char>(byte));
+    }
+  }
+  return result;
+}
+
+void SlcanEmulator::on_line(Result& result) {
+  const auto answer = [&](bool accepted) { result.to_host.push_back(accepted ? kOk : kRefused); };
+  if (line_.empty()) return answer(true);
+  switch (line_[0]) {
+    case 'S':
+      has_speed_ = has_speed_ || !open_;
+      return answer(!open_ && line_.size() == 2 && line_[1] >= '0' && line_[1] <= '8');
+    case 'O':
+      if (!has_speed_ || open_) return answer(false);
+      open_ = true;
+      return answer(true);
+    case 'C':
+      answer(open_);
+      open_ = false;
+      return;
+    case 't':
+    case 'T':
+    case 'r':
+    case 'R': {
+      const auto frame = parse_slcan_frame(line_);
+      if (!open_ || !frame) return answer(false);
+      result.to_bus.push_back(*frame);
+      result.to_host.push_back(frame->extended ? 'Z' : 'z');
+      return answer(true);
+    }
+    default:
+      return answer(false);
+  }
+}
+
+std::vector<std::uint8_t> SlcanEmulator::on_frame(const CanFrame& frame) const {
+  return open_ ? encode_slcan(frame) : std::vector<std::uint8_t>{};
+}
+
+}  // namespace curbstone
