@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "common/version.hpp"
+#include "tools/evaluate/evaluate.hpp"
 #include "tools/replay/replay.hpp"
 
 namespace {
@@ -17,6 +18,7 @@ struct Subcommand {
 
 constexpr std::array kSubcommands = {
     Subcommand{"replay", curbstone::run_replay, "make a map from a log, as fast as the machine can"},
+    Subcommand{"evaluate", curbstone::run_evaluate, "compare a map with the truth"},
 };
 
 int usage(std::FILE* out) {

@@ -1,0 +1,77 @@
+#include "tools/evaluate/evaluation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace curbstone {
+namespace {
+
+/// The map is the truth turned by 90 degrees and moved: evaluation has to undo that.
+struct Scene {
+  Pose T_truth_map = Pose::Identity();
+  Trajectory trajectory;
+  Truth truth;
+  std::vector<MapTile> tiles;
+
+  Scene() {
+    T_truth_map.linear() = rotation_from_rpy(0, 0, 1.5707963267948966);
+    T_truth_map.translation() = Eigen::Vector3d(30, 15, 0);
+    for (int i = 0; i < 200; ++i) {
+      Pose p = Pose::Identity();
+      p.translation().x() = 0.1 * i;
+      trajectory.push_back({1'000'000 + 50'000 * i, p});
+      truth.poses.push_back({1'000'000 + 50'000 * i, T_truth_map * p});
+    }
+    MapTile tile;  // x 0..3, y 0..3: road, with a curb along its row 12
+    tile.cell_class.fill(CellClass::kRoad);
+    tile.height.fill(0);
+    for (int c = 0; c < kCellsPerTile; ++c)
+      tile.cell_class[static_cast<std::size_t>(12 * kCellsPerTile + c)] = CellClass::kCurb;
+    tiles.push_back(tile);
+    for (int i = 0; i <= 60; ++i) {
+      const Eigen::Vector3d p = T_truth_map * Eigen::Vector3d(0.05 * i, 12.5 * kCellSize, 0);
+      truth.curbs.push_back({0, p.x(), p.y(), 0, 0.1, false});
+    }
+    truth.classes.width = truth.classes.height = 500;
+    truth.classes.pixels.assign(500 * 500, 1);
+  }
+};
+
+TEST(Evaluation, LaysTheMapOnTheTruthByTheTrajectories) {
+  const Scene scene;
+  const Evaluation e = evaluate(scene.tiles, {}, scene.trajectory, scene.truth, 8);
+  EXPECT_TRUE(e.T_truth_map.isApprox(scene.T_truth_map, 1e-9));
+  ASSERT_TRUE(e.curbs);
+  EXPECT_EQ(e.curbs->at[0].precision, 1.0);
+  EXPECT_EQ(e.curbs->at[0].recall, 1.0);
+  ASSERT_TRUE(e.classes);
+  EXPECT_EQ(e.classes->count[1][1], 600);
+  EXPECT_EQ(e.classes->count[1][2], 25);
+  EXPECT_NEAR(e.classes->accuracy(), 600.0 / 625.0, 1e-12);
+}
+
+TEST(Evaluation, RefusesAnotherDrivesTruth) {
+  Scene scene;
+  for (auto& pose : scene.trajectory) pose.utime += 1'000'000'000;
+  EXPECT_THROW((void)evaluate(scene.tiles, {}, scene.trajectory, scene.truth, 8), std::runtime_error);
+}
+
+TEST(Evaluation, JsonHasTheAgreedKeysAndNullForTheUnknown) {
+  Scene scene;
+  const auto json = nlohmann::json::parse(to_json(evaluate(scene.tiles, {}, scene.trajectory, scene.truth, 8)));
+  for (const char* tolerance : {"0.12", "0.15", "0.24"}) {
+    for (const char* key : {"precision", "recall", "f1"})
+      EXPECT_TRUE(json.at("curb").at(tolerance).at(key).is_number());
+  }
+  EXPECT_TRUE(json.at("lateral_cm").at("median").is_number());
+  EXPECT_EQ(json.at("classes").at("confusion").size(), 5U);
+  EXPECT_TRUE(json.at("trajectory").at("ate_m").is_number());
+  EXPECT_TRUE(json.at("dropped").is_null());
+  scene.truth.curbs.clear();
+  EXPECT_TRUE(
+      nlohmann::json::parse(to_json(evaluate(scene.tiles, {}, scene.trajectory, scene.truth, 8))).at("curb").is_null());
+}
+
+}  // namespace
+}  // namespace curbstone

@@ -1,0 +1,55 @@
+#include "tools/evaluate/run_log.hpp"
+
+#include <gtest/gtest.h>
+
+#include <curbstone/lidar_points_t.hpp>
+#include <curbstone/semantic_tile_t.hpp>
+#include <curbstone/service_status_t.hpp>
+
+#include "tools/log/log_writer.hpp"
+
+namespace curbstone {
+namespace {
+
+template <class Message>
+void write(LogWriter& log, const std::string& channel, const Message& message, std::int64_t log_utime) {
+  std::vector<std::uint8_t> bytes(1 << 14);
+  const int size = message.encode(bytes.data(), 0, 1 << 14);
+  log.write(channel, bytes.data(), size, log_utime);
+}
+
+service_status_t status(const std::string& service, std::int64_t uptime, std::int64_t cpu, std::int64_t dropped) {
+  service_status_t s{};
+  s.service = service;
+  s.uptime = uptime;
+  s.cpu_time = cpu;
+  s.num_counters = 1;
+  s.counter_name = {"dropped.queue"};
+  s.counter_value = {dropped};
+  return s;
+}
+
+TEST(RunLog, SumsLossesLatencyAndCores) {
+  const std::string file = ::testing::TempDir() + "run.lcmlog";
+  {
+    LogWriter log(file);
+    lidar_points_t lidar{};
+    semantic_tile_t tile{};
+    write(log, "SERVICE_STATUS", status("mapper", 0, 0, 0), 1);
+    write(log, "LIDAR_POINTS", lidar, 1'000'000);
+    tile.utime = 950'000;
+    write(log, "SEMANTIC_TILE", tile, 1'000'000);
+    write(log, "SERVICE_STATUS", status("mapper", 1'000'000, 250'000, 3), 1'000'000);
+    write(log, "SEMANTIC_TILE", tile, 9'000'000);  // after the drive: no latency of driving
+    write(log, "SERVICE_STATUS", status("mapper", 9'000'000, 250'000, 4), 9'000'000);
+  }
+  const RunFigures run = read_run_log(file);
+  EXPECT_EQ(run.lost_messages, 4);
+  EXPECT_EQ(run.lost_packets, 0);
+  EXPECT_EQ(run.tiles, 1);
+  EXPECT_NEAR(run.latency_p95_ms, 50, 1e-9);
+  EXPECT_NEAR(run.cores.at("mapper"), 0.25, 1e-9);
+}
+
+}  // namespace
+}  // namespace curbstone

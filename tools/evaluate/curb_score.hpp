@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "tools/evaluate/truth.hpp"
+
+namespace curbstone {
+
+/// A place in the plane of the truth, m.
+struct Place {
+  double x = 0;
+  double y = 0;
+};
+
+/// The true curbs as line segments, and how far a place is from them.
+class TrueCurbs {
+ public:
+  /// Points of one line that follow each other within 0.5 m are joined.
+  explicit TrueCurbs(const std::vector<TrueCurbPoint>& points);
+
+  struct Nearest {
+    double distance = 1e9;  ///< m, to the nearest curb that counts
+    double dropped = 1e9;   ///< m, to the nearest lowered kerb
+  };
+  /// Exact within `reach`; beyond, distances stay 1e9.
+  [[nodiscard]] Nearest nearest(Place place, double reach) const;
+
+ private:
+  struct Segment {
+    Place a, b;
+    bool dropped;
+  };
+  std::vector<std::vector<Segment>> buckets_;
+  double min_x_ = 0, min_y_ = 0;
+  int columns_ = 0, rows_ = 0;
+};
+
+inline constexpr std::array kTolerances = {0.12, 0.15, 0.24};  ///< m
+
+struct Score {
+  double precision = 0;
+  double recall = 0;
+  [[nodiscard]] double f1() const { return precision + recall > 0 ? 2 * precision * recall / (precision + recall) : 0; }
+};
+
+struct CurbScore {
+  std::array<Score, kTolerances.size()> at;  ///< by tolerance
+  int detections = 0;                        ///< curb cells that count
+  int on_dropped = 0;                        ///< curb cells at lowered kerbs: neither right nor wrong
+  int true_points = 0;                       ///< that count; lowered kerbs do not
+  double recall_of_seen = 0;     ///< at the widest tolerance, of the true points where the map is not unknown
+  double lateral_median_cm = 0;  ///< distance of the curb lines' foot from the true one, of those within 0.5 m
+  double lateral_p95_cm = 0;
+};
+
+/// What a map says of curbs, in the truth's frame.
+struct CurbMap {
+  std::vector<Place> cells;  ///< centres of the cells of class curb
+  std::vector<Place> feet;   ///< points of the curb lines
+  std::vector<Place> seen;   ///< centres of all cells that are not unknown
+};
+
+/// Precision: the share of curb cells whose centre is within the tolerance of a true curb. Recall: the share of true
+/// curb points that have the centre of a curb cell within the tolerance; also those that nobody could see. Both only
+/// within `radius` m of `path`.
+[[nodiscard]] CurbScore score_curbs(const CurbMap& map, const std::vector<TrueCurbPoint>& truth,
+                                    const std::vector<Place>& path, double radius);
+
+}  // namespace curbstone

@@ -1,0 +1,55 @@
+#include "tools/evaluate/evaluate.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <stdexcept>
+
+#include "services/semantic_map/map_store.hpp"
+#include "tools/evaluate/evaluation.hpp"
+
+namespace curbstone {
+
+namespace {
+
+void write_file(const std::string& file, const std::string& text) {
+  std::ofstream out(file);
+  if (!(out << text) || !out.flush()) throw std::runtime_error(fmt::format("{}: cannot be written", file));
+}
+
+}  // namespace
+
+int run_evaluate(int argc, char** argv) {
+  std::string map_file;
+  std::string truth_folder;
+  std::string log_file;
+  std::string json_file;
+  double radius = 8.0;
+  CLI::App app{"Compares a map with the truth that `curbstone simulate` wrote"};
+  app.name("curbstone evaluate");
+  app.add_option("--map", map_file, "The map")->required();
+  app.add_option("--truth", truth_folder, "Truth folder: truth.json, poses.csv, classes.png, curbs.csv")->required();
+  app.add_option("--log", log_file, "Recording of the run: adds losses, latency and CPU");
+  app.add_option("--radius", radius, "Curbs count within this many m of the path")
+      ->check(CLI::Range(0.5, 100.0))
+      ->capture_default_str();
+  app.add_option("--json", json_file, "Write the figures here, for programs");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+
+  const Truth truth = load_truth(truth_folder);
+  const MapReader map(map_file);
+  Trajectory trajectory;
+  for (const TrajectoryPose& pose : map.trajectory()) trajectory.push_back({pose.utime, pose.T_map_base});
+  Evaluation evaluation = evaluate(map.tiles(), map.curbs(), trajectory, truth, radius);
+  if (!log_file.empty()) evaluation.run = read_run_log(log_file);
+  fmt::print("{}", to_table(evaluation));
+  if (!json_file.empty()) write_file(json_file, to_json(evaluation));
+  return 0;
+}
+
+}  // namespace curbstone

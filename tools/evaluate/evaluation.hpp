@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/semantic_map/map_types.hpp"
+#include "tools/evaluate/curb_score.hpp"
+#include "tools/evaluate/run_log.hpp"
+#include "tools/evaluate/trajectory.hpp"
+#include "tools/evaluate/truth.hpp"
+
+namespace curbstone {
+
+/// How often the map says one class (column) where the truth is another (row); only cells that both know.
+struct Confusion {
+  std::array<std::array<std::int64_t, kNumClasses>, kNumClasses> count{};
+  [[nodiscard]] std::int64_t total() const;
+  [[nodiscard]] double accuracy() const;  ///< 0 when empty
+};
+
+struct Evaluation {
+  TrajectoryErrors trajectory;
+  Pose T_truth_map = Pose::Identity();  ///< what laid the map onto the truth: the alignment of the trajectories
+  std::optional<CurbScore> curbs;       ///< without true curbs: nothing
+  std::optional<Confusion> classes;     ///< without a true class image: nothing
+  std::optional<RunFigures> run;        ///< without a recording: nothing
+};
+
+/// Compares a map with the truth. The map is laid on the truth by the rigid alignment of the two trajectories. Curbs
+/// count within `radius` m of the driven path. Throws std::runtime_error when the trajectories share no time.
+[[nodiscard]] Evaluation evaluate(const std::vector<MapTile>& tiles, const std::vector<CurbLine>& curbs,
+                                  const Trajectory& trajectory, const Truth& truth, double radius);
+
+/// As a table for people.
+[[nodiscard]] std::string to_table(const Evaluation& evaluation);
+/// For programs: {"curb": {"0.12": {...}, ...}, "lateral_cm", "classes", "trajectory", "dropped", "latency_ms",
+/// "cores"}; what is not known is null.
+[[nodiscard]] std::string to_json(const Evaluation& evaluation);
+
+}  // namespace curbstone

@@ -1,0 +1,99 @@
+#include "tools/evaluate/run_log.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <curbstone/service_status_t.hpp>
+#include <vector>
+
+#include "tools/log/log_reader.hpp"
+#include "tools/log/message_order.hpp"
+
+namespace curbstone {
+
+namespace {
+
+bool is_driver(const std::string& service) {
+  return service == "rslidar" || service == "imu" || service == "encoder";
+}
+
+bool is_loss(const std::string& counter) {
+  return counter.starts_with("dropped.") || counter.starts_with("lost.") || counter.starts_with("refused.");
+}
+
+/// The statuses of one process, first and last: a respawned one counts anew.
+struct ProcessSpan {
+  service_status_t first;
+  service_status_t last;
+};
+
+bool decode_status(const LogEvent& event, service_status_t& status) {
+  try {
+    return status.decode(event.bytes.data(), 0, static_cast<int>(event.bytes.size())) >= 0;
+  } catch (const std::exception&) {
+    return false;  // lcm-gen 1.3.1 throws on a negative array length
+  }
+}
+
+double percentile(std::vector<double>& values, double q) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+}  // namespace
+
+RunFigures read_run_log(const std::string& file) {
+  LogReader reader(file);
+  std::map<std::pair<std::string, int>, ProcessSpan> processes;
+  struct Sent {
+    std::int64_t log_utime;
+    double latency_ms;
+  };
+  std::vector<Sent> tiles;
+  std::int64_t lidar_end = 0;
+  while (const auto event = reader.next()) {
+    if (event->channel == "LIDAR_POINTS") {
+      lidar_end = event->log_utime;
+    } else if (event->channel == "SEMANTIC_TILE") {
+      tiles.push_back({event->log_utime, 1e-3 * static_cast<double>(event->log_utime - message_time(*event))});
+    } else if (event->channel == "SERVICE_STATUS") {
+      service_status_t status;
+      if (!decode_status(*event, status)) continue;
+      const auto [it, is_new] = processes.try_emplace({status.service, status.pid});
+      if (is_new) it->second.first = status;
+      // Work after the drive is not the cost of driving; losses count to the end.
+      const bool driving = lidar_end == 0 || event->log_utime - lidar_end < 1'500'000;
+      if (driving) {
+        it->second.last = status;
+      } else {
+        it->second.last.counter_name = status.counter_name;
+        it->second.last.counter_value = status.counter_value;
+      }
+    }
+  }
+
+  RunFigures figures;
+  for (const auto& [id, span] : processes) {
+    const std::string& service = id.first;
+    const auto uptime = static_cast<double>(span.last.uptime - span.first.uptime);
+    if (uptime > 0) figures.cores[service] = static_cast<double>(span.last.cpu_time - span.first.cpu_time) / uptime;
+    for (std::size_t i = 0; i < span.last.counter_name.size(); ++i) {
+      const std::string& name = span.last.counter_name[i];
+      const std::int64_t value = span.last.counter_value[i];
+      if (!is_loss(name) || value == 0) continue;
+      figures.losses[service + " " + name] += value;
+      const bool on_the_bus = name == "dropped.queue" || name == "dropped.kernel" || !is_driver(service);
+      (on_the_bus ? figures.lost_messages : figures.lost_packets) += value;
+    }
+  }
+  std::vector<double> latencies;
+  for (const Sent& tile : tiles) {
+    if (tile.log_utime <= lidar_end) latencies.push_back(tile.latency_ms);
+  }
+  figures.tiles = static_cast<int>(latencies.size());
+  figures.latency_p50_ms = percentile(latencies, 0.5);
+  figures.latency_p95_ms = percentile(latencies, 0.95);
+  return figures;
+}
+
+}  // namespace curbstone
