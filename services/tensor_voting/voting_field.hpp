@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <set>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "common/tile.hpp"
+#include "services/tensor_voting/tensor.hpp"
+#include "services/tensor_voting/vote_kernel.hpp"
+#include "services/tensor_voting/voting_parameters.hpp"
+
+namespace curbstone {
+
+/// The ball votes of a growing map of tiles, kept exactly up to date: a new point costs its own pairs and no others,
+/// and every pair is computed once for both its ends. After any sequence of add() and remove(), every sum has the bits
+/// that batch voting of the points now present gives, whatever the order between tiles was.
+///
+/// Which points vote is decided inside each tile by the order of its own points: the first one in a voxel votes. Points
+/// that are thinned out take the tensor of their voxel's voter. One thread at a time.
+class VotingField {
+ public:
+  /// Throws std::invalid_argument: besides validate(), `voxel` must be a whole number of kPositionStep and divide a
+  /// tile, and `radius` must not exceed a tile.
+  explicit VotingField(const VotingParameters& parameters);
+  ~VotingField();
+  VotingField(VotingField&&) noexcept;
+  VotingField& operator=(VotingField&&) noexcept;
+
+  [[nodiscard]] const VotingParameters& parameters() const { return parameters_; }
+
+  /// Appends points to a tile. `z_origin` is the height of its z = 0 in steps of kPositionStep; it holds from the
+  /// tile's first points on. x and y of points must lie in 0 .. kStepsPerTile - 1.
+  void add(TileKey key, std::int32_t z_origin, std::span<const TilePoint> points);
+  /// Takes a tile out, and its votes out of the tiles around it.
+  void remove(TileKey key);
+  void clear();
+
+  [[nodiscard]] bool contains(TileKey key) const { return tiles_.contains(key); }
+  [[nodiscard]] std::size_t num_points(TileKey key) const;
+  [[nodiscard]] std::size_t num_voters(TileKey key) const;
+  /// Votes received by all voters of a tile. Grows whenever add() changes a tensor of the tile, and depends on nothing
+  /// but the points present: a version number of the tile's tensors.
+  [[nodiscard]] std::int64_t num_votes(TileKey key) const;
+  /// The voter whose tensor each point of a tile takes, in the order of the points.
+  [[nodiscard]] std::span<const std::uint32_t> voters_of_points(TileKey key) const;
+  /// What each voter of a tile has received.
+  [[nodiscard]] std::vector<VoteSums> sums(TileKey key) const;
+
+  /// The tiles whose points or tensors changed since the last call, in order of their keys.
+  [[nodiscard]] std::vector<TileKey> take_changed();
+
+  [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
+  /// Pair votes computed so far, pairs out of reach not counted.
+  [[nodiscard]] std::int64_t num_pairs() const { return num_pairs_; }
+
+ private:
+  struct Tile;
+  struct Neighbourhood;
+  struct Voter;
+
+  struct Place;
+
+  [[nodiscard]] Neighbourhood around(TileKey key) const;
+  /// Votes between one voter and all others within its reach, both ways. Returns their number.
+  std::int64_t exchange(Neighbourhood& around, const Place& place, float sign, bool with_own_tile, VoteSums& sums);
+  [[nodiscard]] std::uint64_t voxel_of(const Place& place) const;
+  [[nodiscard]] static Place place_of(TileKey key, const Tile& tile, const Voter& voter);
+  void note_changes(const Neighbourhood& around);
+
+  VotingParameters parameters_;
+  VoteKernel kernel_;
+  Decay decay_;
+  int voxel_ = 0;           // steps; 0: no thinning
+  int radius_ = 0;          // steps, rounded up
+  int cell_ = 0;            // steps: edge of a cell; a whole number of them makes a tile
+  int cells_per_tile_ = 0;  // along one side
+  int reach_ = 0;           // cells
+  std::unordered_map<TileKey, std::unique_ptr<Tile>, TileKeyHash> tiles_;
+  std::set<TileKey> changed_;
+  std::int64_t num_pairs_ = 0;
+};
+
+}  // namespace curbstone
