@@ -7,6 +7,7 @@
 #include "common/version.hpp"
 #include "tools/evaluate/evaluate.hpp"
 #include "tools/replay/replay.hpp"
+#include "tools/simulate/simulate.hpp"
 
 namespace {
 
@@ -17,6 +18,7 @@ struct Subcommand {
 };
 
 constexpr std::array kSubcommands = {
+    Subcommand{"simulate", curbstone::run_simulate, "an emulated vehicle: sensor bytes or a log, and the truth"},
     Subcommand{"replay", curbstone::run_replay, "make a map from a log, as fast as the machine can"},
     Subcommand{"evaluate", curbstone::run_evaluate, "compare a map with the truth"},
 };

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+
+#include "common/geometry.hpp"
+
+namespace curbstone {
+
+/// Where the vehicle truly is at any time: the source of everything that its sensors say. Twice differentiable.
+/// Immutable; safe from any thread.
+class Motion {
+ public:
+  virtual ~Motion() = default;
+  /// `t` in s since the drive began.
+  [[nodiscard]] virtual Pose T_world_base(double t) const = 0;
+};
+
+/// What an ideal IMU, rigidly mounted, would measure.
+struct Inertia {
+  Eigen::Vector3d specific_force;  ///< m/s^2, imu frame: +g on the up axis at rest
+  Eigen::Vector3d angular_rate;    ///< rad/s, imu frame
+};
+[[nodiscard]] Inertia inertia_at(const Motion& motion, const Pose& T_base_imu, double t);
+
+/// Signed way of a point of the vehicle along the vehicle's heading from t0 to t1, m: what a wheel there rolls.
+[[nodiscard]] double rolled_distance(const Motion& motion, const Eigen::Vector3d& point_base, double t0, double t1);
+
+inline constexpr double kGravity = 9.80665;  ///< m/s^2
+
+}  // namespace curbstone

@@ -1,0 +1,47 @@
+#include "tools/simulate/motion/speed_profile.hpp"
+
+#include <algorithm>
+
+namespace curbstone {
+
+SpeedProfile::SpeedProfile(const Options& options, double seconds) : cruise_(options.speed) {
+  const double ramp = std::max(0.5, 1.5 * options.speed / options.acceleration);  // the ramp's peak is 1.5 of its mean
+  ramps_.push_back({-1e9, 1.0, 0.0, 0.0, 0.0});
+  double t = options.standstill, distance = 0;
+  while (t < seconds + 60.0) {
+    ramps_.push_back({t, ramp, 0.0, options.speed, distance});
+    distance += options.speed * (options.drive - 0.5 * ramp);
+    t += options.drive;
+    ramps_.push_back({t, ramp, options.speed, 0.0, distance});
+    distance += options.speed * 0.5 * ramp;
+    t += ramp + options.stop;
+  }
+}
+
+const SpeedProfile::Ramp& SpeedProfile::ramp_at(double t) const {
+  const auto after =
+      std::upper_bound(ramps_.begin(), ramps_.end(), t, [](double v, const Ramp& r) { return v < r.start; });
+  return after == ramps_.begin() ? ramps_.front() : *(after - 1);
+}
+
+double SpeedProfile::distance(double t) const {
+  const Ramp& r = ramp_at(t);
+  const double f = std::clamp((t - r.start) / r.duration, 0.0, 1.0);
+  const double eased = f * f * f * (1.0 - 0.5 * f);  // integral of 3 f^2 - 2 f^3
+  const double beyond = std::max(0.0, t - r.start - r.duration);
+  return r.distance + r.duration * (r.v0 * f + (r.v1 - r.v0) * eased) + r.v1 * beyond;
+}
+
+double SpeedProfile::speed(double t) const {
+  const Ramp& r = ramp_at(t);
+  const double f = std::clamp((t - r.start) / r.duration, 0.0, 1.0);
+  return r.v0 + (r.v1 - r.v0) * f * f * (3.0 - 2.0 * f);
+}
+
+double SpeedProfile::acceleration(double t) const {
+  const Ramp& r = ramp_at(t);
+  const double f = std::clamp((t - r.start) / r.duration, 0.0, 1.0);
+  return (r.v1 - r.v0) * 6.0 * f * (1.0 - f) / r.duration;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+namespace curbstone {
+
+/// Speed over time made of smooth ramps: starts at rest, drives, stops in between, drives on. The acceleration is
+/// continuous.
+class SpeedProfile {
+ public:
+  struct Options {
+    double speed = 3.0;         ///< m/s
+    double standstill = 4.0;    ///< s at the start, for the levelling of the IMU
+    double acceleration = 0.9;  ///< m/s^2, at most
+    double drive = 26.0;        ///< s from one start to the next braking
+    double stop = 2.5;          ///< s that a stop in between lasts
+  };
+  SpeedProfile(const Options& options, double seconds);
+
+  [[nodiscard]] double distance(double t) const;           ///< m
+  [[nodiscard]] double speed(double t) const;              ///< m/s
+  [[nodiscard]] double acceleration(double t) const;       ///< m/s^2
+  [[nodiscard]] double cruise() const { return cruise_; }  ///< m/s
+
+ private:
+  struct Ramp {  // from v0 to v1 within `duration`, then v1 until the next
+    double start, duration, v0, v1, distance;
+  };
+  [[nodiscard]] const Ramp& ramp_at(double t) const;
+  std::vector<Ramp> ramps_;
+  double cruise_;
+};
+
+}  // namespace curbstone

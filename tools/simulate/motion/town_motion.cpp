@@ -1,0 +1,82 @@
+#include "tools/simulate/motion/town_motion.hpp"
+
+#include <cmath>
+
+namespace curbstone {
+
+namespace {
+
+constexpr double kWayStep = 0.125;
+constexpr double kNodPerAcceleration = 0.006;   // rad per m/s^2: the nose rises when it accelerates
+constexpr double kLeanPerAcceleration = 0.005;  // rad per m/s^2: it leans out of bends
+
+double speed_of(const Spline<Eigen::Matrix<double, 5, 1>>& path, double u) {
+  return path.derivative(u).head<2>().norm();
+}
+
+/// Simpson's rule over one step of the way table, or a part of it.
+double way_between(const Spline<Eigen::Matrix<double, 5, 1>>& path, double a, double b) {
+  return (b - a) / 6.0 * (speed_of(path, a) + 4.0 * speed_of(path, 0.5 * (a + b)) + speed_of(path, b));
+}
+
+}  // namespace
+
+TownMotion::TownMotion(const Town& town, const VehicleConfig& vehicle, const SpeedProfile& profile)
+    : profile_(profile) {
+  const Street& loop = town.streets.front();
+  const Ground& ground = town.scene->ground();
+  const auto n = static_cast<int>(loop.length());
+  const auto lane = [&](int i) {
+    const Street::Sample at = loop.at(loop.length() * i / n);
+    return Eigen::Vector2d(at.point + town.options.lane_offset * at.normal());
+  };
+  const auto height = [&](const Eigen::Vector2d& p) {
+    return static_cast<double>(ground.height_at(static_cast<float>(p.x()), static_cast<float>(p.y())));
+  };
+  std::vector<State> states;
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Vector2d p = lane(i), before = lane(i - 1), after = lane(i + 1);
+    const Eigen::Vector2d along = (after - before).normalized(), left(-along.y(), along.x());
+    const double half_track = 0.5 * vehicle.track_width, half_base = 0.4 * vehicle.length;
+    const double zl = height(p + half_track * left), zr = height(p - half_track * left);
+    const double zf = height(p + half_base * along), zb = height(p - half_base * along);
+    const Eigen::Vector2d bend = (after - 2.0 * p + before) / std::pow(0.5 * (after - before).norm(), 2);
+    const double sideways = profile.cruise() * profile.cruise() * left.dot(bend);  // m/s^2, to the left
+    State state;
+    state << p, 0.5 * (zl + zr), std::atan2(zl - zr, 2.0 * half_track) + kLeanPerAcceleration * sideways,
+        -std::atan2(zf - zb, 2.0 * half_base);
+    states.push_back(state);
+  }
+  path_ = Spline<State>(states, true);
+  way_ = {0.0};
+  for (double u = 0; u + 0.5 * kWayStep < path_.length(); u += kWayStep)
+    way_.push_back(way_.back() + way_between(path_, u, u + kWayStep));
+}
+
+double TownMotion::parameter_at(double s) const {
+  const double around = way_.back(), rounds = std::floor(s / around);
+  const double rest = s - rounds * around;
+  const auto after = std::upper_bound(way_.begin(), way_.end(), rest);
+  const auto i = std::min(static_cast<std::size_t>(after - way_.begin()), way_.size() - 1) - 1;
+  const double from = static_cast<double>(i) * kWayStep;
+  double u = from + kWayStep * (rest - way_[i]) / (way_[i + 1] - way_[i]);
+  for (int k = 0; k < 3; ++k) u -= (way_[i] + way_between(path_, from, u) - rest) / speed_of(path_, u);
+  return rounds * path_.length() + u;
+}
+
+Pose TownMotion::T_world_base(double t) const {
+  const double u = parameter_at(profile_.distance(t));
+  const State state = path_.at(u);
+  const State along = path_.derivative(u);
+  const double v = profile_.speed(t) / 3.0;
+  const double bounce = 1.2e-3 * v * std::sin(2.1 * 6.2832 * t);
+  const double rock = 1.5e-3 * v * std::sin(1.3 * 6.2832 * t + 1.0) + 0.5e-3 * v * std::sin(4.7 * 6.2832 * t);
+  const double nod = 1.8e-3 * v * std::sin(1.7 * 6.2832 * t + 2.0) + 0.5e-3 * v * std::sin(5.9 * 6.2832 * t);
+  Pose T = Pose::Identity();
+  T.translation() = Eigen::Vector3d(state[0], state[1], state[2] + bounce);
+  T.linear() = rotation_from_rpy(state[3] + rock, state[4] - kNodPerAcceleration * profile_.acceleration(t) + nod,
+                                 std::atan2(along[1], along[0]));
+  return T;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/vehicle.hpp"
+#include "tools/simulate/motion/motion.hpp"
+#include "tools/simulate/motion/speed_profile.hpp"
+#include "tools/simulate/spline.hpp"
+#include "tools/simulate/world/town.hpp"
+
+namespace curbstone {
+
+/// Round the block in the right-hand lane: on the ground with all wheels, leaning with slopes and camber, nodding with
+/// its suspension when it accelerates, and shaking a little while it rolls.
+class TownMotion final : public Motion {
+ public:
+  TownMotion(const Town& town, const VehicleConfig& vehicle, const SpeedProfile& profile);
+  [[nodiscard]] Pose T_world_base(double t) const override;
+  [[nodiscard]] const SpeedProfile& profile() const { return profile_; }
+
+ private:
+  using State = Eigen::Matrix<double, 5, 1>;  // x y z, roll pitch of the ground under the vehicle
+  [[nodiscard]] double parameter_at(double s) const;
+
+  Spline<State> path_;
+  SpeedProfile profile_;
+  std::vector<double> way_;  // m from the start to each place kWayStep apart in the spline's parameter
+};
+
+}  // namespace curbstone

@@ -1,0 +1,66 @@
+#include "tools/simulate/sensors/lidar_model.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "tools/simulate/random.hpp"
+
+namespace curbstone {
+
+namespace {
+
+Rs16EmulatorConfig emulator_config(double rpm) {
+  Rs16EmulatorConfig config;
+  config.rpm = rpm;
+  return config;
+}
+
+}  // namespace
+
+LidarModel::LidarModel(const Options& options, const VehicleConfig& vehicle, const Motion& motion,
+                       Surroundings& surroundings)
+    : options_(options),
+      T_base_lidar_(vehicle.T_base_lidar()),
+      motion_(motion),
+      surroundings_(surroundings),
+      emulator_(emulator_config(options.rpm)) {}
+
+LidarModel::Packet LidarModel::next() {
+  Packet packet;
+  packet.t = static_cast<double>(sequence_) * kSequencePeriod;
+  packet.t_last = packet.t + kPacketPeriod - kSequencePeriod + (kLasers - 1) * kLaserPeriod;
+  // Within 1.3 ms a vehicle's motion is a straight line with a constant turn.
+  const Pose T_first = motion_.T_world_base(packet.t) * T_base_lidar_;
+  const Pose T_last = motion_.T_world_base(packet.t + kPacketPeriod) * T_base_lidar_;
+  const Eigen::Vector3d velocity = (T_last.translation() - T_first.translation()) / kPacketPeriod;
+  surroundings_.prepare(packet.t, T_first);
+
+  for (int k = 0; k < kSequencesPerPacket; ++k, ++sequence_) {
+    const double t = static_cast<double>(sequence_) * kSequencePeriod;
+    const double turns = static_cast<double>(sequence_) * emulator_.azimuth_step() / 360.0;
+    const double azimuth = 360.0 * (turns - std::floor(turns));
+    const Pose T = interpolate(T_first, T_last, (t - packet.t) / kPacketPeriod);
+    const auto rays = emulator_.rays(azimuth);
+    std::array<Rs16Shot, kLasers> shots;
+    for (int i = 0; i < kLasers; ++i) {
+      const Rs16Ray& ray = rays[static_cast<std::size_t>(i)];
+      Shot shot;
+      shot.t = t + ray.time_offset;
+      shot.laser = i;
+      shot.azimuth = std::atan2(-ray.origin.y(), ray.origin.x());
+      shot.origin_world = T * ray.origin + ray.time_offset * velocity;
+      shot.direction_world = T.linear() * ray.direction;
+      shot.noise = mix_bits(options_.seed ^ mix_bits(static_cast<std::uint64_t>(sequence_ * kLasers + i)));
+      shots[static_cast<std::size_t>(i)] = surroundings_.measure(shot);
+    }
+    const std::int64_t utime = options_.start_utime + std::llround(t * 1e6);
+    if (auto bytes = emulator_.add_sequence(utime, azimuth, shots)) packet.bytes = *bytes;
+  }
+  return packet;
+}
+
+Rs16Packet LidarModel::difop(double t) const {
+  return emulator_.difop(options_.start_utime + std::llround(t * 1e6), static_cast<int>(std::lround(options_.rpm)));
+}
+
+}  // namespace curbstone

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+
+#include "common/vehicle.hpp"
+#include "tools/simulate/devices/rs16_emulator.hpp"
+#include "tools/simulate/motion/motion.hpp"
+#include "tools/simulate/surroundings.hpp"
+
+namespace curbstone {
+
+/// Fires the lasers of an RS16 one by one from the moving vehicle and packs what comes back. Packets follow each other
+/// without a gap.
+class LidarModel {
+ public:
+  struct Options {
+    double rpm = 1200;
+    std::uint64_t seed = 1;
+    std::int64_t start_utime = 0;  ///< us, of t = 0
+  };
+  struct Packet {
+    double t = 0;       ///< s, of its first shot
+    double t_last = 0;  ///< s, of its last: when it can be sent
+    Rs16Packet bytes{};
+  };
+
+  LidarModel(const Options& options, const VehicleConfig& vehicle, const Motion& motion, Surroundings& surroundings);
+
+  /// The next packet; they start at t = 0.
+  Packet next();
+  [[nodiscard]] Rs16Packet difop(double t) const;
+
+ private:
+  Options options_;
+  Pose T_base_lidar_;
+  const Motion& motion_;
+  Surroundings& surroundings_;
+  Rs16Emulator emulator_;
+  std::int64_t sequence_ = 0;
+};
+
+}  // namespace curbstone

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "common/geometry.hpp"
+#include "tools/simulate/devices/rs16_emulator.hpp"
+#include "tools/simulate/world/town.hpp"
+
+namespace curbstone {
+
+/// One shot of one laser, as it really leaves the moving vehicle.
+struct Shot {
+  double t = 0;  ///< s since the drive began
+  int laser = 0;
+  double azimuth = 0;  ///< rad, clockwise from the lidar's x
+  Eigen::Vector3d origin_world;
+  Eigen::Vector3d direction_world;
+  std::uint64_t noise = 0;  ///< this shot's own random bits
+};
+
+/// What the lasers meet: a town, or what a recorded scan shows. One thread.
+class Surroundings {
+ public:
+  virtual ~Surroundings() = default;
+  /// Once for every packet, before its shots; T_world_lidar at its first.
+  virtual void prepare(double t, const Pose& T_world_lidar) = 0;
+  /// What the sensor reports: noise included, nothing if there is no echo.
+  [[nodiscard]] virtual Rs16Shot measure(const Shot& shot) = 0;
+};
+
+}  // namespace curbstone

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "tools/simulate/sensors/lidar_noise.hpp"
+#include "tools/simulate/surroundings.hpp"
+
+namespace curbstone {
+
+/// Casts the lasers' rays into a town, moving cars included.
+class TownSurroundings final : public Surroundings {
+ public:
+  TownSurroundings(const Town& town, const LidarNoise& noise) : town_(town), noise_(noise) {}
+
+  void prepare(double t, const Pose& T_world_lidar) override {
+    (void)T_world_lidar;
+    town_.place_cars(t, moving_);
+  }
+  [[nodiscard]] Rs16Shot measure(const Shot& shot) override {
+    constexpr float kReach = 150.0F;  // m
+    const Ray ray{shot.origin_world.cast<float>(), shot.direction_world.cast<float>()};
+    return noise_.report(town_.scene->cast(ray, kReach, moving_, shot.noise), shot.noise);
+  }
+
+ private:
+  const Town& town_;
+  LidarNoise noise_;
+  std::vector<Shape> moving_;
+};
+
+}  // namespace curbstone

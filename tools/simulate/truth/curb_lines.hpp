@@ -1,0 +1,23 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "tools/simulate/world/ground.hpp"
+
+namespace curbstone {
+
+/// A point on the foot of a curb.
+struct CurbPoint {
+  Eigen::Vector3d foot;  ///< m, world
+  double height = 0;     ///< m, of the curb
+  bool dropped = false;  ///< lowered for a driveway: less than 4 cm
+};
+
+/// Curbs lower than this are dropped kerbs: no step to speak of.
+inline constexpr double kDroppedBelow = 0.04;  // m
+
+/// The feet of all curbs of a ground, line by line, points `spacing` m apart: contours of its distance field.
+[[nodiscard]] std::vector<std::vector<CurbPoint>> trace_curbs(const Ground& ground, double spacing = 0.08);
+
+}  // namespace curbstone

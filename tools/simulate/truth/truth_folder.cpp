@@ -1,0 +1,93 @@
+#include "tools/simulate/truth/truth_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <system_error>
+
+#include "tools/simulate/truth/class_grid.hpp"
+#include "tools/simulate/truth/curb_lines.hpp"
+
+namespace curbstone {
+
+namespace {
+
+/// Writes a whole file or throws: nothing half-written stays behind.
+void write_file(const std::string& folder, const std::string& name, const std::string& text) {
+  const std::string file = folder + "/" + name;
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  out.close();
+  if (out) return;
+  std::error_code ignored;
+  std::filesystem::remove(file, ignored);
+  throw std::runtime_error(fmt::format("{}: cannot be written: is the disk full?", file));
+}
+
+nlohmann::ordered_json describe(const TruthInfo& info) {
+  return {{"start_utime", info.start_utime}, {"seed", info.seed}, {"source", info.source}, {"seconds", info.seconds}};
+}
+
+}  // namespace
+
+void prepare_truth_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  const std::string probe = folder + "/.writable";
+  std::ofstream out(probe);
+  if (error || !out) {
+    throw std::runtime_error(
+        fmt::format("truth folder {} cannot be written: {}", folder, error ? error.message() : "no permission"));
+  }
+  out.close();
+  std::filesystem::remove(probe, error);
+}
+
+void write_poses(const std::string& folder, const TruthInfo& info, const Motion& motion) {
+  constexpr int kRate = 100;  // Hz
+  std::string text = "utime,x,y,z,qw,qx,qy,qz\n";
+  for (int i = 0; i <= static_cast<int>(info.seconds * kRate); ++i) {
+    const double t = static_cast<double>(i) / kRate;
+    const Pose T = motion.T_world_base(t);
+    const Eigen::Quaterniond q(T.linear());
+    text +=
+        fmt::format("{},{:.5f},{:.5f},{:.5f},{:.8f},{:.8f},{:.8f},{:.8f}\n", info.start_utime + std::llround(t * 1e6),
+                    T.translation().x(), T.translation().y(), T.translation().z(), q.w(), q.x(), q.y(), q.z());
+  }
+  write_file(folder, "poses.csv", text);
+}
+
+void write_town_truth(const std::string& folder, const TruthInfo& info, const Town& town, double vehicle_height) {
+  const ClassGrid grid = make_class_grid(*town.scene, vehicle_height);
+  write_png(folder + "/classes.png", grid.image);
+
+  std::string text = "line,x,y,z,height,dropped\n";
+  int line = 0;
+  for (const auto& curb : trace_curbs(town.scene->ground())) {
+    for (const auto& point : curb) {
+      text += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{}\n", line, point.foot.x(), point.foot.y(), point.foot.z(),
+                          point.height, point.dropped ? 1 : 0);
+    }
+    ++line;
+  }
+  write_file(folder, "curbs.csv", text);
+
+  auto json = describe(info);
+  json["resolution_m"] = grid.resolution;
+  json["origin"] = {grid.x0, grid.y0};
+  json["width"] = grid.image.width;
+  json["height"] = grid.image.height;
+  write_file(folder, "truth.json", json.dump(2) + "\n");
+}
+
+void write_truth_info(const std::string& folder, const TruthInfo& info) {
+  auto json = describe(info);
+  json["classes"] = nullptr;
+  write_file(folder, "truth.json", json.dump(2) + "\n");
+}
+
+}  // namespace curbstone

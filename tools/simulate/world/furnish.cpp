@@ -1,0 +1,197 @@
+#include "tools/simulate/world/furnish.hpp"
+
+#include <cmath>
+
+#include "tools/simulate/world/town.hpp"
+
+namespace curbstone {
+
+namespace {
+
+constexpr double kDrivewayHalf = 1.7;
+
+/// Puts things beside a street, and refuses what would stand in the way of something else.
+class Furnisher {
+ public:
+  Furnisher(const std::vector<Street>& streets, const Ground& ground, Random random)
+      : streets_(streets), ground_(ground), random_(random) {}
+
+  void house(const Plot& plot) {
+    const double room = plot.to - plot.from - (plot.driveway ? 3.6 : 1.0);
+    const double width = std::min(room, random_.uniform(9.0, 13.0)), depth = random_.uniform(7.5, 9.5);
+    const double setback = random_.uniform(5.5, 8.5), height = random_.uniform(5.0, 8.5);
+    const double s = plot.from + 0.5 * room + 0.5;
+    const Place at = place(plot.street, plot.side, s, setback + 0.5 * depth);
+    const Shape walls = make_box(Surface::kWall, static_cast<float>(random_.uniform(0.3, 0.6)),
+                                 {at.x, at.y, at.z + 0.5 * height - 0.7}, {width, depth, height + 1.4}, at.yaw);
+    if (!free(walls, 3.2, 0.8)) return;
+    shapes_.push_back(walls);
+    houses_.push_back(walls);
+    // A porch gives the front some relief.
+    const Place front = place(plot.street, plot.side, s + random_.uniform(-2.0, 2.0), setback - 0.6);
+    shapes_.push_back(make_box(Surface::kWall, 0.45F, {front.x, front.y, front.z + 1.2}, {2.2, 1.3, 2.8}, front.yaw));
+  }
+
+  void front(const Plot& plot) {
+    const double kind = random_.uniform();
+    const double end = plot.to - (plot.driveway ? 2.0 * kDrivewayHalf + 0.4 : 0.0);
+    const double height = kind < 0.45 ? random_.uniform(0.65, 0.95) : random_.uniform(1.45, 1.9);
+    if (kind > 0.80) return;  // open lawn
+    const bool fence = kind < 0.45;
+    for (double s = plot.from + 1.0; s + 1.0 <= end; s += 2.0) {
+      const Place at = place(plot.street, plot.side, s, ground_.profile().pavement + (fence ? 0.15 : 0.45));
+      const Place next = place(plot.street, plot.side, s + 2.0, ground_.profile().pavement);
+      const Place here = place(plot.street, plot.side, s, ground_.profile().pavement);
+      const double length = std::hypot(next.x - here.x, next.y - here.y) + 0.04;  // bends are longer outside
+      const Shape piece =
+          make_box(fence ? Surface::kFence : Surface::kFoliage, fence ? 0.4F : 0.3F,
+                   {at.x, at.y, at.z + 0.5 * height - 0.1}, {length, fence ? 0.10 : 0.6, height + 0.2}, at.yaw);
+      if (free(piece, ground_.profile().pavement, 0.0)) shapes_.push_back(piece);
+    }
+  }
+
+  void tree(std::size_t street, Side side, double s, double off) {
+    const Place at = place(street, side, s, off);
+    const double radius = random_.uniform(0.11, 0.20), crown = random_.uniform(1.7, 2.5),
+                 low = random_.uniform(2.6, 3.1);
+    const Shape trunk = make_cylinder(Surface::kTrunk, 0.25F, {at.x, at.y, at.z - 0.2}, radius, low + 1.2);
+    if (!free(trunk, 0.45, 1.0)) return;
+    shapes_.push_back(trunk);
+    const double half = random_.uniform(1.2, 1.7);
+    shapes_.push_back(make_ellipsoid(Surface::kFoliage, 0.3F, {at.x, at.y, at.z + low + half}, {crown, crown, half}));
+  }
+
+  void lamp(std::size_t street, Side side, double s) {
+    const Place at = place(street, side, s, 0.42);
+    const Shape pole = make_cylinder(Surface::kPole, 0.6F, {at.x, at.y, at.z - 0.2}, 0.07, 5.2);
+    if (free(pole, 0.3, 0.5) && !in_driveway(street, side, s, 0.6)) shapes_.push_back(pole);
+  }
+
+  void parked_car(std::size_t street, Side side, double s) {
+    const double off = -(0.88 + random_.uniform(0.15, 0.35));
+    const Place at = place(street, side, s, off);
+    if (in_driveway(street, side, s, 2.7)) return;
+    for (const double along : {-5.0, 0.0, 5.0}) {  // not in or near the mouth of another street
+      const Place check = place(street, side, s + along, off);
+      if (std::abs(static_cast<double>(ground_.at(static_cast<float>(check.x), static_cast<float>(check.y)).distance) -
+                   off) > 0.25)
+        return;
+    }
+    add_car(shapes_, {at.x, at.y, at.z}, at.yaw + random_.normal(0.012),
+            static_cast<float>(random_.uniform(0.12, 0.7)));
+  }
+
+  void bin(std::size_t street, Side side, double s, double off) {
+    const double height = off < 0 ? random_.uniform(0.35, 0.55) : random_.uniform(0.85, 0.98);
+    const double size = off < 0 ? random_.uniform(0.4, 0.6) : 0.58;
+    const Place at = place(street, side, s, off);
+    const Shape box = make_box(Surface::kBin, 0.35F, {at.x, at.y, at.z + 0.5 * height - 0.02},
+                               {size, 0.62, height + 0.04}, at.yaw + random_.normal(0.15));
+    for (const auto& shape : shapes_) {
+      if (shape.covers(box.centre.x(), box.centre.y(), 0.5F) && shape.bottom() < box.centre.z() + 1.2F) return;
+    }
+    if (free(box, off - 0.35, 0.3)) shapes_.push_back(box);
+  }
+
+  void set_driveways(const std::vector<Driveway>& driveways) { driveways_ = driveways; }
+  [[nodiscard]] std::vector<Shape> take() { return std::move(shapes_); }
+  Random& random() { return random_; }
+
+ private:
+  struct Place {
+    double x, y, z, yaw;
+  };
+
+  /// `off` metres behind the foot of the curb (negative: on the road); z on the ground.
+  [[nodiscard]] Place place(std::size_t street, Side side, double s, double off) const {
+    const Street::Sample at = streets_[street].at(s);
+    const double sign = static_cast<int>(side);
+    const Eigen::Vector2d p = at.point + sign * (streets_[street].half_width() + off) * at.normal();
+    const auto z = static_cast<double>(ground_.height_at(static_cast<float>(p.x()), static_cast<float>(p.y())));
+    return {p.x(), p.y(), z, std::atan2(at.tangent.y(), at.tangent.x())};
+  }
+
+  /// Every corner and edge is `clear` m behind any curb, inside the world, and `apart` m from every house.
+  [[nodiscard]] bool free(const Shape& shape, double clear, double apart) const {
+    for (int i = -3; i <= 3; ++i) {
+      for (int j = -3; j <= 3; ++j) {
+        const float lx = shape.half.x() * static_cast<float>(i) / 3.0F,
+                    ly = shape.half.y() * static_cast<float>(j) / 3.0F;
+        const float x = shape.centre.x() + shape.cos_yaw * lx - shape.sin_yaw * ly;
+        const float y = shape.centre.y() + shape.sin_yaw * lx + shape.cos_yaw * ly;
+        if (!ground_.inside(static_cast<double>(x), static_cast<double>(y))) return false;
+        if (static_cast<double>(ground_.at(x, y).distance) < clear) return false;
+        for (const auto& house : houses_) {
+          if (house.covers(x, y, static_cast<float>(apart))) return false;
+        }
+      }
+    }
+    return true;
+  }
+
+  [[nodiscard]] bool in_driveway(std::size_t street, Side side, double s, double margin) const {
+    for (const auto& driveway : driveways_) {
+      if (driveway.street == street && driveway.side == side && std::abs(driveway.s - s) < driveway.half + margin)
+        return true;
+    }
+    return false;
+  }
+
+  const std::vector<Street>& streets_;
+  const Ground& ground_;
+  Random random_;
+  std::vector<Driveway> driveways_;
+  std::vector<Shape> houses_;
+  std::vector<Shape> shapes_;
+};
+
+}  // namespace
+
+Furnishing plan_furnishing(const std::vector<Street>& streets, Random random) {
+  Furnishing plan;
+  for (std::size_t i = 0; i < streets.size(); ++i) {
+    const double begin = streets[i].closed() ? 0.0 : 11.0;
+    for (const Side side : {Side::kLeft, Side::kRight}) {
+      for (double s = begin + random.uniform(0.0, 2.0); s < streets[i].length() - 12.0;) {
+        const double length = random.uniform(13.5, 18.5);
+        const Plot plot{i, side, s, std::min(s + length, streets[i].length()), random.chance(0.6)};
+        plan.plots.push_back(plot);
+        if (plot.driveway)
+          plan.driveways.push_back(
+              {i, side, plot.to - kDrivewayHalf - 0.2, kDrivewayHalf, random.uniform(0.018, 0.03)});
+        s = plot.to;
+      }
+    }
+  }
+  return plan;
+}
+
+std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Street>& streets, const Ground& ground,
+                           Random random) {
+  Furnisher furnisher(streets, ground, random);
+  furnisher.set_driveways(furnishing.driveways);
+  Random& dice = furnisher.random();
+  for (const auto& plot : furnishing.plots) furnisher.house(plot);
+  for (const auto& plot : furnishing.plots) {
+    furnisher.front(plot);
+    if (dice.chance(0.35))
+      furnisher.tree(plot.street, plot.side, dice.uniform(plot.from, plot.to), dice.uniform(3.6, 4.6));
+  }
+  for (std::size_t i = 0; i < streets.size(); ++i) {
+    for (const Side side : {Side::kLeft, Side::kRight}) {
+      for (double s = dice.uniform(4.0, 12.0); s < streets[i].length() - 4.0; s += 6.5) {
+        if (dice.chance(side == Side::kLeft ? 0.30 : 0.22)) furnisher.parked_car(i, side, s);
+      }
+      for (double s = dice.uniform(2.0, 14.0); s < streets[i].length(); s += dice.uniform(14.0, 24.0))
+        furnisher.tree(i, side, s, dice.uniform(0.75, 0.95));
+      for (double s = dice.uniform(0.0, 20.0); s < streets[i].length(); s += 28.0) furnisher.lamp(i, side, s);
+      for (double s = dice.uniform(5.0, 25.0); s < streets[i].length(); s += dice.uniform(15.0, 35.0))
+        furnisher.bin(i, side, s, dice.uniform(0.9, 1.7));
+      for (double s = dice.uniform(10.0, 60.0); s < streets[i].length(); s += dice.uniform(50.0, 90.0))
+        furnisher.bin(i, side, s, -dice.uniform(0.45, 0.7));
+    }
+  }
+  return furnisher.take();
+}
+
+}  // namespace curbstone

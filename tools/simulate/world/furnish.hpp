@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "tools/simulate/random.hpp"
+#include "tools/simulate/world/ground.hpp"
+#include "tools/simulate/world/shapes.hpp"
+#include "tools/simulate/world/street.hpp"
+
+namespace curbstone {
+
+/// A piece of land along a street with a house on it.
+struct Plot {
+  std::size_t street = 0;
+  Side side = Side::kLeft;
+  double from = 0;  ///< m along the street
+  double to = 0;
+  bool driveway = false;  ///< at the end of the plot
+};
+
+/// Where a driveway crosses the pavement.
+struct Driveway {
+  std::size_t street = 0;
+  Side side = Side::kLeft;
+  double s = 0;
+  double half = 1.7;
+  double height = 0.02;  ///< m, of the dropped kerb
+};
+
+/// What is decided before the ground exists: plots, and the driveways for which kerbs are dropped.
+struct Furnishing {
+  std::vector<Plot> plots;
+  std::vector<Driveway> driveways;
+};
+
+[[nodiscard]] Furnishing plan_furnishing(const std::vector<Street>& streets, Random random);
+
+/// Houses, fences, hedges, trees, lamps, parked cars, bins and boxes; nothing stands in another street or in a house.
+[[nodiscard]] std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Street>& streets,
+                                         const Ground& ground, Random random);
+
+}  // namespace curbstone

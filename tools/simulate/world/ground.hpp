@@ -1,0 +1,98 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace curbstone {
+
+/// What a ray hit. The ground's kinds come first.
+enum class Surface : std::uint8_t {
+  kNone,
+  kAsphalt,
+  kCurbStone,
+  kPavement,
+  kGrass,
+  kWall,
+  kFence,
+  kFoliage,
+  kTrunk,
+  kPole,
+  kCar,
+  kBin
+};
+
+/// The cross-section of every street, from the crown over the curb to the gardens; the same height function serves the
+/// rays, the vehicle's wheels and the truth.
+struct StreetProfile {
+  double half_width = 4.5;      ///< m, crown to the foot of the curb
+  double crossfall = 0.022;     ///< at the gutter; less towards the crown
+  double face = 0.035;          ///< m, how far the battered curb face leans back; its top is rounded
+  double stone = 0.14;          ///< m, width of the curb stone
+  double ramp = 1.20;           ///< m behind the foot, where the ramp of a dropped kerb ends
+  double pavement = 2.30;       ///< m behind the foot, where the gardens begin
+  double pavement_fall = 0.02;  ///< towards the road
+};
+
+/// One node of the ground's raster. All of it is smooth enough to be interpolated.
+struct GroundNode {
+  float distance = 30.0F;  ///< m to the foot of the nearest curb, negative on the road
+  float terrain = 0.0F;    ///< m, height of the gutter
+  float curb = 0.12F;      ///< m, height of the nearest curb
+  float pavement =
+      0.12F;  ///< m, height of the pavement behind it above the gutter: more than `curb` where it is dropped
+};
+
+/// The ground as a height field: raster nodes, interpolated, and the street profile on top, analytic, so that curbs are
+/// as sharp as they are. Frame: world. Immutable after building; safe from any thread.
+class Ground {
+ public:
+  static constexpr double kPitch = 0.25;  ///< m between nodes
+
+  Ground() = default;
+  Ground(double x0, double y0, int width, int height, const StreetProfile& profile);
+
+  [[nodiscard]] GroundNode& node(int ix, int iy) { return nodes_[index(ix, iy)]; }
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] double x_of(int ix) const { return x0_ + ix * kPitch; }
+  [[nodiscard]] double y_of(int iy) const { return y0_ + iy * kPitch; }
+  [[nodiscard]] bool inside(double x, double y) const {
+    return x >= x0_ && y >= y0_ && x < x_of(width_ - 1) && y < y_of(height_ - 1);
+  }
+  [[nodiscard]] const StreetProfile& profile() const { return profile_; }
+
+  /// The raster interpolated; outside, that of the nearest border.
+  [[nodiscard]] GroundNode at(float x, float y) const;
+  /// Height of the ground. `rough` adds the texture of lawns (which no wheel and no truth needs).
+  [[nodiscard]] float height_at(float x, float y, bool rough = false) const {
+    const GroundNode node = at(x, y);
+    return height_of(node) + (rough ? lawn(node, x, y) : 0.0F);
+  }
+  [[nodiscard]] float height_of(const GroundNode& node) const;
+  [[nodiscard]] Surface surface_of(const GroundNode& node) const;
+
+  /// Where a ray of slope dz per horizontal metre first meets the ground: horizontal metres from its origin, or a
+  /// negative number if it does not within `reach`. (dx, dy) is a unit vector.
+  [[nodiscard]] float cast(float x, float y, float z, float dx, float dy, float dz, float reach) const;
+
+  /// To be called once all nodes are set: bounds of the height, for skipping.
+  void finish();
+
+ private:
+  [[nodiscard]] std::size_t index(int ix, int iy) const {
+    return static_cast<std::size_t>(iy) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(ix);
+  }
+  [[nodiscard]] float lawn(const GroundNode& node, float x, float y) const;
+
+  StreetProfile profile_;
+  double x0_ = 0;
+  double y0_ = 0;
+  int width_ = 0;
+  int height_ = 0;
+  float highest_ = 0;
+  std::vector<GroundNode> nodes_;
+};
+
+}  // namespace curbstone

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "tools/simulate/random.hpp"
+#include "tools/simulate/world/scene.hpp"
+#include "tools/simulate/world/street.hpp"
+
+namespace curbstone {
+
+struct TownOptions {
+  std::uint64_t seed = 1;
+  double lane_offset = -1.3;  ///< m left of the crown: where the emulated vehicle drives
+};
+
+/// A car that circles the block against the vehicle's direction.
+struct MovingCar {
+  double start = 0;    ///< m along the loop at time 0
+  double speed = 7.0;  ///< m/s
+  double lane = 1.45;  ///< m left of the crown
+  double reflectivity = 0.4;
+};
+
+/// A town from a seed: a street around a block, side streets, curbs, driveways, houses, gardens, trees, cars. World
+/// frame: z up, origin at the crown of the street where the drive begins, about. The same seed gives the same town.
+struct Town {
+  explicit Town(const TownOptions& options);
+
+  std::vector<Street> streets;  ///< 0 is the loop, driven counter-clockwise
+  std::unique_ptr<const Scene> scene;
+  std::vector<MovingCar> cars;
+  TownOptions options;
+
+  /// Shapes of the moving cars at a time, in seconds since the drive began.
+  void place_cars(double t, std::vector<Shape>& shapes) const;
+};
+
+/// A car's body, cabin and wheels with the middle of its contact patch at (x, y, z).
+void add_car(std::vector<Shape>& shapes, const Eigen::Vector3d& ground, double yaw, float reflectivity);
+
+}  // namespace curbstone
