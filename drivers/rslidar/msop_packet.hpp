@@ -58,7 +58,7 @@ struct DifopPacket {
   std::uint8_t reserved_36[2];
   Be16 phase_lock;                       ///< deg
   std::array<std::uint8_t, 5> firmware;  ///< of the top board
-  std::uint8_t bottom_firmware[5];
+  std::array<std::uint8_t, 5> bottom_firmware;
   std::uint8_t reserved_50[242];
   std::uint8_t serial_number[6];
   std::uint8_t reserved_298[2];

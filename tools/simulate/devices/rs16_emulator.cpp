@@ -73,6 +73,7 @@ Rs16Packet Rs16Emulator::difop(std::int64_t utime, int rpm) const {
   packet.rpm = static_cast<std::uint16_t>(rpm);
   packet.fov_end = 36000;
   packet.firmware = {0x06, 0x23, 0x06, 0x06, 0xA0};
+  packet.bottom_firmware = {0x09, 0x00, 0x0C, 0x02, 0xA0};
   packet.return_mode = 1;
   packet.time = packet_time_from(utime);
   for (std::size_t i = 0; i < kLasers; ++i) {

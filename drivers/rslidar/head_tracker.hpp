@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace curbstone {
+
+/// Follows the turning head from packet to packet. RS16 packets bear no sequence number: what was lost is seen from
+/// how far the head got meanwhile. Pure. Angles are in 0.01 deg, clockwise, as in the packets: sums stay exact.
+class HeadTracker {
+ public:
+  struct Step {
+    std::int32_t revolution = 0;  ///< of this packet; counts up when the azimuth passes the cut angle, never down
+    std::int64_t lost = 0;        ///< packets, estimated, between the one before and this one
+    bool duplicate = false;       ///< the one before again: not followed
+    bool late = false;            ///< fired shortly before the one before: not followed
+  };
+
+  struct Packet {
+    std::int64_t utime = 0;  ///< of the first shot, on any clock that runs evenly to within a quarter turn
+    int azimuth = 0;         ///< of the first shot
+    double rate = 0;         ///< 1/s that the head turns
+    double duration = 0;     ///< s
+  };
+
+  explicit HeadTracker(int cut_angle) : cut_angle_(cut_angle) {}
+
+  /// `blind`: how far the head may turn without firing.
+  Step follow(const Packet& packet, double blind = 0);
+
+ private:
+  int cut_angle_;
+  std::optional<Packet> last_;
+  std::int64_t turned_ = 0;  ///< since the cut angle at the start of revolution 0
+  std::int32_t revolution_ = 0;
+};
+
+}  // namespace curbstone
