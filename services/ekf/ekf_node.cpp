@@ -1,0 +1,115 @@
+#include "services/ekf/ekf_node.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "services/ekf/ekf_messages.hpp"
+
+namespace curbstone {
+
+namespace {
+
+constexpr std::int64_t kSilence = 1'000'000;  // us without a message that is a fault
+constexpr int kGarbageRun = 20;               // messages refused in a row that are a fault
+constexpr std::int32_t kMaxLoss = 100'000;    // a larger step of a sequence is a restart, not a loss
+
+}  // namespace
+
+EkfNode::EkfNode(const EkfConfig& config, Publisher& publisher)
+    : config_(config), publisher_(publisher), sequencer_(config.timing), filter_(config) {}
+
+void EkfNode::connect(Subscriber& bus) {
+  bus.subscribe<imu_t>("IMU", [this](const imu_t& message) { on(message); });
+  bus.subscribe<wheels_t>("WHEELS", [this](const wheels_t& message) { on(message); });
+}
+
+void EkfNode::on(const imu_t& message) {
+  counters_.add("messages.imu");
+  note_sequence(imu_, message.sequence);
+  if (const char* cause = why_refused(message)) return refuse(imu_, cause);
+  imu_.refused_in_a_row = 0;
+  imu_.heard = message.utime;
+  imu_status_ = message.status;
+  if (message.status & imu_t::CLIPPING) counters_.add("imu.clipping");
+  sequencer_.push(sample_of(message));
+  run(false);
+}
+
+void EkfNode::on(const wheels_t& message) {
+  counters_.add("messages.wheels");
+  note_sequence(wheels_, message.sequence);
+  if (const char* cause = why_refused(message)) return refuse(wheels_, cause);
+  wheels_.refused_in_a_row = 0;
+  wheels_.heard = message.utime;
+  last_wheels_ = message;
+  sequencer_.push(sample_of(message));
+  run(false);
+}
+
+void EkfNode::run(bool drain) {
+  while (const std::optional<Sequencer::Sample> sample = sequencer_.pop(drain)) {
+    estimates_.clear();
+    std::visit([&](const auto& s) { filter_.add(s, estimates_); }, *sample);
+    for (const Estimate& estimate : estimates_) publish(estimate);
+  }
+}
+
+void EkfNode::publish(const Estimate& estimate) {
+  latency_.add(seconds_between(estimate.utime, sequencer_.newest()));
+  last_ = estimate;
+  publisher_.publish("ODOMETRY", odometry_message(estimate));
+  publisher_.publish("POSE", pose_message(estimate));
+  counters_.add("published.odometry");
+}
+
+void EkfNode::note_sequence(Input& input, std::int32_t sequence) {
+  if (input.sequence) {
+    const std::int64_t step = std::int64_t{sequence} - *input.sequence;
+    if (step > 1 && step < kMaxLoss) counters_.add(&input == &imu_ ? "lost.imu" : "lost.wheels", step - 1);
+  }
+  input.sequence = sequence;
+}
+
+void EkfNode::refuse(Input& input, const char* cause) {
+  ++input.refused_in_a_row;
+  counters_.add(std::string("refused.") + cause + (&input == &imu_ ? ".imu" : ".wheels"));
+}
+
+void EkfNode::describe_input(const Input& input, std::vector<std::string>& faults) const {
+  const std::int64_t newest = std::max({now_, imu_.heard, wheels_.heard});
+  if (input.refused_in_a_row >= kGarbageRun)
+    faults.push_back(fmt::format("{}: garbage, the last {} messages were refused", input.name, input.refused_in_a_row));
+  else if (input.heard == 0)
+    faults.push_back(fmt::format("{}: nothing heard yet", input.name));
+  else if (newest - input.heard > kSilence)
+    faults.push_back(fmt::format("{}: silent for {:.1f} s", input.name, seconds_between(input.heard, newest)));
+}
+
+NodeReport EkfNode::report() const {
+  NodeReport report;
+  report.counters = counters_;
+  for (const Counters* part : {&sequencer_.counters(), &filter_.counters()})
+    for (const auto& [name, value] : part->values()) report.counters.add(name, value);
+  report.latency_p50 = latency_.percentile(0.5);
+  report.latency_p99 = latency_.percentile(0.99);
+
+  std::vector<std::string>& faults = report.faults;
+  describe_input(imu_, faults);
+  describe_input(wheels_, faults);
+  if (imu_status_ & imu_t::SELF_TEST_FAILED) faults.emplace_back("IMU: its self test failed");
+  for (int i = 0; i < 2; ++i) {
+    if (last_wheels_.faults[i] == 0) continue;
+    faults.push_back(fmt::format("WHEELS: {} drive reports fault {:#x}", i == 0 ? "left" : "right",
+                                 static_cast<std::uint32_t>(last_wheels_.faults[i])));
+  }
+  if (!filter_.started()) {
+    faults.emplace_back("no odometry yet: waiting to stand still or to see the wheels turn");
+  } else if (last_) {
+    if (last_->no_imu) faults.emplace_back("no IMU: odometry coasts on the wheels");
+    if (last_->no_wheels) faults.emplace_back("no wheels: odometry coasts on the IMU, and drifts");
+  }
+  return report;
+}
+
+}  // namespace curbstone

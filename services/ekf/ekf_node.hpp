@@ -1,0 +1,60 @@
+#pragma once
+
+#include <curbstone/imu_t.hpp>
+#include <curbstone/wheels_t.hpp>
+#include <optional>
+#include <vector>
+
+#include "common/latency.hpp"
+#include "common/node.hpp"
+#include "services/ekf/filter.hpp"
+#include "services/ekf/sequencer.hpp"
+
+namespace curbstone {
+
+/// IMU and WHEELS in, ODOMETRY and POSE out: one of each for every IMU sample, at its stamp; while there is no IMU, for
+/// every wheel sample. Products are a function of the two channels' sequences (see Sequencer); tick() only notices
+/// silence, for the faults. Latency is in message time: how far the sensors are ahead when an estimate is sent.
+class EkfNode final : public Node {
+ public:
+  EkfNode(const EkfConfig& config, Publisher& publisher);
+
+  void connect(Subscriber& bus) override;
+  void tick(std::int64_t now) override { now_ = now; }
+  void finish() override { run(true); }
+  [[nodiscard]] NodeReport report() const override;
+
+  void on(const imu_t& message);
+  void on(const wheels_t& message);
+  [[nodiscard]] const Filter& filter() const { return filter_; }
+
+ private:
+  struct Input {
+    const char* name;
+    std::int64_t heard = 0;                // us: the newest stamp
+    std::optional<std::int32_t> sequence;  // of the newest message
+    int refused_in_a_row = 0;
+  };
+
+  void run(bool drain);
+  void publish(const Estimate& estimate);
+  void note_sequence(Input& input, std::int32_t sequence);
+  void refuse(Input& input, const char* cause);
+  void describe_input(const Input& input, std::vector<std::string>& faults) const;
+
+  EkfConfig config_;
+  Publisher& publisher_;
+  Sequencer sequencer_;
+  Filter filter_;
+  Counters counters_;
+  LatencyWindow latency_;
+  Input imu_{"IMU", 0, {}, 0};
+  Input wheels_{"WHEELS", 0, {}, 0};
+  std::int32_t imu_status_ = 0;
+  wheels_t last_wheels_{};
+  std::optional<Estimate> last_;
+  std::int64_t now_ = 0;  // us, of the last tick
+  std::vector<Estimate> estimates_;
+};
+
+}  // namespace curbstone

@@ -1,0 +1,23 @@
+#include "services/ekf/error_state.hpp"
+
+namespace curbstone {
+
+NavState plus(const NavState& state, const ErrorVector& error) {
+  NavState out = state;
+  out.position += error.segment<3>(kPosition);
+  out.velocity += error.segment<3>(kVelocity);
+  out.attitude = (state.attitude * so3_exp(error.segment<3>(kAttitude))).normalized();
+  out.gyro_bias += error.segment<3>(kGyroBias);
+  out.accelerometer_bias += error.segment<3>(kAccelerometerBias);
+  out.wheel_scale += error.segment<3>(kWheelScale);
+  return out;
+}
+
+ErrorVector minus(const NavState& to, const NavState& from) {
+  ErrorVector error;
+  error << to.position - from.position, to.velocity - from.velocity, so3_log(from.attitude.conjugate() * to.attitude),
+      to.gyro_bias - from.gyro_bias, to.accelerometer_bias - from.accelerometer_bias, to.wheel_scale - from.wheel_scale;
+  return error;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,57 @@
+#pragma once
+
+#include "common/vehicle.hpp"
+#include "services/ekf/correction.hpp"
+#include "services/ekf/process_model.hpp"
+
+namespace curbstone {
+
+/// Where things are on the vehicle, in body axes.
+struct Geometry {
+  explicit Geometry(const VehicleConfig& vehicle)
+      : R_base_imu(vehicle.T_base_imu().linear()),
+        to_base(-vehicle.T_base_imu().translation()),
+        wheel_radius(vehicle.wheel_radius),
+        track_width(vehicle.track_width) {}
+  Eigen::Matrix3d R_base_imu;
+  Eigen::Vector3d to_base;  ///< l: from the IMU to base_link, m
+  double wheel_radius;      ///< m
+  double track_width;       ///< m
+};
+
+/// Motion of base_link in body axes, a mean over some interval as the filter believes it.
+struct BodyMotion {
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< v + w x l, m/s
+  Eigen::Vector3d angular_rate = Eigen::Vector3d::Zero();  ///< w = gyro - bg, rad/s
+};
+
+/// base_link's motion at an instant, given what the gyro shows (body axes).
+[[nodiscard]] BodyMotion body_motion(const NavState& state, const Eigen::Vector3d& gyro, const Geometry& geometry);
+
+enum class Wheel { kLeft = 0, kRight = 1 };
+
+/// A wheel's speed over ground, as counted with the configured radius (m/s), against the motion over the same interval:
+///     u = (v_x -+ w_z b (1 + s_track) / 2) / (1 + s_wheel)        (- for the left wheel)
+/// The interval's mean is compared with the filter's mean; H is taken at its end (the error hardly changes within it).
+[[nodiscard]] Observation<1> observe_wheel(const NavState& state, const BodyMotion& motion, Wheel wheel, double speed,
+                                           double sigma, const Geometry& geometry);
+
+/// Non-holonomic constraint: the axle moves neither sideways (axis 1) nor off the ground (axis 2).
+[[nodiscard]] Observation<1> observe_no_motion_along(int axis, const BodyMotion& motion, double sigma,
+                                                     const Geometry& geometry);
+
+/// Mean forward speed of base_link (m/s), where only the wheels tell the yaw rate: there is no IMU.
+[[nodiscard]] Observation<1> observe_forward_speed(const NavState& state, const BodyMotion& motion, double speed,
+                                                   double sigma);
+
+/// Zero-velocity update. It stands, so it does not turn either: no lever arm.
+[[nodiscard]] Observation<3> observe_standing_velocity(const NavState& state, double sigma);
+
+/// Zero-rate update: what the gyro shows at standstill (mean, body axes) is its bias.
+[[nodiscard]] Observation<3> observe_standing_rate(const NavState& state, const Eigen::Vector3d& gyro, double sigma);
+
+/// Levelling: specific force without gravity's part is `acceleration` (both body axes): acc = a - R^T g + ba.
+[[nodiscard]] Observation<3> observe_gravity(const NavState& state, const Eigen::Vector3d& specific_force,
+                                             const Eigen::Vector3d& acceleration, double sigma);
+
+}  // namespace curbstone

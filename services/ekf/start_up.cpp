@@ -1,0 +1,135 @@
+#include "services/ekf/start_up.hpp"
+
+#include <cmath>
+
+namespace curbstone {
+
+namespace {
+
+constexpr double kLevellingFloor = 0.01;  // m/s^2: what a second's mean of a standing vehicle does not average out
+
+StandstillConfig with_window(StandstillConfig config, double window) {
+  config.window = window;
+  return config;
+}
+
+struct WheelFit {
+  double speed = 0.0;         // m/s, at the end
+  double acceleration = 0.0;  // m/s^2
+};
+
+/// From the mean speeds of the window's two halves.
+WheelFit fit(const std::deque<WheelSample>& wheels, double radius) {
+  if (wheels.size() < 3) return {};
+  const WheelSample& a = wheels.front();
+  const WheelSample& b = wheels[wheels.size() / 2];
+  const WheelSample& c = wheels.back();
+  const auto speed = [&](const WheelSample& from, const WheelSample& to) {
+    return 0.5 * radius * (to.angle[0] - from.angle[0] + to.angle[1] - from.angle[1]) /
+           seconds_between(from.utime, to.utime);
+  };
+  const double acceleration = (speed(b, c) - speed(a, b)) / (0.5 * seconds_between(a.utime, c.utime));
+  return {speed(b, c) + acceleration * 0.5 * seconds_between(b.utime, c.utime), acceleration};
+}
+
+}  // namespace
+
+StartUp::StartUp(const EkfConfig& config)
+    : config_(config),
+      geometry_(config.vehicle),
+      standing_window_(with_window(config.standstill, config.start.still), config.vehicle.wheel_radius,
+                       config.timing.max_wheel_gap),
+      moving_window_(with_window(config.standstill, config.start.moving), config.vehicle.wheel_radius,
+                     config.timing.max_wheel_gap) {}
+
+void StartUp::add(const WheelSample& sample) {
+  standing_window_.add(sample);
+  moving_window_.add(sample);
+}
+
+void StartUp::reset() {
+  standing_window_.reset();
+  moving_window_.reset();
+  since_.reset();
+}
+
+std::optional<Belief> StartUp::add(const ImuSample& sample) {
+  if (!since_) since_ = sample.utime;
+  standing_window_.add(sample);
+  moving_window_.add(sample);
+  const bool plausible = standing_window_.mean_rate().cwiseAbs().maxCoeff() <= config_.start.max_gyro_bias;
+  if (plausible && standing_window_.still(standing_window_.mean_rate())) {
+    kind_ = Kind::kStanding;
+    return standing(sample.utime);
+  }
+  if (moving_window_.span() >= config_.start.moving && moving_window_.wheels_turn()) {
+    kind_ = Kind::kMoving;
+    return moving(sample.utime);
+  }
+  if (seconds_between(*since_, sample.utime) >= config_.start.patience) {
+    kind_ = Kind::kImpatient;
+    return moving(sample.utime);
+  }
+  return std::nullopt;
+}
+
+Belief StartUp::prior(std::int64_t utime, const Eigen::Vector3d& up) const {
+  Belief belief;
+  belief.utime = utime;
+  const double roll = std::atan2(up.y(), up.z());
+  const double pitch = std::atan2(-up.x(), std::hypot(up.y(), up.z()));
+  belief.mean.attitude = Eigen::Quaterniond(rotation_from_rpy(roll, pitch, 0.0));
+
+  const auto square = [](double x) { return x * x; };
+  ErrorMatrix& P = belief.covariance;
+  const Eigen::Vector3d yaw_axis = belief.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
+  P.block<3, 3>(kAttitude, kAttitude) = Eigen::Matrix3d::Identity() - yaw_axis * yaw_axis.transpose();
+  P.diagonal().segment<3>(kGyroBias).setConstant(square(config_.start.gyro_bias_sigma));
+  P.diagonal().segment<3>(kAccelerometerBias).setConstant(square(config_.start.accelerometer_bias_sigma));
+  P.block<2, 2>(kWheelScale, kWheelScale).setConstant(square(config_.wheels.scale_sigma));
+  P.diagonal().segment<2>(kWheelScale).array() += square(config_.wheels.mismatch_sigma);
+  P(kWheelScale + 2, kWheelScale + 2) = square(config_.wheels.track_sigma);
+  return belief;
+}
+
+/// The IMU stands where the origin and the attitude put it: its position errs with the attitude alone.
+void StartUp::fix_origin(Belief& belief) const {
+  const Eigen::Matrix3d R = belief.mean.attitude.toRotationMatrix();
+  belief.mean.position = -(R * geometry_.to_base);
+  ErrorMatrix F = ErrorMatrix::Identity();
+  F.block<3, 3>(kPosition, kPosition).setZero();
+  F.block<3, 3>(kPosition, kAttitude) = R * skew(geometry_.to_base);
+  belief.covariance = (F * belief.covariance * F.transpose()).eval();
+}
+
+Belief StartUp::standing(std::int64_t utime) const {
+  const Eigen::Vector3d acceleration = geometry_.R_base_imu * standing_window_.mean_acceleration();
+  const Eigen::Vector3d rate = geometry_.R_base_imu * standing_window_.mean_rate();
+  const double averaging = std::sqrt(standing_window_.span());
+  Belief belief = prior(utime, acceleration);
+  correct(belief, observe_gravity(belief.mean, acceleration, Eigen::Vector3d::Zero(),
+                                  std::hypot(config_.noise.accelerometer / averaging, kLevellingFloor)));
+  correct(belief, observe_standing_rate(belief.mean, rate,
+                                        std::hypot(config_.noise.gyro, config_.standstill.rate_noise) / averaging));
+  belief.covariance.diagonal().segment<3>(kVelocity).setConstant(config_.standstill.speed_noise *
+                                                                 config_.standstill.speed_noise);
+  fix_origin(belief);
+  return belief;
+}
+
+Belief StartUp::moving(std::int64_t utime) const {
+  const Eigen::Vector3d rate = geometry_.R_base_imu * moving_window_.mean_rate();
+  const Eigen::Vector3d specific_force = geometry_.R_base_imu * moving_window_.mean_acceleration();
+  const WheelFit wheels = fit(moving_window_.wheels(), geometry_.wheel_radius);
+  const Eigen::Vector3d acceleration(wheels.acceleration, wheels.speed * rate.z(), 0.0);
+  Belief belief = prior(utime, specific_force - acceleration);
+  correct(belief,
+          observe_gravity(belief.mean, specific_force, acceleration, config_.start.moving_tilt_sigma * kGravity));
+  belief.mean.velocity = Eigen::Vector3d(wheels.speed, 0, 0) - rate.cross(geometry_.to_base);
+  belief.covariance.diagonal().segment<3>(kVelocity).setConstant(config_.start.moving_speed_sigma *
+                                                                 config_.start.moving_speed_sigma);
+  fix_origin(belief);
+  return belief;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+
+#include "services/ekf/ekf_config.hpp"
+#include "services/ekf/measurement_model.hpp"
+#include "services/ekf/still_detector.hpp"
+
+namespace curbstone {
+
+/// Finds the first belief. At standstill the mean specific force levels the attitude and the mean rate is the gyro's
+/// bias; both are applied as measurements to a wide prior, so that the covariance knows that a tilt error and an
+/// accelerometer bias are one and the same at rest. A vehicle that drives already is started on the move, with the
+/// wheels' speed and, for gravity, what is left of the specific force without the wheels' acceleration.
+/// base_link is the origin of odom, and its yaw is 0, by definition: their covariance is zero.
+class StartUp {
+ public:
+  enum class Kind { kStanding, kMoving, kImpatient };
+
+  explicit StartUp(const EkfConfig& config);
+
+  void add(const WheelSample& sample);
+  /// A belief at the sample's time once enough is known.
+  [[nodiscard]] std::optional<Belief> add(const ImuSample& sample);
+  /// How it went, once started.
+  [[nodiscard]] Kind kind() const { return kind_; }
+  void reset();
+
+ private:
+  [[nodiscard]] Belief standing(std::int64_t utime) const;
+  [[nodiscard]] Belief moving(std::int64_t utime) const;
+  [[nodiscard]] Belief prior(std::int64_t utime, const Eigen::Vector3d& up) const;
+  void fix_origin(Belief& belief) const;
+
+  EkfConfig config_;
+  Geometry geometry_;
+  StillDetector standing_window_;
+  StillDetector moving_window_;
+  std::optional<std::int64_t> since_;  // us, first IMU sample
+  Kind kind_ = Kind::kStanding;
+};
+
+}  // namespace curbstone

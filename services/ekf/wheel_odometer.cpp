@@ -1,0 +1,43 @@
+#include "services/ekf/wheel_odometer.hpp"
+
+#include <cmath>
+
+namespace curbstone {
+
+namespace {
+constexpr double kStampSlack = 0.02;  // s: a late stamp makes the next difference look short, and the wheel fast
+}
+
+WheelInterval WheelOdometer::between(const WheelSample& a, const WheelSample& b) const {
+  WheelInterval out{a.utime, b.utime, {}};
+  for (std::size_t i = 0; i < 2; ++i) out.speed[i] = radius_ * (b.angle[i] - a.angle[i]) / out.duration();
+  return out;
+}
+
+WheelOdometer::Step WheelOdometer::add(const WheelSample& sample) {
+  const auto begin_again = [&](Step step) {
+    begin_ = last_ = sample;
+    newest_.reset();
+    return step;
+  };
+  if (!begin_) return begin_again(Step::kFirst);
+  const double dt = seconds_between(last_.utime, sample.utime);
+  if (dt <= 0.0 || dt > max_gap_) return begin_again(Step::kGap);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double travel = radius_ * std::abs(sample.angle[i] - last_.angle[i]);
+    if (!(travel <= config_.max_speed * (dt + kStampSlack))) return begin_again(Step::kNonsense);
+  }
+  newest_ = between(last_, sample);
+  last_ = sample;
+  if (seconds_between(begin_->utime, sample.utime) < config_.interval) return Step::kOpen;
+  interval_ = between(*begin_, sample);
+  begin_ = sample;
+  return Step::kInterval;
+}
+
+void WheelOdometer::reset() {
+  begin_.reset();
+  newest_.reset();
+}
+
+}  // namespace curbstone
