@@ -82,7 +82,7 @@ void SlcanParser::on_line(const Handlers& handlers) {
     counters_.add("refused.slcan_line");
     return;
   }
-  counters_.add("frames");
+  counters_.add("slcan.frames");
   if (handlers.on_frame) handlers.on_frame(*frame);
 }
 

@@ -23,7 +23,7 @@ namespace curbstone {
 /// Cuts the adapter's byte stream into frames and answers. There is no checksum: a line that is not exactly a frame is
 /// refused whole, and reading goes on after the next CR. Holds at most kMaxLine bytes.
 ///
-/// Counts: frames, refused.slcan_line (malformed), refused.slcan_overlong.
+/// Counts: slcan.frames, refused.slcan_line (malformed), refused.slcan_overlong.
 class SlcanParser {
  public:
   enum class Answer { kOk, kRefused };

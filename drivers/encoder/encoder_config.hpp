@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+
+#include "common/config.hpp"
+
+namespace curbstone {
+
+/// The `encoder:` section of a vehicle's file.
+struct EncoderConfig {
+  std::string interface = "slcan";      ///< slcan: a serial adapter; socketcan: the kernel's CAN
+  std::string device = "/dev/ttyACM0";  ///< serial port, or network interface ("can0")
+  int baud = 115200;                    ///< of the serial port
+  int bitrate = 500;                    ///< kbit/s of the CAN bus, for slcan; socketcan's is set by `ip link`
+  int node = 1;                         ///< CANopen node id of the drive
+  bool configure = true;                ///< set the drive up; false: another master does, only listen
+  int period = 10;                      ///< ms between position samples
+  double event_timer_unit = 0.5;        ///< ms; of object 1800:05
+  double counts_per_revolution = 4096;  ///< of a wheel; usually 4 x the encoder's lines
+  bool check_encoder_lines = true;      ///< compare counts_per_revolution with what the drive says
+  bool invert_left = false;             ///< the wheel counts down when the vehicle drives forward
+  bool invert_right = true;
+  double max_speed = 60;  ///< rad/s of a wheel: more is a corrupted frame
+  double silence = 0.5;   ///< s without positions after which it is a fault, and the drive is set up again
+
+  void visit(ConfigVisitor& v) {
+    v.choice("interface", interface, {"slcan", "socketcan"}, "slcan: a serial adapter; socketcan: the kernel's CAN");
+    v.field("device", device, "serial port (/dev/ttyACM0), or network interface (can0)");
+    v.field("baud", baud, {9600, 2000000}, "of the serial port, for slcan; a USB adapter ignores it");
+    v.field("bitrate", bitrate, {10, 1000}, "kbit/s of the CAN bus, for slcan; socketcan's is set by `ip link`");
+    v.field("node", node, {1, 127}, "CANopen node id of the drive");
+    v.field("configure", configure, "set the drive up; false: another master does, nothing is sent");
+    v.field("period", period, {2, 100}, "ms between position samples");
+    v.field("event_timer_unit", event_timer_unit, {0.1, 1.0},
+            "ms, of object 1800:05: 0.5 for ZLTECH, 1 by the standard");
+    v.field("counts_per_revolution", counts_per_revolution, {1, 1e7}, "of a wheel; usually 4 x the encoder's lines");
+    v.field("check_encoder_lines", check_encoder_lines, "say so when the drive's encoder lines do not fit that");
+    v.field("invert_left", invert_left, "the left wheel counts down when the vehicle drives forward");
+    v.field("invert_right", invert_right, "the same of the right wheel, which is mounted mirrored");
+    v.field("max_speed", max_speed, {1, 1000}, "rad/s of a wheel: more is a corrupted frame");
+    v.field("silence", silence, {0.1, 60.0}, "s without positions: a fault, and the drive is set up again");
+  }
+};
+
+}  // namespace curbstone

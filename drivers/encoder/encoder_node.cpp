@@ -1,0 +1,126 @@
+#include "drivers/encoder/encoder_node.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <curbstone/wheels_t.hpp>
+#include <utility>
+
+namespace curbstone {
+
+namespace {
+
+WheelDrive::Settings drive_settings(const EncoderConfig& config) {
+  WheelDrive::Settings settings;
+  settings.node = static_cast<std::uint8_t>(config.node);
+  settings.configure = config.configure;
+  settings.period = std::int64_t{config.period} * 1000;
+  settings.event_timer_unit = std::llround(config.event_timer_unit * 1e3);
+  settings.patience = std::llround(config.silence * 1e6);
+  return settings;
+}
+
+WheelOdometer::Settings odometer_settings(const EncoderConfig& config) {
+  return {config.counts_per_revolution, {config.invert_left, config.invert_right}, config.max_speed};
+}
+
+}  // namespace
+
+EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
+    : config_(config),
+      bus_(bus),
+      drive_(drive_settings(config),
+             {std::move(send),
+              [this](std::int64_t utime, std::array<std::int32_t, 2> counts) { on_counts(utime, counts); },
+              [this] {
+                odometer_.restart();
+                clock_.restart();
+              }}),
+      odometer_(odometer_settings(config)),
+      clock_(std::int64_t{config.period} * 1000) {}
+
+void EncoderNode::on_frame(std::int64_t receive_utime, const CanFrame& frame) {
+  counters_.add("frames");
+  drive_.on_frame(receive_utime, frame);
+}
+
+void EncoderNode::on_counts(std::int64_t receive_utime, const WheelOdometer::Raw& counts) {
+  const auto stamp = clock_.stamp(receive_utime, [&](int most) { return odometer_.likely_periods(counts, most); });
+  // Speeds by the drive's own periods: a correction of the clock's offset is no change of speed.
+  const std::int64_t elapsed = stamp.restarted ? receive_utime - last_received_ : stamp.steps * clock_.period();
+  last_received_ = receive_utime;
+  if (const int lost = stamp.steps - 1 + stamp.slipped; lost > 0) counters_.add("lost.samples", lost);
+
+  const auto sample = odometer_.update(counts, static_cast<double>(elapsed) * 1e-6);
+  if (!sample) return;
+  if (stamp.restarted && stamp.utime <= last_utime_) counters_.add("clock_jumps");
+  if (!stamp.restarted && stamp.utime <= last_utime_) {  // while the clock's offset settles
+    counters_.add("dropped.not_newer");
+    return;
+  }
+  last_utime_ = stamp.utime;
+
+  wheels_t message{};
+  message.utime = stamp.utime;
+  message.sequence = sequence_++;
+  for (std::size_t i = 0; i < 2; ++i) {
+    message.counts[i] = sample->counts[i];
+    message.angle[i] = sample->angle[i];
+    message.speed[i] = sample->speed[i];
+    message.faults[i] = drive_.status().faults[i];
+  }
+  message.enabled = drive_.status().enabled();
+  bus_.publish("WHEELS", message);
+  counters_.add("samples");
+  latency_.add(static_cast<double>(receive_utime - stamp.utime) * 1e-6);
+}
+
+void EncoderNode::on_link(std::int64_t now, bool up, const std::string& why) {
+  if (up && counters_["link.lost"] > 0) counters_.add("link.reopened");
+  if (!up && link_fault_.empty() && counters_["frames"] > 0) counters_.add("link.lost");
+  link_fault_ = up ? "" : why;
+  if (up) drive_.start(now);
+}
+
+void EncoderNode::tick(std::int64_t now) {
+  if (now_ == 0) last_received_ = now;
+  now_ = now;
+  if (link_fault_.empty()) drive_.tick(now);
+}
+
+NodeReport EncoderNode::report() const {
+  NodeReport report;
+  report.counters = counters_;
+  const Counters drive = drive_.counters();
+  for (const Counters* more : {&drive, &odometer_.counters()}) {
+    for (const auto& [name, value] : more->values()) report.counters.add(name, value);
+  }
+  report.latency_p50 = latency_.percentile(0.5);
+  report.latency_p99 = latency_.percentile(0.99);
+
+  if (!link_fault_.empty()) report.faults.push_back(link_fault_);
+  const double silent = static_cast<double>(now_ - last_received_) * 1e-6;
+  if (silent > config_.silence)
+    report.faults.push_back(fmt::format("no positions from the drive for {:.0f} s", silent));
+  if (!drive_.fault().empty()) report.faults.push_back(drive_.fault());
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (const auto text = fault_text(drive_.status().faults[i]); !text.empty()) {
+      report.faults.push_back(fmt::format("drive, {} wheel: {}", i == 0 ? "left" : "right", text));
+    }
+  }
+  if (clock_.period() != std::int64_t{config_.period} * 1000) {
+    report.faults.push_back(fmt::format("the drive sends every {:.1f} ms, {} ms was asked for: check event_timer_unit",
+                                        static_cast<double>(clock_.period()) * 1e-3, config_.period));
+  }
+  const double lines = drive_.encoder_lines().value_or(0);
+  if (config_.check_encoder_lines && lines > 0 && std::abs(4 * lines - config_.counts_per_revolution) > 0.5) {
+    report.faults.push_back(
+        fmt::format("the drive has {} encoder lines, so {} counts a revolution, not {}: turn a wheel "
+                    "once and see",
+                    lines, 4 * lines, config_.counts_per_revolution));
+  }
+  if (add_report_) add_report_(report);
+  return report;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,66 @@
+#include "drivers/encoder/period_clock.hpp"
+
+#include <algorithm>
+
+namespace curbstone {
+
+namespace {
+constexpr std::int64_t kWindow = 2'000'000;  // us, of the offset: a drive's clock may be off by 1e-3
+constexpr std::int64_t kJump = 1'000'000;
+}  // namespace
+
+void PeriodClock::begin(std::int64_t received) {
+  offset_ = ClockOffset(kWindow, kJump);
+  running_ = true;
+  index_ = 0;
+  settling_ = 0;
+  block_size_ = 0;
+  last_received_ = received;
+  last_stamp_ = offset_.to_host(0, received);
+}
+
+PeriodClock::Stamp PeriodClock::stamp(std::int64_t received, const Evidence& evidence) {
+  measure_period(received);
+  const std::int64_t gap = received - last_received_;
+  if (!running_ || gap > kMaxGap || gap < 0) {
+    begin(received);
+    return {last_stamp_, 1, 0, true};
+  }
+  last_received_ = received;
+
+  Stamp stamp;
+  const auto most = static_cast<int>((received - last_stamp_ + period_ / 2) / period_);
+  if (most > 1) stamp.steps = std::clamp(evidence(most), 1, most);
+  index_ += stamp.steps;
+  stamp.utime = offset_.to_host(index_ * period_, received);
+
+  const std::int64_t delay = received - stamp.utime;
+  least_delay_ = settling_ == 0 ? delay : std::min(least_delay_, delay);
+  if (++settling_ == kSettle) {
+    settling_ = 0;
+    if (4 * least_delay_ > 3 * period_) {
+      stamp.slipped = static_cast<int>((least_delay_ + period_ / 4) / period_);
+      index_ += stamp.slipped;
+      stamp.utime = offset_.to_host(index_ * period_, received);
+    }
+  }
+  last_stamp_ = stamp.utime;
+  return stamp;
+}
+
+/// A wrong timer unit doubles or halves the period. A block's mean is right to a few per cent whatever bunches.
+void PeriodClock::measure_period(std::int64_t received) {
+  if (!running_ || block_size_++ == 0) {
+    block_begin_ = received;
+    return;
+  }
+  if (block_size_ < kBlock) return;
+  const std::int64_t mean = (received - block_begin_) / (kBlock - 1);
+  const auto differs = [&](std::int64_t period) { return 5 * std::abs(mean - period) > period; };
+  block_size_ = 0;
+  if (!differs(period_)) return;
+  period_ = differs(nominal_) ? std::max<std::int64_t>((mean + 250) / 500 * 500, 500) : nominal_;
+  running_ = false;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "common/clock_offset.hpp"
+
+namespace curbstone {
+
+/// Stamps samples that carry no time but are taken with a known period, from the times at which they arrive: late by a
+/// varying delay, sometimes several at once after a pause, now and then one missing.
+///
+/// The k-th sample was taken at offset + k * period; the offset is that of the least delayed sample (ClockOffset). What
+/// must be guessed is k: after a pause, were samples lost, or are they only late? The caller's evidence decides (wheels
+/// do not double their speed from one sample to the next); without evidence they count as late, and if no sample makes
+/// the lateness good within kSettle, they were lost after all.
+class PeriodClock {
+ public:
+  struct Stamp {
+    std::int64_t utime = 0;  ///< us; never after the arrival
+    int steps = 1;           ///< periods since the sample before, by the evidence: steps - 1 were lost
+    int slipped = 0;         ///< samples found to be lost in hindsight
+    bool restarted = false;  ///< nothing is known of the time since the sample before
+  };
+  /// Given the most periods that may have passed, how many have.
+  using Evidence = std::function<int(int max_steps)>;
+
+  /// Samples after which lateness that nobody made good is a loss.
+  static constexpr int kSettle = 25;
+  /// us; after a longer silence all begins anew.
+  static constexpr std::int64_t kMaxGap = 500'000;
+
+  explicit PeriodClock(std::int64_t period) : nominal_(period), period_(period) {}
+
+  [[nodiscard]] Stamp stamp(std::int64_t received, const Evidence& evidence);
+  void restart() { running_ = false; }
+
+  /// us, in use: the nominal one, unless the device plainly keeps another.
+  [[nodiscard]] std::int64_t period() const { return period_; }
+
+ private:
+  void begin(std::int64_t received);
+  void measure_period(std::int64_t received);
+
+  static constexpr int kBlock = 64;  // samples over which the period is measured
+
+  std::int64_t nominal_;
+  std::int64_t period_;
+  ClockOffset offset_;
+  bool running_ = false;
+  std::int64_t index_ = 0;       // k
+  std::int64_t last_stamp_ = 0;  // us
+  std::int64_t last_received_ = 0;
+  std::int64_t least_delay_ = 0;  // us, of the last `settling_` samples
+  int settling_ = 0;
+  std::int64_t block_begin_ = 0;  // us, arrival of the block's first sample
+  int block_size_ = 0;
+};
+
+}  // namespace curbstone

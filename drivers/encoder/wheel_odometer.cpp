@@ -1,0 +1,84 @@
+#include "drivers/encoder/wheel_odometer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace curbstone {
+
+namespace {
+constexpr int kMaxSuspects = 3;       // samples in a row that agree with each other: they are right
+constexpr double kEvidentCounts = 8;  // a sample; slower, the counts say nothing about time
+}  // namespace
+
+/// Modulo 2^32: right across the wrap.
+std::array<double, 2> WheelOdometer::difference(const Raw& from, const Raw& to) {
+  std::array<double, 2> moved;
+  for (std::size_t i = 0; i < 2; ++i) {
+    moved[i] = static_cast<std::int32_t>(static_cast<std::uint32_t>(to[i]) - static_cast<std::uint32_t>(from[i]));
+  }
+  return moved;
+}
+
+std::optional<WheelOdometer::Sample> WheelOdometer::update(const Raw& raw, double elapsed) {
+  if (!last_) {
+    last_ = raw;
+    since_accepted_ = 0;
+    suspects_ = 0;
+    per_period_ = {};
+    return sample({}, elapsed);
+  }
+  since_accepted_ += elapsed;
+  const double limit = settings_.max_speed * settings_.counts_per_revolution / (2 * std::numbers::pi);
+  const auto possible = [&](const std::array<double, 2>& moved, double time) {
+    return std::abs(moved[0]) <= limit * time && std::abs(moved[1]) <= limit * time;
+  };
+  std::array<double, 2> moved = difference(*last_, raw);
+  if (!possible(moved, since_accepted_)) {
+    const bool agrees = suspects_ > 0 && possible(difference(*suspect_, raw), elapsed);
+    suspects_ = agrees ? suspects_ + 1 : 1;
+    suspect_ = raw;
+    if (suspects_ < kMaxSuspects) {
+      counters_.add("refused.jump");
+      return {};
+    }
+    counters_.add("counts_restarted");
+    moved = {};
+  }
+  const double time = since_accepted_;
+  last_ = raw;
+  since_accepted_ = 0;
+  suspects_ = 0;
+  per_period_ = moved;
+  for (std::size_t i = 0; i < 2; ++i) {
+    total_[i] += static_cast<std::int64_t>(settings_.inverted[i] ? -moved[i] : moved[i]);
+  }
+  return sample(moved, time);
+}
+
+WheelOdometer::Sample WheelOdometer::sample(const std::array<double, 2>& moved, double elapsed) const {
+  const double radians = 2 * std::numbers::pi / settings_.counts_per_revolution;
+  Sample sample;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double sign = settings_.inverted[i] ? -1 : 1;
+    sample.counts[i] = total_[i];
+    sample.angle[i] = static_cast<double>(total_[i]) * radians;
+    sample.speed[i] = elapsed > 0 ? sign * moved[i] * radians / elapsed : 0.0;
+  }
+  return sample;
+}
+
+int WheelOdometer::likely_periods(const Raw& raw, int most) const {
+  if (!last_ || std::max(std::abs(per_period_[0]), std::abs(per_period_[1])) < kEvidentCounts) return 1;
+  const std::array<double, 2> moved = difference(*last_, raw);
+  const auto surprise = [&](int periods) {
+    return std::abs(moved[0] / periods - per_period_[0]) + std::abs(moved[1] / periods - per_period_[1]);
+  };
+  int best = 1;
+  for (int periods = 2; periods <= most; ++periods) {
+    if (surprise(periods) < surprise(best)) best = periods;
+  }
+  return surprise(best) < 0.5 * surprise(1) ? best : 1;
+}
+
+}  // namespace curbstone

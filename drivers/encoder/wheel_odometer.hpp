@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "common/counters.hpp"
+
+namespace curbstone {
+
+/// Turns the drive's raw int32 counts into angles and speeds, positive forward for either wheel. Index 0 is left.
+///
+/// Counts: refused.jump (more than the wheels can turn; one corrupted frame), counts_restarted (a jump that stays: the
+/// drive counts anew; the distance meanwhile is lost).
+class WheelOdometer {
+ public:
+  using Raw = std::array<std::int32_t, 2>;
+  struct Settings {
+    double counts_per_revolution = 4096;
+    std::array<bool, 2> inverted = {false, true};
+    double max_speed = 60;  ///< rad/s, of a wheel
+  };
+  struct Sample {
+    std::array<std::int64_t, 2> counts{};  ///< since the first sample
+    std::array<double, 2> angle{};         ///< rad since the first sample
+    std::array<double, 2> speed{};         ///< rad/s, since the sample before
+  };
+
+  explicit WheelOdometer(const Settings& settings) : settings_(settings) {}
+
+  /// `elapsed` s since the last update() call. Empty if the counts cannot be.
+  std::optional<Sample> update(const Raw& raw, double elapsed);
+  /// The drive counts from anew with the next sample.
+  void restart() { last_.reset(); }
+
+  /// How many periods (1..most) have passed since the last sample, if the wheels went on as they did: 1 unless the
+  /// counts plainly say more.
+  [[nodiscard]] int likely_periods(const Raw& raw, int most) const;
+
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  [[nodiscard]] static std::array<double, 2> difference(const Raw& from, const Raw& to);
+  [[nodiscard]] Sample sample(const std::array<double, 2>& moved, double elapsed) const;
+
+  Settings settings_;
+  std::optional<Raw> last_;              // raw counts of the last accepted sample
+  std::array<std::int64_t, 2> total_{};  // counts, signed forward
+  std::array<double, 2> per_period_{};   // raw counts that the last sample brought
+  double since_accepted_ = 0;            // s
+  std::optional<Raw> suspect_;           // the last sample that was refused
+  int suspects_ = 0;
+  Counters counters_;
+};
+
+}  // namespace curbstone

@@ -1,0 +1,157 @@
+#include "drivers/imu/imu_node.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <curbstone/imu_t.hpp>
+#include <limits>
+#include <utility>
+
+namespace curbstone {
+
+namespace {
+
+constexpr std::int64_t kWatchPeriod = 1'000'000;  // us
+
+MtConfigurator::Settings settings(const ImuConfig& config) {
+  return {config.configure, config.rate, config.orientation, std::llround(config.silence * 1e6)};
+}
+
+}  // namespace
+
+ImuNode::ImuNode(const ImuConfig& config, Publisher& bus, Send send)
+    : config_(config), bus_(bus), configurator_(settings(config), std::move(send)) {}
+
+void ImuNode::on_bytes(std::int64_t receive_utime, std::span<const std::uint8_t> bytes) {
+  counters_.add("bytes", static_cast<std::int64_t>(bytes.size()));
+  parser_.parse(receive_utime, bytes, [&](const XbusFrame& frame) { on_frame(receive_utime, frame); });
+}
+
+void ImuNode::on_frame(std::int64_t receive_utime, const XbusFrame& frame) {
+  configurator_.on_frame(receive_utime, frame);
+  if (frame.is(Mid::kWakeUp)) {
+    sample_time_ = {};
+    restart_clocks();
+  }
+  if (!frame.is(Mid::kMtData2)) return;
+  const std::int64_t under_way =  // 8N1: ten bits a byte
+      config_.line == "uart" ? static_cast<std::int64_t>(frame.wire_size) * 10'000'000 / config_.baud : 0;
+  on_measurement(receive_utime - under_way, decode_mtdata2(frame.data, counters_));
+}
+
+void ImuNode::on_measurement(std::int64_t receive_utime, const MtData2& data) {
+  const auto time = device_time(data);
+  count_losses(data);
+  if (!data.acceleration || !data.angular_rate) {
+    counters_.add("skipped.incomplete");
+    return;  // messages of its GNSS receiver, say, which bear the time of the fix
+  }
+  if (!time) counters_.add("stamped_on_receipt");
+  const std::int64_t utime = time ? to_host(*time, receive_utime) : receive_utime;
+  ++sequence_;
+  configurator_.on_usable_sample(receive_utime);
+  last_sample_ = receive_utime;
+  if (utime <= last_utime_) {  // while the clock's offset settles
+    counters_.add("dropped.not_newer");
+    return;
+  }
+  last_utime_ = utime;
+
+  imu_t message{};
+  message.utime = utime;
+  message.sequence = sequence_;
+  std::copy(data.acceleration->begin(), data.acceleration->end(), message.acceleration);
+  std::copy(data.angular_rate->begin(), data.angular_rate->end(), message.angular_rate);
+  message.has_orientation = data.orientation.has_value();
+  if (data.orientation) std::copy(data.orientation->begin(), data.orientation->end(), message.orientation);
+  message.temperature = static_cast<float>(data.temperature.value_or(std::numeric_limits<double>::quiet_NaN()));
+  if (data.status) {
+    self_test_failed_ = (*data.status & MtData2::kSelfTestPassed) == 0;
+    if (self_test_failed_) message.status |= imu_t::SELF_TEST_FAILED;
+    if ((*data.status & MtData2::kClipping) != 0) {
+      message.status |= imu_t::CLIPPING;
+      counters_.add("clipped");
+    }
+  }
+  bus_.publish("IMU", message);
+  counters_.add("samples");
+  latency_.add(static_cast<double>(receive_utime - utime) * 1e-6);
+}
+
+/// The device's own time of a message, us; empty if it tells none.
+std::optional<std::int64_t> ImuNode::device_time(const MtData2& data) {
+  if (!data.sample_time_fine) return {};
+  const auto [time, restarted] = sample_time_.unwrap(*data.sample_time_fine);
+  if (restarted) restart_clocks();
+  return time;
+}
+
+void ImuNode::restart_clocks() {
+  counters_.add("clock_restarts");
+  clock_ = ClockOffset();
+  packet_counter_.restart();
+}
+
+std::int64_t ImuNode::to_host(std::int64_t device_time, std::int64_t receive_utime) {
+  const std::int64_t jumps = clock_.jumps();
+  const std::int64_t utime = clock_.to_host(device_time, receive_utime);
+  if (clock_.jumps() != jumps) {  // the host's clock was set: its times before mean nothing now
+    counters_.add("clock_jumps");
+    last_utime_ = 0;
+  }
+  return utime;
+}
+
+/// Messages without inertial data count too, but leave no gap in the sequence.
+void ImuNode::count_losses(const MtData2& data) {
+  if (!data.packet_counter) return;
+  const int lost = packet_counter_.lost_before(*data.packet_counter);
+  if (lost == 0) return;
+  counters_.add("lost.packets", lost);
+  sequence_ += lost;
+}
+
+void ImuNode::on_link(std::int64_t now, bool up, const std::string& why) {
+  if (up || link_fault_.empty()) counters_.add(up ? "link.reopened" : "link.lost");
+  link_fault_ = up ? "" : why;
+  parser_.reset();
+  if (up) configurator_.start(now);
+}
+
+void ImuNode::tick(std::int64_t now) {
+  if (now_ == 0) last_sample_ = now;
+  now_ = now;
+  if (link_fault_.empty()) configurator_.tick(now);
+  watch_line(now);
+}
+
+/// More garbage than frames within a second is a fault; a byte now and then is not.
+void ImuNode::watch_line(std::int64_t now) {
+  if (now - watched_ < kWatchPeriod) return;
+  const std::int64_t bytes = counters_["bytes"];
+  const std::int64_t garbage = parser_.counters()["garbage_bytes"];
+  garbled_ = garbage - watched_garbage_ > (bytes - watched_bytes_) / 2;
+  watched_ = now;
+  watched_bytes_ = bytes;
+  watched_garbage_ = garbage;
+}
+
+NodeReport ImuNode::report() const {
+  NodeReport report;
+  report.counters = counters_;
+  for (const Counters* more : {&parser_.counters(), &configurator_.counters()}) {
+    for (const auto& [name, value] : more->values()) report.counters.add(name, value);
+  }
+  report.latency_p50 = latency_.percentile(0.5);
+  report.latency_p99 = latency_.percentile(0.99);
+
+  if (!link_fault_.empty()) report.faults.push_back(link_fault_);
+  const double silent = static_cast<double>(now_ - last_sample_) * 1e-6;
+  if (silent > config_.silence) report.faults.push_back(fmt::format("no sample from the IMU for {:.0f} s", silent));
+  if (garbled_) report.faults.push_back("garbage from the IMU: wrong baud, or another device");
+  if (const std::string fault = configurator_.fault(); !fault.empty()) report.faults.push_back(fault);
+  if (self_test_failed_) report.faults.push_back("the IMU's self-test has failed");
+  return report;
+}
+
+}  // namespace curbstone

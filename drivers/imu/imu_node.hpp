@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "common/clock_offset.hpp"
+#include "common/latency.hpp"
+#include "common/node.hpp"
+#include "drivers/imu/imu_config.hpp"
+#include "drivers/imu/mt_configurator.hpp"
+#include "drivers/imu/mtdata2.hpp"
+#include "drivers/imu/sample_time.hpp"
+#include "drivers/imu/xbus_frame.hpp"
+
+namespace curbstone {
+
+/// The bytes of an Xsens MTi in, IMU out. No port and no clock: bytes come with the time of their receipt, commands to
+/// the device leave through `send`.
+///
+/// A sample's stamp is the device's own (SampleTimeFine) on the host's clock, by the least delayed samples of the last
+/// seconds; of a device that sends no time, the time of receipt. Stamps strictly increase, unless somebody sets the
+/// host's clock back.
+class ImuNode final : public Node {
+ public:
+  using Send = MtConfigurator::Send;
+
+  ImuNode(
+      const ImuConfig& config, Publisher& bus, Send send = [](auto) {});
+
+  void connect(Subscriber&) override {}
+  void on_bytes(std::int64_t receive_utime, std::span<const std::uint8_t> bytes);
+  /// The port was opened again; or has vanished, or still cannot be opened: `why`.
+  void on_link(std::int64_t now, bool up, const std::string& why);
+  void tick(std::int64_t now) override;
+  [[nodiscard]] NodeReport report() const override;
+
+ private:
+  void on_frame(std::int64_t receive_utime, const XbusFrame& frame);
+  void on_measurement(std::int64_t receive_utime, const MtData2& data);
+  std::optional<std::int64_t> device_time(const MtData2& data);
+  std::int64_t to_host(std::int64_t device_time, std::int64_t receive_utime);
+  void restart_clocks();
+  void count_losses(const MtData2& data);
+  void watch_line(std::int64_t now);
+
+  ImuConfig config_;
+  Publisher& bus_;
+  XbusParser parser_;
+  MtConfigurator configurator_;
+  SampleTime sample_time_;
+  PacketCounter packet_counter_;
+  ClockOffset clock_;
+  std::int32_t sequence_ = -1;
+  std::int64_t last_utime_ = 0;  // published
+
+  // for faults, on the clock of tick()
+  std::int64_t now_ = 0;
+  std::int64_t last_sample_ = 0;
+  std::int64_t watched_ = 0;
+  std::int64_t watched_bytes_ = 0;
+  std::int64_t watched_garbage_ = 0;
+  bool garbled_ = false;
+  bool self_test_failed_ = false;
+  std::string link_fault_;
+  LatencyWindow latency_;
+  Counters counters_;
+};
+
+}  // namespace curbstone

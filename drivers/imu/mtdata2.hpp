@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "common/counters.hpp"
+
+namespace curbstone {
+
+/// What one MTData2 message held. The content may change from message to message: what was absent is empty.
+struct MtData2 {
+  std::optional<std::uint16_t> packet_counter;
+  std::optional<std::uint32_t> sample_time_fine;      ///< ticks of 0.1 ms
+  std::optional<std::array<double, 3>> acceleration;  ///< specific force, m/s^2
+  std::optional<std::array<double, 3>> angular_rate;  ///< rad/s
+  std::optional<std::array<double, 4>> orientation;   ///< w x y z, unit, sensor to the device's local frame
+  std::optional<double> temperature;                  ///< deg C
+  std::optional<std::uint32_t> status;                ///< bits of the status word; the status byte is its lowest
+
+  static constexpr std::uint32_t kSelfTestPassed = 1u << 0;
+  static constexpr std::uint32_t kClipping = 0x3Fu << 8;  ///< of the accelerometer (8..10) or the gyroscope (11..13)
+};
+
+/// Decodes the payload of an MTData2 message: float32, float64 and both fixed-point formats. Unknown items are skipped
+/// by their size. Counts into `counters`: skipped.items, refused.truncated (an item runs over the end; what came before
+/// it stands), refused.item_size, refused.not_finite, refused.range (more than any such device can measure). Source:
+/// ../shared/reference/protocols/imu_serial.md, A4.
+[[nodiscard]] MtData2 decode_mtdata2(std::span<const std::uint8_t> payload, Counters& counters);
+
+}  // namespace curbstone

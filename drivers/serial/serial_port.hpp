@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace curbstone {
+
+struct SerialSettings {
+  std::string device = "/dev/ttyUSB0";
+  int baud = 115200;
+};
+
+/// A serial port in raw mode, 8N1, no flow control, non-blocking, held exclusively. Move-only; closes at its end.
+class SerialPort {
+ public:
+  /// Throws std::runtime_error with one clear line: no such device, no permission, busy, no serial port, bad baud.
+  explicit SerialPort(const SerialSettings& settings);
+  ~SerialPort();
+  SerialPort(SerialPort&& other) noexcept;
+  SerialPort& operator=(SerialPort&& other) noexcept;
+
+  [[nodiscard]] int fd() const { return fd_; }
+
+  enum class Status { kData, kNothing, kGone };
+  struct Read {
+    Status status = Status::kNothing;
+    std::size_t size = 0;
+  };
+  /// What has arrived, up to the buffer's size.
+  [[nodiscard]] Read read(std::span<std::uint8_t> buffer);
+  /// Bytes that went into the kernel's queue: fewer when it is full or the device is gone.
+  std::size_t write(std::span<const std::uint8_t> bytes);
+
+ private:
+  void close() noexcept;
+
+  int fd_ = -1;
+};
+
+}  // namespace curbstone
