@@ -45,7 +45,9 @@ void EncoderNode::on_frame(std::int64_t receive_utime, const CanFrame& frame) {
 }
 
 void EncoderNode::on_counts(std::int64_t receive_utime, const WheelOdometer::Raw& counts) {
-  const auto stamp = clock_.stamp(receive_utime, [&](int most) { return odometer_.likely_periods(counts, most); });
+  const auto stamp = clock_.stamp(receive_utime, [&](int most) {
+    return odometer_.likely_periods(counts, most, static_cast<double>(clock_.period()) * 1e-6);
+  });
   // Speeds by the drive's own periods: a correction of the clock's offset is no change of speed.
   const std::int64_t elapsed = stamp.restarted ? receive_utime - last_received_ : stamp.steps * clock_.period();
   last_received_ = receive_utime;

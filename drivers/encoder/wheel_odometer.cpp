@@ -25,7 +25,7 @@ std::optional<WheelOdometer::Sample> WheelOdometer::update(const Raw& raw, doubl
     last_ = raw;
     since_accepted_ = 0;
     suspects_ = 0;
-    per_period_ = {};
+    rate_ = {};
     return sample({}, elapsed);
   }
   since_accepted_ += elapsed;
@@ -49,8 +49,8 @@ std::optional<WheelOdometer::Sample> WheelOdometer::update(const Raw& raw, doubl
   last_ = raw;
   since_accepted_ = 0;
   suspects_ = 0;
-  per_period_ = moved;
   for (std::size_t i = 0; i < 2; ++i) {
+    rate_[i] = time > 0 ? moved[i] / time : 0.0;
     total_[i] += static_cast<std::int64_t>(settings_.inverted[i] ? -moved[i] : moved[i]);
   }
   return sample(moved, time);
@@ -68,11 +68,11 @@ WheelOdometer::Sample WheelOdometer::sample(const std::array<double, 2>& moved, 
   return sample;
 }
 
-int WheelOdometer::likely_periods(const Raw& raw, int most) const {
-  if (!last_ || std::max(std::abs(per_period_[0]), std::abs(per_period_[1])) < kEvidentCounts) return 1;
+int WheelOdometer::likely_periods(const Raw& raw, int most, double period) const {
+  if (!last_ || std::max(std::abs(rate_[0]), std::abs(rate_[1])) * period < kEvidentCounts) return 1;
   const std::array<double, 2> moved = difference(*last_, raw);
-  const auto surprise = [&](int periods) {
-    return std::abs(moved[0] / periods - per_period_[0]) + std::abs(moved[1] / periods - per_period_[1]);
+  const auto surprise = [&](int periods) {  // counts a period
+    return std::abs(moved[0] / periods - rate_[0] * period) + std::abs(moved[1] / periods - rate_[1] * period);
   };
   int best = 1;
   for (int periods = 2; periods <= most; ++periods) {

@@ -33,9 +33,9 @@ class WheelOdometer {
   /// The drive counts from anew with the next sample.
   void restart() { last_.reset(); }
 
-  /// How many periods (1..most) have passed since the last sample, if the wheels went on as they did: 1 unless the
-  /// counts plainly say more.
-  [[nodiscard]] int likely_periods(const Raw& raw, int most) const;
+  /// How many periods of `period` s (1..most) have passed since the last sample, if the wheels went on as they did: 1
+  /// unless the counts plainly say more.
+  [[nodiscard]] int likely_periods(const Raw& raw, int most, double period) const;
 
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -46,7 +46,7 @@ class WheelOdometer {
   Settings settings_;
   std::optional<Raw> last_;              // raw counts of the last accepted sample
   std::array<std::int64_t, 2> total_{};  // counts, signed forward
-  std::array<double, 2> per_period_{};   // raw counts that the last sample brought
+  std::array<double, 2> rate_{};         // raw counts/s, over the last sample
   double since_accepted_ = 0;            // s
   std::optional<Raw> suspect_;           // the last sample that was refused
   int suspects_ = 0;

@@ -14,8 +14,8 @@ namespace curbstone {
 /// inhibit timers, EMCY. A frame state machine without a clock: whoever uses it passes the time (us, any monotonic
 /// clock).
 ///
-/// To simulate: on_frame() with what the host sends; at next_due(), set_counts() to the truth of that instant and
-/// tick(). Settings that a power cycle or a reset loses are lost here too.
+/// To simulate: set_counts() to the truth of the instant, then on_frame() with what the host sends (a start answers with
+/// positions at once) or, at next_due(), tick(). Settings that a power cycle or a reset loses are lost here too.
 class CanDriveEmulator {
  public:
   struct Settings {

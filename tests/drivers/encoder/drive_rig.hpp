@@ -1,0 +1,90 @@
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <curbstone/wheels_t.hpp>
+#include <deque>
+#include <functional>
+#include <memory>
+
+#include "drivers/encoder/encoder_node.hpp"
+#include "tests/drivers/recorder.hpp"
+#include "tools/simulate/devices/can_drive_emulator.hpp"
+
+namespace curbstone::testing {
+
+/// The driver and an emulated drive on a bus with delays, on a clock that the test turns.
+class DriveRig {
+ public:
+  static constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
+  static constexpr double kCounts = 4096;
+
+  explicit DriveRig(const EncoderConfig& config = {}, const CanDriveEmulator::Settings& device = {})
+      : drive(device), node(config, recorder_.bus(), [this](const CanFrame& frame) {
+          if (connected) on_bus_.push_back(frame);
+        }) {}
+
+  /// Runs both ends for `us`, in steps of 1 ms; samples are taken when the drive's timers say so.
+  void run_for(std::int64_t us) {
+    for (const std::int64_t end = now + us; now < end; now += 1000) {
+      if ((now - kStart) % 20'000 == 0) node.tick(now);
+      while (!on_bus_.empty()) {
+        const CanFrame frame = on_bus_.front();
+        on_bus_.pop_front();
+        drive.set_counts(raw(now, 0), raw(now, 1));  // a start sends at once
+        receive(now, drive.on_frame(now, frame));
+      }
+      for (auto due = drive.next_due(); due && *due < now + 1000; due = drive.next_due()) {
+        drive.set_counts(raw(*due, 0), raw(*due, 1));
+        receive(*due, drive.tick(*due));
+      }
+      deliver(now + 1000);
+    }
+  }
+  void receive(std::int64_t at, const CanDriveEmulator::Frames& frames) {
+    for (const CanFrame& frame : frames) {
+      if (connected && !lost(frame)) late_.push_back({at + delay(frame), frame});
+    }
+  }
+  /// Raw counts: left forward, right mirrored.
+  [[nodiscard]] std::int32_t raw(std::int64_t at, int side) const {
+    const double counts = std::floor(angle(at) * kCounts / (2 * M_PI));
+    const auto whole = static_cast<std::int64_t>(side == 0 ? counts : -counts) + first_count;
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(whole));
+  }
+  [[nodiscard]] double angle(std::int64_t at) const { return speed * static_cast<double>(at - kStart) * 1e-6; }
+  const std::vector<wheels_t>& messages() { return recorder_.messages(); }
+  [[nodiscard]] std::int64_t count(std::string_view name) const { return node.report().counters[name]; }
+
+  std::int64_t now = kStart;
+  double speed = 10;  // rad/s
+  std::int64_t first_count = 0;
+  bool connected = true;
+  std::function<std::int64_t(const CanFrame&)> delay = [](const CanFrame&) { return std::int64_t{200}; };
+  std::function<bool(const CanFrame&)> lost = [](const CanFrame&) { return false; };
+  CanDriveEmulator drive;
+
+ private:
+  struct Late {
+    std::int64_t at;
+    CanFrame frame;
+  };
+  void deliver(std::int64_t until) {  // in order: a bus is a queue
+    while (!late_.empty() && late_.front().at < until) {
+      const Late late = late_.front();
+      late_.pop_front();
+      arrived_ = std::max(arrived_, late.at);
+      node.on_frame(arrived_, late.frame);
+    }
+  }
+  Recorder<wheels_t> recorder_{"WHEELS"};
+  std::deque<CanFrame> on_bus_;
+  std::deque<Late> late_;
+  std::int64_t arrived_ = 0;
+
+ public:
+  EncoderNode node;
+};
+
+}  // namespace curbstone::testing
