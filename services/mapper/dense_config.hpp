@@ -1,0 +1,34 @@
+#pragma once
+
+#include "common/config.hpp"
+
+namespace curbstone {
+
+/// The dense map: what goes in.
+struct DenseConfig {
+  double voxel = 0.05;             ///< m; one point each. A whole number of 2 mm steps that divides 3 m
+  double max_range = 20.0;         ///< m, horizontally from base_link: farther points are too noisy
+  double min_height = -3.0;        ///< m, above base_link
+  double max_height = 4.0;         ///< m, above base_link
+  int settle_hits = 3;             ///< a voxel's point is the mean of its first hits: of this many...
+  double settle_s = 0.3;           ///< s: ...or of those that came within this time
+  double ground_clearance = 0.30;  ///< m above the lowest point of its column: what is higher may be a moving object
+  double persistence_s = 1.0;      ///< s that a place above ground must have been seen occupied
+  double standing_s = 1.5;         ///< s at one place after which a standing vehicle adds no new voxels
+  int max_points = 30'000'000;     ///< of the whole map (8 bytes each); the farthest tiles go
+
+  void visit(ConfigVisitor& v) {
+    v.field("voxel", voxel, {0.02, 0.5}, "m, one point each; a whole number of 2 mm steps that divides 3 m");
+    v.field("max_range", max_range, {2.0, 100.0}, "m, horizontally; farther points are not mapped");
+    v.field("min_height", min_height, {-20.0, 0.0}, "m above base_link");
+    v.field("max_height", max_height, {0.0, 30.0}, "m above base_link");
+    v.field("settle_hits", settle_hits, {1, 100}, "hits whose mean becomes the voxel's point");
+    v.field("settle_s", settle_s, {0.0, 10.0}, "s after which fewer hits do");
+    v.field("ground_clearance", ground_clearance, {0.05, 5.0}, "m above its column's lowest point: may be moving");
+    v.field("persistence_s", persistence_s, {0.0, 60.0}, "s for which what may be moving must have stayed");
+    v.field("standing_s", standing_s, {0.0, 600.0}, "s at one place after which nothing new is added");
+    v.field("max_points", max_points, {100'000, 500'000'000}, "of the whole map; the farthest tiles go first");
+  }
+};
+
+}  // namespace curbstone

@@ -1,0 +1,282 @@
+#include "services/mapper/dense_map.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <utility>
+
+namespace curbstone {
+namespace {
+
+constexpr double kPlaceSize = 0.2;               // m, horizontally
+constexpr double kPlaceHeight = 0.6;             // m: the rings of a passing vehicle hit a wall now here, now there
+constexpr std::int64_t kPlaceBreak = 1'000'000;  // us without a hit: whatever was there has left
+constexpr std::int64_t kGiveUp = 3'000'000;      // us without a hit: what waits is forgotten
+constexpr double kGroundSlope = 0.05;            // by which unseen ground may rise above the vehicle's plane
+constexpr std::int64_t kHousekeeping = 64;       // revolutions between
+constexpr int kHeldEvery = 4;                    // revolutions between looks at what is held
+constexpr double kAwake = 40.0;                  // m beyond the range: tiles that keep their voxel sets
+
+std::int64_t microseconds(double seconds) {
+  return std::llround(seconds * 1e6);
+}
+
+Eigen::Vector3i place_of(const Eigen::Vector3d& p) {
+  return {static_cast<int>(std::floor(p.x() / kPlaceSize)), static_cast<int>(std::floor(p.y() / kPlaceSize)),
+          static_cast<int>(std::floor(p.z() / kPlaceHeight))};
+}
+
+Eigen::Vector3d corner_of(TileKey key, const MapTile& tile) {
+  return {key.x * kTileSize, key.y * kTileSize, static_cast<double>(tile.z_origin())};
+}
+
+std::optional<TilePoint> point_in_tile(const Eigen::Vector3d& offset, std::uint8_t intensity) {
+  const double z = std::floor(offset.z() / kPositionStep);
+  if (!(std::abs(z) < 32000)) return std::nullopt;
+  const auto in_plane = [](double v) {
+    return static_cast<std::int16_t>(std::clamp(static_cast<int>(v / kPositionStep), 0, kStepsPerTile - 1));
+  };
+  return TilePoint{in_plane(offset.x()), in_plane(offset.y()), static_cast<std::int16_t>(z), intensity};
+}
+
+/// Names a waiting voxel in the index of all of them. Not a lattice cell, but as unique.
+VoxelKey waiting_key(TileKey tile, std::uint32_t voxel) {
+  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(tile.x) & 0xffff) << 48) |
+         (static_cast<std::uint64_t>(static_cast<std::uint32_t>(tile.y) & 0xffff) << 32) | voxel;
+}
+
+}  // namespace
+
+DenseMap::DenseMap(const DenseConfig& config)
+    : config_(config), voxel_steps_(static_cast<int>(std::lround(config.voxel / kPositionStep))) {}
+
+const MapTile* DenseMap::tile(TileKey key) const {
+  const auto it = tiles_.find(key);
+  return it == tiles_.end() ? nullptr : &it->second;
+}
+
+MapTile* DenseMap::find_tile(TileKey key) {
+  const auto it = tiles_.find(key);
+  if (it == tiles_.end()) return nullptr;
+  it->second.wake();
+  return &it->second;
+}
+
+MapTile* DenseMap::tile_at_point(const Eigen::Vector3d& point) {
+  const auto key = tile_at(point.x(), point.y());
+  return key ? find_tile(*key) : nullptr;
+}
+
+std::vector<TileKey> DenseMap::insert(const std::vector<LidarPoint>& points, const Pose& T_map_base, std::int64_t utime,
+                                      bool add_new) {
+  ++round_;
+  base_ = T_map_base.translation();
+  up_ = T_map_base.linear().col(2);
+  learn(points, T_map_base, utime);
+  for (std::size_t i = 0; i < in_range_.size(); ++i) hit(in_range_[i], in_range_intensity_[i], utime, add_new);
+  std::vector<TileKey> grown = settle_all(utime, false);
+  if (round_ % kHousekeeping == 0) {
+    forget_places(utime);
+    bound_memory();
+  }
+  return grown;
+}
+
+std::vector<TileKey> DenseMap::finish() {
+  return settle_all(0, true);
+}
+
+/// First look at the whole revolution: the lowest point of each column, then what stands above it.
+void DenseMap::learn(const std::vector<LidarPoint>& points, const Pose& T_map_base, std::int64_t utime) {
+  in_range_.clear();
+  in_range_intensity_.clear();
+  for (const LidarPoint& point : points) {
+    const Eigen::Vector3d p = point.position.cast<double>();
+    if (p.head<2>().squaredNorm() > config_.max_range * config_.max_range) continue;
+    if (!(p.z() > config_.min_height && p.z() < config_.max_height)) continue;
+    const Eigen::Vector3d in_map = T_map_base * p;
+    const auto key = tile_at(in_map.x(), in_map.y());
+    if (!key || std::abs(key->x) > 30000 || std::abs(key->y) > 30000) continue;  // 90 km from the start
+    in_range_.push_back(in_map);
+    in_range_intensity_.push_back(point.intensity);
+    const auto [it, inserted] =
+        tiles_.try_emplace(*key, static_cast<std::int32_t>(std::lround(base_.z())), voxel_steps_);
+    it->second.wake();
+    const double scale = MapTile::kColumns / kTileSize;
+    const int column =
+        std::clamp(static_cast<int>((in_map.x() - key->x * kTileSize) * scale), 0, MapTile::kColumns - 1);
+    const int row = std::clamp(static_cast<int>((in_map.y() - key->y * kTileSize) * scale), 0, MapTile::kColumns - 1);
+    float& lowest = it->second.lowest(column, row);
+    lowest = std::min(lowest, static_cast<float>(in_map.z()));
+  }
+  for (const Eigen::Vector3d& p : in_range_) {
+    if (p.z() > ground_at(p) + config_.ground_clearance) occupy(p, utime);
+  }
+}
+
+/// The lowest point known in the four columns around, but not above where the vehicle's own plane says ground may be:
+/// under a vehicle that hides the ground, the lowest point seen is the vehicle's.
+double DenseMap::ground_at(const Eigen::Vector3d& point) {
+  const Eigen::Vector2d d = (point - base_).head<2>();
+  const double slope = up_.z() > 0.5 ? -(up_.head<2>().dot(d)) / up_.z() : 0.0;
+  double ground = base_.z() + slope + kGroundSlope * d.norm();
+  const double half = 0.5 * kTileSize / MapTile::kColumns;
+  for (const double dx : {-half, half}) {
+    for (const double dy : {-half, half}) {
+      const double x = point.x() + dx;
+      const double y = point.y() + dy;
+      const auto key = tile_at(x, y);
+      MapTile* tile = key ? find_tile(*key) : nullptr;
+      if (tile == nullptr) continue;
+      const double scale = MapTile::kColumns / kTileSize;
+      const int column = std::clamp(static_cast<int>((x - key->x * kTileSize) * scale), 0, MapTile::kColumns - 1);
+      const int row = std::clamp(static_cast<int>((y - key->y * kTileSize) * scale), 0, MapTile::kColumns - 1);
+      ground = std::min(ground, static_cast<double>(tile->lowest(column, row)));
+    }
+  }
+  return ground;
+}
+
+void DenseMap::occupy(const Eigen::Vector3d& point, std::int64_t utime) {
+  const Eigen::Vector3i cell = place_of(point);
+  const auto next = static_cast<std::uint32_t>(places_.size());
+  const std::uint32_t at = places_index_.find_or_insert(voxel_key(cell), next);
+  if (at == FlatIndex::kNone) {
+    places_.push_back({cell, utime, utime});
+    return;
+  }
+  Place& place = places_[at];
+  if (utime - place.last > kPlaceBreak) place.first = utime;
+  place.last = utime;
+}
+
+bool DenseMap::stays(const Eigen::Vector3i& cell) const {
+  const std::uint32_t at = places_index_.find(voxel_key(cell));
+  if (at == FlatIndex::kNone) return false;
+  return places_[at].last - places_[at].first >= microseconds(config_.persistence_s);
+}
+
+void DenseMap::hit(const Eigen::Vector3d& point, std::uint8_t intensity, std::int64_t utime, bool add_new) {
+  const TileKey key = *tile_at(point.x(), point.y());
+  const MapTile& tile = tiles_.at(key);
+  const auto in_tile = point_in_tile(point - corner_of(key, tile), intensity);
+  if (!in_tile) return;
+  const std::uint32_t voxel = tile.voxel_number(*in_tile);
+  if (tile.occupied(voxel)) return;
+  const VoxelKey name = waiting_key(key, voxel);
+  std::uint32_t at = waiting_index_.find(name);
+  if (at == FlatIndex::kNone) {
+    if (!add_new) return;
+    at = static_cast<std::uint32_t>(waiting_.size());
+    waiting_index_.find_or_insert(name, at);
+    waiting_.push_back({.tile = key, .voxel = voxel, .first = utime});
+  }
+  Waiting& waiting = waiting_[at];
+  waiting.last = utime;
+  if (waiting.hits >= config_.settle_hits) return;  // its point is made; only its proof is missing
+  ++waiting.hits;
+  waiting.intensity += intensity;
+  waiting.sum += Eigen::Vector3i(in_tile->x, in_tile->y, in_tile->z);
+}
+
+bool DenseMap::may_be_moving(const Eigen::Vector3d& point) {
+  if (point.z() > ground_at(point) + config_.ground_clearance) return !stays(place_of(point));
+  // Low, but under or beside something that is not known to stay: a wheel, a foot.
+  for (const double up : {0.5, 1.0}) {
+    for (const auto& [dx, dy] :
+         {std::pair{0.0, 0.0}, {kPlaceSize, 0.0}, {-kPlaceSize, 0.0}, {0.0, kPlaceSize}, {0.0, -kPlaceSize}}) {
+      const Eigen::Vector3i cell = place_of(point + Eigen::Vector3d(dx, dy, up));
+      const std::uint32_t at = places_index_.find(voxel_key(cell));
+      if (at != FlatIndex::kNone && !stays(cell)) return true;
+    }
+  }
+  return false;
+}
+
+/// Whether the voxel leaves the waiting room: because it went into the map or because it was given up.
+bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
+  if (!last_call && waiting.hits < config_.settle_hits && utime - waiting.first < microseconds(config_.settle_s))
+    return false;
+  if (!last_call && waiting.held && round_ % kHeldEvery != 0) return false;
+  waiting.held = true;
+  MapTile* tile = find_tile(waiting.tile);
+  if (tile == nullptr) return true;
+  const auto mean = [&](int sum) {  // rounded down, so that it stays inside the voxel
+    return static_cast<std::int16_t>(sum >= 0 ? sum / waiting.hits : -((-sum + waiting.hits - 1) / waiting.hits));
+  };
+  const TilePoint point{mean(waiting.sum.x()), mean(waiting.sum.y()), mean(waiting.sum.z()),
+                        static_cast<std::uint8_t>(waiting.intensity / waiting.hits)};
+  const Eigen::Vector3d in_map =
+      corner_of(waiting.tile, *tile) + kPositionStep * Eigen::Vector3d(point.x, point.y, point.z);
+  if (may_be_moving(in_map)) {
+    const bool give_up = last_call || utime - waiting.last > kGiveUp;
+    if (give_up) counters_.add("dense.transient");
+    return give_up;
+  }
+  tile->append(point);
+  counters_.add("dense.points");
+  ++size_;
+  return true;
+}
+
+std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, bool last_call) {
+  std::set<TileKey> grown;
+  const std::int64_t before = size_;
+  std::size_t kept = 0;
+  std::int64_t counted = before;
+  for (std::size_t i = 0; i < waiting_.size(); ++i) {
+    if (!settle(waiting_[i], utime, last_call)) {
+      if (kept != i) waiting_[kept] = waiting_[i];
+      ++kept;
+    } else if (size_ != counted) {
+      counted = size_;
+      grown.insert(waiting_[i].tile);
+    }
+  }
+  if (kept != waiting_.size()) {
+    waiting_.resize(kept);
+    waiting_index_.clear(kept + 4096);
+    for (std::size_t i = 0; i < kept; ++i) {
+      waiting_index_.find_or_insert(waiting_key(waiting_[i].tile, waiting_[i].voxel), static_cast<std::uint32_t>(i));
+    }
+  }
+  return {grown.begin(), grown.end()};
+}
+
+void DenseMap::forget_places(std::int64_t utime) {
+  std::erase_if(places_, [&](const Place& place) { return utime - place.last > kGiveUp; });
+  places_index_.clear(places_.size() + 4096);
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    places_index_.find_or_insert(voxel_key(places_[i].cell), static_cast<std::uint32_t>(i));
+  }
+}
+
+void DenseMap::bound_memory() {
+  const auto distance = [&](TileKey key) {
+    return std::hypot((key.x + 0.5) * kTileSize - base_.x(), (key.y + 0.5) * kTileSize - base_.y());
+  };
+  std::vector<std::pair<double, TileKey>> far;
+  for (auto& [key, tile] : tiles_) {
+    const double d = distance(key);
+    if (d < config_.max_range + kAwake) continue;
+    tile.sleep();
+    far.emplace_back(d, key);
+  }
+  if (size_ <= config_.max_points) return;
+  std::sort(far.begin(), far.end());
+  while (size_ > config_.max_points && !far.empty()) {
+    const TileKey key = far.back().second;
+    far.pop_back();
+    size_ -= static_cast<std::int64_t>(tiles_.at(key).points().size());
+    tiles_.erase(key);
+    evicted_.push_back(key);
+    counters_.add("dense.evicted_tiles");
+  }
+}
+
+std::vector<TileKey> DenseMap::take_evicted() {
+  return std::exchange(evicted_, {});
+}
+
+}  // namespace curbstone

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "common/counters.hpp"
+#include "common/geometry.hpp"
+#include "common/tile.hpp"
+#include "services/mapper/dense_config.hpp"
+#include "services/mapper/flat_index.hpp"
+#include "services/mapper/map_tile.hpp"
+#include "services/mapper/revolution.hpp"
+
+namespace curbstone {
+
+/// The dense map in tiles. A voxel gives one point: the mean of its first hits. What stands clear of the ground waits
+/// until its place has been seen occupied for a while, so that moving objects do not leave their ghosts; so do low
+/// points under such a thing. A function of the calls alone. Pure; one thread.
+///
+/// Counters: dense.points, dense.transient (voxels given up: nothing stayed there), dense.evicted_tiles.
+class DenseMap {
+ public:
+  explicit DenseMap(const DenseConfig& config);
+
+  /// Takes a registered revolution; `points` in base_link. `add_new` false: only what is already waiting profits.
+  /// Returns the tiles that grew, in order.
+  std::vector<TileKey> insert(const std::vector<LidarPoint>& points, const Pose& T_map_base, std::int64_t utime,
+                              bool add_new = true);
+  /// What is still waiting for more hits goes in as it is; what must prove that it stays, does not.
+  std::vector<TileKey> finish();
+
+  /// nullptr if there is none. Lives until the next insert().
+  [[nodiscard]] const MapTile* tile(TileKey key) const;
+  /// Tiles that were given up for memory since the last call.
+  [[nodiscard]] std::vector<TileKey> take_evicted();
+  [[nodiscard]] std::int64_t size() const { return size_; }
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  /// A voxel that has been hit and has no point yet.
+  struct Waiting {
+    TileKey tile;
+    std::uint32_t voxel = 0;  // MapTile::voxel_number
+    bool held = false;        // has had its time, must prove that it stays
+    std::int32_t hits = 0;
+    std::int32_t intensity = 0;                     // sums, as the position's
+    Eigen::Vector3i sum = Eigen::Vector3i::Zero();  // of TilePoint positions
+    std::int64_t first = 0;                         // us
+    std::int64_t last = 0;                          // us
+  };
+  /// A coarse cell above ground: since when it has been seen occupied without a break.
+  struct Place {
+    Eigen::Vector3i cell;
+    std::int64_t first;  // us
+    std::int64_t last;   // us
+  };
+
+  MapTile* tile_at_point(const Eigen::Vector3d& point);
+  MapTile* find_tile(TileKey key);
+  void learn(const std::vector<LidarPoint>& points, const Pose& T_map_base, std::int64_t utime);
+  void hit(const Eigen::Vector3d& point, std::uint8_t intensity, std::int64_t utime, bool add_new);
+  void occupy(const Eigen::Vector3d& point, std::int64_t utime);
+  [[nodiscard]] double ground_at(const Eigen::Vector3d& point);
+  [[nodiscard]] bool stays(const Eigen::Vector3i& cell) const;
+  [[nodiscard]] bool may_be_moving(const Eigen::Vector3d& point);
+  [[nodiscard]] bool settle(Waiting& waiting, std::int64_t utime, bool last_call);
+  std::vector<TileKey> settle_all(std::int64_t utime, bool last_call);
+  void forget_places(std::int64_t utime);
+  void bound_memory();
+
+  DenseConfig config_;
+  int voxel_steps_;
+  std::unordered_map<TileKey, MapTile, TileKeyHash> tiles_;
+  std::vector<Waiting> waiting_;
+  FlatIndex waiting_index_;
+  std::vector<Place> places_;
+  FlatIndex places_index_;
+  std::vector<TileKey> evicted_;
+  std::vector<Eigen::Vector3d> in_range_;  // scratch: points of this revolution, in map
+  std::vector<std::uint8_t> in_range_intensity_;
+  Eigen::Vector3d base_ = Eigen::Vector3d::Zero();  // position of base_link in map
+  Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();   // its z axis
+  std::int64_t round_ = 0;                          // revolutions inserted
+  std::int64_t size_ = 0;                           // points
+  Counters counters_;
+};
+
+}  // namespace curbstone

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace curbstone {
+
+/// Names a voxel: its lattice coordinates, 21 bits each, in one word. 2^20 voxels of 5 cm reach 52 km either way.
+using VoxelKey = std::uint64_t;
+inline constexpr std::int32_t kVoxelLimit = 1 << 20;
+
+[[nodiscard]] inline VoxelKey voxel_key(const Eigen::Vector3i& cell) {
+  const auto part = [](int v) { return static_cast<std::uint64_t>(v + kVoxelLimit) & 0x1fffff; };
+  return (part(cell.x()) << 42) | (part(cell.y()) << 21) | part(cell.z());
+}
+
+/// The lattice cell of a point. The point must be within the lattice: |coordinate| * inverse_size < kVoxelLimit.
+template <class Vector>
+[[nodiscard]] Eigen::Vector3i voxel_of(const Vector& point, double inverse_size) {
+  return {static_cast<int>(std::floor(static_cast<double>(point.x()) * inverse_size)),
+          static_cast<int>(std::floor(static_cast<double>(point.y()) * inverse_size)),
+          static_cast<int>(std::floor(static_cast<double>(point.z()) * inverse_size))};
+}
+
+/// From voxel keys to places in somebody's array: open addressing, linear probing, no erasing (its users refill it).
+/// Nothing iterates over it, so nothing can come to depend on the order of its slots.
+class FlatIndex {
+ public:
+  static constexpr std::uint32_t kNone = 0xffffffff;
+
+  explicit FlatIndex(std::size_t expected = 1024) { clear(expected); }
+
+  void clear(std::size_t expected) {
+    std::size_t capacity = 16;
+    while (capacity < 2 * expected) capacity *= 2;
+    slots_.assign(capacity, Slot{});
+    size_ = 0;
+  }
+
+  [[nodiscard]] std::uint32_t find(VoxelKey key) const {
+    for (std::size_t i = home(key);; i = next(i)) {
+      if (slots_[i].value == kNone) return kNone;
+      if (slots_[i].key == key) return slots_[i].value;
+    }
+  }
+
+  /// What the key has; if it has nothing, it gets `value` and kNone is returned.
+  std::uint32_t find_or_insert(VoxelKey key, std::uint32_t value) {
+    if (2 * (size_ + 1) > slots_.size()) grow();
+    std::size_t i = home(key);
+    for (; slots_[i].value != kNone; i = next(i)) {
+      if (slots_[i].key == key) return slots_[i].value;
+    }
+    slots_[i] = {key, value};
+    ++size_;
+    return kNone;
+  }
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+ private:
+  struct Slot {
+    VoxelKey key = 0;
+    std::uint32_t value = kNone;
+  };
+
+  [[nodiscard]] std::size_t home(VoxelKey key) const {
+    std::uint64_t h = key * 0x9e3779b97f4a7c15ULL;  // Fibonacci hashing, then fold the high bits down
+    h ^= h >> 32;
+    return static_cast<std::size_t>(h) & (slots_.size() - 1);
+  }
+  [[nodiscard]] std::size_t next(std::size_t i) const { return (i + 1) & (slots_.size() - 1); }
+
+  void grow() {
+    std::vector<Slot> old(slots_.size() * 2);
+    old.swap(slots_);
+    for (const Slot& slot : old) {
+      if (slot.value == kNone) continue;
+      std::size_t i = home(slot.key);
+      while (slots_[i].value != kNone) i = next(i);
+      slots_[i] = slot;
+    }
+  }
+
+  std::vector<Slot> slots_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace curbstone

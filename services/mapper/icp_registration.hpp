@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "services/mapper/icp_config.hpp"
+#include "services/mapper/plane_map.hpp"
+#include "services/mapper/registration.hpp"
+
+namespace curbstone {
+
+/// Point-to-plane ICP on a voxel map of planes: Gauss-Newton over SE(3) with a Huber kernel, a Gaussian prior, and
+/// directions that the surroundings do not fix left to the prior (solution remapping, Zhang, Kaess, Singh, ICRA 2016).
+class IcpRegistration final : public Registration {
+ public:
+  explicit IcpRegistration(const IcpConfig& config);
+
+  [[nodiscard]] RegistrationResult align(const std::vector<LidarPoint>& points, const PosePrior& prior) override;
+  void insert(const std::vector<LidarPoint>& points, const Pose& T_map_base) override;
+  void keep_around(const Eigen::Vector3d& centre) override;
+
+ private:
+  [[nodiscard]] const Plane* plane_at(const Eigen::Vector3f& point_in_map, float reach);
+
+  IcpConfig config_;
+  PlaneLevel fine_;
+  PlaneLevel coarse_;
+  Eigen::Vector3d kept_around_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace curbstone

@@ -1,0 +1,72 @@
+#include "services/mapper/map_tile.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace curbstone {
+
+std::size_t NumberSet::place_of(std::uint32_t number) const {
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t i = (number * 0x9e3779b1U >> 7) & mask;
+  while (slots_[i] != 0 && slots_[i] != number + 1) i = (i + 1) & mask;
+  return i;
+}
+
+bool NumberSet::contains(std::uint32_t number) const {
+  return !slots_.empty() && slots_[place_of(number)] != 0;
+}
+
+void NumberSet::insert(std::uint32_t number) {
+  if (2 * (size_ + 1) > slots_.size()) {
+    std::vector<std::uint32_t> old(std::max<std::size_t>(64, 2 * slots_.size()));
+    old.swap(slots_);
+    for (const std::uint32_t slot : old) {
+      if (slot != 0) slots_[place_of(slot - 1)] = slot;
+    }
+  }
+  std::uint32_t& slot = slots_[place_of(number)];
+  size_ += slot == 0 ? 1 : 0;
+  slot = number + 1;
+}
+
+MapTile::MapTile(std::int32_t z_origin, int voxel_steps) : z_origin_(z_origin), voxel_steps_(voxel_steps) {
+  asleep_ = true;
+  wake();
+}
+
+std::uint32_t MapTile::voxel_number(const TilePoint& point) const {
+  const int per_side = kStepsPerTile / voxel_steps_;
+  const int floor_steps = (32768 / voxel_steps_ + 1) * voxel_steps_;  // below every int16, on the lattice through 0
+  const int layer = (point.z + floor_steps) / voxel_steps_;
+  return static_cast<std::uint32_t>((layer * per_side + point.y / voxel_steps_) * per_side + point.x / voxel_steps_);
+}
+
+void MapTile::append(const TilePoint& point) {
+  points_.push_back(point);
+  occupied_.insert(voxel_number(point));
+}
+
+float& MapTile::lowest(int column, int row) {
+  return lowest_[static_cast<std::size_t>(row * kColumns + column)];
+}
+
+void MapTile::sleep() {
+  if (asleep_) return;
+  asleep_ = true;
+  points_.shrink_to_fit();
+  occupied_.clear();
+  lowest_ = {};
+}
+
+void MapTile::wake() {
+  if (!asleep_) return;
+  asleep_ = false;
+  lowest_.assign(kColumns * kColumns, std::numeric_limits<float>::infinity());
+  for (const TilePoint& point : points_) {
+    occupied_.insert(voxel_number(point));
+    float& low = lowest(point.x * kColumns / kStepsPerTile, point.y * kColumns / kStepsPerTile);
+    low = std::min(low, static_cast<float>(z_origin_ + point.z * kPositionStep));
+  }
+}
+
+}  // namespace curbstone

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/tile.hpp"
+
+namespace curbstone {
+
+/// A set of small numbers: open addressing, no erasing.
+class NumberSet {
+ public:
+  [[nodiscard]] bool contains(std::uint32_t number) const;
+  void insert(std::uint32_t number);
+  void clear() { slots_ = {}, size_ = 0; }
+
+ private:
+  [[nodiscard]] std::size_t place_of(std::uint32_t number) const;
+  std::vector<std::uint32_t> slots_;  // number + 1; 0 is free
+  std::size_t size_ = 0;
+};
+
+/// One tile of the dense map: points that are only ever appended, at most one a voxel.
+class MapTile {
+ public:
+  /// `voxel_steps`: a voxel's side in kPositionStep; must divide kStepsPerTile.
+  MapTile(std::int32_t z_origin, int voxel_steps);
+
+  /// m in map; a whole number.
+  [[nodiscard]] std::int32_t z_origin() const { return z_origin_; }
+  [[nodiscard]] const std::vector<TilePoint>& points() const { return points_; }
+
+  /// Names the point's voxel within the tile.
+  [[nodiscard]] std::uint32_t voxel_number(const TilePoint& point) const;
+  [[nodiscard]] bool occupied(std::uint32_t voxel) const { return occupied_.contains(voxel); }
+  /// The point's voxel must not be occupied.
+  void append(const TilePoint& point);
+
+  /// Lowest height seen in each 0.6 m column, m in map; +infinity where nothing was seen.
+  static constexpr int kColumns = 5;
+  [[nodiscard]] float& lowest(int column, int row);
+
+  /// Gives back the memory that only adding points needs; it is made again from the points when wanted.
+  void sleep();
+  void wake();
+  [[nodiscard]] bool asleep() const { return asleep_; }
+
+ private:
+  std::int32_t z_origin_;
+  int voxel_steps_;
+  bool asleep_ = false;
+  std::vector<TilePoint> points_;
+  NumberSet occupied_;
+  std::vector<float> lowest_;
+};
+
+}  // namespace curbstone

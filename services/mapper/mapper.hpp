@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/counters.hpp"
+#include "common/geometry.hpp"
+#include "services/mapper/dense_map.hpp"
+#include "services/mapper/deskew.hpp"
+#include "services/mapper/mapper_config.hpp"
+#include "services/mapper/odometry_history.hpp"
+#include "services/mapper/registration.hpp"
+#include "services/mapper/revolution.hpp"
+
+namespace curbstone {
+
+/// Where the vehicle was at the end of a revolution, and what the revolution did to the map.
+struct MapperUpdate {
+  std::int64_t utime = 0;  ///< us, end of the revolution
+  std::int32_t revolution = 0;
+  Pose T_map_base = Pose::Identity();
+  Pose T_map_odom = Pose::Identity();  ///< the last known, where odometry is missing
+  RegistrationResult registration;     ///< covariance still in base_link axes
+  bool registered = false;
+  bool with_odometry = false;
+  bool stationary = false;
+  std::vector<TileKey> grown;  ///< tiles with new points
+};
+
+/// The mapper's method: de-skew, register, insert. A function of the sequence of calls alone. Pure; one thread.
+///
+/// Counters: revolutions, refused.sparse, refused.not_converged, refused.inliers, refused.residual, refused.jump,
+/// refused.time, skipped.odometry_not_ready, without_odometry.
+class Mapper {
+ public:
+  explicit Mapper(const MapperConfig& config);
+
+  /// Takes the next revolution; nothing when it cannot be placed in time or comes before there is a map to speak of.
+  [[nodiscard]] std::optional<MapperUpdate> process(const Revolution& revolution, const OdometryHistory& odometry);
+
+  [[nodiscard]] bool started() const { return last_.has_value(); }
+  [[nodiscard]] const DenseMap& dense() const { return dense_; }
+  [[nodiscard]] DenseMap& dense() { return dense_; }
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+  /// Revolutions in a row that could not be registered.
+  [[nodiscard]] int refused_in_a_row() const { return refused_in_a_row_; }
+
+ private:
+  struct Last {
+    std::int64_t end = 0;
+    Pose T_map_base = Pose::Identity();
+  };
+  /// What is known of the motion before the LiDAR is looked at.
+  struct Expectation {
+    bool with_odometry = false;  // odometry spans from the last revolution's end to this one's
+    bool stationary = false;
+    SweepMotion sweep;
+    Pose T_last_base = Pose::Identity();  // base now, seen from base at the last revolution's end
+  };
+
+  [[nodiscard]] Expectation expect(const Revolution& revolution, const OdometryHistory& odometry) const;
+  [[nodiscard]] PosePrior prior_of(const Expectation& expected) const;
+  [[nodiscard]] std::vector<LidarPoint> in_base(const Revolution& revolution, const SweepMotion& sweep) const;
+  [[nodiscard]] RegistrationResult align(const Revolution& revolution, const Expectation& expected,
+                                         std::vector<LidarPoint>& points);
+  [[nodiscard]] bool believe(const RegistrationResult& result, const PosePrior& prior, bool with_odometry);
+  void start(const Revolution& revolution, const OdometryHistory& odometry, MapperUpdate& update);
+  void begin_registration_map(const Twist& twist);
+  [[nodiscard]] bool finish_start(MapperUpdate& update);
+  void insert(const std::vector<LidarPoint>& points, MapperUpdate& update);
+
+  MapperConfig config_;
+  Pose T_base_lidar_;
+  std::unique_ptr<Registration> registration_;
+  DenseMap dense_;
+  std::optional<Last> last_;
+  std::optional<Revolution> first_;       // until its motion is known, where there is no odometry
+  std::vector<LidarPoint> first_points_;  // of it, de-skewed
+  Twist twist_;                           // over the last revolution
+  Pose T_map_odom_ = Pose::Identity();
+  Pose T_map_keyframe_ = Pose::Identity();  // when the registration map last took a revolution
+  Pose T_map_moved_ = Pose::Identity();     // when the vehicle was last known to move
+  std::int64_t moved_ = 0;                  // us, when that was
+  Matrix6 drift_ = Matrix6::Zero();         // covariance of odometry since the last registered revolution
+  int refused_in_a_row_ = 0;
+  Counters counters_;
+};
+
+}  // namespace curbstone

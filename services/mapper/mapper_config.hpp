@@ -1,0 +1,53 @@
+#pragma once
+
+#include <string>
+
+#include "common/config.hpp"
+#include "common/vehicle.hpp"
+#include "services/mapper/dense_config.hpp"
+#include "services/mapper/icp_config.hpp"
+
+namespace curbstone {
+
+/// The mapper's settings; every default is good for an RS-LiDAR-16 on a vehicle.
+struct MapperConfig {
+  std::string method = "icp";
+  double odometry_wait_s = 0.25;    ///< s of lidar time that a revolution waits for odometry
+  double start_wait_s = 2.0;        ///< s of lidar time that the first revolution waits for odometry
+  double prior_translation = 0.03;  ///< 1 sigma of odometry, m a metre driven
+  double prior_rotation = 0.02;     ///< 1 sigma of odometry, rad a rad turned
+  double prior_floor_m = 0.01;      ///< m, added to it each revolution
+  double prior_floor_rad = 0.003;   ///< rad, added to it each revolution
+  int min_points = 400;             ///< of a revolution that is worth registering
+  double min_inliers = 0.5;         ///< ratio; below, the revolution is refused
+  double max_residual = 0.15;       ///< m; above, the revolution is refused
+  double max_jump_m = 0.5;          ///< m against odometry, beyond which registration is not believed
+  double max_jump_rad = 0.15;       ///< rad against odometry
+  double keyframe_m = 0.05;         ///< m moved until a revolution goes into the map for registration
+  double keyframe_rad = 0.01;       ///< rad turned until it does
+  VehicleConfig vehicle;
+  IcpConfig icp;
+  DenseConfig dense;
+
+  void visit(ConfigVisitor& v) {
+    v.choice("method", method, {"icp"}, "of registration");
+    v.field("odometry_wait_s", odometry_wait_s, {0.02, 5.0}, "s of lidar time that a revolution waits for odometry");
+    v.field("start_wait_s", start_wait_s, {0.02, 60.0}, "s of lidar time that the first one waits");
+    v.field("prior_translation", prior_translation, {0.0, 1.0}, "1 sigma of odometry, m a metre driven");
+    v.field("prior_rotation", prior_rotation, {0.0, 1.0}, "1 sigma of odometry, rad a rad turned");
+    v.field("prior_floor_m", prior_floor_m, {1e-4, 1.0}, "m, 1 sigma, added each revolution");
+    v.field("prior_floor_rad", prior_floor_rad, {1e-5, 1.0}, "rad, 1 sigma, added each revolution");
+    v.field("min_points", min_points, {10, 100000}, "of a revolution that is worth registering");
+    v.field("min_inliers", min_inliers, {0.0, 1.0}, "ratio of inliers below which a revolution is refused");
+    v.field("max_residual", max_residual, {0.01, 2.0}, "m, RMS above which a revolution is refused");
+    v.field("max_jump_m", max_jump_m, {0.01, 100.0}, "m against odometry that is not believed");
+    v.field("max_jump_rad", max_jump_rad, {0.001, 3.0}, "rad against odometry that is not believed");
+    v.field("keyframe_m", keyframe_m, {0.0, 10.0}, "m moved until the registration map takes a revolution");
+    v.field("keyframe_rad", keyframe_rad, {0.0, 3.0}, "rad turned until it does");
+    v.section("vehicle", vehicle, "what the parts share about the vehicle");
+    v.section("icp", icp, "point-to-plane registration");
+    v.section("dense", dense, "the dense map");
+  }
+};
+
+}  // namespace curbstone

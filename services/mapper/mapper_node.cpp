@@ -1,0 +1,256 @@
+#include "services/mapper/mapper_node.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <curbstone/map_points_t.hpp>
+#include <curbstone/map_pose_t.hpp>
+#include <utility>
+
+#include "common/clock.hpp"
+
+namespace curbstone {
+namespace {
+
+constexpr std::size_t kMaxPending = 80;           // revolutions that wait for odometry; 20 Hz: 4 s
+constexpr std::int32_t kPointsPerMessage = 3000;  // 7 bytes each: 21 kB, well under 48 kB
+constexpr std::int64_t kTilePeriod = 200'000;     // us between two messages about a tile
+constexpr int kMessagesPerTick = 3;               // every 20 ms: at most 3 MB/s
+constexpr std::int64_t kIndexPeriod = 1'000'000;
+
+std::int64_t microseconds(double seconds) {
+  return std::llround(seconds * 1e6);
+}
+
+}  // namespace
+
+MapperNode::MapperNode(const MapperConfig& config, Publisher& bus) : config_(config), bus_(bus), mapper_(config) {}
+
+void MapperNode::connect(Subscriber& bus) {
+  // 750 packets a second: two seconds of them may wait while a revolution is registered.
+  bus.subscribe<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& m) { on(m); }, {1500});
+  bus.subscribe<odometry_t>("ODOMETRY", [this](const odometry_t& m) { on(m); }, {800});
+  bus.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { on(m); }, {100});
+}
+
+void MapperNode::on(const lidar_points_t& message) {
+  std::optional<Revolution> done = assembler_.add(message);
+  if (message.utime <= 0) return;
+  lidar_time_ = message.utime;
+  queue(std::move(done));
+  process_due(false);
+}
+
+void MapperNode::on(const odometry_t& message) {
+  OdometrySample sample{message.utime, pose_from_arrays(message.position, message.orientation),
+                        (message.flags & odometry_t::INITIALISED) != 0, (message.flags & odometry_t::STATIONARY) != 0};
+  if (!is_finite(sample.T_odom_base) || message.utime <= 0) {
+    counters_.add("refused.odometry");
+    return;
+  }
+  switch (odometry_.add(sample)) {
+    case OdometryHistory::Added::kYes:
+      break;
+    case OdometryHistory::Added::kLate:
+      counters_.add("dropped.odometry_late");
+      break;
+    case OdometryHistory::Added::kClockJump:
+      counters_.add("odometry.clock_jumps");
+      break;
+  }
+  process_due(false);
+}
+
+void MapperNode::on(const tile_request_t& message) {
+  catalog_.request(message);
+}
+
+void MapperNode::queue(std::optional<Revolution> revolution) {
+  if (!revolution) return;
+  if (first_lidar_ == 0) first_lidar_ = revolution->start;
+  if (pending_.size() >= kMaxPending) {
+    counters_.add("dropped.pending");
+    pending_.pop_front();
+  }
+  pending_.push_back(std::move(*revolution));
+}
+
+bool MapperNode::due(const Revolution& revolution) const {
+  if (odometry_.passed(revolution.end)) return true;
+  const std::int64_t waited_for = mapper_.started() ? revolution.end : first_lidar_;
+  const double wait = mapper_.started() ? config_.odometry_wait_s : config_.start_wait_s;
+  return std::abs(lidar_time_ - waited_for) > microseconds(wait);
+}
+
+void MapperNode::process_due(bool last_call) {
+  while (!pending_.empty() && (last_call || due(pending_.front()))) {
+    process(pending_.front());
+    pending_.pop_front();
+  }
+}
+
+void MapperNode::process(const Revolution& revolution) {
+  const bool passed = odometry_.passed(revolution.end);
+  if (!mapper_.started() && passed && !odometry_.covers(revolution.start, revolution.end)) {
+    // The filter runs and does not know its attitude yet: a map begun now would not be level.
+    if (lidar_time_ - first_lidar_ <= microseconds(config_.start_wait_s)) {
+      counters_.add("skipped.odometry_not_ready");
+      return;
+    }
+  }
+  const std::int64_t begin = steady_clock();
+  const std::optional<MapperUpdate> update = mapper_.process(revolution, odometry_);
+  latency_.add(static_cast<double>(steady_clock() - begin) * 1e-6);
+  odometry_.forget_before(revolution.start - 100'000);
+  if (!update) return;
+  last_end_ = revolution.end;
+  odometry_missing_ = !update->with_odometry;
+  if (epoch_ == 0) {
+    epoch_ = static_cast<std::int32_t>(std::clamp<std::int64_t>(revolution.end / 1'000'000, 1, 2'147'483'000));
+    catalog_.start_epoch(epoch_);
+  }
+  position_ = update->T_map_base.translation();
+  publish_pose(*update);
+  take_grown(update->grown);
+  for (const TileKey& key : mapper_.dense().take_evicted()) {
+    catalog_.remove(key);
+    sent_.erase(key);
+  }
+}
+
+void MapperNode::publish_pose(const MapperUpdate& update) {
+  map_pose_t message{};
+  message.utime = update.utime;
+  message.revolution = update.revolution;
+  message.epoch = epoch_;
+  pose_to_arrays(update.T_map_odom, message.map_odom_position, message.map_odom_orientation);
+  pose_to_arrays(update.T_map_base, message.map_base_position, message.map_base_orientation);
+  Matrix6 to_map = Matrix6::Identity();  // translation in map axes, rotation stays in base_link's
+  to_map.topLeftCorner<3, 3>() = update.T_map_base.linear();
+  const Matrix6 covariance = to_map * update.registration.covariance * to_map.transpose();
+  for (int i = 0; i < 36; ++i) message.covariance[i] = static_cast<float>(covariance(i / 6, i % 6));
+  message.residual = static_cast<float>(update.registration.residual);
+  message.inlier_ratio = static_cast<float>(update.registration.inlier_ratio);
+  message.iterations = update.registration.iterations;
+  message.degenerate = update.registration.degenerate;
+  message.flags = (update.registered ? map_pose_t::REGISTERED : 0) |
+                  (update.with_odometry ? 0 : map_pose_t::NO_ODOMETRY) |
+                  (update.stationary ? map_pose_t::STATIONARY : 0);
+  bus_.publish("MAP_POSE", message);
+}
+
+void MapperNode::take_grown(const std::vector<TileKey>& grown) {
+  for (const TileKey& key : grown) {
+    if (is_changed_.insert(key).second) changed_.push_back(key);
+  }
+}
+
+std::int32_t MapperNode::send_points(TileKey key, std::int32_t first) {
+  const MapTile* tile = mapper_.dense().tile(key);
+  if (tile == nullptr) return first;
+  const auto total = static_cast<std::int32_t>(tile->points().size());
+  const std::int32_t last = std::min(total, first + kPointsPerMessage);
+  if (last <= first) return first;
+  map_points_t message;
+  message.utime = last_end_;
+  message.epoch = epoch_;
+  message.tile_x = key.x;
+  message.tile_y = key.y;
+  message.z_origin = static_cast<float>(tile->z_origin());
+  message.first = first;
+  message.num_points = last - first;
+  for (std::int32_t i = first; i < last; ++i) {
+    const TilePoint& point = tile->points()[static_cast<std::size_t>(i)];
+    message.x.push_back(point.x);
+    message.y.push_back(point.y);
+    message.z.push_back(point.z);
+    message.intensity.push_back(point.intensity);
+  }
+  bus_.publish("MAP_POINTS", message);
+  return last;
+}
+
+void MapperNode::send_changes(std::int64_t now, int budget) {
+  for (std::size_t looks = changed_.size(); looks > 0 && budget > 0; --looks) {
+    const TileKey key = changed_.front();
+    changed_.pop_front();
+    Sent& sent = sent_[key];
+    const MapTile* tile = mapper_.dense().tile(key);
+    if (tile == nullptr) {
+      is_changed_.erase(key);
+      sent_.erase(key);
+      continue;
+    }
+    if (std::abs(now - sent.when) < kTilePeriod) {
+      changed_.push_back(key);
+      continue;
+    }
+    sent.points = send_points(key, sent.points);
+    sent.when = now;
+    --budget;
+    catalog_.set_version(key, sent.points);
+    if (sent.points < static_cast<std::int32_t>(tile->points().size())) {
+      changed_.push_back(key);
+    } else {
+      is_changed_.erase(key);
+    }
+  }
+}
+
+void MapperNode::send_requested(int budget) {
+  for (const auto& [key, have] : catalog_.take_requests(static_cast<std::size_t>(budget))) {
+    const auto it = sent_.find(key);
+    if (it == sent_.end()) continue;
+    for (std::int32_t first = std::max(have, 0); first < it->second.points;) first = send_points(key, first);
+  }
+}
+
+void MapperNode::send_index(std::int64_t now) {
+  for (const tile_index_t& page : catalog_.make_index(now, position_.x(), position_.y()))
+    bus_.publish("TILE_INDEX", page);
+  index_sent_ = now;
+}
+
+void MapperNode::tick(std::int64_t now) {
+  if (epoch_ == 0) return;
+  send_changes(now, kMessagesPerTick);
+  send_requested(1);
+  if (std::abs(now - index_sent_) >= kIndexPeriod) send_index(now);
+}
+
+void MapperNode::finish() {
+  queue(assembler_.flush());
+  process_due(true);
+  if (epoch_ == 0) return;
+  take_grown(mapper_.dense().finish());
+  while (!changed_.empty()) {
+    const TileKey key = changed_.front();
+    changed_.pop_front();
+    Sent& sent = sent_[key];
+    const MapTile* tile = mapper_.dense().tile(key);
+    if (tile == nullptr) continue;
+    while (sent.points < static_cast<std::int32_t>(tile->points().size())) sent.points = send_points(key, sent.points);
+    catalog_.set_version(key, sent.points);
+  }
+  is_changed_.clear();
+  send_index(last_end_);
+}
+
+NodeReport MapperNode::report() const {
+  NodeReport report;
+  report.counters = counters_;
+  for (const Counters* part : {&assembler_.counters(), &mapper_.counters(), &mapper_.dense().counters()}) {
+    for (const auto& [name, value] : part->values()) report.counters.add(name, value);
+  }
+  report.latency_p50 = latency_.percentile(0.5);
+  report.latency_p99 = latency_.percentile(0.99);
+  if (lidar_time_ == 0) report.faults.push_back("no LIDAR_POINTS");
+  if (epoch_ != 0 && odometry_missing_) report.faults.push_back("no usable ODOMETRY: assuming constant velocity");
+  if (mapper_.refused_in_a_row() >= 10) {
+    report.faults.push_back(fmt::format("{} revolutions in a row do not fit the map", mapper_.refused_in_a_row()));
+  }
+  return report;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <curbstone/lidar_points_t.hpp>
+#include <curbstone/odometry_t.hpp>
+#include <curbstone/tile_request_t.hpp>
+#include <deque>
+#include <set>
+#include <unordered_map>
+
+#include "common/latency.hpp"
+#include "common/node.hpp"
+#include "common/tile_sync.hpp"
+#include "services/mapper/mapper.hpp"
+#include "services/mapper/mapper_config.hpp"
+#include "services/mapper/odometry_history.hpp"
+#include "services/mapper/revolution_assembler.hpp"
+
+namespace curbstone {
+
+/// LIDAR_POINTS and ODOMETRY in, MAP_POSE and MAP_POINTS out.
+///
+/// A revolution is processed once odometry has passed its end, or when lidar time says that odometry is missing: so the
+/// map does not depend on how the two channels interleave. Points go out at a bounded pace from tick(); what the map
+/// holds does not depend on it.
+class MapperNode final : public Node {
+ public:
+  MapperNode(const MapperConfig& config, Publisher& bus);
+
+  void connect(Subscriber& bus) override;
+  void tick(std::int64_t now) override;
+  void finish() override;
+  [[nodiscard]] NodeReport report() const override;
+
+  void on(const lidar_points_t& message);
+  void on(const odometry_t& message);
+  void on(const tile_request_t& message);
+
+  [[nodiscard]] const Mapper& mapper() const { return mapper_; }
+
+ private:
+  void queue(std::optional<Revolution> revolution);
+  void process_due(bool last_call);
+  [[nodiscard]] bool due(const Revolution& revolution) const;
+  void process(const Revolution& revolution);
+  void publish_pose(const MapperUpdate& update);
+  void take_grown(const std::vector<TileKey>& grown);
+  /// Sends points of a tile from `first` on, at most one message's worth. Returns the index after the last sent.
+  std::int32_t send_points(TileKey key, std::int32_t first);
+  void send_changes(std::int64_t now, int budget);
+  void send_requested(int budget);
+  void send_index(std::int64_t now);
+
+  MapperConfig config_;
+  Publisher& bus_;
+  RevolutionAssembler assembler_;
+  OdometryHistory odometry_;
+  Mapper mapper_;
+  TileCatalog catalog_{"mapper", "MAP_POINTS"};
+  std::deque<Revolution> pending_;
+  std::int64_t lidar_time_ = 0;   // us, newest LIDAR_POINTS
+  std::int64_t first_lidar_ = 0;  // us, start of the first revolution
+  std::int64_t last_end_ = 0;     // us, of the last revolution processed
+  std::int32_t epoch_ = 0;        // 0: no map yet
+  Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
+
+  struct Sent {
+    std::int32_t points = 0;  // that went out
+    std::int64_t when = 0;    // us by tick()
+  };
+  std::unordered_map<TileKey, Sent, TileKeyHash> sent_;
+  std::deque<TileKey> changed_;  // in the order in which they will be sent
+  std::unordered_set<TileKey, TileKeyHash> is_changed_;
+  std::int64_t index_sent_ = 0;
+  bool odometry_missing_ = false;
+  LatencyWindow latency_;
+  Counters counters_;
+};
+
+}  // namespace curbstone

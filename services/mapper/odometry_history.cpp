@@ -1,0 +1,56 @@
+#include "services/mapper/odometry_history.hpp"
+
+#include <algorithm>
+
+namespace curbstone {
+
+OdometryHistory::Added OdometryHistory::add(const OdometrySample& sample) {
+  if (!samples_.empty() && sample.utime <= samples_.back().utime) {
+    if (samples_.back().utime - sample.utime < kClockJump) return Added::kLate;
+    samples_.clear();
+    samples_.push_back(sample);
+    return Added::kClockJump;
+  }
+  samples_.push_back(sample);
+  if (samples_.size() > kCapacity) samples_.pop_front();
+  return Added::kYes;
+}
+
+std::size_t OdometryHistory::lower_bound(std::int64_t utime) const {
+  const auto it = std::lower_bound(samples_.begin(), samples_.end(), utime,
+                                   [](const OdometrySample& s, std::int64_t t) { return s.utime < t; });
+  return static_cast<std::size_t>(it - samples_.begin());
+}
+
+bool OdometryHistory::covers(std::int64_t from, std::int64_t to) const {
+  if (samples_.empty() || samples_.front().utime > from || samples_.back().utime < to) return false;
+  std::size_t first = lower_bound(from);
+  if (samples_[first].utime > from) --first;
+  for (std::size_t i = first;; ++i) {
+    if (!samples_[i].usable) return false;
+    if (samples_[i].utime >= to) return true;
+    if (samples_[i + 1].utime - samples_[i].utime > kMaxGap) return false;
+  }
+}
+
+Pose OdometryHistory::at(std::int64_t utime) const {
+  const std::size_t after = std::min(lower_bound(utime), samples_.size() - 1);
+  if (after == 0 || samples_[after].utime <= utime) return samples_[after].T_odom_base;
+  const OdometrySample& a = samples_[after - 1];
+  const OdometrySample& b = samples_[after];
+  const double fraction = static_cast<double>(utime - a.utime) / static_cast<double>(b.utime - a.utime);
+  return interpolate(a.T_odom_base, b.T_odom_base, fraction);
+}
+
+bool OdometryHistory::stationary(std::int64_t from, std::int64_t to) const {
+  for (std::size_t i = lower_bound(from); i < samples_.size() && samples_[i].utime <= to; ++i) {
+    if (!samples_[i].stationary) return false;
+  }
+  return true;
+}
+
+void OdometryHistory::forget_before(std::int64_t utime) {
+  while (samples_.size() > 1 && samples_[1].utime <= utime) samples_.pop_front();
+}
+
+}  // namespace curbstone

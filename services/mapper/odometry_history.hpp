@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+
+#include "common/geometry.hpp"
+
+namespace curbstone {
+
+/// What the mapper takes from one ODOMETRY message.
+struct OdometrySample {
+  std::int64_t utime = 0;  ///< us
+  Pose T_odom_base = Pose::Identity();
+  bool usable = true;  ///< the filter says that it is initialised
+  bool stationary = false;
+};
+
+/// A bounded stretch of odometry in order of time, for poses at any time in between. Pure; one thread.
+class OdometryHistory {
+ public:
+  static constexpr std::size_t kCapacity = 8000;         ///< 80 s at 100 Hz
+  static constexpr std::int64_t kMaxGap = 200'000;       ///< us between samples that may be interpolated over
+  static constexpr std::int64_t kClockJump = 1'000'000;  ///< us backwards that is a new clock, not a late message
+
+  enum class Added { kYes, kLate, kClockJump };
+  /// Late samples are left out. When the clock jumps back, what was known before is forgotten.
+  Added add(const OdometrySample& sample);
+
+  /// Whether odometry has reached `utime`, usable or not: nothing more will come for it.
+  [[nodiscard]] bool passed(std::int64_t utime) const { return !samples_.empty() && samples_.back().utime >= utime; }
+  /// Whether `from`..`to` lies between usable samples without a gap.
+  [[nodiscard]] bool covers(std::int64_t from, std::int64_t to) const;
+  /// Pose at a covered time: linear in position, spherical-linear in attitude.
+  [[nodiscard]] Pose at(std::int64_t utime) const;
+  /// Whether the filter says, all through a covered stretch, that the vehicle stands.
+  [[nodiscard]] bool stationary(std::int64_t from, std::int64_t to) const;
+  /// Forgets what is not needed for times from `utime` on.
+  void forget_before(std::int64_t utime);
+
+ private:
+  /// Index of the first sample at or after `utime`; size() if there is none.
+  [[nodiscard]] std::size_t lower_bound(std::int64_t utime) const;
+  std::deque<OdometrySample> samples_;
+};
+
+}  // namespace curbstone

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "services/mapper/flat_index.hpp"
+
+namespace curbstone {
+
+/// A piece of surface, in map.
+struct Plane {
+  Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit; its sign means nothing
+  float variance = 0;                                ///< m^2, of the points about the plane
+};
+
+/// How finely a level of the map looks, and what passes for a plane there.
+struct PlaneLevelOptions {
+  double voxel = 0.3;         ///< m
+  int capacity = 40;          ///< points of a voxel; more are not taken, so that the map stays where it was built
+  int min_points = 6;         ///< in the 3 x 3 x 3 voxels that a plane is fitted to
+  double max_flatness = 0.1;  ///< smallest over middle eigenvalue of the covariance
+  double min_width = 0.12;    ///< m: root of the middle eigenvalue; less is a line
+};
+
+/// Surfaces of the world as planes in a lattice of voxels. A voxel keeps count, sum and sum of squares of its points;
+/// the plane of a voxel is fitted to these moments over its 3 x 3 x 3 neighbourhood, which are plain sums: nothing is
+/// ever rebuilt, and a point costs the same on the first day as on the last. Pure; one thread.
+class PlaneLevel {
+ public:
+  explicit PlaneLevel(const PlaneLevelOptions& options);
+
+  void insert(const Eigen::Vector3f& point);
+  /// Call after the points of a revolution: planes fitted before it may now be stale.
+  void end_insertion() { ++version_; }
+
+  /// The plane of the voxel that holds the point, or of the nearest one beside it; nullptr if there is none.
+  /// The pointer lives until the next insert().
+  [[nodiscard]] const Plane* plane_at(const Eigen::Vector3f& point);
+
+  /// Forgets voxels farther than `radius` (in any axis) from `centre`.
+  void keep_around(const Eigen::Vector3f& centre, float radius);
+  [[nodiscard]] std::size_t size() const { return voxels_.size(); }
+
+ private:
+  struct Moments {
+    float count = 0;
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();                            // of offsets from the voxel's centre
+    Eigen::Matrix<float, 6, 1> squares = Eigen::Matrix<float, 6, 1>::Zero();  // xx xy xz yy yz zz of them
+  };
+  struct Voxel {
+    Eigen::Vector3i cell;
+    Moments moments;
+    Plane plane;
+    bool valid = false;
+    std::int32_t fitted = -1;   // version at which the plane was fitted
+    std::int32_t patience = 1;  // versions until it is looked at again
+    float fitted_count = 0;
+  };
+
+  [[nodiscard]] Eigen::Vector3f centre_of(const Eigen::Vector3i& cell) const;
+  const Plane* up_to_date(Voxel& voxel);
+  void fit(Voxel& voxel);
+
+  PlaneLevelOptions options_;
+  double inverse_size_;
+  std::int32_t version_ = 0;
+  FlatIndex index_;
+  std::vector<Voxel> voxels_;
+};
+
+}  // namespace curbstone

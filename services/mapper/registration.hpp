@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "common/geometry.hpp"
+#include "services/mapper/revolution.hpp"
+
+namespace curbstone {
+
+/// Rows and columns of everything 6-dimensional here: translation x y z, then rotation about X Y Z, in base_link axes.
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// Where the vehicle should be, and how well that is known.
+struct PosePrior {
+  Pose T_map_base = Pose::Identity();
+  Matrix6 information = Matrix6::Zero();  ///< inverse covariance, in base_link axes
+};
+
+/// What came of registering one revolution.
+struct RegistrationResult {
+  Pose T_map_base = Pose::Identity();
+  Matrix6 covariance = Matrix6::Zero();  ///< in base_link axes
+  double residual = 0;                   ///< m, robust RMS distance of the inliers
+  double inlier_ratio = 0;               ///< of the points for which the map had a surface
+  int used = 0;                          ///< points for which the map had a surface
+  int iterations = 0;
+  int degenerate = 0;  ///< bit i: axis i of base_link was left to the prior
+  bool converged = false;
+};
+
+/// A way to register revolutions to the map that it keeps of them. `icp` is one; `loam` will be another.
+/// Deterministic: the same calls give the same bits.
+class Registration {
+ public:
+  virtual ~Registration() = default;
+
+  /// Finds the pose of a de-skewed revolution (points in base_link). Leaves the map as it is.
+  [[nodiscard]] virtual RegistrationResult align(const std::vector<LidarPoint>& points, const PosePrior& prior) = 0;
+  /// Adds the revolution to the map.
+  virtual void insert(const std::vector<LidarPoint>& points, const Pose& T_map_base) = 0;
+  /// Bounds the map: whatever is farther than its window from `centre` may be forgotten.
+  virtual void keep_around(const Eigen::Vector3d& centre) = 0;
+};
+
+}  // namespace curbstone
