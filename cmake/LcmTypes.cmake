@@ -11,6 +11,10 @@ function(lcm_types)
     set(header ${dir}/${ARG_PACKAGE}/${type}.hpp)
     add_custom_command(OUTPUT ${header}
       COMMAND ${LCM_GEN} --cpp --cpp-hpath ${dir} ${file}
+      # lcm-gen 1.3.1 believes an array length off the wire: it resizes to it (gigabytes), and its check of the bytes
+      # overflows (reads past the end). No element is smaller than a byte.
+      COMMAND sed -i -E
+        "s/^( *)(this->.*)[.]resize[(](.*)[)]\;/\\1if ((\\3) < 0 || (\\3) > maxlen - pos) return -1\;\\n&/" ${header}
       DEPENDS ${file} COMMENT "lcm-gen ${ARG_PACKAGE}.${type}" VERBATIM)
     list(APPEND headers ${header})
   endforeach()

@@ -50,7 +50,7 @@ class Subscriber {
     subscribe_bytes(
         channel,
         [this, handler = std::move(handler)](const void* data, int size) {
-          Message message;
+          Message message{};
           bool decoded = false;
           try {  // lcm-gen 1.3.1 throws length_error on a negative array length
             decoded = message.decode(data, 0, size) >= 0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <curbstone/imu_t.hpp>
+#include <curbstone/map_points_t.hpp>
 
 namespace curbstone {
 namespace {
@@ -31,6 +32,25 @@ TEST(LocalBus, CountsWhatDoesNotDecode) {
   bus.inject("A", "garbage", 7);
   bus.dispatch();
   EXPECT_EQ(bus.counters()["refused.undecodable"], 1);
+}
+
+TEST(LocalBus, RefusesAnArrayLongerThanItsMessage) {
+  map_points_t good{};
+  good.num_points = 1;
+  good.x = good.y = good.z = {0};
+  good.intensity = {0};
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(good.getEncodedSize()));
+  good.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  constexpr std::size_t kNumPoints = 8 + 8 + 4 + 4 + 4 + 4 + 4;  // behind fingerprint, utime ... first
+  ASSERT_EQ(bytes[kNumPoints + 3], 1);
+  LocalBus bus;
+  bus.subscribe<map_points_t>("A", [](const map_points_t&) { FAIL(); });
+  for (const int high_byte : {0x40, 0x7f, 0x80, 0xff, 0x01}) {
+    bytes[kNumPoints] = static_cast<std::uint8_t>(high_byte);
+    bus.inject("A", bytes.data(), static_cast<int>(bytes.size()));
+  }
+  bus.dispatch();
+  EXPECT_EQ(bus.counters()["refused.undecodable"], 5);
 }
 
 }  // namespace

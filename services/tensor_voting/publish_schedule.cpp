@@ -1,0 +1,69 @@
+#include "services/tensor_voting/publish_schedule.hpp"
+
+#include <algorithm>
+
+namespace curbstone {
+
+void PublishSchedule::changed(TileKey key, std::int32_t revision, std::int64_t now) {
+  const auto out = published_.find(key);
+  if (out != published_.end() && out->second.revision >= revision) return;
+  pending_.try_emplace(key, Pending{revision, now, false}).first->second.revision = revision;
+}
+
+void PublishSchedule::wanted(TileKey key, std::int64_t now) {
+  const auto out = published_.find(key);
+  const std::int32_t revision = out == published_.end() ? 0 : out->second.revision;
+  pending_.try_emplace(key, Pending{revision, now, true}).first->second.wanted = true;
+}
+
+void PublishSchedule::published(TileKey key, std::int32_t revision, std::int64_t now) {
+  Published& out = published_[key];
+  out.revision = std::max(out.revision, revision);
+  out.at = std::max(out.at, now);
+  const auto it = pending_.find(key);
+  if (it != pending_.end() && it->second.revision <= revision) pending_.erase(it);
+}
+
+void PublishSchedule::clear() {
+  pending_.clear();
+  published_.clear();
+}
+
+std::optional<TileKey> PublishSchedule::next(std::int64_t now, double x, double y) const {
+  std::optional<TileKey> best;
+  double best_score = -1;
+  for (const auto& [key, tile] : pending_) {
+    const auto it = published_.find(key);
+    const Published out = it == published_.end() ? Published{0, 0} : it->second;
+    if (it != published_.end() && now - out.at < config_.min_interval) continue;
+    const double news = tile.wanted ? 1.0 : 1.0 - static_cast<double>(out.revision) / tile.revision;
+    if (news < config_.prompt_share && now - tile.since < config_.patience) continue;
+    const double dx = (key.x + 0.5) * kTileSize - x;
+    const double dy = (key.y + 0.5) * kTileSize - y;
+    const double age = static_cast<double>(now - tile.since) * 1e-6;
+    const double score = news * (1 + age) / (1 + (dx * dx + dy * dy) / (config_.near * config_.near));
+    if (score > best_score) {
+      best_score = score;
+      best = key;
+    }
+  }
+  return best;
+}
+
+std::optional<TileKey> PublishSchedule::any() const {
+  if (pending_.empty()) return std::nullopt;
+  return pending_.begin()->first;
+}
+
+std::int32_t PublishSchedule::published_revision(TileKey key) const {
+  const auto it = published_.find(key);
+  return it == published_.end() ? 0 : it->second.revision;
+}
+
+std::optional<std::int64_t> PublishSchedule::oldest() const {
+  std::optional<std::int64_t> since;
+  for (const auto& [key, tile] : pending_) since = std::min(since.value_or(tile.since), tile.since);
+  return since;
+}
+
+}  // namespace curbstone

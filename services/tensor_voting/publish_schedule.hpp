@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+
+#include "common/tile.hpp"
+
+namespace curbstone {
+
+/// Which changed tile to publish next. Each at most every `min_interval`; a tile with little news waits until it has
+/// been changed for `patience`, so that a tile is not sent again for every point that comes to it. Among those that are
+/// due, the one with the largest share of news, discounted by its distance, goes first.
+class PublishSchedule {
+ public:
+  struct Config {
+    std::int64_t min_interval = 200'000;  ///< us
+    std::int64_t patience = 1'000'000;    ///< us
+    double prompt_share = 0.1;            ///< news of this share of the tile need not wait for `patience`
+    double near = 10;                     ///< m: at this distance news counts half
+  };
+  explicit PublishSchedule(Config config) : config_(config) {}
+
+  /// The tile has reached `revision`. Nothing if that is published already.
+  void changed(TileKey key, std::int32_t revision, std::int64_t now);
+  /// Somebody lacks the tile: it is due at once, changed or not.
+  void wanted(TileKey key, std::int64_t now);
+  /// `revision` is out, from us or from another worker.
+  void published(TileKey key, std::int32_t revision, std::int64_t now);
+  /// No longer ours to publish. What has been published remains known.
+  void drop(TileKey key) { pending_.erase(key); }
+  void clear();
+
+  /// The tile to publish now, seen from (x, y), m in map.
+  [[nodiscard]] std::optional<TileKey> next(std::int64_t now, double x, double y) const;
+  /// Any tile that waits, in order of keys.
+  [[nodiscard]] std::optional<TileKey> any() const;
+
+  /// 0 if none was.
+  [[nodiscard]] std::int32_t published_revision(TileKey key) const;
+  [[nodiscard]] bool is_pending(TileKey key) const { return pending_.contains(key); }
+  [[nodiscard]] std::size_t num_pending() const { return pending_.size(); }
+  /// When the tile that has waited longest was changed, us; nothing if none waits.
+  [[nodiscard]] std::optional<std::int64_t> oldest() const;
+
+ private:
+  struct Pending {
+    std::int32_t revision;
+    std::int64_t since;
+    bool wanted;
+  };
+  struct Published {
+    std::int32_t revision;
+    std::int64_t at;
+  };
+  Config config_;
+  std::map<TileKey, Pending> pending_;
+  std::map<TileKey, Published> published_;
+};
+
+}  // namespace curbstone

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <curbstone/map_points_t.hpp>
+#include <curbstone/map_pose_t.hpp>
+#include <curbstone/tile_index_t.hpp>
+#include <curbstone/tile_request_t.hpp>
+#include <curbstone/voted_points_t.hpp>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "common/latency.hpp"
+#include "common/node.hpp"
+#include "common/tile_sync.hpp"
+#include "services/tensor_voting/map_tiles.hpp"
+#include "services/tensor_voting/publish_schedule.hpp"
+#include "services/tensor_voting/tensor_voting_config.hpp"
+#include "services/tensor_voting/voting_field.hpp"
+#include "services/tensor_voting/workers.hpp"
+
+namespace curbstone {
+
+/// A worker that votes: MAP_POINTS in, VOTED_POINTS of the tiles that it owns out. Any number of workers share the
+/// tiles.
+///
+/// Every worker hears and keeps all map points, so that it can take over at once; it votes only on the tiles that it
+/// owns and on their neighbours, whose points are voters for them. What a tile's last revision says is a function of
+/// the map points alone. So is a revision's number: the tile's points plus the votes that they have received. It grows
+/// with every change, two workers with the same map points give it the same number, and since each part of that sum
+/// only grows, nobody reaches the final number without the final content.
+class TensorVotingNode final : public Node {
+ public:
+  /// `worker` is this worker's name on the bus. Throws std::invalid_argument on scales that cannot be voted.
+  TensorVotingNode(const TensorVotingConfig& config, std::string worker, Publisher& publisher);
+
+  void connect(Subscriber& bus) override;
+  void tick(std::int64_t now) override;
+  void finish() override;
+  [[nodiscard]] NodeReport report() const override;
+
+ private:
+  void on(const map_points_t& message);
+  void on(const map_pose_t& message);
+  void on(const tile_index_t& message);
+  void on(const tile_request_t& message);
+
+  void start_epoch(std::int32_t epoch);
+  [[nodiscard]] double distance(TileKey key) const;  // from the vehicle, m
+  /// Whether a tile's points matter to a tile that we own.
+  [[nodiscard]] bool votes_here(TileKey key) const;
+  [[nodiscard]] bool publishes(TileKey key) const;
+  [[nodiscard]] std::int32_t revision(TileKey key) const;
+
+  void review(TileKey key);
+  void reassign();
+  void collect_changes();
+  void follow_vehicle();
+  void announce();
+  void publish_paced();
+  void queue_pages(TileKey key);
+  void send_next_page();
+
+  TensorVotingConfig config_;
+  std::string worker_;
+  Publisher& publisher_;
+  MapTiles map_;
+  std::vector<VotingField> fields_;  // one a scale; each holds the tiles for which votes_here()
+  Workers workers_;
+  TileFollower follower_;
+  TileCatalog catalog_;
+  PublishSchedule schedule_;
+  std::deque<voted_points_t> pages_;  // of the tile that is being sent
+
+  std::int32_t epoch_ = 0;
+  double x_ = 0;  // the vehicle, m in map
+  double y_ = 0;
+  std::int64_t now_ = 0;
+  std::int64_t last_index_ = 0;
+  std::int64_t last_request_ = 0;
+  std::int64_t mapper_heard_ = 0;
+  double budget_ = 0;  // bytes that may be sent
+
+  Counters counters_;
+  LatencyWindow latency_;
+};
+
+}  // namespace curbstone

@@ -1,0 +1,301 @@
+#include "services/tensor_voting/tensor_voting_node.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "tests/services/tensor_voting/voting_world.hpp"
+
+namespace curbstone {
+namespace {
+
+using namespace testing_world;
+constexpr std::int64_t kSecond = 1'000'000;
+constexpr std::int64_t kTick = 20'000;
+
+/// Mapper, workers and listener on one bus, with message time of its own.
+struct World {
+  explicit World(Tiles tiles, double trouble = 0, unsigned seed = 1, TensorVotingConfig used = {})
+      : config(used),
+        publisher(bus, trouble, seed),
+        mapper(bus, publisher, std::move(tiles)),
+        listener(bus, publisher) {}
+
+  TensorVotingNode& start(const std::string& name) {
+    nodes[name] = std::make_unique<TensorVotingNode>(config, name, publisher);
+    nodes[name]->connect(bus);
+    alive[name] = true;
+    return *nodes[name];
+  }
+  void kill(const std::string& name) { alive[name] = false; }  // kill -9: nothing more from it
+
+  void run(double seconds, double share_per_revolution = 0) {
+    for (const std::int64_t end = now + static_cast<std::int64_t>(seconds * 1e6); now < end; now += kTick) {
+      if (share_per_revolution > 0 && now % 100'000 < kTick) mapper.map(now, share_per_revolution);
+      mapper.tick(now);
+      for (auto& [name, node] : nodes) {
+        if (alive[name]) node->tick(now);
+      }
+      listener.tick(now);
+      bus.dispatch();
+    }
+  }
+  void finish() {
+    for (auto& [name, node] : nodes) {
+      if (alive[name]) node->finish();
+    }
+    bus.dispatch();
+  }
+
+  LocalBus bus;
+  TensorVotingConfig config;
+  LossyPublisher publisher;
+  FakeMapper mapper;
+  Listener listener;
+  std::map<std::string, std::unique_ptr<TensorVotingNode>> nodes;
+  std::map<std::string, bool> alive;
+  std::int64_t now = 1'000'000 * kSecond;
+};
+
+Tiles street() {
+  return testing_clouds::as_tiles(testing_clouds::street(20'000, 1));
+}
+
+/// One worker, nothing lost, everything at once.
+const auto& lossless() {
+  static const auto contents = [] {
+    World world(street());
+    world.start("tensor_voting:1");
+    world.run(0.1, 1.0);
+    world.finish();
+    return world.listener.contents();
+  }();
+  return contents;
+}
+
+TEST(TensorVotingNode, PublishesEveryPointOfTheMapWithItsTensors) {
+  World world(street());
+  world.start("tensor_voting:1");
+  world.run(3, 0.1);
+  world.finish();
+  ASSERT_EQ(world.listener.tiles().size(), world.mapper.tiles().size());
+  for (const auto& [key, tile] : world.listener.tiles()) {
+    const auto& points = world.mapper.tiles().at(key);
+    std::size_t i = 0;
+    for (const auto& [first, page] : tile.pages) {
+      EXPECT_LE(page.getEncodedSize(), 48 * 1024);
+      EXPECT_EQ(page.num_scales, 2);
+      EXPECT_EQ(page.sigma, (std::vector<float>{0.3F, 0.1F}));
+      EXPECT_EQ(page.total, static_cast<std::int32_t>(points.size()));
+      for (const std::int16_t x : page.x) EXPECT_EQ(x, points[i++].x);
+    }
+    EXPECT_EQ(i, points.size());
+  }
+  // The road at the vehicle: a horizontal plane, well voted.
+  const voted_points_t& road = world.listener.tiles().at({0, 0}).pages.at(0);
+  int flat = 0;
+  for (std::size_t i = 0; i < road.x.size(); ++i)
+    flat += road.normal_z[i] > 32000 && road.stick[i] > 90 && road.mass[i] > 5;
+  EXPECT_GT(flat, road.num_points * 8 / 10);
+}
+
+TEST(TensorVotingNode, TheFinalContentDoesNotDependOnPacing) {
+  World world(street());
+  world.start("tensor_voting:1");
+  world.run(3, 0.07);
+  world.run(4);
+  EXPECT_EQ(world.listener.contents(), lossless()) << "also without finish()";
+}
+
+TEST(TensorVotingNode, ConvergesBitForBitThroughLossDoublesAndDisorder) {
+  for (unsigned seed = 1; seed <= 2; ++seed) {
+    World world(street(), 0.5, seed);
+    world.start("tensor_voting:1");
+    world.run(4, 0.05);
+    world.publisher.heal();
+    world.run(6);
+    EXPECT_EQ(world.listener.contents(), lossless()) << "seed " << seed;
+    EXPECT_GT(world.nodes.begin()->second->report().counters["dropped.gap"], 0) << "there was trouble";
+  }
+}
+
+TEST(TensorVotingNode, TwoWorkersShareTheTilesAndTogetherEqualOne) {
+  World world(street());
+  TensorVotingNode& one = world.start("tensor_voting:1");
+  TensorVotingNode& two = world.start("tensor_voting:3");
+  world.run(1.5);  // they hear of each other
+  world.run(3, 0.1);
+  world.run(3);
+  EXPECT_EQ(world.listener.contents(), lossless());
+  const auto published = [](const TensorVotingNode& node) { return node.report().counters["tiles_published"]; };
+  EXPECT_GT(published(one), 0);
+  EXPECT_GT(published(two), 0);
+  EXPECT_EQ(world.listener.indexes.size(), 2U);
+}
+
+TEST(TensorVotingNode, TilesOfADeadWorkerMoveWithinThreeSeconds) {
+  World world(street());
+  world.start("tensor_voting:1");
+  world.start("tensor_voting:3");
+  world.run(1.5);
+  world.run(1, 0.05);
+  world.kill("tensor_voting:3");
+  world.run(1, 0.1);
+  world.run(2, 0.0);
+  const auto moved = world.nodes["tensor_voting:1"]->report().counters["reassignments"];
+  EXPECT_EQ(moved, 2) << "one came, one went";
+  world.mapper.map(world.now, 1.0);
+  world.run(3);
+  EXPECT_EQ(world.listener.contents(), lossless());
+}
+
+TEST(TensorVotingNode, AWorkerThatStartsLateCatchesUpAndTakesItsShare) {
+  World world(street());
+  world.start("tensor_voting:1");
+  world.run(2, 0.02);
+  TensorVotingNode& late = world.start("tensor_voting:3");
+  world.run(4);
+  world.kill("tensor_voting:1");
+  world.run(4);
+  world.mapper.map(world.now, 1.0);
+  world.run(3);
+  EXPECT_EQ(world.listener.contents(), lossless()) << "it had asked for the map that it missed";
+  EXPECT_GT(late.report().counters["tiles_published"], 0);
+}
+
+TEST(TensorVotingNode, ANewEpochForgetsTheOldMap) {
+  World world(testing_clouds::as_tiles(testing_clouds::street(5'000, 9)));
+  world.start("tensor_voting:1");
+  world.run(1, 0.3);
+  world.mapper.start_epoch(2, street());
+  world.listener.start_epoch(2);
+  world.run(2, 0.2);
+  world.finish();
+  auto contents = world.listener.contents();
+  EXPECT_EQ(contents.size(), lossless().size());
+  for (const auto& [key, tile] : world.listener.tiles()) {
+    EXPECT_EQ(tile.pages.begin()->second.total, static_cast<std::int32_t>(world.mapper.tiles().at(key).size()));
+  }
+  map_points_t old{};
+  old.epoch = 1;
+  world.bus.publish("MAP_POINTS", old);
+  world.bus.dispatch();
+  EXPECT_EQ(world.nodes.begin()->second->report().counters["dropped.old_epoch"], 1);
+}
+
+TEST(TensorVotingNode, KeepsToItsBandwidthAndToFiveRevisionsASecond) {
+  TensorVotingConfig config;
+  config.bandwidth = 0.5;
+  World world(street(), 0, 1, config);
+  world.start("tensor_voting:1");
+  std::int64_t bytes_in_tick = 0;
+  std::int64_t most = 0;
+  std::map<std::pair<std::int32_t, std::int32_t>, int> revisions;
+  world.bus.subscribe<voted_points_t>("VOTED_POINTS", [&](const voted_points_t& m) {
+    bytes_in_tick += m.getEncodedSize();
+    if (m.first == 0) ++revisions[{m.tile_x, m.tile_y}];
+  });
+  std::int64_t total = 0;
+  for (int i = 0; i < 150; ++i) {
+    bytes_in_tick = 0;
+    world.run(0.02, i < 100 ? 0.05 : 0);
+    most = std::max(most, bytes_in_tick);
+    total += bytes_in_tick;
+  }
+  EXPECT_LE(most, 2 * 48 * 1024) << "no bursts";
+  EXPECT_LE(total, 0.5e6 * 3 + 48 * 1024);
+  EXPECT_GT(total, 0.5e6 * 2);
+  for (const auto& [key, count] : revisions) EXPECT_LE(count, 15) << "in 3 s";
+}
+
+TEST(TensorVotingNode, LetsGoOfTilesFarBehindAndTakesThemUpAgain) {
+  TensorVotingConfig config;
+  config.keep_radius = 50;
+  World world(street(), 0, 1, config);
+  TensorVotingNode& node = world.start("tensor_voting:1");
+  world.run(1, 0.2);
+  world.run(3);
+  EXPECT_EQ(world.listener.contents(), lossless());
+  const auto drive_to = [&](double x) {
+    map_pose_t pose{};
+    pose.map_base_position[0] = x;
+    world.bus.publish("MAP_POSE", pose);
+    world.run(2);
+  };
+  drive_to(200);
+  EXPECT_EQ(node.report().counters["tiles_let_go"], static_cast<std::int64_t>(lossless().size()));
+  const int before = world.listener.messages;
+  drive_to(0);
+  world.run(3);
+  EXPECT_EQ(world.listener.contents(), lossless());
+  EXPECT_EQ(world.listener.messages, before) << "nothing has changed: nothing is published again";
+}
+
+TEST(TensorVotingNode, SaysThatItLivesAndThatTheMapperIsSilent) {
+  World world({});
+  TensorVotingNode& node = world.start("tensor_voting:1");
+  world.kill("nobody");
+  for (int i = 0; i < 500; ++i) node.tick(world.now += kTick);
+  world.bus.dispatch();
+  EXPECT_GE(world.listener.indexes["tensor_voting:1"], 9) << "the empty index is the heartbeat";
+  EXPECT_THAT(node.report().faults, ::testing::ElementsAre("the mapper is silent"));
+  world.run(2);
+  EXPECT_TRUE(node.report().faults.empty()) << "an empty map is no fault";
+}
+
+TEST(TensorVotingNode, RefusesNonsenseAndGoesOn) {
+  World world(street());
+  TensorVotingNode& node = world.start("tensor_voting:1");
+  map_points_t good{};
+  good.epoch = 1;
+  good.num_points = 1;
+  good.x = {5};
+  good.y = {5};
+  good.z = {5};
+  good.intensity = {0};
+  std::vector<map_points_t> bad(6, good);
+  bad[0].x = {1500};
+  bad[1].y = {-1};
+  bad[2].tile_x = 2'000'000'000;
+  bad[3].z_origin = std::nanf("");
+  bad[4].z_origin = 0.5F;
+  bad[5].first = -1;
+  for (const auto& m : bad) world.bus.publish("MAP_POINTS", m);
+  map_pose_t pose{};
+  pose.map_base_position[0] = std::nan("");
+  world.bus.publish("MAP_POSE", pose);
+  world.bus.dispatch();
+  const Counters counters = node.report().counters;
+  EXPECT_EQ(counters["refused.map_points"] + counters["dropped.far"], 6);
+  EXPECT_EQ(counters["refused.map_pose"], 1);
+
+  std::mt19937 random(1);
+  for (int i = 0; i < 3000; ++i) {  // truncated, flipped and random messages
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(good.getEncodedSize()));
+    good.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    if (i % 3 == 0) bytes.resize(random() % bytes.size());
+    if (i % 3 == 1) bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1 << (random() % 8));
+    if (i % 3 == 2)
+      for (auto& b : bytes) b = static_cast<std::uint8_t>(random());
+    for (const char* channel : {"MAP_POINTS", "TILE_INDEX", "TILE_REQUEST", "MAP_POSE"}) {
+      world.bus.inject(channel, bytes.data(), static_cast<int>(bytes.size()));
+    }
+    world.bus.dispatch();
+    node.tick(world.now += kTick);
+  }
+}
+
+TEST(TensorVotingNode, RefusesScalesThatCannotBeVoted) {
+  LocalBus bus;
+  TensorVotingConfig config;
+  config.sigma = {0.3};
+  EXPECT_THROW(TensorVotingNode(config, "w", bus), std::invalid_argument);
+  config.voxel = {0.07};
+  EXPECT_THROW(TensorVotingNode(config, "w", bus), std::invalid_argument);
+  config.voxel = {0.1};
+  EXPECT_NO_THROW(TensorVotingNode(config, "w", bus));
+}
+
+}  // namespace
+}  // namespace curbstone
