@@ -53,7 +53,11 @@ void EventLoop::run() {
     if (poll(fds.data(), fds.size(), static_cast<int>((wait_us + 999) / 1000)) < 0 && errno != EINTR) {
       throw std::system_error(errno, std::generic_category(), "poll");
     }
-    if (fds[0].revents != 0) break;
+    if (fds[0].revents != 0) {
+      signalfd_siginfo taken{};  // so that a second run() waits for a second signal
+      (void)!read(signal_fd_, &taken, sizeof taken);
+      break;
+    }
     for (std::size_t i = 1; i < fds.size(); ++i) {
       if (fds[i].revents == 0) continue;
       // By value and looked up anew: a handler may watch and unwatch.
