@@ -1,0 +1,79 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "common/event_loop.hpp"
+#include "common/lcm_bus.hpp"
+#include "procman/config.hpp"
+#include "procman/deputy.hpp"
+#include "procman/output_keeper.hpp"
+#include "procman/script_runner.hpp"
+#include "procman/stop_sequence.hpp"
+#include "procman/supervisor.hpp"
+
+namespace curbstone::procman {
+
+/// Wrong options or config: what is wrong, in words.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct DeputyAppOptions {
+  std::string config_file;  ///< empty: none
+  std::string id;           ///< empty: the only deputy that the config names, else the host name
+  std::string script;       ///< run it at the start
+  bool start_all = false;
+  bool allow_any = false;  ///< take orders for commands that are not in the config
+  bool quiet = false;      ///< do not print what the commands print
+  std::string lcm_url;
+  std::string log_dir;
+  KeepLimits keep;
+  std::string exit_when;  ///< when this command has ended, stop the rest and exit
+};
+
+/// The process `curbstone-deputy`: a deputy on the bus that also runs its own config without a sheriff.
+class DeputyApp {
+ public:
+  /// Throws UsageError, or std::runtime_error when the environment fails.
+  explicit DeputyApp(DeputyAppOptions options);
+  /// Until a signal, or the end of `exit_when`; then stops everything, stage by stage; a second signal kills. Returns
+  /// the exit status: 0 clean, 1 `exit_when` failed, 2 another deputy has our id.
+  int run();
+
+ private:
+  void load_config();
+  void begin();
+  void tick();
+  void shut_down();
+  void on_started(const CommandState& state);
+  void on_ended(const CommandState& state, std::int64_t lived);
+  void say(const std::string& text);
+  void print_line(const std::string& id, std::string_view line) const;
+  void show_last_lines(const std::string& id);
+  void resend_last_lines();
+
+  DeputyAppOptions options_;
+  Config config_;  // our commands only
+  EventLoop loop_;
+  OutputKeeper keeper_;
+  Supervisor supervisor_;
+  std::unique_ptr<LcmBus> bus_;
+  std::unique_ptr<Deputy> deputy_;
+  FileDescriptor other_signals_;  // SIGHUP, SIGQUIT
+  std::optional<ScriptRunner> script_;
+  std::optional<StopSequence> stopping_;
+  std::map<std::string, int> short_lives_;  // in a row
+  bool begun_ = false;
+  int status_ = 0;
+  std::int64_t watchdog_due_ = 0;
+};
+
+}  // namespace curbstone::procman
