@@ -1,130 +1,177 @@
 #include "tools/simulate/log_recorder.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <curbstone/imu_t.hpp>
-#include <curbstone/lidar_points_t.hpp>
-#include <curbstone/wheels_t.hpp>
-#include <limits>
-#include <numbers>
+#include <functional>
+#include <map>
+#include <utility>
 
+#include "drivers/encoder/encoder_node.hpp"
+#include "drivers/encoder/slcan_channel.hpp"
+#include "drivers/imu/imu_node.hpp"
+#include "drivers/rslidar/rslidar_node.hpp"
+#include "tools/log/log_writer.hpp"
+#include "tools/simulate/bench/emulated_imu.hpp"
+#include "tools/simulate/bench/emulated_wheels.hpp"
 #include "tools/simulate/sensors/lidar_model.hpp"
 
 namespace curbstone {
 
 namespace {
 
-/// Every message goes into the log at the time at which the driver would have sent it.
+constexpr std::int64_t kTick = 20'000;          // us, as the shell ticks a node
+constexpr std::int64_t kWarmUp = 3'000'000;     // us that the devices are on, and set up, before the log begins
+constexpr std::int64_t kUdpDelay = 120;         // us from a packet's last shot to the host's receiving it
+constexpr std::int64_t kSerialDelay = 500;      // us at least, of a USB serial line
+constexpr double kSerialJitter = 400e-6 * 1e6;  // us, mean of what comes on top
+
+/// Every message goes into the log at the time at which the driver sent it.
 class LogPublisher final : public Publisher {
  public:
-  explicit LogPublisher(const std::string& file) : log_(file) {}
+  LogPublisher(const std::string& file, std::int64_t begin) : log_(file), begin_(begin) {}
   void set_now(std::int64_t now) { now_ = now; }
-  [[nodiscard]] std::int64_t count() const { return count_; }
+  [[nodiscard]] std::int64_t count(const std::string& channel) const {
+    const auto it = counts_.find(channel);
+    return it == counts_.end() ? 0 : it->second;
+  }
 
  protected:
   void publish_bytes(const std::string& channel, const void* data, int size) override {
+    if (now_ < begin_) return;
     log_.write(channel, data, size, now_);
-    ++count_;
+    ++counts_[channel];
   }
 
  private:
   LogWriter log_;
+  std::int64_t begin_;
   std::int64_t now_ = 0;
-  std::int64_t count_ = 0;
+  std::map<std::string, std::int64_t> counts_;
 };
 
-// Stopgap until the drivers' nodes are on main.
-lidar_points_t decode(const Rs16Packet& bytes, std::int64_t utime, int number, int& revolution, int& last_azimuth,
-                      double rpm) {
-  const ElevationTable elevations = Rs16EmulatorConfig().elevations;
-  lidar_points_t m;
-  m.utime = utime;
-  m.packet = number;
-  const double rate = rpm / 60.0 * 360.0;
-  for (int block = 0; block < kBlocksPerPacket; ++block) {
-    const std::uint8_t* b = bytes.data() + 42 + 100 * block;
-    const int azimuth = b[2] * 256 + b[3];
-    if (block == 0) {
-      if (last_azimuth < 18000 && azimuth >= 18000) ++revolution;
-      last_azimuth = azimuth;
-    }
-    for (int c = 0; c < 32; ++c) {
-      const int raw = b[4 + 3 * c] * 256 + b[5 + 3 * c];
-      if (raw == 0) continue;
-      const int laser = c % 16;
-      const double t = (c / 16) * kSequencePeriod + laser * kLaserPeriod;
-      const double a = (azimuth * 0.01 + rate * t) * std::numbers::pi / 180.0;
-      const double e = elevations[static_cast<std::size_t>(laser)] * std::numbers::pi / 180.0;
-      const double horizontal = raw * 0.005 * std::cos(e) + kLensOffset;
-      m.x.push_back(static_cast<float>(horizontal * std::cos(a)));
-      m.y.push_back(static_cast<float>(-horizontal * std::sin(a)));
-      m.z.push_back(static_cast<float>(raw * 0.005 * std::sin(e)));
-      m.time_offset.push_back(static_cast<float>(block * kBlockPeriod + t));
-      m.intensity.push_back(b[6 + 3 * c]);
-      m.ring.push_back(static_cast<std::uint8_t>(laser < 8 ? laser : 23 - laser));
-    }
+/// A serial line: what the device says reaches the host a little later, in order; what the host says is there at once.
+class Line {
+ public:
+  using Receive = std::function<void(std::int64_t, std::span<const std::uint8_t>)>;
+  Line(SerialDevice& device, Random random) : device_(device), random_(random) {}
+
+  void to_host(std::int64_t now, SerialDevice::Bytes bytes) {
+    if (bytes.empty()) return;
+    const auto delay =
+        kSerialDelay - static_cast<std::int64_t>(kSerialJitter * std::log(1.0 - random_.uniform(0.0, 0.999)));
+    last_ = std::max(last_ + 1, now + delay);
+    under_way_.emplace(last_, std::move(bytes));
   }
-  m.num_points = static_cast<std::int32_t>(m.x.size());
-  return m;
-}
+  void to_device(std::span<const std::uint8_t> bytes) { written_.insert(written_.end(), bytes.begin(), bytes.end()); }
+
+  [[nodiscard]] std::int64_t next_due() const {
+    const std::int64_t device = device_.next_due();
+    return under_way_.empty() ? device : std::min(device, under_way_.begin()->first);
+  }
+  void serve(std::int64_t now, double t, const Receive& receive) {
+    if (device_.next_due() <= now) to_host(now, device_.run(now, t));
+    while (!under_way_.empty() && under_way_.begin()->first <= now) {
+      receive(now, under_way_.begin()->second);
+      under_way_.erase(under_way_.begin());
+    }
+    if (!written_.empty()) to_host(now, device_.on_bytes(now, std::exchange(written_, {})));
+  }
+
+ private:
+  SerialDevice& device_;
+  Random random_;
+  std::map<std::int64_t, SerialDevice::Bytes> under_way_;
+  SerialDevice::Bytes written_;
+  std::int64_t last_ = 0;
+};
+
+/// The emulated devices and the drivers' nodes on one made-up clock.
+class Recorder {
+ public:
+  Recorder(const Drive& drive, const std::string& file)
+      : drive_(drive),
+        log_(file, drive.start_utime),
+        surroundings_(drive.make_surroundings()),
+        lidar_({drive.rpm, drive.seed, drive.start_utime}, drive.config.vehicle, drive.motion, *surroundings_),
+        imu_(ImuModel(drive.config.imu, drive.config.vehicle, drive.motion, Random(drive.seed).fork(11))),
+        wheels_(WheelModel(drive.config.wheels, drive.config.vehicle, drive.motion, drive.seconds,
+                           Random(drive.seed).fork(12))),
+        imu_line_(imu_, Random(drive.seed).fork(14)),
+        can_line_(wheels_, Random(drive.seed).fork(15)),
+        rslidar_node_({}, log_),
+        imu_node_({}, log_, [this](std::span<const std::uint8_t> bytes) { imu_line_.to_device(bytes); }),
+        encoder_node_(encoder_config(drive.config), log_, [this](const CanFrame& frame) { channel_.send(frame); }),
+        channel_(EncoderConfig{}.bitrate,
+                 {[this](std::span<const std::uint8_t> bytes) { can_line_.to_device(bytes); },
+                  [this](std::int64_t utime, const CanFrame& frame) { encoder_node_.on_frame(utime, frame); },
+                  [this](std::int64_t now) { encoder_node_.on_link(now, true, ""); }}) {}
+
+  Recorded run() {
+    const std::int64_t begin = drive_.start_utime - kWarmUp;
+    const std::int64_t end = drive_.start_utime + static_cast<std::int64_t>(drive_.seconds * 1e6);
+    now_ = begin;
+    imu_line_.to_host(now_, imu_.power_on(now_));
+    can_line_.to_host(now_, wheels_.power_on(now_));
+    imu_node_.on_link(now_, true, "");
+    encoder_node_.on_link(now_, false, "");
+    channel_.start(now_);
+    std::int64_t next_tick = begin, next_difop = begin;
+    LidarModel::Packet packet = lidar_.next();
+    for (;;) {
+      const std::int64_t packet_due = utime(packet.t_last) + kUdpDelay;
+      now_ = std::min({packet_due, next_tick, next_difop, imu_line_.next_due(), can_line_.next_due()});
+      if (now_ > end) break;
+      log_.set_now(now_);
+      if (now_ == next_difop) {
+        rslidar_node_.on_packet(now_, kDifopPort, lidar_.difop(time(now_)));
+        next_difop += 1'000'000;
+      }
+      if (now_ == packet_due) {
+        rslidar_node_.on_packet(now_, kMsopPort, packet.bytes);
+        packet = lidar_.next();
+        ++packets_;
+      }
+      imu_line_.serve(now_, time(now_), [this](auto at, auto bytes) { imu_node_.on_bytes(at, bytes); });
+      can_line_.serve(now_, time(now_), [this](auto at, auto bytes) { channel_.on_bytes(at, bytes); });
+      if (now_ == next_tick) {
+        rslidar_node_.tick(now_);
+        imu_node_.tick(now_);
+        channel_.tick(now_);
+        encoder_node_.tick(now_);
+        next_tick += kTick;
+      }
+    }
+    return {packets_, log_.count("LIDAR_POINTS"), log_.count("IMU"), log_.count("WHEELS")};
+  }
+
+ private:
+  [[nodiscard]] static EncoderConfig encoder_config(const SimulateConfig& config) {
+    EncoderConfig encoder;
+    encoder.counts_per_revolution = config.wheels.counts_per_revolution;
+    return encoder;
+  }
+  [[nodiscard]] std::int64_t utime(double t) const { return drive_.start_utime + std::llround(t * 1e6); }
+  [[nodiscard]] double time(std::int64_t at) const { return static_cast<double>(at - drive_.start_utime) * 1e-6; }
+
+  const Drive& drive_;
+  LogPublisher log_;
+  std::unique_ptr<Surroundings> surroundings_;
+  LidarModel lidar_;
+  EmulatedImu imu_;
+  EmulatedWheels wheels_;
+  Line imu_line_, can_line_;
+  RslidarNode rslidar_node_;
+  ImuNode imu_node_;
+  EncoderNode encoder_node_;
+  SlcanChannel channel_;
+  std::int64_t now_ = 0;
+  std::int64_t packets_ = 0;
+};
 
 }  // namespace
 
 Recorded record_drive(const Drive& drive, const std::string& log_file) {
-  LogPublisher log(log_file);
-  const Random random(drive.seed);
-  const VehicleConfig& vehicle = drive.config.vehicle;
-  LidarModel lidar({drive.rpm, drive.seed, drive.start_utime}, vehicle, drive.motion, drive.surroundings);
-  ImuModel imu(drive.config.imu, vehicle, drive.motion, random.fork(11));
-  WheelModel wheels(drive.config.wheels, vehicle, drive.motion, drive.seconds, random.fork(12));
-  const auto utime = [&](double t) { return drive.start_utime + std::llround(t * 1e6); };
-
-  Recorded recorded;
-  int revolution = 0, last_azimuth = 0;
-  std::array<std::int64_t, 2> last_counts{};
-  LidarModel::Packet packet = lidar.next();
-  double next_imu = 0.0013, next_wheels = 0.0047;
-  for (;;) {
-    const double t = std::min({packet.t_last, next_imu, next_wheels});
-    if (t > drive.seconds) break;
-    if (t == packet.t_last) {
-      log.set_now(utime(t) + 150);
-      log.publish("LIDAR_POINTS", decode(packet.bytes, utime(packet.t), static_cast<int>(recorded.packets), revolution,
-                                         last_azimuth, drive.rpm));
-      ++recorded.packets;
-      packet = lidar.next();
-    } else if (t == next_imu) {
-      const Inertia inertia = imu.sample(t);
-      imu_t m{};
-      m.utime = utime(t);
-      m.sequence = static_cast<std::int32_t>(recorded.imu++);
-      for (int i = 0; i < 3; ++i) {
-        m.acceleration[i] = static_cast<double>(static_cast<float>(inertia.specific_force[i]));
-        m.angular_rate[i] = static_cast<double>(static_cast<float>(inertia.angular_rate[i]));
-      }
-      m.temperature = std::numeric_limits<float>::quiet_NaN();
-      log.set_now(m.utime + 1200);
-      log.publish("IMU", m);
-      next_imu += 0.01;
-    } else {
-      const auto counts = wheels.counts(t);
-      wheels_t m{};
-      m.utime = utime(t);
-      m.sequence = static_cast<std::int32_t>(recorded.wheels++);
-      for (std::size_t i = 0; i < 2; ++i) {
-        const double per_count = 2.0 * std::numbers::pi / drive.config.wheels.counts_per_revolution;
-        m.counts[i] = counts[i];
-        m.angle[i] = static_cast<double>(counts[i]) * per_count;
-        m.speed[i] = recorded.wheels == 1 ? 0.0 : static_cast<double>(counts[i] - last_counts[i]) * per_count / 0.01;
-      }
-      last_counts = counts;
-      m.enabled = true;
-      log.set_now(m.utime + 900);
-      log.publish("WHEELS", m);
-      next_wheels += 0.01;
-    }
-  }
-  recorded.messages = log.count();
-  return recorded;
+  return Recorder(drive, log_file).run();
 }
 
 }  // namespace curbstone

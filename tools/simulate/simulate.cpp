@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "common/clock.hpp"
+#include "tools/simulate/live/live_drive.hpp"
 #include "tools/simulate/log_recorder.hpp"
 #include "tools/simulate/motion/town_motion.hpp"
 #include "tools/simulate/town_surroundings.hpp"
@@ -17,37 +20,140 @@ namespace {
 
 struct Options {
   bool town = false;
+  bool live = false;
   std::uint64_t seed = 1;
   double seconds = 60;
-  std::string log, truth, config;
-  std::vector<std::string> set;
   std::int64_t start_utime = 1'750'000'000'000'000;
+  std::string log, truth, config;
+  std::vector<std::string> set, faults;
+  LiveOptions to_devices;
 };
 
-int simulate_town(const Options& options, const SimulateConfig& config) {
+/// What a drive is driven through, whatever its source, with the truth about it.
+struct Source {
+  std::unique_ptr<Town> town;
+  std::unique_ptr<Motion> motion;
+  std::function<std::unique_ptr<Surroundings>()> make_surroundings;
+  std::string name;
+  double seconds = 0;
+  double rpm = 0;
+};
+
+Source town_source(const Options& options, const SimulateConfig& config) {
+  Source source;
   TownOptions town_options;
   town_options.seed = options.seed;
-  const Town town(town_options);
-  const SpeedProfile profile({config.speed, config.standstill, config.acceleration, 26.0, 2.5}, options.seconds);
-  const TownMotion motion(town, config.vehicle, profile);
-  TownSurroundings surroundings(town, config.lidar);
-  const TruthInfo info{options.start_utime, options.seed, "town", options.seconds};
-  if (!options.truth.empty()) {
-    prepare_truth_folder(options.truth);
-    write_poses(options.truth, info, motion);
-    write_town_truth(options.truth, info, town, config.vehicle.height);
+  source.town = std::make_unique<Town>(town_options);
+  SpeedProfile::Options speed;
+  speed.speed = config.speed;
+  speed.standstill = config.standstill;
+  speed.acceleration = config.acceleration;
+  source.motion = std::make_unique<TownMotion>(*source.town, config.vehicle, SpeedProfile(speed, options.seconds));
+  source.make_surroundings = [town = source.town.get(), noise = config.lidar] {
+    return std::make_unique<TownSurroundings>(*town, noise);
+  };
+  source.name = "town";
+  source.seconds = options.seconds;
+  source.rpm = config.rpm;
+  return source;
+}
+
+void write_truth(const Options& options, const SimulateConfig& config, const Source& source, std::int64_t start_utime) {
+  if (options.truth.empty()) return;
+  const TruthInfo info{start_utime, options.seed, source.name, source.seconds};
+  write_poses(options.truth, info, *source.motion);
+  if (source.town) {
+    write_town_truth(options.truth, info, *source.town, config.vehicle.height);
+  } else {
+    write_truth_info(options.truth, info);
   }
-  if (!options.log.empty()) {
-    const auto begin = steady_clock();
-    const Drive drive{motion, surroundings, config, options.seed, options.start_utime, options.seconds, config.rpm};
-    const Recorded recorded = record_drive(drive, options.log);
-    const double took = static_cast<double>(steady_clock() - begin) * 1e-6;
-    fmt::print(
-        "simulate: {:.1f} s, {:.1f} m, {} LiDAR packets, {} IMU and {} wheel samples in {} ({:.1f} x real time)\n",
-        options.seconds, profile.distance(options.seconds), recorded.packets, recorded.imu, recorded.wheels,
-        options.log, options.seconds / took);
+}
+
+double way_of(const Source& source, double seconds) {
+  double way = 0;
+  Pose last = source.motion->T_world_base(0);
+  for (double t = 0.1; t <= seconds; t += 0.1) {
+    const Pose next = source.motion->T_world_base(t);
+    way += (next.translation() - last.translation()).norm();
+    last = next;
   }
-  return 0;
+  return way;
+}
+
+void simulate_to_log(const Options& options, const SimulateConfig& config, const Source& source, const Drive& drive) {
+  const auto begin = steady_clock();
+  write_truth(options, config, source, options.start_utime);
+  const Recorded recorded = record_drive(drive, options.log);
+  const double took = static_cast<double>(steady_clock() - begin) * 1e-6;
+  fmt::print(
+      "simulate: {:.1f} s, {:.1f} m: {} LiDAR packets; {} LIDAR_POINTS, {} IMU, {} WHEELS in {} ({:.1f} x real time)\n",
+      drive.seconds, way_of(source, drive.seconds), recorded.packets, recorded.lidar, recorded.imu, recorded.wheels,
+      options.log, drive.seconds / took);
+}
+
+void simulate_live(const Options& options, const SimulateConfig& config, const Source& source, const Drive& drive) {
+  const LiveReport report = run_live(drive, options.to_devices, [&](std::int64_t start_utime) {
+    write_truth(options, config, source, start_utime);
+    fmt::print("simulate: the drive begins\n");
+    std::fflush(stdout);
+  });
+  fmt::print(
+      "simulate: {:.1f} of {:.1f} s, {:.1f} m live: {} LiDAR packets ({:.1f} ms late at most), {} IMU samples, {} CAN "
+      "frames{}\n",
+      report.seconds, drive.seconds, way_of(source, report.seconds), report.packets, report.latest * 1e3, report.imu,
+      report.can_frames, report.interrupted ? "; interrupted" : "");
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_flag("--town", options.town, "Drive round the block in a town made from the seed");
+  app.add_option("--seed", options.seed, "Of the town and of all noise")->capture_default_str();
+  app.add_option("--seconds", options.seconds, "Length of the drive")
+      ->check(CLI::Range(0.1, 36000.0))
+      ->capture_default_str();
+  app.add_option("--truth", options.truth, "Folder for the true poses, classes and curbs");
+  app.add_option("--config", options.config, "The vehicle's YAML file (sections simulate and vehicle)");
+  app.add_option("--set", options.set, "KEY=VALUE of section simulate, e.g. speed=2");
+  app.add_option("--log", options.log, "Write an LCM log, as fast as it goes")->group("To a log");
+  app.add_option("--start-utime", options.start_utime, "us since the epoch, of the beginning")
+      ->capture_default_str()
+      ->group("To a log");
+  LiveOptions& live = options.to_devices;
+  const std::string group = "Live, as devices";
+  app.add_flag("--live", options.live, "Send packets and serial bytes in real time")->group(group);
+  app.add_option("--lidar-host", live.lidar_host, "Where the LiDAR's packets go")->capture_default_str()->group(group);
+  app.add_option("--msop-port", live.msop_port)->check(CLI::Range(1, 65535))->capture_default_str()->group(group);
+  app.add_option("--difop-port", live.difop_port)->check(CLI::Range(1, 65535))->capture_default_str()->group(group);
+  app.add_option("--imu-link", live.imu_link, "Name for the IMU's serial port")->capture_default_str()->group(group);
+  app.add_option("--can-link", live.can_link, "Name for the CAN adapter's serial port")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--spool", live.spool, "File for the packets rendered ahead; the next run takes them from there")
+      ->group(group);
+  app.add_option("--head-start", live.head_start, "s that the devices are on before the drive begins")
+      ->check(CLI::Range(0.0, 600.0))
+      ->group(group);
+  app.add_option("--fault", options.faults, "lidar|imu|wheels-silent|garbage:FROM-TO, seconds of the drive; repeatable")
+      ->group(group);
+}
+
+std::uint64_t fingerprint(const Options& options, AnyConfig& config) {
+  const std::string all =
+      fmt::format("1 {} {} {} {}", options.town, options.seed, options.seconds, dump_config("simulate", config));
+  std::uint64_t hash = 0;
+  for (const char c : all) hash = mix_bits(hash ^ static_cast<unsigned char>(c));
+  return hash;
+}
+
+/// Throws ConfigError for what is wrong in what the user wrote.
+void check(Options& options) {
+  if (!options.town) throw ConfigError("nothing to drive through: --town");
+  if (options.live == !options.log.empty()) throw ConfigError("either --log FILE or --live");
+  for (const auto& text : options.faults) {
+    const auto fault = parse_fault(text);
+    if (!fault)
+      throw ConfigError(fmt::format("--fault {}: expected for instance imu-silent:10-12 or lidar-garbage:5-6", text));
+    options.to_devices.faults.add(*fault);
+  }
 }
 
 }  // namespace
@@ -56,17 +162,7 @@ int run_simulate(int argc, char** argv) {
   Options options;
   CLI::App app{"An emulated vehicle: what its sensors would send on a drive, and the truth about it"};
   app.name("curbstone simulate");
-  app.add_flag("--town", options.town, "Drive round the block in a town made from the seed");
-  app.add_option("--seed", options.seed, "Of the town and of all noise")->capture_default_str();
-  app.add_option("--seconds", options.seconds, "Length of the drive")
-      ->check(CLI::Range(0.1, 36000.0))
-      ->capture_default_str();
-  app.add_option("--log", options.log, "Write an LCM log, as fast as it goes");
-  app.add_option("--truth", options.truth, "Folder for the true poses, classes and curbs");
-  app.add_option("--config", options.config, "The vehicle's YAML file");
-  app.add_option("--set", options.set, "KEY=VALUE of section simulate");
-  app.add_option("--start-utime", options.start_utime, "us since the epoch, of the beginning (with --log)")
-      ->capture_default_str();
+  add_options(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -76,11 +172,27 @@ int run_simulate(int argc, char** argv) {
   try {
     if (!options.config.empty()) load_config(options.config, "simulate", config);
     for (const auto& assignment : options.set) set_config_value(assignment, config);
+    check(options);
   } catch (const ConfigError& error) {
     fmt::print(stderr, "curbstone simulate: {}\n", error.what());
     return 2;
   }
-  return simulate_town(options, config.value);
+  try {
+    if (!options.truth.empty()) prepare_truth_folder(options.truth);
+    const Source source = town_source(options, config.value);
+    const Drive drive{*source.motion, source.make_surroundings, config.value,       source.rpm,
+                      options.seed,   source.seconds,           options.start_utime};
+    options.to_devices.fingerprint = fingerprint(options, config);
+    if (options.live) {
+      simulate_live(options, config.value, source, drive);
+    } else {
+      simulate_to_log(options, config.value, source, drive);
+    }
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "curbstone simulate: {}\n", error.what());
+    return 1;
+  }
+  return 0;
 }
 
 }  // namespace curbstone

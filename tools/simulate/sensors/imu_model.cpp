@@ -26,4 +26,10 @@ Inertia ImuModel::sample(double t) {
   return inertia;
 }
 
+std::array<double, 4> ImuModel::orientation(double t) const {
+  const Eigen::Matrix3d R_world_imu = (motion_.T_world_base(t) * T_base_imu_).linear();
+  const Eigen::Quaterniond q(rotation_from_rpy(0.004, -0.003, 1.1) * R_world_imu);
+  return {q.w(), q.x(), q.y(), q.z()};
+}
+
 }  // namespace curbstone

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "common/config.hpp"
 #include "common/vehicle.hpp"
 #include "tools/simulate/motion/motion.hpp"
@@ -33,6 +35,8 @@ class ImuModel {
  public:
   ImuModel(const ImuNoise& noise, const VehicleConfig& vehicle, const Motion& motion, Random random);
   [[nodiscard]] Inertia sample(double t);
+  /// What the device itself makes of it: right in roll and pitch, its heading anywhere. w x y z.
+  [[nodiscard]] std::array<double, 4> orientation(double t) const;
 
  private:
   Eigen::Vector3d normals(double sigma) {

@@ -26,8 +26,10 @@ class LidarModel {
 
   LidarModel(const Options& options, const VehicleConfig& vehicle, const Motion& motion, Surroundings& surroundings);
 
-  /// The next packet; they start at t = 0.
+  /// The next packet; the first starts at t = 0.
   Packet next();
+  /// Goes on with the packet of that number: packets do not depend on those before.
+  void skip_to(std::int64_t packet) { sequence_ = packet * kSequencesPerPacket; }
   [[nodiscard]] Rs16Packet difop(double t) const;
 
  private:

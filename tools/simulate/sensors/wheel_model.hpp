@@ -12,10 +12,10 @@
 namespace curbstone {
 
 struct WheelNoise {
-  int counts_per_revolution = 16384;
-  double radius_error = 0.003;  ///< 1 sigma, at most 0.5 %: tyres are never quite the radius one believes
-  double slips_per_minute = 3;  ///< short events while accelerating or braking
-  double slip = 0.12;           ///< share by which a slipping wheel turns too fast or too slow
+  int counts_per_revolution = 4096;  // what the drive's 1024 lines make
+  double radius_error = 0.003;       ///< 1 sigma, at most 0.5 %: tyres are never quite the radius one believes
+  double slips_per_minute = 3;       ///< short events while accelerating or braking
+  double slip = 0.12;                ///< share by which a slipping wheel turns too fast or too slow
 
   void visit(ConfigVisitor& v) {
     v.field("counts_per_revolution", counts_per_revolution, {16, 1 << 20}, "encoder counts a turn of the wheel");

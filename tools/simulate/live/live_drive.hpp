@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "tools/simulate/bench/fault_plan.hpp"
+#include "tools/simulate/drive.hpp"
+
+namespace curbstone {
+
+struct LiveOptions {
+  std::string lidar_host = "127.0.0.1";
+  int msop_port = 6699;
+  int difop_port = 7788;
+  std::string imu_link = "/tmp/curbstone-imu";  ///< where the IMU's serial port appears
+  std::string can_link = "/tmp/curbstone-can";  ///< where the CAN adapter's serial port appears
+  std::string spool;                            ///< file of rendered packets, kept for the next run; empty: temporary
+  std::uint64_t fingerprint = 0;                ///< of all that the packets depend on
+  double head_start = 0;                        ///< s that the devices are on before the drive begins
+  FaultPlan faults;
+};
+
+/// What a live drive came to.
+struct LiveReport {
+  double seconds = 0;
+  std::int64_t packets = 0;
+  std::int64_t imu = 0;
+  std::int64_t can_frames = 0;
+  std::int64_t start_utime = 0;
+  double latest = 0;         ///< s, how late the latest packet was
+  bool interrupted = false;  ///< SIGINT or SIGTERM
+};
+
+/// Sends a drive in real time as the devices do: RS16 packets over UDP, an Xsens and an SLCAN adapter on
+/// pseudo-terminals that answer what the host writes. The serial ports are there from the start; the drive begins when
+/// the packets have been rendered, and `on_start` hears of it. Throws std::runtime_error with one clear line.
+LiveReport run_live(const Drive& drive, const LiveOptions& options,
+                    const std::function<void(std::int64_t start_utime)>& on_start);
+
+}  // namespace curbstone
