@@ -13,12 +13,12 @@ constexpr double kBucket = 1.0;        // m
 constexpr double kJoin = 0.5;          // m
 constexpr double kLateralReach = 0.5;  // m: farther off is a false detection, not a lateral error
 
-double distance_to_segment(Place p, Place a, Place b) {
+Place nearest_on_segment(Place p, Place a, Place b) {
   const double dx = b.x - a.x;
   const double dy = b.y - a.y;
   const double length2 = dx * dx + dy * dy;
   const double t = length2 > 0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / length2, 0.0, 1.0) : 0.0;
-  return std::hypot(p.x - a.x - t * dx, p.y - a.y - t * dy);
+  return {a.x + t * dx, a.y + t * dy};
 }
 
 double percentile(std::vector<double> values, double q) {
@@ -63,62 +63,93 @@ TrueCurbs::Nearest TrueCurbs::nearest(Place place, double reach) const {
   for (int row = first_row; row <= last_row; ++row) {
     for (int column = first_column; column <= last_column; ++column) {
       for (const Segment& segment : buckets_[static_cast<std::size_t>(row * columns_ + column)]) {
-        const double distance = distance_to_segment(place, segment.a, segment.b);
+        const Place on = nearest_on_segment(place, segment.a, segment.b);
+        const double distance = std::hypot(place.x - on.x, place.y - on.y);
         if (distance > reach) continue;
-        double& best = segment.dropped ? nearest.dropped : nearest.distance;
-        best = std::min(best, distance);
+        if (segment.dropped) {
+          nearest.dropped = std::min(nearest.dropped, distance);
+        } else if (distance < nearest.distance) {
+          nearest.distance = distance;
+          nearest.place = on;
+        }
       }
     }
   }
   return nearest;
 }
 
-CurbScore score_curbs(const CurbMap& map, const std::vector<TrueCurbPoint>& truth, const std::vector<Place>& path,
-                      double radius) {
-  CurbScore score;
-  const PlaceGrid<Place> near_path(path, radius);
-  const TrueCurbs curbs(truth);
+namespace {
 
+using NearPath = PlaceGrid<Place>;
+
+void score_precision(const CurbMap& map, const TrueCurbs& curbs, const NearPath& near_path, CurbScore& score) {
   std::array<int, kTolerances.size()> right{};
   for (const Place& cell : map.cells) {
     if (!near_path.any_near(cell.x, cell.y)) continue;
     const auto nearest = curbs.nearest(cell, kLateralReach);
-    if (nearest.distance > kTolerances.back() && nearest.dropped <= kLateralReach) {
+    if (nearest.dropped <= kLateralReach && nearest.dropped < nearest.distance) {
       ++score.on_dropped;
       continue;
     }
     ++score.detections;
     for (std::size_t i = 0; i < kTolerances.size(); ++i) right[i] += nearest.distance <= kTolerances[i] ? 1 : 0;
   }
-
-  const PlaceGrid<Place> seen(map.seen, kTolerances.back());
-  std::array<int, kTolerances.size()> found{};
-  int seen_points = 0;
-  for (std::size_t i = 0; i < kTolerances.size(); ++i) {
-    const PlaceGrid<Place> cells(map.cells, kTolerances[i]);
-    for (const TrueCurbPoint& point : truth) {
-      if (point.dropped || !near_path.any_near(point.x, point.y)) continue;
-      found[i] += cells.any_near(point.x, point.y) ? 1 : 0;
-      if (i == 0) {
-        ++score.true_points;
-        seen_points += seen.any_near(point.x, point.y) ? 1 : 0;
-      }
-    }
-  }
   for (std::size_t i = 0; i < kTolerances.size(); ++i) {
     score.at[i].precision = score.detections > 0 ? static_cast<double>(right[i]) / score.detections : 0;
+  }
+}
+
+void score_recall(const CurbMap& map, const std::vector<TrueCurbPoint>& truth, const NearPath& near_path,
+                  CurbScore& score) {
+  const PlaceGrid<Place> seen(map.seen, kTolerances.back());
+  std::vector<PlaceGrid<Place>> cells;
+  for (const double tolerance : kTolerances) cells.emplace_back(map.cells, tolerance);
+  std::array<int, kTolerances.size()> found{};
+  int seen_points = 0;
+  for (const TrueCurbPoint& point : truth) {
+    if (point.dropped || !near_path.any_near(point.x, point.y)) continue;
+    ++score.true_points;
+    seen_points += seen.any_near(point.x, point.y) ? 1 : 0;
+    for (std::size_t i = 0; i < kTolerances.size(); ++i) found[i] += cells[i].any_near(point.x, point.y) ? 1 : 0;
+    const auto step = std::lower_bound(kStepBounds.begin(), kStepBounds.end(), point.height) - kStepBounds.begin();
+    CurbScore::Share& share = score.by_step[static_cast<std::size_t>(step)];
+    ++share.points;
+    share.found += cells.back().any_near(point.x, point.y) ? 1 : 0;
+  }
+  for (std::size_t i = 0; i < kTolerances.size(); ++i) {
     score.at[i].recall = score.true_points > 0 ? static_cast<double>(found[i]) / score.true_points : 0;
   }
   score.recall_of_seen = seen_points > 0 ? static_cast<double>(found.back()) / seen_points : 0;
+}
 
-  std::vector<double> lateral_cm;
-  for (const Place& foot : map.feet) {
-    if (!near_path.any_near(foot.x, foot.y)) continue;
-    const auto nearest = curbs.nearest(foot, kLateralReach);
-    if (nearest.distance <= kLateralReach) lateral_cm.push_back(100 * nearest.distance);
+void score_lateral(const CurbMap& map, const TrueCurbs& curbs, const NearPath& near_path, CurbScore& score) {
+  std::vector<double> sizes;
+  std::vector<double> offsets;  // towards the higher side
+  for (const CurbFoot& foot : map.feet) {
+    if (!near_path.any_near(foot.at.x, foot.at.y)) continue;
+    const auto nearest = curbs.nearest(foot.at, kLateralReach);
+    if (nearest.distance > kLateralReach) continue;
+    sizes.push_back(100 * nearest.distance);
+    const double along = (foot.at.x - nearest.place.x) * foot.up.x + (foot.at.y - nearest.place.y) * foot.up.y;
+    offsets.push_back(100 * along);
   }
-  score.lateral_median_cm = percentile(lateral_cm, 0.5);
-  score.lateral_p95_cm = percentile(lateral_cm, 0.95);
+  score.lateral_median_cm = percentile(sizes, 0.5);
+  score.lateral_p95_cm = percentile(sizes, 0.95);
+  score.lateral_bias_cm = percentile(offsets, 0.5);
+  for (double& offset : offsets) offset = std::abs(offset - score.lateral_bias_cm);
+  score.lateral_spread_cm = 1.4826 * percentile(offsets, 0.5);
+}
+
+}  // namespace
+
+CurbScore score_curbs(const CurbMap& map, const std::vector<TrueCurbPoint>& truth, const std::vector<Place>& path,
+                      double radius) {
+  CurbScore score;
+  const TrueCurbs curbs(truth);
+  const NearPath near_path(path, radius);
+  score_precision(map, curbs, near_path, score);
+  score_recall(map, truth, near_path, score);
+  score_lateral(map, curbs, near_path, score);
   return score;
 }
 

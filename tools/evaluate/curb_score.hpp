@@ -21,6 +21,7 @@ class TrueCurbs {
 
   struct Nearest {
     double distance = 1e9;  ///< m, to the nearest curb that counts
+    Place place = {};       ///< there
     double dropped = 1e9;   ///< m, to the nearest lowered kerb
   };
   /// Exact within `reach`; beyond, distances stay 1e9.
@@ -44,21 +45,39 @@ struct Score {
   [[nodiscard]] double f1() const { return precision + recall > 0 ? 2 * precision * recall / (precision + recall) : 0; }
 };
 
+/// Steps are told apart by their height: up to 6, 8, 10, 12 cm, and higher.
+inline constexpr std::array kStepBounds = {0.06, 0.08, 0.10, 0.12};  ///< m
+
 struct CurbScore {
   std::array<Score, kTolerances.size()> at;  ///< by tolerance
   int detections = 0;                        ///< curb cells that count
   int on_dropped = 0;                        ///< curb cells at lowered kerbs: neither right nor wrong
   int true_points = 0;                       ///< that count; lowered kerbs do not
-  double recall_of_seen = 0;     ///< at the widest tolerance, of the true points where the map is not unknown
-  double lateral_median_cm = 0;  ///< distance of the curb lines' foot from the true one, of those within 0.5 m
+  double recall_of_seen = 0;  ///< at the widest tolerance, of the true points where the map is not unknown
+  struct Share {
+    int points = 0;
+    int found = 0;
+  };
+  std::array<Share, kStepBounds.size() + 1> by_step;  ///< recall at the widest tolerance, by the height of the step
+
+  // Of the points of curb lines within 0.5 m of a true curb:
+  double lateral_median_cm = 0;  ///< distance of the foot from the true one
   double lateral_p95_cm = 0;
+  double lateral_bias_cm = 0;    ///< median offset, positive towards the higher side
+  double lateral_spread_cm = 0;  ///< 1.48 * median deviation from the bias: 1 sigma where errors are normal
+};
+
+/// A point of a mapped curb line, and the unit vector towards the higher side.
+struct CurbFoot {
+  Place at;
+  Place up;
 };
 
 /// What a map says of curbs, in the truth's frame.
 struct CurbMap {
-  std::vector<Place> cells;  ///< centres of the cells of class curb
-  std::vector<Place> feet;   ///< points of the curb lines
-  std::vector<Place> seen;   ///< centres of all cells that are not unknown
+  std::vector<Place> cells;    ///< centres of the cells of class curb
+  std::vector<CurbFoot> feet;  ///< points of the curb lines
+  std::vector<Place> seen;     ///< centres of all cells that are not unknown
 };
 
 /// Precision: the share of curb cells whose centre is within the tolerance of a true curb. Recall: the share of true

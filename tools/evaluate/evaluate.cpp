@@ -8,6 +8,7 @@
 
 #include "services/semantic_map/map_store.hpp"
 #include "tools/evaluate/evaluation.hpp"
+#include "tools/evaluate/report.hpp"
 
 namespace curbstone {
 

@@ -34,10 +34,4 @@ struct Evaluation {
 [[nodiscard]] Evaluation evaluate(const std::vector<MapTile>& tiles, const std::vector<CurbLine>& curbs,
                                   const Trajectory& trajectory, const Truth& truth, double radius);
 
-/// As a table for people.
-[[nodiscard]] std::string to_table(const Evaluation& evaluation);
-/// For programs: {"curb": {"0.12": {...}, ...}, "lateral_cm", "classes", "trajectory", "dropped", "latency_ms",
-/// "cores"}; what is not known is null.
-[[nodiscard]] std::string to_json(const Evaluation& evaluation);
-
 }  // namespace curbstone

@@ -69,7 +69,12 @@ Truth load_truth(const std::string& folder) {
   for (const auto& row : read_csv(folder + "/poses.csv", 8)) {
     const double position[3] = {row[1], row[2], row[3]};
     const double orientation[4] = {row[4], row[5], row[6], row[7]};
-    truth.poses.push_back({static_cast<std::int64_t>(row[0]), pose_from_arrays(position, orientation)});
+    const Pose pose = pose_from_arrays(position, orientation);
+    if (!is_finite(pose)) {
+      throw std::runtime_error(
+          fmt::format("{}/poses.csv: utime {:.0f}: qw,qx,qy,qz is no unit quaternion", folder, row[0]));
+    }
+    truth.poses.push_back({static_cast<std::int64_t>(row[0]), pose});
   }
   if (truth.poses.empty()) throw std::runtime_error(fmt::format("{}/poses.csv: no poses", folder));
   std::sort(truth.poses.begin(), truth.poses.end(), [](const auto& a, const auto& b) { return a.utime < b.utime; });

@@ -17,14 +17,21 @@ std::vector<Place> row(double y) {
   return places;
 }
 
+/// A mapped curb line along y with its higher side to the left (+y).
+std::vector<CurbFoot> line(double y) {
+  std::vector<CurbFoot> feet;
+  for (const Place& place : row(y)) feet.push_back({place, {0, 1}});
+  return feet;
+}
+
 TEST(CurbScore, PerfectMapScoresOne) {
-  const auto score = score_curbs({row(3), row(3), row(3)}, curb_at(3), row(0), 8);
+  const auto score = score_curbs({row(3), line(3), row(3)}, curb_at(3), row(0), 8);
   for (const Score& s : score.at) EXPECT_EQ(s.f1(), 1.0);
   EXPECT_EQ(score.lateral_median_cm, 0.0);
 }
 
 TEST(CurbScore, AnOffsetFailsTheToleranceItExceeds) {
-  const auto score = score_curbs({row(3.2), row(3.2), row(3.2)}, curb_at(3), row(0), 8);
+  const auto score = score_curbs({row(3.2), line(3.2), row(3.2)}, curb_at(3), row(0), 8);
   EXPECT_EQ(score.at[0].f1(), 0.0);
   EXPECT_EQ(score.at[1].f1(), 0.0);
   EXPECT_EQ(score.at[2].precision, 1.0);
@@ -54,6 +61,33 @@ TEST(CurbScore, LoweredKerbsDoNotCount) {
   const auto score = score_curbs({cells, {}, cells}, truth, row(0), 8);
   EXPECT_EQ(score.at[0].f1(), 1.0);
   EXPECT_EQ(score.on_dropped, 84);
+}
+
+TEST(CurbScore, TellsTheLateralBiasFromItsSpread) {
+  CurbMap map{row(3), {}, row(3)};
+  for (const double y : {2.93, 2.95, 2.97}) {
+    const auto feet = line(y);
+    map.feet.insert(map.feet.end(), feet.begin(), feet.end());
+  }
+  const auto score = score_curbs(map, curb_at(3), row(0), 8);
+  EXPECT_NEAR(score.lateral_bias_cm, -5.0, 1e-6);  // on the lower side of the true foot
+  EXPECT_NEAR(score.lateral_spread_cm, 1.4826 * 2.0, 1e-6);
+  EXPECT_NEAR(score.lateral_median_cm, 5.0, 1e-6);
+  EXPECT_NEAR(score.lateral_p95_cm, 7.0, 1e-6);
+}
+
+TEST(CurbScore, GivesRecallByTheHeightOfTheStep) {
+  auto truth = curb_at(3);  // 0.10 m
+  for (TrueCurbPoint point : curb_at(-3, false, 1)) {
+    point.height = 0.05;
+    truth.push_back(point);
+  }
+  const auto score = score_curbs({row(3), {}, row(3)}, truth, row(0), 8);
+  EXPECT_EQ(score.by_step[0].points, 101);
+  EXPECT_EQ(score.by_step[0].found, 0);
+  EXPECT_EQ(score.by_step[2].points, 101);
+  EXPECT_EQ(score.by_step[2].found, 101);
+  EXPECT_NEAR(score.at[2].recall, 0.5, 1e-9);
 }
 
 TEST(CurbScore, OnlyNearThePath) {

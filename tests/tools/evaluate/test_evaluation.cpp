@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/evaluate/report.hpp"
+
 namespace curbstone {
 namespace {
 

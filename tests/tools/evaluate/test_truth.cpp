@@ -50,5 +50,9 @@ TEST(Truth, SaysWhichLineOfWhichFileIsWrong) {
   EXPECT_THROW((void)load_truth("/nonexistent"), std::runtime_error);
 }
 
+TEST(Truth, RefusesPosesThatAreNone) {
+  EXPECT_THROW((void)load_truth(folder_with("utime,x,y,z,qw,qx,qy,qz\n1,0,0,0,0,0,0,0\n")), std::runtime_error);
+}
+
 }  // namespace
 }  // namespace curbstone

@@ -1,0 +1,106 @@
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "services/semantic_map/map_store.hpp"
+#include "tools/evaluate/evaluate.hpp"
+
+namespace curbstone {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+/// A folder with a small map along the x axis and the truth of the same drive.
+class RunEvaluate : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_ / "truth");
+    std::ofstream poses(folder_ / "truth/poses.csv");
+    poses << "utime,x,y,z,qw,qx,qy,qz\n";
+    std::ofstream curbs(folder_ / "truth/curbs.csv");
+    curbs << "line,x,y,z,height,dropped\n";
+    MapStore::Batch batch;
+    for (int i = 0; i < 200; ++i) {
+      Pose T_map_base = Pose::Identity();
+      T_map_base.translation().x() = 0.1 * i;
+      batch.trajectory.push_back({1'000'000 + 50'000 * i, i, T_map_base});
+      poses << 1'000'000 + 50'000 * i << "," << 0.1 * i << ",0,0,1,0,0,0\n";
+      if (i <= 180) curbs << "0," << 0.1 * i << ",1.5,0,0.1,0\n";
+    }
+    for (int x = 0; x < 6; ++x) {
+      MapTile tile;
+      tile.key = {x, 0};
+      tile.cell_class.fill(CellClass::kRoad);
+      for (std::size_t c = 0; c < kCellsPerTile; ++c) tile.cell_class[12 * kCellsPerTile + c] = CellClass::kCurb;
+      batch.tiles.push_back(tile);
+    }
+    MapStore store(path("map.db"));
+    store.write(batch);
+    store.close_canonical();
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::string path(const char* name) const { return (folder_ / name).string(); }
+  int run(std::vector<std::string> arguments = {}) const {
+    std::vector<std::string> all = {"evaluate", "--map", path("map.db"), "--truth", path("truth")};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (std::string& argument : all) argv.push_back(argument.data());
+    return run_evaluate(static_cast<int>(argv.size()), argv.data());
+  }
+  void expect_failure(const std::string& file, const std::string& words,
+                      std::vector<std::string> arguments = {}) const {
+    EXPECT_THAT([&] { run(arguments); },
+                ThrowsMessage<std::exception>(AllOf(HasSubstr(file), HasSubstr(words), testing::Not(HasSubstr("\n")))));
+  }
+
+  fs::path folder_ = fs::path(testing::TempDir()) / ("curbstone_evaluate_" + std::to_string(getpid()));
+};
+
+TEST_F(RunEvaluate, PrintsATableAndWritesJson) {
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(run({"--json", path("report.json")}), 0);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("19.9 m driven"));
+  std::ifstream file(path("report.json"));
+  const auto json = nlohmann::json::parse(file);
+  EXPECT_EQ(json.at("curb").at("0.12").at("f1"), 1.0);
+  EXPECT_NEAR(json.at("trajectory").at("distance_m").get<double>(), 19.9, 1e-9);
+}
+
+TEST_F(RunEvaluate, SaysWhichInputIsMissing) {
+  fs::rename(path("map.db"), path("other.db"));
+  expect_failure("map.db", "");
+  fs::rename(path("other.db"), path("map.db"));
+  expect_failure("drive.lcmlog", "", {"--log", path("drive.lcmlog")});
+  expect_failure("report.json", "cannot be written", {"--json", "/nowhere/report.json"});
+  fs::remove_all(path("truth"));
+  expect_failure("poses.csv", "cannot be read");
+}
+
+TEST_F(RunEvaluate, RefusesAMapThatIsCutOff) {
+  for (const std::uintmax_t size : {fs::file_size(path("map.db")) / 2, std::uintmax_t{4096}, std::uintmax_t{100}}) {
+    SetUp();
+    fs::resize_file(path("map.db"), size);
+    expect_failure("map.db", "");
+  }
+}
+
+TEST_F(RunEvaluate, RefusesALogThatIsNone) {
+  std::ofstream(path("drive.lcmlog")) << "this is no log";
+  expect_failure("drive.lcmlog", "", {"--log", path("drive.lcmlog")});
+}
+
+TEST_F(RunEvaluate, KnowsUsage) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run({"--no-such-option"}), 2);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("--no-such-option"));
+}
+
+}  // namespace
+}  // namespace curbstone

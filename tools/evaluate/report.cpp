@@ -1,0 +1,116 @@
+#include "tools/evaluate/report.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace curbstone {
+
+namespace {
+
+std::string trajectory_table(const TrajectoryErrors& t) {
+  return fmt::format("trajectory   {:.1f} m driven   ATE {:.3f} m   RPE {:.2f} %, {:.3f} deg/m   end {:.2f} %\n",
+                     t.distance_m, t.ate_m, t.rpe_percent, t.rpe_deg_per_m, t.end_percent);
+}
+
+std::string recall_by_step(const CurbScore& c) {
+  std::string text;
+  for (std::size_t i = 0; i < c.by_step.size(); ++i) {
+    const auto [points, found] = c.by_step[i];
+    if (points == 0) continue;
+    const std::string range = i < kStepBounds.size() ? fmt::format("<= {:.0f} cm", 100 * kStepBounds[i])
+                                                     : fmt::format("> {:.0f} cm", 100 * kStepBounds.back());
+    text += fmt::format("   {} {:.2f}", range, static_cast<double>(found) / points);
+  }
+  return text;
+}
+
+std::string curb_table(const CurbScore& c) {
+  std::string text = "curbs        tolerance   precision   recall       F1\n";
+  for (std::size_t i = 0; i < kTolerances.size(); ++i) {
+    text += fmt::format("             {:6.2f} m   {:9.3f}   {:6.3f}   {:6.3f}\n", kTolerances[i], c.at[i].precision,
+                        c.at[i].recall, c.at[i].f1());
+  }
+  text += fmt::format("             {} curb cells, {} more at lowered kerbs (not counted); {} true points\n",
+                      c.detections, c.on_dropped, c.true_points);
+  text += fmt::format("             recall at {:.2f} m: of what was seen {:.3f}; by step{}\n", kTolerances.back(),
+                      c.recall_of_seen, recall_by_step(c));
+  text += fmt::format(
+      "             lateral error of the foot: median {:.1f} cm, p95 {:.1f} cm; bias {:+.1f} cm to the high side, "
+      "spread {:.1f} cm\n",
+      c.lateral_median_cm, c.lateral_p95_cm, c.lateral_bias_cm, c.lateral_spread_cm);
+  return text;
+}
+
+std::string class_table(const Confusion& classes) {
+  static constexpr std::array kNames = {"unknown", "road", "curb", "obstacle", "wall"};
+  std::string text = fmt::format("classes      accuracy {:.3f} of {} seen cells; truth down, map across\n",
+                                 classes.accuracy(), classes.total());
+  text += fmt::format("             {:>10}", "");
+  for (std::size_t column = 1; column < kNumClasses; ++column) text += fmt::format("{:>10}", kNames[column]);
+  for (std::size_t row = 1; row < kNumClasses; ++row) {
+    text += fmt::format("\n             {:>10}", kNames[row]);
+    for (std::size_t column = 1; column < kNumClasses; ++column)
+      text += fmt::format("{:>10}", classes.count[row][column]);
+  }
+  return text + "\n";
+}
+
+std::string run_table(const RunFigures& run) {
+  std::string text = fmt::format("losses       {} packets, {} messages\n", run.lost_packets, run.lost_messages);
+  for (const auto& [name, value] : run.losses) text += fmt::format("             {} {}\n", name, value);
+  text += fmt::format("latency      measurement to tile: p50 {:.0f} ms, p95 {:.0f} ms ({} tiles)\n", run.latency_p50_ms,
+                      run.latency_p95_ms, run.tiles);
+  double sum = 0;
+  std::string cores;
+  for (const auto& [service, share] : run.cores) {
+    cores += fmt::format("   {} {:.2f}", service, share);
+    sum += share;
+  }
+  return text + fmt::format("cores        {:.2f} in all:{}\n", sum, cores);
+}
+
+nlohmann::json curb_json(const CurbScore& c) {
+  nlohmann::json json;
+  for (std::size_t i = 0; i < kTolerances.size(); ++i) {
+    json[fmt::format("{:.2f}", kTolerances[i])] = {
+        {"precision", c.at[i].precision}, {"recall", c.at[i].recall}, {"f1", c.at[i].f1()}};
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string to_table(const Evaluation& e) {
+  std::string text = trajectory_table(e.trajectory);
+  if (e.curbs) text += curb_table(*e.curbs);
+  if (e.classes) text += class_table(*e.classes);
+  if (e.run) text += run_table(*e.run);
+  return text;
+}
+
+std::string to_json(const Evaluation& e) {
+  nlohmann::json json;
+  for (const char* key : {"curb", "lateral_cm", "classes", "dropped", "latency_ms", "cores"}) json[key] = nullptr;
+  if (e.curbs) {
+    json["curb"] = curb_json(*e.curbs);
+    json["lateral_cm"] = {{"median", e.curbs->lateral_median_cm},
+                          {"p95", e.curbs->lateral_p95_cm},
+                          {"bias", e.curbs->lateral_bias_cm},
+                          {"spread", e.curbs->lateral_spread_cm}};
+  }
+  if (e.classes) json["classes"] = {{"accuracy", e.classes->accuracy()}, {"confusion", e.classes->count}};
+  json["trajectory"] = {{"distance_m", e.trajectory.distance_m},
+                        {"ate_m", e.trajectory.ate_m},
+                        {"rpe_percent", e.trajectory.rpe_percent},
+                        {"rpe_deg_per_m", e.trajectory.rpe_deg_per_m},
+                        {"end_percent", e.trajectory.end_percent}};
+  if (e.run) {
+    json["dropped"] = {{"packets", e.run->lost_packets}, {"messages", e.run->lost_messages}};
+    json["latency_ms"] = {{"p50", e.run->latency_p50_ms}, {"p95", e.run->latency_p95_ms}};
+    json["cores"] = e.run->cores;
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace curbstone
