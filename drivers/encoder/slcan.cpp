@@ -77,10 +77,12 @@ void SlcanParser::on_line(const Handlers& handlers) {
     return;
   }
   if (std::string_view("VNF").find(line_[0]) != std::string_view::npos) return;
-  const auto frame = parse_slcan_frame(line_);
+  auto frame = parse_slcan_frame(line_);
   if (!frame) {
     counters_.add("refused.slcan_line");
-    return;
+    const std::size_t last = line_.find_last_of("tTrR");
+    if (last != std::string::npos) frame = parse_slcan_frame(std::string_view(line_).substr(last));
+    if (!frame) return;
   }
   counters_.add("slcan.frames");
   if (handlers.on_frame) handlers.on_frame(*frame);

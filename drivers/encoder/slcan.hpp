@@ -20,8 +20,9 @@ namespace curbstone {
 [[nodiscard]] std::optional<CanFrame> parse_slcan_frame(std::string_view line);
 [[nodiscard]] std::vector<std::uint8_t> encode_slcan(const CanFrame& frame);
 
-/// Cuts the adapter's byte stream into frames and answers. There is no checksum: a line that is not exactly a frame is
-/// refused whole, and reading goes on after the next CR. Holds at most kMaxLine bytes.
+/// Cuts the adapter's byte stream into frames and answers. There is no checksum: what is not exactly a frame is
+/// refused. Only a frame whole and unspoilt at the end of a spoilt line is still read: no hexadecimal digit looks like
+/// its first letter. Holds at most kMaxLine bytes.
 ///
 /// Counts: slcan.frames, refused.slcan_line (malformed), refused.slcan_overlong.
 class SlcanParser {

@@ -67,6 +67,14 @@ TEST(SlcanParserTest, TellsFramesAnswersAndGarbageApart) {
   EXPECT_EQ(parser.counters()["refused.slcan_line"], 2);
 }
 
+TEST(SlcanParserTest, AFrameAtTheEndOfASpoiltLineIsRead) {
+  SlcanParser parser;
+  Collector got;
+  parser.parse(from_text("t1818112233t1811AA\r\x80\xfft18108\r"), got.handlers());  // bytes were lost: and a CR
+  EXPECT_THAT(got.frames, ::testing::ElementsAre(frame(0x181, false, false, {0xAA})));
+  EXPECT_EQ(parser.counters()["refused.slcan_line"], 2);
+}
+
 TEST(SlcanParserTest, AnEndlessLineIsBoundedAndTheNextOneIsRead) {
   SlcanParser parser;
   Collector got;

@@ -1,0 +1,162 @@
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+
+#include <curbstone/wheels_t.hpp>
+
+#include "common/clock.hpp"
+#include "drivers/encoder/encoder_node.hpp"
+#include "drivers/encoder/slcan_link.hpp"
+#include "tests/drivers/byte_stream.hpp"
+#include "tests/drivers/pty.hpp"
+#include "tests/drivers/recorder.hpp"
+#include "tools/simulate/devices/can_drive_emulator.hpp"
+#include "tools/simulate/devices/slcan_emulator.hpp"
+
+namespace curbstone {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// The driver as the program runs it, and an emulated drive behind an emulated adapter, at the two ends of a
+/// pseudo-terminal, in real time.
+class EncoderOnAPty : public ::testing::Test {
+ protected:
+  EncoderOnAPty()
+      : link_({pty_.path(), 115200}, 500),
+        node_(EncoderConfig{}, recorder_.bus(), [this](const CanFrame& frame) { link_.send(frame); }) {
+    node_.add_report([this](NodeReport& report) { link_.report(report); });
+    link_.attach(loop_, {[this](auto utime, const auto& frame) { node_.on_frame(utime, frame); },
+                         [this](auto now, bool up, const auto& why) { node_.on_link(now, up, why); }});
+    loop_.every(20ms, [this] { node_.tick(wall_clock()); });
+    loop_.every(2ms, [this] { turn_devices(); });
+    start_ = steady_clock();
+    to_host(drive_.power_on(start_));
+  }
+
+  void to_host(const CanDriveEmulator::Frames& frames) {
+    for (const CanFrame& frame : frames) {
+      if (!mute_) pty_.write(adapter_.on_frame(frame));
+    }
+  }
+  void turn_devices() {
+    const std::int64_t now = steady_clock();
+    const auto counts = static_cast<std::int32_t>((now - start_) / 100);  // 10,000 counts/s
+    drive_.set_counts(counts, -counts);
+    const auto result = adapter_.on_bytes(pty_.read());
+    pty_.write(result.to_host);
+    for (const CanFrame& frame : result.to_bus) to_host(drive_.on_frame(now, frame));
+    to_host(drive_.tick(now));
+    if (noise_) pty_.write(testing::random_bytes(random_, 20));
+  }
+  bool run_until(const std::function<bool()>& done) {
+    const std::int64_t deadline = steady_clock() + 10'000'000;
+    bool reached = false;
+    done_ = [&] {
+      reached = done();
+      if (reached || steady_clock() > deadline) loop_.stop();
+    };
+    if (!watching_) loop_.every(10ms, [this] { done_(); });
+    watching_ = true;
+    loop_.run();
+    return reached;
+  }
+  bool run_until_more_samples(std::size_t more) {
+    const std::size_t before = recorder_.messages().size();
+    return run_until([&] { return recorder_.messages().size() >= before + more; });
+  }
+  bool run_until_fault(const std::string& text) {
+    return run_until([&] {
+      for (const std::string& fault : node_.report().faults) {
+        if (fault.find(text) != std::string::npos) return true;
+      }
+      return false;
+    });
+  }
+  bool run_until_healthy() {
+    return run_until([&] { return node_.report().faults.empty(); });
+  }
+
+  EventLoop loop_;
+  testing::Pty pty_{"curbstone-encoder"};
+  testing::Recorder<wheels_t> recorder_{"WHEELS"};
+  SlcanEmulator adapter_;
+  CanDriveEmulator drive_;
+  std::int64_t start_ = 0;
+  bool mute_ = false;
+  bool noise_ = false;
+  bool watching_ = false;
+  std::function<void()> done_;
+  std::mt19937 random_{1};
+  SlcanLink link_;
+  EncoderNode node_;
+};
+
+TEST_F(EncoderOnAPty, TheAdapterIsOpenedTheDriveSetUpAndTheWheelsAreRead) {
+  ASSERT_TRUE(run_until_more_samples(100));
+  EXPECT_TRUE(run_until_healthy());
+  EXPECT_EQ(node_.report().counters["drive.setups"], 1);
+  EXPECT_EQ(node_.report().counters["refused.slcan_line"], 0);
+  const auto& messages = recorder_.messages();
+  const wheels_t& first = messages[messages.size() - 50];
+  const wheels_t& last = messages.back();
+  const double seconds = static_cast<double>(last.utime - first.utime) * 1e-6;
+  EXPECT_NEAR(static_cast<double>(last.counts[0] - first.counts[0]) / seconds, 10'000, 1'000);
+  EXPECT_NEAR(static_cast<double>(last.counts[1] - first.counts[1]) / seconds, 10'000, 1'000);
+}
+
+TEST_F(EncoderOnAPty, IsReadAgainAfterTheAdapterWasUnplugged) {
+  ASSERT_TRUE(run_until_more_samples(20));
+  pty_.unplug();
+  ASSERT_TRUE(run_until_fault(pty_.path()));
+  adapter_.reset();
+  pty_.plug();
+  EXPECT_TRUE(run_until_more_samples(50));
+  EXPECT_TRUE(run_until_healthy());
+}
+
+TEST_F(EncoderOnAPty, AnAdapterThatForgotItsChannelIsOpenedAgain) {
+  ASSERT_TRUE(run_until_more_samples(20));
+  adapter_.reset();
+  ASSERT_TRUE(run_until_fault("no positions from the drive"));
+  EXPECT_TRUE(run_until_more_samples(50));
+  EXPECT_TRUE(run_until_healthy());
+}
+
+TEST_F(EncoderOnAPty, ADriveThatLosesPowerIsToldAndSetUpAgain) {
+  ASSERT_TRUE(run_until_more_samples(20));
+  mute_ = true;
+  ASSERT_TRUE(run_until_fault("no positions from the drive"));
+  mute_ = false;
+  to_host(drive_.power_on(steady_clock()));
+  EXPECT_TRUE(run_until_more_samples(50));
+  EXPECT_TRUE(run_until_healthy());
+}
+
+TEST_F(EncoderOnAPty, IsReadThroughNoise) {
+  ASSERT_TRUE(run_until_more_samples(20));
+  noise_ = true;
+  EXPECT_TRUE(run_until_more_samples(20));
+  EXPECT_GT(node_.report().counters["refused.slcan_line"], 20);
+  noise_ = false;
+  EXPECT_TRUE(run_until_more_samples(50));
+  EXPECT_TRUE(run_until_healthy());
+}
+
+TEST(EncoderProgram, SaysInOneLineWhatIsMissingAndStops) {
+  for (const std::string& what : {std::string("device=/dev/no_such_tty"), std::string("interface=socketcan")}) {
+    const std::string command =
+        CURBSTONE_BIN_DIR "/curbstone-encoder --lcm-url memq:// --set device=no_can --set " + what + " 2>&1 >/dev/null";
+    FILE* output = popen(command.c_str(), "r");
+    ASSERT_NE(output, nullptr);
+    std::string text(2000, '\0');
+    text.resize(fread(text.data(), 1, text.size(), output));
+    EXPECT_EQ(WEXITSTATUS(pclose(output)), 1);
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
+    EXPECT_THAT(text, HasSubstr("cannot open"));
+  }
+}
+
+}  // namespace
+}  // namespace curbstone

@@ -1,0 +1,128 @@
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+
+#include <curbstone/imu_t.hpp>
+
+#include "common/clock.hpp"
+#include "drivers/imu/imu_node.hpp"
+#include "drivers/serial/serial_link.hpp"
+#include "tests/drivers/byte_stream.hpp"
+#include "tests/drivers/pty.hpp"
+#include "tests/drivers/recorder.hpp"
+#include "tools/simulate/devices/xsens_emulator.hpp"
+
+namespace curbstone {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// The driver as the program runs it, and an emulated device, at the two ends of a pseudo-terminal, in real time.
+class ImuOnAPty : public ::testing::Test {
+ protected:
+  ImuOnAPty()
+      : node_(ImuConfig{}, recorder_.bus(), [this](auto bytes) { link_.send(bytes); }), link_({pty_.path(), 115200}) {
+    link_.attach(loop_, {[this](auto utime, auto bytes) { node_.on_bytes(utime, bytes); },
+                         [this](auto now, bool up, const auto& why) { node_.on_link(now, up, why); }});
+    loop_.every(20ms, [this] { node_.tick(wall_clock()); });
+    loop_.every(10ms, [this] { turn_device(); });
+    pty_.write(device_.power_on(steady_clock()));
+  }
+
+  void turn_device() {
+    const std::int64_t now = steady_clock();
+    pty_.write(device_.on_bytes(now, pty_.read()));
+    const auto bytes = device_.sample(now, {.acceleration = {0, 0, 9.81}});
+    if (!mute_) pty_.write(bytes);
+    if (noise_) pty_.write(testing::random_bytes(random_, 100));
+  }
+  /// Runs until `done`, and says whether it came to that within 10 s.
+  bool run_until(const std::function<bool()>& done) {
+    const std::int64_t deadline = steady_clock() + 10'000'000;
+    bool reached = false;
+    done_ = [&] {
+      reached = done();
+      if (reached || steady_clock() > deadline) loop_.stop();
+    };
+    if (!watching_) loop_.every(10ms, [this] { done_(); });
+    watching_ = true;
+    loop_.run();
+    return reached;
+  }
+  bool run_until_more_samples(std::size_t more) {
+    const std::size_t before = recorder_.messages().size();
+    return run_until([&] { return recorder_.messages().size() >= before + more; });
+  }
+  bool run_until_fault(const std::string& text) {
+    return run_until([&] {
+      for (const std::string& fault : node_.report().faults) {
+        if (fault.find(text) != std::string::npos) return true;
+      }
+      return false;
+    });
+  }
+  bool run_until_healthy() {
+    return run_until([&] { return node_.report().faults.empty(); });
+  }
+
+  EventLoop loop_;
+  testing::Pty pty_{"curbstone-imu"};
+  testing::Recorder<imu_t> recorder_{"IMU"};
+  XsensEmulator device_;
+  bool mute_ = false;
+  bool noise_ = false;
+  bool watching_ = false;
+  std::function<void()> done_;
+  std::mt19937 random_{1};
+  ImuNode node_;
+  SerialLink link_;
+};
+
+TEST_F(ImuOnAPty, IsSetUpAndRead) {
+  EXPECT_TRUE(run_until_more_samples(50));
+  EXPECT_THAT(node_.report().faults, IsEmpty());
+  EXPECT_EQ(node_.report().counters["garbage_bytes"], 0);
+}
+
+TEST_F(ImuOnAPty, IsReadAgainAfterItWasUnplugged) {
+  ASSERT_TRUE(run_until_more_samples(20));
+  pty_.unplug();
+  ASSERT_TRUE(run_until_fault(pty_.path()));
+  pty_.plug();
+  pty_.write(device_.power_on(steady_clock()));
+  EXPECT_TRUE(run_until_more_samples(50));
+  EXPECT_TRUE(run_until_healthy());
+  EXPECT_EQ(node_.report().counters["link.reopened"], 1);
+}
+
+TEST_F(ImuOnAPty, SilenceIsToldAndEndsByItself) {
+  ASSERT_TRUE(run_until_more_samples(20));
+  mute_ = true;
+  ASSERT_TRUE(run_until_fault("no sample from the IMU"));
+  mute_ = false;
+  EXPECT_TRUE(run_until_more_samples(20));
+  EXPECT_TRUE(run_until_healthy());
+}
+
+TEST_F(ImuOnAPty, IsReadThroughNoise) {
+  noise_ = true;
+  EXPECT_TRUE(run_until_more_samples(100));
+  EXPECT_GT(node_.report().counters["garbage_bytes"], 1000);
+}
+
+TEST(ImuProgram, SaysInOneLineThatTheDeviceIsMissingAndStops) {
+  const std::string command =
+      CURBSTONE_BIN_DIR "/curbstone-imu --lcm-url memq:// --set device=/dev/no_such_tty 2>&1 >/dev/null";
+  FILE* output = popen(command.c_str(), "r");
+  ASSERT_NE(output, nullptr);
+  std::string text(2000, '\0');
+  text.resize(fread(text.data(), 1, text.size(), output));
+  EXPECT_EQ(WEXITSTATUS(pclose(output)), 1);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
+  EXPECT_THAT(text, HasSubstr("/dev/no_such_tty"));
+}
+
+}  // namespace
+}  // namespace curbstone

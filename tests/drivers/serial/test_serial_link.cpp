@@ -1,0 +1,53 @@
+#include "drivers/serial/serial_link.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/drivers/byte_stream.hpp"
+#include "tests/drivers/pty.hpp"
+
+namespace curbstone {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::Bytes;
+
+TEST(SerialLinkTest, ComesBackByItselfAfterTheDeviceWasUnplugged) {
+  testing::Pty pty("curbstone-link");
+  EventLoop loop;
+  SerialLink link({pty.path(), 115200});
+  std::vector<std::string> story;
+  Bytes received;
+  link.attach(loop, {[&](std::int64_t, auto bytes) { received.insert(received.end(), bytes.begin(), bytes.end()); },
+                     [&](std::int64_t, bool up, const std::string& why) {
+                       if (up || why.find("vanished") != std::string::npos) story.push_back(up ? "up" : "vanished");
+                     }});
+  int step = 0;
+  loop.every(50ms, [&] {
+    ++step;
+    if (step == 1) pty.write(Bytes{1, 2});
+    if (step == 3) pty.unplug();
+    if (step == 8) pty.plug();
+    if (step > 8 && story.size() == 2) {
+      pty.write(Bytes{3});
+      if (received.size() >= 3) loop.stop();
+    }
+    if (step == 200) loop.stop();
+  });
+  loop.run();
+  EXPECT_THAT(story, ::testing::ElementsAre("vanished", "up"));
+  ASSERT_GE(received.size(), 3u);
+  EXPECT_EQ(received[0], 1);
+  EXPECT_EQ(received[2], 3);
+  link.send(Bytes{9});
+  EXPECT_EQ(pty.wait_and_read(), Bytes{9});
+}
+
+TEST(SerialLinkTest, WhatIsSentWhileTheDeviceIsAwayIsLostWithoutHarm) {
+  testing::Pty pty("curbstone-link");
+  SerialLink link({pty.path(), 115200});
+  pty.unplug();
+  link.send(Bytes(100'000, 7));
+}
+
+}  // namespace
+}  // namespace curbstone

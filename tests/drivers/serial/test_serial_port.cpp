@@ -1,0 +1,72 @@
+#include "drivers/serial/serial_port.hpp"
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <stdexcept>
+
+#include "tests/drivers/byte_stream.hpp"
+#include "tests/drivers/pty.hpp"
+
+namespace curbstone {
+namespace {
+
+using ::testing::AllOf;
+using testing::Bytes;
+using ::testing::HasSubstr;
+using testing::Pty;
+
+std::string error_of(const SerialSettings& settings) {
+  try {
+    const SerialPort port(settings);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SerialPortTest, EveryByteGoesThroughUnchangedBothWays) {
+  const Pty pty("curbstone-port");
+  SerialPort port({pty.path(), 921600});
+  Bytes all(256);
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint8_t>(i);
+  EXPECT_EQ(port.write(all), all.size());
+  EXPECT_EQ(pty.wait_and_read(), all);
+  pty.write(all);
+  pollfd wait{port.fd(), POLLIN, 0};
+  ASSERT_EQ(poll(&wait, 1, 1000), 1);
+  Bytes buffer(1000);
+  const auto read = port.read(buffer);
+  ASSERT_EQ(read.status, SerialPort::Status::kData);
+  buffer.resize(read.size);
+  EXPECT_EQ(buffer, all);
+}
+
+TEST(SerialPortTest, TellsNothingYetFromGone) {
+  Pty pty("curbstone-port");
+  SerialPort port({pty.path(), 115200});
+  std::array<std::uint8_t, 16> buffer;
+  EXPECT_EQ(port.read(buffer).status, SerialPort::Status::kNothing);
+  pty.unplug();
+  EXPECT_EQ(port.read(buffer).status, SerialPort::Status::kGone);
+  EXPECT_EQ(port.write(buffer), 0u);
+}
+
+TEST(SerialPortTest, IsHeldByOneProgramAtATime) {
+  const Pty pty("curbstone-port");
+  {
+    const SerialPort port({pty.path(), 115200});
+    EXPECT_THAT(error_of({pty.path(), 115200}), AllOf(HasSubstr(pty.path()), HasSubstr("another program holds it")));
+  }
+  EXPECT_EQ(error_of({pty.path(), 115200}), "");
+}
+
+TEST(SerialPortTest, ErrorsSayWhatToDo) {
+  EXPECT_THAT(error_of({"/dev/no_such_tty", 115200}), AllOf(HasSubstr("/dev/no_such_tty"), HasSubstr("plugged in")));
+  EXPECT_THAT(error_of({CURBSTONE_SOURCE_DIR "/CMakeLists.txt", 115200}), HasSubstr("is no serial port"));
+  EXPECT_THAT(error_of({"/dev/null", 115200}), HasSubstr("is no serial port"));
+  EXPECT_THAT(error_of({"/dev/null", 123}), HasSubstr("baud 123 is none"));
+}
+
+}  // namespace
+}  // namespace curbstone
