@@ -58,6 +58,10 @@ std::string class_table(const Confusion& classes) {
 
 std::string run_table(const RunFigures& run) {
   std::string text = fmt::format("losses       {} packets, {} messages\n", run.lost_packets, run.lost_messages);
+  if (run.lost_by_recorder > 0) {
+    text += fmt::format("             {} LIDAR_POINTS are not in the recording: a replay will differ\n",
+                        run.lost_by_recorder);
+  }
   for (const auto& [name, value] : run.losses) text += fmt::format("             {} {}\n", name, value);
   text += fmt::format("latency      measurement to tile: p50 {:.0f} ms, p95 {:.0f} ms ({} tiles)\n", run.latency_p50_ms,
                       run.latency_p95_ms, run.tiles);
@@ -106,7 +110,8 @@ std::string to_json(const Evaluation& e) {
                         {"rpe_deg_per_m", e.trajectory.rpe_deg_per_m},
                         {"end_percent", e.trajectory.end_percent}};
   if (e.run) {
-    json["dropped"] = {{"packets", e.run->lost_packets}, {"messages", e.run->lost_messages}};
+    json["dropped"] = {
+        {"packets", e.run->lost_packets}, {"messages", e.run->lost_messages}, {"by_recorder", e.run->lost_by_recorder}};
     json["latency_ms"] = {{"p50", e.run->latency_p50_ms}, {"p95", e.run->latency_p95_ms}};
     json["cores"] = e.run->cores;
   }

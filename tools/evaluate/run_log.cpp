@@ -34,6 +34,25 @@ bool decode_status(const LogEvent& event, service_status_t& status) {
   }
 }
 
+/// Counts the gaps in lidar_points_t.packet, which counts up by one a packet sent.
+class SequenceGaps {
+ public:
+  void see(const LogEvent& event) {
+    constexpr std::size_t kAt = 16;  // after fingerprint and utime
+    if (event.bytes.size() < kAt + 4) return;
+    std::uint32_t bits = 0;
+    for (std::size_t i = kAt; i < kAt + 4; ++i) bits = bits << 8 | event.bytes[i];
+    const auto packet = static_cast<std::int32_t>(bits);
+    if (last_ && packet > *last_) missing_ += packet - *last_ - 1;  // a smaller one: the driver was started anew
+    last_ = packet;
+  }
+  [[nodiscard]] std::int64_t missing() const { return missing_; }
+
+ private:
+  std::optional<std::int64_t> last_;
+  std::int64_t missing_ = 0;
+};
+
 double percentile(std::vector<double>& values, double q) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
@@ -50,10 +69,12 @@ RunFigures read_run_log(const std::string& file) {
     double latency_ms;
   };
   std::vector<Sent> tiles;
+  SequenceGaps gaps;
   std::int64_t lidar_end = 0;
   while (const auto event = reader.next()) {
     if (event->channel == "LIDAR_POINTS") {
       lidar_end = event->log_utime;
+      gaps.see(*event);
     } else if (event->channel == "SEMANTIC_TILE") {
       tiles.push_back({event->log_utime, 1e-3 * static_cast<double>(event->log_utime - message_time(*event))});
     } else if (event->channel == "SERVICE_STATUS") {
@@ -73,6 +94,7 @@ RunFigures read_run_log(const std::string& file) {
   }
 
   RunFigures figures;
+  figures.lost_by_recorder = gaps.missing();
   for (const auto& [id, span] : processes) {
     const std::string& service = id.first;
     const auto uptime = static_cast<double>(span.last.uptime - span.first.uptime);

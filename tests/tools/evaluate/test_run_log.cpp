@@ -51,5 +51,18 @@ TEST(RunLog, SumsLossesLatencyAndCores) {
   EXPECT_NEAR(run.cores.at("mapper"), 0.25, 1e-9);
 }
 
+TEST(RunLog, SeesWhatTheRecorderMissed) {
+  const std::string file = ::testing::TempDir() + "gaps.lcmlog";
+  {
+    LogWriter log(file);
+    lidar_points_t lidar{};
+    for (const int packet : {7, 8, 11, 12, 0, 1, 3}) {  // 9, 10 and 2 are missing; the driver began anew at 0
+      lidar.packet = packet;
+      write(log, "LIDAR_POINTS", lidar, 1'000'000 + packet);
+    }
+  }
+  EXPECT_EQ(read_run_log(file).lost_by_recorder, 3);
+}
+
 }  // namespace
 }  // namespace curbstone
