@@ -11,6 +11,7 @@ namespace {
 constexpr double kLongestStride = 1.0;  // s: after that, a constant velocity is no expectation any more
 constexpr double kAcceleration = 10.0;  // m/s a revolution's time, what velocity may be off by without odometry
 constexpr double kTurning = 2.0;        // rad/s, the same for rotation
+constexpr int kDeskewPasses = 2;        // without odometry
 constexpr int kFirstInsertions = 10;    // revolutions that go into the map even when the vehicle stands
 
 double seconds(std::int64_t from, std::int64_t to) {
@@ -183,13 +184,13 @@ RegistrationResult Mapper::align(const Revolution& revolution, const Expectation
   if (expected.with_odometry || !(stride > 0 && stride < kLongestStride)) return result;
   const double sweep_seconds = seconds(revolution.start, revolution.end);
   Twist assumed = twist_;
-  for (int pass = 0; pass < 6 && result.converged; ++pass) {
+  for (int pass = 0; pass < kDeskewPasses && result.converged; ++pass) {
     const Twist found = twist_of(last_->T_map_base.inverse() * result.T_map_base, stride);
-    const Eigen::Vector3d linear = found.linear - assumed.linear;
-    const Eigen::Vector3d angular = found.angular - assumed.angular;
-    if (linear.norm() * sweep_seconds < 0.01 && angular.norm() * sweep_seconds < 1e-3 && !first_) break;
-    assumed.linear += 2 * linear;
-    assumed.angular += 2 * angular;
+    if ((found.linear - assumed.linear).norm() * sweep_seconds < 0.01 &&
+        (found.angular - assumed.angular).norm() * sweep_seconds < 1e-3) {
+      break;
+    }
+    assumed = found;
     points = in_base(revolution, steady_sweep(assumed, sweep_seconds));
     prior.T_map_base = last_->T_map_base * move(assumed, stride);
     if (first_) begin_registration_map(assumed);
