@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "drivers/rslidar/msop_packet.hpp"
+#include "drivers/rslidar/difop_packet.hpp"
 
 namespace curbstone {
 

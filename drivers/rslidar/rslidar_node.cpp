@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "drivers/rslidar/msop_packet.hpp"
+#include "drivers/rslidar/rs16_packet.hpp"
 
 namespace curbstone {
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "drivers/rslidar/difop_packet.hpp"
 #include "drivers/rslidar/msop_packet.hpp"
 #include "tools/simulate/devices/rs16_emulator.hpp"
 

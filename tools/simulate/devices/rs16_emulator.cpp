@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "drivers/rslidar/difop_packet.hpp"
+
 namespace curbstone {
 
 namespace {

@@ -1,0 +1,70 @@
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "drivers/rslidar/udp_source.hpp"
+
+namespace curbstone {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+struct Ended {
+  int status;
+  std::string output;
+};
+
+/// Runs the program to its end, at most 20 s.
+Ended rslidar(const std::string& arguments) {
+  const std::string command = "timeout 20 " CURBSTONE_BIN_DIR "/curbstone-rslidar " + arguments + " 2>&1";
+  FILE* pipe = popen(command.c_str(), "r");
+  std::string output;
+  for (int c = fgetc(pipe); c != EOF; c = fgetc(pipe)) output.push_back(static_cast<char>(c));
+  const int status = pclose(pipe);
+  return {WEXITSTATUS(status), output};
+}
+
+TEST(RslidarProcess, SaysThatItsPortIsTaken) {
+  const UdpSource other(6699, {});
+  const Ended ended = rslidar("");
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_THAT(ended.output, HasSubstr("rslidar: port 6699 is in use by another process"));
+}
+
+TEST(RslidarProcess, SaysThatACaptureIsMissingOrCutOff) {
+  Ended ended = rslidar("--set pcap=/nowhere/drive.pcap");
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_THAT(ended.output, HasSubstr("/nowhere/drive.pcap: No such file"));
+
+  const std::string recorded = CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap";
+  if (!std::filesystem::exists(recorded)) GTEST_SKIP() << "no recorded data in ../shared/data/rs16";
+  const std::string cut = testing::TempDir() + "cut.pcap";
+  std::filesystem::remove(cut);
+  std::filesystem::copy_file(recorded, cut);
+  std::filesystem::permissions(cut, std::filesystem::perms::owner_all);
+  std::filesystem::resize_file(cut, 100'000);
+  ended = rslidar("--set pcap=" + cut + " --set pcap_rate=50");
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_THAT(ended.output, HasSubstr("truncated"));
+}
+
+TEST(RslidarProcess, EndsWithACapture) {
+  const std::string recorded = CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap";
+  if (!std::filesystem::exists(recorded)) GTEST_SKIP() << "no recorded data in ../shared/data/rs16";
+  const Ended ended = rslidar("--set pcap=" + recorded + " --set pcap_rate=20");
+  EXPECT_EQ(ended.status, 0);
+  EXPECT_THAT(ended.output, HasSubstr("end of the capture after 3040 packets"));
+}
+
+TEST(RslidarProcess, RefusesConfigurationItDoesNotKnow) {
+  const Ended ended = rslidar("--set msop_prot=6699");
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_THAT(ended.output, AllOf(HasSubstr("msop_prot"), HasSubstr("msop_port")));
+}
+
+}  // namespace
+}  // namespace curbstone
