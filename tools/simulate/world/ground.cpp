@@ -8,6 +8,8 @@ namespace {
 
 constexpr float kLawnPitch = 0.12F;      // m, size of the tufts
 constexpr float kLawnAmplitude = 0.03F;  // m
+constexpr float kSlope = 0.07F;          // at most, of terrain and crossfall together
+constexpr float kLargestStep = 0.25F;    // m that the ground can rise across curb, ramp and lawn, slopes apart
 constexpr float kTouching = 5e-4F;       // m above the ground at which a ray has arrived
 
 float smooth_step(float t) {
@@ -105,8 +107,7 @@ float Ground::cast(float x, float y, float z, float dx, float dy, float dz, floa
   const auto face = static_cast<float>(profile_.face), ramp = static_cast<float>(profile_.ramp);
   const auto pavement = static_cast<float>(profile_.pavement);
   const Zone zones[] = {
-      {-1e9F, 0.0F, 0.09F}, {0.0F, face, 14.0F}, {face, ramp, 0.28F}, {ramp, pavement, 0.09F}, {pavement, 1e9F, 0.75F}};
-  constexpr float kLargestStep = 0.25F;  // m that the ground can rise across all zones, slopes apart
+      {-1e9F, 0.0F, 0.09F}, {0.0F, face, 14.0F}, {face, ramp, 0.26F}, {ramp, pavement, kSlope}, {pavement, 1e9F, 0.8F}};
   const float x_end = static_cast<float>(x_of(width_ - 1)), y_end = static_cast<float>(y_of(height_ - 1));
   const float descent = -dz;
 
@@ -119,16 +120,23 @@ float Ground::cast(float x, float y, float z, float dx, float dy, float dz, floa
     const float px = x + u * dx, py = y + u * dy;
     if (px < static_cast<float>(x0_) || py < static_cast<float>(y0_) || px >= x_end || py >= y_end) return -1.0F;
     const GroundNode node = at(px, py);
-    const float gap = z + u * dz - height_of(node) - lawn(node, px, py);
-    if (gap < kTouching) return std::max(0.0F, u + gap / std::max(descent + 0.02F, 0.05F));
+    const float smooth_gap = z + u * dz - height_of(node);
+    // As far up as that, neither a curb nor a lawn can be in the way.
+    const float over_all = (smooth_gap - kLargestStep) / std::max(1e-3F, descent + kSlope);
     int k = 0;
     while (node.distance > zones[k].to) ++k;
     const Zone& zone = zones[k];
     const float to_next = std::min(node.distance - zone.from, zone.to - node.distance) + 2e-3F;
-    const float closing = std::max(1e-3F, descent + zone.slope);
-    const float within = std::min(gap / closing, to_next);
-    const float over_all = (gap - kLargestStep) / std::max(1e-3F, descent + 0.09F);
-    u += std::max({within, over_all, 1e-3F});
+    const bool on_lawn = k == 4;
+    float within = 0.0F;
+    if (on_lawn && smooth_gap > 1.5F * kLawnAmplitude) {
+      within = (smooth_gap - kLawnAmplitude) / std::max(1e-3F, descent + kSlope);
+    } else {
+      const float gap = smooth_gap - (on_lawn ? lawn(node, px, py) : 0.0F);
+      if (gap < kTouching) return std::max(0.0F, u + gap / std::max(descent + 0.02F, 0.05F));
+      within = gap / std::max(1e-3F, descent + zone.slope);
+    }
+    u += std::max({std::min(within, to_next), over_all, 1e-3F});
   }
   return -1.0F;
 }

@@ -42,8 +42,8 @@ Scene::Scene(Ground ground, std::vector<Shape> shapes) : ground_(std::move(groun
 Hit Scene::cast(const Ray& ray, float reach, std::span<const Shape> moving, std::uint64_t noise) const {
   Hit hit;
   hit.range = reach;
-  cast_ground(ray, hit);
   cast_shapes(ray, noise, hit);
+  cast_ground(ray, hit);  // the dearer one last: what stands on it bounds how far it is looked for
   for (const Shape& shape : moving) {
     const Eigen::Vector3f to = shape.centre - ray.origin;
     const float along = to.dot(ray.direction);
