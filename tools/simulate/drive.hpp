@@ -16,6 +16,7 @@ struct Drive {
   std::function<std::unique_ptr<Surroundings>()> make_surroundings;  ///< one for each thread that casts rays
   const SimulateConfig& config;
   double rpm = 1200;
+  double azimuth = 0;  ///< deg, clockwise, of the LiDAR's head at t = 0
   std::uint64_t seed = 1;
   double seconds = 60;
   std::int64_t start_utime = 0;  ///< us since the Unix epoch, of t = 0

@@ -11,6 +11,9 @@
 #include "tools/simulate/live/live_drive.hpp"
 #include "tools/simulate/log_recorder.hpp"
 #include "tools/simulate/motion/town_motion.hpp"
+#include "tools/simulate/recorded/level.hpp"
+#include "tools/simulate/recorded/recorded_motion.hpp"
+#include "tools/simulate/recorded/scan_surroundings.hpp"
 #include "tools/simulate/town_surroundings.hpp"
 #include "tools/simulate/truth/truth_folder.hpp"
 
@@ -21,10 +24,11 @@ namespace {
 struct Options {
   bool town = false;
   bool live = false;
+  bool seconds_given = false;
   std::uint64_t seed = 1;
   double seconds = 60;
   std::int64_t start_utime = 1'750'000'000'000'000;
-  std::string log, truth, config;
+  std::string log, truth, config, scans, poses, times;
   std::vector<std::string> set, faults;
   LiveOptions to_devices;
 };
@@ -37,6 +41,9 @@ struct Source {
   std::string name;
   double seconds = 0;
   double rpm = 0;
+  double azimuth = 0;  ///< deg, of the LiDAR's head at t = 0
+  // Of a recorded drive:
+  std::shared_ptr<const ScanSet> scans;
 };
 
 Source town_source(const Options& options, const SimulateConfig& config) {
@@ -55,6 +62,26 @@ Source town_source(const Options& options, const SimulateConfig& config) {
   source.name = "town";
   source.seconds = options.seconds;
   source.rpm = config.rpm;
+  return source;
+}
+
+Source recorded_source(const Options& options, const SimulateConfig& config) {
+  constexpr double kRamp = 3.0;  // s from standing to the recording's own pace
+  Source source;
+  source.scans = std::make_shared<const ScanSet>(find_scans(options.scans, options.poses, options.times));
+  const ScanSet& scans = *source.scans;
+  const Playback playback(config.standstill, kRamp);
+  auto motion =
+      std::make_unique<RecordedMotion>(scans, config.vehicle, level(scans, config.vehicle.lidar[2]), playback);
+  source.make_surroundings = [scans = source.scans, at = motion.get(), playback] {
+    return std::make_unique<ScanSurroundings>(*scans, *at, playback, Rs16EmulatorConfig().elevations);
+  };
+  source.motion = std::move(motion);
+  source.name = options.scans;
+  source.seconds = playback.drive_time(scans.times.back());
+  if (options.seconds_given) source.seconds = std::min(source.seconds, options.seconds);
+  source.rpm = std::clamp(60.0 / scans.period(), 300.0, 1200.0);
+  source.azimuth = -6.0 * source.rpm * playback.drive_time(0);  // looks forward when the recording's head did
   return source;
 }
 
@@ -106,6 +133,9 @@ void simulate_live(const Options& options, const SimulateConfig& config, const S
 
 void add_options(CLI::App& app, Options& options) {
   app.add_flag("--town", options.town, "Drive round the block in a town made from the seed");
+  app.add_option("--scans", options.scans, "Drive a recording again: folder of KITTI scans (*.bin), with --poses");
+  app.add_option("--poses", options.poses, "Pose of each scan: 3x4 rows, lidar frame, to the first");
+  app.add_option("--times", options.times, "Time of each scan, s; default: times.txt beside the poses, else 10 Hz");
   app.add_option("--seed", options.seed, "Of the town and of all noise")->capture_default_str();
   app.add_option("--seconds", options.seconds, "Length of the drive")
       ->check(CLI::Range(0.1, 36000.0))
@@ -137,8 +167,8 @@ void add_options(CLI::App& app, Options& options) {
 }
 
 std::uint64_t fingerprint(const Options& options, AnyConfig& config) {
-  const std::string all =
-      fmt::format("1 {} {} {} {}", options.town, options.seed, options.seconds, dump_config("simulate", config));
+  const std::string all = fmt::format("1 {} {} {} {} {} {}", options.town, options.scans, options.poses, options.seed,
+                                      options.seconds, dump_config("simulate", config));
   std::uint64_t hash = 0;
   for (const char c : all) hash = mix_bits(hash ^ static_cast<unsigned char>(c));
   return hash;
@@ -146,7 +176,9 @@ std::uint64_t fingerprint(const Options& options, AnyConfig& config) {
 
 /// Throws ConfigError for what is wrong in what the user wrote.
 void check(Options& options) {
-  if (!options.town) throw ConfigError("nothing to drive through: --town");
+  if (options.town == !options.scans.empty())
+    throw ConfigError("what to drive through: --town, or --scans DIR --poses FILE");
+  if (options.scans.empty() != options.poses.empty()) throw ConfigError("--scans and --poses belong together");
   if (options.live == !options.log.empty()) throw ConfigError("either --log FILE or --live");
   for (const auto& text : options.faults) {
     const auto fault = parse_fault(text);
@@ -165,6 +197,7 @@ int run_simulate(int argc, char** argv) {
   add_options(app, options);
   try {
     app.parse(argc, argv);
+    options.seconds_given = app.count("--seconds") > 0;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
@@ -179,8 +212,8 @@ int run_simulate(int argc, char** argv) {
   }
   try {
     if (!options.truth.empty()) prepare_truth_folder(options.truth);
-    const Source source = town_source(options, config.value);
-    const Drive drive{*source.motion, source.make_surroundings, config.value,       source.rpm,
+    const Source source = options.town ? town_source(options, config.value) : recorded_source(options, config.value);
+    const Drive drive{*source.motion, source.make_surroundings, config.value,       source.rpm, source.azimuth,
                       options.seed,   source.seconds,           options.start_utime};
     options.to_devices.fingerprint = fingerprint(options, config);
     if (options.live) {

@@ -19,12 +19,20 @@ struct Shot {
   std::uint64_t noise = 0;  ///< this shot's own random bits
 };
 
+/// Where the sensor is and looks while it fires the shots of one packet.
+struct PacketView {
+  double t = 0;                           ///< s since the drive began, of the packet's middle
+  Pose T_world_lidar = Pose::Identity();  ///< then
+  double azimuth = 0;                     ///< rad, clockwise, of the first shot
+  double azimuth_span = 0;                ///< rad, to the last
+};
+
 /// What the lasers meet: a town, or what a recorded scan shows. One thread.
 class Surroundings {
  public:
   virtual ~Surroundings() = default;
-  /// Once for every packet, before its shots; T_world_lidar at its first.
-  virtual void prepare(double t, const Pose& T_world_lidar) = 0;
+  /// Once for every packet, before its shots.
+  virtual void prepare(const PacketView& view) = 0;
   /// What the sensor reports: noise included, nothing if there is no echo.
   [[nodiscard]] virtual Rs16Shot measure(const Shot& shot) = 0;
 };

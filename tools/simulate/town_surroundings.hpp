@@ -12,10 +12,7 @@ class TownSurroundings final : public Surroundings {
  public:
   TownSurroundings(const Town& town, const LidarNoise& noise) : town_(town), noise_(noise) {}
 
-  void prepare(double t, const Pose& T_world_lidar) override {
-    (void)T_world_lidar;
-    town_.place_cars(t, moving_);
-  }
+  void prepare(const PacketView& view) override { town_.place_cars(view.t, moving_); }
   [[nodiscard]] Rs16Shot measure(const Shot& shot) override {
     constexpr float kReach = 150.0F;  // m
     const Ray ray{shot.origin_world.cast<float>(), shot.direction_world.cast<float>()};

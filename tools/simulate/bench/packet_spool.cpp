@@ -88,7 +88,8 @@ void PacketSpool::render(const Drive& drive, int threads, const std::atomic<bool
   std::atomic<bool> failed{false};
   const auto work = [&] {
     const auto surroundings = drive.make_surroundings();
-    LidarModel lidar({drive.rpm, drive.seed, drive.start_utime}, drive.config.vehicle, drive.motion, *surroundings);
+    LidarModel lidar({drive.rpm, drive.seed, drive.azimuth, drive.start_utime}, drive.config.vehicle, drive.motion,
+                     *surroundings);
     std::vector<Rs16Packet> batch;
     for (std::int64_t first; (first = next.fetch_add(kBatch)) < packets_ && !failed && !cancel;) {
       lidar.skip_to(first);

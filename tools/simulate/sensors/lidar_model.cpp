@@ -33,12 +33,17 @@ LidarModel::Packet LidarModel::next() {
   const Pose T_first = motion_.T_world_base(packet.t) * T_base_lidar_;
   const Pose T_last = motion_.T_world_base(packet.t + kPacketPeriod) * T_base_lidar_;
   const Eigen::Vector3d velocity = (T_last.translation() - T_first.translation()) / kPacketPeriod;
-  surroundings_.prepare(packet.t, T_first);
+  const auto azimuth_of = [&](std::int64_t sequence) {
+    const double turns = (options_.azimuth + static_cast<double>(sequence) * emulator_.azimuth_step()) / 360.0;
+    return 360.0 * (turns - std::floor(turns));
+  };
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  surroundings_.prepare({packet.t + 0.5 * kPacketPeriod, interpolate(T_first, T_last, 0.5),
+                         kDegree * azimuth_of(sequence_), kDegree * emulator_.azimuth_step() * kSequencesPerPacket});
 
   for (int k = 0; k < kSequencesPerPacket; ++k, ++sequence_) {
     const double t = static_cast<double>(sequence_) * kSequencePeriod;
-    const double turns = static_cast<double>(sequence_) * emulator_.azimuth_step() / 360.0;
-    const double azimuth = 360.0 * (turns - std::floor(turns));
+    const double azimuth = azimuth_of(sequence_);
     const Pose T = interpolate(T_first, T_last, (t - packet.t) / kPacketPeriod);
     const auto rays = emulator_.rays(azimuth);
     std::array<Rs16Shot, kLasers> shots;

@@ -16,6 +16,7 @@ class LidarModel {
   struct Options {
     double rpm = 1200;
     std::uint64_t seed = 1;
+    double azimuth = 0;            ///< deg, clockwise, at t = 0
     std::int64_t start_utime = 0;  ///< us, of t = 0
   };
   struct Packet {

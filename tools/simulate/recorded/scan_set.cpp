@@ -1,0 +1,116 @@
+#include "tools/simulate/recorded/scan_set.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+namespace curbstone {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<std::string> scans_in(const fs::path& folder) {
+  std::vector<std::string> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path().extension() == ".bin") files.push_back(entry.path().string());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<Pose> read_poses(const std::string& file) {
+  std::ifstream in(file);
+  if (!in) throw std::runtime_error(fmt::format("--poses {}: cannot be read", file));
+  std::vector<Pose> poses;
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    std::istringstream words(line);
+    Pose T = Pose::Identity();
+    for (int i = 0; i < 12; ++i) words >> T(i / 4, i % 4);
+    if (!words || !is_finite(T))
+      throw std::runtime_error(fmt::format("{}:{}: expected 12 numbers, a 3x4 matrix row by row", file, number));
+    poses.push_back(normalised(T));
+  }
+  return poses;
+}
+
+std::vector<double> read_times(const std::string& file) {
+  std::ifstream in(file);
+  if (!in) throw std::runtime_error(fmt::format("--times {}: cannot be read", file));
+  std::vector<double> times;
+  for (double t; in >> t;) {
+    if (!std::isfinite(t) || (!times.empty() && t <= times.back()))
+      throw std::runtime_error(fmt::format("{}:{}: times must increase", file, times.size() + 1));
+    times.push_back(t);
+  }
+  return times;
+}
+
+}  // namespace
+
+ScanSet find_scans(const std::string& folder, const std::string& poses_file, const std::string& times_file) {
+  ScanSet set;
+  set.folder = folder;
+  if (!fs::is_directory(folder)) throw std::runtime_error(fmt::format("--scans {}: no such folder", folder));
+  fs::path scans = folder;
+  for (const char* below : {"", "velodyne", "scans"}) {
+    scans = fs::path(folder) / below;
+    set.files = scans_in(scans);
+    if (!set.files.empty()) break;
+  }
+  if (set.files.empty())
+    throw std::runtime_error(fmt::format("--scans {}: holds no *.bin, nor does velodyne/ or scans/ in it", folder));
+  set.T_first_scan = read_poses(poses_file);
+  const std::string beside = (fs::path(poses_file).parent_path() / "times.txt").string();
+  if (!times_file.empty() || fs::exists(beside)) set.times = read_times(times_file.empty() ? beside : times_file);
+
+  const std::size_t n = std::min(set.files.size(), set.T_first_scan.size());
+  if (n < 2)
+    throw std::runtime_error(fmt::format("{} scans and {} poses: at least two of each are needed", set.files.size(),
+                                         set.T_first_scan.size()));
+  if (set.times.empty()) {
+    for (std::size_t i = 0; i < n; ++i) set.times.push_back(0.1 * static_cast<double>(i));
+  }
+  if (set.times.size() < n) throw std::runtime_error(fmt::format("{} times for {} scans", set.times.size(), n));
+  set.files.resize(n);
+  set.T_first_scan.resize(n);
+  set.times.resize(n);
+  const double first = set.times.front();
+  for (double& t : set.times) t -= first;
+  set.swept = fs::is_directory(scans.parent_path() / "rings") || fs::is_directory(scans / "rings");
+  return set;
+}
+
+std::vector<ScanPoint> read_scan(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  constexpr std::size_t kRecord = 4 * sizeof(float);
+  if (!in || bytes.size() % kRecord != 0)
+    throw std::runtime_error(fmt::format("{}: no scan of float32 x y z intensity", file));
+  // KITTI's intensity is 0..1 as published, 0..255 in some conversions.
+  std::vector<std::array<float, 4>> records(bytes.size() / kRecord);
+  std::memcpy(records.data(), bytes.data(), bytes.size());
+  const bool unit = std::all_of(records.begin(), records.end(), [](const auto& r) { return !(r[3] > 1.0F); });
+  std::vector<ScanPoint> points;
+  points.reserve(records.size());
+  for (const auto& r : records) {
+    const Eigen::Vector3f p(r[0], r[1], r[2]);
+    if (!p.allFinite() || p.squaredNorm() < 1.0F || p.squaredNorm() > 1e6F) continue;
+    const float intensity = std::clamp(unit ? r[3] * 255.0F : r[3], 1.0F, 255.0F);
+    points.push_back({p, static_cast<std::uint8_t>(std::isfinite(intensity) ? intensity : 1.0F)});
+  }
+  return points;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "tools/simulate/recorded/recorded_motion.hpp"
+#include "tools/simulate/recorded/scan_set.hpp"
+#include "tools/simulate/surroundings.hpp"
+
+namespace curbstone {
+
+/// What an RS16 would have seen where other scans were recorded: each shot finds the recorded points just below and
+/// above it and meets the surface between them. No return where nothing is near. Nothing is added: the recording has
+/// its own noise.
+class ScanSurroundings final : public Surroundings {
+ public:
+  ScanSurroundings(const ScanSet& scans, const RecordedMotion& motion, const Playback& playback,
+                   const ElevationTable& elevations_deg);
+
+  void prepare(const PacketView& view) override;
+  [[nodiscard]] Rs16Shot measure(const Shot& shot) override;
+
+ private:
+  struct FixedPoint {
+    float bearing;             ///< rad, counter-clockwise, in its scan's lidar frame
+    Eigen::Vector3f position;  ///< m, in the lidar frame of the first scan, where it really is
+    std::uint8_t intensity;
+  };
+  struct LoadedScan {
+    std::size_t index = 0;
+    std::vector<FixedPoint> points;  ///< by bearing
+  };
+  /// A recorded point as the lens sees it now.
+  struct Candidate {
+    float azimuth;  ///< rad, clockwise
+    float elevation;
+    float reach;   ///< m from the lens, horizontally
+    float height;  ///< m above the lens
+    std::uint8_t intensity;
+  };
+
+  const LoadedScan& load(std::size_t index);
+  [[nodiscard]] std::size_t scan_for(double recorded, double bearing) const;
+  void add_points(const LoadedScan& scan, const PacketView& view, double from, double to);
+  [[nodiscard]] Rs16Shot meet(const Candidate* below, const Candidate* above, float elevation) const;
+
+  const ScanSet& scans_;
+  const RecordedMotion& motion_;
+  Playback playback_;
+  ElevationTable elevations_;  ///< rad
+  std::deque<LoadedScan> loaded_;
+  std::vector<std::vector<Candidate>> columns_;
+  double first_column_ = 0;  ///< rad, clockwise
+  Eigen::Vector3d origin_;   ///< m, of the lidar when the points were put in its frame
+};
+
+}  // namespace curbstone
