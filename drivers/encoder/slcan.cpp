@@ -58,19 +58,17 @@ void SlcanParser::parse(std::span<const std::uint8_t> bytes, const Handlers& han
       line_.clear();
       overlong_ = false;
       if (handlers.on_answer) handlers.on_answer(Answer::kRefused);
-    } else if (line_.size() < kMaxLine) {
-      line_.push_back(static_cast<char>(byte));
     } else {
-      overlong_ = true;
+      if (line_.size() == kMaxLine) {  // no frame is half as long: its end may still be one
+        line_.erase(0, kMaxLine / 2);
+        overlong_ = true;
+      }
+      line_.push_back(static_cast<char>(byte));
     }
   }
 }
 
 void SlcanParser::on_line(const Handlers& handlers) {
-  if (overlong_) {
-    counters_.add("refused.slcan_overlong");
-    return;
-  }
   // "z" and "Z" say that a frame was sent; V, N and F answer questions that somebody else asked.
   if (line_.empty() || line_ == "z" || line_ == "Z") {
     if (handlers.on_answer) handlers.on_answer(Answer::kOk);
@@ -78,12 +76,12 @@ void SlcanParser::on_line(const Handlers& handlers) {
   }
   if (std::string_view("VNF").find(line_[0]) != std::string_view::npos) return;
   auto frame = parse_slcan_frame(line_);
-  if (!frame) {
-    counters_.add("refused.slcan_line");
+  if (overlong_ || !frame) {
+    counters_.add(overlong_ ? "refused.slcan_overlong" : "refused.slcan_line");
     const std::size_t last = line_.find_last_of("tTrR");
-    if (last != std::string::npos) frame = parse_slcan_frame(std::string_view(line_).substr(last));
-    if (!frame) return;
+    frame = last != std::string::npos ? parse_slcan_frame(std::string_view(line_).substr(last)) : std::nullopt;
   }
+  if (!frame) return;
   counters_.add("slcan.frames");
   if (handlers.on_frame) handlers.on_frame(*frame);
 }

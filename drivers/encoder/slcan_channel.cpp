@@ -55,6 +55,8 @@ void SlcanChannel::on_bytes(std::int64_t receive_utime, std::span<const std::uin
 }
 
 void SlcanChannel::on_answer(std::int64_t now, SlcanParser::Answer answer) {
+  if (state_ == State::kOpen && unanswered_ == 0) return;  // to nothing that we sent: noise
+  unanswered_ = 0;
   last_heard_ = now;
   const bool ok = answer == SlcanParser::Answer::kOk;
   refused_in_a_row_ = ok ? 0 : refused_in_a_row_ + 1;
@@ -89,6 +91,7 @@ void SlcanChannel::open(std::int64_t now) {
 
 void SlcanChannel::send(const CanFrame& frame) {
   if (state_ == State::kOpen) {
+    ++unanswered_;
     handlers_.send(encode_slcan(frame));
   } else {
     counters_.add("dropped.not_open");

@@ -49,6 +49,7 @@ class SlcanChannel {
   State state_ = State::kIdle;
   std::int64_t since_ = 0;       // us, when the state began
   std::int64_t last_heard_ = 0;  // us, anything from the adapter
+  int unanswered_ = 0;           // frames sent
   int refused_in_a_row_ = 0;
   std::string fault_;
   Counters counters_;
