@@ -84,11 +84,15 @@ using NearPath = PlaceGrid<Place>;
 
 void score_precision(const CurbMap& map, const TrueCurbs& curbs, const NearPath& near_path, CurbScore& score) {
   std::array<int, kTolerances.size()> right{};
-  for (const Place& cell : map.cells) {
-    if (!near_path.any_near(cell.x, cell.y)) continue;
-    const auto nearest = curbs.nearest(cell, kLateralReach);
+  for (const CurbCell& cell : map.cells) {
+    if (!near_path.any_near(cell.at.x, cell.at.y)) continue;
+    const auto nearest = curbs.nearest(cell.at, kLateralReach);
     if (nearest.dropped <= kLateralReach && nearest.dropped < nearest.distance) {
       ++score.on_dropped;
+      continue;
+    }
+    if (!cell.judged && nearest.distance > kTolerances.back()) {
+      ++score.beyond_truth;
       continue;
     }
     ++score.detections;
@@ -102,8 +106,10 @@ void score_precision(const CurbMap& map, const TrueCurbs& curbs, const NearPath&
 void score_recall(const CurbMap& map, const std::vector<TrueCurbPoint>& truth, const NearPath& near_path,
                   CurbScore& score) {
   const PlaceGrid<Place> seen(map.seen, kTolerances.back());
+  std::vector<Place> centres;
+  for (const CurbCell& cell : map.cells) centres.push_back(cell.at);
   std::vector<PlaceGrid<Place>> cells;
-  for (const double tolerance : kTolerances) cells.emplace_back(map.cells, tolerance);
+  for (const double tolerance : kTolerances) cells.emplace_back(centres, tolerance);
   std::array<int, kTolerances.size()> found{};
   int seen_points = 0;
   for (const TrueCurbPoint& point : truth) {

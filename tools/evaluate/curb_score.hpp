@@ -51,7 +51,8 @@ inline constexpr std::array kStepBounds = {0.06, 0.08, 0.10, 0.12};  ///< m
 struct CurbScore {
   std::array<Score, kTolerances.size()> at;  ///< by tolerance
   int detections = 0;                        ///< curb cells that count
-  int on_dropped = 0;                        ///< curb cells at lowered kerbs: neither right nor wrong
+  int on_dropped = 0;                        ///< curb cells nearest to a lowered kerb: neither right nor wrong
+  int beyond_truth = 0;                      ///< curb cells where the truth does not know the ground: the same
   int true_points = 0;                       ///< that count; lowered kerbs do not
   double recall_of_seen = 0;  ///< at the widest tolerance, of the true points where the map is not unknown
   struct Share {
@@ -73,16 +74,22 @@ struct CurbFoot {
   Place up;
 };
 
+/// The centre of a cell of class curb.
+struct CurbCell {
+  Place at;
+  bool judged = true;  ///< the truth knows the ground about it
+};
+
 /// What a map says of curbs, in the truth's frame.
 struct CurbMap {
-  std::vector<Place> cells;    ///< centres of the cells of class curb
+  std::vector<CurbCell> cells;
   std::vector<CurbFoot> feet;  ///< points of the curb lines
   std::vector<Place> seen;     ///< centres of all cells that are not unknown
 };
 
-/// Precision: the share of curb cells whose centre is within the tolerance of a true curb. Recall: the share of true
-/// curb points that have the centre of a curb cell within the tolerance; also those that nobody could see. Both only
-/// within `radius` m of `path`.
+/// Precision: the share of the curb cells that count whose centre is within the tolerance of a true curb. Recall: the
+/// share of true curb points that have the centre of a curb cell within the tolerance; also those that nobody could
+/// see. Both only within `radius` m of `path`.
 [[nodiscard]] CurbScore score_curbs(const CurbMap& map, const std::vector<TrueCurbPoint>& truth,
                                     const std::vector<Place>& path, double radius);
 

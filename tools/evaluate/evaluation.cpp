@@ -73,11 +73,14 @@ Evaluation evaluate(const std::vector<MapTile>& tiles, const std::vector<CurbLin
   evaluation.trajectory = trajectory_errors(pairs);
   evaluation.T_truth_map = align(pairs);
 
+  const auto is_judged = [&](Place place) {
+    return truth.classes.empty() || truth.classes.known_around(place.x, place.y);
+  };
   CurbMap map;
   Confusion confusion;
   for_each_known_cell(tiles, evaluation.T_truth_map, [&](CellClass cell_class, Place place) {
     map.seen.push_back(place);
-    if (cell_class == CellClass::kCurb) map.cells.push_back(place);
+    if (cell_class == CellClass::kCurb) map.cells.push_back({place, is_judged(place)});
     const std::uint8_t true_class = truth.classes.at(place.x, place.y);
     if (true_class != 0 && true_class < kNumClasses)
       ++confusion.count[true_class][static_cast<std::size_t>(cell_class)];

@@ -31,8 +31,9 @@ std::string curb_table(const CurbScore& c) {
     text += fmt::format("             {:6.2f} m   {:9.3f}   {:6.3f}   {:6.3f}\n", kTolerances[i], c.at[i].precision,
                         c.at[i].recall, c.at[i].f1());
   }
-  text += fmt::format("             {} curb cells, {} more at lowered kerbs (not counted); {} true points\n",
-                      c.detections, c.on_dropped, c.true_points);
+  text +=
+      fmt::format("             {} curb cells; not counted: {} at lowered kerbs, {} beyond the truth; {} true points\n",
+                  c.detections, c.on_dropped, c.beyond_truth, c.true_points);
   text += fmt::format("             recall at {:.2f} m: of what was seen {:.3f}; by step{}\n", kTolerances.back(),
                       c.recall_of_seen, recall_by_step(c));
   text += fmt::format(

@@ -63,6 +63,20 @@ std::uint8_t TrueClasses::at(double x, double y) const {
   return pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)];
 }
 
+bool TrueClasses::known_around(double x, double y) const {
+  constexpr double kSide = 0.24;  // m
+  const auto known_near = [&](double cx, double cy) {
+    for (const double dx : {0.0, -resolution, resolution}) {
+      for (const double dy : {0.0, -resolution, resolution}) {
+        if (at(cx + dx, cy + dy) != 0) return true;
+      }
+    }
+    return false;
+  };
+  return known_near(x - kSide, y - kSide) && known_near(x - kSide, y + kSide) && known_near(x + kSide, y - kSide) &&
+         known_near(x + kSide, y + kSide);
+}
+
 Truth load_truth(const std::string& folder) {
   namespace fs = std::filesystem;
   Truth truth;

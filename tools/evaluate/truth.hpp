@@ -30,6 +30,8 @@ struct TrueClasses {
   [[nodiscard]] bool empty() const { return pixels.empty(); }
   /// UNKNOWN outside.
   [[nodiscard]] std::uint8_t at(double x, double y) const;
+  /// Whether the truth knows the ground on all sides of a place: only there a curb can be called wrong.
+  [[nodiscard]] bool known_around(double x, double y) const;
 };
 
 /// What `curbstone simulate` writes beside a drive. Recorded drives have poses, and may lack the rest.

@@ -17,6 +17,12 @@ std::vector<Place> row(double y) {
   return places;
 }
 
+std::vector<CurbCell> cells_at(const std::vector<Place>& places, bool judged = true) {
+  std::vector<CurbCell> cells;
+  for (const Place& place : places) cells.push_back({place, judged});
+  return cells;
+}
+
 /// A mapped curb line along y with its higher side to the left (+y).
 std::vector<CurbFoot> line(double y) {
   std::vector<CurbFoot> feet;
@@ -25,13 +31,13 @@ std::vector<CurbFoot> line(double y) {
 }
 
 TEST(CurbScore, PerfectMapScoresOne) {
-  const auto score = score_curbs({row(3), line(3), row(3)}, curb_at(3), row(0), 8);
+  const auto score = score_curbs({cells_at(row(3)), line(3), row(3)}, curb_at(3), row(0), 8);
   for (const Score& s : score.at) EXPECT_EQ(s.f1(), 1.0);
   EXPECT_EQ(score.lateral_median_cm, 0.0);
 }
 
 TEST(CurbScore, AnOffsetFailsTheToleranceItExceeds) {
-  const auto score = score_curbs({row(3.2), line(3.2), row(3.2)}, curb_at(3), row(0), 8);
+  const auto score = score_curbs({cells_at(row(3.2)), line(3.2), row(3.2)}, curb_at(3), row(0), 8);
   EXPECT_EQ(score.at[0].f1(), 0.0);
   EXPECT_EQ(score.at[1].f1(), 0.0);
   EXPECT_EQ(score.at[2].precision, 1.0);
@@ -45,7 +51,7 @@ TEST(CurbScore, GhostsCostPrecisionAndGapsRecall) {
   auto ghosts = row(1);
   ghosts.resize(cells.size());
   cells.insert(cells.end(), ghosts.begin(), ghosts.end());
-  const auto score = score_curbs({cells, {}, cells}, curb_at(3), row(0), 8);
+  const auto score = score_curbs({cells_at(cells), {}, cells}, curb_at(3), row(0), 8);
   EXPECT_NEAR(score.at[2].precision, 0.5, 1e-9);
   EXPECT_NEAR(score.at[2].recall, 0.5, 0.05);
   EXPECT_NEAR(score.recall_of_seen, 1.0, 1e-9);
@@ -58,13 +64,13 @@ TEST(CurbScore, LoweredKerbsDoNotCount) {
   auto cells = row(3);
   const auto on_dropped = row(-3);
   cells.insert(cells.end(), on_dropped.begin(), on_dropped.end());
-  const auto score = score_curbs({cells, {}, cells}, truth, row(0), 8);
+  const auto score = score_curbs({cells_at(cells), {}, cells}, truth, row(0), 8);
   EXPECT_EQ(score.at[0].f1(), 1.0);
   EXPECT_EQ(score.on_dropped, 84);
 }
 
 TEST(CurbScore, TellsTheLateralBiasFromItsSpread) {
-  CurbMap map{row(3), {}, row(3)};
+  CurbMap map{cells_at(row(3)), {}, row(3)};
   for (const double y : {2.93, 2.95, 2.97}) {
     const auto feet = line(y);
     map.feet.insert(map.feet.end(), feet.begin(), feet.end());
@@ -82,7 +88,7 @@ TEST(CurbScore, GivesRecallByTheHeightOfTheStep) {
     point.height = 0.05;
     truth.push_back(point);
   }
-  const auto score = score_curbs({row(3), {}, row(3)}, truth, row(0), 8);
+  const auto score = score_curbs({cells_at(row(3)), {}, row(3)}, truth, row(0), 8);
   EXPECT_EQ(score.by_step[0].points, 101);
   EXPECT_EQ(score.by_step[0].found, 0);
   EXPECT_EQ(score.by_step[2].points, 101);
@@ -90,8 +96,17 @@ TEST(CurbScore, GivesRecallByTheHeightOfTheStep) {
   EXPECT_NEAR(score.at[2].recall, 0.5, 1e-9);
 }
 
+TEST(CurbScore, AGhostWhereTheTruthKnowsNothingIsNotWrong) {
+  CurbMap map{cells_at(row(3)), {}, row(3)};
+  const auto ghosts = cells_at(row(5), false);
+  map.cells.insert(map.cells.end(), ghosts.begin(), ghosts.end());
+  const auto score = score_curbs(map, curb_at(3), row(0), 8);
+  EXPECT_EQ(score.at[0].precision, 1.0);
+  EXPECT_EQ(score.beyond_truth, 84);
+}
+
 TEST(CurbScore, OnlyNearThePath) {
-  const auto score = score_curbs({row(3), {}, {}}, curb_at(30), row(0), 8);
+  const auto score = score_curbs({cells_at(row(3)), {}, {}}, curb_at(30), row(0), 8);
   EXPECT_EQ(score.true_points, 0);
   EXPECT_EQ(score.detections, 84);
   EXPECT_EQ(score.at[2].f1(), 0.0);

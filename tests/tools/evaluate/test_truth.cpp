@@ -50,6 +50,17 @@ TEST(Truth, SaysWhichLineOfWhichFileIsWrong) {
   EXPECT_THROW((void)load_truth("/nonexistent"), std::runtime_error);
 }
 
+TEST(Truth, KnowsWhereItKnowsTheGroundOnAllSides) {
+  TrueClasses classes;
+  classes.width = classes.height = 100;  // 12 m x 12 m; the upper half is known
+  classes.pixels.assign(100 * 100, 0);
+  std::fill_n(classes.pixels.begin(), 50 * 100, std::uint8_t{1});
+  EXPECT_TRUE(classes.known_around(6, 9));
+  EXPECT_FALSE(classes.known_around(6, 5.7));
+  EXPECT_FALSE(classes.known_around(6, 3));
+  EXPECT_FALSE(classes.known_around(0, 9)) << "at the image's edge";
+}
+
 TEST(Truth, RefusesPosesThatAreNone) {
   EXPECT_THROW((void)load_truth(folder_with("utime,x,y,z,qw,qx,qy,qz\n1,0,0,0,0,0,0,0\n")), std::runtime_error);
 }
