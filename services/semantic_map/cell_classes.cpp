@@ -1,0 +1,129 @@
+#include "services/semantic_map/cell_classes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace curbstone {
+
+namespace {
+
+constexpr int kVehicleReach = 5;      // cells: 1.3 m square
+constexpr int kVehicleCells = 10;     // high cells in it, to be a vehicle or a piece of wall
+constexpr double kReachesTop = 0.85;  // of the vehicle's height
+constexpr double kCurbLink = 0.45;    // m: cells between curb points this close are curb
+
+const CellColumn* column_at(const Around<CellColumns>& columns, int column, int row) {
+  const auto tile_of = [](int i) { return i < 0 ? -1 : (i >= kCellsPerTile ? 1 : 0); };
+  const int dx = tile_of(column);
+  const int dy = tile_of(row);
+  const CellColumns* tile = columns.at(dx, dy);
+  return tile == nullptr ? nullptr : &tile->at(column - dx * kCellsPerTile, row - dy * kCellsPerTile);
+}
+
+bool blocks(const CellColumn& cell, const ClassParameters& parameters) {
+  return cell.blocking_points >= parameters.min_points;
+}
+
+/// Part of something as high as `min_vehicle` and as large as a piece of a car.
+bool is_large(const Around<CellColumns>& columns, int column, int row, const ClassParameters& parameters) {
+  int high = 0;
+  for (int r = row - kVehicleReach; r <= row + kVehicleReach; ++r) {
+    for (int c = column - kVehicleReach; c <= column + kVehicleReach; ++c) {
+      const CellColumn* cell = column_at(columns, c, r);
+      if (cell != nullptr && blocks(*cell, parameters) && double{cell->top} >= parameters.min_vehicle) ++high;
+    }
+  }
+  return high >= kVehicleCells;
+}
+
+CellClass class_of(const Around<CellColumns>& columns, int column, int row, const ClassParameters& parameters) {
+  const CellColumn& cell = *column_at(columns, column, row);
+  if (blocks(cell, parameters)) {
+    if (double{cell.top} >= kReachesTop * parameters.vehicle_height) return CellClass::kWall;
+    return is_large(columns, column, row, parameters) ? CellClass::kWall : CellClass::kObstacle;
+  }
+  return cell.ground_points > 0 ? CellClass::kRoad : CellClass::kUnknown;
+}
+
+void mark_curb(const Eigen::Vector2d& at, double height, double confidence, const ClassParameters& parameters,
+               MapTile& tile) {
+  const int column = static_cast<int>(std::floor(at.x() / kCellSize));
+  const int row = static_cast<int>(std::floor(at.y() / kCellSize));
+  if (column < 0 || row < 0 || column >= kCellsPerTile || row >= kCellsPerTile) return;
+  const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
+  if (tile.cell_class[i] == CellClass::kWall || tile.cell_class[i] == CellClass::kObstacle) return;
+  tile.cell_class[i] = CellClass::kCurb;
+  tile.cost[i] = std::max(tile.cost[i] == 255 ? std::uint8_t{0} : tile.cost[i],
+                          traversal_cost(CellClass::kCurb, height, parameters));
+  tile.confidence[i] = std::max(tile.confidence[i], static_cast<std::uint8_t>(255 * confidence));
+}
+
+/// Curb points, and the cells between neighbours on the same line.
+void mark_curbs(const Around<std::vector<CurbPoint>>& curbs, const ClassParameters& parameters, MapTile& tile) {
+  struct Placed {
+    Eigen::Vector2d at;
+    const CurbPoint* p;
+  };
+  std::vector<Placed> placed;
+  curbs.for_each([&](const std::vector<CurbPoint>& points, double dx, double dy) {
+    for (const CurbPoint& p : points) {
+      const Eigen::Vector2d at = p.foot + Eigen::Vector2d(dx, dy);
+      if ((at.array() > -kCurbLink).all() && (at.array() < kTileSize + kCurbLink).all()) placed.push_back({at, &p});
+    }
+  });
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    mark_curb(placed[i].at, placed[i].p->height, placed[i].p->confidence, parameters, tile);
+    for (std::size_t j = i + 1; j < placed.size(); ++j) {
+      const Eigen::Vector2d d = placed[j].at - placed[i].at;
+      if (d.norm() > kCurbLink || placed[i].p->up.dot(placed[j].p->up) < 0.7) continue;
+      if (std::abs(d.dot(placed[i].p->up)) > 0.5 * d.norm()) continue;
+      const double height = 0.5 * (placed[i].p->height + placed[j].p->height);
+      const double confidence = std::min(placed[i].p->confidence, placed[j].p->confidence);
+      const int steps = static_cast<int>(d.norm() / (0.5 * kCellSize));
+      for (int k = 1; k < steps; ++k) mark_curb(placed[i].at + d * k / steps, height, confidence, parameters, tile);
+    }
+  }
+}
+
+std::int16_t height_steps(float z, float z_origin) {
+  const double steps = std::round((double{z} - double{z_origin}) / kPositionStep);
+  return static_cast<std::int16_t>(std::clamp(steps, -32767.0, 32767.0));
+}
+
+}  // namespace
+
+std::uint8_t traversal_cost(CellClass cell_class, double curb_height, const ClassParameters& parameters) {
+  switch (cell_class) {
+    case CellClass::kRoad:
+      return 0;
+    case CellClass::kCurb:
+      if (curb_height > parameters.max_step) return 254;
+      return static_cast<std::uint8_t>(60 + 140 * curb_height / std::max(parameters.max_step, 1e-3));
+    case CellClass::kObstacle:
+    case CellClass::kWall:
+      return 254;
+    case CellClass::kUnknown:
+      break;
+  }
+  return parameters.unknown_is_free ? 0 : 255;
+}
+
+void classify_cells(const Around<CellColumns>& columns, const Around<std::vector<CurbPoint>>& curbs,
+                    const ClassParameters& parameters, MapTile& tile) {
+  for (int row = 0; row < kCellsPerTile; ++row) {
+    for (int column = 0; column < kCellsPerTile; ++column) {
+      const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
+      const CellColumn& cell = columns.centre()->cells[i];
+      tile.cell_class[i] = class_of(columns, column, row, parameters);
+      tile.cost[i] = traversal_cost(tile.cell_class[i], 0, parameters);
+      tile.height[i] = cell.has_points ? height_steps(cell.ground_z, tile.z_origin) : MapTile::kNoHeight;
+      const int support = cell.ground_points + cell.blocking_points;
+      tile.confidence[i] = tile.cell_class[i] == CellClass::kUnknown
+                               ? std::uint8_t{0}
+                               : static_cast<std::uint8_t>(std::min(255, 32 * support));
+    }
+  }
+  mark_curbs(curbs, parameters, tile);
+}
+
+}  // namespace curbstone

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+
+#include "common/config.hpp"
+#include "services/semantic_map/ground_model.hpp"
+#include "services/semantic_map/map_types.hpp"
+#include "services/semantic_map/voted_tile.hpp"
+
+namespace curbstone {
+
+/// What stands in the way and what does not.
+struct ClassParameters {
+  double ground_band = 0.20;     ///< m about the ground: points in it are the ground's (pavement and curb included)
+  double min_obstacle = 0.22;    ///< m above ground
+  double vehicle_height = 2.00;  ///< m; from the vehicle's section
+  double min_vehicle = 0.90;     ///< m: what is this high and as large as a car is as good as a wall
+  int min_points = 2;            ///< in a cell, to be an obstacle
+  bool unknown_is_free = false;  ///< the paper's policy; the safe one is the default
+  double max_step = 0.15;        ///< m the vehicle may climb
+
+  void visit(ConfigVisitor& v) {
+    v.field("ground_band", ground_band, {0.02, 1}, "m about the ground: points in it are the ground's");
+    v.field("min_obstacle", min_obstacle, {0.02, 1}, "m above ground, for a point to be in the way");
+    v.field("min_vehicle", min_vehicle, {0.2, 3}, "m, height of what counts as a vehicle if it is large");
+    v.field("min_points", min_points, {1, 100}, "points in a cell, to be an obstacle");
+    v.field("unknown_is_free", unknown_is_free, "traverse what was never seen (the paper's policy; not safe)");
+    v.field("max_step", max_step, {0, 0.5}, "m, the highest curb that the vehicle may climb");
+  }
+};
+
+/// The points of one 0.12 m cell, by height above the ground.
+struct CellColumn {
+  int ground_points = 0;
+  float ground_z = 0;       ///< m in map, mean of the ground points; without any: of the lowest point
+  int blocking_points = 0;  ///< between min_obstacle and the vehicle's height
+  float top = 0;            ///< m above ground, of the blocking points (the second highest: one may be a stray)
+  float bottom = 0;         ///< m above ground, of the lowest of them
+  bool has_points = false;
+};
+
+struct CellColumns {
+  std::array<CellColumn, kCellsInTile> cells{};
+  [[nodiscard]] const CellColumn& at(int column, int row) const {
+    return cells[static_cast<std::size_t>(row * kCellsPerTile + column)];
+  }
+};
+
+[[nodiscard]] CellColumns measure_columns(const VotedTile& tile, const GroundSurface& ground,
+                                          const ClassParameters& parameters);
+
+}  // namespace curbstone

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "services/semantic_map/curb_parameters.hpp"
+#include "services/semantic_map/ground_model.hpp"
+#include "services/semantic_map/voted_tile.hpp"
+
+namespace curbstone {
+
+/// A place that looks like a curb by itself, before its neighbours are asked.
+struct CurbCandidate {
+  Eigen::Vector2d foot = Eigen::Vector2d::Zero();  ///< m from the tile's corner; may lie a little outside
+  Eigen::Vector2d up = Eigen::Vector2d::UnitX();   ///< unit vector across, towards the higher side
+  double z = 0;                                    ///< m in map, of the low side at the foot
+  double height = 0;                               ///< m, of the step
+  double score = 0;                                ///< the step in units of its noise: what competes in the suppression
+  bool weak = false;                               ///< only counts where a line of others goes on
+};
+
+/// Section VI, curb evidence: where normals near the ground tilt more than flat ground's do, and the ground really
+/// steps up from one side to the other. Of the centre tile; looks at points within half a metre around it.
+[[nodiscard]] std::vector<CurbCandidate> find_curb_evidence(const Around<VotedTile>& tiles, const GroundSurface& ground,
+                                                            const CurbParameters& parameters);
+
+}  // namespace curbstone

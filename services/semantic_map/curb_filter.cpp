@@ -1,0 +1,137 @@
+#include "services/semantic_map/curb_filter.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+namespace curbstone {
+
+namespace {
+
+constexpr double kAcross = 0.50;       // m: ghosts of a step appear this far beside it
+constexpr double kAlong = 0.15;        // m
+constexpr double kSameLine = 0.04;     // m: this close across is the same line, not a ghost
+constexpr double kMargin = 2.2;        // m around the tile that can matter
+constexpr double kMinExtent = 0.5;     // m of line around a detection
+constexpr double kWeakReach = 1.5;     // m a weak detection may be from the line's strong ones
+constexpr double kWeakLateral = 0.10;  // m off it
+
+/// A candidate with its place in the frame of the centre tile.
+struct Placed {
+  Eigen::Vector2d foot;
+  const CurbCandidate* c;
+};
+
+std::vector<Placed> place_all(const Around<std::vector<CurbCandidate>>& tiles) {
+  std::vector<Placed> placed;
+  tiles.for_each([&](const std::vector<CurbCandidate>& candidates, double dx, double dy) {
+    for (const CurbCandidate& c : candidates) {
+      const Eigen::Vector2d foot = c.foot + Eigen::Vector2d(dx, dy);
+      if ((foot.array() >= -kMargin).all() && (foot.array() < kTileSize + kMargin).all()) placed.push_back({foot, &c});
+    }
+  });
+  return placed;
+}
+
+/// Higher steps first; ties by place, so that two never suppress each other.
+bool outranks(const Placed& a, const Placed& b) {
+  return std::make_tuple(a.c->score, a.foot.x(), a.foot.y()) > std::make_tuple(b.c->score, b.foot.x(), b.foot.y());
+}
+
+bool is_ghost(const Placed& p, const std::vector<Placed>& all) {
+  return std::any_of(all.begin(), all.end(), [&](const Placed& other) {
+    if (!outranks(other, p)) return false;
+    const Eigen::Vector2d d = p.foot - other.foot;
+    const double across = std::abs(d.dot(other.c->up));
+    const double along = std::abs(d.x() * other.c->up.y() - d.y() * other.c->up.x());
+    return across > kSameLine && across < kAcross && along < kAlong;
+  });
+}
+
+/// The line through the detections around a place.
+struct LocalLine {
+  int count = 0;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Vector2d direction = Eigen::Vector2d::UnitX();
+  double linearity = 1;  ///< minor over major spread
+  double extent = 0;     ///< m, major spread
+};
+
+template <class Accept>
+LocalLine line_around(const Eigen::Vector2d& at, double radius, const std::vector<Placed>& all, Accept accept) {
+  LocalLine line;
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  for (const Placed& other : all) {
+    const Eigen::Vector2d d = other.foot - at;
+    if (d.squaredNorm() > radius * radius || !accept(other)) continue;
+    ++line.count;
+    line.mean += d;
+    scatter += d * d.transpose();
+  }
+  if (line.count < 2) return line;
+  line.mean /= line.count;
+  scatter = scatter / line.count - line.mean * line.mean.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(scatter);
+  const double minor = std::sqrt(std::max(0.0, eigen.eigenvalues()(0)));
+  const double major = std::sqrt(std::max(0.0, eigen.eigenvalues()(1)));
+  line.direction = eigen.eigenvectors().col(1);
+  line.linearity = major > 0 ? minor / major : 1;
+  line.extent = major * std::sqrt(12.0);  // of an even line
+  line.mean += at;
+  return line;
+}
+
+bool is_on_line(const Placed& p, const std::vector<Placed>& strong, const CurbParameters& parameters) {
+  const auto alike = [&](const Placed& o) { return std::abs(o.c->up.dot(p.c->up)) > 0.6; };
+  const LocalLine line = line_around(p.foot, parameters.linearity_radius, strong, alike);
+  return line.count > parameters.min_neighbours && line.linearity < parameters.max_linearity &&
+         line.extent > kMinExtent && std::abs(line.direction.dot(p.c->up)) < 0.6;
+}
+
+bool continues_line(const Placed& p, const std::vector<Placed>& confirmed) {
+  const auto alike = [&](const Placed& o) { return o.c->up.dot(p.c->up) > 0.8; };
+  const LocalLine line = line_around(p.foot, kWeakReach, confirmed, alike);
+  if (line.count < 4 || line.linearity > 0.2 || line.extent < kMinExtent) return false;
+  const Eigen::Vector2d d = p.foot - line.mean;
+  const double lateral = std::abs(d.x() * line.direction.y() - d.y() * line.direction.x());
+  return lateral < kWeakLateral && std::abs(line.direction.dot(p.c->up)) < 0.4;
+}
+
+}  // namespace
+
+std::vector<CurbPoint> filter_curbs(const Around<std::vector<CurbCandidate>>& candidates,
+                                    const CurbParameters& parameters) {
+  std::vector<Placed> strong;
+  std::vector<Placed> weak;
+  const std::vector<Placed> all = place_all(candidates);
+  for (const Placed& p : all) {
+    if (!is_ghost(p, all)) (p.c->weak ? weak : strong).push_back(p);
+  }
+  std::vector<Placed> kept;
+  for (const Placed& p : strong) {
+    if (is_on_line(p, strong, parameters)) kept.push_back(p);
+  }
+  const std::vector<Placed> confirmed = kept;
+  for (const Placed& p : weak) {
+    if (continues_line(p, confirmed)) kept.push_back(p);
+  }
+
+  std::map<int, Placed> best;  // by cell
+  for (const Placed& p : kept) {
+    if ((p.foot.array() < 0).any() || (p.foot.array() >= kTileSize).any()) continue;
+    const int column = std::min(kCellsPerTile - 1, static_cast<int>(p.foot.x() / kCellSize));
+    const int row = std::min(kCellsPerTile - 1, static_cast<int>(p.foot.y() / kCellSize));
+    const auto [it, inserted] = best.try_emplace(row * kCellsPerTile + column, p);
+    if (!inserted && outranks(p, it->second)) it->second = p;
+  }
+  std::vector<CurbPoint> points;
+  for (const auto& [cell, p] : best) {
+    const double confidence = p.c->weak ? 0.5 : std::min(1.0, 0.5 + p.c->score / 60);
+    points.push_back({p.foot, p.c->up, p.c->z, p.c->height, confidence, p.c->weak});
+  }
+  return points;
+}
+
+}  // namespace curbstone

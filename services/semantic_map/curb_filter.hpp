@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "services/semantic_map/curb_evidence.hpp"
+
+namespace curbstone {
+
+/// A point on a curb. Frame: m from the tile's corner, z in map.
+struct CurbPoint {
+  Eigen::Vector2d foot = Eigen::Vector2d::Zero();
+  Eigen::Vector2d up = Eigen::Vector2d::UnitX();  ///< unit, towards the higher side
+  double z = 0;
+  double height = 0;
+  double confidence = 0;  ///< 0..1
+  bool weak = false;      ///< lower than a curb by itself: a dropped kerb on a line
+};
+
+/// Section VI, outlier filter: of parallel detections the best one stays (non-maximum suppression across the step),
+/// detections must lie on a line with others, and low ones count only where such a line goes on. Of the centre tile,
+/// at most one point a cell.
+[[nodiscard]] std::vector<CurbPoint> filter_curbs(const Around<std::vector<CurbCandidate>>& candidates,
+                                                  const CurbParameters& parameters);
+
+}  // namespace curbstone

@@ -1,0 +1,217 @@
+#include "services/semantic_map/ground_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace curbstone {
+
+namespace {
+
+constexpr int kSamplesPerSide = 3 * GroundSamples::kPerSide;  // over the 9 m
+constexpr int kRoadCells = kSamplesPerSide / 2;               // of 0.5 m
+
+using SampleGrid = std::array<const GroundSample*, kSamplesPerSide * kSamplesPerSide>;
+
+constexpr std::size_t sample_index(int column, int row) {
+  return static_cast<std::size_t>(row * kSamplesPerSide + column);
+}
+
+/// A sample's place, m from the centre tile's corner.
+PlaneSample place(const GroundSample& s, int column, int row) {
+  return {double{s.x} + (column / GroundSamples::kPerSide - 1) * kTileSize,
+          double{s.y} + (row / GroundSamples::kPerSide - 1) * kTileSize, double{s.z}, 1.0};
+}
+
+SampleGrid lay_out(const Around<GroundSamples>& samples) {
+  SampleGrid grid{};
+  for (int row = 0; row < kSamplesPerSide; ++row) {
+    for (int column = 0; column < kSamplesPerSide; ++column) {
+      const GroundSamples* tile = samples.at(column / GroundSamples::kPerSide - 1, row / GroundSamples::kPerSide - 1);
+      if (tile == nullptr) continue;
+      const GroundSample& s = tile->at(column % GroundSamples::kPerSide, row % GroundSamples::kPerSide);
+      if (s.count > 0) grid[sample_index(column, row)] = &s;
+    }
+  }
+  return grid;
+}
+
+double quantile(std::vector<double>& values, double q) {
+  const auto k = static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), values.begin() + k, values.end());
+  return values[static_cast<std::size_t>(k)];
+}
+
+/// A plane under most of what there is: what is above it (cars, hedges) pulls little.
+std::optional<Plane> rough_ground(const SampleGrid& grid) {
+  std::vector<PlaneSample> samples;
+  std::vector<double> heights;
+  for (int row = 0; row < kSamplesPerSide; ++row) {
+    for (int column = 0; column < kSamplesPerSide; ++column) {
+      const GroundSample* s = grid[sample_index(column, row)];
+      if (s == nullptr) continue;
+      samples.push_back(place(*s, column, row));
+      heights.push_back(samples.back().z);
+    }
+  }
+  if (samples.size() < 6) return std::nullopt;
+  const Plane start{quantile(heights, 0.2), Eigen::Vector2d::Zero()};
+  return fit_plane(samples, start, {.scale_above = 0.2, .scale_below = 0.5, .slope_sigma = 0.10, .sample_sigma = 0.15});
+}
+
+/// The road's height in each 0.5 m cell (NaN: none), without what stands above its neighbours.
+std::vector<double> road_heights(const SampleGrid& grid, const Plane& rough) {
+  constexpr double kMaxAboveRough = 1.0;
+  constexpr double kMaxAboveNeighbours = 0.30;
+  constexpr int kReach = 2;  // cells
+  const auto index = [](int column, int row) { return static_cast<std::size_t>(row * kRoadCells + column); };
+  const double none = std::numeric_limits<double>::quiet_NaN();
+
+  std::vector<double> low(static_cast<std::size_t>(kRoadCells * kRoadCells), none);
+  for (int row = 0; row < kSamplesPerSide; ++row) {
+    for (int column = 0; column < kSamplesPerSide; ++column) {
+      const GroundSample* s = grid[sample_index(column, row)];
+      if (s == nullptr) continue;
+      const PlaneSample p = place(*s, column, row);
+      if (std::abs(p.z - rough.at(p.x, p.y)) > kMaxAboveRough) continue;
+      double& cell = low[index(column / 2, row / 2)];
+      if (!(cell <= p.z)) cell = p.z;
+    }
+  }
+  std::vector<double> road = low;
+  std::vector<double> around;
+  for (int row = 0; row < kRoadCells; ++row) {
+    for (int column = 0; column < kRoadCells; ++column) {
+      if (std::isnan(low[index(column, row)])) continue;
+      around.clear();
+      for (int r = std::max(0, row - kReach); r <= std::min(kRoadCells - 1, row + kReach); ++r) {
+        for (int c = std::max(0, column - kReach); c <= std::min(kRoadCells - 1, column + kReach); ++c) {
+          if (!std::isnan(low[index(c, r)])) around.push_back(low[index(c, r)]);
+        }
+      }
+      if (low[index(column, row)] > quantile(around, 0.25) + kMaxAboveNeighbours) road[index(column, row)] = none;
+    }
+  }
+  return road;
+}
+
+/// The plane and the normals of the 1 m cell about (x, y).
+GroundNode refine(const SampleGrid& grid, const std::vector<double>& road, const Plane& rough, double x, double y) {
+  constexpr double kReach = 1.0;          // m, of the plane
+  constexpr double kNormalReach = 1.5;    // m, of the median of the normals: wider, so that a curb is a minority
+  constexpr double kMaxAboveRoad = 0.30;  // m
+  constexpr std::size_t kMinSamples = 4;
+
+  std::vector<PlaneSample> samples;
+  std::vector<double> slopes_x;
+  std::vector<double> slopes_y;
+  for (int row = 0; row < kSamplesPerSide; ++row) {
+    for (int column = 0; column < kSamplesPerSide; ++column) {
+      const GroundSample* s = grid[sample_index(column, row)];
+      if (s == nullptr) continue;
+      PlaneSample p = place(*s, column, row);
+      p.x -= x;
+      p.y -= y;
+      if (std::max(std::abs(p.x), std::abs(p.y)) > kNormalReach) continue;
+      const double height = road[static_cast<std::size_t>((row / 2) * kRoadCells + column / 2)];
+      if (!(p.z <= height + kMaxAboveRoad)) continue;
+      slopes_x.push_back(double{s->slope_x});
+      slopes_y.push_back(double{s->slope_y});
+      if (std::max(std::abs(p.x), std::abs(p.y)) <= kReach) samples.push_back(p);
+    }
+  }
+  GroundNode node;
+  if (samples.size() < kMinSamples) return node;
+  node.valid = true;
+  node.normal_slope = {quantile(slopes_x, 0.5), quantile(slopes_y, 0.5)};
+  for (double& s : slopes_x) s = std::abs(s - node.normal_slope.x());
+  for (double& s : slopes_y) s = std::abs(s - node.normal_slope.y());
+  node.normal_noise = 1.4826 * std::max(quantile(slopes_x, 0.5), quantile(slopes_y, 0.5));
+  std::vector<double> heights;
+  for (const PlaneSample& s : samples) heights.push_back(s.z - rough.slope.x() * s.x - rough.slope.y() * s.y);
+  const Plane start{quantile(heights, 0.5), rough.slope};
+  node.plane =
+      fit_plane(samples, start, {.scale_above = 0.05, .scale_below = 0.05, .slope_sigma = 0.05, .sample_sigma = 0.05});
+  return node;
+}
+
+}  // namespace
+
+GroundModel model_ground(const Around<GroundSamples>& samples, const CurbParameters& /*parameters*/) {
+  GroundModel model;
+  const SampleGrid grid = lay_out(samples);
+  const auto rough = rough_ground(grid);
+  model.rough = rough;
+  if (!rough) return model;
+  const std::vector<double> road = road_heights(grid, *rough);
+  for (int row = 0; row < GroundModel::kPerSide; ++row) {
+    for (int column = 0; column < GroundModel::kPerSide; ++column) {
+      model.nodes[static_cast<std::size_t>(row * GroundModel::kPerSide + column)] =
+          refine(grid, road, *rough, (column + 0.5) * GroundModel::kCell, (row + 0.5) * GroundModel::kCell);
+    }
+  }
+  return model;
+}
+
+GroundSurface::GroundSurface(const Around<GroundModel>& models) {
+  if (models.centre() != nullptr) rough_ = models.centre()->rough;
+  for (int row = 0; row < kNodes; ++row) {
+    for (int column = 0; column < kNodes; ++column) {
+      const GroundModel* model = models.at(column / GroundModel::kPerSide - 1, row / GroundModel::kPerSide - 1);
+      if (model == nullptr) continue;
+      const GroundNode& node = model->at(column % GroundModel::kPerSide, row % GroundModel::kPerSide);
+      if (node.valid) nodes_[static_cast<std::size_t>(row * kNodes + column)] = &node;
+    }
+  }
+}
+
+/// visit(weight, node, dx, dy) for the up to four nodes around; returns the sum of the weights.
+template <class Visit>
+double GroundSurface::blend(double x, double y, Visit visit) const {
+  const double column = (x + kTileSize) / GroundModel::kCell - 0.5;
+  const double row = (y + kTileSize) / GroundModel::kCell - 0.5;
+  const int c0 = std::clamp(static_cast<int>(std::floor(column)), 0, kNodes - 2);
+  const int r0 = std::clamp(static_cast<int>(std::floor(row)), 0, kNodes - 2);
+  const double fx = std::clamp(column - c0, 0.0, 1.0);
+  const double fy = std::clamp(row - r0, 0.0, 1.0);
+  double sum = 0;
+  for (int r = 0; r < 2; ++r) {
+    for (int c = 0; c < 2; ++c) {
+      const GroundNode* node = nodes_[static_cast<std::size_t>((r0 + r) * kNodes + c0 + c)];
+      const double weight = (c == 0 ? 1 - fx : fx) * (r == 0 ? 1 - fy : fy);
+      if (node == nullptr || weight <= 0) continue;
+      visit(weight, *node, (column - c0 - c) * GroundModel::kCell, (row - r0 - r) * GroundModel::kCell);
+      sum += weight;
+    }
+  }
+  return sum;
+}
+
+std::optional<GroundAt> GroundSurface::at(double x, double y) const {
+  GroundAt ground;
+  const double sum = blend(x, y, [&](double weight, const GroundNode& node, double dx, double dy) {
+    ground.height += weight * node.plane.at(dx, dy);
+    ground.normal_slope += weight * node.normal_slope;
+    ground.normal_noise += weight * node.normal_noise;
+  });
+  if (sum <= 0) return std::nullopt;
+  ground.height /= sum;
+  ground.normal_slope /= sum;
+  ground.normal_noise /= sum;
+  return ground;
+}
+
+std::optional<double> GroundSurface::height(double x, double y) const {
+  double height = 0;
+  const double sum = blend(x, y, [&](double weight, const GroundNode& node, double dx, double dy) {
+    height += weight * node.plane.at(dx, dy);
+  });
+  return sum > 0 ? std::optional(height / sum) : std::nullopt;
+}
+
+std::optional<double> GroundSurface::height_or_rough(double x, double y) const {
+  if (const auto refined = height(x, y)) return refined;
+  return rough_ ? std::optional(rough_->at(x, y)) : std::nullopt;
+}
+
+}  // namespace curbstone

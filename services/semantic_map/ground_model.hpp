@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "services/semantic_map/ground_samples.hpp"
+#include "services/semantic_map/robust_plane.hpp"
+
+namespace curbstone {
+
+/// Section VI, digital elevation map. Rough ground: one robust plane over the 9 m around the tile (the paper: 10 m).
+/// Road height: the lowest layer of each 0.5 m cell, where its neighbours agree (tree tops and car roofs do not).
+/// Refined: every 1 m cell's own robust plane, so that slopes and crossfall stay ground.
+struct GroundNode {
+  bool valid = false;
+  Plane plane;                                             ///< about the node: m in map
+  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();  ///< what the normals around say, median
+  double normal_noise = 0;  ///< spread of what they say (1 sigma, from the median deviation)
+};
+
+/// The DEM's nodes in a tile: at the centres of its 3 x 3 squares of 1 m.
+struct GroundModel {
+  static constexpr int kPerSide = 3;
+  static constexpr double kCell = kTileSize / kPerSide;  ///< 1 m
+  std::array<GroundNode, kPerSide * kPerSide> nodes{};
+  std::optional<Plane> rough;  ///< about the tile's corner
+
+  [[nodiscard]] const GroundNode& at(int column, int row) const {
+    return nodes[static_cast<std::size_t>(row * kPerSide + column)];
+  }
+};
+
+/// Of a tile, from the samples of it and its neighbours.
+[[nodiscard]] GroundModel model_ground(const Around<GroundSamples>& samples, const CurbParameters& parameters);
+
+/// The ground at a place.
+struct GroundAt {
+  double height = 0;  ///< m in map
+  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();
+  double normal_noise = 0;
+};
+
+/// The DEM over a tile and its neighbours, interpolated between the nodes: no jumps at borders.
+class GroundSurface {
+ public:
+  explicit GroundSurface(const Around<GroundModel>& models);
+  /// x, y: m from the centre tile's corner. Nothing where no ground has been seen around.
+  [[nodiscard]] std::optional<GroundAt> at(double x, double y) const;
+  [[nodiscard]] std::optional<double> height(double x, double y) const;
+  /// Falls back to the rough ground of the centre tile: for walls that stand where the ground is hidden.
+  [[nodiscard]] std::optional<double> height_or_rough(double x, double y) const;
+
+ private:
+  static constexpr int kNodes = 3 * GroundModel::kPerSide;
+  template <class Visit>
+  double blend(double x, double y, Visit visit) const;
+  std::array<const GroundNode*, kNodes * kNodes> nodes_{};
+  std::optional<Plane> rough_;
+};
+
+}  // namespace curbstone

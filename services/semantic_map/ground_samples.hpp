@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+
+#include "services/semantic_map/curb_parameters.hpp"
+#include "services/semantic_map/voted_tile.hpp"
+
+namespace curbstone {
+
+/// Section VI, first step: "stick saliency and the direction of the normal" pick the points that may be ground; each
+/// 0.25 m cell keeps the lowest layer of them.
+struct GroundSample {
+  float x = 0, y = 0;              ///< m from the tile's corner: centroid of the layer
+  float z = 0;                     ///< m in map
+  float slope_x = 0, slope_y = 0;  ///< mean of what the normals say: -n.x / n.z
+  int count = 0;                   ///< points; 0: no sample
+};
+
+struct GroundSamples {
+  static constexpr int kPerSide = 12;
+  static constexpr double kCell = kTileSize / kPerSide;  ///< 0.25 m
+  std::array<GroundSample, kPerSide * kPerSide> cells{};
+
+  [[nodiscard]] const GroundSample& at(int column, int row) const {
+    return cells[static_cast<std::size_t>(row * kPerSide + column)];
+  }
+};
+
+/// Of one tile alone.
+[[nodiscard]] GroundSamples sample_ground(const VotedTile& tile, const CurbParameters& parameters);
+
+[[nodiscard]] inline bool may_be_ground(const VotedPoint& point, const CurbParameters& parameters) {
+  return point.mass > 0 && static_cast<double>(point.stick) >= parameters.min_stick &&
+         static_cast<double>(point.normal.z()) >= parameters.min_normal_z;
+}
+
+}  // namespace curbstone

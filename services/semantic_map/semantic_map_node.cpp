@@ -1,0 +1,288 @@
+#include "services/semantic_map/semantic_map_node.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <curbstone/curb_lines_t.hpp>
+
+#include "services/semantic_map/map_picture.hpp"
+#include "services/semantic_map/png_file.hpp"
+
+namespace curbstone {
+
+namespace {
+
+constexpr std::int64_t kTilePeriod = 200'000;   // us: a tile is sent at most five times a second
+constexpr std::int64_t kCurbsPeriod = 500'000;  // us
+constexpr std::int64_t kIndexPeriod = 1'000'000;
+constexpr std::int64_t kWritePeriod = 1'000'000;
+constexpr std::int64_t kRequestPeriod = 100'000;
+constexpr std::size_t kAnswersPerTick = 4;
+constexpr std::size_t kMaxCurbVertices = 1800;  // 24 bytes each: below 48 kB
+constexpr std::size_t kMaxTiles = 200'000;      // 1.8 square kilometres: memory has an end
+constexpr double kPathSpacing = 0.1;            // m, of the path in the picture
+
+ClassParameters with_vehicle(ClassParameters classes, const VehicleConfig& vehicle) {
+  classes.vehicle_height = vehicle.height;
+  return classes;
+}
+
+double distance(TileKey key, const Eigen::Vector2d& to) {
+  return (Eigen::Vector2d((key.x + 0.5) * kTileSize, (key.y + 0.5) * kTileSize) - to).squaredNorm();
+}
+
+/// Counts tile periods since 2024: a service that was restarted goes on above the revisions it sent before.
+std::int32_t revision_at(std::int64_t now) {
+  constexpr std::int64_t kStart = 1'704'067'200'000'000;
+  return static_cast<std::int32_t>(std::clamp<std::int64_t>((now - kStart) / kTilePeriod, 0, 2'000'000'000));
+}
+
+curb_line_t to_message(const CurbLine& line) {
+  curb_line_t m;
+  m.id = line.id;
+  m.confidence = line.confidence;
+  m.dropped = line.dropped ? 1 : 0;
+  m.num_points = static_cast<std::int32_t>(line.points.size());
+  for (const CurbVertex& v : line.points) {
+    m.x.push_back(v.x);
+    m.y.push_back(v.y);
+    m.z.push_back(v.z);
+    m.height.push_back(v.height);
+    m.high_side_x.push_back(v.high_side_x);
+    m.high_side_y.push_back(v.high_side_y);
+  }
+  return m;
+}
+
+}  // namespace
+
+SemanticMapNode::SemanticMapNode(const SemanticMapConfig& config, Publisher& bus)
+    : config_(config),
+      bus_(bus),
+      pipeline_(config.curb, with_vehicle(config.classes, config.vehicle)),
+      keeper_(config.map, static_cast<std::size_t>(config.max_pending_tiles)) {}
+
+void SemanticMapNode::connect(Subscriber& bus) {
+  bus.subscribe<voted_points_t>("VOTED_POINTS", [this](const voted_points_t& m) { on(m); });
+  bus.subscribe<tile_index_t>("TILE_INDEX", [this](const tile_index_t& m) { on(m); });
+  bus.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { on(m); });
+  bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { on(m); });
+}
+
+bool SemanticMapNode::enter_epoch(std::int32_t epoch) {
+  if (has_epoch_ && epoch < epoch_) return false;
+  if (has_epoch_ && epoch == epoch_) return true;
+  if (has_epoch_) counters_.add("epochs");
+  has_epoch_ = true;
+  epoch_ = epoch;
+  drive_started_ = false;
+  assembler_.clear();
+  pipeline_.clear();
+  published_.clear();
+  revisions_.clear();
+  path_.clear();
+  voted_.start_epoch(epoch);
+  catalog_.start_epoch(epoch);
+  curbs_changed_ = true;
+  return true;
+}
+
+void SemanticMapNode::on(const voted_points_t& message) {
+  counters_.add("voted_pages");
+  if (!enter_epoch(message.epoch)) return counters_.add("dropped.old_epoch");
+  const TileKey key{message.tile_x, message.tile_y};
+  const auto revision = revisions_.find(key);
+  if (revision != revisions_.end() && message.revision <= revision->second) return counters_.add("dropped.known");
+  if (revision == revisions_.end() && revisions_.size() >= kMaxTiles) return counters_.add("dropped.map_full");
+  auto tile = assembler_.add(message, counters_);
+  if (!tile) return;
+  counters_.add("voted_tiles");
+  newest_utime_ = std::max(newest_utime_, tile->utime);
+  revisions_[key] = tile->revision;
+  voted_.set_have(key, tile->revision);
+  pipeline_.set_voted(std::move(*tile));
+}
+
+void SemanticMapNode::on(const tile_index_t& message) {
+  if (message.channel != "VOTED_POINTS") return;
+  if (!enter_epoch(message.epoch)) return counters_.add("dropped.old_epoch");
+  voted_.announced(message);
+}
+
+void SemanticMapNode::on(const tile_request_t& message) {
+  catalog_.request(message);
+}
+
+void SemanticMapNode::on(const map_pose_t& message) {
+  const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
+  if (!is_finite(T_map_base) || message.utime <= 0) return counters_.add("refused.pose");
+  if (!enter_epoch(message.epoch)) return counters_.add("dropped.old_epoch");
+  if (drive_started_ && message.utime <= last_pose_utime_) return counters_.add("dropped.late");
+  if (!drive_started_) keeper_.start(epoch_, message.utime);
+  drive_started_ = true;
+  last_pose_utime_ = message.utime;
+  vehicle_ = T_map_base.translation().head<2>();
+  if (path_.empty() || (path_.back() - vehicle_).norm() > kPathSpacing) path_.push_back(vehicle_);
+  keeper_.put(TrajectoryPose{message.utime, message.revolution, T_map_base});
+}
+
+void SemanticMapNode::tick(std::int64_t now) {
+  update_tiles(now);
+  answer_requests();
+  if (now - last_request_ >= kRequestPeriod) {
+    last_request_ = now;
+    const tile_request_t request = voted_.make_request(now);
+    if (request.num_tiles > 0) bus_.publish("TILE_REQUEST", request);
+  }
+  if (curbs_changed_ && now - last_curbs_ >= kCurbsPeriod) publish_curbs(now);
+  if (now - last_index_ >= kIndexPeriod) publish_index(now);
+  if (now - last_write_ >= kWritePeriod) {
+    last_write_ = now;
+    if (drive_started_) keeper_.write();
+  }
+}
+
+/// The nearest of those that are out of date and have not been sent lately, as far as the budget goes.
+void SemanticMapNode::update_tiles(std::int64_t now) {
+  std::vector<std::pair<double, TileKey>> due;
+  for (const TileKey& key : pipeline_.dirty()) {
+    const auto it = published_.find(key);
+    if (it == published_.end() || now - it->second.at >= kTilePeriod) due.emplace_back(distance(key, vehicle_), key);
+  }
+  std::sort(due.begin(), due.end());
+  const std::int64_t budget = pipeline_.work() + config_.work_per_tick;
+  for (const auto& [d, key] : due) {
+    if (pipeline_.work() >= budget) break;
+    update_tile(key, now);
+  }
+}
+
+void SemanticMapNode::update_tile(TileKey key, std::int64_t now) {
+  const auto tile = pipeline_.compute(key);
+  if (!tile) return;
+  Published& published = published_[key];
+  published.at = now;
+  if (published.revision > 0 && published.tile == *tile) return;
+  published.tile = *tile;
+  published.revision = std::max(published.revision + 1, revision_at(now));
+  catalog_.set_version(key, published.revision);
+  keeper_.put(*tile);
+  publish(published);
+  curbs_changed_ = true;
+  counters_.add("tiles_updated");
+  if (now > tile->utime && now - tile->utime < 60'000'000) latency_.add(static_cast<double>(now - tile->utime) * 1e-6);
+}
+
+void SemanticMapNode::publish(const Published& published) {
+  const MapTile& tile = published.tile;
+  semantic_tile_t m;
+  m.utime = tile.utime;
+  m.epoch = epoch_;
+  m.tile_x = tile.key.x;
+  m.tile_y = tile.key.y;
+  m.revision = published.revision;
+  m.z_origin = tile.z_origin;
+  for (std::size_t i = 0; i < kCellsInTile; ++i) {
+    m.cell_class[i] = static_cast<std::uint8_t>(tile.cell_class[i]);
+    m.height[i] = tile.height[i];
+    m.cost[i] = tile.cost[i];
+    m.confidence[i] = tile.confidence[i];
+  }
+  bus_.publish("SEMANTIC_TILE", m);
+}
+
+void SemanticMapNode::answer_requests() {
+  for (const TileCatalog::Wanted& wanted : catalog_.take_requests(kAnswersPerTick)) {
+    const auto it = published_.find(wanted.key);
+    if (it != published_.end()) publish(it->second);
+  }
+}
+
+void SemanticMapNode::publish_index(std::int64_t now) {
+  last_index_ = now;
+  for (const tile_index_t& page : catalog_.make_index(now, vehicle_.x(), vehicle_.y()))
+    bus_.publish("TILE_INDEX", page);
+}
+
+std::vector<MapCurbPoint> SemanticMapNode::curb_points(double x_min, double y_min, double x_max, double y_max) const {
+  std::vector<MapCurbPoint> points;
+  for (const TileKey& key : pipeline_.keys()) {
+    const Eigen::Vector2d corner(key.x * kTileSize, key.y * kTileSize);
+    if (corner.x() + kTileSize < x_min || corner.x() > x_max || corner.y() + kTileSize < y_min || corner.y() > y_max)
+      continue;
+    for (const CurbPoint& p : *pipeline_.curbs(key)) {
+      const Eigen::Vector2d foot = p.foot + corner;
+      if (foot.x() >= x_min && foot.x() <= x_max && foot.y() >= y_min && foot.y() <= y_max)
+        points.push_back({foot, p.up, p.z, p.height, p.confidence, p.weak});
+    }
+  }
+  return points;
+}
+
+void SemanticMapNode::publish_curbs(std::int64_t now) {
+  last_curbs_ = now;
+  curbs_changed_ = false;
+  curb_lines_t m;
+  std::vector<CurbLine> lines;
+  std::size_t vertices = 0;
+  double range = config_.curb_range;
+  do {  // a smaller box where there is more than a message holds
+    lines =
+        link_curbs(curb_points(vehicle_.x() - range, vehicle_.y() - range, vehicle_.x() + range, vehicle_.y() + range));
+    vertices = 0;
+    for (const CurbLine& line : lines) vertices += line.points.size() + 1;
+    m.box_min[0] = static_cast<float>(vehicle_.x() - range);
+    m.box_min[1] = static_cast<float>(vehicle_.y() - range);
+    m.box_max[0] = static_cast<float>(vehicle_.x() + range);
+    m.box_max[1] = static_cast<float>(vehicle_.y() + range);
+    range *= 0.7;
+  } while (vertices > kMaxCurbVertices);
+  curb_ids_.assign(lines);
+  m.utime = newest_utime_;
+  m.epoch = epoch_;
+  m.revision = ++curbs_revision_;
+  m.num_lines = static_cast<std::int32_t>(lines.size());
+  for (const CurbLine& line : lines) m.lines.push_back(to_message(line));
+  bus_.publish("CURBS", m);
+}
+
+void SemanticMapNode::finish() {
+  const std::vector<TileKey> rest(pipeline_.dirty().begin(), pipeline_.dirty().end());
+  for (const TileKey& key : rest) update_tile(key, newest_utime_);
+  if (curbs_changed_) publish_curbs(newest_utime_);
+  publish_index(newest_utime_);
+  constexpr double kAll = 1e12;
+  const std::vector<CurbLine> curbs = link_curbs(curb_points(-kAll, -kAll, kAll, kAll));
+  if (drive_started_) keeper_.finish(curbs);
+  if (!config_.picture.empty()) draw_picture(curbs);
+}
+
+void SemanticMapNode::draw_picture(const std::vector<CurbLine>& curbs) {
+  MapPicture picture;
+  for (const TileKey& key : pipeline_.keys()) {
+    const auto it = published_.find(key);
+    if (it != published_.end()) picture.tiles.push_back(it->second.tile);
+  }
+  picture.curbs = curbs;
+  picture.path = path_;
+  try {
+    write_png(draw_map(picture, {}), config_.picture);
+  } catch (const PictureError& error) {
+    counters_.add("faults.picture");
+    picture_fault_ = error.what();
+  }
+}
+
+NodeReport SemanticMapNode::report() const {
+  NodeReport report;
+  report.counters = counters_;
+  for (const auto& [name, value] : keeper_.counters().values()) report.counters.set(name, value);
+  report.counters.set("tiles", static_cast<std::int64_t>(pipeline_.num_tiles()));
+  report.counters.set("tiles_waiting", static_cast<std::int64_t>(pipeline_.dirty().size()));
+  if (!keeper_.fault().empty()) report.faults.push_back(keeper_.fault());
+  if (!picture_fault_.empty()) report.faults.push_back(picture_fault_);
+  report.latency_p50 = latency_.percentile(0.5);
+  report.latency_p99 = latency_.percentile(0.99);
+  return report;
+}
+
+}  // namespace curbstone

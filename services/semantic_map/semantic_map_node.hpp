@@ -1,0 +1,86 @@
+#pragma once
+
+#include <curbstone/map_pose_t.hpp>
+#include <curbstone/semantic_tile_t.hpp>
+#include <curbstone/tile_index_t.hpp>
+#include <curbstone/tile_request_t.hpp>
+#include <curbstone/voted_points_t.hpp>
+#include <unordered_map>
+#include <vector>
+
+#include "common/latency.hpp"
+#include "common/node.hpp"
+#include "common/tile_sync.hpp"
+#include "services/semantic_map/curb_lines.hpp"
+#include "services/semantic_map/map_keeper.hpp"
+#include "services/semantic_map/semantic_map_config.hpp"
+#include "services/semantic_map/tile_pipeline.hpp"
+#include "services/semantic_map/voted_tile_assembler.hpp"
+
+namespace curbstone {
+
+/// VOTED_POINTS in, SEMANTIC_TILE and CURBS out; keeps the map file. Follows the workers' tiles (TILE_INDEX,
+/// TILE_REQUEST) and owns SEMANTIC_TILE. The final map is a function of the final voted tiles and the poses alone.
+class SemanticMapNode final : public Node {
+ public:
+  /// Throws MapStoreError if the map file cannot be used.
+  SemanticMapNode(const SemanticMapConfig& config, Publisher& bus);
+
+  void connect(Subscriber& bus) override;
+  void tick(std::int64_t now) override;
+  void finish() override;
+  [[nodiscard]] NodeReport report() const override;
+
+  void on(const voted_points_t& message);
+  void on(const tile_index_t& message);
+  void on(const tile_request_t& message);
+  void on(const map_pose_t& message);
+
+ private:
+  struct Published {
+    MapTile tile;
+    std::int32_t revision = 0;
+    std::int64_t at = 0;  // us, of the tick
+  };
+  /// False for what belongs to an epoch that is over.
+  bool enter_epoch(std::int32_t epoch);
+  void update_tiles(std::int64_t now);
+  void update_tile(TileKey key, std::int64_t now);
+  void publish(const Published& published);
+  void answer_requests();
+  void publish_index(std::int64_t now);
+  void publish_curbs(std::int64_t now);
+  void draw_picture(const std::vector<CurbLine>& curbs);
+  [[nodiscard]] std::vector<MapCurbPoint> curb_points(double x_min, double y_min, double x_max, double y_max) const;
+
+  SemanticMapConfig config_;
+  Publisher& bus_;
+  VotedTileAssembler assembler_;
+  TilePipeline pipeline_;
+  MapKeeper keeper_;
+  TileFollower voted_{"semantic_map", "VOTED_POINTS"};
+  TileCatalog catalog_{"semantic_map", "SEMANTIC_TILE"};
+  std::unordered_map<TileKey, Published, TileKeyHash> published_;
+  std::unordered_map<TileKey, std::int32_t, TileKeyHash> revisions_;  // of voted tiles
+  CurbLineIds curb_ids_;
+
+  std::int32_t epoch_ = 0;
+  bool has_epoch_ = false;
+  bool drive_started_ = false;
+  std::int64_t last_pose_utime_ = 0;
+  std::int64_t newest_utime_ = 0;  // of anything that came
+  Eigen::Vector2d vehicle_ = Eigen::Vector2d::Zero();
+  std::vector<Eigen::Vector2d> path_;
+
+  std::int32_t curbs_revision_ = 0;
+  bool curbs_changed_ = false;
+  std::int64_t last_curbs_ = 0;
+  std::int64_t last_index_ = 0;
+  std::int64_t last_write_ = 0;
+  std::int64_t last_request_ = 0;
+  LatencyWindow latency_;
+  Counters counters_;
+  std::string picture_fault_;
+};
+
+}  // namespace curbstone
