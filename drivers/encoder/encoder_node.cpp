@@ -20,7 +20,7 @@ WheelDrive::Settings drive_settings(const EncoderConfig& config) {
   return settings;
 }
 
-WheelOdometer::Settings odometer_settings(const EncoderConfig& config) {
+WheelCounter::Settings odometer_settings(const EncoderConfig& config) {
   return {config.counts_per_revolution, {config.invert_left, config.invert_right}, config.max_speed};
 }
 
@@ -44,7 +44,7 @@ void EncoderNode::on_frame(std::int64_t receive_utime, const CanFrame& frame) {
   drive_.on_frame(receive_utime, frame);
 }
 
-void EncoderNode::on_counts(std::int64_t receive_utime, const WheelOdometer::Raw& counts) {
+void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw& counts) {
   const auto stamp = clock_.stamp(receive_utime, [&](int most) {
     return odometer_.likely_periods(counts, most, static_cast<double>(clock_.period()) * 1e-6);
   });

@@ -11,7 +11,7 @@
 #include "drivers/encoder/encoder_config.hpp"
 #include "drivers/encoder/period_clock.hpp"
 #include "drivers/encoder/wheel_drive.hpp"
-#include "drivers/encoder/wheel_odometer.hpp"
+#include "drivers/encoder/wheel_counter.hpp"
 
 namespace curbstone {
 
@@ -39,12 +39,12 @@ class EncoderNode final : public Node {
   void add_report(std::function<void(NodeReport&)> add) { add_report_ = std::move(add); }
 
  private:
-  void on_counts(std::int64_t receive_utime, const WheelOdometer::Raw& counts);
+  void on_counts(std::int64_t receive_utime, const WheelCounter::Raw& counts);
 
   EncoderConfig config_;
   Publisher& bus_;
   WheelDrive drive_;
-  WheelOdometer odometer_;
+  WheelCounter odometer_;
   PeriodClock clock_;
   std::int32_t sequence_ = 0;
   std::int64_t last_utime_ = 0;     // published

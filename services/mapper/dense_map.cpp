@@ -27,7 +27,7 @@ Eigen::Vector3i place_of(const Eigen::Vector3d& p) {
           static_cast<int>(std::floor(p.z() / kPlaceHeight))};
 }
 
-Eigen::Vector3d corner_of(TileKey key, const MapTile& tile) {
+Eigen::Vector3d corner_of(TileKey key, const DenseTile& tile) {
   return {key.x * kTileSize, key.y * kTileSize, static_cast<double>(tile.z_origin())};
 }
 
@@ -51,19 +51,19 @@ VoxelKey waiting_key(TileKey tile, std::uint32_t voxel) {
 DenseMap::DenseMap(const DenseConfig& config)
     : config_(config), voxel_steps_(static_cast<int>(std::lround(config.voxel / kPositionStep))) {}
 
-const MapTile* DenseMap::tile(TileKey key) const {
+const DenseTile* DenseMap::tile(TileKey key) const {
   const auto it = tiles_.find(key);
   return it == tiles_.end() ? nullptr : &it->second;
 }
 
-MapTile* DenseMap::find_tile(TileKey key) {
+DenseTile* DenseMap::find_tile(TileKey key) {
   const auto it = tiles_.find(key);
   if (it == tiles_.end()) return nullptr;
   it->second.wake();
   return &it->second;
 }
 
-MapTile* DenseMap::tile_at_point(const Eigen::Vector3d& point) {
+DenseTile* DenseMap::tile_at_point(const Eigen::Vector3d& point) {
   const auto key = tile_at(point.x(), point.y());
   return key ? find_tile(*key) : nullptr;
 }
@@ -103,10 +103,10 @@ void DenseMap::learn(const std::vector<LidarPoint>& points, const Pose& T_map_ba
     const auto [it, inserted] =
         tiles_.try_emplace(*key, static_cast<std::int32_t>(std::lround(base_.z())), voxel_steps_);
     it->second.wake();
-    const double scale = MapTile::kColumns / kTileSize;
+    const double scale = DenseTile::kColumns / kTileSize;
     const int column =
-        std::clamp(static_cast<int>((in_map.x() - key->x * kTileSize) * scale), 0, MapTile::kColumns - 1);
-    const int row = std::clamp(static_cast<int>((in_map.y() - key->y * kTileSize) * scale), 0, MapTile::kColumns - 1);
+        std::clamp(static_cast<int>((in_map.x() - key->x * kTileSize) * scale), 0, DenseTile::kColumns - 1);
+    const int row = std::clamp(static_cast<int>((in_map.y() - key->y * kTileSize) * scale), 0, DenseTile::kColumns - 1);
     float& lowest = it->second.lowest(column, row);
     lowest = std::min(lowest, static_cast<float>(in_map.z()));
   }
@@ -121,17 +121,17 @@ double DenseMap::ground_at(const Eigen::Vector3d& point) {
   const Eigen::Vector2d d = (point - base_).head<2>();
   const double slope = up_.z() > 0.5 ? -(up_.head<2>().dot(d)) / up_.z() : 0.0;
   double ground = base_.z() + slope + kGroundSlope * d.norm();
-  const double half = 0.5 * kTileSize / MapTile::kColumns;
+  const double half = 0.5 * kTileSize / DenseTile::kColumns;
   for (const double dx : {-half, half}) {
     for (const double dy : {-half, half}) {
       const double x = point.x() + dx;
       const double y = point.y() + dy;
       const auto key = tile_at(x, y);
-      MapTile* tile = key ? find_tile(*key) : nullptr;
+      DenseTile* tile = key ? find_tile(*key) : nullptr;
       if (tile == nullptr) continue;
-      const double scale = MapTile::kColumns / kTileSize;
-      const int column = std::clamp(static_cast<int>((x - key->x * kTileSize) * scale), 0, MapTile::kColumns - 1);
-      const int row = std::clamp(static_cast<int>((y - key->y * kTileSize) * scale), 0, MapTile::kColumns - 1);
+      const double scale = DenseTile::kColumns / kTileSize;
+      const int column = std::clamp(static_cast<int>((x - key->x * kTileSize) * scale), 0, DenseTile::kColumns - 1);
+      const int row = std::clamp(static_cast<int>((y - key->y * kTileSize) * scale), 0, DenseTile::kColumns - 1);
       ground = std::min(ground, static_cast<double>(tile->lowest(column, row)));
     }
   }
@@ -159,7 +159,7 @@ bool DenseMap::stays(const Eigen::Vector3i& cell) const {
 
 void DenseMap::hit(const Eigen::Vector3d& point, std::uint8_t intensity, std::int64_t utime, bool add_new) {
   const TileKey key = *tile_at(point.x(), point.y());
-  const MapTile& tile = tiles_.at(key);
+  const DenseTile& tile = tiles_.at(key);
   const auto in_tile = point_in_tile(point - corner_of(key, tile), intensity);
   if (!in_tile) return;
   const std::uint32_t voxel = tile.voxel_number(*in_tile);
@@ -200,7 +200,7 @@ bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
     return false;
   if (!last_call && waiting.held && round_ % kHeldEvery != 0) return false;
   waiting.held = true;
-  MapTile* tile = find_tile(waiting.tile);
+  DenseTile* tile = find_tile(waiting.tile);
   if (tile == nullptr) return true;
   const auto mean = [&](int sum) {  // rounded down, so that it stays inside the voxel
     return static_cast<std::int16_t>(sum >= 0 ? sum / waiting.hits : -((-sum + waiting.hits - 1) / waiting.hits));

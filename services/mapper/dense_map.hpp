@@ -8,8 +8,8 @@
 #include "common/geometry.hpp"
 #include "common/tile.hpp"
 #include "services/mapper/dense_config.hpp"
+#include "services/mapper/dense_tile.hpp"
 #include "services/mapper/flat_index.hpp"
-#include "services/mapper/map_tile.hpp"
 #include "services/mapper/revolution.hpp"
 
 namespace curbstone {
@@ -31,7 +31,7 @@ class DenseMap {
   std::vector<TileKey> finish();
 
   /// nullptr if there is none. Lives until the next insert().
-  [[nodiscard]] const MapTile* tile(TileKey key) const;
+  [[nodiscard]] const DenseTile* tile(TileKey key) const;
   /// Tiles that were given up for memory since the last call.
   [[nodiscard]] std::vector<TileKey> take_evicted();
   [[nodiscard]] std::int64_t size() const { return size_; }
@@ -41,7 +41,7 @@ class DenseMap {
   /// A voxel that has been hit and has no point yet.
   struct Waiting {
     TileKey tile;
-    std::uint32_t voxel = 0;  // MapTile::voxel_number
+    std::uint32_t voxel = 0;  // DenseTile::voxel_number
     bool held = false;        // has had its time, must prove that it stays
     std::int32_t hits = 0;
     std::int32_t intensity = 0;                     // sums, as the position's
@@ -56,8 +56,8 @@ class DenseMap {
     std::int64_t last;   // us
   };
 
-  MapTile* tile_at_point(const Eigen::Vector3d& point);
-  MapTile* find_tile(TileKey key);
+  DenseTile* tile_at_point(const Eigen::Vector3d& point);
+  DenseTile* find_tile(TileKey key);
   void learn(const std::vector<LidarPoint>& points, const Pose& T_map_base, std::int64_t utime);
   void hit(const Eigen::Vector3d& point, std::uint8_t intensity, std::int64_t utime, bool add_new);
   void occupy(const Eigen::Vector3d& point, std::int64_t utime);
@@ -71,7 +71,7 @@ class DenseMap {
 
   DenseConfig config_;
   int voxel_steps_;
-  std::unordered_map<TileKey, MapTile, TileKeyHash> tiles_;
+  std::unordered_map<TileKey, DenseTile, TileKeyHash> tiles_;
   std::vector<Waiting> waiting_;
   FlatIndex waiting_index_;
   std::vector<Place> places_;

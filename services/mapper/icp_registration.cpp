@@ -29,7 +29,7 @@ struct Kernel {
   double sensor_variance;  // m^2
 };
 
-void add_point(const Eigen::Vector3d& p, const Plane& plane, const Pose& T, const Kernel& kernel,
+void add_point(const Eigen::Vector3d& p, const MapPlane& plane, const Pose& T, const Kernel& kernel,
                NormalEquations& sum) {
   const Eigen::Vector3d n = plane.normal.cast<double>();
   const double r = n.dot(T * p - plane.mean.cast<double>());
@@ -107,9 +107,9 @@ IcpRegistration::IcpRegistration(const IcpConfig& config)
       coarse_(
           {.voxel = config.coarse_voxel, .capacity = 100, .min_points = 10, .min_width = 0.3 * config.coarse_voxel}) {}
 
-const Plane* IcpRegistration::plane_at(const Eigen::Vector3f& point, float reach) {
+const MapPlane* IcpRegistration::plane_at(const Eigen::Vector3f& point, float reach) {
   for (PlaneLevel* level : {&fine_, &coarse_}) {
-    const Plane* plane = level->plane_at(point);
+    const MapPlane* plane = level->plane_at(point);
     if (plane != nullptr && std::abs(plane->normal.dot(point - plane->mean)) < reach) return plane;
   }
   return nullptr;
@@ -128,7 +128,7 @@ RegistrationResult IcpRegistration::align(const std::vector<LidarPoint>& points,
     sum = {};
     for (const LidarPoint& point : source) {
       const Eigen::Vector3d p = point.position.cast<double>();
-      const Plane* plane = plane_at((T * p).cast<float>(), static_cast<float>(kernel.reach));
+      const MapPlane* plane = plane_at((T * p).cast<float>(), static_cast<float>(kernel.reach));
       if (plane != nullptr) add_point(p, *plane, T, kernel, sum);
     }
     const Constraint lidar = without_degenerate(sum, config_.degenerate_below);

@@ -19,7 +19,7 @@ class IcpRegistration final : public Registration {
   void keep_around(const Eigen::Vector3d& centre) override;
 
  private:
-  [[nodiscard]] const Plane* plane_at(const Eigen::Vector3f& point_in_map, float reach);
+  [[nodiscard]] const MapPlane* plane_at(const Eigen::Vector3f& point_in_map, float reach);
 
   IcpConfig config_;
   PlaneLevel fine_;

@@ -147,7 +147,7 @@ void MapperNode::take_grown(const std::vector<TileKey>& grown) {
 }
 
 std::int32_t MapperNode::send_points(TileKey key, std::int32_t first) {
-  const MapTile* tile = mapper_.dense().tile(key);
+  const DenseTile* tile = mapper_.dense().tile(key);
   if (tile == nullptr) return first;
   const auto total = static_cast<std::int32_t>(tile->points().size());
   const std::int32_t last = std::min(total, first + kPointsPerMessage);
@@ -176,7 +176,7 @@ void MapperNode::send_changes(std::int64_t now, int budget) {
     const TileKey key = changed_.front();
     changed_.pop_front();
     Sent& sent = sent_[key];
-    const MapTile* tile = mapper_.dense().tile(key);
+    const DenseTile* tile = mapper_.dense().tile(key);
     if (tile == nullptr) {
       is_changed_.erase(key);
       sent_.erase(key);
@@ -228,7 +228,7 @@ void MapperNode::finish() {
     const TileKey key = changed_.front();
     changed_.pop_front();
     Sent& sent = sent_[key];
-    const MapTile* tile = mapper_.dense().tile(key);
+    const DenseTile* tile = mapper_.dense().tile(key);
     if (tile == nullptr) continue;
     while (sent.points < static_cast<std::int32_t>(tile->points().size())) sent.points = send_points(key, sent.points);
     catalog_.set_version(key, sent.points);

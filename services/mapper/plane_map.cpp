@@ -35,7 +35,7 @@ void PlaneLevel::insert(const Eigen::Vector3f& point) {
   m.squares[5] += d.z() * d.z();
 }
 
-const Plane* PlaneLevel::plane_at(const Eigen::Vector3f& point) {
+const MapPlane* PlaneLevel::plane_at(const Eigen::Vector3f& point) {
   const Eigen::Vector3i cell = voxel_of(point, inverse_size_);
   const std::uint32_t own = index_.find(voxel_key(cell));
   if (own != FlatIndex::kNone) return up_to_date(voxels_[own]);
@@ -49,12 +49,12 @@ const Plane* PlaneLevel::plane_at(const Eigen::Vector3f& point) {
     beside[axis] += d[axis] > 0 ? 1 : -1;
     const std::uint32_t place = index_.find(voxel_key(beside));
     if (place == FlatIndex::kNone) continue;
-    if (const Plane* plane = up_to_date(voxels_[place])) return plane;
+    if (const MapPlane* plane = up_to_date(voxels_[place])) return plane;
   }
   return nullptr;
 }
 
-const Plane* PlaneLevel::up_to_date(Voxel& voxel) {
+const MapPlane* PlaneLevel::up_to_date(Voxel& voxel) {
   if (voxel.fitted < 0 || version_ - voxel.fitted >= voxel.patience) fit(voxel);
   return voxel.valid ? &voxel.plane : nullptr;
 }

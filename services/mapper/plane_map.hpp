@@ -9,7 +9,7 @@
 namespace curbstone {
 
 /// A piece of surface, in map.
-struct Plane {
+struct MapPlane {
   Eigen::Vector3f mean = Eigen::Vector3f::Zero();
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit; its sign means nothing
   float variance = 0;                                ///< m^2, of the points about the plane
@@ -37,7 +37,7 @@ class PlaneLevel {
 
   /// The plane of the voxel that holds the point, or of the nearest one beside it; nullptr if there is none.
   /// The pointer lives until the next insert().
-  [[nodiscard]] const Plane* plane_at(const Eigen::Vector3f& point);
+  [[nodiscard]] const MapPlane* plane_at(const Eigen::Vector3f& point);
 
   /// Forgets voxels farther than `radius` (in any axis) from `centre`.
   void keep_around(const Eigen::Vector3f& centre, float radius);
@@ -52,7 +52,7 @@ class PlaneLevel {
   struct Voxel {
     Eigen::Vector3i cell;
     Moments moments;
-    Plane plane;
+    MapPlane plane;
     bool valid = false;
     std::int32_t fitted = -1;   // version at which the plane was fitted
     std::int32_t patience = 1;  // versions until it is looked at again
@@ -60,7 +60,7 @@ class PlaneLevel {
   };
 
   [[nodiscard]] Eigen::Vector3f centre_of(const Eigen::Vector3i& cell) const;
-  const Plane* up_to_date(Voxel& voxel);
+  const MapPlane* up_to_date(Voxel& voxel);
   void fit(Voxel& voxel);
 
   PlaneLevelOptions options_;

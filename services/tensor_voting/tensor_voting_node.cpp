@@ -62,24 +62,24 @@ void TensorVotingNode::on(const map_points_t& message) {
     counters_.add("dropped.far");
     return;
   }
-  const MapTiles::Taken taken = map_.take(message);
+  const PointTiles::Taken taken = map_.take(message);
   switch (taken.outcome) {
-    case MapTiles::Outcome::kDuplicate:
+    case PointTiles::Outcome::kDuplicate:
       counters_.add("dropped.duplicate");
       return;
-    case MapTiles::Outcome::kGap:
+    case PointTiles::Outcome::kGap:
       counters_.add("dropped.gap");
       return;
-    case MapTiles::Outcome::kRefused:
+    case PointTiles::Outcome::kRefused:
       counters_.add("refused.map_points");
       return;
-    case MapTiles::Outcome::kFull:
+    case PointTiles::Outcome::kFull:
       counters_.add("dropped.full");
       return;
-    case MapTiles::Outcome::kAdded:
+    case PointTiles::Outcome::kAdded:
       break;
   }
-  const MapTile& tile = *map_.find(key);
+  const PointTile& tile = *map_.find(key);
   follower_.set_have(key, static_cast<std::int32_t>(tile.points.size()));
   counters_.add("map_points", static_cast<std::int64_t>(taken.added.size()));
   if (!votes_here(key)) return;
@@ -149,7 +149,7 @@ bool TensorVotingNode::publishes(TileKey key) const {
 }
 
 std::int32_t TensorVotingNode::revision(TileKey key) const {
-  const MapTile* const tile = map_.find(key);
+  const PointTile* const tile = map_.find(key);
   if (tile == nullptr) return 0;
   auto total = static_cast<std::int64_t>(tile->points.size());
   for (const VotingField& field : fields_) total += field.num_votes(key);
@@ -217,7 +217,7 @@ void TensorVotingNode::announce() {
 }
 
 void TensorVotingNode::queue_pages(TileKey key) {
-  const MapTile* const tile = map_.find(key);
+  const PointTile* const tile = map_.find(key);
   if (tile == nullptr) {
     schedule_.drop(key);
     return;

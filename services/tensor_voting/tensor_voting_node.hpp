@@ -12,7 +12,7 @@
 #include "common/latency.hpp"
 #include "common/node.hpp"
 #include "common/tile_sync.hpp"
-#include "services/tensor_voting/map_tiles.hpp"
+#include "services/tensor_voting/point_tiles.hpp"
 #include "services/tensor_voting/publish_schedule.hpp"
 #include "services/tensor_voting/tensor_voting_config.hpp"
 #include "services/tensor_voting/voting_field.hpp"
@@ -63,7 +63,7 @@ class TensorVotingNode final : public Node {
   TensorVotingConfig config_;
   std::string worker_;
   Publisher& publisher_;
-  MapTiles map_;
+  PointTiles map_;
   std::vector<VotingField> fields_;  // one a scale; each holds the tiles for which votes_here()
   Workers workers_;
   TileFollower follower_;

@@ -52,7 +52,7 @@ void append(voted_points_t& page, const WireTensor& wire) {
 
 }  // namespace
 
-std::vector<voted_points_t> make_voted_pages(TileKey key, const MapTile& tile, std::int32_t epoch,
+std::vector<voted_points_t> make_voted_pages(TileKey key, const PointTile& tile, std::int32_t epoch,
                                              std::int32_t revision, std::int64_t utime,
                                              std::span<const VotingField> fields) {
   constexpr std::size_t kPointBytes = 3 * sizeof(std::int16_t) + 1;

@@ -15,12 +15,12 @@ constexpr float kObstacleHeight = 1.2F;  // m
 constexpr float kBehind = 12.0F;         // m behind a curb: gardens beyond are not told about
 
 std::uint8_t ground_class(const Ground& ground, double x, double y, double size) {
-  const GroundNode middle = ground.at(static_cast<float>(x + 0.5 * size), static_cast<float>(y + 0.5 * size));
+  const GroundVertex middle = ground.at(static_cast<float>(x + 0.5 * size), static_cast<float>(y + 0.5 * size));
   if (middle.distance > kBehind) return semantic_tile_t::UNKNOWN;
   if (std::abs(middle.distance) < 0.3F) {
     for (int i = 0; i < kSamples * kSamples; ++i) {
       const double sx = x + size * ((i % kSamples) + 0.5) / kSamples, sy = y + size * ((i / kSamples) + 0.5) / kSamples;
-      const GroundNode node = ground.at(static_cast<float>(sx), static_cast<float>(sy));
+      const GroundVertex node = ground.at(static_cast<float>(sx), static_cast<float>(sy));
       if (node.distance < 0 || node.distance > static_cast<float>(ground.profile().face)) continue;
       return node.curb < static_cast<float>(kDroppedBelow) ? semantic_tile_t::UNKNOWN : semantic_tile_t::CURB;
     }

@@ -83,18 +83,18 @@ class Contours {
   std::map<EdgeKey, Eigen::Vector2d> points_;
 };
 
-CurbPoint curb_point(const Ground& ground, const Eigen::Vector2d& p) {
-  const GroundNode node = ground.at(static_cast<float>(p.x()), static_cast<float>(p.y()));
+TrueCurbVertex curb_point(const Ground& ground, const Eigen::Vector2d& p) {
+  const GroundVertex node = ground.at(static_cast<float>(p.x()), static_cast<float>(p.y()));
   const auto height = static_cast<double>(node.curb);
   return {{p.x(), p.y(), static_cast<double>(node.terrain)}, height, height < kDroppedBelow};
 }
 
 }  // namespace
 
-std::vector<std::vector<CurbPoint>> trace_curbs(const Ground& ground, double spacing) {
-  std::vector<std::vector<CurbPoint>> curbs;
+std::vector<std::vector<TrueCurbVertex>> trace_curbs(const Ground& ground, double spacing) {
+  std::vector<std::vector<TrueCurbVertex>> curbs;
   for (const auto& line : Contours(ground).lines()) {
-    std::vector<CurbPoint> curb{curb_point(ground, line.front())};
+    std::vector<TrueCurbVertex> curb{curb_point(ground, line.front())};
     double since = 0;
     for (std::size_t i = 1; i < line.size(); ++i) {
       const double length = (line[i] - line[i - 1]).norm();

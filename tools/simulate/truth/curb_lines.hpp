@@ -8,7 +8,7 @@
 namespace curbstone {
 
 /// A point on the foot of a curb.
-struct CurbPoint {
+struct TrueCurbVertex {
   Eigen::Vector3d foot;  ///< m, world
   double height = 0;     ///< m, of the curb
   bool dropped = false;  ///< lowered for a driveway: less than 4 cm
@@ -18,6 +18,6 @@ struct CurbPoint {
 inline constexpr double kDroppedBelow = 0.04;  // m
 
 /// The feet of all curbs of a ground, line by line, points `spacing` m apart: contours of its distance field.
-[[nodiscard]] std::vector<std::vector<CurbPoint>> trace_curbs(const Ground& ground, double spacing = 0.08);
+[[nodiscard]] std::vector<std::vector<TrueCurbVertex>> trace_curbs(const Ground& ground, double spacing = 0.08);
 
 }  // namespace curbstone

@@ -42,7 +42,7 @@ void Ground::finish() {
   highest_ += 0.25F;
 }
 
-GroundNode Ground::at(float x, float y) const {
+GroundVertex Ground::at(float x, float y) const {
   const float u = std::clamp((x - static_cast<float>(x0_)) * static_cast<float>(1.0 / kPitch), 0.0F,
                              static_cast<float>(width_) - 1.001F);
   const float v = std::clamp((y - static_cast<float>(y0_)) * static_cast<float>(1.0 / kPitch), 0.0F,
@@ -51,8 +51,8 @@ GroundNode Ground::at(float x, float y) const {
   const int iy = static_cast<int>(v);
   const float fx = u - static_cast<float>(ix);
   const float fy = v - static_cast<float>(iy);
-  const GroundNode* a = &nodes_[index(ix, iy)];
-  const GroundNode* b = a + width_;
+  const GroundVertex* a = &nodes_[index(ix, iy)];
+  const GroundVertex* b = a + width_;
   const float w00 = (1 - fx) * (1 - fy), w10 = fx * (1 - fy), w01 = (1 - fx) * fy, w11 = fx * fy;
   return {w00 * a[0].distance + w10 * a[1].distance + w01 * b[0].distance + w11 * b[1].distance,
           w00 * a[0].terrain + w10 * a[1].terrain + w01 * b[0].terrain + w11 * b[1].terrain,
@@ -60,7 +60,7 @@ GroundNode Ground::at(float x, float y) const {
           w00 * a[0].pavement + w10 * a[1].pavement + w01 * b[0].pavement + w11 * b[1].pavement};
 }
 
-float Ground::height_of(const GroundNode& node) const {
+float Ground::height_of(const GroundVertex& node) const {
   const float d = node.distance;
   if (d <= 0) {  // carriageway: a parabola whose top lies a little beyond the middle
     const float reach = 1.25F * static_cast<float>(profile_.half_width);
@@ -79,7 +79,7 @@ float Ground::height_of(const GroundNode& node) const {
   return node.terrain + mix(node.curb, node.pavement, ramp) + fall;
 }
 
-float Ground::lawn(const GroundNode& node, float x, float y) const {
+float Ground::lawn(const GroundVertex& node, float x, float y) const {
   const float beyond = node.distance - static_cast<float>(profile_.pavement);
   if (beyond <= 0) return 0.0F;
   const float u = x / kLawnPitch, v = y / kLawnPitch;
@@ -90,7 +90,7 @@ float Ground::lawn(const GroundNode& node, float x, float y) const {
   return kLawnAmplitude * value * std::min(1.0F, beyond / 0.15F);
 }
 
-Surface Ground::surface_of(const GroundNode& node) const {
+Surface Ground::surface_of(const GroundVertex& node) const {
   if (node.distance <= 0) return Surface::kAsphalt;
   if (node.distance < static_cast<float>(profile_.stone)) return Surface::kCurbStone;
   if (node.distance < static_cast<float>(profile_.pavement)) return Surface::kPavement;
@@ -119,7 +119,7 @@ float Ground::cast(float x, float y, float z, float dx, float dy, float dz, floa
   for (int guard = 0; guard < 400 && u < reach; ++guard) {
     const float px = x + u * dx, py = y + u * dy;
     if (px < static_cast<float>(x0_) || py < static_cast<float>(y0_) || px >= x_end || py >= y_end) return -1.0F;
-    const GroundNode node = at(px, py);
+    const GroundVertex node = at(px, py);
     const float smooth_gap = z + u * dz - height_of(node);
     // As far up as that, neither a curb nor a lawn can be in the way.
     const float over_all = (smooth_gap - kLargestStep) / std::max(1e-3F, descent + kSlope);

@@ -36,7 +36,7 @@ struct StreetProfile {
 };
 
 /// One node of the ground's raster. All of it is smooth enough to be interpolated.
-struct GroundNode {
+struct GroundVertex {
   float distance = 30.0F;  ///< m to the foot of the nearest curb, negative on the road
   float terrain = 0.0F;    ///< m, height of the gutter
   float curb = 0.12F;      ///< m, height of the nearest curb
@@ -53,7 +53,7 @@ class Ground {
   Ground() = default;
   Ground(double x0, double y0, int width, int height, const StreetProfile& profile);
 
-  [[nodiscard]] GroundNode& node(int ix, int iy) { return nodes_[index(ix, iy)]; }
+  [[nodiscard]] GroundVertex& node(int ix, int iy) { return nodes_[index(ix, iy)]; }
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   [[nodiscard]] double x_of(int ix) const { return x0_ + ix * kPitch; }
@@ -64,14 +64,14 @@ class Ground {
   [[nodiscard]] const StreetProfile& profile() const { return profile_; }
 
   /// The raster interpolated; outside, that of the nearest border.
-  [[nodiscard]] GroundNode at(float x, float y) const;
+  [[nodiscard]] GroundVertex at(float x, float y) const;
   /// Height of the ground. `rough` adds the texture of lawns (which no wheel and no truth needs).
   [[nodiscard]] float height_at(float x, float y, bool rough = false) const {
-    const GroundNode node = at(x, y);
+    const GroundVertex node = at(x, y);
     return height_of(node) + (rough ? lawn(node, x, y) : 0.0F);
   }
-  [[nodiscard]] float height_of(const GroundNode& node) const;
-  [[nodiscard]] Surface surface_of(const GroundNode& node) const;
+  [[nodiscard]] float height_of(const GroundVertex& node) const;
+  [[nodiscard]] Surface surface_of(const GroundVertex& node) const;
 
   /// Where a ray of slope dz per horizontal metre first meets the ground: horizontal metres from its origin, or a
   /// negative number if it does not within `reach`. (dx, dy) is a unit vector.
@@ -84,7 +84,7 @@ class Ground {
   [[nodiscard]] std::size_t index(int ix, int iy) const {
     return static_cast<std::size_t>(iy) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(ix);
   }
-  [[nodiscard]] float lawn(const GroundNode& node, float x, float y) const;
+  [[nodiscard]] float lawn(const GroundVertex& node, float x, float y) const;
 
   StreetProfile profile_;
   double x0_ = 0;
@@ -92,7 +92,7 @@ class Ground {
   int width_ = 0;
   int height_ = 0;
   float highest_ = 0;
-  std::vector<GroundNode> nodes_;
+  std::vector<GroundVertex> nodes_;
 };
 
 }  // namespace curbstone

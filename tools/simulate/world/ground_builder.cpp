@@ -107,7 +107,7 @@ Ground build_ground(const std::vector<Street>& streets, const StreetProfile& pro
   std::size_t k = 0;
   for (int iy = 0; iy < ground.height(); ++iy) {
     for (int ix = 0; ix < ground.width(); ++ix, ++k) {
-      GroundNode& node = ground.node(ix, iy);
+      GroundVertex& node = ground.node(ix, iy);
       double distance = static_cast<double>(fields.front().distance[k]);
       double weights = 0, curb = 0, pavement = 0;
       for (std::size_t i = 0; i < streets.size(); ++i) {

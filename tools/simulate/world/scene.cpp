@@ -62,7 +62,7 @@ void Scene::cast_ground(const Ray& ray, Hit& hit) const {
                                hit.range * horizontal);
   if (u < 0) return;
   const float x = ray.origin.x() + u * dx, y = ray.origin.y() + u * dy;
-  const GroundNode node = ground_.at(x, y);
+  const GroundVertex node = ground_.at(x, y);
   constexpr float kStep = 0.02F;
   const float h = ground_.height_of(node);
   const Eigen::Vector3f normal = Eigen::Vector3f((h - ground_.height_at(x + kStep, y)) / kStep,

@@ -1,4 +1,4 @@
-#include "drivers/encoder/wheel_odometer.hpp"
+#include "drivers/encoder/wheel_counter.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ constexpr double kEvidentCounts = 8;  // a sample; slower, the counts say nothin
 }  // namespace
 
 /// Modulo 2^32: right across the wrap.
-std::array<double, 2> WheelOdometer::difference(const Raw& from, const Raw& to) {
+std::array<double, 2> WheelCounter::difference(const Raw& from, const Raw& to) {
   std::array<double, 2> moved;
   for (std::size_t i = 0; i < 2; ++i) {
     moved[i] = static_cast<std::int32_t>(static_cast<std::uint32_t>(to[i]) - static_cast<std::uint32_t>(from[i]));
@@ -20,7 +20,7 @@ std::array<double, 2> WheelOdometer::difference(const Raw& from, const Raw& to) 
   return moved;
 }
 
-std::optional<WheelOdometer::Sample> WheelOdometer::update(const Raw& raw, double elapsed) {
+std::optional<WheelCounter::Sample> WheelCounter::update(const Raw& raw, double elapsed) {
   if (!last_) {
     last_ = raw;
     since_accepted_ = 0;
@@ -56,7 +56,7 @@ std::optional<WheelOdometer::Sample> WheelOdometer::update(const Raw& raw, doubl
   return sample(moved, time);
 }
 
-WheelOdometer::Sample WheelOdometer::sample(const std::array<double, 2>& moved, double elapsed) const {
+WheelCounter::Sample WheelCounter::sample(const std::array<double, 2>& moved, double elapsed) const {
   const double radians = 2 * std::numbers::pi / settings_.counts_per_revolution;
   Sample sample;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -68,7 +68,7 @@ WheelOdometer::Sample WheelOdometer::sample(const std::array<double, 2>& moved, 
   return sample;
 }
 
-int WheelOdometer::likely_periods(const Raw& raw, int most, double period) const {
+int WheelCounter::likely_periods(const Raw& raw, int most, double period) const {
   if (!last_ || std::max(std::abs(rate_[0]), std::abs(rate_[1])) * period < kEvidentCounts) return 1;
   const std::array<double, 2> moved = difference(*last_, raw);
   const auto surprise = [&](int periods) {  // counts a period

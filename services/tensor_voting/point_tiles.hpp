@@ -11,7 +11,7 @@
 namespace curbstone {
 
 /// A tile of the dense map: every point of it from the first one on, in the mapper's order.
-struct MapTile {
+struct PointTile {
   std::int32_t z_origin = 0;  ///< m in map
   std::int64_t utime = 0;     ///< of the newest message that brought points
   std::vector<TilePoint> points;
@@ -19,14 +19,14 @@ struct MapTile {
 
 /// What has arrived of the map of one epoch. Points are only taken when they join on to what is there, so that a tile
 /// is always a beginning of the mapper's tile: what was lost between is asked for again (TileFollower).
-class MapTiles {
+class PointTiles {
  public:
   struct Limits {
     std::size_t points = 16'000'000;  ///< in all tiles
     std::size_t points_per_tile = 2'000'000;
     std::int32_t key = 1'000'000;  ///< of a tile's x and y: 3000 km
   };
-  explicit MapTiles(Limits limits) : limits_(limits) {}
+  explicit PointTiles(Limits limits) : limits_(limits) {}
 
   enum class Outcome {
     kAdded,
@@ -43,8 +43,8 @@ class MapTiles {
 
   void erase(TileKey key);
   void clear();
-  [[nodiscard]] const MapTile* find(TileKey key) const;
-  [[nodiscard]] const std::map<TileKey, MapTile>& tiles() const { return tiles_; }
+  [[nodiscard]] const PointTile* find(TileKey key) const;
+  [[nodiscard]] const std::map<TileKey, PointTile>& tiles() const { return tiles_; }
   [[nodiscard]] std::size_t num_points() const { return num_points_; }
   /// The newest message in a tile or one of the eight around it.
   [[nodiscard]] std::int64_t newest_around(TileKey key) const;
@@ -53,7 +53,7 @@ class MapTiles {
   [[nodiscard]] bool plausible(const map_points_t& message) const;
 
   Limits limits_;
-  std::map<TileKey, MapTile> tiles_;
+  std::map<TileKey, PointTile> tiles_;
   std::size_t num_points_ = 0;
 };
 

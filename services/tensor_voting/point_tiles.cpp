@@ -1,4 +1,4 @@
-#include "services/tensor_voting/map_tiles.hpp"
+#include "services/tensor_voting/point_tiles.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 namespace curbstone {
 
-bool MapTiles::plausible(const map_points_t& m) const {
+bool PointTiles::plausible(const map_points_t& m) const {
   if (std::abs(static_cast<double>(m.tile_x)) > limits_.key || std::abs(static_cast<double>(m.tile_y)) > limits_.key) {
     return false;
   }
@@ -16,7 +16,7 @@ bool MapTiles::plausible(const map_points_t& m) const {
   return std::all_of(m.x.begin(), m.x.end(), inside) && std::all_of(m.y.begin(), m.y.end(), inside);
 }
 
-MapTiles::Taken MapTiles::take(const map_points_t& message) {
+PointTiles::Taken PointTiles::take(const map_points_t& message) {
   if (!plausible(message)) return {Outcome::kRefused, {}};
   const TileKey key{message.tile_x, message.tile_y};
   const auto it = tiles_.find(key);
@@ -31,7 +31,7 @@ MapTiles::Taken MapTiles::take(const map_points_t& message) {
   const std::size_t num_new = first + count - have;
   if (num_points_ + num_new > limits_.points || have + num_new > limits_.points_per_tile) return {Outcome::kFull, {}};
 
-  MapTile& tile = tiles_[key];
+  PointTile& tile = tiles_[key];
   tile.z_origin = static_cast<std::int32_t>(message.z_origin);
   tile.utime = std::max(tile.utime, message.utime);
   for (std::size_t i = have - first; i < count; ++i) {
@@ -41,27 +41,27 @@ MapTiles::Taken MapTiles::take(const map_points_t& message) {
   return {Outcome::kAdded, std::span(tile.points).subspan(have)};
 }
 
-void MapTiles::erase(TileKey key) {
+void PointTiles::erase(TileKey key) {
   const auto it = tiles_.find(key);
   if (it == tiles_.end()) return;
   num_points_ -= it->second.points.size();
   tiles_.erase(it);
 }
 
-void MapTiles::clear() {
+void PointTiles::clear() {
   tiles_.clear();
   num_points_ = 0;
 }
 
-const MapTile* MapTiles::find(TileKey key) const {
+const PointTile* PointTiles::find(TileKey key) const {
   const auto it = tiles_.find(key);
   return it == tiles_.end() ? nullptr : &it->second;
 }
 
-std::int64_t MapTiles::newest_around(TileKey key) const {
+std::int64_t PointTiles::newest_around(TileKey key) const {
   std::int64_t newest = 0;
   for (int i = 0; i < 9; ++i) {
-    const MapTile* const tile = find({key.x + i % 3 - 1, key.y + i / 3 - 1});
+    const PointTile* const tile = find({key.x + i % 3 - 1, key.y + i / 3 - 1});
     if (tile != nullptr) newest = std::max(newest, tile->utime);
   }
   return newest;

@@ -21,10 +21,10 @@ class NumberSet {
 };
 
 /// One tile of the dense map: points that are only ever appended, at most one a voxel.
-class MapTile {
+class DenseTile {
  public:
   /// `voxel_steps`: a voxel's side in kPositionStep; must divide kStepsPerTile.
-  MapTile(std::int32_t z_origin, int voxel_steps);
+  DenseTile(std::int32_t z_origin, int voxel_steps);
 
   /// m in map; a whole number.
   [[nodiscard]] std::int32_t z_origin() const { return z_origin_; }

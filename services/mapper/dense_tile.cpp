@@ -1,4 +1,4 @@
-#include "services/mapper/map_tile.hpp"
+#include "services/mapper/dense_tile.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -29,28 +29,28 @@ void NumberSet::insert(std::uint32_t number) {
   slot = number + 1;
 }
 
-MapTile::MapTile(std::int32_t z_origin, int voxel_steps) : z_origin_(z_origin), voxel_steps_(voxel_steps) {
+DenseTile::DenseTile(std::int32_t z_origin, int voxel_steps) : z_origin_(z_origin), voxel_steps_(voxel_steps) {
   asleep_ = true;
   wake();
 }
 
-std::uint32_t MapTile::voxel_number(const TilePoint& point) const {
+std::uint32_t DenseTile::voxel_number(const TilePoint& point) const {
   const int per_side = kStepsPerTile / voxel_steps_;
   const int floor_steps = (32768 / voxel_steps_ + 1) * voxel_steps_;  // below every int16, on the lattice through 0
   const int layer = (point.z + floor_steps) / voxel_steps_;
   return static_cast<std::uint32_t>((layer * per_side + point.y / voxel_steps_) * per_side + point.x / voxel_steps_);
 }
 
-void MapTile::append(const TilePoint& point) {
+void DenseTile::append(const TilePoint& point) {
   points_.push_back(point);
   occupied_.insert(voxel_number(point));
 }
 
-float& MapTile::lowest(int column, int row) {
+float& DenseTile::lowest(int column, int row) {
   return lowest_[static_cast<std::size_t>(row * kColumns + column)];
 }
 
-void MapTile::sleep() {
+void DenseTile::sleep() {
   if (asleep_) return;
   asleep_ = true;
   points_.shrink_to_fit();
@@ -58,7 +58,7 @@ void MapTile::sleep() {
   lowest_ = {};
 }
 
-void MapTile::wake() {
+void DenseTile::wake() {
   if (!asleep_) return;
   asleep_ = false;
   lowest_.assign(kColumns * kColumns, std::numeric_limits<float>::infinity());

@@ -12,7 +12,7 @@ namespace curbstone {
 ///
 /// Counts: refused.jump (more than the wheels can turn; one corrupted frame), counts_restarted (a jump that stays: the
 /// drive counts anew; the distance meanwhile is lost).
-class WheelOdometer {
+class WheelCounter {
  public:
   using Raw = std::array<std::int32_t, 2>;
   struct Settings {
@@ -26,7 +26,7 @@ class WheelOdometer {
     std::array<double, 2> speed{};         ///< rad/s, since the sample before
   };
 
-  explicit WheelOdometer(const Settings& settings) : settings_(settings) {}
+  explicit WheelCounter(const Settings& settings) : settings_(settings) {}
 
   /// `elapsed` s since the last update() call. Empty if the counts cannot be.
   std::optional<Sample> update(const Raw& raw, double elapsed);
