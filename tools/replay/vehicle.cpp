@@ -1,0 +1,63 @@
+#include "tools/replay/vehicle.hpp"
+
+#include "common/config.hpp"
+#include "services/ekf/ekf_config.hpp"
+#include "services/ekf/ekf_node.hpp"
+#include "services/mapper/mapper_config.hpp"
+#include "services/mapper/mapper_node.hpp"
+#include "services/semantic_map/semantic_map_config.hpp"
+#include "services/semantic_map/semantic_map_node.hpp"
+#include "services/tensor_voting/tensor_voting_config.hpp"
+#include "services/tensor_voting/tensor_voting_node.hpp"
+
+namespace curbstone {
+
+namespace {
+
+template <class Config>
+Config load(const std::string& section, const ReplayOptions& options) {
+  ConfigOf<Config> config;
+  if (!options.config_file.empty()) load_config(options.config_file, section, config);
+  for (const std::string& assignment : options.assignments) {
+    if (assignment.starts_with(section + ".")) set_config_value(assignment.substr(section.size() + 1), config);
+  }
+  return config.value;
+}
+
+}  // namespace
+
+ReplayVehicle::ReplayVehicle(const ReplayOptions& options, LocalBus& bus) : bus_(bus) {
+  auto semantic = load<SemanticMapConfig>("semantic_map", options);
+  if (!options.map_file.empty()) semantic.map = options.map_file;
+  stages_.push_back({"ekf", std::make_unique<EkfNode>(load<EkfConfig>("ekf", options), bus)});
+  stages_.push_back({"mapper", std::make_unique<MapperNode>(load<MapperConfig>("mapper", options), bus)});
+  stages_.push_back({"tensor_voting", std::make_unique<TensorVotingNode>(
+                                          load<TensorVotingConfig>("tensor_voting", options), "tensor_voting:1", bus)});
+  stages_.push_back({"semantic_map", std::make_unique<SemanticMapNode>(semantic, bus)});
+  for (Stage& stage : stages_) stage.node->connect(bus);
+}
+
+ReplayVehicle::~ReplayVehicle() = default;
+
+void ReplayVehicle::advance(std::int64_t now) {
+  if (last_tick_ == 0) last_tick_ = now;
+  // A gap in the log is no reason to tick through it.
+  if (now - last_tick_ > 50 * kTickPeriod) last_tick_ = now - kTickPeriod;
+  while (last_tick_ + kTickPeriod <= now) tick(last_tick_ += kTickPeriod);
+}
+
+void ReplayVehicle::tick(std::int64_t now) {
+  for (Stage& stage : stages_) {
+    stage.node->tick(now);
+    bus_.dispatch();
+  }
+}
+
+void ReplayVehicle::finish() {
+  for (Stage& stage : stages_) {
+    stage.node->finish();
+    bus_.dispatch();
+  }
+}
+
+}  // namespace curbstone

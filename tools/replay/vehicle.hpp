@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/local_bus.hpp"
+#include "common/node.hpp"
+
+namespace curbstone {
+
+/// What to run in a replay.
+struct ReplayOptions {
+  std::string config_file;               ///< the vehicle's file; empty: defaults
+  std::vector<std::string> assignments;  ///< SECTION.KEY=VALUE, over the file
+  std::string map_file;                  ///< where semantic_map keeps its store
+};
+
+/// The services of the vehicle on one bus in one process: ekf, mapper, one tensor-voting worker, semantic_map. The
+/// drivers are left out: their messages come from the log.
+class ReplayVehicle {
+ public:
+  /// Throws ConfigError, or std::runtime_error when the map cannot be written.
+  ReplayVehicle(const ReplayOptions& options, LocalBus& bus);
+  ~ReplayVehicle();
+
+  /// Advances message time to `now`: ticks every node each kTickPeriod.
+  void advance(std::int64_t now);
+  /// The drive is over: everything pending is finished, stage by stage.
+  void finish();
+
+  struct Stage {
+    std::string name;
+    std::unique_ptr<Node> node;
+  };
+  [[nodiscard]] const std::vector<Stage>& stages() const { return stages_; }
+
+  static constexpr std::int64_t kTickPeriod = 20'000;  ///< us of message time, as live
+
+ private:
+  void tick(std::int64_t now);
+
+  LocalBus& bus_;
+  std::vector<Stage> stages_;
+  std::int64_t last_tick_ = 0;
+};
+
+}  // namespace curbstone
