@@ -6,9 +6,11 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "common/vehicle.hpp"
 #include "services/semantic_map/map_store.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/evaluate/report.hpp"
+#include "tools/evaluate/street_labels.hpp"
 
 namespace curbstone {
 
@@ -19,6 +21,13 @@ void write_file(const std::string& file, const std::string& text) {
   if (!(out << text) || !out.flush()) throw std::runtime_error(fmt::format("{}: cannot be written", file));
 }
 
+/// The drive begins at its first scan, with the lidar where a vehicle has it by default.
+void add_labels(const std::string& folder, Truth& truth) {
+  StreetLabels labels = read_street_labels(folder, truth.poses.front().pose * VehicleConfig{}.T_base_lidar());
+  truth.curbs = std::move(labels.curbs);
+  truth.classes = std::move(labels.classes);
+}
+
 }  // namespace
 
 int run_evaluate(int argc, char** argv) {
@@ -26,6 +35,7 @@ int run_evaluate(int argc, char** argv) {
   std::string truth_folder;
   std::string log_file;
   std::string json_file;
+  std::string label_folder;
   double radius = 8.0;
   CLI::App app{"Compares a map with the truth that `curbstone simulate` wrote"};
   app.name("curbstone evaluate");
@@ -35,6 +45,9 @@ int run_evaluate(int argc, char** argv) {
   app.add_option("--radius", radius, "Curbs count within this many m of the path")
       ->check(CLI::Range(0.5, 100.0))
       ->capture_default_str();
+  app.add_option("--labels", label_folder,
+                 "Labelled scans of a recorded drive (SemanticKITTI: scans/, labels/, reference_poses.txt): its true "
+                 "curbs and classes");
   app.add_option("--json", json_file, "Write the figures here, for programs");
   try {
     app.parse(argc, argv);
@@ -42,7 +55,8 @@ int run_evaluate(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
 
-  const Truth truth = load_truth(truth_folder);
+  Truth truth = load_truth(truth_folder);
+  if (!label_folder.empty()) add_labels(label_folder, truth);
   const MapReader map(map_file);
   Trajectory trajectory;
   for (const TrajectoryPose& pose : map.trajectory()) trajectory.push_back({pose.utime, pose.T_map_base});

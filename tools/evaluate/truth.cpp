@@ -56,11 +56,20 @@ void read_gray_png(const std::string& file, TrueClasses& classes) {
 
 }  // namespace
 
-std::uint8_t TrueClasses::at(double x, double y) const {
+std::optional<std::size_t> TrueClasses::index(double x, double y) const {
   const double column = std::floor((x - origin_x) / resolution);
   const double row = height - 1 - std::floor((y - origin_y) / resolution);
-  if (!(column >= 0 && column < width && row >= 0 && row < height)) return 0;
-  return pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)];
+  if (!(column >= 0 && column < width && row >= 0 && row < height)) return std::nullopt;
+  return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
+}
+
+std::uint8_t TrueClasses::at(double x, double y) const {
+  const auto pixel = index(x, y);
+  return pixel ? pixels[*pixel] : std::uint8_t{0};
+}
+
+void TrueClasses::set(double x, double y, std::uint8_t value) {
+  if (const auto pixel = index(x, y)) pixels[*pixel] = value;
 }
 
 bool TrueClasses::known_around(double x, double y) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,8 +31,13 @@ struct TrueClasses {
   [[nodiscard]] bool empty() const { return pixels.empty(); }
   /// UNKNOWN outside.
   [[nodiscard]] std::uint8_t at(double x, double y) const;
+  /// Nothing happens outside.
+  void set(double x, double y, std::uint8_t value);
   /// Whether the truth knows the ground on all sides of a place: only there a curb can be called wrong.
   [[nodiscard]] bool known_around(double x, double y) const;
+
+ private:
+  [[nodiscard]] std::optional<std::size_t> index(double x, double y) const;
 };
 
 /// What `curbstone simulate` writes beside a drive. Recorded drives have poses, and may lack the rest.
