@@ -8,7 +8,9 @@
 
 #include "common/vehicle.hpp"
 #include "services/semantic_map/map_store.hpp"
+#include "services/semantic_map/png_file.hpp"
 #include "tools/evaluate/evaluation.hpp"
+#include "tools/evaluate/overlay.hpp"
 #include "tools/evaluate/report.hpp"
 #include "tools/evaluate/street_labels.hpp"
 
@@ -36,6 +38,8 @@ int run_evaluate(int argc, char** argv) {
   std::string log_file;
   std::string json_file;
   std::string label_folder;
+  std::string picture_file;
+  std::string overlay_file;
   double radius = 8.0;
   CLI::App app{"Compares a map with the truth that `curbstone simulate` wrote"};
   app.name("curbstone evaluate");
@@ -48,6 +52,8 @@ int run_evaluate(int argc, char** argv) {
   app.add_option("--labels", label_folder,
                  "Labelled scans of a recorded drive (SemanticKITTI: scans/, labels/, reference_poses.txt): its true "
                  "curbs and classes");
+  app.add_option("--picture", picture_file, "Draw the map (PNG)");
+  app.add_option("--overlay", overlay_file, "Draw the map with the truth over it (PNG)");
   app.add_option("--json", json_file, "Write the figures here, for programs");
   try {
     app.parse(argc, argv);
@@ -59,11 +65,22 @@ int run_evaluate(int argc, char** argv) {
   if (!label_folder.empty()) add_labels(label_folder, truth);
   const MapReader map(map_file);
   Trajectory trajectory;
-  for (const TrajectoryPose& pose : map.trajectory()) trajectory.push_back({pose.utime, pose.T_map_base});
-  Evaluation evaluation = evaluate(map.tiles(), map.curbs(), trajectory, truth, radius);
+  MapPicture picture{map.tiles(), map.curbs(), {}, {}};
+  for (const TrajectoryPose& pose : map.trajectory()) {
+    trajectory.push_back({pose.utime, pose.T_map_base});
+    picture.path.emplace_back(pose.T_map_base.translation().head<2>());
+  }
+  Evaluation evaluation = evaluate(picture.tiles, picture.curbs, trajectory, truth, radius);
   if (!log_file.empty()) evaluation.run = read_run_log(log_file);
   fmt::print("{}", to_table(evaluation));
   if (!json_file.empty()) write_file(json_file, to_json(evaluation));
+  PictureOptions drawing;
+  drawing.title = fmt::format("{:.0f} m driven", evaluation.trajectory.distance_m);
+  if (!picture_file.empty()) write_png(draw_map(picture, drawing), picture_file);
+  if (!overlay_file.empty()) {
+    picture.overlays = truth_lines(truth, evaluation.T_truth_map);
+    write_png(draw_map(picture, drawing), overlay_file);
+  }
   return 0;
 }
 

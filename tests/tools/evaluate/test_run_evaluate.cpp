@@ -73,6 +73,13 @@ TEST_F(RunEvaluate, PrintsATableAndWritesJson) {
   EXPECT_NEAR(json.at("trajectory").at("distance_m").get<double>(), 19.9, 1e-9);
 }
 
+TEST_F(RunEvaluate, DrawsTheMapAndTheTruthOverIt) {
+  EXPECT_EQ(run({"--picture", path("map.png"), "--overlay", path("truth.png")}), 0);
+  EXPECT_GT(fs::file_size(path("map.png")), 1000U);
+  EXPECT_GT(fs::file_size(path("truth.png")), fs::file_size(path("map.png")));  // there is more in it
+  expect_failure("/nowhere/map.png", "", {"--picture", "/nowhere/map.png"});
+}
+
 TEST_F(RunEvaluate, SaysWhichInputIsMissing) {
   fs::rename(path("map.db"), path("other.db"));
   expect_failure("map.db", "");

@@ -1,0 +1,28 @@
+#include "tools/evaluate/overlay.hpp"
+
+#include <gtest/gtest.h>
+
+namespace curbstone {
+namespace {
+
+TEST(TruthLines, AreTheCurbsAndThePathInMap) {
+  Truth truth;
+  truth.curbs = {{0, 10, 5, 0, 0.1, false},
+                 {0, 10.1, 5, 0, 0.1, false},
+                 {0, 10.2, 5, 0, 0.02, true},
+                 {1, 10.3, 5, 0, 0.1, false},
+                 {1, 12.0, 5, 0, 0.1, false}};
+  truth.poses = {{0, Pose::Identity()}};
+  Pose T_truth_map = Pose::Identity();
+  T_truth_map.translation() = Eigen::Vector3d(10, 5, 0);
+  const auto lines = truth_lines(truth, T_truth_map);
+  ASSERT_EQ(lines.size(), 5U);  // high, lowered, another line, the same beyond a gap; the path
+  EXPECT_EQ(lines[0].points.size(), 2U);
+  EXPECT_NEAR(lines[0].points[1].x(), 0.1, 1e-12);
+  EXPECT_NEAR(lines[0].points[1].y(), 0.0, 1e-12);
+  EXPECT_NE(lines[0].colour, lines[1].colour);
+  EXPECT_NEAR(lines[4].points[0].x(), -10, 1e-12);
+}
+
+}  // namespace
+}  // namespace curbstone

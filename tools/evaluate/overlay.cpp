@@ -1,0 +1,37 @@
+#include "tools/evaluate/overlay.hpp"
+
+#include <cmath>
+
+namespace curbstone {
+
+namespace {
+
+constexpr Colour kCurb{255, 0, 200};
+constexpr Colour kDropped{255, 170, 235};
+constexpr Colour kPath{120, 190, 255};
+constexpr double kJoin = 0.5;       // m: points of one curb farther apart are not joined
+constexpr double kPathStep = 0.25;  // m
+
+}  // namespace
+
+std::vector<PictureLine> truth_lines(const Truth& truth, const Pose& T_truth_map) {
+  const Pose T_map_truth = T_truth_map.inverse();
+  std::vector<PictureLine> lines;
+  const TrueCurbPoint* last = nullptr;
+  for (const TrueCurbPoint& point : truth.curbs) {
+    const bool goes_on = last != nullptr && last->line == point.line && last->dropped == point.dropped &&
+                         std::hypot(point.x - last->x, point.y - last->y) <= kJoin;
+    if (!goes_on) lines.push_back({{}, point.dropped ? kDropped : kCurb, 1.5});
+    lines.back().points.emplace_back((T_map_truth * Eigen::Vector3d(point.x, point.y, point.z)).head<2>());
+    last = &point;
+  }
+  PictureLine path{{}, kPath, 1.0};
+  for (const StampedPose& stamped : truth.poses) {
+    const Eigen::Vector2d at = (T_map_truth * stamped.pose.translation()).head<2>();
+    if (path.points.empty() || (at - path.points.back()).norm() > kPathStep) path.points.push_back(at);
+  }
+  lines.push_back(std::move(path));
+  return lines;
+}
+
+}  // namespace curbstone
