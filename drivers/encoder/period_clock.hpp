@@ -32,7 +32,7 @@ class PeriodClock {
 
   explicit PeriodClock(std::int64_t period) : nominal_(period), period_(period) {}
 
-  [[nodiscard]] Stamp stamp(std::int64_t received, const Evidence& evidence);
+  Stamp stamp(std::int64_t received, const Evidence& evidence);
   void restart() { running_ = false; }
 
   /// us, in use: the nominal one, unless the device plainly keeps another.
