@@ -14,18 +14,34 @@ constexpr double kPathStep = 0.25;  // m
 
 }  // namespace
 
+namespace {
+
+void add_curbs(const Truth& truth, const Pose& T_map_truth, bool dropped, std::vector<PictureLine>& lines) {
+  const TrueCurbPoint* last = nullptr;
+  for (const TrueCurbPoint& point : truth.curbs) {
+    if (point.dropped != dropped) {
+      last = nullptr;
+      continue;
+    }
+    const Eigen::Vector2d at = (T_map_truth * Eigen::Vector3d(point.x, point.y, point.z)).head<2>();
+    const bool goes_on =
+        last != nullptr && last->line == point.line && std::hypot(point.x - last->x, point.y - last->y) <= kJoin;
+    if (goes_on)
+      lines.back().points.push_back(at);
+    else
+      lines.push_back({{at, at}, dropped ? kDropped : kCurb, 4.0});  // twice: a point alone is a dot
+    last = &point;
+  }
+}
+
+}  // namespace
+
 std::vector<PictureLine> truth_lines(const Truth& truth, const Pose& T_truth_map) {
   const Pose T_map_truth = T_truth_map.inverse();
   std::vector<PictureLine> lines;
-  const TrueCurbPoint* last = nullptr;
-  for (const TrueCurbPoint& point : truth.curbs) {
-    const bool goes_on = last != nullptr && last->line == point.line && last->dropped == point.dropped &&
-                         std::hypot(point.x - last->x, point.y - last->y) <= kJoin;
-    if (!goes_on) lines.push_back({{}, point.dropped ? kDropped : kCurb, 1.5});
-    lines.back().points.emplace_back((T_map_truth * Eigen::Vector3d(point.x, point.y, point.z)).head<2>());
-    last = &point;
-  }
-  PictureLine path{{}, kPath, 1.0};
+  add_curbs(truth, T_map_truth, false, lines);
+  add_curbs(truth, T_map_truth, true, lines);
+  PictureLine path{{}, kPath, 2.0};
   for (const StampedPose& stamped : truth.poses) {
     const Eigen::Vector2d at = (T_map_truth * stamped.pose.translation()).head<2>();
     if (path.points.empty() || (at - path.points.back()).norm() > kPathStep) path.points.push_back(at);

@@ -16,11 +16,13 @@ TEST(TruthLines, AreTheCurbsAndThePathInMap) {
   Pose T_truth_map = Pose::Identity();
   T_truth_map.translation() = Eigen::Vector3d(10, 5, 0);
   const auto lines = truth_lines(truth, T_truth_map);
-  ASSERT_EQ(lines.size(), 5U);  // high, lowered, another line, the same beyond a gap; the path
-  EXPECT_EQ(lines[0].points.size(), 2U);
-  EXPECT_NEAR(lines[0].points[1].x(), 0.1, 1e-12);
-  EXPECT_NEAR(lines[0].points[1].y(), 0.0, 1e-12);
-  EXPECT_NE(lines[0].colour, lines[1].colour);
+  ASSERT_EQ(lines.size(), 5U);  // a curb, another, the same beyond a gap; a lowered one; the path
+  ASSERT_EQ(lines[0].points.size(), 3U);
+  EXPECT_NEAR(lines[0].points[2].x(), 0.1, 1e-12);
+  EXPECT_NEAR(lines[0].points[2].y(), 0.0, 1e-12);
+  EXPECT_EQ(lines[3].points.size(), 2U) << "a dot";
+  EXPECT_EQ(lines[0].colour, lines[2].colour);
+  EXPECT_NE(lines[0].colour, lines[3].colour);
   EXPECT_NEAR(lines[4].points[0].x(), -10, 1e-12);
 }
 
