@@ -18,7 +18,7 @@ namespace curbstone {
 }
 
 /// A uniform cubic B-spline through a vector space: at integer u it is near control point u (it smooths, it does not
-/// interpolate). Closed: u wraps at the number of points. Open: the ends repeat.
+/// interpolate). Closed: u wraps at the number of points. Open: it goes on straight beyond its ends.
 template <class Value>
 class Spline {
  public:
@@ -44,10 +44,13 @@ class Spline {
   }
 
  private:
-  [[nodiscard]] const Value& point(long i) const {
+  [[nodiscard]] Value point(long i) const {
     const auto n = static_cast<long>(points_.size());
-    if (closed_) return points_[static_cast<std::size_t>(((i % n) + n) % n)];
-    return points_[static_cast<std::size_t>(std::clamp(i, 0L, n - 1))];
+    const auto stored = [this](long k) -> const Value& { return points_[static_cast<std::size_t>(k)]; };
+    if (closed_) return stored(((i % n) + n) % n);
+    if (i < 0) return stored(0) + (stored(0) - stored(1)) * static_cast<double>(-i);
+    if (i >= n) return stored(n - 1) + (stored(n - 1) - stored(n - 2)) * static_cast<double>(i - n + 1);
+    return stored(i);
   }
 
   std::vector<Value> points_;

@@ -57,7 +57,7 @@ RecordedMotion::RecordedMotion(const ScanSet& scans, const VehicleConfig& vehicl
     states.push_back(state);
   }
   std::vector<State> knots;
-  for (double t = 0; t < scans.times.back() + kKnot; t += kKnot) knots.push_back(smoothed(scans.times, states, t));
+  for (double t = 0; t <= scans.times.back(); t += kKnot) knots.push_back(smoothed(scans.times, states, t));
   spline_ = Spline<State>(knots, false);
   const Eigen::Vector3d origin = spline_.at(0).head<3>();
   T_world_first_.linear() = R_world_first;

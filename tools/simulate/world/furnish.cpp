@@ -73,6 +73,7 @@ class Furnisher {
     if (in_driveway(street, side, s, 2.7)) return;
     for (const double along : {-5.0, 0.0, 5.0}) {  // not in or near the mouth of another street
       const Place check = place(street, side, s + along, off);
+      if (!ground_.inside(check.x, check.y)) return;
       if (std::abs(static_cast<double>(ground_.at(static_cast<float>(check.x), static_cast<float>(check.y)).distance) -
                    off) > 0.25)
         return;

@@ -116,6 +116,7 @@ float Ground::cast(float x, float y, float z, float dx, float dy, float dz, floa
     if (descent <= 0) return -1.0F;
     u = (z - highest_) / descent;
   }
+  float last_gap = 1.0F, last_step = 0.0F;
   for (int guard = 0; guard < 400 && u < reach; ++guard) {
     const float px = x + u * dx, py = y + u * dy;
     if (px < static_cast<float>(x0_) || py < static_cast<float>(y0_) || px >= x_end || py >= y_end) return -1.0F;
@@ -133,10 +134,13 @@ float Ground::cast(float x, float y, float z, float dx, float dy, float dz, floa
       within = (smooth_gap - kLawnAmplitude) / std::max(1e-3F, descent + kSlope);
     } else {
       const float gap = smooth_gap - (on_lawn ? lawn(node, px, py) : 0.0F);
-      if (gap < kTouching) return std::max(0.0F, u + gap / std::max(descent + 0.02F, 0.05F));
+      if (gap < 0) return u - last_step * gap / (gap - last_gap);  // between the last two places
+      if (gap < kTouching) return u + gap / std::max(descent + 0.02F, 0.05F);
+      last_gap = gap;
       within = gap / std::max(1e-3F, descent + zone.slope);
     }
-    u += std::max({std::min(within, to_next), over_all, 1e-3F});
+    last_step = std::max({std::min(within, to_next), over_all, 1e-3F});
+    u += last_step;
   }
   return -1.0F;
 }
