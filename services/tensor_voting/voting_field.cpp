@@ -31,7 +31,7 @@ int distance_to(int v, int low, int size) {
 }  // namespace
 
 /// The voters of a cube of space, eight to a block. The cells of one column of a tile are chained.
-struct Cell {
+struct VotingField::Cell {
   int z = 0;  // index: floor(z / edge)
   int next = -1;
   std::uint32_t size = 0;

@@ -57,6 +57,7 @@ class VotingField {
   [[nodiscard]] std::int64_t num_pairs() const { return num_pairs_; }
 
  private:
+  struct Cell;
   struct Tile;
   struct Neighbourhood;
   struct Voter;
