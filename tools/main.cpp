@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "common/version.hpp"
+#include "tools/detect/detect.hpp"
 #include "tools/evaluate/evaluate.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/simulate/simulate.hpp"
@@ -21,6 +22,7 @@ constexpr std::array kSubcommands = {
     Subcommand{"simulate", curbstone::run_simulate, "an emulated vehicle: sensor bytes or a log, and the truth"},
     Subcommand{"replay", curbstone::run_replay, "make a map from a log, as fast as the machine can"},
     Subcommand{"evaluate", curbstone::run_evaluate, "compare a map with the truth"},
+    Subcommand{"detect", curbstone::run_detect, "curbs and classes of any cloud: .pcd, .ply, KITTI .bin"},
 };
 
 int usage(std::FILE* out) {

@@ -9,11 +9,12 @@ namespace curbstone {
 
 namespace {
 
-constexpr double kMargin = 0.72;  // m around the tile: six cells, as far as a window reaches
-constexpr int kMarginCells = 6;
+constexpr double kMargin = 0.84;  // m around the tile: seven cells, as far as a window reaches
+constexpr int kMarginCells = 7;
 constexpr int kSide = kCellsPerTile + 2 * kMarginCells;
 constexpr double kBelowGround = 0.30;  // m: what is lower is a stray
-constexpr int kMinTilted = 2;          // points in a cell
+constexpr int kMinTilted = 1;          // points in a cell
+constexpr double kSparse = 2.0;        // times the length of the window, where points are few
 constexpr double kMinNormalZ = 0.35;   // steeper is no curb at this scale, it is a wall
 constexpr int kMaxFacePoints = 3;      // on the step and above it: more are a wall's
 constexpr double kSearch = 0.24;       // m: how far the found step may be from the tilted points
@@ -111,19 +112,19 @@ TiltedCell gather_tilt(const NearGroundPoints& points, int column, int row, cons
 }
 
 std::vector<StepPointUTZ> window_around(const NearGroundPoints& points, const TiltedCell& cell,
-                                        const Eigen::Vector2d& up, const CurbParameters& parameters) {
+                                        const Eigen::Vector2d& up, double half_length,
+                                        const CurbParameters& parameters) {
   std::vector<StepPointUTZ> window;
   const double reach = parameters.half_window + kSearch;
   const Eigen::Vector2d along(-up.y(), up.x());
-  const double extent_x = std::abs(up.x()) * reach + std::abs(along.x()) * parameters.half_length;
-  const double extent_y = std::abs(up.y()) * reach + std::abs(along.y()) * parameters.half_length;
+  const double extent_x = std::abs(up.x()) * reach + std::abs(along.x()) * half_length;
+  const double extent_y = std::abs(up.y()) * reach + std::abs(along.y()) * half_length;
   const auto cell_at = [](double x) { return static_cast<int>(std::floor(x / kCellSize)); };
   points.for_cells(cell_at(cell.at.x() - extent_x), cell_at(cell.at.x() + extent_x), cell_at(cell.at.y() - extent_y),
                    cell_at(cell.at.y() + extent_y), [&](const NearGround& p) {
                      const Eigen::Vector2d d = Eigen::Vector2d(double{p.x}, double{p.y}) - cell.at;
                      const double t = d.dot(along);
-                     if (std::abs(t) <= parameters.half_length)
-                       window.push_back({d.dot(up), t, double{p.z}, p.is_ground});
+                     if (std::abs(t) <= half_length) window.push_back({d.dot(up), t, double{p.z}, p.is_ground});
                    });
   return window;
 }
@@ -139,7 +140,11 @@ std::optional<CurbCandidate> test_cell(const NearGroundPoints& points, const Til
     candidate.score = tilt;
     candidate.height = 0.5 * tilt;  // what a step of that height tilts the normals by at sigma 0.3
   } else {
-    const auto step = find_height_step(window_around(points, cell, candidate.up, parameters), parameters);
+    auto step =
+        find_height_step(window_around(points, cell, candidate.up, parameters.half_length, parameters), parameters);
+    if (!step)  // too thin to say: look farther along
+      step = find_height_step(window_around(points, cell, candidate.up, kSparse * parameters.half_length, parameters),
+                              parameters);
     if (!step || step->height > parameters.max_step || step->height < parameters.min_weak_step) return std::nullopt;
     if (step->face_above > kMaxFacePoints) return std::nullopt;
     const double certainty = step->height / step->sigma;

@@ -154,6 +154,28 @@ void smooth(StreetTruth& truth) {
   truth.points = std::move(smoothed);
 }
 
+/// Links what is no farther apart than 0.8 m: a line every 0.1 m instead of points where scan lines cross it.
+void link(StreetTruth& truth) {
+  constexpr double kGap = 0.8;
+  std::set<std::pair<int, int>> taken;
+  const auto cell = [](const Eigen::Vector2d& p) {
+    return std::pair(static_cast<int>(std::floor(p.x() * 10)), static_cast<int>(std::floor(p.y() * 10)));
+  };
+  for (const TruthPoint& p : truth.points) taken.insert(cell(p.at));
+  const std::vector<TruthPoint> points = truth.points;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = i + 1; j < points.size(); ++j) {
+      const double d = (points[j].at - points[i].at).norm();
+      if (points[i].counts != points[j].counts || d > kGap) continue;
+      for (double s = 0.05; s < d; s += 0.05) {
+        const Eigen::Vector2d at = points[i].at + s / d * (points[j].at - points[i].at);
+        if (!taken.insert(cell(at)).second) continue;
+        truth.points.push_back({at, points[i].step + s / d * (points[j].step - points[i].step), points[i].counts});
+      }
+    }
+  }
+}
+
 }  // namespace
 
 bool StreetTruth::is_labelled_around(const Eigen::Vector2d& p) const {
@@ -208,6 +230,7 @@ StreetTruth make_street_truth(const std::filesystem::path& folder) {
   StreetTruth truth;
   add_pairs(points, grid, truth);
   smooth(truth);
+  link(truth);
   std::set<std::pair<int, int>> cells;
   for (const Labelled& l : points) {
     if (l.side == Side::kRoad || l.side == Side::kSidewalk || l.side == Side::kParking || l.side == Side::kTerrain)

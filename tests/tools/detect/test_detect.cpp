@@ -1,0 +1,199 @@
+#include "tools/detect/detect.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "tools/detect/cloud_file.hpp"
+
+namespace curbstone {
+namespace {
+
+namespace fs = std::filesystem;
+
+class DetectTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("detect_" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  /// A road with a 12 cm curb at y = 2, x from -6 to 6.
+  static std::vector<Eigen::Vector3f> street() {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> along(-6, 6);
+    std::normal_distribution<float> noise(0, 0.01F);
+    std::vector<Eigen::Vector3f> points;
+    for (int i = 0; i < 36'000; ++i) {
+      const float x = along(random);
+      const float y = along(random);
+      points.emplace_back(x, y, (y > 2 ? 0.12F : 0.0F) - 1.7F + noise(random));
+    }
+    return points;
+  }
+  fs::path write_kitti(const std::string& name, const std::vector<Eigen::Vector3f>& points) const {
+    std::ofstream out(folder_ / name, std::ios::binary);
+    for (const Eigen::Vector3f& p : points) {
+      const float row[4] = {p.x(), p.y(), p.z(), 0};
+      out.write(reinterpret_cast<const char*>(row), sizeof row);
+    }
+    return folder_ / name;
+  }
+  fs::path write_text(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return folder_ / name;
+  }
+  struct Result {
+    int status = 0;
+    std::string error;
+  };
+  Result detect(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "detect");
+    arguments.insert(arguments.end(), {"--out", (folder_ / "out").string()});
+    std::vector<char*> argv;
+    for (std::string& a : arguments) argv.push_back(a.data());
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    Result result;
+    result.status = run_detect(static_cast<int>(argv.size()), argv.data());
+    testing::internal::GetCapturedStdout();
+    result.error = testing::internal::GetCapturedStderr();
+    return result;
+  }
+  std::size_t num_outputs() const {
+    if (!fs::exists(folder_ / "out")) return 0;
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_ / "out"), fs::directory_iterator()));
+  }
+  void expect_curb_at_2() const {
+    std::ifstream in(folder_ / "out" / "curbs.csv");
+    std::string line;
+    std::getline(in, line);
+    EXPECT_EQ(line, "x,y,z,height");
+    int count = 0;
+    while (std::getline(in, line)) {
+      float x = 0;
+      float y = 0;
+      float z = 0;
+      float height = 0;
+      ASSERT_EQ(std::sscanf(line.c_str(), "%f,%f,%f,%f", &x, &y, &z, &height), 4) << line;
+      EXPECT_NEAR(y, 2, 0.12F);
+      EXPECT_NEAR(z, -1.7F, 0.05F);
+      EXPECT_NEAR(height, 0.12F, 0.03F);
+      ++count;
+    }
+    EXPECT_GT(count, 60);
+  }
+  fs::path folder_;
+};
+
+TEST_F(DetectTest, FindsTheCurbOfAKittiScanAndWritesAllThree) {
+  EXPECT_EQ(detect({write_kitti("scan.bin", street()).string()}).status, 0);
+  expect_curb_at_2();
+  EXPECT_EQ(num_outputs(), 3U);
+  EXPECT_GT(fs::file_size(folder_ / "out" / "scan.png"), 500U);
+  // The labelled cloud is a cloud again.
+  EXPECT_EQ(detect({(folder_ / "out" / "scan_labelled.pcd").string()}).status, 0);
+  expect_curb_at_2();
+}
+
+TEST_F(DetectTest, ReadsAsciiPcdAndPly) {
+  std::string rows;
+  const auto points = street();
+  for (const Eigen::Vector3f& p : points)
+    rows += std::to_string(p.x()) + ' ' + std::to_string(p.y()) + ' ' + std::to_string(p.z()) + '\n';
+  const std::string n = std::to_string(points.size());
+  EXPECT_EQ(
+      detect({write_text("a.pcd", "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " + n +
+                                      "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + n + "\nDATA ascii\n" + rows)
+                  .string()})
+          .status,
+      0);
+  expect_curb_at_2();
+  EXPECT_EQ(
+      detect({write_text("a.ply", "ply\nformat ascii 1.0\nelement vertex " + n +
+                                      "\nproperty float x\nproperty float y\nproperty float z\nend_header\n" + rows)
+                  .string()})
+          .status,
+      0);
+  expect_curb_at_2();
+}
+
+TEST_F(DetectTest, PutsAFolderOfScansTogetherByTheirPoses) {
+  fs::create_directories(folder_ / "scans");
+  auto near = street();
+  std::vector<Eigen::Vector3f> moved;
+  for (const Eigen::Vector3f& p : near) moved.emplace_back(p.x() - 1, p.y(), p.z());
+  write_kitti("scans/000000.bin", near);
+  write_kitti("scans/000001.bin", moved);
+  const auto poses = write_text("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n");
+  EXPECT_EQ(detect({(folder_ / "scans").string(), "--poses", poses.string()}).status, 0);
+  expect_curb_at_2();
+  const auto bad = write_text("bad.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 2 3\n");
+  EXPECT_THAT(detect({(folder_ / "scans").string(), "--poses", bad.string()}).error, testing::HasSubstr("bad.txt:2"));
+  EXPECT_THAT(detect({(folder_ / "scans").string()}).error, testing::HasSubstr("--poses"));
+}
+
+TEST_F(DetectTest, BadFilesGiveOneLineStatus1AndNoOutput) {
+  std::vector<Eigen::Vector3f> nans(100, Eigen::Vector3f::Constant(std::nanf("")));
+  const auto whole = write_kitti("cut.bin", street());
+  fs::resize_file(whole, 1001);
+  const std::string header =
+      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1000\nHEIGHT 1\nPOINTS 1000\nDATA binary\n";
+  const std::string files[] = {
+      (folder_ / "missing.bin").string(),
+      whole.string(),
+      write_text("empty.ply", "").string(),
+      write_text("hello.pcd", "hello\n").string(),
+      write_text("hello.ply", "hello\n").string(),
+      write_text("cut.pcd", header + std::string(500, 'x')).string(),
+      write_text(
+          "huge.pcd",
+          "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 999999999999\nHEIGHT 1\nPOINTS 999999999999\nDATA ascii\n")
+          .string(),
+      write_text("noxyz.pcd",
+                 "FIELDS a b\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2\n")
+          .string(),
+      write_kitti("nans.bin", nans).string(),
+      write_text("notes.txt", "hello").string(),
+  };
+  for (const std::string& file : files) {
+    const Result result = detect({file});
+    EXPECT_EQ(result.status, 1) << file;
+    EXPECT_EQ(std::count(result.error.begin(), result.error.end(), '\n'), 1) << file << ": " << result.error;
+    EXPECT_THAT(result.error, testing::HasSubstr(fs::path(file).filename().string()));
+  }
+  EXPECT_EQ(num_outputs(), 0U);
+}
+
+TEST_F(DetectTest, RandomDamageToAPcdDoesNoHarm) {
+  std::vector<LabelledPoint> points(200);
+  const fs::path good = folder_ / "good.pcd";
+  write_labelled_pcd(points, good.string());
+  std::ifstream in(good, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  std::mt19937 random(1);
+  for (int i = 0; i < 300; ++i) {
+    std::string bad = bytes;
+    if (i % 2 == 0) bad.resize(random() % bad.size());
+    for (int k = 0; k < 4 && bad.size() > 400; ++k)
+      bad[400 + random() % (bad.size() - 400)] = static_cast<char>(random());
+    try {
+      (void)read_cloud(write_text("bad.pcd", bad).string());
+    } catch (const CloudFileError&) {
+    }
+  }
+}
+
+TEST_F(DetectTest, WrongUsageIsStatus2) {
+  EXPECT_EQ(detect({}).status, 2);
+  EXPECT_EQ(detect({write_kitti("s.bin", street()).string(), "--set", "curb.min_stepp=1"}).status, 2);
+}
+
+}  // namespace
+}  // namespace curbstone

@@ -1,0 +1,198 @@
+#include "tools/detect/cloud_file.hpp"
+
+#include <fmt/format.h>
+#include <pcl/PCLPointCloud2.h>
+#include <pcl/console/print.h>
+#include <pcl/conversions.h>
+#include <pcl/io/pcd_io.h>
+#include <pcl/io/ply_io.h>
+#include <pcl/point_types.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace curbstone {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string ending(const fs::path& path) {
+  std::string e = path.extension().string();
+  std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return e;
+}
+
+bool is_cloud(const fs::path& path) {
+  const std::string e = ending(path);
+  return e == ".pcd" || e == ".ply" || e == ".bin";
+}
+
+void check_file(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) throw CloudFileError(fmt::format("{}: no such file", path.string()));
+  if (!fs::is_regular_file(path, error)) throw CloudFileError(fmt::format("{}: is not a file", path.string()));
+  if (fs::file_size(path, error) == 0) throw CloudFileError(fmt::format("{}: is empty", path.string()));
+  if (!std::ifstream(path, std::ios::binary)) throw CloudFileError(fmt::format("{}: cannot be read", path.string()));
+}
+
+std::vector<Eigen::Vector3f> read_kitti(const fs::path& path) {
+  constexpr std::size_t kRow = 4 * sizeof(float);
+  const std::size_t size = fs::file_size(path);
+  if (size % kRow != 0)
+    throw CloudFileError(
+        fmt::format("{}: {} bytes are no whole number of points (x y z intensity as float32): "
+                    "truncated, or not a KITTI scan",
+                    path.string(), size));
+  std::vector<float> values(size / sizeof(float));
+  std::ifstream in(path, std::ios::binary);
+  if (!in.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(size)))
+    throw CloudFileError(fmt::format("{}: cannot be read", path.string()));
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(size / kRow);
+  for (std::size_t i = 0; i < values.size(); i += 4) points.emplace_back(values[i], values[i + 1], values[i + 2]);
+  return points;
+}
+
+/// PCL crashes or allocates without bound on headers that lie: what it is given must look like a cloud.
+bool has_plausible_header(const fs::path& path) {
+  constexpr int kMaxLines = 1000;
+  const bool is_pcd = ending(path) == ".pcd";
+  const double most = 200.0 * static_cast<double>(fs::file_size(path));  // points, even compressed
+  std::ifstream in(path, std::ios::binary);
+  std::string line;
+  std::set<std::string> seen;
+  for (int i = 0; i < kMaxLines && std::getline(in, line); ++i) {
+    std::istringstream words(line);
+    std::string key;
+    words >> key;
+    if (!is_pcd && i == 0 && key != "ply") return false;
+    double count = 0;
+    if (is_pcd && (key == "WIDTH" || key == "HEIGHT" || key == "POINTS")) words >> count;
+    std::string kind;
+    if (!is_pcd && key == "element" && words >> kind) words >> count;
+    if (!words || !(count >= 0 && count <= most)) return false;
+    seen.insert(key);
+    if (key == "DATA")
+      return seen.contains("FIELDS") && seen.contains("SIZE") && seen.contains("TYPE") && seen.contains("WIDTH") &&
+             seen.contains("HEIGHT") && seen.contains("POINTS");
+    if (key == "end_header") return seen.contains("format") && seen.contains("element");
+  }
+  return false;
+}
+
+std::vector<Eigen::Vector3f> read_with_pcl(const fs::path& path) {
+  if (!has_plausible_header(path))
+    throw CloudFileError(fmt::format("{}: is not a {} cloud", path.string(), ending(path).substr(1)));
+  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // it prints; we throw
+  pcl::PCLPointCloud2 blob;
+  int result = -1;
+  try {
+    result = ending(path) == ".pcd" ? pcl::PCDReader().read(path.string(), blob)
+                                    : pcl::PLYReader().read(path.string(), blob);
+  } catch (const std::exception&) {
+    // said below
+  }
+  const bool has_xyz = std::all_of(std::begin("xyz"), std::end("xyz") - 1, [&](char name) {
+    return std::any_of(blob.fields.begin(), blob.fields.end(), [&](const pcl::PCLPointField& field) {
+      return field.name == std::string(1, name) &&
+             (field.datatype == pcl::PCLPointField::FLOAT32 || field.datatype == pcl::PCLPointField::FLOAT64);
+    });
+  });
+  const std::size_t count = std::size_t{blob.width} * blob.height;
+  if (result < 0 || !has_xyz || blob.point_step == 0 || blob.data.size() < count * blob.point_step)
+    throw CloudFileError(
+        fmt::format("{}: truncated, or not a {} cloud with x y z", path.string(), ending(path).substr(1)));
+  std::vector<Eigen::Vector3f> points(count);
+  for (const pcl::PCLPointField& field : blob.fields) {
+    const std::size_t axis = std::string("xyz").find(field.name);
+    if (field.name.size() != 1 || axis == std::string::npos) continue;
+    const bool is_double = field.datatype == pcl::PCLPointField::FLOAT64;
+    if (field.offset + (is_double ? 8 : 4) > blob.point_step)
+      throw CloudFileError(fmt::format("{}: its header contradicts itself", path.string()));
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint8_t* at = &blob.data[i * blob.point_step + field.offset];
+      double value = 0;
+      float single = 0;
+      if (is_double)
+        std::memcpy(&value, at, sizeof value);
+      else
+        std::memcpy(&single, at, sizeof single);
+      points[i](static_cast<Eigen::Index>(axis)) = is_double ? static_cast<float>(value) : single;
+    }
+  }
+  return points;
+}
+
+std::vector<Eigen::Isometry3d> read_poses(const std::string& path) {
+  check_file(path);
+  std::ifstream in(path);
+  std::vector<Eigen::Isometry3d> poses;
+  std::string line;
+  for (int number = 1; std::getline(in, line); ++number) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    std::istringstream row(line);
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    for (int i = 0; i < 12; ++i) row >> pose.matrix()(i / 4, i % 4);
+    const Eigen::Matrix3d R = pose.linear();
+    if (!row || !pose.matrix().allFinite() || !(R * R.transpose()).isIdentity(1e-3) || R.determinant() < 0)
+      throw CloudFileError(fmt::format("{}:{}: expected 12 numbers, the rows of a 3x4 pose", path, number));
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3f> read_cloud(const std::string& path) {
+  if (!is_cloud(path)) throw CloudFileError(fmt::format("{}: is not a .pcd, .ply or KITTI .bin file", path));
+  check_file(path);
+  std::vector<Eigen::Vector3f> points = ending(path) == ".bin" ? read_kitti(path) : read_with_pcl(path);
+  if (points.empty()) throw CloudFileError(fmt::format("{}: holds no points", path));
+  return points;
+}
+
+std::vector<Eigen::Vector3f> read_cloud_folder(const std::string& folder, const std::string& poses_file) {
+  const std::vector<Eigen::Isometry3d> poses = read_poses(poses_file);
+  std::vector<fs::path> scans;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file() && is_cloud(entry.path())) scans.push_back(entry.path());
+  }
+  std::sort(scans.begin(), scans.end());
+  if (scans.empty()) throw CloudFileError(fmt::format("{}: holds no .pcd, .ply or .bin scans", folder));
+  if (scans.size() > poses.size())
+    throw CloudFileError(
+        fmt::format("{}: {} poses for {} scans in {}", poses_file, poses.size(), scans.size(), folder));
+  std::vector<Eigen::Vector3f> points;
+  for (std::size_t k = 0; k < scans.size(); ++k) {
+    for (const Eigen::Vector3f& p : read_cloud(scans[k].string()))
+      points.push_back((poses[k] * p.cast<double>()).cast<float>());
+  }
+  return points;
+}
+
+void write_labelled_pcd(const std::vector<LabelledPoint>& points, const std::string& path) {
+  std::ofstream out(path, std::ios::binary);
+  out << fmt::format(
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
+      "FIELDS x y z normal_x normal_y normal_z stick plate ball label\nSIZE 4 4 4 4 4 4 4 4 4 4\n"
+      "TYPE F F F F F F F F F U\nCOUNT 1 1 1 1 1 1 1 1 1 1\nWIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n"
+      "POINTS {0}\nDATA binary\n",
+      points.size());
+  for (const LabelledPoint& p : points) {
+    const float values[9] = {p.position.x(), p.position.y(), p.position.z(), p.normal.x(), p.normal.y(),
+                             p.normal.z(),   p.stick,        p.plate,        p.ball};
+    const auto label = static_cast<std::uint32_t>(p.label);
+    out.write(reinterpret_cast<const char*>(values), sizeof values);
+    out.write(reinterpret_cast<const char*>(&label), sizeof label);
+  }
+  out.flush();
+  if (!out) throw CloudFileError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+}
+
+}  // namespace curbstone

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tools/detect/cloud_map.hpp"
+
+namespace curbstone {
+
+/// One clear line that names the file and what is wrong with it.
+class CloudFileError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads a cloud by the name's ending: .pcd and .ply (PCL), .bin (KITTI: float32 x y z intensity). Points that are not
+/// finite are kept (and counted by map_cloud). Throws CloudFileError: missing, truncated, no cloud, empty.
+[[nodiscard]] std::vector<Eigen::Vector3f> read_cloud(const std::string& path);
+
+/// Reads all scans (*.bin, *.pcd, *.ply, by name) of a folder into the frame of the first pose's map: `poses` has a row
+/// a scan, 3x4, scan to map. Throws CloudFileError.
+[[nodiscard]] std::vector<Eigen::Vector3f> read_cloud_folder(const std::string& folder, const std::string& poses);
+
+/// Binary .pcd: x y z normal_x normal_y normal_z stick plate ball (float32), label (uint32, semantic_tile_t's classes).
+void write_labelled_pcd(const std::vector<LabelledPoint>& points, const std::string& path);
+
+}  // namespace curbstone

@@ -1,0 +1,160 @@
+#include "tools/detect/detect.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "services/semantic_map/map_picture.hpp"
+#include "services/semantic_map/png_file.hpp"
+#include "tools/detect/cloud_file.hpp"
+#include "tools/detect/cloud_map.hpp"
+
+namespace curbstone {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string cloud;
+  std::string poses;
+  std::string out;
+  std::string config;
+  std::vector<std::string> assignments;
+  CloudMapOptions options;
+};
+
+/// What can be set with --set.
+struct DetectConfig {
+  CurbParameters curb;
+  ClassParameters classes;
+  void visit(ConfigVisitor& v) {
+    v.section("curb", curb, "how curbs are found");
+    v.section("classes", classes, "what blocks and what does not");
+  }
+};
+
+std::vector<Eigen::Vector3f> read_input(const Arguments& arguments) {
+  if (!fs::is_directory(arguments.cloud)) return read_cloud(arguments.cloud);
+  if (arguments.poses.empty())
+    throw CloudFileError(fmt::format("{}: is a folder: give the scans' poses with --poses FILE", arguments.cloud));
+  return read_cloud_folder(arguments.cloud, arguments.poses);
+}
+
+void write_curbs(const std::vector<CloudCurb>& curbs, const std::string& path) {
+  std::ofstream out(path);
+  out << "x,y,z,height\n";
+  for (const CloudCurb& c : curbs)
+    out << fmt::format("{:.3f},{:.3f},{:.3f},{:.3f}\n", c.foot.x(), c.foot.y(), c.foot.z(), c.height);
+  out.flush();
+  if (!out) throw CloudFileError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+}
+
+/// Files are written under another name first and get theirs when all are there: nothing half-written stays.
+class Outputs {
+ public:
+  explicit Outputs(std::string folder) : folder_(std::move(folder)) {
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    if (!fs::is_directory(folder_)) throw CloudFileError(fmt::format("{}: cannot be made a folder", folder_));
+  }
+  ~Outputs() {
+    std::error_code ignored;
+    for (const auto& [part, name] : parts_) fs::remove(part, ignored);
+  }
+  Outputs(const Outputs&) = delete;
+  Outputs& operator=(const Outputs&) = delete;
+
+  template <class Write>
+  std::string add(const std::string& name, Write write) {
+    const std::string path = (fs::path(folder_) / name).string();
+    parts_.emplace_back(path + ".tmp", path);
+    write(parts_.back().first);
+    return path;
+  }
+  void commit() {
+    for (const auto& [part, name] : parts_) fs::rename(part, name);
+    parts_.clear();
+  }
+
+ private:
+  std::string folder_;
+  std::vector<std::pair<std::string, std::string>> parts_;
+};
+
+/// What is worth a picture: 40 m around, where a single scan still sees the ground.
+MapPicture picture_of(const CloudMap& map, double range) {
+  MapPicture picture;
+  for (const MapTile& tile : map.tiles) {
+    const Eigen::Vector2d centre((tile.key.x + 0.5) * kTileSize, (tile.key.y + 0.5) * kTileSize);
+    if (range <= 0 || centre.norm() < range) picture.tiles.push_back(tile);
+  }
+  return picture;
+}
+
+int detect(const Arguments& arguments) {
+  const std::vector<Eigen::Vector3f> cloud = read_input(arguments);
+  const CloudMap map = map_cloud(cloud, arguments.options);
+  if (map.points.empty())
+    throw CloudFileError(fmt::format("{}: none of its {} points can be used ({} not finite, {} out of range)",
+                                     arguments.cloud, cloud.size(), map.not_finite, map.out_of_range));
+  const std::string stem = fs::path(arguments.cloud).lexically_normal().stem().string();
+  const std::string name = stem.empty() ? "cloud" : stem;
+  Outputs outputs(arguments.out);
+  const std::string pcd =
+      outputs.add(name + "_labelled.pcd", [&](const std::string& path) { write_labelled_pcd(map.points, path); });
+  const std::string csv = outputs.add("curbs.csv", [&](const std::string& path) { write_curbs(map.curbs, path); });
+  const std::string png = outputs.add(name + ".png", [&](const std::string& path) {
+    write_png(draw_map(picture_of(map, arguments.options.range), {.title = name, .pixels_per_cell = 6}), path);
+  });
+  outputs.commit();
+  fmt::print("{} points, {} used ({} not finite, {} out of range); {} curb points\n", cloud.size(), map.points.size(),
+             map.not_finite, map.out_of_range, map.curbs.size());
+  fmt::print("{}\n{}\n{}\n", pcd, csv, png);
+  return 0;
+}
+
+}  // namespace
+
+int run_detect(int argc, char** argv) {
+  Arguments arguments;
+  arguments.out = ".";
+  arguments.options.range = 50;
+  ConfigOf<DetectConfig> config;
+  CLI::App app{"Curbs and classes of any cloud, z up: writes a labelled .pcd, curbs.csv and a .png from above",
+               "detect"};
+  app.add_option("cloud", arguments.cloud, ".pcd, .ply, KITTI .bin, or a folder of scans with --poses")->required();
+  app.add_option("--poses", arguments.poses, "For a folder: 3x4 rows, scan to map, one a scan in the order of names");
+  app.add_option("--out", arguments.out, "Folder for the results")->capture_default_str();
+  app.add_option("--range", arguments.options.range, "m from the origin that are looked at; 0: all")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--thin", arguments.options.thin, "m: one point is used in a cube of this edge; 0: all")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  app.add_option("--set", arguments.assignments, "KEY=VALUE, as in section semantic_map: curb.min_step=0.05")
+      ->allow_extra_args(false);
+  try {
+    app.parse(argc, argv);
+    for (const std::string& assignment : arguments.assignments) set_config_value(assignment, config);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const ConfigError& error) {
+    fmt::print(stderr, "curbstone detect: {}\n", error.what());
+    return 2;
+  }
+  arguments.options.curb = config.value.curb;
+  arguments.options.classes = config.value.classes;
+  try {
+    return detect(arguments);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "curbstone detect: {}\n", error.what());
+    return 1;
+  }
+}
+
+}  // namespace curbstone
