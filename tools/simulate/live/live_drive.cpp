@@ -120,8 +120,11 @@ class LiveDrive {
       if (ports[2].revents != 0) report_.interrupted = true;
     }
     const std::int64_t now = wall_clock();
-    if (imu_.next_due() <= now) send(imu_port_, imu_.run(now, time(now)), SensorFault::Sensor::kImu);
-    if (wheels_.next_due() <= now) send(can_port_, wheels_.run(now, time(now)), SensorFault::Sensor::kWheels);
+    // A device samples by its own timer however late we are: the bytes come late then, the measurement does not.
+    for (auto at = imu_.next_due(); at <= now; at = imu_.next_due())
+      send(imu_port_, imu_.run(at, time(at)), SensorFault::Sensor::kImu);
+    for (auto at = wheels_.next_due(); at <= now; at = wheels_.next_due())
+      send(can_port_, wheels_.run(at, time(at)), SensorFault::Sensor::kWheels);
     if (next_difop_ <= now) send_difop(now);
     while (packet_due() <= now) send_packet(now);
   }
