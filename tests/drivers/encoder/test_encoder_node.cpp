@@ -100,7 +100,7 @@ TEST(EncoderNodeTest, LossesWhileStandingAreFoundInHindsight) {
     lost += lose;
     return lose;
   };
-  rig.run_for(1'000'000);
+  rig.run_for(3'000'000);
   EXPECT_EQ(rig.count("lost.samples"), 3);
   EXPECT_NEAR(static_cast<double>(rig.now - rig.messages().back().utime), 0, 11'000);
 }
