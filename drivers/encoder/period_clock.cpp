@@ -5,7 +5,7 @@
 namespace curbstone {
 
 namespace {
-constexpr std::int64_t kWindow = 2'000'000;  // us, of the offset: a drive's clock may be off by 1e-3
+constexpr std::int64_t kWindow = 3'000'000;  // us, of the offset: longer than two times kSettle periods
 constexpr std::int64_t kJump = 1'000'000;
 }  // namespace
 

@@ -26,7 +26,7 @@ class PeriodClock {
   using Evidence = std::function<int(int max_steps)>;
 
   /// Samples after which lateness that nobody made good is a loss.
-  static constexpr int kSettle = 100;
+  static constexpr int kSettle = 50;
   /// us; after a longer silence all begins anew.
   static constexpr std::int64_t kMaxGap = 500'000;
 

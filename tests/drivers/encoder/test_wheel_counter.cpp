@@ -1,4 +1,4 @@
-#include "drivers/encoder/wheel_odometer.hpp"
+#include "drivers/encoder/wheel_counter.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kRadians = 2 * std::numbers::pi / 4096;
 
-TEST(WheelOdometerTest, BothWheelsCountForwardWhenTheVehicleDrivesForward) {
-  WheelOdometer odometer({});
+TEST(WheelCounterTest, BothWheelsCountForwardWhenTheVehicleDrivesForward) {
+  WheelCounter odometer({});
   odometer.update({1000, -500}, 0);
   const auto sample = odometer.update({1100, -600}, 0.01);
   ASSERT_TRUE(sample);
@@ -23,15 +23,15 @@ TEST(WheelOdometerTest, BothWheelsCountForwardWhenTheVehicleDrivesForward) {
   }
 }
 
-TEST(WheelOdometerTest, UnwrapsInBothDirections) {
-  WheelOdometer odometer({});
+TEST(WheelCounterTest, UnwrapsInBothDirections) {
+  WheelCounter odometer({});
   odometer.update({0x7FFFFFF0, -0x7FFFFFF0}, 0);
   EXPECT_EQ(odometer.update({-0x7FFFFFF0, 0x7FFFFFF0}, 0.01)->counts[0], 32);
   EXPECT_EQ(odometer.update({0x7FFFFFF0, -0x7FFFFFF0}, 0.01)->counts[1], 0);
 }
 
-TEST(WheelOdometerTest, AJumpIsRefusedOnceAndBelievedWhenItStays) {
-  WheelOdometer odometer({});
+TEST(WheelCounterTest, AJumpIsRefusedOnceAndBelievedWhenItStays) {
+  WheelCounter odometer({});
   odometer.update({0, 0}, 0);
   odometer.update({100, -100}, 0.01);
   EXPECT_FALSE(odometer.update({1 << 30, -200}, 0.01));
@@ -44,8 +44,8 @@ TEST(WheelOdometerTest, AJumpIsRefusedOnceAndBelievedWhenItStays) {
   EXPECT_EQ(odometer.counters()["counts_restarted"], 1);
 }
 
-TEST(WheelOdometerTest, TheCountsTellHowManyPeriodsHavePassed) {
-  WheelOdometer odometer({});
+TEST(WheelCounterTest, TheCountsTellHowManyPeriodsHavePassed) {
+  WheelCounter odometer({});
   odometer.update({0, 0}, 0);
   odometer.update({100, -100}, 0.01);
   EXPECT_EQ(odometer.likely_periods({201, -199}, 4, 0.01), 1);
@@ -54,8 +54,8 @@ TEST(WheelOdometerTest, TheCountsTellHowManyPeriodsHavePassed) {
   EXPECT_EQ(odometer.likely_periods({500, -500}, 2, 0.01), 2);
 }
 
-TEST(WheelOdometerTest, SlowWheelsAreNoEvidence) {
-  WheelOdometer odometer({});
+TEST(WheelCounterTest, SlowWheelsAreNoEvidence) {
+  WheelCounter odometer({});
   odometer.update({0, 0}, 0);
   odometer.update({2, -2}, 0.01);
   EXPECT_EQ(odometer.likely_periods({8, -8}, 4, 0.01), 1);
