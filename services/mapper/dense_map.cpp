@@ -214,7 +214,7 @@ bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
     if (give_up) counters_.add("dense.transient");
     return give_up;
   }
-  tile->append(point);
+  tile->append(point, last_call ? waiting.last : utime);
   counters_.add("dense.points");
   ++size_;
   return true;

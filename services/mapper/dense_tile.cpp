@@ -41,7 +41,8 @@ std::uint32_t DenseTile::voxel_number(const TilePoint& point) const {
   return static_cast<std::uint32_t>((layer * per_side + point.y / voxel_steps_) * per_side + point.x / voxel_steps_);
 }
 
-void DenseTile::append(const TilePoint& point) {
+void DenseTile::append(const TilePoint& point, std::int64_t utime) {
+  utime_ = std::max(utime_, utime);
   points_.push_back(point);
   occupied_.insert(voxel_number(point));
 }

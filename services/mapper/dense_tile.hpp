@@ -33,8 +33,10 @@ class DenseTile {
   /// Names the point's voxel within the tile.
   [[nodiscard]] std::uint32_t voxel_number(const TilePoint& point) const;
   [[nodiscard]] bool occupied(std::uint32_t voxel) const { return occupied_.contains(voxel); }
-  /// The point's voxel must not be occupied.
-  void append(const TilePoint& point);
+  /// The point's voxel must not be occupied. `utime`: of the revolution that settled the point.
+  void append(const TilePoint& point, std::int64_t utime);
+  /// When the newest point came, us. A fact of the content: whenever and in how many messages it is sent.
+  [[nodiscard]] std::int64_t utime() const { return utime_; }
 
   /// Lowest height seen in each 0.6 m column, m in map; +infinity where nothing was seen.
   static constexpr int kColumns = 5;
@@ -49,6 +51,7 @@ class DenseTile {
   std::int32_t z_origin_;
   int voxel_steps_;
   bool asleep_ = false;
+  std::int64_t utime_ = 0;
   std::vector<TilePoint> points_;
   NumberSet occupied_;
   std::vector<float> lowest_;

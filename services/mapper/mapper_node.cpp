@@ -153,7 +153,7 @@ std::int32_t MapperNode::send_points(TileKey key, std::int32_t first) {
   const std::int32_t last = std::min(total, first + kPointsPerMessage);
   if (last <= first) return first;
   map_points_t message;
-  message.utime = last_end_;
+  message.utime = tile->utime();
   message.epoch = epoch_;
   message.tile_x = key.x;
   message.tile_y = key.y;
