@@ -29,7 +29,7 @@ void add_curbs(const Truth& truth, const Pose& T_map_truth, bool dropped, std::v
     if (goes_on)
       lines.back().points.push_back(at);
     else
-      lines.push_back({{at, at}, dropped ? kDropped : kCurb, 4.0});  // twice: a point alone is a dot
+      lines.push_back({{at, at}, dropped ? kDropped : kCurb, 3.0});  // twice: a point alone is a dot
     last = &point;
   }
 }

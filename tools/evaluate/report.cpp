@@ -64,8 +64,11 @@ std::string run_table(const RunFigures& run) {
                         run.lost_by_recorder);
   }
   for (const auto& [name, value] : run.losses) text += fmt::format("             {} {}\n", name, value);
-  text += fmt::format("latency      measurement to tile: p50 {:.0f} ms, p95 {:.0f} ms ({} tiles)\n", run.latency_p50_ms,
-                      run.latency_p95_ms, run.tiles);
+  if (run.latency) {
+    text += fmt::format("latency      measurement to tile: p50 {:.0f} ms, p95 {:.0f} ms ({} tiles)\n",
+                        run.latency->p50_ms, run.latency->p95_ms, run.latency->tiles);
+  }
+  if (run.cores.empty()) return text;
   double sum = 0;
   std::string cores;
   for (const auto& [service, share] : run.cores) {
@@ -113,8 +116,8 @@ std::string to_json(const Evaluation& e) {
   if (e.run) {
     json["dropped"] = {
         {"packets", e.run->lost_packets}, {"messages", e.run->lost_messages}, {"by_recorder", e.run->lost_by_recorder}};
-    json["latency_ms"] = {{"p50", e.run->latency_p50_ms}, {"p95", e.run->latency_p95_ms}};
-    json["cores"] = e.run->cores;
+    if (e.run->latency) json["latency_ms"] = {{"p50", e.run->latency->p50_ms}, {"p95", e.run->latency->p95_ms}};
+    if (!e.run->cores.empty()) json["cores"] = e.run->cores;
   }
   return json.dump(2) + "\n";
 }

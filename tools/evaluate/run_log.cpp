@@ -61,14 +61,30 @@ double percentile(std::vector<double>& values, double q) {
 
 }  // namespace
 
+namespace {
+
+struct SentTile {
+  std::int64_t log_utime;
+  double latency_ms;
+};
+
+std::optional<RunFigures::Latency> latency_of(const std::vector<SentTile>& tiles, std::int64_t lidar_end) {
+  std::vector<double> latencies;
+  for (const SentTile& tile : tiles) {
+    if (tile.log_utime <= lidar_end) latencies.push_back(tile.latency_ms);
+  }
+  const bool live = std::any_of(latencies.begin(), latencies.end(), [](double ms) { return ms > 0; });
+  if (!live) return std::nullopt;
+  return RunFigures::Latency{percentile(latencies, 0.5), percentile(latencies, 0.95),
+                             static_cast<int>(latencies.size())};
+}
+
+}  // namespace
+
 RunFigures read_run_log(const std::string& file) {
   LogReader reader(file);
   std::map<std::pair<std::string, int>, ProcessSpan> processes;
-  struct Sent {
-    std::int64_t log_utime;
-    double latency_ms;
-  };
-  std::vector<Sent> tiles;
+  std::vector<SentTile> tiles;
   SequenceGaps gaps;
   std::int64_t lidar_end = 0;
   while (const auto event = reader.next()) {
@@ -94,6 +110,7 @@ RunFigures read_run_log(const std::string& file) {
   }
 
   RunFigures figures;
+  figures.processes = static_cast<int>(processes.size());
   figures.lost_by_recorder = gaps.missing();
   for (const auto& [id, span] : processes) {
     const std::string& service = id.first;
@@ -108,13 +125,7 @@ RunFigures read_run_log(const std::string& file) {
       (on_the_bus ? figures.lost_messages : figures.lost_packets) += value;
     }
   }
-  std::vector<double> latencies;
-  for (const Sent& tile : tiles) {
-    if (tile.log_utime <= lidar_end) latencies.push_back(tile.latency_ms);
-  }
-  figures.tiles = static_cast<int>(latencies.size());
-  figures.latency_p50_ms = percentile(latencies, 0.5);
-  figures.latency_p95_ms = percentile(latencies, 0.95);
+  figures.latency = latency_of(tiles, lidar_end);
   return figures;
 }
 

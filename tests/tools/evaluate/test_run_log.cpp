@@ -46,9 +46,24 @@ TEST(RunLog, SumsLossesLatencyAndCores) {
   const RunFigures run = read_run_log(file);
   EXPECT_EQ(run.lost_messages, 4);
   EXPECT_EQ(run.lost_packets, 0);
-  EXPECT_EQ(run.tiles, 1);
-  EXPECT_NEAR(run.latency_p95_ms, 50, 1e-9);
+  ASSERT_TRUE(run.latency);
+  EXPECT_EQ(run.latency->tiles, 1);
+  EXPECT_NEAR(run.latency->p95_ms, 50, 1e-9);
   EXPECT_NEAR(run.cores.at("mapper"), 0.25, 1e-9);
+}
+
+TEST(RunLog, SaysNothingOfLatencyInALogThatWasNotRecordedLive) {
+  const std::string file = ::testing::TempDir() + "replayed.lcmlog";
+  {
+    LogWriter log(file);
+    lidar_points_t lidar{};
+    semantic_tile_t tile{};
+    tile.utime = lidar.utime = 1'000'000;
+    write(log, "SEMANTIC_TILE", tile, 0);  // the record's time is the message's own
+    write(log, "LIDAR_POINTS", lidar, 0);
+  }
+  EXPECT_FALSE(read_run_log(file).latency);
+  EXPECT_TRUE(read_run_log(file).cores.empty());
 }
 
 TEST(RunLog, SeesWhatTheRecorderMissed) {
