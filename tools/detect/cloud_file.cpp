@@ -176,7 +176,7 @@ std::vector<Eigen::Vector3f> read_cloud_folder(const std::string& folder, const 
   return points;
 }
 
-void write_labelled_pcd(const std::vector<LabelledPoint>& points, const std::string& path) {
+void write_labelled_pcd(const std::vector<DetectedPoint>& points, const std::string& path) {
   std::ofstream out(path, std::ios::binary);
   out << fmt::format(
       "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
@@ -184,7 +184,7 @@ void write_labelled_pcd(const std::vector<LabelledPoint>& points, const std::str
       "TYPE F F F F F F F F F U\nCOUNT 1 1 1 1 1 1 1 1 1 1\nWIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n"
       "POINTS {0}\nDATA binary\n",
       points.size());
-  for (const LabelledPoint& p : points) {
+  for (const DetectedPoint& p : points) {
     const float values[9] = {p.position.x(), p.position.y(), p.position.z(), p.normal.x(), p.normal.y(),
                              p.normal.z(),   p.stick,        p.plate,        p.ball};
     const auto label = static_cast<std::uint32_t>(p.label);

@@ -24,6 +24,6 @@ class CloudFileError : public std::runtime_error {
 [[nodiscard]] std::vector<Eigen::Vector3f> read_cloud_folder(const std::string& folder, const std::string& poses);
 
 /// Binary .pcd: x y z normal_x normal_y normal_z stick plate ball (float32), label (uint32, semantic_tile_t's classes).
-void write_labelled_pcd(const std::vector<LabelledPoint>& points, const std::string& path);
+void write_labelled_pcd(const std::vector<DetectedPoint>& points, const std::string& path);
 
 }  // namespace curbstone

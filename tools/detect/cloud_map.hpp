@@ -32,7 +32,7 @@ struct CloudCurb {
 };
 
 /// A point that was used, labelled.
-struct LabelledPoint {
+struct DetectedPoint {
   Eigen::Vector3f position;
   Eigen::Vector3f normal;
   float stick = 0, plate = 0, ball = 0;
@@ -42,7 +42,7 @@ struct LabelledPoint {
 struct CloudMap {
   std::vector<MapTile> tiles;  ///< by key
   std::vector<CloudCurb> curbs;
-  std::vector<LabelledPoint> points;
+  std::vector<DetectedPoint> points;
   std::size_t not_finite = 0;  ///< points skipped
   std::size_t out_of_range = 0;
 };

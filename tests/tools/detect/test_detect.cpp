@@ -172,7 +172,7 @@ TEST_F(DetectTest, BadFilesGiveOneLineStatus1AndNoOutput) {
 }
 
 TEST_F(DetectTest, RandomDamageToAPcdDoesNoHarm) {
-  std::vector<LabelledPoint> points(200);
+  std::vector<DetectedPoint> points(200);
   const fs::path good = folder_ / "good.pcd";
   write_labelled_pcd(points, good.string());
   std::ifstream in(good, std::ios::binary);
