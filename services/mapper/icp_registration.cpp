@@ -11,6 +11,9 @@
 namespace curbstone {
 namespace {
 
+/// Points near each other share their plane and its error: of so many, one counts.
+constexpr double kIndependence = 1.0 / 25;
+
 /// Sums of one Gauss-Newton step: H d = -b.
 struct NormalEquations {
   Matrix6 H = Matrix6::Zero();
@@ -18,7 +21,7 @@ struct NormalEquations {
   double weight = 0;         // sum of robust weights
   double lever = 0;          // sum of weight * squared distance of the point from base_link
   double squared_error = 0;  // of inliers, m^2
-  int used = 0;
+  int found = 0;             // points for which the map had a plane
   int inliers = 0;
 };
 
@@ -34,8 +37,8 @@ void add_point(const Eigen::Vector3d& p, const MapPlane& plane, const Pose& T, c
   const Eigen::Vector3d n = plane.normal.cast<double>();
   const double r = n.dot(T * p - plane.mean.cast<double>());
   const double error = std::abs(r);
+  ++sum.found;
   if (!(error < kernel.reach)) return;
-  ++sum.used;
   const double variance = kernel.sensor_variance + static_cast<double>(plane.variance);
   const double bound = std::max(kernel.bound, std::sqrt(variance));
   if (error < 3 * bound) {
@@ -107,12 +110,16 @@ IcpRegistration::IcpRegistration(const IcpConfig& config)
       coarse_(
           {.voxel = config.coarse_voxel, .capacity = 100, .min_points = 10, .min_width = 0.3 * config.coarse_voxel}) {}
 
+/// The finest plane within reach; where none is, one that is out of reach.
 const MapPlane* IcpRegistration::plane_at(const Eigen::Vector3f& point, float reach) {
+  const MapPlane* found = nullptr;
   for (PlaneLevel* level : {&fine_, &coarse_}) {
     const MapPlane* plane = level->plane_at(point);
-    if (plane != nullptr && std::abs(plane->normal.dot(point - plane->mean)) < reach) return plane;
+    if (plane == nullptr) continue;
+    found = plane;
+    if (std::abs(plane->normal.dot(point - plane->mean)) < reach) break;
   }
-  return nullptr;
+  return found;
 }
 
 RegistrationResult IcpRegistration::align(const std::vector<LidarPoint>& points, const PosePrior& prior) {
@@ -132,8 +139,8 @@ RegistrationResult IcpRegistration::align(const std::vector<LidarPoint>& points,
       if (plane != nullptr) add_point(p, *plane, T, kernel, sum);
     }
     const Constraint lidar = without_degenerate(sum, config_.degenerate_below);
-    const Matrix6 H = lidar.H + prior.information;
-    const Vector6 b = lidar.b + prior.information * log_of(prior.T_map_base.inverse() * T);
+    const Matrix6 H = kIndependence * lidar.H + prior.information;
+    const Vector6 b = kIndependence * lidar.b + prior.information * log_of(prior.T_map_base.inverse() * T);
     const Vector6 step = H.ldlt().solve(-b);
     if (!step.allFinite()) break;
     T = normalised(T * exp_of(step));
@@ -146,8 +153,8 @@ RegistrationResult IcpRegistration::align(const std::vector<LidarPoint>& points,
     }
   }
   result.T_map_base = T;
-  result.used = sum.used;
-  result.inlier_ratio = source.empty() ? 0 : static_cast<double>(sum.inliers) / std::max(sum.used, 1);
+  result.overlap = static_cast<double>(sum.found) / static_cast<double>(std::max<std::size_t>(source.size(), 1));
+  result.inlier_ratio = static_cast<double>(sum.inliers) / std::max(sum.found, 1);
   result.residual = sum.inliers > 0 ? std::sqrt(sum.squared_error / sum.inliers) : 0;
   return result;
 }

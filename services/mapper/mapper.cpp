@@ -61,8 +61,8 @@ std::optional<MapperUpdate> Mapper::process(const Revolution& revolution, const 
     counters_.add("refused.sparse");
     return std::nullopt;
   }
-  if (last_ && std::abs(revolution.start - last_->end) < 1'000'000'000 && revolution.end <= last_->end) {
-    counters_.add("refused.time");  // the clock went back a little; a large jump is a new clock
+  if (last_ && revolution.end <= last_->end) {
+    counters_.add("refused.time");  // the clock went back: from here on its new time counts
     last_->end = revolution.end;
     return std::nullopt;
   }
@@ -74,42 +74,53 @@ std::optional<MapperUpdate> Mapper::process(const Revolution& revolution, const 
     return update;
   }
 
-  const Expectation expected = expect(revolution, odometry);
-  update.with_odometry = expected.with_odometry;
-  if (!expected.with_odometry) counters_.add("without_odometry");
-  const double stride = seconds(last_->end, revolution.end);
-  drift_ +=
-      expected.with_odometry
-          ? isotropic(config_.prior_floor_m + config_.prior_translation * expected.T_last_base.translation().norm(),
-                      config_.prior_floor_rad + config_.prior_rotation * angle_of(expected.T_last_base))
-          : isotropic(kAcceleration * std::clamp(stride, 0.05, 1.0), kTurning * std::clamp(stride, 0.05, 1.0));
-
-  const PosePrior prior = prior_of(expected);
-  std::vector<LidarPoint> points;
-  update.registration = align(revolution, expected, points);
-  update.registered = believe(update.registration, prior, expected.with_odometry);
+  Attempt attempt = try_with(revolution, expect(revolution, odometry));
+  if (!attempt.believed && attempt.expected.with_odometry) {
+    // Perhaps it is odometry that jumped.
+    Attempt second = try_with(revolution, expect_steady(revolution));
+    if (second.believed) {
+      counters_.add("odometry.not_believed");
+      attempt = std::move(second);
+    }
+  }
+  update.registration = attempt.result;
+  update.registered = attempt.believed;
+  update.with_odometry = attempt.expected.with_odometry;
+  if (!update.with_odometry) counters_.add("without_odometry");
+  if (!update.registered) counters_.add(attempt.refusal);
   if (first_ && !finish_start(update)) {
     start(revolution, odometry, update);
     return update;
   }
-  update.T_map_base = update.registered ? update.registration.T_map_base : prior.T_map_base;
+  conclude(revolution, odometry, attempt, update);
+  return update;
+}
+
+/// The new pose is settled: remembers it, and adds the revolution to the map if it fits.
+void Mapper::conclude(const Revolution& revolution, const OdometryHistory& odometry, const Attempt& attempt,
+                      MapperUpdate& update) {
+  update.T_map_base = update.registered ? attempt.result.T_map_base : attempt.prior.T_map_base;
   const Pose moved = last_->T_map_base.inverse() * update.T_map_base;
-  update.stationary = expected.stationary && moved.translation().norm() < 0.03 && angle_of(moved) < 0.01;
+  update.stationary = attempt.expected.stationary && moved.translation().norm() < 0.03 && angle_of(moved) < 0.01;
   if (update.stationary) update.T_map_base = last_->T_map_base;
   if (odometry.covers(revolution.end, revolution.end)) {
     T_map_odom_ = normalised(update.T_map_base * odometry.at(revolution.end).inverse());
   }
   update.T_map_odom = T_map_odom_;
-  twist_ = stride > 0 && stride < kLongestStride ? twist_of(moved, stride) : Twist{};
+  const double stride = seconds(last_->end, revolution.end);
+  if (stride < kLongestStride) {
+    twist_ = twist_of(moved, stride);
+    stride_ = stride;
+  }
   last_ = Last{revolution.end, update.T_map_base};
   if (update.registered) {
     refused_in_a_row_ = 0;
     drift_.setZero();
-    insert(points, update);
+    insert(attempt.points, update);
   } else {
     ++refused_in_a_row_;
+    drift_ += attempt.expected.covariance;
   }
-  return update;
 }
 
 void Mapper::start(const Revolution& revolution, const OdometryHistory& odometry, MapperUpdate& update) {
@@ -139,25 +150,45 @@ void Mapper::start(const Revolution& revolution, const OdometryHistory& odometry
   }
 }
 
-Mapper::Expectation Mapper::expect(const Revolution& revolution, const OdometryHistory& odometry) const {
-  Expectation expected;
+Mapper::Expectation Mapper::expect(const Revolution& revolution, const OdometryHistory& odometry) {
   const std::int64_t from = std::min(last_->end, revolution.start);
-  expected.with_odometry = odometry.covers(from, revolution.end);
-  if (expected.with_odometry) {
-    expected.T_last_base = odometry.at(last_->end).inverse() * odometry.at(revolution.end);
-    expected.stationary = odometry.stationary(from, revolution.end);
-  } else {
-    const double stride = seconds(last_->end, revolution.end);
-    if (stride > 0) expected.T_last_base = move(twist_, std::min(stride, kLongestStride));
+  if (!odometry.covers(from, revolution.end)) return expect_steady(revolution);
+  Expectation expected;
+  expected.with_odometry = true;
+  expected.T_last_base = odometry.at(last_->end).inverse() * odometry.at(revolution.end);
+  const double stride = std::max(seconds(last_->end, revolution.end), 0.02);
+  if (expected.T_last_base.translation().norm() > config_.max_speed * stride ||
+      angle_of(expected.T_last_base) > config_.max_turn * stride) {
+    counters_.add("odometry.not_believed");  // no vehicle moves like that: the filter began again, or jumped
+    return expect_steady(revolution);
   }
-  expected.sweep = odometry.covers(revolution.start, revolution.end)
-                       ? sweep_from(odometry, revolution)
-                       : steady_sweep(twist_, seconds(revolution.start, revolution.end));
+  expected.stationary = odometry.stationary(from, revolution.end);
+  expected.sweep = sweep_from(odometry, revolution);
+  expected.covariance =
+      isotropic(config_.prior_floor_m + config_.prior_translation * expected.T_last_base.translation().norm(),
+                config_.prior_floor_rad + config_.prior_rotation * angle_of(expected.T_last_base));
   return expected;
 }
 
-PosePrior Mapper::prior_of(const Expectation& expected) const {
-  return {normalised(last_->T_map_base * expected.T_last_base), drift_.inverse()};
+Mapper::Expectation Mapper::expect_steady(const Revolution& revolution) const {
+  double stride = seconds(last_->end, revolution.end);
+  if (stride > kLongestStride) stride = stride_;  // a new clock: the vehicle hardly waited for it
+  Expectation expected;
+  expected.T_last_base = move(twist_, stride);
+  expected.sweep = steady_sweep(twist_, seconds(revolution.start, revolution.end));
+  expected.covariance = isotropic(kAcceleration * std::max(stride, 0.05), kTurning * std::max(stride, 0.05));
+  return expected;
+}
+
+Mapper::Attempt Mapper::try_with(const Revolution& revolution, Expectation expected) {
+  Attempt attempt;
+  attempt.prior.T_map_base = normalised(last_->T_map_base * expected.T_last_base);
+  attempt.prior.information = (drift_ + expected.covariance).inverse();
+  attempt.expected = std::move(expected);
+  align(revolution, attempt);
+  attempt.refusal = refusal(attempt);
+  attempt.believed = attempt.refusal.empty();
+  return attempt;
 }
 
 std::vector<LidarPoint> Mapper::in_base(const Revolution& revolution, const SweepMotion& sweep) const {
@@ -173,30 +204,28 @@ std::vector<LidarPoint> Mapper::in_base(const Revolution& revolution, const Swee
 }
 
 /// Registers; where no odometry says how the vehicle moved during the revolution, the answer itself says it better than
-/// the expectation did, so de-skew and register again until both agree. What de-skew assumes comes out again about
-/// half, so the correction is doubled.
-RegistrationResult Mapper::align(const Revolution& revolution, const Expectation& expected,
-                                 std::vector<LidarPoint>& points) {
-  PosePrior prior = prior_of(expected);
-  points = in_base(revolution, expected.sweep);
-  RegistrationResult result = registration_->align(points, prior);
+/// the expectation did, so de-skew and register again. Not until both agree: on a young map the two can chase each
+/// other.
+void Mapper::align(const Revolution& revolution, Attempt& attempt) {
+  attempt.points = in_base(revolution, attempt.expected.sweep);
+  attempt.result = registration_->align(attempt.points, attempt.prior);
   const double stride = seconds(last_->end, revolution.end);
-  if (expected.with_odometry || !(stride > 0 && stride < kLongestStride)) return result;
+  if (attempt.expected.with_odometry || stride > kLongestStride) return;
   const double sweep_seconds = seconds(revolution.start, revolution.end);
   Twist assumed = twist_;
-  for (int pass = 0; pass < kDeskewPasses && result.converged; ++pass) {
-    const Twist found = twist_of(last_->T_map_base.inverse() * result.T_map_base, stride);
+  PosePrior prior = attempt.prior;
+  for (int pass = 0; pass < kDeskewPasses && attempt.result.converged; ++pass) {
+    const Twist found = twist_of(last_->T_map_base.inverse() * attempt.result.T_map_base, stride);
     if ((found.linear - assumed.linear).norm() * sweep_seconds < 0.01 &&
         (found.angular - assumed.angular).norm() * sweep_seconds < 1e-3) {
       break;
     }
     assumed = found;
-    points = in_base(revolution, steady_sweep(assumed, sweep_seconds));
-    prior.T_map_base = last_->T_map_base * move(assumed, stride);
+    attempt.points = in_base(revolution, steady_sweep(assumed, sweep_seconds));
+    prior.T_map_base = attempt.result.T_map_base;
     if (first_) begin_registration_map(assumed);
-    result = registration_->align(points, prior);
+    attempt.result = registration_->align(attempt.points, prior);
   }
-  return result;
 }
 
 /// The second revolution tells whether the first was any good: if it fits, the first goes into the map, else it is
@@ -222,23 +251,20 @@ void Mapper::begin_registration_map(const Twist& twist) {
   registration_->insert(first_points_, last_->T_map_base);
 }
 
-bool Mapper::believe(const RegistrationResult& result, const PosePrior& prior, bool with_odometry) {
-  const Pose jump = prior.T_map_base.inverse() * result.T_map_base;
-  const double sigma_m = std::sqrt(drift_(0, 0));
-  const double sigma_rad = std::sqrt(drift_(3, 3));
-  const double max_m = (with_odometry ? config_.max_jump_m : 0) + 3 * sigma_m;
-  const double max_rad = (with_odometry ? config_.max_jump_rad : 0) + 3 * sigma_rad;
-  const char* reason = nullptr;
-  if (!result.converged)
-    reason = "refused.not_converged";
-  else if (result.inlier_ratio < config_.min_inliers)
-    reason = "refused.inliers";
-  else if (result.residual > config_.max_residual)
-    reason = "refused.residual";
-  else if (jump.translation().norm() > max_m || angle_of(jump) > max_rad)
-    reason = "refused.jump";
-  if (reason != nullptr) counters_.add(reason);
-  return reason == nullptr;
+/// Why an answer is not believed; empty if it is.
+std::string Mapper::refusal(const Attempt& attempt) const {
+  const RegistrationResult& result = attempt.result;
+  if (!result.converged) return "refused.not_converged";
+  if (result.overlap < config_.min_overlap) return "refused.overlap";
+  if (result.inlier_ratio < config_.min_inliers) return "refused.inliers";
+  if (result.residual > config_.max_residual) return "refused.residual";
+  const Pose jump = attempt.prior.T_map_base.inverse() * result.T_map_base;
+  const Matrix6 covariance = drift_ + attempt.expected.covariance;
+  const bool guided = attempt.expected.with_odometry;
+  const double max_m = (guided ? config_.max_jump_m : 0) + 3 * std::sqrt(covariance(0, 0));
+  const double max_rad = (guided ? config_.max_jump_rad : 0) + 3 * std::sqrt(covariance(3, 3));
+  if (jump.translation().norm() > max_m || angle_of(jump) > max_rad) return "refused.jump";
+  return {};
 }
 
 void Mapper::insert(const std::vector<LidarPoint>& points, MapperUpdate& update) {

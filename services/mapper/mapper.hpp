@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/counters.hpp"
@@ -31,8 +32,8 @@ struct MapperUpdate {
 
 /// The mapper's method: de-skew, register, insert. A function of the sequence of calls alone. Pure; one thread.
 ///
-/// Counters: revolutions, refused.sparse, refused.not_converged, refused.inliers, refused.residual, refused.jump,
-/// refused.time, skipped.odometry_not_ready, without_odometry.
+/// Counters: revolutions, keyframes, refused.sparse, refused.time, refused.not_converged, refused.overlap,
+/// refused.inliers, refused.residual, refused.jump, odometry.not_believed, without_odometry.
 class Mapper {
  public:
   explicit Mapper(const MapperConfig& config);
@@ -57,15 +58,27 @@ class Mapper {
     bool with_odometry = false;  // odometry spans from the last revolution's end to this one's
     bool stationary = false;
     SweepMotion sweep;
-    Pose T_last_base = Pose::Identity();  // base now, seen from base at the last revolution's end
+    Pose T_last_base = Pose::Identity();   // base now, seen from base at the last revolution's end
+    Matrix6 covariance = Matrix6::Zero();  // of T_last_base
+  };
+  /// One registration of a revolution, beginning from an expectation.
+  struct Attempt {
+    Expectation expected;
+    PosePrior prior;
+    std::vector<LidarPoint> points;  // de-skewed, in base_link
+    RegistrationResult result;
+    std::string refusal;  // the counter of why it is not believed; empty if it is
+    bool believed = false;
   };
 
-  [[nodiscard]] Expectation expect(const Revolution& revolution, const OdometryHistory& odometry) const;
-  [[nodiscard]] PosePrior prior_of(const Expectation& expected) const;
+  [[nodiscard]] Expectation expect(const Revolution& revolution, const OdometryHistory& odometry);
+  [[nodiscard]] Expectation expect_steady(const Revolution& revolution) const;
   [[nodiscard]] std::vector<LidarPoint> in_base(const Revolution& revolution, const SweepMotion& sweep) const;
-  [[nodiscard]] RegistrationResult align(const Revolution& revolution, const Expectation& expected,
-                                         std::vector<LidarPoint>& points);
-  [[nodiscard]] bool believe(const RegistrationResult& result, const PosePrior& prior, bool with_odometry);
+  [[nodiscard]] Attempt try_with(const Revolution& revolution, Expectation expected);
+  void align(const Revolution& revolution, Attempt& attempt);
+  [[nodiscard]] std::string refusal(const Attempt& attempt) const;
+  void conclude(const Revolution& revolution, const OdometryHistory& odometry, const Attempt& attempt,
+                MapperUpdate& update);
   void start(const Revolution& revolution, const OdometryHistory& odometry, MapperUpdate& update);
   void begin_registration_map(const Twist& twist);
   [[nodiscard]] bool finish_start(MapperUpdate& update);
@@ -79,11 +92,12 @@ class Mapper {
   std::optional<Revolution> first_;       // until its motion is known, where there is no odometry
   std::vector<LidarPoint> first_points_;  // of it, de-skewed
   Twist twist_;                           // over the last revolution
+  double stride_ = 0.05;                  // s from revolution to revolution
   Pose T_map_odom_ = Pose::Identity();
   Pose T_map_keyframe_ = Pose::Identity();  // when the registration map last took a revolution
   Pose T_map_moved_ = Pose::Identity();     // when the vehicle was last known to move
   std::int64_t moved_ = 0;                  // us, when that was
-  Matrix6 drift_ = Matrix6::Zero();         // covariance of odometry since the last registered revolution
+  Matrix6 drift_ = Matrix6::Zero();  // covariance of the pose at the end of the last revolution, if that was refused
   int refused_in_a_row_ = 0;
   Counters counters_;
 };

@@ -19,10 +19,13 @@ struct MapperConfig {
   double prior_floor_m = 0.01;      ///< m, added to it each revolution
   double prior_floor_rad = 0.003;   ///< rad, added to it each revolution
   int min_points = 400;             ///< of a revolution that is worth registering
-  double min_inliers = 0.5;         ///< ratio; below, the revolution is refused
+  double min_overlap = 0.2;         ///< share of points for which the map must have a surface; below, refused
+  double min_inliers = 0.6;         ///< of those, the share that must lie on it; below, refused
   double max_residual = 0.15;       ///< m; above, the revolution is refused
   double max_jump_m = 0.5;          ///< m against odometry, beyond which registration is not believed
   double max_jump_rad = 0.15;       ///< rad against odometry
+  double max_speed = 40.0;          ///< m/s: odometry that claims more is not believed
+  double max_turn = 6.0;            ///< rad/s, likewise
   double keyframe_m = 0.05;         ///< m moved until a revolution goes into the map for registration
   double keyframe_rad = 0.01;       ///< rad turned until it does
   VehicleConfig vehicle;
@@ -38,10 +41,13 @@ struct MapperConfig {
     v.field("prior_floor_m", prior_floor_m, {1e-4, 1.0}, "m, 1 sigma, added each revolution");
     v.field("prior_floor_rad", prior_floor_rad, {1e-5, 1.0}, "rad, 1 sigma, added each revolution");
     v.field("min_points", min_points, {10, 100000}, "of a revolution that is worth registering");
+    v.field("min_overlap", min_overlap, {0.0, 1.0}, "share of points with a surface in the map, below: refused");
     v.field("min_inliers", min_inliers, {0.0, 1.0}, "ratio of inliers below which a revolution is refused");
     v.field("max_residual", max_residual, {0.01, 2.0}, "m, RMS above which a revolution is refused");
     v.field("max_jump_m", max_jump_m, {0.01, 100.0}, "m against odometry that is not believed");
     v.field("max_jump_rad", max_jump_rad, {0.001, 3.0}, "rad against odometry that is not believed");
+    v.field("max_speed", max_speed, {1.0, 1000.0}, "m/s, odometry that claims more is not believed");
+    v.field("max_turn", max_turn, {0.1, 100.0}, "rad/s, odometry that claims more is not believed");
     v.field("keyframe_m", keyframe_m, {0.0, 10.0}, "m moved until the registration map takes a revolution");
     v.field("keyframe_rad", keyframe_rad, {0.0, 3.0}, "rad turned until it does");
     v.section("vehicle", vehicle, "what the parts share about the vehicle");

@@ -16,7 +16,9 @@ namespace {
 constexpr std::size_t kMaxPending = 80;           // revolutions that wait for odometry; 20 Hz: 4 s
 constexpr std::int32_t kPointsPerMessage = 3000;  // 7 bytes each: 21 kB, well under 48 kB
 constexpr std::int64_t kTilePeriod = 200'000;     // us between two messages about a tile
-constexpr int kMessagesPerTick = 3;               // every 20 ms: at most 3 MB/s
+constexpr int kMessagesPerTick = 24;              // every 20 ms
+constexpr int kPointsPerTick = 5000;              // 35 kB: 1.7 MB/s, the map of a vehicle at 3 m/s makes 0.25
+constexpr int kRequestsPerTick = 1;               // tiles, of some 8000 points at most
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 
 std::int64_t microseconds(double seconds) {
@@ -94,7 +96,7 @@ void MapperNode::process(const Revolution& revolution) {
   const bool passed = odometry_.passed(revolution.end);
   if (!mapper_.started() && passed && !odometry_.covers(revolution.start, revolution.end)) {
     // The filter runs and does not know its attitude yet: a map begun now would not be level.
-    if (lidar_time_ - first_lidar_ <= microseconds(config_.start_wait_s)) {
+    if (revolution.end - first_lidar_ <= microseconds(config_.start_wait_s)) {
       counters_.add("skipped.odometry_not_ready");
       return;
     }
@@ -171,24 +173,27 @@ std::int32_t MapperNode::send_points(TileKey key, std::int32_t first) {
   return last;
 }
 
-void MapperNode::send_changes(std::int64_t now, int budget) {
-  for (std::size_t looks = changed_.size(); looks > 0 && budget > 0; --looks) {
+void MapperNode::send_changes(std::int64_t now) {
+  int messages = kMessagesPerTick;
+  int points = kPointsPerTick;
+  for (std::size_t looks = changed_.size(); looks > 0 && messages > 0 && points > 0; --looks) {
     const TileKey key = changed_.front();
     changed_.pop_front();
-    Sent& sent = sent_[key];
     const DenseTile* tile = mapper_.dense().tile(key);
-    if (tile == nullptr) {
+    if (tile == nullptr) {  // given up meanwhile
       is_changed_.erase(key);
-      sent_.erase(key);
       continue;
     }
+    Sent& sent = sent_[key];
     if (std::abs(now - sent.when) < kTilePeriod) {
       changed_.push_back(key);
       continue;
     }
-    sent.points = send_points(key, sent.points);
+    const std::int32_t before = sent.points;
+    sent.points = send_points(key, before);
     sent.when = now;
-    --budget;
+    --messages;
+    points -= sent.points - before;
     catalog_.set_version(key, sent.points);
     if (sent.points < static_cast<std::int32_t>(tile->points().size())) {
       changed_.push_back(key);
@@ -214,8 +219,8 @@ void MapperNode::send_index(std::int64_t now) {
 
 void MapperNode::tick(std::int64_t now) {
   if (epoch_ == 0) return;
-  send_changes(now, kMessagesPerTick);
-  send_requested(1);
+  send_changes(now);
+  send_requested(kRequestsPerTick);
   if (std::abs(now - index_sent_) >= kIndexPeriod) send_index(now);
 }
 

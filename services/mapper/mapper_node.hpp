@@ -46,7 +46,7 @@ class MapperNode final : public Node {
   void take_grown(const std::vector<TileKey>& grown);
   /// Sends points of a tile from `first` on, at most one message's worth. Returns the index after the last sent.
   std::int32_t send_points(TileKey key, std::int32_t first);
-  void send_changes(std::int64_t now, int budget);
+  void send_changes(std::int64_t now);
   void send_requested(int budget);
   void send_index(std::int64_t now);
 

@@ -24,8 +24,8 @@ struct RegistrationResult {
   Pose T_map_base = Pose::Identity();
   Matrix6 covariance = Matrix6::Zero();  ///< in base_link axes
   double residual = 0;                   ///< m, robust RMS distance of the inliers
-  double inlier_ratio = 0;               ///< of the points for which the map had a surface
-  int used = 0;                          ///< points for which the map had a surface
+  double inlier_ratio = 0;               ///< of the points for which the map had a surface, those that lie on it
+  double overlap = 0;                    ///< 0..1: share of the revolution's points for which the map had a surface
   int iterations = 0;
   int degenerate = 0;  ///< bit i: axis i of base_link was left to the prior
   bool converged = false;

@@ -94,7 +94,7 @@ int main(int argc, char** argv) {
     residual += update->registration.residual;
     inliers += update->registration.inlier_ratio;
     iterations += update->registration.iterations;
-    used += update->registration.used;
+    used += update->registration.overlap;
     degenerate |= update->registration.degenerate;
   };
   for (std::size_t scan = 0; scan < drive.size(); ++scan) {
@@ -116,7 +116,7 @@ int main(int argc, char** argv) {
   fmt::print(
       "t_rel {:.3f} %  r_rel {:.4f} deg/m  ATE {:.3f} m  end {:.2f} %  of {:.1f} m | ms median {:.1f} p95 {:.1f} | "
       "residual {:.3f} "
-      "inliers {:.2f} iterations {:.1f} used {:.0f} degenerate {:x} points {}\n",
+      "inliers {:.2f} iterations {:.1f} overlap {:.2f} degenerate {:x} points {}\n",
       e.t_rel_percent, e.r_rel_deg_per_m, e.ate_m, e.end_percent, e.length_m, ms[ms.size() / 2],
       ms[ms.size() * 95 / 100], residual / n, inliers / n, iterations / n, used / n, degenerate, mapper.dense().size());
   for (const auto& [name, value] : mapper.counters().values()) fmt::print("{} {}  ", name, value);

@@ -1,0 +1,196 @@
+#include "services/mapper/dense_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace curbstone {
+namespace {
+
+constexpr std::int64_t kStart = 1'700'000'000'000'000;
+constexpr std::int64_t kPeriod = 50'000;
+
+/// Ground in a patch around (x, y), as points in base_link, one in the middle of each voxel; the vehicle is at the
+/// origin of the map.
+std::vector<LidarPoint> patch(double x, double y, double z, double size = 1.0, double step = 0.05) {
+  std::vector<LidarPoint> points;
+  for (double dx = 0.025 - size / 2; dx < size / 2; dx += step) {
+    for (double dy = 0.025 - size / 2; dy < size / 2; dy += step) {
+      points.push_back({Eigen::Vector3d(x + dx, y + dy, z).cast<float>(), 0, 100, 0});
+    }
+  }
+  return points;
+}
+
+/// A box's side, from z = 0.3 m up, at distance x.
+std::vector<LidarPoint> side(double x, double low = 0.35, double high = 1.4) {
+  std::vector<LidarPoint> points;
+  for (double y = -0.6; y < 0.6; y += 0.04) {
+    for (double z = low; z < high; z += 0.1) points.push_back({Eigen::Vector3d(x, y, z).cast<float>(), 0, 50, 0});
+  }
+  return points;
+}
+
+std::vector<LidarPoint> operator+(std::vector<LidarPoint> a, const std::vector<LidarPoint>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+std::vector<Eigen::Vector3d> all_points(const DenseMap& map) {
+  std::vector<Eigen::Vector3d> out;
+  for (int x = -10; x < 10; ++x) {
+    for (int y = -10; y < 10; ++y) {
+      const DenseTile* tile = map.tile({x, y});
+      if (tile == nullptr) continue;
+      for (const TilePoint& p : tile->points()) {
+        out.emplace_back(x * kTileSize + p.x * kPositionStep, y * kTileSize + p.y * kPositionStep,
+                         tile->z_origin() + p.z * kPositionStep);
+      }
+    }
+  }
+  return out;
+}
+
+TEST(DenseMap, GivesOnePointAVoxelOnceItHasBeenHitThreeTimes) {
+  DenseMap map{DenseConfig{}};
+  const auto ground = patch(5, 5, 0.01);
+  EXPECT_TRUE(map.insert(ground, Pose::Identity(), kStart).empty());
+  EXPECT_TRUE(map.insert(ground, Pose::Identity(), kStart + kPeriod).empty());
+  EXPECT_FALSE(map.insert(ground, Pose::Identity(), kStart + 2 * kPeriod).empty());
+  std::set<std::array<int, 3>> voxels;
+  for (const Eigen::Vector3d& p : all_points(map)) {
+    EXPECT_TRUE(voxels
+                    .insert({static_cast<int>(std::floor(p.x() / 0.05 + 1e-6)),
+                             static_cast<int>(std::floor(p.y() / 0.05 + 1e-6)),
+                             static_cast<int>(std::floor(p.z() / 0.05 + 1e-6))})
+                    .second);
+  }
+  EXPECT_GT(voxels.size(), 350u);
+  EXPECT_EQ(static_cast<std::int64_t>(voxels.size()), map.size());
+}
+
+TEST(DenseMap, APointIsTheMeanOfItsHits) {
+  DenseMap map{DenseConfig{}};
+  const double heights[] = {0.012, 0.020, 0.034};
+  for (int i = 0; i < 3; ++i) {
+    (void)map.insert(
+        {{{4.025F, 4.025F, static_cast<float>(heights[i])}, 0, static_cast<std::uint8_t>(30 * (i + 1)), 0}},
+        Pose::Identity(), kStart + i * kPeriod);
+  }
+  const auto points = all_points(map);
+  ASSERT_EQ(points.size(), 1u);
+  EXPECT_NEAR(points[0].z(), 0.022, 0.002);
+  EXPECT_EQ(map.tile(*tile_at(4.0, 4.0))->points()[0].intensity, 60);
+}
+
+TEST(DenseMap, AVoxelHitOnceGoesInAfterAWhile) {
+  DenseMap map{DenseConfig{}};
+  (void)map.insert(patch(5, 5, 0), Pose::Identity(), kStart);
+  std::int64_t t = kStart;
+  while (t < kStart + 250'000) (void)map.insert({}, Pose::Identity(), t += kPeriod);
+  EXPECT_EQ(map.size(), 0);
+  (void)map.insert({}, Pose::Identity(), kStart + 300'000);
+  EXPECT_GT(map.size(), 350);
+}
+
+TEST(DenseMap, OnlyEverAppendsAndRepetitionChangesNothing) {
+  DenseMap map{DenseConfig{}};
+  std::int64_t t = kStart;
+  for (int i = 0; i < 4; ++i) (void)map.insert(patch(5, 5, 0), Pose::Identity(), t += kPeriod);
+  const auto before = all_points(map);
+  for (int i = 0; i < 40; ++i) EXPECT_TRUE(map.insert(patch(5, 5, 0), Pose::Identity(), t += kPeriod).empty());
+  EXPECT_EQ(all_points(map), before);
+  const TileKey key = *tile_at(5, 5);
+  const std::vector<TilePoint> tile = map.tile(key)->points();
+  for (int i = 0; i < 4; ++i) (void)map.insert(patch(5.2, 5.1, 0), Pose::Identity(), t += kPeriod);
+  const std::vector<TilePoint>& grown = map.tile(key)->points();
+  ASSERT_GT(grown.size(), tile.size());
+  for (std::size_t i = 0; i < tile.size(); ++i) {
+    EXPECT_EQ(grown[i].x, tile[i].x);
+    EXPECT_EQ(grown[i].y, tile[i].y);
+    EXPECT_EQ(grown[i].z, tile[i].z);
+  }
+}
+
+TEST(DenseMap, WhatStandsAboveGroundGoesInOnceItHasStayed) {
+  DenseMap map{DenseConfig{}};
+  std::int64_t t = kStart;
+  for (; t <= kStart + 900'000; t += kPeriod) (void)map.insert(patch(5, 0, 0, 2) + side(5), Pose::Identity(), t);
+  for (const Eigen::Vector3d& p : all_points(map)) EXPECT_LT(p.z(), 0.3);
+  for (; t <= kStart + 1'300'000; t += kPeriod) (void)map.insert(patch(5, 0, 0, 2) + side(5), Pose::Identity(), t);
+  int high = 0;
+  for (const Eigen::Vector3d& p : all_points(map)) high += p.z() > 0.3;
+  EXPECT_GT(high, 200);
+}
+
+TEST(DenseMap, WhatPassesByLeavesNoGhostNorItsWheels) {
+  DenseMap map{DenseConfig{}};
+  std::int64_t t = kStart;
+  // A car 3 m long at 5 m/s along x, 4 m to the left: it hides the ground that it is over.
+  for (int i = 0; i < 60; ++i, t += kPeriod) {
+    const double front = -8 + 5.0 * 0.05 * i;
+    std::vector<LidarPoint> seen;
+    for (double x = -8; x < 8; x += 0.04) {
+      const bool behind = x > front - 3 && x < front;
+      if (!behind) {
+        for (double y = 3; y < 6; y += 0.1) seen.push_back({Eigen::Vector3d(x, y, 0).cast<float>(), 0, 9, 0});
+        continue;
+      }
+      for (double y = 3; y < 4; y += 0.1) seen.push_back({Eigen::Vector3d(x, y, 0).cast<float>(), 0, 9, 0});
+      for (double z = 0.12; z < 1.4; z += 0.12) seen.push_back({Eigen::Vector3d(x, 4, z).cast<float>(), 0, 9, 0});
+    }
+    (void)map.insert(seen, Pose::Identity(), t);
+  }
+  for (int i = 0; i < 80; ++i) (void)map.insert({}, Pose::Identity(), t += kPeriod);
+  (void)map.finish();
+  int ghosts = 0;
+  for (const Eigen::Vector3d& p : all_points(map)) ghosts += p.z() > 0.05;
+  EXPECT_EQ(ghosts, 0);
+  EXPECT_GT(map.counters()["dense.transient"], 100);
+  EXPECT_GT(map.size(), 1000);  // the road is there
+}
+
+TEST(DenseMap, KeepsToItsRangeAndHeights) {
+  DenseMap map{DenseConfig{}};
+  for (int i = 0; i < 4; ++i) {
+    (void)map.insert(patch(25, 0, 0) + patch(5, 0, -4) + patch(5, 0, 6), Pose::Identity(), kStart + i * kPeriod);
+  }
+  (void)map.finish();
+  EXPECT_EQ(map.size(), 0);
+}
+
+TEST(DenseMap, AddsNothingNewWhenToldNotTo) {
+  DenseMap map{DenseConfig{}};
+  for (int i = 0; i < 4; ++i) (void)map.insert(patch(5, 0, 0), Pose::Identity(), kStart + i * kPeriod, false);
+  EXPECT_EQ(map.size(), 0);
+}
+
+TEST(DenseMap, GivesUpTheFarthestTilesWhenItIsFull) {
+  DenseConfig config;
+  config.max_points = 3000;
+  DenseMap map{config};
+  std::int64_t t = kStart;
+  for (int i = 0; i < 700; ++i) {
+    Pose T = Pose::Identity();
+    T.translation().x() = 0.5 * i;
+    (void)map.insert(patch(3, 0, 0, 1.0, 0.08), T, t += kPeriod);
+  }
+  EXPECT_GT(map.counters()["dense.evicted_tiles"], 10);
+  EXPECT_FALSE(map.take_evicted().empty());
+  EXPECT_EQ(map.tile({0, 0}), nullptr);
+  EXPECT_NE(map.tile(*tile_at(350, 0)), nullptr);
+}
+
+TEST(DenseMap, ATileThatSleptKnowsItsVoxelsWhenItWakes) {
+  DenseTile tile(0, 25);
+  const TilePoint a{10, 20, -30, 1}, b{1499, 1499, 32000, 2}, c{0, 0, -32000, 3};
+  for (const TilePoint& p : {a, b, c}) tile.append(p);
+  tile.sleep();
+  tile.wake();
+  for (const TilePoint& p : {a, b, c}) EXPECT_TRUE(tile.occupied(tile.voxel_number(p)));
+  EXPECT_FALSE(tile.occupied(tile.voxel_number({10, 20, 30, 1})));
+  EXPECT_EQ(tile.points().size(), 3u);
+}
+
+}  // namespace
+}  // namespace curbstone

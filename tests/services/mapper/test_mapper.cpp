@@ -1,0 +1,243 @@
+#include "services/mapper/mapper.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "services/mapper/revolution_assembler.hpp"
+#include "tests/services/mapper/synthetic_world.hpp"
+
+namespace curbstone {
+namespace {
+
+constexpr double kPeriod = 0.05;  // s
+
+std::int64_t utime(double seconds) {
+  return test::SyntheticWorld::kEpoch + std::llround(seconds * 1e6);
+}
+
+/// A vehicle at 3 m/s on a gentle curve.
+Pose driving(double t) {
+  return test::pose(-10, 0, 0, 0, 0, 0) * move({{3, 0, 0}, {0, 0, 0.05}}, t);
+}
+
+Revolution revolution_of(const std::vector<lidar_points_t>& packets) {
+  RevolutionAssembler assembler;
+  for (const lidar_points_t& packet : packets) (void)assembler.add(packet);
+  return *assembler.flush();
+}
+
+/// A mapper on a synthetic drive; poses are compared with the truth relative to the first.
+struct Drive {
+  test::SyntheticWorld world = test::street();
+  test::SyntheticWorld::Trajectory trajectory = driving;
+  MapperConfig config;
+  std::optional<Mapper> mapper;
+  OdometryHistory odometry;
+  Pose T_world_map = Pose::Identity();
+  int turn = 0;
+
+  Drive() {
+    world.noise = 0.01;
+    mapper.emplace(config);
+  }
+  /// Odometry as the filter would give it, `scale` times the true distance.
+  void with_odometry(double until, double scale = 1.0) {
+    for (double t = -0.05; t < until; t += 0.01) {
+      Pose T = trajectory(0).inverse() * trajectory(t);
+      T.translation() *= scale;
+      odometry.add({utime(t), T, true, false});
+    }
+  }
+  Revolution next() {
+    const int n = turn++;
+    return revolution_of(world.packets(trajectory, config.vehicle.T_base_lidar(), n, n * kPeriod, kPeriod));
+  }
+  std::optional<MapperUpdate> step() { return step(next()); }
+  std::optional<MapperUpdate> step(const Revolution& revolution) {
+    const bool first = !mapper->started();
+    auto update = mapper->process(revolution, odometry);
+    if (update && first) T_world_map = truth(update->utime) * update->T_map_base.inverse();
+    return update;
+  }
+  [[nodiscard]] Pose truth(std::int64_t t) const {
+    return trajectory(static_cast<double>(t - test::SyntheticWorld::kEpoch) * 1e-6);
+  }
+  [[nodiscard]] double error(const MapperUpdate& update) const {
+    return (truth(update.utime).inverse() * T_world_map * update.T_map_base).translation().norm();
+  }
+};
+
+TEST(Mapper, FollowsADriveWithPoorOdometry) {
+  Drive drive;
+  drive.with_odometry(5, 1.03);
+  std::optional<MapperUpdate> update;
+  for (int i = 0; i < 60; ++i) {
+    update = drive.step();
+    ASSERT_TRUE(update && update->registered) << i;
+    EXPECT_TRUE(update->with_odometry);
+  }
+  EXPECT_LT(drive.error(*update), 0.03);  // of 9 m; odometry alone is off by 0.27
+  // map and odom are tied together by this pose
+  EXPECT_TRUE((update->T_map_odom * drive.odometry.at(update->utime)).isApprox(update->T_map_base, 1e-9));
+}
+
+TEST(Mapper, FollowsADriveWithoutOdometry) {
+  Drive drive;
+  std::optional<MapperUpdate> update;
+  for (int i = 0; i < 60; ++i) {
+    update = drive.step();
+    ASSERT_TRUE(update && update->registered) << i;
+    EXPECT_FALSE(update->with_odometry);
+  }
+  EXPECT_LT(drive.error(*update), 0.08);
+  EXPECT_GT(drive.mapper->dense().size(), 10'000);
+}
+
+TEST(Mapper, LevelsTheMapByOdometry) {
+  Drive drive;
+  const Pose tilted = test::pose(0, 0, 0, 0.03, -0.02, 0.8);
+  for (int i = -5; i < 20; ++i) drive.odometry.add({utime(0.01 * i), tilted, true, true});
+  const auto update = drive.step();
+  ASSERT_TRUE(update);
+  const Eigen::Vector3d rpy = roll_pitch_yaw(update->T_map_base.linear());
+  EXPECT_NEAR(rpy.x(), 0.03, 1e-9);
+  EXPECT_NEAR(rpy.y(), -0.02, 1e-9);
+  EXPECT_NEAR(rpy.z(), 0, 1e-9);
+  EXPECT_EQ(update->T_map_base.translation().norm(), 0);
+}
+
+TEST(Mapper, AScanFromAnotherPlaceIsRefusedAndChangesNothing) {
+  Drive drive;
+  drive.with_odometry(5);
+  for (int i = 0; i < 30; ++i) (void)drive.step();
+  const std::int64_t points = drive.mapper->dense().size();
+  const std::int64_t keyframes = drive.mapper->counters()["keyframes"];
+  // Somewhere else: a narrow yard, turned.
+  test::SyntheticWorld elsewhere;
+  elsewhere.boxes = {
+      {{-3, -3, 0}, {-2, 3, 4}}, {{2.2, -3, 0}, {3, 3, 4}}, {{-3, 2.5, 0}, {3, 3, 4}}, {{-3, -3.4, 0}, {3, -2.1, 4}}};
+  const Revolution kidnapped =
+      revolution_of(elsewhere.packets([](double) { return test::pose(0, 0, 0.0, 0, 0, 0.7); },
+                                      drive.config.vehicle.T_base_lidar(), 30, 30 * kPeriod, kPeriod));
+  const auto update = drive.step(kidnapped);
+  ASSERT_TRUE(update);
+  EXPECT_FALSE(update->registered);
+  EXPECT_LT(drive.error(*update), 0.05);  // follows odometry
+  EXPECT_EQ(drive.mapper->counters()["keyframes"], keyframes);
+  EXPECT_LE(drive.mapper->dense().size(), points);
+  EXPECT_EQ(drive.mapper->refused_in_a_row(), 1);
+  ++drive.turn;
+  const auto after = drive.step();
+  ASSERT_TRUE(after && after->registered);
+  EXPECT_LT(drive.error(*after), 0.03);
+}
+
+TEST(Mapper, SurvivesOdometryThatJumps) {
+  Drive drive;
+  drive.with_odometry(1.02);
+  for (int i = 102; i < 500; ++i) {
+    Pose T = drive.trajectory(0).inverse() * drive.trajectory(0.01 * i);
+    T.translation() += Eigen::Vector3d(7, -4, 0);
+    drive.odometry.add({utime(0.01 * i), T, true, false});
+  }
+  std::optional<MapperUpdate> update;
+  for (int i = 0; i < 40; ++i) {
+    update = drive.step();
+    ASSERT_TRUE(update);
+  }
+  EXPECT_TRUE(update->registered);
+  EXPECT_LT(drive.error(*update), 0.05);
+}
+
+TEST(Mapper, RefusesWhatHasTooFewPointsAndSurvivesHalfARevolution) {
+  Drive drive;
+  drive.with_odometry(5);
+  for (int i = 0; i < 20; ++i) (void)drive.step();
+  Revolution empty = drive.next();
+  empty.points.clear();
+  EXPECT_FALSE(drive.step(empty));
+  Revolution sparse = drive.next();
+  sparse.points.resize(100);
+  EXPECT_FALSE(drive.step(sparse));
+  EXPECT_EQ(drive.mapper->counters()["refused.sparse"], 2);
+  Revolution half = drive.next();
+  half.points.resize(half.points.size() / 2);
+  const auto update = drive.step(half);
+  ASSERT_TRUE(update);
+  EXPECT_LT(drive.error(*update), 0.03);
+  const auto after = drive.step();
+  ASSERT_TRUE(after && after->registered);
+  EXPECT_LT(drive.error(*after), 0.03);
+}
+
+TEST(Mapper, SurvivesClocksThatJump) {
+  for (const std::int64_t jump : {-5'000'000LL, -4'000'000'000'000LL, 3'600'000'000LL}) {
+    Drive drive;
+    for (int i = 0; i < 20; ++i) (void)drive.step();
+    std::optional<MapperUpdate> update;
+    Revolution last;
+    for (int i = 0; i < 20; ++i) {
+      Revolution revolution = drive.next();
+      revolution.start += jump;
+      revolution.end += jump;
+      last = revolution;
+      update = drive.step(revolution);
+    }
+    ASSERT_TRUE(update && update->registered) << jump;
+    update->utime -= jump;
+    EXPECT_LT(drive.error(*update), 0.08) << jump;
+    EXPECT_LE(drive.mapper->counters()["refused.time"], 1);
+  }
+}
+
+TEST(Mapper, StandingStillNeitherDriftsNorGrows) {
+  Drive drive;
+  drive.trajectory = [](double) { return test::pose(-10, 0, 0, 0, 0, 0); };
+  std::int64_t points = 0;
+  std::int64_t keyframes = 0;
+  std::optional<MapperUpdate> update;
+  for (int i = 0; i < 120; ++i) {
+    update = drive.step();
+    ASSERT_TRUE(update && update->registered);
+    if (i == 80) {
+      points = drive.mapper->dense().size();
+      keyframes = drive.mapper->counters()["keyframes"];
+    }
+  }
+  EXPECT_LT(drive.error(*update), 0.003);
+  EXPECT_TRUE(update->stationary);
+  EXPECT_LT(drive.mapper->dense().size(), points + points / 500);
+  EXPECT_EQ(drive.mapper->counters()["keyframes"], keyframes);
+}
+
+TEST(Mapper, TheVehicleIsNoPartOfTheMap) {
+  Drive drive;
+  drive.trajectory = [](double) { return test::pose(-10, 0, 0, 0, 0, 0); };
+  Revolution revolution = drive.next();
+  const Pose T_lidar_base = drive.config.vehicle.T_base_lidar().inverse();
+  for (double x = -0.8; x < 0.8; x += 0.05) {
+    for (double z = 0.3; z < 1.9; z += 0.1) {
+      revolution.points.push_back({(T_lidar_base * Eigen::Vector3d(x, 0.55, z)).cast<float>(), 0.01F, 0, 0});
+    }
+  }
+  for (int i = 0; i < 40; ++i) {
+    revolution.start += 50'000;
+    revolution.end += 50'000;
+    (void)drive.step(revolution);
+  }
+  ASSERT_GT(drive.mapper->dense().size(), 1000);
+  for (int x = -1; x <= 0; ++x) {
+    for (int y = -1; y <= 0; ++y) {
+      const DenseTile* tile = drive.mapper->dense().tile({x, y});
+      if (tile == nullptr) continue;
+      for (const TilePoint& p : tile->points()) {
+        const double px = x * kTileSize + p.x * kPositionStep, py = y * kTileSize + p.y * kPositionStep;
+        EXPECT_FALSE(std::abs(px) < 0.9 && std::abs(py) < 0.6 && p.z > 100);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace curbstone
