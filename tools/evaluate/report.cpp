@@ -58,7 +58,9 @@ std::string class_table(const Confusion& classes) {
 }
 
 std::string run_table(const RunFigures& run) {
-  std::string text = fmt::format("losses       {} packets, {} messages\n", run.lost_packets, run.lost_messages);
+  std::string text = run.processes == 0
+                         ? "losses       not known: no SERVICE_STATUS in the recording\n"
+                         : fmt::format("losses       {} packets, {} messages\n", run.lost_packets, run.lost_messages);
   if (run.lost_by_recorder > 0) {
     text += fmt::format("             {} LIDAR_POINTS are not in the recording: a replay will differ\n",
                         run.lost_by_recorder);
@@ -114,8 +116,11 @@ std::string to_json(const Evaluation& e) {
                         {"rpe_deg_per_m", e.trajectory.rpe_deg_per_m},
                         {"end_percent", e.trajectory.end_percent}};
   if (e.run) {
-    json["dropped"] = {
-        {"packets", e.run->lost_packets}, {"messages", e.run->lost_messages}, {"by_recorder", e.run->lost_by_recorder}};
+    if (e.run->processes > 0) {
+      json["dropped"] = {{"packets", e.run->lost_packets},
+                         {"messages", e.run->lost_messages},
+                         {"by_recorder", e.run->lost_by_recorder}};
+    }
     if (e.run->latency) json["latency_ms"] = {{"p50", e.run->latency->p50_ms}, {"p95", e.run->latency->p95_ms}};
     if (!e.run->cores.empty()) json["cores"] = e.run->cores;
   }

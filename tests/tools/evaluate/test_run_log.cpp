@@ -44,6 +44,7 @@ TEST(RunLog, SumsLossesLatencyAndCores) {
     write(log, "SERVICE_STATUS", status("mapper", 9'000'000, 250'000, 4), 9'000'000);
   }
   const RunFigures run = read_run_log(file);
+  EXPECT_EQ(run.processes, 1);
   EXPECT_EQ(run.lost_messages, 4);
   EXPECT_EQ(run.lost_packets, 0);
   ASSERT_TRUE(run.latency);
@@ -64,6 +65,7 @@ TEST(RunLog, SaysNothingOfLatencyInALogThatWasNotRecordedLive) {
   }
   EXPECT_FALSE(read_run_log(file).latency);
   EXPECT_TRUE(read_run_log(file).cores.empty());
+  EXPECT_EQ(read_run_log(file).processes, 0);
 }
 
 TEST(RunLog, SeesWhatTheRecorderMissed) {
