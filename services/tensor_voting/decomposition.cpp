@@ -10,9 +10,10 @@ namespace {
 
 using Matrix = std::array<std::array<double, 3>, 3>;
 
-/// One Jacobi rotation in the plane of axes p and q: `a` loses its element (p, q), the columns of `v` turn along.
-void rotate(Matrix& a, Matrix& v, std::size_t p, std::size_t q) {
-  if (a[p][q] == 0) return;
+/// One Jacobi rotation in the plane of axes p and q: `a` loses its element (p, q), the columns of `v` turn along. An
+/// element up to `nothing` is as good as lost.
+inline void rotate(Matrix& a, Matrix& v, std::size_t p, std::size_t q, double nothing) {
+  if (std::abs(a[p][q]) <= nothing) return;
   // t = tan of the angle that zeroes a[p][q], the smaller root of t^2 + 2 t theta - 1 = 0 (Golub & Van Loan, 8.5.2).
   const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
   const double t = (theta >= 0 ? 1.0 : -1.0) / (std::abs(theta) + std::sqrt(theta * theta + 1));
@@ -40,9 +41,9 @@ Matrix diagonalise(Matrix& a) {
   const double scale = std::abs(a[0][0]) + std::abs(a[1][1]) + std::abs(a[2][2]);
   for (int sweep = 0; sweep < 8; ++sweep) {  // quadratic convergence: three or four sweeps
     if (std::abs(a[0][1]) + std::abs(a[0][2]) + std::abs(a[1][2]) <= 1e-15 * scale) break;
-    rotate(a, v, 0, 1);
-    rotate(a, v, 0, 2);
-    rotate(a, v, 1, 2);
+    rotate(a, v, 0, 1, 1e-16 * scale);
+    rotate(a, v, 0, 2, 1e-16 * scale);
+    rotate(a, v, 1, 2, 1e-16 * scale);
   }
   return v;
 }

@@ -2,6 +2,10 @@
 // CURBSTONE_KERNEL. It must not call inline functions of other headers: the linker could keep the copy that was
 // compiled for a machine that we are not on.
 
+#ifdef __AVX512F__
+#include <immintrin.h>
+#endif
+
 #include "services/tensor_voting/vote_kernel.hpp"
 
 namespace curbstone {
@@ -10,8 +14,11 @@ namespace {
 using Floats = float __attribute__((vector_size(4 * kLanes)));
 using Ints = std::int32_t __attribute__((vector_size(4 * kLanes)));
 using Words = std::uint32_t __attribute__((vector_size(4 * kLanes)));
+#ifdef __AVX512F__
+using Longs = std::int64_t __attribute__((vector_size(8 * kLanes)));
+#else
 using Longs = std::int64_t __attribute__((vector_size(4 * kLanes)));  // half of the lanes
-using HalfInts = std::int32_t __attribute__((vector_size(2 * kLanes)));
+#endif
 
 #define CURBSTONE_INLINE __attribute__((always_inline)) inline
 
@@ -47,9 +54,29 @@ struct Offsets {
 };
 
 /// Sums over the lanes of up to 2^33 votes.
+#ifdef __AVX512F__
+struct LaneSums {
+  Longs all{};
+  static CURBSTONE_INLINE LaneSums load_from(const std::int64_t* from) { return {load<Longs>(from)}; }
+  CURBSTONE_INLINE void store_to(std::int64_t* to) const { __builtin_memcpy(to, &all, sizeof all); }
+  CURBSTONE_INLINE void add(Ints v) {  // __builtin_convertvector would go by two halves
+    all += __builtin_bit_cast(Longs, _mm512_maskz_cvtepi32_epi64(0xff, __builtin_bit_cast(__m256i, v)));
+  }
+  [[nodiscard]] CURBSTONE_INLINE std::int64_t total() const {
+    return (all[0] + all[4]) + (all[1] + all[5]) + ((all[2] + all[6]) + (all[3] + all[7]));
+  }
+};
+#else
 struct LaneSums {
   Longs low{};
   Longs high{};
+  static CURBSTONE_INLINE LaneSums load_from(const std::int64_t* from) {
+    return {load<Longs>(from), load<Longs>(from + kLanes / 2)};
+  }
+  CURBSTONE_INLINE void store_to(std::int64_t* to) const {
+    __builtin_memcpy(to, &low, sizeof low);
+    __builtin_memcpy(to + kLanes / 2, &high, sizeof high);
+  }
   CURBSTONE_INLINE void add(Ints v) {
     low += __builtin_convertvector(__builtin_shufflevector(v, v, 0, 1, 2, 3), Longs);
     high += __builtin_convertvector(__builtin_shufflevector(v, v, 4, 5, 6, 7), Longs);
@@ -59,6 +86,7 @@ struct LaneSums {
     return sum[0] + sum[1] + sum[2] + sum[3];
   }
 };
+#endif
 
 CURBSTONE_INLINE bool any(Ints mask) {
 #ifdef __AVX__
@@ -130,10 +158,9 @@ std::int64_t exchange(const Decay& decay, const StepPoint& at, float sign, Voter
     for (int c = 0; c < VoteSums::kCount; ++c) {
       own[c].add(votes.component[c]);
       auto* const received = reinterpret_cast<std::int64_t*>(&block->sums) + c * kLanes;
-      LaneSums theirs{load<Longs>(received), load<Longs>(received + kLanes / 2)};
+      LaneSums theirs = LaneSums::load_from(received);
       theirs.add(votes.component[c]);
-      __builtin_memcpy(received, &theirs.low, sizeof theirs.low);
-      __builtin_memcpy(received + kLanes / 2, &theirs.high, sizeof theirs.high);
+      theirs.store_to(received);
     }
   }
 #pragma GCC unroll 6
