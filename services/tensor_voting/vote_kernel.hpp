@@ -41,16 +41,23 @@ struct alignas(32) VoterBlock {
   return x ^ (1 << 30);
 }
 
+/// Blocks that lie side by side, and the pairs within reach found among them.
+struct BlockRange {
+  VoterBlock* blocks = nullptr;
+  std::size_t count = 0;
+  std::int64_t pairs = 0;
+};
+
 /// The inner loops, compiled once for each instruction set. All give the same bits: a vote is evaluated in float by
 /// additions, multiplications and divisions that IEEE 754 rounds in one way only, then cut to the integers of VoteSums.
 ///
 /// d^2 < radius2 is asked of a float: exact while radius < 2^12 steps in each direction.
 struct VoteKernel {
   const char* name;
-  /// Votes between a voter at `at` and each of `blocks`, both ways: the blocks' sums get `sign` (1, or -1 to take the
-  /// votes back) times them, and so do `sums`. Returns the number of pairs within reach.
-  std::int64_t (*exchange)(const Decay& decay, const StepPoint& at, float sign, VoterBlock* blocks,
-                           std::size_t num_blocks, std::int64_t* sums);
+  /// Votes between a voter at `at` and each of the blocks of `ranges`, both ways: the blocks' sums get `sign` (1, or -1
+  /// to take the votes back) times them, and so do `sums`. Sets the ranges' `pairs`.
+  void (*exchange)(const Decay& decay, const StepPoint& at, float sign, BlockRange* ranges, std::size_t num_ranges,
+                   std::int64_t* sums);
   /// Votes of `count` voters for a votee at `at`. The arrays must be readable for kLanes elements past their end.
   std::int64_t (*gather)(const Decay& decay, const StepPoint& at, const std::int32_t* x, const std::int32_t* y,
                          const std::int32_t* z, std::size_t count, std::int64_t* sums);

@@ -137,55 +137,67 @@ CURBSTONE_INLINE Votes votes_at(const Decay& decay, float sign, const Offsets& d
   return votes;
 }
 
+/// Lanes that are 1, of lanes that are 0 or 1.
 CURBSTONE_INLINE std::int64_t number_of(Ints pairs) {
+#ifdef __AVX__
+  return __builtin_popcount(static_cast<unsigned>(__builtin_ia32_movmskps256(__builtin_bit_cast(Floats, pairs << 31))));
+#else
   std::int64_t sum = 0;
   for (int lane = 0; lane < kLanes; ++lane) sum += pairs[lane];
   return sum;
+#endif
 }
 
-std::int64_t exchange(const Decay& decay, const StepPoint& at, float sign, VoterBlock* blocks, std::size_t num_blocks,
-                      std::int64_t* sums) {
-  LaneSums own[VoteSums::kCount];
-  Ints pairs{};
-  for (VoterBlock* block = blocks; block != blocks + num_blocks; ++block) {
-    const auto* const x = reinterpret_cast<const std::int32_t*>(block);
-    const Offsets offsets = offsets_from(at, x, x + kLanes, x + 2 * kLanes);
-    const Ints mask = within_reach(decay, offsets);
-    if (!any(mask)) continue;
-    pairs -= mask;
-    const Votes votes = votes_at(decay, sign, offsets, mask);
+/// The votes between one voter and a block, both ways. Returns the number of pairs.
+CURBSTONE_INLINE std::int64_t exchange_block(const Decay& decay, const StepPoint& at, float sign, VoterBlock* block,
+                                             LaneSums* own) {
+  const auto* const x = reinterpret_cast<const std::int32_t*>(block);
+  const Offsets offsets = offsets_from(at, x, x + kLanes, x + 2 * kLanes);
+  const Ints mask = within_reach(decay, offsets);
+  if (!any(mask)) return 0;
+  const Votes votes = votes_at(decay, sign, offsets, mask);
 #pragma GCC unroll 6
-    for (int c = 0; c < VoteSums::kCount; ++c) {
-      own[c].add(votes.component[c]);
-      auto* const received = reinterpret_cast<std::int64_t*>(&block->sums) + c * kLanes;
-      LaneSums theirs = LaneSums::load_from(received);
-      theirs.add(votes.component[c]);
-      theirs.store_to(received);
+  for (int c = 0; c < VoteSums::kCount; ++c) {
+    own[c].add(votes.component[c]);
+    auto* const received = reinterpret_cast<std::int64_t*>(&block->sums) + c * kLanes;
+    LaneSums theirs = LaneSums::load_from(received);
+    theirs.add(votes.component[c]);
+    theirs.store_to(received);
+  }
+  return number_of(-mask);
+}
+
+void exchange(const Decay& decay, const StepPoint& at, float sign, BlockRange* ranges, std::size_t num_ranges,
+              std::int64_t* sums) {
+  LaneSums own[VoteSums::kCount];
+  for (BlockRange* range = ranges; range != ranges + num_ranges; ++range) {
+    range->pairs = 0;
+    for (VoterBlock* block = range->blocks; block != range->blocks + range->count; ++block) {
+      range->pairs += exchange_block(decay, at, sign, block, own);
     }
   }
 #pragma GCC unroll 6
   for (int c = 0; c < VoteSums::kCount; ++c) sums[c] += own[c].total();
-  return number_of(pairs);
 }
 
 std::int64_t gather(const Decay& decay, const StepPoint& at, const std::int32_t* x, const std::int32_t* y,
                     const std::int32_t* z, std::size_t count, std::int64_t* sums) {
   constexpr Ints kLane = {0, 1, 2, 3, 4, 5, 6, 7};
   LaneSums own[VoteSums::kCount];
-  Ints pairs{};
+  std::int64_t pairs = 0;
   for (std::size_t i = 0; i < count; i += kLanes) {
     const Offsets offsets = offsets_from(at, x + i, y + i, z + i);
     const auto remaining = static_cast<std::int32_t>(count - i < kLanes ? count - i : kLanes);
     const Ints mask = within_reach(decay, offsets) & (kLane < remaining);
     if (!any(mask)) continue;
-    pairs -= mask;
+    pairs += number_of(-mask);
     const Votes votes = votes_at(decay, 1.0F, offsets, mask);
 #pragma GCC unroll 6
     for (int c = 0; c < VoteSums::kCount; ++c) own[c].add(votes.component[c]);
   }
 #pragma GCC unroll 6
   for (int c = 0; c < VoteSums::kCount; ++c) sums[c] += own[c].total();
-  return number_of(pairs);
+  return pairs;
 }
 
 }  // namespace

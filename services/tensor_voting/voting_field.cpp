@@ -149,7 +149,8 @@ std::int64_t VotingField::exchange(Neighbourhood& around, const Place& place, fl
   const auto square = [](std::int64_t v) { return v * v; };
   const int column_x = place.x / cell_;
   const int column_y = place.y / cell_;
-  std::int64_t total = 0;
+  ranges_.clear();
+  range_tiles_.clear();
   for (int iy = column_y - reach_; iy <= column_y + reach_; ++iy) {
     for (int ix = column_x - reach_; ix <= column_x + reach_; ++ix) {
       const std::int64_t away2 =
@@ -163,14 +164,18 @@ std::int64_t VotingField::exchange(Neighbourhood& around, const Place& place, fl
         Cell& cell = tile->cells[static_cast<std::size_t>(c)];
         c = cell.next;
         if (away2 + square(distance_to(place.z, cell.z * cell_, cell_)) >= reach2) continue;
-        const std::int64_t pairs =
-            kernel_.exchange(decay_, place.in_map, sign, cell.blocks.data(), cell.blocks.size(), sums.value.data());
-        if (pairs == 0) continue;
-        tile->num_votes += sign > 0 ? pairs : -pairs;
-        around.changed[t] = true;
-        total += pairs;
+        ranges_.push_back({cell.blocks.data(), cell.blocks.size(), 0});
+        range_tiles_.push_back(t);
       }
     }
+  }
+  kernel_.exchange(decay_, place.in_map, sign, ranges_.data(), ranges_.size(), sums.value.data());
+  std::int64_t total = 0;
+  for (std::size_t i = 0; i < ranges_.size(); ++i) {
+    if (ranges_[i].pairs == 0) continue;
+    around.tiles[range_tiles_[i]]->num_votes += sign > 0 ? ranges_[i].pairs : -ranges_[i].pairs;
+    around.changed[range_tiles_[i]] = true;
+    total += ranges_[i].pairs;
   }
   return total;
 }

@@ -82,6 +82,8 @@ class VotingField {
   std::unordered_map<TileKey, std::unique_ptr<Tile>, TileKeyHash> tiles_;
   std::set<TileKey> changed_;
   std::int64_t num_pairs_ = 0;
+  std::vector<BlockRange> ranges_;        // of exchange(), kept for their memory
+  std::vector<std::size_t> range_tiles_;  // the neighbour that each belongs to
 };
 
 }  // namespace curbstone
