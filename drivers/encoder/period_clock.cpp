@@ -48,7 +48,7 @@ PeriodClock::Stamp PeriodClock::stamp(std::int64_t received, const Evidence& evi
   return stamp;
 }
 
-/// A wrong timer unit doubles or halves the period. A block's mean is right to a few per cent whatever bunches.
+/// A wrong timer unit doubles or halves the period. A pause at a block's end spoils its mean: two blocks must agree.
 void PeriodClock::measure_period(std::int64_t received) {
   if (!running_ || block_size_++ == 0) {
     block_begin_ = received;
@@ -57,8 +57,10 @@ void PeriodClock::measure_period(std::int64_t received) {
   if (block_size_ < kBlock) return;
   const std::int64_t mean = (received - block_begin_) / (kBlock - 1);
   const auto differs = [&](std::int64_t period) { return 5 * std::abs(mean - period) > period; };
+  const bool confirmed = 20 * std::abs(mean - last_mean_) < mean;
+  last_mean_ = mean;
   block_size_ = 0;
-  if (!differs(period_)) return;
+  if (!differs(period_) || !confirmed) return;
   period_ = differs(nominal_) ? std::max<std::int64_t>((mean + 250) / 500 * 500, 500) : nominal_;
   running_ = false;
 }

@@ -55,6 +55,7 @@ class PeriodClock {
   int settling_ = 0;
   std::int64_t block_begin_ = 0;  // us, arrival of the block's first sample
   int block_size_ = 0;
+  std::int64_t last_mean_ = 0;  // us, period of the block before
 };
 
 }  // namespace curbstone

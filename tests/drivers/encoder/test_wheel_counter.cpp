@@ -105,6 +105,17 @@ TEST(PeriodClockTest, ASilenceOrAClockSetBackBeginsAnew) {
   EXPECT_EQ(clock.stamp(15'000, late).utime, 15'000);
 }
 
+TEST(PeriodClockTest, APauseIsNotAnotherPeriod) {
+  PeriodClock clock(10'000);
+  std::int64_t last = 0;
+  for (int i = 0; i < 300; ++i) {
+    const std::int64_t received = i >= 46 && i < 64 ? 640'000 + i : i * 10'000;  // the end of the first block
+    last = clock.stamp(received, [](int) { return 1; }).utime;
+    EXPECT_EQ(last, i * 10'000);
+    EXPECT_EQ(clock.period(), 10'000);
+  }
+}
+
 TEST(PeriodClockTest, AnotherPeriodIsNoticed) {
   PeriodClock clock(10'000);
   for (int i = 0; i < 200; ++i) clock.stamp(i * 20'000, [](int) { return 1; });
