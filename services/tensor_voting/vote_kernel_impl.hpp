@@ -54,20 +54,22 @@ struct Offsets {
 };
 
 /// Sums over the lanes of up to 2^33 votes.
-#ifdef __AVX512F__
 struct LaneSums {
+#ifdef __AVX512F__
   Longs all{};
-  static CURBSTONE_INLINE LaneSums load_from(const std::int64_t* from) { return {load<Longs>(from)}; }
-  CURBSTONE_INLINE void store_to(std::int64_t* to) const { __builtin_memcpy(to, &all, sizeof all); }
+  static CURBSTONE_INLINE LaneSums load_from(const std::int64_t* from) {
+    return {load<Longs>(from)};
+  }
+  CURBSTONE_INLINE void store_to(std::int64_t* to) const {
+    __builtin_memcpy(to, &all, sizeof all);
+  }
   CURBSTONE_INLINE void add(Ints v) {  // __builtin_convertvector would go by two halves
     all += __builtin_bit_cast(Longs, _mm512_maskz_cvtepi32_epi64(0xff, __builtin_bit_cast(__m256i, v)));
   }
   [[nodiscard]] CURBSTONE_INLINE std::int64_t total() const {
     return (all[0] + all[4]) + (all[1] + all[5]) + ((all[2] + all[6]) + (all[3] + all[7]));
   }
-};
 #else
-struct LaneSums {
   Longs low{};
   Longs high{};
   static CURBSTONE_INLINE LaneSums load_from(const std::int64_t* from) {
@@ -85,8 +87,8 @@ struct LaneSums {
     const Longs sum = low + high;
     return sum[0] + sum[1] + sum[2] + sum[3];
   }
-};
 #endif
+};
 
 CURBSTONE_INLINE bool any(Ints mask) {
 #ifdef __AVX__
