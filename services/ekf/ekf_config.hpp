@@ -88,8 +88,7 @@ struct SlipConfig {
   double speed_change = 0.3;  ///< m/s between wheels and accelerometer over `window`
   double window = 0.3;        ///< s
   double hold = 0.3;          ///< s that slip lasts after its last sign
-  double noise = 0.5;         ///< m/s, 1 sigma of a wheel's speed while slipping
-  double patience = 3.0;      ///< s of refused wheels, after which the filter doubts its own speed instead
+  double patience = 5.0;      ///< s of refused wheels, after which the filter doubts its own speed instead
 
   void visit(ConfigVisitor& v) {
     v.field("yaw_rate", yaw_rate, {0.001, 10.0}, "rad/s between wheels and gyro that is slip");
@@ -97,7 +96,6 @@ struct SlipConfig {
     v.field("speed_change", speed_change, {0.01, 10.0}, "m/s between wheels and accelerometer over the window");
     v.field("window", window, {0.05, 5.0}, "s over which changes of speed are compared");
     v.field("hold", hold, {0.0, 10.0}, "s that slip lasts after its last sign");
-    v.field("noise", noise, {0.01, 100.0}, "m/s, 1 sigma of a wheel's speed while slipping");
     v.field("patience", patience, {0.5, 60.0}, "s of refused wheels, after which the filter doubts its own speed");
   }
 };

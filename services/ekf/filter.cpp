@@ -11,6 +11,13 @@ constexpr std::size_t kMaxPending = 256;  // wheel samples between two of the IM
 constexpr double kGapStep = 0.03;         // s: a longer step of the IMU has lost samples
 constexpr double kGapNoise = 10.0;        // times the noise in such a step
 
+/// Says nothing, and changes nothing.
+Observation<1> no_observation() {
+  Observation<1> z;
+  z.R(0, 0) = 1.0;
+  return z;
+}
+
 }  // namespace
 
 Filter::Filter(const EkfConfig& config)
@@ -78,7 +85,10 @@ void Filter::add(const WheelSample& sample, std::vector<Estimate>& out) {
 
 void Filter::start(const ImuSample& sample) {
   const std::optional<Belief> first = start_up_.add(sample);
-  if (!first) return;
+  if (!first) {
+    still_.add(sample);
+    return;
+  }
   switch (start_up_.kind()) {
     case StartUp::Kind::kStanding:
       counters_.add("starts.standing");
@@ -92,6 +102,7 @@ void Filter::start(const ImuSample& sample) {
   }
   belief_ = last_good_ = *first;
   started_ = true;
+  standing_ = start_up_.kind() == StartUp::Kind::kStanding;
   start_up_.reset();
 }
 
@@ -271,9 +282,8 @@ void Filter::correct_driving(const WheelInterval& interval) {
   bool refused = true;
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
     const bool slipping = interval.end < slipping_until_[wheel];
-    rows[wheel] = observe(wheel, slipping ? config_.slip.noise : wheel_sigma(interval, wheel));
-    const bool inside = soften_beyond(kGate1, belief_, rows[wheel]);
-    refused = refused && (slipping || !inside);
+    rows[wheel] = slipping ? no_observation() : observe(wheel, wheel_sigma(interval, wheel));
+    refused = refused && slipping;
   }
   correct(belief_, stack(stack(rows[0], rows[1]), observe_constraint(motion)));
   notice_refusal(refused, interval, interval.mean_speed() - motion.velocity.x());

@@ -22,7 +22,7 @@ namespace curbstone {
 /// - start-up (StartUp); then every IMU sample predicts from the sample before, by the difference of the stamps, with
 ///   wheel samples between the two served at their own times;
 /// - every interval of the wheels corrects: driving, by both wheels' speeds and the non-holonomic constraint; standing,
-///   by zero velocity and zero rate. Wheels that slip keep little weight;
+///   by zero velocity and zero rate. A wheel that slips is left out;
 /// - without IMU it coasts on the wheels, without wheels on the IMU and the constraint; both heal by themselves.
 ///
 /// Takes samples in the order of their stamps (Sequencer). A stamp that goes back, or a step of more than

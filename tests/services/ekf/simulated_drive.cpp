@@ -8,9 +8,9 @@ namespace curbstone {
 namespace {
 
 constexpr std::int64_t kStart = 1'700'000'000'000'000;
-constexpr double kStep = 1e-3;  // s, of the truth
-constexpr int kSteps = 10;      // of the truth per sample
-constexpr int kWheelPhase = 3;  // of the truth, wheels after IMU
+constexpr double kStep = 2e-3;  // s, of the truth
+constexpr int kSteps = 5;       // of the truth per sample
+constexpr int kWheelPhase = 2;  // of the truth, wheels after IMU
 
 double smooth_step(double t, double begin, double end) {
   const double x = std::clamp((t - begin) / (end - begin), 0.0, 1.0);

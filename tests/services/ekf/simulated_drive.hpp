@@ -46,7 +46,7 @@ struct TruePose {
 
 struct Drive {
   std::vector<ImuSample> imu;       ///< 100 Hz
-  std::vector<WheelSample> wheels;  ///< 100 Hz, 3 ms off the IMU's stamps
+  std::vector<WheelSample> wheels;  ///< 100 Hz, 4 ms after the IMU's stamps
   std::vector<TruePose> truth;      ///< at the IMU's stamps
   double distance = 0.0;            ///< m
 

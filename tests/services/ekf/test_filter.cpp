@@ -34,7 +34,7 @@ Result run(const EkfConfig& config, const Drive& drive) {
 }
 
 /// From here: seconds since the drive began.
-[[maybe_unused]] double seconds_in(const Drive& drive, std::int64_t utime) {
+double seconds_in(const Drive& drive, std::int64_t utime) {
   return seconds_between(drive.imu.front().utime, utime);
 }
 
@@ -89,6 +89,208 @@ TEST(Filter, FollowsADriveOverHillsWithinOnePercent) {
   EXPECT_LT(errors.position, 0.01 * drive.distance);
   EXPECT_LT(errors.tilt, 0.5 * kDegree);
   EXPECT_LT(errors.yaw, 0.5 * kDegree);
+}
+
+TEST(Filter, LearnsBiasesThatItWasNotTold) {
+  EkfConfig config;
+  config.start.accelerometer_bias_sigma = 0.1;
+  DriveOptions options = typical();
+  options.curves = 0.6;
+  const Drive drive = simulate_drive(options, config.vehicle);
+  const Result result = run(config, drive);
+  const Estimate& last = result.estimates.back();
+  EXPECT_LT((last.gyro_bias - options.gyro_bias).cwiseAbs().maxCoeff(), 0.02 * kDegree);
+  EXPECT_LT((last.accelerometer_bias - options.accelerometer_bias).cwiseAbs().maxCoeff(), 0.02);
+}
+
+TEST(Filter, StartedOnTheMoveItLevelsItselfAndFindsTheGyroBias) {
+  const EkfConfig config;
+  DriveOptions options = typical();
+  options.stand_first = -4.0;  // already at speed
+  options.stop_at = 1e9;
+  const Drive drive = simulate_drive(options, config.vehicle);
+  const Result result = run(config, drive);
+  print("moving start", result, drive);
+  EXPECT_EQ(result.counters["starts.moving"], 1);
+  const Errors errors = errors_of(result, drive);
+  EXPECT_LT(errors.tilt, 2.0 * kDegree);
+  EXPECT_LT((result.estimates.back().gyro_bias - options.gyro_bias).cwiseAbs().maxCoeff(), 0.1 * kDegree);
+  EXPECT_LT(errors.position, 0.05 * drive.distance);
+}
+
+TEST(Filter, StartsAnywayWhenTheImuIsNeverQuietAndNoWheelTurns) {
+  const EkfConfig config;
+  DriveOptions options = typical();
+  options.seconds = 8.0;
+  options.stand_first = 100.0;
+  options.gyro_noise = 5e-3;  // 0.05 rad/s a sample
+  const Drive drive = simulate_drive(options, config.vehicle);
+  const Result result = run(config, drive);
+  ASSERT_FALSE(result.estimates.empty());
+  EXPECT_EQ(result.counters["starts.impatient"], 1);
+  EXPECT_NEAR(seconds_in(drive, result.estimates.front().utime), config.start.patience, 0.02);
+  EXPECT_GT(result.estimates.front().pose_covariance(3, 3), 1e-4);
+}
+
+TEST(Filter, StandsStillWithoutDrift) {
+  const EkfConfig config;
+  DriveOptions options = typical();
+  options.seconds = 120.0;
+  options.stop_at = 1e9;
+  options.stand_first = 1000.0;
+  const Drive drive = simulate_drive(options, config.vehicle);
+  const Result result = run(config, drive);
+  const Errors errors = errors_of(result, drive);
+  EXPECT_LT(errors.position, 1e-3);
+  EXPECT_LT(errors.yaw, 0.01 * kDegree);
+  EXPECT_TRUE(result.estimates.back().stationary);
+}
+
+TEST(Filter, OneSlippingWheelDoesNotTurnIt) {
+  const EkfConfig config;
+  DriveOptions options = typical();
+  options.slip_begin = 12.0;
+  options.slip_end = 14.0;
+  options.slip_left = 0.4;
+  const Drive drive = simulate_drive(options, config.vehicle);
+  const Result result = run(config, drive);
+  print("left wheel slips 40 % for 2 s", result, drive);
+  const Errors errors = errors_of(result, drive);
+  EXPECT_LT(errors.position, 0.01 * drive.distance);
+  EXPECT_LT(errors.yaw, 0.5 * kDegree);
+  EXPECT_GT(result.counters["slips.left"], 0);
+}
+
+TEST(Filter, BothWheelsSlippingDoNotCarryItAway) {
+  const EkfConfig config;
+  for (const double slip : {0.25, -1.0}) {  // spinning; locked
+    DriveOptions options = typical();
+    options.slip_begin = 12.0;
+    options.slip_end = 14.0;
+    options.slip_left = options.slip_right = slip;
+    const Drive drive = simulate_drive(options, config.vehicle);
+    const Result result = run(config, drive);
+    print(slip > 0 ? "both slip 25 % for 2 s" : "both locked for 2 s", result, drive);
+    const Errors errors = errors_of(result, drive);
+    EXPECT_LT(errors.position, 0.01 * drive.distance);  // wheels alone: 1.5 m and 6 m
+    EXPECT_LT(errors.tilt, 0.5 * kDegree);
+    for (const Estimate& e : result.estimates) {
+      const double t = seconds_in(drive, e.utime);
+      EXPECT_FALSE(e.stationary && t > 5.0 && t < 26.0) << "at " << t;
+      EXPECT_TRUE(e.slipping || t < 12.2 || t > 13.9) << "at " << t;
+    }
+  }
+}
+
+TEST(Filter, ADriveWithoutSlipShowsNone) {
+  const EkfConfig config;
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    DriveOptions options = typical();
+    options.seed = seed;
+    const Drive drive = simulate_drive(options, config.vehicle);
+    const Result result = run(config, drive);
+    EXPECT_LE(result.counters["slips.left"] + result.counters["slips.right"], 2) << "seed " << seed;
+  }
+}
+
+TEST(Filter, CoastsOnTheWheelsWithoutImuAndRecovers) {
+  const EkfConfig config;
+  const DriveOptions options = typical();
+  const Drive drive = simulate_drive(options, config.vehicle);
+  const auto lost = [&](const auto& s) { return std::abs(seconds_in(drive, s.utime) - 20.0) < 5.0; };
+  const Result result = run(
+      config, drive, [&](const ImuSample& s) { return !lost(s); }, [](const WheelSample&) { return true; });
+  print("no IMU for 10 s", result, drive);
+  int coasting = 0;
+  for (const Estimate& e : result.estimates) {
+    const double t = seconds_in(drive, e.utime);
+    coasting += e.no_imu ? 1 : 0;
+    EXPECT_EQ(e.no_imu, t > 15.1 && t < 25.0) << "at " << t;
+  }
+  EXPECT_NEAR(coasting, 990, 15);  // at the wheels' rate
+  EXPECT_LT(errors_of(result, drive).final_position, 0.02 * drive.distance);
+}
+
+TEST(Filter, CoastsOnTheImuWithoutWheelsWithAGrowingCovarianceAndRecovers) {
+  const EkfConfig config;
+  const Drive drive = simulate_drive(typical(), config.vehicle);
+  const auto lost = [&](const auto& s) { return std::abs(seconds_in(drive, s.utime) - 20.0) < 5.0; };
+  const Result result = run(
+      config, drive, [](const ImuSample&) { return true; }, [&](const WheelSample& s) { return !lost(s); });
+  print("no wheels for 10 s", result, drive);
+  double before = 0.0;
+  double after = 0.0;
+  for (const Estimate& e : result.estimates) {
+    const double t = seconds_in(drive, e.utime);
+    EXPECT_EQ(e.no_wheels, t > 15.195 && t < 25.005) << "at " << t;
+    if (t < 15.0) before = e.twist_covariance(0, 0);
+    if (t < 25.0) after = e.twist_covariance(0, 0);
+  }
+  EXPECT_GT(after, 10.0 * before);
+  EXPECT_LT(result.estimates.back().twist_covariance(0, 0), 2.0 * before);
+  EXPECT_LT(errors_of(result, drive).final_position, 0.03 * drive.distance);
+}
+
+TEST(Filter, OdomDoesNotJumpWithTheClock) {
+  const EkfConfig config;
+  Drive drive = simulate_drive(typical(), config.vehicle);
+  for (const std::int64_t jump : {5'000'000LL, -3'600'000'000LL}) {
+    Drive jumped = drive;
+    const std::int64_t when = drive.imu.front().utime + 15'000'000;
+    for (auto& s : jumped.imu) s.utime += s.utime > when ? jump : 0;
+    for (auto& s : jumped.wheels) s.utime += s.utime > when ? jump : 0;
+    Filter filter(config);
+    std::vector<Estimate> out;
+    for (std::size_t i = 0; i < jumped.imu.size(); ++i) {
+      filter.add(jumped.wheels[i], out);
+      filter.add(jumped.imu[i], out);
+    }
+    EXPECT_GE(filter.counters()["reset.clock"], 1);
+    double largest = 0.0;
+    for (std::size_t i = 1; i < out.size(); ++i)
+      largest = std::max(largest, (out[i].T_odom_base.translation() - out[i - 1].T_odom_base.translation()).norm());
+    EXPECT_LT(largest, 0.15);
+    EXPECT_NEAR(out.back().velocity.x(), drive.truth.back().velocity.x(), 0.1);
+  }
+}
+
+TEST(Filter, SurvivesACounterThatRestarts) {
+  const EkfConfig config;
+  Drive drive = simulate_drive(typical(), config.vehicle);
+  for (WheelSample& s : drive.wheels)
+    if (seconds_in(drive, s.utime) > 20.0) s.angle = {s.angle[0] - 1000.0, s.angle[1] - 1000.0};
+  const Result result = run(config, drive);
+  EXPECT_EQ(result.counters["refused.wheel_jump"], 1);
+  EXPECT_LT(errors_of(result, drive).position, 0.01 * drive.distance);
+}
+
+TEST(Filter, MissingImuSamplesCostLittle) {
+  const EkfConfig config;
+  const Drive drive = simulate_drive(typical(), config.vehicle);
+  int i = 0;
+  const Result result = run(
+      config, drive, [&](const ImuSample&) { return ++i % 50 > 4; }, [](const WheelSample&) { return true; });
+  EXPECT_LT(errors_of(result, drive).position, 0.01 * drive.distance);
+  EXPECT_LT(errors_of(result, drive).tilt, 0.5 * kDegree);
+}
+
+TEST(Filter, GivesPosesBetweenItsSamples) {
+  const EkfConfig config;
+  const Drive drive = simulate_drive(typical(), config.vehicle);
+  std::vector<Estimate> out;
+  Filter filter(config);
+  for (std::size_t i = 0; i < 1000; ++i) {
+    filter.add(drive.wheels[i], out);
+    filter.add(drive.imu[i], out);
+  }
+  const std::size_t k = out.size() - 100;
+  const std::int64_t middle = (out[k].utime + out[k + 1].utime) / 2;
+  ASSERT_TRUE(filter.pose_at(middle));
+  const Eigen::Vector3d expected = 0.5 * (out[k].T_odom_base.translation() + out[k + 1].T_odom_base.translation());
+  EXPECT_LT((filter.pose_at(middle)->translation() - expected).norm(), 1e-9);
+  EXPECT_EQ(filter.pose_at(out[k].utime)->matrix(), out[k].T_odom_base.matrix());
+  EXPECT_FALSE(filter.pose_at(out.back().utime + 1));
+  EXPECT_FALSE(filter.pose_at(out.front().utime - 1));
 }
 
 }  // namespace
