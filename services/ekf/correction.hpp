@@ -21,13 +21,33 @@ template <int Rows>
   return z.residual.dot(S.ldlt().solve(z.residual));
 }
 
-/// Kalman update. Joseph's form keeps the covariance positive where the short form rounds it away.
+/// The gain that is optimal for every component of the error.
 template <int Rows>
-void correct(Belief& belief, const Observation<Rows>& z) {
-  ErrorMatrix& P = belief.covariance;
-  const Eigen::Matrix<double, kErrorSize, Rows> PHt = P * z.H.transpose();
+[[nodiscard]] Eigen::Matrix<double, kErrorSize, Rows> optimal_gain(const Belief& belief, const Observation<Rows>& z) {
+  const Eigen::Matrix<double, kErrorSize, Rows> PHt = belief.covariance * z.H.transpose();
   const Eigen::Matrix<double, Rows, Rows> S = z.H * PHt + z.R;
-  const Eigen::Matrix<double, kErrorSize, Rows> K = S.ldlt().solve(PHt.transpose()).transpose();
+  return S.ldlt().solve(PHt.transpose()).transpose();
+}
+
+/// The gain that leaves position and heading alone. A better speed, scale or gyro bias would move them by what they
+/// have gone astray since the start, all at once and even at a standstill; but odom has to be continuous (REP-105), and
+/// whoever maps with it wants its increments, not its place. They are the integral of the rest, and drift.
+template <int Rows>
+[[nodiscard]] Eigen::Matrix<double, kErrorSize, Rows> continuous_gain(const Belief& belief,
+                                                                      const Observation<Rows>& z) {
+  Eigen::Matrix<double, kErrorSize, Rows> K = optimal_gain(belief, z);
+  const Eigen::Vector3d yaw_axis = belief.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
+  K.template middleRows<3>(kPosition).setZero();
+  K.template middleRows<3>(kAttitude) -=
+      (yaw_axis * (yaw_axis.transpose() * K.template middleRows<3>(kAttitude))).eval();
+  return K;
+}
+
+/// Kalman update by any gain. Joseph's form holds for all of them, and keeps the covariance positive where the short
+/// form rounds it away.
+template <int Rows>
+void correct(Belief& belief, const Observation<Rows>& z, const Eigen::Matrix<double, kErrorSize, Rows>& K) {
+  ErrorMatrix& P = belief.covariance;
   const ErrorMatrix I_KH = ErrorMatrix::Identity() - K * z.H;
   P = (I_KH * P * I_KH.transpose() + K * z.R * K.transpose()).eval();
   P = (0.5 * (P + P.transpose())).eval();

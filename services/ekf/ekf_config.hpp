@@ -9,7 +9,7 @@ namespace curbstone {
 /// Defaults: an MTi-class MEMS unit on a running vehicle (vibration included), not on a bench.
 struct NoiseConfig {
   double gyro = 3e-4;                     ///< rad/s/sqrt(Hz)
-  double accelerometer = 5e-3;            ///< m/s^2/sqrt(Hz)
+  double accelerometer = 1e-2;            ///< m/s^2/sqrt(Hz)
   double gyro_bias_walk = 1e-5;           ///< rad/s/sqrt(s)
   double accelerometer_bias_walk = 2e-4;  ///< m/s^2/sqrt(s)
   double wheel_scale_walk = 1e-5;         ///< 1/sqrt(s)
@@ -88,7 +88,7 @@ struct SlipConfig {
   double speed_change = 0.3;  ///< m/s between wheels and accelerometer over `window`
   double window = 0.3;        ///< s
   double hold = 0.3;          ///< s that slip lasts after its last sign
-  double patience = 5.0;      ///< s of refused wheels, after which the filter doubts its own speed instead
+  double patience = 5.0;      ///< s of refused wheels or constraint, after which the filter doubts itself instead
 
   void visit(ConfigVisitor& v) {
     v.field("yaw_rate", yaw_rate, {0.001, 10.0}, "rad/s between wheels and gyro that is slip");
@@ -96,7 +96,8 @@ struct SlipConfig {
     v.field("speed_change", speed_change, {0.01, 10.0}, "m/s between wheels and accelerometer over the window");
     v.field("window", window, {0.05, 5.0}, "s over which changes of speed are compared");
     v.field("hold", hold, {0.0, 10.0}, "s that slip lasts after its last sign");
-    v.field("patience", patience, {0.5, 60.0}, "s of refused wheels, after which the filter doubts its own speed");
+    v.field("patience", patience, {0.5, 60.0},
+            "s of refused wheels or constraint, after which the filter doubts itself");
   }
 };
 

@@ -126,7 +126,8 @@ void Filter::restart_clock(std::int64_t utime) {
   window_.reset();
   standing_ = false;
   slipping_until_ = {INT64_MIN, INT64_MIN};
-  refused_since_.reset();
+  wheels_refused_since_.reset();
+  constraint_refused_since_.reset();
 }
 
 void Filter::restore_if_not_finite() {
@@ -218,13 +219,15 @@ void Filter::update_standing(const ImuSample& sample) {
   }
 }
 
-/// The vehicle may have turned a little before the wheels' travel was noticed.
+/// The vehicle may have moved and turned a little before the wheels' travel was noticed.
 void Filter::leave_standing() {
   if (!standing_) return;
   standing_ = false;
   window_.reset();
-  const double turned = 2.0 * config_.standstill.travel / geometry_.track_width;
+  const double moved = config_.standstill.travel;
+  const double turned = 2.0 * moved / geometry_.track_width;
   const Eigen::Vector3d yaw_axis = belief_.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
+  belief_.covariance.diagonal().segment<3>(kPosition).array() += moved * moved;
   belief_.covariance.block<3, 3>(kAttitude, kAttitude) += turned * turned * yaw_axis * yaw_axis.transpose();
 }
 
@@ -285,8 +288,8 @@ void Filter::correct_driving(const WheelInterval& interval) {
     rows[wheel] = slipping ? no_observation() : observe(wheel, wheel_sigma(interval, wheel));
     refused = refused && slipping;
   }
-  correct(belief_, stack(stack(rows[0], rows[1]), observe_constraint(motion)));
-  notice_refusal(refused, interval, interval.mean_speed() - motion.velocity.x());
+  apply(stack(stack(rows[0], rows[1]), observe_constraint(motion)));
+  notice_refusal(wheels_refused_since_, refused, interval.mean_speed() - motion.velocity.x());
 }
 
 /// One wheel that disagrees with the filter slips; if only the yaw rates disagree, the one that is farther off does.
@@ -311,18 +314,24 @@ void Filter::notice_slip(const WheelInterval& interval, const std::array<double,
   if (signs.speeding) counters_.add("slip_signs.speeding");
 }
 
-/// Wheels that disagree for seconds on end are more likely right than a filter that integrates alone.
-void Filter::notice_refusal(bool refused, const WheelInterval& interval, double residual) {
+/// Whatever disagrees for seconds on end is more likely right than a filter that integrates alone: it doubts itself.
+void Filter::notice_refusal(std::optional<std::int64_t>& since, bool refused, double residual) {
   if (!refused) {
-    refused_since_.reset();
+    since.reset();
     return;
   }
-  if (!refused_since_) refused_since_ = interval.end;
-  if (seconds_between(*refused_since_, interval.end) < config_.slip.patience) return;
-  counters_.add("reset.speed");
-  belief_.covariance(kVelocity, kVelocity) += residual * residual;
+  if (!since) since = belief_.utime;
+  if (seconds_between(*since, belief_.utime) < config_.slip.patience) return;
+  counters_.add("reset.doubt");
+  const auto doubt = [&](int index, double sigma) {
+    belief_.covariance.diagonal().segment<3>(index).array() += sigma * sigma;
+  };
+  doubt(kVelocity, residual);
+  doubt(kAttitude, config_.start.moving_tilt_sigma);
+  doubt(kGyroBias, config_.start.gyro_bias_sigma);
+  doubt(kAccelerometerBias, config_.start.accelerometer_bias_sigma);
   slipping_until_ = {INT64_MIN, INT64_MIN};
-  refused_since_.reset();
+  since.reset();
 }
 
 Observation<2> Filter::observe_constraint(const BodyMotion& motion) {
@@ -330,8 +339,11 @@ Observation<2> Filter::observe_constraint(const BodyMotion& motion) {
   const double lateral_sigma = std::hypot(c.lateral_noise, c.lateral_lever * motion.angular_rate.z());
   Observation<1> lateral = observe_no_motion_along(1, motion, lateral_sigma, geometry_);
   Observation<1> vertical = observe_no_motion_along(2, motion, c.vertical_noise, geometry_);
-  if (!soften_beyond(kGate1, belief_, lateral)) counters_.add("gated.lateral");
-  if (!soften_beyond(kGate1, belief_, vertical)) counters_.add("gated.vertical");
+  const bool lateral_fits = soften_beyond(kGate1, belief_, lateral);
+  const bool vertical_fits = soften_beyond(kGate1, belief_, vertical);
+  if (!lateral_fits) counters_.add("gated.lateral");
+  if (!vertical_fits) counters_.add("gated.vertical");
+  notice_refusal(constraint_refused_since_, !lateral_fits || !vertical_fits, motion.velocity.tail<2>().norm());
   return stack(lateral, vertical);
 }
 
@@ -342,7 +354,7 @@ void Filter::correct_coasting(const WheelInterval& interval) {
   if (!soften_beyond(kGate1, belief_, forward)) counters_.add("gated.forward");
   Observation<2> constraint = observe_constraint(motion);
   constraint.H.middleCols<3>(kGyroBias).setZero();  // the rate comes from the wheels
-  correct(belief_, stack(forward, constraint));
+  apply(stack(forward, constraint));
 }
 
 void Filter::correct_standing() {
@@ -352,12 +364,12 @@ void Filter::correct_standing() {
       observe_standing_rate(belief_.mean, window_.gyro(), rate_density / std::sqrt(window_.duration()));
   if (!soften_beyond(kGate3, belief_, velocity)) counters_.add("gated.standing_velocity");
   if (!soften_beyond(kGate3, belief_, rate)) counters_.add("gated.standing_rate");
-  correct(belief_, stack(velocity, rate));
+  apply(stack(velocity, rate));
 }
 
 void Filter::correct_without_wheels() {
   if (window_.duration() < config_.wheels.interval) return;
-  correct(belief_, observe_constraint(window_.motion()));
+  apply(observe_constraint(window_.motion()));
   window_.reset();
 }
 

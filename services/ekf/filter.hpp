@@ -68,11 +68,15 @@ class Filter {
   void correct_driving(const WheelInterval& interval);
   void correct_coasting(const WheelInterval& interval);
   void correct_standing();
+  template <int Rows>
+  void apply(const Observation<Rows>& z) {
+    correct(belief_, z, continuous_gain(belief_, z));
+  }
   void correct_without_wheels();
   [[nodiscard]] Observation<2> observe_constraint(const BodyMotion& motion);
   [[nodiscard]] double wheel_sigma(const WheelInterval& interval, std::size_t wheel) const;
   void notice_slip(const WheelInterval& interval, const std::array<double, 2>& distances);
-  void notice_refusal(bool refused, const WheelInterval& interval, double residual);
+  void notice_refusal(std::optional<std::int64_t>& since, bool refused, double residual);
 
   void emit(const Inertial& imu, double dt, bool no_imu, std::vector<Estimate>& out);
   [[nodiscard]] bool wheels_missing(std::int64_t utime) const;
@@ -97,7 +101,8 @@ class Filter {
   double inertial_speed_ = 0.0;                                          // m/s, see SlipDetector::Comparison
   double coasting_yaw_rate_ = 0.0;                                       // rad/s, from the wheels
   std::array<std::int64_t, 2> slipping_until_ = {INT64_MIN, INT64_MIN};  // us
-  std::optional<std::int64_t> refused_since_;                            // us
+  std::optional<std::int64_t> wheels_refused_since_;                     // us
+  std::optional<std::int64_t> constraint_refused_since_;                 // us
 };
 
 }  // namespace curbstone

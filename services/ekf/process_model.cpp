@@ -86,6 +86,8 @@ void predict_standing(Belief& belief, const Inertial& imu, double dt, const Nois
   const Inertial not_turning{belief.mean.gyro_bias, imu.acceleration};
   ErrorMatrix F = transition(belief.mean, not_turning, dt);
   F.middleCols<3>(kGyroBias).topRows<9>().setZero();
+  F.middleRows<3>(kPosition).setZero();
+  F.block<3, 3>(kPosition, kPosition).setIdentity();
   const auto by_accelerometer = F.middleCols<3>(kAccelerometerBias).topRows<9>();
   ErrorMatrix& P = belief.covariance;
   P = (F * P * F.transpose()).eval();
@@ -93,7 +95,9 @@ void predict_standing(Belief& belief, const Inertial& imu, double dt, const Nois
       (noise.accelerometer * noise.accelerometer / dt) * by_accelerometer * by_accelerometer.transpose();
   add_random_walks(P, dt, noise);
   symmetrise(P);
+  const Eigen::Vector3d position = belief.mean.position;
   belief.mean = integrate(belief.mean, not_turning, dt);
+  belief.mean.position = position;
 }
 
 void predict_coasting(Belief& belief, double yaw_rate, double dt, const NoiseConfig& noise) {

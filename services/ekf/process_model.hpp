@@ -29,8 +29,9 @@ struct Inertial {
 /// that Q follows from the columns of F; biases and wheel scales walk at random.
 void predict(Belief& belief, const Inertial& imu, double dt, const NoiseConfig& noise);
 
-/// The same while the vehicle stands: it does not turn, so the gyro is not integrated (it measures its bias only, see
-/// observe_standing_rate) and its noise does not turn the heading.
+/// The same while the vehicle stands: it neither turns nor moves, so the gyro is not integrated (it measures its bias
+/// only, see observe_standing_rate), nor is what little speed the accelerometer's noise makes between two zero-velocity
+/// updates.
 void predict_standing(Belief& belief, const Inertial& imu, double dt, const NoiseConfig& noise);
 
 /// Without an IMU: base_link keeps its speed, turns at `yaw_rate` (rad/s, from the wheels) and follows the ground, all

@@ -107,10 +107,11 @@ Belief StartUp::standing(std::int64_t utime) const {
   const Eigen::Vector3d rate = geometry_.R_base_imu * standing_window_.mean_rate();
   const double averaging = std::sqrt(standing_window_.span());
   Belief belief = prior(utime, acceleration);
-  correct(belief, observe_gravity(belief.mean, acceleration, Eigen::Vector3d::Zero(),
-                                  std::hypot(config_.noise.accelerometer / averaging, kLevellingFloor)));
-  correct(belief, observe_standing_rate(belief.mean, rate,
-                                        std::hypot(config_.noise.gyro, config_.standstill.rate_noise) / averaging));
+  const double level_sigma = std::hypot(config_.noise.accelerometer / averaging, kLevellingFloor);
+  const double rate_sigma = std::hypot(config_.noise.gyro, config_.standstill.rate_noise) / averaging;
+  const auto z = stack(observe_gravity(belief.mean, acceleration, Eigen::Vector3d::Zero(), level_sigma),
+                       observe_standing_rate(belief.mean, rate, rate_sigma));
+  correct(belief, z, optimal_gain(belief, z));
   belief.covariance.diagonal().segment<3>(kVelocity).setConstant(config_.standstill.speed_noise *
                                                                  config_.standstill.speed_noise);
   fix_origin(belief);
@@ -123,8 +124,8 @@ Belief StartUp::moving(std::int64_t utime) const {
   const WheelFit wheels = fit(moving_window_.wheels(), geometry_.wheel_radius);
   const Eigen::Vector3d acceleration(wheels.acceleration, wheels.speed * rate.z(), 0.0);
   Belief belief = prior(utime, specific_force - acceleration);
-  correct(belief,
-          observe_gravity(belief.mean, specific_force, acceleration, config_.start.moving_tilt_sigma * kGravity));
+  const auto z = observe_gravity(belief.mean, specific_force, acceleration, config_.start.moving_tilt_sigma * kGravity);
+  correct(belief, z, optimal_gain(belief, z));
   belief.mean.velocity = Eigen::Vector3d(wheels.speed, 0, 0) - rate.cross(geometry_.to_base);
   belief.covariance.diagonal().segment<3>(kVelocity).setConstant(config_.start.moving_speed_sigma *
                                                                  config_.start.moving_speed_sigma);

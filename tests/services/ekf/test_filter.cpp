@@ -115,7 +115,7 @@ TEST(Filter, StartedOnTheMoveItLevelsItselfAndFindsTheGyroBias) {
   const Errors errors = errors_of(result, drive);
   EXPECT_LT(errors.tilt, 2.0 * kDegree);
   EXPECT_LT((result.estimates.back().gyro_bias - options.gyro_bias).cwiseAbs().maxCoeff(), 0.1 * kDegree);
-  EXPECT_LT(errors.position, 0.05 * drive.distance);
+  EXPECT_LT(errors.yaw, 10.0 * kDegree);  // lost before the bias was found: heading is not corrected later
 }
 
 TEST(Filter, StartsAnywayWhenTheImuIsNeverQuietAndNoWheelTurns) {
@@ -142,7 +142,7 @@ TEST(Filter, StandsStillWithoutDrift) {
   const Result result = run(config, drive);
   const Errors errors = errors_of(result, drive);
   EXPECT_LT(errors.position, 1e-3);
-  EXPECT_LT(errors.yaw, 0.01 * kDegree);
+  EXPECT_LT(errors.yaw, 0.001 * kDegree);
   EXPECT_TRUE(result.estimates.back().stationary);
 }
 

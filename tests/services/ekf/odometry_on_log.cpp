@@ -1,0 +1,102 @@
+// odometry_on_log LOG [TRUTH_FOLDER]: runs the ekf node on a log's IMU and WHEELS and prints how far its odometry is
+// from the truth: for tuning by hand, not a test.
+
+#include <chrono>
+#include <cstdio>
+#include <curbstone/odometry_t.hpp>
+#include <exception>
+
+#include "common/local_bus.hpp"
+#include "services/ekf/ekf_node.hpp"
+#include "tools/evaluate/trajectory.hpp"
+#include "tools/evaluate/truth.hpp"
+#include "tools/log/log_reader.hpp"
+
+using namespace curbstone;
+
+namespace {
+
+struct Run {
+  std::vector<odometry_t> odometry;
+  double seconds = 0.0;  // of CPU in the node
+};
+
+Run run(const std::string& log_file, EkfNode& node, LocalBus& bus) {
+  Run out;
+  bus.subscribe<odometry_t>("ODOMETRY", [&](const odometry_t& m) { out.odometry.push_back(m); });
+  LogReader log(log_file);
+  while (const auto event = log.next()) {
+    if (event->channel != "IMU" && event->channel != "WHEELS") continue;
+    const auto begin = std::chrono::steady_clock::now();
+    bus.inject(event->channel, event->bytes.data(), static_cast<int>(event->bytes.size()));
+    bus.dispatch();
+    out.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+  node.finish();
+  bus.dispatch();
+  return out;
+}
+
+void compare(const Run& result, const Trajectory& truth) {
+  Trajectory estimate;
+  for (const odometry_t& m : result.odometry)
+    estimate.push_back({m.utime, pose_from_arrays(m.position, m.orientation)});
+  const TrajectoryErrors errors = trajectory_errors(pair_up(truth, estimate));
+  std::printf("distance %.1f m, ATE %.3f m, RPE %.3f %%, %.5f deg/m, end %.3f %%\n", errors.distance_m, errors.ate_m,
+              errors.rpe_percent, errors.rpe_deg_per_m, errors.end_percent);
+  std::optional<Pose> T_truth_odom;
+  std::int64_t next = 0;
+  for (const odometry_t& m : result.odometry) {
+    const auto T_truth_base = pose_at(truth, m.utime);
+    if (!T_truth_base) continue;
+    const Pose T_odom_base = pose_from_arrays(m.position, m.orientation);
+    const Eigen::Vector3d rpy_truth = roll_pitch_yaw(T_truth_base->linear());
+    if (!T_truth_odom) {  // both level: odom differs from the truth's frame by position and yaw
+      T_truth_odom = Pose::Identity();
+      T_truth_odom->translation() = T_truth_base->translation();
+      T_truth_odom->linear() = rotation_from_rpy(0, 0, rpy_truth.z());
+    }
+    if (m.utime < next) continue;
+    next = m.utime + 250'000;
+    const Pose expected = T_truth_odom->inverse() * *T_truth_base;
+    const Eigen::Vector3d e = T_odom_base.translation() - expected.translation();
+    const Eigen::Vector3d r = so3_log(Eigen::Quaterniond(expected.linear().transpose() * T_odom_base.linear()));
+    const auto sigma = [&](int i) { return std::sqrt(static_cast<double>(m.pose_covariance[i])); };
+    const double d = 57.29578;
+    std::printf(
+        "%7.2f s  error x %7.3f y %7.3f z %7.3f m (sigma %.3f %.3f %.3f)  rot %6.3f %6.3f %6.3f deg (sigma %.3f %.3f "
+        "%.3f)  v %.2f flags %d\n",
+        1e-6 * static_cast<double>(m.utime - result.odometry.front().utime), e.x(), e.y(), e.z(), sigma(0), sigma(7),
+        sigma(14), d * r.x(), d * r.y(), d * r.z(), d * sigma(21), d * sigma(28), d * sigma(35), m.velocity[0],
+        m.flags);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: odometry_on_log LOG [TRUTH_FOLDER [KEY=VALUE...]]\n");
+    return 2;
+  }
+  ConfigOf<EkfConfig> config;
+  for (int i = 3; i < argc; ++i) set_config_value(argv[i], config);
+  LocalBus bus;
+  EkfNode node(config.value, bus);
+  node.connect(bus);
+  const Run result = run(argv[1], node, bus);
+  if (result.odometry.empty()) throw std::runtime_error("no odometry");
+  if (argc > 2) compare(result, load_truth(argv[2]).poses);
+  const double span = 1e-6 * static_cast<double>(result.odometry.back().utime - result.odometry.front().utime);
+  std::printf("%zu estimates over %.1f s, %.4f cores\n", result.odometry.size(), span, result.seconds / span);
+  const Eigen::Vector3d scale = node.filter().belief().mean.wheel_scale;
+  std::printf("wheel scale %.4f %.4f %.4f\n", scale.x(), scale.y(), scale.z());
+  const NodeReport report = node.report();
+  for (const auto& [name, value] : report.counters.values())
+    std::printf("  %s %ld\n", name.c_str(), static_cast<long>(value));
+  for (const std::string& fault : report.faults) std::printf("  fault: %s\n", fault.c_str());
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "odometry_on_log: %s\n", error.what());
+  return 1;
+}
