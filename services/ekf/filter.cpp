@@ -330,6 +330,7 @@ void Filter::notice_refusal(std::optional<std::int64_t>& since, bool refused, do
   doubt(kAttitude, config_.start.moving_tilt_sigma);
   doubt(kGyroBias, config_.start.gyro_bias_sigma);
   doubt(kAccelerometerBias, config_.start.accelerometer_bias_sigma);
+  forget_wheel_scale(belief_, config_.wheels);
   slipping_until_ = {INT64_MIN, INT64_MIN};
   since.reset();
 }

@@ -34,6 +34,16 @@ WheelFit fit(const std::deque<WheelSample>& wheels, double radius) {
 
 }  // namespace
 
+void forget_wheel_scale(Belief& belief, const WheelsConfig& config) {
+  belief.mean.wheel_scale.setZero();
+  ErrorMatrix& P = belief.covariance;
+  P.middleRows<3>(kWheelScale).setZero();
+  P.middleCols<3>(kWheelScale).setZero();
+  P.block<2, 2>(kWheelScale, kWheelScale).setConstant(config.scale_sigma * config.scale_sigma);
+  P.diagonal().segment<2>(kWheelScale).array() += config.mismatch_sigma * config.mismatch_sigma;
+  P(kWheelScale + 2, kWheelScale + 2) = config.track_sigma * config.track_sigma;
+}
+
 StartUp::StartUp(const EkfConfig& config)
     : config_(config),
       geometry_(config.vehicle),
@@ -86,9 +96,7 @@ Belief StartUp::prior(std::int64_t utime, const Eigen::Vector3d& up) const {
   P.block<3, 3>(kAttitude, kAttitude) = Eigen::Matrix3d::Identity() - yaw_axis * yaw_axis.transpose();
   P.diagonal().segment<3>(kGyroBias).setConstant(square(config_.start.gyro_bias_sigma));
   P.diagonal().segment<3>(kAccelerometerBias).setConstant(square(config_.start.accelerometer_bias_sigma));
-  P.block<2, 2>(kWheelScale, kWheelScale).setConstant(square(config_.wheels.scale_sigma));
-  P.diagonal().segment<2>(kWheelScale).array() += square(config_.wheels.mismatch_sigma);
-  P(kWheelScale + 2, kWheelScale + 2) = square(config_.wheels.track_sigma);
+  forget_wheel_scale(belief, config_.wheels);
   return belief;
 }
 
