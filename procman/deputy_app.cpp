@@ -171,10 +171,11 @@ void DeputyApp::begin() {
                                         [this](const std::string& id) { supervisor_.stop(id); },
                                         [this](const std::string& id) { supervisor_.restart(id); },
                                         [this](const std::string& id, WaitStatus wanted) {
+                                          // "running" means, as in procman, that the deputy has done what it could:
+                                          // a script does not hang on a program that cannot start.
                                           const CommandState* state = supervisor_.find(id);
-                                          if (state == nullptr) return true;
-                                          return state->pid == 0 ? state->respawn_at == 0
-                                                                 : wanted == WaitStatus::kRunning && !state->stopping;
+                                          if (state == nullptr || state->pid == 0) return true;
+                                          return wanted == WaitStatus::kRunning && !state->stopping;
                                         }});
   }
 }
