@@ -1,0 +1,53 @@
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "run_program.hpp"
+
+namespace curbstone::system_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// One line that names what is wrong, exit status 1: the environment is not as the config says.
+void expect_refused(const std::string& command, const std::string& says) {
+  const auto result = run_program(command);
+  EXPECT_EQ(result.exit_status, 1) << command << "\n" << result.err;
+  EXPECT_THAT(result.err, HasSubstr(says)) << command;
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+}
+
+TEST(BadStarts, ALidarPortThatSomebodyElseHas) {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(6699);
+  ASSERT_EQ(bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  expect_refused("curbstone-rslidar", "6699");
+  close(socket);
+}
+
+TEST(BadStarts, ACaptureThatIsNotThere) {
+  expect_refused("curbstone-rslidar --set pcap=/nowhere/x.pcap", "/nowhere/x.pcap");
+}
+
+TEST(BadStarts, ASerialPortThatIsNotThere) {
+  expect_refused("curbstone-imu --set device=/dev/no-such-imu", "/dev/no-such-imu");
+  expect_refused("curbstone-encoder --set interface=slcan --set device=/dev/no-such-can", "/dev/no-such-can");
+}
+
+TEST(BadStarts, ACanInterfaceThatIsNotThere) {
+  expect_refused("curbstone-encoder --set interface=socketcan --set device=can7", "can7");
+}
+
+TEST(BadStarts, AMapThatCannotBeWritten) {
+  expect_refused("curbstone-semantic-map --set map=/nowhere/map.db", "/nowhere/map.db");
+  const TemporaryFolder folder;
+  write_file(folder / "map.db", "this is a letter, not a map\n");
+  expect_refused("curbstone-semantic-map --set map=" + folder / "map.db", "map.db");
+  EXPECT_EQ(read_file(folder / "map.db"), "this is a letter, not a map\n") << "left as it was";
+}
+
+}  // namespace
+}  // namespace curbstone::system_test

@@ -1,0 +1,59 @@
+#include <gmock/gmock.h>
+
+#include "run_program.hpp"
+
+namespace curbstone::system_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kVehicle = CURBSTONE_SOURCE_DIR "/config/ugv.yaml";
+
+class EveryProgram : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(EveryProgram, LoadsTheVehiclesFileAndDumpsWhatItMakesOfIt) {
+  const TemporaryFolder folder;
+  const auto result = run_program(std::string("curbstone-") + GetParam() + " --config " + kVehicle + " --dump-config");
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  write_file(folder / "dump.yaml", result.out);
+  const auto again =
+      run_program(std::string("curbstone-") + GetParam() + " --config " + folder / "dump.yaml" + " --dump-config");
+  EXPECT_EQ(again.exit_status, 0) << again.err;
+  EXPECT_EQ(again.out, result.out) << "a dump is a config that gives the same";
+}
+
+TEST_P(EveryProgram, NeedsNoFileAtAll) {
+  EXPECT_EQ(run_program(std::string("curbstone-") + GetParam() + " --dump-config").exit_status, 0);
+}
+
+TEST_P(EveryProgram, NamesFileLineAndTheNearestKeyForAnUnknownOne) {
+  const TemporaryFolder folder;
+  std::string section = GetParam();
+  std::replace(section.begin(), section.end(), '-', '_');
+  write_file(folder / "bad.yaml", "# a comment\n" + section + ":\n  no_such_key: 1\n");
+  const auto result = run_program(std::string("curbstone-") + GetParam() + " --config " + folder / "bad.yaml");
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_THAT(result.err, HasSubstr("bad.yaml:3"));
+  EXPECT_THAT(result.err, HasSubstr("no_such_key"));
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+}
+
+TEST_P(EveryProgram, RefusesAMissingFileABadOptionAndABadBus) {
+  const std::string program = std::string("curbstone-") + GetParam();
+  const auto missing = run_program(program + " --config /nowhere/ugv.yaml");
+  EXPECT_EQ(missing.exit_status, 2);
+  EXPECT_THAT(missing.err, HasSubstr("/nowhere/ugv.yaml"));
+  EXPECT_EQ(std::count(missing.err.begin(), missing.err.end(), '\n'), 1) << missing.err;
+  EXPECT_EQ(run_program(program + " --no-such-option").exit_status, 2);
+  const auto bus = run_program(program + " --lcm-url nonsense://x");
+  EXPECT_EQ(bus.exit_status, 1);
+  EXPECT_THAT(bus.err, HasSubstr("nonsense://x"));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EveryProgram,
+                         ::testing::Values("rslidar", "imu", "encoder", "ekf", "mapper", "tensor-voting",
+                                           "semantic-map"));
+
+}  // namespace
+}  // namespace curbstone::system_test
