@@ -145,7 +145,7 @@ void DeputyApp::tick() {
     script_->step(now);
     if (script_->done()) say(fmt::format("script \"{}\" is done", options_.script));
   }
-  if (stopping_ && stopping_->step(now)) loop_.stop();
+  if (stopping_ ? stopping_->step(now) : end_at_ != 0 && now >= end_at_) loop_.stop();
   if (now >= watchdog_due_) {
     watchdog_due_ = now + 1'000'000;
     notify_systemd("WATCHDOG=1");
@@ -209,10 +209,9 @@ void DeputyApp::on_ended(const CommandState& state, std::int64_t lived) {
     say(fmt::format("{} keeps dying: {} times in a row within a second ({})", id, short_lives, how));
   }
   if (!state.stopping && state.exit_status != 0 && short_lives <= kCrashLoop) show_last_lines(id);
-  if (id == options_.exit_when && !stopping_) {
+  if (id == options_.exit_when && !stopping_ && end_at_ == 0) {
     status_ = state.exit_status == 0 ? 0 : 1;
-    say(fmt::format("{} has ended: stopping the rest", id));
-    loop_.stop();
+    end_at_ = steady_clock() + static_cast<std::int64_t>(options_.settle * 1e6);
   }
 }
 

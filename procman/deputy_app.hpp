@@ -37,6 +37,7 @@ struct DeputyAppOptions {
   std::string log_dir;
   KeepLimits keep;
   std::string exit_when;  ///< when this command has ended, stop the rest and exit
+  double settle = 0;      ///< s between the two
 };
 
 /// The process `curbstone-deputy`: a deputy on the bus that also runs its own config without a sheriff.
@@ -73,6 +74,7 @@ class DeputyApp {
   std::map<std::string, int> short_lives_;  // in a row
   bool begun_ = false;
   int status_ = 0;
+  std::int64_t end_at_ = 0;  // us; 0: not yet known
   std::int64_t watchdog_due_ = 0;
 };
 

@@ -18,6 +18,8 @@ int main(int argc, char** argv) {
   auto* script = app.add_option("--script", options.script, "Run this script of the config at the start");
   app.add_flag("--start-all", options.start_all, "Start all commands, the last of the file first")->excludes(script);
   app.add_option("--exit-when", options.exit_when, "When this command has ended, stop the others and exit");
+  app.add_option("--settle", options.settle, "s to wait then, while what was lost on the way is asked for again")
+      ->check(CLI::Range(0.0, 3600.0));
   app.add_flag("--allow-any", options.allow_any, "Take orders for commands that are not in the config");
   app.add_option(
       "-u,--lcm-url", options.lcm_url,

@@ -1,0 +1,105 @@
+#include "demo_drive.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+
+#include <cstdlib>
+#include <map>
+
+#include "services/semantic_map/map_store.hpp"
+
+namespace curbstone::system_test {
+
+namespace {
+constexpr double kPatience = 120;      // s: for what takes seconds on an idle machine
+constexpr double kEmulatorLate = 100;  // ms
+}  // namespace
+
+MapContent read_map(const std::string& file) {
+  const MapReader reader(file);
+  MapContent content;
+  for (const MapTile& tile : reader.tiles()) {
+    ++content.tiles;
+    for (const CellClass cell : tile.cell_class) ++content.cells[static_cast<std::size_t>(cell)];
+  }
+  content.curb_lines = static_cast<int>(reader.curbs().size());
+  content.integrity = reader.integrity();
+  return content;
+}
+
+double agreement(const std::string& map_file, const std::string& other_map_file) {
+  std::map<TileKey, MapTile> other;
+  for (MapTile& tile : MapReader(other_map_file).tiles()) other.emplace(tile.key, tile);
+  int same = 0;
+  int known = 0;
+  for (const MapTile& tile : MapReader(map_file).tiles()) {
+    const MapTile& there = other[tile.key];
+    for (std::size_t i = 0; i < tile.cell_class.size(); ++i) {
+      if (tile.cell_class[i] == CellClass::kUnknown && there.cell_class[i] == CellClass::kUnknown) continue;
+      ++known;
+      same += tile.cell_class[i] == there.cell_class[i] ? 1 : 0;
+    }
+    other.erase(tile.key);
+  }
+  for (const auto& [key, tile] : other) {
+    for (const CellClass cell : tile.cell_class) known += cell == CellClass::kUnknown ? 0 : 1;
+  }
+  return known == 0 ? 0.0 : static_cast<double>(same) / known;
+}
+
+DemoDrive::DemoDrive(const std::string& source, const std::string& deputy_options) {
+  bus.bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& message) {
+    pose = message;
+    ++revolutions;
+  });
+  std::filesystem::create_directory(folder_ / "dev");
+  setenv("DEMO_OUT", folder_.path().c_str(), 1);
+  setenv("DEMO_SOURCE", source.c_str(), 1);
+  setenv("CURBSTONE_CONFIG", CURBSTONE_SOURCE_DIR "/config/ugv.yaml", 1);
+  deputy_ = std::make_unique<BackgroundProgram>("curbstone-deputy --config " CURBSTONE_SOURCE_DIR
+                                                "/procman/demo.cfg --script go --exit-when simulate --log-dir " +
+                                                    folder_ / "logs" + " " + deputy_options,
+                                                folder_ / "deputy.out");
+}
+
+bool DemoDrive::wait_for_revolutions(int wanted) {
+  return bus.wait_until([&] { return revolutions >= wanted || !deputy_->running(); }, kPatience) && deputy_->running();
+}
+
+int DemoDrive::wait_for_end() {
+  bus.wait_until([&] { return !deputy_->running(); }, kPatience);
+  return deputy_->wait(0);
+}
+
+bool DemoDrive::kill_and_see_it_come_back(const std::string& command) {
+  const int pid = bus.pid(command);
+  if (pid <= 0 || kill(pid, SIGKILL) != 0) return false;
+  return bus.wait_until(
+      [&] {
+        const service_status_t* status = bus.status(command);
+        return bus.pid(command) > 0 && bus.pid(command) != pid && status != nullptr && status->pid == bus.pid(command);
+      },
+      kPatience);
+}
+
+std::vector<std::string> DemoDrive::losses() const {
+  std::vector<std::string> losses;
+  for (const auto& [service, status] : bus.services) {
+    for (std::size_t i = 0; i < status.counter_name.size(); ++i) {
+      const std::string& name = status.counter_name[i];
+      if (status.counter_value[i] != 0 && (name == "dropped.queue" || name == "dropped.kernel")) {
+        losses.push_back(fmt::format("{} {} {}", service, name, status.counter_value[i]));
+      }
+    }
+  }
+  return losses;
+}
+
+bool DemoDrive::machine_was_too_busy() const {
+  const std::string said = output();
+  const std::size_t end = said.find(" ms late at most");
+  const std::size_t begin = said.rfind('(', end);
+  return end == std::string::npos || std::strtod(said.c_str() + begin + 1, nullptr) > kEmulatorLate;
+}
+
+}  // namespace curbstone::system_test

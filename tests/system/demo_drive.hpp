@@ -1,0 +1,58 @@
+#pragma once
+
+#include <curbstone/map_pose_t.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "run_program.hpp"
+#include "watched_bus.hpp"
+
+namespace curbstone::system_test {
+
+/// How many cells of each class a map file has (index: CellClass), and in how many tiles.
+struct MapContent {
+  std::vector<int> cells = std::vector<int>(5);
+  int tiles = 0;
+  int curb_lines = 0;
+  std::string integrity;
+};
+[[nodiscard]] MapContent read_map(const std::string& file);
+
+/// Share of the cells that either map knows in which both have the same class, 0..1.
+[[nodiscard]] double agreement(const std::string& map_file, const std::string& other_map_file);
+
+/// The real processes of procman/demo.cfg under the deputy, driven by the emulated vehicle in real time over UDP.
+class DemoDrive {
+ public:
+  /// `source`: what the vehicle drives through, as `curbstone simulate` takes it.
+  explicit DemoDrive(const std::string& source, const std::string& deputy_options = "");
+
+  /// Until the mapper has registered `revolutions` revolutions; false when that does not come.
+  bool wait_for_revolutions(int revolutions);
+  /// Until the drive is over and everything has stopped; the deputy's exit status.
+  int wait_for_end();
+  /// kill -9 to a process; true when the deputy has brought it back, and it speaks again.
+  bool kill_and_see_it_come_back(const std::string& command);
+
+  [[nodiscard]] MapContent map() const { return read_map(map_file()); }
+  [[nodiscard]] std::string map_file() const { return folder_ / "map.db"; }
+  [[nodiscard]] std::string log_file() const { return folder_ / "run.lcmlog"; }
+  [[nodiscard]] std::string output() const { return deputy_->output(); }
+  [[nodiscard]] const TemporaryFolder& folder() const { return folder_; }
+  /// What the processes lost, by "service counter"; empty when nothing was.
+  [[nodiscard]] std::vector<std::string> losses() const;
+  /// The emulator itself was late by more than what buffers bridge: the machine had other things to do, and what was
+  /// lost says nothing about the processes.
+  [[nodiscard]] bool machine_was_too_busy() const;
+
+  WatchedBus bus;
+  map_pose_t pose{};
+  int revolutions = 0;
+
+ private:
+  TemporaryFolder folder_;
+  std::unique_ptr<BackgroundProgram> deputy_;
+};
+
+}  // namespace curbstone::system_test

@@ -1,0 +1,103 @@
+#include <gmock/gmock.h>
+
+#include "demo_drive.hpp"
+#include "services/semantic_map/map_types.hpp"
+
+namespace curbstone::system_test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+int cells(const MapContent& map, CellClass cell) {
+  return map.cells[static_cast<std::size_t>(cell)];
+}
+
+/// What a street looks like: pavement and carriageway, the kerbs along them, and what stands beside.
+void expect_a_street(const MapContent& map) {
+  EXPECT_EQ(map.integrity, "ok");
+  EXPECT_GT(map.tiles, 50);
+  EXPECT_GT(cells(map, CellClass::kRoad), 3000);
+  EXPECT_GT(cells(map, CellClass::kCurb), 150);
+  EXPECT_LT(cells(map, CellClass::kCurb), cells(map, CellClass::kRoad) / 4);
+  EXPECT_GT(cells(map, CellClass::kObstacle) + cells(map, CellClass::kWall), 100);
+  EXPECT_GT(map.curb_lines, 2);
+}
+
+const std::vector<std::string> kServices = {"rslidar",         "imu",         "encoder", "ekf", "mapper",
+                                            "tensor_voting:1", "semantic_map"};
+
+TEST(Drive, OfTheRealProcessesEndsWithAStreetWithCurbs) {
+  DemoDrive drive("--town --seed 1 --seconds 12");
+  ASSERT_TRUE(drive.wait_for_revolutions(100)) << drive.output();
+  ASSERT_TRUE(drive.bus.wait_until(
+      [&] {
+        return std::all_of(kServices.begin(), kServices.end(),
+                           [&](const auto& name) { return drive.bus.is_healthy(name); });
+      },
+      20))
+      << "a service is silent, or has a fault in good weather";
+  EXPECT_EQ(drive.wait_for_end(), 0) << drive.output();
+  expect_a_street(drive.map());
+  EXPECT_GT(drive.pose.map_base_position[0], 10.0) << "it has driven down the street";
+  EXPECT_THAT(drive.output(), Not(HasSubstr("killed")));
+  if (drive.machine_was_too_busy()) GTEST_SKIP() << "the emulator itself came late: what was lost counts for nothing";
+  EXPECT_THAT(drive.losses(), ElementsAre());
+}
+
+TEST(Drive, AVotingWorkerKilledMidDriveComesBackAndTheMapConverges) {
+  DemoDrive drive("--town --seed 1 --seconds 12", "--settle 15");
+  ASSERT_TRUE(drive.wait_for_revolutions(120)) << drive.output();
+  EXPECT_TRUE(drive.kill_and_see_it_come_back("tensor_voting:1")) << drive.output();
+  EXPECT_EQ(drive.wait_for_end(), 0) << drive.output();
+  expect_a_street(drive.map());
+
+  // The lossless map of the same drive: the sensors' messages as recorded, in one process.
+  const std::string replayed = drive.folder() / "replayed.db";
+  const auto replay = run_program("curbstone replay " + drive.log_file() + " --map " + replayed +
+                                      " --config " CURBSTONE_SOURCE_DIR "/config/ugv.yaml",
+                                  100);
+  ASSERT_EQ(replay.exit_status, 0) << replay.err;
+  if (drive.machine_was_too_busy()) GTEST_SKIP() << "the emulator itself came late: what was lost counts for nothing";
+  EXPECT_GT(agreement(drive.map_file(), replayed), 0.95)
+      << "what a cell's class turns on, live pacing may shift a little";
+}
+
+TEST(Drive, AnEkfKilledMidDriveComesBackAndMappingGoesOn) {
+  DemoDrive drive("--town --seed 1 --seconds 14");
+  ASSERT_TRUE(drive.wait_for_revolutions(120)) << drive.output();
+  ASSERT_TRUE(drive.kill_and_see_it_come_back("ekf")) << drive.output();
+  EXPECT_TRUE(drive.bus.wait_until([&] { return drive.bus.is_healthy("ekf"); }, 20)) << "it starts on the move";
+  const double before = drive.pose.map_base_position[0];
+  EXPECT_EQ(drive.wait_for_end(), 0) << drive.output();
+  EXPECT_GT(drive.pose.map_base_position[0], before + 3.0) << "the vehicle still moves in the map";
+  EXPECT_NE(drive.pose.flags & map_pose_t::REGISTERED, 0);
+  expect_a_street(drive.map());
+}
+
+TEST(Drive, SensorsThatFallSilentOrSendGarbageAreFaultsThatPass) {
+  DemoDrive drive(
+      "--town --seed 1 --seconds 17 --fault lidar-silent:3-5 --fault imu-silent:6-8.5 --fault wheels-silent:9.5-11.5 "
+      "--fault lidar-garbage:12-13 --fault imu-garbage:12-13 --fault wheels-garbage:12-13");
+  ASSERT_TRUE(drive.wait_for_revolutions(20)) << drive.output();
+  for (const char* service : {"rslidar", "imu", "encoder"}) {
+    EXPECT_TRUE(drive.bus.wait_until([&] { return drive.bus.has_fault(service); }, 60)) << service;
+    EXPECT_TRUE(drive.bus.wait_until([&] { return drive.bus.is_healthy(service); }, 60)) << service << " recovers";
+  }
+  const std::vector<std::string> all = {"rslidar", "imu", "encoder", "ekf", "mapper"};
+  EXPECT_TRUE(drive.bus.wait_until([&] { return drive.revolutions > 225; }, 60)) << "the garbage is over";
+  for (const std::string& service : all) {
+    EXPECT_TRUE(drive.bus.wait_until([&] { return drive.bus.is_healthy(service); }, 20)) << service;
+    EXPECT_NE(drive.bus.command(service), nullptr);
+  }
+  EXPECT_EQ(drive.wait_for_end(), 0) << drive.output();
+  for (const std::string& service : all) {
+    EXPECT_THAT(drive.output(), HasSubstr(service + " ended: exit status 0")) << "it lived through all of it";
+    EXPECT_THAT(drive.output(), Not(HasSubstr(service + " ended: Se")));
+  }
+  expect_a_street(drive.map());
+}
+
+}  // namespace
+}  // namespace curbstone::system_test
