@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
@@ -18,9 +19,17 @@ namespace curbstone {
 
 namespace {
 
+/// The file is there as a whole or not at all.
 void write_file(const std::string& file, const std::string& text) {
-  std::ofstream out(file);
-  if (!(out << text) || !out.flush()) throw std::runtime_error(fmt::format("{}: cannot be written", file));
+  const std::string part = file + ".part";
+  std::ofstream out(part);
+  out << text;
+  out.close();
+  std::error_code failed;
+  if (out) std::filesystem::rename(part, file, failed);
+  if (out && !failed) return;
+  std::filesystem::remove(part, failed);
+  throw std::runtime_error(fmt::format("{}: cannot be written", file));
 }
 
 /// The drive begins at its first scan, with the lidar where a vehicle has it by default.

@@ -71,6 +71,7 @@ TEST_F(RunEvaluate, PrintsATableAndWritesJson) {
   const auto json = nlohmann::json::parse(file);
   EXPECT_EQ(json.at("curb").at("0.12").at("f1"), 1.0);
   EXPECT_NEAR(json.at("trajectory").at("distance_m").get<double>(), 19.9, 1e-9);
+  EXPECT_FALSE(fs::exists(path("report.json.part")));
 }
 
 TEST_F(RunEvaluate, DrawsTheMapAndTheTruthOverIt) {
