@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +30,7 @@ struct Options {
   std::uint64_t seed = 1;
   double seconds = 60;
   std::int64_t start_utime = 1'750'000'000'000'000;
-  std::string log, truth, config, scans, poses, times;
+  std::string log, truth, config, scans, poses, times, devices;
   std::vector<std::string> set, faults;
   LiveOptions to_devices;
 };
@@ -85,16 +87,24 @@ Source recorded_source(const Options& options, const SimulateConfig& config) {
   return source;
 }
 
-void write_truth(const Options& options, const SimulateConfig& config, const Source& source, std::int64_t start_utime) {
-  if (options.truth.empty()) return;
-  const TruthInfo info{start_utime, options.seed, source.name, source.seconds};
-  write_poses(options.truth, info, *source.motion);
-  if (source.town) {
-    write_town_truth(options.truth, info, *source.town, config.vehicle.height);
-  } else {
-    write_truth_info(options.truth, info);
+/// The truth folder, if one is wanted: what is known before the drive now, the rest by finish().
+class TruthWriter {
+ public:
+  TruthWriter(const Options& options, const SimulateConfig& config, const Source& source)
+      : options_(options), source_(source) {
+    if (!options.truth.empty() && source.town)
+      classes_ = write_town_truth(options.truth, *source.town, config.vehicle.height);
   }
-}
+  void finish(std::int64_t start_utime, double seconds) const {
+    if (options_.truth.empty()) return;
+    write_drive_truth(options_.truth, {start_utime, options_.seed, source_.name, seconds}, *source_.motion, classes_);
+  }
+
+ private:
+  const Options& options_;
+  const Source& source_;
+  std::optional<ClassImageInfo> classes_;
+};
 
 double way_of(const Source& source, double seconds) {
   double way = 0;
@@ -109,7 +119,7 @@ double way_of(const Source& source, double seconds) {
 
 void simulate_to_log(const Options& options, const SimulateConfig& config, const Source& source, const Drive& drive) {
   const auto begin = steady_clock();
-  write_truth(options, config, source, options.start_utime);
+  TruthWriter(options, config, source).finish(options.start_utime, drive.seconds);
   const Recorded recorded = record_drive(drive, options.log);
   const double took = static_cast<double>(steady_clock() - begin) * 1e-6;
   fmt::print(
@@ -119,11 +129,12 @@ void simulate_to_log(const Options& options, const SimulateConfig& config, const
 }
 
 void simulate_live(const Options& options, const SimulateConfig& config, const Source& source, const Drive& drive) {
-  const LiveReport report = run_live(drive, options.to_devices, [&](std::int64_t start_utime) {
-    write_truth(options, config, source, start_utime);
+  const TruthWriter truth(options, config, source);
+  const LiveReport report = run_live(drive, options.to_devices, [](std::int64_t) {
     fmt::print("simulate: the drive begins\n");
     std::fflush(stdout);
   });
+  truth.finish(report.start_utime, report.seconds);
   fmt::print(
       "simulate: {:.1f} of {:.1f} s, {:.1f} m live: {} LiDAR packets ({:.1f} ms late at most), {} IMU samples, {} CAN "
       "frames{}\n",
@@ -153,6 +164,8 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--lidar-host", live.lidar_host, "Where the LiDAR's packets go")->capture_default_str()->group(group);
   app.add_option("--msop-port", live.msop_port)->check(CLI::Range(1, 65535))->capture_default_str()->group(group);
   app.add_option("--difop-port", live.difop_port)->check(CLI::Range(1, 65535))->capture_default_str()->group(group);
+  app.add_option("--devices", options.devices, "Folder for the serial ports, as imu and can: short for both links")
+      ->group(group);
   app.add_option("--imu-link", live.imu_link, "Name for the IMU's serial port")->capture_default_str()->group(group);
   app.add_option("--can-link", live.can_link, "Name for the CAN adapter's serial port")
       ->capture_default_str()
@@ -180,6 +193,10 @@ void check(Options& options) {
     throw ConfigError("what to drive through: --town, or --scans DIR --poses FILE");
   if (options.scans.empty() != options.poses.empty()) throw ConfigError("--scans and --poses belong together");
   if (options.live == !options.log.empty()) throw ConfigError("either --log FILE or --live");
+  if (!options.devices.empty()) {
+    options.to_devices.imu_link = options.devices + "/imu";
+    options.to_devices.can_link = options.devices + "/can";
+  }
   for (const auto& text : options.faults) {
     const auto fault = parse_fault(text);
     if (!fault)
@@ -212,6 +229,7 @@ int run_simulate(int argc, char** argv) {
   }
   try {
     if (!options.truth.empty()) prepare_truth_folder(options.truth);
+    if (!options.devices.empty()) std::filesystem::create_directories(options.devices);
     const Source source = options.town ? town_source(options, config.value) : recorded_source(options, config.value);
     const Drive drive{*source.motion, source.make_surroundings, config.value,       source.rpm, source.azimuth,
                       options.seed,   source.seconds,           options.start_utime};

@@ -101,8 +101,7 @@ TEST(TruthFolder, IsCompleteAndReadable) {
   const TruthInfo info{1'750'000'000'000'000, 2, "town", 5.0};
   const TownMotion motion(town(), {}, SpeedProfile({}, 5));
   prepare_truth_folder(folder);
-  write_poses(folder, info, motion);
-  write_town_truth(folder, info, town(), 2.0);
+  write_drive_truth(folder, info, motion, write_town_truth(folder, town(), 2.0));
   for (const char* name : {"truth.json", "poses.csv", "classes.png", "curbs.csv"})
     EXPECT_TRUE(std::filesystem::exists(folder + "/" + name)) << name;
   std::ifstream in(folder + "/truth.json");

@@ -28,8 +28,18 @@ void write_file(const std::string& folder, const std::string& name, const std::s
   throw std::runtime_error(fmt::format("{}: cannot be written: is the disk full?", file));
 }
 
-nlohmann::ordered_json describe(const TruthInfo& info) {
-  return {{"start_utime", info.start_utime}, {"seed", info.seed}, {"source", info.source}, {"seconds", info.seconds}};
+void write_poses(const std::string& folder, const TruthInfo& info, const Motion& motion) {
+  constexpr int kRate = 100;  // Hz
+  std::string text = "utime,x,y,z,qw,qx,qy,qz\n";
+  for (int i = 0; i <= static_cast<int>(info.seconds * kRate); ++i) {
+    const double t = static_cast<double>(i) / kRate;
+    const Pose T = motion.T_world_base(t);
+    const Eigen::Quaterniond q(T.linear());
+    text +=
+        fmt::format("{},{:.5f},{:.5f},{:.5f},{:.8f},{:.8f},{:.8f},{:.8f}\n", info.start_utime + std::llround(t * 1e6),
+                    T.translation().x(), T.translation().y(), T.translation().z(), q.w(), q.x(), q.y(), q.z());
+  }
+  write_file(folder, "poses.csv", text);
 }
 
 }  // namespace
@@ -47,24 +57,9 @@ void prepare_truth_folder(const std::string& folder) {
   std::filesystem::remove(probe, error);
 }
 
-void write_poses(const std::string& folder, const TruthInfo& info, const Motion& motion) {
-  constexpr int kRate = 100;  // Hz
-  std::string text = "utime,x,y,z,qw,qx,qy,qz\n";
-  for (int i = 0; i <= static_cast<int>(info.seconds * kRate); ++i) {
-    const double t = static_cast<double>(i) / kRate;
-    const Pose T = motion.T_world_base(t);
-    const Eigen::Quaterniond q(T.linear());
-    text +=
-        fmt::format("{},{:.5f},{:.5f},{:.5f},{:.8f},{:.8f},{:.8f},{:.8f}\n", info.start_utime + std::llround(t * 1e6),
-                    T.translation().x(), T.translation().y(), T.translation().z(), q.w(), q.x(), q.y(), q.z());
-  }
-  write_file(folder, "poses.csv", text);
-}
-
-void write_town_truth(const std::string& folder, const TruthInfo& info, const Town& town, double vehicle_height) {
+ClassImageInfo write_town_truth(const std::string& folder, const Town& town, double vehicle_height) {
   const ClassGrid grid = make_class_grid(*town.scene, vehicle_height);
   write_png(folder + "/classes.png", grid.image);
-
   std::string text = "line,x,y,z,height,dropped\n";
   int line = 0;
   for (const auto& curb : trace_curbs(town.scene->ground())) {
@@ -75,18 +70,22 @@ void write_town_truth(const std::string& folder, const TruthInfo& info, const To
     ++line;
   }
   write_file(folder, "curbs.csv", text);
-
-  auto json = describe(info);
-  json["resolution_m"] = grid.resolution;
-  json["origin"] = {grid.x0, grid.y0};
-  json["width"] = grid.image.width;
-  json["height"] = grid.image.height;
-  write_file(folder, "truth.json", json.dump(2) + "\n");
+  return {grid.resolution, grid.x0, grid.y0, grid.image.width, grid.image.height};
 }
 
-void write_truth_info(const std::string& folder, const TruthInfo& info) {
-  auto json = describe(info);
-  json["classes"] = nullptr;
+void write_drive_truth(const std::string& folder, const TruthInfo& info, const Motion& motion,
+                       const std::optional<ClassImageInfo>& classes) {
+  write_poses(folder, info, motion);
+  nlohmann::ordered_json json = {
+      {"start_utime", info.start_utime}, {"seed", info.seed}, {"source", info.source}, {"seconds", info.seconds}};
+  if (classes) {
+    json["resolution_m"] = classes->resolution;
+    json["origin"] = {classes->x0, classes->y0};
+    json["width"] = classes->width;
+    json["height"] = classes->height;
+  } else {
+    json["classes"] = nullptr;
+  }
   write_file(folder, "truth.json", json.dump(2) + "\n");
 }
 

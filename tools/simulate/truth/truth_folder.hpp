@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "tools/simulate/motion/motion.hpp"
@@ -17,11 +18,21 @@ struct TruthInfo {
   double seconds = 0;
 };
 
+/// Where the class image lies.
+struct ClassImageInfo {
+  double resolution = 0;  ///< m a pixel
+  double x0 = 0;          ///< m, lower-left corner, world frame
+  double y0 = 0;
+  int width = 0;
+  int height = 0;
+};
+
 /// Makes the folder, and finds out now rather than after the drive whether it can be written.
 void prepare_truth_folder(const std::string& folder);
-void write_poses(const std::string& folder, const TruthInfo& info, const Motion& motion);
-void write_town_truth(const std::string& folder, const TruthInfo& info, const Town& town, double vehicle_height);
-/// A drive without class truth.
-void write_truth_info(const std::string& folder, const TruthInfo& info);
+/// classes.png and curbs.csv: known before the drive.
+ClassImageInfo write_town_truth(const std::string& folder, const Town& town, double vehicle_height);
+/// poses.csv and truth.json: known when the drive has begun. Without `classes` the truth has none, and says so.
+void write_drive_truth(const std::string& folder, const TruthInfo& info, const Motion& motion,
+                       const std::optional<ClassImageInfo>& classes);
 
 }  // namespace curbstone
