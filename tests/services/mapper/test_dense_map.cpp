@@ -184,7 +184,7 @@ TEST(DenseMap, GivesUpTheFarthestTilesWhenItIsFull) {
 TEST(DenseMap, ATileThatSleptKnowsItsVoxelsWhenItWakes) {
   DenseTile tile(0, 25);
   const TilePoint a{10, 20, -30, 1}, b{1499, 1499, 32000, 2}, c{0, 0, -32000, 3};
-  for (const TilePoint& p : {a, b, c}) tile.append(p);
+  for (const TilePoint& p : {a, b, c}) tile.append(p, kStart);
   tile.sleep();
   tile.wake();
   for (const TilePoint& p : {a, b, c}) EXPECT_TRUE(tile.occupied(tile.voxel_number(p)));
