@@ -14,13 +14,13 @@ struct CurbParameters {
   bool use_tilt = true;      ///< off: the step test alone (ablation)
   bool use_step = true;      ///< off: the tilt alone (ablation)
   double min_tilt = 0.03;    ///< slope against the ground around
-  double tilt_sigmas = 2.5;  ///< and this many times the noise of the normals around
+  double tilt_sigmas = 1.5;  ///< and this many times the noise of the normals around
   // Two-sided height step
   double half_window = 0.36;     ///< m on each side of the step
   double half_length = 0.25;     ///< m along the curb
   double min_step = 0.038;       ///< m
   double max_step = 0.50;        ///< m; the paper: less than 0.5 m above ground
-  double step_sigmas = 6.0;      ///< the step against its own uncertainty
+  double step_sigmas = 4.5;      ///< the step against its own uncertainty
   double step_roughness = 2.2;   ///< the step against the residual noise of the ground on its two sides
   double min_weak_step = 0.018;  ///< m, where a line goes on: dropped kerbs
   // Filter
