@@ -52,7 +52,6 @@ DemoDrive::DemoDrive(const std::string& source, const std::string& deputy_option
     pose = message;
     ++revolutions;
   });
-  std::filesystem::create_directory(folder_ / "dev");
   setenv("DEMO_OUT", folder_.path().c_str(), 1);
   setenv("DEMO_SOURCE", source.c_str(), 1);
   setenv("CURBSTONE_CONFIG", CURBSTONE_SOURCE_DIR "/config/ugv.yaml", 1);
