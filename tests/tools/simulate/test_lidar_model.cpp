@@ -59,7 +59,7 @@ TEST(LidarModel, RaysOfAMovingVehicleLieOnTheTrueGround) {
       const double t = sent.t + static_cast<double>(packet.time_offset[k]);
       const Eigen::Vector3d world = test_motion().T_world_base(t) * T_base_lidar * p;
       const auto x = static_cast<float>(world.x()), y = static_cast<float>(world.y());
-      const GroundNode node = ground.at(x, y);
+      const GroundVertex node = ground.at(x, y);
       if (node.distance > -0.1F) continue;  // the carriageway: nothing but cars stands there
       const double above = world.z() - static_cast<double>(ground.height_of(node));
       if (above > 0.15) continue;
