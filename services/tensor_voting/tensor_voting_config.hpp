@@ -11,8 +11,9 @@ namespace curbstone {
 /// Section `tensor_voting` of the vehicle's file.
 struct TensorVotingConfig {
   VehicleConfig vehicle;
-  std::vector<double> sigma = {0.3, 0.1};   ///< m: the scales
-  std::vector<double> voxel = {0.1, 0.05};  ///< m: thinning at each scale; a multiple of 2 mm that divides 3 m
+  /// m: the scales. {0.3, 0.1} with voxels {0.1, 0.05} votes at two at once; semantic_map reads the one nearest to 0.3.
+  std::vector<double> sigma = {0.3};
+  std::vector<double> voxel = {0.1};        ///< m: thinning at each scale; a multiple of 2 mm that divides 3 m
   double radius = 3.0;                      ///< cut-off, in sigmas
   double ball = 1.0;                        ///< the ball vote's coefficient
   double bandwidth = 4.0;                   ///< MB/s of VOTED_POINTS at most
