@@ -74,8 +74,15 @@ const auto& lossless() {
   return contents;
 }
 
-TEST(TensorVotingNode, PublishesEveryPointOfTheMapWithItsTensors) {
-  World world(street());
+TensorVotingConfig two_scales() {
+  TensorVotingConfig config;
+  config.sigma = {0.3, 0.1};
+  config.voxel = {0.1, 0.05};
+  return config;
+}
+
+TEST(TensorVotingNode, PublishesEveryPointOfTheMapWithItsTensorsAtEveryScale) {
+  World world(street(), 0, 1, two_scales());
   world.start("tensor_voting:1");
   world.run(3, 0.1);
   world.finish();
@@ -185,7 +192,7 @@ TEST(TensorVotingNode, ANewEpochForgetsTheOldMap) {
 }
 
 TEST(TensorVotingNode, KeepsToItsBandwidthAndToFiveRevisionsASecond) {
-  TensorVotingConfig config;
+  TensorVotingConfig config = two_scales();
   config.bandwidth = 0.5;
   World world(street(), 0, 1, config);
   world.start("tensor_voting:1");
@@ -289,8 +296,10 @@ TEST(TensorVotingNode, RefusesNonsenseAndGoesOn) {
 TEST(TensorVotingNode, RefusesScalesThatCannotBeVoted) {
   LocalBus bus;
   TensorVotingConfig config;
-  config.sigma = {0.3};
+  config.sigma = {0.3, 0.1};
+  config.voxel = {0.1};
   EXPECT_THROW(TensorVotingNode(config, "w", bus), std::invalid_argument);
+  config.sigma = {0.3};
   config.voxel = {0.07};
   EXPECT_THROW(TensorVotingNode(config, "w", bus), std::invalid_argument);
   config.voxel = {0.1};
