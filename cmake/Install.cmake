@@ -3,6 +3,7 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 get_property(programs GLOBAL PROPERTY CURBSTONE_PROGRAMS)
+add_custom_target(programs DEPENDS ${programs})  # without the tests: what the demo needs
 if(programs)
   install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
