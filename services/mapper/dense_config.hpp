@@ -14,6 +14,7 @@ struct DenseConfig {
   double settle_s = 0.3;           ///< s: ...or of those that came within this time
   double ground_clearance = 0.30;  ///< m above the lowest point of its column: what is higher may be a moving object
   double persistence_s = 1.0;      ///< s that a place above ground must have been seen occupied
+  double start_hold_s = 30.0;      ///< s that the first standstill waits: it is dropped if the vehicle moves by then
   double standing_s = 1.5;         ///< s at one place after which a standing vehicle adds no new voxels
   int max_points = 30'000'000;     ///< of the whole map (8 bytes each); the farthest tiles go
 
@@ -26,6 +27,8 @@ struct DenseConfig {
     v.field("settle_s", settle_s, {0.0, 10.0}, "s after which fewer hits do");
     v.field("ground_clearance", ground_clearance, {0.05, 5.0}, "m above its column's lowest point: may be moving");
     v.field("persistence_s", persistence_s, {0.0, 60.0}, "s for which what may be moving must have stayed");
+    v.field("start_hold_s", start_hold_s, {0.0, 600.0},
+            "s that the first standstill waits; it is dropped if the vehicle moves by then");
     v.field("standing_s", standing_s, {0.0, 600.0}, "s at one place after which nothing new is added");
     v.field("max_points", max_points, {100'000, 500'000'000}, "of the whole map; the farthest tiles go first");
   }

@@ -41,6 +41,9 @@ class Mapper {
   /// Takes the next revolution; nothing when it cannot be placed in time or comes before there is a map to speak of.
   [[nodiscard]] std::optional<MapperUpdate> process(const Revolution& revolution, const OdometryHistory& odometry);
 
+  /// The drive is over: what still waits goes into the dense map. Tiles with new points.
+  [[nodiscard]] std::vector<TileKey> finish();
+
   [[nodiscard]] bool started() const { return last_.has_value(); }
   [[nodiscard]] const DenseMap& dense() const { return dense_; }
   [[nodiscard]] DenseMap& dense() { return dense_; }
@@ -83,6 +86,14 @@ class Mapper {
   void begin_registration_map(const Twist& twist);
   [[nodiscard]] bool finish_start(MapperUpdate& update);
   void insert(const std::vector<LidarPoint>& points, MapperUpdate& update);
+  /// A revolution of the first standstill, kept out of the dense map for now.
+  struct Held {
+    std::vector<LidarPoint> points;
+    Pose T_map_base;
+    std::int64_t utime;
+  };
+  [[nodiscard]] bool holds_back(const std::vector<LidarPoint>& points, const MapperUpdate& update);
+  [[nodiscard]] std::vector<TileKey> insert_held();
 
   MapperConfig config_;
   Pose T_base_lidar_;
@@ -97,6 +108,9 @@ class Mapper {
   Pose T_map_keyframe_ = Pose::Identity();  // when the registration map last took a revolution
   Pose T_map_moved_ = Pose::Identity();     // when the vehicle was last known to move
   std::int64_t moved_ = 0;                  // us, when that was
+  std::int64_t started_ = 0;                // us, the end of the first revolution
+  bool has_moved_ = false;                  // since then
+  std::vector<Held> held_;
   Matrix6 drift_ = Matrix6::Zero();  // covariance of the pose at the end of the last revolution, if that was refused
   int refused_in_a_row_ = 0;
   Counters counters_;

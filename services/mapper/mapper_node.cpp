@@ -228,7 +228,7 @@ void MapperNode::finish() {
   queue(assembler_.flush());
   process_due(true);
   if (epoch_ == 0) return;
-  take_grown(mapper_.dense().finish());
+  take_grown(mapper_.finish());
   while (!changed_.empty()) {
     const TileKey key = changed_.front();
     changed_.pop_front();

@@ -99,7 +99,7 @@ void RevolutionAssembler::append(const lidar_points_t& packet) {
     }
   }
   if (not_finite > 0) counters_.add("refused.not_finite", not_finite);
-  if (out_of_range > 0) counters_.add("refused.range", out_of_range);
+  if (out_of_range > 0) counters_.add("points.out_of_range", out_of_range);
   ++revolution.packets;
   revolution.end =
       std::max(revolution.end, packet.utime + static_cast<std::int64_t>(std::llround(static_cast<double>(last) * 1e6)));

@@ -24,7 +24,7 @@ struct AssemblyLimits {
 /// again begins a new revolution. Pure; one thread.
 ///
 /// Counters: lidar.packets, lidar.lost, lidar.reordered, lidar.restarts, lidar.clock_jumps, dropped.late,
-/// dropped.duplicate, refused.packet, refused.not_finite, refused.range, refused.endless_revolution.
+/// dropped.duplicate, refused.packet, refused.not_finite, points.out_of_range, refused.endless_revolution.
 class RevolutionAssembler {
  public:
   explicit RevolutionAssembler(const AssemblyLimits& limits = {}) : limits_(limits) {}

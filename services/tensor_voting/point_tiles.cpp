@@ -58,13 +58,4 @@ const PointTile* PointTiles::find(TileKey key) const {
   return it == tiles_.end() ? nullptr : &it->second;
 }
 
-std::int64_t PointTiles::newest_around(TileKey key) const {
-  std::int64_t newest = 0;
-  for (int i = 0; i < 9; ++i) {
-    const PointTile* const tile = find({key.x + i % 3 - 1, key.y + i / 3 - 1});
-    if (tile != nullptr) newest = std::max(newest, tile->utime);
-  }
-  return newest;
-}
-
 }  // namespace curbstone

@@ -46,8 +46,6 @@ class PointTiles {
   [[nodiscard]] const PointTile* find(TileKey key) const;
   [[nodiscard]] const std::map<TileKey, PointTile>& tiles() const { return tiles_; }
   [[nodiscard]] std::size_t num_points() const { return num_points_; }
-  /// The newest message in a tile or one of the eight around it.
-  [[nodiscard]] std::int64_t newest_around(TileKey key) const;
 
  private:
   [[nodiscard]] bool plausible(const map_points_t& message) const;

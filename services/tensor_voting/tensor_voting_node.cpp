@@ -223,15 +223,15 @@ void TensorVotingNode::queue_pages(TileKey key) {
     return;
   }
   const std::int32_t revision = this->revision(key);
-  const std::int64_t utime = map_.newest_around(key);
-  for (voted_points_t& page : make_voted_pages(key, *tile, epoch_, revision, utime, fields_)) {
+  // Its own points' time, not its neighbours': a fact of the content, like everything in the message.
+  for (voted_points_t& page : make_voted_pages(key, *tile, epoch_, revision, tile->utime, fields_)) {
     pages_.push_back(std::move(page));
   }
   schedule_.published(key, revision, now_);
   catalog_.set_version(key, revision);
   counters_.add("tiles_published");
   counters_.add("points_published", static_cast<std::int64_t>(tile->points.size()));
-  latency_.add(static_cast<double>(now_ - utime) * 1e-6);
+  latency_.add(static_cast<double>(now_ - tile->utime) * 1e-6);
 }
 
 void TensorVotingNode::send_next_page() {

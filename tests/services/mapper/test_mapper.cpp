@@ -191,8 +191,28 @@ TEST(Mapper, SurvivesClocksThatJump) {
   }
 }
 
+TEST(Mapper, TheFirstStandstillIsForgottenOnceTheVehicleMoves) {
+  Drive drive;
+  drive.trajectory = [](double t) { return driving(std::max(0.0, t - 1.5)); };
+  for (int i = 0; i < 29; ++i) (void)drive.step();
+  EXPECT_EQ(drive.mapper->dense().size(), 0) << "it waits";
+  for (int i = 0; i < 30; ++i) (void)drive.step();
+  EXPECT_GT(drive.mapper->dense().size(), 1000);
+}
+
+TEST(Mapper, AVehicleThatNeverMovesHasAMapInTheEnd) {
+  Drive drive;
+  drive.trajectory = [](double) { return driving(0); };
+  for (int i = 0; i < 20; ++i) (void)drive.step();
+  EXPECT_EQ(drive.mapper->dense().size(), 0);
+  EXPECT_FALSE(drive.mapper->finish().empty());
+  EXPECT_GT(drive.mapper->dense().size(), 1000);
+}
+
 TEST(Mapper, StandingStillNeitherDriftsNorGrows) {
   Drive drive;
+  drive.config.dense.start_hold_s = 2;
+  drive.mapper.emplace(drive.config);
   drive.trajectory = [](double) { return test::pose(-10, 0, 0, 0, 0, 0); };
   std::int64_t points = 0;
   std::int64_t keyframes = 0;
@@ -213,6 +233,8 @@ TEST(Mapper, StandingStillNeitherDriftsNorGrows) {
 
 TEST(Mapper, TheVehicleIsNoPartOfTheMap) {
   Drive drive;
+  drive.config.dense.start_hold_s = 0;
+  drive.mapper.emplace(drive.config);
   drive.trajectory = [](double) { return test::pose(-10, 0, 0, 0, 0, 0); };
   Revolution revolution = drive.next();
   const Pose T_lidar_base = drive.config.vehicle.T_base_lidar().inverse();

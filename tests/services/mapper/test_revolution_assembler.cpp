@@ -97,7 +97,7 @@ TEST(RevolutionAssembler, LeavesOutWhatIsNoPoint) {
   (void)assembler.add(m);
   EXPECT_EQ(assembler.flush()->points.size(), 1u);
   EXPECT_EQ(assembler.counters()["refused.not_finite"], 4);  // 1e30 squared is not finite either
-  EXPECT_EQ(assembler.counters()["refused.range"], 1);
+  EXPECT_EQ(assembler.counters()["points.out_of_range"], 1);
 }
 
 TEST(RevolutionAssembler, RefusesAMessageWhoseArraysDisagree) {
