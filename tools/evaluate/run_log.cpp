@@ -16,8 +16,11 @@ bool is_driver(const std::string& service) {
   return service == "rslidar" || service == "imu" || service == "encoder";
 }
 
-bool is_loss(const std::string& counter) {
-  return counter.starts_with("dropped.") || counter.starts_with("lost.") || counter.starts_with("refused.");
+/// A driver refuses what the sensor sent: that is lost. A service refuses an answer (a revolution that does not
+/// register, say): nothing was lost on the way, and it says so elsewhere; but a message that does not decode is.
+bool is_loss(const std::string& service, const std::string& counter) {
+  if (counter.starts_with("dropped.") || counter.starts_with("lost.")) return true;
+  return is_driver(service) ? counter.starts_with("refused.") : counter == "refused.undecodable";
 }
 
 /// The statuses of one process, first and last: a respawned one counts anew.
@@ -119,7 +122,7 @@ RunFigures read_run_log(const std::string& file) {
     for (std::size_t i = 0; i < span.last.counter_name.size(); ++i) {
       const std::string& name = span.last.counter_name[i];
       const std::int64_t value = span.last.counter_value[i];
-      if (!is_loss(name) || value == 0) continue;
+      if (!is_loss(service, name) || value == 0) continue;
       figures.losses[service + " " + name] += value;
       const bool on_the_bus = name == "dropped.queue" || name == "dropped.kernel" || !is_driver(service);
       (on_the_bus ? figures.lost_messages : figures.lost_packets) += value;
