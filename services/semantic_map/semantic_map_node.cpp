@@ -11,7 +11,7 @@ namespace curbstone {
 
 namespace {
 
-constexpr std::int64_t kTilePeriod = 200'000;   // us: a tile is sent at most five times a second
+constexpr std::int64_t kTilePeriod = 400'000;   // us: of one tile; more often would only keep the others waiting
 constexpr std::int64_t kCurbsPeriod = 500'000;  // us
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kWritePeriod = 1'000'000;

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -87,6 +88,8 @@ void PacketSpool::render(const Drive& drive, int threads, const std::atomic<bool
   std::atomic<std::int64_t> next{0};
   std::atomic<bool> failed{false};
   const auto work = [&] {
+    // The devices are on already, and who listens to them comes before us. On Linux this is the thread's own priority.
+    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 10);
     const auto surroundings = drive.make_surroundings();
     LidarModel lidar({drive.rpm, drive.seed, drive.azimuth, drive.start_utime}, drive.config.vehicle, drive.motion,
                      *surroundings);
