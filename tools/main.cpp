@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "common/version.hpp"
+#include "tools/bench/bench.hpp"
 #include "tools/detect/detect.hpp"
 #include "tools/evaluate/evaluate.hpp"
 #include "tools/replay/replay.hpp"
@@ -23,6 +24,7 @@ constexpr std::array kSubcommands = {
     Subcommand{"replay", curbstone::run_replay, "make a map from a log, as fast as the machine can"},
     Subcommand{"evaluate", curbstone::run_evaluate, "compare a map with the truth"},
     Subcommand{"detect", curbstone::run_detect, "curbs and classes of any cloud: .pcd, .ply, KITTI .bin"},
+    Subcommand{"bench", curbstone::run_bench, "measure: speed and accuracy, beside the peers"},
 };
 
 int usage(std::FILE* out) {

@@ -1,0 +1,40 @@
+#include "tools/bench/bench.hpp"
+
+#include <fmt/format.h>
+
+#include <string_view>
+#include <vector>
+
+namespace curbstone {
+
+namespace {
+
+struct Benchmark {
+  std::string_view name;
+  int (*run)(int argc, char** argv);
+  std::string_view summary;
+};
+
+// One line a benchmark, each a library in its own folder.
+const std::vector<Benchmark> kBenchmarks = {};
+
+int usage(std::FILE* out) {
+  fmt::print(out, "usage: curbstone bench NAME [OPTIONS]   (curbstone bench NAME --help says more)\n\n");
+  for (const auto& benchmark : kBenchmarks) fmt::print(out, "  {:<10} {}\n", benchmark.name, benchmark.summary);
+  return out == stdout ? 0 : 2;
+}
+
+}  // namespace
+
+int run_bench(int argc, char** argv) {
+  if (argc < 2) return usage(stderr);
+  const std::string_view name = argv[1];
+  if (name == "--help" || name == "-h") return usage(stdout);
+  for (const auto& benchmark : kBenchmarks) {
+    if (name == benchmark.name) return benchmark.run(argc - 1, argv + 1);
+  }
+  fmt::print(stderr, "curbstone bench: nothing is called '{}'\n", name);
+  return usage(stderr);
+}
+
+}  // namespace curbstone
