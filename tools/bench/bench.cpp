@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/bench/voting/voting_bench.hpp"
+
 namespace curbstone {
 
 namespace {
@@ -16,7 +18,9 @@ struct Benchmark {
 };
 
 // One line a benchmark, each a library in its own folder.
-const std::vector<Benchmark> kBenchmarks = {};
+const std::vector<Benchmark> kBenchmarks = {
+    {"voting", run_bench_voting, "tensor voting: beside PCL, against this machine's peak, on a growing map"},
+};
 
 int usage(std::FILE* out) {
   fmt::print(out, "usage: curbstone bench NAME [OPTIONS]   (curbstone bench NAME --help says more)\n\n");

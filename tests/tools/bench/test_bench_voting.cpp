@@ -1,0 +1,136 @@
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "services/tensor_voting/batch_voting.hpp"
+#include "tools/bench/voting/fma_peak.hpp"
+#include "tools/bench/voting/pair_count.hpp"
+#include "tools/bench/voting/pcl_normals.hpp"
+#include "tools/bench/voting/street_cloud.hpp"
+#include "tools/bench/voting/timed_in_turn.hpp"
+#include "tools/bench/voting/voting_bench.hpp"
+
+namespace curbstone {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TEST(StreetCloud, HasTheSurfacesOfThePeersCloudByTheirAreas) {
+  const auto cloud = street_cloud(100'000);
+  const auto share = [&](auto belongs) {
+    return static_cast<double>(std::count_if(cloud.begin(), cloud.end(), belongs)) / 100'000;
+  };
+  EXPECT_NEAR(share([](const auto& p) { return std::abs(p.y()) < 3.4 && std::abs(p.z()) < 0.05; }), 136.0 / 446, 0.01);
+  EXPECT_NEAR(share([](const auto& p) { return std::abs(p.y()) > 8.95 && p.z() > 0.2; }), 20 * 2 * 1.8 / 446, 0.01);
+  EXPECT_NEAR(share([](const auto& p) { return std::abs(p.x()) < 5; }), 0.5, 0.01);
+  EXPECT_EQ(cloud, street_cloud(100'000)) << "one seed, one cloud";
+}
+
+TEST(PairCount, IsThatOfAllPairsComparedOneByOne) {
+  const auto cloud = street_cloud(1500, 5, 3);
+  std::int64_t expected = 0;
+  for (const auto& a : cloud) {
+    for (const auto& b : cloud) expected += (a - b).norm() < 0.3 ? 1 : 0;
+  }
+  expected -= 1500;
+  EXPECT_NEAR(static_cast<double>(count_pair_votes(cloud, 0.3, 1)), static_cast<double>(expected), 1)
+      << "a pair at the very rim may fall either way";
+  EXPECT_EQ(count_pair_votes(cloud, 0.3, 2), count_pair_votes(cloud, 0.3, 1));
+  EXPECT_EQ(count_pair_votes({}, 0.3, 2), 0);
+}
+
+TEST(FmaPeakOfThisMachine, IsThatOfAMachine) {
+  const FmaPeak peak = measure_fma_peak(1, 0.05);
+  EXPECT_GT(peak.flops_per_s, 1e8);
+  EXPECT_LT(peak.flops_per_s, 1e12);
+}
+
+TEST(PclNormals, GivesANormalToEveryPointWithNeighbours) {
+  EXPECT_EQ(PclNormals(street_cloud(2000, 5), 0.9, 1).run(), 2000U);
+}
+
+TEST(TimeInTurn, EachHasItsTurnInEveryRoundUnlessItIsSlow) {
+  std::string order;
+  const std::vector<Contender> contenders = {{"a", [&] { order += 'a'; }}, {"b", [&] { order += 'b'; }}};
+  EXPECT_EQ(time_in_turn(contenders, {.rounds = 2, .min_time = 1e-9}).size(), 2U);
+  EXPECT_THAT(order, HasSubstr("ba")) << "a comes back after b";
+  order.clear();
+  (void)time_in_turn(contenders, {.rounds = 5, .min_time = 1e-9, .slow = 0});
+  EXPECT_EQ(order.find("ba"), std::string::npos) << "everything is slower than nothing";
+}
+
+class BenchVoting : public ::testing::Test {
+ protected:
+  void SetUp() override { file_ = fs::temp_directory_path() / ("bench_voting_" + std::to_string(getpid()) + ".json"); }
+  void TearDown() override { fs::remove(file_); }
+
+  int run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "voting");
+    std::vector<char*> argv;
+    for (std::string& a : arguments) argv.push_back(a.data());
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    const int status = run_bench_voting(static_cast<int>(argv.size()), argv.data());
+    table_ = testing::internal::GetCapturedStdout();
+    error_ = testing::internal::GetCapturedStderr();
+    return status;
+  }
+  nlohmann::json json() const { return nlohmann::json::parse(std::ifstream(file_)); }
+
+  fs::path file_;
+  std::string table_;
+  std::string error_;
+};
+
+TEST_F(BenchVoting, PrintsATableAndWritesTheSameFiguresForPrograms) {
+  ASSERT_EQ(run({"--points", "2000,3000", "--sigma", "0.3", "--repetitions", "1", "--min-time", "0.001", "--seconds",
+                 "6", "--pcl-max-points", "2000", "--json", file_.string()}),
+            0)
+      << error_;
+  const auto json = this->json();
+  ASSERT_EQ(json["batch"].size(), 2U);
+  for (const auto& row : json["batch"]) {
+    for (const char* key : {"points", "sigma", "radius", "threads", "ours_ms", "pair_votes_per_s", "fma_peak_share"}) {
+      EXPECT_GT(row.at(key).get<double>(), 0) << key;
+    }
+    EXPECT_LT(row["fma_peak_share"].get<double>(), 1);
+    EXPECT_EQ(row["radius"], 0.9);
+  }
+  EXPECT_NEAR(json["batch"][0]["ratio"].get<double>(),
+              json["batch"][0]["pcl_ms"].get<double>() / json["batch"][0]["ours_ms"].get<double>(), 1e-9);
+  EXPECT_TRUE(json["batch"][1]["pcl_ms"].is_null()) << "too large for PCL, by option";
+  EXPECT_NEAR(json["stick_sum"].get<double>(), 22779.8, 0.04 * 22779.8) << "as independent codes have it";
+
+  const auto& incremental = json["incremental"];
+  EXPECT_GT(incremental.at("mean_ms").get<double>(), 0);
+  EXPECT_GE(incremental.at("p99_ms").get<double>(), incremental["mean_ms"].get<double>());
+  EXPECT_LT(incremental.at("max_relative_difference").get<double>(), 1e-4);
+  EXPECT_GT(incremental["revolutions"], 20);
+  EXPECT_TRUE(json.contains("cuda"));
+  EXPECT_THAT(table_, HasSubstr("FMA peak"));
+  EXPECT_THAT(table_, HasSubstr("a worker, all of it"));
+}
+
+TEST_F(BenchVoting, SaysWhatIsWrongWithItsOptionsAndFiles) {
+  EXPECT_EQ(run({"--sigma", "0"}), 2);
+  EXPECT_EQ(run({"--threads", "0"}), 2);
+  EXPECT_EQ(run({"--points", "many"}), 2);
+  const std::vector<std::string> quick = {"--points", "100",        "--sigma", "0.3",        "--repetitions",
+                                          "1",        "--min-time", "0.001",   "--no-growth"};
+  auto bad_log = quick;
+  bad_log.insert(bad_log.end(), {"--log", "/nowhere/drive.lcmlog"});
+  EXPECT_EQ(run(bad_log), 1);
+  EXPECT_THAT(error_, HasSubstr("/nowhere/drive.lcmlog"));
+  auto bad_json = quick;
+  bad_json.insert(bad_json.end(), {"--no-drive", "--json", "/nowhere/out.json"});
+  EXPECT_EQ(run(bad_json), 1);
+  EXPECT_THAT(error_, HasSubstr("/nowhere/out.json"));
+}
+
+}  // namespace
+}  // namespace curbstone

@@ -1,0 +1,181 @@
+#include "tools/bench/voting/incremental_timing.hpp"
+
+#include <time.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <curbstone/map_points_t.hpp>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "common/local_bus.hpp"
+#include "services/tensor_voting/batch_voting.hpp"
+#include "services/tensor_voting/point_tiles.hpp"
+#include "services/tensor_voting/tensor_voting_node.hpp"
+#include "services/tensor_voting/voting_field.hpp"
+
+namespace curbstone {
+
+namespace {
+
+constexpr std::int32_t kStepsPerMetre = 500;
+
+double cpu_ms() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
+}
+
+RevolutionTimes summarise(std::vector<double> ms) {
+  if (ms.empty()) return {};
+  std::sort(ms.begin(), ms.end());
+  const double sum = std::accumulate(ms.begin(), ms.end(), 0.0);
+  const auto n = static_cast<double>(ms.size());
+  return {sum / n, ms[static_cast<std::size_t>(std::ceil(0.99 * n)) - 1], ms.back()};
+}
+
+TensorVotingConfig two_scales() {
+  TensorVotingConfig config;
+  config.sigma = {0.1, 0.3};
+  config.voxel = {0.05, 0.1};
+  return config;
+}
+
+/// The fields alone, fed as a worker feeds them.
+class FieldTimer {
+ public:
+  FieldTimer() {
+    for (const VotingParameters& scale : two_scales().scales()) fields_.emplace_back(scale);
+  }
+  void add(const map_points_t& message) {
+    const TileKey key{message.tile_x, message.tile_y};
+    const PointTiles::Taken taken = map_.take(message);
+    if (taken.outcome != PointTiles::Outcome::kAdded) return;
+    const std::int32_t z_origin = map_.find(key)->z_origin * kStepsPerMetre;
+    const double begin = cpu_ms();
+    for (VotingField& field : fields_) field.add(key, z_origin, taken.added);
+    ms_ += cpu_ms() - begin;
+  }
+  double take_ms() { return std::exchange(ms_, 0.0); }
+  [[nodiscard]] const PointTiles& map() const { return map_; }
+  [[nodiscard]] const std::vector<VotingField>& fields() const { return fields_; }
+
+ private:
+  PointTiles map_{{}};
+  std::vector<VotingField> fields_;
+  double ms_ = 0;
+};
+
+/// A real worker alone on a bus.
+class WorkerTimer {
+ public:
+  WorkerTimer() : node_(two_scales(), "tensor_voting:1", bus_) { node_.connect(bus_); }
+  void hear(const std::string& channel, const void* data, int size) {
+    const double begin = cpu_ms();
+    bus_.inject(channel, data, size);
+    bus_.dispatch();
+    ms_ += cpu_ms() - begin;
+  }
+  void tick(std::int64_t now) {
+    const double begin = cpu_ms();
+    node_.tick(now);
+    tick_ms_ += cpu_ms() - begin;
+    bus_.dispatch();  // what it published: nobody hears it
+  }
+  double take_ms() { return std::exchange(ms_, 0.0) + tick_ms(); }
+  [[nodiscard]] double mean_tick_ms(int revolutions) const { return all_ticks_ms_ / std::max(1, revolutions); }
+
+ private:
+  double tick_ms() {
+    all_ticks_ms_ += tick_ms_;
+    return std::exchange(tick_ms_, 0.0);
+  }
+  LocalBus bus_;
+  TensorVotingNode node_;
+  double ms_ = 0;
+  double tick_ms_ = 0;
+  double all_ticks_ms_ = 0;
+};
+
+Eigen::Matrix3d matrix(const Tensor& t) {
+  Eigen::Matrix3d m;
+  m << t.xx, t.xy, t.xz, t.xy, t.yy, t.yz, t.xz, t.yz, t.zz;
+  return m;
+}
+
+/// The voters of a field, and what they have received.
+struct VotersOfField {
+  std::vector<StepPoint> points;
+  std::vector<Tensor> tensors;
+};
+VotersOfField voters_of(const VotingField& field, const PointTiles& map) {
+  VotersOfField voters;
+  for (const auto& [key, tile] : map.tiles()) {
+    const auto voter_of_point = field.voters_of_points(key);
+    std::uint32_t next = 0;
+    for (std::size_t i = 0; i < voter_of_point.size(); ++i) {
+      if (voter_of_point[i] != next) continue;
+      ++next;
+      const TilePoint& p = tile.points[i];
+      voters.points.push_back(
+          {key.x * kStepsPerTile + p.x, key.y * kStepsPerTile + p.y, tile.z_origin * kStepsPerMetre + p.z});
+    }
+    for (const VoteSums& sums : field.sums(key)) voters.tensors.push_back(to_tensor(sums, field.parameters().ball));
+  }
+  return voters;
+}
+
+double max_difference(const VotersOfField& voters, VotingParameters parameters) {
+  parameters.voxel = 0;  // they are what is left of the thinning
+  const std::vector<VoteSums> batch = vote_batch(voters.points, kPositionStep, parameters);
+  double most = 0;
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    const Eigen::Matrix3d expected = matrix(to_tensor(batch[i], parameters.ball));
+    const double difference = (matrix(voters.tensors[i]) - expected).norm();
+    if (difference > 0) most = std::max(most, difference / expected.norm());
+  }
+  return most;
+}
+
+}  // namespace
+
+IncrementalTiming time_incremental(const DriveSource& source) {
+  FieldTimer fields;
+  WorkerTimer worker;
+  std::vector<double> voting_ms;
+  std::vector<double> worker_ms;
+  bool driving = false;
+  const auto message = [&](const std::string& channel, const void* data, int size) {
+    worker.hear(channel, data, size);
+    if (channel == "MAP_POINTS") {
+      map_points_t points{};
+      if (points.decode(data, 0, size) >= 0) fields.add(points);
+    }
+    if (channel != "MAP_POSE") return;
+    const double ms[] = {fields.take_ms(), worker.take_ms()};
+    driving = driving || fields.map().num_points() > 0;
+    if (!driving) return;
+    voting_ms.push_back(ms[0]);
+    worker_ms.push_back(ms[1]);
+  };
+  drive_and_map(source, {message, [&](std::int64_t now) { worker.tick(now); }});
+
+  IncrementalTiming timing;
+  timing.revolutions = static_cast<int>(voting_ms.size());
+  timing.points = fields.map().num_points();
+  timing.decomposition_ms = worker.mean_tick_ms(timing.revolutions);
+  timing.voting = summarise(std::move(voting_ms));
+  timing.worker = summarise(std::move(worker_ms));
+  for (const VotingField& field : fields.fields()) {
+    const VotersOfField voters = voters_of(field, fields.map());
+    timing.voters += voters.points.size();
+    timing.pairs += field.num_pairs();
+    timing.max_relative_difference =
+        std::max(timing.max_relative_difference, max_difference(voters, field.parameters()));
+  }
+  return timing;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "tools/bench/voting/mapped_drive.hpp"
+
+namespace curbstone {
+
+/// CPU time on one core, ms a revolution.
+struct RevolutionTimes {
+  double mean_ms = 0;
+  double p99_ms = 0;
+  double max_ms = 0;
+};
+
+/// Voting on a growing map at both scales (sigma 0.1 m on 5 cm voxels, 0.3 m on 10 cm).
+struct IncrementalTiming {
+  int revolutions = 0;  ///< that brought points into the map; standing before the drive is not counted
+  std::size_t points = 0;
+  std::size_t voters = 0;              ///< at both scales together
+  std::int64_t pairs = 0;              ///< computed, each for both of its ends
+  RevolutionTimes voting;              ///< a revolution's points into both fields
+  RevolutionTimes worker;              ///< all that a worker does: decode, vote, decompose, make pages, encode
+  double decomposition_ms = 0;         ///< of the worker's mean: changed tiles into VOTED_POINTS
+  double max_relative_difference = 0;  ///< to the batch vote of the same points, of the tensor's norm
+};
+
+[[nodiscard]] IncrementalTiming time_incremental(const DriveSource& source);
+
+}  // namespace curbstone

@@ -1,0 +1,128 @@
+#include "tools/bench/voting/voting_bench.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "services/tensor_voting/vote_kernel.hpp"
+#include "tools/bench/voting/voting_report.hpp"
+
+namespace curbstone {
+
+namespace {
+
+struct VotingBenchOptions {
+  std::vector<std::size_t> points = {50'000, 100'000, 200'000, 1'000'000};
+  std::vector<double> sigmas = {0.3, 0.1};
+  int threads = 2;
+  std::size_t pcl_max_points = 1'000'000;
+  TurnOptions turns;
+  DriveSource drive;
+  bool no_growth = false;
+  bool no_drive = false;
+  std::string json;
+};
+
+void add_options(CLI::App& app, VotingBenchOptions& o) {
+  app.add_option("--points", o.points, "Sizes of the street cloud, 20 m long")
+      ->delimiter(',')
+      ->check(CLI::Range(100, 10'000'000))
+      ->capture_default_str();
+  app.add_option("--sigma", o.sigmas, "Decays, m; R is three times each")
+      ->delimiter(',')
+      ->check(CLI::Range(0.01, 1.0))
+      ->capture_default_str();
+  app.add_option("--threads", o.threads, "For both sides")->check(CLI::Range(1, 256))->capture_default_str();
+  app.add_option("--repetitions", o.turns.rounds, "Turns of each side, of which the median counts")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--min-time", o.turns.min_time, "s that a turn lasts at least")
+      ->check(CLI::Range(0.001, 60.0))
+      ->capture_default_str();
+  app.add_option("--slow", o.turns.slow, "s: whose turn takes longer has only one")->capture_default_str();
+  app.add_option("--pcl-max-points", o.pcl_max_points, "No PCL on larger clouds")->capture_default_str();
+  app.add_flag("--no-growth", o.no_growth, "Do not measure how the cost grows");
+  app.add_flag("--no-drive", o.no_drive, "Do not measure a growing map");
+  app.add_option("--seconds", o.drive.seconds, "s of the demo town's drive for the growing map")
+      ->check(CLI::Range(1.0, 3600.0))
+      ->capture_default_str();
+  app.add_option("--log", o.drive.log, "A log of lcm-logger with LIDAR_POINTS, IMU and WHEELS instead of that drive");
+  app.add_option("--json", o.json, "Write the figures to this file too");
+}
+
+void say(const std::string& what) {
+  fmt::print(stderr, "bench voting: {}\n", what);
+}
+
+BatchRow measured(BatchRow row, bool with_pcl, const TurnOptions& turns) {
+  say(fmt::format("{} points on {} m, sigma {}, {} threads{}", row.points, row.length, row.sigma, row.threads,
+                  with_pcl ? ", and PCL" : ""));
+  measure_batch(row, with_pcl, turns);
+  return row;
+}
+
+std::vector<BatchRow> measure_growth(const VotingBenchOptions& o) {
+  const std::size_t points = std::min<std::size_t>(100'000, *std::max_element(o.points.begin(), o.points.end()));
+  std::vector<BatchRow> rows;
+  for (const int threads : {1, 2}) rows.push_back({.points = points, .threads = threads});
+  for (const double length : {40.0, 80.0}) {  // longer streets of the same density
+    rows.push_back({.points = points * static_cast<std::size_t>(length / 20), .length = length, .threads = o.threads});
+  }
+  for (const std::size_t factor : {2U, 4U}) rows.push_back({.points = points * factor, .threads = o.threads});
+  for (BatchRow& row : rows) row = measured(row, false, o.turns);
+  return rows;
+}
+
+VotingReport measure(const VotingBenchOptions& o) {
+  VotingReport report;
+  report.kernel = vote_kernels()[0].name;
+  report.peak = measure_fma_peak(o.threads);
+  for (const double sigma : o.sigmas) {
+    for (const std::size_t points : o.points) {
+      const BatchRow row{
+          .points = points, .sigma = sigma, .radius = std::round(3e6 * sigma) / 1e6, .threads = o.threads};
+      report.batch.push_back(measured(row, points <= o.pcl_max_points, o.turns));
+    }
+  }
+  if (!o.no_growth) report.growth = measure_growth(o);
+  report.stick_sum = stick_sum();
+  if (!o.no_drive) {
+    say(o.drive.log.empty() ? fmt::format("a drive of {} s", o.drive.seconds) : o.drive.log);
+    report.incremental = time_incremental(o.drive);
+  }
+  const FmaPeak again = measure_fma_peak(o.threads);  // the machine at its best, before or after
+  if (again.flops_per_s > report.peak.flops_per_s) report.peak = again;
+  return report;
+}
+
+}  // namespace
+
+int run_bench_voting(int argc, char** argv) {
+  VotingBenchOptions options;
+  CLI::App app{
+      "Measures tensor voting: whole clouds beside PCL's NormalEstimationOMP with the same radius and threads, and a "
+      "map that grows as the demo town is driven through"};
+  app.name("curbstone bench voting");
+  add_options(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    const VotingReport report = measure(options);
+    print_report(report);
+    if (!options.json.empty()) write_report(report, options.json);
+  } catch (const std::exception& error) {
+    say(error.what());
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace curbstone
