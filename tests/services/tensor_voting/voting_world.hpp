@@ -131,7 +131,7 @@ class Listener {
     }
   };
 
-  Listener(LocalBus& bus, Publisher& publisher) : publisher_(publisher), follower_("listener", "VOTED_POINTS") {
+  Listener(Subscriber& bus, Publisher& publisher) : publisher_(publisher), follower_("listener", "VOTED_POINTS") {
     follower_.start_epoch(1);
     bus.subscribe<voted_points_t>("VOTED_POINTS", [this](const voted_points_t& m) { on(m); });
     bus.subscribe<tile_index_t>("TILE_INDEX", [this](const tile_index_t& m) {
