@@ -41,6 +41,13 @@ struct TileKeyHash {
   return TileKey{static_cast<std::int32_t>(tx), static_cast<std::int32_t>(ty)};
 }
 
+/// From a tile's middle to (x, y), in m in map; squared, m^2.
+[[nodiscard]] inline double squared_distance(TileKey key, double x, double y) {
+  const double dx = (key.x + 0.5) * kTileSize - x;
+  const double dy = (key.y + 0.5) * kTileSize - y;
+  return dx * dx + dy * dy;
+}
+
 /// A point inside a tile, in kPositionStep from the tile's corner and its z_origin. The one form in which points of the
 /// map exist: whoever computes on them computes on exactly these.
 struct TilePoint {

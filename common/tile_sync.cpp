@@ -33,9 +33,7 @@ std::vector<tile_index_t> TileCatalog::make_index(std::int64_t utime, double x, 
   std::vector<Entry> entries;
   entries.reserve(versions_.size());
   for (const auto& [key, version] : versions_) {
-    const double dx = (key.x + 0.5) * kTileSize - x;
-    const double dy = (key.y + 0.5) * kTileSize - y;
-    entries.push_back({{changed_.contains(key) ? 0 : 1, dx * dx + dy * dy}, key, version});
+    entries.push_back({{changed_.contains(key) ? 0 : 1, squared_distance(key, x, y)}, key, version});
   }
   std::sort(entries.begin(), entries.end(),
             [](const Entry& a, const Entry& b) { return std::tie(a.rank, a.key) < std::tie(b.rank, b.key); });
@@ -129,12 +127,20 @@ bool TileFollower::announced(const tile_index_t& message) {
   return true;
 }
 
-tile_request_t TileFollower::make_request(std::int64_t now, std::size_t max_tiles, std::int64_t patience) {
+bool TileFollower::is_behind_near(double x, double y, double radius) const {
+  return std::any_of(behind_.begin(), behind_.end(),
+                     [&](const auto& tile) { return squared_distance(tile.first, x, y) < radius * radius; });
+}
+
+tile_request_t TileFollower::make_request(std::int64_t now, std::size_t max_tiles, std::int64_t patience, double x,
+                                          double y) {
   std::vector<TileKey> due;
   for (const auto& [key, behind] : behind_) {
     if (now - behind.since >= patience && now - behind.last_asked >= 1'000'000) due.push_back(key);
   }
-  std::sort(due.begin(), due.end());
+  std::sort(due.begin(), due.end(), [&](TileKey a, TileKey b) {
+    return std::pair(squared_distance(a, x, y), a) < std::pair(squared_distance(b, x, y), b);
+  });
   if (due.size() > max_tiles) due.resize(max_tiles);
 
   tile_request_t request;

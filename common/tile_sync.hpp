@@ -70,13 +70,15 @@ class TileFollower {
   bool announced(const tile_index_t& message);
 
   /// A request for at most `max_tiles` tiles whose announced version is above ours and has been for `patience` us (what
-  /// was just announced is probably on its way). Empty num_tiles: nothing to ask. Each tile is asked at most once a
-  /// second.
+  /// was just announced is probably on its way), the nearest to (x, y), m in map, first. Empty num_tiles: nothing to
+  /// ask. Each tile is asked at most once a second.
   [[nodiscard]] tile_request_t make_request(std::int64_t now, std::size_t max_tiles = 200,
-                                            std::int64_t patience = 300'000);
+                                            std::int64_t patience = 300'000, double x = 0, double y = 0);
 
   /// Tiles announced and not yet had.
   [[nodiscard]] std::size_t behind() const { return behind_.size(); }
+  /// Whether one of them is nearer than `radius` to (x, y), m in map.
+  [[nodiscard]] bool is_behind_near(double x, double y, double radius) const;
 
  private:
   struct Behind {

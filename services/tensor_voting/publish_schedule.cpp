@@ -24,6 +24,11 @@ void PublishSchedule::published(TileKey key, std::int32_t revision, std::int64_t
   if (it != pending_.end() && it->second.revision <= revision) pending_.erase(it);
 }
 
+void PublishSchedule::forget_far(double x, double y, double radius) {
+  if (published_.size() <= kMaxRemembered) return;
+  std::erase_if(published_, [&](const auto& tile) { return squared_distance(tile.first, x, y) > radius * radius; });
+}
+
 void PublishSchedule::clear() {
   pending_.clear();
   published_.clear();
@@ -38,10 +43,8 @@ std::optional<TileKey> PublishSchedule::next(std::int64_t now, double x, double 
     if (it != published_.end() && now - out.at < config_.min_interval) continue;
     const double news = tile.wanted ? 1.0 : 1.0 - static_cast<double>(out.revision) / tile.revision;
     if (news < config_.prompt_share && now - tile.since < config_.patience) continue;
-    const double dx = (key.x + 0.5) * kTileSize - x;
-    const double dy = (key.y + 0.5) * kTileSize - y;
     const double age = static_cast<double>(now - tile.since) * 1e-6;
-    const double score = news * (1 + age) / (1 + (dx * dx + dy * dy) / (config_.near * config_.near));
+    const double score = news * (1 + age) / (1 + squared_distance(key, x, y) / (config_.near * config_.near));
     if (score > best_score) {
       best_score = score;
       best = key;
@@ -60,10 +63,10 @@ std::int32_t PublishSchedule::published_revision(TileKey key) const {
   return it == published_.end() ? 0 : it->second.revision;
 }
 
-std::optional<std::int64_t> PublishSchedule::oldest() const {
-  std::optional<std::int64_t> since;
-  for (const auto& [key, tile] : pending_) since = std::min(since.value_or(tile.since), tile.since);
-  return since;
+std::optional<std::int64_t> PublishSchedule::waiting_since(TileKey key) const {
+  const auto it = pending_.find(key);
+  if (it == pending_.end()) return std::nullopt;
+  return it->second.since;
 }
 
 }  // namespace curbstone

@@ -29,6 +29,10 @@ class PublishSchedule {
   void published(TileKey key, std::int32_t revision, std::int64_t now);
   /// No longer ours to publish. What has been published remains known.
   void drop(TileKey key) { pending_.erase(key); }
+  /// Forgets what has been published of tiles farther than `radius` from (x, y), m in map, if that is more than
+  /// kMaxRemembered tiles: should they change again, they are published again, changed or not.
+  void forget_far(double x, double y, double radius);
+  static constexpr std::size_t kMaxRemembered = 100'000;
   void clear();
 
   /// The tile to publish now, seen from (x, y), m in map.
@@ -40,8 +44,8 @@ class PublishSchedule {
   [[nodiscard]] std::int32_t published_revision(TileKey key) const;
   [[nodiscard]] bool is_pending(TileKey key) const { return pending_.contains(key); }
   [[nodiscard]] std::size_t num_pending() const { return pending_.size(); }
-  /// When the tile that has waited longest was changed, us; nothing if none waits.
-  [[nodiscard]] std::optional<std::int64_t> oldest() const;
+  /// When a tile that waits was first changed, or asked for, since it was published, us; nothing if it does not wait.
+  [[nodiscard]] std::optional<std::int64_t> waiting_since(TileKey key) const;
 
  private:
   struct Pending {

@@ -13,20 +13,18 @@ namespace {
 
 constexpr const char* kMapPoints = "MAP_POINTS";
 constexpr const char* kVotedPoints = "VOTED_POINTS";
-constexpr std::int32_t kStepsPerMetre = 500;
 constexpr std::int64_t kSecond = 1'000'000;           // us
 constexpr std::int64_t kRequestInterval = 100'000;    // us
+constexpr std::int64_t kRequestPatience = 300'000;    // us
 constexpr std::size_t kTilesPerRequest = 100;         // a few hundred kB of answers
 constexpr std::size_t kMaxBehind = 20'000;            // tiles that we lack and know of
 constexpr double kUnpublishedMargin = 2 * kTileSize;  // m: tiles at the rim may lack neighbours that were let go
+constexpr std::size_t kMovesPerTick = 8000;           // points taken over: 10 to 20 ms of work
+constexpr std::int64_t kListen = 1'500'000;           // us: in which every other worker has said that it lives
+constexpr double kJoinRadius = 40.0;                  // m: what a worker must have around the vehicle before it joins
 
 std::int64_t microseconds(double seconds) {
   return static_cast<std::int64_t>(seconds * 1e6);
-}
-
-template <class Visit>
-void for_each_around(TileKey key, Visit visit) {
-  for (int i = 0; i < 9; ++i) visit(TileKey{key.x + i % 3 - 1, key.y + i / 3 - 1});
 }
 
 }  // namespace
@@ -35,13 +33,11 @@ TensorVotingNode::TensorVotingNode(const TensorVotingConfig& config, std::string
     : config_(config),
       worker_(std::move(worker)),
       publisher_(publisher),
-      map_({.points = static_cast<std::size_t>(config.max_points)}),
+      map_({.points = static_cast<std::size_t>(config.max_points)}, config.scales()),
       workers_(worker_, microseconds(config.worker_timeout)),
       follower_(worker_, kMapPoints),
       catalog_(worker_, kVotedPoints),
-      schedule_({.min_interval = microseconds(config.min_interval), .patience = microseconds(config.patience)}) {
-  for (const VotingParameters& scale : config.scales()) fields_.emplace_back(scale);
-}
+      schedule_({.min_interval = microseconds(config.min_interval), .patience = microseconds(config.patience)}) {}
 
 void TensorVotingNode::connect(Subscriber& bus) {
   bus.subscribe<map_points_t>(kMapPoints, [this](const map_points_t& m) { on(m); });
@@ -62,7 +58,7 @@ void TensorVotingNode::on(const map_points_t& message) {
     counters_.add("dropped.far");
     return;
   }
-  const PointTiles::Taken taken = map_.take(message);
+  const PointTiles::Taken taken = map_.take(message, votes_here(key));
   switch (taken.outcome) {
     case PointTiles::Outcome::kDuplicate:
       counters_.add("dropped.duplicate");
@@ -79,11 +75,8 @@ void TensorVotingNode::on(const map_points_t& message) {
     case PointTiles::Outcome::kAdded:
       break;
   }
-  const PointTile& tile = *map_.find(key);
-  follower_.set_have(key, static_cast<std::int32_t>(tile.points.size()));
+  follower_.set_have(key, static_cast<std::int32_t>(map_.points().find(key)->points.size()));
   counters_.add("map_points", static_cast<std::int64_t>(taken.added.size()));
-  if (!votes_here(key)) return;
-  for (VotingField& field : fields_) field.add(key, tile.z_origin * kStepsPerMetre, taken.added);
 }
 
 void TensorVotingNode::on(const map_pose_t& message) {
@@ -102,7 +95,8 @@ void TensorVotingNode::on(const tile_index_t& message) {
     if (message.epoch != epoch_) return;
     // What another worker has published need not be published again when its tiles become ours.
     for (std::size_t i = 0; i < message.version.size(); ++i) {
-      schedule_.published({message.tile_x[i], message.tile_y[i]}, message.version[i], 0);
+      const TileKey key{message.tile_x[i], message.tile_y[i]};
+      if (distance(key) <= config_.keep_radius) schedule_.published(key, message.version[i], 0);
     }
   } else if (message.channel == kMapPoints) {
     if (message.epoch > epoch_) start_epoch(message.epoch);
@@ -117,6 +111,7 @@ void TensorVotingNode::on(const tile_index_t& message) {
     }
     near.num_tiles = static_cast<std::int32_t>(near.version.size());
     (void)follower_.announced(near);
+    index_heard_ = index_heard_ || (message.epoch == epoch_ && message.page == message.num_pages - 1);
   }
 }
 
@@ -127,7 +122,7 @@ void TensorVotingNode::on(const tile_request_t& message) {
 void TensorVotingNode::start_epoch(std::int32_t epoch) {
   epoch_ = epoch;
   map_.clear();
-  for (VotingField& field : fields_) field.clear();
+  index_heard_ = false;
   follower_.start_epoch(epoch);
   catalog_.start_epoch(epoch);
   schedule_.clear();
@@ -135,48 +130,44 @@ void TensorVotingNode::start_epoch(std::int32_t epoch) {
 }
 
 double TensorVotingNode::distance(TileKey key) const {
-  return std::hypot((key.x + 0.5) * kTileSize - x_, (key.y + 0.5) * kTileSize - y_);
+  return std::sqrt(squared_distance(key, x_, y_));
+}
+
+bool TensorVotingNode::owns(TileKey key) const {
+  return workers_.count() == 1 || (joined_ && workers_.owns(key));
 }
 
 bool TensorVotingNode::votes_here(TileKey key) const {
   bool any = false;
-  for_each_around(key, [&](TileKey tile) { any = any || workers_.owns(tile); });
+  for_each_around(key, [&](TileKey tile) { any = any || owns(tile); });
   return any;
 }
 
 bool TensorVotingNode::publishes(TileKey key) const {
-  return workers_.owns(key) && distance(key) <= config_.keep_radius - kUnpublishedMargin;
-}
-
-std::int32_t TensorVotingNode::revision(TileKey key) const {
-  const PointTile* const tile = map_.find(key);
-  if (tile == nullptr) return 0;
-  auto total = static_cast<std::int64_t>(tile->points.size());
-  for (const VotingField& field : fields_) total += field.num_votes(key);
-  return static_cast<std::int32_t>(std::min<std::int64_t>(total, std::numeric_limits<std::int32_t>::max()));
+  return owns(key) && distance(key) <= config_.keep_radius - kUnpublishedMargin;
 }
 
 /// Puts a tile's revision before the schedule, if it is for us to publish.
 void TensorVotingNode::review(TileKey key) {
-  if (map_.find(key) == nullptr || !publishes(key)) return;
-  const std::int32_t revision = this->revision(key);
+  if (map_.points().find(key) == nullptr || !publishes(key) || !map_.is_current(key)) return;
+  const std::int32_t revision = map_.revision(key);
   schedule_.changed(key, revision, now_);
   // Published before, by its owner of that time: now it is us who answers for it.
   if (schedule_.published_revision(key) == revision) catalog_.set_version(key, revision);
 }
 
-/// The set of live workers has changed: moves the tiles. Exact sums make that a matter of adding and removing.
+/// Alone, or with all that is near the vehicle.
+bool TensorVotingNode::may_join() const {
+  if (now_ - first_tick_ < kListen) return false;
+  return workers_.count() == 1 || (index_heard_ && !follower_.is_behind_near(x_, y_, kJoinRadius));
+}
+
+/// Other tiles are ours. Exact sums make that a matter of adding and removing.
 void TensorVotingNode::reassign() {
   counters_.add("reassignments");
-  for (const auto& [key, tile] : map_.tiles()) {
-    const bool wanted = votes_here(key);
-    for (VotingField& field : fields_) {
-      if (wanted && !field.contains(key)) field.add(key, tile.z_origin * kStepsPerMetre, tile.points);
-      if (!wanted) field.remove(key);
-    }
-  }
-  for (const auto& [key, tile] : map_.tiles()) {
-    if (workers_.owns(key)) {
+  map_.reassign([this](TileKey key) { return votes_here(key); }, x_, y_);
+  for (const auto& [key, tile] : map_.points().tiles()) {
+    if (owns(key)) {
       review(key);
     } else {
       schedule_.drop(key);
@@ -186,15 +177,13 @@ void TensorVotingNode::reassign() {
 }
 
 void TensorVotingNode::collect_changes() {
-  for (VotingField& field : fields_) {
-    for (const TileKey key : field.take_changed()) review(key);
-  }
+  for (const TileKey key : map_.take_changed()) review(key);
 }
 
 /// Lets go of what has fallen behind; takes up what has come near again.
 void TensorVotingNode::follow_vehicle() {
   std::vector<TileKey> far;
-  for (const auto& [key, tile] : map_.tiles()) {
+  for (const auto& [key, tile] : map_.points().tiles()) {
     if (distance(key) <= config_.keep_radius) {
       if (distance(key) > config_.keep_radius - 2 * kUnpublishedMargin) review(key);
       continue;
@@ -204,12 +193,12 @@ void TensorVotingNode::follow_vehicle() {
     if (!waits) far.push_back(key);
   }
   for (const TileKey key : far) {
-    for (VotingField& field : fields_) field.remove(key);
     map_.erase(key);
     follower_.forget(key);
     catalog_.remove(key);
     counters_.add("tiles_let_go");
   }
+  schedule_.forget_far(x_, y_, config_.keep_radius);
 }
 
 void TensorVotingNode::announce() {
@@ -217,21 +206,21 @@ void TensorVotingNode::announce() {
 }
 
 void TensorVotingNode::queue_pages(TileKey key) {
-  const PointTile* const tile = map_.find(key);
+  const PointTile* const tile = map_.points().find(key);
   if (tile == nullptr) {
     schedule_.drop(key);
     return;
   }
-  const std::int32_t revision = this->revision(key);
+  const std::int32_t revision = map_.revision(key);
   // Its own points' time, not its neighbours': a fact of the content, like everything in the message.
-  for (voted_points_t& page : make_voted_pages(key, *tile, epoch_, revision, tile->utime, fields_)) {
+  for (voted_points_t& page : make_voted_pages(key, *tile, epoch_, revision, tile->utime, map_.fields())) {
     pages_.push_back(std::move(page));
   }
+  latency_.add(static_cast<double>(now_ - schedule_.waiting_since(key).value_or(now_)) * 1e-6);
   schedule_.published(key, revision, now_);
   catalog_.set_version(key, revision);
   counters_.add("tiles_published");
   counters_.add("points_published", static_cast<std::int64_t>(tile->points.size()));
-  latency_.add(static_cast<double>(now_ - tile->utime) * 1e-6);
 }
 
 void TensorVotingNode::send_next_page() {
@@ -261,23 +250,32 @@ void TensorVotingNode::tick(std::int64_t now) {
   const double per_tick = config_.bandwidth * elapsed;  // MB/s times us
   budget_ = std::min(budget_ + per_tick, std::max(per_tick, static_cast<double>(kMaxPageBytes)));
   now_ = now;
+  if (first_tick_ == 0 || now < first_tick_) first_tick_ = now;
 
-  if (workers_.update(now)) reassign();
+  const bool others = workers_.update(now);
+  const bool joins = !joined_ && may_join();
+  if (joins) {
+    joined_ = true;
+    last_index_ = 0;  // says so at once
+  }
+  if (others || (joins && workers_.count() > 1)) reassign();
+  map_.move(kMovesPerTick);
   collect_changes();
   publish_paced();
   if (now - last_request_ >= kRequestInterval || now < last_request_) {
     last_request_ = now;
-    const tile_request_t request = follower_.make_request(now, kTilesPerRequest);
+    const tile_request_t request = follower_.make_request(now, kTilesPerRequest, kRequestPatience, x_, y_);
     if (request.num_tiles > 0) publisher_.publish("TILE_REQUEST", request);
   }
   if (now - last_index_ >= kSecond || now < last_index_) {
     last_index_ = now;
     follow_vehicle();
-    announce();
+    if (joined_) announce();
   }
 }
 
 void TensorVotingNode::finish() {
+  while (map_.is_moving()) map_.move(kMovesPerTick);
   collect_changes();
   while (const auto key = schedule_.any()) queue_pages(*key);
   while (!pages_.empty()) send_next_page();
@@ -287,9 +285,7 @@ void TensorVotingNode::finish() {
 NodeReport TensorVotingNode::report() const {
   NodeReport report;
   report.counters = counters_;
-  std::int64_t pairs = 0;
-  for (const VotingField& field : fields_) pairs += field.num_pairs();
-  report.counters.set("pair_votes", pairs);
+  report.counters.set("pair_votes", map_.num_pairs());
   if (now_ - mapper_heard_ > 3 * kSecond) report.faults.push_back("the mapper is silent");
   if (counters_["dropped.full"] > 0) report.faults.push_back("max_points reached: new map points are not voted");
   report.latency_p50 = latency_.percentile(0.5);

@@ -12,10 +12,9 @@
 #include "common/latency.hpp"
 #include "common/node.hpp"
 #include "common/tile_sync.hpp"
-#include "services/tensor_voting/point_tiles.hpp"
 #include "services/tensor_voting/publish_schedule.hpp"
 #include "services/tensor_voting/tensor_voting_config.hpp"
-#include "services/tensor_voting/voting_field.hpp"
+#include "services/tensor_voting/voted_map.hpp"
 #include "services/tensor_voting/workers.hpp"
 
 namespace curbstone {
@@ -28,6 +27,9 @@ namespace curbstone {
 /// the map points alone. So is a revision's number: the tile's points plus the votes that they have received. It grows
 /// with every change, two workers with the same map points give it the same number, and since each part of that sum
 /// only grows, nobody reaches the final number without the final content.
+///
+/// A worker that comes to others listens until it has what is near the vehicle, and only then says that it lives: so
+/// nobody lets go of a tile for a worker that does not know it yet.
 class TensorVotingNode final : public Node {
  public:
   /// `worker` is this worker's name on the bus. Throws std::invalid_argument on scales that cannot be voted.
@@ -46,12 +48,13 @@ class TensorVotingNode final : public Node {
 
   void start_epoch(std::int32_t epoch);
   [[nodiscard]] double distance(TileKey key) const;  // from the vehicle, m
+  [[nodiscard]] bool owns(TileKey key) const;
   /// Whether a tile's points matter to a tile that we own.
   [[nodiscard]] bool votes_here(TileKey key) const;
   [[nodiscard]] bool publishes(TileKey key) const;
-  [[nodiscard]] std::int32_t revision(TileKey key) const;
 
   void review(TileKey key);
+  [[nodiscard]] bool may_join() const;
   void reassign();
   void collect_changes();
   void follow_vehicle();
@@ -63,8 +66,7 @@ class TensorVotingNode final : public Node {
   TensorVotingConfig config_;
   std::string worker_;
   Publisher& publisher_;
-  PointTiles map_;
-  std::vector<VotingField> fields_;  // one a scale; each holds the tiles for which votes_here()
+  VotedMap map_;  // votes on the tiles for which votes_here()
   Workers workers_;
   TileFollower follower_;
   TileCatalog catalog_;
@@ -75,6 +77,9 @@ class TensorVotingNode final : public Node {
   double x_ = 0;  // the vehicle, m in map
   double y_ = 0;
   std::int64_t now_ = 0;
+  std::int64_t first_tick_ = 0;
+  bool joined_ = false;       // the others may know of us
+  bool index_heard_ = false;  // the mapper's, a whole round of it, in this epoch
   std::int64_t last_index_ = 0;
   std::int64_t last_request_ = 0;
   std::int64_t mapper_heard_ = 0;

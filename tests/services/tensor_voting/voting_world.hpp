@@ -88,6 +88,12 @@ class FakeMapper {
     for (const auto& page : catalog_.make_index(now, 0, 0)) publisher_.publish("TILE_INDEX", page);
   }
   [[nodiscard]] const Tiles& tiles() const { return tiles_; }
+  /// Points so far.
+  [[nodiscard]] std::size_t mapped() const {
+    std::size_t total = 0;
+    for (const auto& [key, count] : done_) total += count;
+    return total;
+  }
 
  private:
   void send(std::int64_t now, TileKey key, std::size_t from, std::size_t until) {

@@ -1,0 +1,107 @@
+#include "services/tensor_voting/voted_map.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace curbstone {
+
+namespace {
+constexpr std::int32_t kStepsPerMetre = 500;
+}  // namespace
+
+VotedMap::VotedMap(PointTiles::Limits limits, std::span<const VotingParameters> scales) : points_(limits) {
+  for (const VotingParameters& scale : scales) fields_.emplace_back(scale);
+}
+
+PointTiles::Taken VotedMap::take(const map_points_t& message, bool matters) {
+  const PointTiles::Taken taken = points_.take(message);
+  if (taken.outcome != PointTiles::Outcome::kAdded || !matters) return taken;
+  const TileKey key{message.tile_x, message.tile_y};
+  const PointTile& tile = *points_.find(key);
+  // A tile that still waits to be brought in gets these points then.
+  if (num_voted(key) + taken.added.size() != tile.points.size()) return taken;
+  for (VotingField& field : fields_) field.add(key, tile.z_origin * kStepsPerMetre, taken.added);
+  return taken;
+}
+
+void VotedMap::erase(TileKey key) {
+  for (VotingField& field : fields_) field.remove(key);
+  points_.erase(key);
+}
+
+void VotedMap::clear() {
+  points_.clear();
+  for (VotingField& field : fields_) field.clear();
+  moves_.clear();
+  changed_.clear();
+}
+
+void VotedMap::reassign(const std::function<bool(TileKey)>& matters, double x, double y) {
+  moves_.clear();
+  for (const auto& [key, tile] : points_.tiles()) {
+    const bool in = matters(key);
+    if (in ? num_voted(key) < tile.points.size() : num_voted(key) > 0) moves_.push_back({key, in});
+  }
+  std::stable_sort(moves_.begin(), moves_.end(), [&](const Move& a, const Move& b) {
+    return a.in != b.in ? a.in : squared_distance(a.key, x, y) < squared_distance(b.key, x, y);
+  });
+}
+
+std::size_t VotedMap::bring_in(TileKey key) {
+  const PointTile* const tile = points_.find(key);
+  if (tile == nullptr) return 0;  // let go meanwhile
+  const auto missing = std::span(tile->points).subspan(num_voted(key));
+  for (VotingField& field : fields_) field.add(key, tile->z_origin * kStepsPerMetre, missing);
+  // The last one to come makes those around it current, whether it reaches them or not.
+  for_each_around(key, [&](TileKey around) { changed_.insert(around); });
+  return missing.size();
+}
+
+std::size_t VotedMap::take_out(TileKey key) {
+  const std::size_t count = num_voted(key);
+  for (VotingField& field : fields_) field.remove(key);
+  return count;
+}
+
+void VotedMap::move(std::size_t num_points) {
+  std::size_t moved = 0;
+  while (!moves_.empty() && moved < num_points) {
+    const Move next = moves_.front();
+    moves_.pop_front();
+    moved += next.in ? bring_in(next.key) : take_out(next.key);
+  }
+}
+
+bool VotedMap::is_current(TileKey key) const {
+  bool current = true;
+  for_each_around(key, [&](TileKey around) {
+    const PointTile* const tile = points_.find(around);
+    current = current && (tile == nullptr || num_voted(around) == tile->points.size());
+  });
+  return current;
+}
+
+std::int32_t VotedMap::revision(TileKey key) const {
+  const PointTile* const tile = points_.find(key);
+  if (tile == nullptr) return 0;
+  auto total = static_cast<std::int64_t>(tile->points.size());
+  for (const VotingField& field : fields_) total += field.num_votes(key);
+  return static_cast<std::int32_t>(std::min<std::int64_t>(total, std::numeric_limits<std::int32_t>::max()));
+}
+
+std::vector<TileKey> VotedMap::take_changed() {
+  for (VotingField& field : fields_) {
+    for (const TileKey& key : field.take_changed()) changed_.insert(key);
+  }
+  std::vector<TileKey> keys(changed_.begin(), changed_.end());
+  changed_.clear();
+  return keys;
+}
+
+std::int64_t VotedMap::num_pairs() const {
+  std::int64_t pairs = 0;
+  for (const VotingField& field : fields_) pairs += field.num_pairs();
+  return pairs;
+}
+
+}  // namespace curbstone

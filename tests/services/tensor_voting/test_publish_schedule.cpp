@@ -1,0 +1,100 @@
+#include "services/tensor_voting/publish_schedule.hpp"
+
+#include <gtest/gtest.h>
+
+namespace curbstone {
+namespace {
+
+constexpr std::int64_t kMs = 1000;
+constexpr std::int64_t kNow = 1'000'000'000;
+const TileKey kHere{0, 0};
+const TileKey kThere{10, 0};  // 30 m ahead
+
+PublishSchedule schedule() {
+  return PublishSchedule({.min_interval = 200 * kMs, .patience = 1000 * kMs, .prompt_share = 0.1, .near = 10});
+}
+
+TEST(PublishScheduleTest, TheNearestOfThoseWithNewsGoesFirst) {
+  PublishSchedule s = schedule();
+  s.changed(kThere, 100, kNow);
+  s.changed(kHere, 100, kNow);
+  EXPECT_EQ(s.next(kNow, 0, 0), kHere);
+  EXPECT_EQ(s.next(kNow, 30, 0), kThere) << "seen from there";
+  s.published(kHere, 100, kNow);
+  EXPECT_EQ(s.next(kNow, 0, 0), kThere);
+  s.published(kThere, 100, kNow);
+  EXPECT_EQ(s.next(kNow, 0, 0), std::nullopt);
+  EXPECT_EQ(s.num_pending(), 0U);
+}
+
+TEST(PublishScheduleTest, TheLargestShareOfNewsGoesFirst) {
+  PublishSchedule s = schedule();
+  const TileKey beside{0, 1};
+  s.published(kHere, 100, kNow - 5000 * kMs);
+  s.published(beside, 100, kNow - 5000 * kMs);
+  s.changed(kHere, 125, kNow);
+  s.changed(beside, 400, kNow);
+  EXPECT_EQ(s.next(kNow, 1.5, 3), beside);
+}
+
+TEST(PublishScheduleTest, WhatIsFarAwayComesToItsTurnInTheEnd) {
+  PublishSchedule s = schedule();
+  s.published(kHere, 100, kNow - 10'000 * kMs);
+  s.changed(kThere, 100, kNow - 20'000 * kMs);
+  s.changed(kHere, 300, kNow);
+  EXPECT_EQ(s.next(kNow, 0, 0), kThere) << "it has waited for 20 s";
+}
+
+TEST(PublishScheduleTest, NoTileGoesMoreOftenThanItMay) {
+  PublishSchedule s = schedule();
+  s.changed(kHere, 100, kNow);
+  s.published(kHere, 100, kNow);
+  s.changed(kHere, 200, kNow + 50 * kMs);
+  EXPECT_EQ(s.next(kNow + 199 * kMs, 0, 0), std::nullopt);
+  EXPECT_EQ(s.next(kNow + 200 * kMs, 0, 0), kHere);
+}
+
+TEST(PublishScheduleTest, LittleNewsWaitsForMore) {
+  PublishSchedule s = schedule();
+  s.changed(kHere, 1000, kNow);
+  s.published(kHere, 1000, kNow);
+  s.changed(kHere, 1010, kNow + 500 * kMs);
+  EXPECT_EQ(s.next(kNow + 1400 * kMs, 0, 0), std::nullopt);
+  EXPECT_EQ(s.next(kNow + 1500 * kMs, 0, 0), kHere) << "that was all that came";
+  s.changed(kHere, 1200, kNow + 600 * kMs);
+  EXPECT_EQ(s.next(kNow + 600 * kMs, 0, 0), kHere) << "that is news";
+}
+
+TEST(PublishScheduleTest, WhoAsksGetsATileThatHasNotChanged) {
+  PublishSchedule s = schedule();
+  s.changed(kHere, 100, kNow);
+  s.published(kHere, 100, kNow);
+  s.wanted(kHere, kNow + 50 * kMs);
+  EXPECT_EQ(s.next(kNow + 250 * kMs, 0, 0), kHere);
+  EXPECT_EQ(s.waiting_since(kHere), kNow + 50 * kMs);
+  s.published(kHere, 100, kNow + 250 * kMs);
+  EXPECT_FALSE(s.is_pending(kHere));
+}
+
+TEST(PublishScheduleTest, WhatAnotherHasPublishedIsNotPublishedAgain) {
+  PublishSchedule s = schedule();
+  s.changed(kHere, 100, kNow);
+  s.published(kHere, 100, 0);
+  EXPECT_FALSE(s.is_pending(kHere));
+  s.changed(kHere, 90, kNow);
+  EXPECT_FALSE(s.is_pending(kHere)) << "we are behind";
+  s.changed(kHere, 150, kNow);
+  EXPECT_EQ(s.next(kNow, 0, 0), kHere);
+}
+
+TEST(PublishScheduleTest, WhatItRemembersIsBounded) {
+  PublishSchedule s = schedule();
+  const auto count = static_cast<std::int32_t>(PublishSchedule::kMaxRemembered) + 1;
+  for (std::int32_t i = 0; i < count; ++i) s.published({i, 0}, 1, kNow);
+  s.forget_far(0, 0, 300);
+  EXPECT_EQ(s.published_revision({50, 0}), 1);
+  EXPECT_EQ(s.published_revision({200, 0}), 0);
+}
+
+}  // namespace
+}  // namespace curbstone
