@@ -2,192 +2,250 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <numeric>
-#include <thread>
-#include <unordered_map>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "services/tensor_voting/batch_kernel.hpp"
+#include "services/tensor_voting/cell_list.hpp"
+#include "services/tensor_voting/parallel.hpp"
+#include "services/tensor_voting/step_cloud.hpp"
+#include "services/tensor_voting/tensor_block.hpp"
+#include "services/tensor_voting/thinning.hpp"
 
 namespace curbstone {
 
 namespace {
 
-/// Indices of cells or voxels, and a sort key with x fastest.
-struct Lattice {
-  std::int64_t edge;  // steps
+/// Cells of half the radius: fewer tests out of reach than cells of the radius, fuller blocks than smaller ones.
+constexpr int kReach = 2;
 
-  [[nodiscard]] std::int64_t index(std::int32_t v) const {
-    const std::int64_t wide = v;
-    return wide >= 0 ? wide / edge : -((-wide + edge - 1) / edge);
-  }
-};
-
-struct Key {
-  std::int64_t z, y, x;
-  auto operator<=>(const Key&) const = default;
-};
-Key key_of(const Lattice& lattice, const StepPoint& p) {
-  return {lattice.index(p.z), lattice.index(p.y), lattice.index(p.x)};
+/// m. Beyond 16 sigma a vote is e^-256: nothing in float.
+double cut_off(const VotingParameters& parameters) {
+  return std::min(parameters.radius, 16 * parameters.sigma);
 }
 
-/// For each point the first point in its voxel, and the points that are first.
-struct Thinning {
-  std::vector<std::uint32_t> voter_of_point;  // index into voters
-  std::vector<std::uint32_t> voters;          // index into points
-};
-Thinning thin(std::span<const StepPoint> points, std::int64_t voxel) {
-  Thinning result;
-  result.voter_of_point.resize(points.size());
-  if (voxel <= 0) {
-    result.voters.resize(points.size());
-    std::iota(result.voters.begin(), result.voters.end(), 0U);
-    result.voter_of_point = result.voters;
-    return result;
-  }
-  std::vector<std::pair<Key, std::uint32_t>> order(points.size());
-  for (std::uint32_t i = 0; i < points.size(); ++i) order[i] = {key_of({voxel}, points[i]), i};
-  std::sort(order.begin(), order.end());
-  std::vector<std::uint32_t> first(points.size());
-  for (std::size_t i = 0, run = 0; i < order.size(); ++i) {
-    if (order[i].first != order[run].first) run = i;
-    first[order[i].second] = order[run].second;
-  }
-  for (std::uint32_t i = 0; i < points.size(); ++i) {
-    if (first[i] == i) {
-      result.voter_of_point[i] = static_cast<std::uint32_t>(result.voters.size());
-      result.voters.push_back(i);
-    } else {
-      result.voter_of_point[i] = result.voter_of_point[first[i]];  // the first one comes before all others
+std::vector<WidePoint> voters_of(const StepCloud& cloud, const Thinning& thinning) {
+  std::vector<WidePoint> voters(thinning.voters.size());
+  for (std::size_t i = 0; i < voters.size(); ++i) voters[i] = cloud.points[thinning.voters[i]];
+  return voters;
+}
+
+/// Blocks of voters that one thread deals with at a time.
+constexpr std::size_t kBlocksAtOnce = 16;
+
+/// The voters sorted by cell, with whatever they need to vote.
+class Assembly {
+ public:
+  using Vote = decltype(BatchKernel::ball);
+
+  Assembly(std::span<const WidePoint> voters, double radius_in_steps, int threads)
+      : cells_(voters, edge_for(radius_in_steps), threads), arrays_(cells_.arrays()), threads_(threads) {}
+
+  [[nodiscard]] const CellList& cells() const { return cells_; }
+  void weigh(const std::vector<float>& weights) { arrays_.weight = weights.data(); }
+  void orient(const std::vector<OrientedVoter>& voters) { arrays_.oriented = voters.data(); }
+
+  /// The mean number of voters that one is tested against.
+  [[nodiscard]] double tests_per_voter() const {
+    double tests = 0;
+    std::vector<VoterRun> runs;
+    for (const CellList::Cell& cell : cells_.cells()) {
+      runs.clear();
+      cells_.runs_around(cell, kReach, runs);
+      double near = 0;
+      for (const VoterRun& run : runs) near += run.count;
+      tests += near * (cell.end - cell.begin);
     }
+    return tests / static_cast<double>(cells_.source().size());
   }
-  return result;
-}
 
-/// Voters sorted by cell, x fastest: the cells x - k .. x + k of a row are one run of voters.
-struct SortedVoters {
-  struct Cell {
-    Key key;
-    std::uint32_t begin;
-    std::uint32_t end;
-  };
-  std::vector<std::uint32_t> source;  // index into voters
-  std::vector<std::int32_t> x, y, z;  // with kLanes elements of room at the end
-  std::vector<Cell> cells;
+  /// Has every block of voters voted for. `take(blocks, votes)` is called by any thread, for a few blocks at a time.
+  template <class Take>
+  void run(Vote vote, const BatchScale& scale, const Take& take) const {
+    const auto& blocks = cells_.blocks();
+    parallel_for(blocks.size(), kBlocksAtOnce, threads_, [&](std::size_t begin, std::size_t end) {
+      std::vector<VoterRun> runs;
+      std::array<BlockVotes, kBlocksAtOnce> votes;
+      for (std::size_t i = begin; i < end; ++i) {
+        const CellList::Block& block = blocks[i];
+        if (i == begin || block.cell != blocks[i - 1].cell) {
+          runs.clear();
+          cells_.runs_around(cells_.cells()[block.cell], kReach, runs);
+        }
+        vote(arrays_, runs.data(), runs.size(), block.begin, block.count, scale, votes[i - begin].sum);
+      }
+      take(std::span(blocks).subspan(begin, end - begin), std::span(votes).first(end - begin));
+    });
+  }
+
+ private:
+  static std::int32_t edge_for(double radius_in_steps) {
+    const double edge = std::ceil(radius_in_steps / kReach) + 1;
+    return std::max(CellList::kMinEdge, static_cast<std::int32_t>(std::min(edge, double{1 << 29})));
+  }
+
+  CellList cells_;
+  VoterArrays arrays_;
+  int threads_;
 };
-SortedVoters sort_by_cell(std::span<const StepPoint> points, std::span<const std::uint32_t> voters,
-                          const Lattice& lattice) {
-  std::vector<std::pair<Key, std::uint32_t>> order(voters.size());
-  for (std::uint32_t i = 0; i < voters.size(); ++i) order[i] = {key_of(lattice, points[voters[i]]), i};
-  std::sort(order.begin(), order.end());
-  SortedVoters sorted;
-  for (auto* v : {&sorted.x, &sorted.y, &sorted.z}) v->resize(voters.size() + kLanes);
-  sorted.source.resize(voters.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i) {
-    const auto& [key, voter] = order[i];
-    if (sorted.cells.empty() || sorted.cells.back().key != key) sorted.cells.push_back({key, i, i});
-    ++sorted.cells.back().end;
-    sorted.source[i] = voter;
-    const StepPoint& p = points[voters[voter]];
-    sorted.x[i] = p.x;
-    sorted.y[i] = p.y;
-    sorted.z[i] = p.z;
+
+static_assert(kBlock == kLanes);
+
+TensorBlock from_ball_votes(const BlockVotes& votes, float ball) {
+  TensorBlock t;
+  for (int lane = 0; lane < kBlock; ++lane) {
+    const auto sum = [&](int c) { return votes.sum[c * kBlock + lane]; };  // w, then w u u^T
+    const float w = sum(0);
+    const float components[] = {w - ball * sum(1), -ball * sum(2), -ball * sum(3),
+                                w - ball * sum(4), -ball * sum(5), w - ball * (w - sum(1) - sum(4))};
+    for (int c = 0; c < 6; ++c) t.component[c * kBlock + lane] = components[c];
+    t.mass[lane] = w;
   }
-  return sorted;
+  return t;
 }
 
-/// All votes for the voters of one cell.
-void vote_for_cell(const SortedVoters& sorted, const SortedVoters::Cell& cell, int reach, const Decay& decay,
-                   const VoteKernel& kernel, std::vector<VoteSums>& sums) {
-  for (std::int64_t z = cell.key.z - reach; z <= cell.key.z + reach; ++z) {
-    for (std::int64_t y = cell.key.y - reach; y <= cell.key.y + reach; ++y) {
-      const auto before = [](const SortedVoters::Cell& c, const Key& key) { return c.key < key; };
-      const auto first =
-          std::lower_bound(sorted.cells.begin(), sorted.cells.end(), Key{z, y, cell.key.x - reach}, before);
-      const auto last = std::lower_bound(first, sorted.cells.end(), Key{z, y, cell.key.x + reach + 1}, before);
-      if (first == last) continue;
-      const std::size_t begin = first->begin;
-      const std::size_t count = std::prev(last)->end - begin;
-      for (std::size_t i = cell.begin; i < cell.end; ++i) {
-        kernel.gather(decay, {sorted.x[i], sorted.y[i], sorted.z[i]}, &sorted.x[begin], &sorted.y[begin],
-                      &sorted.z[begin], count, sums[sorted.source[i]].value.data());
+TensorBlock from_oriented_votes(const BlockVotes& votes) {
+  TensorBlock t;
+  std::copy_n(votes.sum, kBlock, t.mass);
+  std::copy_n(votes.sum + kBlock, 6 * kBlock, t.component);
+  return t;
+}
+
+/// Of each voter, in the order in which voters were given.
+struct VoterResults {
+  std::vector<TensorF> tensors;
+  std::vector<DecompositionF> decompositions;
+
+  explicit VoterResults(std::size_t size) : tensors(size), decompositions(size) {}
+
+  void take(const CellList& cells, std::span<const CellList::Block> blocks, std::span<const TensorBlock> of_blocks) {
+    std::array<ShapeBlock, kBlocksAtOnce> shapes;
+    decompose(of_blocks, shapes);
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      for (std::size_t lane = 0; lane < blocks[i].count; ++lane) {
+        const std::uint32_t voter = cells.source()[blocks[i].begin + lane];
+        tensors[voter] = of_blocks[i].get(lane);
+        decompositions[voter] = shapes[i].get(lane, of_blocks[i].mass[lane]);
       }
     }
   }
+};
+
+/// 1 / (number of voters within half a sigma), in the order of the cells.
+std::vector<float> density_weights(const Assembly& assembly, float half_sigma, const BatchKernel& kernel) {
+  std::vector<float> weights(assembly.cells().source().size());
+  assembly.run(kernel.count, {0, half_sigma}, [&](auto blocks, auto votes) {
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      for (std::size_t lane = 0; lane < blocks[i].count; ++lane) {
+        weights[blocks[i].begin + lane] = 1 / votes[i].sum[lane];
+      }
+    }
+  });
+  return weights;
+}
+
+std::vector<OrientedVoter> oriented_voters(const CellList& cells, const VoterResults& results) {
+  std::vector<OrientedVoter> oriented;
+  oriented.reserve(cells.source().size());
+  for (const std::uint32_t voter : cells.source()) {
+    const DecompositionF& d = results.decompositions[voter];
+    oriented.push_back(
+        {{d.normal.x(), d.normal.y(), d.normal.z()}, d.stick, {d.tangent.x(), d.tangent.y(), d.tangent.z()}, d.plate});
+  }
+  return oriented;
+}
+
+VoterResults vote(Assembly& assembly, const StepCloud& cloud, const VotingParameters& parameters,
+                  const BatchOptions& options) {
+  const BatchKernel& kernel = batch_kernels()[0];
+  const double unit = cloud.unit;
+  const BatchScale scale{static_cast<float>(unit * unit / (parameters.sigma * parameters.sigma)),
+                         static_cast<float>(cut_off(parameters) / unit)};
+  const CellList& cells = assembly.cells();
+
+  std::vector<float> weights;
+  if (options.equalise_density) {
+    weights = density_weights(assembly, static_cast<float>(parameters.sigma / 2 / unit), kernel);
+    assembly.weigh(weights);
+  }
+  VoterResults results(cells.source().size());
+  assembly.run(kernel.ball, scale, [&](auto blocks, auto votes) {
+    std::array<TensorBlock, kBlocksAtOnce> tensors;
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      tensors[i] = from_ball_votes(votes[i], static_cast<float>(parameters.ball));
+    }
+    results.take(cells, blocks, std::span(tensors).first(blocks.size()));
+  });
+  if (!options.second_pass) return results;
+
+  const std::vector<OrientedVoter> oriented = oriented_voters(cells, results);
+  assembly.orient(oriented);
+  assembly.run(kernel.oriented, scale, [&](auto blocks, auto votes) {
+    std::array<TensorBlock, kBlocksAtOnce> tensors;
+    for (std::size_t i = 0; i < blocks.size(); ++i) tensors[i] = from_oriented_votes(votes[i]);
+    results.take(cells, blocks, std::span(tensors).first(blocks.size()));
+  });
+  return results;
 }
 
 }  // namespace
 
-std::vector<VoteSums> vote_batch(std::span<const StepPoint> points, double step, const VotingParameters& parameters,
-                                 int threads) {
+CloudVotes vote_cloud(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters, int threads,
+                      const BatchOptions& options) {
   validate(parameters);
-  constexpr int kReach = 2;  // cells of half the radius: the best of R, R/2, R/3 by count of tests
-  const Thinning thinning = thin(points, std::llround(parameters.voxel / step));
-  const Lattice lattice{std::max<std::int64_t>(1, std::llround(std::ceil(parameters.radius / step / kReach)))};
-  const SortedVoters sorted = sort_by_cell(points, thinning.voters, lattice);
-  const Decay decay = decay_in_steps(parameters.sigma, parameters.radius, step);
-  const VoteKernel& kernel = vote_kernels()[0];
-
-  std::vector<VoteSums> of_voters(thinning.voters.size());
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    constexpr std::size_t kChunk = 16;
-    for (std::size_t begin = next.fetch_add(kChunk); begin < sorted.cells.size(); begin = next.fetch_add(kChunk)) {
-      for (std::size_t c = begin; c < std::min(begin + kChunk, sorted.cells.size()); ++c) {
-        vote_for_cell(sorted, sorted.cells[c], kReach, decay, kernel, of_voters);
-      }
-    }
-  };
-  std::vector<std::jthread> helpers;
-  for (int t = 1; t < threads; ++t) helpers.emplace_back(work);
-  work();
-  helpers.clear();  // joins
-
-  std::vector<VoteSums> sums(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) sums[i] = of_voters[thinning.voter_of_point[i]];
-  return sums;
-}
-
-StepCloud to_steps(std::span<const Eigen::Vector3d> points, double sigma) {
-  StepCloud cloud;
-  std::array<std::vector<double>, 3> coordinates;
-  for (const Eigen::Vector3d& p : points) {
-    if (!p.allFinite()) continue;
-    for (int axis = 0; axis < 3; ++axis) coordinates[static_cast<std::size_t>(axis)].push_back(p[axis]);
+  if (parameters.voxel > 0 && parameters.voxel < parameters.sigma / 64) {
+    throw std::invalid_argument("voxel = " + std::to_string(parameters.voxel) +
+                                ": expected 0 (no thinning) or at least sigma / 64");
   }
-  cloud.not_finite = points.size() - coordinates[0].size();
-  if (coordinates[0].empty()) return cloud;
-  cloud.step = std::exp2(std::floor(std::log2(sigma)) - 16);
-  Eigen::Vector3d origin;
-  for (int axis = 0; axis < 3; ++axis) {
-    auto& values = coordinates[static_cast<std::size_t>(axis)];
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    origin[axis] = *middle;
-  }
-  for (std::uint32_t i = 0; i < points.size(); ++i) {
-    if (!points[i].allFinite()) continue;
-    const Eigen::Vector3d steps = (points[i] - origin) / cloud.step;
-    if (!(steps.cwiseAbs().maxCoeff() < (1 << 30))) {
-      ++cloud.too_far;
-      continue;
-    }
-    const auto round = [&](int axis) { return static_cast<std::int32_t>(std::lround(steps[axis])); };
-    cloud.points.push_back({round(0), round(1), round(2)});
-    cloud.source.push_back(i);
-  }
-  return cloud;
-}
-
-CloudVotes vote_cloud(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters, int threads) {
-  validate(parameters);
   const StepCloud cloud = to_steps(points, parameters.sigma);
   CloudVotes votes;
-  votes.tensors.resize(points.size());
   votes.not_finite = cloud.not_finite;
   votes.too_far = cloud.too_far;
-  if (cloud.points.empty()) return votes;
-  const std::vector<VoteSums> sums = vote_batch(cloud.points, cloud.step, parameters, threads);
-  for (std::size_t i = 0; i < sums.size(); ++i) votes.tensors[cloud.source[i]] = to_tensor(sums[i], parameters.ball);
+  votes.voxel = parameters.voxel;
+  if (cloud.points.empty()) {
+    votes.tensors.resize(points.size());
+    votes.decompositions.resize(points.size());
+    return votes;
+  }
+
+  // Density equalised over sigma / 2 must see that far even where the cut-off is nearer.
+  const double radius =
+      options.equalise_density ? std::max(parameters.radius, parameters.sigma / 2) : parameters.radius;
+  const auto assemble = [&](const Thinning& thinning) {
+    return Assembly(voters_of(cloud, thinning), radius / cloud.step, threads);
+  };
+  Thinning thinning = votes.voxel > 0 ? first_in_voxel(cloud, votes.voxel) : keep_all(cloud.points.size());
+  Assembly assembly = assemble(thinning);
+  constexpr double kMostTests = 50'000;
+  const double coarse = parameters.sigma / 8;
+  if (votes.voxel < coarse && assembly.tests_per_voter() > kMostTests) {
+    votes.voxel = coarse;
+    thinning = first_in_voxel(cloud, coarse);
+    assembly = assemble(thinning);
+  }
+  VoterResults results = vote(assembly, cloud, parameters, options);
+  votes.num_voters = thinning.voters.size();
+  if (votes.num_voters == points.size()) {  // voter by voter is point by point
+    votes.tensors = std::move(results.tensors);
+    votes.decompositions = std::move(results.decompositions);
+    return votes;
+  }
+  votes.tensors.resize(points.size());
+  votes.decompositions.resize(points.size());
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const std::uint32_t voter = thinning.voter_of_point[i];
+    votes.tensors[cloud.source[i]] = results.tensors[voter];
+    votes.decompositions[cloud.source[i]] = results.decompositions[voter];
+  }
+  return votes;
+}
+
+std::vector<CloudVotes> vote_scales(std::span<const Eigen::Vector3d> points, std::span<const VotingParameters> scales,
+                                    int threads, const BatchOptions& options) {
+  std::vector<CloudVotes> votes;
+  for (const VotingParameters& scale : scales) votes.push_back(vote_cloud(points, scale, threads, options));
   return votes;
 }
 

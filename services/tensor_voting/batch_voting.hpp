@@ -6,38 +6,45 @@
 #include <span>
 #include <vector>
 
+#include "services/tensor_voting/decomposition.hpp"
 #include "services/tensor_voting/tensor.hpp"
-#include "services/tensor_voting/vote_kernel.hpp"
 #include "services/tensor_voting/voting_parameters.hpp"
 
 namespace curbstone {
 
 /// A whole cloud at once.
 
-/// Ball votes of points at whole numbers of `step` (m): what each point has received. With a voxel, points that are
-/// thinned out take the sums of the first point in their voxel. Every thread count gives the same bits, and so does
-/// VotingField. Throws std::invalid_argument on parameters that mean nothing.
-[[nodiscard]] std::vector<VoteSums> vote_batch(std::span<const StepPoint> points, double step,
-                                               const VotingParameters& parameters, int threads = 1);
-
-/// A cloud of any coordinates, in m, brought into steps fine enough for `sigma` (sigma / 65536 at most) around a local
-/// origin, so that coordinates of 1e6 m lose nothing.
-struct StepCloud {
-  double step = 0;
-  std::vector<StepPoint> points;      ///< those that could be used
-  std::vector<std::uint32_t> source;  ///< the index of each in the cloud
-  std::size_t not_finite = 0;         ///< skipped
-  std::size_t too_far = 0;            ///< skipped: more than 2^30 steps from the cloud's median (5 km at sigma 0.3)
+/// What can be asked for beyond one pass of ball votes.
+struct BatchOptions {
+  /// The tensors vote once more, now that they know which way they lie: stick and plate votes by formula (G), the ball
+  /// left out. A voter's shares are the weights of its votes, so that dense places do not count twice. Sharper.
+  bool second_pass = false;
+  /// Voters weigh 1 / (number of points within sigma / 2, themselves included): scan lines and rings, dense along and
+  /// sparse across, then vote as a surface does.
+  bool equalise_density = false;
 };
-[[nodiscard]] StepCloud to_steps(std::span<const Eigen::Vector3d> points, double sigma);
 
-/// The tensors of a cloud. Points that were skipped get a tensor without votes.
+/// What a cloud's votes come to. Points that were skipped get a tensor without votes.
 struct CloudVotes {
-  std::vector<Tensor> tensors;  ///< of every point, in the order of the cloud
-  std::size_t not_finite = 0;
-  std::size_t too_far = 0;
+  std::vector<TensorF> tensors;                ///< of every point, in the order of the cloud
+  std::vector<DecompositionF> decompositions;  ///< the same taken apart
+  std::size_t not_finite = 0;                  ///< points that were skipped
+  std::size_t too_far = 0;                     ///< skipped: more than 2^18 sigma from the middle (131 km at sigma 0.3)
+  std::size_t num_voters = 0;
+  /// m: the voxel in which one point votes for all. More than was asked for (sigma / 8) where points lie so dense that
+  /// voting would not end.
+  double voxel = 0;
 };
+
+/// Ball votes of all points for all. With a voxel, the first point in each cube of it votes, and the others take its
+/// tensor. In float, to 1e-5 of a tensor's norm; the bits do not depend on `threads`. Throws std::invalid_argument on
+/// parameters that mean nothing.
 [[nodiscard]] CloudVotes vote_cloud(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters,
-                                    int threads = 1);
+                                    int threads = 1, const BatchOptions& options = {});
+
+/// The same at several scales.
+[[nodiscard]] std::vector<CloudVotes> vote_scales(std::span<const Eigen::Vector3d> points,
+                                                  std::span<const VotingParameters> scales, int threads = 1,
+                                                  const BatchOptions& options = {});
 
 }  // namespace curbstone

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "services/tensor_voting/tensor_block.hpp"
+
 namespace curbstone {
 
 namespace {
@@ -79,6 +81,18 @@ Decomposition decompose(const Tensor& t) {
   result.ball = lambda(2) / lambda(0);
   result.mass = t.mass;
   return result;
+}
+
+std::vector<DecompositionF> decompose(std::span<const TensorF> tensors) {
+  std::vector<TensorBlock> blocks((tensors.size() + kLanes - 1) / kLanes);
+  for (std::size_t i = 0; i < tensors.size(); ++i) blocks[i / kLanes].set(i % kLanes, tensors[i]);
+  std::vector<ShapeBlock> shapes(blocks.size());
+  decompose(blocks, shapes);
+  std::vector<DecompositionF> results(tensors.size());
+  for (std::size_t i = 0; i < tensors.size(); ++i) {
+    results[i] = shapes[i / kLanes].get(i % kLanes, tensors[i].mass);
+  }
+  return results;
 }
 
 }  // namespace curbstone

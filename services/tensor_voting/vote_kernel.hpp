@@ -27,19 +27,33 @@ struct Decay {
   return {static_cast<float>(step * step / (sigma * sigma)), static_cast<float>(radius * radius / (step * step))};
 }
 
-inline constexpr int kLanes = 8;
+inline constexpr int kLanes = 16;
 
-/// Eight voters side by side, and the votes they have received. A lane in use for nobody holds nowhere_near() of its
-/// neighbours: too far away to give or to receive a vote.
-struct alignas(32) VoterBlock {
+/// A block's 32-bit sums hold the votes of so many others; then they must settle.
+inline constexpr int kMaxRecent = 15;
+
+/// Sixteen voters side by side, and the votes they have received: their sums are `sums` + `recent`. A lane in use for
+/// nobody holds nowhere_near() of its neighbours: too far away to give or to receive a vote.
+struct alignas(64) VoterBlock {
   std::array<std::int32_t, kLanes> x;
   std::array<std::int32_t, kLanes> y;
   std::array<std::int32_t, kLanes> z;
-  std::array<std::array<std::int64_t, kLanes>, VoteSums::kCount> sums;
+  std::array<std::array<std::int32_t, kLanes>, VoteSums::kCount> recent{};
+  std::array<std::array<std::int64_t, kLanes>, VoteSums::kCount> sums{};
+  std::int32_t num_recent = 0;
+
+  [[nodiscard]] VoteSums sums_of(std::size_t lane) const {
+    VoteSums result;
+    for (std::size_t c = 0; c < VoteSums::kCount; ++c) result.value[c] = sums[c][lane] + recent[c][lane];
+    return result;
+  }
 };
 [[nodiscard]] inline std::int32_t nowhere_near(std::int32_t x) {
   return x ^ (1 << 30);
 }
+
+inline constexpr std::size_t kTensorFloats = 7 * kLanes;
+inline constexpr std::size_t kShapeFloats = 9 * kLanes;
 
 /// Blocks that lie side by side, and the pairs within reach found among them.
 struct BlockRange {
@@ -48,19 +62,20 @@ struct BlockRange {
   std::int64_t pairs = 0;
 };
 
-/// The inner loops, compiled once for each instruction set. All give the same bits: a vote is evaluated in float by
-/// additions, multiplications and divisions that IEEE 754 rounds in one way only, then cut to the integers of VoteSums.
+/// The inner loops, compiled once for each instruction set. All give the same bits: they add, multiply, divide and take
+/// roots in float, which IEEE 754 rounds in one way only.
 ///
 /// d^2 < radius2 is asked of a float: exact while radius < 2^12 steps in each direction.
 struct VoteKernel {
   const char* name;
-  /// Votes between a voter at `at` and each of the blocks of `ranges`, both ways: the blocks' sums get `sign` (1, or -1
-  /// to take the votes back) times them, and so do `sums`. Sets the ranges' `pairs`.
+  /// Votes between a voter at `at` and each of the blocks of `ranges`, both ways: the blocks get `sign` (1, or -1 to
+  /// take the votes back) times them, and so does `sums`. Sets the ranges' `pairs`.
   void (*exchange)(const Decay& decay, const StepPoint& at, float sign, BlockRange* ranges, std::size_t num_ranges,
                    std::int64_t* sums);
-  /// Votes of `count` voters for a votee at `at`. The arrays must be readable for kLanes elements past their end.
-  std::int64_t (*gather)(const Decay& decay, const StepPoint& at, const std::int32_t* x, const std::int32_t* y,
-                         const std::int32_t* z, std::size_t count, std::int64_t* sums);
+  /// Takes blocks of kLanes tensors apart, by Jacobi rotations. In: kTensorFloats a block, xx, xy, xz, yy, yz, zz and
+  /// one that is not looked at, kLanes floats each. Out: kShapeFloats, normal and tangent (x, y, z), shares of stick,
+  /// plate and ball. A tensor without votes gives what BasicDecomposition begins with.
+  void (*decompose)(const float* tensors, float* shapes, std::size_t blocks);
 };
 
 /// The kernels that this machine can run, the fastest first.

@@ -1,210 +1,272 @@
 // The source of every vote kernel: compiled by vote_kernel_<isa>.cpp with that instruction set's flags, which define
 // CURBSTONE_KERNEL. It must not call inline functions of other headers: the linker could keep the copy that was
-// compiled for a machine that we are not on.
+// compiled for a machine that we are not on. Additions, multiplications, divisions and roots are written out one by
+// one, and nothing may fuse them (-ffp-contract=off): that is what makes the bits the same everywhere.
 
-#ifdef __AVX512F__
-#include <immintrin.h>
-#endif
-
+#include "services/tensor_voting/lanes.hpp"
 #include "services/tensor_voting/vote_kernel.hpp"
 
 namespace curbstone {
 namespace {
 
-using Floats = float __attribute__((vector_size(4 * kLanes)));
-using Ints = std::int32_t __attribute__((vector_size(4 * kLanes)));
-using Words = std::uint32_t __attribute__((vector_size(4 * kLanes)));
-#ifdef __AVX512F__
-using Longs = std::int64_t __attribute__((vector_size(8 * kLanes)));
-#else
-using Longs = std::int64_t __attribute__((vector_size(4 * kLanes)));  // half of the lanes
-#endif
-
-#define CURBSTONE_INLINE __attribute__((always_inline)) inline
-
-template <class Vector>
-CURBSTONE_INLINE Vector load(const void* from) {
-  Vector v;
-  __builtin_memcpy(&v, from, sizeof v);
-  return v;
+/// e^(-x) in terms of y = -x / ln 2, for y in [-126, 0]: 2^n times a polynomial on [-1/2, 1/2]; to 3e-7.
+CURBSTONE_INLINE Floats power_of_two(Floats y) {
+  constexpr float kRounder = 12582912.0F;  // 1.5 * 2^23: adding it leaves the nearest whole number in the low bits
+  const Floats shifted = y + kRounder;
+  const Floats f = (y - (shifted - kRounder)) * 0.693147181F;
+  // Taylor to f^6 / 6!; |f| <= ln 2 / 2
+  Floats p = f * (1.0F / 720) + 1.0F / 120;
+  p = p * f + 1.0F / 24;
+  p = p * f + 1.0F / 6;
+  p = p * f + 0.5F;
+  p = p * f + 1.0F;
+  p = p * f + 1.0F;
+  const Ints exponent = __builtin_bit_cast(Ints, shifted) << 23;
+  return __builtin_bit_cast(Floats, __builtin_bit_cast(Ints, p) + exponent);
 }
 
-/// e^x for x in [-80, 0], to 2e-7; for no others.
-CURBSTONE_INLINE Floats exp_of(Floats x) {
-  constexpr float kRounder = 12582912.0F;  // 1.5 * 2^23: adding and subtracting it rounds to a whole number
-  const Floats n = (x * 1.44269504F + kRounder) - kRounder;
-  const Floats r = (x - n * 0.693359375F) + n * 2.12194440e-4F;  // ln 2 in two parts; |r| <= ln 2 / 2
-  // Taylor to r^7 / 7!
-  Floats p = r * (1.0F / 5040) + 1.0F / 720;
-  p = p * r + 1.0F / 120;
-  p = p * r + 1.0F / 24;
-  p = p * r + 1.0F / 6;
-  p = p * r + 0.5F;
-  p = p * r + 1.0F;
-  p = p * r + 1.0F;
-  const Ints exponent = (__builtin_convertvector(n, Ints) + 127) << 23;
-  return p * __builtin_bit_cast(Floats, exponent);
-}
-
-struct Votes {
-  Ints component[VoteSums::kCount];
-};
 struct Offsets {
   Floats x, y, z, squared;
 };
 
-/// Sums over the lanes of up to 2^33 votes.
-struct LaneSums {
-#ifdef __AVX512F__
-  Longs all{};
-  static CURBSTONE_INLINE LaneSums load_from(const std::int64_t* from) {
-    return {load<Longs>(from)};
-  }
-  CURBSTONE_INLINE void store_to(std::int64_t* to) const {
-    __builtin_memcpy(to, &all, sizeof all);
-  }
-  CURBSTONE_INLINE void add(Ints v) {  // __builtin_convertvector would go by two halves
-    all += __builtin_bit_cast(Longs, _mm512_maskz_cvtepi32_epi64(0xff, __builtin_bit_cast(__m256i, v)));
-  }
-  [[nodiscard]] CURBSTONE_INLINE std::int64_t total() const {
-    return (all[0] + all[4]) + (all[1] + all[5]) + ((all[2] + all[6]) + (all[3] + all[7]));
-  }
-#else
-  Longs low{};
-  Longs high{};
-  static CURBSTONE_INLINE LaneSums load_from(const std::int64_t* from) {
-    return {load<Longs>(from), load<Longs>(from + kLanes / 2)};
-  }
-  CURBSTONE_INLINE void store_to(std::int64_t* to) const {
-    __builtin_memcpy(to, &low, sizeof low);
-    __builtin_memcpy(to + kLanes / 2, &high, sizeof high);
-  }
-  CURBSTONE_INLINE void add(Ints v) {
-    low += __builtin_convertvector(__builtin_shufflevector(v, v, 0, 1, 2, 3), Longs);
-    high += __builtin_convertvector(__builtin_shufflevector(v, v, 4, 5, 6, 7), Longs);
-  }
-  [[nodiscard]] CURBSTONE_INLINE std::int64_t total() const {
-    const Longs sum = low + high;
-    return sum[0] + sum[1] + sum[2] + sum[3];
-  }
-#endif
+struct Votes {
+  Ints component[VoteSums::kCount];
 };
 
-CURBSTONE_INLINE bool any(Ints mask) {
-#ifdef __AVX__
-  using Quads = long long __attribute__((vector_size(32)));
-  return !__builtin_ia32_ptestz256(__builtin_bit_cast(Quads, mask), __builtin_bit_cast(Quads, mask));
-#else
-  std::uint64_t halves[4];
-  __builtin_memcpy(halves, &mask, sizeof mask);
-  return ((halves[0] | halves[1]) | (halves[2] | halves[3])) != 0;
-#endif
-}
-
-/// Wrapping differences of eight coordinates and one.
-CURBSTONE_INLINE Floats minus(const std::int32_t* a, std::int32_t b) {
-  const Words difference = load<Words>(a) - static_cast<std::uint32_t>(b);
-  return __builtin_convertvector(__builtin_bit_cast(Ints, difference), Floats);
-}
-
-CURBSTONE_INLINE Offsets offsets_from(const StepPoint& at, const std::int32_t* x, const std::int32_t* y,
-                                      const std::int32_t* z) {
-  const Floats dx = minus(x, at.x);
-  const Floats dy = minus(y, at.y);
-  const Floats dz = minus(z, at.z);
-  return {dx, dy, dz, dx * dx + dy * dy + dz * dz};
-}
-
-CURBSTONE_INLINE Ints within_reach(const Decay& decay, const Offsets& d) {
-  return (d.squared > 0.0F) & (d.squared < decay.radius2);
-}
-
-/// The votes between a votee and the voters at offsets `d` in the lanes of `mask`. Neither end can tell which one it
-/// is: the offset enters by products of two of its components only.
-CURBSTONE_INLINE Votes votes_at(const Decay& decay, float sign, const Offsets& d, Ints mask) {
-  const Floats squared = mask ? d.squared : Floats{} + 1.0F;
-  const Floats x = squared * -decay.inverse_sigma2;
-  Floats w = exp_of(x > -80.0F ? x : Floats{} - 80.0F) * (sign * static_cast<float>(1 << 30));
-  w = mask ? w : Floats{};
+/// The votes between two points at offsets `d`, in the lanes of `mask`. Neither end can tell which one it is: the
+/// offset enters by products of two of its components only.
+CURBSTONE_INLINE Votes votes_at(const Decay& decay, float sign, const Offsets& d, Mask mask) {
+  constexpr float kLog2E = 1.44269504F;
+  const Floats squared = choose(mask, d.squared, all(1));
+  const Floats y = squared * (-decay.inverse_sigma2 * kLog2E);
+  const Floats w = keep(mask, power_of_two(choose(below(all(-126), y), y, all(-126))) * (sign * kUnitsPerVote));
   const Floats g = w / squared;
   const Floats gx = g * d.x;
   const Floats gy = g * d.y;
   Votes votes;
-  votes.component[VoteSums::kMass] = __builtin_convertvector(w, Ints);
-  votes.component[VoteSums::kXX] = __builtin_convertvector(gx * d.x, Ints);
-  votes.component[VoteSums::kXY] = __builtin_convertvector(gx * d.y, Ints);
-  votes.component[VoteSums::kXZ] = __builtin_convertvector(gx * d.z, Ints);
-  votes.component[VoteSums::kYY] = __builtin_convertvector(gy * d.y, Ints);
-  votes.component[VoteSums::kYZ] = __builtin_convertvector(gy * d.z, Ints);
+  votes.component[VoteSums::kMass] = rounded(w);
+  votes.component[VoteSums::kXX] = rounded(gx * d.x);
+  votes.component[VoteSums::kXY] = rounded(gx * d.y);
+  votes.component[VoteSums::kXZ] = rounded(gx * d.z);
+  votes.component[VoteSums::kYY] = rounded(gy * d.y);
+  votes.component[VoteSums::kYZ] = rounded(gy * d.z);
   return votes;
 }
 
-/// Lanes that are 1, of lanes that are 0 or 1.
-CURBSTONE_INLINE std::int64_t number_of(Ints pairs) {
-#ifdef __AVX__
-  return __builtin_popcount(static_cast<unsigned>(__builtin_ia32_movmskps256(__builtin_bit_cast(Floats, pairs << 31))));
-#else
-  std::int64_t sum = 0;
-  for (int lane = 0; lane < kLanes; ++lane) sum += pairs[lane];
-  return sum;
-#endif
+/// Adds 32-bit sums to 64-bit ones.
+CURBSTONE_INLINE void add_wide(std::int64_t* to, Ints recent) {
+  HalfInts half[2];
+  __builtin_memcpy(half, &recent, sizeof recent);
+  for (int i = 0; i < 2; ++i) {
+    std::int64_t* const at = to + i * (kWidth / 2);
+    store(at, load<Longs>(at) + __builtin_convertvector(half[i], Longs));
+  }
 }
 
-/// The votes between one voter and a block, both ways. Returns the number of pairs.
-CURBSTONE_INLINE std::int64_t exchange_block(const Decay& decay, const StepPoint& at, float sign, VoterBlock* block,
-                                             LaneSums* own) {
-  const auto* const x = reinterpret_cast<const std::int32_t*>(block);
-  const Offsets offsets = offsets_from(at, x, x + kLanes, x + 2 * kLanes);
-  const Ints mask = within_reach(decay, offsets);
-  if (!any(mask)) return 0;
-  const Votes votes = votes_at(decay, sign, offsets, mask);
-#pragma GCC unroll 6
-  for (int c = 0; c < VoteSums::kCount; ++c) {
-    own[c].add(votes.component[c]);
-    auto* const received = reinterpret_cast<std::int64_t*>(&block->sums) + c * kLanes;
-    LaneSums theirs = LaneSums::load_from(received);
-    theirs.add(votes.component[c]);
-    theirs.store_to(received);
+/// Moves what a block has received lately to its sums.
+void settle(VoterBlock* block) {
+  auto* const recent = reinterpret_cast<std::int32_t*>(&block->recent);
+  auto* const sums = reinterpret_cast<std::int64_t*>(&block->sums);
+  for (int i = 0; i < VoteSums::kCount * kLanes; i += kWidth) {
+    add_wide(sums + i, load<Ints>(recent + i));
+    store(recent + i, Ints{});
   }
-  return number_of(-mask);
+  block->num_recent = 0;
+}
+
+/// What the voter itself receives: 32-bit sums of a few blocks, and 64-bit sums of them.
+struct OwnSums {
+  Ints recent[VoteSums::kCount] = {};
+  int num_recent = 0;
+  std::int64_t sums[VoteSums::kCount][kWidth] = {};
+
+  CURBSTONE_INLINE void settle() {
+    for (int c = 0; c < VoteSums::kCount; ++c) {
+      add_wide(sums[c], recent[c]);
+      recent[c] = Ints{};
+    }
+    num_recent = 0;
+  }
+};
+
+/// The votes between one voter and a block, both ways. Returns the number of pairs.
+CURBSTONE_INLINE int exchange_block(const Decay& decay, const StepPoint& at, float sign, VoterBlock* block,
+                                    OwnSums& own) {
+  const auto* const x = reinterpret_cast<const std::int32_t*>(block);
+  auto* const received = reinterpret_cast<std::int32_t*>(&block->recent);
+  int pairs = 0;
+  for (int lane = 0; lane < kLanes; lane += kWidth) {
+    Offsets d;
+    d.x = difference(load<Ints>(x + lane), at.x);
+    d.y = difference(load<Ints>(x + kLanes + lane), at.y);
+    d.z = difference(load<Ints>(x + 2 * kLanes + lane), at.z);
+    d.squared = d.x * d.x + d.y * d.y + d.z * d.z;
+    const Mask within = below(below(d.squared, all(decay.radius2)), Floats{}, d.squared);
+    const unsigned lanes = bits(within);
+    if (lanes == 0) continue;
+    pairs += __builtin_popcount(lanes);
+    const Votes votes = votes_at(decay, sign, d, within);
+#pragma GCC unroll 6
+    for (int c = 0; c < VoteSums::kCount; ++c) {
+      own.recent[c] += votes.component[c];
+      std::int32_t* const theirs = received + c * kLanes + lane;
+      store(theirs, load<Ints>(theirs) + votes.component[c]);
+    }
+    if (++own.num_recent == kMaxRecent) own.settle();
+  }
+  if (pairs > 0 && ++block->num_recent == kMaxRecent) settle(block);
+  return pairs;
 }
 
 void exchange(const Decay& decay, const StepPoint& at, float sign, BlockRange* ranges, std::size_t num_ranges,
               std::int64_t* sums) {
-  LaneSums own[VoteSums::kCount];
+  OwnSums own;
   for (BlockRange* range = ranges; range != ranges + num_ranges; ++range) {
     range->pairs = 0;
     for (VoterBlock* block = range->blocks; block != range->blocks + range->count; ++block) {
       range->pairs += exchange_block(decay, at, sign, block, own);
     }
   }
-#pragma GCC unroll 6
-  for (int c = 0; c < VoteSums::kCount; ++c) sums[c] += own[c].total();
+  own.settle();
+  for (int c = 0; c < VoteSums::kCount; ++c) {
+    for (int lane = 0; lane < kWidth; ++lane) sums[c] += own.sums[c][lane];
+  }
 }
 
-std::int64_t gather(const Decay& decay, const StepPoint& at, const std::int32_t* x, const std::int32_t* y,
-                    const std::int32_t* z, std::size_t count, std::int64_t* sums) {
-  constexpr Ints kLane = {0, 1, 2, 3, 4, 5, 6, 7};
-  LaneSums own[VoteSums::kCount];
-  std::int64_t pairs = 0;
-  for (std::size_t i = 0; i < count; i += kLanes) {
-    const Offsets offsets = offsets_from(at, x + i, y + i, z + i);
-    const auto remaining = static_cast<std::int32_t>(count - i < kLanes ? count - i : kLanes);
-    const Ints mask = within_reach(decay, offsets) & (kLane < remaining);
-    if (!any(mask)) continue;
-    pairs += number_of(-mask);
-    const Votes votes = votes_at(decay, 1.0F, offsets, mask);
-#pragma GCC unroll 6
-    for (int c = 0; c < VoteSums::kCount; ++c) own[c].add(votes.component[c]);
+/// Symmetric matrices on their way to diagonal form, and the axes that they are seen from.
+struct Matrices {
+  Floats d[3];     // the diagonal
+  Floats off[3];   // off[r]: the element that is neither in row nor column r
+  Floats v[3][3];  // v[axis][component]
+};
+
+CURBSTONE_INLINE Floats size_of(Floats a) {
+  return choose(below(a, Floats{}), -a, a);
+}
+
+/// One Jacobi rotation in the plane of all axes but r (Golub & Van Loan, 8.5.2): t = tan of the angle that zeroes
+/// off[r], the smaller root of t^2 + t (aq - ap) / apq - 1 = 0.
+template <int r>
+CURBSTONE_INLINE void rotate(Matrices& m) {
+  constexpr int p = r == 0 ? 1 : 0;
+  constexpr int q = r == 2 ? 1 : 2;
+  constexpr float kTiny = 1e-30F;    // so that 0 / 0 is 0
+  constexpr float kNothing = 1e-9F;  // of a trace of 1: its square would be a denormal, which is slow to handle
+  m.off[r] = keep(below(all(kNothing), size_of(m.off[r])), m.off[r]);
+  const Floats a = m.d[q] - m.d[p];
+  const Floats b = m.off[r] + m.off[r];
+  const Floats t = choose(below(a, Floats{}), -b, b) / (size_of(a) + root(a * a + b * b) + kTiny);
+  const Floats c = 1.0F / root(t * t + 1.0F);
+  const Floats s = t * c;
+  m.d[p] -= t * m.off[r];
+  m.d[q] += t * m.off[r];
+  m.off[r] = Floats{};
+  const Floats rp = m.off[q];  // row r, column p
+  const Floats rq = m.off[p];
+  m.off[q] = c * rp - s * rq;
+  m.off[p] = s * rp + c * rq;
+  for (int i = 0; i < 3; ++i) {
+    const Floats vp = m.v[p][i];
+    const Floats vq = m.v[q][i];
+    m.v[p][i] = c * vp - s * vq;
+    m.v[q][i] = s * vp + c * vq;
   }
-#pragma GCC unroll 6
-  for (int c = 0; c < VoteSums::kCount; ++c) sums[c] += own[c].total();
-  return pairs;
+}
+
+/// Puts the larger eigenvalue first; of equal ones the steeper axis.
+CURBSTONE_INLINE void order(Matrices& m, int first, int second) {
+  const Mask larger = below(m.d[first], m.d[second]);
+  const Mask smaller = below(m.d[second], m.d[first]);
+  const Mask steeper = below(size_of(m.v[first][2]), size_of(m.v[second][2]));
+  const Mask swap = larger | (static_cast<Mask>(~smaller) & steeper);
+  const auto exchange = [&](Floats& a, Floats& b) {
+    const Floats was = a;
+    a = choose(swap, b, a);
+    b = choose(swap, was, b);
+  };
+  exchange(m.d[first], m.d[second]);
+  for (int i = 0; i < 3; ++i) exchange(m.v[first][i], m.v[second][i]);
+}
+
+/// Of unit length, in the upper half space: z > 0, if z = 0 then y > 0, if that is 0 too x > 0.
+CURBSTONE_INLINE void store_upper(const Floats* v, Mask valid, const float* otherwise, float* to) {
+  const Floats length = root(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  Floats sign = choose(below(v[0], Floats{}), all(-1), all(1));
+  sign = choose(below(v[1], Floats{}), all(-1), choose(below(Floats{}, v[1]), all(1), sign));
+  sign = choose(below(v[2], Floats{}), all(-1), choose(below(Floats{}, v[2]), all(1), sign));
+  for (int i = 0; i < 3; ++i) store(to + i * kLanes, choose(valid, v[i] * sign / length, all(otherwise[i])));
+}
+
+/// Tensors of trace 1, and which of them were any to begin with.
+CURBSTONE_INLINE Mask load_scaled(const float* tensors, Matrices& m) {
+  const auto element = [&](int i) { return load<Floats>(tensors + i * kLanes); };  // xx xy xz yy yz zz
+  const Floats trace = element(0) + element(3) + element(5);
+  const Floats total = size_of(element(1)) + size_of(element(2)) + size_of(element(4)) + trace;
+  constexpr float kMost = 1e37F;
+  const Mask valid = below(below(Floats{}, trace), total, all(kMost));
+  const Floats scale = 1.0F / choose(valid, trace, all(1));
+  const auto scaled = [&](int i) { return choose(valid, element(i), Floats{}) * scale; };
+  m = {{scaled(0), scaled(3), scaled(5)}, {scaled(4), scaled(2), scaled(1)}, {}};
+  for (int i = 0; i < 3; ++i) m.v[i][i] = all(1);
+  return valid;
+}
+
+CURBSTONE_INLINE void store_shapes(Matrices& m, Mask valid, float* shapes) {
+  constexpr float kUp[3] = {0, 0, 1};
+  constexpr float kAhead[3] = {1, 0, 0};
+  order(m, 0, 1);
+  order(m, 1, 2);
+  order(m, 0, 1);
+  for (Floats& l : m.d) l = choose(below(Floats{}, l), l, Floats{});
+  const Floats largest = choose(valid, m.d[0], all(1));
+  store_upper(m.v[0], valid, kUp, shapes);
+  store_upper(m.v[2], valid, kAhead, shapes + 3 * kLanes);
+  store(shapes + 6 * kLanes, keep(valid, (m.d[0] - m.d[1]) / largest));
+  store(shapes + 7 * kLanes, keep(valid, (m.d[1] - m.d[2]) / largest));
+  store(shapes + 8 * kLanes, keep(valid, m.d[2] / largest));
+}
+
+/// Roots and divisions take long to arrive: several vectors of tensors are on their way at once.
+template <std::size_t count>
+CURBSTONE_INLINE void decompose_together(const float* const* tensors, float* const* shapes) {
+  constexpr int kSweeps = 4;
+  Matrices m[count];
+  Mask valid[count];
+  for (std::size_t i = 0; i < count; ++i) valid[i] = load_scaled(tensors[i], m[i]);
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (std::size_t i = 0; i < count; ++i) rotate<2>(m[i]);
+    for (std::size_t i = 0; i < count; ++i) rotate<1>(m[i]);
+    for (std::size_t i = 0; i < count; ++i) rotate<0>(m[i]);
+  }
+  for (std::size_t i = 0; i < count; ++i) store_shapes(m[i], valid[i], shapes[i]);
+}
+
+void decompose(const float* tensors, float* shapes, std::size_t blocks) {
+  constexpr std::size_t kTogether = 2;
+  constexpr std::size_t kVectorsPerBlock = kLanes / kWidth;
+  const std::size_t vectors = blocks * kVectorsPerBlock;
+  const auto from = [&](std::size_t i) {
+    return tensors + i / kVectorsPerBlock * kTensorFloats + i % kVectorsPerBlock * kWidth;
+  };
+  const auto to = [&](std::size_t i) {
+    return shapes + i / kVectorsPerBlock * kShapeFloats + i % kVectorsPerBlock * kWidth;
+  };
+  std::size_t i = 0;
+  for (; i + kTogether <= vectors; i += kTogether) {
+    const float* const in[kTogether] = {from(i), from(i + 1)};
+    float* const out[kTogether] = {to(i), to(i + 1)};
+    decompose_together<kTogether>(in, out);
+  }
+  for (; i < vectors; ++i) {
+    const float* const in[1] = {from(i)};
+    float* const out[1] = {to(i)};
+    decompose_together<1>(in, out);
+  }
 }
 
 }  // namespace
 
 extern const VoteKernel CURBSTONE_KERNEL;
-const VoteKernel CURBSTONE_KERNEL = {CURBSTONE_KERNEL_NAME, exchange, gather};
+const VoteKernel CURBSTONE_KERNEL = {CURBSTONE_KERNEL_NAME, exchange, decompose};
 
 }  // namespace curbstone

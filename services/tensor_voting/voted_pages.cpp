@@ -18,7 +18,7 @@ struct WireTensor {
   float mass;
 };
 
-WireTensor to_wire(const Decomposition& d) {
+WireTensor to_wire(const DecompositionF& d) {
   WireTensor wire;
   for (int axis = 0; axis < 3; ++axis) {
     wire.normal[axis] = static_cast<std::int16_t>(std::lround(d.normal[axis] * 32767));
@@ -26,16 +26,17 @@ WireTensor to_wire(const Decomposition& d) {
   }
   wire.stick = static_cast<std::uint8_t>(std::lround(d.stick * 255));
   wire.plate = static_cast<std::uint8_t>(std::lround(d.plate * 255));
-  wire.mass = static_cast<float>(d.mass);
+  wire.mass = d.mass;
   return wire;
 }
 
 std::vector<WireTensor> tensors_of_voters(const VotingField& field, TileKey key) {
-  std::vector<WireTensor> tensors;
-  for (const VoteSums& sums : field.sums(key)) {
-    tensors.push_back(to_wire(decompose(to_tensor(sums, field.parameters().ball))));
-  }
-  return tensors;
+  std::vector<TensorF> tensors;
+  for (const VoteSums& sums : field.sums(key)) tensors.push_back(to_float(to_tensor(sums, field.parameters().ball)));
+  std::vector<WireTensor> wires;
+  wires.reserve(tensors.size());
+  for (const DecompositionF& d : decompose(tensors)) wires.push_back(to_wire(d));
+  return wires;
 }
 
 void append(voted_points_t& page, const WireTensor& wire) {

@@ -30,7 +30,7 @@ int distance_to(int v, int low, int size) {
 
 }  // namespace
 
-/// The voters of a cube of space, eight to a block. The cells of one column of a tile are chained.
+/// The voters of a cube of space, kLanes to a block. The cells of one column of a tile are chained.
 struct VotingField::Cell {
   int z = 0;  // index: floor(z / edge)
   int next = -1;
@@ -271,8 +271,7 @@ std::vector<VoteSums> VotingField::sums(TileKey key) const {
   result.reserve(it->second->voters.size());
   for (const Voter& voter : it->second->voters) {
     const VoterBlock& block = it->second->cells[voter.cell].blocks[voter.slot / kLanes];
-    VoteSums& sums = result.emplace_back();
-    for (std::size_t c = 0; c < VoteSums::kCount; ++c) sums.value[c] = block.sums[c][voter.slot % kLanes];
+    result.push_back(block.sums_of(voter.slot % kLanes));
   }
   return result;
 }

@@ -79,10 +79,10 @@ std::vector<VotedTile> vote_tiles(std::span<const Eigen::Vector3f> points, const
       tile.revision = 1;
       tile.z_origin = static_cast<float>(std::floor(p.z()));
     }
-    const Decomposition d = decompose(votes.tensors[i]);
+    const DecompositionF& d = votes.decompositions[i];
     tile.points.push_back({static_cast<float>(p.x() - key.x * kTileSize), static_cast<float>(p.y() - key.y * kTileSize),
-                           static_cast<float>(p.z()), d.normal.cast<float>(), static_cast<float>(d.stick),
-                           static_cast<float>(d.plate), static_cast<float>(d.mass)});
+                           static_cast<float>(p.z()), d.normal, d.stick,
+                           d.plate, d.mass});
   }
   std::vector<VotedTile> result;
   result.reserve(tiles.size());

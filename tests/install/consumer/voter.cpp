@@ -8,7 +8,8 @@ int main() {
   std::vector<Eigen::Vector3d> floor;
   for (int i = 0; i < 400; ++i) floor.emplace_back(0.1 * (i % 20), 0.1 * (i / 20), 0);
   const curbstone::CloudVotes votes = curbstone::vote_cloud(floor, {});
-  const curbstone::Decomposition d = curbstone::decompose(votes.tensors[210]);
-  std::printf("normal %.3f %.3f %.3f stick %.3f\n", d.normal.x(), d.normal.y(), d.normal.z(), d.stick);
-  return d.normal.z() > 0.999 ? 0 : 1;
+  const curbstone::DecompositionF& d = votes.decompositions[210];
+  std::printf("normal %.3f %.3f %.3f stick %.3f\n", double{d.normal.x()}, double{d.normal.y()},
+              double{d.normal.z()}, double{d.stick});
+  return d.normal.z() > 0.999F ? 0 : 1;
 }

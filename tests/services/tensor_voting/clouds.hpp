@@ -56,14 +56,16 @@ inline StepPoint in_map(TileKey key, const TilePoint& p, int z_origin = 0) {
   return {key.x * kStepsPerTile + p.x, key.y * kStepsPerTile + p.y, z_origin + p.z};
 }
 
-inline Eigen::Matrix3d matrix(const Tensor& t) {
-  Eigen::Matrix3d m;
+template <class Scalar>
+Eigen::Matrix3d matrix(const BasicTensor<Scalar>& t) {
+  Eigen::Matrix<Scalar, 3, 3> m;
   m << t.xx, t.xy, t.xz, t.xy, t.yy, t.yz, t.xz, t.yz, t.zz;
-  return m;
+  return m.template cast<double>();
 }
 
 /// |a - b| / |b|, Frobenius.
-inline double relative_difference(const Tensor& a, const Tensor& b) {
+template <class A, class B>
+double relative_difference(const BasicTensor<A>& a, const BasicTensor<B>& b) {
   return (matrix(a) - matrix(b)).norm() / matrix(b).norm();
 }
 
