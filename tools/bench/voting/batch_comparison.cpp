@@ -1,32 +1,18 @@
 #include "tools/bench/voting/batch_comparison.hpp"
 
 #include "services/tensor_voting/batch_voting.hpp"
-#include "services/tensor_voting/decomposition.hpp"
 #include "tools/bench/voting/pair_count.hpp"
 #include "tools/bench/voting/pcl_normals.hpp"
 #include "tools/bench/voting/street_cloud.hpp"
 
 namespace curbstone {
 
-namespace {
-
-std::vector<Decomposition> vote_and_decompose(const std::vector<Eigen::Vector3d>& cloud,
-                                              const VotingParameters& parameters, int threads) {
-  const CloudVotes votes = vote_cloud(cloud, parameters, threads);
-  std::vector<Decomposition> result;
-  result.reserve(votes.tensors.size());
-  for (const Tensor& tensor : votes.tensors) result.push_back(decompose(tensor));
-  return result;
-}
-
-}  // namespace
-
 void measure_batch(BatchRow& row, bool with_pcl, const TurnOptions& options) {
   const auto cloud = street_cloud(row.points, row.length);
   const VotingParameters parameters{.sigma = row.sigma, .radius = row.radius, .voxel = 0};
   row.pair_votes = count_pair_votes(cloud, row.radius, row.threads);
   std::vector<Contender> contenders;
-  contenders.push_back({"ours", [&] { (void)vote_and_decompose(cloud, parameters, row.threads); }});
+  contenders.push_back({"ours", [&] { (void)vote_cloud(cloud, parameters, row.threads); }});
   const PclNormals pcl(cloud, row.radius, row.threads);
   if (with_pcl) contenders.push_back({"pcl", [&] { (void)pcl.run(); }});
   const std::vector<double> ms = time_in_turn(contenders, options);
@@ -37,10 +23,10 @@ void measure_batch(BatchRow& row, bool with_pcl, const TurnOptions& options) {
 double stick_sum() {
   const VotingParameters parameters{.sigma = 0.3, .radius = 0.9, .voxel = 0};
   double sum = 0;
-  for (const Decomposition& d : vote_and_decompose(street_cloud(10'000), parameters, 1)) {
-    const double trace = (3 - parameters.ball) * d.mass;
-    const double trace_in_l1 = d.stick + 2 * d.plate + 3 * d.ball;
-    if (trace_in_l1 > 0) sum += d.stick * trace / trace_in_l1;
+  for (const DecompositionF& d : vote_cloud(street_cloud(10'000), parameters).decompositions) {
+    const double trace = (3 - parameters.ball) * double{d.mass};
+    const double trace_in_l1 = double{d.stick} + 2 * double{d.plate} + 3 * double{d.ball};
+    if (trace_in_l1 > 0) sum += double{d.stick} * trace / trace_in_l1;
   }
   return sum;
 }
