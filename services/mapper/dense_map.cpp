@@ -56,6 +56,13 @@ const DenseTile* DenseMap::tile(TileKey key) const {
   return it == tiles_.end() ? nullptr : &it->second;
 }
 
+std::vector<TileKey> DenseMap::keys() const {
+  std::vector<TileKey> keys;
+  for (const auto& [key, tile] : tiles_) keys.push_back(key);
+  std::sort(keys.begin(), keys.end());
+  return keys;
+}
+
 DenseTile* DenseMap::find_tile(TileKey key) {
   const auto it = tiles_.find(key);
   if (it == tiles_.end()) return nullptr;

@@ -32,6 +32,8 @@ class DenseMap {
 
   /// nullptr if there is none. Lives until the next insert().
   [[nodiscard]] const DenseTile* tile(TileKey key) const;
+  /// Of all tiles, in order.
+  [[nodiscard]] std::vector<TileKey> keys() const;
   /// Tiles that were given up for memory since the last call.
   [[nodiscard]] std::vector<TileKey> take_evicted();
   [[nodiscard]] std::int64_t size() const { return size_; }

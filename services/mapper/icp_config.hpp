@@ -14,6 +14,7 @@ struct IcpConfig {
   double sensor_sigma = 0.02;  ///< m, noise of a range
   double kernel = 0.03;        ///< m: Huber's bound, near the sensor's noise
   double search = 0.5;         ///< m, to a plane at the first iteration, without a good prior
+  double min_grazing = 0.05;   ///< sine of the mean angle between rays and a plane, below which it is no surface
   int max_iterations = 20;
   double degenerate_below = 0.004;  ///< share of the constraint (0..1) under which a direction follows the prior
 
@@ -26,6 +27,7 @@ struct IcpConfig {
     v.field("sensor_sigma", sensor_sigma, {0.001, 0.5}, "m, noise of a range");
     v.field("kernel", kernel, {0.005, 1.0}, "m, Huber's bound: near the sensor's noise");
     v.field("search", search, {0.05, 5.0}, "m, to a plane at the first iteration");
+    v.field("min_grazing", min_grazing, {0.0, 0.5}, "sine of the angle at which rays must meet a plane");
     v.field("max_iterations", max_iterations, {1, 200}, "of Gauss-Newton");
     v.field("degenerate_below", degenerate_below, {0.0, 0.5}, "share of the constraint that is none");
   }

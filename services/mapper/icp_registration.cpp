@@ -104,11 +104,15 @@ Constraint without_degenerate(const NormalEquations& sum, double threshold) {
 
 }  // namespace
 
-IcpRegistration::IcpRegistration(const IcpConfig& config)
+IcpRegistration::IcpRegistration(const IcpConfig& config, const Eigen::Vector3d& lidar)
     : config_(config),
-      fine_({.voxel = config.fine_voxel, .min_width = 0.4 * config.fine_voxel}),
-      coarse_(
-          {.voxel = config.coarse_voxel, .capacity = 100, .min_points = 10, .min_width = 0.3 * config.coarse_voxel}) {}
+      lidar_(lidar.cast<float>()),
+      fine_({.voxel = config.fine_voxel, .min_width = 0.4 * config.fine_voxel, .min_grazing = config.min_grazing}),
+      coarse_({.voxel = config.coarse_voxel,
+               .capacity = 100,
+               .min_points = 10,
+               .min_width = 0.3 * config.coarse_voxel,
+               .min_grazing = config.min_grazing}) {}
 
 /// The finest plane within reach; where none is, one that is out of reach.
 const MapPlane* IcpRegistration::plane_at(const Eigen::Vector3f& point, float reach) {
@@ -163,8 +167,9 @@ void IcpRegistration::insert(const std::vector<LidarPoint>& points, const Pose& 
   const Eigen::Isometry3f T = T_map_base.cast<float>();
   for (const LidarPoint& point : downsample(points, config_.source_voxel, config_.max_range)) {
     const Eigen::Vector3f p = T * point.position;
-    fine_.insert(p);
-    coarse_.insert(p);
+    const Eigen::Vector3f ray = T.linear() * (point.position - lidar_).normalized();
+    fine_.insert(p, ray);
+    coarse_.insert(p, ray);
   }
   fine_.end_insertion();
   coarse_.end_insertion();

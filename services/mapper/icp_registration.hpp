@@ -12,16 +12,19 @@ namespace curbstone {
 /// directions that the surroundings do not fix left to the prior (solution remapping, Zhang, Kaess, Singh, ICRA 2016).
 class IcpRegistration final : public Registration {
  public:
-  explicit IcpRegistration(const IcpConfig& config);
+  /// `lidar`: where it is in base_link, m.
+  IcpRegistration(const IcpConfig& config, const Eigen::Vector3d& lidar);
 
   [[nodiscard]] RegistrationResult align(const std::vector<LidarPoint>& points, const PosePrior& prior) override;
   void insert(const std::vector<LidarPoint>& points, const Pose& T_map_base) override;
   void keep_around(const Eigen::Vector3d& centre) override;
+  [[nodiscard]] std::size_t size() const override { return fine_.size() + coarse_.size(); }
 
  private:
   [[nodiscard]] const MapPlane* plane_at(const Eigen::Vector3f& point_in_map, float reach);
 
   IcpConfig config_;
+  Eigen::Vector3f lidar_;
   PlaneLevel fine_;
   PlaneLevel coarse_;
   Eigen::Vector3d kept_around_ = Eigen::Vector3d::Zero();

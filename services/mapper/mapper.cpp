@@ -43,6 +43,10 @@ SweepMotion sweep_from(const OdometryHistory& odometry, const Revolution& revolu
   return sweep;
 }
 
+std::unique_ptr<Registration> make_registration(const MapperConfig& config) {
+  return std::make_unique<IcpRegistration>(config.icp, config.vehicle.T_base_lidar().translation());
+}
+
 Matrix6 isotropic(double translation, double rotation) {
   Vector6 diagonal;
   diagonal << Eigen::Vector3d::Constant(translation * translation), Eigen::Vector3d::Constant(rotation * rotation);
@@ -54,7 +58,7 @@ Matrix6 isotropic(double translation, double rotation) {
 Mapper::Mapper(const MapperConfig& config)
     : config_(config),
       T_base_lidar_(config.vehicle.T_base_lidar()),
-      registration_(std::make_unique<IcpRegistration>(config.icp)),
+      registration_(make_registration(config)),
       dense_(config.dense) {}
 
 std::optional<MapperUpdate> Mapper::process(const Revolution& revolution, const OdometryHistory& odometry) {
@@ -236,7 +240,7 @@ bool Mapper::finish_start(MapperUpdate& update) {
   if (update.registered) {
     update.grown = dense_.insert(first_points_, last_->T_map_base, last_->end);
   } else {
-    registration_ = std::make_unique<IcpRegistration>(config_.icp);
+    registration_ = make_registration(config_);
     last_.reset();
     drift_.setZero();
     twist_ = {};
@@ -249,7 +253,7 @@ bool Mapper::finish_start(MapperUpdate& update) {
 /// The first revolution again, now that its motion is known.
 void Mapper::begin_registration_map(const Twist& twist) {
   first_points_ = in_base(*first_, steady_sweep(twist, seconds(first_->start, first_->end)));
-  registration_ = std::make_unique<IcpRegistration>(config_.icp);
+  registration_ = make_registration(config_);
   registration_->insert(first_points_, last_->T_map_base);
 }
 

@@ -47,6 +47,8 @@ class Mapper {
   [[nodiscard]] bool started() const { return last_.has_value(); }
   [[nodiscard]] const DenseMap& dense() const { return dense_; }
   [[nodiscard]] DenseMap& dense() { return dense_; }
+  /// Voxels of the map that registration keeps; bounded by its window.
+  [[nodiscard]] std::size_t registration_size() const { return registration_->size(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
   /// Revolutions in a row that could not be registered.
   [[nodiscard]] int refused_in_a_row() const { return refused_in_a_row_; }

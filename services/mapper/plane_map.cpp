@@ -13,7 +13,7 @@ Eigen::Vector3f PlaneLevel::centre_of(const Eigen::Vector3i& cell) const {
   return ((cell.cast<double>().array() + 0.5) * options_.voxel).cast<float>();
 }
 
-void PlaneLevel::insert(const Eigen::Vector3f& point) {
+void PlaneLevel::insert(const Eigen::Vector3f& point, const Eigen::Vector3f& ray) {
   const Eigen::Vector3i cell = voxel_of(point, inverse_size_);
   const auto next = static_cast<std::uint32_t>(voxels_.size());
   std::uint32_t place = index_.find_or_insert(voxel_key(cell), next);
@@ -27,6 +27,7 @@ void PlaneLevel::insert(const Eigen::Vector3f& point) {
   const Eigen::Vector3f d = point - centre_of(cell);
   m.count += 1;
   m.sum += d;
+  m.rays += ray;
   m.squares[0] += d.x() * d.x();
   m.squares[1] += d.x() * d.y();
   m.squares[2] += d.x() * d.z();
@@ -63,6 +64,7 @@ void PlaneLevel::fit(Voxel& voxel) {
   double count = 0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  Eigen::Vector3f rays = Eigen::Vector3f::Zero();
   for (int dx = -1; dx <= 1; ++dx) {
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dz = -1; dz <= 1; ++dz) {
@@ -77,6 +79,7 @@ void PlaneLevel::fit(Voxel& voxel) {
             m.squares[4], m.squares[5];
         count += n;
         sum += s + n * c;
+        rays += m.rays;
         squares += q + s * c.transpose() + c * s.transpose() + n * c * c.transpose();
       }
     }
@@ -99,7 +102,10 @@ void PlaneLevel::fit(Voxel& voxel) {
   voxel.plane.mean = (centre_of(voxel.cell).cast<double>() + mean).cast<float>();
   voxel.plane.normal = solver.eigenvectors().col(0).cast<float>();
   voxel.plane.variance = static_cast<float>(std::max(lambda[0], 0.0));
-  voxel.valid = voxel.plane.normal.allFinite();
+  // Where one ring passes through foliage, or grazes, its returns scatter along the rays: they lie in a plane, and a
+  // thin one, but it is the ring's own. Held to it, a vehicle can no longer pitch.
+  const float grazing = std::abs(voxel.plane.normal.dot(rays)) / static_cast<float>(count);
+  voxel.valid = grazing > static_cast<float>(options_.min_grazing);  // false for NaN
 }
 
 void PlaneLevel::keep_around(const Eigen::Vector3f& centre, float radius) {

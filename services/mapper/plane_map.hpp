@@ -22,6 +22,7 @@ struct PlaneLevelOptions {
   int min_points = 6;         ///< in the 3 x 3 x 3 voxels that a plane is fitted to
   double max_flatness = 0.1;  ///< smallest over middle eigenvalue of the covariance
   double min_width = 0.12;    ///< m: root of the middle eigenvalue; less is a line
+  double min_grazing = 0.05;  ///< sine of the angle at which rays must have met the plane, in the mean: see fit()
 };
 
 /// Surfaces of the world as planes in a lattice of voxels. A voxel keeps count, sum and sum of squares of its points;
@@ -31,7 +32,8 @@ class PlaneLevel {
  public:
   explicit PlaneLevel(const PlaneLevelOptions& options);
 
-  void insert(const Eigen::Vector3f& point);
+  /// `ray`: unit vector from the lidar to the point, in map.
+  void insert(const Eigen::Vector3f& point, const Eigen::Vector3f& ray);
   /// Call after the points of a revolution: planes fitted before it may now be stale.
   void end_insertion() { ++version_; }
 
@@ -48,6 +50,7 @@ class PlaneLevel {
     float count = 0;
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();                            // of offsets from the voxel's centre
     Eigen::Matrix<float, 6, 1> squares = Eigen::Matrix<float, 6, 1>::Zero();  // xx xy xz yy yz zz of them
+    Eigen::Vector3f rays = Eigen::Vector3f::Zero();                           // sum
   };
   struct Voxel {
     Eigen::Vector3i cell;

@@ -43,6 +43,8 @@ class Registration {
   virtual void insert(const std::vector<LidarPoint>& points, const Pose& T_map_base) = 0;
   /// Bounds the map: whatever is farther than its window from `centre` may be forgotten.
   virtual void keep_around(const Eigen::Vector3d& centre) = 0;
+  /// Voxels of its map: what its memory goes with.
+  [[nodiscard]] virtual std::size_t size() const = 0;
 };
 
 }  // namespace curbstone

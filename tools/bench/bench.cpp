@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/bench/mapping/bench_mapping.hpp"
 #include "tools/bench/voting/voting_bench.hpp"
 
 namespace curbstone {
@@ -20,6 +21,7 @@ struct Benchmark {
 // One line a benchmark, each a library in its own folder.
 const std::vector<Benchmark> kBenchmarks = {
     {"voting", run_bench_voting, "tensor voting: beside PCL, against this machine's peak, on a growing map"},
+    {"mapping", run_bench_mapping, "odometry and mapping: icp, loam and PCL's methods on the same drives"},
 };
 
 int usage(std::FILE* out) {

@@ -15,7 +15,7 @@
 #include "drivers/rslidar/packet_feed.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_node.hpp"
-#include "tests/services/mapper/kitti_drive.hpp"
+#include "tools/evaluate/trajectory.hpp"
 #include "tools/log/log_reader.hpp"
 #include "tools/log/message_order.hpp"
 #include "tools/simulate/truth/gray_image.hpp"
@@ -30,7 +30,7 @@ struct MapPoint {
 
 struct Result {
   std::vector<map_pose_t> poses;
-  std::vector<std::pair<std::int64_t, Pose>> odometry;
+  Trajectory odometry;
   std::vector<MapPoint> points;
   std::vector<double> ms;
   std::size_t largest = 0;
@@ -42,8 +42,8 @@ double cpu_ms() {
   return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
 }
 
-std::vector<std::pair<std::int64_t, Pose>> read_truth(const std::string& file) {
-  std::vector<std::pair<std::int64_t, Pose>> out;
+Trajectory read_truth(const std::string& file) {
+  Trajectory out;
   std::ifstream in(file);
   std::string line;
   std::getline(in, line);
@@ -53,19 +53,9 @@ std::vector<std::pair<std::int64_t, Pose>> read_truth(const std::string& file) {
     std::int64_t utime = 0;
     double p[3], q[4];
     fields >> utime >> p[0] >> p[1] >> p[2] >> q[0] >> q[1] >> q[2] >> q[3];
-    if (fields) out.emplace_back(utime, pose_from_arrays(p, q));
+    if (fields) out.push_back({utime, pose_from_arrays(p, q)});
   }
   return out;
-}
-
-Pose pose_at(const std::vector<std::pair<std::int64_t, Pose>>& track, std::int64_t t) {
-  auto after =
-      std::lower_bound(track.begin(), track.end(), t, [](const auto& a, std::int64_t b) { return a.first < b; });
-  if (after == track.begin()) return after->second;
-  if (after == track.end()) return track.back().second;
-  const auto before = after - 1;
-  return interpolate(before->second, after->second,
-                     static_cast<double>(t - before->first) / static_cast<double>(after->first - before->first));
 }
 
 void draw(const std::string& file, const Result& result) {
@@ -92,17 +82,10 @@ void draw(const std::string& file, const Result& result) {
   write_png(file, image);
 }
 
-void report(const std::string& name, const std::vector<std::pair<std::int64_t, Pose>>& track,
-            const std::vector<std::pair<std::int64_t, Pose>>& truth) {
-  std::vector<Pose> estimate, reference;
-  for (const auto& [t, T] : track) {
-    if (t < truth.front().first || t > truth.back().first) continue;
-    estimate.push_back(T);
-    reference.push_back(pose_at(truth, t));
-  }
-  const test::TrajectoryError e = test::compare(estimate, reference);
-  fmt::print("{}: t_rel {:.3f} %  r_rel {:.4f} deg/m  ATE {:.3f} m  end {:.3f} %  of {:.1f} m\n", name, e.t_rel_percent,
-             e.r_rel_deg_per_m, e.ate_m, e.end_percent, e.length_m);
+void report(const std::string& name, const Trajectory& track, const Trajectory& truth) {
+  const TrajectoryErrors e = trajectory_errors(pair_up(truth, track));
+  fmt::print("{}: t_rel {:.3f} %  r_rel {:.4f} deg/m  ATE {:.3f} m  end {:.3f} %  of {:.1f} m\n", name, e.rpe_percent,
+             e.rpe_deg_per_m, e.ate_m, e.end_percent, e.distance_m);
 }
 
 void feed_log(const std::string& file, bool with_odometry, LocalBus& bus, MapperNode& node, Result& result) {
@@ -157,7 +140,7 @@ int main(int argc, char** argv) {
   bus.subscribe<map_pose_t>("MAP_POSE", [&](const map_pose_t& m) { result.poses.push_back(m); });
   bus.subscribe<odometry_t>("ODOMETRY", [&](const odometry_t& m) {
     if (m.flags & odometry_t::INITIALISED)
-      result.odometry.emplace_back(m.utime, pose_from_arrays(m.position, m.orientation));
+      result.odometry.push_back({m.utime, pose_from_arrays(m.position, m.orientation)});
   });
   bus.subscribe<map_points_t>("MAP_POINTS", [&](const map_points_t& m) {
     result.largest = std::max(result.largest, static_cast<std::size_t>(m.getEncodedSize()));
@@ -182,9 +165,9 @@ int main(int argc, char** argv) {
   std::sort(result.ms.begin(), result.ms.end());
   double residual = 0, inliers = 0, iterations = 0;
   int registered = 0, degenerate = 0, stationary = 0, without = 0;
-  std::vector<std::pair<std::int64_t, Pose>> track;
+  Trajectory track;
   for (const map_pose_t& m : result.poses) {
-    track.emplace_back(m.utime, pose_from_arrays(m.map_base_position, m.map_base_orientation));
+    track.push_back({m.utime, pose_from_arrays(m.map_base_position, m.map_base_orientation)});
     residual += static_cast<double>(m.residual), inliers += static_cast<double>(m.inlier_ratio),
         iterations += m.iterations;
     registered += (m.flags & map_pose_t::REGISTERED) != 0, stationary += (m.flags & map_pose_t::STATIONARY) != 0;

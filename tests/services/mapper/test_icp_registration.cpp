@@ -19,7 +19,7 @@ double angle(const Pose& T) {
 
 /// A map of a world as a vehicle makes it that drives 3 m into it.
 IcpRegistration mapped(const test::SyntheticWorld& world) {
-  IcpRegistration icp{IcpConfig{}};
+  IcpRegistration icp{IcpConfig{}, test::default_lidar().translation()};
   for (int i = 0; i <= 20; ++i) {
     const Pose T = test::pose(-3 + 0.15 * i, 0, 0, 0, 0, 0);
     icp.insert(world.snapshot(T, test::default_lidar()), T);
@@ -94,7 +94,7 @@ TEST(IcpRegistration, OnAPlainFollowsThePriorInThePlane) {
 }
 
 TEST(IcpRegistration, WithoutAMapOrPointsStaysAtThePriorAndDoesNotPretend) {
-  IcpRegistration empty{IcpConfig{}};
+  IcpRegistration empty{IcpConfig{}, test::default_lidar().translation()};
   const PosePrior prior{test::pose(1, 2, 0, 0, 0, 0.3), information(0.1, 0.1)};
   for (const auto& points :
        {test::street().snapshot(Pose::Identity(), test::default_lidar()), std::vector<LidarPoint>{}}) {
@@ -108,7 +108,7 @@ TEST(IcpRegistration, WithoutAMapOrPointsStaysAtThePriorAndDoesNotPretend) {
 TEST(IcpRegistration, ForgetsWhatIsOutsideItsWindowAndStillWorks) {
   IcpConfig config;
   config.window = 30;
-  IcpRegistration icp{config};
+  IcpRegistration icp{config, test::default_lidar().translation()};
   const test::SyntheticWorld world = test::street();
   for (int i = 0; i <= 200; ++i) {
     const Pose T = test::pose(-25 + 0.25 * i, 0, 0, 0, 0, 0);

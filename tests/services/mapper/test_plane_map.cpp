@@ -1,0 +1,54 @@
+#include "services/mapper/plane_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace curbstone {
+namespace {
+
+/// A patch of 0.8 m in the plane of x and y, 10 m ahead: a floor, or what one level ring makes of a hedge.
+PlaneLevel patch(const Eigen::Vector3f& ray) {
+  PlaneLevel level{PlaneLevelOptions{}};
+  for (int i = 0; i < 16; ++i) {
+    for (int j = 0; j < 16; ++j) {
+      const Eigen::Vector3f p(9.65F + 0.05F * static_cast<float>(i), -0.25F + 0.05F * static_cast<float>(j), 0.1F);
+      level.insert(p, ray.normalized());
+    }
+  }
+  level.end_insertion();
+  return level;
+}
+
+TEST(PlaneLevel, FitsThePlaneOfItsNeighbourhood) {
+  PlaneLevel floor = patch({10, 0, -1.7F});
+  const MapPlane* plane = floor.plane_at({10, 0.1F, 0.15F});
+  ASSERT_NE(plane, nullptr);
+  EXPECT_NEAR(std::abs(plane->normal.z()), 1, 1e-5);
+  EXPECT_NEAR(plane->mean.z(), 0.1F, 1e-5);
+}
+
+TEST(PlaneLevel, TheScanPlaneOfARingIsNoSurface) {
+  PlaneLevel hedge = patch({10, 0, 0.02F});  // the rays run along what looks like a plane
+  EXPECT_EQ(hedge.plane_at({10, 0.1F, 0.15F}), nullptr);
+}
+
+TEST(PlaneLevel, ALineIsNoPlane) {
+  PlaneLevel level{PlaneLevelOptions{}};
+  for (int i = 0; i < 100; ++i) {
+    level.insert({10, -0.4F + 0.008F * static_cast<float>(i), 0.1F}, Eigen::Vector3f(10, 0, -1.7F).normalized());
+  }
+  level.end_insertion();
+  EXPECT_EQ(level.plane_at({10, 0.1F, 0.15F}), nullptr);
+}
+
+TEST(PlaneLevel, KeepsWhatIsNear) {
+  PlaneLevel level{PlaneLevelOptions{}};
+  for (int i = 0; i < 1000; ++i) level.insert({static_cast<float>(i), 0, 0}, Eigen::Vector3f::UnitX());
+  EXPECT_EQ(level.size(), 1000);
+  level.keep_around({500, 0, 0}, 100);
+  EXPECT_NEAR(static_cast<double>(level.size()), 200, 2);
+}
+
+}  // namespace
+}  // namespace curbstone

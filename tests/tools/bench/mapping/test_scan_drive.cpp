@@ -1,0 +1,97 @@
+#include "tools/bench/mapping/scan_drive.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+namespace curbstone {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Two scans of four lasers with eight points each, 10 m away, laser by laser from the top, counter-clockwise.
+class ScanFolder : public testing::Test {
+ protected:
+  ScanFolder() : folder_(fs::path(testing::TempDir()) / ("scan_drive_" + std::to_string(getpid()))) {
+    fs::create_directories(folder_ / "velodyne");
+    for (const char* name : {"000000.bin", "000001.bin"}) {
+      std::ofstream out(folder_ / "velodyne" / name, std::ios::binary);
+      for (int laser = 0; laser < 4; ++laser) {
+        for (int i = 0; i < 8; ++i) {
+          const float turn = (static_cast<float>(i) + 0.5F) / 8 * 2 * 3.14159265F;
+          const float point[4] = {10 * std::cos(turn), 10 * std::sin(turn), 2.0F - static_cast<float>(laser), 0.5F};
+          out.write(reinterpret_cast<const char*>(point), sizeof point);
+        }
+      }
+    }
+    std::ofstream(folder_ / "poses.txt") << "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n";
+    std::ofstream(folder_ / "times.txt") << "0.0\n0.1\n";
+  }
+  ~ScanFolder() override { fs::remove_all(folder_); }
+  void add_rings() {
+    fs::create_directories(folder_ / "rings");
+    for (const char* name : {"000000.bin", "000001.bin"}) {
+      std::ofstream out(folder_ / "rings" / name, std::ios::binary);
+      for (int i = 0; i < 32; ++i) out.put(static_cast<char>(2 * (i / 8)));
+    }
+  }
+  [[nodiscard]] ScanDrive drive() const {
+    return {folder_.string(), (folder_ / "poses.txt").string(), (folder_ / "times.txt").string()};
+  }
+  fs::path folder_;
+};
+
+TEST_F(ScanFolder, ASweepBeginsBehindAndItsStampIsInTheMiddle) {
+  add_rings();
+  const ScanDrive scans = drive();
+  const Revolution revolution = scans.revolution(1);
+  EXPECT_EQ(revolution.end - revolution.start, 100'000);
+  EXPECT_EQ(scans.truth()[1].utime, revolution.start + 50'000);
+  ASSERT_EQ(revolution.points.size(), 32U);
+  EXPECT_LT(revolution.points.front().position.x(), 0);
+  EXPECT_GT(revolution.points.front().position.y(), 0);  // clockwise: the left side comes first
+  for (const LidarPoint& p : revolution.points) {
+    const float turn = std::atan2(p.position.y(), p.position.x());
+    EXPECT_NEAR(p.time, 0.05F * (1 - turn / 3.14159265F), 1e-5F);
+    EXPECT_EQ(p.intensity, 127);
+    EXPECT_EQ(p.ring, 2 * std::lround(p.position.z() + 1));
+  }
+}
+
+TEST_F(ScanFolder, ScansWithoutRingsWerePutRightAlready) {
+  const Revolution revolution = drive().revolution(0);
+  EXPECT_EQ(revolution.start, revolution.end);
+  for (const LidarPoint& p : revolution.points) {
+    EXPECT_EQ(p.time, 0);
+    EXPECT_EQ(p.ring, std::lround(p.position.z() + 1));
+  }
+}
+
+TEST_F(ScanFolder, SaysWhatIsWrong) {
+  EXPECT_THROW(ScanDrive(folder_.string(), (folder_ / "none.txt").string(), ""), std::runtime_error);
+  add_rings();
+  std::ofstream(folder_ / "rings" / "000000.bin") << "abc";
+  EXPECT_THROW((void)drive().revolution(0), std::runtime_error);
+  std::ofstream(folder_ / "velodyne" / "000001.bin") << "abc";
+  EXPECT_THROW((void)drive().revolution(1), std::runtime_error);
+}
+
+TEST_F(ScanFolder, OdometryHasPassedTheEndOfEachRevolution) {
+  add_rings();
+  ScanDrive scans = drive();
+  std::vector<OdometrySample> samples;
+  for (int i = -10; i < 30; ++i)
+    samples.push_back({scans.truth().front().utime + 10'000 * i, Pose::Identity(), true, false});
+  scans.add_odometry(samples);
+  int revolutions = 0;
+  scans.play([&](const Revolution& revolution, const OdometryHistory& odometry) {
+    ++revolutions;
+    EXPECT_TRUE(odometry.covers(revolution.start, revolution.end));
+  });
+  EXPECT_EQ(revolutions, 2);
+}
+
+}  // namespace
+}  // namespace curbstone

@@ -1,0 +1,84 @@
+#include "tools/bench/mapping/log_player.hpp"
+
+#include <curbstone/lidar_points_t.hpp>
+#include <curbstone/odometry_t.hpp>
+#include <deque>
+#include <optional>
+
+#include "common/local_bus.hpp"
+#include "services/ekf/ekf_config.hpp"
+#include "services/ekf/ekf_node.hpp"
+#include "services/mapper/revolution_assembler.hpp"
+#include "tools/log/log_reader.hpp"
+#include "tools/log/message_order.hpp"
+
+namespace curbstone {
+namespace {
+
+/// Ekf and assembler on a bus; a revolution goes on once odometry has passed its end.
+class LogFeed {
+ public:
+  LogFeed(bool with_odometry, const MappingDrive::Take& take) : take_(take), with_odometry_(with_odometry) {
+    if (with_odometry) {
+      ekf_.emplace(EkfConfig{}, bus_);
+      ekf_->connect(bus_);
+    }
+    bus_.subscribe<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& m) { queue(assembler_.add(m)); });
+    bus_.subscribe<odometry_t>("ODOMETRY", [this](const odometry_t& m) {
+      history_.add({m.utime, pose_from_arrays(m.position, m.orientation), (m.flags & odometry_t::INITIALISED) != 0,
+                    (m.flags & odometry_t::STATIONARY) != 0});
+    });
+  }
+  void on(const LogEvent& event) {
+    bus_.inject(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
+    bus_.dispatch();
+    pass_on(false);
+  }
+  void finish() {
+    queue(assembler_.flush());
+    if (ekf_) ekf_->finish();
+    bus_.dispatch();
+    pass_on(true);
+  }
+
+ private:
+  void queue(std::optional<Revolution> revolution) {
+    if (revolution) pending_.push_back(std::move(*revolution));
+  }
+  void pass_on(bool all) {
+    while (!pending_.empty() && (all || !with_odometry_ || history_.passed(pending_.front().end))) {
+      const Revolution& next = pending_.front();
+      // Standing, the filter finds its level; a map begun before would hang askew.
+      const bool level = !with_odometry_ || started_ || history_.covers(next.start, next.end);
+      if (level) take_(next, history_);
+      started_ = started_ || level;
+      history_.forget_before(next.start - 200'000);
+      pending_.pop_front();
+    }
+  }
+
+  const MappingDrive::Take& take_;
+  bool with_odometry_;
+  bool started_ = false;
+  LocalBus bus_;
+  std::optional<EkfNode> ekf_;
+  RevolutionAssembler assembler_;
+  OdometryHistory history_;
+  std::deque<Revolution> pending_;
+};
+
+}  // namespace
+
+void play_log(const std::string& file, bool with_odometry, const MappingDrive::Take& take) {
+  LogFeed feed(with_odometry, take);
+  LogReader reader(file);
+  MessageOrder order;
+  while (const auto event = reader.next()) {
+    order.push(*event);
+    while (const auto next = order.pop(false)) feed.on(*next);
+  }
+  while (const auto next = order.pop(true)) feed.on(*next);
+  feed.finish();
+}
+
+}  // namespace curbstone

@@ -1,0 +1,30 @@
+#include "tools/bench/mapping/mapper_method.hpp"
+
+#include <set>
+
+namespace curbstone {
+
+std::optional<StampedPose> MapperMethod::process(const Revolution& revolution, const OdometryHistory& odometry) {
+  const std::optional<MapperUpdate> update = mapper_.process(revolution, odometry);
+  if (!update) return std::nullopt;
+  return StampedPose{update->utime, update->T_map_base};
+}
+
+MapContent MapperMethod::content() const {
+  MapContent content;
+  content.points = mapper_.dense().size();
+  content.bytes_per_point = 7;  // int16 x y z and intensity, as in map_points_t
+  std::int64_t cells = 0;
+  for (const TileKey& key : mapper_.dense().keys()) {
+    std::set<std::pair<int, int>> seen;
+    for (const TilePoint& p : mapper_.dense().tile(key)->points()) {
+      seen.emplace(p.x * kCellsPerTile / kStepsPerTile, p.y * kCellsPerTile / kStepsPerTile);
+    }
+    cells += static_cast<std::int64_t>(seen.size());
+  }
+  content.square_metres = static_cast<double>(cells) * kCellSize * kCellSize;
+  content.local_elements = static_cast<std::int64_t>(mapper_.registration_size());
+  return content;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "services/mapper/mapper.hpp"
+#include "tools/bench/mapping/mapping_method.hpp"
+
+namespace curbstone {
+
+/// Our mapper with one of its methods.
+class MapperMethod final : public MappingMethod {
+ public:
+  explicit MapperMethod(const MapperConfig& config) : mapper_(config) {}
+
+  [[nodiscard]] std::optional<StampedPose> process(const Revolution& revolution,
+                                                   const OdometryHistory& odometry) override;
+  void finish() override { (void)mapper_.finish(); }
+  [[nodiscard]] MapContent content() const override;
+
+ private:
+  Mapper mapper_;
+};
+
+}  // namespace curbstone

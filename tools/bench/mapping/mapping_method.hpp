@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/bench/mapping/mapping_drive.hpp"
+
+namespace curbstone {
+
+/// What a map is made of, in the end.
+struct MapContent {
+  std::int64_t points = 0;          ///< of the map that is for others
+  double bytes_per_point = 0;       ///< of it, as it is stored or sent
+  double square_metres = 0;         ///< of ground or other surface seen from above that hold at least one point
+  std::int64_t local_elements = 0;  ///< voxels or points of the map that registration itself keeps
+};
+
+/// Something that finds the vehicle's poses from revolutions.
+class MappingMethod {
+ public:
+  virtual ~MappingMethod() = default;
+  /// T_map_base at the end of the revolution; nothing if it gives none.
+  [[nodiscard]] virtual std::optional<StampedPose> process(const Revolution& revolution,
+                                                           const OdometryHistory& odometry) = 0;
+  /// The drive is over.
+  virtual void finish() {}
+  [[nodiscard]] virtual MapContent content() const = 0;
+};
+
+/// Names of all methods: ours first, then the peers.
+[[nodiscard]] std::vector<std::string> mapping_methods();
+/// A fresh one for a drive. `settings`: KEY=VALUE of section mapper, for ours. Throws ConfigError for a wrong name.
+[[nodiscard]] std::unique_ptr<MappingMethod> make_mapping_method(const std::string& name, const MappingDrive& drive,
+                                                                 const std::vector<std::string>& settings);
+
+}  // namespace curbstone

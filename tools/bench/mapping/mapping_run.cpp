@@ -1,0 +1,69 @@
+#include "tools/bench/mapping/mapping_run.hpp"
+
+#include <malloc.h>
+#include <time.h>
+
+#include <algorithm>
+
+namespace curbstone {
+namespace {
+
+double now_ms(clockid_t clock) {
+  timespec t{};
+  clock_gettime(clock, &t);
+  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
+}
+
+double heap_mb() {
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks + info.hblkhd) / 1e6;
+}
+
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+}
+
+}  // namespace
+
+MappingResult run_mapping(const MappingDrive& drive, const std::string& method,
+                          const std::vector<std::string>& settings) {
+  MappingResult result;
+  result.name = drive.name;
+  result.method = method;
+  result.prior = drive.prior;
+  Trajectory track;
+  std::vector<double> wall, cpu;
+  std::unique_ptr<MappingMethod> mapper;
+  double held = 0;  // MB
+  drive.play([&](const Revolution& revolution, const OdometryHistory& odometry) {
+    const double heap_before = heap_mb();
+    if (!mapper) mapper = make_mapping_method(method, drive, settings);
+    ++result.revolutions;
+    const double wall_before = now_ms(CLOCK_MONOTONIC);
+    const double cpu_before = now_ms(CLOCK_PROCESS_CPUTIME_ID);
+    const auto pose = mapper->process(revolution, odometry);
+    wall.push_back(now_ms(CLOCK_MONOTONIC) - wall_before);
+    cpu.push_back(now_ms(CLOCK_PROCESS_CPUTIME_ID) - cpu_before);
+    held += heap_mb() - heap_before;
+    result.memory_mb = std::max(result.memory_mb, held);
+    if (pose) track.push_back(*pose);
+  });
+  if (mapper) {
+    mapper->finish();
+    result.content = mapper->content();
+  }
+  result.poses = static_cast<int>(track.size());
+  // The truth speaks of its own stamps: the estimate is interpolated, between the ends of two revolutions.
+  const PosePairs swapped = pair_up(track, drive.truth());
+  result.track = {swapped.estimate, swapped.truth};
+  result.errors = trajectory_errors(result.track);
+  result.ms_median = percentile(wall, 0.5);
+  result.ms_p95 = percentile(wall, 0.95);
+  result.cpu_ms_median = percentile(cpu, 0.5);
+  result.cpu_ms_p95 = percentile(cpu, 0.95);
+  return result;
+}
+
+}  // namespace curbstone

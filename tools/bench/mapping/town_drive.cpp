@@ -1,0 +1,60 @@
+#include "tools/bench/mapping/town_drive.hpp"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include "tools/bench/mapping/log_player.hpp"
+#include "tools/simulate/log_recorder.hpp"
+#include "tools/simulate/town_surroundings.hpp"
+
+namespace curbstone {
+namespace {
+
+constexpr std::int64_t kStart = 1'750'000'000'000'000;  // us
+constexpr double kTruthPeriod = 0.05;                   // s
+
+std::string temporary_file() {
+  std::string name = (std::filesystem::temp_directory_path() / "curbstone-town-XXXXXX").string();
+  const int fd = mkstemp(name.data());
+  if (fd < 0) throw std::runtime_error(name + ": cannot be made");
+  close(fd);
+  return name;
+}
+
+}  // namespace
+
+TownDrive::TownDrive(const Options& options) {
+  name = "town";
+  prior = "ekf";
+  SimulateConfig config;
+  const Town town({.seed = options.seed});
+  const TownMotion motion(town, config.vehicle, SpeedProfile({}, options.seconds));
+  const Drive drive{motion,
+                    [&] { return std::make_unique<TownSurroundings>(town, config.lidar); },
+                    config,
+                    config.rpm,
+                    0,
+                    options.seed,
+                    options.seconds,
+                    kStart};
+  log_ = temporary_file();
+  record_drive(drive, log_);
+  for (double t = 0; t <= options.seconds; t += kTruthPeriod) {
+    truth_.push_back({kStart + std::llround(t * 1e6), motion.T_world_base(t)});
+  }
+}
+
+TownDrive::~TownDrive() {
+  std::error_code ignored;
+  std::filesystem::remove(log_, ignored);
+}
+
+void TownDrive::play(const Take& take) const {
+  play_log(log_, prior != "none", take);
+}
+
+}  // namespace curbstone
