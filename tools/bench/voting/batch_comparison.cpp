@@ -15,9 +15,9 @@ void measure_batch(BatchRow& row, bool with_pcl, const TurnOptions& options) {
   contenders.push_back({"ours", [&] { (void)vote_cloud(cloud, parameters, row.threads); }});
   const PclNormals pcl(cloud, row.radius, row.threads);
   if (with_pcl) contenders.push_back({"pcl", [&] { (void)pcl.run(); }});
-  const std::vector<double> ms = time_in_turn(contenders, options);
-  row.ours_ms = ms[0];
-  if (with_pcl) row.pcl_ms = ms[1];
+  const std::vector<TurnTimes> times = time_in_turn(contenders, options);
+  row.ours = times[0];
+  if (with_pcl) row.pcl = times[1];
 }
 
 double stick_sum() {

@@ -2,8 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
-#include <vector>
+#include <optional>
 
 #include "tools/bench/voting/timed_in_turn.hpp"
 
@@ -23,11 +22,10 @@ struct BatchRow {
   double sigma = 0.3;  ///< m
   double radius = 0.9;
   int threads = 2;
-  double ours_ms = 0;                                        ///< votes of all points by all points, and decomposition
-  double pcl_ms = std::numeric_limits<double>::quiet_NaN();  ///< tree and normals; NaN if not run
-  std::int64_t pair_votes = 0;                               ///< cast: ordered pairs within reach
-  [[nodiscard]] double ratio() const { return pcl_ms / ours_ms; }
-  [[nodiscard]] double pair_votes_per_s() const { return static_cast<double>(pair_votes) / ours_ms * 1e3; }
+  TurnTimes ours{};                ///< votes of all points by all points, and decomposition
+  std::optional<TurnTimes> pcl{};  ///< tree and normals
+  std::int64_t pair_votes = 0;     ///< cast: ordered pairs within reach
+  [[nodiscard]] double pair_votes_per_s() const { return static_cast<double>(pair_votes) / ours.wall_ms * 1e3; }
   [[nodiscard]] double flops_per_s() const { return pair_votes_per_s() * kFlopsPerVote; }
 };
 

@@ -129,7 +129,7 @@ VotersOfField voters_of(const VotingField& field, const PointTiles& map) {
 }
 
 double max_difference(const VotersOfField& voters, VotingParameters parameters) {
-  parameters.voxel = 0;  // they are what is left of the thinning
+  parameters.voxel = 0;           // they are what is left of the thinning
   parameters.radius *= 1 - 1e-6;  // the field leaves out a pair at the very cut-off; rounding must not let it in here
   std::vector<Eigen::Vector3d> cloud;
   for (const StepPoint& p : voters.points) cloud.push_back(Eigen::Vector3d(p.x, p.y, p.z) * kPositionStep);

@@ -14,14 +14,15 @@ class Collector final : public benchmark::BenchmarkReporter {
   bool ReportContext(const Context& /*context*/) override { return true; }
   void ReportRuns(const std::vector<Run>& runs) override {
     for (const Run& run : runs) {
-      if (run.iterations > 0) seconds = run.real_accumulated_time / static_cast<double>(run.iterations);
+      if (run.iterations == 0) continue;
+      const double per_run = 1e3 / static_cast<double>(run.iterations);
+      times = {run.real_accumulated_time * per_run, run.cpu_accumulated_time * per_run};
     }
   }
-  double seconds = 0;
+  TurnTimes times;
 };
 
-/// s of one piece of work, in one turn.
-double take_turn(const Contender& contender, double min_time) {
+TurnTimes take_turn(const Contender& contender, double min_time) {
   benchmark::ClearRegisteredBenchmarks();
   benchmark::RegisterBenchmark(contender.name.c_str(),
                                [&](benchmark::State& state) {
@@ -32,7 +33,7 @@ double take_turn(const Contender& contender, double min_time) {
   Collector collector;
   benchmark::RunSpecifiedBenchmarks(&collector, ".");
   benchmark::ClearRegisteredBenchmarks();
-  return collector.seconds;
+  return collector.times;
 }
 
 double median(std::vector<double> values) {
@@ -43,17 +44,22 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-std::vector<double> time_in_turn(std::span<const Contender> contenders, const TurnOptions& options) {
-  std::vector<std::vector<double>> seconds(contenders.size());
+std::vector<TurnTimes> time_in_turn(std::span<const Contender> contenders, const TurnOptions& options) {
+  struct Turns {
+    std::vector<double> wall_ms, cpu_ms;
+  };
+  std::vector<Turns> turns(contenders.size());
   for (int round = 0; round < options.rounds; ++round) {
     for (std::size_t i = 0; i < contenders.size(); ++i) {
-      if (round > 0 && seconds[i].front() > options.slow) continue;
-      seconds[i].push_back(take_turn(contenders[i], options.min_time));
+      if (round > 0 && turns[i].wall_ms.front() > 1e3 * options.slow) continue;
+      const TurnTimes times = take_turn(contenders[i], options.min_time);
+      turns[i].wall_ms.push_back(times.wall_ms);
+      turns[i].cpu_ms.push_back(times.cpu_ms);
     }
   }
-  std::vector<double> ms;
-  for (auto& of_one : seconds) ms.push_back(1e3 * median(std::move(of_one)));
-  return ms;
+  std::vector<TurnTimes> medians;
+  for (Turns& t : turns) medians.push_back({median(std::move(t.wall_ms)), median(std::move(t.cpu_ms))});
+  return medians;
 }
 
 }  // namespace curbstone

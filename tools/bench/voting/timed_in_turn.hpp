@@ -19,8 +19,14 @@ struct TurnOptions {
   double slow = 20;       ///< s: whose turn takes longer than this has no second one
 };
 
+/// ms of one piece of work, the median of the turns.
+struct TurnTimes {
+  double wall_ms = 0;
+  double cpu_ms = 0;  ///< of all threads: what remains comparable on a machine that has other things to do
+};
+
 /// Times contenders in turns (a, b, a, b, ...), so that what else the machine does in the meantime falls on all alike.
-/// Wall-clock ms of one piece of work of each, the median of its turns. By Google Benchmark.
-[[nodiscard]] std::vector<double> time_in_turn(std::span<const Contender> contenders, const TurnOptions& options);
+/// By Google Benchmark.
+[[nodiscard]] std::vector<TurnTimes> time_in_turn(std::span<const Contender> contenders, const TurnOptions& options);
 
 }  // namespace curbstone
