@@ -1,0 +1,214 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "services/tensor_voting/cuda/batch_steps.hpp"
+#include "services/tensor_voting/voting_parameters.hpp"
+
+namespace curbstone::cuda {
+
+struct BatchRequest {
+  VotingParameters parameters;   ///< valid ones
+  double middle[3] = {0, 0, 0};  ///< m: where the cloud is; steps are counted from there
+  bool second_pass = false;
+  bool equalise_density = false;
+};
+
+struct BatchCounts {
+  std::uint32_t voters = 0;
+  std::uint32_t not_finite = 0;
+  std::uint32_t too_far = 0;
+  double voxel = 0;  ///< m
+};
+
+/// Batch voting on a machine: a GPU (cuda_machine.cuh), or the host in its place (tests). A machine has
+///   Array<T>                         its memory: data(); allocate<T>(n), upload(from, n), download(array, n, to)
+///   sort(keys, values, n)            stable, in place
+///   for_each(n, f), for_each_window(n, f)
+/// Call upload(), prepare(), vote(), download() in this order.
+template <class Machine>
+class BatchPipeline {
+ public:
+  template <class T>
+  using Array = typename Machine::template Array<T>;
+
+  explicit BatchPipeline(Machine& machine) : machine_(machine) {}
+
+  void upload(const double* xyz, std::uint32_t num_points) {
+    n_ = num_points;
+    xyz_ = machine_.upload(xyz, 3 * std::size_t{num_points});
+  }
+
+  /// Places the points, thins them out and sorts them by cell. Where they lie so dense that voting would not end, they
+  /// are thinned out more than was asked for.
+  void prepare(const BatchRequest& request) {
+    request_ = request;
+    const VotingParameters& p = request.parameters;
+    steps_per_metre_ = kStepsPerUnit / std::exp2(std::floor(std::log2(p.sigma)));
+    // A float has no vote left to give at 12 sigma. Density equalised over sigma / 2 must see that far.
+    radius_ = std::min(p.radius, 12 * p.sigma);
+    const double reach = request.equalise_density ? std::max(radius_, p.sigma / 2) : radius_;
+    grid_ = CellGrid::for_radius(reach * steps_per_metre_, (1 << 17) + 1, (1 << 20) + 1);  // for PlacePoints::kFar
+    sort_voters(p.voxel);
+    const double coarse = p.sigma / 8;
+    if (p.voxel < coarse && count_tests() > kMostTests * std::uint64_t{counts_.voters}) sort_voters(coarse);
+  }
+
+  void vote() {
+    if (request_.equalise_density) weigh();
+    request_.equalise_density ? pass<BallVotes<true>>() : pass<BallVotes<false>>();
+    if (request_.second_pass) request_.equalise_density ? pass<OrientedVotes<true>>() : pass<OrientedVotes<false>>();
+  }
+
+  /// In the order of the cloud.
+  void download(std::vector<TensorF>& tensors, std::vector<VotedShape>& shapes) {
+    Array<TensorF> all_tensors = machine_.template allocate<TensorF>(n_);
+    Array<VotedShape> all_shapes = machine_.template allocate<VotedShape>(n_);
+    machine_.for_each(n_, HandOut{voter_of_.data(), rank_.data(), tensors_.data(), shapes_.data(), all_tensors.data(),
+                                  all_shapes.data()});
+    tensors.resize(n_);
+    shapes.resize(n_);
+    machine_.download(all_tensors, n_, tensors.data());
+    machine_.download(all_shapes, n_, shapes.data());
+  }
+
+  [[nodiscard]] const BatchCounts& counts() const { return counts_; }
+
+  /// Pairs looked at in a pass.
+  [[nodiscard]] std::uint64_t count_tests() {
+    const std::uint32_t windows = num_windows(counts_.voters);
+    auto tests = machine_.template allocate<std::uint64_t>(windows);
+    machine_.for_each_window(windows, CountTests{grid_, sorted(), tests.data()});
+    std::vector<std::uint64_t> host(windows);
+    machine_.download(tests, windows, host.data());
+    return std::accumulate(host.begin(), host.end(), std::uint64_t{0});
+  }
+
+  /// Votes cast: ordered pairs within reach of each other and not in one place.
+  [[nodiscard]] std::uint64_t count_pair_votes() {
+    Array<std::uint32_t> counts = machine_.template allocate<std::uint32_t>(counts_.voters);
+    CountVotes votes{{voters_.data()}, radius2(), false, counts.data(), nullptr};
+    gather(votes);
+    std::vector<std::uint32_t> host(counts_.voters);
+    machine_.download(counts, counts_.voters, host.data());
+    return std::accumulate(host.begin(), host.end(), std::uint64_t{0});
+  }
+
+ private:
+  static constexpr double kStepsPerUnit = 1 << 20;     // as StepCloud has them
+  static constexpr std::uint64_t kMostTests = 50'000;  // of one voter, in the mean
+
+  [[nodiscard]] float in_steps2(double length) const {
+    return static_cast<float>(length * length * steps_per_metre_ * steps_per_metre_);
+  }
+  [[nodiscard]] float radius2() const { return in_steps2(radius_); }
+
+  [[nodiscard]] CloudFrame frame(double voxel) const {
+    CloudFrame frame;
+    frame.steps_per_metre = steps_per_metre_;
+    for (int axis = 0; axis < 3; ++axis) frame.origin[axis] = request_.middle[axis];
+    if (voxel <= 0) return frame;
+    frame.voxels_per_step = 1 / steps_per_metre_ / voxel;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double in_voxels = request_.middle[axis] / voxel;
+      frame.origin_in_voxel[axis] = in_voxels - std::floor(in_voxels);
+    }
+    return frame;
+  }
+
+  void sort_voters(double voxel) {
+    counts_ = {};
+    counts_.voxel = voxel;
+    auto points = machine_.template allocate<StepPoint>(n_);
+    auto order = machine_.template allocate<std::uint32_t>(n_);
+    cells_ = machine_.template allocate<std::uint64_t>(n_);
+    voter_of_ = machine_.template allocate<std::uint32_t>(n_);
+    auto voxels = machine_.template allocate<std::uint64_t>(voxel > 0 ? n_ : 0);
+    const PlacePoints place{xyz_.data(),
+                            frame(voxel),
+                            grid_,
+                            points.data(),
+                            order.data(),
+                            cells_.data(),
+                            voxel > 0 ? voxels.data() : nullptr,
+                            voter_of_.data()};
+    machine_.for_each(n_, place);
+    if (voxel > 0) {
+      auto by_voxel = machine_.template allocate<std::uint32_t>(n_);
+      machine_.copy(order, n_, by_voxel);
+      machine_.sort(voxels, by_voxel, n_);
+      machine_.for_each(n_, ThinOut{voxels.data(), by_voxel.data(), n_, cells_.data(), voter_of_.data()});
+    }
+    machine_.sort(cells_, order, n_);
+
+    auto kinds = machine_.template allocate<std::uint32_t>(3);
+    machine_.for_each(1, CountKinds{cells_.data(), n_, kinds.data()});
+    std::uint32_t numbers[3];
+    machine_.download(kinds, 3, numbers);
+    counts_.voters = numbers[0];
+    counts_.not_finite = numbers[1];
+    counts_.too_far = numbers[2];
+
+    voters_ = machine_.template allocate<StepPoint>(counts_.voters);
+    rank_ = machine_.template allocate<std::uint32_t>(n_);
+    machine_.for_each(counts_.voters, OrderVoters{points.data(), order.data(), voters_.data(), rank_.data()});
+  }
+
+  [[nodiscard]] SortedKeys sorted() const { return {cells_.data(), counts_.voters}; }
+
+  template <class Votes>
+  void gather(const Votes& votes) {
+    machine_.for_each_window(num_windows(counts_.voters), GatherWindow<Votes>{grid_, sorted(), sorted(), votes});
+  }
+
+  void weigh() {
+    weights_ = machine_.template allocate<float>(counts_.voters);
+    gather(CountVotes{{voters_.data()}, in_steps2(request_.parameters.sigma / 2), true, nullptr, weights_.data()});
+  }
+
+  template <class Votes>
+  void pass() {
+    const VotingParameters& p = request_.parameters;
+    auto tensors = machine_.template allocate<TensorF>(counts_.voters);
+    auto shapes = machine_.template allocate<VotedShape>(counts_.voters);
+    Votes votes;
+    votes.points = voters_.data();
+    votes.decay = {static_cast<float>(-std::numbers::log2e / (p.sigma * p.sigma * steps_per_metre_ * steps_per_metre_)),
+                   radius2()};
+    if constexpr (requires { votes.ball; }) {
+      votes.ball = static_cast<float>(p.ball);
+    } else {
+      votes.oriented = shapes_.data();
+    }
+    votes.weights = weights_.data();
+    votes.tensors = tensors.data();
+    votes.shapes = shapes.data();
+    gather(votes);
+    tensors_ = std::move(tensors);
+    shapes_ = std::move(shapes);
+  }
+
+  Machine& machine_;
+  BatchRequest request_;
+  BatchCounts counts_;
+  CellGrid grid_;
+  std::uint32_t n_ = 0;
+  double radius_ = 0;  // m
+  double steps_per_metre_ = 1;
+  Array<double> xyz_;
+  Array<std::uint64_t> cells_;     // sorted
+  Array<std::uint32_t> voter_of_;  // a point, for each point
+  Array<std::uint32_t> rank_;      // of a point that votes
+  Array<StepPoint> voters_;        // in the order of cells_
+  Array<float> weights_;
+  Array<TensorF> tensors_;  // of voters
+  Array<VotedShape> shapes_;
+};
+
+}  // namespace curbstone::cuda

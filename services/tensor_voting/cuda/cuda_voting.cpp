@@ -1,0 +1,119 @@
+#include "services/tensor_voting/cuda/cuda_voting.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include "services/tensor_voting/cuda/cloud_request.hpp"
+
+namespace curbstone {
+
+namespace {
+
+/// Flops of a pair that is looked at: an offset and its square; and of one that votes: the exponent, exp2, a quotient,
+/// two products and six sums. A fused multiplication and addition counts two.
+constexpr double kFlopsPerTest = 8;
+constexpr double kFlopsPerVote = 16;
+
+std::uint32_t checked_size(std::size_t size) {
+  if (size > std::numeric_limits<std::int32_t>::max()) {
+    throw std::invalid_argument(std::to_string(size) + " points: expected at most 2^31 - 1");
+  }
+  return static_cast<std::uint32_t>(size);
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The median of some of the points, axis by axis: a few stray ones do not move it.
+void find_middle(std::span<const Eigen::Vector3d> points, double* middle) {
+  constexpr std::size_t kSample = 1000;
+  std::vector<Eigen::Vector3d> sample;
+  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / kSample) {
+    if (points[i].allFinite()) sample.push_back(points[i]);
+  }
+  if (sample.empty()) {
+    const auto finite = std::find_if(points.begin(), points.end(), [](const auto& p) { return p.allFinite(); });
+    if (finite == points.end()) return;
+    sample.push_back(*finite);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const Eigen::Vector3d& p : sample) values.push_back(p[axis]);
+    middle[axis] = median(std::move(values));
+  }
+}
+
+}  // namespace
+
+cuda::BatchRequest cuda::request_for(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters,
+                                     const BatchOptions& options) {
+  validate(parameters);
+  BatchRequest request{parameters, {}, options.second_pass, options.equalise_density};
+  find_middle(points, request.middle);
+  return request;
+}
+
+CloudVotes cuda::to_cloud_votes(const BatchOutput& output) {
+  CloudVotes votes;
+  votes.tensors = output.tensors;
+  votes.decompositions.reserve(output.shapes.size());
+  for (const VotedShape& s : output.shapes) {
+    votes.decompositions.push_back({{s.normal[0], s.normal[1], s.normal[2]},
+                                    {s.tangent[0], s.tangent[1], s.tangent[2]},
+                                    s.stick,
+                                    s.plate,
+                                    s.ball,
+                                    s.mass});
+  }
+  votes.not_finite = output.counts.not_finite;
+  votes.too_far = output.counts.too_far;
+  votes.num_voters = output.counts.voters;
+  votes.voxel = output.counts.voxel;
+  return votes;
+}
+
+std::string why_no_cuda() {
+  return cuda::why_no_device();
+}
+
+CloudVotes vote_cloud_cuda(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters,
+                           const BatchOptions& options) {
+  const cuda::BatchRequest request = cuda::request_for(points, parameters, options);
+  const std::uint32_t size = checked_size(points.size());
+  return cuda::to_cloud_votes(cuda::vote_on_device(points.empty() ? nullptr : points[0].data(), size, request));
+}
+
+std::optional<CudaTimings> time_cuda_voting(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters,
+                                            int repeats) {
+  const cuda::BatchRequest request = cuda::request_for(points, parameters, {});
+  const std::uint32_t size = checked_size(points.size());
+  if (points.empty() || !cuda_available()) return std::nullopt;
+  const cuda::TimedBatch timed = cuda::time_on_device(points[0].data(), size, request, std::max(repeats, 1));
+  const auto median_of = [&](auto part) {
+    std::vector<double> values;
+    for (const cuda::DeviceTimes& run : timed.runs) values.push_back(part(run));
+    return median(std::move(values));
+  };
+  CudaTimings t;
+  t.device = timed.device;
+  t.upload_ms = median_of([](const auto& run) { return run.upload_ms; });
+  t.sort_ms = median_of([](const auto& run) { return run.sort_ms; });
+  t.vote_ms = median_of([](const auto& run) { return run.vote_ms; });
+  t.download_ms = median_of([](const auto& run) { return run.download_ms; });
+  t.total_ms = median_of([](const auto& run) { return run.upload_ms + run.sort_ms + run.vote_ms + run.download_ms; });
+  t.pairs_tested = timed.tests;
+  t.pair_votes = timed.pair_votes;
+  t.flops = kFlopsPerTest * static_cast<double>(t.pairs_tested) + kFlopsPerVote * static_cast<double>(t.pair_votes);
+  t.bytes = static_cast<double>(timed.counts.voters) *
+            (sizeof(std::uint64_t) + sizeof(StepPoint) + sizeof(TensorF) + sizeof(cuda::VotedShape));
+  t.flops_floor_ms = 1e3 * t.flops / timed.device_flops_per_s;
+  t.bytes_floor_ms = 1e3 * t.bytes / timed.device_bytes_per_s;
+  return t;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,148 @@
+#pragma once
+
+#include <cstdint>
+
+#include "services/tensor_voting/cuda/cell_grid.hpp"
+#include "services/tensor_voting/cuda/host_device.hpp"
+
+namespace curbstone::cuda {
+
+inline constexpr std::uint32_t kWarp = 32;
+
+/// Points in the order of their keys.
+struct SortedKeys {
+  const std::uint64_t* keys = nullptr;
+  std::uint32_t size = 0;
+};
+[[nodiscard]] inline std::uint32_t num_windows(std::uint32_t size) {
+  return (size + kWarp - 1) / kWarp;
+}
+
+/// What a warp keeps in shared memory: a tile of voters, and where in the sorted order the rows of voters are.
+template <class Voter>
+struct GatherMemory {
+  static constexpr std::uint32_t kTile = sizeof(Voter) > 16 ? 64 : 128;
+  Voter voters[kTile];
+  std::uint32_t begin[CellGrid::kRows];
+  std::uint32_t length[CellGrid::kRows];
+  std::uint32_t offset[CellGrid::kRows + 1];  // of a row in all rows' voters one after the other
+
+  /// The index of the k-th of all voters.
+  CURBSTONE_HD std::uint32_t index_of(std::uint32_t k) const {
+    int row = 0;
+    for (int step = 32; step > 0; step /= 2) {
+      if (row + step < CellGrid::kRows && offset[row + step] <= k) row += step;
+    }
+    return begin[row] + (k - offset[row]);
+  }
+};
+
+/// The one loop of all voting on the device: 32 votees, neighbours in the sorted order, one to a thread; every voter
+/// near them is put into shared memory once and shown to all. Sums stay in registers, nobody writes for anybody else,
+/// and their order is the sorted order.
+///
+/// `Warp` runs `each(f)` for its 32 lanes, with Lanes<T> a T for each; sync() stands between what lanes write and what
+/// others read. A device's warp does it at once, the host's one lane after the other. `Votes` has
+///   Voter, Votee, Sums                what is kept of them
+///   position(i)                       of votee i, in steps
+///   votee(i, origin), voter(i, origin)  as they are seen from a position near by, where floats are exact
+///   add(voter, votee, sums)
+///   store(i, sums)                    when all is added
+template <class Warp, class Votes>
+class WarpGather {
+ public:
+  using Memory = GatherMemory<typename Votes::Voter>;
+
+  CURBSTONE_HD WarpGather(Warp& warp, Memory& memory, const CellGrid& grid, const SortedKeys& votees,
+                          const SortedKeys& voters, const Votes& votes)
+      : warp_(warp), memory_(memory), grid_(grid), votees_(votees), voters_(voters), votes_(votes) {}
+
+  /// Votees 32 window .. 32 window + 31.
+  CURBSTONE_HD void run(std::uint32_t window) {
+    const std::uint32_t begin = window * kWarp;
+    const std::uint32_t end = smaller(begin + kWarp, votees_.size);
+    typename Warp::template Lanes<typename Votes::Sums> sums;
+    typename Warp::template Lanes<typename Votes::Votee> votee;
+    for (std::uint32_t first = begin; first < end;) {
+      const std::uint32_t last = end_of_stretch(first, end);
+      const auto origin = votes_.position(first);
+      const std::uint32_t count = find_voters(first, last);
+      warp_.each([&](std::uint32_t lane) {
+        const std::uint32_t i = begin + lane;
+        if (i >= first && i < last) votee[lane] = votes_.votee(i, origin);
+      });
+      for (std::uint32_t done = 0; done < count; done += Memory::kTile) {
+        const std::uint32_t staged = smaller(Memory::kTile, count - done);
+        warp_.each([&](std::uint32_t lane) {
+          for (std::uint32_t k = lane; k < staged; k += kWarp) {
+            memory_.voters[k] = votes_.voter(memory_.index_of(done + k), origin);
+          }
+        });
+        warp_.sync();
+        warp_.each([&](std::uint32_t lane) {
+          const std::uint32_t i = begin + lane;
+          if (i < first || i >= last) return;
+          for (std::uint32_t k = 0; k < staged; ++k) votes_.add(memory_.voters[k], votee[lane], sums[lane]);
+        });
+        warp_.sync();
+      }
+      first = last;
+    }
+    warp_.each([&](std::uint32_t lane) {
+      const std::uint32_t i = begin + lane;
+      if (i < end) votes_.store(i, sums[lane]);
+    });
+  }
+
+  /// How many pairs run() looks at.
+  CURBSTONE_HD std::uint64_t count_tests(std::uint32_t window) {
+    const std::uint32_t begin = window * kWarp;
+    const std::uint32_t end = smaller(begin + kWarp, votees_.size);
+    std::uint64_t tests = 0;
+    for (std::uint32_t first = begin; first < end;) {
+      const std::uint32_t last = end_of_stretch(first, end);
+      tests += std::uint64_t{find_voters(first, last)} * (last - first);
+      first = last;
+    }
+    return tests;
+  }
+
+ private:
+  /// Votees that can share their voters: in one row, and not too long a stretch of it.
+  CURBSTONE_HD std::uint32_t end_of_stretch(std::uint32_t first, std::uint32_t end) const {
+    return lower_bound(votees_.keys, first, end, CellGrid::end_of_stretch(votees_.keys[first]) + 1);
+  }
+
+  /// Finds the voters around votees first .. last - 1: one row to a lane. Returns their number.
+  CURBSTONE_HD std::uint32_t find_voters(std::uint32_t first, std::uint32_t last) {
+    const std::uint64_t low = votees_.keys[first];
+    const std::uint64_t high = votees_.keys[last - 1];
+    warp_.each([&](std::uint32_t lane) {
+      for (std::uint32_t row = lane; row < CellGrid::kRows; row += kWarp) {
+        const CellGrid::KeyRange range = grid_.voters_in_row(low, high, static_cast<int>(row));
+        const std::uint32_t begin = lower_bound(voters_.keys, 0, voters_.size, range.low);
+        memory_.begin[row] = begin;
+        memory_.length[row] = lower_bound(voters_.keys, begin, voters_.size, range.high) - begin;
+      }
+    });
+    warp_.sync();
+    warp_.each([&](std::uint32_t lane) {
+      for (std::uint32_t row = lane; row <= CellGrid::kRows; row += kWarp) {
+        std::uint32_t sum = 0;
+        for (std::uint32_t r = 0; r < row; ++r) sum += memory_.length[r];
+        memory_.offset[row] = sum;
+      }
+    });
+    warp_.sync();
+    return memory_.offset[CellGrid::kRows];
+  }
+
+  Warp& warp_;
+  Memory& memory_;
+  const CellGrid& grid_;
+  const SortedKeys& votees_;
+  const SortedKeys& voters_;
+  const Votes& votes_;
+};
+
+}  // namespace curbstone::cuda
