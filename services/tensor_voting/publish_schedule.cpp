@@ -4,16 +4,18 @@
 
 namespace curbstone {
 
-void PublishSchedule::changed(TileKey key, std::int32_t revision, std::int64_t now) {
+void PublishSchedule::changed(TileKey key, std::int32_t revision, std::int64_t utime, std::int64_t now) {
   const auto out = published_.find(key);
   if (out != published_.end() && out->second.revision >= revision) return;
-  pending_.try_emplace(key, Pending{revision, now, false}).first->second.revision = revision;
+  Pending& tile = pending_.try_emplace(key, Pending{revision, utime, now, false}).first->second;
+  tile.revision = revision;
+  tile.utime = utime;
 }
 
 void PublishSchedule::wanted(TileKey key, std::int64_t now) {
   const auto out = published_.find(key);
   const std::int32_t revision = out == published_.end() ? 0 : out->second.revision;
-  pending_.try_emplace(key, Pending{revision, now, true}).first->second.wanted = true;
+  pending_.try_emplace(key, Pending{revision, now, now, true}).first->second.wanted = true;
 }
 
 void PublishSchedule::published(TileKey key, std::int32_t revision, std::int64_t now) {
@@ -34,6 +36,11 @@ void PublishSchedule::clear() {
   published_.clear();
 }
 
+double PublishSchedule::freshness(const Pending& tile, std::int64_t now) const {
+  const auto age = static_cast<double>(std::max<std::int64_t>(0, now - tile.utime));
+  return std::max(config_.stale, 1 / (1 + age / static_cast<double>(config_.fresh)));
+}
+
 std::optional<TileKey> PublishSchedule::next(std::int64_t now, double x, double y) const {
   std::optional<TileKey> best;
   double best_score = -1;
@@ -44,7 +51,8 @@ std::optional<TileKey> PublishSchedule::next(std::int64_t now, double x, double 
     const double news = tile.wanted ? 1.0 : 1.0 - static_cast<double>(out.revision) / tile.revision;
     if (news < config_.prompt_share && now - tile.since < config_.patience) continue;
     const double age = static_cast<double>(now - tile.since) * 1e-6;
-    const double score = news * (1 + age) / (1 + squared_distance(key, x, y) / (config_.near * config_.near));
+    const double score =
+        freshness(tile, now) * news * (1 + age) / (1 + squared_distance(key, x, y) / (config_.near * config_.near));
     if (score > best_score) {
       best_score = score;
       best = key;

@@ -10,7 +10,9 @@ namespace curbstone {
 
 /// Which changed tile to publish next. Each at most every `min_interval`; a tile with little news waits until it has
 /// been changed for `patience`, so that a tile is not sent again for every point that comes to it. Among those that are
-/// due, the one with the largest share of news, discounted by its distance, goes first.
+/// due, the one with the largest share of news goes first, discounted by its distance and by the age of its newest
+/// points: when not all can go, those go whose news is still fresh, and the others when fresh news comes to them, or
+/// when they have waited for long.
 class PublishSchedule {
  public:
   struct Config {
@@ -18,11 +20,13 @@ class PublishSchedule {
     std::int64_t patience = 1'000'000;    ///< us
     double prompt_share = 0.1;            ///< news of this share of the tile need not wait for `patience`
     double near = 10;                     ///< m: at this distance news counts half
+    std::int64_t fresh = 30'000;          ///< us: at this age news counts half
+    double stale = 0.03;                  ///< what the oldest news counts
   };
   explicit PublishSchedule(Config config) : config_(config) {}
 
-  /// The tile has reached `revision`. Nothing if that is published already.
-  void changed(TileKey key, std::int32_t revision, std::int64_t now);
+  /// The tile has reached `revision`; its newest points were measured at `utime`. Nothing if that is published already.
+  void changed(TileKey key, std::int32_t revision, std::int64_t utime, std::int64_t now);
   /// Somebody lacks the tile: it is due at once, changed or not.
   void wanted(TileKey key, std::int64_t now);
   /// `revision` is out, from us or from another worker.
@@ -50,6 +54,7 @@ class PublishSchedule {
  private:
   struct Pending {
     std::int32_t revision;
+    std::int64_t utime;
     std::int64_t since;
     bool wanted;
   };
@@ -57,6 +62,8 @@ class PublishSchedule {
     std::int32_t revision;
     std::int64_t at;
   };
+  [[nodiscard]] double freshness(const Pending& tile, std::int64_t now) const;
+
   Config config_;
   std::map<TileKey, Pending> pending_;
   std::map<TileKey, Published> published_;

@@ -149,9 +149,10 @@ bool TensorVotingNode::publishes(TileKey key) const {
 
 /// Puts a tile's revision before the schedule, if it is for us to publish.
 void TensorVotingNode::review(TileKey key) {
-  if (map_.points().find(key) == nullptr || !publishes(key) || !map_.is_current(key)) return;
+  const PointTile* const tile = map_.points().find(key);
+  if (tile == nullptr || !publishes(key) || !map_.is_current(key)) return;
   const std::int32_t revision = map_.revision(key);
-  schedule_.changed(key, revision, now_);
+  schedule_.changed(key, revision, tile->utime, now_);
   // Published before, by its owner of that time: now it is us who answers for it.
   if (schedule_.published_revision(key) == revision) catalog_.set_version(key, revision);
 }

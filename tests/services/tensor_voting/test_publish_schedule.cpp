@@ -16,8 +16,8 @@ PublishSchedule schedule() {
 
 TEST(PublishScheduleTest, TheNearestOfThoseWithNewsGoesFirst) {
   PublishSchedule s = schedule();
-  s.changed(kThere, 100, kNow);
-  s.changed(kHere, 100, kNow);
+  s.changed(kThere, 100, kNow, kNow);
+  s.changed(kHere, 100, kNow, kNow);
   EXPECT_EQ(s.next(kNow, 0, 0), kHere);
   EXPECT_EQ(s.next(kNow, 30, 0), kThere) << "seen from there";
   s.published(kHere, 100, kNow);
@@ -32,42 +32,63 @@ TEST(PublishScheduleTest, TheLargestShareOfNewsGoesFirst) {
   const TileKey beside{0, 1};
   s.published(kHere, 100, kNow - 5000 * kMs);
   s.published(beside, 100, kNow - 5000 * kMs);
-  s.changed(kHere, 125, kNow);
-  s.changed(beside, 400, kNow);
+  s.changed(kHere, 125, kNow, kNow);
+  s.changed(beside, 400, kNow, kNow);
   EXPECT_EQ(s.next(kNow, 1.5, 3), beside);
 }
 
 TEST(PublishScheduleTest, WhatIsFarAwayComesToItsTurnInTheEnd) {
   PublishSchedule s = schedule();
   s.published(kHere, 100, kNow - 10'000 * kMs);
-  s.changed(kThere, 100, kNow - 20'000 * kMs);
-  s.changed(kHere, 300, kNow);
-  EXPECT_EQ(s.next(kNow, 0, 0), kThere) << "it has waited for 20 s";
+  s.changed(kThere, 100, kNow - 400'000 * kMs, kNow - 400'000 * kMs);
+  s.changed(kHere, 300, kNow, kNow);
+  EXPECT_EQ(s.next(kNow, 0, 0), kThere) << "it has waited for long";
+}
+
+TEST(PublishScheduleTest, WhenNotAllCanGoFreshNewsGoesFirst) {
+  PublishSchedule s = schedule();
+  const TileKey beside{0, 1};
+  s.changed(kHere, 100, kNow, kNow);
+  s.changed(beside, 100, kNow, kNow);
+  s.changed(beside, 150, kNow + 100 * kMs, kNow + 100 * kMs);
+  EXPECT_EQ(s.next(kNow + 120 * kMs, 1.5, 1.5), beside) << "further away, but its points have just been measured";
+  s.changed(kHere, 150, kNow + 200 * kMs, kNow + 200 * kMs);
+  EXPECT_EQ(s.next(kNow + 220 * kMs, 1.5, 1.5), kHere);
+}
+
+TEST(PublishScheduleTest, StrangeClocksDoNoHarm) {
+  PublishSchedule s = schedule();
+  const std::int64_t long_ago = kNow - 365LL * 86'400'000 * kMs;  // a recording that is played again
+  s.changed(kThere, 100, long_ago, kNow);
+  s.changed(kHere, 100, long_ago, kNow);
+  EXPECT_EQ(s.next(kNow, 0, 0), kHere);
+  s.changed(kThere, 110, kNow + 3'600'000 * kMs, kNow);
+  EXPECT_EQ(s.next(kNow, 30, 0), kThere);
 }
 
 TEST(PublishScheduleTest, NoTileGoesMoreOftenThanItMay) {
   PublishSchedule s = schedule();
-  s.changed(kHere, 100, kNow);
+  s.changed(kHere, 100, kNow, kNow);
   s.published(kHere, 100, kNow);
-  s.changed(kHere, 200, kNow + 50 * kMs);
+  s.changed(kHere, 200, kNow + 50 * kMs, kNow + 50 * kMs);
   EXPECT_EQ(s.next(kNow + 199 * kMs, 0, 0), std::nullopt);
   EXPECT_EQ(s.next(kNow + 200 * kMs, 0, 0), kHere);
 }
 
 TEST(PublishScheduleTest, LittleNewsWaitsForMore) {
   PublishSchedule s = schedule();
-  s.changed(kHere, 1000, kNow);
+  s.changed(kHere, 1000, kNow, kNow);
   s.published(kHere, 1000, kNow);
-  s.changed(kHere, 1010, kNow + 500 * kMs);
+  s.changed(kHere, 1010, kNow + 500 * kMs, kNow + 500 * kMs);
   EXPECT_EQ(s.next(kNow + 1400 * kMs, 0, 0), std::nullopt);
   EXPECT_EQ(s.next(kNow + 1500 * kMs, 0, 0), kHere) << "that was all that came";
-  s.changed(kHere, 1200, kNow + 600 * kMs);
+  s.changed(kHere, 1200, kNow + 600 * kMs, kNow + 600 * kMs);
   EXPECT_EQ(s.next(kNow + 600 * kMs, 0, 0), kHere) << "that is news";
 }
 
 TEST(PublishScheduleTest, WhoAsksGetsATileThatHasNotChanged) {
   PublishSchedule s = schedule();
-  s.changed(kHere, 100, kNow);
+  s.changed(kHere, 100, kNow, kNow);
   s.published(kHere, 100, kNow);
   s.wanted(kHere, kNow + 50 * kMs);
   EXPECT_EQ(s.next(kNow + 250 * kMs, 0, 0), kHere);
@@ -78,12 +99,12 @@ TEST(PublishScheduleTest, WhoAsksGetsATileThatHasNotChanged) {
 
 TEST(PublishScheduleTest, WhatAnotherHasPublishedIsNotPublishedAgain) {
   PublishSchedule s = schedule();
-  s.changed(kHere, 100, kNow);
+  s.changed(kHere, 100, kNow, kNow);
   s.published(kHere, 100, 0);
   EXPECT_FALSE(s.is_pending(kHere));
-  s.changed(kHere, 90, kNow);
+  s.changed(kHere, 90, kNow, kNow);
   EXPECT_FALSE(s.is_pending(kHere)) << "we are behind";
-  s.changed(kHere, 150, kNow);
+  s.changed(kHere, 150, kNow, kNow);
   EXPECT_EQ(s.next(kNow, 0, 0), kHere);
 }
 
