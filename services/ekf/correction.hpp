@@ -75,8 +75,9 @@ template <int Rows>
   return false;
 }
 
-/// Chi-square quantiles at 99.9 %, for 1 and 3 degrees of freedom.
+/// Chi-square quantiles at 99.9 %, for 1, 3 and 6 degrees of freedom.
 inline constexpr double kGate1 = 10.83;
 inline constexpr double kGate3 = 16.27;
+inline constexpr double kGate6 = 22.46;
 
 }  // namespace curbstone

@@ -17,11 +17,12 @@ constexpr std::int32_t kMaxLoss = 100'000;    // a larger step of a sequence is 
 }  // namespace
 
 EkfNode::EkfNode(const EkfConfig& config, Publisher& publisher)
-    : config_(config), publisher_(publisher), sequencer_(config.timing), filter_(config) {}
+    : config_(config), publisher_(publisher), sequencer_(config), increments_(config.map), filter_(config) {}
 
 void EkfNode::connect(Subscriber& bus) {
   bus.subscribe<imu_t>("IMU", [this](const imu_t& message) { on(message); });
   bus.subscribe<wheels_t>("WHEELS", [this](const wheels_t& message) { on(message); });
+  if (config_.fuse_map) bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& message) { on(message); });
 }
 
 void EkfNode::on(const imu_t& message) {
@@ -47,10 +48,15 @@ void EkfNode::on(const wheels_t& message) {
   run(false);
 }
 
+void EkfNode::on(const map_pose_t& message) {
+  counters_.add("messages.map");
+  if (const std::optional<MapIncrement> increment = increments_.add(message)) sequencer_.push(*increment);
+}
+
 void EkfNode::run(bool drain) {
   while (const std::optional<Sequencer::Sample> sample = sequencer_.pop(drain)) {
     estimates_.clear();
-    std::visit([&](const auto& s) { filter_.add(s, estimates_); }, *sample);
+    filter_.add(*sample, estimates_);
     for (const Estimate& estimate : estimates_) publish(estimate);
   }
 }
@@ -89,7 +95,8 @@ void EkfNode::describe_input(const Input& input, std::vector<std::string>& fault
 NodeReport EkfNode::report() const {
   NodeReport report;
   report.counters = counters_;
-  for (const Counters* part : {&sequencer_.counters(), &filter_.counters()})
+  const Counters filtering = filter_.counters();
+  for (const Counters* part : {&sequencer_.counters(), &filtering})
     for (const auto& [name, value] : part->values()) report.counters.add(name, value);
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
@@ -103,7 +110,7 @@ NodeReport EkfNode::report() const {
     faults.push_back(fmt::format("WHEELS: {} drive reports fault {:#x}", i == 0 ? "left" : "right",
                                  static_cast<std::uint32_t>(last_wheels_.faults[i])));
   }
-  if (!filter_.started()) {
+  if (!filter_.filter().started()) {
     faults.emplace_back("no odometry yet: waiting to stand still or to see the wheels turn");
   } else if (last_) {
     if (last_->no_imu) faults.emplace_back("no IMU: odometry coasts on the wheels");

@@ -1,20 +1,24 @@
 #pragma once
 
 #include <curbstone/imu_t.hpp>
+#include <curbstone/map_pose_t.hpp>
 #include <curbstone/wheels_t.hpp>
 #include <optional>
 #include <vector>
 
 #include "common/latency.hpp"
 #include "common/node.hpp"
-#include "services/ekf/filter.hpp"
+#include "services/ekf/map_increment.hpp"
+#include "services/ekf/rewinding_filter.hpp"
 #include "services/ekf/sequencer.hpp"
 
 namespace curbstone {
 
 /// IMU and WHEELS in, ODOMETRY and POSE out: one of each for every IMU sample, at its stamp; while there is no IMU, for
-/// every wheel sample. Products are a function of the two channels' sequences (see Sequencer); tick() only notices
-/// silence, for the faults. Latency is in message time: how far the sensors are ahead when an estimate is sent.
+/// every wheel sample. With `fuse_map`, MAP_POSE in as well. Products are a function of the channels' sequences (see
+/// Sequencer) as long as none lags by more than its hold; what comes later still counts (see RewindingFilter). tick()
+/// only notices silence, for the faults. Latency is in message time: how far the sensors are ahead when an estimate is
+/// sent.
 class EkfNode final : public Node {
  public:
   EkfNode(const EkfConfig& config, Publisher& publisher);
@@ -26,7 +30,8 @@ class EkfNode final : public Node {
 
   void on(const imu_t& message);
   void on(const wheels_t& message);
-  [[nodiscard]] const Filter& filter() const { return filter_; }
+  void on(const map_pose_t& message);
+  [[nodiscard]] const RewindingFilter& filter() const { return filter_; }
 
  private:
   struct Input {
@@ -45,7 +50,8 @@ class EkfNode final : public Node {
   EkfConfig config_;
   Publisher& publisher_;
   Sequencer sequencer_;
-  Filter filter_;
+  MapIncrements increments_;
+  RewindingFilter filter_;
   Counters counters_;
   LatencyWindow latency_;
   Input imu_{"IMU", 0, {}, 0};

@@ -10,13 +10,15 @@ NavState plus(const NavState& state, const ErrorVector& error) {
   out.gyro_bias += error.segment<3>(kGyroBias);
   out.accelerometer_bias += error.segment<3>(kAccelerometerBias);
   out.wheel_scale += error.segment<3>(kWheelScale);
+  out.axle += error[kAxle];
   return out;
 }
 
 ErrorVector minus(const NavState& to, const NavState& from) {
   ErrorVector error;
   error << to.position - from.position, to.velocity - from.velocity, so3_log(from.attitude.conjugate() * to.attitude),
-      to.gyro_bias - from.gyro_bias, to.accelerometer_bias - from.accelerometer_bias, to.wheel_scale - from.wheel_scale;
+      to.gyro_bias - from.gyro_bias, to.accelerometer_bias - from.accelerometer_bias, to.wheel_scale - from.wheel_scale,
+      to.axle - from.axle;
   return error;
 }
 

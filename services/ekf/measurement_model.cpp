@@ -21,6 +21,11 @@ BodyMotion body_motion(const NavState& state, const Eigen::Vector3d& gyro, const
   return {state.velocity + w.cross(geometry.to_base), w};
 }
 
+double wheel_yaw_rate(const NavState& state, const std::array<double, 2>& speed, const Geometry& geometry) {
+  const Eigen::Vector3d& s = state.wheel_scale;
+  return (speed[1] * (1.0 + s[1]) - speed[0] * (1.0 + s[0])) / (geometry.track_width * (1.0 + s[2]));
+}
+
 Observation<1> observe_wheel(const NavState& state, const BodyMotion& motion, Wheel wheel, double speed, double sigma,
                              const Geometry& geometry) {
   const int index = static_cast<int>(wheel);
@@ -39,11 +44,29 @@ Observation<1> observe_wheel(const NavState& state, const BodyMotion& motion, Wh
   return z;
 }
 
-Observation<1> observe_no_motion_along(int axis, const BodyMotion& motion, double sigma, const Geometry& geometry) {
+Observation<1> observe_no_motion_along(int axis, const NavState& state, const BodyMotion& motion, double sigma,
+                                       const Geometry& geometry) {
+  const Eigen::Vector3d arm(state.axle, 0.0, 0.0);
   Observation<1> z;
-  z.residual[0] = -motion.velocity[axis];
+  z.residual[0] = -(motion.velocity + motion.angular_rate.cross(arm))[axis];
   z.H = velocity_jacobian(geometry).row(axis);
+  z.H.middleCols<3>(kGyroBias) += skew(arm).row(axis);
+  z.H(0, kAxle) = motion.angular_rate.cross(Eigen::Vector3d::UnitX())[axis];
   z.R(0, 0) = sigma * sigma;
+  return z;
+}
+
+Observation<6> observe_increment(const Pose& T_begin_end, const Eigen::Matrix<double, 6, 6>& covariance,
+                                 const Pose& believed, double dt, const BodyMotion& motion, const Geometry& geometry) {
+  const Eigen::Matrix3d R = believed.linear().transpose();
+  const Eigen::Matrix3d halfway = so3_exp(-0.5 * dt * motion.angular_rate).toRotationMatrix();  // to the end's axes
+  Observation<6> z;
+  z.residual << R * (T_begin_end.translation() - believed.translation()),
+      so3_log(Eigen::Quaterniond(R * T_begin_end.linear()));
+  z.H.topRows<3>() = dt * halfway * velocity_jacobian(geometry);
+  z.H.block<3, 3>(0, kGyroBias) += 0.5 * dt * dt * halfway * skew(motion.velocity);  // it went where it turned to
+  z.H.block<3, 3>(3, kGyroBias) = -dt * halfway;
+  z.R = covariance;
   return z;
 }
 

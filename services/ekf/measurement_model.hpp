@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "common/vehicle.hpp"
 #include "services/ekf/correction.hpp"
 #include "services/ekf/process_model.hpp"
@@ -30,19 +32,32 @@ struct BodyMotion {
 
 enum class Wheel { kLeft = 0, kRight = 1 };
 
+/// rad/s, by the speeds of the left and the right wheel (m/s, with the configured radius) and what is known of their
+/// scale.
+[[nodiscard]] double wheel_yaw_rate(const NavState& state, const std::array<double, 2>& speed,
+                                    const Geometry& geometry);
+
 /// A wheel's speed over ground, as counted with the configured radius (m/s), against the motion over the same interval:
 ///     u = (v_x -+ w_z b (1 + s_track) / 2) / (1 + s_wheel)        (- for the left wheel)
 /// The interval's mean is compared with the filter's mean; H is taken at its end (the error hardly changes within it).
 [[nodiscard]] Observation<1> observe_wheel(const NavState& state, const BodyMotion& motion, Wheel wheel, double speed,
                                            double sigma, const Geometry& geometry);
 
-/// Non-holonomic constraint: the axle moves neither sideways (axis 1) nor off the ground (axis 2).
-[[nodiscard]] Observation<1> observe_no_motion_along(int axis, const BodyMotion& motion, double sigma,
-                                                     const Geometry& geometry);
+/// Non-holonomic constraint: the axle, at (state.axle, 0, 0), moves neither sideways (axis 1) nor off the ground (axis
+/// 2).
+[[nodiscard]] Observation<1> observe_no_motion_along(int axis, const NavState& state, const BodyMotion& motion,
+                                                     double sigma, const Geometry& geometry);
 
 /// Mean forward speed of base_link (m/s), where only the wheels tell the yaw rate: there is no IMU.
 [[nodiscard]] Observation<1> observe_forward_speed(const NavState& state, const BodyMotion& motion, double speed,
                                                    double sigma);
+
+/// How base_link moved over the last `dt` s, measured (`T_begin_end`, with its covariance in the axes at the end)
+/// against believed: translation, rotation. Errors of speed and gyro bias are taken as constant meanwhile; `motion` is
+/// the mean.
+[[nodiscard]] Observation<6> observe_increment(const Pose& T_begin_end, const Eigen::Matrix<double, 6, 6>& covariance,
+                                               const Pose& believed, double dt, const BodyMotion& motion,
+                                               const Geometry& geometry);
 
 /// Zero-velocity update. It stands, so it does not turn either: no lever arm.
 [[nodiscard]] Observation<3> observe_standing_velocity(const NavState& state, double sigma);

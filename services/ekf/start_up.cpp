@@ -44,6 +44,13 @@ void forget_wheel_scale(Belief& belief, const WheelsConfig& config) {
   P(kWheelScale + 2, kWheelScale + 2) = config.track_sigma * config.track_sigma;
 }
 
+void forget_axle(Belief& belief, const WheelsConfig& config) {
+  belief.mean.axle = config.axle;
+  belief.covariance.row(kAxle).setZero();
+  belief.covariance.col(kAxle).setZero();
+  belief.covariance(kAxle, kAxle) = config.axle_sigma * config.axle_sigma;
+}
+
 StartUp::StartUp(const EkfConfig& config)
     : config_(config),
       geometry_(config.vehicle),
@@ -97,6 +104,7 @@ Belief StartUp::prior(std::int64_t utime, const Eigen::Vector3d& up) const {
   P.diagonal().segment<3>(kGyroBias).setConstant(square(config_.start.gyro_bias_sigma));
   P.diagonal().segment<3>(kAccelerometerBias).setConstant(square(config_.start.accelerometer_bias_sigma));
   forget_wheel_scale(belief, config_.wheels);
+  forget_axle(belief, config_.wheels);
   return belief;
 }
 

@@ -8,6 +8,14 @@ namespace {
 constexpr double kStampSlack = 0.02;  // s: a late stamp makes the next difference look short, and the wheel fast
 }
 
+double wheel_sigma(const WheelsConfig& config, const WheelInterval& interval, double wheel_radius, std::size_t wheel) {
+  const double speed = std::abs(interval.speed[wheel]);
+  const double angle = std::sqrt(2.0) * wheel_radius * config.angle_noise / interval.duration();
+  const double stamp = std::sqrt(2.0) * speed * config.stamp_noise / interval.duration();
+  const double slip = speed * config.slip_noise;
+  return std::sqrt(config.speed_noise * config.speed_noise + slip * slip + stamp * stamp + angle * angle);
+}
+
 WheelInterval WheelOdometer::between(const WheelSample& a, const WheelSample& b) const {
   WheelInterval out{a.utime, b.utime, {}};
   for (std::size_t i = 0; i < 2; ++i) out.speed[i] = radius_ * (b.angle[i] - a.angle[i]) / out.duration();

@@ -17,6 +17,10 @@ struct WheelInterval {
   [[nodiscard]] double mean_speed() const { return 0.5 * (speed[0] + speed[1]); }
 };
 
+/// 1 sigma of a wheel's mean speed over the interval, m/s: slip, jitter of the stamps, steps of the counter.
+[[nodiscard]] double wheel_sigma(const WheelsConfig& config, const WheelInterval& interval, double wheel_radius,
+                                 std::size_t wheel);
+
 /// Wheel angles to speeds: differences of angles over differences of stamps, over intervals long enough that jitter of
 /// the stamps and steps of the counter do not matter (an error of the first is divided by the interval). Intervals
 /// touch and do not overlap, so that their sum is the travel.

@@ -89,7 +89,7 @@ int main(int argc, char** argv) try {
   if (argc > 2) compare(result, load_truth(argv[2]).poses);
   const double span = 1e-6 * static_cast<double>(result.odometry.back().utime - result.odometry.front().utime);
   std::printf("%zu estimates over %.1f s, %.4f cores\n", result.odometry.size(), span, result.seconds / span);
-  const Eigen::Vector3d scale = node.filter().belief().mean.wheel_scale;
+  const Eigen::Vector3d scale = node.filter().filter().belief().mean.wheel_scale;
   std::printf("wheel scale %.4f %.4f %.4f\n", scale.x(), scale.y(), scale.z());
   const NodeReport report = node.report();
   for (const auto& [name, value] : report.counters.values())

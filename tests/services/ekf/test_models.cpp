@@ -18,6 +18,7 @@ class Models : public ::testing::Test {
     state_.gyro_bias << 0.01, -0.02, 0.03;
     state_.accelerometer_bias << 0.1, -0.1, 0.05;
     state_.wheel_scale << 0.01, -0.02, 0.03;
+    state_.axle = -0.4;
     imu_.angular_rate << 0.3, -0.5, 1.1;
     imu_.acceleration << 0.7, -1.2, 9.5;
   }
@@ -107,9 +108,45 @@ TEST_F(Models, ConstraintJacobianMatches) {
   const Geometry geometry(vehicle_);
   for (const int axis : {1, 2}) {
     expect_jacobian_matches([&](const NavState& x) {
-      return observe_no_motion_along(axis, body_motion(x, imu_.angular_rate, geometry), 0.1, geometry);
+      return observe_no_motion_along(axis, x, body_motion(x, imu_.angular_rate, geometry), 0.1, geometry);
     });
   }
+}
+
+TEST_F(Models, TheAxleIsWhatDoesNotMoveSideways) {
+  // Round a circle about (0, 2) of base_link's frame with the axle 0.76 m behind: base_link itself moves to the left.
+  vehicle_.imu = {0, 0, 0, 0, 0, 0};
+  const Geometry geometry(vehicle_);
+  NavState x;
+  x.axle = -0.76;
+  const BodyMotion motion{{1.0, 0.5 * 0.76, 0}, {0, 0, 0.5}};
+  EXPECT_NEAR(observe_no_motion_along(1, x, motion, 1, geometry).residual[0], 0.0, 1e-12);
+}
+
+TEST_F(Models, IncrementJacobianMatchesUpToTheBendWithinIt) {
+  const Geometry geometry(vehicle_);
+  const double dt = 0.5;
+  imu_.angular_rate << 0.05, -0.03, 0.4;
+  const auto increment = [&](const NavState& x) {
+    const BodyMotion motion = body_motion(x, imu_.angular_rate, geometry);
+    Pose T = Pose::Identity();
+    const int n = 200;
+    for (int i = 0; i < n; ++i) {
+      const Eigen::Matrix3d half = so3_exp(motion.angular_rate * (0.5 * dt / n)).toRotationMatrix();
+      T.translation() += T.linear() * (half * motion.velocity) * (dt / n);
+      T.linear() = (T.linear() * half * half).eval();
+    }
+    return T;
+  };
+  const Pose measured = increment(state_);
+  const BodyMotion motion = body_motion(state_, imu_.angular_rate, geometry);
+  const auto observe = [&](const NavState& x) {
+    return observe_increment(measured, Eigen::Matrix<double, 6, 6>::Identity(), increment(x), dt, motion, geometry);
+  };
+  const Eigen::MatrixXd expected =
+      numeric([&](const ErrorVector& e) -> Eigen::VectorXd { return -observe(plus(state_, e)).residual; });
+  EXPECT_LT(observe(state_).residual.norm(), 1e-12);
+  EXPECT_LT((observe(state_).H - expected).cwiseAbs().maxCoeff(), 0.05 * dt) << observe(state_).H - expected;
 }
 
 TEST_F(Models, StandingAndGravityJacobiansMatch) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
 
 namespace curbstone {
@@ -14,9 +15,16 @@ class SequencerTest : public ::testing::Test {
  protected:
   void imu(std::int64_t ms) { push(ImuSample{kStart + ms * kMillisecond, {}, {}}); }
   void wheels(std::int64_t ms) { push(WheelSample{kStart + ms * kMillisecond, {}}); }
+  void increment(std::int64_t ms) {
+    MapIncrement m;
+    m.begin = kStart + (ms - 500) * kMillisecond;
+    m.utime = kStart + ms * kMillisecond;
+    sequencer_.push(m);
+    collect(false);
+  }
   void drain() { collect(true); }
 
-  Sequencer sequencer_{TimingConfig{}};
+  Sequencer sequencer_{EkfConfig{}};
   std::string order_;  ///< "i10 w12 ..." in ms
 
  private:
@@ -27,9 +35,9 @@ class SequencerTest : public ::testing::Test {
   }
   void collect(bool drain) {
     while (const auto sample = sequencer_.pop(drain)) {
-      const bool is_imu = std::holds_alternative<ImuSample>(*sample);
+      constexpr std::array kLetters = {"w", "i", "m"};
       const std::int64_t utime = std::visit([](const auto& s) { return s.utime; }, *sample);
-      order_ += (is_imu ? "i" : "w") + std::to_string((utime - kStart) / kMillisecond) + " ";
+      order_ += kLetters[sample->index()] + std::to_string((utime - kStart) / kMillisecond) + " ";
     }
   }
 };
@@ -62,22 +70,65 @@ TEST_F(SequencerTest, GoesOnWithoutTheOtherSensorAfterTheHold) {
   EXPECT_EQ(order_, "i0 i10 i20 i30 i40 i50 i60 i70 i80 i90 w100 i100 ");
 }
 
-TEST_F(SequencerTest, CountsWhatComesAfterItsTurn) {
+TEST_F(SequencerTest, WhatComesAfterItsTurnComesAtOnceWithinTheHistory) {
   for (int ms = 0; ms <= 250; ms += 10) imu(ms);
+  order_.clear();
   wheels(40);
+  EXPECT_EQ(order_, "w40 ");
+  for (int ms = 260; ms <= 1500; ms += 10) imu(ms);
+  order_.clear();
+  wheels(50);
+  EXPECT_EQ(order_, "");
   EXPECT_EQ(sequencer_.counters()["dropped.late"], 1);
   EXPECT_EQ(sequencer_.counters()["dropped.late.wheels"], 1);
 }
 
-TEST_F(SequencerTest, DropsDuplicatesAndStampsThatGoBack) {
+TEST_F(SequencerTest, WhatIsBehindItsOwnChannelComesAfterThatChannelsNewestHoweverTheyInterleave) {
+  wheels(10);
+  imu(10);
+  imu(30);
+  wheels(35);  // lets the IMU's 30 through before its 20 has come
+  imu(20);
+  imu(40);
+  wheels(45);
+  drain();
+  const std::string early = order_;
+  order_.clear();
+  sequencer_ = Sequencer(EkfConfig{});
+  for (const int ms : {10, 30, 20, 40}) imu(ms);
+  for (const int ms : {10, 35, 45}) wheels(ms);
+  drain();
+  EXPECT_EQ(order_, "w10 i10 i30 i20 w35 i40 w45 ");
+  EXPECT_EQ(early, order_);
+  EXPECT_EQ(sequencer_.counters()["disordered.imu"], 1);
+}
+
+TEST_F(SequencerTest, DropsDuplicates) {
   imu(10);
   imu(10);
-  imu(5);
   imu(20);
   drain();
   EXPECT_EQ(order_, "i10 i20 ");
   EXPECT_EQ(sequencer_.counters()["dropped.duplicate.imu"], 1);
-  EXPECT_EQ(sequencer_.counters()["dropped.backwards.imu"], 1);
+}
+
+TEST_F(SequencerTest, AMapIncrementTakesItsTurnAFixedTimeAfterItsEndHoweverEarlyItComes) {
+  const auto run = [&](int arrival) {
+    order_.clear();
+    sequencer_ = Sequencer(EkfConfig{});
+    for (int ms = 0; ms <= 400; ms += 100) {
+      if (ms == arrival) increment(20);
+      imu(ms);
+      wheels(ms);
+    }
+    return order_;
+  };
+  const std::string expected = "w0 i0 w100 i100 w200 i200 w300 i300 m20 w400 i400 ";
+  EXPECT_EQ(run(100), expected);
+  EXPECT_EQ(run(300), expected);
+  EXPECT_EQ(run(400), expected);
+  increment(60);
+  EXPECT_EQ(sequencer_.counters()["dropped.late.map"], 1);
 }
 
 TEST_F(SequencerTest, OneStrayStampDoesNotTakeTheClockAway) {

@@ -1,0 +1,61 @@
+#include "services/ekf/map_increment.hpp"
+
+#include "services/ekf/samples.hpp"
+
+namespace curbstone {
+
+namespace {
+
+using Covariance = Eigen::Matrix<double, 6, 6>;
+
+constexpr double kLongest = 2.0;   // s: beyond it the error that an increment shows is no longer today's
+constexpr double kNoWeight = 1e6;  // m^2 or rad^2
+constexpr double kMaxSigma = 1.0;  // m or rad: the mapper itself does not know
+
+/// MAP_POSE's covariance in base_link's axes, with our floor: the mapper's covariance knows noise, not bad planes.
+std::optional<Covariance> covariance_of(const map_pose_t& message, const Pose& T_map_base,
+                                        const MapFusionConfig& config) {
+  Covariance in_map;
+  for (int i = 0; i < 36; ++i) in_map(i / 6, i % 6) = static_cast<double>(message.covariance[i]);
+  if (!in_map.allFinite() || in_map.diagonal().minCoeff() < 0.0) return std::nullopt;
+  Covariance to_base = Covariance::Identity();
+  to_base.topLeftCorner<3, 3>() = T_map_base.linear().transpose();
+  Covariance out = to_base * in_map * to_base.transpose();
+  if (out.diagonal().maxCoeff() > kMaxSigma * kMaxSigma) return std::nullopt;
+  out.diagonal().head<3>().array() += config.translation_noise * config.translation_noise;
+  out.diagonal().tail<3>().array() += config.rotation_noise * config.rotation_noise;
+  for (int axis = 0; axis < 6; ++axis)
+    if ((message.degenerate >> axis & 1) != 0) out(axis, axis) += kNoWeight;
+  return out;
+}
+
+}  // namespace
+
+std::optional<MapIncrement> MapIncrements::add(const map_pose_t& message) {
+  const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
+  const std::optional<Covariance> covariance =
+      is_finite(T_map_base) ? covariance_of(message, T_map_base, config_) : std::nullopt;
+  if ((message.flags & map_pose_t::REGISTERED) == 0 || !covariance) {
+    last_.reset();
+    return std::nullopt;
+  }
+  const Last now{message.utime, message.epoch, T_map_base, *covariance};
+  const double elapsed = last_ ? seconds_between(last_->utime, now.utime) : 0.0;
+  const bool follows = last_ && last_->epoch == now.epoch && elapsed > 0.0 && elapsed <= kLongest;
+  if (!follows) {
+    last_ = now;
+    return std::nullopt;
+  }
+  if (elapsed < config_.baseline) return std::nullopt;
+  MapIncrement out{last_->utime, now.utime, last_->T_map_base.inverse() * now.T_map_base, {}};
+  // The first pose's error, carried to the end of the increment.
+  const Eigen::Matrix3d R = out.T_begin_end.linear().transpose();
+  Covariance carry = Covariance::Zero();
+  carry.topLeftCorner<3, 3>() = carry.bottomRightCorner<3, 3>() = R;
+  carry.topRightCorner<3, 3>() = -R * skew(out.T_begin_end.translation());
+  out.covariance = carry * last_->covariance * carry.transpose() + now.covariance;
+  last_ = now;
+  return out;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <curbstone/map_pose_t.hpp>
+#include <optional>
+
+#include "common/geometry.hpp"
+#include "services/ekf/ekf_config.hpp"
+
+namespace curbstone {
+
+/// How base_link moved from one time to another, as the mapper saw it. Where the map is, and where it jumped to before,
+/// does not show in it.
+struct MapIncrement {
+  std::int64_t begin = 0;                  ///< us
+  std::int64_t utime = 0;                  ///< us, its end
+  Pose T_begin_end = Pose::Identity();     ///< base_link at its end, seen from base_link at its beginning
+  Eigen::Matrix<double, 6, 6> covariance;  ///< translation, rotation; in base_link's axes at its end
+};
+
+/// Makes increments of MAP_POSEs that are at least `map.baseline` apart: what two neighbouring revolutions say about
+/// speed is mostly the noise of both. Only registered poses of one epoch are taken; an axis that the mapper left to
+/// odometry is given no weight, or the filter would be fed its own word.
+class MapIncrements {
+ public:
+  explicit MapIncrements(const MapFusionConfig& config) : config_(config) {}
+  /// The increment that ends with this pose, if one does.
+  [[nodiscard]] std::optional<MapIncrement> add(const map_pose_t& message);
+
+ private:
+  struct Last {
+    std::int64_t utime;
+    std::int32_t epoch;
+    Pose T_map_base;
+    Eigen::Matrix<double, 6, 6> covariance;  // in base_link's axes
+  };
+  MapFusionConfig config_;
+  std::optional<Last> last_;
+};
+
+}  // namespace curbstone

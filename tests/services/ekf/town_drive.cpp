@@ -1,0 +1,72 @@
+#include "tests/services/ekf/town_drive.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "tools/simulate/motion/town_motion.hpp"
+#include "tools/simulate/sensors/imu_model.hpp"
+#include "tools/simulate/sensors/wheel_model.hpp"
+
+namespace curbstone {
+
+namespace {
+
+constexpr std::int64_t kStart = 1'750'000'000'000'000;  // us
+constexpr double kPeriod = 0.01;                        // s, of both sensors
+constexpr double kWheelPhase = 0.004;                   // s, wheels after IMU
+
+/// The town's motion is the axle's; base_link is elsewhere along the vehicle.
+class ShiftedMotion final : public Motion {
+ public:
+  ShiftedMotion(const Motion& axle, double axle_ahead_of_base)
+      : axle_(axle), T_axle_base_(Eigen::Translation3d(-axle_ahead_of_base, 0, 0)) {}
+  [[nodiscard]] Pose T_world_base(double t) const override { return axle_.T_world_base(t) * T_axle_base_; }
+
+ private:
+  const Motion& axle_;
+  Pose T_axle_base_;
+};
+
+const Town& the_town() {
+  static const Town town({.seed = 1});
+  return town;
+}
+
+}  // namespace
+
+Drive simulate_town_drive(const TownDriveOptions& o, const VehicleConfig& vehicle) {
+  const TownMotion of_axle(the_town(), vehicle, SpeedProfile({.speed = o.speed}, o.seconds));
+  const ShiftedMotion motion(of_axle, o.axle);
+  ImuNoise imu_noise;
+  WheelNoise wheel_noise;
+  if (!o.slip) wheel_noise.slips_per_minute = 0;
+  VehicleConfig true_vehicle = vehicle;
+  true_vehicle.wheel_radius *= 1.0 + o.scale;
+  true_vehicle.track_width *= 1.0 + o.track;
+  ImuModel imu(imu_noise, true_vehicle, motion, Random(o.seed).fork(11));
+  WheelModel wheels(wheel_noise, true_vehicle, motion, o.seconds, Random(o.seed).fork(12));
+
+  Drive drive;
+  const auto utime = [](double t) { return kStart + std::llround(t * 1e6); };
+  const double radians = 2.0 * std::numbers::pi / wheel_noise.counts_per_revolution;
+  for (double t = kPeriod; t < o.seconds; t += kPeriod) {
+    const Inertia inertia = imu.sample(t);
+    drive.imu.push_back({utime(t), inertia.angular_rate, inertia.specific_force});
+    const auto counts = wheels.counts(t + kWheelPhase);
+    drive.wheels.push_back(
+        {utime(t + kWheelPhase), {radians * static_cast<double>(counts[0]), radians * static_cast<double>(counts[1])}});
+    const Pose T_world_base = motion.T_world_base(t);
+    const Eigen::Vector3d travel =
+        motion.T_world_base(t + 1e-3).translation() - motion.T_world_base(t - 1e-3).translation();
+    if (!drive.truth.empty())
+      drive.distance += (T_world_base.translation() - drive.truth.back().T_world_base.translation()).norm();
+    TruePose truth;
+    truth.utime = utime(t);
+    truth.T_world_base = T_world_base;
+    truth.velocity = T_world_base.linear().transpose() * travel / 2e-3;
+    drive.truth.push_back(truth);
+  }
+  return drive;
+}
+
+}  // namespace curbstone
