@@ -1,6 +1,6 @@
 # The CUDA back end of tensor voting: on where there is an nvcc that knows C++20 (12.0), in PATH or not.
 if(NOT CMAKE_CUDA_COMPILER)
-  find_program(CURBSTONE_NVCC nvcc HINTS ENV CUDACXX ENV CUDA_PATH PATHS /usr/local/cuda PATH_SUFFIXES bin)
+  find_program(CURBSTONE_NVCC nvcc HINTS ENV CUDA_PATH PATHS /usr/local/cuda PATH_SUFFIXES bin)
   mark_as_advanced(CURBSTONE_NVCC)
   set(nvcc_version 0)
   if(CURBSTONE_NVCC)

@@ -37,6 +37,8 @@ struct CudaTimings {
   double vote_ms = 0;      ///< votes and eigen-decomposition: the kernel
   double download_ms = 0;  ///< of tensors and decompositions
   double total_ms = 0;     ///< the median of their sums
+  /// Of vote_cloud_cuda() as its caller sees it: memory taken and given back, results in their vectors.
+  double call_ms = 0;
 
   std::uint64_t pairs_tested = 0;  ///< of votee and voter, in reach or not
   std::uint64_t pair_votes = 0;    ///< within reach

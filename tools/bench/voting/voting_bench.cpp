@@ -89,6 +89,7 @@ VotingReport measure(const VotingBenchOptions& o) {
       report.batch.push_back(measured(row, points <= o.pcl_max_points, o.turns));
     }
   }
+  report.cuda = measure_cuda(report.batch, o.turns.rounds);
   if (!o.no_growth) report.growth = measure_growth(o);
   report.stick_sum = stick_sum();
   if (!o.no_drive) {

@@ -111,6 +111,7 @@ void print_report(const VotingReport& report) {
              report.peak.flops_per_s * 1e-9, report.peak.isa, kFlopsPerVote);
   if (!report.batch.empty()) print_batch(report);
   if (!report.growth.empty()) print_growth(report);
+  if (!report.batch.empty()) print_cuda(report.cuda);
   fmt::print("\nSum of l1 - l2 over 10,000 points: {:.1f}; independent codes, another draw: {:.1f} ({:+.1f} %)\n",
              report.stick_sum, kStickSumOfOthers, 100 * (report.stick_sum / kStickSumOfOthers - 1));
   if (report.incremental) print_incremental(*report.incremental);
@@ -119,7 +120,7 @@ void print_report(const VotingReport& report) {
 void write_report(const VotingReport& report, const std::string& file) {
   const json all = {{"batch", batch_json(report)},
                     {"incremental", report.incremental ? incremental_json(*report.incremental) : json(nullptr)},
-                    {"cuda", nullptr},
+                    {"cuda", cuda_json(report.cuda)},
                     {"growth", growth_json(report)},
                     {"fma_peak_flops_per_s", report.peak.flops_per_s},
                     {"stick_sum", report.stick_sum}};

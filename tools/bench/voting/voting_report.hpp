@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tools/bench/voting/batch_comparison.hpp"
+#include "tools/bench/voting/cuda_comparison.hpp"
 #include "tools/bench/voting/fma_peak.hpp"
 #include "tools/bench/voting/incremental_timing.hpp"
 
@@ -16,6 +17,7 @@ struct VotingReport {
   FmaPeak peak;
   std::vector<BatchRow> batch;
   std::vector<BatchRow> growth;  ///< ours alone: longer streets of one density, denser streets, threads
+  std::vector<CudaRow> cuda;     ///< the batch again, on a GPU; none where there is none
   double stick_sum = 0;
   std::optional<IncrementalTiming> incremental;
 };

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <vector>
+
+#include "services/tensor_voting/cuda/cuda_voting.hpp"
+#include "tools/bench/voting/batch_comparison.hpp"
+
+namespace curbstone {
+
+/// A GPU beside this machine's CPU on one street cloud.
+struct CudaRow {
+  BatchRow cpu;  ///< measured
+  CudaTimings gpu;
+};
+
+/// For each row of the CPU's; none without a device.
+[[nodiscard]] std::vector<CudaRow> measure_cuda(std::span<const BatchRow> rows, int repeats);
+
+void print_cuda(std::span<const CudaRow> rows);
+/// null for no rows.
+[[nodiscard]] nlohmann::json cuda_json(std::span<const CudaRow> rows);
+
+}  // namespace curbstone
