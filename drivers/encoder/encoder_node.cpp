@@ -51,7 +51,7 @@ void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw&
   // Speeds by the drive's own periods: a correction of the clock's offset is no change of speed.
   const std::int64_t elapsed = stamp.restarted ? receive_utime - last_received_ : stamp.steps * clock_.period();
   last_received_ = receive_utime;
-  if (const int lost = stamp.steps - 1 + stamp.slipped; lost > 0) counters_.add("lost.samples", lost);
+  if (const int lost = stamp.steps - 1 + stamp.lost_before; lost > 0) counters_.add("lost.samples", lost);
 
   const auto sample = odometer_.update(counts, static_cast<double>(elapsed) * 1e-6);
   if (!sample) return;

@@ -1,6 +1,7 @@
 #include "drivers/encoder/period_clock.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace curbstone {
 
@@ -14,6 +15,7 @@ void PeriodClock::begin(std::int64_t received) {
   running_ = true;
   index_ = 0;
   settling_ = 0;
+  suspected_ = 0;
   block_size_ = 0;
   last_received_ = received;
   last_stamp_ = offset_.to_host(0, received);
@@ -32,6 +34,7 @@ PeriodClock::Stamp PeriodClock::stamp(std::int64_t received, const Evidence& evi
   const auto most = static_cast<int>((received - last_stamp_ + period_ / 2) / period_);
   if (most > 1) stamp.steps = std::clamp(evidence(most), 1, most);
   index_ += stamp.steps;
+  acquit(last_stamp_ + stamp.steps * period_ - received);
   stamp.utime = offset_.to_host(index_ * period_, received);
 
   const std::int64_t delay = received - stamp.utime;
@@ -39,13 +42,27 @@ PeriodClock::Stamp PeriodClock::stamp(std::int64_t received, const Evidence& evi
   if (++settling_ == kSettle) {
     settling_ = 0;
     if (4 * least_delay_ > 3 * period_) {
-      stamp.slipped = static_cast<int>((least_delay_ + period_ / 4) / period_);
-      index_ += stamp.slipped;
+      const auto missing = static_cast<int>((least_delay_ + period_ / 4) / period_);
+      suspected_ += missing;
+      suspected_at_ = received;
+      index_ += missing;
       stamp.utime = offset_.to_host(index_ * period_, received);
     }
   }
+  stamp.lost_before = confirm(received);
   last_stamp_ = stamp.utime;
   return stamp;
+}
+
+/// A sample that arrives before its time shows that as many were not lost.
+void PeriodClock::acquit(std::int64_t early) {
+  if (suspected_ == 0 || 2 * early < period_) return;
+  suspected_ = std::max(0, suspected_ - static_cast<int>((early + period_ / 2) / period_));
+}
+
+int PeriodClock::confirm(std::int64_t received) {
+  if (suspected_ == 0 || received - suspected_at_ < kConfirm) return 0;
+  return std::exchange(suspected_, 0);
 }
 
 /// A wrong timer unit doubles or halves the period. A pause at a block's end spoils its mean: two blocks must agree.

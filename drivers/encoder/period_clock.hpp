@@ -12,21 +12,24 @@ namespace curbstone {
 ///
 /// The k-th sample was taken at offset + k * period; the offset is that of the least delayed sample (ClockOffset). What
 /// must be guessed is k: after a pause, were samples lost, or are they only late? The caller's evidence decides (wheels
-/// do not double their speed from one sample to the next); without evidence they count as late, and if no sample makes
-/// the lateness good within kSettle, they were lost after all.
+/// do not double their speed from one sample to the next); without evidence they count as late. If no sample makes the
+/// lateness good within kSettle, the stamps follow it, but that is not proof yet: a busy host can be late for half a
+/// second. Only if none does within kConfirm either were they lost: no host is late by the same all the time.
 class PeriodClock {
  public:
   struct Stamp {
     std::int64_t utime = 0;  ///< us; never after the arrival
     int steps = 1;           ///< periods since the sample before, by the evidence: steps - 1 were lost
-    int slipped = 0;         ///< samples found to be lost in hindsight
+    int lost_before = 0;     ///< samples now known, in hindsight, to have been lost
     bool restarted = false;  ///< nothing is known of the time since the sample before
   };
   /// Given the most periods that may have passed, how many have.
   using Evidence = std::function<int(int max_steps)>;
 
-  /// Samples after which lateness that nobody made good is a loss.
+  /// Samples after which the stamps follow lateness that nobody made good.
   static constexpr int kSettle = 50;
+  /// us after which it was a loss.
+  static constexpr std::int64_t kConfirm = 3'000'000;
   /// us; after a longer silence all begins anew.
   static constexpr std::int64_t kMaxGap = 500'000;
 
@@ -41,6 +44,8 @@ class PeriodClock {
  private:
   void begin(std::int64_t received);
   void measure_period(std::int64_t received);
+  void acquit(std::int64_t early);
+  [[nodiscard]] int confirm(std::int64_t received);
 
   static constexpr int kBlock = 64;  // samples over which the period is measured
 
@@ -53,7 +58,9 @@ class PeriodClock {
   std::int64_t last_received_ = 0;
   std::int64_t least_delay_ = 0;  // us, of the last `settling_` samples
   int settling_ = 0;
-  std::int64_t block_begin_ = 0;  // us, arrival of the block's first sample
+  int suspected_ = 0;              // samples, perhaps lost
+  std::int64_t suspected_at_ = 0;  // us, arrival
+  std::int64_t block_begin_ = 0;   // us, arrival of the block's first sample
   int block_size_ = 0;
   std::int64_t last_mean_ = 0;  // us, period of the block before
 };

@@ -84,16 +84,34 @@ TEST(PeriodClockTest, LostSamplesAreSkippedOnEvidence) {
 TEST(PeriodClockTest, LatenessThatNobodyMakesGoodWasALoss) {
   PeriodClock clock(10'000);
   const auto late = [](int) { return 1; };
-  int slipped = 0;
+  int lost = 0;
   std::int64_t last = 0;
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 600; ++i) {
     if (i == 40 || i == 41) continue;
     const auto stamp = clock.stamp(i * 10'000, late);
-    slipped += stamp.slipped;
+    lost += stamp.lost_before;
     last = stamp.utime;
+    if (i == 150) {
+      EXPECT_EQ(last, 1'500'000);  // the stamps are right long before it is certain
+    }
   }
-  EXPECT_EQ(slipped, 2);
-  EXPECT_EQ(last, 2'990'000);
+  EXPECT_EQ(lost, 2);
+  EXPECT_EQ(last, 5'990'000);
+}
+
+TEST(PeriodClockTest, AHostThatIsLateForASecondHasLostNothing) {
+  for (const std::int64_t delay : {8'000, 12'000, 27'000}) {
+    PeriodClock clock(10'000);
+    std::int64_t last = 0;
+    for (int i = 0; i < 1000; ++i) {
+      const bool busy = i >= 200 && i < 320;
+      const auto stamp = clock.stamp(i * 10'000 + (busy ? delay : 200), [](int) { return 1; });
+      EXPECT_EQ(stamp.steps, 1);
+      EXPECT_EQ(stamp.lost_before, 0) << i;
+      last = stamp.utime;
+    }
+    EXPECT_EQ(last, 9'990'200);
+  }
 }
 
 TEST(PeriodClockTest, ASilenceOrAClockSetBackBeginsAnew) {
