@@ -64,9 +64,9 @@ CURBSTONE_INLINE void add_wide(std::int64_t* to, Ints recent) {
 }
 
 /// Moves what a block has received lately to its sums.
-void settle(VoterBlock* block) {
+void settle(VoterBlock* block, SettledSums* settled) {
   auto* const recent = reinterpret_cast<std::int32_t*>(&block->recent);
-  auto* const sums = reinterpret_cast<std::int64_t*>(&block->sums);
+  auto* const sums = reinterpret_cast<std::int64_t*>(settled);
   for (int i = 0; i < VoteSums::kCount * kLanes; i += kWidth) {
     add_wide(sums + i, load<Ints>(recent + i));
     store(recent + i, Ints{});
@@ -74,38 +74,54 @@ void settle(VoterBlock* block) {
   block->num_recent = 0;
 }
 
-/// What the voter itself receives: 32-bit sums of a few blocks, and 64-bit sums of them.
+CURBSTONE_INLINE std::int64_t total_of(Ints recent) {
+  HalfInts half[2];
+  __builtin_memcpy(half, &recent, sizeof recent);
+  const Longs wide = __builtin_convertvector(half[0], Longs) + __builtin_convertvector(half[1], Longs);
+  std::int64_t total = 0;
+  for (int lane = 0; lane < kWidth / 2; ++lane) total += wide[lane];
+  return total;
+}
+
+/// What the voter itself receives: 32-bit sums that settle now and then.
 struct OwnSums {
+  std::int64_t* settled;
   Ints recent[VoteSums::kCount] = {};
   int num_recent = 0;
-  std::int64_t sums[VoteSums::kCount][kWidth] = {};
 
+  explicit CURBSTONE_INLINE OwnSums(std::int64_t* sums) : settled(sums) {}
   CURBSTONE_INLINE void settle() {
     for (int c = 0; c < VoteSums::kCount; ++c) {
-      add_wide(sums[c], recent[c]);
+      settled[c] += total_of(recent[c]);
       recent[c] = Ints{};
     }
     num_recent = 0;
   }
 };
 
-/// The votes between one voter and a block, both ways. Returns the number of pairs.
-CURBSTONE_INLINE int exchange_block(const Decay& decay, const StepPoint& at, float sign, VoterBlock* block,
-                                    OwnSums& own) {
-  const auto* const x = reinterpret_cast<const std::int32_t*>(block);
-  auto* const received = reinterpret_cast<std::int32_t*>(&block->recent);
-  int pairs = 0;
+/// From the voter to some of a block's.
+CURBSTONE_INLINE Offsets offsets_to(const VoterBlock* block, int lane, const StepPoint& at) {
+  const auto* const x = reinterpret_cast<const std::int32_t*>(block) + lane;
+  Offsets d;
+  d.x = difference(load<Ints>(x), at.x);
+  d.y = difference(load<Ints>(x + kLanes), at.y);
+  d.z = difference(load<Ints>(x + 2 * kLanes), at.z);
+  d.squared = d.x * d.x + d.y * d.y + d.z * d.z;
+  return d;
+}
+
+CURBSTONE_INLINE Mask within_reach(const Decay& decay, const Offsets& d) {
+  return below(below(d.squared, all(decay.radius2)), Floats{}, d.squared);
+}
+
+/// The votes between one voter and a block, both ways.
+CURBSTONE_INLINE void exchange_block(const Decay& decay, const StepPoint& at, float sign, const NearBlock* near,
+                                     OwnSums& own) {
+  auto* const received = reinterpret_cast<std::int32_t*>(&near->block->recent);
+#pragma GCC unroll 4
   for (int lane = 0; lane < kLanes; lane += kWidth) {
-    Offsets d;
-    d.x = difference(load<Ints>(x + lane), at.x);
-    d.y = difference(load<Ints>(x + kLanes + lane), at.y);
-    d.z = difference(load<Ints>(x + 2 * kLanes + lane), at.z);
-    d.squared = d.x * d.x + d.y * d.y + d.z * d.z;
-    const Mask within = below(below(d.squared, all(decay.radius2)), Floats{}, d.squared);
-    const unsigned lanes = bits(within);
-    if (lanes == 0) continue;
-    pairs += __builtin_popcount(lanes);
-    const Votes votes = votes_at(decay, sign, d, within);
+    const Offsets d = offsets_to(near->block, lane, at);
+    const Votes votes = votes_at(decay, sign, d, within_reach(decay, d));
 #pragma GCC unroll 6
     for (int c = 0; c < VoteSums::kCount; ++c) {
       own.recent[c] += votes.component[c];
@@ -114,23 +130,35 @@ CURBSTONE_INLINE int exchange_block(const Decay& decay, const StepPoint& at, flo
     }
     if (++own.num_recent == kMaxRecent) own.settle();
   }
-  if (pairs > 0 && ++block->num_recent == kMaxRecent) settle(block);
-  return pairs;
+  if (++near->block->num_recent == kMaxRecent) settle(near->block, near->settled);
 }
 
-void exchange(const Decay& decay, const StepPoint& at, float sign, BlockRange* ranges, std::size_t num_ranges,
-              std::int64_t* sums) {
-  OwnSums own;
-  for (BlockRange* range = ranges; range != ranges + num_ranges; ++range) {
-    range->pairs = 0;
-    for (VoterBlock* block = range->blocks; block != range->blocks + range->count; ++block) {
-      range->pairs += exchange_block(decay, at, sign, block, own);
+/// First which blocks have a voter within reach, then the votes: whether the next one has cannot be foretold, and a
+/// wrong guess costs as much as a block of votes.
+std::int64_t exchange(const Decay& decay, const StepPoint& at, float sign, NearBlock* near, std::size_t num_near,
+                      std::int64_t* sums) {
+  constexpr std::size_t kAtOnce = 64;
+  OwnSums own(sums);
+  std::int64_t total = 0;
+  for (std::size_t begin = 0; begin < num_near; begin += kAtOnce) {
+    const std::size_t end = begin + kAtOnce < num_near ? begin + kAtOnce : num_near;
+    const NearBlock* within[kAtOnce];
+    std::size_t num_within = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      int pairs = 0;
+#pragma GCC unroll 4
+      for (int lane = 0; lane < kLanes; lane += kWidth) {
+        pairs += __builtin_popcount(bits(within_reach(decay, offsets_to(near[i].block, lane, at))));
+      }
+      near[i].pairs += pairs;
+      total += pairs;
+      within[num_within] = near + i;
+      num_within += pairs > 0 ? 1 : 0;
     }
+    for (std::size_t i = 0; i < num_within; ++i) exchange_block(decay, at, sign, within[i], own);
   }
   own.settle();
-  for (int c = 0; c < VoteSums::kCount; ++c) {
-    for (int lane = 0; lane < kWidth; ++lane) sums[c] += own.sums[c][lane];
-  }
+  return total;
 }
 
 /// Symmetric matrices on their way to diagonal form, and the axes that they are seen from.

@@ -23,61 +23,58 @@ int smallest_cell(int radius, int reach) {
   return kStepsPerTile;
 }
 
-/// Distance from `v` to the interval [low, low + size).
-int distance_to(int v, int low, int size) {
-  return v < low ? low - v : v >= low + size ? v - (low + size - 1) : 0;
-}
-
 }  // namespace
 
-/// The voters of a cube of space, kLanes to a block. The cells of one column of a tile are chained.
-struct VotingField::Cell {
-  int z = 0;  // index: floor(z / edge)
-  int next = -1;
-  std::uint32_t size = 0;
-  std::vector<VoterBlock> blocks;
-
-  void push_back(const StepPoint& at, const VoteSums& sums) {
-    const std::size_t lane = size % kLanes;
-    if (lane == 0) {
-      VoterBlock& block = blocks.emplace_back();
-      block.x.fill(nowhere_near(at.x));
-      block.y.fill(at.y);
-      block.z.fill(at.z);
-    }
-    VoterBlock& block = blocks.back();
-    block.x[lane] = at.x;
-    block.y[lane] = at.y;
-    block.z[lane] = at.z;
-    for (std::size_t c = 0; c < VoteSums::kCount; ++c) block.sums[c][lane] = sums.value[c];
-    ++size;
-  }
+/// Of a cell within its tile; z counts from the map's zero.
+struct VotingField::CellIndex {
+  int x;
+  int y;
+  int z;
+  auto operator<=>(const CellIndex&) const = default;
 };
 
+/// Where a voter of a tile stands.
 struct VotingField::Voter {
-  std::uint32_t cell;
-  std::uint32_t slot;
+  std::uint32_t block;
+  std::uint32_t lane;
 };
 
+/// The voters of a tile in blocks; a block's are of one cell. The blocks of one column of cells are chained, apart from
+/// the blocks themselves: a walk along a chain must not wait for each of them to come from memory.
 struct VotingField::Tile {
+  struct Block {
+    VoterBlock voters;
+    SettledSums settled;
+  };
+  struct Link {
+    int layer;  // height index of the cell
+    std::int32_t next;
+  };
+  static constexpr std::size_t kBlocksPerChunk = 8;
+  using Chunk = std::array<Block, kBlocksPerChunk>;
+
   std::int32_t z_origin = 0;
   std::vector<std::uint32_t> voter_of_point;
   std::vector<Voter> voters;
-  std::vector<Cell> cells;
-  std::vector<int> columns;  // first cell of each, or -1
+  std::vector<std::int32_t> columns;           // first block of each, or -1
+  std::vector<Link> links;                     // of each block
+  std::vector<std::unique_ptr<Chunk>> chunks;  // blocks stay where they are
   VoxelTable voxels;
   std::int64_t num_votes = 0;
 
-  /// The cell at height index z of a column; made if there is none.
-  std::uint32_t cell_at(std::size_t column, int z) {
-    for (int c = columns[column]; c >= 0; c = cells[static_cast<std::size_t>(c)].next) {
-      if (cells[static_cast<std::size_t>(c)].z == z) return static_cast<std::uint32_t>(c);
+  [[nodiscard]] Block& block(std::size_t i) const { return (*chunks[i / kBlocksPerChunk])[i % kBlocksPerChunk]; }
+
+  /// A block with a lane left for the cell at height index `z` of a column; made if there is none.
+  std::uint32_t block_for(std::size_t column, int z) {
+    for (std::int32_t i = columns[column]; i >= 0; i = links[static_cast<std::size_t>(i)].next) {
+      const auto index = static_cast<std::size_t>(i);
+      if (links[index].layer == z && block(index).voters.num_voters < kLanes) return static_cast<std::uint32_t>(i);
     }
-    Cell& cell = cells.emplace_back();
-    cell.z = z;
-    cell.next = columns[column];
-    columns[column] = static_cast<int>(cells.size() - 1);
-    return static_cast<std::uint32_t>(cells.size() - 1);
+    const std::size_t made = links.size();
+    if (made % kBlocksPerChunk == 0) chunks.push_back(std::make_unique<Chunk>());
+    links.push_back({z, columns[column]});
+    columns[column] = static_cast<std::int32_t>(made);
+    return static_cast<std::uint32_t>(made);
   }
 };
 
@@ -102,6 +99,15 @@ struct VotingField::Place {
   }
 };
 
+/// A point that is the first in its voxel.
+struct VotingField::NewVoter {
+  std::uint32_t index;
+  CellIndex cell;
+  Place place;
+
+  bool operator<(const NewVoter& other) const { return cell != other.cell ? cell < other.cell : index < other.index; }
+};
+
 /// A tile and the eight around it, where they exist.
 struct VotingField::Neighbourhood {
   static constexpr std::size_t kCentre = 4;
@@ -122,9 +128,9 @@ VotingField::VotingField(const VotingParameters& parameters) : parameters_(param
   }
   decay_ = decay_in_steps(parameters.sigma, parameters.radius, kPositionStep);
   radius_ = static_cast<int>(std::ceil(parameters.radius / kPositionStep - 1e-9));
-  // Small cells waste fewer tests on pairs out of reach, unless they are so small that blocks stay half empty.
-  cell_ = smallest_cell(radius_, 2);
-  if (cell_ < 5 * voxel_) cell_ = smallest_cell(radius_, 1);
+  // Small cells waste fewer tests on pairs out of reach. But thinned voters are few: small cells would leave their
+  // blocks half empty, and memory that is touched for little is what costs most here.
+  cell_ = smallest_cell(radius_, voxel_ > 0 ? 1 : 2);
   cells_per_tile_ = kStepsPerTile / cell_;
   reach_ = (radius_ + cell_ - 1) / cell_;
 }
@@ -142,46 +148,75 @@ VotingField::Neighbourhood VotingField::around(TileKey key) const {
   return result;
 }
 
-std::int64_t VotingField::exchange(Neighbourhood& around, const Place& place, float sign, bool with_own_tile,
-                                   VoteSums& sums) {
+VotingField::CellIndex VotingField::cell_of(const Place& place) const {
+  return {place.x / cell_, place.y / cell_, floor_div(place.z, cell_)};
+}
+
+std::size_t VotingField::column_of(const CellIndex& cell) const {
+  return static_cast<std::size_t>(cell.y * cells_per_tile_ + cell.x);
+}
+
+void VotingField::find_near(const Neighbourhood& around, const CellIndex& cell, bool with_own_tile) {
   const int n = cells_per_tile_;
   const std::int64_t reach2 = std::int64_t{radius_} * radius_;
   const auto square = [](std::int64_t v) { return v * v; };
-  const int column_x = place.x / cell_;
-  const int column_y = place.y / cell_;
-  ranges_.clear();
-  range_tiles_.clear();
-  for (int iy = column_y - reach_; iy <= column_y + reach_; ++iy) {
-    for (int ix = column_x - reach_; ix <= column_x + reach_; ++ix) {
-      const std::int64_t away2 =
-          square(distance_to(place.x, ix * cell_, cell_)) + square(distance_to(place.y, iy * cell_, cell_));
+  // Between the sides of two cells that lie `d` cells apart.
+  const auto gap = [&](int d) { return std::max(0, std::abs(d) - 1) * cell_; };
+  near_.clear();
+  near_tiles_.clear();
+  for (int y = cell.y - reach_; y <= cell.y + reach_; ++y) {
+    for (int x = cell.x - reach_; x <= cell.x + reach_; ++x) {
+      const std::int64_t away2 = square(gap(x - cell.x)) + square(gap(y - cell.y));
       if (away2 >= reach2) continue;
-      const auto t = static_cast<std::size_t>(3 * (1 + floor_div(iy, n)) + 1 + floor_div(ix, n));
+      const int right = x < 0 ? -1 : x >= n ? 1 : 0;  // tiles; nothing reaches farther than the next one
+      const int up = y < 0 ? -1 : y >= n ? 1 : 0;
+      const auto t = static_cast<std::size_t>(3 * (1 + up) + 1 + right);
       Tile* const tile = around.tiles[t];
       if (tile == nullptr || (t == Neighbourhood::kCentre && !with_own_tile)) continue;
-      const int column = (iy - n * floor_div(iy, n)) * n + (ix - n * floor_div(ix, n));
-      for (int c = tile->columns[static_cast<std::size_t>(column)]; c >= 0;) {
-        Cell& cell = tile->cells[static_cast<std::size_t>(c)];
-        c = cell.next;
-        if (away2 + square(distance_to(place.z, cell.z * cell_, cell_)) >= reach2) continue;
-        ranges_.push_back({cell.blocks.data(), cell.blocks.size(), 0});
-        range_tiles_.push_back(t);
+      const std::size_t column = column_of({x - n * right, y - n * up, 0});
+      for (std::int32_t i = tile->columns[column]; i >= 0;) {
+        const Tile::Link& link = tile->links[static_cast<std::size_t>(i)];
+        Tile::Block& block = tile->block(static_cast<std::size_t>(i));
+        i = link.next;
+        if (away2 + square(gap(link.layer - cell.z)) >= reach2) continue;
+        near_.push_back({&block.voters, &block.settled, 0});
+        near_tiles_.push_back(t);
       }
     }
   }
-  kernel_.exchange(decay_, place.in_map, sign, ranges_.data(), ranges_.size(), sums.value.data());
-  std::int64_t total = 0;
-  for (std::size_t i = 0; i < ranges_.size(); ++i) {
-    if (ranges_[i].pairs == 0) continue;
-    around.tiles[range_tiles_[i]]->num_votes += sign > 0 ? ranges_[i].pairs : -ranges_[i].pairs;
-    around.changed[range_tiles_[i]] = true;
-    total += ranges_[i].pairs;
+}
+
+std::int64_t VotingField::exchange(const StepPoint& at, float sign, VoteSums& sums) {
+  const std::int64_t pairs = kernel_.exchange(decay_, at, sign, near_.data(), near_.size(), sums.value.data());
+  num_pairs_ += pairs;
+  return pairs;
+}
+
+void VotingField::book(Neighbourhood& around, std::int64_t sign) {
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    if (near_[i].pairs == 0) continue;
+    around.tiles[near_tiles_[i]]->num_votes += sign * near_[i].pairs;
+    around.changed[near_tiles_[i]] = true;
   }
-  return total;
 }
 
 std::uint64_t VotingField::voxel_of(const Place& place) const {
   return VoxelTable::key(place.x / voxel_, place.y / voxel_, floor_div(place.z, voxel_));
+}
+
+std::vector<VotingField::NewVoter> VotingField::admit(TileKey key, Tile& tile,
+                                                      std::span<const TilePoint> points) const {
+  std::vector<NewVoter> admitted;
+  for (const TilePoint& point : points) {
+    const Place place(key, tile.z_origin, point);
+    const auto next = static_cast<std::uint32_t>(tile.voters.size());
+    const std::uint32_t voter = voxel_ > 0 ? tile.voxels.find_or_insert(voxel_of(place), next) : next;
+    tile.voter_of_point.push_back(voter);
+    if (voter != next) continue;
+    tile.voters.emplace_back();
+    admitted.push_back({voter, cell_of(place), place});
+  }
+  return admitted;
 }
 
 void VotingField::add(TileKey key, std::int32_t z_origin, std::span<const TilePoint> points) {
@@ -194,21 +229,28 @@ void VotingField::add(TileKey key, std::int32_t z_origin, std::span<const TilePo
   }
   Neighbourhood around = this->around(key);
   around.changed[Neighbourhood::kCentre] = true;
-  for (const TilePoint& point : points) {
-    const Place place(key, tile->z_origin, point);
-    const auto next = static_cast<std::uint32_t>(tile->voters.size());
-    const std::uint32_t voter = voxel_ > 0 ? tile->voxels.find_or_insert(voxel_of(place), next) : next;
-    tile->voter_of_point.push_back(voter);
-    if (voter != next) continue;
-
-    VoteSums sums;
-    const std::int64_t pairs = exchange(around, place, 1.0F, true, sums);
-    tile->num_votes += pairs;
-    num_pairs_ += pairs;
-    const auto column = static_cast<std::size_t>(place.y / cell_ * cells_per_tile_ + place.x / cell_);
-    const std::uint32_t cell = tile->cell_at(column, floor_div(place.z, cell_));
-    tile->voters.push_back({cell, tile->cells[cell].size});
-    tile->cells[cell].push_back(place.in_map, sums);
+  // Cell by cell, so that a cell's surroundings are looked up once and stay in the cache. The sums do not mind the
+  // order.
+  std::vector<NewVoter> admitted = admit(key, *tile, points);
+  std::sort(admitted.begin(), admitted.end());
+  for (auto begin = admitted.begin(), end = begin; begin != admitted.end(); begin = end) {
+    end = std::find_if(begin, admitted.end(), [&](const NewVoter& voter) { return voter.cell != begin->cell; });
+    const std::size_t column = column_of(begin->cell);
+    find_near(around, begin->cell, true);
+    for (auto voter = begin; voter != end; ++voter) {
+      VoteSums sums;
+      tile->num_votes += exchange(voter->place.in_map, 1.0F, sums);
+      const std::uint32_t index = tile->block_for(column, voter->cell.z);
+      Tile::Block& block = tile->block(index);
+      const std::size_t lane = block.voters.push_back(voter->place.in_map);
+      for (std::size_t c = 0; c < VoteSums::kCount; ++c) block.settled.value[c][lane] = sums.value[c];
+      tile->voters[voter->index] = {index, static_cast<std::uint32_t>(lane)};
+      if (lane == 0) {
+        near_.push_back({&block.voters, &block.settled, 0});
+        near_tiles_.push_back(Neighbourhood::kCentre);
+      }
+    }
+    book(around, 1);
   }
   note_changes(around);
 }
@@ -218,19 +260,18 @@ void VotingField::remove(TileKey key) {
   if (it == tiles_.end()) return;
   const Tile& tile = *it->second;
   Neighbourhood around = this->around(key);
-  for (const Voter& voter : tile.voters) {
-    VoteSums unused;
-    num_pairs_ += exchange(around, place_of(key, tile, voter), -1.0F, false, unused);
+  for (std::size_t i = 0; i < tile.links.size(); ++i) {
+    const VoterBlock& block = tile.block(i).voters;
+    find_near(around, cell_of(Place(key, block.at(0))), false);
+    for (std::size_t lane = 0; lane < static_cast<std::size_t>(block.num_voters); ++lane) {
+      VoteSums unused;
+      exchange(block.at(lane), -1.0F, unused);
+    }
+    book(around, -1);
   }
   around.changed[Neighbourhood::kCentre] = true;
   note_changes(around);
   tiles_.erase(it);
-}
-
-VotingField::Place VotingField::place_of(TileKey key, const Tile& tile, const Voter& voter) {
-  const VoterBlock& block = tile.cells[voter.cell].blocks[voter.slot / kLanes];
-  const std::size_t lane = voter.slot % kLanes;
-  return {key, StepPoint{block.x[lane], block.y[lane], block.z[lane]}};
 }
 
 void VotingField::note_changes(const Neighbourhood& around) {
@@ -270,8 +311,8 @@ std::vector<VoteSums> VotingField::sums(TileKey key) const {
   std::vector<VoteSums> result;
   result.reserve(it->second->voters.size());
   for (const Voter& voter : it->second->voters) {
-    const VoterBlock& block = it->second->cells[voter.cell].blocks[voter.slot / kLanes];
-    result.push_back(block.sums_of(voter.slot % kLanes));
+    const Tile::Block& block = it->second->block(voter.block);
+    result.push_back(sums_of(block.voters, block.settled, voter.lane));
   }
   return result;
 }

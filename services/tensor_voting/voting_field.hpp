@@ -57,18 +57,25 @@ class VotingField {
   [[nodiscard]] std::int64_t num_pairs() const { return num_pairs_; }
 
  private:
-  struct Cell;
-  struct Tile;
+  struct CellIndex;
   struct Neighbourhood;
+  struct NewVoter;
+  struct Place;
+  struct Tile;
   struct Voter;
 
-  struct Place;
-
   [[nodiscard]] Neighbourhood around(TileKey key) const;
-  /// Votes between one voter and all others within its reach, both ways. Returns their number.
-  std::int64_t exchange(Neighbourhood& around, const Place& place, float sign, bool with_own_tile, VoteSums& sums);
+  /// The points of `points` that are the first in their voxel; all of them are entered in the tile's lists.
+  std::vector<NewVoter> admit(TileKey key, Tile& tile, std::span<const TilePoint> points) const;
+  /// Fills near_ with the blocks of voters in the cells within reach of a cell of the centre tile.
+  void find_near(const Neighbourhood& around, const CellIndex& cell, bool with_own_tile);
+  /// Votes between the voter and all in near_ within its reach, both ways. Returns their number.
+  std::int64_t exchange(const StepPoint& at, float sign, VoteSums& sums);
+  /// Books the votes given to near_ since find_near().
+  void book(Neighbourhood& around, std::int64_t sign);
+  [[nodiscard]] CellIndex cell_of(const Place& place) const;
+  [[nodiscard]] std::size_t column_of(const CellIndex& cell) const;
   [[nodiscard]] std::uint64_t voxel_of(const Place& place) const;
-  [[nodiscard]] static Place place_of(TileKey key, const Tile& tile, const Voter& voter);
   void note_changes(const Neighbourhood& around);
 
   VotingParameters parameters_;
@@ -82,8 +89,8 @@ class VotingField {
   std::unordered_map<TileKey, std::unique_ptr<Tile>, TileKeyHash> tiles_;
   std::set<TileKey> changed_;
   std::int64_t num_pairs_ = 0;
-  std::vector<BlockRange> ranges_;        // of exchange(), kept for their memory
-  std::vector<std::size_t> range_tiles_;  // the neighbour that each belongs to
+  std::vector<NearBlock> near_;
+  std::vector<std::size_t> near_tiles_;  // the neighbour that each belongs to
 };
 
 }  // namespace curbstone

@@ -17,19 +17,18 @@ const Decay kDecay = decay_in_steps(0.3, 0.9, kPositionStep);
 struct Voters {
   std::vector<StepPoint> points;
   std::vector<VoterBlock> blocks;
+  std::vector<SettledSums> settled;
 
   void push_back(const StepPoint& p) {
-    const std::size_t lane = points.size() % kLanes;
-    if (lane == 0) {
+    if (points.size() % kLanes == 0) {
       blocks.emplace_back();
-      blocks.back().x.fill(nowhere_near(p.x));
-      blocks.back().y.fill(p.y);
-      blocks.back().z.fill(p.z);
+      settled.emplace_back();
     }
-    blocks.back().x[lane] = p.x;
-    blocks.back().y[lane] = p.y;
-    blocks.back().z[lane] = p.z;
+    blocks.back().push_back(p);
     points.push_back(p);
+  }
+  [[nodiscard]] VoteSums sums(std::size_t i) const {
+    return sums_of(blocks[i / kLanes], settled[i / kLanes], i % kLanes);
   }
 };
 Voters random_voters(std::size_t count, const StepPoint& around, unsigned seed) {
@@ -45,13 +44,14 @@ Voters random_voters(std::size_t count, const StepPoint& around, unsigned seed) 
   return voters;
 }
 
-std::int64_t exchange(const VoteKernel& kernel, const StepPoint& at, float sign, std::vector<VoterBlock>& blocks,
-                      VoteSums& sums) {
-  // In two ranges, as if the blocks lay in two cells.
-  const std::size_t half = blocks.size() / 2;
-  BlockRange ranges[] = {{blocks.data(), half, 0}, {blocks.data() + half, blocks.size() - half, 0}};
-  kernel.exchange(kDecay, at, sign, ranges, 2, sums.value.data());
-  return ranges[0].pairs + ranges[1].pairs;
+std::int64_t exchange(const VoteKernel& kernel, const StepPoint& at, float sign, Voters& voters, VoteSums& sums) {
+  std::vector<NearBlock> near;
+  for (std::size_t i = 0; i < voters.blocks.size(); ++i) near.push_back({&voters.blocks[i], &voters.settled[i], 0});
+  const std::int64_t pairs = kernel.exchange(kDecay, at, sign, near.data(), near.size(), sums.value.data());
+  std::int64_t of_blocks = 0;
+  for (const NearBlock& block : near) of_blocks += block.pairs;
+  EXPECT_EQ(of_blocks, pairs);
+  return pairs;
 }
 
 class Kernel : public ::testing::TestWithParam<VoteKernel> {};
@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(InstructionSets, Kernel, ::testing::ValuesIn(vote_kerne
 
 std::vector<VoteSums> received(const Voters& voters) {
   std::vector<VoteSums> sums;
-  for (std::size_t i = 0; i < voters.points.size(); ++i) sums.push_back(voters.blocks[i / kLanes].sums_of(i % kLanes));
+  for (std::size_t i = 0; i < voters.points.size(); ++i) sums.push_back(voters.sums(i));
   return sums;
 }
 
@@ -72,8 +72,8 @@ TEST_P(Kernel, EveryInstructionSetGivesTheSameBits) {
     VoteSums sums;
     for (int i = 0; i < 40; ++i) {  // so often that the short sums must settle
       const StepPoint at{i, 2 * i, 3};
-      const auto pairs = exchange(vote_kernels().back(), at, 1, expected_voters.blocks, expected);
-      EXPECT_EQ(exchange(GetParam(), at, 1, voters.blocks, sums), pairs);
+      const auto pairs = exchange(vote_kernels().back(), at, 1, expected_voters, expected);
+      EXPECT_EQ(exchange(GetParam(), at, 1, voters, sums), pairs);
       EXPECT_EQ(sums, expected);
     }
     EXPECT_EQ(received(voters), received(expected_voters));
@@ -83,15 +83,15 @@ TEST_P(Kernel, EveryInstructionSetGivesTheSameBits) {
 TEST_P(Kernel, BothEndsOfAPairReceiveTheSameVote) {
   Voters voters = random_voters(1, {200, 100, -50}, 9);
   VoteSums sums;
-  ASSERT_EQ(exchange(GetParam(), {0, 0, 0}, 1, voters.blocks, sums), 1);
+  ASSERT_EQ(exchange(GetParam(), {0, 0, 0}, 1, voters, sums), 1);
   for (std::size_t c = 0; c < VoteSums::kCount; ++c) {
     EXPECT_NE(sums.value[c], 0);
-    EXPECT_EQ(voters.blocks[0].sums_of(0).value[c], sums.value[c]);
-    for (std::size_t lane = 1; lane < kLanes; ++lane) EXPECT_EQ(voters.blocks[0].sums_of(lane).value[c], 0);
+    EXPECT_EQ(voters.sums(0).value[c], sums.value[c]);
+    for (std::size_t lane = 1; lane < kLanes; ++lane) EXPECT_EQ(voters.sums(lane).value[c], 0);
   }
-  ASSERT_EQ(exchange(GetParam(), {0, 0, 0}, -1, voters.blocks, sums), 1);
+  ASSERT_EQ(exchange(GetParam(), {0, 0, 0}, -1, voters, sums), 1);
   EXPECT_EQ(sums, VoteSums{}) << "taking back leaves nothing";
-  EXPECT_EQ(voters.blocks[0].sums_of(0), VoteSums{});
+  EXPECT_EQ(voters.sums(0), VoteSums{});
 }
 
 TEST_P(Kernel, AVoteIsTheReferenceVoteAtEveryDistance) {
@@ -103,7 +103,7 @@ TEST_P(Kernel, AVoteIsTheReferenceVoteAtEveryDistance) {
     Voters one;
     one.push_back(p);
     VoteSums sums;
-    exchange(GetParam(), {0, 0, 0}, 1, one.blocks, sums);
+    exchange(GetParam(), {0, 0, 0}, 1, one, sums);
     VotingParameters in_steps = kParameters;
     in_steps.sigma = 150;
     in_steps.radius = 450;
@@ -123,11 +123,11 @@ TEST_P(Kernel, AVoteIsTheReferenceVoteAtEveryDistance) {
 TEST_P(Kernel, FarFromTheOriginNothingIsLost) {
   Voters near = random_voters(100, {0, 0, 0}, 5);
   VoteSums expected;
-  exchange(GetParam(), {0, 0, 0}, 1, near.blocks, expected);
+  exchange(GetParam(), {0, 0, 0}, 1, near, expected);
   for (const StepPoint& origin : {StepPoint{500'000'000, -500'000'000, 7}, StepPoint{2147483647, -2147483647 - 1, 0}}) {
     Voters far = random_voters(100, origin, 5);
     VoteSums sums;
-    exchange(GetParam(), origin, 1, far.blocks, sums);
+    exchange(GetParam(), origin, 1, far, sums);
     EXPECT_EQ(sums, expected) << "coordinates wrap, differences do not";
     EXPECT_EQ(received(far), received(near));
   }
@@ -138,10 +138,10 @@ TEST_P(Kernel, ManyVotersDoNotOverflow) {
   Voters crowd;
   for (int i = 0; i < kLanes; ++i) crowd.push_back({1, 0, 0});
   VoteSums sums;
-  for (int i = 0; i < kCount / kLanes; ++i) exchange(GetParam(), {0, 0, 0}, 1, crowd.blocks, sums);
+  for (int i = 0; i < kCount / kLanes; ++i) exchange(GetParam(), {0, 0, 0}, 1, crowd, sums);
   const double w = std::exp(-1.0 / 22500);
   EXPECT_NEAR(to_tensor(sums, 1).mass, kCount * w, 1e-6 * kCount);
-  EXPECT_NEAR(to_tensor(crowd.blocks[0].sums_of(3), 1).mass, kCount / kLanes * w, 1e-6 * kCount / kLanes);
+  EXPECT_NEAR(to_tensor(crowd.sums(3), 1).mass, kCount / kLanes * w, 1e-6 * kCount / kLanes);
 }
 
 TEST_P(Kernel, TakesTensorsApartAsTheReferenceDoes) {
