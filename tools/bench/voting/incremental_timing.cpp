@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <curbstone/map_points_t.hpp>
+#include <curbstone/voted_points_t.hpp>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -28,12 +29,19 @@ double cpu_ms() {
   return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
 }
 
-RevolutionTimes summarise(std::vector<double> ms) {
+/// The least of the values that `share` of all do not exceed.
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const auto n = static_cast<double>(values.size());
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::ceil(share * n)) - 1;
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+RevolutionTimes summarise(const std::vector<double>& ms) {
   if (ms.empty()) return {};
-  std::sort(ms.begin(), ms.end());
   const double sum = std::accumulate(ms.begin(), ms.end(), 0.0);
-  const auto n = static_cast<double>(ms.size());
-  return {sum / n, ms[static_cast<std::size_t>(std::ceil(0.99 * n)) - 1], ms.back()};
+  return {sum / static_cast<double>(ms.size()), quantile(ms, 0.99), quantile(ms, 1)};
 }
 
 TensorVotingConfig two_scales() {
@@ -71,7 +79,12 @@ class FieldTimer {
 /// A real worker alone on a bus.
 class WorkerTimer {
  public:
-  WorkerTimer() : node_(two_scales(), "tensor_voting:1", bus_) { node_.connect(bus_); }
+  WorkerTimer() : node_(two_scales(), "tensor_voting:1", bus_) {
+    node_.connect(bus_);
+    bus_.subscribe<voted_points_t>("VOTED_POINTS", [this](const voted_points_t& page) {
+      if (page.first == 0) pacing_ms.push_back(static_cast<double>(now_ - page.utime) * 1e-3);
+    });
+  }
   void hear(const std::string& channel, const void* data, int size) {
     const double begin = cpu_ms();
     bus_.inject(channel, data, size);
@@ -79,13 +92,16 @@ class WorkerTimer {
     ms_ += cpu_ms() - begin;
   }
   void tick(std::int64_t now) {
+    now_ = now;
     const double begin = cpu_ms();
     node_.tick(now);
     tick_ms_ += cpu_ms() - begin;
-    bus_.dispatch();  // what it published: nobody hears it
+    bus_.dispatch();  // what it published
   }
   double take_ms() { return std::exchange(ms_, 0.0) + tick_ms(); }
   [[nodiscard]] double mean_tick_ms(int revolutions) const { return all_ticks_ms_ / std::max(1, revolutions); }
+
+  std::vector<double> pacing_ms;  // of each tile published
 
  private:
   double tick_ms() {
@@ -94,6 +110,7 @@ class WorkerTimer {
   }
   LocalBus bus_;
   TensorVotingNode node_;
+  std::int64_t now_ = 0;
   double ms_ = 0;
   double tick_ms_ = 0;
   double all_ticks_ms_ = 0;
@@ -170,8 +187,10 @@ IncrementalTiming time_incremental(const DriveSource& source) {
   timing.revolutions = static_cast<int>(voting_ms.size());
   timing.points = fields.map().num_points();
   timing.decomposition_ms = worker.mean_tick_ms(timing.revolutions);
-  timing.voting = summarise(std::move(voting_ms));
-  timing.worker = summarise(std::move(worker_ms));
+  timing.pacing_p50_ms = quantile(worker.pacing_ms, 0.5);
+  timing.pacing_p95_ms = quantile(worker.pacing_ms, 0.95);
+  timing.voting = summarise(voting_ms);
+  timing.worker = summarise(worker_ms);
   for (const VotingField& field : fields.fields()) {
     const VotersOfField voters = voters_of(field, fields.map());
     timing.voters += voters.points.size();

@@ -59,6 +59,8 @@ void print_incremental(const IncrementalTiming& t) {
   line("its points into both fields", t.voting);
   line("a worker, all of it", t.worker);
   fmt::print("  of which changed tiles into VOTED_POINTS: {:.2f} on average\n", t.decomposition_ms);
+  fmt::print("  newest points of a tile to its VOTED_POINTS, by pacing alone: p50 {:.0f} ms, p95 {:.0f} ms\n",
+             t.pacing_p50_ms, t.pacing_p95_ms);
   fmt::print("  largest difference to the batch vote of the same points: {:.1e} of the tensor's norm\n",
              t.max_relative_difference);
 }
