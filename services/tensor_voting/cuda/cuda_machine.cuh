@@ -51,7 +51,7 @@ __global__ void __launch_bounds__(kThreads) run_each_window(F f, std::uint32_t n
 }
 
 /// The current device, by a stream and a pool of memory of its own: arrays must not outlive it. Work is queued;
-/// download() waits. All functions throw std::runtime_error.
+/// upload() and download() wait. All functions throw std::runtime_error.
 class CudaMachine {
   struct Context {
     cudaStream_t stream = nullptr;
@@ -119,6 +119,7 @@ class CudaMachine {
   [[nodiscard]] Array<T> upload(const T* from, std::size_t n) const {
     Array<T> to = allocate<T>(n);
     move(to.data(), from, n, cudaMemcpyHostToDevice, "upload");
+    synchronize();  // `from` may go
     return to;
   }
   template <class T>

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "services/tensor_voting/cuda/cloud_request.hpp"
+#include "services/tensor_voting/step_cloud.hpp"
 
 namespace curbstone {
 
@@ -30,8 +31,8 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// The median of some of the points, axis by axis: a few stray ones do not move it.
-void find_middle(std::span<const Eigen::Vector3d> points, double* middle) {
+/// The origin that to_steps() would find: of some of the points, as it looks at no more.
+Eigen::Vector3d find_middle(std::span<const Eigen::Vector3d> points, double sigma) {
   constexpr std::size_t kSample = 1000;
   std::vector<Eigen::Vector3d> sample;
   for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / kSample) {
@@ -39,14 +40,9 @@ void find_middle(std::span<const Eigen::Vector3d> points, double* middle) {
   }
   if (sample.empty()) {
     const auto finite = std::find_if(points.begin(), points.end(), [](const auto& p) { return p.allFinite(); });
-    if (finite == points.end()) return;
-    sample.push_back(*finite);
+    if (finite != points.end()) sample.push_back(*finite);
   }
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> values;
-    for (const Eigen::Vector3d& p : sample) values.push_back(p[axis]);
-    middle[axis] = median(std::move(values));
-  }
+  return to_steps(sample, sigma).origin;
 }
 
 }  // namespace
@@ -54,9 +50,8 @@ void find_middle(std::span<const Eigen::Vector3d> points, double* middle) {
 cuda::BatchRequest cuda::request_for(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters,
                                      const BatchOptions& options) {
   validate(parameters);
-  BatchRequest request{parameters, {}, options.second_pass, options.equalise_density};
-  find_middle(points, request.middle);
-  return request;
+  const Eigen::Vector3d m = find_middle(points, parameters.sigma);
+  return {parameters, {m.x(), m.y(), m.z()}, options.second_pass, options.equalise_density};
 }
 
 CloudVotes cuda::to_cloud_votes(const BatchOutput& output) {
