@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <future>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -46,20 +47,6 @@ class Assembly {
   [[nodiscard]] const CellList& cells() const { return cells_; }
   void weigh(const std::vector<float>& weights) { arrays_.weight = weights.data(); }
   void orient(const std::vector<OrientedVoter>& voters) { arrays_.oriented = voters.data(); }
-
-  /// The mean number of voters that one is tested against.
-  [[nodiscard]] double tests_per_voter() const {
-    double tests = 0;
-    std::vector<VoterRun> runs;
-    for (const CellList::Cell& cell : cells_.cells()) {
-      runs.clear();
-      cells_.runs_around(cell, kReach, runs);
-      double near = 0;
-      for (const VoterRun& run : runs) near += run.count;
-      tests += near * (cell.end - cell.begin);
-    }
-    return tests / static_cast<double>(cells_.source().size());
-  }
 
   /// Has every block of voters voted for. `take(blocks, votes)` is called by any thread, for a few blocks at a time.
   template <class Take>
@@ -157,8 +144,17 @@ std::vector<OrientedVoter> oriented_voters(const CellList& cells, const VoterRes
   return oriented;
 }
 
+Assembly assemble(const StepCloud& cloud, const Thinning& thinning, const VotingParameters& parameters,
+                  const BatchOptions& options, int threads) {
+  // Density equalised over sigma / 2 must see that far even where the cut-off is nearer.
+  const double radius = std::max(cut_off(parameters), options.equalise_density ? parameters.sigma / 2 : 0.0);
+  const bool all = thinning.voters.size() == cloud.points.size();
+  const std::vector<WidePoint> some = all ? std::vector<WidePoint>() : voters_of(cloud, thinning);
+  return {std::span(all ? cloud.points : some), radius / cloud.step, threads};
+}
+
 VoterResults vote(Assembly& assembly, const StepCloud& cloud, const VotingParameters& parameters,
-                  const BatchOptions& options) {
+                  const BatchOptions& options, VoterResults results) {
   const BatchKernel& kernel = batch_kernels()[0];
   const double unit = cloud.unit;
   const BatchScale scale{static_cast<float>(unit * unit / (parameters.sigma * parameters.sigma)),
@@ -170,7 +166,6 @@ VoterResults vote(Assembly& assembly, const StepCloud& cloud, const VotingParame
     weights = density_weights(assembly, static_cast<float>(parameters.sigma / 2 / unit), kernel);
     assembly.weigh(weights);
   }
-  VoterResults results(cells.source().size());
   assembly.run(kernel.ball, scale, [&](auto blocks, auto votes) {
     std::array<TensorBlock, kBlocksAtOnce> tensors;
     for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -210,22 +205,19 @@ CloudVotes vote_cloud(std::span<const Eigen::Vector3d> points, const VotingParam
     return votes;
   }
 
-  // Density equalised over sigma / 2 must see that far even where the cut-off is nearer.
-  const double radius =
-      options.equalise_density ? std::max(parameters.radius, parameters.sigma / 2) : parameters.radius;
-  const auto assemble = [&](const Thinning& thinning) {
-    return Assembly(voters_of(cloud, thinning), radius / cloud.step, threads);
-  };
   Thinning thinning = votes.voxel > 0 ? first_in_voxel(cloud, votes.voxel) : keep_all(cloud.points.size());
-  Assembly assembly = assemble(thinning);
+  // Memory that nobody has touched yet takes as long to get as the points take to sort.
+  const auto policy = threads > 1 ? std::launch::async : std::launch::deferred;
+  auto room = std::async(policy, [size = thinning.voters.size()] { return VoterResults(size); });
+  Assembly assembly = assemble(cloud, thinning, parameters, options, threads);
   constexpr double kMostTests = 50'000;
   const double coarse = parameters.sigma / 8;
-  if (votes.voxel < coarse && assembly.tests_per_voter() > kMostTests) {
+  if (votes.voxel < coarse && assembly.cells().crowded(kReach, kMostTests)) {
     votes.voxel = coarse;
     thinning = first_in_voxel(cloud, coarse);
-    assembly = assemble(thinning);
+    assembly = assemble(cloud, thinning, parameters, options, threads);
   }
-  VoterResults results = vote(assembly, cloud, parameters, options);
+  VoterResults results = vote(assembly, cloud, parameters, options, room.get());
   votes.num_voters = thinning.voters.size();
   if (votes.num_voters == points.size()) {  // voter by voter is point by point
     votes.tensors = std::move(results.tensors);

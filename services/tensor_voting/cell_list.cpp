@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 
 #include "services/tensor_voting/parallel.hpp"
@@ -205,6 +206,22 @@ void CellList::make_blocks(int threads) {
       }
     }
   });
+}
+
+bool CellList::crowded(int reach, double most) const {
+  std::uint32_t largest = 0;
+  for (const Cell& cell : cells_) largest = std::max(largest, cell.end - cell.begin);
+  if (largest * std::pow(2.0 * reach + 1, 3) <= most) return false;  // as good as always
+  double pairs = 0;
+  std::vector<VoterRun> runs;
+  for (const Cell& cell : cells_) {
+    runs.clear();
+    runs_around(cell, reach, runs);
+    double near = 0;
+    for (const VoterRun& run : runs) near += run.count;
+    pairs += near * (cell.end - cell.begin);
+  }
+  return pairs > most * static_cast<double>(source_.size());
 }
 
 void CellList::runs_around(const Cell& cell, int reach, std::vector<VoterRun>& runs) const {

@@ -35,6 +35,8 @@ class CellList {
   [[nodiscard]] const std::vector<std::uint32_t>& source() const { return source_; }
   [[nodiscard]] VoterArrays arrays() const { return {x_.data(), y_.data(), z_.data(), nullptr, nullptr}; }
 
+  /// Whether a point has more than `most` others in the cells up to `reach` away, on average.
+  [[nodiscard]] bool crowded(int reach, double most) const;
   /// Appends the runs of points in the cells up to `reach` cells away from `cell` in each direction.
   void runs_around(const Cell& cell, int reach, std::vector<VoterRun>& runs) const;
 
