@@ -64,10 +64,21 @@ std::vector<TileKey> DenseMap::keys() const {
 }
 
 DenseTile* DenseMap::find_tile(TileKey key) {
+  constexpr unsigned kMask = kRecentSide - 1;
+  Recent& recent =
+      recent_[(static_cast<unsigned>(key.x) & kMask) * kRecentSide + (static_cast<unsigned>(key.y) & kMask)];
+  if (recent.tile != nullptr && recent.key == key) return recent.tile;
   const auto it = tiles_.find(key);
   if (it == tiles_.end()) return nullptr;
   it->second.wake();
-  return &it->second;
+  recent = {key, &it->second};
+  return recent.tile;
+}
+
+DenseTile& DenseMap::tile_for_sure(TileKey key) {
+  if (DenseTile* tile = find_tile(key)) return *tile;
+  tiles_.try_emplace(key, static_cast<std::int32_t>(std::lround(base_.z())), voxel_steps_);
+  return *find_tile(key);
 }
 
 DenseTile* DenseMap::tile_at_point(const Eigen::Vector3d& point) {
@@ -107,14 +118,12 @@ void DenseMap::learn(const std::vector<LidarPoint>& points, const Pose& T_map_ba
     if (!key || std::abs(key->x) > 30000 || std::abs(key->y) > 30000) continue;  // 90 km from the start
     in_range_.push_back(in_map);
     in_range_intensity_.push_back(point.intensity);
-    const auto [it, inserted] =
-        tiles_.try_emplace(*key, static_cast<std::int32_t>(std::lround(base_.z())), voxel_steps_);
-    it->second.wake();
+    DenseTile& tile = tile_for_sure(*key);
     const double scale = DenseTile::kColumns / kTileSize;
     const int column =
         std::clamp(static_cast<int>((in_map.x() - key->x * kTileSize) * scale), 0, DenseTile::kColumns - 1);
     const int row = std::clamp(static_cast<int>((in_map.y() - key->y * kTileSize) * scale), 0, DenseTile::kColumns - 1);
-    float& lowest = it->second.lowest(column, row);
+    float& lowest = tile.lowest(column, row);
     lowest = std::min(lowest, static_cast<float>(in_map.z()));
   }
   for (const Eigen::Vector3d& p : in_range_) {
@@ -166,7 +175,7 @@ bool DenseMap::stays(const Eigen::Vector3i& cell) const {
 
 void DenseMap::hit(const Eigen::Vector3d& point, std::uint8_t intensity, std::int64_t utime, bool add_new) {
   const TileKey key = *tile_at(point.x(), point.y());
-  const DenseTile& tile = tiles_.at(key);
+  const DenseTile& tile = tile_for_sure(key);
   const auto in_tile = point_in_tile(point - corner_of(key, tile), intensity);
   if (!in_tile) return;
   const std::uint32_t voxel = tile.voxel_number(*in_tile);
@@ -263,6 +272,7 @@ void DenseMap::bound_memory() {
   const auto distance = [&](TileKey key) {
     return std::hypot((key.x + 0.5) * kTileSize - base_.x(), (key.y + 0.5) * kTileSize - base_.y());
   };
+  recent_.fill({});  // what sleeps or goes must be found anew
   std::vector<std::pair<double, TileKey>> far;
   for (auto& [key, tile] : tiles_) {
     const double d = distance(key);

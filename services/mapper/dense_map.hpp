@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
@@ -60,6 +61,7 @@ class DenseMap {
 
   DenseTile* tile_at_point(const Eigen::Vector3d& point);
   DenseTile* find_tile(TileKey key);
+  DenseTile& tile_for_sure(TileKey key);
   void learn(const std::vector<LidarPoint>& points, const Pose& T_map_base, std::int64_t utime);
   void hit(const Eigen::Vector3d& point, std::uint8_t intensity, std::int64_t utime, bool add_new);
   void occupy(const Eigen::Vector3d& point, std::int64_t utime);
@@ -74,6 +76,13 @@ class DenseMap {
   DenseConfig config_;
   int voxel_steps_;
   std::unordered_map<TileKey, DenseTile, TileKeyHash> tiles_;
+  /// Tiles looked up lately, by the low bits of their keys: points come tile by tile.
+  struct Recent {
+    TileKey key;
+    DenseTile* tile = nullptr;
+  };
+  static constexpr int kRecentSide = 16;
+  std::array<Recent, kRecentSide * kRecentSide> recent_;
   std::vector<Waiting> waiting_;
   FlatIndex waiting_index_;
   std::vector<Place> places_;

@@ -115,15 +115,11 @@ IcpRegistration::IcpRegistration(const IcpConfig& config, const Eigen::Vector3d&
                .min_grazing = config.min_grazing}) {}
 
 /// The finest plane within reach; where none is, one that is out of reach.
-const MapPlane* IcpRegistration::plane_at(const Eigen::Vector3f& point, float reach) {
-  const MapPlane* found = nullptr;
-  for (PlaneLevel* level : {&fine_, &coarse_}) {
-    const MapPlane* plane = level->plane_at(point);
-    if (plane == nullptr) continue;
-    found = plane;
-    if (std::abs(plane->normal.dot(point - plane->mean)) < reach) break;
-  }
-  return found;
+const MapPlane* IcpRegistration::plane_at(const Eigen::Vector3f& point, float reach, Place& place) {
+  const MapPlane* fine = fine_.plane_at(point, place.fine);
+  if (fine != nullptr && std::abs(fine->normal.dot(point - fine->mean)) < reach) return fine;
+  const MapPlane* coarse = coarse_.plane_at(point, place.coarse);
+  return coarse != nullptr ? coarse : fine;
 }
 
 RegistrationResult IcpRegistration::align(const std::vector<LidarPoint>& points, const PosePrior& prior) {
@@ -131,15 +127,16 @@ RegistrationResult IcpRegistration::align(const std::vector<LidarPoint>& points,
   RegistrationResult result;
   Pose T = prior.T_map_base;
   NormalEquations sum;
-  double annealing = config_.search;
+  double annealing = std::clamp(prior.reach, 5 * config_.kernel, std::max(config_.search, 5 * config_.kernel));
+  places_.assign(source.size(), {});
   while (result.iterations < config_.max_iterations && !result.converged) {
     ++result.iterations;
     const Kernel kernel{std::max(annealing, 6 * config_.kernel), std::max(0.2 * annealing, config_.kernel),
                         config_.sensor_sigma * config_.sensor_sigma};
     sum = {};
-    for (const LidarPoint& point : source) {
-      const Eigen::Vector3d p = point.position.cast<double>();
-      const MapPlane* plane = plane_at((T * p).cast<float>(), static_cast<float>(kernel.reach));
+    for (std::size_t i = 0; i < source.size(); ++i) {
+      const Eigen::Vector3d p = source[i].position.cast<double>();
+      const MapPlane* plane = plane_at((T * p).cast<float>(), static_cast<float>(kernel.reach), places_[i]);
       if (plane != nullptr) add_point(p, *plane, T, kernel, sum);
     }
     const Constraint lidar = without_degenerate(sum, config_.degenerate_below);

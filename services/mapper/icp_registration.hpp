@@ -21,12 +21,16 @@ class IcpRegistration final : public Registration {
   [[nodiscard]] std::size_t size() const override { return fine_.size() + coarse_.size(); }
 
  private:
-  [[nodiscard]] const MapPlane* plane_at(const Eigen::Vector3f& point_in_map, float reach);
+  struct Place {
+    PlaneLevel::Place fine, coarse;
+  };
+  [[nodiscard]] const MapPlane* plane_at(const Eigen::Vector3f& point_in_map, float reach, Place& place);
 
   IcpConfig config_;
   Eigen::Vector3f lidar_;
   PlaneLevel fine_;
   PlaneLevel coarse_;
+  std::vector<Place> places_;  // scratch: of the source's points
   Eigen::Vector3d kept_around_ = Eigen::Vector3d::Zero();
 };
 

@@ -13,6 +13,8 @@ constexpr double kLongestStride = 1.0;  // s: after that, a constant velocity is
 constexpr double kAcceleration = 10.0;  // m/s a revolution's time, what velocity may be off by without odometry
 constexpr double kTurning = 2.0;        // rad/s, the same for rotation
 constexpr int kDeskewPasses = 2;        // without odometry
+constexpr double kRefined = 0.15;       // m, that such a pass may find its points off
+constexpr double kLever = 15.0;         // m, at which most of what is registered stands
 constexpr std::size_t kMostHeld = 20;   // revolutions of the first standstill: more show nothing new
 constexpr int kFirstInsertions = 10;    // revolutions that go into the map even when the vehicle stands
 
@@ -189,7 +191,9 @@ Mapper::Expectation Mapper::expect_steady(const Revolution& revolution) const {
 Mapper::Attempt Mapper::try_with(const Revolution& revolution, Expectation expected) {
   Attempt attempt;
   attempt.prior.T_map_base = normalised(last_->T_map_base * expected.T_last_base);
-  attempt.prior.information = (drift_ + expected.covariance).inverse();
+  const Matrix6 covariance = drift_ + expected.covariance;
+  attempt.prior.information = covariance.inverse();
+  attempt.prior.reach = 3 * (std::sqrt(covariance(0, 0)) + kLever * std::sqrt(covariance(3, 3)));
   attempt.expected = std::move(expected);
   align(revolution, attempt);
   attempt.refusal = refusal(attempt);
@@ -229,6 +233,7 @@ void Mapper::align(const Revolution& revolution, Attempt& attempt) {
     assumed = found;
     attempt.points = in_base(revolution, steady_sweep(assumed, sweep_seconds));
     prior.T_map_base = attempt.result.T_map_base;
+    prior.reach = kRefined;
     if (first_) begin_registration_map(assumed);
     attempt.result = registration_->align(attempt.points, prior);
   }

@@ -36,21 +36,32 @@ void PlaneLevel::insert(const Eigen::Vector3f& point, const Eigen::Vector3f& ray
   m.squares[5] += d.z() * d.z();
 }
 
-const MapPlane* PlaneLevel::plane_at(const Eigen::Vector3f& point) {
+const MapPlane* PlaneLevel::plane_at(const Eigen::Vector3f& point, Place& place) {
   const Eigen::Vector3i cell = voxel_of(point, inverse_size_);
-  const std::uint32_t own = index_.find(voxel_key(cell));
-  if (own != FlatIndex::kNone) return up_to_date(voxels_[own]);
+  const VoxelKey key = voxel_key(cell);
+  if (key != place.key) place = {key, 8, index_.find(key), {}};
+  if (place.own != FlatIndex::kNone) return up_to_date(voxels_[place.own]);
 
   // Beside a surface, not on it: take the neighbour on the nearer side along one axis, nearest first.
   const Eigen::Vector3f d = point - centre_of(cell);
+  const unsigned side = (d.x() > 0 ? 1U : 0U) | (d.y() > 0 ? 2U : 0U) | (d.z() > 0 ? 4U : 0U);
+  if (side != place.side) {
+    place.side = side;
+    for (int axis = 0; axis < 3; ++axis) {
+      Eigen::Vector3i beside = cell;
+      beside[axis] += d[axis] > 0 ? 1 : -1;
+      place.beside[static_cast<std::size_t>(axis)] = index_.find(voxel_key(beside));
+    }
+  }
   std::array<int, 3> axes{0, 1, 2};
-  std::sort(axes.begin(), axes.end(), [&](int a, int b) { return std::abs(d[a]) > std::abs(d[b]); });
+  const auto order = [&](std::size_t a, std::size_t b) {
+    if (std::abs(d[axes[a]]) < std::abs(d[axes[b]])) std::swap(axes[a], axes[b]);
+  };
+  order(0, 1), order(1, 2), order(0, 1);
   for (const int axis : axes) {
-    Eigen::Vector3i beside = cell;
-    beside[axis] += d[axis] > 0 ? 1 : -1;
-    const std::uint32_t place = index_.find(voxel_key(beside));
-    if (place == FlatIndex::kNone) continue;
-    if (const MapPlane* plane = up_to_date(voxels_[place])) return plane;
+    const std::uint32_t beside = place.beside[static_cast<std::size_t>(axis)];
+    if (beside == FlatIndex::kNone) continue;
+    if (const MapPlane* plane = up_to_date(voxels_[beside])) return plane;
   }
   return nullptr;
 }
@@ -87,7 +98,7 @@ void PlaneLevel::fit(Voxel& voxel) {
 
   // A neighbourhood that hardly grew is left alone for longer and longer.
   const bool settled = count < 1.1 * static_cast<double>(voxel.fitted_count);
-  voxel.patience = settled ? std::min(2 * voxel.patience, 32) : 1;
+  voxel.patience = settled ? std::min(2 * voxel.patience, 32) : 2;
   voxel.fitted = version_;
   voxel.fitted_count = static_cast<float>(count);
   voxel.valid = false;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -37,9 +38,21 @@ class PlaneLevel {
   /// Call after the points of a revolution: planes fitted before it may now be stale.
   void end_insertion() { ++version_; }
 
+  /// Where a point was looked up last; good until the next insert(). A point that hardly moved is found without a
+  /// search.
+  struct Place {
+    VoxelKey key = ~VoxelKey{0};
+    unsigned side = 8;  // of the voxel's centre, a bit an axis; 8: not looked
+    std::uint32_t own = FlatIndex::kNone;
+    std::array<std::uint32_t, 3> beside{};
+  };
   /// The plane of the voxel that holds the point, or of the nearest one beside it; nullptr if there is none.
   /// The pointer lives until the next insert().
-  [[nodiscard]] const MapPlane* plane_at(const Eigen::Vector3f& point);
+  [[nodiscard]] const MapPlane* plane_at(const Eigen::Vector3f& point, Place& place);
+  [[nodiscard]] const MapPlane* plane_at(const Eigen::Vector3f& point) {
+    Place anywhere;
+    return plane_at(point, anywhere);
+  }
 
   /// Forgets voxels farther than `radius` (in any axis) from `centre`.
   void keep_around(const Eigen::Vector3f& centre, float radius);

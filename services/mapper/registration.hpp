@@ -17,6 +17,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 struct PosePrior {
   Pose T_map_base = Pose::Identity();
   Matrix6 information = Matrix6::Zero();  ///< inverse covariance, in base_link axes
+  double reach = 1e9;  ///< m: nothing is farther from where this pose puts it: surfaces need not be sought beyond
 };
 
 /// What came of registering one revolution.
