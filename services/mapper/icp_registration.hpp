@@ -18,20 +18,14 @@ class IcpRegistration final : public Registration {
   [[nodiscard]] RegistrationResult align(const std::vector<LidarPoint>& points, const PosePrior& prior) override;
   void insert(const std::vector<LidarPoint>& points, const Pose& T_map_base) override;
   void keep_around(const Eigen::Vector3d& centre) override;
-  [[nodiscard]] std::size_t size() const override { return fine_.size() + coarse_.size(); }
+  [[nodiscard]] std::size_t size() const override { return map_.size(); }
 
  private:
-  struct Place {
-    PlaneLevel::Place fine, coarse;
-  };
-  [[nodiscard]] const MapPlane* plane_at(const Eigen::Vector3f& point_in_map, float reach, Place& place);
-
   IcpConfig config_;
   Eigen::Vector3f lidar_;
-  PlaneLevel fine_;
-  PlaneLevel coarse_;
-  std::vector<Place> places_;  // scratch: of the source's points
+  PlaneMap map_;
   Eigen::Vector3d kept_around_ = Eigen::Vector3d::Zero();
+  std::vector<PlaneMap::Place> places_;  // scratch: of the source's points
 };
 
 }  // namespace curbstone

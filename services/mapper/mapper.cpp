@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "services/mapper/icp_registration.hpp"
+#include "services/mapper/make_registration.hpp"
 
 namespace curbstone {
 namespace {
@@ -43,10 +43,6 @@ SweepMotion sweep_from(const OdometryHistory& odometry, const Revolution& revolu
   }
   if (sweep.T_end_at.size() < 2) sweep.T_end_at.resize(2, Pose::Identity());
   return sweep;
-}
-
-std::unique_ptr<Registration> make_registration(const MapperConfig& config) {
-  return std::make_unique<IcpRegistration>(config.icp, config.vehicle.T_base_lidar().translation());
 }
 
 Matrix6 isotropic(double translation, double rotation) {

@@ -6,6 +6,7 @@
 #include "common/vehicle.hpp"
 #include "services/mapper/dense_config.hpp"
 #include "services/mapper/icp_config.hpp"
+#include "services/mapper/loam_config.hpp"
 
 namespace curbstone {
 
@@ -30,10 +31,11 @@ struct MapperConfig {
   double keyframe_rad = 0.01;       ///< rad turned until it does
   VehicleConfig vehicle;
   IcpConfig icp;
+  LoamConfig loam;
   DenseConfig dense;
 
   void visit(ConfigVisitor& v) {
-    v.choice("method", method, {"icp"}, "of registration");
+    v.choice("method", method, {"icp", "loam"}, "of registration");
     v.field("odometry_wait_s", odometry_wait_s, {0.02, 5.0}, "s of lidar time that a revolution waits for odometry");
     v.field("start_wait_s", start_wait_s, {0.02, 60.0}, "s of lidar time that the first one waits");
     v.field("prior_translation", prior_translation, {0.0, 1.0}, "1 sigma of odometry, m a metre driven");
@@ -52,6 +54,7 @@ struct MapperConfig {
     v.field("keyframe_rad", keyframe_rad, {0.0, 3.0}, "rad turned until it does");
     v.section("vehicle", vehicle, "what the parts share about the vehicle");
     v.section("icp", icp, "point-to-plane registration");
+    v.section("loam", loam, "registration by edges and planes");
     v.section("dense", dense, "the dense map");
   }
 };

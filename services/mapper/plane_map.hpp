@@ -1,89 +1,41 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
-#include <cstdint>
 #include <vector>
 
-#include "services/mapper/flat_index.hpp"
+#include "common/geometry.hpp"
+#include "services/mapper/revolution.hpp"
+#include "services/mapper/shape_map.hpp"
 
 namespace curbstone {
 
-/// A piece of surface, in map.
-struct MapPlane {
-  Eigen::Vector3f mean = Eigen::Vector3f::Zero();
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit; its sign means nothing
-  float variance = 0;                                ///< m^2, of the points about the plane
-};
-
-/// How finely a level of the map looks, and what passes for a plane there.
-struct PlaneLevelOptions {
-  double voxel = 0.3;         ///< m
-  int capacity = 40;          ///< points of a voxel; more are not taken, so that the map stays where it was built
-  int min_points = 6;         ///< in the 3 x 3 x 3 voxels that a plane is fitted to
-  double max_flatness = 0.1;  ///< smallest over middle eigenvalue of the covariance
-  double min_width = 0.12;    ///< m: root of the middle eigenvalue; less is a line
-  double min_grazing = 0.05;  ///< sine of the angle at which rays must have met the plane, in the mean: see fit()
-};
-
-/// Surfaces of the world as planes in a lattice of voxels. A voxel keeps count, sum and sum of squares of its points;
-/// the plane of a voxel is fitted to these moments over its 3 x 3 x 3 neighbourhood, which are plain sums: nothing is
-/// ever rebuilt, and a point costs the same on the first day as on the last. Pure; one thread.
-class PlaneLevel {
+/// Planes of the world at two scales: fine ones where points are dense, coarse ones where they are sparse. Pure; one
+/// thread.
+class PlaneMap {
  public:
-  explicit PlaneLevel(const PlaneLevelOptions& options);
-
-  /// `ray`: unit vector from the lidar to the point, in map.
-  void insert(const Eigen::Vector3f& point, const Eigen::Vector3f& ray);
-  /// Call after the points of a revolution: planes fitted before it may now be stale.
-  void end_insertion() { ++version_; }
-
-  /// Where a point was looked up last; good until the next insert(). A point that hardly moved is found without a
-  /// search.
-  struct Place {
-    VoxelKey key = ~VoxelKey{0};
-    unsigned side = 8;  // of the voxel's centre, a bit an axis; 8: not looked
-    std::uint32_t own = FlatIndex::kNone;
-    std::array<std::uint32_t, 3> beside{};
+  struct Options {
+    double fine_voxel = 0.3;    ///< m
+    double coarse_voxel = 1.0;  ///< m
+    double min_grazing = 0.05;  ///< as of ShapeLevelOptions
   };
-  /// The plane of the voxel that holds the point, or of the nearest one beside it; nullptr if there is none.
-  /// The pointer lives until the next insert().
-  [[nodiscard]] const MapPlane* plane_at(const Eigen::Vector3f& point, Place& place);
-  [[nodiscard]] const MapPlane* plane_at(const Eigen::Vector3f& point) {
-    Place anywhere;
-    return plane_at(point, anywhere);
-  }
+  /// Where a point was looked up last; see ShapeLevel::Place.
+  struct Place {
+    ShapeLevel::Place fine, coarse;
+  };
 
-  /// Forgets voxels farther than `radius` (in any axis) from `centre`.
+  explicit PlaneMap(const Options& options);
+
+  /// The finest plane within reach of the point (map, m); where none is, one that is out of reach; nullptr if there is
+  /// none. The pointer lives until the next insert().
+  [[nodiscard]] const MapShape* plane_at(const Eigen::Vector3f& point, float reach, Place& place);
+  /// Adds the points of a revolution, in base_link, seen by the lidar (there too).
+  void insert(const std::vector<LidarPoint>& points, const Pose& T_map_base, const Eigen::Vector3f& lidar);
+  /// Forgets what is farther than `radius` (in any axis) from `centre`.
   void keep_around(const Eigen::Vector3f& centre, float radius);
-  [[nodiscard]] std::size_t size() const { return voxels_.size(); }
+  [[nodiscard]] std::size_t size() const { return fine_.size() + coarse_.size(); }  ///< voxels
 
  private:
-  struct Moments {
-    float count = 0;
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();                            // of offsets from the voxel's centre
-    Eigen::Matrix<float, 6, 1> squares = Eigen::Matrix<float, 6, 1>::Zero();  // xx xy xz yy yz zz of them
-    Eigen::Vector3f rays = Eigen::Vector3f::Zero();                           // sum
-  };
-  struct Voxel {
-    Eigen::Vector3i cell;
-    Moments moments;
-    MapPlane plane;
-    bool valid = false;
-    std::int32_t fitted = -1;   // version at which the plane was fitted
-    std::int32_t patience = 1;  // versions until it is looked at again
-    float fitted_count = 0;
-  };
-
-  [[nodiscard]] Eigen::Vector3f centre_of(const Eigen::Vector3i& cell) const;
-  const MapPlane* up_to_date(Voxel& voxel);
-  void fit(Voxel& voxel);
-
-  PlaneLevelOptions options_;
-  double inverse_size_;
-  std::int32_t version_ = 0;
-  FlatIndex index_;
-  std::vector<Voxel> voxels_;
+  ShapeLevel fine_;
+  ShapeLevel coarse_;
 };
 
 }  // namespace curbstone

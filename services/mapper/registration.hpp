@@ -32,7 +32,7 @@ struct RegistrationResult {
   bool converged = false;
 };
 
-/// A way to register revolutions to the map that it keeps of them. `icp` is one; `loam` will be another.
+/// A way to register revolutions to the map that it keeps of them. `icp` and `loam` are two, by make_registration().
 /// Deterministic: the same calls give the same bits.
 class Registration {
  public:

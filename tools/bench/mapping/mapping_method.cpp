@@ -5,7 +5,7 @@
 namespace curbstone {
 
 std::vector<std::string> mapping_methods() {
-  return {"icp"};
+  return {"icp", "loam"};
 }
 
 std::unique_ptr<MappingMethod> make_mapping_method(const std::string& name, const MappingDrive& drive,
