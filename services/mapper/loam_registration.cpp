@@ -17,7 +17,7 @@ LoamRegistration::LoamRegistration(const LoamConfig& config, const Eigen::Vector
     : config_(config),
       lidar_(lidar.cast<float>()),
       planes_({config.fine_voxel, config.coarse_voxel, config.min_grazing}),
-      edges_({.shape = Shape::kLine, .voxel = config.edge_voxel, .min_width = 0.4 * config.edge_voxel}) {}
+      edges_({.shape = ShapeKind::kLine, .voxel = config.edge_voxel, .min_width = 0.4 * config.edge_voxel}) {}
 
 void LoamRegistration::add_match(const LidarPoint& feature, const MapShape& shape, bool line, const Pose& T,
                                  double reach, Matching& out) const {

@@ -109,14 +109,14 @@ void ShapeLevel::fit(Voxel& voxel) {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(covariance);
   const Eigen::Vector3d& lambda = solver.eigenvalues();
-  const int across = options_.shape == Shape::kPlane ? 0 : 1;
+  const int across = options_.shape == ShapeKind::kPlane ? 0 : 1;
   const double along = lambda[across + 1];
   if (!(along > options_.min_width * options_.min_width && lambda[across] < options_.max_flatness * along)) return;
   voxel.shape.mean = (centre_of(voxel.cell).cast<double>() + mean).cast<float>();
-  voxel.shape.axis = solver.eigenvectors().col(options_.shape == Shape::kPlane ? 0 : 2).cast<float>();
+  voxel.shape.axis = solver.eigenvectors().col(options_.shape == ShapeKind::kPlane ? 0 : 2).cast<float>();
   voxel.shape.variance = static_cast<float>(std::max(lambda[across], 0.0));
   voxel.valid = voxel.shape.axis.allFinite();
-  if (options_.shape == Shape::kLine) return;
+  if (options_.shape == ShapeKind::kLine) return;
   // Where one ring passes through foliage, or grazes, its returns scatter along the rays: they lie in a plane, and a
   // thin one, but it is the ring's own. Held to it, a vehicle can no longer pitch.
   const float grazing = std::abs(voxel.shape.axis.dot(rays)) / static_cast<float>(count);

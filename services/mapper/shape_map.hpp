@@ -9,7 +9,7 @@
 
 namespace curbstone {
 
-enum class Shape { kPlane, kLine };
+enum class ShapeKind { kPlane, kLine };
 
 /// A piece of surface, or of an edge, in map.
 struct MapShape {
@@ -20,7 +20,7 @@ struct MapShape {
 
 /// How finely a level of the map looks, and what passes for a plane or a line there.
 struct ShapeLevelOptions {
-  Shape shape = Shape::kPlane;
+  ShapeKind shape = ShapeKind::kPlane;
   double voxel = 0.3;         ///< m
   int capacity = 40;          ///< points of a voxel; more are not taken, so that the map stays where it was built
   int min_points = 6;         ///< in the 3 x 3 x 3 voxels that a shape is fitted to
