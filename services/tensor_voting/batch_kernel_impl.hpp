@@ -134,7 +134,7 @@ struct FarDecay {
 };
 
 /// Votees in the lanes of a vector, and the offsets of one voter from them.
-struct Place {
+struct VoteeLanes {
   Floats x, y, z;
 };
 struct Offset {
@@ -144,7 +144,7 @@ struct Offset {
 // Added to d^2, so that 1 / d^2 is finite where d is 0; beyond the resolution of every other distance.
 constexpr float kTiny = 1e-20F;
 
-CURBSTONE_INLINE Offset offset_of(const Place& votee, const NearVoters& near, std::size_t i, Floats radius2) {
+CURBSTONE_INLINE Offset offset_of(const VoteeLanes& votee, const NearVoters& near, std::size_t i, Floats radius2) {
   Offset d;
   d.x = votee.x - near.x[i];
   d.y = votee.y - near.y[i];
@@ -247,7 +247,7 @@ template <class Sums, bool weighted, class Decay>
 void show(const VoterArrays& voters, const NearVoters& near, const Votees& votees, const Decay& decay, float radius2,
           float* votes) {
   for (int lane = 0; lane < kBlock; lane += kWidth) {
-    const Place place{load<Floats>(votees.x + lane), load<Floats>(votees.y + lane), load<Floats>(votees.z + lane)};
+    const VoteeLanes place{load<Floats>(votees.x + lane), load<Floats>(votees.y + lane), load<Floats>(votees.z + lane)};
     const Floats limit = all(radius2);
     Sums sums;
     for (std::size_t i = 0; i < near.size; ++i) {
