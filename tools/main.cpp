@@ -6,6 +6,7 @@
 
 #include "common/version.hpp"
 #include "tools/bench/bench.hpp"
+#include "tools/calibrate/calibrate.hpp"
 #include "tools/detect/detect.hpp"
 #include "tools/evaluate/evaluate.hpp"
 #include "tools/replay/replay.hpp"
@@ -24,6 +25,7 @@ constexpr std::array kSubcommands = {
     Subcommand{"replay", curbstone::run_replay, "make a map from a log, as fast as the machine can"},
     Subcommand{"evaluate", curbstone::run_evaluate, "compare a map with the truth"},
     Subcommand{"detect", curbstone::run_detect, "curbs and classes of any cloud: .pcd, .ply, KITTI .bin"},
+    Subcommand{"calibrate", curbstone::run_calibrate, "wheels and extrinsics from a drive"},
     Subcommand{"bench", curbstone::run_bench, "measure: speed and accuracy, beside the peers"},
 };
 

@@ -1,0 +1,108 @@
+#include "tools/calibrate/drive_data.hpp"
+
+#include <algorithm>
+#include <curbstone/imu_t.hpp>
+#include <curbstone/map_pose_t.hpp>
+#include <curbstone/odometry_t.hpp>
+#include <curbstone/wheels_t.hpp>
+#include <stdexcept>
+
+#include "common/config.hpp"
+#include "common/local_bus.hpp"
+#include "services/ekf/ekf_messages.hpp"
+#include "services/ekf/ekf_node.hpp"
+#include "services/mapper/mapper_node.hpp"
+#include "tools/log/log_reader.hpp"
+#include "tools/log/message_order.hpp"
+
+namespace curbstone {
+
+namespace {
+
+template <class Config>
+Config load(const std::string& section, const std::string& file) {
+  ConfigOf<Config> config;
+  if (!file.empty()) load_config(file, section, config);
+  return config.value;
+}
+
+bool has_map_poses(const std::string& log) {
+  LogReader reader(log);
+  while (const auto event = reader.next())
+    if (event->channel == "MAP_POSE") return true;
+  return false;
+}
+
+/// Keeps what comes over a bus.
+class Collector {
+ public:
+  Collector(LocalBus& bus, const Pose& T_base_lidar) : T_base_lidar_(T_base_lidar) {
+    bus.subscribe<imu_t>("IMU", [this](const imu_t& m) {
+      if (why_refused(m) == nullptr && newer(data_.imu, m.utime)) data_.imu.push_back(sample_of(m));
+    });
+    bus.subscribe<wheels_t>("WHEELS", [this](const wheels_t& m) {
+      if (why_refused(m) == nullptr && newer(data_.wheels, m.utime)) data_.wheels.push_back(sample_of(m));
+    });
+    bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { on(m); });
+    bus.subscribe<odometry_t>("ODOMETRY", [this](const odometry_t& m) {
+      const Eigen::Vector3d bias(m.gyro_bias);
+      if (bias.allFinite()) data_.gyro_bias = bias;
+    });
+  }
+  [[nodiscard]] CalibrationData take() { return std::move(data_); }
+
+ private:
+  template <class Sample>
+  static bool newer(const std::vector<Sample>& samples, std::int64_t utime) {
+    return samples.empty() || utime > samples.back().utime;
+  }
+  void on(const map_pose_t& m) {
+    const Pose T_map_base = pose_from_arrays(m.map_base_position, m.map_base_orientation);
+    const bool registered = (m.flags & map_pose_t::REGISTERED) != 0 && m.degenerate == 0;
+    if (!registered || !is_finite(T_map_base) || !newer(data_.lidar, m.utime)) return;
+    data_.lidar.push_back({m.utime, T_map_base * T_base_lidar_});
+  }
+
+  Pose T_base_lidar_;
+  CalibrationData data_;
+};
+
+}  // namespace
+
+CalibrationData read_drive(const std::string& log, const std::string& config_file, bool map_anew) {
+  const auto mapper_config = load<MapperConfig>("mapper", config_file);
+  const bool given = !map_anew && has_map_poses(log);
+  LocalBus bus;
+  Collector collector(bus, mapper_config.vehicle.T_base_lidar());
+  EkfNode ekf(load<EkfConfig>("ekf", config_file), bus);
+  MapperNode mapper(mapper_config, bus);
+  ekf.connect(bus);
+  if (!given) mapper.connect(bus);
+
+  LogReader reader(log);
+  MessageOrder order;
+  const auto deliver = [&](const LogEvent& event) {
+    bus.inject(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
+    bus.dispatch();
+  };
+  while (auto event = reader.next()) {
+    const std::string& channel = event->channel;
+    const bool wanted = channel == "IMU" || channel == "WHEELS" || channel == (given ? "MAP_POSE" : "LIDAR_POINTS");
+    if (!wanted) continue;
+    order.push(std::move(*event));
+    while (const auto ready = order.pop(false)) deliver(*ready);
+  }
+  while (const auto ready = order.pop(true)) deliver(*ready);
+  ekf.finish();
+  bus.dispatch();
+  if (!given) mapper.finish();
+  bus.dispatch();
+
+  CalibrationData data = collector.take();
+  if (data.imu.empty()) throw std::runtime_error(log + ": holds no IMU");
+  if (data.wheels.empty()) throw std::runtime_error(log + ": holds no WHEELS");
+  if (data.lidar.empty()) throw std::runtime_error(log + ": holds no LIDAR_POINTS that can be mapped, and no MAP_POSE");
+  return data;
+}
+
+}  // namespace curbstone
