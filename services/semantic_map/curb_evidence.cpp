@@ -1,5 +1,6 @@
 #include "services/semantic_map/curb_evidence.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -9,21 +10,26 @@ namespace curbstone {
 
 namespace {
 
-constexpr double kMargin = 0.84;  // m around the tile: seven cells, as far as a window reaches
-constexpr int kMarginCells = 7;
+constexpr double kMargin = 1.20;  // m around the tile: ten cells, as far as a window reaches
+constexpr int kMarginCells = 10;
 constexpr int kSide = kCellsPerTile + 2 * kMarginCells;
-constexpr double kBelowGround = 0.30;  // m: what is lower is a stray
-constexpr int kMinTilted = 1;          // points in a cell
-constexpr double kSparse = 2.0;        // times the length of the window, where points are few
-constexpr double kMinNormalZ = 0.35;   // steeper is no curb at this scale, it is a wall
-constexpr int kMaxFacePoints = 3;      // on the step and above it: more are a wall's
-constexpr double kSearch = 0.24;       // m: how far the found step may be from the tilted points
+constexpr double kBelowGround = 0.30;       // m: what is lower is a stray
+constexpr std::size_t kEnoughPoints = 100;  // in the short window: looking farther would not make it clearer
+constexpr double kMinCoarseTilt = 0.008;
+constexpr int kMinTilted = 1;         // points in a cell
+constexpr double kSparse = 2.0;       // times the length of the window, where points are few
+constexpr float kThinMass = 10;       // of the vote; even ground at sigma 0.3 m, thinned to 0.1 m, has 27
+constexpr double kThin = 4.0;         // and where there are only single scan lines
+constexpr double kMinNormalZ = 0.35;  // steeper is no curb at this scale, it is a wall
+constexpr int kMaxFacePoints = 3;     // on the step and above it: more are a wall's
+constexpr double kSearch = 0.24;      // m: how far the found step may be from the tilted points
 
 struct NearGround {
   float x, y, z;         // m, z above the ground
   float tilt_x, tilt_y;  // slope of the surface against the ground's, by the normal
   bool tilted;
   bool is_ground;  // by its normal: what may carry a side of a step
+  bool is_line;    // the vote saw little more than a scan line
 };
 
 /// Points near the ground, sorted into cells of 0.12 m (counting sort, so that a row of cells is one range).
@@ -74,8 +80,14 @@ class NearGroundPoints {
 
   static NearGround describe(const VotedPoint& p, const GroundAt& g, double x, double y, double above,
                              const CurbParameters& parameters) {
-    NearGround n{static_cast<float>(x),       static_cast<float>(y), static_cast<float>(above), 0, 0, false,
-                 may_be_ground(p, parameters)};
+    NearGround n{static_cast<float>(x),
+                 static_cast<float>(y),
+                 static_cast<float>(above),
+                 0,
+                 0,
+                 false,
+                 may_be_ground(p, parameters),
+                 is_scan_line(p) || p.mass < kThinMass};
     const auto nz = static_cast<double>(p.normal.z());
     if (p.mass <= 0 || nz < kMinNormalZ) return n;
     const Eigen::Vector2d tilt = Eigen::Vector2d(-double{p.normal.x()}, -double{p.normal.y()}) / nz - g.normal_slope;
@@ -94,9 +106,11 @@ struct TiltedCell {
   Eigen::Vector2d at = Eigen::Vector2d::Zero();
   Eigen::Vector2d tilt = Eigen::Vector2d::Zero();
   int count = 0;
+  bool is_thin = false;  // scan lines only: which way is up is not the vote's word
 };
 
-TiltedCell gather_tilt(const NearGroundPoints& points, int column, int row, const CurbParameters& parameters) {
+TiltedCell gather_tilt(const NearGroundPoints& points, const GroundSurface& ground, int column, int row,
+                       const CurbParameters& parameters) {
   TiltedCell cell;
   points.for_cells(column, column, row, row, [&](const NearGround& p) {
     if (parameters.use_tilt && !p.tilted) return;
@@ -107,7 +121,18 @@ TiltedCell gather_tilt(const NearGroundPoints& points, int column, int row, cons
   if (cell.count > 0) {
     cell.at /= cell.count;
     cell.tilt /= cell.count;
+    return cell;
   }
+  points.for_cells(column, column, row, row, [&](const NearGround& p) {
+    if (!p.is_line) return;
+    cell.at += Eigen::Vector2d(double{p.x}, double{p.y});
+    ++cell.count;
+  });
+  if (cell.count == 0) return cell;
+  cell.at /= cell.count;
+  cell.is_thin = true;
+  if (const auto here = ground.at(cell.at.x(), cell.at.y())) cell.tilt = here->coarse_tilt;
+  if (cell.tilt.norm() < kMinCoarseTilt) cell.count = 0;
   return cell;
 }
 
@@ -129,6 +154,71 @@ std::vector<StepPointUTZ> window_around(const NearGroundPoints& points, const Ti
   return window;
 }
 
+/// A step, the direction in which it is one, and how far along it the evidence lies.
+struct FoundStep {
+  HeightStep step;
+  Eigen::Vector2d up = Eigen::Vector2d::UnitX();
+  double half_length = 0;  // 0: there is none
+  [[nodiscard]] bool exists() const { return half_length > 0; }
+};
+
+/// Whether a step is one: against its own uncertainty, against the noise of its surroundings, on both sides.
+bool is_step(const HeightStep& step, double noise, const CurbParameters& parameters) {
+  const double sigma = step.sigma * std::max(1.0, noise / step.roughness);
+  return step.height <= parameters.max_step && step.height >= parameters.min_weak_step &&
+         step.face_above <= kMaxFacePoints && step.height >= parameters.step_sigmas * sigma &&
+         step.height >= parameters.layer_sigmas * noise && step.clear >= parameters.clear_share * step.height;
+}
+
+/// Looks for steps at a cell, and keeps the most certain one: that also chooses between a long window, which sees more
+/// of a straight curb, and a short one, which a bend fits into.
+class StepSearch {
+ public:
+  StepSearch(const NearGroundPoints& points, const TiltedCell& cell, double noise, const CurbParameters& parameters)
+      : points_(points), cell_(cell), noise_(noise), parameters_(parameters) {}
+
+  /// Returns how many points were in the window.
+  std::size_t look(const Eigen::Vector2d& up, double half_length) {
+    const auto window = window_around(points_, cell_, up, half_length, parameters_);
+    const auto step = find_height_step(window, noise_, parameters_);
+    if (!step || !is_step(*step, noise_, parameters_)) return window.size();
+    if (!best_.exists() || step->height * best_.step.sigma > best_.step.height * step->sigma)
+      best_ = {*step, up, half_length};
+    return window.size();
+  }
+  [[nodiscard]] const FoundStep& best() const { return best_; }
+
+ private:
+  const NearGroundPoints& points_;
+  const TiltedCell& cell_;
+  double noise_;
+  const CurbParameters& parameters_;
+  FoundStep best_;
+};
+
+/// The step at a cell. Where points are dense, the vote's word on which way is up is good, and a short window enough.
+/// Where they are few it is looked for farther along, about the directions of the vote and of the ground at large.
+FoundStep find_step(const NearGroundPoints& points, const TiltedCell& cell, const Eigen::Vector2d& coarse_tilt,
+                    double noise, const CurbParameters& parameters) {
+  StepSearch search(points, cell, noise, parameters);
+  std::vector<Eigen::Vector2d> directions;
+  const double length = parameters.half_length;
+  if (!cell.is_thin) {
+    directions.push_back(cell.tilt.normalized());
+    if (search.look(directions.back(), length) > kEnoughPoints) return search.best();
+    search.look(directions.back(), kSparse * length);
+  }
+  if (coarse_tilt.norm() > kMinCoarseTilt) {
+    directions.push_back(coarse_tilt.normalized());
+    search.look(directions.back(), kSparse * length);
+  }
+  for (const Eigen::Vector2d& direction : directions) {
+    for (const double turn : {0.0, -0.12, 0.12, -0.24, 0.24})
+      search.look(Eigen::Rotation2Dd(turn) * direction, kThin * length);
+  }
+  return search.best();
+}
+
 std::optional<CurbCandidate> test_cell(const NearGroundPoints& points, const TiltedCell& cell,
                                        const GroundSurface& ground, const CurbParameters& parameters) {
   const double tilt = cell.tilt.norm();
@@ -140,21 +230,18 @@ std::optional<CurbCandidate> test_cell(const NearGroundPoints& points, const Til
     candidate.score = tilt;
     candidate.height = 0.5 * tilt;  // what a step of that height tilts the normals by at sigma 0.3
   } else {
-    auto step =
-        find_height_step(window_around(points, cell, candidate.up, parameters.half_length, parameters), parameters);
-    if (!step)  // too thin to say: look farther along
-      step = find_height_step(window_around(points, cell, candidate.up, kSparse * parameters.half_length, parameters),
-                              parameters);
-    if (!step || step->height > parameters.max_step || step->height < parameters.min_weak_step) return std::nullopt;
-    if (step->face_above > kMaxFacePoints) return std::nullopt;
-    const double certainty = step->height / step->sigma;
-    const double contrast = step->height / step->roughness;
-    if (certainty < parameters.step_sigmas || contrast < parameters.step_roughness) return std::nullopt;
-    candidate.weak = step->height < parameters.min_step;
-    candidate.foot = cell.at + step->foot * candidate.up;
-    candidate.height = step->height;
-    candidate.score = certainty;
-    candidate.z = step->low_z;
+    const auto here = ground.at(cell.at.x(), cell.at.y());
+    if (!here) return std::nullopt;
+    const FoundStep found = find_step(points, cell, here->coarse_tilt, here->layer_noise, parameters);
+    if (!found.exists()) return std::nullopt;
+    const HeightStep& step = found.step;
+    candidate.up = found.up;
+    candidate.reach = found.half_length;
+    candidate.weak = step.height < parameters.min_step;
+    candidate.foot = cell.at + step.foot * candidate.up;
+    candidate.height = step.height;
+    candidate.score = step.height / step.sigma;
+    candidate.z = step.low_z;
   }
   const auto height = ground.height(candidate.foot.x(), candidate.foot.y());
   if (!height) return std::nullopt;
@@ -170,7 +257,7 @@ std::vector<CurbCandidate> find_curb_evidence(const Around<VotedTile>& tiles, co
   const NearGroundPoints points(tiles, ground, parameters);
   for (int row = 0; row < kCellsPerTile; ++row) {
     for (int column = 0; column < kCellsPerTile; ++column) {
-      const TiltedCell cell = gather_tilt(points, column, row, parameters);
+      const TiltedCell cell = gather_tilt(points, ground, column, row, parameters);
       if (cell.count < kMinTilted) continue;
       if (const auto candidate = test_cell(points, cell, ground, parameters)) candidates.push_back(*candidate);
     }

@@ -15,6 +15,7 @@ struct CurbCandidate {
   Eigen::Vector2d up = Eigen::Vector2d::UnitX();   ///< unit vector across, towards the higher side
   double z = 0;                                    ///< m in map, of the low side at the foot
   double height = 0;                               ///< m, of the step
+  double reach = 0;                                ///< m along the curb, on each side, that the evidence is from
   double score = 0;                                ///< the step in units of its noise: what competes in the suppression
   bool weak = false;                               ///< only counts where a line of others goes on
 };

@@ -14,7 +14,8 @@ constexpr double kAcross = 0.50;       // m: ghosts of a step appear this far be
 constexpr double kAlong = 0.15;        // m
 constexpr double kSameLine = 0.04;     // m: this close across is the same line, not a ghost
 constexpr double kMargin = 2.2;        // m around the tile that can matter
-constexpr double kMinExtent = 0.5;     // m of line around a detection
+constexpr double kMinExtent = 0.8;     // m of line around a detection
+constexpr double kReaches = 2.0;       // of the evidence: where points are few, so are detections
 constexpr double kWeakReach = 1.5;     // m a weak detection may be from the line's strong ones
 constexpr double kWeakLateral = 0.10;  // m off it
 
@@ -85,7 +86,8 @@ LocalLine line_around(const Eigen::Vector2d& at, double radius, const std::vecto
 
 bool is_on_line(const Placed& p, const std::vector<Placed>& strong, const CurbParameters& parameters) {
   const auto alike = [&](const Placed& o) { return std::abs(o.c->up.dot(p.c->up)) > 0.6; };
-  const LocalLine line = line_around(p.foot, parameters.linearity_radius, strong, alike);
+  const double radius = std::min(kMargin, std::max(parameters.linearity_radius, kReaches * p.c->reach));
+  const LocalLine line = line_around(p.foot, radius, strong, alike);
   return line.count > parameters.min_neighbours && line.linearity < parameters.max_linearity &&
          line.extent > kMinExtent && std::abs(line.direction.dot(p.c->up)) < 0.6;
 }
@@ -129,7 +131,7 @@ std::vector<CurbPoint> filter_curbs(const Around<std::vector<CurbCandidate>>& ca
   std::vector<CurbPoint> points;
   for (const auto& [cell, p] : best) {
     const double confidence = p.c->weak ? 0.5 : std::min(1.0, 0.5 + p.c->score / 60);
-    points.push_back({p.foot, p.c->up, p.c->z, p.c->height, confidence, p.c->weak});
+    points.push_back({p.foot, p.c->up, p.c->z, p.c->height, confidence, p.c->weak, p.c->reach});
   }
   return points;
 }

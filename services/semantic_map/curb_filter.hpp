@@ -14,6 +14,7 @@ struct CurbPoint {
   double height = 0;
   double confidence = 0;  ///< 0..1
   bool weak = false;      ///< lower than a curb by itself: a dropped kerb on a line
+  double reach = 0;       ///< m along the curb, on each side, that the evidence is from
 };
 
 /// Section VI, outlier filter: of parallel detections the best one stays (non-maximum suppression across the step),

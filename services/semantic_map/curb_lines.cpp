@@ -9,11 +9,12 @@ namespace curbstone {
 
 namespace {
 
-constexpr double kGap = 0.80;        // m that a line may bridge
-constexpr double kSideways = 0.12;   // m that the next point may lie off, and a share of its distance
-constexpr double kSpacing = 0.15;    // m between vertices
-constexpr double kMinLength = 0.50;  // m
-constexpr double kGrid = 0.80;       // m
+constexpr double kGap = 0.80;          // m that a line may bridge in any case
+constexpr double kFarSideways = 0.10;  // of a longer bridge, that its ends may be off each other's line
+constexpr double kSideways = 0.12;     // m that the next point may lie off, and a share of its distance
+constexpr double kSpacing = 0.15;      // m between vertices
+constexpr double kMinLength = 0.50;    // m
+constexpr double kGrid = 2.0;          // m: the longest bridge
 
 using Cell = std::pair<std::int64_t, std::int64_t>;
 
@@ -48,12 +49,18 @@ class Linker {
       line.push_back(next);
     }
   }
+  /// Whether the evidence of two distant points meets, and each lies on the other's line.
+  static bool bridges(const MapCurbPoint& a, const MapCurbPoint& b) {
+    const Eigen::Vector2d d = b.foot - a.foot;
+    const double off = std::max(std::abs(d.dot(a.up)), std::abs(d.dot(b.up)));
+    return d.norm() < a.reach + b.reach && off < kSideways + kFarSideways * d.norm();
+  }
   /// points_.size() if there is none.
   std::size_t nearest_ahead(std::size_t from, int sense) {
     const MapCurbPoint& p = points_[from];
     const Eigen::Vector2d ahead = sense * Eigen::Vector2d(-p.up.y(), p.up.x());
     std::size_t best = points_.size();
-    double best_distance = kGap;
+    double best_distance = kGrid;
     const Cell centre = cell_at(p.foot.x(), p.foot.y());
     for (std::int64_t x = centre.first - 1; x <= centre.first + 1; ++x) {
       for (std::int64_t y = centre.second - 1; y <= centre.second + 1; ++y) {
@@ -64,6 +71,7 @@ class Linker {
           const Eigen::Vector2d d = points_[i].foot - p.foot;
           const double sideways = std::abs(d.dot(p.up));
           if (d.dot(ahead) <= 0 || sideways > kSideways + 0.25 * d.norm()) continue;
+          if (d.norm() > kGap && !bridges(p, points_[i])) continue;
           if (d.norm() + sideways < best_distance) {
             best = i;
             best_distance = d.norm() + sideways;

@@ -15,9 +15,11 @@ struct MapCurbPoint {
   double height = 0;
   double confidence = 0;
   bool weak = false;
+  double reach = 0;  ///< m along the curb, on each side, that the evidence is from
 };
 
-/// Links curb points to polylines along the curb, smoothed, at most one vertex each 0.15 m, gaps up to 0.8 m bridged.
+/// Links curb points to polylines along the curb, smoothed, at most one vertex each 0.15 m, gaps bridged up to 0.8 m
+/// or as far as the evidence of the two ends reaches.
 /// Ids count from 0 in the order of the points: the same points in the same order give the same lines.
 [[nodiscard]] std::vector<CurbLine> link_curbs(const std::vector<MapCurbPoint>& points);
 

@@ -20,12 +20,14 @@ struct CurbParameters {
   double half_length = 0.25;     ///< m along the curb
   double min_step = 0.038;       ///< m
   double max_step = 0.50;        ///< m; the paper: less than 0.5 m above ground
-  double step_sigmas = 4.5;      ///< the step against its own uncertainty
-  double step_roughness = 2.2;   ///< the step against the residual noise of the ground on its two sides
+  double step_sigmas = 5.0;      ///< the step against its own uncertainty
+  double layer_sigmas = 2.0;     ///< the step against how far scan lines disagree around
+  double clear_share = 0.4;      ///< of the step that must part the two sides' heights
+  double min_cover = 0.5;        ///< of the 3 cm bins across a side, that must hold points
   double min_weak_step = 0.018;  ///< m, where a line goes on: dropped kerbs
   // Filter
   double linearity_radius = 1.0;  ///< m
-  double max_linearity = 0.45;    ///< minor over major spread of the detections around
+  double max_linearity = 0.25;    ///< minor over major spread of the detections around
   int min_neighbours = 4;         ///< detections within linearity_radius
 
   void visit(ConfigVisitor& v) {
@@ -40,7 +42,9 @@ struct CurbParameters {
     v.field("min_step", min_step, {0.005, 0.5}, "m, height of a curb");
     v.field("max_step", max_step, {0.05, 1.0}, "m, height of a curb");
     v.field("step_sigmas", step_sigmas, {0, 100}, "the step in units of its own uncertainty, at least");
-    v.field("step_roughness", step_roughness, {0, 100}, "the step in units of the ground's roughness, at least");
+    v.field("layer_sigmas", layer_sigmas, {0, 100}, "the step against how far scan lines disagree around, at least");
+    v.field("clear_share", clear_share, {-10, 1}, "of the step that must part the two sides' heights");
+    v.field("min_cover", min_cover, {0, 1}, "share of the 3 cm bins across a side that must hold points");
     v.field("min_weak_step", min_weak_step, {0.005, 0.5}, "m, where a curb line goes on (dropped kerbs)");
     v.field("linearity_radius", linearity_radius, {0.2, 2.0}, "m, around a detection");
     v.field("max_linearity", max_linearity, {0, 1}, "minor over major spread of the detections around");

@@ -1,5 +1,6 @@
 #include "services/semantic_map/ground_model.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -95,6 +96,56 @@ std::vector<double> road_heights(const SampleGrid& grid, const Plane& rough) {
   return road;
 }
 
+/// How well scan lines agree: spread of the heights within the 0.25 m cells and from one to the next, where the ground
+/// is even. A curb between them is a minority that the quantile passes over; lines that a wrong pose or a beam of
+/// its own has put beside each other are not.
+double layer_noise(const SampleGrid& grid, const Plane& rough, double x, double y) {
+  constexpr double kReach = 1.5;  // m
+  constexpr double kQuantile = 0.7;
+  constexpr double kOfPairs = 1.466;   // that quantile of |a - b| in sigmas
+  constexpr double kOfSpreads = 1.10;  // and of the RMS of few
+  std::vector<double> spreads;
+  std::vector<double> jumps;
+  for (int row = 0; row < kSamplesPerSide; ++row) {
+    for (int column = 0; column < kSamplesPerSide; ++column) {
+      const GroundSample* s = grid[sample_index(column, row)];
+      if (s == nullptr) continue;
+      const PlaneSample p = place(*s, column, row);
+      if (std::max(std::abs(p.x - x), std::abs(p.y - y)) > kReach) continue;
+      if (s->count >= 3) spreads.push_back(double{s->spread});
+      for (const auto& [dc, dr] : {std::pair(1, 0), std::pair(0, 1)}) {
+        if (column + dc >= kSamplesPerSide || row + dr >= kSamplesPerSide) continue;
+        const GroundSample* next = grid[sample_index(column + dc, row + dr)];
+        if (next == nullptr) continue;
+        const PlaneSample q = place(*next, column + dc, row + dr);
+        jumps.push_back(std::abs(q.z - p.z - rough.slope.x() * (q.x - p.x) - rough.slope.y() * (q.y - p.y)));
+      }
+    }
+  }
+  const double within = spreads.empty() ? 0 : quantile(spreads, kQuantile) / kOfSpreads;
+  const double between = jumps.empty() ? 0 : quantile(jumps, kQuantile) / kOfPairs;
+  return std::max(within, between);
+}
+
+/// The least-squares plane through all samples within 1.5 m, against the rough ground: where scan lines are so far
+/// apart that the vote sees only lines, it still tells which way the ground rises.
+Eigen::Vector2d coarse_tilt(const std::vector<PlaneSample>& samples, const Plane& rough) {
+  constexpr double kMinExtent = 0.25;  // m, standard deviation in any direction
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const PlaneSample& s : samples) mean += Eigen::Vector3d(s.x, s.y, s.z) / static_cast<double>(samples.size());
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d rise = Eigen::Vector2d::Zero();
+  for (const PlaneSample& s : samples) {
+    const Eigen::Vector2d d(s.x - mean.x(), s.y - mean.y());
+    scatter += d * d.transpose();
+    rise += d * (s.z - mean.z());
+  }
+  const double least = static_cast<double>(samples.size()) * kMinExtent * kMinExtent;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(scatter, Eigen::EigenvaluesOnly);
+  if (!(eigen.eigenvalues()(0) > least)) return Eigen::Vector2d::Zero();
+  return scatter.ldlt().solve(rise) - rough.slope;
+}
+
 /// The plane and the normals of the 1 m cell about (x, y).
 GroundNode refine(const SampleGrid& grid, const std::vector<double>& road, const Plane& rough, double x, double y) {
   constexpr double kReach = 1.0;          // m, of the plane
@@ -105,6 +156,7 @@ GroundNode refine(const SampleGrid& grid, const std::vector<double>& road, const
   std::vector<PlaneSample> samples;
   std::vector<double> slopes_x;
   std::vector<double> slopes_y;
+  std::vector<PlaneSample> all;
   for (int row = 0; row < kSamplesPerSide; ++row) {
     for (int column = 0; column < kSamplesPerSide; ++column) {
       const GroundSample* s = grid[sample_index(column, row)];
@@ -115,6 +167,7 @@ GroundNode refine(const SampleGrid& grid, const std::vector<double>& road, const
       if (std::max(std::abs(p.x), std::abs(p.y)) > kNormalReach) continue;
       const double height = road[static_cast<std::size_t>((row / 2) * kRoadCells + column / 2)];
       if (!(p.z <= height + kMaxAboveRoad)) continue;
+      all.push_back(p);
       slopes_x.push_back(double{s->slope_x});
       slopes_y.push_back(double{s->slope_y});
       if (std::max(std::abs(p.x), std::abs(p.y)) <= kReach) samples.push_back(p);
@@ -127,6 +180,8 @@ GroundNode refine(const SampleGrid& grid, const std::vector<double>& road, const
   for (double& s : slopes_x) s = std::abs(s - node.normal_slope.x());
   for (double& s : slopes_y) s = std::abs(s - node.normal_slope.y());
   node.normal_noise = 1.4826 * std::max(quantile(slopes_x, 0.5), quantile(slopes_y, 0.5));
+  node.layer_noise = layer_noise(grid, rough, x, y);
+  node.coarse_tilt = coarse_tilt(all, rough);
   std::vector<double> heights;
   for (const PlaneSample& s : samples) heights.push_back(s.z - rough.slope.x() * s.x - rough.slope.y() * s.y);
   const Plane start{quantile(heights, 0.5), rough.slope};
@@ -193,11 +248,15 @@ std::optional<GroundAt> GroundSurface::at(double x, double y) const {
     ground.height += weight * node.plane.at(dx, dy);
     ground.normal_slope += weight * node.normal_slope;
     ground.normal_noise += weight * node.normal_noise;
+    ground.layer_noise += weight * node.layer_noise;
+    ground.coarse_tilt += weight * node.coarse_tilt;
   });
   if (sum <= 0) return std::nullopt;
   ground.height /= sum;
   ground.normal_slope /= sum;
   ground.normal_noise /= sum;
+  ground.layer_noise /= sum;
+  ground.coarse_tilt /= sum;
   return ground;
 }
 

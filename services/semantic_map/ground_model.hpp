@@ -16,6 +16,9 @@ struct GroundNode {
   Plane plane;                                             ///< about the node: m in map
   Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();  ///< what the normals around say, median
   double normal_noise = 0;  ///< spread of what they say (1 sigma, from the median deviation)
+  double layer_noise = 0;   ///< m, 1 sigma of the ground's height from scan line to scan line around
+  Eigen::Vector2d coarse_tilt =
+      Eigen::Vector2d::Zero();  ///< slope of all ground within 1.5 m against the rough ground's
 };
 
 /// The DEM's nodes in a tile: at the centres of its 3 x 3 squares of 1 m.
@@ -38,6 +41,8 @@ struct GroundAt {
   double height = 0;  ///< m in map
   Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();
   double normal_noise = 0;
+  double layer_noise = 0;  ///< m
+  Eigen::Vector2d coarse_tilt = Eigen::Vector2d::Zero();
 };
 
 /// The DEM over a tile and its neighbours, interpolated between the nodes: no jumps at borders.

@@ -1,6 +1,7 @@
 #include "services/semantic_map/ground_samples.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace curbstone {
@@ -25,7 +26,15 @@ GroundSample lowest_layer(std::vector<const VotedPoint*>& points) {
     ++count;
   }
   const auto mean = [&](int k) { return static_cast<float>(sums[k] / count); };
-  return {mean(0), mean(1), mean(2), mean(3), mean(4), count};
+  double squares = 0;
+  for (const VotedPoint* p : points) {
+    if (p->z > low + kLayer) break;
+    if (p->z < low - kLayer) continue;
+    const float off = p->z - mean(2) - mean(3) * (p->x - mean(0)) - mean(4) * (p->y - mean(1));
+    squares += double{off} * double{off};
+  }
+  const auto spread = static_cast<float>(std::sqrt(squares / std::max(1, count - 1)));
+  return {mean(0), mean(1), mean(2), mean(3), mean(4), spread, count};
 }
 
 }  // namespace

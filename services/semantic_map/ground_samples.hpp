@@ -13,6 +13,7 @@ struct GroundSample {
   float x = 0, y = 0;              ///< m from the tile's corner: centroid of the layer
   float z = 0;                     ///< m in map
   float slope_x = 0, slope_y = 0;  ///< mean of what the normals say: -n.x / n.z
+  float spread = 0;                ///< m, RMS of the layer's heights about that slope
   int count = 0;                   ///< points; 0: no sample
 };
 
@@ -29,9 +30,14 @@ struct GroundSamples {
 /// Of one tile alone.
 [[nodiscard]] GroundSamples sample_ground(const VotedTile& tile, const CurbParameters& parameters);
 
+/// The vote saw a single scan line: it knows of no surface, and nothing against one (tensor_voting.md, section 6).
+[[nodiscard]] inline bool is_scan_line(const VotedPoint& point) {
+  return point.plate > 0.5F;
+}
+
 [[nodiscard]] inline bool may_be_ground(const VotedPoint& point, const CurbParameters& parameters) {
-  return point.mass > 0 && static_cast<double>(point.stick) >= parameters.min_stick &&
-         static_cast<double>(point.normal.z()) >= parameters.min_normal_z;
+  return point.mass > 0 && static_cast<double>(point.normal.z()) >= parameters.min_normal_z &&
+         (static_cast<double>(point.stick) >= parameters.min_stick || is_scan_line(point));
 }
 
 }  // namespace curbstone

@@ -15,6 +15,8 @@ constexpr double kMaxShift = 0.18;     // m: how far from u = 0 the step may be
 constexpr int kMinPoints = 6;          // a side
 constexpr double kMinSpread = 0.05;    // m, standard deviation of u on a side: a thin line of points is no side
 constexpr double kNoiseFloor = 0.004;  // m
+constexpr double kSlopeAcross = 0.30;  // 1 sigma of the slope that both sides share, against the ground's
+constexpr double kSlopeAlong = 0.05;
 
 /// Sums over some points, from which means and scatter follow.
 struct Moments {
@@ -68,6 +70,14 @@ bool is_side(const Moments& m) {
   return m.n >= kMinPoints && m.uu / m.n - (m.u / m.n) * (m.u / m.n) >= kMinSpread * kMinSpread;
 }
 
+/// A side is ground seen all over, not a scan line or two that run along the step: all points of a line may be off by
+/// the same, and nothing else there would say so.
+bool is_covered(const std::vector<Moments>& bins, int from, int to, double min_cover) {
+  int covered = 0;
+  for (int b = from; b < to; ++b) covered += bins[static_cast<std::size_t>(b)].n > 0 ? 1 : 0;
+  return covered >= min_cover * (to - from);
+}
+
 /// A side is ground that goes on, not the face of something.
 bool reaches_out(const std::vector<Moments>& bins, int from, int to) {
   constexpr double kMinFarPoints = 3;
@@ -81,12 +91,16 @@ struct Fit {
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();
 };
 
-Fit fit_sides(const Moments& low, const Moments& high, double at) {
+Fit fit_sides(const Moments& low, const Moments& high, double at, double noise) {
   Scatter scatter;
   scatter.add(low);
   scatter.add(high);
-  // A slope has to be paid for: without this a thin window would explain a step by a steep one.
-  const Eigen::Matrix2d inverse = (scatter.xx + 1e-4 * Eigen::Matrix2d::Identity()).inverse();
+  // What the slope against the ground's may be is known beforehand: little along the curb, where thin scan lines that
+  // meet the two sides at different places would otherwise trade it for a step; more across, where the ground's own
+  // model leans at a curb.
+  const Eigen::Vector2d prior(noise / kSlopeAcross, noise / kSlopeAlong);
+  const Eigen::Matrix2d inverse =
+      (scatter.xx + Eigen::Matrix2d(prior.array().square().matrix().asDiagonal())).inverse();
   const Eigen::Vector2d slope = inverse * scatter.xz;
   const Eigen::Vector2d low_mean(low.u / low.n, low.t / low.n);
   const Eigen::Vector2d high_mean(high.u / high.n, high.t / high.n);
@@ -101,6 +115,26 @@ Fit fit_sides(const Moments& low, const Moments& high, double at) {
   fit.step.sigma = fit.step.roughness * std::sqrt(1 / low.n + 1 / high.n + apart.dot(inverse * apart));
   fit.step.low_z = low.z / low.n + slope.x() * (at - low_mean.x()) - slope.y() * low_mean.y();
   return fit;
+}
+
+double fifth(std::vector<double>& values, double q) {
+  const auto k = static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), values.begin() + k, values.end());
+  return values[static_cast<std::size_t>(k)];
+}
+
+/// A real step parts the heights of its two sides. Where scan lines lie in layers, one of which ends, both layers are
+/// found on one side.
+double clear_height(const std::vector<StepPointUTZ>& points, const Fit& fit, double half_window) {
+  std::vector<double> low;
+  std::vector<double> high;
+  for (const StepPointUTZ& p : points) {
+    const double u = p.u - fit.step.at;
+    if (!p.is_ground || std::abs(u) > half_window || std::abs(u) < kRiserBins * kBin) continue;
+    (u < 0 ? low : high).push_back(p.z - fit.slope.x() * u - fit.slope.y() * p.t);
+  }
+  if (low.empty() || high.empty()) return 0;
+  return fifth(high, 0.2) - fifth(low, 0.8);
 }
 
 /// Where the low side ends: the riser's points stand on the foot, so the foot is where points begin to rise.
@@ -131,7 +165,8 @@ int count_face_above(const std::vector<StepPointUTZ>& points, const HeightStep& 
 
 }  // namespace
 
-std::optional<HeightStep> find_height_step(const std::vector<StepPointUTZ>& points, const CurbParameters& parameters) {
+std::optional<HeightStep> find_height_step(const std::vector<StepPointUTZ>& points, double noise,
+                                           const CurbParameters& parameters) {
   const int half = static_cast<int>(std::lround((parameters.half_window + kMaxShift) / kBin));
   std::vector<Moments> bins(static_cast<std::size_t>(2 * half));
   for (const StepPointUTZ& p : points) {
@@ -149,11 +184,15 @@ std::optional<HeightStep> find_height_step(const std::vector<StepPointUTZ>& poin
     for (int b = k + kRiserBins; b < k + window; ++b) high += bins[static_cast<std::size_t>(b)];
     if (!is_side(low) || !is_side(high)) continue;
     if (!reaches_out(bins, k - window, k - far) || !reaches_out(bins, k + far, k + window)) continue;
-    const Fit fit = fit_sides(low, high, (k - half) * kBin);
+    if (!is_covered(bins, k - window, k - kRiserBins, parameters.min_cover) ||
+        !is_covered(bins, k + kRiserBins, k + window, parameters.min_cover))
+      continue;
+    const Fit fit = fit_sides(low, high, (k - half) * kBin, std::max(noise, kNoiseFloor));
     if (!best || fit.step.height * best->step.sigma > best->step.height * fit.step.sigma) best = fit;
   }
   if (!best) return std::nullopt;
   best->step.foot = find_foot(points, *best);
+  best->step.clear = clear_height(points, *best, parameters.half_window);
   best->step.face_above = count_face_above(points, best->step);
   return best->step;
 }

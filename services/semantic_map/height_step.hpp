@@ -21,12 +21,14 @@ struct HeightStep {
   double sigma = 0;      ///< m, of `height`, from the residual noise of the data
   double roughness = 0;  ///< m, residual RMS of the points about their half-planes
   double low_z = 0;      ///< m, of the low side at (at, t = 0)
+  double clear = 0;      ///< m between the low side's upper fifth and the high side's lower fifth, slope removed
   double foot = 0;       ///< m in u: where the low side ends
   int face_above = 0;    ///< points that stand on the step and go on above it: a wall's
 };
 
-/// Finds the step that explains the points best. Nothing where a side is too thin to say.
-[[nodiscard]] std::optional<HeightStep> find_height_step(const std::vector<StepPointUTZ>& points,
+/// Finds the step that explains the points best. `noise` m is what heights are known to scatter by around. Nothing
+/// where a side is too thin to say.
+[[nodiscard]] std::optional<HeightStep> find_height_step(const std::vector<StepPointUTZ>& points, double noise,
                                                          const CurbParameters& parameters);
 
 }  // namespace curbstone

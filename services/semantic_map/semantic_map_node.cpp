@@ -212,7 +212,7 @@ std::vector<MapCurbPoint> SemanticMapNode::curb_points(double x_min, double y_mi
     for (const CurbPoint& p : *pipeline_.curbs(key)) {
       const Eigen::Vector2d foot = p.foot + corner;
       if (foot.x() >= x_min && foot.x() <= x_max && foot.y() >= y_min && foot.y() <= y_max)
-        points.push_back({foot, p.up, p.z, p.height, p.confidence, p.weak});
+        points.push_back({foot, p.up, p.z, p.height, p.confidence, p.weak, p.reach});
     }
   }
   return points;

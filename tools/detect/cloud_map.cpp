@@ -6,6 +6,7 @@
 #include <tuple>
 #include <unordered_set>
 
+#include "services/semantic_map/curb_lines.hpp"
 #include "services/tensor_voting/batch_voting.hpp"
 #include "services/tensor_voting/decomposition.hpp"
 
@@ -91,6 +92,7 @@ std::vector<VotedTile> vote_tiles(std::span<const Eigen::Vector3f> points, const
 }
 
 void map_tiles(const std::vector<VotedTile>& tiles, const CloudMapOptions& options, CloudMap& map) {
+  std::vector<MapCurbPoint> curb_points;
   TilePipeline pipeline(options.curb, options.classes);
   for (const VotedTile& tile : tiles) pipeline.set_voted(tile);
   for (const VotedTile& tile : tiles) {
@@ -100,6 +102,7 @@ void map_tiles(const std::vector<VotedTile>& tiles, const CloudMapOptions& optio
     for (const CurbPoint& c : *pipeline.curbs(tile.key)) {
       const Eigen::Vector2d foot = c.foot + corner;
       map.curbs.push_back({{foot.x(), foot.y(), c.z}, c.height, c.up});
+      curb_points.push_back({foot, c.up, c.z, c.height, c.confidence, c.weak, c.reach});
     }
     for (const VotedPoint& p : tile.points) {
       map.points.push_back(
@@ -111,6 +114,7 @@ void map_tiles(const std::vector<VotedTile>& tiles, const CloudMapOptions& optio
            label_of(p, computed, options.classes)});
     }
   }
+  map.lines = link_curbs(curb_points);
 }
 
 CloudMap map_cloud(std::span<const Eigen::Vector3f> points, const CloudMapOptions& options) {

@@ -42,6 +42,7 @@ struct DetectedPoint {
 struct CloudMap {
   std::vector<MapTile> tiles;  ///< by key
   std::vector<CloudCurb> curbs;
+  std::vector<CurbLine> lines;  ///< the curbs, linked
   std::vector<DetectedPoint> points;
   std::size_t not_finite = 0;  ///< points skipped
   std::size_t out_of_range = 0;

@@ -1,0 +1,91 @@
+#include "services/semantic_map/height_step.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace curbstone {
+namespace {
+
+constexpr double kNoise = 0.006;  // m
+
+/// Points of ground about a step at u = 0, even over a window of 1.2 x 1 m.
+class StepGround {
+ public:
+  template <class Height>
+  StepGround& even(int count, Height height) {
+    for (int i = 0; i < count; ++i) add(uniform(-0.6, 0.6), uniform(-0.5, 0.5), height);
+    return *this;
+  }
+  /// A scan line along the step at u.
+  template <class Height>
+  StepGround& line(double u, Height height) {
+    for (double t = -0.5; t < 0.5; t += 0.05) add(u + noise_(random_), t, height);
+    return *this;
+  }
+  std::vector<StepPointUTZ> points;
+
+ private:
+  template <class Height>
+  void add(double u, double t, Height height) {
+    points.push_back({u, t, height(u, t) + noise_(random_), true});
+  }
+  double uniform(double a, double b) { return std::uniform_real_distribution<double>(a, b)(random_); }
+  std::mt19937 random_{1};
+  std::normal_distribution<double> noise_{0, kNoise};
+};
+
+double flat_step(double u, double /*t*/) {
+  return u > 0 ? 0.08 : 0.0;
+}
+
+TEST(HeightStep, IsFoundWithItsHeightAndItsUncertainty) {
+  StepGround ground;
+  const auto step = find_height_step(ground.even(150, flat_step).points, kNoise, {});
+  ASSERT_TRUE(step);
+  EXPECT_NEAR(step->height, 0.08, 3 * step->sigma);
+  EXPECT_LT(step->sigma, 0.006);
+  EXPECT_NEAR(step->roughness, kNoise, 0.003);
+  EXPECT_NEAR(step->at, 0, 0.031);
+  EXPECT_GT(step->clear, 0.06);
+}
+
+TEST(HeightStep, IsNotSeenInASlope) {
+  StepGround ground;
+  const auto step =
+      find_height_step(ground.even(150, [](double u, double t) { return 0.1 * u + 0.05 * t; }).points, kNoise, {});
+  ASSERT_TRUE(step);
+  EXPECT_LT(step->height, 4 * step->sigma);
+}
+
+TEST(HeightStep, BetweenScanLinesAlongItIsNoneForNothingSaysThatALineIsNotOff) {
+  StepGround ground;
+  ground.line(-0.30, flat_step).line(-0.12, flat_step).line(0.12, flat_step).line(0.30, flat_step);
+  EXPECT_FALSE(find_height_step(ground.points, kNoise, {}));
+}
+
+TEST(HeightStep, OfALayerThatEndsDoesNotPartTheTwoSides) {
+  StepGround ground;  // all over lies one layer, on the far side a second one 5 cm higher
+  ground.even(300, [](double, double) { return 0.0; });
+  for (double u = 0.02; u < 0.4; u += 0.08) ground.line(u, [](double, double) { return 0.05; });
+  const auto layers = find_height_step(ground.points, kNoise, {});
+  ASSERT_TRUE(layers);
+  EXPECT_LT(layers->clear, 0.4 * layers->height);
+}
+
+/// One scan line crosses the step obliquely: the sides are seen at different places along it, on ground of no slope.
+TEST(HeightStep, KnowsThatAnObliqueScanLineMayHaveClimbedASlopeAlongTheCurb) {
+  StepGround ground;
+  for (double u = -0.5; u < 0.5; u += 0.02) ground.points.push_back({u, u, flat_step(u, 0), true});
+  StepGround across;
+  for (double u = -0.5; u < 0.5; u += 0.02) across.points.push_back({u, 0, flat_step(u, 0), true});
+  const auto oblique = find_height_step(ground.points, kNoise, {});
+  const auto straight = find_height_step(across.points, kNoise, {});
+  ASSERT_TRUE(oblique && straight);
+  EXPECT_NEAR(straight->height, 0.08, 0.01);
+  EXPECT_GE(oblique->sigma, straight->sigma);
+}
+
+}  // namespace
+}  // namespace curbstone
