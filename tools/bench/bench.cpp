@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/bench/curbs/bench_curbs.hpp"
 #include "tools/bench/mapping/bench_mapping.hpp"
 #include "tools/bench/voting/voting_bench.hpp"
 
@@ -22,6 +23,7 @@ struct Benchmark {
 const std::vector<Benchmark> kBenchmarks = {
     {"voting", run_bench_voting, "tensor voting: beside PCL, against this machine's peak, on a growing map"},
     {"mapping", run_bench_mapping, "odometry and mapping: icp, loam and PCL's methods on the same drives"},
+    {"curbs", run_bench_curbs, "precision, recall and lateral error of the curbs"},
 };
 
 int usage(std::FILE* out) {

@@ -200,6 +200,33 @@ std::vector<TrueCurbPoint> smoothed(const std::vector<TrueCurbPoint>& borders) {
   return result;
 }
 
+/// A line instead of points where scan lines cross it: neighbours are joined unless a third point lies between them
+/// (their relative neighbourhood graph), one point each 0.1 m.
+void link(std::vector<TrueCurbPoint>& borders) {
+  constexpr double kSpacing = 0.1;  // m
+  const std::vector<TrueCurbPoint> points = borders;
+  const auto apart = [&](std::size_t i, std::size_t j) {
+    return std::hypot(points[i].x - points[j].x, points[i].y - points[j].y);
+  };
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = i + 1; j < points.size(); ++j) {
+      const double distance = apart(i, j);
+      if (distance > kCompany || distance <= 1.5 * kSpacing || points[i].dropped != points[j].dropped) continue;
+      const auto is_between = [&](std::size_t k) { return apart(i, k) < distance && apart(j, k) < distance; };
+      bool direct = true;
+      for (std::size_t k = 0; k < points.size() && direct; ++k) direct = !is_between(k);
+      const int pieces = static_cast<int>(std::ceil(distance / kSpacing));
+      for (int piece = 1; direct && piece < pieces; ++piece) {
+        const double f = static_cast<double>(piece) / pieces;
+        const auto mix = [f](double a, double b) { return a + f * (b - a); };
+        borders.push_back({static_cast<int>(borders.size()), mix(points[i].x, points[j].x),
+                           mix(points[i].y, points[j].y), mix(points[i].z, points[j].z),
+                           mix(points[i].height, points[j].height), points[i].dropped});
+      }
+    }
+  }
+}
+
 TrueClasses paint(const std::vector<SurfacePoint>& points, const std::vector<TrueCurbPoint>& curbs) {
   TrueClasses classes;
   Eigen::Vector2d low = points.front().at.head<2>();
@@ -244,6 +271,7 @@ StreetLabels read_street_labels(const std::string& folder, const Pose& T_world_f
   StreetLabels labels;
   if (points.empty()) return labels;
   labels.curbs = smoothed(find_borders(points, Neighbours(points)));
+  link(labels.curbs);
   labels.classes = paint(points, labels.curbs);
   return labels;
 }

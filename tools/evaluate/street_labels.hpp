@@ -9,8 +9,9 @@ namespace curbstone {
 /// The curbs and the ground of a recorded street, from the labels of its scans (SemanticKITTI). A curb is where road
 /// and sidewalk meet: the midpoints between points of the one and of the other that are each other's nearest, less than
 /// 0.3 m apart. Its height is the offset between the two, fitted within 0.6 m together with a slope that both share,
-/// and median-smoothed along 0.75 m. Steps below 4 cm, and other borders that may look like one (road and parking,
-/// road and vegetation, sidewalk and vegetation, sidewalk and terrain) are marked `dropped`: neither right nor wrong.
+/// and median-smoothed along 0.75 m; gaps up to 0.8 m are bridged. Steps below 4 cm, and other borders that may look
+/// like one (road and parking, road and vegetation, sidewalk and vegetation, sidewalk and terrain) are marked
+/// `dropped`: neither right nor wrong.
 struct StreetLabels {
   std::vector<TrueCurbPoint> curbs;  ///< about one each 0.1 m, each a line of its own
   TrueClasses classes;               ///< road, curb, wall; kLabelledOnly where only that something was labelled counts

@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+
+#include "tools/bench/curbs/bin_score.hpp"
+#include "tools/bench/curbs/curb_feet.hpp"
+#include "tools/bench/curbs/street_score.hpp"
+
+namespace curbstone {
+namespace {
+
+const Eigen::Vector3d kEye(0, 0, 1.8);
+
+/// Detections `off` m outside both feet of a scene, x 0..20 m.
+std::vector<CurbFoot> both_sides(const CurbScene& scene, double off) {
+  std::vector<CurbFoot> feet;
+  for (double s = 0.05; s < 20; s += 0.1) {
+    for (const double y : {scene.options().left + off, -scene.options().right - off}) {
+      const Eigen::Vector3d at = scene.place(s, y);
+      feet.push_back({{at.x(), at.y()}, {0, y > 0 ? 1.0 : -1.0}});
+    }
+  }
+  return feet;
+}
+
+TEST(BinScore, OfThePerfectDetectorIsOne) {
+  for (const CurbSceneOptions& options : peer_scenes()) {
+    const CurbScene scene(options);
+    const BinScore score = score_bins(both_sides(scene, 0.02), scene, {kEye});
+    EXPECT_DOUBLE_EQ(score.f1(), 1) << options.name;
+    EXPECT_NEAR(score.rmse, 0.02, 1e-6);
+    EXPECT_NEAR(score.bias, 0.02, 1e-6);
+  }
+}
+
+TEST(BinScore, TheInnermostDetectionCounts) {
+  const CurbScene scene({.name = "street"});
+  auto feet = both_sides(scene, 0);
+  feet.push_back({{10.2, 1.0}, {0, 1}});  // a ghost in mid-road
+  const BinScore score = score_bins(feet, scene, {kEye});
+  EXPECT_NEAR(score.precision, 79.0 / 80, 1e-9);
+  EXPECT_NEAR(score.recall, 79.0 / 80, 1e-9);
+}
+
+TEST(BinScore, HalfAMetreOffIsWrongAndNothingIsNothing) {
+  const CurbScene scene({.name = "street"});
+  EXPECT_EQ(score_bins(both_sides(scene, 0.4), scene, {kEye}).precision, 0);
+  EXPECT_EQ(score_bins({}, scene, {kEye}).f1(), 0);
+}
+
+TEST(CurbFeet, AreNoFartherApartThanAsked) {
+  const CurbLine line{.id = 1, .points = {{0, 0, 0, 0.1F, 0, 1}, {1, 0, 0, 0.1F, 0, 1}, {1.05F, 0, 0, 0.1F, 0, 1}}};
+  const auto feet = feet_along({line}, 0.1);
+  ASSERT_GE(feet.size(), 11U);
+  for (std::size_t i = 1; i < feet.size(); ++i) EXPECT_LE(feet[i].at.x - feet[i - 1].at.x, 0.1 + 1e-6);
+  EXPECT_NEAR(feet.back().at.x, 1.05, 1e-6);
+}
+
+/// A curb along y = 6 with a step of 8 cm, lowered to 2 cm beyond x = 5; ground labelled within 10 m.
+StreetLabels street_of(double step) {
+  StreetLabels labels;
+  for (double x = -5; x < 8; x += 0.1) labels.curbs.push_back({0, x, 6, 0, x < 5 ? step : 0.02, x >= 5});
+  labels.classes = {.resolution = 0.12, .origin_x = -10, .origin_y = -10, .width = 170, .height = 170, .pixels = {}};
+  labels.classes.pixels.assign(170 * 170, 1);
+  return labels;
+}
+
+TEST(StreetScore, TellsRightFromWrongFromWhatDoesNotCount) {
+  const StreetLabels truth = street_of(0.08);
+  EXPECT_EQ(judge({{0, 6.1}, {0, 1}}, truth, 0.12), Verdict::kRight);
+  EXPECT_EQ(judge({{0, 6.2}, {0, 1}}, truth, 0.12), Verdict::kWrong);
+  EXPECT_EQ(judge({{0, 6.2}, {0, 1}}, truth, 0.24), Verdict::kRight);
+  EXPECT_EQ(judge({{6.5, 6.2}, {0, 1}}, truth, 0.12), Verdict::kNotCounted) << "a lowered kerb";
+  EXPECT_EQ(judge({{0, 3}, {0, 1}}, truth, 0.24), Verdict::kNotCounted) << "the sensor's blind disc";
+  EXPECT_EQ(judge({{0, 20}, {0, 1}}, truth, 0.24), Verdict::kNotCounted) << "no labels there";
+}
+
+TEST(StreetScore, StatesBiasAndSpreadApart) {
+  const StreetLabels truth = street_of(0.08);
+  std::vector<CurbFoot> feet;
+  for (double x = -5; x < 5; x += 0.1) feet.push_back({{x, 6.05}, {0, 1}});
+  const StreetScore score = score_street(feet, truth, 0.24);
+  EXPECT_NEAR(score.bias, 0.05, 1e-6);
+  EXPECT_NEAR(score.spread, 0, 1e-6);
+  EXPECT_GT(score.score().f1(), 0.99);
+  EXPECT_LT(score.by_step[1].recall, 0.2) << "of the 2 cm steps only those beside the end";
+}
+
+}  // namespace
+}  // namespace curbstone

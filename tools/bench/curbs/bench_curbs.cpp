@@ -1,0 +1,276 @@
+#include "tools/bench/curbs/bench_curbs.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "services/semantic_map/map_picture.hpp"
+#include "services/semantic_map/png_file.hpp"
+#include "tools/bench/curbs/curb_feet.hpp"
+#include "tools/bench/curbs/curb_tables.hpp"
+#include "tools/bench/curbs/hdl64.hpp"
+#include "tools/bench/curbs/scene_drive.hpp"
+#include "tools/bench/curbs/street_clouds.hpp"
+#include "tools/bench/curbs/town_drive.hpp"
+#include "tools/detect/cloud_map.hpp"
+
+namespace curbstone {
+
+namespace {
+
+struct Arguments {
+  std::vector<std::string> parts = {"scans", "drives", "town", "street"};
+  std::string data = "../shared/data/kitti00";
+  std::string json;
+  std::string pictures;
+  int seeds = 10;
+  int drive_seeds = 3;
+  bool varied = false;
+  bool ablation = false;
+  std::vector<std::string> assignments;
+  CloudMapOptions options;
+
+  [[nodiscard]] bool wants(const std::string& part) const {
+    return std::find(parts.begin(), parts.end(), part) != parts.end();
+  }
+};
+
+/// What can be set with --set.
+struct CurbBenchConfig {
+  CurbParameters curb;
+  ClassParameters classes;
+  void visit(ConfigVisitor& v) {
+    v.section("curb", curb, "how curbs are found");
+    v.section("classes", classes, "what blocks and what does not");
+  }
+};
+
+struct CurbMethod {
+  std::string name;
+  CloudMapOptions options;
+};
+
+/// The method and its halves: what does the vote bring?
+std::vector<CurbMethod> methods(const CloudMapOptions& options, bool ablation) {
+  std::vector<CurbMethod> methods = {{"both cues", options}};
+  if (!ablation) return methods;
+  methods.push_back({"step only", options});
+  methods.back().options.curb.use_tilt = false;
+  methods.push_back({"vote only", options});
+  methods.back().options.curb.use_step = false;
+  return methods;
+}
+
+CloudMap map_of(const std::vector<VotedTile>& tiles, const CloudMapOptions& options) {
+  CloudMap map;
+  map_tiles(tiles, options, map);
+  return map;
+}
+
+std::vector<CurbFoot> moved(std::vector<CurbFoot> feet, const Pose& T) {
+  for (CurbFoot& foot : feet) {
+    const Eigen::Vector3d at = T * Eigen::Vector3d(foot.at.x, foot.at.y, 0);
+    const Eigen::Vector3d up = T.linear() * Eigen::Vector3d(foot.up.x, foot.up.y, 0);
+    foot = {{at.x(), at.y()}, {up.x(), up.y()}};
+  }
+  return feet;
+}
+
+std::vector<CurbSceneOptions> scenes_of(const Arguments& arguments) {
+  return arguments.varied ? varied_scenes() : peer_scenes();
+}
+
+std::string method_suffix(const CurbMethod& method, bool ablation) {
+  return ablation ? ", " + method.name : "";
+}
+
+void draw(const CloudMap& map, const std::vector<PictureLine>& overlay, const std::string& file) {
+  MapPicture picture;
+  for (const MapTile& tile : map.tiles) {
+    if (std::abs(tile.key.x) <= 6 && std::abs(tile.key.y) <= 5) picture.tiles.push_back(tile);
+  }
+  if (overlay.empty()) picture.curbs = map.lines;
+  picture.overlays = overlay;
+  write_png(draw_map(picture, {.title = "", .pixels_per_cell = 6}), file);
+}
+
+std::vector<SceneFigures> bench_scans(const Arguments& arguments) {
+  std::vector<SceneFigures> figures;
+  const double lidar_height = VehicleConfig{}.lidar[2];
+  for (const CurbSceneOptions& options : scenes_of(arguments)) {
+    const std::vector<CurbMethod> ways = methods(arguments.options, arguments.ablation);
+    const std::size_t first = figures.size();
+    for (const CurbMethod& way : ways) figures.push_back({options.name + method_suffix(way, arguments.ablation), {}});
+    for (int seed = 1; seed <= arguments.seeds; ++seed) {
+      const CurbScene scene(options, static_cast<std::uint64_t>(seed));
+      Pose T_world_lidar = scene.T_world_base(0);
+      T_world_lidar.translation() += lidar_height * T_world_lidar.linear().col(2);
+      const auto scan = scan_hdl64(scene.scene(), T_world_lidar, options.noise, static_cast<std::uint64_t>(seed));
+      CloudMap counts;
+      const auto tiles = vote_tiles(scan, arguments.options, counts);
+      for (std::size_t k = 0; k < ways.size(); ++k) {
+        const CloudMap map = map_of(tiles, ways[k].options);
+        const auto feet = moved(feet_along(map.lines), T_world_lidar);
+        figures[first + k].scores.push_back(score_bins(feet, scene, {T_world_lidar.translation()}));
+        if (!arguments.pictures.empty() && seed == 1)
+          draw(map, {}, fmt::format("{}/scan_{}.png", arguments.pictures, first + k));
+      }
+    }
+  }
+  return figures;
+}
+
+std::vector<SceneFigures> bench_drives(const Arguments& arguments) {
+  std::vector<SceneFigures> figures;
+  for (const CurbSceneOptions& options : scenes_of(arguments)) {
+    const std::vector<CurbMethod> ways = methods(arguments.options, arguments.ablation);
+    const std::size_t first = figures.size();
+    for (const CurbMethod& way : ways) figures.push_back({options.name + method_suffix(way, arguments.ablation), {}});
+    for (int seed = 1; seed <= arguments.drive_seeds; ++seed) {
+      const CurbScene scene(options, static_cast<std::uint64_t>(seed));
+      const SceneDrive drive = drive_scene(scene, static_cast<std::uint64_t>(seed));
+      for (std::size_t k = 0; k < ways.size(); ++k) {
+        const CloudMap map = map_of(drive.made.tiles, ways[k].options);
+        figures[first + k].scores.push_back(
+            score_bins(moved(feet_along(map.lines), drive.T_world_map), scene, drive.eyes));
+        if (!arguments.pictures.empty() && seed == 1)
+          draw(map, {}, fmt::format("{}/drive_{}.png", arguments.pictures, first + k));
+      }
+    }
+  }
+  return figures;
+}
+
+/// True curbs magenta, lower steps pink, other borders blue; detections green where right, red where wrong, yellow
+/// where they do not count.
+std::vector<PictureLine> verdict_lines(const StreetLabels& truth, const std::vector<CurbFoot>& feet) {
+  std::vector<PictureLine> lines;
+  const auto dot = [&](double x, double y, Colour colour, double thickness) {
+    lines.push_back({{{x, y}, {x + 0.02, y}}, colour, thickness});
+  };
+  for (const TrueCurbPoint& t : truth.curbs)
+    dot(t.x, t.y, !t.dropped ? Colour{255, 0, 200} : t.height != 0 ? Colour{255, 150, 230} : Colour{90, 90, 255}, 5);
+  for (const CurbFoot& foot : feet) {
+    const Verdict verdict = judge(foot, truth, kTolerances.back());
+    dot(foot.at.x, foot.at.y,
+        verdict == Verdict::kRight   ? Colour{0, 230, 0}
+        : verdict == Verdict::kWrong ? Colour{255, 30, 0}
+                                     : Colour{250, 240, 0},
+        3);
+  }
+  return lines;
+}
+
+void bench_drive(const Arguments& arguments, const std::string& name, const TownDrive& drive, double radius,
+                 std::vector<DriveFigures>& figures) {
+  for (const CurbMethod& way : methods(arguments.options, arguments.ablation)) {
+    const CloudMap map = map_of(drive.made.tiles, way.options);
+    figures.push_back({name, way.name, evaluate(map.tiles, map.lines, drive.made.trajectory, drive.truth, radius)});
+    if (arguments.pictures.empty()) continue;
+    const StreetLabels truth{drive.truth.curbs, drive.truth.classes};
+    const auto feet = moved(feet_along(map.lines), figures.back().evaluation.T_truth_map);
+    auto lines = verdict_lines(truth, feet);
+    const Pose T_map_truth = figures.back().evaluation.T_truth_map.inverse();
+    for (PictureLine& line : lines) {
+      for (Eigen::Vector2d& p : line.points) p = (T_map_truth * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>();
+    }
+    draw(map, lines, fmt::format("{}/{}_{}.png", arguments.pictures, name, way.name));
+  }
+}
+
+std::vector<StreetFigures> bench_street(const Arguments& arguments) {
+  std::vector<StreetFigures> figures;
+  const StreetLabels truth = read_street_labels(arguments.data, Pose::Identity());
+  for (const StreetCloud& cloud : read_street_clouds(arguments.data)) {
+    CloudMap counts;
+    const auto tiles = vote_tiles(cloud.points, arguments.options, counts);
+    for (const CurbMethod& way : methods(arguments.options, true)) {
+      const CloudMap map = map_of(tiles, way.options);
+      const std::vector<CurbFoot> feet = feet_along(map.lines);
+      figures.push_back({cloud.name, way.name, {}});
+      for (const double tolerance : kTolerances) figures.back().scores.push_back(score_street(feet, truth, tolerance));
+      if (!arguments.pictures.empty())
+        draw(map, verdict_lines(truth, feet),
+             fmt::format("{}/street_{}_{}.png", arguments.pictures, cloud.name, way.name));
+    }
+  }
+  return figures;
+}
+
+void write_text(const std::string& file, const std::string& text) {
+  std::ofstream out(file);
+  out << text;
+  out.close();
+  if (!out) throw std::runtime_error(file + ": cannot be written");
+}
+
+void bench(const Arguments& arguments) {
+  CurbFigures figures;
+  if (!arguments.pictures.empty()) std::filesystem::create_directories(arguments.pictures);
+  const bool has_street = std::filesystem::exists(arguments.data);
+  if (arguments.wants("street") && has_street) {
+    figures.street = bench_street(arguments);
+    fmt::print("{}\n", to_table(figures.street));
+  }
+  if (arguments.wants("scans")) {
+    figures.scans = bench_scans(arguments);
+    fmt::print("{}\n", to_table("single HDL-64 scans", figures.scans));
+  }
+  if (arguments.wants("drives")) {
+    figures.drives = bench_drives(arguments);
+    fmt::print("{}\n", to_table("driven through, RS16", figures.drives));
+  }
+  if (arguments.wants("town")) bench_drive(arguments, "town 1, 60 s", drive_town(1, 60), 8, figures.towns);
+  if (arguments.wants("street") && has_street)
+    bench_drive(arguments, "labelled street, RS16", drive_recorded(arguments.data, 1), 15, figures.towns);
+  fmt::print("{}", to_table(figures.towns));
+  if (arguments.wants("street") && !has_street) fmt::print("no labelled street: {} is not there\n", arguments.data);
+  if (!arguments.json.empty()) write_text(arguments.json, to_json(figures));
+}
+
+}  // namespace
+
+int run_bench_curbs(int argc, char** argv) {
+  Arguments arguments;
+  arguments.options.range = 30;
+  ConfigOf<CurbBenchConfig> config;
+  CLI::App app{"Precision, recall and lateral error of the curbs"};
+  app.name("curbstone bench curbs");
+  app.add_option("--parts", arguments.parts, "Of scans, drives, town, street")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"scans", "drives", "town", "street"}));
+  app.add_option("--seeds", arguments.seeds, "Of each scene's scan")->check(CLI::Range(1, 1000))->capture_default_str();
+  app.add_option("--drive-seeds", arguments.drive_seeds, "Of each scene's drive")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_flag("--varied", arguments.varied, "Other scenes than the peers': what no parameter was chosen on");
+  app.add_flag("--ablation", arguments.ablation, "The step alone and the vote alone too (on the street always)");
+  app.add_option("--data", arguments.data, "Labelled street: scans/, labels/, reference_poses.txt, times.txt")
+      ->capture_default_str();
+  app.add_option("--set", arguments.assignments, "KEY=VALUE, as in section semantic_map")->allow_extra_args(false);
+  app.add_option("--pictures", arguments.pictures, "Folder for pictures of what was found");
+  app.add_option("--json", arguments.json, "Write the figures here, for programs");
+  try {
+    app.parse(argc, argv);
+    for (const std::string& assignment : arguments.assignments) set_config_value(assignment, config);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const ConfigError& error) {
+    fmt::print(stderr, "curbstone bench curbs: {}\n", error.what());
+    return 2;
+  }
+  arguments.options.curb = config.value.curb;
+  arguments.options.classes = config.value.classes;
+  try {
+    bench(arguments);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "curbstone bench curbs: {}\n", error.what());
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/bench/curbs/bin_score.hpp"
+#include "tools/bench/curbs/street_score.hpp"
+#include "tools/evaluate/evaluation.hpp"
+
+namespace curbstone {
+
+/// What one scene came to, one score a seed.
+struct SceneFigures {
+  std::string name;
+  std::vector<BinScore> scores;
+};
+
+/// One cloud of the labelled street, by one way of looking for curbs.
+struct StreetFigures {
+  std::string cloud;
+  std::string method;
+  std::vector<StreetScore> scores;  ///< by kTolerances
+};
+
+/// One whole drive.
+struct DriveFigures {
+  std::string name;
+  std::string method;
+  Evaluation evaluation;
+};
+
+/// For people.
+[[nodiscard]] std::string to_table(const std::string& title, const std::vector<SceneFigures>& scenes);
+[[nodiscard]] std::string to_table(const std::vector<StreetFigures>& street);
+[[nodiscard]] std::string to_table(const std::vector<DriveFigures>& drives);
+
+/// All figures, for programs.
+struct CurbFigures {
+  std::vector<SceneFigures> scans, drives;
+  std::vector<DriveFigures> towns;
+  std::vector<StreetFigures> street;
+};
+[[nodiscard]] std::string to_json(const CurbFigures& figures);
+
+}  // namespace curbstone

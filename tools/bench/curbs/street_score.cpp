@@ -1,0 +1,96 @@
+#include "tools/bench/curbs/street_score.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace curbstone {
+
+namespace {
+
+constexpr double kBlindDisc = 4.0;     // m around the sensor: it does not see the ground there
+constexpr double kBorderReach = 0.24;  // m around other borders
+
+double distance(const Place& a, const TrueCurbPoint& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+/// The nearest true point that `accept`s, within `reach`; nullptr if none.
+template <class Accept>
+const TrueCurbPoint* nearest_truth(const std::vector<TrueCurbPoint>& truth, const Place& at, double reach,
+                                   Accept accept) {
+  const TrueCurbPoint* best = nullptr;
+  double nearest = reach;
+  for (const TrueCurbPoint& t : truth) {
+    const double d = distance(at, t);
+    if (!accept(t) || d > nearest) continue;
+    best = &t;
+    nearest = d;
+  }
+  return best;
+}
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+void score_recall(const std::vector<CurbFoot>& detections, const StreetLabels& truth, double tolerance, double range,
+                  StreetScore& score) {
+  std::array<int, kTrueStepBounds.size() + 1> total{};
+  std::array<int, kTrueStepBounds.size() + 1> hit{};
+  for (const TrueCurbPoint& t : truth.curbs) {
+    const double r = std::hypot(t.x, t.y);
+    if (t.height == 0 || r > range || r < kBlindDisc) continue;  // a border of height 0 is none of a curb
+    const bool found = std::any_of(detections.begin(), detections.end(),
+                                   [&](const CurbFoot& d) { return distance(d.at, t) <= tolerance; });
+    const auto step = static_cast<std::size_t>(
+        std::lower_bound(kTrueStepBounds.begin(), kTrueStepBounds.end(), t.height) - kTrueStepBounds.begin());
+    ++total[step];
+    hit[step] += found ? 1 : 0;
+    if (t.dropped) continue;
+    ++score.truth;
+    score.found += found ? 1 : 0;
+  }
+  for (std::size_t k = 0; k < total.size(); ++k)
+    score.by_step[k].recall = total[k] > 0 ? static_cast<double>(hit[k]) / total[k] : 0;
+}
+
+const TrueCurbPoint* true_curb(const CurbFoot& detection, const StreetLabels& truth, double tolerance) {
+  return nearest_truth(truth.curbs, detection.at, tolerance, [](const TrueCurbPoint& t) { return !t.dropped; });
+}
+
+}  // namespace
+
+Verdict judge(const CurbFoot& detection, const StreetLabels& truth, double tolerance) {
+  if (std::hypot(detection.at.x, detection.at.y) < kBlindDisc) return Verdict::kNotCounted;
+  if (true_curb(detection, truth, tolerance) != nullptr) return Verdict::kRight;
+  const bool border = nearest_truth(truth.curbs, detection.at, kBorderReach,
+                                    [](const TrueCurbPoint& t) { return t.dropped; }) != nullptr;
+  if (border || !truth.classes.known_around(detection.at.x, detection.at.y)) return Verdict::kNotCounted;
+  return Verdict::kWrong;
+}
+
+StreetScore score_street(const std::vector<CurbFoot>& detections, const StreetLabels& truth, double tolerance,
+                         double range) {
+  StreetScore score;
+  std::vector<double> lateral;
+  for (const CurbFoot& d : detections) {
+    if (std::hypot(d.at.x, d.at.y) > range) continue;
+    const Verdict verdict = judge(d, truth, tolerance);
+    ++(verdict == Verdict::kNotCounted ? score.dont_care : score.detections);
+    if (verdict != Verdict::kRight) continue;
+    ++score.right;
+    const TrueCurbPoint* t = true_curb(d, truth, tolerance);
+    lateral.push_back((d.at.x - t->x) * d.up.x + (d.at.y - t->y) * d.up.y);
+  }
+  if (!lateral.empty()) {
+    score.bias = median(lateral);
+    for (double& l : lateral) l = std::abs(l - score.bias);
+    score.spread = 1.4826 * median(lateral);
+  }
+  score_recall(detections, truth, tolerance, range, score);
+  return score;
+}
+
+}  // namespace curbstone
