@@ -164,7 +164,7 @@ std::vector<PictureLine> verdict_lines(const StreetLabels& truth, const std::vec
   return lines;
 }
 
-void bench_drive(const Arguments& arguments, const std::string& name, const TownDrive& drive, double radius,
+void bench_drive(const Arguments& arguments, const std::string& name, const JudgedDrive& drive, double radius,
                  std::vector<DriveFigures>& figures) {
   for (const CurbMethod& way : methods(arguments.options, arguments.ablation)) {
     const CloudMap map = map_of(drive.made.tiles, way.options);

@@ -31,7 +31,7 @@ Truth truth_of(const Town& town, double vehicle_height) {
 
 }  // namespace
 
-TownDrive drive_town(std::uint64_t seed, double seconds) {
+JudgedDrive drive_town(std::uint64_t seed, double seconds) {
   const Town town({.seed = seed});
   const SimulateConfig config;
   SpeedProfile::Options speed;
@@ -46,12 +46,12 @@ TownDrive drive_town(std::uint64_t seed, double seconds) {
                     .seed = seed,
                     .seconds = seconds,
                     .start_utime = kStart};
-  TownDrive result{.made = drive_tiles(drive), .truth = truth_of(town, config.vehicle.height)};
+  JudgedDrive result{.made = drive_tiles(drive), .truth = truth_of(town, config.vehicle.height)};
   result.truth.poses = true_trajectory(drive);
   return result;
 }
 
-TownDrive drive_recorded(const std::string& folder, std::uint64_t seed) {
+JudgedDrive drive_recorded(const std::string& folder, std::uint64_t seed) {
   constexpr double kRamp = 3.0;  // s from standing to the recording's own pace
   const ScanSet scans = find_scans(folder, folder + "/reference_poses.txt", folder + "/times.txt");
   const SimulateConfig config;
@@ -68,7 +68,7 @@ TownDrive drive_recorded(const std::string& folder, std::uint64_t seed) {
       .seed = seed,
       .seconds = playback.drive_time(scans.times.back()),
       .start_utime = kStart};
-  TownDrive result{.made = drive_tiles(drive), .truth = {}};
+  JudgedDrive result{.made = drive_tiles(drive), .truth = {}};
   result.truth.poses = true_trajectory(drive);
   StreetLabels labels = read_street_labels(folder, motion.T_world_first());
   result.truth.curbs = std::move(labels.curbs);
