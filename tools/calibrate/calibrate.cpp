@@ -25,7 +25,7 @@ struct VehicleOnly {
 };
 
 std::string shown(const CalibratedValue& v, double x) {
-  return v.unit == "rad" ? fmt::format("{:9.3f} deg", x * kDegrees) : fmt::format("{:9.4f} m  ", x);
+  return v.unit == "rad" ? fmt::format("{:9.3f} deg", x * kDegrees) : fmt::format("{:9.5f} m  ", x);
 }
 
 void print(const CalibrationResult& result) {

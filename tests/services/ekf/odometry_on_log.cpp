@@ -1,16 +1,20 @@
-// odometry_on_log LOG [TRUTH_FOLDER]: runs the ekf node on a log's IMU and WHEELS and prints how far its odometry is
-// from the truth: for tuning by hand, not a test.
+// odometry_on_log LOG [TRUTH_FOLDER [KEY=VALUE...]]: runs the ekf node on a log's IMU and WHEELS, with fuse_map=true
+// the mapper on its LIDAR_POINTS as well, and prints how far odometry and map poses are from the truth: for tuning by
+// hand, not a test.
 
 #include <chrono>
 #include <cstdio>
+#include <curbstone/map_pose_t.hpp>
 #include <curbstone/odometry_t.hpp>
 #include <exception>
 
 #include "common/local_bus.hpp"
 #include "services/ekf/ekf_node.hpp"
+#include "services/mapper/mapper_node.hpp"
 #include "tools/evaluate/trajectory.hpp"
 #include "tools/evaluate/truth.hpp"
 #include "tools/log/log_reader.hpp"
+#include "tools/log/message_order.hpp"
 
 using namespace curbstone;
 
@@ -18,20 +22,32 @@ namespace {
 
 struct Run {
   std::vector<odometry_t> odometry;
+  Trajectory map;
   double seconds = 0.0;  // of CPU in the node
 };
 
-Run run(const std::string& log_file, EkfNode& node, LocalBus& bus) {
+Run run(const std::string& log_file, EkfNode& node, MapperNode* mapper, LocalBus& bus) {
   Run out;
   bus.subscribe<odometry_t>("ODOMETRY", [&](const odometry_t& m) { out.odometry.push_back(m); });
+  bus.subscribe<map_pose_t>("MAP_POSE", [&](const map_pose_t& m) {
+    out.map.push_back({m.utime, pose_from_arrays(m.map_base_position, m.map_base_orientation)});
+  });
   LogReader log(log_file);
-  while (const auto event = log.next()) {
-    if (event->channel != "IMU" && event->channel != "WHEELS") continue;
+  MessageOrder order;
+  const auto deliver = [&](const LogEvent& event) {
     const auto begin = std::chrono::steady_clock::now();
-    bus.inject(event->channel, event->bytes.data(), static_cast<int>(event->bytes.size()));
+    bus.inject(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
     bus.dispatch();
     out.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  while (auto event = log.next()) {
+    const bool wanted = event->channel == "IMU" || event->channel == "WHEELS" ||
+                        (mapper != nullptr && event->channel == "LIDAR_POINTS");
+    if (!wanted) continue;
+    order.push(std::move(*event));
+    while (const auto ready = order.pop(false)) deliver(*ready);
   }
+  while (const auto ready = order.pop(true)) deliver(*ready);
   node.finish();
   bus.dispatch();
   return out;
@@ -84,9 +100,22 @@ int main(int argc, char** argv) try {
   LocalBus bus;
   EkfNode node(config.value, bus);
   node.connect(bus);
-  const Run result = run(argv[1], node, bus);
+  std::optional<MapperNode> mapper;
+  if (config.value.fuse_map) {
+    mapper.emplace(MapperConfig{}, bus);
+    mapper->connect(bus);
+  }
+  const Run result = run(argv[1], node, mapper ? &*mapper : nullptr, bus);
   if (result.odometry.empty()) throw std::runtime_error("no odometry");
-  if (argc > 2) compare(result, load_truth(argv[2]).poses);
+  if (argc > 2) {
+    const Trajectory truth = load_truth(argv[2]).poses;
+    compare(result, truth);
+    if (mapper) {
+      const TrajectoryErrors errors = trajectory_errors(pair_up(truth, result.map));
+      std::printf("map: ATE %.4f m, RPE %.4f %%, %.5f deg/m, end %.4f %%\n", errors.ate_m, errors.rpe_percent,
+                  errors.rpe_deg_per_m, errors.end_percent);
+    }
+  }
   const double span = 1e-6 * static_cast<double>(result.odometry.back().utime - result.odometry.front().utime);
   std::printf("%zu estimates over %.1f s, %.4f cores\n", result.odometry.size(), span, result.seconds / span);
   const Eigen::Vector3d scale = node.filter().filter().belief().mean.wheel_scale;
