@@ -9,6 +9,7 @@
 #include "tools/calibrate/calibrate.hpp"
 #include "tools/detect/detect.hpp"
 #include "tools/evaluate/evaluate.hpp"
+#include "tools/export/export.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/simulate/simulate.hpp"
 
@@ -25,6 +26,7 @@ constexpr std::array kSubcommands = {
     Subcommand{"replay", curbstone::run_replay, "make a map from a log, as fast as the machine can"},
     Subcommand{"evaluate", curbstone::run_evaluate, "compare a map with the truth"},
     Subcommand{"detect", curbstone::run_detect, "curbs and classes of any cloud: .pcd, .ply, KITTI .bin"},
+    Subcommand{"export", curbstone::run_export, "a map for others: nav2, QGIS, Lanelet2, GeoJSON, PCD, PLY"},
     Subcommand{"calibrate", curbstone::run_calibrate, "wheels and extrinsics from a drive"},
     Subcommand{"bench", curbstone::run_bench, "measure: speed and accuracy, beside the peers"},
 };

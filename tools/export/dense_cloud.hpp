@@ -1,0 +1,26 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace curbstone {
+
+/// A point of the mapper's dense map, m in map.
+struct CloudPoint {
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();
+  float intensity = 0;  ///< 0..255
+};
+
+struct DenseCloud {
+  std::vector<CloudPoint> points;  ///< by tile, then in the order of mapping
+  std::int64_t missing = 0;        ///< announced by what follows them, but not in the log
+  std::int64_t refused = 0;        ///< messages that do not decode, or are impossible
+};
+
+/// The points of MAP_POINTS in an lcm-logger log (recorded live, or by `curbstone replay --record`) of one epoch.
+/// Points that the log has twice count once. Throws std::runtime_error: no log, or no points of that epoch.
+[[nodiscard]] DenseCloud read_dense_cloud(const std::string& log, std::int32_t epoch);
+
+}  // namespace curbstone

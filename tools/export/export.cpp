@@ -1,0 +1,167 @@
+#include "tools/export/export.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+
+#include "services/semantic_map/map_store.hpp"
+#include "tools/export/cloud_writer.hpp"
+#include "tools/export/geojson_file.hpp"
+#include "tools/export/georeference.hpp"
+#include "tools/export/lanelet2_file.hpp"
+#include "tools/export/nav2_map.hpp"
+#include "tools/export/output_folder.hpp"
+#include "tools/export/raster_file.hpp"
+
+namespace curbstone {
+
+namespace {
+
+struct ExportArguments {
+  std::string map;
+  std::string out = "export";
+  std::vector<std::string> only;
+  Nav2Policy nav2;
+  double high_curb = kHighCurb;
+  std::string datum;
+  std::string log;
+  CloudFormat cloud_format = CloudFormat::kPcd;
+
+  [[nodiscard]] bool wants(const char* what) const {
+    return only.empty() || std::find(only.begin(), only.end(), what) != only.end();
+  }
+};
+
+void add_nav2(const MapGrid& grid, const Nav2Policy& policy, OutputFolder& out) {
+  out.add_bytes("nav2.pgm", pgm_bytes(grid.columns, grid.rows, trinary_pixels(grid, policy)));
+  out.add_bytes("nav2.yaml", nav2_yaml(grid, "nav2.pgm", "trinary"));
+  out.add("nav2_scale.png", [&](const std::string& path) {
+    write_gray_alpha_png(grid.columns, grid.rows, scale_pixels(grid, policy), path);
+  });
+  out.add_bytes("nav2_scale.yaml", nav2_yaml(grid, "nav2_scale.png", "scale"));
+}
+
+void add_rasters(const MapGrid& grid, const std::optional<TangentPlane>& plane, OutputFolder& out) {
+  const Georeference place(grid, plane);
+  const auto add_place = [&](const std::string& image, const std::string& world_file) {
+    out.add_bytes(world_file, place.world_file());
+    if (const auto projection = place.projection_file()) {
+      out.add_bytes(image + ".aux.xml", *projection);
+    } else {
+      out.leave_out(image + ".aux.xml");
+    }
+  };
+  const auto add_gray = [&](const std::string& name, const std::vector<std::uint8_t>& values) {
+    out.add(name + ".png", [&](const std::string& path) { write_gray_png(grid.columns, grid.rows, values, path); });
+    add_place(name + ".png", name + ".pgw");
+  };
+  const auto add_float = [&](const std::string& name, const std::vector<float>& values) {
+    out.add_bytes(name + ".flt", float_bytes(values));
+    out.add_bytes(name + ".hdr", float_header(grid.columns, grid.rows));
+    add_place(name + ".flt", name + ".wld");
+  };
+  out.add("class.png", [&](const std::string& path) { write_class_png(grid, path); });
+  add_place("class.png", "class.pgw");
+  add_gray("cost", grid.cost);
+  add_gray("confidence", grid.confidence);
+  add_float("height", grid.height);
+  add_float("slope", ground_slope(grid));
+}
+
+void add_curbs(const MapReader& map, double high_curb, const std::optional<TangentPlane>& plane, OutputFolder& out) {
+  std::vector<CurbLine> all = map.curbs();
+  const std::size_t count = all.size();
+  const std::vector<CurbLine> curbs = usable_curbs(std::move(all));
+  if (curbs.size() != count)
+    fmt::print("{} curb lines left out: single points, or out of reach\n", count - curbs.size());
+  if (curbs.empty()) fmt::print("the map holds no curb lines (a service writes them when its drive ends)\n");
+  out.add_bytes("curbs.osm", lanelet2_osm(curbs, high_curb, plane));
+  if (plane) {
+    out.add_bytes("curbs.geojson", curbs_geojson(curbs, high_curb, *plane));
+  } else {
+    out.leave_out("curbs.geojson");
+  }
+}
+
+void add_cloud(const ExportArguments& arguments, std::int32_t epoch, OutputFolder& out) {
+  const DenseCloud cloud = read_dense_cloud(arguments.log, epoch);
+  if (cloud.missing + cloud.refused > 0)
+    fmt::print("{}: {} points are missing in it, {} messages refused\n", arguments.log, cloud.missing, cloud.refused);
+  out.add(arguments.cloud_format == CloudFormat::kPcd ? "cloud.pcd" : "cloud.ply",
+          [&](const std::string& path) { write_cloud(cloud, arguments.cloud_format, path); });
+  fmt::print("{} points in the dense cloud\n", cloud.points.size());
+}
+
+void export_map(const ExportArguments& arguments, const std::optional<TangentPlane>& plane) {
+  const MapReader map(arguments.map);
+  OutputFolder out(arguments.out);
+  if (arguments.wants("nav2") || arguments.wants("rasters")) {
+    std::optional<MapGrid> grid;
+    try {
+      grid = make_map_grid(map.tiles());
+    } catch (const MapGridError& error) {
+      throw MapGridError(fmt::format("{}: {}", arguments.map, error.what()));
+    }
+    if (arguments.wants("nav2")) add_nav2(*grid, arguments.nav2, out);
+    if (arguments.wants("rasters")) add_rasters(*grid, plane, out);
+  }
+  if (arguments.wants("curbs")) add_curbs(map, arguments.high_curb, plane, out);
+  if (!arguments.log.empty() && arguments.wants("cloud")) add_cloud(arguments, map.epoch(), out);
+  if (arguments.log.empty() && arguments.only.empty())
+    fmt::print("no cloud: a map file keeps no points; give the log of its MAP_POINTS with --log\n");
+  for (const std::string& name : out.commit()) fmt::print("{}/{}\n", arguments.out, name);
+}
+
+}  // namespace
+
+int run_export(int argc, char** argv) {
+  ExportArguments arguments;
+  CLI::App app{"Writes a map file in the formats of others: nav2, QGIS and GDAL, Lanelet2, GeoJSON, PCD, PLY"};
+  app.name("curbstone export");
+  app.add_option("map", arguments.map, "The map file")->required();
+  app.add_option("--out", arguments.out, "Folder for the results")->capture_default_str();
+  app.add_option("--only", arguments.only, "What to write; default: everything")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"nav2", "rasters", "curbs", "cloud"}));
+  const std::map<std::string, UnknownCells> policies = {
+      {"occupied", UnknownCells::kOccupied}, {"unknown", UnknownCells::kUnknown}, {"free", UnknownCells::kFree}};
+  app.add_option("--unknown", arguments.nav2.unknown,
+                 "nav2: what never was seen is occupied (safe, the default), unknown (the planner decides) or free")
+      ->transform(CLI::CheckedTransformer(policies));
+  app.add_option("--occupied-cost", arguments.nav2.occupied_cost,
+                 "nav2, trinary: cells of this cost and more are occupied; 50: every curb, 254: what cannot be crossed")
+      ->check(CLI::Range(1, 254))
+      ->capture_default_str();
+  app.add_option("--high-curb", arguments.high_curb, "m: curbs lower than this get subtype low")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  app.add_option("--datum", arguments.datum,
+                 "LAT,LON[,ALT[,HEADING]] of the map's origin: deg WGS84, m above the ellipsoid, deg from north "
+                 "(clockwise) of its x axis (90: x is east)");
+  app.add_option("--log", arguments.log, "Log with MAP_POINTS: adds the dense cloud");
+  const std::map<std::string, CloudFormat> formats = {{"pcd", CloudFormat::kPcd}, {"ply", CloudFormat::kPly}};
+  app.add_option("--cloud-format", arguments.cloud_format, "pcd (the default) or ply")
+      ->transform(CLI::CheckedTransformer(formats));
+  std::optional<TangentPlane> plane;
+  try {
+    app.parse(argc, argv);
+    if (!arguments.datum.empty()) {
+      const auto datum = parse_datum(arguments.datum);
+      if (!datum)
+        throw CLI::ValidationError("--datum", arguments.datum + " is not LAT,LON[,ALT[,HEADING]] on the Earth");
+      plane.emplace(*datum);
+    }
+    if (arguments.log.empty() && !arguments.only.empty() && arguments.wants("cloud"))
+      throw CLI::ValidationError("--only", "cloud needs --log: a map file keeps no points");
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  export_map(arguments, plane);
+  return 0;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+
+namespace curbstone {
+
+/// Where the map's origin lies on the Earth and which way its x axis points.
+struct GeoDatum {
+  double latitude = 0;   ///< deg, WGS84
+  double longitude = 0;  ///< deg, east positive
+  double altitude = 0;   ///< m above the ellipsoid (not above the sea)
+  double heading = 90;   ///< deg from north, clockwise, of the map's x axis; 90: x east, y north (REP-103)
+};
+
+/// "LAT,LON[,ALT[,HEADING]]"; nothing if it is not that, or off the Earth.
+[[nodiscard]] std::optional<GeoDatum> parse_datum(const std::string& text);
+
+struct GeoPoint {
+  double latitude = 0;   ///< deg
+  double longitude = 0;  ///< deg, -180 .. 180
+  double altitude = 0;   ///< m above the ellipsoid
+};
+
+/// The map's frame as the plane that touches the ellipsoid's normal direction at the datum: x, y, z to east, north, up,
+/// to Earth-centred coordinates, to WGS84. Rounding apart (well below 0.1 mm) that is exact. What remains is the
+/// datum's own error, and that gravity, which levels the map, differs from the ellipsoid's normal by up to some 0.1
+/// mrad.
+class TangentPlane {
+ public:
+  explicit TangentPlane(const GeoDatum& datum);
+
+  [[nodiscard]] const GeoDatum& datum() const { return datum_; }
+  /// m in map -> m east and north of the datum.
+  [[nodiscard]] Eigen::Vector2d east_north(double x, double y) const;
+  /// m in map -> WGS84.
+  [[nodiscard]] GeoPoint to_wgs84(const Eigen::Vector3d& in_map) const;
+  /// The plane's x (east), y (north) as a projection, in WKT: what a raster needs to find its place. Orthographic: it
+  /// sees the plane along its normal, so that heights do not shift anything.
+  [[nodiscard]] std::string wkt() const;
+
+ private:
+  GeoDatum datum_;
+  Eigen::Vector3d origin_;      ///< m, Earth-centred
+  Eigen::Matrix3d R_ecef_enu_;  ///< columns: east, north, up
+  Eigen::Matrix2d R_enu_map_;
+};
+
+}  // namespace curbstone

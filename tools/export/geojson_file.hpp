@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/export/curb_export.hpp"
+#include "tools/export/geo_datum.hpp"
+
+namespace curbstone {
+
+/// GeoJSON (RFC 7946): a LineString a curb, longitude, latitude (1e-10 deg: 0.01 mm) and m above the ellipsoid, with
+/// id, subtype, height, high_side, dropped and confidence. A map across the 180th meridian is not cut there.
+[[nodiscard]] std::string curbs_geojson(const std::vector<CurbLine>& curbs, double high_curb,
+                                        const TangentPlane& plane);
+
+}  // namespace curbstone

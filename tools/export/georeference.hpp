@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "tools/export/geo_datum.hpp"
+#include "tools/export/map_grid.hpp"
+
+namespace curbstone {
+
+/// Where a raster's cells lie: in map or, with a datum, in the datum's tangent plane (m east and north of it).
+class Georeference {
+ public:
+  Georeference(const MapGrid& grid, const std::optional<TangentPlane>& plane);
+
+  /// ESRI world file: six lines, the affine map from (column, row) to the middle of the cell.
+  [[nodiscard]] std::string world_file() const;
+  /// GDAL's side-car (NAME.aux.xml) with the projection; nothing without a datum.
+  [[nodiscard]] std::optional<std::string> projection_file() const;
+
+ private:
+  Eigen::Vector2d first_;   ///< middle of the top left cell
+  Eigen::Vector2d column_;  ///< from a cell to the one on its right
+  Eigen::Vector2d row_;     ///< to the one below it
+  std::string wkt_;
+};
+
+}  // namespace curbstone
