@@ -118,8 +118,9 @@ int main(int argc, char** argv) try {
   }
   const double span = 1e-6 * static_cast<double>(result.odometry.back().utime - result.odometry.front().utime);
   std::printf("%zu estimates over %.1f s, %.4f cores\n", result.odometry.size(), span, result.seconds / span);
-  const Eigen::Vector3d scale = node.filter().filter().belief().mean.wheel_scale;
-  std::printf("wheel scale %.4f %.4f %.4f\n", scale.x(), scale.y(), scale.z());
+  const NavState& state = node.filter().filter().belief().mean;
+  std::printf("wheel scale %.4f %.4f %.4f, axle %.3f m\n", state.wheel_scale.x(), state.wheel_scale.y(),
+              state.wheel_scale.z(), state.axle);
   const NodeReport report = node.report();
   for (const auto& [name, value] : report.counters.values())
     std::printf("  %s %ld\n", name.c_str(), static_cast<long>(value));
