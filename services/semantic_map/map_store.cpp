@@ -158,6 +158,9 @@ MapStore::MapStore(std::string path) : path_(std::move(path)), lock_(std::make_u
     db_ = std::make_unique<Sqlite>(path_, Sqlite::Mode::kReadWrite);
     const bool fresh = std::filesystem::file_size(path_) == 0;
     if (!fresh) check_identity(*db_, path_);
+    // A row of a tile (0.7 kB, at most 1.3) shall fit beside others: of a 4 kB page SQLite gives a row without rowid a
+    // quarter at most and takes whole pages for the rest. The file is a third smaller than with 4 kB.
+    if (fresh) db_->execute("PRAGMA page_size = 8192");
     db_->execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; PRAGMA foreign_keys = ON");
     // Another server may have died between creating the file and the schema: then it is still empty.
     if (fresh) create_schema(*db_);
