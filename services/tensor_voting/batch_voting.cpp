@@ -19,9 +19,6 @@ namespace curbstone {
 
 namespace {
 
-/// Cells of half the radius: fewer tests out of reach than cells of the radius, fuller blocks than smaller ones.
-constexpr int kReach = 2;
-
 /// m. Beyond 16 sigma a vote is e^-256: nothing in float.
 double cut_off(const VotingParameters& parameters) {
   return std::min(parameters.radius, 16 * parameters.sigma);
@@ -42,9 +39,21 @@ class Assembly {
   using Vote = decltype(BatchKernel::ball);
 
   Assembly(std::span<const WidePoint> voters, double radius_in_steps, int threads)
-      : cells_(voters, edge_for(radius_in_steps), threads), arrays_(cells_.arrays()), threads_(threads) {}
+      : cells_(voters, edge_for(radius_in_steps / 2), threads), reach_(2), threads_(threads) {
+    // Cells of half the radius look at the fewest voters out of reach. But a block of votees is of one cell: where
+    // points are few, larger cells fill it better. The map is made of surfaces: twice the edge, four times the points.
+    constexpr double kEnough = kBlock;
+    const double occupancy = static_cast<double>(voters.size()) / static_cast<double>(cells_.cells().size());
+    if (occupancy < kEnough) {
+      const double edge = radius_in_steps * (4 * occupancy >= kEnough ? 1 : 16 * occupancy >= kEnough ? 2 : 4);
+      cells_ = CellList(voters, edge_for(edge), threads);
+      reach_ = 1;
+    }
+    arrays_ = cells_.arrays();
+  }
 
   [[nodiscard]] const CellList& cells() const { return cells_; }
+  [[nodiscard]] bool crowded(double most) const { return cells_.crowded(reach_, most); }
   void weigh(const std::vector<float>& weights) { arrays_.weight = weights.data(); }
   void orient(const std::vector<OrientedVoter>& voters) { arrays_.oriented = voters.data(); }
 
@@ -59,7 +68,7 @@ class Assembly {
         const CellList::Block& block = blocks[i];
         if (i == begin || block.cell != blocks[i - 1].cell) {
           runs.clear();
-          cells_.runs_around(cells_.cells()[block.cell], kReach, runs);
+          cells_.runs_around(cells_.cells()[block.cell], reach_, runs);
         }
         vote(arrays_, runs.data(), runs.size(), block.begin, block.count, scale, votes[i - begin].sum);
       }
@@ -68,13 +77,13 @@ class Assembly {
   }
 
  private:
-  static std::int32_t edge_for(double radius_in_steps) {
-    const double edge = std::ceil(radius_in_steps / kReach) + 1;
-    return std::max(CellList::kMinEdge, static_cast<std::int32_t>(std::min(edge, double{1 << 29})));
+  static std::int32_t edge_for(double steps) {
+    return std::max(CellList::kMinEdge, static_cast<std::int32_t>(std::min(std::ceil(steps) + 1, double{1 << 29})));
   }
 
   CellList cells_;
-  VoterArrays arrays_;
+  VoterArrays arrays_{};
+  int reach_;  // cells
   int threads_;
 };
 
@@ -212,7 +221,7 @@ CloudVotes vote_cloud(std::span<const Eigen::Vector3d> points, const VotingParam
   Assembly assembly = assemble(cloud, thinning, parameters, options, threads);
   constexpr double kMostTests = 50'000;
   const double coarse = parameters.sigma / 8;
-  if (votes.voxel < coarse && assembly.cells().crowded(kReach, kMostTests)) {
+  if (votes.voxel < coarse && assembly.crowded(kMostTests)) {
     votes.voxel = coarse;
     thinning = first_in_voxel(cloud, coarse);
     assembly = assemble(cloud, thinning, parameters, options, threads);
