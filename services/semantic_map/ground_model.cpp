@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace curbstone {
@@ -195,10 +196,17 @@ GroundNode refine(const SampleGrid& grid, const std::vector<double>& road, const
 GroundModel model_ground(const Around<GroundSamples>& samples, const CurbParameters& /*parameters*/) {
   GroundModel model;
   const SampleGrid grid = lay_out(samples);
+  model.road.fill(std::numeric_limits<float>::quiet_NaN());
   const auto rough = rough_ground(grid);
   model.rough = rough;
   if (!rough) return model;
   const std::vector<double> road = road_heights(grid, *rough);
+  constexpr int n = GroundModel::kRoadPerSide;
+  for (int row = 0; row < n; ++row) {
+    for (int column = 0; column < n; ++column)
+      model.road[static_cast<std::size_t>(row * n + column)] =
+          static_cast<float>(road[static_cast<std::size_t>((row + n) * kRoadCells + column + n)]);
+  }
   for (int row = 0; row < GroundModel::kPerSide; ++row) {
     for (int column = 0; column < GroundModel::kPerSide; ++column) {
       model.nodes[static_cast<std::size_t>(row * GroundModel::kPerSide + column)] =

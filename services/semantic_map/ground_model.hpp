@@ -27,6 +27,9 @@ struct GroundModel {
   static constexpr double kCell = kTileSize / kPerSide;  ///< 1 m
   std::array<GroundNode, kPerSide * kPerSide> nodes{};
   std::optional<Plane> rough;  ///< about the tile's corner
+  static constexpr int kRoadPerSide = 6;
+  /// m in map, road height of the 0.5 m cells, row by row from the lowest y; NaN: none
+  std::array<float, kRoadPerSide * kRoadPerSide> road{};
 
   [[nodiscard]] const GroundNode& at(int column, int row) const {
     return nodes[static_cast<std::size_t>(row * kPerSide + column)];

@@ -12,6 +12,7 @@
 #include "services/semantic_map/png_file.hpp"
 #include "tools/detect/cloud_file.hpp"
 #include "tools/detect/cloud_map.hpp"
+#include "tools/detect/method_steps.hpp"
 
 namespace curbstone {
 
@@ -23,6 +24,7 @@ struct Arguments {
   std::string cloud;
   std::string poses;
   std::string out;
+  std::string steps;
   std::string config;
   std::vector<std::string> assignments;
   CloudMapOptions options;
@@ -96,6 +98,21 @@ MapPicture picture_of(const CloudMap& map, double range) {
   return picture;
 }
 
+/// One picture a step of the method, and the result.
+void write_steps(const std::vector<Eigen::Vector3f>& cloud, const Arguments& arguments, const CloudMap& map) {
+  Outputs outputs(arguments.steps);
+  CloudMap counts;
+  const auto tiles = vote_tiles(cloud, arguments.options, counts);
+  for (const StepPicture& step : draw_method_steps(tiles, arguments.options, arguments.options.range))
+    outputs.add(step.name + ".png", [&](const std::string& path) { write_png(step.canvas, path); });
+  outputs.add("8_result.png", [&](const std::string& path) {
+    MapPicture picture = picture_of(map, arguments.options.range);
+    picture.curbs = map.lines;
+    write_png(draw_map(picture, {.title = "curbs and classes", .pixels_per_cell = 6}), path);
+  });
+  outputs.commit();
+}
+
 int detect(const Arguments& arguments) {
   const std::vector<Eigen::Vector3f> cloud = read_input(arguments);
   const CloudMap map = map_cloud(cloud, arguments.options);
@@ -112,6 +129,7 @@ int detect(const Arguments& arguments) {
     write_png(draw_map(picture_of(map, arguments.options.range), {.title = name, .pixels_per_cell = 6}), path);
   });
   outputs.commit();
+  if (!arguments.steps.empty()) write_steps(cloud, arguments, map);
   fmt::print("{} points, {} used ({} not finite, {} out of range); {} curb points\n", cloud.size(), map.points.size(),
              map.not_finite, map.out_of_range, map.curbs.size());
   fmt::print("{}\n{}\n{}\n", pcd, csv, png);
@@ -130,6 +148,7 @@ int run_detect(int argc, char** argv) {
   app.add_option("cloud", arguments.cloud, ".pcd, .ply, KITTI .bin, or a folder of scans with --poses")->required();
   app.add_option("--poses", arguments.poses, "For a folder: 3x4 rows, scan to map, one a scan in the order of names");
   app.add_option("--out", arguments.out, "Folder for the results")->capture_default_str();
+  app.add_option("--steps", arguments.steps, "Folder for one picture a step of the method");
   app.add_option("--range", arguments.options.range, "m from the origin that are looked at; 0: all")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

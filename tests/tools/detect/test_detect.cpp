@@ -102,6 +102,14 @@ TEST_F(DetectTest, FindsTheCurbOfAKittiScanAndWritesAllThree) {
   expect_curb_at_2();
 }
 
+TEST_F(DetectTest, DrawsAPictureOfEveryStepOnRequest) {
+  const fs::path steps = folder_ / "steps";
+  EXPECT_EQ(detect({write_kitti("scan.bin", street()).string(), "--steps", steps.string()}).status, 0);
+  for (const char* name :
+       {"1_stick", "2_normal", "3_road_height", "4_dem", "5_tilt", "6_evidence", "7_filtered", "8_result"})
+    EXPECT_GT(fs::file_size(steps / (std::string(name) + ".png")), 500U) << name;
+}
+
 TEST_F(DetectTest, ReadsAsciiPcdAndPly) {
   std::string rows;
   const auto points = street();
