@@ -34,17 +34,6 @@ Pose levelled(const Pose& T_odom_base) {
   return T;
 }
 
-SweepMotion sweep_from(const OdometryHistory& odometry, const Revolution& revolution) {
-  SweepMotion sweep;
-  const Pose T_end_odom = odometry.at(revolution.end).inverse();
-  const auto step = static_cast<std::int64_t>(std::llround(sweep.step * 1e6));
-  for (std::int64_t t = revolution.start; t < revolution.end + step; t += step) {
-    sweep.T_end_at.push_back(T_end_odom * odometry.at(std::min(t, revolution.end)));
-  }
-  if (sweep.T_end_at.size() < 2) sweep.T_end_at.resize(2, Pose::Identity());
-  return sweep;
-}
-
 Matrix6 isotropic(double translation, double rotation) {
   Vector6 diagonal;
   diagonal << Eigen::Vector3d::Constant(translation * translation), Eigen::Vector3d::Constant(rotation * rotation);
@@ -129,7 +118,7 @@ void Mapper::conclude(const Revolution& revolution, const OdometryHistory& odome
 
 void Mapper::start(const Revolution& revolution, const OdometryHistory& odometry, MapperUpdate& update) {
   update.with_odometry = odometry.covers(revolution.start, revolution.end);
-  const SweepMotion sweep = update.with_odometry ? sweep_from(odometry, revolution)
+  const SweepMotion sweep = update.with_odometry ? sweep_from(odometry, revolution.start, revolution.end)
                                                  : steady_sweep({}, seconds(revolution.start, revolution.end));
   if (update.with_odometry) {
     const Pose T_odom_base = odometry.at(revolution.end);
@@ -167,7 +156,7 @@ Mapper::Expectation Mapper::expect(const Revolution& revolution, const OdometryH
     return expect_steady(revolution);
   }
   expected.stationary = odometry.stationary(from, revolution.end);
-  expected.sweep = sweep_from(odometry, revolution);
+  expected.sweep = sweep_from(odometry, revolution.start, revolution.end);
   expected.covariance =
       isotropic(config_.prior_floor_m + config_.prior_translation * expected.T_last_base.translation().norm(),
                 config_.prior_floor_rad + config_.prior_rotation * angle_of(expected.T_last_base));

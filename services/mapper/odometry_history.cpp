@@ -1,6 +1,7 @@
 #include "services/mapper/odometry_history.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace curbstone {
 
@@ -51,6 +52,17 @@ bool OdometryHistory::stationary(std::int64_t from, std::int64_t to) const {
 
 void OdometryHistory::forget_before(std::int64_t utime) {
   while (samples_.size() > 1 && samples_[1].utime <= utime) samples_.pop_front();
+}
+
+SweepMotion sweep_from(const OdometryHistory& odometry, std::int64_t from, std::int64_t to) {
+  SweepMotion sweep;
+  const Pose T_end_odom = odometry.at(to).inverse();
+  const auto step = static_cast<std::int64_t>(std::llround(sweep.step * 1e6));
+  for (std::int64_t t = from; t < to + step; t += step) {
+    sweep.T_end_at.push_back(T_end_odom * odometry.at(std::min(t, to)));
+  }
+  if (sweep.T_end_at.size() < 2) sweep.T_end_at.resize(2, Pose::Identity());
+  return sweep;
 }
 
 }  // namespace curbstone

@@ -4,6 +4,7 @@
 #include <deque>
 
 #include "common/geometry.hpp"
+#include "services/mapper/deskew.hpp"
 
 namespace curbstone {
 
@@ -42,5 +43,8 @@ class OdometryHistory {
   [[nodiscard]] std::size_t lower_bound(std::int64_t utime) const;
   std::deque<OdometrySample> samples_;
 };
+
+/// Motion from `from` to `to`, which must be covered.
+[[nodiscard]] SweepMotion sweep_from(const OdometryHistory& odometry, std::int64_t from, std::int64_t to);
 
 }  // namespace curbstone
