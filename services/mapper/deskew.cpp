@@ -40,6 +40,12 @@ SweepMotion steady_sweep(const Twist& twist, double seconds, double step) {
   return sweep;
 }
 
+bool measured(const LidarPoint& point) {
+  constexpr float kNearest = 0.1F, kFarthest = 1000.0F;  // m
+  const float range2 = point.position.squaredNorm();
+  return range2 > kNearest * kNearest && range2 < kFarthest * kFarthest && std::isfinite(point.time);
+}
+
 std::vector<LidarPoint> deskew(const std::vector<LidarPoint>& points, const Pose& T_base_lidar,
                                const SweepMotion& sweep) {
   std::vector<Eigen::Isometry3f> T_end_lidar;
@@ -48,14 +54,17 @@ std::vector<LidarPoint> deskew(const std::vector<LidarPoint>& points, const Pose
 
   const auto inverse_step = static_cast<float>(1.0 / sweep.step);
   const auto last = static_cast<float>(T_end_lidar.size() - 1);
-  std::vector<LidarPoint> out = points;
-  for (LidarPoint& point : out) {
+  std::vector<LidarPoint> out;
+  out.reserve(points.size());
+  for (const LidarPoint& point : points) {
+    if (!measured(point)) continue;
     const float place = std::clamp(point.time * inverse_step, 0.0F, last);
     const std::size_t before = std::min(static_cast<std::size_t>(place), T_end_lidar.size() - 2);
     const float fraction = place - static_cast<float>(before);
     const Eigen::Vector3f a = T_end_lidar[before] * point.position;
     const Eigen::Vector3f b = T_end_lidar[before + 1] * point.position;
-    point.position = a + fraction * (b - a);
+    out.push_back(point);
+    out.back().position = a + fraction * (b - a);
   }
   return out;
 }

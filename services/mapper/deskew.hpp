@@ -27,8 +27,12 @@ struct SweepMotion {
 /// Steady motion all through a revolution of `seconds`.
 [[nodiscard]] SweepMotion steady_sweep(const Twist& twist, double seconds, double step = 0.001);
 
+/// Whether a point of the LiDAR can be one: finite, not in the lidar itself (a return of zero), not beyond a kilometre.
+[[nodiscard]] bool measured(const LidarPoint& point);
+
 /// Takes every point from lidar at its own time to base_link at the end of the revolution. Between two steps of the
 /// sweep the point moves on a straight line: within a millisecond, at 2 rad/s, that is off by 5e-7 of the range.
+/// Points that are no measurement are left out: see measured().
 [[nodiscard]] std::vector<LidarPoint> deskew(const std::vector<LidarPoint>& points, const Pose& T_base_lidar,
                                              const SweepMotion& sweep);
 

@@ -9,7 +9,9 @@
 namespace curbstone {
 namespace {
 
-constexpr double kLongestStride = 1.0;  // s: after that, a constant velocity is no expectation any more
+constexpr double kLongestStride = 1.0;             // s: after that, a constant velocity is no expectation any more
+constexpr std::int64_t kLongestSweep = 1'000'000;  // us
+constexpr std::int64_t kClockJump = 1'000'000;     // us backwards that is a new clock, not a late revolution
 constexpr double kAcceleration = 10.0;  // m/s a revolution's time, what velocity may be off by without odometry
 constexpr double kTurning = 2.0;        // rad/s, the same for rotation
 constexpr int kDeskewPasses = 2;        // without odometry
@@ -50,13 +52,17 @@ Mapper::Mapper(const MapperConfig& config)
 
 std::optional<MapperUpdate> Mapper::process(const Revolution& revolution, const OdometryHistory& odometry) {
   counters_.add("revolutions");
-  if (revolution.points.size() < static_cast<std::size_t>(config_.min_points)) {
+  if (std::count_if(revolution.points.begin(), revolution.points.end(), measured) < config_.min_points) {
     counters_.add("refused.sparse");
     return std::nullopt;
   }
+  if (revolution.end < revolution.start || revolution.end - revolution.start > kLongestSweep) {
+    counters_.add("refused.time");
+    return std::nullopt;
+  }
   if (last_ && revolution.end <= last_->end) {
-    counters_.add("refused.time");  // the clock went back: from here on its new time counts
-    last_->end = revolution.end;
+    counters_.add("refused.time");  // once more, or late; or the clock went back: then its new time counts from here on
+    if (last_->end - revolution.end > kClockJump) last_->end = revolution.end;
     return std::nullopt;
   }
   MapperUpdate update;

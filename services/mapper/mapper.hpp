@@ -38,7 +38,8 @@ class Mapper {
  public:
   explicit Mapper(const MapperConfig& config);
 
-  /// Takes the next revolution; nothing when it cannot be placed in time or comes before there is a map to speak of.
+  /// Takes the next revolution; nothing when it cannot be placed in time (once more, late by less than a second, longer
+  /// than one, ended before it began) or holds too few points that can be measurements. Such changes nothing.
   [[nodiscard]] std::optional<MapperUpdate> process(const Revolution& revolution, const OdometryHistory& odometry);
 
   /// The drive is over: what still waits goes into the dense map. Tiles with new points.

@@ -122,5 +122,21 @@ TEST(IcpRegistration, ForgetsWhatIsOutsideItsWindowAndStillWorks) {
   EXPECT_LT((truth.inverse() * result.T_map_base).translation().norm(), 5e-3);
 }
 
+TEST(IcpRegistration, ItsMapGrowsNoFurtherThanItsWindow) {
+  IcpConfig config;
+  config.window = 30;
+  IcpRegistration icp{config, test::default_lidar().translation()};
+  const test::SyntheticWorld world = test::street();
+  std::size_t most = 0;
+  for (int i = 0; i <= 400; ++i) {  // the street again and again, further on
+    const Pose T = test::pose(-25 + 0.25 * (i % 200), 0, 0, 0, 0, 0);
+    const Pose shift = test::pose(50.0 * (i / 200), 0, 0, 0, 0, 0);
+    icp.insert(world.snapshot(T, test::default_lidar()), shift * T);
+    icp.keep_around((shift * T).translation());
+    if (i == 200) most = icp.size();
+  }
+  EXPECT_LT(static_cast<double>(icp.size()), 1.3 * static_cast<double>(most));
+}
+
 }  // namespace
 }  // namespace curbstone
