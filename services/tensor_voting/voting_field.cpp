@@ -11,10 +11,6 @@ namespace curbstone {
 
 namespace {
 
-int floor_div(int a, int b) {
-  return a / b - (a % b != 0 && (a < 0) != (b < 0));
-}
-
 /// The smallest edge (in steps) of cells that tile a tile and span `radius` with `reach` cells.
 int smallest_cell(int radius, int reach) {
   for (int n = kStepsPerTile; n > 1; --n) {
@@ -132,6 +128,8 @@ VotingField::VotingField(const VotingParameters& parameters) : parameters_(param
   // blocks half empty, and memory that is touched for little is what costs most here.
   cell_ = smallest_cell(radius_, voxel_ > 0 ? 1 : 2);
   cells_per_tile_ = kStepsPerTile / cell_;
+  by_cell_ = Divisor(cell_);
+  if (voxel_ > 0) by_voxel_ = Divisor(voxel_);
   reach_ = (radius_ + cell_ - 1) / cell_;
 }
 
@@ -149,7 +147,7 @@ VotingField::Neighbourhood VotingField::around(TileKey key) const {
 }
 
 VotingField::CellIndex VotingField::cell_of(const Place& place) const {
-  return {place.x / cell_, place.y / cell_, floor_div(place.z, cell_)};
+  return {by_cell_.floor(place.x), by_cell_.floor(place.y), by_cell_.floor(place.z)};
 }
 
 std::size_t VotingField::column_of(const CellIndex& cell) const {
@@ -201,12 +199,13 @@ void VotingField::book(Neighbourhood& around, std::int64_t sign) {
 }
 
 std::uint64_t VotingField::voxel_of(const Place& place) const {
-  return VoxelTable::key(place.x / voxel_, place.y / voxel_, floor_div(place.z, voxel_));
+  return VoxelTable::key(by_voxel_.floor(place.x), by_voxel_.floor(place.y), by_voxel_.floor(place.z));
 }
 
 std::vector<VotingField::NewVoter> VotingField::admit(TileKey key, Tile& tile,
                                                       std::span<const TilePoint> points) const {
   std::vector<NewVoter> admitted;
+  admitted.reserve(points.size());
   for (const TilePoint& point : points) {
     const Place place(key, tile.z_origin, point);
     const auto next = static_cast<std::uint32_t>(tile.voters.size());

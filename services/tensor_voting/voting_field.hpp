@@ -78,6 +78,20 @@ class VotingField {
   [[nodiscard]] std::uint64_t voxel_of(const Place& place) const;
   void note_changes(const Neighbourhood& around);
 
+  /// Floored division by one number, again and again: a multiplication.
+  class Divisor {
+   public:
+    explicit Divisor(int by = 1) : inverse_(1.0 / by) {}
+    [[nodiscard]] int floor(int v) const {
+      const double quotient = (v + 0.5) * inverse_;  // never a whole number, so that rounding cannot cross one
+      const auto towards_zero = static_cast<int>(quotient);
+      return towards_zero - (quotient < 0 ? 1 : 0);
+    }
+
+   private:
+    double inverse_;
+  };
+
   VotingParameters parameters_;
   VoteKernel kernel_;
   Decay decay_;
@@ -85,6 +99,8 @@ class VotingField {
   int radius_ = 0;          // steps, rounded up
   int cell_ = 0;            // steps: edge of a cell; a whole number of them makes a tile
   int cells_per_tile_ = 0;  // along one side
+  Divisor by_voxel_;
+  Divisor by_cell_;
   int reach_ = 0;           // cells
   std::unordered_map<TileKey, std::unique_ptr<Tile>, TileKeyHash> tiles_;
   std::set<TileKey> changed_;
