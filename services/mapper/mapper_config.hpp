@@ -20,7 +20,7 @@ struct MapperConfig {
   double prior_floor_m = 0.01;      ///< m, added to it each revolution
   double prior_floor_rad = 0.003;   ///< rad, added to it each revolution
   int min_points = 400;             ///< of a revolution that is worth registering
-  double min_overlap = 0.2;         ///< share of points for which the map must have a surface; below, refused
+  double min_overlap = 0.1;         ///< share of points for which the map must have a surface; below, refused
   double min_inliers = 0.6;         ///< of those, the share that must lie on it; below, refused
   double max_residual = 0.15;       ///< m; above, the revolution is refused
   double max_jump_m = 0.5;          ///< m against odometry, beyond which registration is not believed
