@@ -13,6 +13,7 @@
 #include "tools/detect/cloud_file.hpp"
 #include "tools/detect/cloud_map.hpp"
 #include "tools/detect/method_steps.hpp"
+#include "tools/output/output_folder.hpp"
 
 namespace curbstone {
 
@@ -56,38 +57,6 @@ void write_curbs(const std::vector<CloudCurb>& curbs, const std::string& path) {
   if (!out) throw CloudFileError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
 }
 
-/// Files are written under another name first and get theirs when all are there: nothing half-written stays.
-class Outputs {
- public:
-  explicit Outputs(std::string folder) : folder_(std::move(folder)) {
-    std::error_code error;
-    fs::create_directories(folder_, error);
-    if (!fs::is_directory(folder_)) throw CloudFileError(fmt::format("{}: cannot be made a folder", folder_));
-  }
-  ~Outputs() {
-    std::error_code ignored;
-    for (const auto& [part, name] : parts_) fs::remove(part, ignored);
-  }
-  Outputs(const Outputs&) = delete;
-  Outputs& operator=(const Outputs&) = delete;
-
-  template <class Write>
-  std::string add(const std::string& name, Write write) {
-    const std::string path = (fs::path(folder_) / name).string();
-    parts_.emplace_back(path + ".tmp", path);
-    write(parts_.back().first);
-    return path;
-  }
-  void commit() {
-    for (const auto& [part, name] : parts_) fs::rename(part, name);
-    parts_.clear();
-  }
-
- private:
-  std::string folder_;
-  std::vector<std::pair<std::string, std::string>> parts_;
-};
-
 /// What is worth a picture: 40 m around, where a single scan still sees the ground.
 MapPicture picture_of(const CloudMap& map, double range) {
   MapPicture picture;
@@ -100,7 +69,7 @@ MapPicture picture_of(const CloudMap& map, double range) {
 
 /// One picture a step of the method, and the result.
 void write_steps(const std::vector<Eigen::Vector3f>& cloud, const Arguments& arguments, const CloudMap& map) {
-  Outputs outputs(arguments.steps);
+  OutputFolder outputs(arguments.steps);
   CloudMap counts;
   const auto tiles = vote_tiles(cloud, arguments.options, counts);
   for (const StepPicture& step : draw_method_steps(tiles, arguments.options, arguments.options.range))
@@ -121,18 +90,17 @@ int detect(const Arguments& arguments) {
                                      arguments.cloud, cloud.size(), map.not_finite, map.out_of_range));
   const std::string stem = fs::path(arguments.cloud).lexically_normal().stem().string();
   const std::string name = stem.empty() ? "cloud" : stem;
-  Outputs outputs(arguments.out);
-  const std::string pcd =
-      outputs.add(name + "_labelled.pcd", [&](const std::string& path) { write_labelled_pcd(map.points, path); });
-  const std::string csv = outputs.add("curbs.csv", [&](const std::string& path) { write_curbs(map.curbs, path); });
-  const std::string png = outputs.add(name + ".png", [&](const std::string& path) {
+  OutputFolder outputs(arguments.out);
+  outputs.add(name + "_labelled.pcd", [&](const std::string& path) { write_labelled_pcd(map.points, path); });
+  outputs.add("curbs.csv", [&](const std::string& path) { write_curbs(map.curbs, path); });
+  outputs.add(name + ".png", [&](const std::string& path) {
     write_png(draw_map(picture_of(map, arguments.options.range), {.title = name, .pixels_per_cell = 6}), path);
   });
-  outputs.commit();
+  const std::vector<std::string> files = outputs.commit();
   if (!arguments.steps.empty()) write_steps(cloud, arguments, map);
   fmt::print("{} points, {} used ({} not finite, {} out of range); {} curb points\n", cloud.size(), map.points.size(),
              map.not_finite, map.out_of_range, map.curbs.size());
-  fmt::print("{}\n{}\n{}\n", pcd, csv, png);
+  for (const std::string& file : files) fmt::print("{}\n", (fs::path(arguments.out) / file).string());
   return 0;
 }
 

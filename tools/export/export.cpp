@@ -14,7 +14,7 @@
 #include "tools/export/georeference.hpp"
 #include "tools/export/lanelet2_file.hpp"
 #include "tools/export/nav2_map.hpp"
-#include "tools/export/output_folder.hpp"
+#include "tools/output/output_folder.hpp"
 #include "tools/export/raster_file.hpp"
 
 namespace curbstone {

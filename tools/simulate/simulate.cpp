@@ -16,6 +16,7 @@
 #include "tools/simulate/recorded/level.hpp"
 #include "tools/simulate/recorded/recorded_motion.hpp"
 #include "tools/simulate/recorded/scan_surroundings.hpp"
+#include "tools/simulate/town_setup.hpp"
 #include "tools/simulate/town_surroundings.hpp"
 #include "tools/simulate/truth/truth_folder.hpp"
 
@@ -53,11 +54,7 @@ Source town_source(const Options& options, const SimulateConfig& config) {
   TownOptions town_options;
   town_options.seed = options.seed;
   source.town = std::make_unique<Town>(town_options);
-  SpeedProfile::Options speed;
-  speed.speed = config.speed;
-  speed.standstill = config.standstill;
-  speed.acceleration = config.acceleration;
-  source.motion = std::make_unique<TownMotion>(*source.town, config.vehicle, SpeedProfile(speed, options.seconds));
+  source.motion = std::make_unique<TownMotion>(*source.town, config.vehicle, speed_profile(config, options.seconds));
   source.make_surroundings = [town = source.town.get(), noise = config.lidar] {
     return std::make_unique<TownSurroundings>(*town, noise);
   };

@@ -2,6 +2,7 @@
 
 #include "tools/simulate/motion/motion.hpp"
 #include "tools/simulate/motion/speed_profile.hpp"
+#include "tools/simulate/town_setup.hpp"
 
 namespace curbstone {
 
@@ -40,12 +41,8 @@ class SceneSurroundings final : public Surroundings {
 SceneDrive drive_scene(const CurbScene& scene, std::uint64_t seed) {
   SimulateConfig config;
   config.lidar.range_sigma = scene.options().noise;
-  SpeedProfile::Options speed;
-  speed.speed = config.speed;
-  speed.standstill = config.standstill;
-  speed.acceleration = config.acceleration;
   double seconds = config.standstill;
-  const SpeedProfile profile(speed, 60);
+  const SpeedProfile profile = speed_profile(config, 60);
   while (profile.distance(seconds) < kWay) seconds += 0.05;
   const SceneMotion motion(scene, profile);
   const Drive drive{.motion = motion,

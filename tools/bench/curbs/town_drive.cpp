@@ -1,11 +1,10 @@
 #include "tools/bench/curbs/town_drive.hpp"
 
 #include "tools/evaluate/street_labels.hpp"
-#include "tools/simulate/motion/town_motion.hpp"
 #include "tools/simulate/recorded/level.hpp"
 #include "tools/simulate/recorded/recorded_motion.hpp"
 #include "tools/simulate/recorded/scan_surroundings.hpp"
-#include "tools/simulate/town_surroundings.hpp"
+#include "tools/simulate/town_setup.hpp"
 #include "tools/simulate/truth/class_grid.hpp"
 #include "tools/simulate/truth/curb_lines.hpp"
 
@@ -32,22 +31,10 @@ Truth truth_of(const Town& town, double vehicle_height) {
 }  // namespace
 
 JudgedDrive drive_town(std::uint64_t seed, double seconds) {
-  const Town town({.seed = seed});
-  const SimulateConfig config;
-  SpeedProfile::Options speed;
-  speed.speed = config.speed;
-  speed.standstill = config.standstill;
-  speed.acceleration = config.acceleration;
-  const TownMotion motion(town, config.vehicle, SpeedProfile(speed, seconds));
-  const Drive drive{.motion = motion,
-                    .make_surroundings = [&] { return std::make_unique<TownSurroundings>(town, config.lidar); },
-                    .config = config,
-                    .rpm = config.rpm,
-                    .seed = seed,
-                    .seconds = seconds,
-                    .start_utime = kStart};
-  JudgedDrive result{.made = drive_tiles(drive), .truth = truth_of(town, config.vehicle.height)};
-  result.truth.poses = true_trajectory(drive);
+  const TownSetup setup(seed, seconds, kStart);
+  JudgedDrive result{.made = drive_tiles(setup.drive()),
+                     .truth = truth_of(setup.town(), setup.config().vehicle.height)};
+  result.truth.poses = true_trajectory(setup.drive());
   return result;
 }
 

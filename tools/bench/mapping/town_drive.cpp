@@ -9,7 +9,7 @@
 
 #include "tools/bench/mapping/log_player.hpp"
 #include "tools/simulate/log_recorder.hpp"
-#include "tools/simulate/town_surroundings.hpp"
+#include "tools/simulate/town_setup.hpp"
 
 namespace curbstone {
 namespace {
@@ -30,21 +30,11 @@ std::string temporary_file() {
 TownDrive::TownDrive(const Options& options) {
   name = "town";
   prior = "ekf";
-  SimulateConfig config;
-  const Town town({.seed = options.seed});
-  const TownMotion motion(town, config.vehicle, SpeedProfile({}, options.seconds));
-  const Drive drive{motion,
-                    [&] { return std::make_unique<TownSurroundings>(town, config.lidar); },
-                    config,
-                    config.rpm,
-                    0,
-                    options.seed,
-                    options.seconds,
-                    kStart};
+  const TownSetup setup(options.seed, options.seconds, kStart);
   log_ = temporary_file();
-  record_drive(drive, log_);
+  record_drive(setup.drive(), log_);
   for (double t = 0; t <= options.seconds; t += kTruthPeriod) {
-    truth_.push_back({kStart + std::llround(t * 1e6), motion.T_world_base(t)});
+    truth_.push_back({kStart + std::llround(t * 1e6), setup.motion().T_world_base(t)});
   }
 }
 

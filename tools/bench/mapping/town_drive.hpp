@@ -4,7 +4,6 @@
 
 #include "tools/bench/mapping/mapping_drive.hpp"
 #include "tools/simulate/drive.hpp"
-#include "tools/simulate/motion/town_motion.hpp"
 
 namespace curbstone {
 

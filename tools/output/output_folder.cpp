@@ -1,4 +1,4 @@
-#include "tools/export/output_folder.hpp"
+#include "tools/output/output_folder.hpp"
 
 #include <fmt/format.h>
 
