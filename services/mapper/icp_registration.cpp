@@ -85,10 +85,15 @@ void IcpRegistration::insert(const std::vector<LidarPoint>& points, const Pose& 
   map_.insert(downsample(points, config_.source_voxel, config_.max_range), T_map_base, lidar_);
 }
 
-void IcpRegistration::keep_around(const Eigen::Vector3d& centre) {
-  if ((centre - kept_around_).norm() < 0.25 * config_.window) return;
+void IcpRegistration::recall(const MapNode& node) {
+  map_.insert(unpack(node.points), node.T_map_base, lidar_);
+}
+
+bool IcpRegistration::keep_around(const Eigen::Vector3d& centre) {
+  if ((centre - kept_around_).norm() < 0.25 * config_.window) return false;
   kept_around_ = centre;
   map_.keep_around(centre.cast<float>(), static_cast<float>(config_.window));
+  return true;
 }
 
 }  // namespace curbstone

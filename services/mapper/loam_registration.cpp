@@ -111,11 +111,17 @@ void LoamRegistration::insert(const std::vector<LidarPoint>& points, const Pose&
   edges_.end_insertion();
 }
 
-void LoamRegistration::keep_around(const Eigen::Vector3d& centre) {
-  if ((centre - kept_around_).norm() < 0.25 * config_.window) return;
+/// As planes only: a thinned scan has no rings to see edges in.
+void LoamRegistration::recall(const MapNode& node) {
+  planes_.insert(unpack(node.points), node.T_map_base, lidar_);
+}
+
+bool LoamRegistration::keep_around(const Eigen::Vector3d& centre) {
+  if ((centre - kept_around_).norm() < 0.25 * config_.window) return false;
   kept_around_ = centre;
   planes_.keep_around(centre.cast<float>(), static_cast<float>(config_.window));
   edges_.keep_around(centre.cast<float>(), static_cast<float>(config_.window));
+  return true;
 }
 
 }  // namespace curbstone

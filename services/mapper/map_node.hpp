@@ -9,6 +9,7 @@
 
 #include "common/geometry.hpp"
 #include "common/tile.hpp"
+#include "services/mapper/revolution.hpp"
 
 namespace curbstone {
 
@@ -30,6 +31,13 @@ struct NodePoint {
 
 [[nodiscard]] inline Eigen::Vector3f unpack(const NodePoint& point) {
   return static_cast<float>(kPositionStep) * Eigen::Vector3f(point.x, point.y, point.z);
+}
+
+/// As registration takes points.
+[[nodiscard]] inline std::vector<LidarPoint> unpack(const std::vector<NodePoint>& points) {
+  std::vector<LidarPoint> unpacked(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) unpacked[i].position = unpack(points[i]);
+  return unpacked;
 }
 
 /// A place on the drive from which the surroundings are remembered: one thinned revolution and where it was taken.

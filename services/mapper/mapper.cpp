@@ -301,7 +301,7 @@ void Mapper::insert(const std::vector<LidarPoint>& points, MapperUpdate& update)
     counters_.add("keyframes");
     T_map_keyframe_ = update.T_map_base;
     registration_->insert(points, update.T_map_base);
-    registration_->keep_around(update.T_map_base.translation());
+    (void)registration_->keep_around(update.T_map_base.translation());
   }
   const Pose since_moved = T_map_moved_.inverse() * update.T_map_base;
   if (since_moved.translation().norm() > 0.05 || angle_of(since_moved) > 0.01) {

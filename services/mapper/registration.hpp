@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/geometry.hpp"
+#include "services/mapper/map_node.hpp"
 #include "services/mapper/revolution.hpp"
 
 namespace curbstone {
@@ -42,8 +43,12 @@ class Registration {
   [[nodiscard]] virtual RegistrationResult align(const std::vector<LidarPoint>& points, const PosePrior& prior) = 0;
   /// Adds the revolution to the map.
   virtual void insert(const std::vector<LidarPoint>& points, const Pose& T_map_base) = 0;
-  /// Bounds the map: whatever is farther than its window from `centre` may be forgotten.
-  virtual void keep_around(const Eigen::Vector3d& centre) = 0;
+  /// Adds what a node of the drive remembers, with less detail than insert() of its revolution had.
+  virtual void recall(const MapNode& node) = 0;
+  /// Bounds the map: whatever is farther than window() from `centre` in any axis is forgotten. Now and then: true when
+  /// it was.
+  virtual bool keep_around(const Eigen::Vector3d& centre) = 0;
+  [[nodiscard]] virtual double window() const = 0;  ///< m
   /// Voxels of its map: what its memory goes with.
   [[nodiscard]] virtual std::size_t size() const = 0;
 };

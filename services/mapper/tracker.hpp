@@ -1,0 +1,147 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/counters.hpp"
+#include "common/geometry.hpp"
+#include "services/mapper/deskew.hpp"
+#include "services/mapper/map_node.hpp"
+#include "services/mapper/mapper_config.hpp"
+#include "services/mapper/odometry_history.hpp"
+#include "services/mapper/registration.hpp"
+#include "services/mapper/revolution.hpp"
+
+namespace curbstone {
+
+/// How far the pose can be trusted.
+enum class Fix {
+  kTracking,   ///< revolution after revolution fits the map
+  kTentative,  ///< found again; a few more must fit before the map takes anything
+  kLost,       ///< only a guess
+};
+
+/// What the tracker made of one revolution.
+struct Tracked {
+  std::int64_t utime = 0;  ///< us, its end
+  Pose T_map_base = Pose::Identity();
+  RegistrationResult registration;  ///< covariance in base_link axes
+  Fix fix = Fix::kTracking;
+  bool registered = false;
+  bool with_odometry = false;
+  bool stationary = false;
+  bool maps = false;               ///< the map may take it
+  std::vector<LidarPoint> points;  ///< de-skewed, in base_link
+  /// Without odometry a revolution has its motion from the next: the very first, when the second has proved it.
+  struct Earlier {
+    std::vector<LidarPoint> points;
+    Pose T_map_base;
+    std::int64_t utime;
+  };
+  std::optional<Earlier> first;
+};
+
+/// Follows the vehicle through the map for registration, which it keeps: de-skew, expect, register, judge. A function of
+/// the sequence of calls alone. Pure; one thread.
+///
+/// Counters: revolutions, keyframes, refused.sparse, refused.time, refused.not_converged, refused.overlap,
+/// refused.inliers, refused.residual, refused.jump, odometry.not_believed, without_odometry, lost.blind (no sensor told
+/// of the motion for too long), lost.refused (nothing fitted for too long), found, began_anew (on odometry alone).
+class Tracker {
+ public:
+  explicit Tracker(const MapperConfig& config);
+
+  /// Takes the next revolution; nothing when it cannot be placed in time (once more, late by less than a second, longer
+  /// than one, ended before it began) or holds too few points that can be measurements. Such changes nothing.
+  [[nodiscard]] std::optional<Tracked> track(const Revolution& revolution, const OdometryHistory& odometry);
+
+  [[nodiscard]] bool started() const { return last_.has_value(); }
+  [[nodiscard]] Fix fix() const { return fix_; }
+  [[nodiscard]] const Pose& T_map_base() const { return last_->T_map_base; }
+  /// How far off the pose may be, m, while it is lost.
+  [[nodiscard]] double doubt() const;
+  /// Since when it is lost; us.
+  [[nodiscard]] std::int64_t lost_since() const { return fitted_; }
+
+  /// The vehicle is somewhere else than was thought: lost becomes tentative.
+  void relocate(const Pose& T_map_base);
+  /// Begins at a known place of a map that is already there.
+  void begin_at(const Pose& T_map_base, std::int64_t utime);
+  /// The map for registration is made anew from these nodes, and the vehicle is here in it.
+  void rebuild(const std::vector<const MapNode*>& nodes, const Pose& T_map_base);
+  /// A node's surroundings come back into the map for registration.
+  void recall(const MapNode& node) { registration_->recall(node); }
+  /// Bounds the map for registration once the vehicle has gone far enough: true when what is farther than the window has
+  /// been forgotten.
+  bool forget_far();
+  [[nodiscard]] double window() const { return registration_->window(); }
+
+  /// Voxels of the map that registration keeps; bounded by its window.
+  [[nodiscard]] std::size_t registration_size() const { return registration_->size(); }
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+  /// Revolutions in a row that could not be registered.
+  [[nodiscard]] int refused_in_a_row() const { return refused_in_a_row_; }
+
+ private:
+  struct Last {
+    std::int64_t end = 0;
+    Pose T_map_base = Pose::Identity();
+  };
+  /// What is known of the motion before the LiDAR is looked at.
+  struct Expectation {
+    bool with_odometry = false;  // odometry spans from the last revolution's end to this one's
+    bool blind = false;          // nothing does, and it is too long for a constant velocity
+    bool stationary = false;
+    SweepMotion sweep;
+    Pose T_last_base = Pose::Identity();   // base now, seen from base at the last revolution's end
+    Matrix6 covariance = Matrix6::Zero();  // of T_last_base
+  };
+  /// One registration of a revolution, beginning from an expectation.
+  struct Attempt {
+    Expectation expected;
+    PosePrior prior;
+    std::vector<LidarPoint> points;  // de-skewed, in base_link
+    RegistrationResult result;
+    std::string refusal;  // the counter of why it is not believed; empty if it is
+    bool believed = false;
+  };
+
+  [[nodiscard]] Expectation expect(const Revolution& revolution, const OdometryHistory& odometry);
+  [[nodiscard]] Expectation expect_steady(const Revolution& revolution) const;
+  [[nodiscard]] std::vector<LidarPoint> in_base(const Revolution& revolution, const SweepMotion& sweep) const;
+  [[nodiscard]] Attempt attempt_from(const Revolution& revolution, Expectation expected) const;
+  [[nodiscard]] Attempt try_with(const Revolution& revolution, Expectation expected);
+  void align(const Revolution& revolution, Attempt& attempt);
+  [[nodiscard]] std::string refusal(const Attempt& attempt) const;
+  [[nodiscard]] Tracked start(const Revolution& revolution, const OdometryHistory& odometry);
+  void begin_registration_map(const Twist& twist);
+  [[nodiscard]] bool finish_start(Tracked& tracked);
+  void judge(const Attempt& attempt, Tracked& tracked);
+  [[nodiscard]] bool may_begin_anew(const Attempt& attempt, const Tracked& tracked) const;
+  void conclude(const Attempt& attempt, Tracked& tracked);
+  void insert(const Tracked& tracked);
+
+  MapperConfig config_;
+  Pose T_base_lidar_;
+  std::unique_ptr<Registration> registration_;
+  std::optional<Last> last_;
+  std::optional<Revolution> first_;       // until its motion is known, where there is no odometry
+  std::vector<LidarPoint> first_points_;  // of it, de-skewed
+  Fix fix_ = Fix::kTracking;
+  int fitting_ = 0;             // revolutions in a row, while tentative
+  bool blind_ = false;          // lost, and not even odometry says how far
+  double since_fitted_m_ = 0;   // moved by odometry since the last one that fitted
+  std::int64_t fitted_ = 0;     // us, the end of the last revolution that fitted
+  Twist twist_;                 // over the last revolution
+  double stride_ = 0.05;        // s from revolution to revolution
+  Pose T_map_keyframe_ = Pose::Identity();  // when the registration map last took a revolution
+  Eigen::Vector3d kept_around_ = Eigen::Vector3d::Zero();
+  Matrix6 drift_ = Matrix6::Zero();  // covariance of the pose at the end of the last revolution, if that was refused
+  int refused_in_a_row_ = 0;
+  Counters counters_;
+};
+
+}  // namespace curbstone
