@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include "common/tile.hpp"
+#include "services/mapper/map_node.hpp"
+#include "services/mapper/pose_graph.hpp"
+
+namespace curbstone {
+
+/// A tile of the dense map; the order of its points is that in which they came.
+struct SavedTile {
+  TileKey key;
+  std::int32_t z_origin = 0;  ///< m in map
+  std::int64_t utime = 0;     ///< us, when the newest point came
+  std::vector<TilePoint> points;
+};
+
+/// All that outlives a drive: the dense map, the nodes from which the map for registration is built anew, and the
+/// graph that holds them together. Nothing of the vehicle.
+struct SavedMap {
+  double voxel = 0.05;     ///< m, of the dense map
+  std::int32_t epoch = 1;  ///< of its tiles
+  std::vector<SavedTile> tiles;
+  std::vector<MapNode> nodes;
+  std::vector<PoseEdge> edges;
+};
+
+/// One line that names the file and what is wrong with it.
+class MapFolderError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace curbstone
