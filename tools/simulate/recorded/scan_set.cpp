@@ -66,6 +66,7 @@ ScanSet find_scans(const std::string& folder, const std::string& poses_file, con
   fs::path scans = folder;
   for (const char* below : {"", "velodyne", "scans"}) {
     scans = fs::path(folder) / below;
+    if (!scans.has_filename()) scans = scans.parent_path();  // of "velodyne/" the parent is itself
     set.files = scans_in(scans);
     if (!set.files.empty()) break;
   }

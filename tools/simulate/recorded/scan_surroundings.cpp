@@ -25,7 +25,7 @@ struct Nearness {
 };
 Nearness nearness(const ScanSet& scans) {
   constexpr auto kDeg = static_cast<float>(kDegree);
-  return scans.swept ? Nearness{0.22F * kDeg, 0.6F * kDeg, 2.5F * kDeg}
+  return scans.swept ? Nearness{0.22F * kDeg, 0.3F * kDeg, 2.5F * kDeg}
                      : Nearness{0.12F * kDeg, 0.15F * kDeg, 0.8F * kDeg};
 }
 
@@ -49,9 +49,9 @@ const ScanSurroundings::LoadedScan& ScanSurroundings::load(std::size_t index) {
   scan.index = index;
   for (const auto& point : read_scan(scans_.files[index])) {
     const double bearing = std::atan2(static_cast<double>(point.position.y()), static_cast<double>(point.position.x()));
-    // KITTI's head turns counter-clockwise and looks forward at the scan's time.
+    // KITTI's head turns clockwise and looks forward at the scan's time.
     const Pose T =
-        scans_.swept ? recorded_pose(scans_, scans_.times[index] + bearing / (2.0 * std::numbers::pi) * scans_.period())
+        scans_.swept ? recorded_pose(scans_, scans_.times[index] - bearing / (2.0 * std::numbers::pi) * scans_.period())
                      : scans_.T_first_scan[index];
     scan.points.push_back(
         {static_cast<float>(bearing), (T * point.position.cast<double>()).cast<float>(), point.intensity});
@@ -63,7 +63,7 @@ const ScanSurroundings::LoadedScan& ScanSurroundings::load(std::size_t index) {
 
 std::size_t ScanSurroundings::scan_for(double recorded, double bearing) const {
   // The scan that looked that way at about this time.
-  const double looked = bearing / (2.0 * std::numbers::pi) * scans_.period();
+  const double looked = -bearing / (2.0 * std::numbers::pi) * scans_.period();
   const auto after =
       std::lower_bound(scans_.times.begin(), scans_.times.end(), recorded - looked) - scans_.times.begin();
   const auto high = static_cast<std::size_t>(
@@ -140,7 +140,7 @@ Rs16Shot ScanSurroundings::meet(const Candidate* below, const Candidate* above, 
   const bool bracketed = below != nullptr && above != nullptr && above->elevation - below->elevation <= near.apart;
   const bool one_surface =
       bracketed && (std::abs(above->height - below->height) < 0.25F || std::abs(above->reach - below->reach) < 0.4F);
-  if (one_surface && (!scans_.swept || off(nearest) > near.nearest)) {
+  if (one_surface) {
     // Where the beam crosses the straight line between the two.
     const float dr = above->reach - below->reach, dh = above->height - below->height;
     const float denominator = dh - slope * dr;
