@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/semantic_map/vehicle_cells.hpp"
+
 namespace curbstone {
 
 namespace {
@@ -20,8 +22,42 @@ const CellColumn* column_at(const Around<CellColumns>& columns, int column, int 
   return tile == nullptr ? nullptr : &tile->at(column - dx * kCellsPerTile, row - dy * kCellsPerTile);
 }
 
-bool blocks(const CellColumn& cell, const ClassParameters& parameters) {
+/// What stands in a cell, its neighbours asked: a point just beyond the edge may truly be on this side of it, and a
+/// single point counts where others stand beside it.
+struct Standing {
+  bool blocks = false;
+  double top = 0;  ///< m above ground
+};
+
+bool blocks_alone(const CellColumn& cell, const ClassParameters& parameters) {
   return cell.blocking_points >= parameters.min_points;
+}
+
+Standing standing_at(const Around<CellColumns>& columns, int column, int row, const ClassParameters& parameters) {
+  const CellColumn& cell = *column_at(columns, column, row);
+  if (blocks_alone(cell, parameters)) return {true, double{cell.top}};
+  struct Side {
+    int dx, dy;
+    std::size_t edge;  // the neighbour's, where it meets this cell
+  };
+  int over_the_edge = 0;
+  for (const Side& side : {Side{-1, 0, 1}, Side{1, 0, 0}, Side{0, -1, 3}, Side{0, 1, 2}}) {
+    const CellColumn* next = column_at(columns, column + side.dx, row + side.dy);
+    if (next != nullptr) over_the_edge += next->at_edge[side.edge];
+  }
+  bool supported = false;
+  Standing standing;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const CellColumn* next = column_at(columns, column + dx, row + dy);
+      if (next == nullptr) continue;
+      supported = supported || blocks_alone(*next, parameters);
+      standing.top = std::max(standing.top, double{next->top});
+    }
+  }
+  standing.blocks =
+      cell.blocking_points + over_the_edge >= parameters.min_points || (cell.blocking_points > 0 && supported);
+  return standing;
 }
 
 /// Part of something as high as `min_vehicle` and as large as a piece of a car.
@@ -30,19 +66,22 @@ bool is_large(const Around<CellColumns>& columns, int column, int row, const Cla
   for (int r = row - kVehicleReach; r <= row + kVehicleReach; ++r) {
     for (int c = column - kVehicleReach; c <= column + kVehicleReach; ++c) {
       const CellColumn* cell = column_at(columns, c, r);
-      if (cell != nullptr && blocks(*cell, parameters) && double{cell->top} >= parameters.min_vehicle) ++high;
+      if (cell != nullptr && blocks_alone(*cell, parameters) && double{cell->top} >= parameters.min_vehicle) ++high;
     }
   }
   return high >= kVehicleCells;
 }
 
-CellClass class_of(const Around<CellColumns>& columns, int column, int row, const ClassParameters& parameters) {
-  const CellColumn& cell = *column_at(columns, column, row);
-  if (blocks(cell, parameters)) {
-    if (double{cell.top} >= kReachesTop * parameters.vehicle_height) return CellClass::kWall;
+CellClass class_of(const Around<CellColumns>& columns, const VehicleCells& vehicles, int column, int row,
+                   const ClassParameters& parameters) {
+  const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
+  const Standing standing = standing_at(columns, column, row, parameters);
+  if (standing.blocks) {
+    if (standing.top >= kReachesTop * parameters.vehicle_height || vehicles.beneath[i]) return CellClass::kWall;
     return is_large(columns, column, row, parameters) ? CellClass::kWall : CellClass::kObstacle;
   }
-  return cell.ground_points > 0 ? CellClass::kRoad : CellClass::kUnknown;
+  if (columns.centre()->cells[i].ground_points == 0) return CellClass::kUnknown;
+  return vehicles.beneath[i] ? CellClass::kWall : CellClass::kRoad;
 }
 
 void mark_curb(const Eigen::Vector2d& at, double height, double confidence, const ClassParameters& parameters,
@@ -110,11 +149,12 @@ std::uint8_t traversal_cost(CellClass cell_class, double curb_height, const Clas
 
 void classify_cells(const Around<CellColumns>& columns, const Around<std::vector<CurbPoint>>& curbs,
                     const ClassParameters& parameters, MapTile& tile) {
+  const VehicleCells vehicles = find_vehicles(columns, parameters);
   for (int row = 0; row < kCellsPerTile; ++row) {
     for (int column = 0; column < kCellsPerTile; ++column) {
       const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
       const CellColumn& cell = columns.centre()->cells[i];
-      tile.cell_class[i] = class_of(columns, column, row, parameters);
+      tile.cell_class[i] = class_of(columns, vehicles, column, row, parameters);
       tile.cost[i] = traversal_cost(tile.cell_class[i], 0, parameters);
       tile.height[i] = cell.has_points ? height_steps(cell.ground_z, tile.z_origin) : MapTile::kNoHeight;
       const int support = cell.ground_points + cell.blocking_points;

@@ -36,6 +36,12 @@ CellColumns measure_columns(const VotedTile& tile, const GroundSurface& ground, 
     } else if (double{above} >= parameters.min_obstacle && double{above} <= parameters.vehicle_height) {
       cell.bottom = cell.blocking_points == 0 ? above : std::min(cell.bottom, above);
       ++cell.blocking_points;
+      const double dx = double{p.x} - column * kCellSize;
+      const double dy = double{p.y} - row * kCellSize;
+      if (dx < parameters.margin) ++cell.at_edge[0];
+      if (dx > kCellSize - parameters.margin) ++cell.at_edge[1];
+      if (dy < parameters.margin) ++cell.at_edge[2];
+      if (dy > kCellSize - parameters.margin) ++cell.at_edge[3];
       if (above > highest[i][0]) {
         highest[i][1] = highest[i][0];
         highest[i][0] = above;

@@ -15,7 +15,8 @@ struct ClassParameters {
   double min_obstacle = 0.22;    ///< m above ground
   double vehicle_height = 2.00;  ///< m; from the vehicle's section
   double min_vehicle = 0.90;     ///< m: what is this high and as large as a car is as good as a wall
-  int min_points = 2;            ///< in a cell, to be an obstacle
+  int min_points = 2;            ///< in a cell and at its edges, to be an obstacle
+  double margin = 0.02;          ///< m beyond a cell's edge that a point may truly stand: twice its own error
   bool unknown_is_free = false;  ///< the paper's policy; the safe one is the default
   double max_step = 0.15;        ///< m the vehicle may climb
 
@@ -23,7 +24,8 @@ struct ClassParameters {
     v.field("ground_band", ground_band, {0.02, 1}, "m about the ground: points in it are the ground's");
     v.field("min_obstacle", min_obstacle, {0.02, 1}, "m above ground, for a point to be in the way");
     v.field("min_vehicle", min_vehicle, {0.2, 3}, "m, height of what counts as a vehicle if it is large");
-    v.field("min_points", min_points, {1, 100}, "points in a cell, to be an obstacle");
+    v.field("min_points", min_points, {1, 100}, "points in a cell and at its edges, to be an obstacle");
+    v.field("margin", margin, {0, 0.06}, "m beyond a cell's edge that a point may truly stand");
     v.field("unknown_is_free", unknown_is_free, "traverse what was never seen (the paper's policy; not safe)");
     v.field("max_step", max_step, {0, 0.5}, "m, the highest curb that the vehicle may climb");
   }
@@ -37,6 +39,8 @@ struct CellColumn {
   float top = 0;            ///< m above ground, of the blocking points (the second highest: one may be a stray)
   float bottom = 0;         ///< m above ground, of the lowest of them
   bool has_points = false;
+  /// Blocking points within the margin of the cell's edges: towards -x, +x, -y, +y.
+  std::array<int, 4> at_edge{};
 };
 
 struct CellColumns {

@@ -3,19 +3,22 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "tools/evaluate/place_grid.hpp"
+
 namespace curbstone {
 
 namespace {
 
-/// Calls visit(class, place in the truth's frame) for every cell that is not unknown.
+/// Calls visit(class, place in the truth's frame) for every cell that points fell into.
 template <class Visit>
-void for_each_known_cell(const std::vector<MapTile>& tiles, const Pose& T_truth_map, Visit visit) {
+void for_each_seen_cell(const std::vector<MapTile>& tiles, const Pose& T_truth_map, Visit visit) {
   for (const MapTile& tile : tiles) {
     for (int i = 0; i < kCellsInTile; ++i) {
       const auto index = static_cast<std::size_t>(i);
       const CellClass cell_class = tile.cell_class[index];
-      if (cell_class == CellClass::kUnknown) continue;
-      const double z = tile.height[index] == MapTile::kNoHeight ? 0.0 : kPositionStep * tile.height[index];
+      const bool has_points = tile.height[index] != MapTile::kNoHeight;
+      if (cell_class == CellClass::kUnknown && !has_points) continue;
+      const double z = has_points ? kPositionStep * tile.height[index] : 0.0;
       const Eigen::Vector3d centre(tile.key.x * kTileSize + (i % kCellsPerTile + 0.5) * kCellSize,
                                    tile.key.y * kTileSize + (i / kCellsPerTile + 0.5) * kCellSize,
                                    static_cast<double>(tile.z_origin) + z);
@@ -36,6 +39,10 @@ std::vector<CurbFoot> feet_of(const std::vector<CurbLine>& curbs, const Pose& T_
     }
   }
   return feet;
+}
+
+bool is_blocking(CellClass cell_class) {
+  return cell_class == CellClass::kObstacle || cell_class == CellClass::kWall;
 }
 
 std::vector<Place> driven_path(const PosePairs& pairs) {
@@ -76,18 +83,29 @@ Evaluation evaluate(const std::vector<MapTile>& tiles, const std::vector<CurbLin
   const auto is_judged = [&](Place place) {
     return truth.classes.empty() || truth.classes.known_around(place.x, place.y);
   };
+  const std::vector<Place> path = driven_path(pairs);
+  const PlaceGrid<Place> near_path(path, radius);
   CurbMap map;
   Confusion confusion;
-  for_each_known_cell(tiles, evaluation.T_truth_map, [&](CellClass cell_class, Place place) {
+  BlockingScore blocking;
+  for_each_seen_cell(tiles, evaluation.T_truth_map, [&](CellClass cell_class, Place place) {
+    const std::uint8_t true_class = truth.classes.at(place.x, place.y);
+    if (is_blocking(static_cast<CellClass>(true_class)) && near_path.any_near(place.x, place.y))
+      ++(is_blocking(cell_class)             ? blocking.blocked
+         : cell_class == CellClass::kUnknown ? blocking.unknown
+                                             : blocking.free);
+    if (cell_class == CellClass::kUnknown) return;
     map.seen.push_back(place);
     if (cell_class == CellClass::kCurb) map.cells.push_back({place, is_judged(place)});
-    const std::uint8_t true_class = truth.classes.at(place.x, place.y);
     if (true_class != 0 && true_class < kNumClasses)
       ++confusion.count[true_class][static_cast<std::size_t>(cell_class)];
   });
   map.feet = feet_of(curbs, evaluation.T_truth_map);
-  if (!truth.curbs.empty()) evaluation.curbs = score_curbs(map, truth.curbs, driven_path(pairs), radius);
-  if (!truth.classes.empty()) evaluation.classes = confusion;
+  if (!truth.curbs.empty()) evaluation.curbs = score_curbs(map, truth.curbs, path, radius);
+  if (!truth.classes.empty()) {
+    evaluation.classes = confusion;
+    evaluation.blocking = blocking;
+  }
   return evaluation;
 }
 

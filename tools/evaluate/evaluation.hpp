@@ -21,12 +21,24 @@ struct Confusion {
   [[nodiscard]] double accuracy() const;  ///< 0 when empty
 };
 
+/// What became of the cells that truly are obstacle or wall, within the radius of the path, and that points fell into.
+struct BlockingScore {
+  std::int64_t blocked = 0;  ///< the map says obstacle or wall
+  std::int64_t free = 0;     ///< road or curb: the misses that matter
+  std::int64_t unknown = 0;  ///< not free either: too few points, or only above the vehicle
+  /// Of the cells that the map knows; 0 when there are none.
+  [[nodiscard]] double recall() const {
+    return blocked + free > 0 ? static_cast<double>(blocked) / static_cast<double>(blocked + free) : 0;
+  }
+};
+
 struct Evaluation {
   TrajectoryErrors trajectory;
-  Pose T_truth_map = Pose::Identity();  ///< what laid the map onto the truth: the alignment of the trajectories
-  std::optional<CurbScore> curbs;       ///< without true curbs: nothing
-  std::optional<Confusion> classes;     ///< without a true class image: nothing
-  std::optional<RunFigures> run;        ///< without a recording: nothing
+  Pose T_truth_map = Pose::Identity();    ///< what laid the map onto the truth: the alignment of the trajectories
+  std::optional<CurbScore> curbs;         ///< without true curbs: nothing
+  std::optional<Confusion> classes;       ///< without a true class image: nothing
+  std::optional<BlockingScore> blocking;  ///< the same
+  std::optional<RunFigures> run;          ///< without a recording: nothing
 };
 
 /// Compares a map with the truth. The map is laid on the truth by the rigid alignment of the two trajectories. Curbs

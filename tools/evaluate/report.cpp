@@ -57,6 +57,13 @@ std::string class_table(const Confusion& classes) {
   return text + "\n";
 }
 
+std::string blocking_table(const BlockingScore& b) {
+  return fmt::format(
+      "obstacles    and walls near the path: recall {:.4f}, {} of their cells called free; {} of {} that points fell "
+      "into are unknown\n",
+      b.recall(), b.free, b.unknown, b.blocked + b.free + b.unknown);
+}
+
 std::string run_table(const RunFigures& run) {
   std::string text = run.processes == 0
                          ? "losses       not known: no SERVICE_STATUS in the recording\n"
@@ -95,13 +102,15 @@ std::string to_table(const Evaluation& e) {
   std::string text = trajectory_table(e.trajectory);
   if (e.curbs) text += curb_table(*e.curbs);
   if (e.classes) text += class_table(*e.classes);
+  if (e.blocking) text += blocking_table(*e.blocking);
   if (e.run) text += run_table(*e.run);
   return text;
 }
 
 std::string to_json(const Evaluation& e) {
   nlohmann::json json;
-  for (const char* key : {"curb", "lateral_cm", "classes", "dropped", "latency_ms", "cores"}) json[key] = nullptr;
+  for (const char* key : {"curb", "lateral_cm", "classes", "blocking", "dropped", "latency_ms", "cores"})
+    json[key] = nullptr;
   if (e.curbs) {
     json["curb"] = curb_json(*e.curbs);
     json["lateral_cm"] = {{"median", e.curbs->lateral_median_cm},
@@ -110,6 +119,12 @@ std::string to_json(const Evaluation& e) {
                           {"spread", e.curbs->lateral_spread_cm}};
   }
   if (e.classes) json["classes"] = {{"accuracy", e.classes->accuracy()}, {"confusion", e.classes->count}};
+  if (e.blocking) {
+    json["blocking"] = {{"recall", e.blocking->recall()},
+                        {"blocked", e.blocking->blocked},
+                        {"free", e.blocking->free},
+                        {"unknown", e.blocking->unknown}};
+  }
   json["trajectory"] = {{"distance_m", e.trajectory.distance_m},
                         {"ate_m", e.trajectory.ate_m},
                         {"rpe_percent", e.trajectory.rpe_percent},

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 
 #include "synthetic_ground.hpp"
 
@@ -159,6 +160,58 @@ TEST(Classes, AWallIsAWallABoxAnObstacleAndACrownNeither) {
   EXPECT_EQ(class_at(map, 8, 4), CellClass::kRoad) << "what hangs above the vehicle does not block";
   EXPECT_EQ(class_at(map, 6, 6), CellClass::kRoad);
   for (const CloudCurb& c : map.curbs) ADD_FAILURE() << "a curb at " << c.foot.transpose();
+}
+
+TEST(Classes, AVehicleBlocksAllOfItsOutlineThoughTheGroundBeneathItIsSeen) {
+  SyntheticCloud cloud;  // body 4.2 x 1.8 m, seen from below y = 4; light gets under it, its roof is out of sight
+  cloud.ground(-6, -3, 12, 12, kDensity, [](double, double) { return 0.0; });
+  cloud.face(2, 4, 6.2, 4, 0.25, 0.85, 400);
+  cloud.face(2, 4, 2, 5.8, 0.25, 0.85, 400);
+  cloud.face(6.2, 4, 6.2, 5.8, 0.25, 0.85, 400);
+  cloud.face(3, 4.1, 5.2, 4.1, 0.85, 1.45, 400);
+  const CloudMap map = map_of(cloud);
+  for (const double x : {2.4, 3.5, 5.0, 5.8}) {
+    EXPECT_EQ(class_at(map, x, 4.5), CellClass::kWall) << x << ": beneath";
+    EXPECT_EQ(class_at(map, x, 4.0), CellClass::kWall) << x << ": bonnet and doors are of the vehicle";
+    EXPECT_EQ(class_at(map, x, 3.5), CellClass::kRoad) << x << ": beside";
+    EXPECT_EQ(class_at(map, x, 6.3), CellClass::kRoad) << x << ": behind";
+  }
+}
+
+TEST(Classes, TheCornerOfALongWallIsNoVehicle) {
+  SyntheticCloud cloud;
+  cloud.ground(-3, -3, 12, 12, kDensity, [](double, double) { return 0.0; });
+  cloud.face(1, 1, 9, 1, 0, 1.5, 400);
+  cloud.face(1, 1, 1, 9, 0, 1.5, 400);
+  const CloudMap map = map_of(cloud);
+  EXPECT_EQ(class_at(map, 1.5, 1.5), CellClass::kRoad) << "who is inside the corner can drive there";
+  EXPECT_EQ(class_at(map, 5, 1), CellClass::kWall);
+}
+
+TEST(Classes, APointOnTheEdgeOfACellBlocksBothAndASingleOneOnlyBesideOthers) {
+  const ClassParameters parameters;
+  Around<CellColumns> around;
+  auto columns = std::make_unique<CellColumns>();
+  const auto cell = [&](int column, int row) -> CellColumn& {
+    return columns->cells[static_cast<std::size_t>(row * kCellsPerTile + column)];
+  };
+  for (CellColumn& c : columns->cells) c = {.ground_points = 5, .has_points = true};
+  cell(5, 5).blocking_points = 4;
+  cell(5, 5).top = 0.5F;
+  cell(5, 5).at_edge[1] = 2;
+  cell(5, 6).blocking_points = 1;    // beside it
+  cell(20, 20).blocking_points = 1;  // alone
+  around.set(0, 0, columns.get());
+  MapTile tile;
+  classify_cells(around, {}, parameters, tile);
+  const auto class_of = [&](int column, int row) {
+    return tile.cell_class[static_cast<std::size_t>(row * kCellsPerTile + column)];
+  };
+  EXPECT_EQ(class_of(5, 5), CellClass::kObstacle);
+  EXPECT_EQ(class_of(6, 5), CellClass::kObstacle);
+  EXPECT_EQ(class_of(4, 5), CellClass::kRoad);
+  EXPECT_EQ(class_of(5, 6), CellClass::kObstacle);
+  EXPECT_EQ(class_of(20, 20), CellClass::kRoad);
 }
 
 TEST(Classes, WhatWasNotSeenIsUnknownAndTheSafePolicyDoesNotEnterIt) {

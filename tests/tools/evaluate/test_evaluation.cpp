@@ -53,6 +53,25 @@ TEST(Evaluation, LaysTheMapOnTheTruthByTheTrajectories) {
   EXPECT_NEAR(e.classes->accuracy(), 600.0 / 625.0, 1e-12);
 }
 
+TEST(Evaluation, TellsWhatBlocksAndIsCalledFreeFromWhatIsNotKnown) {
+  Scene scene;
+  MapTile& tile = scene.tiles.front();  // its first row is truly a wall
+  for (int c = 0; c < kCellsPerTile; ++c) {
+    const Eigen::Vector3d p = scene.T_truth_map * Eigen::Vector3d((c + 0.5) * kCellSize, 0.5 * kCellSize, 0);
+    scene.truth.classes.set(p.x(), p.y(), 4);
+  }
+  for (std::size_t c = 0; c < 20; ++c) tile.cell_class[c] = c < 10 ? CellClass::kWall : CellClass::kObstacle;
+  tile.cell_class[20] = tile.cell_class[21] = CellClass::kUnknown;
+  tile.height[21] = MapTile::kNoHeight;  // no point fell into it
+  const Evaluation e = evaluate(scene.tiles, {}, scene.trajectory, scene.truth, 8);
+  ASSERT_TRUE(e.blocking);
+  EXPECT_EQ(e.blocking->blocked, 20);
+  EXPECT_EQ(e.blocking->free, 3);
+  EXPECT_EQ(e.blocking->unknown, 1);
+  EXPECT_NEAR(e.blocking->recall(), 20.0 / 23.0, 1e-12);
+  EXPECT_EQ(e.classes->total(), 623) << "unknown cells are not of the confusion matrix";
+}
+
 TEST(Evaluation, RefusesAnotherDrivesTruth) {
   Scene scene;
   for (auto& pose : scene.trajectory) pose.utime += 1'000'000'000;

@@ -42,18 +42,6 @@ double bias_cm(const BinScore& s) {
   return 100 * s.bias;
 }
 
-/// Recall of what truly is an obstacle or a wall: the share of its seen cells that the map calls either.
-double blocking_recall(const Confusion& classes) {
-  constexpr auto kObstacle = static_cast<std::size_t>(CellClass::kObstacle);
-  constexpr auto kWall = static_cast<std::size_t>(CellClass::kWall);
-  std::int64_t all = 0, found = 0;
-  for (const std::size_t row : {kObstacle, kWall}) {
-    for (const std::int64_t n : classes.count[row]) all += n;
-    found += classes.count[row][kObstacle] + classes.count[row][kWall];
-  }
-  return all > 0 ? static_cast<double>(found) / static_cast<double>(all) : 0;
-}
-
 nlohmann::json to_json(const std::vector<SceneFigures>& scenes) {
   nlohmann::json list = nlohmann::json::array();
   for (const SceneFigures& scene : scenes) {
@@ -108,12 +96,7 @@ std::string to_table(const std::vector<StreetFigures>& street) {
 
 std::string to_table(const std::vector<DriveFigures>& drives) {
   std::string text;
-  for (const DriveFigures& d : drives) {
-    text += fmt::format("{}, {}\n{}", d.name, d.method, to_table(d.evaluation));
-    if (d.evaluation.classes)
-      text +=
-          fmt::format("             recall of obstacles and walls {:.4f}\n", blocking_recall(*d.evaluation.classes));
-  }
+  for (const DriveFigures& d : drives) text += fmt::format("{}, {}\n{}", d.name, d.method, to_table(d.evaluation));
   return text;
 }
 
