@@ -41,6 +41,7 @@ struct CellColumn {
   bool has_points = false;
   /// Blocking points within the margin of the cell's edges: towards -x, +x, -y, +y.
   std::array<int, 4> at_edge{};
+  bool operator==(const CellColumn&) const = default;
 };
 
 struct CellColumns {
@@ -48,6 +49,7 @@ struct CellColumns {
   [[nodiscard]] const CellColumn& at(int column, int row) const {
     return cells[static_cast<std::size_t>(row * kCellsPerTile + column)];
   }
+  bool operator==(const CellColumns&) const = default;
 };
 
 [[nodiscard]] CellColumns measure_columns(const VotedTile& tile, const GroundSurface& ground,

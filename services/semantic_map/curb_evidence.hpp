@@ -18,6 +18,7 @@ struct CurbCandidate {
   double reach = 0;                                ///< m along the curb, on each side, that the evidence is from
   double score = 0;                                ///< the step in units of its noise: what competes in the suppression
   bool weak = false;                               ///< only counts where a line of others goes on
+  bool operator==(const CurbCandidate&) const = default;
 };
 
 /// Section VI, curb evidence: where normals near the ground tilt more than flat ground's do, and the ground really

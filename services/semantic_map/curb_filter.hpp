@@ -15,6 +15,7 @@ struct CurbPoint {
   double confidence = 0;  ///< 0..1
   bool weak = false;      ///< lower than a curb by itself: a dropped kerb on a line
   double reach = 0;       ///< m along the curb, on each side, that the evidence is from
+  bool operator==(const CurbPoint&) const = default;
 };
 
 /// Section VI, outlier filter: of parallel detections the best one stays (non-maximum suppression across the step),

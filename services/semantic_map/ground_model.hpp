@@ -19,6 +19,7 @@ struct GroundNode {
   double layer_noise = 0;   ///< m, 1 sigma of the ground's height from scan line to scan line around
   Eigen::Vector2d coarse_tilt =
       Eigen::Vector2d::Zero();  ///< slope of all ground within 1.5 m against the rough ground's
+  bool operator==(const GroundNode&) const = default;
 };
 
 /// The DEM's nodes in a tile: at the centres of its 3 x 3 squares of 1 m.
@@ -35,6 +36,11 @@ struct GroundModel {
     return nodes[static_cast<std::size_t>(row * kPerSide + column)];
   }
 };
+
+/// Whether a GroundSurface is the same with either. (The road heights, some of which are NaN, are no part of it.)
+[[nodiscard]] inline bool is_same_surface(const GroundModel& a, const GroundModel& b) {
+  return a.nodes == b.nodes && a.rough == b.rough;
+}
 
 /// Of a tile, from the samples of it and its neighbours.
 [[nodiscard]] GroundModel model_ground(const Around<GroundSamples>& samples, const CurbParameters& parameters);

@@ -15,6 +15,7 @@ struct GroundSample {
   float slope_x = 0, slope_y = 0;  ///< mean of what the normals say: -n.x / n.z
   float spread = 0;                ///< m, RMS of the layer's heights about that slope
   int count = 0;                   ///< points; 0: no sample
+  bool operator==(const GroundSample&) const = default;
 };
 
 struct GroundSamples {
@@ -25,6 +26,7 @@ struct GroundSamples {
   [[nodiscard]] const GroundSample& at(int column, int row) const {
     return cells[static_cast<std::size_t>(row * kPerSide + column)];
   }
+  bool operator==(const GroundSamples&) const = default;
 };
 
 /// Of one tile alone.

@@ -11,6 +11,7 @@ struct Plane {
   double height = 0;
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();
   [[nodiscard]] double at(double x, double y) const { return height + slope.x() * x + slope.y() * y; }
+  bool operator==(const Plane&) const = default;
 };
 
 struct PlaneSample {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <curbstone/curb_lines_t.hpp>
+#include <utility>
 
 #include "services/semantic_map/map_picture.hpp"
 #include "services/semantic_map/png_file.hpp"
@@ -11,7 +12,7 @@ namespace curbstone {
 
 namespace {
 
-constexpr std::int64_t kTilePeriod = 400'000;   // us: of one tile; more often would only keep the others waiting
+constexpr std::int64_t kTilePeriod = 100'000;   // us between two messages about a tile
 constexpr std::int64_t kCurbsPeriod = 500'000;  // us
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kWritePeriod = 1'000'000;
@@ -77,6 +78,8 @@ bool SemanticMapNode::enter_epoch(std::int32_t epoch) {
   drive_started_ = false;
   assembler_.clear();
   pipeline_.clear();
+  news_.clear();
+  unsent_.clear();
   published_.clear();
   revisions_.clear();
   path_.clear();
@@ -99,6 +102,7 @@ void SemanticMapNode::on(const voted_points_t& message) {
   newest_utime_ = std::max(newest_utime_, tile->utime);
   revisions_[key] = tile->revision;
   voted_.set_have(key, tile->revision);
+  news_.insert(key);
   pipeline_.set_voted(std::move(*tile));
 }
 
@@ -141,35 +145,48 @@ void SemanticMapNode::tick(std::int64_t now) {
   }
 }
 
-/// The nearest of those that are out of date and have not been sent lately, as far as the budget goes.
+/// Tiles with points of their own that are new, the nearest first, as far as the budget goes; then, as far as another
+/// one goes, what has become stale around them.
 void SemanticMapNode::update_tiles(std::int64_t now) {
   std::vector<std::pair<double, TileKey>> due;
-  for (const TileKey& key : pipeline_.dirty()) {
-    const auto it = published_.find(key);
-    if (it == published_.end() || now - it->second.at >= kTilePeriod) due.emplace_back(distance(key, vehicle_), key);
-  }
+  for (const TileKey& key : news_) due.emplace_back(distance(key, vehicle_), key);
   std::sort(due.begin(), due.end());
-  const std::int64_t budget = pipeline_.work() + config_.work_per_tick;
+  std::int64_t budget = pipeline_.work() + config_.work_per_tick;
   for (const auto& [d, key] : due) {
     if (pipeline_.work() >= budget) break;
-    update_tile(key, now);
+    pipeline_.update(key);
+    news_.erase(key);
   }
+  budget = pipeline_.work() + config_.settle_per_tick;
+  while (pipeline_.work() < budget && pipeline_.settle_one()) continue;
+  publish_changed(now);
 }
 
-void SemanticMapNode::update_tile(TileKey key, std::int64_t now) {
-  const auto tile = pipeline_.compute(key);
-  if (!tile) return;
-  Published& published = published_[key];
+/// What has changed and has not been sent lately.
+void SemanticMapNode::publish_changed(std::int64_t now) {
+  unsent_.merge(pipeline_.take_changed());
+  std::erase_if(unsent_, [&](TileKey key) {
+    const auto it = published_.find(key);
+    if (it != published_.end() && std::abs(now - it->second.at) < kTilePeriod) return false;
+    publish_tile(*pipeline_.classes(key), now);
+    return true;
+  });
+}
+
+void SemanticMapNode::publish_tile(const MapTile& tile, std::int64_t now) {
+  Published& published = published_[tile.key];
+  if (published.revision > 0 && published.tile == tile) return;  // became another, and what it was again
+  const bool is_news = tile.utime > published.tile.utime;
   published.at = now;
-  if (published.revision > 0 && published.tile == *tile) return;
-  published.tile = *tile;
+  published.tile = tile;
   published.revision = std::max(published.revision + 1, revision_at(now));
-  catalog_.set_version(key, published.revision);
-  keeper_.put(*tile);
+  catalog_.set_version(tile.key, published.revision);
+  keeper_.put(tile);
   publish(published);
   curbs_changed_ = true;
   counters_.add("tiles_updated");
-  if (now > tile->utime && now - tile->utime < 60'000'000) latency_.add(static_cast<double>(now - tile->utime) * 1e-6);
+  if (is_news && now > tile.utime && now - tile.utime < 60'000'000)
+    latency_.add(static_cast<double>(now - tile.utime) * 1e-6);
 }
 
 void SemanticMapNode::publish(const Published& published) {
@@ -246,8 +263,10 @@ void SemanticMapNode::publish_curbs(std::int64_t now) {
 }
 
 void SemanticMapNode::finish() {
-  const std::vector<TileKey> rest(pipeline_.dirty().begin(), pipeline_.dirty().end());
-  for (const TileKey& key : rest) update_tile(key, newest_utime_);
+  pipeline_.settle();
+  news_.clear();
+  unsent_.merge(pipeline_.take_changed());
+  for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(*pipeline_.classes(key), newest_utime_);
   if (curbs_changed_) publish_curbs(newest_utime_);
   publish_index(newest_utime_);
   constexpr double kAll = 1e12;
@@ -277,7 +296,9 @@ NodeReport SemanticMapNode::report() const {
   report.counters = counters_;
   for (const auto& [name, value] : keeper_.counters().values()) report.counters.set(name, value);
   report.counters.set("tiles", static_cast<std::int64_t>(pipeline_.num_tiles()));
-  report.counters.set("tiles_waiting", static_cast<std::int64_t>(pipeline_.dirty().size()));
+  report.counters.set("tiles_waiting", static_cast<std::int64_t>(news_.size() + unsent_.size()));
+  report.counters.set("steps_stale", static_cast<std::int64_t>(pipeline_.num_stale()));
+  report.counters.set("evidence_computed", pipeline_.work());
   if (!keeper_.fault().empty()) report.faults.push_back(keeper_.fault());
   if (!picture_fault_.empty()) report.faults.push_back(picture_fault_);
   report.latency_p50 = latency_.percentile(0.5);

@@ -5,6 +5,7 @@
 #include <curbstone/tile_index_t.hpp>
 #include <curbstone/tile_request_t.hpp>
 #include <curbstone/voted_points_t.hpp>
+#include <set>
 #include <unordered_map>
 #include <vector>
 
@@ -45,7 +46,8 @@ class SemanticMapNode final : public Node {
   /// False for what belongs to an epoch that is over.
   bool enter_epoch(std::int32_t epoch);
   void update_tiles(std::int64_t now);
-  void update_tile(TileKey key, std::int64_t now);
+  void publish_changed(std::int64_t now);
+  void publish_tile(const MapTile& tile, std::int64_t now);
   void publish(const Published& published);
   void answer_requests();
   void publish_index(std::int64_t now);
@@ -60,6 +62,8 @@ class SemanticMapNode final : public Node {
   MapKeeper keeper_;
   TileFollower voted_{"semantic_map", "VOTED_POINTS"};
   TileCatalog catalog_{"semantic_map", "SEMANTIC_TILE"};
+  std::set<TileKey> news_;    // voted anew since they were brought up to date
+  std::set<TileKey> unsent_;  // changed since they were sent
   std::unordered_map<TileKey, Published, TileKeyHash> published_;
   std::unordered_map<TileKey, std::int32_t, TileKeyHash> revisions_;  // of voted tiles
   CurbLineIds curb_ids_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace curbstone {
 
@@ -10,93 +11,159 @@ TilePipeline::Tile* TilePipeline::find(TileKey key) {
   return it == tiles_.end() ? nullptr : &it->second;
 }
 
-/// update(key, tile): the tiles that exist within `reach` of a key.
-template <class Update>
-void TilePipeline::for_neighbours(TileKey key, int reach, Update update) {
+/// visit(key, tile): the tile and its neighbours, as far as they exist.
+template <class Visit>
+void TilePipeline::for_around(TileKey key, Visit visit) {
   constexpr std::int64_t kMin = std::numeric_limits<std::int32_t>::min();
   constexpr std::int64_t kMax = std::numeric_limits<std::int32_t>::max();
-  for (std::int64_t y = std::int64_t{key.y} - reach; y <= std::int64_t{key.y} + reach; ++y) {
-    for (std::int64_t x = std::int64_t{key.x} - reach; x <= std::int64_t{key.x} + reach; ++x) {
+  for (std::int64_t y = std::int64_t{key.y} - 1; y <= std::int64_t{key.y} + 1; ++y) {
+    for (std::int64_t x = std::int64_t{key.x} - 1; x <= std::int64_t{key.x} + 1; ++x) {
       if (x < kMin || x > kMax || y < kMin || y > kMax) continue;
       const TileKey neighbour{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
-      if (Tile* tile = find(neighbour)) update(neighbour, *tile);
+      if (Tile* tile = find(neighbour)) visit(neighbour, *tile);
     }
   }
 }
 
-/// get(key, tile): pointer to the product of one tile, brought up to date.
+/// get(tile): pointer to the product of one tile.
 template <class T, class Get>
 Around<T> TilePipeline::around(TileKey key, Get get) {
   Around<T> result;
-  for_neighbours(key, 1, [&](TileKey neighbour, Tile& tile) {
-    result.set(neighbour.x - key.x, neighbour.y - key.y, get(neighbour, tile));
-  });
+  for_around(key,
+             [&](TileKey neighbour, Tile& tile) { result.set(neighbour.x - key.x, neighbour.y - key.y, get(tile)); });
   return result;
+}
+
+/// What is stale already keeps its turn.
+void TilePipeline::mark(Step step, TileKey key, Tile& tile) {
+  if (tile.stale[step] != kFresh) return;
+  tile.stale[step] = ++turn_;
+  stale_[step].emplace(turn_, key);
+}
+
+void TilePipeline::mark_around(Step step, TileKey key) {
+  for_around(key, [&](TileKey k, Tile& tile) { mark(step, k, tile); });
+}
+
+bool TilePipeline::unmark(Step step, Tile& tile) {
+  if (tile.stale[step] == kFresh) return false;
+  stale_[step].erase(std::exchange(tile.stale[step], kFresh));
+  return true;
 }
 
 void TilePipeline::set_voted(VotedTile voted) {
   const TileKey key = voted.key;
-  Tile& tile = tiles_[key];
+  const auto [it, is_new] = tiles_.try_emplace(key);
+  Tile& tile = it->second;
   tile.voted = std::move(voted);
-  tile.samples = sample_ground(tile.voted, curb_);
-  for_neighbours(key, 1, [](TileKey, Tile& t) { t.ground_fresh = false; });
-  for_neighbours(key, 2, [](TileKey, Tile& t) { t.evidence_fresh = false; });
-  for_neighbours(key, 3, [](TileKey, Tile& t) { t.curbs_fresh = false; });
-  for_neighbours(key, 4, [this](TileKey k, Tile&) { dirty_.insert(k); });
+  const GroundSamples before = std::exchange(tile.samples, sample_ground(tile.voted, curb_));
+  if (is_new) {
+    for (const Step step : kAllSteps) mark(step, key, tile);
+  }
+  if (tile.samples != before) mark_around(kGround, key);
+  mark_around(kEvidence, key);
+  mark(kClasses, key, tile);  // its time is new
 }
 
 void TilePipeline::clear() {
   tiles_.clear();
-  dirty_.clear();
+  for (auto& step : stale_) step.clear();
+  changed_.clear();
+}
+
+void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
+  if (!unmark(step, tile)) return;
+  switch (step) {
+    case kGround:
+      return refresh_ground(key, tile);
+    case kEvidence:
+      return refresh_evidence(key, tile);
+    case kCurbs:
+      return refresh_curbs(key, tile);
+    case kClasses:
+    case kNumSteps:
+      return refresh_classes(key, tile);
+  }
 }
 
 void TilePipeline::refresh_ground(TileKey key, Tile& tile) {
-  if (tile.ground_fresh) return;
-  tile.ground = model_ground(around<GroundSamples>(key, [](TileKey, Tile& t) { return &t.samples; }), curb_);
-  tile.ground_fresh = true;
+  GroundModel ground = model_ground(around<GroundSamples>(key, [](Tile& t) { return &t.samples; }), curb_);
+  if (is_same_surface(ground, tile.ground)) return;
+  tile.ground = ground;
+  mark_around(kEvidence, key);
 }
 
 void TilePipeline::refresh_evidence(TileKey key, Tile& tile) {
-  if (tile.evidence_fresh) return;
-  const GroundSurface ground(around<GroundModel>(key, [this](TileKey k, Tile& t) {
-    refresh_ground(k, t);
-    return &t.ground;
-  }));
-  tile.evidence = find_curb_evidence(around<VotedTile>(key, [](TileKey, Tile& t) { return &t.voted; }), ground, curb_);
-  tile.columns = measure_columns(tile.voted, ground, classes_);
-  tile.evidence_fresh = true;
+  const GroundSurface ground(around<GroundModel>(key, [](Tile& t) { return &t.ground; }));
+  auto evidence = find_curb_evidence(around<VotedTile>(key, [](Tile& t) { return &t.voted; }), ground, curb_);
+  CellColumns columns = measure_columns(tile.voted, ground, classes_);
   ++work_;
+  if (evidence != tile.evidence) {
+    tile.evidence = std::move(evidence);
+    mark_around(kCurbs, key);
+  }
+  if (columns != tile.columns) {
+    tile.columns = columns;
+    mark_around(kClasses, key);
+  }
 }
 
 void TilePipeline::refresh_curbs(TileKey key, Tile& tile) {
-  if (tile.curbs_fresh) return;
-  tile.curbs = filter_curbs(around<std::vector<CurbCandidate>>(key,
-                                                               [this](TileKey k, Tile& t) {
-                                                                 refresh_evidence(k, t);
-                                                                 return &t.evidence;
-                                                               }),
-                            curb_);
-  tile.curbs_fresh = true;
+  auto curbs = filter_curbs(around<std::vector<CurbCandidate>>(key, [](Tile& t) { return &t.evidence; }), curb_);
+  if (curbs == tile.curbs) return;
+  tile.curbs = std::move(curbs);
+  mark_around(kClasses, key);
 }
 
-std::optional<MapTile> TilePipeline::compute(TileKey key) {
-  Tile* tile = find(key);
-  dirty_.erase(key);
-  if (tile == nullptr) return std::nullopt;
-  const auto curbs = around<std::vector<CurbPoint>>(key, [this](TileKey k, Tile& t) {
-    refresh_curbs(k, t);
-    return &t.curbs;
-  });
-  const auto columns = around<CellColumns>(key, [this](TileKey k, Tile& t) {
-    refresh_evidence(k, t);
-    return &t.columns;
-  });
+void TilePipeline::refresh_classes(TileKey key, Tile& tile) {
   MapTile result;
   result.key = key;
-  result.utime = tile->voted.utime;
-  result.z_origin = tile->voted.z_origin;
-  classify_cells(columns, curbs, classes_, result);
-  return result;
+  result.utime = tile.voted.utime;
+  result.z_origin = tile.voted.z_origin;
+  classify_cells(around<CellColumns>(key, [](Tile& t) { return &t.columns; }),
+                 around<std::vector<CurbPoint>>(key, [](Tile& t) { return &t.curbs; }), classes_, result);
+  if (tile.classes == result) return;
+  tile.classes = result;
+  changed_.insert(key);
+}
+
+std::optional<MapTile> TilePipeline::update(TileKey key) {
+  Tile* const tile = find(key);
+  if (tile == nullptr) return std::nullopt;
+  for (const Step step : kAllSteps) refresh(step, key, *tile);
+  return tile->classes;
+}
+
+/// In doubt the earlier step: what follows from it would only have to be computed again.
+bool TilePipeline::settle_one() {
+  const auto turn = [](const std::map<std::int64_t, TileKey>& stale) {
+    return stale.empty() ? std::numeric_limits<std::int64_t>::max() : stale.begin()->first;
+  };
+  const auto oldest =
+      std::min_element(stale_.begin(), stale_.end(), [&](const auto& a, const auto& b) { return turn(a) < turn(b); });
+  if (oldest->empty()) return false;
+  const TileKey key = oldest->begin()->second;
+  refresh(static_cast<Step>(oldest - stale_.begin()), key, *find(key));
+  return true;
+}
+
+/// Step by step: whatever a step makes stale is of a later one.
+void TilePipeline::settle() {
+  for (const Step step : kAllSteps) {
+    while (!stale_[step].empty()) {
+      const TileKey key = stale_[step].begin()->second;
+      refresh(step, key, *find(key));
+    }
+  }
+}
+
+std::set<TileKey> TilePipeline::take_changed() {
+  return std::exchange(changed_, {});
+}
+
+const MapTile* TilePipeline::classes(TileKey key) const {
+  const auto it = tiles_.find(key);
+  return it == tiles_.end() || !it->second.classes ? nullptr : &*it->second.classes;
 }
 
 const std::vector<CurbPoint>* TilePipeline::curbs(TileKey key) const {
@@ -110,6 +177,12 @@ std::vector<TileKey> TilePipeline::keys() const {
   for (const auto& [key, tile] : tiles_) keys.push_back(key);
   std::sort(keys.begin(), keys.end());
   return keys;
+}
+
+std::size_t TilePipeline::num_stale() const {
+  std::size_t count = 0;
+  for (const auto& step : stale_) count += step.size();
+  return count;
 }
 
 }  // namespace curbstone

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <unordered_map>
@@ -18,31 +20,44 @@ namespace curbstone {
 ///   voted points -> ground samples -> [3x3] ground model -> [3x3] curb evidence, columns -> [3x3] curbs -> [3x3]
 ///   classes
 ///
-/// Each step of a tile is a pure function of the step before of it and its eight neighbours; what is out of date is
-/// computed again when it is asked for. So the map depends on the voted points alone, not on the order in which they
-/// came, nor on how often somebody looked.
+/// Each step of a tile is a pure function of the step before of it and its eight neighbours. A step is stale when one
+/// of those has become another since it was computed; a result that came out equal makes nothing stale. Whoever is in
+/// a hurry updates one tile with what its neighbours have by now. Once everything is settled, the map is a function of
+/// the voted points alone: not of the order in which they came, nor of how often somebody looked.
 class TilePipeline {
  public:
   TilePipeline(const CurbParameters& curb, const ClassParameters& classes) : curb_(curb), classes_(classes) {}
 
-  /// Takes the newest revision of a tile. Marks what depends on it as out of date.
+  /// Takes the newest revision of a tile.
   void set_voted(VotedTile tile);
   /// Another epoch begins.
   void clear();
 
-  /// Tiles whose classes are out of date, by key.
-  [[nodiscard]] const std::set<TileKey>& dirty() const { return dirty_; }
-  /// The tile up to date; nothing if no voted points are known of it.
-  [[nodiscard]] std::optional<MapTile> compute(TileKey key);
+  /// Brings a tile's own steps up to date, with its neighbours' as they are. Nothing if no voted points are known of
+  /// it.
+  std::optional<MapTile> update(TileKey key);
+  /// Computes what has been stale for longest, of any tile. False if nothing is.
+  bool settle_one();
+  /// Computes all that is stale.
+  void settle();
+  /// Tiles whose classes have become others since the last call; after update() and settle_one().
+  [[nodiscard]] std::set<TileKey> take_changed();
 
-  /// The curb points of a tile, as compute() of it or a neighbour last saw them; frame: the tile's corner.
+  /// The tile as it was computed last; nullptr if it never was.
+  [[nodiscard]] const MapTile* classes(TileKey key) const;
+  /// The curb points of a tile as they were computed last; frame: the tile's corner.
   [[nodiscard]] const std::vector<CurbPoint>* curbs(TileKey key) const;
   [[nodiscard]] std::vector<TileKey> keys() const;  ///< sorted
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
-  /// Grows by one with every tile whose evidence was computed: what costs, for whoever has a budget.
+  /// Steps of tiles that are stale.
+  [[nodiscard]] std::size_t num_stale() const;
+  /// Tiles whose evidence has been computed: what costs, for whoever has a budget.
   [[nodiscard]] std::int64_t work() const { return work_; }
 
  private:
+  enum Step { kGround, kEvidence, kCurbs, kClasses, kNumSteps };
+  static constexpr std::array kAllSteps = {kGround, kEvidence, kCurbs, kClasses};
+  static constexpr std::int64_t kFresh = 0;
   struct Tile {
     VotedTile voted;
     GroundSamples samples;
@@ -50,24 +65,31 @@ class TilePipeline {
     std::vector<CurbCandidate> evidence;
     CellColumns columns;
     std::vector<CurbPoint> curbs;
-    bool ground_fresh = false;
-    bool evidence_fresh = false;
-    bool curbs_fresh = false;
+    std::optional<MapTile> classes;
+    std::array<std::int64_t, kNumSteps> stale{};  ///< its turn in stale_, or kFresh
   };
-  Tile* find(TileKey key);
+  [[nodiscard]] Tile* find(TileKey key);
   template <class T, class Get>
   Around<T> around(TileKey key, Get get);
-  template <class Update>
-  void for_neighbours(TileKey key, int reach, Update update);
+  template <class Visit>
+  void for_around(TileKey key, Visit visit);
 
+  void mark(Step step, TileKey key, Tile& tile);
+  void mark_around(Step step, TileKey key);
+  /// False if it was fresh; afterwards it is.
+  bool unmark(Step step, Tile& tile);
+  void refresh(Step step, TileKey key, Tile& tile);
   void refresh_ground(TileKey key, Tile& tile);
   void refresh_evidence(TileKey key, Tile& tile);
   void refresh_curbs(TileKey key, Tile& tile);
+  void refresh_classes(TileKey key, Tile& tile);
 
   CurbParameters curb_;
   ClassParameters classes_;
   std::unordered_map<TileKey, Tile, TileKeyHash> tiles_;
-  std::set<TileKey> dirty_;
+  std::array<std::map<std::int64_t, TileKey>, kNumSteps> stale_;  ///< by turn: the oldest first
+  std::int64_t turn_ = kFresh;
+  std::set<TileKey> changed_;
   std::int64_t work_ = 0;
 };
 

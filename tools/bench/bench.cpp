@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/bench/curbs/bench_curbs.hpp"
+#include "tools/bench/latency/latency_bench.hpp"
 #include "tools/bench/mapping/bench_mapping.hpp"
 #include "tools/bench/voting/voting_bench.hpp"
 
@@ -24,6 +25,7 @@ const std::vector<Benchmark> kBenchmarks = {
     {"voting", run_bench_voting, "tensor voting: beside PCL, against this machine's peak, on a growing map"},
     {"mapping", run_bench_mapping, "odometry and mapping: icp, loam and PCL's methods on the same drives"},
     {"curbs", run_bench_curbs, "precision, recall and lateral error of the curbs"},
+    {"latency", run_bench_latency, "from the last packet of a revolution to the changed tiles, stage by stage"},
 };
 
 int usage(std::FILE* out) {

@@ -94,8 +94,9 @@ void map_tiles(const std::vector<VotedTile>& tiles, const CloudMapOptions& optio
   std::vector<MapCurbPoint> curb_points;
   TilePipeline pipeline(options.curb, options.classes);
   for (const VotedTile& tile : tiles) pipeline.set_voted(tile);
+  pipeline.settle();
   for (const VotedTile& tile : tiles) {
-    map.tiles.push_back(*pipeline.compute(tile.key));
+    map.tiles.push_back(*pipeline.classes(tile.key));
     const MapTile& computed = map.tiles.back();
     const Eigen::Vector2d corner(tile.key.x * kTileSize, tile.key.y * kTileSize);
     for (const CurbPoint& c : *pipeline.curbs(tile.key)) {

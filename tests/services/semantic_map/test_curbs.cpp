@@ -233,30 +233,83 @@ TEST(Classes, WhatWasNotSeenIsUnknownAndTheSafePolicyDoesNotEnterIt) {
 
 // --- The map as a function of the voted tiles -----------------------------------------------------------------------
 
-TEST(TilePipeline, DoesNotDependOnTheOrderOfTilesNorOnWhoLooksWhen) {
-  SyntheticCloud cloud;
-  cloud.ground(-9, -9, 9, 9, 150, [](double x, double y) { return 0.02 * x + (y > 1 ? 0.1 : 0.0); });
-  CloudMap counts;
-  CloudMapOptions options;
-  options.threads = 1;
-  const std::vector<VotedTile> tiles = vote_tiles(cloud.points, options, counts);
+class PipelineOfAStreet : public testing::Test {
+ protected:
+  static const std::vector<VotedTile>& tiles() {
+    static const std::vector<VotedTile> voted = [] {
+      SyntheticCloud cloud;
+      cloud.ground(-9, -9, 9, 9, 150, [](double x, double y) { return 0.02 * x + (y > 1 ? 0.1 : 0.0); });
+      CloudMap counts;
+      CloudMapOptions options;
+      options.threads = 1;
+      return vote_tiles(cloud.points, options, counts);
+    }();
+    return voted;
+  }
+  /// What the tiles say when all of them are there at once.
+  static const TilePipeline& at_once() {
+    static const TilePipeline pipeline = [] {
+      TilePipeline p({}, {});
+      for (const VotedTile& tile : tiles()) p.set_voted(tile);
+      p.settle();
+      return p;
+    }();
+    return pipeline;
+  }
+  static VotedTile thinner(VotedTile tile) {
+    tile.points.resize(tile.points.size() / 2);
+    return tile;
+  }
+  static void expect_as_at_once(const TilePipeline& pipeline) {
+    for (const VotedTile& tile : tiles()) {
+      EXPECT_EQ(*pipeline.classes(tile.key), *at_once().classes(tile.key)) << tile.key.x << ' ' << tile.key.y;
+      EXPECT_EQ(*pipeline.curbs(tile.key), *at_once().curbs(tile.key)) << tile.key.x << ' ' << tile.key.y;
+    }
+    EXPECT_EQ(pipeline.num_stale(), 0U);
+  }
+};
 
-  TilePipeline forward(options.curb, options.classes);
-  for (const VotedTile& tile : tiles) forward.set_voted(tile);
-
-  TilePipeline backward(options.curb, options.classes);
-  for (auto it = tiles.rbegin(); it != tiles.rend(); ++it) {
-    VotedTile early = *it;  // a first, thinner revision, looked at
-    early.points.resize(early.points.size() / 2);
-    backward.set_voted(early);
-    (void)backward.compute(it->key);
+TEST_F(PipelineOfAStreet, DoesNotDependOnTheOrderOfTilesNorOnWhoLooksWhen) {
+  TilePipeline backward({}, {});
+  for (auto it = tiles().rbegin(); it != tiles().rend(); ++it) {
+    backward.set_voted(thinner(*it));
+    (void)backward.update(it->key);
+    for (int i = 0; i < 7; ++i) (void)backward.settle_one();
     backward.set_voted(*it);
+    if (it->key.x % 2 == 0) (void)backward.update(it->key);
   }
-  for (const VotedTile& tile : tiles) {
-    EXPECT_EQ(*forward.compute(tile.key), *backward.compute(tile.key)) << tile.key.x << ' ' << tile.key.y;
+  while (backward.settle_one()) continue;
+  expect_as_at_once(backward);
+}
+
+TEST_F(PipelineOfAStreet, ComesBackFromEveryOtherRevisionOfATile) {
+  TilePipeline pipeline = at_once();
+  for (std::size_t i = 0; i < tiles().size(); i += 5) {
+    pipeline.set_voted(thinner(tiles()[i]));
+    pipeline.settle();
+    pipeline.set_voted(tiles()[i]);
   }
-  EXPECT_TRUE(forward.dirty().empty());
-  EXPECT_TRUE(backward.dirty().empty());
+  pipeline.settle();
+  expect_as_at_once(pipeline);
+}
+
+TEST_F(PipelineOfAStreet, DoesNothingMoreForATileThatCameOutAsItWas) {
+  TilePipeline pipeline = at_once();
+  (void)pipeline.take_changed();
+  const VotedTile& tile = tiles()[tiles().size() / 2];
+  pipeline.set_voted(tile);
+  const std::int64_t before = pipeline.work();
+  pipeline.settle();
+  EXPECT_LE(pipeline.work() - before, 9) << "its neighbours look at its points, and nobody looks at theirs";
+  EXPECT_TRUE(pipeline.take_changed().empty());
+}
+
+TEST_F(PipelineOfAStreet, UpdatesOneTileAtThePriceOfOne) {
+  TilePipeline pipeline({}, {});
+  for (const VotedTile& tile : tiles()) pipeline.set_voted(tile);
+  const VotedTile& tile = tiles()[tiles().size() / 2];
+  EXPECT_EQ(pipeline.update(tile.key)->utime, tile.utime);
+  EXPECT_EQ(pipeline.work(), 1);
 }
 
 TEST(TilePipeline, HasNoJumpsAtTilesOffTheEndOfInt32) {
@@ -265,7 +318,9 @@ TEST(TilePipeline, HasNoJumpsAtTilesOffTheEndOfInt32) {
   tile.key = {2147483647, -2147483647 - 1};
   tile.points.resize(10);
   pipeline.set_voted(tile);
-  EXPECT_TRUE(pipeline.compute(tile.key));
+  EXPECT_TRUE(pipeline.update(tile.key));
+  pipeline.settle();
+  EXPECT_EQ(pipeline.num_stale(), 0U);
 }
 
 }  // namespace

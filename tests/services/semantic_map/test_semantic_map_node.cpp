@@ -8,6 +8,7 @@
 #include <curbstone/curb_lines_t.hpp>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
 
 #include "common/local_bus.hpp"
@@ -130,11 +131,21 @@ TEST_F(SemanticMapNodeTest, MakesTilesCurbsAndAMapFile) {
   for (const auto& page : all_pages()) bus.publish("VOTED_POINTS", page);
   bus.publish("MAP_POSE", pose_at(kStart + 50'000, 1));
   bus.dispatch();
+  std::map<TileKey, semantic_tile_t> newest;
+  std::size_t sent_early = 0;
   for (int i = 1; i <= 100; ++i) {
     node.tick(kStart + 20'000 * i);
     bus.dispatch();
+    if (i == 50) sent_early = tiles.size();
   }
-  EXPECT_EQ(tiles.size(), street().size()) << "each tile once: it did not change";
+  for (const semantic_tile_t& m : tiles) {
+    const auto [it, is_first] = newest.try_emplace({m.tile_x, m.tile_y}, m);
+    if (is_first) continue;
+    EXPECT_GT(m.revision, it->second.revision);
+    it->second = m;
+  }
+  EXPECT_EQ(newest.size(), street().size());
+  EXPECT_EQ(tiles.size(), sent_early) << "nothing changes any more";
   ASSERT_FALSE(curbs.empty());
   ASSERT_EQ(curbs.back().num_lines, 1);
   const curb_line_t& line = curbs.back().lines[0];
@@ -146,8 +157,16 @@ TEST_F(SemanticMapNodeTest, MakesTilesCurbsAndAMapFile) {
   EXPECT_EQ(indices.back().num_tiles, static_cast<std::int32_t>(street().size()));
   node.finish();
 
+  EXPECT_EQ(tiles.size(), sent_early) << "and what was sent is the map";
   const MapReader map(c.map);
-  EXPECT_EQ(map.tiles().size(), street().size());
+  ASSERT_EQ(map.tiles().size(), street().size());
+  for (const MapTile& tile : map.tiles()) {
+    const semantic_tile_t& m = newest.at(tile.key);
+    for (std::size_t i = 0; i < kCellsInTile; ++i) {
+      EXPECT_EQ(m.cell_class[i], static_cast<std::uint8_t>(tile.cell_class[i]));
+      EXPECT_EQ(m.height[i], tile.height[i]);
+    }
+  }
   EXPECT_EQ(map.curbs().size(), 1U);
   EXPECT_EQ(map.trajectory().size(), 2U);
   EXPECT_GT(fs::file_size(c.picture), 1000U);

@@ -1,0 +1,104 @@
+#include "tools/bench/latency/latency_bench.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "common/config.hpp"
+#include "tools/bench/latency/tile_ages.hpp"
+#include "tools/bench/latency/timed_vehicle.hpp"
+#include "tools/log/log_reader.hpp"
+
+namespace curbstone {
+
+namespace {
+
+struct LatencyBenchOptions {
+  std::string log, json;
+  TimedVehicleOptions vehicle;
+};
+
+bool is_of_a_driver(const std::string& channel) {
+  return channel == "LIDAR_POINTS" || channel == "IMU" || channel == "WHEELS";
+}
+
+void print_row(nlohmann::json& json, const std::string& name, const AgeFigures& f, double sent_per_s) {
+  fmt::print("  {:<34} {:>8} {:>9.1f} {:>8.0f} {:>8.0f} {:>8.0f}\n", name, f.count, sent_per_s, f.p50, f.p95, f.max);
+  json["ms"][name] = {{"count", f.count}, {"sent_per_s", sent_per_s}, {"p50", f.p50}, {"p95", f.p95}, {"max", f.max}};
+}
+
+nlohmann::json report(const TimedVehicle& vehicle, const TileAges& ages, double seconds) {
+  nlohmann::json json{{"seconds", seconds}};
+  fmt::print("{:.1f} s of drive, on a clock of CPU time\n\n", seconds);
+  fmt::print("  {:<34} {:>8} {:>9} {:>8} {:>8} {:>8}\n", "age of the newest points, ms", "counted", "sent/s", "p50",
+             "p95", "max");
+  for (const char* channel : {"MAP_POSE", "MAP_POINTS", "VOTED_POINTS", "SEMANTIC_TILE"})
+    print_row(json, channel, ages.age(channel), static_cast<double>(ages.sent(channel)) / seconds);
+  print_row(json, "all points, to SEMANTIC_TILE", ages.news(), 0);
+  fmt::print("\n  CPU, in cores:");
+  for (const auto& [name, process] : vehicle.processes()) {
+    const double cores = static_cast<double>(process->cpu_us()) * 1e-6 / seconds;
+    fmt::print("  {} {:.3f}", name, cores);
+    json["cores"][name] = cores;
+  }
+  fmt::print("\n");
+  for (const auto& [name, process] : vehicle.processes()) {
+    const NodeReport said = process->node().report();
+    for (const auto& [counter, value] : said.counters.values()) json["counters"][name][counter] = value;
+  }
+  return json;
+}
+
+nlohmann::json measure(const LatencyBenchOptions& options) {
+  LogReader reader(options.log);
+  TileAges ages;
+  TimedVehicle vehicle(options.vehicle, [&](const TimedMessage& message) { ages.hear(message); });
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+  while (const auto event = reader.next()) {
+    if (!is_of_a_driver(event->channel)) continue;
+    if (first == 0) first = event->log_utime;
+    last = std::max(last, event->log_utime);
+    vehicle.sense(*event);
+  }
+  if (first == last) throw std::runtime_error(options.log + ": holds no LIDAR_POINTS, IMU or WHEELS");
+  return report(vehicle, ages, static_cast<double>(last - first) * 1e-6);
+}
+
+}  // namespace
+
+int run_bench_latency(int argc, char** argv) {
+  LatencyBenchOptions options;
+  CLI::App app{
+      "From the last packet of a revolution to the changed tiles on the bus, stage by stage. The services run as "
+      "processes on a clock that goes on by the CPU time of their work, so that a busy machine gives the same figures"};
+  app.name("curbstone bench latency");
+  app.add_option("log", options.log, "Log with LIDAR_POINTS, IMU and WHEELS")->required();
+  app.add_option("--config", options.vehicle.config_file, "The vehicle's YAML file");
+  app.add_option("--set", options.vehicle.assignments, "SECTION.KEY=VALUE, over the file")->allow_extra_args(false);
+  app.add_option("--map", options.vehicle.map_file, "Keep the map in this file (default: in memory only)");
+  app.add_option("--cores", options.vehicle.cores, "That the services share")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  app.add_option("--json", options.json, "Write the figures to this file too");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    const nlohmann::json json = measure(options);
+    if (!options.json.empty() && !(std::ofstream(options.json) << json.dump(2) << '\n'))
+      throw std::runtime_error(options.json + ": cannot be written");
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "curbstone bench latency: {}\n", error.what());
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace curbstone

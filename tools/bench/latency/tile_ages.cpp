@@ -1,0 +1,77 @@
+#include "tools/bench/latency/tile_ages.hpp"
+
+#include <algorithm>
+#include <curbstone/map_points_t.hpp>
+#include <curbstone/map_pose_t.hpp>
+#include <curbstone/semantic_tile_t.hpp>
+#include <curbstone/voted_points_t.hpp>
+
+namespace curbstone {
+
+namespace {
+
+template <class Message>
+bool read(const TimedMessage& message, Message& out) {
+  return out.decode(message.bytes->data(), 0, static_cast<int>(message.bytes->size())) >= 0;
+}
+
+AgeFigures figures(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double q) {
+    return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
+  };
+  return {values.size(), at(0.5), at(0.95), values.back()};
+}
+
+}  // namespace
+
+void TileAges::hear(const TimedMessage& message) {
+  if (message.channel == "MAP_POSE") {
+    map_pose_t m;
+    if (read(message, m)) sent_tile(message.channel, {}, m.utime, message.at);
+  } else if (message.channel == "MAP_POINTS") {
+    map_points_t m;
+    if (!read(message, m)) return;
+    sent_tile(message.channel, {m.tile_x, m.tile_y}, m.utime, message.at);
+    waiting_[{m.tile_x, m.tile_y}].push_back(m.utime);
+  } else if (message.channel == "VOTED_POINTS") {
+    voted_points_t m;
+    if (read(message, m) && m.first + m.num_points == m.total)
+      sent_tile(message.channel, {m.tile_x, m.tile_y}, m.utime, message.at);
+  } else if (message.channel == "SEMANTIC_TILE") {
+    semantic_tile_t m;
+    if (!read(message, m)) return;
+    sent_tile(message.channel, {m.tile_x, m.tile_y}, m.utime, message.at);
+    std::erase_if(waiting_[{m.tile_x, m.tile_y}], [&](std::int64_t utime) {
+      if (utime > m.utime) return false;
+      news_.push_back(static_cast<double>(message.at - utime) * 1e-3);
+      return true;
+    });
+  }
+}
+
+void TileAges::sent_tile(const std::string& channel, TileKey key, std::int64_t utime, std::int64_t at) {
+  Channel& c = channels_[channel];
+  ++c.sent;
+  std::int64_t& newest = c.newest[key];
+  if (utime <= newest) return;
+  newest = utime;
+  c.ages.push_back(static_cast<double>(at - utime) * 1e-3);
+}
+
+AgeFigures TileAges::age(const std::string& channel) const {
+  const auto it = channels_.find(channel);
+  return it == channels_.end() ? AgeFigures{} : figures(it->second.ages);
+}
+
+AgeFigures TileAges::news() const {
+  return figures(news_);
+}
+
+std::size_t TileAges::sent(const std::string& channel) const {
+  const auto it = channels_.find(channel);
+  return it == channels_.end() ? 0 : it->second.sent;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/tile.hpp"
+#include "tools/bench/latency/timed_process.hpp"
+
+namespace curbstone {
+
+/// p50, p95 and the largest of some milliseconds.
+struct AgeFigures {
+  std::size_t count = 0;
+  double p50 = 0, p95 = 0, max = 0;
+};
+
+/// How old measurements are when they are on the bus: a tile's newest points when its MAP_POINTS, VOTED_POINTS (all
+/// pages) and SEMANTIC_TILE are sent. A tile that is sent again without newer points of its own, for its neighbours'
+/// sake, does not count. And from every MAP_POINTS to the first SEMANTIC_TILE of its tile that knows of them.
+class TileAges {
+ public:
+  void hear(const TimedMessage& message);
+
+  [[nodiscard]] AgeFigures age(const std::string& channel) const;
+  /// Of the points of each MAP_POINTS, when their tile is out. Those that changed nothing in it do not count.
+  [[nodiscard]] AgeFigures news() const;
+  /// Tiles sent, those for their neighbours' sake too.
+  [[nodiscard]] std::size_t sent(const std::string& channel) const;
+
+ private:
+  struct Channel {
+    std::map<TileKey, std::int64_t> newest;  // us, measured
+    std::vector<double> ages;                // ms
+    std::size_t sent = 0;
+  };
+  void sent_tile(const std::string& channel, TileKey key, std::int64_t utime, std::int64_t at);
+  std::map<std::string, Channel> channels_;
+  std::map<TileKey, std::vector<std::int64_t>> waiting_;  // us, measured, not out yet
+  std::vector<double> news_;                              // ms
+};
+
+}  // namespace curbstone

@@ -1,0 +1,79 @@
+#include "tools/bench/latency/timed_vehicle.hpp"
+
+#include <algorithm>
+
+#include "common/config.hpp"
+#include "services/ekf/ekf_config.hpp"
+#include "services/ekf/ekf_node.hpp"
+#include "services/mapper/mapper_config.hpp"
+#include "services/mapper/mapper_node.hpp"
+#include "services/semantic_map/semantic_map_config.hpp"
+#include "services/semantic_map/semantic_map_node.hpp"
+#include "services/tensor_voting/tensor_voting_config.hpp"
+#include "services/tensor_voting/tensor_voting_node.hpp"
+
+namespace curbstone {
+
+namespace {
+
+template <class Config>
+Config load(const std::string& section, const TimedVehicleOptions& options) {
+  ConfigOf<Config> config;
+  if (!options.config_file.empty()) load_config(options.config_file, section, config);
+  for (const std::string& assignment : options.assignments) {
+    if (assignment.starts_with(section + ".")) set_config_value(assignment.substr(section.size() + 1), config);
+  }
+  return config.value;
+}
+
+}  // namespace
+
+TimedVehicle::TimedVehicle(const TimedVehicleOptions& options, Listener listener)
+    : listener_(std::move(listener)), cores_(static_cast<std::size_t>(options.cores)) {
+  std::int64_t phase = 0;
+  const auto add = [&](const std::string& name, auto make) {
+    phase += 7'000;  // us: nobody's timers go off together
+    auto process = std::make_unique<TimedProcess>(phase % 20'000, [this](const TimedMessage& m) { send(m); });
+    process->run(make(*process));
+    processes_.emplace_back(name, std::move(process));
+  };
+  auto semantic = load<SemanticMapConfig>("semantic_map", options);
+  semantic.map = options.map_file;
+  add("ekf", [&](Publisher& bus) { return std::make_unique<EkfNode>(load<EkfConfig>("ekf", options), bus); });
+  add("mapper",
+      [&](Publisher& bus) { return std::make_unique<MapperNode>(load<MapperConfig>("mapper", options), bus); });
+  add("tensor_voting", [&](Publisher& bus) {
+    return std::make_unique<TensorVotingNode>(load<TensorVotingConfig>("tensor_voting", options), "tensor_voting:1",
+                                              bus);
+  });
+  add("semantic_map", [&](Publisher& bus) { return std::make_unique<SemanticMapNode>(semantic, bus); });
+}
+
+void TimedVehicle::send(const TimedMessage& message) {
+  listener_(message);
+  for (const auto& [name, process] : processes_) process->deliver(message);
+}
+
+/// Who begins first goes first: then nothing is said before what has been done already.
+void TimedVehicle::advance(std::int64_t to) {
+  while (true) {
+    const auto first = std::min_element(processes_.begin(), processes_.end(), [](const auto& a, const auto& b) {
+      return a.second->next() < b.second->next();
+    });
+    const auto core = std::min_element(cores_.begin(), cores_.end());
+    const std::int64_t begin = std::max(first->second->next(), *core);
+    if (begin >= to) return;
+    *core = first->second->work(begin);
+  }
+}
+
+void TimedVehicle::sense(const LogEvent& event) {
+  if (now_ == 0) {
+    for (const auto& [name, process] : processes_) process->start(event.log_utime);
+  }
+  now_ = event.log_utime;
+  advance(now_);
+  send({now_, event.channel, std::make_shared<std::vector<std::uint8_t>>(event.bytes)});
+}
+
+}  // namespace curbstone
