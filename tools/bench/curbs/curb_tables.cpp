@@ -107,7 +107,7 @@ std::string to_json(const CurbFigures& figures) {
     nlohmann::json entry = nlohmann::json::parse(to_json(d.evaluation));
     entry["drive"] = d.name;
     entry["method"] = d.method;
-    if (d.evaluation.classes) entry["blocking_recall"] = blocking_recall(*d.evaluation.classes);
+    if (d.evaluation.blocking) entry["blocking_recall"] = d.evaluation.blocking->recall();
     json["towns"].push_back(std::move(entry));
   }
   json["street"] = nlohmann::json::array();
