@@ -12,12 +12,10 @@
 #include "common/clock.hpp"
 #include "tools/simulate/live/live_drive.hpp"
 #include "tools/simulate/log_recorder.hpp"
-#include "tools/simulate/motion/town_motion.hpp"
 #include "tools/simulate/recorded/level.hpp"
 #include "tools/simulate/recorded/recorded_motion.hpp"
 #include "tools/simulate/recorded/scan_surroundings.hpp"
 #include "tools/simulate/town_setup.hpp"
-#include "tools/simulate/town_surroundings.hpp"
 #include "tools/simulate/truth/truth_folder.hpp"
 
 namespace curbstone {
@@ -28,6 +26,8 @@ struct Options {
   bool town = false;
   bool live = false;
   bool seconds_given = false;
+  double loop = 0;
+  bool opposite = false;
   std::uint64_t seed = 1;
   double seconds = 60;
   std::int64_t start_utime = 1'750'000'000'000'000;
@@ -38,8 +38,9 @@ struct Options {
 
 /// What a drive is driven through, whatever its source, with the truth about it.
 struct Source {
-  std::unique_ptr<Town> town;
-  std::unique_ptr<Motion> motion;
+  std::unique_ptr<TownSetup> town;
+  std::unique_ptr<Motion> recorded;
+  const Motion* motion = nullptr;  ///< of one of them
   std::function<std::unique_ptr<Surroundings>()> make_surroundings;
   std::string name;
   double seconds = 0;
@@ -50,16 +51,14 @@ struct Source {
 };
 
 Source town_source(const Options& options, const SimulateConfig& config) {
+  TownTour tour{.seed = options.seed, .seconds = options.seconds, .loop = options.loop, .opposite = options.opposite};
+  if (options.loop > 0 && !options.seconds_given) tour.seconds = 0;
   Source source;
-  TownOptions town_options;
-  town_options.seed = options.seed;
-  source.town = std::make_unique<Town>(town_options);
-  source.motion = std::make_unique<TownMotion>(*source.town, config.vehicle, speed_profile(config, options.seconds));
-  source.make_surroundings = [town = source.town.get(), noise = config.lidar] {
-    return std::make_unique<TownSurroundings>(*town, noise);
-  };
+  source.town = std::make_unique<TownSetup>(tour, options.start_utime, config);
+  source.motion = &source.town->motion();
+  source.make_surroundings = source.town->drive().make_surroundings;
   source.name = "town";
-  source.seconds = options.seconds;
+  source.seconds = source.town->drive().seconds;
   source.rpm = config.rpm;
   return source;
 }
@@ -75,7 +74,8 @@ Source recorded_source(const Options& options, const SimulateConfig& config) {
   source.make_surroundings = [scans = source.scans, at = motion.get(), playback] {
     return std::make_unique<ScanSurroundings>(*scans, *at, playback, Rs16EmulatorConfig().elevations);
   };
-  source.motion = std::move(motion);
+  source.recorded = std::move(motion);
+  source.motion = source.recorded.get();
   source.name = options.scans;
   source.seconds = playback.drive_time(scans.times.back());
   if (options.seconds_given) source.seconds = std::min(source.seconds, options.seconds);
@@ -90,7 +90,7 @@ class TruthWriter {
   TruthWriter(const Options& options, const SimulateConfig& config, const Source& source)
       : options_(options), source_(source) {
     if (!options.truth.empty() && source.town)
-      classes_ = write_town_truth(options.truth, *source.town, config.vehicle.height);
+      classes_ = write_town_truth(options.truth, source.town->town(), config.vehicle.height);
   }
   void finish(std::int64_t start_utime, double seconds) const {
     if (options_.truth.empty()) return;
@@ -141,6 +141,9 @@ void simulate_live(const Options& options, const SimulateConfig& config, const S
 
 void add_options(CLI::App& app, Options& options) {
   app.add_flag("--town", options.town, "Drive round the block in a town made from the seed");
+  app.add_option("--loop", options.loop, "m round several blocks instead, until it has come back (or --seconds)")
+      ->check(CLI::Range(600.0, 4000.0));
+  app.add_flag("--opposite", options.opposite, "With --loop: comes back to its first street the other way");
   app.add_option("--scans", options.scans, "Drive a recording again: folder of KITTI scans (*.bin), with --poses");
   app.add_option("--poses", options.poses, "Pose of each scan: 3x4 rows, lidar frame, to the first");
   app.add_option("--times", options.times, "Time of each scan, s; default: times.txt beside the poses, else 10 Hz");
@@ -177,8 +180,9 @@ void add_options(CLI::App& app, Options& options) {
 }
 
 std::uint64_t fingerprint(const Options& options, AnyConfig& config) {
-  const std::string all = fmt::format("1 {} {} {} {} {} {}", options.town, options.scans, options.poses, options.seed,
-                                      options.seconds, dump_config("simulate", config));
+  const std::string all =
+      fmt::format("2 {} {} {} {} {} {} {} {}", options.town, options.scans, options.poses, options.seed,
+                  options.seconds, options.loop, options.opposite, dump_config("simulate", config));
   std::uint64_t hash = 0;
   for (const char c : all) hash = mix_bits(hash ^ static_cast<unsigned char>(c));
   return hash;
@@ -188,6 +192,8 @@ std::uint64_t fingerprint(const Options& options, AnyConfig& config) {
 void check(Options& options) {
   if (options.town == !options.scans.empty())
     throw ConfigError("what to drive through: --town, or --scans DIR --poses FILE");
+  if (options.loop > 0 && !options.town) throw ConfigError("--loop belongs to --town");
+  if (options.opposite && options.loop == 0) throw ConfigError("--opposite belongs to --loop");
   if (options.scans.empty() != options.poses.empty()) throw ConfigError("--scans and --poses belong together");
   if (options.live == !options.log.empty()) throw ConfigError("either --log FILE or --live");
   if (!options.devices.empty()) {

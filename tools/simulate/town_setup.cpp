@@ -4,23 +4,38 @@
 
 namespace curbstone {
 
-SpeedProfile speed_profile(const SimulateConfig& config, double seconds) {
+namespace {
+
+TownMotion tour_motion(const Town& town, const TownTour& tour, const SimulateConfig& config) {
+  constexpr double kBeforeEnd = 4.0;  // m of a route that are left: the spline cuts its corners
+  constexpr double kForGood = std::numeric_limits<double>::infinity();
+  const TownRoute route = tour.opposite ? TownRoute::there_and_back(town) : TownRoute::around(town);
+  if (tour.seconds > 0 && route.closed()) return {town, config.vehicle, speed_profile(config, tour.seconds), route};
+  const double distance = route.length() + (route.closed() ? TownTour::kAgain : -kBeforeEnd);
+  return {town, config.vehicle, speed_profile(config, kForGood, distance), route};
+}
+
+}  // namespace
+
+SpeedProfile speed_profile(const SimulateConfig& config, double seconds, double distance) {
   SpeedProfile::Options options;
   options.speed = config.speed;
   options.standstill = config.standstill;
   options.acceleration = config.acceleration;
+  options.distance = distance;
   return {options, seconds};
 }
 
-TownSetup::TownSetup(std::uint64_t seed, double seconds, std::int64_t start_utime)
-    : town_({.seed = seed}),
-      motion_(town_, config_.vehicle, speed_profile(config_, seconds)),
+TownSetup::TownSetup(const TownTour& tour, std::int64_t start_utime, const SimulateConfig& config)
+    : config_(config),
+      town_({.seed = tour.seed, .loop = tour.loop}),
+      motion_(tour_motion(town_, tour, config_)),
       drive_{.motion = motion_,
              .make_surroundings = [this] { return std::make_unique<TownSurroundings>(town_, config_.lidar); },
              .config = config_,
              .rpm = config_.rpm,
-             .seed = seed,
-             .seconds = seconds,
+             .seed = tour.seed,
+             .seconds = tour.seconds > 0 ? tour.seconds : motion_.profile().end() + 2.0,
              .start_utime = start_utime} {}
 
 }  // namespace curbstone

@@ -1,21 +1,35 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "tools/simulate/drive.hpp"
 #include "tools/simulate/motion/town_motion.hpp"
 
 namespace curbstone {
 
-/// How fast, and how long standing first, as the configuration has it.
-[[nodiscard]] SpeedProfile speed_profile(const SimulateConfig& config, double seconds);
+/// How fast, and how long standing first, as the configuration has it. After `distance` m it stands for good.
+[[nodiscard]] SpeedProfile speed_profile(const SimulateConfig& config, double seconds,
+                                         double distance = std::numeric_limits<double>::infinity());
 
-/// The demo's town and the drive through it, as `curbstone simulate --town` has them with its defaults. The drive refers
-/// to the rest: a setup stays where it is.
+/// Which town, and the way through it.
+struct TownTour {
+  std::uint64_t seed = 1;
+  double seconds = 0;     ///< 0: until it has come back and driven kAgain more
+  double loop = 0;        ///< m round a town of several blocks; 0: the demo's block
+  bool opposite = false;  ///< begins and ends in a street that leads to the loop: it comes back the other way
+
+  static constexpr double kAgain = 60.0;  ///< m of the first street once more, in the same direction
+};
+
+/// The town, the drive through it and the sensors' errors, as `curbstone simulate --town` has them. The drive refers to
+/// the rest: a setup stays where it is.
 class TownSetup {
  public:
   /// `start_utime`: us since the Unix epoch, of t = 0.
-  TownSetup(std::uint64_t seed, double seconds, std::int64_t start_utime);
+  TownSetup(const TownTour& tour, std::int64_t start_utime, const SimulateConfig& config = {});
+  TownSetup(std::uint64_t seed, double seconds, std::int64_t start_utime)
+      : TownSetup(TownTour{.seed = seed, .seconds = seconds}, start_utime) {}
   TownSetup(const TownSetup&) = delete;
   TownSetup& operator=(const TownSetup&) = delete;
 

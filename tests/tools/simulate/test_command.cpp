@@ -38,6 +38,8 @@ TEST(SimulateCommand, WrongUsageIsTwo) {
   EXPECT_EQ(run({"--town", "--log", kLog, "--fault", "imu-loud:1-2"}).status, 2);
   EXPECT_EQ(run({"--scans", "/tmp", "--log", kLog}).status, 2) << "no poses";
   EXPECT_EQ(run({"--town", "--log", kLog, "--set", "speeed=2"}).status, 2);
+  EXPECT_EQ(run({"--town", "--log", kLog, "--loop", "50"}).status, 2);
+  EXPECT_EQ(run({"--town", "--log", kLog, "--opposite"}).status, 2);
 }
 
 TEST(SimulateCommand, AFailingEnvironmentIsOneAndOneLine) {

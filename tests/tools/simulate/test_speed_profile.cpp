@@ -29,5 +29,17 @@ TEST(SpeedProfile, DistanceIsTheIntegralOfSpeedAndSpeedThatOfAcceleration) {
   }
 }
 
+TEST(SpeedProfile, StandsForGoodAfterItsDistance) {
+  for (const double distance : {20.0, 80.0, 100.0, 155.0, 1000.0}) {
+    SpeedProfile::Options options;
+    options.distance = distance;
+    const SpeedProfile profile(options, 1e9);
+    EXPECT_NEAR(profile.distance(profile.end()), distance, 1e-9);
+    EXPECT_NEAR(profile.speed(profile.end()), 0, 1e-12);
+    EXPECT_NEAR(profile.distance(profile.end() + 1000), distance, 1e-9);
+    EXPECT_GT(profile.speed(profile.end() - 0.5), 0);
+  }
+}
+
 }  // namespace
 }  // namespace curbstone

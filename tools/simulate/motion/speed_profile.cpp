@@ -8,12 +8,18 @@ SpeedProfile::SpeedProfile(const Options& options, double seconds) : cruise_(opt
   const double ramp = std::max(0.5, 1.5 * options.speed / options.acceleration);  // the ramp's peak is 1.5 of its mean
   ramps_.push_back({-1e9, 1.0, 0.0, 0.0, 0.0});
   double t = options.standstill, distance = 0;
-  while (t < seconds + 60.0) {
+  while (t < seconds + 60.0 && end_ > t) {
     ramps_.push_back({t, ramp, 0.0, options.speed, distance});
-    distance += options.speed * (options.drive - 0.5 * ramp);
-    t += options.drive;
+    // Starting and braking are half as fast on average: a leg covers what it would at full speed without its end's
+    // ramp.
+    const double rest = (options.distance - distance) / options.speed;
+    const bool last = rest < options.drive + 2.0 * ramp;  // rather one longer leg than a last one that is too short
+    const double drive = last ? std::max(ramp, rest) : options.drive;
+    distance += options.speed * (drive - 0.5 * ramp);
+    t += drive;
     ramps_.push_back({t, ramp, options.speed, 0.0, distance});
     distance += options.speed * 0.5 * ramp;
+    if (last) end_ = t + ramp;
     t += ramp + options.stop;
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 namespace curbstone {
@@ -9,11 +10,12 @@ namespace curbstone {
 class SpeedProfile {
  public:
   struct Options {
-    double speed = 3.0;         ///< m/s
-    double standstill = 4.0;    ///< s at the start, for the levelling of the IMU
-    double acceleration = 0.9;  ///< m/s^2, at most
-    double drive = 26.0;        ///< s from one start to the next braking
-    double stop = 2.5;          ///< s that a stop in between lasts
+    double speed = 3.0;                                         ///< m/s
+    double standstill = 4.0;                                    ///< s at the start, for the levelling of the IMU
+    double acceleration = 0.9;                                  ///< m/s^2, at most
+    double drive = 26.0;                                        ///< s from one start to the next braking
+    double stop = 2.5;                                          ///< s that a stop in between lasts
+    double distance = std::numeric_limits<double>::infinity();  ///< m after which it stands for good
   };
   SpeedProfile(const Options& options, double seconds);
 
@@ -21,6 +23,7 @@ class SpeedProfile {
   [[nodiscard]] double speed(double t) const;              ///< m/s
   [[nodiscard]] double acceleration(double t) const;       ///< m/s^2
   [[nodiscard]] double cruise() const { return cruise_; }  ///< m/s
+  [[nodiscard]] double end() const { return end_; }        ///< s, when it stands for good
 
  private:
   struct Ramp {  // from v0 to v1 within `duration`, then v1 until the next
@@ -29,6 +32,7 @@ class SpeedProfile {
   [[nodiscard]] const Ramp& ramp_at(double t) const;
   std::vector<Ramp> ramps_;
   double cruise_;
+  double end_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace curbstone

@@ -21,21 +21,16 @@ double way_between(const Spline<Eigen::Matrix<double, 5, 1>>& path, double a, do
 
 }  // namespace
 
-TownMotion::TownMotion(const Town& town, const VehicleConfig& vehicle, const SpeedProfile& profile)
+TownMotion::TownMotion(const Town& town, const VehicleConfig& vehicle, const SpeedProfile& profile,
+                       const TownRoute& route)
     : profile_(profile) {
-  const Street& loop = town.streets.front();
   const Ground& ground = town.scene->ground();
-  const auto n = static_cast<int>(loop.length());
-  const auto lane = [&](int i) {
-    const Street::Sample at = loop.at(loop.length() * i / n);
-    return Eigen::Vector2d(at.point + town.options.lane_offset * at.normal());
-  };
   const auto height = [&](const Eigen::Vector2d& p) {
     return static_cast<double>(ground.height_at(static_cast<float>(p.x()), static_cast<float>(p.y())));
   };
   std::vector<State> states;
-  for (int i = 0; i < n; ++i) {
-    const Eigen::Vector2d p = lane(i), before = lane(i - 1), after = lane(i + 1);
+  for (int i = 0; i < route.size(); ++i) {
+    const Eigen::Vector2d p = route.at(i), before = route.at(i - 1), after = route.at(i + 1);
     const Eigen::Vector2d along = (after - before).normalized(), left(-along.y(), along.x());
     const double half_track = 0.5 * vehicle.track_width, half_base = 0.4 * vehicle.length;
     const double zl = height(p + half_track * left), zr = height(p - half_track * left);
@@ -47,15 +42,16 @@ TownMotion::TownMotion(const Town& town, const VehicleConfig& vehicle, const Spe
         -std::atan2(zf - zb, 2.0 * half_base);
     states.push_back(state);
   }
-  path_ = Spline<State>(states, true);
+  path_ = Spline<State>(states, route.closed());
   way_ = {0.0};
   for (double u = 0; u + 0.5 * kWayStep < path_.length(); u += kWayStep)
     way_.push_back(way_.back() + way_between(path_, u, u + kWayStep));
 }
 
 double TownMotion::parameter_at(double s) const {
-  const double around = way_.back(), rounds = std::floor(s / around);
-  const double rest = s - rounds * around;
+  const double around = way_.back();
+  const double rounds = path_.closed() ? std::floor(s / around) : 0.0;
+  const double rest = path_.closed() ? s - rounds * around : std::min(s, around);
   const auto after = std::upper_bound(way_.begin(), way_.end(), rest);
   const auto i = std::min(static_cast<std::size_t>(after - way_.begin()), way_.size() - 1) - 1;
   const double from = static_cast<double>(i) * kWayStep;

@@ -6,16 +6,20 @@
 #include "common/vehicle.hpp"
 #include "tools/simulate/motion/motion.hpp"
 #include "tools/simulate/motion/speed_profile.hpp"
+#include "tools/simulate/motion/town_route.hpp"
 #include "tools/simulate/spline.hpp"
 #include "tools/simulate/world/town.hpp"
 
 namespace curbstone {
 
-/// Round the block in the right-hand lane: on the ground with all wheels, leaning with slopes and camber, nodding with
+/// Along a route through a town: on the ground with all wheels, leaning with slopes and camber, nodding with
 /// its suspension when it accelerates, and shaking a little while it rolls.
 class TownMotion final : public Motion {
  public:
-  TownMotion(const Town& town, const VehicleConfig& vehicle, const SpeedProfile& profile);
+  TownMotion(const Town& town, const VehicleConfig& vehicle, const SpeedProfile& profile, const TownRoute& route);
+  /// Round the loop.
+  TownMotion(const Town& town, const VehicleConfig& vehicle, const SpeedProfile& profile)
+      : TownMotion(town, vehicle, profile, TownRoute::around(town)) {}
   [[nodiscard]] Pose T_world_base(double t) const override;
   [[nodiscard]] const SpeedProfile& profile() const { return profile_; }
 

@@ -13,13 +13,15 @@ constexpr double kDrivewayHalf = 1.7;
 /// Puts things beside a street, and refuses what would stand in the way of something else.
 class Furnisher {
  public:
-  Furnisher(const std::vector<Street>& streets, const Ground& ground, Random random)
-      : streets_(streets), ground_(ground), random_(random) {}
+  Furnisher(const std::vector<Street>& streets, const Quarters& quarters, const Ground& ground, Random random)
+      : streets_(streets), quarters_(quarters), ground_(ground), random_(random) {}
 
   void house(const Plot& plot) {
+    const Quarter& quarter = quarters_.at(plot.street, plot.from);
+    if (quarter.houses < 1.0 && !random_.chance(quarter.houses)) return;
     const double room = plot.to - plot.from - (plot.driveway ? 3.6 : 1.0);
-    const double width = std::min(room, random_.uniform(9.0, 13.0)), depth = random_.uniform(7.5, 9.5);
-    const double setback = random_.uniform(5.5, 8.5), height = random_.uniform(5.0, 8.5);
+    const double width = std::min(room, quarter.width.draw(random_)), depth = random_.uniform(7.5, 9.5);
+    const double setback = quarter.setback.draw(random_), height = quarter.height.draw(random_);
     const double s = plot.from + 0.5 * room + 0.5;
     const Place at = place(plot.street, plot.side, s, setback + 0.5 * depth);
     const Shape walls = make_box(Surface::kWall, static_cast<float>(random_.uniform(0.3, 0.6)),
@@ -33,11 +35,12 @@ class Furnisher {
   }
 
   void front(const Plot& plot) {
+    const Quarter& quarter = quarters_.at(plot.street, plot.from);
     const double kind = random_.uniform();
     const double end = plot.to - (plot.driveway ? 2.0 * kDrivewayHalf + 0.4 : 0.0);
-    const double height = kind < 0.45 ? random_.uniform(0.65, 0.95) : random_.uniform(1.45, 1.9);
-    if (kind > 0.80) return;  // open lawn
-    const bool fence = kind < 0.45;
+    const double height = kind < quarter.fences ? random_.uniform(0.65, 0.95) : random_.uniform(1.45, 1.9);
+    if (kind > quarter.fences_and_hedges) return;  // open lawn
+    const bool fence = kind < quarter.fences;
     for (double s = plot.from + 1.0; s + 1.0 <= end; s += 2.0) {
       const Place at = place(plot.street, plot.side, s, ground_.profile().pavement + (fence ? 0.15 : 0.45));
       const Place next = place(plot.street, plot.side, s + 2.0, ground_.profile().pavement);
@@ -139,6 +142,7 @@ class Furnisher {
   }
 
   const std::vector<Street>& streets_;
+  const Quarters& quarters_;
   const Ground& ground_;
   Random random_;
   std::vector<Driveway> driveways_;
@@ -148,13 +152,13 @@ class Furnisher {
 
 }  // namespace
 
-Furnishing plan_furnishing(const std::vector<Street>& streets, Random random) {
+Furnishing plan_furnishing(const std::vector<Street>& streets, const Quarters& quarters, Random random) {
   Furnishing plan;
   for (std::size_t i = 0; i < streets.size(); ++i) {
     const double begin = streets[i].closed() ? 0.0 : 11.0;
     for (const Side side : {Side::kLeft, Side::kRight}) {
       for (double s = begin + random.uniform(0.0, 2.0); s < streets[i].length() - 12.0;) {
-        const double length = random.uniform(13.5, 18.5);
+        const double length = quarters.at(i, s).plot.draw(random);
         const Plot plot{i, side, s, std::min(s + length, streets[i].length()), random.chance(0.6)};
         plan.plots.push_back(plot);
         if (plot.driveway)
@@ -167,23 +171,24 @@ Furnishing plan_furnishing(const std::vector<Street>& streets, Random random) {
   return plan;
 }
 
-std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Street>& streets, const Ground& ground,
-                           Random random) {
-  Furnisher furnisher(streets, ground, random);
+std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Street>& streets, const Quarters& quarters,
+                           const Ground& ground, Random random) {
+  Furnisher furnisher(streets, quarters, ground, random);
   furnisher.set_driveways(furnishing.driveways);
   Random& dice = furnisher.random();
   for (const auto& plot : furnishing.plots) furnisher.house(plot);
   for (const auto& plot : furnishing.plots) {
     furnisher.front(plot);
-    if (dice.chance(0.35))
+    if (dice.chance(quarters.at(plot.street, plot.from).garden_trees))
       furnisher.tree(plot.street, plot.side, dice.uniform(plot.from, plot.to), dice.uniform(3.6, 4.6));
   }
   for (std::size_t i = 0; i < streets.size(); ++i) {
     for (const Side side : {Side::kLeft, Side::kRight}) {
       for (double s = dice.uniform(4.0, 12.0); s < streets[i].length() - 4.0; s += 6.5) {
-        if (dice.chance(side == Side::kLeft ? 0.30 : 0.22)) furnisher.parked_car(i, side, s);
+        if (dice.chance((side == Side::kLeft ? 0.30 : 0.22) * quarters.at(i, s).parking))
+          furnisher.parked_car(i, side, s);
       }
-      for (double s = dice.uniform(2.0, 14.0); s < streets[i].length(); s += dice.uniform(14.0, 24.0))
+      for (double s = dice.uniform(2.0, 14.0); s < streets[i].length(); s += quarters.at(i, s).between_trees.draw(dice))
         furnisher.tree(i, side, s, dice.uniform(0.75, 0.95));
       for (double s = dice.uniform(0.0, 20.0); s < streets[i].length(); s += 28.0) furnisher.lamp(i, side, s);
       for (double s = dice.uniform(5.0, 25.0); s < streets[i].length(); s += dice.uniform(15.0, 35.0))

@@ -5,6 +5,7 @@
 
 #include "tools/simulate/random.hpp"
 #include "tools/simulate/world/ground.hpp"
+#include "tools/simulate/world/quarter.hpp"
 #include "tools/simulate/world/shapes.hpp"
 #include "tools/simulate/world/street.hpp"
 
@@ -34,10 +35,10 @@ struct Furnishing {
   std::vector<Driveway> driveways;
 };
 
-[[nodiscard]] Furnishing plan_furnishing(const std::vector<Street>& streets, Random random);
+[[nodiscard]] Furnishing plan_furnishing(const std::vector<Street>& streets, const Quarters& quarters, Random random);
 
 /// Houses, fences, hedges, trees, lamps, parked cars, bins and boxes; nothing stands in another street or in a house.
 [[nodiscard]] std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Street>& streets,
-                                         const Ground& ground, Random random);
+                                         const Quarters& quarters, const Ground& ground, Random random);
 
 }  // namespace curbstone

@@ -89,44 +89,51 @@ double join(double a, double b) {
 
 }  // namespace
 
-Ground build_ground(const std::vector<Street>& streets, const StreetProfile& profile, Random random) {
+Ground build_ground(const std::vector<Street>& streets, std::size_t inside, const StreetProfile& profile,
+                    Random random) {
   const Terrain terrain(random.fork(1));
-  // Side streets run off the edge of the world: the loop alone sets its size.
   Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
-  for (const auto& sample : streets.front().samples()) {
-    low = low.cwiseMin(sample.point);
-    high = high.cwiseMax(sample.point);
+  for (std::size_t i = 0; i < inside; ++i) {
+    for (const auto& sample : streets[i].samples()) {
+      low = low.cwiseMin(sample.point);
+      high = high.cwiseMax(sample.point);
+    }
   }
   low.array() -= kMargin;
   high.array() += kMargin;
   Ground ground(low.x(), low.y(), static_cast<int>((high.x() - low.x()) / Ground::kPitch) + 1,
                 static_cast<int>((high.y() - low.y()) / Ground::kPitch) + 1, profile);
-  std::vector<StreetField> fields;
-  for (const auto& street : streets) fields.push_back(measure(street, ground));
-
+  // What all streets together make of a node, street by street: the fields of a large town do not fit at once.
+  struct Blend {
+    double distance = kFar, weights = 0, curb = 0, pavement = 0;
+  };
+  std::vector<Blend> blends(static_cast<std::size_t>(ground.width()) * static_cast<std::size_t>(ground.height()));
+  for (std::size_t i = 0; i < streets.size(); ++i) {
+    const StreetField field = measure(streets[i], ground);
+    for (std::size_t k = 0; k < blends.size(); ++k) {
+      Blend& blend = blends[k];
+      const auto own = static_cast<double>(field.distance[k]);
+      if (own >= kFar) continue;
+      blend.distance = i == 0 ? own : join(blend.distance, own);
+      const Side side = field.side[k] > 0 ? Side::kLeft : Side::kRight;
+      const auto s = static_cast<double>(field.s[k]);
+      // Around a corner one street's curb becomes the other's.
+      const double weight = 1.0 / ((0.2 + std::abs(own)) * (0.2 + std::abs(own)));
+      blend.weights += weight;
+      blend.curb += weight * streets[i].curb(side).height(s, streets[i].length(), streets[i].closed());
+      blend.pavement += weight * streets[i].curb(side).full_height(s, streets[i].length(), streets[i].closed());
+    }
+  }
   std::size_t k = 0;
   for (int iy = 0; iy < ground.height(); ++iy) {
     for (int ix = 0; ix < ground.width(); ++ix, ++k) {
+      const Blend& blend = blends[k];
       GroundVertex& node = ground.node(ix, iy);
-      double distance = static_cast<double>(fields.front().distance[k]);
-      double weights = 0, curb = 0, pavement = 0;
-      for (std::size_t i = 0; i < streets.size(); ++i) {
-        const auto own = static_cast<double>(fields[i].distance[k]);
-        if (i > 0 && own < kFar) distance = join(distance, own);
-        if (own >= kFar) continue;
-        const Side side = fields[i].side[k] > 0 ? Side::kLeft : Side::kRight;
-        const auto s = static_cast<double>(fields[i].s[k]);
-        // Around a corner one street's curb becomes the other's.
-        const double weight = 1.0 / ((0.2 + std::abs(own)) * (0.2 + std::abs(own)));
-        weights += weight;
-        curb += weight * streets[i].curb(side).height(s, streets[i].length(), streets[i].closed());
-        pavement += weight * streets[i].curb(side).full_height(s, streets[i].length(), streets[i].closed());
-      }
-      node.distance = static_cast<float>(std::min(distance, kFar));
+      node.distance = static_cast<float>(std::min(blend.distance, kFar));
       node.terrain = static_cast<float>(terrain.at({ground.x_of(ix), ground.y_of(iy)}));
-      if (weights > 0) {
-        node.curb = static_cast<float>(curb / weights);
-        node.pavement = static_cast<float>(pavement / weights);
+      if (blend.weights > 0) {
+        node.curb = static_cast<float>(blend.curb / blend.weights);
+        node.pavement = static_cast<float>(blend.pavement / blend.weights);
       }
     }
   }

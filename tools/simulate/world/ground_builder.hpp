@@ -8,7 +8,9 @@
 
 namespace curbstone {
 
-/// Lays streets over rolling terrain: where they meet, their curbs join in arcs.
-[[nodiscard]] Ground build_ground(const std::vector<Street>& streets, const StreetProfile& profile, Random random);
+/// Lays streets over rolling terrain: where they meet, their curbs join in arcs. The first `inside` of the streets lie
+/// within the world with room around them; the others may run off its edge.
+[[nodiscard]] Ground build_ground(const std::vector<Street>& streets, std::size_t inside, const StreetProfile& profile,
+                                  Random random);
 
 }  // namespace curbstone

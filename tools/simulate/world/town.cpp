@@ -1,62 +1,14 @@
 #include "tools/simulate/world/town.hpp"
 
 #include <cmath>
-#include <numbers>
 
 #include "tools/simulate/world/furnish.hpp"
 #include "tools/simulate/world/ground_builder.hpp"
+#include "tools/simulate/world/town_plan.hpp"
 
 namespace curbstone {
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-/// Control points of a street around a block: straight sides, round corners, one long side or two that swing.
-std::vector<Eigen::Vector2d> block(Random& random) {
-  const double width = random.uniform(112.0, 136.0), depth = random.uniform(78.0, 92.0);
-  const double radius = random.uniform(15.0, 20.0), step = 5.0;
-  std::vector<Eigen::Vector2d> points;
-  const auto side = [&](Eigen::Vector2d from, double heading, double length, double swing) {
-    const Eigen::Vector2d along(std::cos(heading), std::sin(heading)), left(-along.y(), along.x());
-    const int n = static_cast<int>(length / step);
-    for (int i = 0; i < n; ++i) {
-      const double f = (i + 0.5) / n;
-      points.push_back(from + along * (f * length) + left * (swing * std::pow(std::sin(kPi * f), 2)));
-    }
-  };
-  const auto corner = [&](Eigen::Vector2d centre, double from) {
-    const int n = static_cast<int>(std::ceil(radius * kPi / 2.0 / step));
-    for (int i = 0; i < n; ++i) {
-      const double a = from + kPi / 2.0 * (i + 0.5) / n;
-      points.push_back(centre + radius * Eigen::Vector2d(std::cos(a), std::sin(a)));
-    }
-  };
-  // Counter-clockwise, from the middle of the south side's beginning.
-  const double w = width - 2 * radius, d = depth - 2 * radius;
-  const double south = random.uniform(-7.0, -3.0), north = random.uniform(3.0, 8.0);
-  side({0, 0}, 0.0, w, south);
-  corner({w, radius}, -kPi / 2.0);
-  side({w + radius, radius}, kPi / 2.0, d, 0.0);
-  corner({w, radius + d}, 0.0);
-  side({w, 2 * radius + d}, kPi, w, random.chance(0.5) ? -north : north * 0.6);
-  corner({0, radius + d}, kPi / 2.0);
-  side({-radius, radius + d}, -kPi / 2.0, d, random.uniform(-2.0, 2.0));
-  corner({0, radius}, kPi);
-  return points;
-}
-
-void add_side_street(std::vector<Street>& streets, double s, Side side, double length, Random& random) {
-  const Street::Sample from = streets.front().at(s);
-  const Eigen::Vector2d normal = static_cast<double>(static_cast<int>(side)) * from.normal();
-  const double turn = random.uniform(-0.12, 0.12);
-  const Eigen::Vector2d along(std::cos(turn) * normal.x() - std::sin(turn) * normal.y(),
-                              std::sin(turn) * normal.x() + std::cos(turn) * normal.y());
-  // From the edge of the loop on: from its crown the joining arcs would reach the opposite curb.
-  std::vector<Eigen::Vector2d> points;
-  for (double d = streets.front().half_width(); d <= length; d += 4.0) points.push_back(from.point + d * along);
-  streets.emplace_back(Spline<Eigen::Vector2d>(points, false), random.uniform(3.2, 3.8));
-}
 
 void set_curbs(Street& street, Random& random) {
   for (const Side side : {Side::kLeft, Side::kRight}) {
@@ -72,25 +24,25 @@ void set_curbs(Street& street, Random& random) {
 Town::Town(const TownOptions& town_options) : options(town_options) {
   const Random random(options.seed);
   Random plan = random.fork(1);
-  StreetProfile profile;
-  streets.emplace_back(Spline<Eigen::Vector2d>(block(plan), true), profile.half_width);
-  const double around = streets.front().length();
-  add_side_street(streets, around * plan.uniform(0.10, 0.14), Side::kRight, 70.0, plan);
-  add_side_street(streets, around * plan.uniform(0.58, 0.64), Side::kRight, 70.0, plan);
-  add_side_street(streets, around * plan.uniform(0.60, 0.66), Side::kLeft, 24.0, plan);
+  const StreetProfile profile;
+  TownPlan planned =
+      options.loop > 0 ? plan_blocks(options.loop, profile.half_width, plan) : plan_block(profile.half_width, plan);
+  streets = std::move(planned.streets);
   for (auto& street : streets) set_curbs(street, plan);
 
-  const Furnishing furnishing = plan_furnishing(streets, random.fork(2));
+  const Furnishing furnishing = plan_furnishing(streets, planned.quarters, random.fork(2));
   for (const auto& drop : furnishing.driveways)
     streets[drop.street].curb(drop.side).dropped.push_back({drop.s, drop.half, drop.height});
-  Ground ground = build_ground(streets, profile, random.fork(3));
-  std::vector<Shape> shapes = furnish(furnishing, streets, ground, random.fork(4));
+  Ground ground = build_ground(streets, planned.inside, profile, random.fork(3));
+  std::vector<Shape> shapes = furnish(furnishing, streets, planned.quarters, ground, random.fork(4));
   scene = std::make_unique<const Scene>(std::move(ground), std::move(shapes));
 
+  const double around = streets.front().length();
+  const int traffic_density = std::max(4, static_cast<int>(around / 110.0));
   Random traffic = random.fork(5);
-  for (int i = 0; i < 4; ++i) {
-    cars.push_back(
-        {around * (i + traffic.uniform(0.1, 0.9)) / 4.0, traffic.uniform(6.0, 8.0), 1.45, traffic.uniform(0.15, 0.7)});
+  for (int i = 0; i < traffic_density; ++i) {
+    cars.push_back({around * (i + traffic.uniform(0.1, 0.9)) / traffic_density, traffic.uniform(6.0, 8.0), 1.45,
+                    traffic.uniform(0.15, 0.7)});
   }
 }
 

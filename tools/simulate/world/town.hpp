@@ -12,10 +12,11 @@ namespace curbstone {
 
 struct TownOptions {
   std::uint64_t seed = 1;
+  double loop = 0;            ///< m round the streets that are driven, several blocks; 0: the demo's single block
   double lane_offset = -1.3;  ///< m left of the crown: where the emulated vehicle drives
 };
 
-/// A car that circles the block against the vehicle's direction.
+/// A car that circles the loop against the vehicle's direction.
 struct MovingCar {
   double start = 0;    ///< m along the loop at time 0
   double speed = 7.0;  ///< m/s
@@ -23,12 +24,13 @@ struct MovingCar {
   double reflectivity = 0.4;
 };
 
-/// A town from a seed: a street around a block, side streets, curbs, driveways, houses, gardens, trees, cars. World
-/// frame: z up, origin at the crown of the street where the drive begins, about. The same seed gives the same town.
+/// A town from a seed: a street around a block or several, side streets, curbs, driveways, houses, gardens, trees,
+/// cars. World frame: z up, origin at the crown of the street where the drive begins, about. The same seed gives the
+/// same town.
 struct Town {
   explicit Town(const TownOptions& options);
 
-  std::vector<Street> streets;  ///< 0 is the loop, driven counter-clockwise
+  std::vector<Street> streets;  ///< 0 is the loop, driven counter-clockwise; of several blocks, 1 leads out of it
   std::unique_ptr<const Scene> scene;
   std::vector<MovingCar> cars;
   TownOptions options;

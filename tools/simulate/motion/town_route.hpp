@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "tools/simulate/world/town.hpp"
+
+namespace curbstone {
+
+/// The line in plan view that a drive follows in the right-hand lane: points about a metre apart.
+class TownRoute {
+ public:
+  /// Round the loop, and round again.
+  [[nodiscard]] static TownRoute around(const Town& town);
+  /// In by the street that leads out of the loop, once round, and out by it: against the first direction. Only in a
+  /// town of several blocks.
+  [[nodiscard]] static TownRoute there_and_back(const Town& town);
+
+  [[nodiscard]] bool closed() const { return closed_; }
+  [[nodiscard]] int size() const { return static_cast<int>(points_.size()) - 2; }
+  /// -1 <= i <= size(): one beyond either end.
+  [[nodiscard]] const Eigen::Vector2d& at(int i) const { return points_[static_cast<std::size_t>(i + 1)]; }
+  /// m, as the crow flies from point to point; of a closed one, once round.
+  [[nodiscard]] double length() const;
+
+ private:
+  TownRoute(std::vector<Eigen::Vector2d> points, bool closed) : points_(std::move(points)), closed_(closed) {}
+  std::vector<Eigen::Vector2d> points_;  // with one more at each end
+  bool closed_;
+};
+
+}  // namespace curbstone

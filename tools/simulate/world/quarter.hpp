@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "tools/simulate/random.hpp"
+
+namespace curbstone {
+
+/// How a part of a town is built. The defaults are the demo's suburb.
+struct Quarter {
+  struct Bounds {
+    double from, to;
+    [[nodiscard]] double draw(Random& random) const { return random.uniform(from, to); }
+  };
+  Bounds plot{13.5, 18.5};           ///< m along the street
+  double houses = 1.0;               ///< share of the plots that have one
+  Bounds width{9.0, 13.0};           ///< m, of a house
+  Bounds height{5.0, 8.5};           ///< m
+  Bounds setback{5.5, 8.5};          ///< m behind the curb
+  double fences = 0.45;              ///< share of the fronts
+  double fences_and_hedges = 0.80;   ///< share of the fronts; the rest is open
+  double garden_trees = 0.35;        ///< a plot
+  double parking = 1.0;              ///< times as many parked cars as in the suburb
+  Bounds between_trees{14.0, 24.0};  ///< m, along the pavement
+};
+
+/// Which part of a street is built in which way: equal stretches, street by street. Streets that are not named are
+/// suburb.
+struct Quarters {
+  struct Row {
+    double stretch = 1e9;  ///< m
+    std::vector<Quarter> quarters;
+  };
+  std::vector<Row> rows;
+
+  [[nodiscard]] const Quarter& at(std::size_t street, double s) const {
+    static const Quarter kSuburb;
+    if (street >= rows.size() || rows[street].quarters.empty()) return kSuburb;
+    const auto i = static_cast<std::size_t>(s < 0 ? 0.0 : s / rows[street].stretch);
+    return rows[street].quarters[i < rows[street].quarters.size() ? i : rows[street].quarters.size() - 1];
+  }
+};
+
+}  // namespace curbstone

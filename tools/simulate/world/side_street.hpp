@@ -1,0 +1,13 @@
+#pragma once
+
+#include <vector>
+
+#include "tools/simulate/random.hpp"
+#include "tools/simulate/world/street.hpp"
+
+namespace curbstone {
+
+/// Adds a street of `length` m that leaves the first one, about at right angles, at `s` m along it.
+void add_side_street(std::vector<Street>& streets, double s, Side side, double length, Random& random);
+
+}  // namespace curbstone

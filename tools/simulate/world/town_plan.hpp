@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "tools/simulate/random.hpp"
+#include "tools/simulate/world/quarter.hpp"
+#include "tools/simulate/world/street.hpp"
+
+namespace curbstone {
+
+/// The streets of a town before curbs and houses.
+struct TownPlan {
+  std::vector<Street> streets;  ///< 0 is the loop, counter-clockwise
+  Quarters quarters;
+  std::size_t inside = 1;  ///< of the streets: those that end within the world
+};
+
+/// The demo's: a street round one block, three side streets.
+[[nodiscard]] TownPlan plan_block(double half_width, Random& random);
+
+/// A loop of `round` metres through streets of several blocks, at least a tenth of it apart from each other but at
+/// corners. Street 1, off the loop, ends in the world: the way in and out. Other streets lead out of the town or across
+/// its blocks. One part of the town is not built like the next.
+[[nodiscard]] TownPlan plan_blocks(double round, double half_width, Random& random);
+
+}  // namespace curbstone
