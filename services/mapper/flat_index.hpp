@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -17,12 +16,18 @@ inline constexpr std::int32_t kVoxelLimit = 1 << 20;
   return (part(cell.x()) << 42) | (part(cell.y()) << 21) | part(cell.z());
 }
 
+/// Rounds down. Without SSE4.1, which not every machine has, std::floor() is a call.
+[[nodiscard]] inline int floor_to_int(double v) {
+  const int towards_zero = static_cast<int>(v);
+  return towards_zero - (v < towards_zero ? 1 : 0);
+}
+
 /// The lattice cell of a point. The point must be within the lattice: |coordinate| * inverse_size < kVoxelLimit.
 template <class Vector>
 [[nodiscard]] Eigen::Vector3i voxel_of(const Vector& point, double inverse_size) {
-  return {static_cast<int>(std::floor(static_cast<double>(point.x()) * inverse_size)),
-          static_cast<int>(std::floor(static_cast<double>(point.y()) * inverse_size)),
-          static_cast<int>(std::floor(static_cast<double>(point.z()) * inverse_size))};
+  return {floor_to_int(static_cast<double>(point.x()) * inverse_size),
+          floor_to_int(static_cast<double>(point.y()) * inverse_size),
+          floor_to_int(static_cast<double>(point.z()) * inverse_size)};
 }
 
 /// From voxel keys to places in somebody's array: open addressing, linear probing, no erasing (its users refill it).
@@ -61,17 +66,19 @@ class FlatIndex {
 
   [[nodiscard]] std::size_t size() const { return size_; }
 
+  /// Fibonacci hashing, then the high bits folded down: use the low ones.
+  [[nodiscard]] static std::size_t hash(VoxelKey key) {
+    const std::uint64_t h = key * 0x9e3779b97f4a7c15ULL;
+    return static_cast<std::size_t>(h ^ (h >> 32));
+  }
+
  private:
   struct Slot {
     VoxelKey key = 0;
     std::uint32_t value = kNone;
   };
 
-  [[nodiscard]] std::size_t home(VoxelKey key) const {
-    std::uint64_t h = key * 0x9e3779b97f4a7c15ULL;  // Fibonacci hashing, then fold the high bits down
-    h ^= h >> 32;
-    return static_cast<std::size_t>(h) & (slots_.size() - 1);
-  }
+  [[nodiscard]] std::size_t home(VoxelKey key) const { return hash(key) & (slots_.size() - 1); }
   [[nodiscard]] std::size_t next(std::size_t i) const { return (i + 1) & (slots_.size() - 1); }
 
   void grow() {

@@ -4,12 +4,15 @@
 
 #include "services/mapper/icp_config.hpp"
 #include "services/mapper/plane_map.hpp"
+#include "services/mapper/plane_matches.hpp"
 #include "services/mapper/registration.hpp"
 
 namespace curbstone {
 
 /// Point-to-plane ICP on a voxel map of planes: Gauss-Newton over SE(3) with a Huber kernel, a Gaussian prior, and
 /// directions that the surroundings do not fix left to the prior (solution remapping, Zhang, Kaess, Singh, ICRA 2016).
+/// Steps are cheap once points are matched, matching is not: it is done anew only when the pose has moved, and with few
+/// of the points until the pose has settled.
 class IcpRegistration final : public Registration {
  public:
   /// `lidar`: where it is in base_link, m.
@@ -23,11 +26,14 @@ class IcpRegistration final : public Registration {
   [[nodiscard]] std::size_t size() const override { return map_.size(); }
 
  private:
+  /// Finds the planes of every `stride`-th point.
+  void match(const std::vector<LidarPoint>& source, std::size_t stride, const Pose& T_map_base, double reach);
+
   IcpConfig config_;
   Eigen::Vector3f lidar_;
   PlaneMap map_;
+  PlaneMatches matches_;  // scratch
   Eigen::Vector3d kept_around_ = Eigen::Vector3d::Zero();
-  std::vector<PlaneMap::Place> places_;  // scratch: of the source's points
 };
 
 }  // namespace curbstone

@@ -25,7 +25,7 @@ void LoamRegistration::add_match(const LidarPoint& feature, const MapShape& shap
   ++sum.found;
   const Eigen::Vector3d p = feature.position.cast<double>();
   const Eigen::Vector3d axis = shape.axis.cast<double>();
-  const Eigen::Vector3d off = T * p - shape.mean.cast<double>();
+  const Eigen::Vector3d off = T * p - shape.mean;
   const Eigen::Vector3d across = line ? Eigen::Vector3d(off - axis.dot(off) * axis) : Eigen::Vector3d(axis);
   const double distance = line ? across.norm() : std::abs(axis.dot(off));
   if (!(distance < reach)) return;
@@ -43,29 +43,25 @@ void LoamRegistration::add_match(const LidarPoint& feature, const MapShape& shap
   } else {
     sum.add(p, T.linear().transpose() * axis, axis.dot(off), w);
   }
-  out.matches.push_back({p, shape.mean.cast<double>(), axis, 1 / sigma, line});
+  out.matches.push_back({p, shape.mean, axis, 1 / sigma, line});
 }
 
 LoamRegistration::Matching LoamRegistration::match(const RingFeatures& features, const Pose& T, double reach) {
   Matching out;
   out.matches.reserve(features.planes.size() + features.edges.size());
-  for (std::size_t i = 0; i < features.planes.size(); ++i) {
-    const Eigen::Vector3f at = (T * features.planes[i].position.cast<double>()).cast<float>();
-    const MapShape* plane = planes_.plane_at(at, static_cast<float>(reach), plane_places_[i]);
-    if (plane != nullptr) add_match(features.planes[i], *plane, false, T, reach, out);
+  for (const LidarPoint& feature : features.planes) {
+    const MapShape* plane = planes_.plane_at(T * feature.position.cast<double>(), reach);
+    if (plane != nullptr) add_match(feature, *plane, false, T, reach, out);
   }
-  for (std::size_t i = 0; i < features.edges.size(); ++i) {
-    const Eigen::Vector3f at = (T * features.edges[i].position.cast<double>()).cast<float>();
-    const MapShape* edge = edges_.shape_at(at, edge_places_[i]);
-    if (edge != nullptr) add_match(features.edges[i], *edge, true, T, reach, out);
+  for (const LidarPoint& feature : features.edges) {
+    const MapShape* edge = edges_.shape_at(T * feature.position.cast<double>());
+    if (edge != nullptr) add_match(feature, *edge, true, T, reach, out);
   }
   return out;
 }
 
 RegistrationResult LoamRegistration::align(const std::vector<LidarPoint>& points, const PosePrior& prior) {
   const RingFeatures features = ring_features(points, lidar_, config_);
-  plane_places_.assign(features.planes.size(), {});
-  edge_places_.assign(features.edges.size(), {});
   RegistrationResult result;
   LoamProblem problem;
   problem.T_map_base = prior.T_map_base;
@@ -104,9 +100,9 @@ RegistrationResult LoamRegistration::align(const std::vector<LidarPoint>& points
 void LoamRegistration::insert(const std::vector<LidarPoint>& points, const Pose& T_map_base) {
   const RingFeatures features = ring_features(points, lidar_, config_);
   planes_.insert(features.smooth, T_map_base, lidar_);
-  const Eigen::Isometry3f T = T_map_base.cast<float>();
+  const Eigen::Matrix3f R = T_map_base.linear().cast<float>();
   for (const LidarPoint& edge : features.edges) {
-    edges_.insert(T * edge.position, T.linear() * (edge.position - lidar_).normalized());
+    edges_.insert(T_map_base * edge.position.cast<double>(), R * (edge.position - lidar_).normalized());
   }
   edges_.end_insertion();
 }
@@ -119,8 +115,8 @@ void LoamRegistration::recall(const MapNode& node) {
 bool LoamRegistration::keep_around(const Eigen::Vector3d& centre) {
   if ((centre - kept_around_).norm() < 0.25 * config_.window) return false;
   kept_around_ = centre;
-  planes_.keep_around(centre.cast<float>(), static_cast<float>(config_.window));
-  edges_.keep_around(centre.cast<float>(), static_cast<float>(config_.window));
+  planes_.keep_around(centre, config_.window);
+  edges_.keep_around(centre, config_.window);
   return true;
 }
 

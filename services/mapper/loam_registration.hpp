@@ -36,8 +36,6 @@ class LoamRegistration final : public Registration {
   PlaneMap planes_;
   ShapeLevel edges_;
   Eigen::Vector3d kept_around_ = Eigen::Vector3d::Zero();
-  std::vector<PlaneMap::Place> plane_places_;   // scratch: of the plane features
-  std::vector<ShapeLevel::Place> edge_places_;  // and of the edges
 };
 
 }  // namespace curbstone

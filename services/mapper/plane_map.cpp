@@ -12,18 +12,18 @@ PlaneMap::PlaneMap(const Options& options)
                .min_width = 0.3 * options.coarse_voxel,
                .min_grazing = options.min_grazing}) {}
 
-const MapShape* PlaneMap::plane_at(const Eigen::Vector3f& point, float reach, Place& place) {
-  const MapShape* fine = fine_.shape_at(point, place.fine);
-  if (fine != nullptr && std::abs(fine->axis.dot(point - fine->mean)) < reach) return fine;
-  const MapShape* coarse = coarse_.shape_at(point, place.coarse);
+const MapShape* PlaneMap::plane_at(const Eigen::Vector3d& point, double reach) {
+  const MapShape* fine = fine_.shape_at(point);
+  if (fine != nullptr && std::abs(fine->axis.cast<double>().dot(point - fine->mean)) < reach) return fine;
+  const MapShape* coarse = coarse_.shape_at(point);
   return coarse != nullptr ? coarse : fine;
 }
 
 void PlaneMap::insert(const std::vector<LidarPoint>& points, const Pose& T_map_base, const Eigen::Vector3f& lidar) {
-  const Eigen::Isometry3f T = T_map_base.cast<float>();
+  const Eigen::Matrix3f R = T_map_base.linear().cast<float>();
   for (const LidarPoint& point : points) {
-    const Eigen::Vector3f p = T * point.position;
-    const Eigen::Vector3f ray = T.linear() * (point.position - lidar).normalized();
+    const Eigen::Vector3d p = T_map_base * point.position.cast<double>();
+    const Eigen::Vector3f ray = R * (point.position - lidar).normalized();
     fine_.insert(p, ray);
     coarse_.insert(p, ray);
   }
@@ -31,7 +31,7 @@ void PlaneMap::insert(const std::vector<LidarPoint>& points, const Pose& T_map_b
   coarse_.end_insertion();
 }
 
-void PlaneMap::keep_around(const Eigen::Vector3f& centre, float radius) {
+void PlaneMap::keep_around(const Eigen::Vector3d& centre, double radius) {
   fine_.keep_around(centre, radius);
   coarse_.keep_around(centre, radius);
 }

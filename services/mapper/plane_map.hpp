@@ -17,20 +17,16 @@ class PlaneMap {
     double coarse_voxel = 1.0;  ///< m
     double min_grazing = 0.05;  ///< as of ShapeLevelOptions
   };
-  /// Where a point was looked up last; see ShapeLevel::Place.
-  struct Place {
-    ShapeLevel::Place fine, coarse;
-  };
 
   explicit PlaneMap(const Options& options);
 
   /// The finest plane within reach of the point (map, m); where none is, one that is out of reach; nullptr if there is
   /// none. The pointer lives until the next insert().
-  [[nodiscard]] const MapShape* plane_at(const Eigen::Vector3f& point, float reach, Place& place);
+  [[nodiscard]] const MapShape* plane_at(const Eigen::Vector3d& point, double reach);
   /// Adds the points of a revolution, in base_link, seen by the lidar (there too).
   void insert(const std::vector<LidarPoint>& points, const Pose& T_map_base, const Eigen::Vector3f& lidar);
   /// Forgets what is farther than `radius` (in any axis) from `centre`.
-  void keep_around(const Eigen::Vector3f& centre, float radius);
+  void keep_around(const Eigen::Vector3d& centre, double radius);
   [[nodiscard]] std::size_t size() const { return fine_.size() + coarse_.size(); }  ///< voxels
 
  private:

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "services/mapper/flat_index.hpp"
+#include "services/mapper/block_index.hpp"
 
 namespace curbstone {
 
@@ -13,7 +12,7 @@ enum class ShapeKind { kPlane, kLine };
 
 /// A piece of surface, or of an edge, in map.
 struct MapShape {
-  Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Vector3f axis = Eigen::Vector3f::Zero();  ///< unit: a plane's normal, a line's direction; of either sign
   float variance = 0;                              ///< m^2, of the points about it, in the worst direction
 };
@@ -37,56 +36,46 @@ class ShapeLevel {
   explicit ShapeLevel(const ShapeLevelOptions& options);
 
   /// `ray`: unit vector from the lidar to the point, in map.
-  void insert(const Eigen::Vector3f& point, const Eigen::Vector3f& ray);
+  void insert(const Eigen::Vector3d& point, const Eigen::Vector3f& ray);
   /// Call after the points of a revolution: what was fitted before it may now be stale.
   void end_insertion() { ++version_; }
 
-  /// Where a point was looked up last; good until the next insert(). A point that hardly moved is found without a
-  /// search.
-  struct Place {
-    VoxelKey key = ~VoxelKey{0};
-    unsigned side = 8;  // of the voxel's centre, a bit an axis; 8: not looked
-    std::uint32_t own = FlatIndex::kNone;
-    std::array<std::uint32_t, 3> beside{};
-  };
   /// The shape of the voxel that holds the point, or of the nearest one beside it; nullptr if there is none.
   /// The pointer lives until the next insert().
-  [[nodiscard]] const MapShape* shape_at(const Eigen::Vector3f& point, Place& place);
-  [[nodiscard]] const MapShape* shape_at(const Eigen::Vector3f& point) {
-    Place anywhere;
-    return shape_at(point, anywhere);
-  }
+  [[nodiscard]] const MapShape* shape_at(const Eigen::Vector3d& point);
 
-  /// Forgets voxels farther than `radius` (in any axis) from `centre`.
-  void keep_around(const Eigen::Vector3f& centre, float radius);
-  [[nodiscard]] std::size_t size() const { return voxels_.size(); }
+  /// Forgets voxels farther than `radius` (in any axis) from `centre`, to within 2 voxels.
+  void keep_around(const Eigen::Vector3d& centre, double radius);
+  [[nodiscard]] std::size_t size() const { return moments_.size() - free_.size(); }
 
  private:
-  struct Moments {
-    float count = 0;
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();                            // of offsets from the voxel's centre
-    Eigen::Matrix<float, 6, 1> squares = Eigen::Matrix<float, 6, 1>::Zero();  // xx xy xz yy yz zz of them
-    Eigen::Vector3f rays = Eigen::Vector3f::Zero();                           // sum
+  /// In the order in which they are added up four at a time. Offsets are from the voxel's centre.
+  struct alignas(64) Moments {
+    Eigen::Array4f first = Eigen::Array4f::Zero();    // count, sum of x y z
+    Eigen::Array4f squares = Eigen::Array4f::Zero();  // sums of xx yy zz xy
+    Eigen::Array4f rest = Eigen::Array4f::Zero();     // sums of xz yz; of the rays' x y
+    float rays_z = 0;
   };
-  struct Voxel {
-    Eigen::Vector3i cell;
-    Moments moments;
+  struct Fitted {
     MapShape shape;
+    std::int32_t version = -1;  // at which the shape was fitted
+    std::int16_t patience = 1;  // versions until it is looked at again
     bool valid = false;
-    std::int32_t fitted = -1;   // version at which the shape was fitted
-    std::int32_t patience = 1;  // versions until it is looked at again
-    float fitted_count = 0;
+    float count = 0;  // of points that it was fitted to
   };
 
-  [[nodiscard]] Eigen::Vector3f centre_of(const Eigen::Vector3i& cell) const;
-  const MapShape* up_to_date(Voxel& voxel);
-  void fit(Voxel& voxel);
+  [[nodiscard]] Eigen::Vector3d centre_of(const Eigen::Vector3i& cell) const;
+  [[nodiscard]] std::uint32_t new_voxel();
+  const MapShape* up_to_date(std::uint32_t voxel, const Eigen::Vector3i& cell);
+  void fit(Fitted& fitted, const Eigen::Vector3i& cell) const;
 
   ShapeLevelOptions options_;
   double inverse_size_;
   std::int32_t version_ = 0;
-  FlatIndex index_;
-  std::vector<Voxel> voxels_;
+  BlockIndex index_;
+  std::vector<Moments> moments_;     // of each voxel
+  std::vector<Fitted> fitted_;       // likewise
+  std::vector<std::uint32_t> free_;  // voxels that were forgotten
 };
 
 }  // namespace curbstone
