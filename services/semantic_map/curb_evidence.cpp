@@ -74,6 +74,16 @@ class NearGroundPoints {
       for (int i = begin; i < end; ++i) visit(points_[static_cast<std::size_t>(i)]);
     }
   }
+  /// First and behind the last of the points in a row's cells, columns inclusive, of the tile; empty if there are none.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> range(int column0, int column1, int row) const {
+    if (column1 < column0) return {0, 0};
+    column0 = std::clamp(column0 + kMarginCells, 0, kSide - 1);
+    column1 = std::clamp(column1 + kMarginCells, 0, kSide - 1);
+    row = std::clamp(row + kMarginCells, 0, kSide - 1);
+    return {static_cast<std::size_t>(start_[static_cast<std::size_t>(row * kSide + column0)]),
+            static_cast<std::size_t>(start_[static_cast<std::size_t>(row * kSide + column1) + 1])};
+  }
+  const NearGround& operator[](std::size_t i) const { return points_[i]; }
 
  private:
   static int cell(double x) { return std::clamp(static_cast<int>((x + kMargin) / kCellSize), 0, kSide - 1); }
@@ -100,6 +110,21 @@ class NearGroundPoints {
   std::vector<NearGround> points_;
   std::vector<int> start_;
 };
+
+/// From .. to, m; empty where to < from.
+struct Interval {
+  double from, to;
+  /// Those x for which |a x + b y| <= most is possible with some y.
+  [[nodiscard]] Interval where(double a, double b, const Interval& y, double most) const {
+    if (std::abs(a) < 1e-2) return *this;
+    const double low = std::min(b * y.from, b * y.to);
+    const double high = std::max(b * y.from, b * y.to);
+    const double p = (-most - high) / a;
+    const double q = (most - low) / a;
+    return {std::max(from, std::min(p, q)), std::min(to, std::max(p, q))};
+  }
+};
+constexpr double kRounding = 1e-4;  // m: how much too small an interval may be
 
 /// A cell whose normals tilt: where, and which way up.
 struct TiltedCell {
@@ -136,55 +161,90 @@ TiltedCell gather_tilt(const NearGroundPoints& points, const GroundSurface& grou
   return cell;
 }
 
-std::vector<StepPointUTZ> window_around(const NearGroundPoints& points, const TiltedCell& cell,
-                                        const Eigen::Vector2d& up, double half_length,
-                                        const CurbParameters& parameters) {
-  std::vector<StepPointUTZ> window;
-  const double reach = parameters.half_window + kSearch;
-  const Eigen::Vector2d along(-up.y(), up.x());
-  const double extent_x = std::abs(up.x()) * reach + std::abs(along.x()) * half_length;
-  const double extent_y = std::abs(up.y()) * reach + std::abs(along.y()) * half_length;
+/// What is looked at for a step: a rectangle about a cell, `up` across it.
+struct StepRectangle {
+  Eigen::Vector2d at;
+  Eigen::Vector2d up;
+  double half_width;   ///< m along `up`
+  double half_length;  ///< m
+};
+
+/// The points in the rectangle, and, unless `exactly`, some of those beyond its two ends across.
+void fill_window(const NearGroundPoints& points, const StepRectangle& r, bool exactly, StepWindow& window) {
+  const Eigen::Vector2d along(-r.up.y(), r.up.x());
+  const double extent_x = std::abs(r.up.x()) * r.half_width + std::abs(along.x()) * r.half_length;
+  const double extent_y = std::abs(r.up.y()) * r.half_width + std::abs(along.y()) * r.half_length;
   const auto cell_at = [](double x) { return static_cast<int>(std::floor(x / kCellSize)); };
-  points.for_cells(cell_at(cell.at.x() - extent_x), cell_at(cell.at.x() + extent_x), cell_at(cell.at.y() - extent_y),
-                   cell_at(cell.at.y() + extent_y), [&](const NearGround& p) {
-                     const Eigen::Vector2d d = Eigen::Vector2d(double{p.x}, double{p.y}) - cell.at;
-                     const double t = d.dot(along);
-                     if (std::abs(t) <= half_length) window.push_back({d.dot(up), t, double{p.z}, p.is_ground});
-                   });
-  return window;
+  const int column0 = cell_at(r.at.x() - extent_x);
+  const int column1 = cell_at(r.at.x() + extent_x);
+  const int row1 = std::min(cell_at(r.at.y() + extent_y), kCellsPerTile + kMarginCells - 1);
+  std::size_t n = 0;
+  for (int row = std::max(cell_at(r.at.y() - extent_y), -kMarginCells); row <= row1; ++row) {
+    // Of this row only as far as the rectangle may reach in it.
+    Interval x{column0 * kCellSize - r.at.x(), (column1 + 1) * kCellSize - r.at.x()};
+    const Interval y{row * kCellSize - r.at.y(), (row + 1) * kCellSize - r.at.y()};
+    x = x.where(along.x(), along.y(), y, r.half_length);
+    if (exactly) x = x.where(r.up.x(), r.up.y(), y, r.half_width);
+    const auto [begin, end] = points.range(std::max(column0, cell_at(r.at.x() + x.from - kRounding)),
+                                           std::min(column1, cell_at(r.at.x() + x.to + kRounding)), row);
+    if (window.size() < n + (end - begin)) window.resize(n + (end - begin));
+    double* const u = window.u.data();
+    double* const t = window.t.data();
+    double* const z = window.z.data();
+    std::uint8_t* const is_ground = window.is_ground.data();
+    for (std::size_t i = begin; i < end; ++i) {
+      const NearGround& p = points[i];
+      const double dx = double{p.x} - r.at.x();
+      const double dy = double{p.y} - r.at.y();
+      u[n] = dx * r.up.x() + dy * r.up.y();
+      t[n] = dx * along.x() + dy * along.y();
+      z[n] = double{p.z};
+      is_ground[n] = p.is_ground ? 1 : 0;
+      n += std::abs(t[n]) <= r.half_length ? 1U : 0U;
+    }
+  }
+  window.resize(n);
 }
 
 /// A step, the direction in which it is one, and how far along it the evidence lies.
 struct FoundStep {
   HeightStep step;
+  double foot = 0;
   Eigen::Vector2d up = Eigen::Vector2d::UnitX();
   double half_length = 0;  // 0: there is none
   [[nodiscard]] bool exists() const { return half_length > 0; }
 };
 
-/// Whether a step is one: against its own uncertainty, against the noise of its surroundings, on both sides.
-bool is_step(const HeightStep& step, double noise, const CurbParameters& parameters) {
+/// Whether a step is one: against its own uncertainty, against the noise of its surroundings...
+bool is_certain(const HeightStep& step, double noise, const CurbParameters& parameters) {
   const double sigma = step.sigma * std::max(1.0, noise / step.roughness);
   return step.height <= parameters.max_step && step.height >= parameters.min_weak_step &&
-         step.face_above <= kMaxFacePoints && step.height >= parameters.step_sigmas * sigma &&
-         step.height >= parameters.layer_sigmas * noise && step.clear >= parameters.clear_share * step.height;
+         step.height >= parameters.step_sigmas * sigma && step.height >= parameters.layer_sigmas * noise;
+}
+
+/// ... and on both sides.
+bool parts_its_sides(const StepSides& sides, const HeightStep& step, const CurbParameters& parameters) {
+  return sides.face_above <= kMaxFacePoints && sides.clear >= parameters.clear_share * step.height;
 }
 
 /// Looks for steps at a cell, and keeps the most certain one: that also chooses between a long window, which sees more
 /// of a straight curb, and a short one, which a bend fits into.
 class StepSearch {
  public:
-  StepSearch(const NearGroundPoints& points, const TiltedCell& cell, double noise, const CurbParameters& parameters)
-      : points_(points), cell_(cell), noise_(noise), parameters_(parameters) {}
+  StepSearch(const NearGroundPoints& points, const TiltedCell& cell, double noise, const CurbParameters& parameters,
+             StepWindow& window)
+      : points_(points), cell_(cell), noise_(noise), parameters_(parameters), window_(window) {}
 
-  /// Returns how many points were in the window.
-  std::size_t look(const Eigen::Vector2d& up, double half_length) {
-    const auto window = window_around(points_, cell_, up, half_length, parameters_);
-    const auto step = find_height_step(window, noise_, parameters_);
-    if (!step || !is_step(*step, noise_, parameters_)) return window.size();
-    if (!best_.exists() || step->height * best_.step.sigma > best_.step.height * step->sigma)
-      best_ = {*step, up, half_length};
-    return window.size();
+  /// Returns how many points were in the window; `exactly`: of those that a step could be made of.
+  std::size_t look(const Eigen::Vector2d& up, double half_length, bool exactly = true) {
+    fill_window(points_, {cell_.at, up, parameters_.half_window + kSearch, half_length}, exactly, window_);
+    const auto step = find_height_step(window_, noise_, parameters_);
+    // What is quickly told comes first.
+    if (!step || !is_certain(*step, noise_, parameters_)) return window_.size();
+    if (best_.exists() && step->height * best_.step.sigma <= best_.step.height * step->sigma) return window_.size();
+    const StepSides sides = look_at_sides(window_, *step, parameters_);
+    if (parts_its_sides(sides, *step, parameters_)) best_ = {*step, sides.foot, up, half_length};
+    return window_.size();
   }
   [[nodiscard]] const FoundStep& best() const { return best_; }
 
@@ -193,19 +253,20 @@ class StepSearch {
   const TiltedCell& cell_;
   double noise_;
   const CurbParameters& parameters_;
+  StepWindow& window_;
   FoundStep best_;
 };
 
 /// The step at a cell. Where points are dense, the vote's word on which way is up is good, and a short window enough.
 /// Where they are few it is looked for farther along, about the directions of the vote and of the ground at large.
 FoundStep find_step(const NearGroundPoints& points, const TiltedCell& cell, const Eigen::Vector2d& coarse_tilt,
-                    double noise, const CurbParameters& parameters) {
-  StepSearch search(points, cell, noise, parameters);
+                    double noise, const CurbParameters& parameters, StepWindow& window) {
+  StepSearch search(points, cell, noise, parameters, window);
   std::vector<Eigen::Vector2d> directions;
   const double length = parameters.half_length;
   if (!cell.is_thin) {
     directions.push_back(cell.tilt.normalized());
-    if (search.look(directions.back(), length) > kEnoughPoints) return search.best();
+    if (search.look(directions.back(), length, false) > kEnoughPoints) return search.best();
     search.look(directions.back(), kSparse * length);
   }
   if (coarse_tilt.norm() > kMinCoarseTilt) {
@@ -220,7 +281,8 @@ FoundStep find_step(const NearGroundPoints& points, const TiltedCell& cell, cons
 }
 
 std::optional<CurbCandidate> test_cell(const NearGroundPoints& points, const TiltedCell& cell,
-                                       const GroundSurface& ground, const CurbParameters& parameters) {
+                                       const GroundSurface& ground, const CurbParameters& parameters,
+                                       StepWindow& window) {
   const double tilt = cell.tilt.norm();
   if (!(tilt > 1e-6)) return std::nullopt;
   CurbCandidate candidate;
@@ -232,13 +294,13 @@ std::optional<CurbCandidate> test_cell(const NearGroundPoints& points, const Til
   } else {
     const auto here = ground.at(cell.at.x(), cell.at.y());
     if (!here) return std::nullopt;
-    const FoundStep found = find_step(points, cell, here->coarse_tilt, here->layer_noise, parameters);
+    const FoundStep found = find_step(points, cell, here->coarse_tilt, here->layer_noise, parameters, window);
     if (!found.exists()) return std::nullopt;
     const HeightStep& step = found.step;
     candidate.up = found.up;
     candidate.reach = found.half_length;
     candidate.weak = step.height < parameters.min_step;
-    candidate.foot = cell.at + step.foot * candidate.up;
+    candidate.foot = cell.at + found.foot * candidate.up;
     candidate.height = step.height;
     candidate.score = step.height / step.sigma;
     candidate.z = step.low_z;
@@ -255,11 +317,12 @@ std::vector<CurbCandidate> find_curb_evidence(const Around<VotedTile>& tiles, co
                                               const CurbParameters& parameters) {
   std::vector<CurbCandidate> candidates;
   const NearGroundPoints points(tiles, ground, parameters);
+  StepWindow window;  // one for all, for the sake of its memory
   for (int row = 0; row < kCellsPerTile; ++row) {
     for (int column = 0; column < kCellsPerTile; ++column) {
       const TiltedCell cell = gather_tilt(points, ground, column, row, parameters);
       if (cell.count < kMinTilted) continue;
-      if (const auto candidate = test_cell(points, cell, ground, parameters)) candidates.push_back(*candidate);
+      if (const auto candidate = test_cell(points, cell, ground, parameters, window)) candidates.push_back(*candidate);
     }
   }
   return candidates;

@@ -13,40 +13,46 @@ constexpr double kBin = 0.03;          // m in u: the step is sought at this gra
 constexpr int kRiserBins = 1;          // on each side of the step: left out of the fit, the riser's own points
 constexpr double kMaxShift = 0.18;     // m: how far from u = 0 the step may be
 constexpr int kMinPoints = 6;          // a side
+constexpr int kMinFarPoints = 3;       // in a side's outer half: ground that goes on, not the face of something
 constexpr double kMinSpread = 0.05;    // m, standard deviation of u on a side: a thin line of points is no side
 constexpr double kNoiseFloor = 0.004;  // m
 constexpr double kSlopeAcross = 0.30;  // 1 sigma of the slope that both sides share, against the ground's
 constexpr double kSlopeAlong = 0.05;
 
+/// Two sums that are kept in step: one instruction adds to both.
+using Pair = Eigen::Array2d;
+
 /// Sums over some points, from which means and scatter follow.
 struct Moments {
-  double n = 0, u = 0, t = 0, z = 0, uu = 0, ut = 0, tt = 0, uz = 0, tz = 0, zz = 0;
+  double n = 0, u = 0;
+  Pair t_z = Pair::Zero(), uu_ut = Pair::Zero(), tt_uz = Pair::Zero(), tz_zz = Pair::Zero();
 
-  void add(const StepPointUTZ& p) {
-    n += 1;
-    u += p.u;
-    t += p.t;
-    z += p.z;
-    uu += p.u * p.u;
-    ut += p.u * p.t;
-    tt += p.t * p.t;
-    uz += p.u * p.z;
-    tz += p.t * p.z;
-    zz += p.z * p.z;
+  /// All but n.
+  void add(double at_u, double t, double z) {
+    const Pair tz(t, z);
+    u += at_u;
+    t_z += tz;
+    uu_ut += Pair(at_u, at_u) * Pair(at_u, t);
+    tt_uz += Pair(t, at_u) * tz;
+    tz_zz += Pair(z, z) * tz;
   }
   Moments& operator+=(const Moments& o) {
     n += o.n;
     u += o.u;
-    t += o.t;
-    z += o.z;
-    uu += o.uu;
-    ut += o.ut;
-    tt += o.tt;
-    uz += o.uz;
-    tz += o.tz;
-    zz += o.zz;
+    t_z += o.t_z;
+    uu_ut += o.uu_ut;
+    tt_uz += o.tt_uz;
+    tz_zz += o.tz_zz;
     return *this;
   }
+  [[nodiscard]] double t() const { return t_z(0); }
+  [[nodiscard]] double z() const { return t_z(1); }
+  [[nodiscard]] double uu() const { return uu_ut(0); }
+  [[nodiscard]] double ut() const { return uu_ut(1); }
+  [[nodiscard]] double tt() const { return tt_uz(0); }
+  [[nodiscard]] double uz() const { return tt_uz(1); }
+  [[nodiscard]] double tz() const { return tz_zz(0); }
+  [[nodiscard]] double zz() const { return tz_zz(1); }
 };
 
 /// Scatter about the mean, of one side or summed over both.
@@ -57,41 +63,62 @@ struct Scatter {
 
   void add(const Moments& m) {
     const double u = m.u / m.n;
-    const double t = m.t / m.n;
-    const double z = m.z / m.n;
-    const double ut = m.ut - m.n * u * t;
-    xx += Eigen::Matrix2d{{m.uu - m.n * u * u, ut}, {ut, m.tt - m.n * t * t}};
-    xz += Eigen::Vector2d(m.uz - m.n * u * z, m.tz - m.n * t * z);
-    zz += m.zz - m.n * z * z;
+    const double t = m.t() / m.n;
+    const double z = m.z() / m.n;
+    const double ut = m.ut() - m.n * u * t;
+    xx += Eigen::Matrix2d{{m.uu() - m.n * u * u, ut}, {ut, m.tt() - m.n * t * t}};
+    xz += Eigen::Vector2d(m.uz() - m.n * u * z, m.tz() - m.n * t * z);
+    zz += m.zz() - m.n * z * z;
   }
 };
 
-bool is_side(const Moments& m) {
-  return m.n >= kMinPoints && m.uu / m.n - (m.u / m.n) * (m.u / m.n) >= kMinSpread * kMinSpread;
+bool is_spread(const Moments& m) {
+  return m.uu() / m.n - (m.u / m.n) * (m.u / m.n) >= kMinSpread * kMinSpread;
 }
 
-/// A side is ground seen all over, not a scan line or two that run along the step: all points of a line may be off by
-/// the same, and nothing else there would say so.
-bool is_covered(const std::vector<Moments>& bins, int from, int to, double min_cover) {
-  int covered = 0;
-  for (int b = from; b < to; ++b) covered += bins[static_cast<std::size_t>(b)].n > 0 ? 1 : 0;
-  return covered >= min_cover * (to - from);
-}
+/// The window cut into strips along the step: `half` of them on each side of u = 0.
+struct Strips {
+  int half = 0;
+  std::vector<int> of_point;  ///< strip of each point that may carry a side, else -1
+  std::vector<int> count;     ///< points in each
 
-/// A side is ground that goes on, not the face of something.
-bool reaches_out(const std::vector<Moments>& bins, int from, int to) {
-  constexpr double kMinFarPoints = 3;
-  double n = 0;
-  for (int b = from; b < to; ++b) n += bins[static_cast<std::size_t>(b)].n;
-  return n >= kMinFarPoints;
-}
-
-struct Fit {
-  HeightStep step;
-  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+  void sort(const StepWindow& points, int num_half) {
+    half = num_half;
+    of_point.resize(points.size());
+    count.assign(static_cast<std::size_t>(2 * half), 0);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double q = points.u[i] / kBin;
+      const int towards_zero = static_cast<int>(q);
+      of_point[i] = towards_zero - (towards_zero > q ? 1 : 0) + half;  // rounded down
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      int& strip = of_point[i];
+      if (points.is_ground[i] == 0 || strip < 0 || strip >= 2 * half)
+        strip = -1;
+      else
+        ++count[static_cast<std::size_t>(strip)];
+    }
+  }
+  [[nodiscard]] int points_in(int from, int to) const {
+    int n = 0;
+    for (int b = from; b < to; ++b) n += count[static_cast<std::size_t>(b)];
+    return n;
+  }
+  [[nodiscard]] int covered(int from, int to) const {
+    int n = 0;
+    for (int b = from; b < to; ++b) n += count[static_cast<std::size_t>(b)] > 0 ? 1 : 0;
+    return n;
+  }
 };
 
-Fit fit_sides(const Moments& low, const Moments& high, double at, double noise) {
+/// A side is ground seen all over, not a scan line or two that run along the step: all points of a line may be off by
+/// the same, and nothing else there would say so. `far` is where its outer half begins or ends.
+bool is_side(const Strips& strips, int from, int to, int far_from, int far_to, double min_cover) {
+  return strips.points_in(from, to) >= kMinPoints && strips.points_in(far_from, far_to) >= kMinFarPoints &&
+         strips.covered(from, to) >= min_cover * (to - from);
+}
+
+HeightStep fit_sides(const Moments& low, const Moments& high, double at, double noise) {
   Scatter scatter;
   scatter.add(low);
   scatter.add(high);
@@ -102,19 +129,19 @@ Fit fit_sides(const Moments& low, const Moments& high, double at, double noise) 
   const Eigen::Matrix2d inverse =
       (scatter.xx + Eigen::Matrix2d(prior.array().square().matrix().asDiagonal())).inverse();
   const Eigen::Vector2d slope = inverse * scatter.xz;
-  const Eigen::Vector2d low_mean(low.u / low.n, low.t / low.n);
-  const Eigen::Vector2d high_mean(high.u / high.n, high.t / high.n);
+  const Eigen::Vector2d low_mean(low.u / low.n, low.t() / low.n);
+  const Eigen::Vector2d high_mean(high.u / high.n, high.t() / high.n);
   const Eigen::Vector2d apart = high_mean - low_mean;
   const double rss = std::max(0.0, scatter.zz - slope.dot(scatter.xz));
 
-  Fit fit;
-  fit.slope = slope;
-  fit.step.at = at;
-  fit.step.height = high.z / high.n - low.z / low.n - slope.dot(apart);
-  fit.step.roughness = std::sqrt(rss / (low.n + high.n - 4) + kNoiseFloor * kNoiseFloor);
-  fit.step.sigma = fit.step.roughness * std::sqrt(1 / low.n + 1 / high.n + apart.dot(inverse * apart));
-  fit.step.low_z = low.z / low.n + slope.x() * (at - low_mean.x()) - slope.y() * low_mean.y();
-  return fit;
+  HeightStep step;
+  step.slope = slope;
+  step.at = at;
+  step.height = high.z() / high.n - low.z() / low.n - slope.dot(apart);
+  step.roughness = std::sqrt(rss / (low.n + high.n - 4) + kNoiseFloor * kNoiseFloor);
+  step.sigma = step.roughness * std::sqrt(1 / low.n + 1 / high.n + apart.dot(inverse * apart));
+  step.low_z = low.z() / low.n + slope.x() * (at - low_mean.x()) - slope.y() * low_mean.y();
+  return step;
 }
 
 double fifth(std::vector<double>& values, double q) {
@@ -125,27 +152,27 @@ double fifth(std::vector<double>& values, double q) {
 
 /// A real step parts the heights of its two sides. Where scan lines lie in layers, one of which ends, both layers are
 /// found on one side.
-double clear_height(const std::vector<StepPointUTZ>& points, const Fit& fit, double half_window) {
+double clear_height(const StepWindow& points, const HeightStep& step, double half_window) {
   std::vector<double> low;
   std::vector<double> high;
-  for (const StepPointUTZ& p : points) {
-    const double u = p.u - fit.step.at;
-    if (!p.is_ground || std::abs(u) > half_window || std::abs(u) < kRiserBins * kBin) continue;
-    (u < 0 ? low : high).push_back(p.z - fit.slope.x() * u - fit.slope.y() * p.t);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double u = points.u[i] - step.at;
+    if (points.is_ground[i] == 0 || std::abs(u) > half_window || std::abs(u) < kRiserBins * kBin) continue;
+    (u < 0 ? low : high).push_back(points.z[i] - step.slope.x() * u - step.slope.y() * points.t[i]);
   }
   if (low.empty() || high.empty()) return 0;
   return fifth(high, 0.2) - fifth(low, 0.8);
 }
 
 /// Where the low side ends: the riser's points stand on the foot, so the foot is where points begin to rise.
-double find_foot(const std::vector<StepPointUTZ>& points, const Fit& fit) {
+double find_foot(const StepWindow& points, const HeightStep& step) {
   constexpr double kNear = 0.15;  // m on each side of the step
-  const HeightStep& step = fit.step;
   std::vector<double> risen;
-  for (const StepPointUTZ& p : points) {
-    if (std::abs(p.u - step.at) > kNear) continue;
-    const double above = p.z - step.low_z - fit.slope.x() * (p.u - step.at) - fit.slope.y() * p.t;
-    if (above > 0.25 * step.height && above < 0.75 * step.height) risen.push_back(p.u);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double u = points.u[i] - step.at;
+    if (std::abs(u) > kNear) continue;
+    const double above = points.z[i] - step.low_z - step.slope.x() * u - step.slope.y() * points.t[i];
+    if (above > 0.25 * step.height && above < 0.75 * step.height) risen.push_back(points.u[i]);
   }
   if (risen.size() < 3) return step.at;
   const auto middle = risen.begin() + static_cast<std::ptrdiff_t>(risen.size() / 2);
@@ -153,48 +180,70 @@ double find_foot(const std::vector<StepPointUTZ>& points, const Fit& fit) {
   return std::clamp(*middle, step.at - kBin, step.at + kBin);
 }
 
-int count_face_above(const std::vector<StepPointUTZ>& points, const HeightStep& step) {
+int count_face_above(const StepWindow& points, const HeightStep& step) {
   constexpr double kNear = 0.12;   // m on each side of the step
   constexpr double kAbove = 0.10;  // m above its upper edge
   int count = 0;
-  for (const StepPointUTZ& p : points) {
-    if (std::abs(p.u - step.at) < kNear && p.z > step.low_z + step.height + kAbove) ++count;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (std::abs(points.u[i] - step.at) < kNear && points.z[i] > step.low_z + step.height + kAbove) ++count;
   }
   return count;
 }
 
 }  // namespace
 
-std::optional<HeightStep> find_height_step(const std::vector<StepPointUTZ>& points, double noise,
-                                           const CurbParameters& parameters) {
+void StepWindow::resize(std::size_t n) {
+  u.resize(n);
+  t.resize(n);
+  z.resize(n);
+  is_ground.resize(n);
+}
+
+void StepWindow::add(double at_u, double at_t, double at_z, bool ground) {
+  u.push_back(at_u);
+  t.push_back(at_t);
+  z.push_back(at_z);
+  is_ground.push_back(ground ? 1 : 0);
+}
+
+std::optional<HeightStep> find_height_step(const StepWindow& points, double noise, const CurbParameters& parameters) {
   const int half = static_cast<int>(std::lround((parameters.half_window + kMaxShift) / kBin));
-  std::vector<Moments> bins(static_cast<std::size_t>(2 * half));
-  for (const StepPointUTZ& p : points) {
-    const int bin = static_cast<int>(std::floor(p.u / kBin)) + half;
-    if (p.is_ground && bin >= 0 && bin < 2 * half) bins[static_cast<std::size_t>(bin)].add(p);
-  }
   const int shift = static_cast<int>(std::lround(kMaxShift / kBin));
   const int window = static_cast<int>(std::lround(parameters.half_window / kBin));
   const int far = window / 2;
-  std::optional<Fit> best;
-  for (int k = half - shift; k <= half + shift; ++k) {  // the step is between bins k - 1 and k
+  Strips strips;
+  strips.sort(points, half);
+  // First where there are two sides at all, by counting: that is cheap.
+  std::vector<int> places;  // the step is between strips k - 1 and k
+  for (int k = half - shift; k <= half + shift; ++k) {
+    if (is_side(strips, k - window, k - kRiserBins, k - window, k - far, parameters.min_cover) &&
+        is_side(strips, k + kRiserBins, k + window, k + far, k + window, parameters.min_cover))
+      places.push_back(k);
+  }
+  if (places.empty()) return std::nullopt;
+  std::vector<Moments> moments(strips.count.size());
+  for (std::size_t b = 0; b < moments.size(); ++b) moments[b].n = strips.count[b];
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (strips.of_point[i] >= 0)
+      moments[static_cast<std::size_t>(strips.of_point[i])].add(points.u[i], points.t[i], points.z[i]);
+  }
+  std::optional<HeightStep> best;
+  for (const int k : places) {
     Moments low;
     Moments high;
-    for (int b = k - window; b < k - kRiserBins; ++b) low += bins[static_cast<std::size_t>(b)];
-    for (int b = k + kRiserBins; b < k + window; ++b) high += bins[static_cast<std::size_t>(b)];
-    if (!is_side(low) || !is_side(high)) continue;
-    if (!reaches_out(bins, k - window, k - far) || !reaches_out(bins, k + far, k + window)) continue;
-    if (!is_covered(bins, k - window, k - kRiserBins, parameters.min_cover) ||
-        !is_covered(bins, k + kRiserBins, k + window, parameters.min_cover))
-      continue;
-    const Fit fit = fit_sides(low, high, (k - half) * kBin, std::max(noise, kNoiseFloor));
-    if (!best || fit.step.height * best->step.sigma > best->step.height * fit.step.sigma) best = fit;
+    for (int b = k - window; b < k - kRiserBins; ++b) low += moments[static_cast<std::size_t>(b)];
+    for (int b = k + kRiserBins; b < k + window; ++b) high += moments[static_cast<std::size_t>(b)];
+    if (!is_spread(low) || !is_spread(high)) continue;
+    const HeightStep step = fit_sides(low, high, (k - half) * kBin, std::max(noise, kNoiseFloor));
+    if (!best || step.height * best->sigma > best->height * step.sigma) best = step;
   }
-  if (!best) return std::nullopt;
-  best->step.foot = find_foot(points, *best);
-  best->step.clear = clear_height(points, *best, parameters.half_window);
-  best->step.face_above = count_face_above(points, best->step);
-  return best->step;
+  return best;
+}
+
+StepSides look_at_sides(const StepWindow& points, const HeightStep& step, const CurbParameters& parameters) {
+  return {.clear = clear_height(points, step, parameters.half_window),
+          .foot = find_foot(points, step),
+          .face_above = count_face_above(points, step)};
 }
 
 }  // namespace curbstone

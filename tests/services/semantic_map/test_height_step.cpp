@@ -24,12 +24,12 @@ class StepGround {
     for (double t = -0.5; t < 0.5; t += 0.05) add(u + noise_(random_), t, height);
     return *this;
   }
-  std::vector<StepPointUTZ> points;
+  StepWindow points;
 
  private:
   template <class Height>
   void add(double u, double t, Height height) {
-    points.push_back({u, t, height(u, t) + noise_(random_), true});
+    points.add(u, t, height(u, t) + noise_(random_));
   }
   double uniform(double a, double b) { return std::uniform_real_distribution<double>(a, b)(random_); }
   std::mt19937 random_{1};
@@ -42,13 +42,14 @@ double flat_step(double u, double /*t*/) {
 
 TEST(HeightStep, IsFoundWithItsHeightAndItsUncertainty) {
   StepGround ground;
-  const auto step = find_height_step(ground.even(150, flat_step).points, kNoise, {});
+  const StepWindow points = ground.even(150, flat_step).points;
+  const auto step = find_height_step(points, kNoise, {});
   ASSERT_TRUE(step);
   EXPECT_NEAR(step->height, 0.08, 3 * step->sigma);
   EXPECT_LT(step->sigma, 0.006);
   EXPECT_NEAR(step->roughness, kNoise, 0.003);
   EXPECT_NEAR(step->at, 0, 0.031);
-  EXPECT_GT(step->clear, 0.06);
+  EXPECT_GT(look_at_sides(points, *step, {}).clear, 0.06);
 }
 
 TEST(HeightStep, IsNotSeenInASlope) {
@@ -71,15 +72,15 @@ TEST(HeightStep, OfALayerThatEndsDoesNotPartTheTwoSides) {
   for (double u = 0.02; u < 0.4; u += 0.08) ground.line(u, [](double, double) { return 0.05; });
   const auto layers = find_height_step(ground.points, kNoise, {});
   ASSERT_TRUE(layers);
-  EXPECT_LT(layers->clear, 0.4 * layers->height);
+  EXPECT_LT(look_at_sides(ground.points, *layers, {}).clear, 0.4 * layers->height);
 }
 
 /// One scan line crosses the step obliquely: the sides are seen at different places along it, on ground of no slope.
 TEST(HeightStep, KnowsThatAnObliqueScanLineMayHaveClimbedASlopeAlongTheCurb) {
   StepGround ground;
-  for (double u = -0.5; u < 0.5; u += 0.02) ground.points.push_back({u, u, flat_step(u, 0), true});
+  for (double u = -0.5; u < 0.5; u += 0.02) ground.points.add(u, u, flat_step(u, 0));
   StepGround across;
-  for (double u = -0.5; u < 0.5; u += 0.02) across.points.push_back({u, 0, flat_step(u, 0), true});
+  for (double u = -0.5; u < 0.5; u += 0.02) across.points.add(u, 0, flat_step(u, 0));
   const auto oblique = find_height_step(ground.points, kNoise, {});
   const auto straight = find_height_step(across.points, kNoise, {});
   ASSERT_TRUE(oblique && straight);
