@@ -1,0 +1,213 @@
+#include "services/mapper/find_place.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <numbers>
+
+#include "services/mapper/downsample.hpp"
+#include "services/mapper/normal_equations.hpp"
+#include "tests/services/mapper/synthetic_world.hpp"
+#include "tools/bench/mapping/scan_drive.hpp"
+
+namespace curbstone {
+namespace {
+
+using test::pose;
+constexpr double kPi = std::numbers::pi;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+MapNode node_of(const std::vector<LidarPoint>& points, const Pose& T_map_base) {
+  MapNode node;
+  node.T_map_base = T_map_base;
+  for (const LidarPoint& p : downsample(points, 0.2, 60)) {
+    if (const auto packed = pack(p.position)) node.points.push_back(*packed);
+  }
+  return node;
+}
+
+/// A world with nodes along x.
+struct Remembered {
+  test::SyntheticWorld world;
+  std::vector<MapNode> nodes;
+  Eigen::Vector3d lidar = test::default_lidar().translation();
+
+  Remembered(test::SyntheticWorld of, double from, double to, double spacing = 2) : world(std::move(of)) {
+    world.noise = 0.02;
+    for (double x = from; x <= to; x += spacing)
+      nodes.push_back(node_of(scan_at(pose(x, 0, 0, 0, 0, 0)), pose(x, 0, 0, 0, 0, 0)));
+  }
+  [[nodiscard]] std::vector<LidarPoint> scan_at(const Pose& T) const {
+    return world.snapshot(T, test::default_lidar());
+  }
+  [[nodiscard]] std::vector<const MapNode*> all() const {
+    std::vector<const MapNode*> out;
+    for (const MapNode& node : nodes) out.push_back(&node);
+    return out;
+  }
+  [[nodiscard]] std::optional<PlaceMatch> find(const std::vector<LidarPoint>& points, const PlaceGuess& guess) const {
+    return find_place(points, guess, all(), IcpConfig{}, lidar);
+  }
+  [[nodiscard]] std::optional<PlaceMatch> find_anywhere(const std::vector<LidarPoint>& points) const {
+    PlaceIndex index;
+    for (std::size_t i = 0; i < nodes.size(); ++i) index.add(static_cast<int>(i), nodes[i].points);
+    return find_place(points, Pose::Identity(), index, all(), IcpConfig{}, lidar);
+  }
+};
+
+/// Houses all alike, `period` m apart, on both sides of an endless street.
+test::SyntheticWorld terrace(double period) {
+  test::SyntheticWorld world;
+  for (double x = -30 * period; x < 30 * period; x += period) {
+    world.boxes.push_back({{x, 7, 0}, {x + 0.6 * period, 15, 7}});
+    world.boxes.push_back({{x + 0.2 * period, -16, 0}, {x + 0.7 * period, -8, 7}});
+    world.boxes.push_back({{x + 0.8 * period, 4, 0}, {x + 0.8 * period + 0.3, 4.3, 4}});
+  }
+  return world;
+}
+
+double error(const Pose& T, const PlaceMatch& match) {
+  return log_of(T.inverse() * match.registration.T_map_base).norm();
+}
+
+TEST(FindPlace, FindsWhereARevolutionWasTakenFromMetresOff) {
+  const Remembered street(test::street(), -20, 20);
+  for (const double yaw : {0.0, kPi}) {
+    for (const Eigen::Vector2d& off : {Eigen::Vector2d(0, 0), Eigen::Vector2d(4, -2), Eigen::Vector2d(-3, 3.5)}) {
+      const Pose T = pose(3.3, 1.2, 0, 0, 0, 0.1 + yaw);
+      const PlaceGuess guess{pose(3.3 + off.x(), 1.2 + off.y(), 0.8, 0.01, -0.01, yaw - 0.15), 5, 0.35};
+      const auto match = street.find(street.scan_at(T), guess);
+      ASSERT_TRUE(match);
+      EXPECT_LT(error(T, *match), 0.05);
+      EXPECT_GT(match->score, 0.9);
+      EXPECT_LT(match->conflict, 0.2);
+      EXPECT_GT(match->runner_up, 0.5) << "plain walls look alike from further along";
+      EXPECT_LT(match->runner_up, match->score);
+      EXPECT_LT(match->registration.covariance.diagonal().maxCoeff(), 0.01);
+    }
+  }
+}
+
+TEST(FindPlace, FindsItWithNothingKnownButTheAttitude) {
+  const Remembered street(test::street(), -20, 20);
+  for (const double yaw : {0.5, -2.5}) {
+    const Pose T = pose(-7.4, -1, 0, 0, 0, yaw);
+    const auto match = street.find_anywhere(street.scan_at(T));
+    ASSERT_TRUE(match);
+    EXPECT_LT(error(T, *match), 0.05);
+  }
+}
+
+TEST(FindPlace, GivesTheSameBitsAgain) {
+  const Remembered street(test::street(), -20, 20);
+  const auto scan = street.scan_at(pose(1, 1, 0, 0, 0, 0.2));
+  const PlaceGuess guess{pose(3, 0, 0, 0, 0, 0), 5, 0.35};
+  const auto first = street.find(scan, guess), second = street.find(scan, guess);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(0, std::memcmp(first->registration.T_map_base.matrix().data(),
+                           second->registration.T_map_base.matrix().data(), 16 * sizeof(double)));
+  EXPECT_EQ(first->score, second->score);
+  EXPECT_EQ(first->conflict, second->conflict);
+}
+
+TEST(FindPlace, RefusesATunnelAndAnOpenSquare) {
+  const Remembered tunnel(test::tunnel(), -20, 20);
+  EXPECT_FALSE(tunnel.find(tunnel.scan_at(pose(0.5, 0, 0, 0, 0, 0)), {pose(0, 0, 0, 0, 0, 0), 5, 0.2}));
+  EXPECT_FALSE(tunnel.find_anywhere(tunnel.scan_at(pose(0.5, 0, 0, 0, 0, 0))));
+  const Remembered plain(test::plain(), -20, 20);
+  EXPECT_FALSE(plain.find(plain.scan_at(pose(0.5, 0, 0, 0, 0, 0)), {pose(0, 0, 0, 0, 0, 0), 5, 0.2}));
+  EXPECT_FALSE(plain.find_anywhere(plain.scan_at(pose(0.5, 0, 0, 0, 0, 0))));
+}
+
+TEST(FindPlace, RefusesToGuessWhichOfManyHousesItIs) {
+  const Remembered houses(terrace(8), -40, 40);
+  const Pose T = pose(1.7, 0.5, 0, 0, 0, 0.05);
+  const auto scan = houses.scan_at(T);
+  EXPECT_FALSE(houses.find(scan, {pose(4, 0, 0, 0, 0, 0), 7, 0.2}));
+  EXPECT_FALSE(houses.find_anywhere(scan));
+  // Known to less than the distance between them, there is but one.
+  const auto match = houses.find(scan, {pose(2.7, 0, 0, 0, 0, 0), 3, 0.2});
+  ASSERT_TRUE(match);
+  EXPECT_LT(error(T, *match), 0.1);
+}
+
+TEST(FindPlace, RefusesARevolutionFromAnotherPlace) {
+  const Remembered street(test::street(), -20, 20), houses(terrace(11), -20, 20);
+  for (const double x : {-10.0, 7.0}) {
+    const auto from_houses = houses.scan_at(pose(x, 0, 0, 0, 0, 0));
+    EXPECT_FALSE(street.find(from_houses, {pose(x, 0, 0, 0, 0, 0), 10, kPi}));
+    EXPECT_FALSE(street.find_anywhere(from_houses));
+    const auto from_street = street.scan_at(pose(x, 0, 0, 0, 0, 0));
+    EXPECT_FALSE(houses.find(from_street, {pose(x, 0, 0, 0, 0, 0), 10, kPi}));
+    EXPECT_FALSE(houses.find_anywhere(from_street));
+  }
+}
+
+TEST(FindPlace, RefusesAPlaceThatIsNotWithinTheGuess) {
+  const Remembered street(test::street(), -20, 20);
+  EXPECT_FALSE(street.find(street.scan_at(pose(12, 0, 0, 0, 0, 0)), {pose(-5, 0, 0, 0, 0, 0), 5, 0.2}));
+  EXPECT_FALSE(street.find(street.scan_at(pose(0, 0, 0, 0, 0, 1.5)), {pose(0, 0, 0, 0, 0, 0), 5, 0.2}));
+}
+
+TEST(FindPlace, SurvivesInputThatIsNone) {
+  const Remembered street(test::street(), -10, 10);
+  const auto scan = street.scan_at(pose(0, 0, 0, 0, 0, 0));
+  const PlaceGuess here{pose(0, 0, 0, 0, 0, 0), 5, 0.2};
+  EXPECT_FALSE(street.find({}, here));
+  EXPECT_FALSE(street.find(std::vector<LidarPoint>(500), here)) << "all returns at zero";
+  std::vector<LidarPoint> nan(500);
+  for (LidarPoint& p : nan) p.position.setConstant(std::numeric_limits<float>::quiet_NaN());
+  EXPECT_FALSE(street.find(nan, here));
+  EXPECT_FALSE(street.find_anywhere(nan));
+  EXPECT_FALSE(street.find(scan, {pose(kNaN, 0, 0, 0, 0, 0), 5, 0.2}));
+  EXPECT_FALSE(street.find(scan, {pose(0, 0, 0, kNaN, 0, 0), 5, 0.2}));
+  EXPECT_FALSE(street.find(scan, {pose(0, 0, 0, 0, 0, 0), kNaN, kNaN}));
+  EXPECT_FALSE(street.find(scan, {pose(1e6, 0, 0, 0, 0, 0), 1e9, 0.2}));
+  EXPECT_FALSE(find_place(scan, here, {}, IcpConfig{}, street.lidar));
+  EXPECT_FALSE(find_place(scan, Pose::Identity(), PlaceIndex{}, {}, IcpConfig{}, street.lidar));
+  std::vector<LidarPoint> some = scan;
+  for (std::size_t i = 0; i < some.size(); i += 7) some[i].position.y() = std::numeric_limits<float>::infinity();
+  EXPECT_TRUE(street.find(some, here));
+}
+
+TEST(FindPlace, FindsRecordedScansOnTheirStreetAndRefusesThoseFromFurtherOn) {
+  const std::string folder = CURBSTONE_DATA_DIR "/kitti0005_rs16";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  const ScanDrive drive(folder, folder + "/reference_poses.txt", folder + "/times.txt");
+  const Trajectory& truth = drive.truth();
+  const auto view = [&](std::size_t i) {
+    const double stride = 1e-6 * static_cast<double>(truth[i + 1].utime - truth[i].utime);
+    const Twist twist = twist_of(truth[i].pose.inverse() * truth[i + 1].pose, stride);
+    const Revolution r = drive.revolution(i);
+    const double sweep = 1e-6 * static_cast<double>(r.end - r.start);
+    return std::pair(Pose(truth[i].pose * move(twist, 0.5 * sweep)),
+                     deskew(r.points, Pose::Identity(), steady_sweep(twist, sweep)));
+  };
+  std::vector<MapNode> nodes;
+  for (std::size_t i = 0; i < 60; i += 4) {
+    const auto [T, points] = view(i);
+    nodes.push_back(node_of(points, T));
+  }
+  std::vector<const MapNode*> all;
+  for (const MapNode& node : nodes) all.push_back(&node);
+  for (std::size_t i = 6; i < 58; i += 10) {
+    const auto [T, points] = view(i);
+    PlaceGuess guess{T, 5, 0.35};
+    guess.T_map_base.translation() += Eigen::Vector3d(i % 20 == 6 ? 3 : -3, 2.5, 0.5);
+    guess.T_map_base.linear() = T.linear() * rotation_from_rpy(0, 0, i % 20 == 6 ? 0.3 : -0.3);
+    const auto match = find_place(points, guess, all, IcpConfig{}, Eigen::Vector3d::Zero());
+    ASSERT_TRUE(match);
+    EXPECT_LT(error(T, *match), 0.05);
+  }
+  for (std::size_t i = 100; i < 150; i += 10) {
+    const auto [T, points] = view(i);
+    PlaceGuess guess{truth[30].pose, 10, 0.5};
+    EXPECT_FALSE(find_place(points, guess, all, IcpConfig{}, Eigen::Vector3d::Zero()));
+  }
+}
+
+}  // namespace
+}  // namespace curbstone
