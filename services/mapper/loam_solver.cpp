@@ -1,9 +1,9 @@
 #include "services/mapper/loam_solver.hpp"
 
-#include <ceres/ceres.h>
+#include <ceres/tiny_solver.h>
 
 #include <Eigen/Cholesky>
-#include <memory>
+#include <cmath>
 
 namespace curbstone {
 namespace {
@@ -16,136 +16,108 @@ Matrix6 small_adjoint(const Vector6& x) {
   return out;
 }
 
-/// Where the pose is while Ceres tries changes of it, made once for all residuals.
-class SharedPose final : public ceres::EvaluationCallback {
+/// Residuals whose squares add up to the robust cost: of a plane its distance, of a line those along two directions
+/// across it, and six for the prior. A loss rho of the distance s becomes a factor sqrt(rho(s^2)) / s.
+class LoamResiduals {
  public:
-  SharedPose(const LoamProblem& problem, const double* change)
-      : start_(problem.T_map_base), seen_(problem.seen.transpose()), change_(change) {}
+  using Scalar = double;
+  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = 6 };
 
-  void PrepareForEvaluation(bool, bool new_point) override {
-    if (!new_point && ready_) return;
-    ready_ = true;
-    const Vector6 d = seen_ * Eigen::Map<const Vector6>(change_);
-    T_ = start_ * exp_of(d);
+  explicit LoamResiduals(const LoamProblem& problem)
+      : problem_(problem),
+        seen_(problem.seen.transpose()),
+        root_((problem.prior_weight * problem.prior.information).llt().matrixU()),
+        T_prior_start_(problem.prior.T_map_base.inverse() * problem.T_map_base) {
+    for (const FeatureMatch& match : problem.matches) count_ += match.line ? 2 : 1;
+  }
+
+  [[nodiscard]] int NumResiduals() const { return count_ + 6; }
+
+  bool operator()(const double* change, double* residuals, double* jacobian) const {
+    const Vector6 x = Eigen::Map<const Vector6>(change);
+    const Vector6 d = seen_ * x;  // what the features see of it
+    const Pose T = problem_.T_map_base * exp_of(d);
+    const Eigen::Matrix3d to_base = T.linear().transpose();
+    Eigen::Map<Eigen::VectorXd> r(residuals, NumResiduals());
+    Rows* J = jacobian != nullptr ? &rows_ : nullptr;
+    if (J != nullptr) J->resize(6, NumResiduals());
+    Eigen::Index at = 0;
+    for (const FeatureMatch& match : problem_.matches) {
+      const Eigen::Vector3d off = match.weight * (T * match.point - match.mean);
+      if (match.line) {
+        const Eigen::Vector3d across = off - match.axis.dot(off) * match.axis;
+        const Eigen::Vector3d u = match.axis.unitOrthogonal(), v = match.axis.cross(u);
+        const Loss loss = robust(across.norm());
+        r[at] = loss.factor * u.dot(off);
+        r[at + 1] = loss.factor * v.dot(off);
+        if (J != nullptr) {  // the loss bends along the distance, not across it
+          const Eigen::Vector3d along = across.norm() > 0 ? Eigen::Vector3d(across.normalized()) : u;
+          for (const Eigen::Vector3d& n : {u, v}) {
+            const Eigen::Vector3d bent = loss.factor * n + (loss.slope - loss.factor) * n.dot(along) * along;
+            set_row(*J, at++, match, to_base * bent);
+          }
+        } else {
+          at += 2;
+        }
+      } else {
+        const double distance = match.axis.dot(off);
+        const Loss loss = robust(std::abs(distance));
+        r[at] = loss.factor * distance;
+        if (J != nullptr) set_row(*J, at, match, loss.slope * (to_base * match.axis));
+        ++at;
+      }
+    }
+    // The prior sees the whole change, also where the features say nothing.
+    const Vector6 off = log_of(T_prior_start_ * exp_of(x));
+    r.tail<6>() = root_ * off;
+    if (J == nullptr) return true;
     const Matrix6 ad = small_adjoint(d);  // right Jacobian of SE(3), to the second order
-    jacobian_ = (Matrix6::Identity() - 0.5 * ad + ad * ad / 6.0) * seen_;
-  }
-  [[nodiscard]] const Pose& T() const { return T_; }
-  [[nodiscard]] const Matrix6& jacobian() const { return jacobian_; }
-
- private:
-  Pose start_;
-  Matrix6 seen_;
-  const double* change_;
-  bool ready_ = false;
-  Pose T_ = Pose::Identity();
-  Matrix6 jacobian_ = Matrix6::Identity();
-};
-
-/// Distance to a plane, or along one of two directions across a line.
-Eigen::Matrix<double, 1, 6> row(const FeatureMatch& match, const Eigen::Vector3d& direction, const SharedPose& pose) {
-  const Eigen::Vector3d n = pose.T().linear().transpose() * direction;
-  Eigen::Matrix<double, 1, 6> J;
-  J << n.transpose(), match.point.cross(n).transpose();
-  return match.weight * J * pose.jacobian();
-}
-
-class PlaneDistance final : public ceres::SizedCostFunction<1, 6> {
- public:
-  PlaneDistance(const FeatureMatch& match, const SharedPose& pose) : match_(match), pose_(pose) {}
-  bool Evaluate(double const* const*, double* residual, double** jacobians) const override {
-    residual[0] = match_.weight * match_.axis.dot(pose_.T() * match_.point - match_.mean);
-    if (jacobians != nullptr && jacobians[0] != nullptr)
-      Eigen::Map<Eigen::Matrix<double, 1, 6>>{jacobians[0]} = row(match_, match_.axis, pose_);
+    const Matrix6 by_change = (Matrix6::Identity() - 0.5 * ad + ad * ad / 6.0) * seen_;
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 6>> out(jacobian, NumResiduals(), 6);
+    out.topRows(at).noalias() = J->leftCols(at).transpose() * by_change;
+    const Matrix6 to = small_adjoint(off), from = small_adjoint(x);
+    out.bottomRows<6>() = root_ * (Matrix6::Identity() + 0.5 * to + to * to / 12.0) *
+                          (Matrix6::Identity() - 0.5 * from + from * from / 6.0);
     return true;
   }
 
  private:
-  const FeatureMatch& match_;
-  const SharedPose& pose_;
-};
+  using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-class LineDistance final : public ceres::SizedCostFunction<2, 6> {
- public:
-  LineDistance(const FeatureMatch& match, const SharedPose& pose)
-      : match_(match), pose_(pose), u_(match.axis.unitOrthogonal()), v_(match.axis.cross(u_)) {}
-  bool Evaluate(double const* const*, double* residual, double** jacobians) const override {
-    const Eigen::Vector3d off = pose_.T() * match_.point - match_.mean;
-    residual[0] = match_.weight * u_.dot(off);
-    residual[1] = match_.weight * v_.dot(off);
-    if (jacobians != nullptr && jacobians[0] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, 2, 6, Eigen::RowMajor>> J(jacobians[0]);
-      J.row(0) = row(match_, u_, pose_);
-      J.row(1) = row(match_, v_, pose_);
-    }
-    return true;
+  /// Huber's: what a distance is multiplied by, and what its product grows by with it.
+  struct Loss {
+    double factor = 1, slope = 1;
+  };
+  [[nodiscard]] Loss robust(double s) const {
+    const double a = problem_.kernel;
+    if (s <= a) return {};
+    const double root = std::sqrt(2 * a * s - a * a);
+    return {root / s, a / root};
   }
 
- private:
-  const FeatureMatch& match_;
-  const SharedPose& pose_;
-  Eigen::Vector3d u_, v_;
-};
-
-/// How far the pose is from the prior. Sees the whole change, also where the features say nothing.
-class PriorDistance final : public ceres::SizedCostFunction<6, 6> {
- public:
-  explicit PriorDistance(const LoamProblem& problem) : problem_(problem) {
-    root_ = Matrix6((problem.prior_weight * problem.prior.information).llt().matrixU());
-  }
-  bool Evaluate(double const* const* change, double* residual, double** jacobians) const override {
-    const Vector6 d = Eigen::Map<const Vector6>(change[0]);
-    const Vector6 off = log_of(problem_.prior.T_map_base.inverse() * problem_.T_map_base * exp_of(d));
-    Eigen::Map<Vector6> out(residual);
-    out = root_ * off;
-    if (jacobians != nullptr && jacobians[0] != nullptr) {
-      const Matrix6 to = small_adjoint(off), from = small_adjoint(d);
-      Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>{jacobians[0]} =
-          root_ * (Matrix6::Identity() + 0.5 * to + to * to / 12.0) *
-          (Matrix6::Identity() - 0.5 * from + from * from / 6.0);
-    }
-    return true;
+  /// The derivative by the pose of what `n` (base_link axes) says of the match's weighted offset.
+  static void set_row(Rows& J, Eigen::Index at, const FeatureMatch& match, const Eigen::Vector3d& n) {
+    J.col(at) << match.weight * n, match.weight * match.point.cross(n);
   }
 
- private:
   const LoamProblem& problem_;
+  Matrix6 seen_;
   Matrix6 root_;
+  Pose T_prior_start_;
+  int count_ = 0;
+  mutable Rows rows_;  // scratch
 };
 
 }  // namespace
 
 Vector6 solve_loam(const LoamProblem& problem) {
+  const LoamResiduals residuals(problem);
+  ceres::TinySolver<LoamResiduals> solver;
+  solver.options.max_num_iterations = 6;  // the first look is one; the matches change before more is worth it
+  solver.options.function_tolerance = 1e-4 * residuals.NumResiduals();
   Vector6 change = Vector6::Zero();
-  SharedPose pose(problem, change.data());
-  ceres::Problem::Options owner;
-  owner.evaluation_callback = &pose;
-  owner.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  owner.enable_fast_removal = false;
-  owner.disable_all_safety_checks = true;
-  ceres::HuberLoss robust(problem.kernel);
-  ceres::Problem ceres_problem(owner);
-  ceres_problem.AddParameterBlock(change.data(), 6);
-  for (const FeatureMatch& match : problem.matches) {
-    ceres::CostFunction* distance = nullptr;
-    if (match.line) {
-      distance = new LineDistance(match, pose);
-    } else {
-      distance = new PlaneDistance(match, pose);
-    }
-    ceres_problem.AddResidualBlock(distance, &robust, change.data());
-  }
-  ceres_problem.AddResidualBlock(new PriorDistance(problem), nullptr, change.data());
-
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.dense_linear_algebra_library_type = ceres::EIGEN;
-  options.num_threads = 1;
-  options.max_num_iterations = 3;  // the matches change before it is worth more
-  options.function_tolerance = 1e-4;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &ceres_problem, &summary);
-  return summary.IsSolutionUsable() ? change : Vector6::Zero();
+  solver.Solve(residuals, &change);
+  return change;
 }
 
 }  // namespace curbstone

@@ -25,7 +25,8 @@ struct LoamProblem {
   Matrix6 seen = Matrix6::Identity();  ///< Observability::P: other directions follow the prior
 };
 
-/// The small change of the pose that fits best: robust least squares by Ceres. One thread; the same bits each time.
+/// The small change of the pose that fits best: robust least squares by Ceres's small
+/// dense solver. One thread; the same bits each time. Not finite where nothing can be solved.
 [[nodiscard]] Vector6 solve_loam(const LoamProblem& problem);
 
 }  // namespace curbstone
