@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kBeyond = 25.0;          // m from where the vehicle may be: nodes that show what it sees
 constexpr double kMostReach = 50.0;       // m
-constexpr std::size_t kMostNodes = 40;    // that are taken into account
+constexpr std::size_t kMostNodes = 30;    // that are taken into account
+constexpr double kNodesApart = 1.5;       // m: nearer to another, a node shows nothing new
 constexpr std::size_t kSightNodes = 3;    // from which the revolution is looked at
 constexpr double kThinned = 0.3;          // m: of what stands, one point counts in such a cube
 constexpr float kScanReach = 60.0F;       // m, of the scans of nodes
@@ -76,9 +77,14 @@ std::vector<const MapNode*> near(const std::vector<const MapNode*>& nodes, const
       found.emplace_back(distance, node);
   }
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  found.resize(std::min(found.size(), kMostNodes));
   std::vector<const MapNode*> out;
-  for (const auto& [distance, node] : found) out.push_back(node);
+  for (const auto& [distance, node] : found) {
+    if (out.size() == kMostNodes) break;
+    const bool new_to_us = std::all_of(out.begin(), out.end(), [&, n = node](const MapNode* other) {
+      return (other->T_map_base.translation() - n->T_map_base.translation()).norm() > kNodesApart;
+    });
+    if (new_to_us) out.push_back(node);
+  }
   return out;
 }
 

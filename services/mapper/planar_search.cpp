@@ -11,9 +11,11 @@ namespace {
 
 constexpr double kSight = 40.0;         // m: points farther off are few, and off by much with a small turn
 constexpr double kThin = 0.3;           // m: of the scan, one point counts in such a square
-constexpr double kTurnStep = 0.0105;    // rad: moves what is 25 m off by 0.26 m
+constexpr double kTurnStep = 0.014;     // rad: half of it moves what is 30 m off by 0.2 m
 constexpr double kApart = 1.5;          // m, between poses that are not the same
 constexpr double kTurnedApart = 0.1;    // rad
+constexpr double kLeast = 0.5;          // score: no scan fits so badly where it was taken
+constexpr double kBehind = 0.35;        // score: so far behind the best, nothing rivals it
 constexpr int kMostBranches = 400'000;  // a bound on time, not met by scans that have anything to show
 
 /// A set of shifts at one turn: (x, y) cells and what follows up to 2^level - 1 further.
@@ -46,7 +48,11 @@ std::vector<Eigen::Vector2d> thinned(const std::vector<Eigen::Vector3f>& points)
 class PlanarSearch {
  public:
   PlanarSearch(const LikelihoodPyramid& map, const std::vector<Eigen::Vector2d>& points, const PlanarRange& range)
-      : map_(map), range_(range), shifts_(static_cast<int>(std::ceil(range.reach / LikelihoodPyramid::kCell))) {
+      : map_(map),
+        range_(range),
+        shifts_(static_cast<int>(std::ceil(range.reach / LikelihoodPyramid::kCell))),
+        full_(255.0 * static_cast<double>(points.size())),
+        least_(static_cast<int>(kLeast * full_)) {
     const int turns = static_cast<int>(std::ceil(std::min(range.turn, std::numbers::pi) / kTurnStep));
     step_ = turns > 0 ? std::min(range.turn, std::numbers::pi) / turns : 0;
     for (int i = -turns; i <= turns; ++i) {
@@ -73,11 +79,12 @@ class PlanarSearch {
     while (!queue_.empty() && static_cast<int>(found.size()) < most && branches_ < kMostBranches) {
       const Branch branch = queue_.top();
       queue_.pop();
+      if (branch.sum < least_) break;  // all others are behind it
       if (covered(branch, found)) continue;
       if (branch.level == 0) {
-        const double full = 255.0 * static_cast<double>(cells_.front().size());
+        if (found.empty()) least_ = std::max(least_, branch.sum - static_cast<int>(kBehind * full_));
         const Eigen::Vector2d at = shift(branch.x, branch.y);
-        found.push_back({at.x(), at.y(), yaws_[static_cast<std::size_t>(branch.turn)], branch.sum / full});
+        found.push_back({at.x(), at.y(), yaws_[static_cast<std::size_t>(branch.turn)], branch.sum / full_});
         continue;
       }
       const int half = 1 << (branch.level - 1);
@@ -93,11 +100,12 @@ class PlanarSearch {
 
   void push(int level, int turn, int x, int y) {
     if (x > shifts_ || y > shifts_) return;
+    ++branches_;
     const std::uint8_t* values = map_.level(level).data() + (y * map_.side() + x);
     int sum = 0;
     for (const int cell : cells_[static_cast<std::size_t>(turn)]) sum += values[cell];
+    if (sum < least_) return;
     queue_.push({sum, level, turn, x, y});
-    ++branches_;
   }
 
   /// Whether all that the branch may lead to is as good as found.
@@ -114,6 +122,8 @@ class PlanarSearch {
   const LikelihoodPyramid& map_;
   PlanarRange range_;
   int shifts_;
+  double full_;  // the sum of a scan that fits everywhere
+  int least_;    // the sum that is worth following
   double step_ = 0;
   std::vector<double> yaws_;
   std::vector<std::vector<int>> cells_;  // of the points, by turn

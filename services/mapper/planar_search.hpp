@@ -20,9 +20,10 @@ struct PlanarPose {
 };
 
 /// The poses from which a scan's upright points fall best on the map's: the best, the best that is another, and so on,
-/// at most `most`. Branch and bound over shifts for each of the turns (Hess et al., ICRA 2016, section V), best first,
-/// so they are the true maxima of the lattice of shifts. `points`: levelled, in base_link; those that the lattice might
-/// not hold at the end of the range are left out. Deterministic; bounded.
+/// at most `most`, none that scores less than 0.5 or 0.35 less than the best. Branch and bound over shifts for each of
+/// the turns (Hess et al., ICRA 2016, section V), best first, so they are the true maxima of the lattice of shifts.
+/// `points`: levelled, in base_link; those that the lattice might not hold at the end of the range are left out.
+/// Deterministic; bounded.
 [[nodiscard]] std::vector<PlanarPose> search_plane(const LikelihoodPyramid& map,
                                                    const std::vector<Eigen::Vector3f>& points, const PlanarRange& range,
                                                    int most);
