@@ -7,28 +7,28 @@
 namespace curbstone {
 namespace {
 
-// Measured with bench_places: where they were taken, revolutions of towns and of KITTI score 0.91 to 0.99 with a conflict
-// of 0.07 to 0.28; elsewhere 0.66 at best, with 0.38 at least. Between plain walls a wrong pose can score 0.91, though, but
-// then hardly less a metre further along.
+// Measured with bench_places: where they were taken, revolutions of towns and of KITTI score 0.91 to 0.99 with a
+// conflict of 0.07 to 0.28; elsewhere 0.66 at best, with 0.38 at least. Between plain walls a wrong pose can score
+// 0.91, though, but then hardly less a metre further along.
 constexpr double kMinScore = 0.80;
 constexpr double kMaxConflict = 0.34;
 constexpr double kMinContrast = 0.65;
 constexpr double kMinInliers = 0.7;
 constexpr double kMinOverlap = 0.25;
-constexpr double kMaxResidual = 0.10;   // m
-constexpr double kWorthATry = 0.25;     // of score before registration, behind the best
-constexpr double kLeastReach = 4.0;     // m: how it would fit so far along is to be known in any case
-constexpr double kSlack = 0.5;          // m that registration may end beyond the guess
-constexpr double kTurnedSlack = 0.05;   // rad
-constexpr int kMostHypotheses = 4;      // within one guess
-constexpr std::size_t kMostTries = 4;   // registrations
-constexpr double kApart = 1.0;          // m, poses that are not the same place
-constexpr double kTurnedApart = 0.1;    // rad
-constexpr int kPlanar = 0b100011;       // axes x, y and yaw
-constexpr int kCandidates = 40;         // of the index
-constexpr std::size_t kMostPlaces = 12;// of theirs that are searched
-constexpr double kPlaceReach = 7.0;     // m, about a candidate
-constexpr double kPlaceTurn = 0.2;      // rad
+constexpr double kMaxResidual = 0.10;    // m
+constexpr double kWorthATry = 0.25;      // of score before registration, behind the best
+constexpr double kLeastReach = 4.0;      // m: how it would fit so far along is to be known in any case
+constexpr double kSlack = 0.5;           // m that registration may end beyond the guess
+constexpr double kTurnedSlack = 0.05;    // rad
+constexpr int kMostHypotheses = 4;       // within one guess
+constexpr std::size_t kMostTries = 4;    // registrations
+constexpr double kApart = 1.0;           // m, poses that are not the same place
+constexpr double kTurnedApart = 0.1;     // rad
+constexpr int kPlanar = 0b100011;        // axes x, y and yaw
+constexpr int kCandidates = 40;          // of the index
+constexpr std::size_t kMostPlaces = 12;  // of theirs that are searched
+constexpr double kPlaceReach = 7.0;      // m, about a candidate
+constexpr double kPlaceTurn = 0.2;       // rad
 
 /// A hypothesis, and the search that it is of.
 struct Try {

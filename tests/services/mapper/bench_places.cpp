@@ -1,7 +1,9 @@
 // Development tool, no test: how often find_place() finds the place of a revolution, and whether it ever takes another
 // for it. Towns of several seeds and, if it is there, the recorded street:
-//   bench_places [towns=4] [spacing=2] [few=0] [global=0]
-// `spacing`: m between nodes; `few`: that many nodes only, about the place (0: all).
+//   bench_places [towns=4] [spacing=2] [few=0] [cars=0] [drift=0] [half=0] [global=0]
+// `spacing`: m between nodes; `few`: that many nodes only, about the place (0: all); `cars`: so many stand about the
+// revolution that did not when the nodes were made; `drift`: of the nodes, m a node; `half`: half of each revolution is
+// lost; `global`: nothing is guessed.
 #include <fmt/format.h>
 #include <time.h>
 
@@ -136,9 +138,63 @@ Places street(const std::string& folder, double spacing) {
   return out;
 }
 
-struct Options {
-  int few = 0;
+/// Cars that were not there before: the rays that meet them end there. The lidar is at `lidar` in base_link.
+void park(View& view, const Eigen::Vector3d& lidar, int cars, Random& random) {
+  for (int i = 0; i < cars; ++i) {
+    const double azimuth = random.uniform(-kPi, kPi), range = random.uniform(4, 18);
+    const Eigen::Vector3d low(range * std::cos(azimuth) - lidar.x(), range * std::sin(azimuth) - lidar.y(), -1.73);
+    const Eigen::Vector3d high =
+        low + Eigen::Vector3d(random.chance(0.5) ? 4.2 : 1.8, random.chance(0.5) ? 4.2 : 1.8, 1.6);
+    for (LidarPoint& p : view.points) {
+      const Eigen::Vector3d ray = p.position.cast<double>() - lidar;  // the whole of it is 1 long
+      double enter = 0, leave = 1;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double a = low[axis] / ray[axis], b = high[axis] / ray[axis];
+        enter = std::max(enter, std::min(a, b));
+        leave = std::min(leave, std::max(a, b));
+      }
+      if (enter > 0 && enter < leave) p.position = (lidar + enter * ray).cast<float>();
+    }
+  }
+}
+
+/// What happened since the nodes were made.
+struct Changes {
+  int cars = 0;
+  double drift = 0;
+  bool half = false;
 };
+
+void change(Places& places, const Changes& changes, Random random) {
+  for (std::vector<View>* views : {&places.near, &places.far}) {
+    for (View& view : *views) {
+      park(view, places.lidar, changes.cars, random);
+      if (!changes.half) continue;
+      const double from = random.uniform(-kPi, kPi);
+      std::erase_if(view.points, [&](const LidarPoint& p) {
+        return std::remainder(
+                   std::atan2(static_cast<double>(p.position.y()), static_cast<double>(p.position.x())) - from,
+                   2 * kPi) > 0;
+      });
+    }
+  }
+  if (places.nodes.empty() || !(changes.drift > 0)) return;
+  std::vector<Pose> before;
+  Pose off = Pose::Identity();
+  for (MapNode& node : places.nodes) {
+    before.push_back(node.T_map_base);
+    node.T_map_base = node.T_map_base * off;
+    off.translation() += changes.drift * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+    off.linear() = off.linear() * rotation_from_rpy(0, 0, 0.1 * changes.drift * random.normal());
+  }
+  for (View& view : places.near) {  // its place is where its surroundings are now
+    const auto distance = [&](const Pose& T) { return (T.translation() - view.T_map_base.translation()).norm(); };
+    const auto nearest = std::min_element(before.begin(), before.end(),
+                                          [&](const Pose& a, const Pose& b) { return distance(a) < distance(b); });
+    const MapNode& node = places.nodes[static_cast<std::size_t>(nearest - before.begin())];
+    view.T_map_base = node.T_map_base * nearest->inverse() * view.T_map_base;
+  }
+}
 
 std::vector<const MapNode*> nodes_about(const Places& places, const Eigen::Vector3d& position, int few) {
   std::vector<const MapNode*> out;
@@ -258,6 +314,7 @@ int main(int argc, char** argv) {
   int towns = 4, few = 0;
   double spacing = 2;
   bool everywhere = false;
+  Changes changes;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     const auto equals = argument.find('=');
@@ -266,6 +323,9 @@ int main(int argc, char** argv) {
     if (key == "towns") towns = static_cast<int>(value);
     if (key == "few") few = static_cast<int>(value);
     if (key == "spacing") spacing = value;
+    if (key == "cars") changes.cars = static_cast<int>(value);
+    if (key == "drift") changes.drift = value;
+    if (key == "half") changes.half = value != 0;
     if (key == "global") everywhere = value != 0;
   }
   std::vector<Places> all;
