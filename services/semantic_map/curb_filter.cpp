@@ -58,6 +58,7 @@ struct LocalLine {
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();
   double linearity = 1;  ///< minor over major spread
   double extent = 0;     ///< m, major spread
+  double score = 0;      ///< mean
 };
 
 template <class Accept>
@@ -68,11 +69,13 @@ LocalLine line_around(const Eigen::Vector2d& at, double radius, const std::vecto
     const Eigen::Vector2d d = other.foot - at;
     if (d.squaredNorm() > radius * radius || !accept(other)) continue;
     ++line.count;
+    line.score += other.c->score;
     line.mean += d;
     scatter += d * d.transpose();
   }
   if (line.count < 2) return line;
   line.mean /= line.count;
+  line.score /= line.count;
   scatter = scatter / line.count - line.mean * line.mean.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(scatter);
   const double minor = std::sqrt(std::max(0.0, eigen.eigenvalues()(0)));
@@ -90,6 +93,15 @@ bool is_on_line(const Placed& p, const std::vector<Placed>& strong, const CurbPa
   const LocalLine line = line_around(p.foot, radius, strong, alike);
   return line.count > parameters.min_neighbours && line.linearity < parameters.max_linearity &&
          line.extent > kMinExtent && std::abs(line.direction.dot(p.c->up)) < 0.6;
+}
+
+/// The steps along a line bear each other out: a short line must be of certain steps, a long one may be of less
+/// certain.
+bool is_supported(const Placed& p, const std::vector<Placed>& kept, const CurbParameters& parameters) {
+  if (!parameters.use_step) return true;  // a tilt alone has no certainty
+  const auto alike = [&](const Placed& o) { return std::abs(o.c->up.dot(p.c->up)) > 0.6; };
+  const LocalLine line = line_around(p.foot, kMargin, kept, alike);
+  return line.score * std::sqrt(line.extent) >= parameters.line_sigmas;
 }
 
 bool continues_line(const Placed& p, const std::vector<Placed>& confirmed) {
@@ -111,9 +123,13 @@ std::vector<CurbPoint> filter_curbs(const Around<std::vector<CurbCandidate>>& ca
   for (const Placed& p : all) {
     if (!is_ghost(p, all)) (p.c->weak ? weak : strong).push_back(p);
   }
-  std::vector<Placed> kept;
+  std::vector<Placed> on_line;
   for (const Placed& p : strong) {
-    if (is_on_line(p, strong, parameters)) kept.push_back(p);
+    if (is_on_line(p, strong, parameters)) on_line.push_back(p);
+  }
+  std::vector<Placed> kept;
+  for (const Placed& p : on_line) {
+    if (is_supported(p, on_line, parameters)) kept.push_back(p);
   }
   const std::vector<Placed> confirmed = kept;
   for (const Placed& p : weak) {

@@ -20,7 +20,7 @@ struct CurbParameters {
   double half_length = 0.25;     ///< m along the curb
   double min_step = 0.038;       ///< m
   double max_step = 0.50;        ///< m; the paper: less than 0.5 m above ground
-  double step_sigmas = 5.0;      ///< the step against its own uncertainty
+  double step_sigmas = 4.5;      ///< the step against its own uncertainty
   double layer_sigmas = 2.0;     ///< the step against how far scan lines disagree around
   double clear_share = 0.4;      ///< of the step that must part the two sides' heights
   double min_cover = 0.5;        ///< of the 3 cm bins across a side, that must hold points
@@ -29,6 +29,7 @@ struct CurbParameters {
   double linearity_radius = 1.0;  ///< m
   double max_linearity = 0.25;    ///< minor over major spread of the detections around
   int min_neighbours = 4;         ///< detections within linearity_radius
+  double line_sigmas = 8.0;       ///< certainty of the steps along a line, times the root of its length in m
 
   void visit(ConfigVisitor& v) {
     v.field("min_stick", min_stick, {0, 1}, "share of l1, for a point to be of the ground");
@@ -48,6 +49,7 @@ struct CurbParameters {
     v.field("min_weak_step", min_weak_step, {0.005, 0.5}, "m, where a curb line goes on (dropped kerbs)");
     v.field("linearity_radius", linearity_radius, {0.2, 2.0}, "m, around a detection");
     v.field("max_linearity", max_linearity, {0, 1}, "minor over major spread of the detections around");
+    v.field("line_sigmas", line_sigmas, {0, 1000}, "certainty of the steps along a line, times the root of its length");
     v.field("min_neighbours", min_neighbours, {1, 100}, "detections within linearity_radius");
   }
 };

@@ -148,6 +148,28 @@ TEST(Curbs, BesideAParkedCarAreFound) {
 
 // --- Classes --------------------------------------------------------------------------------------------------------
 
+/// Detections along x from 0.5 m on, 8 a metre; how many of them the filter keeps.
+std::size_t kept_of_line(double length, double score) {
+  std::vector<CurbCandidate> candidates;
+  for (double x = 0.5; x <= 0.5 + length; x += 0.125) {
+    CurbCandidate c;
+    c.foot = {x, 1.5};
+    c.up = Eigen::Vector2d::UnitY();
+    c.height = 0.1;
+    c.score = score;
+    candidates.push_back(c);
+  }
+  Around<std::vector<CurbCandidate>> around;
+  around.set(0, 0, &candidates);
+  return filter_curbs(around, {}).size();
+}
+
+TEST(CurbFilter, AShortLineMustBeOfCertainStepsALongOneMayBeOfLessCertain) {
+  EXPECT_EQ(kept_of_line(1.0, 5), 0U);
+  EXPECT_GE(kept_of_line(1.0, 12), 8U);
+  EXPECT_GE(kept_of_line(2.4, 6), 18U);
+}
+
 TEST(Classes, AWallIsAWallABoxAnObstacleAndACrownNeither) {
   SyntheticCloud cloud;
   cloud.ground(0, 0, 12, 12, kDensity, [](double, double) { return 0.0; });
