@@ -36,9 +36,10 @@ struct WheelsConfig {
   double stamp_noise = 2e-4;      ///< s, 1 sigma of a stamp
   double angle_noise = 3e-4;      ///< rad, 1 sigma of an angle: quantisation
   double lateral_noise = 0.03;    ///< m/s, 1 sigma of sideways speed at the axle
-  double vertical_noise = 0.03;   ///< m/s, 1 sigma of vertical speed at the axle, in base_link
+  double vertical_noise = 0.06;   ///< m/s, 1 sigma of vertical speed at the axle, in base_link
   double axle = 0.0;              ///< m, forward of base_link: where the vehicle does not move sideways in a turn
   double axle_sigma = 0.3;        ///< m, 1 sigma of it, at the start; 0: exact
+  double course_sigma = 0.004;    ///< rad, 1 sigma of the way it rolls against base_link's x, at the start; 0: exact
   double scale_sigma = 0.01;      ///< 1 sigma of what both radii have in common, at the start
   double mismatch_sigma = 0.003;  ///< 1 sigma of a single radius beyond that
   double track_sigma = 0.02;      ///< 1 sigma of the track width, relative
@@ -54,6 +55,8 @@ struct WheelsConfig {
     v.field("vertical_noise", vertical_noise, {1e-3, 10.0}, "m/s, 1 sigma of vertical speed at the axle");
     v.field("axle", axle, {-10.0, 10.0}, "m, forward of base_link: the point that does not move sideways in a turn");
     v.field("axle_sigma", axle_sigma, {0.0, 5.0}, "m, 1 sigma of it at the start; 0: exact");
+    v.field("course_sigma", course_sigma, {0.0, 0.5},
+            "rad, 1 sigma of the way it rolls against base_link's x, to the side and up; 0: exact");
     v.field("scale_sigma", scale_sigma, {0.0, 0.5}, "1 sigma of an error that both radii share; 0: exact");
     v.field("mismatch_sigma", mismatch_sigma, {0.0, 0.5}, "1 sigma of each radius on its own; 0: exact");
     v.field("track_sigma", track_sigma, {0.0, 0.5}, "1 sigma of the track width, relative; 0: exact");

@@ -11,6 +11,7 @@ NavState plus(const NavState& state, const ErrorVector& error) {
   out.accelerometer_bias += error.segment<3>(kAccelerometerBias);
   out.wheel_scale += error.segment<3>(kWheelScale);
   out.axle += error[kAxle];
+  out.course += error.segment<2>(kCourse);
   return out;
 }
 
@@ -18,7 +19,7 @@ ErrorVector minus(const NavState& to, const NavState& from) {
   ErrorVector error;
   error << to.position - from.position, to.velocity - from.velocity, so3_log(from.attitude.conjugate() * to.attitude),
       to.gyro_bias - from.gyro_bias, to.accelerometer_bias - from.accelerometer_bias, to.wheel_scale - from.wheel_scale,
-      to.axle - from.axle;
+      to.axle - from.axle, to.course - from.course;
   return error;
 }
 

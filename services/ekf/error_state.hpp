@@ -20,7 +20,8 @@ struct NavState {
   Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();           ///< bg: body axes, rad/s
   Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();  ///< ba: body axes, m/s^2
   Eigen::Vector3d wheel_scale = Eigen::Vector3d::Zero();         ///< s: left radius, right radius, track; relative
-  double axle = 0.0;  ///< m, forward of base_link: the point that does not move sideways
+  double axle = 0.0;                                 ///< m, forward of base_link: the point that does not move sideways
+  Eigen::Vector2d course = Eigen::Vector2d::Zero();  ///< c: how far left and up of x the axle rolls, rad
 };
 
 /// Order of the error state. A true value is the estimate plus its error, but for attitude, where the error is a
@@ -29,8 +30,11 @@ struct NavState {
 /// The first 15 are the inertial ones. Three are the wheels' calibration: how much larger the true radii and track are
 /// than the configured ones. They are nearly constant and hardly observable (the accelerometer sees them a little, the
 /// gyro sees their difference), but without them a filter claims centimetres after a kilometre of wheels that are 1 %
-/// off, and takes the wheels' turning error for a gyro bias. The last is where the axle is that does not slide: a
-/// base_link 0.76 m ahead of it (KITTI's car, if it is put below the LiDAR) swings out by 1.2 m in a right turn.
+/// off, and takes the wheels' turning error for a gyro bias. The last
+/// three are where the axle is that does not slide, and which way it rolls: a base_link 0.76 m ahead of it (KITTI's
+/// car, if it is put below the LiDAR) swings out by 1.2 m in a right turn, and if x looks up by half a degree (the same
+/// car, if the LiDAR's own axes are taken) it sinks by 0.6 m in 70 m, as far as a filter is concerned that knows of
+/// neither.
 enum ErrorIndex : int {
   kPosition = 0,
   kVelocity = 3,
@@ -39,7 +43,8 @@ enum ErrorIndex : int {
   kAccelerometerBias = 12,
   kWheelScale = 15,
   kAxle = 18,
-  kErrorSize = 19,
+  kCourse = 19,
+  kErrorSize = 21,
 };
 using ErrorVector = Eigen::Matrix<double, kErrorSize, 1>;
 using ErrorMatrix = Eigen::Matrix<double, kErrorSize, kErrorSize>;

@@ -141,7 +141,7 @@ void Filter::restore_if_not_finite() {
   const NavState& x = belief_.mean;
   const bool finite = belief_.covariance.allFinite() && x.position.allFinite() && x.velocity.allFinite() &&
                       x.attitude.coeffs().allFinite() && x.gyro_bias.allFinite() && x.accelerometer_bias.allFinite() &&
-                      x.wheel_scale.allFinite() && std::isfinite(x.axle);
+                      x.wheel_scale.allFinite() && std::isfinite(x.axle) && x.course.allFinite();
   if (finite) {
     last_good_ = belief_;
     return;
@@ -235,7 +235,10 @@ void Filter::correct_driving(const WheelInterval& interval) {
       counters_.add(wheel == 0 ? "gated.wheel_left" : "gated.wheel_right");
   }
   apply(stack(stack(rows[0], rows[1]), observe_constraint(motion)));
-  if (std::abs(belief_.mean.axle - config_->wheels.axle) > kMaxAxleError * config_->wheels.axle_sigma) {
+  const bool strayed =
+      std::abs(belief_.mean.axle - config_->wheels.axle) > kMaxAxleError * config_->wheels.axle_sigma ||
+      belief_.mean.course.cwiseAbs().maxCoeff() > kMaxAxleError * config_->wheels.course_sigma;
+  if (strayed) {
     counters_.add("reset.axle");
     forget_axle(belief_, config_->wheels);
   }

@@ -48,10 +48,12 @@ Observation<1> observe_no_motion_along(int axis, const NavState& state, const Bo
                                        const Geometry& geometry) {
   const Eigen::Vector3d arm(state.axle, 0.0, 0.0);
   Observation<1> z;
-  z.residual[0] = -(motion.velocity + motion.angular_rate.cross(arm))[axis];
-  z.H = velocity_jacobian(geometry).row(axis);
+  const double course = state.course[axis - 1];
+  z.residual[0] = course * motion.velocity.x() - (motion.velocity + motion.angular_rate.cross(arm))[axis];
+  z.H = velocity_jacobian(geometry).row(axis) - course * velocity_jacobian(geometry).row(0);
   z.H.middleCols<3>(kGyroBias) += skew(arm).row(axis);
-  z.H(0, kAxle) = motion.angular_rate.cross(Eigen::Vector3d::UnitX())[axis];
+  if (axis == 1) z.H(0, kAxle) = motion.angular_rate.z();
+  z.H(0, kCourse + axis - 1) = -motion.velocity.x();
   z.R(0, 0) = sigma * sigma;
   return z;
 }

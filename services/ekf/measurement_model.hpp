@@ -43,8 +43,10 @@ enum class Wheel { kLeft = 0, kRight = 1 };
 [[nodiscard]] Observation<1> observe_wheel(const NavState& state, const BodyMotion& motion, Wheel wheel, double speed,
                                            double sigma, const Geometry& geometry);
 
-/// Non-holonomic constraint: the axle, at (state.axle, 0, 0), moves neither sideways (axis 1) nor off the ground (axis
-/// 2).
+/// Non-holonomic constraint: the axle, at a = (state.axle, 0, 0), rolls the way of its course c, neither sideways of it
+/// (axis 1) nor off the ground (axis 2):  (v + w x a)_axis = c_axis v_x
+/// The vertical axis tells nothing of the axle's place: on its springs a vehicle does not pitch about its axle. (Had it
+/// a say, a real car's heaving would teach 0.3 m of error in seconds, and what that costs in the next bend.)
 [[nodiscard]] Observation<1> observe_no_motion_along(int axis, const NavState& state, const BodyMotion& motion,
                                                      double sigma, const Geometry& geometry);
 

@@ -46,9 +46,11 @@ void forget_wheel_scale(Belief& belief, const WheelsConfig& config) {
 
 void forget_axle(Belief& belief, const WheelsConfig& config) {
   belief.mean.axle = config.axle;
-  belief.covariance.row(kAxle).setZero();
-  belief.covariance.col(kAxle).setZero();
+  belief.mean.course.setZero();
+  belief.covariance.middleRows<3>(kAxle).setZero();
+  belief.covariance.middleCols<3>(kAxle).setZero();
   belief.covariance(kAxle, kAxle) = config.axle_sigma * config.axle_sigma;
+  belief.covariance.diagonal().segment<2>(kCourse).setConstant(config.course_sigma * config.course_sigma);
 }
 
 StartUp::StartUp(const EkfConfig& config)

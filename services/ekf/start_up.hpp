@@ -10,7 +10,7 @@ namespace curbstone {
 
 /// Radii and track as configured, with the prior's covariance.
 void forget_wheel_scale(Belief& belief, const WheelsConfig& config);
-/// Likewise the axle's place.
+/// Likewise the axle's place and course.
 void forget_axle(Belief& belief, const WheelsConfig& config);
 
 /// Finds the first belief. At standstill the mean specific force levels the attitude and the mean rate is the gyro's

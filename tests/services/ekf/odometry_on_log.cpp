@@ -2,6 +2,7 @@
 // the mapper on its LIDAR_POINTS as well, and prints how far odometry and map poses are from the truth: for tuning by
 // hand, not a test.
 
+#include <Eigen/Cholesky>
 #include <chrono>
 #include <cstdio>
 #include <curbstone/map_pose_t.hpp>
@@ -20,15 +21,26 @@ using namespace curbstone;
 
 namespace {
 
+/// What odometry_t does not tell.
+struct Calibration {
+  NavState mean;
+  double axle_sigma;  // m
+};
+
 struct Run {
   std::vector<odometry_t> odometry;
+  std::vector<Calibration> calibration;  // one for each
   Trajectory map;
   double seconds = 0.0;  // of CPU in the node
 };
 
 Run run(const std::string& log_file, EkfNode& node, MapperNode* mapper, LocalBus& bus) {
   Run out;
-  bus.subscribe<odometry_t>("ODOMETRY", [&](const odometry_t& m) { out.odometry.push_back(m); });
+  bus.subscribe<odometry_t>("ODOMETRY", [&](const odometry_t& m) {
+    out.odometry.push_back(m);
+    const Belief& belief = node.filter().filter().belief();
+    out.calibration.push_back({belief.mean, std::sqrt(belief.covariance(kAxle, kAxle))});
+  });
   bus.subscribe<map_pose_t>("MAP_POSE", [&](const map_pose_t& m) {
     out.map.push_back({m.utime, pose_from_arrays(m.map_base_position, m.map_base_orientation)});
   });
@@ -62,7 +74,10 @@ void compare(const Run& result, const Trajectory& truth) {
               errors.rpe_percent, errors.rpe_deg_per_m, errors.end_percent);
   std::optional<Pose> T_truth_odom;
   std::int64_t next = 0;
-  for (const odometry_t& m : result.odometry) {
+  int looks = 0;
+  double nees = 0.0;
+  for (std::size_t i = 0; i < result.odometry.size(); ++i) {
+    const odometry_t& m = result.odometry[i];
     const auto T_truth_base = pose_at(truth, m.utime);
     if (!T_truth_base) continue;
     const Pose T_odom_base = pose_from_arrays(m.position, m.orientation);
@@ -74,18 +89,26 @@ void compare(const Run& result, const Trajectory& truth) {
     }
     if (m.utime < next) continue;
     next = m.utime + 250'000;
+    ++looks;
     const Pose expected = T_truth_odom->inverse() * *T_truth_base;
     const Eigen::Vector3d e = T_odom_base.translation() - expected.translation();
     const Eigen::Vector3d r = so3_log(Eigen::Quaterniond(expected.linear().transpose() * T_odom_base.linear()));
-    const auto sigma = [&](int i) { return std::sqrt(static_cast<double>(m.pose_covariance[i])); };
+    const Eigen::Matrix<double, 6, 6> covariance =
+        Eigen::Map<const Eigen::Matrix<float, 6, 6>>(m.pose_covariance).cast<double>() +
+        1e-8 * Eigen::Matrix<double, 6, 6>::Identity();  // at the origin it is exact
+    Eigen::Matrix<double, 6, 1> error;
+    error << e, r;
+    nees += error.dot(covariance.ldlt().solve(error));
+    const auto sigma = [&](int k) { return std::sqrt(static_cast<double>(m.pose_covariance[k])); };
     const double d = 57.29578;
     std::printf(
         "%7.2f s  error x %7.3f y %7.3f z %7.3f m (sigma %.3f %.3f %.3f)  rot %6.3f %6.3f %6.3f deg (sigma %.3f %.3f "
-        "%.3f)  v %.2f flags %d\n",
+        "%.3f)  v %.2f flags %d  axle %.3f (%.3f)\n",
         1e-6 * static_cast<double>(m.utime - result.odometry.front().utime), e.x(), e.y(), e.z(), sigma(0), sigma(7),
-        sigma(14), d * r.x(), d * r.y(), d * r.z(), d * sigma(21), d * sigma(28), d * sigma(35), m.velocity[0],
-        m.flags);
+        sigma(14), d * r.x(), d * r.y(), d * r.z(), d * sigma(21), d * sigma(28), d * sigma(35), m.velocity[0], m.flags,
+        result.calibration[i].mean.axle, result.calibration[i].axle_sigma);
   }
+  if (looks > 0) std::printf("NEES of the pose, mean: %.1f (expected 6)\n", nees / looks);
 }
 
 }  // namespace

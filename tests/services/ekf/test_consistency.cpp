@@ -29,6 +29,7 @@ EkfConfig told() {
   config.wheels.angle_noise = 1e-4;
   config.wheels.lateral_noise = 0.003;  // the simulated axle does not slide at all
   config.wheels.axle_sigma = 0.0;
+  config.wheels.course_sigma = 0.0;
   config.wheels.vertical_noise = 0.003;
   return config;
 }
@@ -136,6 +137,7 @@ TEST(Consistency, TheDefaultsAreHonestAboutTheSimulatorsVehicle) {
     options.scale = config.wheels.scale_sigma * normal(random);
     options.track = config.wheels.track_sigma * normal(random);
     options.axle = config.wheels.axle + config.wheels.axle_sigma * normal(random);
+    for (double& c : options.course) c = config.wheels.course_sigma * normal(random);
     const Drive drive = simulate_town_drive(options, config.vehicle);
     Filter filter(config);
     run_and_look(filter, drive, kTimes, [&](std::size_t k, const Estimate& e, std::size_t start) {
@@ -188,7 +190,7 @@ TEST(Consistency, ABaseLinkThatIsNotOverTheAxleIsFoundOut) {
   constexpr double kNever[] = {1e9};
   Filter filter(config);
   const auto out = run_and_look(filter, drive, kNever, [](auto&&...) {});
-  EXPECT_NEAR(filter.belief().mean.axle, -0.76, 0.1);
+  EXPECT_NEAR(filter.belief().mean.axle, -0.76, 0.2);  // the block has left bends only
   const Pose truth = drive.T_odom_base(drive.index_of(out.back().utime), drive.index_of(out.front().utime));
   EXPECT_LT((truth.translation() - out.back().T_odom_base.translation()).norm(), 0.01 * drive.distance);
 }

@@ -19,6 +19,7 @@ class Models : public ::testing::Test {
     state_.accelerometer_bias << 0.1, -0.1, 0.05;
     state_.wheel_scale << 0.01, -0.02, 0.03;
     state_.axle = -0.4;
+    state_.course << 0.02, -0.03;
     imu_.angular_rate << 0.3, -0.5, 1.1;
     imu_.acceleration << 0.7, -1.2, 9.5;
   }
@@ -107,10 +108,18 @@ TEST_F(Models, ForwardSpeedJacobianMatchesWhereTheGyroIsNotUsed) {
 TEST_F(Models, ConstraintJacobianMatches) {
   const Geometry geometry(vehicle_);
   for (const int axis : {1, 2}) {
-    expect_jacobian_matches([&](const NavState& x) {
+    expect_jacobian_matches([&](NavState x) {
+      if (axis == 2) x.axle = state_.axle;
       return observe_no_motion_along(axis, x, body_motion(x, imu_.angular_rate, geometry), 0.1, geometry);
     });
   }
+}
+
+TEST_F(Models, WhereTheAxleIsShowsInTurnsAndNotInPitching) {
+  const BodyMotion motion{{3.0, 0.0, 0.0}, {0.1, 0.2, 0.4}};
+  const Geometry geometry(vehicle_);
+  EXPECT_DOUBLE_EQ(observe_no_motion_along(1, state_, motion, 1, geometry).H(0, kAxle), 0.4);
+  EXPECT_EQ(observe_no_motion_along(2, state_, motion, 1, geometry).H(0, kAxle), 0.0);
 }
 
 TEST_F(Models, TheAxleIsWhatDoesNotMoveSideways) {
@@ -121,6 +130,15 @@ TEST_F(Models, TheAxleIsWhatDoesNotMoveSideways) {
   x.axle = -0.76;
   const BodyMotion motion{{1.0, 0.5 * 0.76, 0}, {0, 0, 0.5}};
   EXPECT_NEAR(observe_no_motion_along(1, x, motion, 1, geometry).residual[0], 0.0, 1e-12);
+}
+
+TEST_F(Models, ACourseThatIsNotAlongXIsNoMotionOffTheCourse) {
+  const Geometry geometry(vehicle_);
+  NavState x;
+  x.course << 0.01, -0.02;
+  const BodyMotion motion{{3.0, 0.03, -0.06}, Eigen::Vector3d::Zero()};
+  for (const int axis : {1, 2})
+    EXPECT_NEAR(observe_no_motion_along(axis, x, motion, 1, geometry).residual[0], 0.0, 1e-12);
 }
 
 TEST_F(Models, IncrementJacobianMatchesUpToTheBendWithinIt) {

@@ -15,11 +15,15 @@ constexpr std::int64_t kStart = 1'750'000'000'000'000;  // us
 constexpr double kPeriod = 0.01;                        // s, of both sensors
 constexpr double kWheelPhase = 0.004;                   // s, wheels after IMU
 
-/// The town's motion is the axle's; base_link is elsewhere along the vehicle.
+/// The town's motion is the axle's; base_link is elsewhere along the vehicle, and looks a little elsewhere.
 class ShiftedMotion final : public Motion {
  public:
-  ShiftedMotion(const Motion& axle, double axle_ahead_of_base)
-      : axle_(axle), T_axle_base_(Eigen::Translation3d(-axle_ahead_of_base, 0, 0)) {}
+  ShiftedMotion(const Motion& axle, const TownDriveOptions& o) : axle_(axle), T_axle_base_(Pose::Identity()) {
+    // The axle's x, seen from base_link, is (1, c0, c1).
+    const Eigen::Matrix3d R_base_axle = rotation_from_rpy(0, -o.course[1], o.course[0]);
+    T_axle_base_.linear() = R_base_axle.transpose();
+    T_axle_base_.translation() = R_base_axle.transpose() * Eigen::Vector3d(-o.axle, 0, 0);
+  }
   [[nodiscard]] Pose T_world_base(double t) const override { return axle_.T_world_base(t) * T_axle_base_; }
 
  private:
@@ -36,7 +40,7 @@ const Town& the_town() {
 
 Drive simulate_town_drive(const TownDriveOptions& o, const VehicleConfig& vehicle) {
   const TownMotion of_axle(the_town(), vehicle, SpeedProfile({.speed = o.speed}, o.seconds));
-  const ShiftedMotion motion(of_axle, o.axle);
+  const ShiftedMotion motion(of_axle, o);
   ImuNoise imu_noise;
   WheelNoise wheel_noise;
   if (!o.slip) wheel_noise.slips_per_minute = 0;

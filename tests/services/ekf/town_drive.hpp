@@ -9,12 +9,13 @@ namespace curbstone {
 /// The vehicle's file may be as wrong about the vehicle as the options say.
 struct TownDriveOptions {
   double seconds = 60.0;
-  double speed = 3.0;  ///< m/s
-  unsigned seed = 1;   ///< of the noise; the town is always number 1
-  bool slip = true;    ///< with the simulator's slip events
-  double scale = 0.0;  ///< share by which both true wheels are larger than the vehicle's file says
-  double track = 0.0;  ///< likewise the track
-  double axle = 0.0;   ///< m, forward of base_link: where the wheels really are
+  double speed = 3.0;                 ///< m/s
+  unsigned seed = 1;                  ///< of the noise; the town is always number 1
+  bool slip = true;                   ///< with the simulator's slip events
+  double scale = 0.0;                 ///< share by which both true wheels are larger than the vehicle's file says
+  double track = 0.0;                 ///< likewise the track
+  double axle = 0.0;                  ///< m, forward of base_link: where the wheels really are
+  std::array<double, 2> course = {};  ///< rad, to the left and up of base_link's x: which way they really roll
 };
 [[nodiscard]] Drive simulate_town_drive(const TownDriveOptions& options, const VehicleConfig& vehicle);
 

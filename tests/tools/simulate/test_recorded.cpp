@@ -31,8 +31,8 @@ struct Scanner {
 constexpr Scanner kDense{64, 2.0, -24.8, 0.18, false};
 constexpr Scanner kSparse{16, 15.1, -14.9, 0.36, true};
 
-/// A made-up recording: a level ground 1.73 m below the lidar, a wall at y = 6 and one at x = -8, seen by a scanner that
-/// moves straight ahead at 5 m/s.
+/// A made-up recording: a level ground 1.73 m below the lidar, a wall at y = 6 and one at x = -8, seen by a scanner
+/// that moves straight ahead at 5 m/s.
 class MadeUpRecording : public testing::Test {
  protected:
   void SetUp() override { record(kDense); }
@@ -138,7 +138,8 @@ TEST_F(MadeUpRecording, IsPutRightForTheMotionOfTheSweep) {
   EXPECT_GT(seen.side, 100);
   EXPECT_GT(seen.back, 100) << "the wrong way round, it is off by up to 0.5 m";
   EXPECT_GT(seen.ground, 250);
-  EXPECT_GT(seen.side + seen.back + seen.ground, seen.beams * 93 / 100) << "of " << seen.beams;  // a chord cuts the wall's foot
+  EXPECT_GT(seen.side + seen.back + seen.ground, seen.beams * 93 / 100)
+      << "of " << seen.beams;  // a chord cuts the wall's foot
 }
 
 TEST_F(MadeUpRecording, WhatIsMissingIsSaid) {
