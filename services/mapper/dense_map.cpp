@@ -230,7 +230,7 @@ bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
     if (give_up) counters_.add("dense.transient");
     return give_up;
   }
-  tile->append(point, last_call ? waiting.last : utime);
+  tile->append(point, last_call ? waiting.last : utime, anchor_);
   counters_.add("dense.points");
   ++size_;
   return true;
@@ -289,6 +289,73 @@ void DenseMap::bound_memory() {
     tiles_.erase(key);
     evicted_.push_back(key);
     counters_.add("dense.evicted_tiles");
+  }
+}
+
+void DenseMap::forget_waiting() {
+  waiting_.clear();
+  waiting_index_.clear(4096);
+  places_.clear();
+  places_index_.clear(4096);
+  recent_.fill({});
+}
+
+void DenseMap::move(const std::vector<Pose>& corrections) {
+  std::unordered_map<TileKey, DenseTile, TileKeyHash> before;
+  before.swap(tiles_);
+  forget_waiting();
+  size_ = 0;
+  std::vector<TileKey> order;
+  for (const auto& [key, tile] : before) order.push_back(key);
+  std::sort(order.begin(), order.end());
+  for (const TileKey& key : order) {
+    const DenseTile& tile = before.at(key);
+    const Eigen::Vector3d corner = corner_of(key, tile);
+    for (std::size_t r = 0; r < tile.runs().size(); ++r) {
+      const DenseTile::Run& run = tile.runs()[r];
+      const std::size_t end =
+          r + 1 < tile.runs().size() ? static_cast<std::size_t>(tile.runs()[r + 1].first) : tile.points().size();
+      const bool moves = run.anchor >= 0 && static_cast<std::size_t>(run.anchor) < corrections.size();
+      const Pose T = moves ? corrections[static_cast<std::size_t>(run.anchor)] : Pose::Identity();
+      for (auto i = static_cast<std::size_t>(run.first); i < end; ++i) {
+        const TilePoint& p = tile.points()[i];
+        const Eigen::Vector3d half(0.5, 0.5, 0.5);  // a point stands for its step's middle
+        const Eigen::Vector3d was = corner + kPositionStep * (Eigen::Vector3d(p.x, p.y, p.z) + half);
+        put(T * was, tile.z_origin(), p.intensity, run);
+      }
+    }
+  }
+}
+
+/// A point that was settled once, at its new place.
+void DenseMap::put(const Eigen::Vector3d& point, std::int32_t z_origin, std::uint8_t intensity,
+                   const DenseTile::Run& run) {
+  const auto key = tile_at(point.x(), point.y());
+  if (!key || std::abs(key->x) > 30000 || std::abs(key->y) > 30000) return;
+  DenseTile& tile = tiles_.try_emplace(*key, z_origin, voxel_steps_).first->second;
+  const auto in_tile = point_in_tile(point - corner_of(*key, tile), intensity);
+  if (!in_tile || tile.occupied(tile.voxel_number(*in_tile))) return;
+  tile.append(*in_tile, run.utime, run.anchor);
+  ++size_;
+  float& lowest = tile.lowest_at(*in_tile);
+  lowest = std::min(lowest, static_cast<float>(point.z()));
+}
+
+void DenseMap::roll_back(std::int64_t utime) {
+  forget_waiting();
+  for (auto& [key, tile] : tiles_) size_ -= tile.cut_after(utime);
+}
+
+void DenseMap::load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points) {
+  recent_.fill({});
+  const DenseTile::Run run{kFixed, 0, utime};
+  for (const TilePoint& p : points) {
+    DenseTile& tile = tiles_.try_emplace(key, z_origin, voxel_steps_).first->second;
+    if (tile.occupied(tile.voxel_number(p))) continue;
+    tile.append(p, run.utime, run.anchor);
+    ++size_;
+    float& lowest = tile.lowest_at(p);
+    lowest = std::min(lowest, static_cast<float>(z_origin + p.z * kPositionStep));
   }
 }
 

@@ -28,6 +28,18 @@ class DenseMap {
   /// Returns the tiles that grew, in order.
   std::vector<TileKey> insert(const std::vector<LidarPoint>& points, const Pose& T_map_base, std::int64_t utime,
                               bool add_new = true);
+  /// The node of the drive that the vehicle is at: what is settled from now on moves with it.
+  void set_anchor(std::int32_t anchor) { anchor_ = anchor; }
+  static constexpr std::int32_t kFixed = -1;  ///< an anchor that never moves
+
+  /// The nodes have been moved: every point goes where its anchor's correction, T_new_old by number, takes it. Where
+  /// two come into one voxel, one stays. What still waited is forgotten. All tiles are other ones now.
+  void move(const std::vector<Pose>& corrections);
+  /// Forgets what was settled after `utime`, to about a second, and what waits.
+  void roll_back(std::int64_t utime);
+  /// Takes a tile of an earlier map, which moves no more. The key must be new.
+  void load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points);
+
   /// What is still waiting for more hits goes in as it is; what must prove that it stays, does not.
   std::vector<TileKey> finish();
 
@@ -71,6 +83,8 @@ class DenseMap {
   [[nodiscard]] bool settle(Waiting& waiting, std::int64_t utime, bool last_call);
   std::vector<TileKey> settle_all(std::int64_t utime, bool last_call);
   void forget_places(std::int64_t utime);
+  void forget_waiting();
+  void put(const Eigen::Vector3d& point, std::int32_t z_origin, std::uint8_t intensity, const DenseTile::Run& run);
   void bound_memory();
 
   DenseConfig config_;
@@ -94,6 +108,7 @@ class DenseMap {
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();   // its z axis
   std::int64_t round_ = 0;                          // revolutions inserted
   std::int64_t size_ = 0;                           // points
+  std::int32_t anchor_ = kFixed;
   Counters counters_;
 };
 

@@ -41,10 +41,32 @@ std::uint32_t DenseTile::voxel_number(const TilePoint& point) const {
   return static_cast<std::uint32_t>((layer * per_side + point.y / voxel_steps_) * per_side + point.x / voxel_steps_);
 }
 
-void DenseTile::append(const TilePoint& point, std::int64_t utime) {
+void DenseTile::append(const TilePoint& point, std::int64_t utime, std::int32_t anchor) {
+  constexpr std::int64_t kLongestRun = 1'000'000;  // us: what cut_after() can tell apart
+  if (runs_.empty() || runs_.back().anchor != anchor || std::abs(utime - runs_.back().utime) > kLongestRun) {
+    runs_.push_back({anchor, static_cast<std::int32_t>(points_.size()), utime});
+  }
   utime_ = std::max(utime_, utime);
   points_.push_back(point);
   occupied_.insert(voxel_number(point));
+}
+
+std::int64_t DenseTile::cut_after(std::int64_t utime) {
+  const std::size_t before = points_.size();
+  std::vector<TilePoint> points;
+  std::vector<Run> runs;
+  points.swap(points_);
+  runs.swap(runs_);
+  utime_ = 0;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    if (runs[r].utime > utime) continue;
+    const std::size_t end = r + 1 < runs.size() ? static_cast<std::size_t>(runs[r + 1].first) : before;
+    runs_.push_back({runs[r].anchor, static_cast<std::int32_t>(points_.size()), runs[r].utime});
+    utime_ = std::max(utime_, runs[r].utime);
+    points_.insert(points_.end(), points.begin() + runs[r].first, points.begin() + static_cast<std::ptrdiff_t>(end));
+  }
+  sleep();
+  return static_cast<std::int64_t>(before - points_.size());
 }
 
 float& DenseTile::lowest(int column, int row) {

@@ -33,14 +33,27 @@ class DenseTile {
   /// Names the point's voxel within the tile.
   [[nodiscard]] std::uint32_t voxel_number(const TilePoint& point) const;
   [[nodiscard]] bool occupied(std::uint32_t voxel) const { return occupied_.contains(voxel); }
-  /// The point's voxel must not be occupied. `utime`: of the revolution that settled the point.
-  void append(const TilePoint& point, std::int64_t utime);
+  /// The point's voxel must not be occupied. `utime`: of the revolution that settled the point; `anchor`: the node of
+  /// the drive that the vehicle was at.
+  void append(const TilePoint& point, std::int64_t utime, std::int32_t anchor);
+  /// Points from `first` on, up to the next run, came from `utime` on with one anchor.
+  struct Run {
+    std::int32_t anchor;
+    std::int32_t first;
+    std::int64_t utime;
+  };
+  [[nodiscard]] const std::vector<Run>& runs() const { return runs_; }
+  /// Forgets the runs that began after `utime`. Returns how many points went.
+  std::int64_t cut_after(std::int64_t utime);
   /// When the newest point came, us. A fact of the content: whenever and in how many messages it is sent.
   [[nodiscard]] std::int64_t utime() const { return utime_; }
 
   /// Lowest height seen in each 0.6 m column, m in map; +infinity where nothing was seen.
   static constexpr int kColumns = 5;
   [[nodiscard]] float& lowest(int column, int row);
+  [[nodiscard]] float& lowest_at(const TilePoint& point) {
+    return lowest(point.x * kColumns / kStepsPerTile, point.y * kColumns / kStepsPerTile);
+  }
 
   /// Gives back the memory that only adding points needs; it is made again from the points when wanted.
   void sleep();
@@ -53,6 +66,7 @@ class DenseTile {
   bool asleep_ = false;
   std::int64_t utime_ = 0;
   std::vector<TilePoint> points_;
+  std::vector<Run> runs_;
   NumberSet occupied_;
   std::vector<float> lowest_;
 };

@@ -64,7 +64,7 @@ void check_map_tile(const SavedTile& tile, int voxel_steps, const fs::path& file
     if (p.x < 0 || p.x >= kStepsPerTile || p.y < 0 || p.y >= kStepsPerTile)
       fail_map(file, fmt::format("point {} lies outside its tile", i));
     if (voxels.occupied(voxels.voxel_number(p))) fail_map(file, fmt::format("point {} is in another's voxel", i));
-    voxels.append(p, tile.utime);
+    voxels.append(p, tile.utime, 0);
   }
 }
 

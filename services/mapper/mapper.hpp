@@ -1,19 +1,21 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <deque>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "common/counters.hpp"
 #include "common/geometry.hpp"
+#include "services/mapper/atlas.hpp"
 #include "services/mapper/dense_map.hpp"
-#include "services/mapper/deskew.hpp"
+#include "services/mapper/loop_closer.hpp"
 #include "services/mapper/mapper_config.hpp"
 #include "services/mapper/odometry_history.hpp"
-#include "services/mapper/registration.hpp"
+#include "services/mapper/place_finder.hpp"
 #include "services/mapper/revolution.hpp"
+#include "services/mapper/saved_map.hpp"
+#include "services/mapper/tracker.hpp"
 
 namespace curbstone {
 
@@ -24,98 +26,107 @@ struct MapperUpdate {
   Pose T_map_base = Pose::Identity();
   Pose T_map_odom = Pose::Identity();  ///< the last known, where odometry is missing
   RegistrationResult registration;     ///< covariance still in base_link axes
+  Fix fix = Fix::kTracking;
   bool registered = false;
   bool with_odometry = false;
   bool stationary = false;
+  bool rearranged = false;     ///< a loop was closed, or the map rolled back: every tile may be another
   std::vector<TileKey> grown;  ///< tiles with new points
 };
 
-/// The mapper's method: de-skew, register, insert. A function of the sequence of calls alone. Pure; one thread.
+/// The mapper's method: track each revolution, remember the drive as a graph of places, close its loops, keep the dense
+/// map. A function of the sequence of calls alone. Pure; one thread.
 ///
-/// Counters: revolutions, keyframes, refused.sparse, refused.time, refused.not_converged, refused.overlap,
-/// refused.inliers, refused.residual, refused.jump, odometry.not_believed, without_odometry.
+/// Counters: those of Tracker and LoopCloser; searches (for where the vehicle is, while lost), searches.found,
+/// rolled_back.
 class Mapper {
  public:
   explicit Mapper(const MapperConfig& config);
 
-  /// Takes the next revolution; nothing when it cannot be placed in time (once more, late by less than a second, longer
-  /// than one, ended before it began) or holds too few points that can be measurements. Such changes nothing.
+  /// Before the first revolution: a map of an earlier drive, which stands fast. The drive begins about at the start
+  /// that the configuration gives.
+  void load(const SavedMap& map);
+  /// All that outlives the drive.
+  [[nodiscard]] SavedMap saved(std::int32_t epoch) const;
+
+  /// Takes the next revolution; nothing when it cannot be placed in time or holds too few points that can be
+  /// measurements: see Tracker::track(). Such changes nothing.
   [[nodiscard]] std::optional<MapperUpdate> process(const Revolution& revolution, const OdometryHistory& odometry);
 
   /// The drive is over: what still waits goes into the dense map. Tiles with new points.
   [[nodiscard]] std::vector<TileKey> finish();
 
-  [[nodiscard]] bool started() const { return last_.has_value(); }
+  [[nodiscard]] bool started() const { return tracker_.started(); }
+  [[nodiscard]] Fix fix() const { return tracker_.fix(); }
   [[nodiscard]] const DenseMap& dense() const { return dense_; }
   [[nodiscard]] DenseMap& dense() { return dense_; }
+  [[nodiscard]] const Atlas& atlas() const { return atlas_; }
   /// Voxels of the map that registration keeps; bounded by its window.
-  [[nodiscard]] std::size_t registration_size() const { return registration_->size(); }
-  [[nodiscard]] const Counters& counters() const { return counters_; }
+  [[nodiscard]] std::size_t registration_size() const { return tracker_.registration_size(); }
+  [[nodiscard]] Counters counters() const;
   /// Revolutions in a row that could not be registered.
-  [[nodiscard]] int refused_in_a_row() const { return refused_in_a_row_; }
+  [[nodiscard]] int refused_in_a_row() const { return tracker_.refused_in_a_row(); }
+
+  /// A revolution's end, as the map has it now.
+  struct TrajectoryPoint {
+    std::int64_t utime;  ///< us
+    std::int32_t revolution;
+    Pose T_map_base;
+  };
+  /// The drive's poses, in order, one each few centimetres; a closed loop moves them.
+  [[nodiscard]] std::vector<TrajectoryPoint> trajectory() const;
 
  private:
-  struct Last {
-    std::int64_t end = 0;
-    Pose T_map_base = Pose::Identity();
+  /// Where the vehicle was, seen from a node: when a loop is closed, it moves with that.
+  struct Footprint {
+    std::int64_t utime;
+    std::int32_t revolution;
+    std::int32_t node;
+    Eigen::Vector3f position;
+    Eigen::Quaternionf attitude;
   };
-  /// What is known of the motion before the LiDAR is looked at.
-  struct Expectation {
-    bool with_odometry = false;  // odometry spans from the last revolution's end to this one's
-    bool stationary = false;
-    SweepMotion sweep;
-    Pose T_last_base = Pose::Identity();   // base now, seen from base at the last revolution's end
-    Matrix6 covariance = Matrix6::Zero();  // of T_last_base
+  /// What odometry said at a footprint.
+  struct Witness {
+    Footprint footprint;
+    Pose T_odom_base;
   };
-  /// One registration of a revolution, beginning from an expectation.
-  struct Attempt {
-    Expectation expected;
-    PosePrior prior;
-    std::vector<LidarPoint> points;  // de-skewed, in base_link
-    RegistrationResult result;
-    std::string refusal;  // the counter of why it is not believed; empty if it is
-    bool believed = false;
-  };
-
-  [[nodiscard]] Expectation expect(const Revolution& revolution, const OdometryHistory& odometry);
-  [[nodiscard]] Expectation expect_steady(const Revolution& revolution) const;
-  [[nodiscard]] std::vector<LidarPoint> in_base(const Revolution& revolution, const SweepMotion& sweep) const;
-  [[nodiscard]] Attempt try_with(const Revolution& revolution, Expectation expected);
-  void align(const Revolution& revolution, Attempt& attempt);
-  [[nodiscard]] std::string refusal(const Attempt& attempt) const;
-  void conclude(const Revolution& revolution, const OdometryHistory& odometry, const Attempt& attempt,
-                MapperUpdate& update);
-  void start(const Revolution& revolution, const OdometryHistory& odometry, MapperUpdate& update);
-  void begin_registration_map(const Twist& twist);
-  [[nodiscard]] bool finish_start(MapperUpdate& update);
-  void insert(const std::vector<LidarPoint>& points, MapperUpdate& update);
   /// A revolution of the first standstill, kept out of the dense map for now.
   struct Held {
     std::vector<LidarPoint> points;
     Pose T_map_base;
     std::int64_t utime;
   };
-  [[nodiscard]] bool holds_back(const std::vector<LidarPoint>& points, const MapperUpdate& update);
+
+  void take(Tracked& tracked, MapperUpdate& update);
+  void take_first(const Tracked::Earlier& first, MapperUpdate& update);
+  void recall_surroundings(const Eigen::Vector3d& position);
+  void notice_motion(Tracked& tracked);
+  void grow(const Tracked& tracked, MapperUpdate& update);
+  [[nodiscard]] bool holds_back(const Tracked& tracked);
   [[nodiscard]] std::vector<TileKey> insert_held();
+  void close_loop(Tracked& tracked, MapperUpdate& update);
+  void search(Tracked& tracked, MapperUpdate& update);
+  [[nodiscard]] Pose T_map_of(const Footprint& footprint) const;
+  [[nodiscard]] std::optional<std::int64_t> contradiction(const Pose& T_map_base, std::int64_t utime) const;
+  void rebuild_registration(const Pose& T_map_base, int reference);
+  void leave_footprint(const MapperUpdate& update);
 
   MapperConfig config_;
-  Pose T_base_lidar_;
-  std::unique_ptr<Registration> registration_;
+  Tracker tracker_;
+  Atlas atlas_;
+  LoopCloser closer_;
+  PlaceFinder finder_;
   DenseMap dense_;
-  std::optional<Last> last_;
-  std::optional<Revolution> first_;       // until its motion is known, where there is no odometry
-  std::vector<LidarPoint> first_points_;  // of it, de-skewed
-  Twist twist_;                           // over the last revolution
-  double stride_ = 0.05;                  // s from revolution to revolution
+  std::vector<Footprint> footprints_;  // one each few centimetres
+  std::deque<Witness> witnesses_;      // of late, all with odometry
+  std::optional<Pose> T_odom_base_;    // at the end of this revolution
+  std::int64_t searched_ = 0;          // us
   Pose T_map_odom_ = Pose::Identity();
-  Pose T_map_keyframe_ = Pose::Identity();  // when the registration map last took a revolution
-  Pose T_map_moved_ = Pose::Identity();     // when the vehicle was last known to move
-  std::int64_t moved_ = 0;                  // us, when that was
-  std::int64_t started_ = 0;                // us, the end of the first revolution
-  bool has_moved_ = false;                  // since then
+  Pose T_map_moved_ = Pose::Identity();  // when the vehicle was last known to move
+  std::int64_t moved_ = 0;               // us, when that was
+  std::int64_t started_ = 0;             // us, the end of the first revolution
+  bool has_moved_ = false;               // since then
   std::vector<Held> held_;
-  Matrix6 drift_ = Matrix6::Zero();  // covariance of the pose at the end of the last revolution, if that was refused
-  int refused_in_a_row_ = 0;
   Counters counters_;
 };
 

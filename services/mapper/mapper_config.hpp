@@ -4,15 +4,24 @@
 
 #include "common/config.hpp"
 #include "common/vehicle.hpp"
+#include "services/mapper/atlas_config.hpp"
 #include "services/mapper/dense_config.hpp"
 #include "services/mapper/icp_config.hpp"
 #include "services/mapper/loam_config.hpp"
+#include "services/mapper/loop_config.hpp"
 
 namespace curbstone {
 
 /// The mapper's settings; every default is good for an RS-LiDAR-16 on a vehicle.
 struct MapperConfig {
   std::string method = "icp";
+  std::string mode =
+      "map";             ///< map: begins a new map; extend: goes on with the one in `folder`; localise: only uses it
+  std::string folder;    ///< the map on disk; written at the end (map, extend); empty: not kept
+  double start_x = 0;    ///< m in that map, where the drive begins...
+  double start_y = 0;    ///< m
+  double start_yaw = 0;  ///< rad
+  double start_radius = 5.0;        ///< m, ...to about this; found by searching
   double odometry_wait_s = 0.25;    ///< s of lidar time that a revolution waits for odometry
   double start_wait_s = 2.0;        ///< s of lidar time that the first revolution waits for odometry
   double prior_translation = 0.03;  ///< 1 sigma of odometry, m a metre driven
@@ -32,10 +41,18 @@ struct MapperConfig {
   VehicleConfig vehicle;
   IcpConfig icp;
   LoamConfig loam;
+  AtlasConfig atlas;
+  LoopConfig loop;
   DenseConfig dense;
 
   void visit(ConfigVisitor& v) {
     v.choice("method", method, {"icp", "loam"}, "of registration");
+    v.choice("mode", mode, {"map", "extend", "localise"}, "what becomes of the map in `folder`");
+    v.field("folder", folder, "the map on disk; empty: not kept");
+    v.field("start_x", start_x, {-1e6, 1e6}, "m in that map, where the drive begins");
+    v.field("start_y", start_y, {-1e6, 1e6}, "m");
+    v.field("start_yaw", start_yaw, {-7.0, 7.0}, "rad");
+    v.field("start_radius", start_radius, {0.0, 1e6}, "m, how well that is known");
     v.field("odometry_wait_s", odometry_wait_s, {0.02, 5.0}, "s of lidar time that a revolution waits for odometry");
     v.field("start_wait_s", start_wait_s, {0.02, 60.0}, "s of lidar time that the first one waits");
     v.field("prior_translation", prior_translation, {0.0, 1.0}, "1 sigma of odometry, m a metre driven");
@@ -55,6 +72,8 @@ struct MapperConfig {
     v.section("vehicle", vehicle, "what the parts share about the vehicle");
     v.section("icp", icp, "point-to-plane registration");
     v.section("loam", loam, "registration by edges and planes");
+    v.section("atlas", atlas, "what is remembered of the drive");
+    v.section("loop", loop, "closing loops");
     v.section("dense", dense, "the dense map");
   }
 };

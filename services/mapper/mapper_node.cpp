@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/clock.hpp"
+#include "services/mapper/map_folder.hpp"
 
 namespace curbstone {
 namespace {
@@ -21,13 +22,49 @@ constexpr int kPointsPerTick = 5000;              // 35 kB: 1.7 MB/s, the map of
 constexpr int kRequestsPerTick = 1;               // tiles, of some 8000 points at most
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 
+constexpr std::size_t kPosesPerPage = 800;  // 52 bytes each: 42 kB
+
+std::deque<map_trajectory_t> make_trajectory_pages(const std::vector<Mapper::TrajectoryPoint>& points,
+                                                   std::int32_t epoch) {
+  std::deque<map_trajectory_t> pages;
+  for (std::size_t first = 0; first < points.size(); first += kPosesPerPage) {
+    map_trajectory_t page{};
+    const std::size_t end = std::min(first + kPosesPerPage, points.size());
+    page.utime = points[end - 1].utime;
+    page.epoch = epoch;
+    page.page = static_cast<std::int32_t>(pages.size());
+    for (std::size_t i = first; i < end; ++i) {
+      const Eigen::Vector3f p = points[i].T_map_base.translation().cast<float>();
+      const Eigen::Quaternionf q = Eigen::Quaterniond(points[i].T_map_base.linear()).cast<float>();
+      page.utimes.push_back(points[i].utime);
+      page.revolutions.push_back(points[i].revolution);
+      page.positions.push_back({p.x(), p.y(), p.z()});
+      page.orientations.push_back({q.w(), q.x(), q.y(), q.z()});
+    }
+    page.num_poses = static_cast<std::int32_t>(page.utimes.size());
+    pages.push_back(std::move(page));
+  }
+  for (map_trajectory_t& page : pages) page.num_pages = static_cast<std::int32_t>(pages.size());
+  return pages;
+}
+
 std::int64_t microseconds(double seconds) {
   return std::llround(seconds * 1e6);
 }
 
 }  // namespace
 
-MapperNode::MapperNode(const MapperConfig& config, Publisher& bus) : config_(config), bus_(bus), mapper_(config) {}
+MapperNode::MapperNode(const MapperConfig& config, Publisher& bus) : config_(config), bus_(bus), mapper_(config) {
+  if (config_.mode == "map") return;
+  const SavedMap map = load_map(config_.folder);
+  if (std::abs(map.voxel - config_.dense.voxel) > 1e-9) {
+    throw MapFolderError(fmt::format("{}: its voxels are {} m, those of the configuration {}", config_.folder,
+                                     map.voxel, config_.dense.voxel));
+  }
+  if (map.nodes.empty()) throw MapFolderError(config_.folder + ": holds no nodes to find the vehicle by");
+  epoch_before_ = map.epoch;
+  mapper_.load(map);
+}
 
 void MapperNode::connect(Subscriber& bus) {
   // 750 packets a second: two seconds of them may wait while a revolution is registered.
@@ -108,17 +145,37 @@ void MapperNode::process(const Revolution& revolution) {
   if (!update) return;
   last_end_ = revolution.end;
   odometry_missing_ = !update->with_odometry;
-  if (epoch_ == 0) {
-    epoch_ = static_cast<std::int32_t>(std::clamp<std::int64_t>(revolution.end / 1'000'000, 1, 2'147'483'000));
-    catalog_.start_epoch(epoch_);
-  }
   position_ = update->T_map_base.translation();
+  if (epoch_ == 0 || update->rearranged) begin_epoch(*update);
   publish_pose(*update);
   take_grown(update->grown);
   for (const TileKey& key : mapper_.dense().take_evicted()) {
     catalog_.remove(key);
     sent_.erase(key);
   }
+}
+
+void MapperNode::begin_epoch(const MapperUpdate& update) {
+  const auto now = static_cast<std::int32_t>(std::clamp<std::int64_t>(update.utime / 1'000'000, 1, 2'147'483'000));
+  epoch_ = std::max({epoch_ + 1, epoch_before_ + 1, now});
+  counters_.add("epochs");
+  catalog_.start_epoch(epoch_);
+  sent_.clear();
+  changed_.clear();
+  is_changed_.clear();
+  std::vector<TileKey> keys = mapper_.dense().keys();
+  const auto distance = [&](TileKey key) { return squared_distance(key, position_.x(), position_.y()); };
+  std::stable_sort(keys.begin(), keys.end(), [&](TileKey a, TileKey b) { return distance(a) < distance(b); });
+  take_grown(keys);
+  std::vector<Mapper::TrajectoryPoint> drive = mapper_.trajectory();
+  std::erase_if(drive, [&](const auto& point) { return point.utime >= update.utime; });  // MAP_POSE tells of the rest
+  trajectory_ = make_trajectory_pages(drive, epoch_);
+}
+
+void MapperNode::send_trajectory() {
+  if (trajectory_.empty()) return;
+  bus_.publish("MAP_TRAJECTORY", trajectory_.front());
+  trajectory_.pop_front();
 }
 
 void MapperNode::publish_pose(const MapperUpdate& update) {
@@ -136,9 +193,9 @@ void MapperNode::publish_pose(const MapperUpdate& update) {
   message.inlier_ratio = static_cast<float>(update.registration.inlier_ratio);
   message.iterations = update.registration.iterations;
   message.degenerate = update.registration.degenerate;
-  message.flags = (update.registered ? map_pose_t::REGISTERED : 0) |
-                  (update.with_odometry ? 0 : map_pose_t::NO_ODOMETRY) |
-                  (update.stationary ? map_pose_t::STATIONARY : 0);
+  message.flags =
+      (update.registered ? map_pose_t::REGISTERED : 0) | (update.with_odometry ? 0 : map_pose_t::NO_ODOMETRY) |
+      (update.stationary ? map_pose_t::STATIONARY : 0) | (update.fix == Fix::kTracking ? 0 : map_pose_t::LOST);
   bus_.publish("MAP_POSE", message);
 }
 
@@ -219,6 +276,7 @@ void MapperNode::send_index(std::int64_t now) {
 
 void MapperNode::tick(std::int64_t now) {
   if (epoch_ == 0) return;
+  send_trajectory();
   send_changes(now);
   send_requested(kRequestsPerTick);
   if (std::abs(now - index_sent_) >= kIndexPeriod) send_index(now);
@@ -229,6 +287,7 @@ void MapperNode::finish() {
   process_due(true);
   if (epoch_ == 0) return;
   take_grown(mapper_.finish());
+  while (!trajectory_.empty()) send_trajectory();
   while (!changed_.empty()) {
     const TileKey key = changed_.front();
     changed_.pop_front();
@@ -240,19 +299,34 @@ void MapperNode::finish() {
   }
   is_changed_.clear();
   send_index(last_end_);
+  keep_map();
+}
+
+void MapperNode::keep_map() {
+  if (config_.folder.empty() || config_.mode == "localise") return;
+  try {
+    save_map(mapper_.saved(epoch_), config_.folder);
+  } catch (const MapFolderError& error) {
+    counters_.add("faults.folder");
+    folder_fault_ = error.what();
+  }
 }
 
 NodeReport MapperNode::report() const {
   NodeReport report;
   report.counters = counters_;
-  for (const Counters* part : {&assembler_.counters(), &mapper_.counters(), &mapper_.dense().counters()}) {
+  const Counters method = mapper_.counters();
+  for (const Counters* part : {&assembler_.counters(), &method, &mapper_.dense().counters()}) {
     for (const auto& [name, value] : part->values()) report.counters.add(name, value);
   }
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
+  if (!folder_fault_.empty()) report.faults.push_back(folder_fault_);
   if (lidar_time_ == 0) report.faults.push_back("no LIDAR_POINTS");
   if (epoch_ != 0 && odometry_missing_) report.faults.push_back("no usable ODOMETRY: assuming constant velocity");
-  if (mapper_.refused_in_a_row() >= 10) {
+  if (epoch_ != 0 && mapper_.fix() != Fix::kTracking) {
+    report.faults.push_back("lost: looking for where the vehicle is; nothing is mapped");
+  } else if (mapper_.refused_in_a_row() >= 10) {
     report.faults.push_back(fmt::format("{} revolutions in a row do not fit the map", mapper_.refused_in_a_row()));
   }
   return report;

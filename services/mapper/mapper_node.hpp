@@ -1,6 +1,7 @@
 #pragma once
 
 #include <curbstone/lidar_points_t.hpp>
+#include <curbstone/map_trajectory_t.hpp>
 #include <curbstone/odometry_t.hpp>
 #include <curbstone/tile_request_t.hpp>
 #include <deque>
@@ -17,13 +18,14 @@
 
 namespace curbstone {
 
-/// LIDAR_POINTS and ODOMETRY in, MAP_POSE and MAP_POINTS out.
+/// LIDAR_POINTS and ODOMETRY in, MAP_POSE, MAP_POINTS and MAP_TRAJECTORY out.
 ///
 /// A revolution is processed once odometry has passed its end, or when lidar time says that odometry is missing: so the
 /// map does not depend on how the two channels interleave. Points go out at a bounded pace from tick(); what the map
 /// holds does not depend on it.
 class MapperNode final : public Node {
  public:
+  /// Throws MapFolderError if the map that it should go on with cannot be used.
   MapperNode(const MapperConfig& config, Publisher& bus);
 
   void connect(Subscriber& bus) override;
@@ -42,13 +44,17 @@ class MapperNode final : public Node {
   void process_due(bool last_call);
   [[nodiscard]] bool due(const Revolution& revolution) const;
   void process(const Revolution& revolution);
+  /// A new epoch: the map begins, or has been rearranged as a whole and goes out anew.
+  void begin_epoch(const MapperUpdate& update);
   void publish_pose(const MapperUpdate& update);
+  void send_trajectory();
   void take_grown(const std::vector<TileKey>& grown);
   /// Sends points of a tile from `first` on, at most one message's worth. Returns the index after the last sent.
   std::int32_t send_points(TileKey key, std::int32_t first);
   void send_changes(std::int64_t now);
   void send_requested(int budget);
   void send_index(std::int64_t now);
+  void keep_map();
 
   MapperConfig config_;
   Publisher& bus_;
@@ -57,10 +63,12 @@ class MapperNode final : public Node {
   Mapper mapper_;
   TileCatalog catalog_{"mapper", "MAP_POINTS"};
   std::deque<Revolution> pending_;
-  std::int64_t lidar_time_ = 0;   // us, newest LIDAR_POINTS
-  std::int64_t first_lidar_ = 0;  // us, start of the first revolution
-  std::int64_t last_end_ = 0;     // us, of the last revolution processed
-  std::int32_t epoch_ = 0;        // 0: no map yet
+  std::int64_t lidar_time_ = 0;    // us, newest LIDAR_POINTS
+  std::int64_t first_lidar_ = 0;   // us, start of the first revolution
+  std::int64_t last_end_ = 0;      // us, of the last revolution processed
+  std::int32_t epoch_ = 0;         // 0: no map yet
+  std::int32_t epoch_before_ = 0;  // of the map on disk
+  std::string folder_fault_;
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
 
   struct Sent {
@@ -70,6 +78,7 @@ class MapperNode final : public Node {
   std::unordered_map<TileKey, Sent, TileKeyHash> sent_;
   std::deque<TileKey> changed_;  // in the order in which they will be sent
   std::unordered_set<TileKey, TileKeyHash> is_changed_;
+  std::deque<map_trajectory_t> trajectory_;  // pages that will be sent
   std::int64_t index_sent_ = 0;
   bool odometry_missing_ = false;
   LatencyWindow latency_;

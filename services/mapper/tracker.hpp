@@ -33,6 +33,7 @@ struct Tracked {
   bool registered = false;
   bool with_odometry = false;
   bool stationary = false;
+  bool began = false;              ///< with this revolution, or anew
   bool maps = false;               ///< the map may take it
   std::vector<LidarPoint> points;  ///< de-skewed, in base_link
   /// Without odometry a revolution has its motion from the next: the very first, when the second has proved it.
@@ -44,8 +45,8 @@ struct Tracked {
   std::optional<Earlier> first;
 };
 
-/// Follows the vehicle through the map for registration, which it keeps: de-skew, expect, register, judge. A function of
-/// the sequence of calls alone. Pure; one thread.
+/// Follows the vehicle through the map for registration, which it keeps: de-skew, expect, register, judge. A function
+/// of the sequence of calls alone. Pure; one thread.
 ///
 /// Counters: revolutions, keyframes, refused.sparse, refused.time, refused.not_converged, refused.overlap,
 /// refused.inliers, refused.residual, refused.jump, odometry.not_believed, without_odometry, lost.blind (no sensor told
@@ -54,28 +55,28 @@ class Tracker {
  public:
   explicit Tracker(const MapperConfig& config);
 
-  /// Takes the next revolution; nothing when it cannot be placed in time (once more, late by less than a second, longer
-  /// than one, ended before it began) or holds too few points that can be measurements. Such changes nothing.
+  /// Takes the next revolution; nothing when it cannot be placed in time (once more, late, longer than a second, ended
+  /// before it began, the first after a gap or a jump of the clock) or holds too few points that can be measurements. Such changes nothing.
   [[nodiscard]] std::optional<Tracked> track(const Revolution& revolution, const OdometryHistory& odometry);
 
   [[nodiscard]] bool started() const { return last_.has_value(); }
   [[nodiscard]] Fix fix() const { return fix_; }
   [[nodiscard]] const Pose& T_map_base() const { return last_->T_map_base; }
-  /// How far off the pose may be, m, while it is lost.
-  [[nodiscard]] double doubt() const;
-  /// Since when it is lost; us.
-  [[nodiscard]] std::int64_t lost_since() const { return fitted_; }
+  /// How far off the pose may be, m, since the last revolution that fitted...
+  [[nodiscard]] double doubt() const { return doubt_; }
+  /// ...which ended then; us.
+  [[nodiscard]] std::int64_t fitted() const { return fitted_; }
 
   /// The vehicle is somewhere else than was thought: lost becomes tentative.
   void relocate(const Pose& T_map_base);
-  /// Begins at a known place of a map that is already there.
-  void begin_at(const Pose& T_map_base, std::int64_t utime);
+  /// The first revolution is not where the map begins, but about here in a map that is known. Lost until relocate().
+  void begin_at(const Pose& T_map_base, double doubt);
   /// The map for registration is made anew from these nodes, and the vehicle is here in it.
   void rebuild(const std::vector<const MapNode*>& nodes, const Pose& T_map_base);
   /// A node's surroundings come back into the map for registration.
   void recall(const MapNode& node) { registration_->recall(node); }
-  /// Bounds the map for registration once the vehicle has gone far enough: true when what is farther than the window has
-  /// been forgotten.
+  /// Bounds the map for registration once the vehicle has gone far enough: true when what is farther than the window
+  /// has been forgotten.
   bool forget_far();
   [[nodiscard]] double window() const { return registration_->window(); }
 
@@ -109,6 +110,7 @@ class Tracker {
     bool believed = false;
   };
 
+  [[nodiscard]] bool follows(const Revolution& revolution, const OdometryHistory& odometry);
   [[nodiscard]] Expectation expect(const Revolution& revolution, const OdometryHistory& odometry);
   [[nodiscard]] Expectation expect_steady(const Revolution& revolution) const;
   [[nodiscard]] std::vector<LidarPoint> in_base(const Revolution& revolution, const SweepMotion& sweep) const;
@@ -128,17 +130,19 @@ class Tracker {
   Pose T_base_lidar_;
   std::unique_ptr<Registration> registration_;
   std::optional<Last> last_;
+  std::optional<Pose> known_start_;
+  std::optional<std::int64_t> broken_;    // us, the end of a revolution that did not follow the one before
   std::optional<Revolution> first_;       // until its motion is known, where there is no odometry
   std::vector<LidarPoint> first_points_;  // of it, de-skewed
   Fix fix_ = Fix::kTracking;
-  int fitting_ = 0;             // revolutions in a row, while tentative
-  bool blind_ = false;          // lost, and not even odometry says how far
-  double since_fitted_m_ = 0;   // moved by odometry since the last one that fitted
-  std::int64_t fitted_ = 0;     // us, the end of the last revolution that fitted
-  Twist twist_;                 // over the last revolution
-  double stride_ = 0.05;        // s from revolution to revolution
+  int fitting_ = 0;                         // revolutions in a row, while tentative
+  bool blind_ = false;                      // lost, and not even odometry says how far
+  double since_fitted_m_ = 0;               // moved by odometry since the last one that fitted
+  double doubt_ = 0;                        // m, that the pose may be off by since then
+  std::int64_t fitted_ = 0;                 // us, the end of the last revolution that fitted
+  Twist twist_;                             // over the last revolution
+  double stride_ = 0.05;                    // s from revolution to revolution
   Pose T_map_keyframe_ = Pose::Identity();  // when the registration map last took a revolution
-  Eigen::Vector3d kept_around_ = Eigen::Vector3d::Zero();
   Matrix6 drift_ = Matrix6::Zero();  // covariance of the pose at the end of the last revolution, if that was refused
   int refused_in_a_row_ = 0;
   Counters counters_;

@@ -67,6 +67,7 @@ void SemanticMapNode::connect(Subscriber& bus) {
   bus.subscribe<tile_index_t>("TILE_INDEX", [this](const tile_index_t& m) { on(m); });
   bus.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { on(m); });
   bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { on(m); });
+  bus.subscribe<map_trajectory_t>("MAP_TRAJECTORY", [this](const map_trajectory_t& m) { on(m); });
 }
 
 bool SemanticMapNode::enter_epoch(std::int32_t epoch) {
@@ -76,6 +77,7 @@ bool SemanticMapNode::enter_epoch(std::int32_t epoch) {
   has_epoch_ = true;
   epoch_ = epoch;
   drive_started_ = false;
+  last_pose_utime_ = 0;
   assembler_.clear();
   pipeline_.clear();
   news_.clear();
@@ -120,13 +122,38 @@ void SemanticMapNode::on(const map_pose_t& message) {
   const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
   if (!is_finite(T_map_base) || message.utime <= 0) return counters_.add("refused.pose");
   if (!enter_epoch(message.epoch)) return counters_.add("dropped.old_epoch");
-  if (drive_started_ && message.utime <= last_pose_utime_) return counters_.add("dropped.late");
-  if (!drive_started_) keeper_.start(epoch_, message.utime);
-  drive_started_ = true;
+  if (message.utime <= last_pose_utime_) return counters_.add("dropped.late");
+  begin_drive(message.utime);
   last_pose_utime_ = message.utime;
   vehicle_ = T_map_base.translation().head<2>();
-  if (path_.empty() || (path_.back() - vehicle_).norm() > kPathSpacing) path_.push_back(vehicle_);
+  if (path_.empty() || (path_.rbegin()->second - vehicle_).norm() > kPathSpacing)
+    path_.emplace(message.utime, vehicle_);
   keeper_.put(TrajectoryPose{message.utime, message.revolution, T_map_base});
+}
+
+/// The drive as a new epoch has it: what MAP_POSE said before is void.
+void SemanticMapNode::on(const map_trajectory_t& message) {
+  if (!enter_epoch(message.epoch)) return counters_.add("dropped.old_epoch");
+  for (std::size_t i = 0; i < message.utimes.size(); ++i) {
+    const std::vector<float>& p = message.positions[i];
+    const std::vector<float>& q = message.orientations[i];
+    const double position[3] = {p[0], p[1], p[2]};
+    const double orientation[4] = {q[0], q[1], q[2], q[3]};
+    const Pose T_map_base = pose_from_arrays(position, orientation);
+    const std::int64_t utime = message.utimes[i];
+    if (!is_finite(T_map_base) || utime <= 0) {
+      counters_.add("refused.pose");
+      continue;
+    }
+    begin_drive(utime);
+    path_.emplace(utime, T_map_base.translation().head<2>());
+    keeper_.put(TrajectoryPose{utime, message.revolutions[i], T_map_base});
+  }
+}
+
+void SemanticMapNode::begin_drive(std::int64_t utime) {
+  if (!drive_started_) keeper_.start(epoch_, utime);
+  drive_started_ = true;
 }
 
 void SemanticMapNode::tick(std::int64_t now) {
@@ -282,7 +309,7 @@ void SemanticMapNode::draw_picture(const std::vector<CurbLine>& curbs) {
     if (it != published_.end()) picture.tiles.push_back(it->second.tile);
   }
   picture.curbs = curbs;
-  picture.path = path_;
+  for (const auto& [utime, position] : path_) picture.path.push_back(position);
   try {
     write_png(draw_map(picture, {}), config_.picture);
   } catch (const PictureError& error) {

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <curbstone/map_pose_t.hpp>
+#include <curbstone/map_trajectory_t.hpp>
 #include <curbstone/semantic_tile_t.hpp>
 #include <curbstone/tile_index_t.hpp>
 #include <curbstone/tile_request_t.hpp>
 #include <curbstone/voted_points_t.hpp>
+#include <map>
 #include <set>
 #include <unordered_map>
 #include <vector>
@@ -36,6 +38,7 @@ class SemanticMapNode final : public Node {
   void on(const tile_index_t& message);
   void on(const tile_request_t& message);
   void on(const map_pose_t& message);
+  void on(const map_trajectory_t& message);
 
  private:
   struct Published {
@@ -45,6 +48,7 @@ class SemanticMapNode final : public Node {
   };
   /// False for what belongs to an epoch that is over.
   bool enter_epoch(std::int32_t epoch);
+  void begin_drive(std::int64_t utime);
   void update_tiles(std::int64_t now);
   void publish_changed(std::int64_t now);
   void publish_tile(const MapTile& tile, std::int64_t now);
@@ -74,7 +78,7 @@ class SemanticMapNode final : public Node {
   std::int64_t last_pose_utime_ = 0;
   std::int64_t newest_utime_ = 0;  // of anything that came
   Eigen::Vector2d vehicle_ = Eigen::Vector2d::Zero();
-  std::vector<Eigen::Vector2d> path_;
+  std::map<std::int64_t, Eigen::Vector2d> path_;  // by utime
 
   std::int32_t curbs_revision_ = 0;
   bool curbs_changed_ = false;

@@ -184,12 +184,95 @@ TEST(DenseMap, GivesUpTheFarthestTilesWhenItIsFull) {
 TEST(DenseMap, ATileThatSleptKnowsItsVoxelsWhenItWakes) {
   DenseTile tile(0, 25);
   const TilePoint a{10, 20, -30, 1}, b{1499, 1499, 32000, 2}, c{0, 0, -32000, 3};
-  for (const TilePoint& p : {a, b, c}) tile.append(p, kStart);
+  for (const TilePoint& p : {a, b, c}) tile.append(p, kStart, 0);
   tile.sleep();
   tile.wake();
   for (const TilePoint& p : {a, b, c}) EXPECT_TRUE(tile.occupied(tile.voxel_number(p)));
   EXPECT_FALSE(tile.occupied(tile.voxel_number({10, 20, 30, 1})));
   EXPECT_EQ(tile.points().size(), 3u);
+}
+
+/// A map of ground along a drive of 20 m; each 5 m have an anchor of their own.
+DenseMap anchored_drive() {
+  DenseMap map{DenseConfig{}};
+  for (int anchor = 0; anchor < 4; ++anchor) {
+    map.set_anchor(anchor);
+    for (int i = 0; i < 3; ++i) {
+      (void)map.insert(patch(5.0 * anchor, 0, 0.01), Pose::Identity(), kStart + 10'000'000 * anchor + kPeriod * i);
+    }
+  }
+  return map;
+}
+
+TEST(DenseMap, StaysBitForBitWhenNodesDoNotMove) {
+  DenseMap map = anchored_drive();
+  const auto before = all_points(map);
+  map.move(std::vector<Pose>(4, Pose::Identity()));
+  EXPECT_EQ(all_points(map), before);
+  EXPECT_EQ(map.size(), static_cast<std::int64_t>(before.size()));
+}
+
+TEST(DenseMap, PointsMoveWithTheNodeTheyWereSeenFrom) {
+  DenseMap map = anchored_drive();
+  const std::int64_t size = map.size();
+  std::vector<Pose> corrections(4, Pose::Identity());
+  corrections[2].translation() = Eigen::Vector3d(0, 7.5, 1.0);
+  map.move(corrections);
+  EXPECT_EQ(map.size(), size);
+  int moved = 0;
+  for (const Eigen::Vector3d& p : all_points(map)) {
+    const bool of_second = std::abs(p.x() - 10) < 0.6;
+    EXPECT_NEAR(p.y(), of_second ? 7.5 : 0.0, 0.52);
+    EXPECT_NEAR(p.z(), of_second ? 1.01 : 0.01, 0.003);
+    moved += of_second ? 1 : 0;
+  }
+  EXPECT_NEAR(moved, static_cast<int>(size) / 4, 1);
+}
+
+TEST(DenseMap, WhereTwoPassesComeTogetherAVoxelKeepsOnePoint) {
+  DenseMap map = anchored_drive();
+  const std::int64_t one = map.size() / 4;
+  std::vector<Pose> corrections(4, Pose::Identity());
+  for (int anchor = 1; anchor < 4; ++anchor)
+    corrections[static_cast<std::size_t>(anchor)].translation().x() = -5.0 * anchor;
+  map.move(corrections);
+  EXPECT_EQ(map.size(), one);
+}
+
+TEST(DenseMap, GoesOnGrowingAfterItsNodesWereMoved) {
+  DenseMap map = anchored_drive();
+  std::vector<Pose> corrections(4, Pose::Identity());
+  corrections[3].translation().y() = 0.5;
+  map.move(corrections);
+  const std::int64_t size = map.size();
+  for (int i = 0; i < 3; ++i) (void)map.insert(patch(0, 0, 0.01), Pose::Identity(), kStart + 50'000'000 + kPeriod * i);
+  EXPECT_EQ(map.size(), size) << "these voxels have their points";
+  for (int i = 0; i < 3; ++i) (void)map.insert(patch(0, 9, 0.01), Pose::Identity(), kStart + 60'000'000 + kPeriod * i);
+  EXPECT_GT(map.size(), size);
+}
+
+TEST(DenseMap, RollingBackGivesTheMapOfThatTime) {
+  DenseMap map = anchored_drive();
+  map.roll_back(kStart + 15'000'000);
+  for (const Eigen::Vector3d& p : all_points(map)) EXPECT_LT(p.x(), 6);
+  EXPECT_EQ(map.size(), static_cast<std::int64_t>(all_points(map).size()));
+  const std::int64_t size = map.size();
+  for (int i = 0; i < 3; ++i) (void)map.insert(patch(15, 0, 0.01), Pose::Identity(), kStart + 50'000'000 + kPeriod * i);
+  EXPECT_EQ(map.size(), size * 3 / 2) << "what was given up can be mapped again";
+}
+
+TEST(DenseMap, ALoadedTileIsThereAndMovesNoMore) {
+  DenseMap map{DenseConfig{}};
+  DenseMap other = anchored_drive();
+  for (const TileKey& key : other.keys()) {
+    const DenseTile& tile = *other.tile(key);
+    map.load(key, tile.z_origin(), tile.utime(), tile.points());
+  }
+  EXPECT_EQ(all_points(map), all_points(other));
+  Pose away = Pose::Identity();
+  away.translation().x() = 30;
+  map.move(std::vector<Pose>(4, away));
+  EXPECT_EQ(all_points(map), all_points(other));
 }
 
 }  // namespace

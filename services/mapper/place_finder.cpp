@@ -1,0 +1,52 @@
+#include "services/mapper/place_finder.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+#include "services/mapper/find_place.hpp"
+
+namespace curbstone {
+namespace {
+
+constexpr double kSurroundings = 60.0;  // m along the graph, that one search looks at
+constexpr double kFarthest = 15.0;      // m, that a search reaches
+constexpr double kLeastTurn = 0.3;      // rad, that the vehicle may have turned unseen,
+constexpr double kTurning = 0.3;        // and rad more for each m that it may have gone
+}  // namespace
+
+std::optional<FoundPlace> PlaceFinder::find_at(const Atlas& atlas, int node, const std::vector<LidarPoint>& points,
+                                               const Pose& guess, double reach, double turn) const {
+  std::vector<const MapNode*> nodes;
+  for (const int id : atlas.connected(node, kSurroundings)) nodes.push_back(&atlas.node(id));
+  const auto match = find_place(points, {guess, reach, turn}, nodes, config_, lidar_);
+  if (!match) return std::nullopt;
+  return FoundPlace{match->registration.T_map_base, match->registration.covariance, node};
+}
+
+std::optional<FoundPlace> PlaceFinder::find(const Atlas& atlas, const std::vector<LidarPoint>& points,
+                                            const Pose& guess, double doubt) {
+  const double reach = std::min(1.0 + doubt, kFarthest);
+  const double turn = std::min(kLeastTurn + kTurning * doubt, std::numbers::pi);
+  const std::vector<int> near = atlas.near(guess.translation(), reach + 10.0);
+  if (!near.empty()) {
+    if (const auto found = find_at(atlas, near.front(), points, guess, reach, turn)) return found;
+  }
+  return 1.0 + doubt > kFarthest ? find_anywhere(atlas, points, guess) : std::nullopt;
+}
+
+std::optional<FoundPlace> PlaceFinder::find_anywhere(const Atlas& atlas, const std::vector<LidarPoint>& points,
+                                                     const Pose& guess) {
+  if (indexed_ > atlas.size()) {  // it was rolled back
+    index_.clear();
+    indexed_ = 0;
+  }
+  for (; indexed_ < atlas.size(); ++indexed_) index_.add(indexed_, atlas.node(indexed_).points);
+  std::vector<const MapNode*> nodes;
+  for (int id = 0; id < atlas.size(); ++id) nodes.push_back(&atlas.node(id));
+  const auto match = find_place(points, guess, index_, nodes, config_, lidar_);
+  if (!match) return std::nullopt;
+  const Pose& T_map_base = match->registration.T_map_base;
+  return FoundPlace{T_map_base, match->registration.covariance, atlas.near(T_map_base.translation(), 1e9).front()};
+}
+
+}  // namespace curbstone

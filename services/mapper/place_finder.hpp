@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "services/mapper/atlas.hpp"
+#include "services/mapper/icp_config.hpp"
+#include "services/mapper/place_index.hpp"
+#include "services/mapper/place_search.hpp"
+
+namespace curbstone {
+
+/// Where a revolution was taken.
+struct FoundPlace {
+  Pose T_map_base = Pose::Identity();
+  Matrix6 covariance = Matrix6::Zero();  ///< in base_link axes
+  int node = 0;                          ///< of the atlas, whose surroundings it was found in
+};
+
+/// Finds out where a revolution was taken, by what the atlas remembers. Says nothing rather than guess. Pure; one
+/// thread.
+class PlaceFinder {
+ public:
+  /// `lidar`: where it is in base_link, m.
+  PlaceFinder(const IcpConfig& config, const Eigen::Vector3d& lidar) : config_(config), lidar_(lidar) {}
+
+  /// In the surroundings of one node, when the vehicle may be `reach` m and `turn` rad off the guess.
+  [[nodiscard]] std::optional<FoundPlace> find_at(const Atlas& atlas, int node, const std::vector<LidarPoint>& points,
+                                                  const Pose& guess, double reach, double turn) const;
+  /// Near a guess that may be `doubt` m off; where that is too far to search, anywhere that looks like it.
+  [[nodiscard]] std::optional<FoundPlace> find(const Atlas& atlas, const std::vector<LidarPoint>& points,
+                                               const Pose& guess, double doubt);
+
+ private:
+  [[nodiscard]] std::optional<FoundPlace> find_anywhere(const Atlas& atlas, const std::vector<LidarPoint>& points,
+                                                        const Pose& guess);
+
+  IcpConfig config_;
+  Eigen::Vector3d lidar_;
+  PlaceIndex index_;
+  int indexed_ = 0;  // nodes of the atlas
+};
+
+}  // namespace curbstone
