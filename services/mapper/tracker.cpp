@@ -112,7 +112,7 @@ bool Tracker::follows(const Revolution& revolution, const OdometryHistory& odome
     broken_ = revolution.end;
     return false;
   }
-  if (stride < 0) last_->end = fitted_ = *before;  // no gap: a new clock
+  if (stride < 0) last_->end = fitted_ = *before - std::llround(stride_ * 1e6);  // no gap: a new clock
   return true;
 }
 
