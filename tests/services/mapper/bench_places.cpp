@@ -332,6 +332,7 @@ int main(int argc, char** argv) {
   for (int seed = 1; seed <= towns; ++seed) all.push_back(town(static_cast<std::uint64_t>(seed), spacing));
   const std::string recording = "../shared/data/kitti0005_rs16";
   if (std::filesystem::exists(recording)) all.push_back(street(recording, spacing));
+  for (Places& places : all) change(places, changes, Random(11));
   fmt::print(
       "{:<44} {:>5} {:>5} {:>5}  {:>5} {:>6}  {:>6} {:>6}  found: least score, most conflict, least inliers, "
       "overlap, most runner-up\n",
