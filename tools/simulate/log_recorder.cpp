@@ -25,10 +25,10 @@ constexpr std::int64_t kUdpDelay = 120;         // us from a packet's last shot 
 constexpr std::int64_t kSerialDelay = 500;      // us at least, of a USB serial line
 constexpr double kSerialJitter = 400e-6 * 1e6;  // us, mean of what comes on top
 
-/// Every message goes into the log at the time at which the driver sent it.
-class LogPublisher final : public Publisher {
+/// Every message goes out with the time at which the driver sent it.
+class RecordPublisher final : public Publisher {
  public:
-  LogPublisher(const std::string& file, std::int64_t begin) : log_(file), begin_(begin) {}
+  RecordPublisher(const RecordSink& sink, std::int64_t begin) : sink_(sink), begin_(begin) {}
   void set_now(std::int64_t now) { now_ = now; }
   [[nodiscard]] std::int64_t count(const std::string& channel) const {
     const auto it = counts_.find(channel);
@@ -38,12 +38,12 @@ class LogPublisher final : public Publisher {
  protected:
   void publish_bytes(const std::string& channel, const void* data, int size) override {
     if (now_ < begin_) return;
-    log_.write(channel, data, size, now_);
+    sink_(channel, data, size, now_);
     ++counts_[channel];
   }
 
  private:
-  LogWriter log_;
+  const RecordSink& sink_;
   std::int64_t begin_;
   std::int64_t now_ = 0;
   std::map<std::string, std::int64_t> counts_;
@@ -88,9 +88,9 @@ class Line {
 /// The emulated devices and the drivers' nodes on one made-up clock.
 class Recorder {
  public:
-  Recorder(const Drive& drive, const std::string& file)
+  Recorder(const Drive& drive, const RecordSink& sink)
       : drive_(drive),
-        log_(file, drive.start_utime),
+        log_(sink, drive.start_utime),
         surroundings_(drive.make_surroundings()),
         lidar_({drive.rpm, drive.seed, drive.azimuth, drive.start_utime}, drive.config.vehicle, drive.motion,
                *surroundings_),
@@ -155,7 +155,7 @@ class Recorder {
   [[nodiscard]] double time(std::int64_t at) const { return static_cast<double>(at - drive_.start_utime) * 1e-6; }
 
   const Drive& drive_;
-  LogPublisher log_;
+  RecordPublisher log_;
   std::unique_ptr<Surroundings> surroundings_;
   LidarModel lidar_;
   EmulatedImu imu_;
@@ -172,7 +172,14 @@ class Recorder {
 }  // namespace
 
 Recorded record_drive(const Drive& drive, const std::string& log_file) {
-  return Recorder(drive, log_file).run();
+  LogWriter log(log_file);
+  return record_drive(drive, [&](const std::string& channel, const void* data, int size, std::int64_t log_utime) {
+    log.write(channel, data, size, log_utime);
+  });
+}
+
+Recorded record_drive(const Drive& drive, const RecordSink& sink) {
+  return Recorder(drive, sink).run();
 }
 
 }  // namespace curbstone

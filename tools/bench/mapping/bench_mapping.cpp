@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/bench/mapping/loop_run.hpp"
 #include "tools/bench/mapping/mapping_report.hpp"
 #include "tools/bench/mapping/poor_odometry.hpp"
 #include "tools/bench/mapping/scan_drive.hpp"
@@ -24,7 +25,11 @@ struct BenchMappingOptions {
   std::vector<std::string> set;
   std::size_t most = 1'000'000;
   double town_seconds = 40;
-  std::uint64_t seed = 1;
+  std::vector<std::uint64_t> seeds = {1};
+  double loop = 0;  // m; 0: the usual drives
+  bool opposite = false;
+  double hours = 0;  // of a loop; 0: once round
+  double slips = 3;  // a minute
 };
 
 /// One drive with every method, as its results come.
@@ -60,13 +65,34 @@ std::vector<MappingResult> run_drives(const BenchMappingOptions& options) {
   } else {
     fmt::print("(no recorded drive in {}: left out)\n", options.recorded);
   }
-  if (options.town_seconds > 0) {
-    TownDrive town({options.seed, options.town_seconds});
+  for (const std::uint64_t seed : options.seeds) {
+    if (options.town_seconds == 0) break;
+    TownDrive town({seed, options.town_seconds});
     run_all(town, options, results);
     town.without_odometry();
     run_all(town, options, results);
   }
   return results;
+}
+
+void run_loops(const BenchMappingOptions& options) {
+  std::vector<LoopResult> results;
+  fmt::print("{}", loop_heading());
+  for (const std::uint64_t seed : options.seeds) {
+    const LoopDrive drive(
+        {.seed = seed, .seconds = 3600.0 * options.hours, .loop = options.loop, .opposite = options.opposite},
+        options.slips);
+    for (const std::string& method : options.methods) {
+      results.push_back(run_loop(drive, method, options.set, [](const LapFigures& lap) {
+        fmt::print("{}", lap_line(lap));
+        std::fflush(stdout);
+      }));
+      fmt::print("{}", loop_line(results.back()));
+      std::fflush(stdout);
+      if (!options.tracks.empty()) write_mapping_track(results.back().run, options.tracks);
+    }
+  }
+  if (!options.json.empty()) write_loop_json(results, options.json);
 }
 
 void add_mapping_options(CLI::App& app, BenchMappingOptions& options) {
@@ -87,7 +113,15 @@ void add_mapping_options(CLI::App& app, BenchMappingOptions& options) {
   app.add_option("--town-seconds", options.town_seconds, "Length of the simulated drive; 0: none")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
-  app.add_option("--seed", options.seed, "Of the town")->capture_default_str();
+  app.add_option("--seed", options.seeds, "Of the town; several, with commas, for several towns")->delimiter(',');
+  app.add_option("--loop", options.loop, "Instead of the usual drives: once round several blocks of a town, m")
+      ->check(CLI::Range(600.0, 4000.0));
+  app.add_flag("--opposite", options.opposite, "With --loop: comes back to its first street the other way");
+  app.add_option("--hours", options.hours, "With --loop: round and round, for so long; memory after each lap")
+      ->check(CLI::Range(0.01, 100.0));
+  app.add_option("--slips", options.slips, "With --loop: slip events of the wheels, a minute")
+      ->check(CLI::Range(0.0, 60.0))
+      ->capture_default_str();
   app.add_option("--set", options.set, "KEY=VALUE of section mapper, for our methods; repeatable");
   app.add_option("--tracks", options.tracks, "Write the poses of each run to this folder")
       ->check(CLI::ExistingDirectory);
@@ -105,6 +139,10 @@ int run_bench_mapping(int argc, char** argv) {
     app.parse(argc, argv);
     if (options.scans.empty() != options.poses.empty())
       throw CLI::ValidationError("--scans and --poses belong together");
+    const bool round = options.opposite || options.hours > 0;
+    if (round && options.loop == 0) throw CLI::ValidationError("--opposite and --hours belong to --loop");
+    if (options.opposite && options.hours > 0) throw CLI::ValidationError("--opposite goes once round: no --hours");
+    if (options.loop > 0 && app.count("--methods") == 0) options.methods = {"icp"};
     for (const std::string& method : options.methods) {
       const auto known = mapping_methods();
       if (std::find(known.begin(), known.end(), method) == known.end())
@@ -114,6 +152,10 @@ int run_bench_mapping(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   try {
+    if (options.loop > 0) {
+      run_loops(options);
+      return 0;
+    }
     const std::vector<MappingResult> results = run_drives(options);
     fmt::print("\n{}", mapping_maps(results));
     if (!options.json.empty()) write_mapping_json(results, options.json);

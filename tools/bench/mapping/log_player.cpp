@@ -4,12 +4,12 @@
 #include <curbstone/odometry_t.hpp>
 #include <deque>
 #include <optional>
+#include <utility>
 
 #include "common/local_bus.hpp"
 #include "services/ekf/ekf_config.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/revolution_assembler.hpp"
-#include "tools/log/log_reader.hpp"
 #include "tools/log/message_order.hpp"
 
 namespace curbstone {
@@ -69,16 +69,23 @@ class LogFeed {
 
 }  // namespace
 
-void play_log(const std::string& file, bool with_odometry, const MappingDrive::Take& take) {
+void play_events(const EventSource& source, bool with_odometry, const MappingDrive::Take& take) {
   LogFeed feed(with_odometry, take);
-  LogReader reader(file);
   MessageOrder order;
-  while (const auto event = reader.next()) {
-    order.push(*event);
+  source([&](LogEvent event) {
+    order.push(std::move(event));
     while (const auto next = order.pop(false)) feed.on(*next);
-  }
+  });
   while (const auto next = order.pop(true)) feed.on(*next);
   feed.finish();
+}
+
+void play_log(const std::string& file, bool with_odometry, const MappingDrive::Take& take) {
+  LogReader reader(file);
+  const auto source = [&](const std::function<void(LogEvent)>& hand_over) {
+    while (auto event = reader.next()) hand_over(std::move(*event));
+  };
+  play_events(source, with_odometry, take);
 }
 
 }  // namespace curbstone

@@ -1,13 +1,20 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "tools/bench/mapping/mapping_drive.hpp"
+#include "tools/log/log_reader.hpp"
 
 namespace curbstone {
 
 /// A log's LIDAR_POINTS as revolutions; its IMU and WHEELS, if wanted, through our filter as odometry. Throws
 /// std::runtime_error when the file is no log.
 void play_log(const std::string& file, bool with_odometry, const MappingDrive::Take& take);
+
+/// The same of events that come from elsewhere, in the order in which a log would hold them: `source` hands each to
+/// what it is given.
+using EventSource = std::function<void(const std::function<void(LogEvent)>& take)>;
+void play_events(const EventSource& source, bool with_odometry, const MappingDrive::Take& take);
 
 }  // namespace curbstone

@@ -4,7 +4,6 @@
 
 #include <cstdio>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 namespace curbstone {
@@ -50,26 +49,32 @@ void write_mapping_track(const MappingResult& result, const std::string& folder)
   if (!out) throw std::runtime_error(fmt::format("{}: cannot be written", file));
 }
 
-void write_mapping_json(const std::vector<MappingResult>& results, const std::string& file) {
-  nlohmann::json runs = nlohmann::json::array();
-  for (const MappingResult& r : results) {
-    runs.push_back({{"name", r.name},
-                    {"method", r.method},
-                    {"prior", r.prior},
-                    {"t_rel_percent", r.errors.rpe_percent},
-                    {"r_rel_deg_per_m", r.errors.rpe_deg_per_m},
-                    {"ate_m", r.errors.ate_m},
-                    {"end_percent", r.errors.end_percent},
-                    {"ms_median", r.ms_median},
-                    {"ms_p95", r.ms_p95},
-                    {"memory_mb", r.memory_mb}});
-  }
+nlohmann::json mapping_json(const MappingResult& r) {
+  return {{"name", r.name},
+          {"method", r.method},
+          {"prior", r.prior},
+          {"t_rel_percent", r.errors.rpe_percent},
+          {"r_rel_deg_per_m", r.errors.rpe_deg_per_m},
+          {"ate_m", r.errors.ate_m},
+          {"end_percent", r.errors.end_percent},
+          {"ms_median", r.ms_median},
+          {"ms_p95", r.ms_p95},
+          {"memory_mb", r.memory_mb}};
+}
+
+void write_runs(const nlohmann::json& runs, const std::string& file) {
   const std::string part = file + ".part";
   std::ofstream out(part);
   out << nlohmann::json{{"runs", runs}}.dump(2) << "\n";
   out.close();
   if (!out || std::rename(part.c_str(), file.c_str()) != 0)
     throw std::runtime_error(fmt::format("--json {}: cannot be written", file));
+}
+
+void write_mapping_json(const std::vector<MappingResult>& results, const std::string& file) {
+  nlohmann::json runs = nlohmann::json::array();
+  for (const MappingResult& result : results) runs.push_back(mapping_json(result));
+  write_runs(runs, file);
 }
 
 }  // namespace curbstone

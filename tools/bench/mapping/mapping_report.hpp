@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,11 @@ namespace curbstone {
 /// The poses behind the figures: DRIVE-METHOD-PRIOR.csv in a folder, truth and estimate side by side. Throws
 /// std::runtime_error.
 void write_mapping_track(const MappingResult& result, const std::string& folder);
+/// One of the runs in the file.
+[[nodiscard]] nlohmann::json mapping_json(const MappingResult& result);
 /// {"runs": [...]}: as documented in docs/benchmarks.md. The file is there as a whole or not at all. Throws
 /// std::runtime_error.
+void write_runs(const nlohmann::json& runs, const std::string& file);
 void write_mapping_json(const std::vector<MappingResult>& results, const std::string& file);
 
 }  // namespace curbstone

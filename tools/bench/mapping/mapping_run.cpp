@@ -1,34 +1,14 @@
 #include "tools/bench/mapping/mapping_run.hpp"
 
-#include <malloc.h>
-#include <time.h>
-
 #include <algorithm>
 
+#include "tools/bench/mapping/gauges.hpp"
+
 namespace curbstone {
-namespace {
-
-double now_ms(clockid_t clock) {
-  timespec t{};
-  clock_gettime(clock, &t);
-  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
-}
-
-double heap_mb() {
-  const struct mallinfo2 info = mallinfo2();
-  return static_cast<double>(info.uordblks + info.hblkhd) / 1e6;
-}
-
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
-}
-
-}  // namespace
 
 MappingResult run_mapping(const MappingDrive& drive, const std::string& method,
-                          const std::vector<std::string>& settings) {
+                          const std::vector<std::string>& settings,
+                          const std::function<void(const MappingMoment&)>& watch) {
   MappingResult result;
   result.name = drive.name;
   result.method = method;
@@ -49,6 +29,11 @@ MappingResult run_mapping(const MappingDrive& drive, const std::string& method,
     held += heap_mb() - heap_before;
     result.memory_mb = std::max(result.memory_mb, held);
     if (pose) track.push_back(*pose);
+    if (!watch) return;
+    MappingMoment moment{pose, std::nullopt, held, cpu.back()};
+    if (odometry.covers(revolution.end, revolution.end))
+      moment.odometry = StampedPose{revolution.end, odometry.at(revolution.end)};
+    watch(moment);
   });
   if (mapper) {
     mapper->finish();

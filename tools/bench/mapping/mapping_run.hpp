@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +23,16 @@ struct MappingResult {
   PosePairs track;  ///< at the truth's stamps
 };
 
+/// What is known after a revolution.
+struct MappingMoment {
+  std::optional<StampedPose> pose;      ///< that the method found
+  std::optional<StampedPose> odometry;  ///< T_odom_base at the revolution's end
+  double held_mb = 0;                   ///< heap that the method holds
+  double cpu_ms = 0;                    ///< that it took
+};
+
 [[nodiscard]] MappingResult run_mapping(const MappingDrive& drive, const std::string& method,
-                                        const std::vector<std::string>& settings);
+                                        const std::vector<std::string>& settings,
+                                        const std::function<void(const MappingMoment&)>& watch = {});
 
 }  // namespace curbstone

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <time.h>
+
+#include <vector>
+
+namespace curbstone {
+
+/// ms: CLOCK_MONOTONIC for the wall, CLOCK_PROCESS_CPUTIME_ID for what the process used.
+[[nodiscard]] double now_ms(clockid_t clock);
+/// MB in use, of the process (glibc only, else 0).
+[[nodiscard]] double heap_mb();
+/// MB of the process that lie in memory (Linux only, else 0).
+[[nodiscard]] double resident_mb();
+/// The value below which `share` of them lie; 0 of none.
+[[nodiscard]] double percentile(std::vector<double> values, double share);
+
+}  // namespace curbstone
