@@ -16,6 +16,7 @@ void PeriodClock::begin(std::int64_t received) {
   index_ = 0;
   settling_ = 0;
   suspected_ = 0;
+  untold_ = 0;
   block_size_ = 0;
   last_received_ = received;
   last_stamp_ = offset_.to_host(0, received);
@@ -24,25 +25,33 @@ void PeriodClock::begin(std::int64_t received) {
 PeriodClock::Stamp PeriodClock::stamp(std::int64_t received, const Evidence& evidence) {
   measure_period(received);
   const std::int64_t gap = received - last_received_;
-  if (!running_ || gap > kMaxGap || gap < 0) {
+  const auto begin_anew = [&]() -> Stamp {
     begin(received);
     return {last_stamp_, 1, 0, true};
-  }
-  last_received_ = received;
+  };
+  if (!running_ || gap > kMaxSleep || gap < 0) return begin_anew();
 
   Stamp stamp;
   const auto most = static_cast<int>((received - last_stamp_ + period_ / 2) / period_);
-  if (most > 1) stamp.steps = std::clamp(evidence(most), 1, most);
+  if (most > 1) {
+    const std::optional<int> told = evidence(most);
+    if (gap > kMaxGap && told != 1) return begin_anew();
+    stamp.steps = std::clamp(told.value_or(1), 1, most);
+    if (told != 1) untold_ += most - stamp.steps;
+  }
+  last_received_ = received;
   index_ += stamp.steps;
   acquit(last_stamp_ + stamp.steps * period_ - received);
   stamp.utime = offset_.to_host(index_ * period_, received);
 
   const std::int64_t delay = received - stamp.utime;
+  if (2 * delay < period_) untold_ = 0;
   least_delay_ = settling_ == 0 ? delay : std::min(least_delay_, delay);
   if (++settling_ == kSettle) {
     settling_ = 0;
-    if (4 * least_delay_ > 3 * period_) {
-      const auto missing = static_cast<int>((least_delay_ + period_ / 4) / period_);
+    if (4 * least_delay_ > 3 * period_ && untold_ > 0) {
+      const auto missing = static_cast<int>(std::min(untold_, (least_delay_ + period_ / 4) / period_));
+      untold_ -= missing;
       suspected_ += missing;
       suspected_at_ = received;
       index_ += missing;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "common/clock_offset.hpp"
 
@@ -12,9 +13,10 @@ namespace curbstone {
 ///
 /// The k-th sample was taken at offset + k * period; the offset is that of the least delayed sample (ClockOffset). What
 /// must be guessed is k: after a pause, were samples lost, or are they only late? The caller's evidence decides (wheels
-/// do not double their speed from one sample to the next); without evidence they count as late. If no sample makes the
-/// lateness good within kSettle, the stamps follow it, but that is not proof yet: a busy host can be late for half a
-/// second. Only if none does within kConfirm either were they lost: no host is late by the same all the time.
+/// do not double their speed from one sample to the next); without evidence they count as late, and as many as may have
+/// been lost are remembered. If no sample makes the lateness good within kSettle, the stamps follow it as far as that,
+/// but it is not proof yet: a busy host can be late for half a second. Only if none does within kConfirm either were
+/// they lost. Lateness that the evidence explains, or that came without a pause, is the host's, however long it lasts.
 class PeriodClock {
  public:
   struct Stamp {
@@ -23,15 +25,18 @@ class PeriodClock {
     int lost_before = 0;     ///< samples now known, in hindsight, to have been lost
     bool restarted = false;  ///< nothing is known of the time since the sample before
   };
-  /// Given the most periods that may have passed, how many have.
-  using Evidence = std::function<int(int max_steps)>;
+  /// Given the most periods that may have passed, how many have; nothing where that cannot be told.
+  using Evidence = std::function<std::optional<int>(int max_steps)>;
 
   /// Samples after which the stamps follow lateness that nobody made good.
   static constexpr int kSettle = 50;
   /// us after which it was a loss.
   static constexpr std::int64_t kConfirm = 3'000'000;
-  /// us; after a longer silence all begins anew.
+  /// us; after a longer silence all begins anew, unless the evidence says that nothing is missing: the host slept, and
+  /// what the device sent meanwhile comes in one go.
   static constexpr std::int64_t kMaxGap = 500'000;
+  /// us; after a silence longer than this all begins anew in any case: no buffer is so deep.
+  static constexpr std::int64_t kMaxSleep = 5'000'000;
 
   explicit PeriodClock(std::int64_t period) : nominal_(period), period_(period) {}
 
@@ -58,6 +63,7 @@ class PeriodClock {
   std::int64_t last_received_ = 0;
   std::int64_t least_delay_ = 0;  // us, of the last `settling_` samples
   int settling_ = 0;
+  std::int64_t untold_ = 0;        // samples that, for all we know, were lost since the last punctual one
   int suspected_ = 0;              // samples, perhaps lost
   std::int64_t suspected_at_ = 0;  // us, arrival
   std::int64_t block_begin_ = 0;   // us, arrival of the block's first sample

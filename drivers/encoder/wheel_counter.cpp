@@ -68,8 +68,8 @@ WheelCounter::Sample WheelCounter::sample(const std::array<double, 2>& moved, do
   return sample;
 }
 
-int WheelCounter::likely_periods(const Raw& raw, int most, double period) const {
-  if (!last_ || std::max(std::abs(rate_[0]), std::abs(rate_[1])) * period < kEvidentCounts) return 1;
+std::optional<int> WheelCounter::likely_periods(const Raw& raw, int most, double period) const {
+  if (!last_ || std::max(std::abs(rate_[0]), std::abs(rate_[1])) * period < kEvidentCounts) return {};
   const std::array<double, 2> moved = difference(*last_, raw);
   const auto surprise = [&](int periods) {  // counts a period
     return std::abs(moved[0] / periods - rate_[0] * period) + std::abs(moved[1] / periods - rate_[1] * period);
@@ -78,7 +78,10 @@ int WheelCounter::likely_periods(const Raw& raw, int most, double period) const 
   for (int periods = 2; periods <= most; ++periods) {
     if (surprise(periods) < surprise(best)) best = periods;
   }
-  return surprise(best) < 0.5 * surprise(1) ? best : 1;
+  if (surprise(best) < 0.5 * surprise(1)) return best;
+  const double expected = (std::abs(rate_[0]) + std::abs(rate_[1])) * period;
+  if (surprise(1) < 0.5 * expected) return 1;
+  return {};
 }
 
 }  // namespace curbstone

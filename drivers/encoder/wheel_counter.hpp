@@ -34,8 +34,8 @@ class WheelCounter {
   void restart() { last_.reset(); }
 
   /// How many periods of `period` s (1..most) have passed since the last sample, if the wheels went on as they did: 1
-  /// unless the counts plainly say more.
-  [[nodiscard]] int likely_periods(const Raw& raw, int most, double period) const;
+  /// unless the counts plainly say more; nothing where they say neither, as of slow wheels.
+  [[nodiscard]] std::optional<int> likely_periods(const Raw& raw, int most, double period) const;
 
   [[nodiscard]] const Counters& counters() const { return counters_; }
 

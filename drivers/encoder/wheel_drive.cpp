@@ -196,10 +196,12 @@ void WheelDrive::on_emergency(const CanFrame& frame) {
 
 void WheelDrive::tick(std::int64_t now) {
   if (state_ == State::kIdle) return start(now);
+  // Who has slept has not heard the drive either: what it sent waits to be read, and comes before the next tick.
+  const bool slept = now - std::exchange(last_tick_, now) > settings_.patience / 2;
   sdo_.tick(now);
   if (state_ == State::kFailed && now - since_ >= kRetryPeriod) start(now);
   if (state_ != State::kRunning) return;
-  if (now - last_counts_ > settings_.patience) {
+  if (now - last_counts_ > settings_.patience && !slept) {
     counters_.add("drive.silences");
     start(now);
     return;

@@ -88,6 +88,7 @@ class WheelDrive {
   std::int64_t since_ = 0;        // when the state began
   std::int64_t last_counts_ = 0;  // when positions last came, or the drive was started
   std::int64_t last_poll_ = 0;
+  std::int64_t last_tick_ = 0;
   bool poll_now_ = false;
   DriveStatus status_;
   std::optional<std::uint32_t> encoder_lines_;

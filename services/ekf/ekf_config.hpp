@@ -134,7 +134,7 @@ struct TimingConfig {
   double hold = 0.2;           ///< s of message time to wait for the other sensor: a longer delay counts as a loss
   double max_imu_gap = 0.1;    ///< s between IMU samples that is bridged by them; beyond it the wheels carry
   double max_wheel_gap = 0.2;  ///< s between wheel samples over which a mean speed still says something
-  double history = 1.0;        ///< s of samples that are kept, for one that comes later than the hold
+  double history = 2.0;        ///< s of samples that are kept, for one that comes later than the hold
   double max_jump = 1.0;       ///< s: a longer step of the stamps is a jump of the clock or a long silence
 
   void visit(ConfigVisitor& v) {

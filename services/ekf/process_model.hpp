@@ -1,12 +1,10 @@
 #pragma once
 
+#include "common/gravity.hpp"
 #include "services/ekf/ekf_config.hpp"
 #include "services/ekf/error_state.hpp"
 
 namespace curbstone {
-
-/// Local gravity is close enough to this for ground vehicles; the difference goes into the accelerometer's bias.
-inline constexpr double kGravity = 9.80665;  // m/s^2, along -z of odom
 
 /// What an IMU measures, in body axes.
 struct Inertial {

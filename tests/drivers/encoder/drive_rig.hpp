@@ -28,7 +28,8 @@ class DriveRig {
   /// Runs both ends for `us`, in steps of 1 ms; samples are taken when the drive's timers say so.
   void run_for(std::int64_t us) {
     for (const std::int64_t end = now + us; now < end; now += 1000) {
-      if ((now - kStart) % 20'000 == 0) node.tick(now);
+      const bool awake = now >= asleep_until_;
+      if (awake && (now - kStart) % 20'000 == 0) node.tick(now);
       while (!on_bus_.empty()) {
         const CanFrame frame = on_bus_.front();
         on_bus_.pop_front();
@@ -39,9 +40,11 @@ class DriveRig {
         drive.set_counts(raw(*due, 0), raw(*due, 1));
         receive(*due, drive.tick(*due));
       }
-      deliver(now + 1000);
+      if (awake) deliver(now + 1000);
     }
   }
+  /// From now on the host does nothing for `us`; what comes waits for it.
+  void sleep_for(std::int64_t us) { asleep_until_ = now + us; }
   void receive(std::int64_t at, const CanDriveEmulator::Frames& frames) {
     for (const CanFrame& frame : frames) {
       if (connected && !lost(frame)) late_.push_back({at + delay(frame), frame});
@@ -74,7 +77,7 @@ class DriveRig {
     while (!late_.empty() && late_.front().at < until) {
       const Late late = late_.front();
       late_.pop_front();
-      arrived_ = std::max(arrived_, late.at);
+      arrived_ = std::max({arrived_, late.at, asleep_until_});
       node.on_frame(arrived_, late.frame);
     }
   }
@@ -82,6 +85,7 @@ class DriveRig {
   std::deque<CanFrame> on_bus_;
   std::deque<Late> late_;
   std::int64_t arrived_ = 0;
+  std::int64_t asleep_until_ = 0;
 
  public:
   EncoderNode node;

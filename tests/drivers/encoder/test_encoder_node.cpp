@@ -109,6 +109,31 @@ TEST(EncoderNodeTest, ABusyHostLosesNothingWhateverTheWheelsDo) {
   }
 }
 
+TEST(EncoderNodeTest, AHostThatIsLateForGoodWhileDrivingLosesNothing) {
+  DriveRig rig;
+  rig.receive(rig.now, rig.drive.power_on(rig.now));
+  rig.run_for(1'000'000);
+  rig.delay = [](const CanFrame&) { return std::int64_t{9'500}; };
+  rig.run_for(6'000'000);
+  EXPECT_EQ(rig.count("lost.samples"), 0);
+}
+
+TEST(EncoderNodeTest, AHostThatSleptReadsWhatItMissedAtItsOwnTimes) {
+  DriveRig rig;
+  rig.receive(rig.now, rig.drive.power_on(rig.now));
+  rig.run_for(1'000'000);
+  rig.sleep_for(900'000);
+  rig.run_for(2'000'000);
+  EXPECT_EQ(rig.count("lost.samples"), 0);
+  EXPECT_EQ(rig.count("dropped.not_newer"), 0);
+  EXPECT_EQ(rig.count("drive.silences"), 0);
+  for (std::size_t i = 1; i < rig.messages().size(); ++i) {
+    const wheels_t& m = rig.messages()[i];
+    EXPECT_NEAR(static_cast<double>(m.utime - rig.messages()[i - 1].utime), 10'000, 250) << i;
+    EXPECT_NEAR(m.angle[0], rig.angle(m.utime) - rig.angle(rig.messages()[0].utime), 10 * 0.001) << i;
+  }
+}
+
 TEST(EncoderNodeTest, LossesWhileStandingAreFoundInHindsight) {
   DriveRig rig;
   rig.speed = 0;

@@ -86,6 +86,24 @@ TEST_F(Rewinding, LateSamplesLeadToTheVeryBeliefOfOrderedOnes) {
   EXPECT_EQ(ordered.filter.filter().counters().values(), late.filter.filter().counters().values());
 }
 
+TEST_F(Rewinding, AnEncoderThatSleptForMoreThanASecondCountsInFull) {
+  const Result ordered = run(samples_);
+  std::vector<Sample> samples;
+  std::vector<Sample> waiting;  // read in one go at 13.5 s
+  for (const Sample& s : samples_) {
+    const double t = seconds_in(stamp_of(s));
+    if (t >= 13.5) samples.insert(samples.end(), waiting.begin(), waiting.end()), waiting.clear();
+    if (std::holds_alternative<WheelSample>(s) && t > 12.0 && t < 13.5)
+      waiting.push_back(s);
+    else
+      samples.push_back(s);
+  }
+  const Result late = run(samples);
+  EXPECT_EQ(late.filter.counters()["rewound.wheels"], 150);
+  EXPECT_EQ(late.filter.filter().belief().covariance, ordered.filter.filter().belief().covariance);
+  expect_continuous(late.estimates);
+}
+
 TEST_F(Rewinding, OdomGoesOnFromWhereItWasAndNoStampIsGivenTwice) {
   // The wheels of two seconds come 0.6 s late, all at once: meanwhile it coasts on the IMU.
   const Result late = run(delayed(0.6, [&](const Sample& s) {

@@ -75,7 +75,7 @@ TEST_F(SequencerTest, WhatComesAfterItsTurnComesAtOnceWithinTheHistory) {
   order_.clear();
   wheels(40);
   EXPECT_EQ(order_, "w40 ");
-  for (int ms = 260; ms <= 1500; ms += 10) imu(ms);
+  for (int ms = 260; ms <= 2500; ms += 10) imu(ms);
   order_.clear();
   wheels(50);
   EXPECT_EQ(order_, "");
