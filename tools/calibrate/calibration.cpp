@@ -10,6 +10,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "common/gravity.hpp"
 #include "tools/calibrate/segment.hpp"
 
 namespace curbstone {
@@ -21,9 +22,8 @@ using Vector3 = Eigen::Matrix<T, 3, 1>;
 template <class T>
 using Matrix3 = Eigen::Matrix<T, 3, 3>;
 
-constexpr double kPiece = 0.5;            // s
-constexpr double kGravityPull = 9.80665;  // m/s^2
-constexpr int kRounds = 4;                // of solving and of finding the noise
+constexpr double kPiece = 0.5;  // s
+constexpr int kRounds = 4;      // of solving and of finding the noise
 constexpr std::size_t kMinSegments = 20;
 constexpr double kRobustWidth = 4.0;                  // sigma of a block beyond which it is an outlier
 const double kStraight = 1.0 + 2.0 * std::cos(0.02);  // trace of a rotation by 0.02 rad
@@ -141,7 +141,7 @@ struct AccelerometerAgainstLidar {
     };
     const Vector3<T> bias(accelerometer_bias[0], accelerometer_bias[1], accelerometer_bias[2]);
     const Vector3<T> gravity =
-        exp_of<T>(Vector3<T>(level[0], level[1], T(0.0))) * Vector3<T>(T(0.0), T(0.0), T(-kGravityPull));
+        exp_of<T>(Vector3<T>(level[0], level[1], T(0.0))) * Vector3<T>(T(0.0), T(0.0), T(-kGravity));
     const Matrix3<T> R_a = a.T_map_begin.linear().cast<T>() * R_lidar_imu;
     const Matrix3<T> R_b = b.T_map_begin.linear().cast<T>() * R_lidar_imu;
     const T da(a.duration), db(b.duration);

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "common/geometry.hpp"
+#include "common/gravity.hpp"
 
 namespace curbstone {
 
@@ -24,7 +25,5 @@ struct Inertia {
 
 /// Signed way of a point of the vehicle along the vehicle's heading from t0 to t1, m: what a wheel there rolls.
 [[nodiscard]] double rolled_distance(const Motion& motion, const Eigen::Vector3d& point_base, double t0, double t1);
-
-inline constexpr double kGravity = 9.80665;  ///< m/s^2
 
 }  // namespace curbstone
