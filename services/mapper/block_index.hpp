@@ -20,6 +20,11 @@ class BlockIndex {
 
   BlockIndex() { clear(); }
 
+  void clear() {
+    blocks_.assign(1, {Eigen::Vector3i::Zero(), kNothing});
+    index_.clear(1024);
+  }
+
   [[nodiscard]] std::uint32_t find(const Eigen::Vector3i& cell) const {
     return blocks_[search(block_of(cell))].places[within(cell.x(), cell.y(), cell.z())];
   }
@@ -35,6 +40,25 @@ class BlockIndex {
     }
     return blocks_[at].places[within(cell.x(), cell.y(), cell.z())];
   }
+
+  /// Finds cells one after the other; searches only when the next is in another block.
+  class Finder {
+   public:
+    explicit Finder(const BlockIndex& index) : index_(index) {}
+    [[nodiscard]] std::uint32_t operator()(const Eigen::Vector3i& cell) {
+      const Eigen::Vector3i block = block_of(cell);
+      if (places_ == nullptr || block != block_) {
+        block_ = block;
+        places_ = &index_.blocks_[index_.search(block)].places;
+      }
+      return (*places_)[within(cell.x(), cell.y(), cell.z())];
+    }
+
+   private:
+    const BlockIndex& index_;
+    Eigen::Vector3i block_ = Eigen::Vector3i::Zero();
+    const Places* places_ = nullptr;
+  };
 
   /// Calls `visit(place, dx, dy, dz)` for the 3 x 3 x 3 cells around (and with) `cell` that have a place, in order.
   template <class Visit>
@@ -105,8 +129,6 @@ class BlockIndex {
     const std::uint32_t at = index_.find(voxel_key(block));
     return at == kNone ? 0 : at;
   }
-  void clear() { blocks_.assign(1, {Eigen::Vector3i::Zero(), kNothing}); }
-
   std::vector<Block> blocks_;  // the first is the one that has nothing
   FlatIndex index_;
 };

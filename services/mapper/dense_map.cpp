@@ -1,30 +1,33 @@
 #include "services/mapper/dense_map.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <set>
 #include <utility>
 
 namespace curbstone {
 namespace {
 
-constexpr double kPlaceSize = 0.2;               // m, horizontally
-constexpr double kPlaceHeight = 0.6;             // m: the rings of a passing vehicle hit a wall now here, now there
-constexpr std::int64_t kPlaceBreak = 1'000'000;  // us without a hit: whatever was there has left
-constexpr std::int64_t kGiveUp = 3'000'000;      // us without a hit: what waits is forgotten
-constexpr double kGroundSlope = 0.05;            // by which unseen ground may rise above the vehicle's plane
-constexpr std::int64_t kHousekeeping = 64;       // revolutions between
-constexpr int kHeldEvery = 4;                    // revolutions between looks at what is held
-constexpr double kAwake = 40.0;                  // m beyond the range: tiles that keep their voxel sets
+constexpr std::int64_t kGiveUp = 3'000'000;  // us without a hit: what waits is forgotten
+constexpr double kGroundSlope = 0.05;        // by which unseen ground may rise above the vehicle's plane
+constexpr std::int64_t kHousekeeping = 64;   // revolutions between
+constexpr std::uint32_t kHeldEvery = 4;      // revolutions between looks at what is held
+constexpr double kAwake = 40.0;              // m beyond the range: tiles that keep their voxel sets
+constexpr double kFarthest = 90'000;         // m from the start, in either axis
+constexpr double kColumnsPerMetre = DenseTile::kColumns / kTileSize;
 
 std::int64_t microseconds(double seconds) {
   return std::llround(seconds * 1e6);
 }
 
-Eigen::Vector3i place_of(const Eigen::Vector3d& p) {
-  return {static_cast<int>(std::floor(p.x() / kPlaceSize)), static_cast<int>(std::floor(p.y() / kPlaceSize)),
-          static_cast<int>(std::floor(p.z() / kPlaceHeight))};
+/// tile_at() of what can be mapped.
+std::optional<TileKey> mapped_tile_at(const Eigen::Vector3d& p) {
+  if (!(std::abs(p.x()) < kFarthest && std::abs(p.y()) < kFarthest)) return std::nullopt;
+  return TileKey{floor_to_int(p.x() / kTileSize), floor_to_int(p.y() / kTileSize)};
+}
+
+/// The tile that a column is in, by the column's number along an axis.
+int tile_of_column(int column) {
+  return (column >= 0 ? column : column - (DenseTile::kColumns - 1)) / DenseTile::kColumns;
 }
 
 Eigen::Vector3d corner_of(TileKey key, const DenseTile& tile) {
@@ -32,12 +35,12 @@ Eigen::Vector3d corner_of(TileKey key, const DenseTile& tile) {
 }
 
 std::optional<TilePoint> point_in_tile(const Eigen::Vector3d& offset, std::uint8_t intensity) {
-  const double z = std::floor(offset.z() / kPositionStep);
+  const double z = offset.z() / kPositionStep;
   if (!(std::abs(z) < 32000)) return std::nullopt;
   const auto in_plane = [](double v) {
     return static_cast<std::int16_t>(std::clamp(static_cast<int>(v / kPositionStep), 0, kStepsPerTile - 1));
   };
-  return TilePoint{in_plane(offset.x()), in_plane(offset.y()), static_cast<std::int16_t>(z), intensity};
+  return TilePoint{in_plane(offset.x()), in_plane(offset.y()), static_cast<std::int16_t>(floor_to_int(z)), intensity};
 }
 
 /// Names a waiting voxel in the index of all of them. Not a lattice cell, but as unique.
@@ -49,7 +52,10 @@ VoxelKey waiting_key(TileKey tile, std::uint32_t voxel) {
 }  // namespace
 
 DenseMap::DenseMap(const DenseConfig& config)
-    : config_(config), voxel_steps_(static_cast<int>(std::lround(config.voxel / kPositionStep))) {}
+    : config_(config),
+      voxel_steps_(static_cast<int>(std::lround(config.voxel / kPositionStep))),
+      settle_us_(microseconds(config.settle_s)),
+      places_(microseconds(config.persistence_s)) {}
 
 const DenseTile* DenseMap::tile(TileKey key) const {
   const auto it = tiles_.find(key);
@@ -81,21 +87,16 @@ DenseTile& DenseMap::tile_for_sure(TileKey key) {
   return *find_tile(key);
 }
 
-DenseTile* DenseMap::tile_at_point(const Eigen::Vector3d& point) {
-  const auto key = tile_at(point.x(), point.y());
-  return key ? find_tile(*key) : nullptr;
-}
-
 std::vector<TileKey> DenseMap::insert(const std::vector<LidarPoint>& points, const Pose& T_map_base, std::int64_t utime,
                                       bool add_new) {
   ++round_;
   base_ = T_map_base.translation();
   up_ = T_map_base.linear().col(2);
   learn(points, T_map_base, utime);
-  for (std::size_t i = 0; i < in_range_.size(); ++i) hit(in_range_[i], in_range_intensity_[i], utime, add_new);
+  for (const Seen& seen : in_range_) hit(seen, utime, add_new);
   std::vector<TileKey> grown = settle_all(utime, false);
   if (round_ % kHousekeeping == 0) {
-    forget_places(utime);
+    places_.forget_before(utime - kGiveUp);
     bound_memory();
   }
   return grown;
@@ -108,26 +109,23 @@ std::vector<TileKey> DenseMap::finish() {
 /// First look at the whole revolution: the lowest point of each column, then what stands above it.
 void DenseMap::learn(const std::vector<LidarPoint>& points, const Pose& T_map_base, std::int64_t utime) {
   in_range_.clear();
-  in_range_intensity_.clear();
   for (const LidarPoint& point : points) {
     const Eigen::Vector3d p = point.position.cast<double>();
     if (p.head<2>().squaredNorm() > config_.max_range * config_.max_range) continue;
     if (!(p.z() > config_.min_height && p.z() < config_.max_height)) continue;
     const Eigen::Vector3d in_map = T_map_base * p;
-    const auto key = tile_at(in_map.x(), in_map.y());
-    if (!key || std::abs(key->x) > 30000 || std::abs(key->y) > 30000) continue;  // 90 km from the start
-    in_range_.push_back(in_map);
-    in_range_intensity_.push_back(point.intensity);
+    const auto key = mapped_tile_at(in_map);
+    if (!key) continue;
     DenseTile& tile = tile_for_sure(*key);
-    const double scale = DenseTile::kColumns / kTileSize;
-    const int column =
-        std::clamp(static_cast<int>((in_map.x() - key->x * kTileSize) * scale), 0, DenseTile::kColumns - 1);
-    const int row = std::clamp(static_cast<int>((in_map.y() - key->y * kTileSize) * scale), 0, DenseTile::kColumns - 1);
-    float& lowest = tile.lowest(column, row);
+    in_range_.push_back({in_map, *key, &tile, point.intensity});
+    const auto place = [](double along) {
+      return std::clamp(static_cast<int>(along * kColumnsPerMetre), 0, DenseTile::kColumns - 1);
+    };
+    float& lowest = tile.lowest(place(in_map.x() - key->x * kTileSize), place(in_map.y() - key->y * kTileSize));
     lowest = std::min(lowest, static_cast<float>(in_map.z()));
   }
-  for (const Eigen::Vector3d& p : in_range_) {
-    if (p.z() > ground_at(p) + config_.ground_clearance) occupy(p, utime);
+  for (const Seen& seen : in_range_) {
+    if (seen.position.z() > ground_at(seen.position) + config_.ground_clearance) places_.see(seen.position, utime);
   }
 }
 
@@ -137,84 +135,64 @@ double DenseMap::ground_at(const Eigen::Vector3d& point) {
   const Eigen::Vector2d d = (point - base_).head<2>();
   const double slope = up_.z() > 0.5 ? -(up_.head<2>().dot(d)) / up_.z() : 0.0;
   double ground = base_.z() + slope + kGroundSlope * d.norm();
-  const double half = 0.5 * kTileSize / DenseTile::kColumns;
-  for (const double dx : {-half, half}) {
-    for (const double dy : {-half, half}) {
-      const double x = point.x() + dx;
-      const double y = point.y() + dy;
-      const auto key = tile_at(x, y);
-      DenseTile* tile = key ? find_tile(*key) : nullptr;
-      if (tile == nullptr) continue;
-      const double scale = DenseTile::kColumns / kTileSize;
-      const int column = std::clamp(static_cast<int>((x - key->x * kTileSize) * scale), 0, DenseTile::kColumns - 1);
-      const int row = std::clamp(static_cast<int>((y - key->y * kTileSize) * scale), 0, DenseTile::kColumns - 1);
-      ground = std::min(ground, static_cast<double>(tile->lowest(column, row)));
-    }
+  const int west = floor_to_int(point.x() * kColumnsPerMetre - 0.5);
+  const int south = floor_to_int(point.y() * kColumnsPerMetre - 0.5);
+  TileKey last;
+  DenseTile* tile = nullptr;
+  for (int i = 0; i < 4; ++i) {
+    const int column = west + (i & 1), row = south + (i >> 1);
+    const TileKey key{tile_of_column(column), tile_of_column(row)};
+    if (i == 0 || key != last) tile = find_tile(key);
+    last = key;
+    if (tile == nullptr) continue;
+    const float lowest = tile->lowest(column - key.x * DenseTile::kColumns, row - key.y * DenseTile::kColumns);
+    ground = std::min(ground, static_cast<double>(lowest));
   }
   return ground;
 }
 
-void DenseMap::occupy(const Eigen::Vector3d& point, std::int64_t utime) {
-  const Eigen::Vector3i cell = place_of(point);
-  const auto next = static_cast<std::uint32_t>(places_.size());
-  const std::uint32_t at = places_index_.find_or_insert(voxel_key(cell), next);
-  if (at == FlatIndex::kNone) {
-    places_.push_back({cell, utime, utime});
-    return;
-  }
-  Place& place = places_[at];
-  if (utime - place.last > kPlaceBreak) place.first = utime;
-  place.last = utime;
-}
-
-bool DenseMap::stays(const Eigen::Vector3i& cell) const {
-  const std::uint32_t at = places_index_.find(voxel_key(cell));
-  if (at == FlatIndex::kNone) return false;
-  return places_[at].last - places_[at].first >= microseconds(config_.persistence_s);
-}
-
-void DenseMap::hit(const Eigen::Vector3d& point, std::uint8_t intensity, std::int64_t utime, bool add_new) {
-  const TileKey key = *tile_at(point.x(), point.y());
-  const DenseTile& tile = tile_for_sure(key);
-  const auto in_tile = point_in_tile(point - corner_of(key, tile), intensity);
+void DenseMap::hit(const Seen& seen, std::int64_t utime, bool add_new) {
+  const auto in_tile = point_in_tile(seen.position - corner_of(seen.key, *seen.tile), seen.intensity);
   if (!in_tile) return;
-  const std::uint32_t voxel = tile.voxel_number(*in_tile);
-  if (tile.occupied(voxel)) return;
-  const VoxelKey name = waiting_key(key, voxel);
+  const std::uint32_t voxel = seen.tile->voxel_number(*in_tile);
+  if (seen.tile->occupied(voxel)) return;
+  const VoxelKey name = waiting_key(seen.key, voxel);
   std::uint32_t at = waiting_index_.find(name);
   if (at == FlatIndex::kNone) {
     if (!add_new) return;
-    at = static_cast<std::uint32_t>(waiting_.size());
+    at = new_waiting();
     waiting_index_.find_or_insert(name, at);
-    waiting_.push_back({.tile = key, .voxel = voxel, .first = utime});
+    waiting_[at] = {.tile = seen.key, .voxel = voxel, .first = utime};
   }
   Waiting& waiting = waiting_[at];
   waiting.last = utime;
   if (waiting.hits >= config_.settle_hits) return;  // its point is made; only its proof is missing
   ++waiting.hits;
-  waiting.intensity += intensity;
+  waiting.intensity += seen.intensity;
   waiting.sum += Eigen::Vector3i(in_tile->x, in_tile->y, in_tile->z);
 }
 
-bool DenseMap::may_be_moving(const Eigen::Vector3d& point) {
-  if (point.z() > ground_at(point) + config_.ground_clearance) return !stays(place_of(point));
-  // Low, but under or beside something that is not known to stay: a wheel, a foot.
-  for (const double up : {0.5, 1.0}) {
-    for (const auto& [dx, dy] :
-         {std::pair{0.0, 0.0}, {kPlaceSize, 0.0}, {-kPlaceSize, 0.0}, {0.0, kPlaceSize}, {0.0, -kPlaceSize}}) {
-      const Eigen::Vector3i cell = place_of(point + Eigen::Vector3d(dx, dy, up));
-      const std::uint32_t at = places_index_.find(voxel_key(cell));
-      if (at != FlatIndex::kNone && !stays(cell)) return true;
-    }
+std::uint32_t DenseMap::new_waiting() {
+  if (free_.empty()) {
+    waiting_.emplace_back();
+    return static_cast<std::uint32_t>(waiting_.size() - 1);
   }
-  return false;
+  const std::uint32_t at = free_.back();
+  free_.pop_back();
+  return at;
+}
+
+bool DenseMap::may_be_moving(const Eigen::Vector3d& point) {
+  if (point.z() > ground_at(point) + config_.ground_clearance) return !places_.stays(point);
+  return places_.passing_above(point);
 }
 
 /// Whether the voxel leaves the waiting room: because it went into the map or because it was given up.
 bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
-  if (!last_call && waiting.hits < config_.settle_hits && utime - waiting.first < microseconds(config_.settle_s))
+  if (!last_call && waiting.hits < config_.settle_hits && utime - waiting.first < settle_us_) return false;
+  // What is held takes turns: a place is no proof sooner than after a second.
+  if (!last_call && waiting.held && (static_cast<std::uint32_t>(round_) + waiting.voxel) % kHeldEvery != 0)
     return false;
-  if (!last_call && waiting.held && round_ % kHeldEvery != 0) return false;
   waiting.held = true;
   DenseTile* tile = find_tile(waiting.tile);
   if (tile == nullptr) return true;
@@ -231,41 +209,26 @@ bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
     return give_up;
   }
   tile->append(point, last_call ? waiting.last : utime, anchor_);
-  counters_.add("dense.points");
   ++size_;
   return true;
 }
 
 std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, bool last_call) {
-  std::set<TileKey> grown;
+  std::vector<TileKey> grown;
   const std::int64_t before = size_;
-  std::size_t kept = 0;
-  std::int64_t counted = before;
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
-    if (!settle(waiting_[i], utime, last_call)) {
-      if (kept != i) waiting_[kept] = waiting_[i];
-      ++kept;
-    } else if (size_ != counted) {
-      counted = size_;
-      grown.insert(waiting_[i].tile);
-    }
+    Waiting& waiting = waiting_[i];
+    const std::int64_t size = size_;
+    if (waiting.hits == 0 || !settle(waiting, utime, last_call)) continue;
+    if (size_ != size && (grown.empty() || grown.back() != waiting.tile)) grown.push_back(waiting.tile);
+    waiting_index_.erase(waiting_key(waiting.tile, waiting.voxel));
+    waiting.hits = 0;
+    free_.push_back(static_cast<std::uint32_t>(i));
   }
-  if (kept != waiting_.size()) {
-    waiting_.resize(kept);
-    waiting_index_.clear(kept + 4096);
-    for (std::size_t i = 0; i < kept; ++i) {
-      waiting_index_.find_or_insert(waiting_key(waiting_[i].tile, waiting_[i].voxel), static_cast<std::uint32_t>(i));
-    }
-  }
-  return {grown.begin(), grown.end()};
-}
-
-void DenseMap::forget_places(std::int64_t utime) {
-  std::erase_if(places_, [&](const Place& place) { return utime - place.last > kGiveUp; });
-  places_index_.clear(places_.size() + 4096);
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    places_index_.find_or_insert(voxel_key(places_[i].cell), static_cast<std::uint32_t>(i));
-  }
+  if (size_ != before) counters_.add("dense.points", size_ - before);
+  std::sort(grown.begin(), grown.end());
+  grown.erase(std::unique(grown.begin(), grown.end()), grown.end());
+  return grown;
 }
 
 void DenseMap::bound_memory() {
@@ -294,9 +257,9 @@ void DenseMap::bound_memory() {
 
 void DenseMap::forget_waiting() {
   waiting_.clear();
+  free_.clear();
   waiting_index_.clear(4096);
   places_.clear();
-  places_index_.clear(4096);
   recent_.fill({});
 }
 

@@ -11,6 +11,7 @@
 #include "services/mapper/dense_config.hpp"
 #include "services/mapper/dense_tile.hpp"
 #include "services/mapper/flat_index.hpp"
+#include "services/mapper/occupied_places.hpp"
 #include "services/mapper/revolution.hpp"
 
 namespace curbstone {
@@ -53,7 +54,14 @@ class DenseMap {
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
-  /// A voxel that has been hit and has no point yet.
+  /// A point of the running revolution.
+  struct Seen {
+    Eigen::Vector3d position;  // m, map
+    TileKey key;
+    DenseTile* tile;
+    std::uint8_t intensity;
+  };
+  /// A voxel that has been hit and has no point yet; not one when `hits` is 0.
   struct Waiting {
     TileKey tile;
     std::uint32_t voxel = 0;  // DenseTile::voxel_number
@@ -64,31 +72,22 @@ class DenseMap {
     std::int64_t first = 0;                         // us
     std::int64_t last = 0;                          // us
   };
-  /// A coarse cell above ground: since when it has been seen occupied without a break.
-  struct Place {
-    Eigen::Vector3i cell;
-    std::int64_t first;  // us
-    std::int64_t last;   // us
-  };
-
-  DenseTile* tile_at_point(const Eigen::Vector3d& point);
   DenseTile* find_tile(TileKey key);
   DenseTile& tile_for_sure(TileKey key);
   void learn(const std::vector<LidarPoint>& points, const Pose& T_map_base, std::int64_t utime);
-  void hit(const Eigen::Vector3d& point, std::uint8_t intensity, std::int64_t utime, bool add_new);
-  void occupy(const Eigen::Vector3d& point, std::int64_t utime);
+  void hit(const Seen& seen, std::int64_t utime, bool add_new);
+  [[nodiscard]] std::uint32_t new_waiting();
   [[nodiscard]] double ground_at(const Eigen::Vector3d& point);
-  [[nodiscard]] bool stays(const Eigen::Vector3i& cell) const;
   [[nodiscard]] bool may_be_moving(const Eigen::Vector3d& point);
   [[nodiscard]] bool settle(Waiting& waiting, std::int64_t utime, bool last_call);
   std::vector<TileKey> settle_all(std::int64_t utime, bool last_call);
-  void forget_places(std::int64_t utime);
   void forget_waiting();
   void put(const Eigen::Vector3d& point, std::int32_t z_origin, std::uint8_t intensity, const DenseTile::Run& run);
   void bound_memory();
 
   DenseConfig config_;
   int voxel_steps_;
+  std::int64_t settle_us_;
   std::unordered_map<TileKey, DenseTile, TileKeyHash> tiles_;
   /// Tiles looked up lately, by the low bits of their keys: points come tile by tile.
   struct Recent {
@@ -99,11 +98,10 @@ class DenseMap {
   std::array<Recent, kRecentSide * kRecentSide> recent_;
   std::vector<Waiting> waiting_;
   FlatIndex waiting_index_;
-  std::vector<Place> places_;
-  FlatIndex places_index_;
+  std::vector<std::uint32_t> free_;  // of waiting_
+  OccupiedPlaces places_;
   std::vector<TileKey> evicted_;
-  std::vector<Eigen::Vector3d> in_range_;  // scratch: points of this revolution, in map
-  std::vector<std::uint8_t> in_range_intensity_;
+  std::vector<Seen> in_range_;                      // scratch
   Eigen::Vector3d base_ = Eigen::Vector3d::Zero();  // position of base_link in map
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();   // its z axis
   std::int64_t round_ = 0;                          // revolutions inserted

@@ -30,7 +30,7 @@ template <class Vector>
           floor_to_int(static_cast<double>(point.z()) * inverse_size)};
 }
 
-/// From voxel keys to places in somebody's array: open addressing, linear probing, no erasing (its users refill it).
+/// From voxel keys to places in somebody's array: open addressing, linear probing.
 /// Nothing iterates over it, so nothing can come to depend on the order of its slots.
 class FlatIndex {
  public:
@@ -62,6 +62,22 @@ class FlatIndex {
     slots_[i] = {key, value};
     ++size_;
     return kNone;
+  }
+
+  /// Forgets the key if it is known: what was put behind it moves up, so no search gets longer for it.
+  void erase(VoxelKey key) {
+    std::size_t hole = home(key);
+    while (slots_[hole].value != kNone && slots_[hole].key != key) hole = next(hole);
+    if (slots_[hole].value == kNone) return;
+    const std::size_t mask = slots_.size() - 1;
+    for (std::size_t i = next(hole); slots_[i].value != kNone; i = next(i)) {
+      const std::size_t searched = (i - home(slots_[i].key)) & mask;
+      if (searched < ((i - hole) & mask)) continue;  // its home is behind the hole
+      slots_[hole] = slots_[i];
+      hole = i;
+    }
+    slots_[hole].value = kNone;
+    --size_;
   }
 
   [[nodiscard]] std::size_t size() const { return size_; }

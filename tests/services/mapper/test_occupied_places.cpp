@@ -1,0 +1,56 @@
+#include "services/mapper/occupied_places.hpp"
+
+#include <gtest/gtest.h>
+
+namespace curbstone {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000;
+const Eigen::Vector3d kSpot(10.1, -3.1, 0.9);
+
+TEST(OccupiedPlaces, StayAfterASecondWithoutABreak) {
+  OccupiedPlaces places(kSecond);
+  for (int i = 0; i < 10; ++i) places.see(kSpot, i * kSecond / 10);
+  EXPECT_FALSE(places.stays(kSpot));
+  places.see(kSpot, kSecond);
+  EXPECT_TRUE(places.stays(kSpot));
+  EXPECT_FALSE(places.stays(kSpot + Eigen::Vector3d(0.3, 0, 0)));
+}
+
+TEST(OccupiedPlaces, ABreakBeginsAnew) {
+  OccupiedPlaces places(kSecond);
+  places.see(kSpot, 0);
+  places.see(kSpot, 3 * kSecond);  // another car
+  EXPECT_FALSE(places.stays(kSpot));
+}
+
+TEST(OccupiedPlaces, WhatPassesIsSeenFromBelowAndBeside) {
+  OccupiedPlaces places(kSecond);
+  places.see(kSpot, 0);
+  const Eigen::Vector3d under = kSpot - Eigen::Vector3d(0, 0, 0.8);
+  for (const Eigen::Vector3d& beside :
+       {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.2, 0, 0), Eigen::Vector3d(-0.2, 0, 0), Eigen::Vector3d(0, 0.2, 0),
+        Eigen::Vector3d(0, -0.2, 0)}) {
+    EXPECT_TRUE(places.passing_above(under + beside));
+  }
+  EXPECT_FALSE(places.passing_above(under + Eigen::Vector3d(0.6, 0, 0)));
+  EXPECT_FALSE(places.passing_above(kSpot - Eigen::Vector3d(0, 0, 3)));
+  places.see(kSpot, kSecond);
+  EXPECT_FALSE(places.passing_above(under));  // it stays: no harm
+}
+
+TEST(OccupiedPlaces, OldOnesAreForgotten) {
+  OccupiedPlaces places(kSecond);
+  places.see(kSpot, 0);
+  places.see(-kSpot, 0);
+  places.see(-kSpot, kSecond);
+  places.forget_before(kSecond / 2);
+  EXPECT_EQ(places.size(), 1U);
+  EXPECT_TRUE(places.stays(-kSpot));
+  EXPECT_FALSE(places.stays(kSpot));
+  places.clear();
+  EXPECT_FALSE(places.stays(-kSpot));
+}
+
+}  // namespace
+}  // namespace curbstone
