@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "services/semantic_map/height_step.hpp"
+#include "services/semantic_map/vectorised.hpp"
 
 namespace curbstone {
 
@@ -43,7 +44,7 @@ class NearGroundPoints {
         const double x = double{p.x} + dx;
         const double y = double{p.y} + dy;
         if (x < -kMargin || y < -kMargin || x >= kTileSize + kMargin || y >= kTileSize + kMargin) continue;
-        const auto g = ground.at(x, y);
+        const auto g = ground.below(x, y);
         if (!g) continue;
         const double above = double{p.z} - g->height;
         if (above < -kBelowGround || above > parameters.max_step) continue;
@@ -58,6 +59,12 @@ class NearGroundPoints {
     std::vector<int> next(start_.begin(), start_.end() - 1);
     for (std::size_t i = 0; i < points.size(); ++i) {
       points_[static_cast<std::size_t>(next[static_cast<std::size_t>(cell_of[i])]++)] = points[i];
+    }
+    for (const NearGround& p : points_) {
+      x_.push_back(double{p.x});
+      y_.push_back(double{p.y});
+      z_.push_back(double{p.z});
+      unfit_.push_back(p.is_ground ? 0 : StepWindow::kUnfit);
     }
   }
 
@@ -83,12 +90,16 @@ class NearGroundPoints {
     return {static_cast<std::size_t>(start_[static_cast<std::size_t>(row * kSide + column0)]),
             static_cast<std::size_t>(start_[static_cast<std::size_t>(row * kSide + column1) + 1])};
   }
-  const NearGround& operator[](std::size_t i) const { return points_[i]; }
+  // The same points by columns, as a StepWindow has them.
+  [[nodiscard]] const double* x() const { return x_.data(); }
+  [[nodiscard]] const double* y() const { return y_.data(); }
+  [[nodiscard]] const double* z() const { return z_.data(); }
+  [[nodiscard]] const double* unfit() const { return unfit_.data(); }
 
  private:
   static int cell(double x) { return std::clamp(static_cast<int>((x + kMargin) / kCellSize), 0, kSide - 1); }
 
-  static NearGround describe(const VotedPoint& p, const GroundAt& g, double x, double y, double above,
+  static NearGround describe(const VotedPoint& p, const GroundBelow& g, double x, double y, double above,
                              const CurbParameters& parameters) {
     NearGround n{static_cast<float>(x),
                  static_cast<float>(y),
@@ -108,21 +119,29 @@ class NearGroundPoints {
   }
 
   std::vector<NearGround> points_;
+  std::vector<double> x_, y_, z_, unfit_;
   std::vector<int> start_;
 };
 
 /// From .. to, m; empty where to < from.
 struct Interval {
   double from, to;
-  /// Those x for which |a x + b y| <= most is possible with some y.
-  [[nodiscard]] Interval where(double a, double b, const Interval& y, double most) const {
-    if (std::abs(a) < 1e-2) return *this;
-    const double low = std::min(b * y.from, b * y.to);
-    const double high = std::max(b * y.from, b * y.to);
-    const double p = (-most - high) / a;
-    const double q = (most - low) / a;
-    return {std::max(from, std::min(p, q)), std::min(to, std::max(p, q))};
+};
+
+/// The places between two parallel lines: |a x + b y| <= most.
+class Band {
+ public:
+  Band(double a, double b, double most) : b_(b), most_(most), inverse_a_(std::abs(a) < 1e-2 ? 0 : 1 / a) {}
+  /// Those of x for which there is such a place with some y.
+  [[nodiscard]] Interval cut(const Interval& x, const Interval& y) const {
+    if (inverse_a_ == 0) return x;
+    const double p = (-most_ - std::max(b_ * y.from, b_ * y.to)) * inverse_a_;
+    const double q = (most_ - std::min(b_ * y.from, b_ * y.to)) * inverse_a_;
+    return {std::max(x.from, std::min(p, q)), std::min(x.to, std::max(p, q))};
   }
+
+ private:
+  double b_, most_, inverse_a_;
 };
 constexpr double kRounding = 1e-4;  // m: how much too small an interval may be
 
@@ -169,41 +188,58 @@ struct StepRectangle {
   double half_length;  ///< m
 };
 
-/// The points in the rectangle, and, unless `exactly`, some of those beyond its two ends across.
+CURBSTONE_VECTORISED
+void turn_points(const double* x, const double* y, std::size_t n, const StepRectangle& r, double* u, double* t) {
+  const double at_x = r.at.x();
+  const double at_y = r.at.y();
+  const double up_x = r.up.x();
+  const double up_y = r.up.y();
+  for (std::size_t i = 0; i < n; ++i) {
+    const double dx = x[i] - at_x;
+    const double dy = y[i] - at_y;
+    u[i] = dx * up_x + dy * up_y;
+    t[i] = dx * -up_y + dy * up_x;
+  }
+}
+
+/// The points in the rectangle and, unless `exactly`, those beyond its two ends across. Others around it may be among
+/// them, too far along to count.
 void fill_window(const NearGroundPoints& points, const StepRectangle& r, bool exactly, StepWindow& window) {
   const Eigen::Vector2d along(-r.up.y(), r.up.x());
   const double extent_x = std::abs(r.up.x()) * r.half_width + std::abs(along.x()) * r.half_length;
   const double extent_y = std::abs(r.up.y()) * r.half_width + std::abs(along.y()) * r.half_length;
-  const auto cell_at = [](double x) { return static_cast<int>(std::floor(x / kCellSize)); };
+  constexpr int kFar = 1000;  // cells, to round down by truncation
+  const auto cell_at = [](double x) { return static_cast<int>(x / kCellSize + kFar) - kFar; };
   const int column0 = cell_at(r.at.x() - extent_x);
   const int column1 = cell_at(r.at.x() + extent_x);
   const int row1 = std::min(cell_at(r.at.y() + extent_y), kCellsPerTile + kMarginCells - 1);
+  const Interval box{column0 * kCellSize - r.at.x(), (column1 + 1) * kCellSize - r.at.x()};
+  const Band lengthwise(along.x(), along.y(), r.half_length);
+  const Band crosswise(r.up.x(), r.up.y(), r.half_width);
   std::size_t n = 0;
   for (int row = std::max(cell_at(r.at.y() - extent_y), -kMarginCells); row <= row1; ++row) {
     // Of this row only as far as the rectangle may reach in it.
-    Interval x{column0 * kCellSize - r.at.x(), (column1 + 1) * kCellSize - r.at.x()};
     const Interval y{row * kCellSize - r.at.y(), (row + 1) * kCellSize - r.at.y()};
-    x = x.where(along.x(), along.y(), y, r.half_length);
-    if (exactly) x = x.where(r.up.x(), r.up.y(), y, r.half_width);
+    Interval x = lengthwise.cut(box, y);
+    if (exactly) x = crosswise.cut(x, y);
     const auto [begin, end] = points.range(std::max(column0, cell_at(r.at.x() + x.from - kRounding)),
                                            std::min(column1, cell_at(r.at.x() + x.to + kRounding)), row);
-    if (window.size() < n + (end - begin)) window.resize(n + (end - begin));
-    double* const u = window.u.data();
-    double* const t = window.t.data();
-    double* const z = window.z.data();
-    std::uint8_t* const is_ground = window.is_ground.data();
-    for (std::size_t i = begin; i < end; ++i) {
-      const NearGround& p = points[i];
-      const double dx = double{p.x} - r.at.x();
-      const double dy = double{p.y} - r.at.y();
-      u[n] = dx * r.up.x() + dy * r.up.y();
-      t[n] = dx * along.x() + dy * along.y();
-      z[n] = double{p.z};
-      is_ground[n] = p.is_ground ? 1 : 0;
-      n += std::abs(t[n]) <= r.half_length ? 1U : 0U;
-    }
+    const std::size_t num = end - begin;
+    if (num == 0) continue;
+    if (window.u.size() < n + num) window.resize(2 * (n + num));
+    turn_points(points.x() + begin, points.y() + begin, num, r, window.u.data() + n, window.t.data() + n);
+    std::copy_n(points.z() + begin, num, window.z.data() + n);
+    std::copy_n(points.unfit() + begin, num, window.unfit.data() + n);
+    n += num;
   }
   window.resize(n);
+  window.half_length = r.half_length;
+}
+
+std::size_t count_points(const StepWindow& window) {
+  std::size_t n = 0;
+  for (const double t : window.t) n += std::abs(t) <= window.half_length ? 1U : 0U;
+  return n;
 }
 
 /// A step, the direction in which it is one, and how far along it the evidence lies.
@@ -235,16 +271,19 @@ class StepSearch {
              StepWindow& window)
       : points_(points), cell_(cell), noise_(noise), parameters_(parameters), window_(window) {}
 
-  /// Returns how many points were in the window; `exactly`: of those that a step could be made of.
-  std::size_t look(const Eigen::Vector2d& up, double half_length, bool exactly = true) {
+  /// Returns whether many points are around.
+  bool look_close(const Eigen::Vector2d& up, double half_length) {
+    look(up, half_length, false);
+    return count_points(window_) > kEnoughPoints;
+  }
+  void look(const Eigen::Vector2d& up, double half_length, bool exactly = true) {
     fill_window(points_, {cell_.at, up, parameters_.half_window + kSearch, half_length}, exactly, window_);
     const auto step = find_height_step(window_, noise_, parameters_);
     // What is quickly told comes first.
-    if (!step || !is_certain(*step, noise_, parameters_)) return window_.size();
-    if (best_.exists() && step->height * best_.step.sigma <= best_.step.height * step->sigma) return window_.size();
+    if (!step || !is_certain(*step, noise_, parameters_)) return;
+    if (best_.exists() && step->height * best_.step.sigma <= best_.step.height * step->sigma) return;
     const StepSides sides = look_at_sides(window_, *step, parameters_);
     if (parts_its_sides(sides, *step, parameters_)) best_ = {*step, sides.foot, up, half_length};
-    return window_.size();
   }
   [[nodiscard]] const FoundStep& best() const { return best_; }
 
@@ -266,7 +305,7 @@ FoundStep find_step(const NearGroundPoints& points, const TiltedCell& cell, cons
   const double length = parameters.half_length;
   if (!cell.is_thin) {
     directions.push_back(cell.tilt.normalized());
-    if (search.look(directions.back(), length, false) > kEnoughPoints) return search.best();
+    if (search.look_close(directions.back(), length)) return search.best();
     search.look(directions.back(), kSparse * length);
   }
   if (coarse_tilt.norm() > kMinCoarseTilt) {

@@ -268,6 +268,18 @@ std::optional<GroundAt> GroundSurface::at(double x, double y) const {
   return ground;
 }
 
+std::optional<GroundBelow> GroundSurface::below(double x, double y) const {
+  Eigen::Array2d height_noise = Eigen::Array2d::Zero();
+  Eigen::Array2d slope = Eigen::Array2d::Zero();
+  const double sum = blend(x, y, [&](double weight, const GroundNode& node, double dx, double dy) {
+    height_noise += weight * Eigen::Array2d(node.plane.at(dx, dy), node.normal_noise);
+    slope += weight * node.normal_slope.array();
+  });
+  if (sum <= 0) return std::nullopt;
+  height_noise /= sum;
+  return GroundBelow{height_noise(0), slope / sum, height_noise(1)};
+}
+
 std::optional<double> GroundSurface::height(double x, double y) const {
   double height = 0;
   const double sum = blend(x, y, [&](double weight, const GroundNode& node, double dx, double dy) {

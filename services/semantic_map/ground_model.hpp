@@ -54,12 +54,21 @@ struct GroundAt {
   Eigen::Vector2d coarse_tilt = Eigen::Vector2d::Zero();
 };
 
+/// What a point is held against.
+struct GroundBelow {
+  double height = 0;  ///< m in map
+  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();
+  double normal_noise = 0;
+};
+
 /// The DEM over a tile and its neighbours, interpolated between the nodes: no jumps at borders.
 class GroundSurface {
  public:
   explicit GroundSurface(const Around<GroundModel>& models);
   /// x, y: m from the centre tile's corner. Nothing where no ground has been seen around.
   [[nodiscard]] std::optional<GroundAt> at(double x, double y) const;
+  /// Of that only what every point is asked for.
+  [[nodiscard]] std::optional<GroundBelow> below(double x, double y) const;
   [[nodiscard]] std::optional<double> height(double x, double y) const;
   /// Falls back to the rough ground of the centre tile: for walls that stand where the ground is hidden.
   [[nodiscard]] std::optional<double> height_or_rough(double x, double y) const;

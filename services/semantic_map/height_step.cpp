@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "services/semantic_map/vectorised.hpp"
+
 namespace curbstone {
 
 namespace {
@@ -24,10 +26,9 @@ using Pair = Eigen::Array2d;
 
 /// Sums over some points, from which means and scatter follow.
 struct Moments {
-  double n = 0, u = 0;
   Pair t_z = Pair::Zero(), uu_ut = Pair::Zero(), tt_uz = Pair::Zero(), tz_zz = Pair::Zero();
+  double u = 0;
 
-  /// All but n.
   void add(double at_u, double t, double z) {
     const Pair tz(t, z);
     u += at_u;
@@ -37,7 +38,6 @@ struct Moments {
     tz_zz += Pair(z, z) * tz;
   }
   Moments& operator+=(const Moments& o) {
-    n += o.n;
     u += o.u;
     t_z += o.t_z;
     uu_ut += o.uu_ut;
@@ -45,102 +45,162 @@ struct Moments {
     tz_zz += o.tz_zz;
     return *this;
   }
-  [[nodiscard]] double t() const { return t_z(0); }
-  [[nodiscard]] double z() const { return t_z(1); }
-  [[nodiscard]] double uu() const { return uu_ut(0); }
-  [[nodiscard]] double ut() const { return uu_ut(1); }
-  [[nodiscard]] double tt() const { return tt_uz(0); }
-  [[nodiscard]] double uz() const { return tt_uz(1); }
-  [[nodiscard]] double tz() const { return tz_zz(0); }
-  [[nodiscard]] double zz() const { return tz_zz(1); }
 };
-
-/// Scatter about the mean, of one side or summed over both.
-struct Scatter {
-  Eigen::Matrix2d xx = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d xz = Eigen::Vector2d::Zero();
-  double zz = 0;
-
-  void add(const Moments& m) {
-    const double u = m.u / m.n;
-    const double t = m.t() / m.n;
-    const double z = m.z() / m.n;
-    const double ut = m.ut() - m.n * u * t;
-    xx += Eigen::Matrix2d{{m.uu() - m.n * u * u, ut}, {ut, m.tt() - m.n * t * t}};
-    xz += Eigen::Vector2d(m.uz() - m.n * u * z, m.tz() - m.n * t * z);
-    zz += m.zz() - m.n * z * z;
-  }
-};
-
-bool is_spread(const Moments& m) {
-  return m.uu() / m.n - (m.u / m.n) * (m.u / m.n) >= kMinSpread * kMinSpread;
-}
 
 /// The window cut into strips along the step: `half` of them on each side of u = 0.
 struct Strips {
   int half = 0;
-  std::vector<int> of_point;  ///< strip of each point that may carry a side, else -1
-  std::vector<int> count;     ///< points in each
+  std::vector<int> of_point;        ///< strip of each point that may carry a side, else -1
+  std::vector<std::size_t> order;   ///< those points
+  std::vector<int> points_before;   ///< of them, in all strips before each
+  std::vector<int> covered_before;  ///< strips with points, before each
+  std::vector<Moments> moments;     ///< of each strip
 
-  void sort(const StepWindow& points, int num_half) {
-    half = num_half;
-    of_point.resize(points.size());
-    count.assign(static_cast<std::size_t>(2 * half), 0);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const double q = points.u[i] / kBin;
-      const int towards_zero = static_cast<int>(q);
-      of_point[i] = towards_zero - (towards_zero > q ? 1 : 0) + half;  // rounded down
-    }
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      int& strip = of_point[i];
-      if (points.is_ground[i] == 0 || strip < 0 || strip >= 2 * half)
-        strip = -1;
-      else
-        ++count[static_cast<std::size_t>(strip)];
-    }
-  }
+  void sort(const StepWindow& points, int num_half);
+  void sum(const StepWindow& points);
   [[nodiscard]] int points_in(int from, int to) const {
-    int n = 0;
-    for (int b = from; b < to; ++b) n += count[static_cast<std::size_t>(b)];
-    return n;
+    return points_before[static_cast<std::size_t>(to)] - points_before[static_cast<std::size_t>(from)];
   }
   [[nodiscard]] int covered(int from, int to) const {
-    int n = 0;
-    for (int b = from; b < to; ++b) n += count[static_cast<std::size_t>(b)] > 0 ? 1 : 0;
-    return n;
+    return covered_before[static_cast<std::size_t>(to)] - covered_before[static_cast<std::size_t>(from)];
   }
 };
 
+CURBSTONE_VECTORISED
+void find_strips(const double* u, const double* t, const double* unfit, std::size_t n, double half_length, int half,
+                 int* strip) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const double q = u[i] / kBin;
+    const int towards_zero = static_cast<int>(q);
+    const int down = towards_zero - (towards_zero > q ? 1 : 0);
+    const bool is_in = (std::abs(t[i]) + unfit[i] <= half_length) & (down >= -half) & (down < half);
+    strip[i] = is_in ? down + half : -1;
+  }
+}
+
+void Strips::sort(const StepWindow& points, int num_half) {
+  half = num_half;
+  const std::size_t n = points.size();
+  of_point.resize(n);
+  order.resize(n);
+  find_strips(points.u.data(), points.t.data(), points.unfit.data(), n, points.half_length, half, of_point.data());
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    order[kept] = i;
+    kept += of_point[i] >= 0 ? 1U : 0U;
+  }
+  order.resize(kept);
+  points_before.assign(static_cast<std::size_t>(2 * half) + 1, 0);
+  covered_before.assign(points_before.size(), 0);
+  for (const std::size_t i : order) ++points_before[static_cast<std::size_t>(of_point[i]) + 1];
+  for (std::size_t b = 1; b < points_before.size(); ++b) {
+    covered_before[b] = covered_before[b - 1] + (points_before[b] > 0 ? 1 : 0);
+    points_before[b] += points_before[b - 1];
+  }
+}
+
+void Strips::sum(const StepWindow& points) {
+  moments.assign(static_cast<std::size_t>(2 * half), Moments{});
+  const double* const u = points.u.data();
+  const double* const t = points.t.data();
+  const double* const z = points.z.data();
+  for (const std::size_t i : order) moments[static_cast<std::size_t>(of_point[i])].add(u[i], t[i], z[i]);
+}
+
 /// A side is ground seen all over, not a scan line or two that run along the step: all points of a line may be off by
-/// the same, and nothing else there would say so. `far` is where its outer half begins or ends.
+/// the same, and nothing else there would say so. Its outer half is from `far_from` to `far_to`.
 bool is_side(const Strips& strips, int from, int to, int far_from, int far_to, double min_cover) {
   return strips.points_in(from, to) >= kMinPoints && strips.points_in(far_from, far_to) >= kMinFarPoints &&
          strips.covered(from, to) >= min_cover * (to - from);
 }
 
-HeightStep fit_sides(const Moments& low, const Moments& high, double at, double noise) {
-  Scatter scatter;
-  scatter.add(low);
-  scatter.add(high);
-  // What the slope against the ground's may be is known beforehand: little along the curb, where thin scan lines that
-  // meet the two sides at different places would otherwise trade it for a step; more across, where the ground's own
-  // model leans at a curb.
-  const Eigen::Vector2d prior(noise / kSlopeAcross, noise / kSlopeAlong);
-  const Eigen::Matrix2d inverse =
-      (scatter.xx + Eigen::Matrix2d(prior.array().square().matrix().asDiagonal())).inverse();
-  const Eigen::Vector2d slope = inverse * scatter.xz;
-  const Eigen::Vector2d low_mean(low.u / low.n, low.t() / low.n);
-  const Eigen::Vector2d high_mean(high.u / high.n, high.t() / high.n);
-  const Eigen::Vector2d apart = high_mean - low_mean;
-  const double rss = std::max(0.0, scatter.zz - slope.dot(scatter.xz));
+constexpr int kShift = static_cast<int>(kMaxShift / kBin + 0.5);
+constexpr int kPlaces = 16;  // at which the step may be: 2 kShift + 1, made even
+static_assert(2 * kShift + 1 <= kPlaces);
+using Places = std::array<double, kPlaces>;
 
+/// m in u.
+constexpr double place(int k) {
+  return (k - kShift) * kBin;
+}
+
+/// Moments of one side, for each place of the step; where there is no side, 0.
+struct SideSums {
+  Places n{}, u{}, t{}, z{}, uu{}, ut{}, tt{}, uz{}, tz{}, zz{};
+
+  void set(std::size_t k, const Strips& strips, int from, int to) {
+    Moments sum;
+    for (int b = from; b < to; ++b) sum += strips.moments[static_cast<std::size_t>(b)];
+    n[k] = strips.points_in(from, to);
+    u[k] = sum.u;
+    t[k] = sum.t_z(0);
+    z[k] = sum.t_z(1);
+    uu[k] = sum.uu_ut(0);
+    ut[k] = sum.uu_ut(1);
+    tt[k] = sum.tt_uz(0);
+    uz[k] = sum.tt_uz(1);
+    tz[k] = sum.tz_zz(0);
+    zz[k] = sum.tz_zz(1);
+  }
+};
+
+/// What the fits at all places say; `spread` is the smaller variance of u of the two sides.
+struct StepFits {
+  Places spread, height, rss, scale, slope_u, slope_t, low_z, n;
+};
+
+/// Two half-planes at each place. What the slope against the ground's may be is known beforehand: little along the
+/// curb, where thin scan lines that meet the two sides at different places would otherwise trade it for a step; more
+/// across, where the ground's own model leans at a curb.
+CURBSTONE_VECTORISED
+void fit_sides(const SideSums& low, const SideSums& high, double noise, StepFits& fits) {
+  const double prior_u = noise / kSlopeAcross;
+  const double prior_t = noise / kSlopeAlong;
+  for (std::size_t k = 0; k < kPlaces; ++k) {
+    const double lu = low.u[k] / low.n[k];
+    const double lt = low.t[k] / low.n[k];
+    const double lz = low.z[k] / low.n[k];
+    const double hu = high.u[k] / high.n[k];
+    const double ht = high.t[k] / high.n[k];
+    const double hz = high.z[k] / high.n[k];
+    const double low_spread = low.uu[k] / low.n[k] - lu * lu;
+    const double high_spread = high.uu[k] / high.n[k] - hu * hu;
+    fits.spread[k] = low_spread < high_spread ? low_spread : high_spread;
+    // Scatter about the means, over both sides.
+    const double uu = (low.uu[k] - low.n[k] * lu * lu) + (high.uu[k] - high.n[k] * hu * hu) + prior_u * prior_u;
+    const double ut = (low.ut[k] - low.n[k] * lu * lt) + (high.ut[k] - high.n[k] * hu * ht);
+    const double tt = (low.tt[k] - low.n[k] * lt * lt) + (high.tt[k] - high.n[k] * ht * ht) + prior_t * prior_t;
+    const double uz = (low.uz[k] - low.n[k] * lu * lz) + (high.uz[k] - high.n[k] * hu * hz);
+    const double tz = (low.tz[k] - low.n[k] * lt * lz) + (high.tz[k] - high.n[k] * ht * hz);
+    const double zz = (low.zz[k] - low.n[k] * lz * lz) + (high.zz[k] - high.n[k] * hz * hz);
+    const double inverse_det = 1 / (uu * tt - ut * ut);
+    const double inverse_uu = tt * inverse_det;
+    const double inverse_ut = -ut * inverse_det;
+    const double inverse_tt = uu * inverse_det;
+    const double slope_u = inverse_uu * uz + inverse_ut * tz;
+    const double slope_t = inverse_ut * uz + inverse_tt * tz;
+    const double apart_u = hu - lu;
+    const double apart_t = ht - lt;
+    fits.n[k] = low.n[k] + high.n[k];
+    fits.slope_u[k] = slope_u;
+    fits.slope_t[k] = slope_t;
+    fits.rss[k] = zz - (slope_u * uz + slope_t * tz);
+    fits.height[k] = hz - lz - (slope_u * apart_u + slope_t * apart_t);
+    fits.scale[k] = 1 / low.n[k] + 1 / high.n[k] +
+                    (apart_u * (inverse_uu * apart_u + inverse_ut * apart_t) +
+                     apart_t * (inverse_ut * apart_u + inverse_tt * apart_t));
+    fits.low_z[k] = lz + slope_u * (place(static_cast<int>(k)) - lu) - slope_t * lt;
+  }
+}
+
+HeightStep step_of(const StepFits& fits, std::size_t k) {
   HeightStep step;
-  step.slope = slope;
-  step.at = at;
-  step.height = high.z() / high.n - low.z() / low.n - slope.dot(apart);
-  step.roughness = std::sqrt(rss / (low.n + high.n - 4) + kNoiseFloor * kNoiseFloor);
-  step.sigma = step.roughness * std::sqrt(1 / low.n + 1 / high.n + apart.dot(inverse * apart));
-  step.low_z = low.z() / low.n + slope.x() * (at - low_mean.x()) - slope.y() * low_mean.y();
+  step.at = place(static_cast<int>(k));
+  step.height = fits.height[k];
+  step.roughness = std::sqrt(std::max(0.0, fits.rss[k]) / (fits.n[k] - 4) + kNoiseFloor * kNoiseFloor);
+  step.sigma = step.roughness * std::sqrt(fits.scale[k]);
+  step.low_z = fits.low_z[k];
+  step.slope = {fits.slope_u[k], fits.slope_t[k]};
   return step;
 }
 
@@ -157,7 +217,7 @@ double clear_height(const StepWindow& points, const HeightStep& step, double hal
   std::vector<double> high;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double u = points.u[i] - step.at;
-    if (points.is_ground[i] == 0 || std::abs(u) > half_window || std::abs(u) < kRiserBins * kBin) continue;
+    if (!points.may_carry_a_side(i) || std::abs(u) > half_window || std::abs(u) < kRiserBins * kBin) continue;
     (u < 0 ? low : high).push_back(points.z[i] - step.slope.x() * u - step.slope.y() * points.t[i]);
   }
   if (low.empty() || high.empty()) return 0;
@@ -170,7 +230,7 @@ double find_foot(const StepWindow& points, const HeightStep& step) {
   std::vector<double> risen;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double u = points.u[i] - step.at;
-    if (std::abs(u) > kNear) continue;
+    if (!points.has(i) || std::abs(u) > kNear) continue;
     const double above = points.z[i] - step.low_z - step.slope.x() * u - step.slope.y() * points.t[i];
     if (above > 0.25 * step.height && above < 0.75 * step.height) risen.push_back(points.u[i]);
   }
@@ -185,7 +245,8 @@ int count_face_above(const StepWindow& points, const HeightStep& step) {
   constexpr double kAbove = 0.10;  // m above its upper edge
   int count = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (std::abs(points.u[i] - step.at) < kNear && points.z[i] > step.low_z + step.height + kAbove) ++count;
+    if (points.has(i) && std::abs(points.u[i] - step.at) < kNear && points.z[i] > step.low_z + step.height + kAbove)
+      ++count;
   }
   return count;
 }
@@ -196,45 +257,47 @@ void StepWindow::resize(std::size_t n) {
   u.resize(n);
   t.resize(n);
   z.resize(n);
-  is_ground.resize(n);
+  unfit.resize(n);
 }
 
-void StepWindow::add(double at_u, double at_t, double at_z, bool ground) {
+void StepWindow::add(double at_u, double at_t, double at_z, bool is_ground) {
   u.push_back(at_u);
   t.push_back(at_t);
   z.push_back(at_z);
-  is_ground.push_back(ground ? 1 : 0);
+  unfit.push_back(is_ground ? 0 : kUnfit);
 }
 
 std::optional<HeightStep> find_height_step(const StepWindow& points, double noise, const CurbParameters& parameters) {
   const int half = static_cast<int>(std::lround((parameters.half_window + kMaxShift) / kBin));
-  const int shift = static_cast<int>(std::lround(kMaxShift / kBin));
   const int window = static_cast<int>(std::lround(parameters.half_window / kBin));
   const int far = window / 2;
+  const int first = half - kShift;  // the step is between strips k - 1 and k, this k and the next ones
   Strips strips;
   strips.sort(points, half);
   // First where there are two sides at all, by counting: that is cheap.
-  std::vector<int> places;  // the step is between strips k - 1 and k
-  for (int k = half - shift; k <= half + shift; ++k) {
-    if (is_side(strips, k - window, k - kRiserBins, k - window, k - far, parameters.min_cover) &&
-        is_side(strips, k + kRiserBins, k + window, k + far, k + window, parameters.min_cover))
-      places.push_back(k);
+  std::array<bool, kPlaces> has_sides{};
+  for (int i = 0; i <= 2 * kShift; ++i) {
+    const int k = first + i;
+    has_sides[static_cast<std::size_t>(i)] =
+        is_side(strips, k - window, k - kRiserBins, k - window, k - far, parameters.min_cover) &&
+        is_side(strips, k + kRiserBins, k + window, k + far, k + window, parameters.min_cover);
   }
-  if (places.empty()) return std::nullopt;
-  std::vector<Moments> moments(strips.count.size());
-  for (std::size_t b = 0; b < moments.size(); ++b) moments[b].n = strips.count[b];
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (strips.of_point[i] >= 0)
-      moments[static_cast<std::size_t>(strips.of_point[i])].add(points.u[i], points.t[i], points.z[i]);
+  if (std::none_of(has_sides.begin(), has_sides.end(), [](bool has) { return has; })) return std::nullopt;
+  strips.sum(points);
+  SideSums low;
+  SideSums high;
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    if (!has_sides[i]) continue;
+    const int k = first + static_cast<int>(i);
+    low.set(i, strips, k - window, k - kRiserBins);
+    high.set(i, strips, k + kRiserBins, k + window);
   }
+  StepFits fits;
+  fit_sides(low, high, std::max(noise, kNoiseFloor), fits);
   std::optional<HeightStep> best;
-  for (const int k : places) {
-    Moments low;
-    Moments high;
-    for (int b = k - window; b < k - kRiserBins; ++b) low += moments[static_cast<std::size_t>(b)];
-    for (int b = k + kRiserBins; b < k + window; ++b) high += moments[static_cast<std::size_t>(b)];
-    if (!is_spread(low) || !is_spread(high)) continue;
-    const HeightStep step = fit_sides(low, high, (k - half) * kBin, std::max(noise, kNoiseFloor));
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    if (!has_sides[i] || !(fits.spread[i] >= kMinSpread * kMinSpread)) continue;
+    const HeightStep step = step_of(fits, i);
     if (!best || step.height * best->sigma > best->height * step.sigma) best = step;
   }
   return best;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -11,12 +11,16 @@ namespace curbstone {
 
 /// Points in the frame of a suspected step: u across it, towards the higher side, t along it, z up; m. By columns.
 struct StepWindow {
+  static constexpr double kUnfit = 1e9;
   std::vector<double> u, t, z;
-  std::vector<std::uint8_t> is_ground;  ///< may carry a side; the others only say where the riser stands
+  std::vector<double> unfit;  ///< 0: may carry a side; kUnfit: only says where the riser stands
+  double half_length = 1e8;   ///< points with a larger |t| do not count
 
   [[nodiscard]] std::size_t size() const { return u.size(); }
+  [[nodiscard]] bool has(std::size_t i) const { return std::abs(t[i]) <= half_length; }
+  [[nodiscard]] bool may_carry_a_side(std::size_t i) const { return std::abs(t[i]) + unfit[i] <= half_length; }
   void resize(std::size_t n);
-  void add(double at_u, double at_t, double at_z, bool ground = true);
+  void add(double at_u, double at_t, double at_z, bool is_ground = true);
 };
 
 /// Two parallel half-planes, low for u < at and high beyond, with one slope that both share (so that camber, ramps and

@@ -12,8 +12,9 @@ namespace curbstone {
 
 namespace {
 
-constexpr std::int64_t kTilePeriod = 100'000;   // us between two messages about a tile
-constexpr std::int64_t kCurbsPeriod = 500'000;  // us
+constexpr std::int64_t kTilePeriod = 100'000;        // us between two messages about a tile
+constexpr std::int64_t kSettlePatience = 1'000'000;  // us that what is stale may wait for news of its own
+constexpr std::int64_t kCurbsPeriod = 500'000;       // us
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kWritePeriod = 1'000'000;
 constexpr std::int64_t kRequestPeriod = 100'000;
@@ -172,20 +173,23 @@ void SemanticMapNode::tick(std::int64_t now) {
   }
 }
 
-/// Tiles with points of their own that are new, the nearest first, as far as the budget goes; then, as far as another
-/// one goes, what has become stale around them.
+/// Tiles with points of their own that are new, the nearest first, as far as the budget goes; then what has long been
+/// stale around them. Most of that is brought up to date before, with points of its own.
 void SemanticMapNode::update_tiles(std::int64_t now) {
   std::vector<std::pair<double, TileKey>> due;
   for (const TileKey& key : news_) due.emplace_back(distance(key, vehicle_), key);
   std::sort(due.begin(), due.end());
-  std::int64_t budget = pipeline_.work() + config_.work_per_tick;
+  const double budget = pipeline_.work() + config_.work_per_tick;
   for (const auto& [d, key] : due) {
     if (pipeline_.work() >= budget) break;
     pipeline_.update(key);
     news_.erase(key);
   }
-  budget = pipeline_.work() + config_.settle_per_tick;
-  while (pipeline_.work() < budget && pipeline_.settle_one()) continue;
+  if (!turns_.empty() && now < turns_.back().first) turns_.clear();  // a clock that jumps
+  turns_.emplace_back(now, pipeline_.turn());
+  while (turns_.size() > 1 && now - turns_[1].first >= kSettlePatience) turns_.pop_front();
+  const std::int64_t before = now - turns_.front().first >= kSettlePatience ? turns_.front().second + 1 : 0;
+  while (pipeline_.settle_one(before) && pipeline_.work() < budget) continue;  // one at least
   publish_changed(now);
 }
 
@@ -325,7 +329,7 @@ NodeReport SemanticMapNode::report() const {
   report.counters.set("tiles", static_cast<std::int64_t>(pipeline_.num_tiles()));
   report.counters.set("tiles_waiting", static_cast<std::int64_t>(news_.size() + unsent_.size()));
   report.counters.set("steps_stale", static_cast<std::int64_t>(pipeline_.num_stale()));
-  report.counters.set("evidence_computed", pipeline_.work());
+  report.counters.set("evidence_computed", pipeline_.num_evidence());
   if (!keeper_.fault().empty()) report.faults.push_back(keeper_.fault());
   if (!picture_fault_.empty()) report.faults.push_back(picture_fault_);
   report.latency_p50 = latency_.percentile(0.5);

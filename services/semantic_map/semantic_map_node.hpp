@@ -6,9 +6,11 @@
 #include <curbstone/tile_index_t.hpp>
 #include <curbstone/tile_request_t.hpp>
 #include <curbstone/voted_points_t.hpp>
+#include <deque>
 #include <map>
 #include <set>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "common/latency.hpp"
@@ -66,8 +68,9 @@ class SemanticMapNode final : public Node {
   MapKeeper keeper_;
   TileFollower voted_{"semantic_map", "VOTED_POINTS"};
   TileCatalog catalog_{"semantic_map", "SEMANTIC_TILE"};
-  std::set<TileKey> news_;    // voted anew since they were brought up to date
-  std::set<TileKey> unsent_;  // changed since they were sent
+  std::set<TileKey> news_;                                   // voted anew since they were brought up to date
+  std::deque<std::pair<std::int64_t, std::int64_t>> turns_;  // when it was whose turn, of the last second
+  std::set<TileKey> unsent_;                                 // changed since they were sent
   std::unordered_map<TileKey, Published, TileKeyHash> published_;
   std::unordered_map<TileKey, std::int32_t, TileKeyHash> revisions_;  // of voted tiles
   CurbLineIds curb_ids_;

@@ -72,7 +72,10 @@ void TilePipeline::clear() {
 }
 
 void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
+  constexpr std::array kWork = {0.2, 1.0, 0.05, 0.05};  // as they were measured
   if (!unmark(step, tile)) return;
+  work_ += kWork[step];
+  num_evidence_ += step == kEvidence ? 1 : 0;
   switch (step) {
     case kGround:
       return refresh_ground(key, tile);
@@ -97,7 +100,6 @@ void TilePipeline::refresh_evidence(TileKey key, Tile& tile) {
   const GroundSurface ground(around<GroundModel>(key, [](Tile& t) { return &t.ground; }));
   auto evidence = find_curb_evidence(around<VotedTile>(key, [](Tile& t) { return &t.voted; }), ground, curb_);
   CellColumns columns = measure_columns(tile.voted, ground, classes_);
-  ++work_;
   if (evidence != tile.evidence) {
     tile.evidence = std::move(evidence);
     mark_around(kCurbs, key);
@@ -135,13 +137,13 @@ std::optional<MapTile> TilePipeline::update(TileKey key) {
 }
 
 /// In doubt the earlier step: what follows from it would only have to be computed again.
-bool TilePipeline::settle_one() {
-  const auto turn = [](const std::map<std::int64_t, TileKey>& stale) {
+bool TilePipeline::settle_one(std::int64_t before) {
+  const auto first_turn = [](const std::map<std::int64_t, TileKey>& stale) {
     return stale.empty() ? std::numeric_limits<std::int64_t>::max() : stale.begin()->first;
   };
-  const auto oldest =
-      std::min_element(stale_.begin(), stale_.end(), [&](const auto& a, const auto& b) { return turn(a) < turn(b); });
-  if (oldest->empty()) return false;
+  const auto oldest = std::min_element(stale_.begin(), stale_.end(),
+                                       [&](const auto& a, const auto& b) { return first_turn(a) < first_turn(b); });
+  if (first_turn(*oldest) >= before) return false;
   const TileKey key = oldest->begin()->second;
   refresh(static_cast<Step>(oldest - stale_.begin()), key, *find(key));
   return true;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -36,8 +37,10 @@ class TilePipeline {
   /// Brings a tile's own steps up to date, with its neighbours' as they are. Nothing if no voted points are known of
   /// it.
   std::optional<MapTile> update(TileKey key);
-  /// Computes what has been stale for longest, of any tile. False if nothing is.
-  bool settle_one();
+  /// Computes what has been stale for longest, of any tile, if it is since before `turn`. False if nothing is.
+  bool settle_one(std::int64_t turn = std::numeric_limits<std::int64_t>::max());
+  /// Counts what becomes stale: now's turn.
+  [[nodiscard]] std::int64_t turn() const { return turn_; }
   /// Computes all that is stale.
   void settle();
   /// Tiles whose classes have become others since the last call; after update() and settle_one().
@@ -51,8 +54,10 @@ class TilePipeline {
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
   /// Steps of tiles that are stale.
   [[nodiscard]] std::size_t num_stale() const;
-  /// Tiles whose evidence has been computed: what costs, for whoever has a budget.
-  [[nodiscard]] std::int64_t work() const { return work_; }
+  /// How often tiles' evidence has been computed.
+  [[nodiscard]] std::int64_t num_evidence() const { return num_evidence_; }
+  /// What has been computed so far, where the evidence of a tile counts 1: for whoever has a budget.
+  [[nodiscard]] double work() const { return work_; }
 
  private:
   enum Step { kGround, kEvidence, kCurbs, kClasses, kNumSteps };
@@ -90,7 +95,8 @@ class TilePipeline {
   std::array<std::map<std::int64_t, TileKey>, kNumSteps> stale_;  ///< by turn: the oldest first
   std::int64_t turn_ = kFresh;
   std::set<TileKey> changed_;
-  std::int64_t work_ = 0;
+  double work_ = 0;
+  std::int64_t num_evidence_ = 0;
 };
 
 }  // namespace curbstone

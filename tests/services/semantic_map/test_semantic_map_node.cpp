@@ -133,10 +133,10 @@ TEST_F(SemanticMapNodeTest, MakesTilesCurbsAndAMapFile) {
   bus.dispatch();
   std::map<TileKey, semantic_tile_t> newest;
   std::size_t sent_early = 0;
-  for (int i = 1; i <= 100; ++i) {
+  for (int i = 1; i <= 250; ++i) {
     node.tick(kStart + 20'000 * i);
     bus.dispatch();
-    if (i == 50) sent_early = tiles.size();
+    if (i == 150) sent_early = tiles.size();
   }
   for (const semantic_tile_t& m : tiles) {
     const auto [it, is_first] = newest.try_emplace({m.tile_x, m.tile_y}, m);
