@@ -320,9 +320,9 @@ TEST_F(PipelineOfAStreet, DoesNothingMoreForATileThatCameOutAsItWas) {
   (void)pipeline.take_changed();
   const VotedTile& tile = tiles()[tiles().size() / 2];
   pipeline.set_voted(tile);
-  const std::int64_t before = pipeline.work();
+  const std::int64_t before = pipeline.num_evidence();
   pipeline.settle();
-  EXPECT_LE(pipeline.work() - before, 9) << "its neighbours look at its points, and nobody looks at theirs";
+  EXPECT_LE(pipeline.num_evidence() - before, 9) << "its neighbours look at its points, and nobody looks at theirs";
   EXPECT_TRUE(pipeline.take_changed().empty());
 }
 
@@ -331,7 +331,7 @@ TEST_F(PipelineOfAStreet, UpdatesOneTileAtThePriceOfOne) {
   for (const VotedTile& tile : tiles()) pipeline.set_voted(tile);
   const VotedTile& tile = tiles()[tiles().size() / 2];
   EXPECT_EQ(pipeline.update(tile.key)->utime, tile.utime);
-  EXPECT_EQ(pipeline.work(), 1);
+  EXPECT_EQ(pipeline.num_evidence(), 1);
 }
 
 TEST(TilePipeline, HasNoJumpsAtTilesOffTheEndOfInt32) {
