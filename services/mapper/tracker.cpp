@@ -43,9 +43,9 @@ Matrix6 isotropic(double translation, double rotation) {
 
 constexpr std::int64_t kPatience = 1'000'000;   // us without a fit, after which the pose is lost
 constexpr int kConfirmed = 10;                  // revolutions in a row that must fit before a pose is trusted again
-constexpr double kBlindSpeed = 3.0;             // m/s, how doubt grows when nothing tells of the motion,
+constexpr double kDoubtSpeed = 3.0;             // m/s, how doubt grows while lost or when nothing tells of the motion,
 constexpr double kGuidedDoubt = 0.05;           // and m a metre when odometry does
-constexpr std::int64_t kNewGround = 5'000'000;  // us, and
+constexpr std::int64_t kNewGround = 6'000'000;  // us, by when it has been sought everywhere, and
 constexpr double kNewGroundPath = 10.0;         // m by odometry, without a fit: these surroundings are new
 
 }  // namespace
@@ -99,8 +99,8 @@ std::optional<Tracked> Tracker::track(const Revolution& revolution, const Odomet
   return tracked;
 }
 
-/// Whether a revolution comes after the last one, as time goes. What is late or comes once more does not. After a break,
-/// a gap or a clock that jumped, the second in a row is believed: one alone may be an error.
+/// Whether a revolution comes after the last one, as time goes. What is late or comes once more does not. After a
+/// break, a gap or a clock that jumped, the second in a row is believed: one alone may be an error.
 bool Tracker::follows(const Revolution& revolution, const OdometryHistory& odometry) {
   const std::int64_t stride = revolution.end - last_->end;
   const bool in_order = stride > 0 && static_cast<double>(stride) * 1e-6 <= kLongestStride;
@@ -130,7 +130,8 @@ void Tracker::conclude(const Attempt& attempt, Tracked& tracked) {
   last_ = Last{tracked.utime, tracked.T_map_base};
   const double went = attempt.expected.T_last_base.translation().norm();
   since_fitted_m_ += went;
-  doubt_ += attempt.expected.with_odometry ? kGuidedDoubt * went : kBlindSpeed * stride;
+  const bool guided = attempt.expected.with_odometry && fix_ != Fix::kLost;
+  doubt_ += guided ? kGuidedDoubt * went : kDoubtSpeed * stride;
   judge(attempt, tracked);
 }
 

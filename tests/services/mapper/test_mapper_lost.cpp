@@ -1,0 +1,175 @@
+#include <gtest/gtest.h>
+
+#include "services/mapper/mapper.hpp"
+#include "tests/services/mapper/mapper_drive.hpp"
+
+namespace curbstone {
+namespace {
+
+using test::kPeriod;
+using test::revolution_of;
+using test::utime;
+
+/// A street that looks different wherever one is.
+test::SyntheticWorld distinct_street() {
+  test::SyntheticWorld world = test::street();
+  world.boxes.push_back({{-16, 3, 0}, {-13, 6, 3}});  // a kiosk
+  world.boxes.push_back({{2, -8, 0}, {4, -6, 2.2}});  // a container
+  return world;
+}
+
+test::SyntheticWorld yard() {
+  test::SyntheticWorld world;
+  world.boxes = {
+      {{-3, -3, 0}, {-2, 3, 4}}, {{2.2, -3, 0}, {3, 3, 4}}, {{-3, 2.5, 0}, {3, 3, 4}}, {{-3, -3.4, 0}, {3, -2.1, 4}}};
+  return world;
+}
+
+struct Drive : test::MapperDrive {
+  Drive() {
+    world = distinct_street();
+    world.noise = 0.01;
+  }
+  std::optional<MapperUpdate> steps(int n) {
+    std::optional<MapperUpdate> update;
+    for (int i = 0; i < n; ++i) update = step();
+    return update;
+  }
+  std::optional<MapperUpdate> step_in(const test::SyntheticWorld& elsewhere) {
+    const int n = turn++;
+    return step(revolution_of(elsewhere.packets([](double) { return test::pose(0, 0, 0, 0, 0, 0.7); },
+                                                config.vehicle.T_base_lidar(), n, n * kPeriod, kPeriod)));
+  }
+  [[nodiscard]] std::int64_t counter(const char* name) const { return mapper->counters()[name]; }
+};
+
+TEST(MapperLost, AfterSecondsWithoutAnySensorTheVehicleIsSoughtAndNothingIsMappedUntilItIsFound) {
+  Drive drive;
+  (void)drive.steps(40);
+  const std::int64_t points = drive.mapper->dense().size();
+  drive.turn += 40;  // 2 s, 6 m
+  std::optional<MapperUpdate> update;
+  for (int i = 0; i < 40 && drive.counter("found") == 0; ++i) {
+    update = drive.step();
+    if (!update) continue;
+    if (update->fix != Fix::kTracking) {
+      EXPECT_EQ(drive.mapper->dense().size(), points) << i;
+    }
+    if (update->registered) {
+      EXPECT_LT(drive.error(*update), 0.1) << i;
+    }
+  }
+  EXPECT_EQ(drive.counter("lost.blind"), 1);
+  EXPECT_EQ(drive.counter("found"), 1);
+  EXPECT_EQ(drive.counter("rolled_back"), 0);
+  update = drive.steps(10);
+  ASSERT_TRUE(update && update->registered);
+  EXPECT_LT(drive.error(*update), 0.08);
+  EXPECT_GT(drive.mapper->dense().size(), points);
+}
+
+TEST(MapperLost, WhoIsCarriedElsewhereIsNotFoundAndTheMapStays) {
+  Drive drive;
+  (void)drive.steps(40);
+  const std::int64_t points = drive.mapper->dense().size();
+  drive.turn += 40;
+  for (int i = 0; i < 60; ++i) {
+    const auto update = drive.step_in(yard());
+    EXPECT_FALSE(update && update->registered) << i;
+  }
+  EXPECT_EQ(drive.mapper->fix(), Fix::kLost);
+  EXPECT_EQ(drive.mapper->dense().size(), points);
+  EXPECT_EQ(drive.counter("found"), 0);
+  EXPECT_GT(drive.counter("searches"), 2);
+}
+
+TEST(MapperLost, OdometryLeadsItBackToTheMap) {
+  Drive drive;
+  drive.with_odometry(20);
+  (void)drive.steps(40);
+  for (int i = 0; i < 60; ++i) (void)drive.step_in(yard());  // a lorry all around, for 3 s
+  EXPECT_EQ(drive.mapper->fix(), Fix::kLost);
+  std::optional<MapperUpdate> update = drive.steps(5);
+  ASSERT_TRUE(update);
+  EXPECT_LT(drive.error(*update), 0.1) << "odometry leads it back to the map";
+  (void)drive.steps(10);
+  EXPECT_EQ(drive.mapper->fix(), Fix::kTracking);
+  EXPECT_EQ(drive.counter("began_anew"), 0);
+}
+
+TEST(MapperLost, WhatWasMappedWhereTheVehicleWasNotIsTakenBack) {
+  Drive drive;
+  drive.with_odometry(20);
+  (void)drive.steps(40);
+  // For 2 s the scans show a vehicle that stands, with a lorry beside it; odometry and truth drive on.
+  test::SyntheticWorld frozen = distinct_street();
+  frozen.boxes.push_back({{-1, 2.5, 0}, {5, 3.5, 3}});
+  const Pose stands = drive.trajectory(40 * kPeriod);
+  for (int i = 0; i < 40; ++i) {
+    const int n = drive.turn++;
+    (void)drive.step(revolution_of(
+        frozen.packets([&](double) { return stands; }, drive.config.vehicle.T_base_lidar(), n, n * kPeriod, kPeriod)));
+  }
+  std::optional<MapperUpdate> update;
+  bool rearranged = false;
+  for (int i = 0; i < 60; ++i) {
+    update = drive.step();
+    rearranged = rearranged || (update && update->rearranged);
+  }
+  EXPECT_TRUE(rearranged);
+  EXPECT_EQ(drive.counter("rolled_back"), 1);
+  ASSERT_TRUE(update && update->registered);
+  EXPECT_LT(drive.error(*update), 0.08);
+  const Pose T_map_world = drive.T_world_map.inverse();
+  for (const TileKey& key : drive.mapper->dense().keys()) {
+    const DenseTile& tile = *drive.mapper->dense().tile(key);
+    for (const TilePoint& p : tile.points()) {
+      const Eigen::Vector3d in_map(key.x * kTileSize + p.x * kPositionStep, key.y * kTileSize + p.y * kPositionStep,
+                                   tile.z_origin() + p.z * kPositionStep);
+      const Eigen::Vector3d q = T_map_world.inverse() * in_map;
+      const bool in_lorry = q.x() > -0.9 && q.x() < 4.9 && std::abs(q.y() - 2.5) < 0.2 && q.z() > 1.6;
+      ASSERT_FALSE(in_lorry) << q.transpose();
+    }
+  }
+}
+
+TEST(MapperLost, ASavedMapIsGoneOnWithFromAboutTheStart) {
+  Drive first;
+  first.with_odometry(20);
+  (void)first.steps(60);
+  const SavedMap map = first.mapper->saved(7);
+  EXPECT_EQ(map.epoch, 7);
+  EXPECT_EQ(map.nodes.size(), static_cast<std::size_t>(first.mapper->atlas().size()));
+
+  for (const char* mode : {"extend", "localise"}) {
+    Drive second;
+    second.with_odometry(20);
+    second.turn = 20;
+    const Pose start = first.T_world_map.inverse() * second.trajectory(20 * kPeriod);
+    second.config.mode = mode;
+    second.config.start_x = start.translation().x() + 1.0;  // known to a metre or two
+    second.config.start_y = start.translation().y() - 1.0;
+    second.config.start_yaw = roll_pitch_yaw(start.linear()).z() + 0.1;
+    second.config.start_radius = 2.0;
+    second.mapper.emplace(second.config);
+    second.mapper->load(map);
+    const std::int64_t points = second.mapper->dense().size();
+    EXPECT_EQ(points, first.mapper->dense().size());
+    std::optional<MapperUpdate> update;
+    for (int i = 0; i < 60; ++i) update = second.step();
+    ASSERT_TRUE(update && update->registered) << mode;
+    EXPECT_EQ(second.counter("found"), 1) << mode;
+    const Pose truth = first.T_world_map.inverse() * second.truth(update->utime);
+    EXPECT_LT((truth.inverse() * update->T_map_base).translation().norm(), 0.05) << mode;
+    if (std::string(mode) == "localise") {
+      EXPECT_EQ(second.mapper->dense().size(), points) << "only uses the map";
+      EXPECT_EQ(second.mapper->atlas().size(), first.mapper->atlas().size());
+    } else {
+      EXPECT_GT(second.mapper->dense().size(), points);
+      EXPECT_GT(second.mapper->atlas().size(), first.mapper->atlas().size());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace curbstone
