@@ -20,6 +20,8 @@ std::vector<NodePoint> thinned(const std::vector<LidarPoint>& points, const Atla
   return kept;
 }
 
+constexpr double kOdometryDrift = 0.02;  // m a metre, of odometry alone
+
 double far_in_any_axis(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return (a - b).cwiseAbs().maxCoeff();
 }
@@ -41,8 +43,14 @@ int Atlas::visit(std::int64_t utime, const Pose& T_map_base, const std::vector<L
   present_.insert(made);
   if (reference_ != kNone) connect(step(reference_, made, node(reference_).T_map_base.inverse() * T_map_base));
   reference_ = made;
+  left_ = false;
   bound_memory(T_map_base.translation());
   return reference_;
+}
+
+void Atlas::leave() {
+  set_present({}, reference_);
+  left_ = true;
 }
 
 void Atlas::follow(const Pose& T_map_base) {
@@ -105,7 +113,7 @@ std::vector<int> Atlas::connected(int from, double length) const {
     for (const int e : nodes_[static_cast<std::size_t>(id)].edges) {
       const PoseEdge& edge = edges_[static_cast<std::size_t>(e)];
       const int next = edge.from == id ? edge.to : edge.from;
-      const double there = path + edge.T_from_to.translation().norm();
+      const double there = path + length_of(edge);
       if (there <= length && !reached.contains(next)) front.emplace(there, next);
     }
   }
@@ -179,9 +187,14 @@ void Atlas::connect(const PoseEdge& edge) {
   nodes_[static_cast<std::size_t>(edge.to)].edges.push_back(index);
 }
 
+double Atlas::length_of(const PoseEdge& edge) const {
+  return 1 / (edge.information(0, 0) * config_.step_m * config_.step_m);
+}
+
 /// An edge that was driven, or seen to hold because both ends are present.
 PoseEdge Atlas::step(int from, int to, const Pose& T_from_to) const {
-  const double length = std::max(T_from_to.translation().norm(), 0.1);
+  double length = std::max(T_from_to.translation().norm(), 0.1);
+  if (left_) length = std::pow((0.1 + kOdometryDrift * length) / config_.step_m, 2);
   Vector6 information;
   information << Eigen::Vector3d::Constant(1 / (config_.step_m * config_.step_m * length)),
       Eigen::Vector3d::Constant(1 / (config_.step_rad * config_.step_rad * length));

@@ -26,6 +26,8 @@ class Atlas {
 
   /// The vehicle was registered here: the node it is at, made if there is none within `spacing`.
   int visit(std::int64_t utime, const Pose& T_map_base, const std::vector<LidarPoint>& points);
+  /// Registration lost all that it knew, and only odometry leads from the reference to the next visit().
+  void leave();
   /// The vehicle is here, on known ground: the present node that it is at now. Makes none.
   void follow(const Pose& T_map_base);
   /// Takes a node and edges of an earlier map as they are. Before the first visit().
@@ -45,7 +47,8 @@ class Atlas {
 
   /// Nodes within `radius` (horizontally, m) of a point, by distance.
   [[nodiscard]] std::vector<int> near(const Eigen::Vector3d& point, double radius) const;
-  /// Nodes that can be reached from one along edges of at most `length` m altogether, itself included; by number.
+  /// Nodes that can be reached from one along edges of at most `length` m altogether, itself included; by number. An
+  /// edge is as long as a drive that would be as uncertain.
   [[nodiscard]] std::vector<int> connected(int from, double length) const;
 
   /// Registration has forgotten what is farther than `window` (any axis): its nodes are absent from now on.
@@ -73,6 +76,7 @@ class Atlas {
   [[nodiscard]] int nearest_present(const Eigen::Vector3d& point, double within) const;
   void connect(const PoseEdge& edge);
   [[nodiscard]] PoseEdge step(int from, int to, const Pose& T_from_to) const;
+  [[nodiscard]] double length_of(const PoseEdge& edge) const;
   [[nodiscard]] bool linked(int a, int b) const;
   void bound_memory(const Eigen::Vector3d& centre);
 
@@ -83,6 +87,7 @@ class Atlas {
   int reference_ = kNone;
   int num_known_ = 0;
   double driven_ = 0;
+  bool left_ = false;  // see leave()
 };
 
 }  // namespace curbstone

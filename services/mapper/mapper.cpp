@@ -93,6 +93,7 @@ void Mapper::take(Tracked& tracked, MapperUpdate& update) {
     recall_surroundings(tracked.T_map_base.translation());
     return;
   }
+  if (tracked.anew) atlas_.leave();
   dense_.set_anchor(atlas_.visit(tracked.utime, tracked.T_map_base, tracked.points));
   grow(tracked, update);
   close_loop(tracked, update);

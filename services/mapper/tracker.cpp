@@ -41,8 +41,11 @@ Matrix6 isotropic(double translation, double rotation) {
   return diagonal.asDiagonal();
 }
 
-constexpr std::int64_t kPatience = 1'000'000;   // us without a fit, after which the pose is lost
-constexpr int kConfirmed = 10;                  // revolutions in a row that must fit before a pose is trusted again
+constexpr std::int64_t kPatience = 1'000'000;  // us without a fit, after which the pose is lost
+constexpr int kConfirmed = 10;                 // revolutions in a row that must fit before a pose is trusted again
+constexpr double kFirmOverlap = 0.4;           // what a revolution must show to be believed while the pose is not
+constexpr double kFirmInliers = 0.75;
+constexpr int kPlanar = 0b100011;               // x, y and yaw
 constexpr double kDoubtSpeed = 3.0;             // m/s, how doubt grows while lost or when nothing tells of the motion,
 constexpr double kGuidedDoubt = 0.05;           // and m a metre when odometry does
 constexpr std::int64_t kNewGround = 6'000'000;  // us, by when it has been sought everywhere, and
@@ -169,7 +172,7 @@ void Tracker::judge(const Attempt& attempt, Tracked& tracked) {
     drift_.setZero();
     since_fitted_m_ = doubt_ = 0;
     fitted_ = tracked.utime;
-    tracked.registered = true;
+    tracked.anew = tracked.registered = true;
   }
   tracked.fix = fix_;
   tracked.maps = tracked.registered && fix_ == Fix::kTracking;
@@ -362,6 +365,10 @@ std::string Tracker::refusal(const Attempt& attempt) const {
   if (result.overlap < config_.min_overlap) return "refused.overlap";
   if (result.inlier_ratio < config_.min_inliers) return "refused.inliers";
   if (result.residual > config_.max_residual) return "refused.residual";
+  if (fix_ != Fix::kTracking) {  // the ground alone fits everywhere
+    if (result.overlap < kFirmOverlap) return "refused.overlap";
+    if (result.inlier_ratio < kFirmInliers || (result.degenerate & kPlanar) != 0) return "refused.inliers";
+  }
   const Pose jump = attempt.prior.T_map_base.inverse() * result.T_map_base;
   const Matrix6 covariance = drift_ + attempt.expected.covariance;
   const bool guided = attempt.expected.with_odometry;

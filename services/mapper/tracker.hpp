@@ -34,6 +34,7 @@ struct Tracked {
   bool with_odometry = false;
   bool stationary = false;
   bool began = false;              ///< with this revolution, or anew
+  bool anew = false;               ///< the map for registration is empty: odometry alone led here
   bool maps = false;               ///< the map may take it
   std::vector<LidarPoint> points;  ///< de-skewed, in base_link
   /// Without odometry a revolution has its motion from the next: the very first, when the second has proved it.

@@ -97,6 +97,29 @@ TEST(MapperLost, OdometryLeadsItBackToTheMap) {
   EXPECT_EQ(drive.counter("began_anew"), 0);
 }
 
+TEST(MapperLost, WhereOdometryHasLedOnToNewGroundTheMapBeginsAnewThere) {
+  Drive drive;
+  drive.with_odometry(20);
+  (void)drive.steps(40);
+  const std::int64_t points = drive.mapper->dense().size();
+  drive.world = test::SyntheticWorld{};  // out of a long tunnel: nothing of the street is seen any more
+  drive.world.noise = 0.01;
+  drive.world.boxes = {{{-30, -6, 0}, {-12, -5, 3}}, {{-5, 5, 0}, {6, 6, 3}},   {{12, -7, 0}, {15, -4, 5}},
+                       {{20, 6, 0}, {24, 9, 2}},     {{30, -3, 0}, {31, 3, 4}}, {{-20, 9, 0}, {-10, 12, 6}}};
+  std::optional<MapperUpdate> update;
+  for (int i = 0; i < 110; ++i) update = drive.step();
+  EXPECT_EQ(drive.mapper->fix(), Fix::kLost) << "it is sought first";
+  EXPECT_EQ(drive.mapper->dense().size(), points);
+  update = drive.steps(60);
+  ASSERT_TRUE(update && update->registered);
+  EXPECT_EQ(drive.counter("began_anew"), 1);
+  EXPECT_LT(drive.error(*update), 0.1) << "odometry led here";
+  const Atlas& atlas = drive.mapper->atlas();
+  EXPECT_FALSE(atlas.present(0)) << "what lies before is not what is seen now";
+  EXPECT_EQ(atlas.connected(0, 1e9).size(), static_cast<std::size_t>(atlas.size())) << "but the drive is one";
+  EXPECT_GT(drive.mapper->dense().size(), points);
+}
+
 TEST(MapperLost, WhatWasMappedWhereTheVehicleWasNotIsTakenBack) {
   Drive drive;
   drive.with_odometry(20);
