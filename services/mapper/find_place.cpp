@@ -15,6 +15,7 @@ constexpr double kMaxConflict = 0.34;
 constexpr double kMinContrast = 0.65;
 constexpr double kMinInliers = 0.7;
 constexpr double kMinOverlap = 0.25;
+constexpr double kMaxRise = 0.15;        // m
 constexpr double kMaxResidual = 0.10;    // m
 constexpr double kWorthATry = 0.25;      // of score before registration, behind the best
 constexpr double kLeastReach = 4.0;      // m: how it would fit so far along is to be known in any case
@@ -49,8 +50,8 @@ double contrast(const PlaceMatch& match) {
 bool is_place(const PlaceMatch& match) {
   const RegistrationResult& r = match.registration;
   return r.converged && (r.degenerate & kPlanar) == 0 && r.overlap >= kMinOverlap && r.inlier_ratio >= kMinInliers &&
-         r.residual <= kMaxResidual && match.score >= kMinScore && match.conflict <= kMaxConflict &&
-         contrast(match) >= kMinContrast;
+         r.residual <= kMaxResidual && std::abs(match.rise) <= kMaxRise && match.score >= kMinScore &&
+         match.conflict <= kMaxConflict && contrast(match) >= kMinContrast;
 }
 
 bool within(const PlaceGuess& guess, const Pose& T_map_base) {

@@ -18,6 +18,7 @@ constexpr std::size_t kSightNodes = 3;    // from which the revolution is looked
 constexpr double kThinned = 0.3;          // m: of what stands, one point counts in such a cube
 constexpr float kScanReach = 60.0F;       // m, of the scans of nodes
 constexpr float kGroundReach = 20.0F;     // m: ground that is near enough to tell the height
+constexpr float kGroundSpread = 0.25F;    // m, of ground that agrees: a degree of tilt, 10 m away
 constexpr std::size_t kMinStanding = 60;  // points, fewer tell nothing
 constexpr std::size_t kMinGround = 10;    // places of the ground
 
@@ -98,7 +99,8 @@ Cloud points_about(const std::vector<const MapNode*>& nodes, const Eigen::Vector
   return out;
 }
 
-/// How far a scan must rise for its ground to lie on the map's: the median over square metres.
+/// How far a scan must rise for its ground to lie on the map's, as most of its square metres have it: where a car hides
+/// the ground it is the car that is lowest.
 std::optional<double> rise(const Cloud& level, const LowestPoints& ground, const Pose& T_local_level,
                            const LowestPoints& map) {
   const Eigen::Isometry3f T = T_local_level.cast<float>();
@@ -110,9 +112,13 @@ std::optional<double> rise(const Cloud& level, const LowestPoints& ground, const
     if (std::isfinite(z)) rises.push_back(z - q.z());
   }
   if (rises.size() < kMinGround) return std::nullopt;
-  const auto middle = rises.begin() + static_cast<std::ptrdiff_t>(rises.size() / 2);
-  std::nth_element(rises.begin(), middle, rises.end());
-  return static_cast<double>(*middle);
+  std::sort(rises.begin(), rises.end());
+  std::size_t most = 0, begin = 0;
+  for (std::size_t i = 0, j = 0; j < rises.size(); ++j) {
+    while (rises[j] - rises[i] > kGroundSpread) ++i;
+    if (j - i > most) most = j - i, begin = i;
+  }
+  return static_cast<double>(rises[begin + most / 2]);
 }
 
 }  // namespace
@@ -169,9 +175,12 @@ PlaceMatch PlaceSearch::refine(const std::vector<LidarPoint>& points, const Plac
   const Pose& T = match.registration.T_map_base;
   const Pose T_level_base = level_from_base(T);
   const Cloud level = moved(T_level_base, points, kOfScan);
-  const Cloud standing = one_a_cube(upright(level, lowest_of(level, kScanReach)));
+  const LowestPoints ground = lowest_of(level, kScanReach);
+  const Cloud standing = one_a_cube(upright(level, ground));
   const Pose T_map_level = T * T_level_base.inverse();
-  match.score = score_at(standing, from(-guess_.T_map_base.translation()) * T_map_level);
+  const Pose T_local_level = from(-guess_.T_map_base.translation()) * T_map_level;
+  match.score = score_at(standing, T_local_level);
+  match.rise = rise(level, ground, T_local_level, lowest_).value_or(kMostReach);
   match.conflict = conflict_at(points, moved(T_map_level, standing, kAsIs), T);
   return match;
 }

@@ -31,6 +31,7 @@ struct PlaceMatch {
   RegistrationResult registration;  ///< pose and covariance are here
   double score = 0;                 ///< as of PlaceHypothesis, at that pose
   double conflict = 0;   ///< 0..1: of what stands in one scan within the sight of another, the share it looked through
+  double rise = 0;       ///< m by which the ground of the revolution is under the map's
   double runner_up = 0;  ///< score of the best that is another place; 0 where none came near
 };
 

@@ -211,13 +211,14 @@ std::vector<const MapNode*> nodes_about(const Places& places, const Eigen::Vecto
 struct Tally {
   int queries = 0, found = 0, wrong = 0;
   double worst_m = 0, worst_rad = 0, ms = 0, most_ms = 0;
+  double max_rise = 0;
   double min_score = 1, max_conflict = 0, min_inliers = 1, min_overlap = 1, max_runner_up = 0;
   void print(const std::string& name) const {
     fmt::print("{:<44} {:5} {:5} {:5}  {:.3f} {:.4f}  {:6.0f} {:6.0f}", name, queries, found, wrong, worst_m, worst_rad,
                ms / std::max(queries, 1), most_ms);
     if (found > 0)
-      fmt::print("  {:.2f} {:.2f} {:.2f} {:.2f} {:.2f}", min_score, max_conflict, min_inliers, min_overlap,
-                 max_runner_up);
+      fmt::print("  {:.2f} {:.2f} {:.2f} {:.2f} {:.2f} {:.2f}", min_score, max_conflict, min_inliers, min_overlap,
+                 max_runner_up, max_rise);
     fmt::print("\n");
     fflush(stdout);
   }
@@ -241,6 +242,7 @@ void count(const View& view, const std::optional<PlaceMatch>& match, bool known,
   tally.worst_m = std::max(tally.worst_m, error.translation().norm());
   tally.worst_rad = std::max(tally.worst_rad, rad);
   tally.min_score = std::min(tally.min_score, match->score);
+  tally.max_rise = std::max(tally.max_rise, std::abs(match->rise));
   tally.max_conflict = std::max(tally.max_conflict, match->conflict);
   tally.min_inliers = std::min(tally.min_inliers, match->registration.inlier_ratio);
   tally.min_overlap = std::min(tally.min_overlap, match->registration.overlap);
@@ -335,7 +337,7 @@ int main(int argc, char** argv) {
   for (Places& places : all) change(places, changes, Random(11));
   fmt::print(
       "{:<44} {:>5} {:>5} {:>5}  {:>5} {:>6}  {:>6} {:>6}  found: least score, most conflict, least inliers, "
-      "overlap, most runner-up\n",
+      "overlap, most runner-up, rise\n",
       "", "asked", "found", "wrong", "m", "rad", "CPU ms", "most");
   if (everywhere) {
     seek_everywhere(all);

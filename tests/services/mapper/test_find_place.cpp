@@ -91,6 +91,22 @@ TEST(FindPlace, FindsWhereARevolutionWasTakenFromMetresOff) {
   }
 }
 
+TEST(FindPlace, IsNotMisledByCarsThatStandThereNow) {
+  const Remembered street(test::street(), -20, 20);
+  test::SyntheticWorld now = street.world;
+  for (const double x : {-9.0, -3.5, 2.0, 7.5, 13.0}) {
+    now.boxes.push_back({{x, 2.3, 0.25}, {x + 4.4, 4.1, 1.6}});
+    now.boxes.push_back({{x + 1, -4, 0.25}, {x + 5.4, -2.2, 1.6}});
+  }
+  const Pose T = pose(1.3, 0, 0, 0, 0, 0.1);
+  const PlaceGuess guess{pose(3, 1, 0.5, 0, 0, 0), 5, 0.2};
+  PlaceSearch search(street.all(), guess, IcpConfig{}, street.lidar);
+  const auto hypotheses = search.hypotheses(now.snapshot(T, test::default_lidar()), 1);
+  ASSERT_EQ(hypotheses.size(), 1U);
+  EXPECT_LT(log_of(T.inverse() * hypotheses[0].T_map_base).norm(), 0.3);
+  EXPECT_NEAR(hypotheses[0].T_map_base.translation().z(), 0, 0.05) << "ground on ground, not car on ground";
+}
+
 TEST(FindPlace, FindsItWithNothingKnownButTheAttitude) {
   const Remembered street(test::street(), -20, 20);
   for (const double yaw : {0.5, -2.5}) {
