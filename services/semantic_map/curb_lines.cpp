@@ -5,16 +5,19 @@
 #include <map>
 #include <utility>
 
+#include "services/semantic_map/smoothing_spline.hpp"
+
 namespace curbstone {
 
 namespace {
 
-constexpr double kGap = 0.80;          // m that a line may bridge in any case
-constexpr double kFarSideways = 0.10;  // of a longer bridge, that its ends may be off each other's line
-constexpr double kSideways = 0.12;     // m that the next point may lie off, and a share of its distance
-constexpr double kSpacing = 0.15;      // m between vertices
-constexpr double kMinLength = 0.50;    // m
-constexpr double kGrid = 2.0;          // m: the longest bridge
+constexpr double kSpacing = 0.20;    // m between vertices
+constexpr double kMinLength = 0.50;  // m
+constexpr double kLowReach = 0.60;   // m about a place that say whether the kerb is lowered there
+constexpr double kMinPiece = 1.0;    // m that a kerb is lowered, or raised again
+constexpr double kCovered = 0.40;    // m about a place that is not bridged
+constexpr double kSameCurb = 0.3;    // m: what a line of before is found by
+constexpr double kGrid = 2.0;        // m
 
 using Cell = std::pair<std::int64_t, std::int64_t>;
 
@@ -22,141 +25,127 @@ Cell cell_at(double x, double y) {
   return {static_cast<std::int64_t>(std::floor(x / kGrid)), static_cast<std::int64_t>(std::floor(y / kGrid))};
 }
 
-/// Follows curb points from one to the next.
-class Linker {
- public:
-  explicit Linker(const std::vector<MapCurbPoint>& points) : points_(points), used_(points.size()) {
-    for (std::size_t i = 0; i < points.size(); ++i)
-      cells_[cell_at(points[i].foot.x(), points[i].foot.y())].push_back(i);
-  }
-
-  /// Indices along the line through `seed`, which must be unused; marks them used.
-  std::vector<std::size_t> follow(std::size_t seed) {
-    used_[seed] = true;
-    std::vector<std::size_t> line;
-    extend(seed, -1, line);
-    std::reverse(line.begin(), line.end());
-    line.push_back(seed);
-    extend(seed, 1, line);
-    return line;
-  }
-  [[nodiscard]] bool is_used(std::size_t i) const { return used_[i]; }
-
- private:
-  void extend(std::size_t from, int sense, std::vector<std::size_t>& line) {
-    for (auto next = nearest_ahead(from, sense); next < points_.size(); next = nearest_ahead(next, sense)) {
-      used_[next] = true;
-      line.push_back(next);
-    }
-  }
-  /// Whether the evidence of two distant points meets, and each lies on the other's line.
-  static bool bridges(const MapCurbPoint& a, const MapCurbPoint& b) {
-    const Eigen::Vector2d d = b.foot - a.foot;
-    const double off = std::max(std::abs(d.dot(a.up)), std::abs(d.dot(b.up)));
-    return d.norm() < a.reach + b.reach && off < kSideways + kFarSideways * d.norm();
-  }
-  /// points_.size() if there is none.
-  std::size_t nearest_ahead(std::size_t from, int sense) {
-    const MapCurbPoint& p = points_[from];
-    const Eigen::Vector2d ahead = sense * Eigen::Vector2d(-p.up.y(), p.up.x());
-    std::size_t best = points_.size();
-    double best_distance = kGrid;
-    const Cell centre = cell_at(p.foot.x(), p.foot.y());
-    for (std::int64_t x = centre.first - 1; x <= centre.first + 1; ++x) {
-      for (std::int64_t y = centre.second - 1; y <= centre.second + 1; ++y) {
-        const auto it = cells_.find({x, y});
-        if (it == cells_.end()) continue;
-        for (const std::size_t i : it->second) {
-          if (used_[i] || points_[i].up.dot(p.up) < 0.7) continue;
-          const Eigen::Vector2d d = points_[i].foot - p.foot;
-          const double sideways = std::abs(d.dot(p.up));
-          if (d.dot(ahead) <= 0 || sideways > kSideways + 0.25 * d.norm()) continue;
-          if (d.norm() > kGap && !bridges(p, points_[i])) continue;
-          if (d.norm() + sideways < best_distance) {
-            best = i;
-            best_distance = d.norm() + sideways;
-          }
-        }
-      }
-    }
-    return best;
-  }
-
-  const std::vector<MapCurbPoint>& points_;
-  std::vector<bool> used_;
-  std::map<Cell, std::vector<std::size_t>> cells_;
+/// A chain laid out along itself.
+struct LaidOut {
+  std::vector<SmoothingSpline::Sample> samples;  // by s
+  std::vector<const MapCurbPoint*> points;
 };
 
-/// The mean of a point and those within 0.3 m along the line.
-MapCurbPoint smoothed(const std::vector<MapCurbPoint>& points, const std::vector<std::size_t>& line, std::size_t k) {
-  constexpr double kReach = 0.3;
-  const MapCurbPoint& centre = points[line[k]];
-  MapCurbPoint sum = centre;
-  sum.confidence = 0;
-  Eigen::Vector2d foot = Eigen::Vector2d::Zero();
-  Eigen::Vector2d up = Eigen::Vector2d::Zero();
-  double height = 0;
-  double z = 0;
-  double n = 0;
-  // As far on the one side as on the other: the mean of one-sided neighbours would shorten the line's ends.
-  for (std::size_t off = 0; off <= std::min(k, line.size() - 1 - k); ++off) {
-    const MapCurbPoint& a = points[line[k - off]];
-    const MapCurbPoint& b = points[line[k + off]];
-    if ((a.foot - centre.foot).norm() > kReach || (b.foot - centre.foot).norm() > kReach) break;
-    for (const MapCurbPoint* p : {&a, &b}) {
-      foot += p->foot;
-      up += p->up;
-      height += p->height;
-      z += p->z;
-      sum.confidence += p->confidence;
-      n += 1;
+/// Steps across the line add nothing to its length.
+LaidOut lay_out(const std::vector<MapCurbPoint>& points, const CurbChain& chain) {
+  LaidOut result;
+  double s = 0;
+  for (const std::size_t i : chain) {
+    const MapCurbPoint& p = points[i];
+    if (!result.points.empty()) {
+      const MapCurbPoint& before = *result.points.back();
+      const Eigen::Vector2d up = (before.up + p.up).normalized();
+      const Eigen::Vector2d d = p.foot - before.foot;
+      s += std::max(0.0, d.y() * up.x() - d.x() * up.y());  // the high side is on the right
     }
+    result.points.push_back(&p);
+    result.samples.push_back({s, {p.foot.x(), p.foot.y(), p.z, p.height}, std::max(0.05, p.confidence)});
   }
-  sum.foot = foot / n;
-  sum.up = up.normalized();
-  sum.height = height / n;
-  sum.z = z / n;
-  sum.confidence /= n;
-  return sum;
+  return result;
 }
 
-CurbLine make_line(const std::vector<MapCurbPoint>& points, const std::vector<std::size_t>& indices) {
-  CurbLine line;
-  double confidence = 0;
-  std::size_t weak = 0;
-  Eigen::Vector2d last = Eigen::Vector2d::Constant(1e12);
-  for (std::size_t k = 0; k < indices.size(); ++k) {
-    if (points[indices[k]].weak) ++weak;
-    const MapCurbPoint p = smoothed(points, indices, k);
-    confidence += p.confidence;
-    if ((p.foot - last).norm() < kSpacing && k + 1 < indices.size()) continue;
-    last = p.foot;
-    line.points.push_back({static_cast<float>(p.foot.x()), static_cast<float>(p.foot.y()), static_cast<float>(p.z),
-                           static_cast<float>(p.height), static_cast<float>(p.up.x()), static_cast<float>(p.up.y())});
-  }
-  line.confidence = static_cast<float>(confidence / static_cast<double>(indices.size()));
-  line.dropped = 2 * weak > indices.size();
-  return line;
+/// Vertices at even distances, the ends included.
+std::vector<double> places_along(const SmoothingSpline& spline) {
+  const double length = spline.end() - spline.begin();
+  const int pieces = std::max(1, static_cast<int>(std::ceil(length / kSpacing - 1e-9)));
+  std::vector<double> places;
+  for (int k = 0; k <= pieces; ++k) places.push_back(spline.begin() + length * k / pieces);
+  return places;
 }
 
-double length(const std::vector<MapCurbPoint>& points, const std::vector<std::size_t>& line) {
+/// Whether most of the evidence about each place is of a step lower than a curb's; a bridge is as what it comes from.
+std::vector<bool> lowered(const LaidOut& line, const std::vector<double>& places) {
+  std::vector<bool> is_low;
+  std::size_t first = 0;
+  for (const double s : places) {
+    while (first < line.samples.size() && line.samples[first].s < s - kLowReach) ++first;
+    int low = 0;
+    int all = 0;
+    for (std::size_t i = first; i < line.samples.size() && line.samples[i].s <= s + kLowReach; ++i) {
+      low += line.points[i]->weak ? 1 : 0;
+      ++all;
+    }
+    is_low.push_back(all > 0 ? 2 * low > all : !is_low.empty() && is_low.back());
+  }
+  return is_low;
+}
+
+/// Ends of runs of places that are of one kind; what is too short goes with what is before it.
+std::vector<std::size_t> runs_of(const std::vector<bool>& is_low) {
+  const auto least = static_cast<std::size_t>(std::lround(kMinPiece / kSpacing));
+  std::vector<std::size_t> ends;
+  for (std::size_t k = 1; k <= is_low.size(); ++k) {
+    if (k < is_low.size() && is_low[k] == is_low[k - 1]) continue;
+    const std::size_t begin = ends.empty() ? 0 : ends.back();
+    if (k - begin < least && !ends.empty())
+      ends.back() = k;
+    else
+      ends.push_back(k);
+  }
+  if (ends.size() > 1 && ends.front() < least) ends.erase(ends.begin());
+  return ends;
+}
+
+/// Mean confidence of the points from s = from to s = to, times the share of that way that is not bridged.
+float confidence_of(const LaidOut& line, double from, double to) {
   double sum = 0;
-  for (std::size_t k = 1; k < line.size(); ++k) sum += (points[line[k]].foot - points[line[k - 1]].foot).norm();
-  return sum;
+  double covered = 0;
+  double n = 0;
+  double reached = from;
+  for (const auto& sample : line.samples) {
+    if (sample.s < from - 1e-9 || sample.s > to + 1e-9) continue;
+    sum += sample.weight;
+    n += 1;
+    const double low = std::max(reached, sample.s - kCovered);
+    const double high = std::min(to, sample.s + kCovered);
+    covered += std::max(0.0, high - low);
+    reached = std::max(reached, high);
+  }
+  const double share = to > from ? std::min(1.0, covered / (to - from)) : 1.0;
+  return n > 0 ? static_cast<float>(sum / n * share) : 0.0F;
+}
+
+CurbVertex vertex_at(const SmoothingSpline& spline, double s) {
+  const SmoothingSpline::Values at = spline.at(s);
+  const Eigen::Vector2d along = spline.derivative(s).head<2>().normalized();
+  return {static_cast<float>(at(0)),     static_cast<float>(at(1)),
+          static_cast<float>(at(2)),     std::max(0.001F, static_cast<float>(at(3))),
+          static_cast<float>(along.y()), static_cast<float>(-along.x())};
+}
+
+/// One line, or several where a kerb is lowered in between: they share the vertex where they meet.
+void add_lines(const LaidOut& laid, std::vector<CurbLine>& lines) {
+  const SmoothingSpline spline(laid.samples);
+  if (spline.end() - spline.begin() < kMinLength) return;
+  const std::vector<double> places = places_along(spline);
+  const std::vector<bool> is_low = lowered(laid, places);
+  std::size_t begin = 0;
+  for (const std::size_t end : runs_of(is_low)) {
+    const std::size_t last = std::min(end, places.size() - 1);
+    CurbLine line;
+    std::size_t low = 0;
+    for (std::size_t k = begin; k <= last; ++k) {
+      line.points.push_back(vertex_at(spline, places[k]));
+      if (k < end && is_low[k]) ++low;
+    }
+    line.dropped = 2 * low > end - begin;
+    line.confidence = confidence_of(laid, places[begin], places[last]);
+    line.id = static_cast<std::int32_t>(lines.size());
+    lines.push_back(std::move(line));
+    begin = last;
+  }
 }
 
 }  // namespace
 
 std::vector<CurbLine> link_curbs(const std::vector<MapCurbPoint>& points) {
   std::vector<CurbLine> lines;
-  Linker linker(points);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (linker.is_used(i)) continue;
-    const std::vector<std::size_t> indices = linker.follow(i);
-    if (length(points, indices) < kMinLength) continue;
-    lines.push_back(make_line(points, indices));
-    lines.back().id = static_cast<std::int32_t>(lines.size()) - 1;
-  }
+  for (const CurbChain& chain : chain_curbs(points)) add_lines(lay_out(points, chain), lines);
   return lines;
 }
 
@@ -172,7 +161,7 @@ void CurbLineIds::assign(std::vector<CurbLine>& lines) {
       const auto it = before.find(cell_at(double{v.x}, double{v.y}));
       if (it == before.end()) continue;
       for (const auto& [at, id] : it->second) {
-        if ((at - Eigen::Vector2f(v.x, v.y)).norm() < 0.3F) ++votes[id];
+        if ((at - Eigen::Vector2f(v.x, v.y)).norm() < static_cast<float>(kSameCurb)) ++votes[id];
       }
     }
     const auto best =

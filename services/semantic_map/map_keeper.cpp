@@ -1,6 +1,7 @@
 #include "services/semantic_map/map_keeper.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace curbstone {
 
@@ -23,6 +24,7 @@ void MapKeeper::start(std::int32_t epoch, std::int64_t utime) {
   epoch_ = epoch;
   tiles_.clear();
   trajectory_.clear();
+  curbs_.reset();
   clear_ = clear_ || !goes_on;
 }
 
@@ -45,12 +47,17 @@ void MapKeeper::put(const TrajectoryPose& pose) {
     counters_.add("dropped.unstored_poses");
 }
 
-void MapKeeper::write() {
-  if (store_ && (clear_ || !tiles_.empty() || !trajectory_.empty())) write_batch(nullptr);
+void MapKeeper::put(std::vector<CurbLine> curbs) {
+  if (store_) curbs_ = std::move(curbs);
 }
 
-void MapKeeper::write_batch(const std::vector<CurbLine>* curbs) {
-  MapStore::Batch batch{.clear = clear_, .epoch = epoch_, .trajectory = trajectory_, .curbs = curbs};
+void MapKeeper::write() {
+  if (store_ && (clear_ || !tiles_.empty() || !trajectory_.empty() || curbs_)) write_batch();
+}
+
+void MapKeeper::write_batch() {
+  MapStore::Batch batch{
+      .clear = clear_, .epoch = epoch_, .trajectory = trajectory_, .curbs = curbs_ ? &*curbs_ : nullptr};
   for (const auto& [key, tile] : tiles_) batch.tiles.push_back(tile);
   std::sort(batch.tiles.begin(), batch.tiles.end(), [](const MapTile& a, const MapTile& b) { return a.key < b.key; });
   try {
@@ -59,6 +66,7 @@ void MapKeeper::write_batch(const std::vector<CurbLine>* curbs) {
     counters_.add("store.tiles", static_cast<std::int64_t>(tiles_.size()));
     tiles_.clear();
     trajectory_.clear();
+    curbs_.reset();
     clear_ = false;
     fault_.clear();
   } catch (const MapStoreError& error) {
@@ -67,9 +75,10 @@ void MapKeeper::write_batch(const std::vector<CurbLine>* curbs) {
   }
 }
 
-void MapKeeper::finish(const std::vector<CurbLine>& curbs) {
+void MapKeeper::finish(std::vector<CurbLine> curbs) {
   if (!store_) return;
-  write_batch(&curbs);
+  curbs_ = std::move(curbs);
+  write_batch();
   if (!fault_.empty()) return;
   try {
     store_->close_canonical();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -22,23 +23,26 @@ class MapKeeper {
   void start(std::int32_t epoch, std::int64_t utime);
   void put(const MapTile& tile);
   void put(const TrajectoryPose& pose);
+  /// All curbs of the map as they are now; they go with the next batch.
+  void put(std::vector<CurbLine> curbs);
   /// Writes what is pending.
   void write();
   /// Writes the rest and the curbs, and closes the file in canonical form.
-  void finish(const std::vector<CurbLine>& curbs);
+  void finish(std::vector<CurbLine> curbs);
 
   /// In words; empty when all is well.
   [[nodiscard]] const std::string& fault() const { return fault_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
-  void write_batch(const std::vector<CurbLine>* curbs);
+  void write_batch();
   std::unique_ptr<MapStore> store_;
   std::size_t max_pending_;
   std::int32_t epoch_ = 0;
   bool clear_ = false;
   std::unordered_map<TileKey, MapTile, TileKeyHash> tiles_;
   std::vector<TrajectoryPose> trajectory_;
+  std::optional<std::vector<CurbLine>> curbs_;
   std::string fault_;
   Counters counters_;
 };

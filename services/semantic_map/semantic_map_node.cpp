@@ -17,6 +17,7 @@ constexpr std::int64_t kSettlePatience = 1'000'000;  // us that what is stale ma
 constexpr std::int64_t kCurbsPeriod = 500'000;       // us
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kWritePeriod = 1'000'000;
+constexpr std::int64_t kStoreCurbsPeriod = 5'000'000;  // all of them each time
 constexpr std::int64_t kRequestPeriod = 100'000;
 constexpr std::size_t kAnswersPerTick = 4;
 constexpr std::size_t kMaxCurbVertices = 1800;  // 24 bytes each: below 48 kB
@@ -38,11 +39,12 @@ std::int32_t revision_at(std::int64_t now) {
   return static_cast<std::int32_t>(std::clamp<std::int64_t>((now - kStart) / kTilePeriod, 0, 2'000'000'000));
 }
 
-curb_line_t to_message(const CurbLine& line) {
+curb_line_t to_message(const CurbLine& line, const std::vector<Eigen::Vector2d>& path) {
   curb_line_t m;
   m.id = line.id;
   m.confidence = line.confidence;
   m.dropped = line.dropped ? 1 : 0;
+  m.rise = static_cast<std::int8_t>(seen_from(line, path));
   m.num_points = static_cast<std::int32_t>(line.points.size());
   for (const CurbVertex& v : line.points) {
     m.x.push_back(v.x);
@@ -88,7 +90,7 @@ bool SemanticMapNode::enter_epoch(std::int32_t epoch) {
   path_.clear();
   voted_.start_epoch(epoch);
   catalog_.start_epoch(epoch);
-  curbs_changed_ = true;
+  curbs_changed_ = curbs_unstored_ = true;
   return true;
 }
 
@@ -169,7 +171,7 @@ void SemanticMapNode::tick(std::int64_t now) {
   if (now - last_index_ >= kIndexPeriod) publish_index(now);
   if (now - last_write_ >= kWritePeriod) {
     last_write_ = now;
-    if (drive_started_) keeper_.write();
+    if (drive_started_) store(now);
   }
 }
 
@@ -214,7 +216,7 @@ void SemanticMapNode::publish_tile(const MapTile& tile, std::int64_t now) {
   catalog_.set_version(tile.key, published.revision);
   keeper_.put(tile);
   publish(published);
-  curbs_changed_ = true;
+  curbs_changed_ = curbs_unstored_ = true;
   counters_.add("tiles_updated");
   if (is_news && now > tile.utime && now - tile.utime < 60'000'000)
     latency_.add(static_cast<double>(now - tile.utime) * 1e-6);
@@ -289,8 +291,24 @@ void SemanticMapNode::publish_curbs(std::int64_t now) {
   m.epoch = epoch_;
   m.revision = ++curbs_revision_;
   m.num_lines = static_cast<std::int32_t>(lines.size());
-  for (const CurbLine& line : lines) m.lines.push_back(to_message(line));
+  std::vector<Eigen::Vector2d> path;
+  for (const auto& [utime, place] : path_) path.push_back(place);
+  for (const CurbLine& line : lines) m.lines.push_back(to_message(line, path));
   bus_.publish("CURBS", m);
+}
+
+void SemanticMapNode::store(std::int64_t now) {
+  if (curbs_unstored_ && now - last_curbs_stored_ >= kStoreCurbsPeriod) {
+    last_curbs_stored_ = now;
+    curbs_unstored_ = false;
+    keeper_.put(all_curbs());
+  }
+  keeper_.write();
+}
+
+std::vector<CurbLine> SemanticMapNode::all_curbs() const {
+  constexpr double kAll = 1e12;
+  return link_curbs(curb_points(-kAll, -kAll, kAll, kAll));
 }
 
 void SemanticMapNode::finish() {
@@ -300,8 +318,7 @@ void SemanticMapNode::finish() {
   for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(*pipeline_.classes(key), newest_utime_);
   if (curbs_changed_) publish_curbs(newest_utime_);
   publish_index(newest_utime_);
-  constexpr double kAll = 1e12;
-  const std::vector<CurbLine> curbs = link_curbs(curb_points(-kAll, -kAll, kAll, kAll));
+  const std::vector<CurbLine> curbs = all_curbs();
   if (drive_started_) keeper_.finish(curbs);
   if (!config_.picture.empty()) draw_picture(curbs);
 }

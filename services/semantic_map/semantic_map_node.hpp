@@ -17,6 +17,7 @@
 #include "common/node.hpp"
 #include "common/tile_sync.hpp"
 #include "services/semantic_map/curb_lines.hpp"
+#include "services/semantic_map/curb_rise.hpp"
 #include "services/semantic_map/map_keeper.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
 #include "services/semantic_map/tile_pipeline.hpp"
@@ -58,6 +59,8 @@ class SemanticMapNode final : public Node {
   void answer_requests();
   void publish_index(std::int64_t now);
   void publish_curbs(std::int64_t now);
+  void store(std::int64_t now);
+  [[nodiscard]] std::vector<CurbLine> all_curbs() const;
   void draw_picture(const std::vector<CurbLine>& curbs);
   [[nodiscard]] std::vector<MapCurbPoint> curb_points(double x_min, double y_min, double x_max, double y_max) const;
 
@@ -86,6 +89,8 @@ class SemanticMapNode final : public Node {
   std::int32_t curbs_revision_ = 0;
   bool curbs_changed_ = false;
   std::int64_t last_curbs_ = 0;
+  bool curbs_unstored_ = false;
+  std::int64_t last_curbs_stored_ = 0;
   std::int64_t last_index_ = 0;
   std::int64_t last_write_ = 0;
   std::int64_t last_request_ = 0;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "services/semantic_map/curb_rise.hpp"
 #include "services/semantic_map/map_types.hpp"
 
 namespace curbstone {
@@ -12,12 +13,21 @@ struct CurbSummary {
   double height = 0;            ///< m, median along the line
   bool is_low = false;          ///< dropped, or lower than what counts as high
   bool high_side_left = false;  ///< seen along the line
+  CurbRise rise = CurbRise::kUnknown;
 };
 
 inline constexpr double kHighCurb = 0.05;     ///< m: from here on a curb is `high` unless told otherwise
 inline constexpr float kFarthestCurb = 1e5F;  ///< m from the map's origin: farther is no drive
 
-[[nodiscard]] CurbSummary summarise(const CurbLine& line, double high_curb);
+/// What curbs are looked at with.
+struct CurbView {
+  double high_curb = kHighCurb;            ///< m
+  std::vector<Eigen::Vector2d> path = {};  ///< driven, m in map: a curb rises or falls for whoever comes from there
+};
+
+[[nodiscard]] CurbSummary summarise(const CurbLine& line, const CurbView& view);
+/// "up", "down", "unknown".
+[[nodiscard]] std::string rise_name(CurbRise rise);
 
 /// Those with two points or more, none of them out of reach. The rest is of no use to anybody.
 [[nodiscard]] std::vector<CurbLine> usable_curbs(std::vector<CurbLine> lines);

@@ -14,8 +14,8 @@
 #include "tools/export/georeference.hpp"
 #include "tools/export/lanelet2_file.hpp"
 #include "tools/export/nav2_map.hpp"
-#include "tools/output/output_folder.hpp"
 #include "tools/export/raster_file.hpp"
+#include "tools/output/output_folder.hpp"
 
 namespace curbstone {
 
@@ -78,10 +78,12 @@ void add_curbs(const MapReader& map, double high_curb, const std::optional<Tange
   const std::vector<CurbLine> curbs = usable_curbs(std::move(all));
   if (curbs.size() != count)
     fmt::print("{} curb lines left out: single points, or out of reach\n", count - curbs.size());
-  if (curbs.empty()) fmt::print("the map holds no curb lines (a service writes them when its drive ends)\n");
-  out.add_bytes("curbs.osm", lanelet2_osm(curbs, high_curb, plane));
+  if (curbs.empty()) fmt::print("the map holds no curb lines\n");
+  CurbView view{high_curb};
+  for (const TrajectoryPose& pose : map.trajectory()) view.path.emplace_back(pose.T_map_base.translation().head<2>());
+  out.add_bytes("curbs.osm", lanelet2_osm(curbs, view, plane));
   if (plane) {
-    out.add_bytes("curbs.geojson", curbs_geojson(curbs, high_curb, *plane));
+    out.add_bytes("curbs.geojson", curbs_geojson(curbs, view, *plane));
   } else {
     out.leave_out("curbs.geojson");
   }

@@ -6,8 +6,8 @@ namespace curbstone {
 
 namespace {
 
-std::string feature(const CurbLine& line, double high_curb, const TangentPlane& plane) {
-  const CurbSummary summary = summarise(line, high_curb);
+std::string feature(const CurbLine& line, const CurbView& view, const TangentPlane& plane) {
+  const CurbSummary summary = summarise(line, view);
   std::string coordinates;
   for (const CurbVertex& v : line.points) {
     const GeoPoint p = plane.to_wgs84({double{v.x}, double{v.y}, double{v.z}});
@@ -16,18 +16,18 @@ std::string feature(const CurbLine& line, double high_curb, const TangentPlane& 
   }
   return fmt::format(
       R"({{"type":"Feature","id":{},"properties":{{"id":{},"subtype":"{}","height":{:.3f},"high_side":"{}","dropped":{},)"
-      R"("confidence":{:.2f}}},"geometry":{{"type":"LineString","coordinates":[{}]}}}})",
+      R"("confidence":{:.2f},"rise":"{}"}},"geometry":{{"type":"LineString","coordinates":[{}]}}}})",
       line.id, line.id, summary.is_low ? "low" : "high", summary.height, summary.high_side_left ? "left" : "right",
-      line.dropped, double{line.confidence}, coordinates);
+      line.dropped, double{line.confidence}, rise_name(summary.rise), coordinates);
 }
 
 }  // namespace
 
-std::string curbs_geojson(const std::vector<CurbLine>& curbs, double high_curb, const TangentPlane& plane) {
+std::string curbs_geojson(const std::vector<CurbLine>& curbs, const CurbView& view, const TangentPlane& plane) {
   std::string features;
   for (const CurbLine& line : curbs) {
     if (!features.empty()) features += ",\n";
-    features += feature(line, high_curb, plane);
+    features += feature(line, view, plane);
   }
   return "{\"type\":\"FeatureCollection\",\"features\":[\n" + features + "\n]}\n";
 }

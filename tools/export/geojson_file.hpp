@@ -9,8 +9,9 @@
 namespace curbstone {
 
 /// GeoJSON (RFC 7946): a LineString a curb, longitude, latitude (1e-10 deg: 0.01 mm) and m above the ellipsoid, with
-/// id, subtype, height, high_side, dropped and confidence. A map across the 180th meridian is not cut there.
-[[nodiscard]] std::string curbs_geojson(const std::vector<CurbLine>& curbs, double high_curb,
+/// id, subtype, height, high_side, dropped, confidence and rise (up, down or unknown, from the driven path). A map
+/// across the 180th meridian is not cut there.
+[[nodiscard]] std::string curbs_geojson(const std::vector<CurbLine>& curbs, const CurbView& view,
                                         const TangentPlane& plane);
 
 }  // namespace curbstone

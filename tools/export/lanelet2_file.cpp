@@ -23,8 +23,8 @@ std::string node(std::size_t id, const CurbVertex& v, const std::optional<Tangen
       id, place, double{v.x}, double{v.y}, elevation);
 }
 
-std::string way(std::size_t id, std::size_t first_node, const CurbLine& line, double high_curb) {
-  const CurbSummary summary = summarise(line, high_curb);
+std::string way(std::size_t id, std::size_t first_node, const CurbLine& line, const CurbView& view) {
+  const CurbSummary summary = summarise(line, view);
   std::string text = fmt::format("  <way id=\"{}\" version=\"1\">\n", id);
   for (std::size_t i = 0; i < line.points.size(); ++i) text += fmt::format("    <nd ref=\"{}\"/>\n", first_node + i);
   const auto tag = [&](const char* key, const std::string& value) {
@@ -35,19 +35,20 @@ std::string way(std::size_t id, std::size_t first_node, const CurbLine& line, do
   tag("height", fmt::format("{:.3f}", summary.height));
   tag("high_side", summary.high_side_left ? "left" : "right");
   if (line.dropped) tag("dropped", "yes");
+  if (summary.rise != CurbRise::kUnknown) tag("rise", rise_name(summary.rise));
   tag("confidence", fmt::format("{:.2f}", double{line.confidence}));
   return text + "  </way>\n";
 }
 
 }  // namespace
 
-std::string lanelet2_osm(const std::vector<CurbLine>& curbs, double high_curb,
+std::string lanelet2_osm(const std::vector<CurbLine>& curbs, const CurbView& view,
                          const std::optional<TangentPlane>& plane) {
   std::string nodes;
   std::string ways;
   std::size_t id = curbs.size();
   for (std::size_t k = 0; k < curbs.size(); ++k) {
-    ways += way(k + 1, id + 1, curbs[k], high_curb);
+    ways += way(k + 1, id + 1, curbs[k], view);
     for (const CurbVertex& v : curbs[k].points) nodes += node(++id, v, plane);
   }
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<osm version=\"0.6\" generator=\"curbstone\">\n" + nodes + ways +

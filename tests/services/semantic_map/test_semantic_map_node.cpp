@@ -149,7 +149,8 @@ TEST_F(SemanticMapNodeTest, MakesTilesCurbsAndAMapFile) {
   ASSERT_FALSE(curbs.empty());
   ASSERT_EQ(curbs.back().num_lines, 1);
   const curb_line_t& line = curbs.back().lines[0];
-  EXPECT_GT(line.num_points, 40);
+  EXPECT_GT(line.num_points, 25);
+  EXPECT_EQ(line.rise, 1) << "up from the road that was driven on";
   for (const float y : line.y) EXPECT_NEAR(y, 1.0F, 0.06F);
   EXPECT_NEAR(line.height[5], 0.12F, 0.02F);
   EXPECT_GT(line.high_side_y[5], 0.9F);
@@ -171,6 +172,20 @@ TEST_F(SemanticMapNodeTest, MakesTilesCurbsAndAMapFile) {
   EXPECT_EQ(map.trajectory().size(), 2U);
   EXPECT_GT(fs::file_size(c.picture), 1000U);
   EXPECT_TRUE(node.report().faults.empty());
+}
+
+TEST_F(SemanticMapNodeTest, StoresTheCurbsDuringTheDriveToo) {
+  LocalBus bus;
+  SemanticMapNode node(config("map.db"), bus);
+  node.connect(bus);
+  bus.publish("MAP_POSE", pose_at(kStart, 0));
+  for (const auto& page : all_pages()) bus.publish("VOTED_POINTS", page);
+  bus.dispatch();
+  for (int i = 1; i <= 400; ++i) node.tick(kStart + 20'000 * i);
+  const MapReader map(config("map.db").map);  // while the service lives: a kill -9 would leave this
+  ASSERT_EQ(map.curbs().size(), 1U);
+  EXPECT_GT(map.curbs()[0].points.size(), 20U);
+  EXPECT_EQ(map.tiles().size(), street().size());
 }
 
 TEST_F(SemanticMapNodeTest, TheMapFileDoesNotDependOnTheOrderOfMessagesNorOnTicks) {

@@ -29,9 +29,10 @@ class ExportedMap : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  void write_map(const std::vector<MapTile>& tiles, const std::vector<CurbLine>& curbs) const {
+  void write_map(const std::vector<MapTile>& tiles, const std::vector<CurbLine>& curbs,
+                 const std::vector<TrajectoryPose>& trajectory = {}) const {
     MapStore store(path("map.db"));
-    store.write({.epoch = kEpoch, .tiles = tiles, .curbs = &curbs});
+    store.write({.epoch = kEpoch, .tiles = tiles, .trajectory = trajectory, .curbs = &curbs});
     store.close_canonical();
   }
   /// All classes, heights with gaps, costs of all kinds: (-1, 0), (0, 0), and (1, -2) apart from them.

@@ -114,6 +114,18 @@ TEST_F(CurbsFile, WithoutADatumThereAreLocalCoordinatesOnly) {
   EXPECT_THAT(said_, HasSubstr("2 curb lines left out"));
 }
 
+TEST_F(CurbsFile, SaysWhetherOneStepsUpOrDownFromTheDrivenPath) {
+  TrajectoryPose pose;
+  pose.utime = 1;
+  pose.T_map_base.translation() = Eigen::Vector3d(3, 3, 0);  // between curb 4 (high side +x) and 5 (high side -x)
+  write_map({}, some_curbs(), {pose});
+  ASSERT_EQ(run({"--only", "curbs", "--datum", "49,8"}), 0);
+  const std::string json = text_of(out("curbs.geojson"));
+  EXPECT_THAT(json, HasSubstr(R"("id":4,"properties":{"id":4,"subtype":"low","height":0.030,"high_side":"right",)"
+                              R"("dropped":false,"confidence":0.50,"rise":"down"})"));
+  EXPECT_THAT(text_of(out("curbs.osm")), HasSubstr(R"(<tag k="rise" v="down"/>)"));
+}
+
 TEST_F(CurbsFile, WhatIsHighIsForTheVehicleToSay) {
   ASSERT_EQ(run({"--only", "curbs", "--high-curb", "0.02"}), 0);
   const std::string osm = text_of(out("curbs.osm"));
