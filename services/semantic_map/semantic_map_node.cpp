@@ -33,9 +33,10 @@ double distance(TileKey key, const Eigen::Vector2d& to) {
   return (Eigen::Vector2d((key.x + 0.5) * kTileSize, (key.y + 0.5) * kTileSize) - to).squaredNorm();
 }
 
-/// Counts tile periods since 2024: a service that was restarted goes on above the revisions it sent before.
+/// Counts tile periods since 2026 (enough until 2032): a service that was restarted goes on above the revisions it sent
+/// before.
 std::int32_t revision_at(std::int64_t now) {
-  constexpr std::int64_t kStart = 1'704'067'200'000'000;
+  constexpr std::int64_t kStart = 1'767'225'600'000'000;
   return static_cast<std::int32_t>(std::clamp<std::int64_t>((now - kStart) / kTilePeriod, 0, 2'000'000'000));
 }
 
