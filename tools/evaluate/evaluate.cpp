@@ -11,6 +11,7 @@
 #include "services/semantic_map/map_store.hpp"
 #include "services/semantic_map/png_file.hpp"
 #include "tools/evaluate/evaluation.hpp"
+#include "tools/evaluate/map_difference.hpp"
 #include "tools/evaluate/overlay.hpp"
 #include "tools/evaluate/report.hpp"
 #include "tools/evaluate/street_labels.hpp"
@@ -39,6 +40,16 @@ void add_labels(const std::string& folder, Truth& truth) {
   truth.classes = std::move(labels.classes);
 }
 
+int compare(const std::string& file, const std::string& other_file) {
+  const auto load = [](const std::string& name) {
+    const MapReader reader(name);
+    return StoredMap{reader.tiles(), reader.curbs(), reader.trajectory()};
+  };
+  const MapDifference d = difference(load(file), load(other_file));
+  fmt::print("{}\n", to_line(d));
+  return d.none() ? 0 : 3;
+}
+
 }  // namespace
 
 int run_evaluate(int argc, char** argv) {
@@ -49,11 +60,16 @@ int run_evaluate(int argc, char** argv) {
   std::string label_folder;
   std::string picture_file;
   std::string overlay_file;
+  std::string other_file;
   double radius = 8.0;
   CLI::App app{"Compares a map with the truth that `curbstone simulate` wrote"};
   app.name("curbstone evaluate");
   app.add_option("--map", map_file, "The map")->required();
-  app.add_option("--truth", truth_folder, "Truth folder: truth.json, poses.csv, classes.png, curbs.csv")->required();
+  auto* truth_option =
+      app.add_option("--truth", truth_folder, "Truth folder: truth.json, poses.csv, classes.png, curbs.csv");
+  app.add_option("--against", other_file,
+                 "Instead of the truth, another map of the drive, as of its replay: exit status 3 if they differ")
+      ->excludes(truth_option);
   app.add_option("--log", log_file, "Recording of the run: adds losses, latency and CPU");
   app.add_option("--radius", radius, "Curbs count within this many m of the path")
       ->check(CLI::Range(0.5, 100.0))
@@ -70,6 +86,11 @@ int run_evaluate(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
 
+  if (!other_file.empty()) return compare(map_file, other_file);
+  if (truth_folder.empty()) {
+    fmt::print(stderr, "curbstone evaluate: --truth or --against is needed; see --help\n");
+    return 2;
+  }
   Truth truth = load_truth(truth_folder);
   if (!label_folder.empty()) add_labels(label_folder, truth);
   const MapReader map(map_file);

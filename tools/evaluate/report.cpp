@@ -68,10 +68,8 @@ std::string run_table(const RunFigures& run) {
   std::string text = run.processes == 0
                          ? "losses       not known: no SERVICE_STATUS in the recording\n"
                          : fmt::format("losses       {} packets, {} messages\n", run.lost_packets, run.lost_messages);
-  if (run.lost_by_recorder > 0) {
-    text += fmt::format("             {} LIDAR_POINTS are not in the recording: a replay will differ\n",
-                        run.lost_by_recorder);
-  }
+  for (const auto& [channel, missing] : run.lost_by_recorder)
+    text += fmt::format("             {} {} are not in the recording: a replay will differ\n", missing, channel);
   for (const auto& [name, value] : run.losses) text += fmt::format("             {} {}\n", name, value);
   if (run.latency) {
     text += fmt::format("latency      measurement to tile: p50 {:.0f} ms, p95 {:.0f} ms ({} tiles)\n",
@@ -132,9 +130,12 @@ std::string to_json(const Evaluation& e) {
                         {"end_percent", e.trajectory.end_percent}};
   if (e.run) {
     if (e.run->processes > 0) {
+      std::int64_t by_recorder = 0;
+      for (const auto& [channel, missing] : e.run->lost_by_recorder) by_recorder += missing;
       json["dropped"] = {{"packets", e.run->lost_packets},
                          {"messages", e.run->lost_messages},
-                         {"by_recorder", e.run->lost_by_recorder}};
+                         {"by_recorder", by_recorder},
+                         {"by_recorder_channels", e.run->lost_by_recorder}};
     }
     if (e.run->latency) json["latency_ms"] = {{"p50", e.run->latency->p50_ms}, {"p95", e.run->latency->p95_ms}};
     if (!e.run->cores.empty()) json["cores"] = e.run->cores;

@@ -37,7 +37,7 @@ bool decode_status(const LogEvent& event, service_status_t& status) {
   }
 }
 
-/// Counts the gaps in lidar_points_t.packet, which counts up by one a packet sent.
+/// Counts the gaps in what counts up by one a message sent: lidar_points_t.packet, imu_t.sequence, wheels_t.sequence.
 class SequenceGaps {
  public:
   void see(const LogEvent& event) {
@@ -45,9 +45,9 @@ class SequenceGaps {
     if (event.bytes.size() < kAt + 4) return;
     std::uint32_t bits = 0;
     for (std::size_t i = kAt; i < kAt + 4; ++i) bits = bits << 8 | event.bytes[i];
-    const auto packet = static_cast<std::int32_t>(bits);
-    if (last_ && packet > *last_) missing_ += packet - *last_ - 1;  // a smaller one: the driver was started anew
-    last_ = packet;
+    const auto number = static_cast<std::int32_t>(bits);
+    if (last_ && number > *last_) missing_ += number - *last_ - 1;  // a smaller one: the driver was started anew
+    last_ = number;
   }
   [[nodiscard]] std::int64_t missing() const { return missing_; }
 
@@ -88,12 +88,12 @@ RunFigures read_run_log(const std::string& file) {
   LogReader reader(file);
   std::map<std::pair<std::string, int>, ProcessSpan> processes;
   std::vector<SentTile> tiles;
-  SequenceGaps gaps;
+  std::map<std::string, SequenceGaps> gaps = {{"LIDAR_POINTS", {}}, {"IMU", {}}, {"WHEELS", {}}};
   std::int64_t lidar_end = 0;
   while (const auto event = reader.next()) {
-    if (event->channel == "LIDAR_POINTS") {
-      lidar_end = event->log_utime;
-      gaps.see(*event);
+    if (const auto counted = gaps.find(event->channel); counted != gaps.end()) {
+      counted->second.see(*event);
+      if (event->channel == "LIDAR_POINTS") lidar_end = event->log_utime;
     } else if (event->channel == "SEMANTIC_TILE") {
       tiles.push_back({event->log_utime, 1e-3 * static_cast<double>(event->log_utime - message_time(*event))});
     } else if (event->channel == "SERVICE_STATUS") {
@@ -114,7 +114,6 @@ RunFigures read_run_log(const std::string& file) {
 
   RunFigures figures;
   figures.processes = static_cast<int>(processes.size());
-  figures.lost_by_recorder = gaps.missing();
   for (const auto& [id, span] : processes) {
     const std::string& service = id.first;
     const auto uptime = static_cast<double>(span.last.uptime - span.first.uptime);
@@ -128,6 +127,13 @@ RunFigures read_run_log(const std::string& file) {
       (on_the_bus ? figures.lost_messages : figures.lost_packets) += value;
     }
   }
+  for (const auto& [channel, seen] : gaps) {
+    std::int64_t missing = seen.missing();
+    // The IMU counts its own packets: what its driver did not get either was lost on the wire.
+    if (channel == "IMU") missing -= figures.losses["imu lost.packets"];
+    if (missing > 0) figures.lost_by_recorder[channel] = missing;
+  }
+  std::erase_if(figures.losses, [](const auto& entry) { return entry.second == 0; });
   figures.latency = latency_of(tiles, lidar_end);
   return figures;
 }

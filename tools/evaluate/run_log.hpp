@@ -9,10 +9,12 @@ namespace curbstone {
 
 /// What the recording of a run says of how it ran.
 struct RunFigures {
-  int processes = 0;                  ///< that sent SERVICE_STATUS; without any, nothing is known of losses and CPU
-  std::int64_t lost_packets = 0;      ///< sensor packets and frames lost or refused, from the drivers' counters
-  std::int64_t lost_messages = 0;     ///< messages dropped on the bus, from everybody's counters
-  std::int64_t lost_by_recorder = 0;  ///< LIDAR_POINTS that were sent and are not in the recording
+  int processes = 0;               ///< that sent SERVICE_STATUS; without any, nothing is known of losses and CPU
+  std::int64_t lost_packets = 0;   ///< sensor packets and frames lost or refused, from the drivers' counters
+  std::int64_t lost_messages = 0;  ///< messages dropped on the bus, from everybody's counters
+  /// Messages that were sent and are not in the recording, by channel, where there is a count: LIDAR_POINTS, IMU,
+  /// WHEELS, all that a replay starts from. Empty: nothing is missing between the first of each and the last.
+  std::map<std::string, std::int64_t> lost_by_recorder;
   struct Latency {
     double p50_ms = 0;  ///< from the measurement of the newest points in a tile to the tile on the bus
     double p95_ms = 0;

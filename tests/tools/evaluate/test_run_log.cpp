@@ -1,15 +1,20 @@
 #include "tools/evaluate/run_log.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include <curbstone/imu_t.hpp>
 #include <curbstone/lidar_points_t.hpp>
 #include <curbstone/semantic_tile_t.hpp>
 #include <curbstone/service_status_t.hpp>
+#include <curbstone/wheels_t.hpp>
 
 #include "tools/log/log_writer.hpp"
 
 namespace curbstone {
 namespace {
+
+using ::testing::ElementsAre;
+using ::testing::Pair;
 
 template <class Message>
 void write(LogWriter& log, const std::string& channel, const Message& message, std::int64_t log_utime) {
@@ -78,7 +83,29 @@ TEST(RunLog, SeesWhatTheRecorderMissed) {
       write(log, "LIDAR_POINTS", lidar, 1'000'000 + packet);
     }
   }
-  EXPECT_EQ(read_run_log(file).lost_by_recorder, 3);
+  EXPECT_THAT(read_run_log(file).lost_by_recorder, ElementsAre(Pair("LIDAR_POINTS", 3)));
+}
+
+TEST(RunLog, SeesWhatTheRecorderMissedOfTheOtherSensors) {
+  const std::string file = ::testing::TempDir() + "sensor_gaps.lcmlog";
+  {
+    LogWriter log(file);
+    imu_t imu{};
+    wheels_t wheels{};
+    for (const int number : {40, 41, 45, 46}) {  // one of the three was lost on the wire, says the driver
+      imu.sequence = number;
+      write(log, "IMU", imu, 1'000'000 + number);
+    }
+    for (const int number : {0, 1, 2, 4}) {
+      wheels.sequence = number;
+      write(log, "WHEELS", wheels, 1'000'000 + number);
+    }
+    service_status_t driver = status("imu", 0, 0, 0);
+    driver.counter_name = {"lost.packets", "samples"};
+    driver.counter_value = {1, 4};
+    write(log, "SERVICE_STATUS", driver, 2'000'000);
+  }
+  EXPECT_THAT(read_run_log(file).lost_by_recorder, ElementsAre(Pair("IMU", 2), Pair("WHEELS", 1)));
 }
 
 }  // namespace
