@@ -40,7 +40,8 @@ void ShapeLevel::insert(const Eigen::Vector3d& point, const Eigen::Vector3f& ray
 
 const MapShape* ShapeLevel::shape_at(const Eigen::Vector3d& point) {
   const Eigen::Vector3i cell = voxel_of(point, inverse_size_);
-  const std::uint32_t own = index_.find(cell);
+  BlockIndex::Finder find(index_);
+  const std::uint32_t own = find(cell);
   if (own != BlockIndex::kNone) return up_to_date(own, cell);
 
   // Beside a surface, not on it: take the neighbour on the nearer side along one axis, nearest first.
@@ -53,7 +54,7 @@ const MapShape* ShapeLevel::shape_at(const Eigen::Vector3d& point) {
   for (const int axis : axes) {
     Eigen::Vector3i beside = cell;
     beside[axis] += d[axis] > 0 ? 1 : -1;
-    const std::uint32_t voxel = index_.find(beside);
+    const std::uint32_t voxel = find(beside);
     if (voxel == BlockIndex::kNone) continue;
     if (const MapShape* shape = up_to_date(voxel, beside)) return shape;
   }

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+
+#include "services/mapper/normal_equations.hpp"
 #include "tests/services/mapper/synthetic_world.hpp"
 
 namespace curbstone {
@@ -61,6 +64,25 @@ TEST(IcpRegistration, RecoversAKnownPoseBetweenFlatWallsExactly) {
   const Pose error = truth.inverse() * result.T_map_base;
   EXPECT_LT(error.translation().norm(), 1e-4);
   EXPECT_LT(angle(error), 2e-5);
+}
+
+TEST(IcpRegistration, ItsCovarianceCoversItsErrorWithoutPretendingToKnowNothing) {
+  test::SyntheticWorld world = test::street();
+  world.noise = 0.02;
+  IcpRegistration icp = mapped(world);
+  double nees = 0;
+  constexpr int kPoses = 20;
+  for (int i = 0; i < kPoses; ++i) {
+    const Pose truth =
+        test::pose(0.05 * i - 0.5, 0.02 * (i % 5) - 0.04, 0.01 * (i % 3), 0, 0.002 * (i % 4), 0.005 * (i % 7));
+    const RegistrationResult result =
+        icp.align(world.snapshot(truth, test::default_lidar()), {Pose::Identity(), information(1, 0.1)});
+    ASSERT_TRUE(result.converged);
+    const Vector6 error = log_of(truth.inverse() * result.T_map_base);
+    nees += error.dot(result.covariance.ldlt().solve(error)) / kPoses;
+  }
+  EXPECT_LT(nees, 6);  // as many as there are directions, were it exact
+  EXPECT_GT(nees, 0.05);
 }
 
 TEST(IcpRegistration, InATunnelFollowsThePriorAlongItAndSaysSo) {
