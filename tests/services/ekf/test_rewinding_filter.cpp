@@ -99,7 +99,7 @@ TEST_F(Rewinding, AnEncoderThatSleptForMoreThanASecondCountsInFull) {
       samples.push_back(s);
   }
   const Result late = run(samples);
-  EXPECT_EQ(late.filter.counters()["rewound.wheels"], 150);
+  EXPECT_EQ(late.filter.counters()["rewound.wheels"], 149);  // of 150 the newest is not late
   EXPECT_EQ(late.filter.filter().belief().covariance, ordered.filter.filter().belief().covariance);
   expect_continuous(late.estimates);
 }
