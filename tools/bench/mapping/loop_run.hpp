@@ -40,7 +40,7 @@ struct LoopResult {
 [[nodiscard]] std::string loop_heading();
 [[nodiscard]] std::string loop_line(const LoopResult& result);
 [[nodiscard]] std::string lap_line(const LapFigures& lap);
-/// As write_mapping_json() with way_m, before_m, before_percent, end_m, odometry_percent and the laps on top.
+/// As write_mapping_json() with what loop_line() and lap_line() say on top.
 void write_loop_json(const std::vector<LoopResult>& results, const std::string& file);
 
 }  // namespace curbstone

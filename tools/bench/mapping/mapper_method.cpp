@@ -7,7 +7,14 @@ namespace curbstone {
 std::optional<StampedPose> MapperMethod::process(const Revolution& revolution, const OdometryHistory& odometry) {
   const std::optional<MapperUpdate> update = mapper_.process(revolution, odometry);
   if (!update) return std::nullopt;
+  rearranged_ += update->rearranged ? 1 : 0;
   return StampedPose{update->utime, update->T_map_base};
+}
+
+Trajectory MapperMethod::trajectory() const {
+  Trajectory poses;
+  for (const Mapper::TrajectoryPoint& point : mapper_.trajectory()) poses.push_back({point.utime, point.T_map_base});
+  return poses;
 }
 
 MapContent MapperMethod::content() const {

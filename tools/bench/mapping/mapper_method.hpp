@@ -14,9 +14,12 @@ class MapperMethod final : public MappingMethod {
                                                    const OdometryHistory& odometry) override;
   void finish() override { (void)mapper_.finish(); }
   [[nodiscard]] MapContent content() const override;
+  [[nodiscard]] int rearranged() const override { return rearranged_; }
+  [[nodiscard]] Trajectory trajectory() const override;
 
  private:
   Mapper mapper_;
+  int rearranged_ = 0;
 };
 
 }  // namespace curbstone

@@ -27,6 +27,10 @@ class MappingMethod {
   /// The drive is over.
   virtual void finish() {}
   [[nodiscard]] virtual MapContent content() const = 0;
+  /// How often it has put right what it had said before: loops closed, maps rolled back.
+  [[nodiscard]] virtual int rearranged() const { return 0; }
+  /// The drive's poses as the method has them now; empty if it never changes what it has said.
+  [[nodiscard]] virtual Trajectory trajectory() const { return {}; }
 };
 
 /// Names of all methods: ours first, then the peers.

@@ -38,6 +38,8 @@ MappingResult run_mapping(const MappingDrive& drive, const std::string& method,
   if (mapper) {
     mapper->finish();
     result.content = mapper->content();
+    result.rearranged = mapper->rearranged();
+    result.corrected_m = trajectory_errors(pair_up(drive.truth(), mapper->trajectory())).ate_m;
   }
   result.poses = static_cast<int>(track.size());
   // The truth speaks of its own stamps: the estimate is interpolated, between the ends of two revolutions.

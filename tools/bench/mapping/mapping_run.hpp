@@ -20,7 +20,9 @@ struct MappingResult {
   int revolutions = 0;                       ///< played
   int poses = 0;                             ///< found
   MapContent content;
-  PosePairs track;  ///< at the truth's stamps
+  int rearranged = 0;      ///< times that the method put right what it had said before
+  double corrected_m = 0;  ///< ATE of the drive's poses as it has them at the end; 0 if it never changes them
+  PosePairs track;         ///< at the truth's stamps
 };
 
 /// What is known after a revolution.
