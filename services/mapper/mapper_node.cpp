@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMaxPending = 80;           // revolutions that wait for odometry; 20 Hz: 4 s
 constexpr std::int32_t kPointsPerMessage = 3000;  // 7 bytes each: 21 kB, well under 48 kB
-constexpr std::int64_t kTilePeriod = 200'000;     // us between two messages about a tile
+constexpr std::int64_t kTilePeriod = 90'000;      // us between two messages about a tile
 constexpr int kMessagesPerTick = 24;              // every 20 ms
 constexpr int kPointsPerTick = 5000;              // 35 kB: 1.7 MB/s, the map of a vehicle at 3 m/s makes 0.25
 constexpr int kRequestsPerTick = 1;               // tiles, of some 8000 points at most

@@ -17,7 +17,7 @@ struct TensorVotingConfig {
   double radius = 3.0;                      ///< cut-off, in sigmas
   double ball = 1.0;                        ///< the ball vote's coefficient
   double bandwidth = 4.0;                   ///< MB/s of VOTED_POINTS at most
-  double min_interval = 0.2;                ///< s between two revisions of a tile
+  double min_interval = 0.1;                ///< s between two revisions of a tile
   double patience = 1.0;                    ///< s that a tile with little news waits for more
   double keep_radius = 400.0;               ///< m: tiles farther from the vehicle are let go
   int max_points = 16'000'000;              ///< of the map, in memory

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <curbstone/semantic_tile_t.hpp>
 #include <curbstone/service_status_t.hpp>
 #include <vector>
 
+#include "common/tile.hpp"
 #include "tools/log/log_reader.hpp"
 #include "tools/log/message_order.hpp"
 
@@ -88,6 +90,7 @@ RunFigures read_run_log(const std::string& file) {
   LogReader reader(file);
   std::map<std::pair<std::string, int>, ProcessSpan> processes;
   std::vector<SentTile> tiles;
+  std::map<TileKey, std::int64_t> shown;  // us, the newest measurement that a tile has shown
   std::map<std::string, SequenceGaps> gaps = {{"LIDAR_POINTS", {}}, {"IMU", {}}, {"WHEELS", {}}};
   std::int64_t lidar_end = 0;
   while (const auto event = reader.next()) {
@@ -95,7 +98,13 @@ RunFigures read_run_log(const std::string& file) {
       counted->second.see(*event);
       if (event->channel == "LIDAR_POINTS") lidar_end = event->log_utime;
     } else if (event->channel == "SEMANTIC_TILE") {
-      tiles.push_back({event->log_utime, 1e-3 * static_cast<double>(event->log_utime - message_time(*event))});
+      semantic_tile_t tile;
+      if (tile.decode(event->bytes.data(), 0, static_cast<int>(event->bytes.size())) < 0) continue;
+      // A tile that is sent again for its neighbours' sake shows nothing that was measured since.
+      std::int64_t& newest = shown[{tile.tile_x, tile.tile_y}];
+      if (tile.utime <= newest) continue;
+      newest = tile.utime;
+      tiles.push_back({event->log_utime, 1e-3 * static_cast<double>(event->log_utime - tile.utime)});
     } else if (event->channel == "SERVICE_STATUS") {
       service_status_t status;
       if (!decode_status(*event, status)) continue;

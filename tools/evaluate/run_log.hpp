@@ -18,7 +18,7 @@ struct RunFigures {
   struct Latency {
     double p50_ms = 0;  ///< from the measurement of the newest points in a tile to the tile on the bus
     double p95_ms = 0;
-    int tiles = 0;  ///< that it is taken from: those sent while the LiDAR spoke
+    int tiles = 0;  ///< that it is taken from: those sent while the LiDAR spoke, with something new in them
   };
   std::optional<Latency> latency;              ///< nothing where the log was not recorded live: a replay has no delays
   std::map<std::string, double> cores;         ///< CPU seconds a second, by service; empty without SERVICE_STATUS

@@ -45,6 +45,10 @@ TEST(RunLog, SumsLossesLatencyAndCores) {
     tile.utime = 950'000;
     write(log, "SEMANTIC_TILE", tile, 1'000'000);
     write(log, "SERVICE_STATUS", status("mapper", 1'000'000, 250'000, 3), 1'000'000);
+    write(log, "SEMANTIC_TILE", tile, 1'900'000);  // for its neighbours' sake: nothing new was measured in it
+    lidar.packet = 1;
+    write(log, "LIDAR_POINTS", lidar, 2'000'000);
+    tile.utime = 8'000'000;
     write(log, "SEMANTIC_TILE", tile, 9'000'000);  // after the drive: no latency of driving
     write(log, "SERVICE_STATUS", status("mapper", 9'000'000, 250'000, 4), 9'000'000);
   }
