@@ -78,7 +78,7 @@ TEST(Drive, AnEkfKilledMidDriveComesBackAndMappingGoesOn) {
 
 TEST(Drive, SensorsThatFallSilentOrSendGarbageAreFaultsThatPass) {
   DemoDrive drive(
-      "--town --seed 1 --seconds 17 --fault lidar-silent:3-5 --fault imu-silent:6-8.5 --fault wheels-silent:9.5-11.5 "
+      "--town --seed 1 --seconds 17 --fault lidar-silent:3-5.8 --fault imu-silent:6.2-8.7 --fault wheels-silent:9.5-11.5 "
       "--fault lidar-garbage:12-13 --fault imu-garbage:12-13 --fault wheels-garbage:12-13");
   ASSERT_TRUE(drive.wait_for_revolutions(20)) << drive.output();
   for (const char* service : {"rslidar", "imu", "encoder"}) {
