@@ -81,4 +81,17 @@ void set_config_value(std::string_view assignment, AnyConfig& config);
 /// 16 hexadecimal digits over the dump (FNV-1a, 64 bit).
 [[nodiscard]] std::string config_hash(const std::string& section, AnyConfig& config);
 
+/// A process's configuration where several share a program: its section of the file (none: the defaults), and of the
+/// assignments, SECTION.KEY=VALUE, those that are its own.
+template <class Config>
+[[nodiscard]] Config config_of(const std::string& section, const std::string& file,
+                               const std::vector<std::string>& assignments) {
+  ConfigOf<Config> config;
+  if (!file.empty()) load_config(file, section, config);
+  for (const std::string& assignment : assignments) {
+    if (assignment.starts_with(section + ".")) set_config_value(assignment.substr(section.size() + 1), config);
+  }
+  return config.value;
+}
+
 }  // namespace curbstone

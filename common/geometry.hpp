@@ -17,6 +17,11 @@ using Pose = Eigen::Isometry3d;
 [[nodiscard]] Eigen::Quaterniond so3_exp(const Eigen::Vector3d& rotation);
 [[nodiscard]] Eigen::Vector3d so3_log(const Eigen::Quaterniond& q);
 
+/// By how much a motion turns, rad, 0 .. pi.
+[[nodiscard]] inline double angle_of(const Pose& motion) {
+  return so3_log(Eigen::Quaterniond(motion.linear())).norm();
+}
+
 /// Linear in position, spherical-linear in attitude; `fraction` 0 gives `a`, 1 gives `b`.
 [[nodiscard]] Pose interpolate(const Pose& a, const Pose& b, double fraction);
 

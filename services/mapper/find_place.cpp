@@ -25,7 +25,6 @@ constexpr int kMostHypotheses = 4;       // within one guess
 constexpr std::size_t kMostTries = 4;    // registrations
 constexpr double kApart = 1.0;           // m, poses that are not the same place
 constexpr double kTurnedApart = 0.1;     // rad
-constexpr int kPlanar = 0b100011;        // axes x, y and yaw
 constexpr int kCandidates = 40;          // of the index
 constexpr std::size_t kMostPlaces = 12;  // of theirs that are searched
 constexpr double kPlaceReach = 7.0;      // m, about a candidate
@@ -39,7 +38,7 @@ struct Try {
 
 bool apart(const Pose& a, const Pose& b) {
   const Pose between = a.inverse() * b;
-  return between.translation().norm() > kApart || so3_log(Eigen::Quaterniond(between.linear())).norm() > kTurnedApart;
+  return between.translation().norm() > kApart || angle_of(between) > kTurnedApart;
 }
 
 /// Of what the runner-up does not explain, the share that the match does.
@@ -49,9 +48,9 @@ double contrast(const PlaceMatch& match) {
 
 bool is_place(const PlaceMatch& match) {
   const RegistrationResult& r = match.registration;
-  return r.converged && (r.degenerate & kPlanar) == 0 && r.overlap >= kMinOverlap && r.inlier_ratio >= kMinInliers &&
-         r.residual <= kMaxResidual && std::abs(match.rise) <= kMaxRise && match.score >= kMinScore &&
-         match.conflict <= kMaxConflict && contrast(match) >= kMinContrast;
+  return r.converged && (r.degenerate & kPlanarAxes) == 0 && r.overlap >= kMinOverlap &&
+         r.inlier_ratio >= kMinInliers && r.residual <= kMaxResidual && std::abs(match.rise) <= kMaxRise &&
+         match.score >= kMinScore && match.conflict <= kMaxConflict && contrast(match) >= kMinContrast;
 }
 
 bool within(const PlaceGuess& guess, const Pose& T_map_base) {

@@ -12,10 +12,6 @@ constexpr double kTurn = 0.15;          // rad, by which the heading may have dr
 constexpr double kLeastSigma = 0.02;    // m: the scans of a node are thinned, whatever registration says
 constexpr double kLeastTurn = 0.002;    // rad
 
-double angle_of(const Pose& motion) {
-  return so3_log(Eigen::Quaterniond(motion.linear())).norm();
-}
-
 Matrix6 floored(const Matrix6& covariance) {
   Vector6 least;
   least << Eigen::Vector3d::Constant(kLeastSigma * kLeastSigma), Eigen::Vector3d::Constant(kLeastTurn * kLeastTurn);

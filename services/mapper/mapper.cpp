@@ -15,14 +15,6 @@ constexpr double kContradictionDrift = 0.05;     // more for each m of odometry,
 constexpr float kFootprint = 0.03F;              // m between footprints
 constexpr std::int64_t kWitness = 30'000'000;    // us for which odometry can tell
 
-double seconds(std::int64_t from, std::int64_t to) {
-  return static_cast<double>(to - from) * 1e-6;
-}
-
-double angle_of(const Pose& motion) {
-  return so3_log(Eigen::Quaterniond(motion.linear())).norm();
-}
-
 }  // namespace
 
 Mapper::Mapper(const MapperConfig& config)
@@ -203,12 +195,18 @@ void Mapper::search(Tracked& tracked, MapperUpdate& update) {
     counters_.add("rolled_back");
     atlas_.roll_back(*good_until);
     dense_.roll_back(*good_until);
+    finder_.forget();
     std::erase_if(footprints_, [&](const Footprint& f) { return f.utime > *good_until; });
     witnesses_.clear();
     update.rearranged = true;
   }
-  rebuild_registration(found->T_map_base, std::min(found->node, atlas_.size() - 1));
+  rebuild_registration(found->T_map_base, found->node < atlas_.size() ? found->node : nearest(found->T_map_base));
   tracker_.relocate(found->T_map_base);
+}
+
+int Mapper::nearest(const Pose& T_map_base) const {
+  const std::vector<int> near = atlas_.near(T_map_base.translation(), std::numeric_limits<double>::infinity());
+  return near.empty() ? atlas_.size() - 1 : near.front();
 }
 
 /// When the drive's own account and odometry's last agreed on how the vehicle came to be here; nothing if they agree

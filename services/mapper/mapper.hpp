@@ -106,6 +106,7 @@ class Mapper {
   [[nodiscard]] std::vector<TileKey> insert_held();
   void close_loop(Tracked& tracked, MapperUpdate& update);
   void search(Tracked& tracked, MapperUpdate& update);
+  [[nodiscard]] int nearest(const Pose& T_map_base) const;
   [[nodiscard]] Pose T_map_of(const Footprint& footprint) const;
   [[nodiscard]] std::optional<std::int64_t> contradiction(const Pose& T_map_base, std::int64_t utime) const;
   void rebuild_registration(const Pose& T_map_base, int reference);

@@ -12,6 +12,7 @@ constexpr double kSurroundings = 60.0;  // m along the graph, that one search lo
 constexpr double kFarthest = 15.0;      // m, that a search reaches
 constexpr double kLeastTurn = 0.3;      // rad, that the vehicle may have turned unseen,
 constexpr double kTurning = 0.3;        // and rad more for each m that it may have gone
+
 }  // namespace
 
 std::optional<FoundPlace> PlaceFinder::find_at(const Atlas& atlas, int node, const std::vector<LidarPoint>& points,
@@ -34,12 +35,13 @@ std::optional<FoundPlace> PlaceFinder::find(const Atlas& atlas, const std::vecto
   return 1.0 + doubt > kFarthest ? find_anywhere(atlas, points, guess) : std::nullopt;
 }
 
+void PlaceFinder::forget() {
+  index_.clear();
+  indexed_ = 0;
+}
+
 std::optional<FoundPlace> PlaceFinder::find_anywhere(const Atlas& atlas, const std::vector<LidarPoint>& points,
                                                      const Pose& guess) {
-  if (indexed_ > atlas.size()) {  // it was rolled back
-    index_.clear();
-    indexed_ = 0;
-  }
   for (; indexed_ < atlas.size(); ++indexed_) index_.add(indexed_, atlas.node(indexed_).points);
   std::vector<const MapNode*> nodes;
   for (int id = 0; id < atlas.size(); ++id) nodes.push_back(&atlas.node(id));

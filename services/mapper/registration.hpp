@@ -14,6 +14,9 @@ namespace curbstone {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+/// Bits of RegistrationResult::degenerate: x, y and rotation about Z.
+inline constexpr int kPlanarAxes = 0b100011;
+
 /// Where the vehicle should be, and how well that is known.
 struct PosePrior {
   Pose T_map_base = Pose::Identity();

@@ -9,23 +9,20 @@
 namespace curbstone {
 namespace {
 
-constexpr double kLongestStride = 0.5;             // s: after that, a constant velocity is no expectation any more
 constexpr std::int64_t kLongestSweep = 1'000'000;  // us
 constexpr std::int64_t kClockJump = 1'000'000;     // us backwards that is a new clock, not a late revolution
-constexpr double kAcceleration = 10.0;  // m/s a revolution's time, what velocity may be off by without odometry
-constexpr double kTurning = 2.0;        // rad/s, the same for rotation
-constexpr int kDeskewPasses = 2;        // without odometry
-constexpr double kRefined = 0.15;       // m, that such a pass may find its points off
-constexpr double kLever = 15.0;         // m, at which most of what is registered stands
-constexpr int kFirstInsertions = 10;    // revolutions that go into the map even when the vehicle stands
-
-double seconds(std::int64_t from, std::int64_t to) {
-  return static_cast<double>(to - from) * 1e-6;
-}
-
-double angle_of(const Pose& motion) {
-  return so3_log(Eigen::Quaterniond(motion.linear())).norm();
-}
+constexpr int kDeskewPasses = 2;                   // without odometry
+constexpr double kRefined = 0.15;                  // m, that such a pass may find its points off
+constexpr double kLever = 15.0;                    // m, at which most of what is registered stands
+constexpr int kFirstInsertions = 10;               // revolutions that go into the map even when the vehicle stands
+constexpr std::int64_t kPatience = 1'000'000;      // us without a fit, after which the pose is lost
+constexpr int kConfirmed = 10;                     // revolutions in a row that must fit before a pose is trusted again
+constexpr double kFirmOverlap = 0.4;               // what a revolution must show to be believed while the pose is not
+constexpr double kFirmInliers = 0.75;
+constexpr double kDoubtSpeed = 3.0;             // m/s, how doubt grows while lost or when nothing tells of the motion,
+constexpr double kGuidedDoubt = 0.05;           // and m a metre when odometry does
+constexpr std::int64_t kNewGround = 6'000'000;  // us, by when it has been sought everywhere, and
+constexpr double kNewGroundPath = 10.0;         // m by odometry, without a fit: these surroundings are new
 
 /// Gravity's share of an attitude: roll and pitch, without yaw.
 Pose levelled(const Pose& T_odom_base) {
@@ -34,22 +31,6 @@ Pose levelled(const Pose& T_odom_base) {
   T.linear() = rotation_from_rpy(rpy.x(), rpy.y(), 0);
   return T;
 }
-
-Matrix6 isotropic(double translation, double rotation) {
-  Vector6 diagonal;
-  diagonal << Eigen::Vector3d::Constant(translation * translation), Eigen::Vector3d::Constant(rotation * rotation);
-  return diagonal.asDiagonal();
-}
-
-constexpr std::int64_t kPatience = 1'000'000;  // us without a fit, after which the pose is lost
-constexpr int kConfirmed = 10;                 // revolutions in a row that must fit before a pose is trusted again
-constexpr double kFirmOverlap = 0.4;           // what a revolution must show to be believed while the pose is not
-constexpr double kFirmInliers = 0.75;
-constexpr int kPlanar = 0b100011;               // x, y and yaw
-constexpr double kDoubtSpeed = 3.0;             // m/s, how doubt grows while lost or when nothing tells of the motion,
-constexpr double kGuidedDoubt = 0.05;           // and m a metre when odometry does
-constexpr std::int64_t kNewGround = 6'000'000;  // us, by when it has been sought everywhere, and
-constexpr double kNewGroundPath = 10.0;         // m by odometry, without a fit: these surroundings are new
 
 }  // namespace
 
@@ -72,7 +53,8 @@ std::optional<Tracked> Tracker::track(const Revolution& revolution, const Odomet
     return std::nullopt;
   }
 
-  const Expectation expected = expect(revolution, odometry);
+  const MotionExpectation expected = expect_motion(config_, recent(), revolution, odometry);
+  if (expected.incredible) counters_.add("odometry.not_believed");
   if (expected.blind && fix_ != Fix::kLost) {
     counters_.add("lost.blind");
     fix_ = Fix::kLost;
@@ -82,7 +64,7 @@ std::optional<Tracked> Tracker::track(const Revolution& revolution, const Odomet
   Attempt attempt = searching ? attempt_from(revolution, expected) : try_with(revolution, expected);
   if (!searching && !attempt.believed && expected.with_odometry) {
     // Perhaps it is odometry that jumped.
-    Attempt second = try_with(revolution, expect_steady(revolution));
+    Attempt second = try_with(revolution, expect_steady(recent(), revolution));
     if (second.believed) {
       counters_.add("odometry.not_believed");
       attempt = std::move(second);
@@ -241,45 +223,8 @@ Tracked Tracker::start(const Revolution& revolution, const OdometryHistory& odom
   return tracked;
 }
 
-Tracker::Expectation Tracker::expect(const Revolution& revolution, const OdometryHistory& odometry) {
-  const std::int64_t from = std::min(last_->end, revolution.start);
-  if (!odometry.covers(from, revolution.end)) {
-    Expectation steady = expect_steady(revolution);
-    if (odometry.covers(revolution.start, revolution.end)) {
-      steady.sweep = sweep_from(odometry, revolution.start, revolution.end);  // it is back after a gap
-    }
-    return steady;
-  }
-  Expectation expected;
-  expected.with_odometry = true;
-  expected.T_last_base = odometry.at(last_->end).inverse() * odometry.at(revolution.end);
-  const double stride = std::max(seconds(last_->end, revolution.end), 0.02);
-  if (expected.T_last_base.translation().norm() > config_.max_speed * stride ||
-      angle_of(expected.T_last_base) > config_.max_turn * stride) {
-    counters_.add("odometry.not_believed");  // no vehicle moves like that: the filter began again, or jumped
-    return expect_steady(revolution);
-  }
-  expected.stationary = odometry.stationary(from, revolution.end);
-  expected.sweep = sweep_from(odometry, revolution.start, revolution.end);
-  expected.covariance =
-      isotropic(config_.prior_floor_m + config_.prior_translation * expected.T_last_base.translation().norm(),
-                config_.prior_floor_rad + config_.prior_rotation * angle_of(expected.T_last_base));
-  return expected;
-}
-
-Tracker::Expectation Tracker::expect_steady(const Revolution& revolution) const {
-  double stride = seconds(last_->end, revolution.end);
-  Expectation expected;
-  expected.blind = stride > kLongestStride;
-  if (expected.blind) stride = stride_;  // a gap, or a new clock: who can say how far it went
-  expected.T_last_base = move(twist_, stride);
-  expected.sweep = steady_sweep(twist_, seconds(revolution.start, revolution.end));
-  expected.covariance = isotropic(kAcceleration * std::max(stride, 0.05), kTurning * std::max(stride, 0.05));
-  return expected;
-}
-
 /// The revolution as it is expected to lie, not registered yet.
-Tracker::Attempt Tracker::attempt_from(const Revolution& revolution, Expectation expected) const {
+Tracker::Attempt Tracker::attempt_from(const Revolution& revolution, MotionExpectation expected) const {
   Attempt attempt;
   attempt.prior.T_map_base = normalised(last_->T_map_base * expected.T_last_base);
   const Matrix6 covariance = drift_ + expected.covariance;
@@ -290,7 +235,7 @@ Tracker::Attempt Tracker::attempt_from(const Revolution& revolution, Expectation
   return attempt;
 }
 
-Tracker::Attempt Tracker::try_with(const Revolution& revolution, Expectation expected) {
+Tracker::Attempt Tracker::try_with(const Revolution& revolution, MotionExpectation expected) {
   Attempt attempt = attempt_from(revolution, std::move(expected));
   align(revolution, attempt);
   attempt.refusal = refusal(attempt);
@@ -367,7 +312,7 @@ std::string Tracker::refusal(const Attempt& attempt) const {
   if (result.residual > config_.max_residual) return "refused.residual";
   if (fix_ != Fix::kTracking) {  // the ground alone fits everywhere
     if (result.overlap < kFirmOverlap) return "refused.overlap";
-    if (result.inlier_ratio < kFirmInliers || (result.degenerate & kPlanar) != 0) return "refused.inliers";
+    if (result.inlier_ratio < kFirmInliers || (result.degenerate & kPlanarAxes) != 0) return "refused.inliers";
   }
   const Pose jump = attempt.prior.T_map_base.inverse() * result.T_map_base;
   const Matrix6 covariance = drift_ + attempt.expected.covariance;

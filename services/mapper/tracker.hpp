@@ -11,6 +11,7 @@
 #include "services/mapper/deskew.hpp"
 #include "services/mapper/map_node.hpp"
 #include "services/mapper/mapper_config.hpp"
+#include "services/mapper/motion_expectation.hpp"
 #include "services/mapper/odometry_history.hpp"
 #include "services/mapper/registration.hpp"
 #include "services/mapper/revolution.hpp"
@@ -57,7 +58,8 @@ class Tracker {
   explicit Tracker(const MapperConfig& config);
 
   /// Takes the next revolution; nothing when it cannot be placed in time (once more, late, longer than a second, ended
-  /// before it began, the first after a gap or a jump of the clock) or holds too few points that can be measurements. Such changes nothing.
+  /// before it began, the first after a gap or a jump of the clock) or holds too few points that can be measurements.
+  /// Such changes nothing.
   [[nodiscard]] std::optional<Tracked> track(const Revolution& revolution, const OdometryHistory& odometry);
 
   [[nodiscard]] bool started() const { return last_.has_value(); }
@@ -92,18 +94,9 @@ class Tracker {
     std::int64_t end = 0;
     Pose T_map_base = Pose::Identity();
   };
-  /// What is known of the motion before the LiDAR is looked at.
-  struct Expectation {
-    bool with_odometry = false;  // odometry spans from the last revolution's end to this one's
-    bool blind = false;          // nothing does, and it is too long for a constant velocity
-    bool stationary = false;
-    SweepMotion sweep;
-    Pose T_last_base = Pose::Identity();   // base now, seen from base at the last revolution's end
-    Matrix6 covariance = Matrix6::Zero();  // of T_last_base
-  };
   /// One registration of a revolution, beginning from an expectation.
   struct Attempt {
-    Expectation expected;
+    MotionExpectation expected;
     PosePrior prior;
     std::vector<LidarPoint> points;  // de-skewed, in base_link
     RegistrationResult result;
@@ -112,11 +105,10 @@ class Tracker {
   };
 
   [[nodiscard]] bool follows(const Revolution& revolution, const OdometryHistory& odometry);
-  [[nodiscard]] Expectation expect(const Revolution& revolution, const OdometryHistory& odometry);
-  [[nodiscard]] Expectation expect_steady(const Revolution& revolution) const;
+  [[nodiscard]] RecentMotion recent() const { return {last_->end, twist_, stride_}; }
   [[nodiscard]] std::vector<LidarPoint> in_base(const Revolution& revolution, const SweepMotion& sweep) const;
-  [[nodiscard]] Attempt attempt_from(const Revolution& revolution, Expectation expected) const;
-  [[nodiscard]] Attempt try_with(const Revolution& revolution, Expectation expected);
+  [[nodiscard]] Attempt attempt_from(const Revolution& revolution, MotionExpectation expected) const;
+  [[nodiscard]] Attempt try_with(const Revolution& revolution, MotionExpectation expected);
   void align(const Revolution& revolution, Attempt& attempt);
   [[nodiscard]] std::string refusal(const Attempt& attempt) const;
   [[nodiscard]] Tracked start(const Revolution& revolution, const OdometryHistory& odometry);

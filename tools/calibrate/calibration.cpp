@@ -335,7 +335,7 @@ CalibrationResult calibrate(const CalibrationData& data, const VehicleConfig& ve
   result.segments = static_cast<int>(segments.size());
   for (const CalibrationSegment& s : segments) {
     result.distance += s.T_begin_end().translation().norm();
-    result.turned += so3_log(Eigen::Quaterniond(s.T_begin_end().linear())).norm();
+    result.turned += angle_of(s.T_begin_end());
   }
   result.noise = {solver.noise()[kAlong], solver.noise()[kGyro], solver.noise()[kSpeed]};
 

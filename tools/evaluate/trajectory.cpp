@@ -110,7 +110,7 @@ TrajectoryErrors trajectory_errors(const PosePairs& pairs) {
       const Pose motion = pairs.estimate[first].inverse() * pairs.estimate[last];
       const Pose error = motion.inverse() * true_motion;
       translation += error.translation().norm() / length;
-      rotation += so3_log(Eigen::Quaterniond(error.linear())).norm() / length;
+      rotation += angle_of(error) / length;
       ++errors.segments;
     }
   }

@@ -12,27 +12,17 @@
 
 namespace curbstone {
 
-namespace {
-
-template <class Config>
-Config load(const std::string& section, const ReplayOptions& options) {
-  ConfigOf<Config> config;
-  if (!options.config_file.empty()) load_config(options.config_file, section, config);
-  for (const std::string& assignment : options.assignments) {
-    if (assignment.starts_with(section + ".")) set_config_value(assignment.substr(section.size() + 1), config);
-  }
-  return config.value;
-}
-
-}  // namespace
-
 ReplayVehicle::ReplayVehicle(const ReplayOptions& options, LocalBus& bus) : bus_(bus) {
-  auto semantic = load<SemanticMapConfig>("semantic_map", options);
+  auto semantic = config_of<SemanticMapConfig>("semantic_map", options.config_file, options.assignments);
   if (!options.map_file.empty()) semantic.map = options.map_file;
-  stages_.push_back({"ekf", std::make_unique<EkfNode>(load<EkfConfig>("ekf", options), bus)});
-  stages_.push_back({"mapper", std::make_unique<MapperNode>(load<MapperConfig>("mapper", options), bus)});
-  stages_.push_back({"tensor_voting", std::make_unique<TensorVotingNode>(
-                                          load<TensorVotingConfig>("tensor_voting", options), "tensor_voting:1", bus)});
+  stages_.push_back(
+      {"ekf", std::make_unique<EkfNode>(config_of<EkfConfig>("ekf", options.config_file, options.assignments), bus)});
+  stages_.push_back({"mapper", std::make_unique<MapperNode>(
+                                   config_of<MapperConfig>("mapper", options.config_file, options.assignments), bus)});
+  stages_.push_back(
+      {"tensor_voting", std::make_unique<TensorVotingNode>(
+                            config_of<TensorVotingConfig>("tensor_voting", options.config_file, options.assignments),
+                            "tensor_voting:1", bus)});
   stages_.push_back({"semantic_map", std::make_unique<SemanticMapNode>(semantic, bus)});
   for (Stage& stage : stages_) stage.node->connect(bus);
 }

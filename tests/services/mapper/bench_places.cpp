@@ -230,7 +230,7 @@ void count(const View& view, const std::optional<PlaceMatch>& match, bool known,
   tally.most_ms = std::max(tally.most_ms, ms);
   if (!match) return;
   const Pose error = view.T_map_base.inverse() * match->registration.T_map_base;
-  const double rad = so3_log(Eigen::Quaterniond(error.linear())).norm();
+  const double rad = angle_of(error);
   if (!known || error.translation().norm() > 0.3 || rad > 0.02) {
     ++tally.wrong;
     fmt::print("WRONG: {:.2f} m {:.3f} rad, score {:.2f} conflict {:.2f} inliers {:.2f} runner-up {:.2f}\n",

@@ -14,20 +14,6 @@
 
 namespace curbstone {
 
-namespace {
-
-template <class Config>
-Config load(const std::string& section, const TimedVehicleOptions& options) {
-  ConfigOf<Config> config;
-  if (!options.config_file.empty()) load_config(options.config_file, section, config);
-  for (const std::string& assignment : options.assignments) {
-    if (assignment.starts_with(section + ".")) set_config_value(assignment.substr(section.size() + 1), config);
-  }
-  return config.value;
-}
-
-}  // namespace
-
 TimedVehicle::TimedVehicle(const TimedVehicleOptions& options, Listener listener)
     : listener_(std::move(listener)), cores_(static_cast<std::size_t>(options.cores)) {
   std::int64_t phase = 0;
@@ -37,14 +23,19 @@ TimedVehicle::TimedVehicle(const TimedVehicleOptions& options, Listener listener
     process->run(make(*process));
     processes_.emplace_back(name, std::move(process));
   };
-  auto semantic = load<SemanticMapConfig>("semantic_map", options);
+  auto semantic = config_of<SemanticMapConfig>("semantic_map", options.config_file, options.assignments);
   semantic.map = options.map_file;
-  add("ekf", [&](Publisher& bus) { return std::make_unique<EkfNode>(load<EkfConfig>("ekf", options), bus); });
-  add("mapper",
-      [&](Publisher& bus) { return std::make_unique<MapperNode>(load<MapperConfig>("mapper", options), bus); });
+  add("ekf", [&](Publisher& bus) {
+    return std::make_unique<EkfNode>(config_of<EkfConfig>("ekf", options.config_file, options.assignments), bus);
+  });
+  add("mapper", [&](Publisher& bus) {
+    return std::make_unique<MapperNode>(config_of<MapperConfig>("mapper", options.config_file, options.assignments),
+                                        bus);
+  });
   add("tensor_voting", [&](Publisher& bus) {
-    return std::make_unique<TensorVotingNode>(load<TensorVotingConfig>("tensor_voting", options), "tensor_voting:1",
-                                              bus);
+    return std::make_unique<TensorVotingNode>(
+        config_of<TensorVotingConfig>("tensor_voting", options.config_file, options.assignments), "tensor_voting:1",
+        bus);
   });
   add("semantic_map", [&](Publisher& bus) { return std::make_unique<SemanticMapNode>(semantic, bus); });
 }

@@ -1,0 +1,58 @@
+#include "services/mapper/motion_expectation.hpp"
+
+#include <algorithm>
+
+namespace curbstone {
+namespace {
+
+constexpr double kAcceleration = 10.0;  // m/s a revolution's time, what velocity may be off by without odometry
+constexpr double kTurning = 2.0;        // rad/s, the same for rotation
+
+Matrix6 isotropic(double translation, double rotation) {
+  Vector6 diagonal;
+  diagonal << Eigen::Vector3d::Constant(translation * translation), Eigen::Vector3d::Constant(rotation * rotation);
+  return diagonal.asDiagonal();
+}
+
+}  // namespace
+
+MotionExpectation expect_motion(const MapperConfig& config, const RecentMotion& recent, const Revolution& revolution,
+                                const OdometryHistory& odometry) {
+  const std::int64_t from = std::min(recent.end, revolution.start);
+  if (!odometry.covers(from, revolution.end)) {
+    MotionExpectation steady = expect_steady(recent, revolution);
+    if (odometry.covers(revolution.start, revolution.end)) {
+      steady.sweep = sweep_from(odometry, revolution.start, revolution.end);  // it is back after a gap
+    }
+    return steady;
+  }
+  MotionExpectation expected;
+  expected.with_odometry = true;
+  expected.T_last_base = odometry.at(recent.end).inverse() * odometry.at(revolution.end);
+  const double moved = expected.T_last_base.translation().norm();
+  const double turned = angle_of(expected.T_last_base);
+  const double stride = std::max(seconds(recent.end, revolution.end), 0.02);
+  if (moved > config.max_speed * stride || turned > config.max_turn * stride) {
+    MotionExpectation steady = expect_steady(recent, revolution);  // the filter began again, or jumped
+    steady.incredible = true;
+    return steady;
+  }
+  expected.stationary = odometry.stationary(from, revolution.end);
+  expected.sweep = sweep_from(odometry, revolution.start, revolution.end);
+  expected.covariance = isotropic(config.prior_floor_m + config.prior_translation * moved,
+                                  config.prior_floor_rad + config.prior_rotation * turned);
+  return expected;
+}
+
+MotionExpectation expect_steady(const RecentMotion& recent, const Revolution& revolution) {
+  double stride = seconds(recent.end, revolution.end);
+  MotionExpectation expected;
+  expected.blind = stride > kLongestStride;
+  if (expected.blind) stride = recent.stride;  // a gap, or a new clock: who can say how far it went
+  expected.T_last_base = move(recent.twist, stride);
+  expected.sweep = steady_sweep(recent.twist, seconds(revolution.start, revolution.end));
+  expected.covariance = isotropic(kAcceleration * std::max(stride, 0.05), kTurning * std::max(stride, 0.05));
+  return expected;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+
+#include "services/mapper/deskew.hpp"
+#include "services/mapper/mapper_config.hpp"
+#include "services/mapper/odometry_history.hpp"
+#include "services/mapper/registration.hpp"
+#include "services/mapper/revolution.hpp"
+
+namespace curbstone {
+
+inline constexpr double kLongestStride = 0.5;  ///< s from end to end: after that, a constant velocity is a mere guess
+
+/// How the vehicle moved until now, as revolutions told.
+struct RecentMotion {
+  std::int64_t end = 0;  ///< us, of the last revolution
+  Twist twist;           ///< over it
+  double stride = 0.05;  ///< s from revolution to revolution
+};
+
+/// What is known of the motion of a revolution before the LiDAR is looked at.
+struct MotionExpectation {
+  bool with_odometry = false;  ///< odometry spans from the last revolution's end to this one's
+  bool blind = false;          ///< nothing does, and it is too long for a constant velocity
+  bool incredible = false;     ///< odometry does, but says what no vehicle can do: it was not taken
+  bool stationary = false;
+  SweepMotion sweep;
+  Pose T_last_base = Pose::Identity();   ///< base_link now, seen from base_link at the last revolution's end
+  Matrix6 covariance = Matrix6::Zero();  ///< of T_last_base
+};
+
+/// By odometry where it spans, else as expect_steady().
+[[nodiscard]] MotionExpectation expect_motion(const MapperConfig& config, const RecentMotion& recent,
+                                              const Revolution& revolution, const OdometryHistory& odometry);
+/// The vehicle goes on as it did.
+[[nodiscard]] MotionExpectation expect_steady(const RecentMotion& recent, const Revolution& revolution);
+
+/// us to s.
+[[nodiscard]] inline double seconds(std::int64_t from, std::int64_t to) {
+  return static_cast<double>(to - from) * 1e-6;
+}
+
+}  // namespace curbstone
