@@ -17,8 +17,8 @@ double square(double x) {
 }
 
 /// Says nothing, and changes nothing.
-Observation<1> no_observation() {
-  Observation<1> z;
+Observation no_observation() {
+  Observation z(1);
   z.R(0, 0) = 1.0;
   return z;
 }
@@ -219,10 +219,11 @@ void Filter::correct_with_wheels(WheelStep step, bool coasting) {
 
 void Filter::correct_driving(const WheelInterval& interval) {
   const BodyMotion motion = mechanisation_.window().motion();
-  std::array<Observation<1>, 2> rows;
-  for (std::size_t wheel = 0; wheel < 2; ++wheel)
-    rows[wheel] = observe_wheel(belief_.mean, motion, static_cast<Wheel>(wheel), interval.speed[wheel],
-                                wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel), geometry_);
+  const auto observe = [&](std::size_t wheel) {
+    return observe_wheel(belief_.mean, motion, static_cast<Wheel>(wheel), interval.speed[wheel],
+                         wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel), geometry_);
+  };
+  std::array<Observation, 2> rows{observe(0), observe(1)};
   slip_.judge(interval, {distance(belief_, rows[0]), distance(belief_, rows[1])}, belief_.mean, mechanisation_.window(),
               counters_);
   bool refused = true;
@@ -250,10 +251,10 @@ void Filter::correct_driving(const WheelInterval& interval) {
   }
 }
 
-Observation<2> Filter::observe_constraint(const BodyMotion& motion) {
+Observation Filter::observe_constraint(const BodyMotion& motion) {
   const WheelsConfig& c = config_->wheels;
-  Observation<1> lateral = observe_no_motion_along(1, belief_.mean, motion, c.lateral_noise, geometry_);
-  Observation<1> vertical = observe_no_motion_along(2, belief_.mean, motion, c.vertical_noise, geometry_);
+  Observation lateral = observe_no_motion_along(1, belief_.mean, motion, c.lateral_noise, geometry_);
+  Observation vertical = observe_no_motion_along(2, belief_.mean, motion, c.vertical_noise, geometry_);
   const bool lateral_fits = soften_beyond(kGate1, belief_, lateral);
   const bool vertical_fits = soften_beyond(kGate1, belief_, vertical);
   if (!lateral_fits) counters_.add("gated.lateral");
@@ -282,10 +283,10 @@ void Filter::correct_coasting(const WheelInterval& interval) {
   const auto sigma = [&](std::size_t wheel) {
     return wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel);
   };
-  Observation<1> forward =
+  Observation forward =
       observe_forward_speed(belief_.mean, motion, interval.mean_speed(), std::max(sigma(0), sigma(1)));
   if (!soften_beyond(kGate1, belief_, forward)) counters_.add("gated.forward");
-  Observation<2> constraint = observe_constraint(motion);
+  Observation constraint = observe_constraint(motion);
   constraint.H.middleCols<3>(kGyroBias).setZero();  // the rate comes from the wheels
   apply(stack(forward, constraint));
 }
@@ -293,8 +294,8 @@ void Filter::correct_coasting(const WheelInterval& interval) {
 void Filter::correct_standing() {
   const MotionWindow& window = mechanisation_.window();
   const double rate_density = std::hypot(config_->noise.gyro, config_->standstill.rate_noise);
-  Observation<3> velocity = observe_standing_velocity(belief_.mean, config_->standstill.speed_noise);
-  Observation<3> rate = observe_standing_rate(belief_.mean, window.gyro(), rate_density / std::sqrt(window.duration()));
+  Observation velocity = observe_standing_velocity(belief_.mean, config_->standstill.speed_noise);
+  Observation rate = observe_standing_rate(belief_.mean, window.gyro(), rate_density / std::sqrt(window.duration()));
   if (!soften_beyond(kGate3, belief_, velocity)) counters_.add("gated.standing_velocity");
   if (!soften_beyond(kGate3, belief_, rate)) counters_.add("gated.standing_rate");
   apply(stack(velocity, rate));
@@ -315,7 +316,7 @@ void Filter::correct_with_map() {
   const Pose believed = begin->inverse() * *end;
   const double dt = seconds_between(increment.begin, increment.utime);
   const BodyMotion mean{believed.translation() / dt, so3_log(Eigen::Quaterniond(believed.linear())) / dt};
-  Observation<6> z = observe_increment(increment.T_begin_end, increment.covariance, believed, dt, mean, geometry_);
+  Observation z = observe_increment(increment.T_begin_end, increment.covariance, believed, dt, mean, geometry_);
   counters_.add(soften_beyond(kGate6, belief_, z) ? "map.used" : "gated.map");
   apply(z);
 }

@@ -66,11 +66,8 @@ class Filter {
   void correct_standing();
   void correct_without_wheels();
   void correct_with_map();
-  template <int Rows>
-  void apply(const Observation<Rows>& z) {
-    correct(belief_, z, continuous_gain(belief_, z));
-  }
-  [[nodiscard]] Observation<2> observe_constraint(const BodyMotion& motion);
+  void apply(const Observation& z) { correct(belief_, z, continuous_gain(belief_, z)); }
+  [[nodiscard]] Observation observe_constraint(const BodyMotion& motion);
   void doubt(double speed_sigma);
 
   void emit(const Inertial& imu, double dt, bool no_imu, std::vector<Estimate>& out);

@@ -26,15 +26,15 @@ double wheel_yaw_rate(const NavState& state, const std::array<double, 2>& speed,
   return (speed[1] * (1.0 + s[1]) - speed[0] * (1.0 + s[0])) / (geometry.track_width * (1.0 + s[2]));
 }
 
-Observation<1> observe_wheel(const NavState& state, const BodyMotion& motion, Wheel wheel, double speed, double sigma,
-                             const Geometry& geometry) {
+Observation observe_wheel(const NavState& state, const BodyMotion& motion, Wheel wheel, double speed, double sigma,
+                          const Geometry& geometry) {
   const int index = static_cast<int>(wheel);
   const double arm = (wheel == Wheel::kLeft ? -0.5 : 0.5) * geometry.track_width;
   const double track = 1.0 + state.wheel_scale[2];
   const double radius = 1.0 + state.wheel_scale[index];
   const double over_ground = motion.velocity.x() + motion.angular_rate.z() * arm * track;
 
-  Observation<1> z;
+  Observation z(1);
   z.residual[0] = speed - over_ground / radius;
   z.H = velocity_jacobian(geometry).row(0) / radius;
   z.H(0, kGyroBias + 2) -= arm * track / radius;
@@ -44,10 +44,10 @@ Observation<1> observe_wheel(const NavState& state, const BodyMotion& motion, Wh
   return z;
 }
 
-Observation<1> observe_no_motion_along(int axis, const NavState& state, const BodyMotion& motion, double sigma,
-                                       const Geometry& geometry) {
+Observation observe_no_motion_along(int axis, const NavState& state, const BodyMotion& motion, double sigma,
+                                    const Geometry& geometry) {
   const Eigen::Vector3d arm(state.axle, 0.0, 0.0);
-  Observation<1> z;
+  Observation z(1);
   const double course = state.course[axis - 1];
   z.residual[0] = course * motion.velocity.x() - (motion.velocity + motion.angular_rate.cross(arm))[axis];
   z.H = velocity_jacobian(geometry).row(axis) - course * velocity_jacobian(geometry).row(0);
@@ -58,11 +58,11 @@ Observation<1> observe_no_motion_along(int axis, const NavState& state, const Bo
   return z;
 }
 
-Observation<6> observe_increment(const Pose& T_begin_end, const Eigen::Matrix<double, 6, 6>& covariance,
-                                 const Pose& believed, double dt, const BodyMotion& motion, const Geometry& geometry) {
+Observation observe_increment(const Pose& T_begin_end, const Eigen::Matrix<double, 6, 6>& covariance,
+                              const Pose& believed, double dt, const BodyMotion& motion, const Geometry& geometry) {
   const Eigen::Matrix3d R = believed.linear().transpose();
   const Eigen::Matrix3d halfway = so3_exp(-0.5 * dt * motion.angular_rate).toRotationMatrix();  // to the end's axes
-  Observation<6> z;
+  Observation z(6);
   z.residual << R * (T_begin_end.translation() - believed.translation()),
       so3_log(Eigen::Quaterniond(R * T_begin_end.linear()));
   z.H.topRows<3>() = dt * halfway * velocity_jacobian(geometry);
@@ -72,9 +72,9 @@ Observation<6> observe_increment(const Pose& T_begin_end, const Eigen::Matrix<do
   return z;
 }
 
-Observation<1> observe_forward_speed(const NavState& state, const BodyMotion& motion, double speed, double sigma) {
+Observation observe_forward_speed(const NavState& state, const BodyMotion& motion, double speed, double sigma) {
   const double radius = 1.0 + 0.5 * (state.wheel_scale[0] + state.wheel_scale[1]);
-  Observation<1> z;
+  Observation z(1);
   z.residual[0] = speed - motion.velocity.x() / radius;
   z.H(0, kVelocity) = 1.0 / radius;
   z.H(0, kWheelScale) = z.H(0, kWheelScale + 1) = -0.5 * motion.velocity.x() / (radius * radius);
@@ -82,26 +82,26 @@ Observation<1> observe_forward_speed(const NavState& state, const BodyMotion& mo
   return z;
 }
 
-Observation<3> observe_standing_velocity(const NavState& state, double sigma) {
-  Observation<3> z;
+Observation observe_standing_velocity(const NavState& state, double sigma) {
+  Observation z(3);
   z.residual = -state.velocity;
   z.H.block<3, 3>(0, kVelocity).setIdentity();
   z.R.diagonal().setConstant(sigma * sigma);
   return z;
 }
 
-Observation<3> observe_standing_rate(const NavState& state, const Eigen::Vector3d& gyro, double sigma) {
-  Observation<3> z;
+Observation observe_standing_rate(const NavState& state, const Eigen::Vector3d& gyro, double sigma) {
+  Observation z(3);
   z.residual = gyro - state.gyro_bias;
   z.H.block<3, 3>(0, kGyroBias).setIdentity();
   z.R.diagonal().setConstant(sigma * sigma);
   return z;
 }
 
-Observation<3> observe_gravity(const NavState& state, const Eigen::Vector3d& specific_force,
-                               const Eigen::Vector3d& acceleration, double sigma) {
+Observation observe_gravity(const NavState& state, const Eigen::Vector3d& specific_force,
+                            const Eigen::Vector3d& acceleration, double sigma) {
   const Eigen::Vector3d up = state.attitude.conjugate() * Eigen::Vector3d(0, 0, kGravity);
-  Observation<3> z;
+  Observation z(3);
   z.residual = specific_force - (acceleration + up + state.accelerometer_bias);
   z.H.block<3, 3>(0, kAttitude) = skew(up);
   z.H.block<3, 3>(0, kAccelerometerBias).setIdentity();

@@ -191,7 +191,7 @@ TEST_F(Models, CorrectionEqualsTheInformationForm) {
   Belief belief;
   belief.covariance = A * A.transpose() + ErrorMatrix::Identity();
   const ErrorMatrix prior = belief.covariance;
-  const Observation<3> z = observe_standing_velocity(state_, 0.3);
+  const Observation z = observe_standing_velocity(state_, 0.3);
   correct(belief, z, optimal_gain(belief, z));
   const ErrorMatrix expected = (prior.inverse() + z.H.transpose() * z.R.inverse() * z.H).inverse();
   EXPECT_LT((belief.covariance - expected).cwiseAbs().maxCoeff(), 1e-9);
@@ -204,7 +204,7 @@ TEST_F(Models, TheContinuousGainMovesNeitherPositionNorHeading) {
   belief.mean = state_;
   belief.covariance = A * A.transpose() + ErrorMatrix::Identity();
   const ErrorMatrix prior = belief.covariance;
-  Observation<3> z = observe_standing_velocity(state_, 0.3);
+  Observation z = observe_standing_velocity(state_, 0.3);
   z.residual << 1e-3, -2e-3, 3e-3;
   correct(belief, z, continuous_gain(belief, z));
   EXPECT_EQ(belief.mean.position, state_.position);
@@ -217,11 +217,11 @@ TEST_F(Models, TheContinuousGainMovesNeitherPositionNorHeading) {
 TEST_F(Models, AnOutlierLosesItsWeightButNotItsDirection) {
   Belief belief;
   belief.covariance.setIdentity();
-  Observation<1> z;
+  Observation z(1);
   z.H(0, kVelocity) = 1.0;
   z.R(0, 0) = 1.0;
   z.residual[0] = 1.0;
-  Observation<1> far = z;
+  Observation far = z;
   far.residual[0] = 100.0;
   EXPECT_TRUE(soften_beyond(kGate1, belief, z));
   EXPECT_FALSE(soften_beyond(kGate1, belief, far));
