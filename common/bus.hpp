@@ -36,6 +36,18 @@ struct QueueLimit {
   int capacity = 1000;  ///< messages; the oldest is dropped, and counted, when one more comes
 };
 
+/// A bus all of whose messages can be seen, whatever their channel and type: for recording.
+class Tappable {
+ public:
+  /// `utime`: when it came, us; 0 on a bus that knows no time.
+  using Tap = std::function<void(const std::string& channel, const void* data, int size, std::int64_t utime)>;
+
+  virtual ~Tappable() = default;
+
+  /// Sees every message from now on, also those that are sent here. At most one tap.
+  virtual void tap(Tap tap, QueueLimit limit) = 0;
+};
+
 /// Where a node's messages come from. Channels are exact names, not patterns.
 class Subscriber {
  public:

@@ -14,8 +14,8 @@ namespace curbstone {
 namespace {
 
 /// Every process that reads the vehicle's file: a section of another name is a mistake.
-constexpr std::array kSections = {"vehicle", "rslidar",       "imu",          "encoder", "ekf",
-                                  "mapper",  "tensor_voting", "semantic_map", "simulate"};
+constexpr std::array kSections = {"vehicle", "rslidar",       "imu",          "encoder",  "ekf",
+                                  "mapper",  "tensor_voting", "semantic_map", "recorder", "simulate"};
 
 int edit_distance(std::string_view a, std::string_view b) {
   std::vector<int> row(b.size() + 1);

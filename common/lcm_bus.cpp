@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <deque>
@@ -97,21 +98,19 @@ class LcmBus::Impl {
   }
 
   void subscribe(const std::string& channel, BytesHandler handler, QueueLimit limit) {
-    auto subscription = std::make_unique<Subscription>();
-    subscription->bus = this;
-    subscription->handler = std::move(handler);
-    subscription->capacity = static_cast<std::size_t>(limit.capacity);
     // Channel names are exact to us and patterns to LCM: quote what is not a word character.
     std::string pattern;
     for (const char c : channel) {
       if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_') pattern += '\\';
       pattern += c;
     }
-    lcm_subscription_t* handle = lcm_subscribe(lcm_, pattern.c_str(), &Impl::on_message, subscription.get());
-    if (handle == nullptr) throw std::runtime_error(fmt::format("cannot subscribe to {}", channel));
-    lcm_subscription_set_queue_capacity(handle, threaded_ ? 1000 : 0);
-    subscriptions_.push_back(std::move(subscription));
-    if (threaded_ && !receiver_.joinable()) receiver_ = std::thread([this] { receive(); });
+    subscribe_pattern(
+        pattern, [handler = std::move(handler)](const Message& m) { handler(m.bytes.data(), m.size()); }, limit);
+  }
+
+  void tap(Tap tap, QueueLimit limit) {
+    subscribe_pattern(
+        ".*", [tap = std::move(tap)](const Message& m) { tap(m.channel, m.bytes.data(), m.size(), m.utime); }, limit);
   }
 
   bool handle(std::chrono::milliseconds timeout) {
@@ -129,10 +128,9 @@ class LcmBus::Impl {
         if (queue_.empty()) return true;
         message = std::move(queue_.front());
         queue_.pop_front();
-        if (message.bytes.empty()) continue;  // dropped while it waited
         --message.subscription->queued;
       }
-      call(*message.subscription, message.bytes.data(), static_cast<int>(message.bytes.size()));
+      call(message);
     }
     wake();
     return true;
@@ -152,47 +150,62 @@ class LcmBus::Impl {
   [[nodiscard]] const std::string& url() const { return url_; }
 
  private:
+  struct Subscription;
+  struct Message {
+    Subscription* subscription = nullptr;
+    std::string channel;
+    std::int64_t utime = 0;  // us, when the kernel had it
+    std::vector<std::uint8_t> bytes;
+    [[nodiscard]] int size() const { return static_cast<int>(bytes.size()); }
+  };
+  using MessageHandler = std::function<void(const Message&)>;
   struct Subscription {
     Impl* bus = nullptr;
-    BytesHandler handler;
+    MessageHandler handler;
     std::size_t capacity = 0;
     std::size_t queued = 0;
   };
-  struct Message {
-    Subscription* subscription = nullptr;
-    std::vector<std::uint8_t> bytes;
-  };
 
-  static void on_message(const lcm_recv_buf_t* buffer, const char*, void* user) {
-    auto& subscription = *static_cast<Subscription*>(user);
-    subscription.bus->arrived(subscription, buffer->data, static_cast<int>(buffer->data_size));
+  void subscribe_pattern(const std::string& pattern, MessageHandler handler, QueueLimit limit) {
+    auto subscription = std::make_unique<Subscription>();
+    subscription->bus = this;
+    subscription->handler = std::move(handler);
+    subscription->capacity = static_cast<std::size_t>(std::max(limit.capacity, 1));
+    lcm_subscription_t* handle = lcm_subscribe(lcm_, pattern.c_str(), &Impl::on_message, subscription.get());
+    if (handle == nullptr) throw std::runtime_error(fmt::format("cannot subscribe to {}", pattern));
+    lcm_subscription_set_queue_capacity(handle, threaded_ ? 1000 : 0);
+    subscriptions_.push_back(std::move(subscription));
+    if (threaded_ && !receiver_.joinable()) receiver_ = std::thread([this] { receive(); });
   }
 
-  void arrived(Subscription& subscription, const void* data, int size) {
+  static void on_message(const lcm_recv_buf_t* buffer, const char* channel, void* user) {
+    auto& subscription = *static_cast<Subscription*>(user);
+    const auto* bytes = static_cast<const std::uint8_t*>(buffer->data);
+    subscription.bus->arrived({&subscription, channel, buffer->recv_utime, {bytes, bytes + buffer->data_size}});
+  }
+
+  void arrived(Message message) {
     if (!threaded_) {
-      call(subscription, data, size);
+      call(message);
       return;
     }
-    const auto* bytes = static_cast<const std::uint8_t*>(data);
+    Subscription& subscription = *message.subscription;
     const std::scoped_lock lock(queue_mutex_);
     if (subscription.queued >= subscription.capacity) {
-      for (Message& old : queue_) {  // latest wins: empty the oldest of this subscription
-        if (old.subscription == &subscription && !old.bytes.empty()) {
-          old.bytes.clear();
-          --subscription.queued;
-          break;
-        }
-      }
+      const auto oldest = std::find_if(queue_.begin(), queue_.end(),
+                                       [&](const Message& waiting) { return waiting.subscription == &subscription; });
+      queue_.erase(oldest);  // latest wins
+      --subscription.queued;
       queue_drops_.fetch_add(1);
     }
-    queue_.push_back({&subscription, {bytes, bytes + size}});
+    queue_.push_back(std::move(message));
     ++subscription.queued;
     wake();
   }
 
-  void call(Subscription& subscription, const void* data, int size) {
+  void call(const Message& message) {
     try {
-      subscription.handler(data, size);
+      message.subscription->handler(message);
     } catch (const std::exception&) {
       counters_.add("faults.handler");
     }
@@ -248,6 +261,9 @@ const std::string& LcmBus::url() const {
 }
 void LcmBus::publish_bytes(const std::string& channel, const void* data, int size) {
   impl_->publish(channel, data, size);
+}
+void LcmBus::tap(Tap tap, QueueLimit limit) {
+  impl_->tap(std::move(tap), limit);
 }
 void LcmBus::subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) {
   impl_->subscribe(channel, std::move(handler), limit);

@@ -14,7 +14,7 @@ namespace curbstone {
 /// silently and keeps the oldest. The counters tell what was lost: `dropped.queue` (handled too slowly) and
 /// `dropped.kernel` (socket buffer full, from /proc/net/udp). Handlers run in the thread that calls handle(), in order
 /// of arrival.
-class LcmBus final : public Publisher, public Subscriber {
+class LcmBus final : public Publisher, public Subscriber, public Tappable {
  public:
   /// An empty URL means $LCM_DEFAULT_URL, else kDefaultUrl. Throws std::runtime_error with the URL and what to check.
   explicit LcmBus(std::string url = {});
@@ -25,6 +25,9 @@ class LcmBus final : public Publisher, public Subscriber {
   /// Handles what has arrived, waiting at most `timeout` for the first message. Returns false at the end of a `file://`
   /// log.
   bool handle(std::chrono::milliseconds timeout);
+
+  /// Calls from the thread that handles the bus, with the time at which the kernel had the message.
+  void tap(Tap tap, QueueLimit limit) override;
 
   /// Readable when handle() has something to do (for poll); to be used with handle(0).
   [[nodiscard]] int fd() const;

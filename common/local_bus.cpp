@@ -3,10 +3,14 @@
 namespace curbstone {
 
 void LocalBus::inject(const std::string& channel, const void* data, int size) {
-  if (tap_) tap_(channel, data, size);
+  if (tap_) tap_(channel, data, size, 0);
   if (!handlers_.contains(channel)) return;
   const auto* bytes = static_cast<const std::uint8_t*>(data);
   queue_.push_back({channel, {bytes, bytes + size}});
+}
+
+void LocalBus::tap(Tap tap, QueueLimit) {
+  tap_ = std::move(tap);
 }
 
 void LocalBus::dispatch() {

@@ -12,16 +12,14 @@ namespace curbstone {
 
 /// A bus inside one process and one thread: messages are delivered in the order in which they were published, nothing
 /// is lost, nothing depends on the clock. `curbstone replay` and the node tests run on it.
-class LocalBus final : public Publisher, public Subscriber {
+class LocalBus final : public Publisher, public Subscriber, public Tappable {
  public:
-  /// Sees every message before its subscribers do: for recording.
-  using Tap = std::function<void(const std::string& channel, const void* data, int size)>;
-
   /// Puts encoded bytes on the bus, as read from a log.
   void inject(const std::string& channel, const void* data, int size);
   /// Delivers until the queue is empty, including what the handlers publish meanwhile.
   void dispatch();
-  void set_tap(Tap tap) { tap_ = std::move(tap); }
+  /// The tap sees a message when it is published, before its subscribers do.
+  void tap(Tap tap, QueueLimit limit = {}) override;
 
   [[nodiscard]] Counters counters() const override { return counters_; }
 

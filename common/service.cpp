@@ -78,7 +78,7 @@ void run(const std::string& name, const std::string& url, const std::string& has
          const std::function<std::unique_ptr<Node>(ServiceContext&)>& make) {
   EventLoop loop;
   LcmBus bus(url);
-  ServiceContext context{name, bus, loop};
+  ServiceContext context{name, bus, bus, loop};
   const std::unique_ptr<Node> node = make(context);
   node->connect(bus);
   StatusReporter status(name, hash);

@@ -15,6 +15,7 @@ namespace curbstone {
 struct ServiceContext {
   std::string name;  ///< unique on the bus, from --name
   Publisher& bus;
+  Tappable& everything;  ///< the same bus: for a recorder
   EventLoop& loop;
 };
 

@@ -24,6 +24,22 @@ TEST(LcmBus, DeliversOverMemq) {
   EXPECT_EQ(received, 7);
 }
 
+TEST(LcmBus, ATapSeesEveryChannelWithTheTimeOfItsMessages) {
+  LcmBus bus("memq://");
+  std::vector<std::string> channels;
+  bus.tap(
+      [&](const std::string& channel, const void*, int size, std::int64_t utime) {
+        channels.push_back(channel);
+        EXPECT_EQ(size, imu_t{}.getEncodedSize());
+        EXPECT_GT(utime, 0);
+      },
+      {});
+  bus.publish("IMU", imu_t{});
+  bus.publish("A.B", imu_t{});
+  for (int i = 0; i < 4; ++i) bus.handle(10ms);
+  EXPECT_EQ(channels, (std::vector<std::string>{"IMU", "A.B"}));
+}
+
 /// Encoded bytes whose array length is negative: lcm-gen 1.3.1 throws on it.
 struct Garbage {
   [[nodiscard]] int getEncodedSize() const { return 24; }

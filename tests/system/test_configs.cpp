@@ -53,7 +53,7 @@ TEST_P(EveryProgram, RefusesAMissingFileABadOptionAndABadBus) {
 
 INSTANTIATE_TEST_SUITE_P(All, EveryProgram,
                          ::testing::Values("rslidar", "imu", "encoder", "ekf", "mapper", "tensor-voting",
-                                           "semantic-map"));
+                                           "semantic-map", "recorder"));
 
 }  // namespace
 }  // namespace curbstone::system_test

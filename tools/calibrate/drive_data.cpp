@@ -12,8 +12,8 @@
 #include "services/ekf/ekf_messages.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_node.hpp"
-#include "tools/log/log_reader.hpp"
-#include "tools/log/message_order.hpp"
+#include "common/log/log_reader.hpp"
+#include "common/log/message_order.hpp"
 
 namespace curbstone {
 

@@ -6,9 +6,9 @@
 #include <curbstone/service_status_t.hpp>
 #include <vector>
 
+#include "common/log/log_reader.hpp"
+#include "common/log/message_order.hpp"
 #include "common/tile.hpp"
-#include "tools/log/log_reader.hpp"
-#include "tools/log/message_order.hpp"
 
 namespace curbstone {
 
@@ -131,6 +131,10 @@ RunFigures read_run_log(const std::string& file) {
       const std::string& name = span.last.counter_name[i];
       const std::int64_t value = span.last.counter_value[i];
       if (!is_loss(service, name) || value == 0) continue;
+      if (service == "recorder") {
+        figures.lost_by_recorder[name] += value;
+        continue;
+      }
       figures.losses[service + " " + name] += value;
       const bool on_the_bus = name == "dropped.queue" || name == "dropped.kernel" || !is_driver(service);
       (on_the_bus ? figures.lost_messages : figures.lost_packets) += value;

@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "common/tile.hpp"
-#include "tools/log/log_reader.hpp"
+#include "common/log/log_reader.hpp"
 
 namespace curbstone {
 

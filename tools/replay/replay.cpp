@@ -13,9 +13,9 @@
 #include "common/clock.hpp"
 #include "common/config.hpp"
 #include "common/local_bus.hpp"
-#include "tools/log/log_reader.hpp"
-#include "tools/log/log_writer.hpp"
-#include "tools/log/message_order.hpp"
+#include "common/log/log_reader.hpp"
+#include "common/log/log_writer.hpp"
+#include "common/log/message_order.hpp"
 #include "tools/replay/vehicle.hpp"
 
 namespace curbstone {
@@ -128,8 +128,9 @@ int run_replay(int argc, char** argv) {
     std::optional<LogWriter> recorder;
     if (!arguments.record.empty()) {
       recorder.emplace(arguments.record);
-      bus.set_tap(
-          [&](const std::string& channel, const void* data, int size) { recorder->write(channel, data, size); });
+      bus.tap([&](const std::string& channel, const void* data, int size, std::int64_t) {
+        recorder->write(channel, data, size);
+      });
     }
     ReplayVehicle vehicle(arguments.vehicle, bus);
     const std::int64_t start = steady_clock();

@@ -14,8 +14,8 @@
 #include "services/mapper/mapper_node.hpp"
 #include "tools/evaluate/trajectory.hpp"
 #include "tools/evaluate/truth.hpp"
-#include "tools/log/log_reader.hpp"
-#include "tools/log/message_order.hpp"
+#include "common/log/log_reader.hpp"
+#include "common/log/message_order.hpp"
 
 using namespace curbstone;
 

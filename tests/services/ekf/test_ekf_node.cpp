@@ -51,7 +51,7 @@ class EkfNodeTest : public ::testing::Test {
   /// A node on a bus of its own, whose every published byte is kept.
   struct Rig {
     explicit Rig(const EkfConfig& config) : node(config, bus) {
-      bus.set_tap([this](const std::string& channel, const void* data, int size) {
+      bus.tap([this](const std::string& channel, const void* data, int size, std::int64_t) {
         if (channel == "ODOMETRY" || channel == "POSE")
           bytes.append(static_cast<const char*>(data), static_cast<std::size_t>(size));
       });

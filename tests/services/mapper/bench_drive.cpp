@@ -16,8 +16,8 @@
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "tools/evaluate/trajectory.hpp"
-#include "tools/log/log_reader.hpp"
-#include "tools/log/message_order.hpp"
+#include "common/log/log_reader.hpp"
+#include "common/log/message_order.hpp"
 #include "tools/simulate/truth/gray_image.hpp"
 
 namespace {

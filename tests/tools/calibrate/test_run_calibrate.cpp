@@ -12,7 +12,7 @@
 #include "services/mapper/mapper_config.hpp"
 #include "tests/tools/calibrate/calibration_drive.hpp"
 #include "tools/calibrate/calibrate.hpp"
-#include "tools/log/log_writer.hpp"
+#include "common/log/log_writer.hpp"
 
 namespace curbstone {
 namespace {

@@ -8,7 +8,7 @@
 #include <curbstone/service_status_t.hpp>
 #include <curbstone/wheels_t.hpp>
 
-#include "tools/log/log_writer.hpp"
+#include "common/log/log_writer.hpp"
 
 namespace curbstone {
 namespace {

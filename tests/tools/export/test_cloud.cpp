@@ -5,7 +5,7 @@
 #include <curbstone/map_points_t.hpp>
 
 #include "tests/tools/export/exported_map.hpp"
-#include "tools/log/log_writer.hpp"
+#include "common/log/log_writer.hpp"
 
 namespace curbstone {
 namespace {

@@ -10,7 +10,7 @@
 #include <map>
 
 #include "tests/tools/simulate/drives.hpp"
-#include "tools/log/log_reader.hpp"
+#include "common/log/log_reader.hpp"
 #include "tools/simulate/log_recorder.hpp"
 #include "tools/simulate/town_surroundings.hpp"
 

@@ -9,8 +9,8 @@
 #include "services/mapper/mapper_node.hpp"
 #include "services/semantic_map/voted_tile_assembler.hpp"
 #include "services/tensor_voting/tensor_voting_node.hpp"
-#include "tools/log/log_reader.hpp"
-#include "tools/log/message_order.hpp"
+#include "common/log/log_reader.hpp"
+#include "common/log/message_order.hpp"
 
 namespace curbstone {
 

@@ -11,7 +11,7 @@
 #include "common/config.hpp"
 #include "tools/bench/latency/tile_ages.hpp"
 #include "tools/bench/latency/timed_vehicle.hpp"
-#include "tools/log/log_reader.hpp"
+#include "common/log/log_reader.hpp"
 
 namespace curbstone {
 

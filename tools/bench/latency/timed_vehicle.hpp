@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tools/bench/latency/timed_process.hpp"
-#include "tools/log/log_reader.hpp"
+#include "common/log/log_reader.hpp"
 
 namespace curbstone {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "tools/bench/mapping/mapping_drive.hpp"
-#include "tools/log/log_reader.hpp"
+#include "common/log/log_reader.hpp"
 
 namespace curbstone {
 

@@ -6,13 +6,13 @@
 #include <filesystem>
 
 #include "common/local_bus.hpp"
+#include "common/log/log_reader.hpp"
+#include "common/log/message_order.hpp"
 #include "services/ekf/ekf_config.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_config.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "tools/bench/voting/town_log.hpp"
-#include "tools/log/log_reader.hpp"
-#include "tools/log/message_order.hpp"
 
 namespace curbstone {
 
@@ -40,7 +40,7 @@ class TemporaryLog {
 class MappingVehicle {
  public:
   explicit MappingVehicle(const DriveListener& listener) : listener_(listener), ekf_({}, bus_), mapper_({}, bus_) {
-    bus_.set_tap([this](const std::string& channel, const void* data, int size) {
+    bus_.tap([this](const std::string& channel, const void* data, int size, std::int64_t) {
       if (channel == "MAP_POINTS" || channel == "MAP_POSE" || channel == "TILE_INDEX") {
         listener_.message(channel, data, size);
       }

@@ -19,11 +19,15 @@ class LogWriter {
 
   /// With `log_utime` 0 the record's time is the message's (its first field). Throws when the disk is full.
   void write(const std::string& channel, const void* data, int size, std::int64_t log_utime = 0);
+  /// Hands what was written to the kernel. Throws when the disk is full.
+  void flush();
+  [[nodiscard]] std::int64_t bytes() const { return bytes_; }
 
  private:
   std::string file_;
   lcm_eventlog_t* log_ = nullptr;
   std::int64_t count_ = 0;
+  std::int64_t bytes_ = 0;
 };
 
 }  // namespace curbstone

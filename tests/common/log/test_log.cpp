@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "tools/log/log_reader.hpp"
-#include "tools/log/log_writer.hpp"
-#include "tools/log/message_order.hpp"
+#include "common/log/log_reader.hpp"
+#include "common/log/log_writer.hpp"
+#include "common/log/message_order.hpp"
 
 namespace curbstone {
 namespace {

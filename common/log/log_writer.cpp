@@ -1,18 +1,29 @@
-#include "tools/log/log_writer.hpp"
+#include "common/log/log_writer.hpp"
 
 #include <fmt/format.h>
 #include <lcm/eventlog.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <stdexcept>
 
-#include "tools/log/message_order.hpp"
+#include "common/log/message_order.hpp"
 
 namespace curbstone {
 
+namespace {
+
+constexpr std::int64_t kRecordHeader = 28;  // sync word, number, time, two lengths
+
+std::runtime_error cannot_be_written(const std::string& file) {
+  return std::runtime_error(fmt::format("{}: cannot be written: {}", file, std::strerror(errno)));
+}
+
+}  // namespace
+
 LogWriter::LogWriter(const std::string& file) : file_(file), log_(lcm_eventlog_create(file.c_str(), "w")) {
-  if (log_ == nullptr) throw std::runtime_error(fmt::format("{}: cannot be written: {}", file, std::strerror(errno)));
+  if (log_ == nullptr) throw cannot_be_written(file);
 }
 
 LogWriter::~LogWriter() {
@@ -27,9 +38,12 @@ void LogWriter::write(const std::string& channel, const void* data, int size, st
   event.datalen = size;
   event.channel = const_cast<char*>(channel.c_str());  // the C interface does not write to it
   event.data = const_cast<void*>(data);
-  if (lcm_eventlog_write_event(log_, &event) != 0) {
-    throw std::runtime_error(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
-  }
+  if (lcm_eventlog_write_event(log_, &event) != 0) throw cannot_be_written(file_);
+  bytes_ += kRecordHeader + event.channellen + event.datalen;
+}
+
+void LogWriter::flush() {
+  if (std::fflush(log_->f) != 0) throw cannot_be_written(file_);
 }
 
 }  // namespace curbstone

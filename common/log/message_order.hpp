@@ -7,7 +7,7 @@
 #include <queue>
 #include <vector>
 
-#include "tools/log/log_reader.hpp"
+#include "common/log/log_reader.hpp"
 
 namespace curbstone {
 

@@ -1,4 +1,4 @@
-#include "tools/log/log_reader.hpp"
+#include "common/log/log_reader.hpp"
 
 #include <fmt/format.h>
 #include <lcm/eventlog.h>

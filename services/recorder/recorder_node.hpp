@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/node.hpp"
+#include "services/recorder/recorder_config.hpp"
+#include "services/recorder/recording.hpp"
+
+namespace curbstone {
+
+/// Writes everything on the bus to an LCM log, as lcm-logger does, which however asks LCM for no longer queue than 30
+/// messages and loses what comes while two busy cores do something else for 30 ms. This one has the bus's receiver
+/// thread and a queue of its own, counts what it loses, and says in SERVICE_STATUS when the disk is full; it goes on in
+/// a new file when there is room again.
+class RecorderNode final : public Node {
+ public:
+  /// Throws std::runtime_error when the file cannot be written.
+  RecorderNode(const RecorderConfig& config, Tappable& bus);
+
+  void connect(Subscriber&) override {}
+  /// Once a second what was written is handed to the kernel.
+  void tick(std::int64_t now) override;
+  void finish() override;
+  [[nodiscard]] NodeReport report() const override;
+
+ private:
+  void write(const std::string& channel, const void* data, int size, std::int64_t utime);
+  void flush();
+  void stop(const char* why);
+  void begin();
+
+  RecorderConfig config_;
+  std::optional<Recording> recording_;  // none while the disk is full
+  std::int64_t waiting_ = 0;            // messages that are not known to be on file
+  std::int64_t last_ = 0;               // us, flushed or tried
+  NodeReport report_;
+};
+
+}  // namespace curbstone

@@ -1,0 +1,140 @@
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <curbstone/imu_t.hpp>
+#include <filesystem>
+
+#include "common/local_bus.hpp"
+#include "common/log/log_reader.hpp"
+#include "services/recorder/recorder_node.hpp"
+
+namespace curbstone {
+namespace {
+
+class RecorderTest : public ::testing::Test {
+ protected:
+  RecorderTest() {
+    std::filesystem::create_directory(folder_);
+    config_.file = folder_ / "drive.lcmlog";
+  }
+  ~RecorderTest() override { std::filesystem::remove_all(folder_); }
+
+  void say(int first, int last) {
+    for (imu_t message{}; first <= last; ++first) {
+      message.utime = message.sequence = first;
+      bus_.publish("IMU", message);
+    }
+  }
+  [[nodiscard]] std::vector<int> heard(const std::string& suffix = "") const {
+    LogReader reader(config_.file + suffix);
+    std::vector<int> sequences;
+    while (const auto event = reader.next()) {
+      imu_t message;
+      if (message.decode(event->bytes.data(), 0, static_cast<int>(event->bytes.size())) < 0) break;
+      EXPECT_EQ(event->channel, "IMU");
+      sequences.push_back(message.sequence);
+    }
+    return sequences;
+  }
+  [[nodiscard]] bool exists(const std::string& suffix) const { return std::filesystem::exists(config_.file + suffix); }
+
+  std::filesystem::path folder_ = std::filesystem::path(::testing::TempDir()) / ("recorder" + std::to_string(getpid()));
+  RecorderConfig config_;
+  LocalBus bus_;
+};
+
+TEST_F(RecorderTest, WritesWhatIsSaidOnAnyChannelInItsOrder) {
+  RecorderNode node(config_, bus_);
+  say(1, 3);
+  node.finish();
+  EXPECT_EQ(heard(), (std::vector<int>{1, 2, 3}));
+  EXPECT_EQ(node.report().counters["messages"], 3);
+}
+
+TEST_F(RecorderTest, WhatWasSaidASecondAgoIsOnFileBeforeTheEnd) {
+  RecorderNode node(config_, bus_);
+  node.tick(10'000'000);
+  say(1, 3);
+  node.tick(11'000'000);
+  EXPECT_EQ(heard(), (std::vector<int>{1, 2, 3}));
+}
+
+TEST_F(RecorderTest, NeverOverwritesALog) {
+  {
+    RecorderNode node(config_, bus_);
+    say(1, 2);
+  }
+  {
+    RecorderNode node(config_, bus_);
+    say(3, 4);
+  }
+  EXPECT_EQ(heard(), (std::vector<int>{1, 2}));
+  EXPECT_EQ(heard(".1"), (std::vector<int>{3, 4}));
+}
+
+TEST_F(RecorderTest, GoesOnInTheNextFileWhenOneIsFull) {
+  const std::int64_t record = 28 + 3 + imu_t{}.getEncodedSize();
+  Recording recording(config_.file, 2 * record);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(imu_t{}.getEncodedSize()));
+  imu_t message{};
+  for (message.sequence = 1; message.sequence <= 5; ++message.sequence) {
+    message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    recording.write("IMU", bytes.data(), static_cast<int>(bytes.size()), message.sequence);
+  }
+  recording.flush();
+  EXPECT_EQ(heard(), (std::vector<int>{1, 2}));
+  EXPECT_EQ(heard(".1"), (std::vector<int>{3, 4}));
+  EXPECT_EQ(heard(".2"), (std::vector<int>{5}));
+}
+
+TEST_F(RecorderTest, AFolderThatIsNotThereIsOneClearError) {
+  config_.file = folder_ / "nowhere" / "drive.lcmlog";
+  try {
+    RecorderNode node(config_, bus_);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()), config_.file + ": cannot be written: No such file or directory");
+  }
+}
+
+TEST_F(RecorderTest, SaysThatTheDiskIsFullAndGoesOnWhenThereIsRoomAgain) {
+  RecorderNode node(config_, bus_);
+  node.tick(10'000'000);
+  say(1, 3);
+  node.tick(11'000'000);
+
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  rlimit full = before;
+  full.rlim_cur = 0;
+  setrlimit(RLIMIT_FSIZE, &full);
+  say(4, 6);
+  node.tick(12'000'000);
+  ASSERT_EQ(node.report().faults.size(), 1U);
+  EXPECT_NE(node.report().faults[0].find("cannot be written"), std::string::npos);
+  say(7, 9);
+  EXPECT_EQ(node.report().counters["lost.unwritten"], 6);
+  for (int second = 13; second < 17; ++second) {  // tries in vain, and leaves no heap of empty files
+    node.tick(second * 1'000'000);
+    say(10, 10);
+    EXPECT_FALSE(node.report().faults.empty());
+  }
+
+  setrlimit(RLIMIT_FSIZE, &before);
+  node.tick(20'000'000);
+  node.tick(21'000'000);
+  EXPECT_TRUE(node.report().faults.empty());
+  say(11, 12);
+  node.finish();
+  EXPECT_EQ(heard(), (std::vector<int>{1, 2, 3})) << "what was written before stays";
+  ASSERT_TRUE(exists(".1"));
+  const std::vector<int> after = heard(".1");
+  ASSERT_GE(after.size(), 2U);
+  EXPECT_EQ((std::vector<int>{after.end() - 2, after.end()}), (std::vector<int>{11, 12}));
+  EXPECT_FALSE(exists(".2"));
+}
+
+}  // namespace
+}  // namespace curbstone
