@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <map>
+#include <stdexcept>
 
 #include "services/semantic_map/map_store.hpp"
 
@@ -79,6 +80,15 @@ bool DemoDrive::kill_and_see_it_come_back(const std::string& command) {
         return bus.pid(command) > 0 && bus.pid(command) != pid && status != nullptr && status->pid == bus.pid(command);
       },
       kPatience);
+}
+
+std::string DemoDrive::replay() const {
+  const std::string file = folder_ / "replayed.db";
+  const auto result = run_program("curbstone replay " + (folder_ / "run.lcmlog") + " --map " + file +
+                                      " --config " CURBSTONE_SOURCE_DIR "/config/ugv.yaml",
+                                  100);
+  if (result.exit_status != 0) throw std::runtime_error(result.err);
+  return file;
 }
 
 std::vector<std::string> DemoDrive::losses() const {

@@ -35,11 +35,12 @@ class DemoDrive {
   /// kill -9 to a process; true when the deputy has brought it back, and it speaks again.
   bool kill_and_see_it_come_back(const std::string& command);
 
+  /// Makes the map again from the recorded sensors' messages, in one process; its file.
+  [[nodiscard]] std::string replay() const;
+
   [[nodiscard]] MapContent map() const { return read_map(map_file()); }
   [[nodiscard]] std::string map_file() const { return folder_ / "map.db"; }
-  [[nodiscard]] std::string log_file() const { return folder_ / "run.lcmlog"; }
   [[nodiscard]] std::string output() const { return deputy_->output(); }
-  [[nodiscard]] const TemporaryFolder& folder() const { return folder_; }
   /// What the processes lost, by "service counter"; empty when nothing was.
   [[nodiscard]] std::vector<std::string> losses() const;
   /// The emulator itself was late by more than what buffers bridge: the machine had other things to do, and what was

@@ -44,6 +44,10 @@ TEST(Drive, OfTheRealProcessesEndsWithAStreetWithCurbs) {
   EXPECT_THAT(drive.output(), Not(HasSubstr("killed")));
   if (drive.machine_was_too_busy()) GTEST_SKIP() << "the emulator itself came late: what was lost counts for nothing";
   EXPECT_THAT(drive.losses(), ElementsAre());
+
+  const std::string again = drive.replay();
+  const auto same = run_program("curbstone evaluate --map " + drive.map_file() + " --against " + again);
+  EXPECT_EQ(same.exit_status, 0) << "the recording gives the live map, bit for bit, but: " << same.out << same.err;
 }
 
 TEST(Drive, AVotingWorkerKilledMidDriveComesBackAndTheMapConverges) {
@@ -53,12 +57,7 @@ TEST(Drive, AVotingWorkerKilledMidDriveComesBackAndTheMapConverges) {
   EXPECT_EQ(drive.wait_for_end(), 0) << drive.output();
   expect_a_street(drive.map());
 
-  // The lossless map of the same drive: the sensors' messages as recorded, in one process.
-  const std::string replayed = drive.folder() / "replayed.db";
-  const auto replay = run_program("curbstone replay " + drive.log_file() + " --map " + replayed +
-                                      " --config " CURBSTONE_SOURCE_DIR "/config/ugv.yaml",
-                                  100);
-  ASSERT_EQ(replay.exit_status, 0) << replay.err;
+  const std::string replayed = drive.replay();  // without that accident
   if (drive.machine_was_too_busy()) GTEST_SKIP() << "the emulator itself came late: what was lost counts for nothing";
   EXPECT_GT(agreement(drive.map_file(), replayed), 0.95)
       << "what a cell's class turns on, live pacing may shift a little";
@@ -78,7 +77,8 @@ TEST(Drive, AnEkfKilledMidDriveComesBackAndMappingGoesOn) {
 
 TEST(Drive, SensorsThatFallSilentOrSendGarbageAreFaultsThatPass) {
   DemoDrive drive(
-      "--town --seed 1 --seconds 17 --fault lidar-silent:3-5.8 --fault imu-silent:6.2-8.7 --fault wheels-silent:9.5-11.5 "
+      "--town --seed 1 --seconds 17 --fault lidar-silent:3-5.8 --fault imu-silent:6.2-8.7 --fault "
+      "wheels-silent:9.5-11.5 "
       "--fault lidar-garbage:12-13 --fault imu-garbage:12-13 --fault wheels-garbage:12-13");
   ASSERT_TRUE(drive.wait_for_revolutions(20)) << drive.output();
   for (const char* service : {"rslidar", "imu", "encoder"}) {
