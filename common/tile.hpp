@@ -57,4 +57,17 @@ struct TilePoint {
   std::uint8_t intensity = 0;
 };
 
+/// A tile's points as they are sent are a list that only grows: what is no longer there is taken out by a record with
+/// the same y and z and x' = -1 - x. No two points of a tile are at one place.
+[[nodiscard]] constexpr bool is_removal(const TilePoint& record) {
+  return record.x < 0;
+}
+/// From a point to the record that takes it out, and back.
+[[nodiscard]] constexpr TilePoint removal_of(const TilePoint& point) {
+  return {static_cast<std::int16_t>(-1 - point.x), point.y, point.z, point.intensity};
+}
+[[nodiscard]] constexpr bool at_one_place(const TilePoint& a, const TilePoint& b) {
+  return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
 }  // namespace curbstone

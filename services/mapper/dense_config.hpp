@@ -16,6 +16,7 @@ struct DenseConfig {
   double persistence_s = 1.0;      ///< s that a place above ground must have been seen occupied
   double start_hold_s = 30.0;      ///< s that the first standstill waits: it is dropped if the vehicle moves by then
   double standing_s = 1.5;         ///< s at one place after which a standing vehicle adds no new voxels
+  double free_range = 12.0;        ///< m: nearer, what beams pass through again and again is taken out; 0: nothing is
   int max_points = 30'000'000;     ///< of the whole map (8 bytes each); the farthest tiles go
 
   void visit(ConfigVisitor& v) {
@@ -30,6 +31,7 @@ struct DenseConfig {
     v.field("start_hold_s", start_hold_s, {0.0, 600.0},
             "s that the first standstill waits; it is dropped if the vehicle moves by then");
     v.field("standing_s", standing_s, {0.0, 600.0}, "s at one place after which nothing new is added");
+    v.field("free_range", free_range, {0.0, 50.0}, "m within which what beams pass through is taken out; 0: never");
     v.field("max_points", max_points, {100'000, 500'000'000}, "of the whole map; the farthest tiles go first");
   }
 };

@@ -7,12 +7,14 @@
 namespace curbstone {
 namespace {
 
-constexpr std::int64_t kGiveUp = 3'000'000;  // us without a hit: what waits is forgotten
-constexpr double kGroundSlope = 0.05;        // by which unseen ground may rise above the vehicle's plane
-constexpr std::int64_t kHousekeeping = 64;   // revolutions between
-constexpr std::uint32_t kHeldEvery = 4;      // revolutions between looks at what is held
-constexpr double kAwake = 40.0;              // m beyond the range: tiles that keep their voxel sets
-constexpr double kFarthest = 90'000;         // m from the start, in either axis
+constexpr std::int64_t kGiveUp = 3'000'000;       // us without a hit: what waits is forgotten
+constexpr double kGroundSlope = 0.05;             // by which unseen ground may rise above the vehicle's plane
+constexpr std::int64_t kHousekeeping = 64;        // revolutions between
+constexpr std::uint32_t kHeldEvery = 4;           // revolutions between looks at what is held
+constexpr double kAwake = 40.0;                   // m beyond the range: tiles that keep their voxel sets
+constexpr int kLookEvery = 4;                     // revolutions between looks through a tile
+constexpr std::int64_t kRemoveEvery = 1'000'000;  // us: whoever votes counts such a tile anew
+constexpr double kFarthest = 90'000;              // m from the start, in either axis
 constexpr double kColumnsPerMetre = DenseTile::kColumns / kTileSize;
 
 std::int64_t microseconds(double seconds) {
@@ -55,7 +57,8 @@ DenseMap::DenseMap(const DenseConfig& config)
     : config_(config),
       voxel_steps_(static_cast<int>(std::lround(config.voxel / kPositionStep))),
       settle_us_(microseconds(config.settle_s)),
-      places_(microseconds(config.persistence_s)) {}
+      places_(microseconds(config.persistence_s)),
+      free_space_(config.ground_clearance) {}
 
 const DenseTile* DenseMap::tile(TileKey key) const {
   const auto it = tiles_.find(key);
@@ -104,6 +107,36 @@ std::vector<TileKey> DenseMap::insert(const std::vector<LidarPoint>& points, con
 
 std::vector<TileKey> DenseMap::finish() {
   return settle_all(0, true);
+}
+
+std::vector<TileKey> DenseMap::look_through(const std::vector<LidarPoint>& points, const Pose& T_map_base,
+                                            const Pose& T_base_lidar, const Twist& motion, std::int64_t utime,
+                                            const std::function<bool(std::int32_t)>& in_place) {
+  std::vector<TileKey> changed;
+  const Pose T_map_lidar = T_map_base * T_base_lidar;
+  const Eigen::Vector2d here = T_map_lidar.translation().head<2>();
+  const auto low = mapped_tile_at({here.x() - config_.free_range, here.y() - config_.free_range, 0});
+  const auto high = mapped_tile_at({here.x() + config_.free_range, here.y() + config_.free_range, 0});
+  if (!(config_.free_range > 0) || !low || !high) return changed;
+  const SweepImage image(points, T_base_lidar, motion);
+  const FreeSpace::View view{image, T_map_lidar.inverse(), config_.free_range, in_place};
+  for (int x = low->x; x <= high->x; ++x) {
+    for (int y = low->y; y <= high->y; ++y) {
+      if ((x + 3 * y + round_) % kLookEvery != 0) continue;
+      DenseTile* const tile = find_tile({x, y});
+      if (tile == nullptr) continue;
+      std::vector<std::uint32_t> gone = free_space_.look(*tile, corner_of({x, y}, *tile), view);
+      if (gone.size() == tile->num_points() && !gone.empty()) gone.pop_back();  // a tile that was told of stays one
+      if (gone.empty() || utime - tile->removed_at() < kRemoveEvery) continue;
+      tile->remove(gone, utime);
+      const auto count = static_cast<std::int64_t>(gone.size());
+      size_ -= count;
+      num_removals_ += count;
+      counters_.add("dense.removed", count);
+      changed.push_back({x, y});
+    }
+  }
+  return changed;
 }
 
 /// First look at the whole revolution: the lowest point of each column, then what stands above it.
@@ -243,12 +276,14 @@ void DenseMap::bound_memory() {
     tile.sleep();
     far.emplace_back(d, key);
   }
-  if (size_ <= config_.max_points) return;
+  const auto kept = [&] { return size_ + 2 * num_removals_; };
+  if (kept() <= config_.max_points) return;
   std::sort(far.begin(), far.end());
-  while (size_ > config_.max_points && !far.empty()) {
+  while (kept() > config_.max_points && !far.empty()) {
     const TileKey key = far.back().second;
     far.pop_back();
-    size_ -= static_cast<std::int64_t>(tiles_.at(key).points().size());
+    size_ -= static_cast<std::int64_t>(tiles_.at(key).num_points());
+    num_removals_ -= static_cast<std::int64_t>(tiles_.at(key).num_removals());
     tiles_.erase(key);
     evicted_.push_back(key);
     counters_.add("dense.evicted_tiles");
@@ -267,21 +302,22 @@ void DenseMap::move(const std::vector<Pose>& corrections) {
   std::unordered_map<TileKey, DenseTile, TileKeyHash> before;
   before.swap(tiles_);
   forget_waiting();
-  size_ = 0;
+  size_ = num_removals_ = 0;
   std::vector<TileKey> order;
   for (const auto& [key, tile] : before) order.push_back(key);
   std::sort(order.begin(), order.end());
   for (const TileKey& key : order) {
     const DenseTile& tile = before.at(key);
+    const std::vector<bool> there = tile.standing();
     const Eigen::Vector3d corner = corner_of(key, tile);
     for (std::size_t r = 0; r < tile.runs().size(); ++r) {
       const DenseTile::Run& run = tile.runs()[r];
-      const std::size_t end =
-          r + 1 < tile.runs().size() ? static_cast<std::size_t>(tile.runs()[r + 1].first) : tile.points().size();
+      const std::size_t end = tile.end_of(r);
       const bool moves = run.anchor >= 0 && static_cast<std::size_t>(run.anchor) < corrections.size();
       const Pose T = moves ? corrections[static_cast<std::size_t>(run.anchor)] : Pose::Identity();
       for (auto i = static_cast<std::size_t>(run.first); i < end; ++i) {
-        const TilePoint& p = tile.points()[i];
+        if (!there[i]) continue;
+        const TilePoint& p = tile.records()[i];
         const Eigen::Vector3d half(0.5, 0.5, 0.5);  // a point stands for its step's middle
         const Eigen::Vector3d was = corner + kPositionStep * (Eigen::Vector3d(p.x, p.y, p.z) + half);
         put(T * was, tile.z_origin(), p.intensity, run);
@@ -306,7 +342,12 @@ void DenseMap::put(const Eigen::Vector3d& point, std::int32_t z_origin, std::uin
 
 void DenseMap::roll_back(std::int64_t utime) {
   forget_waiting();
-  for (auto& [key, tile] : tiles_) size_ -= tile.cut_after(utime);
+  size_ = num_removals_ = 0;
+  for (auto& [key, tile] : tiles_) {
+    tile.cut_after(utime);
+    size_ += static_cast<std::int64_t>(tile.num_points());
+    num_removals_ += static_cast<std::int64_t>(tile.num_removals());
+  }
 }
 
 void DenseMap::load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points) {

@@ -11,6 +11,7 @@
 #include "services/mapper/dense_config.hpp"
 #include "services/mapper/dense_tile.hpp"
 #include "services/mapper/flat_index.hpp"
+#include "services/mapper/free_space.hpp"
 #include "services/mapper/occupied_places.hpp"
 #include "services/mapper/revolution.hpp"
 
@@ -18,9 +19,10 @@ namespace curbstone {
 
 /// The dense map in tiles. A voxel gives one point: the mean of its first hits. What stands clear of the ground waits
 /// until its place has been seen occupied for a while, so that moving objects do not leave their ghosts; so do low
-/// points under such a thing. A function of the calls alone. Pure; one thread.
+/// points under such a thing. What has left is taken out again. A function of the calls alone. Pure; one thread.
 ///
-/// Counters: dense.points, dense.transient (voxels given up: nothing stayed there), dense.evicted_tiles.
+/// Counters: dense.points, dense.transient (voxels given up: nothing stayed there), dense.removed (points: seen through
+/// since), dense.evicted_tiles.
 class DenseMap {
  public:
   explicit DenseMap(const DenseConfig& config);
@@ -29,6 +31,12 @@ class DenseMap {
   /// Returns the tiles that grew, in order.
   std::vector<TileKey> insert(const std::vector<LidarPoint>& points, const Pose& T_map_base, std::int64_t utime,
                               bool add_new = true);
+  /// Takes out what the same revolution's beams passed through, now and before: see FreeSpace. `motion`: of base_link
+  /// during it; `in_place`: whether an anchor's points are where they are seen, or may be displaced by drift. Looks at
+  /// a part of the surroundings each time. Returns the tiles that changed, in order.
+  std::vector<TileKey> look_through(const std::vector<LidarPoint>& points, const Pose& T_map_base,
+                                    const Pose& T_base_lidar, const Twist& motion, std::int64_t utime,
+                                    const std::function<bool(std::int32_t)>& in_place);
   /// The node of the drive that the vehicle is at: what is settled from now on moves with it.
   void set_anchor(std::int32_t anchor) { anchor_ = anchor; }
   static constexpr std::int32_t kFixed = -1;  ///< an anchor that never moves
@@ -36,7 +44,8 @@ class DenseMap {
   /// The nodes have been moved: every point goes where its anchor's correction, T_new_old by number, takes it. Where
   /// two come into one voxel, one stays. What still waited is forgotten. All tiles are other ones now.
   void move(const std::vector<Pose>& corrections);
-  /// Forgets what was settled after `utime`, to about a second, and what waits.
+  /// Forgets what was settled after `utime`, to about a second, and what waits; what was taken out since is there
+  /// again.
   void roll_back(std::int64_t utime);
   /// Takes a tile of an earlier map, which moves no more. The key must be new.
   void load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points);
@@ -51,6 +60,8 @@ class DenseMap {
   /// Tiles that were given up for memory since the last call.
   [[nodiscard]] std::vector<TileKey> take_evicted();
   [[nodiscard]] std::int64_t size() const { return size_; }
+  /// Points that were taken out and that the tiles still tell of; move() makes them lists of points alone.
+  [[nodiscard]] std::int64_t num_removals() const { return num_removals_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
@@ -100,12 +111,14 @@ class DenseMap {
   FlatIndex waiting_index_;
   std::vector<std::uint32_t> free_;  // of waiting_
   OccupiedPlaces places_;
+  FreeSpace free_space_;
   std::vector<TileKey> evicted_;
   std::vector<Seen> in_range_;                      // scratch
   Eigen::Vector3d base_ = Eigen::Vector3d::Zero();  // position of base_link in map
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();   // its z axis
   std::int64_t round_ = 0;                          // revolutions inserted
   std::int64_t size_ = 0;                           // points
+  std::int64_t num_removals_ = 0;
   std::int32_t anchor_ = kFixed;
   Counters counters_;
 };

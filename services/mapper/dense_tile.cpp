@@ -2,12 +2,27 @@
 
 #include <algorithm>
 #include <limits>
+#include <unordered_map>
+#include <unordered_set>
 
 namespace curbstone {
+namespace {
+
+/// Names a place in a tile.
+std::uint64_t place_key(const TilePoint& point) {
+  return (static_cast<std::uint64_t>(static_cast<std::uint16_t>(point.x)) << 32) |
+         (static_cast<std::uint64_t>(static_cast<std::uint16_t>(point.y)) << 16) | static_cast<std::uint16_t>(point.z);
+}
+
+}  // namespace
+
+std::size_t NumberSet::home_of(std::uint32_t number) const {
+  return (number * 0x9e3779b1U >> 7) & (slots_.size() - 1);
+}
 
 std::size_t NumberSet::place_of(std::uint32_t number) const {
   const std::size_t mask = slots_.size() - 1;
-  std::size_t i = (number * 0x9e3779b1U >> 7) & mask;
+  std::size_t i = home_of(number);
   while (slots_[i] != 0 && slots_[i] != number + 1) i = (i + 1) & mask;
   return i;
 }
@@ -29,6 +44,20 @@ void NumberSet::insert(std::uint32_t number) {
   slot = number + 1;
 }
 
+/// What was put behind the hole moves up, so no search gets longer for it.
+void NumberSet::erase(std::uint32_t number) {
+  if (!contains(number)) return;
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t hole = place_of(number);
+  for (std::size_t i = (hole + 1) & mask; slots_[i] != 0; i = (i + 1) & mask) {
+    if (((i - home_of(slots_[i] - 1)) & mask) < ((i - hole) & mask)) continue;  // its home is behind the hole
+    slots_[hole] = slots_[i];
+    hole = i;
+  }
+  slots_[hole] = 0;
+  --size_;
+}
+
 DenseTile::DenseTile(std::int32_t z_origin, int voxel_steps) : z_origin_(z_origin), voxel_steps_(voxel_steps) {
   asleep_ = true;
   wake();
@@ -41,32 +70,88 @@ std::uint32_t DenseTile::voxel_number(const TilePoint& point) const {
   return static_cast<std::uint32_t>((layer * per_side + point.y / voxel_steps_) * per_side + point.x / voxel_steps_);
 }
 
-void DenseTile::append(const TilePoint& point, std::int64_t utime, std::int32_t anchor) {
+void DenseTile::append_record(const TilePoint& record, std::int64_t utime, std::int32_t anchor) {
   constexpr std::int64_t kLongestRun = 1'000'000;  // us: what cut_after() can tell apart
   if (runs_.empty() || runs_.back().anchor != anchor || std::abs(utime - runs_.back().utime) > kLongestRun) {
-    runs_.push_back({anchor, static_cast<std::int32_t>(points_.size()), utime});
+    runs_.push_back({anchor, static_cast<std::int32_t>(records_.size()), utime});
   }
   utime_ = std::max(utime_, utime);
-  points_.push_back(point);
-  occupied_.insert(voxel_number(point));
+  records_.push_back(record);
 }
 
-std::int64_t DenseTile::cut_after(std::int64_t utime) {
-  const std::size_t before = points_.size();
+void DenseTile::append(const TilePoint& point, std::int64_t utime, std::int32_t anchor) {
+  append_record(point, utime, anchor);
+  occupied_.insert(voxel_number(point));
+  seen_through_.push_back(0);
+}
+
+void DenseTile::remove(const std::vector<std::uint32_t>& records, std::int64_t utime) {
+  for (const std::uint32_t record : records) {
+    const TilePoint point = records_[record];
+    append_record(removal_of(point), utime, runs_.back().anchor);
+    occupied_.erase(voxel_number(point));
+    seen_through_[record] = kGone;
+    seen_through_.push_back(kGone);
+    ++num_removals_;
+  }
+  removed_at_ = utime;
+}
+
+std::vector<bool> DenseTile::standing() const {
+  std::vector<bool> there(records_.size(), true);
+  if (num_removals_ == 0) return there;
+  std::unordered_map<std::uint64_t, std::size_t> at;
+  for (std::size_t i = 0; i < records_.size(); ++i) {
+    if (!is_removal(records_[i])) {
+      at[place_key(records_[i])] = i;
+      continue;
+    }
+    there[i] = false;
+    there[at.at(place_key(removal_of(records_[i])))] = false;
+  }
+  return there;
+}
+
+std::vector<TilePoint> DenseTile::points() const {
+  const std::vector<bool> there = standing();
   std::vector<TilePoint> points;
+  points.reserve(num_points());
+  for (std::size_t i = 0; i < records_.size(); ++i) {
+    if (there[i]) points.push_back(records_[i]);
+  }
+  return points;
+}
+
+void DenseTile::set_vacated(int column) {
+  if (vacated_.empty()) vacated_.resize(kVacatedColumns * kVacatedColumns);
+  vacated_[static_cast<std::size_t>(column)] = true;
+}
+
+void DenseTile::cut_after(std::int64_t utime) {
+  std::vector<TilePoint> records;
   std::vector<Run> runs;
-  points.swap(points_);
+  records.swap(records_);
   runs.swap(runs_);
   utime_ = 0;
+  num_removals_ = 0;
+  std::unordered_set<std::uint64_t> there;
   for (std::size_t r = 0; r < runs.size(); ++r) {
     if (runs[r].utime > utime) continue;
-    const std::size_t end = r + 1 < runs.size() ? static_cast<std::size_t>(runs[r + 1].first) : before;
-    runs_.push_back({runs[r].anchor, static_cast<std::int32_t>(points_.size()), runs[r].utime});
+    runs_.push_back({runs[r].anchor, static_cast<std::int32_t>(records_.size()), runs[r].utime});
     utime_ = std::max(utime_, runs[r].utime);
-    points_.insert(points_.end(), points.begin() + runs[r].first, points.begin() + static_cast<std::ptrdiff_t>(end));
+    const std::size_t end = r + 1 < runs.size() ? static_cast<std::size_t>(runs[r + 1].first) : records.size();
+    for (auto i = static_cast<std::size_t>(runs[r].first); i < end; ++i) {
+      const TilePoint& record = records[i];
+      if (is_removal(record)) {  // after a jump of the clock, of something that came "later"
+        if (there.erase(place_key(removal_of(record))) == 0) continue;
+        ++num_removals_;
+      } else {
+        there.insert(place_key(record));
+      }
+      records_.push_back(record);
+    }
   }
   sleep();
-  return static_cast<std::int64_t>(before - points_.size());
 }
 
 float& DenseTile::lowest(int column, int row) {
@@ -76,16 +161,23 @@ float& DenseTile::lowest(int column, int row) {
 void DenseTile::sleep() {
   if (asleep_) return;
   asleep_ = true;
-  points_.shrink_to_fit();
+  records_.shrink_to_fit();
   occupied_.clear();
   lowest_ = {};
+  seen_through_ = {};
+  vacated_ = {};
 }
 
 void DenseTile::wake() {
   if (!asleep_) return;
   asleep_ = false;
   lowest_.assign(kColumns * kColumns, std::numeric_limits<float>::infinity());
-  for (const TilePoint& point : points_) {
+  const std::vector<bool> there = standing();
+  seen_through_.assign(records_.size(), kGone);
+  for (std::size_t i = 0; i < records_.size(); ++i) {
+    if (!there[i]) continue;
+    const TilePoint& point = records_[i];
+    seen_through_[i] = 0;
     occupied_.insert(voxel_number(point));
     float& low = lowest(point.x * kColumns / kStepsPerTile, point.y * kColumns / kStepsPerTile);
     low = std::min(low, static_cast<float>(z_origin_ + point.z * kPositionStep));

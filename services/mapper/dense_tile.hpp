@@ -7,20 +7,24 @@
 
 namespace curbstone {
 
-/// A set of small numbers: open addressing, no erasing.
+/// A set of small numbers: open addressing.
 class NumberSet {
  public:
   [[nodiscard]] bool contains(std::uint32_t number) const;
   void insert(std::uint32_t number);
+  /// Nothing if it is not in the set.
+  void erase(std::uint32_t number);
   void clear() { slots_ = {}, size_ = 0; }
 
  private:
+  [[nodiscard]] std::size_t home_of(std::uint32_t number) const;
   [[nodiscard]] std::size_t place_of(std::uint32_t number) const;
   std::vector<std::uint32_t> slots_;  // number + 1; 0 is free
   std::size_t size_ = 0;
 };
 
-/// One tile of the dense map: points that are only ever appended, at most one a voxel.
+/// One tile of the dense map: at most one point a voxel. What it keeps is the list of records that goes out as
+/// MAP_POINTS (see common/tile.hpp): points, and what took some of them out again. It is only ever appended to.
 class DenseTile {
  public:
   /// `voxel_steps`: a voxel's side in kPositionStep; must divide kStepsPerTile.
@@ -28,7 +32,13 @@ class DenseTile {
 
   /// m in map; a whole number.
   [[nodiscard]] std::int32_t z_origin() const { return z_origin_; }
-  [[nodiscard]] const std::vector<TilePoint>& points() const { return points_; }
+  [[nodiscard]] const std::vector<TilePoint>& records() const { return records_; }
+  /// What is there: the records that are points and have not been taken out, in order.
+  [[nodiscard]] std::vector<TilePoint> points() const;
+  /// Of each record whether it is one of those.
+  [[nodiscard]] std::vector<bool> standing() const;
+  [[nodiscard]] std::size_t num_points() const { return records_.size() - 2 * num_removals_; }
+  [[nodiscard]] std::size_t num_removals() const { return num_removals_; }
 
   /// Names the point's voxel within the tile.
   [[nodiscard]] std::uint32_t voxel_number(const TilePoint& point) const;
@@ -36,15 +46,21 @@ class DenseTile {
   /// The point's voxel must not be occupied. `utime`: of the revolution that settled the point; `anchor`: the node of
   /// the drive that the vehicle was at.
   void append(const TilePoint& point, std::int64_t utime, std::int32_t anchor);
-  /// Points from `first` on, up to the next run, came from `utime` on with one anchor.
+  /// Takes points out, by the numbers of their records, of which each must be there().
+  void remove(const std::vector<std::uint32_t>& records, std::int64_t utime);
+  /// Records from `first` on, up to the next run, came from `utime` on with one anchor.
   struct Run {
     std::int32_t anchor;
     std::int32_t first;
     std::int64_t utime;
   };
   [[nodiscard]] const std::vector<Run>& runs() const { return runs_; }
-  /// Forgets the runs that began after `utime`. Returns how many points went.
-  std::int64_t cut_after(std::int64_t utime);
+  /// The number of the record after a run's last.
+  [[nodiscard]] std::size_t end_of(std::size_t run) const {
+    return run + 1 < runs_.size() ? static_cast<std::size_t>(runs_[run + 1].first) : records_.size();
+  }
+  /// Forgets the runs that began after `utime`: what they took out is there again.
+  void cut_after(std::int64_t utime);
   /// When the newest point came, us. A fact of the content: whenever and in how many messages it is sent.
   [[nodiscard]] std::int64_t utime() const { return utime_; }
 
@@ -54,6 +70,20 @@ class DenseTile {
   [[nodiscard]] float& lowest_at(const TilePoint& point) {
     return lowest(point.x * kColumns / kStepsPerTile, point.y * kColumns / kStepsPerTile);
   }
+
+  /// How often beams have lately been seen to pass through a point, by its record; kGone: it is not there. Forgotten in
+  /// sleep.
+  static constexpr std::uint8_t kGone = 255;
+  [[nodiscard]] std::uint8_t& seen_through(std::size_t record) { return seen_through_[record]; }
+  [[nodiscard]] bool there(std::size_t record) const { return seen_through_[record] != kGone; }
+  /// Columns of 0.2 m above which something has been taken out. Forgotten in sleep.
+  static constexpr int kVacatedColumns = 15;
+  [[nodiscard]] bool vacated(int column) const {
+    return !vacated_.empty() && vacated_[static_cast<std::size_t>(column)];
+  }
+  void set_vacated(int column);
+  /// When points were taken out last, us.
+  [[nodiscard]] std::int64_t removed_at() const { return removed_at_; }
 
   /// Gives back the memory that only adding points needs; it is made again from the points when wanted.
   void sleep();
@@ -65,10 +95,15 @@ class DenseTile {
   int voxel_steps_;
   bool asleep_ = false;
   std::int64_t utime_ = 0;
-  std::vector<TilePoint> points_;
+  void append_record(const TilePoint& record, std::int64_t utime, std::int32_t anchor);
+  std::int64_t removed_at_ = 0;
+  std::size_t num_removals_ = 0;
+  std::vector<TilePoint> records_;
   std::vector<Run> runs_;
   NumberSet occupied_;
   std::vector<float> lowest_;
+  std::vector<std::uint8_t> seen_through_;
+  std::vector<bool> vacated_;
 };
 
 }  // namespace curbstone

@@ -4,11 +4,14 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <utility>
 
 namespace curbstone {
 namespace {
 
 constexpr std::size_t kMostHeld = 20;            // revolutions of the first standstill: more show nothing new
+constexpr std::int64_t kMostRemovals = 400'000;  // records of what has gone, until the tiles begin anew
+constexpr double kLongestStep = 0.3;             // s between revolutions that tell how the vehicle moved
 constexpr std::int64_t kSearchPeriod = 500'000;  // us between two searches for where the vehicle is
 constexpr double kContradiction = 0.5;           // m between two accounts of where the vehicle is, and
 constexpr double kContradictionDrift = 0.05;     // more for each m of odometry, that only an error explains
@@ -119,6 +122,26 @@ void Mapper::grow(const Tracked& tracked, MapperUpdate& update) {
   const bool add_new = seconds(moved_, tracked.utime) < config_.dense.standing_s;
   const std::vector<TileKey> grown = dense_.insert(tracked.points, tracked.T_map_base, tracked.utime, add_new);
   update.grown.insert(update.grown.end(), grown.begin(), grown.end());
+  look_through(tracked, update);
+}
+
+/// Takes out what has left. Only points that are where registration sees their surroundings can be judged.
+void Mapper::look_through(const Tracked& tracked, MapperUpdate& update) {
+  const std::optional<Earlier> earlier = std::exchange(earlier_, Earlier{tracked.T_map_base, tracked.utime});
+  if (!earlier || tracked.fix != Fix::kTracking) return;
+  const double dt = seconds(earlier->utime, tracked.utime);
+  if (!(dt > 0 && dt < kLongestStep)) return;
+  const Twist motion = twist_of(earlier->T_map_base.inverse() * tracked.T_map_base, dt);
+  const auto in_place = [&](std::int32_t anchor) {
+    return anchor == DenseMap::kFixed || (anchor < atlas_.size() && atlas_.present(anchor));
+  };
+  for (const TileKey& key : dense_.look_through(tracked.points, tracked.T_map_base, config_.vehicle.T_base_lidar(),
+                                                motion, tracked.utime, in_place)) {
+    update.grown.push_back(key);
+  }
+  if (dense_.num_removals() < kMostRemovals) return;
+  dense_.move({});
+  update.rearranged = true;
 }
 
 /// Standing, sixteen beams draw the same sixteen rings again and again, and the filter does not know its tilt to better
@@ -157,6 +180,7 @@ void Mapper::close_loop(Tracked& tracked, MapperUpdate& update) {
   const Pose& here = (*corrections)[static_cast<std::size_t>(atlas_.reference())];
   atlas_.set_poses(poses);
   dense_.move(*corrections);
+  earlier_.reset();
   tracked.T_map_base = normalised(here * tracked.T_map_base);
   T_map_moved_ = normalised(here * T_map_moved_);
   rebuild_registration(tracked.T_map_base, atlas_.reference());
@@ -188,6 +212,7 @@ void Mapper::search(Tracked& tracked, MapperUpdate& update) {
   if (!found) return;
   counters_.add("searches.found");
   tracked.T_map_base = found->T_map_base;
+  earlier_.reset();
   tracked.fix = Fix::kTentative;
   tracked.registered = true;
   tracked.registration.covariance = found->covariance;

@@ -102,6 +102,7 @@ class Mapper {
   void recall_surroundings(const Eigen::Vector3d& position);
   void notice_motion(Tracked& tracked);
   void grow(const Tracked& tracked, MapperUpdate& update);
+  void look_through(const Tracked& tracked, MapperUpdate& update);
   [[nodiscard]] bool holds_back(const Tracked& tracked);
   [[nodiscard]] std::vector<TileKey> insert_held();
   void close_loop(Tracked& tracked, MapperUpdate& update);
@@ -128,6 +129,12 @@ class Mapper {
   std::int64_t started_ = 0;             // us, the end of the first revolution
   bool has_moved_ = false;               // since then
   std::vector<Held> held_;
+  /// The revolution before, if the map has not been rearranged since.
+  struct Earlier {
+    Pose T_map_base;
+    std::int64_t utime;
+  };
+  std::optional<Earlier> earlier_;
   Counters counters_;
 };
 

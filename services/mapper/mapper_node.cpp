@@ -208,7 +208,7 @@ void MapperNode::take_grown(const std::vector<TileKey>& grown) {
 std::int32_t MapperNode::send_points(TileKey key, std::int32_t first) {
   const DenseTile* tile = mapper_.dense().tile(key);
   if (tile == nullptr) return first;
-  const auto total = static_cast<std::int32_t>(tile->points().size());
+  const auto total = static_cast<std::int32_t>(tile->records().size());
   const std::int32_t last = std::min(total, first + kPointsPerMessage);
   if (last <= first) return first;
   map_points_t message;
@@ -220,7 +220,7 @@ std::int32_t MapperNode::send_points(TileKey key, std::int32_t first) {
   message.first = first;
   message.num_points = last - first;
   for (std::int32_t i = first; i < last; ++i) {
-    const TilePoint& point = tile->points()[static_cast<std::size_t>(i)];
+    const TilePoint& point = tile->records()[static_cast<std::size_t>(i)];
     message.x.push_back(point.x);
     message.y.push_back(point.y);
     message.z.push_back(point.z);
@@ -252,7 +252,7 @@ void MapperNode::send_changes(std::int64_t now) {
     --messages;
     points -= sent.points - before;
     catalog_.set_version(key, sent.points);
-    if (sent.points < static_cast<std::int32_t>(tile->points().size())) {
+    if (sent.points < static_cast<std::int32_t>(tile->records().size())) {
       changed_.push_back(key);
     } else {
       is_changed_.erase(key);
@@ -294,7 +294,7 @@ void MapperNode::finish() {
     Sent& sent = sent_[key];
     const DenseTile* tile = mapper_.dense().tile(key);
     if (tile == nullptr) continue;
-    while (sent.points < static_cast<std::int32_t>(tile->points().size())) sent.points = send_points(key, sent.points);
+    while (sent.points < static_cast<std::int32_t>(tile->records().size())) sent.points = send_points(key, sent.points);
     catalog_.set_version(key, sent.points);
   }
   is_changed_.clear();

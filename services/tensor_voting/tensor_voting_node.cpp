@@ -75,8 +75,9 @@ void TensorVotingNode::on(const map_points_t& message) {
     case PointTiles::Outcome::kAdded:
       break;
   }
-  follower_.set_have(key, static_cast<std::int32_t>(map_.points().find(key)->points.size()));
+  follower_.set_have(key, map_.points().find(key)->records);
   counters_.add("map_points", static_cast<std::int64_t>(taken.added.size()));
+  counters_.add("tiles_thinned", taken.removed ? 1 : 0);
 }
 
 void TensorVotingNode::on(const map_pose_t& message) {

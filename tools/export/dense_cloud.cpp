@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <curbstone/map_points_t.hpp>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -39,20 +41,39 @@ std::vector<TilePoint> points_of(const map_points_t& message) {
   return points;
 }
 
-void append(TileKey key, const TilePoints& tile, DenseCloud& cloud) {
+/// What stands at the end of a tile's list of records; a removal of what is missing does nothing.
+std::vector<TilePoint> standing_points(const TilePoints& tile, std::int64_t& missing) {
+  const auto place = [](const TilePoint& p) { return std::array{p.x, p.y, p.z}; };
+  std::vector<std::optional<TilePoint>> points;
+  std::map<std::array<std::int16_t, 3>, std::size_t> at;
   std::int64_t next = 0;
   for (const auto& [first, piece] : tile.pieces) {
     if (first > next) {
-      cloud.missing += first - next;
+      missing += first - next;
       next = first;
     }
     for (auto i = static_cast<std::size_t>(next - first); i < piece.size(); ++i) {
-      const TilePoint& p = piece[i];
-      const Eigen::Vector3d position(key.x * kTileSize + p.x * kPositionStep, key.y * kTileSize + p.y * kPositionStep,
-                                     tile.z_origin + p.z * kPositionStep);
-      cloud.points.push_back({position.cast<float>(), static_cast<float>(p.intensity)});
+      if (!is_removal(piece[i])) {
+        at[place(piece[i])] = points.size();
+        points.emplace_back(piece[i]);
+      } else if (const auto it = at.find(place(removal_of(piece[i]))); it != at.end()) {
+        points[it->second].reset();
+      }
     }
     next = std::max<std::int64_t>(next, first + static_cast<std::int64_t>(piece.size()));
+  }
+  std::vector<TilePoint> standing;
+  for (const auto& point : points) {
+    if (point) standing.push_back(*point);
+  }
+  return standing;
+}
+
+void append(TileKey key, const TilePoints& tile, DenseCloud& cloud) {
+  for (const TilePoint& p : standing_points(tile, cloud.missing)) {
+    const Eigen::Vector3d position(key.x * kTileSize + p.x * kPositionStep, key.y * kTileSize + p.y * kPositionStep,
+                                   tile.z_origin + p.z * kPositionStep);
+    cloud.points.push_back({position.cast<float>(), static_cast<float>(p.intensity)});
   }
 }
 

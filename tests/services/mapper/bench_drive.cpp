@@ -144,11 +144,6 @@ int main(int argc, char** argv) {
   });
   bus.subscribe<map_points_t>("MAP_POINTS", [&](const map_points_t& m) {
     result.largest = std::max(result.largest, static_cast<std::size_t>(m.getEncodedSize()));
-    for (std::size_t i = 0; i < m.x.size(); ++i) {
-      result.points.push_back({m.tile_x * kTileSize + m.x[i] * kPositionStep,
-                               m.tile_y * kTileSize + m.y[i] * kPositionStep,
-                               static_cast<double>(m.z_origin) + m.z[i] * kPositionStep});
-    }
   });
   if (file.ends_with(".pcap")) {
     RslidarConfig lidar;
@@ -161,6 +156,13 @@ int main(int argc, char** argv) {
   }
   node.finish();
   bus.dispatch();
+  for (const TileKey& key : node.mapper().dense().keys()) {
+    const DenseTile& tile = *node.mapper().dense().tile(key);
+    for (const TilePoint& p : tile.points()) {
+      result.points.push_back({key.x * kTileSize + p.x * kPositionStep, key.y * kTileSize + p.y * kPositionStep,
+                               tile.z_origin() + p.z * kPositionStep});
+    }
+  }
 
   std::sort(result.ms.begin(), result.ms.end());
   double residual = 0, inliers = 0, iterations = 0;

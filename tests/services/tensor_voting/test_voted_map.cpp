@@ -126,5 +126,66 @@ TEST(VotedMapTest, ATileLetGoWhileItWaitsIsNoMatter) {
   EXPECT_EQ(map.revision({0, 0}), 0);
 }
 
+/// Every third point of a tile is taken out again, by records that follow it.
+Tiles with_removals(Tiles tiles, TileKey key) {
+  std::vector<TilePoint>& records = tiles.at(key);
+  const std::size_t count = records.size();
+  for (std::size_t i = 0; i < count; i += 3) records.push_back(removal_of(records[i]));
+  return tiles;
+}
+
+TEST(VotedMapTest, WhatIsTakenOutLeavesTheVotesOfTheRest) {
+  const TileKey key{0, 0};
+  const Tiles tiles = street();
+  const Tiles records = with_removals(tiles, key);
+  Tiles rest = tiles;
+  std::vector<TilePoint>& kept = rest.at(key);
+  for (std::size_t i = 0, at = 0; i < tiles.at(key).size(); ++i)
+    i % 3 == 0 ? (void)kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(at)) : (void)++at;
+
+  VotedMap map = complete(tiles);
+  std::map<TileKey, std::int32_t> before;
+  for (const auto& [k, points] : tiles) before[k] = map.revision(k);
+  (void)map.take_changed();
+  const auto taken = map.take(part(records, key, tiles.at(key).size(), records.at(key).size()), true);
+  EXPECT_EQ(taken.outcome, PointTiles::Outcome::kAdded);
+  EXPECT_TRUE(taken.removed);
+  const VotedMap expected = complete(rest);
+  for (const auto& [k, points] : rest) {
+    for (std::size_t scale = 0; scale < kScales.size(); ++scale)
+      EXPECT_EQ(map.fields()[scale].sums(k), expected.fields()[scale].sums(k));
+    EXPECT_EQ(map.points().find(k)->points.size(), points.size());
+  }
+  for (const TileKey& k : map.take_changed()) {
+    if (!tiles.contains(k)) continue;
+    EXPECT_GT(map.revision(k), before[k]) << "fewer votes, and yet a later revision";
+  }
+  expect_equal(map, complete(records));  // for whoever comes late and gets all of it at once
+}
+
+TEST(VotedMapTest, ATileThatWaitsForItsTurnLosesPointsToo) {
+  const TileKey key{0, 0};
+  const Tiles records = with_removals(street(), key);
+  VotedMap map({}, kScales);
+  for (const auto& [k, all] : records) map.take(part(records, k, 0, all.size() / 2), false);
+  map.reassign([](TileKey) { return true; }, 0, 0);
+  map.move(300);
+  for (const auto& [k, all] : records) map.take(part(records, k, all.size() / 2, all.size()), true);
+  while (map.is_moving()) map.move(300);
+  expect_equal(map, complete(records));
+}
+
+TEST(VotedMapTest, WhatIsNotThereCannotBeTakenOut) {
+  const TileKey key{0, 0};
+  Tiles tiles = street();
+  VotedMap map = complete(tiles);
+  const std::size_t count = tiles.at(key).size();
+  tiles.at(key).push_back(removal_of(tiles.at(key).front()));
+  tiles.at(key).push_back(removal_of(tiles.at(key).front()));  // twice
+  EXPECT_EQ(map.take(part(tiles, key, count, count + 2), true).outcome, PointTiles::Outcome::kRefused);
+  expect_equal(map, complete(street()));
+  EXPECT_EQ(map.take(part(tiles, key, count, count + 1), true).outcome, PointTiles::Outcome::kAdded);
+}
+
 }  // namespace
 }  // namespace curbstone

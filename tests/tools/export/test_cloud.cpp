@@ -87,6 +87,15 @@ TEST_F(Cloud, TakesRepeatedLateAndOverlappingPiecesOnceAndCountsWhatIsMissing) {
   EXPECT_THAT(said_, HasSubstr("1 points are missing"));
 }
 
+TEST_F(Cloud, LeavesOutWhatTheMapTookOutAgain) {
+  map_points_t gone = points(1, 2);
+  gone.first = 4;
+  for (std::int16_t& x : gone.x) x = static_cast<std::int16_t>(-1 - x);
+  write_log({points(0, 4), gone, gone});
+  ASSERT_EQ(run({"--only", "cloud", "--log", path("log")}), 0);
+  EXPECT_THAT(read("cloud.pcd"), ElementsAre(row(0), row(3)));
+}
+
 TEST_F(Cloud, RefusesImpossibleMessages) {
   {
     LogWriter log(path("log"));

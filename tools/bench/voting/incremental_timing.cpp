@@ -63,7 +63,10 @@ class FieldTimer {
     if (taken.outcome != PointTiles::Outcome::kAdded) return;
     const std::int32_t z_origin = map_.find(key)->z_origin * kStepsPerMetre;
     const double begin = cpu_ms();
-    for (VotingField& field : fields_) field.add(key, z_origin, taken.added);
+    for (VotingField& field : fields_) {
+      if (taken.removed) field.remove(key);
+      field.add(key, z_origin, taken.removed ? std::span(map_.find(key)->points) : taken.added);
+    }
     ms_ += cpu_ms() - begin;
   }
   double take_ms() { return std::exchange(ms_, 0.0); }

@@ -1,0 +1,105 @@
+#include "services/mapper/sweep_image.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace curbstone {
+namespace {
+
+constexpr float kBeside = 0.08F;  // m: how far from a beam, up or down, a place may be that it tells of
+constexpr float kOutside = 0.01F;  // m on the other side, which is noise
+constexpr float kNearest = 1.0F;  // m: nearer there is the vehicle
+constexpr std::size_t kRings = 256;
+
+/// A monotone stand-in for the angle, 0 .. 4, from +x towards +y: half as dear as std::atan2, and even enough.
+float quadrant_angle(float x, float y) {
+  const float sum = std::abs(x) + std::abs(y);
+  if (!(sum > 0)) return 0;
+  const float t = y / sum;
+  return x < 0 ? 2 - t : y < 0 ? 4 + t : t;
+}
+
+}  // namespace
+
+int SweepImage::azimuth_of(float x, float y) {
+  return std::min(static_cast<int>(quadrant_angle(x, y) * (kAzimuths / 4)), kAzimuths - 1);
+}
+
+SweepImage::SweepImage(const std::vector<LidarPoint>& points, const Pose& T_base_lidar, const Twist& motion)
+    : ages_(kAzimuths, 0) {
+  const Eigen::Vector3d lever = T_base_lidar.translation();
+  const Eigen::Matrix3f to_lidar = T_base_lidar.linear().transpose().cast<float>();
+  velocity_ = to_lidar * (motion.linear + motion.angular.cross(lever)).cast<float>();
+  const Eigen::Vector3f origin = to_lidar * lever.cast<float>();
+  float end = 0;
+  std::array<float, kRings> sum{};
+  std::array<int, kRings> count{};
+  for (const LidarPoint& p : points) end = std::max(end, p.time);
+
+  struct Shot {
+    int azimuth;
+    std::uint8_t ring;
+    Beam beam;
+  };
+  std::vector<Shot> shots;
+  shots.reserve(points.size());
+  for (const LidarPoint& p : points) {
+    const float age = end - p.time;
+    const Eigen::Vector3f d = to_lidar * p.position - origin + age * velocity_;
+    const float range = std::sqrt(d.x() * d.x() + d.y() * d.y());
+    if (!(range > kNearest * 0.5F)) continue;
+    const Shot shot{azimuth_of(d.x(), d.y()), p.ring, {range, d.z() / range}};
+    sum[p.ring] += shot.beam.slope;
+    ++count[p.ring];
+    ages_[static_cast<std::size_t>(shot.azimuth)] = age;
+    shots.push_back(shot);
+  }
+  std::vector<std::size_t> rings;
+  for (std::size_t ring = 0; ring < kRings; ++ring) {
+    if (count[ring] > 0) rings.push_back(ring);
+  }
+  const auto mean = [&](std::size_t ring) { return sum[ring] / static_cast<float>(count[ring]); };
+  std::sort(rings.begin(), rings.end(), [&](std::size_t a, std::size_t b) { return mean(a) < mean(b); });
+  std::array<std::size_t, kRings> row_of{};
+  for (std::size_t row = 0; row < rings.size(); ++row) {
+    row_of[rings[row]] = row;
+    slopes_.push_back(mean(rings[row]));
+  }
+  beams_.resize(rings.size() * kAzimuths);
+  for (const Shot& shot : shots) {
+    Beam& beam = beams_[row_of[shot.ring] * kAzimuths + static_cast<std::size_t>(shot.azimuth)];
+    if (beam.range == 0 || shot.beam.range < beam.range) beam = shot.beam;
+  }
+}
+
+Sighting SweepImage::look(const Eigen::Vector3f& place, const Margins& margins) const {
+  if (slopes_.empty()) return Sighting::kNothing;
+  const auto age = static_cast<std::size_t>(azimuth_of(place.x(), place.y()));
+  const Eigen::Vector3f d = place + ages_[age] * velocity_;
+  const float range = std::sqrt(d.x() * d.x() + d.y() * d.y());
+  if (!(range > kNearest)) return Sighting::kNothing;
+  const float slope = d.z() / range;
+  const float inside = slope < 0 ? 1.0F : -1.0F;
+  const int azimuth = azimuth_of(d.x(), d.y());
+  const auto above =
+      static_cast<std::size_t>(std::lower_bound(slopes_.begin(), slopes_.end(), slope) - slopes_.begin());
+  Sighting sighting = Sighting::kNothing;
+  for (std::size_t row = above > 0 ? above - 1 : 0; row < std::min(above + 1, slopes_.size()); ++row) {
+    const Beam* const beams = beams_of(row);
+    const Beam& own = beams[azimuth];
+    const float off = (slope - own.slope) * range;  // m, of the place above the beam
+    if (own.range == 0 || std::abs(off) > kBeside) continue;
+    bool through = off * inside > -kOutside;
+    for (const int beside : {azimuth + kAzimuths - 1, azimuth, azimuth + 1}) {
+      const float reach = beams[beside % kAzimuths].range;
+      if (std::abs(reach - range) < margins.there) return Sighting::kThere;
+      through = through && (reach == 0 || reach > range + margins.through);
+    }
+    if (through) sighting = Sighting::kThrough;
+  }
+  return sighting;
+}
+
+}  // namespace curbstone
