@@ -21,6 +21,7 @@ constexpr int kMessagesPerTick = 24;              // every 20 ms
 constexpr int kPointsPerTick = 5000;              // 35 kB: 1.7 MB/s, the map of a vehicle at 3 m/s makes 0.25
 constexpr int kRequestsPerTick = 1;               // tiles, of some 8000 points at most
 constexpr std::int64_t kIndexPeriod = 1'000'000;
+constexpr int kOdometryMissing = 5;  // revolutions in a row: the last ones of a drive have none to their end
 
 constexpr std::size_t kPosesPerPage = 800;  // 52 bytes each: 42 kB
 
@@ -144,7 +145,7 @@ void MapperNode::process(const Revolution& revolution) {
   odometry_.forget_before(revolution.start - 100'000);
   if (!update) return;
   last_end_ = revolution.end;
-  odometry_missing_ = !update->with_odometry;
+  without_odometry_ = update->with_odometry ? 0 : without_odometry_ + 1;
   position_ = update->T_map_base.translation();
   if (epoch_ == 0 || update->rearranged) begin_epoch(*update);
   publish_pose(*update);
@@ -323,7 +324,8 @@ NodeReport MapperNode::report() const {
   report.latency_p99 = latency_.percentile(0.99);
   if (!folder_fault_.empty()) report.faults.push_back(folder_fault_);
   if (lidar_time_ == 0) report.faults.push_back("no LIDAR_POINTS");
-  if (epoch_ != 0 && odometry_missing_) report.faults.push_back("no usable ODOMETRY: assuming constant velocity");
+  if (epoch_ != 0 && without_odometry_ >= kOdometryMissing)
+    report.faults.push_back("no usable ODOMETRY: assuming constant velocity");
   if (epoch_ != 0 && mapper_.fix() != Fix::kTracking) {
     report.faults.push_back("lost: looking for where the vehicle is; nothing is mapped");
   } else if (mapper_.refused_in_a_row() >= 10) {

@@ -80,7 +80,7 @@ class MapperNode final : public Node {
   std::unordered_set<TileKey, TileKeyHash> is_changed_;
   std::deque<map_trajectory_t> trajectory_;  // pages that will be sent
   std::int64_t index_sent_ = 0;
-  bool odometry_missing_ = false;
+  int without_odometry_ = 0;  // revolutions in a row
   LatencyWindow latency_;
   Counters counters_;
 };
