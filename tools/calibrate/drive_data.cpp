@@ -9,11 +9,11 @@
 
 #include "common/config.hpp"
 #include "common/local_bus.hpp"
+#include "common/log/log_reader.hpp"
+#include "common/log/message_order.hpp"
 #include "services/ekf/ekf_messages.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_node.hpp"
-#include "common/log/log_reader.hpp"
-#include "common/log/message_order.hpp"
 
 namespace curbstone {
 

@@ -11,8 +11,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "common/tile.hpp"
 #include "common/log/log_reader.hpp"
+#include "common/tile.hpp"
 
 namespace curbstone {
 

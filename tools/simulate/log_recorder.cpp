@@ -6,11 +6,11 @@
 #include <map>
 #include <utility>
 
+#include "common/log/log_writer.hpp"
 #include "drivers/encoder/encoder_node.hpp"
 #include "drivers/encoder/slcan_channel.hpp"
 #include "drivers/imu/imu_node.hpp"
 #include "drivers/rslidar/rslidar_node.hpp"
-#include "common/log/log_writer.hpp"
 #include "tools/simulate/bench/emulated_imu.hpp"
 #include "tools/simulate/bench/emulated_wheels.hpp"
 #include "tools/simulate/sensors/lidar_model.hpp"

@@ -10,12 +10,12 @@
 #include <exception>
 
 #include "common/local_bus.hpp"
+#include "common/log/log_reader.hpp"
+#include "common/log/message_order.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "tools/evaluate/trajectory.hpp"
 #include "tools/evaluate/truth.hpp"
-#include "common/log/log_reader.hpp"
-#include "common/log/message_order.hpp"
 
 using namespace curbstone;
 

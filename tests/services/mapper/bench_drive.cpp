@@ -12,12 +12,12 @@
 #include <map>
 
 #include "common/local_bus.hpp"
+#include "common/log/log_reader.hpp"
+#include "common/log/message_order.hpp"
 #include "drivers/rslidar/packet_feed.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "tools/evaluate/trajectory.hpp"
-#include "common/log/log_reader.hpp"
-#include "common/log/message_order.hpp"
 #include "tools/simulate/truth/gray_image.hpp"
 
 namespace {

@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "common/config.hpp"
+#include "common/log/log_writer.hpp"
 #include "services/mapper/mapper_config.hpp"
 #include "tests/tools/calibrate/calibration_drive.hpp"
 #include "tools/calibrate/calibrate.hpp"
-#include "common/log/log_writer.hpp"
 
 namespace curbstone {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <curbstone/map_points_t.hpp>
 
-#include "tests/tools/export/exported_map.hpp"
 #include "common/log/log_writer.hpp"
+#include "tests/tools/export/exported_map.hpp"
 
 namespace curbstone {
 namespace {

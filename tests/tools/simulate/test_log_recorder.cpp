@@ -9,8 +9,8 @@
 #include <fstream>
 #include <map>
 
-#include "tests/tools/simulate/drives.hpp"
 #include "common/log/log_reader.hpp"
+#include "tests/tools/simulate/drives.hpp"
 #include "tools/simulate/log_recorder.hpp"
 #include "tools/simulate/town_surroundings.hpp"
 

@@ -5,12 +5,12 @@
 #include <map>
 
 #include "common/local_bus.hpp"
+#include "common/log/log_reader.hpp"
+#include "common/log/message_order.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "services/semantic_map/voted_tile_assembler.hpp"
 #include "services/tensor_voting/tensor_voting_node.hpp"
-#include "common/log/log_reader.hpp"
-#include "common/log/message_order.hpp"
 
 namespace curbstone {
 

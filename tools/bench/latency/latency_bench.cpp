@@ -9,9 +9,9 @@
 #include <string>
 
 #include "common/config.hpp"
+#include "common/log/log_reader.hpp"
 #include "tools/bench/latency/tile_ages.hpp"
 #include "tools/bench/latency/timed_vehicle.hpp"
-#include "common/log/log_reader.hpp"
 
 namespace curbstone {
 

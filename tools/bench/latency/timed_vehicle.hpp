@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "tools/bench/latency/timed_process.hpp"
 #include "common/log/log_reader.hpp"
+#include "tools/bench/latency/timed_process.hpp"
 
 namespace curbstone {
 

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "common/local_bus.hpp"
+#include "common/log/message_order.hpp"
 #include "services/ekf/ekf_config.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/revolution_assembler.hpp"
-#include "common/log/message_order.hpp"
 
 namespace curbstone {
 namespace {

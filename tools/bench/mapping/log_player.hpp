@@ -3,8 +3,8 @@
 #include <functional>
 #include <string>
 
-#include "tools/bench/mapping/mapping_drive.hpp"
 #include "common/log/log_reader.hpp"
+#include "tools/bench/mapping/mapping_drive.hpp"
 
 namespace curbstone {
 
