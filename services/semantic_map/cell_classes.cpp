@@ -12,6 +12,8 @@ namespace {
 constexpr int kVehicleReach = 5;      // cells: 1.3 m square
 constexpr int kVehicleCells = 10;     // high cells in it, to be a vehicle or a piece of wall
 constexpr double kReachesTop = 0.85;  // of the vehicle's height
+constexpr int kShadow = 8;            // cells: behind an edge that goes down nothing is seen for about so far
+constexpr double kSlope = 0.15;       // by which ground may rise over what is not seen
 constexpr double kCurbLink = 0.45;    // m: cells between curb points this close are curb
 
 const CellColumn* column_at(const Around<CellColumns>& columns, int column, int row) {
@@ -72,6 +74,43 @@ bool is_large(const Around<CellColumns>& columns, int column, int row, const Cla
   return high >= kVehicleCells;
 }
 
+/// A pit, or the far side of an edge that goes down: what is seen there lies below the ground about.
+bool is_drop(const CellColumn& cell, const ClassParameters& parameters) {
+  return cell.drop_points >= parameters.min_points && 2 * cell.drop_points >= cell.ground_points;
+}
+
+double drop_of(const ClassParameters& parameters) {
+  return std::max(parameters.min_obstacle, parameters.max_step);
+}
+
+/// The nearest ground from a cell on, and how many steps away.
+struct GroundBeyond {
+  const CellColumn* cell = nullptr;
+  int steps = 0;
+};
+
+GroundBeyond ground_beyond(const Around<CellColumns>& columns, int column, int row, int dx, int dy) {
+  for (int k = 1; k <= kShadow; ++k) {
+    const CellColumn* cell = column_at(columns, column + k * dx, row + k * dy);
+    if (cell == nullptr) return {};
+    if (cell->ground_points > 1) return {cell, k};
+  }
+  return {};
+}
+
+/// Not seen, with ground on two sides of it that lies at two heights: the edge between them hides it, seen from above.
+bool hides_a_drop(const Around<CellColumns>& columns, int column, int row, const ClassParameters& parameters) {
+  constexpr int kDirections[4][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}};
+  return std::any_of(std::begin(kDirections), std::end(kDirections), [&](const int(&d)[2]) {
+    const GroundBeyond a = ground_beyond(columns, column, row, d[0], d[1]);
+    if (a.cell == nullptr) return false;
+    const GroundBeyond b = ground_beyond(columns, column, row, -d[0], -d[1]);
+    if (b.cell == nullptr) return false;
+    const double apart = (a.steps + b.steps) * kCellSize * std::hypot(d[0], d[1]);
+    return double{std::abs(a.cell->ground_z - b.cell->ground_z)} > drop_of(parameters) + kSlope * apart;
+  });
+}
+
 CellClass class_of(const Around<CellColumns>& columns, const VehicleCells& vehicles, int column, int row,
                    const ClassParameters& parameters) {
   const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
@@ -80,7 +119,9 @@ CellClass class_of(const Around<CellColumns>& columns, const VehicleCells& vehic
     if (standing.top >= kReachesTop * parameters.vehicle_height || vehicles.beneath[i]) return CellClass::kWall;
     return is_large(columns, column, row, parameters) ? CellClass::kWall : CellClass::kObstacle;
   }
-  if (columns.centre()->cells[i].ground_points == 0) return CellClass::kUnknown;
+  if (is_drop(columns.centre()->cells[i], parameters)) return CellClass::kObstacle;
+  if (columns.centre()->cells[i].ground_points == 0)
+    return hides_a_drop(columns, column, row, parameters) ? CellClass::kObstacle : CellClass::kUnknown;
   return vehicles.beneath[i] ? CellClass::kWall : CellClass::kRoad;
 }
 
@@ -157,7 +198,7 @@ void classify_cells(const Around<CellColumns>& columns, const Around<std::vector
       tile.cell_class[i] = class_of(columns, vehicles, column, row, parameters);
       tile.cost[i] = traversal_cost(tile.cell_class[i], 0, parameters);
       tile.height[i] = cell.has_points ? height_steps(cell.ground_z, tile.z_origin) : MapTile::kNoHeight;
-      const int support = cell.ground_points + cell.blocking_points;
+      const int support = cell.ground_points + cell.blocking_points + cell.drop_points;
       tile.confidence[i] = tile.cell_class[i] == CellClass::kUnknown
                                ? std::uint8_t{0}
                                : static_cast<std::uint8_t>(std::min(255, 32 * support));

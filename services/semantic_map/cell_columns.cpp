@@ -18,6 +18,7 @@ CellColumns measure_columns(const VotedTile& tile, const GroundSurface& ground, 
           height ? static_cast<float>(*height) : nowhere;
     }
   }
+  const double drop = std::max(parameters.min_obstacle, parameters.max_step);
   std::array<float, kCellsInTile> lowest;
   lowest.fill(std::numeric_limits<float>::infinity());
   std::array<double, kCellsInTile> ground_sum{};
@@ -33,6 +34,8 @@ CellColumns measure_columns(const VotedTile& tile, const GroundSurface& ground, 
     if (double{std::abs(above)} <= parameters.ground_band) {
       ++cell.ground_points;
       ground_sum[i] += double{p.z};
+    } else if (double{above} <= -drop) {
+      ++cell.drop_points;
     } else if (double{above} >= parameters.min_obstacle && double{above} <= parameters.vehicle_height) {
       cell.bottom = cell.blocking_points == 0 ? above : std::min(cell.bottom, above);
       ++cell.blocking_points;

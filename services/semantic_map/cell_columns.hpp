@@ -38,6 +38,7 @@ struct CellColumn {
   int blocking_points = 0;  ///< between min_obstacle and the vehicle's height
   float top = 0;            ///< m above ground, of the blocking points (the second highest: one may be a stray)
   float bottom = 0;         ///< m above ground, of the lowest of them
+  int drop_points = 0;      ///< as far below the ground as is in the way above it, and more than may be climbed
   bool has_points = false;
   /// Blocking points within the margin of the cell's edges: towards -x, +x, -y, +y.
   std::array<int, 4> at_edge{};
