@@ -80,6 +80,10 @@ MapReader::MapReader(const std::string& path) : path_(path) {
 
 MapReader::~MapReader() = default;
 
+std::int32_t MapReader::schema() const {
+  return for_file(path_, [&] { return static_cast<std::int32_t>(db_->integer("PRAGMA user_version")); });
+}
+
 std::int32_t MapReader::epoch() const {
   return for_file(
       path_, [&] { return static_cast<std::int32_t>(db_->integer("SELECT value FROM meta WHERE key = 'epoch'")); });
@@ -164,6 +168,9 @@ MapStore::MapStore(std::string path) : path_(std::move(path)), lock_(std::make_u
     db_->execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; PRAGMA foreign_keys = ON");
     // Another server may have died between creating the file and the schema: then it is still empty.
     if (fresh) create_schema(*db_);
+    // Rows of schema 1 are known by their size and may stay.
+    if (db_->integer("PRAGMA user_version") < kMapSchemaVersion)
+      db_->execute(fmt::format("PRAGMA user_version = {}", kMapSchemaVersion).c_str());
     epoch_ = static_cast<std::int32_t>(db_->integer("SELECT value FROM meta WHERE key = 'epoch'"));
     last_utime_ = db_->integer("SELECT max(utime) FROM trajectory");
   });

@@ -16,12 +16,16 @@ class Sqlite;
 /// The map file: SQLite, application id "CURB", schema version in PRAGMA user_version.
 ///
 ///   meta(key, value)                         epoch, tile_size, cell_size
-///   tiles(x, y, utime, z_origin, cells)      cells: zlib of class[625], height[625] (int16 LE), cost[625],
-///   confidence[625] curbs(id, dropped, confidence, points)   points: float32 LE, 6 a vertex: x y z height high_side_x
-///   high_side_y trajectory(utime, revolution, x, y, z, qw, qx, qy, qz)    T_map_base at the end of each revolution
+///   tiles(x, y, utime, z_origin, cells)      cells: zlib of class[625], height[625] (int16, low bytes first, then
+///                                            high bytes), cost[625],
+///                                            min(255, 32 hits) - confidence mod 256[625], hits[625]
+///   curbs(id, dropped, confidence, points)   points: float32 LE, 6 a vertex: x y z height high_side_x high_side_y
+///   trajectory(utime, revolution, x, y, z, qw, qx, qy, qz)    T_map_base at the end of each revolution
+///
+/// Schema 1 had confidence as it is, and no hits: such a map is read, with none; whoever writes to it makes it a map of schema 2.
 ///
 /// There is no wall clock, pid or revision in it: two replays of one log give the same bytes.
-inline constexpr std::int32_t kMapSchemaVersion = 1;
+inline constexpr std::int32_t kMapSchemaVersion = 2;
 
 /// One clear line: what is wrong with which file.
 class MapStoreError : public std::runtime_error {
@@ -36,6 +40,8 @@ class MapReader {
   explicit MapReader(const std::string& path);
   ~MapReader();
 
+  /// Of the file: 1 .. kMapSchemaVersion.
+  [[nodiscard]] std::int32_t schema() const;
   [[nodiscard]] std::int32_t epoch() const;
   [[nodiscard]] std::vector<MapTile> tiles() const;              ///< by key
   [[nodiscard]] std::vector<CurbLine> curbs() const;             ///< by id
@@ -52,8 +58,8 @@ class MapReader {
 /// with the process). A write is one transaction: it is there as a whole or not at all.
 class MapStore {
  public:
-  /// Opens or creates. Throws MapStoreError: not a map (left untouched), newer schema (left untouched), another writer,
-  /// no such directory, no permission.
+  /// Opens or creates; a map of an earlier schema becomes one of this. Throws MapStoreError: not a map (left
+  /// untouched), newer schema (left untouched), another writer, no such directory, no permission.
   explicit MapStore(std::string path);
   ~MapStore();
 

@@ -2,6 +2,7 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -9,9 +10,14 @@ namespace curbstone {
 
 namespace {
 
-constexpr std::size_t kPlain = 5 * kCellsInTile;  // class, height (two), cost, confidence
+constexpr std::size_t kPlain = 6 * kCellsInTile;   // class, height (two), cost, confidence (to what is expected), hits
+constexpr std::size_t kPlain1 = 5 * kCellsInTile;  // as schema 1 has it: without hits
 constexpr int kFloats = 6;
 constexpr int kLevel = 6;
+
+int expected_confidence(std::uint8_t hits) {
+  return std::min(255, 32 * hits);
+}
 
 }  // namespace
 
@@ -25,7 +31,10 @@ std::vector<std::uint8_t> pack_cells(const MapTile& tile) {
   for (const std::int16_t h : tile.height)
     plain.push_back(static_cast<std::uint8_t>(static_cast<std::uint16_t>(h) >> 8));
   plain.insert(plain.end(), tile.cost.begin(), tile.cost.end());
-  plain.insert(plain.end(), tile.confidence.begin(), tile.confidence.end());
+  // Mostly what the hits let expect: of that nothing remains.
+  for (std::size_t i = 0; i < kCellsInTile; ++i)
+    plain.push_back(static_cast<std::uint8_t>(expected_confidence(tile.hits[i]) - tile.confidence[i]));
+  plain.insert(plain.end(), tile.hits.begin(), tile.hits.end());
 
   uLongf size = compressBound(kPlain);
   std::vector<std::uint8_t> packed(size);
@@ -37,13 +46,17 @@ std::vector<std::uint8_t> pack_cells(const MapTile& tile) {
 bool unpack_cells(std::span<const std::uint8_t> blob, MapTile& tile) {
   std::array<std::uint8_t, kPlain> plain{};
   uLongf size = kPlain;
-  if (uncompress(plain.data(), &size, blob.data(), blob.size()) != Z_OK || size != kPlain) return false;
+  if (uncompress(plain.data(), &size, blob.data(), blob.size()) != Z_OK) return false;
+  if (size != kPlain && size != kPlain1) return false;
   for (std::size_t i = 0; i < kCellsInTile; ++i) {
     if (plain[i] >= kNumClasses) return false;
     tile.cell_class[i] = static_cast<CellClass>(plain[i]);
     tile.height[i] = static_cast<std::int16_t>(plain[kCellsInTile + i] | (plain[2 * kCellsInTile + i] << 8));
     tile.cost[i] = plain[3 * kCellsInTile + i];
-    tile.confidence[i] = plain[4 * kCellsInTile + i];
+    tile.hits[i] = plain[5 * kCellsInTile + i];  // schema 1: 0
+    const std::uint8_t confidence = plain[4 * kCellsInTile + i];
+    tile.confidence[i] =
+        size == kPlain1 ? confidence : static_cast<std::uint8_t>(expected_confidence(tile.hits[i]) - confidence);
   }
   return true;
 }

@@ -27,6 +27,7 @@ struct MapTile {
   std::array<std::int16_t, kCellsInTile> height{};  ///< ground, else lowest point; 2 mm steps from z_origin; kNoHeight
   std::array<std::uint8_t, kCellsInTile> cost{};    ///< 0 free .. 254 lethal, 255 unknown
   std::array<std::uint8_t, kCellsInTile> confidence{};  ///< 0 .. 255
+  std::array<std::uint8_t, kCellsInTile> hits{};        ///< points of the dense map in the cell; 255: or more
 
   bool operator==(const MapTile&) const = default;
 };

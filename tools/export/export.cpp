@@ -8,7 +8,9 @@
 #include <map>
 #include <optional>
 
+#include "common/config.hpp"
 #include "services/semantic_map/map_store.hpp"
+#include "services/semantic_map/semantic_map_config.hpp"
 #include "tools/export/cloud_writer.hpp"
 #include "tools/export/geojson_file.hpp"
 #include "tools/export/georeference.hpp"
@@ -29,6 +31,7 @@ struct ExportArguments {
   double high_curb = kHighCurb;
   std::string datum;
   std::string log;
+  std::string config;
   CloudFormat cloud_format = CloudFormat::kPcd;
 
   [[nodiscard]] bool wants(const char* what) const {
@@ -45,7 +48,7 @@ void add_nav2(const MapGrid& grid, const Nav2Policy& policy, OutputFolder& out) 
   out.add_bytes("nav2_scale.yaml", nav2_yaml(grid, "nav2_scale.png", "scale"));
 }
 
-void add_rasters(const MapGrid& grid, const std::optional<TangentPlane>& plane, OutputFolder& out) {
+void add_rasters(const MapGrid& grid, bool with_hits, const std::optional<TangentPlane>& plane, OutputFolder& out) {
   const Georeference place(grid, plane);
   const auto add_place = [&](const std::string& image, const std::string& world_file) {
     out.add_bytes(world_file, place.world_file());
@@ -68,6 +71,12 @@ void add_rasters(const MapGrid& grid, const std::optional<TangentPlane>& plane, 
   add_place("class.png", "class.pgw");
   add_gray("cost", grid.cost);
   add_gray("confidence", grid.confidence);
+  if (with_hits) {
+    add_gray("hits", grid.hits);
+  } else {
+    for (const char* name : {"hits.png", "hits.pgw", "hits.png.aux.xml"}) out.leave_out(name);
+    fmt::print("no hits: the map is of schema 1, which does not count them\n");
+  }
   add_float("height", grid.height);
   add_float("slope", ground_slope(grid));
 }
@@ -109,7 +118,7 @@ void export_map(const ExportArguments& arguments, const std::optional<TangentPla
       throw MapGridError(fmt::format("{}: {}", arguments.map, error.what()));
     }
     if (arguments.wants("nav2")) add_nav2(*grid, arguments.nav2, out);
-    if (arguments.wants("rasters")) add_rasters(*grid, plane, out);
+    if (arguments.wants("rasters")) add_rasters(*grid, map.schema() >= 2, plane, out);
   }
   if (arguments.wants("curbs")) add_curbs(map, arguments.high_curb, plane, out);
   if (!arguments.log.empty() && arguments.wants("cloud")) add_cloud(arguments, map.epoch(), out);
@@ -131,9 +140,13 @@ int run_export(int argc, char** argv) {
       ->check(CLI::IsMember({"nav2", "rasters", "curbs", "cloud"}));
   const std::map<std::string, UnknownCells> policies = {
       {"occupied", UnknownCells::kOccupied}, {"unknown", UnknownCells::kUnknown}, {"free", UnknownCells::kFree}};
-  app.add_option("--unknown", arguments.nav2.unknown,
-                 "nav2: what never was seen is occupied (safe, the default), unknown (the planner decides) or free")
-      ->transform(CLI::CheckedTransformer(policies));
+  app.add_option(
+      "--config", arguments.config,
+      "The vehicle's YAML file: its semantic_map.classes.unknown_is_free decides where --unknown is not given");
+  CLI::Option* const unknown =
+      app.add_option("--unknown", arguments.nav2.unknown,
+                     "nav2: what never was seen is occupied (safe, the default), unknown (the planner decides) or free")
+          ->transform(CLI::CheckedTransformer(policies));
   app.add_option("--occupied-cost", arguments.nav2.occupied_cost,
                  "nav2, trinary: cells of this cost and more are occupied; 50: every curb, 254: what cannot be crossed")
       ->check(CLI::Range(1, 254))
@@ -162,6 +175,8 @@ int run_export(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  const auto semantic_map = config_of<SemanticMapConfig>("semantic_map", arguments.config, {});
+  if (unknown->count() == 0 && semantic_map.classes.unknown_is_free) arguments.nav2.unknown = UnknownCells::kFree;
   export_map(arguments, plane);
   return 0;
 }

@@ -77,6 +77,7 @@ MapGrid make_map_grid(const std::vector<MapTile>& tiles) {
   grid.height.assign(size, std::numeric_limits<float>::quiet_NaN());
   grid.cost.assign(size, 255);
   grid.confidence.assign(size, 0);
+  grid.hits.assign(size, 0);
   for (const MapTile& tile : tiles) {
     for (std::size_t i = 0; i < kCellsInTile; ++i) {
       const std::int64_t column = column_of(tile, i) - x.low;
@@ -86,6 +87,7 @@ MapGrid make_map_grid(const std::vector<MapTile>& tiles) {
       grid.cell_class[k] = tile.cell_class[i];
       grid.cost[k] = tile.cost[i];
       grid.confidence[k] = tile.confidence[i];
+      grid.hits[k] = tile.hits[i];
       if (tile.height[i] != MapTile::kNoHeight)
         grid.height[k] = static_cast<float>(double{tile.z_origin} + tile.height[i] * kPositionStep);
     }

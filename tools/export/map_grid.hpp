@@ -24,6 +24,7 @@ struct MapGrid {
   std::vector<float> height;             ///< m in map; NaN: none
   std::vector<std::uint8_t> cost;        ///< as in MapTile: 255 unknown
   std::vector<std::uint8_t> confidence;  ///< as in MapTile
+  std::vector<std::uint8_t> hits;        ///< as in MapTile
   [[nodiscard]] double left() const;     ///< m in map, of the rectangle's edge
   [[nodiscard]] double top() const;
   [[nodiscard]] double bottom() const;
@@ -32,7 +33,7 @@ struct MapGrid {
   }
 };
 
-inline constexpr std::int64_t kMaxGridCells = 200'000'000;  ///< 1.7 km square; 1.4 GB
+inline constexpr std::int64_t kMaxGridCells = 200'000'000;  ///< 1.7 km square; 1.6 GB
 
 /// A cell is known if it has a class or a height. Throws MapGridError.
 [[nodiscard]] MapGrid make_map_grid(const std::vector<MapTile>& tiles);

@@ -8,6 +8,7 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <filesystem>
 #include <fstream>
@@ -40,6 +41,7 @@ class MapStoreTest : public testing::Test {
       t.height[i] = static_cast<std::int16_t>(random());
       t.cost[i] = static_cast<std::uint8_t>(random());
       t.confidence[i] = static_cast<std::uint8_t>(random());
+      t.hits[i] = static_cast<std::uint8_t>(random());
     }
     return t;
   }
@@ -177,6 +179,47 @@ TEST_F(MapStoreTest, RefusesANewerSchemaAndLeavesItUntouched) {
   EXPECT_THAT(error_of([&] { MapStore store(path_); }), testing::HasSubstr("schema 99 is newer"));
   EXPECT_THAT(error_of([&] { MapReader map(path_); }), testing::HasSubstr("schema 99 is newer"));
   EXPECT_EQ(bytes(path_), before);
+}
+
+TEST_F(MapStoreTest, ReadsSchemaOneAndMakesItTwoOnceItIsWritten) {
+  MapTile old = tile(2, 3);
+  old.hits.fill(0);  // of which schema 1 knows nothing
+  {
+    MapStore store(path_);
+    store.write({.epoch = 1, .tiles = {old}, .trajectory = {pose(50'000)}});
+  }
+  constexpr std::size_t kBytes = 6 * kCellsInTile, kBytes1 = 5 * kCellsInTile;
+  std::vector<std::uint8_t> plain(kBytes), cells = pack_cells(old);
+  uLongf size = kBytes;
+  ASSERT_EQ(uncompress(plain.data(), &size, cells.data(), cells.size()), Z_OK);
+  std::copy(old.confidence.begin(), old.confidence.end(), plain.begin() + 4 * kCellsInTile);
+  cells.resize(compressBound(kBytes1));
+  size = cells.size();
+  ASSERT_EQ(compress(cells.data(), &size, plain.data(), kBytes1), Z_OK);
+  sqlite3* db = nullptr;
+  sqlite3_open(path_.c_str(), &db);
+  sqlite3_exec(db, "PRAGMA user_version = 1", nullptr, nullptr, nullptr);
+  sqlite3_stmt* put = nullptr;
+  sqlite3_prepare_v2(db, "UPDATE tiles SET cells = ?", -1, &put, nullptr);
+  sqlite3_bind_blob(put, 1, cells.data(), static_cast<int>(size), SQLITE_STATIC);
+  EXPECT_EQ(sqlite3_step(put), SQLITE_DONE);
+  sqlite3_finalize(put);
+  sqlite3_close(db);
+  {
+    const MapReader map(path_);
+    EXPECT_EQ(map.schema(), 1);
+    EXPECT_THAT(map.tiles(), testing::ElementsAre(old));
+  }
+  {
+    MapStore store(path_);
+    EXPECT_EQ(store.last_utime(), 50'000);
+    store.write({.epoch = 1, .tiles = {tile(9, 9)}});
+    store.close_canonical();
+  }
+  const MapReader map(path_);
+  EXPECT_EQ(map.schema(), kMapSchemaVersion);
+  EXPECT_THAT(map.tiles(), testing::ElementsAre(old, tile(9, 9)));
+  EXPECT_EQ(map.integrity(), "ok");
 }
 
 TEST_F(MapStoreTest, SaysWhatIsMissing) {

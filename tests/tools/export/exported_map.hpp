@@ -50,6 +50,7 @@ class ExportedMap : public testing::Test {
         tile.height[i] = unknown ? MapTile::kNoHeight : static_cast<std::int16_t>(900 + random() % 200);
         tile.cost[i] = unknown ? 255 : static_cast<std::uint8_t>(random() % 255);
         tile.confidence[i] = static_cast<std::uint8_t>(random());
+        tile.hits[i] = static_cast<std::uint8_t>(random());
       }
       tile.cell_class[0] = tile.cell_class[kCellsInTile - 1] = CellClass::kWall;  // the corners are known
       tiles.push_back(tile);

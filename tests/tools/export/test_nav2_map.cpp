@@ -79,5 +79,15 @@ TEST_F(Nav2Map, DrivesAnywhereWithThePapersPolicy) {
   EXPECT_THAT(lowest_row("nav2_scale.yaml"), ElementsAre(0, 43, 100, 0, 0));
 }
 
+TEST_F(Nav2Map, TakesThePolicyFromTheVehiclesFileUnlessTold) {
+  std::ofstream(path("ugv.yaml")) << "semantic_map:\n  classes:\n    unknown_is_free: true\n";
+  ASSERT_EQ(run({"--only", "nav2", "--config", path("ugv.yaml")}), 0);
+  EXPECT_THAT(lowest_row("nav2.yaml"), ElementsAre(0, 100, 100, 0, 0));
+  ASSERT_EQ(run({"--only", "nav2", "--config", path("ugv.yaml"), "--unknown", "occupied"}), 0);
+  EXPECT_THAT(lowest_row("nav2.yaml"), ElementsAre(0, 100, 100, 100, 100));
+  std::ofstream(path("ugv.yaml")) << "semantic_map:\n  classes:\n    unknown_is_fee: true\n";
+  EXPECT_ANY_THROW(run({"--only", "nav2", "--config", path("ugv.yaml")}));
+}
+
 }  // namespace
 }  // namespace curbstone

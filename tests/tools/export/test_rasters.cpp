@@ -52,6 +52,7 @@ TEST_F(Rasters, HoldEveryCellAtItsPlace) {
   expect_cells("cost.png", 255, [](const MapTile& t, std::size_t i) { return static_cast<double>(t.cost[i]); });
   expect_cells("confidence.png", 0,
                [](const MapTile& t, std::size_t i) { return static_cast<double>(t.confidence[i]); });
+  expect_cells("hits.png", 0, [](const MapTile& t, std::size_t i) { return static_cast<double>(t.hits[i]); });
   expect_cells("height.flt", -9999, [](const MapTile& t, std::size_t i) {
     return t.height[i] == MapTile::kNoHeight ? -9999 : double{t.z_origin} + t.height[i] * kPositionStep;
   });

@@ -35,6 +35,19 @@ TEST_F(RunExport, WritesEverythingAndLeavesTheMapAsItWas) {
   EXPECT_THAT(said_, HasSubstr("the map holds no curb lines"));
 }
 
+TEST_F(RunExport, OfAnEarlierSchemaLeavesOutTheHitsAndSaysSo) {
+  write_map(varied_tiles(), {});
+  ASSERT_EQ(run({"--only", "rasters"}), 0);
+  EXPECT_TRUE(std::filesystem::exists(out("hits.png")));
+  sqlite3* db = nullptr;
+  sqlite3_open(path("map.db").c_str(), &db);
+  sqlite3_exec(db, "PRAGMA user_version = 1", nullptr, nullptr, nullptr);
+  sqlite3_close(db);
+  ASSERT_EQ(run({"--only", "rasters"}), 0);
+  EXPECT_FALSE(std::filesystem::exists(out("hits.png")));
+  EXPECT_THAT(said_, HasSubstr("no hits"));
+}
+
 TEST_F(RunExport, SaysThatAMapIsEmpty) {
   write_map({}, {});
   expect_failure("the map is empty");
