@@ -16,13 +16,14 @@ struct CurbCandidate {
   double z = 0;                                    ///< m in map, of the low side at the foot
   double height = 0;                               ///< m, of the step
   double reach = 0;                                ///< m along the curb, on each side, that the evidence is from
-  double score = 0;                                ///< the step in units of its noise: what competes in the suppression
+  double score = 0;                                ///< the step in units of its noise
   bool weak = false;                               ///< only counts where a line of others goes on
   bool operator==(const CurbCandidate&) const = default;
 };
 
 /// Section VI, curb evidence: where normals near the ground tilt more than flat ground's do, and the ground really
-/// steps up from one side to the other. Of the centre tile; looks at points within half a metre around it.
+/// steps up from one side to the other. A cell may give several candidates, in different directions. Of the centre
+/// tile; looks at points within half a metre around it.
 [[nodiscard]] std::vector<CurbCandidate> find_curb_evidence(const Around<VotedTile>& tiles, const GroundSurface& ground,
                                                             const CurbParameters& parameters);
 

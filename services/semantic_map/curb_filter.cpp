@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 #include <tuple>
+
+#include "services/semantic_map/curb_support.hpp"
 
 namespace curbstone {
 
@@ -19,36 +22,59 @@ constexpr double kReaches = 2.0;       // of the evidence: where points are few,
 constexpr double kWeakReach = 1.5;     // m a weak detection may be from the line's strong ones
 constexpr double kWeakLateral = 0.10;  // m off it
 
-/// A candidate with its place in the frame of the centre tile.
-struct Placed {
-  Eigen::Vector2d foot;
-  const CurbCandidate* c;
+/// A candidate that competes with others.
+struct Placed : PlacedCandidate {
+  double certainty = 0;  ///< pooled along its line
 };
 
+/// Of those in the order of x, the ones that may be within `reach` of a place.
+template <class T>
+std::span<const T> near_x(const std::vector<T>& by_x, double x, double reach) {
+  const auto before = [](const T& a, double at) { return a.foot.x() < at; };
+  const auto begin = std::lower_bound(by_x.begin(), by_x.end(), x - reach, before);
+  return {begin, std::lower_bound(begin, by_x.end(), std::nextafter(x + reach, 1e9), before)};
+}
+
+/// How far a place is outside the tile, the larger of x and y; m.
+double outside(const Eigen::Vector2d& at) {
+  return std::max((-at).maxCoeff(), at.maxCoeff() - kTileSize);
+}
+
+/// All that matter, in the order of x, and what the others along their lines say of them.
 std::vector<Placed> place_all(const Around<std::vector<CurbCandidate>>& tiles) {
-  std::vector<Placed> placed;
-  tiles.for_each([&](const std::vector<CurbCandidate>& candidates, double dx, double dy) {
-    for (const CurbCandidate& c : candidates) {
-      const Eigen::Vector2d foot = c.foot + Eigen::Vector2d(dx, dy);
-      if ((foot.array() >= -kMargin).all() && (foot.array() < kTileSize + kMargin).all()) placed.push_back({foot, &c});
-    }
+  std::vector<PlacedCandidate> candidates;
+  tiles.for_each([&](const std::vector<CurbCandidate>& of_tile, double dx, double dy) {
+    for (const CurbCandidate& c : of_tile) candidates.push_back({c.foot + Eigen::Vector2d(dx, dy), &c});
   });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& a, const auto& b) { return a.foot.x() < b.foot.x(); });
+  std::vector<Placed> placed;
+  for (const PlacedCandidate& c : candidates) {
+    if (outside(c.foot) >= kMargin) continue;
+    placed.push_back({c, pool_along_line(c, near_x(candidates, c.foot.x(), kLineReach))});
+  }
   return placed;
 }
 
-/// Higher steps first; ties by place, so that two never suppress each other.
+/// What goes on along its line comes first; ties by place, so that two never suppress each other.
 bool outranks(const Placed& a, const Placed& b) {
-  return std::make_tuple(a.c->score, a.foot.x(), a.foot.y()) > std::make_tuple(b.c->score, b.foot.x(), b.foot.y());
+  return std::make_tuple(a.certainty, a.foot.x(), a.foot.y()) > std::make_tuple(b.certainty, b.foot.x(), b.foot.y());
 }
 
 bool is_ghost(const Placed& p, const std::vector<Placed>& all) {
-  return std::any_of(all.begin(), all.end(), [&](const Placed& other) {
+  const auto rivals = near_x(all, p.foot.x(), kAcross + kAlong);
+  return std::any_of(rivals.begin(), rivals.end(), [&](const Placed& other) {
     if (!outranks(other, p)) return false;
     const Eigen::Vector2d d = p.foot - other.foot;
-    const double across = std::abs(d.dot(other.c->up));
-    const double along = std::abs(d.x() * other.c->up.y() - d.y() * other.c->up.x());
+    const double across = std::abs(d.dot(other.candidate->up));
+    const double along = std::abs(d.x() * other.candidate->up.y() - d.y() * other.candidate->up.x());
     return across > kSameLine && across < kAcross && along < kAlong;
   });
+}
+
+/// Of those on one line, whose own step is clear says best where and how high it is.
+bool is_surer(const Placed& a, const Placed& b) {
+  return a.certainty * a.candidate->score > b.certainty * b.candidate->score;
 }
 
 /// The line through the detections around a place.
@@ -65,11 +91,11 @@ template <class Accept>
 LocalLine line_around(const Eigen::Vector2d& at, double radius, const std::vector<Placed>& all, Accept accept) {
   LocalLine line;
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
-  for (const Placed& other : all) {
+  for (const Placed& other : near_x(all, at.x(), radius)) {
     const Eigen::Vector2d d = other.foot - at;
     if (d.squaredNorm() > radius * radius || !accept(other)) continue;
     ++line.count;
-    line.score += other.c->score;
+    line.score += other.candidate->score;
     line.mean += d;
     scatter += d * d.transpose();
   }
@@ -88,29 +114,29 @@ LocalLine line_around(const Eigen::Vector2d& at, double radius, const std::vecto
 }
 
 bool is_on_line(const Placed& p, const std::vector<Placed>& strong, const CurbParameters& parameters) {
-  const auto alike = [&](const Placed& o) { return std::abs(o.c->up.dot(p.c->up)) > 0.6; };
-  const double radius = std::min(kMargin, std::max(parameters.linearity_radius, kReaches * p.c->reach));
+  const auto alike = [&](const Placed& o) { return std::abs(o.candidate->up.dot(p.candidate->up)) > 0.6; };
+  const double radius = std::min(kMargin, std::max(parameters.linearity_radius, kReaches * p.candidate->reach));
   const LocalLine line = line_around(p.foot, radius, strong, alike);
   return line.count > parameters.min_neighbours && line.linearity < parameters.max_linearity &&
-         line.extent > kMinExtent && std::abs(line.direction.dot(p.c->up)) < 0.6;
+         line.extent > kMinExtent && std::abs(line.direction.dot(p.candidate->up)) < 0.6;
 }
 
 /// The steps along a line bear each other out: a short line must be of certain steps, a long one may be of less
 /// certain.
 bool is_supported(const Placed& p, const std::vector<Placed>& kept, const CurbParameters& parameters) {
   if (!parameters.use_step) return true;  // a tilt alone has no certainty
-  const auto alike = [&](const Placed& o) { return std::abs(o.c->up.dot(p.c->up)) > 0.6; };
+  const auto alike = [&](const Placed& o) { return std::abs(o.candidate->up.dot(p.candidate->up)) > 0.6; };
   const LocalLine line = line_around(p.foot, kMargin, kept, alike);
   return line.score * std::sqrt(line.extent) >= parameters.line_sigmas;
 }
 
 bool continues_line(const Placed& p, const std::vector<Placed>& confirmed) {
-  const auto alike = [&](const Placed& o) { return o.c->up.dot(p.c->up) > 0.8; };
+  const auto alike = [&](const Placed& o) { return o.candidate->up.dot(p.candidate->up) > 0.8; };
   const LocalLine line = line_around(p.foot, kWeakReach, confirmed, alike);
   if (line.count < 4 || line.linearity > 0.2 || line.extent < kMinExtent) return false;
   const Eigen::Vector2d d = p.foot - line.mean;
   const double lateral = std::abs(d.x() * line.direction.y() - d.y() * line.direction.x());
-  return lateral < kWeakLateral && std::abs(line.direction.dot(p.c->up)) < 0.4;
+  return lateral < kWeakLateral && std::abs(line.direction.dot(p.candidate->up)) < 0.4;
 }
 
 }  // namespace
@@ -121,7 +147,7 @@ std::vector<CurbPoint> filter_curbs(const Around<std::vector<CurbCandidate>>& ca
   std::vector<Placed> weak;
   const std::vector<Placed> all = place_all(candidates);
   for (const Placed& p : all) {
-    if (!is_ghost(p, all)) (p.c->weak ? weak : strong).push_back(p);
+    if (!is_ghost(p, all)) (p.candidate->weak ? weak : strong).push_back(p);
   }
   std::vector<Placed> on_line;
   for (const Placed& p : strong) {
@@ -129,11 +155,11 @@ std::vector<CurbPoint> filter_curbs(const Around<std::vector<CurbCandidate>>& ca
   }
   std::vector<Placed> kept;
   for (const Placed& p : on_line) {
-    if (is_supported(p, on_line, parameters)) kept.push_back(p);
+    if (outside(p.foot) < kWeakReach && is_supported(p, on_line, parameters)) kept.push_back(p);
   }
   const std::vector<Placed> confirmed = kept;
   for (const Placed& p : weak) {
-    if (continues_line(p, confirmed)) kept.push_back(p);
+    if (outside(p.foot) <= 0 && continues_line(p, confirmed)) kept.push_back(p);
   }
 
   std::map<int, Placed> best;  // by cell
@@ -142,12 +168,13 @@ std::vector<CurbPoint> filter_curbs(const Around<std::vector<CurbCandidate>>& ca
     const int column = std::min(kCellsPerTile - 1, static_cast<int>(p.foot.x() / kCellSize));
     const int row = std::min(kCellsPerTile - 1, static_cast<int>(p.foot.y() / kCellSize));
     const auto [it, inserted] = best.try_emplace(row * kCellsPerTile + column, p);
-    if (!inserted && outranks(p, it->second)) it->second = p;
+    if (!inserted && is_surer(p, it->second)) it->second = p;
   }
   std::vector<CurbPoint> points;
   for (const auto& [cell, p] : best) {
-    const double confidence = p.c->weak ? 0.5 : std::min(1.0, 0.5 + p.c->score / 60);
-    points.push_back({p.foot, p.c->up, p.c->z, p.c->height, confidence, p.c->weak, p.c->reach});
+    const double confidence = p.candidate->weak ? 0.5 : std::min(1.0, 0.5 + p.candidate->score / 60);
+    points.push_back({p.foot, p.candidate->up, p.candidate->z, p.candidate->height, confidence, p.candidate->weak,
+                      p.candidate->reach});
   }
   return points;
 }
