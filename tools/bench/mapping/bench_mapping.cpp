@@ -8,18 +8,20 @@
 #include <string>
 #include <vector>
 
+#include "tools/bench/mapping/loam_cloud.hpp"
 #include "tools/bench/mapping/loop_run.hpp"
 #include "tools/bench/mapping/mapping_report.hpp"
 #include "tools/bench/mapping/poor_odometry.hpp"
 #include "tools/bench/mapping/scan_drive.hpp"
 #include "tools/bench/mapping/town_drive.hpp"
+#include "tools/export/cloud_writer.hpp"
 
 namespace curbstone {
 namespace {
 
 struct BenchMappingOptions {
   std::string recorded = "../shared/data/kitti0005_rs16";
-  std::string scans, poses, times, json, tracks, sweep = "auto";
+  std::string scans, poses, times, json, tracks, clouds, sweep = "auto";
   std::vector<std::string> methods = mapping_methods();
   std::vector<std::string> priors = {"none", "poor", "ekf"};
   std::vector<std::string> set;
@@ -32,12 +34,25 @@ struct BenchMappingOptions {
   double slips = 3;  // a minute
 };
 
+/// What LOAM itself would keep of the drive, in a file, for the paper's table of sizes.
+void write_loam_cloud(const MappingDrive& drive, const LoamCloud& cloud, const std::string& folder) {
+  const std::string file = fmt::format("{}/{}-{}-loam.pcd", folder, drive.name, drive.prior);
+  write_cloud(cloud.cloud(), CloudFormat::kPcd, file);
+  fmt::print("{}: {} edges, {} planes, {} bytes\n", file, cloud.edges(), cloud.planes(),
+             std::filesystem::file_size(file));
+}
+
 /// One drive with every method, as its results come.
 void run_all(const MappingDrive& drive, const BenchMappingOptions& options, std::vector<MappingResult>& results) {
   if (std::find(options.priors.begin(), options.priors.end(), drive.prior) == options.priors.end()) return;
   for (const std::string& method : options.methods) {
-    results.push_back(run_mapping(drive, method, options.set));
+    LoamCloud cloud(drive.vehicle);
+    const bool keeps = method == "loam" && !options.clouds.empty();
+    results.push_back(run_mapping(drive, method, options.set, [&](const MappingMoment& moment) {
+      if (keeps && moment.pose) cloud.add(*moment.revolution, *moment.pose);
+    }));
     fmt::print("{}", mapping_line(results.back()));
+    if (keeps) write_loam_cloud(drive, cloud, options.clouds);
     std::fflush(stdout);
     if (!options.tracks.empty()) write_mapping_track(results.back(), options.tracks);
   }
@@ -124,6 +139,9 @@ void add_mapping_options(CLI::App& app, BenchMappingOptions& options) {
       ->capture_default_str();
   app.add_option("--set", options.set, "KEY=VALUE of section mapper, for our methods; repeatable");
   app.add_option("--tracks", options.tracks, "Write the poses of each run to this folder")
+      ->check(CLI::ExistingDirectory);
+  app.add_option("--clouds", options.clouds,
+                 "With method loam: write the features that LOAM itself keeps, as PCD, to this folder")
       ->check(CLI::ExistingDirectory);
   app.add_option("--json", options.json, "Write the figures to a file");
 }

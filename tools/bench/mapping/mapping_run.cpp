@@ -30,7 +30,7 @@ MappingResult run_mapping(const MappingDrive& drive, const std::string& method,
     result.memory_mb = std::max(result.memory_mb, held);
     if (pose) track.push_back(*pose);
     if (!watch) return;
-    MappingMoment moment{pose, std::nullopt, held, cpu.back()};
+    MappingMoment moment{pose, std::nullopt, held, cpu.back(), &revolution};
     if (odometry.covers(revolution.end, revolution.end))
       moment.odometry = StampedPose{revolution.end, odometry.at(revolution.end)};
     watch(moment);

@@ -27,10 +27,11 @@ struct MappingResult {
 
 /// What is known after a revolution.
 struct MappingMoment {
-  std::optional<StampedPose> pose;      ///< that the method found
-  std::optional<StampedPose> odometry;  ///< T_odom_base at the revolution's end
-  double held_mb = 0;                   ///< heap that the method holds
-  double cpu_ms = 0;                    ///< that it took
+  std::optional<StampedPose> pose;         ///< that the method found
+  std::optional<StampedPose> odometry;     ///< T_odom_base at the revolution's end
+  double held_mb = 0;                      ///< heap that the method holds
+  double cpu_ms = 0;                       ///< that it took
+  const Revolution* revolution = nullptr;  ///< while the watch is called
 };
 
 [[nodiscard]] MappingResult run_mapping(const MappingDrive& drive, const std::string& method,
