@@ -16,11 +16,13 @@ namespace {
 constexpr double kAcross = 0.50;       // m: ghosts of a step appear this far beside it
 constexpr double kAlong = 0.15;        // m
 constexpr double kSameLine = 0.04;     // m: this close across is the same line, not a ghost
-constexpr double kMargin = 2.2;        // m around the tile that can matter
+constexpr double kMargin = 3.0;        // m around the tile that can matter
+constexpr double kLongest = 2.2;       // m each way that a line is looked at
 constexpr double kMinExtent = 0.8;     // m of line around a detection
 constexpr double kReaches = 2.0;       // of the evidence: where points are few, so are detections
 constexpr double kWeakReach = 1.5;     // m a weak detection may be from the line's strong ones
 constexpr double kWeakLateral = 0.10;  // m off it
+constexpr double kWeakSupport = 2.5;   // of the certainty of a line: low steps must bear each other out as well
 
 /// A candidate that competes with others.
 struct Placed : PlacedCandidate {
@@ -115,7 +117,7 @@ LocalLine line_around(const Eigen::Vector2d& at, double radius, const std::vecto
 
 bool is_on_line(const Placed& p, const std::vector<Placed>& strong, const CurbParameters& parameters) {
   const auto alike = [&](const Placed& o) { return std::abs(o.candidate->up.dot(p.candidate->up)) > 0.6; };
-  const double radius = std::min(kMargin, std::max(parameters.linearity_radius, kReaches * p.candidate->reach));
+  const double radius = std::min(kLongest, std::max(parameters.linearity_radius, kReaches * p.candidate->reach));
   const LocalLine line = line_around(p.foot, radius, strong, alike);
   return line.count > parameters.min_neighbours && line.linearity < parameters.max_linearity &&
          line.extent > kMinExtent && std::abs(line.direction.dot(p.candidate->up)) < 0.6;
@@ -126,17 +128,32 @@ bool is_on_line(const Placed& p, const std::vector<Placed>& strong, const CurbPa
 bool is_supported(const Placed& p, const std::vector<Placed>& kept, const CurbParameters& parameters) {
   if (!parameters.use_step) return true;  // a tilt alone has no certainty
   const auto alike = [&](const Placed& o) { return std::abs(o.candidate->up.dot(p.candidate->up)) > 0.6; };
-  const LocalLine line = line_around(p.foot, kMargin, kept, alike);
+  const LocalLine line = line_around(p.foot, kLongest, kept, alike);
   return line.score * std::sqrt(line.extent) >= parameters.line_sigmas;
 }
 
-bool continues_line(const Placed& p, const std::vector<Placed>& confirmed) {
+bool continues_line(const Placed& p, const std::vector<Placed>& confirmed, const CurbParameters& parameters) {
+  if (p.certainty < kWeakSupport * parameters.line_sigmas) return false;
   const auto alike = [&](const Placed& o) { return o.candidate->up.dot(p.candidate->up) > 0.8; };
   const LocalLine line = line_around(p.foot, kWeakReach, confirmed, alike);
   if (line.count < 4 || line.linearity > 0.2 || line.extent < kMinExtent) return false;
   const Eigen::Vector2d d = p.foot - line.mean;
   const double lateral = std::abs(d.x() * line.direction.y() - d.y() * line.direction.x());
   return lateral < kWeakLateral && std::abs(line.direction.dot(p.candidate->up)) < 0.4;
+}
+
+/// Low steps are taken in where they continue a line, and then those that continue them: a lowered kerb is followed
+/// from its ends, as far as it is seen to go on. `kept` stays in the order of x.
+void grow_lowered(std::vector<Placed> weak, const CurbParameters& parameters, std::vector<Placed>& kept) {
+  bool grows = true;
+  while (grows && !weak.empty()) {
+    const auto goes_on = std::stable_partition(weak.begin(), weak.end(),
+                                               [&](const Placed& p) { return !continues_line(p, kept, parameters); });
+    grows = goes_on != weak.end();
+    kept.insert(kept.end(), goes_on, weak.end());
+    weak.erase(goes_on, weak.end());
+    std::stable_sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.foot.x() < b.foot.x(); });
+  }
 }
 
 }  // namespace
@@ -155,12 +172,9 @@ std::vector<CurbPoint> filter_curbs(const Around<std::vector<CurbCandidate>>& ca
   }
   std::vector<Placed> kept;
   for (const Placed& p : on_line) {
-    if (outside(p.foot) < kWeakReach && is_supported(p, on_line, parameters)) kept.push_back(p);
+    if (is_supported(p, on_line, parameters)) kept.push_back(p);
   }
-  const std::vector<Placed> confirmed = kept;
-  for (const Placed& p : weak) {
-    if (outside(p.foot) <= 0 && continues_line(p, confirmed)) kept.push_back(p);
-  }
+  grow_lowered(std::move(weak), parameters, kept);
 
   std::map<int, Placed> best;  // by cell
   for (const Placed& p : kept) {

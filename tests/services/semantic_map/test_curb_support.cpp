@@ -86,5 +86,33 @@ TEST(CurbFilter, StepsThatGoOnAlongTheirOwnDirectionWinOverMoreCertainOnesAslant
   }
 }
 
+/// A kerb along y = 1.5 m of which all in the tile is lowered; `raised`: what goes on to its left and right is not.
+std::vector<CurbPoint> filtered_lowered_kerb(bool raised, double wave) {
+  std::vector<CurbCandidate> tiles[3];
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (k != 1 && !raised) continue;
+    for (double x = 0.06; x < 3; x += 0.12) {
+      const double score = k == 1 ? 6 : 15;
+      tiles[k].push_back(step_at(x, 1.5 + wave * std::sin(40 * x), kUpwards, score));
+      tiles[k].back().weak = k == 1;
+      tiles[k].back().reach = 0.25;
+    }
+  }
+  Around<std::vector<CurbCandidate>> around;
+  for (int dx = -1; dx <= 1; ++dx) around.set(dx, 0, &tiles[dx + 1]);
+  return filter_curbs(around, {});
+}
+
+TEST(CurbFilter, ALoweredKerbIsFollowedFromItsEnds) {
+  const auto points = filtered_lowered_kerb(true, 0);
+  EXPECT_GE(points.size(), 24U) << "of 25";
+  for (const CurbPoint& p : points) EXPECT_TRUE(p.weak);
+}
+
+TEST(CurbFilter, LowStepsByThemselvesAreNoKerbAndNeitherAreScatteredOnes) {
+  EXPECT_TRUE(filtered_lowered_kerb(false, 0).empty());
+  EXPECT_LT(filtered_lowered_kerb(true, 0.25).size(), 6U);
+}
+
 }  // namespace
 }  // namespace curbstone
