@@ -84,9 +84,8 @@ struct CalibrationResult {
 /// - wheels against LiDAR: hand-eye, B X = X L (Tsai and Lenz 1989), where B is the arc that the wheels rolled in the
 ///   plane of base_link, sideways and upwards 0;
 /// - gyro against LiDAR: R_imu = Q R_lidar Q^T, with the gyro preintegrated (Forster et al. 2017, section VI);
-/// - accelerometer against LiDAR: the change of the mean velocity from one piece to the next, with gravity's direction
-/// in
-///   the map, the bias and the lever arm.
+/// - accelerometer against LiDAR: the change of the mean velocity from one piece to the next, with the direction of
+///   gravity in the map, the bias and the lever arm.
 ///
 /// Slips and other outliers are held down by a robust loss; the noise of each kind is taken from its residuals, so that
 /// the covariance does not depend on anybody's guess. What was observed is read off the information matrix.

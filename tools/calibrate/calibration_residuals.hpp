@@ -1,0 +1,145 @@
+#pragma once
+
+#include <ceres/rotation.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+
+#include "common/gravity.hpp"
+#include "tools/calibrate/calibration_noise.hpp"
+#include "tools/calibrate/segment.hpp"
+
+/// What must vanish if wheels, LiDAR and IMU are where they are said to be, for Ceres to differentiate. Parameters:
+///   wheels              radii, left and right, and track, m
+///   lidar, imu          T_base_lidar, T_base_imu: x y z in m, roll pitch yaw in rad
+///   gyro_bias           rad/s, beside what was taken off; accelerometer_bias m/s^2
+///   level               rad, about x and y: of the map against gravity
+/// Each names the kinds of its residuals, kKinds, which are in sigmas of `noise`. Only calibration_solver.cpp sees
+/// this.
+namespace curbstone::calibration_residuals {
+
+template <class T>
+using Vector3 = Eigen::Matrix<T, 3, 1>;
+template <class T>
+using Matrix3 = Eigen::Matrix<T, 3, 3>;
+
+inline const double kStraight = 1.0 + 2.0 * std::cos(0.02);  // trace of a rotation by 0.02 rad
+
+template <class T>
+Matrix3<T> from_rpy(const T* rpy) {
+  return (Eigen::AngleAxis<T>(rpy[2], Vector3<T>::UnitZ()) * Eigen::AngleAxis<T>(rpy[1], Vector3<T>::UnitY()) *
+          Eigen::AngleAxis<T>(rpy[0], Vector3<T>::UnitX()))
+      .toRotationMatrix();
+}
+
+template <class T>
+Vector3<T> log_of(const Matrix3<T>& R) {
+  Vector3<T> out;
+  ceres::RotationMatrixToAngleAxis(ceres::ColumnMajorAdapter3x3(R.data()), out.data());
+  return out;
+}
+
+template <class T>
+Matrix3<T> exp_of(const Vector3<T>& v) {
+  Matrix3<T> R;
+  ceres::AngleAxisToRotationMatrix(v.data(), ceres::ColumnMajorAdapter3x3(R.data()));
+  return R;
+}
+
+/// base_link's motion as the LiDAR saw it, against the arcs that the wheels rolled.
+struct WheelsAgainstLidar {
+  const CalibrationSegment& segment;
+  double configured_track;
+  const NoiseLevels& noise;
+  template <class T>
+  bool operator()(const T* wheels, const T* lidar, T* residual) const {
+    T x(0.0), y(0.0), heading(0.0);
+    for (const auto& turned : segment.wheels) {
+      const T left = wheels[0] * turned[0];
+      const T right = wheels[1] * turned[1];
+      const T turn = (right - left) / wheels[2];
+      const T way = 0.5 * (left + right);
+      x += way * cos(heading + 0.5 * turn);
+      y += way * sin(heading + 0.5 * turn);
+      heading += turn;
+    }
+    const Matrix3<T> R = from_rpy(lidar + 3);
+    const Vector3<T> t(lidar[0], lidar[1], lidar[2]);
+    const Pose L = segment.T_begin_end();
+    const Matrix3<T> R_base = R * L.linear().cast<T>() * R.transpose();
+    const Vector3<T> t_base = t + R * L.translation().cast<T>() - R_base * t;
+    const Vector3<T> turned = log_of(R_base);
+    residual[0] = (t_base.x() - x) / noise[kAlong];
+    residual[1] = (t_base.y() - y) / noise[kSideways];
+    residual[2] = t_base.z() / noise[kUpwards];
+    residual[3] = turned.x() / noise[kTilt];
+    residual[4] = turned.y() / noise[kTilt];
+    // In metres of the wheels, which are what errs. A piece that hardly turns tells how the radii compare; of the track
+    // only noise would speak, and shrink or stretch it to make itself small.
+    const double seen = L.linear().trace() > kStraight ? 0.0 : 1.0;
+    const T track = seen * wheels[2] + (1.0 - seen) * configured_track;
+    residual[5] = (turned.z() * track - heading * wheels[2]) / noise[kTurn];
+    return true;
+  }
+  static constexpr std::array kKinds = {kAlong, kSideways, kUpwards, kTilt, kTilt, kTurn};
+};
+
+struct GyroAgainstLidar {
+  const CalibrationSegment& segment;
+  const NoiseLevels& noise;
+  template <class T>
+  bool operator()(const T* lidar, const T* imu, const T* gyro_bias, T* residual) const {
+    const Matrix3<T> Q = from_rpy(imu + 3).transpose() * from_rpy(lidar + 3);  // lidar to imu
+    const Vector3<T> bias(gyro_bias[0], gyro_bias[1], gyro_bias[2]);
+    const Matrix3<T> by_gyro =
+        segment.imu.rotation.toRotationMatrix().cast<T>() * exp_of<T>(segment.imu.rotation_by_bias.cast<T>() * bias);
+    const Matrix3<T> by_lidar = Q * segment.T_begin_end().linear().cast<T>() * Q.transpose();
+    const Vector3<T> error = log_of<T>(by_gyro.transpose() * by_lidar);
+    for (int i = 0; i < 3; ++i) residual[i] = error[i] / noise[kGyro];
+    return true;
+  }
+  static constexpr std::array kKinds = {kGyro, kGyro, kGyro};
+};
+
+/// The IMU's mean velocity in one piece and in the next: it changed by what the accelerometer felt, and gravity.
+struct AccelerometerAgainstLidar {
+  const CalibrationSegment& a;
+  const CalibrationSegment& b;
+  const NoiseLevels& noise;
+  template <class T>
+  bool operator()(const T* lidar, const T* imu, const T* accelerometer_bias, const T* level, T* residual) const {
+    const Matrix3<T> R_base_lidar = from_rpy(lidar + 3);
+    const Matrix3<T> R_lidar_imu = R_base_lidar.transpose() * from_rpy(imu + 3);
+    const Vector3<T> arm =
+        R_base_lidar.transpose() * Vector3<T>(imu[0] - lidar[0], imu[1] - lidar[1], imu[2] - lidar[2]);
+    const auto at = [&](const Pose& T_map_lidar) -> Vector3<T> {
+      return T_map_lidar.translation().cast<T>() + T_map_lidar.linear().cast<T>() * arm;
+    };
+    const Vector3<T> bias(accelerometer_bias[0], accelerometer_bias[1], accelerometer_bias[2]);
+    const Vector3<T> gravity =
+        exp_of<T>(Vector3<T>(level[0], level[1], T(0.0))) * Vector3<T>(T(0.0), T(0.0), T(-kGravity));
+    const Matrix3<T> R_a = a.T_map_begin.linear().cast<T>() * R_lidar_imu;
+    const Matrix3<T> R_b = b.T_map_begin.linear().cast<T>() * R_lidar_imu;
+    const T da(a.duration), db(b.duration);
+    const Vector3<T> seen = (at(b.T_map_end) - at(b.T_map_begin)) / db - (at(a.T_map_end) - at(a.T_map_begin)) / da;
+    const Vector3<T> felt = 0.5 * (da + db) * gravity + R_b * (b.imu.position.cast<T>() / db - 0.5 * db * bias) -
+                            R_a * (a.imu.position.cast<T>() / da - 0.5 * da * bias) +
+                            R_a * (a.imu.velocity.cast<T>() - da * bias);
+    for (int i = 0; i < 3; ++i) residual[i] = (seen[i] - felt[i]) / noise[kSpeed];
+    return true;
+  }
+  static constexpr std::array kKinds = {kSpeed, kSpeed, kSpeed};
+};
+
+template <std::size_t N>
+struct Prior {
+  std::array<double, N> mean, sigma;
+  template <class T>
+  bool operator()(const T* x, T* residual) const {
+    for (std::size_t i = 0; i < N; ++i) residual[i] = (x[i] - mean[i]) / sigma[i];
+    return true;
+  }
+};
+
+}  // namespace curbstone::calibration_residuals

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "common/vehicle.hpp"
+#include "tools/calibrate/calibration.hpp"
+#include "tools/calibrate/calibration_noise.hpp"
+#include "tools/calibrate/segment.hpp"
+
+namespace curbstone {
+
+/// The least-squares problem of a drive: the residuals of calibration_residuals.hpp over all its pieces, Cauchy's loss,
+/// and a wide prior about what is configured. One thread.
+class CalibrationSolver {
+ public:
+  /// Keeps a reference to the segments.
+  CalibrationSolver(const std::vector<CalibrationSegment>& segments, const VehicleConfig& vehicle);
+  ~CalibrationSolver();
+  CalibrationSolver(const CalibrationSolver&) = delete;
+  CalibrationSolver& operator=(const CalibrationSolver&) = delete;
+
+  /// Solves, finds the noise from what is left, and again. Throws std::runtime_error if nothing fits.
+  void solve();
+
+  /// As found, in the order of Calibrated.
+  [[nodiscard]] std::array<double, kCalibratedCount> values() const;
+  /// J^T J of everything, priors and weights of the robust loss included; Calibrated's first, then the biases and the
+  /// map's level.
+  [[nodiscard]] Eigen::MatrixXd information() const;
+  /// 1 sigma of the priors of Calibrated's.
+  [[nodiscard]] std::array<double, kCalibratedCount> prior_sigma() const;
+  [[nodiscard]] const NoiseLevels& noise() const;
+
+ private:
+  class Problem;
+  std::unique_ptr<Problem> problem_;
+};
+
+}  // namespace curbstone
