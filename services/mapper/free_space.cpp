@@ -12,11 +12,13 @@ constexpr int kCellSteps = 100;                      // 0.2 m
 constexpr int kAcross = kStepsPerTile / kCellSteps;  // cells along a tile's side
 constexpr int kLayers = 60;                          // cells, half of them below the lidar
 constexpr int kLayer = kAcross * kAcross;            // cells in one
-constexpr std::uint8_t kOften = 2;                   // revolutions whose beams passed through: free
+constexpr int kBelowAll = 400;                       // cells: below every int16
+constexpr auto kStep = static_cast<float>(kPositionStep);
+constexpr std::uint8_t kOften = 2;                  // revolutions whose beams passed through: free
 constexpr std::uint8_t kMost = 4;                   // that are counted
-constexpr float kLowClearance = 0.06F;               // m above the column's lowest point, under what has gone
-constexpr SweepImage::Margins kHigh{0.30F, 0.50F};   // m: an obstacle's own depth, and what is clearly beyond
-constexpr SweepImage::Margins kLow{0.12F, 0.15F};    // m: there the ground is near
+constexpr float kLowClearance = 0.06F;              // m above the column's lowest point, under what has gone
+constexpr SweepImage::Margins kHigh{0.30F, 0.50F};  // m: an obstacle's own depth, and what is clearly beyond
+constexpr SweepImage::Margins kLow{0.12F, 0.15F};   // m: there the ground is near
 static_assert(DenseTile::kVacatedColumns == kAcross);
 
 }  // namespace
@@ -30,6 +32,7 @@ void FreeSpace::gather(DenseTile& tile, const Eigen::Vector3d& corner, const Vie
   const int layers_below = floor_to_int((lidar.z() - corner.z()) / (kCellSteps * kPositionStep)) - kLayers / 2;
   const Eigen::Matrix3f turn = view.T_lidar_map.linear().cast<float>();
   const Eigen::Vector3f offset = (view.T_lidar_map * corner).cast<float>();
+  const auto z_origin = static_cast<float>(tile.z_origin());
   const auto reach2 = static_cast<float>(view.reach * view.reach);
   for (std::size_t run = 0; run < tile.runs().size(); ++run) {
     if (!view.in_place(tile.runs()[run].anchor)) continue;
@@ -37,14 +40,13 @@ void FreeSpace::gather(DenseTile& tile, const Eigen::Vector3d& corner, const Vie
     for (auto i = static_cast<std::size_t>(tile.runs()[run].first); i < end; ++i) {
       if (!tile.there(i)) continue;
       const TilePoint& p = tile.records()[i];
-      const float above = static_cast<float>(tile.z_origin() + p.z * kPositionStep) - tile.lowest_at(p);
+      const float above = z_origin + kStep * static_cast<float>(p.z) - tile.lowest_at(p);
       const int column = p.y / kCellSteps * kAcross + p.x / kCellSteps;
       const bool high = above > ground_clearance_;
       if (!high && !(above > kLowClearance && tile.vacated(column))) continue;
-      const int layer = floor_to_int(p.z / static_cast<double>(kCellSteps)) - layers_below;
+      const int layer = (p.z + kBelowAll * kCellSteps) / kCellSteps - kBelowAll - layers_below;
       if (layer < 0 || layer >= kLayers) continue;
-      const Eigen::Vector3f in_lidar =
-          offset + turn * (static_cast<float>(kPositionStep) * Eigen::Vector3f(p.x, p.y, p.z));
+      const Eigen::Vector3f in_lidar = offset + turn * (kStep * Eigen::Vector3f(p.x, p.y, p.z));
       if (in_lidar.squaredNorm() > reach2) continue;
       const auto cell = static_cast<std::uint32_t>(layer * kLayer + column);
       const Sighting sighting = view.image.look(in_lidar, high ? kHigh : kLow);
@@ -67,7 +69,6 @@ bool FreeSpace::met_about(std::uint32_t cell) const {
 
 std::vector<std::uint32_t> FreeSpace::look(DenseTile& tile, const Eigen::Vector3d& corner, const View& view) {
   candidates_.clear();
-  std::fill(cells_.begin(), cells_.end(), Cell{});
   gather(tile, corner, view);
   for (const Candidate& candidate : candidates_) {
     std::uint8_t& through = tile.seen_through(candidate.record);
@@ -85,6 +86,7 @@ std::vector<std::uint32_t> FreeSpace::look(DenseTile& tile, const Eigen::Vector3
     gone.push_back(candidate.record);
     tile.set_vacated(static_cast<int>(candidate.cell) % kLayer);
   }
+  for (const Candidate& candidate : candidates_) cells_[candidate.cell] = {};
   return gone;
 }
 

@@ -46,7 +46,7 @@ class FreeSpace {
   [[nodiscard]] bool met_about(std::uint32_t cell) const;
 
   float ground_clearance_;
-  std::vector<Cell> cells_;  // of the tile that is looked at
+  std::vector<Cell> cells_;  // of the tile that is looked at; between tiles all are empty
   std::vector<Candidate> candidates_;
 };
 

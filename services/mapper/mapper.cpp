@@ -132,8 +132,10 @@ void Mapper::look_through(const Tracked& tracked, MapperUpdate& update) {
   const double dt = seconds(earlier->utime, tracked.utime);
   if (!(dt > 0 && dt < kLongestStep)) return;
   const Twist motion = twist_of(earlier->T_map_base.inverse() * tracked.T_map_base, dt);
+  bool on_known_map = false;  // of an earlier drive: its points stand or fall together
+  for (int id = 0; id < atlas_.num_known() && !on_known_map; ++id) on_known_map = atlas_.present(id);
   const auto in_place = [&](std::int32_t anchor) {
-    return anchor == DenseMap::kFixed || (anchor < atlas_.size() && atlas_.present(anchor));
+    return anchor == DenseMap::kFixed ? on_known_map : anchor < atlas_.size() && atlas_.present(anchor);
   };
   for (const TileKey& key : dense_.look_through(tracked.points, tracked.T_map_base, config_.vehicle.T_base_lidar(),
                                                 motion, tracked.utime, in_place)) {

@@ -1,17 +1,14 @@
 #include "services/mapper/sweep_image.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 
 namespace curbstone {
 namespace {
 
-constexpr float kBeside = 0.08F;  // m: how far from a beam, up or down, a place may be that it tells of
+constexpr float kBeside = 0.08F;   // m: how far from a beam, up or down, a place may be that it tells of
 constexpr float kOutside = 0.01F;  // m on the other side, which is noise
-constexpr float kNearest = 1.0F;  // m: nearer there is the vehicle
-constexpr std::size_t kRings = 256;
+constexpr float kNearest = 1.0F;   // m: nearer there is the vehicle
 
 /// A monotone stand-in for the angle, 0 .. 4, from +x towards +y: half as dear as std::atan2, and even enough.
 float quadrant_angle(float x, float y) {
@@ -34,48 +31,35 @@ SweepImage::SweepImage(const std::vector<LidarPoint>& points, const Pose& T_base
   velocity_ = to_lidar * (motion.linear + motion.angular.cross(lever)).cast<float>();
   const Eigen::Vector3f origin = to_lidar * lever.cast<float>();
   float end = 0;
-  std::array<float, kRings> sum{};
-  std::array<int, kRings> count{};
-  for (const LidarPoint& p : points) end = std::max(end, p.time);
-
-  struct Shot {
-    int azimuth;
-    std::uint8_t ring;
-    Beam beam;
-  };
-  std::vector<Shot> shots;
-  shots.reserve(points.size());
+  std::size_t rings = 0;
+  for (const LidarPoint& p : points) {
+    end = std::max(end, p.time);
+    rings = std::max(rings, std::size_t{p.ring} + 1);
+  }
+  beams_.resize(rings * kAzimuths);
+  std::vector<float> sum(rings);
+  std::vector<int> count(rings);
   for (const LidarPoint& p : points) {
     const float age = end - p.time;
     const Eigen::Vector3f d = to_lidar * p.position - origin + age * velocity_;
     const float range = std::sqrt(d.x() * d.x() + d.y() * d.y());
     if (!(range > kNearest * 0.5F)) continue;
-    const Shot shot{azimuth_of(d.x(), d.y()), p.ring, {range, d.z() / range}};
-    sum[p.ring] += shot.beam.slope;
+    const float slope = d.z() / range;
+    sum[p.ring] += slope;
     ++count[p.ring];
-    ages_[static_cast<std::size_t>(shot.azimuth)] = age;
-    shots.push_back(shot);
+    const auto azimuth = static_cast<std::size_t>(azimuth_of(d.x(), d.y()));
+    ages_[azimuth] = age;
+    Beam& beam = beams_[p.ring * kAzimuths + azimuth];
+    if (beam.range == 0 || range < beam.range) beam = {range, slope};
   }
-  std::vector<std::size_t> rings;
-  for (std::size_t ring = 0; ring < kRings; ++ring) {
-    if (count[ring] > 0) rings.push_back(ring);
+  for (std::size_t ring = 0; ring < rings; ++ring) {
+    if (count[ring] > 0) rows_.push_back({sum[ring] / static_cast<float>(count[ring]), ring});
   }
-  const auto mean = [&](std::size_t ring) { return sum[ring] / static_cast<float>(count[ring]); };
-  std::sort(rings.begin(), rings.end(), [&](std::size_t a, std::size_t b) { return mean(a) < mean(b); });
-  std::array<std::size_t, kRings> row_of{};
-  for (std::size_t row = 0; row < rings.size(); ++row) {
-    row_of[rings[row]] = row;
-    slopes_.push_back(mean(rings[row]));
-  }
-  beams_.resize(rings.size() * kAzimuths);
-  for (const Shot& shot : shots) {
-    Beam& beam = beams_[row_of[shot.ring] * kAzimuths + static_cast<std::size_t>(shot.azimuth)];
-    if (beam.range == 0 || shot.beam.range < beam.range) beam = shot.beam;
-  }
+  std::sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) { return a.slope < b.slope; });
 }
 
 Sighting SweepImage::look(const Eigen::Vector3f& place, const Margins& margins) const {
-  if (slopes_.empty()) return Sighting::kNothing;
+  if (rows_.empty()) return Sighting::kNothing;
   const auto age = static_cast<std::size_t>(azimuth_of(place.x(), place.y()));
   const Eigen::Vector3f d = place + ages_[age] * velocity_;
   const float range = std::sqrt(d.x() * d.x() + d.y() * d.y());
@@ -83,11 +67,10 @@ Sighting SweepImage::look(const Eigen::Vector3f& place, const Margins& margins) 
   const float slope = d.z() / range;
   const float inside = slope < 0 ? 1.0F : -1.0F;
   const int azimuth = azimuth_of(d.x(), d.y());
-  const auto above =
-      static_cast<std::size_t>(std::lower_bound(slopes_.begin(), slopes_.end(), slope) - slopes_.begin());
+  const auto next = std::partition_point(rows_.begin(), rows_.end(), [&](const Row& row) { return row.slope < slope; });
   Sighting sighting = Sighting::kNothing;
-  for (std::size_t row = above > 0 ? above - 1 : 0; row < std::min(above + 1, slopes_.size()); ++row) {
-    const Beam* const beams = beams_of(row);
+  for (auto row = next == rows_.begin() ? next : next - 1; row != rows_.end() && row <= next; ++row) {
+    const Beam* const beams = beams_.data() + row->ring * kAzimuths;
     const Beam& own = beams[azimuth];
     const float off = (slope - own.slope) * range;  // m, of the place above the beam
     if (own.range == 0 || std::abs(off) > kBeside) continue;

@@ -41,12 +41,16 @@ class SweepImage {
     float slope = 0;  // up, per m
   };
   [[nodiscard]] static int azimuth_of(float x, float y);
-  [[nodiscard]] const Beam* beams_of(std::size_t row) const { return beams_.data() + row * kAzimuths; }
+  /// A ring, and how it is inclined on average.
+  struct Row {
+    float slope;
+    std::size_t ring;
+  };
 
-  std::vector<Beam> beams_;    // row by row, from the lowest ring
-  std::vector<float> slopes_;  // of each row, on average
-  std::vector<float> ages_;    // s before the end, by azimuth
-  Eigen::Vector3f velocity_;   // m/s, of the lidar, in its axes
+  std::vector<Beam> beams_;   // ring by ring
+  std::vector<Row> rows_;     // from the lowest
+  std::vector<float> ages_;   // s before the end, by azimuth
+  Eigen::Vector3f velocity_;  // m/s, of the lidar, in its axes
 };
 
 }  // namespace curbstone
