@@ -31,6 +31,10 @@ class Node {
   /// message time. What is published may depend on it, what it finally converges to may not.
   virtual void tick(std::int64_t now) { (void)now; }
 
+  /// Live, all messages that had come have been handled: what they led to may go out now and not at the next tick. As
+  /// with tick(), what is finally converged to does not depend on it; a replay does not call it.
+  virtual void caught_up(std::int64_t now) { (void)now; }
+
   /// Finish what is pending, without pacing: the drive is over. Called once before the process ends.
   virtual void finish() {}
 

@@ -83,7 +83,10 @@ void run(const std::string& name, const std::string& url, const std::string& has
   node->connect(bus);
   StatusReporter status(name, hash);
 
-  loop.watch(bus.fd(), [&] { bus.handle(std::chrono::milliseconds(0)); });
+  loop.watch(bus.fd(), [&] {
+    bus.handle(std::chrono::milliseconds(0));
+    node->caught_up(wall_clock());
+  });
   loop.every(std::chrono::milliseconds(20), [&] { node->tick(wall_clock()); });
   loop.every(std::chrono::milliseconds(1000), [&] { status.publish(bus, node->report()); });
   status.publish(bus, node->report());

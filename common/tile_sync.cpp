@@ -127,6 +127,12 @@ bool TileFollower::announced(const tile_index_t& message) {
   return true;
 }
 
+void TileFollower::lacks(TileKey key, std::int32_t version) {
+  Behind& behind = behind_[key];
+  behind.since = 0;
+  behind.announced = std::max(behind.announced, version);
+}
+
 bool TileFollower::is_behind_near(double x, double y, double radius) const {
   return std::any_of(behind_.begin(), behind_.end(),
                      [&](const auto& tile) { return squared_distance(tile.first, x, y) < radius * radius; });

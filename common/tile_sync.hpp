@@ -68,6 +68,8 @@ class TileFollower {
   /// Takes an index page. Returns false for another channel's or an older epoch's. A newer epoch is for the caller to
   /// start (start_epoch) before.
   bool announced(const tile_index_t& message);
+  /// What came of the tile says itself that `version` is there and that we cannot use it: asked for without patience.
+  void lacks(TileKey key, std::int32_t version);
 
   /// A request for at most `max_tiles` tiles whose announced version is above ours and has been for `patience` us (what
   /// was just announced is probably on its way), the nearest to (x, y), m in map, first. Empty num_tiles: nothing to

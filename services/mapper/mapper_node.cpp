@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kMaxPending = 80;           // revolutions that wait for odometry; 20 Hz: 4 s
 constexpr std::int32_t kPointsPerMessage = 3000;  // 7 bytes each: 21 kB, well under 48 kB
 constexpr std::int64_t kTilePeriod = 90'000;      // us between two messages about a tile
-constexpr int kMessagesPerTick = 24;              // every 20 ms
+constexpr int kMessagesPerTick = 48;              // every 20 ms, and after each revolution
 constexpr int kPointsPerTick = 5000;              // 35 kB: 1.7 MB/s, the map of a vehicle at 3 m/s makes 0.25
 constexpr int kRequestsPerTick = 1;               // tiles, of some 8000 points at most
 constexpr std::int64_t kIndexPeriod = 1'000'000;
@@ -150,6 +150,7 @@ void MapperNode::process(const Revolution& revolution) {
   if (epoch_ == 0 || update->rearranged) begin_epoch(*update);
   publish_pose(*update);
   take_grown(update->grown);
+  has_news_ = true;
   for (const TileKey& key : mapper_.dense().take_evicted()) {
     catalog_.remove(key);
     sent_.erase(key);
@@ -232,6 +233,7 @@ std::int32_t MapperNode::send_points(TileKey key, std::int32_t first) {
 }
 
 void MapperNode::send_changes(std::int64_t now) {
+  has_news_ = false;
   int messages = kMessagesPerTick;
   int points = kPointsPerTick;
   for (std::size_t looks = changed_.size(); looks > 0 && messages > 0 && points > 0; --looks) {
@@ -273,6 +275,10 @@ void MapperNode::send_index(std::int64_t now) {
   for (const tile_index_t& page : catalog_.make_index(now, position_.x(), position_.y()))
     bus_.publish("TILE_INDEX", page);
   index_sent_ = now;
+}
+
+void MapperNode::caught_up(std::int64_t now) {
+  if (has_news_ && epoch_ != 0) send_changes(now);
 }
 
 void MapperNode::tick(std::int64_t now) {

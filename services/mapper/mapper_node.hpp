@@ -21,8 +21,8 @@ namespace curbstone {
 /// LIDAR_POINTS and ODOMETRY in, MAP_POSE, MAP_POINTS and MAP_TRAJECTORY out.
 ///
 /// A revolution is processed once odometry has passed its end, or when lidar time says that odometry is missing: so the
-/// map does not depend on how the two channels interleave. Points go out at a bounded pace from tick(); what the map
-/// holds does not depend on it.
+/// map does not depend on how the two channels interleave. Points go out at a bounded pace, at once after their
+/// revolution and from tick(); what the map holds does not depend on it.
 class MapperNode final : public Node {
  public:
   /// Throws MapFolderError if the map that it should go on with cannot be used.
@@ -30,6 +30,7 @@ class MapperNode final : public Node {
 
   void connect(Subscriber& bus) override;
   void tick(std::int64_t now) override;
+  void caught_up(std::int64_t now) override;
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
 
@@ -79,6 +80,7 @@ class MapperNode final : public Node {
   std::deque<TileKey> changed_;  // in the order in which they will be sent
   std::unordered_set<TileKey, TileKeyHash> is_changed_;
   std::deque<map_trajectory_t> trajectory_;  // pages that will be sent
+  bool has_news_ = false;                    // a revolution whose tiles have not gone out
   std::int64_t index_sent_ = 0;
   int without_odometry_ = 0;  // revolutions in a row
   LatencyWindow latency_;

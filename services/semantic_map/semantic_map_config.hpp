@@ -13,7 +13,7 @@ namespace curbstone {
 struct SemanticMapConfig {
   std::string map = "map.db";      ///< file; empty: the map lives in memory only
   std::string picture;             ///< PNG of the map, written at the end; empty: none
-  int work_per_tick = 6;           ///< tiles brought up to date each 20 ms
+  int work_per_tick = 5;           ///< tiles brought up to date each 20 ms
   double curb_range = 20.0;        ///< m around the vehicle that CURBS speaks of
   int max_pending_tiles = 20'000;  ///< kept in memory while the disk is full
   CurbParameters curb;

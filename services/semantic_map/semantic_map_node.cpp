@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <curbstone/curb_lines_t.hpp>
+#include <tuple>
 #include <utility>
 
 #include "services/semantic_map/map_picture.hpp"
@@ -12,7 +13,12 @@ namespace curbstone {
 
 namespace {
 
-constexpr std::int64_t kTilePeriod = 100'000;        // us between two messages about a tile
+constexpr std::int64_t kTilePeriod = 100'000;        // us between two messages about a tile, on average
+constexpr std::int64_t kEarly = 50'000;              // us by which new points may be ahead of that
+constexpr std::int64_t kTick = 20'000;               // us: what work_per_tick is of
+constexpr std::int64_t kSavedWork = 50'000;          // us
+constexpr double kLargeShare = 0.3;                  // new points of a tile for which its curbs are looked for at once
+constexpr std::int64_t kNewsPatience = 500'000;      // us after which they are looked for, however few there are
 constexpr std::int64_t kSettlePatience = 1'000'000;  // us that what is stale may wait for news of its own
 constexpr std::int64_t kCurbsPeriod = 500'000;       // us
 constexpr std::int64_t kIndexPeriod = 1'000'000;
@@ -102,14 +108,21 @@ void SemanticMapNode::on(const voted_points_t& message) {
   const auto revision = revisions_.find(key);
   if (revision != revisions_.end() && message.revision <= revision->second) return counters_.add("dropped.known");
   if (revision == revisions_.end() && revisions_.size() >= kMaxTiles) return counters_.add("dropped.map_full");
-  auto tile = assembler_.add(message, counters_);
-  if (!tile) return;
+  const auto step = assembler_.add(message, counters_);
+  if (!step) return;
+  if (!goes_on_from(*step, pipeline_.voted(key))) {
+    if (voted_.behind() < kMaxTiles) voted_.lacks(key, step->revision);
+    return counters_.add("dropped.gap");
+  }
+  VotedTile tile = pipeline_.lend_voted(key);
+  const std::size_t num_points = tile.points.size();
+  take_step(*step, tile);
   counters_.add("voted_tiles");
-  newest_utime_ = std::max(newest_utime_, tile->utime);
-  revisions_[key] = tile->revision;
-  voted_.set_have(key, tile->revision);
-  news_.insert(key);
-  pipeline_.set_voted(std::move(*tile));
+  newest_utime_ = std::max(newest_utime_, tile.utime);
+  revisions_[key] = tile.revision;
+  voted_.set_have(key, tile.revision);
+  news_.try_emplace(key, News{now_, num_points, false}).first->second.is_shown = false;
+  pipeline_.set_voted(std::move(tile));
 }
 
 void SemanticMapNode::on(const tile_index_t& message) {
@@ -160,8 +173,22 @@ void SemanticMapNode::begin_drive(std::int64_t utime) {
   drive_started_ = true;
 }
 
+void SemanticMapNode::caught_up(std::int64_t now) {
+  if (news_.empty()) return;
+  now_ = now;
+  earn_work(now);
+  update_news(now);
+  show_news();
+  publish_changed(now);
+}
+
 void SemanticMapNode::tick(std::int64_t now) {
-  update_tiles(now);
+  now_ = now;
+  earn_work(now);
+  update_news(now);
+  show_news();
+  settle_stale(now);
+  publish_changed(now);
   answer_requests();
   if (now - last_request_ >= kRequestPeriod) {
     last_request_ = now;
@@ -176,24 +203,49 @@ void SemanticMapNode::tick(std::int64_t now) {
   }
 }
 
-/// Tiles with points of their own that are new, the nearest first, as far as the budget goes; then what has long been
-/// stale around them. Most of that is brought up to date before, with points of its own.
-void SemanticMapNode::update_tiles(std::int64_t now) {
-  std::vector<std::pair<double, TileKey>> due;
-  for (const TileKey& key : news_) due.emplace_back(distance(key, vehicle_), key);
+/// What may be computed by now: work_per_tick each 20 ms, of which no more is saved up than a revolution's time.
+void SemanticMapNode::earn_work(std::int64_t now) {
+  const auto elapsed = static_cast<double>(std::clamp<std::int64_t>(now - earned_at_, 0, kSavedWork));
+  earned_at_ = now;
+  const double rate = config_.work_per_tick / static_cast<double>(kTick);
+  work_budget_ = std::clamp(work_budget_ + rate * elapsed, pipeline_.work(), pipeline_.work() + rate * kSavedWork);
+}
+
+/// Tiles with points of their own that are new, as far as the budget goes: those first that are new to a good part, and
+/// of those the nearest; then those that have waited for long.
+void SemanticMapNode::update_news(std::int64_t now) {
+  std::vector<std::tuple<bool, double, TileKey>> due;
+  for (const auto& [key, news] : news_) {
+    const auto before = static_cast<double>(news.num_points);
+    const bool is_large = static_cast<double>(pipeline_.voted(key)->points.size()) * (1 - kLargeShare) >= before;
+    if (is_large) {
+      due.emplace_back(false, distance(key, vehicle_), key);
+    } else if (std::abs(now - news.since) >= kNewsPatience) {
+      due.emplace_back(true, static_cast<double>(news.since), key);
+    }
+  }
   std::sort(due.begin(), due.end());
-  const double budget = pipeline_.work() + config_.work_per_tick;
-  for (const auto& [d, key] : due) {
-    if (pipeline_.work() >= budget) break;
+  for (const auto& [later, order, key] : due) {
+    if (pipeline_.work() >= work_budget_) break;
     pipeline_.update(key);
     news_.erase(key);
   }
+}
+
+/// What stands where need not wait until curbs have been looked for.
+void SemanticMapNode::show_news() {
+  for (auto& [key, news] : news_) {
+    if (!std::exchange(news.is_shown, true)) pipeline_.update_columns(key);
+  }
+}
+
+/// What has long been stale. Most of that is brought up to date before, with points of its own.
+void SemanticMapNode::settle_stale(std::int64_t now) {
   if (!turns_.empty() && now < turns_.back().first) turns_.clear();  // a clock that jumps
   turns_.emplace_back(now, pipeline_.turn());
   while (turns_.size() > 1 && now - turns_[1].first >= kSettlePatience) turns_.pop_front();
   const std::int64_t before = now - turns_.front().first >= kSettlePatience ? turns_.front().second + 1 : 0;
-  while (pipeline_.settle_one(before) && pipeline_.work() < budget) continue;  // one at least
-  publish_changed(now);
+  while (pipeline_.settle_one(before) && pipeline_.work() < work_budget_) continue;  // one at least
 }
 
 /// What has changed and has not been sent lately.
@@ -201,8 +253,13 @@ void SemanticMapNode::publish_changed(std::int64_t now) {
   unsent_.merge(pipeline_.take_changed());
   std::erase_if(unsent_, [&](TileKey key) {
     const auto it = published_.find(key);
-    if (it != published_.end() && std::abs(now - it->second.at) < kTilePeriod) return false;
-    publish_tile(*pipeline_.classes(key), now);
+    const MapTile& tile = *pipeline_.classes(key);
+    if (it != published_.end()) {
+      const std::int64_t early = tile.utime > it->second.tile.utime ? kEarly : 0;
+      const std::int64_t wait = it->second.next - now - early;
+      if (wait > 0 && wait <= 2 * kTilePeriod) return false;  // longer: the clock has jumped
+    }
+    publish_tile(tile, now);
     return true;
   });
 }
@@ -211,7 +268,8 @@ void SemanticMapNode::publish_tile(const MapTile& tile, std::int64_t now) {
   Published& published = published_[tile.key];
   if (published.revision > 0 && published.tile == tile) return;  // became another, and what it was again
   const bool is_news = tile.utime > published.tile.utime;
-  published.at = now;
+  if (published.next - now > 2 * kTilePeriod) published.next = now;
+  published.next = std::max(published.next, now) + kTilePeriod;
   published.tile = tile;
   published.revision = std::max(published.revision + 1, revision_at(now));
   catalog_.set_version(tile.key, published.revision);

@@ -34,6 +34,7 @@ class SemanticMapNode final : public Node {
 
   void connect(Subscriber& bus) override;
   void tick(std::int64_t now) override;
+  void caught_up(std::int64_t now) override;
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
 
@@ -44,15 +45,24 @@ class SemanticMapNode final : public Node {
   void on(const map_trajectory_t& message);
 
  private:
+  /// Of a tile that was voted anew since it was brought up to date.
+  struct News {
+    std::int64_t since = 0;      // us, by now_
+    std::size_t num_points = 0;  // that it had when it was brought up to date last
+    bool is_shown = false;       // its columns and classes know of all points
+  };
   struct Published {
     MapTile tile;
     std::int32_t revision = 0;
-    std::int64_t at = 0;  // us, of the tick
+    std::int64_t next = 0;  // us, from when on it may go again
   };
   /// False for what belongs to an epoch that is over.
   bool enter_epoch(std::int32_t epoch);
   void begin_drive(std::int64_t utime);
-  void update_tiles(std::int64_t now);
+  void earn_work(std::int64_t now);
+  void show_news();
+  void update_news(std::int64_t now);
+  void settle_stale(std::int64_t now);
   void publish_changed(std::int64_t now);
   void publish_tile(const MapTile& tile, std::int64_t now);
   void publish(const Published& published);
@@ -71,7 +81,10 @@ class SemanticMapNode final : public Node {
   MapKeeper keeper_;
   TileFollower voted_{"semantic_map", "VOTED_POINTS"};
   TileCatalog catalog_{"semantic_map", "SEMANTIC_TILE"};
-  std::set<TileKey> news_;                                   // voted anew since they were brought up to date
+  std::int64_t now_ = 0;  // us, of the last tick()
+  std::map<TileKey, News> news_;
+  double work_budget_ = 0;  // pipeline_.work() that may be reached
+  std::int64_t earned_at_ = 0;
   std::deque<std::pair<std::int64_t, std::int64_t>> turns_;  // when it was whose turn, of the last second
   std::set<TileKey> unsent_;                                 // changed since they were sent
   std::unordered_map<TileKey, Published, TileKeyHash> published_;

@@ -72,13 +72,23 @@ void TilePipeline::set_voted(VotedTile voted) {
   Tile& tile = it->second;
   tile.voted = std::move(voted);
   tile.hits = count_hits(tile.voted);
-  const GroundSamples before = std::exchange(tile.samples, sample_ground(tile.voted, curb_));
   if (is_new) {
     for (const Step step : kAllSteps) mark(step, key, tile);
   }
-  if (tile.samples != before) mark_around(kGround, key);
+  mark(kSamples, key, tile);
   mark_around(kEvidence, key);
+  mark(kColumns, key, tile);
   mark(kClasses, key, tile);  // its time is new
+}
+
+const VotedTile* TilePipeline::voted(TileKey key) const {
+  const auto it = tiles_.find(key);
+  return it == tiles_.end() ? nullptr : &it->second.voted;
+}
+
+VotedTile TilePipeline::lend_voted(TileKey key) {
+  Tile* const tile = find(key);
+  return tile == nullptr ? VotedTile{} : std::move(tile->voted);
 }
 
 void TilePipeline::clear() {
@@ -88,15 +98,19 @@ void TilePipeline::clear() {
 }
 
 void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
-  constexpr std::array kWork = {0.2, 1.0, 0.05, 0.05};  // as they were measured
+  constexpr std::array kWork = {0.05, 0.2, 1.0, 0.05, 0.05, 0.05};  // as they were measured
   if (!unmark(step, tile)) return;
   work_ += kWork[step];
   num_evidence_ += step == kEvidence ? 1 : 0;
   switch (step) {
+    case kSamples:
+      return refresh_samples(key, tile);
     case kGround:
       return refresh_ground(key, tile);
     case kEvidence:
       return refresh_evidence(key, tile);
+    case kColumns:
+      return refresh_columns(key, tile);
     case kCurbs:
       return refresh_curbs(key, tile);
     case kClasses:
@@ -105,25 +119,35 @@ void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
   }
 }
 
+void TilePipeline::refresh_samples(TileKey key, Tile& tile) {
+  const GroundSamples samples = sample_ground(tile.voted, curb_);
+  if (samples == tile.samples) return;
+  tile.samples = samples;
+  mark_around(kGround, key);
+}
+
 void TilePipeline::refresh_ground(TileKey key, Tile& tile) {
   GroundModel ground = model_ground(around<GroundSamples>(key, [](Tile& t) { return &t.samples; }), curb_);
   if (is_same_surface(ground, tile.ground)) return;
   tile.ground = ground;
   mark_around(kEvidence, key);
+  mark_around(kColumns, key);
 }
 
 void TilePipeline::refresh_evidence(TileKey key, Tile& tile) {
   const GroundSurface ground(around<GroundModel>(key, [](Tile& t) { return &t.ground; }));
   auto evidence = find_curb_evidence(around<VotedTile>(key, [](Tile& t) { return &t.voted; }), ground, curb_);
-  CellColumns columns = measure_columns(tile.voted, ground, classes_);
-  if (evidence != tile.evidence) {
-    tile.evidence = std::move(evidence);
-    mark_around(kCurbs, key);
-  }
-  if (columns != tile.columns) {
-    tile.columns = columns;
-    mark_around(kClasses, key);
-  }
+  if (evidence == tile.evidence) return;
+  tile.evidence = std::move(evidence);
+  mark_around(kCurbs, key);
+}
+
+void TilePipeline::refresh_columns(TileKey key, Tile& tile) {
+  const GroundSurface ground(around<GroundModel>(key, [](Tile& t) { return &t.ground; }));
+  const CellColumns columns = measure_columns(tile.voted, ground, classes_);
+  if (columns == tile.columns) return;
+  tile.columns = columns;
+  mark_around(kClasses, key);
 }
 
 void TilePipeline::refresh_curbs(TileKey key, Tile& tile) {
@@ -150,6 +174,13 @@ std::optional<MapTile> TilePipeline::update(TileKey key) {
   Tile* const tile = find(key);
   if (tile == nullptr) return std::nullopt;
   for (const Step step : kAllSteps) refresh(step, key, *tile);
+  return tile->classes;
+}
+
+std::optional<MapTile> TilePipeline::update_columns(TileKey key) {
+  Tile* const tile = find(key);
+  if (tile == nullptr || !tile->classes) return std::nullopt;
+  for (const Step step : {kColumns, kClasses}) refresh(step, key, *tile);
   return tile->classes;
 }
 

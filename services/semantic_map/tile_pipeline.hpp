@@ -18,8 +18,8 @@ namespace curbstone {
 
 /// From voted points to the semantic map, tile by tile:
 ///
-///   voted points -> ground samples -> [3x3] ground model -> [3x3] curb evidence, columns -> [3x3] curbs -> [3x3]
-///   classes
+///   voted points -> ground samples -> [3x3] ground model -> [3x3] curb evidence -> [3x3] curbs ---> [3x3] classes
+///                                                       \-> columns --------------------------/
 ///
 /// Each step of a tile is a pure function of the step before of it and its eight neighbours. A step is stale when one
 /// of those has become another since it was computed; a result that came out equal makes nothing stale. Whoever is in
@@ -31,12 +31,19 @@ class TilePipeline {
 
   /// Takes the newest revision of a tile.
   void set_voted(VotedTile tile);
+  /// The newest revision of a tile; nullptr if there is none.
+  [[nodiscard]] const VotedTile* voted(TileKey key) const;
+  /// Lends it, to be changed and set again at once; an empty one if there is none.
+  [[nodiscard]] VotedTile lend_voted(TileKey key);
   /// Another epoch begins.
   void clear();
 
   /// Brings a tile's own steps up to date, with its neighbours' as they are. Nothing if no voted points are known of
   /// it.
   std::optional<MapTile> update(TileKey key);
+  /// The same, but on the ground and with the curbs that it has by now: what stands where, at a tenth of the cost.
+  /// Nothing if it never was brought up to date.
+  std::optional<MapTile> update_columns(TileKey key);
   /// Computes what has been stale for longest, of any tile, if it is since before `turn`. False if nothing is.
   bool settle_one(std::int64_t turn = std::numeric_limits<std::int64_t>::max());
   /// Counts what becomes stale: now's turn.
@@ -60,8 +67,8 @@ class TilePipeline {
   [[nodiscard]] double work() const { return work_; }
 
  private:
-  enum Step { kGround, kEvidence, kCurbs, kClasses, kNumSteps };
-  static constexpr std::array kAllSteps = {kGround, kEvidence, kCurbs, kClasses};
+  enum Step { kSamples, kGround, kEvidence, kColumns, kCurbs, kClasses, kNumSteps };
+  static constexpr std::array kAllSteps = {kSamples, kGround, kEvidence, kColumns, kCurbs, kClasses};
   static constexpr std::int64_t kFresh = 0;
   struct Tile {
     VotedTile voted;
@@ -85,8 +92,10 @@ class TilePipeline {
   /// False if it was fresh; afterwards it is.
   bool unmark(Step step, Tile& tile);
   void refresh(Step step, TileKey key, Tile& tile);
+  void refresh_samples(TileKey key, Tile& tile);
   void refresh_ground(TileKey key, Tile& tile);
   void refresh_evidence(TileKey key, Tile& tile);
+  void refresh_columns(TileKey key, Tile& tile);
   void refresh_curbs(TileKey key, Tile& tile);
   void refresh_classes(TileKey key, Tile& tile);
 

@@ -9,15 +9,19 @@
 
 namespace curbstone {
 
-/// A point of the dense map with what the vote says about it.
-struct VotedPoint {
-  float x = 0;  ///< m from the tile's corner, 0 .. kTileSize
-  float y = 0;
-  float z = 0;                                        ///< m in map
-  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< e1 at the coarse scale (0.3 m), z >= 0
+/// What the vote says of a place, at the coarse scale (0.3 m).
+struct VotedTensor {
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< e1, z >= 0
   float stick = 0;                                    ///< (l1 - l2) / l1: how much of a surface
   float plate = 0;                                    ///< (l2 - l3) / l1: how much of a crease
   float mass = 0;  ///< sum of the votes' weights; 0: nobody voted, the rest means nothing
+};
+
+/// A point of the dense map with what the vote says about it.
+struct VotedPoint : VotedTensor {
+  float x = 0;  ///< m from the tile's corner, 0 .. kTileSize
+  float y = 0;
+  float z = 0;  ///< m in map
 };
 
 /// A complete revision of a tile of VOTED_POINTS.
@@ -27,6 +31,8 @@ struct VotedTile {
   std::int32_t revision = 0;
   float z_origin = 0;
   std::vector<VotedPoint> points;
+  std::vector<std::uint32_t> voters;  ///< of each point, the one whose tensor it takes; where that is not known: empty
+  std::int64_t chain = 0;             ///< of the worker that it came from
 };
 
 /// A tile's T and those of its eight neighbours; null where there is none. Everything that the semantic map computes

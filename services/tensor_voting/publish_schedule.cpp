@@ -49,7 +49,8 @@ std::optional<TileKey> PublishSchedule::next(std::int64_t now, double x, double 
     const Published out = it == published_.end() ? Published{0, 0} : it->second;
     if (it != published_.end() && now - out.at < config_.min_interval) continue;
     const double news = tile.wanted ? 1.0 : 1.0 - static_cast<double>(out.revision) / tile.revision;
-    if (news < config_.prompt_share && now - tile.since < config_.patience) continue;
+    const std::int64_t patience = now - tile.utime < config_.just_now ? config_.patience : config_.long_patience;
+    if (news < config_.prompt_share && now - tile.since < patience) continue;
     const double age = static_cast<double>(now - tile.since) * 1e-6;
     const double score =
         freshness(tile, now) * news * (1 + age) / (1 + squared_distance(key, x, y) / (config_.near * config_.near));
@@ -69,6 +70,11 @@ std::optional<TileKey> PublishSchedule::any() const {
 std::int32_t PublishSchedule::published_revision(TileKey key) const {
   const auto it = published_.find(key);
   return it == published_.end() ? 0 : it->second.revision;
+}
+
+bool PublishSchedule::is_wanted(TileKey key) const {
+  const auto it = pending_.find(key);
+  return it != pending_.end() && it->second.wanted;
 }
 
 std::optional<std::int64_t> PublishSchedule::waiting_since(TileKey key) const {

@@ -9,19 +9,22 @@
 namespace curbstone {
 
 /// Which changed tile to publish next. Each at most every `min_interval`; a tile with little news waits until it has
-/// been changed for `patience`, so that a tile is not sent again for every point that comes to it. Among those that are
+/// been changed for `patience`, so that a tile is not sent again for every point that comes to it, and then for points
+/// that have just been measured, but not for longer than `long_patience`. Among those that are
 /// due, the one with the largest share of news goes first, discounted by its distance and by the age of its newest
 /// points: when not all can go, those go whose news is still fresh, and the others when fresh news comes to them, or
 /// when they have waited for long.
 class PublishSchedule {
  public:
   struct Config {
-    std::int64_t min_interval = 200'000;  ///< us
-    std::int64_t patience = 1'000'000;    ///< us
-    double prompt_share = 0.1;            ///< news of this share of the tile need not wait for `patience`
-    double near = 10;                     ///< m: at this distance news counts half
-    std::int64_t fresh = 30'000;          ///< us: at this age news counts half
-    double stale = 0.03;                  ///< what the oldest news counts
+    std::int64_t min_interval = 200'000;   ///< us
+    std::int64_t patience = 200'000;       ///< us
+    std::int64_t long_patience = 600'000;  ///< us
+    std::int64_t just_now = 75'000;        ///< us: points that are no older have just been measured
+    double prompt_share = 0.1;             ///< news of this share of the tile need not wait for `patience`
+    double near = 10;                      ///< m: at this distance news counts half
+    std::int64_t fresh = 30'000;           ///< us: at this age news counts half
+    double stale = 0.03;                   ///< what the oldest news counts
   };
   explicit PublishSchedule(Config config) : config_(config) {}
 
@@ -47,6 +50,8 @@ class PublishSchedule {
   /// 0 if none was.
   [[nodiscard]] std::int32_t published_revision(TileKey key) const;
   [[nodiscard]] bool is_pending(TileKey key) const { return pending_.contains(key); }
+  /// Somebody lacks it.
+  [[nodiscard]] bool is_wanted(TileKey key) const;
   [[nodiscard]] std::size_t num_pending() const { return pending_.size(); }
   /// When a tile that waits was first changed, or asked for, since it was published, us; nothing if it does not wait.
   [[nodiscard]] std::optional<std::int64_t> waiting_since(TileKey key) const;

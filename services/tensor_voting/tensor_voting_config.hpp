@@ -13,15 +13,15 @@ struct TensorVotingConfig {
   VehicleConfig vehicle;
   /// m: the scales. {0.3, 0.1} with voxels {0.1, 0.05} votes at two at once; semantic_map reads the one nearest to 0.3.
   std::vector<double> sigma = {0.3};
-  std::vector<double> voxel = {0.1};        ///< m: thinning at each scale; a multiple of 2 mm that divides 3 m
-  double radius = 3.0;                      ///< cut-off, in sigmas
-  double ball = 1.0;                        ///< the ball vote's coefficient
-  double bandwidth = 4.0;                   ///< MB/s of VOTED_POINTS at most
-  double min_interval = 0.1;                ///< s between two revisions of a tile
-  double patience = 1.0;                    ///< s that a tile with little news waits for more
-  double keep_radius = 400.0;               ///< m: tiles farther from the vehicle are let go
-  int max_points = 16'000'000;              ///< of the map, in memory
-  double worker_timeout = 2.5;              ///< s: a worker not heard for so long is gone
+  std::vector<double> voxel = {0.1};  ///< m: thinning at each scale; a multiple of 2 mm that divides 3 m
+  double radius = 3.0;                ///< cut-off, in sigmas
+  double ball = 1.0;                  ///< the ball vote's coefficient
+  double bandwidth = 8.0;             ///< MB/s of VOTED_POINTS at most
+  double min_interval = 0.1;          ///< s between two revisions of a tile
+  double patience = 0.2;  ///< s that a tile with little news waits for more, and up to three times that for fresh news
+  double keep_radius = 400.0;   ///< m: tiles farther from the vehicle are let go
+  int max_points = 16'000'000;  ///< of the map, in memory
+  double worker_timeout = 2.5;  ///< s: a worker not heard for so long is gone
 
   void visit(ConfigVisitor& v) {
     v.section("vehicle", vehicle, "the vehicle");

@@ -5,8 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "services/tensor_voting/voted_pages.hpp"
-
 namespace curbstone {
 
 namespace {
@@ -19,12 +17,18 @@ constexpr std::int64_t kRequestPatience = 300'000;    // us
 constexpr std::size_t kTilesPerRequest = 100;         // a few hundred kB of answers
 constexpr std::size_t kMaxBehind = 20'000;            // tiles that we lack and know of
 constexpr double kUnpublishedMargin = 2 * kTileSize;  // m: tiles at the rim may lack neighbours that were let go
+constexpr double kBurst = 20'000;                     // us: what may be saved up, of the bandwidth
 constexpr std::size_t kMovesPerTick = 8000;           // points taken over: 10 to 20 ms of work
 constexpr std::int64_t kListen = 1'500'000;           // us: in which every other worker has said that it lives
 constexpr double kJoinRadius = 40.0;                  // m: what a worker must have around the vehicle before it joins
 
 std::int64_t microseconds(double seconds) {
   return static_cast<std::int64_t>(seconds * 1e6);
+}
+
+/// Another one for each worker and each start of it.
+std::int64_t begin_chain(const std::string& worker, std::int64_t now) {
+  return static_cast<std::int64_t>(std::hash<std::string>{}(worker + "@" + std::to_string(now)) | 1);
 }
 
 }  // namespace
@@ -37,7 +41,9 @@ TensorVotingNode::TensorVotingNode(const TensorVotingConfig& config, std::string
       workers_(worker_, microseconds(config.worker_timeout)),
       follower_(worker_, kMapPoints),
       catalog_(worker_, kVotedPoints),
-      schedule_({.min_interval = microseconds(config.min_interval), .patience = microseconds(config.patience)}) {}
+      schedule_({.min_interval = microseconds(config.min_interval),
+                 .patience = microseconds(config.patience),
+                 .long_patience = 3 * microseconds(config.patience)}) {}
 
 void TensorVotingNode::connect(Subscriber& bus) {
   bus.subscribe<map_points_t>(kMapPoints, [this](const map_points_t& m) { on(m); });
@@ -78,6 +84,7 @@ void TensorVotingNode::on(const map_points_t& message) {
   follower_.set_have(key, map_.points().find(key)->records);
   counters_.add("map_points", static_cast<std::int64_t>(taken.added.size()));
   counters_.add("tiles_thinned", taken.removed ? 1 : 0);
+  if (taken.removed) bases_.erase(key);  // its points are others now: the next step is a whole tile
 }
 
 void TensorVotingNode::on(const map_pose_t& message) {
@@ -128,6 +135,7 @@ void TensorVotingNode::start_epoch(std::int32_t epoch) {
   catalog_.start_epoch(epoch);
   schedule_.clear();
   pages_.clear();
+  bases_.clear();
 }
 
 double TensorVotingNode::distance(TileKey key) const {
@@ -174,6 +182,7 @@ void TensorVotingNode::reassign() {
     } else {
       schedule_.drop(key);
       catalog_.remove(key);
+      bases_.erase(key);
     }
   }
 }
@@ -198,6 +207,7 @@ void TensorVotingNode::follow_vehicle() {
     map_.erase(key);
     follower_.forget(key);
     catalog_.remove(key);
+    bases_.erase(key);
     counters_.add("tiles_let_go");
   }
   schedule_.forget_far(x_, y_, config_.keep_radius);
@@ -214,10 +224,14 @@ void TensorVotingNode::queue_pages(TileKey key) {
     return;
   }
   const std::int32_t revision = map_.revision(key);
-  // Its own points' time, not its neighbours': a fact of the content, like everything in the message.
-  for (voted_points_t& page : make_voted_pages(key, *tile, epoch_, revision, tile->utime, map_.fields())) {
+  VotedBase& base = bases_[key];
+  if (schedule_.is_wanted(key)) base = {};
+  for (voted_points_t& page : make_voted_pages(key, *tile, revision, base, map_.fields())) {
+    page.epoch = epoch_;
+    page.chain = chain_;
     pages_.push_back(std::move(page));
   }
+  base = make_voted_base(*tile, revision, map_.fields());
   latency_.add(static_cast<double>(now_ - schedule_.waiting_since(key).value_or(now_)) * 1e-6);
   schedule_.published(key, revision, now_);
   catalog_.set_version(key, revision);
@@ -246,13 +260,27 @@ void TensorVotingNode::publish_paced() {
   }
 }
 
-void TensorVotingNode::tick(std::int64_t now) {
+/// The clock goes on, and with it what may be sent.
+void TensorVotingNode::advance(std::int64_t now) {
   // A clock that jumps, or a replay that starts, gives no more budget than one late tick does.
   const auto elapsed = static_cast<double>(std::clamp<std::int64_t>(now - now_, 0, 50'000));
-  const double per_tick = config_.bandwidth * elapsed;  // MB/s times us
-  budget_ = std::min(budget_ + per_tick, std::max(per_tick, static_cast<double>(kMaxPageBytes)));
+  const double earned = config_.bandwidth * elapsed;  // MB/s times us
+  const double burst = std::max({earned, config_.bandwidth * kBurst, static_cast<double>(kMaxPageBytes)});
+  budget_ = std::min(budget_ + earned, burst);
   now_ = now;
+}
+
+void TensorVotingNode::caught_up(std::int64_t now) {
+  if (first_tick_ == 0) return;
+  advance(now);
+  collect_changes();
+  publish_paced();
+}
+
+void TensorVotingNode::tick(std::int64_t now) {
+  advance(now);
   if (first_tick_ == 0 || now < first_tick_) first_tick_ = now;
+  if (chain_ == 0) chain_ = begin_chain(worker_, now);
 
   const bool others = workers_.update(now);
   const bool joins = !joined_ && may_join();

@@ -7,6 +7,7 @@
 #include <curbstone/voted_points_t.hpp>
 #include <deque>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "common/latency.hpp"
@@ -15,6 +16,7 @@
 #include "services/tensor_voting/publish_schedule.hpp"
 #include "services/tensor_voting/tensor_voting_config.hpp"
 #include "services/tensor_voting/voted_map.hpp"
+#include "services/tensor_voting/voted_pages.hpp"
 #include "services/tensor_voting/workers.hpp"
 
 namespace curbstone {
@@ -28,6 +30,10 @@ namespace curbstone {
 /// with every change, two workers with the same map points give it the same number, and since each part of that sum
 /// only grows, nobody reaches the final number without the final content.
 ///
+/// What it has published before it publishes as steps from there. Whoever missed one asks, and gets the whole tile; so
+/// does everybody who had the tile from another worker. Those steps are a matter of the way, too: where they lead to is
+/// the revision.
+///
 /// A worker that comes to others listens until it has what is near the vehicle, and only then says that it lives: so
 /// nobody lets go of a tile for a worker that does not know it yet.
 class TensorVotingNode final : public Node {
@@ -37,6 +43,7 @@ class TensorVotingNode final : public Node {
 
   void connect(Subscriber& bus) override;
   void tick(std::int64_t now) override;
+  void caught_up(std::int64_t now) override;
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
 
@@ -53,6 +60,7 @@ class TensorVotingNode final : public Node {
   [[nodiscard]] bool votes_here(TileKey key) const;
   [[nodiscard]] bool publishes(TileKey key) const;
 
+  void advance(std::int64_t now);
   void review(TileKey key);
   [[nodiscard]] bool may_join() const;
   void reassign();
@@ -71,7 +79,9 @@ class TensorVotingNode final : public Node {
   TileFollower follower_;
   TileCatalog catalog_;
   PublishSchedule schedule_;
-  std::deque<voted_points_t> pages_;  // of the tile that is being sent
+  std::deque<voted_points_t> pages_;                           // of the tile that is being sent
+  std::unordered_map<TileKey, VotedBase, TileKeyHash> bases_;  // of what is out, from us
+  std::int64_t chain_ = 0;
 
   std::int32_t epoch_ = 0;
   double x_ = 0;  // the vehicle, m in map

@@ -52,6 +52,7 @@ struct VotingField::Tile {
   std::int32_t z_origin = 0;
   std::vector<std::uint32_t> voter_of_point;
   std::vector<Voter> voters;
+  std::vector<std::uint32_t> point_of_voter;
   std::vector<std::int32_t> columns;           // first block of each, or -1
   std::vector<Link> links;                     // of each block
   std::vector<std::unique_ptr<Chunk>> chunks;  // blocks stay where they are
@@ -195,6 +196,7 @@ void VotingField::book(Neighbourhood& around, std::int64_t sign) {
     if (near_[i].pairs == 0) continue;
     around.tiles[near_tiles_[i]]->num_votes += sign * near_[i].pairs;
     around.changed[near_tiles_[i]] = true;
+    near_[i].block->changed = change_;
   }
 }
 
@@ -212,6 +214,7 @@ std::vector<VotingField::NewVoter> VotingField::admit(TileKey key, Tile& tile,
     const std::uint32_t voter = voxel_ > 0 ? tile.voxels.find_or_insert(voxel_of(place), next) : next;
     tile.voter_of_point.push_back(voter);
     if (voter != next) continue;
+    tile.point_of_voter.push_back(static_cast<std::uint32_t>(tile.voter_of_point.size() - 1));
     tile.voters.emplace_back();
     admitted.push_back({voter, cell_of(place), place});
   }
@@ -220,6 +223,7 @@ std::vector<VotingField::NewVoter> VotingField::admit(TileKey key, Tile& tile,
 
 void VotingField::add(TileKey key, std::int32_t z_origin, std::span<const TilePoint> points) {
   if (points.empty()) return;
+  ++change_;
   std::unique_ptr<Tile>& tile = tiles_[key];
   if (!tile) {
     tile = std::make_unique<Tile>();
@@ -242,6 +246,7 @@ void VotingField::add(TileKey key, std::int32_t z_origin, std::span<const TilePo
       const std::uint32_t index = tile->block_for(column, voter->cell.z);
       Tile::Block& block = tile->block(index);
       const std::size_t lane = block.voters.push_back(voter->place.in_map);
+      block.voters.changed = change_;
       for (std::size_t c = 0; c < VoteSums::kCount; ++c) block.settled.value[c][lane] = sums.value[c];
       tile->voters[voter->index] = {index, static_cast<std::uint32_t>(lane)};
       if (lane == 0) {
@@ -257,6 +262,7 @@ void VotingField::add(TileKey key, std::int32_t z_origin, std::span<const TilePo
 void VotingField::remove(TileKey key) {
   const auto it = tiles_.find(key);
   if (it == tiles_.end()) return;
+  ++change_;
   const Tile& tile = *it->second;
   Neighbourhood around = this->around(key);
   for (std::size_t i = 0; i < tile.links.size(); ++i) {
@@ -304,14 +310,35 @@ std::span<const std::uint32_t> VotingField::voters_of_points(TileKey key) const 
   return it == tiles_.end() ? std::span<const std::uint32_t>() : it->second->voter_of_point;
 }
 
+std::span<const std::uint32_t> VotingField::points_of_voters(TileKey key) const {
+  const auto it = tiles_.find(key);
+  return it == tiles_.end() ? std::span<const std::uint32_t>() : it->second->point_of_voter;
+}
+
 std::vector<VoteSums> VotingField::sums(TileKey key) const {
+  return sums(key, voters_changed(key, 0));
+}
+
+std::vector<VoteSums> VotingField::sums(TileKey key, std::span<const std::uint32_t> voters) const {
   const auto it = tiles_.find(key);
   if (it == tiles_.end()) return {};
   std::vector<VoteSums> result;
-  result.reserve(it->second->voters.size());
-  for (const Voter& voter : it->second->voters) {
+  result.reserve(voters.size());
+  for (const std::uint32_t i : voters) {
+    const Voter& voter = it->second->voters[i];
     const Tile::Block& block = it->second->block(voter.block);
     result.push_back(sums_of(block.voters, block.settled, voter.lane));
+  }
+  return result;
+}
+
+std::vector<std::uint32_t> VotingField::voters_changed(TileKey key, std::int64_t since) const {
+  const auto it = tiles_.find(key);
+  if (it == tiles_.end()) return {};
+  const Tile& tile = *it->second;
+  std::vector<std::uint32_t> result;
+  for (std::size_t i = 0; i < tile.voters.size(); ++i) {
+    if (tile.block(tile.voters[i].block).voters.changed > since) result.push_back(static_cast<std::uint32_t>(i));
   }
   return result;
 }

@@ -47,8 +47,16 @@ class VotingField {
   [[nodiscard]] std::int64_t num_votes(TileKey key) const;
   /// The voter whose tensor each point of a tile takes, in the order of the points.
   [[nodiscard]] std::span<const std::uint32_t> voters_of_points(TileKey key) const;
+  /// The point that each voter of a tile is, in the order of the voters.
+  [[nodiscard]] std::span<const std::uint32_t> points_of_voters(TileKey key) const;
   /// What each voter of a tile has received.
   [[nodiscard]] std::vector<VoteSums> sums(TileKey key) const;
+  [[nodiscard]] std::vector<VoteSums> sums(TileKey key, std::span<const std::uint32_t> voters) const;
+  /// The voters of a tile whose sums may have become others after change() was `since`, in order: all of those, and
+  /// some that share a block with them. Since 0, all.
+  [[nodiscard]] std::vector<std::uint32_t> voters_changed(TileKey key, std::int64_t since) const;
+  /// Counts add() and remove().
+  [[nodiscard]] std::int64_t change() const { return change_; }
 
   /// The tiles whose points or tensors changed since the last call, in order of their keys.
   [[nodiscard]] std::vector<TileKey> take_changed();
@@ -106,6 +114,7 @@ class VotingField {
   std::unordered_map<TileKey, std::unique_ptr<Tile>, TileKeyHash> tiles_;
   std::set<TileKey> changed_;
   std::int64_t num_pairs_ = 0;
+  std::int64_t change_ = 0;
   std::vector<NearBlock> near_;
   std::vector<std::size_t> near_tiles_;  // the neighbour that each belongs to
 };

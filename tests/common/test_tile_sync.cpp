@@ -68,6 +68,19 @@ TEST(TileSync, AnotherEpochIsNotAnswered) {
   EXPECT_TRUE(follower.announced(page));
 }
 
+TEST(TileFollower, AsksAtOnceForWhatItCannotGoOnFrom) {
+  TileFollower follower("map", "VOTED_POINTS");
+  follower.start_epoch(1);
+  follower.set_have({2, 3}, 10);
+  follower.lacks({2, 3}, 12);
+  const auto request = follower.make_request(5'000'000);
+  ASSERT_EQ(request.num_tiles, 1);
+  EXPECT_EQ(request.have[0], 10);
+  EXPECT_EQ(follower.make_request(5'100'000).num_tiles, 0) << "and not again within a second";
+  follower.set_have({2, 3}, 12);
+  EXPECT_EQ(follower.behind(), 0U);
+}
+
 TEST(TileFollower, AsksForTheNearestTilesFirst) {
   TileCatalog catalog("mapper", "MAP_POINTS");
   catalog.start_epoch(1);

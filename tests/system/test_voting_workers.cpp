@@ -91,7 +91,7 @@ class VotingStreet : private Publisher {
   /// Points of a tile in the newest complete revision that the listener has.
   [[nodiscard]] std::size_t published(TileKey key) const {
     const auto it = listener_.tiles().find(key);
-    return it == listener_.tiles().end() ? 0 : static_cast<std::size_t>(it->second.pages.begin()->second.total);
+    return it == listener_.tiles().end() ? 0 : static_cast<std::size_t>(it->second.all.total);
   }
 
   /// Of a worker beside another.
@@ -127,7 +127,7 @@ class VotingStreet : private Publisher {
     };
     const auto expected = undisturbed(mapper_.tiles());
     EXPECT_TRUE(run_until(complete, 20));
-    std::map<TileKey, std::vector<std::vector<std::uint8_t>>> contents;
+    std::map<TileKey, std::vector<std::uint8_t>> contents;
     // The last votes of a neighbour's last points may come a moment after a tile's own last points.
     EXPECT_TRUE(run_until(
         [&] {
@@ -138,7 +138,7 @@ class VotingStreet : private Publisher {
         15));
     EXPECT_EQ(contents.size(), expected.size());
     int different = 0;
-    for (const auto& [key, pages] : expected) different += contents[key] != pages ? 1 : 0;
+    for (const auto& [key, bytes] : expected) different += contents[key] != bytes ? 1 : 0;
     EXPECT_EQ(different, 0) << "of " << expected.size() << " tiles";
   }
 

@@ -81,8 +81,10 @@ std::vector<VotedTile> vote_tiles(std::span<const Eigen::Vector3f> points, const
       tile.z_origin = static_cast<float>(std::floor(p.z()));
     }
     const DecompositionF& d = votes.decompositions[i];
-    tile.points.push_back({static_cast<float>(p.x() - key.x * kTileSize), static_cast<float>(p.y() - key.y * kTileSize),
-                           static_cast<float>(p.z()), d.normal, d.stick, d.plate, d.mass});
+    tile.points.push_back({{d.normal, d.stick, d.plate, d.mass},
+                           static_cast<float>(p.x() - key.x * kTileSize),
+                           static_cast<float>(p.y() - key.y * kTileSize),
+                           static_cast<float>(p.z())});
   }
   std::vector<VotedTile> result;
   result.reserve(tiles.size());

@@ -31,13 +31,17 @@ std::vector<voted_points_t> to_pages(const VotedTile& tile, std::int32_t revisio
     m.tile_x = tile.key.x;
     m.tile_y = tile.key.y;
     m.z_origin = tile.z_origin;
+    m.chain = 7;
+    m.base = 0;
     m.revision = revision;
+    m.page = first / per_page;
+    m.num_pages = (total + per_page - 1) / per_page;
     m.total = total;
     m.first = first;
     m.num_points = std::min(per_page, total - first);
     m.num_scales = 1;
     m.sigma = {0.3F};
-    m.num_tensors = m.num_points;
+    m.num_voters = m.num_tensors = m.num_points;
     for (std::int32_t i = first; i < first + m.num_points; ++i) {
       const VotedPoint& p = tile.points[static_cast<std::size_t>(i)];
       const auto steps = [](float x) { return static_cast<std::int16_t>(std::clamp(x / 0.002F, 0.0F, 1499.0F)); };
@@ -45,6 +49,9 @@ std::vector<voted_points_t> to_pages(const VotedTile& tile, std::int32_t revisio
       m.y.push_back(steps(p.y));
       m.z.push_back(static_cast<std::int16_t>((p.z - tile.z_origin) / 0.002F));
       m.intensity.push_back(0);
+      m.voter.push_back(i);
+      m.scale.push_back(0);
+      m.point.push_back(i);
       m.normal_x.push_back(static_cast<std::int16_t>(p.normal.x() * 32767));
       m.normal_y.push_back(static_cast<std::int16_t>(p.normal.y() * 32767));
       m.normal_z.push_back(static_cast<std::int16_t>(p.normal.z() * 32767));
@@ -133,10 +140,10 @@ TEST_F(SemanticMapNodeTest, MakesTilesCurbsAndAMapFile) {
   bus.dispatch();
   std::map<TileKey, semantic_tile_t> newest;
   std::size_t sent_early = 0;
-  for (int i = 1; i <= 250; ++i) {
+  for (int i = 1; i <= 350; ++i) {
     node.tick(kStart + 20'000 * i);
     bus.dispatch();
-    if (i == 150) sent_early = tiles.size();
+    if (i == 250) sent_early = tiles.size();
   }
   for (const semantic_tile_t& m : tiles) {
     const auto [it, is_first] = newest.try_emplace({m.tile_x, m.tile_y}, m);
@@ -272,6 +279,61 @@ TEST_F(SemanticMapNodeTest, AsksForWhatItMissedAndAnswersWhoMissedSomething) {
   EXPECT_EQ(sent, 2);
 }
 
+/// The step from the first points of a tile to all of them.
+voted_points_t step_from(std::int32_t base, const voted_points_t& all, std::size_t had) {
+  voted_points_t m = all;
+  const auto cut = [&](auto& values) {
+    values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(had));
+  };
+  cut(m.x), cut(m.y), cut(m.z), cut(m.intensity), cut(m.voter);
+  m.first = static_cast<std::int32_t>(had);
+  m.num_points = m.num_voters = static_cast<std::int32_t>(m.x.size());
+  m.base = base;
+  m.revision = base + 1;
+  return m;
+}
+
+TEST_F(SemanticMapNodeTest, FollowsATileInStepsAndAsksWhenOneIsMissing) {
+  const voted_points_t all = to_pages(full_tile(), 3, 100'000).front();
+  VotedTile half = full_tile();
+  half.points.resize(half.points.size() / 2);
+  const voted_points_t first = to_pages(half, 2, 100'000).front();
+  const voted_points_t step = step_from(2, all, half.points.size());
+  const auto map_of = [&](const std::string& name, const std::vector<voted_points_t>& messages, int asked) {
+    LocalBus bus;
+    SemanticMapNode node(config(name), bus);
+    node.connect(bus);
+    int requests = 0;
+    bus.subscribe<tile_request_t>("TILE_REQUEST", [&](const tile_request_t& m) { requests += m.num_tiles; });
+    bus.publish("MAP_POSE", pose_at(kStart, 0));
+    std::int64_t now = kStart;
+    for (const voted_points_t& m : messages) {
+      bus.publish("VOTED_POINTS", m);
+      bus.dispatch();
+      node.caught_up(now);
+      node.tick(now += 200'000);
+      bus.dispatch();
+    }
+    node.finish();
+    EXPECT_EQ(requests, asked) << name;
+    EXPECT_EQ(node.report().counters["dropped.gap"], asked) << name;
+    return MapReader(config(name).map).tiles();
+  };
+  const auto whole = map_of("whole.db", {all}, 0);
+  EXPECT_EQ(map_of("steps.db", {first, step}, 0), whole);
+  EXPECT_EQ(map_of("twice.db", {first, step, first, step}, 0), whole);
+  EXPECT_EQ(map_of("missed.db", {step, all}, 1), whole) << "it has nothing that the step goes on from";
+  voted_points_t strange = step;
+  strange.chain = 8;
+  EXPECT_EQ(map_of("strange.db", {first, strange, all}, 1), whole) << "another worker's";
+  voted_points_t later = step;
+  later.base = 3;
+  later.revision = 4;
+  voted_points_t answer = all;
+  answer.revision = 4;
+  EXPECT_EQ(map_of("skipped.db", {first, later, answer}, 1), whole);
+}
+
 TEST_F(SemanticMapNodeTest, ANewEpochForgetsTheOldOne) {
   LocalBus bus;
   SemanticMapNode node(config("map.db"), bus);
@@ -339,13 +401,20 @@ TEST_F(SemanticMapNodeTest, RefusesBadPagesByCauseAndLives) {
   send([](voted_points_t& m) { m.y[3] = -1; });
   send([](voted_points_t& m) { m.mass[7] = std::nanf(""); });
   send([](voted_points_t& m) { m.num_scales = 0; });
+  send([](voted_points_t& m) { m.base = m.revision + 1; });
+  send([](voted_points_t& m) { m.voter[5] = 6; });
+  send([](voted_points_t& m) { m.point[5] = m.total; });
+  send([](voted_points_t& m) { m.scale[5] = 1; });
+  send([](voted_points_t& m) { m.page = m.num_pages; });
+  send([](voted_points_t& m) { m.page = 0, m.num_pages = 1; });
   send([](voted_points_t& m) {
     m.num_scales = 2;
     m.sigma = {0.3F, 0.1F};
   });
   const Counters counters = node.report().counters;
-  EXPECT_EQ(counters["refused.revision"], 1);
-  EXPECT_EQ(counters["refused.size"], 6);
+  EXPECT_EQ(counters["refused.revision"], 2);
+  EXPECT_EQ(counters["refused.size"], 8);
+  EXPECT_EQ(counters["refused.voter"], 3);
   EXPECT_EQ(counters["refused.height"], 1);
   EXPECT_EQ(counters["refused.position"], 2);
   EXPECT_EQ(counters["refused.mass"], 1);
@@ -368,8 +437,18 @@ TEST_F(SemanticMapNodeTest, RandomValuesInMessagesDoNoHarm) {
   const auto any = [&] { return static_cast<std::int32_t>(random() >> random() % 32); };
   for (int i = 0; i < 3000; ++i) {
     voted_points_t m = good;
-    std::int32_t* fields[] = {&m.tile_x, &m.tile_y, &m.revision, &m.total, &m.first};
-    *fields[random() % 5] = any();
+    std::int32_t* fields[] = {&m.tile_x,
+                              &m.tile_y,
+                              &m.revision,
+                              &m.total,
+                              &m.first,
+                              &m.base,
+                              &m.page,
+                              &m.num_pages,
+                              &m.voter.front(),
+                              &m.voter[9],
+                              &m.point[random() % 50]};
+    *fields[random() % std::size(fields)] = any();
     if (i % 50 == 0) m.epoch = i / 50;
     const std::size_t k = random() % m.x.size();
     m.x[k] = static_cast<std::int16_t>(any());
@@ -377,7 +456,10 @@ TEST_F(SemanticMapNodeTest, RandomValuesInMessagesDoNoHarm) {
     m.normal_x[k] = m.normal_y[k] = m.normal_z[k] = static_cast<std::int16_t>(any());
     if (i % 7 == 0) m.z_origin = std::bit_cast<float>(any());
     if (i % 11 == 0) m.sigma[0] = std::bit_cast<float>(any());
-    m.total = i % 2 == 0 ? m.num_points : m.total;  // half of them complete a tile
+    if (i % 2 == 0) {  // half of them complete a tile
+      m.total = m.num_points;
+      m.num_pages = 1;
+    }
     bus.publish("VOTED_POINTS", m);
     bus.dispatch();
     if (i % 100 == 0) node.tick(kStart + i * 20'000);

@@ -11,7 +11,11 @@ const TileKey kHere{0, 0};
 const TileKey kThere{10, 0};  // 30 m ahead
 
 PublishSchedule schedule() {
-  return PublishSchedule({.min_interval = 200 * kMs, .patience = 1000 * kMs, .prompt_share = 0.1, .near = 10});
+  return PublishSchedule({.min_interval = 200 * kMs,
+                          .patience = 1000 * kMs,
+                          .long_patience = 2000 * kMs,
+                          .prompt_share = 0.1,
+                          .near = 10});
 }
 
 TEST(PublishScheduleTest, TheNearestOfThoseWithNewsGoesFirst) {
@@ -81,7 +85,10 @@ TEST(PublishScheduleTest, LittleNewsWaitsForMore) {
   s.published(kHere, 1000, kNow);
   s.changed(kHere, 1010, kNow + 500 * kMs, kNow + 500 * kMs);
   EXPECT_EQ(s.next(kNow + 1400 * kMs, 0, 0), std::nullopt);
-  EXPECT_EQ(s.next(kNow + 1500 * kMs, 0, 0), kHere) << "that was all that came";
+  EXPECT_EQ(s.next(kNow + 1500 * kMs, 0, 0), std::nullopt) << "more may just be coming";
+  EXPECT_EQ(s.next(kNow + 2500 * kMs, 0, 0), kHere) << "that was all that came";
+  s.changed(kHere, 1020, kNow + 1480 * kMs, kNow + 1480 * kMs);
+  EXPECT_EQ(s.next(kNow + 1500 * kMs, 0, 0), kHere) << "while it is fresh";
   s.changed(kHere, 1200, kNow + 600 * kMs, kNow + 600 * kMs);
   EXPECT_EQ(s.next(kNow + 600 * kMs, 0, 0), kHere) << "that is news";
 }

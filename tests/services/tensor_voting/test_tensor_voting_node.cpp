@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <set>
 
 #include "tests/services/tensor_voting/voting_world.hpp"
 
@@ -84,27 +85,73 @@ TensorVotingConfig two_scales() {
 TEST(TensorVotingNode, PublishesEveryPointOfTheMapWithItsTensorsAtEveryScale) {
   World world(street(), 0, 1, two_scales());
   world.start("tensor_voting:1");
+  int longest = 0;
+  world.bus.subscribe<voted_points_t>(
+      "VOTED_POINTS", [&](const voted_points_t& m) { longest = std::max(longest, m.getEncodedSize()); });
   world.run(3, 0.1);
   world.finish();
   ASSERT_EQ(world.listener.tiles().size(), world.mapper.tiles().size());
   for (const auto& [key, tile] : world.listener.tiles()) {
     const auto& points = world.mapper.tiles().at(key);
-    std::size_t i = 0;
-    for (const auto& [first, page] : tile.pages) {
-      EXPECT_LE(page.getEncodedSize(), 48 * 1024);
-      EXPECT_EQ(page.num_scales, 2);
-      EXPECT_EQ(page.sigma, (std::vector<float>{0.3F, 0.1F}));
-      EXPECT_EQ(page.total, static_cast<std::int32_t>(points.size()));
-      for (const std::int16_t x : page.x) EXPECT_EQ(x, points[i++].x);
+    const voted_points_t all = tile.finished();
+    EXPECT_EQ(all.num_scales, 2);
+    EXPECT_EQ(all.sigma, (std::vector<float>{0.3F, 0.1F}));
+    EXPECT_EQ(all.total, static_cast<std::int32_t>(points.size()));
+    ASSERT_EQ(all.x.size(), points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(all.x[i], points[i].x);
+    std::set<std::pair<int, std::int32_t>> with_tensor;
+    for (std::size_t i = 0; i < all.point.size(); ++i) with_tensor.insert({all.scale[i], all.point[i]});
+    for (std::size_t i = 0; i < all.voter.size(); ++i) {
+      const int scale = i < points.size() ? 0 : 1;
+      EXPECT_TRUE(with_tensor.contains({scale, all.voter[i]}));
     }
-    EXPECT_EQ(i, points.size());
   }
+  EXPECT_LE(longest, 48 * 1024);
   // The road at the vehicle: a horizontal plane, well voted.
-  const voted_points_t& road = world.listener.tiles().at({0, 0}).pages.at(0);
+  const voted_points_t road = world.listener.tiles().at({0, 0}).finished();
   int flat = 0;
-  for (std::size_t i = 0; i < road.x.size(); ++i)
+  int voters = 0;
+  for (std::size_t i = 0; i < road.point.size(); ++i) {
+    if (road.scale[i] != 0) continue;
+    ++voters;
     flat += road.normal_z[i] > 32000 && road.stick[i] > 90 && road.mass[i] > 5;
-  EXPECT_GT(flat, road.num_points * 8 / 10);
+  }
+  EXPECT_GT(flat, voters * 8 / 10);
+}
+
+TEST(TensorVotingNode, SendsWhatHasChangedAndNotTheTileAnew) {
+  World world(street());
+  world.start("tensor_voting:1");
+  std::size_t sent = 0;
+  std::map<std::pair<int, int>, int> wholes;
+  world.bus.subscribe<voted_points_t>("VOTED_POINTS", [&](const voted_points_t& m) {
+    sent += static_cast<std::size_t>(m.num_points);
+    if (m.base == 0 && m.page == 0) ++wholes[{m.tile_x, m.tile_y}];
+  });
+  world.run(3, 0.1);
+  world.run(2);
+  EXPECT_EQ(world.listener.contents(), lossless());
+  EXPECT_EQ(world.listener.gaps, 0);
+  EXPECT_EQ(sent, 20'000U) << "no point goes twice";
+  for (const auto& [key, count] : wholes) EXPECT_EQ(count, 1) << "the first step";
+}
+
+TEST(TensorVotingNode, WhoeverComesLateGetsWholeTilesAndGoesOnFromThere) {
+  World world(street());
+  world.start("tensor_voting:1");
+  world.run(2, 0.02);
+  Listener late(world.bus, world.publisher);
+  for (int i = 0; i < 200; ++i) {
+    world.run(0.02, i < 100 ? 0.01 : 0);
+    late.tick(world.now);
+  }
+  world.mapper.map(world.now, 1.0);
+  for (int i = 0; i < 150; ++i) {
+    world.run(0.02);
+    late.tick(world.now);
+  }
+  EXPECT_EQ(late.contents(), lossless());
+  EXPECT_GT(late.gaps, 0) << "it heard of steps before";
 }
 
 TEST(TensorVotingNode, TheFinalContentDoesNotDependOnPacing) {
@@ -213,7 +260,7 @@ TEST(TensorVotingNode, ANewEpochForgetsTheOldMap) {
   auto contents = world.listener.contents();
   EXPECT_EQ(contents.size(), lossless().size());
   for (const auto& [key, tile] : world.listener.tiles()) {
-    EXPECT_EQ(tile.pages.begin()->second.total, static_cast<std::int32_t>(world.mapper.tiles().at(key).size()));
+    EXPECT_EQ(tile.all.total, static_cast<std::int32_t>(world.mapper.tiles().at(key).size()));
   }
   map_points_t old{};
   old.epoch = 1;
@@ -232,7 +279,7 @@ TEST(TensorVotingNode, KeepsToItsBandwidthAndToFiveRevisionsASecond) {
   std::map<std::pair<std::int32_t, std::int32_t>, int> revisions;
   world.bus.subscribe<voted_points_t>("VOTED_POINTS", [&](const voted_points_t& m) {
     bytes_in_tick += m.getEncodedSize();
-    if (m.first == 0) ++revisions[{m.tile_x, m.tile_y}];
+    if (m.page == 0) ++revisions[{m.tile_x, m.tile_y}];
   });
   std::int64_t total = 0;
   for (int i = 0; i < 150; ++i) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "common/local_bus.hpp"
@@ -124,19 +125,83 @@ class FakeMapper {
   std::int64_t last_index_ = 0;
 };
 
-/// Listens as semantic_map does: assembles revisions, asks for what it lacks.
+/// A tile as the steps of VOTED_POINTS make it: one page with everything, as if it had come at once.
+class VotedTileRecord {
+ public:
+  voted_points_t all{};  ///< voters and tensors are put in by finished()
+
+  [[nodiscard]] bool goes_on(const std::map<std::int32_t, voted_points_t>& step) const {
+    const voted_points_t& head = step.begin()->second;
+    return head.base == 0 || (all.chain == head.chain && all.revision >= head.base);
+  }
+  void take(const std::map<std::int32_t, voted_points_t>& step) {
+    const voted_points_t& head = step.begin()->second;
+    if (head.base == 0) *this = {};
+    for (const auto& [number, page] : step) append(page);
+    all.utime = head.utime;
+    all.epoch = head.epoch;
+    all.tile_x = head.tile_x;
+    all.tile_y = head.tile_y;
+    all.z_origin = head.z_origin;
+    all.chain = head.chain;
+    all.revision = head.revision;
+    all.total = head.total;
+    all.num_scales = head.num_scales;
+    all.sigma = head.sigma;
+  }
+  /// Says nothing of when and in which steps it came.
+  [[nodiscard]] voted_points_t finished() const {
+    voted_points_t m = all;
+    m.utime = m.chain = 0;
+    m.num_pages = 1;
+    m.num_points = static_cast<std::int32_t>(m.x.size());
+    for (const auto& voters : voters_) m.voter.insert(m.voter.end(), voters.begin(), voters.end());
+    m.num_voters = static_cast<std::int32_t>(m.voter.size());
+    for (const auto& [place, from] : tensors_) append_tensor(from.first, from.second, m);
+    m.num_tensors = static_cast<std::int32_t>(m.point.size());
+    return m;
+  }
+
+ private:
+  static void append_tensor(const voted_points_t& page, std::size_t i, voted_points_t& m) {
+    m.scale.push_back(page.scale[i]);
+    m.point.push_back(page.point[i]);
+    m.normal_x.push_back(page.normal_x[i]);
+    m.normal_y.push_back(page.normal_y[i]);
+    m.normal_z.push_back(page.normal_z[i]);
+    m.tangent_x.push_back(page.tangent_x[i]);
+    m.tangent_y.push_back(page.tangent_y[i]);
+    m.tangent_z.push_back(page.tangent_z[i]);
+    m.stick.push_back(page.stick[i]);
+    m.plate.push_back(page.plate[i]);
+    m.mass.push_back(page.mass[i]);
+  }
+  void append(const voted_points_t& page) {
+    voters_.resize(static_cast<std::size_t>(page.num_scales));
+    const auto count = static_cast<std::size_t>(page.num_points);
+    const auto known = all.x.size();
+    const auto first = static_cast<std::size_t>(page.first);
+    for (std::size_t i = known - std::min(known, first); i < count; ++i) {
+      all.x.push_back(page.x[i]);
+      all.y.push_back(page.y[i]);
+      all.z.push_back(page.z[i]);
+      all.intensity.push_back(page.intensity[i]);
+      for (std::size_t s = 0; s < voters_.size(); ++s) voters_[s].push_back(page.voter[s * count + i]);
+    }
+    for (std::size_t i = 0; i < page.point.size(); ++i) {
+      voted_points_t one{};
+      append_tensor(page, i, one);
+      tensors_[{page.scale[i], page.point[i]}] = {std::move(one), 0};
+    }
+  }
+
+  std::vector<std::vector<std::int32_t>> voters_;  // by scale
+  std::map<std::pair<int, std::int32_t>, std::pair<voted_points_t, std::size_t>> tensors_;
+};
+
+/// Listens as semantic_map does: follows the steps, asks for what it lacks.
 class Listener {
  public:
-  struct Tile {
-    std::int32_t revision = 0;
-    std::map<std::int32_t, voted_points_t> pages;
-    [[nodiscard]] bool complete() const {
-      std::int32_t points = 0;
-      for (const auto& [first, page] : pages) points += page.num_points;
-      return !pages.empty() && points == pages.begin()->second.total;
-    }
-  };
-
   Listener(Subscriber& bus, Publisher& publisher) : publisher_(publisher), follower_("listener", "VOTED_POINTS") {
     follower_.start_epoch(1);
     bus.subscribe<voted_points_t>("VOTED_POINTS", [this](const voted_points_t& m) { on(m); });
@@ -155,43 +220,53 @@ class Listener {
     partial_.clear();
     follower_.start_epoch(epoch);
   }
-  /// The newest complete revision of each tile, as bytes; utime, which says when and not what, set to 0.
-  [[nodiscard]] std::map<TileKey, std::vector<std::vector<std::uint8_t>>> contents() const {
-    std::map<TileKey, std::vector<std::vector<std::uint8_t>>> result;
+  /// The newest complete revision of each tile, as bytes.
+  [[nodiscard]] std::map<TileKey, std::vector<std::uint8_t>> contents() const {
+    std::map<TileKey, std::vector<std::uint8_t>> result;
     for (const auto& [key, tile] : complete_) {
-      for (const auto& [first, page] : tile.pages) {
-        voted_points_t timeless = page;
-        timeless.utime = 0;
-        std::vector<std::uint8_t> bytes(static_cast<std::size_t>(timeless.getEncodedSize()));
-        timeless.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-        result[key].push_back(std::move(bytes));
-      }
+      const voted_points_t all = tile.finished();
+      std::vector<std::uint8_t>& bytes = result[key];
+      bytes.resize(static_cast<std::size_t>(all.getEncodedSize()));
+      all.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
     }
     return result;
   }
-  [[nodiscard]] const std::map<TileKey, Tile>& tiles() const { return complete_; }
+  [[nodiscard]] const std::map<TileKey, VotedTileRecord>& tiles() const { return complete_; }
   std::map<std::string, int> indexes;  // heard, by owner
   int messages = 0;
+  int gaps = 0;  // steps that went on from what it did not have
 
  private:
   void on(const voted_points_t& message) {
     ++messages;
     if (message.epoch != epoch_) return;
     const TileKey key{message.tile_x, message.tile_y};
-    Tile& tile = partial_[key];
-    if (message.revision < tile.revision) return;
-    if (message.revision > tile.revision) tile = {message.revision, {}};
-    tile.pages[message.first] = message;
-    if (!tile.complete()) return;
-    complete_[key] = tile;
-    follower_.set_have(key, tile.revision);
+    VotedTileRecord& tile = complete_[key];
+    if (message.revision <= tile.all.revision) return;
+    auto& step = partial_[key];
+    if (!step.empty()) {
+      const voted_points_t& other = step.begin()->second;
+      if (message.revision < other.revision) return;
+      if (std::tie(message.revision, message.base, message.chain) != std::tie(other.revision, other.base, other.chain))
+        step.clear();
+    }
+    step[message.page] = message;
+    if (static_cast<std::int32_t>(step.size()) < message.num_pages) return;
+    if (tile.goes_on(step)) {
+      tile.take(step);
+      follower_.set_have(key, message.revision);
+    } else {
+      ++gaps;
+      follower_.lacks(key, message.revision);
+    }
+    step.clear();
   }
 
   Publisher& publisher_;
   std::int32_t epoch_ = 1;
   TileFollower follower_;
-  std::map<TileKey, Tile> partial_;
-  std::map<TileKey, Tile> complete_;
+  std::map<TileKey, std::map<std::int32_t, voted_points_t>> partial_;  // pages of a step
+  std::map<TileKey, VotedTileRecord> complete_;
 };
 
 }  // namespace curbstone::testing_world

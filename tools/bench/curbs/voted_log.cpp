@@ -23,7 +23,10 @@ class VotingChain {
     for (Node* node : nodes_) node->connect(bus_);
     Subscriber& listener = bus_;
     listener.subscribe<voted_points_t>("VOTED_POINTS", [this](const voted_points_t& page) {
-      if (auto tile = assembler_.add(page, refused_)) tiles_[tile->key] = std::move(*tile);
+      const auto step = assembler_.add(page, refused_);
+      if (!step) return;
+      VotedTile& tile = tiles_[step->key];
+      if (goes_on_from(*step, &tile)) take_step(*step, tile);
     });
     listener.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) {
       Pose T = Pose::Identity();

@@ -37,7 +37,7 @@ void TileAges::hear(const TimedMessage& message) {
     waiting_[{m.tile_x, m.tile_y}].push_back(m.utime);
   } else if (message.channel == "VOTED_POINTS") {
     voted_points_t m;
-    if (read(message, m) && m.first + m.num_points == m.total)
+    if (read(message, m) && m.page + 1 == m.num_pages)
       sent_tile(message.channel, {m.tile_x, m.tile_y}, m.utime, message.at);
   } else if (message.channel == "SEMANTIC_TILE") {
     semantic_tile_t m;

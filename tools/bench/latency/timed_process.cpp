@@ -37,21 +37,27 @@ std::int64_t TimedProcess::work(std::int64_t at) {
     const TimedMessage message = std::move(inbox_.begin()->second);
     inbox_.erase(inbox_.begin());
     handlers_.find(message.channel)->second(message.bytes->data(), static_cast<int>(message.bytes->size()));
+    const std::int64_t now = begun_ + spent();
+    if (inbox_.empty() || inbox_.begin()->first > now) node_->caught_up(now);
   } else {
     node_->tick(begun_);
     tick_ += kTick;
     if (tick_ < begun_) tick_ = begun_ + kTick - (begun_ - tick_) % kTick;  // a timer that was missed is not made up
   }
-  const auto took = static_cast<std::int64_t>(cpu_us_of_thread() - cpu_begun_);
+  const std::int64_t took = spent();
   cpu_ += took;
   free_ = begun_ + took;
   return free_;
 }
 
+/// CPU time of the piece of work under way, us.
+std::int64_t TimedProcess::spent() const {
+  return static_cast<std::int64_t>(cpu_us_of_thread() - cpu_begun_);
+}
+
 void TimedProcess::publish_bytes(const std::string& channel, const void* data, int size) {
   const auto* bytes = static_cast<const std::uint8_t*>(data);
-  const auto so_far = static_cast<std::int64_t>(cpu_us_of_thread() - cpu_begun_);
-  send_({begun_ + so_far, channel, std::make_shared<std::vector<std::uint8_t>>(bytes, bytes + size)});
+  send_({begun_ + spent(), channel, std::make_shared<std::vector<std::uint8_t>>(bytes, bytes + size)});
 }
 
 void TimedProcess::subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit) {

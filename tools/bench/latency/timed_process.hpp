@@ -48,6 +48,7 @@ class TimedProcess final : public Publisher, public Subscriber {
   void subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) override;
 
  private:
+  [[nodiscard]] std::int64_t spent() const;
   std::int64_t tick_;
   Send send_;
   std::unique_ptr<Node> node_;

@@ -85,7 +85,7 @@ class WorkerTimer {
   WorkerTimer() : node_(two_scales(), "tensor_voting:1", bus_) {
     node_.connect(bus_);
     bus_.subscribe<voted_points_t>("VOTED_POINTS", [this](const voted_points_t& page) {
-      if (page.first == 0) pacing_ms.push_back(static_cast<double>(now_ - page.utime) * 1e-3);
+      if (page.page == 0) pacing_ms.push_back(static_cast<double>(now_ - page.utime) * 1e-3);
     });
   }
   void hear(const std::string& channel, const void* data, int size) {
