@@ -21,6 +21,7 @@ constexpr double kLongest = 2.2;       // m each way that a line is looked at
 constexpr double kMinExtent = 0.8;     // m of line around a detection
 constexpr double kReaches = 2.0;       // of the evidence: where points are few, so are detections
 constexpr double kWeakReach = 1.5;     // m a weak detection may be from the line's strong ones
+constexpr int kRounds = 8;             // of kWeakReach: from one side of what matters to the other
 constexpr double kWeakLateral = 0.10;  // m off it
 constexpr double kWeakSupport = 2.5;   // of the certainty of a line: low steps must bear each other out as well
 
@@ -146,7 +147,7 @@ bool continues_line(const Placed& p, const std::vector<Placed>& confirmed, const
 /// from its ends, as far as it is seen to go on. `kept` stays in the order of x.
 void grow_lowered(std::vector<Placed> weak, const CurbParameters& parameters, std::vector<Placed>& kept) {
   bool grows = true;
-  while (grows && !weak.empty()) {
+  for (int round = 0; grows && round < kRounds; ++round) {
     const auto goes_on = std::stable_partition(weak.begin(), weak.end(),
                                                [&](const Placed& p) { return !continues_line(p, kept, parameters); });
     grows = goes_on != weak.end();
