@@ -128,6 +128,22 @@ void score_recall(const CurbMap& map, const std::vector<TrueCurbPoint>& truth, c
   score.recall_of_seen = seen_points > 0 ? static_cast<double>(found.back()) / seen_points : 0;
 }
 
+void score_lowered(const CurbMap& map, const std::vector<TrueCurbPoint>& truth, const TrueCurbs& curbs,
+                   const NearPath& near_path, CurbScore& score) {
+  const PlaceGrid<Place> lowered(map.lowered, kTolerances.back());
+  for (const TrueCurbPoint& point : truth) {
+    const bool is_lowered = point.dropped && point.height > 0;  // a border of height 0 is none of a curb
+    if (!is_lowered || !near_path.any_near(point.x, point.y)) continue;
+    ++score.lowered_points;
+    score.lowered_found += lowered.any_near(point.x, point.y) ? 1 : 0;
+  }
+  for (const Place& place : map.lowered) {
+    if (!near_path.any_near(place.x, place.y)) continue;
+    ++score.lowered_feet;
+    score.lowered_wrong += curbs.nearest(place, kTolerances.back()).dropped > kTolerances.back() ? 1 : 0;
+  }
+}
+
 void score_lateral(const CurbMap& map, const TrueCurbs& curbs, const NearPath& near_path, CurbScore& score) {
   std::vector<double> sizes;
   std::vector<double> offsets;  // towards the higher side
@@ -155,6 +171,7 @@ CurbScore score_curbs(const CurbMap& map, const std::vector<TrueCurbPoint>& trut
   const NearPath near_path(path, radius);
   score_precision(map, curbs, near_path, score);
   score_recall(map, truth, near_path, score);
+  score_lowered(map, truth, curbs, near_path, score);
   score_lateral(map, curbs, near_path, score);
   return score;
 }

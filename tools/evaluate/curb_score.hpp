@@ -61,6 +61,12 @@ struct CurbScore {
   };
   std::array<Share, kStepBounds.size() + 1> by_step;  ///< recall at the widest tolerance, by the height of the step
 
+  /// Lowered kerbs, by the lines that are marked so; within the widest tolerance.
+  int lowered_points = 0;  ///< true points of lowered kerbs
+  int lowered_found = 0;   ///< of them, beside such a line
+  int lowered_feet = 0;    ///< points of such lines
+  int lowered_wrong = 0;   ///< of them, away from any true lowered kerb
+
   // Of the points of curb lines within 0.5 m of a true curb:
   double lateral_median_cm = 0;  ///< distance of the foot from the true one
   double lateral_p95_cm = 0;
@@ -83,8 +89,9 @@ struct CurbCell {
 /// What a map says of curbs, in the truth's frame.
 struct CurbMap {
   std::vector<CurbCell> cells;
-  std::vector<CurbFoot> feet;  ///< points of the curb lines
-  std::vector<Place> seen;     ///< centres of all cells that are not unknown
+  std::vector<CurbFoot> feet;       ///< points of the curb lines
+  std::vector<Place> seen;          ///< centres of all cells that are not unknown
+  std::vector<Place> lowered = {};  ///< points of the lines that are marked as lowered
 };
 
 /// Precision: the share of the curb cells that count whose centre is within the tolerance of a true curb. Recall: the

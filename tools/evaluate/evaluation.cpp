@@ -1,6 +1,8 @@
 #include "tools/evaluate/evaluation.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 
 #include "tools/evaluate/place_grid.hpp"
@@ -101,6 +103,9 @@ Evaluation evaluate(const std::vector<MapTile>& tiles, const std::vector<CurbLin
       ++confusion.count[true_class][static_cast<std::size_t>(cell_class)];
   });
   map.feet = feet_of(curbs, evaluation.T_truth_map);
+  std::vector<CurbLine> lowered;
+  std::copy_if(curbs.begin(), curbs.end(), std::back_inserter(lowered), [](const CurbLine& l) { return l.dropped; });
+  for (const CurbFoot& foot : feet_of(lowered, evaluation.T_truth_map)) map.lowered.push_back(foot.at);
   if (!truth.curbs.empty()) evaluation.curbs = score_curbs(map, truth.curbs, path, radius);
   if (!truth.classes.empty()) {
     evaluation.classes = confusion;

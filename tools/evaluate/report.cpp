@@ -36,6 +36,8 @@ std::string curb_table(const CurbScore& c) {
                   c.detections, c.on_dropped, c.beyond_truth, c.true_points);
   text += fmt::format("             recall at {:.2f} m: of what was seen {:.3f}; by step{}\n", kTolerances.back(),
                       c.recall_of_seen, recall_by_step(c));
+  text += fmt::format("             lowered kerbs: {} of {} true points marked; {} of {} marked points are none\n",
+                      c.lowered_found, c.lowered_points, c.lowered_wrong, c.lowered_feet);
   text += fmt::format(
       "             lateral error of the foot: median {:.1f} cm, p95 {:.1f} cm; bias {:+.1f} cm to the high side, "
       "spread {:.1f} cm\n",

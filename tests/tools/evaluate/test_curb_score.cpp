@@ -36,6 +36,21 @@ TEST(CurbScore, PerfectMapScoresOne) {
   EXPECT_EQ(score.lateral_median_cm, 0.0);
 }
 
+TEST(CurbScore, LoweredKerbsAreFoundByTheLinesThatAreMarkedSo) {
+  auto truth = curb_at(3);
+  const auto lowered = curb_at(-3, true, 1);
+  truth.insert(truth.end(), lowered.begin(), lowered.end());
+  CurbMap map{cells_at(row(3)), line(3), row(3)};
+  EXPECT_EQ(score_curbs(map, truth, row(0), 8).lowered_points, 101);
+  EXPECT_EQ(score_curbs(map, truth, row(0), 8).lowered_found, 0);
+  map.lowered = row(-3.1);
+  map.lowered.push_back({5, 3});  // a curb that is not lowered
+  const auto score = score_curbs(map, truth, row(0), 8);
+  EXPECT_EQ(score.lowered_found, 101);
+  EXPECT_EQ(score.lowered_feet, 85);
+  EXPECT_EQ(score.lowered_wrong, 1);
+}
+
 TEST(CurbScore, AnOffsetFailsTheToleranceItExceeds) {
   const auto score = score_curbs({cells_at(row(3.2)), line(3.2), row(3.2)}, curb_at(3), row(0), 8);
   EXPECT_EQ(score.at[0].f1(), 0.0);
