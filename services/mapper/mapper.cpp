@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <utility>
 
 namespace curbstone {
@@ -26,10 +25,10 @@ Mapper::Mapper(const MapperConfig& config)
       atlas_(config.atlas),
       closer_(config.loop),
       finder_(config.icp, config.vehicle.T_base_lidar().translation()),
-      dense_(config.dense) {}
+      dense_(config.dense, config.vehicle.T_base_lidar(), config.threads > 1) {}
 
 void Mapper::load(const SavedMap& map) {
-  for (const SavedTile& tile : map.tiles) dense_.load(tile.key, tile.z_origin, tile.utime, tile.points);
+  for (const SavedTile& tile : map.tiles) dense_.map().load(tile.key, tile.z_origin, tile.utime, tile.points);
   for (const MapNode& node : map.nodes) atlas_.add_known(node);
   for (const PoseEdge& edge : map.edges) atlas_.add_known(edge);
   Pose T_map_start(Eigen::Translation3d(config_.start_x, config_.start_y, 0));
@@ -43,8 +42,9 @@ SavedMap Mapper::saved(std::int32_t epoch) const {
   SavedMap map;
   map.voxel = config_.dense.voxel;
   map.epoch = epoch;
-  for (const TileKey& key : dense_.keys()) {
-    const DenseTile& tile = *dense_.tile(key);
+  const DenseMap& dense = dense_.map();
+  for (const TileKey& key : dense.keys()) {
+    const DenseTile& tile = *dense.tile(key);
     if (!tile.points().empty()) map.tiles.push_back({key, tile.z_origin(), tile.utime(), tile.points()});
   }
   for (int id = 0; id < atlas_.size(); ++id) map.nodes.push_back(atlas_.node(id));
@@ -68,7 +68,7 @@ std::optional<MapperUpdate> Mapper::process(const Revolution& revolution, const 
     has_moved_ = false;
   }
   if (tracked->fix == Fix::kLost) search(*tracked, update);
-  if (tracked->first) take_first(*tracked->first, update);
+  if (tracked->first) take_first(*tracked->first);
   if (tracked->maps) take(*tracked, update);
   if (T_odom_base_) T_map_odom_ = normalised(tracked->T_map_base * T_odom_base_->inverse());
   update.T_map_base = tracked->T_map_base;
@@ -89,10 +89,10 @@ void Mapper::take(Tracked& tracked, MapperUpdate& update) {
     return;
   }
   if (tracked.anew) atlas_.leave();
-  dense_.set_anchor(atlas_.visit(tracked.utime, tracked.T_map_base, tracked.points));
-  grow(tracked, update);
+  const int anchor = atlas_.visit(tracked.utime, tracked.T_map_base, tracked.points);
   close_loop(tracked, update);
   recall_surroundings(tracked.T_map_base.translation());
+  grow(tracked, anchor, update);
 }
 
 /// The map for registration moves with the vehicle: far nodes leave it, those that come near return.
@@ -101,9 +101,9 @@ void Mapper::recall_surroundings(const Eigen::Vector3d& position) {
   for (const int id : atlas_.take_returning(position, tracker_.window())) tracker_.recall(atlas_.node(id));
 }
 
-void Mapper::take_first(const Tracked::Earlier& first, MapperUpdate& update) {
-  dense_.set_anchor(atlas_.visit(first.utime, first.T_map_base, first.points));
-  update.grown = dense_.insert(first.points, first.T_map_base, first.utime);
+void Mapper::take_first(const Tracked::Earlier& first) {
+  const int anchor = atlas_.visit(first.utime, first.T_map_base, first.points);
+  work_.insertions.push_back({first.points, first.T_map_base, first.utime, anchor, true});
 }
 
 void Mapper::notice_motion(Tracked& tracked) {
@@ -116,59 +116,59 @@ void Mapper::notice_motion(Tracked& tracked) {
   if (!tracked.with_odometry && seconds(moved_, tracked.utime) > 0.5) tracked.stationary = true;
 }
 
-void Mapper::grow(const Tracked& tracked, MapperUpdate& update) {
-  if (holds_back(tracked)) return;
-  for (const TileKey& key : insert_held()) update.grown.push_back(key);
-  const bool add_new = seconds(moved_, tracked.utime) < config_.dense.standing_s;
-  const std::vector<TileKey> grown = dense_.insert(tracked.points, tracked.T_map_base, tracked.utime, add_new);
-  update.grown.insert(update.grown.end(), grown.begin(), grown.end());
-  look_through(tracked, update);
+/// What the revolution shows goes into the dense map, while the next one is waited for and registered.
+void Mapper::grow(Tracked& tracked, int anchor, MapperUpdate& update) {
+  if (dense_.map().num_removals() >= kMostRemovals) {
+    dense_.map().move({});
+    update.rearranged = true;
+  }
+  if (!holds_back(tracked, anchor)) {
+    release_held();
+    const bool add_new = seconds(moved_, tracked.utime) < config_.dense.standing_s;
+    work_.look = look_through(tracked);
+    work_.insertions.push_back({std::move(tracked.points), tracked.T_map_base, tracked.utime, anchor, add_new});
+  }
+  if (!work_.insertions.empty()) dense_.begin(std::exchange(work_, {}));
 }
 
-/// Takes out what has left. Only points that are where registration sees their surroundings can be judged.
-void Mapper::look_through(const Tracked& tracked, MapperUpdate& update) {
+/// What has left is taken out. Only points that are where registration sees their surroundings can be judged.
+std::optional<DenseWork::Look> Mapper::look_through(const Tracked& tracked) {
   const std::optional<Earlier> earlier = std::exchange(earlier_, Earlier{tracked.T_map_base, tracked.utime});
-  if (!earlier || tracked.fix != Fix::kTracking) return;
+  if (!earlier || tracked.fix != Fix::kTracking) return std::nullopt;
   const double dt = seconds(earlier->utime, tracked.utime);
-  if (!(dt > 0 && dt < kLongestStep)) return;
-  const Twist motion = twist_of(earlier->T_map_base.inverse() * tracked.T_map_base, dt);
-  bool on_known_map = false;  // of an earlier drive: its points stand or fall together
-  for (int id = 0; id < atlas_.num_known() && !on_known_map; ++id) on_known_map = atlas_.present(id);
-  const auto in_place = [&](std::int32_t anchor) {
-    return anchor == DenseMap::kFixed ? on_known_map : anchor < atlas_.size() && atlas_.present(anchor);
-  };
-  for (const TileKey& key : dense_.look_through(tracked.points, tracked.T_map_base, config_.vehicle.T_base_lidar(),
-                                                motion, tracked.utime, in_place)) {
-    update.grown.push_back(key);
-  }
-  if (dense_.num_removals() < kMostRemovals) return;
-  dense_.move({});
-  update.rearranged = true;
+  if (!(dt > 0 && dt < kLongestStep)) return std::nullopt;
+  DenseWork::Look look;
+  look.motion = twist_of(earlier->T_map_base.inverse() * tracked.T_map_base, dt);
+  for (int id = 0; id < atlas_.size(); ++id) look.present.push_back(atlas_.present(id));
+  const auto end_of_known = look.present.begin() + atlas_.num_known();
+  look.on_known_map = std::find(look.present.begin(), end_of_known, true) != end_of_known;
+  return look;
 }
 
 /// Standing, sixteen beams draw the same sixteen rings again and again, and the filter does not know its tilt to better
 /// than the accelerometer's bias: 0.2 degrees put a ring 19 m ahead 6 cm off the road as it is found to be on the way,
 /// which is a curb to look at. So the first standstill waits, and is forgotten once the vehicle moves.
-bool Mapper::holds_back(const Tracked& tracked) {
+bool Mapper::holds_back(const Tracked& tracked, int anchor) {
   if (has_moved_) held_.clear();
   if (has_moved_ || seconds(started_, tracked.utime) > config_.dense.start_hold_s) return false;
-  if (held_.size() < kMostHeld) held_.push_back({tracked.points, tracked.T_map_base, tracked.utime});
+  if (held_.size() < kMostHeld) held_.push_back({tracked.points, tracked.T_map_base, tracked.utime, anchor, true});
   return true;
 }
 
-std::vector<TileKey> Mapper::insert_held() {
-  std::set<TileKey> grown;
-  for (const Held& held : held_) {
-    for (const TileKey& key : dense_.insert(held.points, held.T_map_base, held.utime, true)) grown.insert(key);
-  }
-  held_.clear();
-  return {grown.begin(), grown.end()};
+void Mapper::release_held() {
+  for (DenseWork::Insertion& held : std::exchange(held_, {})) work_.insertions.push_back(std::move(held));
+}
+
+std::vector<TileKey> Mapper::take_changed() {
+  return dense_.take_changed();
 }
 
 std::vector<TileKey> Mapper::finish() {
-  std::vector<TileKey> grown = insert_held();  // it never moved: then that is all there is
-  for (const TileKey& key : dense_.finish()) grown.push_back(key);
-  return grown;
+  release_held();  // it never moved: then that is all there is
+  if (!work_.insertions.empty()) dense_.begin(std::exchange(work_, {}));
+  std::vector<TileKey> changed = dense_.take_changed();
+  for (const TileKey& key : dense_.map().finish()) changed.push_back(key);
+  return changed;
 }
 
 /// Back at a place of long ago: the whole drive is put right, and the map with it.
@@ -181,7 +181,7 @@ void Mapper::close_loop(Tracked& tracked, MapperUpdate& update) {
   for (std::size_t i = 0; i < poses.size(); ++i) poses[i] = normalised((*corrections)[i] * poses[i]);
   const Pose& here = (*corrections)[static_cast<std::size_t>(atlas_.reference())];
   atlas_.set_poses(poses);
-  dense_.move(*corrections);
+  dense_.map().move(*corrections);
   earlier_.reset();
   tracked.T_map_base = normalised(here * tracked.T_map_base);
   T_map_moved_ = normalised(here * T_map_moved_);
@@ -221,7 +221,7 @@ void Mapper::search(Tracked& tracked, MapperUpdate& update) {
   if (const auto good_until = contradiction(found->T_map_base, tracked.utime)) {
     counters_.add("rolled_back");
     atlas_.roll_back(*good_until);
-    dense_.roll_back(*good_until);
+    dense_.map().roll_back(*good_until);
     finder_.forget();
     std::erase_if(footprints_, [&](const Footprint& f) { return f.utime > *good_until; });
     witnesses_.clear();

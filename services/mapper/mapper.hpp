@@ -8,7 +8,7 @@
 #include "common/counters.hpp"
 #include "common/geometry.hpp"
 #include "services/mapper/atlas.hpp"
-#include "services/mapper/dense_map.hpp"
+#include "services/mapper/dense_worker.hpp"
 #include "services/mapper/loop_closer.hpp"
 #include "services/mapper/mapper_config.hpp"
 #include "services/mapper/odometry_history.hpp"
@@ -30,12 +30,12 @@ struct MapperUpdate {
   bool registered = false;
   bool with_odometry = false;
   bool stationary = false;
-  bool rearranged = false;     ///< a loop was closed, or the map rolled back: every tile may be another
-  std::vector<TileKey> grown;  ///< tiles with new points
+  bool rearranged = false;  ///< a loop was closed, or the map rolled back: every tile may be another
 };
 
 /// The mapper's method: track each revolution, remember the drive as a graph of places, close its loops, keep the dense
-/// map. A function of the sequence of calls alone. Pure; one thread.
+/// map. A function of the sequence of calls alone. Pure; one thread calls. With `threads: 2` the dense map is worked on
+/// beside it, see DenseWorker: dense() and take_changed() wait.
 ///
 /// Counters: those of Tracker and LoopCloser; searches (for where the vehicle is, while lost), searches.found,
 /// rolled_back.
@@ -53,13 +53,16 @@ class Mapper {
   /// measurements: see Tracker::track(). Such changes nothing.
   [[nodiscard]] std::optional<MapperUpdate> process(const Revolution& revolution, const OdometryHistory& odometry);
 
-  /// The drive is over: what still waits goes into the dense map. Tiles with new points.
+  /// Tiles that have changed since the last call; each may be there more than once. Waits for the dense map.
+  [[nodiscard]] std::vector<TileKey> take_changed();
+
+  /// The drive is over: what still waits goes into the dense map. Tiles that have changed since take_changed().
   [[nodiscard]] std::vector<TileKey> finish();
 
   [[nodiscard]] bool started() const { return tracker_.started(); }
   [[nodiscard]] Fix fix() const { return tracker_.fix(); }
-  [[nodiscard]] const DenseMap& dense() const { return dense_; }
-  [[nodiscard]] DenseMap& dense() { return dense_; }
+  [[nodiscard]] const DenseMap& dense() const { return dense_.map(); }
+  [[nodiscard]] DenseMap& dense() { return dense_.map(); }
   [[nodiscard]] const Atlas& atlas() const { return atlas_; }
   /// Voxels of the map that registration keeps; bounded by its window.
   [[nodiscard]] std::size_t registration_size() const { return tracker_.registration_size(); }
@@ -90,21 +93,14 @@ class Mapper {
     Footprint footprint;
     Pose T_odom_base;
   };
-  /// A revolution of the first standstill, kept out of the dense map for now.
-  struct Held {
-    std::vector<LidarPoint> points;
-    Pose T_map_base;
-    std::int64_t utime;
-  };
-
   void take(Tracked& tracked, MapperUpdate& update);
-  void take_first(const Tracked::Earlier& first, MapperUpdate& update);
+  void take_first(const Tracked::Earlier& first);
   void recall_surroundings(const Eigen::Vector3d& position);
   void notice_motion(Tracked& tracked);
-  void grow(const Tracked& tracked, MapperUpdate& update);
-  void look_through(const Tracked& tracked, MapperUpdate& update);
-  [[nodiscard]] bool holds_back(const Tracked& tracked);
-  [[nodiscard]] std::vector<TileKey> insert_held();
+  void grow(Tracked& tracked, int anchor, MapperUpdate& update);
+  [[nodiscard]] std::optional<DenseWork::Look> look_through(const Tracked& tracked);
+  [[nodiscard]] bool holds_back(const Tracked& tracked, int anchor);
+  void release_held();
   void close_loop(Tracked& tracked, MapperUpdate& update);
   void search(Tracked& tracked, MapperUpdate& update);
   [[nodiscard]] int nearest(const Pose& T_map_base) const;
@@ -118,17 +114,18 @@ class Mapper {
   Atlas atlas_;
   LoopCloser closer_;
   PlaceFinder finder_;
-  DenseMap dense_;
+  DenseWorker dense_;
+  DenseWork work_;                     // to begin
   std::vector<Footprint> footprints_;  // one each few centimetres
   std::deque<Witness> witnesses_;      // of late, all with odometry
   std::optional<Pose> T_odom_base_;    // at the end of this revolution
   std::int64_t searched_ = 0;          // us
   Pose T_map_odom_ = Pose::Identity();
-  Pose T_map_moved_ = Pose::Identity();  // when the vehicle was last known to move
-  std::int64_t moved_ = 0;               // us, when that was
-  std::int64_t started_ = 0;             // us, the end of the first revolution
-  bool has_moved_ = false;               // since then
-  std::vector<Held> held_;
+  Pose T_map_moved_ = Pose::Identity();     // when the vehicle was last known to move
+  std::int64_t moved_ = 0;                  // us, when that was
+  std::int64_t started_ = 0;                // us, the end of the first revolution
+  bool has_moved_ = false;                  // since then
+  std::vector<DenseWork::Insertion> held_;  // of the first standstill, kept out of the dense map for now
   /// The revolution before, if the map has not been rearranged since.
   struct Earlier {
     Pose T_map_base;

@@ -15,6 +15,7 @@ namespace curbstone {
 /// The mapper's settings; every default is good for an RS-LiDAR-16 on a vehicle.
 struct MapperConfig {
   std::string method = "icp";
+  int threads = 2;  ///< 2: the dense map is worked on beside registration
   std::string mode =
       "map";             ///< map: begins a new map; extend: goes on with the one in `folder`; localise: only uses it
   std::string folder;    ///< the map on disk; written at the end (map, extend); empty: not kept
@@ -47,6 +48,7 @@ struct MapperConfig {
 
   void visit(ConfigVisitor& v) {
     v.choice("method", method, {"icp", "loam"}, "of registration");
+    v.field("threads", threads, {1, 2}, "2: the dense map is worked on beside registration");
     v.choice("mode", mode, {"map", "extend", "localise"}, "what becomes of the map in `folder`");
     v.field("folder", folder, "the map on disk; empty: not kept");
     v.field("start_x", start_x, {-1e6, 1e6}, "m in that map, where the drive begins");

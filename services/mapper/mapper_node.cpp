@@ -149,12 +149,7 @@ void MapperNode::process(const Revolution& revolution) {
   position_ = update->T_map_base.translation();
   if (epoch_ == 0 || update->rearranged) begin_epoch(*update);
   publish_pose(*update);
-  take_grown(update->grown);
   has_news_ = true;
-  for (const TileKey& key : mapper_.dense().take_evicted()) {
-    catalog_.remove(key);
-    sent_.erase(key);
-  }
 }
 
 void MapperNode::begin_epoch(const MapperUpdate& update) {
@@ -168,7 +163,7 @@ void MapperNode::begin_epoch(const MapperUpdate& update) {
   std::vector<TileKey> keys = mapper_.dense().keys();
   const auto distance = [&](TileKey key) { return squared_distance(key, position_.x(), position_.y()); };
   std::stable_sort(keys.begin(), keys.end(), [&](TileKey a, TileKey b) { return distance(a) < distance(b); });
-  take_grown(keys);
+  take_changed(keys);
   std::vector<Mapper::TrajectoryPoint> drive = mapper_.trajectory();
   std::erase_if(drive, [&](const auto& point) { return point.utime >= update.utime; });  // MAP_POSE tells of the rest
   trajectory_ = make_trajectory_pages(drive, epoch_);
@@ -201,8 +196,16 @@ void MapperNode::publish_pose(const MapperUpdate& update) {
   bus_.publish("MAP_POSE", message);
 }
 
-void MapperNode::take_grown(const std::vector<TileKey>& grown) {
-  for (const TileKey& key : grown) {
+void MapperNode::take_changes() {
+  take_changed(mapper_.take_changed());
+  for (const TileKey& key : mapper_.dense().take_evicted()) {
+    catalog_.remove(key);
+    sent_.erase(key);
+  }
+}
+
+void MapperNode::take_changed(const std::vector<TileKey>& changed) {
+  for (const TileKey& key : changed) {
     if (is_changed_.insert(key).second) changed_.push_back(key);
   }
 }
@@ -234,6 +237,7 @@ std::int32_t MapperNode::send_points(TileKey key, std::int32_t first) {
 
 void MapperNode::send_changes(std::int64_t now) {
   has_news_ = false;
+  take_changes();
   int messages = kMessagesPerTick;
   int points = kPointsPerTick;
   for (std::size_t looks = changed_.size(); looks > 0 && messages > 0 && points > 0; --looks) {
@@ -293,7 +297,8 @@ void MapperNode::finish() {
   queue(assembler_.flush());
   process_due(true);
   if (epoch_ == 0) return;
-  take_grown(mapper_.finish());
+  take_changes();
+  take_changed(mapper_.finish());
   while (!trajectory_.empty()) send_trajectory();
   while (!changed_.empty()) {
     const TileKey key = changed_.front();

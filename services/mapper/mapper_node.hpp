@@ -49,7 +49,8 @@ class MapperNode final : public Node {
   void begin_epoch(const MapperUpdate& update);
   void publish_pose(const MapperUpdate& update);
   void send_trajectory();
-  void take_grown(const std::vector<TileKey>& grown);
+  void take_changes();
+  void take_changed(const std::vector<TileKey>& changed);
   /// Sends points of a tile from `first` on, at most one message's worth. Returns the index after the last sent.
   std::int32_t send_points(TileKey key, std::int32_t first);
   void send_changes(std::int64_t now);

@@ -28,10 +28,9 @@ TimedVehicle::TimedVehicle(const TimedVehicleOptions& options, Listener listener
   add("ekf", [&](Publisher& bus) {
     return std::make_unique<EkfNode>(config_of<EkfConfig>("ekf", options.config_file, options.assignments), bus);
   });
-  add("mapper", [&](Publisher& bus) {
-    return std::make_unique<MapperNode>(config_of<MapperConfig>("mapper", options.config_file, options.assignments),
-                                        bus);
-  });
+  auto mapper = config_of<MapperConfig>("mapper", options.config_file, options.assignments);
+  mapper.threads = 1;  // what another thread does is not on this process's clock
+  add("mapper", [&](Publisher& bus) { return std::make_unique<MapperNode>(mapper, bus); });
   add("tensor_voting", [&](Publisher& bus) {
     return std::make_unique<TensorVotingNode>(
         config_of<TensorVotingConfig>("tensor_voting", options.config_file, options.assignments), "tensor_voting:1",
