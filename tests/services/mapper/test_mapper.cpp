@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <tuple>
 
 #include "tests/services/mapper/mapper_drive.hpp"
 
@@ -39,6 +40,31 @@ TEST(Mapper, FollowsADriveWithoutOdometry) {
   }
   EXPECT_LT(drive.error(*update), 0.08);
   EXPECT_GT(drive.mapper->dense().size(), 10'000);
+}
+
+TEST(Mapper, MakesTheSameMapWithASecondThreadAsWithout) {
+  Drive one, two;
+  one.config.threads = 1;
+  two.config.threads = 2;
+  for (Drive* drive : {&one, &two}) {
+    drive->mapper.emplace(drive->config);
+    for (int i = 0; i < 60; ++i) (void)drive->step();
+    (void)drive->mapper->finish();
+  }
+  const DenseMap& a = one.mapper->dense();
+  const DenseMap& b = two.mapper->dense();
+  ASSERT_GT(a.size(), 10'000);
+  ASSERT_EQ(a.keys(), b.keys());
+  for (const TileKey& key : a.keys()) {
+    const auto& records = a.tile(key)->records();
+    const auto& others = b.tile(key)->records();
+    const auto same = [](const TilePoint& p, const TilePoint& q) {
+      return std::tie(p.x, p.y, p.z, p.intensity) == std::tie(q.x, q.y, q.z, q.intensity);
+    };
+    EXPECT_TRUE(std::equal(records.begin(), records.end(), others.begin(), others.end(), same))
+        << key.x << " " << key.y;
+    EXPECT_EQ(a.tile(key)->utime(), b.tile(key)->utime());
+  }
 }
 
 TEST(Mapper, LevelsTheMapByOdometry) {
