@@ -3,24 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <curbstone/curb_lines_t.hpp>
-#include <tuple>
 #include <utility>
 
 #include "services/semantic_map/map_picture.hpp"
 #include "services/semantic_map/png_file.hpp"
+#include "services/semantic_map/semantic_messages.hpp"
 
 namespace curbstone {
 
 namespace {
 
-constexpr std::int64_t kTilePeriod = 100'000;        // us between two messages about a tile, on average
-constexpr std::int64_t kEarly = 50'000;              // us by which new points may be ahead of that
-constexpr std::int64_t kTick = 20'000;               // us: what work_per_tick is of
-constexpr std::int64_t kSavedWork = 50'000;          // us
-constexpr double kLargeShare = 0.3;                  // new points of a tile for which its curbs are looked for at once
-constexpr std::int64_t kNewsPatience = 500'000;      // us after which they are looked for, however few there are
-constexpr std::int64_t kSettlePatience = 1'000'000;  // us that what is stale may wait for news of its own
-constexpr std::int64_t kCurbsPeriod = 500'000;       // us
+constexpr std::int64_t kTilePeriod = 100'000;   // us between two messages about a tile, on average
+constexpr std::int64_t kEarly = 50'000;         // us by which new points may be ahead of that
+constexpr std::int64_t kCurbsPeriod = 500'000;  // us
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kWritePeriod = 1'000'000;
 constexpr std::int64_t kStoreCurbsPeriod = 5'000'000;  // all of them each time
@@ -35,33 +30,11 @@ ClassParameters with_vehicle(ClassParameters classes, const VehicleConfig& vehic
   return classes;
 }
 
-double distance(TileKey key, const Eigen::Vector2d& to) {
-  return (Eigen::Vector2d((key.x + 0.5) * kTileSize, (key.y + 0.5) * kTileSize) - to).squaredNorm();
-}
-
 /// Counts tile periods since 2026 (enough until 2032): a service that was restarted goes on above the revisions it sent
 /// before.
 std::int32_t revision_at(std::int64_t now) {
   constexpr std::int64_t kStart = 1'767'225'600'000'000;
   return static_cast<std::int32_t>(std::clamp<std::int64_t>((now - kStart) / kTilePeriod, 0, 2'000'000'000));
-}
-
-curb_line_t to_message(const CurbLine& line, const std::vector<Eigen::Vector2d>& path) {
-  curb_line_t m;
-  m.id = line.id;
-  m.confidence = line.confidence;
-  m.dropped = line.dropped ? 1 : 0;
-  m.rise = static_cast<std::int8_t>(seen_from(line, path));
-  m.num_points = static_cast<std::int32_t>(line.points.size());
-  for (const CurbVertex& v : line.points) {
-    m.x.push_back(v.x);
-    m.y.push_back(v.y);
-    m.z.push_back(v.z);
-    m.height.push_back(v.height);
-    m.high_side_x.push_back(v.high_side_x);
-    m.high_side_y.push_back(v.high_side_y);
-  }
-  return m;
 }
 
 }  // namespace
@@ -70,6 +43,7 @@ SemanticMapNode::SemanticMapNode(const SemanticMapConfig& config, Publisher& bus
     : config_(config),
       bus_(bus),
       pipeline_(config.curb, with_vehicle(config.classes, config.vehicle)),
+      schedule_(config.work_per_tick, pipeline_),
       keeper_(config.map, static_cast<std::size_t>(config.max_pending_tiles)) {}
 
 void SemanticMapNode::connect(Subscriber& bus) {
@@ -90,7 +64,7 @@ bool SemanticMapNode::enter_epoch(std::int32_t epoch) {
   last_pose_utime_ = 0;
   assembler_.clear();
   pipeline_.clear();
-  news_.clear();
+  schedule_.clear();
   unsent_.clear();
   published_.clear();
   revisions_.clear();
@@ -121,7 +95,7 @@ void SemanticMapNode::on(const voted_points_t& message) {
   newest_utime_ = std::max(newest_utime_, tile.utime);
   revisions_[key] = tile.revision;
   voted_.set_have(key, tile.revision);
-  news_.try_emplace(key, News{now_, num_points, false}).first->second.is_shown = false;
+  schedule_.changed(key, num_points, now_);
   pipeline_.set_voted(std::move(tile));
 }
 
@@ -152,11 +126,7 @@ void SemanticMapNode::on(const map_pose_t& message) {
 void SemanticMapNode::on(const map_trajectory_t& message) {
   if (!enter_epoch(message.epoch)) return counters_.add("dropped.old_epoch");
   for (std::size_t i = 0; i < message.utimes.size(); ++i) {
-    const std::vector<float>& p = message.positions[i];
-    const std::vector<float>& q = message.orientations[i];
-    const double position[3] = {p[0], p[1], p[2]};
-    const double orientation[4] = {q[0], q[1], q[2], q[3]};
-    const Pose T_map_base = pose_from_arrays(position, orientation);
+    const Pose T_map_base = pose_of(message, i);
     const std::int64_t utime = message.utimes[i];
     if (!is_finite(T_map_base) || utime <= 0) {
       counters_.add("refused.pose");
@@ -174,20 +144,16 @@ void SemanticMapNode::begin_drive(std::int64_t utime) {
 }
 
 void SemanticMapNode::caught_up(std::int64_t now) {
-  if (news_.empty()) return;
+  if (schedule_.num_waiting() == 0) return;
   now_ = now;
-  earn_work(now);
-  update_news(now);
-  show_news();
+  schedule_.work(vehicle_, now);
   publish_changed(now);
 }
 
 void SemanticMapNode::tick(std::int64_t now) {
   now_ = now;
-  earn_work(now);
-  update_news(now);
-  show_news();
-  settle_stale(now);
+  schedule_.work(vehicle_, now);
+  schedule_.settle_stale(now);
   publish_changed(now);
   answer_requests();
   if (now - last_request_ >= kRequestPeriod) {
@@ -201,51 +167,6 @@ void SemanticMapNode::tick(std::int64_t now) {
     last_write_ = now;
     if (drive_started_) store(now);
   }
-}
-
-/// What may be computed by now: work_per_tick each 20 ms, of which no more is saved up than a revolution's time.
-void SemanticMapNode::earn_work(std::int64_t now) {
-  const auto elapsed = static_cast<double>(std::clamp<std::int64_t>(now - earned_at_, 0, kSavedWork));
-  earned_at_ = now;
-  const double rate = config_.work_per_tick / static_cast<double>(kTick);
-  work_budget_ = std::clamp(work_budget_ + rate * elapsed, pipeline_.work(), pipeline_.work() + rate * kSavedWork);
-}
-
-/// Tiles with points of their own that are new, as far as the budget goes: those first that are new to a good part, and
-/// of those the nearest; then those that have waited for long.
-void SemanticMapNode::update_news(std::int64_t now) {
-  std::vector<std::tuple<bool, double, TileKey>> due;
-  for (const auto& [key, news] : news_) {
-    const auto before = static_cast<double>(news.num_points);
-    const bool is_large = static_cast<double>(pipeline_.voted(key)->points.size()) * (1 - kLargeShare) >= before;
-    if (is_large) {
-      due.emplace_back(false, distance(key, vehicle_), key);
-    } else if (std::abs(now - news.since) >= kNewsPatience) {
-      due.emplace_back(true, static_cast<double>(news.since), key);
-    }
-  }
-  std::sort(due.begin(), due.end());
-  for (const auto& [later, order, key] : due) {
-    if (pipeline_.work() >= work_budget_) break;
-    pipeline_.update(key);
-    news_.erase(key);
-  }
-}
-
-/// What stands where need not wait until curbs have been looked for.
-void SemanticMapNode::show_news() {
-  for (auto& [key, news] : news_) {
-    if (!std::exchange(news.is_shown, true)) pipeline_.update_columns(key);
-  }
-}
-
-/// What has long been stale. Most of that is brought up to date before, with points of its own.
-void SemanticMapNode::settle_stale(std::int64_t now) {
-  if (!turns_.empty() && now < turns_.back().first) turns_.clear();  // a clock that jumps
-  turns_.emplace_back(now, pipeline_.turn());
-  while (turns_.size() > 1 && now - turns_[1].first >= kSettlePatience) turns_.pop_front();
-  const std::int64_t before = now - turns_.front().first >= kSettlePatience ? turns_.front().second + 1 : 0;
-  while (pipeline_.settle_one(before) && pipeline_.work() < work_budget_) continue;  // one at least
 }
 
 /// What has changed and has not been sent lately.
@@ -282,21 +203,7 @@ void SemanticMapNode::publish_tile(const MapTile& tile, std::int64_t now) {
 }
 
 void SemanticMapNode::publish(const Published& published) {
-  const MapTile& tile = published.tile;
-  semantic_tile_t m;
-  m.utime = tile.utime;
-  m.epoch = epoch_;
-  m.tile_x = tile.key.x;
-  m.tile_y = tile.key.y;
-  m.revision = published.revision;
-  m.z_origin = tile.z_origin;
-  for (std::size_t i = 0; i < kCellsInTile; ++i) {
-    m.cell_class[i] = static_cast<std::uint8_t>(tile.cell_class[i]);
-    m.height[i] = tile.height[i];
-    m.cost[i] = tile.cost[i];
-    m.confidence[i] = tile.confidence[i];
-  }
-  bus_.publish("SEMANTIC_TILE", m);
+  bus_.publish("SEMANTIC_TILE", to_message(published.tile, epoch_, published.revision));
 }
 
 void SemanticMapNode::answer_requests() {
@@ -372,7 +279,7 @@ std::vector<CurbLine> SemanticMapNode::all_curbs() const {
 
 void SemanticMapNode::finish() {
   pipeline_.settle();
-  news_.clear();
+  schedule_.clear();
   unsent_.merge(pipeline_.take_changed());
   for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(*pipeline_.classes(key), newest_utime_);
   if (curbs_changed_) publish_curbs(newest_utime_);
@@ -403,7 +310,7 @@ NodeReport SemanticMapNode::report() const {
   report.counters = counters_;
   for (const auto& [name, value] : keeper_.counters().values()) report.counters.set(name, value);
   report.counters.set("tiles", static_cast<std::int64_t>(pipeline_.num_tiles()));
-  report.counters.set("tiles_waiting", static_cast<std::int64_t>(news_.size() + unsent_.size()));
+  report.counters.set("tiles_waiting", static_cast<std::int64_t>(schedule_.num_waiting() + unsent_.size()));
   report.counters.set("steps_stale", static_cast<std::int64_t>(pipeline_.num_stale()));
   report.counters.set("evidence_computed", pipeline_.num_evidence());
   if (!keeper_.fault().empty()) report.faults.push_back(keeper_.fault());

@@ -6,7 +6,6 @@
 #include <curbstone/tile_index_t.hpp>
 #include <curbstone/tile_request_t.hpp>
 #include <curbstone/voted_points_t.hpp>
-#include <deque>
 #include <map>
 #include <set>
 #include <unordered_map>
@@ -17,10 +16,10 @@
 #include "common/node.hpp"
 #include "common/tile_sync.hpp"
 #include "services/semantic_map/curb_lines.hpp"
-#include "services/semantic_map/curb_rise.hpp"
 #include "services/semantic_map/map_keeper.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
 #include "services/semantic_map/tile_pipeline.hpp"
+#include "services/semantic_map/update_schedule.hpp"
 #include "services/semantic_map/voted_tile_assembler.hpp"
 
 namespace curbstone {
@@ -45,12 +44,6 @@ class SemanticMapNode final : public Node {
   void on(const map_trajectory_t& message);
 
  private:
-  /// Of a tile that was voted anew since it was brought up to date.
-  struct News {
-    std::int64_t since = 0;      // us, by now_
-    std::size_t num_points = 0;  // that it had when it was brought up to date last
-    bool is_shown = false;       // its columns and classes know of all points
-  };
   struct Published {
     MapTile tile;
     std::int32_t revision = 0;
@@ -59,10 +52,6 @@ class SemanticMapNode final : public Node {
   /// False for what belongs to an epoch that is over.
   bool enter_epoch(std::int32_t epoch);
   void begin_drive(std::int64_t utime);
-  void earn_work(std::int64_t now);
-  void show_news();
-  void update_news(std::int64_t now);
-  void settle_stale(std::int64_t now);
   void publish_changed(std::int64_t now);
   void publish_tile(const MapTile& tile, std::int64_t now);
   void publish(const Published& published);
@@ -78,15 +67,12 @@ class SemanticMapNode final : public Node {
   Publisher& bus_;
   VotedTileAssembler assembler_;
   TilePipeline pipeline_;
+  UpdateSchedule schedule_;
   MapKeeper keeper_;
   TileFollower voted_{"semantic_map", "VOTED_POINTS"};
   TileCatalog catalog_{"semantic_map", "SEMANTIC_TILE"};
-  std::int64_t now_ = 0;  // us, of the last tick()
-  std::map<TileKey, News> news_;
-  double work_budget_ = 0;  // pipeline_.work() that may be reached
-  std::int64_t earned_at_ = 0;
-  std::deque<std::pair<std::int64_t, std::int64_t>> turns_;  // when it was whose turn, of the last second
-  std::set<TileKey> unsent_;                                 // changed since they were sent
+  std::int64_t now_ = 0;      // us, of the last tick()
+  std::set<TileKey> unsent_;  // changed since they were sent
   std::unordered_map<TileKey, Published, TileKeyHash> published_;
   std::unordered_map<TileKey, std::int32_t, TileKeyHash> revisions_;  // of voted tiles
   CurbLineIds curb_ids_;

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <curbstone/curb_lines_t.hpp>
+#include <curbstone/map_trajectory_t.hpp>
+#include <curbstone/semantic_tile_t.hpp>
+#include <vector>
+
+#include "common/geometry.hpp"
+#include "services/semantic_map/curb_rise.hpp"
+#include "services/semantic_map/map_types.hpp"
+
+namespace curbstone {
+
+/// `path`: where the vehicle drove, m in map, by which the rise is told.
+[[nodiscard]] curb_line_t to_message(const CurbLine& line, const std::vector<Eigen::Vector2d>& path);
+[[nodiscard]] semantic_tile_t to_message(const MapTile& tile, std::int32_t epoch, std::int32_t revision);
+/// One pose of a page of the drive; what is in it may be anything.
+[[nodiscard]] Pose pose_of(const map_trajectory_t& page, std::size_t i);
+
+}  // namespace curbstone
