@@ -7,8 +7,8 @@ typedef struct _lcm_eventlog_t lcm_eventlog_t;
 
 namespace curbstone {
 
-/// Writes an LCM log as lcm-logger does. The time of each record is the message's own: a written log depends on its
-/// messages alone.
+/// Writes an LCM log as lcm-logger does. Where the time of a record is the message's own, the log depends on its messages
+/// alone.
 class LogWriter {
  public:
   /// Throws std::runtime_error when the file cannot be written.
