@@ -4,11 +4,11 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <curbstone/service_status_t.hpp>
 #include <fstream>
 
 #include "common/clock.hpp"
+#include "common/command_line.hpp"
 #include "common/lcm_bus.hpp"
 #include "common/version.hpp"
 
@@ -105,28 +105,26 @@ std::string version() {
 
 int run_service(int argc, char** argv, const std::string& section, const std::string& description, AnyConfig& config,
                 const std::function<std::unique_ptr<Node>(ServiceContext&)>& make) {
-  CLI::App app{description};
+  CommandLine line(description);
   std::string file;
   std::string url;
   std::string name = section;
   std::vector<std::string> assignments;
   bool dump = false;
-  app.add_option("--config", file, "The vehicle's YAML file; its section '" + section + "' is read");
-  app.add_option("--set", assignments, "Set one value: KEY=VALUE, over the file")->allow_extra_args(false);
-  app.add_option("--lcm-url", url, "Bus; default $LCM_DEFAULT_URL, else " + std::string(LcmBus::kDefaultUrl));
-  app.add_option("--name", name, "Name on the bus, unique")->capture_default_str();
-  app.add_flag("--dump-config", dump, "Print the effective configuration and stop");
-  app.set_version_flag("--version", version());
+  line.option("--config", file, "The vehicle's YAML file; its section '" + section + "' is read");
+  line.option("--set", assignments, "Set one value: KEY=VALUE, over the file").one_each();
+  line.option("--lcm-url", url, "Bus; default $LCM_DEFAULT_URL, else " + std::string(LcmBus::kDefaultUrl));
+  line.option("--name", name, "Name on the bus, unique").shows_default();
+  line.flag("--dump-config", dump, "Print the effective configuration and stop");
+  line.version(version());
+  if (const auto status = line.read(argc, argv)) return *status;
   try {
-    app.parse(argc, argv);
     if (!file.empty()) load_config(file, section, config);
     for (const std::string& assignment : assignments) set_config_value(assignment, config);
     if (dump) {
       fmt::print("{}", dump_config(section, config));
       return 0;
     }
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
   } catch (const ConfigError& error) {
     fmt::print(stderr, "{}: {}\n", section, error.what());
     return 2;

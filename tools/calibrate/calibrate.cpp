@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 
+#include "common/command_line.hpp"
 #include "common/config.hpp"
 #include "tools/calibrate/drive_data.hpp"
 
@@ -106,18 +106,14 @@ void write(const std::string& file, const std::string& text) {
 int run_calibrate(int argc, char** argv) {
   std::string log, config_file, yaml_file, json_file;
   bool map_anew = false;
-  CLI::App app{"Wheel radii, track and the places of LiDAR and IMU from a drive, and what the drive could not tell"};
-  app.name("curbstone calibrate");
-  app.add_option("log", log, "Log with IMU, WHEELS, and LIDAR_POINTS or MAP_POSE")->required();
-  app.add_option("--config", config_file, "The vehicle's YAML file: where to start from");
-  app.add_flag("--map-anew", map_anew, "Run filter and mapper even if the log holds MAP_POSE");
-  app.add_option("--out", yaml_file, "Write the vehicle: section to this file instead of standard output");
-  app.add_option("--json", json_file, "Write everything to this file");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  CommandLine line("Wheel radii, track and the places of LiDAR and IMU from a drive, and what the drive could not tell",
+                   "curbstone calibrate");
+  line.argument("log", log, "Log with IMU, WHEELS, and LIDAR_POINTS or MAP_POSE").required();
+  line.option("--config", config_file, "The vehicle's YAML file: where to start from");
+  line.flag("--map-anew", map_anew, "Run filter and mapper even if the log holds MAP_POSE");
+  line.option("--out", yaml_file, "Write the vehicle: section to this file instead of standard output");
+  line.option("--json", json_file, "Write everything to this file");
+  if (const auto status = line.read(argc, argv)) return *status;
   ConfigOf<VehicleOnly> config;
   CalibrationData data;
   try {

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
+#include "common/command_line.hpp"
 #include "services/semantic_map/map_picture.hpp"
 #include "services/semantic_map/png_file.hpp"
 #include "tools/detect/cloud_file.hpp"
@@ -111,25 +111,22 @@ int run_detect(int argc, char** argv) {
   arguments.out = ".";
   arguments.options.range = 50;
   ConfigOf<DetectConfig> config;
-  CLI::App app{"Curbs and classes of any cloud, z up: writes a labelled .pcd, curbs.csv and a .png from above",
-               "detect"};
-  app.add_option("cloud", arguments.cloud, ".pcd, .ply, KITTI .bin, or a folder of scans with --poses")->required();
-  app.add_option("--poses", arguments.poses, "For a folder: 3x4 rows, scan to map, one a scan in the order of names");
-  app.add_option("--out", arguments.out, "Folder for the results")->capture_default_str();
-  app.add_option("--steps", arguments.steps, "Folder for one picture a step of the method");
-  app.add_option("--range", arguments.options.range, "m from the origin that are looked at; 0: all")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  app.add_option("--thin", arguments.options.thin, "m: one point is used in a cube of this edge; 0: all")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  app.add_option("--set", arguments.assignments, "KEY=VALUE, as in section semantic_map: curb.min_step=0.05")
-      ->allow_extra_args(false);
+  CommandLine line("Curbs and classes of any cloud, z up: writes a labelled .pcd, curbs.csv and a .png from above",
+                   "detect");
+  line.argument("cloud", arguments.cloud, ".pcd, .ply, KITTI .bin, or a folder of scans with --poses").required();
+  line.option("--poses", arguments.poses, "For a folder: 3x4 rows, scan to map, one a scan in the order of names");
+  line.option("--out", arguments.out, "Folder for the results").shows_default();
+  line.option("--steps", arguments.steps, "Folder for one picture a step of the method");
+  line.option("--range", arguments.options.range, "m from the origin that are looked at; 0: all")
+      .not_negative()
+      .shows_default();
+  line.option("--thin", arguments.options.thin, "m: one point is used in a cube of this edge; 0: all")
+      .within(0.0, 1.0)
+      .shows_default();
+  line.option("--set", arguments.assignments, "KEY=VALUE, as in section semantic_map: curb.min_step=0.05").one_each();
+  if (const auto status = line.read(argc, argv)) return *status;
   try {
-    app.parse(argc, argv);
     for (const std::string& assignment : arguments.assignments) set_config_value(assignment, config);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
   } catch (const ConfigError& error) {
     fmt::print(stderr, "curbstone detect: {}\n", error.what());
     return 2;

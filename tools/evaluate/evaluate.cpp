@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
+#include "common/command_line.hpp"
 #include "common/vehicle.hpp"
 #include "services/semantic_map/map_store.hpp"
 #include "services/semantic_map/png_file.hpp"
@@ -62,29 +62,22 @@ int run_evaluate(int argc, char** argv) {
   std::string overlay_file;
   std::string other_file;
   double radius = 8.0;
-  CLI::App app{"Compares a map with the truth that `curbstone simulate` wrote"};
-  app.name("curbstone evaluate");
-  app.add_option("--map", map_file, "The map")->required();
-  auto* truth_option =
-      app.add_option("--truth", truth_folder, "Truth folder: truth.json, poses.csv, classes.png, curbs.csv");
-  app.add_option("--against", other_file,
-                 "Instead of the truth, another map of the drive, as of its replay: exit status 3 if they differ")
-      ->excludes(truth_option);
-  app.add_option("--log", log_file, "Recording of the run: adds losses, latency and CPU");
-  app.add_option("--radius", radius, "Curbs count within this many m of the path")
-      ->check(CLI::Range(0.5, 100.0))
-      ->capture_default_str();
-  app.add_option("--labels", label_folder,
-                 "Labelled scans of a recorded drive (SemanticKITTI: scans/, labels/, reference_poses.txt): its true "
-                 "curbs and classes");
-  app.add_option("--picture", picture_file, "Draw the map (PNG)");
-  app.add_option("--overlay", overlay_file, "Draw the map with the truth over it (PNG)");
-  app.add_option("--json", json_file, "Write the figures here, for programs");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  CommandLine line("Compares a map with the truth that `curbstone simulate` wrote", "curbstone evaluate");
+  line.option("--map", map_file, "The map").required();
+  const auto truth_option =
+      line.option("--truth", truth_folder, "Truth folder: truth.json, poses.csv, classes.png, curbs.csv");
+  line.option("--against", other_file,
+              "Instead of the truth, another map of the drive, as of its replay: exit status 3 if they differ")
+      .excludes(truth_option);
+  line.option("--log", log_file, "Recording of the run: adds losses, latency and CPU");
+  line.option("--radius", radius, "Curbs count within this many m of the path").within(0.5, 100.0).shows_default();
+  line.option("--labels", label_folder,
+              "Labelled scans of a recorded drive (SemanticKITTI: scans/, labels/, reference_poses.txt): its true "
+              "curbs and classes");
+  line.option("--picture", picture_file, "Draw the map (PNG)");
+  line.option("--overlay", overlay_file, "Draw the map with the truth over it (PNG)");
+  line.option("--json", json_file, "Write the figures here, for programs");
+  if (const auto status = line.read(argc, argv)) return *status;
 
   if (!other_file.empty()) return compare(map_file, other_file);
   if (truth_folder.empty()) {

@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <map>
 #include <optional>
 
+#include "common/command_line.hpp"
 #include "common/config.hpp"
 #include "services/semantic_map/map_store.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
@@ -131,52 +130,43 @@ void export_map(const ExportArguments& arguments, const std::optional<TangentPla
 
 int run_export(int argc, char** argv) {
   ExportArguments arguments;
-  CLI::App app{"Writes a map file in the formats of others: nav2, QGIS and GDAL, Lanelet2, GeoJSON, PCD, PLY"};
-  app.name("curbstone export");
-  app.add_option("map", arguments.map, "The map file")->required();
-  app.add_option("--out", arguments.out, "Folder for the results")->capture_default_str();
-  app.add_option("--only", arguments.only, "What to write; default: everything")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"nav2", "rasters", "curbs", "cloud"}));
-  const std::map<std::string, UnknownCells> policies = {
-      {"occupied", UnknownCells::kOccupied}, {"unknown", UnknownCells::kUnknown}, {"free", UnknownCells::kFree}};
-  app.add_option(
-      "--config", arguments.config,
-      "The vehicle's YAML file: its semantic_map.classes.unknown_is_free decides where --unknown is not given");
-  CLI::Option* const unknown =
-      app.add_option("--unknown", arguments.nav2.unknown,
-                     "nav2: what never was seen is occupied (safe, the default), unknown (the planner decides) or free")
-          ->transform(CLI::CheckedTransformer(policies));
-  app.add_option("--occupied-cost", arguments.nav2.occupied_cost,
-                 "nav2, trinary: cells of this cost and more are occupied; 50: every curb, 254: what cannot be crossed")
-      ->check(CLI::Range(1, 254))
-      ->capture_default_str();
-  app.add_option("--high-curb", arguments.high_curb, "m: curbs lower than this get subtype low")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  app.add_option("--datum", arguments.datum,
-                 "LAT,LON[,ALT[,HEADING]] of the map's origin: deg WGS84, m above the ellipsoid, deg from north "
-                 "(clockwise) of its x axis (90: x is east)");
-  app.add_option("--log", arguments.log, "Log with MAP_POINTS: adds the dense cloud");
-  const std::map<std::string, CloudFormat> formats = {{"pcd", CloudFormat::kPcd}, {"ply", CloudFormat::kPly}};
-  app.add_option("--cloud-format", arguments.cloud_format, "pcd (the default) or ply")
-      ->transform(CLI::CheckedTransformer(formats));
+  CommandLine line("Writes a map file in the formats of others: nav2, QGIS and GDAL, Lanelet2, GeoJSON, PCD, PLY",
+                   "curbstone export");
+  line.argument("map", arguments.map, "The map file").required();
+  line.option("--out", arguments.out, "Folder for the results").shows_default();
+  line.option("--only", arguments.only, "What to write; default: everything")
+      .comma_separated()
+      .one_of({"nav2", "rasters", "curbs", "cloud"});
+  line.option("--config", arguments.config,
+              "The vehicle's YAML file: its semantic_map.classes.unknown_is_free decides where --unknown is not given");
+  line.choice(
+      "--unknown", arguments.nav2.unknown,
+      {{"occupied", UnknownCells::kOccupied}, {"unknown", UnknownCells::kUnknown}, {"free", UnknownCells::kFree}},
+      "nav2: what never was seen is occupied (safe, the default), unknown (the planner decides) or free");
+  line.option("--occupied-cost", arguments.nav2.occupied_cost,
+              "nav2, trinary: cells of this cost and more are occupied; 50: every curb, 254: what cannot be crossed")
+      .within(1, 254)
+      .shows_default();
+  line.option("--high-curb", arguments.high_curb, "m: curbs lower than this get subtype low")
+      .within(0.0, 1.0)
+      .shows_default();
+  line.option("--datum", arguments.datum,
+              "LAT,LON[,ALT[,HEADING]] of the map's origin: deg WGS84, m above the ellipsoid, deg from north "
+              "(clockwise) of its x axis (90: x is east)");
+  line.option("--log", arguments.log, "Log with MAP_POINTS: adds the dense cloud");
+  line.choice("--cloud-format", arguments.cloud_format, {{"pcd", CloudFormat::kPcd}, {"ply", CloudFormat::kPly}},
+              "pcd (the default) or ply");
+  if (const auto status = line.read(argc, argv)) return *status;
   std::optional<TangentPlane> plane;
-  try {
-    app.parse(argc, argv);
-    if (!arguments.datum.empty()) {
-      const auto datum = parse_datum(arguments.datum);
-      if (!datum)
-        throw CLI::ValidationError("--datum", arguments.datum + " is not LAT,LON[,ALT[,HEADING]] on the Earth");
-      plane.emplace(*datum);
-    }
-    if (arguments.log.empty() && !arguments.only.empty() && arguments.wants("cloud"))
-      throw CLI::ValidationError("--only", "cloud needs --log: a map file keeps no points");
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+  if (!arguments.datum.empty()) {
+    const auto datum = parse_datum(arguments.datum);
+    if (!datum) return line.refuse("--datum: " + arguments.datum + " is not LAT,LON[,ALT[,HEADING]] on the Earth");
+    plane.emplace(*datum);
   }
+  if (arguments.log.empty() && !arguments.only.empty() && arguments.wants("cloud"))
+    return line.refuse("--only: cloud needs --log: a map file keeps no points");
   const auto semantic_map = config_of<SemanticMapConfig>("semantic_map", arguments.config, {});
-  if (unknown->count() == 0 && semantic_map.classes.unknown_is_free) arguments.nav2.unknown = UnknownCells::kFree;
+  if (!line.given("--unknown") && semantic_map.classes.unknown_is_free) arguments.nav2.unknown = UnknownCells::kFree;
   export_map(arguments, plane);
   return 0;
 }

@@ -4,13 +4,13 @@
 #include <lcm/eventlog.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cstdio>
 #include <memory>
 #include <optional>
 
 #include "common/clock.hpp"
+#include "common/command_line.hpp"
 #include "common/config.hpp"
 #include "common/local_bus.hpp"
 #include "common/log/log_reader.hpp"
@@ -104,21 +104,16 @@ void report(const Summary& summary, const ReplayVehicle& vehicle, double wall_se
 int run_replay(int argc, char** argv) {
   Arguments arguments;
   arguments.vehicle.map_file = "map.db";
-  CLI::App app{
+  CommandLine line(
       "Makes a map from an lcm-logger log with the vehicle's own nodes, in message-time order, as fast as the machine "
-      "can"};
-  app.name("curbstone replay");
-  app.add_option("log", arguments.log, "Log of lcm-logger with LIDAR_POINTS, IMU and WHEELS")->required();
-  app.add_option("--map", arguments.vehicle.map_file, "The map to write; an existing file is replaced")
-      ->capture_default_str();
-  app.add_option("--config", arguments.vehicle.config_file, "The vehicle's YAML file");
-  app.add_option("--set", arguments.vehicle.assignments, "SECTION.KEY=VALUE, over the file")->allow_extra_args(false);
-  app.add_option("--record", arguments.record, "Write every message, recomputed ones too, to this log");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+      "can",
+      "curbstone replay");
+  line.argument("log", arguments.log, "Log of lcm-logger with LIDAR_POINTS, IMU and WHEELS").required();
+  line.option("--map", arguments.vehicle.map_file, "The map to write; an existing file is replaced").shows_default();
+  line.option("--config", arguments.vehicle.config_file, "The vehicle's YAML file");
+  line.option("--set", arguments.vehicle.assignments, "SECTION.KEY=VALUE, over the file").one_each();
+  line.option("--record", arguments.record, "Write every message, recomputed ones too, to this log");
+  if (const auto status = line.read(argc, argv)) return *status;
 
   LogReader reader(arguments.log);
   try {

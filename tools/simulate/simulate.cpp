@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "common/clock.hpp"
+#include "common/command_line.hpp"
 #include "tools/simulate/live/live_drive.hpp"
 #include "tools/simulate/log_recorder.hpp"
 #include "tools/simulate/recorded/level.hpp"
@@ -139,44 +139,34 @@ void simulate_live(const Options& options, const SimulateConfig& config, const S
       report.can_frames, report.interrupted ? "; interrupted" : "");
 }
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_flag("--town", options.town, "Drive round the block in a town made from the seed");
-  app.add_option("--loop", options.loop, "m round several blocks instead, until it has come back (or --seconds)")
-      ->check(CLI::Range(600.0, 4000.0));
-  app.add_flag("--opposite", options.opposite, "With --loop: comes back to its first street the other way");
-  app.add_option("--scans", options.scans, "Drive a recording again: folder of KITTI scans (*.bin), with --poses");
-  app.add_option("--poses", options.poses, "Pose of each scan: 3x4 rows, lidar frame, to the first");
-  app.add_option("--times", options.times, "Time of each scan, s; default: times.txt beside the poses, else 10 Hz");
-  app.add_option("--seed", options.seed, "Of the town and of all noise")->capture_default_str();
-  app.add_option("--seconds", options.seconds, "Length of the drive")
-      ->check(CLI::Range(0.1, 36000.0))
-      ->capture_default_str();
-  app.add_option("--truth", options.truth, "Folder for the true poses, classes and curbs");
-  app.add_option("--config", options.config, "The vehicle's YAML file (sections simulate and vehicle)");
-  app.add_option("--set", options.set, "KEY=VALUE of section simulate, e.g. speed=2");
-  app.add_option("--log", options.log, "Write an LCM log, as fast as it goes")->group("To a log");
-  app.add_option("--start-utime", options.start_utime, "us since the epoch, of the beginning")
-      ->capture_default_str()
-      ->group("To a log");
+void add_options(CommandLine& line, Options& options) {
+  line.flag("--town", options.town, "Drive round the block in a town made from the seed");
+  line.option("--loop", options.loop, "m round several blocks instead, until it has come back (or --seconds)")
+      .within(600.0, 4000.0);
+  line.flag("--opposite", options.opposite, "With --loop: comes back to its first street the other way");
+  line.option("--scans", options.scans, "Drive a recording again: folder of KITTI scans (*.bin), with --poses");
+  line.option("--poses", options.poses, "Pose of each scan: 3x4 rows, lidar frame, to the first");
+  line.option("--times", options.times, "Time of each scan, s; default: times.txt beside the poses, else 10 Hz");
+  line.option("--seed", options.seed, "Of the town and of all noise").shows_default();
+  line.option("--seconds", options.seconds, "Length of the drive").within(0.1, 36000.0).shows_default();
+  line.option("--truth", options.truth, "Folder for the true poses, classes and curbs");
+  line.option("--config", options.config, "The vehicle's YAML file (sections simulate and vehicle)");
+  line.option("--set", options.set, "KEY=VALUE of section simulate, e.g. speed=2");
+  line.heading("To a log");
+  line.option("--log", options.log, "Write an LCM log, as fast as it goes");
+  line.option("--start-utime", options.start_utime, "us since the epoch, of the beginning").shows_default();
   LiveOptions& live = options.to_devices;
-  const std::string group = "Live, as devices";
-  app.add_flag("--live", options.live, "Send packets and serial bytes in real time")->group(group);
-  app.add_option("--lidar-host", live.lidar_host, "Where the LiDAR's packets go")->capture_default_str()->group(group);
-  app.add_option("--msop-port", live.msop_port)->check(CLI::Range(1, 65535))->capture_default_str()->group(group);
-  app.add_option("--difop-port", live.difop_port)->check(CLI::Range(1, 65535))->capture_default_str()->group(group);
-  app.add_option("--devices", options.devices, "Folder for the serial ports, as imu and can: short for both links")
-      ->group(group);
-  app.add_option("--imu-link", live.imu_link, "Name for the IMU's serial port")->capture_default_str()->group(group);
-  app.add_option("--can-link", live.can_link, "Name for the CAN adapter's serial port")
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--spool", live.spool, "File for the packets rendered ahead; the next run takes them from there")
-      ->group(group);
-  app.add_option("--head-start", live.head_start, "s that the devices are on before the drive begins")
-      ->check(CLI::Range(0.0, 600.0))
-      ->group(group);
-  app.add_option("--fault", options.faults, "lidar|imu|wheels-silent|garbage:FROM-TO, seconds of the drive; repeatable")
-      ->group(group);
+  line.heading("Live, as devices");
+  line.flag("--live", options.live, "Send packets and serial bytes in real time");
+  line.option("--lidar-host", live.lidar_host, "Where the LiDAR's packets go").shows_default();
+  line.option("--msop-port", live.msop_port).within(1, 65535).shows_default();
+  line.option("--difop-port", live.difop_port).within(1, 65535).shows_default();
+  line.option("--devices", options.devices, "Folder for the serial ports, as imu and can: short for both links");
+  line.option("--imu-link", live.imu_link, "Name for the IMU's serial port").shows_default();
+  line.option("--can-link", live.can_link, "Name for the CAN adapter's serial port").shows_default();
+  line.option("--spool", live.spool, "File for the packets rendered ahead; the next run takes them from there");
+  line.option("--head-start", live.head_start, "s that the devices are on before the drive begins").within(0.0, 600.0);
+  line.option("--fault", options.faults, "lidar|imu|wheels-silent|garbage:FROM-TO, seconds of the drive; repeatable");
 }
 
 std::uint64_t fingerprint(const Options& options, AnyConfig& config) {
@@ -212,15 +202,11 @@ void check(Options& options) {
 
 int run_simulate(int argc, char** argv) {
   Options options;
-  CLI::App app{"An emulated vehicle: what its sensors would send on a drive, and the truth about it"};
-  app.name("curbstone simulate");
-  add_options(app, options);
-  try {
-    app.parse(argc, argv);
-    options.seconds_given = app.count("--seconds") > 0;
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  CommandLine line("An emulated vehicle: what its sensors would send on a drive, and the truth about it",
+                   "curbstone simulate");
+  add_options(line, options);
+  if (const auto status = line.read(argc, argv)) return *status;
+  options.seconds_given = line.given("--seconds");
   ConfigOf<SimulateConfig> config;
   try {
     if (!options.config.empty()) load_config(options.config, "simulate", config);

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 
+#include "common/command_line.hpp"
 #include "services/semantic_map/map_picture.hpp"
 #include "services/semantic_map/png_file.hpp"
 #include "tools/bench/curbs/curb_feet.hpp"
@@ -237,27 +237,22 @@ int run_bench_curbs(int argc, char** argv) {
   Arguments arguments;
   arguments.options.range = 30;
   ConfigOf<CurbBenchConfig> config;
-  CLI::App app{"Precision, recall and lateral error of the curbs"};
-  app.name("curbstone bench curbs");
-  app.add_option("--parts", arguments.parts, "Of scans, drives, town, street")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"scans", "drives", "town", "street"}));
-  app.add_option("--seeds", arguments.seeds, "Of each scene's scan")->check(CLI::Range(1, 1000))->capture_default_str();
-  app.add_option("--drive-seeds", arguments.drive_seeds, "Of each scene's drive")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_flag("--varied", arguments.varied, "Other scenes than the peers': what no parameter was chosen on");
-  app.add_flag("--ablation", arguments.ablation, "The step alone and the vote alone too (on the street always)");
-  app.add_option("--data", arguments.data, "Labelled street: scans/, labels/, reference_poses.txt, times.txt")
-      ->capture_default_str();
-  app.add_option("--set", arguments.assignments, "KEY=VALUE, as in section semantic_map")->allow_extra_args(false);
-  app.add_option("--pictures", arguments.pictures, "Folder for pictures of what was found");
-  app.add_option("--json", arguments.json, "Write the figures here, for programs");
+  CommandLine line("Precision, recall and lateral error of the curbs", "curbstone bench curbs");
+  line.option("--parts", arguments.parts, "Of scans, drives, town, street")
+      .comma_separated()
+      .one_of({"scans", "drives", "town", "street"});
+  line.option("--seeds", arguments.seeds, "Of each scene's scan").within(1, 1000).shows_default();
+  line.option("--drive-seeds", arguments.drive_seeds, "Of each scene's drive").within(1, 1000).shows_default();
+  line.flag("--varied", arguments.varied, "Other scenes than the peers': what no parameter was chosen on");
+  line.flag("--ablation", arguments.ablation, "The step alone and the vote alone too (on the street always)");
+  line.option("--data", arguments.data, "Labelled street: scans/, labels/, reference_poses.txt, times.txt")
+      .shows_default();
+  line.option("--set", arguments.assignments, "KEY=VALUE, as in section semantic_map").one_each();
+  line.option("--pictures", arguments.pictures, "Folder for pictures of what was found");
+  line.option("--json", arguments.json, "Write the figures here, for programs");
+  if (const auto status = line.read(argc, argv)) return *status;
   try {
-    app.parse(argc, argv);
     for (const std::string& assignment : arguments.assignments) set_config_value(assignment, config);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
   } catch (const ConfigError& error) {
     fmt::print(stderr, "curbstone bench curbs: {}\n", error.what());
     return 2;

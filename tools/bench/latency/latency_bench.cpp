@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
+#include "common/command_line.hpp"
 #include "common/config.hpp"
 #include "common/log/log_reader.hpp"
 #include "tools/bench/latency/tile_ages.hpp"
@@ -73,23 +73,17 @@ nlohmann::json measure(const LatencyBenchOptions& options) {
 
 int run_bench_latency(int argc, char** argv) {
   LatencyBenchOptions options;
-  CLI::App app{
+  CommandLine line(
       "From the last packet of a revolution to the changed tiles on the bus, stage by stage. The services run as "
-      "processes on a clock that goes on by the CPU time of their work, so that a busy machine gives the same figures"};
-  app.name("curbstone bench latency");
-  app.add_option("log", options.log, "Log with LIDAR_POINTS, IMU and WHEELS")->required();
-  app.add_option("--config", options.vehicle.config_file, "The vehicle's YAML file");
-  app.add_option("--set", options.vehicle.assignments, "SECTION.KEY=VALUE, over the file")->allow_extra_args(false);
-  app.add_option("--map", options.vehicle.map_file, "Keep the map in this file (default: in memory only)");
-  app.add_option("--cores", options.vehicle.cores, "That the services share")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  app.add_option("--json", options.json, "Write the figures to this file too");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+      "processes on a clock that goes on by the CPU time of their work, so that a busy machine gives the same figures",
+      "curbstone bench latency");
+  line.argument("log", options.log, "Log with LIDAR_POINTS, IMU and WHEELS").required();
+  line.option("--config", options.vehicle.config_file, "The vehicle's YAML file");
+  line.option("--set", options.vehicle.assignments, "SECTION.KEY=VALUE, over the file").one_each();
+  line.option("--map", options.vehicle.map_file, "Keep the map in this file (default: in memory only)");
+  line.option("--cores", options.vehicle.cores, "That the services share").within(1, 64).shows_default();
+  line.option("--json", options.json, "Write the figures to this file too");
+  if (const auto status = line.read(argc, argv)) return *status;
   try {
     const nlohmann::json json = measure(options);
     if (!options.json.empty() && !(std::ofstream(options.json) << json.dump(2) << '\n'))

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "common/command_line.hpp"
 #include "tools/bench/mapping/loam_cloud.hpp"
 #include "tools/bench/mapping/loop_run.hpp"
 #include "tools/bench/mapping/mapping_report.hpp"
@@ -110,64 +110,56 @@ void run_loops(const BenchMappingOptions& options) {
   if (!options.json.empty()) write_loop_json(results, options.json);
 }
 
-void add_mapping_options(CLI::App& app, BenchMappingOptions& options) {
-  app.add_option("--scans", options.scans, "Instead of the usual drives: folder of KITTI scans (*.bin), with --poses");
-  app.add_option("--poses", options.poses, "Pose of each scan: 3x4 rows, lidar frame, to the first");
-  app.add_option("--times", options.times, "Time of each scan, s; default: times.txt beside the poses, else 10 Hz");
-  app.add_option("--sweep", options.sweep,
-                 "Scans as the sensor swept them (raw), or put right for the motion (corrected)")
-      ->check(CLI::IsMember({"auto", "raw", "corrected"}))
-      ->capture_default_str();
-  app.add_option("--recorded", options.recorded, "Folder of the recorded drive")->capture_default_str();
-  app.add_option("--methods", options.methods, "Of: " + fmt::format("{}", fmt::join(mapping_methods(), ", ")))
-      ->delimiter(',');
-  app.add_option("--priors", options.priors, "Odometry: none, poor (2 % scale, 0.2 deg/s, of the truth), ekf (town)")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"none", "poor", "ekf"}));
-  app.add_option("--most", options.most, "Scans of a recorded drive, at most");
-  app.add_option("--town-seconds", options.town_seconds, "Length of the simulated drive; 0: none")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
-  app.add_option("--seed", options.seeds, "Of the town; several, with commas, for several towns")->delimiter(',');
-  app.add_option("--loop", options.loop, "Instead of the usual drives: once round several blocks of a town, m")
-      ->check(CLI::Range(600.0, 4000.0));
-  app.add_flag("--opposite", options.opposite, "With --loop: comes back to its first street the other way");
-  app.add_option("--hours", options.hours, "With --loop: round and round, for so long; memory after each lap")
-      ->check(CLI::Range(0.01, 100.0));
-  app.add_option("--slips", options.slips, "With --loop: slip events of the wheels, a minute")
-      ->check(CLI::Range(0.0, 60.0))
-      ->capture_default_str();
-  app.add_option("--set", options.set, "KEY=VALUE of section mapper, for our methods; repeatable");
-  app.add_option("--tracks", options.tracks, "Write the poses of each run to this folder")
-      ->check(CLI::ExistingDirectory);
-  app.add_option("--clouds", options.clouds,
-                 "With method loam: write the features that LOAM itself keeps, as PCD, to this folder")
-      ->check(CLI::ExistingDirectory);
-  app.add_option("--json", options.json, "Write the figures to a file");
+void add_mapping_options(CommandLine& line, BenchMappingOptions& options) {
+  line.option("--scans", options.scans, "Instead of the usual drives: folder of KITTI scans (*.bin), with --poses");
+  line.option("--poses", options.poses, "Pose of each scan: 3x4 rows, lidar frame, to the first");
+  line.option("--times", options.times, "Time of each scan, s; default: times.txt beside the poses, else 10 Hz");
+  line.option("--sweep", options.sweep, "Scans as the sensor swept them (raw), or put right for the motion (corrected)")
+      .one_of({"auto", "raw", "corrected"})
+      .shows_default();
+  line.option("--recorded", options.recorded, "Folder of the recorded drive").shows_default();
+  line.option("--methods", options.methods, "Of: " + fmt::format("{}", fmt::join(mapping_methods(), ", ")))
+      .comma_separated();
+  line.option("--priors", options.priors, "Odometry: none, poor (2 % scale, 0.2 deg/s, of the truth), ekf (town)")
+      .comma_separated()
+      .one_of({"none", "poor", "ekf"});
+  line.option("--most", options.most, "Scans of a recorded drive, at most");
+  line.option("--town-seconds", options.town_seconds, "Length of the simulated drive; 0: none")
+      .within(0.0, 3600.0)
+      .shows_default();
+  line.option("--seed", options.seeds, "Of the town; several, with commas, for several towns").comma_separated();
+  line.option("--loop", options.loop, "Instead of the usual drives: once round several blocks of a town, m")
+      .within(600.0, 4000.0);
+  line.flag("--opposite", options.opposite, "With --loop: comes back to its first street the other way");
+  line.option("--hours", options.hours, "With --loop: round and round, for so long; memory after each lap")
+      .within(0.01, 100.0);
+  line.option("--slips", options.slips, "With --loop: slip events of the wheels, a minute")
+      .within(0.0, 60.0)
+      .shows_default();
+  line.option("--set", options.set, "KEY=VALUE of section mapper, for our methods; repeatable");
+  line.option("--tracks", options.tracks, "Write the poses of each run to this folder").existing_folder();
+  line.option("--clouds", options.clouds,
+              "With method loam: write the features that LOAM itself keeps, as PCD, to this folder")
+      .existing_folder();
+  line.option("--json", options.json, "Write the figures to a file");
 }
 
 }  // namespace
 
 int run_bench_mapping(int argc, char** argv) {
   BenchMappingOptions options;
-  CLI::App app{"Poses and maps by every method, on the same drives"};
-  app.name("curbstone bench mapping");
-  add_mapping_options(app, options);
-  try {
-    app.parse(argc, argv);
-    if (options.scans.empty() != options.poses.empty())
-      throw CLI::ValidationError("--scans and --poses belong together");
-    const bool round = options.opposite || options.hours > 0;
-    if (round && options.loop == 0) throw CLI::ValidationError("--opposite and --hours belong to --loop");
-    if (options.opposite && options.hours > 0) throw CLI::ValidationError("--opposite goes once round: no --hours");
-    if (options.loop > 0 && app.count("--methods") == 0) options.methods = {"icp"};
-    for (const std::string& method : options.methods) {
-      const auto known = mapping_methods();
-      if (std::find(known.begin(), known.end(), method) == known.end())
-        throw CLI::ValidationError(fmt::format("--methods: nothing is called '{}'", method));
-    }
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+  CommandLine line("Poses and maps by every method, on the same drives", "curbstone bench mapping");
+  add_mapping_options(line, options);
+  if (const auto status = line.read(argc, argv)) return *status;
+  if (options.scans.empty() != options.poses.empty()) return line.refuse("--scans and --poses belong together");
+  const bool round = options.opposite || options.hours > 0;
+  if (round && options.loop == 0) return line.refuse("--opposite and --hours belong to --loop");
+  if (options.opposite && options.hours > 0) return line.refuse("--opposite goes once round: no --hours");
+  if (options.loop > 0 && !line.given("--methods")) options.methods = {"icp"};
+  for (const std::string& method : options.methods) {
+    const auto known = mapping_methods();
+    if (std::find(known.begin(), known.end(), method) == known.end())
+      return line.refuse(fmt::format("--methods: nothing is called '{}'", method));
   }
   try {
     if (options.loop > 0) {

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <exception>
 #include <string>
 #include <vector>
 
+#include "common/command_line.hpp"
 #include "services/tensor_voting/vote_kernel.hpp"
 #include "tools/bench/voting/voting_report.hpp"
 
@@ -28,31 +28,29 @@ struct VotingBenchOptions {
   std::string json;
 };
 
-void add_options(CLI::App& app, VotingBenchOptions& o) {
-  app.add_option("--points", o.points, "Sizes of the street cloud, 20 m long")
-      ->delimiter(',')
-      ->check(CLI::Range(100, 10'000'000))
-      ->capture_default_str();
-  app.add_option("--sigma", o.sigmas, "Decays, m; R is three times each")
-      ->delimiter(',')
-      ->check(CLI::Range(0.01, 1.0))
-      ->capture_default_str();
-  app.add_option("--threads", o.threads, "For both sides")->check(CLI::Range(1, 256))->capture_default_str();
-  app.add_option("--repetitions", o.turns.rounds, "Turns of each side, of which the median counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--min-time", o.turns.min_time, "s that a turn lasts at least")
-      ->check(CLI::Range(0.001, 60.0))
-      ->capture_default_str();
-  app.add_option("--slow", o.turns.slow, "s: whose turn takes longer has only one")->capture_default_str();
-  app.add_option("--pcl-max-points", o.pcl_max_points, "No PCL on larger clouds")->capture_default_str();
-  app.add_flag("--no-growth", o.no_growth, "Do not measure how the cost grows");
-  app.add_flag("--no-drive", o.no_drive, "Do not measure a growing map");
-  app.add_option("--seconds", o.drive.seconds, "s of the demo town's drive for the growing map")
-      ->check(CLI::Range(1.0, 3600.0))
-      ->capture_default_str();
-  app.add_option("--log", o.drive.log, "A log of lcm-logger with LIDAR_POINTS, IMU and WHEELS instead of that drive");
-  app.add_option("--json", o.json, "Write the figures to this file too");
+void add_options(CommandLine& line, VotingBenchOptions& o) {
+  line.option("--points", o.points, "Sizes of the street cloud, 20 m long")
+      .comma_separated()
+      .within(100, 10'000'000)
+      .shows_default();
+  line.option("--sigma", o.sigmas, "Decays, m; R is three times each")
+      .comma_separated()
+      .within(0.01, 1.0)
+      .shows_default();
+  line.option("--threads", o.threads, "For both sides").within(1, 256).shows_default();
+  line.option("--repetitions", o.turns.rounds, "Turns of each side, of which the median counts")
+      .within(1, 1000)
+      .shows_default();
+  line.option("--min-time", o.turns.min_time, "s that a turn lasts at least").within(0.001, 60.0).shows_default();
+  line.option("--slow", o.turns.slow, "s: whose turn takes longer has only one").shows_default();
+  line.option("--pcl-max-points", o.pcl_max_points, "No PCL on larger clouds").shows_default();
+  line.flag("--no-growth", o.no_growth, "Do not measure how the cost grows");
+  line.flag("--no-drive", o.no_drive, "Do not measure a growing map");
+  line.option("--seconds", o.drive.seconds, "s of the demo town's drive for the growing map")
+      .within(1.0, 3600.0)
+      .shows_default();
+  line.option("--log", o.drive.log, "A log of lcm-logger with LIDAR_POINTS, IMU and WHEELS instead of that drive");
+  line.option("--json", o.json, "Write the figures to this file too");
 }
 
 void say(const std::string& what) {
@@ -105,16 +103,12 @@ VotingReport measure(const VotingBenchOptions& o) {
 
 int run_bench_voting(int argc, char** argv) {
   VotingBenchOptions options;
-  CLI::App app{
+  CommandLine line(
       "Measures tensor voting: whole clouds beside PCL's NormalEstimationOMP with the same radius and threads, and a "
-      "map that grows as the demo town is driven through"};
-  app.name("curbstone bench voting");
-  add_options(app, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+      "map that grows as the demo town is driven through",
+      "curbstone bench voting");
+  add_options(line, options);
+  if (const auto status = line.read(argc, argv)) return *status;
   try {
     const VotingReport report = measure(options);
     print_report(report);
