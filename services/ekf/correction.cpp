@@ -12,22 +12,12 @@ double distance(const Belief& belief, const Observation& z) {
   return z.residual.dot(S.ldlt().solve(z.residual));
 }
 
-Gain optimal_gain(const Belief& belief, const Observation& z) {
-  const Gain PHt = belief.covariance * z.H.transpose();
-  const Observation::Noise S = z.H * PHt + z.R;
-  return S.ldlt().solve(PHt.transpose()).transpose();
-}
-
-Gain continuous_gain(const Belief& belief, const Observation& z) {
-  Gain K = optimal_gain(belief, z);
-  const Eigen::Vector3d yaw_axis = belief.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
-  K.middleRows<3>(kPosition).setZero();
-  K.middleRows<3>(kAttitude) -= (yaw_axis * (yaw_axis.transpose() * K.middleRows<3>(kAttitude))).eval();
-  return K;
-}
-
-void correct(Belief& belief, const Observation& z, const Gain& K) {
+void correct(Belief& belief, const Observation& z) {
+  using Gain = Eigen::Matrix<double, kErrorSize, Eigen::Dynamic, 0, kErrorSize, Observation::kMaxRows>;
   ErrorMatrix& P = belief.covariance;
+  const Gain PHt = P * z.H.transpose();
+  const Observation::Noise S = z.H * PHt + z.R;
+  const Gain K = S.ldlt().solve(PHt.transpose()).transpose();
   const ErrorMatrix I_KH = ErrorMatrix::Identity() - K * z.H;
   P = (I_KH * P * I_KH.transpose() + K * z.R * K.transpose()).eval();
   P = (0.5 * (P + P.transpose())).eval();

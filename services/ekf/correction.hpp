@@ -17,23 +17,13 @@ struct Observation {
   Jacobian H;
   Noise R;
 };
-using Gain = Eigen::Matrix<double, kErrorSize, Eigen::Dynamic, 0, kErrorSize, Observation::kMaxRows>;
 
 /// Squared Mahalanobis distance of the residual: chi-square with as many degrees of freedom as rows if the filter is
 /// honest.
 [[nodiscard]] double distance(const Belief& belief, const Observation& z);
 
-/// The gain that is optimal for every component of the error.
-[[nodiscard]] Gain optimal_gain(const Belief& belief, const Observation& z);
-
-/// The gain that leaves position and heading alone. A better speed, scale or gyro bias would move them by what they
-/// have gone astray since the start, all at once and even at a standstill; but odom has to be continuous (REP-105), and
-/// whoever maps with it wants its increments, not its place. They are the integral of the rest, and drift.
-[[nodiscard]] Gain continuous_gain(const Belief& belief, const Observation& z);
-
-/// Kalman update by any gain. Joseph's form holds for all of them, and keeps the covariance positive where the short
-/// form rounds it away.
-void correct(Belief& belief, const Observation& z, const Gain& K);
+/// Kalman update by the optimal gain. Joseph's form keeps the covariance positive where the short form rounds it away.
+void correct(Belief& belief, const Observation& z);
 
 /// Two independent observations as one of at most kMaxRows: applied together they share the same linearisation.
 [[nodiscard]] Observation stack(const Observation& a, const Observation& b);

@@ -112,7 +112,7 @@ struct StartConfig {
   double still = 1.0;                      ///< s of standstill for a good start
   double patience = 5.0;                   ///< s without standstill or motion of the wheels, then it starts anyway
   double moving = 0.3;                     ///< s of data for a start on the move
-  double gyro_bias_sigma = 0.01;           ///< rad/s, 1 sigma before anything is known
+  double gyro_bias_sigma = 0.005;          ///< rad/s, 1 sigma before anything is known
   double accelerometer_bias_sigma = 0.03;  ///< m/s^2, 1 sigma before anything is known
   double max_gyro_bias = 0.1;              ///< rad/s: a larger mean rate at standstill is a turn or a broken gyro
   double moving_tilt_sigma = 0.05;         ///< rad, 1 sigma of roll and pitch after a start on the move
@@ -146,6 +146,17 @@ struct TimingConfig {
   }
 };
 
+/// How fast odom makes up for a correction of place and heading: it must not jump.
+struct SpreadConfig {
+  double share = 0.02;    ///< m a metre driven: less than a mapper allows for (3 % and a cm a revolution)
+  double turning = 0.01;  ///< rad/s, while moving: as a gyro may turn whose bias is not known yet
+
+  void visit(ConfigVisitor& v) {
+    v.field("share", share, {0.0, 1.0}, "m a metre driven by which odom makes up for corrections of its place");
+    v.field("turning", turning, {0.0, 1.0}, "rad/s, while moving, by which it makes up for those of its heading");
+  }
+};
+
 /// How the mapper's poses are taken back.
 struct MapFusionConfig {
   double baseline = 0.5;  ///< s at least between two poses that are compared
@@ -170,6 +181,7 @@ struct EkfConfig {
   WheelsConfig wheels;
   StandstillConfig standstill;
   SlipConfig slip;
+  SpreadConfig spread;
   bool fuse_map = false;
   MapFusionConfig map;
 
@@ -181,6 +193,7 @@ struct EkfConfig {
     v.section("wheels", wheels, "what wheels measure");
     v.section("standstill", standstill, "when the vehicle stands");
     v.section("slip", slip, "when wheels are not believed");
+    v.section("spread", spread, "how odom takes corrections of place and heading: not in jumps");
     v.field("fuse_map", fuse_map, "take MAP_POSE back as a correction of speed, biases and wheels");
     v.section("map", map, "how the mapper's poses are taken back");
   }

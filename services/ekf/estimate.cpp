@@ -2,6 +2,13 @@
 
 namespace curbstone {
 
+Pose base_pose(const NavState& state, const Geometry& geometry) {
+  Pose T_odom_base = Pose::Identity();
+  T_odom_base.linear() = state.attitude.toRotationMatrix();
+  T_odom_base.translation() = state.position + T_odom_base.linear() * geometry.to_base;
+  return T_odom_base;
+}
+
 Estimate estimate_base(const Belief& belief, const Inertial& imu, double rate_sigma, const Geometry& geometry) {
   const NavState& x = belief.mean;
   const Eigen::Matrix3d R = x.attitude.toRotationMatrix();
@@ -9,8 +16,7 @@ Estimate estimate_base(const Belief& belief, const Inertial& imu, double rate_si
 
   Estimate out;
   out.utime = belief.utime;
-  out.T_odom_base.linear() = R;
-  out.T_odom_base.translation() = x.position + R * geometry.to_base;
+  out.T_odom_base = base_pose(x, geometry);
   out.velocity = motion.velocity;
   out.angular_rate = motion.angular_rate;
   out.acceleration = R * (imu.acceleration - x.accelerometer_bias) - Eigen::Vector3d(0, 0, kGravity);

@@ -21,6 +21,9 @@ struct Estimate {
   bool no_wheels = false;  ///< coasting on the IMU alone
 };
 
+/// T_odom_base of a state.
+[[nodiscard]] Pose base_pose(const NavState& state, const Geometry& geometry);
+
 /// Moves the belief, which is the IMU's, to base_link. `imu` in body axes; `rate_sigma` is its noise in rad/s.
 [[nodiscard]] Estimate estimate_base(const Belief& belief, const Inertial& imu, double rate_sigma,
                                      const Geometry& geometry);

@@ -44,6 +44,7 @@ Filter::Filter(const EkfConfig& config)
       odometer_(config.wheels, config.vehicle.wheel_radius, config.timing.max_wheel_gap),
       mechanisation_(config, geometry_),
       slip_(config.slip, geometry_),
+      spreader_(config.spread),
       recent_(kRecent) {}
 
 void Filter::add(const ImuSample& sample, std::vector<Estimate>& out) {
@@ -267,7 +268,8 @@ Observation Filter::observe_constraint(const BodyMotion& motion) {
   return stack(lateral, vertical);
 }
 
-/// Speed and tilt have gone astray. The gyro's bias has not: it takes no part in the speed.
+/// Speed and tilt have gone astray, and the accelerometer's bias was learnt from them. The gyro's has not: it takes no
+/// part in the speed.
 void Filter::doubt(double speed_sigma) {
   counters_.add("reset.doubt");
   const auto widen = [&](int index, double sigma) {
@@ -275,7 +277,7 @@ void Filter::doubt(double speed_sigma) {
   };
   widen(kVelocity, speed_sigma);
   widen(kAttitude, config_->start.moving_tilt_sigma);
-  widen(kAccelerometerBias, config_->start.accelerometer_bias_sigma);
+  forget_accelerometer_bias(belief_, config_->start);
 }
 
 void Filter::correct_coasting(const WheelInterval& interval) {
@@ -321,6 +323,12 @@ void Filter::correct_with_map() {
   apply(z);
 }
 
+void Filter::apply(const Observation& z) {
+  const Pose before = base_pose(belief_.mean, geometry_);
+  correct(belief_, z);
+  spreader_.corrected(before, base_pose(belief_.mean, geometry_));
+}
+
 bool Filter::wheels_missing(std::int64_t utime) const {
   return !last_wheels_ || seconds_between(*last_wheels_, utime) > config_->timing.max_wheel_gap;
 }
@@ -332,7 +340,11 @@ void Filter::emit(const Inertial& imu, double dt, bool no_imu, std::vector<Estim
   estimate.slipping = slip_.slipping(0, belief_.utime) || slip_.slipping(1, belief_.utime);
   estimate.no_imu = no_imu;
   estimate.no_wheels = wheels_missing(belief_.utime);
-  recent_.add(estimate.utime, estimate.T_odom_base);
+  recent_.add(estimate.utime, spreader_.uncorrected(estimate.T_odom_base));
+  const double since = std::clamp(seconds_between(emitted_, estimate.utime), 0.0, config_->timing.max_imu_gap);
+  emitted_ = estimate.utime;
+  if (!standing_) spreader_.moved(estimate.T_odom_base, since * estimate.velocity.norm(), since);
+  spreader_.apply(estimate);
   out.push_back(estimate);
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/counters.hpp"
+#include "services/ekf/correction_spreader.hpp"
 #include "services/ekf/estimate.hpp"
 #include "services/ekf/map_increment.hpp"
 #include "services/ekf/mechanisation.hpp"
@@ -28,7 +29,7 @@ namespace curbstone {
 /// - the mapper's increments, if given, correct speed, gyro bias and with them the wheels' calibration;
 /// - without IMU it coasts on the wheels, without wheels on the IMU and the constraint; both heal by themselves.
 ///
-/// No correction moves position or heading (continuous_gain).
+/// What a correction moves position or heading by is spread over the way that follows (CorrectionSpreader).
 ///
 /// Takes samples in the order of their stamps (Sequencer, RewindingFilter). A stamp that goes back, or a step of more
 /// than timing.max_jump, restarts the clock: the pose stays where it is, speed and tilt are doubted.
@@ -66,7 +67,7 @@ class Filter {
   void correct_standing();
   void correct_without_wheels();
   void correct_with_map();
-  void apply(const Observation& z) { correct(belief_, z, continuous_gain(belief_, z)); }
+  void apply(const Observation& z);
   [[nodiscard]] Observation observe_constraint(const BodyMotion& motion);
   void doubt(double speed_sigma);
 
@@ -82,7 +83,8 @@ class Filter {
   SlipJudge slip_;
   RefusalTimer wheels_refused_;
   RefusalTimer constraint_refused_;
-  PoseHistory recent_;  // what the mapper's increments are compared with
+  CorrectionSpreader spreader_;
+  PoseHistory recent_;  // uncorrected: what the mapper's increments are compared with
   Counters counters_;
 
   bool started_ = false;
@@ -91,6 +93,7 @@ class Filter {
   Belief last_good_;                         // the last one that was finite
   std::deque<WheelSample> pending_;          // wait for the IMU sample after them
   std::optional<std::int64_t> last_wheels_;  // us
+  std::int64_t emitted_ = 0;                 // us, the last estimate
   std::optional<MapIncrement> pending_increment_;
 };
 

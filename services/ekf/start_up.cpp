@@ -44,6 +44,14 @@ void forget_wheel_scale(Belief& belief, const WheelsConfig& config) {
   P(kWheelScale + 2, kWheelScale + 2) = config.track_sigma * config.track_sigma;
 }
 
+void forget_accelerometer_bias(Belief& belief, const StartConfig& config) {
+  belief.mean.accelerometer_bias.setZero();
+  belief.covariance.middleRows<3>(kAccelerometerBias).setZero();
+  belief.covariance.middleCols<3>(kAccelerometerBias).setZero();
+  const double sigma = config.accelerometer_bias_sigma;
+  belief.covariance.diagonal().segment<3>(kAccelerometerBias).setConstant(sigma * sigma);
+}
+
 void forget_axle(Belief& belief, const WheelsConfig& config) {
   belief.mean.axle = config.axle;
   belief.mean.course.setZero();
@@ -104,7 +112,7 @@ Belief StartUp::prior(std::int64_t utime, const Eigen::Vector3d& up) const {
   const Eigen::Vector3d yaw_axis = belief.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
   P.block<3, 3>(kAttitude, kAttitude) = Eigen::Matrix3d::Identity() - yaw_axis * yaw_axis.transpose();
   P.diagonal().segment<3>(kGyroBias).setConstant(square(config_.start.gyro_bias_sigma));
-  P.diagonal().segment<3>(kAccelerometerBias).setConstant(square(config_.start.accelerometer_bias_sigma));
+  forget_accelerometer_bias(belief, config_.start);
   forget_wheel_scale(belief, config_.wheels);
   forget_axle(belief, config_.wheels);
   return belief;
@@ -129,7 +137,7 @@ Belief StartUp::standing(std::int64_t utime) const {
   const double rate_sigma = std::hypot(config_.noise.gyro, config_.standstill.rate_noise) / averaging;
   const auto z = stack(observe_gravity(belief.mean, acceleration, Eigen::Vector3d::Zero(), level_sigma),
                        observe_standing_rate(belief.mean, rate, rate_sigma));
-  correct(belief, z, optimal_gain(belief, z));
+  correct(belief, z);
   belief.covariance.diagonal().segment<3>(kVelocity).setConstant(config_.standstill.speed_noise *
                                                                  config_.standstill.speed_noise);
   fix_origin(belief);
@@ -143,7 +151,7 @@ Belief StartUp::moving(std::int64_t utime) const {
   const Eigen::Vector3d acceleration(wheels.acceleration, wheels.speed * rate.z(), 0.0);
   Belief belief = prior(utime, specific_force - acceleration);
   const auto z = observe_gravity(belief.mean, specific_force, acceleration, config_.start.moving_tilt_sigma * kGravity);
-  correct(belief, z, optimal_gain(belief, z));
+  correct(belief, z);
   belief.mean.velocity = Eigen::Vector3d(wheels.speed, 0, 0) - rate.cross(geometry_.to_base);
   belief.covariance.diagonal().segment<3>(kVelocity).setConstant(config_.start.moving_speed_sigma *
                                                                  config_.start.moving_speed_sigma);

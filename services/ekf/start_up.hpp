@@ -12,6 +12,8 @@ namespace curbstone {
 void forget_wheel_scale(Belief& belief, const WheelsConfig& config);
 /// Likewise the axle's place and course.
 void forget_axle(Belief& belief, const WheelsConfig& config);
+/// Likewise the accelerometer's bias: none.
+void forget_accelerometer_bias(Belief& belief, const StartConfig& config);
 
 /// Finds the first belief. At standstill the mean specific force levels the attitude and the mean rate is the gyro's
 /// bias; both are applied as measurements to a wide prior, so that the covariance knows that a tilt error and an

@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <array>
 
-#include "services/ekf/filter.hpp"
+#include "tests/services/ekf/drawn_drives.hpp"
 #include "tests/services/ekf/town_drive.hpp"
 
 namespace curbstone {
@@ -13,59 +13,7 @@ namespace {
 // told of, the normalised estimation error squared e^T P^-1 e of n quantities is chi-square with n degrees of freedom
 // (Bar-Shalom, Estimation with Applications to Tracking and Navigation, 5.4).
 
-constexpr int kRuns = 50;
 constexpr double kLook[] = {8.0, 16.0, 24.0, 34.0, 45.0};  // s; at 34 it has just stood
-
-EkfConfig told() {
-  EkfConfig config;
-  config.noise.gyro = 3e-4;
-  config.noise.accelerometer = 3e-3;
-  config.noise.gyro_bias_walk = 2e-5;
-  config.noise.accelerometer_bias_walk = 2e-4;
-  config.noise.wheel_scale_walk = 1e-7;
-  config.wheels.speed_noise = 0.02;
-  config.wheels.slip_noise = 0.0;
-  config.wheels.stamp_noise = 0.0;
-  config.wheels.angle_noise = 1e-4;
-  config.wheels.lateral_noise = 0.003;  // the simulated axle does not slide at all
-  config.wheels.axle_sigma = 0.0;
-  config.wheels.course_sigma = 0.0;
-  config.wheels.vertical_noise = 0.003;
-  return config;
-}
-
-DriveOptions drawn(const EkfConfig& config, unsigned seed) {
-  std::mt19937_64 random(1000 + seed);
-  std::normal_distribution<double> normal;
-  const auto vector = [&](double sigma) -> Eigen::Vector3d {
-    return {sigma * normal(random), sigma * normal(random), sigma * normal(random)};
-  };
-  DriveOptions o;
-  o.seed = seed;
-  o.seconds = 46.0;
-  o.stop_at = 29.0;
-  o.gyro_noise = config.noise.gyro;
-  o.accelerometer_noise = config.noise.accelerometer;
-  o.gyro_bias_walk = config.noise.gyro_bias_walk;
-  o.accelerometer_bias_walk = config.noise.accelerometer_bias_walk;
-  o.gyro_bias = vector(config.start.gyro_bias_sigma);
-  o.accelerometer_bias = vector(config.start.accelerometer_bias_sigma);
-  const double common = config.wheels.scale_sigma * normal(random);
-  o.wheel_scale << common + config.wheels.mismatch_sigma * normal(random),
-      common + config.wheels.mismatch_sigma * normal(random), config.wheels.track_sigma * normal(random);
-  o.wheel_noise_interval = 0.01;  // white, as the filter is told: sigma over its intervals
-  o.wheel_speed_noise = config.wheels.speed_noise * std::sqrt(config.wheels.interval / o.wheel_noise_interval);
-  o.counts_per_turn = 65536.0;
-  return o;
-}
-
-double pose_nees(const Estimate& e, const Drive& drive, std::size_t start) {
-  const Pose truth = drive.T_odom_base(drive.index_of(e.utime), start);
-  Eigen::Matrix<double, 6, 1> error;
-  error << truth.translation() - e.T_odom_base.translation(),
-      so3_log(Eigen::Quaterniond(e.T_odom_base.linear().transpose() * truth.linear()));
-  return error.dot(e.pose_covariance.ldlt().solve(error));
-}
 
 double velocity_nees(const Estimate& e, const Drive& drive) {
   const Eigen::Vector3d error = drive.truth[drive.index_of(e.utime)].velocity - e.velocity;
@@ -80,28 +28,7 @@ double bias_nees(const Estimate& e, const Belief& belief, const Drive& drive) {
   return error.dot(covariance.ldlt().solve(error));
 }
 
-/// Runs the filter over the drive; `look(k, filter, estimate, start)` at each of the times.
-template <std::size_t N, class Look>
-std::vector<Estimate> run_and_look(Filter& filter, const Drive& drive, const double (&times)[N], Look look) {
-  std::vector<Estimate> out;
-  std::size_t start = 0;
-  std::size_t k = 0;
-  std::size_t w = 0;
-  for (std::size_t i = 0; i < drive.imu.size(); ++i) {
-    for (; w < drive.wheels.size() && drive.wheels[w].utime <= drive.imu[i].utime; ++w)
-      filter.add(drive.wheels[w], out);
-    const bool first = out.empty();
-    filter.add(drive.imu[i], out);
-    if (first) start = i;
-    if (k == N || seconds_between(drive.imu.front().utime, drive.imu[i].utime) < times[k]) continue;
-    look(k++, out.back(), start);
-  }
-  return out;
-}
-
-// 50 runs of n: chi-square with 50 n degrees of freedom, 99.9 % two-sided, over 50.
 constexpr double kLow3 = 99.4 / kRuns, kHigh3 = 213.0 / kRuns;
-constexpr double kLow6 = 226.0 / kRuns, kHigh6 = 387.0 / kRuns;
 
 TEST(Consistency, ErrorsAreAsLargeAsTheCovarianceSays) {
   const EkfConfig config = told();

@@ -115,7 +115,7 @@ TEST(Filter, StartedOnTheMoveItLevelsItselfAndFindsTheGyroBias) {
   const Errors errors = errors_of(result, drive);
   EXPECT_LT(errors.tilt, 2.0 * kDegree);
   EXPECT_LT((result.estimates.back().gyro_bias - options.gyro_bias).cwiseAbs().maxCoeff(), 0.1 * kDegree);
-  EXPECT_LT(errors.yaw, 10.0 * kDegree);  // lost before the bias was found: heading is not corrected later
+  EXPECT_LT(errors.yaw, 10.0 * kDegree);  // it never stands: the bias is only guessed at
 }
 
 TEST(Filter, StartsAnywayWhenTheImuIsNeverQuietAndNoWheelTurns) {

@@ -192,26 +192,10 @@ TEST_F(Models, CorrectionEqualsTheInformationForm) {
   belief.covariance = A * A.transpose() + ErrorMatrix::Identity();
   const ErrorMatrix prior = belief.covariance;
   const Observation z = observe_standing_velocity(state_, 0.3);
-  correct(belief, z, optimal_gain(belief, z));
+  correct(belief, z);
   const ErrorMatrix expected = (prior.inverse() + z.H.transpose() * z.R.inverse() * z.H).inverse();
   EXPECT_LT((belief.covariance - expected).cwiseAbs().maxCoeff(), 1e-9);
   EXPECT_EQ((belief.covariance - belief.covariance.transpose()).cwiseAbs().maxCoeff(), 0.0);
-}
-
-TEST_F(Models, TheContinuousGainMovesNeitherPositionNorHeading) {
-  const ErrorMatrix A = ErrorMatrix::Random();
-  Belief belief;
-  belief.mean = state_;
-  belief.covariance = A * A.transpose() + ErrorMatrix::Identity();
-  const ErrorMatrix prior = belief.covariance;
-  Observation z = observe_standing_velocity(state_, 0.3);
-  z.residual << 1e-3, -2e-3, 3e-3;
-  correct(belief, z, continuous_gain(belief, z));
-  EXPECT_EQ(belief.mean.position, state_.position);
-  const Eigen::Quaterniond turned = belief.mean.attitude * state_.attitude.conjugate();  // in odom
-  EXPECT_LT(std::abs(so3_log(turned).z()), 1e-9);
-  EXPECT_GT(so3_log(turned).norm(), 1e-6);
-  EXPECT_GT(ErrorMatrix(prior - belief.covariance).block(kVelocity, kVelocity, 3, 3).trace(), 0.1);
 }
 
 TEST_F(Models, AnOutlierLosesItsWeightButNotItsDirection) {
