@@ -75,10 +75,11 @@ std::vector<FoundStep> find_steps(const NearGroundPoints& points, const TiltedCe
 
 CurbCandidate candidate_of(const FoundStep& found, const TiltedCell& cell, const CurbParameters& parameters) {
   CurbCandidate candidate;
-  candidate.foot = cell.at + found.foot * found.up;
+  candidate.at = cell.at + found.riser.middle * found.up;
   candidate.up = found.up;
   candidate.z = found.step.low_z;
   candidate.height = found.step.height;
+  candidate.lean = found.riser.lean;
   candidate.reach = found.half_length;
   candidate.score = found.step.height / found.step.sigma;
   candidate.weak = found.step.height < parameters.min_step;
@@ -88,7 +89,7 @@ CurbCandidate candidate_of(const FoundStep& found, const TiltedCell& cell, const
 /// What a tilt looks like by itself (ablation).
 CurbCandidate candidate_of(const TiltedCell& cell) {
   CurbCandidate candidate;
-  candidate.foot = cell.at;
+  candidate.at = cell.at;
   candidate.up = cell.tilt.normalized();
   candidate.height = 0.5 * cell.tilt.norm();  // what a step of that height tilts the normals by at sigma 0.3
   candidate.score = cell.tilt.norm();
@@ -120,7 +121,7 @@ std::vector<CurbCandidate> find_curb_evidence(const Around<VotedTile>& tiles, co
       const TiltedCell cell = gather_tilt(points, ground, column, row, parameters);
       if (cell.count < kMinTilted) continue;
       for (CurbCandidate& candidate : test_cell(points, cell, ground, parameters, window)) {
-        const auto height = ground.height(candidate.foot.x(), candidate.foot.y());
+        const auto height = ground.height(candidate.at.x(), candidate.at.y());
         if (!height) continue;
         candidate.z += *height;
         candidates.push_back(candidate);

@@ -5,19 +5,21 @@
 
 #include "services/semantic_map/curb_parameters.hpp"
 #include "services/semantic_map/ground_model.hpp"
+#include "services/semantic_map/riser.hpp"
 #include "services/semantic_map/voted_tile.hpp"
 
 namespace curbstone {
 
 /// A place that looks like a curb by itself, before its neighbours are asked.
 struct CurbCandidate {
-  Eigen::Vector2d foot = Eigen::Vector2d::Zero();  ///< m from the tile's corner; may lie a little outside
-  Eigen::Vector2d up = Eigen::Vector2d::UnitX();   ///< unit vector across, towards the higher side
-  double z = 0;                                    ///< m in map, of the low side at the foot
-  double height = 0;                               ///< m, of the step
-  double reach = 0;                                ///< m along the curb, on each side, that the evidence is from
-  double score = 0;                                ///< the step in units of its noise
-  bool weak = false;                               ///< only counts where a line of others goes on
+  Eigen::Vector2d at = Eigen::Vector2d::Zero();   ///< m from the tile's corner, may lie a little outside: mid-riser
+  Eigen::Vector2d up = Eigen::Vector2d::UnitX();  ///< unit vector across, towards the higher side
+  double z = 0;                                   ///< m in map, of the low side at the foot
+  double height = 0;                              ///< m, of the step
+  RiserLean lean;                                 ///< of what is seen of it
+  double reach = 0;                               ///< m along the curb, on each side, that the evidence is from
+  double score = 0;                               ///< the step in units of its noise
+  bool weak = false;                              ///< only counts where a line of others goes on
   bool operator==(const CurbCandidate&) const = default;
 };
 

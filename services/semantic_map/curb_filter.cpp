@@ -33,7 +33,7 @@ struct Placed : PlacedCandidate {
 /// Of those in the order of x, the ones that may be within `reach` of a place.
 template <class T>
 std::span<const T> near_x(const std::vector<T>& by_x, double x, double reach) {
-  const auto before = [](const T& a, double at) { return a.foot.x() < at; };
+  const auto before = [](const T& a, double at) { return a.at.x() < at; };
   const auto begin = std::lower_bound(by_x.begin(), by_x.end(), x - reach, before);
   return {begin, std::lower_bound(begin, by_x.end(), std::nextafter(x + reach, 1e9), before)};
 }
@@ -47,28 +47,28 @@ double outside(const Eigen::Vector2d& at) {
 std::vector<Placed> place_all(const Around<std::vector<CurbCandidate>>& tiles) {
   std::vector<PlacedCandidate> candidates;
   tiles.for_each([&](const std::vector<CurbCandidate>& of_tile, double dx, double dy) {
-    for (const CurbCandidate& c : of_tile) candidates.push_back({c.foot + Eigen::Vector2d(dx, dy), &c});
+    for (const CurbCandidate& c : of_tile) candidates.push_back({c.at + Eigen::Vector2d(dx, dy), &c});
   });
   std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const auto& a, const auto& b) { return a.foot.x() < b.foot.x(); });
+                   [](const auto& a, const auto& b) { return a.at.x() < b.at.x(); });
   std::vector<Placed> placed;
   for (const PlacedCandidate& c : candidates) {
-    if (outside(c.foot) >= kMargin) continue;
-    placed.push_back({c, pool_along_line(c, near_x(candidates, c.foot.x(), kLineReach))});
+    if (outside(c.at) >= kMargin) continue;
+    placed.push_back({c, pool_along_line(c, near_x(candidates, c.at.x(), kLineReach))});
   }
   return placed;
 }
 
 /// What goes on along its line comes first; ties by place, so that two never suppress each other.
 bool outranks(const Placed& a, const Placed& b) {
-  return std::make_tuple(a.certainty, a.foot.x(), a.foot.y()) > std::make_tuple(b.certainty, b.foot.x(), b.foot.y());
+  return std::make_tuple(a.certainty, a.at.x(), a.at.y()) > std::make_tuple(b.certainty, b.at.x(), b.at.y());
 }
 
 bool is_ghost(const Placed& p, const std::vector<Placed>& all) {
-  const auto rivals = near_x(all, p.foot.x(), kAcross + kAlong);
+  const auto rivals = near_x(all, p.at.x(), kAcross + kAlong);
   return std::any_of(rivals.begin(), rivals.end(), [&](const Placed& other) {
     if (!outranks(other, p)) return false;
-    const Eigen::Vector2d d = p.foot - other.foot;
+    const Eigen::Vector2d d = p.at - other.at;
     const double across = std::abs(d.dot(other.candidate->up));
     const double along = std::abs(d.x() * other.candidate->up.y() - d.y() * other.candidate->up.x());
     return across > kSameLine && across < kAcross && along < kAlong;
@@ -95,7 +95,7 @@ LocalLine line_around(const Eigen::Vector2d& at, double radius, const std::vecto
   LocalLine line;
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
   for (const Placed& other : near_x(all, at.x(), radius)) {
-    const Eigen::Vector2d d = other.foot - at;
+    const Eigen::Vector2d d = other.at - at;
     if (d.squaredNorm() > radius * radius || !accept(other)) continue;
     ++line.count;
     line.score += other.candidate->score;
@@ -119,7 +119,7 @@ LocalLine line_around(const Eigen::Vector2d& at, double radius, const std::vecto
 bool is_on_line(const Placed& p, const std::vector<Placed>& strong, const CurbParameters& parameters) {
   const auto alike = [&](const Placed& o) { return std::abs(o.candidate->up.dot(p.candidate->up)) > 0.6; };
   const double radius = std::min(kLongest, std::max(parameters.linearity_radius, kReaches * p.candidate->reach));
-  const LocalLine line = line_around(p.foot, radius, strong, alike);
+  const LocalLine line = line_around(p.at, radius, strong, alike);
   return line.count > parameters.min_neighbours && line.linearity < parameters.max_linearity &&
          line.extent > kMinExtent && std::abs(line.direction.dot(p.candidate->up)) < 0.6;
 }
@@ -129,16 +129,16 @@ bool is_on_line(const Placed& p, const std::vector<Placed>& strong, const CurbPa
 bool is_supported(const Placed& p, const std::vector<Placed>& kept, const CurbParameters& parameters) {
   if (!parameters.use_step) return true;  // a tilt alone has no certainty
   const auto alike = [&](const Placed& o) { return std::abs(o.candidate->up.dot(p.candidate->up)) > 0.6; };
-  const LocalLine line = line_around(p.foot, kLongest, kept, alike);
+  const LocalLine line = line_around(p.at, kLongest, kept, alike);
   return line.score * std::sqrt(line.extent) >= parameters.line_sigmas;
 }
 
 bool continues_line(const Placed& p, const std::vector<Placed>& confirmed, const CurbParameters& parameters) {
   if (p.certainty < kWeakSupport * parameters.line_sigmas) return false;
   const auto alike = [&](const Placed& o) { return o.candidate->up.dot(p.candidate->up) > 0.8; };
-  const LocalLine line = line_around(p.foot, kWeakReach, confirmed, alike);
+  const LocalLine line = line_around(p.at, kWeakReach, confirmed, alike);
   if (line.count < 4 || line.linearity > 0.2 || line.extent < kMinExtent) return false;
-  const Eigen::Vector2d d = p.foot - line.mean;
+  const Eigen::Vector2d d = p.at - line.mean;
   const double lateral = std::abs(d.x() * line.direction.y() - d.y() * line.direction.x());
   return lateral < kWeakLateral && std::abs(line.direction.dot(p.candidate->up)) < 0.4;
 }
@@ -153,7 +153,7 @@ void grow_lowered(std::vector<Placed> weak, const CurbParameters& parameters, st
     grows = goes_on != weak.end();
     kept.insert(kept.end(), goes_on, weak.end());
     weak.erase(goes_on, weak.end());
-    std::stable_sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.foot.x() < b.foot.x(); });
+    std::stable_sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.at.x() < b.at.x(); });
   }
 }
 
@@ -179,16 +179,19 @@ std::vector<CurbPoint> filter_curbs(const Around<std::vector<CurbCandidate>>& ca
 
   std::map<int, Placed> best;  // by cell
   for (const Placed& p : kept) {
-    if ((p.foot.array() < 0).any() || (p.foot.array() >= kTileSize).any()) continue;
-    const int column = std::min(kCellsPerTile - 1, static_cast<int>(p.foot.x() / kCellSize));
-    const int row = std::min(kCellsPerTile - 1, static_cast<int>(p.foot.y() / kCellSize));
+    if ((p.at.array() < 0).any() || (p.at.array() >= kTileSize).any()) continue;
+    const int column = std::min(kCellsPerTile - 1, static_cast<int>(p.at.x() / kCellSize));
+    const int row = std::min(kCellsPerTile - 1, static_cast<int>(p.at.y() / kCellSize));
     const auto [it, inserted] = best.try_emplace(row * kCellsPerTile + column, p);
     if (!inserted && is_surer(p, it->second)) it->second = p;
   }
+  const std::vector<PlacedCandidate> of_lines(kept.begin(), kept.end());
   std::vector<CurbPoint> points;
   for (const auto& [cell, p] : best) {
     const double confidence = p.candidate->weak ? 0.5 : std::min(1.0, 0.5 + p.candidate->score / 60);
-    points.push_back({p.foot, p.candidate->up, p.candidate->z, p.candidate->height, confidence, p.candidate->weak,
+    const double lean = lean_along_line(p, near_x(of_lines, p.at.x(), kLineReach));
+    const Eigen::Vector2d foot = p.at - 0.5 * p.candidate->height * lean * p.candidate->up;
+    points.push_back({foot, p.candidate->up, p.candidate->z, p.candidate->height, confidence, p.candidate->weak,
                       p.candidate->reach});
   }
   return points;

@@ -19,8 +19,8 @@ struct CurbPoint {
 };
 
 /// Section VI, outlier filter: of parallel detections the best one stays (non-maximum suppression across the step),
-/// detections must lie on a line with others, and low ones count only where such a line goes on over them. Of the
-/// centre tile, at most one point a cell.
+/// detections must lie on a line with others, and low ones count only where such a line goes on over them. Their
+/// riser's middle and how it leans along the line say where the foot is. Of the centre tile, at most one point a cell.
 [[nodiscard]] std::vector<CurbPoint> filter_curbs(const Around<std::vector<CurbCandidate>>& candidates,
                                                   const CurbParameters& parameters);
 

@@ -27,7 +27,7 @@ struct OnArc {
 OnArc on_arc(const PlacedCandidate& a, const PlacedCandidate& b) {
   const Eigen::Vector2d& up = a.candidate->up;
   const Eigen::Vector2d& other_up = b.candidate->up;
-  const Eigen::Vector2d d = b.foot - a.foot;
+  const Eigen::Vector2d d = b.at - a.at;
   const double along = d.y() * up.x() - d.x() * up.y();
   if (std::abs(along) >= kReach || up.dot(other_up) < kMinAlike) return {};
   const double across = d.dot(up);
@@ -53,6 +53,12 @@ double pool_along_line(const PlacedCandidate& candidate, std::span<const PlacedC
     bin = std::max(bin, arc.weight * other.candidate->score);
   }
   return std::sqrt(std::inner_product(best.begin(), best.end(), best.begin(), 0.0));
+}
+
+double lean_along_line(const PlacedCandidate& candidate, std::span<const PlacedCandidate> others) {
+  RiserLean lean;
+  for (const PlacedCandidate& other : others) lean.add(other.candidate->lean, on_arc(candidate, other).weight);
+  return lean.slope();
 }
 
 }  // namespace curbstone

@@ -9,7 +9,7 @@ namespace curbstone {
 
 /// A candidate with its place in the frame of the centre tile.
 struct PlacedCandidate {
-  Eigen::Vector2d foot = Eigen::Vector2d::Zero();  ///< m
+  Eigen::Vector2d at = Eigen::Vector2d::Zero();  ///< m
   const CurbCandidate* candidate = nullptr;
 };
 
@@ -22,5 +22,9 @@ inline constexpr double kLineReach = 2.0;
 /// are far apart, steps can be put between them in directions that are not the curb's; but such steps do not follow
 /// each other along their own directions. `others`: at least all within kLineReach, itself too.
 [[nodiscard]] double pool_along_line(const PlacedCandidate& candidate, std::span<const PlacedCandidate> others);
+
+/// How far the riser leans back, m for each m up, by all risers on an arc with this one: a place has few points on its
+/// own. `others` as above.
+[[nodiscard]] double lean_along_line(const PlacedCandidate& candidate, std::span<const PlacedCandidate> others);
 
 }  // namespace curbstone

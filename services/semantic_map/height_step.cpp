@@ -224,22 +224,6 @@ double clear_height(const StepWindow& points, const HeightStep& step, double hal
   return fifth(high, 0.2) - fifth(low, 0.8);
 }
 
-/// Where the low side ends: the riser's points stand on the foot, so the foot is where points begin to rise.
-double find_foot(const StepWindow& points, const HeightStep& step) {
-  constexpr double kNear = 0.15;  // m on each side of the step
-  std::vector<double> risen;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double u = points.u[i] - step.at;
-    if (!points.has(i) || std::abs(u) > kNear) continue;
-    const double above = points.z[i] - step.low_z - step.slope.x() * u - step.slope.y() * points.t[i];
-    if (above > 0.25 * step.height && above < 0.75 * step.height) risen.push_back(points.u[i]);
-  }
-  if (risen.size() < 3) return step.at;
-  const auto middle = risen.begin() + static_cast<std::ptrdiff_t>(risen.size() / 2);
-  std::nth_element(risen.begin(), middle, risen.end());
-  return std::clamp(*middle, step.at - kBin, step.at + kBin);
-}
-
 int count_face_above(const StepWindow& points, const HeightStep& step) {
   constexpr double kNear = 0.12;   // m on each side of the step
   constexpr double kAbove = 0.10;  // m above its upper edge
@@ -304,9 +288,7 @@ std::optional<HeightStep> find_height_step(const StepWindow& points, double nois
 }
 
 StepSides look_at_sides(const StepWindow& points, const HeightStep& step, const CurbParameters& parameters) {
-  return {.clear = clear_height(points, step, parameters.half_window),
-          .foot = find_foot(points, step),
-          .face_above = count_face_above(points, step)};
+  return {.clear = clear_height(points, step, parameters.half_window), .face_above = count_face_above(points, step)};
 }
 
 }  // namespace curbstone

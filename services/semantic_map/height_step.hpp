@@ -37,7 +37,6 @@ struct HeightStep {
 /// What the points about a step say besides.
 struct StepSides {
   double clear = 0;    ///< m between the low side's upper fifth and the high side's lower fifth, slope removed
-  double foot = 0;     ///< m in u: where the low side ends
   int face_above = 0;  ///< points that stand on the step and go on above it: a wall's
 };
 

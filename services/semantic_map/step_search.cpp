@@ -134,7 +134,7 @@ void StepSearch::look_in(const Eigen::Vector2d& up, double half_length, bool exa
   if (rival != nullptr && !is_more_certain(*step, rival->step)) return;
   const StepSides sides = look_at_sides(window_, *step, parameters_);
   if (!parts_its_sides(sides, *step, parameters_)) return;
-  const FoundStep found{*step, sides.foot, up, half_length};
+  const FoundStep found{*step, find_riser(window_, *step), up, half_length};
   if (rival != nullptr)
     *rival = found;
   else

@@ -5,13 +5,14 @@
 
 #include "services/semantic_map/height_step.hpp"
 #include "services/semantic_map/near_ground_points.hpp"
+#include "services/semantic_map/riser.hpp"
 
 namespace curbstone {
 
 /// A step, the direction in which it is one, and how far along it the evidence lies.
 struct FoundStep {
   HeightStep step;
-  double foot = 0;  ///< m along `up` from the place that was asked about
+  Riser riser;  ///< its middle along `up` from the place that was asked about
   Eigen::Vector2d up = Eigen::Vector2d::UnitX();
   double half_length = 0;  ///< m
 };

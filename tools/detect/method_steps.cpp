@@ -170,6 +170,13 @@ Canvas draw_dem(const MethodProducts& products) {
   return plan.take("digital elevation map, refined");
 }
 
+Eigen::Vector2d place_of(const CurbCandidate& candidate) {
+  return candidate.at;
+}
+Eigen::Vector2d place_of(const CurbPoint& point) {
+  return point.foot;
+}
+
 /// A tick for each, towards the higher side, coloured by the step's height: yellow is 15 cm.
 template <class Candidate>
 Canvas draw_steps(const MethodProducts& products, const std::map<TileKey, std::vector<Candidate>>& steps,
@@ -182,9 +189,9 @@ Canvas draw_steps(const MethodProducts& products, const std::map<TileKey, std::v
   }
   for (const auto& [key, candidates] : steps) {
     for (const Candidate& c : candidates) {
-      const Eigen::Vector2d foot = corner_of(key) + c.foot;
-      plan.tick(foot, foot + 0.25 * c.up, heat(c.height / 0.15));
-      plan.square(foot.x(), foot.y(), 0.08, c.weak ? Colour{200, 120, 255} : Colour{90, 255, 90});
+      const Eigen::Vector2d at = corner_of(key) + place_of(c);
+      plan.tick(at, at + 0.25 * c.up, heat(c.height / 0.15));
+      plan.square(at.x(), at.y(), 0.08, c.weak ? Colour{200, 120, 255} : Colour{90, 255, 90});
     }
   }
   return plan.take(title);

@@ -109,10 +109,15 @@ std::string to_table(const Evaluation& e) {
 
 std::string to_json(const Evaluation& e) {
   nlohmann::json json;
-  for (const char* key : {"curb", "lateral_cm", "classes", "blocking", "dropped", "latency_ms", "cores"})
+  for (const char* key :
+       {"curb", "lowered_kerbs", "lateral_cm", "classes", "blocking", "dropped", "latency_ms", "cores"})
     json[key] = nullptr;
   if (e.curbs) {
     json["curb"] = curb_json(*e.curbs);
+    json["lowered_kerbs"] = {{"true_points", e.curbs->lowered_points},
+                             {"found", e.curbs->lowered_found},
+                             {"marked_points", e.curbs->lowered_feet},
+                             {"wrong", e.curbs->lowered_wrong}};
     json["lateral_cm"] = {{"median", e.curbs->lateral_median_cm},
                           {"p95", e.curbs->lateral_p95_cm},
                           {"bias", e.curbs->lateral_bias_cm},

@@ -10,7 +10,7 @@ namespace {
 
 CurbCandidate step_at(double x, double y, double direction_of_up, double score) {
   CurbCandidate c;
-  c.foot = {x, y};
+  c.at = {x, y};
   c.up = {std::cos(direction_of_up), std::sin(direction_of_up)};
   c.height = 0.06;
   c.reach = 1.0;
@@ -20,7 +20,7 @@ CurbCandidate step_at(double x, double y, double direction_of_up, double score) 
 
 std::vector<double> pooled(const std::vector<CurbCandidate>& candidates) {
   std::vector<PlacedCandidate> placed;
-  for (const CurbCandidate& c : candidates) placed.push_back({c.foot, &c});
+  for (const CurbCandidate& c : candidates) placed.push_back({c.at, &c});
   std::vector<double> result;
   for (const PlacedCandidate& c : placed) result.push_back(pool_along_line(c, placed));
   return result;
@@ -64,6 +64,20 @@ TEST(CurbSupport, WhatIsBesideTurnedOrFacesTheOtherWayGivesNone) {
   EXPECT_NEAR(with(step_at(0.6, 0, kUpwards + 0.5, 50)), 10, 1e-9) << "turned";
   EXPECT_NEAR(with(step_at(0.6, 0, -kUpwards, 50)), 10, 1e-9) << "down where the other goes up";
   EXPECT_NEAR(with(step_at(2.5, 0, kUpwards, 50)), 10, 1e-9) << "far";
+}
+
+TEST(CurbSupport, RisersAlongALinePoolHowFarTheyLeanBack) {
+  std::vector<CurbCandidate> line;
+  for (double x = -1; x <= 1; x += 0.1) {
+    line.push_back(step_at(x, 0, kUpwards, 10));
+    line.back().lean = {.uz = 0.5 * 0.0005, .zz = 0.0005};
+  }
+  line.push_back(step_at(0.3, 0.4, kUpwards, 10));
+  line.back().lean = {.uz = 10, .zz = 1};  // beside: of another line
+  std::vector<PlacedCandidate> placed;
+  for (const CurbCandidate& c : line) placed.push_back({c.at, &c});
+  EXPECT_LT(line[10].lean.slope(), 0.25) << "of few points rather upright";
+  EXPECT_NEAR(lean_along_line(placed[10], placed), 0.45, 0.04) << "with the evidence of the whole line";
 }
 
 /// Scan lines 0.6 m apart cross a curb along y = 1.5. Between each two of them a step can also be put aslant, and with

@@ -116,6 +116,26 @@ INSTANTIATE_TEST_SUITE_P(Heights, StraightCurb,
                                   std::to_string(std::lround(std::abs(10 * test.param.yaw)));
                          });
 
+TEST(Curbs, AKerbWhoseFaceLeansBackIsReportedAtItsFootToo) {
+  SyntheticCloud cloud;  // 10 cm high, 8 cm deep; range noise of 1 cm across, as beams come in flat
+  cloud.ground(0, 0, 12, 6, kDensity, [](double, double) { return 0.0; });
+  cloud.ground(0, 6.08, 12, 12, kDensity, [](double, double) { return 0.10; });
+  for (int i = 0; i < 12 * 60; ++i) {
+    const double up = cloud.uniform(0, 1);
+    cloud.add(cloud.uniform(0, 12), 6 + 0.08 * up + cloud.uniform(-0.02, 0.02), 0.10 * up);
+  }
+  double sum = 0;
+  int n = 0;
+  for (const CloudCurb& c : map_of(cloud).curbs) {
+    if (c.foot.x() < 1 || c.foot.x() > 11) continue;
+    EXPECT_LT(std::abs(c.foot.y() - 6), 0.08);
+    sum += c.foot.y() - 6;
+    ++n;
+  }
+  ASSERT_GT(n, 60);
+  EXPECT_LT(std::abs(sum / n), 0.02) << "m; the middle of the face is at 0.04";
+}
+
 TEST(Curbs, TiltAndStepAloneFindTheLineToo) {
   SyntheticCloud cloud;
   cloud.ground(0, 0, 12, 12, kDensity, [](double, double y) { return y > 6 ? 0.12 : 0.0; });
@@ -153,7 +173,7 @@ std::size_t kept_of_line(double length, double score) {
   std::vector<CurbCandidate> candidates;
   for (double x = 0.5; x <= 0.5 + length; x += 0.125) {
     CurbCandidate c;
-    c.foot = {x, 1.5};
+    c.at = {x, 1.5};
     c.up = Eigen::Vector2d::UnitY();
     c.height = 0.1;
     c.score = score;

@@ -85,6 +85,8 @@ TEST(Evaluation, JsonHasTheAgreedKeysAndNullForTheUnknown) {
     for (const char* key : {"precision", "recall", "f1"})
       EXPECT_TRUE(json.at("curb").at(tolerance).at(key).is_number());
   }
+  for (const char* key : {"true_points", "found", "marked_points", "wrong"})
+    EXPECT_TRUE(json.at("lowered_kerbs").at(key).is_number()) << key;
   EXPECT_TRUE(json.at("lateral_cm").at("median").is_number());
   EXPECT_EQ(json.at("classes").at("confusion").size(), 5U);
   EXPECT_TRUE(json.at("trajectory").at("ate_m").is_number());
