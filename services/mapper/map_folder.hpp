@@ -21,7 +21,8 @@ inline constexpr int kMapFormat = 1;
 
 /// Replaces the map in `folder`, if there is one, in one step once the new one is complete and on the disk: a crash at
 /// any time leaves the old or the new. Until then the new one grows in `folder`.partial; one process at a time.
-/// Throws MapFolderError: what cannot be written, a map that load_map() would refuse, or a folder that holds anything
+/// What is on_disk stays the file that it is (a hard link): only what is new is written.
+/// Throws MapFolderError: what cannot be written, or is not on the disk, a map that load_map() would refuse, or a folder that holds anything
 /// but a map (which is left alone).
 void save_map(const SavedMap& map, const std::filesystem::path& folder);
 

@@ -28,13 +28,27 @@ std::string row_of(const Matrix& m, int rows) {
   return text;
 }
 
-void write_tiles(const SavedMap& map, int voxel_steps, const fs::path& folder) {
+/// A file of the old map is one of the new.
+void keep_file(const fs::path& name, const ReplacedFolder& target) {
+  std::error_code error;
+  fs::create_hard_link(target.folder() / name, target.partial() / name, error);
+  if (error) fs::copy_file(target.folder() / name, target.partial() / name, error);  // there are no links everywhere
+  if (error) fail_map(target.folder() / name, error.message());
+}
+
+void write_tiles(const SavedMap& map, int voxel_steps, const ReplacedFolder& target) {
+  const fs::path& folder = target.partial();
   std::string table = std::string(Rules::kTilesHeader) + "\n";
   std::set<TileKey> seen;
   std::vector<float> values;
   for (const SavedTile& tile : map.tiles) {
     const fs::path file = folder / map_tile_file(tile.key);
     if (!seen.insert(tile.key).second) fail_map(file, "is there twice");
+    fmt::format_to(std::back_inserter(table), "{},{},{},{}\n", tile.key.x, tile.key.y, tile.z_origin, tile.utime);
+    if (tile.on_disk) {
+      keep_file(map_tile_file(tile.key), target);
+      continue;
+    }
     check_map_tile(tile, voxel_steps, file);
     values.clear();
     for (const TilePoint& p : tile.points) {
@@ -43,23 +57,27 @@ void write_tiles(const SavedMap& map, int voxel_steps, const fs::path& folder) {
                      pcd_coordinate(tile.z_origin, p.z), static_cast<float>(p.intensity)});
     }
     write_pcd(file, Rules::kTileFields, values);
-    fmt::format_to(std::back_inserter(table), "{},{},{},{}\n", tile.key.x, tile.key.y, tile.z_origin, tile.utime);
   }
   write_map_file(folder / "tiles.csv", table);
 }
 
-void write_nodes(const SavedMap& map, const fs::path& folder) {
+void write_nodes(const SavedMap& map, const ReplacedFolder& target) {
+  const fs::path& folder = target.partial();
   const fs::path file = folder / "nodes.csv";
   std::string table = std::string(Rules::kNodesHeader) + "\n";
   std::vector<float> values;
   for (std::size_t i = 0; i < map.nodes.size(); ++i) {
     const MapNode& node = map.nodes[i];
     check_map_node(node, file, i);
+    fmt::format_to(std::back_inserter(table), "{}{}\n", node.utime, row_of(node.T_map_base.matrix(), 3));
+    if (i < map.nodes_on_disk) {
+      keep_file(map_node_file(i), target);
+      continue;
+    }
     values.clear();
     for (const NodePoint& p : node.points)
       values.insert(values.end(), {pcd_coordinate(0.0, p.x), pcd_coordinate(0.0, p.y), pcd_coordinate(0.0, p.z)});
     write_pcd(folder / map_node_file(i), Rules::kNodeFields, values, node.T_map_base);
-    fmt::format_to(std::back_inserter(table), "{}{}\n", node.utime, row_of(node.T_map_base.matrix(), 3));
   }
   write_map_file(file, table);
 }
@@ -118,8 +136,8 @@ void save_map(const SavedMap& map, const fs::path& folder) {
     fs::create_directory(target.partial() / name, error);
     if (error) fail_map(target.partial() / name, error.message());
   }
-  write_tiles(map, voxel_steps, target.partial());
-  write_nodes(map, target.partial());
+  write_tiles(map, voxel_steps, target);
+  write_nodes(map, target);
   write_graph(map, target.partial());
   write_head(map, target.partial());
   target.commit();

@@ -38,18 +38,34 @@ void Mapper::load(const SavedMap& map) {
   tracker_.begin_at(T_map_start, config_.start_radius);
 }
 
-SavedMap Mapper::saved(std::int32_t epoch) const {
-  SavedMap map;
-  map.voxel = config_.dense.voxel;
-  map.epoch = epoch;
+MapSnapshot Mapper::snapshot(std::int32_t epoch, const MapVersions& on_disk) const {
+  MapSnapshot out;
+  out.map.voxel = config_.dense.voxel;
+  out.map.epoch = out.versions.epoch = epoch;
+  const bool comparable = on_disk.epoch == epoch;
   const DenseMap& dense = dense_.map();
   for (const TileKey& key : dense.keys()) {
     const DenseTile& tile = *dense.tile(key);
-    if (!tile.points().empty()) map.tiles.push_back({key, tile.z_origin(), tile.utime(), tile.points()});
+    if (tile.num_points() == 0) continue;
+    const MapVersions::Tile version{tile.utime(), tile.removed_at(), tile.records().size()};
+    const auto known = on_disk.tiles.find(key);
+    const bool kept = comparable && known != on_disk.tiles.end() && known->second == version;
+    out.map.tiles.push_back({key, tile.z_origin(), tile.utime(), {}, kept});
+    if (!kept) out.map.tiles.back().points = tile.points();
+    out.versions.tiles.emplace(key, version);
   }
-  for (int id = 0; id < atlas_.size(); ++id) map.nodes.push_back(atlas_.node(id));
-  map.edges = atlas_.edges();
-  return map;
+  for (int id = 0; id < atlas_.size(); ++id) {
+    const MapNode& node = atlas_.node(id);
+    const auto index = static_cast<std::size_t>(id);
+    out.versions.nodes.push_back({node.utime, node.T_map_base.matrix(), node.points.size()});
+    const bool kept = comparable && out.map.nodes_on_disk == index && index < on_disk.nodes.size() &&
+                      on_disk.nodes[index] == out.versions.nodes.back();
+    if (kept) ++out.map.nodes_on_disk;
+    out.map.nodes.push_back(kept ? MapNode{node.utime, node.T_map_base, {}} : node);
+  }
+  out.map.edges = atlas_.edges();
+  out.versions.edges = out.map.edges.size();
+  return out;
 }
 
 std::optional<MapperUpdate> Mapper::process(const Revolution& revolution, const OdometryHistory& odometry) {

@@ -10,6 +10,7 @@
 #include "services/mapper/atlas.hpp"
 #include "services/mapper/dense_worker.hpp"
 #include "services/mapper/loop_closer.hpp"
+#include "services/mapper/map_snapshot.hpp"
 #include "services/mapper/mapper_config.hpp"
 #include "services/mapper/odometry_history.hpp"
 #include "services/mapper/place_finder.hpp"
@@ -47,7 +48,9 @@ class Mapper {
   /// that the configuration gives.
   void load(const SavedMap& map);
   /// All that outlives the drive.
-  [[nodiscard]] SavedMap saved(std::int32_t epoch) const;
+  [[nodiscard]] SavedMap saved(std::int32_t epoch) const { return snapshot(epoch, {}).map; }
+  /// The same, less what a folder holds already.
+  [[nodiscard]] MapSnapshot snapshot(std::int32_t epoch, const MapVersions& on_disk) const;
 
   /// Takes the next revolution; nothing when it cannot be placed in time or holds too few points that can be
   /// measurements: see Tracker::track(). Such changes nothing.

@@ -17,11 +17,12 @@ struct MapperConfig {
   std::string method = "icp";
   int threads = 2;  ///< 2: the dense map is worked on beside registration
   std::string mode =
-      "map";             ///< map: begins a new map; extend: goes on with the one in `folder`; localise: only uses it
-  std::string folder;    ///< the map on disk; written at the end (map, extend); empty: not kept
-  double start_x = 0;    ///< m in that map, where the drive begins...
-  double start_y = 0;    ///< m
-  double start_yaw = 0;  ///< rad
+      "map";           ///< map: begins a new map; extend: goes on with the one in `folder`; localise: only uses it
+  std::string folder;  ///< the map on disk; written while driving and at the end (map, extend); empty: not kept
+  double save_every = 60.0;         ///< s between two times that what is new goes to the disk; 0: only at the end
+  double start_x = 0;               ///< m in that map, where the drive begins...
+  double start_y = 0;               ///< m
+  double start_yaw = 0;             ///< rad
   double start_radius = 5.0;        ///< m, ...to about this; found by searching
   double odometry_wait_s = 0.25;    ///< s of lidar time that a revolution waits for odometry
   double start_wait_s = 2.0;        ///< s of lidar time that the first revolution waits for odometry
@@ -51,6 +52,7 @@ struct MapperConfig {
     v.field("threads", threads, {1, 2}, "2: the dense map is worked on beside registration");
     v.choice("mode", mode, {"map", "extend", "localise"}, "what becomes of the map in `folder`");
     v.field("folder", folder, "the map on disk; empty: not kept");
+    v.field("save_every", save_every, {0.0, 86400.0}, "s between two times that it is saved; 0: only at the end");
     v.field("start_x", start_x, {-1e6, 1e6}, "m in that map, where the drive begins");
     v.field("start_y", start_y, {-1e6, 1e6}, "m");
     v.field("start_yaw", start_yaw, {-7.0, 7.0}, "rad");

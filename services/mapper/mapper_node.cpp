@@ -56,6 +56,7 @@ std::int64_t microseconds(double seconds) {
 }  // namespace
 
 MapperNode::MapperNode(const MapperConfig& config, Publisher& bus) : config_(config), bus_(bus), mapper_(config) {
+  if (!config_.folder.empty() && config_.mode != "localise") saver_.emplace(config_.folder);
   if (config_.mode == "map") return;
   const SavedMap map = load_map(config_.folder);
   if (std::abs(map.voxel - config_.dense.voxel) > 1e-9) {
@@ -202,6 +203,7 @@ void MapperNode::take_changes() {
     catalog_.remove(key);
     sent_.erase(key);
   }
+  keep_map();
 }
 
 void MapperNode::take_changed(const std::vector<TileKey>& changed) {
@@ -311,17 +313,23 @@ void MapperNode::finish() {
   }
   is_changed_.clear();
   send_index(last_end_);
-  keep_map();
+  keep_map_at_the_end();
 }
 
+/// Every so often of message time. Only what is new is copied here; another thread writes it.
 void MapperNode::keep_map() {
-  if (config_.folder.empty() || config_.mode == "localise") return;
-  try {
-    save_map(mapper_.saved(epoch_), config_.folder);
-  } catch (const MapFolderError& error) {
-    counters_.add("faults.folder");
-    folder_fault_ = error.what();
-  }
+  if (!saver_ || config_.save_every <= 0) return;
+  if (kept_ == 0) kept_ = last_end_;
+  if (saver_->busy() || std::abs(last_end_ - kept_) < microseconds(config_.save_every)) return;
+  kept_ = last_end_;
+  saver_->begin(mapper_.snapshot(epoch_, saver_->on_disk()));
+}
+
+void MapperNode::keep_map_at_the_end() {
+  if (!saver_) return;
+  saver_->finish();
+  saver_->begin(mapper_.snapshot(epoch_, saver_->on_disk()));
+  saver_->finish();
 }
 
 NodeReport MapperNode::report() const {
@@ -331,9 +339,12 @@ NodeReport MapperNode::report() const {
   for (const Counters* part : {&assembler_.counters(), &method, &mapper_.dense().counters()}) {
     for (const auto& [name, value] : part->values()) report.counters.add(name, value);
   }
+  if (saver_) {
+    for (const auto& [name, value] : saver_->counters().values()) report.counters.add(name, value);
+  }
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
-  if (!folder_fault_.empty()) report.faults.push_back(folder_fault_);
+  if (saver_ && !saver_->fault().empty()) report.faults.push_back(saver_->fault());
   if (lidar_time_ == 0) report.faults.push_back("no LIDAR_POINTS");
   if (epoch_ != 0 && without_odometry_ >= kOdometryMissing)
     report.faults.push_back("no usable ODOMETRY: assuming constant velocity");

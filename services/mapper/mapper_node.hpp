@@ -11,6 +11,7 @@
 #include "common/latency.hpp"
 #include "common/node.hpp"
 #include "common/tile_sync.hpp"
+#include "services/mapper/map_saver.hpp"
 #include "services/mapper/mapper.hpp"
 #include "services/mapper/mapper_config.hpp"
 #include "services/mapper/odometry_history.hpp"
@@ -57,6 +58,7 @@ class MapperNode final : public Node {
   void send_requested(int budget);
   void send_index(std::int64_t now);
   void keep_map();
+  void keep_map_at_the_end();
 
   MapperConfig config_;
   Publisher& bus_;
@@ -70,7 +72,8 @@ class MapperNode final : public Node {
   std::int64_t last_end_ = 0;      // us, of the last revolution processed
   std::int32_t epoch_ = 0;         // 0: no map yet
   std::int32_t epoch_before_ = 0;  // of the map on disk
-  std::string folder_fault_;
+  std::optional<MapSaver> saver_;
+  std::int64_t kept_ = 0;  // us, message time
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
 
   struct Sent {

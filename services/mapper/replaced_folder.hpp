@@ -15,6 +15,8 @@ class ReplacedFolder {
   ReplacedFolder(const ReplacedFolder&) = delete;
   ReplacedFolder& operator=(const ReplacedFolder&) = delete;
 
+  /// What will be replaced, links followed; need not exist.
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
   /// Where to write.
   [[nodiscard]] const std::filesystem::path& partial() const { return partial_; }
   /// All that was written is on the disk; then it takes its place; then what was there goes.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <stdexcept>
 #include <vector>
@@ -16,6 +17,7 @@ struct SavedTile {
   std::int32_t z_origin = 0;  ///< m in map
   std::int64_t utime = 0;     ///< us, when the newest point came
   std::vector<TilePoint> points;
+  bool on_disk = false;  ///< the folder that it will be saved to holds this very tile: `points` is empty
 };
 
 /// All that outlives a drive: the dense map, the nodes from which the map for registration is built anew, and the
@@ -25,6 +27,7 @@ struct SavedMap {
   std::int32_t epoch = 1;  ///< of its tiles
   std::vector<SavedTile> tiles;
   std::vector<MapNode> nodes;
+  std::size_t nodes_on_disk = 0;  ///< so many, the first: the folder holds their very scans, `points` is empty
   std::vector<PoseEdge> edges;
 };
 

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "services/mapper/map_folder.hpp"
+#include "services/mapper/map_folder_rules.hpp"
 #include "tests/services/mapper/saved_map_fixture.hpp"
 
 namespace curbstone {
@@ -161,6 +162,81 @@ TEST(MapFolder, KilledAtAnyMomentOneOfTheTwoMapsIsWhole) {
   save_map(maps[1], folder);  // over whatever the last one left
   EXPECT_TRUE(equal(load_map(folder), maps[1]));
   EXPECT_THAT(names_in(scratch / "."), testing::ElementsAre("town"));
+}
+
+/// A map that grows: each time a few tiles are other ones, and there are more nodes.
+SavedMap grown(int times) {
+  SavedMap map = random_map(1, 60, 12 + 3 * times);
+  const SavedMap others = random_map(2, 60, 0);
+  map.epoch = times;
+  for (int i = 0; i < std::min(times, 30); ++i) {
+    SavedTile& tile = map.tiles[static_cast<std::size_t>(2 * i)];
+    tile.points = others.tiles[static_cast<std::size_t>(2 * i)].points;
+    ++tile.utime;
+  }
+  return map;
+}
+
+/// Of the map that grew once more, what save_map() need not be given.
+SavedMap news_of(int times) {
+  SavedMap map = grown(times);
+  const SavedMap before = grown(times - 1);
+  for (std::size_t i = 0; i < map.tiles.size(); ++i) {
+    if (map.tiles[i].utime != before.tiles[i].utime) continue;
+    map.tiles[i].on_disk = true;
+    map.tiles[i].points.clear();
+  }
+  const auto same = [](const MapNode& a, const MapNode& b) {
+    return a.utime == b.utime && a.points == b.points && a.T_map_base.matrix() == b.T_map_base.matrix();
+  };
+  while (map.nodes_on_disk < before.nodes.size() &&
+         same(map.nodes[map.nodes_on_disk], before.nodes[map.nodes_on_disk])) {
+    map.nodes[map.nodes_on_disk++].points.clear();
+  }
+  return map;
+}
+
+TEST(MapFolder, OnlyWhatIsNewIsWritten) {
+  const ScratchFolder scratch;
+  save_map(grown(0), scratch / "town");
+  const SavedMap news = news_of(1);
+  EXPECT_GE(news.nodes_on_disk, 12U);
+  const auto file_of = [&](const SavedTile& tile) { return (scratch / "town") / map_tile_file(tile.key); };
+  std::vector<fs::file_time_type> written;
+  for (const SavedTile& tile : news.tiles) written.push_back(fs::last_write_time(file_of(tile)));
+  save_map(news, scratch / "town");
+  EXPECT_TRUE(equal(load_map(scratch / "town"), grown(1)));
+  for (std::size_t i = 0; i < news.tiles.size(); ++i)
+    EXPECT_EQ(fs::last_write_time(file_of(news.tiles[i])) == written[i], news.tiles[i].on_disk) << i;
+}
+
+TEST(MapFolder, WhatIsSaidToBeThereAndIsNotIsAnErrorAndTheOldMapStays) {
+  const ScratchFolder scratch;
+  EXPECT_THROW(save_map(news_of(1), scratch / "town"), MapFolderError);
+  EXPECT_FALSE(fs::exists(scratch / "town"));
+}
+
+TEST(MapFolder, KilledAtAnyMomentWhileItGrowsTheLastWholeOneIsThere) {
+  const ScratchFolder scratch;
+  const fs::path folder = scratch / "town";
+  std::mt19937 random(5);
+  int last = 0;
+  save_map(grown(0), folder);
+  for (int round = 0; round < 25; ++round) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      for (int times = last + 1;; ++times) save_map(news_of(times), folder);
+    }
+    usleep(static_cast<useconds_t>(1000 + random() % 40000));
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+    const SavedMap found = load_map(folder);
+    ASSERT_GE(found.epoch, last) << round;
+    last = found.epoch;
+    ASSERT_TRUE(equal(found, grown(last))) << round;
+  }
+  EXPECT_GT(last, 5);
 }
 
 }  // namespace

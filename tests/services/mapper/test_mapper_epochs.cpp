@@ -157,6 +157,48 @@ TEST(MapperEpochs, AMapIsKeptAndGoneOnWithInAHigherEpoch) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(MapperEpochs, AMapIsKeptWhileDrivingAndNobodyNotices) {
+  const auto folder = std::filesystem::temp_directory_path() / ("curbstone-kept-" + std::to_string(getpid()));
+  std::filesystem::remove_all(folder);
+  MapperConfig config;
+  config.folder = folder.string();
+  config.save_every = 0.5;
+  Bench kept(config);
+  Bench plain;
+  std::size_t tiles = 0;
+  for (int i = 0; i < 4; ++i) {
+    kept.drive(20);
+    plain.drive(20);
+    while (kept.node.report().counters["folder.saved"] <= i) kept.node.tick(utime(100 + i));
+    const SavedMap found = load_map(folder);
+    EXPECT_GE(found.tiles.size(), tiles);
+    EXPECT_FALSE(found.nodes.empty());
+    tiles = found.tiles.size();
+  }
+  EXPECT_GT(tiles, 10U);
+  kept.finish();
+  plain.finish();
+  const SavedMap found = load_map(folder);
+  const SavedMap expected = kept.node.mapper().saved(kept.listener.epoch);  // all of it, at once
+  ASSERT_EQ(found.tiles.size(), expected.tiles.size());
+  for (std::size_t i = 0; i < found.tiles.size(); ++i) {
+    const SavedTile& a = found.tiles[i];
+    const SavedTile& b = expected.tiles[i];
+    ASSERT_TRUE(a.key == b.key && a.utime == b.utime && a.points.size() == b.points.size()) << i;
+    for (std::size_t k = 0; k < a.points.size(); ++k)
+      ASSERT_TRUE(a.points[k].x == b.points[k].x && a.points[k].y == b.points[k].y && a.points[k].z == b.points[k].z);
+  }
+  ASSERT_EQ(found.nodes.size(), expected.nodes.size());
+  for (std::size_t i = 0; i < found.nodes.size(); ++i) EXPECT_EQ(found.nodes[i].points, expected.nodes[i].points);
+  EXPECT_EQ(found.edges.size(), expected.edges.size());
+  ASSERT_EQ(kept.listener.poses.size(), plain.listener.poses.size());
+  for (std::size_t i = 0; i < kept.listener.poses.size(); ++i) {
+    for (int k = 0; k < 3; ++k)
+      EXPECT_EQ(kept.listener.poses[i].map_base_position[k], plain.listener.poses[i].map_base_position[k]);
+  }
+  std::filesystem::remove_all(folder);
+}
+
 TEST(MapperEpochs, AMapThatCannotBeUsedStopsTheProcessAtOnce) {
   MapperConfig config;
   config.mode = "extend";
