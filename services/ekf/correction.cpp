@@ -1,6 +1,7 @@
 #include "services/ekf/correction.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 
 namespace curbstone {
 
@@ -12,12 +13,24 @@ double distance(const Belief& belief, const Observation& z) {
   return z.residual.dot(S.ldlt().solve(z.residual));
 }
 
-void correct(Belief& belief, const Observation& z) {
-  using Gain = Eigen::Matrix<double, kErrorSize, Eigen::Dynamic, 0, kErrorSize, Observation::kMaxRows>;
-  ErrorMatrix& P = belief.covariance;
-  const Gain PHt = P * z.H.transpose();
+Gain optimal_gain(const Belief& belief, const Observation& z) {
+  const Gain PHt = belief.covariance * z.H.transpose();
   const Observation::Noise S = z.H * PHt + z.R;
-  const Gain K = S.ldlt().solve(PHt.transpose()).transpose();
+  return S.ldlt().solve(PHt.transpose()).transpose();
+}
+
+Gain guarded_gain(const Belief& belief, const Observation& z) {
+  Gain K = optimal_gain(belief, z);
+  const Eigen::Vector3d up = belief.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
+  const auto of_bias = belief.covariance.middleCols<3>(kGyroBias);
+  const double variance = std::max(up.dot(of_bias.middleRows<3>(kGyroBias) * up), 1e-18);
+  const Eigen::Vector3d place_by_bias = of_bias.middleRows<3>(kPosition) * up / variance;
+  K.middleRows<3>(kPosition) = (place_by_bias * (up.transpose() * K.middleRows<3>(kGyroBias))).eval();
+  return K;
+}
+
+void correct(Belief& belief, const Observation& z, const Gain& K) {
+  ErrorMatrix& P = belief.covariance;
   const ErrorMatrix I_KH = ErrorMatrix::Identity() - K * z.H;
   P = (I_KH * P * I_KH.transpose() + K * z.R * K.transpose()).eval();
   P = (0.5 * (P + P.transpose())).eval();

@@ -17,13 +17,23 @@ struct Observation {
   Jacobian H;
   Noise R;
 };
+using Gain = Eigen::Matrix<double, kErrorSize, Eigen::Dynamic, 0, kErrorSize, Observation::kMaxRows>;
 
 /// Squared Mahalanobis distance of the residual: chi-square with as many degrees of freedom as rows if the filter is
 /// honest.
 [[nodiscard]] double distance(const Belief& belief, const Observation& z);
 
-/// Kalman update by the optimal gain. Joseph's form keeps the covariance positive where the short form rounds it away.
-void correct(Belief& belief, const Observation& z);
+/// The gain that is optimal for every component of the error.
+[[nodiscard]] Gain optimal_gain(const Belief& belief, const Observation& z);
+
+/// The gain that is optimal but for the position, which moves only by what the gyro's bias about the vertical has led
+/// it astray: that is geometry, and large after a start on the move. What scale, axle and course would move it by rests
+/// on models of tyres and springs, and made a recorded car's path worse.
+[[nodiscard]] Gain guarded_gain(const Belief& belief, const Observation& z);
+
+/// Kalman update by any gain. Joseph's form holds for all of them, and keeps the covariance positive where the short
+/// form rounds it away.
+void correct(Belief& belief, const Observation& z, const Gain& K);
 
 /// Two independent observations as one of at most kMaxRows: applied together they share the same linearisation.
 [[nodiscard]] Observation stack(const Observation& a, const Observation& b);

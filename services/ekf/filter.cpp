@@ -325,7 +325,7 @@ void Filter::correct_with_map() {
 
 void Filter::apply(const Observation& z) {
   const Pose before = base_pose(belief_.mean, geometry_);
-  correct(belief_, z);
+  correct(belief_, z, guarded_gain(belief_, z));
   spreader_.corrected(before, base_pose(belief_.mean, geometry_));
 }
 

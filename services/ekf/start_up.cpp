@@ -137,7 +137,7 @@ Belief StartUp::standing(std::int64_t utime) const {
   const double rate_sigma = std::hypot(config_.noise.gyro, config_.standstill.rate_noise) / averaging;
   const auto z = stack(observe_gravity(belief.mean, acceleration, Eigen::Vector3d::Zero(), level_sigma),
                        observe_standing_rate(belief.mean, rate, rate_sigma));
-  correct(belief, z);
+  correct(belief, z, optimal_gain(belief, z));
   belief.covariance.diagonal().segment<3>(kVelocity).setConstant(config_.standstill.speed_noise *
                                                                  config_.standstill.speed_noise);
   fix_origin(belief);
@@ -151,7 +151,7 @@ Belief StartUp::moving(std::int64_t utime) const {
   const Eigen::Vector3d acceleration(wheels.acceleration, wheels.speed * rate.z(), 0.0);
   Belief belief = prior(utime, specific_force - acceleration);
   const auto z = observe_gravity(belief.mean, specific_force, acceleration, config_.start.moving_tilt_sigma * kGravity);
-  correct(belief, z);
+  correct(belief, z, optimal_gain(belief, z));
   belief.mean.velocity = Eigen::Vector3d(wheels.speed, 0, 0) - rate.cross(geometry_.to_base);
   belief.covariance.diagonal().segment<3>(kVelocity).setConstant(config_.start.moving_speed_sigma *
                                                                  config_.start.moving_speed_sigma);
