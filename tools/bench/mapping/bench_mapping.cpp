@@ -27,6 +27,7 @@ struct BenchMappingOptions {
   std::vector<std::string> set;
   std::size_t most = 1'000'000;
   double town_seconds = 40;
+  double sweep_seconds = 0;  // 0: by the times
   std::vector<std::uint64_t> seeds = {1};
   double loop = 0;  // m; 0: the usual drives
   bool opposite = false;
@@ -62,6 +63,7 @@ void run_scans(const BenchMappingOptions& options, const std::string& folder, co
                std::vector<MappingResult>& results) {
   ScanDrive drive(folder, poses, options.times, options.most);
   if (options.sweep != "auto") drive.set_swept(options.sweep == "raw");
+  if (options.sweep_seconds > 0) drive.set_sweep(options.sweep_seconds);
   run_all(drive, options, results);
   drive.prior = "poor";
   drive.add_odometry(poor_odometry(drive.truth(), {}, drive.period()));
@@ -123,6 +125,10 @@ void add_mapping_options(CommandLine& line, BenchMappingOptions& options) {
   line.option("--priors", options.priors, "Odometry: none, poor (2 % scale, 0.2 deg/s, of the truth), ekf (town)")
       .comma_separated()
       .one_of({"none", "poor", "ekf"});
+  line.option("--sweep-seconds", options.sweep_seconds,
+              "How long a raw scan took; 0: as long as scans are apart, at most 0.1 s")
+      .within(0.0, 1.0)
+      .shows_default();
   line.option("--most", options.most, "Scans of a recorded drive, at most");
   line.option("--town-seconds", options.town_seconds, "Length of the simulated drive; 0: none")
       .within(0.0, 3600.0)

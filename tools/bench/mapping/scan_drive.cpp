@@ -15,6 +15,7 @@ namespace curbstone {
 namespace {
 
 constexpr std::int64_t kEpoch = 1'317'000'000'000'000;  // us, of the first scan: times in the files begin at 0
+constexpr std::int64_t kLongestSweep = 100'000;         // us: scans farther apart have been thinned out
 constexpr float kMinRange = 0.4F, kMaxRange = 120.0F;   // m, as the assembler has them
 
 std::string bytes_of(const std::string& file) {
@@ -84,6 +85,7 @@ ScanDrive::ScanDrive(const std::string& folder, const std::string& poses_file, c
     truth_.push_back({kEpoch + std::llround(scans_.times[i] * 1e6), scans_.T_first_scan[i]});
   }
   period_ = std::llround(scans_.period() * 1e6);
+  sweep_ = std::min(period_, kLongestSweep);
   vehicle.lidar = {0, 0, 0, 0, 0, 0};
   ground = -1.73;
   std::filesystem::path path = std::filesystem::path(folder).lexically_normal();
@@ -112,8 +114,8 @@ Revolution ScanDrive::revolution(std::size_t scan) const {
   out.number = static_cast<std::int32_t>(scan);
   out.start = out.end = truth_[scan].utime;
   if (scans_.swept) {
-    out.start -= period_ / 2;
-    out.end = out.start + period_;
+    out.start -= sweep_ / 2;
+    out.end = out.start + sweep_;
   }
   const float sweep = 1e-6F * static_cast<float>(out.end - out.start);
   for (std::size_t i = 0; i < points.size(); ++i) {

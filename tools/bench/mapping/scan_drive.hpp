@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "tools/bench/mapping/mapping_drive.hpp"
@@ -16,6 +17,9 @@ class ScanDrive final : public MappingDrive {
   ScanDrive(const std::string& folder, const std::string& poses_file, const std::string& times_file,
             std::size_t most = SIZE_MAX);
   void set_swept(bool swept) { scans_.swept = swept; }
+  /// How long the head takes for a scan. Unless told: as long as scans are apart, but at most 0.1 s, for where they are
+  /// farther apart some were left out.
+  void set_sweep(double seconds) { sweep_ = std::llround(seconds * 1e6); }
 
   void play(const Take& take) const override;
   [[nodiscard]] const Trajectory& truth() const override { return truth_; }
@@ -28,6 +32,7 @@ class ScanDrive final : public MappingDrive {
   ScanSet scans_;
   Trajectory truth_;
   std::int64_t period_;
+  std::int64_t sweep_;  // us
   std::vector<OdometrySample> odometry_;
 };
 

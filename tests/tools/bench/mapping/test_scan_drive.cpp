@@ -60,6 +60,17 @@ TEST_F(ScanFolder, ASweepBeginsBehindAndItsStampIsInTheMiddle) {
   }
 }
 
+TEST_F(ScanFolder, ThinnedScansStillTookATenthOfASecondEach) {
+  add_rings();
+  std::ofstream(folder_ / "times.txt") << "0.0\n0.3\n";
+  ScanDrive scans = drive();
+  EXPECT_EQ(scans.revolution(1).end - scans.revolution(1).start, 100'000);
+  EXPECT_EQ(scans.truth()[1].utime, scans.revolution(1).start + 50'000);
+  scans.set_sweep(0.05);
+  EXPECT_EQ(scans.revolution(1).end - scans.revolution(1).start, 50'000);
+  EXPECT_LE(scans.revolution(1).points.back().time, 0.05F);
+}
+
 TEST_F(ScanFolder, ScansWithoutRingsWerePutRightAlready) {
   const Revolution revolution = drive().revolution(0);
   EXPECT_EQ(revolution.start, revolution.end);
