@@ -15,7 +15,9 @@ target_compile_options(curbstone_options INTERFACE
   -Wnon-virtual-dtor -Wdouble-promotion -Wformat=2
   -Wno-restrict  # g++ 12 warns falsely inside std::string (GCC bug 105329)
   # The same bits on every machine: no contraction to fused multiply-add behind our back.
-  -ffp-contract=off)
+  -ffp-contract=off
+  # A name of one file may hide one of another file of its batch.
+  $<$<BOOL:${CMAKE_UNITY_BUILD}>:-Wno-shadow>)
 if(CURBSTONE_WERROR)
   target_compile_options(curbstone_options INTERFACE -Werror)
 endif()

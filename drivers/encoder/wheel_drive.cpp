@@ -21,9 +21,9 @@ constexpr Object kPositionLeft{0x6064, 1};
 constexpr Object kPositionRight{0x6064, 2};
 constexpr Object kSpeeds{0x606C, 3};
 
-constexpr std::int64_t kStatusPeriod = 100'000;   // us, of TPDO2
-constexpr std::int64_t kPollPeriod = 1'000'000;   // us, of the fault word
-constexpr std::int64_t kRetryPeriod = 1'000'000;  // us, after a set-up that failed
+constexpr std::int64_t kStatusPeriod = 100'000;        // us, of TPDO2
+constexpr std::int64_t kPollPeriod = 1'000'000;        // us, of the fault word
+constexpr std::int64_t kSetUpRetryPeriod = 1'000'000;  // us, after a set-up that failed
 
 /// Low half left, high half right: measured for the speeds, probable for status and faults (encoders_can.md, B4).
 std::array<std::uint16_t, 2> halves(std::uint32_t value) {
@@ -199,7 +199,7 @@ void WheelDrive::tick(std::int64_t now) {
   // Who has slept has not heard the drive either: what it sent waits to be read, and comes before the next tick.
   const bool slept = now - std::exchange(last_tick_, now) > settings_.patience / 2;
   sdo_.tick(now);
-  if (state_ == State::kFailed && now - since_ >= kRetryPeriod) start(now);
+  if (state_ == State::kFailed && now - since_ >= kSetUpRetryPeriod) start(now);
   if (state_ != State::kRunning) return;
   if (now - last_counts_ > settings_.patience && !slept) {
     counters_.add("drive.silences");

@@ -13,7 +13,7 @@ namespace {
 constexpr std::int64_t kAnswerTime = 500'000;  // us
 constexpr int kMaxTries = 4;                   // of one command, before all begins again
 constexpr std::uint16_t kUnrated = 0xFFFF;     // "with every message"
-constexpr std::uint16_t kTypeMask = 0xF8F0;
+constexpr std::uint16_t kOutputTypeMask = 0xF8F0;
 
 const char* error_text(std::uint8_t code) {
   switch (code) {
@@ -136,7 +136,8 @@ void MtConfigurator::check_outputs(std::span<const std::uint8_t> effective) {
   for (const auto& [type, name] : {std::pair{0x4020, "acceleration"}, std::pair{0x8020, "rate of turn"}}) {
     int rate = 0;
     for (auto rest = effective; rest.size() >= 4; rest = rest.subspan(4)) {
-      if ((big_endian<std::uint16_t>(rest) & kTypeMask) == type) rate = big_endian<std::uint16_t>(rest.subspan(2));
+      if ((big_endian<std::uint16_t>(rest) & kOutputTypeMask) == type)
+        rate = big_endian<std::uint16_t>(rest.subspan(2));
     }
     if (rate != settings_.rate) {
       mismatch_ = fmt::format("the IMU sends {} at {} Hz, {} Hz was asked for", name, rate, settings_.rate);

@@ -4,13 +4,13 @@ namespace curbstone {
 
 namespace {
 
-constexpr int kTurn = 36000;         // 0.01 deg
+constexpr int kCircle = 36000;       // 0.01 deg
 constexpr int kBlindZoneFrom = 100;  // more than any motor speed gives: 20, 40, 80 at 5, 10, 20 Hz
-constexpr int kJitter = 1000;        // a step back of less than this is one; else a wide blind zone
+constexpr int kStepBack = 1000;      // a step back of less than this is one; else a wide blind zone
 
 int step(std::uint16_t from, std::uint16_t to) {
-  const int forward = (to - from + kTurn) % kTurn;
-  return forward > kTurn - kJitter ? forward - kTurn : forward;
+  const int forward = (to - from + kCircle) % kCircle;
+  return forward > kCircle - kStepBack ? forward - kCircle : forward;
 }
 
 }  // namespace

@@ -11,14 +11,12 @@ constexpr std::size_t kPublished = 4096;        // poses: 10 s at 400 Hz
 constexpr std::size_t kMaxSamples = 8192;       // bound, whatever the stamps say
 constexpr std::int64_t kCheckPoints = 100'000;  // us from one check point to the next
 
-std::int64_t microseconds(double seconds) {
-  return static_cast<std::int64_t>(seconds / kSecondsPerMicrosecond);
-}
-
 }  // namespace
 
 RewindingFilter::RewindingFilter(const EkfConfig& config)
-    : history_(microseconds(config.timing.history)), filter_(config), published_(kPublished) {}
+    : history_(static_cast<std::int64_t>(config.timing.history / kSecondsPerMicrosecond)),
+      filter_(config),
+      published_(kPublished) {}
 
 RewindingFilter::Key RewindingFilter::key_of(const Sample& sample) {
   return {std::visit([](const auto& s) { return s.utime; }, sample), sample.index()};

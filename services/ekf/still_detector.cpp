@@ -6,14 +6,14 @@ namespace curbstone {
 
 namespace {
 
-constexpr std::size_t kMaxSamples = 4096;  // bound, whatever the stamps say
+constexpr std::size_t kMaxStillSamples = 4096;  // bound, whatever the stamps say
 constexpr double kManyTravels = 20.0;
 
 /// Keeps what is needed to cover `window` seconds up to the newest: one sample may be older.
 template <class Sample>
 void trim(std::deque<Sample>& samples, double window) {
   while (samples.size() > 2 && seconds_between(samples[1].utime, samples.back().utime) >= window) samples.pop_front();
-  if (samples.size() > kMaxSamples) samples.pop_front();
+  if (samples.size() > kMaxStillSamples) samples.pop_front();
 }
 
 template <class Sample>

@@ -11,7 +11,7 @@
 namespace curbstone {
 namespace {
 
-std::vector<NodePoint> thinned(const std::vector<LidarPoint>& points, const AtlasConfig& config) {
+std::vector<NodePoint> node_points(const std::vector<LidarPoint>& points, const AtlasConfig& config) {
   std::vector<NodePoint> kept;
   for (const LidarPoint& point : downsample(points, config.node_voxel, config.node_range)) {
     if (const auto packed = pack(point.position)) kept.push_back(*packed);
@@ -39,7 +39,7 @@ int Atlas::visit(std::int64_t utime, const Pose& T_map_base, const std::vector<L
   }
   const int made = size();
   if (reference_ != kNone) driven_ += (node(reference_).T_map_base.inverse() * T_map_base).translation().norm();
-  nodes_.push_back({{utime, T_map_base, thinned(points, config_)}, driven_, true, {}});
+  nodes_.push_back({{utime, T_map_base, node_points(points, config_)}, driven_, true, {}});
   present_.insert(made);
   if (reference_ != kNone) connect(step(reference_, made, node(reference_).T_map_base.inverse() * T_map_base));
   reference_ = made;

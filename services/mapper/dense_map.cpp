@@ -14,16 +14,12 @@ constexpr std::uint32_t kHeldEvery = 4;           // revolutions between looks a
 constexpr double kAwake = 40.0;                   // m beyond the range: tiles that keep their voxel sets
 constexpr int kLookEvery = 4;                     // revolutions between looks through a tile
 constexpr std::int64_t kRemoveEvery = 1'000'000;  // us: whoever votes counts such a tile anew
-constexpr double kFarthest = 90'000;              // m from the start, in either axis
+constexpr double kWorldEdge = 90'000;             // m from the start, in either axis
 constexpr double kColumnsPerMetre = DenseTile::kColumns / kTileSize;
-
-std::int64_t microseconds(double seconds) {
-  return std::llround(seconds * 1e6);
-}
 
 /// tile_at() of what can be mapped.
 std::optional<TileKey> mapped_tile_at(const Eigen::Vector3d& p) {
-  if (!(std::abs(p.x()) < kFarthest && std::abs(p.y()) < kFarthest)) return std::nullopt;
+  if (!(std::abs(p.x()) < kWorldEdge && std::abs(p.y()) < kWorldEdge)) return std::nullopt;
   return TileKey{floor_to_int(p.x() / kTileSize), floor_to_int(p.y() / kTileSize)};
 }
 
@@ -56,8 +52,8 @@ VoxelKey waiting_key(TileKey tile, std::uint32_t voxel) {
 DenseMap::DenseMap(const DenseConfig& config)
     : config_(config),
       voxel_steps_(static_cast<int>(std::lround(config.voxel / kPositionStep))),
-      settle_us_(microseconds(config.settle_s)),
-      places_(microseconds(config.persistence_s)),
+      settle_us_(std::llround(1e6 * config.settle_s)),
+      places_(std::llround(1e6 * config.persistence_s)),
       free_space_(config.ground_clearance) {}
 
 const DenseTile* DenseMap::tile(TileKey key) const {

@@ -13,7 +13,7 @@ constexpr int kAcross = kStepsPerTile / kCellSteps;  // cells along a tile's sid
 constexpr int kLayers = 60;                          // cells, half of them below the lidar
 constexpr int kLayer = kAcross * kAcross;            // cells in one
 constexpr int kBelowAll = 400;                       // cells: below every int16
-constexpr auto kStep = static_cast<float>(kPositionStep);
+constexpr auto kRecordStep = static_cast<float>(kPositionStep);
 constexpr std::uint8_t kOften = 2;                  // revolutions whose beams passed through: free
 constexpr std::uint8_t kMost = 4;                   // that are counted
 constexpr float kLowClearance = 0.06F;              // m above the column's lowest point, under what has gone
@@ -40,13 +40,13 @@ void FreeSpace::gather(DenseTile& tile, const Eigen::Vector3d& corner, const Vie
     for (auto i = static_cast<std::size_t>(tile.runs()[run].first); i < end; ++i) {
       if (!tile.there(i)) continue;
       const TilePoint& p = tile.records()[i];
-      const float above = z_origin + kStep * static_cast<float>(p.z) - tile.lowest_at(p);
+      const float above = z_origin + kRecordStep * static_cast<float>(p.z) - tile.lowest_at(p);
       const int column = p.y / kCellSteps * kAcross + p.x / kCellSteps;
       const bool high = above > ground_clearance_;
       if (!high && !(above > kLowClearance && tile.vacated(column))) continue;
       const int layer = (p.z + kBelowAll * kCellSteps) / kCellSteps - kBelowAll - layers_below;
       if (layer < 0 || layer >= kLayers) continue;
-      const Eigen::Vector3f in_lidar = offset + turn * (kStep * Eigen::Vector3f(p.x, p.y, p.z));
+      const Eigen::Vector3f in_lidar = offset + turn * (kRecordStep * Eigen::Vector3f(p.x, p.y, p.z));
       if (in_lidar.squaredNorm() > reach2) continue;
       const auto cell = static_cast<std::uint32_t>(layer * kLayer + column);
       const Sighting sighting = view.image.look(in_lidar, high ? kHigh : kLow);

@@ -8,7 +8,7 @@ namespace curbstone {
 namespace {
 
 /// Features near each other share their shape and its error: of so many, one counts.
-constexpr double kIndependence = 1.0 / 10;
+constexpr double kFeatureIndependence = 1.0 / 10;
 constexpr double kSettled = 0.15;  // m: reach at which matching no longer changes much
 
 }  // namespace
@@ -66,7 +66,7 @@ RegistrationResult LoamRegistration::align(const std::vector<LidarPoint>& points
   LoamProblem problem;
   problem.T_map_base = prior.T_map_base;
   problem.prior = prior;
-  problem.prior_weight = 1 / kIndependence;
+  problem.prior_weight = 1 / kFeatureIndependence;
   Matching matching;
   double annealing = std::clamp(prior.reach, kSettled, std::max(config_.search, kSettled));
   while (result.iterations < config_.max_rounds && !result.converged) {
@@ -84,7 +84,7 @@ RegistrationResult LoamRegistration::align(const std::vector<LidarPoint>& points
     result.converged = settled;
     annealing = std::clamp(2 * step.head<3>().norm(), 0.5 * annealing, annealing);
     if (settled || result.iterations == config_.max_rounds) {
-      const Matrix6 H = kIndependence * seen.P * matching.sum.H * seen.P.transpose() + prior.information;
+      const Matrix6 H = kFeatureIndependence * seen.P * matching.sum.H * seen.P.transpose() + prior.information;
       result.covariance = H.ldlt().solve(Matrix6::Identity());
     }
   }

@@ -8,10 +8,10 @@
 namespace curbstone {
 namespace {
 
-constexpr double kSurroundings = 60.0;  // m along the graph, that one search looks at
-constexpr double kFarthest = 15.0;      // m, that a search reaches
-constexpr double kLeastTurn = 0.3;      // rad, that the vehicle may have turned unseen,
-constexpr double kTurning = 0.3;        // and rad more for each m that it may have gone
+constexpr double kSurroundings = 60.0;    // m along the graph, that one search looks at
+constexpr double kFarthestSearch = 15.0;  // m, that a search reaches
+constexpr double kUnseenTurn = 0.3;       // rad, that the vehicle may have turned unseen,
+constexpr double kTurnPerMetre = 0.3;     // and rad more for each m that it may have gone
 
 }  // namespace
 
@@ -26,13 +26,13 @@ std::optional<FoundPlace> PlaceFinder::find_at(const Atlas& atlas, int node, con
 
 std::optional<FoundPlace> PlaceFinder::find(const Atlas& atlas, const std::vector<LidarPoint>& points,
                                             const Pose& guess, double doubt) {
-  const double reach = std::min(1.0 + doubt, kFarthest);
-  const double turn = std::min(kLeastTurn + kTurning * doubt, std::numbers::pi);
+  const double reach = std::min(1.0 + doubt, kFarthestSearch);
+  const double turn = std::min(kUnseenTurn + kTurnPerMetre * doubt, std::numbers::pi);
   const std::vector<int> near = atlas.near(guess.translation(), reach + 10.0);
   if (!near.empty()) {
     if (const auto found = find_at(atlas, near.front(), points, guess, reach, turn)) return found;
   }
-  return 1.0 + doubt > kFarthest ? find_anywhere(atlas, points, guess) : std::nullopt;
+  return 1.0 + doubt > kFarthestSearch ? find_anywhere(atlas, points, guess) : std::nullopt;
 }
 
 void PlaceFinder::forget() {

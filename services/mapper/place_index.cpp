@@ -9,10 +9,10 @@
 namespace curbstone {
 namespace {
 
-constexpr float kRing = 2.5F;        // m
-constexpr float kStep = 1.0F / 16;   // m of height
-constexpr float kLane = 2.5F;        // m to the side from which a scan is tried too
-constexpr std::size_t kSieve = 150;  // nodes that are compared in full, for each of these
+constexpr float kRing = 2.5F;             // m
+constexpr float kHeightStep = 1.0F / 16;  // m of height
+constexpr float kLane = 2.5F;             // m to the side from which a scan is tried too
+constexpr std::size_t kSieve = 150;       // nodes that are compared in full, for each of these
 
 /// The height of the ground at the vehicle: the middle of the lowest points of directions and near distances.
 float ground_of(const std::vector<NodePoint>& points) {
@@ -47,7 +47,7 @@ PlaceIndex::Heights PlaceIndex::heights_of(const std::vector<NodePoint>& points,
     if (ring >= kRings) continue;
     const float turn = 0.5F + std::atan2(p.y(), p.x()) / (2 * std::numbers::pi_v<float>);
     const int sector = std::clamp(static_cast<int>(turn * kSectors), 0, kSectors - 1);
-    const float height = std::clamp((p.z() - ground) / kStep, 0.0F, 255.0F);
+    const float height = std::clamp((p.z() - ground) / kHeightStep, 0.0F, 255.0F);
     std::uint8_t& highest = heights[static_cast<std::size_t>(sector * kRings + ring)];
     highest = std::max(highest, static_cast<std::uint8_t>(height));
   }

@@ -29,7 +29,7 @@ const auto kOfScan = [](const LidarPoint& p) { return p.position; };
 const auto kOfNode = [](const NodePoint& p) { return unpack(p); };
 
 template <class Points, class Position>
-Cloud moved(const Pose& T, const Points& points, const Position& position) {
+Cloud transformed(const Pose& T, const Points& points, const Position& position) {
   const Eigen::Isometry3f t = T.cast<float>();
   Cloud out;
   out.reserve(points.size());
@@ -93,7 +93,7 @@ std::vector<const MapNode*> near(const std::vector<const MapNode*>& nodes, const
 Cloud points_about(const std::vector<const MapNode*>& nodes, const Eigen::Vector3d& position) {
   Cloud out;
   for (const MapNode* node : nodes) {
-    const Cloud here = moved(from(-position) * node->T_map_base, node->points, kOfNode);
+    const Cloud here = transformed(from(-position) * node->T_map_base, node->points, kOfNode);
     out.insert(out.end(), here.begin(), here.end());
   }
   return out;
@@ -139,7 +139,7 @@ PlaceSearch::PlaceSearch(const std::vector<const MapNode*>& nodes, const PlaceGu
 std::vector<PlaceHypothesis> PlaceSearch::hypotheses(const std::vector<LidarPoint>& points, int most) const {
   if (nodes_.empty()) return {};
   const Pose T_level_base = level_from_base(guess_.T_map_base);
-  const Cloud level = moved(T_level_base, points, kOfScan);
+  const Cloud level = transformed(T_level_base, points, kOfScan);
   const LowestPoints ground = lowest_of(level, kScanReach);
   const Cloud standing = one_a_cube(upright(level, ground));
   if (standing.size() < kMinStanding) return {};
@@ -174,20 +174,20 @@ PlaceMatch PlaceSearch::refine(const std::vector<LidarPoint>& points, const Plac
   }
   const Pose& T = match.registration.T_map_base;
   const Pose T_level_base = level_from_base(T);
-  const Cloud level = moved(T_level_base, points, kOfScan);
+  const Cloud level = transformed(T_level_base, points, kOfScan);
   const LowestPoints ground = lowest_of(level, kScanReach);
   const Cloud standing = one_a_cube(upright(level, ground));
   const Pose T_map_level = T * T_level_base.inverse();
   const Pose T_local_level = from(-guess_.T_map_base.translation()) * T_map_level;
   match.score = score_at(standing, T_local_level);
   match.rise = rise(level, ground, T_local_level, lowest_).value_or(kMostReach);
-  match.conflict = conflict_at(points, moved(T_map_level, standing, kAsIs), T);
+  match.conflict = conflict_at(points, transformed(T_map_level, standing, kAsIs), T);
   return match;
 }
 
 double PlaceSearch::score_at(const Cloud& standing, const Pose& T_local_level) const {
   double sum = 0;
-  for (const Eigen::Vector3f& p : moved(T_local_level, standing, kAsIs)) sum += pyramid_->at(p);
+  for (const Eigen::Vector3f& p : transformed(T_local_level, standing, kAsIs)) sum += pyramid_->at(p);
   return sum / static_cast<double>(std::max<std::size_t>(standing.size(), 1));
 }
 
@@ -197,7 +197,8 @@ double PlaceSearch::conflict_at(const std::vector<LidarPoint>& points, const Clo
   const Pose T_lidar_base = from(-lidar_);
   const Eigen::Vector3d& position = T_map_base.translation();
   const Pose T_lidar_local = T_lidar_base * T_map_base.inverse() * from(guess_.T_map_base.translation());
-  SightCount count = Sight(moved(T_lidar_base, points, kOfScan)).check(moved(T_lidar_local, standing_, kAsIs));
+  SightCount count =
+      Sight(transformed(T_lidar_base, points, kOfScan)).check(transformed(T_lidar_local, standing_, kAsIs));
   std::vector<const MapNode*> nearest = nodes_;
   std::stable_sort(nearest.begin(), nearest.end(), [&](const MapNode* a, const MapNode* b) {
     return (a->T_map_base.translation() - position).squaredNorm() <
@@ -206,7 +207,7 @@ double PlaceSearch::conflict_at(const std::vector<LidarPoint>& points, const Clo
   nearest.resize(std::min(nearest.size(), kSightNodes));
   for (const MapNode* node : nearest) {
     const Pose T_node_map = T_lidar_base * node->T_map_base.inverse();
-    count += Sight(moved(T_lidar_base, node->points, kOfNode)).check(moved(T_node_map, standing, kAsIs));
+    count += Sight(transformed(T_lidar_base, node->points, kOfNode)).check(transformed(T_node_map, standing, kAsIs));
   }
   const int sighted = count.agree + count.conflict;
   return sighted > 0 ? static_cast<double>(count.conflict) / sighted : 1;

@@ -12,8 +12,8 @@ namespace {
 constexpr double kSight = 40.0;         // m: points farther off are few, and off by much with a small turn
 constexpr double kThin = 0.3;           // m: of the scan, one point counts in such a square
 constexpr double kTurnStep = 0.014;     // rad: half of it moves what is 30 m off by 0.2 m
-constexpr double kApart = 1.5;          // m, between poses that are not the same
-constexpr double kTurnedApart = 0.1;    // rad
+constexpr double kMatchesApart = 1.5;   // m, between poses that are not the same
+constexpr double kMatchesTurned = 0.1;  // rad
 constexpr double kLeast = 0.5;          // score: no scan fits so badly where it was taken
 constexpr double kBehind = 0.35;        // score: so far behind the best, nothing rivals it
 constexpr int kMostBranches = 400'000;  // a bound on time, not met by scans that have anything to show
@@ -27,7 +27,7 @@ struct Branch {
   bool operator<(const Branch& other) const { return order() < other.order(); }
 };
 
-std::vector<Eigen::Vector2d> thinned(const std::vector<Eigen::Vector3f>& points) {
+std::vector<Eigen::Vector2d> thinned_plan(const std::vector<Eigen::Vector3f>& points) {
   constexpr int kHalf = static_cast<int>(kSight / kThin) + 1;
   constexpr int kSide = 2 * kHalf + 1;
   std::vector<bool> taken(static_cast<std::size_t>(kSide * kSide), false);
@@ -115,7 +115,7 @@ class PlanarSearch {
       const Eigen::Vector2d at(pose.x, pose.y);
       const Eigen::Vector2d low = shift(branch.x, branch.y) - at, high = shift(branch.x + last, branch.y + last) - at;
       const double yaw = std::remainder(yaws_[static_cast<std::size_t>(branch.turn)] - pose.yaw, 2 * std::numbers::pi);
-      return low.cwiseAbs().cwiseMax(high.cwiseAbs()).norm() < kApart && std::abs(yaw) < kTurnedApart;
+      return low.cwiseAbs().cwiseMax(high.cwiseAbs()).norm() < kMatchesApart && std::abs(yaw) < kMatchesTurned;
     });
   }
 
@@ -139,7 +139,7 @@ double lattice_reach(double search_reach) {
 
 std::vector<PlanarPose> search_plane(const LikelihoodPyramid& map, const std::vector<Eigen::Vector3f>& points,
                                      const PlanarRange& range, int most) {
-  const std::vector<Eigen::Vector2d> scan = thinned(points);
+  const std::vector<Eigen::Vector2d> scan = thinned_plan(points);
   const bool fits = 2 * std::ceil(lattice_reach(range.reach) / LikelihoodPyramid::kCell) < map.side();
   if (scan.empty() || !fits || !(range.turn >= 0)) return {};
   return PlanarSearch(map, scan, range).best(most);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kNeighbours = 5;      // on either side
 constexpr float kGap = 0.02F;       // rad between two points of a ring: returns are missing there
-constexpr float kStep = 0.3F;       // m of range from one point to the next: one hides the other
+constexpr float kRangeStep = 0.3F;  // m of range from one point to the next: one hides the other
 constexpr float kAlongRay = 0.02F;  // of the range, on both sides: the surface is nearly along the ray
 constexpr std::int8_t kUnfit = 1, kTaken = 2;
 
@@ -69,9 +69,9 @@ class Ring {
   void leave_out() {
     const std::size_t n = points_.size();
     for (std::size_t i = 0; i + 1 < n; ++i) {
-      if (ranges_[i] > ranges_[i + 1] + kStep) {
+      if (ranges_[i] > ranges_[i + 1] + kRangeStep) {
         for (std::size_t k = i + 1 - std::min<std::size_t>(i + 1, kNeighbours); k <= i; ++k) state_[k] = kUnfit;
-      } else if (ranges_[i + 1] > ranges_[i] + kStep) {
+      } else if (ranges_[i + 1] > ranges_[i] + kRangeStep) {
         for (std::size_t k = i + 1; k < std::min(n, i + 1 + kNeighbours); ++k) state_[k] = kUnfit;
       }
       if (i == 0) continue;

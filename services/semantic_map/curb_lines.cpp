@@ -11,18 +11,18 @@ namespace curbstone {
 
 namespace {
 
-constexpr double kSpacing = 0.20;    // m between vertices
-constexpr double kMinLength = 0.50;  // m
-constexpr double kLowReach = 0.60;   // m about a place that say whether the kerb is lowered there
-constexpr double kMinPiece = 1.0;    // m that a kerb is lowered, or raised again
-constexpr double kCovered = 0.40;    // m about a place that is not bridged
-constexpr double kSameCurb = 0.3;    // m: what a line of before is found by
-constexpr double kGrid = 2.0;        // m
+constexpr double kSpacing = 0.20;   // m between vertices
+constexpr double kMinLine = 0.50;   // m
+constexpr double kLowReach = 0.60;  // m about a place that say whether the kerb is lowered there
+constexpr double kMinPiece = 1.0;   // m that a kerb is lowered, or raised again
+constexpr double kCovered = 0.40;   // m about a place that is not bridged
+constexpr double kSameCurb = 0.3;   // m: what a line of before is found by
+constexpr double kSquare = 2.0;     // m
 
-using Cell = std::pair<std::int64_t, std::int64_t>;
+using Square = std::pair<std::int64_t, std::int64_t>;
 
-Cell cell_at(double x, double y) {
-  return {static_cast<std::int64_t>(std::floor(x / kGrid)), static_cast<std::int64_t>(std::floor(y / kGrid))};
+Square square_at(double x, double y) {
+  return {static_cast<std::int64_t>(std::floor(x / kSquare)), static_cast<std::int64_t>(std::floor(y / kSquare))};
 }
 
 /// A chain laid out along itself.
@@ -32,7 +32,7 @@ struct LaidOut {
 };
 
 /// Steps across the line add nothing to its length.
-LaidOut lay_out(const std::vector<MapCurbPoint>& points, const CurbChain& chain) {
+LaidOut laid_out(const std::vector<MapCurbPoint>& points, const CurbChain& chain) {
   LaidOut result;
   double s = 0;
   for (const std::size_t i : chain) {
@@ -121,7 +121,7 @@ CurbVertex vertex_at(const SmoothingSpline& spline, double s) {
 /// One line, or several where a kerb is lowered in between: they share the vertex where they meet.
 void add_lines(const LaidOut& laid, std::vector<CurbLine>& lines) {
   const SmoothingSpline spline(laid.samples);
-  if (spline.end() - spline.begin() < kMinLength) return;
+  if (spline.end() - spline.begin() < kMinLine) return;
   const std::vector<double> places = places_along(spline);
   const std::vector<bool> is_low = lowered(laid, places);
   std::size_t begin = 0;
@@ -145,20 +145,21 @@ void add_lines(const LaidOut& laid, std::vector<CurbLine>& lines) {
 
 std::vector<CurbLine> link_curbs(const std::vector<MapCurbPoint>& points) {
   std::vector<CurbLine> lines;
-  for (const CurbChain& chain : chain_curbs(points)) add_lines(lay_out(points, chain), lines);
+  for (const CurbChain& chain : chain_curbs(points)) add_lines(laid_out(points, chain), lines);
   return lines;
 }
 
 void CurbLineIds::assign(std::vector<CurbLine>& lines) {
-  std::map<Cell, std::vector<std::pair<Eigen::Vector2f, std::int32_t>>> before;
+  std::map<Square, std::vector<std::pair<Eigen::Vector2f, std::int32_t>>> before;
   for (const CurbLine& line : before_) {
-    for (const CurbVertex& v : line.points) before[cell_at(double{v.x}, double{v.y})].push_back({{v.x, v.y}, line.id});
+    for (const CurbVertex& v : line.points)
+      before[square_at(double{v.x}, double{v.y})].push_back({{v.x, v.y}, line.id});
   }
   std::vector<std::int32_t> taken;
   for (CurbLine& line : lines) {
     std::map<std::int32_t, int> votes;
     for (const CurbVertex& v : line.points) {
-      const auto it = before.find(cell_at(double{v.x}, double{v.y}));
+      const auto it = before.find(square_at(double{v.x}, double{v.y}));
       if (it == before.end()) continue;
       for (const auto& [at, id] : it->second) {
         if ((at - Eigen::Vector2f(v.x, v.y)).norm() < static_cast<float>(kSameCurb)) ++votes[id];

@@ -10,13 +10,13 @@ namespace curbstone {
 namespace {
 
 constexpr double kReach = kLineReach;
-constexpr double kBin = kCellSize;   // m along: of the candidates of one place the best counts
-constexpr std::size_t kBins = 34;    // of them
-constexpr double kBeside = 0.06;     // m a foot may be across the line, at most
-constexpr double kDirection = 0.20;  // rad a candidate's direction may be off
-constexpr double kTurn = 0.20;       // rad the angle between two of them may be off
-constexpr double kMinAlike = 0.5;    // cosine
-static_assert(kBins * kBin > 2 * kReach);
+constexpr double kPlaceBin = kCellSize;  // m along: of the candidates of one place the best counts
+constexpr std::size_t kBins = 34;        // of them
+constexpr double kBeside = 0.06;         // m a foot may be across the line, at most
+constexpr double kDirection = 0.20;      // rad a candidate's direction may be off
+constexpr double kTurn = 0.20;           // rad the angle between two of them may be off
+constexpr double kMinAlike = 0.5;        // cosine
+static_assert(kBins * kPlaceBin > 2 * kReach);
 
 /// How well `b` lies on an arc along `a`, 0..1, and how far along.
 struct OnArc {
@@ -34,7 +34,7 @@ OnArc on_arc(const PlacedCandidate& a, const PlacedCandidate& b) {
   const double beside = across / (kBeside + kDirection * std::abs(along));
   if (std::abs(beside) >= 1) return {};
   // On a circle the direction turns by twice the angle at which the other place is seen: up is to the right of along.
-  const double seen_at = std::abs(along) > kBin ? across / along : 0.0;
+  const double seen_at = std::abs(along) > kPlaceBin ? across / along : 0.0;
   const double turned = up.x() * other_up.y() - up.y() * other_up.x();
   const double off = (turned + 2 * seen_at) / kTurn;
   if (std::abs(off) >= 1) return {};
@@ -49,7 +49,7 @@ double pool_along_line(const PlacedCandidate& candidate, std::span<const PlacedC
   std::array<double, kBins> best{};
   for (const PlacedCandidate& other : others) {
     const OnArc arc = on_arc(candidate, other);
-    double& bin = best[static_cast<std::size_t>((arc.along + kReach) / kBin)];
+    double& bin = best[static_cast<std::size_t>((arc.along + kReach) / kPlaceBin)];
     bin = std::max(bin, arc.weight * other.candidate->score);
   }
   return std::sqrt(std::inner_product(best.begin(), best.end(), best.begin(), 0.0));

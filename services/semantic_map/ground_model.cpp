@@ -20,12 +20,12 @@ constexpr std::size_t sample_index(int column, int row) {
 }
 
 /// A sample's place, m from the centre tile's corner.
-PlaneSample place(const GroundSample& s, int column, int row) {
+PlaneSample plane_sample(const GroundSample& s, int column, int row) {
   return {double{s.x} + (column / GroundSamples::kPerSide - 1) * kTileSize,
           double{s.y} + (row / GroundSamples::kPerSide - 1) * kTileSize, double{s.z}, 1.0};
 }
 
-SampleGrid lay_out(const Around<GroundSamples>& samples) {
+SampleGrid sample_grid(const Around<GroundSamples>& samples) {
   SampleGrid grid{};
   for (int row = 0; row < kSamplesPerSide; ++row) {
     for (int column = 0; column < kSamplesPerSide; ++column) {
@@ -52,7 +52,7 @@ std::optional<Plane> rough_ground(const SampleGrid& grid) {
     for (int column = 0; column < kSamplesPerSide; ++column) {
       const GroundSample* s = grid[sample_index(column, row)];
       if (s == nullptr) continue;
-      samples.push_back(place(*s, column, row));
+      samples.push_back(plane_sample(*s, column, row));
       heights.push_back(samples.back().z);
     }
   }
@@ -74,7 +74,7 @@ std::vector<double> road_heights(const SampleGrid& grid, const Plane& rough) {
     for (int column = 0; column < kSamplesPerSide; ++column) {
       const GroundSample* s = grid[sample_index(column, row)];
       if (s == nullptr) continue;
-      const PlaneSample p = place(*s, column, row);
+      const PlaneSample p = plane_sample(*s, column, row);
       if (std::abs(p.z - rough.at(p.x, p.y)) > kMaxAboveRough) continue;
       double& cell = low[index(column / 2, row / 2)];
       if (!(cell <= p.z)) cell = p.z;
@@ -111,14 +111,14 @@ double layer_noise(const SampleGrid& grid, const Plane& rough, double x, double 
     for (int column = 0; column < kSamplesPerSide; ++column) {
       const GroundSample* s = grid[sample_index(column, row)];
       if (s == nullptr) continue;
-      const PlaneSample p = place(*s, column, row);
+      const PlaneSample p = plane_sample(*s, column, row);
       if (std::max(std::abs(p.x - x), std::abs(p.y - y)) > kReach) continue;
       if (s->count >= 3) spreads.push_back(double{s->spread});
       for (const auto& [dc, dr] : {std::pair(1, 0), std::pair(0, 1)}) {
         if (column + dc >= kSamplesPerSide || row + dr >= kSamplesPerSide) continue;
         const GroundSample* next = grid[sample_index(column + dc, row + dr)];
         if (next == nullptr) continue;
-        const PlaneSample q = place(*next, column + dc, row + dr);
+        const PlaneSample q = plane_sample(*next, column + dc, row + dr);
         jumps.push_back(std::abs(q.z - p.z - rough.slope.x() * (q.x - p.x) - rough.slope.y() * (q.y - p.y)));
       }
     }
@@ -162,7 +162,7 @@ GroundNode refine(const SampleGrid& grid, const std::vector<double>& road, const
     for (int column = 0; column < kSamplesPerSide; ++column) {
       const GroundSample* s = grid[sample_index(column, row)];
       if (s == nullptr) continue;
-      PlaneSample p = place(*s, column, row);
+      PlaneSample p = plane_sample(*s, column, row);
       p.x -= x;
       p.y -= y;
       if (std::max(std::abs(p.x), std::abs(p.y)) > kNormalReach) continue;
@@ -195,7 +195,7 @@ GroundNode refine(const SampleGrid& grid, const std::vector<double>& road, const
 
 GroundModel model_ground(const Around<GroundSamples>& samples, const CurbParameters& /*parameters*/) {
   GroundModel model;
-  const SampleGrid grid = lay_out(samples);
+  const SampleGrid grid = sample_grid(samples);
   model.road.fill(std::numeric_limits<float>::quiet_NaN());
   const auto rough = rough_ground(grid);
   model.rough = rough;

@@ -8,8 +8,8 @@ namespace curbstone {
 
 namespace {
 
-constexpr double kMargin = NearGroundPoints::kMarginCells * kCellSize;  // m: as far as a window reaches
-constexpr double kBelowGround = 0.30;                                   // m: what is lower is a stray
+constexpr double kWindowMargin = NearGroundPoints::kMarginCells * kCellSize;  // m: as far as a window reaches
+constexpr double kBelowGround = 0.30;                                         // m: what is lower is a stray
 constexpr float kThinMass = 10;       // of the vote; even ground at sigma 0.3 m, thinned to 0.1 m, has 27
 constexpr double kMinNormalZ = 0.35;  // steeper is no curb at this scale, it is a wall
 
@@ -31,14 +31,17 @@ NearGround describe(const VotedPoint& p, const GroundBelow& g, double x, double 
 
 NearGroundPoints::NearGroundPoints(const Around<VotedTile>& tiles, const GroundSurface& ground,
                                    const CurbParameters& parameters) {
-  const auto cell = [](double x) { return std::clamp(static_cast<int>((x + kMargin) / kCellSize), 0, kSide - 1); };
+  const auto cell = [](double x) {
+    return std::clamp(static_cast<int>((x + kWindowMargin) / kCellSize), 0, kSide - 1);
+  };
   std::vector<NearGround> points;
   std::vector<int> cell_of;
   tiles.for_each([&](const VotedTile& tile, double dx, double dy) {
     for (const VotedPoint& p : tile.points) {
       const double x = double{p.x} + dx;
       const double y = double{p.y} + dy;
-      if (x < -kMargin || y < -kMargin || x >= kTileSize + kMargin || y >= kTileSize + kMargin) continue;
+      if (x < -kWindowMargin || y < -kWindowMargin || x >= kTileSize + kWindowMargin || y >= kTileSize + kWindowMargin)
+        continue;
       const auto g = ground.below(x, y);
       if (!g) continue;
       const double above = double{p.z} - g->height;

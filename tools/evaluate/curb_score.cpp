@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tools/evaluate/place_grid.hpp"
+#include "tools/evaluate/quantile.hpp"
 
 namespace curbstone {
 
@@ -19,12 +20,6 @@ Place nearest_on_segment(Place p, Place a, Place b) {
   const double length2 = dx * dx + dy * dy;
   const double t = length2 > 0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / length2, 0.0, 1.0) : 0.0;
   return {a.x + t * dx, a.y + t * dy};
-}
-
-double percentile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
 }  // namespace
@@ -155,11 +150,11 @@ void score_lateral(const CurbMap& map, const TrueCurbs& curbs, const NearPath& n
     const double along = (foot.at.x - nearest.place.x) * foot.up.x + (foot.at.y - nearest.place.y) * foot.up.y;
     offsets.push_back(100 * along);
   }
-  score.lateral_median_cm = percentile(sizes, 0.5);
-  score.lateral_p95_cm = percentile(sizes, 0.95);
-  score.lateral_bias_cm = percentile(offsets, 0.5);
+  score.lateral_median_cm = quantile(sizes, 0.5);
+  score.lateral_p95_cm = quantile(sizes, 0.95);
+  score.lateral_bias_cm = quantile(offsets, 0.5);
   for (double& offset : offsets) offset = std::abs(offset - score.lateral_bias_cm);
-  score.lateral_spread_cm = 1.4826 * percentile(offsets, 0.5);
+  score.lateral_spread_cm = 1.4826 * quantile(offsets, 0.5);
 }
 
 }  // namespace

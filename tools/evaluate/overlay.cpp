@@ -9,8 +9,8 @@ namespace {
 constexpr Colour kCurb{255, 0, 200};
 constexpr Colour kDropped{255, 170, 235};
 constexpr Colour kPath{120, 190, 255};
-constexpr double kJoin = 0.5;       // m: points of one curb farther apart are not joined
-constexpr double kPathStep = 0.25;  // m
+constexpr double kJoinPoints = 0.5;  // m: points of one curb farther apart are not joined
+constexpr double kPathStep = 0.25;   // m
 
 }  // namespace
 
@@ -25,7 +25,7 @@ void add_curbs(const Truth& truth, const Pose& T_map_truth, bool dropped, std::v
     }
     const Eigen::Vector2d at = (T_map_truth * Eigen::Vector3d(point.x, point.y, point.z)).head<2>();
     const bool goes_on =
-        last != nullptr && last->line == point.line && std::hypot(point.x - last->x, point.y - last->y) <= kJoin;
+        last != nullptr && last->line == point.line && std::hypot(point.x - last->x, point.y - last->y) <= kJoinPoints;
     if (goes_on)
       lines.back().points.push_back(at);
     else

@@ -9,6 +9,7 @@
 #include "common/log/log_reader.hpp"
 #include "common/log/message_order.hpp"
 #include "common/tile.hpp"
+#include "tools/evaluate/quantile.hpp"
 
 namespace curbstone {
 
@@ -58,12 +59,6 @@ class SequenceGaps {
   std::int64_t missing_ = 0;
 };
 
-double percentile(std::vector<double>& values, double q) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
-}
-
 }  // namespace
 
 namespace {
@@ -80,8 +75,7 @@ std::optional<RunFigures::Latency> latency_of(const std::vector<SentTile>& tiles
   }
   const bool live = std::any_of(latencies.begin(), latencies.end(), [](double ms) { return ms > 0; });
   if (!live) return std::nullopt;
-  return RunFigures::Latency{percentile(latencies, 0.5), percentile(latencies, 0.95),
-                             static_cast<int>(latencies.size())};
+  return RunFigures::Latency{quantile(latencies, 0.5), quantile(latencies, 0.95), static_cast<int>(latencies.size())};
 }
 
 }  // namespace

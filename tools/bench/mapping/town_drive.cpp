@@ -14,8 +14,8 @@
 namespace curbstone {
 namespace {
 
-constexpr std::int64_t kStart = 1'750'000'000'000'000;  // us
-constexpr double kTruthPeriod = 0.05;                   // s
+constexpr std::int64_t kTownStart = 1'750'000'000'000'000;  // us
+constexpr double kTownTruthPeriod = 0.05;                   // s
 
 std::string temporary_file() {
   std::string name = (std::filesystem::temp_directory_path() / "curbstone-town-XXXXXX").string();
@@ -30,11 +30,11 @@ std::string temporary_file() {
 TownDrive::TownDrive(const Options& options) {
   name = "town";
   prior = "ekf";
-  const TownSetup setup(options.seed, options.seconds, kStart);
+  const TownSetup setup(options.seed, options.seconds, kTownStart);
   log_ = temporary_file();
   record_drive(setup.drive(), log_);
-  for (double t = 0; t <= options.seconds; t += kTruthPeriod) {
-    truth_.push_back({kStart + std::llround(t * 1e6), setup.motion().T_world_base(t)});
+  for (double t = 0; t <= options.seconds; t += kTownTruthPeriod) {
+    truth_.push_back({kTownStart + std::llround(t * 1e6), setup.motion().T_world_base(t)});
   }
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kClockError = 20e-6;  // the device's oscillator runs fast by 20 ppm
 
-XsensEmulator::Settings settings() {
+XsensEmulator::Settings imu_settings() {
   XsensEmulator::Settings settings;
   settings.first_tick = 1'234'567;
   settings.clock_error = kClockError;
@@ -18,7 +18,7 @@ XsensEmulator::Settings settings() {
 
 }  // namespace
 
-EmulatedImu::EmulatedImu(ImuModel model) : model_(std::move(model)), device_(settings()) {}
+EmulatedImu::EmulatedImu(ImuModel model) : model_(std::move(model)), device_(imu_settings()) {}
 
 SerialDevice::Bytes EmulatedImu::power_on(std::int64_t now) {
   due_ = now + device_.period();

@@ -9,7 +9,7 @@ namespace curbstone {
 
 namespace {
 
-CanDriveEmulator::Settings settings() {
+CanDriveEmulator::Settings drive_settings() {
   CanDriveEmulator::Settings settings;
   settings.clock_error = -40e-6;
   return settings;
@@ -22,7 +22,7 @@ std::int16_t decirpm(double speed) {
 
 }  // namespace
 
-EmulatedWheels::EmulatedWheels(WheelModel model) : model_(std::move(model)), drive_(settings()) {}
+EmulatedWheels::EmulatedWheels(WheelModel model) : model_(std::move(model)), drive_(drive_settings()) {}
 
 SerialDevice::Bytes EmulatedWheels::power_on(std::int64_t now) {
   drive_.set_enabled(true);

@@ -8,7 +8,7 @@ namespace curbstone {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Control points of a street around a block: straight sides, round corners, one long side or two that swing.
 std::vector<Eigen::Vector2d> block(Random& random) {
@@ -20,13 +20,13 @@ std::vector<Eigen::Vector2d> block(Random& random) {
     const int n = static_cast<int>(length / step);
     for (int i = 0; i < n; ++i) {
       const double f = (i + 0.5) / n;
-      points.push_back(from + along * (f * length) + left * (swing * std::pow(std::sin(kPi * f), 2)));
+      points.push_back(from + along * (f * length) + left * (swing * std::pow(std::sin(pi * f), 2)));
     }
   };
   const auto corner = [&](Eigen::Vector2d centre, double from) {
-    const int n = static_cast<int>(std::ceil(radius * kPi / 2.0 / step));
+    const int n = static_cast<int>(std::ceil(radius * pi / 2.0 / step));
     for (int i = 0; i < n; ++i) {
-      const double a = from + kPi / 2.0 * (i + 0.5) / n;
+      const double a = from + pi / 2.0 * (i + 0.5) / n;
       points.push_back(centre + radius * Eigen::Vector2d(std::cos(a), std::sin(a)));
     }
   };
@@ -34,13 +34,13 @@ std::vector<Eigen::Vector2d> block(Random& random) {
   const double w = width - 2 * radius, d = depth - 2 * radius;
   const double south = random.uniform(-7.0, -3.0), north = random.uniform(3.0, 8.0);
   side({0, 0}, 0.0, w, south);
-  corner({w, radius}, -kPi / 2.0);
-  side({w + radius, radius}, kPi / 2.0, d, 0.0);
+  corner({w, radius}, -pi / 2.0);
+  side({w + radius, radius}, pi / 2.0, d, 0.0);
   corner({w, radius + d}, 0.0);
-  side({w, 2 * radius + d}, kPi, w, random.chance(0.5) ? -north : north * 0.6);
-  corner({0, radius + d}, kPi / 2.0);
-  side({-radius, radius + d}, -kPi / 2.0, d, random.uniform(-2.0, 2.0));
-  corner({0, radius}, kPi);
+  side({w, 2 * radius + d}, pi, w, random.chance(0.5) ? -north : north * 0.6);
+  corner({0, radius + d}, pi / 2.0);
+  side({-radius, radius + d}, -pi / 2.0, d, random.uniform(-2.0, 2.0));
+  corner({0, radius}, pi);
   return points;
 }
 

@@ -13,7 +13,7 @@ namespace curbstone {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kCorner = 17.0;             // m, radius of the loop's bends
 constexpr double kBetweenCrossings = 115.0;  // m along the loop, about
 
@@ -32,7 +32,7 @@ class Pen {
       const double f = (i + 0.5) / n;
       const double bow = f * bows;
       points_.push_back(at_ + along() * (f * length) +
-                        left() * (swings[static_cast<std::size_t>(bow)] * std::pow(std::sin(kPi * bow), 2)));
+                        left() * (swings[static_cast<std::size_t>(bow)] * std::pow(std::sin(pi * bow), 2)));
     }
     at_ += length * along();
   }
@@ -42,11 +42,11 @@ class Pen {
     const Eigen::Vector2d out = at_ - centre;
     const int n = 6;
     for (int i = 0; i < n; ++i) {
-      const double a = side * kPi / 2.0 * (i + 0.5) / n;
+      const double a = side * pi / 2.0 * (i + 0.5) / n;
       points_.push_back(centre + Eigen::Rotation2Dd(a) * out);
     }
-    at_ = centre + Eigen::Rotation2Dd(side * kPi / 2.0) * out;
-    heading_ += side * kPi / 2.0;
+    at_ = centre + Eigen::Rotation2Dd(side * pi / 2.0) * out;
+    heading_ += side * pi / 2.0;
   }
   [[nodiscard]] Points take() { return std::move(points_); }
 

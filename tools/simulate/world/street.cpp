@@ -6,7 +6,7 @@ namespace curbstone {
 
 namespace {
 
-double smooth_step(double t) {
+double smooth_blend(double t) {
   t = std::clamp(t, 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
 }
@@ -24,7 +24,7 @@ double CurbSide::full_height(double s, double street_length, bool closed) const 
   const long i = std::clamp(static_cast<long>(std::floor(u)), 0L, n - 1);
   const long next = closed ? (i + 1) % n : std::min(i + 1, n - 1);
   const double end = i == n - 1 && closed ? street_length : static_cast<double>(i + 1) * stretch;
-  const double f = smooth_step((s - (end - kBlend)) / kBlend);
+  const double f = smooth_blend((s - (end - kBlend)) / kBlend);
   return heights[static_cast<std::size_t>(i)] * (1.0 - f) + heights[static_cast<std::size_t>(next)] * f;
 }
 
@@ -34,7 +34,7 @@ double CurbSide::height(double s, double street_length, bool closed) const {
     double off = std::abs(s - kerb.s);
     if (closed) off = std::min(off, street_length - off);
     if (off > kerb.half + kRamp) continue;
-    const double f = smooth_step((off - kerb.half) / kRamp);
+    const double f = smooth_blend((off - kerb.half) / kRamp);
     height = std::min(height, kerb.height * (1.0 - f) + height * f);
   }
   return height;
