@@ -44,8 +44,8 @@ class Tappable {
 
   virtual ~Tappable() = default;
 
-  /// Sees every message from now on, also those that are sent here. At most one tap.
-  virtual void tap(Tap tap, QueueLimit limit) = 0;
+  /// Sees every message from now on, also those that are sent here, but those of the channel `except`. At most one tap.
+  virtual void tap(Tap tap, QueueLimit limit, const std::string& except) = 0;
 };
 
 /// Where a node's messages come from. Channels are exact names, not patterns.

@@ -108,9 +108,10 @@ class LcmBus::Impl {
         pattern, [handler = std::move(handler)](const Message& m) { handler(m.bytes.data(), m.size()); }, limit);
   }
 
-  void tap(Tap tap, QueueLimit limit) {
+  void tap(Tap tap, QueueLimit limit, const std::string& except) {
     subscribe_pattern(
-        ".*", [tap = std::move(tap)](const Message& m) { tap(m.channel, m.bytes.data(), m.size(), m.utime); }, limit);
+        except.empty() ? ".*" : "(?!" + except + "$).*",
+        [tap = std::move(tap)](const Message& m) { tap(m.channel, m.bytes.data(), m.size(), m.utime); }, limit);
   }
 
   bool handle(std::chrono::milliseconds timeout) {
@@ -262,8 +263,8 @@ const std::string& LcmBus::url() const {
 void LcmBus::publish_bytes(const std::string& channel, const void* data, int size) {
   impl_->publish(channel, data, size);
 }
-void LcmBus::tap(Tap tap, QueueLimit limit) {
-  impl_->tap(std::move(tap), limit);
+void LcmBus::tap(Tap tap, QueueLimit limit, const std::string& except) {
+  impl_->tap(std::move(tap), limit, except);
 }
 void LcmBus::subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) {
   impl_->subscribe(channel, std::move(handler), limit);

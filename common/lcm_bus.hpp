@@ -27,7 +27,7 @@ class LcmBus final : public Publisher, public Subscriber, public Tappable {
   bool handle(std::chrono::milliseconds timeout);
 
   /// Calls from the thread that handles the bus, with the time at which the kernel had the message.
-  void tap(Tap tap, QueueLimit limit) override;
+  void tap(Tap tap, QueueLimit limit, const std::string& except = "") override;
 
   /// Readable when handle() has something to do (for poll); to be used with handle(0).
   [[nodiscard]] int fd() const;

@@ -3,14 +3,15 @@
 namespace curbstone {
 
 void LocalBus::inject(const std::string& channel, const void* data, int size) {
-  if (tap_) tap_(channel, data, size, 0);
+  if (tap_ && channel != untapped_) tap_(channel, data, size, 0);
   if (!handlers_.contains(channel)) return;
   const auto* bytes = static_cast<const std::uint8_t*>(data);
   queue_.push_back({channel, {bytes, bytes + size}});
 }
 
-void LocalBus::tap(Tap tap, QueueLimit) {
+void LocalBus::tap(Tap tap, QueueLimit, const std::string& except) {
   tap_ = std::move(tap);
+  untapped_ = except;
 }
 
 void LocalBus::dispatch() {

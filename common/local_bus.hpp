@@ -19,7 +19,7 @@ class LocalBus final : public Publisher, public Subscriber, public Tappable {
   /// Delivers until the queue is empty, including what the handlers publish meanwhile.
   void dispatch();
   /// The tap sees a message when it is published, before its subscribers do.
-  void tap(Tap tap, QueueLimit limit = {}) override;
+  void tap(Tap tap, QueueLimit limit = {}, const std::string& except = "") override;
 
   [[nodiscard]] Counters counters() const override { return counters_; }
 
@@ -36,6 +36,7 @@ class LocalBus final : public Publisher, public Subscriber, public Tappable {
   std::map<std::string, std::vector<BytesHandler>, std::less<>> handlers_;
   std::deque<Message> queue_;
   Tap tap_;
+  std::string untapped_;
   Counters counters_;
 };
 

@@ -54,7 +54,7 @@ class MapperNode final : public Node {
   void take_changed(const std::vector<TileKey>& changed);
   /// Sends points of a tile from `first` on, at most one message's worth. Returns the index after the last sent.
   std::int32_t send_points(TileKey key, std::int32_t first);
-  void send_changes(std::int64_t now);
+  void send_changes();
   void send_requested(int budget);
   void send_index(std::int64_t now);
   void keep_map();
@@ -76,12 +76,8 @@ class MapperNode final : public Node {
   std::int64_t kept_ = 0;  // us, message time
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
 
-  struct Sent {
-    std::int32_t points = 0;  // that went out
-    std::int64_t when = 0;    // us by tick()
-  };
-  std::unordered_map<TileKey, Sent, TileKeyHash> sent_;
-  std::deque<TileKey> changed_;  // in the order in which they will be sent
+  std::unordered_map<TileKey, std::int32_t, TileKeyHash> sent_;  // records that went out
+  std::deque<TileKey> changed_;                                  // in the order in which they will be sent
   std::unordered_set<TileKey, TileKeyHash> is_changed_;
   std::deque<map_trajectory_t> trajectory_;  // pages that will be sent
   bool has_news_ = false;                    // a revolution whose tiles have not gone out

@@ -8,11 +8,13 @@ struct RecorderConfig {
   std::string file = "/var/log/curbstone/drive.lcmlog";
   int split_mb = 1000;  ///< MB
   int queue = 20'000;   ///< messages
+  std::string skip = "VOTED_POINTS";
 
   void visit(ConfigVisitor& v) {
     v.field("file", file, "LCM log; if there is one of that name, FILE.1 and so on");
     v.field("split_mb", split_mb, {0, 1'000'000}, "MB, when to go on in the next file; 0: never");
     v.field("queue", queue, {100, 1'000'000}, "messages that wait for a busy disk; 20000 are some 20 s and 100 MB");
+    v.field("skip", skip, "channel that is not written: half of all bytes, and a replay makes them again; '': none");
   }
 };
 

@@ -15,7 +15,7 @@ RecorderNode::RecorderNode(const RecorderConfig& config, Tappable& bus) : config
   const auto write_any = [this](const std::string& channel, const void* data, int size, std::int64_t utime) {
     write(channel, data, size, utime);
   };
-  bus.tap(write_any, {.capacity = config.queue});
+  bus.tap(write_any, {.capacity = config.queue}, config.skip);
 }
 
 void RecorderNode::begin() {

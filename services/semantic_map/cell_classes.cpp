@@ -16,13 +16,32 @@ constexpr int kShadow = 8;            // cells: behind an edge that goes down no
 constexpr double kSlope = 0.15;       // by which ground may rise over what is not seen
 constexpr double kCurbLink = 0.45;    // m: cells between curb points this close are curb
 
-const CellColumn* column_at(const Around<CellColumns>& columns, int column, int row) {
-  const auto tile_of = [](int i) { return i < 0 ? -1 : (i >= kCellsPerTile ? 1 : 0); };
-  const int dx = tile_of(column);
-  const int dy = tile_of(row);
-  const CellColumns* tile = columns.at(dx, dy);
-  return tile == nullptr ? nullptr : &tile->at(column - dx * kCellsPerTile, row - dy * kCellsPerTile);
-}
+/// A tile's cells and those about it, as far as anybody here looks.
+class ColumnWindow {
+ public:
+  explicit ColumnWindow(const Around<CellColumns>& columns) {
+    for (int row = -kReach; row < kCellsPerTile + kReach; ++row) {
+      for (int column = -kReach; column < kCellsPerTile + kReach; ++column) {
+        const int dx = tile_of(column);
+        const int dy = tile_of(row);
+        const CellColumns* tile = columns.at(dx, dy);
+        if (tile != nullptr)
+          cells_[index(column, row)] = &tile->at(column - dx * kCellsPerTile, row - dy * kCellsPerTile);
+      }
+    }
+  }
+  /// nullptr where no tile is. Up to kReach cells beyond the tile.
+  [[nodiscard]] const CellColumn* at(int column, int row) const { return cells_[index(column, row)]; }
+
+ private:
+  static constexpr int kReach = std::max({kShadow, kVehicleReach, 1});
+  static constexpr int kSize = kCellsPerTile + 2 * kReach;
+  static int tile_of(int i) { return i < 0 ? -1 : (i >= kCellsPerTile ? 1 : 0); }
+  static std::size_t index(int column, int row) {
+    return static_cast<std::size_t>((row + kReach) * kSize + column + kReach);
+  }
+  std::array<const CellColumn*, std::size_t{kSize} * kSize> cells_{};
+};
 
 /// What stands in a cell, its neighbours asked: a point just beyond the edge may truly be on this side of it, and a
 /// single point counts where others stand beside it.
@@ -31,29 +50,25 @@ struct Standing {
   double top = 0;  ///< m above ground
 };
 
-bool blocks_alone(const CellColumn& cell, const ClassParameters& parameters) {
-  return cell.blocking_points >= parameters.min_points;
-}
-
-Standing standing_at(const Around<CellColumns>& columns, int column, int row, const ClassParameters& parameters) {
-  const CellColumn& cell = *column_at(columns, column, row);
-  if (blocks_alone(cell, parameters)) return {true, double{cell.top}};
+Standing standing_at(const ColumnWindow& cells, int column, int row, const ClassParameters& parameters) {
+  const CellColumn& cell = *cells.at(column, row);
+  if (cell.blocks(parameters)) return {true, double{cell.top}};
   struct Side {
     int dx, dy;
     std::size_t edge;  // the neighbour's, where it meets this cell
   };
   int over_the_edge = 0;
   for (const Side& side : {Side{-1, 0, 1}, Side{1, 0, 0}, Side{0, -1, 3}, Side{0, 1, 2}}) {
-    const CellColumn* next = column_at(columns, column + side.dx, row + side.dy);
+    const CellColumn* next = cells.at(column + side.dx, row + side.dy);
     if (next != nullptr) over_the_edge += next->at_edge[side.edge];
   }
   bool supported = false;
   Standing standing;
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
-      const CellColumn* next = column_at(columns, column + dx, row + dy);
+      const CellColumn* next = cells.at(column + dx, row + dy);
       if (next == nullptr) continue;
-      supported = supported || blocks_alone(*next, parameters);
+      supported = supported || next->blocks(parameters);
       standing.top = std::max(standing.top, double{next->top});
     }
   }
@@ -63,12 +78,12 @@ Standing standing_at(const Around<CellColumns>& columns, int column, int row, co
 }
 
 /// Part of something as high as `min_vehicle` and as large as a piece of a car.
-bool is_large(const Around<CellColumns>& columns, int column, int row, const ClassParameters& parameters) {
+bool is_large(const ColumnWindow& cells, int column, int row, const ClassParameters& parameters) {
   int high = 0;
   for (int r = row - kVehicleReach; r <= row + kVehicleReach; ++r) {
     for (int c = column - kVehicleReach; c <= column + kVehicleReach; ++c) {
-      const CellColumn* cell = column_at(columns, c, r);
-      if (cell != nullptr && blocks_alone(*cell, parameters) && double{cell->top} >= parameters.min_vehicle) ++high;
+      const CellColumn* cell = cells.at(c, r);
+      if (cell != nullptr && cell->is_high(parameters)) ++high;
     }
   }
   return high >= kVehicleCells;
@@ -89,9 +104,9 @@ struct GroundBeyond {
   int steps = 0;
 };
 
-GroundBeyond ground_beyond(const Around<CellColumns>& columns, int column, int row, int dx, int dy) {
+GroundBeyond ground_beyond(const ColumnWindow& cells, int column, int row, int dx, int dy) {
   for (int k = 1; k <= kShadow; ++k) {
-    const CellColumn* cell = column_at(columns, column + k * dx, row + k * dy);
+    const CellColumn* cell = cells.at(column + k * dx, row + k * dy);
     if (cell == nullptr) return {};
     if (cell->ground_points > 1) return {cell, k};
   }
@@ -99,29 +114,30 @@ GroundBeyond ground_beyond(const Around<CellColumns>& columns, int column, int r
 }
 
 /// Not seen, with ground on two sides of it that lies at two heights: the edge between them hides it, seen from above.
-bool hides_a_drop(const Around<CellColumns>& columns, int column, int row, const ClassParameters& parameters) {
+bool hides_a_drop(const ColumnWindow& cells, int column, int row, const ClassParameters& parameters) {
   constexpr int kDirections[4][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}};
   return std::any_of(std::begin(kDirections), std::end(kDirections), [&](const int(&d)[2]) {
-    const GroundBeyond a = ground_beyond(columns, column, row, d[0], d[1]);
+    const GroundBeyond a = ground_beyond(cells, column, row, d[0], d[1]);
     if (a.cell == nullptr) return false;
-    const GroundBeyond b = ground_beyond(columns, column, row, -d[0], -d[1]);
+    const GroundBeyond b = ground_beyond(cells, column, row, -d[0], -d[1]);
     if (b.cell == nullptr) return false;
     const double apart = (a.steps + b.steps) * kCellSize * std::hypot(d[0], d[1]);
     return double{std::abs(a.cell->ground_z - b.cell->ground_z)} > drop_of(parameters) + kSlope * apart;
   });
 }
 
-CellClass class_of(const Around<CellColumns>& columns, const VehicleCells& vehicles, int column, int row,
+CellClass class_of(const ColumnWindow& cells, const VehicleCells& vehicles, int column, int row,
                    const ClassParameters& parameters) {
   const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
-  const Standing standing = standing_at(columns, column, row, parameters);
+  const CellColumn& cell = *cells.at(column, row);
+  const Standing standing = standing_at(cells, column, row, parameters);
   if (standing.blocks) {
     if (standing.top >= kReachesTop * parameters.vehicle_height || vehicles.beneath[i]) return CellClass::kWall;
-    return is_large(columns, column, row, parameters) ? CellClass::kWall : CellClass::kObstacle;
+    return is_large(cells, column, row, parameters) ? CellClass::kWall : CellClass::kObstacle;
   }
-  if (is_drop(columns.centre()->cells[i], parameters)) return CellClass::kObstacle;
-  if (columns.centre()->cells[i].ground_points == 0)
-    return hides_a_drop(columns, column, row, parameters) ? CellClass::kObstacle : CellClass::kUnknown;
+  if (is_drop(cell, parameters)) return CellClass::kObstacle;
+  if (cell.ground_points == 0)
+    return hides_a_drop(cells, column, row, parameters) ? CellClass::kObstacle : CellClass::kUnknown;
   return vehicles.beneath[i] ? CellClass::kWall : CellClass::kRoad;
 }
 
@@ -191,14 +207,16 @@ std::uint8_t traversal_cost(CellClass cell_class, double curb_height, const Clas
 void classify_cells(const Around<CellColumns>& columns, const Around<std::vector<CurbPoint>>& curbs,
                     const ClassParameters& parameters, MapTile& tile) {
   const VehicleCells vehicles = find_vehicles(columns, parameters);
+  const ColumnWindow cells(columns);
   for (int row = 0; row < kCellsPerTile; ++row) {
     for (int column = 0; column < kCellsPerTile; ++column) {
       const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
       const CellColumn& cell = columns.centre()->cells[i];
-      tile.cell_class[i] = class_of(columns, vehicles, column, row, parameters);
+      tile.cell_class[i] = class_of(cells, vehicles, column, row, parameters);
       tile.cost[i] = traversal_cost(tile.cell_class[i], 0, parameters);
-      tile.height[i] = cell.has_points ? height_steps(cell.ground_z, tile.z_origin) : MapTile::kNoHeight;
+      tile.height[i] = cell.points > 0 ? height_steps(cell.ground_z, tile.z_origin) : MapTile::kNoHeight;
       const int support = cell.ground_points + cell.blocking_points + cell.drop_points;
+      tile.hits[i] = static_cast<std::uint8_t>(std::min(255, cell.points));
       tile.confidence[i] = tile.cell_class[i] == CellClass::kUnknown
                                ? std::uint8_t{0}
                                : static_cast<std::uint8_t>(std::min(255, 32 * support));

@@ -28,7 +28,7 @@ CellColumns measure_columns(const VotedTile& tile, const GroundSurface& ground, 
     const int row = std::clamp(static_cast<int>(double{p.y} / kCellSize), 0, kCellsPerTile - 1);
     const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
     CellColumn& cell = columns.cells[i];
-    cell.has_points = true;
+    ++cell.points;
     lowest[i] = std::min(lowest[i], p.z);
     const float above = p.z - ground_height[i];
     if (double{std::abs(above)} <= parameters.ground_band) {
@@ -57,6 +57,8 @@ CellColumns measure_columns(const VotedTile& tile, const GroundSurface& ground, 
     CellColumn& cell = columns.cells[i];
     cell.ground_z = cell.ground_points > 0 ? static_cast<float>(ground_sum[i] / cell.ground_points) : lowest[i];
     cell.top = highest[i][1];
+    columns.num_blocked += cell.blocks(parameters) ? 1 : 0;
+    columns.num_high += cell.is_high(parameters) ? 1 : 0;
   }
   return columns;
 }

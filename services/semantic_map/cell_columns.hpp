@@ -33,20 +33,28 @@ struct ClassParameters {
 
 /// The points of one 0.12 m cell, by height above the ground.
 struct CellColumn {
+  int points = 0;  ///< all of them, those too that are neither on the ground nor in the way
   int ground_points = 0;
   float ground_z = 0;       ///< m in map, mean of the ground points; without any: of the lowest point
   int blocking_points = 0;  ///< between min_obstacle and the vehicle's height
   float top = 0;            ///< m above ground, of the blocking points (the second highest: one may be a stray)
   float bottom = 0;         ///< m above ground, of the lowest of them
   int drop_points = 0;      ///< as far below the ground as is in the way above it, and more than may be climbed
-  bool has_points = false;
   /// Blocking points within the margin of the cell's edges: towards -x, +x, -y, +y.
   std::array<int, 4> at_edge{};
+  [[nodiscard]] bool blocks(const ClassParameters& parameters) const {
+    return blocking_points >= parameters.min_points;
+  }
+  [[nodiscard]] bool is_high(const ClassParameters& parameters) const {
+    return blocks(parameters) && double{top} >= parameters.min_vehicle;
+  }
   bool operator==(const CellColumn&) const = default;
 };
 
 struct CellColumns {
   std::array<CellColumn, kCellsInTile> cells{};
+  int num_blocked = 0;  ///< cells where enough stands to be an obstacle
+  int num_high = 0;     ///< and as high as `min_vehicle`
   [[nodiscard]] const CellColumn& at(int column, int row) const {
     return cells[static_cast<std::size_t>(row * kCellsPerTile + column)];
   }

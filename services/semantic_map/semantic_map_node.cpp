@@ -13,8 +13,7 @@ namespace curbstone {
 
 namespace {
 
-constexpr std::int64_t kTilePeriod = 100'000;   // us between two messages about a tile, on average
-constexpr std::int64_t kEarly = 50'000;         // us by which new points may be ahead of that
+constexpr std::int64_t kTilePeriod = 100'000;   // us between two messages about a tile that no new points came to
 constexpr std::int64_t kCurbsPeriod = 500'000;  // us
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kWritePeriod = 1'000'000;
@@ -30,11 +29,12 @@ ClassParameters with_vehicle(ClassParameters classes, const VehicleConfig& vehic
   return classes;
 }
 
-/// Counts tile periods since 2026 (enough until 2032): a service that was restarted goes on above the revisions it sent
-/// before.
-std::int32_t revision_at(std::int64_t now) {
-  constexpr std::int64_t kStart = 1'767'225'600'000'000;
-  return static_cast<std::int32_t>(std::clamp<std::int64_t>((now - kStart) / kTilePeriod, 0, 2'000'000'000));
+/// Grows by itself since the epoch began (it is named after the second in which it did), faster than a tile is sent: a
+/// service that was restarted goes on above the revisions it sent before. An epoch may last for a year.
+std::int32_t revision_at(std::int64_t now, std::int32_t epoch) {
+  constexpr std::int64_t kStep = 20'000;
+  const std::int64_t begin = std::int64_t{epoch} * 1'000'000;
+  return static_cast<std::int32_t>(std::clamp<std::int64_t>((now - begin) / kStep, 0, 2'000'000'000));
 }
 
 }  // namespace
@@ -146,14 +146,14 @@ void SemanticMapNode::begin_drive(std::int64_t utime) {
 void SemanticMapNode::caught_up(std::int64_t now) {
   if (schedule_.num_waiting() == 0) return;
   now_ = now;
-  schedule_.work(vehicle_, now);
+  schedule_.show();
   publish_changed(now);
 }
 
 void SemanticMapNode::tick(std::int64_t now) {
   now_ = now;
+  schedule_.show();
   schedule_.work(vehicle_, now);
-  schedule_.settle_stale(now);
   publish_changed(now);
   answer_requests();
   if (now - last_request_ >= kRequestPeriod) {
@@ -175,11 +175,8 @@ void SemanticMapNode::publish_changed(std::int64_t now) {
   std::erase_if(unsent_, [&](TileKey key) {
     const auto it = published_.find(key);
     const MapTile& tile = *pipeline_.classes(key);
-    if (it != published_.end()) {
-      const std::int64_t early = tile.utime > it->second.tile.utime ? kEarly : 0;
-      const std::int64_t wait = it->second.next - now - early;
-      if (wait > 0 && wait <= 2 * kTilePeriod) return false;  // longer: the clock has jumped
-    }
+    const bool is_news = it == published_.end() || tile.utime > it->second.tile.utime;
+    if (!is_news && std::abs(now - it->second.at) < kTilePeriod) return false;
     publish_tile(tile, now);
     return true;
   });
@@ -189,10 +186,9 @@ void SemanticMapNode::publish_tile(const MapTile& tile, std::int64_t now) {
   Published& published = published_[tile.key];
   if (published.revision > 0 && published.tile == tile) return;  // became another, and what it was again
   const bool is_news = tile.utime > published.tile.utime;
-  if (published.next - now > 2 * kTilePeriod) published.next = now;
-  published.next = std::max(published.next, now) + kTilePeriod;
+  published.at = now;
   published.tile = tile;
-  published.revision = std::max(published.revision + 1, revision_at(now));
+  published.revision = std::max(published.revision + 1, revision_at(now, epoch_));
   catalog_.set_version(tile.key, published.revision);
   keeper_.put(tile);
   publish(published);

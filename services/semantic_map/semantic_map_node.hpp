@@ -47,7 +47,7 @@ class SemanticMapNode final : public Node {
   struct Published {
     MapTile tile;
     std::int32_t revision = 0;
-    std::int64_t next = 0;  // us, from when on it may go again
+    std::int64_t at = 0;  // us, when it went out
   };
   /// False for what belongs to an epoch that is over.
   bool enter_epoch(std::int32_t epoch);

@@ -5,22 +5,6 @@
 #include <utility>
 
 namespace curbstone {
-namespace {
-
-/// The points of each cell, as far as a byte counts.
-std::array<std::uint8_t, kCellsInTile> count_hits(const VotedTile& tile) {
-  std::array<std::uint8_t, kCellsInTile> hits{};
-  for (const VotedPoint& p : tile.points) {
-    const int column = std::clamp(static_cast<int>(double{p.x} / kCellSize), 0, kCellsPerTile - 1);
-    const int row = std::clamp(static_cast<int>(double{p.y} / kCellSize), 0, kCellsPerTile - 1);
-    std::uint8_t& count = hits[static_cast<std::size_t>(row * kCellsPerTile + column)];
-    if (count < 255) ++count;
-  }
-  return hits;
-}
-
-}  // namespace
-
 TilePipeline::Tile* TilePipeline::find(TileKey key) {
   const auto it = tiles_.find(key);
   return it == tiles_.end() ? nullptr : &it->second;
@@ -71,7 +55,6 @@ void TilePipeline::set_voted(VotedTile voted) {
   const auto [it, is_new] = tiles_.try_emplace(key);
   Tile& tile = it->second;
   tile.voted = std::move(voted);
-  tile.hits = count_hits(tile.voted);
   if (is_new) {
     for (const Step step : kAllSteps) mark(step, key, tile);
   }
@@ -162,7 +145,6 @@ void TilePipeline::refresh_classes(TileKey key, Tile& tile) {
   result.key = key;
   result.utime = tile.voted.utime;
   result.z_origin = tile.voted.z_origin;
-  result.hits = tile.hits;
   classify_cells(around<CellColumns>(key, [](Tile& t) { return &t.columns; }),
                  around<std::vector<CurbPoint>>(key, [](Tile& t) { return &t.curbs; }), classes_, result);
   if (tile.classes == result) return;
@@ -179,7 +161,10 @@ std::optional<MapTile> TilePipeline::update(TileKey key) {
 
 std::optional<MapTile> TilePipeline::update_columns(TileKey key) {
   Tile* const tile = find(key);
-  if (tile == nullptr || !tile->classes) return std::nullopt;
+  if (tile == nullptr) return std::nullopt;
+  if (!tile->classes) {
+    for (const Step step : {kSamples, kGround}) refresh(step, key, *tile);
+  }
   for (const Step step : {kColumns, kClasses}) refresh(step, key, *tile);
   return tile->classes;
 }

@@ -72,7 +72,6 @@ class TilePipeline {
   static constexpr std::int64_t kFresh = 0;
   struct Tile {
     VotedTile voted;
-    std::array<std::uint8_t, kCellsInTile> hits{};
     GroundSamples samples;
     GroundModel ground;
     std::vector<CurbCandidate> evidence;

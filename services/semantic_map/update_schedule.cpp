@@ -27,7 +27,7 @@ void UpdateSchedule::changed(TileKey key, std::size_t points_before, std::int64_
 void UpdateSchedule::work(const Eigen::Vector2d& vehicle, std::int64_t now) {
   earn_work(now);
   update_news(vehicle, now);
-  show_news();
+  settle_stale(now);
 }
 
 /// What may be computed by now: work_per_tick each 20 ms, of which no more is saved up than a revolution's time.
@@ -59,8 +59,7 @@ void UpdateSchedule::update_news(const Eigen::Vector2d& vehicle, std::int64_t no
   }
 }
 
-/// What stands where need not wait until curbs have been looked for.
-void UpdateSchedule::show_news() {
+void UpdateSchedule::show() {
   for (auto& [key, news] : news_) {
     if (!std::exchange(news.is_shown, true)) pipeline_.update_columns(key);
   }

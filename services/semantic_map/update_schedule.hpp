@@ -21,11 +21,12 @@ class UpdateSchedule {
 
   /// The tile is voted anew; it had so many points before.
   void changed(TileKey key, std::size_t points_before, std::int64_t now);
-  /// Brings up to date what is due, the nearest to the vehicle (m in map) first, and shows of the rest what stands
-  /// where.
+  /// Of all that has changed, what stands where: cheap, and what a vehicle must know first. A tile that is new waits
+  /// for work().
+  void show();
+  /// Looks for ground and curbs where it is due, as far as the budget goes, the nearest to the vehicle (m in map)
+  /// first; then brings up to date what has long been stale: most of it was before, with points of its own.
   void work(const Eigen::Vector2d& vehicle, std::int64_t now);
-  /// Brings up to date what has long been stale; most of it was before, with points of its own.
-  void settle_stale(std::int64_t now);
   void clear() { news_.clear(); }
   /// Tiles whose curbs wait for work().
   [[nodiscard]] std::size_t num_waiting() const { return news_.size(); }
@@ -39,7 +40,7 @@ class UpdateSchedule {
   };
   void earn_work(std::int64_t now);
   void update_news(const Eigen::Vector2d& vehicle, std::int64_t now);
-  void show_news();
+  void settle_stale(std::int64_t now);
 
   double work_per_tick_;
   TilePipeline& pipeline_;

@@ -30,13 +30,13 @@ class StandingCells {
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
         const CellColumns* tile = columns.at(dx, dy);
-        if (tile == nullptr) continue;
+        if (tile == nullptr || tile->num_blocked == 0) continue;
         for (int i = 0; i < kCellsInTile; ++i) {
           const CellColumn& cell = tile->cells[static_cast<std::size_t>(i)];
-          if (cell.blocking_points < parameters.min_points) continue;
+          if (!cell.blocks(parameters)) continue;
           const CellPlace at((dx + 1) * kCellsPerTile + i % kCellsPerTile,
                              (dy + 1) * kCellsPerTile + i / kCellsPerTile);
-          state_[index(at)] = double{cell.top} >= parameters.min_vehicle ? kHigh : kLow;
+          state_[index(at)] = cell.is_high(parameters) ? kHigh : kLow;
         }
       }
     }
@@ -120,6 +120,9 @@ bool is_inside(const std::vector<CellPlace>& hull, CellPlace at) {
 
 VehicleCells find_vehicles(const Around<CellColumns>& columns, const ClassParameters& parameters) {
   VehicleCells vehicles;
+  int num_high = 0;
+  columns.for_each([&](const CellColumns& tile, double, double) { num_high += tile.num_high; });
+  if (num_high < kHighCells) return vehicles;
   StandingCells standing(columns, parameters);
   const auto in_tile = [](CellPlace at) {
     return static_cast<std::size_t>((at.y() - kCellsPerTile) * kCellsPerTile + at.x() - kCellsPerTile);

@@ -38,7 +38,7 @@ void PublishSchedule::clear() {
 
 double PublishSchedule::freshness(const Pending& tile, std::int64_t now) const {
   const auto age = static_cast<double>(std::max<std::int64_t>(0, now - tile.utime));
-  return std::max(config_.stale, 1 / (1 + age / static_cast<double>(config_.fresh)));
+  return 1 / (1 + age / static_cast<double>(config_.fresh));
 }
 
 std::optional<TileKey> PublishSchedule::next(std::int64_t now, double x, double y) const {
@@ -49,11 +49,9 @@ std::optional<TileKey> PublishSchedule::next(std::int64_t now, double x, double 
     const Published out = it == published_.end() ? Published{0, 0} : it->second;
     if (it != published_.end() && now - out.at < config_.min_interval) continue;
     const double news = tile.wanted ? 1.0 : 1.0 - static_cast<double>(out.revision) / tile.revision;
-    const std::int64_t patience = now - tile.utime < config_.just_now ? config_.patience : config_.long_patience;
-    if (news < config_.prompt_share && now - tile.since < patience) continue;
-    const double age = static_cast<double>(now - tile.since) * 1e-6;
-    const double score =
-        freshness(tile, now) * news * (1 + age) / (1 + squared_distance(key, x, y) / (config_.near * config_.near));
+    const double waited = static_cast<double>(now - tile.since) / static_cast<double>(config_.patience);
+    const double nearness = 1 / (1 + squared_distance(key, x, y) / (config_.near * config_.near));
+    const double score = (freshness(tile, now) * news + waited) * nearness;
     if (score > best_score) {
       best_score = score;
       best = key;

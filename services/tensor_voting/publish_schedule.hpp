@@ -8,23 +8,17 @@
 
 namespace curbstone {
 
-/// Which changed tile to publish next. Each at most every `min_interval`; a tile with little news waits until it has
-/// been changed for `patience`, so that a tile is not sent again for every point that comes to it, and then for points
-/// that have just been measured, but not for longer than `long_patience`. Among those that are
-/// due, the one with the largest share of news goes first, discounted by its distance and by the age of its newest
-/// points: when not all can go, those go whose news is still fresh, and the others when fresh news comes to them, or
-/// when they have waited for long.
+/// Which changed tile to publish next, each at most every `min_interval`. While all can go, all go. When not, the
+/// largest share of news goes first, discounted by the age of the newest points: those whose news is still fresh, and
+/// the others when fresh news comes to them. But waiting counts too, so that everybody's turn comes; and all of it
+/// counts less with distance.
 class PublishSchedule {
  public:
   struct Config {
-    std::int64_t min_interval = 200'000;   ///< us
-    std::int64_t patience = 200'000;       ///< us
-    std::int64_t long_patience = 600'000;  ///< us
-    std::int64_t just_now = 75'000;        ///< us: points that are no older have just been measured
-    double prompt_share = 0.1;             ///< news of this share of the tile need not wait for `patience`
-    double near = 10;                      ///< m: at this distance news counts half
-    std::int64_t fresh = 30'000;           ///< us: at this age news counts half
-    double stale = 0.03;                   ///< what the oldest news counts
+    std::int64_t min_interval = 30'000;  ///< us
+    std::int64_t patience = 1'000'000;   ///< us: who has waited for so long counts as one that is all news
+    double near = 10;                    ///< m: at this distance a tile counts half
+    std::int64_t fresh = 30'000;         ///< us: at this age news counts half
   };
   explicit PublishSchedule(Config config) : config_(config) {}
 

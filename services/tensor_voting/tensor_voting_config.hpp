@@ -16,12 +16,11 @@ struct TensorVotingConfig {
   std::vector<double> voxel = {0.1};  ///< m: thinning at each scale; a multiple of 2 mm that divides 3 m
   double radius = 3.0;                ///< cut-off, in sigmas
   double ball = 1.0;                  ///< the ball vote's coefficient
-  double bandwidth = 8.0;             ///< MB/s of VOTED_POINTS at most
-  double min_interval = 0.1;          ///< s between two revisions of a tile
-  double patience = 0.2;  ///< s that a tile with little news waits for more, and up to three times that for fresh news
-  double keep_radius = 400.0;   ///< m: tiles farther from the vehicle are let go
-  int max_points = 16'000'000;  ///< of the map, in memory
-  double worker_timeout = 2.5;  ///< s: a worker not heard for so long is gone
+  double bandwidth = 16.0;            ///< MB/s of VOTED_POINTS at most
+  double min_interval = 0.03;         ///< s between two revisions of a tile
+  double keep_radius = 400.0;         ///< m: tiles farther from the vehicle are let go
+  int max_points = 16'000'000;        ///< of the map, in memory
+  double worker_timeout = 2.5;        ///< s: a worker not heard for so long is gone
 
   void visit(ConfigVisitor& v) {
     v.section("vehicle", vehicle, "the vehicle");
@@ -31,7 +30,6 @@ struct TensorVotingConfig {
     v.field("ball", ball, {0.5, 1.0}, "coefficient of the ball vote: 1 straight continuation, 0.5 cos^2");
     v.field("bandwidth", bandwidth, {0.1, 100.0}, "MB/s of VOTED_POINTS at most");
     v.field("min_interval", min_interval, {0.0, 10.0}, "s between two revisions of a tile");
-    v.field("patience", patience, {0.0, 60.0}, "s that a tile with little news waits for more");
     v.field("keep_radius", keep_radius, {20.0, 1e6}, "m, tiles farther from the vehicle are let go");
     v.field("max_points", max_points, {1000, 1e9}, "points of the map in memory");
     v.field("worker_timeout", worker_timeout, {0.5, 60.0}, "s, a worker not heard for so long is gone");

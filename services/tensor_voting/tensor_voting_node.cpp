@@ -17,7 +17,7 @@ constexpr std::int64_t kRequestPatience = 300'000;    // us
 constexpr std::size_t kTilesPerRequest = 100;         // a few hundred kB of answers
 constexpr std::size_t kMaxBehind = 20'000;            // tiles that we lack and know of
 constexpr double kUnpublishedMargin = 2 * kTileSize;  // m: tiles at the rim may lack neighbours that were let go
-constexpr double kBurst = 20'000;                     // us: what may be saved up, of the bandwidth
+constexpr double kBurst = 50'000;                     // us: what may be saved up, of the bandwidth: a revolution's
 constexpr std::size_t kMovesPerTick = 8000;           // points taken over: 10 to 20 ms of work
 constexpr std::int64_t kListen = 1'500'000;           // us: in which every other worker has said that it lives
 constexpr double kJoinRadius = 40.0;                  // m: what a worker must have around the vehicle before it joins
@@ -41,9 +41,7 @@ TensorVotingNode::TensorVotingNode(const TensorVotingConfig& config, std::string
       workers_(worker_, microseconds(config.worker_timeout)),
       follower_(worker_, kMapPoints),
       catalog_(worker_, kVotedPoints),
-      schedule_({.min_interval = microseconds(config.min_interval),
-                 .patience = microseconds(config.patience),
-                 .long_patience = 3 * microseconds(config.patience)}) {}
+      schedule_({.min_interval = microseconds(config.min_interval)}) {}
 
 void TensorVotingNode::connect(Subscriber& bus) {
   bus.subscribe<map_points_t>(kMapPoints, [this](const map_points_t& m) { on(m); });
@@ -231,7 +229,6 @@ void TensorVotingNode::queue_pages(TileKey key) {
     page.chain = chain_;
     pages_.push_back(std::move(page));
   }
-  base = make_voted_base(*tile, revision, map_.fields());
   latency_.add(static_cast<double>(now_ - schedule_.waiting_since(key).value_or(now_)) * 1e-6);
   schedule_.published(key, revision, now_);
   catalog_.set_version(key, revision);

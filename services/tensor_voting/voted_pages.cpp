@@ -37,16 +37,33 @@ struct WireTensors {
   std::vector<WireTensor> tensors;
 };
 
-WireTensors tensors_changed(const VotingField& field, TileKey key, std::int64_t since) {
-  WireTensors wires;
-  const std::vector<std::uint32_t> voters = field.voters_changed(key, since);
-  const auto points = field.points_of_voters(key);
-  for (const std::uint32_t voter : voters) wires.points.push_back(points[voter]);
-  std::vector<TensorF> tensors;
-  tensors.reserve(voters.size());
-  for (const VoteSums& sums : field.sums(key, voters)) {
-    tensors.push_back(to_float(to_tensor(sums, field.parameters().ball)));
+constexpr std::uint64_t kNothingOut = 0;
+
+/// 64 bits that differ where the sums do, but for a chance of 2^-64 (mixing step of MurmurHash3's finaliser, Appleby).
+std::uint64_t digest_of(const VoteSums& sums) {
+  std::uint64_t digest = 1;
+  for (const std::int64_t value : sums.value) {
+    digest = (digest ^ static_cast<std::uint64_t>(value)) * 0xff51afd7ed558ccdULL;
+    digest ^= digest >> 33U;
   }
+  return digest;
+}
+
+/// Of the blocks of voters that votes have reached, those voters whose own sums are others than what is out.
+WireTensors take_changed_tensors(const VotingField& field, TileKey key, VotedBase::Scale& out) {
+  WireTensors wires;
+  const std::vector<std::uint32_t> voters = field.voters_changed(key, out.change);
+  const std::vector<VoteSums> all_sums = field.sums(key, voters);
+  const auto points = field.points_of_voters(key);
+  out.digests.resize(points.size(), kNothingOut);
+  std::vector<TensorF> tensors;
+  for (std::size_t i = 0; i < voters.size(); ++i) {
+    const std::uint64_t digest = digest_of(all_sums[i]);
+    if (std::exchange(out.digests[voters[i]], digest) == digest) continue;
+    wires.points.push_back(points[voters[i]]);
+    tensors.push_back(to_float(to_tensor(all_sums[i], field.parameters().ball)));
+  }
+  out.change = field.change();
   wires.tensors.reserve(voters.size());
   for (const DecompositionF& d : decompose(tensors)) wires.tensors.push_back(to_wire(d));
   return wires;
@@ -129,8 +146,8 @@ void append_tensor(voted_points_t& page, std::size_t scale, std::uint32_t point,
 
 }  // namespace
 
-std::vector<voted_points_t> make_voted_pages(TileKey key, const PointTile& tile, std::int32_t revision,
-                                             const VotedBase& base, std::span<const VotingField> fields) {
+std::vector<voted_points_t> make_voted_pages(TileKey key, const PointTile& tile, std::int32_t revision, VotedBase& base,
+                                             std::span<const VotingField> fields) {
   voted_points_t header{};
   header.utime = tile.utime;  // its own points' time, not its neighbours': a fact of the content
   header.tile_x = key.x;
@@ -148,22 +165,18 @@ std::vector<voted_points_t> make_voted_pages(TileKey key, const PointTile& tile,
     append_points(writer.page(), key, tile, first, last, fields);
     first = last;
   }
+  base.scales.resize(fields.size());
   for (std::size_t scale = 0; scale < fields.size(); ++scale) {
-    const std::int64_t since = base.changes.empty() ? 0 : base.changes[scale];
-    const WireTensors wires = tensors_changed(fields[scale], key, since);
+    const WireTensors wires = take_changed_tensors(fields[scale], key, base.scales[scale]);
     for (std::size_t i = 0; i < wires.points.size();) {
       for (std::size_t fit = writer.room_for_tensors(wires.points.size() - i); fit > 0; --fit, ++i) {
         append_tensor(writer.page(), scale, wires.points[i], wires.tensors[i]);
       }
     }
   }
+  base.revision = revision;
+  base.num_points = tile.points.size();
   return writer.finish();
-}
-
-VotedBase make_voted_base(const PointTile& tile, std::int32_t revision, std::span<const VotingField> fields) {
-  VotedBase base{revision, tile.points.size(), {}};
-  for (const VotingField& field : fields) base.changes.push_back(field.change());
-  return base;
 }
 
 }  // namespace curbstone

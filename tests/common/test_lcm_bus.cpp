@@ -40,6 +40,15 @@ TEST(LcmBus, ATapSeesEveryChannelWithTheTimeOfItsMessages) {
   EXPECT_EQ(channels, (std::vector<std::string>{"IMU", "A.B"}));
 }
 
+TEST(LcmBus, ATapMayLeaveAChannelOut) {
+  LcmBus bus("memq://");
+  std::vector<std::string> channels;
+  bus.tap([&](const std::string& channel, const void*, int, std::int64_t) { channels.push_back(channel); }, {}, "IMU");
+  for (const char* channel : {"IMU", "IMU2", "A.IMU", "POSE"}) bus.publish(channel, imu_t{});
+  for (int i = 0; i < 6; ++i) bus.handle(10ms);
+  EXPECT_EQ(channels, (std::vector<std::string>{"IMU2", "A.IMU", "POSE"}));
+}
+
 /// Encoded bytes whose array length is negative: lcm-gen 1.3.1 throws on it.
 struct Garbage {
   [[nodiscard]] int getEncodedSize() const { return 24; }

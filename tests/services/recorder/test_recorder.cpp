@@ -52,6 +52,19 @@ TEST_F(RecorderTest, WritesWhatIsSaidOnAnyChannelInItsOrder) {
   EXPECT_EQ(node.report().counters["messages"], 3);
 }
 
+TEST_F(RecorderTest, LeavesOutTheVotesUnlessToldOtherwise) {
+  const auto record = [this] {
+    RecorderNode node(config_, bus_);
+    bus_.publish("VOTED_POINTS", imu_t{});
+    say(1, 1);
+    node.finish();
+    return node.report().counters["messages"];
+  };
+  EXPECT_EQ(record(), 1);
+  config_.skip.clear();
+  EXPECT_EQ(record(), 2);
+}
+
 TEST_F(RecorderTest, WhatWasSaidASecondAgoIsOnFileBeforeTheEnd) {
   RecorderNode node(config_, bus_);
   node.tick(10'000'000);

@@ -237,7 +237,7 @@ TEST(Classes, APointOnTheEdgeOfACellBlocksBothAndASingleOneOnlyBesideOthers) {
   const auto cell = [&](int column, int row) -> CellColumn& {
     return columns->cells[static_cast<std::size_t>(row * kCellsPerTile + column)];
   };
-  for (CellColumn& c : columns->cells) c = {.ground_points = 5, .has_points = true};
+  for (CellColumn& c : columns->cells) c = {.points = 5, .ground_points = 5};
   cell(5, 5).blocking_points = 4;
   cell(5, 5).top = 0.5F;
   cell(5, 5).at_edge[1] = 2;

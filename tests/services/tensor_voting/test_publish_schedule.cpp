@@ -11,11 +11,7 @@ const TileKey kHere{0, 0};
 const TileKey kThere{10, 0};  // 30 m ahead
 
 PublishSchedule schedule() {
-  return PublishSchedule({.min_interval = 200 * kMs,
-                          .patience = 1000 * kMs,
-                          .long_patience = 2000 * kMs,
-                          .prompt_share = 0.1,
-                          .near = 10});
+  return PublishSchedule({.min_interval = 200 * kMs, .patience = 1000 * kMs, .near = 10});
 }
 
 TEST(PublishScheduleTest, TheNearestOfThoseWithNewsGoesFirst) {
@@ -79,18 +75,25 @@ TEST(PublishScheduleTest, NoTileGoesMoreOftenThanItMay) {
   EXPECT_EQ(s.next(kNow + 200 * kMs, 0, 0), kHere);
 }
 
-TEST(PublishScheduleTest, LittleNewsWaitsForMore) {
+TEST(PublishScheduleTest, ASinglePointIsNewsToo) {
   PublishSchedule s = schedule();
   s.changed(kHere, 1000, kNow, kNow);
   s.published(kHere, 1000, kNow);
-  s.changed(kHere, 1010, kNow + 500 * kMs, kNow + 500 * kMs);
-  EXPECT_EQ(s.next(kNow + 1400 * kMs, 0, 0), std::nullopt);
-  EXPECT_EQ(s.next(kNow + 1500 * kMs, 0, 0), std::nullopt) << "more may just be coming";
-  EXPECT_EQ(s.next(kNow + 2500 * kMs, 0, 0), kHere) << "that was all that came";
-  s.changed(kHere, 1020, kNow + 1480 * kMs, kNow + 1480 * kMs);
-  EXPECT_EQ(s.next(kNow + 1500 * kMs, 0, 0), kHere) << "while it is fresh";
-  s.changed(kHere, 1200, kNow + 600 * kMs, kNow + 600 * kMs);
-  EXPECT_EQ(s.next(kNow + 600 * kMs, 0, 0), kHere) << "that is news";
+  s.changed(kHere, 1001, kNow + 500 * kMs, kNow + 500 * kMs);
+  EXPECT_EQ(s.next(kNow + 500 * kMs, 0, 0), kHere);
+}
+
+TEST(PublishScheduleTest, LittleNewsThatHasWaitedGoesBeforeMuchThatHasNot) {
+  PublishSchedule s = schedule();
+  const TileKey beside{0, 1};
+  s.published(kHere, 1000, kNow - 5000 * kMs);
+  s.published(beside, 1000, kNow - 5000 * kMs);
+  s.changed(kHere, 1001, kNow - 1000 * kMs, kNow - 1000 * kMs);
+  s.changed(beside, 2000, kNow, kNow);
+  EXPECT_EQ(s.next(kNow, 1.5, 3), kHere);
+  s.published(kHere, 1001, kNow);
+  s.changed(kHere, 1002, kNow + 200 * kMs, kNow + 200 * kMs);
+  EXPECT_EQ(s.next(kNow + 200 * kMs, 1.5, 3), beside);
 }
 
 TEST(PublishScheduleTest, WhoAsksGetsATileThatHasNotChanged) {

@@ -26,20 +26,28 @@ bool is_of_a_driver(const std::string& channel) {
   return channel == "LIDAR_POINTS" || channel == "IMU" || channel == "WHEELS";
 }
 
-void print_row(nlohmann::json& json, const std::string& name, const AgeFigures& f, double sent_per_s) {
-  fmt::print("  {:<34} {:>8} {:>9.1f} {:>8.0f} {:>8.0f} {:>8.0f}\n", name, f.count, sent_per_s, f.p50, f.p95, f.max);
-  json["ms"][name] = {{"count", f.count}, {"sent_per_s", sent_per_s}, {"p50", f.p50}, {"p95", f.p95}, {"max", f.max}};
+void print_ages(nlohmann::json& json, const std::string& name, const AgeFigures& f) {
+  fmt::print("  {:<34} {:>8} {:>8.0f} {:>8.0f} {:>8.0f}", name, f.count, f.p50, f.p95, f.max);
+  json["ms"][name] = {{"count", f.count}, {"p50", f.p50}, {"p95", f.p95}, {"max", f.max}};
+}
+
+void print_traffic(nlohmann::json& json, const std::string& channel, double per_s, double megabytes_per_s) {
+  fmt::print(" {:>8.0f} {:>6.2f}", per_s, megabytes_per_s);
+  json["sent"][channel] = {{"per_s", per_s}, {"mb_per_s", megabytes_per_s}};
 }
 
 nlohmann::json report(const TimedVehicle& vehicle, const TileAges& ages, double seconds) {
   nlohmann::json json{{"seconds", seconds}};
   fmt::print("{:.1f} s of drive, on a clock of CPU time\n\n", seconds);
-  fmt::print("  {:<34} {:>8} {:>9} {:>8} {:>8} {:>8}\n", "age of the newest points, ms", "counted", "sent/s", "p50",
-             "p95", "max");
-  for (const char* channel : {"MAP_POSE", "MAP_POINTS", "VOTED_POINTS", "SEMANTIC_TILE"})
-    print_row(json, channel, ages.age(channel), static_cast<double>(ages.sent(channel)) / seconds);
-  print_row(json, "all points, to SEMANTIC_TILE", ages.news(), 0);
-  fmt::print("\n  CPU, in cores:");
+  fmt::print("  {:<34} {:>8} {:>8} {:>8} {:>8} {:>8} {:>6}\n", "age of the newest points, ms", "counted", "p50", "p95",
+             "max", "sent/s", "MB/s");
+  for (const char* channel : {"MAP_POSE", "MAP_POINTS", "VOTED_POINTS", "SEMANTIC_TILE"}) {
+    print_ages(json, channel, ages.age(channel));
+    print_traffic(json, channel, static_cast<double>(ages.sent(channel)) / seconds, ages.megabytes(channel) / seconds);
+    fmt::print("\n");
+  }
+  print_ages(json, "all points, to SEMANTIC_TILE", ages.news());
+  fmt::print("\n\n  CPU, in cores:");
   for (const auto& [name, process] : vehicle.processes()) {
     const double cores = static_cast<double>(process->cpu_us()) * 1e-6 / seconds;
     fmt::print("  {} {:.3f}", name, cores);

@@ -27,6 +27,7 @@ AgeFigures figures(std::vector<double> values) {
 }  // namespace
 
 void TileAges::hear(const TimedMessage& message) {
+  channels_[message.channel].bytes += message.bytes->size();
   if (message.channel == "MAP_POSE") {
     map_pose_t m;
     if (read(message, m)) sent_tile(message.channel, {}, m.utime, message.at);
@@ -72,6 +73,11 @@ AgeFigures TileAges::news() const {
 std::size_t TileAges::sent(const std::string& channel) const {
   const auto it = channels_.find(channel);
   return it == channels_.end() ? 0 : it->second.sent;
+}
+
+double TileAges::megabytes(const std::string& channel) const {
+  const auto it = channels_.find(channel);
+  return it == channels_.end() ? 0 : static_cast<double>(it->second.bytes) * 1e-6;
 }
 
 }  // namespace curbstone

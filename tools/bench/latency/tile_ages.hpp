@@ -28,12 +28,15 @@ class TileAges {
   [[nodiscard]] AgeFigures news() const;
   /// Tiles sent, those for their neighbours' sake too.
   [[nodiscard]] std::size_t sent(const std::string& channel) const;
+  /// What was sent on a channel, all pages of it.
+  [[nodiscard]] double megabytes(const std::string& channel) const;
 
  private:
   struct Channel {
     std::map<TileKey, std::int64_t> newest;  // us, measured
     std::vector<double> ages;                // ms
     std::size_t sent = 0;
+    std::size_t bytes = 0;
   };
   void sent_tile(const std::string& channel, TileKey key, std::int64_t utime, std::int64_t at);
   std::map<std::string, Channel> channels_;
