@@ -43,13 +43,14 @@ void EventLoop::every(std::chrono::milliseconds period, std::function<void()> ta
 
 void EventLoop::run() {
   running_ = true;
+  bool may_idle = true;
   std::vector<pollfd> fds;
   while (running_) {
     fds.assign(1, {signal_fd_, POLLIN, 0});
     for (const Watch& watch : watches_) fds.push_back({watch.fd, POLLIN, 0});
     std::int64_t due = steady_clock() + 1'000'000;
     for (const Timer& timer : timers_) due = std::min(due, timer.due_us);
-    const std::int64_t wait_us = std::max<std::int64_t>(0, due - steady_clock());
+    const std::int64_t wait_us = may_idle && idle_ ? 0 : std::max<std::int64_t>(0, due - steady_clock());
     if (poll(fds.data(), fds.size(), static_cast<int>((wait_us + 999) / 1000)) < 0 && errno != EINTR) {
       throw std::system_error(errno, std::generic_category(), "poll");
     }
@@ -58,8 +59,10 @@ void EventLoop::run() {
       (void)!read(signal_fd_, &taken, sizeof taken);
       break;
     }
+    bool was_idle = true;
     for (std::size_t i = 1; i < fds.size(); ++i) {
       if (fds[i].revents == 0) continue;
+      was_idle = false;
       // By value and looked up anew: a handler may watch and unwatch.
       const auto it = std::find_if(watches_.begin(), watches_.end(), [&](const Watch& w) { return w.fd == fds[i].fd; });
       if (it == watches_.end()) continue;
@@ -69,10 +72,12 @@ void EventLoop::run() {
     const std::int64_t now = steady_clock();
     for (std::size_t i = 0; i < timers_.size(); ++i) {
       if (timers_[i].due_us > now) continue;
+      was_idle = false;
       timers_[i].due_us = std::max(timers_[i].due_us + timers_[i].period_us, now);  // late once, not a burst
       const auto task = timers_[i].task;
       task();
     }
+    may_idle = !was_idle || (may_idle && idle_ && idle_());
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <functional>
+#include <utility>
 #include <vector>
 
 namespace curbstone {
@@ -19,6 +20,8 @@ class EventLoop {
   void watch(int fd, std::function<void()> on_readable);
   void unwatch(int fd);
   void every(std::chrono::milliseconds period, std::function<void()> task);
+  /// Calls `task` when nothing is readable and no timer due, until it returns false; again after whatever comes next.
+  void when_idle(std::function<bool()> task) { idle_ = std::move(task); }
 
   /// Runs until stop() or a signal.
   void run();
@@ -36,6 +39,7 @@ class EventLoop {
   };
   std::vector<Watch> watches_;
   std::vector<Timer> timers_;
+  std::function<bool()> idle_;
   int signal_fd_ = -1;
   bool running_ = false;
 };

@@ -35,6 +35,13 @@ class Node {
   /// with tick(), what is finally converged to does not depend on it; a replay does not call it.
   virtual void caught_up(std::int64_t now) { (void)now; }
 
+  /// Live, there is nothing else to do: a small piece (1 to 2 ms) of work that may wait. Returns whether there may be
+  /// more of it. As with caught_up(); what a replay must get done, tick() does too.
+  virtual bool idle(std::int64_t now) {
+    (void)now;
+    return false;
+  }
+
   /// Finish what is pending, without pacing: the drive is over. Called once before the process ends.
   virtual void finish() {}
 

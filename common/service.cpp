@@ -87,6 +87,7 @@ void run(const std::string& name, const std::string& url, const std::string& has
     bus.handle(std::chrono::milliseconds(0));
     node->caught_up(wall_clock());
   });
+  loop.when_idle([&] { return node->idle(wall_clock()); });
   loop.every(std::chrono::milliseconds(20), [&] { node->tick(wall_clock()); });
   loop.every(std::chrono::milliseconds(1000), [&] { status.publish(bus, node->report()); });
   status.publish(bus, node->report());

@@ -22,7 +22,8 @@ class Sqlite;
 ///   curbs(id, dropped, confidence, points)   points: float32 LE, 6 a vertex: x y z height high_side_x high_side_y
 ///   trajectory(utime, revolution, x, y, z, qw, qx, qy, qz)    T_map_base at the end of each revolution
 ///
-/// Schema 1 had confidence as it is, and no hits: such a map is read, with none; whoever writes to it makes it a map of schema 2.
+/// Schema 1 had confidence as it is, and no hits: such a map is read, with none; whoever writes to it makes it a map of
+/// schema 2.
 ///
 /// There is no wall clock, pid or revision in it: two replays of one log give the same bytes.
 inline constexpr std::int32_t kMapSchemaVersion = 2;

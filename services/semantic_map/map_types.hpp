@@ -21,8 +21,9 @@ struct MapTile {
   static constexpr std::int16_t kNoHeight = -32768;
 
   TileKey key;
-  std::int64_t utime = 0;  ///< us, of the newest map points that went in
-  float z_origin = 0;      ///< m in map
+  std::int64_t utime = 0;        ///< us, of the newest map points that went in
+  std::int64_t curbs_utime = 0;  ///< us, of those that its curbs know of; not kept in the store
+  float z_origin = 0;            ///< m in map
   std::array<CellClass, kCellsInTile> cell_class{};
   std::array<std::int16_t, kCellsInTile> height{};  ///< ground, else lowest point; 2 mm steps from z_origin; kNoHeight
   std::array<std::uint8_t, kCellsInTile> cost{};    ///< 0 free .. 254 lethal, 255 unknown

@@ -13,7 +13,7 @@ namespace curbstone {
 struct SemanticMapConfig {
   std::string map = "map.db";      ///< file; empty: the map lives in memory only
   std::string picture;             ///< PNG of the map, written at the end; empty: none
-  int work_per_tick = 5;           ///< tiles brought up to date each 20 ms
+  int work_per_tick = 8;           ///< tiles whose ground and curbs are looked for each 20 ms
   double curb_range = 20.0;        ///< m around the vehicle that CURBS speaks of
   int max_pending_tiles = 20'000;  ///< kept in memory while the disk is full
   CurbParameters curb;
@@ -23,7 +23,7 @@ struct SemanticMapConfig {
   void visit(ConfigVisitor& v) {
     v.field("map", map, "file to keep the map in; empty: in memory only");
     v.field("picture", picture, "PNG of the map, written at the end; empty: none");
-    v.field("work_per_tick", work_per_tick, {1, 1000}, "tiles brought up to date each 20 ms");
+    v.field("work_per_tick", work_per_tick, {1, 1000}, "tiles whose ground and curbs are looked for each 20 ms");
     v.field("curb_range", curb_range, {3, 100}, "m around the vehicle that CURBS speaks of");
     v.field("max_pending_tiles", max_pending_tiles, {100, 1e6}, "tiles kept in memory while the disk is full");
     v.section("curb", curb, "how curbs are found");

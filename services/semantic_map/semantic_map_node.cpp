@@ -150,10 +150,18 @@ void SemanticMapNode::caught_up(std::int64_t now) {
   publish_changed(now);
 }
 
+bool SemanticMapNode::idle(std::int64_t now) {
+  now_ = now;
+  idles_ = true;
+  if (!schedule_.work_on_one(vehicle_, now)) return false;
+  publish_changed(now);
+  return true;
+}
+
 void SemanticMapNode::tick(std::int64_t now) {
   now_ = now;
   schedule_.show();
-  schedule_.work(vehicle_, now);
+  while (!idles_ && schedule_.work_on_one(vehicle_, now)) continue;
   publish_changed(now);
   answer_requests();
   if (now - last_request_ >= kRequestPeriod) {

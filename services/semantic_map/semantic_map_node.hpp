@@ -34,6 +34,7 @@ class SemanticMapNode final : public Node {
   void connect(Subscriber& bus) override;
   void tick(std::int64_t now) override;
   void caught_up(std::int64_t now) override;
+  bool idle(std::int64_t now) override;
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
 
@@ -71,6 +72,7 @@ class SemanticMapNode final : public Node {
   MapKeeper keeper_;
   TileFollower voted_{"semantic_map", "VOTED_POINTS"};
   TileCatalog catalog_{"semantic_map", "SEMANTIC_TILE"};
+  bool idles_ = false;        // whether idle() is called, so that tick() need not work
   std::int64_t now_ = 0;      // us, of the last tick()
   std::set<TileKey> unsent_;  // changed since they were sent
   std::unordered_map<TileKey, Published, TileKeyHash> published_;

@@ -23,6 +23,7 @@ curb_line_t to_message(const CurbLine& line, const std::vector<Eigen::Vector2d>&
 semantic_tile_t to_message(const MapTile& tile, std::int32_t epoch, std::int32_t revision) {
   semantic_tile_t m;
   m.utime = tile.utime;
+  m.curbs_utime = tile.curbs_utime;
   m.epoch = epoch;
   m.tile_x = tile.key.x;
   m.tile_y = tile.key.y;

@@ -120,6 +120,7 @@ void TilePipeline::refresh_ground(TileKey key, Tile& tile) {
 void TilePipeline::refresh_evidence(TileKey key, Tile& tile) {
   const GroundSurface ground(around<GroundModel>(key, [](Tile& t) { return &t.ground; }));
   auto evidence = find_curb_evidence(around<VotedTile>(key, [](Tile& t) { return &t.voted; }), ground, curb_);
+  if (std::exchange(tile.evidence_utime, tile.voted.utime) != tile.voted.utime) mark(kCurbs, key, tile);
   if (evidence == tile.evidence) return;
   tile.evidence = std::move(evidence);
   mark_around(kCurbs, key);
@@ -135,6 +136,7 @@ void TilePipeline::refresh_columns(TileKey key, Tile& tile) {
 
 void TilePipeline::refresh_curbs(TileKey key, Tile& tile) {
   auto curbs = filter_curbs(around<std::vector<CurbCandidate>>(key, [](Tile& t) { return &t.evidence; }), curb_);
+  if (std::exchange(tile.curbs_utime, tile.evidence_utime) != tile.evidence_utime) mark(kClasses, key, tile);
   if (curbs == tile.curbs) return;
   tile.curbs = std::move(curbs);
   mark_around(kClasses, key);
@@ -144,6 +146,7 @@ void TilePipeline::refresh_classes(TileKey key, Tile& tile) {
   MapTile result;
   result.key = key;
   result.utime = tile.voted.utime;
+  result.curbs_utime = tile.curbs_utime;
   result.z_origin = tile.voted.z_origin;
   classify_cells(around<CellColumns>(key, [](Tile& t) { return &t.columns; }),
                  around<std::vector<CurbPoint>>(key, [](Tile& t) { return &t.curbs; }), classes_, result);

@@ -75,8 +75,10 @@ class TilePipeline {
     GroundSamples samples;
     GroundModel ground;
     std::vector<CurbCandidate> evidence;
+    std::int64_t evidence_utime = 0;  ///< us, of the newest points that it was looked for in
     CellColumns columns;
     std::vector<CurbPoint> curbs;
+    std::int64_t curbs_utime = 0;  ///< us, of the evidence
     std::optional<MapTile> classes;
     std::array<std::int64_t, kNumSteps> stale{};  ///< its turn in stale_, or kFresh
   };

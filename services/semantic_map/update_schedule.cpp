@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <tuple>
-#include <vector>
 
 namespace curbstone {
 
@@ -24,10 +24,13 @@ void UpdateSchedule::changed(TileKey key, std::size_t points_before, std::int64_
   news_.try_emplace(key, News{now, points_before, false}).first->second.is_shown = false;
 }
 
-void UpdateSchedule::work(const Eigen::Vector2d& vehicle, std::int64_t now) {
+bool UpdateSchedule::work_on_one(const Eigen::Vector2d& vehicle, std::int64_t now) {
   earn_work(now);
-  update_news(vehicle, now);
-  settle_stale(now);
+  if (budget_ <= 0) return false;
+  const double before = pipeline_.work();
+  const bool worked = update_news(vehicle, now) || settle_stale(now);
+  budget_ -= pipeline_.work() - before;
+  return worked;
 }
 
 /// What may be computed by now: work_per_tick each 20 ms, of which no more is saved up than a revolution's time.
@@ -35,28 +38,25 @@ void UpdateSchedule::earn_work(std::int64_t now) {
   const auto elapsed = static_cast<double>(std::clamp<std::int64_t>(now - earned_at_, 0, kSavedWork));
   earned_at_ = now;
   const double rate = work_per_tick_ / static_cast<double>(kTick);
-  work_budget_ = std::clamp(work_budget_ + rate * elapsed, pipeline_.work(), pipeline_.work() + rate * kSavedWork);
+  budget_ = std::min(budget_ + rate * elapsed, rate * kSavedWork);
 }
 
-/// Tiles with points of their own that are new, as far as the budget goes: those first that are new to a good part, and
-/// of those the nearest; then those that have waited for long.
-void UpdateSchedule::update_news(const Eigen::Vector2d& vehicle, std::int64_t now) {
-  std::vector<std::tuple<bool, double, TileKey>> due;
+/// A tile with points of its own that are new: the nearest of those that are new to a good part, or else the one that
+/// has waited for longest.
+bool UpdateSchedule::update_news(const Eigen::Vector2d& vehicle, std::int64_t now) {
+  std::optional<std::tuple<bool, double, TileKey>> first;
   for (const auto& [key, news] : news_) {
     const auto before = static_cast<double>(news.num_points);
     const bool is_large = static_cast<double>(pipeline_.voted(key)->points.size()) * (1 - kLargeShare) >= before;
-    if (is_large) {
-      due.emplace_back(false, squared_distance(key, vehicle.x(), vehicle.y()), key);
-    } else if (std::abs(now - news.since) >= kNewsPatience) {
-      due.emplace_back(true, static_cast<double>(news.since), key);
-    }
+    if (!is_large && std::abs(now - news.since) < kNewsPatience) continue;
+    const double order = is_large ? squared_distance(key, vehicle.x(), vehicle.y()) : static_cast<double>(news.since);
+    const std::tuple due(!is_large, order, key);
+    if (!first || due < *first) first = due;
   }
-  std::sort(due.begin(), due.end());
-  for (const auto& [later, order, key] : due) {
-    if (pipeline_.work() >= work_budget_) break;
-    pipeline_.update(key);
-    news_.erase(key);
-  }
+  if (!first) return false;
+  pipeline_.update(std::get<TileKey>(*first));
+  news_.erase(std::get<TileKey>(*first));
+  return true;
 }
 
 void UpdateSchedule::show() {
@@ -65,12 +65,12 @@ void UpdateSchedule::show() {
   }
 }
 
-void UpdateSchedule::settle_stale(std::int64_t now) {
+/// What has been stale for longest, if that is long.
+bool UpdateSchedule::settle_stale(std::int64_t now) {
   if (!turns_.empty() && now < turns_.back().first) turns_.clear();  // a clock that jumps
-  turns_.emplace_back(now, pipeline_.turn());
+  if (turns_.empty() || now - turns_.back().first >= kTick) turns_.emplace_back(now, pipeline_.turn());
   while (turns_.size() > 1 && now - turns_[1].first >= kSettlePatience) turns_.pop_front();
-  const std::int64_t before = now - turns_.front().first >= kSettlePatience ? turns_.front().second + 1 : 0;
-  while (pipeline_.settle_one(before) && pipeline_.work() < work_budget_) continue;  // one at least
+  return now - turns_.front().first >= kSettlePatience && pipeline_.settle_one(turns_.front().second + 1);
 }
 
 }  // namespace curbstone

@@ -16,7 +16,7 @@ namespace curbstone {
 /// jump.
 class UpdateSchedule {
  public:
-  /// `work_per_tick`: of TilePipeline::work(), each 20 ms.
+  /// `work_per_tick`: of TilePipeline::work(), each 20 ms, beside show().
   UpdateSchedule(double work_per_tick, TilePipeline& pipeline);
 
   /// The tile is voted anew; it had so many points before.
@@ -24,9 +24,10 @@ class UpdateSchedule {
   /// Of all that has changed, what stands where: cheap, and what a vehicle must know first. A tile that is new waits
   /// for work().
   void show();
-  /// Looks for ground and curbs where it is due, as far as the budget goes, the nearest to the vehicle (m in map)
-  /// first; then brings up to date what has long been stale: most of it was before, with points of its own.
-  void work(const Eigen::Vector2d& vehicle, std::int64_t now);
+  /// Looks for ground and curbs in one tile where that is due, the nearest to the vehicle (m in map) first, or brings
+  /// up to date what has long been stale: most of it was before, with points of its own. False if nothing is due, or
+  /// the budget is spent.
+  bool work_on_one(const Eigen::Vector2d& vehicle, std::int64_t now);
   void clear() { news_.clear(); }
   /// Tiles whose curbs wait for work().
   [[nodiscard]] std::size_t num_waiting() const { return news_.size(); }
@@ -39,13 +40,13 @@ class UpdateSchedule {
     bool is_shown = false;       // its columns and classes know of all points
   };
   void earn_work(std::int64_t now);
-  void update_news(const Eigen::Vector2d& vehicle, std::int64_t now);
-  void settle_stale(std::int64_t now);
+  bool update_news(const Eigen::Vector2d& vehicle, std::int64_t now);
+  bool settle_stale(std::int64_t now);
 
   double work_per_tick_;
   TilePipeline& pipeline_;
   std::map<TileKey, News> news_;
-  double work_budget_ = 0;  // pipeline_.work() that may be reached
+  double budget_ = 0;  // of pipeline_.work()
   std::int64_t earned_at_ = 0;
   std::deque<std::pair<std::int64_t, std::int64_t>> turns_;  // when it was whose turn, of the last second
 };

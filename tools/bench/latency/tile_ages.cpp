@@ -35,7 +35,7 @@ void TileAges::hear(const TimedMessage& message) {
     map_points_t m;
     if (!read(message, m)) return;
     sent_tile(message.channel, {m.tile_x, m.tile_y}, m.utime, message.at);
-    waiting_[{m.tile_x, m.tile_y}].push_back(m.utime);
+    for (News* news : {&tiles_, &curbs_}) news->waiting[{m.tile_x, m.tile_y}].push_back(m.utime);
   } else if (message.channel == "VOTED_POINTS") {
     voted_points_t m;
     if (read(message, m) && m.page + 1 == m.num_pages)
@@ -44,12 +44,17 @@ void TileAges::hear(const TimedMessage& message) {
     semantic_tile_t m;
     if (!read(message, m)) return;
     sent_tile(message.channel, {m.tile_x, m.tile_y}, m.utime, message.at);
-    std::erase_if(waiting_[{m.tile_x, m.tile_y}], [&](std::int64_t utime) {
-      if (utime > m.utime) return false;
-      news_.push_back(static_cast<double>(message.at - utime) * 1e-3);
-      return true;
-    });
+    tiles_.out({m.tile_x, m.tile_y}, m.utime, message.at);
+    curbs_.out({m.tile_x, m.tile_y}, m.curbs_utime, message.at);
   }
+}
+
+void TileAges::News::out(TileKey key, std::int64_t utime, std::int64_t at) {
+  std::erase_if(waiting[key], [&](std::int64_t measured) {
+    if (measured > utime) return false;
+    ages.push_back(static_cast<double>(at - measured) * 1e-3);
+    return true;
+  });
 }
 
 void TileAges::sent_tile(const std::string& channel, TileKey key, std::int64_t utime, std::int64_t at) {
@@ -67,7 +72,11 @@ AgeFigures TileAges::age(const std::string& channel) const {
 }
 
 AgeFigures TileAges::news() const {
-  return figures(news_);
+  return figures(tiles_.ages);
+}
+
+AgeFigures TileAges::curb_news() const {
+  return figures(curbs_.ages);
 }
 
 std::size_t TileAges::sent(const std::string& channel) const {

@@ -18,7 +18,8 @@ struct AgeFigures {
 
 /// How old measurements are when they are on the bus: a tile's newest points when its MAP_POINTS, VOTED_POINTS (all
 /// pages) and SEMANTIC_TILE are sent. A tile that is sent again without newer points of its own, for its neighbours'
-/// sake, does not count. And from every MAP_POINTS to the first SEMANTIC_TILE of its tile that knows of them.
+/// sake, does not count. And from every MAP_POINTS to the first SEMANTIC_TILE of its tile that knows of them, and to
+/// the first whose curbs do.
 class TileAges {
  public:
   void hear(const TimedMessage& message);
@@ -26,6 +27,8 @@ class TileAges {
   [[nodiscard]] AgeFigures age(const std::string& channel) const;
   /// Of the points of each MAP_POINTS, when their tile is out. Those that changed nothing in it do not count.
   [[nodiscard]] AgeFigures news() const;
+  /// The same, when its curbs know of them.
+  [[nodiscard]] AgeFigures curb_news() const;
   /// Tiles sent, those for their neighbours' sake too.
   [[nodiscard]] std::size_t sent(const std::string& channel) const;
   /// What was sent on a channel, all pages of it.
@@ -40,8 +43,13 @@ class TileAges {
   };
   void sent_tile(const std::string& channel, TileKey key, std::int64_t utime, std::int64_t at);
   std::map<std::string, Channel> channels_;
-  std::map<TileKey, std::vector<std::int64_t>> waiting_;  // us, measured, not out yet
-  std::vector<double> news_;                              // ms
+  /// Points that are not out yet.
+  struct News {
+    std::map<TileKey, std::vector<std::int64_t>> waiting;  // us, measured
+    std::vector<double> ages;                              // ms
+    void out(TileKey key, std::int64_t utime, std::int64_t at);
+  };
+  News tiles_, curbs_;
 };
 
 }  // namespace curbstone

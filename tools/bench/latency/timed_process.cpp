@@ -26,6 +26,7 @@ void TimedProcess::deliver(const TimedMessage& message) {
 }
 
 std::int64_t TimedProcess::next() const {
+  if (may_idle_) return free_;
   const std::int64_t due = inbox_.empty() ? tick_ : std::min(tick_, inbox_.begin()->first);
   return std::max(due, free_);
 }
@@ -33,7 +34,10 @@ std::int64_t TimedProcess::next() const {
 std::int64_t TimedProcess::work(std::int64_t at) {
   begun_ = std::max(at, next());
   cpu_begun_ = cpu_us_of_thread();
-  if (!inbox_.empty() && inbox_.begin()->first < tick_) {
+  const std::int64_t due = inbox_.empty() ? tick_ : std::min(tick_, inbox_.begin()->first);
+  if (due > begun_) {
+    may_idle_ = node_->idle(begun_);
+  } else if (may_idle_ = true; !inbox_.empty() && inbox_.begin()->first < tick_) {
     const TimedMessage message = std::move(inbox_.begin()->second);
     inbox_.erase(inbox_.begin());
     handlers_.find(message.channel)->second(message.bytes->data(), static_cast<int>(message.bytes->size()));

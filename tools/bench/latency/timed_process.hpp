@@ -35,7 +35,7 @@ class TimedProcess final : public Publisher, public Subscriber {
   void deliver(const TimedMessage& message);
   /// When it begins its next piece of work, us.
   [[nodiscard]] std::int64_t next() const;
-  /// Does that: one message or one tick, not before `at` us. Returns when it is done.
+  /// Does that: one message, one tick or what may wait, not before `at` us. Returns when it is done.
   std::int64_t work(std::int64_t at);
 
   [[nodiscard]] const Node& node() const { return *node_; }
@@ -55,6 +55,7 @@ class TimedProcess final : public Publisher, public Subscriber {
   std::map<std::string, BytesHandler, std::less<>> handlers_;
   std::multimap<std::int64_t, TimedMessage> inbox_;  // equal times stay in order
   std::int64_t free_ = 0;                            // us, when it has done what it does
+  bool may_idle_ = false;                            // the node may have work that waits until there is nothing else
   std::int64_t begun_ = 0;                           // us, the piece of work under way
   double cpu_begun_ = 0;
   std::int64_t cpu_ = 0;
