@@ -31,6 +31,14 @@ std::int64_t resident_memory() {
   return resident * sysconf(_SC_PAGESIZE);
 }
 
+/// Who was started by a deputy is a session of its own, and between sessions only their groups' niceness counts
+/// (sched(7), "autogroup").
+void yield_to_others(int nice) {
+  if (nice == 0) return;
+  setpriority(PRIO_PROCESS, 0, nice);
+  std::ofstream("/proc/self/autogroup") << nice;
+}
+
 std::string host_name() {
   char name[256] = {};
   gethostname(name, sizeof name - 1);
@@ -111,11 +119,13 @@ int run_service(int argc, char** argv, const std::string& section, const std::st
   std::string url;
   std::string name = section;
   std::vector<std::string> assignments;
+  int nice = 0;
   bool dump = false;
   line.option("--config", file, "The vehicle's YAML file; its section '" + section + "' is read");
   line.option("--set", assignments, "Set one value: KEY=VALUE, over the file").one_each();
   line.option("--lcm-url", url, "Bus; default $LCM_DEFAULT_URL, else " + std::string(LcmBus::kDefaultUrl));
   line.option("--name", name, "Name on the bus, unique").shows_default();
+  line.option("--nice", nice, "Yields to programs with a lower one when all want to compute").within(0, 19);
   line.flag("--dump-config", dump, "Print the effective configuration and stop");
   line.version(version());
   if (const auto status = line.read(argc, argv)) return *status;
@@ -131,6 +141,7 @@ int run_service(int argc, char** argv, const std::string& section, const std::st
     return 2;
   }
   try {
+    yield_to_others(nice);
     run(name, url, config_hash(section, config), make);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", section, error.what());

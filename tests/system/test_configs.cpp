@@ -1,4 +1,6 @@
 #include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "run_program.hpp"
 
@@ -37,6 +39,14 @@ TEST_P(EveryProgram, NamesFileLineAndTheNearestKeyForAnUnknownOne) {
   EXPECT_THAT(result.err, HasSubstr("bad.yaml:3"));
   EXPECT_THAT(result.err, HasSubstr("no_such_key"));
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+}
+
+TEST(Services, YieldToOthersWhenToldTo) {
+  const TemporaryFolder folder;
+  BackgroundProgram program("curbstone-ekf --nice 7", folder / "output");
+  for (int i = 0; i < 500 && getpriority(PRIO_PROCESS, static_cast<id_t>(program.pid())) != 7; ++i) usleep(10'000);
+  EXPECT_EQ(getpriority(PRIO_PROCESS, static_cast<id_t>(program.pid())), 7) << program.output();
+  EXPECT_EQ(run_program("curbstone-ekf --nice -1").exit_status, 2) << "before others it must not push itself";
 }
 
 TEST_P(EveryProgram, RefusesAMissingFileABadOptionAndABadBus) {
