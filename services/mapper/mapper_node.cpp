@@ -202,7 +202,6 @@ void MapperNode::take_changes() {
     catalog_.remove(key);
     sent_.erase(key);
   }
-  keep_map();
 }
 
 void MapperNode::take_changed(const std::vector<TileKey>& changed) {
@@ -287,6 +286,7 @@ void MapperNode::tick(std::int64_t now) {
   send_changes();
   send_requested(kRequestsPerTick);
   if (std::abs(now - index_sent_) >= kIndexPeriod) send_index(now);
+  keep_map();
 }
 
 void MapperNode::finish() {

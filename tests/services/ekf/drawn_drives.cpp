@@ -56,4 +56,15 @@ double pose_nees(const Estimate& e, const Drive& drive, std::size_t start) {
   return error.dot(e.pose_covariance.ldlt().solve(error));
 }
 
+std::vector<Estimate> run(Filter& filter, const Drive& drive) {
+  constexpr double kNever[] = {1e9};
+  return run_and_look(filter, drive, kNever, [](auto&&...) {});
+}
+
+double end_error(const std::vector<Estimate>& estimates, const Drive& drive) {
+  const std::size_t start = drive.index_of(estimates.front().utime);
+  const Pose truth = drive.T_odom_base(drive.index_of(estimates.back().utime), start);
+  return (truth.translation() - estimates.back().T_odom_base.translation()).norm() / drive.distance;
+}
+
 }  // namespace curbstone

@@ -38,4 +38,9 @@ std::vector<Estimate> run_and_look(Filter& filter, const Drive& drive, const dou
   return out;
 }
 
+/// Runs the filter over the drive.
+[[nodiscard]] std::vector<Estimate> run(Filter& filter, const Drive& drive);
+/// How far the last estimate is off, as a share of the way; odom began at the first one.
+[[nodiscard]] double end_error(const std::vector<Estimate>& estimates, const Drive& drive);
+
 }  // namespace curbstone
