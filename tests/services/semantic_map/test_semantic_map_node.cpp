@@ -170,6 +170,7 @@ TEST_F(SemanticMapNodeTest, MakesTilesCurbsAndAMapFile) {
   ASSERT_EQ(map.tiles().size(), street().size());
   for (const MapTile& tile : map.tiles()) {
     const semantic_tile_t& m = newest.at(tile.key);
+    EXPECT_EQ(m.curbs_utime, m.utime);
     for (std::size_t i = 0; i < kCellsInTile; ++i) {
       EXPECT_EQ(m.cell_class[i], static_cast<std::uint8_t>(tile.cell_class[i]));
       EXPECT_EQ(m.height[i], tile.height[i]);
@@ -179,6 +180,38 @@ TEST_F(SemanticMapNodeTest, MakesTilesCurbsAndAMapFile) {
   EXPECT_EQ(map.trajectory().size(), 2U);
   EXPECT_GT(fs::file_size(c.picture), 1000U);
   EXPECT_TRUE(node.report().faults.empty());
+}
+
+TEST_F(SemanticMapNodeTest, ShowsWhatStandsWhereAtOnceAndLooksForCurbsWhileNothingComes) {
+  LocalBus bus;
+  SemanticMapNode node(config("map.db"), bus);
+  node.connect(bus);
+  std::map<TileKey, semantic_tile_t> newest;
+  bus.subscribe<semantic_tile_t>("SEMANTIC_TILE", [&](const semantic_tile_t& m) { newest[{m.tile_x, m.tile_y}] = m; });
+  const auto curb_cells = [&] {
+    std::ptrdiff_t count = 0;
+    for (const auto& [key, m] : newest) count += std::count(m.cell_class, m.cell_class + kCellsInTile, +m.CURB);
+    return count;
+  };
+  for (const auto& page : all_pages()) bus.publish("VOTED_POINTS", page);
+  bus.dispatch();
+  node.caught_up(kStart);
+  bus.dispatch();
+  EXPECT_EQ(newest.size(), street().size());
+  for (const auto& [key, m] : newest) EXPECT_EQ(m.curbs_utime, 0) << "none were looked for yet";
+  EXPECT_EQ(curb_cells(), 0);
+
+  std::int64_t now = kStart;
+  EXPECT_TRUE(node.idle(now)) << "a piece";
+  bus.dispatch();
+  EXPECT_LE(node.report().counters["evidence_computed"], 1) << "one tile's, no more";
+  for (int i = 0; i < 350; ++i) {
+    while (node.idle(now)) continue;
+    node.tick(now += 20'000);
+    bus.dispatch();
+  }
+  for (const auto& [key, m] : newest) EXPECT_EQ(m.curbs_utime, m.utime);
+  EXPECT_GT(curb_cells(), 50);
 }
 
 TEST_F(SemanticMapNodeTest, StoresTheCurbsDuringTheDriveToo) {
