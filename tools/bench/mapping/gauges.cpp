@@ -4,9 +4,23 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <fstream>
+#include <string>
 
 namespace curbstone {
+namespace {
+
+/// The number in size="..." of the last such element of malloc_info()'s text; 0 if there is none.
+double last_size(const std::string& info, const char* element) {
+  const std::size_t found = info.rfind(element);
+  if (found == std::string::npos) return 0;
+  const std::size_t size = info.find("size=\"", found);
+  return size == std::string::npos ? 0 : std::strtod(info.c_str() + size + 6, nullptr);
+}
+
+}  // namespace
 
 double now_ms(clockid_t clock) {
   timespec t{};
@@ -15,8 +29,18 @@ double now_ms(clockid_t clock) {
 }
 
 double heap_mb() {
-  const struct mallinfo2 info = mallinfo2();
-  return static_cast<double>(info.uordblks + info.hblkhd) / 1e6;
+  char* text = nullptr;
+  std::size_t size = 0;
+  std::FILE* out = open_memstream(&text, &size);
+  if (out == nullptr) return 0;
+  malloc_info(0, out);
+  std::fclose(out);
+  const std::string info(text, size);
+  std::free(text);  // NOLINT: open_memstream's
+  // The sums over all arenas come last.
+  const double held = last_size(info, "<system type=\"current\"") + last_size(info, "<total type=\"mmap\"");
+  const double unused = last_size(info, "<total type=\"fast\"") + last_size(info, "<total type=\"rest\"");
+  return (held - unused) / 1e6;
 }
 
 double resident_mb() {

@@ -17,7 +17,7 @@ struct LoopError {
 struct LapFigures {
   int lap = 0;
   LoopError error;
-  double held_mb = 0;      ///< heap that the method holds
+  double held_mb = 0;      ///< what the heap has grown by since the method was made
   double resident_mb = 0;  ///< of the whole process, the simulator's town included
   double cpu_ms = 0;       ///< a revolution of this lap, mean
 };

@@ -3,11 +3,19 @@
 #include <set>
 
 namespace curbstone {
+namespace {
+
+constexpr int kEmptyListEach = 100;  // revolutions
+
+}  // namespace
 
 std::optional<StampedPose> MapperMethod::process(const Revolution& revolution, const OdometryHistory& odometry) {
   const std::optional<MapperUpdate> update = mapper_.process(revolution, odometry);
   if (!update) return std::nullopt;
   rearranged_ += update->rearranged ? 1 : 0;
+  // Whoever sends tiles empties the list of those that have changed; not each time here, since it waits for the dense
+  // map, which nobody waits for to know the pose.
+  if (update->revolution % kEmptyListEach == 0) (void)mapper_.take_changed();
   return StampedPose{update->utime, update->T_map_base};
 }
 

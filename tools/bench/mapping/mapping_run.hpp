@@ -16,7 +16,7 @@ struct MappingResult {
   TrajectoryErrors errors;
   double ms_median = 0, ms_p95 = 0;          ///< of a revolution, by the clock on the wall
   double cpu_ms_median = 0, cpu_ms_p95 = 0;  ///< CPU of the whole process meanwhile: the machine may be shared
-  double memory_mb = 0;                      ///< most heap that the method held after a revolution (glibc only, else 0)
+  double memory_mb = 0;                      ///< most that the heap had grown by since the method was made (glibc only)
   int revolutions = 0;                       ///< played
   int poses = 0;                             ///< found
   MapContent content;
@@ -29,7 +29,7 @@ struct MappingResult {
 struct MappingMoment {
   std::optional<StampedPose> pose;         ///< that the method found
   std::optional<StampedPose> odometry;     ///< T_odom_base at the revolution's end
-  double held_mb = 0;                      ///< heap that the method holds
+  double held_mb = 0;                      ///< what the heap has grown by since the method was made
   double cpu_ms = 0;                       ///< that it took
   const Revolution* revolution = nullptr;  ///< while the watch is called
 };
