@@ -27,12 +27,13 @@ struct PosePrior {
 /// What came of registering one revolution.
 struct RegistrationResult {
   Pose T_map_base = Pose::Identity();
-  /// In base_link axes: of the step's equations, a point among many counted as one, with the prior. It knows the points'
-  /// noise and their planes', not what de-skew got wrong: see the README for how it compares with true errors.
+  /// In base_link axes: of the step's equations, a point among many counted as one, with the prior. It knows the
+  /// points' noise and their planes', not what de-skew got wrong (Tracker adds that, where there is no odometry:
+  /// Unsteadiness).
   Matrix6 covariance = Matrix6::Zero();
-  double residual = 0;                   ///< m, robust RMS distance of the inliers
-  double inlier_ratio = 0;               ///< of the points for which the map had a surface, those that lie on it
-  double overlap = 0;                    ///< 0..1: share of the revolution's points for which the map had a surface
+  double residual = 0;      ///< m, robust RMS distance of the inliers
+  double inlier_ratio = 0;  ///< of the points for which the map had a surface, those that lie on it
+  double overlap = 0;       ///< 0..1: share of the revolution's points for which the map had a surface
   int iterations = 0;
   int degenerate = 0;  ///< bit i: axis i of base_link was left to the prior
   bool converged = false;

@@ -109,9 +109,14 @@ void Tracker::conclude(const Attempt& attempt, Tracked& tracked) {
   if (tracked.stationary) tracked.T_map_base = last_->T_map_base;
   const double stride = seconds(last_->end, tracked.utime);
   if (stride < kLongestStride) {
-    twist_ = twist_of(moved, stride);
+    const Twist before = std::exchange(twist_, twist_of(moved, stride));
     stride_ = stride;
+    if (steady_ >= 2 && tracked.registered) unsteadiness_.add(before, twist_, stride);
   }
+  // An earlier pose that did not fit, or is another's, tells nothing of this one's error.
+  steady_ = tracked.registered && stride < kLongestStride ? steady_ + 1 : 0;
+  if (tracked.registered && !attempt.expected.with_odometry)
+    tracked.registration.covariance += unsteadiness_.covariance();
   last_ = Last{tracked.utime, tracked.T_map_base};
   const double went = attempt.expected.T_last_base.translation().norm();
   since_fitted_m_ += went;
@@ -169,6 +174,7 @@ bool Tracker::may_begin_anew(const Attempt& attempt, const Tracked& tracked) con
 
 void Tracker::relocate(const Pose& T_map_base) {
   last_->T_map_base = T_map_base;
+  steady_ = 0;
   drift_.setZero();
   fix_ = Fix::kTentative;
   fitting_ = 0;

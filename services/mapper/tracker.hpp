@@ -15,6 +15,7 @@
 #include "services/mapper/odometry_history.hpp"
 #include "services/mapper/registration.hpp"
 #include "services/mapper/revolution.hpp"
+#include "services/mapper/unsteadiness.hpp"
 
 namespace curbstone {
 
@@ -29,7 +30,7 @@ enum class Fix {
 struct Tracked {
   std::int64_t utime = 0;  ///< us, its end
   Pose T_map_base = Pose::Identity();
-  RegistrationResult registration;  ///< covariance in base_link axes
+  RegistrationResult registration;  ///< covariance in base_link axes, with that of the motion where it was a guess
   Fix fix = Fix::kTracking;
   bool registered = false;
   bool with_odometry = false;
@@ -128,13 +129,15 @@ class Tracker {
   std::optional<Revolution> first_;       // until its motion is known, where there is no odometry
   std::vector<LidarPoint> first_points_;  // of it, de-skewed
   Fix fix_ = Fix::kTracking;
-  int fitting_ = 0;                         // revolutions in a row, while tentative
-  bool blind_ = false;                      // lost, and not even odometry says how far
-  double since_fitted_m_ = 0;               // moved by odometry since the last one that fitted
-  double doubt_ = 0;                        // m, that the pose may be off by since then
-  std::int64_t fitted_ = 0;                 // us, the end of the last revolution that fitted
-  Twist twist_;                             // over the last revolution
-  double stride_ = 0.05;                    // s from revolution to revolution
+  int fitting_ = 0;            // revolutions in a row, while tentative
+  bool blind_ = false;         // lost, and not even odometry says how far
+  double since_fitted_m_ = 0;  // moved by odometry since the last one that fitted
+  double doubt_ = 0;           // m, that the pose may be off by since then
+  std::int64_t fitted_ = 0;    // us, the end of the last revolution that fitted
+  Twist twist_;                // over the last revolution
+  double stride_ = 0.05;       // s from revolution to revolution
+  int steady_ = 0;             // revolutions in a row that fitted and tell of the motion between them
+  Unsteadiness unsteadiness_;
   Pose T_map_keyframe_ = Pose::Identity();  // when the registration map last took a revolution
   Matrix6 drift_ = Matrix6::Zero();  // covariance of the pose at the end of the last revolution, if that was refused
   int refused_in_a_row_ = 0;

@@ -12,6 +12,7 @@ constexpr int kEmptyListEach = 100;  // revolutions
 std::optional<StampedPose> MapperMethod::process(const Revolution& revolution, const OdometryHistory& odometry) {
   const std::optional<MapperUpdate> update = mapper_.process(revolution, odometry);
   if (!update) return std::nullopt;
+  covariance_ = update->registered ? std::optional(update->registration.covariance) : std::nullopt;
   rearranged_ += update->rearranged ? 1 : 0;
   // Whoever sends tiles empties the list of those that have changed; not each time here, since it waits for the dense
   // map, which nobody waits for to know the pose.

@@ -12,6 +12,7 @@ class MapperMethod final : public MappingMethod {
 
   [[nodiscard]] std::optional<StampedPose> process(const Revolution& revolution,
                                                    const OdometryHistory& odometry) override;
+  [[nodiscard]] std::optional<Matrix6> covariance() const override { return covariance_; }
   void finish() override { (void)mapper_.finish(); }
   [[nodiscard]] MapContent content() const override;
   [[nodiscard]] int rearranged() const override { return rearranged_; }
@@ -19,6 +20,7 @@ class MapperMethod final : public MappingMethod {
 
  private:
   Mapper mapper_;
+  std::optional<Matrix6> covariance_;
   int rearranged_ = 0;
 };
 

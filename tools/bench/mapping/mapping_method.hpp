@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "services/mapper/registration.hpp"
 #include "tools/bench/mapping/mapping_drive.hpp"
 
 namespace curbstone {
@@ -24,6 +25,8 @@ class MappingMethod {
   /// T_map_base at the end of the revolution; nothing if it gives none.
   [[nodiscard]] virtual std::optional<StampedPose> process(const Revolution& revolution,
                                                            const OdometryHistory& odometry) = 0;
+  /// What it claims to know of the pose that process() gave last, in base_link axes; nothing if it claims nothing.
+  [[nodiscard]] virtual std::optional<Matrix6> covariance() const { return std::nullopt; }
   /// The drive is over.
   virtual void finish() {}
   [[nodiscard]] virtual MapContent content() const = 0;

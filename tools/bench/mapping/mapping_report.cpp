@@ -9,14 +9,15 @@
 namespace curbstone {
 
 std::string mapping_heading() {
-  return fmt::format("{:<16} {:<8} {:<6} {:>7} {:>8} {:>7} {:>7} {:>14} {:>14} {:>8} {:>9}\n", "drive", "method",
-                     "prior", "t_rel %", "deg/m", "ATE m", "end %", "ms med/p95", "CPU med/p95", "MB", "poses");
+  return fmt::format("{:<16} {:<8} {:<6} {:>7} {:>8} {:>7} {:>7} {:>6} {:>14} {:>14} {:>8} {:>9}\n", "drive", "method",
+                     "prior", "t_rel %", "deg/m", "ATE m", "end %", "NEES", "ms med/p95", "CPU med/p95", "MB", "poses");
 }
 
 std::string mapping_line(const MappingResult& r) {
   const TrajectoryErrors& e = r.errors;
-  return fmt::format("{:<16} {:<8} {:<6} {:>7.3f} {:>8.4f} {:>7.3f} {:>7.3f} {:>14} {:>14} {:>8.1f} {:>9}\n", r.name,
-                     r.method, r.prior, e.rpe_percent, e.rpe_deg_per_m, e.ate_m, e.end_percent,
+  return fmt::format("{:<16} {:<8} {:<6} {:>7.3f} {:>8.4f} {:>7.3f} {:>7.3f} {:>6} {:>14} {:>14} {:>8.1f} {:>9}\n",
+                     r.name, r.method, r.prior, e.rpe_percent, e.rpe_deg_per_m, e.ate_m, e.end_percent,
+                     r.nees.increments > 0 ? fmt::format("{:.1f}", r.nees.all) : "-",
                      fmt::format("{:.1f}/{:.1f}", r.ms_median, r.ms_p95),
                      fmt::format("{:.1f}/{:.1f}", r.cpu_ms_median, r.cpu_ms_p95), r.memory_mb,
                      fmt::format("{}/{}", r.poses, r.revolutions));
@@ -50,16 +51,22 @@ void write_mapping_track(const MappingResult& result, const std::string& folder)
 }
 
 nlohmann::json mapping_json(const MappingResult& r) {
-  return {{"name", r.name},
-          {"method", r.method},
-          {"prior", r.prior},
-          {"t_rel_percent", r.errors.rpe_percent},
-          {"r_rel_deg_per_m", r.errors.rpe_deg_per_m},
-          {"ate_m", r.errors.ate_m},
-          {"end_percent", r.errors.end_percent},
-          {"ms_median", r.ms_median},
-          {"ms_p95", r.ms_p95},
-          {"memory_mb", r.memory_mb}};
+  nlohmann::json json = {{"name", r.name},
+                         {"method", r.method},
+                         {"prior", r.prior},
+                         {"t_rel_percent", r.errors.rpe_percent},
+                         {"r_rel_deg_per_m", r.errors.rpe_deg_per_m},
+                         {"ate_m", r.errors.ate_m},
+                         {"end_percent", r.errors.end_percent},
+                         {"ms_median", r.ms_median},
+                         {"ms_p95", r.ms_p95},
+                         {"memory_mb", r.memory_mb}};
+  if (r.nees.increments > 0) {
+    json["nees"] = r.nees.all;
+    json["nees_translation"] = r.nees.translation;
+    json["nees_rotation"] = r.nees.rotation;
+  }
+  return json;
 }
 
 void write_runs(const nlohmann::json& runs, const std::string& file) {

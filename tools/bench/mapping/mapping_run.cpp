@@ -5,6 +5,11 @@
 #include "tools/bench/mapping/gauges.hpp"
 
 namespace curbstone {
+namespace {
+
+constexpr std::int64_t kIncrement = 500'000;  // us: `map.baseline` of the ekf
+
+}  // namespace
 
 MappingResult run_mapping(const MappingDrive& drive, const std::string& method,
                           const std::vector<std::string>& settings,
@@ -14,6 +19,7 @@ MappingResult run_mapping(const MappingDrive& drive, const std::string& method,
   result.method = method;
   result.prior = drive.prior;
   Trajectory track;
+  IncrementConsistency consistency(drive.truth(), kIncrement);
   std::vector<double> wall, cpu;
   std::unique_ptr<MappingMethod> mapper;
   double heap_without = 0;  // MB
@@ -32,6 +38,7 @@ MappingResult run_mapping(const MappingDrive& drive, const std::string& method,
     const double held = heap_mb() - heap_without;
     result.memory_mb = std::max(result.memory_mb, held);
     if (pose) track.push_back(*pose);
+    if (const auto claimed = mapper->covariance(); pose && claimed) consistency.add(*pose, *claimed);
     if (!watch) return;
     MappingMoment moment{pose, std::nullopt, held, cpu.back(), &revolution};
     if (odometry.covers(revolution.end, revolution.end))
@@ -48,6 +55,7 @@ MappingResult run_mapping(const MappingDrive& drive, const std::string& method,
   // The truth speaks of its own stamps: the estimate is interpolated, between the ends of two revolutions.
   const PosePairs swapped = pair_up(track, drive.truth());
   result.track = {swapped.estimate, swapped.truth};
+  result.nees = consistency.mean();
   result.errors = trajectory_errors(result.track);
   result.ms_median = percentile(wall, 0.5);
   result.ms_p95 = percentile(wall, 0.95);

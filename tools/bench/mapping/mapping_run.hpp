@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/bench/mapping/increment_consistency.hpp"
 #include "tools/bench/mapping/mapping_drive.hpp"
 #include "tools/bench/mapping/mapping_method.hpp"
 
@@ -14,6 +15,7 @@ namespace curbstone {
 struct MappingResult {
   std::string name, method, prior;
   TrajectoryErrors errors;
+  Nees nees;  ///< of increments over half a second, as a filter takes them; none of a method that claims nothing
   double ms_median = 0, ms_p95 = 0;          ///< of a revolution, by the clock on the wall
   double cpu_ms_median = 0, cpu_ms_p95 = 0;  ///< CPU of the whole process meanwhile: the machine may be shared
   double memory_mb = 0;                      ///< most that the heap had grown by since the method was made (glibc only)

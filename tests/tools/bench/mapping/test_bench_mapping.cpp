@@ -37,6 +37,8 @@ TEST(BenchMapping, IcpFollowsARecordedStreetByTheLidarAlone) {
   EXPECT_LT(result.errors.rpe_percent, 0.22);
   EXPECT_LT(result.errors.rpe_deg_per_m, 0.005);
   EXPECT_LT(result.errors.ate_m, 0.03);
+  EXPECT_LT(result.nees.all, 6) << "it pretends";
+  EXPECT_GT(result.nees.all, 0.5) << "hardly a claim";
   EXPECT_LT(result.errors.end_percent, 0.2);
 }
 
@@ -48,6 +50,8 @@ TEST(BenchMapping, IcpFollowsItWithAPoorPrior) {
   EXPECT_LT(result.errors.rpe_percent, 0.2);
   EXPECT_LT(result.errors.rpe_deg_per_m, 0.005);
   EXPECT_LT(result.errors.ate_m, 0.03);
+  EXPECT_LT(result.nees.all, 6) << "it pretends";
+  EXPECT_GT(result.nees.all, 0.5) << "hardly a claim";
   EXPECT_LT(result.errors.end_percent, 0.15);
 }
 
@@ -60,6 +64,7 @@ TEST(BenchMapping, LoamFollowsItByTheLidarAlone) {
   EXPECT_LT(result.errors.rpe_percent, 0.3);
   EXPECT_LT(result.errors.rpe_deg_per_m, 0.01);
   EXPECT_LT(result.errors.ate_m, 0.05);
+  EXPECT_LT(result.nees.all, 6);
 }
 
 TEST(BenchMapping, BothMethodsFollowADriveThroughTheTown) {
@@ -87,8 +92,9 @@ TEST(BenchMapping, WritesTheFiguresOfEachRun) {
   EXPECT_EQ(json["runs"][0]["prior"], "none");
   EXPECT_EQ(json["runs"][1]["prior"], "poor");
   for (const nlohmann::json& run : json["runs"]) {
-    EXPECT_EQ(run.size(), 10U);
-    for (const char* key : {"t_rel_percent", "r_rel_deg_per_m", "ate_m", "end_percent", "ms_median", "ms_p95"}) {
+    EXPECT_EQ(run.size(), 13U);
+    for (const char* key : {"t_rel_percent", "r_rel_deg_per_m", "ate_m", "end_percent", "ms_median", "ms_p95", "nees",
+                            "nees_translation", "nees_rotation"}) {
       EXPECT_GT(run[key].get<double>(), 0) << key;
     }
     EXPECT_TRUE(run["memory_mb"].is_number());

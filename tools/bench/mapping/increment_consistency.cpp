@@ -1,0 +1,75 @@
+#include "tools/bench/mapping/increment_consistency.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+
+#include "services/mapper/normal_equations.hpp"
+
+namespace curbstone {
+namespace {
+
+/// Lagrange's polynomial through the two poses on either side, in the log of SE(3) about the one before; nothing
+/// outside of them.
+std::optional<Pose> cubic_at(const Trajectory& truth, std::int64_t utime) {
+  const auto after = std::lower_bound(truth.begin(), truth.end(), utime,
+                                      [](const StampedPose& p, std::int64_t t) { return p.utime < t; });
+  if (after == truth.end()) return std::nullopt;
+  if (after->utime == utime) return after->pose;
+  if (after - truth.begin() < 2 || truth.end() - after < 2) return std::nullopt;
+  const auto from = after - 2;
+  const Pose& about = from[1].pose;
+  Vector6 change = Vector6::Zero();
+  for (int i = 0; i < 4; ++i) {
+    double weight = 1;
+    for (int k = 0; k < 4; ++k) {
+      if (k == i) continue;
+      weight *= static_cast<double>(utime - from[k].utime) / static_cast<double>(from[i].utime - from[k].utime);
+    }
+    change += weight * log_of(about.inverse() * from[i].pose);
+  }
+  return about * exp_of(change);
+}
+
+/// Takes an error of the pose at an increment's beginning to its end: the adjoint of the way back.
+Matrix6 carry_to_end(const Pose& T_begin_end) {
+  const Eigen::Matrix3d R = T_begin_end.linear().transpose();
+  Matrix6 out = Matrix6::Zero();
+  out.topLeftCorner<3, 3>() = out.bottomRightCorner<3, 3>() = R;
+  out.topRightCorner<3, 3>() = -R * skew(T_begin_end.translation());
+  return out;
+}
+
+}  // namespace
+
+void IncrementConsistency::add(const StampedPose& pose, const Matrix6& covariance) {
+  const auto off = [&](const Claim& claim) { return std::abs(pose.utime - claim.stamped.utime - span_); };
+  while (recent_.size() > 1 && off(recent_[1]) <= off(recent_[0])) recent_.pop_front();
+  const Claim end{pose, covariance};
+  if (!recent_.empty() && 4 * off(recent_.front()) <= span_) compare(recent_.front(), end);
+  recent_.push_back(end);
+}
+
+void IncrementConsistency::compare(const Claim& begin, const Claim& end) {
+  const auto true_begin = cubic_at(truth_, begin.stamped.utime), true_end = cubic_at(truth_, end.stamped.utime);
+  if (!true_begin || !true_end) return;
+  const Pose T_begin_end = begin.stamped.pose.inverse() * end.stamped.pose;
+  const Matrix6 carry = carry_to_end(T_begin_end);
+  const Matrix6 P = carry * begin.covariance * carry.transpose() + end.covariance;
+  const Vector6 error = log_of((true_begin->inverse() * *true_end).inverse() * T_begin_end);
+  const Eigen::Vector3d shift = error.head<3>(), turn = error.tail<3>();
+  sum_.all += error.dot(P.ldlt().solve(error));
+  sum_.translation += shift.dot(P.topLeftCorner<3, 3>().ldlt().solve(shift));
+  sum_.rotation += turn.dot(P.bottomRightCorner<3, 3>().ldlt().solve(turn));
+  ++sum_.increments;
+}
+
+Nees IncrementConsistency::mean() const {
+  Nees mean = sum_;
+  if (mean.increments == 0) return mean;
+  for (double* sum : {&mean.all, &mean.translation, &mean.rotation}) *sum /= mean.increments;
+  return mean;
+}
+
+}  // namespace curbstone
