@@ -41,9 +41,11 @@ class ClockOffset {
   /// How often the device's clock stepped by more than `jump`, and the offset was found anew.
   [[nodiscard]] std::int64_t jumps() const { return jumps_; }
 
+  /// What is added to the device's stamps, us; before the first sample: more than any time.
+  [[nodiscard]] std::int64_t offset() const { return std::min(current_, previous_); }
+
  private:
   static constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::max();
-  [[nodiscard]] std::int64_t offset() const { return std::min(current_, previous_); }
 
   std::int64_t half_window_;
   std::int64_t jump_;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <curbstone/wheels_t.hpp>
 #include <utility>
 
 namespace curbstone {
@@ -53,18 +52,19 @@ void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw&
   last_received_ = receive_utime;
   if (const int lost = stamp.steps - 1 + stamp.lost_before; lost > 0) counters_.add("lost.samples", lost);
 
+  const auto publish_it = [&](wheels_t& message) { publish(message, receive_utime); };
+  if (stamp.restarted) {
+    start_.release(publish_it);
+    start_.begin(receive_utime);
+    if (stamp.utime < last_utime_) {  // the host's clock was set: its times before mean nothing now
+      counters_.add("clock_jumps");
+      last_utime_ = 0;
+    }
+  }
   const auto sample = odometer_.update(counts, static_cast<double>(elapsed) * 1e-6);
   if (!sample) return;
-  if (stamp.restarted && stamp.utime <= last_utime_) counters_.add("clock_jumps");
-  if (!stamp.restarted && stamp.utime <= last_utime_) {  // while the clock's offset settles
-    counters_.add("dropped.not_newer");
-    return;
-  }
-  last_utime_ = stamp.utime;
-
   wheels_t message{};
   message.utime = stamp.utime;
-  message.sequence = sequence_++;
   for (std::size_t i = 0; i < 2; ++i) {
     message.counts[i] = sample->counts[i];
     message.angle[i] = sample->angle[i];
@@ -72,9 +72,23 @@ void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw&
     message.faults[i] = drive_.status().faults[i];
   }
   message.enabled = drive_.status().enabled();
+  start_.pass(std::move(message), receive_utime, stamp.earlier, publish_it);
+}
+
+void EncoderNode::publish(wheels_t& message, std::int64_t now) {
+  if (message.utime <= last_utime_) {
+    counters_.add("dropped.not_newer");
+    return;
+  }
+  last_utime_ = message.utime;
+  message.sequence = sequence_++;
   bus_.publish("WHEELS", message);
   counters_.add("samples");
-  latency_.add(static_cast<double>(receive_utime - stamp.utime) * 1e-6);
+  latency_.add(static_cast<double>(now - message.utime) * 1e-6);
+}
+
+void EncoderNode::finish() {
+  start_.release([this](wheels_t& message) { publish(message, last_received_); });
 }
 
 void EncoderNode::on_link(std::int64_t now, bool up, const std::string& why) {

@@ -59,6 +59,7 @@ PeriodClock::Stamp PeriodClock::stamp(std::int64_t received, const Evidence& evi
     }
   }
   stamp.lost_before = confirm(received);
+  stamp.earlier = std::max<std::int64_t>(last_stamp_ + stamp.steps * period_ - stamp.utime, 0);
   last_stamp_ = stamp.utime;
   return stamp;
 }

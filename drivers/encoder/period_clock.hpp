@@ -20,10 +20,11 @@ namespace curbstone {
 class PeriodClock {
  public:
   struct Stamp {
-    std::int64_t utime = 0;  ///< us; never after the arrival
-    int steps = 1;           ///< periods since the sample before, by the evidence: steps - 1 were lost
-    int lost_before = 0;     ///< samples now known, in hindsight, to have been lost
-    bool restarted = false;  ///< nothing is known of the time since the sample before
+    std::int64_t utime = 0;    ///< us; never after the arrival
+    int steps = 1;             ///< periods since the sample before, by the evidence: steps - 1 were lost
+    int lost_before = 0;       ///< samples now known, in hindsight, to have been lost
+    bool restarted = false;    ///< nothing is known of the time since the sample before
+    std::int64_t earlier = 0;  ///< us by which this sample shows those before to have been taken earlier than stamped
   };
   /// Given the most periods that may have passed, how many have; nothing where that cannot be told.
   using Evidence = std::function<std::optional<int>(int max_steps)>;

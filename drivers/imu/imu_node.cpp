@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <curbstone/imu_t.hpp>
 #include <limits>
 #include <utility>
 
@@ -47,18 +47,13 @@ void ImuNode::on_measurement(std::int64_t receive_utime, const MtData2& data) {
     return;  // messages of its GNSS receiver, say, which bear the time of the fix
   }
   if (!time) counters_.add("stamped_on_receipt");
-  const std::int64_t utime = time ? to_host(*time, receive_utime) : receive_utime;
+  const HostTime at = time ? to_host(*time, receive_utime) : HostTime{receive_utime, 0};
   ++sequence_;
   configurator_.on_usable_sample(receive_utime);
   last_sample_ = receive_utime;
-  if (utime <= last_utime_) {  // while the clock's offset settles
-    counters_.add("dropped.not_newer");
-    return;
-  }
-  last_utime_ = utime;
 
   imu_t message{};
-  message.utime = utime;
+  message.utime = at.utime;
   message.sequence = sequence_;
   std::copy(data.acceleration->begin(), data.acceleration->end(), message.acceleration);
   std::copy(data.angular_rate->begin(), data.angular_rate->end(), message.angular_rate);
@@ -73,9 +68,22 @@ void ImuNode::on_measurement(std::int64_t receive_utime, const MtData2& data) {
       counters_.add("clipped");
     }
   }
+  start_.pass(std::move(message), receive_utime, at.earlier, [&](imu_t& m) { publish(m, receive_utime); });
+}
+
+void ImuNode::publish(imu_t& message, std::int64_t now) {
+  if (message.utime <= last_utime_) {
+    counters_.add("dropped.not_newer");
+    return;
+  }
+  last_utime_ = message.utime;
   bus_.publish("IMU", message);
   counters_.add("samples");
-  latency_.add(static_cast<double>(receive_utime - utime) * 1e-6);
+  latency_.add(static_cast<double>(now - message.utime) * 1e-6);
+}
+
+void ImuNode::finish() {
+  start_.release([this](imu_t& message) { publish(message, last_sample_); });
 }
 
 /// The device's own time of a message, us; empty if it tells none.
@@ -89,17 +97,23 @@ std::optional<std::int64_t> ImuNode::device_time(const MtData2& data) {
 void ImuNode::restart_clocks() {
   counters_.add("clock_restarts");
   clock_ = ClockOffset();
+  clock_begun_ = false;
   packet_counter_.restart();
 }
 
-std::int64_t ImuNode::to_host(std::int64_t device_time, std::int64_t receive_utime) {
-  const std::int64_t jumps = clock_.jumps();
+ImuNode::HostTime ImuNode::to_host(std::int64_t device_time, std::int64_t receive_utime) {
+  const std::int64_t jumps = clock_.jumps(), before = clock_.offset();
   const std::int64_t utime = clock_.to_host(device_time, receive_utime);
-  if (clock_.jumps() != jumps) {  // the host's clock was set: its times before mean nothing now
+  const bool jumped = clock_.jumps() != jumps;
+  if (clock_begun_ && !jumped) return {utime, std::max<std::int64_t>(before - clock_.offset(), 0)};
+  clock_begun_ = true;
+  start_.release([&](imu_t& message) { publish(message, receive_utime); });
+  start_.begin(receive_utime);
+  if (jumped) {  // the host's clock was set: its times before mean nothing now
     counters_.add("clock_jumps");
     last_utime_ = 0;
   }
-  return utime;
+  return {utime, 0};
 }
 
 /// Messages without inertial data count too, but leave no gap in the sequence.

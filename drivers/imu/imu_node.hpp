@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <curbstone/imu_t.hpp>
 #include <functional>
 #include <optional>
 #include <span>
@@ -9,6 +10,7 @@
 #include "common/clock_offset.hpp"
 #include "common/latency.hpp"
 #include "common/node.hpp"
+#include "common/settling_start.hpp"
 #include "drivers/imu/imu_config.hpp"
 #include "drivers/imu/mt_configurator.hpp"
 #include "drivers/imu/mtdata2.hpp"
@@ -22,7 +24,7 @@ namespace curbstone {
 ///
 /// A sample's stamp is the device's own (SampleTimeFine) on the host's clock, by the least delayed samples of the last
 /// seconds; of a device that sends no time, the time of receipt. Stamps strictly increase, unless somebody sets the
-/// host's clock back.
+/// host's clock back. Samples of the first 0.1 s go out at its end: see SettlingStart.
 class ImuNode final : public Node {
  public:
   using Send = MtConfigurator::Send;
@@ -35,14 +37,21 @@ class ImuNode final : public Node {
   /// The port was opened again; or has vanished, or still cannot be opened: `why`.
   void on_link(std::int64_t now, bool up, const std::string& why);
   void tick(std::int64_t now) override;
+  void finish() override;
   [[nodiscard]] NodeReport report() const override;
 
  private:
   void on_frame(std::int64_t receive_utime, const XbusFrame& frame);
   void on_measurement(std::int64_t receive_utime, const MtData2& data);
   std::optional<std::int64_t> device_time(const MtData2& data);
-  std::int64_t to_host(std::int64_t device_time, std::int64_t receive_utime);
+  /// A sample's time on the host's clock, us, and by how much its coming puts those before earlier.
+  struct HostTime {
+    std::int64_t utime;
+    std::int64_t earlier;
+  };
+  HostTime to_host(std::int64_t device_time, std::int64_t receive_utime);
   void restart_clocks();
+  void publish(imu_t& message, std::int64_t now);
   void count_losses(const MtData2& data);
   void watch_line(std::int64_t now);
 
@@ -53,6 +62,8 @@ class ImuNode final : public Node {
   SampleTime sample_time_;
   PacketCounter packet_counter_;
   ClockOffset clock_;
+  bool clock_begun_ = false;
+  SettlingStart<imu_t> start_;
   std::int32_t sequence_ = -1;
   std::int64_t last_utime_ = 0;  // published
 

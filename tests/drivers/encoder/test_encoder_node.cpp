@@ -134,6 +134,32 @@ TEST(EncoderNodeTest, AHostThatSleptReadsWhatItMissedAtItsOwnTimes) {
   }
 }
 
+TEST(EncoderNodeTest, WhatCameInABunchBeforeTheFirstPunctualSampleIsNotLost) {
+  for (const std::int64_t busy : {0, 8'000, 25'000, 70'000, 180'000}) {  // us that the host is at first
+    EncoderConfig config;
+    config.configure = false;
+    testing::Recorder<wheels_t> recorder("WHEELS");
+    EncoderNode node(config, recorder.bus());
+    std::mt19937 random(4);
+    for (int i = 0; i < 100; ++i) {
+      const std::int64_t late = 200 + static_cast<std::int64_t>(random() % 2'000);
+      const std::int64_t received = DriveRig::kStart + std::max(busy, 10'000 * i + late);
+      const auto count = static_cast<std::uint16_t>(40 * i);
+      const auto low = static_cast<std::uint8_t>(count), high = static_cast<std::uint8_t>(count >> 8);
+      node.on_frame(received, CanFrame::make(0x181, {low, high, 0, 0, 0, 0, 0, 0}));
+    }
+    EXPECT_EQ(node.report().counters["dropped.not_newer"], 0) << busy;
+    EXPECT_EQ(node.report().counters["lost.samples"], 0) << busy;
+    ASSERT_EQ(recorder.messages().size(), 100u) << busy;
+    for (int i = 0; i < 100; ++i) {
+      const wheels_t& m = recorder.messages()[static_cast<std::size_t>(i)];
+      EXPECT_EQ(m.sequence, i);
+      EXPECT_EQ(m.counts[0], 40 * i);
+      EXPECT_NEAR(static_cast<double>(m.utime - DriveRig::kStart), 10'000.0 * i + 400, 400) << busy << ' ' << i;
+    }
+  }
+}
+
 TEST(EncoderNodeTest, LossesWhileStandingAreFoundInHindsight) {
   DriveRig rig;
   rig.speed = 0;

@@ -72,6 +72,18 @@ TEST(PeriodClockTest, StampsKeepThePeriodWhateverTheDelay) {
   EXPECT_EQ(clock.stamp(58'000, late).utime, 50'000);
 }
 
+TEST(PeriodClockTest, ALateFirstSampleIsShownInHindsightToHaveBeenTakenEarlier) {
+  PeriodClock clock(10'000);
+  const auto late = [](int) -> std::optional<int> { return {}; };
+  EXPECT_EQ(clock.stamp(25'000, late).utime, 25'000);  // taken at 0
+  EXPECT_EQ(clock.stamp(25'000, late).earlier, 10'000);
+  EXPECT_EQ(clock.stamp(25'000, late).earlier, 10'000);
+  const auto punctual = clock.stamp(30'100, late);
+  EXPECT_EQ(punctual.utime, 30'100);
+  EXPECT_EQ(punctual.earlier, 4'900);
+  EXPECT_EQ(clock.stamp(41'000, late).earlier, 0);
+}
+
 TEST(PeriodClockTest, LostSamplesAreSkippedOnEvidence) {
   PeriodClock clock(10'000);
   const auto lost = [](int most) { return most; };

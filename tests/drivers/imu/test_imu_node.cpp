@@ -106,6 +106,24 @@ TEST_F(ImuNodeTest, StampsAreEvenThoughBytesComeLateAndInBunches) {
   EXPECT_EQ(count("dropped.not_newer"), 0);
 }
 
+TEST_F(ImuNodeTest, WhatCameInABunchBeforeTheFirstPunctualSampleIsNotLost) {
+  ImuConfig config;
+  config.configure = false;
+  device_ = XsensEmulator({.configured = true});
+  make_node(config);
+  device_.power_on(now_);
+  while (!device_.measuring(now_)) now_ += 10'000;
+  std::int64_t due = now_ + 50'000;  // until then the driver is not there to read
+  delay_ = [&] { return std::max<std::int64_t>(due - now_, 0); };
+  run_for(500'000);
+  EXPECT_EQ(count("dropped.not_newer"), 0);
+  ASSERT_EQ(messages().size(), 50u);
+  for (std::size_t k = 1; k < messages().size(); ++k) {
+    EXPECT_EQ(messages()[k].utime - messages()[k - 1].utime, 10'000) << k;
+    EXPECT_EQ(messages()[k].sequence, messages()[k - 1].sequence + 1);
+  }
+}
+
 TEST_F(ImuNodeTest, ADeviceThatRestartsIsSetUpAgainAndStampsGoOn) {
   make_node();
   deliver(now_, device_.power_on(now_));
