@@ -96,7 +96,7 @@ NodeReport EkfNode::report() const {
   NodeReport report;
   report.counters = counters_;
   const Counters filtering = filter_.counters();
-  for (const Counters* part : {&sequencer_.counters(), &filtering})
+  for (const Counters* part : {&increments_.counters(), &sequencer_.counters(), &filtering})
     for (const auto& [name, value] : part->values()) report.counters.add(name, value);
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);

@@ -4,6 +4,7 @@
 #include <curbstone/map_pose_t.hpp>
 #include <optional>
 
+#include "common/counters.hpp"
 #include "common/geometry.hpp"
 #include "services/ekf/ekf_config.hpp"
 
@@ -19,13 +20,18 @@ struct MapIncrement {
 };
 
 /// Makes increments of MAP_POSEs that are at least `map.baseline` apart: what two neighbouring revolutions say about
-/// speed is mostly the noise of both. Only registered poses of one epoch are taken; an axis that the mapper left to
-/// odometry is given no weight, or the filter would be fed its own word.
+/// speed is mostly the noise of both. Only registered poses of one epoch are taken, and none while the mapper says that
+/// it is lost: a pose where it was just found again lies elsewhere than the last one, and may be wrong. An axis that
+/// the mapper left to odometry is given no weight, or the filter would be fed its own word.
+///
+/// Counters: refused.lost.map, refused.not_registered.map, refused.uncertain.map (it claims less than to know it to
+/// 1 m or rad), refused.not_finite.map; map.epochs (jumps of the map that were not taken for motion).
 class MapIncrements {
  public:
   explicit MapIncrements(const MapFusionConfig& config) : config_(config) {}
   /// The increment that ends with this pose, if one does.
   [[nodiscard]] std::optional<MapIncrement> add(const map_pose_t& message);
+  [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
   struct Last {
@@ -36,6 +42,7 @@ class MapIncrements {
   };
   MapFusionConfig config_;
   std::optional<Last> last_;
+  Counters counters_;
 };
 
 }  // namespace curbstone

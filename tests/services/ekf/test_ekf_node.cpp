@@ -10,31 +10,11 @@
 #include <random>
 
 #include "common/local_bus.hpp"
+#include "tests/services/ekf/sample_messages.hpp"
 #include "tests/services/ekf/simulated_drive.hpp"
 
 namespace curbstone {
 namespace {
-
-imu_t message_of(const ImuSample& sample, std::int32_t sequence) {
-  imu_t m{};
-  m.utime = sample.utime;
-  m.sequence = sequence;
-  for (int i = 0; i < 3; ++i) {
-    m.angular_rate[i] = sample.angular_rate[i];
-    m.acceleration[i] = sample.acceleration[i];
-  }
-  return m;
-}
-
-wheels_t message_of(const WheelSample& sample, std::int32_t sequence) {
-  wheels_t m{};
-  m.utime = sample.utime;
-  m.sequence = sequence;
-  m.angle[0] = sample.angle[0];
-  m.angle[1] = sample.angle[1];
-  m.enabled = true;
-  return m;
-}
 
 DriveOptions short_drive() {
   DriveOptions o;
@@ -218,6 +198,41 @@ TEST_F(EkfNodeTest, MapPosesThatJumpOrAreNoneDoNotMoveOdom) {
     ASSERT_LT(step.norm(), 0.05);
   }
   EXPECT_NEAR(rig.odometry.back().velocity[0], drive_.truth.back().velocity.x(), 0.1);
+}
+
+TEST_F(EkfNodeTest, MapPosesThatTheMapperDoesNotTrustAreNotTakenAndCounted) {
+  config_.fuse_map = true;
+  Rig alone(EkfConfig{});
+  Rig rig(config_);
+  for (std::size_t i = 0; i < drive_.imu.size(); ++i) {
+    send(alone, i);
+    send(rig, i);
+    if (i % 5 != 0 || i < 200) continue;
+    map_pose_t m = map_pose(drive_.truth[i]);
+    m.map_base_position[0] += 0.02 * static_cast<double>(i % 50);
+    switch (i / 5 % 4) {
+      case 0:
+        m.flags |= map_pose_t::LOST;  // found again perhaps, or somewhere that looks like it
+        break;
+      case 1:
+        m.flags = 0;
+        break;
+      case 2:
+        m.covariance[7] = 4.0F;
+        break;
+      default:
+        m.map_base_position[1] = std::numeric_limits<double>::infinity();
+        break;
+    }
+    rig.send("MAP_POSE", m);
+  }
+  alone.finish();
+  rig.finish();
+  EXPECT_TRUE(rig.bytes == alone.bytes);
+  const NodeReport report = rig.node.report();
+  for (const char* cause : {"lost", "not_registered", "uncertain", "not_finite"})
+    EXPECT_GT(report.counters["refused." + std::string(cause) + ".map"], 80) << cause;
+  EXPECT_EQ(report.counters["map.used"], 0);
 }
 
 TEST_F(EkfNodeTest, SaysWhichSensorIsSilentAndThatItRecovered) {
