@@ -5,6 +5,13 @@
 namespace curbstone {
 
 /// What is remembered of the drive, for whatever must be built anew.
+///
+/// An edge of the drive is as uncertain as the map drifts along it: a random walk, so sigma goes with the root of the
+/// length. Not as uncertain as registration says of its two poses: their errors do not add up along the drive, as every
+/// node is registered to the map that its neighbours made, and a chain of independent edges would add them up. The
+/// steps cover the drift of the worse method: t_rel and r_rel of `curbstone bench mapping` on the recorded street, over
+/// 10..60 m, are a random walk of 7.3 to 8.0 mm and 0.33 mrad a root metre and axis with loam, 4.8 to 5.7 mm and 0.15
+/// to 0.16 mrad with icp (the mean of 1 / sqrt(length) is 0.19, that of a norm over three axes 1.6 sigma).
 struct AtlasConfig {
   double spacing = 1.0;      ///< m between nodes
   double node_voxel = 0.2;   ///< m: a node's scan is thinned to one point a voxel
