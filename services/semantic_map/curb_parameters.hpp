@@ -29,7 +29,7 @@ struct CurbParameters {
   double linearity_radius = 1.0;  ///< m
   double max_linearity = 0.25;    ///< minor over major spread of the detections around
   int min_neighbours = 4;         ///< detections within linearity_radius
-  double line_sigmas = 8.0;       ///< certainty of the steps along a line, times the root of its length in m
+  double line_sigmas = 7.0;       ///< certainty of the steps along a line, times the root of its length in m
 
   void visit(ConfigVisitor& v) {
     v.field("min_stick", min_stick, {0, 1}, "share of l1, for a point to be of the ground");
