@@ -8,23 +8,21 @@ namespace curbstone {
 
 namespace {
 
-using Covariance = Eigen::Matrix<double, 6, 6>;
-
 constexpr double kLongest = 2.0;   // s: beyond it the error that an increment shows is no longer today's
 constexpr double kNoWeight = 1e6;  // m^2 or rad^2
 constexpr double kMaxSigma = 1.0;  // m or rad: the mapper itself does not know
 
-Covariance in_map(const map_pose_t& message) {
-  Covariance out;
+PoseCovariance in_map(const map_pose_t& message) {
+  PoseCovariance out;
   for (int i = 0; i < 36; ++i) out(i / 6, i % 6) = static_cast<double>(message.covariance[i]);
   return out;
 }
 
 /// MAP_POSE's covariance in base_link's axes, with our floor: the mapper's covariance knows noise, not bad planes.
-Covariance covariance_of(const map_pose_t& message, const Pose& T_map_base, const MapFusionConfig& config) {
-  Covariance to_base = Covariance::Identity();
+PoseCovariance covariance_of(const map_pose_t& message, const Pose& T_map_base, const MapFusionConfig& config) {
+  Eigen::Matrix<double, 6, 6> to_base = Eigen::Matrix<double, 6, 6>::Identity();
   to_base.topLeftCorner<3, 3>() = T_map_base.linear().transpose();
-  Covariance out = to_base * in_map(message) * to_base.transpose();
+  PoseCovariance out = to_base * in_map(message) * to_base.transpose();
   out.diagonal().head<3>().array() += config.translation_noise * config.translation_noise;
   out.diagonal().tail<3>().array() += config.rotation_noise * config.rotation_noise;
   for (int axis = 0; axis < 6; ++axis)
@@ -36,7 +34,7 @@ Covariance covariance_of(const map_pose_t& message, const Pose& T_map_base, cons
 const char* why_refused(const map_pose_t& message, const Pose& T_map_base) {
   if ((message.flags & map_pose_t::LOST) != 0) return "lost";
   if ((message.flags & map_pose_t::REGISTERED) == 0) return "not_registered";
-  const Covariance covariance = in_map(message);
+  const PoseCovariance covariance = in_map(message);
   if (!is_finite(T_map_base) || !covariance.allFinite() || covariance.diagonal().minCoeff() < 0.0) return "not_finite";
   if (covariance.diagonal().maxCoeff() > kMaxSigma * kMaxSigma) return "uncertain";
   return nullptr;
@@ -61,12 +59,7 @@ std::optional<MapIncrement> MapIncrements::add(const map_pose_t& message) {
   }
   if (elapsed < config_.baseline) return std::nullopt;
   MapIncrement out{last_->utime, now.utime, last_->T_map_base.inverse() * now.T_map_base, {}};
-  // The first pose's error, carried to the end of the increment.
-  const Eigen::Matrix3d R = out.T_begin_end.linear().transpose();
-  Covariance carry = Covariance::Zero();
-  carry.topLeftCorner<3, 3>() = carry.bottomRightCorner<3, 3>() = R;
-  carry.topRightCorner<3, 3>() = -R * skew(out.T_begin_end.translation());
-  out.covariance = carry * last_->covariance * carry.transpose() + now.covariance;
+  out.covariance = covariance_of_increment(out.T_begin_end, last_->covariance, now.covariance);
   last_ = now;
   return out;
 }

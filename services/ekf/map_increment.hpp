@@ -6,6 +6,7 @@
 
 #include "common/counters.hpp"
 #include "common/geometry.hpp"
+#include "common/pose_covariance.hpp"
 #include "services/ekf/ekf_config.hpp"
 
 namespace curbstone {
@@ -13,10 +14,10 @@ namespace curbstone {
 /// How base_link moved from one time to another, as the mapper saw it. Where the map is, and where it jumped to before,
 /// does not show in it.
 struct MapIncrement {
-  std::int64_t begin = 0;                  ///< us
-  std::int64_t utime = 0;                  ///< us, its end
-  Pose T_begin_end = Pose::Identity();     ///< base_link at its end, seen from base_link at its beginning
-  Eigen::Matrix<double, 6, 6> covariance;  ///< translation, rotation; in base_link's axes at its end
+  std::int64_t begin = 0;               ///< us
+  std::int64_t utime = 0;               ///< us, its end
+  Pose T_begin_end = Pose::Identity();  ///< base_link at its end, seen from base_link at its beginning
+  PoseCovariance covariance;            ///< in base_link's axes at its end
 };
 
 /// Makes increments of MAP_POSEs that are at least `map.baseline` apart: what two neighbouring revolutions say about
@@ -38,7 +39,7 @@ class MapIncrements {
     std::int64_t utime;
     std::int32_t epoch;
     Pose T_map_base;
-    Eigen::Matrix<double, 6, 6> covariance;  // in base_link's axes
+    PoseCovariance covariance;  // in base_link's axes
   };
   MapFusionConfig config_;
   std::optional<Last> last_;

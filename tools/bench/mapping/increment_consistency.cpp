@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <optional>
 
+#include "common/pose_covariance.hpp"
 #include "services/mapper/normal_equations.hpp"
 
 namespace curbstone {
@@ -32,15 +33,6 @@ std::optional<Pose> cubic_at(const Trajectory& truth, std::int64_t utime) {
   return about * exp_of(change);
 }
 
-/// Takes an error of the pose at an increment's beginning to its end: the adjoint of the way back.
-Matrix6 carry_to_end(const Pose& T_begin_end) {
-  const Eigen::Matrix3d R = T_begin_end.linear().transpose();
-  Matrix6 out = Matrix6::Zero();
-  out.topLeftCorner<3, 3>() = out.bottomRightCorner<3, 3>() = R;
-  out.topRightCorner<3, 3>() = -R * skew(T_begin_end.translation());
-  return out;
-}
-
 }  // namespace
 
 void IncrementConsistency::add(const StampedPose& pose, const Matrix6& covariance) {
@@ -55,8 +47,7 @@ void IncrementConsistency::compare(const Claim& begin, const Claim& end) {
   const auto true_begin = cubic_at(truth_, begin.stamped.utime), true_end = cubic_at(truth_, end.stamped.utime);
   if (!true_begin || !true_end) return;
   const Pose T_begin_end = begin.stamped.pose.inverse() * end.stamped.pose;
-  const Matrix6 carry = carry_to_end(T_begin_end);
-  const Matrix6 P = carry * begin.covariance * carry.transpose() + end.covariance;
+  const PoseCovariance P = covariance_of_increment(T_begin_end, begin.covariance, end.covariance);
   const Vector6 error = log_of((true_begin->inverse() * *true_end).inverse() * T_begin_end);
   const Eigen::Vector3d shift = error.head<3>(), turn = error.tail<3>();
   sum_.all += error.dot(P.ldlt().solve(error));
