@@ -29,11 +29,12 @@ void SerialLink::watch() {
 
 void SerialLink::on_readable() {
   for (int i = 0; i < kMaxReads && port_; ++i) {
-    const std::int64_t now = wall_clock();
     const SerialPort::Read read = port_->read(buffer_);
     if (read.status == SerialPort::Status::kNothing) return;
     if (read.status == SerialPort::Status::kGone) return lose();
-    handlers_.on_bytes(now, std::span(buffer_).first(read.size));
+    // After the read: a busy host may stop us before it for as long as it likes, and bytes that come meanwhile would seem
+    // to have come before they were sent. One such sample puts a device's clock wrong for seconds (ClockOffset).
+    handlers_.on_bytes(wall_clock(), std::span(buffer_).first(read.size));
   }
 }
 

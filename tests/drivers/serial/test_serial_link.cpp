@@ -1,9 +1,26 @@
 #include "drivers/serial/serial_link.hpp"
 
 #include <gmock/gmock.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
+#include <functional>
+#include <thread>
+#include <utility>
+
+#include "common/clock.hpp"
 #include "tests/drivers/byte_stream.hpp"
 #include "tests/drivers/pty.hpp"
+
+namespace {
+std::function<void()> before_the_next_read;
+}
+
+/// Stands before libc's: what happens to a process that the scheduler stops on its way into the kernel.
+extern "C" ssize_t read(int fd, void* buffer, size_t size) {
+  if (const auto happens = std::exchange(before_the_next_read, nullptr)) happens();
+  return syscall(SYS_read, fd, buffer, size);
+}
 
 namespace curbstone {
 namespace {
@@ -40,6 +57,27 @@ TEST(SerialLinkTest, ComesBackByItselfAfterTheDeviceWasUnplugged) {
   EXPECT_EQ(received[2], 3);
   link.send(Bytes{9});
   EXPECT_EQ(pty.wait_and_read(), Bytes{9});
+}
+
+TEST(SerialLinkTest, NothingIsReceivedBeforeItWasSentHoweverBusyTheHost) {
+  testing::Pty pty("curbstone-link");
+  EventLoop loop;
+  SerialLink link({pty.path(), 115200});
+  std::int64_t sent = 0, received = 0;
+  link.attach(loop, {[&](std::int64_t utime, std::span<const std::uint8_t> bytes) {
+                       if (bytes.back() != 2) return;
+                       received = utime;
+                       loop.stop();
+                     },
+                     [](std::int64_t, bool, const std::string&) {}});
+  before_the_next_read = [&] {
+    std::this_thread::sleep_for(20ms);
+    sent = wall_clock();
+    pty.write(Bytes{2});
+  };
+  pty.write(Bytes{1});
+  loop.run();
+  EXPECT_GE(received, sent);
 }
 
 TEST(SerialLinkTest, WhatIsSentWhileTheDeviceIsAwayIsLostWithoutHarm) {
