@@ -75,7 +75,9 @@ std::string run_table(const RunFigures& run) {
   for (const auto& [name, value] : run.losses) text += fmt::format("             {} {}\n", name, value);
   if (run.latency) {
     text += fmt::format("latency      measurement to tile: p50 {:.0f} ms, p95 {:.0f} ms ({} tiles)\n",
-                        run.latency->p50_ms, run.latency->p95_ms, run.latency->tiles);
+                        run.latency->p50_ms, run.latency->p95_ms, run.latency->messages);
+    for (const auto& [channel, stage] : run.stages)
+      text += fmt::format("             to {}: p50 {:.0f} ms, p95 {:.0f} ms\n", channel, stage.p50_ms, stage.p95_ms);
   }
   if (run.cores.empty()) return text;
   double sum = 0;
@@ -144,7 +146,11 @@ std::string to_json(const Evaluation& e) {
                          {"by_recorder", by_recorder},
                          {"by_recorder_channels", e.run->lost_by_recorder}};
     }
-    if (e.run->latency) json["latency_ms"] = {{"p50", e.run->latency->p50_ms}, {"p95", e.run->latency->p95_ms}};
+    if (e.run->latency) {
+      json["latency_ms"] = {{"p50", e.run->latency->p50_ms}, {"p95", e.run->latency->p95_ms}};
+      for (const auto& [channel, stage] : e.run->stages)
+        json["latency_ms"]["stages"][channel] = {{"p50", stage.p50_ms}, {"p95", stage.p95_ms}};
+    }
     if (!e.run->cores.empty()) json["cores"] = e.run->cores;
   }
   return json.dump(2) + "\n";

@@ -1,6 +1,7 @@
 #include "tools/evaluate/run_log.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <curbstone/semantic_tile_t.hpp>
 #include <curbstone/service_status_t.hpp>
@@ -63,19 +64,30 @@ class SequenceGaps {
 
 namespace {
 
-struct SentTile {
+struct Sent {
   std::int64_t log_utime;
-  double latency_ms;
+  double age_ms;
 };
 
-std::optional<RunFigures::Latency> latency_of(const std::vector<SentTile>& tiles, std::int64_t lidar_end) {
-  std::vector<double> latencies;
-  for (const SentTile& tile : tiles) {
-    if (tile.log_utime <= lidar_end) latencies.push_back(tile.latency_ms);
+/// The channels between the sensor and the tile.
+constexpr std::array kStages = {"LIDAR_POINTS", "ODOM", "MAP_POSE", "MAP_POINTS", "VOTED_POINTS"};
+
+/// Every message of ours opens with its fingerprint and the time of its measurement, us.
+std::optional<std::int64_t> utime_of(const LogEvent& event) {
+  if (event.bytes.size() < 16) return {};
+  std::uint64_t bits = 0;
+  for (std::size_t i = 8; i < 16; ++i) bits = bits << 8 | event.bytes[i];
+  return static_cast<std::int64_t>(bits);
+}
+
+std::optional<RunFigures::Latency> latency_of(const std::vector<Sent>& messages, std::int64_t lidar_end) {
+  std::vector<double> ages;
+  for (const Sent& message : messages) {
+    if (message.log_utime <= lidar_end) ages.push_back(message.age_ms);
   }
-  const bool live = std::any_of(latencies.begin(), latencies.end(), [](double ms) { return ms > 0; });
+  const bool live = std::any_of(ages.begin(), ages.end(), [](double ms) { return ms > 0; });
   if (!live) return std::nullopt;
-  return RunFigures::Latency{quantile(latencies, 0.5), quantile(latencies, 0.95), static_cast<int>(latencies.size())};
+  return RunFigures::Latency{quantile(ages, 0.5), quantile(ages, 0.95), static_cast<int>(ages.size())};
 }
 
 }  // namespace
@@ -83,11 +95,16 @@ std::optional<RunFigures::Latency> latency_of(const std::vector<SentTile>& tiles
 RunFigures read_run_log(const std::string& file) {
   LogReader reader(file);
   std::map<std::pair<std::string, int>, ProcessSpan> processes;
-  std::vector<SentTile> tiles;
+  std::vector<Sent> tiles;
+  std::map<std::string, std::vector<Sent>> stages;
   std::map<TileKey, std::int64_t> shown;  // us, the newest measurement that a tile has shown
   std::map<std::string, SequenceGaps> gaps = {{"LIDAR_POINTS", {}}, {"IMU", {}}, {"WHEELS", {}}};
   std::int64_t lidar_end = 0;
   while (const auto event = reader.next()) {
+    if (std::find(kStages.begin(), kStages.end(), event->channel) != kStages.end()) {
+      if (const auto utime = utime_of(*event))
+        stages[event->channel].push_back({event->log_utime, 1e-3 * static_cast<double>(event->log_utime - *utime)});
+    }
     if (const auto counted = gaps.find(event->channel); counted != gaps.end()) {
       counted->second.see(*event);
       if (event->channel == "LIDAR_POINTS") lidar_end = event->log_utime;
@@ -142,6 +159,9 @@ RunFigures read_run_log(const std::string& file) {
   }
   std::erase_if(figures.losses, [](const auto& entry) { return entry.second == 0; });
   figures.latency = latency_of(tiles, lidar_end);
+  for (const auto& [channel, messages] : stages) {
+    if (const auto latency = latency_of(messages, lidar_end)) figures.stages[channel] = *latency;
+  }
   return figures;
 }
 

@@ -16,11 +16,15 @@ struct RunFigures {
   /// WHEELS, all that a replay starts from. Empty: nothing is missing between the first of each and the last.
   std::map<std::string, std::int64_t> lost_by_recorder;
   struct Latency {
-    double p50_ms = 0;  ///< from the measurement of the newest points in a tile to the tile on the bus
+    double p50_ms = 0;  ///< from the measurement to the message on the bus
     double p95_ms = 0;
-    int tiles = 0;  ///< that it is taken from: those sent while the LiDAR spoke, with something new in them
+    int messages = 0;  ///< that it is taken from: those sent while the LiDAR spoke
   };
-  std::optional<Latency> latency;              ///< nothing where the log was not recorded live: a replay has no delays
+  /// Of a tile's newest points; only of tiles with something new in them. Nothing where the log was not recorded live: a
+  /// replay has no delays.
+  std::optional<Latency> latency;
+  /// What a tile's points wait for on their way: LIDAR_POINTS, ODOM, MAP_POSE, MAP_POINTS, VOTED_POINTS where recorded.
+  std::map<std::string, Latency> stages;
   std::map<std::string, double> cores;         ///< CPU seconds a second, by service; empty without SERVICE_STATUS
   std::map<std::string, std::int64_t> losses;  ///< "rslidar lost.packets": whatever is not zero
 };

@@ -4,6 +4,7 @@
 
 #include <curbstone/imu_t.hpp>
 #include <curbstone/lidar_points_t.hpp>
+#include <curbstone/map_pose_t.hpp>
 #include <curbstone/semantic_tile_t.hpp>
 #include <curbstone/service_status_t.hpp>
 #include <curbstone/wheels_t.hpp>
@@ -41,12 +42,17 @@ TEST(RunLog, SumsLossesLatencyAndCores) {
     lidar_points_t lidar{};
     semantic_tile_t tile{};
     write(log, "SERVICE_STATUS", status("mapper", 0, 0, 0), 1);
+    lidar.utime = 999'000;
     write(log, "LIDAR_POINTS", lidar, 1'000'000);
+    map_pose_t pose{};
+    pose.utime = 950'000;
+    write(log, "MAP_POSE", pose, 980'000);
     tile.utime = 950'000;
     write(log, "SEMANTIC_TILE", tile, 1'000'000);
     write(log, "SERVICE_STATUS", status("mapper", 1'000'000, 250'000, 3), 1'000'000);
     write(log, "SEMANTIC_TILE", tile, 1'900'000);  // for its neighbours' sake: nothing new was measured in it
     lidar.packet = 1;
+    lidar.utime = 1'999'000;
     write(log, "LIDAR_POINTS", lidar, 2'000'000);
     tile.utime = 8'000'000;
     write(log, "SEMANTIC_TILE", tile, 9'000'000);  // after the drive: no latency of driving
@@ -57,8 +63,10 @@ TEST(RunLog, SumsLossesLatencyAndCores) {
   EXPECT_EQ(run.lost_messages, 4);
   EXPECT_EQ(run.lost_packets, 0);
   ASSERT_TRUE(run.latency);
-  EXPECT_EQ(run.latency->tiles, 1);
+  EXPECT_EQ(run.latency->messages, 1);
   EXPECT_NEAR(run.latency->p95_ms, 50, 1e-9);
+  EXPECT_NEAR(run.stages.at("LIDAR_POINTS").p50_ms, 1, 1e-9);
+  EXPECT_NEAR(run.stages.at("MAP_POSE").p50_ms, 30, 1e-9);
   EXPECT_NEAR(run.cores.at("mapper"), 0.25, 1e-9);
 }
 
