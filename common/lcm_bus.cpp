@@ -4,22 +4,19 @@
 #include <lcm/lcm.h>
 #include <poll.h>
 #include <sys/eventfd.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <deque>
-#include <filesystem>
-#include <fstream>
 #include <mutex>
-#include <set>
-#include <sstream>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "common/lcm_socket.hpp"
 
 namespace curbstone {
 
@@ -31,49 +28,17 @@ std::string effective_url(std::string url) {
   return from_environment != nullptr && *from_environment != '\0' ? from_environment : LcmBus::kDefaultUrl;
 }
 
-/// Inodes of the sockets this process holds now.
-std::set<std::uint64_t> own_sockets() {
-  std::set<std::uint64_t> inodes;
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", ignored)) {
-    const std::string target = std::filesystem::read_symlink(entry.path(), ignored).string();
-    if (target.starts_with("socket:[")) inodes.insert(std::strtoull(target.c_str() + 8, nullptr, 10));
-  }
-  return inodes;
-}
-
-/// Datagrams that the kernel dropped at these sockets because their buffers were full.
-std::int64_t kernel_drops(const std::set<std::uint64_t>& inodes) {
-  std::ifstream table("/proc/self/net/udp");
-  std::string line;
-  std::getline(table, line);  // heading
-  std::int64_t drops = 0;
-  while (std::getline(table, line)) {
-    std::istringstream words(line);
-    std::vector<std::string> columns;
-    for (std::string word; words >> word;) columns.push_back(word);
-    if (columns.size() < 13) continue;
-    if (inodes.contains(std::strtoull(columns[9].c_str(), nullptr, 10)))
-      drops += std::strtoll(columns[12].c_str(), nullptr, 10);
-  }
-  return drops;
-}
-
 }  // namespace
 
 class LcmBus::Impl {
  public:
   explicit Impl(std::string url) : url_(effective_url(std::move(url))), threaded_(url_.starts_with("udpm")) {
-    const auto before = own_sockets();
     lcm_ = lcm_create(url_.c_str());
     if (lcm_ == nullptr) {
       throw std::runtime_error(
           fmt::format("cannot open the bus {}: check the URL, and that multicast is routed (ip link set lo up; ip "
                       "route add 224.0.0.0/4 dev lo)",
                       url_));
-    }
-    for (const auto inode : own_sockets()) {
-      if (!before.contains(inode)) sockets_.insert(inode);
     }
     if (threaded_) {
       wake_fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
@@ -106,12 +71,16 @@ class LcmBus::Impl {
     }
     subscribe_pattern(
         pattern, [handler = std::move(handler)](const Message& m) { handler(m.bytes.data(), m.size()); }, limit);
+    channels_.push_back(channel);
+    if (socket_.found() && !has_tap_) socket_.pass_only(channels_);
   }
 
   void tap(Tap tap, QueueLimit limit, const std::string& except) {
     subscribe_pattern(
         except.empty() ? ".*" : "(?!" + except + "$).*",
         [tap = std::move(tap)](const Message& m) { tap(m.channel, m.bytes.data(), m.size(), m.utime); }, limit);
+    has_tap_ = true;
+    if (socket_.found()) socket_.pass_all();
   }
 
   bool handle(std::chrono::milliseconds timeout) {
@@ -142,7 +111,7 @@ class LcmBus::Impl {
   [[nodiscard]] Counters counters() const {
     Counters all = counters_;
     all.set("dropped.queue", queue_drops_.load());
-    if (!sockets_.empty()) all.set("dropped.kernel", kernel_drops(sockets_));
+    if (socket_.found()) all.set("dropped.kernel", socket_.dropped());
     if (const auto failed = publish_failed_.load(); failed > 0) all.set("faults.publish", failed);
     return all;
   }
@@ -172,7 +141,13 @@ class LcmBus::Impl {
     subscription->bus = this;
     subscription->handler = std::move(handler);
     subscription->capacity = static_cast<std::size_t>(std::max(limit.capacity, 1));
-    lcm_subscription_t* handle = lcm_subscribe(lcm_, pattern.c_str(), &Impl::on_message, subscription.get());
+    lcm_subscription_t* handle = nullptr;
+    const auto ask = [&] { handle = lcm_subscribe(lcm_, pattern.c_str(), &Impl::on_message, subscription.get()); };
+    if (threaded_ && !socket_.found()) {
+      socket_.find(ask);
+    } else {
+      ask();
+    }
     if (handle == nullptr) throw std::runtime_error(fmt::format("cannot subscribe to {}", pattern));
     lcm_subscription_set_queue_capacity(handle, threaded_ ? 1000 : 0);
     subscriptions_.push_back(std::move(subscription));
@@ -201,7 +176,7 @@ class LcmBus::Impl {
     }
     queue_.push_back(std::move(message));
     ++subscription.queued;
-    wake();
+    if (queue_.size() == 1) wake();  // else whoever takes messages has been woken, and takes them all
   }
 
   void call(const Message& message) {
@@ -231,7 +206,9 @@ class LcmBus::Impl {
   lcm_t* lcm_ = nullptr;
   int wake_fd_ = -1;
   int stop_fd_ = -1;
-  std::set<std::uint64_t> sockets_;
+  LcmSocket socket_;
+  std::vector<std::string> channels_;
+  bool has_tap_ = false;
   std::vector<std::unique_ptr<Subscription>> subscriptions_;
   std::mutex queue_mutex_;
   std::deque<Message> queue_;

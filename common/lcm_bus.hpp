@@ -12,8 +12,8 @@ namespace curbstone {
 ///
 /// Over `udpm://` a receiver thread moves messages from LCM into bounded queues of our own, because LCM 1.3.1 drops
 /// silently and keeps the oldest. The counters tell what was lost: `dropped.queue` (handled too slowly) and
-/// `dropped.kernel` (socket buffer full, from /proc/net/udp). Handlers run in the thread that calls handle(), in order
-/// of arrival.
+/// `dropped.kernel` (socket buffer full, see LcmSocket). Unless somebody taps the bus, the kernel turns away what nobody
+/// here has subscribed to. Handlers run in the thread that calls handle(), in order of arrival.
 class LcmBus final : public Publisher, public Subscriber, public Tappable {
  public:
   /// An empty URL means $LCM_DEFAULT_URL, else kDefaultUrl. Throws std::runtime_error with the URL and what to check.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <curbstone/map_points_t.hpp>
 #include <curbstone/map_pose_t.hpp>
 #include <utility>
 
@@ -14,39 +13,9 @@
 namespace curbstone {
 namespace {
 
-constexpr std::size_t kMaxPending = 80;           // revolutions that wait for odometry; 20 Hz: 4 s
-constexpr std::int32_t kPointsPerMessage = 3000;  // 7 bytes each: 21 kB, well under 48 kB
-constexpr int kMessagesPerTick = 150;             // every 20 ms, and after each revolution
-constexpr int kPointsPerTick = 5000;              // 35 kB: 1.7 MB/s, the map of a vehicle at 3 m/s makes 0.25
-constexpr int kRequestsPerTick = 1;               // tiles, of some 8000 points at most
+constexpr std::size_t kMaxPending = 80;  // revolutions that wait for odometry; 20 Hz: 4 s
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr int kOdometryMissing = 5;  // revolutions in a row: the last ones of a drive have none to their end
-
-constexpr std::size_t kPosesPerPage = 800;  // 52 bytes each: 42 kB
-
-std::deque<map_trajectory_t> make_trajectory_pages(const std::vector<Mapper::TrajectoryPoint>& points,
-                                                   std::int32_t epoch) {
-  std::deque<map_trajectory_t> pages;
-  for (std::size_t first = 0; first < points.size(); first += kPosesPerPage) {
-    map_trajectory_t page{};
-    const std::size_t end = std::min(first + kPosesPerPage, points.size());
-    page.utime = points[end - 1].utime;
-    page.epoch = epoch;
-    page.page = static_cast<std::int32_t>(pages.size());
-    for (std::size_t i = first; i < end; ++i) {
-      const Eigen::Vector3f p = points[i].T_map_base.translation().cast<float>();
-      const Eigen::Quaternionf q = Eigen::Quaterniond(points[i].T_map_base.linear()).cast<float>();
-      page.utimes.push_back(points[i].utime);
-      page.revolutions.push_back(points[i].revolution);
-      page.positions.push_back({p.x(), p.y(), p.z()});
-      page.orientations.push_back({q.w(), q.x(), q.y(), q.z()});
-    }
-    page.num_poses = static_cast<std::int32_t>(page.utimes.size());
-    pages.push_back(std::move(page));
-  }
-  for (map_trajectory_t& page : pages) page.num_pages = static_cast<std::int32_t>(pages.size());
-  return pages;
-}
 
 std::int64_t microseconds(double seconds) {
   return std::llround(seconds * 1e6);
@@ -54,7 +23,8 @@ std::int64_t microseconds(double seconds) {
 
 }  // namespace
 
-MapperNode::MapperNode(const MapperConfig& config, Publisher& bus) : config_(config), bus_(bus), mapper_(config) {
+MapperNode::MapperNode(const MapperConfig& config, Publisher& bus)
+    : config_(config), bus_(bus), sender_(bus), mapper_(config) {
   if (!config_.folder.empty() && config_.mode != "localise") saver_.emplace(config_.folder);
   if (config_.mode == "map") return;
   const SavedMap map = load_map(config_.folder);
@@ -103,7 +73,7 @@ void MapperNode::on(const odometry_t& message) {
 }
 
 void MapperNode::on(const tile_request_t& message) {
-  catalog_.request(message);
+  sender_.request(message);
 }
 
 void MapperNode::queue(std::optional<Revolution> revolution) {
@@ -156,23 +126,9 @@ void MapperNode::begin_epoch(const MapperUpdate& update) {
   const auto now = static_cast<std::int32_t>(std::clamp<std::int64_t>(update.utime / 1'000'000, 1, 2'147'483'000));
   epoch_ = std::max({epoch_ + 1, epoch_before_ + 1, now});
   counters_.add("epochs");
-  catalog_.start_epoch(epoch_);
-  sent_.clear();
-  changed_.clear();
-  is_changed_.clear();
-  std::vector<TileKey> keys = mapper_.dense().keys();
-  const auto distance = [&](TileKey key) { return squared_distance(key, position_.x(), position_.y()); };
-  std::stable_sort(keys.begin(), keys.end(), [&](TileKey a, TileKey b) { return distance(a) < distance(b); });
-  take_changed(keys);
   std::vector<Mapper::TrajectoryPoint> drive = mapper_.trajectory();
   std::erase_if(drive, [&](const auto& point) { return point.utime >= update.utime; });  // MAP_POSE tells of the rest
-  trajectory_ = make_trajectory_pages(drive, epoch_);
-}
-
-void MapperNode::send_trajectory() {
-  if (trajectory_.empty()) return;
-  bus_.publish("MAP_TRAJECTORY", trajectory_.front());
-  trajectory_.pop_front();
+  sender_.start_epoch(epoch_, mapper_.dense(), position_, drive);
 }
 
 void MapperNode::publish_pose(const MapperUpdate& update) {
@@ -197,82 +153,18 @@ void MapperNode::publish_pose(const MapperUpdate& update) {
 }
 
 void MapperNode::take_changes() {
-  take_changed(mapper_.take_changed());
-  for (const TileKey& key : mapper_.dense().take_evicted()) {
-    catalog_.remove(key);
-    sent_.erase(key);
-  }
-}
-
-void MapperNode::take_changed(const std::vector<TileKey>& changed) {
-  for (const TileKey& key : changed) {
-    if (is_changed_.insert(key).second) changed_.push_back(key);
-  }
-}
-
-std::int32_t MapperNode::send_points(TileKey key, std::int32_t first) {
-  const DenseTile* tile = mapper_.dense().tile(key);
-  if (tile == nullptr) return first;
-  const auto total = static_cast<std::int32_t>(tile->records().size());
-  const std::int32_t last = std::min(total, first + kPointsPerMessage);
-  if (last <= first) return first;
-  map_points_t message;
-  message.utime = tile->utime();
-  message.epoch = epoch_;
-  message.tile_x = key.x;
-  message.tile_y = key.y;
-  message.z_origin = static_cast<float>(tile->z_origin());
-  message.first = first;
-  message.num_points = last - first;
-  for (std::int32_t i = first; i < last; ++i) {
-    const TilePoint& point = tile->records()[static_cast<std::size_t>(i)];
-    message.x.push_back(point.x);
-    message.y.push_back(point.y);
-    message.z.push_back(point.z);
-    message.intensity.push_back(point.intensity);
-  }
-  bus_.publish("MAP_POINTS", message);
-  return last;
+  sender_.changed(mapper_.take_changed());
+  sender_.forget(mapper_.dense().take_evicted());
 }
 
 void MapperNode::send_changes() {
   has_news_ = false;
   take_changes();
-  int messages = kMessagesPerTick;
-  int points = kPointsPerTick;
-  for (std::size_t looks = changed_.size(); looks > 0 && messages > 0 && points > 0; --looks) {
-    const TileKey key = changed_.front();
-    changed_.pop_front();
-    const DenseTile* tile = mapper_.dense().tile(key);
-    if (tile == nullptr) {  // given up meanwhile
-      is_changed_.erase(key);
-      continue;
-    }
-    std::int32_t& sent = sent_[key];
-    const std::int32_t before = sent;
-    sent = send_points(key, before);
-    --messages;
-    points -= sent - before;
-    catalog_.set_version(key, sent);
-    if (sent < static_cast<std::int32_t>(tile->records().size())) {
-      changed_.push_back(key);
-    } else {
-      is_changed_.erase(key);
-    }
-  }
-}
-
-void MapperNode::send_requested(int budget) {
-  for (const auto& [key, have] : catalog_.take_requests(static_cast<std::size_t>(budget))) {
-    const auto it = sent_.find(key);
-    if (it == sent_.end()) continue;
-    for (std::int32_t first = std::max(have, 0); first < it->second;) first = send_points(key, first);
-  }
+  sender_.send_changes(mapper_.dense());
 }
 
 void MapperNode::send_index(std::int64_t now) {
-  for (const tile_index_t& page : catalog_.make_index(now, position_.x(), position_.y()))
-    bus_.publish("TILE_INDEX", page);
+  sender_.send_index(now, position_);
   index_sent_ = now;
 }
 
@@ -282,9 +174,9 @@ void MapperNode::caught_up(std::int64_t /*now*/) {
 
 void MapperNode::tick(std::int64_t now) {
   if (epoch_ == 0) return;
-  send_trajectory();
+  sender_.send_trajectory();
   send_changes();
-  send_requested(kRequestsPerTick);
+  sender_.send_requested(mapper_.dense());
   if (std::abs(now - index_sent_) >= kIndexPeriod) send_index(now);
   keep_map();
 }
@@ -294,18 +186,8 @@ void MapperNode::finish() {
   process_due(true);
   if (epoch_ == 0) return;
   take_changes();
-  take_changed(mapper_.finish());
-  while (!trajectory_.empty()) send_trajectory();
-  while (!changed_.empty()) {
-    const TileKey key = changed_.front();
-    changed_.pop_front();
-    std::int32_t& sent = sent_[key];
-    const DenseTile* tile = mapper_.dense().tile(key);
-    if (tile == nullptr) continue;
-    while (sent < static_cast<std::int32_t>(tile->records().size())) sent = send_points(key, sent);
-    catalog_.set_version(key, sent);
-  }
-  is_changed_.clear();
+  sender_.changed(mapper_.finish());
+  sender_.finish(mapper_.dense());
   send_index(last_end_);
   keep_map_at_the_end();
 }

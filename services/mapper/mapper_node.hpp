@@ -1,17 +1,14 @@
 #pragma once
 
 #include <curbstone/lidar_points_t.hpp>
-#include <curbstone/map_trajectory_t.hpp>
 #include <curbstone/odometry_t.hpp>
 #include <curbstone/tile_request_t.hpp>
 #include <deque>
-#include <set>
-#include <unordered_map>
 
 #include "common/latency.hpp"
 #include "common/node.hpp"
-#include "common/tile_sync.hpp"
 #include "services/mapper/map_saver.hpp"
+#include "services/mapper/map_sender.hpp"
 #include "services/mapper/mapper.hpp"
 #include "services/mapper/mapper_config.hpp"
 #include "services/mapper/odometry_history.hpp"
@@ -49,23 +46,18 @@ class MapperNode final : public Node {
   /// A new epoch: the map begins, or has been rearranged as a whole and goes out anew.
   void begin_epoch(const MapperUpdate& update);
   void publish_pose(const MapperUpdate& update);
-  void send_trajectory();
   void take_changes();
-  void take_changed(const std::vector<TileKey>& changed);
-  /// Sends points of a tile from `first` on, at most one message's worth. Returns the index after the last sent.
-  std::int32_t send_points(TileKey key, std::int32_t first);
   void send_changes();
-  void send_requested(int budget);
   void send_index(std::int64_t now);
   void keep_map();
   void keep_map_at_the_end();
 
   MapperConfig config_;
   Publisher& bus_;
+  MapSender sender_;
   RevolutionAssembler assembler_;
   OdometryHistory odometry_;
   Mapper mapper_;
-  TileCatalog catalog_{"mapper", "MAP_POINTS"};
   std::deque<Revolution> pending_;
   std::int64_t lidar_time_ = 0;    // us, newest LIDAR_POINTS
   std::int64_t first_lidar_ = 0;   // us, start of the first revolution
@@ -76,11 +68,7 @@ class MapperNode final : public Node {
   std::int64_t kept_ = 0;  // us, message time
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
 
-  std::unordered_map<TileKey, std::int32_t, TileKeyHash> sent_;  // records that went out
-  std::deque<TileKey> changed_;                                  // in the order in which they will be sent
-  std::unordered_set<TileKey, TileKeyHash> is_changed_;
-  std::deque<map_trajectory_t> trajectory_;  // pages that will be sent
-  bool has_news_ = false;                    // a revolution whose tiles have not gone out
+  bool has_news_ = false;  // a revolution whose tiles have not gone out
   std::int64_t index_sent_ = 0;
   int without_odometry_ = 0;  // revolutions in a row
   LatencyWindow latency_;

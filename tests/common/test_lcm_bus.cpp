@@ -5,6 +5,8 @@
 
 #include <curbstone/imu_t.hpp>
 #include <curbstone/lidar_points_t.hpp>
+#include <curbstone/wheels_t.hpp>
+#include <string>
 #include <thread>
 
 namespace curbstone {
@@ -113,6 +115,70 @@ TEST(LcmBus, SlowHandlerDropsOldestAndCounts) {
   EXPECT_EQ(received.front(), 90);
   EXPECT_EQ(received.back(), 99);
   EXPECT_EQ(bus.counters()["dropped.queue"], 90);
+}
+
+/// Sends until the kernel has dropped something at the receiver's buffer, which is as small as it can be.
+void expect_drops_counted(LcmBus& bus, const std::string& url, const int& received) {
+  LcmBus sender(url);
+  int sent = 0;
+  for (int burst = 0; burst < 50 && bus.counters()["dropped.kernel"] == 0; ++burst) {
+    for (int i = 0; i < 500; ++i, ++sent) {
+      sender.publish("IMU", imu_t{});
+      sender.publish("IMU_OF_ANOTHER", imu_t{});
+    }
+    std::this_thread::sleep_for(100ms);
+    bus.handle(0ms);
+  }
+  EXPECT_GT(bus.counters()["dropped.kernel"], 0);
+  EXPECT_EQ(bus.counters()["dropped.queue"], 0);
+  EXPECT_LT(received, sent);
+}
+
+std::string with_smallest_buffer(std::string url) {
+  const auto at = url.find("recv_buf_size=");
+  return url.substr(0, at) + "recv_buf_size=2304";
+}
+
+TEST(LcmBus, CountsWhatTheKernelDropsAtAFullBuffer) {
+  const char* url = std::getenv("CURBSTONE_TEST_URL");
+  if (url == nullptr) GTEST_SKIP() << "CURBSTONE_TEST_URL not set: run through scripts/isolated";
+  LcmBus tapping(with_smallest_buffer(url));
+  int seen = 0;
+  tapping.tap([&](const std::string&, const void*, int, std::int64_t) { ++seen; }, {.capacity = 1'000'000});
+  expect_drops_counted(tapping, url, seen);
+
+  LcmBus subscribing(with_smallest_buffer(url));
+  int received = 0;
+  subscribing.subscribe<imu_t>("IMU", [&](const imu_t&) { ++received; }, {.capacity = 1'000'000});
+  expect_drops_counted(subscribing, url, received);
+}
+
+TEST(LcmBus, WhatNobodyHereHasSubscribedToIsNoLoss) {
+  const char* url = std::getenv("CURBSTONE_TEST_URL");
+  if (url == nullptr) GTEST_SKIP() << "CURBSTONE_TEST_URL not set: run through scripts/isolated";
+  LcmBus bus(url);
+  int imu = 0;
+  int wheels = 0;
+  bus.subscribe<imu_t>("IMU", [&](const imu_t&) { ++imu; });
+  bus.subscribe<wheels_t>("WHEELS", [&](const wheels_t&) { ++wheels; });  // a second one does not shut out the first
+  LcmBus sender(url);
+  for (int i = 0; i < 50; ++i) {
+    sender.publish("IMU", imu_t{});
+    sender.publish("WHEELS", wheels_t{});
+    sender.publish("IMU_OF_ANOTHER", imu_t{});
+  }
+  std::this_thread::sleep_for(300ms);
+  bus.handle(0ms);
+  EXPECT_EQ(imu, 50);
+  EXPECT_EQ(wheels, 50);
+  EXPECT_EQ(bus.counters()["dropped.kernel"], 0);
+
+  int all = 0;
+  bus.tap([&](const std::string&, const void*, int, std::int64_t) { ++all; }, {.capacity = 1000});
+  for (int i = 0; i < 50; ++i) sender.publish("IMU_OF_ANOTHER", imu_t{});
+  std::this_thread::sleep_for(300ms);
+  bus.handle(0ms);
+  EXPECT_EQ(all, 50) << "a tap sees all";
 }
 
 }  // namespace

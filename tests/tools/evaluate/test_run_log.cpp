@@ -70,6 +70,20 @@ TEST(RunLog, SumsLossesLatencyAndCores) {
   EXPECT_NEAR(run.cores.at("mapper"), 0.25, 1e-9);
 }
 
+TEST(RunLog, DatagramsThatSeveralProcessesReportAsDroppedAreTheSame) {
+  const std::string file = ::testing::TempDir() + "full_buffers.lcmlog";
+  {
+    LogWriter log(file);
+    for (const auto& [service, dropped] : {std::pair{"mapper", 5}, std::pair{"ekf", 4}}) {
+      service_status_t s = status(service, 1'000'000, 0, dropped);
+      s.counter_name[0] = "dropped.kernel";
+      write(log, "SERVICE_STATUS", s, 1'000'000);
+    }
+  }
+  EXPECT_EQ(read_run_log(file).lost_messages, 5);
+  EXPECT_EQ(read_run_log(file).losses.at("ekf dropped.kernel"), 4);
+}
+
 TEST(RunLog, SaysNothingOfLatencyInALogThatWasNotRecordedLive) {
   const std::string file = ::testing::TempDir() + "replayed.lcmlog";
   {

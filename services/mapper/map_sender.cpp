@@ -1,0 +1,152 @@
+#include "services/mapper/map_sender.hpp"
+
+#include <algorithm>
+#include <curbstone/map_points_t.hpp>
+#include <utility>
+
+namespace curbstone {
+namespace {
+
+constexpr std::int32_t kPointsPerMessage = 3000;  // 7 bytes each: 21 kB, well under 48 kB
+constexpr int kMessagesAtOnce = 150;              // every 20 ms, and after each revolution
+constexpr int kPointsAtOnce = 5000;               // 35 kB: 1.7 MB/s, the map of a vehicle at 3 m/s makes 0.25
+constexpr std::size_t kRequestsAtOnce = 1;        // tiles, of some 8000 points at most
+constexpr std::size_t kPosesPerPage = 800;        // 52 bytes each: 42 kB
+
+std::deque<map_trajectory_t> make_trajectory_pages(const std::vector<Mapper::TrajectoryPoint>& points,
+                                                   std::int32_t epoch) {
+  std::deque<map_trajectory_t> pages;
+  for (std::size_t first = 0; first < points.size(); first += kPosesPerPage) {
+    map_trajectory_t page{};
+    const std::size_t end = std::min(first + kPosesPerPage, points.size());
+    page.utime = points[end - 1].utime;
+    page.epoch = epoch;
+    page.page = static_cast<std::int32_t>(pages.size());
+    for (std::size_t i = first; i < end; ++i) {
+      const Eigen::Vector3f p = points[i].T_map_base.translation().cast<float>();
+      const Eigen::Quaternionf q = Eigen::Quaterniond(points[i].T_map_base.linear()).cast<float>();
+      page.utimes.push_back(points[i].utime);
+      page.revolutions.push_back(points[i].revolution);
+      page.positions.push_back({p.x(), p.y(), p.z()});
+      page.orientations.push_back({q.w(), q.x(), q.y(), q.z()});
+    }
+    page.num_poses = static_cast<std::int32_t>(page.utimes.size());
+    pages.push_back(std::move(page));
+  }
+  for (map_trajectory_t& page : pages) page.num_pages = static_cast<std::int32_t>(pages.size());
+  return pages;
+}
+
+}  // namespace
+
+void MapSender::start_epoch(std::int32_t epoch, const DenseMap& map, const Eigen::Vector3d& nearest_first,
+                            const std::vector<Mapper::TrajectoryPoint>& drive) {
+  epoch_ = epoch;
+  catalog_.start_epoch(epoch);
+  sent_.clear();
+  changed_.clear();
+  is_changed_.clear();
+  std::vector<TileKey> keys = map.keys();
+  const auto distance = [&](TileKey key) { return squared_distance(key, nearest_first.x(), nearest_first.y()); };
+  std::stable_sort(keys.begin(), keys.end(), [&](TileKey a, TileKey b) { return distance(a) < distance(b); });
+  changed(keys);
+  trajectory_ = make_trajectory_pages(drive, epoch);
+}
+
+void MapSender::changed(const std::vector<TileKey>& tiles) {
+  for (const TileKey& key : tiles) {
+    if (is_changed_.insert(key).second) changed_.push_back(key);
+  }
+}
+
+void MapSender::forget(const std::vector<TileKey>& tiles) {
+  for (const TileKey& key : tiles) {
+    catalog_.remove(key);
+    sent_.erase(key);
+  }
+}
+
+std::int32_t MapSender::send_points(const DenseMap& map, TileKey key, std::int32_t first) {
+  const DenseTile* tile = map.tile(key);
+  if (tile == nullptr) return first;
+  const auto total = static_cast<std::int32_t>(tile->records().size());
+  const std::int32_t last = std::min(total, first + kPointsPerMessage);
+  if (last <= first) return first;
+  map_points_t message;
+  message.utime = tile->utime();
+  message.epoch = epoch_;
+  message.tile_x = key.x;
+  message.tile_y = key.y;
+  message.z_origin = static_cast<float>(tile->z_origin());
+  message.first = first;
+  message.num_points = last - first;
+  for (std::int32_t i = first; i < last; ++i) {
+    const TilePoint& point = tile->records()[static_cast<std::size_t>(i)];
+    message.x.push_back(point.x);
+    message.y.push_back(point.y);
+    message.z.push_back(point.z);
+    message.intensity.push_back(point.intensity);
+  }
+  bus_.publish("MAP_POINTS", message);
+  return last;
+}
+
+void MapSender::send_changes(const DenseMap& map) {
+  int messages = kMessagesAtOnce;
+  int points = kPointsAtOnce;
+  for (std::size_t looks = changed_.size(); looks > 0 && messages > 0 && points > 0; --looks) {
+    const TileKey key = changed_.front();
+    changed_.pop_front();
+    const DenseTile* tile = map.tile(key);
+    if (tile == nullptr) {  // given up meanwhile
+      is_changed_.erase(key);
+      continue;
+    }
+    std::int32_t& sent = sent_[key];
+    const std::int32_t before = sent;
+    sent = send_points(map, key, before);
+    --messages;
+    points -= sent - before;
+    catalog_.set_version(key, sent);
+    if (sent < static_cast<std::int32_t>(tile->records().size())) {
+      changed_.push_back(key);
+    } else {
+      is_changed_.erase(key);
+    }
+  }
+}
+
+void MapSender::send_requested(const DenseMap& map) {
+  for (const auto& [key, have] : catalog_.take_requests(kRequestsAtOnce)) {
+    const auto it = sent_.find(key);
+    if (it == sent_.end()) continue;
+    for (std::int32_t first = std::max(have, 0); first < it->second;) first = send_points(map, key, first);
+  }
+}
+
+void MapSender::send_trajectory() {
+  if (trajectory_.empty()) return;
+  bus_.publish("MAP_TRAJECTORY", trajectory_.front());
+  trajectory_.pop_front();
+}
+
+void MapSender::send_index(std::int64_t now, const Eigen::Vector3d& position) {
+  for (const tile_index_t& page : catalog_.make_index(now, position.x(), position.y()))
+    bus_.publish("TILE_INDEX", page);
+}
+
+void MapSender::finish(const DenseMap& map) {
+  while (!trajectory_.empty()) send_trajectory();
+  while (!changed_.empty()) {
+    const TileKey key = changed_.front();
+    changed_.pop_front();
+    std::int32_t& sent = sent_[key];
+    const DenseTile* tile = map.tile(key);
+    if (tile == nullptr) continue;
+    while (sent < static_cast<std::int32_t>(tile->records().size())) sent = send_points(map, key, sent);
+    catalog_.set_version(key, sent);
+  }
+  is_changed_.clear();
+}
+
+}  // namespace curbstone

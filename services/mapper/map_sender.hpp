@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <curbstone/map_trajectory_t.hpp>
+#include <curbstone/tile_request_t.hpp>
+#include <deque>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "common/node.hpp"
+#include "common/tile_sync.hpp"
+#include "services/mapper/dense_map.hpp"
+#include "services/mapper/mapper.hpp"
+
+namespace curbstone {
+
+/// Tells the bus of the dense map: MAP_POINTS as tiles grow, TILE_INDEX, what TILE_REQUESTs ask for, and of a map that
+/// was rearranged MAP_TRAJECTORY, the drive anew. All at a bounded pace; what the map holds does not depend on it. One
+/// thread; the dense map must not change during a call.
+class MapSender {
+ public:
+  explicit MapSender(Publisher& bus) : bus_(bus) {}
+
+  /// Everything of the epoch before is void: all of the map goes out anew, and with it the drive until now.
+  void start_epoch(std::int32_t epoch, const DenseMap& map, const Eigen::Vector3d& nearest_first,
+                   const std::vector<Mapper::TrajectoryPoint>& drive);
+  /// These have grown; they go out in this order.
+  void changed(const std::vector<TileKey>& tiles);
+  /// The map has given these up.
+  void forget(const std::vector<TileKey>& tiles);
+  void request(const tile_request_t& message) { catalog_.request(message); }
+
+  /// What has grown, as much as may go at once.
+  void send_changes(const DenseMap& map);
+  /// A page of the drive, if it goes out anew.
+  void send_trajectory();
+  /// A tile that somebody lacks.
+  void send_requested(const DenseMap& map);
+  /// `position`: of the vehicle, m in map.
+  void send_index(std::int64_t now, const Eigen::Vector3d& position);
+  /// All that waits.
+  void finish(const DenseMap& map);
+
+ private:
+  /// Sends points of a tile from `first` on, at most one message's worth. Returns the index after the last sent.
+  std::int32_t send_points(const DenseMap& map, TileKey key, std::int32_t first);
+
+  Publisher& bus_;
+  TileCatalog catalog_{"mapper", "MAP_POINTS"};
+  std::int32_t epoch_ = 0;
+  std::unordered_map<TileKey, std::int32_t, TileKeyHash> sent_;  // records that went out
+  std::deque<TileKey> changed_;                                  // in the order in which they will be sent
+  std::unordered_set<TileKey, TileKeyHash> is_changed_;
+  std::deque<map_trajectory_t> trajectory_;  // pages that will be sent
+};
+
+}  // namespace curbstone
