@@ -16,7 +16,7 @@ struct TensorVotingConfig {
   std::vector<double> voxel = {0.1};  ///< m: thinning at each scale; a multiple of 2 mm that divides 3 m
   double radius = 3.0;                ///< cut-off, in sigmas
   double ball = 1.0;                  ///< the ball vote's coefficient
-  double bandwidth = 16.0;            ///< MB/s of VOTED_POINTS at most
+  double bandwidth = 24.0;            ///< MB/s of VOTED_POINTS at most
   double min_interval = 0.03;         ///< s between two revisions of a tile
   double keep_radius = 400.0;         ///< m: tiles farther from the vehicle are let go
   int max_points = 16'000'000;        ///< of the map, in memory
