@@ -20,7 +20,7 @@ struct Revolution {
   std::int64_t start = 0;    ///< us, when the first laser fired
   std::int64_t end = 0;      ///< us, when the last point was taken
   std::int32_t packets = 0;  ///< that came
-  std::int32_t lost = 0;     ///< that did not, by the gaps in their numbers
+  std::int64_t lost = 0;     ///< that did not, by the gaps in their numbers
   std::vector<LidarPoint> points;
 };
 

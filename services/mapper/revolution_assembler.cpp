@@ -47,7 +47,7 @@ std::optional<Revolution> RevolutionAssembler::add(const lidar_points_t& packet)
     return std::nullopt;
   }
 
-  const std::int32_t lost = packet.packet - newest_packet_ - 1;
+  const std::int64_t lost = std::int64_t{packet.packet} - newest_packet_ - 1;
   counters_.add("lidar.lost", lost);
   current_->lost += lost;
   if (packet.revolution != current_->number) return restart_with(packet);

@@ -49,6 +49,17 @@ TEST(RevolutionAssembler, CountsWhatWasLost) {
   EXPECT_EQ(assembler.counters()["lidar.lost"], 5);
 }
 
+TEST(RevolutionAssembler, CountsWithNumbersAsFarApartAsTheyCanBe) {
+  RevolutionAssembler assembler;
+  lidar_points_t message = packet(0);
+  message.packet = std::numeric_limits<std::int32_t>::min();
+  (void)assembler.add(message);
+  message.utime += 1000;
+  message.packet = std::numeric_limits<std::int32_t>::max();
+  (void)assembler.add(message);
+  EXPECT_EQ(assembler.counters()["lidar.lost"], 4'294'967'294);
+}
+
 TEST(RevolutionAssembler, TakesALatePacketOfTheRunningRevolutionAndNoDuplicate) {
   RevolutionAssembler assembler;
   for (const int i : {0, 2, 1, 1, 2, 3}) (void)assembler.add(packet(i));
