@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "services/semantic_map/vehicle_cells.hpp"
 
@@ -13,6 +14,7 @@ constexpr int kVehicleReach = 5;      // cells: 1.3 m square
 constexpr int kVehicleCells = 10;     // high cells in it, to be a vehicle or a piece of wall
 constexpr double kReachesTop = 0.85;  // of the vehicle's height
 constexpr int kShadow = 8;            // cells: behind an edge that goes down nothing is seen for about so far
+constexpr int kStrayGround = 1;       // points in a cell that do not make it ground yet
 constexpr double kSlope = 0.15;       // by which ground may rise over what is not seen
 constexpr double kCurbLink = 0.45;    // m: cells between curb points this close are curb
 
@@ -29,6 +31,17 @@ class ColumnWindow {
           cells_[index(column, row)] = &tile->at(column - dx * kCellsPerTile, row - dy * kCellsPerTile);
       }
     }
+  }
+  /// m: how far apart the heights of ground are that ground_beyond() can find.
+  [[nodiscard]] double relief() const {
+    float lowest = std::numeric_limits<float>::infinity();
+    float highest = -lowest;
+    for (const CellColumn* cell : cells_) {
+      if (cell == nullptr || cell->ground_points <= kStrayGround) continue;
+      lowest = std::min(lowest, cell->ground_z);
+      highest = std::max(highest, cell->ground_z);
+    }
+    return highest >= lowest ? double{highest} - double{lowest} : 0;
   }
   /// nullptr where no tile is. Up to kReach cells beyond the tile.
   [[nodiscard]] const CellColumn* at(int column, int row) const { return cells_[index(column, row)]; }
@@ -62,6 +75,7 @@ Standing standing_at(const ColumnWindow& cells, int column, int row, const Class
     const CellColumn* next = cells.at(column + side.dx, row + side.dy);
     if (next != nullptr) over_the_edge += next->at_edge[side.edge];
   }
+  if (cell.blocking_points + over_the_edge == 0) return {};
   bool supported = false;
   Standing standing;
   for (int dy = -1; dy <= 1; ++dy) {
@@ -108,7 +122,7 @@ GroundBeyond ground_beyond(const ColumnWindow& cells, int column, int row, int d
   for (int k = 1; k <= kShadow; ++k) {
     const CellColumn* cell = cells.at(column + k * dx, row + k * dy);
     if (cell == nullptr) return {};
-    if (cell->ground_points > 1) return {cell, k};
+    if (cell->ground_points > kStrayGround) return {cell, k};
   }
   return {};
 }
@@ -126,7 +140,7 @@ bool hides_a_drop(const ColumnWindow& cells, int column, int row, const ClassPar
   });
 }
 
-CellClass class_of(const ColumnWindow& cells, const VehicleCells& vehicles, int column, int row,
+CellClass class_of(const ColumnWindow& cells, const VehicleCells& vehicles, bool is_flat, int column, int row,
                    const ClassParameters& parameters) {
   const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
   const CellColumn& cell = *cells.at(column, row);
@@ -137,7 +151,7 @@ CellClass class_of(const ColumnWindow& cells, const VehicleCells& vehicles, int 
   }
   if (is_drop(cell, parameters)) return CellClass::kObstacle;
   if (cell.ground_points == 0)
-    return hides_a_drop(cells, column, row, parameters) ? CellClass::kObstacle : CellClass::kUnknown;
+    return !is_flat && hides_a_drop(cells, column, row, parameters) ? CellClass::kObstacle : CellClass::kUnknown;
   return vehicles.beneath[i] ? CellClass::kWall : CellClass::kRoad;
 }
 
@@ -206,13 +220,14 @@ std::uint8_t traversal_cost(CellClass cell_class, double curb_height, const Clas
 
 void classify_cells(const Around<CellColumns>& columns, const Around<std::vector<CurbPoint>>& curbs,
                     const ClassParameters& parameters, MapTile& tile) {
-  const VehicleCells vehicles = find_vehicles(columns, parameters);
+  const VehicleCells vehicles = find_vehicles(columns);
   const ColumnWindow cells(columns);
+  const bool is_flat = cells.relief() <= drop_of(parameters);  // no drop can hide: nobody need look for one
   for (int row = 0; row < kCellsPerTile; ++row) {
     for (int column = 0; column < kCellsPerTile; ++column) {
       const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
       const CellColumn& cell = columns.centre()->cells[i];
-      tile.cell_class[i] = class_of(cells, vehicles, column, row, parameters);
+      tile.cell_class[i] = class_of(cells, vehicles, is_flat, column, row, parameters);
       tile.cost[i] = traversal_cost(tile.cell_class[i], 0, parameters);
       tile.height[i] = cell.points > 0 ? height_steps(cell.ground_z, tile.z_origin) : MapTile::kNoHeight;
       const int support = cell.ground_points + cell.blocking_points + cell.drop_points;

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <array>
+#include <bitset>
+#include <span>
+#include <vector>
 
 #include "common/config.hpp"
 #include "services/semantic_map/ground_model.hpp"
@@ -53,12 +56,35 @@ struct CellColumn {
 
 struct CellColumns {
   std::array<CellColumn, kCellsInTile> cells{};
-  int num_blocked = 0;  ///< cells where enough stands to be an obstacle
-  int num_high = 0;     ///< and as high as `min_vehicle`
+  std::bitset<kCellsInTile> blocked;  ///< cells where enough stands to be an obstacle
+  std::bitset<kCellsInTile> high;     ///< and as high as `min_vehicle`
   [[nodiscard]] const CellColumn& at(int column, int row) const {
     return cells[static_cast<std::size_t>(row * kCellsPerTile + column)];
   }
   bool operator==(const CellColumns&) const = default;
+};
+
+/// Puts the points of a tile into its columns as they come.
+class ColumnMeter {
+ public:
+  ColumnMeter(const GroundSurface& ground, const ClassParameters& parameters);
+
+  void add(std::span<const VotedPoint> points);
+  [[nodiscard]] std::size_t num_points() const { return num_points_; }
+  /// Of the points so far: the same as if they had come at once.
+  [[nodiscard]] CellColumns columns() const;
+
+ private:
+  struct Cell {
+    float ground = 0;  // m in map; NaN: not known
+    float lowest = 0;  // m in map
+    double ground_sum = 0;
+    std::array<float, 2> highest{};  // m above ground, of the blocking points
+    CellColumn column;
+  };
+  ClassParameters parameters_;
+  std::vector<Cell> cells_;
+  std::size_t num_points_ = 0;
 };
 
 [[nodiscard]] CellColumns measure_columns(const VotedTile& tile, const GroundSurface& ground,

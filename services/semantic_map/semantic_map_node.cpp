@@ -96,7 +96,7 @@ void SemanticMapNode::on(const voted_points_t& message) {
   revisions_[key] = tile.revision;
   voted_.set_have(key, tile.revision);
   schedule_.changed(key, num_points, now_);
-  pipeline_.set_voted(std::move(tile));
+  pipeline_.set_voted(std::move(tile), step->base > 0);
 }
 
 void SemanticMapNode::on(const tile_index_t& message) {

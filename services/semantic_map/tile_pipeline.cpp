@@ -2,9 +2,16 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 #include <utility>
 
 namespace curbstone {
+namespace {
+
+constexpr std::size_t kMostMeters = 512;  // 40 kB each; tiles in sight of the vehicle are fewer
+
+}  // namespace
+
 TilePipeline::Tile* TilePipeline::find(TileKey key) {
   const auto it = tiles_.find(key);
   return it == tiles_.end() ? nullptr : &it->second;
@@ -50,8 +57,9 @@ bool TilePipeline::unmark(Step step, Tile& tile) {
   return true;
 }
 
-void TilePipeline::set_voted(VotedTile voted) {
+void TilePipeline::set_voted(VotedTile voted, bool has_grown) {
   const TileKey key = voted.key;
+  if (!has_grown) meters_.erase(key);
   const auto [it, is_new] = tiles_.try_emplace(key);
   Tile& tile = it->second;
   tile.voted = std::move(voted);
@@ -76,6 +84,7 @@ VotedTile TilePipeline::lend_voted(TileKey key) {
 
 void TilePipeline::clear() {
   tiles_.clear();
+  meters_.clear();
   for (auto& step : stale_) step.clear();
   changed_.clear();
 }
@@ -115,6 +124,7 @@ void TilePipeline::refresh_ground(TileKey key, Tile& tile) {
   tile.ground = ground;
   mark_around(kEvidence, key);
   mark_around(kColumns, key);
+  for_around(key, [&](TileKey k, Tile&) { meters_.erase(k); });
 }
 
 void TilePipeline::refresh_evidence(TileKey key, Tile& tile) {
@@ -127,8 +137,14 @@ void TilePipeline::refresh_evidence(TileKey key, Tile& tile) {
 }
 
 void TilePipeline::refresh_columns(TileKey key, Tile& tile) {
-  const GroundSurface ground(around<GroundModel>(key, [](Tile& t) { return &t.ground; }));
-  const CellColumns columns = measure_columns(tile.voted, ground, classes_);
+  auto meter = meters_.find(key);
+  if (meter == meters_.end()) {
+    if (meters_.size() >= kMostMeters) meters_.clear();
+    const GroundSurface ground(around<GroundModel>(key, [](Tile& t) { return &t.ground; }));
+    meter = meters_.try_emplace(key, ground, classes_).first;
+  }
+  meter->second.add(std::span(tile.voted.points).subspan(meter->second.num_points()));
+  const CellColumns columns = meter->second.columns();
   if (columns == tile.columns) return;
   tile.columns = columns;
   mark_around(kClasses, key);

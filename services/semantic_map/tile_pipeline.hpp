@@ -29,8 +29,9 @@ class TilePipeline {
  public:
   TilePipeline(const CurbParameters& curb, const ClassParameters& classes) : curb_(curb), classes_(classes) {}
 
-  /// Takes the newest revision of a tile.
-  void set_voted(VotedTile tile);
+  /// Takes the newest revision of a tile. `has_grown`: its points are those of the one before and more behind them,
+  /// whatever their tensors.
+  void set_voted(VotedTile tile, bool has_grown = false);
   /// The newest revision of a tile; nullptr if there is none.
   [[nodiscard]] const VotedTile* voted(TileKey key) const;
   /// Lends it, to be changed and set again at once; an empty one if there is none.
@@ -106,6 +107,8 @@ class TilePipeline {
   std::array<std::map<std::int64_t, TileKey>, kNumSteps> stale_;  ///< by turn: the oldest first
   std::int64_t turn_ = kFresh;
   std::set<TileKey> changed_;
+  /// Of tiles that grow: so that only their new points need be looked at. While the ground about them stays.
+  std::unordered_map<TileKey, ColumnMeter, TileKeyHash> meters_;
   double work_ = 0;
   std::int64_t num_evidence_ = 0;
 };

@@ -26,21 +26,24 @@ struct Thing {
 
 class StandingCells {
  public:
-  StandingCells(const Around<CellColumns>& columns, const ClassParameters& parameters) {
+  explicit StandingCells(const Around<CellColumns>& columns) {
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
         const CellColumns* tile = columns.at(dx, dy);
-        if (tile == nullptr || tile->num_blocked == 0) continue;
+        if (tile == nullptr || tile->blocked.none()) continue;
         for (int i = 0; i < kCellsInTile; ++i) {
-          const CellColumn& cell = tile->cells[static_cast<std::size_t>(i)];
-          if (!cell.blocks(parameters)) continue;
+          const auto cell = static_cast<std::size_t>(i);
+          if (!tile->blocked[cell]) continue;
           const CellPlace at((dx + 1) * kCellsPerTile + i % kCellsPerTile,
                              (dy + 1) * kCellsPerTile + i / kCellsPerTile);
-          state_[index(at)] = cell.is_high(parameters) ? kHigh : kLow;
+          state_[index(at)] = tile->high[cell] ? kHigh : kLow;
+          places_.push_back(at);
         }
       }
     }
   }
+  /// Where anything stood at first.
+  [[nodiscard]] const std::vector<CellPlace>& places() const { return places_; }
 
   /// Takes everything connected to a cell out of the window; nothing if nothing stands there.
   Thing take(CellPlace start) {
@@ -64,6 +67,7 @@ class StandingCells {
     state_[index(at)] = kNothing;
   }
   std::vector<State> state_ = std::vector<State>(static_cast<std::size_t>(kWindow * kWindow), kNothing);
+  std::vector<CellPlace> places_;
 };
 
 /// Length and width along its principal axes.
@@ -118,25 +122,23 @@ bool is_inside(const std::vector<CellPlace>& hull, CellPlace at) {
 
 }  // namespace
 
-VehicleCells find_vehicles(const Around<CellColumns>& columns, const ClassParameters& parameters) {
+VehicleCells find_vehicles(const Around<CellColumns>& columns) {
   VehicleCells vehicles;
-  int num_high = 0;
-  columns.for_each([&](const CellColumns& tile, double, double) { num_high += tile.num_high; });
+  std::size_t num_high = 0;
+  columns.for_each([&](const CellColumns& tile, double, double) { num_high += tile.high.count(); });
   if (num_high < kHighCells) return vehicles;
-  StandingCells standing(columns, parameters);
+  StandingCells standing(columns);
   const auto in_tile = [](CellPlace at) {
     return static_cast<std::size_t>((at.y() - kCellsPerTile) * kCellsPerTile + at.x() - kCellsPerTile);
   };
-  for (int y = 0; y < kWindow; ++y) {
-    for (int x = 0; x < kWindow; ++x) {
-      const Thing thing = standing.take(CellPlace(x, y));
-      if (!is_vehicle(thing)) continue;
-      const std::vector<CellPlace> hull = outline(thing.cells);
-      for (int row = kCellsPerTile; row < 2 * kCellsPerTile; ++row) {
-        for (int column = kCellsPerTile; column < 2 * kCellsPerTile; ++column) {
-          const CellPlace at(column, row);
-          if (is_inside(hull, at)) vehicles.beneath.set(in_tile(at));
-        }
+  for (const CellPlace& place : standing.places()) {
+    const Thing thing = standing.take(place);
+    if (!is_vehicle(thing)) continue;
+    const std::vector<CellPlace> hull = outline(thing.cells);
+    for (int row = kCellsPerTile; row < 2 * kCellsPerTile; ++row) {
+      for (int column = kCellsPerTile; column < 2 * kCellsPerTile; ++column) {
+        const CellPlace at(column, row);
+        if (is_inside(hull, at)) vehicles.beneath.set(in_tile(at));
       }
     }
   }

@@ -12,6 +12,6 @@ namespace curbstone {
 struct VehicleCells {
   std::bitset<kCellsInTile> beneath;  ///< the hull of what stands, itself included
 };
-[[nodiscard]] VehicleCells find_vehicles(const Around<CellColumns>& columns, const ClassParameters& parameters);
+[[nodiscard]] VehicleCells find_vehicles(const Around<CellColumns>& columns);
 
 }  // namespace curbstone

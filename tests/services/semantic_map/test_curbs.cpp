@@ -335,6 +335,21 @@ TEST_F(PipelineOfAStreet, ComesBackFromEveryOtherRevisionOfATile) {
   expect_as_at_once(pipeline);
 }
 
+/// While others grow beside it, so that the ground about it becomes another in between.
+TEST_F(PipelineOfAStreet, WhatGrowsBitByBitComesOutAsWhatCameAtOnce) {
+  TilePipeline pipeline({}, {});
+  for (const std::size_t parts : {7, 3, 2, 1}) {
+    for (VotedTile tile : tiles()) {
+      tile.points.resize(tile.points.size() / parts);
+      pipeline.set_voted(tile, parts != 7);
+      (void)pipeline.update_columns(tile.key);
+      if (tile.key.x % 3 == 0) (void)pipeline.update(tile.key);
+    }
+  }
+  pipeline.settle();
+  expect_as_at_once(pipeline);
+}
+
 TEST_F(PipelineOfAStreet, DoesNothingMoreForATileThatCameOutAsItWas) {
   TilePipeline pipeline = at_once();
   (void)pipeline.take_changed();
