@@ -338,10 +338,10 @@ TEST_F(PipelineOfAStreet, ComesBackFromEveryOtherRevisionOfATile) {
 /// While others grow beside it, so that the ground about it becomes another in between.
 TEST_F(PipelineOfAStreet, WhatGrowsBitByBitComesOutAsWhatCameAtOnce) {
   TilePipeline pipeline({}, {});
-  for (const std::size_t parts : {7, 3, 2, 1}) {
+  for (const unsigned parts : {7U, 3U, 2U, 1U}) {
     for (VotedTile tile : tiles()) {
       tile.points.resize(tile.points.size() / parts);
-      pipeline.set_voted(tile, parts != 7);
+      pipeline.set_voted(tile, parts != 7U);
       (void)pipeline.update_columns(tile.key);
       if (tile.key.x % 3 == 0) (void)pipeline.update(tile.key);
     }
