@@ -54,14 +54,16 @@ void LcmSocket::find_since(const std::vector<int>& before) {
 void LcmSocket::pass_only(const std::vector<std::string>& channels) {
   std::vector<sock_filter> program = make_channel_filter(channels);
   const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
-  // Without it all is as with LCM alone.
-  passes_all_ = setsockopt(fd_, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) != 0;
+  if (setsockopt(fd_, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) == 0) {
+    turned_away_ = true;
+  } else {
+    pass_all();  // as with LCM alone; an earlier filter would keep the newest channel out
+  }
 }
 
 void LcmSocket::pass_all() {
   const int ignored = 0;
   setsockopt(fd_, SOL_SOCKET, SO_DETACH_FILTER, &ignored, sizeof ignored);
-  passes_all_ = true;
 }
 
 std::int64_t LcmSocket::dropped() const {
@@ -69,7 +71,7 @@ std::int64_t LcmSocket::dropped() const {
   socklen_t size = sizeof memory;
   if (getsockopt(fd_, SOL_SOCKET, SO_MEMINFO, memory.data(), &size) != 0) return 0;
   const std::int64_t own = memory[SK_MEMINFO_DROPS];
-  return passes_all_ ? own : std::min(own, dropped_on_host() - host_before_);
+  return turned_away_ ? std::min(own, dropped_on_host() - host_before_) : own;
 }
 
 }  // namespace curbstone

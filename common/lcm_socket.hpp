@@ -31,8 +31,8 @@ class LcmSocket {
   static std::vector<int> open_sockets();
   void find_since(const std::vector<int>& before);
 
-  int fd_ = -1;  // LCM's
-  bool passes_all_ = true;
+  int fd_ = -1;               // LCM's
+  bool turned_away_ = false;  // some, at some time
   std::int64_t host_before_ = 0;
 };
 

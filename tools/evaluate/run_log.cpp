@@ -60,17 +60,13 @@ class SequenceGaps {
   std::int64_t missing_ = 0;
 };
 
-}  // namespace
-
-namespace {
-
 struct Sent {
   std::int64_t log_utime;
   double age_ms;
 };
 
 /// The channels between the sensor and the tile.
-constexpr std::array kStages = {"LIDAR_POINTS", "ODOM", "MAP_POSE", "MAP_POINTS", "VOTED_POINTS"};
+constexpr std::array kStages = {"LIDAR_POINTS", "ODOMETRY", "MAP_POSE", "MAP_POINTS", "VOTED_POINTS"};
 
 /// Every message of ours opens with its fingerprint and the time of its measurement, us.
 std::optional<std::int64_t> utime_of(const LogEvent& event) {

@@ -20,10 +20,11 @@ struct RunFigures {
     double p95_ms = 0;
     int messages = 0;  ///< that it is taken from: those sent while the LiDAR spoke
   };
-  /// Of a tile's newest points; only of tiles with something new in them. Nothing where the log was not recorded live: a
-  /// replay has no delays.
+  /// Of a tile's newest points; only of tiles with something new in them. Nothing where the log was not recorded live:
+  /// a replay has no delays.
   std::optional<Latency> latency;
-  /// What a tile's points wait for on their way: LIDAR_POINTS, ODOM, MAP_POSE, MAP_POINTS, VOTED_POINTS where recorded.
+  /// What a tile's points wait for on their way: LIDAR_POINTS, ODOMETRY, MAP_POSE, MAP_POINTS, VOTED_POINTS where
+  /// recorded.
   std::map<std::string, Latency> stages;
   std::map<std::string, double> cores;         ///< CPU seconds a second, by service; empty without SERVICE_STATUS
   std::map<std::string, std::int64_t> losses;  ///< "rslidar lost.packets": whatever is not zero

@@ -5,6 +5,7 @@
 #include <curbstone/imu_t.hpp>
 #include <curbstone/lidar_points_t.hpp>
 #include <curbstone/map_pose_t.hpp>
+#include <curbstone/odometry_t.hpp>
 #include <curbstone/semantic_tile_t.hpp>
 #include <curbstone/service_status_t.hpp>
 #include <curbstone/wheels_t.hpp>
@@ -44,6 +45,9 @@ TEST(RunLog, SumsLossesLatencyAndCores) {
     write(log, "SERVICE_STATUS", status("mapper", 0, 0, 0), 1);
     lidar.utime = 999'000;
     write(log, "LIDAR_POINTS", lidar, 1'000'000);
+    odometry_t odometry{};
+    odometry.utime = 968'000;
+    write(log, "ODOMETRY", odometry, 970'000);
     map_pose_t pose{};
     pose.utime = 950'000;
     write(log, "MAP_POSE", pose, 980'000);
@@ -66,6 +70,7 @@ TEST(RunLog, SumsLossesLatencyAndCores) {
   EXPECT_EQ(run.latency->messages, 1);
   EXPECT_NEAR(run.latency->p95_ms, 50, 1e-9);
   EXPECT_NEAR(run.stages.at("LIDAR_POINTS").p50_ms, 1, 1e-9);
+  EXPECT_NEAR(run.stages.at("ODOMETRY").p50_ms, 2, 1e-9);
   EXPECT_NEAR(run.stages.at("MAP_POSE").p50_ms, 30, 1e-9);
   EXPECT_NEAR(run.cores.at("mapper"), 0.25, 1e-9);
 }
