@@ -7,6 +7,9 @@ namespace {
 
 constexpr double kAcceleration = 10.0;  // m/s a revolution's time, what velocity may be off by without odometry
 constexpr double kTurning = 2.0;        // rad/s, the same for rotation
+constexpr double kBasin = 0.7;          // m between two beginnings, each of which registration finds its way from
+constexpr double kMostAhead = 5.0;      // m a revolution that are sought
+constexpr double kTurned = 0.05;        // rad between such beginnings
 
 Matrix6 isotropic(double translation, double rotation) {
   Vector6 diagonal;
@@ -53,6 +56,37 @@ MotionExpectation expect_steady(const RecentMotion& recent, const Revolution& re
   expected.sweep = steady_sweep(recent.twist, seconds(revolution.start, revolution.end));
   expected.covariance = isotropic(kAcceleration * std::max(stride, 0.05), kTurning * std::max(stride, 0.05));
   return expected;
+}
+
+MotionExpectation expect_perhaps(const Twist& twist, std::int64_t from, const Revolution& revolution) {
+  MotionExpectation expected = expect_steady({from, twist, seconds(from, revolution.end)}, revolution);
+  Vector6 sigma;  // no vehicle rolls, pitches or heaves by much within a revolution
+  sigma << kBasin, kBasin, 0.2, 0.05, 0.05, 0.1;
+  expected.covariance = sigma.cwiseAbs2().asDiagonal();
+  return expected;
+}
+
+std::vector<Twist> first_motions(double max_speed, double stride) {
+  const double most = std::min(max_speed * stride, kMostAhead);
+  std::vector<Twist> motions(1);
+  for (double ahead = kBasin; ahead < most + kBasin; ahead += kBasin) {
+    motions.push_back(twist_of(Pose(Eigen::Translation3d(ahead, 0, 0)), stride));
+    if (motions.size() == 2) motions.push_back(twist_of(Pose(Eigen::Translation3d(-ahead, 0, 0)), stride));
+  }
+  return motions;
+}
+
+std::vector<Twist> other_motions(const Twist& expected, double stride) {
+  std::vector<Twist> motions;
+  for (const double turned : {kTurned, -kTurned, 2 * kTurned, -2 * kTurned}) {
+    motions.push_back(expected);
+    motions.back().angular.z() += turned / stride;
+  }
+  for (const double ahead : {kBasin, -kBasin}) {
+    motions.push_back(expected);
+    motions.back().linear.x() += ahead / stride;
+  }
+  return motions;
 }
 
 }  // namespace curbstone

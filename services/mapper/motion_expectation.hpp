@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "services/mapper/deskew.hpp"
 #include "services/mapper/mapper_config.hpp"
@@ -35,6 +36,14 @@ struct MotionExpectation {
                                               const Revolution& revolution, const OdometryHistory& odometry);
 /// The vehicle goes on as it did.
 [[nodiscard]] MotionExpectation expect_steady(const RecentMotion& recent, const Revolution& revolution);
+
+/// The vehicle may move so: one of several guesses to begin from, each far better known than all of them together.
+[[nodiscard]] MotionExpectation expect_perhaps(const Twist& twist, std::int64_t from, const Revolution& revolution);
+/// How the vehicle may move when nothing is known: straight on at all speeds up to `max_speed`, m/s, and slowly back,
+/// so close that registration finds the way from one of them; the likeliest first. `stride` s between revolutions.
+[[nodiscard]] std::vector<Twist> first_motions(double max_speed, double stride);
+/// Others than the one that was expected: faster, slower, and turned.
+[[nodiscard]] std::vector<Twist> other_motions(const Twist& expected, double stride);
 
 /// us to s.
 [[nodiscard]] inline double seconds(std::int64_t from, std::int64_t to) {

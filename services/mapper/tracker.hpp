@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,9 +11,11 @@
 #include "services/mapper/map_node.hpp"
 #include "services/mapper/mapper_config.hpp"
 #include "services/mapper/motion_expectation.hpp"
+#include "services/mapper/motion_filter.hpp"
 #include "services/mapper/odometry_history.hpp"
 #include "services/mapper/registration.hpp"
 #include "services/mapper/revolution.hpp"
+#include "services/mapper/revolution_fitter.hpp"
 #include "services/mapper/unsteadiness.hpp"
 
 namespace curbstone {
@@ -78,14 +79,14 @@ class Tracker {
   /// The map for registration is made anew from these nodes, and the vehicle is here in it.
   void rebuild(const std::vector<const MapNode*>& nodes, const Pose& T_map_base);
   /// A node's surroundings come back into the map for registration.
-  void recall(const MapNode& node) { registration_->recall(node); }
+  void recall(const MapNode& node) { fitter_.map().recall(node); }
   /// Bounds the map for registration once the vehicle has gone far enough: true when what is farther than the window
   /// has been forgotten.
   bool forget_far();
-  [[nodiscard]] double window() const { return registration_->window(); }
+  [[nodiscard]] double window() const { return fitter_.map().window(); }
 
   /// Voxels of the map that registration keeps; bounded by its window.
-  [[nodiscard]] std::size_t registration_size() const { return registration_->size(); }
+  [[nodiscard]] std::size_t registration_size() const { return fitter_.map().size(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
   /// Revolutions in a row that could not be registered.
   [[nodiscard]] int refused_in_a_row() const { return refused_in_a_row_; }
@@ -95,34 +96,29 @@ class Tracker {
     std::int64_t end = 0;
     Pose T_map_base = Pose::Identity();
   };
-  /// One registration of a revolution, beginning from an expectation.
+  /// A revolution in the map, and whether that is so.
   struct Attempt {
-    MotionExpectation expected;
-    PosePrior prior;
-    std::vector<LidarPoint> points;  // de-skewed, in base_link
-    RegistrationResult result;
+    Fit fit;
     std::string refusal;  // the counter of why it is not believed; empty if it is
     bool believed = false;
   };
 
   [[nodiscard]] bool follows(const Revolution& revolution, const OdometryHistory& odometry);
-  [[nodiscard]] RecentMotion recent() const { return {last_->end, twist_, stride_}; }
-  [[nodiscard]] std::vector<LidarPoint> in_base(const Revolution& revolution, const SweepMotion& sweep) const;
-  [[nodiscard]] Attempt attempt_from(const Revolution& revolution, MotionExpectation expected) const;
-  [[nodiscard]] Attempt try_with(const Revolution& revolution, MotionExpectation expected);
-  void align(const Revolution& revolution, Attempt& attempt);
-  [[nodiscard]] std::string refusal(const Attempt& attempt) const;
+  [[nodiscard]] RecentMotion recent() const { return {last_->end, motion_.twist(), stride_}; }
+  [[nodiscard]] Departure departure() const { return {last_->end, last_->T_map_base, drift_}; }
+  [[nodiscard]] Attempt attempt(const Revolution& revolution, const OdometryHistory& odometry);
+  [[nodiscard]] Attempt judged(Fit fit) const;
+  [[nodiscard]] std::string refusal(const Fit& fit) const;
   [[nodiscard]] Tracked start(const Revolution& revolution, const OdometryHistory& odometry);
-  void begin_registration_map(const Twist& twist);
   [[nodiscard]] bool finish_start(Tracked& tracked);
-  void judge(const Attempt& attempt, Tracked& tracked);
-  [[nodiscard]] bool may_begin_anew(const Attempt& attempt, const Tracked& tracked) const;
-  void conclude(const Attempt& attempt, Tracked& tracked);
+  void judge(const Fit& fit, Tracked& tracked);
+  [[nodiscard]] bool may_begin_anew(const Fit& fit, const Tracked& tracked) const;
+  void conclude(const Fit& fit, Tracked& tracked);
+  void learn_motion(const Fit& fit, const Tracked& tracked, const Pose& moved);
   void insert(const Tracked& tracked);
 
   MapperConfig config_;
-  Pose T_base_lidar_;
-  std::unique_ptr<Registration> registration_;
+  RevolutionFitter fitter_;
   std::optional<Last> last_;
   std::optional<Pose> known_start_;
   std::optional<std::int64_t> broken_;    // us, the end of a revolution that did not follow the one before
@@ -135,6 +131,7 @@ class Tracker {
   double doubt_ = 0;           // m, that the pose may be off by since then
   std::int64_t fitted_ = 0;    // us, the end of the last revolution that fitted
   Twist twist_;                // over the last revolution
+  MotionFilter motion_;        // until now
   double stride_ = 0.05;       // s from revolution to revolution
   int steady_ = 0;             // revolutions in a row that fitted and tell of the motion between them
   Unsteadiness unsteadiness_;
