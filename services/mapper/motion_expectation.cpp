@@ -44,6 +44,7 @@ MotionExpectation expect_motion(const MapperConfig& config, const RecentMotion& 
   expected.sweep = sweep_from(odometry, revolution.start, revolution.end);
   expected.covariance = isotropic(config.prior_floor_m + config.prior_translation * moved,
                                   config.prior_floor_rad + config.prior_rotation * turned);
+  expected.deskew_covariance = isotropic(0.5 * config.prior_translation * moved, 0.5 * config.prior_rotation * turned);
   return expected;
 }
 

@@ -29,6 +29,8 @@ struct MotionExpectation {
   SweepMotion sweep;
   Pose T_last_base = Pose::Identity();   ///< base_link now, seen from base_link at the last revolution's end
   Matrix6 covariance = Matrix6::Zero();  ///< of T_last_base
+  /// Odometry's share in it, of the middle of the revolution seen from its end: what de-skew may be off by.
+  Matrix6 deskew_covariance = Matrix6::Zero();
 };
 
 /// By odometry where it spans, else as expect_steady().

@@ -118,7 +118,10 @@ void Tracker::conclude(const Fit& fit, Tracked& tracked) {
   tracked.stationary = fit.expected.stationary && moved.translation().norm() < 0.03 && angle_of(moved) < 0.01;
   if (tracked.stationary) tracked.T_map_base = last_->T_map_base;
   learn_motion(fit, tracked, moved);
-  if (tracked.registered && !fit.expected.with_odometry) tracked.registration.covariance += unsteadiness_.covariance();
+  if (tracked.registered) {  // registration itself knows nothing of what de-skew got wrong
+    tracked.registration.covariance +=
+        fit.expected.with_odometry ? fit.expected.deskew_covariance : unsteadiness_.covariance();
+  }
   const double stride = seconds(last_->end, tracked.utime);
   last_ = Last{tracked.utime, tracked.T_map_base};
   const double went = fit.expected.T_last_base.translation().norm();

@@ -25,8 +25,10 @@ struct BenchMappingOptions {
   std::vector<std::string> methods = mapping_methods();
   std::vector<std::string> priors = {"none", "poor", "ekf"};
   std::vector<std::string> set;
-  std::size_t most = 1'000'000;
+  ScanDrive::Selection selection;
   double town_seconds = 40;
+  double town_lidar_from = 0;  // s
+  std::vector<std::string> town_set;
   double sweep_seconds = 0;  // 0: by the times
   std::vector<std::uint64_t> seeds = {1};
   double loop = 0;  // m; 0: the usual drives
@@ -61,7 +63,7 @@ void run_all(const MappingDrive& drive, const BenchMappingOptions& options, std:
 
 void run_scans(const BenchMappingOptions& options, const std::string& folder, const std::string& poses,
                std::vector<MappingResult>& results) {
-  ScanDrive drive(folder, poses, options.times, options.most);
+  ScanDrive drive(folder, poses, options.times, options.selection);
   if (options.sweep != "auto") drive.set_swept(options.sweep == "raw");
   if (options.sweep_seconds > 0) drive.set_sweep(options.sweep_seconds);
   run_all(drive, options, results);
@@ -71,6 +73,8 @@ void run_scans(const BenchMappingOptions& options, const std::string& folder, co
 }
 
 std::vector<MappingResult> run_drives(const BenchMappingOptions& options) {
+  ConfigOf<SimulateConfig> config;
+  for (const std::string& setting : options.town_set) set_config_value(setting, config);
   std::vector<MappingResult> results;
   fmt::print("{}", mapping_heading());
   if (!options.scans.empty()) {
@@ -84,7 +88,7 @@ std::vector<MappingResult> run_drives(const BenchMappingOptions& options) {
   }
   for (const std::uint64_t seed : options.seeds) {
     if (options.town_seconds == 0) break;
-    TownDrive town({seed, options.town_seconds});
+    TownDrive town({seed, options.town_seconds, options.town_lidar_from, config.value});
     run_all(town, options, results);
     town.without_odometry();
     run_all(town, options, results);
@@ -129,10 +133,16 @@ void add_mapping_options(CommandLine& line, BenchMappingOptions& options) {
               "How long a raw scan took; 0: as long as scans are apart, at most 0.1 s")
       .within(0.0, 1.0)
       .shows_default();
-  line.option("--most", options.most, "Scans of a recorded drive, at most");
+  line.option("--first", options.selection.first, "Scan that a recorded drive begins with");
+  line.option("--every", options.selection.every, "Takes one scan in so many: a faster vehicle").within(1, 1000);
+  line.option("--most", options.selection.most, "Scans of a recorded drive, at most");
   line.option("--town-seconds", options.town_seconds, "Length of the simulated drive; 0: none")
       .within(0.0, 3600.0)
       .shows_default();
+  line.option("--town-set", options.town_set,
+              "KEY=VALUE of section simulate, for the town: speed=12 standstill=0 rpm=600; repeatable");
+  line.option("--town-lidar-from", options.town_lidar_from, "s that the LiDAR of the town's drive is switched on late")
+      .within(0.0, 3600.0);
   line.option("--seed", options.seeds, "Of the town; several, with commas, for several towns").comma_separated();
   line.option("--loop", options.loop, "Instead of the usual drives: once round several blocks of a town, m")
       .within(600.0, 4000.0);

@@ -69,6 +69,23 @@ std::vector<std::uint8_t> rings_by_elevation(const std::vector<Eigen::Vector3f>&
   return rings;
 }
 
+ScanSet selected(ScanSet all, const ScanDrive::Selection& selection) {
+  ScanSet some = all;
+  some.files.clear();
+  some.T_first_scan.clear();
+  some.times.clear();
+  for (std::size_t i = selection.first; i < all.files.size() && some.files.size() < selection.most;
+       i += selection.every) {
+    some.files.push_back(all.files[i]);
+    some.T_first_scan.push_back(all.T_first_scan[i]);
+    some.times.push_back(all.times[i]);
+  }
+  if (some.files.size() < 2)
+    throw std::runtime_error(fmt::format("{}: {} of its {} scans are left, a drive has two", all.folder,
+                                         some.files.size(), all.files.size()));
+  return some;
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> rings_of(const std::vector<Eigen::Vector3f>& points, const std::string& scan_file) {
@@ -78,10 +95,9 @@ std::vector<std::uint8_t> rings_of(const std::vector<Eigen::Vector3f>& points, c
 }
 
 ScanDrive::ScanDrive(const std::string& folder, const std::string& poses_file, const std::string& times_file,
-                     std::size_t most)
-    : scans_(find_scans(folder, poses_file, times_file)) {
-  const std::size_t n = std::min(most, scans_.files.size());
-  for (std::size_t i = 0; i < n; ++i) {
+                     const Selection& selection)
+    : scans_(selected(find_scans(folder, poses_file, times_file), selection)) {
+  for (std::size_t i = 0; i < scans_.files.size(); ++i) {
     truth_.push_back({kEpoch + std::llround(scans_.times[i] * 1e6), scans_.T_first_scan[i]});
   }
   period_ = std::llround(scans_.period() * 1e6);

@@ -13,9 +13,17 @@ namespace curbstone {
 /// those without a folder of rings) count as taken at once. Base_link is the lidar.
 class ScanDrive final : public MappingDrive {
  public:
-  /// `most`: scans at most. Throws std::runtime_error with one clear line.
+  /// Which of the scans: some left out make the vehicle faster.
+  struct Selection {
+    std::size_t first = 0;
+    std::size_t every = 1;
+    std::size_t most = SIZE_MAX;
+  };
+  /// Throws std::runtime_error with one clear line.
   ScanDrive(const std::string& folder, const std::string& poses_file, const std::string& times_file,
-            std::size_t most = SIZE_MAX);
+            const Selection& selection);
+  ScanDrive(const std::string& folder, const std::string& poses_file, const std::string& times_file)
+      : ScanDrive(folder, poses_file, times_file, Selection{}) {}
   void set_swept(bool swept) { scans_.swept = swept; }
   /// How long the head takes for a scan. Unless told: as long as scans are apart, but at most 0.1 s, for where they are
   /// farther apart some were left out.

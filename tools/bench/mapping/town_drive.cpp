@@ -27,10 +27,11 @@ std::string temporary_file() {
 
 }  // namespace
 
-TownDrive::TownDrive(const Options& options) {
+TownDrive::TownDrive(const Options& options) : lidar_from_(kTownStart + std::llround(options.lidar_from * 1e6)) {
   name = "town";
   prior = "ekf";
-  const TownSetup setup(options.seed, options.seconds, kTownStart);
+  const TownSetup setup(TownTour{.seed = options.seed, .seconds = options.seconds}, kTownStart, options.config);
+  vehicle = options.config.vehicle;
   log_ = temporary_file();
   record_drive(setup.drive(), log_);
   for (double t = 0; t <= options.seconds; t += kTownTruthPeriod) {
@@ -44,7 +45,9 @@ TownDrive::~TownDrive() {
 }
 
 void TownDrive::play(const Take& take) const {
-  play_log(log_, prior != "none", take);
+  play_log(log_, prior != "none", [&](const Revolution& revolution, const OdometryHistory& odometry) {
+    if (revolution.start >= lidar_from_) take(revolution, odometry);
+  });
 }
 
 }  // namespace curbstone

@@ -4,6 +4,7 @@
 
 #include "tools/bench/mapping/mapping_drive.hpp"
 #include "tools/simulate/drive.hpp"
+#include "tools/simulate/simulate_config.hpp"
 
 namespace curbstone {
 
@@ -14,6 +15,8 @@ class TownDrive final : public MappingDrive {
   struct Options {
     std::uint64_t seed = 1;
     double seconds = 40;
+    double lidar_from = 0;  ///< s: the LiDAR is switched on so late
+    SimulateConfig config = {};
   };
   /// Simulates it. Throws std::runtime_error when there is no room for its log in the folder for temporary files.
   explicit TownDrive(const Options& options);
@@ -28,6 +31,7 @@ class TownDrive final : public MappingDrive {
 
  private:
   std::string log_;
+  std::int64_t lidar_from_;  // us
   Trajectory truth_;
 };
 

@@ -68,13 +68,41 @@ TEST(BenchMapping, LoamFollowsItByTheLidarAlone) {
 }
 
 TEST(BenchMapping, BothMethodsFollowADriveThroughTheTown) {
-  const TownDrive drive({1, 8});
+  const TownDrive drive({.seconds = 8});
   for (const char* method : {"icp", "loam"}) {
     const MappingResult result = run_mapping(drive, method, {});
     EXPECT_GT(result.revolutions, 90);
     EXPECT_EQ(result.poses, result.revolutions);
     EXPECT_GT(result.errors.distance_m, 3);
     EXPECT_LT(result.errors.ate_m, 0.02) << method;
+  }
+}
+
+/// The same street at two to five times the speed, begun on the move.
+TEST(BenchMapping, FollowsAFastVehicleByTheLidarAlone) {
+  if (!has_recorded()) GTEST_SKIP() << "no recorded data in " << CURBSTONE_DATA_DIR;
+  for (const std::size_t every : {2U, 3U, 4U, 5U}) {
+    const ScanDrive drive(kRecorded, kRecorded + "/reference_poses.txt", "", {.first = 1, .every = every});
+    for (const char* method : {"icp", "loam"}) {
+      const MappingResult result = run_mapping(drive, method, {});
+      EXPECT_LT(result.errors.rpe_percent, 0.6) << method << ", every " << every;
+      EXPECT_LT(result.errors.end_percent, 0.8) << method << ", every " << every;
+    }
+  }
+}
+
+TEST(BenchMapping, FollowsATownAtTwelveMetresASecondByALidarThatIsSwitchedOnLate) {
+  SimulateConfig config;
+  config.rpm = 600;
+  config.speed = 12;
+  config.acceleration = 3;
+  config.standstill = 0;
+  TownDrive drive({.seconds = 12, .lidar_from = 6, .config = config});
+  drive.without_odometry();
+  for (const char* method : {"icp", "loam"}) {
+    const MappingResult result = run_mapping(drive, method, {});
+    EXPECT_GT(result.errors.distance_m, 60);
+    EXPECT_LT(result.errors.end_percent, 0.3) << method;
   }
 }
 
@@ -105,6 +133,8 @@ TEST(BenchMapping, RefusesWrongUse) {
   EXPECT_EQ(bench({"--methods", "magic"}), 2);
   EXPECT_EQ(bench({"--scans", "/tmp"}), 2);
   EXPECT_EQ(bench({"--scans", "/nowhere", "--poses", "/nowhere"}), 1);
+  EXPECT_EQ(bench({"--every", "0"}), 2);
+  EXPECT_EQ(bench({"--town-set", "speed=fast"}), 2);
 }
 
 }  // namespace
