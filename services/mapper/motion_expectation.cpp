@@ -7,6 +7,7 @@ namespace {
 
 constexpr double kAcceleration = 10.0;  // m/s a revolution's time, what velocity may be off by without odometry
 constexpr double kTurning = 2.0;        // rad/s, the same for rotation
+constexpr double kLongestGuess = 2.5;   // s that a vehicle is thought to have gone on as it did
 constexpr double kBasin = 0.7;          // m between two beginnings, each of which registration finds its way from
 constexpr double kMostAhead = 5.0;      // m a revolution that are sought
 constexpr double kTurned = 0.05;        // rad between such beginnings
@@ -52,7 +53,7 @@ MotionExpectation expect_steady(const RecentMotion& recent, const Revolution& re
   double stride = seconds(recent.end, revolution.end);
   MotionExpectation expected;
   expected.blind = stride > kLongestStride;
-  if (expected.blind) stride = recent.stride;  // a gap, or a new clock: who can say how far it went
+  if (stride > kLongestGuess) stride = recent.stride;  // or a new clock: who can say how far it went
   expected.T_last_base = move(recent.twist, stride);
   expected.sweep = steady_sweep(recent.twist, seconds(revolution.start, revolution.end));
   expected.covariance = isotropic(kAcceleration * std::max(stride, 0.05), kTurning * std::max(stride, 0.05));

@@ -68,6 +68,19 @@ TEST(MapperLost, AfterSecondsWithoutAnySensorTheVehicleIsSoughtAndNothingIsMappe
   EXPECT_GT(drive.mapper->dense().size(), points);
 }
 
+TEST(MapperLost, AFastVehicleIsSoughtAheadOfWhereItWasSeenLast) {
+  Drive drive;
+  drive.trajectory = [](double t) { return test::pose(-28 + 8 * t, 0, 0, 0, 0, 0); };
+  (void)drive.steps(50);
+  drive.turn += 30;  // 1.5 s, 12 m
+  std::optional<MapperUpdate> update;
+  for (int i = 0; i < 40 && drive.counter("found") == 0; ++i) update = drive.step();
+  EXPECT_EQ(drive.counter("found"), 1);
+  update = drive.steps(5);
+  ASSERT_TRUE(update && update->registered);
+  EXPECT_LT(drive.error(*update), 0.10);
+}
+
 TEST(MapperLost, WhoIsCarriedElsewhereIsNotFoundAndTheMapStays) {
   Drive drive;
   (void)drive.steps(40);
