@@ -71,7 +71,7 @@ MotionExpectation expect_perhaps(const Twist& twist, std::int64_t from, const Re
 std::vector<Twist> first_motions(double max_speed, double stride) {
   const double most = std::min(max_speed * stride, kMostAhead);
   std::vector<Twist> motions(1);
-  for (double ahead = kBasin; ahead < most + kBasin; ahead += kBasin) {
+  for (double ahead = kBasin; ahead < most + kBasin / 2; ahead += kBasin) {
     motions.push_back(twist_of(Pose(Eigen::Translation3d(ahead, 0, 0)), stride));
     if (motions.size() == 2) motions.push_back(twist_of(Pose(Eigen::Translation3d(-ahead, 0, 0)), stride));
   }

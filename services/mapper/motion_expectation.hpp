@@ -36,13 +36,14 @@ struct MotionExpectation {
 /// By odometry where it spans, else as expect_steady().
 [[nodiscard]] MotionExpectation expect_motion(const MapperConfig& config, const RecentMotion& recent,
                                               const Revolution& revolution, const OdometryHistory& odometry);
-/// The vehicle goes on as it did.
+/// The vehicle goes on as it did; where that was seconds ago, as for a revolution's time only.
 [[nodiscard]] MotionExpectation expect_steady(const RecentMotion& recent, const Revolution& revolution);
 
 /// The vehicle may move so: one of several guesses to begin from, each far better known than all of them together.
 [[nodiscard]] MotionExpectation expect_perhaps(const Twist& twist, std::int64_t from, const Revolution& revolution);
-/// How the vehicle may move when nothing is known: straight on at all speeds up to `max_speed`, m/s, and slowly back,
-/// so close that registration finds the way from one of them; the likeliest first. `stride` s between revolutions.
+/// How the vehicle may move when nothing is known: straight on at all speeds up to `max_speed`, m/s (and 5 m a
+/// revolution), and slowly back, so close that registration finds the way from one of them; the likeliest first.
+/// `stride` s between revolutions.
 [[nodiscard]] std::vector<Twist> first_motions(double max_speed, double stride);
 /// Others than the one that was expected: faster, slower, and turned.
 [[nodiscard]] std::vector<Twist> other_motions(const Twist& expected, double stride);

@@ -1,5 +1,7 @@
 #include "services/mapper/motion_filter.hpp"
 
+#include <algorithm>
+
 #include "services/mapper/normal_equations.hpp"
 
 namespace curbstone {
@@ -8,8 +10,9 @@ Pose MotionFilter::take(const Found& found) {
   const double until = found.stride - found.age;
   const Pose T_last_then = found.T_last_base * move(found.assumed, -found.age);
   const Vector6 off = log_of(move(twist_, until).inverse() * T_last_then);
-  twist_.linear += kShare / until * off.head<3>();
-  twist_.angular += kShare / until * off.tail<3>();
+  const double gain = kShare / std::max(until, 0.5 * found.age);  // noise makes no twist within next to no time
+  twist_.linear += gain * off.head<3>();
+  twist_.angular += gain * off.tail<3>();
   return T_last_then * move(twist_, found.age);
 }
 

@@ -23,7 +23,7 @@ class MotionFilter {
     Pose T_last_base = Pose::Identity();  ///< base_link there, seen from the end of the last revolution
     Twist assumed;
     double age = 0;     ///< s from when its points were taken, in the mean, to its end
-    double stride = 0;  ///< s since the end of the last revolution; more than `age`
+    double stride = 0;  ///< s since the end of the last revolution, above 0
   };
 
   /// Something better tells how the vehicle moves.

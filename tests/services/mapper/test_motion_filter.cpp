@@ -76,5 +76,14 @@ TEST(MotionFilter, TakesARevolutionOfOneMomentAsItIs) {
   EXPECT_NEAR(filter.twist().linear.x(), 6 + MotionFilter::kShare * 2, 0.05);
 }
 
+TEST(MotionFilter, DoesNotLeapWhereARevolutionHardlyFollowsTheLast) {
+  MotionFilter filter;
+  filter.set({{6, 0, 0}, {0, 0, 0}});
+  (void)filter.take({test::pose(0.01, 0, 0, 0, 0, 0), filter.twist(), kAge, 0.001});
+  EXPECT_NEAR(filter.twist().linear.x(), 6, 0.3);
+  (void)filter.take({test::pose(0.01, 0, 0, 0, 0, 0), filter.twist(), kAge, kAge});
+  EXPECT_TRUE(std::isfinite(filter.twist().linear.x()));
+}
+
 }  // namespace
 }  // namespace curbstone

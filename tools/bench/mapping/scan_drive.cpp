@@ -69,7 +69,7 @@ std::vector<std::uint8_t> rings_by_elevation(const std::vector<Eigen::Vector3f>&
   return rings;
 }
 
-ScanSet selected(ScanSet all, const ScanDrive::Selection& selection) {
+ScanSet selected(const ScanSet& all, const ScanDrive::Selection& selection) {
   ScanSet some = all;
   some.files.clear();
   some.T_first_scan.clear();

@@ -71,6 +71,25 @@ TEST_F(ScanFolder, ThinnedScansStillTookATenthOfASecondEach) {
   EXPECT_LE(scans.revolution(1).points.back().time, 0.05F);
 }
 
+TEST_F(ScanFolder, TakesThoseThatAreAskedFor) {
+  fs::copy_file(folder_ / "velodyne" / "000000.bin", folder_ / "velodyne" / "000002.bin");
+  fs::copy_file(folder_ / "velodyne" / "000000.bin", folder_ / "velodyne" / "000003.bin");
+  std::ofstream(folder_ / "poses.txt") << "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n"
+                                       << "1 0 0 2 0 1 0 0 0 0 1 0\n1 0 0 3 0 1 0 0 0 0 1 0\n";
+  std::ofstream(folder_ / "times.txt") << "0.0\n0.1\n0.2\n0.3\n";
+  const auto positions = [&](const ScanDrive::Selection& selection) {
+    std::vector<double> out;
+    const ScanDrive scans(folder_.string(), (folder_ / "poses.txt").string(), (folder_ / "times.txt").string(),
+                          selection);
+    for (const StampedPose& pose : scans.truth()) out.push_back(pose.pose.translation().x());
+    return out;
+  };
+  EXPECT_EQ(positions({.first = 1, .every = 2}), (std::vector<double>{1, 3}));
+  EXPECT_EQ(positions({.most = 3}), (std::vector<double>{0, 1, 2}));
+  EXPECT_THROW((void)positions({.first = 3}), std::runtime_error);
+  EXPECT_THROW((void)positions({.every = 4}), std::runtime_error);
+}
+
 TEST_F(ScanFolder, ScansWithoutRingsWerePutRightAlready) {
   const Revolution revolution = drive().revolution(0);
   EXPECT_EQ(revolution.start, revolution.end);
