@@ -95,7 +95,7 @@ std::vector<TileKey> DenseMap::insert(const std::vector<LidarPoint>& points, con
   for (const Seen& seen : in_range_) hit(seen, utime, add_new);
   std::vector<TileKey> grown = settle_all(utime, false);
   if (round_ % kHousekeeping == 0) {
-    places_.forget_before(utime - kGiveUp);
+    places_.forget_before(utime - 2 * kGiveUp);  // what waits below one is given up before
     bound_memory();
   }
   return grown;
@@ -211,9 +211,9 @@ std::uint32_t DenseMap::new_waiting() {
   return at;
 }
 
-bool DenseMap::may_be_moving(const Eigen::Vector3d& point) {
+bool DenseMap::may_be_moving(const Eigen::Vector3d& point, std::int64_t utime) {
   if (point.z() > ground_at(point) + config_.ground_clearance) return !places_.stays(point);
-  return places_.passing_above(point);
+  return places_.passing_above(point, utime);
 }
 
 /// Whether the voxel leaves the waiting room: because it went into the map or because it was given up.
@@ -232,7 +232,7 @@ bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
                         static_cast<std::uint8_t>(waiting.intensity / waiting.hits)};
   const Eigen::Vector3d in_map =
       corner_of(waiting.tile, *tile) + kPositionStep * Eigen::Vector3d(point.x, point.y, point.z);
-  if (may_be_moving(in_map)) {
+  if (may_be_moving(in_map, waiting.last)) {
     const bool give_up = last_call || utime - waiting.last > kGiveUp;
     if (give_up) counters_.add("dense.transient");
     return give_up;

@@ -89,7 +89,7 @@ class DenseMap {
   void hit(const Seen& seen, std::int64_t utime, bool add_new);
   [[nodiscard]] std::uint32_t new_waiting();
   [[nodiscard]] double ground_at(const Eigen::Vector3d& point);
-  [[nodiscard]] bool may_be_moving(const Eigen::Vector3d& point);
+  [[nodiscard]] bool may_be_moving(const Eigen::Vector3d& point, std::int64_t utime);
   [[nodiscard]] bool settle(Waiting& waiting, std::int64_t utime, bool last_call);
   std::vector<TileKey> settle_all(std::int64_t utime, bool last_call);
   void forget_waiting();

@@ -33,14 +33,14 @@ bool OccupiedPlaces::stays(const Eigen::Vector3d& point) const {
   return at != BlockIndex::kNone && stays(places_[at]);
 }
 
-bool OccupiedPlaces::passing_above(const Eigen::Vector3d& point) const {
+bool OccupiedPlaces::passing_above(const Eigen::Vector3d& point, std::int64_t utime) const {
   BlockIndex::Finder find(index_);
   const Eigen::Vector3i cell = cell_of(point);
-  const int low = floor_to_int((point.z() + 0.5) / kHeight), high = floor_to_int((point.z() + 1.0) / kHeight);
+  const int low = floor_to_int(point.z() / kHeight), high = floor_to_int((point.z() + 1.0) / kHeight);
   for (int z = low; z <= high; ++z) {
     for (const auto& [dx, dy] : {std::pair{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
       const std::uint32_t at = find({cell.x() + dx, cell.y() + dy, z});
-      if (at != BlockIndex::kNone && !stays(places_[at])) return true;
+      if (at != BlockIndex::kNone && !stays(places_[at]) && utime - places_[at].last <= kBreak) return true;
     }
   }
   return false;

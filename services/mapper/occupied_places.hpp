@@ -20,9 +20,9 @@ class OccupiedPlaces {
   void see(const Eigen::Vector3d& point, std::int64_t utime);
   /// Whether the point's place has been occupied for long enough.
   [[nodiscard]] bool stays(const Eigen::Vector3d& point) const;
-  /// Whether something that is not known to stay is up to a metre above the point, or beside that: a wheel and a foot
-  /// are low.
-  [[nodiscard]] bool passing_above(const Eigen::Vector3d& point) const;
+  /// Whether something that is not known to stay was up to a metre above the point, or beside that, when the point was
+  /// seen: a wheel, a foot and the lower half of a bumper are low.
+  [[nodiscard]] bool passing_above(const Eigen::Vector3d& point, std::int64_t utime) const;
 
   /// Forgets places where nothing was seen after `utime`.
   void forget_before(std::int64_t utime);

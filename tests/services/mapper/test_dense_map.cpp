@@ -150,6 +150,37 @@ TEST(DenseMap, WhatPassesByLeavesNoGhostNorItsWheels) {
   EXPECT_GT(map.size(), 1000);  // the road is there
 }
 
+TEST(DenseMap, ABumperSeenInTwoLinesLeavesNeither) {
+  DenseMap map{DenseConfig{}};
+  std::int64_t t = kStart;
+  // Sixteen beams: of the car that follows the vehicle at 3 m/s a line at 0.24 m and one at 0.5 m.
+  for (int i = 0; i < 40; ++i, t += kPeriod) {
+    const double front = -14 + 3.0 * 0.05 * i;
+    std::vector<LidarPoint> seen = patch(front + 1, 0, 0, 2);
+    for (double y = -0.8; y < 0.8; y += 0.05) {
+      for (const double z : {0.24, 0.5}) seen.push_back({Eigen::Vector3d(front, y, z).cast<float>(), 0, 9, 0});
+    }
+    (void)map.insert(seen, Pose::Identity(), t);
+  }
+  for (int i = 0; i < 200; ++i) (void)map.insert({}, Pose::Identity(), t += kPeriod);
+  (void)map.finish();
+  int ghosts = 0;
+  for (const Eigen::Vector3d& p : all_points(map)) ghosts += p.z() > 0.05;
+  EXPECT_EQ(ghosts, 0);
+  EXPECT_GT(map.size(), 1000);  // the road is there
+}
+
+TEST(DenseMap, WhatIsLowGoesInAsSoonAsWhatWasAboveItHasPassed) {
+  DenseMap map{DenseConfig{}};
+  std::int64_t t = kStart;
+  const std::vector<LidarPoint> road = patch(5, 0, 0, 2), kerb = patch(5, 0, 0.12, 0.3);
+  for (int i = 0; i < 4; ++i) (void)map.insert(road + side(5), Pose::Identity(), t += kPeriod);  // somebody steps over
+  for (int i = 0; i < 40; ++i) (void)map.insert(road + kerb, Pose::Identity(), t += kPeriod);
+  int on_kerb = 0;
+  for (const Eigen::Vector3d& p : all_points(map)) on_kerb += p.z() > 0.1;
+  EXPECT_EQ(on_kerb, 36);
+}
+
 TEST(DenseMap, KeepsToItsRangeAndHeights) {
   DenseMap map{DenseConfig{}};
   for (int i = 0; i < 4; ++i) {

@@ -31,12 +31,27 @@ TEST(OccupiedPlaces, WhatPassesIsSeenFromBelowAndBeside) {
   for (const Eigen::Vector3d& beside :
        {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.2, 0, 0), Eigen::Vector3d(-0.2, 0, 0), Eigen::Vector3d(0, 0.2, 0),
         Eigen::Vector3d(0, -0.2, 0)}) {
-    EXPECT_TRUE(places.passing_above(under + beside));
+    EXPECT_TRUE(places.passing_above(under + beside, 0));
   }
-  EXPECT_FALSE(places.passing_above(under + Eigen::Vector3d(0.6, 0, 0)));
-  EXPECT_FALSE(places.passing_above(kSpot - Eigen::Vector3d(0, 0, 3)));
+  EXPECT_FALSE(places.passing_above(under + Eigen::Vector3d(0.6, 0, 0), 0));
+  EXPECT_FALSE(places.passing_above(kSpot - Eigen::Vector3d(0, 0, 3), 0));
   places.see(kSpot, kSecond);
-  EXPECT_FALSE(places.passing_above(under));  // it stays: no harm
+  EXPECT_FALSE(places.passing_above(under, kSecond));  // it stays: no harm
+}
+
+TEST(OccupiedPlaces, WhatPassesCloseAboveCountsToo) {
+  OccupiedPlaces places(kSecond);
+  const Eigen::Vector3d bumper(10.1, -3.1, 0.5);
+  places.see(bumper, 0);
+  EXPECT_TRUE(places.passing_above(bumper - Eigen::Vector3d(0, 0, 0.3), 0));  // its lower half
+}
+
+TEST(OccupiedPlaces, WhatHasPassedIsNoLongerAbove) {
+  OccupiedPlaces places(kSecond);
+  places.see(kSpot, 0);
+  const Eigen::Vector3d under = kSpot - Eigen::Vector3d(0, 0, 0.8);
+  EXPECT_TRUE(places.passing_above(under, kSecond));
+  EXPECT_FALSE(places.passing_above(under, kSecond + 1));
 }
 
 TEST(OccupiedPlaces, OldOnesAreForgotten) {
