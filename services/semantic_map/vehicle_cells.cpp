@@ -1,10 +1,9 @@
 #include "services/semantic_map/vehicle_cells.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <cstdint>
-#include <utility>
 #include <vector>
+
+#include "services/semantic_map/vehicle_outline.hpp"
 
 namespace curbstone {
 
@@ -12,11 +11,8 @@ namespace {
 
 constexpr int kWindow = 3 * kCellsPerTile;  // cells
 constexpr int kHighCells = 10;              // as high as `min_vehicle`: less is a post or a bin
-constexpr double kMaxLength = 7.0;          // m
-constexpr double kMaxWidth = 2.6;           // m
-constexpr double kMinLength = 1.2;          // m: one side of a small car seen from behind
 
-using CellPlace = Eigen::Vector2i;  // in the window
+using CellPlace = VehicleOutline::Cell;  // in the window
 
 /// What stands connected, cell by cell.
 struct Thing {
@@ -70,56 +66,6 @@ class StandingCells {
   std::vector<CellPlace> places_;
 };
 
-/// Length and width along its principal axes.
-bool is_vehicle(const Thing& thing) {
-  if (thing.high < kHighCells) return false;
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const CellPlace& at : thing.cells) mean += at.cast<double>() / static_cast<double>(thing.cells.size());
-  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
-  for (const CellPlace& at : thing.cells) {
-    const Eigen::Vector2d d = at.cast<double>() - mean;
-    scatter += d * d.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(scatter);
-  Eigen::Vector2d least = Eigen::Vector2d::Constant(1e9);
-  Eigen::Vector2d most = -least;
-  for (const CellPlace& at : thing.cells) {
-    const Eigen::Vector2d along = axes.eigenvectors().transpose() * (at.cast<double>() - mean);
-    least = least.cwiseMin(along);
-    most = most.cwiseMax(along);
-  }
-  const Eigen::Vector2d size = kCellSize * (most - least + Eigen::Vector2d::Ones());  // width, length
-  return size.maxCoeff() >= kMinLength && size.maxCoeff() <= kMaxLength && size.minCoeff() <= kMaxWidth;
-}
-
-int turn(CellPlace a, CellPlace b, CellPlace c) {
-  return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-}
-
-/// Convex hull, counter-clockwise (Andrew's monotone chain).
-std::vector<CellPlace> outline(std::vector<CellPlace> cells) {
-  std::sort(cells.begin(), cells.end(),
-            [](const CellPlace& a, const CellPlace& b) { return std::pair(a.x(), a.y()) < std::pair(b.x(), b.y()); });
-  std::vector<CellPlace> hull;
-  for (int half = 0; half < 2; ++half) {
-    const std::size_t first = hull.size();
-    for (const CellPlace& at : cells) {
-      while (hull.size() >= first + 2 && turn(hull[hull.size() - 2], hull.back(), at) <= 0) hull.pop_back();
-      hull.push_back(at);
-    }
-    hull.pop_back();
-    std::reverse(cells.begin(), cells.end());
-  }
-  return hull;
-}
-
-bool is_inside(const std::vector<CellPlace>& hull, CellPlace at) {
-  for (std::size_t k = 0; k < hull.size(); ++k) {
-    if (turn(hull[k], hull[(k + 1) % hull.size()], at) < 0) return false;
-  }
-  return hull.size() >= 3;
-}
-
 }  // namespace
 
 VehicleCells find_vehicles(const Around<CellColumns>& columns) {
@@ -133,12 +79,13 @@ VehicleCells find_vehicles(const Around<CellColumns>& columns) {
   };
   for (const CellPlace& place : standing.places()) {
     const Thing thing = standing.take(place);
-    if (!is_vehicle(thing)) continue;
-    const std::vector<CellPlace> hull = outline(thing.cells);
+    if (thing.high < kHighCells) continue;
+    const auto outline = VehicleOutline::of(thing.cells);
+    if (!outline) continue;
     for (int row = kCellsPerTile; row < 2 * kCellsPerTile; ++row) {
       for (int column = kCellsPerTile; column < 2 * kCellsPerTile; ++column) {
         const CellPlace at(column, row);
-        if (is_inside(hull, at)) vehicles.beneath.set(in_tile(at));
+        if (outline->contains(at)) vehicles.beneath.set(in_tile(at));
       }
     }
   }

@@ -10,7 +10,7 @@ namespace curbstone {
 /// bonnet as its roof), and the ground inside its outline. Light gets under a vehicle, so that ground is seen where the
 /// roof is not; nobody can drive there. Looks at the 9 m around.
 struct VehicleCells {
-  std::bitset<kCellsInTile> beneath;  ///< the hull of what stands, itself included
+  std::bitset<kCellsInTile> beneath;  ///< see VehicleOutline; what stands is included
 };
 [[nodiscard]] VehicleCells find_vehicles(const Around<CellColumns>& columns);
 

@@ -58,6 +58,16 @@ std::vector<Place> driven_path(const PosePairs& pairs) {
 
 }  // namespace
 
+void BlockingScore::count(CellClass cell_class, Place place) {
+  if (is_blocking(cell_class)) {
+    ++blocked;
+  } else if (cell_class == CellClass::kUnknown) {
+    ++unknown;
+  } else {
+    called_free.push_back(place);
+  }
+}
+
 std::int64_t Confusion::total() const {
   std::int64_t sum = 0;
   for (const auto& row : count) {
@@ -93,9 +103,7 @@ Evaluation evaluate(const std::vector<MapTile>& tiles, const std::vector<CurbLin
   for_each_seen_cell(tiles, evaluation.T_truth_map, [&](CellClass cell_class, Place place) {
     const std::uint8_t true_class = truth.classes.at(place.x, place.y);
     if (is_blocking(static_cast<CellClass>(true_class)) && near_path.any_near(place.x, place.y))
-      ++(is_blocking(cell_class)             ? blocking.blocked
-         : cell_class == CellClass::kUnknown ? blocking.unknown
-                                             : blocking.free);
+      blocking.count(cell_class, place);
     if (cell_class == CellClass::kUnknown) return;
     map.seen.push_back(place);
     if (cell_class == CellClass::kCurb) map.cells.push_back({place, is_judged(place)});

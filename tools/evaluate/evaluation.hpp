@@ -23,12 +23,15 @@ struct Confusion {
 
 /// What became of the cells that truly are obstacle or wall, within the radius of the path, and that points fell into.
 struct BlockingScore {
-  std::int64_t blocked = 0;  ///< the map says obstacle or wall
-  std::int64_t free = 0;     ///< road or curb: the misses that matter
-  std::int64_t unknown = 0;  ///< not free either: too few points, or only above the vehicle
+  std::int64_t blocked = 0;        ///< the map says obstacle or wall
+  std::int64_t unknown = 0;        ///< not free either: too few points, or only above the vehicle
+  std::vector<Place> called_free;  ///< road or curb, m in truth: the misses that matter
+  /// A cell that truly blocks, and what the map says of it.
+  void count(CellClass cell_class, Place place);
+  [[nodiscard]] std::int64_t free() const { return static_cast<std::int64_t>(called_free.size()); }
   /// Of the cells that the map knows; 0 when there are none.
   [[nodiscard]] double recall() const {
-    return blocked + free > 0 ? static_cast<double>(blocked) / static_cast<double>(blocked + free) : 0;
+    return blocked + free() > 0 ? static_cast<double>(blocked) / static_cast<double>(blocked + free()) : 0;
   }
 };
 

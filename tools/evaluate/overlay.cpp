@@ -9,6 +9,7 @@ namespace {
 constexpr Colour kCurb{255, 0, 200};
 constexpr Colour kDropped{255, 170, 235};
 constexpr Colour kPath{120, 190, 255};
+constexpr Colour kMissed{255, 150, 0};
 constexpr double kJoinPoints = 0.5;  // m: points of one curb farther apart are not joined
 constexpr double kPathStep = 0.25;   // m
 
@@ -48,6 +49,16 @@ std::vector<PictureLine> truth_lines(const Truth& truth, const Pose& T_truth_map
   }
   lines.push_back(std::move(path));
   return lines;
+}
+
+std::vector<PictureLine> missed_obstacles(const BlockingScore& blocking, const Pose& T_truth_map) {
+  const Pose T_map_truth = T_truth_map.inverse();
+  std::vector<PictureLine> dots;
+  for (const Place& place : blocking.called_free) {
+    const Eigen::Vector2d at = (T_map_truth * Eigen::Vector3d(place.x, place.y, 0)).head<2>();
+    dots.push_back({{at, at}, kMissed, 4.0});
+  }
+  return dots;
 }
 
 }  // namespace curbstone

@@ -63,7 +63,7 @@ std::string blocking_table(const BlockingScore& b) {
   return fmt::format(
       "obstacles    and walls near the path: recall {:.4f}, {} of their cells called free; {} of {} that points fell "
       "into are unknown\n",
-      b.recall(), b.free, b.unknown, b.blocked + b.free + b.unknown);
+      b.recall(), b.free(), b.unknown, b.blocked + b.free() + b.unknown);
 }
 
 std::string run_table(const RunFigures& run) {
@@ -129,7 +129,7 @@ std::string to_json(const Evaluation& e) {
   if (e.blocking) {
     json["blocking"] = {{"recall", e.blocking->recall()},
                         {"blocked", e.blocking->blocked},
-                        {"free", e.blocking->free},
+                        {"free", e.blocking->free()},
                         {"unknown", e.blocking->unknown}};
   }
   json["trajectory"] = {{"distance_m", e.trajectory.distance_m},

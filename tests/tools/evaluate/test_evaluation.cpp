@@ -66,7 +66,10 @@ TEST(Evaluation, TellsWhatBlocksAndIsCalledFreeFromWhatIsNotKnown) {
   const Evaluation e = evaluate(scene.tiles, {}, scene.trajectory, scene.truth, 8);
   ASSERT_TRUE(e.blocking);
   EXPECT_EQ(e.blocking->blocked, 20);
-  EXPECT_EQ(e.blocking->free, 3);
+  ASSERT_EQ(e.blocking->free(), 3);
+  const Eigen::Vector3d first = scene.T_truth_map * Eigen::Vector3d(22.5 * kCellSize, 0.5 * kCellSize, 0);
+  EXPECT_NEAR(e.blocking->called_free.front().x, first.x(), 1e-6);
+  EXPECT_NEAR(e.blocking->called_free.front().y, first.y(), 1e-6);
   EXPECT_EQ(e.blocking->unknown, 1);
   EXPECT_NEAR(e.blocking->recall(), 20.0 / 23.0, 1e-12);
   EXPECT_EQ(e.classes->total(), 623) << "unknown cells are not of the confusion matrix";

@@ -26,5 +26,17 @@ TEST(TruthLines, AreTheCurbsAndThePathInMap) {
   EXPECT_NEAR(lines[4].points[0].x(), -10, 1e-12);
 }
 
+TEST(MissedObstacles, AreDotsInMap) {
+  BlockingScore blocking;
+  blocking.count(CellClass::kWall, {1, 1});
+  blocking.count(CellClass::kCurb, {12, 6});
+  Pose T_truth_map = Pose::Identity();
+  T_truth_map.translation() = Eigen::Vector3d(10, 5, 0);
+  const auto dots = missed_obstacles(blocking, T_truth_map);
+  ASSERT_EQ(dots.size(), 1U);
+  EXPECT_NEAR(dots[0].points[0].x(), 2, 1e-12);
+  EXPECT_NEAR(dots[0].points[0].y(), 1, 1e-12);
+}
+
 }  // namespace
 }  // namespace curbstone
