@@ -92,6 +92,7 @@ void score_precision(const CurbMap& map, const TrueCurbs& curbs, const NearPath&
     }
     ++score.detections;
     for (std::size_t i = 0; i < kTolerances.size(); ++i) right[i] += nearest.distance <= kTolerances[i] ? 1 : 0;
+    if (nearest.distance > kTolerances.back()) score.wrong.push_back(cell.at);
   }
   for (std::size_t i = 0; i < kTolerances.size(); ++i) {
     score.at[i].precision = score.detections > 0 ? static_cast<double>(right[i]) / score.detections : 0;
@@ -115,7 +116,10 @@ void score_recall(const CurbMap& map, const std::vector<TrueCurbPoint>& truth, c
     const auto step = std::lower_bound(kStepBounds.begin(), kStepBounds.end(), point.height) - kStepBounds.begin();
     CurbScore::Share& share = score.by_step[static_cast<std::size_t>(step)];
     ++share.points;
-    share.found += cells.back().any_near(point.x, point.y) ? 1 : 0;
+    if (cells.back().any_near(point.x, point.y))
+      ++share.found;
+    else
+      score.missed.push_back({point.x, point.y});
   }
   for (std::size_t i = 0; i < kTolerances.size(); ++i) {
     score.at[i].recall = score.true_points > 0 ? static_cast<double>(found[i]) / score.true_points : 0;

@@ -54,6 +54,8 @@ struct CurbScore {
   int on_dropped = 0;                        ///< curb cells nearest to a lowered kerb: neither right nor wrong
   int beyond_truth = 0;                      ///< curb cells where the truth does not know the ground: the same
   int true_points = 0;                       ///< that count; lowered kerbs do not
+  std::vector<Place> missed;                 ///< of them, those that were not found at the widest tolerance
+  std::vector<Place> wrong;                  ///< detections that are not right at the widest tolerance
   double recall_of_seen = 0;  ///< at the widest tolerance, of the true points where the map is not unknown
   struct Share {
     int points = 0;

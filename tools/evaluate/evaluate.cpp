@@ -75,7 +75,9 @@ int run_evaluate(int argc, char** argv) {
               "Labelled scans of a recorded drive (SemanticKITTI: scans/, labels/, reference_poses.txt): its true "
               "curbs and classes");
   line.option("--picture", picture_file, "Draw the map (PNG)");
-  line.option("--overlay", overlay_file, "Draw the map, the truth over it, and dots on obstacles called free (PNG)");
+  line.option("--overlay", overlay_file,
+              "Draw the map, the truth over it and dots where it errs (PNG): yellow for curbs it misses, cyan for such "
+              "that are none, orange for obstacles called free");
   line.option("--json", json_file, "Write the figures here, for programs");
   if (const auto status = line.read(argc, argv)) return *status;
 
@@ -102,10 +104,8 @@ int run_evaluate(int argc, char** argv) {
   if (!picture_file.empty()) write_png(draw_map(picture, drawing), picture_file);
   if (!overlay_file.empty()) {
     picture.overlays = truth_lines(truth, evaluation.T_truth_map);
-    if (evaluation.blocking) {
-      const auto missed = missed_obstacles(*evaluation.blocking, evaluation.T_truth_map);
-      picture.overlays.insert(picture.overlays.end(), missed.begin(), missed.end());
-    }
+    const auto errors = error_dots(evaluation);
+    picture.overlays.insert(picture.overlays.end(), errors.begin(), errors.end());
     write_png(draw_map(picture, drawing), overlay_file);
   }
   return 0;

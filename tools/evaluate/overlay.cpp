@@ -9,7 +9,9 @@ namespace {
 constexpr Colour kCurb{255, 0, 200};
 constexpr Colour kDropped{255, 170, 235};
 constexpr Colour kPath{120, 190, 255};
-constexpr Colour kMissed{255, 150, 0};
+constexpr Colour kMissedCurb{255, 235, 0};
+constexpr Colour kWrongCurb{0, 230, 255};
+constexpr Colour kCalledFree{255, 130, 0};
 constexpr double kJoinPoints = 0.5;  // m: points of one curb farther apart are not joined
 constexpr double kPathStep = 0.25;   // m
 
@@ -51,13 +53,20 @@ std::vector<PictureLine> truth_lines(const Truth& truth, const Pose& T_truth_map
   return lines;
 }
 
-std::vector<PictureLine> missed_obstacles(const BlockingScore& blocking, const Pose& T_truth_map) {
-  const Pose T_map_truth = T_truth_map.inverse();
+std::vector<PictureLine> error_dots(const Evaluation& evaluation) {
+  const Pose T_map_truth = evaluation.T_truth_map.inverse();
   std::vector<PictureLine> dots;
-  for (const Place& place : blocking.called_free) {
-    const Eigen::Vector2d at = (T_map_truth * Eigen::Vector3d(place.x, place.y, 0)).head<2>();
-    dots.push_back({{at, at}, kMissed, 4.0});
+  const auto add = [&](const std::vector<Place>& places, Colour colour) {
+    for (const Place& place : places) {
+      const Eigen::Vector2d at = (T_map_truth * Eigen::Vector3d(place.x, place.y, 0)).head<2>();
+      dots.push_back({{at, at}, colour, 4.0});
+    }
+  };
+  if (evaluation.curbs) {
+    add(evaluation.curbs->missed, kMissedCurb);
+    add(evaluation.curbs->wrong, kWrongCurb);
   }
+  if (evaluation.blocking) add(evaluation.blocking->called_free, kCalledFree);
   return dots;
 }
 

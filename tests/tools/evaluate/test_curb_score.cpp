@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace curbstone {
 namespace {
 
@@ -70,6 +72,9 @@ TEST(CurbScore, GhostsCostPrecisionAndGapsRecall) {
   EXPECT_NEAR(score.at[2].precision, 0.5, 1e-9);
   EXPECT_NEAR(score.at[2].recall, 0.5, 0.05);
   EXPECT_NEAR(score.recall_of_seen, 1.0, 1e-9);
+  EXPECT_EQ(score.wrong.size(), ghosts.size());
+  ASSERT_EQ(score.missed.size(), static_cast<std::size_t>(std::lround(score.true_points * (1 - score.at[2].recall))));
+  EXPECT_EQ(score.missed.front().y, 3);
 }
 
 TEST(CurbScore, LoweredKerbsDoNotCount) {

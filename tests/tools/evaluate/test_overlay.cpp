@@ -26,16 +26,22 @@ TEST(TruthLines, AreTheCurbsAndThePathInMap) {
   EXPECT_NEAR(lines[4].points[0].x(), -10, 1e-12);
 }
 
-TEST(MissedObstacles, AreDotsInMap) {
-  BlockingScore blocking;
-  blocking.count(CellClass::kWall, {1, 1});
-  blocking.count(CellClass::kCurb, {12, 6});
-  Pose T_truth_map = Pose::Identity();
-  T_truth_map.translation() = Eigen::Vector3d(10, 5, 0);
-  const auto dots = missed_obstacles(blocking, T_truth_map);
-  ASSERT_EQ(dots.size(), 1U);
-  EXPECT_NEAR(dots[0].points[0].x(), 2, 1e-12);
-  EXPECT_NEAR(dots[0].points[0].y(), 1, 1e-12);
+TEST(ErrorDots, AreInMapAColourForEachKind) {
+  Evaluation evaluation;
+  evaluation.T_truth_map.translation() = Eigen::Vector3d(10, 5, 0);
+  evaluation.blocking.emplace();
+  evaluation.blocking->count(CellClass::kWall, {1, 1});
+  evaluation.blocking->count(CellClass::kCurb, {12, 6});
+  evaluation.curbs.emplace();
+  evaluation.curbs->missed = {{10, 5}};
+  evaluation.curbs->wrong = {{11, 5}};
+  const auto dots = error_dots(evaluation);
+  ASSERT_EQ(dots.size(), 3U);
+  EXPECT_NEAR(dots[0].points[0].norm(), 0, 1e-12);
+  EXPECT_NEAR(dots[2].points[0].x(), 2, 1e-12);
+  EXPECT_NEAR(dots[2].points[0].y(), 1, 1e-12);
+  EXPECT_NE(dots[0].colour, dots[1].colour);
+  EXPECT_NE(dots[1].colour, dots[2].colour);
 }
 
 }  // namespace
