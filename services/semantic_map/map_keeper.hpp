@@ -1,5 +1,6 @@
 #pragma once
 
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,12 +12,20 @@
 
 namespace curbstone {
 
-/// Writes what changes to the map file, a transaction a second. While the disk is full (or fails) it keeps the newest
-/// state of each tile in memory, up to a bound, says so, and writes when it can again.
+/// Writes what changes to the map file, a transaction at a time, in another thread: the disk takes tens of ms, for
+/// which no tile should wait. While the disk is full (or fails) it keeps the newest state of each tile in memory, up to
+/// a bound, says so, and writes when it can again. One thread calls.
+///
+/// Counters, of what is known to be written: store.transactions, store.tiles, faults.store; dropped.unstored_tiles,
+/// dropped.unstored_poses.
 class MapKeeper {
  public:
   /// Opens the file: throws MapStoreError. Empty path: keeps nothing.
   MapKeeper(const std::string& path, std::size_t max_pending_tiles);
+  /// Waits for what is under way; what is pending is lost without finish().
+  ~MapKeeper();
+  MapKeeper(const MapKeeper&) = delete;
+  MapKeeper& operator=(const MapKeeper&) = delete;
 
   /// A drive begins (first pose, or a new epoch of the map). An earlier map of the same drive is gone on with (the
   /// service was restarted); any other is forgotten.
@@ -25,24 +34,36 @@ class MapKeeper {
   void put(const TrajectoryPose& pose);
   /// All curbs of the map as they are now; they go with the next batch.
   void put(std::vector<CurbLine> curbs);
-  /// Writes what is pending.
+  /// Begins to write what is pending, unless the last transaction is still under way.
   void write();
   /// Writes the rest and the curbs, and closes the file in canonical form.
   void finish(std::vector<CurbLine> curbs);
 
-  /// In words; empty when all is well.
+  /// What became of the last transaction, in words; empty when all is well.
   [[nodiscard]] const std::string& fault() const { return fault_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
-  void write_batch();
+  /// What the file does not know yet.
+  struct Changes {
+    bool clear = false;  // first of all that was stored
+    std::unordered_map<TileKey, MapTile, TileKeyHash> tiles;
+    std::vector<TrajectoryPose> trajectory;
+    std::optional<std::vector<CurbLine>> curbs;
+  };
+  [[nodiscard]] bool busy();
+  void begin_writing();
+  void await_writing();
+  void take_back();
+  void add(const MapTile& tile);
+  [[nodiscard]] MapStore::Batch batch_under_way() const;
+
   std::unique_ptr<MapStore> store_;
   std::size_t max_pending_;
   std::int32_t epoch_ = 0;
-  bool clear_ = false;
-  std::unordered_map<TileKey, MapTile, TileKeyHash> tiles_;
-  std::vector<TrajectoryPose> trajectory_;
-  std::optional<std::vector<CurbLine>> curbs_;
+  Changes pending_;
+  Changes under_way_;                 // not touched while it is written
+  std::future<std::string> writing_;  // what went wrong
   std::string fault_;
   Counters counters_;
 };
