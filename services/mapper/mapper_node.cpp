@@ -87,7 +87,7 @@ void MapperNode::queue(std::optional<Revolution> revolution) {
 }
 
 bool MapperNode::due(const Revolution& revolution) const {
-  if (odometry_.passed(revolution.end)) return true;
+  if (odometry_.reaches(revolution.end)) return true;
   const std::int64_t waited_for = mapper_.started() ? revolution.end : first_lidar_;
   const double wait = mapper_.started() ? config_.odometry_wait_s : config_.start_wait_s;
   return std::abs(lidar_time_ - waited_for) > microseconds(wait);
@@ -101,8 +101,8 @@ void MapperNode::process_due(bool last_call) {
 }
 
 void MapperNode::process(const Revolution& revolution) {
-  const bool passed = odometry_.passed(revolution.end);
-  if (!mapper_.started() && passed && !odometry_.covers(revolution.start, revolution.end)) {
+  odometry_.look_from(revolution.end);
+  if (!mapper_.started() && odometry_.reaches(revolution.end) && !odometry_.covers(revolution.start, revolution.end)) {
     // The filter runs and does not know its attitude yet: a map begun now would not be level.
     if (revolution.end - first_lidar_ <= microseconds(config_.start_wait_s)) {
       counters_.add("skipped.odometry_not_ready");

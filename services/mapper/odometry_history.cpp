@@ -5,6 +5,12 @@
 
 namespace curbstone {
 
+namespace {
+
+constexpr std::int64_t kMeasured = 30'000;  // us of samples that tell how the motion goes on
+
+}  // namespace
+
 OdometryHistory::Added OdometryHistory::add(const OdometrySample& sample) {
   if (!samples_.empty() && sample.utime <= samples_.back().utime) {
     if (samples_.back().utime - sample.utime < kClockJump) return Added::kLate;
@@ -23,19 +29,26 @@ std::size_t OdometryHistory::lower_bound(std::int64_t utime) const {
   return static_cast<std::size_t>(it - samples_.begin());
 }
 
+std::size_t OdometryHistory::num_known() const {
+  return std::min(samples_.size(), lower_bound(horizon_ - kLead) + 1);
+}
+
 bool OdometryHistory::covers(std::int64_t from, std::int64_t to) const {
-  if (samples_.empty() || samples_.front().utime > from || samples_.back().utime < to) return false;
-  std::size_t first = lower_bound(from);
+  const std::size_t known = num_known();
+  if (known == 0 || samples_.front().utime > from || samples_[known - 1].utime + kLead < to) return false;
+  std::size_t first = std::min(lower_bound(from), known - 1);
   if (samples_[first].utime > from) --first;
   for (std::size_t i = first;; ++i) {
     if (!samples_[i].usable) return false;
-    if (samples_[i].utime >= to) return true;
+    if (samples_[i].utime >= to || i + 1 == known) return true;
     if (samples_[i + 1].utime - samples_[i].utime > kMaxGap) return false;
   }
 }
 
 Pose OdometryHistory::at(std::int64_t utime) const {
-  const std::size_t after = std::min(lower_bound(utime), samples_.size() - 1);
+  const std::size_t known = num_known();
+  const std::size_t after = lower_bound(utime);
+  if (after >= known) return beyond(known - 1, utime);
   if (after == 0 || samples_[after].utime <= utime) return samples_[after].T_odom_base;
   const OdometrySample& a = samples_[after - 1];
   const OdometrySample& b = samples_[after];
@@ -43,8 +56,19 @@ Pose OdometryHistory::at(std::int64_t utime) const {
   return interpolate(a.T_odom_base, b.T_odom_base, fraction);
 }
 
+/// From the `last` sample on. Its motion is that of a few, which a correction by the filter does not bend much.
+Pose OdometryHistory::beyond(std::size_t last, std::int64_t utime) const {
+  const OdometrySample& end = samples_[last];
+  const std::size_t before = last > 0 && end.utime - samples_[last - 1].utime <= kMaxGap ? last - 1 : last;
+  const OdometrySample& begin = samples_[std::min(lower_bound(end.utime - kMeasured), before)];
+  const auto seconds = [](std::int64_t us) { return 1e-6 * static_cast<double>(us); };
+  const Pose motion = begin.T_odom_base.inverse() * end.T_odom_base;
+  return end.T_odom_base * move(twist_of(motion, seconds(end.utime - begin.utime)), seconds(utime - end.utime));
+}
+
 bool OdometryHistory::stationary(std::int64_t from, std::int64_t to) const {
-  for (std::size_t i = lower_bound(from); i < samples_.size() && samples_[i].utime <= to; ++i) {
+  const std::size_t known = num_known();
+  for (std::size_t i = lower_bound(from); i < known && samples_[i].utime <= to; ++i) {
     if (!samples_[i].stationary) return false;
   }
   return true;

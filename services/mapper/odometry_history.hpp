@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <limits>
 
 #include "common/geometry.hpp"
 #include "services/mapper/deskew.hpp"
@@ -16,9 +17,11 @@ struct OdometrySample {
   bool stationary = false;
 };
 
-/// A bounded stretch of odometry in order of time, for poses at any time in between. Pure; one thread.
+/// A bounded stretch of odometry in order of time, for poses at any time in between, and kLead beyond: in so short a
+/// time a vehicle's motion does not change, and to wait for the next sample costs as much. Pure; one thread.
 class OdometryHistory {
  public:
+  static constexpr std::int64_t kLead = 20'000;          ///< us: at 2 m/s^2, 0.4 mm
   static constexpr std::size_t kCapacity = 8000;         ///< 80 s at 100 Hz
   static constexpr std::int64_t kMaxGap = 200'000;       ///< us between samples that may be interpolated over
   static constexpr std::int64_t kClockJump = 1'000'000;  ///< us backwards that is a new clock, not a late message
@@ -27,11 +30,17 @@ class OdometryHistory {
   /// Late samples are left out. When the clock jumps back, what was known before is forgotten.
   Added add(const OdometrySample& sample);
 
-  /// Whether odometry has reached `utime`, usable or not: nothing more will come for it.
-  [[nodiscard]] bool passed(std::int64_t utime) const { return !samples_.empty() && samples_.back().utime >= utime; }
-  /// Whether `from`..`to` lies between usable samples without a gap.
+  /// Whether odometry has come to kLead before `utime`, usable or not: nothing more need be waited for.
+  [[nodiscard]] bool reaches(std::int64_t utime) const {
+    return !samples_.empty() && samples_.back().utime + kLead >= utime;
+  }
+  /// From now on only what was known when odometry first reached `utime` is looked at: what is said does not depend on
+  /// whether more was there in time.
+  void look_from(std::int64_t utime) { horizon_ = utime; }
+  /// Whether `from`..`to` lies between usable samples without a gap, or no farther than kLead beyond the last.
   [[nodiscard]] bool covers(std::int64_t from, std::int64_t to) const;
-  /// Pose at a covered time: linear in position, spherical-linear in attitude.
+  /// Pose at a covered time: linear in position, spherical-linear in attitude; beyond the last sample the motion of the
+  /// last few goes on.
   [[nodiscard]] Pose at(std::int64_t utime) const;
   /// Whether the filter says, all through a covered stretch, that the vehicle stands.
   [[nodiscard]] bool stationary(std::int64_t from, std::int64_t to) const;
@@ -41,7 +50,11 @@ class OdometryHistory {
  private:
   /// Index of the first sample at or after `utime`; size() if there is none.
   [[nodiscard]] std::size_t lower_bound(std::int64_t utime) const;
+  /// How many samples may be looked at.
+  [[nodiscard]] std::size_t num_known() const;
+  [[nodiscard]] Pose beyond(std::size_t last, std::int64_t utime) const;
   std::deque<OdometrySample> samples_;
+  std::int64_t horizon_ = std::numeric_limits<std::int64_t>::max();
 };
 
 /// Motion from `from` to `to`, which must be covered.

@@ -46,8 +46,9 @@ class LogFeed {
     if (revolution) pending_.push_back(std::move(*revolution));
   }
   void pass_on(bool all) {
-    while (!pending_.empty() && (all || !with_odometry_ || history_.passed(pending_.front().end))) {
+    while (!pending_.empty() && (all || !with_odometry_ || history_.reaches(pending_.front().end))) {
       const Revolution& next = pending_.front();
+      history_.look_from(next.end);
       // Standing, the filter finds its level; a map begun before would hang askew.
       const bool level = !with_odometry_ || started_ || history_.covers(next.start, next.end);
       if (level) take_(next, history_);

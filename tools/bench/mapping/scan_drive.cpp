@@ -155,7 +155,7 @@ void ScanDrive::play(const Take& take) const {
   std::size_t given = 0;
   for (std::size_t scan = 0; scan < truth_.size(); ++scan) {
     const Revolution next = revolution(scan);
-    while (given < odometry_.size() && !history.passed(next.end)) history.add(odometry_[given++]);
+    while (given < odometry_.size() && !history.reaches(next.end)) history.add(odometry_[given++]);
     take(next, history);
     history.forget_before(next.start - 2 * period_);
   }
