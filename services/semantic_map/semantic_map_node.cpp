@@ -146,8 +146,7 @@ void SemanticMapNode::begin_drive(std::int64_t utime) {
 void SemanticMapNode::caught_up(std::int64_t now) {
   if (schedule_.num_waiting() == 0) return;
   now_ = now;
-  schedule_.show();
-  publish_changed(now);
+  while (schedule_.show_one()) publish_changed(now);
 }
 
 bool SemanticMapNode::idle(std::int64_t now) {
@@ -160,9 +159,10 @@ bool SemanticMapNode::idle(std::int64_t now) {
 
 void SemanticMapNode::tick(std::int64_t now) {
   now_ = now;
-  schedule_.show();
+  while (schedule_.show_one()) publish_changed(now);
   while (!idles_ && schedule_.work_on_one(vehicle_, now)) continue;
   publish_changed(now);
+  std::erase_if(unsent_, [&](TileKey key) { return publish_if_due(key, now); });
   answer_requests();
   if (now - last_request_ >= kRequestPeriod) {
     last_request_ = now;
@@ -177,17 +177,20 @@ void SemanticMapNode::tick(std::int64_t now) {
   }
 }
 
-/// What has changed and has not been sent lately.
 void SemanticMapNode::publish_changed(std::int64_t now) {
-  unsent_.merge(pipeline_.take_changed());
-  std::erase_if(unsent_, [&](TileKey key) {
-    const auto it = published_.find(key);
-    const MapTile& tile = *pipeline_.classes(key);
-    const bool is_news = it == published_.end() || tile.utime > it->second.tile.utime;
-    if (!is_news && std::abs(now - it->second.at) < kTilePeriod) return false;
-    publish_tile(tile, now);
-    return true;
-  });
+  for (const TileKey& key : pipeline_.take_changed()) {
+    if (!publish_if_due(key, now)) unsent_.insert(key);
+  }
+}
+
+/// What has new points goes out at once, what is only seen otherwise not too often.
+bool SemanticMapNode::publish_if_due(TileKey key, std::int64_t now) {
+  const auto it = published_.find(key);
+  const MapTile& tile = *pipeline_.classes(key);
+  const bool is_news = it == published_.end() || tile.utime > it->second.tile.utime;
+  if (!is_news && std::abs(now - it->second.at) < kTilePeriod) return false;
+  publish_tile(tile, now);
+  return true;
 }
 
 void SemanticMapNode::publish_tile(const MapTile& tile, std::int64_t now) {

@@ -54,6 +54,7 @@ class SemanticMapNode final : public Node {
   bool enter_epoch(std::int32_t epoch);
   void begin_drive(std::int64_t utime);
   void publish_changed(std::int64_t now);
+  bool publish_if_due(TileKey key, std::int64_t now);
   void publish_tile(const MapTile& tile, std::int64_t now);
   void publish(const Published& published);
   void answer_requests();

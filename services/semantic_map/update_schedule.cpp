@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 namespace curbstone {
 
@@ -21,7 +22,8 @@ UpdateSchedule::UpdateSchedule(double work_per_tick, TilePipeline& pipeline)
     : work_per_tick_(work_per_tick), pipeline_(pipeline) {}
 
 void UpdateSchedule::changed(TileKey key, std::size_t points_before, std::int64_t now) {
-  news_.try_emplace(key, News{now, points_before, false}).first->second.is_shown = false;
+  News& news = news_.try_emplace(key, News{now, points_before, true}).first->second;
+  if (std::exchange(news.is_shown, false)) unshown_.push_back(key);
 }
 
 bool UpdateSchedule::work_on_one(const Eigen::Vector2d& vehicle, std::int64_t now) {
@@ -59,10 +61,16 @@ bool UpdateSchedule::update_news(const Eigen::Vector2d& vehicle, std::int64_t no
   return true;
 }
 
-void UpdateSchedule::show() {
-  for (auto& [key, news] : news_) {
-    if (!std::exchange(news.is_shown, true)) pipeline_.update_columns(key);
+bool UpdateSchedule::show_one() {
+  while (!unshown_.empty()) {
+    const TileKey key = unshown_.front();
+    unshown_.pop_front();
+    const auto news = news_.find(key);
+    if (news == news_.end() || std::exchange(news->second.is_shown, true)) continue;  // was brought up to date
+    pipeline_.update_columns(key);
+    return true;
   }
+  return false;
 }
 
 /// What has been stale for longest, if that is long.
