@@ -14,7 +14,7 @@ namespace curbstone {
 
 /// Writes what changes to the map file, a transaction at a time, in another thread: the disk takes tens of ms, for
 /// which no tile should wait. While the disk is full (or fails) it keeps the newest state of each tile in memory, up to
-/// a bound, says so, and writes when it can again. One thread calls.
+/// a bound (and as many again while it tries), says so, and writes when it can again. One thread calls.
 ///
 /// Counters, of what is known to be written: store.transactions, store.tiles, faults.store; dropped.unstored_tiles,
 /// dropped.unstored_poses.

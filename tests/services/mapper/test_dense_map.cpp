@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 namespace curbstone {
@@ -49,6 +50,18 @@ std::vector<Eigen::Vector3d> all_points(const DenseMap& map) {
     }
   }
   return out;
+}
+
+/// How many of its points are higher than z, m.
+int num_above(const DenseMap& map, double z) {
+  const std::vector<Eigen::Vector3d> points = all_points(map);
+  return static_cast<int>(std::count_if(points.begin(), points.end(), [&](const auto& p) { return p.z() > z; }));
+}
+
+/// The drive goes on elsewhere for so many revolutions, and ends.
+void drive_away(DenseMap& map, std::int64_t since, int revolutions) {
+  for (int i = 1; i <= revolutions; ++i) (void)map.insert({}, Pose::Identity(), since + i * kPeriod);
+  (void)map.finish();
 }
 
 TEST(DenseMap, GivesOnePointAVoxelOnceItHasBeenHitThreeTimes) {
@@ -118,9 +131,7 @@ TEST(DenseMap, WhatStandsAboveGroundGoesInOnceItHasStayed) {
   for (; t <= kStart + 900'000; t += kPeriod) (void)map.insert(patch(5, 0, 0, 2) + side(5), Pose::Identity(), t);
   for (const Eigen::Vector3d& p : all_points(map)) EXPECT_LT(p.z(), 0.3);
   for (; t <= kStart + 1'300'000; t += kPeriod) (void)map.insert(patch(5, 0, 0, 2) + side(5), Pose::Identity(), t);
-  int high = 0;
-  for (const Eigen::Vector3d& p : all_points(map)) high += p.z() > 0.3;
-  EXPECT_GT(high, 200);
+  EXPECT_GT(num_above(map, 0.3), 200);
 }
 
 TEST(DenseMap, WhatPassesByLeavesNoGhostNorItsWheels) {
@@ -141,11 +152,8 @@ TEST(DenseMap, WhatPassesByLeavesNoGhostNorItsWheels) {
     }
     (void)map.insert(seen, Pose::Identity(), t);
   }
-  for (int i = 0; i < 80; ++i) (void)map.insert({}, Pose::Identity(), t += kPeriod);
-  (void)map.finish();
-  int ghosts = 0;
-  for (const Eigen::Vector3d& p : all_points(map)) ghosts += p.z() > 0.05;
-  EXPECT_EQ(ghosts, 0);
+  drive_away(map, t, 80);
+  EXPECT_EQ(num_above(map, 0.05), 0) << "ghosts";
   EXPECT_GT(map.counters()["dense.transient"], 100);
   EXPECT_GT(map.size(), 1000);  // the road is there
 }
@@ -162,11 +170,8 @@ TEST(DenseMap, ABumperSeenInTwoLinesLeavesNeither) {
     }
     (void)map.insert(seen, Pose::Identity(), t);
   }
-  for (int i = 0; i < 200; ++i) (void)map.insert({}, Pose::Identity(), t += kPeriod);
-  (void)map.finish();
-  int ghosts = 0;
-  for (const Eigen::Vector3d& p : all_points(map)) ghosts += p.z() > 0.05;
-  EXPECT_EQ(ghosts, 0);
+  drive_away(map, t, 200);
+  EXPECT_EQ(num_above(map, 0.05), 0) << "ghosts";
   EXPECT_GT(map.size(), 1000);  // the road is there
 }
 
@@ -176,9 +181,7 @@ TEST(DenseMap, WhatIsLowGoesInAsSoonAsWhatWasAboveItHasPassed) {
   const std::vector<LidarPoint> road = patch(5, 0, 0, 2), kerb = patch(5, 0, 0.12, 0.3);
   for (int i = 0; i < 4; ++i) (void)map.insert(road + side(5), Pose::Identity(), t += kPeriod);  // somebody steps over
   for (int i = 0; i < 40; ++i) (void)map.insert(road + kerb, Pose::Identity(), t += kPeriod);
-  int on_kerb = 0;
-  for (const Eigen::Vector3d& p : all_points(map)) on_kerb += p.z() > 0.1;
-  EXPECT_EQ(on_kerb, 36);
+  EXPECT_EQ(num_above(map, 0.1), 36);
 }
 
 TEST(DenseMap, KeepsToItsRangeAndHeights) {
