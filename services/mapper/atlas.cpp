@@ -220,7 +220,7 @@ void Atlas::bound_memory(const Eigen::Vector3d& centre) {
     distance = d;
     farthest = &node;
   }
-  if (farthest != nullptr) farthest->kept.points = {};
+  if (farthest != nullptr) farthest->kept.points = std::vector<NodePoint>();  // `{}` would keep the memory
 }
 
 }  // namespace curbstone

@@ -14,6 +14,17 @@ std::uint64_t place_key(const TilePoint& point) {
          (static_cast<std::uint64_t>(static_cast<std::uint16_t>(point.y)) << 16) | static_cast<std::uint16_t>(point.z);
 }
 
+/// `= {}` would keep the memory, as clear() does.
+template <class T>
+void give_back(std::vector<T>& values) {
+  values = std::vector<T>();
+}
+
+template <class T>
+std::size_t bytes_of(const std::vector<T>& values) {
+  return values.capacity() * sizeof(T);
+}
+
 }  // namespace
 
 std::size_t NumberSet::home_of(std::uint32_t number) const {
@@ -162,10 +173,16 @@ void DenseTile::sleep() {
   if (asleep_) return;
   asleep_ = true;
   records_.shrink_to_fit();
-  occupied_.clear();
-  lowest_ = {};
-  seen_through_ = {};
-  vacated_ = {};
+  runs_.shrink_to_fit();
+  occupied_ = NumberSet();
+  give_back(lowest_);
+  give_back(seen_through_);
+  give_back(vacated_);
+}
+
+std::size_t DenseTile::bytes() const {
+  return bytes_of(records_) + bytes_of(runs_) + occupied_.bytes() + bytes_of(lowest_) + bytes_of(seen_through_) +
+         vacated_.capacity() / 8;
 }
 
 void DenseTile::wake() {

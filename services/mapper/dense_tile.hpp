@@ -14,7 +14,7 @@ class NumberSet {
   void insert(std::uint32_t number);
   /// Nothing if it is not in the set.
   void erase(std::uint32_t number);
-  void clear() { slots_ = {}, size_ = 0; }
+  [[nodiscard]] std::size_t bytes() const { return slots_.capacity() * sizeof(std::uint32_t); }
 
  private:
   [[nodiscard]] std::size_t home_of(std::uint32_t number) const;
@@ -89,6 +89,8 @@ class DenseTile {
   void sleep();
   void wake();
   [[nodiscard]] bool asleep() const { return asleep_; }
+  /// Memory that it has asked for, beside its own size.
+  [[nodiscard]] std::size_t bytes() const;
 
  private:
   std::int32_t z_origin_;

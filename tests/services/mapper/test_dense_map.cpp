@@ -226,6 +226,17 @@ TEST(DenseMap, ATileThatSleptKnowsItsVoxelsWhenItWakes) {
   EXPECT_EQ(tile.points().size(), 3u);
 }
 
+TEST(DenseMap, ATileThatSleepsHoldsItsRecordsAndNothingElse) {
+  DenseTile tile(0, 25);
+  for (int i = 0; i < 3600; ++i) {
+    tile.append({static_cast<std::int16_t>(i % 60 * 25), static_cast<std::int16_t>(i / 60 * 25), 0, 1}, kStart, 0);
+  }
+  const std::size_t awake = tile.bytes();
+  tile.sleep();
+  EXPECT_EQ(tile.bytes(), 3600 * sizeof(TilePoint) + sizeof(DenseTile::Run));
+  EXPECT_LT(2 * tile.bytes(), awake);
+}
+
 /// A map of ground along a drive of 20 m; each 5 m have an anchor of their own.
 DenseMap anchored_drive() {
   DenseMap map{DenseConfig{}};
