@@ -1,8 +1,8 @@
 #include "services/semantic_map/cell_classes.hpp"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
-#include <limits>
 
 #include "services/semantic_map/vehicle_cells.hpp"
 
@@ -14,7 +14,6 @@ constexpr int kVehicleReach = 5;      // cells: 1.3 m square
 constexpr int kVehicleCells = 10;     // high cells in it, to be a vehicle or a piece of wall
 constexpr double kReachesTop = 0.85;  // of the vehicle's height
 constexpr int kShadow = 8;            // cells: behind an edge that goes down nothing is seen for about so far
-constexpr int kStrayGround = 1;       // points in a cell that do not make it ground yet
 constexpr double kSlope = 0.15;       // by which ground may rise over what is not seen
 constexpr double kCurbLink = 0.45;    // m: cells between curb points this close are curb
 
@@ -34,14 +33,11 @@ class ColumnWindow {
   }
   /// m: how far apart the heights of ground are that ground_beyond() can find.
   [[nodiscard]] double relief() const {
-    float lowest = std::numeric_limits<float>::infinity();
-    float highest = -lowest;
+    Extent ground;
     for (const CellColumn* cell : cells_) {
-      if (cell == nullptr || cell->ground_points <= kStrayGround) continue;
-      lowest = std::min(lowest, cell->ground_z);
-      highest = std::max(highest, cell->ground_z);
+      if (cell != nullptr && cell->shows_ground()) ground.take(cell->ground_z);
     }
-    return highest >= lowest ? double{highest} - double{lowest} : 0;
+    return ground.size();
   }
   /// nullptr where no tile is. Up to kReach cells beyond the tile.
   [[nodiscard]] const CellColumn* at(int column, int row) const { return cells_[index(column, row)]; }
@@ -55,6 +51,34 @@ class ColumnWindow {
   }
   std::array<const CellColumn*, std::size_t{kSize} * kSize> cells_{};
 };
+
+/// The cells that anything stands in, or beside.
+std::bitset<kCellsInTile> find_near_standing(const Around<CellColumns>& columns) {
+  constexpr auto place = [](int column, int row) { return static_cast<std::size_t>(row * kCellsPerTile + column); };
+  constexpr int kLast = kCellsPerTile - 1;
+  const std::bitset<kCellsInTile>& standing = columns.centre()->standing;
+  std::bitset<kCellsInTile> west_column;
+  for (int row = 0; row < kCellsPerTile; ++row) west_column.set(place(0, row));
+  const std::bitset<kCellsInTile> east_column = west_column << kLast;
+  std::bitset<kCellsInTile> near = standing | standing << kCellsPerTile | standing >> kCellsPerTile |
+                                   (standing & ~east_column) << 1 | (standing & ~west_column) >> 1;
+  const auto look_across = [&](int dx, int dy, auto here, auto there) {
+    const CellColumns* tile = columns.at(dx, dy);
+    if (tile == nullptr || tile->standing.none()) return;
+    for (int i = 0; i < kCellsPerTile; ++i) {
+      if (tile->standing[there(i)]) near.set(here(i));
+    }
+  };
+  const auto west = [&](int row) { return place(0, row); };
+  const auto east = [&](int row) { return place(kLast, row); };
+  const auto south = [&](int column) { return place(column, 0); };
+  const auto north = [&](int column) { return place(column, kLast); };
+  look_across(-1, 0, west, east);
+  look_across(1, 0, east, west);
+  look_across(0, -1, south, north);
+  look_across(0, 1, north, south);
+  return near;
+}
 
 /// What stands in a cell, its neighbours asked: a point just beyond the edge may truly be on this side of it, and a
 /// single point counts where others stand beside it.
@@ -122,7 +146,7 @@ GroundBeyond ground_beyond(const ColumnWindow& cells, int column, int row, int d
   for (int k = 1; k <= kShadow; ++k) {
     const CellColumn* cell = cells.at(column + k * dx, row + k * dy);
     if (cell == nullptr) return {};
-    if (cell->ground_points > kStrayGround) return {cell, k};
+    if (cell->shows_ground()) return {cell, k};
   }
   return {};
 }
@@ -140,11 +164,19 @@ bool hides_a_drop(const ColumnWindow& cells, int column, int row, const ClassPar
   });
 }
 
-CellClass class_of(const ColumnWindow& cells, const VehicleCells& vehicles, bool is_flat, int column, int row,
-                   const ClassParameters& parameters) {
+/// What the classes of a tile's cells follow from.
+struct TileView {
+  ColumnWindow cells;
+  VehicleCells vehicles;
+  std::bitset<kCellsInTile> near_standing;
+  bool is_flat;  // no drop can hide
+};
+
+CellClass class_of(const TileView& view, int column, int row, const ClassParameters& parameters) {
+  const auto& [cells, vehicles, near_standing, is_flat] = view;
   const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
   const CellColumn& cell = *cells.at(column, row);
-  const Standing standing = standing_at(cells, column, row, parameters);
+  const Standing standing = near_standing[i] ? standing_at(cells, column, row, parameters) : Standing{};
   if (standing.blocks) {
     if (standing.top >= kReachesTop * parameters.vehicle_height || vehicles.beneath[i]) return CellClass::kWall;
     return is_large(cells, column, row, parameters) ? CellClass::kWall : CellClass::kObstacle;
@@ -220,14 +252,16 @@ std::uint8_t traversal_cost(CellClass cell_class, double curb_height, const Clas
 
 void classify_cells(const Around<CellColumns>& columns, const Around<std::vector<CurbPoint>>& curbs,
                     const ClassParameters& parameters, MapTile& tile) {
-  const VehicleCells vehicles = find_vehicles(columns);
-  const ColumnWindow cells(columns);
-  const bool is_flat = cells.relief() <= drop_of(parameters);  // no drop can hide: nobody need look for one
+  const ColumnWindow window(columns);
+  Extent ground;
+  columns.for_each([&](const CellColumns& tile, double, double) { ground.take(tile.ground); });
+  const bool is_flat = ground.size() <= drop_of(parameters) || window.relief() <= drop_of(parameters);
+  const TileView view{window, find_vehicles(columns), find_near_standing(columns), is_flat};
   for (int row = 0; row < kCellsPerTile; ++row) {
     for (int column = 0; column < kCellsPerTile; ++column) {
       const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
       const CellColumn& cell = columns.centre()->cells[i];
-      tile.cell_class[i] = class_of(cells, vehicles, is_flat, column, row, parameters);
+      tile.cell_class[i] = class_of(view, column, row, parameters);
       tile.cost[i] = traversal_cost(tile.cell_class[i], 0, parameters);
       tile.height[i] = cell.points > 0 ? height_steps(cell.ground_z, tile.z_origin) : MapTile::kNoHeight;
       const int support = cell.ground_points + cell.blocking_points + cell.drop_points;

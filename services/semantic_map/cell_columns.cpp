@@ -8,6 +8,7 @@ namespace curbstone {
 
 ColumnMeter::ColumnMeter(const GroundSurface& ground, const ClassParameters& parameters)
     : parameters_(parameters), cells_(kCellsInTile) {
+  unread_.set();
   for (int row = 0; row < kCellsPerTile; ++row) {
     for (int column = 0; column < kCellsPerTile; ++column) {
       const auto height = ground.height_or_rough((column + 0.5) * kCellSize, (row + 0.5) * kCellSize);
@@ -23,7 +24,9 @@ void ColumnMeter::add(std::span<const VotedPoint> points) {
   for (const VotedPoint& p : points) {
     const int column = std::clamp(static_cast<int>(double{p.x} / kCellSize), 0, kCellsPerTile - 1);
     const int row = std::clamp(static_cast<int>(double{p.y} / kCellSize), 0, kCellsPerTile - 1);
-    Cell& at = cells_[static_cast<std::size_t>(row * kCellsPerTile + column)];
+    const auto index = static_cast<std::size_t>(row * kCellsPerTile + column);
+    unread_.set(index);
+    Cell& at = cells_[index];
     CellColumn& cell = at.column;
     ++cell.points;
     at.lowest = std::min(at.lowest, p.z);
@@ -34,7 +37,6 @@ void ColumnMeter::add(std::span<const VotedPoint> points) {
     } else if (double{above} <= -drop) {
       ++cell.drop_points;
     } else if (double{above} >= parameters_.min_obstacle && double{above} <= parameters_.vehicle_height) {
-      cell.bottom = cell.blocking_points == 0 ? above : std::min(cell.bottom, above);
       ++cell.blocking_points;
       const double dx = double{p.x} - column * kCellSize;
       const double dy = double{p.y} - row * kCellSize;
@@ -53,24 +55,36 @@ void ColumnMeter::add(std::span<const VotedPoint> points) {
   num_points_ += points.size();
 }
 
-CellColumns ColumnMeter::columns() const {
-  CellColumns columns;
+bool ColumnMeter::read(CellColumns& columns) {
+  bool is_other = false;
   for (std::size_t i = 0; i < kCellsInTile; ++i) {
+    if (!unread_[i]) continue;
     const Cell& from = cells_[i];
-    CellColumn& cell = columns.cells[i];
-    cell = from.column;
+    CellColumn cell = from.column;
     cell.ground_z = cell.ground_points > 0 ? static_cast<float>(from.ground_sum / cell.ground_points) : from.lowest;
     cell.top = from.highest[1];
-    if (cell.blocks(parameters_)) columns.blocked.set(i);
-    if (cell.is_high(parameters_)) columns.high.set(i);
+    if (cell == columns.cells[i]) continue;
+    is_other = true;
+    columns.cells[i] = cell;
+    columns.standing.set(i, cell.blocking_points > 0);
+    columns.blocked.set(i, cell.blocks(parameters_));
+    columns.high.set(i, cell.is_high(parameters_));
   }
-  return columns;
+  unread_.reset();
+  if (!is_other) return false;
+  columns.ground = {};
+  for (const CellColumn& cell : columns.cells) {
+    if (cell.shows_ground()) columns.ground.take(cell.ground_z);
+  }
+  return true;
 }
 
 CellColumns measure_columns(const VotedTile& tile, const GroundSurface& ground, const ClassParameters& parameters) {
   ColumnMeter meter(ground, parameters);
   meter.add(tile.points);
-  return meter.columns();
+  CellColumns columns;
+  meter.read(columns);
+  return columns;
 }
 
 }  // namespace curbstone

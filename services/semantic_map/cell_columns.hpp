@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bitset>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -41,7 +43,6 @@ struct CellColumn {
   float ground_z = 0;       ///< m in map, mean of the ground points; without any: of the lowest point
   int blocking_points = 0;  ///< between min_obstacle and the vehicle's height
   float top = 0;            ///< m above ground, of the blocking points (the second highest: one may be a stray)
-  float bottom = 0;         ///< m above ground, of the lowest of them
   int drop_points = 0;      ///< as far below the ground as is in the way above it, and more than may be climbed
   /// Blocking points within the margin of the cell's edges: towards -x, +x, -y, +y.
   std::array<int, 4> at_edge{};
@@ -51,13 +52,28 @@ struct CellColumn {
   [[nodiscard]] bool is_high(const ClassParameters& parameters) const {
     return blocks(parameters) && double{top} >= parameters.min_vehicle;
   }
+  /// More than a stray point, which does not make a cell ground yet.
+  [[nodiscard]] bool shows_ground() const { return ground_points > 1; }
   bool operator==(const CellColumn&) const = default;
+};
+
+/// From the lowest to the highest of some numbers.
+struct Extent {
+  float low = std::numeric_limits<float>::infinity();
+  float high = -std::numeric_limits<float>::infinity();
+  void take(const Extent& other) { low = std::min(low, other.low), high = std::max(high, other.high); }
+  void take(float value) { take(Extent{value, value}); }
+  /// 0 of nothing.
+  [[nodiscard]] double size() const { return high >= low ? double{high} - double{low} : 0; }
+  bool operator==(const Extent&) const = default;
 };
 
 struct CellColumns {
   std::array<CellColumn, kCellsInTile> cells{};
-  std::bitset<kCellsInTile> blocked;  ///< cells where enough stands to be an obstacle
-  std::bitset<kCellsInTile> high;     ///< and as high as `min_vehicle`
+  std::bitset<kCellsInTile> standing;  ///< cells where anything stands, be it one point
+  std::bitset<kCellsInTile> blocked;   ///< where enough stands to be an obstacle
+  std::bitset<kCellsInTile> high;      ///< and as high as `min_vehicle`
+  Extent ground;                       ///< m in map, heights of the cells that show ground
   [[nodiscard]] const CellColumn& at(int column, int row) const {
     return cells[static_cast<std::size_t>(row * kCellsPerTile + column)];
   }
@@ -71,8 +87,9 @@ class ColumnMeter {
 
   void add(std::span<const VotedPoint> points);
   [[nodiscard]] std::size_t num_points() const { return num_points_; }
-  /// Of the points so far: the same as if they had come at once.
-  [[nodiscard]] CellColumns columns() const;
+  /// Brings columns that this meter has read before up to date (at first, any): the same as if all points so far had
+  /// come at once. Whether they have become others.
+  bool read(CellColumns& columns);
 
  private:
   struct Cell {
@@ -84,6 +101,7 @@ class ColumnMeter {
   };
   ClassParameters parameters_;
   std::vector<Cell> cells_;
+  std::bitset<kCellsInTile> unread_;  // where points have come since read()
   std::size_t num_points_ = 0;
 };
 

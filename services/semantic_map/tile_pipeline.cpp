@@ -124,7 +124,9 @@ void TilePipeline::refresh_ground(TileKey key, Tile& tile) {
   tile.ground = ground;
   mark_around(kEvidence, key);
   mark_around(kColumns, key);
-  for_around(key, [&](TileKey k, Tile&) { meters_.erase(k); });
+  for_around(key, [&](TileKey k, Tile&) {
+    if (const auto meter = meters_.find(k); meter != meters_.end()) meter->second.ground_moved = true;
+  });
 }
 
 void TilePipeline::refresh_evidence(TileKey key, Tile& tile) {
@@ -137,17 +139,21 @@ void TilePipeline::refresh_evidence(TileKey key, Tile& tile) {
 }
 
 void TilePipeline::refresh_columns(TileKey key, Tile& tile) {
-  auto meter = meters_.find(key);
-  if (meter == meters_.end()) {
+  if (const auto meter = meters_.find(key); meter != meters_.end() && meter->second.ground_moved) meters_.erase(meter);
+  measure_columns(key, tile);
+}
+
+/// On the ground that the tile was measured on before, if it was.
+void TilePipeline::measure_columns(TileKey key, Tile& tile) {
+  auto at = meters_.find(key);
+  if (at == meters_.end()) {
     if (meters_.size() >= kMostMeters) meters_.clear();
     const GroundSurface ground(around<GroundModel>(key, [](Tile& t) { return &t.ground; }));
-    meter = meters_.try_emplace(key, ground, classes_).first;
+    at = meters_.try_emplace(key, GroundedMeter{ColumnMeter(ground, classes_)}).first;
   }
-  meter->second.add(std::span(tile.voted.points).subspan(meter->second.num_points()));
-  const CellColumns columns = meter->second.columns();
-  if (columns == tile.columns) return;
-  tile.columns = columns;
-  mark_around(kClasses, key);
+  ColumnMeter& meter = at->second.meter;
+  meter.add(std::span(tile.voted.points).subspan(meter.num_points()));
+  if (meter.read(tile.columns)) mark_around(kClasses, key);
 }
 
 void TilePipeline::refresh_curbs(TileKey key, Tile& tile) {
@@ -184,7 +190,13 @@ std::optional<MapTile> TilePipeline::update_columns(TileKey key) {
   if (!tile->classes) {
     for (const Step step : {kSamples, kGround}) refresh(step, key, *tile);
   }
-  for (const Step step : {kColumns, kClasses}) refresh(step, key, *tile);
+  const auto meter = meters_.find(key);
+  if (meter != meters_.end() && meter->second.ground_moved) {
+    measure_columns(key, *tile);
+  } else {
+    refresh(kColumns, key, *tile);
+  }
+  refresh(kClasses, key, *tile);
   return tile->classes;
 }
 

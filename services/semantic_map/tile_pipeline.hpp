@@ -42,8 +42,8 @@ class TilePipeline {
   /// Brings a tile's own steps up to date, with its neighbours' as they are. Nothing if no voted points are known of
   /// it.
   std::optional<MapTile> update(TileKey key);
-  /// The same, but on the ground and with the curbs that it has by now: what stands where, at a tenth of the cost.
-  /// Nothing if it never was brought up to date.
+  /// The same, but on the ground and with the curbs that it had: what stands where, at a tenth of the cost. Where the
+  /// ground has moved since, the columns stay stale.
   std::optional<MapTile> update_columns(TileKey key);
   /// Computes what has been stale for longest, of any tile, if it is since before `turn`. False if nothing is.
   bool settle_one(std::int64_t turn = std::numeric_limits<std::int64_t>::max());
@@ -98,6 +98,7 @@ class TilePipeline {
   void refresh_ground(TileKey key, Tile& tile);
   void refresh_evidence(TileKey key, Tile& tile);
   void refresh_columns(TileKey key, Tile& tile);
+  void measure_columns(TileKey key, Tile& tile);
   void refresh_curbs(TileKey key, Tile& tile);
   void refresh_classes(TileKey key, Tile& tile);
 
@@ -107,8 +108,12 @@ class TilePipeline {
   std::array<std::map<std::int64_t, TileKey>, kNumSteps> stale_;  ///< by turn: the oldest first
   std::int64_t turn_ = kFresh;
   std::set<TileKey> changed_;
-  /// Of tiles that grow: so that only their new points need be looked at. While the ground about them stays.
-  std::unordered_map<TileKey, ColumnMeter, TileKeyHash> meters_;
+  /// Of tiles that grow: so that only their new points need be looked at.
+  struct GroundedMeter {
+    ColumnMeter meter;
+    bool ground_moved = false;  ///< since it was made
+  };
+  std::unordered_map<TileKey, GroundedMeter, TileKeyHash> meters_;
   double work_ = 0;
   std::int64_t num_evidence_ = 0;
 };

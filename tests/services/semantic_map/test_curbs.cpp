@@ -234,15 +234,15 @@ TEST(Classes, APointOnTheEdgeOfACellBlocksBothAndASingleOneOnlyBesideOthers) {
   const ClassParameters parameters;
   Around<CellColumns> around;
   auto columns = std::make_unique<CellColumns>();
-  const auto cell = [&](int column, int row) -> CellColumn& {
-    return columns->cells[static_cast<std::size_t>(row * kCellsPerTile + column)];
+  const auto put = [&](int column, int row, const CellColumn& cell) {
+    const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
+    columns->cells[i] = cell;
+    columns->standing.set(i);
   };
-  for (CellColumn& c : columns->cells) c = {.points = 5, .ground_points = 5};
-  cell(5, 5).blocking_points = 4;
-  cell(5, 5).top = 0.5F;
-  cell(5, 5).at_edge[1] = 2;
-  cell(5, 6).blocking_points = 1;    // beside it
-  cell(20, 20).blocking_points = 1;  // alone
+  columns->cells.fill({.points = 5, .ground_points = 5});
+  put(5, 5, {.points = 5, .ground_points = 5, .blocking_points = 4, .top = 0.5F, .at_edge = {0, 2, 0, 0}});
+  put(5, 6, {.points = 5, .ground_points = 5, .blocking_points = 1});    // beside it
+  put(20, 20, {.points = 5, .ground_points = 5, .blocking_points = 1});  // alone
   around.set(0, 0, columns.get());
   MapTile tile;
   classify_cells(around, {}, parameters, tile);
@@ -348,6 +348,29 @@ TEST_F(PipelineOfAStreet, WhatGrowsBitByBitComesOutAsWhatCameAtOnce) {
   }
   pipeline.settle();
   expect_as_at_once(pipeline);
+}
+
+TEST_F(PipelineOfAStreet, ShowsWhatIsNewOnTheGroundOfBeforeAndTheRestWhenItsTurnComes) {
+  TilePipeline pipeline = at_once();
+  VotedTile tile = tiles()[tiles().size() / 2];
+  (void)pipeline.update_columns(tile.key);
+  VotedTile beside = *pipeline.voted({tile.key.x + 1, tile.key.y});
+  for (VotedPoint& p : beside.points) p.z += 0.05F;
+  pipeline.set_voted(beside);
+  (void)pipeline.update(beside.key);  // moves the ground of both
+  VotedPoint standing;
+  standing.x = standing.y = 1.5F;
+  standing.z = static_cast<float>(0.02 * (tile.key.x * kTileSize + 1.5) + 0.6);
+  tile.points.insert(tile.points.end(), 3, standing);
+  pipeline.set_voted(tile, true);
+  EXPECT_EQ(pipeline.update_columns(tile.key)->cell_class[12 * kCellsPerTile + 12], CellClass::kObstacle);
+  EXPECT_GT(pipeline.num_stale(), 0U);
+  TilePipeline again = at_once();
+  again.set_voted(beside);
+  again.set_voted(tile);
+  again.settle();
+  pipeline.settle();
+  EXPECT_EQ(*pipeline.classes(tile.key), *again.classes(tile.key));
 }
 
 TEST_F(PipelineOfAStreet, DoesNothingMoreForATileThatCameOutAsItWas) {
