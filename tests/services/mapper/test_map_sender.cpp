@@ -1,0 +1,145 @@
+#include "services/mapper/map_sender.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <curbstone/map_points_t.hpp>
+#include <curbstone/map_trajectory_t.hpp>
+#include <curbstone/tile_index_t.hpp>
+
+#include "common/local_bus.hpp"
+
+namespace curbstone {
+namespace {
+
+constexpr std::int64_t kStart = 1'700'000'000'000'000;
+
+/// A dense map with so many points in one tile, a layer of 60 x 60 after the other.
+void fill(DenseMap& map, TileKey key, int count) {
+  std::vector<TilePoint> points;
+  for (int i = 0; i < count; ++i) {
+    points.push_back({static_cast<std::int16_t>(i % 60 * 25), static_cast<std::int16_t>(i / 60 % 60 * 25),
+                      static_cast<std::int16_t>(i / 3600 * 25), 1});
+  }
+  map.load(key, 0, kStart, points);
+}
+
+class MapSenderTest : public testing::Test {
+ protected:
+  MapSenderTest() {
+    bus.subscribe<map_points_t>("MAP_POINTS", [this](const map_points_t& m) { sent.push_back(m); });
+    bus.subscribe<map_trajectory_t>("MAP_TRAJECTORY", [this](const map_trajectory_t& m) { pages.push_back(m); });
+    bus.subscribe<tile_index_t>("TILE_INDEX", [this](const tile_index_t& m) { index = m; });
+  }
+  /// What goes out at once.
+  std::vector<map_points_t> sent_at_once() {
+    sent.clear();
+    sender.send_changes(map);
+    bus.dispatch();
+    return sent;
+  }
+  static TileKey key_of(const map_points_t& m) { return {m.tile_x, m.tile_y}; }
+
+  DenseMap map{DenseConfig{}};
+  LocalBus bus;
+  MapSender sender{bus};
+  std::vector<map_points_t> sent;
+  std::vector<map_trajectory_t> pages;
+  tile_index_t index{};
+};
+
+TEST_F(MapSenderTest, SendsOfATileWhatHasNotGoneOutYet) {
+  fill(map, {0, 0}, 100);
+  sender.changed({{0, 0}});
+  ASSERT_EQ(sent_at_once().size(), 1U);
+  EXPECT_EQ(sent[0].first, 0);
+  EXPECT_EQ(sent[0].num_points, 100);
+  EXPECT_TRUE(sent_at_once().empty());
+  fill(map, {0, 0}, 130);  // 30 more: the others are there
+  sender.changed({{0, 0}, {0, 0}});
+  ASSERT_EQ(sent_at_once().size(), 1U);
+  EXPECT_EQ(sent[0].first, 100);
+  EXPECT_EQ(sent[0].num_points, 30);
+}
+
+TEST_F(MapSenderTest, ALargeTileGoesOutInPartsAndLetsOthersInBetween) {
+  fill(map, {0, 0}, 10'000);
+  fill(map, {1, 0}, 10);
+  sender.changed({{0, 0}, {1, 0}});
+  std::vector<int> first;
+  for (int turn = 0; turn < 4; ++turn) {
+    int points = 0;
+    for (const map_points_t& m : sent_at_once()) {
+      points += m.num_points;
+      EXPECT_LE(m.num_points, 3000) << "fits into a message";
+      if (key_of(m) == TileKey{0, 0}) first.push_back(m.first);
+    }
+    EXPECT_LE(points, 5000 + 3000) << "the bus has others to serve";
+    if (turn == 0) {
+      EXPECT_TRUE(std::any_of(sent.begin(), sent.end(), [](const auto& m) { return key_of(m) == TileKey{1, 0}; }));
+    }
+  }
+  EXPECT_EQ(first, (std::vector{0, 3000, 6000, 9000}));
+}
+
+TEST_F(MapSenderTest, ANewEpochSendsAllOfTheMapNearestFirstAndTheDriveInPages) {
+  for (const int x : {4, -2, 0}) fill(map, {x, 0}, 5);
+  std::vector<Mapper::TrajectoryPoint> drive;
+  for (int i = 0; i < 1000; ++i) drive.push_back({kStart + i, i, Pose::Identity()});
+  sender.start_epoch(7, map, {1, 1, 0}, drive);
+  std::vector<TileKey> order;
+  for (const map_points_t& m : sent_at_once()) {
+    EXPECT_EQ(m.epoch, 7);
+    order.push_back(key_of(m));
+  }
+  EXPECT_EQ(order, (std::vector<TileKey>{{0, 0}, {-2, 0}, {4, 0}}));
+  for (int i = 0; i < 3; ++i) sender.send_trajectory();
+  bus.dispatch();
+  ASSERT_EQ(pages.size(), 2U);
+  EXPECT_EQ(pages[0].num_pages, 2);
+  EXPECT_EQ(pages[0].num_poses + pages[1].num_poses, 1000);
+  EXPECT_EQ(pages[1].revolutions.back(), 999);
+}
+
+TEST_F(MapSenderTest, AnswersARequestFromWhatTheAskerHasAndNoMoreThanHasGoneOut) {
+  fill(map, {2, 3}, 4000);
+  sender.changed({{2, 3}});
+  EXPECT_EQ(sent_at_once().front().num_points, 3000);
+  tile_request_t request{};
+  request.channel = "MAP_POINTS";
+  request.num_tiles = 1;
+  request.tile_x = {2};
+  request.tile_y = {3};
+  request.have = {1000};
+  sender.request(request);
+  sent.clear();
+  sender.send_requested(map);
+  bus.dispatch();
+  ASSERT_FALSE(sent.empty());
+  EXPECT_EQ(sent.front().first, 1000);
+  EXPECT_EQ(sent.back().first + sent.back().num_points, 4000);
+}
+
+TEST_F(MapSenderTest, WhatTheMapHasGivenUpIsNotToldOfAnyMore) {
+  fill(map, {0, 0}, 5);
+  fill(map, {1, 0}, 5);
+  sender.changed({{0, 0}, {1, 0}, {9, 9}});  // the last was given up while it waited
+  EXPECT_EQ(sent_at_once().size(), 2U);
+  sender.forget({{0, 0}});
+  sender.send_index(kStart, Eigen::Vector3d::Zero());
+  bus.dispatch();
+  ASSERT_EQ(index.num_tiles, 1);
+  EXPECT_EQ(index.tile_x[0], 1);
+}
+
+TEST_F(MapSenderTest, AtTheEndAllThatWaitsGoesOut) {
+  fill(map, {0, 0}, 20'000);
+  sender.changed({{0, 0}});
+  sender.finish(map);
+  bus.dispatch();
+  EXPECT_EQ(sent.back().first + sent.back().num_points, 20'000);
+  EXPECT_TRUE(sent_at_once().empty());
+}
+
+}  // namespace
+}  // namespace curbstone
