@@ -15,7 +15,7 @@ constexpr double kAwake = 40.0;                   // m beyond the range: tiles t
 constexpr int kLookEvery = 4;                     // revolutions between looks through a tile
 constexpr std::int64_t kRemoveEvery = 1'000'000;  // us: whoever votes counts such a tile anew
 constexpr double kWorldEdge = 90'000;             // m from the start, in either axis
-constexpr double kColumnsPerMetre = DenseTile::kColumns / kTileSize;
+constexpr int kHighestStep = 32000;               // of a point above its tile's origin, either way
 
 /// tile_at() of what can be mapped.
 std::optional<TileKey> mapped_tile_at(const Eigen::Vector3d& p) {
@@ -23,18 +23,9 @@ std::optional<TileKey> mapped_tile_at(const Eigen::Vector3d& p) {
   return TileKey{floor_to_int(p.x() / kTileSize), floor_to_int(p.y() / kTileSize)};
 }
 
-/// The tile that a column is in, by the column's number along an axis.
-int tile_of_column(int column) {
-  return (column >= 0 ? column : column - (DenseTile::kColumns - 1)) / DenseTile::kColumns;
-}
-
-Eigen::Vector3d corner_of(TileKey key, const DenseTile& tile) {
-  return {key.x * kTileSize, key.y * kTileSize, static_cast<double>(tile.z_origin())};
-}
-
 std::optional<TilePoint> point_in_tile(const Eigen::Vector3d& offset, std::uint8_t intensity) {
   const double z = offset.z() / kPositionStep;
-  if (!(std::abs(z) < 32000)) return std::nullopt;
+  if (!(std::abs(z) < kHighestStep)) return std::nullopt;
   const auto in_plane = [](double v) {
     return static_cast<std::int16_t>(std::clamp(static_cast<int>(v / kPositionStep), 0, kStepsPerTile - 1));
   };
@@ -53,38 +44,9 @@ DenseMap::DenseMap(const DenseConfig& config)
     : config_(config),
       voxel_steps_(static_cast<int>(std::lround(config.voxel / kPositionStep))),
       settle_us_(std::llround(1e6 * config.settle_s)),
+      tiles_(voxel_steps_),
       places_(std::llround(1e6 * config.persistence_s)),
       free_space_(config.ground_clearance) {}
-
-const DenseTile* DenseMap::tile(TileKey key) const {
-  const auto it = tiles_.find(key);
-  return it == tiles_.end() ? nullptr : &it->second;
-}
-
-std::vector<TileKey> DenseMap::keys() const {
-  std::vector<TileKey> keys;
-  for (const auto& [key, tile] : tiles_) keys.push_back(key);
-  std::sort(keys.begin(), keys.end());
-  return keys;
-}
-
-DenseTile* DenseMap::find_tile(TileKey key) {
-  constexpr unsigned kMask = kRecentSide - 1;
-  Recent& recent =
-      recent_[(static_cast<unsigned>(key.x) & kMask) * kRecentSide + (static_cast<unsigned>(key.y) & kMask)];
-  if (recent.tile != nullptr && recent.key == key) return recent.tile;
-  const auto it = tiles_.find(key);
-  if (it == tiles_.end()) return nullptr;
-  it->second.wake();
-  recent = {key, &it->second};
-  return recent.tile;
-}
-
-DenseTile& DenseMap::tile_for_sure(TileKey key) {
-  if (DenseTile* tile = find_tile(key)) return *tile;
-  tiles_.try_emplace(key, static_cast<std::int32_t>(std::lround(base_.z())), voxel_steps_);
-  return *find_tile(key);
-}
 
 std::vector<TileKey> DenseMap::insert(const std::vector<LidarPoint>& points, const Pose& T_map_base, std::int64_t utime,
                                       bool add_new) {
@@ -119,7 +81,7 @@ std::vector<TileKey> DenseMap::look_through(const std::vector<LidarPoint>& point
   for (int x = low->x; x <= high->x; ++x) {
     for (int y = low->y; y <= high->y; ++y) {
       if ((x + 3 * y + round_) % kLookEvery != 0) continue;
-      DenseTile* const tile = find_tile({x, y});
+      DenseTile* const tile = tiles_.wake({x, y});
       if (tile == nullptr) continue;
       std::vector<std::uint32_t> gone = free_space_.look(*tile, corner_of({x, y}, *tile), view);
       if (gone.size() == tile->num_points() && !gone.empty()) gone.pop_back();  // a tile that was told of stays one
@@ -145,10 +107,10 @@ void DenseMap::learn(const std::vector<LidarPoint>& points, const Pose& T_map_ba
     const Eigen::Vector3d in_map = T_map_base * p;
     const auto key = mapped_tile_at(in_map);
     if (!key) continue;
-    DenseTile& tile = tile_for_sure(*key);
+    DenseTile& tile = tiles_.wake_or_make(*key, static_cast<std::int32_t>(std::lround(base_.z())));
     in_range_.push_back({in_map, *key, &tile, point.intensity});
     const auto place = [](double along) {
-      return std::clamp(static_cast<int>(along * kColumnsPerMetre), 0, DenseTile::kColumns - 1);
+      return std::clamp(static_cast<int>(along * DenseTile::kColumnsPerMetre), 0, DenseTile::kColumns - 1);
     };
     float& lowest = tile.lowest(place(in_map.x() - key->x * kTileSize), place(in_map.y() - key->y * kTileSize));
     lowest = std::min(lowest, static_cast<float>(in_map.z()));
@@ -163,21 +125,7 @@ void DenseMap::learn(const std::vector<LidarPoint>& points, const Pose& T_map_ba
 double DenseMap::ground_at(const Eigen::Vector3d& point) {
   const Eigen::Vector2d d = (point - base_).head<2>();
   const double slope = up_.z() > 0.5 ? -(up_.head<2>().dot(d)) / up_.z() : 0.0;
-  double ground = base_.z() + slope + kGroundSlope * d.norm();
-  const int west = floor_to_int(point.x() * kColumnsPerMetre - 0.5);
-  const int south = floor_to_int(point.y() * kColumnsPerMetre - 0.5);
-  TileKey last;
-  DenseTile* tile = nullptr;
-  for (int i = 0; i < 4; ++i) {
-    const int column = west + (i & 1), row = south + (i >> 1);
-    const TileKey key{tile_of_column(column), tile_of_column(row)};
-    if (i == 0 || key != last) tile = find_tile(key);
-    last = key;
-    if (tile == nullptr) continue;
-    const float lowest = tile->lowest(column - key.x * DenseTile::kColumns, row - key.y * DenseTile::kColumns);
-    ground = std::min(ground, static_cast<double>(lowest));
-  }
-  return ground;
+  return std::min(base_.z() + slope + kGroundSlope * d.norm(), tiles_.lowest_about(point));
 }
 
 void DenseMap::hit(const Seen& seen, std::int64_t utime, bool add_new) {
@@ -188,7 +136,7 @@ void DenseMap::hit(const Seen& seen, std::int64_t utime, bool add_new) {
   const VoxelKey name = waiting_key(seen.key, voxel);
   std::uint32_t at = waiting_index_.find(name);
   if (at == FlatIndex::kNone) {
-    if (!add_new) return;
+    if (!add_new || tiles_.known_beside(seen.key, *seen.tile, *in_tile)) return;
     at = new_waiting();
     waiting_index_.find_or_insert(name, at);
     waiting_[at] = {.tile = seen.key, .voxel = voxel, .first = utime};
@@ -223,7 +171,7 @@ bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
   if (!last_call && waiting.held && (static_cast<std::uint32_t>(round_) + waiting.voxel) % kHeldEvery != 0)
     return false;
   waiting.held = true;
-  DenseTile* tile = find_tile(waiting.tile);
+  DenseTile* tile = tiles_.wake(waiting.tile);
   if (tile == nullptr) return true;
   const auto mean = [&](int sum) {  // rounded down, so that it stays inside the voxel
     return static_cast<std::int16_t>(sum >= 0 ? sum / waiting.hits : -((-sum + waiting.hits - 1) / waiting.hits));
@@ -261,27 +209,13 @@ std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, bool last_call) {
 }
 
 void DenseMap::bound_memory() {
-  const auto distance = [&](TileKey key) {
-    return std::hypot((key.x + 0.5) * kTileSize - base_.x(), (key.y + 0.5) * kTileSize - base_.y());
-  };
-  recent_.fill({});  // what sleeps or goes must be found anew
-  std::vector<std::pair<double, TileKey>> far;
-  for (auto& [key, tile] : tiles_) {
-    const double d = distance(key);
-    if (d < config_.max_range + kAwake) continue;
-    tile.sleep();
-    far.emplace_back(d, key);
-  }
-  const auto kept = [&] { return size_ + 2 * num_removals_; };
-  if (kept() <= config_.max_points) return;
-  std::sort(far.begin(), far.end());
-  while (kept() > config_.max_points && !far.empty()) {
-    const TileKey key = far.back().second;
-    far.pop_back();
-    size_ -= static_cast<std::int64_t>(tiles_.at(key).num_points());
-    num_removals_ -= static_cast<std::int64_t>(tiles_.at(key).num_removals());
-    tiles_.erase(key);
-    evicted_.push_back(key);
+  std::vector<TileKey> far = tiles_.sleep_beyond(base_, config_.max_range + kAwake);
+  for (; size_ + 2 * num_removals_ > config_.max_points && !far.empty(); far.pop_back()) {
+    const DenseTile& tile = *tiles_.find(far.back());
+    size_ -= static_cast<std::int64_t>(tile.num_points());
+    num_removals_ -= static_cast<std::int64_t>(tile.num_removals());
+    tiles_.erase(far.back());
+    evicted_.push_back(far.back());
     counters_.add("dense.evicted_tiles");
   }
 }
@@ -291,19 +225,14 @@ void DenseMap::forget_waiting() {
   free_.clear();
   waiting_index_.clear(4096);
   places_.clear();
-  recent_.fill({});
 }
 
 void DenseMap::move(const std::vector<Pose>& corrections) {
-  std::unordered_map<TileKey, DenseTile, TileKeyHash> before;
-  before.swap(tiles_);
+  DenseTiles before = std::exchange(tiles_, DenseTiles(voxel_steps_));
   forget_waiting();
   size_ = num_removals_ = 0;
-  std::vector<TileKey> order;
-  for (const auto& [key, tile] : before) order.push_back(key);
-  std::sort(order.begin(), order.end());
-  for (const TileKey& key : order) {
-    const DenseTile& tile = before.at(key);
+  for (const TileKey& key : before.keys()) {
+    const DenseTile& tile = *before.find(key);
     const std::vector<bool> there = tile.standing();
     const Eigen::Vector3d corner = corner_of(key, tile);
     for (std::size_t r = 0; r < tile.runs().size(); ++r) {
@@ -319,6 +248,7 @@ void DenseMap::move(const std::vector<Pose>& corrections) {
         put(T * was, tile.z_origin(), p.intensity, run);
       }
     }
+    before.erase(key);
   }
 }
 
@@ -327,7 +257,7 @@ void DenseMap::put(const Eigen::Vector3d& point, std::int32_t z_origin, std::uin
                    const DenseTile::Run& run) {
   const auto key = tile_at(point.x(), point.y());
   if (!key || std::abs(key->x) > 30000 || std::abs(key->y) > 30000) return;
-  DenseTile& tile = tiles_.try_emplace(*key, z_origin, voxel_steps_).first->second;
+  DenseTile& tile = tiles_.wake_or_make(*key, z_origin);
   const auto in_tile = point_in_tile(point - corner_of(*key, tile), intensity);
   if (!in_tile || tile.occupied(tile.voxel_number(*in_tile))) return;
   tile.append(*in_tile, run.utime, run.anchor);
@@ -339,24 +269,21 @@ void DenseMap::put(const Eigen::Vector3d& point, std::int32_t z_origin, std::uin
 void DenseMap::roll_back(std::int64_t utime) {
   forget_waiting();
   size_ = num_removals_ = 0;
-  for (auto& [key, tile] : tiles_) {
+  tiles_.for_each([&](DenseTile& tile) {
     tile.cut_after(utime);
     size_ += static_cast<std::int64_t>(tile.num_points());
     num_removals_ += static_cast<std::int64_t>(tile.num_removals());
-  }
+  });
 }
 
 void DenseMap::load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points) {
-  recent_.fill({});
-  const DenseTile::Run run{kFixed, 0, utime};
+  DenseTile& tile = tiles_.wake_or_make(key, z_origin);
   for (const TilePoint& p : points) {
-    DenseTile& tile = tiles_.try_emplace(key, z_origin, voxel_steps_).first->second;
     if (tile.occupied(tile.voxel_number(p))) continue;
-    tile.append(p, run.utime, run.anchor);
+    tile.append(p, utime, kFixed);
     ++size_;
-    float& lowest = tile.lowest_at(p);
-    lowest = std::min(lowest, static_cast<float>(z_origin + p.z * kPositionStep));
   }
+  tiles_.sleep(key);
 }
 
 std::vector<TileKey> DenseMap::take_evicted() {

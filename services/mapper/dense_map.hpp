@@ -1,15 +1,13 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include "common/counters.hpp"
 #include "common/geometry.hpp"
 #include "common/tile.hpp"
 #include "services/mapper/dense_config.hpp"
-#include "services/mapper/dense_tile.hpp"
+#include "services/mapper/dense_tiles.hpp"
 #include "services/mapper/flat_index.hpp"
 #include "services/mapper/free_space.hpp"
 #include "services/mapper/occupied_places.hpp"
@@ -19,7 +17,9 @@ namespace curbstone {
 
 /// The dense map in tiles. A voxel gives one point: the mean of its first hits. What stands clear of the ground waits
 /// until its place has been seen occupied for a while, so that moving objects do not leave their ghosts; so do low
-/// points under such a thing. What has left is taken out again. A function of the calls alone. Pure; one thread.
+/// points under such a thing. What has left is taken out again. On ground that is known from an earlier visit a point
+/// goes in only where nothing is known beside it: noise makes a surface thicker with each visit, without end. A
+/// function of the calls alone. Pure; one thread.
 ///
 /// Counters: dense.points, dense.transient (voxels given up: nothing stayed there), dense.removed (points: seen through
 /// since), dense.evicted_tiles.
@@ -54,9 +54,9 @@ class DenseMap {
   std::vector<TileKey> finish();
 
   /// nullptr if there is none. Lives until the next insert().
-  [[nodiscard]] const DenseTile* tile(TileKey key) const;
+  [[nodiscard]] const DenseTile* tile(TileKey key) const { return tiles_.find(key); }
   /// Of all tiles, in order.
-  [[nodiscard]] std::vector<TileKey> keys() const;
+  [[nodiscard]] std::vector<TileKey> keys() const { return tiles_.keys(); }
   /// Tiles that were given up for memory since the last call.
   [[nodiscard]] std::vector<TileKey> take_evicted();
   [[nodiscard]] std::int64_t size() const { return size_; }
@@ -83,8 +83,6 @@ class DenseMap {
     std::int64_t first = 0;                         // us
     std::int64_t last = 0;                          // us
   };
-  DenseTile* find_tile(TileKey key);
-  DenseTile& tile_for_sure(TileKey key);
   void learn(const std::vector<LidarPoint>& points, const Pose& T_map_base, std::int64_t utime);
   void hit(const Seen& seen, std::int64_t utime, bool add_new);
   [[nodiscard]] std::uint32_t new_waiting();
@@ -99,14 +97,7 @@ class DenseMap {
   DenseConfig config_;
   int voxel_steps_;
   std::int64_t settle_us_;
-  std::unordered_map<TileKey, DenseTile, TileKeyHash> tiles_;
-  /// Tiles looked up lately, by the low bits of their keys: points come tile by tile.
-  struct Recent {
-    TileKey key;
-    DenseTile* tile = nullptr;
-  };
-  static constexpr int kRecentSide = 16;
-  std::array<Recent, kRecentSide * kRecentSide> recent_;
+  DenseTiles tiles_;
   std::vector<Waiting> waiting_;
   FlatIndex waiting_index_;
   std::vector<std::uint32_t> free_;  // of waiting_

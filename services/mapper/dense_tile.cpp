@@ -8,6 +8,8 @@
 namespace curbstone {
 namespace {
 
+constexpr std::uint32_t kMark = 1U << 31;
+
 /// Names a place in a tile.
 std::uint64_t place_key(const TilePoint& point) {
   return (static_cast<std::uint64_t>(static_cast<std::uint16_t>(point.x)) << 32) |
@@ -34,7 +36,7 @@ std::size_t NumberSet::home_of(std::uint32_t number) const {
 std::size_t NumberSet::place_of(std::uint32_t number) const {
   const std::size_t mask = slots_.size() - 1;
   std::size_t i = home_of(number);
-  while (slots_[i] != 0 && slots_[i] != number + 1) i = (i + 1) & mask;
+  while (slots_[i] != 0 && (slots_[i] & ~kMark) != number + 1) i = (i + 1) & mask;
   return i;
 }
 
@@ -42,17 +44,22 @@ bool NumberSet::contains(std::uint32_t number) const {
   return !slots_.empty() && slots_[place_of(number)] != 0;
 }
 
-void NumberSet::insert(std::uint32_t number) {
+bool NumberSet::is_marked(std::uint32_t number) const {
+  return !slots_.empty() && (slots_[place_of(number)] & kMark) != 0;
+}
+
+void NumberSet::insert(std::uint32_t number, bool marked) {
   if (2 * (size_ + 1) > slots_.size()) {
     std::vector<std::uint32_t> old(std::max<std::size_t>(64, 2 * slots_.size()));
     old.swap(slots_);
     for (const std::uint32_t slot : old) {
-      if (slot != 0) slots_[place_of(slot - 1)] = slot;
+      if (slot != 0) slots_[place_of((slot & ~kMark) - 1)] = slot;
     }
   }
   std::uint32_t& slot = slots_[place_of(number)];
-  size_ += slot == 0 ? 1 : 0;
-  slot = number + 1;
+  if (slot != 0) return;
+  ++size_;
+  slot = (number + 1) | (marked ? kMark : 0);
 }
 
 /// What was put behind the hole moves up, so no search gets longer for it.
@@ -61,7 +68,8 @@ void NumberSet::erase(std::uint32_t number) {
   const std::size_t mask = slots_.size() - 1;
   std::size_t hole = place_of(number);
   for (std::size_t i = (hole + 1) & mask; slots_[i] != 0; i = (i + 1) & mask) {
-    if (((i - home_of(slots_[i] - 1)) & mask) < ((i - hole) & mask)) continue;  // its home is behind the hole
+    if (((i - home_of((slots_[i] & ~kMark) - 1)) & mask) < ((i - hole) & mask))
+      continue;  // its home is behind the hole
     slots_[hole] = slots_[i];
     hole = i;
   }
@@ -70,8 +78,7 @@ void NumberSet::erase(std::uint32_t number) {
 }
 
 DenseTile::DenseTile(std::int32_t z_origin, int voxel_steps) : z_origin_(z_origin), voxel_steps_(voxel_steps) {
-  asleep_ = true;
-  wake();
+  index_points();
 }
 
 std::uint32_t DenseTile::voxel_number(const TilePoint& point) const {
@@ -162,7 +169,8 @@ void DenseTile::cut_after(std::int64_t utime) {
       records_.push_back(record);
     }
   }
-  sleep();
+  give_back(vacated_);
+  if (!asleep_) index_points();
 }
 
 float& DenseTile::lowest(int column, int row) {
@@ -188,6 +196,12 @@ std::size_t DenseTile::bytes() const {
 void DenseTile::wake() {
   if (!asleep_) return;
   asleep_ = false;
+  has_slept_ = true;
+  index_points();
+}
+
+void DenseTile::index_points() {
+  occupied_ = NumberSet();
   lowest_.assign(kColumns * kColumns, std::numeric_limits<float>::infinity());
   const std::vector<bool> there = standing();
   seen_through_.assign(records_.size(), kGone);
@@ -195,7 +209,7 @@ void DenseTile::wake() {
     if (!there[i]) continue;
     const TilePoint& point = records_[i];
     seen_through_[i] = 0;
-    occupied_.insert(voxel_number(point));
+    occupied_.insert(voxel_number(point), has_slept_);
     float& low = lowest(point.x * kColumns / kStepsPerTile, point.y * kColumns / kStepsPerTile);
     low = std::min(low, static_cast<float>(z_origin_ + point.z * kPositionStep));
   }

@@ -7,11 +7,13 @@
 
 namespace curbstone {
 
-/// A set of small numbers: open addressing.
+/// A set of numbers below 2^31 - 1, each with a mark or without: open addressing.
 class NumberSet {
  public:
   [[nodiscard]] bool contains(std::uint32_t number) const;
-  void insert(std::uint32_t number);
+  [[nodiscard]] bool is_marked(std::uint32_t number) const;
+  /// Nothing if it is in the set.
+  void insert(std::uint32_t number, bool marked = false);
   /// Nothing if it is not in the set.
   void erase(std::uint32_t number);
   [[nodiscard]] std::size_t bytes() const { return slots_.capacity() * sizeof(std::uint32_t); }
@@ -19,7 +21,7 @@ class NumberSet {
  private:
   [[nodiscard]] std::size_t home_of(std::uint32_t number) const;
   [[nodiscard]] std::size_t place_of(std::uint32_t number) const;
-  std::vector<std::uint32_t> slots_;  // number + 1; 0 is free
+  std::vector<std::uint32_t> slots_;  // number + 1, and the mark; 0 is free
   std::size_t size_ = 0;
 };
 
@@ -43,6 +45,9 @@ class DenseTile {
   /// Names the point's voxel within the tile.
   [[nodiscard]] std::uint32_t voxel_number(const TilePoint& point) const;
   [[nodiscard]] bool occupied(std::uint32_t voxel) const { return occupied_.contains(voxel); }
+  /// Whether the voxel is occupied, and was when the tile woke: by a visit before this one.
+  [[nodiscard]] bool knew(std::uint32_t voxel) const { return has_slept_ && occupied_.is_marked(voxel); }
+  [[nodiscard]] bool has_slept() const { return has_slept_; }
   /// The point's voxel must not be occupied. `utime`: of the revolution that settled the point; `anchor`: the node of
   /// the drive that the vehicle was at.
   void append(const TilePoint& point, std::int64_t utime, std::int32_t anchor);
@@ -66,6 +71,7 @@ class DenseTile {
 
   /// Lowest height seen in each 0.6 m column, m in map; +infinity where nothing was seen.
   static constexpr int kColumns = 5;
+  static constexpr double kColumnsPerMetre = kColumns / kTileSize;
   [[nodiscard]] float& lowest(int column, int row);
   [[nodiscard]] float& lowest_at(const TilePoint& point) {
     return lowest(point.x * kColumns / kStepsPerTile, point.y * kColumns / kStepsPerTile);
@@ -96,7 +102,9 @@ class DenseTile {
   std::int32_t z_origin_;
   int voxel_steps_;
   bool asleep_ = false;
+  bool has_slept_ = false;
   std::int64_t utime_ = 0;
+  void index_points();
   void append_record(const TilePoint& record, std::int64_t utime, std::int32_t anchor);
   std::int64_t removed_at_ = 0;
   std::size_t num_removals_ = 0;

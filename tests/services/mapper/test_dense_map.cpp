@@ -226,6 +226,53 @@ TEST(DenseMap, ATileThatSleptKnowsItsVoxelsWhenItWakes) {
   EXPECT_EQ(tile.points().size(), 3u);
 }
 
+/// A vehicle that is far away for a while.
+void drive_elsewhere(DenseMap& map, std::int64_t& t) {
+  Pose far = Pose::Identity();
+  far.translation().x() = 200;
+  for (int i = 0; i < 100; ++i) (void)map.insert(patch(3, 0, 0), far, t += kPeriod);
+}
+
+TEST(DenseMap, KnownGroundDoesNotGetThickerWithEachVisit) {
+  DenseMap map{DenseConfig{}};
+  std::int64_t t = kStart;
+  const auto visit = [&](double z) {
+    for (int i = 0; i < 10; ++i) (void)map.insert(patch(3, 0, z, 4.0), Pose::Identity(), t += kPeriod);
+  };
+  visit(0.01);
+  const std::size_t once = map.tile({1, 0})->num_points() + map.tile({0, 0})->num_points();
+  visit(0.06);
+  const std::size_t thick = map.tile({1, 0})->num_points() + map.tile({0, 0})->num_points();
+  EXPECT_EQ(thick, 2 * once) << "in one visit whatever is seen is a point, a voxel each";
+  drive_elsewhere(map, t);
+  for (const double z : {-0.04, 0.11}) visit(z);
+  EXPECT_EQ(map.tile({1, 0})->num_points() + map.tile({0, 0})->num_points(), thick);
+}
+
+TEST(DenseMap, WhatIsNewOnKnownGroundIsMappedAsAnywhere) {
+  DenseMap map{DenseConfig{}};
+  std::int64_t t = kStart;
+  for (int i = 0; i < 10; ++i) (void)map.insert(patch(3, 0, 0.01, 1.0), Pose::Identity(), t += kPeriod);
+  drive_elsewhere(map, t);
+  const std::int64_t before = map.size();
+  // A box 0.35 m above the ground that was there, and ground beyond it.
+  for (int i = 0; i < 40; ++i) (void)map.insert(side(3) + patch(6, 0, 0.01, 1.0), Pose::Identity(), t += kPeriod);
+  DenseMap fresh{DenseConfig{}};
+  for (int i = 0; i < 40; ++i) (void)fresh.insert(side(3) + patch(6, 0, 0.01, 1.0), Pose::Identity(), t += kPeriod);
+  EXPECT_EQ(map.size() - before, fresh.size());
+}
+
+TEST(DenseMap, AGapInKnownGroundIsFilledUpToAVoxelFromItsEdge) {
+  DenseMap map{DenseConfig{}};
+  std::int64_t t = kStart;
+  for (int i = 0; i < 10; ++i)
+    (void)map.insert(patch(2.5, 0, 0.01, 1.0) + patch(4.5, 0, 0.01, 1.0), Pose::Identity(), t += kPeriod);
+  drive_elsewhere(map, t);
+  const std::int64_t before = map.size();
+  for (int i = 0; i < 10; ++i) (void)map.insert(patch(3.5, 0, 0.01, 1.0), Pose::Identity(), t += kPeriod);
+  EXPECT_EQ(map.size() - before, 20 * 18) << "across the border of two tiles";
+}
+
 TEST(DenseMap, ATileThatSleepsHoldsItsRecordsAndNothingElse) {
   DenseTile tile(0, 25);
   for (int i = 0; i < 3600; ++i) {

@@ -55,7 +55,8 @@ TEST_F(MapSenderTest, SendsOfATileWhatHasNotGoneOutYet) {
   EXPECT_EQ(sent[0].first, 0);
   EXPECT_EQ(sent[0].num_points, 100);
   EXPECT_TRUE(sent_at_once().empty());
-  fill(map, {0, 0}, 130);  // 30 more: the others are there
+  map = DenseMap(DenseConfig{});
+  fill(map, {0, 0}, 130);
   sender.changed({{0, 0}, {0, 0}});
   ASSERT_EQ(sent_at_once().size(), 1U);
   EXPECT_EQ(sent[0].first, 100);
