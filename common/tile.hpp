@@ -55,6 +55,7 @@ struct TilePoint {
   std::int16_t y = 0;
   std::int16_t z = 0;
   std::uint8_t intensity = 0;
+  bool operator==(const TilePoint&) const = default;
 };
 
 /// A tile's points as they are sent are a list that only grows: what is no longer there is taken out by a record with

@@ -134,7 +134,7 @@ void Mapper::notice_motion(Tracked& tracked) {
 
 /// What the revolution shows goes into the dense map, while the next one is waited for and registered.
 void Mapper::grow(Tracked& tracked, int anchor, MapperUpdate& update) {
-  if (dense_.map().num_removals() >= kMostRemovals) {
+  if (dense_.num_removals() >= kMostRemovals) {
     dense_.map().move({});
     update.rearranged = true;
   }

@@ -36,7 +36,7 @@ struct MapperUpdate {
 
 /// The mapper's method: track each revolution, remember the drive as a graph of places, close its loops, keep the dense
 /// map. A function of the sequence of calls alone. Pure; one thread calls. With `threads: 2` the dense map is worked on
-/// beside it, see DenseWorker: dense() and take_changed() wait.
+/// beside it, see DenseWorker: whoever asks for it waits.
 ///
 /// Counters: those of Tracker and LoopCloser; searches (for where the vehicle is, while lost), searches.found,
 /// rolled_back.
@@ -56,8 +56,12 @@ class Mapper {
   /// measurements: see Tracker::track(). Such changes nothing.
   [[nodiscard]] std::optional<MapperUpdate> process(const Revolution& revolution, const OdometryHistory& odometry);
 
-  /// Tiles that have changed since the last call; each may be there more than once. Waits for the dense map.
+  /// Tiles that have changed since the last call; each may be there more than once.
   [[nodiscard]] std::vector<TileKey> take_changed();
+  /// Tiles that were given up for memory since the last call.
+  [[nodiscard]] std::vector<TileKey> take_evicted() { return dense_.take_evicted(); }
+  /// Nobody waits for anything now: begins to look for what has left the dense map. Else process() does it first.
+  void use_the_pause() { dense_.look(); }
 
   /// The drive is over: what still waits goes into the dense map. Tiles that have changed since take_changed().
   [[nodiscard]] std::vector<TileKey> finish();
@@ -66,6 +70,8 @@ class Mapper {
   [[nodiscard]] Fix fix() const { return tracker_.fix(); }
   [[nodiscard]] const DenseMap& dense() const { return dense_.map(); }
   [[nodiscard]] DenseMap& dense() { return dense_.map(); }
+  /// The same as soon as it can be told of: what has left may be in it still.
+  [[nodiscard]] const DenseMap& grown() const { return dense_.grown(); }
   [[nodiscard]] const Atlas& atlas() const { return atlas_; }
   /// Voxels of the map that registration keeps; bounded by its window.
   [[nodiscard]] std::size_t registration_size() const { return tracker_.registration_size(); }

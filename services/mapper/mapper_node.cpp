@@ -120,6 +120,7 @@ void MapperNode::process(const Revolution& revolution) {
   if (epoch_ == 0 || update->rearranged) begin_epoch(*update);
   publish_pose(*update);
   has_news_ = true;
+  is_pause_ = false;
 }
 
 void MapperNode::begin_epoch(const MapperUpdate& update) {
@@ -154,13 +155,13 @@ void MapperNode::publish_pose(const MapperUpdate& update) {
 
 void MapperNode::take_changes() {
   sender_.changed(mapper_.take_changed());
-  sender_.forget(mapper_.dense().take_evicted());
+  sender_.forget(mapper_.take_evicted());
 }
 
 void MapperNode::send_changes() {
   has_news_ = false;
   take_changes();
-  sender_.send_changes(mapper_.dense());
+  sender_.send_changes(mapper_.grown());
 }
 
 void MapperNode::send_index(std::int64_t now) {
@@ -176,9 +177,10 @@ void MapperNode::tick(std::int64_t now) {
   if (epoch_ == 0) return;
   sender_.send_trajectory();
   send_changes();
-  sender_.send_requested(mapper_.dense());
+  sender_.send_requested(mapper_.grown());
   if (std::abs(now - index_sent_) >= kIndexPeriod) send_index(now);
   keep_map();
+  if (std::exchange(is_pause_, true)) mapper_.use_the_pause();  // by now the others are done with the revolution
 }
 
 void MapperNode::finish() {

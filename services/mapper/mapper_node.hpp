@@ -69,6 +69,7 @@ class MapperNode final : public Node {
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
 
   bool has_news_ = false;  // a revolution whose tiles have not gone out
+  bool is_pause_ = false;  // a tick has passed since it was processed
   std::int64_t index_sent_ = 0;
   int without_odometry_ = 0;  // revolutions in a row
   LatencyWindow latency_;

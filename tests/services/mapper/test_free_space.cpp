@@ -54,8 +54,10 @@ struct ChangingStreet : MapperDrive {
       world.boxes = fixed;
       for (const Box& box : boxes(turn * test::kPeriod)) world.boxes.push_back(box);
       (void)step();
+      if (pauses && turn % 3 != 0) mapper->use_the_pause();
     }
   }
+  bool pauses = false;
   [[nodiscard]] std::int64_t removed() const { return mapper->dense().counters()["dense.removed"]; }
   std::function<std::vector<Box>(double)> boxes;
   std::vector<Box> fixed;
@@ -70,6 +72,21 @@ TEST(FreeSpace, ACarThatKeepsUpWithUsLeavesNoSmear) {
   EXPECT_GT(smear, 2000) << "this is what must fade";
   EXPECT_LT(points_in(with, lane), smear / 20);
   EXPECT_GT(with.removed(), smear * 9 / 10);
+}
+
+TEST(FreeSpace, WhatHasLeftIsTakenOutTheSameWayWheneverThereIsTimeToLook) {
+  const auto parked = [](double t) { return t < 2 ? car(-1, -3.2) : std::vector<Box>{}; };
+  ChangingStreet busy(parked), idle(parked);
+  idle.pauses = true;
+  for (ChangingStreet* drive : {&busy, &idle}) drive->until(5);
+  EXPECT_GT(busy.removed(), 100);
+  EXPECT_EQ(busy.removed(), idle.removed());
+  const DenseMap& a = busy.mapper->dense();
+  const DenseMap& b = idle.mapper->dense();
+  ASSERT_EQ(a.keys(), b.keys());
+  for (const TileKey& key : a.keys()) {
+    EXPECT_TRUE(a.tile(key)->records() == b.tile(key)->records()) << key.x << " " << key.y;
+  }
 }
 
 TEST(FreeSpace, AParkedCarThatLeavesFadesAndItsPlaceIsGround) {
