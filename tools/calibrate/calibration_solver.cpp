@@ -21,20 +21,20 @@ constexpr NoiseLevels kFirstGuess = {0.01, 0.01, 0.01, 0.005, 0.002, 0.002, 0.05
 /// Not less, however well all agrees: tyres, roads and maps bend by more, and always the same way.
 constexpr NoiseLevels kLeast = {0.002, 0.003, 0.003, 0.002, 5e-4, 3e-4, 0.01};
 
-/// Everything that is solved for; the first 15 are Calibrated's, in its order.
-struct Unknowns {
-  std::array<double, 3> wheels;                   // both radii, track, m
-  std::array<double, 6> lidar;                    // T_base_lidar: x y z roll pitch yaw
-  std::array<double, 6> imu;                      // T_base_imu
-  std::array<double, 3> gyro_bias = {};           // rad/s, beside what was taken off
-  std::array<double, 3> accelerometer_bias = {};  // m/s^2
-  std::array<double, 2> level = {};               // rad, about x and y: of the map against gravity
-};
-constexpr std::size_t kUnknownCount = 23;
-
 }  // namespace
 
 class CalibrationSolver::Problem {
+  /// Everything that is solved for; the first 15 are Calibrated's, in its order.
+  struct Unknowns {
+    std::array<double, 3> wheels;                   // both radii, track, m
+    std::array<double, 6> lidar;                    // T_base_lidar: x y z roll pitch yaw
+    std::array<double, 6> imu;                      // T_base_imu
+    std::array<double, 3> gyro_bias = {};           // rad/s, beside what was taken off
+    std::array<double, 3> accelerometer_bias = {};  // m/s^2
+    std::array<double, 2> level = {};               // rad, about x and y: of the map against gravity
+  };
+  static constexpr std::size_t kUnknownCount = 23;
+
  public:
   Problem(const std::vector<CalibrationSegment>& segments, const VehicleConfig& vehicle) {
     x_.wheels = {vehicle.wheel_radius, vehicle.wheel_radius, vehicle.track_width};
