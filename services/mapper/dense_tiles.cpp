@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/geometry.hpp"
+#include "services/mapper/flat_index.hpp"
 
 namespace curbstone {
 namespace {

@@ -254,7 +254,7 @@ void classify_cells(const Around<CellColumns>& columns, const Around<std::vector
                     const ClassParameters& parameters, MapTile& tile) {
   const ColumnWindow window(columns);
   Extent ground;
-  columns.for_each([&](const CellColumns& tile, double, double) { ground.take(tile.ground); });
+  columns.for_each([&](const CellColumns& beside, double, double) { ground.take(beside.ground); });
   const bool is_flat = ground.size() <= drop_of(parameters) || window.relief() <= drop_of(parameters);
   const TileView view{window, find_vehicles(columns), find_near_standing(columns), is_flat};
   for (int row = 0; row < kCellsPerTile; ++row) {
