@@ -23,7 +23,7 @@ int tiles_on(int along) {
 }
 
 /// From a voxel to those about it: across its sides first, where a surface goes on or its noise is.
-const std::array<Eigen::Vector3i, 26> kBeside = [] {
+const std::array<Eigen::Vector3i, 26> kVoxelsAbout = [] {
   std::array<Eigen::Vector3i, 26> steps;
   std::size_t count = 0;
   for (int i = 0; i < 27; ++i) {
@@ -114,7 +114,7 @@ double DenseTiles::lowest_about(const Eigen::Vector3d& point) {
 
 bool DenseTiles::known_beside(TileKey key, const DenseTile& tile, const TilePoint& point) {
   if (!tile.has_slept()) return false;
-  for (const Eigen::Vector3i& step : kBeside) {
+  for (const Eigen::Vector3i& step : kVoxelsAbout) {
     const Eigen::Vector3i at = Eigen::Vector3i(point.x, point.y, point.z) + voxel_steps_ * step;
     const int east = tiles_on(at.x()), north = tiles_on(at.y());
     const bool is_here = east == 0 && north == 0;
