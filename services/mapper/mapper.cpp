@@ -182,8 +182,8 @@ std::vector<TileKey> Mapper::take_changed() {
 std::vector<TileKey> Mapper::finish() {
   release_held();  // it never moved: then that is all there is
   if (!work_.insertions.empty()) dense_.begin(std::exchange(work_, {}));
-  std::vector<TileKey> changed = dense_.take_changed();
-  for (const TileKey& key : dense_.map().finish()) changed.push_back(key);
+  std::vector<TileKey> changed = dense_.map().finish();  // first what was begun, the last look too
+  for (const TileKey& key : dense_.take_changed()) changed.push_back(key);
   return changed;
 }
 

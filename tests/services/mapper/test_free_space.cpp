@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include <algorithm>
 
 #include "tests/services/mapper/mapper_drive.hpp"
@@ -87,6 +89,25 @@ TEST(FreeSpace, WhatHasLeftIsTakenOutTheSameWayWheneverThereIsTimeToLook) {
   for (const TileKey& key : a.keys()) {
     EXPECT_TRUE(a.tile(key)->records() == b.tile(key)->records()) << key.x << " " << key.y;
   }
+}
+
+TEST(FreeSpace, AtTheEndOfTheDriveNothingThatWasTakenOutIsLeftUntold) {
+  const auto parked = [](double t) { return t < 2 ? car(-1, -3.2) : std::vector<Box>{}; };
+  ChangingStreet watched(parked), drive(parked);
+  const auto one_more = [](ChangingStreet& street) { street.until((street.turn + 0.5) * test::kPeriod); };
+  while (watched.removed() < 100) one_more(watched);
+  std::map<TileKey, std::size_t> told;
+  const auto tell = [&](const std::vector<TileKey>& changed) {
+    for (const TileKey& key : changed) told[key] = drive.mapper->grown().tile(key)->records().size();
+  };
+  while (drive.turn < watched.turn) {
+    one_more(drive);
+    tell(drive.mapper->take_changed());
+  }
+  tell(drive.mapper->finish());
+  EXPECT_EQ(drive.removed(), watched.removed()) << "by the last look";
+  const DenseMap& dense = drive.mapper->dense();
+  for (const TileKey& key : dense.keys()) EXPECT_EQ(told[key], dense.tile(key)->records().size());
 }
 
 TEST(FreeSpace, AParkedCarThatLeavesFadesAndItsPlaceIsGround) {

@@ -51,7 +51,7 @@ TEST(Mapper, MakesTheSameMapWithASecondThreadAsWithoutAndWheneverThereIsAPause) 
     for (int i = 0; i < 60; ++i) {
       (void)drive->step();
       if (drive != &two || i % 3 == 0) continue;
-      EXPECT_GE(drive->mapper->grown().size(), 0);
+      (void)drive->mapper->grown();
       drive->mapper->use_the_pause();
       if (i % 2 == 0) (void)drive->mapper->take_changed();
     }

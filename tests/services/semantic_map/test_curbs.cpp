@@ -355,21 +355,24 @@ TEST_F(PipelineOfAStreet, ShowsWhatIsNewOnTheGroundOfBeforeAndTheRestWhenItsTurn
   VotedTile tile = tiles()[tiles().size() / 2];
   (void)pipeline.update_columns(tile.key);
   VotedTile beside = *pipeline.voted({tile.key.x + 1, tile.key.y});
-  for (VotedPoint& p : beside.points) p.z += 0.05F;
+  for (VotedPoint& p : beside.points) p.z += 0.15F;
   pipeline.set_voted(beside);
-  (void)pipeline.update(beside.key);  // moves the ground of both
-  VotedPoint standing;
-  standing.x = standing.y = 1.5F;
-  standing.z = static_cast<float>(0.02 * (tile.key.x * kTileSize + 1.5) + 0.6);
-  tile.points.insert(tile.points.end(), 3, standing);
+  (void)pipeline.update(beside.key);  // the ground between the two rises
+  VotedPoint low;                     // just high enough to be in the way, on the ground of before
+  low.x = 2.82F;
+  low.y = 1.5F;
+  const double x = tile.key.x * kTileSize + 2.82, y = tile.key.y * kTileSize + 1.5;
+  low.z = static_cast<float>(0.02 * x + (y > 1 ? 0.1 : 0.0) + 0.24);
+  tile.points.insert(tile.points.end(), 3, low);
   pipeline.set_voted(tile, true);
-  EXPECT_EQ(pipeline.update_columns(tile.key)->cell_class[12 * kCellsPerTile + 12], CellClass::kObstacle);
-  EXPECT_GT(pipeline.num_stale(), 0U);
+  constexpr std::size_t kCell = 12 * kCellsPerTile + 23;
+  EXPECT_EQ(pipeline.update_columns(tile.key)->cell_class[kCell], CellClass::kObstacle);
+  pipeline.settle();
+  EXPECT_NE(pipeline.classes(tile.key)->cell_class[kCell], CellClass::kObstacle);
   TilePipeline again = at_once();
   again.set_voted(beside);
   again.set_voted(tile);
   again.settle();
-  pipeline.settle();
   EXPECT_EQ(*pipeline.classes(tile.key), *again.classes(tile.key));
 }
 
