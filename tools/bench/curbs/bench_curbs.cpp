@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 
 #include "common/command_line.hpp"
 #include "services/semantic_map/map_picture.hpp"
@@ -28,6 +29,7 @@ struct Arguments {
   std::string pictures;
   int seeds = 10;
   int drive_seeds = 3;
+  int turns = 1;
   bool varied = false;
   bool ablation = false;
   std::vector<std::string> assignments;
@@ -164,38 +166,65 @@ std::vector<PictureLine> verdict_lines(const StreetLabels& truth, const std::vec
   return lines;
 }
 
-void bench_drive(const Arguments& arguments, const std::string& name, const JudgedDrive& drive, double radius,
-                 std::vector<DriveFigures>& figures) {
-  for (const CurbMethod& way : methods(arguments.options, arguments.ablation)) {
-    const CloudMap map = map_of(drive.made.tiles, way.options);
-    figures.push_back({name, way.name, evaluate(map.tiles, map.lines, drive.made.trajectory, drive.truth, radius)});
-    if (arguments.pictures.empty()) continue;
-    const StreetLabels truth{drive.truth.curbs, drive.truth.classes};
-    const auto feet = moved(feet_along(map.lines), figures.back().evaluation.T_truth_map);
-    auto lines = verdict_lines(truth, feet);
-    const Pose T_map_truth = figures.back().evaluation.T_truth_map.inverse();
-    for (PictureLine& line : lines) {
-      for (Eigen::Vector2d& p : line.points) p = (T_map_truth * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>();
+void draw(const CloudMap& map, const JudgedDrive& drive, const Evaluation& evaluation, const std::string& file) {
+  const StreetLabels truth{drive.truth.curbs, drive.truth.classes};
+  auto lines = verdict_lines(truth, moved(feet_along(map.lines), evaluation.T_truth_map));
+  const Pose T_map_truth = evaluation.T_truth_map.inverse();
+  for (PictureLine& line : lines) {
+    for (Eigen::Vector2d& p : line.points) p = (T_map_truth * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>();
+  }
+  draw(map, lines, file);
+}
+
+/// The drives that `drive_of` makes of the seeds; curbs count within `radius` m of the path.
+template <class DriveOf>
+void bench_whole_drives(const Arguments& arguments, const std::string& name, double radius, DriveOf drive_of,
+                        std::vector<DriveFigures>& figures) {
+  const std::vector<CurbMethod> ways = methods(arguments.options, arguments.ablation);
+  const std::size_t first = figures.size();
+  for (const CurbMethod& way : ways) figures.push_back({name, way.name, {}});
+  for (int seed = 1; seed <= arguments.drive_seeds; ++seed) {
+    const JudgedDrive drive = drive_of(static_cast<std::uint64_t>(seed));
+    for (std::size_t k = 0; k < ways.size(); ++k) {
+      const CloudMap map = map_of(drive.made.tiles, ways[k].options);
+      std::vector<Evaluation>& evaluations = figures[first + k].seeds;
+      evaluations.push_back(evaluate(map.tiles, map.lines, drive.made.trajectory, drive.truth, radius));
+      if (!arguments.pictures.empty())
+        draw(map, drive, evaluations.back(),
+             fmt::format("{}/{}_{}_{}.png", arguments.pictures, name, seed, ways[k].name));
     }
-    draw(map, lines, fmt::format("{}/{}_{}.png", arguments.pictures, name, way.name));
   }
 }
 
-std::vector<StreetFigures> bench_street(const Arguments& arguments) {
+/// The street as it lies to the map's grid by chance, turned by `turn` deg about the sensor.
+std::vector<StreetFigures> bench_street(const Arguments& arguments, double turn) {
   std::vector<StreetFigures> figures;
-  const StreetLabels truth = read_street_labels(arguments.data, Pose::Identity());
-  for (const StreetCloud& cloud : read_street_clouds(arguments.data)) {
+  Pose T_world_first = Pose::Identity();
+  T_world_first.rotate(Eigen::AngleAxisd(turn / 180 * std::numbers::pi, Eigen::Vector3d::UnitZ()));
+  const StreetLabels truth = read_street_labels(arguments.data, T_world_first);
+  for (const StreetCloud& cloud : read_street_clouds(arguments.data, T_world_first)) {
     CloudMap counts;
     const auto tiles = vote_tiles(cloud.points, arguments.options, counts);
     for (const CurbMethod& way : methods(arguments.options, true)) {
       const CloudMap map = map_of(tiles, way.options);
       const std::vector<CurbFoot> feet = feet_along(map.lines);
       figures.push_back({cloud.name, way.name, {}});
-      for (const double tolerance : kTolerances) figures.back().scores.push_back(score_street(feet, truth, tolerance));
+      auto& scores = figures.back().turns.emplace_back();
+      for (const double tolerance : kTolerances) scores.push_back(score_street(feet, truth, tolerance));
       if (!arguments.pictures.empty())
         draw(map, verdict_lines(truth, feet),
-             fmt::format("{}/street_{}_{}.png", arguments.pictures, cloud.name, way.name));
+             fmt::format("{}/street_{}_{}_{:.0f}.png", arguments.pictures, cloud.name, way.name, turn));
     }
+  }
+  return figures;
+}
+
+/// A square grid turned by 90 deg is itself.
+std::vector<StreetFigures> bench_street(const Arguments& arguments) {
+  std::vector<StreetFigures> figures = bench_street(arguments, 0);
+  for (int k = 1; k < arguments.turns; ++k) {
+    const std::vector<StreetFigures> turned = bench_street(arguments, 90.0 * k / arguments.turns);
+    for (std::size_t i = 0; i < figures.size(); ++i) figures[i].turns.push_back(turned[i].turns.front());
   }
   return figures;
 }
@@ -223,10 +252,14 @@ void bench(const Arguments& arguments) {
     figures.drives = bench_drives(arguments);
     fmt::print("{}\n", to_table("driven through, RS16", figures.drives));
   }
-  if (arguments.wants("town")) bench_drive(arguments, "town 1, 60 s", drive_town(1, 60), 8, figures.towns);
+  if (arguments.wants("town"))
+    bench_whole_drives(
+        arguments, "towns, 60 s", 8, [](std::uint64_t seed) { return drive_town(seed, 60); }, figures.towns);
   if (arguments.wants("street") && has_street)
-    bench_drive(arguments, "labelled street, RS16", drive_recorded(arguments.data, 1), 15, figures.towns);
-  fmt::print("{}", to_table(figures.towns));
+    bench_whole_drives(
+        arguments, "labelled street, RS16", 15,
+        [&](std::uint64_t seed) { return drive_recorded(arguments.data, seed); }, figures.towns);
+  if (!figures.towns.empty()) fmt::print("{}", to_table(figures.towns));
   if (arguments.wants("street") && !has_street) fmt::print("no labelled street: {} is not there\n", arguments.data);
   if (!arguments.json.empty()) write_text(arguments.json, to_json(figures));
 }
@@ -242,7 +275,13 @@ int run_bench_curbs(int argc, char** argv) {
       .comma_separated()
       .one_of({"scans", "drives", "town", "street"});
   line.option("--seeds", arguments.seeds, "Of each scene's scan").within(1, 1000).shows_default();
-  line.option("--drive-seeds", arguments.drive_seeds, "Of each scene's drive").within(1, 1000).shows_default();
+  line.option("--drive-seeds", arguments.drive_seeds,
+              "Of each scene's drive, of towns, of the street's emulated sensors")
+      .within(1, 1000)
+      .shows_default();
+  line.option("--turns", arguments.turns, "Ways, through 90 deg, that the street's clouds are laid onto the grid")
+      .within(1, 90)
+      .shows_default();
   line.flag("--varied", arguments.varied, "Other scenes than the peers': what no parameter was chosen on");
   line.flag("--ablation", arguments.ablation, "The step alone and the vote alone too (on the street always)");
   line.option("--data", arguments.data, "Labelled street: scans/, labels/, reference_poses.txt, times.txt")

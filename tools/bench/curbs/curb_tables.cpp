@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -42,6 +43,45 @@ double bias_cm(const BinScore& s) {
   return 100 * s.bias;
 }
 
+/// At one tolerance, over all turns.
+StreetScore pooled_at(const StreetFigures& figures, std::size_t tolerance) {
+  std::vector<StreetScore> scores;
+  for (const auto& turn : figures.turns) scores.push_back(turn[tolerance]);
+  return pooled(scores);
+}
+
+double least_f1(const StreetFigures& figures) {
+  double least = 1;
+  for (const auto& turn : figures.turns) least = std::min(least, turn.back().score().f1());
+  return least;
+}
+
+/// What drives with truth came to on average.
+struct DriveMeans {
+  std::array<Score, kTolerances.size()> at{};
+  double least_f1 = 1;  ///< at the widest tolerance
+  double bias_cm = 0, spread_cm = 0;
+  double class_accuracy = 0, blocking_recall = 0;
+};
+
+DriveMeans means_of(const std::vector<Evaluation>& seeds) {
+  DriveMeans mean;
+  const auto n = static_cast<double>(seeds.size());
+  for (const Evaluation& seed : seeds) {
+    const CurbScore& curbs = seed.curbs.value();
+    for (std::size_t i = 0; i < kTolerances.size(); ++i) {
+      mean.at[i].precision += curbs.at[i].precision / n;
+      mean.at[i].recall += curbs.at[i].recall / n;
+    }
+    mean.least_f1 = std::min(mean.least_f1, curbs.at.back().f1());
+    mean.bias_cm += curbs.lateral_bias_cm / n;
+    mean.spread_cm += curbs.lateral_spread_cm / n;
+    mean.class_accuracy += seed.classes.value().accuracy() / n;
+    mean.blocking_recall += seed.blocking.value().recall() / n;
+  }
+  return mean;
+}
+
 nlohmann::json to_json(const std::vector<SceneFigures>& scenes) {
   nlohmann::json list = nlohmann::json::array();
   for (const SceneFigures& scene : scenes) {
@@ -79,15 +119,15 @@ std::string to_table(const std::string& title, const std::vector<SceneFigures>& 
 std::string to_table(const std::vector<StreetFigures>& street) {
   std::string text = fmt::format("{:<22}", "labelled street");
   for (const double tolerance : kTolerances) text += fmt::format("  P/R/F1 at {:.2f} m ", tolerance);
-  text += "  bias  spread cm   recall <1.5 <3 <4 <5 >5 cm   counted/not\n";
+  text += "  least   bias  spread cm   recall <1.5 <3 <4 <5 >5 cm   counted/not\n";
   for (const StreetFigures& f : street) {
     text += fmt::format("  {:<9} {:<10}", f.cloud, f.method);
-    for (const StreetScore& s : f.scores) {
-      const Score score = s.score();
+    for (std::size_t i = 0; i < kTolerances.size(); ++i) {
+      const Score score = pooled_at(f, i).score();
       text += fmt::format("  {:.3f} {:.3f} {:.3f}", score.precision, score.recall, score.f1());
     }
-    const StreetScore& widest = f.scores.back();
-    text += fmt::format("  {:+5.1f} {:5.1f}            ", 100 * widest.bias, 100 * widest.spread);
+    const StreetScore widest = pooled_at(f, kTolerances.size() - 1);
+    text += fmt::format("  {:.3f}  {:+5.1f} {:5.1f}            ", least_f1(f), 100 * widest.bias, 100 * widest.spread);
     for (const Score& step : widest.by_step) text += fmt::format(" {:.2f}", step.recall);
     text += fmt::format("   {}/{}\n", widest.detections, widest.dont_care);
   }
@@ -95,8 +135,16 @@ std::string to_table(const std::vector<StreetFigures>& street) {
 }
 
 std::string to_table(const std::vector<DriveFigures>& drives) {
-  std::string text;
-  for (const DriveFigures& d : drives) text += fmt::format("{}, {}\n{}", d.name, d.method, to_table(d.evaluation));
+  std::string text = fmt::format("{:<34} seeds", "whole drives");
+  for (const double tolerance : kTolerances) text += fmt::format("  P/R/F1 at {:.2f} m ", tolerance);
+  text += "  least   bias  spread cm   classes   blocking recall\n";
+  for (const DriveFigures& d : drives) {
+    const DriveMeans mean = means_of(d.seeds);
+    text += fmt::format("  {:<21} {:<10} {:5}", d.name, d.method, d.seeds.size());
+    for (const Score& at : mean.at) text += fmt::format("  {:.3f} {:.3f} {:.3f}", at.precision, at.recall, at.f1());
+    text += fmt::format("  {:.3f}  {:+5.1f} {:5.1f}       {:.3f}     {:.4f}\n", mean.least_f1, mean.bias_cm,
+                        mean.spread_cm, mean.class_accuracy, mean.blocking_recall);
+  }
   return text;
 }
 
@@ -104,22 +152,28 @@ std::string to_json(const CurbFigures& figures) {
   nlohmann::json json = {{"scans", to_json(figures.scans)}, {"drives", to_json(figures.drives)}};
   json["towns"] = nlohmann::json::array();
   for (const DriveFigures& d : figures.towns) {
-    nlohmann::json entry = nlohmann::json::parse(to_json(d.evaluation));
-    entry["drive"] = d.name;
-    entry["method"] = d.method;
-    if (d.evaluation.blocking) entry["blocking_recall"] = d.evaluation.blocking->recall();
-    json["towns"].push_back(std::move(entry));
+    for (std::size_t k = 0; k < d.seeds.size(); ++k) {
+      nlohmann::json entry = nlohmann::json::parse(to_json(d.seeds[k]));
+      entry["drive"] = d.name;
+      entry["method"] = d.method;
+      entry["seed"] = k + 1;
+      if (d.seeds[k].blocking) entry["blocking_recall"] = d.seeds[k].blocking->recall();
+      json["towns"].push_back(std::move(entry));
+    }
   }
   json["street"] = nlohmann::json::array();
   for (const StreetFigures& f : figures.street) {
+    const StreetScore widest = pooled_at(f, kTolerances.size() - 1);
     nlohmann::json entry = {{"cloud", f.cloud},
                             {"method", f.method},
-                            {"bias_cm", 100 * f.scores.back().bias},
-                            {"spread_cm", 100 * f.scores.back().spread},
-                            {"detections", f.scores.back().detections},
-                            {"not_counted", f.scores.back().dont_care}};
-    for (std::size_t i = 0; i < f.scores.size(); ++i) {
-      const Score score = f.scores[i].score();
+                            {"turns", f.turns.size()},
+                            {"least_f1", least_f1(f)},
+                            {"bias_cm", 100 * widest.bias},
+                            {"spread_cm", 100 * widest.spread},
+                            {"detections", widest.detections},
+                            {"not_counted", widest.dont_care}};
+    for (std::size_t i = 0; i < kTolerances.size(); ++i) {
+      const Score score = pooled_at(f, i).score();
       entry[fmt::format("{:.2f}", kTolerances[i])] = {
           {"precision", score.precision}, {"recall", score.recall}, {"f1", score.f1()}};
     }

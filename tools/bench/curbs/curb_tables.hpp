@@ -19,14 +19,14 @@ struct SceneFigures {
 struct StreetFigures {
   std::string cloud;
   std::string method;
-  std::vector<StreetScore> scores;  ///< by kTolerances
+  std::vector<std::vector<StreetScore>> turns;  ///< the way it lies on the grid, and of that by kTolerances
 };
 
-/// One whole drive.
+/// A kind of whole drive, by one way of looking for curbs: an evaluation a seed.
 struct DriveFigures {
   std::string name;
   std::string method;
-  Evaluation evaluation;
+  std::vector<Evaluation> seeds;
 };
 
 /// For people.

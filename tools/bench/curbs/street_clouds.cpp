@@ -6,15 +6,15 @@
 
 namespace curbstone {
 
-std::vector<StreetCloud> read_street_clouds(const std::string& folder) {
+std::vector<StreetCloud> read_street_clouds(const std::string& folder, const Pose& T_world_first) {
   constexpr double kBeamSlack = 0.2;  // deg
   std::vector<StreetCloud> clouds{{"merged", {}}, {"frame 0", {}}, {"16 beams", {}}};
   const ScanSet scans = find_scans(folder, folder + "/reference_poses.txt", "");
   for (std::size_t k = 0; k < scans.files.size(); ++k) {
-    const Pose& T_first_scan = scans.T_first_scan[k];
+    const Pose T_world_scan = T_world_first * scans.T_first_scan[k];
     for (const ScanPoint& point : read_scan(scans.files[k])) {
       const Eigen::Vector3d at = point.position.cast<double>();
-      const Eigen::Vector3f p = (T_first_scan * at).cast<float>();
+      const Eigen::Vector3f p = (T_world_scan * at).cast<float>();
       clouds[0].points.push_back(p);
       if (k == 0) clouds[1].points.push_back(p);
       const double elevation = std::atan2(at.z(), at.head<2>().norm()) * 57.29577951308232;

@@ -93,4 +93,20 @@ StreetScore score_street(const std::vector<CurbFoot>& detections, const StreetLa
   return score;
 }
 
+StreetScore pooled(const std::vector<StreetScore>& scores) {
+  StreetScore sum;
+  const auto n = static_cast<double>(scores.size());
+  for (const StreetScore& s : scores) {
+    sum.truth += s.truth;
+    sum.found += s.found;
+    sum.detections += s.detections;
+    sum.right += s.right;
+    sum.dont_care += s.dont_care;
+    sum.bias += s.bias / n;
+    sum.spread += s.spread / n;
+    for (std::size_t k = 0; k < sum.by_step.size(); ++k) sum.by_step[k].recall += s.by_step[k].recall / n;
+  }
+  return sum;
+}
+
 }  // namespace curbstone

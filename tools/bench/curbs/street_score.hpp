@@ -35,4 +35,7 @@ struct StreetScore {
 [[nodiscard]] StreetScore score_street(const std::vector<CurbFoot>& detections, const StreetLabels& truth,
                                        double tolerance, double range = 15);
 
+/// Several together: counts added up, bias, spread and recall by step on average.
+[[nodiscard]] StreetScore pooled(const std::vector<StreetScore>& scores);
+
 }  // namespace curbstone

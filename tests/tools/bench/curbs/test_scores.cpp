@@ -84,5 +84,15 @@ TEST(StreetScore, StatesBiasAndSpreadApart) {
   EXPECT_LT(score.by_step[1].recall, 0.2) << "of the 2 cm steps only those beside the end";
 }
 
+TEST(StreetScore, OfSeveralStreetsCountsAllTheirPoints) {
+  const StreetScore one{.truth = 10, .found = 9, .detections = 20, .right = 20, .bias = 0.02, .spread = 0.03};
+  const StreetScore other{.truth = 30, .found = 15, .detections = 20, .right = 10, .bias = -0.01, .spread = 0.05};
+  const StreetScore both = pooled({one, other});
+  EXPECT_DOUBLE_EQ(both.score().recall, 0.6);
+  EXPECT_DOUBLE_EQ(both.score().precision, 0.75);
+  EXPECT_DOUBLE_EQ(both.bias, 0.005);
+  EXPECT_DOUBLE_EQ(both.spread, 0.04);
+}
+
 }  // namespace
 }  // namespace curbstone
