@@ -77,8 +77,8 @@ CurbCandidate candidate_of(const FoundStep& found, const TiltedCell& cell, const
   CurbCandidate candidate;
   candidate.at = cell.at + found.riser.middle * found.up;
   candidate.up = found.up;
-  candidate.z = found.step.low_z;
-  candidate.height = found.step.height;
+  candidate.z = found.step.low_z - 0.5 * (found.step.full_height - found.step.height);
+  candidate.height = found.step.full_height;
   candidate.lean = found.riser.lean;
   candidate.reach = found.half_length;
   candidate.score = found.step.height / found.step.sigma;

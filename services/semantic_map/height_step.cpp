@@ -20,6 +20,11 @@ constexpr double kMinSpread = 0.05;    // m, standard deviation of u on a side: 
 constexpr double kNoiseFloor = 0.004;  // m
 constexpr double kSlopeAcross = 0.30;  // 1 sigma of the slope that both sides share, against the ground's
 constexpr double kSlopeAlong = 0.05;
+// m, 1 sigma of a point's place, too large rather than too small. Range noise moves a point along its beam, which comes
+// in flat: farther is lower. So the few centimetres that a scan line is wide look like ground that falls away from the
+// sensor by the beam's own slope, 0.2 to 0.4, and the next line like a step up from there.
+constexpr double kPlaceNoise = 0.04;
+constexpr double kOwnLean = 1.2;  // slope of the refined ground about a step, for each m of its height (as measured)
 
 /// Two sums that are kept in step: one instruction adds to both.
 using Pair = Eigen::Array2d;
@@ -146,12 +151,13 @@ struct SideSums {
 
 /// What the fits at all places say; `spread` is the smaller variance of u of the two sides.
 struct StepFits {
-  Places spread, height, rss, scale, slope_u, slope_t, low_z, n;
+  Places spread, height, full_height, rss, scale, slope_u, slope_t, low_z, n;
 };
 
 /// Two half-planes at each place. What the slope against the ground's may be is known beforehand: little along the
 /// curb, where thin scan lines that meet the two sides at different places would otherwise trade it for a step; more
-/// across, where the ground's own model leans at a curb.
+/// across, where the ground's own model leans at a curb. A side that is hardly wider than the noise of its points'
+/// places says little of it (regression with errors in both variables).
 CURBSTONE_VECTORISED
 void fit_sides(const SideSums& low, const SideSums& high, double noise, StepFits& fits) {
   const double prior_u = noise / kSlopeAcross;
@@ -167,9 +173,12 @@ void fit_sides(const SideSums& low, const SideSums& high, double noise, StepFits
     const double high_spread = high.uu[k] / high.n[k] - hu * hu;
     fits.spread[k] = low_spread < high_spread ? low_spread : high_spread;
     // Scatter about the means, over both sides.
-    const double uu = (low.uu[k] - low.n[k] * lu * lu) + (high.uu[k] - high.n[k] * hu * hu) + prior_u * prior_u;
+    const double by_noise = (low.n[k] + high.n[k]) * kPlaceNoise * kPlaceNoise;
+    const double uu =
+        (low.uu[k] - low.n[k] * lu * lu) + (high.uu[k] - high.n[k] * hu * hu) + prior_u * prior_u + by_noise;
     const double ut = (low.ut[k] - low.n[k] * lu * lt) + (high.ut[k] - high.n[k] * hu * ht);
-    const double tt = (low.tt[k] - low.n[k] * lt * lt) + (high.tt[k] - high.n[k] * ht * ht) + prior_t * prior_t;
+    const double tt =
+        (low.tt[k] - low.n[k] * lt * lt) + (high.tt[k] - high.n[k] * ht * ht) + prior_t * prior_t + by_noise;
     const double uz = (low.uz[k] - low.n[k] * lu * lz) + (high.uz[k] - high.n[k] * hu * hz);
     const double tz = (low.tz[k] - low.n[k] * lt * lz) + (high.tz[k] - high.n[k] * ht * hz);
     const double zz = (low.zz[k] - low.n[k] * lz * lz) + (high.zz[k] - high.n[k] * hz * hz);
@@ -186,6 +195,10 @@ void fit_sides(const SideSums& low, const SideSums& high, double noise, StepFits
     fits.slope_t[k] = slope_t;
     fits.rss[k] = zz - (slope_u * uz + slope_t * tz);
     fits.height[k] = hz - lz - (slope_u * apart_u + slope_t * apart_t);
+    // The heights are above ground that climbs the step within about a metre: against it both sides fall, and as much
+    // of that as was put down to noise is missing in the step.
+    const double lean_by_step = kOwnLean * by_noise * (inverse_uu * apart_u + inverse_ut * apart_t);
+    fits.full_height[k] = fits.height[k] / (1 - lean_by_step);
     fits.scale[k] = 1 / low.n[k] + 1 / high.n[k] +
                     (apart_u * (inverse_uu * apart_u + inverse_ut * apart_t) +
                      apart_t * (inverse_ut * apart_u + inverse_tt * apart_t));
@@ -197,6 +210,7 @@ HeightStep step_of(const StepFits& fits, std::size_t k) {
   HeightStep step;
   step.at = place(static_cast<int>(k));
   step.height = fits.height[k];
+  step.full_height = fits.full_height[k];
   step.roughness = std::sqrt(std::max(0.0, fits.rss[k]) / (fits.n[k] - 4) + kNoiseFloor * kNoiseFloor);
   step.sigma = step.roughness * std::sqrt(fits.scale[k]);
   step.low_z = fits.low_z[k];

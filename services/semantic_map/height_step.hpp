@@ -27,7 +27,8 @@ struct StepWindow {
 /// hills are no steps), fitted to the points.
 struct HeightStep {
   double at = 0;                                    ///< m in u: where the step is
-  double height = 0;                                ///< m
+  double height = 0;                                ///< m, at least: what sides that hardly lean ask for
+  double full_height = 0;                           ///< m, most likely
   double sigma = 0;                                 ///< m, of `height`, from the residual noise of the data
   double roughness = 0;                             ///< m, residual RMS of the points about their half-planes
   double low_z = 0;                                 ///< m, of the low side at (at, t = 0)

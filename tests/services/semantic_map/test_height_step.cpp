@@ -75,6 +75,28 @@ TEST(HeightStep, OfALayerThatEndsDoesNotPartTheTwoSides) {
   EXPECT_LT(look_at_sides(ground.points, *layers, {}).clear, 0.4 * layers->height);
 }
 
+/// Two scan lines on even ground, 0.3 m apart and aslant through the window. Range noise moves their points along beams
+/// that fall by 0.2 m each metre: as if the ground fell so within each line, and stepped up to the next.
+TEST(HeightStep, IsNotMadeOfTheRangeNoiseWithinScanLines) {
+  constexpr double kBeamSlope = 0.2;
+  constexpr double kApart = 0.3;
+  constexpr double kAslant = 0.24;
+  std::mt19937 random{1};
+  std::normal_distribution<double> range_noise{0, 0.02};
+  std::normal_distribution<double> other_noise{0, 0.003};
+  StepWindow points;
+  points.half_length = 0.5;
+  for (double t = -0.5; t < 0.5; t += 0.02) {
+    for (const double side : {-0.5, 0.5}) {
+      const double away = range_noise(random);
+      points.add(side * kApart + kAslant * t + away, t, -kBeamSlope * away + other_noise(random));
+    }
+  }
+  const auto step = find_height_step(points, kNoise, {});
+  ASSERT_TRUE(step);
+  EXPECT_LT(step->height, 0.01);
+}
+
 /// One scan line crosses the step obliquely: the sides are seen at different places along it, on ground of no slope.
 TEST(HeightStep, KnowsThatAnObliqueScanLineMayHaveClimbedASlopeAlongTheCurb) {
   StepGround ground;
