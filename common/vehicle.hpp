@@ -16,6 +16,7 @@ struct VehicleConfig {
   double track_width = 0.80;   ///< m, between the driven wheels' contact points (effective, for turning)
   double width = 1.20;         ///< m, over all
   double length = 1.80;        ///< m, over all
+  double middle = 0.0;         ///< m, x of the middle of that length
   double height = 2.00;        ///< m, over all: what hangs higher does not block
   std::vector<double> lidar = {0.0, 0.0, 1.73, 0.0, 0.0, 0.0};  ///< T_base_lidar: x y z m, roll pitch yaw rad
   std::vector<double> imu = {0.10, 0.05, 0.40, 0.0, 0.0, 0.0};  ///< T_base_imu: x y z m, roll pitch yaw rad
@@ -25,6 +26,7 @@ struct VehicleConfig {
     v.field("track_width", track_width, {0.05, 5.0}, "m, between the driven wheels (effective, for turning)");
     v.field("width", width, {0.1, 5.0}, "m, over all");
     v.field("length", length, {0.1, 15.0}, "m, over all");
+    v.field("middle", middle, {-10.0, 10.0}, "m, how far the middle of that length is ahead of the driven wheels");
     v.field("height", height, {0.1, 5.0}, "m, over all; what hangs higher does not block");
     v.field("lidar", lidar, {-20.0, 20.0}, "T_base_lidar: x y z in m, roll pitch yaw in rad");
     v.field("imu", imu, {-20.0, 20.0}, "T_base_imu: x y z in m, roll pitch yaw in rad");

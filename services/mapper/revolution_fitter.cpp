@@ -33,6 +33,16 @@ bool alike(const Twist& a, const Twist& b, double sweep_seconds) {
          (a.angular - b.angular).norm() * sweep_seconds < kSettledTurn;
 }
 
+/// Where the vehicle sees itself. The ground under it is no part of it.
+Eigen::AlignedBox3f body_of(const VehicleConfig& vehicle) {
+  constexpr double kMargin = 0.1;  // m
+  const double half_length = 0.5 * vehicle.length + kMargin;
+  const double half_width = 0.5 * vehicle.width + kMargin;
+  const Eigen::Vector3d rear_right(vehicle.middle - half_length, -half_width, kMargin);
+  const Eigen::Vector3d front_left(vehicle.middle + half_length, half_width, vehicle.height + kMargin);
+  return {rear_right.cast<float>(), front_left.cast<float>()};
+}
+
 bool clearly_better(const Fit& fit, const Fit& than) {
   return fit.result.converged && fit.agreement() > kClearlyBetter * than.agreement();
 }
@@ -40,7 +50,10 @@ bool clearly_better(const Fit& fit, const Fit& than) {
 }  // namespace
 
 RevolutionFitter::RevolutionFitter(const MapperConfig& config)
-    : config_(config), T_base_lidar_(config.vehicle.T_base_lidar()), registration_(make_registration(config)) {}
+    : config_(config),
+      T_base_lidar_(config.vehicle.T_base_lidar()),
+      own_body_(body_of(config.vehicle)),
+      registration_(make_registration(config)) {}
 
 void RevolutionFitter::clear_map() {
   registration_ = make_registration(config_);
@@ -48,13 +61,7 @@ void RevolutionFitter::clear_map() {
 
 std::vector<LidarPoint> RevolutionFitter::in_base(const Revolution& revolution, const SweepMotion& sweep) const {
   std::vector<LidarPoint> points = deskew(revolution.points, T_base_lidar_, sweep);
-  const Eigen::Vector3f half(static_cast<float>(config_.vehicle.length) / 2 + 0.1F,
-                             static_cast<float>(config_.vehicle.width) / 2 + 0.1F, 0);
-  const float top = static_cast<float>(config_.vehicle.height) + 0.1F;
-  std::erase_if(points, [&](const LidarPoint& p) {  // the vehicle sees itself
-    return std::abs(p.position.x()) < half.x() && std::abs(p.position.y()) < half.y() && p.position.z() > 0.1F &&
-           p.position.z() < top;
-  });
+  std::erase_if(points, [this](const LidarPoint& p) { return own_body_.contains(p.position); });
   return points;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <memory>
 #include <vector>
 
@@ -63,6 +64,7 @@ class RevolutionFitter {
 
   MapperConfig config_;
   Pose T_base_lidar_;
+  Eigen::AlignedBox3f own_body_;  ///< base_link
   std::unique_ptr<Registration> registration_;
 };
 

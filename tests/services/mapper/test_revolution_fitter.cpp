@@ -82,5 +82,21 @@ TEST(RevolutionFitter, TakesAVehicleToStandWhereNothingTellsHowFarAlong) {
   EXPECT_LT(update->T_map_base.translation().norm(), 0.05);
 }
 
+TEST(RevolutionFitter, LeavesOutWhatTheVehicleSeesOfItself) {
+  MapperConfig config;
+  config.vehicle.length = 4.0;
+  config.vehicle.middle = 1.3;  // driven at the rear
+  const Eigen::Vector3f bumper(3.2F, 0.5F, 0.4F);
+  const Eigen::Vector3f follower(-1.5F, 0.5F, 0.4F);
+  const Eigen::Vector3f ground(1.0F, 0.5F, 0.0F);
+  Revolution revolution;
+  for (const Eigen::Vector3f& at : {bumper, follower, ground})
+    revolution.points.push_back({config.vehicle.T_base_lidar().inverse().cast<float>() * at});
+  const auto points = RevolutionFitter(config).in_base(revolution, steady_sweep({}, 0.05));
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_TRUE(points[0].position.isApprox(follower, 1e-5F));
+  EXPECT_TRUE(points[1].position.isApprox(ground, 1e-5F));
+}
+
 }  // namespace
 }  // namespace curbstone
