@@ -157,7 +157,8 @@ std::vector<Eigen::Vector3f> read_cloud(const std::string& path) {
   return points;
 }
 
-std::vector<Eigen::Vector3f> read_cloud_folder(const std::string& folder, const std::string& poses_file) {
+std::vector<Eigen::Vector3f> read_cloud_folder(const std::string& folder, const std::string& poses_file,
+                                               double min_range) {
   const std::vector<Eigen::Isometry3d> poses = read_poses(poses_file);
   std::vector<fs::path> scans;
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -170,8 +171,10 @@ std::vector<Eigen::Vector3f> read_cloud_folder(const std::string& folder, const 
         fmt::format("{}: {} poses for {} scans in {}", poses_file, poses.size(), scans.size(), folder));
   std::vector<Eigen::Vector3f> points;
   for (std::size_t k = 0; k < scans.size(); ++k) {
-    for (const Eigen::Vector3f& p : read_cloud(scans[k].string()))
+    for (const Eigen::Vector3f& p : read_cloud(scans[k].string())) {
+      if (p.norm() < min_range) continue;  // what is not finite is kept, to be counted
       points.push_back((poses[k] * p.cast<double>()).cast<float>());
+    }
   }
   return points;
 }

@@ -20,8 +20,9 @@ class CloudFileError : public std::runtime_error {
 [[nodiscard]] std::vector<Eigen::Vector3f> read_cloud(const std::string& path);
 
 /// Reads all scans (*.bin, *.pcd, *.ply, by name) of a folder into the frame of the first pose's map: `poses` has a row
-/// a scan, 3x4, scan to map. Throws CloudFileError.
-[[nodiscard]] std::vector<Eigen::Vector3f> read_cloud_folder(const std::string& folder, const std::string& poses);
+/// a scan, 3x4, scan to map. Returns nearer than `min_range` m to their sensor are left out. Throws CloudFileError.
+[[nodiscard]] std::vector<Eigen::Vector3f> read_cloud_folder(const std::string& folder, const std::string& poses,
+                                                             double min_range = 0);
 
 /// Binary .pcd: x y z normal_x normal_y normal_z stick plate ball (float32), label (uint32, semantic_tile_t's classes).
 void write_labelled_pcd(const std::vector<DetectedPoint>& points, const std::string& path);

@@ -26,7 +26,7 @@ struct Arguments {
   std::string poses;
   std::string out;
   std::string steps;
-  std::string config;
+  double min_range = 0;
   std::vector<std::string> assignments;
   CloudMapOptions options;
 };
@@ -45,7 +45,7 @@ std::vector<Eigen::Vector3f> read_input(const Arguments& arguments) {
   if (!fs::is_directory(arguments.cloud)) return read_cloud(arguments.cloud);
   if (arguments.poses.empty())
     throw CloudFileError(fmt::format("{}: is a folder: give the scans' poses with --poses FILE", arguments.cloud));
-  return read_cloud_folder(arguments.cloud, arguments.poses);
+  return read_cloud_folder(arguments.cloud, arguments.poses, arguments.min_range);
 }
 
 void write_curbs(const std::vector<CloudCurb>& curbs, const std::string& path) {
@@ -115,6 +115,10 @@ int run_detect(int argc, char** argv) {
                    "detect");
   line.argument("cloud", arguments.cloud, ".pcd, .ply, KITTI .bin, or a folder of scans with --poses").required();
   line.option("--poses", arguments.poses, "For a folder: 3x4 rows, scan to map, one a scan in the order of names");
+  line.option("--min-range", arguments.min_range,
+              "For a folder: m from the sensor; nearer returns, the recording vehicle's own, are left out")
+      .not_negative()
+      .shows_default();
   line.option("--out", arguments.out, "Folder for the results").shows_default();
   line.option("--steps", arguments.steps, "Folder for one picture a step of the method");
   line.option("--range", arguments.options.range, "m from the origin that are looked at; 0: all")

@@ -147,6 +147,20 @@ TEST_F(DetectTest, PutsAFolderOfScansTogetherByTheirPoses) {
   EXPECT_THAT(detect({(folder_ / "scans").string()}).error, testing::HasSubstr("--poses"));
 }
 
+TEST_F(DetectTest, LeavesOutWhatTheRecordingVehicleSeesOfItself) {
+  fs::create_directories(folder_ / "scans");
+  auto scan = street();
+  const std::size_t of_street = scan.size();
+  const Eigen::Vector3f bonnet(0.9F, 0, -0.8F);
+  scan.push_back(bonnet);
+  write_kitti("scans/000000.bin", scan);
+  const auto poses = write_text("poses.txt", "1 0 0 5 0 1 0 0 0 0 1 0\n");
+  const auto all = read_cloud_folder((folder_ / "scans").string(), poses.string());
+  const auto far = read_cloud_folder((folder_ / "scans").string(), poses.string(), 1.5);
+  EXPECT_EQ(all.size(), of_street + 1);
+  EXPECT_EQ(far.size(), of_street);
+}
+
 TEST_F(DetectTest, BadFilesGiveOneLineStatus1AndNoOutput) {
   std::vector<Eigen::Vector3f> nans(100, Eigen::Vector3f::Constant(std::nanf("")));
   const auto whole = write_kitti("cut.bin", street());
