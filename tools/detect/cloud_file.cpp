@@ -172,7 +172,7 @@ std::vector<Eigen::Vector3f> read_cloud_folder(const std::string& folder, const 
   std::vector<Eigen::Vector3f> points;
   for (std::size_t k = 0; k < scans.size(); ++k) {
     for (const Eigen::Vector3f& p : read_cloud(scans[k].string())) {
-      if (p.norm() < min_range) continue;  // what is not finite is kept, to be counted
+      if (static_cast<double>(p.norm()) < min_range) continue;  // what is not finite is kept, to be counted
       points.push_back((poses[k] * p.cast<double>()).cast<float>());
     }
   }
