@@ -96,7 +96,8 @@ void draw(const CloudMap& map, const std::vector<PictureLine>& overlay, const st
   }
   if (overlay.empty()) picture.curbs = map.lines;
   picture.overlays = overlay;
-  write_png(draw_map(picture, {.title = "", .pixels_per_cell = 6}), file);
+  const std::string title = overlay.empty() ? "" : "dots: magenta truth, green right, red wrong, yellow not counted";
+  write_png(draw_map(picture, {.title = title, .pixels_per_cell = 6}), file);
 }
 
 std::vector<SceneFigures> bench_scans(const Arguments& arguments) {
