@@ -24,6 +24,8 @@ constexpr double kSlopeAlong = 0.05;
 // in flat: farther is lower. So the few centimetres that a scan line is wide look like ground that falls away from the
 // sensor by the beam's own slope, 0.2 to 0.4, and the next line like a step up from there.
 constexpr double kPlaceNoise = 0.04;
+constexpr double kMostMissing =
+    0.5;                          // share of a step that may be put down to noise: two thin sides far apart say nothing
 constexpr double kOwnLean = 1.2;  // slope of the refined ground about a step, for each m of its height (as measured)
 
 /// Two sums that are kept in step: one instruction adds to both.
@@ -197,8 +199,8 @@ void fit_sides(const SideSums& low, const SideSums& high, double noise, StepFits
     fits.height[k] = hz - lz - (slope_u * apart_u + slope_t * apart_t);
     // The heights are above ground that climbs the step within about a metre: against it both sides fall, and as much
     // of that as was put down to noise is missing in the step.
-    const double lean_by_step = kOwnLean * by_noise * (inverse_uu * apart_u + inverse_ut * apart_t);
-    fits.full_height[k] = fits.height[k] / (1 - lean_by_step);
+    const double missing = kOwnLean * by_noise * (inverse_uu * apart_u + inverse_ut * apart_t);
+    fits.full_height[k] = fits.height[k] / (1 - (missing < 0 ? 0 : missing > kMostMissing ? kMostMissing : missing));
     fits.scale[k] = 1 / low.n[k] + 1 / high.n[k] +
                     (apart_u * (inverse_uu * apart_u + inverse_ut * apart_t) +
                      apart_t * (inverse_ut * apart_u + inverse_tt * apart_t));

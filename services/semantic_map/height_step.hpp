@@ -28,7 +28,7 @@ struct StepWindow {
 struct HeightStep {
   double at = 0;                                    ///< m in u: where the step is
   double height = 0;                                ///< m, at least: what sides that hardly lean ask for
-  double full_height = 0;                           ///< m, most likely
+  double full_height = 0;                           ///< m, most likely: one to two times that
   double sigma = 0;                                 ///< m, of `height`, from the residual noise of the data
   double roughness = 0;                             ///< m, residual RMS of the points about their half-planes
   double low_z = 0;                                 ///< m, of the low side at (at, t = 0)

@@ -97,6 +97,29 @@ TEST(HeightStep, IsNotMadeOfTheRangeNoiseWithinScanLines) {
   EXPECT_LT(step->height, 0.01);
 }
 
+TEST(HeightStep, IsReportedNeitherLowerThanItIsCertainToBeNorAboveTwiceThat) {
+  std::mt19937 random{1};
+  std::uniform_real_distribution<double> place{-0.5, 0.5};
+  std::normal_distribution<double> noise{0, 0.005};
+  int found = 0;
+  for (int round = 0; round < 300; ++round) {
+    StepWindow points;
+    points.half_length = 1.0;
+    const double low_at = 2 * place(random);  // each side is a strip somewhere along the step
+    const double high_at = 2 * place(random);
+    for (int i = 0; i < 60; ++i) {
+      const double u = place(random);
+      points.add(u, (u < 0 ? low_at : high_at) + 0.1 * place(random), (u < 0 ? 0.0 : 0.1) + noise(random));
+    }
+    const auto step = find_height_step(points, kNoise, {});
+    if (!step || step->height <= 0) continue;
+    ++found;
+    EXPECT_GE(step->full_height, step->height);
+    EXPECT_LE(step->full_height, 2 * step->height + 1e-9);
+  }
+  EXPECT_GT(found, 100);
+}
+
 /// One scan line crosses the step obliquely: the sides are seen at different places along it, on ground of no slope.
 TEST(HeightStep, KnowsThatAnObliqueScanLineMayHaveClimbedASlopeAlongTheCurb) {
   StepGround ground;
