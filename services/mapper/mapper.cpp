@@ -8,14 +8,15 @@
 namespace curbstone {
 namespace {
 
-constexpr std::size_t kMostHeld = 20;            // revolutions of the first standstill: more show nothing new
-constexpr std::int64_t kMostRemovals = 400'000;  // records of what has gone, until the tiles begin anew
-constexpr double kLongestStep = 0.3;             // s between revolutions that tell how the vehicle moved
-constexpr std::int64_t kSearchPeriod = 500'000;  // us between two searches for where the vehicle is
-constexpr double kContradiction = 0.5;           // m between two accounts of where the vehicle is, and
-constexpr double kContradictionDrift = 0.05;     // more for each m of odometry, that only an error explains
-constexpr float kFootprint = 0.03F;              // m between footprints
-constexpr std::int64_t kWitness = 30'000'000;    // us for which odometry can tell
+constexpr std::size_t kMostHeld = 20;                // revolutions of the first standstill: more show nothing new
+constexpr std::int64_t kMostRemovals = 400'000;      // records of what has gone, until the tiles begin anew
+constexpr double kLongestStep = 0.3;                 // s between revolutions that tell how the vehicle moved
+constexpr std::int64_t kSearchPeriod = 500'000;      // us between two searches for where the vehicle is,
+constexpr std::int64_t kSearchAnywhere = 2'000'000;  // and where it may be anywhere: that takes most of a second
+constexpr double kContradiction = 0.5;               // m between two accounts of where the vehicle is, and
+constexpr double kContradictionDrift = 0.05;         // more for each m of odometry, that only an error explains
+constexpr float kFootprint = 0.03F;                  // m between footprints
+constexpr std::int64_t kWitness = 30'000'000;        // us for which odometry can tell
 
 }  // namespace
 
@@ -223,7 +224,8 @@ void Mapper::rebuild_registration(const Pose& T_map_base, int reference) {
 /// have come here from where it was last mapped, but from an earlier place it can, then what was mapped between is
 /// wrong.
 void Mapper::search(Tracked& tracked, MapperUpdate& update) {
-  if (atlas_.size() == 0 || std::abs(tracked.utime - searched_) < kSearchPeriod) return;
+  const std::int64_t period = PlaceFinder::is_anywhere(tracker_.doubt()) ? kSearchAnywhere : kSearchPeriod;
+  if (atlas_.size() == 0 || std::abs(tracked.utime - searched_) < period) return;
   searched_ = tracked.utime;
   counters_.add("searches");
   const auto found = finder_.find(atlas_, tracked.points, tracked.T_map_base, tracker_.doubt());

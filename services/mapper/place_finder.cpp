@@ -9,7 +9,8 @@ namespace curbstone {
 namespace {
 
 constexpr double kSurroundings = 60.0;    // m along the graph, that one search looks at
-constexpr double kFarthestSearch = 15.0;  // m, that a search reaches
+constexpr double kLeastSearch = 1.0;      // m, and
+constexpr double kFarthestSearch = 15.0;  // m, that a search about a guess reaches
 constexpr double kUnseenTurn = 0.3;       // rad, that the vehicle may have turned unseen,
 constexpr double kTurnPerMetre = 0.3;     // and rad more for each m that it may have gone
 
@@ -26,13 +27,17 @@ std::optional<FoundPlace> PlaceFinder::find_at(const Atlas& atlas, int node, con
 
 std::optional<FoundPlace> PlaceFinder::find(const Atlas& atlas, const std::vector<LidarPoint>& points,
                                             const Pose& guess, double doubt) {
-  const double reach = std::min(1.0 + doubt, kFarthestSearch);
+  const double reach = std::min(kLeastSearch + doubt, kFarthestSearch);
   const double turn = std::min(kUnseenTurn + kTurnPerMetre * doubt, std::numbers::pi);
   const std::vector<int> near = atlas.near(guess.translation(), reach + 10.0);
   if (!near.empty()) {
     if (const auto found = find_at(atlas, near.front(), points, guess, reach, turn)) return found;
   }
-  return 1.0 + doubt > kFarthestSearch ? find_anywhere(atlas, points, guess) : std::nullopt;
+  return is_anywhere(doubt) ? find_anywhere(atlas, points, guess) : std::nullopt;
+}
+
+bool PlaceFinder::is_anywhere(double doubt) {
+  return kLeastSearch + doubt > kFarthestSearch;
 }
 
 void PlaceFinder::forget() {

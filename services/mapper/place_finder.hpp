@@ -30,6 +30,8 @@ class PlaceFinder {
   /// Near a guess that may be `doubt` m off; where that is too far to search, anywhere that looks like it.
   [[nodiscard]] std::optional<FoundPlace> find(const Atlas& atlas, const std::vector<LidarPoint>& points,
                                                const Pose& guess, double doubt);
+  /// Whether so much doubt is too far to search. Much dearer.
+  [[nodiscard]] static bool is_anywhere(double doubt);
   /// Nodes have been taken back: numbers may come to mean others.
   void forget();
 

@@ -16,7 +16,10 @@ constexpr double kMatchesApart = 1.5;   // m, between poses that are not the sam
 constexpr double kMatchesTurned = 0.1;  // rad
 constexpr double kLeast = 0.5;          // score: no scan fits so badly where it was taken
 constexpr double kBehind = 0.35;        // score: so far behind the best, nothing rivals it
-constexpr int kMostBranches = 400'000;  // a bound on time, not met by scans that have anything to show
+// A bound on time, of points that are looked up on the map: a place that is found takes less than half of it, but for
+// the widest searches, where it may take 385 of 470 million (bench_places).
+constexpr double kLookups = 2e7;
+constexpr double kLookupsPerTurn = 1e6;
 
 /// A set of shifts at one turn: (x, y) cells and what follows up to 2^level - 1 further.
 struct Branch {
@@ -66,6 +69,8 @@ class PlanarSearch {
       }
       cells_.push_back(std::move(cells));
     }
+    const double lookups = kLookups + kLookupsPerTurn * static_cast<double>(yaws_.size());
+    most_branches_ = static_cast<int>(lookups / static_cast<double>(points.size()));
   }
 
   [[nodiscard]] std::vector<PlanarPose> best(int most) {
@@ -76,7 +81,7 @@ class PlanarSearch {
       }
     }
     std::vector<PlanarPose> found;
-    while (!queue_.empty() && static_cast<int>(found.size()) < most && branches_ < kMostBranches) {
+    while (!queue_.empty() && static_cast<int>(found.size()) < most && branches_ < most_branches_) {
       const Branch branch = queue_.top();
       queue_.pop();
       if (branch.sum < least_) break;  // all others are behind it
@@ -128,6 +133,7 @@ class PlanarSearch {
   std::vector<double> yaws_;
   std::vector<std::vector<int>> cells_;  // of the points, by turn
   std::priority_queue<Branch> queue_;
+  int most_branches_ = 0;
   int branches_ = 0;
 };
 

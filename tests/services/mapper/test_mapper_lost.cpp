@@ -96,6 +96,15 @@ TEST(MapperLost, WhoIsCarriedElsewhereIsNotFoundAndTheMapStays) {
   EXPECT_GT(drive.counter("searches"), 2);
 }
 
+TEST(MapperLost, WhoMayBeAnywhereIsSoughtLessOftenAsThatIsDear) {
+  Drive drive;
+  (void)drive.steps(40);
+  drive.turn += 200;  // 10 s in which nothing was seen
+  for (int i = 0; i < 60; ++i) (void)drive.step_in(yard());
+  EXPECT_EQ(drive.mapper->fix(), Fix::kLost);
+  EXPECT_EQ(drive.counter("searches"), 2) << "within 3 s";
+}
+
 TEST(MapperLost, OdometryLeadsItBackToTheMap) {
   Drive drive;
   drive.with_odometry(20);
