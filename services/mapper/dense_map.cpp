@@ -32,6 +32,23 @@ std::optional<TilePoint> point_in_tile(const Eigen::Vector3d& offset, std::uint8
   return TilePoint{in_plane(offset.x()), in_plane(offset.y()), static_cast<std::int16_t>(floor_to_int(z)), intensity};
 }
 
+/// What a node's correction makes of what was seen from it.
+Pose correction_of(const DenseTile::Run& run, const std::vector<Pose>& corrections) {
+  const bool moves = run.anchor >= 0 && static_cast<std::size_t>(run.anchor) < corrections.size();
+  return moves ? corrections[static_cast<std::size_t>(run.anchor)] : Pose::Identity();
+}
+
+/// m that a point of a tile goes, at most.
+double farthest_move(TileKey key, const DenseTile& tile, const std::vector<Pose>& corrections) {
+  const Eigen::Vector3d corner = corner_of(key, tile);
+  double farthest = 0;
+  for (const DenseTile::Run& run : tile.runs()) {
+    const Pose T = correction_of(run, corrections);
+    farthest = std::max(farthest, (T * corner - corner).norm() + angle_of(T) * 2 * kTileSize);
+  }
+  return farthest;
+}
+
 /// Names a waiting voxel in the index of all of them. Not a lattice cell, but as unique.
 VoxelKey waiting_key(TileKey tile, std::uint32_t voxel) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(tile.x) & 0xffff) << 48) |
@@ -227,19 +244,26 @@ void DenseMap::forget_waiting() {
   places_.clear();
 }
 
+/// Goes from west to east: behind it, where nothing comes in any more, what is far from the vehicle falls asleep at
+/// once, so that the whole map is never awake.
 void DenseMap::move(const std::vector<Pose>& corrections) {
   DenseTiles before = std::exchange(tiles_, DenseTiles(voxel_steps_));
   forget_waiting();
   size_ = num_removals_ = 0;
-  for (const TileKey& key : before.keys()) {
+  const std::vector<TileKey> keys = before.keys();
+  double farthest = 0;
+  for (const TileKey& key : keys) farthest = std::max(farthest, farthest_move(key, *before.find(key), corrections));
+  const int reach = static_cast<int>(std::min(std::ceil(farthest / kTileSize), kWorldEdge / kTileSize)) + 1;  // tiles
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    const TileKey key = keys[k];
+    if (k > 0 && key.x != keys[k - 1].x) tiles_.sleep_west_of(key.x - reach, base_, config_.max_range + kAwake);
     const DenseTile& tile = *before.find(key);
     const std::vector<bool> there = tile.standing();
     const Eigen::Vector3d corner = corner_of(key, tile);
     for (std::size_t r = 0; r < tile.runs().size(); ++r) {
       const DenseTile::Run& run = tile.runs()[r];
       const std::size_t end = tile.end_of(r);
-      const bool moves = run.anchor >= 0 && static_cast<std::size_t>(run.anchor) < corrections.size();
-      const Pose T = moves ? corrections[static_cast<std::size_t>(run.anchor)] : Pose::Identity();
+      const Pose T = correction_of(run, corrections);
       for (auto i = static_cast<std::size_t>(run.first); i < end; ++i) {
         if (!there[i]) continue;
         const TilePoint& p = tile.records()[i];

@@ -22,6 +22,11 @@ int tiles_on(int along) {
   return along < 0 ? -1 : (along >= kStepsPerTile ? 1 : 0);
 }
 
+/// m, in the plane, of a tile's middle from a place.
+double distance_of(TileKey key, const Eigen::Vector3d& place) {
+  return std::hypot((key.x + 0.5) * kTileSize - place.x(), (key.y + 0.5) * kTileSize - place.y());
+}
+
 /// From a voxel to those about it: across its sides first, where a surface goes on or its noise is.
 const std::array<Eigen::Vector3i, 26> kVoxelsAbout = [] {
   std::array<Eigen::Vector3i, 26> steps;
@@ -82,7 +87,7 @@ std::vector<TileKey> DenseTiles::sleep_beyond(const Eigen::Vector3d& place, doub
   recent_.fill({});
   std::vector<std::pair<double, TileKey>> far;
   for (auto& [key, tile] : tiles_) {
-    const double d = std::hypot((key.x + 0.5) * kTileSize - place.x(), (key.y + 0.5) * kTileSize - place.y());
+    const double d = distance_of(key, place);
     if (d < distance) continue;
     tile.sleep();
     far.emplace_back(d, key);
@@ -92,6 +97,13 @@ std::vector<TileKey> DenseTiles::sleep_beyond(const Eigen::Vector3d& place, doub
   keys.reserve(far.size());
   for (const auto& [d, key] : far) keys.push_back(key);
   return keys;
+}
+
+void DenseTiles::sleep_west_of(std::int32_t x, const Eigen::Vector3d& place, double distance) {
+  recent_.fill({});
+  for (auto& [key, tile] : tiles_) {
+    if (key.x < x && distance_of(key, place) >= distance) tile.sleep();
+  }
 }
 
 double DenseTiles::lowest_about(const Eigen::Vector3d& point) {

@@ -321,6 +321,25 @@ TEST(DenseMap, PointsMoveWithTheNodeTheyWereSeenFrom) {
   EXPECT_NEAR(moved, static_cast<int>(size) / 4, 1);
 }
 
+TEST(DenseMap, WhatLiesFarFromTheVehicleSleepsWhenTheNodesHaveMoved) {
+  DenseMap map{DenseConfig{}};
+  std::vector<Pose> corrections;
+  for (int anchor = 0; anchor < 40; ++anchor) {
+    const Pose T = Pose(Eigen::Translation3d(10.0 * anchor, 0, 0));
+    map.set_anchor(anchor);
+    for (int i = 0; i < 3; ++i) (void)map.insert(patch(0, 0, 0.01), T, kStart + 10'000'000 * anchor + kPeriod * i);
+    corrections.push_back(Pose(Eigen::Translation3d(0.02 * anchor, 0.2 * anchor, 0)));
+  }
+  const std::int64_t size = map.size();
+  map.move(corrections);
+  EXPECT_EQ(map.size(), size);
+  for (const TileKey& key : map.keys()) {
+    const double ahead = key.x * kTileSize - 390;  // of the vehicle
+    if (ahead > -63 && ahead < -57) continue;
+    EXPECT_EQ(map.tile(key)->asleep(), ahead < -60) << key.x << "," << key.y;
+  }
+}
+
 TEST(DenseMap, WhereTwoPassesComeTogetherAVoxelKeepsOnePoint) {
   DenseMap map = anchored_drive();
   const std::int64_t one = map.size() / 4;
