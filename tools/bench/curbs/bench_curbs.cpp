@@ -30,6 +30,7 @@ struct Arguments {
   int seeds = 10;
   int drive_seeds = 3;
   int turns = 1;
+  ScanLoss loss;
   bool varied = false;
   bool ablation = false;
   std::vector<std::string> assignments;
@@ -203,7 +204,7 @@ std::vector<StreetFigures> bench_street(const Arguments& arguments, double turn)
   Pose T_world_first = Pose::Identity();
   T_world_first.rotate(Eigen::AngleAxisd(turn / 180 * std::numbers::pi, Eigen::Vector3d::UnitZ()));
   const StreetLabels truth = read_street_labels(arguments.data, T_world_first);
-  for (const StreetCloud& cloud : read_street_clouds(arguments.data, T_world_first)) {
+  for (const StreetCloud& cloud : read_street_clouds(arguments.data, T_world_first, arguments.loss)) {
     CloudMap counts;
     const auto tiles = vote_tiles(cloud.points, arguments.options, counts);
     for (const CurbMethod& way : methods(arguments.options, true)) {
@@ -282,6 +283,15 @@ int run_bench_curbs(int argc, char** argv) {
       .shows_default();
   line.option("--turns", arguments.turns, "Ways, through 90 deg, that the street's clouds are laid onto the grid")
       .within(1, 90)
+      .shows_default();
+  line.option("--street-noise", arguments.loss.range_noise, "m of range, 1 sigma, added to the street's clouds")
+      .within(0.0, 1.0)
+      .shows_default();
+  line.option("--street-kept", arguments.loss.kept, "Share of the points that the street's clouds keep")
+      .within(0.01, 1.0)
+      .shows_default();
+  line.option("--street-lasers", arguments.loss.lasers, "One laser in so many that the street's clouds keep")
+      .within(1, 64)
       .shows_default();
   line.flag("--varied", arguments.varied, "Other scenes than the peers': what no parameter was chosen on");
   line.flag("--ablation", arguments.ablation, "The step alone and the vote alone too (on the street always)");

@@ -6,13 +6,14 @@
 
 namespace curbstone {
 
-std::vector<StreetCloud> read_street_clouds(const std::string& folder, const Pose& T_world_first) {
+std::vector<StreetCloud> read_street_clouds(const std::string& folder, const Pose& T_world_first,
+                                            const ScanLoss& loss) {
   constexpr double kBeamSlack = 0.2;  // deg
   std::vector<StreetCloud> clouds{{"merged", {}}, {"frame 0", {}}, {"16 beams", {}}};
   const ScanSet scans = find_scans(folder, folder + "/reference_poses.txt", "");
   for (std::size_t k = 0; k < scans.files.size(); ++k) {
     const Pose T_world_scan = T_world_first * scans.T_first_scan[k];
-    for (const ScanPoint& point : read_scan(scans.files[k])) {
+    for (const ScanPoint& point : worsened(read_scan(scans.files[k]), loss, k)) {
       const Eigen::Vector3d at = point.position.cast<double>();
       const Eigen::Vector3f p = (T_world_scan * at).cast<float>();
       clouds[0].points.push_back(p);
