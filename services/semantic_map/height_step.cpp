@@ -24,8 +24,8 @@ constexpr double kSlopeAlong = 0.05;
 // in flat: farther is lower. So the few centimetres that a scan line is wide look like ground that falls away from the
 // sensor by the beam's own slope, 0.2 to 0.4, and the next line like a step up from there.
 constexpr double kPlaceNoise = 0.04;
-constexpr double kMostMissing =
-    0.5;                          // of a step, put down to noise: two thin sides far apart would leave nothing of it
+// Of a step, put down to that noise: two thin sides far apart would leave nothing of it.
+constexpr double kMostMissing = 0.5;
 constexpr double kOwnLean = 1.2;  // slope of the refined ground about a step, for each m of its height (as measured)
 
 /// Two sums that are kept in step: one instruction adds to both.
