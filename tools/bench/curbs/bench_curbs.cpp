@@ -73,13 +73,16 @@ CloudMap map_of(const std::vector<VotedTile>& tiles, const CloudMapOptions& opti
   return map;
 }
 
-std::vector<CurbFoot> moved(std::vector<CurbFoot> feet, const Pose& T) {
-  for (CurbFoot& foot : feet) {
-    const Eigen::Vector3d at = T * Eigen::Vector3d(foot.at.x, foot.at.y, 0);
-    const Eigen::Vector3d up = T.linear() * Eigen::Vector3d(foot.up.x, foot.up.y, 0);
-    foot = {{at.x(), at.y()}, {up.x(), up.y()}};
+/// With their heights: a sensor that stands on a slope has moved to the side of what it sees on the ground.
+std::vector<CurbLine> moved(std::vector<CurbLine> lines, const Pose& T) {
+  for (CurbLine& line : lines) {
+    for (CurbVertex& v : line.points) {
+      const Eigen::Vector3f at = (T * Eigen::Vector3f(v.x, v.y, v.z).cast<double>()).cast<float>();
+      const Eigen::Vector3f up = T.linear().cast<float>() * Eigen::Vector3f(v.high_side_x, v.high_side_y, 0);
+      v = {.x = at.x(), .y = at.y(), .z = at.z(), .height = v.height, .high_side_x = up.x(), .high_side_y = up.y()};
+    }
   }
-  return feet;
+  return lines;
 }
 
 std::vector<CurbSceneOptions> scenes_of(const Arguments& arguments) {
@@ -117,7 +120,7 @@ std::vector<SceneFigures> bench_scans(const Arguments& arguments) {
       const auto tiles = vote_tiles(scan, arguments.options, counts);
       for (std::size_t k = 0; k < ways.size(); ++k) {
         const CloudMap map = map_of(tiles, ways[k].options);
-        const auto feet = moved(feet_along(map.lines), T_world_lidar);
+        const auto feet = feet_along(moved(map.lines, T_world_lidar));
         figures[first + k].scores.push_back(score_bins(feet, scene, {T_world_lidar.translation()}));
         if (!arguments.pictures.empty() && seed == 1)
           draw(map, {}, fmt::format("{}/scan_{}.png", arguments.pictures, first + k));
@@ -139,7 +142,7 @@ std::vector<SceneFigures> bench_drives(const Arguments& arguments) {
       for (std::size_t k = 0; k < ways.size(); ++k) {
         const CloudMap map = map_of(drive.made.tiles, ways[k].options);
         figures[first + k].scores.push_back(
-            score_bins(moved(feet_along(map.lines), drive.T_world_map), scene, drive.eyes));
+            score_bins(feet_along(moved(map.lines, drive.T_world_map)), scene, drive.eyes));
         if (!arguments.pictures.empty() && seed == 1)
           draw(map, {}, fmt::format("{}/drive_{}.png", arguments.pictures, first + k));
       }
@@ -170,7 +173,7 @@ std::vector<PictureLine> verdict_lines(const StreetLabels& truth, const std::vec
 
 void draw(const CloudMap& map, const JudgedDrive& drive, const Evaluation& evaluation, const std::string& file) {
   const StreetLabels truth{drive.truth.curbs, drive.truth.classes};
-  auto lines = verdict_lines(truth, moved(feet_along(map.lines), evaluation.T_truth_map));
+  auto lines = verdict_lines(truth, feet_along(moved(map.lines, evaluation.T_truth_map)));
   const Pose T_map_truth = evaluation.T_truth_map.inverse();
   for (PictureLine& line : lines) {
     for (Eigen::Vector2d& p : line.points) p = (T_map_truth * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>();

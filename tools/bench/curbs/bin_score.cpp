@@ -39,16 +39,16 @@ BinScore score_bins(const std::vector<CurbFoot>& feet, const CurbScene& scene,
     return false;
   };
   BinScore score;
-  int right = 0, wrong = 0, errors = 0;
+  int right = 0, errors = 0;
   double sum = 0, squares = 0;
   for (int side = 0; side < 2; ++side) {
     for (int bin = 0; bin < kBins; ++bin) {
-      const bool seen = is_seen(bin, side == 0 ? 1 : -1);
+      const bool seen = scene.has_curbs() && is_seen(bin, side == 0 ? 1 : -1);
       score.bins += seen ? 1 : 0;
       const double error = innermost[static_cast<std::size_t>(side)][static_cast<std::size_t>(bin)] - half;
       if (error > 0.5 * kFar) continue;
-      if (std::abs(error) > kRight) {
-        ++wrong;
+      if (std::abs(error) > kRight || !scene.has_curbs()) {
+        ++score.wrong;
       } else if (seen) {
         ++right;
       }
@@ -58,7 +58,7 @@ BinScore score_bins(const std::vector<CurbFoot>& feet, const CurbScene& scene,
       squares += error * error;
     }
   }
-  score.precision = right + wrong > 0 ? static_cast<double>(right) / (right + wrong) : 0;
+  score.precision = right + score.wrong > 0 ? static_cast<double>(right) / (right + score.wrong) : 0;
   score.recall = score.bins > 0 ? static_cast<double>(right) / score.bins : 0;
   score.rmse = errors > 0 ? std::sqrt(squares / errors) : 0;
   score.bias = errors > 0 ? sum / errors : 0;

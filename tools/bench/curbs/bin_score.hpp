@@ -15,6 +15,7 @@ struct BinScore {
   double rmse = 0;  ///< m, across, of the errors below 0.5 m
   double bias = 0;  ///< m, mean of them, positive towards the higher side
   int bins = 0;     ///< whose curb can be seen
+  int wrong = 0;    ///< bins with a detection that is not right
   [[nodiscard]] double f1() const { return precision + recall > 0 ? 2 * precision * recall / (precision + recall) : 0; }
 };
 

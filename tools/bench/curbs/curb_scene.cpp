@@ -12,8 +12,7 @@ namespace {
 constexpr double kBehind = 15.0;  // m of world behind the origin
 constexpr double kAhead = 45.0;
 constexpr double kAside = 20.0;
-constexpr double kPavement = 2.3;  // m
-constexpr double kHouses = 6.5;    // m behind the curb
+constexpr double kHouses = 6.5;  // m behind the curb
 
 /// (s, y) of a point of a road that bends with `curvature` from the origin on.
 Eigen::Vector2d road_frame(double curvature, double x, double y) {
@@ -33,7 +32,9 @@ Ground make_ground(const CurbSceneOptions& o) {
   StreetProfile profile;
   profile.half_width = 0.5 * (o.left + o.right);
   profile.crossfall = o.crossfall;
-  profile.pavement = kPavement;
+  profile.pavement = o.pavement;
+  profile.ramp = std::min(profile.ramp, o.pavement);
+  profile.tufts = o.tufts;
   if (o.height > 0.15) profile.face *= o.height / 0.15;  // no steeper than rays are cast for
   const double reach = std::abs(o.curvature) > 1e-9 ? kAhead : kAside;
   Ground ground(-kBehind, -reach, static_cast<int>((kBehind + kAhead) / Ground::kPitch) + 1,
@@ -127,7 +128,11 @@ std::vector<CurbSceneOptions> varied_scenes() {
           {.name = "10 cm, crossfall 3 %", .height = 0.10, .noise = 0.01, .crossfall = 0.03},
           {.name = "12 cm, bend of 20 m", .height = 0.12, .curvature = 0.05},
           {.name = "12 cm, hedges", .height = 0.12, .hedges = true},
-          {.name = "8 cm, cars, hedges", .height = 0.08, .noise = 0.01, .parked_cars = true, .hedges = true}};
+          {.name = "8 cm, cars, hedges", .height = 0.08, .noise = 0.01, .parked_cars = true, .hedges = true},
+          {.name = "8 cm, grass of 6 cm behind it", .height = 0.08, .pavement = 0.15, .tufts = 0.06},
+          {.name = "no curb, grass of 3 cm", .height = 0, .pavement = 0.15},
+          {.name = "no curb, grass of 6 cm", .height = 0, .pavement = 0.15, .tufts = 0.06},
+          {.name = "no curb, parked cars", .height = 0, .parked_cars = true}};
 }
 
 CurbScene::CurbScene(const CurbSceneOptions& options, std::uint64_t seed)

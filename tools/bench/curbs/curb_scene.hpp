@@ -10,11 +10,11 @@
 
 namespace curbstone {
 
-/// A street with one curb on each side and exact truth. The road runs along x from the origin, or bends with it;
-/// the vehicle stands or drives on the line y = 0 (of the bent road: its own circle).
+/// A street with one curb on each side, or none, and exact truth. The road runs along x from the origin, or bends with
+/// it; the vehicle stands or drives on the line y = 0 (of the bent road: its own circle).
 struct CurbSceneOptions {
   std::string name;
-  double height = 0.15;  ///< m, of both curbs
+  double height = 0.15;  ///< m, of both curbs; 0: the road's edge is flush, and no place is right for a curb
   double noise = 0.02;   ///< m, of one range
   double left = 4.0;     ///< m from the vehicle's line to the foot of the left curb
   double right = 4.0;
@@ -22,6 +22,8 @@ struct CurbSceneOptions {
   double tilt = 0;           ///< slope of everything to the left
   double slope = 0;          ///< slope of everything ahead
   double curvature = 0;      ///< 1/m, positive to the left
+  double pavement = 2.3;     ///< m behind the foot, where grass begins; 0.15 or more
+  double tufts = 0.03;       ///< m, the highest of the grass
   bool parked_cars = false;  ///< along both curbs, with gaps
   bool hedges = false;       ///< 0.5 m behind both curbs
 };
@@ -38,6 +40,7 @@ class CurbScene {
 
   [[nodiscard]] const CurbSceneOptions& options() const { return options_; }
   [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] bool has_curbs() const { return options_.height > 0; }
 
   /// A place on the ground along the road: s m along the vehicle's line, y m to its left.
   [[nodiscard]] Eigen::Vector3d place(double s, double y) const;

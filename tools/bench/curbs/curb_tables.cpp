@@ -39,6 +39,9 @@ double f1_of(const BinScore& s) {
 double rmse_cm(const BinScore& s) {
   return 100 * s.rmse;
 }
+double wrong_bins(const BinScore& s) {
+  return s.wrong;
+}
 double bias_cm(const BinScore& s) {
   return 100 * s.bias;
 }
@@ -94,6 +97,7 @@ nlohmann::json to_json(const std::vector<SceneFigures>& scenes) {
                     {"precision", pair(precision_of)},
                     {"recall", pair(recall_of)},
                     {"f1", pair(f1_of)},
+                    {"wrong_bins", pair(wrong_bins)},
                     {"rmse_cm", pair(rmse_cm)},
                     {"bias_cm", pair(bias_cm)}});
   }
@@ -103,15 +107,17 @@ nlohmann::json to_json(const std::vector<SceneFigures>& scenes) {
 }  // namespace
 
 std::string to_table(const std::string& title, const std::vector<SceneFigures>& scenes) {
-  std::string text = fmt::format("{:<34} {:>11} {:>11} {:>11} {:>9} {:>6}\n", title, "P", "R", "F1", "rmse cm", "bias");
+  std::string text = fmt::format("{:<34} {:>11} {:>11} {:>11} {:>9} {:>6} {:>11}\n", title, "P", "R", "F1", "rmse cm",
+                                 "bias", "wrong bins");
   for (const SceneFigures& scene : scenes) {
     const auto pair = [&](auto get) {
       const MeanAndSpread m = over_seeds(scene.scores, get);
       return fmt::format("{:.3f}+-{:.3f}", m.mean, m.spread);
     };
-    text += fmt::format("  {:<32} {} {} {} {:>4.1f}+-{:.1f} {:>+6.1f}\n", scene.name, pair(precision_of),
+    text += fmt::format("  {:<32} {} {} {} {:>4.1f}+-{:.1f} {:>+6.1f} {:>11.1f}\n", scene.name, pair(precision_of),
                         pair(recall_of), pair(f1_of), over_seeds(scene.scores, rmse_cm).mean,
-                        over_seeds(scene.scores, rmse_cm).spread, over_seeds(scene.scores, bias_cm).mean);
+                        over_seeds(scene.scores, rmse_cm).spread, over_seeds(scene.scores, bias_cm).mean,
+                        over_seeds(scene.scores, wrong_bins).mean);
   }
   return text;
 }

@@ -6,11 +6,11 @@ namespace curbstone {
 
 namespace {
 
-constexpr float kLawnPitch = 0.12F;      // m, size of the tufts
-constexpr float kLawnAmplitude = 0.03F;  // m
-constexpr float kSlope = 0.07F;          // at most, of terrain and crossfall together
-constexpr float kLargestStep = 0.25F;    // m that the ground can rise across curb, ramp and lawn, slopes apart
-constexpr float kTouching = 5e-4F;       // m above the ground at which a ray has arrived
+constexpr float kLawnPitch = 0.12F;    // m, size of the tufts
+constexpr float kTuftSlope = 26.0F;    // at most, for each m that the tufts are high
+constexpr float kSlope = 0.07F;        // at most, of terrain and crossfall together
+constexpr float kLargestStep = 0.25F;  // m that the ground can rise across curb, ramp and lawn, slopes apart
+constexpr float kTouching = 5e-4F;     // m above the ground at which a ray has arrived
 
 float smooth_step(float t) {
   t = std::clamp(t, 0.0F, 1.0F);
@@ -87,7 +87,7 @@ float Ground::lawn(const GroundVertex& node, float x, float y) const {
   const int iu = static_cast<int>(bu), iv = static_cast<int>(bv);
   const float fu = smooth_step(u - bu), fv = smooth_step(v - bv);
   const float value = mix(mix(tuft(iu, iv), tuft(iu + 1, iv), fu), mix(tuft(iu, iv + 1), tuft(iu + 1, iv + 1), fu), fv);
-  return kLawnAmplitude * value * std::min(1.0F, beyond / 0.15F);
+  return static_cast<float>(profile_.tufts) * value * std::min(1.0F, beyond / 0.15F);
 }
 
 Surface Ground::surface_of(const GroundVertex& node) const {
@@ -106,8 +106,12 @@ float Ground::cast(float x, float y, float z, float dx, float dy, float dz, floa
   };
   const auto face = static_cast<float>(profile_.face), ramp = static_cast<float>(profile_.ramp);
   const auto pavement = static_cast<float>(profile_.pavement);
-  const Zone zones[] = {
-      {-1e9F, 0.0F, 0.09F}, {0.0F, face, 14.0F}, {face, ramp, 0.26F}, {ramp, pavement, kSlope}, {pavement, 1e9F, 0.8F}};
+  const auto tufts = static_cast<float>(profile_.tufts);
+  const Zone zones[] = {{-1e9F, 0.0F, 0.09F},
+                        {0.0F, face, 14.0F},
+                        {face, ramp, 0.26F},
+                        {ramp, pavement, kSlope},
+                        {pavement, 1e9F, std::max(0.8F, kTuftSlope * tufts)}};
   const float x_end = static_cast<float>(x_of(width_ - 1)), y_end = static_cast<float>(y_of(height_ - 1));
   const float descent = -dz;
 
@@ -130,8 +134,8 @@ float Ground::cast(float x, float y, float z, float dx, float dy, float dz, floa
     const float to_next = std::min(node.distance - zone.from, zone.to - node.distance) + 2e-3F;
     const bool on_lawn = k == 4;
     float within = 0.0F;
-    if (on_lawn && smooth_gap > 1.5F * kLawnAmplitude) {
-      within = (smooth_gap - kLawnAmplitude) / std::max(1e-3F, descent + kSlope);
+    if (on_lawn && smooth_gap > 1.5F * tufts) {
+      within = (smooth_gap - tufts) / std::max(1e-3F, descent + kSlope);
     } else {
       const float gap = smooth_gap - (on_lawn ? lawn(node, px, py) : 0.0F);
       if (gap < 0) return u - last_step * gap / (gap - last_gap);  // between the last two places

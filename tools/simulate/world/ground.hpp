@@ -33,6 +33,7 @@ struct StreetProfile {
   double ramp = 1.20;           ///< m behind the foot, where the ramp of a dropped kerb ends
   double pavement = 2.30;       ///< m behind the foot, where the gardens begin
   double pavement_fall = 0.02;  ///< towards the road
+  double tufts = 0.03;          ///< m, the highest of the gardens' lawns
 };
 
 /// One node of the ground's raster. All of it is smooth enough to be interpolated.

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tools/bench/curbs/curb_scene.hpp"
@@ -29,6 +30,23 @@ TEST(CurbScene, HasACurbOfItsHeightAtItsFoot) {
     const double high = scene.place(10, options.left + 0.10).z();
     EXPECT_NEAR(high - low, options.height, 0.005) << options.name;
   }
+}
+
+TEST(CurbScene, WithoutACurbIsFlushAtTheRoadsEdgeWhereItsGrassBegins) {
+  const CurbSceneOptions options{.name = "country road", .height = 0, .pavement = 0.15, .tufts = 0.06};
+  const CurbScene scene(options);
+  EXPECT_FALSE(scene.has_curbs());
+  EXPECT_NEAR(scene.place(10, options.left + 0.10).z(), scene.place(10, options.left - 0.01).z(), 0.005);
+  float highest = 0;
+  for (float x = 5; x < 10; x += 0.05F) {
+    const float y = static_cast<float>(options.left) + 1.0F;
+    const Ground& ground = scene.scene().ground();
+    const float tuft = ground.height_at(x, y, true) - ground.height_at(x, y);
+    EXPECT_GE(tuft, 0);
+    highest = std::max(highest, tuft);
+  }
+  EXPECT_GT(highest, 0.04F);
+  EXPECT_LE(highest, 0.06F);
 }
 
 TEST(CurbScene, KnowsWhatParkedCarsHide) {

@@ -43,7 +43,16 @@ TEST(BinScore, TheInnermostDetectionCounts) {
 TEST(BinScore, HalfAMetreOffIsWrongAndNothingIsNothing) {
   const CurbScene scene({.name = "street"});
   EXPECT_EQ(score_bins(both_sides(scene, 0.4), scene, {kEye}).precision, 0);
+  EXPECT_EQ(score_bins(both_sides(scene, 0.4), scene, {kEye}).wrong, 80);
   EXPECT_EQ(score_bins({}, scene, {kEye}).f1(), 0);
+}
+
+TEST(BinScore, WhereThereIsNoCurbAllThatIsFoundIsWrong) {
+  const CurbScene scene({.name = "country road", .height = 0, .pavement = 0.15});
+  const BinScore score = score_bins(both_sides(scene, 0), scene, {kEye});
+  EXPECT_EQ(score.bins, 0);
+  EXPECT_EQ(score.wrong, 80);
+  EXPECT_EQ(score_bins({}, scene, {kEye}).wrong, 0);
 }
 
 TEST(CurbFeet, AreNoFartherApartThanAsked) {
