@@ -26,6 +26,9 @@ constexpr double kSlopeAlong = 0.05;
 constexpr double kPlaceNoise = 0.04;
 // Of a step, put down to that noise: two thin sides far apart would leave nothing of it.
 constexpr double kMostMissing = 0.5;
+// Of a step, what is there with no slope at all. The ground's own lean (below) takes up to half, over the 0.4 m from
+// one side to the other; where less is left, noise within lines that run aslant makes both sides fall.
+constexpr double kMinLevel = 0.5;
 constexpr double kOwnLean = 1.2;  // slope of the refined ground about a step, for each m of its height (as measured)
 
 /// Two sums that are kept in step: one instruction adds to both.
@@ -153,7 +156,7 @@ struct SideSums {
 
 /// What the fits at all places say; `spread` is the smaller variance of u of the two sides.
 struct StepFits {
-  Places spread, height, full_height, rss, scale, slope_u, slope_t, low_z, n;
+  Places level, spread, height, full_height, rss, scale, slope_u, slope_t, low_z, n;
 };
 
 /// Two half-planes at each place. What the slope against the ground's may be is known beforehand: little along the
@@ -196,6 +199,7 @@ void fit_sides(const SideSums& low, const SideSums& high, double noise, StepFits
     fits.slope_u[k] = slope_u;
     fits.slope_t[k] = slope_t;
     fits.rss[k] = zz - (slope_u * uz + slope_t * tz);
+    fits.level[k] = hz - lz;
     fits.height[k] = hz - lz - (slope_u * apart_u + slope_t * apart_t);
     // The heights are above ground that climbs the step within about a metre: against it both sides fall, and as much
     // of that as was put down to noise is missing in the step.
@@ -212,6 +216,7 @@ HeightStep step_of(const StepFits& fits, std::size_t k) {
   HeightStep step;
   step.at = place(static_cast<int>(k));
   step.height = fits.height[k];
+  step.level = fits.level[k];
   step.full_height = fits.full_height[k];
   step.roughness = std::sqrt(std::max(0.0, fits.rss[k]) / (fits.n[k] - 4) + kNoiseFloor * kNoiseFloor);
   step.sigma = step.roughness * std::sqrt(fits.scale[k]);
@@ -265,6 +270,10 @@ void StepWindow::add(double at_u, double at_t, double at_z, bool is_ground) {
   t.push_back(at_t);
   z.push_back(at_z);
   unfit.push_back(is_ground ? 0 : kUnfit);
+}
+
+bool HeightStep::falls() const {
+  return level < kMinLevel * height;
 }
 
 std::optional<HeightStep> find_height_step(const StepWindow& points, double noise, const CurbParameters& parameters) {

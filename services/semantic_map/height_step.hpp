@@ -28,11 +28,15 @@ struct StepWindow {
 struct HeightStep {
   double at = 0;                                    ///< m in u: where the step is
   double height = 0;                                ///< m, at least: what sides that hardly lean ask for
+  double level = 0;                                 ///< m, by which the two sides' means differ: with no slope at all
   double full_height = 0;                           ///< m, most likely: one to two times that
   double sigma = 0;                                 ///< m, of `height`, from the residual noise of the data
   double roughness = 0;                             ///< m, residual RMS of the points about their half-planes
   double low_z = 0;                                 ///< m, of the low side at (at, t = 0)
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< of both sides, in u and t
+
+  /// Whether most of it is there only because both sides are taken to fall.
+  [[nodiscard]] bool falls() const;
 };
 
 /// What the points about a step say besides.

@@ -100,6 +100,27 @@ TEST(CurbFilter, StepsThatGoOnAlongTheirOwnDirectionWinOverMoreCertainOnesAslant
   }
 }
 
+/// A certain line along y = 1.5, and steps that only fall beside every third of its places.
+TEST(CurbFilter, WhatOnlyFallsIsNoCurbAndWhereItIsMoreCertainNothingElseIs) {
+  for (const double score : {5.0, 60.0}) {
+    std::vector<CurbCandidate> candidates;
+    for (int k = 0; k < 24; ++k) {
+      candidates.push_back(step_at(0.06 + 0.12 * k, 1.5, kUpwards, 12));
+      if (k % 3 != 0) continue;
+      candidates.push_back(step_at(0.06 + 0.12 * k, 1.7, kUpwards, score));
+      candidates.back().falls = true;
+    }
+    Around<std::vector<CurbCandidate>> around;
+    around.set(0, 0, &candidates);
+    const std::vector<CurbPoint> points = filter_curbs(around, {});
+    for (const CurbPoint& p : points) EXPECT_NEAR(p.foot.y(), 1.5, 1e-9);
+    if (score < 12)
+      EXPECT_EQ(points.size(), 24U);
+    else
+      EXPECT_LT(points.size(), 20U);
+  }
+}
+
 /// A kerb along y = 1.5 m of which all in the tile is lowered; `raised`: what goes on to its left and right is not.
 std::vector<CurbPoint> filtered_lowered_kerb(bool raised, double wave) {
   std::vector<CurbCandidate> tiles[3];

@@ -97,6 +97,45 @@ TEST(HeightStep, IsNotMadeOfTheRangeNoiseWithinScanLines) {
   EXPECT_LT(step->height, 0.01);
 }
 
+/// Farther out, where it takes a long window to see two sides at all: each side is one line that runs aslant through
+/// it.
+TEST(HeightStep, SaysThatItIsOnlyThereBecauseItsSidesFall) {
+  constexpr double kBeamSlope = 0.14;
+  constexpr double kApart = 0.4;
+  constexpr double kAslant = 0.18;
+  int high = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random{seed};
+    std::normal_distribution<double> range_noise{0, 0.04};
+    std::normal_distribution<double> other_noise{0, 0.003};
+    StepWindow points;
+    points.half_length = 1.0;
+    for (double t = -1.0; t < 1.0; t += 0.04) {
+      for (const double side : {-0.5, 0.5}) {
+        const double away = range_noise(random);
+        points.add(side * kApart + kAslant * t + away, t, -kBeamSlope * away + other_noise(random));
+      }
+    }
+    const auto step = find_height_step(points, kNoise, {});
+    if (!step || step->height < 0.015) continue;
+    ++high;
+    EXPECT_TRUE(step->falls());
+  }
+  EXPECT_GT(high, 5);
+}
+
+/// The refined ground climbs a step within about a metre: against it both sides fall.
+TEST(HeightStep, OfACurbDoesNotOnlyFallThoughTheGroundLeansAgainstIt) {
+  for (const double height : {0.05, 0.10, 0.15}) {
+    StepGround ground;
+    const auto leaning = [&](double u, double /*t*/) { return (u > 0 ? height : 0.0) - 1.2 * height * u; };
+    const auto step = find_height_step(ground.even(300, leaning).points, kNoise, {});
+    ASSERT_TRUE(step);
+    EXPECT_NEAR(step->full_height, height, 0.1 * height);
+    EXPECT_FALSE(step->falls());
+  }
+}
+
 TEST(HeightStep, IsReportedNeitherLowerThanItIsCertainToBeNorAboveTwiceThat) {
   std::mt19937 random{1};
   std::uniform_real_distribution<double> place{-0.5, 0.5};
