@@ -3,7 +3,11 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 get_property(programs GLOBAL PROPERTY CURBSTONE_PROGRAMS)
-add_custom_target(programs DEPENDS ${programs})  # without the tests: what the demo needs
+# All that is installed, and no tests: what a vehicle and the demo need.
+add_custom_target(programs DEPENDS ${programs} lcmtypes_headers procman_lcmtypes_headers)
+if(TARGET lcmtypes_jar)
+  add_dependencies(programs lcmtypes_jar)
+endif()
 if(programs)
   install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
