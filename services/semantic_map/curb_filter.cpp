@@ -165,13 +165,12 @@ std::vector<CurbPoint> filter_curbs(const Around<std::vector<CurbCandidate>>& ca
   std::vector<Placed> weak;
   const std::vector<Placed> all = place_all(candidates);
   for (const Placed& p : all) {
-    if (!is_ghost(p, all)) (p.candidate->weak ? weak : strong).push_back(p);
+    // What falls is only somebody's rival: where noise is the best explanation there is no curb.
+    if (!p.candidate->falls && !is_ghost(p, all)) (p.candidate->weak ? weak : strong).push_back(p);
   }
-  // What falls has competed until here, and is no line's: ground where the best explanation is noise has no curb.
-  std::erase_if(weak, [](const Placed& p) { return p.candidate->falls; });
   std::vector<Placed> on_line;
   for (const Placed& p : strong) {
-    if (!p.candidate->falls && is_on_line(p, strong, parameters)) on_line.push_back(p);
+    if (is_on_line(p, strong, parameters)) on_line.push_back(p);
   }
   std::vector<Placed> kept;
   for (const Placed& p : on_line) {

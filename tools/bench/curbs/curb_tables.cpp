@@ -114,10 +114,16 @@ std::string to_table(const std::string& title, const std::vector<SceneFigures>& 
       const MeanAndSpread m = over_seeds(scene.scores, get);
       return fmt::format("{:.3f}+-{:.3f}", m.mean, m.spread);
     };
+    const bool has_curbs =
+        std::any_of(scene.scores.begin(), scene.scores.end(), [](const auto& s) { return s.bins > 0; });
+    const double wrong = over_seeds(scene.scores, wrong_bins).mean;
+    if (!has_curbs) {
+      text += fmt::format("  {:<85} {:>11.1f}\n", scene.name, wrong);
+      continue;
+    }
     text += fmt::format("  {:<32} {} {} {} {:>4.1f}+-{:.1f} {:>+6.1f} {:>11.1f}\n", scene.name, pair(precision_of),
                         pair(recall_of), pair(f1_of), over_seeds(scene.scores, rmse_cm).mean,
-                        over_seeds(scene.scores, rmse_cm).spread, over_seeds(scene.scores, bias_cm).mean,
-                        over_seeds(scene.scores, wrong_bins).mean);
+                        over_seeds(scene.scores, rmse_cm).spread, over_seeds(scene.scores, bias_cm).mean, wrong);
   }
   return text;
 }
