@@ -82,8 +82,8 @@ CurbCandidate candidate_of(const FoundStep& found, const TiltedCell& cell, const
   candidate.lean = found.riser.lean;
   candidate.reach = found.half_length;
   candidate.score = found.step.height / found.step.sigma;
-  candidate.falls = found.step.falls();
   candidate.weak = found.step.height < parameters.min_step;
+  candidate.falls = !candidate.weak && found.step.falls();
   return candidate;
 }
 
