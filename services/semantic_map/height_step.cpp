@@ -27,8 +27,8 @@ constexpr double kPlaceNoise = 0.04;
 // Of a step, put down to that noise: two thin sides far apart would leave nothing of it.
 constexpr double kMostMissing = 0.5;
 // Of a step, what is there with no slope at all. The ground's own lean (below) takes up to half, over the 0.4 m from
-// one side to the other, and noise a little more. The noise within lines that run aslant makes both sides fall, and of a
-// step that it made a tenth is left.
+// one side to the other, and noise a little more. The noise within lines that run aslant makes both sides fall, and of
+// a step that it made a tenth is left.
 constexpr double kMinLevel = 0.4;
 constexpr double kOwnLean = 1.2;  // slope of the refined ground about a step, for each m of its height (as measured)
 
