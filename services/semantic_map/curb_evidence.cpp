@@ -83,7 +83,7 @@ CurbCandidate candidate_of(const FoundStep& found, const TiltedCell& cell, const
   candidate.reach = found.half_length;
   candidate.score = found.step.height / found.step.sigma;
   candidate.weak = found.step.height < parameters.min_step;
-  candidate.falls = !candidate.weak && found.step.falls();
+  candidate.falls = found.step.falls();
   return candidate;
 }
 

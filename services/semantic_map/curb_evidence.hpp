@@ -19,7 +19,7 @@ struct CurbCandidate {
   RiserLean lean;                                 ///< of what is seen of it
   double reach = 0;                               ///< m along the curb, on each side, that the evidence is from
   double score = 0;                               ///< the step in units of its noise
-  bool falls = false;  ///< as HeightStep says: no curb, but what is there instead; not if weak
+  bool falls = false;  ///< as HeightStep says; unless weak it is no curb, but what is there instead
   bool weak = false;   ///< only counts where a line of others goes on
   bool operator==(const CurbCandidate&) const = default;
 };

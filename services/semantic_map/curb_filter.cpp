@@ -165,8 +165,10 @@ std::vector<CurbPoint> filter_curbs(const Around<std::vector<CurbCandidate>>& ca
   std::vector<Placed> weak;
   const std::vector<Placed> all = place_all(candidates);
   for (const Placed& p : all) {
-    // What falls is only somebody's rival: where noise is the best explanation there is no curb.
-    if (!p.candidate->falls && !is_ghost(p, all)) (p.candidate->weak ? weak : strong).push_back(p);
+    // What falls is only somebody's rival: where noise is the best explanation there is no curb. Low steps need a line
+    // that they go on from, and a lowered kerb is a lip at the foot of a ramp.
+    if (p.candidate->falls && !p.candidate->weak) continue;
+    if (!is_ghost(p, all)) (p.candidate->weak ? weak : strong).push_back(p);
   }
   std::vector<Placed> on_line;
   for (const Placed& p : strong) {

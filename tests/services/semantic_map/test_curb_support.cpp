@@ -121,7 +121,8 @@ TEST(CurbFilter, WhatOnlyFallsIsNoCurbAndWhereItIsMoreCertainNothingElseIs) {
   }
 }
 
-/// A kerb along y = 1.5 m of which all in the tile is lowered; `raised`: what goes on to its left and right is not.
+/// A kerb along y = 1.5 m of which all in the tile is lowered, a lip that falls with the ramp behind it; `raised`: what
+/// goes on to its left and right is not.
 std::vector<CurbPoint> filtered_lowered_kerb(bool raised, double wave) {
   std::vector<CurbCandidate> tiles[3];
   for (std::size_t k = 0; k < 3; ++k) {
@@ -130,6 +131,7 @@ std::vector<CurbPoint> filtered_lowered_kerb(bool raised, double wave) {
       const double score = k == 1 ? 6 : 15;
       tiles[k].push_back(step_at(x, 1.5 + wave * std::sin(40 * x), kUpwards, score));
       tiles[k].back().weak = k == 1;
+      tiles[k].back().falls = k == 1;
       tiles[k].back().reach = 0.25;
     }
   }

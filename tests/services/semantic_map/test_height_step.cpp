@@ -75,48 +75,42 @@ TEST(HeightStep, OfALayerThatEndsDoesNotPartTheTwoSides) {
   EXPECT_LT(look_at_sides(ground.points, *layers, {}).clear, 0.4 * layers->height);
 }
 
-/// Two scan lines on even ground, 0.3 m apart and aslant through the window. Range noise moves their points along beams
-/// that fall by 0.2 m each metre: as if the ground fell so within each line, and stepped up to the next.
-TEST(HeightStep, IsNotMadeOfTheRangeNoiseWithinScanLines) {
-  constexpr double kBeamSlope = 0.2;
-  constexpr double kApart = 0.3;
-  constexpr double kAslant = 0.24;
-  std::mt19937 random{1};
-  std::normal_distribution<double> range_noise{0, 0.02};
-  std::normal_distribution<double> other_noise{0, 0.003};
-  StepWindow points;
-  points.half_length = 0.5;
-  for (double t = -0.5; t < 0.5; t += 0.02) {
-    for (const double side : {-0.5, 0.5}) {
-      const double away = range_noise(random);
-      points.add(side * kApart + kAslant * t + away, t, -kBeamSlope * away + other_noise(random));
+/// Two scan lines on even ground that run aslant through the window. Range noise moves their points along beams that
+/// fall: as if the ground fell so within each line, and stepped up to the next.
+struct AslantLines {
+  double beam_slope, apart, aslant, half_length, range_noise;
+
+  [[nodiscard]] StepWindow seen(unsigned seed) const {
+    std::mt19937 random{seed};
+    std::normal_distribution<double> along_beam{0, range_noise};
+    std::normal_distribution<double> other_noise{0, 0.003};
+    StepWindow points;
+    points.half_length = half_length;
+    for (double t = -half_length; t < half_length; t += 0.04 * half_length) {
+      for (const double side : {-0.5, 0.5}) {
+        const double away = along_beam(random);
+        points.add(side * apart + aslant * t + away, t, -beam_slope * away + other_noise(random));
+      }
     }
+    return points;
   }
-  const auto step = find_height_step(points, kNoise, {});
+};
+
+TEST(HeightStep, IsNotMadeOfTheRangeNoiseWithinScanLines) {
+  constexpr AslantLines kLines{
+      .beam_slope = 0.2, .apart = 0.3, .aslant = 0.24, .half_length = 0.5, .range_noise = 0.02};
+  const auto step = find_height_step(kLines.seen(1), kNoise, {});
   ASSERT_TRUE(step);
   EXPECT_LT(step->height, 0.01);
 }
 
-/// Farther out, where it takes a long window to see two sides at all: each side is one line that runs aslant through
-/// it.
+/// Farther out, where it takes a long window to see two sides at all.
 TEST(HeightStep, SaysThatItIsOnlyThereBecauseItsSidesFall) {
-  constexpr double kBeamSlope = 0.14;
-  constexpr double kApart = 0.4;
-  constexpr double kAslant = 0.18;
+  constexpr AslantLines kLines{
+      .beam_slope = 0.14, .apart = 0.4, .aslant = 0.18, .half_length = 1.0, .range_noise = 0.04};
   int high = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
-    std::mt19937 random{seed};
-    std::normal_distribution<double> range_noise{0, 0.04};
-    std::normal_distribution<double> other_noise{0, 0.003};
-    StepWindow points;
-    points.half_length = 1.0;
-    for (double t = -1.0; t < 1.0; t += 0.04) {
-      for (const double side : {-0.5, 0.5}) {
-        const double away = range_noise(random);
-        points.add(side * kApart + kAslant * t + away, t, -kBeamSlope * away + other_noise(random));
-      }
-    }
-    const auto step = find_height_step(points, kNoise, {});
+    const auto step = find_height_step(kLines.seen(seed), kNoise, {});
     if (!step || step->height < 0.015) continue;
     ++high;
     EXPECT_TRUE(step->falls());
