@@ -3,11 +3,14 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 get_property(programs GLOBAL PROPERTY CURBSTONE_PROGRAMS)
-# All that is installed, and no tests: what a vehicle and the demo need.
+# All that is installed, and no tests: what a vehicle needs.
 add_custom_target(programs DEPENDS ${programs} lcmtypes_headers procman_lcmtypes_headers)
 if(TARGET lcmtypes_jar)
   add_dependencies(programs lcmtypes_jar)
 endif()
+# What scripts/demo runs, and nothing else: a third less to compile, and nothing of PCL.
+add_custom_target(demo DEPENDS curbstone curbstone-deputy curbstone-rslidar curbstone-imu curbstone-encoder
+  curbstone-ekf curbstone-mapper curbstone-tensor-voting curbstone-semantic-map curbstone-recorder)
 if(programs)
   install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
@@ -23,5 +26,9 @@ install(FILES ${PROJECT_BINARY_DIR}/curbstoneConfig.cmake ${PROJECT_BINARY_DIR}/
 file(RELATIVE_PATH CURBSTONE_PC_PREFIX /x/${CMAKE_INSTALL_LIBDIR}/pkgconfig /x)
 configure_file(${PROJECT_SOURCE_DIR}/cmake/curbstone-lcmtypes.pc.in ${PROJECT_BINARY_DIR}/curbstone-lcmtypes.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/curbstone-lcmtypes.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/config/ DESTINATION share/curbstone/config)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/config/ DESTINATION share/curbstone/config
+  PATTERN "*.hpp" EXCLUDE PATTERN CMakeLists.txt EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/procman/ DESTINATION share/curbstone/procman FILES_MATCHING PATTERN "*.cfg")
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/curbstone)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION share/doc/curbstone FILES_MATCHING PATTERN "*.md"
+  PATTERN benchmarks EXCLUDE PATTERN images EXCLUDE)

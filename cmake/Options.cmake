@@ -10,6 +10,9 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 
 add_library(curbstone_options INTERFACE)
 target_compile_features(curbstone_options INTERFACE cxx_std_20)
+# Everywhere alike, as LCM and GoogleTest ask for it: precompiled headers are for one set of macros.
+target_compile_options(curbstone_options INTERFACE -pthread)
+target_link_options(curbstone_options INTERFACE -pthread)
 target_compile_options(curbstone_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wcast-align -Woverloaded-virtual
   -Wnon-virtual-dtor -Wdouble-promotion -Wformat=2
@@ -28,20 +31,3 @@ if(CURBSTONE_SANITIZE)
     target_compile_options(curbstone_options INTERFACE -fno-sanitize-recover=undefined)
   endif()
 endif()
-
-# curbstone_library(NAME sources...): a static library of the project, in namespace curbstone::, include root = source root.
-function(curbstone_library name)
-  add_library(${name} STATIC ${ARGN})
-  add_library(curbstone::${name} ALIAS ${name})
-  target_include_directories(${name} PUBLIC
-    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/curbstone>)
-  target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:curbstone_options>)
-  set_property(GLOBAL APPEND PROPERTY CURBSTONE_LIBRARIES ${name})
-endfunction()
-
-# curbstone_program(NAME sources...): builds bin/<name>, installed.
-function(curbstone_program name)
-  add_executable(${name} ${ARGN})
-  target_link_libraries(${name} PRIVATE curbstone_options)
-  set_property(GLOBAL APPEND PROPERTY CURBSTONE_PROGRAMS ${name})
-endfunction()

@@ -1,4 +1,4 @@
-# CURBSTONE_VERSION_TEXT: "0.1.0+<git commit>", what SERVICE_STATUS and --version say.
+# CURBSTONE_VERSION_TEXT: "<version>+<git commit>", what SERVICE_STATUS and --version say.
 find_package(Git QUIET)
 set(CURBSTONE_GIT_COMMIT "unknown")
 if(GIT_FOUND)

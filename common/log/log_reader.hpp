@@ -11,12 +11,12 @@ namespace curbstone {
 
 /// One message of a log.
 struct LogEvent {
-  std::int64_t log_utime = 0;  ///< when the logger received it
+  std::int64_t log_utime = 0;  ///< us since the Unix epoch, when the logger received it
   std::string channel;
   std::vector<std::uint8_t> bytes;
 };
 
-/// Reads an `lcm-logger` log from begin to end.
+/// Reads an `lcm-logger` log from beginning to end. Format: lcm/lcm/eventlog.c. One thread.
 class LogReader {
  public:
   /// Throws std::runtime_error with one clear line: the file is missing, unreadable, or no LCM log.
@@ -25,10 +25,10 @@ class LogReader {
   LogReader(const LogReader&) = delete;
   LogReader& operator=(const LogReader&) = delete;
 
-  /// The next event; nothing at the end. A log cut off in mid-event ends there: see truncated().
+  /// The next event; nothing at the end. A log that was cut off inside an event ends there: see truncated().
   [[nodiscard]] std::optional<LogEvent> next();
   [[nodiscard]] bool truncated() const { return truncated_; }
-  /// 0..1 of the file read so far.
+  /// The part of the file read so far, 0..1.
   [[nodiscard]] double progress() const;
 
  private:

@@ -7,8 +7,8 @@ typedef struct _lcm_eventlog_t lcm_eventlog_t;
 
 namespace curbstone {
 
-/// Writes an LCM log as lcm-logger does. Where the time of a record is the message's own, the log depends on its messages
-/// alone.
+/// Writes an LCM log as lcm-logger does. With the messages' own times as the records' times, the file is a function of
+/// the messages alone. One thread.
 class LogWriter {
  public:
   /// Throws std::runtime_error when the file cannot be written.
@@ -17,9 +17,10 @@ class LogWriter {
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
 
-  /// With `log_utime` 0 the record's time is the message's (its first field). Throws when the disk is full.
+  /// `log_utime`: us since the Unix epoch; with 0 it is the message's own time, its first field. Throws
+  /// std::runtime_error when the disk is full.
   void write(const std::string& channel, const void* data, int size, std::int64_t log_utime = 0);
-  /// Hands what was written to the kernel. Throws when the disk is full.
+  /// Hands what was written to the kernel. Throws std::runtime_error when the disk is full.
   void flush();
   [[nodiscard]] std::int64_t bytes() const { return bytes_; }
 

@@ -5,28 +5,28 @@
 #include <cstdint>
 #include <optional>
 #include <queue>
+#include <span>
 #include <vector>
 
+#include "common/bytes/big_endian.hpp"
 #include "common/log/log_reader.hpp"
 
 namespace curbstone {
 
-/// When the measurement of an encoded message was taken: its first field, as in every type of ours. 0 if it is too
-/// short.
+/// The utime of an encoded message: its first field, as in every type of package curbstone. us since the Unix epoch. 0
+/// if the message is too short. For logs of any types; where the type is known, decode() it.
 [[nodiscard]] inline std::int64_t message_time(const void* data, std::size_t size) {
   if (size < 16) return 0;
-  const auto* bytes = static_cast<const std::uint8_t*>(data);
-  std::uint64_t utime = 0;
-  for (std::size_t i = 8; i < 16; ++i) utime = (utime << 8) | bytes[i];  // after the 8-byte fingerprint, big-endian
-  return static_cast<std::int64_t>(utime);
+  const std::span<const std::uint8_t> bytes(static_cast<const std::uint8_t*>(data), size);
+  return static_cast<std::int64_t>(read_big_endian<std::uint64_t>(bytes.subspan(8)));  // after the fingerprint
 }
 [[nodiscard]] inline std::int64_t message_time(const LogEvent& event) {
   return message_time(event.bytes.data(), event.bytes.size());
 }
 
-/// Puts the events of a log into the order of their message times. Logged order differs from it by no more than the
-/// sensors' latencies, so a short window is enough; what is later than that keeps its logged place. Equal times keep
-/// their logged order: the result is a function of the log alone.
+/// Sorts the events of a log by message time. The logged order differs from it by no more than the sensors' latencies.
+/// So a short window is enough. An event that is later than the window keeps its logged place. Equal times keep their
+/// logged order: the result is a function of the log alone.
 class MessageOrder {
  public:
   explicit MessageOrder(std::int64_t window_us = 200'000) : window_us_(window_us) {}
@@ -36,7 +36,7 @@ class MessageOrder {
     newest_ = std::max(newest_, event.log_utime);
     waiting_.push({time, sequence_++, std::move(event)});
   }
-  /// The next event that nothing newer in the log can precede; with `drain`, whatever is left.
+  /// The next event that no later one of the log can precede. With `drain`, the next of those left.
   [[nodiscard]] std::optional<LogEvent> pop(bool drain) {
     if (waiting_.empty()) return std::nullopt;
     if (!drain && waiting_.top().event.log_utime + window_us_ > newest_) return std::nullopt;

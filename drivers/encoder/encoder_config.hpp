@@ -2,13 +2,19 @@
 
 #include <string>
 
-#include "common/config.hpp"
+#include "common/config/config.hpp"
 
-namespace curbstone {
+namespace curbstone::encoder {
+
+/// How the CAN bus is reached.
+enum class CanInterface {
+  kSlcan,      ///< a serial adapter that speaks SLCAN
+  kSocketCan,  ///< the kernel's CAN
+};
 
 /// The `encoder:` section of a vehicle's file.
 struct EncoderConfig {
-  std::string interface = "slcan";      ///< slcan: a serial adapter; socketcan: the kernel's CAN
+  CanInterface interface = CanInterface::kSlcan;
   std::string device = "/dev/ttyACM0";  ///< serial port, or network interface ("can0")
   int baud = 115200;                    ///< of the serial port
   int bitrate = 500;                    ///< kbit/s of the CAN bus, for slcan; socketcan's is set by `ip link`
@@ -24,7 +30,8 @@ struct EncoderConfig {
   double silence = 0.5;   ///< s without positions after which it is a fault, and the drive is set up again
 
   void visit(ConfigVisitor& v) {
-    v.choice("interface", interface, {"slcan", "socketcan"}, "slcan: a serial adapter; socketcan: the kernel's CAN");
+    v.choice("interface", interface, {{"slcan", CanInterface::kSlcan}, {"socketcan", CanInterface::kSocketCan}},
+             "slcan: a serial adapter; socketcan: the kernel's CAN");
     v.field("device", device, "serial port (/dev/ttyACM0), or network interface (can0)");
     v.field("baud", baud, {9600, 2000000}, "of the serial port, for slcan; a USB adapter ignores it");
     v.field("bitrate", bitrate, {10, 1000}, "kbit/s of the CAN bus, for slcan; socketcan's is set by `ip link`");
@@ -42,4 +49,4 @@ struct EncoderConfig {
   }
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::encoder

@@ -5,17 +5,19 @@
 #include <cmath>
 #include <utility>
 
-namespace curbstone {
+#include "common/time/microseconds.hpp"
+
+namespace curbstone::encoder {
 
 namespace {
 
-WheelDrive::Settings drive_settings(const EncoderConfig& config) {
-  WheelDrive::Settings settings;
+canopen::WheelDrive::Settings drive_settings(const EncoderConfig& config) {
+  canopen::WheelDrive::Settings settings;
   settings.node = static_cast<std::uint8_t>(config.node);
   settings.configure = config.configure;
   settings.period = std::int64_t{config.period} * 1000;
   settings.event_timer_unit = std::llround(config.event_timer_unit * 1e3);
-  settings.patience = std::llround(config.silence * 1e6);
+  settings.patience = microseconds(config.silence);
   return settings;
 }
 
@@ -38,7 +40,7 @@ EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
       odometer_(odometer_settings(config)),
       clock_(std::int64_t{config.period} * 1000) {}
 
-void EncoderNode::on_frame(std::int64_t receive_utime, const CanFrame& frame) {
+void EncoderNode::on_frame(std::int64_t receive_utime, const can::CanFrame& frame) {
   counters_.add("frames");
   drive_.on_frame(receive_utime, frame);
 }
@@ -120,7 +122,7 @@ NodeReport EncoderNode::report() const {
     report.faults.push_back(fmt::format("no positions from the drive for {:.0f} s", silent));
   if (!drive_.fault().empty()) report.faults.push_back(drive_.fault());
   for (std::size_t i = 0; i < 2; ++i) {
-    if (const auto text = fault_text(drive_.status().faults[i]); !text.empty()) {
+    if (const auto text = canopen::fault_text(drive_.status().faults[i]); !text.empty()) {
       report.faults.push_back(fmt::format("drive, {} wheel: {}", i == 0 ? "left" : "right", text));
     }
   }
@@ -139,4 +141,4 @@ NodeReport EncoderNode::report() const {
   return report;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::encoder

@@ -6,39 +6,39 @@
 #include <functional>
 #include <string>
 
-#include "common/latency.hpp"
-#include "common/node.hpp"
-#include "common/settling_start.hpp"
-#include "drivers/encoder/can_frame.hpp"
+#include "common/bus/node.hpp"
+#include "common/shell/latency.hpp"
+#include "common/time/settling_start.hpp"
+#include "drivers/encoder/can/can_frame.hpp"
+#include "drivers/encoder/canopen/wheel_drive.hpp"
 #include "drivers/encoder/encoder_config.hpp"
 #include "drivers/encoder/period_clock.hpp"
 #include "drivers/encoder/wheel_counter.hpp"
-#include "drivers/encoder/wheel_drive.hpp"
 
-namespace curbstone {
+namespace curbstone::encoder {
 
-/// CAN frames of a two-wheel drive in, from whatever source, WHEELS out. No socket and no clock: frames come with the
-/// time of their receipt, frames to the drive leave through `send`.
+/// CAN frames of a two-wheel drive in, from any source, WHEELS out. It has no socket and no clock: frames come with
+/// their time of receipt (us since the Unix epoch), and frames to the drive leave through `send`. One thread.
 ///
-/// Stamps are those of PeriodClock: even, as the drive samples, not as frames arrive. They strictly increase, unless
-/// somebody sets the host's clock back. Samples of the first 0.1 s go out at its end: see SettlingStart.
+/// PeriodClock makes the stamps: evenly spaced as the drive samples, not as frames arrive. They strictly increase,
+/// unless the host's clock is set back. Samples of the first 0.1 s go out at its end: see SettlingStart.
 class EncoderNode final : public Node {
  public:
-  using Send = std::function<void(const CanFrame&)>;
+  using Send = std::function<void(const can::CanFrame&)>;
 
   EncoderNode(
-      const EncoderConfig& config, Publisher& bus, Send send = [](const CanFrame&) {});
+      const EncoderConfig& config, Publisher& bus, Send send = [](const can::CanFrame&) {});
 
   void connect(Subscriber&) override {}
-  void on_frame(std::int64_t receive_utime, const CanFrame& frame);
-  /// Frames can be sent from now on (assumed at first); or the adapter or interface is not ready, or has vanished:
-  /// `why`. The drive is set up at each `up`.
+  void on_frame(std::int64_t receive_utime, const can::CanFrame& frame);
+  /// `up`: frames can be sent from this time on (assumed at first). The drive is set up then. Otherwise the adapter or
+  /// interface is not ready or has vanished, and `why` says so in a line.
   void on_link(std::int64_t now, bool up, const std::string& why);
   void tick(std::int64_t now) override;
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
 
-  /// Something else to say in report(): the source's counters and faults.
+  /// Called by report(), to add the counters and faults of the link.
   void add_report(std::function<void(NodeReport&)> add) { add_report_ = std::move(add); }
 
  private:
@@ -47,7 +47,7 @@ class EncoderNode final : public Node {
 
   EncoderConfig config_;
   Publisher& bus_;
-  WheelDrive drive_;
+  canopen::WheelDrive drive_;
   WheelCounter odometer_;
   PeriodClock clock_;
   SettlingStart<wheels_t> start_;
@@ -61,4 +61,4 @@ class EncoderNode final : public Node {
   Counters counters_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::encoder

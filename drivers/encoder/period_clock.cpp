@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace curbstone {
+namespace curbstone::encoder {
 
 namespace {
 constexpr std::int64_t kWindow = 3'000'000;  // us, of the offset: longer than two times kSettle periods
@@ -92,4 +92,4 @@ void PeriodClock::measure_period(std::int64_t received) {
   running_ = false;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::encoder

@@ -4,19 +4,20 @@
 #include <functional>
 #include <optional>
 
-#include "common/clock_offset.hpp"
+#include "common/time/clock_offset.hpp"
 
-namespace curbstone {
+namespace curbstone::encoder {
 
-/// Stamps samples that carry no time but are taken with a known period, from the times at which they arrive: late by a
-/// varying delay, sometimes several at once after a pause, now and then one missing.
+/// Stamps samples that carry no time but are taken with a known period, from their times of arrival. These are late by
+/// a varying delay. Several samples may arrive at once after a pause, and single ones may be missing.
 ///
-/// The k-th sample was taken at offset + k * period; the offset is that of the least delayed sample (ClockOffset). What
-/// must be guessed is k: after a pause, were samples lost, or are they only late? The caller's evidence decides (wheels
-/// do not double their speed from one sample to the next); without evidence they count as late, and as many as may have
-/// been lost are remembered. If no sample makes the lateness good within kSettle, the stamps follow it as far as that,
-/// but it is not proof yet: a busy host can be late for half a second. Only if none does within kConfirm either were
-/// they lost. Lateness that the evidence explains, or that came without a pause, is the host's, however long it lasts.
+/// The k-th sample was taken at offset + k * period. The offset is that of the least delayed sample (ClockOffset). k
+/// must be estimated: after a pause, samples may be lost or only late. The caller's evidence decides: wheels do not
+/// double their speed from one sample to the next. Without evidence they count as late, and the number that may be lost
+/// is kept. If no sample makes the lateness good within kSettle, the stamps follow it. That is no proof of a loss: a
+/// busy host can be late for half a second. If none does within kConfirm, the samples were lost. Lateness that the
+/// evidence explains, or that came without a pause, is the host's, however long it lasts. Pure; one thread. All times
+/// in us.
 class PeriodClock {
  public:
   struct Stamp {
@@ -72,4 +73,4 @@ class PeriodClock {
   std::int64_t last_mean_ = 0;  // us, period of the block before
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::encoder

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace curbstone {
+namespace curbstone::encoder {
 
 namespace {
 constexpr int kMaxSuspects = 3;       // samples in a row that agree with each other: they are right
@@ -84,4 +84,4 @@ std::optional<int> WheelCounter::likely_periods(const Raw& raw, int most, double
   return {};
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::encoder

@@ -4,11 +4,12 @@
 #include <cstdint>
 #include <optional>
 
-#include "common/counters.hpp"
+#include "common/bus/counters.hpp"
 
-namespace curbstone {
+namespace curbstone::encoder {
 
-/// Turns the drive's raw int32 counts into angles and speeds, positive forward for either wheel. Index 0 is left.
+/// Turns the drive's raw int32 counts into angles (rad) and speeds (rad/s), positive forward for either wheel. Index 0
+/// is the left wheel, 1 the right. Raw counts may wrap. Pure; one thread.
 ///
 /// Counts: refused.jump (more than the wheels can turn; one corrupted frame), counts_restarted (a jump that stays: the
 /// drive counts anew; the distance meanwhile is lost).
@@ -30,11 +31,11 @@ class WheelCounter {
 
   /// `elapsed` s since the last update() call. Empty if the counts cannot be.
   std::optional<Sample> update(const Raw& raw, double elapsed);
-  /// The drive counts from anew with the next sample.
+  /// The drive's counts begin anew with the next sample.
   void restart() { last_.reset(); }
 
-  /// How many periods of `period` s (1..most) have passed since the last sample, if the wheels went on as they did: 1
-  /// unless the counts plainly say more; nothing where they say neither, as of slow wheels.
+  /// How many periods of `period` s (1..most) have passed since the last sample, if the wheels kept their speeds. 1
+  /// unless the counts clearly show more. Nothing where they show neither, as with slow wheels.
   [[nodiscard]] std::optional<int> likely_periods(const Raw& raw, int most, double period) const;
 
   [[nodiscard]] const Counters& counters() const { return counters_; }
@@ -53,4 +54,4 @@ class WheelCounter {
   Counters counters_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::encoder

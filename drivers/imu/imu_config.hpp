@@ -2,24 +2,31 @@
 
 #include <string>
 
-#include "common/config.hpp"
+#include "common/config/config.hpp"
 
-namespace curbstone {
+namespace curbstone::imu {
+
+/// What the device is connected by: it decides how long a frame is under way before its last byte arrives.
+enum class Line {
+  kUsb,   ///< no time worth counting
+  kUart,  ///< ten bits a byte at the configured baud
+};
 
 /// The `imu:` section of a vehicle's file.
 struct ImuConfig {
   std::string device = "/dev/ttyUSB0";  ///< serial port of the IMU
   int baud = 115200;
-  std::string line = "usb";  ///< usb | uart: how long a frame is under way before its last byte arrives
-  int rate = 100;            ///< Hz
-  bool configure = true;     ///< set the device up; false: it was set up by somebody else
-  bool orientation = true;   ///< ask for the device's own orientation too
-  double silence = 1.0;      ///< s without a sample after which it is a fault, and the device is set up again
+  Line line = Line::kUsb;
+  int rate = 100;           ///< Hz
+  bool configure = true;    ///< set the device up; false: it was set up by somebody else
+  bool orientation = true;  ///< ask for the device's own orientation too
+  double silence = 1.0;     ///< s without a sample after which it is a fault, and the device is set up again
 
   void visit(ConfigVisitor& v) {
     v.field("device", device, "serial port of the IMU; /dev/serial/by-id/... survives replugging");
     v.field("baud", baud, {115200, 921600}, "115200, 230400, 460800 or 921600; a USB device ignores it");
-    v.choice("line", line, {"usb", "uart"}, "uart: stamps are put back by the time that a frame takes at this baud");
+    v.choice("line", line, {{"usb", Line::kUsb}, {"uart", Line::kUart}},
+             "uart: stamps are put back by the time that a frame takes at this baud");
     v.field("rate", rate, {1, 400}, "Hz, of acceleration and rate of turn");
     v.field("configure", configure, "set the device up; false: it was set up by somebody else, nothing is sent");
     v.field("orientation", orientation, "ask for the device's own orientation too");
@@ -27,4 +34,4 @@ struct ImuConfig {
   }
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::imu

@@ -7,14 +7,16 @@
 #include <limits>
 #include <utility>
 
-namespace curbstone {
+#include "common/time/microseconds.hpp"
+
+namespace curbstone::imu {
 
 namespace {
 
 constexpr std::int64_t kWatchPeriod = 1'000'000;  // us
 
 MtConfigurator::Settings settings(const ImuConfig& config) {
-  return {config.configure, config.rate, config.orientation, std::llround(config.silence * 1e6)};
+  return {config.configure, config.rate, config.orientation, microseconds(config.silence)};
 }
 
 }  // namespace
@@ -35,7 +37,7 @@ void ImuNode::on_frame(std::int64_t receive_utime, const XbusFrame& frame) {
   }
   if (!frame.is(Mid::kMtData2)) return;
   const std::int64_t under_way =  // 8N1: ten bits a byte
-      config_.line == "uart" ? static_cast<std::int64_t>(frame.wire_size) * 10'000'000 / config_.baud : 0;
+      config_.line == Line::kUart ? static_cast<std::int64_t>(frame.wire_size) * 10'000'000 / config_.baud : 0;
   on_measurement(receive_utime - under_way, decode_mtdata2(frame.data, counters_));
 }
 
@@ -168,4 +170,4 @@ NodeReport ImuNode::report() const {
   return report;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::imu

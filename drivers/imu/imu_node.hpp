@@ -7,24 +7,24 @@
 #include <span>
 #include <string>
 
-#include "common/clock_offset.hpp"
-#include "common/latency.hpp"
-#include "common/node.hpp"
-#include "common/settling_start.hpp"
+#include "common/bus/node.hpp"
+#include "common/shell/latency.hpp"
+#include "common/time/clock_offset.hpp"
+#include "common/time/settling_start.hpp"
 #include "drivers/imu/imu_config.hpp"
 #include "drivers/imu/mt_configurator.hpp"
 #include "drivers/imu/mtdata2.hpp"
 #include "drivers/imu/sample_time.hpp"
 #include "drivers/imu/xbus_frame.hpp"
 
-namespace curbstone {
+namespace curbstone::imu {
 
-/// The bytes of an Xsens MTi in, IMU out. No port and no clock: bytes come with the time of their receipt, commands to
-/// the device leave through `send`.
+/// The bytes of an Xsens MTi in, IMU out. It has no port and no clock: bytes come with their time of receipt (us since
+/// the Unix epoch), and commands to the device leave through `send`. One thread.
 ///
-/// A sample's stamp is the device's own (SampleTimeFine) on the host's clock, by the least delayed samples of the last
-/// seconds; of a device that sends no time, the time of receipt. Stamps strictly increase, unless somebody sets the
-/// host's clock back. Samples of the first 0.1 s go out at its end: see SettlingStart.
+/// A sample's stamp is the device's own (SampleTimeFine), converted to the host's clock by ClockOffset. Of a device
+/// that sends no time it is the time of receipt. Stamps strictly increase, unless the host's clock is set back. Samples
+/// of the first 0.1 s go out at its end: see SettlingStart.
 class ImuNode final : public Node {
  public:
   using Send = MtConfigurator::Send;
@@ -34,7 +34,7 @@ class ImuNode final : public Node {
 
   void connect(Subscriber&) override {}
   void on_bytes(std::int64_t receive_utime, std::span<const std::uint8_t> bytes);
-  /// The port was opened again; or has vanished, or still cannot be opened: `why`.
+  /// `up`: the port was opened again. Otherwise it has vanished or still cannot be opened, and `why` says so in a line.
   void on_link(std::int64_t now, bool up, const std::string& why);
   void tick(std::int64_t now) override;
   void finish() override;
@@ -80,4 +80,4 @@ class ImuNode final : public Node {
   Counters counters_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::imu

@@ -4,9 +4,9 @@
 
 #include <array>
 
-#include "drivers/imu/big_endian.hpp"
+#include "common/bytes/big_endian.hpp"
 
-namespace curbstone {
+namespace curbstone::imu {
 
 namespace {
 
@@ -136,8 +136,8 @@ void MtConfigurator::check_outputs(std::span<const std::uint8_t> effective) {
   for (const auto& [type, name] : {std::pair{0x4020, "acceleration"}, std::pair{0x8020, "rate of turn"}}) {
     int rate = 0;
     for (auto rest = effective; rest.size() >= 4; rest = rest.subspan(4)) {
-      if ((big_endian<std::uint16_t>(rest) & kOutputTypeMask) == type)
-        rate = big_endian<std::uint16_t>(rest.subspan(2));
+      if ((read_big_endian<std::uint16_t>(rest) & kOutputTypeMask) == type)
+        rate = read_big_endian<std::uint16_t>(rest.subspan(2));
     }
     if (rate != settings_.rate) {
       mismatch_ = fmt::format("the IMU sends {} at {} Hz, {} Hz was asked for", name, rate, settings_.rate);
@@ -168,4 +168,4 @@ std::string MtConfigurator::fault() const {
   return mismatch_;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::imu

@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "common/counters.hpp"
+#include "common/bus/counters.hpp"
 #include "drivers/imu/xbus_frame.hpp"
 
-namespace curbstone {
+namespace curbstone::imu {
 
-/// Brings a device into measurement with the outputs that we need, and back into it whenever it restarts or falls
-/// silent. GotoConfig -> SetOutputConfiguration -> GotoMeasurement, each repeated until it is acknowledged; it never
-/// gives up. Pure: time comes in, command bytes go out. All times in us.
+/// Sets a device up and starts its measurement, and does so again whenever it restarts or falls silent. GotoConfig ->
+/// SetOutputConfiguration -> GotoMeasurement: each is repeated until it is acknowledged, without end. Pure: time comes
+/// in, command bytes go out. All times in us. Source: Xsens MT Low Level Communication Protocol (MT0101P).
 ///
 /// Counts: device.commands, device.retries, device.restarts (WakeUp seen), device.reconfigured, device.errors.
 class MtConfigurator {
@@ -65,4 +65,4 @@ class MtConfigurator {
 /// turn, status.
 [[nodiscard]] std::vector<std::uint8_t> output_configuration(int rate, bool orientation);
 
-}  // namespace curbstone
+}  // namespace curbstone::imu

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/geometry.hpp"
-#include "drivers/imu/big_endian.hpp"
+#include "common/bytes/big_endian.hpp"
+#include "common/geometry/geometry.hpp"
 
-namespace curbstone {
+namespace curbstone::imu {
 
 namespace {
 
@@ -32,16 +32,16 @@ constexpr std::array<std::size_t, 4> kNumberSize = {4, 4, 6, 8};
 double number(std::uint16_t id, std::span<const std::uint8_t> bytes) {
   switch (id & 3) {
     case 0:
-      return static_cast<double>(std::bit_cast<float>(big_endian<std::uint32_t>(bytes)));
+      return static_cast<double>(std::bit_cast<float>(read_big_endian<std::uint32_t>(bytes)));
     case 1:  // 12.20
-      return std::ldexp(static_cast<double>(static_cast<std::int32_t>(big_endian<std::uint32_t>(bytes))), -20);
+      return std::ldexp(static_cast<double>(static_cast<std::int32_t>(read_big_endian<std::uint32_t>(bytes))), -20);
     case 2: {  // 16.32: the fraction comes first
-      const auto fraction = big_endian<std::uint32_t>(bytes);
-      const auto integer = static_cast<std::int16_t>(big_endian<std::uint16_t>(bytes.subspan(4)));
+      const auto fraction = read_big_endian<std::uint32_t>(bytes);
+      const auto integer = static_cast<std::int16_t>(read_big_endian<std::uint16_t>(bytes.subspan(4)));
       return integer + std::ldexp(static_cast<double>(fraction), -32);
     }
     default:
-      return std::bit_cast<double>(big_endian<std::uint64_t>(bytes));
+      return std::bit_cast<double>(read_big_endian<std::uint64_t>(bytes));
   }
 }
 
@@ -73,7 +73,7 @@ std::optional<std::array<double, N>> numbers(const Item& item, double limit, Cou
 
 template <class Number>
 std::optional<Number> integer(const Item& item, Counters& counters) {
-  if (item.data.size() == sizeof(Number)) return big_endian<Number>(item.data);
+  if (item.data.size() == sizeof(Number)) return read_big_endian<Number>(item.data);
   counters.add("refused.item_size");
   return {};
 }
@@ -144,10 +144,10 @@ MtData2 decode_mtdata2(std::span<const std::uint8_t> payload, Counters& counters
       counters.add("refused.truncated");
       break;
     }
-    decode_item({big_endian<std::uint16_t>(payload), payload.subspan(kHeader, payload[2])}, result, counters);
+    decode_item({read_big_endian<std::uint16_t>(payload), payload.subspan(kHeader, payload[2])}, result, counters);
     payload = payload.subspan(kHeader + payload[2]);
   }
   return result;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::imu

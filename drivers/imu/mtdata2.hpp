@@ -5,11 +5,12 @@
 #include <optional>
 #include <span>
 
-#include "common/counters.hpp"
+#include "common/bus/counters.hpp"
 
-namespace curbstone {
+namespace curbstone::imu {
 
-/// What one MTData2 message held. The content may change from message to message: what was absent is empty.
+/// The content of one MTData2 message. Each message may hold other items: what was absent is empty. Frame: imu (the
+/// sensor's own axes, right-handed).
 struct MtData2 {
   std::optional<std::uint16_t> packet_counter;
   std::optional<std::uint32_t> sample_time_fine;      ///< ticks of 0.1 ms
@@ -26,7 +27,7 @@ struct MtData2 {
 /// Decodes the payload of an MTData2 message: float32, float64 and both fixed-point formats. Unknown items are skipped
 /// by their size. Counts into `counters`: skipped.items, refused.truncated (an item runs over the end; what came before
 /// it stands), refused.item_size, refused.not_finite, refused.range (more than any such device can measure). Source:
-/// ../shared/reference/protocols/imu_serial.md, A4.
+/// Xsens MT Low Level Communication Protocol (MT0101P), MTData2.
 [[nodiscard]] MtData2 decode_mtdata2(std::span<const std::uint8_t> payload, Counters& counters);
 
-}  // namespace curbstone
+}  // namespace curbstone::imu

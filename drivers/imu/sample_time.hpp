@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <optional>
 
-namespace curbstone {
+namespace curbstone::imu {
 
-/// Unwraps SampleTimeFine, which starts again at zero after 2^32 ticks on some devices (MTi-1, 600 series) and after a
-/// day (864e6 ticks) on others (10 and 100 series). Nothing tells which: a step back that is one of the two, give or
-/// take kMaxGap, is a wrap; any other one is a restart of the device.
+/// Unwraps SampleTimeFine. It begins again at zero after 2^32 ticks on some devices (MTi-1, 600 series) and after a day
+/// (864e6 ticks) on others (10 and 100 series). The messages do not tell which. So a step back by either period, give
+/// or take kMaxGap, is a wrap. Any other step back is a restart of the device.
 class SampleTime {
  public:
   static constexpr std::int64_t kTick = 100;        ///< us
@@ -60,4 +60,4 @@ class PacketCounter {
   std::optional<std::uint16_t> last_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::imu

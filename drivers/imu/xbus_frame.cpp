@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "drivers/imu/big_endian.hpp"
+#include "common/bytes/big_endian.hpp"
 
-namespace curbstone {
+namespace curbstone::imu {
 
 namespace {
 
@@ -91,7 +91,7 @@ XbusParser::Candidate XbusParser::examine(std::span<const std::uint8_t> bytes, X
   if (plausible && length == kExtended) {
     if (bytes.size() < 6) return Candidate::kIncomplete;
     header = 6;
-    length = big_endian<std::uint16_t>(bytes.subspan(4));
+    length = read_big_endian<std::uint16_t>(bytes.subspan(4));
     plausible = may_be_extended(frame.mid) && length >= kExtended && length <= kMaxData;
   }
   if (!plausible) {
@@ -108,4 +108,4 @@ XbusParser::Candidate XbusParser::examine(std::span<const std::uint8_t> bytes, X
   return Candidate::kComplete;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::imu

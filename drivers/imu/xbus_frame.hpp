@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "common/counters.hpp"
+#include "common/bus/counters.hpp"
 
-namespace curbstone {
+namespace curbstone::imu {
 
 /// Message ids of the Xsens "Xbus" protocol that we speak. An acknowledgement is the request plus one.
 enum class Mid : std::uint8_t {
@@ -35,12 +35,13 @@ struct XbusFrame {
   [[nodiscard]] bool is(Mid id) const { return mid == static_cast<std::uint8_t>(id); }
 };
 
-/// Preamble FA, bus id FF (master), id, length (extended where data exceeds 254 bytes), data, checksum.
+/// The bytes of a message: preamble FA, bus id FF (master), id, length (extended where data exceeds 254 bytes), data,
+/// checksum. Source: Xsens MT Low Level Communication Protocol (MT0101P).
 [[nodiscard]] std::vector<std::uint8_t> encode_xbus(Mid mid, std::span<const std::uint8_t> data = {});
 
-/// Cuts a byte stream into frames. FA also occurs inside payloads and garbage looks like headers, so a candidate counts
-/// only when its checksum is right; when it fails, the search goes on from its second byte and a good frame inside it
-/// is still found. Holds at most kMaxFrame bytes.
+/// Cuts a byte stream into frames. FA also occurs inside payloads, and garbage looks like headers. So a candidate
+/// counts only if its checksum is right. If not, the search goes on from its second byte, and a good frame inside it is
+/// found. Holds at most kMaxFrame bytes. One thread.
 ///
 /// Counts: frames, refused.checksum, refused.header (bus id, id or length that no device sends), refused.incomplete (a
 /// candidate whose rest did not come within kPatience), garbage_bytes.
@@ -71,4 +72,4 @@ class XbusParser {
   Counters counters_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::imu

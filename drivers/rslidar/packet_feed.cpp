@@ -2,23 +2,23 @@
 
 #include <spdlog/spdlog.h>
 
-#include "common/clock.hpp"
+#include "common/time/clock.hpp"
 
-namespace curbstone {
+namespace curbstone::rslidar {
 
 namespace {
 
 class NetworkFeed final : public PacketFeed {
  public:
   NetworkFeed(const RslidarConfig& config, RslidarNode& node, EventLoop& loop) {
-    const UdpOptions options{config.host_address, config.group_address, config.receive_buffer};
+    const sources::UdpOptions options{config.host_address, config.group_address, config.receive_buffer};
     open(config.msop_port, options, node, loop);
     if (config.difop_port != config.msop_port) open(config.difop_port, options, node, loop);
   }
 
  private:
-  void open(int port, const UdpOptions& options, RslidarNode& node, EventLoop& loop) {
-    UdpSource& source = *sources_.emplace_back(std::make_unique<UdpSource>(port, options));
+  void open(int port, const sources::UdpOptions& options, RslidarNode& node, EventLoop& loop) {
+    sources::UdpSource& source = *sources_.emplace_back(std::make_unique<sources::UdpSource>(port, options));
     loop.watch(source.fd(), [this, &source, &node] {
       source.receive([&node](auto received, int on_port, auto bytes) { node.on_packet(received, on_port, bytes); });
       std::int64_t dropped = 0;
@@ -26,7 +26,7 @@ class NetworkFeed final : public PacketFeed {
       node.set_dropped(dropped);
     });
   }
-  std::vector<std::unique_ptr<UdpSource>> sources_;
+  std::vector<std::unique_ptr<sources::UdpSource>> sources_;
 };
 
 /// The packets of a capture that are meant for the driver.
@@ -35,7 +35,7 @@ class DriverCapture {
   explicit DriverCapture(const RslidarConfig& config)
       : source_(config.pcap), msop_port_(config.msop_port), difop_port_(config.difop_port) {}
 
-  std::optional<PcapSource::Packet> next() {
+  std::optional<sources::PcapSource::Packet> next() {
     for (;;) {
       const auto packet = source_.next();
       if (!packet || packet->port == msop_port_ || packet->port == difop_port_) return packet;
@@ -43,7 +43,7 @@ class DriverCapture {
   }
 
  private:
-  PcapSource source_;
+  sources::PcapSource source_;
   int msop_port_;
   int difop_port_;
 };
@@ -82,7 +82,7 @@ class CaptureFeed final : public PacketFeed {
   DriverCapture capture_;
   RslidarNode& node_;
   EventLoop& loop_;
-  std::optional<PcapSource::Packet> pending_;
+  std::optional<sources::PcapSource::Packet> pending_;
   std::int64_t begin_ = 0;
   std::optional<std::int64_t> started_;
   std::int64_t count_ = 0;
@@ -108,4 +108,4 @@ std::int64_t feed_whole_capture(const RslidarConfig& config, RslidarNode& node) 
   return count;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::rslidar

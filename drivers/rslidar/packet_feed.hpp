@@ -4,14 +4,14 @@
 #include <optional>
 #include <vector>
 
-#include "common/event_loop.hpp"
-#include "drivers/rslidar/pcap_source.hpp"
+#include "common/shell/event_loop.hpp"
 #include "drivers/rslidar/rslidar_node.hpp"
-#include "drivers/rslidar/udp_source.hpp"
+#include "drivers/rslidar/sources/pcap_source.hpp"
+#include "drivers/rslidar/sources/udp_source.hpp"
 
-namespace curbstone {
+namespace curbstone::rslidar {
 
-/// Brings a node its packets: whatever the process owns besides the node.
+/// Owns what brings a node its packets: sockets or a capture file. Node and loop must outlive it.
 class PacketFeed {
  public:
   virtual ~PacketFeed() = default;
@@ -21,12 +21,13 @@ class PacketFeed {
 [[nodiscard]] std::unique_ptr<PacketFeed> feed_from_network(const RslidarConfig& config, RslidarNode& node,
                                                             EventLoop& loop);
 
-/// From a capture at its own pace times `pcap_rate`; at its end the loop is stopped: the process ends. Only packets to
-/// the two configured ports are used. Throws std::runtime_error, one line; so does the loop where the file is damaged.
+/// From a capture at its own pace times `pcap_rate`. At its end the loop is stopped, and so the process ends. Only
+/// packets to the two configured ports are used. Throws std::runtime_error, one line. So does the loop where the file
+/// is damaged.
 [[nodiscard]] std::unique_ptr<PacketFeed> feed_from_capture(const RslidarConfig& config, RslidarNode& node,
                                                             EventLoop& loop);
 
 /// The same as fast as possible, without a process. Returns the number of packets.
 std::int64_t feed_whole_capture(const RslidarConfig& config, RslidarNode& node);
 
-}  // namespace curbstone
+}  // namespace curbstone::rslidar

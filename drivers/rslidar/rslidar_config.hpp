@@ -1,10 +1,32 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
-#include "common/config.hpp"
+#include "common/config/config.hpp"
+#include "drivers/rslidar/decoding/packet_clock.hpp"
 
-namespace curbstone {
+namespace curbstone::rslidar {
+
+/// The step in which the device counts distances.
+enum class DistanceResolution {
+  kAuto,  ///< by the device's firmware; 5 mm until it is known
+  k5mm,
+  k10mm,  ///< old firmware
+};
+
+/// m; nothing where the device decides.
+[[nodiscard]] constexpr std::optional<double> distance_step(DistanceResolution resolution) {
+  switch (resolution) {
+    case DistanceResolution::kAuto:
+      return std::nullopt;
+    case DistanceResolution::k5mm:
+      return 0.005;
+    case DistanceResolution::k10mm:
+      return 0.01;
+  }
+  return std::nullopt;
+}
 
 /// Section `rslidar:` of the vehicle's file.
 struct RslidarConfig {
@@ -16,12 +38,12 @@ struct RslidarConfig {
   std::string pcap;                      ///< file instead of the network
   double pcap_rate = 1.0;                ///< times real time
 
-  std::string clock = "auto";                ///< auto, device, host
-  double clock_tolerance = 1.0;              ///< s, auto: how far a sane device clock may be from the host's
-  std::string distance_resolution = "auto";  ///< m: auto, 0.005, 0.01
-  double cut_angle = 180.0;                  ///< deg
-  double min_range = 0.4;                    ///< m
-  double max_range = 150.0;                  ///< m
+  decoding::ClockMode clock = decoding::ClockMode::kAuto;
+  double clock_tolerance = 1.0;  ///< s, auto: how far a sane device clock may be from the host's
+  DistanceResolution distance_resolution = DistanceResolution::kAuto;
+  double cut_angle = 180.0;  ///< deg
+  double min_range = 0.4;    ///< m
+  double max_range = 150.0;  ///< m
   bool publish_raw = false;
 
   void visit(ConfigVisitor& v) {
@@ -32,12 +54,15 @@ struct RslidarConfig {
     v.field("receive_buffer", receive_buffer, {65536, 1 << 28}, "bytes; capped by net.core.rmem_max");
     v.field("pcap", pcap, "read this capture instead of the network, then end; empty = network");
     v.field("pcap_rate", pcap_rate, {0.01, 100.0}, "speed of the capture, times real time");
-    v.choice("clock", clock, {"auto", "device", "host"},
+    using enum decoding::ClockMode;
+    v.choice("clock", clock, {{"auto", kAuto}, {"device", kDevice}, {"host", kHost}},
              "time of the points: the device's (set by GPS), the host's, or the device's where it is sane");
     v.field("clock_tolerance", clock_tolerance, {0.001, 3600.0},
             "s; auto: a sane device clock is this near the host's");
-    v.choice("distance_resolution", distance_resolution, {"auto", "0.005", "0.01"},
-             "m; auto: by the device's firmware, 0.005 until it is known");
+    v.choice(
+        "distance_resolution", distance_resolution,
+        {{"auto", DistanceResolution::kAuto}, {"0.005", DistanceResolution::k5mm}, {"0.01", DistanceResolution::k10mm}},
+        "m; auto: by the device's firmware, 0.005 until it is known");
     v.field("cut_angle", cut_angle, {0.0, 359.99}, "deg, clockwise from the lidar's x: where a revolution begins");
     v.field("min_range", min_range, {0.0, 300.0}, "m; nearer returns are left out");
     v.field("max_range", max_range, {0.1, 400.0}, "m; farther returns are left out");
@@ -45,4 +70,4 @@ struct RslidarConfig {
   }
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::rslidar

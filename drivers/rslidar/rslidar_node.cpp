@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "drivers/rslidar/rs16_packet.hpp"
+#include "common/time/microseconds.hpp"
+#include "drivers/rslidar/packet/rs16_packet.hpp"
 
-namespace curbstone {
+namespace curbstone::rslidar {
 
 namespace {
 
@@ -13,11 +14,7 @@ namespace {
 constexpr std::size_t kLatencies = 750;
 
 bool is_device_info(std::span<const std::uint8_t> bytes) {
-  return bytes.size() >= 2 && bytes[0] == kDifopMagic[0] && bytes[1] == kDifopMagic[1];
-}
-
-std::int64_t microseconds(double seconds) {
-  return std::llround(seconds * 1e6);
+  return bytes.size() >= 2 && bytes[0] == packet::kDifopMagic[0] && bytes[1] == packet::kDifopMagic[1];
 }
 
 }  // namespace
@@ -30,8 +27,8 @@ RslidarNode::RslidarNode(const RslidarConfig& config, Publisher& bus)
       head_(static_cast<int>(std::lround(config.cut_angle * 100))),
       health_(config.msop_port, config.difop_port),
       latency_(kLatencies) {
-  DeviceInfo device;
-  if (config.distance_resolution == "0.01") device.distance_step = 0.01;
+  packet::DeviceInfo device;
+  device.distance_step = distance_step(config.distance_resolution).value_or(device.distance_step);
   decoder_.set_device(device);
   message_.packet = -1;
 }
@@ -42,40 +39,41 @@ void RslidarNode::on(const raw_packet_t& packet) {
 
 void RslidarNode::on_packet(std::int64_t received, int port, std::span<const std::uint8_t> bytes) {
   if (config_.publish_raw) publish_raw(received, port, bytes);
-  const Refusal refusal = is_device_info(bytes) ? on_device_info(bytes) : on_points(received, bytes);
-  if (refusal == Refusal::kNone) return;
-  counters_.add(counter_of(refusal));
+  const packet::Refusal refusal = is_device_info(bytes) ? on_device_info(bytes) : on_points(received, bytes);
+  if (refusal == packet::Refusal::kNone) return;
+  counters_.add(packet::counter_of(refusal));
   health_.packet_refused(refusal);
 }
 
-Refusal RslidarNode::on_device_info(std::span<const std::uint8_t> bytes) {
-  DifopResult result = parse_difop(bytes);
-  if (result.refusal != Refusal::kNone) return result.refusal;
+packet::Refusal RslidarNode::on_device_info(std::span<const std::uint8_t> bytes) {
+  packet::DifopResult result = packet::parse_difop(bytes);
+  if (result.refusal != packet::Refusal::kNone) return result.refusal;
   counters_.add("difop");
   health_.info_packet_used();
-  if (config_.distance_resolution == "0.005") result.info.distance_step = 0.005;
-  if (config_.distance_resolution == "0.01") result.info.distance_step = 0.01;
+  result.info.distance_step = distance_step(config_.distance_resolution).value_or(result.info.distance_step);
   if (result.info != decoder_.device()) decoder_.set_device(result.info);
-  return Refusal::kNone;
+  return packet::Refusal::kNone;
 }
 
-Refusal RslidarNode::on_points(std::int64_t received, std::span<const std::uint8_t> bytes) {
-  if (const Refusal refusal = decoder_.decode(bytes, packet_); refusal != Refusal::kNone) return refusal;
+packet::Refusal RslidarNode::on_points(std::int64_t received, std::span<const std::uint8_t> bytes) {
+  if (const packet::Refusal refusal = decoder_.decode(bytes, packet_); refusal != packet::Refusal::kNone)
+    return refusal;
   if (!packet_.stamp) counters_.add("clock.invalid");
-  const PacketClock::Time time = clock_.time_of(packet_.stamp, received, microseconds(packet_.duration));
-  if (const Refusal refusal = follow_head(time); refusal != Refusal::kNone) return refusal;
+  const decoding::PacketClock::Time time = clock_.time_of(packet_.stamp, received, microseconds(packet_.duration));
+  if (const packet::Refusal refusal = follow_head(time); refusal != packet::Refusal::kNone) return refusal;
   publish_points(received, time.utime);
-  return Refusal::kNone;
+  return packet::Refusal::kNone;
 }
 
-Refusal RslidarNode::follow_head(const PacketClock::Time& time) {
+packet::Refusal RslidarNode::follow_head(const decoding::PacketClock::Time& time) {
   const double blind = (360.0 - decoder_.device().fov) * 100.0;
-  const HeadTracker::Step step = head_.follow({time.even, packet_.azimuth, packet_.rate, packet_.duration}, blind);
-  if (step.duplicate) return Refusal::kDuplicate;
-  if (step.late) return Refusal::kLate;
+  const decoding::HeadTracker::Step step =
+      head_.follow({time.even, packet_.azimuth, packet_.rate, packet_.duration}, blind);
+  if (step.duplicate) return packet::Refusal::kDuplicate;
+  if (step.late) return packet::Refusal::kLate;
   if (step.lost > 0) counters_.add("lost.packets", step.lost);
   message_.revolution = step.revolution;
-  return Refusal::kNone;
+  return packet::Refusal::kNone;
 }
 
 void RslidarNode::publish_points(std::int64_t received, std::int64_t utime) {
@@ -99,7 +97,7 @@ void RslidarNode::publish_points(std::int64_t received, std::int64_t utime) {
 }
 
 void RslidarNode::publish_raw(std::int64_t received, int port, std::span<const std::uint8_t> bytes) {
-  if (bytes.size() > 2 * kRs16PacketSize) return;
+  if (bytes.size() > 2 * packet::kRs16PacketSize) return;
   raw_packet_t raw;
   raw.utime = received;
   raw.port = port;
@@ -116,11 +114,12 @@ NodeReport RslidarNode::report() const {
   report.counters.set("clock.switches", clock_.switches());
   report.counters.set("clock.jumps", clock_.jumps());
   report.faults = health_.faults();
-  if (config_.clock == "device" && std::abs(clock_.last_difference()) > microseconds(config_.clock_tolerance))
+  if (config_.clock == decoding::ClockMode::kDevice &&
+      std::abs(clock_.last_difference()) > microseconds(config_.clock_tolerance))
     report.faults.push_back("the device's clock is not set: use clock: auto or host, or connect its GPS");
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
   return report;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::rslidar

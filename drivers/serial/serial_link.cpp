@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/clock.hpp"
+#include "common/time/clock.hpp"
 
-namespace curbstone {
+namespace curbstone::serial {
 
 namespace {
 constexpr std::int64_t kFirstRetry = 100'000;  // us
@@ -32,8 +32,8 @@ void SerialLink::on_readable() {
     const SerialPort::Read read = port_->read(buffer_);
     if (read.status == SerialPort::Status::kNothing) return;
     if (read.status == SerialPort::Status::kGone) return lose();
-    // After the read: a busy host may stop us before it for as long as it likes, and bytes that come meanwhile would seem
-    // to have come before they were sent. One such sample puts a device's clock wrong for seconds (ClockOffset).
+    // After the read: a busy host may stop us before it for as long as it likes, and bytes that come meanwhile would
+    // seem to have come before they were sent. One such sample puts a device's clock wrong for seconds (ClockOffset).
     handlers_.on_bytes(wall_clock(), std::span(buffer_).first(read.size));
   }
 }
@@ -65,4 +65,4 @@ void SerialLink::send(std::span<const std::uint8_t> bytes) {
   if (port_) port_->write(bytes);
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::serial

@@ -7,13 +7,13 @@
 #include <span>
 #include <string>
 
-#include "common/event_loop.hpp"
+#include "common/shell/event_loop.hpp"
 #include "drivers/serial/serial_port.hpp"
 
-namespace curbstone {
+namespace curbstone::serial {
 
-/// A serial port that a process lives with: read from its event loop, and when the device vanishes (unplugged, reset)
-/// opened again, by itself, with growing patience (0.1 s .. 2 s). Shell: this is where bytes get the time of receipt.
+/// A serial port that is read from an event loop. If the device vanishes (unplugged, reset), the port is opened again,
+/// with waits that grow from 0.1 s to 2 s. Bytes get their time of receipt here, us since the Unix epoch. One thread.
 class SerialLink {
  public:
   struct Handlers {
@@ -29,7 +29,7 @@ class SerialLink {
 
   /// Begins to read. The loop must not run after this object's end.
   void attach(EventLoop& loop, Handlers handlers);
-  /// Bytes to the device; lost while there is none.
+  /// Bytes to the device. They are lost while there is none.
   void send(std::span<const std::uint8_t> bytes);
 
  private:
@@ -47,4 +47,4 @@ class SerialLink {
   std::array<std::uint8_t, 4096> buffer_{};
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::serial

@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace curbstone {
+namespace curbstone::serial {
 
 namespace {
 
@@ -132,4 +132,4 @@ std::size_t SerialPort::write(std::span<const std::uint8_t> bytes) {
   return size > 0 ? static_cast<std::size_t>(size) : 0;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::serial

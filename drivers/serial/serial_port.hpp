@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-namespace curbstone {
+namespace curbstone::serial {
 
 struct SerialSettings {
   std::string device = "/dev/ttyUSB0";
@@ -39,4 +39,4 @@ class SerialPort {
   int fd_ = -1;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::serial

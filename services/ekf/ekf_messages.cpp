@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace curbstone {
+namespace curbstone::ekf {
 
 namespace {
 
@@ -48,15 +48,15 @@ const char* why_refused(const wheels_t& message) {
   return nullptr;
 }
 
-ImuSample sample_of(const imu_t& message) {
+base::ImuSample sample_of(const imu_t& message) {
   return {message.utime, vector(message.angular_rate), vector(message.acceleration)};
 }
 
-WheelSample sample_of(const wheels_t& message) {
+base::WheelSample sample_of(const wheels_t& message) {
   return {message.utime, {message.angle[wheels_t::LEFT], message.angle[wheels_t::RIGHT]}};
 }
 
-odometry_t odometry_message(const Estimate& estimate) {
+odometry_t odometry_message(const model::Estimate& estimate) {
   odometry_t out{};
   out.utime = estimate.utime;
   pose_to_arrays(estimate.T_odom_base, out.position, out.orientation);
@@ -74,7 +74,7 @@ odometry_t odometry_message(const Estimate& estimate) {
   return out;
 }
 
-pose_t pose_message(const Estimate& estimate) {
+pose_t pose_message(const model::Estimate& estimate) {
   const Eigen::Matrix3d R = estimate.T_odom_base.linear();
   pose_t out{};
   out.utime = estimate.utime;
@@ -85,4 +85,4 @@ pose_t pose_message(const Estimate& estimate) {
   return out;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::ekf

@@ -5,20 +5,20 @@
 #include <curbstone/pose_t.hpp>
 #include <curbstone/wheels_t.hpp>
 
-#include "services/ekf/estimate.hpp"
-#include "services/ekf/samples.hpp"
+#include "services/ekf/base/samples.hpp"
+#include "services/ekf/model/estimate.hpp"
 
-namespace curbstone {
+namespace curbstone::ekf {
 
 /// Why a message cannot be used: "stamp", "not_finite", "absurd"; nullptr if it can.
 [[nodiscard]] const char* why_refused(const imu_t& message);
 [[nodiscard]] const char* why_refused(const wheels_t& message);
 
-[[nodiscard]] ImuSample sample_of(const imu_t& message);
-[[nodiscard]] WheelSample sample_of(const wheels_t& message);
+[[nodiscard]] base::ImuSample sample_of(const imu_t& message);
+[[nodiscard]] base::WheelSample sample_of(const wheels_t& message);
 
-[[nodiscard]] odometry_t odometry_message(const Estimate& estimate);
+[[nodiscard]] odometry_t odometry_message(const model::Estimate& estimate);
 /// libbot's pose: velocity, rates and acceleration turned into the local (odom) frame.
-[[nodiscard]] pose_t pose_message(const Estimate& estimate);
+[[nodiscard]] pose_t pose_message(const model::Estimate& estimate);
 
-}  // namespace curbstone
+}  // namespace curbstone::ekf

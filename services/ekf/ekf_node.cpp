@@ -6,7 +6,7 @@
 
 #include "services/ekf/ekf_messages.hpp"
 
-namespace curbstone {
+namespace curbstone::ekf {
 
 namespace {
 
@@ -16,7 +16,7 @@ constexpr std::int32_t kMaxLoss = 100'000;    // a larger step of a sequence is 
 
 }  // namespace
 
-EkfNode::EkfNode(const EkfConfig& config, Publisher& publisher)
+EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
     : config_(config), publisher_(publisher), sequencer_(config), increments_(config.map), filter_(config) {}
 
 void EkfNode::connect(Subscriber& bus) {
@@ -50,19 +50,19 @@ void EkfNode::on(const wheels_t& message) {
 
 void EkfNode::on(const map_pose_t& message) {
   counters_.add("messages.map");
-  if (const std::optional<MapIncrement> increment = increments_.add(message)) sequencer_.push(*increment);
+  if (const std::optional<inputs::MapIncrement> increment = increments_.add(message)) sequencer_.push(*increment);
 }
 
 void EkfNode::run(bool drain) {
-  while (const std::optional<Sequencer::Sample> sample = sequencer_.pop(drain)) {
+  while (const std::optional<inputs::Sequencer::Sample> sample = sequencer_.pop(drain)) {
     estimates_.clear();
     filter_.add(*sample, estimates_);
-    for (const Estimate& estimate : estimates_) publish(estimate);
+    for (const model::Estimate& estimate : estimates_) publish(estimate);
   }
 }
 
-void EkfNode::publish(const Estimate& estimate) {
-  latency_.add(seconds_between(estimate.utime, sequencer_.newest()));
+void EkfNode::publish(const model::Estimate& estimate) {
+  latency_.add(base::seconds_between(estimate.utime, sequencer_.newest()));
   last_ = estimate;
   publisher_.publish("ODOMETRY", odometry_message(estimate));
   publisher_.publish("POSE", pose_message(estimate));
@@ -89,7 +89,7 @@ void EkfNode::describe_input(const Input& input, std::vector<std::string>& fault
   else if (input.heard == 0)
     faults.push_back(fmt::format("{}: nothing heard yet", input.name));
   else if (newest - input.heard > kSilence)
-    faults.push_back(fmt::format("{}: silent for {:.1f} s", input.name, seconds_between(input.heard, newest)));
+    faults.push_back(fmt::format("{}: silent for {:.1f} s", input.name, base::seconds_between(input.heard, newest)));
 }
 
 NodeReport EkfNode::report() const {
@@ -119,4 +119,4 @@ NodeReport EkfNode::report() const {
   return report;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::ekf

@@ -6,13 +6,13 @@
 #include <optional>
 #include <vector>
 
-#include "common/latency.hpp"
-#include "common/node.hpp"
-#include "services/ekf/map_increment.hpp"
-#include "services/ekf/rewinding_filter.hpp"
-#include "services/ekf/sequencer.hpp"
+#include "common/bus/node.hpp"
+#include "common/shell/latency.hpp"
+#include "services/ekf/filter/rewinding_filter.hpp"
+#include "services/ekf/inputs/map_increment.hpp"
+#include "services/ekf/inputs/sequencer.hpp"
 
-namespace curbstone {
+namespace curbstone::ekf {
 
 /// IMU and WHEELS in, ODOMETRY and POSE out: one of each for every IMU sample, at its stamp; while there is no IMU, for
 /// every wheel sample. With `fuse_map`, MAP_POSE in as well. Products are a function of the channels' sequences (see
@@ -21,7 +21,7 @@ namespace curbstone {
 /// sent.
 class EkfNode final : public Node {
  public:
-  EkfNode(const EkfConfig& config, Publisher& publisher);
+  EkfNode(const base::EkfConfig& config, Publisher& publisher);
 
   void connect(Subscriber& bus) override;
   void tick(std::int64_t now) override { now_ = now; }
@@ -31,7 +31,7 @@ class EkfNode final : public Node {
   void on(const imu_t& message);
   void on(const wheels_t& message);
   void on(const map_pose_t& message);
-  [[nodiscard]] const RewindingFilter& filter() const { return filter_; }
+  [[nodiscard]] const filter::RewindingFilter& filter() const { return filter_; }
 
  private:
   struct Input {
@@ -42,25 +42,25 @@ class EkfNode final : public Node {
   };
 
   void run(bool drain);
-  void publish(const Estimate& estimate);
+  void publish(const model::Estimate& estimate);
   void note_sequence(Input& input, std::int32_t sequence);
   void refuse(Input& input, const char* cause);
   void describe_input(const Input& input, std::vector<std::string>& faults) const;
 
-  EkfConfig config_;
+  base::EkfConfig config_;
   Publisher& publisher_;
-  Sequencer sequencer_;
-  MapIncrements increments_;
-  RewindingFilter filter_;
+  inputs::Sequencer sequencer_;
+  inputs::MapIncrements increments_;
+  filter::RewindingFilter filter_;
   Counters counters_;
   LatencyWindow latency_;
   Input imu_{"IMU", 0, {}, 0};
   Input wheels_{"WHEELS", 0, {}, 0};
   std::int32_t imu_status_ = 0;
   wheels_t last_wheels_{};
-  std::optional<Estimate> last_;
+  std::optional<model::Estimate> last_;
   std::int64_t now_ = 0;  // us, of the last tick
-  std::vector<Estimate> estimates_;
+  std::vector<model::Estimate> estimates_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::ekf

@@ -1,10 +1,12 @@
-#include "common/service.hpp"
+#include "common/shell/service.hpp"
+#include "config/sections.hpp"
 #include "services/mapper/mapper_node.hpp"
 
 int main(int argc, char** argv) {
   using namespace curbstone;
-  return run_service<MapperConfig>(argc, argv, "mapper", "De-skews, registers and maps the LiDAR's revolutions",
-                                   [](const MapperConfig& config, ServiceContext& context) {
-                                     return std::make_unique<MapperNode>(config, context.bus);
-                                   });
+  return run_service<mapper::config::MapperConfig>(
+      argc, argv, {"mapper", kProcessSections, "De-skews, registers and maps the LiDAR's revolutions"},
+      [](const mapper::config::MapperConfig& config, ServiceContext& context) {
+        return std::make_unique<mapper::MapperNode>(config, context.bus);
+      });
 }

@@ -4,7 +4,7 @@
 #include <curbstone/map_points_t.hpp>
 #include <utility>
 
-namespace curbstone {
+namespace curbstone::mapper {
 namespace {
 
 constexpr std::int32_t kPointsPerMessage = 3000;  // 7 bytes each: 21 kB, well under 48 kB
@@ -13,8 +13,7 @@ constexpr int kPointsAtOnce = 5000;               // 35 kB: 1.7 MB/s, the map of
 constexpr std::size_t kRequestsAtOnce = 1;        // tiles, of some 8000 points at most
 constexpr std::size_t kPosesPerPage = 800;        // 52 bytes each: 42 kB
 
-std::deque<map_trajectory_t> make_trajectory_pages(const std::vector<Mapper::TrajectoryPoint>& points,
-                                                   std::int32_t epoch) {
+std::deque<map_trajectory_t> make_trajectory_pages(const std::vector<TrajectoryPoint>& points, std::int32_t epoch) {
   std::deque<map_trajectory_t> pages;
   for (std::size_t first = 0; first < points.size(); first += kPosesPerPage) {
     map_trajectory_t page{};
@@ -39,8 +38,8 @@ std::deque<map_trajectory_t> make_trajectory_pages(const std::vector<Mapper::Tra
 
 }  // namespace
 
-void MapSender::start_epoch(std::int32_t epoch, const DenseMap& map, const Eigen::Vector3d& nearest_first,
-                            const std::vector<Mapper::TrajectoryPoint>& drive) {
+void MapSender::start_epoch(std::int32_t epoch, const dense_map::DenseMap& map, const Eigen::Vector3d& nearest_first,
+                            const std::vector<TrajectoryPoint>& drive) {
   epoch_ = epoch;
   catalog_.start_epoch(epoch);
   sent_.clear();
@@ -66,8 +65,8 @@ void MapSender::forget(const std::vector<TileKey>& tiles) {
   }
 }
 
-std::int32_t MapSender::send_points(const DenseMap& map, TileKey key, std::int32_t first) {
-  const DenseTile* tile = map.tile(key);
+std::int32_t MapSender::send_points(const dense_map::DenseMap& map, TileKey key, std::int32_t first) {
+  const dense_map::DenseTile* tile = map.tile(key);
   if (tile == nullptr) return first;
   const auto total = static_cast<std::int32_t>(tile->records().size());
   const std::int32_t last = std::min(total, first + kPointsPerMessage);
@@ -91,13 +90,13 @@ std::int32_t MapSender::send_points(const DenseMap& map, TileKey key, std::int32
   return last;
 }
 
-void MapSender::send_changes(const DenseMap& map) {
+void MapSender::send_changes(const dense_map::DenseMap& map) {
   int messages = kMessagesAtOnce;
   int points = kPointsAtOnce;
   for (std::size_t looks = changed_.size(); looks > 0 && messages > 0 && points > 0; --looks) {
     const TileKey key = changed_.front();
     changed_.pop_front();
-    const DenseTile* tile = map.tile(key);
+    const dense_map::DenseTile* tile = map.tile(key);
     if (tile == nullptr) {  // given up meanwhile
       is_changed_.erase(key);
       continue;
@@ -116,7 +115,7 @@ void MapSender::send_changes(const DenseMap& map) {
   }
 }
 
-void MapSender::send_requested(const DenseMap& map) {
+void MapSender::send_requested(const dense_map::DenseMap& map) {
   for (const auto& [key, have] : catalog_.take_requests(kRequestsAtOnce)) {
     const auto it = sent_.find(key);
     if (it == sent_.end()) continue;
@@ -135,13 +134,13 @@ void MapSender::send_index(std::int64_t now, const Eigen::Vector3d& position) {
     bus_.publish("TILE_INDEX", page);
 }
 
-void MapSender::finish(const DenseMap& map) {
+void MapSender::finish(const dense_map::DenseMap& map) {
   while (!trajectory_.empty()) send_trajectory();
   while (!changed_.empty()) {
     const TileKey key = changed_.front();
     changed_.pop_front();
     std::int32_t& sent = sent_[key];
-    const DenseTile* tile = map.tile(key);
+    const dense_map::DenseTile* tile = map.tile(key);
     if (tile == nullptr) continue;
     while (sent < static_cast<std::int32_t>(tile->records().size())) sent = send_points(map, key, sent);
     catalog_.set_version(key, sent);
@@ -149,4 +148,4 @@ void MapSender::finish(const DenseMap& map) {
   is_changed_.clear();
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::mapper

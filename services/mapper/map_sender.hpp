@@ -8,12 +8,12 @@
 #include <unordered_set>
 #include <vector>
 
-#include "common/node.hpp"
-#include "common/tile_sync.hpp"
-#include "services/mapper/dense_map.hpp"
-#include "services/mapper/mapper.hpp"
+#include "common/bus/node.hpp"
+#include "common/tile_sync/tile_sync.hpp"
+#include "services/mapper/dense_map/dense_map.hpp"
+#include "services/mapper/trajectory.hpp"
 
-namespace curbstone {
+namespace curbstone::mapper {
 
 /// Tells the bus of the dense map: MAP_POINTS as tiles grow, TILE_INDEX, what TILE_REQUESTs ask for, and of a map that
 /// was rearranged MAP_TRAJECTORY, the drive anew. All at a bounded pace; what the map holds does not depend on it. One
@@ -23,8 +23,8 @@ class MapSender {
   explicit MapSender(Publisher& bus) : bus_(bus) {}
 
   /// Everything of the epoch before is void: all of the map goes out anew, and with it the drive until now.
-  void start_epoch(std::int32_t epoch, const DenseMap& map, const Eigen::Vector3d& nearest_first,
-                   const std::vector<Mapper::TrajectoryPoint>& drive);
+  void start_epoch(std::int32_t epoch, const dense_map::DenseMap& map, const Eigen::Vector3d& nearest_first,
+                   const std::vector<TrajectoryPoint>& drive);
   /// These have grown; they go out in this order.
   void changed(const std::vector<TileKey>& tiles);
   /// The map has given these up.
@@ -32,19 +32,19 @@ class MapSender {
   void request(const tile_request_t& message) { catalog_.request(message); }
 
   /// What has grown, as much as may go at once.
-  void send_changes(const DenseMap& map);
+  void send_changes(const dense_map::DenseMap& map);
   /// A page of the drive, if it goes out anew.
   void send_trajectory();
   /// A tile that somebody lacks.
-  void send_requested(const DenseMap& map);
+  void send_requested(const dense_map::DenseMap& map);
   /// `position`: of the vehicle, m in map.
   void send_index(std::int64_t now, const Eigen::Vector3d& position);
   /// All that waits.
-  void finish(const DenseMap& map);
+  void finish(const dense_map::DenseMap& map);
 
  private:
   /// Sends points of a tile from `first` on, at most one message's worth. Returns the index after the last sent.
-  std::int32_t send_points(const DenseMap& map, TileKey key, std::int32_t first);
+  std::int32_t send_points(const dense_map::DenseMap& map, TileKey key, std::int32_t first);
 
   Publisher& bus_;
   TileCatalog catalog_{"mapper", "MAP_POINTS"};
@@ -55,4 +55,4 @@ class MapSender {
   std::deque<map_trajectory_t> trajectory_;  // pages that will be sent
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::mapper

@@ -7,45 +7,42 @@
 #include <curbstone/map_pose_t.hpp>
 #include <utility>
 
-#include "common/clock.hpp"
-#include "services/mapper/map_folder.hpp"
+#include "common/time/clock.hpp"
+#include "common/time/microseconds.hpp"
+#include "services/mapper/storage/map_folder.hpp"
 
-namespace curbstone {
+namespace curbstone::mapper {
 namespace {
 
-constexpr std::size_t kMaxPending = 80;  // revolutions that wait for odometry; 20 Hz: 4 s
+constexpr std::size_t kMaxPending = 80;  // scans that wait for odometry; 20 Hz: 4 s
 constexpr std::int64_t kIndexPeriod = 1'000'000;
-constexpr int kOdometryMissing = 5;  // revolutions in a row: the last ones of a drive have none to their end
-
-std::int64_t microseconds(double seconds) {
-  return std::llround(seconds * 1e6);
-}
+constexpr int kOdometryMissing = 5;  // scans in a row: the last ones of a drive have none to their end
 
 }  // namespace
 
-MapperNode::MapperNode(const MapperConfig& config, Publisher& bus)
+MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
     : config_(config), bus_(bus), sender_(bus), mapper_(config) {
-  if (!config_.folder.empty() && config_.mode != "localise") saver_.emplace(config_.folder);
-  if (config_.mode == "map") return;
-  const SavedMap map = load_map(config_.folder);
+  if (!config_.folder.empty() && config_.mode != config::MapMode::kLocalise) saver_.emplace(config_.folder);
+  if (config_.mode == config::MapMode::kMap) return;
+  const storage::SavedMap map = storage::load_map(config_.folder);
   if (std::abs(map.voxel - config_.dense.voxel) > 1e-9) {
-    throw MapFolderError(fmt::format("{}: its voxels are {} m, those of the configuration {}", config_.folder,
-                                     map.voxel, config_.dense.voxel));
+    throw storage::MapFolderError(fmt::format("{}: its voxels are {} m, those of the configuration {}", config_.folder,
+                                              map.voxel, config_.dense.voxel));
   }
-  if (map.nodes.empty()) throw MapFolderError(config_.folder + ": holds no nodes to find the vehicle by");
+  if (map.nodes.empty()) throw storage::MapFolderError(config_.folder + ": holds no nodes to find the vehicle by");
   epoch_before_ = map.epoch;
   mapper_.load(map);
 }
 
 void MapperNode::connect(Subscriber& bus) {
-  // 750 packets a second: two seconds of them may wait while a revolution is registered.
+  // 750 packets a second: two seconds of them may wait while a scan is registered.
   bus.subscribe<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& m) { on(m); }, {1500});
   bus.subscribe<odometry_t>("ODOMETRY", [this](const odometry_t& m) { on(m); }, {800});
   bus.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { on(m); }, {100});
 }
 
 void MapperNode::on(const lidar_points_t& message) {
-  std::optional<Revolution> done = assembler_.add(message);
+  std::optional<scan::Scan> done = assembler_.add(message);
   if (message.utime <= 0) return;
   lidar_time_ = message.utime;
   queue(std::move(done));
@@ -53,19 +50,20 @@ void MapperNode::on(const lidar_points_t& message) {
 }
 
 void MapperNode::on(const odometry_t& message) {
-  OdometrySample sample{message.utime, pose_from_arrays(message.position, message.orientation),
-                        (message.flags & odometry_t::INITIALISED) != 0, (message.flags & odometry_t::STATIONARY) != 0};
+  scan::OdometrySample sample{message.utime, pose_from_arrays(message.position, message.orientation),
+                              (message.flags & odometry_t::INITIALISED) != 0,
+                              (message.flags & odometry_t::STATIONARY) != 0};
   if (!is_finite(sample.T_odom_base) || message.utime <= 0) {
     counters_.add("refused.odometry");
     return;
   }
   switch (odometry_.add(sample)) {
-    case OdometryHistory::Added::kYes:
+    case scan::OdometryHistory::Added::kYes:
       break;
-    case OdometryHistory::Added::kLate:
+    case scan::OdometryHistory::Added::kLate:
       counters_.add("dropped.odometry_late");
       break;
-    case OdometryHistory::Added::kClockJump:
+    case scan::OdometryHistory::Added::kClockJump:
       counters_.add("odometry.clock_jumps");
       break;
   }
@@ -76,19 +74,19 @@ void MapperNode::on(const tile_request_t& message) {
   sender_.request(message);
 }
 
-void MapperNode::queue(std::optional<Revolution> revolution) {
-  if (!revolution) return;
-  if (first_lidar_ == 0) first_lidar_ = revolution->start;
+void MapperNode::queue(std::optional<scan::Scan> scan) {
+  if (!scan) return;
+  if (first_lidar_ == 0) first_lidar_ = scan->start;
   if (pending_.size() >= kMaxPending) {
     counters_.add("dropped.pending");
     pending_.pop_front();
   }
-  pending_.push_back(std::move(*revolution));
+  pending_.push_back(std::move(*scan));
 }
 
-bool MapperNode::due(const Revolution& revolution) const {
-  if (odometry_.reaches(revolution.end)) return true;
-  const std::int64_t waited_for = mapper_.started() ? revolution.end : first_lidar_;
+bool MapperNode::due(const scan::Scan& scan) const {
+  if (odometry_.reaches(scan.end)) return true;
+  const std::int64_t waited_for = mapper_.started() ? scan.end : first_lidar_;
   const double wait = mapper_.started() ? config_.odometry_wait_s : config_.start_wait_s;
   return std::abs(lidar_time_ - waited_for) > microseconds(wait);
 }
@@ -100,21 +98,21 @@ void MapperNode::process_due(bool last_call) {
   }
 }
 
-void MapperNode::process(const Revolution& revolution) {
-  odometry_.look_from(revolution.end);
-  if (!mapper_.started() && odometry_.reaches(revolution.end) && !odometry_.covers(revolution.start, revolution.end)) {
+void MapperNode::process(const scan::Scan& scan) {
+  odometry_.look_from(scan.end);
+  if (!mapper_.started() && odometry_.reaches(scan.end) && !odometry_.covers(scan.start, scan.end)) {
     // The filter runs and does not know its attitude yet: a map begun now would not be level.
-    if (revolution.end - first_lidar_ <= microseconds(config_.start_wait_s)) {
+    if (scan.end - first_lidar_ <= microseconds(config_.start_wait_s)) {
       counters_.add("skipped.odometry_not_ready");
       return;
     }
   }
   const std::int64_t begin = steady_clock();
-  const std::optional<MapperUpdate> update = mapper_.process(revolution, odometry_);
+  const std::optional<MapperUpdate> update = mapper_.process(scan, odometry_);
   latency_.add(static_cast<double>(steady_clock() - begin) * 1e-6);
-  odometry_.forget_before(revolution.start - 100'000);
+  odometry_.forget_before(scan.start - 100'000);
   if (!update) return;
-  last_end_ = revolution.end;
+  last_end_ = scan.end;
   without_odometry_ = update->with_odometry ? 0 : without_odometry_ + 1;
   position_ = update->T_map_base.translation();
   if (epoch_ == 0 || update->rearranged) begin_epoch(*update);
@@ -127,8 +125,9 @@ void MapperNode::begin_epoch(const MapperUpdate& update) {
   const auto now = static_cast<std::int32_t>(std::clamp<std::int64_t>(update.utime / 1'000'000, 1, 2'147'483'000));
   epoch_ = std::max({epoch_ + 1, epoch_before_ + 1, now});
   counters_.add("epochs");
-  std::vector<Mapper::TrajectoryPoint> drive = mapper_.trajectory();
+  std::vector<TrajectoryPoint> drive = mapper_.trajectory();
   std::erase_if(drive, [&](const auto& point) { return point.utime >= update.utime; });  // MAP_POSE tells of the rest
+  mapper_.wait();
   sender_.start_epoch(epoch_, mapper_.dense(), position_, drive);
 }
 
@@ -139,21 +138,24 @@ void MapperNode::publish_pose(const MapperUpdate& update) {
   message.epoch = epoch_;
   pose_to_arrays(update.T_map_odom, message.map_odom_position, message.map_odom_orientation);
   pose_to_arrays(update.T_map_base, message.map_base_position, message.map_base_orientation);
-  Matrix6 to_map = Matrix6::Identity();  // translation in map axes, rotation stays in base_link's
+  registration::Matrix6 to_map =
+      registration::Matrix6::Identity();  // translation in map axes, rotation stays in base_link's
   to_map.topLeftCorner<3, 3>() = update.T_map_base.linear();
-  const Matrix6 covariance = to_map * update.registration.covariance * to_map.transpose();
+  const registration::Matrix6 covariance = to_map * update.registration.covariance * to_map.transpose();
   for (int i = 0; i < 36; ++i) message.covariance[i] = static_cast<float>(covariance(i / 6, i % 6));
   message.residual = static_cast<float>(update.registration.residual);
   message.inlier_ratio = static_cast<float>(update.registration.inlier_ratio);
   message.iterations = update.registration.iterations;
   message.degenerate = update.registration.degenerate;
-  message.flags =
-      (update.registered ? map_pose_t::REGISTERED : 0) | (update.with_odometry ? 0 : map_pose_t::NO_ODOMETRY) |
-      (update.stationary ? map_pose_t::STATIONARY : 0) | (update.fix == Fix::kTracking ? 0 : map_pose_t::LOST);
+  message.flags = (update.registered ? map_pose_t::REGISTERED : 0) |
+                  (update.with_odometry ? 0 : map_pose_t::NO_ODOMETRY) |
+                  (update.stationary ? map_pose_t::STATIONARY : 0) |
+                  (update.fix == tracking::Fix::kTracking ? 0 : map_pose_t::LOST);
   bus_.publish("MAP_POSE", message);
 }
 
 void MapperNode::take_changes() {
+  mapper_.wait_grown();
   sender_.changed(mapper_.take_changed());
   sender_.forget(mapper_.take_evicted());
 }
@@ -180,7 +182,7 @@ void MapperNode::tick(std::int64_t now) {
   sender_.send_requested(mapper_.grown());
   if (std::abs(now - index_sent_) >= kIndexPeriod) send_index(now);
   keep_map();
-  if (std::exchange(is_pause_, true)) mapper_.use_the_pause();  // by now the others are done with the revolution
+  if (std::exchange(is_pause_, true)) mapper_.use_the_pause();  // by now the others are done with the scan
 }
 
 void MapperNode::finish() {
@@ -200,6 +202,7 @@ void MapperNode::keep_map() {
   if (kept_ == 0) kept_ = last_end_;
   if (saver_->busy() || std::abs(last_end_ - kept_) < microseconds(config_.save_every)) return;
   kept_ = last_end_;
+  mapper_.wait();
   saver_->begin(mapper_.snapshot(epoch_, saver_->on_disk()));
 }
 
@@ -214,7 +217,7 @@ NodeReport MapperNode::report() const {
   NodeReport report;
   report.counters = counters_;
   const Counters method = mapper_.counters();
-  for (const Counters* part : {&assembler_.counters(), &method, &mapper_.dense().counters()}) {
+  for (const Counters* part : {&assembler_.counters(), &method}) {
     for (const auto& [name, value] : part->values()) report.counters.add(name, value);
   }
   if (saver_) {
@@ -226,7 +229,7 @@ NodeReport MapperNode::report() const {
   if (lidar_time_ == 0) report.faults.push_back("no LIDAR_POINTS");
   if (epoch_ != 0 && without_odometry_ >= kOdometryMissing)
     report.faults.push_back("no usable ODOMETRY: assuming constant velocity");
-  if (epoch_ != 0 && mapper_.fix() != Fix::kTracking) {
+  if (epoch_ != 0 && mapper_.fix() != tracking::Fix::kTracking) {
     report.faults.push_back("lost: looking for where the vehicle is; nothing is mapped");
   } else if (mapper_.refused_in_a_row() >= 10) {
     report.faults.push_back(fmt::format("{} revolutions in a row do not fit the map", mapper_.refused_in_a_row()));
@@ -234,4 +237,4 @@ NodeReport MapperNode::report() const {
   return report;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::mapper

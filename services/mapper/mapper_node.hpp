@@ -5,26 +5,26 @@
 #include <curbstone/tile_request_t.hpp>
 #include <deque>
 
-#include "common/latency.hpp"
-#include "common/node.hpp"
-#include "services/mapper/map_saver.hpp"
+#include "common/bus/node.hpp"
+#include "common/shell/latency.hpp"
+#include "services/mapper/config/mapper_config.hpp"
 #include "services/mapper/map_sender.hpp"
 #include "services/mapper/mapper.hpp"
-#include "services/mapper/mapper_config.hpp"
-#include "services/mapper/odometry_history.hpp"
-#include "services/mapper/revolution_assembler.hpp"
+#include "services/mapper/scan/odometry_history.hpp"
+#include "services/mapper/scan/scan_assembler.hpp"
+#include "services/mapper/storage/map_saver.hpp"
 
-namespace curbstone {
+namespace curbstone::mapper {
 
 /// LIDAR_POINTS and ODOMETRY in, MAP_POSE, MAP_POINTS and MAP_TRAJECTORY out.
 ///
-/// A revolution is processed once odometry has passed its end, or when lidar time says that odometry is missing: so the
+/// A scan is processed once odometry has passed its end, or when lidar time says that odometry is missing: so the
 /// map does not depend on how the two channels interleave. Points go out at a bounded pace, at once after their
-/// revolution and from tick(); what the map holds does not depend on it.
+/// scan and from tick(); what the map holds does not depend on it.
 class MapperNode final : public Node {
  public:
   /// Throws MapFolderError if the map that it should go on with cannot be used.
-  MapperNode(const MapperConfig& config, Publisher& bus);
+  MapperNode(const config::MapperConfig& config, Publisher& bus);
 
   void connect(Subscriber& bus) override;
   void tick(std::int64_t now) override;
@@ -39,10 +39,10 @@ class MapperNode final : public Node {
   [[nodiscard]] const Mapper& mapper() const { return mapper_; }
 
  private:
-  void queue(std::optional<Revolution> revolution);
+  void queue(std::optional<scan::Scan> scan);
   void process_due(bool last_call);
-  [[nodiscard]] bool due(const Revolution& revolution) const;
-  void process(const Revolution& revolution);
+  [[nodiscard]] bool due(const scan::Scan& scan) const;
+  void process(const scan::Scan& scan);
   /// A new epoch: the map begins, or has been rearranged as a whole and goes out anew.
   void begin_epoch(const MapperUpdate& update);
   void publish_pose(const MapperUpdate& update);
@@ -52,28 +52,28 @@ class MapperNode final : public Node {
   void keep_map();
   void keep_map_at_the_end();
 
-  MapperConfig config_;
+  config::MapperConfig config_;
   Publisher& bus_;
   MapSender sender_;
-  RevolutionAssembler assembler_;
-  OdometryHistory odometry_;
+  scan::ScanAssembler assembler_;
+  scan::OdometryHistory odometry_;
   Mapper mapper_;
-  std::deque<Revolution> pending_;
+  std::deque<scan::Scan> pending_;
   std::int64_t lidar_time_ = 0;    // us, newest LIDAR_POINTS
-  std::int64_t first_lidar_ = 0;   // us, start of the first revolution
-  std::int64_t last_end_ = 0;      // us, of the last revolution processed
+  std::int64_t first_lidar_ = 0;   // us, start of the first scan
+  std::int64_t last_end_ = 0;      // us, of the last scan processed
   std::int32_t epoch_ = 0;         // 0: no map yet
   std::int32_t epoch_before_ = 0;  // of the map on disk
-  std::optional<MapSaver> saver_;
+  std::optional<storage::MapSaver> saver_;
   std::int64_t kept_ = 0;  // us, message time
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
 
-  bool has_news_ = false;  // a revolution whose tiles have not gone out
+  bool has_news_ = false;  // a scan whose tiles have not gone out
   bool is_pause_ = false;  // a tick has passed since it was processed
   std::int64_t index_sent_ = 0;
-  int without_odometry_ = 0;  // revolutions in a row
+  int without_odometry_ = 0;  // scans in a row
   LatencyWindow latency_;
   Counters counters_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::mapper

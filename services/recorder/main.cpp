@@ -1,12 +1,13 @@
-#include "common/service.hpp"
+#include "common/shell/service.hpp"
+#include "config/sections.hpp"
 #include "services/recorder/recorder_node.hpp"
 
 using namespace curbstone;
 
 int main(int argc, char** argv) {
-  return run_service<RecorderConfig>(
-      argc, argv, "recorder", "Writes everything on the bus to an LCM log",
-      [](const RecorderConfig& config, ServiceContext& context) -> std::unique_ptr<Node> {
-        return std::make_unique<RecorderNode>(config, context.everything);
+  return run_service<recorder::RecorderConfig>(
+      argc, argv, {"recorder", kProcessSections, "Writes everything on the bus to an LCM log"},
+      [](const recorder::RecorderConfig& config, ServiceContext& context) -> std::unique_ptr<Node> {
+        return std::make_unique<recorder::RecorderNode>(config, context.everything);
       });
 }

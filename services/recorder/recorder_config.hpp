@@ -1,9 +1,10 @@
 #pragma once
 
-#include "common/config.hpp"
+#include "common/config/config.hpp"
 
-namespace curbstone {
+namespace curbstone::recorder {
 
+/// The `recorder:` section of a vehicle's file.
 struct RecorderConfig {
   std::string file = "/var/log/curbstone/drive.lcmlog";
   int split_mb = 1000;  ///< MB
@@ -18,4 +19,4 @@ struct RecorderConfig {
   }
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::recorder

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace curbstone {
+namespace curbstone::recorder {
 namespace {
 
 constexpr std::int64_t kPeriod = 1'000'000;  // us
@@ -74,4 +74,4 @@ NodeReport RecorderNode::report() const {
   return report_;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::recorder

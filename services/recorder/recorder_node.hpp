@@ -4,23 +4,23 @@
 #include <optional>
 #include <string>
 
-#include "common/node.hpp"
+#include "common/bus/node.hpp"
 #include "services/recorder/recorder_config.hpp"
 #include "services/recorder/recording.hpp"
 
-namespace curbstone {
+namespace curbstone::recorder {
 
-/// Writes everything on the bus to an LCM log, as lcm-logger does, which however asks LCM for no longer queue than 30
-/// messages and loses what comes while two busy cores do something else for 30 ms. This one has the bus's receiver
-/// thread and a queue of its own, counts what it loses, and says in SERVICE_STATUS when the disk is full; it goes on in
-/// a new file when there is room again.
+/// Writes everything on the bus to an LCM log, as lcm-logger does. lcm-logger keeps LCM's queue of 30 messages, and
+/// loses what arrives while it is not scheduled for 30 ms. This one uses the bus's receiver thread and a longer queue,
+/// and counts what it loses. A full disk is a fault in SERVICE_STATUS; it goes on in a new file when there is room
+/// again.
 class RecorderNode final : public Node {
  public:
   /// Throws std::runtime_error when the file cannot be written.
   RecorderNode(const RecorderConfig& config, Tappable& bus);
 
   void connect(Subscriber&) override {}
-  /// Once a second what was written is handed to the kernel.
+  /// Hands what was written to the kernel, once a second. `now`: us.
   void tick(std::int64_t now) override;
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
@@ -38,4 +38,4 @@ class RecorderNode final : public Node {
   NodeReport report_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::recorder

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace curbstone {
+namespace curbstone::recorder {
 
 Recording::Recording(std::string file, std::int64_t split) : file_(std::move(file)), split_(split) {
   open();
@@ -48,4 +48,4 @@ void Recording::give_up() {
   if (flushed_ == 0) std::filesystem::remove(current_, ignored);
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::recorder

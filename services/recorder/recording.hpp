@@ -6,19 +6,19 @@
 
 #include "common/log/log_writer.hpp"
 
-namespace curbstone {
+namespace curbstone::recorder {
 
-/// A recording in one file or several: FILE, or where that is taken FILE.1, FILE.2 and so on. Never overwrites. Each is
-/// a log that lcm-logplayer reads.
+/// A recording in one file or several: FILE, or if that exists FILE.1, FILE.2 and so on. It never overwrites a file.
+/// Each file is a log that lcm-logplayer reads. One thread.
 class Recording {
  public:
   /// Opens the first file. Throws std::runtime_error with one clear line. `split` bytes, 0: never.
   Recording(std::string file, std::int64_t split);
 
-  /// Throws std::runtime_error when the disk is full: the file then ends in a torn message, and the recording is at its
-  /// end. A file in which nothing is whole is removed.
+  /// `utime`: us since the Unix epoch, the time of the record. Throws std::runtime_error when the disk is full. The
+  /// file then ends in a torn message, and the recording is over. A file that holds no whole message is removed.
   void write(const std::string& channel, const void* data, int size, std::int64_t utime);
-  /// What was written is the kernel's now: it survives the process. Throws likewise.
+  /// Hands what was written to the kernel, so that it survives the process. Throws as write() does.
   void flush();
 
  private:
@@ -32,4 +32,4 @@ class Recording {
   std::optional<LogWriter> log_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::recorder

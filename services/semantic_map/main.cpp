@@ -1,11 +1,13 @@
-#include "common/service.hpp"
+#include "common/shell/service.hpp"
+#include "config/sections.hpp"
 #include "services/semantic_map/semantic_map_node.hpp"
 
 int main(int argc, char** argv) {
   using namespace curbstone;
-  return run_service<SemanticMapConfig>(argc, argv, "semantic_map",
-                                        "Curbs and the five-class map from voted points; keeps the map file",
-                                        [](const SemanticMapConfig& config, ServiceContext& context) {
-                                          return std::make_unique<SemanticMapNode>(config, context.bus);
-                                        });
+  return run_service<semantic_map::SemanticMapConfig>(
+      argc, argv,
+      {"semantic_map", kProcessSections, "Curbs and the five-class map from voted points; keeps the map file"},
+      [](const semantic_map::SemanticMapConfig& config, ServiceContext& context) {
+        return std::make_unique<semantic_map::SemanticMapNode>(config, context.bus);
+      });
 }

@@ -2,12 +2,12 @@
 
 #include <string>
 
-#include "common/config.hpp"
-#include "common/vehicle.hpp"
-#include "services/semantic_map/cell_columns.hpp"
-#include "services/semantic_map/curb_parameters.hpp"
+#include "common/config/config.hpp"
+#include "common/config/vehicle.hpp"
+#include "services/semantic_map/cells/cell_columns.hpp"
+#include "services/semantic_map/tile/curb_parameters.hpp"
 
-namespace curbstone {
+namespace curbstone::semantic_map {
 
 /// Configuration of the semantic map: section "semantic_map" of the vehicle's file.
 struct SemanticMapConfig {
@@ -16,8 +16,8 @@ struct SemanticMapConfig {
   int work_per_tick = 8;           ///< tiles whose ground and curbs are looked for each 20 ms
   double curb_range = 20.0;        ///< m around the vehicle that CURBS speaks of
   int max_pending_tiles = 20'000;  ///< kept in memory while the disk is full
-  CurbParameters curb;
-  ClassParameters classes;
+  tile::CurbParameters curb;
+  cells::ClassParameters classes;
   VehicleConfig vehicle;
 
   void visit(ConfigVisitor& v) {
@@ -32,4 +32,4 @@ struct SemanticMapConfig {
   }
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::semantic_map

@@ -5,11 +5,11 @@
 #include <curbstone/curb_lines_t.hpp>
 #include <utility>
 
-#include "services/semantic_map/map_picture.hpp"
-#include "services/semantic_map/png_file.hpp"
+#include "services/semantic_map/picture/map_picture.hpp"
+#include "services/semantic_map/picture/png_file.hpp"
 #include "services/semantic_map/semantic_messages.hpp"
 
-namespace curbstone {
+namespace curbstone::semantic_map {
 
 namespace {
 
@@ -24,7 +24,7 @@ constexpr std::size_t kMaxCurbVertices = 1800;  // 24 bytes each: below 48 kB
 constexpr std::size_t kMaxTiles = 200'000;      // 1.8 square kilometres: memory has an end
 constexpr double kPathSpacing = 0.1;            // m, of the path in the picture
 
-ClassParameters with_vehicle(ClassParameters classes, const VehicleConfig& vehicle) {
+cells::ClassParameters with_vehicle(cells::ClassParameters classes, const VehicleConfig& vehicle) {
   classes.vehicle_height = vehicle.height;
   return classes;
 }
@@ -43,7 +43,7 @@ SemanticMapNode::SemanticMapNode(const SemanticMapConfig& config, Publisher& bus
     : config_(config),
       bus_(bus),
       pipeline_(config.curb, with_vehicle(config.classes, config.vehicle)),
-      schedule_(config.work_per_tick, pipeline_),
+      schedule_(config.work_per_tick),
       keeper_(config.map, static_cast<std::size_t>(config.max_pending_tiles)) {}
 
 void SemanticMapNode::connect(Subscriber& bus) {
@@ -84,19 +84,16 @@ void SemanticMapNode::on(const voted_points_t& message) {
   if (revision == revisions_.end() && revisions_.size() >= kMaxTiles) return counters_.add("dropped.map_full");
   const auto step = assembler_.add(message, counters_);
   if (!step) return;
-  if (!goes_on_from(*step, pipeline_.voted(key))) {
+  const auto change = pipeline_.apply(*step);
+  if (!change) {
     if (voted_.behind() < kMaxTiles) voted_.lacks(key, step->revision);
     return counters_.add("dropped.gap");
   }
-  VotedTile tile = pipeline_.lend_voted(key);
-  const std::size_t num_points = tile.points.size();
-  take_step(*step, tile);
   counters_.add("voted_tiles");
-  newest_utime_ = std::max(newest_utime_, tile.utime);
-  revisions_[key] = tile.revision;
-  voted_.set_have(key, tile.revision);
-  schedule_.changed(key, num_points, now_);
-  pipeline_.set_voted(std::move(tile), step->base > 0);
+  newest_utime_ = std::max(newest_utime_, change->utime);
+  revisions_[key] = change->revision;
+  voted_.set_have(key, change->revision);
+  schedule_.voted(*change, now_);
 }
 
 void SemanticMapNode::on(const tile_index_t& message) {
@@ -119,7 +116,7 @@ void SemanticMapNode::on(const map_pose_t& message) {
   vehicle_ = T_map_base.translation().head<2>();
   if (path_.empty() || (path_.rbegin()->second - vehicle_).norm() > kPathSpacing)
     path_.emplace(message.utime, vehicle_);
-  keeper_.put(TrajectoryPose{message.utime, message.revolution, T_map_base});
+  keeper_.put(tile::TrajectoryPose{message.utime, message.revolution, T_map_base});
 }
 
 /// The drive as a new epoch has it: what MAP_POSE said before is void.
@@ -134,7 +131,7 @@ void SemanticMapNode::on(const map_trajectory_t& message) {
     }
     begin_drive(utime);
     path_.emplace(utime, T_map_base.translation().head<2>());
-    keeper_.put(TrajectoryPose{utime, message.revolutions[i], T_map_base});
+    keeper_.put(tile::TrajectoryPose{utime, message.revolutions[i], T_map_base});
   }
 }
 
@@ -146,22 +143,22 @@ void SemanticMapNode::begin_drive(std::int64_t utime) {
 void SemanticMapNode::caught_up(std::int64_t now) {
   if (schedule_.num_waiting() == 0) return;
   now_ = now;
-  while (schedule_.show_one()) publish_changed(now);
+  show_news(now);
 }
 
 bool SemanticMapNode::idle(std::int64_t now) {
   now_ = now;
   idles_ = true;
-  if (!schedule_.work_on_one(vehicle_, now)) return false;
-  publish_changed(now);
+  const auto changed = work_on_one(now);
+  if (!changed) return false;
+  publish_changed(*changed, now);
   return true;
 }
 
 void SemanticMapNode::tick(std::int64_t now) {
   now_ = now;
-  while (schedule_.show_one()) publish_changed(now);
-  while (!idles_ && schedule_.work_on_one(vehicle_, now)) continue;
-  publish_changed(now);
+  show_news(now);
+  if (!idles_) publish_changed(work_on_all(now), now);
   std::erase_if(unsent_, [&](TileKey key) { return publish_if_due(key, now); });
   answer_requests();
   if (now - last_request_ >= kRequestPeriod) {
@@ -177,8 +174,26 @@ void SemanticMapNode::tick(std::int64_t now) {
   }
 }
 
-void SemanticMapNode::publish_changed(std::int64_t now) {
-  for (const TileKey& key : pipeline_.take_changed()) {
+void SemanticMapNode::show_news(std::int64_t now) {
+  while (const auto work = schedule_.next_to_show()) publish_changed(pipeline_.run(*work).changed, now);
+}
+
+std::optional<std::set<TileKey>> SemanticMapNode::work_on_one(std::int64_t now) {
+  const auto work = schedule_.next_work(vehicle_, pipeline_.backlog(), now);
+  if (!work) return std::nullopt;
+  WorkResult result = pipeline_.run(*work);
+  schedule_.spent(result.cost);
+  return std::move(result.changed);
+}
+
+std::set<TileKey> SemanticMapNode::work_on_all(std::int64_t now) {
+  std::set<TileKey> changed;
+  while (auto more = work_on_one(now)) changed.merge(*more);
+  return changed;
+}
+
+void SemanticMapNode::publish_changed(const std::set<TileKey>& changed, std::int64_t now) {
+  for (const TileKey& key : changed) {
     if (!publish_if_due(key, now)) unsent_.insert(key);
   }
 }
@@ -186,14 +201,14 @@ void SemanticMapNode::publish_changed(std::int64_t now) {
 /// What has new points goes out at once, what is only seen otherwise not too often.
 bool SemanticMapNode::publish_if_due(TileKey key, std::int64_t now) {
   const auto it = published_.find(key);
-  const MapTile& tile = *pipeline_.classes(key);
+  const tile::MapTile& tile = *pipeline_.classes(key);
   const bool is_news = it == published_.end() || tile.utime > it->second.tile.utime;
   if (!is_news && std::abs(now - it->second.at) < kTilePeriod) return false;
   publish_tile(tile, now);
   return true;
 }
 
-void SemanticMapNode::publish_tile(const MapTile& tile, std::int64_t now) {
+void SemanticMapNode::publish_tile(const tile::MapTile& tile, std::int64_t now) {
   Published& published = published_[tile.key];
   if (published.revision > 0 && published.tile == tile) return;  // became another, and what it was again
   const bool is_news = tile.utime > published.tile.utime;
@@ -226,13 +241,14 @@ void SemanticMapNode::publish_index(std::int64_t now) {
     bus_.publish("TILE_INDEX", page);
 }
 
-std::vector<MapCurbPoint> SemanticMapNode::curb_points(double x_min, double y_min, double x_max, double y_max) const {
-  std::vector<MapCurbPoint> points;
+std::vector<curb_lines::MapCurbPoint> SemanticMapNode::curb_points(double x_min, double y_min, double x_max,
+                                                                   double y_max) const {
+  std::vector<curb_lines::MapCurbPoint> points;
   for (const TileKey& key : pipeline_.keys()) {
     const Eigen::Vector2d corner(key.x * kTileSize, key.y * kTileSize);
     if (corner.x() + kTileSize < x_min || corner.x() > x_max || corner.y() + kTileSize < y_min || corner.y() > y_max)
       continue;
-    for (const CurbPoint& p : *pipeline_.curbs(key)) {
+    for (const curbs::CurbPoint& p : *pipeline_.curbs(key)) {
       const Eigen::Vector2d foot = p.foot + corner;
       if (foot.x() >= x_min && foot.x() <= x_max && foot.y() >= y_min && foot.y() <= y_max)
         points.push_back({foot, p.up, p.z, p.height, p.confidence, p.weak, p.reach});
@@ -245,14 +261,14 @@ void SemanticMapNode::publish_curbs(std::int64_t now) {
   last_curbs_ = now;
   curbs_changed_ = false;
   curb_lines_t m;
-  std::vector<CurbLine> lines;
+  std::vector<tile::CurbLine> lines;
   std::size_t vertices = 0;
   double range = config_.curb_range;
   do {  // a smaller box where there is more than a message holds
-    lines =
-        link_curbs(curb_points(vehicle_.x() - range, vehicle_.y() - range, vehicle_.x() + range, vehicle_.y() + range));
+    lines = curb_lines::link_curbs(
+        curb_points(vehicle_.x() - range, vehicle_.y() - range, vehicle_.x() + range, vehicle_.y() + range));
     vertices = 0;
-    for (const CurbLine& line : lines) vertices += line.points.size() + 1;
+    for (const tile::CurbLine& line : lines) vertices += line.points.size() + 1;
     m.box_min[0] = static_cast<float>(vehicle_.x() - range);
     m.box_min[1] = static_cast<float>(vehicle_.y() - range);
     m.box_max[0] = static_cast<float>(vehicle_.x() + range);
@@ -266,7 +282,7 @@ void SemanticMapNode::publish_curbs(std::int64_t now) {
   m.num_lines = static_cast<std::int32_t>(lines.size());
   std::vector<Eigen::Vector2d> path;
   for (const auto& [utime, place] : path_) path.push_back(place);
-  for (const CurbLine& line : lines) m.lines.push_back(to_message(line, path));
+  for (const tile::CurbLine& line : lines) m.lines.push_back(to_message(line, path));
   bus_.publish("CURBS", m);
 }
 
@@ -279,25 +295,24 @@ void SemanticMapNode::store(std::int64_t now) {
   keeper_.write();
 }
 
-std::vector<CurbLine> SemanticMapNode::all_curbs() const {
+std::vector<tile::CurbLine> SemanticMapNode::all_curbs() const {
   constexpr double kAll = 1e12;
-  return link_curbs(curb_points(-kAll, -kAll, kAll, kAll));
+  return curb_lines::link_curbs(curb_points(-kAll, -kAll, kAll, kAll));
 }
 
 void SemanticMapNode::finish() {
-  pipeline_.settle();
+  unsent_.merge(pipeline_.settle());
   schedule_.clear();
-  unsent_.merge(pipeline_.take_changed());
   for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(*pipeline_.classes(key), newest_utime_);
   if (curbs_changed_) publish_curbs(newest_utime_);
   publish_index(newest_utime_);
-  const std::vector<CurbLine> curbs = all_curbs();
+  const std::vector<tile::CurbLine> curbs = all_curbs();
   if (drive_started_) keeper_.finish(curbs);
   if (!config_.picture.empty()) draw_picture(curbs);
 }
 
-void SemanticMapNode::draw_picture(const std::vector<CurbLine>& curbs) {
-  MapPicture picture;
+void SemanticMapNode::draw_picture(const std::vector<tile::CurbLine>& curbs) {
+  picture::MapPicture picture;
   for (const TileKey& key : pipeline_.keys()) {
     const auto it = published_.find(key);
     if (it != published_.end()) picture.tiles.push_back(it->second.tile);
@@ -305,8 +320,8 @@ void SemanticMapNode::draw_picture(const std::vector<CurbLine>& curbs) {
   picture.curbs = curbs;
   for (const auto& [utime, position] : path_) picture.path.push_back(position);
   try {
-    write_png(draw_map(picture, {}), config_.picture);
-  } catch (const PictureError& error) {
+    picture::write_png(picture::draw_map(picture, {}), config_.picture);
+  } catch (const picture::PictureError& error) {
     counters_.add("faults.picture");
     picture_fault_ = error.what();
   }
@@ -327,4 +342,4 @@ NodeReport SemanticMapNode::report() const {
   return report;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::semantic_map

@@ -7,22 +7,23 @@
 #include <curbstone/tile_request_t.hpp>
 #include <curbstone/voted_points_t.hpp>
 #include <map>
+#include <optional>
 #include <set>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
-#include "common/latency.hpp"
-#include "common/node.hpp"
-#include "common/tile_sync.hpp"
-#include "services/semantic_map/curb_lines.hpp"
-#include "services/semantic_map/map_keeper.hpp"
+#include "common/bus/node.hpp"
+#include "common/shell/latency.hpp"
+#include "common/tile_sync/tile_sync.hpp"
+#include "services/semantic_map/curb_lines/curb_lines.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
+#include "services/semantic_map/store/map_keeper.hpp"
+#include "services/semantic_map/tile/voted_tile_assembler.hpp"
 #include "services/semantic_map/tile_pipeline.hpp"
 #include "services/semantic_map/update_schedule.hpp"
-#include "services/semantic_map/voted_tile_assembler.hpp"
 
-namespace curbstone {
+namespace curbstone::semantic_map {
 
 /// VOTED_POINTS in, SEMANTIC_TILE and CURBS out; keeps the map file. Follows the workers' tiles (TILE_INDEX,
 /// TILE_REQUEST) and owns SEMANTIC_TILE. The final map is a function of the final voted tiles and the poses alone.
@@ -46,31 +47,37 @@ class SemanticMapNode final : public Node {
 
  private:
   struct Published {
-    MapTile tile;
+    tile::MapTile tile;
     std::int32_t revision = 0;
     std::int64_t at = 0;  // us, when it went out
   };
   /// False for what belongs to an epoch that is over.
   bool enter_epoch(std::int32_t epoch);
   void begin_drive(std::int64_t utime);
-  void publish_changed(std::int64_t now);
+  /// Brings what stands where up to date in all tiles with new points, and sends it.
+  void show_news(std::int64_t now);
+  /// Does the piece of work that is due, and tells which tiles became others. Nothing if none is due.
+  std::optional<std::set<TileKey>> work_on_one(std::int64_t now);
+  std::set<TileKey> work_on_all(std::int64_t now);
+  void publish_changed(const std::set<TileKey>& changed, std::int64_t now);
   bool publish_if_due(TileKey key, std::int64_t now);
-  void publish_tile(const MapTile& tile, std::int64_t now);
+  void publish_tile(const tile::MapTile& tile, std::int64_t now);
   void publish(const Published& published);
   void answer_requests();
   void publish_index(std::int64_t now);
   void publish_curbs(std::int64_t now);
   void store(std::int64_t now);
-  [[nodiscard]] std::vector<CurbLine> all_curbs() const;
-  void draw_picture(const std::vector<CurbLine>& curbs);
-  [[nodiscard]] std::vector<MapCurbPoint> curb_points(double x_min, double y_min, double x_max, double y_max) const;
+  [[nodiscard]] std::vector<tile::CurbLine> all_curbs() const;
+  void draw_picture(const std::vector<tile::CurbLine>& curbs);
+  [[nodiscard]] std::vector<curb_lines::MapCurbPoint> curb_points(double x_min, double y_min, double x_max,
+                                                                  double y_max) const;
 
   SemanticMapConfig config_;
   Publisher& bus_;
-  VotedTileAssembler assembler_;
+  tile::VotedTileAssembler assembler_;
   TilePipeline pipeline_;
   UpdateSchedule schedule_;
-  MapKeeper keeper_;
+  store::MapKeeper keeper_;
   TileFollower voted_{"semantic_map", "VOTED_POINTS"};
   TileCatalog catalog_{"semantic_map", "SEMANTIC_TILE"};
   bool idles_ = false;        // whether idle() is called, so that tick() need not work
@@ -78,7 +85,7 @@ class SemanticMapNode final : public Node {
   std::set<TileKey> unsent_;  // changed since they were sent
   std::unordered_map<TileKey, Published, TileKeyHash> published_;
   std::unordered_map<TileKey, std::int32_t, TileKeyHash> revisions_;  // of voted tiles
-  CurbLineIds curb_ids_;
+  curb_lines::CurbLineIds curb_ids_;
 
   std::int32_t epoch_ = 0;
   bool has_epoch_ = false;
@@ -101,4 +108,4 @@ class SemanticMapNode final : public Node {
   std::string picture_fault_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::semantic_map

@@ -1,15 +1,15 @@
 #include "services/semantic_map/semantic_messages.hpp"
 
-namespace curbstone {
+namespace curbstone::semantic_map {
 
-curb_line_t to_message(const CurbLine& line, const std::vector<Eigen::Vector2d>& path) {
+curb_line_t to_message(const tile::CurbLine& line, const std::vector<Eigen::Vector2d>& path) {
   curb_line_t m;
   m.id = line.id;
   m.confidence = line.confidence;
   m.dropped = line.dropped ? 1 : 0;
-  m.rise = static_cast<std::int8_t>(seen_from(line, path));
+  m.rise = static_cast<std::int8_t>(curb_lines::seen_from(line, path));
   m.num_points = static_cast<std::int32_t>(line.points.size());
-  for (const CurbVertex& v : line.points) {
+  for (const tile::CurbVertex& v : line.points) {
     m.x.push_back(v.x);
     m.y.push_back(v.y);
     m.z.push_back(v.z);
@@ -20,7 +20,7 @@ curb_line_t to_message(const CurbLine& line, const std::vector<Eigen::Vector2d>&
   return m;
 }
 
-semantic_tile_t to_message(const MapTile& tile, std::int32_t epoch, std::int32_t revision) {
+semantic_tile_t to_message(const tile::MapTile& tile, std::int32_t epoch, std::int32_t revision) {
   semantic_tile_t m;
   m.utime = tile.utime;
   m.curbs_utime = tile.curbs_utime;
@@ -29,7 +29,7 @@ semantic_tile_t to_message(const MapTile& tile, std::int32_t epoch, std::int32_t
   m.tile_y = tile.key.y;
   m.revision = revision;
   m.z_origin = tile.z_origin;
-  for (std::size_t i = 0; i < kCellsInTile; ++i) {
+  for (std::size_t i = 0; i < tile::kCellsInTile; ++i) {
     m.cell_class[i] = static_cast<std::uint8_t>(tile.cell_class[i]);
     m.height[i] = tile.height[i];
     m.cost[i] = tile.cost[i];
@@ -46,4 +46,4 @@ Pose pose_of(const map_trajectory_t& page, std::size_t i) {
   return pose_from_arrays(position, orientation);
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::semantic_map

@@ -7,16 +7,16 @@
 #include <curbstone/semantic_tile_t.hpp>
 #include <vector>
 
-#include "common/geometry.hpp"
-#include "services/semantic_map/curb_rise.hpp"
-#include "services/semantic_map/map_types.hpp"
+#include "common/geometry/geometry.hpp"
+#include "services/semantic_map/curb_lines/curb_rise.hpp"
+#include "services/semantic_map/tile/map_types.hpp"
 
-namespace curbstone {
+namespace curbstone::semantic_map {
 
 /// `path`: where the vehicle drove, m in map, by which the rise is told.
-[[nodiscard]] curb_line_t to_message(const CurbLine& line, const std::vector<Eigen::Vector2d>& path);
-[[nodiscard]] semantic_tile_t to_message(const MapTile& tile, std::int32_t epoch, std::int32_t revision);
+[[nodiscard]] curb_line_t to_message(const tile::CurbLine& line, const std::vector<Eigen::Vector2d>& path);
+[[nodiscard]] semantic_tile_t to_message(const tile::MapTile& tile, std::int32_t epoch, std::int32_t revision);
 /// One pose of a page of the drive; what is in it may be anything.
 [[nodiscard]] Pose pose_of(const map_trajectory_t& page, std::size_t i);
 
-}  // namespace curbstone
+}  // namespace curbstone::semantic_map

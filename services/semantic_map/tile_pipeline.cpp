@@ -5,10 +5,14 @@
 #include <span>
 #include <utility>
 
-namespace curbstone {
+namespace curbstone::semantic_map {
 namespace {
 
 constexpr std::size_t kMostMeters = 512;  // 40 kB each; tiles in sight of the vehicle are fewer
+
+std::int64_t first_turn(const std::map<std::int64_t, TileKey>& stale) {
+  return stale.empty() ? std::numeric_limits<std::int64_t>::max() : stale.begin()->first;
+}
 
 }  // namespace
 
@@ -33,8 +37,8 @@ void TilePipeline::for_around(TileKey key, Visit visit) {
 
 /// get(tile): pointer to the product of one tile.
 template <class T, class Get>
-Around<T> TilePipeline::around(TileKey key, Get get) {
-  Around<T> result;
+tile::Around<T> TilePipeline::around(TileKey key, Get get) {
+  tile::Around<T> result;
   for_around(key,
              [&](TileKey neighbour, Tile& tile) { result.set(neighbour.x - key.x, neighbour.y - key.y, get(tile)); });
   return result;
@@ -57,12 +61,25 @@ bool TilePipeline::unmark(Step step, Tile& tile) {
   return true;
 }
 
-void TilePipeline::set_voted(VotedTile voted, bool has_grown) {
+std::optional<VotedChange> TilePipeline::apply(const tile::VotedStep& step) {
+  Tile* const known = find(step.key);
+  if (!tile::goes_on_from(step, known == nullptr ? nullptr : &known->voted)) return std::nullopt;
+  Tile& tile = known == nullptr ? tiles_[step.key] : *known;
+  const std::size_t points_before = tile.voted.points.size();
+  tile::take_step(step, tile.voted);
+  voted_changed(step.key, tile, known == nullptr, step.base > 0);
+  return VotedChange{step.key, tile.voted.revision, tile.voted.utime, points_before, tile.voted.points.size()};
+}
+
+void TilePipeline::set_voted(tile::VotedTile voted, bool has_grown) {
   const TileKey key = voted.key;
-  if (!has_grown) meters_.erase(key);
   const auto [it, is_new] = tiles_.try_emplace(key);
-  Tile& tile = it->second;
-  tile.voted = std::move(voted);
+  it->second.voted = std::move(voted);
+  voted_changed(key, it->second, is_new, has_grown);
+}
+
+void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_grown) {
+  if (!has_grown) meters_.erase(key);
   if (is_new) {
     for (const Step step : kAllSteps) mark(step, key, tile);
   }
@@ -72,27 +89,16 @@ void TilePipeline::set_voted(VotedTile voted, bool has_grown) {
   mark(kClasses, key, tile);  // its time is new
 }
 
-const VotedTile* TilePipeline::voted(TileKey key) const {
-  const auto it = tiles_.find(key);
-  return it == tiles_.end() ? nullptr : &it->second.voted;
-}
-
-VotedTile TilePipeline::lend_voted(TileKey key) {
-  Tile* const tile = find(key);
-  return tile == nullptr ? VotedTile{} : std::move(tile->voted);
-}
-
 void TilePipeline::clear() {
   tiles_.clear();
   meters_.clear();
   for (auto& step : stale_) step.clear();
-  changed_.clear();
 }
 
 void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
-  constexpr std::array kWork = {0.05, 0.2, 1.0, 0.05, 0.05, 0.05};  // as they were measured
+  constexpr std::array kCost = {0.05, 0.2, 1.0, 0.05, 0.05, 0.05};  // as they were measured
   if (!unmark(step, tile)) return;
-  work_ += kWork[step];
+  result_.cost += kCost[step];
   num_evidence_ += step == kEvidence ? 1 : 0;
   switch (step) {
     case kSamples:
@@ -112,15 +118,16 @@ void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
 }
 
 void TilePipeline::refresh_samples(TileKey key, Tile& tile) {
-  const GroundSamples samples = sample_ground(tile.voted, curb_);
+  const ground::GroundSamples samples = ground::sample_ground(tile.voted, curb_);
   if (samples == tile.samples) return;
   tile.samples = samples;
   mark_around(kGround, key);
 }
 
 void TilePipeline::refresh_ground(TileKey key, Tile& tile) {
-  GroundModel ground = model_ground(around<GroundSamples>(key, [](Tile& t) { return &t.samples; }), curb_);
-  if (is_same_surface(ground, tile.ground)) return;
+  ground::GroundModel ground =
+      ground::model_ground(around<ground::GroundSamples>(key, [](Tile& t) { return &t.samples; }), curb_);
+  if (ground::is_same_surface(ground, tile.ground)) return;
   tile.ground = ground;
   mark_around(kEvidence, key);
   mark_around(kColumns, key);
@@ -130,8 +137,9 @@ void TilePipeline::refresh_ground(TileKey key, Tile& tile) {
 }
 
 void TilePipeline::refresh_evidence(TileKey key, Tile& tile) {
-  const GroundSurface ground(around<GroundModel>(key, [](Tile& t) { return &t.ground; }));
-  auto evidence = find_curb_evidence(around<VotedTile>(key, [](Tile& t) { return &t.voted; }), ground, curb_);
+  const ground::GroundSurface ground(around<ground::GroundModel>(key, [](Tile& t) { return &t.ground; }));
+  auto evidence =
+      curbs::find_curb_evidence(around<tile::VotedTile>(key, [](Tile& t) { return &t.voted; }), ground, curb_);
   if (std::exchange(tile.evidence_utime, tile.voted.utime) != tile.voted.utime) mark(kCurbs, key, tile);
   if (evidence == tile.evidence) return;
   tile.evidence = std::move(evidence);
@@ -148,16 +156,17 @@ void TilePipeline::measure_columns(TileKey key, Tile& tile) {
   auto at = meters_.find(key);
   if (at == meters_.end()) {
     if (meters_.size() >= kMostMeters) meters_.clear();
-    const GroundSurface ground(around<GroundModel>(key, [](Tile& t) { return &t.ground; }));
-    at = meters_.try_emplace(key, GroundedMeter{ColumnMeter(ground, classes_)}).first;
+    const ground::GroundSurface ground(around<ground::GroundModel>(key, [](Tile& t) { return &t.ground; }));
+    at = meters_.try_emplace(key, GroundedMeter{cells::ColumnMeter(ground, classes_)}).first;
   }
-  ColumnMeter& meter = at->second.meter;
+  cells::ColumnMeter& meter = at->second.meter;
   meter.add(std::span(tile.voted.points).subspan(meter.num_points()));
   if (meter.read(tile.columns)) mark_around(kClasses, key);
 }
 
 void TilePipeline::refresh_curbs(TileKey key, Tile& tile) {
-  auto curbs = filter_curbs(around<std::vector<CurbCandidate>>(key, [](Tile& t) { return &t.evidence; }), curb_);
+  auto curbs =
+      curbs::filter_curbs(around<std::vector<curbs::CurbCandidate>>(key, [](Tile& t) { return &t.evidence; }), curb_);
   if (std::exchange(tile.curbs_utime, tile.evidence_utime) != tile.evidence_utime) mark(kClasses, key, tile);
   if (curbs == tile.curbs) return;
   tile.curbs = std::move(curbs);
@@ -165,28 +174,27 @@ void TilePipeline::refresh_curbs(TileKey key, Tile& tile) {
 }
 
 void TilePipeline::refresh_classes(TileKey key, Tile& tile) {
-  MapTile result;
+  tile::MapTile result;
   result.key = key;
   result.utime = tile.voted.utime;
   result.curbs_utime = tile.curbs_utime;
   result.z_origin = tile.voted.z_origin;
-  classify_cells(around<CellColumns>(key, [](Tile& t) { return &t.columns; }),
-                 around<std::vector<CurbPoint>>(key, [](Tile& t) { return &t.curbs; }), classes_, result);
+  cells::classify_cells(around<cells::CellColumns>(key, [](Tile& t) { return &t.columns; }),
+                        around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return &t.curbs; }), classes_, result);
   if (tile.classes == result) return;
   tile.classes = result;
-  changed_.insert(key);
+  result_.changed.insert(key);
 }
 
-std::optional<MapTile> TilePipeline::update(TileKey key) {
+void TilePipeline::update(TileKey key) {
   Tile* const tile = find(key);
-  if (tile == nullptr) return std::nullopt;
+  if (tile == nullptr) return;
   for (const Step step : kAllSteps) refresh(step, key, *tile);
-  return tile->classes;
 }
 
-std::optional<MapTile> TilePipeline::update_columns(TileKey key) {
+void TilePipeline::update_columns(TileKey key) {
   Tile* const tile = find(key);
-  if (tile == nullptr) return std::nullopt;
+  if (tile == nullptr) return;
   if (!tile->classes) {
     for (const Step step : {kSamples, kGround}) refresh(step, key, *tile);
   }
@@ -197,42 +205,57 @@ std::optional<MapTile> TilePipeline::update_columns(TileKey key) {
     refresh(kColumns, key, *tile);
   }
   refresh(kClasses, key, *tile);
-  return tile->classes;
 }
 
 /// In doubt the earlier step: what follows from it would only have to be computed again.
-bool TilePipeline::settle_one(std::int64_t before) {
-  const auto first_turn = [](const std::map<std::int64_t, TileKey>& stale) {
-    return stale.empty() ? std::numeric_limits<std::int64_t>::max() : stale.begin()->first;
-  };
+void TilePipeline::settle_oldest() {
   const auto oldest = std::min_element(stale_.begin(), stale_.end(),
-                                       [&](const auto& a, const auto& b) { return first_turn(a) < first_turn(b); });
-  if (first_turn(*oldest) >= before) return false;
+                                       [](const auto& a, const auto& b) { return first_turn(a) < first_turn(b); });
+  if (oldest->empty()) return;
   const TileKey key = oldest->begin()->second;
   refresh(static_cast<Step>(oldest - stale_.begin()), key, *find(key));
-  return true;
+}
+
+WorkResult TilePipeline::run(const TileWork& work) {
+  result_ = {};
+  switch (work.kind) {
+    case TileWork::Kind::kUpdate:
+      update(work.key);
+      break;
+    case TileWork::Kind::kUpdateColumns:
+      update_columns(work.key);
+      break;
+    case TileWork::Kind::kOldestStep:
+      settle_oldest();
+      break;
+  }
+  return std::exchange(result_, {});
 }
 
 /// Step by step: whatever a step makes stale is of a later one.
-void TilePipeline::settle() {
+std::set<TileKey> TilePipeline::settle() {
+  result_ = {};
   for (const Step step : kAllSteps) {
     while (!stale_[step].empty()) {
       const TileKey key = stale_[step].begin()->second;
       refresh(step, key, *find(key));
     }
   }
+  return std::exchange(result_, {}).changed;
 }
 
-std::set<TileKey> TilePipeline::take_changed() {
-  return std::exchange(changed_, {});
+Backlog TilePipeline::backlog() const {
+  Backlog backlog{.turn = turn_};
+  for (const auto& step : stale_) backlog.oldest = std::min(backlog.oldest, first_turn(step));
+  return backlog;
 }
 
-const MapTile* TilePipeline::classes(TileKey key) const {
+const tile::MapTile* TilePipeline::classes(TileKey key) const {
   const auto it = tiles_.find(key);
   return it == tiles_.end() || !it->second.classes ? nullptr : &*it->second.classes;
 }
 
-const std::vector<CurbPoint>* TilePipeline::curbs(TileKey key) const {
+const std::vector<curbs::CurbPoint>* TilePipeline::curbs(TileKey key) const {
   const auto it = tiles_.find(key);
   return it == tiles_.end() ? nullptr : &it->second.curbs;
 }
@@ -251,4 +274,4 @@ std::size_t TilePipeline::num_stale() const {
   return count;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::semantic_map

@@ -13,15 +13,14 @@
 #include <string>
 #include <vector>
 
+#include "tests/temporary_folder.hpp"
+
 namespace curbstone::testing {
 
 /// A pseudo-terminal whose other end has a name that stays: a device that can be unplugged and plugged in again.
 class Pty {
  public:
-  explicit Pty(const std::string& name)
-      : path_(std::filesystem::temp_directory_path() / (name + "." + std::to_string(getpid()))) {
-    plug();
-  }
+  Pty() { plug(); }
   ~Pty() { unplug(); }
   Pty(const Pty&) = delete;
   Pty& operator=(const Pty&) = delete;
@@ -62,7 +61,8 @@ class Pty {
   }
 
  private:
-  std::filesystem::path path_;
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_ / "device";
   int fd_ = -1;
 };
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "common/local_bus.hpp"
+#include "common/bus/local_bus.hpp"
 
 namespace curbstone::testing {
 

@@ -1,27 +1,28 @@
-#include "demo_drive.hpp"
+#include "tests/system/demo_drive.hpp"
 
 #include <fmt/format.h>
 #include <signal.h>
 
 #include <cstdlib>
+#include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "services/semantic_map/map_store.hpp"
+#include "services/semantic_map/store/map_store.hpp"
 
 namespace curbstone::system_test {
 
 namespace {
-constexpr double kPatience = 120;      // s: for what takes seconds on an idle machine
-constexpr double kEmulatorLate = 100;  // ms
+constexpr double kPatience = 120;  // s: for what takes seconds on an idle machine
 }  // namespace
 
 MapContent read_map(const std::string& file) {
-  const MapReader reader(file);
+  const semantic_map::store::MapReader reader(file);
   MapContent content;
-  for (const MapTile& tile : reader.tiles()) {
+  for (const semantic_map::tile::MapTile& tile : reader.tiles()) {
     ++content.tiles;
-    for (const CellClass cell : tile.cell_class) ++content.cells[static_cast<std::size_t>(cell)];
+    for (const semantic_map::tile::CellClass cell : tile.cell_class) ++content.cells[static_cast<std::size_t>(cell)];
   }
   content.curb_lines = static_cast<int>(reader.curbs().size());
   content.integrity = reader.integrity();
@@ -29,21 +30,25 @@ MapContent read_map(const std::string& file) {
 }
 
 double agreement(const std::string& map_file, const std::string& other_map_file) {
-  std::map<TileKey, MapTile> other;
-  for (MapTile& tile : MapReader(other_map_file).tiles()) other.emplace(tile.key, tile);
+  std::map<TileKey, semantic_map::tile::MapTile> other;
+  for (semantic_map::tile::MapTile& tile : semantic_map::store::MapReader(other_map_file).tiles())
+    other.emplace(tile.key, tile);
   int same = 0;
   int known = 0;
-  for (const MapTile& tile : MapReader(map_file).tiles()) {
-    const MapTile& there = other[tile.key];
+  for (const semantic_map::tile::MapTile& tile : semantic_map::store::MapReader(map_file).tiles()) {
+    const semantic_map::tile::MapTile& there = other[tile.key];
     for (std::size_t i = 0; i < tile.cell_class.size(); ++i) {
-      if (tile.cell_class[i] == CellClass::kUnknown && there.cell_class[i] == CellClass::kUnknown) continue;
+      if (tile.cell_class[i] == semantic_map::tile::CellClass::kUnknown &&
+          there.cell_class[i] == semantic_map::tile::CellClass::kUnknown)
+        continue;
       ++known;
       same += tile.cell_class[i] == there.cell_class[i] ? 1 : 0;
     }
     other.erase(tile.key);
   }
   for (const auto& [key, tile] : other) {
-    for (const CellClass cell : tile.cell_class) known += cell == CellClass::kUnknown ? 0 : 1;
+    for (const semantic_map::tile::CellClass cell : tile.cell_class)
+      known += cell == semantic_map::tile::CellClass::kUnknown ? 0 : 1;
   }
   return known == 0 ? 0.0 : static_cast<double>(same) / known;
 }
@@ -58,11 +63,11 @@ DemoDrive::DemoDrive(const std::string& source, const std::string& deputy_option
   setenv("CURBSTONE_CONFIG", CURBSTONE_SOURCE_DIR "/config/ugv.yaml", 1);
   deputy_ = std::make_unique<BackgroundProgram>("curbstone-deputy --config " CURBSTONE_SOURCE_DIR
                                                 "/procman/demo.cfg --script go --exit-when simulate --log-dir " +
-                                                    folder_ / "logs" + " " + deputy_options,
+                                                    (folder_ / "logs").string() + " " + deputy_options,
                                                 folder_ / "deputy.out");
 }
 
-bool DemoDrive::wait_for_revolutions(int wanted) {
+bool DemoDrive::wait_for_scans(int wanted) {
   return bus.wait_until([&] { return revolutions >= wanted || !deputy_->running(); }, kPatience) && deputy_->running();
 }
 
@@ -84,7 +89,7 @@ bool DemoDrive::kill_and_see_it_come_back(const std::string& command) {
 
 std::string DemoDrive::replay() const {
   const std::string file = folder_ / "replayed.db";
-  const auto result = run_program("curbstone replay " + (folder_ / "run.lcmlog") + " --map " + file +
+  const auto result = run_program("curbstone replay " + (folder_ / "run.lcmlog").string() + " --map " + file +
                                       " --config " CURBSTONE_SOURCE_DIR "/config/ugv.yaml",
                                   100);
   if (result.exit_status != 0) throw std::runtime_error(result.err);
@@ -104,11 +109,9 @@ std::vector<std::string> DemoDrive::losses() const {
   return losses;
 }
 
-bool DemoDrive::machine_was_too_busy() const {
-  const std::string said = output();
-  const std::size_t end = said.find(" ms late at most");
-  const std::size_t begin = said.rfind('(', end);
-  return end == std::string::npos || std::strtod(said.c_str() + begin + 1, nullptr) > kEmulatorLate;
+double DemoDrive::emulator_late() const {
+  const auto truth = nlohmann::json::parse(std::ifstream(folder_ / "truth/truth.json"));
+  return truth.at("latest_packet_s").get<double>();
 }
 
 }  // namespace curbstone::system_test

@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "run_program.hpp"
-#include "watched_bus.hpp"
+#include "tests/system/run_program.hpp"
+#include "tests/system/watched_bus.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone::system_test {
 
@@ -29,7 +30,7 @@ class DemoDrive {
   explicit DemoDrive(const std::string& source, const std::string& deputy_options = "");
 
   /// Until the mapper has registered `revolutions` revolutions; false when that does not come.
-  bool wait_for_revolutions(int revolutions);
+  bool wait_for_scans(int revolutions);
   /// Until the drive is over and everything has stopped; the deputy's exit status.
   int wait_for_end();
   /// kill -9 to a process; true when the deputy has brought it back, and it speaks again.
@@ -43,16 +44,17 @@ class DemoDrive {
   [[nodiscard]] std::string output() const { return deputy_->output(); }
   /// What the processes lost, by "service counter"; empty when nothing was.
   [[nodiscard]] std::vector<std::string> losses() const;
-  /// The emulator itself was late by more than what buffers bridge: the machine had other things to do, and what was
-  /// lost says nothing about the processes.
-  [[nodiscard]] bool machine_was_too_busy() const;
+  /// s: how late the emulator sent its latest packet. Beyond kEmulatorLate the machine had other things to do, and what
+  /// was lost says nothing about the processes.
+  [[nodiscard]] double emulator_late() const;
+  static constexpr double kEmulatorLate = 0.1;  // s: what the buffers bridge
 
   WatchedBus bus;
   map_pose_t pose{};
   int revolutions = 0;
 
  private:
-  TemporaryFolder folder_;
+  testing::TemporaryFolder folder_;
   std::unique_ptr<BackgroundProgram> deputy_;
 };
 

@@ -1,4 +1,4 @@
-#include "run_program.hpp"
+#include "tests/system/run_program.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,6 +10,8 @@
 #include <cstdlib>
 #include <fstream>
 #include <thread>
+
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone::system_test {
 
@@ -32,25 +34,10 @@ void write_file(const std::string& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
-TemporaryFolder::TemporaryFolder() {
-  std::string pattern = ::testing::TempDir() + "curbstone_XXXXXX";
-  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("mkdtemp " + pattern);
-  path_ = pattern;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  if (::testing::Test::HasFailure()) {
-    fmt::print("what the programs left is in {}\n", path_.string());
-    return;
-  }
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
 ProgramResult run_program(const std::string& command, double seconds) {
-  const TemporaryFolder folder;
-  const std::string line =
-      fmt::format("{}exec timeout -k 2 {} {} >'{}' 2>'{}'", kPath, seconds, command, folder / "out", folder / "err");
+  const testing::TemporaryFolder folder;
+  const std::string line = fmt::format("{}exec timeout -k 2 {} {} >'{}' 2>'{}'", kPath, seconds, command,
+                                       (folder / "out").string(), (folder / "err").string());
   ProgramResult result;
   result.exit_status = shell_status(std::system(line.c_str()));
   result.out = read_file(folder / "out");

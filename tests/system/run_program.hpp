@@ -2,24 +2,9 @@
 
 #include <sys/types.h>
 
-#include <filesystem>
 #include <string>
 
 namespace curbstone::system_test {
-
-/// A folder that goes away with its owner, unless the test failed: then it stays to be looked at, and its name is said.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-  [[nodiscard]] std::string path() const { return path_.string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 struct ProgramResult {
   int exit_status = -1;  ///< as a shell has it: 128 + n when killed by signal n, 124 when it took too long

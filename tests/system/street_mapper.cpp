@@ -1,4 +1,4 @@
-#include "street_mapper.hpp"
+#include "tests/system/street_mapper.hpp"
 
 #include <algorithm>
 #include <curbstone/map_points_t.hpp>
@@ -7,9 +7,9 @@
 namespace curbstone::system_test {
 
 namespace {
-constexpr std::int64_t kRevolution = 100'000;     // us
+constexpr std::int64_t kScan = 100'000;           // us
 constexpr std::int64_t kIndexPeriod = 1'000'000;  // us
-constexpr std::size_t kPointsPerRevolution = 2500;
+constexpr std::size_t kPointsPerScan = 2500;
 constexpr std::size_t kPointsPerMessage = 3000;
 constexpr std::size_t kRequestsPerTick = 2;  // tiles
 constexpr double kSpeed = 3.0;               // m/s
@@ -20,9 +20,9 @@ StreetMapper::StreetMapper(Subscriber& bus, Publisher& publisher) : publisher_(p
   bus.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { catalog_.request(m); });
 }
 
-void StreetMapper::map_revolution(std::int64_t now) {
-  x_ += kSpeed * static_cast<double>(kRevolution) * 1e-6;
-  std::vector<Eigen::Vector3d> points = testing_clouds::street(kPointsPerRevolution, ++revolution_);
+void StreetMapper::map_scan(std::int64_t now) {
+  x_ += kSpeed * static_cast<double>(kScan) * 1e-6;
+  std::vector<Eigen::Vector3d> points = testing_clouds::street(kPointsPerScan, ++scan_);
   for (Eigen::Vector3d& p : points) p.x() += x_;
   for (const auto& [key, fresh] : testing_clouds::as_tiles(points)) {
     std::vector<TilePoint>& tile = tiles_[key];
@@ -60,9 +60,9 @@ void StreetMapper::send(std::int64_t now, TileKey key, std::size_t first) {
 }
 
 void StreetMapper::tick(std::int64_t now, bool driving) {
-  if (driving && now - last_revolution_ >= kRevolution) {
-    last_revolution_ = now;
-    map_revolution(now);
+  if (driving && now - last_scan_ >= kScan) {
+    last_scan_ = now;
+    map_scan(now);
   }
   for (const auto& [key, have] : catalog_.take_requests(kRequestsPerTick)) {
     send(now, key, static_cast<std::size_t>(std::max(have, 0)));

@@ -5,9 +5,9 @@
 #include <random>
 #include <vector>
 
-#include "common/bus.hpp"
-#include "common/tile.hpp"
-#include "common/tile_sync.hpp"
+#include "common/bus/bus.hpp"
+#include "common/tile_sync/tile_sync.hpp"
+#include "common/tiles/tile.hpp"
 #include "tests/services/tensor_voting/clouds.hpp"
 
 namespace curbstone::system_test {
@@ -28,15 +28,15 @@ class StreetMapper {
   [[nodiscard]] const testing_clouds::Tiles& tiles() const { return tiles_; }
 
  private:
-  void map_revolution(std::int64_t now);
+  void map_scan(std::int64_t now);
   void send(std::int64_t now, TileKey key, std::size_t first);
 
   Publisher& publisher_;
   TileCatalog catalog_{"mapper", "MAP_POINTS"};
   testing_clouds::Tiles tiles_;
-  unsigned revolution_ = 0;
+  unsigned scan_ = 0;
   double x_ = 0;  // m, of the vehicle
-  std::int64_t last_revolution_ = 0;
+  std::int64_t last_scan_ = 0;
   std::int64_t last_index_ = 0;
 };
 

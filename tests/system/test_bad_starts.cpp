@@ -3,7 +3,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "run_program.hpp"
+#include "tests/system/run_program.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone::system_test {
 namespace {
@@ -43,9 +44,9 @@ TEST(BadStarts, ACanInterfaceThatIsNotThere) {
 
 TEST(BadStarts, AMapThatCannotBeWritten) {
   expect_refused("curbstone-semantic-map --set map=/nowhere/map.db", "/nowhere/map.db");
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   write_file(folder / "map.db", "this is a letter, not a map\n");
-  expect_refused("curbstone-semantic-map --set map=" + folder / "map.db", "map.db");
+  expect_refused("curbstone-semantic-map --set map=" + (folder / "map.db").string(), "map.db");
   EXPECT_EQ(read_file(folder / "map.db"), "this is a letter, not a map\n") << "left as it was";
 }
 

@@ -2,7 +2,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "run_program.hpp"
+#include "tests/system/run_program.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone::system_test {
 namespace {
@@ -14,13 +15,13 @@ const std::string kVehicle = CURBSTONE_SOURCE_DIR "/config/ugv.yaml";
 class EveryProgram : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(EveryProgram, LoadsTheVehiclesFileAndDumpsWhatItMakesOfIt) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   const auto result = run_program(std::string("curbstone-") + GetParam() + " --config " + kVehicle + " --dump-config");
   EXPECT_EQ(result.exit_status, 0) << result.err;
   EXPECT_EQ(result.err, "");
   write_file(folder / "dump.yaml", result.out);
-  const auto again =
-      run_program(std::string("curbstone-") + GetParam() + " --config " + folder / "dump.yaml" + " --dump-config");
+  const auto again = run_program(std::string("curbstone-") + GetParam() + " --config " +
+                                 (folder / "dump.yaml").string() + " --dump-config");
   EXPECT_EQ(again.exit_status, 0) << again.err;
   EXPECT_EQ(again.out, result.out) << "a dump is a config that gives the same";
 }
@@ -30,11 +31,12 @@ TEST_P(EveryProgram, NeedsNoFileAtAll) {
 }
 
 TEST_P(EveryProgram, NamesFileLineAndTheNearestKeyForAnUnknownOne) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   std::string section = GetParam();
   std::replace(section.begin(), section.end(), '-', '_');
   write_file(folder / "bad.yaml", "# a comment\n" + section + ":\n  no_such_key: 1\n");
-  const auto result = run_program(std::string("curbstone-") + GetParam() + " --config " + folder / "bad.yaml");
+  const auto result =
+      run_program(std::string("curbstone-") + GetParam() + " --config " + (folder / "bad.yaml").string());
   EXPECT_EQ(result.exit_status, 2);
   EXPECT_THAT(result.err, HasSubstr("bad.yaml:3"));
   EXPECT_THAT(result.err, HasSubstr("no_such_key"));
@@ -42,7 +44,7 @@ TEST_P(EveryProgram, NamesFileLineAndTheNearestKeyForAnUnknownOne) {
 }
 
 TEST(Services, YieldToOthersWhenToldTo) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   BackgroundProgram program("curbstone-ekf --nice 7", folder / "output");
   for (int i = 0; i < 500 && getpriority(PRIO_PROCESS, static_cast<id_t>(program.pid())) != 7; ++i) usleep(10'000);
   EXPECT_EQ(getpriority(PRIO_PROCESS, static_cast<id_t>(program.pid())), 7) << program.output();

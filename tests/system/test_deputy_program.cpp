@@ -5,9 +5,10 @@
 #include <procman_lcm/discovery_t.hpp>
 #include <procman_lcm/orders_t.hpp>
 
-#include "common/clock.hpp"
-#include "run_program.hpp"
-#include "watched_bus.hpp"
+#include "common/time/clock.hpp"
+#include "tests/system/run_program.hpp"
+#include "tests/system/watched_bus.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone::system_test {
 namespace {
@@ -31,7 +32,7 @@ class DeputyProgram : public ::testing::Test {
   bool wait_for_pid(const std::string& id) {
     return bus_.wait_until([&] { return bus_.pid(id) > 0; }, 10);
   }
-  TemporaryFolder folder_;
+  testing::TemporaryFolder folder_;
   WatchedBus bus_;
 };
 
@@ -41,7 +42,7 @@ group "sink" { cmd "sink" { exec = "sh -c 'trap \"echo sink ends; exit 0\" INT; 
 )";
 
 TEST_F(DeputyProgram, RunsAConfigAloneAndStopsItInTheOrderOfTheFile) {
-  auto deputy = start("--config " + config(kPipeline) + " --start-all --log-dir " + folder_ / "logs");
+  auto deputy = start("--config " + config(kPipeline) + " --start-all --log-dir " + (folder_ / "logs").string());
   ASSERT_TRUE(wait_for_pid("source") && wait_for_pid("sink")) << deputy->output();
   const int source = bus_.pid("source");
   const int sink = bus_.pid("sink");

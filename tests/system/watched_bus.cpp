@@ -1,4 +1,4 @@
-#include "watched_bus.hpp"
+#include "tests/system/watched_bus.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -7,7 +7,7 @@
 #include <procman_lcm/output_t.hpp>
 #include <string>
 
-#include "common/lcm_bus.hpp"
+#include "common/bus/lcm_bus.hpp"
 
 namespace curbstone::system_test {
 

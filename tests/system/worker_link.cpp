@@ -1,4 +1,4 @@
-#include "worker_link.hpp"
+#include "tests/system/worker_link.hpp"
 
 #include <fmt/format.h>
 #include <signal.h>
@@ -7,6 +7,8 @@
 #include <cstring>
 #include <curbstone/tile_request_t.hpp>
 #include <curbstone/voted_points_t.hpp>
+
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone::system_test {
 
@@ -25,7 +27,7 @@ struct EncodedMessage {
 
 }  // namespace
 
-WorkerLink::WorkerLink(int port, double loss, unsigned seed, LocalBus& local, const TemporaryFolder& folder)
+WorkerLink::WorkerLink(int port, double loss, unsigned seed, LocalBus& local, const testing::TemporaryFolder& folder)
     : url_(fmt::format("udpm://239.255.76.67:{}?ttl=0&recv_buf_size=4194304", port)),
       bus_(url_),
       loss_(loss),
@@ -55,7 +57,7 @@ bool WorkerLink::loses() {
 void WorkerLink::start(const std::string& worker) {
   workers_[worker] = std::make_unique<BackgroundProgram>(
       fmt::format("curbstone-tensor-voting --name {} --lcm-url '{}' --set bandwidth=20", worker, url_),
-      folder_ / worker + ".out");
+      folder_ / (worker + ".out"));
 }
 
 void WorkerLink::kill(const std::string& worker) {

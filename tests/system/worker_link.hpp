@@ -10,9 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "common/lcm_bus.hpp"
-#include "common/local_bus.hpp"
-#include "run_program.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/bus/local_bus.hpp"
+#include "tests/system/run_program.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone::system_test {
 
@@ -21,7 +22,7 @@ namespace curbstone::system_test {
 class WorkerLink {
  public:
   /// What the workers say goes to `local`.
-  WorkerLink(int port, double loss, unsigned seed, LocalBus& local, const TemporaryFolder& folder);
+  WorkerLink(int port, double loss, unsigned seed, LocalBus& local, const testing::TemporaryFolder& folder);
 
   void start(const std::string& worker);
   /// kill -9: nothing more from it.
@@ -44,7 +45,7 @@ class WorkerLink {
   LcmBus bus_;
   double loss_;
   std::mt19937 random_;
-  const TemporaryFolder& folder_;
+  const testing::TemporaryFolder& folder_;
   std::map<std::string, std::unique_ptr<BackgroundProgram>> workers_;
 };
 

@@ -10,7 +10,7 @@
 #include "tools/bench/mapping/bench_mapping.hpp"
 #include "tools/bench/voting/voting_bench.hpp"
 
-namespace curbstone {
+namespace curbstone::bench {
 
 namespace {
 
@@ -22,10 +22,11 @@ struct Benchmark {
 
 // One line a benchmark, each a library in its own folder.
 const std::vector<Benchmark> kBenchmarks = {
-    {"voting", run_bench_voting, "tensor voting: beside PCL, against this machine's peak, on a growing map"},
-    {"mapping", run_bench_mapping, "odometry and mapping: icp, loam and PCL's methods on the same drives"},
-    {"curbs", run_bench_curbs, "precision, recall and lateral error of the curbs"},
-    {"latency", run_bench_latency, "from the last packet of a revolution to the changed tiles, stage by stage"},
+    {"voting", voting::run_bench_voting, "tensor voting: beside PCL, against this machine's peak, on a growing map"},
+    {"mapping", mapping::run_bench_mapping, "odometry and mapping: icp, loam and PCL's methods on the same drives"},
+    {"curbs", curbs::run_bench_curbs, "precision, recall and lateral error of the curbs"},
+    {"latency", latency::run_bench_latency,
+     "from the last packet of a revolution to the changed tiles, stage by stage"},
 };
 
 int usage(std::FILE* out) {
@@ -47,4 +48,4 @@ int run_bench(int argc, char** argv) {
   return usage(stderr);
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench

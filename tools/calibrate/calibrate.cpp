@@ -8,11 +8,14 @@
 #include <stdexcept>
 #include <string>
 
-#include "common/command_line.hpp"
-#include "common/config.hpp"
+#include "common/config/command_line.hpp"
+#include "common/config/config.hpp"
+#include "common/config/vehicle.hpp"
+#include "config/sections.hpp"
+#include "tools/calibrate/calibration.hpp"
 #include "tools/calibrate/drive_data.hpp"
 
-namespace curbstone {
+namespace curbstone::calibrate {
 
 namespace {
 
@@ -117,7 +120,7 @@ int run_calibrate(int argc, char** argv) {
   ConfigOf<VehicleOnly> config;
   CalibrationData data;
   try {
-    if (!config_file.empty()) load_config(config_file, "calibrate", config);
+    if (!config_file.empty()) load_config(config_file, "calibrate", kProcessSections, config);
     data = read_drive(log, config_file, map_anew);
   } catch (const ConfigError& error) {
     fmt::print(stderr, "curbstone calibrate: {}\n", error.what());
@@ -133,4 +136,4 @@ int run_calibrate(int argc, char** argv) {
   return 0;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::calibrate

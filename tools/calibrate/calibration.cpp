@@ -11,7 +11,7 @@
 #include "tools/calibrate/calibration_solver.hpp"
 #include "tools/calibrate/segment.hpp"
 
-namespace curbstone {
+namespace curbstone::calibrate {
 
 namespace {
 
@@ -111,4 +111,4 @@ CalibrationResult calibrate(const CalibrationData& data, const VehicleConfig& ve
   return result;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::calibrate

@@ -2,50 +2,16 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cstdint>
+#include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "common/geometry.hpp"
-#include "common/vehicle.hpp"
-#include "services/ekf/samples.hpp"
+#include "common/config/vehicle.hpp"
+#include "tools/calibrate/calibrated.hpp"
+#include "tools/calibrate/calibration_data.hpp"
 
-namespace curbstone {
-
-/// Where the LiDAR was at a time, in a map that stays.
-struct LidarPose {
-  std::int64_t utime = 0;  ///< us
-  Pose T_map_lidar = Pose::Identity();
-};
-
-/// What a drive gives to calibrate with, each by stamp, ascending.
-struct CalibrationData {
-  std::vector<LidarPose> lidar;
-  std::vector<WheelSample> wheels;
-  std::vector<ImuSample> imu;
-  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  ///< rad/s, imu frame, about: taken off before integration
-};
-
-/// What is solved for, in this order. Lengths in m, angles in rad (roll, pitch, yaw about fixed axes).
-enum class Calibrated : int {
-  kRadiusLeft,
-  kRadiusRight,
-  kTrack,
-  kLidarX,
-  kLidarY,
-  kLidarZ,
-  kLidarRoll,
-  kLidarPitch,
-  kLidarYaw,
-  kImuX,
-  kImuY,
-  kImuZ,
-  kImuRoll,
-  kImuPitch,
-  kImuYaw,
-  kCount,
-};
-inline constexpr std::size_t kCalibratedCount = static_cast<std::size_t>(Calibrated::kCount);
+namespace curbstone::calibrate {
 
 /// One parameter, as found.
 struct CalibratedValue {
@@ -92,4 +58,4 @@ struct CalibrationResult {
 /// Throws std::runtime_error when there is not enough data to speak of.
 [[nodiscard]] CalibrationResult calibrate(const CalibrationData& data, const VehicleConfig& vehicle);
 
-}  // namespace curbstone
+}  // namespace curbstone::calibrate

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-namespace curbstone {
+namespace curbstone::calibrate {
 
 /// What a residual is of, and so what its noise is in.
 enum NoiseKind : std::size_t {
@@ -19,4 +19,4 @@ enum NoiseKind : std::size_t {
 /// 1 sigma of each kind.
 using NoiseLevels = std::array<double, kNoiseCount>;
 
-}  // namespace curbstone
+}  // namespace curbstone::calibrate

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "common/gravity.hpp"
+#include "common/geometry/gravity.hpp"
 #include "tools/calibrate/calibration_noise.hpp"
 #include "tools/calibrate/segment.hpp"
 
@@ -17,7 +17,7 @@
 ///   level               rad, about x and y: of the map against gravity
 /// Each names the kinds of its residuals, kKinds, which are in sigmas of `noise`. Only calibration_solver.cpp sees
 /// this.
-namespace curbstone::calibration_residuals {
+namespace curbstone::calibrate::residuals {
 
 template <class T>
 using Vector3 = Eigen::Matrix<T, 3, 1>;
@@ -142,4 +142,4 @@ struct Prior {
   }
 };
 
-}  // namespace curbstone::calibration_residuals
+}  // namespace curbstone::calibrate::residuals

@@ -8,9 +8,7 @@
 
 #include "tools/calibrate/calibration_residuals.hpp"
 
-namespace curbstone {
-
-using namespace calibration_residuals;
+namespace curbstone::calibrate {
 
 namespace {
 
@@ -47,15 +45,16 @@ class CalibrationSolver::Problem {
     add_prior(x_.accelerometer_bias, {0.2, 0.2, 0.2});
     add_prior(x_.level, {0.1, 0.1});
     for (std::size_t i = 0; i < segments.size(); ++i) {
-      add(new ceres::AutoDiffCostFunction<WheelsAgainstLidar, 6, 3, 6>(
-              new WheelsAgainstLidar{segments[i], vehicle.track_width, noise_}),
-          WheelsAgainstLidar::kKinds, x_.wheels.data(), x_.lidar.data());
-      add(new ceres::AutoDiffCostFunction<GyroAgainstLidar, 3, 6, 6, 3>(new GyroAgainstLidar{segments[i], noise_}),
-          GyroAgainstLidar::kKinds, x_.lidar.data(), x_.imu.data(), x_.gyro_bias.data());
+      add(new ceres::AutoDiffCostFunction<residuals::WheelsAgainstLidar, 6, 3, 6>(
+              new residuals::WheelsAgainstLidar{segments[i], vehicle.track_width, noise_}),
+          residuals::WheelsAgainstLidar::kKinds, x_.wheels.data(), x_.lidar.data());
+      add(new ceres::AutoDiffCostFunction<residuals::GyroAgainstLidar, 3, 6, 6, 3>(
+              new residuals::GyroAgainstLidar{segments[i], noise_}),
+          residuals::GyroAgainstLidar::kKinds, x_.lidar.data(), x_.imu.data(), x_.gyro_bias.data());
       if (!segments[i].follows) continue;
-      add(new ceres::AutoDiffCostFunction<AccelerometerAgainstLidar, 3, 6, 6, 3, 2>(
-              new AccelerometerAgainstLidar{segments[i - 1], segments[i], noise_}),
-          AccelerometerAgainstLidar::kKinds, x_.lidar.data(), x_.imu.data(), x_.accelerometer_bias.data(),
+      add(new ceres::AutoDiffCostFunction<residuals::AccelerometerAgainstLidar, 3, 6, 6, 3, 2>(
+              new residuals::AccelerometerAgainstLidar{segments[i - 1], segments[i], noise_}),
+          residuals::AccelerometerAgainstLidar::kKinds, x_.lidar.data(), x_.imu.data(), x_.accelerometer_bias.data(),
           x_.level.data());
     }
   }
@@ -114,7 +113,8 @@ class CalibrationSolver::Problem {
   template <std::size_t N>
   void add_prior(std::array<double, N>& x, const std::array<double, N>& sigma) {
     problem_.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<Prior<N>, static_cast<int>(N), static_cast<int>(N)>(new Prior<N>{x, sigma}),
+        new ceres::AutoDiffCostFunction<residuals::Prior<N>, static_cast<int>(N), static_cast<int>(N)>(
+            new residuals::Prior<N>{x, sigma}),
         nullptr, x.data());
     std::copy(sigma.begin(), sigma.end(), prior_sigma_.begin() + static_cast<std::ptrdiff_t>(priors_));
     priors_ += N;
@@ -170,4 +170,4 @@ const NoiseLevels& CalibrationSolver::noise() const {
   return problem_->noise();
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::calibrate

@@ -5,12 +5,12 @@
 #include <memory>
 #include <vector>
 
-#include "common/vehicle.hpp"
-#include "tools/calibrate/calibration.hpp"
+#include "common/config/vehicle.hpp"
+#include "tools/calibrate/calibrated.hpp"
 #include "tools/calibrate/calibration_noise.hpp"
 #include "tools/calibrate/segment.hpp"
 
-namespace curbstone {
+namespace curbstone::calibrate {
 
 /// The least-squares problem of a drive: the residuals of calibration_residuals.hpp over all its pieces, Cauchy's loss,
 /// and a wide prior about what is configured. One thread.
@@ -39,4 +39,4 @@ class CalibrationSolver {
   std::unique_ptr<Problem> problem_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::calibrate

@@ -7,22 +7,23 @@
 #include <curbstone/wheels_t.hpp>
 #include <stdexcept>
 
-#include "common/config.hpp"
-#include "common/local_bus.hpp"
+#include "common/bus/local_bus.hpp"
+#include "common/config/config.hpp"
 #include "common/log/log_reader.hpp"
 #include "common/log/message_order.hpp"
+#include "config/sections.hpp"
 #include "services/ekf/ekf_messages.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_node.hpp"
 
-namespace curbstone {
+namespace curbstone::calibrate {
 
 namespace {
 
 template <class Config>
 Config load(const std::string& section, const std::string& file) {
   ConfigOf<Config> config;
-  if (!file.empty()) load_config(file, section, config);
+  if (!file.empty()) load_config(file, section, kProcessSections, config);
   return config.value;
 }
 
@@ -38,10 +39,10 @@ class Collector {
  public:
   Collector(LocalBus& bus, const Pose& T_base_lidar) : T_base_lidar_(T_base_lidar) {
     bus.subscribe<imu_t>("IMU", [this](const imu_t& m) {
-      if (why_refused(m) == nullptr && newer(data_.imu, m.utime)) data_.imu.push_back(sample_of(m));
+      if (ekf::why_refused(m) == nullptr && newer(data_.imu, m.utime)) data_.imu.push_back(ekf::sample_of(m));
     });
     bus.subscribe<wheels_t>("WHEELS", [this](const wheels_t& m) {
-      if (why_refused(m) == nullptr && newer(data_.wheels, m.utime)) data_.wheels.push_back(sample_of(m));
+      if (ekf::why_refused(m) == nullptr && newer(data_.wheels, m.utime)) data_.wheels.push_back(ekf::sample_of(m));
     });
     bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { on(m); });
     bus.subscribe<odometry_t>("ODOMETRY", [this](const odometry_t& m) {
@@ -70,12 +71,12 @@ class Collector {
 }  // namespace
 
 CalibrationData read_drive(const std::string& log, const std::string& config_file, bool map_anew) {
-  const auto mapper_config = load<MapperConfig>("mapper", config_file);
+  const auto mapper_config = load<mapper::config::MapperConfig>("mapper", config_file);
   const bool given = !map_anew && has_map_poses(log);
   LocalBus bus;
   Collector collector(bus, mapper_config.vehicle.T_base_lidar());
-  EkfNode ekf(load<EkfConfig>("ekf", config_file), bus);
-  MapperNode mapper(mapper_config, bus);
+  ekf::EkfNode ekf(load<ekf::base::EkfConfig>("ekf", config_file), bus);
+  mapper::MapperNode mapper(mapper_config, bus);
   ekf.connect(bus);
   if (!given) mapper.connect(bus);
 
@@ -105,4 +106,4 @@ CalibrationData read_drive(const std::string& log, const std::string& config_fil
   return data;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::calibrate

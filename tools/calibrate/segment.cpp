@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-namespace curbstone {
+namespace curbstone::calibrate {
 
 namespace {
 
@@ -17,13 +17,13 @@ auto first_at_or_after(const std::vector<Sample>& samples, std::int64_t utime) {
                           [](const Sample& s, std::int64_t t) { return s.utime < t; });
 }
 
-WheelSample between(const WheelSample& a, const WheelSample& b, std::int64_t utime) {
-  const double f = seconds_between(a.utime, utime) / seconds_between(a.utime, b.utime);
+ekf::base::WheelSample between(const ekf::base::WheelSample& a, const ekf::base::WheelSample& b, std::int64_t utime) {
+  const double f = ekf::base::seconds_between(a.utime, utime) / ekf::base::seconds_between(a.utime, b.utime);
   return {utime, {a.angle[0] + f * (b.angle[0] - a.angle[0]), a.angle[1] + f * (b.angle[1] - a.angle[1])}};
 }
 
-ImuSample between(const ImuSample& a, const ImuSample& b, std::int64_t utime) {
-  const double f = seconds_between(a.utime, utime) / seconds_between(a.utime, b.utime);
+ekf::base::ImuSample between(const ekf::base::ImuSample& a, const ekf::base::ImuSample& b, std::int64_t utime) {
+  const double f = ekf::base::seconds_between(a.utime, utime) / ekf::base::seconds_between(a.utime, b.utime);
   return {utime, (1.0 - f) * a.angular_rate + f * b.angular_rate, (1.0 - f) * a.acceleration + f * b.acceleration};
 }
 
@@ -33,20 +33,20 @@ std::optional<std::vector<Sample>> stretch(const std::vector<Sample>& samples, s
   auto it = first_at_or_after(samples, from);
   if (it == samples.begin() || it == samples.end()) return std::nullopt;
   std::vector<Sample> out = {between(*std::prev(it), *it, from)};
-  if (seconds_between(std::prev(it)->utime, it->utime) > kMaxGap) return std::nullopt;
+  if (ekf::base::seconds_between(std::prev(it)->utime, it->utime) > kMaxGap) return std::nullopt;
   for (; it != samples.end() && it->utime < to; ++it) {
-    if (seconds_between(out.back().utime, it->utime) > kMaxGap) return std::nullopt;
+    if (ekf::base::seconds_between(out.back().utime, it->utime) > kMaxGap) return std::nullopt;
     if (it->utime > from) out.push_back(*it);
   }
-  if (it == samples.end() || seconds_between(out.back().utime, it->utime) > kMaxGap) return std::nullopt;
+  if (it == samples.end() || ekf::base::seconds_between(out.back().utime, it->utime) > kMaxGap) return std::nullopt;
   out.push_back(it->utime == to ? *it : between(*std::prev(it), *it, to));
   return out;
 }
 
-ImuDelta preintegrate(const std::vector<ImuSample>& imu, const Eigen::Vector3d& gyro_bias) {
+ImuDelta preintegrate(const std::vector<ekf::base::ImuSample>& imu, const Eigen::Vector3d& gyro_bias) {
   ImuDelta out;
   for (std::size_t i = 1; i < imu.size(); ++i) {
-    const double dt = seconds_between(imu[i - 1].utime, imu[i].utime);
+    const double dt = ekf::base::seconds_between(imu[i - 1].utime, imu[i].utime);
     const Eigen::Vector3d turn = dt * (0.5 * (imu[i - 1].angular_rate + imu[i].angular_rate) - gyro_bias);
     const Eigen::Vector3d force = 0.5 * (imu[i - 1].acceleration + imu[i].acceleration);
     const Eigen::Vector3d gained = dt * (out.rotation * so3_exp(0.5 * turn) * force);
@@ -68,11 +68,12 @@ std::vector<CalibrationSegment> cut_segments(const CalibrationData& data, double
   for (std::size_t i = 0; i + 1 < data.lidar.size();) {
     const LidarPose& begin = data.lidar[i];
     std::size_t j = i + 1;
-    while (j + 1 < data.lidar.size() && seconds_between(begin.utime, data.lidar[j].utime) < duration - 1e-3) ++j;
+    while (j + 1 < data.lidar.size() && ekf::base::seconds_between(begin.utime, data.lidar[j].utime) < duration - 1e-3)
+      ++j;
     const LidarPose& end = data.lidar[j];
     i = j;
     CalibrationSegment segment;
-    segment.duration = seconds_between(begin.utime, end.utime);
+    segment.duration = ekf::base::seconds_between(begin.utime, end.utime);
     if (segment.duration < 0.5 * duration || segment.duration > 2.0 * duration) continue;
     const auto wheels = stretch(data.wheels, begin.utime, end.utime);
     const auto imu = stretch(data.imu, begin.utime, end.utime);
@@ -94,4 +95,4 @@ std::vector<CalibrationSegment> cut_segments(const CalibrationData& data, double
   return out;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::calibrate

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <Eigen/Geometry>
+#include <array>
 #include <vector>
 
-#include "tools/calibrate/calibration.hpp"
+#include "common/geometry/geometry.hpp"
+#include "tools/calibrate/calibration_data.hpp"
 
-namespace curbstone {
+namespace curbstone::calibrate {
 
 /// What the IMU says between two times, in the imu frame at the beginning (Forster et al. 2017, eq. 33; no bias taken
 /// off the accelerometer).
@@ -30,4 +33,4 @@ struct CalibrationSegment {
 /// Cuts a drive into pieces of about `duration` s while it moves. Pieces with gaps in any of the sensors are left out.
 [[nodiscard]] std::vector<CalibrationSegment> cut_segments(const CalibrationData& data, double duration);
 
-}  // namespace curbstone
+}  // namespace curbstone::calibrate

@@ -10,13 +10,17 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <set>
 #include <sstream>
 
-namespace curbstone {
+#include "common/pcd/pcd_header.hpp"
+
+namespace curbstone::detect {
 
 namespace {
 
@@ -179,15 +183,12 @@ std::vector<Eigen::Vector3f> read_cloud_folder(const std::string& folder, const 
   return points;
 }
 
-void write_labelled_pcd(const std::vector<DetectedPoint>& points, const std::string& path) {
+void write_labelled_pcd(const std::vector<cloud_map::DetectedPoint>& points, const std::string& path) {
   std::ofstream out(path, std::ios::binary);
-  out << fmt::format(
-      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
-      "FIELDS x y z normal_x normal_y normal_z stick plate ball label\nSIZE 4 4 4 4 4 4 4 4 4 4\n"
-      "TYPE F F F F F F F F F U\nCOUNT 1 1 1 1 1 1 1 1 1 1\nWIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n"
-      "POINTS {0}\nDATA binary\n",
-      points.size());
-  for (const DetectedPoint& p : points) {
+  constexpr std::array<PcdField, 10> kFields = {
+      {{"x"}, {"y"}, {"z"}, {"normal_x"}, {"normal_y"}, {"normal_z"}, {"stick"}, {"plate"}, {"ball"}, {"label", 'U'}}};
+  out << pcd_header(kFields, points.size());
+  for (const cloud_map::DetectedPoint& p : points) {
     const float values[9] = {p.position.x(), p.position.y(), p.position.z(), p.normal.x(), p.normal.y(),
                              p.normal.z(),   p.stick,        p.plate,        p.ball};
     const auto label = static_cast<std::uint32_t>(p.label);
@@ -198,4 +199,4 @@ void write_labelled_pcd(const std::vector<DetectedPoint>& points, const std::str
   if (!out) throw CloudFileError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::detect

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/detect/cloud_map.hpp"
+#include "tools/detect/cloud_map/cloud_map.hpp"
 
-namespace curbstone {
+namespace curbstone::detect {
 
 /// One clear line that names the file and what is wrong with it.
 class CloudFileError : public std::runtime_error {
@@ -25,6 +25,6 @@ class CloudFileError : public std::runtime_error {
                                                              double min_range = 0);
 
 /// Binary .pcd: x y z normal_x normal_y normal_z stick plate ball (float32), label (uint32, semantic_tile_t's classes).
-void write_labelled_pcd(const std::vector<DetectedPoint>& points, const std::string& path);
+void write_labelled_pcd(const std::vector<cloud_map::DetectedPoint>& points, const std::string& path);
 
-}  // namespace curbstone
+}  // namespace curbstone::detect

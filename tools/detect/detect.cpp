@@ -7,15 +7,15 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/command_line.hpp"
-#include "services/semantic_map/map_picture.hpp"
-#include "services/semantic_map/png_file.hpp"
+#include "common/config/command_line.hpp"
+#include "services/semantic_map/picture/map_picture.hpp"
+#include "services/semantic_map/picture/png_file.hpp"
 #include "tools/detect/cloud_file.hpp"
-#include "tools/detect/cloud_map.hpp"
+#include "tools/detect/cloud_map/cloud_map.hpp"
 #include "tools/detect/method_steps.hpp"
 #include "tools/output/output_folder.hpp"
 
-namespace curbstone {
+namespace curbstone::detect {
 
 namespace {
 
@@ -28,13 +28,13 @@ struct Arguments {
   std::string steps;
   double min_range = 0;
   std::vector<std::string> assignments;
-  CloudMapOptions options;
+  cloud_map::CloudMapOptions options;
 };
 
 /// What can be set with --set.
 struct DetectConfig {
-  CurbParameters curb;
-  ClassParameters classes;
+  semantic_map::tile::CurbParameters curb;
+  semantic_map::cells::ClassParameters classes;
   void visit(ConfigVisitor& v) {
     v.section("curb", curb, "how curbs are found");
     v.section("classes", classes, "what blocks and what does not");
@@ -48,19 +48,19 @@ std::vector<Eigen::Vector3f> read_input(const Arguments& arguments) {
   return read_cloud_folder(arguments.cloud, arguments.poses, arguments.min_range);
 }
 
-void write_curbs(const std::vector<CloudCurb>& curbs, const std::string& path) {
+void write_curbs(const std::vector<cloud_map::CloudCurb>& curbs, const std::string& path) {
   std::ofstream out(path);
   out << "x,y,z,height\n";
-  for (const CloudCurb& c : curbs)
+  for (const cloud_map::CloudCurb& c : curbs)
     out << fmt::format("{:.3f},{:.3f},{:.3f},{:.3f}\n", c.foot.x(), c.foot.y(), c.foot.z(), c.height);
   out.flush();
   if (!out) throw CloudFileError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
 }
 
 /// What is worth a picture: 40 m around, where a single scan still sees the ground.
-MapPicture picture_of(const CloudMap& map, double range) {
-  MapPicture picture;
-  for (const MapTile& tile : map.tiles) {
+semantic_map::picture::MapPicture picture_of(const cloud_map::CloudMap& map, double range) {
+  semantic_map::picture::MapPicture picture;
+  for (const semantic_map::tile::MapTile& tile : map.tiles) {
     const Eigen::Vector2d centre((tile.key.x + 0.5) * kTileSize, (tile.key.y + 0.5) * kTileSize);
     if (range <= 0 || centre.norm() < range) picture.tiles.push_back(tile);
   }
@@ -68,33 +68,38 @@ MapPicture picture_of(const CloudMap& map, double range) {
 }
 
 /// One picture a step of the method, and the result.
-void write_steps(const std::vector<Eigen::Vector3f>& cloud, const Arguments& arguments, const CloudMap& map) {
-  OutputFolder outputs(arguments.steps);
-  CloudMap counts;
-  const auto tiles = vote_tiles(cloud, arguments.options, counts);
+void write_steps(const std::vector<Eigen::Vector3f>& cloud, const Arguments& arguments,
+                 const cloud_map::CloudMap& map) {
+  output::OutputFolder outputs(arguments.steps);
+  cloud_map::CloudMap counts;
+  const auto tiles = cloud_map::vote_tiles(cloud, arguments.options, counts);
   for (const StepPicture& step : draw_method_steps(tiles, arguments.options, arguments.options.range))
-    outputs.add(step.name + ".png", [&](const std::string& path) { write_png(step.canvas, path); });
+    outputs.add(step.name + ".png",
+                [&](const std::string& path) { semantic_map::picture::write_png(step.canvas, path); });
   outputs.add("8_result.png", [&](const std::string& path) {
-    MapPicture picture = picture_of(map, arguments.options.range);
+    semantic_map::picture::MapPicture picture = picture_of(map, arguments.options.range);
     picture.curbs = map.lines;
-    write_png(draw_map(picture, {.title = "curbs and classes", .pixels_per_cell = 6}), path);
+    semantic_map::picture::write_png(
+        semantic_map::picture::draw_map(picture, {.title = "curbs and classes", .pixels_per_cell = 6}), path);
   });
   outputs.commit();
 }
 
 int detect(const Arguments& arguments) {
   const std::vector<Eigen::Vector3f> cloud = read_input(arguments);
-  const CloudMap map = map_cloud(cloud, arguments.options);
+  const cloud_map::CloudMap map = cloud_map::map_cloud(cloud, arguments.options);
   if (map.points.empty())
     throw CloudFileError(fmt::format("{}: none of its {} points can be used ({} not finite, {} out of range)",
                                      arguments.cloud, cloud.size(), map.not_finite, map.out_of_range));
   const std::string stem = fs::path(arguments.cloud).lexically_normal().stem().string();
   const std::string name = stem.empty() ? "cloud" : stem;
-  OutputFolder outputs(arguments.out);
+  output::OutputFolder outputs(arguments.out);
   outputs.add(name + "_labelled.pcd", [&](const std::string& path) { write_labelled_pcd(map.points, path); });
   outputs.add("curbs.csv", [&](const std::string& path) { write_curbs(map.curbs, path); });
   outputs.add(name + ".png", [&](const std::string& path) {
-    write_png(draw_map(picture_of(map, arguments.options.range), {.title = name, .pixels_per_cell = 6}), path);
+    semantic_map::picture::write_png(semantic_map::picture::draw_map(picture_of(map, arguments.options.range),
+                                                                     {.title = name, .pixels_per_cell = 6}),
+                                     path);
   });
   const std::vector<std::string> files = outputs.commit();
   if (!arguments.steps.empty()) write_steps(cloud, arguments, map);
@@ -145,4 +150,4 @@ int run_detect(int argc, char** argv) {
   }
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::detect

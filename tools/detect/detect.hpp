@@ -1,9 +1,9 @@
 #pragma once
 
-namespace curbstone {
+namespace curbstone::detect {
 
 /// `curbstone detect CLOUD`: the method on any cloud. argv[0] is the subcommand's name. Returns the exit status: 0
 /// done, 1 the input or the output failed (one clear line, nothing half-written), 2 wrong usage.
 int run_detect(int argc, char** argv);
 
-}  // namespace curbstone
+}  // namespace curbstone::detect

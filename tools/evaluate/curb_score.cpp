@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/statistics/quantile.hpp"
 #include "tools/evaluate/place_grid.hpp"
-#include "tools/evaluate/quantile.hpp"
 
-namespace curbstone {
+namespace curbstone::evaluate {
 
 namespace {
 
@@ -24,7 +24,7 @@ Place nearest_on_segment(Place p, Place a, Place b) {
 
 }  // namespace
 
-TrueCurbs::TrueCurbs(const std::vector<TrueCurbPoint>& points) {
+TrueCurbs::TrueCurbs(const std::vector<truth::TrueCurbPoint>& points) {
   if (points.empty()) return;
   const auto [low_x, high_x] =
       std::minmax_element(points.begin(), points.end(), [](auto& a, auto& b) { return a.x < b.x; });
@@ -99,7 +99,7 @@ void score_precision(const CurbMap& map, const TrueCurbs& curbs, const NearPath&
   }
 }
 
-void score_recall(const CurbMap& map, const std::vector<TrueCurbPoint>& truth, const NearPath& near_path,
+void score_recall(const CurbMap& map, const std::vector<truth::TrueCurbPoint>& truth, const NearPath& near_path,
                   CurbScore& score) {
   const PlaceGrid<Place> seen(map.seen, kTolerances.back());
   std::vector<Place> centres;
@@ -108,7 +108,7 @@ void score_recall(const CurbMap& map, const std::vector<TrueCurbPoint>& truth, c
   for (const double tolerance : kTolerances) cells.emplace_back(centres, tolerance);
   std::array<int, kTolerances.size()> found{};
   int seen_points = 0;
-  for (const TrueCurbPoint& point : truth) {
+  for (const truth::TrueCurbPoint& point : truth) {
     if (point.dropped || !near_path.any_near(point.x, point.y)) continue;
     ++score.true_points;
     seen_points += seen.any_near(point.x, point.y) ? 1 : 0;
@@ -127,10 +127,10 @@ void score_recall(const CurbMap& map, const std::vector<TrueCurbPoint>& truth, c
   score.recall_of_seen = seen_points > 0 ? static_cast<double>(found.back()) / seen_points : 0;
 }
 
-void score_lowered(const CurbMap& map, const std::vector<TrueCurbPoint>& truth, const TrueCurbs& curbs,
+void score_lowered(const CurbMap& map, const std::vector<truth::TrueCurbPoint>& truth, const TrueCurbs& curbs,
                    const NearPath& near_path, CurbScore& score) {
   const PlaceGrid<Place> lowered(map.lowered, kTolerances.back());
-  for (const TrueCurbPoint& point : truth) {
+  for (const truth::TrueCurbPoint& point : truth) {
     const bool is_lowered = point.dropped && point.height > 0;  // a border of height 0 is none of a curb
     if (!is_lowered || !near_path.any_near(point.x, point.y)) continue;
     ++score.lowered_points;
@@ -154,17 +154,18 @@ void score_lateral(const CurbMap& map, const TrueCurbs& curbs, const NearPath& n
     const double along = (foot.at.x - nearest.place.x) * foot.up.x + (foot.at.y - nearest.place.y) * foot.up.y;
     offsets.push_back(100 * along);
   }
-  score.lateral_median_cm = quantile(sizes, 0.5);
-  score.lateral_p95_cm = quantile(sizes, 0.95);
-  score.lateral_bias_cm = quantile(offsets, 0.5);
+  if (sizes.empty()) return;
+  score.lateral_median_cm = quantile_in_place(sizes, 0.5);
+  score.lateral_p95_cm = quantile_in_place(sizes, 0.95);
+  score.lateral_bias_cm = quantile_in_place(offsets, 0.5);
   for (double& offset : offsets) offset = std::abs(offset - score.lateral_bias_cm);
-  score.lateral_spread_cm = 1.4826 * quantile(offsets, 0.5);
+  score.lateral_spread_cm = 1.4826 * quantile_in_place(offsets, 0.5);
 }
 
 }  // namespace
 
-CurbScore score_curbs(const CurbMap& map, const std::vector<TrueCurbPoint>& truth, const std::vector<Place>& path,
-                      double radius) {
+CurbScore score_curbs(const CurbMap& map, const std::vector<truth::TrueCurbPoint>& truth,
+                      const std::vector<Place>& path, double radius) {
   CurbScore score;
   const TrueCurbs curbs(truth);
   const NearPath near_path(path, radius);
@@ -175,4 +176,4 @@ CurbScore score_curbs(const CurbMap& map, const std::vector<TrueCurbPoint>& trut
   return score;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

@@ -3,9 +3,9 @@
 #include <array>
 #include <vector>
 
-#include "tools/evaluate/truth.hpp"
+#include "tools/evaluate/truth/truth.hpp"
 
-namespace curbstone {
+namespace curbstone::evaluate {
 
 /// A place in the plane of the truth, m.
 struct Place {
@@ -17,7 +17,7 @@ struct Place {
 class TrueCurbs {
  public:
   /// Points of one line that follow each other within 0.5 m are joined.
-  explicit TrueCurbs(const std::vector<TrueCurbPoint>& points);
+  explicit TrueCurbs(const std::vector<truth::TrueCurbPoint>& points);
 
   struct Nearest {
     double distance = 1e9;  ///< m, to the nearest curb that counts
@@ -99,7 +99,7 @@ struct CurbMap {
 /// Precision: the share of the curb cells that count whose centre is within the tolerance of a true curb. Recall: the
 /// share of true curb points that have the centre of a curb cell within the tolerance; also those that nobody could
 /// see. Both only within `radius` m of `path`.
-[[nodiscard]] CurbScore score_curbs(const CurbMap& map, const std::vector<TrueCurbPoint>& truth,
+[[nodiscard]] CurbScore score_curbs(const CurbMap& map, const std::vector<truth::TrueCurbPoint>& truth,
                                     const std::vector<Place>& path, double radius);
 
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

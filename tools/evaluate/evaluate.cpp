@@ -6,17 +6,17 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "common/command_line.hpp"
-#include "common/vehicle.hpp"
-#include "services/semantic_map/map_store.hpp"
-#include "services/semantic_map/png_file.hpp"
+#include "common/config/command_line.hpp"
+#include "common/config/vehicle.hpp"
+#include "services/semantic_map/picture/png_file.hpp"
+#include "services/semantic_map/store/map_store.hpp"
 #include "tools/evaluate/evaluation.hpp"
 #include "tools/evaluate/map_difference.hpp"
 #include "tools/evaluate/overlay.hpp"
 #include "tools/evaluate/report.hpp"
-#include "tools/evaluate/street_labels.hpp"
+#include "tools/evaluate/truth/street_labels.hpp"
 
-namespace curbstone {
+namespace curbstone::evaluate {
 
 namespace {
 
@@ -34,15 +34,16 @@ void write_file(const std::string& file, const std::string& text) {
 }
 
 /// The drive begins at its first scan, with the lidar where a vehicle has it by default.
-void add_labels(const std::string& folder, Truth& truth) {
-  StreetLabels labels = read_street_labels(folder, truth.poses.front().pose * VehicleConfig{}.T_base_lidar());
+void add_labels(const std::string& folder, truth::Truth& truth) {
+  truth::StreetLabels labels =
+      truth::read_street_labels(folder, truth.poses.front().pose * VehicleConfig{}.T_base_lidar());
   truth.curbs = std::move(labels.curbs);
   truth.classes = std::move(labels.classes);
 }
 
 int compare(const std::string& file, const std::string& other_file) {
   const auto load = [](const std::string& name) {
-    const MapReader reader(name);
+    const semantic_map::store::MapReader reader(name);
     return StoredMap{reader.tiles(), reader.curbs(), reader.trajectory()};
   };
   const MapDifference d = difference(load(file), load(other_file));
@@ -86,12 +87,12 @@ int run_evaluate(int argc, char** argv) {
     fmt::print(stderr, "curbstone evaluate: --truth or --against is needed; see --help\n");
     return 2;
   }
-  Truth truth = load_truth(truth_folder);
+  truth::Truth truth = truth::load_truth(truth_folder);
   if (!label_folder.empty()) add_labels(label_folder, truth);
-  const MapReader map(map_file);
-  Trajectory trajectory;
-  MapPicture picture{map.tiles(), map.curbs(), {}, {}};
-  for (const TrajectoryPose& pose : map.trajectory()) {
+  const semantic_map::store::MapReader map(map_file);
+  truth::Trajectory trajectory;
+  semantic_map::picture::MapPicture picture{map.tiles(), map.curbs(), {}, {}};
+  for (const semantic_map::tile::TrajectoryPose& pose : map.trajectory()) {
     trajectory.push_back({pose.utime, pose.T_map_base});
     picture.path.emplace_back(pose.T_map_base.translation().head<2>());
   }
@@ -99,16 +100,17 @@ int run_evaluate(int argc, char** argv) {
   if (!log_file.empty()) evaluation.run = read_run_log(log_file);
   fmt::print("{}", to_table(evaluation));
   if (!json_file.empty()) write_file(json_file, to_json(evaluation));
-  PictureOptions drawing;
+  semantic_map::picture::PictureOptions drawing;
   drawing.title = fmt::format("{:.0f} m driven", evaluation.trajectory.distance_m);
-  if (!picture_file.empty()) write_png(draw_map(picture, drawing), picture_file);
+  if (!picture_file.empty())
+    semantic_map::picture::write_png(semantic_map::picture::draw_map(picture, drawing), picture_file);
   if (!overlay_file.empty()) {
     picture.overlays = truth_lines(truth, evaluation.T_truth_map);
     const auto errors = error_dots(evaluation);
     picture.overlays.insert(picture.overlays.end(), errors.begin(), errors.end());
-    write_png(draw_map(picture, drawing), overlay_file);
+    semantic_map::picture::write_png(semantic_map::picture::draw_map(picture, drawing), overlay_file);
   }
   return 0;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

@@ -1,8 +1,8 @@
 #pragma once
 
-namespace curbstone {
+namespace curbstone::evaluate {
 
 /// `curbstone evaluate --map MAP --truth DIR`: how good a map is. argv[0] is the subcommand's name.
 int run_evaluate(int argc, char** argv);
 
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

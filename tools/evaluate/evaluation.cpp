@@ -7,19 +7,19 @@
 
 #include "tools/evaluate/place_grid.hpp"
 
-namespace curbstone {
+namespace curbstone::evaluate {
 
 namespace {
 
 /// Calls visit(class, place in the truth's frame) for every cell that points fell into.
 template <class Visit>
-void for_each_seen_cell(const std::vector<MapTile>& tiles, const Pose& T_truth_map, Visit visit) {
-  for (const MapTile& tile : tiles) {
-    for (int i = 0; i < kCellsInTile; ++i) {
+void for_each_seen_cell(const std::vector<semantic_map::tile::MapTile>& tiles, const Pose& T_truth_map, Visit visit) {
+  for (const semantic_map::tile::MapTile& tile : tiles) {
+    for (int i = 0; i < semantic_map::tile::kCellsInTile; ++i) {
       const auto index = static_cast<std::size_t>(i);
-      const CellClass cell_class = tile.cell_class[index];
-      const bool has_points = tile.height[index] != MapTile::kNoHeight;
-      if (cell_class == CellClass::kUnknown && !has_points) continue;
+      const semantic_map::tile::CellClass cell_class = tile.cell_class[index];
+      const bool has_points = tile.height[index] != semantic_map::tile::MapTile::kNoHeight;
+      if (cell_class == semantic_map::tile::CellClass::kUnknown && !has_points) continue;
       const double z = has_points ? kPositionStep * tile.height[index] : 0.0;
       const Eigen::Vector3d centre(tile.key.x * kTileSize + (i % kCellsPerTile + 0.5) * kCellSize,
                                    tile.key.y * kTileSize + (i / kCellsPerTile + 0.5) * kCellSize,
@@ -30,10 +30,10 @@ void for_each_seen_cell(const std::vector<MapTile>& tiles, const Pose& T_truth_m
   }
 }
 
-std::vector<CurbFoot> feet_of(const std::vector<CurbLine>& curbs, const Pose& T_truth_map) {
+std::vector<CurbFoot> feet_of(const std::vector<semantic_map::tile::CurbLine>& curbs, const Pose& T_truth_map) {
   std::vector<CurbFoot> feet;
-  for (const CurbLine& line : curbs) {
-    for (const CurbVertex& vertex : line.points) {
+  for (const semantic_map::tile::CurbLine& line : curbs) {
+    for (const semantic_map::tile::CurbVertex& vertex : line.points) {
       const Eigen::Vector3d at = T_truth_map * Eigen::Vector3f(vertex.x, vertex.y, vertex.z).cast<double>();
       const Eigen::Vector3d up =
           T_truth_map.linear() * Eigen::Vector3f(vertex.high_side_x, vertex.high_side_y, 0).cast<double>();
@@ -43,11 +43,11 @@ std::vector<CurbFoot> feet_of(const std::vector<CurbLine>& curbs, const Pose& T_
   return feet;
 }
 
-bool is_blocking(CellClass cell_class) {
-  return cell_class == CellClass::kObstacle || cell_class == CellClass::kWall;
+bool is_blocking(semantic_map::tile::CellClass cell_class) {
+  return cell_class == semantic_map::tile::CellClass::kObstacle || cell_class == semantic_map::tile::CellClass::kWall;
 }
 
-std::vector<Place> driven_path(const PosePairs& pairs) {
+std::vector<Place> driven_path(const truth::PosePairs& pairs) {
   std::vector<Place> path;
   for (const Pose& pose : pairs.truth) {
     const Place place{pose.translation().x(), pose.translation().y()};
@@ -58,10 +58,10 @@ std::vector<Place> driven_path(const PosePairs& pairs) {
 
 }  // namespace
 
-void BlockingScore::count(CellClass cell_class, Place place) {
+void BlockingScore::count(semantic_map::tile::CellClass cell_class, Place place) {
   if (is_blocking(cell_class)) {
     ++blocked;
-  } else if (cell_class == CellClass::kUnknown) {
+  } else if (cell_class == semantic_map::tile::CellClass::kUnknown) {
     ++unknown;
   } else {
     called_free.push_back(place);
@@ -82,15 +82,16 @@ double Confusion::accuracy() const {
   return total() > 0 ? static_cast<double>(right) / static_cast<double>(total()) : 0;
 }
 
-Evaluation evaluate(const std::vector<MapTile>& tiles, const std::vector<CurbLine>& curbs, const Trajectory& trajectory,
-                    const Truth& truth, double radius) {
-  const PosePairs pairs = pair_up(truth.poses, trajectory);
+Evaluation evaluate(const std::vector<semantic_map::tile::MapTile>& tiles,
+                    const std::vector<semantic_map::tile::CurbLine>& curbs, const truth::Trajectory& trajectory,
+                    const truth::Truth& truth, double radius) {
+  const truth::PosePairs pairs = truth::pair_up(truth.poses, trajectory);
   if (pairs.truth.size() < 2)
     throw std::runtime_error("the map's trajectory and the truth share no time: do they belong to one drive?");
 
   Evaluation evaluation;
-  evaluation.trajectory = trajectory_errors(pairs);
-  evaluation.T_truth_map = align(pairs);
+  evaluation.trajectory = truth::trajectory_errors(pairs);
+  evaluation.T_truth_map = truth::align(pairs);
 
   const auto is_judged = [&](Place place) {
     return truth.classes.empty() || truth.classes.known_around(place.x, place.y);
@@ -100,19 +101,20 @@ Evaluation evaluate(const std::vector<MapTile>& tiles, const std::vector<CurbLin
   CurbMap map;
   Confusion confusion;
   BlockingScore blocking;
-  for_each_seen_cell(tiles, evaluation.T_truth_map, [&](CellClass cell_class, Place place) {
+  for_each_seen_cell(tiles, evaluation.T_truth_map, [&](semantic_map::tile::CellClass cell_class, Place place) {
     const std::uint8_t true_class = truth.classes.at(place.x, place.y);
-    if (is_blocking(static_cast<CellClass>(true_class)) && near_path.any_near(place.x, place.y))
+    if (is_blocking(static_cast<semantic_map::tile::CellClass>(true_class)) && near_path.any_near(place.x, place.y))
       blocking.count(cell_class, place);
-    if (cell_class == CellClass::kUnknown) return;
+    if (cell_class == semantic_map::tile::CellClass::kUnknown) return;
     map.seen.push_back(place);
-    if (cell_class == CellClass::kCurb) map.cells.push_back({place, is_judged(place)});
-    if (true_class != 0 && true_class < kNumClasses)
+    if (cell_class == semantic_map::tile::CellClass::kCurb) map.cells.push_back({place, is_judged(place)});
+    if (true_class != 0 && true_class < semantic_map::tile::kNumClasses)
       ++confusion.count[true_class][static_cast<std::size_t>(cell_class)];
   });
   map.feet = feet_of(curbs, evaluation.T_truth_map);
-  std::vector<CurbLine> lowered;
-  std::copy_if(curbs.begin(), curbs.end(), std::back_inserter(lowered), [](const CurbLine& l) { return l.dropped; });
+  std::vector<semantic_map::tile::CurbLine> lowered;
+  std::copy_if(curbs.begin(), curbs.end(), std::back_inserter(lowered),
+               [](const semantic_map::tile::CurbLine& l) { return l.dropped; });
   for (const CurbFoot& foot : feet_of(lowered, evaluation.T_truth_map)) map.lowered.push_back(foot.at);
   if (!truth.curbs.empty()) evaluation.curbs = score_curbs(map, truth.curbs, path, radius);
   if (!truth.classes.empty()) {
@@ -122,4 +124,4 @@ Evaluation evaluate(const std::vector<MapTile>& tiles, const std::vector<CurbLin
   return evaluation;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

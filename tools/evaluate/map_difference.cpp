@@ -5,29 +5,29 @@
 #include <algorithm>
 #include <map>
 
-namespace curbstone {
+namespace curbstone::evaluate {
 
 MapDifference difference(const StoredMap& a, const StoredMap& b) {
   MapDifference out;
-  std::map<TileKey, const MapTile*> tiles;
-  for (const MapTile& tile : b.tiles) tiles.emplace(tile.key, &tile);
-  const MapTile empty;
-  const auto compare = [&](const MapTile& one, const MapTile& other) {
+  std::map<TileKey, const semantic_map::tile::MapTile*> tiles;
+  for (const semantic_map::tile::MapTile& tile : b.tiles) tiles.emplace(tile.key, &tile);
+  const semantic_map::tile::MapTile empty;
+  const auto compare = [&](const semantic_map::tile::MapTile& one, const semantic_map::tile::MapTile& other) {
     ++out.tiles;
     out.tiles_differ += one == other ? 0 : 1;
     for (std::size_t i = 0; i < one.cell_class.size(); ++i)
       out.classes_differ += one.cell_class[i] == other.cell_class[i] ? 0 : 1;
   };
-  for (const MapTile& tile : a.tiles) {
+  for (const semantic_map::tile::MapTile& tile : a.tiles) {
     const auto there = tiles.find(tile.key);
     compare(tile, there == tiles.end() ? empty : *there->second);
     if (there != tiles.end()) tiles.erase(there);
   }
   for (const auto& [key, tile] : tiles) compare(*tile, empty);
 
-  std::map<std::int64_t, const TrajectoryPose*> poses;
-  for (const TrajectoryPose& pose : b.trajectory) poses.emplace(pose.utime, &pose);
-  for (const TrajectoryPose& pose : a.trajectory) {
+  std::map<std::int64_t, const semantic_map::tile::TrajectoryPose*> poses;
+  for (const semantic_map::tile::TrajectoryPose& pose : b.trajectory) poses.emplace(pose.utime, &pose);
+  for (const semantic_map::tile::TrajectoryPose& pose : a.trajectory) {
     ++out.poses;
     const auto there = poses.find(pose.utime);
     if (there == poses.end()) {
@@ -52,4 +52,4 @@ std::string to_line(const MapDifference& d) {
                      d.curbs_differ ? "too" : "not");
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

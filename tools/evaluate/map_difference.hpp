@@ -3,15 +3,15 @@
 #include <string>
 #include <vector>
 
-#include "services/semantic_map/map_types.hpp"
+#include "services/semantic_map/tile/map_types.hpp"
 
-namespace curbstone {
+namespace curbstone::evaluate {
 
 /// What is in a map file.
 struct StoredMap {
-  std::vector<MapTile> tiles;              ///< by key
-  std::vector<CurbLine> curbs;             ///< by id
-  std::vector<TrajectoryPose> trajectory;  ///< by utime
+  std::vector<semantic_map::tile::MapTile> tiles;              ///< by key
+  std::vector<semantic_map::tile::CurbLine> curbs;             ///< by id
+  std::vector<semantic_map::tile::TrajectoryPose> trajectory;  ///< by utime
 };
 
 /// How two maps of one drive differ, the live one and its replay: in nothing, if nothing was lost on the way.
@@ -31,4 +31,4 @@ struct MapDifference {
 /// A line for people.
 [[nodiscard]] std::string to_line(const MapDifference& difference);
 
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

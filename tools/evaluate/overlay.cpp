@@ -2,16 +2,16 @@
 
 #include <cmath>
 
-namespace curbstone {
+namespace curbstone::evaluate {
 
 namespace {
 
-constexpr Colour kCurb{255, 0, 200};
-constexpr Colour kDropped{255, 170, 235};
-constexpr Colour kPath{120, 190, 255};
-constexpr Colour kMissedCurb{255, 235, 0};
-constexpr Colour kWrongCurb{0, 230, 255};
-constexpr Colour kCalledFree{255, 130, 0};
+constexpr semantic_map::picture::Colour kCurb{255, 0, 200};
+constexpr semantic_map::picture::Colour kDropped{255, 170, 235};
+constexpr semantic_map::picture::Colour kPath{120, 190, 255};
+constexpr semantic_map::picture::Colour kMissedCurb{255, 235, 0};
+constexpr semantic_map::picture::Colour kWrongCurb{0, 230, 255};
+constexpr semantic_map::picture::Colour kCalledFree{255, 130, 0};
 constexpr double kJoinPoints = 0.5;  // m: points of one curb farther apart are not joined
 constexpr double kPathStep = 0.25;   // m
 
@@ -19,9 +19,10 @@ constexpr double kPathStep = 0.25;   // m
 
 namespace {
 
-void add_curbs(const Truth& truth, const Pose& T_map_truth, bool dropped, std::vector<PictureLine>& lines) {
-  const TrueCurbPoint* last = nullptr;
-  for (const TrueCurbPoint& point : truth.curbs) {
+void add_curbs(const truth::Truth& truth, const Pose& T_map_truth, bool dropped,
+               std::vector<semantic_map::picture::PictureLine>& lines) {
+  const truth::TrueCurbPoint* last = nullptr;
+  for (const truth::TrueCurbPoint& point : truth.curbs) {
     if (point.dropped != dropped) {
       last = nullptr;
       continue;
@@ -39,13 +40,13 @@ void add_curbs(const Truth& truth, const Pose& T_map_truth, bool dropped, std::v
 
 }  // namespace
 
-std::vector<PictureLine> truth_lines(const Truth& truth, const Pose& T_truth_map) {
+std::vector<semantic_map::picture::PictureLine> truth_lines(const truth::Truth& truth, const Pose& T_truth_map) {
   const Pose T_map_truth = T_truth_map.inverse();
-  std::vector<PictureLine> lines;
+  std::vector<semantic_map::picture::PictureLine> lines;
   add_curbs(truth, T_map_truth, false, lines);
   add_curbs(truth, T_map_truth, true, lines);
-  PictureLine path{{}, kPath, 2.0};
-  for (const StampedPose& stamped : truth.poses) {
+  semantic_map::picture::PictureLine path{{}, kPath, 2.0};
+  for (const truth::StampedPose& stamped : truth.poses) {
     const Eigen::Vector2d at = (T_map_truth * stamped.pose.translation()).head<2>();
     if (path.points.empty() || (at - path.points.back()).norm() > kPathStep) path.points.push_back(at);
   }
@@ -53,10 +54,10 @@ std::vector<PictureLine> truth_lines(const Truth& truth, const Pose& T_truth_map
   return lines;
 }
 
-std::vector<PictureLine> error_dots(const Evaluation& evaluation) {
+std::vector<semantic_map::picture::PictureLine> error_dots(const Evaluation& evaluation) {
   const Pose T_map_truth = evaluation.T_truth_map.inverse();
-  std::vector<PictureLine> dots;
-  const auto add = [&](const std::vector<Place>& places, Colour colour) {
+  std::vector<semantic_map::picture::PictureLine> dots;
+  const auto add = [&](const std::vector<Place>& places, semantic_map::picture::Colour colour) {
     for (const Place& place : places) {
       const Eigen::Vector2d at = (T_map_truth * Eigen::Vector3d(place.x, place.y, 0)).head<2>();
       dots.push_back({{at, at}, colour, 4.0});
@@ -70,4 +71,4 @@ std::vector<PictureLine> error_dots(const Evaluation& evaluation) {
   return dots;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

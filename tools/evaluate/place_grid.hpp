@@ -5,9 +5,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "common/tile.hpp"
+#include "common/tiles/tile.hpp"
 
-namespace curbstone {
+namespace curbstone::evaluate {
 
 /// Points in the plane, by squares as wide as the reach that is asked for.
 template <class Place>
@@ -39,4 +39,4 @@ class PlaceGrid {
   std::unordered_map<TileKey, std::vector<Place>, TileKeyHash> cells_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

@@ -4,11 +4,11 @@
 
 #include <nlohmann/json.hpp>
 
-namespace curbstone {
+namespace curbstone::evaluate {
 
 namespace {
 
-std::string trajectory_table(const TrajectoryErrors& t) {
+std::string trajectory_table(const truth::TrajectoryErrors& t) {
   return fmt::format("trajectory   {:.1f} m driven   ATE {:.3f} m   RPE {:.2f} %, {:.3f} deg/m   end {:.2f} %\n",
                      t.distance_m, t.ate_m, t.rpe_percent, t.rpe_deg_per_m, t.end_percent);
 }
@@ -50,10 +50,11 @@ std::string class_table(const Confusion& classes) {
   std::string text = fmt::format("classes      accuracy {:.3f} of {} seen cells; truth down, map across\n",
                                  classes.accuracy(), classes.total());
   text += fmt::format("             {:>10}", "");
-  for (std::size_t column = 1; column < kNumClasses; ++column) text += fmt::format("{:>10}", kNames[column]);
-  for (std::size_t row = 1; row < kNumClasses; ++row) {
+  for (std::size_t column = 1; column < semantic_map::tile::kNumClasses; ++column)
+    text += fmt::format("{:>10}", kNames[column]);
+  for (std::size_t row = 1; row < semantic_map::tile::kNumClasses; ++row) {
     text += fmt::format("\n             {:>10}", kNames[row]);
-    for (std::size_t column = 1; column < kNumClasses; ++column)
+    for (std::size_t column = 1; column < semantic_map::tile::kNumClasses; ++column)
       text += fmt::format("{:>10}", classes.count[row][column]);
   }
   return text + "\n";
@@ -156,4 +157,4 @@ std::string to_json(const Evaluation& e) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

@@ -1,18 +1,25 @@
 #include "tools/evaluate/run_log.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
+#include <curbstone/imu_t.hpp>
+#include <curbstone/lidar_points_t.hpp>
+#include <curbstone/map_points_t.hpp>
+#include <curbstone/map_pose_t.hpp>
+#include <curbstone/odometry_t.hpp>
 #include <curbstone/semantic_tile_t.hpp>
 #include <curbstone/service_status_t.hpp>
+#include <curbstone/voted_points_t.hpp>
+#include <curbstone/wheels_t.hpp>
+#include <functional>
+#include <utility>
 #include <vector>
 
+#include "common/bus/decode.hpp"
 #include "common/log/log_reader.hpp"
-#include "common/log/message_order.hpp"
-#include "common/tile.hpp"
-#include "tools/evaluate/quantile.hpp"
+#include "common/statistics/quantile.hpp"
+#include "common/tiles/tile.hpp"
 
-namespace curbstone {
+namespace curbstone::evaluate {
 
 namespace {
 
@@ -33,23 +40,10 @@ struct ProcessSpan {
   service_status_t last;
 };
 
-bool decode_status(const LogEvent& event, service_status_t& status) {
-  try {
-    return status.decode(event.bytes.data(), 0, static_cast<int>(event.bytes.size())) >= 0;
-  } catch (const std::exception&) {
-    return false;  // lcm-gen 1.3.1 throws on a negative array length
-  }
-}
-
 /// Counts the gaps in what counts up by one a message sent: lidar_points_t.packet, imu_t.sequence, wheels_t.sequence.
 class SequenceGaps {
  public:
-  void see(const LogEvent& event) {
-    constexpr std::size_t kAt = 16;  // after fingerprint and utime
-    if (event.bytes.size() < kAt + 4) return;
-    std::uint32_t bits = 0;
-    for (std::size_t i = kAt; i < kAt + 4; ++i) bits = bits << 8 | event.bytes[i];
-    const auto number = static_cast<std::int32_t>(bits);
+  void see(std::int32_t number) {
     if (last_ && number > *last_) missing_ += number - *last_ - 1;  // a smaller one: the driver was started anew
     last_ = number;
   }
@@ -65,15 +59,9 @@ struct Sent {
   double age_ms;
 };
 
-/// The channels between the sensor and the tile.
-constexpr std::array kStages = {"LIDAR_POINTS", "ODOMETRY", "MAP_POSE", "MAP_POINTS", "VOTED_POINTS"};
-
-/// Every message of ours opens with its fingerprint and the time of its measurement, us.
-std::optional<std::int64_t> utime_of(const LogEvent& event) {
-  if (event.bytes.size() < 16) return {};
-  std::uint64_t bits = 0;
-  for (std::size_t i = 8; i < 16; ++i) bits = bits << 8 | event.bytes[i];
-  return static_cast<std::int64_t>(bits);
+/// When a message was logged, and how old its measurement was by then. Times in us.
+Sent sent(std::int64_t log_utime, std::int64_t utime) {
+  return {log_utime, 1e-3 * static_cast<double>(log_utime - utime)};
 }
 
 std::optional<RunFigures::Latency> latency_of(const std::vector<Sent>& messages, std::int64_t lidar_end) {
@@ -83,55 +71,94 @@ std::optional<RunFigures::Latency> latency_of(const std::vector<Sent>& messages,
   }
   const bool live = std::any_of(ages.begin(), ages.end(), [](double ms) { return ms > 0; });
   if (!live) return std::nullopt;
-  return RunFigures::Latency{quantile(ages, 0.5), quantile(ages, 0.95), static_cast<int>(ages.size())};
+  return RunFigures::Latency{quantile_in_place(ages, 0.5), quantile_in_place(ages, 0.95),
+                             static_cast<int>(ages.size())};
 }
+
+/// Takes in the messages of a recording, in the order in which they were logged.
+class Recording {
+ public:
+  Recording() {
+    on<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& points, std::int64_t log_utime) {
+      passed("LIDAR_POINTS", points.utime, log_utime);
+      gaps["LIDAR_POINTS"].see(points.packet);
+      lidar_end = log_utime;
+    });
+    on<imu_t>("IMU", [this](const imu_t& imu, std::int64_t) { gaps["IMU"].see(imu.sequence); });
+    on<wheels_t>("WHEELS", [this](const wheels_t& wheels, std::int64_t) { gaps["WHEELS"].see(wheels.sequence); });
+    on_stage<odometry_t>("ODOMETRY");
+    on_stage<map_pose_t>("MAP_POSE");
+    on_stage<map_points_t>("MAP_POINTS");
+    on_stage<voted_points_t>("VOTED_POINTS");
+    on<semantic_tile_t>("SEMANTIC_TILE", [this](const auto& tile, std::int64_t log_utime) { shown(tile, log_utime); });
+    on<service_status_t>("SERVICE_STATUS",
+                         [this](const auto& status, std::int64_t log_utime) { reported(status, log_utime); });
+  }
+  Recording(const Recording&) = delete;
+  Recording& operator=(const Recording&) = delete;
+
+  /// What does not decode counts for nothing.
+  void take(const LogEvent& event) {
+    if (const auto handler = handlers_.find(event.channel); handler != handlers_.end()) handler->second(event);
+  }
+
+  std::map<std::pair<std::string, int>, ProcessSpan> processes;
+  std::vector<Sent> tiles;                          ///< those that showed something new
+  std::map<std::string, std::vector<Sent>> stages;  ///< by channel between the sensor and the tile
+  std::map<std::string, SequenceGaps> gaps;         ///< by channel that counts its messages
+  std::int64_t lidar_end = 0;                       ///< us, when the last LIDAR_POINTS was logged
+
+ private:
+  template <class Message>
+  void on(const char* channel, std::function<void(const Message&, std::int64_t log_utime)> handler) {
+    handlers_[channel] = [handler = std::move(handler), message = Message{}](const LogEvent& event) mutable {
+      if (decode(event.bytes.data(), static_cast<int>(event.bytes.size()), message)) handler(message, event.log_utime);
+    };
+  }
+  template <class Message>
+  void on_stage(const char* channel) {
+    on<Message>(channel, [this, channel](const Message& message, std::int64_t log_utime) {
+      passed(channel, message.utime, log_utime);
+    });
+  }
+  void passed(const char* channel, std::int64_t utime, std::int64_t log_utime) {
+    stages[channel].push_back(sent(log_utime, utime));
+  }
+  void shown(const semantic_tile_t& tile, std::int64_t log_utime) {
+    // A tile that is sent again for its neighbours' sake shows nothing that was measured since.
+    std::int64_t& newest = newest_shown_[{tile.tile_x, tile.tile_y}];
+    if (tile.utime <= newest) return;
+    newest = tile.utime;
+    tiles.push_back(sent(log_utime, tile.utime));
+  }
+  void reported(const service_status_t& status, std::int64_t log_utime) {
+    const auto [it, is_new] = processes.try_emplace({status.service, status.pid});
+    if (is_new) it->second.first = status;
+    // Work after the drive is not the cost of driving; losses count to the end.
+    const bool driving = lidar_end == 0 || log_utime - lidar_end < 1'500'000;
+    if (driving) {
+      it->second.last = status;
+    } else {
+      it->second.last.counter_name = status.counter_name;
+      it->second.last.counter_value = status.counter_value;
+    }
+  }
+
+  std::map<std::string, std::function<void(const LogEvent&)>> handlers_;
+  std::map<TileKey, std::int64_t> newest_shown_;  // us, the newest measurement that a tile has shown
+};
 
 }  // namespace
 
 RunFigures read_run_log(const std::string& file) {
   LogReader reader(file);
-  std::map<std::pair<std::string, int>, ProcessSpan> processes;
-  std::vector<Sent> tiles;
-  std::map<std::string, std::vector<Sent>> stages;
-  std::map<TileKey, std::int64_t> shown;  // us, the newest measurement that a tile has shown
-  std::map<std::string, SequenceGaps> gaps = {{"LIDAR_POINTS", {}}, {"IMU", {}}, {"WHEELS", {}}};
-  std::int64_t lidar_end = 0;
-  while (const auto event = reader.next()) {
-    if (std::find(kStages.begin(), kStages.end(), event->channel) != kStages.end()) {
-      if (const auto utime = utime_of(*event))
-        stages[event->channel].push_back({event->log_utime, 1e-3 * static_cast<double>(event->log_utime - *utime)});
-    }
-    if (const auto counted = gaps.find(event->channel); counted != gaps.end()) {
-      counted->second.see(*event);
-      if (event->channel == "LIDAR_POINTS") lidar_end = event->log_utime;
-    } else if (event->channel == "SEMANTIC_TILE") {
-      semantic_tile_t tile;
-      if (tile.decode(event->bytes.data(), 0, static_cast<int>(event->bytes.size())) < 0) continue;
-      // A tile that is sent again for its neighbours' sake shows nothing that was measured since.
-      std::int64_t& newest = shown[{tile.tile_x, tile.tile_y}];
-      if (tile.utime <= newest) continue;
-      newest = tile.utime;
-      tiles.push_back({event->log_utime, 1e-3 * static_cast<double>(event->log_utime - tile.utime)});
-    } else if (event->channel == "SERVICE_STATUS") {
-      service_status_t status;
-      if (!decode_status(*event, status)) continue;
-      const auto [it, is_new] = processes.try_emplace({status.service, status.pid});
-      if (is_new) it->second.first = status;
-      // Work after the drive is not the cost of driving; losses count to the end.
-      const bool driving = lidar_end == 0 || event->log_utime - lidar_end < 1'500'000;
-      if (driving) {
-        it->second.last = status;
-      } else {
-        it->second.last.counter_name = status.counter_name;
-        it->second.last.counter_value = status.counter_value;
-      }
-    }
-  }
+  Recording recording;
+  while (const auto event = reader.next()) recording.take(*event);
 
   RunFigures figures;
   std::int64_t full_buffers = 0;  // a process that filters cannot tell its own drops from the host's: see LcmSocket
-  figures.processes = static_cast<int>(processes.size());
-  for (const auto& [id, span] : processes) {
+  figures.processes = static_cast<int>(recording.processes.size());
+  for (const auto& [id, span] : recording.processes) {
     const std::string& service = id.first;
     const auto uptime = static_cast<double>(span.last.uptime - span.first.uptime);
     if (uptime > 0) figures.cores[service] = static_cast<double>(span.last.cpu_time - span.first.cpu_time) / uptime;
@@ -153,18 +180,18 @@ RunFigures read_run_log(const std::string& file) {
     }
   }
   figures.lost_messages += full_buffers;
-  for (const auto& [channel, seen] : gaps) {
+  for (const auto& [channel, seen] : recording.gaps) {
     std::int64_t missing = seen.missing();
     // The IMU counts its own packets: what its driver did not get either was lost on the wire.
     if (channel == "IMU") missing -= figures.losses["imu lost.packets"];
     if (missing > 0) figures.lost_by_recorder[channel] = missing;
   }
   std::erase_if(figures.losses, [](const auto& entry) { return entry.second == 0; });
-  figures.latency = latency_of(tiles, lidar_end);
-  for (const auto& [channel, messages] : stages) {
-    if (const auto latency = latency_of(messages, lidar_end)) figures.stages[channel] = *latency;
+  figures.latency = latency_of(recording.tiles, recording.lidar_end);
+  for (const auto& [channel, messages] : recording.stages) {
+    if (const auto latency = latency_of(messages, recording.lidar_end)) figures.stages[channel] = *latency;
   }
   return figures;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

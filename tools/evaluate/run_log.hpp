@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-namespace curbstone {
+namespace curbstone::evaluate {
 
-/// What the recording of a run says of how it ran.
+/// Losses, latencies and CPU time of a recorded run.
 struct RunFigures {
   int processes = 0;               ///< that sent SERVICE_STATUS; without any, nothing is known of losses and CPU
   std::int64_t lost_packets = 0;   ///< sensor packets and frames lost or refused, from the drivers' counters
@@ -33,4 +33,4 @@ struct RunFigures {
 /// Reads an lcm-logger log. Throws std::runtime_error if it is none.
 [[nodiscard]] RunFigures read_run_log(const std::string& file);
 
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

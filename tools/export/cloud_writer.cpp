@@ -3,13 +3,16 @@
 #include <fmt/format.h>
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/console/print.h>
-#include <pcl/io/pcd_io.h>
 #include <pcl/io/ply_io.h>
 
+#include <array>
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
 
-namespace curbstone {
+#include "common/pcd/pcd_header.hpp"
+
+namespace curbstone::map_export {
 
 namespace {
 
@@ -37,22 +40,39 @@ pcl::PCLPointCloud2 to_pcl(const DenseCloud& cloud) {
   return blob;
 }
 
-}  // namespace
+void write_pcd(const DenseCloud& cloud, const std::string& path) {
+  constexpr std::array<PcdField, 4> kFields = {{{"x"}, {"y"}, {"z"}, {"intensity"}}};
+  std::ofstream out(path, std::ios::binary);
+  out << pcd_header(kFields, cloud.points.size());
+  for (const CloudPoint& p : cloud.points) {
+    const std::array<float, 4> row = {p.position.x(), p.position.y(), p.position.z(), p.intensity};
+    out.write(reinterpret_cast<const char*>(row.data()), sizeof row);
+  }
+  out.flush();
+  if (!out) throw std::runtime_error(fmt::format("{}: the cloud cannot be written", path));
+}
 
-void write_cloud(const DenseCloud& cloud, CloudFormat format, const std::string& path) {
+void write_ply(const DenseCloud& cloud, const std::string& path) {
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // it prints; we throw
-  const pcl::PCLPointCloud2 blob = to_pcl(cloud);
-  const Eigen::Vector4f origin = Eigen::Vector4f::Zero();
-  const Eigen::Quaternionf upright = Eigen::Quaternionf::Identity();
   int result = -1;
   std::string why;
   try {
-    result = format == CloudFormat::kPcd ? pcl::PCDWriter().writeBinary(path, blob, origin, upright)
-                                         : pcl::PLYWriter().writeBinary(path, blob, origin, upright, false);
+    result = pcl::PLYWriter().writeBinary(path, to_pcl(cloud), Eigen::Vector4f::Zero(), Eigen::Quaternionf::Identity(),
+                                          false);
   } catch (const std::exception& error) {
     why = std::string(": ") + error.what();
   }
   if (result < 0) throw std::runtime_error(fmt::format("{}: the cloud cannot be written{}", path, why));
 }
 
-}  // namespace curbstone
+}  // namespace
+
+void write_cloud(const DenseCloud& cloud, CloudFormat format, const std::string& path) {
+  if (format == CloudFormat::kPcd) {
+    write_pcd(cloud, path);
+  } else {
+    write_ply(cloud, path);
+  }
+}
+
+}  // namespace curbstone::map_export

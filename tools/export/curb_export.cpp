@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-namespace curbstone {
+namespace curbstone::map_export {
 
-CurbSummary summarise(const CurbLine& line, const CurbView& view) {
+CurbSummary summarise(const semantic_map::tile::CurbLine& line, const CurbView& view) {
   CurbSummary summary;
   std::vector<float> heights;
-  for (const CurbVertex& v : line.points) heights.push_back(v.height);
+  for (const semantic_map::tile::CurbVertex& v : line.points) heights.push_back(v.height);
   if (heights.empty()) return summary;
   const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
   std::nth_element(heights.begin(), middle, heights.end());
@@ -16,27 +16,30 @@ CurbSummary summarise(const CurbLine& line, const CurbView& view) {
   summary.is_low = line.dropped || summary.height < view.high_curb;
   double left = 0;
   for (std::size_t i = 1; i < line.points.size(); ++i) {
-    const CurbVertex& a = line.points[i - 1];
-    const CurbVertex& b = line.points[i];
+    const semantic_map::tile::CurbVertex& a = line.points[i - 1];
+    const semantic_map::tile::CurbVertex& b = line.points[i];
     left += double{b.x - a.x} * double{a.high_side_y + b.high_side_y} -
             double{b.y - a.y} * double{a.high_side_x + b.high_side_x};
   }
   summary.high_side_left = left > 0;
-  summary.rise = seen_from(line, view.path);
+  summary.rise = semantic_map::curb_lines::seen_from(line, view.path);
   return summary;
 }
 
-std::string rise_name(CurbRise rise) {
-  return rise == CurbRise::kUp ? "up" : rise == CurbRise::kDown ? "down" : "unknown";
+std::string rise_name(semantic_map::curb_lines::CurbRise rise) {
+  return rise == semantic_map::curb_lines::CurbRise::kUp     ? "up"
+         : rise == semantic_map::curb_lines::CurbRise::kDown ? "down"
+                                                             : "unknown";
 }
 
-std::vector<CurbLine> usable_curbs(std::vector<CurbLine> lines) {
-  std::erase_if(lines, [](const CurbLine& line) {
-    return line.points.size() < 2 || std::any_of(line.points.begin(), line.points.end(), [](const CurbVertex& v) {
+std::vector<semantic_map::tile::CurbLine> usable_curbs(std::vector<semantic_map::tile::CurbLine> lines) {
+  std::erase_if(lines, [](const semantic_map::tile::CurbLine& line) {
+    return line.points.size() < 2 ||
+           std::any_of(line.points.begin(), line.points.end(), [](const semantic_map::tile::CurbVertex& v) {
              return !(std::abs(v.x) < kFarthestCurb && std::abs(v.y) < kFarthestCurb && std::abs(v.z) < kFarthestCurb);
            });
   });
   return lines;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

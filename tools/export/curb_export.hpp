@@ -3,17 +3,17 @@
 #include <string>
 #include <vector>
 
-#include "services/semantic_map/curb_rise.hpp"
-#include "services/semantic_map/map_types.hpp"
+#include "services/semantic_map/curb_lines/curb_rise.hpp"
+#include "services/semantic_map/tile/map_types.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 /// What a planner wants to know of a whole curb line.
 struct CurbSummary {
   double height = 0;            ///< m, median along the line
   bool is_low = false;          ///< dropped, or lower than what counts as high
   bool high_side_left = false;  ///< seen along the line
-  CurbRise rise = CurbRise::kUnknown;
+  semantic_map::curb_lines::CurbRise rise = semantic_map::curb_lines::CurbRise::kUnknown;
 };
 
 inline constexpr double kHighCurb = 0.05;     ///< m: from here on a curb is `high` unless told otherwise
@@ -25,11 +25,11 @@ struct CurbView {
   std::vector<Eigen::Vector2d> path = {};  ///< driven, m in map: a curb rises or falls for whoever comes from there
 };
 
-[[nodiscard]] CurbSummary summarise(const CurbLine& line, const CurbView& view);
+[[nodiscard]] CurbSummary summarise(const semantic_map::tile::CurbLine& line, const CurbView& view);
 /// "up", "down", "unknown".
-[[nodiscard]] std::string rise_name(CurbRise rise);
+[[nodiscard]] std::string rise_name(semantic_map::curb_lines::CurbRise rise);
 
 /// Those with two points or more, none of them out of reach. The rest is of no use to anybody.
-[[nodiscard]] std::vector<CurbLine> usable_curbs(std::vector<CurbLine> lines);
+[[nodiscard]] std::vector<semantic_map::tile::CurbLine> usable_curbs(std::vector<semantic_map::tile::CurbLine> lines);
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

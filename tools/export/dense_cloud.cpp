@@ -12,9 +12,9 @@
 #include <stdexcept>
 
 #include "common/log/log_reader.hpp"
-#include "common/tile.hpp"
+#include "common/tiles/tile.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 namespace {
 
@@ -107,4 +107,4 @@ DenseCloud read_dense_cloud(const std::string& log, std::int32_t epoch) {
                                        *other_epochs.rbegin(), epoch));
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

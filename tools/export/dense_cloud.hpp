@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 /// A point of the mapper's dense map, m in map.
 struct CloudPoint {
@@ -23,4 +23,4 @@ struct DenseCloud {
 /// Points that the log has twice count once. Throws std::runtime_error: no log, or no points of that epoch.
 [[nodiscard]] DenseCloud read_dense_cloud(const std::string& log, std::int32_t epoch);
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

@@ -6,10 +6,11 @@
 #include <array>
 #include <optional>
 
-#include "common/command_line.hpp"
-#include "common/config.hpp"
-#include "services/semantic_map/map_store.hpp"
+#include "common/config/command_line.hpp"
+#include "common/config/config.hpp"
+#include "config/sections.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
+#include "services/semantic_map/store/map_store.hpp"
 #include "tools/export/cloud_writer.hpp"
 #include "tools/export/geojson_file.hpp"
 #include "tools/export/georeference.hpp"
@@ -18,7 +19,7 @@
 #include "tools/export/raster_file.hpp"
 #include "tools/output/output_folder.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 namespace {
 
@@ -38,7 +39,7 @@ struct ExportArguments {
   }
 };
 
-void add_nav2(const MapGrid& grid, const Nav2Policy& policy, OutputFolder& out) {
+void add_nav2(const MapGrid& grid, const Nav2Policy& policy, output::OutputFolder& out) {
   out.add_bytes("nav2.pgm", pgm_bytes(grid.columns, grid.rows, trinary_pixels(grid, policy)));
   out.add_bytes("nav2.yaml", nav2_yaml(grid, "nav2.pgm", "trinary"));
   out.add("nav2_scale.png", [&](const std::string& path) {
@@ -47,7 +48,8 @@ void add_nav2(const MapGrid& grid, const Nav2Policy& policy, OutputFolder& out) 
   out.add_bytes("nav2_scale.yaml", nav2_yaml(grid, "nav2_scale.png", "scale"));
 }
 
-void add_rasters(const MapGrid& grid, bool with_hits, const std::optional<TangentPlane>& plane, OutputFolder& out) {
+void add_rasters(const MapGrid& grid, bool with_hits, const std::optional<TangentPlane>& plane,
+                 output::OutputFolder& out) {
   const Georeference place(grid, plane);
   const auto add_place = [&](const std::string& image, const std::string& world_file) {
     out.add_bytes(world_file, place.world_file());
@@ -80,15 +82,17 @@ void add_rasters(const MapGrid& grid, bool with_hits, const std::optional<Tangen
   add_float("slope", ground_slope(grid));
 }
 
-void add_curbs(const MapReader& map, double high_curb, const std::optional<TangentPlane>& plane, OutputFolder& out) {
-  std::vector<CurbLine> all = map.curbs();
+void add_curbs(const semantic_map::store::MapReader& map, double high_curb, const std::optional<TangentPlane>& plane,
+               output::OutputFolder& out) {
+  std::vector<semantic_map::tile::CurbLine> all = map.curbs();
   const std::size_t count = all.size();
-  const std::vector<CurbLine> curbs = usable_curbs(std::move(all));
+  const std::vector<semantic_map::tile::CurbLine> curbs = usable_curbs(std::move(all));
   if (curbs.size() != count)
     fmt::print("{} curb lines left out: single points, or out of reach\n", count - curbs.size());
   if (curbs.empty()) fmt::print("the map holds no curb lines\n");
   CurbView view{high_curb};
-  for (const TrajectoryPose& pose : map.trajectory()) view.path.emplace_back(pose.T_map_base.translation().head<2>());
+  for (const semantic_map::tile::TrajectoryPose& pose : map.trajectory())
+    view.path.emplace_back(pose.T_map_base.translation().head<2>());
   out.add_bytes("curbs.osm", lanelet2_osm(curbs, view, plane));
   if (plane) {
     out.add_bytes("curbs.geojson", curbs_geojson(curbs, view, *plane));
@@ -97,7 +101,7 @@ void add_curbs(const MapReader& map, double high_curb, const std::optional<Tange
   }
 }
 
-void add_cloud(const ExportArguments& arguments, std::int32_t epoch, OutputFolder& out) {
+void add_cloud(const ExportArguments& arguments, std::int32_t epoch, output::OutputFolder& out) {
   const DenseCloud cloud = read_dense_cloud(arguments.log, epoch);
   if (cloud.missing + cloud.refused > 0)
     fmt::print("{}: {} points are missing in it, {} messages refused\n", arguments.log, cloud.missing, cloud.refused);
@@ -107,8 +111,8 @@ void add_cloud(const ExportArguments& arguments, std::int32_t epoch, OutputFolde
 }
 
 void export_map(const ExportArguments& arguments, const std::optional<TangentPlane>& plane) {
-  const MapReader map(arguments.map);
-  OutputFolder out(arguments.out);
+  const semantic_map::store::MapReader map(arguments.map);
+  output::OutputFolder out(arguments.out);
   if (arguments.wants("nav2") || arguments.wants("rasters")) {
     std::optional<MapGrid> grid;
     try {
@@ -165,10 +169,11 @@ int run_export(int argc, char** argv) {
   }
   if (arguments.log.empty() && !arguments.only.empty() && arguments.wants("cloud"))
     return line.refuse("--only: cloud needs --log: a map file keeps no points");
-  const auto semantic_map = config_of<SemanticMapConfig>("semantic_map", arguments.config, {});
+  const auto semantic_map =
+      config_of<semantic_map::SemanticMapConfig>("semantic_map", kProcessSections, arguments.config, {});
   if (!line.given("--unknown") && semantic_map.classes.unknown_is_free) arguments.nav2.unknown = UnknownCells::kFree;
   export_map(arguments, plane);
   return 0;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

@@ -7,39 +7,11 @@
 #include <cstdlib>
 #include <numbers>
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 namespace {
 
-// WGS84 (NIMA TR8350.2)
-constexpr double kA = 6378137.0;
-constexpr double kF = 1 / 298.257223563;
-constexpr double kE2 = kF * (2 - kF);
 constexpr double kDegree = std::numbers::pi / 180;
-
-Eigen::Vector3d to_ecef(const GeoDatum& at) {
-  const double s = std::sin(at.latitude * kDegree);
-  const double c = std::cos(at.latitude * kDegree);
-  const double n = kA / std::sqrt(1 - kE2 * s * s);
-  const double lon = at.longitude * kDegree;
-  return {(n + at.altitude) * c * std::cos(lon), (n + at.altitude) * c * std::sin(lon),
-          (n * (1 - kE2) + at.altitude) * s};
-}
-
-/// By fixed-point iteration: its error falls by e^2 (1/150) a round, so that eight rounds leave nothing near the
-/// ground.
-GeoPoint to_geodetic(const Eigen::Vector3d& p) {
-  const double r = std::hypot(p.x(), p.y());
-  double lat = std::atan2(p.z(), r * (1 - kE2));
-  double s = 0;
-  for (int i = 0; i < 8; ++i) {
-    s = std::sin(lat);
-    lat = std::atan2(p.z() + kE2 * kA / std::sqrt(1 - kE2 * s * s) * s, r);
-  }
-  s = std::sin(lat);
-  const double altitude = r * std::cos(lat) + p.z() * s - kA * std::sqrt(1 - kE2 * s * s);
-  return {lat / kDegree, std::atan2(p.y(), p.x()) / kDegree, altitude};
-}
 
 }  // namespace
 
@@ -64,12 +36,8 @@ std::optional<GeoDatum> parse_datum(const std::string& text) {
   return GeoDatum{latitude, longitude, altitude, heading};
 }
 
-TangentPlane::TangentPlane(const GeoDatum& datum) : datum_(datum), origin_(to_ecef(datum)) {
-  const double lat = datum.latitude * kDegree;
-  const double lon = datum.longitude * kDegree;
-  R_ecef_enu_.col(0) << -std::sin(lon), std::cos(lon), 0;
-  R_ecef_enu_.col(1) << -std::sin(lat) * std::cos(lon), -std::sin(lat) * std::sin(lon), std::cos(lat);
-  R_ecef_enu_.col(2) << std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat);
+TangentPlane::TangentPlane(const GeoDatum& datum)
+    : datum_(datum), enu_(datum.latitude, datum.longitude, datum.altitude) {
   // The usual heading shall give exact zeros: rasters stay upright.
   const double s = datum.heading == 90 ? 1 : std::sin(datum.heading * kDegree);
   const double c = datum.heading == 90 ? 0 : std::cos(datum.heading * kDegree);
@@ -82,7 +50,9 @@ Eigen::Vector2d TangentPlane::east_north(double x, double y) const {
 
 GeoPoint TangentPlane::to_wgs84(const Eigen::Vector3d& in_map) const {
   const Eigen::Vector2d en = east_north(in_map.x(), in_map.y());
-  return to_geodetic(origin_ + R_ecef_enu_ * Eigen::Vector3d(en.x(), en.y(), in_map.z()));
+  GeoPoint point;
+  enu_.Reverse(en.x(), en.y(), in_map.z(), point.latitude, point.longitude, point.altitude);
+  return point;
 }
 
 std::string TangentPlane::wkt() const {
@@ -94,4 +64,4 @@ std::string TangentPlane::wkt() const {
       datum_.latitude, datum_.longitude);
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

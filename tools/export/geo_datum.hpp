@@ -1,10 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <GeographicLib/LocalCartesian.hpp>
 #include <optional>
 #include <string>
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 /// Where the map's origin lies on the Earth and which way its x axis points.
 struct GeoDatum {
@@ -24,9 +25,9 @@ struct GeoPoint {
 };
 
 /// The map's frame as the plane that touches the ellipsoid's normal direction at the datum: x, y, z to east, north, up,
-/// to Earth-centred coordinates, to WGS84. Rounding apart (well below 0.1 mm) that is exact. What remains is the
-/// datum's own error, and that gravity, which levels the map, differs from the ellipsoid's normal by up to some 0.1
-/// mrad.
+/// to Earth-centred coordinates, to WGS84 (GeographicLib). Rounding apart (well below 0.1 mm) that is exact. What
+/// remains is the datum's own error, and that gravity, which levels the map, differs from the ellipsoid's normal by up
+/// to some 0.1 mrad.
 class TangentPlane {
  public:
   explicit TangentPlane(const GeoDatum& datum);
@@ -42,9 +43,8 @@ class TangentPlane {
 
  private:
   GeoDatum datum_;
-  Eigen::Vector3d origin_;      ///< m, Earth-centred
-  Eigen::Matrix3d R_ecef_enu_;  ///< columns: east, north, up
+  GeographicLib::LocalCartesian enu_;  ///< on WGS84, origin at the datum
   Eigen::Matrix2d R_enu_map_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

@@ -2,14 +2,14 @@
 
 #include <fmt/format.h>
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 namespace {
 
-std::string feature(const CurbLine& line, const CurbView& view, const TangentPlane& plane) {
+std::string feature(const semantic_map::tile::CurbLine& line, const CurbView& view, const TangentPlane& plane) {
   const CurbSummary summary = summarise(line, view);
   std::string coordinates;
-  for (const CurbVertex& v : line.points) {
+  for (const semantic_map::tile::CurbVertex& v : line.points) {
     const GeoPoint p = plane.to_wgs84({double{v.x}, double{v.y}, double{v.z}});
     if (!coordinates.empty()) coordinates += ",";
     coordinates += fmt::format("[{:.10f},{:.10f},{:.4f}]", p.longitude, p.latitude, p.altitude);
@@ -23,13 +23,14 @@ std::string feature(const CurbLine& line, const CurbView& view, const TangentPla
 
 }  // namespace
 
-std::string curbs_geojson(const std::vector<CurbLine>& curbs, const CurbView& view, const TangentPlane& plane) {
+std::string curbs_geojson(const std::vector<semantic_map::tile::CurbLine>& curbs, const CurbView& view,
+                          const TangentPlane& plane) {
   std::string features;
-  for (const CurbLine& line : curbs) {
+  for (const semantic_map::tile::CurbLine& line : curbs) {
     if (!features.empty()) features += ",\n";
     features += feature(line, view, plane);
   }
   return "{\"type\":\"FeatureCollection\",\"features\":[\n" + features + "\n]}\n";
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

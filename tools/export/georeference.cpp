@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "common/tile.hpp"
+#include "common/tiles/tile.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 Georeference::Georeference(const MapGrid& grid, const std::optional<TangentPlane>& plane)
     : first_(grid.left() + 0.5 * kCellSize, grid.top() - 0.5 * kCellSize),
@@ -27,4 +27,4 @@ std::optional<std::string> Georeference::projection_file() const {
   return fmt::format("<PAMDataset>\n  <SRS>{}</SRS>\n</PAMDataset>\n", wkt_);
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

@@ -6,7 +6,7 @@
 #include "tools/export/geo_datum.hpp"
 #include "tools/export/map_grid.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 /// Where a raster's cells lie: in map or, with a datum, in the datum's tangent plane (m east and north of it).
 class Georeference {
@@ -25,4 +25,4 @@ class Georeference {
   std::string wkt_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

@@ -4,11 +4,11 @@
 
 #include <iterator>
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 namespace {
 
-std::string node(std::size_t id, const CurbVertex& v, const std::optional<TangentPlane>& plane) {
+std::string node(std::size_t id, const semantic_map::tile::CurbVertex& v, const std::optional<TangentPlane>& plane) {
   double elevation = double{v.z};
   std::string place;
   if (plane) {
@@ -23,7 +23,8 @@ std::string node(std::size_t id, const CurbVertex& v, const std::optional<Tangen
       id, place, double{v.x}, double{v.y}, elevation);
 }
 
-std::string way(std::size_t id, std::size_t first_node, const CurbLine& line, const CurbView& view) {
+std::string way(std::size_t id, std::size_t first_node, const semantic_map::tile::CurbLine& line,
+                const CurbView& view) {
   const CurbSummary summary = summarise(line, view);
   std::string text = fmt::format("  <way id=\"{}\" version=\"1\">\n", id);
   for (std::size_t i = 0; i < line.points.size(); ++i) text += fmt::format("    <nd ref=\"{}\"/>\n", first_node + i);
@@ -35,24 +36,24 @@ std::string way(std::size_t id, std::size_t first_node, const CurbLine& line, co
   tag("height", fmt::format("{:.3f}", summary.height));
   tag("high_side", summary.high_side_left ? "left" : "right");
   if (line.dropped) tag("dropped", "yes");
-  if (summary.rise != CurbRise::kUnknown) tag("rise", rise_name(summary.rise));
+  if (summary.rise != semantic_map::curb_lines::CurbRise::kUnknown) tag("rise", rise_name(summary.rise));
   tag("confidence", fmt::format("{:.2f}", double{line.confidence}));
   return text + "  </way>\n";
 }
 
 }  // namespace
 
-std::string lanelet2_osm(const std::vector<CurbLine>& curbs, const CurbView& view,
+std::string lanelet2_osm(const std::vector<semantic_map::tile::CurbLine>& curbs, const CurbView& view,
                          const std::optional<TangentPlane>& plane) {
   std::string nodes;
   std::string ways;
   std::size_t id = curbs.size();
   for (std::size_t k = 0; k < curbs.size(); ++k) {
     ways += way(k + 1, id + 1, curbs[k], view);
-    for (const CurbVertex& v : curbs[k].points) nodes += node(++id, v, plane);
+    for (const semantic_map::tile::CurbVertex& v : curbs[k].points) nodes += node(++id, v, plane);
   }
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<osm version=\"0.6\" generator=\"curbstone\">\n" + nodes + ways +
          "</osm>\n";
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

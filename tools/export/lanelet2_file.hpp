@@ -7,7 +7,7 @@
 #include "tools/export/curb_export.hpp"
 #include "tools/export/geo_datum.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 /// Lanelet2's OSM XML: each curb a way with type=curbstone, subtype=high or low (tagging specification of Lanelet2,
 /// "LinestringTagging"), and height, high_side (left or right along the way), dropped, confidence, and rise (up or
@@ -16,7 +16,7 @@ namespace curbstone {
 /// Each node carries local_x, local_y (m in map; what Autoware's local projector reads) and ele: m in map or, with a
 /// datum, above the ellipsoid. lat and lon are there with a datum only, to 1e-10 deg; many readers (GDAL's too) keep
 /// 1e-7 deg of them, a centimetre. Ids count from 1, nodes after ways.
-[[nodiscard]] std::string lanelet2_osm(const std::vector<CurbLine>& curbs, const CurbView& view,
+[[nodiscard]] std::string lanelet2_osm(const std::vector<semantic_map::tile::CurbLine>& curbs, const CurbView& view,
                                        const std::optional<TangentPlane>& plane);
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

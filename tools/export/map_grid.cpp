@@ -7,21 +7,22 @@
 #include <cmath>
 #include <limits>
 
-#include "common/tile.hpp"
+#include "common/tiles/tile.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 namespace {
 
-bool is_known(const MapTile& tile, std::size_t i) {
-  return tile.cell_class[i] != CellClass::kUnknown || tile.height[i] != MapTile::kNoHeight;
+bool is_known(const semantic_map::tile::MapTile& tile, std::size_t i) {
+  return tile.cell_class[i] != semantic_map::tile::CellClass::kUnknown ||
+         tile.height[i] != semantic_map::tile::MapTile::kNoHeight;
 }
 
-std::int64_t column_of(const MapTile& tile, std::size_t i) {
+std::int64_t column_of(const semantic_map::tile::MapTile& tile, std::size_t i) {
   return std::int64_t{tile.key.x} * kCellsPerTile + static_cast<std::int64_t>(i % kCellsPerTile);
 }
 
-std::int64_t row_of(const MapTile& tile, std::size_t i) {
+std::int64_t row_of(const semantic_map::tile::MapTile& tile, std::size_t i) {
   return std::int64_t{tile.key.y} * kCellsPerTile + static_cast<std::int64_t>(i / kCellsPerTile);
 }
 
@@ -36,8 +37,9 @@ struct Range {
 };
 
 bool is_ground(const MapGrid& grid, std::size_t i) {
-  const CellClass c = grid.cell_class[i];
-  return (c == CellClass::kRoad || c == CellClass::kCurb) && std::isfinite(grid.height[i]);
+  const semantic_map::tile::CellClass c = grid.cell_class[i];
+  return (c == semantic_map::tile::CellClass::kRoad || c == semantic_map::tile::CellClass::kCurb) &&
+         std::isfinite(grid.height[i]);
 }
 
 }  // namespace
@@ -52,11 +54,11 @@ double MapGrid::bottom() const {
   return static_cast<double>(row0) * kCellSize;
 }
 
-MapGrid make_map_grid(const std::vector<MapTile>& tiles) {
+MapGrid make_map_grid(const std::vector<semantic_map::tile::MapTile>& tiles) {
   Range x;
   Range y;
-  for (const MapTile& tile : tiles) {
-    for (std::size_t i = 0; i < kCellsInTile; ++i) {
+  for (const semantic_map::tile::MapTile& tile : tiles) {
+    for (std::size_t i = 0; i < semantic_map::tile::kCellsInTile; ++i) {
       if (!is_known(tile, i)) continue;
       x.include(column_of(tile, i));
       y.include(row_of(tile, i));
@@ -73,13 +75,13 @@ MapGrid make_map_grid(const std::vector<MapTile>& tiles) {
   grid.columns = static_cast<int>(x.size());
   grid.rows = static_cast<int>(y.size());
   const auto size = static_cast<std::size_t>(x.size() * y.size());
-  grid.cell_class.assign(size, CellClass::kUnknown);
+  grid.cell_class.assign(size, semantic_map::tile::CellClass::kUnknown);
   grid.height.assign(size, std::numeric_limits<float>::quiet_NaN());
   grid.cost.assign(size, 255);
   grid.confidence.assign(size, 0);
   grid.hits.assign(size, 0);
-  for (const MapTile& tile : tiles) {
-    for (std::size_t i = 0; i < kCellsInTile; ++i) {
+  for (const semantic_map::tile::MapTile& tile : tiles) {
+    for (std::size_t i = 0; i < semantic_map::tile::kCellsInTile; ++i) {
       const std::int64_t column = column_of(tile, i) - x.low;
       const std::int64_t row = y.high - row_of(tile, i);
       if (column < 0 || column >= grid.columns || row < 0 || row >= grid.rows) continue;
@@ -88,7 +90,7 @@ MapGrid make_map_grid(const std::vector<MapTile>& tiles) {
       grid.cost[k] = tile.cost[i];
       grid.confidence[k] = tile.confidence[i];
       grid.hits[k] = tile.hits[i];
-      if (tile.height[i] != MapTile::kNoHeight)
+      if (tile.height[i] != semantic_map::tile::MapTile::kNoHeight)
         grid.height[k] = static_cast<float>(double{tile.z_origin} + tile.height[i] * kPositionStep);
     }
   }
@@ -115,4 +117,4 @@ std::vector<float> ground_slope(const MapGrid& grid) {
   return slope;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

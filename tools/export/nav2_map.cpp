@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/tile.hpp"
+#include "common/tiles/tile.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 namespace {
 
@@ -16,7 +16,7 @@ constexpr int kLethal = 254;  // a cell's highest cost
 /// By class, not by cost: a map made with `unknown_is_free` gives unknown cells cost 0. A cell of a class without cost
 /// is unknown all the same.
 bool is_unknown(const MapGrid& grid, std::size_t i) {
-  return grid.cell_class[i] == CellClass::kUnknown || grid.cost[i] > kLethal;
+  return grid.cell_class[i] == semantic_map::tile::CellClass::kUnknown || grid.cost[i] > kLethal;
 }
 
 }  // namespace
@@ -60,4 +60,4 @@ std::string nav2_yaml(const MapGrid& grid, const std::string& image, const std::
       image, mode, kCellSize, grid.left(), grid.bottom(), is_scale ? "1.0" : "0.65", is_scale ? "0.0" : "0.25");
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

@@ -6,7 +6,7 @@
 
 #include "tools/export/map_grid.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 /// What never was seen, on the way to nav2's map_server.
 enum class UnknownCells {
@@ -21,7 +21,7 @@ struct Nav2Policy {
   int occupied_cost = 50;
 };
 
-/// Pixels of a map for nav2's map_server with negate 0: occupancy = (255 - pixel) / 255.
+// Pixels of a map for nav2's map_server with negate 0: occupancy = (255 - pixel) / 255.
 
 /// Mode trinary, one byte a cell: free 254, occupied 0, unknown 128 (between the thresholds; 205, which many maps use,
 /// is free by nav2's own default of free_thresh).
@@ -33,4 +33,4 @@ struct Nav2Policy {
 /// map_server's YAML. `mode`: trinary or scale. Always in map: the robot localises there.
 [[nodiscard]] std::string nav2_yaml(const MapGrid& grid, const std::string& image, const std::string& mode);
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

@@ -9,17 +9,17 @@
 #include <cmath>
 #include <cstring>
 
-#include "services/semantic_map/map_picture.hpp"
-#include "services/semantic_map/png_file.hpp"
+#include "services/semantic_map/picture/map_picture.hpp"
+#include "services/semantic_map/picture/png_file.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 namespace {
 
 void write(png_image& image, const void* pixels, const void* palette, const std::string& path) {
   errno = 0;
   if (png_image_write_to_file(&image, path.c_str(), 0, pixels, 0, palette) != 0) return;
-  throw PictureError(
+  throw semantic_map::picture::PictureError(
       fmt::format("{}: cannot write the picture: {}", path, errno != 0 ? std::strerror(errno) : image.message));
 }
 
@@ -35,16 +35,17 @@ png_image image_of(int width, int height, png_uint_32 format) {
 }  // namespace
 
 void write_class_png(const MapGrid& grid, const std::string& path) {
-  std::array<std::uint8_t, 3 * kNumClasses> palette{};
-  for (std::size_t i = 0; i < kNumClasses; ++i) {
-    const Colour colour = class_colour(static_cast<CellClass>(i));
+  std::array<std::uint8_t, 3 * semantic_map::tile::kNumClasses> palette{};
+  for (std::size_t i = 0; i < semantic_map::tile::kNumClasses; ++i) {
+    const semantic_map::picture::Colour colour =
+        semantic_map::picture::class_colour(static_cast<semantic_map::tile::CellClass>(i));
     palette[3 * i] = colour.r;
     palette[3 * i + 1] = colour.g;
     palette[3 * i + 2] = colour.b;
   }
   png_image image = image_of(grid.columns, grid.rows, PNG_FORMAT_RGB_COLORMAP);
-  image.colormap_entries = kNumClasses;
-  static_assert(sizeof(CellClass) == 1);
+  image.colormap_entries = semantic_map::tile::kNumClasses;
+  static_assert(sizeof(semantic_map::tile::CellClass) == 1);
   write(image, grid.cell_class.data(), palette.data(), path);
 }
 
@@ -80,4 +81,4 @@ std::string pgm_bytes(int width, int height, std::span<const std::uint8_t> gray)
   return bytes;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

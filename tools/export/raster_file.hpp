@@ -5,11 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "services/semantic_map/drawing.hpp"
+#include "services/semantic_map/picture/canvas.hpp"
 #include "tools/export/map_grid.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 
+/// @file
 /// Rasters that GDAL, QGIS and image viewers read. Row 0 on top.
 
 /// PNG with a palette: the value of a pixel is the class, its colour that of Table I.
@@ -28,4 +29,4 @@ inline constexpr float kNoValue = -9999;
 /// Binary PGM (P5) of 8 bits.
 [[nodiscard]] std::string pgm_bytes(int width, int height, std::span<const std::uint8_t> gray);
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <stdexcept>
 
-namespace curbstone {
+namespace curbstone::output {
 
 namespace fs = std::filesystem;
 
@@ -59,4 +59,4 @@ std::vector<std::string> OutputFolder::commit() {
   return names;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::output

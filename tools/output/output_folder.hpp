@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace curbstone {
+namespace curbstone::output {
 
 /// A folder that a command writes into. Files get their names when all are there: nothing half-written stays.
 /// Everything throws std::runtime_error with one line that names the file.
@@ -32,4 +32,4 @@ class OutputFolder {
   std::vector<std::string> left_out_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::output

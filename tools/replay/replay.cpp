@@ -9,16 +9,16 @@
 #include <memory>
 #include <optional>
 
-#include "common/clock.hpp"
-#include "common/command_line.hpp"
-#include "common/config.hpp"
-#include "common/local_bus.hpp"
+#include "common/bus/local_bus.hpp"
+#include "common/config/command_line.hpp"
+#include "common/config/config.hpp"
 #include "common/log/log_reader.hpp"
 #include "common/log/log_writer.hpp"
 #include "common/log/message_order.hpp"
+#include "common/time/clock.hpp"
 #include "tools/replay/vehicle.hpp"
 
-namespace curbstone {
+namespace curbstone::replay {
 
 namespace {
 
@@ -140,4 +140,4 @@ int run_replay(int argc, char** argv) {
   return 0;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::replay

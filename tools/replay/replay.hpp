@@ -1,9 +1,9 @@
 #pragma once
 
-namespace curbstone {
+namespace curbstone::replay {
 
 /// `curbstone replay LOG`: the nodes of the vehicle in one process, fed from a log in message-time order. argv[0] is
 /// the subcommand's name.
 int run_replay(int argc, char** argv);
 
-}  // namespace curbstone
+}  // namespace curbstone::replay

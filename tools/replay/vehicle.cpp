@@ -1,29 +1,36 @@
 #include "tools/replay/vehicle.hpp"
 
-#include "common/config.hpp"
-#include "services/ekf/ekf_config.hpp"
+#include "common/config/config.hpp"
+#include "config/sections.hpp"
+#include "services/ekf/base/ekf_config.hpp"
 #include "services/ekf/ekf_node.hpp"
-#include "services/mapper/mapper_config.hpp"
+#include "services/mapper/config/mapper_config.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
 #include "services/semantic_map/semantic_map_node.hpp"
-#include "services/tensor_voting/tensor_voting_config.hpp"
-#include "services/tensor_voting/tensor_voting_node.hpp"
+#include "services/tensor_voting/worker/tensor_voting_config.hpp"
+#include "services/tensor_voting/worker/tensor_voting_node.hpp"
 
-namespace curbstone {
+namespace curbstone::replay {
 
 ReplayVehicle::ReplayVehicle(const ReplayOptions& options, LocalBus& bus) : bus_(bus) {
-  auto semantic = config_of<SemanticMapConfig>("semantic_map", options.config_file, options.assignments);
+  auto semantic = config_of<semantic_map::SemanticMapConfig>("semantic_map", kProcessSections, options.config_file,
+                                                             options.assignments);
   if (!options.map_file.empty()) semantic.map = options.map_file;
   stages_.push_back(
-      {"ekf", std::make_unique<EkfNode>(config_of<EkfConfig>("ekf", options.config_file, options.assignments), bus)});
-  stages_.push_back({"mapper", std::make_unique<MapperNode>(
-                                   config_of<MapperConfig>("mapper", options.config_file, options.assignments), bus)});
+      {"ekf",
+       std::make_unique<ekf::EkfNode>(
+           config_of<ekf::base::EkfConfig>("ekf", kProcessSections, options.config_file, options.assignments), bus)});
+  stages_.push_back({"mapper", std::make_unique<mapper::MapperNode>(
+                                   config_of<mapper::config::MapperConfig>("mapper", kProcessSections,
+                                                                           options.config_file, options.assignments),
+                                   bus)});
   stages_.push_back(
-      {"tensor_voting", std::make_unique<TensorVotingNode>(
-                            config_of<TensorVotingConfig>("tensor_voting", options.config_file, options.assignments),
+      {"tensor_voting", std::make_unique<tensor_voting::worker::TensorVotingNode>(
+                            config_of<tensor_voting::worker::TensorVotingConfig>(
+                                "tensor_voting", kProcessSections, options.config_file, options.assignments),
                             "tensor_voting:1", bus)});
-  stages_.push_back({"semantic_map", std::make_unique<SemanticMapNode>(semantic, bus)});
+  stages_.push_back({"semantic_map", std::make_unique<semantic_map::SemanticMapNode>(semantic, bus)});
   for (Stage& stage : stages_) stage.node->connect(bus);
 }
 
@@ -50,4 +57,4 @@ void ReplayVehicle::finish() {
   }
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::replay

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "common/local_bus.hpp"
-#include "common/node.hpp"
+#include "common/bus/local_bus.hpp"
+#include "common/bus/node.hpp"
 
-namespace curbstone {
+namespace curbstone::replay {
 
 /// What to run in a replay.
 struct ReplayOptions {
@@ -36,7 +36,8 @@ class ReplayVehicle {
   };
   [[nodiscard]] const std::vector<Stage>& stages() const { return stages_; }
 
-  /// us of message time. Live, it is 20 ms: here nobody waits for a tile, and what the map comes to does not depend on it.
+  /// us of message time. Live, it is 20 ms: here nobody waits for a tile, and what the map comes to does not depend on
+  /// it.
   static constexpr std::int64_t kTickPeriod = 1'000'000;
 
  private:
@@ -47,4 +48,4 @@ class ReplayVehicle {
   std::int64_t last_tick_ = 0;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::replay

@@ -7,15 +7,15 @@
 #include <utility>
 
 #include "common/log/log_writer.hpp"
+#include "drivers/encoder/can/slcan_channel.hpp"
 #include "drivers/encoder/encoder_node.hpp"
-#include "drivers/encoder/slcan_channel.hpp"
 #include "drivers/imu/imu_node.hpp"
 #include "drivers/rslidar/rslidar_node.hpp"
-#include "tools/simulate/bench/emulated_imu.hpp"
-#include "tools/simulate/bench/emulated_wheels.hpp"
+#include "tools/simulate/rig/emulated_imu.hpp"
+#include "tools/simulate/rig/emulated_wheels.hpp"
 #include "tools/simulate/sensors/lidar_model.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate {
 
 namespace {
 
@@ -53,9 +53,9 @@ class RecordPublisher final : public Publisher {
 class Line {
  public:
   using Receive = std::function<void(std::int64_t, std::span<const std::uint8_t>)>;
-  Line(SerialDevice& device, Random random) : device_(device), random_(random) {}
+  Line(rig::SerialDevice& device, numerics::Random random) : device_(device), random_(random) {}
 
-  void to_host(std::int64_t now, SerialDevice::Bytes bytes) {
+  void to_host(std::int64_t now, rig::SerialDevice::Bytes bytes) {
     if (bytes.empty()) return;
     const auto delay =
         kSerialDelay - static_cast<std::int64_t>(kSerialJitter * std::log(1.0 - random_.uniform(0.0, 0.999)));
@@ -78,34 +78,37 @@ class Line {
   }
 
  private:
-  SerialDevice& device_;
-  Random random_;
-  std::map<std::int64_t, SerialDevice::Bytes> under_way_;
-  SerialDevice::Bytes written_;
+  rig::SerialDevice& device_;
+  numerics::Random random_;
+  std::map<std::int64_t, rig::SerialDevice::Bytes> under_way_;
+  rig::SerialDevice::Bytes written_;
   std::int64_t last_ = 0;
 };
 
 /// The emulated devices and the drivers' nodes on one made-up clock.
 class Recorder {
  public:
-  Recorder(const Drive& drive, const RecordSink& sink)
+  Recorder(const rig::Drive& drive, const RecordSink& sink)
       : drive_(drive),
         log_(sink, drive.start_utime),
         surroundings_(drive.make_surroundings()),
         lidar_({drive.rpm, drive.seed, drive.azimuth, drive.start_utime}, drive.config.vehicle, drive.motion,
                *surroundings_),
-        imu_(ImuModel(drive.config.imu, drive.config.vehicle, drive.motion, Random(drive.seed).fork(11))),
-        wheels_(WheelModel(drive.config.wheels, drive.config.vehicle, drive.motion, drive.seconds,
-                           Random(drive.seed).fork(12))),
-        imu_line_(imu_, Random(drive.seed).fork(14)),
-        can_line_(wheels_, Random(drive.seed).fork(15)),
+        imu_(sensors::ImuModel(drive.config.imu, drive.config.vehicle, drive.motion,
+                               numerics::Random(drive.seed).fork(11))),
+        wheels_(sensors::WheelModel(drive.config.wheels, drive.config.vehicle, drive.motion, drive.seconds,
+                                    numerics::Random(drive.seed).fork(12))),
+        imu_line_(imu_, numerics::Random(drive.seed).fork(14)),
+        can_line_(wheels_, numerics::Random(drive.seed).fork(15)),
         rslidar_node_({}, log_),
         imu_node_({}, log_, [this](std::span<const std::uint8_t> bytes) { imu_line_.to_device(bytes); }),
-        encoder_node_(encoder_config(drive.config), log_, [this](const CanFrame& frame) { channel_.send(frame); }),
-        channel_(EncoderConfig{}.bitrate,
-                 {[this](std::span<const std::uint8_t> bytes) { can_line_.to_device(bytes); },
-                  [this](std::int64_t utime, const CanFrame& frame) { encoder_node_.on_frame(utime, frame); },
-                  [this](std::int64_t now) { encoder_node_.on_link(now, true, ""); }}) {}
+        encoder_node_(encoder_config(drive.config), log_,
+                      [this](const encoder::can::CanFrame& frame) { channel_.send(frame); }),
+        channel_(
+            encoder::EncoderConfig{}.bitrate,
+            {[this](std::span<const std::uint8_t> bytes) { can_line_.to_device(bytes); },
+             [this](std::int64_t utime, const encoder::can::CanFrame& frame) { encoder_node_.on_frame(utime, frame); },
+             [this](std::int64_t now) { encoder_node_.on_link(now, true, ""); }}) {}
 
   Recorded run() {
     const std::int64_t begin = drive_.start_utime - kWarmUp;
@@ -117,18 +120,18 @@ class Recorder {
     encoder_node_.on_link(now_, false, "");
     channel_.start(now_);
     std::int64_t next_tick = begin, next_difop = begin;
-    LidarModel::Packet packet = lidar_.next();
+    sensors::LidarModel::Packet packet = lidar_.next();
     for (;;) {
       const std::int64_t packet_due = utime(packet.t_last) + kUdpDelay;
       now_ = std::min({packet_due, next_tick, next_difop, imu_line_.next_due(), can_line_.next_due()});
       if (now_ > end) break;
       log_.set_now(now_);
       if (now_ == next_difop) {
-        rslidar_node_.on_packet(now_, kDifopPort, lidar_.difop(time(now_)));
+        rslidar_node_.on_packet(now_, rslidar::packet::kDifopPort, lidar_.difop(time(now_)));
         next_difop += 1'000'000;
       }
       if (now_ == packet_due) {
-        rslidar_node_.on_packet(now_, kMsopPort, packet.bytes);
+        rslidar_node_.on_packet(now_, rslidar::packet::kMsopPort, packet.bytes);
         packet = lidar_.next();
         ++packets_;
       }
@@ -146,40 +149,40 @@ class Recorder {
   }
 
  private:
-  [[nodiscard]] static EncoderConfig encoder_config(const SimulateConfig& config) {
-    EncoderConfig encoder;
+  [[nodiscard]] static encoder::EncoderConfig encoder_config(const rig::SimulateConfig& config) {
+    encoder::EncoderConfig encoder;
     encoder.counts_per_revolution = config.wheels.counts_per_revolution;
     return encoder;
   }
   [[nodiscard]] std::int64_t utime(double t) const { return drive_.start_utime + std::llround(t * 1e6); }
   [[nodiscard]] double time(std::int64_t at) const { return static_cast<double>(at - drive_.start_utime) * 1e-6; }
 
-  const Drive& drive_;
+  const rig::Drive& drive_;
   RecordPublisher log_;
-  std::unique_ptr<Surroundings> surroundings_;
-  LidarModel lidar_;
-  EmulatedImu imu_;
-  EmulatedWheels wheels_;
+  std::unique_ptr<sensors::Surroundings> surroundings_;
+  sensors::LidarModel lidar_;
+  rig::EmulatedImu imu_;
+  rig::EmulatedWheels wheels_;
   Line imu_line_, can_line_;
-  RslidarNode rslidar_node_;
-  ImuNode imu_node_;
-  EncoderNode encoder_node_;
-  SlcanChannel channel_;
+  rslidar::RslidarNode rslidar_node_;
+  imu::ImuNode imu_node_;
+  encoder::EncoderNode encoder_node_;
+  encoder::can::SlcanChannel channel_;
   std::int64_t now_ = 0;
   std::int64_t packets_ = 0;
 };
 
 }  // namespace
 
-Recorded record_drive(const Drive& drive, const std::string& log_file) {
+Recorded record_drive(const rig::Drive& drive, const std::string& log_file) {
   LogWriter log(log_file);
   return record_drive(drive, [&](const std::string& channel, const void* data, int size, std::int64_t log_utime) {
     log.write(channel, data, size, log_utime);
   });
 }
 
-Recorded record_drive(const Drive& drive, const RecordSink& sink) {
+Recorded record_drive(const rig::Drive& drive, const RecordSink& sink) {
   return Recorder(drive, sink).run();
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate

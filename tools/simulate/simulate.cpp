@@ -8,8 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "common/clock.hpp"
-#include "common/command_line.hpp"
+#include "common/config/command_line.hpp"
+#include "common/time/clock.hpp"
+#include "config/sections.hpp"
 #include "tools/simulate/live/live_drive.hpp"
 #include "tools/simulate/log_recorder.hpp"
 #include "tools/simulate/recorded/level.hpp"
@@ -18,7 +19,7 @@
 #include "tools/simulate/town_setup.hpp"
 #include "tools/simulate/truth/truth_folder.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate {
 
 namespace {
 
@@ -33,24 +34,24 @@ struct Options {
   std::int64_t start_utime = 1'750'000'000'000'000;
   std::string log, truth, config, scans, poses, times, devices;
   std::vector<std::string> set, faults;
-  LiveOptions to_devices;
+  live::LiveOptions to_devices;
 };
 
 /// What a drive is driven through, whatever its source, with the truth about it.
 struct Source {
   std::unique_ptr<TownSetup> town;
-  std::unique_ptr<Motion> recorded;
-  const Motion* motion = nullptr;  ///< of one of them
-  std::function<std::unique_ptr<Surroundings>()> make_surroundings;
+  std::unique_ptr<motion::Motion> recorded;
+  const motion::Motion* motion = nullptr;  ///< of one of them
+  std::function<std::unique_ptr<sensors::Surroundings>()> make_surroundings;
   std::string name;
   double seconds = 0;
   double rpm = 0;
   double azimuth = 0;  ///< deg, of the LiDAR's head at t = 0
   // Of a recorded drive:
-  std::shared_ptr<const ScanSet> scans;
+  std::shared_ptr<const recorded::ScanSet> scans;
 };
 
-Source town_source(const Options& options, const SimulateConfig& config) {
+Source town_source(const Options& options, const rig::SimulateConfig& config) {
   TownTour tour{.seed = options.seed, .seconds = options.seconds, .loop = options.loop, .opposite = options.opposite};
   if (options.loop > 0 && !options.seconds_given) tour.seconds = 0;
   Source source;
@@ -63,16 +64,18 @@ Source town_source(const Options& options, const SimulateConfig& config) {
   return source;
 }
 
-Source recorded_source(const Options& options, const SimulateConfig& config) {
+Source recorded_source(const Options& options, const rig::SimulateConfig& config) {
   constexpr double kRamp = 3.0;  // s from standing to the recording's own pace
   Source source;
-  source.scans = std::make_shared<const ScanSet>(find_scans(options.scans, options.poses, options.times));
-  const ScanSet& scans = *source.scans;
-  const Playback playback(config.standstill, kRamp);
-  auto motion =
-      std::make_unique<RecordedMotion>(scans, config.vehicle, level(scans, config.vehicle.lidar[2]), playback);
+  source.scans =
+      std::make_shared<const recorded::ScanSet>(recorded::find_scans(options.scans, options.poses, options.times));
+  const recorded::ScanSet& scans = *source.scans;
+  const recorded::Playback playback(config.standstill, kRamp);
+  auto motion = std::make_unique<recorded::RecordedMotion>(scans, config.vehicle,
+                                                           recorded::level(scans, config.vehicle.lidar[2]), playback);
   source.make_surroundings = [scans = source.scans, at = motion.get(), playback] {
-    return std::make_unique<ScanSurroundings>(*scans, *at, playback, Rs16EmulatorConfig().elevations);
+    return std::make_unique<recorded::ScanSurroundings>(*scans, *at, playback,
+                                                        devices::Rs16EmulatorConfig().elevations);
   };
   source.recorded = std::move(motion);
   source.motion = source.recorded.get();
@@ -87,20 +90,21 @@ Source recorded_source(const Options& options, const SimulateConfig& config) {
 /// The truth folder, if one is wanted: what is known before the drive now, the rest by finish().
 class TruthWriter {
  public:
-  TruthWriter(const Options& options, const SimulateConfig& config, const Source& source)
+  TruthWriter(const Options& options, const rig::SimulateConfig& config, const Source& source)
       : options_(options), source_(source) {
     if (!options.truth.empty() && source.town)
-      classes_ = write_town_truth(options.truth, source.town->town(), config.vehicle.height);
+      classes_ = truth::write_town_truth(options.truth, source.town->town(), config.vehicle.height);
   }
-  void finish(std::int64_t start_utime, double seconds) const {
+  void finish(std::int64_t start_utime, double seconds, std::optional<double> latest_packet = {}) const {
     if (options_.truth.empty()) return;
-    write_drive_truth(options_.truth, {start_utime, options_.seed, source_.name, seconds}, *source_.motion, classes_);
+    truth::write_drive_truth(options_.truth, {start_utime, options_.seed, source_.name, seconds, latest_packet},
+                             *source_.motion, classes_);
   }
 
  private:
   const Options& options_;
   const Source& source_;
-  std::optional<ClassImageInfo> classes_;
+  std::optional<truth::ClassImageInfo> classes_;
 };
 
 double way_of(const Source& source, double seconds) {
@@ -114,7 +118,8 @@ double way_of(const Source& source, double seconds) {
   return way;
 }
 
-void simulate_to_log(const Options& options, const SimulateConfig& config, const Source& source, const Drive& drive) {
+void simulate_to_log(const Options& options, const rig::SimulateConfig& config, const Source& source,
+                     const rig::Drive& drive) {
   const auto begin = steady_clock();
   TruthWriter(options, config, source).finish(options.start_utime, drive.seconds);
   const Recorded recorded = record_drive(drive, options.log);
@@ -125,13 +130,14 @@ void simulate_to_log(const Options& options, const SimulateConfig& config, const
       options.log, drive.seconds / took);
 }
 
-void simulate_live(const Options& options, const SimulateConfig& config, const Source& source, const Drive& drive) {
+void simulate_live(const Options& options, const rig::SimulateConfig& config, const Source& source,
+                   const rig::Drive& drive) {
   const TruthWriter truth(options, config, source);
-  const LiveReport report = run_live(drive, options.to_devices, [](std::int64_t) {
+  const live::LiveReport report = live::run_live(drive, options.to_devices, [](std::int64_t) {
     fmt::print("simulate: the drive begins\n");
     std::fflush(stdout);
   });
-  truth.finish(report.start_utime, report.seconds);
+  truth.finish(report.start_utime, report.seconds, report.latest);
   fmt::print(
       "simulate: {:.1f} of {:.1f} s, {:.1f} m live: {} LiDAR packets ({:.1f} ms late at most), {} IMU samples, {} CAN "
       "frames{}\n",
@@ -155,7 +161,7 @@ void add_options(CommandLine& line, Options& options) {
   line.heading("To a log");
   line.option("--log", options.log, "Write an LCM log, as fast as it goes");
   line.option("--start-utime", options.start_utime, "us since the epoch, of the beginning").shows_default();
-  LiveOptions& live = options.to_devices;
+  live::LiveOptions& live = options.to_devices;
   line.heading("Live, as devices");
   line.flag("--live", options.live, "Send packets and serial bytes in real time");
   line.option("--lidar-host", live.lidar_host, "Where the LiDAR's packets go").shows_default();
@@ -174,7 +180,7 @@ std::uint64_t fingerprint(const Options& options, AnyConfig& config) {
       fmt::format("2 {} {} {} {} {} {} {} {}", options.town, options.scans, options.poses, options.seed,
                   options.seconds, options.loop, options.opposite, dump_config("simulate", config));
   std::uint64_t hash = 0;
-  for (const char c : all) hash = mix_bits(hash ^ static_cast<unsigned char>(c));
+  for (const char c : all) hash = numerics::mix_bits(hash ^ static_cast<unsigned char>(c));
   return hash;
 }
 
@@ -191,7 +197,7 @@ void check(Options& options) {
     options.to_devices.can_link = options.devices + "/can";
   }
   for (const auto& text : options.faults) {
-    const auto fault = parse_fault(text);
+    const auto fault = rig::parse_fault(text);
     if (!fault)
       throw ConfigError(fmt::format("--fault {}: expected for instance imu-silent:10-12 or lidar-garbage:5-6", text));
     options.to_devices.faults.add(*fault);
@@ -207,9 +213,9 @@ int run_simulate(int argc, char** argv) {
   add_options(line, options);
   if (const auto status = line.read(argc, argv)) return *status;
   options.seconds_given = line.given("--seconds");
-  ConfigOf<SimulateConfig> config;
+  ConfigOf<rig::SimulateConfig> config;
   try {
-    if (!options.config.empty()) load_config(options.config, "simulate", config);
+    if (!options.config.empty()) load_config(options.config, "simulate", kProcessSections, config);
     for (const auto& assignment : options.set) set_config_value(assignment, config);
     check(options);
   } catch (const ConfigError& error) {
@@ -217,11 +223,11 @@ int run_simulate(int argc, char** argv) {
     return 2;
   }
   try {
-    if (!options.truth.empty()) prepare_truth_folder(options.truth);
+    if (!options.truth.empty()) truth::prepare_truth_folder(options.truth);
     if (!options.devices.empty()) std::filesystem::create_directories(options.devices);
     const Source source = options.town ? town_source(options, config.value) : recorded_source(options, config.value);
-    const Drive drive{*source.motion, source.make_surroundings, config.value,       source.rpm, source.azimuth,
-                      options.seed,   source.seconds,           options.start_utime};
+    const rig::Drive drive{*source.motion, source.make_surroundings, config.value,       source.rpm, source.azimuth,
+                           options.seed,   source.seconds,           options.start_utime};
     options.to_devices.fingerprint = fingerprint(options, config);
     if (options.live) {
       simulate_live(options, config.value, source, drive);
@@ -235,4 +241,4 @@ int run_simulate(int argc, char** argv) {
   return 0;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate

@@ -2,14 +2,15 @@
 
 #include "tools/simulate/town_surroundings.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate {
 
 namespace {
 
-TownMotion tour_motion(const Town& town, const TownTour& tour, const SimulateConfig& config) {
+motion::TownMotion tour_motion(const world::Town& town, const TownTour& tour, const rig::SimulateConfig& config) {
   constexpr double kBeforeEnd = 4.0;  // m of a route that are left: the spline cuts its corners
   constexpr double kForGood = std::numeric_limits<double>::infinity();
-  const TownRoute route = tour.opposite ? TownRoute::there_and_back(town) : TownRoute::around(town);
+  const motion::TownRoute route =
+      tour.opposite ? motion::TownRoute::there_and_back(town) : motion::TownRoute::around(town);
   if (tour.seconds > 0 && route.closed()) return {town, config.vehicle, speed_profile(config, tour.seconds), route};
   const double distance = route.length() + (route.closed() ? TownTour::kAgain : -kBeforeEnd);
   return {town, config.vehicle, speed_profile(config, kForGood, distance), route};
@@ -17,8 +18,8 @@ TownMotion tour_motion(const Town& town, const TownTour& tour, const SimulateCon
 
 }  // namespace
 
-SpeedProfile speed_profile(const SimulateConfig& config, double seconds, double distance) {
-  SpeedProfile::Options options;
+motion::SpeedProfile speed_profile(const rig::SimulateConfig& config, double seconds, double distance) {
+  motion::SpeedProfile::Options options;
   options.speed = config.speed;
   options.standstill = config.standstill;
   options.acceleration = config.acceleration;
@@ -26,7 +27,7 @@ SpeedProfile speed_profile(const SimulateConfig& config, double seconds, double 
   return {options, seconds};
 }
 
-TownSetup::TownSetup(const TownTour& tour, std::int64_t start_utime, const SimulateConfig& config)
+TownSetup::TownSetup(const TownTour& tour, std::int64_t start_utime, const rig::SimulateConfig& config)
     : config_(config),
       town_({.seed = tour.seed, .loop = tour.loop}),
       motion_(tour_motion(town_, tour, config_)),
@@ -38,4 +39,4 @@ TownSetup::TownSetup(const TownTour& tour, std::int64_t start_utime, const Simul
              .seconds = tour.seconds > 0 ? tour.seconds : motion_.profile().end() + 2.0,
              .start_utime = start_utime} {}
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate

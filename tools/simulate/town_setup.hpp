@@ -3,14 +3,14 @@
 #include <cstdint>
 #include <limits>
 
-#include "tools/simulate/drive.hpp"
 #include "tools/simulate/motion/town_motion.hpp"
+#include "tools/simulate/rig/drive.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate {
 
 /// How fast, and how long standing first, as the configuration has it. After `distance` m it stands for good.
-[[nodiscard]] SpeedProfile speed_profile(const SimulateConfig& config, double seconds,
-                                         double distance = std::numeric_limits<double>::infinity());
+[[nodiscard]] motion::SpeedProfile speed_profile(const rig::SimulateConfig& config, double seconds,
+                                                 double distance = std::numeric_limits<double>::infinity());
 
 /// Which town, and the way through it.
 struct TownTour {
@@ -27,22 +27,22 @@ struct TownTour {
 class TownSetup {
  public:
   /// `start_utime`: us since the Unix epoch, of t = 0.
-  TownSetup(const TownTour& tour, std::int64_t start_utime, const SimulateConfig& config = {});
+  TownSetup(const TownTour& tour, std::int64_t start_utime, const rig::SimulateConfig& config = {});
   TownSetup(std::uint64_t seed, double seconds, std::int64_t start_utime)
       : TownSetup(TownTour{.seed = seed, .seconds = seconds}, start_utime) {}
   TownSetup(const TownSetup&) = delete;
   TownSetup& operator=(const TownSetup&) = delete;
 
-  [[nodiscard]] const SimulateConfig& config() const { return config_; }
-  [[nodiscard]] const Town& town() const { return town_; }
-  [[nodiscard]] const TownMotion& motion() const { return motion_; }
-  [[nodiscard]] const Drive& drive() const { return drive_; }
+  [[nodiscard]] const rig::SimulateConfig& config() const { return config_; }
+  [[nodiscard]] const world::Town& town() const { return town_; }
+  [[nodiscard]] const motion::TownMotion& motion() const { return motion_; }
+  [[nodiscard]] const rig::Drive& drive() const { return drive_; }
 
  private:
-  SimulateConfig config_;
-  Town town_;
-  TownMotion motion_;
-  Drive drive_;
+  rig::SimulateConfig config_;
+  world::Town town_;
+  motion::TownMotion motion_;
+  rig::Drive drive_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate

@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "services/tensor_voting/cuda/batch_steps.hpp"
-#include "services/tensor_voting/voting_parameters.hpp"
+#include "services/tensor_voting/voting/voting_parameters.hpp"
 
-namespace curbstone::cuda {
+namespace curbstone::tensor_voting::cuda {
 
 struct BatchRequest {
-  VotingParameters parameters;   ///< valid ones
-  double middle[3] = {0, 0, 0};  ///< m: where the cloud is; steps are counted from there
+  voting::VotingParameters parameters;  ///< valid ones
+  double middle[3] = {0, 0, 0};         ///< m: where the cloud is; steps are counted from there
   bool second_pass = false;
   bool equalise_density = false;
 };
@@ -49,7 +49,7 @@ class BatchPipeline {
   /// are thinned out more than was asked for.
   void prepare(const BatchRequest& request) {
     request_ = request;
-    const VotingParameters& p = request.parameters;
+    const voting::VotingParameters& p = request.parameters;
     steps_per_metre_ = kStepsPerUnit / std::exp2(std::floor(std::log2(p.sigma)));
     // A float has no vote left to give at 12 sigma. Density equalised over sigma / 2 must see that far.
     radius_ = std::min(p.radius, 12 * p.sigma);
@@ -67,8 +67,8 @@ class BatchPipeline {
   }
 
   /// In the order of the cloud.
-  void download(std::vector<TensorF>& tensors, std::vector<VotedShape>& shapes) {
-    Array<TensorF> all_tensors = machine_.template allocate<TensorF>(n_);
+  void download(std::vector<kernels::TensorF>& tensors, std::vector<VotedShape>& shapes) {
+    Array<kernels::TensorF> all_tensors = machine_.template allocate<kernels::TensorF>(n_);
     Array<VotedShape> all_shapes = machine_.template allocate<VotedShape>(n_);
     machine_.for_each(n_, HandOut{voter_of_.data(), rank_.data(), tensors_.data(), shapes_.data(), all_tensors.data(),
                                   all_shapes.data()});
@@ -125,7 +125,7 @@ class BatchPipeline {
   void sort_voters(double voxel) {
     counts_ = {};
     counts_.voxel = voxel;
-    auto points = machine_.template allocate<StepPoint>(n_);
+    auto points = machine_.template allocate<kernels::StepPoint>(n_);
     auto order = machine_.template allocate<std::uint32_t>(n_);
     cells_ = machine_.template allocate<std::uint64_t>(n_);
     voter_of_ = machine_.template allocate<std::uint32_t>(n_);
@@ -155,7 +155,7 @@ class BatchPipeline {
     counts_.not_finite = numbers[1];
     counts_.too_far = numbers[2];
 
-    voters_ = machine_.template allocate<StepPoint>(counts_.voters);
+    voters_ = machine_.template allocate<kernels::StepPoint>(counts_.voters);
     rank_ = machine_.template allocate<std::uint32_t>(n_);
     machine_.for_each(counts_.voters, OrderVoters{points.data(), order.data(), voters_.data(), rank_.data()});
   }
@@ -174,8 +174,8 @@ class BatchPipeline {
 
   template <class Votes>
   void pass() {
-    const VotingParameters& p = request_.parameters;
-    auto tensors = machine_.template allocate<TensorF>(counts_.voters);
+    const voting::VotingParameters& p = request_.parameters;
+    auto tensors = machine_.template allocate<kernels::TensorF>(counts_.voters);
     auto shapes = machine_.template allocate<VotedShape>(counts_.voters);
     Votes votes;
     votes.points = voters_.data();
@@ -202,13 +202,13 @@ class BatchPipeline {
   double radius_ = 0;  // m
   double steps_per_metre_ = 1;
   Array<double> xyz_;
-  Array<std::uint64_t> cells_;     // sorted
-  Array<std::uint32_t> voter_of_;  // a point, for each point
-  Array<std::uint32_t> rank_;      // of a point that votes
-  Array<StepPoint> voters_;        // in the order of cells_
+  Array<std::uint64_t> cells_;        // sorted
+  Array<std::uint32_t> voter_of_;     // a point, for each point
+  Array<std::uint32_t> rank_;         // of a point that votes
+  Array<kernels::StepPoint> voters_;  // in the order of cells_
   Array<float> weights_;
-  Array<TensorF> tensors_;  // of voters
+  Array<kernels::TensorF> tensors_;  // of voters
   Array<VotedShape> shapes_;
 };
 
-}  // namespace curbstone::cuda
+}  // namespace curbstone::tensor_voting::cuda

@@ -5,10 +5,11 @@
 #include "services/tensor_voting/cuda/batch_votes.hpp"
 #include "services/tensor_voting/cuda/cell_grid.hpp"
 #include "services/tensor_voting/cuda/warp_gather.hpp"
-#include "services/tensor_voting/vote_kernel.hpp"
+#include "services/tensor_voting/kernels/vote_kernel.hpp"
 
-namespace curbstone::cuda {
+namespace curbstone::tensor_voting::cuda {
 
+/// @file
 /// The steps of batch voting, each a function of the index of a point, a voter or a window of 32 voters.
 
 /// Instead of a cell or voxel: why a point has none. They sort behind all others.
@@ -28,11 +29,11 @@ struct PlacePoints {
   const double* xyz;  ///< m
   CloudFrame frame;
   CellGrid grid;
-  StepPoint* points;        ///< they wrap: their differences do not matter beyond 2^31
-  std::uint32_t* order;     ///< 0, 1, 2, ... to be sorted along with the keys
-  std::uint64_t* cells;     ///< key
-  std::uint64_t* voxels;    ///< key; nullptr without thinning
-  std::uint32_t* voter_of;  ///< the point itself, or kNoVoter
+  kernels::StepPoint* points;  ///< they wrap: their differences do not matter beyond 2^31
+  std::uint32_t* order;        ///< 0, 1, 2, ... to be sorted along with the keys
+  std::uint64_t* cells;        ///< key
+  std::uint64_t* voxels;       ///< key; nullptr without thinning
+  std::uint32_t* voter_of;     ///< the point itself, or kNoVoter
 
   static constexpr std::uint32_t kNoVoter = 0xffffffff;
   static constexpr double kFar = 549755813888.0;  ///< steps: 2^39
@@ -105,9 +106,9 @@ struct CountKinds {
 
 /// Voters in the order of their cells.
 struct OrderVoters {
-  const StepPoint* points;
+  const kernels::StepPoint* points;
   const std::uint32_t* order;
-  StepPoint* voters;
+  kernels::StepPoint* voters;
   std::uint32_t* rank;  ///< of a point among the voters
 
   CURBSTONE_HD void operator()(std::uint32_t i) const {
@@ -120,14 +121,14 @@ struct OrderVoters {
 struct HandOut {
   const std::uint32_t* voter_of;
   const std::uint32_t* rank;
-  const TensorF* of_voters;
+  const kernels::TensorF* of_voters;
   const VotedShape* shapes_of_voters;
-  TensorF* tensors;
+  kernels::TensorF* tensors;
   VotedShape* shapes;
 
   CURBSTONE_HD void operator()(std::uint32_t i) const {
     const std::uint32_t voter = voter_of[i];
-    tensors[i] = voter == PlacePoints::kNoVoter ? TensorF{} : of_voters[rank[voter]];
+    tensors[i] = voter == PlacePoints::kNoVoter ? kernels::TensorF{} : of_voters[rank[voter]];
     shapes[i] = voter == PlacePoints::kNoVoter ? VotedShape{} : shapes_of_voters[rank[voter]];
   }
 };
@@ -165,4 +166,4 @@ struct CountTests {
   }
 };
 
-}  // namespace curbstone::cuda
+}  // namespace curbstone::tensor_voting::cuda

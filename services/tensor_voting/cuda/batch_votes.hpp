@@ -4,17 +4,18 @@
 
 #include "services/tensor_voting/cuda/host_device.hpp"
 #include "services/tensor_voting/cuda/symmetric_eigen.hpp"
-#include "services/tensor_voting/vote_kernel.hpp"
+#include "services/tensor_voting/kernels/vote_kernel.hpp"
 
-namespace curbstone::cuda {
+namespace curbstone::tensor_voting::cuda {
 
+/// @file
 /// What a pair of points comes to in batch voting, as WarpGather wants it. In float: 1e-5 of a tensor's norm.
 
 struct LocalOffset {
   float x, y, z;
 };
 /// Exact within 2^24 steps.
-CURBSTONE_HD inline LocalOffset offset_from(const StepPoint& origin, const StepPoint& p) {
+CURBSTONE_HD inline LocalOffset offset_from(const kernels::StepPoint& origin, const kernels::StepPoint& p) {
   const auto minus = [](std::int32_t a, std::int32_t b) {
     return static_cast<float>(static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b)));
   };
@@ -32,10 +33,10 @@ struct BatchDecay {
 
 /// What is common to all of them: points, seen from an origin near by.
 struct PointsOnDevice {
-  const StepPoint* points = nullptr;
+  const kernels::StepPoint* points = nullptr;
 
-  CURBSTONE_HD StepPoint position(std::uint32_t i) const { return points[i]; }
-  CURBSTONE_HD LocalOffset votee(std::uint32_t i, const StepPoint& origin) const {
+  CURBSTONE_HD kernels::StepPoint position(std::uint32_t i) const { return points[i]; }
+  CURBSTONE_HD LocalOffset votee(std::uint32_t i, const kernels::StepPoint& origin) const {
     return offset_from(origin, points[i]);
   }
 };
@@ -55,10 +56,10 @@ struct BallVotes : PointsOnDevice {
   BatchDecay decay;
   float ball = 1;
   const float* weights = nullptr;
-  TensorF* tensors = nullptr;
+  kernels::TensorF* tensors = nullptr;
   VotedShape* shapes = nullptr;
 
-  CURBSTONE_HD Voter voter(std::uint32_t i, const StepPoint& origin) const {
+  CURBSTONE_HD Voter voter(std::uint32_t i, const kernels::StepPoint& origin) const {
     return {offset_from(origin, points[i]), weighted ? weights[i] : 1.0F};
   }
   CURBSTONE_HD void add(const Voter& voter, const Votee& votee, Sums& sums) const {
@@ -78,7 +79,7 @@ struct BallVotes : PointsOnDevice {
     sums.yz = fused(gy, d.z, sums.yz);
   }
   CURBSTONE_HD void store(std::uint32_t i, const Sums& s) const {
-    TensorF t;
+    kernels::TensorF t;
     t.xx = s.w - ball * s.xx;
     t.xy = -ball * s.xy;
     t.xz = -ball * s.xz;
@@ -105,15 +106,15 @@ struct OrientedVotes : PointsOnDevice {
     float weight;
   };
   using Votee = LocalOffset;
-  using Sums = TensorF;
+  using Sums = kernels::TensorF;
 
   BatchDecay decay;
   const float* weights = nullptr;
   const VotedShape* oriented = nullptr;  ///< the voters'
-  TensorF* tensors = nullptr;
+  kernels::TensorF* tensors = nullptr;
   VotedShape* shapes = nullptr;
 
-  CURBSTONE_HD Voter voter(std::uint32_t i, const StepPoint& origin) const {
+  CURBSTONE_HD Voter voter(std::uint32_t i, const kernels::StepPoint& origin) const {
     const VotedShape& s = oriented[i];
     return {offset_from(origin, points[i]),
             s.stick,
@@ -178,7 +179,7 @@ struct CountVotes : PointsOnDevice {
   std::uint32_t* counts = nullptr;  ///< if wanted
   float* weights = nullptr;         ///< if wanted
 
-  CURBSTONE_HD Voter voter(std::uint32_t i, const StepPoint& origin) const {
+  CURBSTONE_HD Voter voter(std::uint32_t i, const kernels::StepPoint& origin) const {
     return {offset_from(origin, points[i]), 0.0F};
   }
   CURBSTONE_HD void add(const Voter& voter, const Votee& votee, Sums& sums) const {
@@ -191,4 +192,4 @@ struct CountVotes : PointsOnDevice {
   }
 };
 
-}  // namespace curbstone::cuda
+}  // namespace curbstone::tensor_voting::cuda

@@ -4,7 +4,7 @@
 
 #include "services/tensor_voting/cuda/host_device.hpp"
 
-namespace curbstone::cuda {
+namespace curbstone::tensor_voting::cuda {
 
 /// Cells under one sort key, x fastest: the cells of a stretch of x within one row (y, z) are one run of sorted points.
 /// Rows are a third of the radius wide, so that few pairs out of reach are tested; x is cut a sixteenth of it fine, as
@@ -92,4 +92,4 @@ struct CellGrid {
   }
 };
 
-}  // namespace curbstone::cuda
+}  // namespace curbstone::tensor_voting::cuda

@@ -5,7 +5,7 @@
 #include "services/tensor_voting/cuda/cuda_machine.cuh"
 #include "services/tensor_voting/cuda/field_pipeline.hpp"
 
-namespace curbstone::cuda {
+namespace curbstone::tensor_voting::cuda {
 
 namespace {
 
@@ -55,7 +55,7 @@ TimedBatch time_on_device(const double* xyz, std::uint32_t num_points, const Bat
   TimedBatch timed;
   CudaMachine machine;
   BatchPipeline<CudaMachine> pipeline(machine);
-  std::vector<TensorF> tensors;
+  std::vector<kernels::TensorF> tensors;
   std::vector<VotedShape> shapes;
   auto lap = [&, last = std::chrono::steady_clock::now()]() mutable {
     machine.synchronize();
@@ -91,8 +91,8 @@ TimedBatch time_on_device(const double* xyz, std::uint32_t num_points, const Bat
   return timed;
 }
 
-std::unique_ptr<ResidentVoters> make_resident_voters(const CellGrid& grid, const Decay& decay) {
+std::unique_ptr<ResidentVoters> make_resident_voters(const CellGrid& grid, const kernels::Decay& decay) {
   return std::make_unique<ResidentVotersOn<CudaMachine>>(CudaMachine(), grid, decay);
 }
 
-}  // namespace curbstone::cuda
+}  // namespace curbstone::tensor_voting::cuda

@@ -8,8 +8,9 @@
 #include "services/tensor_voting/cuda/batch_pipeline.hpp"
 #include "services/tensor_voting/cuda/resident_voters.hpp"
 
-namespace curbstone::cuda {
+namespace curbstone::tensor_voting::cuda {
 
+/// @file
 /// What nvcc compiles, seen from C++: no CUDA in it, and no Eigen, which nvcc had better not see. Where there is no
 /// nvcc, cuda_backend_absent.cpp stands in its place.
 
@@ -17,7 +18,7 @@ namespace curbstone::cuda {
 [[nodiscard]] std::string why_no_device();
 
 struct BatchOutput {
-  std::vector<TensorF> tensors;
+  std::vector<kernels::TensorF> tensors;
   std::vector<VotedShape> shapes;
   BatchCounts counts;
 };
@@ -42,6 +43,6 @@ struct TimedBatch {
 [[nodiscard]] TimedBatch time_on_device(const double* xyz, std::uint32_t num_points, const BatchRequest& request,
                                         int repeats);
 
-[[nodiscard]] std::unique_ptr<ResidentVoters> make_resident_voters(const CellGrid& grid, const Decay& decay);
+[[nodiscard]] std::unique_ptr<ResidentVoters> make_resident_voters(const CellGrid& grid, const kernels::Decay& decay);
 
-}  // namespace curbstone::cuda
+}  // namespace curbstone::tensor_voting::cuda

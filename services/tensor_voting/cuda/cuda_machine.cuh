@@ -11,7 +11,7 @@
 #include "services/tensor_voting/cuda/device_sort.hpp"
 #include "services/tensor_voting/cuda/warp_gather.hpp"
 
-namespace curbstone::cuda {
+namespace curbstone::tensor_voting::cuda {
 
 inline void check(cudaError_t error, const char* what) {
   if (error == cudaSuccess) return;
@@ -186,4 +186,4 @@ class CudaMachine {
   Context context_;
 };
 
-}  // namespace curbstone::cuda
+}  // namespace curbstone::tensor_voting::cuda

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "services/tensor_voting/cuda/cloud_request.hpp"
-#include "services/tensor_voting/step_cloud.hpp"
+#include "services/tensor_voting/voting/step_cloud.hpp"
 
-namespace curbstone {
+namespace curbstone::tensor_voting::cuda {
 
 namespace {
 
@@ -42,20 +42,20 @@ Eigen::Vector3d find_middle(std::span<const Eigen::Vector3d> points, double sigm
     const auto finite = std::find_if(points.begin(), points.end(), [](const auto& p) { return p.allFinite(); });
     if (finite != points.end()) sample.push_back(*finite);
   }
-  return to_steps(sample, sigma).origin;
+  return voting::to_steps(sample, sigma).origin;
 }
 
 }  // namespace
 
-cuda::BatchRequest cuda::request_for(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters,
-                                     const BatchOptions& options) {
-  validate(parameters);
+BatchRequest request_for(std::span<const Eigen::Vector3d> points, const voting::VotingParameters& parameters,
+                         const voting::BatchOptions& options) {
+  voting::validate(parameters);
   const Eigen::Vector3d m = find_middle(points, parameters.sigma);
   return {parameters, {m.x(), m.y(), m.z()}, options.second_pass, options.equalise_density};
 }
 
-CloudVotes cuda::to_cloud_votes(const BatchOutput& output) {
-  CloudVotes votes;
+voting::CloudVotes to_cloud_votes(const BatchOutput& output) {
+  voting::CloudVotes votes;
   votes.tensors = output.tensors;
   votes.decompositions.reserve(output.shapes.size());
   for (const VotedShape& s : output.shapes) {
@@ -74,25 +74,25 @@ CloudVotes cuda::to_cloud_votes(const BatchOutput& output) {
 }
 
 std::string why_no_cuda() {
-  return cuda::why_no_device();
+  return why_no_device();
 }
 
-CloudVotes vote_cloud_cuda(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters,
-                           const BatchOptions& options) {
-  const cuda::BatchRequest request = cuda::request_for(points, parameters, options);
+voting::CloudVotes vote_cloud_cuda(std::span<const Eigen::Vector3d> points, const voting::VotingParameters& parameters,
+                                   const voting::BatchOptions& options) {
+  const BatchRequest request = request_for(points, parameters, options);
   const std::uint32_t size = checked_size(points.size());
-  return cuda::to_cloud_votes(cuda::vote_on_device(points.empty() ? nullptr : points[0].data(), size, request));
+  return to_cloud_votes(vote_on_device(points.empty() ? nullptr : points[0].data(), size, request));
 }
 
-std::optional<CudaTimings> time_cuda_voting(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters,
-                                            int repeats) {
-  const cuda::BatchRequest request = cuda::request_for(points, parameters, {});
+std::optional<CudaTimings> time_cuda_voting(std::span<const Eigen::Vector3d> points,
+                                            const voting::VotingParameters& parameters, int repeats) {
+  const BatchRequest request = request_for(points, parameters, {});
   const std::uint32_t size = checked_size(points.size());
   if (points.empty() || !cuda_available()) return std::nullopt;
-  const cuda::TimedBatch timed = cuda::time_on_device(points[0].data(), size, request, std::max(repeats, 1));
+  const TimedBatch timed = time_on_device(points[0].data(), size, request, std::max(repeats, 1));
   const auto median_of = [&](auto part) {
     std::vector<double> values;
-    for (const cuda::DeviceTimes& run : timed.runs) values.push_back(part(run));
+    for (const DeviceTimes& run : timed.runs) values.push_back(part(run));
     return median(std::move(values));
   };
   CudaTimings t;
@@ -113,10 +113,10 @@ std::optional<CudaTimings> time_cuda_voting(std::span<const Eigen::Vector3d> poi
   t.pair_votes = timed.pair_votes;
   t.flops = kFlopsPerTest * static_cast<double>(t.pairs_tested) + kFlopsPerVote * static_cast<double>(t.pair_votes);
   t.bytes = static_cast<double>(timed.counts.voters) *
-            (sizeof(std::uint64_t) + sizeof(StepPoint) + sizeof(TensorF) + sizeof(cuda::VotedShape));
+            (sizeof(std::uint64_t) + sizeof(kernels::StepPoint) + sizeof(kernels::TensorF) + sizeof(VotedShape));
   t.flops_floor_ms = 1e3 * t.flops / timed.device_flops_per_s;
   t.bytes_floor_ms = 1e3 * t.bytes / timed.device_bytes_per_s;
   return t;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::tensor_voting::cuda

@@ -6,10 +6,11 @@
 #include <span>
 #include <string>
 
-#include "services/tensor_voting/batch_voting.hpp"
+#include "services/tensor_voting/voting/batch_voting.hpp"
 
-namespace curbstone {
+namespace curbstone::tensor_voting::cuda {
 
+/// @file
 /// Tensor voting on a GPU of NVIDIA's: what batch_voting.hpp does, with the same results to 1e-5 of a tensor's norm.
 /// Optional: where there was no nvcc to build it, or where there is no device, everything here says why and nothing
 /// else.
@@ -25,8 +26,9 @@ namespace curbstone {
 /// a little from vote_cloud(), as other pairs are looked at. Throws std::invalid_argument as vote_cloud() does, and
 /// std::runtime_error, with what CUDA has to say, when there is no device, too little memory, or a failure. Any thread;
 /// each call has a stream of its own.
-[[nodiscard]] CloudVotes vote_cloud_cuda(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters,
-                                         const BatchOptions& options = {});
+[[nodiscard]] voting::CloudVotes vote_cloud_cuda(std::span<const Eigen::Vector3d> points,
+                                                 const voting::VotingParameters& parameters,
+                                                 const voting::BatchOptions& options = {});
 
 /// Where the time of a batch on the device goes, and what the device could do at best.
 struct CudaTimings {
@@ -50,6 +52,6 @@ struct CudaTimings {
 };
 /// Nothing without a device or with an empty cloud. Throws what vote_cloud_cuda() throws.
 [[nodiscard]] std::optional<CudaTimings> time_cuda_voting(std::span<const Eigen::Vector3d> points,
-                                                          const VotingParameters& parameters, int repeats = 5);
+                                                          const voting::VotingParameters& parameters, int repeats = 5);
 
-}  // namespace curbstone
+}  // namespace curbstone::tensor_voting::cuda

@@ -7,14 +7,10 @@
 #include <string>
 
 #include "services/tensor_voting/cuda/cuda_backend.hpp"
-#include "services/tensor_voting/voting_field.hpp"
-#include "services/tensor_voting/voxel_table.hpp"
+#include "services/tensor_voting/voting/voting_field.hpp"
+#include "services/tensor_voting/voting/voxel_table.hpp"
 
-namespace curbstone {
-
-using cuda::CellGrid;
-using cuda::ResidentSums;
-using cuda::ResidentVoter;
+namespace curbstone::tensor_voting::cuda {
 
 namespace {
 
@@ -42,7 +38,7 @@ struct CudaVotingField::Tile {
   std::int32_t z_origin = 0;
   std::vector<std::uint32_t> voter_of_point;
   std::uint32_t num_voters = 0;
-  VoxelTable voxels;
+  voting::VoxelTable voxels;
 };
 
 /// Voters on their way to the device.
@@ -51,16 +47,16 @@ struct CudaVotingField::Fresh {
   std::vector<ResidentVoter> voters;
 };
 
-CudaVotingField::CudaVotingField(const VotingParameters& parameters, std::size_t max_voters)
-    : CudaVotingField(parameters, max_voters, cuda::make_resident_voters) {}
+CudaVotingField::CudaVotingField(const voting::VotingParameters& parameters, std::size_t max_voters)
+    : CudaVotingField(parameters, max_voters, make_resident_voters) {}
 
-CudaVotingField::CudaVotingField(const VotingParameters& parameters, std::size_t max_voters,
+CudaVotingField::CudaVotingField(const voting::VotingParameters& parameters, std::size_t max_voters,
                                  const MakeVoters& make_voters)
     : max_voters_(std::min(max_voters, kMostVoters)) {
-  (void)VotingField(parameters);  // refuses what cannot be done
+  (void)voting::VotingField(parameters);  // refuses what cannot be done
   voxel_ = static_cast<int>(std::lround(parameters.voxel / kPositionStep));
   grid_ = std::make_unique<CellGrid>(CellGrid::for_radius(parameters.radius / kPositionStep, 1, 1));
-  voters_ = make_voters(*grid_, decay_in_steps(parameters.sigma, parameters.radius, kPositionStep));
+  voters_ = make_voters(*grid_, kernels::decay_in_steps(parameters.sigma, parameters.radius, kPositionStep));
 }
 
 CudaVotingField::~CudaVotingField() = default;
@@ -123,12 +119,12 @@ void CudaVotingField::append(const Addition& addition, Fresh& fresh) {
     const auto [x, y, z] = place_of(origin_, addition.key, tile->z_origin, p);
     std::uint32_t voter = tile->num_voters;
     if (voxel_ > 0) {
-      voter = tile->voxels.find_or_insert(VoxelTable::key(p.x / voxel_, p.y / voxel_, CellGrid::floor_div(z, voxel_)),
-                                          tile->num_voters);
+      voter = tile->voxels.find_or_insert(
+          voting::VoxelTable::key(p.x / voxel_, p.y / voxel_, CellGrid::floor_div(z, voxel_)), tile->num_voters);
     }
     tile->voter_of_point.push_back(voter);
     if (voter != tile->num_voters) continue;
-    const StepPoint at{in_map(addition.key.x, p.x), in_map(addition.key.y, p.y), static_cast<std::int32_t>(z)};
+    const kernels::StepPoint at{in_map(addition.key.x, p.x), in_map(addition.key.y, p.y), static_cast<std::int32_t>(z)};
     fresh.keys.push_back(grid_->key(x, y, z));
     fresh.voters.push_back({at, tile->slot, tile->num_voters++});
   }
@@ -215,11 +211,11 @@ std::vector<TileKey> CudaVotingField::take_changed() {
 }
 
 std::vector<CudaVotingField::TileVotes> CudaVotingField::votes(std::span<const TileKey> keys) {
-  std::vector<std::uint32_t> offsets(key_of_slot_.size(), cuda::ResidentVoters::kUnwanted);
+  std::vector<std::uint32_t> offsets(key_of_slot_.size(), ResidentVoters::kUnwanted);
   std::uint32_t total = 0;
   for (const TileKey& key : keys) {
     const auto it = tiles_.find(key);
-    if (it == tiles_.end() || offsets[it->second->slot] != cuda::ResidentVoters::kUnwanted) continue;
+    if (it == tiles_.end() || offsets[it->second->slot] != ResidentVoters::kUnwanted) continue;
     offsets[it->second->slot] = total;
     total += it->second->num_voters;
   }
@@ -242,4 +238,4 @@ CudaVotingField::TileVotes CudaVotingField::votes(TileKey key) {
   return std::move(votes(std::span(&key, 1))[0]);
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::tensor_voting::cuda

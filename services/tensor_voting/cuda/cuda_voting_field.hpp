@@ -9,17 +9,15 @@
 #include <unordered_map>
 #include <vector>
 
-#include "common/tile.hpp"
-#include "services/tensor_voting/tensor.hpp"
-#include "services/tensor_voting/vote_kernel.hpp"
-#include "services/tensor_voting/voting_parameters.hpp"
+#include "common/tiles/tile.hpp"
+#include "services/tensor_voting/kernels/tensor.hpp"
+#include "services/tensor_voting/kernels/vote_kernel.hpp"
+#include "services/tensor_voting/voting/voting_parameters.hpp"
 
-namespace curbstone {
+namespace curbstone::tensor_voting::cuda {
 
-namespace cuda {
 class ResidentVoters;
 struct CellGrid;
-}  // namespace cuda
 
 /// VotingField on a GPU: the voters and their sums stay on the device, only new points go up, only new pairs are
 /// computed, and what is asked for comes down, tile by tile. Voters, sums and numbers of votes have the bits of
@@ -32,12 +30,12 @@ struct CellGrid;
 class CudaVotingField {
  public:
   /// The device's part. Tests put the host in its place.
-  using MakeVoters = std::function<std::unique_ptr<cuda::ResidentVoters>(const cuda::CellGrid&, const Decay&)>;
+  using MakeVoters = std::function<std::unique_ptr<ResidentVoters>(const CellGrid&, const kernels::Decay&)>;
 
   /// Throws std::invalid_argument on parameters that VotingField does not take, and std::runtime_error where there is
   /// no device (why_no_cuda()).
-  explicit CudaVotingField(const VotingParameters& parameters, std::size_t max_voters = 8'000'000);
-  CudaVotingField(const VotingParameters& parameters, std::size_t max_voters, const MakeVoters& make_voters);
+  explicit CudaVotingField(const voting::VotingParameters& parameters, std::size_t max_voters = 8'000'000);
+  CudaVotingField(const voting::VotingParameters& parameters, std::size_t max_voters, const MakeVoters& make_voters);
   ~CudaVotingField();
   CudaVotingField(CudaVotingField&&) noexcept;
   CudaVotingField& operator=(CudaVotingField&&) noexcept;
@@ -67,8 +65,8 @@ class CudaVotingField {
   [[nodiscard]] std::vector<TileKey> take_changed();
 
   struct TileVotes {
-    std::vector<VoteSums> sums;  ///< of each voter
-    std::int64_t num_votes = 0;  ///< received by all of them: a version number of the tile's tensors
+    std::vector<kernels::VoteSums> sums;  ///< of each voter
+    std::int64_t num_votes = 0;           ///< received by all of them: a version number of the tile's tensors
   };
   /// In one download. A tile that is not there has no voters.
   [[nodiscard]] std::vector<TileVotes> votes(std::span<const TileKey> keys);
@@ -88,8 +86,8 @@ class CudaVotingField {
 
   std::size_t max_voters_;
   int voxel_ = 0;  // steps; 0: no thinning
-  std::unique_ptr<cuda::CellGrid> grid_;
-  std::unique_ptr<cuda::ResidentVoters> voters_;
+  std::unique_ptr<CellGrid> grid_;
+  std::unique_ptr<ResidentVoters> voters_;
   TileKey origin_;  // cells are counted from its corner
   std::unordered_map<TileKey, std::unique_ptr<Tile>, TileKeyHash> tiles_;
   std::vector<TileKey> key_of_slot_;
@@ -98,4 +96,4 @@ class CudaVotingField {
   std::set<TileKey> changed_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::tensor_voting::cuda

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace curbstone::cuda {
+namespace curbstone::tensor_voting::cuda {
 
 /// CUB's radix sort, compiled on its own: it takes longer than all the rest. Stable. With temporary == nullptr, only
 /// sets `bytes` to what it needs there.
@@ -13,4 +13,4 @@ cudaError_t sort_on_device(void* temporary, std::size_t& bytes, const std::uint6
                            const std::uint32_t* values, std::uint32_t* sorted_values, std::uint32_t n,
                            cudaStream_t stream);
 
-}  // namespace curbstone::cuda
+}  // namespace curbstone::tensor_voting::cuda

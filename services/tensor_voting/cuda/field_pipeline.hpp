@@ -7,7 +7,7 @@
 #include "services/tensor_voting/cuda/batch_steps.hpp"
 #include "services/tensor_voting/cuda/resident_voters.hpp"
 
-namespace curbstone::cuda {
+namespace curbstone::tensor_voting::cuda {
 
 /// Merges two sorted lists of voters: each finds its own place. Of equal keys the resident ones come first.
 struct MergeInto {
@@ -84,7 +84,7 @@ struct CollectSums {
 template <class Machine>
 class ResidentVotersOn : public ResidentVoters {
  public:
-  ResidentVotersOn(Machine machine, const CellGrid& grid, const Decay& decay)
+  ResidentVotersOn(Machine machine, const CellGrid& grid, const kernels::Decay& decay)
       : machine_(std::move(machine)), grid_(grid), decay_(decay) {}
 
   std::vector<std::uint8_t> add(const std::vector<std::uint64_t>& keys, const std::vector<ResidentVoter>& voters,
@@ -202,8 +202,8 @@ class ResidentVotersOn : public ResidentVoters {
 
   Machine machine_;
   CellGrid grid_;
-  Decay decay_;
+  kernels::Decay decay_;
   Part all_;
 };
 
-}  // namespace curbstone::cuda
+}  // namespace curbstone::tensor_voting::cuda

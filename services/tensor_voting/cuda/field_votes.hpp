@@ -4,41 +4,41 @@
 
 #include "services/tensor_voting/cuda/batch_votes.hpp"
 #include "services/tensor_voting/cuda/host_device.hpp"
-#include "services/tensor_voting/tensor.hpp"
-#include "services/tensor_voting/vote_kernel.hpp"
+#include "services/tensor_voting/kernels/tensor.hpp"
+#include "services/tensor_voting/kernels/vote_kernel.hpp"
 
-namespace curbstone::cuda {
+namespace curbstone::tensor_voting::cuda {
 
 /// A voter of the growing map, as it lies on the device.
 struct ResidentVoter {
-  StepPoint at;
+  kernels::StepPoint at;
   std::uint32_t tile = 0;    ///< slot
   std::uint32_t number = 0;  ///< in its tile
 };
 /// What it has received: VoteSums, and how many votes they are.
 struct ResidentSums {
-  std::int64_t value[VoteSums::kCount];
+  std::int64_t value[kernels::VoteSums::kCount];
   std::int64_t votes;
 };
 
 /// The votes of one pair in whole units, operation for operation what the CPU's exact kernels do
 /// (vote_kernel_impl.hpp): both have the same bits.
 struct ExactPair {
-  std::int32_t component[VoteSums::kCount];
+  std::int32_t component[kernels::VoteSums::kCount];
 
-  CURBSTONE_HD ExactPair(const Decay& decay, float sign, const LocalOffset& d, float d2) {
+  CURBSTONE_HD ExactPair(const kernels::Decay& decay, float sign, const LocalOffset& d, float d2) {
     constexpr float kLog2E = 1.44269504F;
     const float y = d2 * (-decay.inverse_sigma2 * kLog2E);
-    const float w = power_of_two(y < -126.0F ? -126.0F : y) * (sign * kUnitsPerVote);
+    const float w = power_of_two(y < -126.0F ? -126.0F : y) * (sign * kernels::kUnitsPerVote);
     const float g = w / d2;
     const float gx = g * d.x;
     const float gy = g * d.y;
-    component[VoteSums::kMass] = rounded(w);
-    component[VoteSums::kXX] = rounded(gx * d.x);
-    component[VoteSums::kXY] = rounded(gx * d.y);
-    component[VoteSums::kXZ] = rounded(gx * d.z);
-    component[VoteSums::kYY] = rounded(gy * d.y);
-    component[VoteSums::kYZ] = rounded(gy * d.z);
+    component[kernels::VoteSums::kMass] = rounded(w);
+    component[kernels::VoteSums::kXX] = rounded(gx * d.x);
+    component[kernels::VoteSums::kXY] = rounded(gx * d.y);
+    component[kernels::VoteSums::kXZ] = rounded(gx * d.z);
+    component[kernels::VoteSums::kYY] = rounded(gy * d.y);
+    component[kernels::VoteSums::kYZ] = rounded(gy * d.z);
   }
 
   /// 2^y for y in [-126, 0]: 2^n times the Taylor polynomial of e^f, |f| <= ln 2 / 2; to 3e-7.
@@ -65,20 +65,22 @@ struct ExactVotes {
   };
   using Votee = LocalOffset;
   struct Sums {
-    std::int64_t value[VoteSums::kCount] = {};
+    std::int64_t value[kernels::VoteSums::kCount] = {};
     std::int64_t votes = 0;
   };
 
-  Decay decay;
+  kernels::Decay decay;
   float sign = 1;
   const ResidentVoter* votees = nullptr;
   const ResidentVoter* voters = nullptr;
   ResidentSums* received = nullptr;  ///< by the votees
   std::uint8_t* changed = nullptr;   ///< by tile slot: 1 where one of its votees has received anything
 
-  CURBSTONE_HD StepPoint position(std::uint32_t i) const { return votees[i].at; }
-  CURBSTONE_HD Votee votee(std::uint32_t i, const StepPoint& origin) const { return offset_from(origin, votees[i].at); }
-  CURBSTONE_HD Voter voter(std::uint32_t i, const StepPoint& origin) const {
+  CURBSTONE_HD kernels::StepPoint position(std::uint32_t i) const { return votees[i].at; }
+  CURBSTONE_HD Votee votee(std::uint32_t i, const kernels::StepPoint& origin) const {
+    return offset_from(origin, votees[i].at);
+  }
+  CURBSTONE_HD Voter voter(std::uint32_t i, const kernels::StepPoint& origin) const {
     return {offset_from(origin, voters[i].at), 0.0F};
   }
   CURBSTONE_HD void add(const Voter& voter, const Votee& votee, Sums& sums) const {
@@ -86,17 +88,17 @@ struct ExactVotes {
     const float d2 = d.x * d.x + d.y * d.y + d.z * d.z;
     if (!(d2 > 0 && d2 < decay.radius2)) return;
     const ExactPair pair(decay, sign, d, d2);
-    for (int c = 0; c < VoteSums::kCount; ++c) sums.value[c] += pair.component[c];
+    for (int c = 0; c < kernels::VoteSums::kCount; ++c) sums.value[c] += pair.component[c];
     ++sums.votes;
   }
   /// Nobody else writes these sums; all who change a tile write the same 1.
   CURBSTONE_HD void store(std::uint32_t i, const Sums& sums) const {
     if (sums.votes == 0) return;
     ResidentSums& to = received[i];
-    for (int c = 0; c < VoteSums::kCount; ++c) to.value[c] += sums.value[c];
+    for (int c = 0; c < kernels::VoteSums::kCount; ++c) to.value[c] += sums.value[c];
     to.votes += sign > 0 ? sums.votes : -sums.votes;
     changed[votees[i].tile] = 1;
   }
 };
 
-}  // namespace curbstone::cuda
+}  // namespace curbstone::tensor_voting::cuda

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+/// @file
 /// What runs on the device is written once, in headers that g++ compiles too, so that the very same source is tested on
 /// machines without a GPU. nvcc compiles it with -fmad=false: nothing is fused but what says so (fused()), and float
 /// arithmetic has the same bits on both sides, approximate_exp2() and approximate_quotient() excepted.
@@ -13,7 +14,7 @@
 #define CURBSTONE_HD
 #endif
 
-namespace curbstone::cuda {
+namespace curbstone::tensor_voting::cuda {
 
 /// a b + c, rounded once.
 CURBSTONE_HD inline float fused(float a, float b, float c) {
@@ -89,4 +90,4 @@ CURBSTONE_HD inline std::uint32_t lower_bound(const std::uint64_t* keys, std::ui
   return begin;
 }
 
-}  // namespace curbstone::cuda
+}  // namespace curbstone::tensor_voting::cuda

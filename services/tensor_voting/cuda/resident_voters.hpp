@@ -7,7 +7,7 @@
 #include "services/tensor_voting/cuda/cell_grid.hpp"
 #include "services/tensor_voting/cuda/field_votes.hpp"
 
-namespace curbstone::cuda {
+namespace curbstone::tensor_voting::cuda {
 
 /// The voters of a map and the votes they have received, kept on a machine in the order of their keys. All functions
 /// throw std::runtime_error when the machine fails; memory is asked for before anything is changed.
@@ -27,4 +27,4 @@ class ResidentVoters {
   virtual void clear() = 0;
 };
 
-}  // namespace curbstone::cuda
+}  // namespace curbstone::tensor_voting::cuda

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "services/tensor_voting/cuda/host_device.hpp"
-#include "services/tensor_voting/tensor.hpp"
+#include "services/tensor_voting/kernels/tensor.hpp"
 
-namespace curbstone::cuda {
+namespace curbstone::tensor_voting::cuda {
 
 /// A tensor taken apart: DecompositionF, without Eigen.
 struct VotedShape {
@@ -74,7 +74,7 @@ struct JacobiState {
 
 /// Eigenvalues and -vectors by Jacobi rotations, with the conventions of decompose(). A tensor without votes, or one
 /// that is not finite, has no shares.
-CURBSTONE_HD inline VotedShape shape_of(const TensorF& tensor) {
+CURBSTONE_HD inline VotedShape shape_of(const kernels::TensorF& tensor) {
   constexpr int kSweeps = 4;  // quadratic convergence
   VotedShape shape;
   const float trace = tensor.xx + tensor.yy + tensor.zz;
@@ -104,4 +104,4 @@ CURBSTONE_HD inline VotedShape shape_of(const TensorF& tensor) {
   return shape;
 }
 
-}  // namespace curbstone::cuda
+}  // namespace curbstone::tensor_voting::cuda

@@ -5,7 +5,7 @@
 #include "services/tensor_voting/cuda/cell_grid.hpp"
 #include "services/tensor_voting/cuda/host_device.hpp"
 
-namespace curbstone::cuda {
+namespace curbstone::tensor_voting::cuda {
 
 inline constexpr std::uint32_t kWarp = 32;
 
@@ -145,4 +145,4 @@ class WarpGather {
   const Votes& votes_;
 };
 
-}  // namespace curbstone::cuda
+}  // namespace curbstone::tensor_voting::cuda

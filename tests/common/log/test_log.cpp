@@ -7,6 +7,7 @@
 #include "common/log/log_reader.hpp"
 #include "common/log/log_writer.hpp"
 #include "common/log/message_order.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone {
 namespace {
@@ -19,18 +20,18 @@ std::vector<std::uint8_t> encoded(std::int64_t utime) {
   return bytes;
 }
 
-std::string write_log(const std::string& name, int events) {
-  const std::string file = ::testing::TempDir() + name;
+void write_log(const std::string& file, int events) {
   LogWriter log(file);
   for (int i = 0; i < events; ++i) {
     const auto bytes = encoded(1000 + i);
     log.write("IMU", bytes.data(), static_cast<int>(bytes.size()));
   }
-  return file;
 }
 
 TEST(Log, ReadsBackWhatWasWritten) {
-  LogReader reader(write_log("whole.lcmlog", 3));
+  const testing::TemporaryFolder folder;
+  write_log(folder / "whole.lcmlog", 3);
+  LogReader reader(folder / "whole.lcmlog");
   for (int i = 0; i < 3; ++i) {
     const auto event = reader.next();
     ASSERT_TRUE(event);
@@ -44,7 +45,9 @@ TEST(Log, ReadsBackWhatWasWritten) {
 }
 
 TEST(Log, SaysWhenItIsCutOff) {
-  const std::string file = write_log("cut.lcmlog", 3);
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "cut.lcmlog";
+  write_log(file, 3);
   std::filesystem::resize_file(file, std::filesystem::file_size(file) - 10);
   LogReader reader(file);
   EXPECT_TRUE(reader.next());
@@ -54,9 +57,9 @@ TEST(Log, SaysWhenItIsCutOff) {
 }
 
 TEST(Log, RefusesWhatIsNoLogInOneLine) {
-  const std::string file = ::testing::TempDir() + "text";
-  std::ofstream(file) << "no log\n";
-  for (const std::string& path : {file, ::testing::TempDir() + "absent", ::testing::TempDir()}) {
+  const testing::TemporaryFolder folder;
+  std::ofstream(folder / "text") << "no log\n";
+  for (const std::string path : {folder / "text", folder / "absent", folder.path()}) {
     try {
       LogReader reader(path);
       FAIL() << path;

@@ -20,8 +20,9 @@ class DriveRig {
   static constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
   static constexpr double kCounts = 4096;
 
-  explicit DriveRig(const EncoderConfig& config = {}, const CanDriveEmulator::Settings& device = {})
-      : drive(device), node(config, recorder_.bus(), [this](const CanFrame& frame) {
+  explicit DriveRig(const encoder::EncoderConfig& config = {},
+                    const simulate::devices::CanDriveEmulator::Settings& device = {})
+      : drive(device), node(config, recorder_.bus(), [this](const encoder::can::CanFrame& frame) {
           if (connected) on_bus_.push_back(frame);
         }) {}
 
@@ -31,7 +32,7 @@ class DriveRig {
       const bool awake = now >= asleep_until_;
       if (awake && (now - kStart) % 20'000 == 0) node.tick(now);
       while (!on_bus_.empty()) {
-        const CanFrame frame = on_bus_.front();
+        const encoder::can::CanFrame frame = on_bus_.front();
         on_bus_.pop_front();
         drive.set_counts(raw(now, 0), raw(now, 1));  // a start sends at once
         receive(now, drive.on_frame(now, frame));
@@ -45,8 +46,8 @@ class DriveRig {
   }
   /// From now on the host does nothing for `us`; what comes waits for it.
   void sleep_for(std::int64_t us) { asleep_until_ = now + us; }
-  void receive(std::int64_t at, const CanDriveEmulator::Frames& frames) {
-    for (const CanFrame& frame : frames) {
+  void receive(std::int64_t at, const simulate::devices::CanDriveEmulator::Frames& frames) {
+    for (const encoder::can::CanFrame& frame : frames) {
       if (connected && !lost(frame)) late_.push_back({at + delay(frame), frame});
     }
   }
@@ -64,14 +65,16 @@ class DriveRig {
   double speed = 10;  // rad/s
   std::int64_t first_count = 0;
   bool connected = true;
-  std::function<std::int64_t(const CanFrame&)> delay = [](const CanFrame&) { return std::int64_t{200}; };
-  std::function<bool(const CanFrame&)> lost = [](const CanFrame&) { return false; };
-  CanDriveEmulator drive;
+  std::function<std::int64_t(const encoder::can::CanFrame&)> delay = [](const encoder::can::CanFrame&) {
+    return std::int64_t{200};
+  };
+  std::function<bool(const encoder::can::CanFrame&)> lost = [](const encoder::can::CanFrame&) { return false; };
+  simulate::devices::CanDriveEmulator drive;
 
  private:
   struct Late {
     std::int64_t at;
-    CanFrame frame;
+    encoder::can::CanFrame frame;
   };
   void deliver(std::int64_t until) {  // in order: a bus is a queue
     while (!late_.empty() && late_.front().at < until) {
@@ -82,13 +85,13 @@ class DriveRig {
     }
   }
   Recorder<wheels_t> recorder_{"WHEELS"};
-  std::deque<CanFrame> on_bus_;
+  std::deque<encoder::can::CanFrame> on_bus_;
   std::deque<Late> late_;
   std::int64_t arrived_ = 0;
   std::int64_t asleep_until_ = 0;
 
  public:
-  EncoderNode node;
+  encoder::EncoderNode node;
 };
 
 }  // namespace curbstone::testing

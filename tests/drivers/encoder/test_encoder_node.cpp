@@ -7,7 +7,7 @@
 #include "tests/drivers/byte_stream.hpp"
 #include "tests/drivers/encoder/drive_rig.hpp"
 
-namespace curbstone {
+namespace curbstone::encoder {
 namespace {
 
 using ::testing::Contains;
@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 TEST(EncoderNodeTest, SetsUpADriveAndPublishesWheelsThatGoForward) {
-  DriveRig rig;
+  testing::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.drive.set_enabled(true);
   rig.run_for(3'000'000);
@@ -36,7 +36,7 @@ TEST(EncoderNodeTest, SetsUpADriveAndPublishesWheelsThatGoForward) {
 }
 
 TEST(EncoderNodeTest, CountsAreUnwrappedAcrossInt32) {
-  DriveRig rig;
+  testing::DriveRig rig;
   rig.first_count = 0x7FFFFFFF - 2000;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(3'000'000);
@@ -46,12 +46,12 @@ TEST(EncoderNodeTest, CountsAreUnwrappedAcrossInt32) {
 }
 
 TEST(EncoderNodeTest, JitterAndBunchesDoNotReachTheStampsOrTheSpeeds) {
-  DriveRig rig;
+  testing::DriveRig rig;
   std::mt19937 random(5);
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
   const std::size_t settled = rig.messages().size();
-  rig.delay = [&](const CanFrame&) -> std::int64_t {
+  rig.delay = [&](const can::CanFrame&) -> std::int64_t {
     return random() % 20 == 0 ? 5'000 + static_cast<std::int64_t>(random() % 40'000)
                               : static_cast<std::int64_t>(random() % 2'000);
   };
@@ -72,13 +72,13 @@ TEST(EncoderNodeTest, JitterAndBunchesDoNotReachTheStampsOrTheSpeeds) {
 }
 
 TEST(EncoderNodeTest, LostSamplesAreCountedAndDoNotDoubleTheSpeed) {
-  DriveRig rig;
+  testing::DriveRig rig;
   std::mt19937 random(6);
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
   int lost = 0;
-  rig.delay = [&](const CanFrame&) { return static_cast<std::int64_t>(random() % 1'500); };
-  rig.lost = [&](const CanFrame& frame) {
+  rig.delay = [&](const can::CanFrame&) { return static_cast<std::int64_t>(random() % 1'500); };
+  rig.lost = [&](const can::CanFrame& frame) {
     const bool lose = frame.id == 0x181 && random() % 20 == 0;
     lost += lose;
     return lose;
@@ -91,13 +91,13 @@ TEST(EncoderNodeTest, LostSamplesAreCountedAndDoNotDoubleTheSpeed) {
 
 TEST(EncoderNodeTest, ABusyHostLosesNothingWhateverTheWheelsDo) {
   for (const double speed : {0.0, 0.5, 10.0}) {
-    DriveRig rig;
+    testing::DriveRig rig;
     std::mt19937 random(8);
     rig.speed = speed;
     rig.receive(rig.now, rig.drive.power_on(rig.now));
     rig.run_for(1'000'000);
     std::int64_t base = 200;
-    rig.delay = [&](const CanFrame&) { return base + static_cast<std::int64_t>(random() % 6'000); };
+    rig.delay = [&](const can::CanFrame&) { return base + static_cast<std::int64_t>(random() % 6'000); };
     for (int busy = 0; busy < 6; ++busy) {  // now and then, for most of a second, nothing is served in time
       base = 9'000 + static_cast<std::int64_t>(random() % 20'000);
       rig.run_for(800'000);
@@ -110,16 +110,16 @@ TEST(EncoderNodeTest, ABusyHostLosesNothingWhateverTheWheelsDo) {
 }
 
 TEST(EncoderNodeTest, AHostThatIsLateForGoodWhileDrivingLosesNothing) {
-  DriveRig rig;
+  testing::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
-  rig.delay = [](const CanFrame&) { return std::int64_t{9'500}; };
+  rig.delay = [](const can::CanFrame&) { return std::int64_t{9'500}; };
   rig.run_for(6'000'000);
   EXPECT_EQ(rig.count("lost.samples"), 0);
 }
 
 TEST(EncoderNodeTest, AHostThatSleptReadsWhatItMissedAtItsOwnTimes) {
-  DriveRig rig;
+  testing::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
   rig.sleep_for(900'000);
@@ -143,10 +143,10 @@ TEST(EncoderNodeTest, WhatCameInABunchBeforeTheFirstPunctualSampleIsNotLost) {
     std::mt19937 random(4);
     for (int i = 0; i < 100; ++i) {
       const std::int64_t late = 200 + static_cast<std::int64_t>(random() % 2'000);
-      const std::int64_t received = DriveRig::kStart + std::max(busy, 10'000 * i + late);
+      const std::int64_t received = testing::DriveRig::kStart + std::max(busy, 10'000 * i + late);
       const auto count = static_cast<std::uint16_t>(40 * i);
       const auto low = static_cast<std::uint8_t>(count), high = static_cast<std::uint8_t>(count >> 8);
-      node.on_frame(received, CanFrame::make(0x181, {low, high, 0, 0, 0, 0, 0, 0}));
+      node.on_frame(received, can::CanFrame::make(0x181, {low, high, 0, 0, 0, 0, 0, 0}));
     }
     EXPECT_EQ(node.report().counters["dropped.not_newer"], 0) << busy;
     EXPECT_EQ(node.report().counters["lost.samples"], 0) << busy;
@@ -155,18 +155,19 @@ TEST(EncoderNodeTest, WhatCameInABunchBeforeTheFirstPunctualSampleIsNotLost) {
       const wheels_t& m = recorder.messages()[static_cast<std::size_t>(i)];
       EXPECT_EQ(m.sequence, i);
       EXPECT_EQ(m.counts[0], 40 * i);
-      EXPECT_NEAR(static_cast<double>(m.utime - DriveRig::kStart), 10'000.0 * i + 400, 400) << busy << ' ' << i;
+      EXPECT_NEAR(static_cast<double>(m.utime - testing::DriveRig::kStart), 10'000.0 * i + 400, 400)
+          << busy << ' ' << i;
     }
   }
 }
 
 TEST(EncoderNodeTest, LossesWhileStandingAreFoundInHindsight) {
-  DriveRig rig;
+  testing::DriveRig rig;
   rig.speed = 0;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
   int lost = 0;
-  rig.lost = [&](const CanFrame& frame) {
+  rig.lost = [&](const can::CanFrame& frame) {
     const bool lose = frame.id == 0x181 && lost < 3;
     lost += lose;
     return lose;
@@ -177,7 +178,7 @@ TEST(EncoderNodeTest, LossesWhileStandingAreFoundInHindsight) {
 }
 
 TEST(EncoderNodeTest, ADriveThatRestartsIsSetUpAgainAndTheAngleGoesOn) {
-  DriveRig rig;
+  testing::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
   const wheels_t before = rig.messages().back();
@@ -192,7 +193,7 @@ TEST(EncoderNodeTest, ADriveThatRestartsIsSetUpAgainAndTheAngleGoesOn) {
 }
 
 TEST(EncoderNodeTest, ASilentDriveIsAFaultAndIsSetUpWhenItIsBack) {
-  DriveRig rig;
+  testing::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
   rig.connected = false;
@@ -208,7 +209,7 @@ TEST(EncoderNodeTest, ASilentDriveIsAFaultAndIsSetUpWhenItIsBack) {
 }
 
 TEST(EncoderNodeTest, AStopBySomebodyElseIsNoticed) {
-  DriveRig rig;
+  testing::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(2'000'000);
   rig.drive.on_frame(rig.now, canopen::nmt(canopen::NmtCommand::kPreOperational, 0));
@@ -218,7 +219,7 @@ TEST(EncoderNodeTest, AStopBySomebodyElseIsNoticed) {
 }
 
 TEST(EncoderNodeTest, FaultsOfTheDriveAreToldByWheelAndByName) {
-  DriveRig rig;
+  testing::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.drive.set_enabled(true);
   rig.run_for(2'000'000);
@@ -233,18 +234,18 @@ TEST(EncoderNodeTest, FaultsOfTheDriveAreToldByWheelAndByName) {
 }
 
 TEST(EncoderNodeTest, OneCorruptedSampleIsRefusedAndTheNextIsRight) {
-  DriveRig rig;
+  testing::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
   const double angle = rig.messages().back().angle[0];
-  rig.node.on_frame(rig.now, CanFrame::make(0x181, {0, 0, 0, 0x40, 0, 0, 0, 0}));
+  rig.node.on_frame(rig.now, can::CanFrame::make(0x181, {0, 0, 0, 0x40, 0, 0, 0, 0}));
   rig.run_for(1'000'000);
   EXPECT_EQ(rig.count("refused.jump"), 1);
   EXPECT_NEAR(rig.messages().back().angle[0] - angle, 10, 0.2);
 }
 
 TEST(EncoderNodeTest, ATimerInAnotherUnitIsToldAndTheSpeedsStayRight) {
-  DriveRig rig({}, {.event_timer_unit = 1000});  // by the standard: 20 ms, not 10
+  testing::DriveRig rig({}, {.event_timer_unit = 1000});  // by the standard: 20 ms, not 10
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.drive.on_frame(rig.now, {});
   rig.speed = 0;  // standing: only the event timer sends
@@ -257,10 +258,10 @@ TEST(EncoderNodeTest, ListensOnlyWhereAnotherMasterIsInCharge) {
   config.configure = false;
   testing::Recorder<wheels_t> recorder("WHEELS");
   int sent = 0;
-  EncoderNode node(config, recorder.bus(), [&](const CanFrame&) { ++sent; });
+  EncoderNode node(config, recorder.bus(), [&](const can::CanFrame&) { ++sent; });
   for (int i = 0; i < 200; ++i) {
-    const std::int64_t now = DriveRig::kStart + i * 10'000;
-    node.on_frame(now, CanFrame::make(0x181, {static_cast<std::uint8_t>(i), 0, 0, 0, 0, 0, 0, 0}));
+    const std::int64_t now = testing::DriveRig::kStart + i * 10'000;
+    node.on_frame(now, can::CanFrame::make(0x181, {static_cast<std::uint8_t>(i), 0, 0, 0, 0, 0, 0, 0}));
     node.tick(now);
   }
   EXPECT_EQ(sent, 0);
@@ -268,13 +269,13 @@ TEST(EncoderNodeTest, ListensOnlyWhereAnotherMasterIsInCharge) {
 }
 
 TEST(EncoderNodeTest, FramesOfEveryShapeAreSurvivedAndTheDriveIsReadOn) {
-  DriveRig rig;
+  testing::DriveRig rig;
   std::mt19937 random(9);
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
-  const auto ids = WheelDrive::ids(1);
+  const auto ids = canopen::WheelDrive::ids(1);
   for (int i = 0; i < 20'000; ++i) {
-    CanFrame frame;
+    can::CanFrame frame;
     frame.id = random() % 3 == 0 ? static_cast<std::uint32_t>(random() % 0x800) : ids[random() % ids.size()];
     frame.extended = random() % 8 == 0;
     frame.remote = random() % 8 == 0;
@@ -292,4 +293,4 @@ TEST(EncoderNodeTest, FramesOfEveryShapeAreSurvivedAndTheDriveIsReadOn) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::encoder

@@ -3,16 +3,14 @@
 
 #include <curbstone/wheels_t.hpp>
 
-#include "common/clock.hpp"
+#include "common/time/clock.hpp"
+#include "drivers/encoder/can/slcan_link.hpp"
 #include "drivers/encoder/encoder_node.hpp"
-#include "drivers/encoder/slcan_link.hpp"
-#include "tests/drivers/byte_stream.hpp"
-#include "tests/drivers/pty.hpp"
-#include "tests/drivers/recorder.hpp"
+#include "tests/drivers/driver_on_a_pty.hpp"
 #include "tools/simulate/devices/can_drive_emulator.hpp"
 #include "tools/simulate/devices/slcan_emulator.hpp"
 
-namespace curbstone {
+namespace curbstone::encoder {
 namespace {
 
 using namespace std::chrono_literals;
@@ -21,11 +19,12 @@ using ::testing::IsEmpty;
 
 /// The driver as the program runs it, and an emulated drive behind an emulated adapter, at the two ends of a
 /// pseudo-terminal, in real time.
-class EncoderOnAPty : public ::testing::Test {
+class EncoderOnAPty : public testing::DriverOnAPty<wheels_t> {
  protected:
   EncoderOnAPty()
-      : link_({pty_.path(), 115200}, 500),
-        node_(EncoderConfig{}, recorder_.bus(), [this](const CanFrame& frame) { link_.send(frame); }) {
+      : DriverOnAPty("WHEELS"),
+        link_({pty_.path(), 115200}, 500),
+        node_(EncoderConfig{}, recorder_.bus(), [this](const can::CanFrame& frame) { link_.send(frame); }) {
     node_.add_report([this](NodeReport& report) { link_.report(report); });
     link_.attach(loop_, {[this](auto utime, const auto& frame) { node_.on_frame(utime, frame); },
                          [this](auto now, bool up, const auto& why) { node_.on_link(now, up, why); }});
@@ -35,8 +34,8 @@ class EncoderOnAPty : public ::testing::Test {
     to_host(drive_.power_on(start_));
   }
 
-  void to_host(const CanDriveEmulator::Frames& frames) {
-    for (const CanFrame& frame : frames) {
+  void to_host(const simulate::devices::CanDriveEmulator::Frames& frames) {
+    for (const can::CanFrame& frame : frames) {
       if (!mute_) pty_.write(adapter_.on_frame(frame));
     }
   }
@@ -46,50 +45,16 @@ class EncoderOnAPty : public ::testing::Test {
     drive_.set_counts(counts, -counts);
     const auto result = adapter_.on_bytes(pty_.read());
     pty_.write(result.to_host);
-    for (const CanFrame& frame : result.to_bus) to_host(drive_.on_frame(now, frame));
+    for (const can::CanFrame& frame : result.to_bus) to_host(drive_.on_frame(now, frame));
     to_host(drive_.tick(now));
-    if (noise_) pty_.write(testing::random_bytes(random_, 20));
+    make_noise(20);
   }
-  bool run_until(const std::function<bool()>& done) {
-    const std::int64_t deadline = steady_clock() + 10'000'000;
-    bool reached = false;
-    done_ = [&] {
-      reached = done();
-      if (reached || steady_clock() > deadline) loop_.stop();
-    };
-    if (!watching_) loop_.every(10ms, [this] { done_(); });
-    watching_ = true;
-    loop_.run();
-    return reached;
-  }
-  bool run_until_more_samples(std::size_t more) {
-    const std::size_t before = recorder_.messages().size();
-    return run_until([&] { return recorder_.messages().size() >= before + more; });
-  }
-  bool run_until_fault(const std::string& text) {
-    return run_until([&] {
-      for (const std::string& fault : node_.report().faults) {
-        if (fault.find(text) != std::string::npos) return true;
-      }
-      return false;
-    });
-  }
-  bool run_until_healthy() {
-    return run_until([&] { return node_.report().faults.empty(); });
-  }
+  [[nodiscard]] NodeReport report() const override { return node_.report(); }
 
-  EventLoop loop_;
-  testing::Pty pty_{"curbstone-encoder"};
-  testing::Recorder<wheels_t> recorder_{"WHEELS"};
-  SlcanEmulator adapter_;
-  CanDriveEmulator drive_;
+  simulate::devices::SlcanEmulator adapter_;
+  simulate::devices::CanDriveEmulator drive_;
   std::int64_t start_ = 0;
-  bool mute_ = false;
-  bool noise_ = false;
-  bool watching_ = false;
-  std::function<void()> done_;
-  std::mt19937 random_{1};
-  SlcanLink link_;
+  can::SlcanLink link_;
   EncoderNode node_;
 };
 
@@ -160,4 +125,4 @@ TEST(EncoderProgram, SaysInOneLineWhatIsMissingAndStops) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::encoder

@@ -6,7 +6,7 @@
 
 #include "drivers/encoder/period_clock.hpp"
 
-namespace curbstone {
+namespace curbstone::encoder {
 namespace {
 
 constexpr double kRadians = 2 * std::numbers::pi / 4096;
@@ -172,4 +172,4 @@ TEST(PeriodClockTest, AnotherPeriodIsNoticed) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::encoder

@@ -10,7 +10,7 @@
 #include "tests/drivers/recorder.hpp"
 #include "tools/simulate/devices/xsens_emulator.hpp"
 
-namespace curbstone {
+namespace curbstone::imu {
 namespace {
 
 using testing::Bytes;
@@ -29,7 +29,7 @@ class ImuNodeTest : public ::testing::Test {
     });
   }
 
-  void deliver(std::int64_t now, const Bytes& bytes) {
+  void deliver(std::int64_t now, const testing::Bytes& bytes) {
     if (connected_ && !bytes.empty()) node_->on_bytes(now, bytes);
   }
 
@@ -38,14 +38,14 @@ class ImuNodeTest : public ::testing::Test {
     for (const std::int64_t end = now_ + us; now_ < end; now_ += 10'000) {
       if ((now_ - kStart) % 20'000 == 0) node_->tick(now_);
       if (device_.measuring(now_)) {
-        XsensSample sample;
+        simulate::devices::XsensSample sample;
         sample.acceleration = {0.1, -0.2, 9.8};
         sample.angular_rate = {0.01, 0.02, 0.03};
         sample.orientation = {1, 0, 0, 0};
         sample.clipping = clipping_;
         deliver(now_ + delay_(), device_.sample(now_, sample));
       }
-      const Bytes commands = std::exchange(commands_, {});
+      const testing::Bytes commands = std::exchange(commands_, {});
       if (connected_ && !commands.empty()) deliver(now_ + 2000, device_.on_bytes(now_ + 1000, commands));
     }
   }
@@ -53,9 +53,9 @@ class ImuNodeTest : public ::testing::Test {
   std::int64_t count(std::string_view name) const { return node_->report().counters[name]; }
 
   testing::Recorder<imu_t> recorder_{"IMU"};
-  XsensEmulator device_;
+  simulate::devices::XsensEmulator device_;
   std::unique_ptr<ImuNode> node_;
-  Bytes commands_;
+  testing::Bytes commands_;
   bool connected_ = true;
   std::uint32_t clipping_ = 0;
   std::function<std::int64_t()> delay_ = [] { return 0; };
@@ -109,7 +109,7 @@ TEST_F(ImuNodeTest, StampsAreEvenThoughBytesComeLateAndInBunches) {
 TEST_F(ImuNodeTest, WhatCameInABunchBeforeTheFirstPunctualSampleIsNotLost) {
   ImuConfig config;
   config.configure = false;
-  device_ = XsensEmulator({.configured = true});
+  device_ = simulate::devices::XsensEmulator({.configured = true});
   make_node(config);
   device_.power_on(now_);
   while (!device_.measuring(now_)) now_ += 10'000;
@@ -146,7 +146,7 @@ TEST_F(ImuNodeTest, ADeviceThatFellSilentUnseenIsAFaultAndIsSetUpWhenItComesBack
   run_for(3'500'000);
   EXPECT_THAT(node_->report().faults, Contains(HasSubstr("no sample from the IMU for 3 s")));
   EXPECT_THAT(node_->report().faults, Contains(HasSubstr("does not answer")));
-  device_ = XsensEmulator();  // replaced by one that knows nothing, and its WakeUp is missed
+  device_ = simulate::devices::XsensEmulator();  // replaced by one that knows nothing, and its WakeUp is missed
   device_.power_on(now_);
   run_for(1'000'000);
   connected_ = true;
@@ -159,7 +159,7 @@ TEST_F(ImuNodeTest, ADeviceThatFellSilentUnseenIsAFaultAndIsSetUpWhenItComesBack
 TEST_F(ImuNodeTest, LeavesADeviceAloneThatSomebodyElseSetUp) {
   ImuConfig config;
   config.configure = false;
-  device_ = XsensEmulator({.configured = true});
+  device_ = simulate::devices::XsensEmulator({.configured = true});
   make_node(config);
   bool sent = false;
   node_ = std::make_unique<ImuNode>(config, recorder_.bus(), [&](auto) { sent = true; });
@@ -224,17 +224,18 @@ TEST_F(ImuNodeTest, APortThatVanishesIsAFaultUntilItIsBack) {
 
 TEST_F(ImuNodeTest, OnAUartStampsAreThoseOfTheFirstByte) {
   ImuConfig config;
-  config.line = "uart";
+  config.line = Line::kUart;
   make_node(config);
   deliver(now_, device_.power_on(now_));
-  delay_ = [] { return XsensEmulator::transmission_time(73, 115200); };
+  delay_ = [] { return simulate::devices::XsensEmulator::transmission_time(73, 115200); };
   run_for(2'000'000);
   EXPECT_NEAR(static_cast<double>((messages().back().utime - kStart) % 10'000), 0, 400);
 }
 
 TEST_F(ImuNodeTest, RecordedStreamsOfRealDevicesArePublishedWhole) {
-  const Bytes bytes = testing::read_bytes(CURBSTONE_DATA_DIR "/imu_xsens/1.output.bin");
-  if (bytes.empty()) GTEST_SKIP() << "no recordings in " CURBSTONE_DATA_DIR "/imu_xsens";
+  const std::string file = CURBSTONE_DATA_DIR "/imu_xsens/1.output.bin";
+  const testing::Bytes bytes = testing::read_bytes(file);
+  if (bytes.empty()) GTEST_SKIP() << file << " is not there";
   ImuConfig config;
   config.configure = false;
   make_node(config);
@@ -253,4 +254,4 @@ TEST_F(ImuNodeTest, RecordedStreamsOfRealDevicesArePublishedWhole) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::imu

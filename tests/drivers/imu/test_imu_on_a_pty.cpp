@@ -3,15 +3,13 @@
 
 #include <curbstone/imu_t.hpp>
 
-#include "common/clock.hpp"
+#include "common/time/clock.hpp"
 #include "drivers/imu/imu_node.hpp"
 #include "drivers/serial/serial_link.hpp"
-#include "tests/drivers/byte_stream.hpp"
-#include "tests/drivers/pty.hpp"
-#include "tests/drivers/recorder.hpp"
+#include "tests/drivers/driver_on_a_pty.hpp"
 #include "tools/simulate/devices/xsens_emulator.hpp"
 
-namespace curbstone {
+namespace curbstone::imu {
 namespace {
 
 using namespace std::chrono_literals;
@@ -20,10 +18,12 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 /// The driver as the program runs it, and an emulated device, at the two ends of a pseudo-terminal, in real time.
-class ImuOnAPty : public ::testing::Test {
+class ImuOnAPty : public testing::DriverOnAPty<imu_t> {
  protected:
   ImuOnAPty()
-      : node_(ImuConfig{}, recorder_.bus(), [this](auto bytes) { link_.send(bytes); }), link_({pty_.path(), 115200}) {
+      : DriverOnAPty("IMU"),
+        node_(ImuConfig{}, recorder_.bus(), [this](auto bytes) { link_.send(bytes); }),
+        link_({pty_.path(), 115200}) {
     link_.attach(loop_, {[this](auto utime, auto bytes) { node_.on_bytes(utime, bytes); },
                          [this](auto now, bool up, const auto& why) { node_.on_link(now, up, why); }});
     loop_.every(20ms, [this] { node_.tick(wall_clock()); });
@@ -36,48 +36,13 @@ class ImuOnAPty : public ::testing::Test {
     pty_.write(device_.on_bytes(now, pty_.read()));
     const auto bytes = device_.sample(now, {.acceleration = {0, 0, 9.81}});
     if (!mute_) pty_.write(bytes);
-    if (noise_) pty_.write(testing::random_bytes(random_, 100));
+    make_noise(100);
   }
-  /// Runs until `done`, and says whether it came to that within 10 s.
-  bool run_until(const std::function<bool()>& done) {
-    const std::int64_t deadline = steady_clock() + 10'000'000;
-    bool reached = false;
-    done_ = [&] {
-      reached = done();
-      if (reached || steady_clock() > deadline) loop_.stop();
-    };
-    if (!watching_) loop_.every(10ms, [this] { done_(); });
-    watching_ = true;
-    loop_.run();
-    return reached;
-  }
-  bool run_until_more_samples(std::size_t more) {
-    const std::size_t before = recorder_.messages().size();
-    return run_until([&] { return recorder_.messages().size() >= before + more; });
-  }
-  bool run_until_fault(const std::string& text) {
-    return run_until([&] {
-      for (const std::string& fault : node_.report().faults) {
-        if (fault.find(text) != std::string::npos) return true;
-      }
-      return false;
-    });
-  }
-  bool run_until_healthy() {
-    return run_until([&] { return node_.report().faults.empty(); });
-  }
+  [[nodiscard]] NodeReport report() const override { return node_.report(); }
 
-  EventLoop loop_;
-  testing::Pty pty_{"curbstone-imu"};
-  testing::Recorder<imu_t> recorder_{"IMU"};
-  XsensEmulator device_;
-  bool mute_ = false;
-  bool noise_ = false;
-  bool watching_ = false;
-  std::function<void()> done_;
-  std::mt19937 random_{1};
+  simulate::devices::XsensEmulator device_;
   ImuNode node_;
-  SerialLink link_;
+  serial::SerialLink link_;
 };
 
 TEST_F(ImuOnAPty, IsSetUpAndRead) {
@@ -125,4 +90,4 @@ TEST(ImuProgram, SaysInOneLineThatTheDeviceIsMissingAndStops) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::imu

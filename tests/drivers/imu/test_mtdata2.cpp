@@ -5,11 +5,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/geometry.hpp"
+#include "common/geometry/geometry.hpp"
 #include "drivers/imu/xbus_frame.hpp"
 #include "tests/drivers/byte_stream.hpp"
 
-namespace curbstone {
+namespace curbstone::imu {
 namespace {
 
 using testing::append;
@@ -20,11 +20,11 @@ using testing::from_hex;
 
 MtData2 decode(const std::string& hex, Counters* counters = nullptr) {
   Counters ignored;
-  return decode_mtdata2(from_hex(hex), counters != nullptr ? *counters : ignored);
+  return decode_mtdata2(testing::from_hex(hex), counters != nullptr ? *counters : ignored);
 }
 
 TEST(MtData2Test, ARealFrameGivesTheValuesThatItsRecordersSaw) {
-  const Bytes wire = from_hex(
+  const testing::Bytes wire = testing::from_hex(
       "FA FF 36 62 10 20 02 A9 86 10 60 04 03 14 ED 53 10 10 0C 07 44 0B E0 07 E3 01 14 0D 2F 18 37 E0 20 04 01 80 00 "
       "07 "
       "40 20 0C BC 8E 54 66 C0 E8 2F 10 BF 9A D2 9E 40 10 0C B9 35 26 9F BD 94 99 30 BC 46 23 46 80 20 0C BB 42 5C 34 "
@@ -105,9 +105,9 @@ TEST(MtData2Test, NumbersThatCannotBeAreRefusedByCause) {
 
 TEST(MtData2Test, RecordingsInEveryFormatAreDecodedToTheLastItem) {
   for (int i = 1; i <= 5; ++i) {
-    const Bytes bytes =
+    const testing::Bytes bytes =
         testing::read_bytes(std::string(CURBSTONE_DATA_DIR "/imu_xsens/") + std::to_string(i) + ".output.bin");
-    if (bytes.empty()) GTEST_SKIP() << "no recordings in " CURBSTONE_DATA_DIR "/imu_xsens";
+    if (bytes.empty()) GTEST_SKIP() << CURBSTONE_DATA_DIR "/imu_xsens/" << i << ".output.bin is not there";
     Counters counters;
     int inertial = 0;
     int oriented = 0;
@@ -135,15 +135,15 @@ TEST(MtData2Test, RecordingsInEveryFormatAreDecodedToTheLastItem) {
 
 TEST(MtData2Test, NoPayloadReadsBeyondItsEndOrGivesNumbersThatCannotBe) {
   std::mt19937 random(5);
-  const Bytes ids = from_hex("08 10 10 20 10 60 20 10 20 30 40 20 80 20 E0 10 E0 20");
+  const testing::Bytes ids = testing::from_hex("08 10 10 20 10 60 20 10 20 30 40 20 80 20 E0 10 E0 20");
   for (int round = 0; round < 20'000; ++round) {
-    Bytes payload;
+    testing::Bytes payload;
     for (auto items = random() % 5; items > 0; --items) {
       const std::size_t k = random() % (ids.size() / 2);
-      const Bytes data = testing::random_bytes(random, random() % 34);
-      append(payload, {ids[2 * k], static_cast<std::uint8_t>(ids[2 * k + 1] | random() % 4)});
+      const testing::Bytes data = testing::random_bytes(random, random() % 34);
+      testing::append(payload, {ids[2 * k], static_cast<std::uint8_t>(ids[2 * k + 1] | random() % 4)});
       payload.push_back(static_cast<std::uint8_t>(random() % 8 == 0 ? random() : data.size()));
-      append(payload, data);
+      testing::append(payload, data);
     }
     const std::vector<std::uint8_t> exact(payload.begin(), payload.end());  // so that ASan sees its end
     Counters counters;
@@ -154,4 +154,4 @@ TEST(MtData2Test, NoPayloadReadsBeyondItsEndOrGivesNumbersThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::imu

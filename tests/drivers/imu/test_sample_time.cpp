@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace curbstone {
+namespace curbstone::imu {
 namespace {
 
 TEST(SampleTimeTest, ATickIsATenthOfAMillisecond) {
@@ -63,4 +63,4 @@ TEST(PacketCounterTest, TellsLossesAcrossTheWrapAndNoneAfterARestart) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::imu

@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <random>
 
-#include "common/local_bus.hpp"
+#include "common/bus/local_bus.hpp"
 #include "drivers/rslidar/packet_feed.hpp"
 #include "tests/drivers/rslidar/packets.hpp"
 
-namespace curbstone {
+namespace curbstone::rslidar {
 namespace {
 
 using testing::ElementsAre;
@@ -26,7 +26,7 @@ struct Bench {
     bus.subscribe<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& m) { points.push_back(m); });
     bus.subscribe<raw_packet_t>("LIDAR_RAW", [this](const raw_packet_t& m) { raw.push_back(m); });
   }
-  void send(std::span<const std::uint8_t> bytes, std::int64_t received, int port = kMsopPort) {
+  void send(std::span<const std::uint8_t> bytes, std::int64_t received, int port = packet::kMsopPort) {
     node.on_packet(received, port, bytes);
     bus.dispatch();
   }
@@ -49,7 +49,7 @@ TEST(RslidarNode, SendsOneMessageAPacketWithItsTimeAndPlaceInTheSequence) {
     EXPECT_EQ(bench.points[i].utime, kStart + static_cast<std::int64_t>(i) * kPacket);  // the device's own stamp
     EXPECT_EQ(bench.points[i].packet, static_cast<int>(i));
     EXPECT_EQ(bench.points[i].num_points, 384);
-    const double turned = static_cast<double>(i) * 24 * 7200 * kSequencePeriod;
+    const double turned = static_cast<double>(i) * 24 * 7200 * packet::kSequencePeriod;
     EXPECT_EQ(bench.points[i].revolution, static_cast<int>(turned + 180 + 1e-9) / 360) << i;
   }
   EXPECT_EQ(bench.count("packets"), 100);
@@ -62,7 +62,7 @@ TEST(RslidarNode, UsesTheDevicesOwnAnglesOnceItKnowsThem) {
   Bench bench;
   const auto packets = drive_packets(kStart, 2);
   bench.send(packets[0], kStart + kPacket);
-  bench.send(Rs16Emulator().difop(kStart, 1200), kStart + kPacket, kDifopPort);
+  bench.send(simulate::devices::Rs16Emulator().difop(kStart, 1200), kStart + kPacket, packet::kDifopPort);
   bench.send(packets[1], kStart + 2 * kPacket);
   EXPECT_FLOAT_EQ(bench.points.at(0).z.at(0), static_cast<float>(10.0 * std::sin(-15.0 * M_PI / 180)));
   EXPECT_FLOAT_EQ(bench.points.at(1).z.at(0), static_cast<float>(10.0 * std::sin(-15.0031 * M_PI / 180)));
@@ -86,7 +86,7 @@ TEST(RslidarNode, RefusesByCauseAndGoesOn) {
   bench.send(packets[0], kStart + kPacket);
   bench.send({packets[1].data(), 1247}, kStart + kPacket);
   bench.send({}, kStart + kPacket);
-  Rs16Packet bad = packets[1];
+  packet::Rs16Packet bad = packets[1];
   bad[0] = 0;
   bench.send(bad, kStart + kPacket);
   bad = packets[1];
@@ -140,7 +140,7 @@ TEST(RslidarNode, SaysWhatIsWrongAndRecovers) {
   EXPECT_THAT(bench.node.report().faults, IsEmpty());
   bench.node.tick(kStart + 1'000'000);
   EXPECT_THAT(bench.node.report().faults, ElementsAre("no packets for 1.0 s on port 6699"));
-  Rs16Packet helios = packets[0];
+  packet::Rs16Packet helios = packets[0];
   helios[3] = 0x5A;
   bench.send(helios, kStart);
   bench.node.tick(kStart + 1'500'000);
@@ -159,11 +159,11 @@ TEST(RslidarNode, SendsRawPacketsOnRequestAndRunsAgainFromThem) {
   config.publish_raw = true;
   Bench bench(config);
   const auto packets = drive_packets(kStart, 5);
-  for (const Rs16Packet& packet : packets) bench.send(packet, kStart + 2000);
-  bench.send(Rs16Emulator().difop(kStart, 1200), kStart, kDifopPort);
+  for (const packet::Rs16Packet& packet : packets) bench.send(packet, kStart + 2000);
+  bench.send(simulate::devices::Rs16Emulator().difop(kStart, 1200), kStart, packet::kDifopPort);
   ASSERT_EQ(bench.raw.size(), 6U);
   EXPECT_THAT(bench.raw[3].data, testing::ElementsAreArray(packets[3]));
-  EXPECT_EQ(bench.raw[5].port, kDifopPort);
+  EXPECT_EQ(bench.raw[5].port, packet::kDifopPort);
   for (const raw_packet_t& raw : bench.raw) silent.node.on(raw);
   silent.bus.dispatch();
   EXPECT_EQ(silent.points.size(), bench.points.size());
@@ -175,7 +175,7 @@ TEST(RslidarNode, SurvivesAnyBytes) {
   Bench bench;
   std::mt19937 random(5);
   const auto packets = drive_packets(kStart, 200);
-  const Rs16Packet info = Rs16Emulator().difop(kStart, 1200);
+  const packet::Rs16Packet info = simulate::devices::Rs16Emulator().difop(kStart, 1200);
   for (int i = 0; i < 5000; ++i) {
     const auto& source = i % 7 == 0 ? info : packets[random() % packets.size()];
     std::vector<std::uint8_t> bytes(source.begin(), source.end());
@@ -200,7 +200,8 @@ class Recorded : public testing::Test {
     return config;
   }
   void SetUp() override {
-    if (!std::filesystem::exists(CURBSTONE_DATA_DIR "/rs16")) GTEST_SKIP() << "no recorded data in ../shared/data/rs16";
+    const std::string folder = CURBSTONE_DATA_DIR "/rs16";
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   }
 };
 
@@ -233,11 +234,11 @@ TEST_F(Recorded, WashingHouseIsReadWhole) {
 }
 
 TEST_F(Recorded, WashingHouseGivesItsAngles) {
-  PcapSource source(CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap");
+  sources::PcapSource source(CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap");
   for (auto packet = source.next(); packet; packet = source.next()) {
-    if (packet->port != kDifopPort) continue;
-    const DifopResult result = parse_difop(packet->bytes);
-    ASSERT_EQ(result.refusal, Refusal::kNone);
+    if (packet->port != packet::kDifopPort) continue;
+    const packet::DifopResult result = packet::parse_difop(packet->bytes);
+    ASSERT_EQ(result.refusal, packet::Refusal::kNone);
     EXPECT_TRUE(result.info.calibrated);
     EXPECT_DOUBLE_EQ(result.info.elevations[0], -15.0094);
     EXPECT_DOUBLE_EQ(result.info.elevations[6], -2.9874);
@@ -260,4 +261,4 @@ TEST_F(Recorded, Helios16pIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::rslidar

@@ -5,13 +5,14 @@
 #include <filesystem>
 #include <fstream>
 
-#include "drivers/rslidar/udp_source.hpp"
+#include "drivers/rslidar/sources/udp_source.hpp"
+#include "tests/temporary_folder.hpp"
 
-namespace curbstone {
+namespace curbstone::rslidar {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 struct Ended {
   int status;
@@ -29,7 +30,7 @@ Ended rslidar(const std::string& arguments) {
 }
 
 TEST(RslidarProcess, SaysThatItsPortIsTaken) {
-  const UdpSource other(6699, {});
+  const sources::UdpSource other(6699, {});
   const Ended ended = rslidar("");
   EXPECT_EQ(ended.status, 1);
   EXPECT_THAT(ended.output, HasSubstr("rslidar: port 6699 is in use by another process"));
@@ -41,9 +42,9 @@ TEST(RslidarProcess, SaysThatACaptureIsMissingOrCutOff) {
   EXPECT_THAT(ended.output, HasSubstr("/nowhere/drive.pcap: No such file"));
 
   const std::string recorded = CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap";
-  if (!std::filesystem::exists(recorded)) GTEST_SKIP() << "no recorded data in ../shared/data/rs16";
-  const std::string cut = testing::TempDir() + "cut.pcap";
-  std::filesystem::remove(cut);
+  if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
+  const testing::TemporaryFolder folder;
+  const std::string cut = folder / "cut.pcap";
   std::filesystem::copy_file(recorded, cut);
   std::filesystem::permissions(cut, std::filesystem::perms::owner_all);
   std::filesystem::resize_file(cut, 100'000);
@@ -54,7 +55,7 @@ TEST(RslidarProcess, SaysThatACaptureIsMissingOrCutOff) {
 
 TEST(RslidarProcess, EndsWithACapture) {
   const std::string recorded = CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap";
-  if (!std::filesystem::exists(recorded)) GTEST_SKIP() << "no recorded data in ../shared/data/rs16";
+  if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
   const Ended ended = rslidar("--set pcap=" + recorded + " --set pcap_rate=20");
   EXPECT_EQ(ended.status, 0);
   EXPECT_THAT(ended.output, HasSubstr("end of the capture after 3040 packets"));
@@ -67,4 +68,4 @@ TEST(RslidarProcess, RefusesConfigurationItDoesNotKnow) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::rslidar

@@ -8,7 +8,7 @@
 #include <thread>
 #include <utility>
 
-#include "common/clock.hpp"
+#include "common/time/clock.hpp"
 #include "tests/drivers/byte_stream.hpp"
 #include "tests/drivers/pty.hpp"
 
@@ -22,18 +22,18 @@ extern "C" ssize_t read(int fd, void* buffer, size_t size) {
   return syscall(SYS_read, fd, buffer, size);
 }
 
-namespace curbstone {
+namespace curbstone::serial {
 namespace {
 
 using namespace std::chrono_literals;
 using testing::Bytes;
 
 TEST(SerialLinkTest, ComesBackByItselfAfterTheDeviceWasUnplugged) {
-  testing::Pty pty("curbstone-link");
+  testing::Pty pty;
   EventLoop loop;
   SerialLink link({pty.path(), 115200});
   std::vector<std::string> story;
-  Bytes received;
+  testing::Bytes received;
   link.attach(loop, {[&](std::int64_t, auto bytes) { received.insert(received.end(), bytes.begin(), bytes.end()); },
                      [&](std::int64_t, bool up, const std::string& why) {
                        if (up || why.find("vanished") != std::string::npos) story.push_back(up ? "up" : "vanished");
@@ -41,11 +41,11 @@ TEST(SerialLinkTest, ComesBackByItselfAfterTheDeviceWasUnplugged) {
   int step = 0;
   loop.every(50ms, [&] {
     ++step;
-    if (step == 1) pty.write(Bytes{1, 2});
+    if (step == 1) pty.write(testing::Bytes{1, 2});
     if (step == 3) pty.unplug();
     if (step == 8) pty.plug();
     if (step > 8 && story.size() == 2) {
-      pty.write(Bytes{3});
+      pty.write(testing::Bytes{3});
       if (received.size() >= 3) loop.stop();
     }
     if (step == 200) loop.stop();
@@ -55,12 +55,12 @@ TEST(SerialLinkTest, ComesBackByItselfAfterTheDeviceWasUnplugged) {
   ASSERT_GE(received.size(), 3u);
   EXPECT_EQ(received[0], 1);
   EXPECT_EQ(received[2], 3);
-  link.send(Bytes{9});
-  EXPECT_EQ(pty.wait_and_read(), Bytes{9});
+  link.send(testing::Bytes{9});
+  EXPECT_EQ(pty.wait_and_read(), testing::Bytes{9});
 }
 
 TEST(SerialLinkTest, NothingIsReceivedBeforeItWasSentHoweverBusyTheHost) {
-  testing::Pty pty("curbstone-link");
+  testing::Pty pty;
   EventLoop loop;
   SerialLink link({pty.path(), 115200});
   std::int64_t sent = 0, received = 0;
@@ -73,19 +73,38 @@ TEST(SerialLinkTest, NothingIsReceivedBeforeItWasSentHoweverBusyTheHost) {
   before_the_next_read = [&] {
     std::this_thread::sleep_for(20ms);
     sent = wall_clock();
-    pty.write(Bytes{2});
+    pty.write(testing::Bytes{2});
   };
-  pty.write(Bytes{1});
+  pty.write(testing::Bytes{1});
   loop.run();
   EXPECT_GE(received, sent);
 }
 
 TEST(SerialLinkTest, WhatIsSentWhileTheDeviceIsAwayIsLostWithoutHarm) {
-  testing::Pty pty("curbstone-link");
+  testing::Pty pty;
+  EventLoop loop;
   SerialLink link({pty.path(), 115200});
+  bool vanished = false, back = false;
+  link.attach(loop, {[](std::int64_t, std::span<const std::uint8_t>) {},
+                     [&](std::int64_t, bool up, const std::string&) {
+                       (up ? back : vanished) = true;
+                       if (up) loop.stop();
+                     }});
   pty.unplug();
-  link.send(Bytes(100'000, 7));
+  link.send(testing::Bytes(100'000, 7));  // the link does not know yet
+  int step = 0;
+  loop.every(20ms, [&] {
+    if (vanished && pty.fd() < 0) {
+      link.send(testing::Bytes(100'000, 7));
+      pty.plug();
+    }
+    if (++step == 500) loop.stop();
+  });
+  loop.run();
+  ASSERT_TRUE(vanished && back);
+  link.send(testing::Bytes{9});
+  EXPECT_EQ(pty.wait_and_read(), testing::Bytes{9}) << "and nothing of what was sent meanwhile";
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::serial

@@ -8,7 +8,7 @@
 #include "tests/drivers/byte_stream.hpp"
 #include "tests/drivers/pty.hpp"
 
-namespace curbstone {
+namespace curbstone::serial {
 namespace {
 
 using ::testing::AllOf;
@@ -26,16 +26,16 @@ std::string error_of(const SerialSettings& settings) {
 }
 
 TEST(SerialPortTest, EveryByteGoesThroughUnchangedBothWays) {
-  const Pty pty("curbstone-port");
+  const testing::Pty pty;
   SerialPort port({pty.path(), 921600});
-  Bytes all(256);
+  testing::Bytes all(256);
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint8_t>(i);
   EXPECT_EQ(port.write(all), all.size());
   EXPECT_EQ(pty.wait_and_read(), all);
   pty.write(all);
   pollfd wait{port.fd(), POLLIN, 0};
   ASSERT_EQ(poll(&wait, 1, 1000), 1);
-  Bytes buffer(1000);
+  testing::Bytes buffer(1000);
   const auto read = port.read(buffer);
   ASSERT_EQ(read.status, SerialPort::Status::kData);
   buffer.resize(read.size);
@@ -43,7 +43,7 @@ TEST(SerialPortTest, EveryByteGoesThroughUnchangedBothWays) {
 }
 
 TEST(SerialPortTest, TellsNothingYetFromGone) {
-  Pty pty("curbstone-port");
+  testing::Pty pty;
   SerialPort port({pty.path(), 115200});
   std::array<std::uint8_t, 16> buffer;
   EXPECT_EQ(port.read(buffer).status, SerialPort::Status::kNothing);
@@ -53,7 +53,7 @@ TEST(SerialPortTest, TellsNothingYetFromGone) {
 }
 
 TEST(SerialPortTest, IsHeldByOneProgramAtATime) {
-  const Pty pty("curbstone-port");
+  const testing::Pty pty;
   {
     const SerialPort port({pty.path(), 115200});
     EXPECT_THAT(error_of({pty.path(), 115200}), AllOf(HasSubstr(pty.path()), HasSubstr("another program holds it")));
@@ -69,4 +69,4 @@ TEST(SerialPortTest, ErrorsSayWhatToDo) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::serial

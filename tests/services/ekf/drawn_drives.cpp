@@ -3,10 +3,10 @@
 #include <Eigen/Cholesky>
 #include <random>
 
-namespace curbstone {
+namespace curbstone::ekf {
 
-EkfConfig told() {
-  EkfConfig config;
+base::EkfConfig told() {
+  base::EkfConfig config;
   config.noise.gyro = 3e-4;
   config.noise.accelerometer = 3e-3;
   config.noise.gyro_bias_walk = 2e-5;
@@ -23,7 +23,7 @@ EkfConfig told() {
   return config;
 }
 
-DriveOptions drawn(const EkfConfig& config, unsigned seed) {
+DriveOptions drawn(const base::EkfConfig& config, unsigned seed) {
   std::mt19937_64 random(1000 + seed);
   std::normal_distribution<double> normal;
   const auto vector = [&](double sigma) -> Eigen::Vector3d {
@@ -48,7 +48,7 @@ DriveOptions drawn(const EkfConfig& config, unsigned seed) {
   return o;
 }
 
-double pose_nees(const Estimate& e, const Drive& drive, std::size_t start) {
+double pose_nees(const model::Estimate& e, const Drive& drive, std::size_t start) {
   const Pose truth = drive.T_odom_base(drive.index_of(e.utime), start);
   Eigen::Matrix<double, 6, 1> error;
   error << truth.translation() - e.T_odom_base.translation(),
@@ -56,15 +56,15 @@ double pose_nees(const Estimate& e, const Drive& drive, std::size_t start) {
   return error.dot(e.pose_covariance.ldlt().solve(error));
 }
 
-std::vector<Estimate> run(Filter& filter, const Drive& drive) {
+std::vector<model::Estimate> run(filter::Filter& filter, const Drive& drive) {
   constexpr double kNever[] = {1e9};
   return run_and_look(filter, drive, kNever, [](auto&&...) {});
 }
 
-double end_error(const std::vector<Estimate>& estimates, const Drive& drive) {
+double end_error(const std::vector<model::Estimate>& estimates, const Drive& drive) {
   const std::size_t start = drive.index_of(estimates.front().utime);
   const Pose truth = drive.T_odom_base(drive.index_of(estimates.back().utime), start);
   return (truth.translation() - estimates.back().T_odom_base.translation()).norm() / drive.distance;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::ekf

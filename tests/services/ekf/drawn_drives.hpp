@@ -2,27 +2,28 @@
 
 #include <vector>
 
-#include "services/ekf/filter.hpp"
+#include "services/ekf/filter/filter.hpp"
 #include "tests/services/ekf/simulated_drive.hpp"
 
-namespace curbstone {
+namespace curbstone::ekf {
 
 // 50 runs of n: chi-square with 50 n degrees of freedom, 99.9 % two-sided, over 50.
 inline constexpr int kRuns = 50;
 inline constexpr double kLow6 = 226.0 / kRuns, kHigh6 = 387.0 / kRuns;
 
 /// A filter that is told what drawn() draws from.
-[[nodiscard]] EkfConfig told();
+[[nodiscard]] base::EkfConfig told();
 /// A drive whose errors are drawn from the distributions that the filter is told of.
-[[nodiscard]] DriveOptions drawn(const EkfConfig& config, unsigned seed);
+[[nodiscard]] DriveOptions drawn(const base::EkfConfig& config, unsigned seed);
 
 /// Normalised error squared of a pose; odom began at `start`, an index into the truth.
-[[nodiscard]] double pose_nees(const Estimate& e, const Drive& drive, std::size_t start);
+[[nodiscard]] double pose_nees(const model::Estimate& e, const Drive& drive, std::size_t start);
 
 /// Runs the filter over the drive; `look(k, filter, estimate, start)` at each of the times.
 template <std::size_t N, class Look>
-std::vector<Estimate> run_and_look(Filter& filter, const Drive& drive, const double (&times)[N], Look look) {
-  std::vector<Estimate> out;
+std::vector<model::Estimate> run_and_look(filter::Filter& filter, const Drive& drive, const double (&times)[N],
+                                          Look look) {
+  std::vector<model::Estimate> out;
   std::size_t start = 0;
   std::size_t k = 0;
   std::size_t w = 0;
@@ -32,15 +33,15 @@ std::vector<Estimate> run_and_look(Filter& filter, const Drive& drive, const dou
     const bool first = out.empty();
     filter.add(drive.imu[i], out);
     if (first) start = i;
-    if (k == N || seconds_between(drive.imu.front().utime, drive.imu[i].utime) < times[k]) continue;
+    if (k == N || base::seconds_between(drive.imu.front().utime, drive.imu[i].utime) < times[k]) continue;
     look(k++, out.back(), start);
   }
   return out;
 }
 
 /// Runs the filter over the drive.
-[[nodiscard]] std::vector<Estimate> run(Filter& filter, const Drive& drive);
+[[nodiscard]] std::vector<model::Estimate> run(filter::Filter& filter, const Drive& drive);
 /// How far the last estimate is off, as a share of the way; odom began at the first one.
-[[nodiscard]] double end_error(const std::vector<Estimate>& estimates, const Drive& drive);
+[[nodiscard]] double end_error(const std::vector<model::Estimate>& estimates, const Drive& drive);
 
-}  // namespace curbstone
+}  // namespace curbstone::ekf

@@ -9,13 +9,13 @@
 #include <curbstone/odometry_t.hpp>
 #include <exception>
 
-#include "common/local_bus.hpp"
+#include "common/bus/local_bus.hpp"
 #include "common/log/log_reader.hpp"
 #include "common/log/message_order.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_node.hpp"
-#include "tools/evaluate/trajectory.hpp"
-#include "tools/evaluate/truth.hpp"
+#include "tools/evaluate/truth/trajectory.hpp"
+#include "tools/evaluate/truth/truth.hpp"
 
 using namespace curbstone;
 
@@ -23,22 +23,22 @@ namespace {
 
 /// What odometry_t does not tell.
 struct Calibration {
-  NavState mean;
+  ekf::model::NavState mean;
   double axle_sigma;  // m
 };
 
 struct Run {
   std::vector<odometry_t> odometry;
   std::vector<Calibration> calibration;  // one for each
-  Trajectory map;
+  evaluate::truth::Trajectory map;
   double seconds = 0.0;  // of CPU in the node
 };
 
-Run run(const std::string& log_file, EkfNode& node, MapperNode* mapper, LocalBus& bus) {
+Run run(const std::string& log_file, ekf::EkfNode& node, mapper::MapperNode* mapper, LocalBus& bus) {
   Run out;
   bus.subscribe<odometry_t>("ODOMETRY", [&](const odometry_t& m) {
     out.odometry.push_back(m);
-    const Belief& belief = node.filter().filter().belief();
+    const ekf::model::Belief& belief = node.filter().filter().belief();
     out.calibration.push_back({belief.mean, std::sqrt(belief.covariance(kAxle, kAxle))});
   });
   bus.subscribe<map_pose_t>("MAP_POSE", [&](const map_pose_t& m) {
@@ -65,11 +65,12 @@ Run run(const std::string& log_file, EkfNode& node, MapperNode* mapper, LocalBus
   return out;
 }
 
-void compare(const Run& result, const Trajectory& truth) {
-  Trajectory estimate;
+void compare(const Run& result, const evaluate::truth::Trajectory& truth) {
+  evaluate::truth::Trajectory estimate;
   for (const odometry_t& m : result.odometry)
     estimate.push_back({m.utime, pose_from_arrays(m.position, m.orientation)});
-  const TrajectoryErrors errors = trajectory_errors(pair_up(truth, estimate));
+  const evaluate::truth::TrajectoryErrors errors =
+      evaluate::truth::trajectory_errors(evaluate::truth::pair_up(truth, estimate));
   std::printf("distance %.1f m, ATE %.3f m, RPE %.3f %%, %.5f deg/m, end %.3f %%\n", errors.distance_m, errors.ate_m,
               errors.rpe_percent, errors.rpe_deg_per_m, errors.end_percent);
   std::optional<Pose> T_truth_odom;
@@ -78,7 +79,7 @@ void compare(const Run& result, const Trajectory& truth) {
   double nees = 0.0;
   for (std::size_t i = 0; i < result.odometry.size(); ++i) {
     const odometry_t& m = result.odometry[i];
-    const auto T_truth_base = pose_at(truth, m.utime);
+    const auto T_truth_base = evaluate::truth::pose_at(truth, m.utime);
     if (!T_truth_base) continue;
     const Pose T_odom_base = pose_from_arrays(m.position, m.orientation);
     const Eigen::Vector3d rpy_truth = roll_pitch_yaw(T_truth_base->linear());
@@ -118,30 +119,31 @@ int main(int argc, char** argv) try {
     std::fprintf(stderr, "usage: odometry_on_log LOG [TRUTH_FOLDER [KEY=VALUE...]]\n");
     return 2;
   }
-  ConfigOf<EkfConfig> config;
+  ConfigOf<ekf::base::EkfConfig> config;
   for (int i = 3; i < argc; ++i) set_config_value(argv[i], config);
   LocalBus bus;
-  EkfNode node(config.value, bus);
+  ekf::EkfNode node(config.value, bus);
   node.connect(bus);
-  std::optional<MapperNode> mapper;
+  std::optional<mapper::MapperNode> mapper;
   if (config.value.fuse_map) {
-    mapper.emplace(MapperConfig{}, bus);
+    mapper.emplace(mapper::config::MapperConfig{}, bus);
     mapper->connect(bus);
   }
   const Run result = run(argv[1], node, mapper ? &*mapper : nullptr, bus);
   if (result.odometry.empty()) throw std::runtime_error("no odometry");
   if (argc > 2) {
-    const Trajectory truth = load_truth(argv[2]).poses;
+    const evaluate::truth::Trajectory truth = evaluate::truth::load_truth(argv[2]).poses;
     compare(result, truth);
     if (mapper) {
-      const TrajectoryErrors errors = trajectory_errors(pair_up(truth, result.map));
+      const evaluate::truth::TrajectoryErrors errors =
+          evaluate::truth::trajectory_errors(evaluate::truth::pair_up(truth, result.map));
       std::printf("map: ATE %.4f m, RPE %.4f %%, %.5f deg/m, end %.4f %%\n", errors.ate_m, errors.rpe_percent,
                   errors.rpe_deg_per_m, errors.end_percent);
     }
   }
   const double span = 1e-6 * static_cast<double>(result.odometry.back().utime - result.odometry.front().utime);
   std::printf("%zu estimates over %.1f s, %.4f cores\n", result.odometry.size(), span, result.seconds / span);
-  const NavState& state = node.filter().filter().belief().mean;
+  const ekf::model::NavState& state = node.filter().filter().belief().mean;
   std::printf("wheel scale %.4f %.4f %.4f, axle %.3f m\n", state.wheel_scale.x(), state.wheel_scale.y(),
               state.wheel_scale.z(), state.axle);
   const NodeReport report = node.report();

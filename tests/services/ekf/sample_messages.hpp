@@ -4,12 +4,12 @@
 #include <curbstone/imu_t.hpp>
 #include <curbstone/wheels_t.hpp>
 
-#include "services/ekf/samples.hpp"
+#include "services/ekf/base/samples.hpp"
 
-namespace curbstone {
+namespace curbstone::ekf {
 
 /// A simulated sample as its driver would send it.
-inline imu_t message_of(const ImuSample& sample, std::int32_t sequence) {
+inline imu_t message_of(const base::ImuSample& sample, std::int32_t sequence) {
   imu_t m{};
   m.utime = sample.utime;
   m.sequence = sequence;
@@ -20,7 +20,7 @@ inline imu_t message_of(const ImuSample& sample, std::int32_t sequence) {
   return m;
 }
 
-inline wheels_t message_of(const WheelSample& sample, std::int32_t sequence) {
+inline wheels_t message_of(const base::WheelSample& sample, std::int32_t sequence) {
   wheels_t m{};
   m.utime = sample.utime;
   m.sequence = sequence;
@@ -30,4 +30,4 @@ inline wheels_t message_of(const WheelSample& sample, std::int32_t sequence) {
   return m;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::ekf

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace curbstone {
+namespace curbstone::ekf {
 
 namespace {
 
@@ -144,4 +144,4 @@ Drive simulate_drive(const DriveOptions& o, const VehicleConfig& vehicle) {
   return drive;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::ekf

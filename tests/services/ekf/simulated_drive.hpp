@@ -3,11 +3,11 @@
 #include <random>
 #include <vector>
 
-#include "common/geometry.hpp"
-#include "services/ekf/ekf_config.hpp"
-#include "services/ekf/samples.hpp"
+#include "common/geometry/geometry.hpp"
+#include "services/ekf/base/ekf_config.hpp"
+#include "services/ekf/base/samples.hpp"
 
-namespace curbstone {
+namespace curbstone::ekf {
 
 /// A drive whose truth is known: a vehicle on hilly ground that curves, stops and goes on, with an IMU and wheels as
 /// bad as told. Deterministic by seed.
@@ -45,10 +45,10 @@ struct TruePose {
 };
 
 struct Drive {
-  std::vector<ImuSample> imu;       ///< 100 Hz
-  std::vector<WheelSample> wheels;  ///< 100 Hz, 4 ms after the IMU's stamps
-  std::vector<TruePose> truth;      ///< at the IMU's stamps
-  double distance = 0.0;            ///< m
+  std::vector<base::ImuSample> imu;       ///< 100 Hz
+  std::vector<base::WheelSample> wheels;  ///< 100 Hz, 4 ms after the IMU's stamps
+  std::vector<TruePose> truth;            ///< at the IMU's stamps
+  double distance = 0.0;                  ///< m
 
   /// The true pose at a time, in the frame that the filter calls odom if it started at `start`: there base_link is at
   /// the origin with yaw 0.
@@ -59,4 +59,4 @@ struct Drive {
 
 [[nodiscard]] Drive simulate_drive(const DriveOptions& options, const VehicleConfig& vehicle);
 
-}  // namespace curbstone
+}  // namespace curbstone::ekf

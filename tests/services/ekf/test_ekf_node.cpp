@@ -3,66 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <curbstone/map_pose_t.hpp>
-#include <curbstone/odometry_t.hpp>
-#include <curbstone/pose_t.hpp>
-#include <limits>
 #include <random>
 
-#include "common/local_bus.hpp"
-#include "tests/services/ekf/sample_messages.hpp"
-#include "tests/services/ekf/simulated_drive.hpp"
+#include "tests/services/ekf/ekf_node_test.hpp"
 
-namespace curbstone {
+namespace curbstone::ekf {
 namespace {
-
-DriveOptions short_drive() {
-  DriveOptions o;
-  o.seconds = 20.0;
-  o.gyro_bias << 0.004, -0.006, 0.008;
-  o.accelerometer_bias << 0.03, -0.02, 0.04;
-  return o;
-}
-
-class EkfNodeTest : public ::testing::Test {
- protected:
-  EkfNodeTest() : drive_(simulate_drive(short_drive(), config_.vehicle)) {}
-
-  /// A node on a bus of its own, whose every published byte is kept.
-  struct Rig {
-    explicit Rig(const EkfConfig& config) : node(config, bus) {
-      bus.tap([this](const std::string& channel, const void* data, int size, std::int64_t) {
-        if (channel == "ODOMETRY" || channel == "POSE")
-          bytes.append(static_cast<const char*>(data), static_cast<std::size_t>(size));
-      });
-      node.connect(bus);
-      bus.subscribe<odometry_t>("ODOMETRY", [this](const odometry_t& m) { odometry.push_back(m); });
-      bus.subscribe<pose_t>("POSE", [this](const pose_t& m) { poses.push_back(m); });
-    }
-    template <class Message>
-    void send(const std::string& channel, const Message& message) {
-      bus.publish(channel, message);
-      bus.dispatch();
-    }
-    void finish() {
-      node.finish();
-      bus.dispatch();
-    }
-    LocalBus bus;
-    EkfNode node;
-    std::vector<odometry_t> odometry;
-    std::vector<pose_t> poses;
-    std::string bytes;
-  };
-
-  void send(Rig& rig, std::size_t i) {
-    rig.send("WHEELS", message_of(drive_.wheels[i], static_cast<std::int32_t>(i)));
-    rig.send("IMU", message_of(drive_.imu[i], static_cast<std::int32_t>(i)));
-  }
-
-  EkfConfig config_;
-  Drive drive_;
-};
 
 TEST_F(EkfNodeTest, PublishesOneOdometryAndOnePoseForEveryImuSample) {
   Rig rig(config_);
@@ -70,7 +16,7 @@ TEST_F(EkfNodeTest, PublishesOneOdometryAndOnePoseForEveryImuSample) {
   rig.finish();
   ASSERT_FALSE(rig.odometry.empty());
   const std::size_t first = drive_.index_of(rig.odometry.front().utime);
-  EXPECT_NEAR(seconds_between(drive_.imu.front().utime, rig.odometry.front().utime), config_.start.still, 0.02);
+  EXPECT_NEAR(base::seconds_between(drive_.imu.front().utime, rig.odometry.front().utime), config_.start.still, 0.02);
   ASSERT_EQ(rig.odometry.size(), drive_.imu.size() - first);
   ASSERT_EQ(rig.poses.size(), rig.odometry.size());
   for (std::size_t i = 0; i < rig.odometry.size(); ++i) {
@@ -133,108 +79,6 @@ TEST_F(EkfNodeTest, ItsOutputIsTheSameBitForBitHoweverTheChannelsInterleave) {
   }
 }
 
-map_pose_t map_pose(const TruePose& truth) {
-  map_pose_t m{};
-  m.utime = truth.utime;
-  m.epoch = 7;
-  m.flags = map_pose_t::REGISTERED;
-  pose_to_arrays(truth.T_world_base, m.map_base_position, m.map_base_orientation);
-  for (int i = 0; i < 6; ++i) m.covariance[7 * i] = 1e-5F;
-  return m;
-}
-
-TEST_F(EkfNodeTest, MapPosesAreTakenOnlyIfWantedAndWorkTheSameHoweverSoonTheyCome) {
-  const auto run = [&](bool fuse, std::size_t samples_late) {
-    config_.fuse_map = fuse;
-    Rig rig(config_);
-    for (std::size_t i = 0; i < drive_.imu.size(); ++i) {
-      send(rig, i);
-      if (i % 5 == 0 && i >= 200 + samples_late) rig.send("MAP_POSE", map_pose(drive_.truth[i - samples_late]));
-    }
-    rig.finish();
-    EXPECT_EQ(rig.node.report().counters["map.used"] > 20, fuse);
-    EXPECT_EQ(rig.node.report().counters["dropped.late.map"], 0);
-    return rig.bytes;
-  };
-  const std::string alone = run(false, 0);
-  const std::string at_once = run(true, 0);
-  EXPECT_TRUE(at_once == run(true, 20));  // 0.2 s late, as a mapper that works hard
-  EXPECT_FALSE(at_once == alone);
-}
-
-TEST_F(EkfNodeTest, MapPosesThatJumpOrAreNoneDoNotMoveOdom) {
-  config_.fuse_map = true;
-  Rig rig(config_);
-  std::mt19937 random(4);
-  for (std::size_t i = 0; i < drive_.imu.size(); ++i) {
-    send(rig, i);
-    if (i % 5 != 0 || i < 200) continue;
-    map_pose_t m = map_pose(drive_.truth[i]);
-    switch (random() % 6) {
-      case 0:
-        m.map_base_position[0] += 30.0;
-        break;
-      case 1:
-        m.map_base_orientation[0] = std::numeric_limits<double>::quiet_NaN();
-        break;
-      case 2:
-        m.covariance[0] = -std::numeric_limits<float>::infinity();
-        break;
-      case 3:
-        m.flags = 0;
-        break;
-      case 4:
-        m.utime += static_cast<std::int64_t>(random()) * 1000;
-        break;
-      default:
-        break;
-    }
-    rig.send("MAP_POSE", m);
-  }
-  rig.finish();
-  for (std::size_t i = 1; i < rig.odometry.size(); ++i) {
-    const Eigen::Vector3d step =
-        Eigen::Vector3d(rig.odometry[i].position) - Eigen::Vector3d(rig.odometry[i - 1].position);
-    ASSERT_LT(step.norm(), 0.05);
-  }
-  EXPECT_NEAR(rig.odometry.back().velocity[0], drive_.truth.back().velocity.x(), 0.1);
-}
-
-TEST_F(EkfNodeTest, MapPosesThatTheMapperDoesNotTrustAreNotTakenAndCounted) {
-  config_.fuse_map = true;
-  Rig alone(EkfConfig{});
-  Rig rig(config_);
-  for (std::size_t i = 0; i < drive_.imu.size(); ++i) {
-    send(alone, i);
-    send(rig, i);
-    if (i % 5 != 0 || i < 200) continue;
-    map_pose_t m = map_pose(drive_.truth[i]);
-    m.map_base_position[0] += 0.02 * static_cast<double>(i % 50);
-    switch (i / 5 % 4) {
-      case 0:
-        m.flags |= map_pose_t::LOST;  // found again perhaps, or somewhere that looks like it
-        break;
-      case 1:
-        m.flags = 0;
-        break;
-      case 2:
-        m.covariance[7] = 4.0F;
-        break;
-      default:
-        m.map_base_position[1] = std::numeric_limits<double>::infinity();
-        break;
-    }
-    rig.send("MAP_POSE", m);
-  }
-  alone.finish();
-  rig.finish();
-  EXPECT_TRUE(rig.bytes == alone.bytes);
-  const NodeReport report = rig.node.report();
-  for (const char* cause : {"lost", "not_registered", "uncertain", "not_finite"})
-    EXPECT_GT(report.counters["refused." + std::string(cause) + ".map"], 80) << cause;
-  EXPECT_EQ(report.counters["map.used"], 0);
-}
-
 TEST_F(EkfNodeTest, SaysWhichSensorIsSilentAndThatItRecovered) {
   Rig rig(config_);
   for (std::size_t i = 0; i < 500; ++i) send(rig, i);
@@ -276,106 +120,5 @@ TEST_F(EkfNodeTest, PassesOnTheDrivesFaults) {
   EXPECT_THAT(rig.node.report().faults, ::testing::ElementsAre("WHEELS: right drive reports fault 0x2310"));
 }
 
-TEST_F(EkfNodeTest, GarbageIsCountedAndChangesNothing) {
-  Rig clean(config_);
-  Rig dirty(config_);
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  const double infinite = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < drive_.imu.size(); ++i) {
-    send(clean, i);
-    send(dirty, i);
-    imu_t imu = message_of(drive_.imu[i], static_cast<std::int32_t>(i));
-    wheels_t wheels = message_of(drive_.wheels[i], static_cast<std::int32_t>(i));
-    imu.utime += 1000;
-    wheels.utime += 1000;
-    switch (i % 8) {
-      case 0:
-        imu.angular_rate[i % 3] = nan;
-        break;
-      case 1:
-        imu.acceleration[i % 3] = infinite;
-        break;
-      case 2:
-        imu.acceleration[i % 3] = -1e6;
-        break;
-      case 3:
-        imu.utime = -5;
-        break;
-      case 4:
-        imu.utime = std::numeric_limits<std::int64_t>::max();
-        break;
-      case 5:
-        imu.utime -= 1000;
-        break;  // a duplicate
-      case 6:
-        imu.utime += 3'600'000'000;
-        break;
-      case 7:
-        imu.utime -= 3'600'000'000;
-        break;
-    }
-    if (i % 8 < 3) wheels.angle[i % 2] = i % 8 == 0 ? nan : (i % 8 == 1 ? infinite : 1e300);
-    if (i % 8 >= 3)
-      wheels.utime = i % 8 == 3 ? 0 : (i % 8 == 4 ? std::numeric_limits<std::int64_t>::min() : wheels.utime - 1000);
-    dirty.send("IMU", imu);
-    dirty.send("WHEELS", wheels);
-  }
-  clean.finish();
-  dirty.finish();
-  EXPECT_TRUE(clean.bytes == dirty.bytes);
-  const NodeReport report = dirty.node.report();
-  for (const char* name : {"refused.not_finite.imu", "refused.absurd.imu", "refused.stamp.imu",
-                           "refused.not_finite.wheels", "refused.absurd.wheels", "refused.stamp.wheels",
-                           "dropped.duplicate.imu", "dropped.stray_stamp.imu", "dropped.duplicate.wheels"}) {
-    EXPECT_GT(report.counters[name], 100) << name;
-  }
-}
-
-TEST_F(EkfNodeTest, SurvivesPlausibleNonsenseAndRecovers) {
-  Rig rig(config_);
-  std::mt19937_64 random(7);
-  std::uniform_real_distribution<double> any(-1.0, 1.0);
-  for (std::size_t i = 0; i < drive_.imu.size(); ++i) {
-    imu_t imu = message_of(drive_.imu[i], static_cast<std::int32_t>(i));
-    wheels_t wheels = message_of(drive_.wheels[i], static_cast<std::int32_t>(i));
-    if (i > 500 && i < 800) {
-      for (double& x : imu.angular_rate) x = 60.0 * any(random);
-      for (double& x : imu.acceleration) x = 300.0 * any(random);
-      for (double& x : wheels.angle) x = 1e6 * any(random);
-      imu.utime += static_cast<std::int64_t>(30'000 * any(random));
-      wheels.utime += static_cast<std::int64_t>(30'000 * any(random));
-    }
-    rig.send("WHEELS", wheels);
-    rig.send("IMU", imu);
-  }
-  rig.finish();
-  for (const odometry_t& m : rig.odometry) {
-    ASSERT_TRUE(is_finite(pose_from_arrays(m.position, m.orientation)));
-    ASSERT_TRUE(Eigen::Vector3d(m.velocity).allFinite());
-    for (const float c : m.pose_covariance) ASSERT_TRUE(std::isfinite(c));
-  }
-  const odometry_t& last = rig.odometry.back();
-  EXPECT_NEAR(last.velocity[0], drive_.truth.back().velocity.x(), 0.2);
-  EXPECT_LT(std::abs(last.velocity[1]) + std::abs(last.velocity[2]), 0.3);
-}
-
-TEST_F(EkfNodeTest, RandomBytesOnItsChannelsAreCounted) {
-  Rig rig(config_);
-  std::mt19937 random(11);
-  std::vector<std::uint8_t> good(static_cast<std::size_t>(message_of(drive_.imu[0], 0).getEncodedSize()));
-  for (std::size_t i = 0; i < 1000; ++i) {
-    message_of(drive_.imu[i], static_cast<std::int32_t>(i)).encode(good.data(), 0, static_cast<int>(good.size()));
-    std::vector<std::uint8_t> bytes(good.begin(),
-                                    good.begin() + static_cast<std::ptrdiff_t>(random() % (good.size() + 1)));
-    for (int flips = 0; flips < 3 && !bytes.empty(); ++flips)
-      bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1U << random() % 8);
-    rig.bus.inject(i % 2 ? "IMU" : "WHEELS", bytes.data(), static_cast<int>(bytes.size()));
-    rig.bus.dispatch();
-  }
-  EXPECT_GT(rig.bus.counters()["refused.undecodable"], 500);
-  for (std::size_t i = 0; i < drive_.imu.size(); ++i) send(rig, i);
-  EXPECT_FALSE(rig.odometry.empty());
-}
-
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::ekf

@@ -10,14 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "common/local_bus.hpp"
+#include "common/bus/local_bus.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "tests/services/ekf/sample_messages.hpp"
 #include "tests/services/ekf/simulated_drive.hpp"
 #include "tests/services/mapper/synthetic_world.hpp"
 
-namespace curbstone {
+namespace curbstone::ekf {
 namespace {
 
 constexpr double kPeriod = 0.05;  // s, of a revolution
@@ -43,7 +43,7 @@ const Drive& street_drive() {
     o.curves = 0.03;
     o.gyro_bias << 0.004, -0.006, 0.008;
     o.wheel_scale << kScale, kScale, 0;
-    return simulate_drive(o, EkfConfig{}.vehicle);
+    return simulate_drive(o, base::EkfConfig{}.vehicle);
   }();
   return drive;
 }
@@ -71,7 +71,7 @@ struct Scene {
 /// Hears what it is given, and speaks to all: it may be killed, and another take its place.
 struct MapperProcess {
   LocalBus ears;
-  MapperNode node;
+  mapper::MapperNode node;
   explicit MapperProcess(LocalBus& bus) : node({}, bus) { node.connect(ears); }
   template <class Message>
   void hear(const std::string& channel, const Message& message) {
@@ -96,8 +96,8 @@ struct Vehicle {
     });
     bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { map.push_back(m); });
   }
-  static EkfConfig config(bool fuse) {
-    EkfConfig config;
+  static base::EkfConfig config(bool fuse) {
+    base::EkfConfig config;
     config.fuse_map = fuse;
     return config;
   }
@@ -205,4 +205,4 @@ TEST(FuseMap, PosesThatAreWrongAndAMapThatBeginsAnewDoTheFilterNoHarm) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::ekf

@@ -7,7 +7,7 @@
 #include "tools/simulate/sensors/imu_model.hpp"
 #include "tools/simulate/sensors/wheel_model.hpp"
 
-namespace curbstone {
+namespace curbstone::ekf {
 
 namespace {
 
@@ -16,9 +16,10 @@ constexpr double kPeriod = 0.01;                        // s, of both sensors
 constexpr double kWheelPhase = 0.004;                   // s, wheels after IMU
 
 /// The town's motion is the axle's; base_link is elsewhere along the vehicle, and looks a little elsewhere.
-class ShiftedMotion final : public Motion {
+class ShiftedMotion final : public simulate::motion::Motion {
  public:
-  ShiftedMotion(const Motion& axle, const TownDriveOptions& o) : axle_(axle), T_axle_base_(Pose::Identity()) {
+  ShiftedMotion(const simulate::motion::Motion& axle, const TownDriveOptions& o)
+      : axle_(axle), T_axle_base_(Pose::Identity()) {
     // The axle's x, seen from base_link, is (1, c0, c1).
     const Eigen::Matrix3d R_base_axle = rotation_from_rpy(0, -o.course[1], o.course[0]);
     T_axle_base_.linear() = R_base_axle.transpose();
@@ -27,34 +28,36 @@ class ShiftedMotion final : public Motion {
   [[nodiscard]] Pose T_world_base(double t) const override { return axle_.T_world_base(t) * T_axle_base_; }
 
  private:
-  const Motion& axle_;
+  const simulate::motion::Motion& axle_;
   Pose T_axle_base_;
 };
 
-const Town& the_town() {
-  static const Town town({.seed = 1});
+const simulate::world::Town& the_town() {
+  static const simulate::world::Town town({.seed = 1});
   return town;
 }
 
 }  // namespace
 
 Drive simulate_town_drive(const TownDriveOptions& o, const VehicleConfig& vehicle) {
-  const TownMotion of_axle(the_town(), vehicle, SpeedProfile({.speed = o.speed}, o.seconds));
+  const simulate::motion::TownMotion of_axle(the_town(), vehicle,
+                                             simulate::motion::SpeedProfile({.speed = o.speed}, o.seconds));
   const ShiftedMotion motion(of_axle, o);
-  ImuNoise imu_noise;
-  WheelNoise wheel_noise;
+  simulate::sensors::ImuNoise imu_noise;
+  simulate::sensors::WheelNoise wheel_noise;
   if (!o.slip) wheel_noise.slips_per_minute = 0;
   VehicleConfig true_vehicle = vehicle;
   true_vehicle.wheel_radius *= 1.0 + o.scale;
   true_vehicle.track_width *= 1.0 + o.track;
-  ImuModel imu(imu_noise, true_vehicle, motion, Random(o.seed).fork(11));
-  WheelModel wheels(wheel_noise, true_vehicle, motion, o.seconds, Random(o.seed).fork(12));
+  simulate::sensors::ImuModel imu(imu_noise, true_vehicle, motion, simulate::numerics::Random(o.seed).fork(11));
+  simulate::sensors::WheelModel wheels(wheel_noise, true_vehicle, motion, o.seconds,
+                                       simulate::numerics::Random(o.seed).fork(12));
 
   Drive drive;
   const auto utime = [](double t) { return kStart + std::llround(t * 1e6); };
   const double radians = 2.0 * std::numbers::pi / wheel_noise.counts_per_revolution;
   for (double t = kPeriod; t < o.seconds; t += kPeriod) {
-    const Inertia inertia = imu.sample(t);
+    const simulate::motion::Inertia inertia = imu.sample(t);
     drive.imu.push_back({utime(t), inertia.angular_rate, inertia.specific_force});
     const auto counts = wheels.counts(t + kWheelPhase);
     drive.wheels.push_back(
@@ -73,4 +76,4 @@ Drive simulate_town_drive(const TownDriveOptions& o, const VehicleConfig& vehicl
   return drive;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::ekf

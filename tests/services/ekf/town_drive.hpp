@@ -2,7 +2,7 @@
 
 #include "tests/services/ekf/simulated_drive.hpp"
 
-namespace curbstone {
+namespace curbstone::ekf {
 
 /// A drive round the block of the simulated town, with the simulator's own sensors, noise and slip events: what
 /// `curbstone simulate --town` records of IMU and WHEELS, less the delays of their serial lines.
@@ -19,4 +19,4 @@ struct TownDriveOptions {
 };
 [[nodiscard]] Drive simulate_town_drive(const TownDriveOptions& options, const VehicleConfig& vehicle);
 
-}  // namespace curbstone
+}  // namespace curbstone::ekf

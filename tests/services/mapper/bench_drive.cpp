@@ -11,13 +11,13 @@
 #include <fstream>
 #include <map>
 
-#include "common/local_bus.hpp"
+#include "common/bus/local_bus.hpp"
 #include "common/log/log_reader.hpp"
 #include "common/log/message_order.hpp"
 #include "drivers/rslidar/packet_feed.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_node.hpp"
-#include "tools/evaluate/trajectory.hpp"
+#include "tools/evaluate/truth/trajectory.hpp"
 #include "tools/simulate/truth/gray_image.hpp"
 
 namespace {
@@ -30,7 +30,7 @@ struct MapPoint {
 
 struct Result {
   std::vector<map_pose_t> poses;
-  Trajectory odometry;
+  evaluate::truth::Trajectory odometry;
   std::vector<MapPoint> points;
   std::vector<double> ms;
   std::size_t largest = 0;
@@ -42,8 +42,8 @@ double cpu_ms() {
   return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
 }
 
-Trajectory read_truth(const std::string& file) {
-  Trajectory out;
+evaluate::truth::Trajectory read_truth(const std::string& file) {
+  evaluate::truth::Trajectory out;
   std::ifstream in(file);
   std::string line;
   std::getline(in, line);
@@ -65,7 +65,8 @@ void draw(const std::string& file, const Result& result) {
     low[1] = std::min(low[1], p.y), high[1] = std::max(high[1], p.y);
   }
   const double size = std::max(0.02, std::max(high[0] - low[0], high[1] - low[1]) / 1600);
-  GrayImage image(static_cast<int>((high[0] - low[0]) / size) + 1, static_cast<int>((high[1] - low[1]) / size) + 1);
+  simulate::truth::GrayImage image(static_cast<int>((high[0] - low[0]) / size) + 1,
+                                   static_cast<int>((high[1] - low[1]) / size) + 1);
   std::map<std::pair<int, int>, double> ground;  // 1 m cells
   const auto cell = [](const MapPoint& p) {
     return std::pair(static_cast<int>(std::floor(p.x)), static_cast<int>(std::floor(p.y)));
@@ -79,17 +80,19 @@ void draw(const std::string& file, const Result& result) {
     auto& pixel = image.at(static_cast<int>((p.x - low[0]) / size), static_cast<int>((high[1] - p.y) / size));
     pixel = std::max(pixel, static_cast<std::uint8_t>(std::clamp(60 + 195 * height / 0.5, 60.0, 255.0)));
   }
-  write_png(file, image);
+  simulate::truth::write_png(file, image);
 }
 
-void report(const std::string& name, const Trajectory& track, const Trajectory& truth) {
-  const TrajectoryErrors e = trajectory_errors(pair_up(truth, track));
+void report(const std::string& name, const evaluate::truth::Trajectory& track,
+            const evaluate::truth::Trajectory& truth) {
+  const evaluate::truth::TrajectoryErrors e =
+      evaluate::truth::trajectory_errors(evaluate::truth::pair_up(truth, track));
   fmt::print("{}: t_rel {:.3f} %  r_rel {:.4f} deg/m  ATE {:.3f} m  end {:.3f} %  of {:.1f} m\n", name, e.rpe_percent,
              e.rpe_deg_per_m, e.ate_m, e.end_percent, e.distance_m);
 }
 
-void feed_log(const std::string& file, bool with_odometry, LocalBus& bus, MapperNode& node, Result& result) {
-  EkfNode ekf(EkfConfig{}, bus);
+void feed_log(const std::string& file, bool with_odometry, LocalBus& bus, mapper::MapperNode& node, Result& result) {
+  ekf::EkfNode ekf(ekf::base::EkfConfig{}, bus);
   if (with_odometry) ekf.connect(bus);
   LogReader reader(file);
   MessageOrder order;
@@ -121,7 +124,7 @@ int main(int argc, char** argv) {
   const std::string file = argv[1];
   std::string truth_file, png;
   bool with_odometry = true;
-  ConfigOf<MapperConfig> config;
+  ConfigOf<mapper::config::MapperConfig> config;
   for (int i = 2; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument.starts_with("truth="))
@@ -134,7 +137,7 @@ int main(int argc, char** argv) {
       set_config_value(argument, config);
   }
   LocalBus bus;
-  MapperNode node(config.value, bus);
+  mapper::MapperNode node(config.value, bus);
   node.connect(bus);
   Result result;
   bus.subscribe<map_pose_t>("MAP_POSE", [&](const map_pose_t& m) { result.poses.push_back(m); });
@@ -146,10 +149,10 @@ int main(int argc, char** argv) {
     result.largest = std::max(result.largest, static_cast<std::size_t>(m.getEncodedSize()));
   });
   if (file.ends_with(".pcap")) {
-    RslidarConfig lidar;
+    rslidar::RslidarConfig lidar;
     lidar.pcap = file;
-    RslidarNode driver(lidar, bus);
-    fmt::print("{} packets\n", feed_whole_capture(lidar, driver));
+    rslidar::RslidarNode driver(lidar, bus);
+    fmt::print("{} packets\n", rslidar::feed_whole_capture(lidar, driver));
     bus.dispatch();
   } else {
     feed_log(file, with_odometry, bus, node, result);
@@ -157,7 +160,7 @@ int main(int argc, char** argv) {
   node.finish();
   bus.dispatch();
   for (const TileKey& key : node.mapper().dense().keys()) {
-    const DenseTile& tile = *node.mapper().dense().tile(key);
+    const mapper::dense_map::DenseTile& tile = *node.mapper().dense().tile(key);
     for (const TilePoint& p : tile.points()) {
       result.points.push_back({key.x * kTileSize + p.x * kPositionStep, key.y * kTileSize + p.y * kPositionStep,
                                tile.z_origin() + p.z * kPositionStep});
@@ -167,7 +170,7 @@ int main(int argc, char** argv) {
   std::sort(result.ms.begin(), result.ms.end());
   double residual = 0, inliers = 0, iterations = 0;
   int registered = 0, degenerate = 0, stationary = 0, without = 0;
-  Trajectory track;
+  evaluate::truth::Trajectory track;
   for (const map_pose_t& m : result.poses) {
     track.push_back({m.utime, pose_from_arrays(m.map_base_position, m.map_base_orientation)});
     residual += static_cast<double>(m.residual), inliers += static_cast<double>(m.inlier_ratio),

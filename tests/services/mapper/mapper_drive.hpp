@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "services/mapper/mapper.hpp"
-#include "services/mapper/revolution_assembler.hpp"
+#include "services/mapper/scan/scan_assembler.hpp"
 #include "tests/services/mapper/synthetic_world.hpp"
 
 namespace curbstone::test {
@@ -19,11 +19,11 @@ inline std::int64_t utime(double seconds) {
 
 /// A vehicle at 3 m/s on a gentle curve.
 inline Pose driving(double t) {
-  return pose(-10, 0, 0, 0, 0, 0) * move({{3, 0, 0}, {0, 0, 0.05}}, t);
+  return pose(-10, 0, 0, 0, 0, 0) * mapper::scan::move({{3, 0, 0}, {0, 0, 0.05}}, t);
 }
 
-inline Revolution revolution_of(const std::vector<lidar_points_t>& packets) {
-  RevolutionAssembler assembler;
+inline mapper::scan::Scan scan_of(const std::vector<lidar_points_t>& packets) {
+  mapper::scan::ScanAssembler assembler;
   for (const lidar_points_t& packet : packets) (void)assembler.add(packet);
   return *assembler.flush();
 }
@@ -32,14 +32,15 @@ inline Revolution revolution_of(const std::vector<lidar_points_t>& packets) {
 struct MapperDrive {
   SyntheticWorld world = street();
   SyntheticWorld::Trajectory trajectory = driving;
-  MapperConfig config;
-  std::optional<Mapper> mapper;
-  OdometryHistory odometry;
+  mapper::config::MapperConfig config;
+  std::optional<mapper::Mapper> mapper;
+  mapper::scan::OdometryHistory odometry;
   Pose T_world_map = Pose::Identity();
   int turn = 0;
 
   explicit MapperDrive(const std::string& method = "icp") {
-    config.method = method;
+    config.registration.method =
+        method == "loam" ? mapper::config::RegistrationMethod::kLoam : mapper::config::RegistrationMethod::kIcp;
     world.noise = 0.01;
     mapper.emplace(config);
   }
@@ -51,21 +52,26 @@ struct MapperDrive {
       odometry.add({utime(t), T, true, false});
     }
   }
-  Revolution next() {
+  mapper::scan::Scan next() {
     const int n = turn++;
-    return revolution_of(world.packets(trajectory, config.vehicle.T_base_lidar(), n, n * kPeriod, kPeriod));
+    return scan_of(world.packets(trajectory, config.vehicle.T_base_lidar(), n, n * kPeriod, kPeriod));
   }
-  std::optional<MapperUpdate> step() { return step(next()); }
-  std::optional<MapperUpdate> step(const Revolution& revolution) {
+  std::optional<mapper::MapperUpdate> step() { return step(next()); }
+  std::optional<mapper::MapperUpdate> step(const mapper::scan::Scan& scan) {
     const bool first = !mapper->started();
-    auto update = mapper->process(revolution, odometry);
+    auto update = mapper->process(scan, odometry);
     if (update && first) T_world_map = truth(update->utime) * update->T_map_base.inverse();
     return update;
+  }
+  /// With all that has been driven.
+  [[nodiscard]] const mapper::dense_map::DenseMap& dense() {
+    mapper->wait();
+    return mapper->dense();
   }
   [[nodiscard]] Pose truth(std::int64_t t) const {
     return trajectory(static_cast<double>(t - SyntheticWorld::kEpoch) * 1e-6);
   }
-  [[nodiscard]] double error(const MapperUpdate& update) const {
+  [[nodiscard]] double error(const mapper::MapperUpdate& update) const {
     return (truth(update.utime).inverse() * T_world_map * update.T_map_base).translation().norm();
   }
 };

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/vehicle.hpp"
+#include "common/config/vehicle.hpp"
 
 namespace curbstone::test {
 namespace {
@@ -72,8 +72,9 @@ std::vector<lidar_points_t> SyntheticWorld::packets(const Trajectory& trajectory
   return out;
 }
 
-std::vector<LidarPoint> SyntheticWorld::snapshot(const Pose& T_world_base, const Pose& T_base_lidar) const {
-  std::vector<LidarPoint> points;
+std::vector<mapper::scan::LidarPoint> SyntheticWorld::snapshot(const Pose& T_world_base,
+                                                               const Pose& T_base_lidar) const {
+  std::vector<mapper::scan::LidarPoint> points;
   for (const lidar_points_t& packet : packets([&](double) { return T_world_base; }, T_base_lidar, 0, 0, 0.05)) {
     for (std::size_t i = 0; i < packet.x.size(); ++i) {
       const Eigen::Vector3d p(packet.x[i], packet.y[i], packet.z[i]);

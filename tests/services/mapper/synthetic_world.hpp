@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "common/geometry.hpp"
-#include "services/mapper/revolution.hpp"
+#include "common/geometry/geometry.hpp"
+#include "services/mapper/scan/scan.hpp"
 
 namespace curbstone::test {
 
@@ -28,7 +28,8 @@ struct SyntheticWorld {
   [[nodiscard]] std::vector<lidar_points_t> packets(const Trajectory& trajectory, const Pose& T_base_lidar,
                                                     int revolution, double start, double period) const;
   /// The same, as seen by a vehicle that stands, in base_link.
-  [[nodiscard]] std::vector<LidarPoint> snapshot(const Pose& T_world_base, const Pose& T_base_lidar) const;
+  [[nodiscard]] std::vector<mapper::scan::LidarPoint> snapshot(const Pose& T_world_base,
+                                                               const Pose& T_base_lidar) const;
 
   static constexpr int kPackets = 38;
   static constexpr std::int64_t kEpoch = 1'700'000'000'000'000;  ///< us, of 0 s

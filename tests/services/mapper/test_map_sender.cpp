@@ -7,15 +7,15 @@
 #include <curbstone/map_trajectory_t.hpp>
 #include <curbstone/tile_index_t.hpp>
 
-#include "common/local_bus.hpp"
+#include "common/bus/local_bus.hpp"
 
-namespace curbstone {
+namespace curbstone::mapper {
 namespace {
 
 constexpr std::int64_t kStart = 1'700'000'000'000'000;
 
 /// A dense map with so many points in one tile, a layer of 60 x 60 after the other.
-void fill(DenseMap& map, TileKey key, int count) {
+void fill(dense_map::DenseMap& map, TileKey key, int count) {
   std::vector<TilePoint> points;
   for (int i = 0; i < count; ++i) {
     points.push_back({static_cast<std::int16_t>(i % 60 * 25), static_cast<std::int16_t>(i / 60 % 60 * 25),
@@ -40,7 +40,7 @@ class MapSenderTest : public testing::Test {
   }
   static TileKey key_of(const map_points_t& m) { return {m.tile_x, m.tile_y}; }
 
-  DenseMap map{DenseConfig{}};
+  dense_map::DenseMap map{config::DenseConfig{}};
   LocalBus bus;
   MapSender sender{bus};
   std::vector<map_points_t> sent;
@@ -55,7 +55,7 @@ TEST_F(MapSenderTest, SendsOfATileWhatHasNotGoneOutYet) {
   EXPECT_EQ(sent[0].first, 0);
   EXPECT_EQ(sent[0].num_points, 100);
   EXPECT_TRUE(sent_at_once().empty());
-  map = DenseMap(DenseConfig{});
+  map = dense_map::DenseMap(config::DenseConfig{});
   fill(map, {0, 0}, 130);
   sender.changed({{0, 0}, {0, 0}});
   ASSERT_EQ(sent_at_once().size(), 1U);
@@ -85,7 +85,7 @@ TEST_F(MapSenderTest, ALargeTileGoesOutInPartsAndLetsOthersInBetween) {
 
 TEST_F(MapSenderTest, ANewEpochSendsAllOfTheMapNearestFirstAndTheDriveInPages) {
   for (const int x : {4, -2, 0}) fill(map, {x, 0}, 5);
-  std::vector<Mapper::TrajectoryPoint> drive;
+  std::vector<TrajectoryPoint> drive;
   for (int i = 0; i < 1000; ++i) drive.push_back({kStart + i, i, Pose::Identity()});
   sender.start_epoch(7, map, {1, 1, 0}, drive);
   std::vector<TileKey> order;
@@ -143,4 +143,4 @@ TEST_F(MapSenderTest, AtTheEndAllThatWaitsGoesOut) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::mapper

@@ -7,12 +7,12 @@
 
 #include "tests/services/mapper/mapper_drive.hpp"
 
-namespace curbstone {
+namespace curbstone::mapper {
 namespace {
 
 using test::driving;
 using test::kPeriod;
-using test::revolution_of;
+using test::scan_of;
 using test::utime;
 using Drive = test::MapperDrive;
 
@@ -39,7 +39,7 @@ TEST(Mapper, FollowsADriveWithoutOdometry) {
     EXPECT_FALSE(update->with_odometry);
   }
   EXPECT_LT(drive.error(*update), 0.08);
-  EXPECT_GT(drive.mapper->dense().size(), 10'000);
+  EXPECT_GT(drive.dense().size(), 10'000);
 }
 
 TEST(Mapper, MakesTheSameMapWithASecondThreadAsWithoutAndWheneverThereIsAPause) {
@@ -51,14 +51,14 @@ TEST(Mapper, MakesTheSameMapWithASecondThreadAsWithoutAndWheneverThereIsAPause) 
     for (int i = 0; i < 60; ++i) {
       (void)drive->step();
       if (drive != &two || i % 3 == 0) continue;
-      (void)drive->mapper->grown();
+      drive->mapper->wait_grown();
       drive->mapper->use_the_pause();
       if (i % 2 == 0) (void)drive->mapper->take_changed();
     }
     (void)drive->mapper->finish();
   }
-  const DenseMap& a = one.mapper->dense();
-  const DenseMap& b = two.mapper->dense();
+  const dense_map::DenseMap& a = one.dense();
+  const dense_map::DenseMap& b = two.dense();
   ASSERT_GT(a.size(), 10'000);
   ASSERT_EQ(a.keys(), b.keys());
   for (const TileKey& key : a.keys()) {
@@ -70,7 +70,7 @@ TEST(Mapper, MakesTheSameMapWithASecondThreadAsWithoutAndWheneverThereIsAPause) 
 TEST(Mapper, LevelsTheMapByOdometry) {
   Drive drive;
   const Pose tilted = test::pose(0, 0, 0, 0.03, -0.02, 0.8);
-  for (int i = -5; i < 20; ++i) drive.odometry.add({utime(0.01 * i), tilted, true, true});
+  for (int i = -5; i < 20; ++i) drive.odometry.add({test::utime(0.01 * i), tilted, true, true});
   const auto update = drive.step();
   ASSERT_TRUE(update);
   const Eigen::Vector3d rpy = roll_pitch_yaw(update->T_map_base.linear());
@@ -84,21 +84,21 @@ TEST(Mapper, AScanFromAnotherPlaceIsRefusedAndChangesNothing) {
   Drive drive;
   drive.with_odometry(5);
   for (int i = 0; i < 30; ++i) (void)drive.step();
-  const std::int64_t points = drive.mapper->dense().size();
+  const std::int64_t points = drive.dense().size();
   const std::int64_t keyframes = drive.mapper->counters()["keyframes"];
   // Somewhere else: a narrow yard, turned.
   test::SyntheticWorld elsewhere;
   elsewhere.boxes = {
       {{-3, -3, 0}, {-2, 3, 4}}, {{2.2, -3, 0}, {3, 3, 4}}, {{-3, 2.5, 0}, {3, 3, 4}}, {{-3, -3.4, 0}, {3, -2.1, 4}}};
-  const Revolution kidnapped =
-      revolution_of(elsewhere.packets([](double) { return test::pose(0, 0, 0.0, 0, 0, 0.7); },
-                                      drive.config.vehicle.T_base_lidar(), 30, 30 * kPeriod, kPeriod));
+  const scan::Scan kidnapped =
+      test::scan_of(elsewhere.packets([](double) { return test::pose(0, 0, 0.0, 0, 0, 0.7); },
+                                      drive.config.vehicle.T_base_lidar(), 30, 30 * test::kPeriod, test::kPeriod));
   const auto update = drive.step(kidnapped);
   ASSERT_TRUE(update);
   EXPECT_FALSE(update->registered);
   EXPECT_LT(drive.error(*update), 0.05);  // follows odometry
   EXPECT_EQ(drive.mapper->counters()["keyframes"], keyframes);
-  EXPECT_LE(drive.mapper->dense().size(), points);
+  EXPECT_LE(drive.dense().size(), points);
   EXPECT_EQ(drive.mapper->refused_in_a_row(), 1);
   ++drive.turn;
   const auto after = drive.step();
@@ -112,7 +112,7 @@ TEST(Mapper, SurvivesOdometryThatJumps) {
   for (int i = 102; i < 500; ++i) {
     Pose T = drive.trajectory(0).inverse() * drive.trajectory(0.01 * i);
     T.translation() += Eigen::Vector3d(7, -4, 0);
-    drive.odometry.add({utime(0.01 * i), T, true, false});
+    drive.odometry.add({test::utime(0.01 * i), T, true, false});
   }
   std::optional<MapperUpdate> update;
   for (int i = 0; i < 40; ++i) {
@@ -123,18 +123,18 @@ TEST(Mapper, SurvivesOdometryThatJumps) {
   EXPECT_LT(drive.error(*update), 0.05);
 }
 
-TEST(Mapper, RefusesWhatHasTooFewPointsAndSurvivesHalfARevolution) {
+TEST(Mapper, RefusesWhatHasTooFewPointsAndSurvivesHalfAScan) {
   Drive drive;
   drive.with_odometry(5);
   for (int i = 0; i < 20; ++i) (void)drive.step();
-  Revolution empty = drive.next();
+  scan::Scan empty = drive.next();
   empty.points.clear();
   EXPECT_FALSE(drive.step(empty));
-  Revolution sparse = drive.next();
+  scan::Scan sparse = drive.next();
   sparse.points.resize(100);
   EXPECT_FALSE(drive.step(sparse));
   EXPECT_EQ(drive.mapper->counters()["refused.sparse"], 2);
-  Revolution half = drive.next();
+  scan::Scan half = drive.next();
   half.points.resize(half.points.size() / 2);
   const auto update = drive.step(half);
   ASSERT_TRUE(update);
@@ -150,13 +150,13 @@ TEST(Mapper, SurvivesClocksThatJump) {
     drive.world.boxes.push_back({{-16, 3, 0}, {-13, 6, 3}});  // a kiosk: the street looks different wherever one is
     for (int i = 0; i < 20; ++i) (void)drive.step();
     std::optional<MapperUpdate> update;
-    Revolution last;
+    scan::Scan last;
     for (int i = 0; i < 20; ++i) {
-      Revolution revolution = drive.next();
-      revolution.start += jump;
-      revolution.end += jump;
-      last = revolution;
-      update = drive.step(revolution);
+      scan::Scan scan = drive.next();
+      scan.start += jump;
+      scan.end += jump;
+      last = scan;
+      update = drive.step(scan);
     }
     ASSERT_TRUE(update && update->registered) << jump;
     update->utime -= jump;
@@ -167,20 +167,20 @@ TEST(Mapper, SurvivesClocksThatJump) {
 
 TEST(Mapper, TheFirstStandstillIsForgottenOnceTheVehicleMoves) {
   Drive drive;
-  drive.trajectory = [](double t) { return driving(std::max(0.0, t - 1.5)); };
+  drive.trajectory = [](double t) { return test::driving(std::max(0.0, t - 1.5)); };
   for (int i = 0; i < 29; ++i) (void)drive.step();
-  EXPECT_EQ(drive.mapper->dense().size(), 0) << "it waits";
+  EXPECT_EQ(drive.dense().size(), 0) << "it waits";
   for (int i = 0; i < 30; ++i) (void)drive.step();
-  EXPECT_GT(drive.mapper->dense().size(), 1000);
+  EXPECT_GT(drive.dense().size(), 1000);
 }
 
 TEST(Mapper, AVehicleThatNeverMovesHasAMapInTheEnd) {
   Drive drive;
-  drive.trajectory = [](double) { return driving(0); };
+  drive.trajectory = [](double) { return test::driving(0); };
   for (int i = 0; i < 20; ++i) (void)drive.step();
-  EXPECT_EQ(drive.mapper->dense().size(), 0);
+  EXPECT_EQ(drive.dense().size(), 0);
   EXPECT_FALSE(drive.mapper->finish().empty());
-  EXPECT_GT(drive.mapper->dense().size(), 1000);
+  EXPECT_GT(drive.dense().size(), 1000);
 }
 
 TEST(Mapper, StandingStillNeitherDriftsNorGrows) {
@@ -195,13 +195,13 @@ TEST(Mapper, StandingStillNeitherDriftsNorGrows) {
     update = drive.step();
     ASSERT_TRUE(update && update->registered);
     if (i == 80) {
-      points = drive.mapper->dense().size();
+      points = drive.dense().size();
       keyframes = drive.mapper->counters()["keyframes"];
     }
   }
   EXPECT_LT(drive.error(*update), 0.003);
   EXPECT_TRUE(update->stationary);
-  EXPECT_LT(drive.mapper->dense().size(), points + points / 500);
+  EXPECT_LT(drive.dense().size(), points + points / 500);
   EXPECT_EQ(drive.mapper->counters()["keyframes"], keyframes);
 }
 
@@ -210,22 +210,22 @@ TEST(Mapper, TheVehicleIsNoPartOfTheMap) {
   drive.config.dense.start_hold_s = 0;
   drive.mapper.emplace(drive.config);
   drive.trajectory = [](double) { return test::pose(-10, 0, 0, 0, 0, 0); };
-  Revolution revolution = drive.next();
+  scan::Scan scan = drive.next();
   const Pose T_lidar_base = drive.config.vehicle.T_base_lidar().inverse();
   for (double x = -0.8; x < 0.8; x += 0.05) {
     for (double z = 0.3; z < 1.9; z += 0.1) {
-      revolution.points.push_back({(T_lidar_base * Eigen::Vector3d(x, 0.55, z)).cast<float>(), 0.01F, 0, 0});
+      scan.points.push_back({(T_lidar_base * Eigen::Vector3d(x, 0.55, z)).cast<float>(), 0.01F, 0, 0});
     }
   }
   for (int i = 0; i < 40; ++i) {
-    revolution.start += 50'000;
-    revolution.end += 50'000;
-    (void)drive.step(revolution);
+    scan.start += 50'000;
+    scan.end += 50'000;
+    (void)drive.step(scan);
   }
-  ASSERT_GT(drive.mapper->dense().size(), 1000);
+  ASSERT_GT(drive.dense().size(), 1000);
   for (int x = -1; x <= 0; ++x) {
     for (int y = -1; y <= 0; ++y) {
-      const DenseTile* tile = drive.mapper->dense().tile({x, y});
+      const dense_map::DenseTile* tile = drive.dense().tile({x, y});
       if (tile == nullptr) continue;
       for (const TilePoint& p : tile->points()) {
         const double px = x * kTileSize + p.x * kPositionStep, py = y * kTileSize + p.y * kPositionStep;
@@ -236,4 +236,4 @@ TEST(Mapper, TheVehicleIsNoPartOfTheMap) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::mapper

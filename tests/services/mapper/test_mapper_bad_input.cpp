@@ -4,7 +4,7 @@
 
 #include "tests/services/mapper/mapper_drive.hpp"
 
-namespace curbstone {
+namespace curbstone::mapper {
 namespace {
 
 using Drive = test::MapperDrive;
@@ -17,12 +17,12 @@ class BadInput : public testing::TestWithParam<const char*> {
     drive_.with_odometry(20);
     for (int i = 0; i < 20; ++i) (void)drive_.step();
     keyframes_ = counter("keyframes");
-    points_ = drive_.mapper->dense().size();
+    points_ = drive_.dense().size();
   }
   [[nodiscard]] std::int64_t counter(const char* name) const { return drive_.mapper->counters()[name]; }
-  void expect_map_unchanged() const {
+  void expect_map_unchanged() {
     EXPECT_EQ(counter("keyframes"), keyframes_);
-    EXPECT_EQ(drive_.mapper->dense().size(), points_);
+    EXPECT_EQ(drive_.dense().size(), points_);
   }
   void expect_to_go_on() {
     std::optional<MapperUpdate> update;
@@ -36,18 +36,18 @@ class BadInput : public testing::TestWithParam<const char*> {
   std::int64_t points_ = 0;
 };
 
-TEST_P(BadInput, TheSameRevolutionAgain) {
+TEST_P(BadInput, TheSameScanAgain) {
   --drive_.turn;
-  const Revolution again = drive_.next();
+  const scan::Scan again = drive_.next();
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(drive_.step(again));
   EXPECT_EQ(counter("refused.time"), 3);
   expect_map_unchanged();
   expect_to_go_on();
 }
 
-TEST_P(BadInput, AnOldRevolutionLate) {
+TEST_P(BadInput, AnOldScanLate) {
   drive_.turn -= 6;
-  const Revolution old = drive_.next();
+  const scan::Scan old = drive_.next();
   drive_.turn += 5;
   EXPECT_FALSE(drive_.step(old));
   EXPECT_EQ(counter("refused.time"), 1);
@@ -55,16 +55,16 @@ TEST_P(BadInput, AnOldRevolutionLate) {
   expect_to_go_on();
 }
 
-TEST_P(BadInput, RevolutionsAreMissing) {
+TEST_P(BadInput, ScansAreMissing) {
   for (const int missing : {1, 5, 25}) {
     drive_.turn += missing;
     expect_to_go_on();
   }
 }
 
-TEST_P(BadInput, HalfARevolution) {
+TEST_P(BadInput, HalfAScan) {
   for (int i = 0; i < 4; ++i) {
-    Revolution half = drive_.next();
+    scan::Scan half = drive_.next();
     const auto middle = half.points.begin() + static_cast<std::ptrdiff_t>(half.points.size() / 2);
     if (i % 2 == 0) {
       half.points.erase(middle, half.points.end());
@@ -79,8 +79,8 @@ TEST_P(BadInput, HalfARevolution) {
 }
 
 TEST_P(BadInput, AllReturnsAtZero) {
-  Revolution zero = drive_.next();
-  for (LidarPoint& p : zero.points) p.position.setZero();
+  scan::Scan zero = drive_.next();
+  for (scan::LidarPoint& p : zero.points) p.position.setZero();
   EXPECT_FALSE(drive_.step(zero));
   EXPECT_EQ(counter("refused.sparse"), 1);
   expect_map_unchanged();
@@ -90,7 +90,7 @@ TEST_P(BadInput, AllReturnsAtZero) {
 TEST_P(BadInput, NotNumbers) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  Revolution some = drive_.next();
+  scan::Scan some = drive_.next();
   for (std::size_t i = 0; i < some.points.size(); i += 7) {
     some.points[i].position[static_cast<int>(i % 3)] = i % 2 == 0 ? kNan : kInfinity;
     if (i % 5 == 0) some.points[i].time = kNan;
@@ -99,20 +99,20 @@ TEST_P(BadInput, NotNumbers) {
   ASSERT_TRUE(update && update->registered);
   EXPECT_LT(drive_.error(*update), 0.03);
   keyframes_ = counter("keyframes");
-  points_ = drive_.mapper->dense().size();
-  Revolution all = drive_.next();
-  for (LidarPoint& p : all.points) p.position.x() = kNan;
+  points_ = drive_.dense().size();
+  scan::Scan all = drive_.next();
+  for (scan::LidarPoint& p : all.points) p.position.x() = kNan;
   EXPECT_FALSE(drive_.step(all));
   EXPECT_EQ(counter("refused.sparse"), 1);
   expect_map_unchanged();
   expect_to_go_on();
 }
 
-TEST_P(BadInput, ARevolutionThatLastedForYearsOrEndedBeforeItBegan) {
-  Revolution years = drive_.next();
+TEST_P(BadInput, AScanThatLastedForYearsOrEndedBeforeItBegan) {
+  scan::Scan years = drive_.next();
   years.start = 0;
   EXPECT_FALSE(drive_.step(years));
-  Revolution backwards = drive_.next();
+  scan::Scan backwards = drive_.next();
   std::swap(backwards.start, backwards.end);
   EXPECT_FALSE(drive_.step(backwards));
   EXPECT_EQ(counter("refused.time"), 2);
@@ -122,7 +122,7 @@ TEST_P(BadInput, ARevolutionThatLastedForYearsOrEndedBeforeItBegan) {
 
 TEST_P(BadInput, TheClockJumpsThereAndBack) {
   for (const std::int64_t jump : {-7'200'000'000LL, 7'200'000'000LL}) {
-    Revolution elsewhen = drive_.next();
+    scan::Scan elsewhen = drive_.next();
     elsewhen.start += jump;
     elsewhen.end += jump;
     (void)drive_.step(elsewhen);
@@ -137,9 +137,9 @@ TEST_P(BadInput, ScansFromAnotherPlaceForAWhile) {
       {{-3, -3, 0}, {-2, 3, 4}}, {{2.2, -3, 0}, {3, 3, 4}}, {{-3, 2.5, 0}, {3, 3, 4}}, {{-3, -3.4, 0}, {3, -2.1, 4}}};
   for (int i = 0; i < 12; ++i) {
     const int n = drive_.turn++;
-    const auto update = drive_.step(test::revolution_of(
-        elsewhere.packets([](double) { return test::pose(0, 0, 0, 0, 0, 0.7); }, drive_.config.vehicle.T_base_lidar(),
-                          n, n * test::kPeriod, test::kPeriod)));
+    const auto update = drive_.step(
+        test::scan_of(elsewhere.packets([](double) { return test::pose(0, 0, 0, 0, 0, 0.7); },
+                                        drive_.config.vehicle.T_base_lidar(), n, n * test::kPeriod, test::kPeriod)));
     ASSERT_TRUE(update);
     EXPECT_FALSE(update->registered) << i;
     EXPECT_LT(drive_.error(*update), 0.05) << i;  // by odometry
@@ -153,4 +153,4 @@ INSTANTIATE_TEST_SUITE_P(Mapper, BadInput, testing::Values("icp", "loam"),
                          [](const auto& method) { return std::string(method.param); });
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::mapper

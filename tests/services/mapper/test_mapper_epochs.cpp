@@ -6,12 +6,12 @@
 #include <filesystem>
 #include <map>
 
-#include "common/local_bus.hpp"
-#include "services/mapper/map_folder.hpp"
+#include "common/bus/local_bus.hpp"
 #include "services/mapper/mapper_node.hpp"
+#include "services/mapper/storage/map_folder.hpp"
 #include "tests/services/mapper/mapper_drive.hpp"
 
-namespace curbstone {
+namespace curbstone::mapper {
 namespace {
 
 using test::kPeriod;
@@ -57,23 +57,23 @@ struct Bench {
   double odometry_sent = -0.1;
   int turn = 0;
 
-  explicit Bench(const MapperConfig& config = {}) : node(config, bus) { node.connect(bus); }
+  explicit Bench(const config::MapperConfig& config = {}) : node(config, bus) { node.connect(bus); }
   /// One revolution of a world from a place, with the odometry of the true drive.
   void step(const test::SyntheticWorld& world, const test::SyntheticWorld::Trajectory& trajectory) {
     const int n = turn++;
-    for (; odometry_sent < (n + 1) * kPeriod + 0.02; odometry_sent += 0.01) {
+    for (; odometry_sent < (n + 1) * test::kPeriod + 0.02; odometry_sent += 0.01) {
       odometry_t m{};
-      m.utime = utime(odometry_sent);
+      m.utime = test::utime(odometry_sent);
       m.flags = odometry_t::INITIALISED;
       pose_to_arrays(test::driving(0).inverse() * test::driving(odometry_sent), m.position, m.orientation);
       bus.publish("ODOMETRY", m);
     }
-    for (const lidar_points_t& packet :
-         world.packets(trajectory, MapperConfig{}.vehicle.T_base_lidar(), n, n * kPeriod, kPeriod)) {
+    for (const lidar_points_t& packet : world.packets(trajectory, config::MapperConfig{}.vehicle.T_base_lidar(), n,
+                                                      n * test::kPeriod, test::kPeriod)) {
       bus.publish("LIDAR_POINTS", packet);
     }
     bus.dispatch();
-    for (int i = 0; i < 2; ++i) node.tick(utime(n * kPeriod + 0.02 * i));
+    for (int i = 0; i < 2; ++i) node.tick(test::utime(n * test::kPeriod + 0.02 * i));
     bus.dispatch();
   }
   void drive(int turns) {
@@ -87,7 +87,7 @@ struct Bench {
     EXPECT_FALSE(listener.gap);
     std::size_t points = 0;
     for (const auto& [key, heard] : listener.tiles) {
-      const DenseTile* tile = node.mapper().dense().tile(key);
+      const dense_map::DenseTile* tile = node.mapper().dense().tile(key);
       ASSERT_TRUE(tile != nullptr) << key.x << ' ' << key.y;
       ASSERT_EQ(heard.size(), tile->points().size());
       points += heard.size();
@@ -101,7 +101,7 @@ TEST(MapperEpochs, AMapThatWasRolledBackGoesOutAnewWithTheDriveSoFar) {
   bench.drive(40);
   test::SyntheticWorld frozen = distinct_street();
   frozen.boxes.push_back({{-1, 2.5, 0}, {5, 3.5, 3}});
-  for (int i = 0; i < 40; ++i) bench.step(frozen, [](double) { return test::driving(40 * kPeriod); });
+  for (int i = 0; i < 40; ++i) bench.step(frozen, [](double) { return test::driving(40 * test::kPeriod); });
   const std::int32_t before = bench.listener.epoch;
   bench.drive(90);
   bench.finish();
@@ -114,7 +114,7 @@ TEST(MapperEpochs, AMapThatWasRolledBackGoesOutAnewWithTheDriveSoFar) {
   EXPECT_EQ(page.epoch, bench.listener.epoch);
   ASSERT_GT(page.num_poses, 20);
   EXPECT_TRUE(std::is_sorted(page.utimes.begin(), page.utimes.end()));
-  const Pose T_world_map = test::driving(kPeriod) * Pose::Identity();
+  const Pose T_world_map = test::driving(test::kPeriod) * Pose::Identity();
   for (int i = 0; i < page.num_poses; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const double t = static_cast<double>(page.utimes[k] - test::SyntheticWorld::kEpoch) * 1e-6;
@@ -130,24 +130,24 @@ TEST(MapperEpochs, AMapThatWasRolledBackGoesOutAnewWithTheDriveSoFar) {
 TEST(MapperEpochs, AMapIsKeptAndGoneOnWithInAHigherEpoch) {
   const auto folder = std::filesystem::temp_directory_path() / ("curbstone-epochs-" + std::to_string(getpid()));
   std::filesystem::remove_all(folder);
-  MapperConfig config;
+  config::MapperConfig config;
   config.folder = folder.string();
   Bench first(config);
   first.drive(40);
   first.finish();
-  const SavedMap kept = load_map(folder);
+  const storage::SavedMap kept = storage::load_map(folder);
   EXPECT_EQ(kept.epoch, first.listener.epoch);
 
-  config.mode = "extend";
+  config.mode = config::MapMode::kExtend;
   Bench second(config);
   second.drive(60);
   second.finish();
   EXPECT_GT(second.listener.epoch, first.listener.epoch);
   second.expect_listener_has_the_map();
-  EXPECT_GT(load_map(folder).tiles.size(), kept.tiles.size());
+  EXPECT_GT(storage::load_map(folder).tiles.size(), kept.tiles.size());
   EXPECT_TRUE(second.node.report().faults.empty());
 
-  config.mode = "localise";
+  config.mode = config::MapMode::kLocalise;
   const auto written = std::filesystem::last_write_time(folder / "map.yaml");
   Bench third(config);
   third.drive(40);
@@ -160,7 +160,7 @@ TEST(MapperEpochs, AMapIsKeptAndGoneOnWithInAHigherEpoch) {
 TEST(MapperEpochs, AMapIsKeptWhileDrivingAndNobodyNotices) {
   const auto folder = std::filesystem::temp_directory_path() / ("curbstone-kept-" + std::to_string(getpid()));
   std::filesystem::remove_all(folder);
-  MapperConfig config;
+  config::MapperConfig config;
   config.folder = folder.string();
   config.save_every = 0.5;
   Bench kept(config);
@@ -169,8 +169,8 @@ TEST(MapperEpochs, AMapIsKeptWhileDrivingAndNobodyNotices) {
   for (int i = 0; i < 4; ++i) {
     kept.drive(20);
     plain.drive(20);
-    while (kept.node.report().counters["folder.saved"] <= i) kept.node.tick(utime(100 + i));
-    const SavedMap found = load_map(folder);
+    while (kept.node.report().counters["folder.saved"] <= i) kept.node.tick(test::utime(100 + i));
+    const storage::SavedMap found = storage::load_map(folder);
     EXPECT_GE(found.tiles.size(), tiles);
     EXPECT_FALSE(found.nodes.empty());
     tiles = found.tiles.size();
@@ -178,12 +178,12 @@ TEST(MapperEpochs, AMapIsKeptWhileDrivingAndNobodyNotices) {
   EXPECT_GT(tiles, 10U);
   kept.finish();
   plain.finish();
-  const SavedMap found = load_map(folder);
-  const SavedMap expected = kept.node.mapper().saved(kept.listener.epoch);  // all of it, at once
+  const storage::SavedMap found = storage::load_map(folder);
+  const storage::SavedMap expected = kept.node.mapper().saved(kept.listener.epoch);  // all of it, at once
   ASSERT_EQ(found.tiles.size(), expected.tiles.size());
   for (std::size_t i = 0; i < found.tiles.size(); ++i) {
-    const SavedTile& a = found.tiles[i];
-    const SavedTile& b = expected.tiles[i];
+    const storage::SavedTile& a = found.tiles[i];
+    const storage::SavedTile& b = expected.tiles[i];
     ASSERT_TRUE(a.key == b.key && a.utime == b.utime && a.points.size() == b.points.size()) << i;
     for (std::size_t k = 0; k < a.points.size(); ++k)
       ASSERT_TRUE(a.points[k].x == b.points[k].x && a.points[k].y == b.points[k].y && a.points[k].z == b.points[k].z);
@@ -200,15 +200,15 @@ TEST(MapperEpochs, AMapIsKeptWhileDrivingAndNobodyNotices) {
 }
 
 TEST(MapperEpochs, AMapThatCannotBeUsedStopsTheProcessAtOnce) {
-  MapperConfig config;
-  config.mode = "extend";
+  config::MapperConfig config;
+  config.mode = config::MapMode::kExtend;
   config.folder = "/nowhere/at/all";
   LocalBus bus;
-  EXPECT_THROW(MapperNode(config, bus), MapFolderError);
+  EXPECT_THROW(MapperNode(config, bus), storage::MapFolderError);
 }
 
 TEST(MapperEpochs, AMapThatCannotBeWrittenIsAFault) {
-  MapperConfig config;
+  config::MapperConfig config;
   config.folder = "/proc/curbstone";
   Bench bench(config);
   bench.drive(10);
@@ -218,4 +218,4 @@ TEST(MapperEpochs, AMapThatCannotBeWrittenIsAFault) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::mapper

@@ -3,11 +3,11 @@
 #include "services/mapper/mapper.hpp"
 #include "tests/services/mapper/mapper_drive.hpp"
 
-namespace curbstone {
+namespace curbstone::mapper {
 namespace {
 
 using test::kPeriod;
-using test::revolution_of;
+using test::scan_of;
 using test::utime;
 
 /// A street that looks different wherever one is.
@@ -37,8 +37,8 @@ struct Drive : test::MapperDrive {
   }
   std::optional<MapperUpdate> step_in(const test::SyntheticWorld& elsewhere) {
     const int n = turn++;
-    return step(revolution_of(elsewhere.packets([](double) { return test::pose(0, 0, 0, 0, 0, 0.7); },
-                                                config.vehicle.T_base_lidar(), n, n * kPeriod, kPeriod)));
+    return step(test::scan_of(elsewhere.packets([](double) { return test::pose(0, 0, 0, 0, 0, 0.7); },
+                                                config.vehicle.T_base_lidar(), n, n * test::kPeriod, test::kPeriod)));
   }
   [[nodiscard]] std::int64_t counter(const char* name) const { return mapper->counters()[name]; }
 };
@@ -46,14 +46,14 @@ struct Drive : test::MapperDrive {
 TEST(MapperLost, AfterSecondsWithoutAnySensorTheVehicleIsSoughtAndNothingIsMappedUntilItIsFound) {
   Drive drive;
   (void)drive.steps(40);
-  const std::int64_t points = drive.mapper->dense().size();
+  const std::int64_t points = drive.dense().size();
   drive.turn += 40;  // 2 s, 6 m
   std::optional<MapperUpdate> update;
   for (int i = 0; i < 40 && drive.counter("found") == 0; ++i) {
     update = drive.step();
     if (!update) continue;
-    if (update->fix != Fix::kTracking) {
-      EXPECT_EQ(drive.mapper->dense().size(), points) << i;
+    if (update->fix != tracking::Fix::kTracking) {
+      EXPECT_EQ(drive.dense().size(), points) << i;
     }
     if (update->registered) {
       EXPECT_LT(drive.error(*update), 0.1) << i;
@@ -65,7 +65,7 @@ TEST(MapperLost, AfterSecondsWithoutAnySensorTheVehicleIsSoughtAndNothingIsMappe
   update = drive.steps(10);
   ASSERT_TRUE(update && update->registered);
   EXPECT_LT(drive.error(*update), 0.08);
-  EXPECT_GT(drive.mapper->dense().size(), points);
+  EXPECT_GT(drive.dense().size(), points);
 }
 
 TEST(MapperLost, AFastVehicleIsSoughtAheadOfWhereItWasSeenLast) {
@@ -84,14 +84,14 @@ TEST(MapperLost, AFastVehicleIsSoughtAheadOfWhereItWasSeenLast) {
 TEST(MapperLost, WhoIsCarriedElsewhereIsNotFoundAndTheMapStays) {
   Drive drive;
   (void)drive.steps(40);
-  const std::int64_t points = drive.mapper->dense().size();
+  const std::int64_t points = drive.dense().size();
   drive.turn += 40;
   for (int i = 0; i < 60; ++i) {
     const auto update = drive.step_in(yard());
     EXPECT_FALSE(update && update->registered) << i;
   }
-  EXPECT_EQ(drive.mapper->fix(), Fix::kLost);
-  EXPECT_EQ(drive.mapper->dense().size(), points);
+  EXPECT_EQ(drive.mapper->fix(), tracking::Fix::kLost);
+  EXPECT_EQ(drive.dense().size(), points);
   EXPECT_EQ(drive.counter("found"), 0);
   EXPECT_GT(drive.counter("searches"), 2);
 }
@@ -101,7 +101,7 @@ TEST(MapperLost, WhoMayBeAnywhereIsSoughtLessOftenAsThatIsDear) {
   (void)drive.steps(40);
   drive.turn += 200;  // 10 s in which nothing was seen
   for (int i = 0; i < 60; ++i) (void)drive.step_in(yard());
-  EXPECT_EQ(drive.mapper->fix(), Fix::kLost);
+  EXPECT_EQ(drive.mapper->fix(), tracking::Fix::kLost);
   EXPECT_EQ(drive.counter("searches"), 2) << "within 3 s";
 }
 
@@ -110,12 +110,12 @@ TEST(MapperLost, OdometryLeadsItBackToTheMap) {
   drive.with_odometry(20);
   (void)drive.steps(40);
   for (int i = 0; i < 60; ++i) (void)drive.step_in(yard());  // a lorry all around, for 3 s
-  EXPECT_EQ(drive.mapper->fix(), Fix::kLost);
+  EXPECT_EQ(drive.mapper->fix(), tracking::Fix::kLost);
   std::optional<MapperUpdate> update = drive.steps(5);
   ASSERT_TRUE(update);
   EXPECT_LT(drive.error(*update), 0.1) << "odometry leads it back to the map";
   (void)drive.steps(10);
-  EXPECT_EQ(drive.mapper->fix(), Fix::kTracking);
+  EXPECT_EQ(drive.mapper->fix(), tracking::Fix::kTracking);
   EXPECT_EQ(drive.counter("began_anew"), 0);
 }
 
@@ -123,23 +123,23 @@ TEST(MapperLost, WhereOdometryHasLedOnToNewGroundTheMapBeginsAnewThere) {
   Drive drive;
   drive.with_odometry(20);
   (void)drive.steps(40);
-  const std::int64_t points = drive.mapper->dense().size();
+  const std::int64_t points = drive.dense().size();
   drive.world = test::SyntheticWorld{};  // out of a long tunnel: nothing of the street is seen any more
   drive.world.noise = 0.01;
   drive.world.boxes = {{{-30, -6, 0}, {-12, -5, 3}}, {{-5, 5, 0}, {6, 6, 3}},   {{12, -7, 0}, {15, -4, 5}},
                        {{20, 6, 0}, {24, 9, 2}},     {{30, -3, 0}, {31, 3, 4}}, {{-20, 9, 0}, {-10, 12, 6}}};
   std::optional<MapperUpdate> update;
   for (int i = 0; i < 110; ++i) update = drive.step();
-  EXPECT_EQ(drive.mapper->fix(), Fix::kLost) << "it is sought first";
-  EXPECT_EQ(drive.mapper->dense().size(), points);
+  EXPECT_EQ(drive.mapper->fix(), tracking::Fix::kLost) << "it is sought first";
+  EXPECT_EQ(drive.dense().size(), points);
   update = drive.steps(60);
   ASSERT_TRUE(update && update->registered);
   EXPECT_EQ(drive.counter("began_anew"), 1);
   EXPECT_LT(drive.error(*update), 0.1) << "odometry led here";
-  const Atlas& atlas = drive.mapper->atlas();
+  const pose_graph::Atlas& atlas = drive.mapper->atlas();
   EXPECT_FALSE(atlas.present(0)) << "what lies before is not what is seen now";
   EXPECT_EQ(atlas.connected(0, 1e9).size(), static_cast<std::size_t>(atlas.size())) << "but the drive is one";
-  EXPECT_GT(drive.mapper->dense().size(), points);
+  EXPECT_GT(drive.dense().size(), points);
 }
 
 TEST(MapperLost, WhatWasMappedWhereTheVehicleWasNotIsTakenBack) {
@@ -149,11 +149,11 @@ TEST(MapperLost, WhatWasMappedWhereTheVehicleWasNotIsTakenBack) {
   // For 2 s the scans show a vehicle that stands, with a lorry beside it; odometry and truth drive on.
   test::SyntheticWorld frozen = distinct_street();
   frozen.boxes.push_back({{-1, 2.5, 0}, {5, 3.5, 3}});
-  const Pose stands = drive.trajectory(40 * kPeriod);
+  const Pose stands = drive.trajectory(40 * test::kPeriod);
   for (int i = 0; i < 40; ++i) {
     const int n = drive.turn++;
-    (void)drive.step(revolution_of(
-        frozen.packets([&](double) { return stands; }, drive.config.vehicle.T_base_lidar(), n, n * kPeriod, kPeriod)));
+    (void)drive.step(test::scan_of(frozen.packets([&](double) { return stands; }, drive.config.vehicle.T_base_lidar(),
+                                                  n, n * test::kPeriod, test::kPeriod)));
   }
   std::optional<MapperUpdate> update;
   bool rearranged = false;
@@ -166,8 +166,8 @@ TEST(MapperLost, WhatWasMappedWhereTheVehicleWasNotIsTakenBack) {
   ASSERT_TRUE(update && update->registered);
   EXPECT_LT(drive.error(*update), 0.08);
   const Pose T_map_world = drive.T_world_map.inverse();
-  for (const TileKey& key : drive.mapper->dense().keys()) {
-    const DenseTile& tile = *drive.mapper->dense().tile(key);
+  for (const TileKey& key : drive.dense().keys()) {
+    const dense_map::DenseTile& tile = *drive.dense().tile(key);
     for (const TilePoint& p : tile.points()) {
       const Eigen::Vector3d in_map(key.x * kTileSize + p.x * kPositionStep, key.y * kTileSize + p.y * kPositionStep,
                                    tile.z_origin() + p.z * kPositionStep);
@@ -182,15 +182,16 @@ TEST(MapperLost, ASavedMapIsGoneOnWithFromAboutTheStart) {
   Drive first;
   first.with_odometry(20);
   (void)first.steps(60);
-  const SavedMap map = first.mapper->saved(7);
+  first.mapper->wait();
+  const storage::SavedMap map = first.mapper->saved(7);
   EXPECT_EQ(map.epoch, 7);
   EXPECT_EQ(map.nodes.size(), static_cast<std::size_t>(first.mapper->atlas().size()));
 
-  for (const char* mode : {"extend", "localise"}) {
+  for (const config::MapMode mode : {config::MapMode::kExtend, config::MapMode::kLocalise}) {
     Drive second;
     second.with_odometry(20);
     second.turn = 20;
-    const Pose start = first.T_world_map.inverse() * second.trajectory(20 * kPeriod);
+    const Pose start = first.T_world_map.inverse() * second.trajectory(20 * test::kPeriod);
     second.config.mode = mode;
     second.config.start_x = start.translation().x() + 1.0;  // known to a metre or two
     second.config.start_y = start.translation().y() - 1.0;
@@ -198,23 +199,24 @@ TEST(MapperLost, ASavedMapIsGoneOnWithFromAboutTheStart) {
     second.config.start_radius = 2.0;
     second.mapper.emplace(second.config);
     second.mapper->load(map);
-    const std::int64_t points = second.mapper->dense().size();
-    EXPECT_EQ(points, first.mapper->dense().size());
+    const std::int64_t points = second.dense().size();
+    EXPECT_EQ(points, first.dense().size());
     std::optional<MapperUpdate> update;
     for (int i = 0; i < 60; ++i) update = second.step();
-    ASSERT_TRUE(update && update->registered) << mode;
-    EXPECT_EQ(second.counter("found"), 1) << mode;
+    SCOPED_TRACE(mode == config::MapMode::kExtend ? "extend" : "localise");
+    ASSERT_TRUE(update && update->registered);
+    EXPECT_EQ(second.counter("found"), 1);
     const Pose truth = first.T_world_map.inverse() * second.truth(update->utime);
-    EXPECT_LT((truth.inverse() * update->T_map_base).translation().norm(), 0.05) << mode;
-    if (std::string(mode) == "localise") {
-      EXPECT_EQ(second.mapper->dense().size(), points) << "only uses the map";
+    EXPECT_LT((truth.inverse() * update->T_map_base).translation().norm(), 0.05);
+    if (mode == config::MapMode::kLocalise) {
+      EXPECT_EQ(second.dense().size(), points) << "only uses the map";
       EXPECT_EQ(second.mapper->atlas().size(), first.mapper->atlas().size());
     } else {
-      EXPECT_GT(second.mapper->dense().size(), points);
+      EXPECT_GT(second.dense().size(), points);
       EXPECT_GT(second.mapper->atlas().size(), first.mapper->atlas().size());
     }
   }
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::mapper

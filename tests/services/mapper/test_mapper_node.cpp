@@ -8,10 +8,10 @@
 #include <map>
 #include <random>
 
-#include "common/local_bus.hpp"
+#include "common/bus/local_bus.hpp"
 #include "tests/services/mapper/synthetic_world.hpp"
 
-namespace curbstone {
+namespace curbstone::mapper {
 namespace {
 
 constexpr double kPeriod = 0.05;
@@ -21,7 +21,7 @@ std::int64_t utime(double seconds) {
   return test::SyntheticWorld::kEpoch + std::llround(seconds * 1e6);
 }
 Pose driving(double t) {
-  return test::pose(-10, 0, 0, 0, 0, 0) * move({{3, 0, 0}, {0, 0, 0.05}}, t);
+  return test::pose(-10, 0, 0, 0, 0, 0) * scan::move({{3, 0, 0}, {0, 0, 0.05}}, t);
 }
 
 odometry_t odometry_at(double t, std::int32_t flags = odometry_t::INITIALISED) {
@@ -86,7 +86,7 @@ struct Follower {
 
 struct Bench {
   LocalBus bus;
-  MapperNode node{MapperConfig{}, bus};
+  MapperNode node{config::MapperConfig{}, bus};
   Follower follower{bus};
   Bench() { node.connect(bus); }
   void finish() {
@@ -144,7 +144,7 @@ TEST(MapperNode, SendsWhatTheMapHoldsInSmallMessages) {
   EXPECT_FALSE(bench.follower.gap);
   std::int64_t total = 0;
   for (const auto& [key, points] : bench.follower.tiles) {
-    const DenseTile* tile = bench.node.mapper().dense().tile(key);
+    const dense_map::DenseTile* tile = bench.node.mapper().dense().tile(key);
     ASSERT_NE(tile, nullptr);
     EXPECT_EQ(points.size(), tile->points().size());
     EXPECT_EQ(bench.follower.announced[key], static_cast<std::int32_t>(points.size()));
@@ -276,4 +276,4 @@ TEST(MapperNode, SurvivesGarbageOnEveryChannel) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::mapper

@@ -5,20 +5,17 @@
 #include <curbstone/imu_t.hpp>
 #include <filesystem>
 
-#include "common/local_bus.hpp"
+#include "common/bus/local_bus.hpp"
 #include "common/log/log_reader.hpp"
 #include "services/recorder/recorder_node.hpp"
+#include "tests/temporary_folder.hpp"
 
-namespace curbstone {
+namespace curbstone::recorder {
 namespace {
 
 class RecorderTest : public ::testing::Test {
  protected:
-  RecorderTest() {
-    std::filesystem::create_directory(folder_);
-    config_.file = folder_ / "drive.lcmlog";
-  }
-  ~RecorderTest() override { std::filesystem::remove_all(folder_); }
+  RecorderTest() { config_.file = folder_ / "drive.lcmlog"; }
 
   void say(int first, int last) {
     for (imu_t message{}; first <= last; ++first) {
@@ -39,7 +36,7 @@ class RecorderTest : public ::testing::Test {
   }
   [[nodiscard]] bool exists(const std::string& suffix) const { return std::filesystem::exists(config_.file + suffix); }
 
-  std::filesystem::path folder_ = std::filesystem::path(::testing::TempDir()) / ("recorder" + std::to_string(getpid()));
+  testing::TemporaryFolder folder_;
   RecorderConfig config_;
   LocalBus bus_;
 };
@@ -150,4 +147,4 @@ TEST_F(RecorderTest, SaysThatTheDiskIsFullAndGoesOnWhenThereIsRoomAgain) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::recorder

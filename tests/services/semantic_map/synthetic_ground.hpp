@@ -5,9 +5,9 @@
 #include <random>
 #include <vector>
 
-#include "tools/detect/cloud_map.hpp"
+#include "tools/detect/cloud_map/cloud_map.hpp"
 
-namespace curbstone {
+namespace curbstone::semantic_map {
 
 /// Clouds of surfaces as a mapped street has them: even density, noise along z as a LiDAR's.
 class SyntheticCloud {
@@ -53,21 +53,22 @@ class SyntheticCloud {
   std::normal_distribution<double> noise_;
 };
 
-inline CloudMap map_of(const SyntheticCloud& cloud, CloudMapOptions options = {}) {
+inline detect::cloud_map::CloudMap map_of(const SyntheticCloud& cloud,
+                                          detect::cloud_map::CloudMapOptions options = {}) {
   options.threads = 1;
-  return map_cloud(cloud.points, options);
+  return detect::cloud_map::map_cloud(cloud.points, options);
 }
 
 /// The class of the cell at (x, y).
-inline CellClass class_at(const CloudMap& map, double x, double y) {
+inline tile::CellClass class_at(const detect::cloud_map::CloudMap& map, double x, double y) {
   const TileKey key = *tile_at(x, y);
-  for (const MapTile& tile : map.tiles) {
+  for (const tile::MapTile& tile : map.tiles) {
     if (tile.key != key) continue;
     const int column = static_cast<int>((x - key.x * kTileSize) / kCellSize);
     const int row = static_cast<int>((y - key.y * kTileSize) / kCellSize);
     return tile.cell_class[static_cast<std::size_t>(row * kCellsPerTile + column)];
   }
-  return CellClass::kUnknown;
+  return tile::CellClass::kUnknown;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::semantic_map

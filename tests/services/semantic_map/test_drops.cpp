@@ -1,32 +1,33 @@
 #include <gtest/gtest.h>
 
-#include "synthetic_ground.hpp"
 #include "tests/services/mapper/synthetic_world.hpp"
+#include "tests/services/semantic_map/synthetic_ground.hpp"
 
-namespace curbstone {
+namespace curbstone::semantic_map {
 namespace {
 
 using test::SyntheticWorld;
 
 /// Slabs of ground with their tops at z; the vehicle's street runs along x.
-SyntheticWorld::Box slab(double x0, double y0, double x1, double y1, double z) {
+test::SyntheticWorld::Box slab(double x0, double y0, double x1, double y1, double z) {
   return {{x0, y0, z - 3}, {x1, y1, z}};
 }
 
 /// What sixteen beams see of a world from a vehicle that drives from x = -8 to 8 at y = 0.
-CloudMap drive_through(const std::vector<SyntheticWorld::Box>& boxes, ClassParameters classes = {}) {
-  SyntheticWorld world;
+detect::cloud_map::CloudMap drive_through(const std::vector<test::SyntheticWorld::Box>& boxes,
+                                          cells::ClassParameters classes = {}) {
+  test::SyntheticWorld world;
   world.ground = false;
   world.boxes = boxes;
   SyntheticCloud cloud;
   for (double x = -8; x <= 8; x += 0.1) {
     const Pose T = test::pose(x, 0, 0, 0, 0, 0);
-    for (const LidarPoint& p : world.snapshot(T, test::default_lidar())) {
+    for (const mapper::scan::LidarPoint& p : world.snapshot(T, test::default_lidar())) {
       const Eigen::Vector3d q = T * p.position.cast<double>();
       if (std::abs(q.x()) < 10 && std::abs(q.y()) < 8) cloud.add(q.x(), q.y(), q.z());
     }
   }
-  CloudMapOptions options;
+  detect::cloud_map::CloudMapOptions options;
   options.classes = classes;
   return map_of(cloud, options);
 }
@@ -36,10 +37,10 @@ struct Costs {
 };
 
 /// Of the cells of a rectangle; `paid`: they cost, or are not known.
-Costs costs_in(const CloudMap& map, double x0, double y0, double x1, double y1) {
+Costs costs_in(const detect::cloud_map::CloudMap& map, double x0, double y0, double x1, double y1) {
   Costs costs;
-  for (const MapTile& tile : map.tiles) {
-    for (std::size_t i = 0; i < kCellsInTile; ++i) {
+  for (const tile::MapTile& tile : map.tiles) {
+    for (std::size_t i = 0; i < tile::kCellsInTile; ++i) {
       const double x = tile.key.x * kTileSize + (static_cast<double>(i % kCellsPerTile) + 0.5) * kCellSize;
       const double y = tile.key.y * kTileSize + (static_cast<double>(i / kCellsPerTile) + 0.5) * kCellSize;
       if (x < x0 || x > x1 || y < y0 || y > y1) continue;
@@ -52,14 +53,14 @@ Costs costs_in(const CloudMap& map, double x0, double y0, double x1, double y1) 
   return costs;
 }
 
-std::vector<SyntheticWorld::Box> street_with_pit(double depth, double x0, double y0, double x1, double y1) {
+std::vector<test::SyntheticWorld::Box> street_with_pit(double depth, double x0, double y0, double x1, double y1) {
   return {slab(-40, -40, 40, y0, 0), slab(-40, y1, 40, 40, 0), slab(-40, y0, x0, y1, 0), slab(x1, y0, 40, y1, 0),
           slab(x0, y0, x1, y1, -depth)};
 }
 
 TEST(Drops, APitCostsWhereverItIsSeen) {
   for (const double depth : {0.3, 0.6, 1.2}) {
-    const CloudMap map = drive_through(street_with_pit(depth, -0.8, 2.2, 0.8, 3.8));
+    const detect::cloud_map::CloudMap map = drive_through(street_with_pit(depth, -0.8, 2.2, 0.8, 3.8));
     const Costs pit = costs_in(map, -0.75, 2.3, 0.75, 3.75);
     EXPECT_LT(pit.free, pit.cells / 10) << depth << ": nobody drives into it";
     const Costs rim = costs_in(map, -1, 2.1, 1, 4);
@@ -70,25 +71,25 @@ TEST(Drops, APitCostsWhereverItIsSeen) {
 }
 
 TEST(Drops, AKerbThatGoesDownCostsAsOneThatGoesUp) {
-  const CloudMap down = drive_through({slab(-40, -40, 40, 3, 0), slab(-40, 3, 40, 40, -0.12)});
-  const CloudMap up = drive_through({slab(-40, -40, 40, 3, 0), slab(-40, 3, 40, 40, 0.12)});
-  for (const CloudMap* map : {&down, &up}) {
+  const detect::cloud_map::CloudMap down = drive_through({slab(-40, -40, 40, 3, 0), slab(-40, 3, 40, 40, -0.12)});
+  const detect::cloud_map::CloudMap up = drive_through({slab(-40, -40, 40, 3, 0), slab(-40, 3, 40, 40, 0.12)});
+  for (const detect::cloud_map::CloudMap* map : {&down, &up}) {
     int crossings = 0, paid = 0;
     for (double x = -5; x < 5; x += 0.12, ++crossings) paid += costs_in(*map, x, 2.6, x + 0.12, 3.6).paid > 0 ? 1 : 0;
     EXPECT_GT(paid, crossings * 95 / 100) << (map == &down ? "down" : "up");
     EXPECT_EQ(costs_in(*map, -5, -1, 5, 2).paid, 0);
   }
   int from_below = 0;
-  for (const CloudCurb& c : down.curbs) from_below += c.up.y() < -0.9 ? 1 : 0;
+  for (const detect::cloud_map::CloudCurb& c : down.curbs) from_below += c.up.y() < -0.9 ? 1 : 0;
   EXPECT_GT(from_below, 50) << "and it is known to go down";
 }
 
 TEST(Drops, AnEdgeThatIsTooHighToGoDownIsLethal) {
-  const CloudMap map = drive_through({slab(-40, -40, 40, 3, 0), slab(-40, 3, 40, 40, -0.35)});
+  const detect::cloud_map::CloudMap map = drive_through({slab(-40, -40, 40, 3, 0), slab(-40, 3, 40, 40, -0.35)});
   int crossings = 0, lethal = 0;
   for (double x = -5; x < 5; x += 0.12, ++crossings) lethal += costs_in(map, x, 2.4, x + 0.12, 4.2).lethal > 0 ? 1 : 0;
   EXPECT_GT(lethal, crossings * 9 / 10);
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::semantic_map

@@ -3,13 +3,13 @@
 #include <curbstone/semantic_tile_t.hpp>
 #include <map>
 
-#include "common/local_bus.hpp"
+#include "common/bus/local_bus.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "services/semantic_map/semantic_map_node.hpp"
-#include "services/tensor_voting/tensor_voting_node.hpp"
+#include "services/tensor_voting/worker/tensor_voting_node.hpp"
 #include "tests/services/mapper/synthetic_world.hpp"
 
-namespace curbstone {
+namespace curbstone::semantic_map {
 namespace {
 
 constexpr double kPeriod = 0.05;  // s
@@ -35,11 +35,11 @@ odometry_t odometry_at(double t) {
 class CarBeside {
  public:
   explicit CarBeside(double free_range) {
-    MapperConfig mapper_config;
+    mapper::config::MapperConfig mapper_config;
     mapper_config.dense.free_range = free_range;
-    MapperNode mapper(mapper_config, bus_);
-    const TensorVotingConfig voting_config;
-    TensorVotingNode voting(voting_config, "tensor_voting:1", bus_);
+    mapper::MapperNode mapper(mapper_config, bus_);
+    const tensor_voting::worker::TensorVotingConfig voting_config;
+    tensor_voting::worker::TensorVotingNode voting(voting_config, "tensor_voting:1", bus_);
     SemanticMapConfig map;
     map.map.clear();
     SemanticMapNode semantic(map, bus_);
@@ -60,7 +60,7 @@ class CarBeside {
     const Eigen::Vector3d start = driving(0).translation();
     int count = 0;
     for (const auto& [key, tile] : tiles_) {
-      for (int i = 0; i < kCellsInTile; ++i) {
+      for (int i = 0; i < tile::kCellsInTile; ++i) {
         const double x = key.x * kTileSize + (i % kCellsPerTile + 0.5) * kCellSize + start.x();
         const double y = key.y * kTileSize + (i / kCellsPerTile + 0.5) * kCellSize;
         const int c = tile.cell_class[i];
@@ -100,8 +100,9 @@ class CarBeside {
 
 TEST(Fading, TheSemanticMapFollowsAndTheLaneIsRoadAgain) {
   const CarBeside without(0), with(12);
-  constexpr int kRoad = static_cast<int>(CellClass::kRoad), kObstacle = static_cast<int>(CellClass::kObstacle),
-                kWall = static_cast<int>(CellClass::kWall);
+  constexpr int kRoad = static_cast<int>(tile::CellClass::kRoad),
+                kObstacle = static_cast<int>(tile::CellClass::kObstacle),
+                kWall = static_cast<int>(tile::CellClass::kWall);
   const auto blocked = [](const CarBeside& map) { return map.cells(-9, 2.1, 5, 3.95, kObstacle, kWall); };
   const auto road = [](const CarBeside& map) { return map.cells(-9, 2.1, 5, 3.95, kRoad, kRoad); };
   EXPECT_GT(blocked(without), 200) << "the smear of a car that was never there for long";
@@ -113,4 +114,4 @@ TEST(Fading, TheSemanticMapFollowsAndTheLaneIsRoadAgain) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::semantic_map

@@ -6,9 +6,9 @@
 #include <random>
 #include <vector>
 
-#include "common/tile.hpp"
-#include "services/tensor_voting/tensor.hpp"
-#include "services/tensor_voting/vote_kernel.hpp"
+#include "common/tiles/tile.hpp"
+#include "services/tensor_voting/kernels/tensor.hpp"
+#include "services/tensor_voting/kernels/vote_kernel.hpp"
 
 namespace curbstone::testing_clouds {
 
@@ -52,12 +52,12 @@ inline Tiles as_tiles(const std::vector<Eigen::Vector3d>& points) {
   return tiles;
 }
 
-inline StepPoint in_map(TileKey key, const TilePoint& p, int z_origin = 0) {
+inline tensor_voting::kernels::StepPoint in_map(TileKey key, const TilePoint& p, int z_origin = 0) {
   return {key.x * kStepsPerTile + p.x, key.y * kStepsPerTile + p.y, z_origin + p.z};
 }
 
 template <class Scalar>
-Eigen::Matrix3d matrix(const BasicTensor<Scalar>& t) {
+Eigen::Matrix3d matrix(const tensor_voting::kernels::BasicTensor<Scalar>& t) {
   Eigen::Matrix<Scalar, 3, 3> m;
   m << t.xx, t.xy, t.xz, t.xy, t.yy, t.yz, t.xz, t.yz, t.zz;
   return m.template cast<double>();
@@ -65,7 +65,8 @@ Eigen::Matrix3d matrix(const BasicTensor<Scalar>& t) {
 
 /// |a - b| / |b|, Frobenius.
 template <class A, class B>
-double relative_difference(const BasicTensor<A>& a, const BasicTensor<B>& b) {
+double relative_difference(const tensor_voting::kernels::BasicTensor<A>& a,
+                           const tensor_voting::kernels::BasicTensor<B>& b) {
   return (matrix(a) - matrix(b)).norm() / matrix(b).norm();
 }
 

@@ -11,8 +11,8 @@
 #include <tuple>
 #include <vector>
 
-#include "common/local_bus.hpp"
-#include "common/tile_sync.hpp"
+#include "common/bus/local_bus.hpp"
+#include "common/tile_sync/tile_sync.hpp"
 #include "tests/services/tensor_voting/clouds.hpp"
 
 namespace curbstone::testing_world {
@@ -55,12 +55,12 @@ class LossyPublisher final : public Publisher {
 /// Publishes a cloud tile by tile as the mapper would, announces it, and answers requests.
 class FakeMapper {
  public:
-  FakeMapper(LocalBus& bus, Publisher& publisher, Tiles tiles)
+  FakeMapper(LocalBus& bus, Publisher& publisher, testing_clouds::Tiles tiles)
       : publisher_(publisher), tiles_(std::move(tiles)), catalog_("mapper", "MAP_POINTS") {
     catalog_.start_epoch(epoch_);
     bus.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { catalog_.request(m); });
   }
-  void start_epoch(std::int32_t epoch, Tiles tiles) {
+  void start_epoch(std::int32_t epoch, testing_clouds::Tiles tiles) {
     epoch_ = epoch;
     tiles_ = std::move(tiles);
     done_.clear();
@@ -88,7 +88,7 @@ class FakeMapper {
     last_index_ = now;
     for (const auto& page : catalog_.make_index(now, 0, 0)) publisher_.publish("TILE_INDEX", page);
   }
-  [[nodiscard]] const Tiles& tiles() const { return tiles_; }
+  [[nodiscard]] const testing_clouds::Tiles& tiles() const { return tiles_; }
   /// Points so far.
   [[nodiscard]] std::size_t mapped() const {
     std::size_t total = 0;
@@ -118,7 +118,7 @@ class FakeMapper {
   }
 
   Publisher& publisher_;
-  Tiles tiles_;
+  testing_clouds::Tiles tiles_;
   std::map<TileKey, std::size_t> done_;
   TileCatalog catalog_;
   std::int32_t epoch_ = 1;

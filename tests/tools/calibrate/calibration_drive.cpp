@@ -9,14 +9,14 @@
 #include "tools/simulate/sensors/imu_model.hpp"
 #include "tools/simulate/sensors/wheel_model.hpp"
 
-namespace curbstone {
+namespace curbstone::calibrate {
 
 namespace {
 
 constexpr std::int64_t kStart = 1'750'000'000'000'000;  // us
 constexpr double kLongest = 150.0;                      // s
 
-class StraightMotion final : public Motion {
+class StraightMotion final : public simulate::motion::Motion {
  public:
   [[nodiscard]] Pose T_world_base(double t) const override {
     const double ramp = std::max(0.0, t - 4.0);
@@ -30,7 +30,7 @@ class StraightMotion final : public Motion {
   }
 };
 
-class WindingMotion final : public Motion {
+class WindingMotion final : public simulate::motion::Motion {
  public:
   WindingMotion() {
     Eigen::Vector2d p = Eigen::Vector2d::Zero();
@@ -100,29 +100,30 @@ VehicleConfig believed_vehicle() {
   return vehicle;
 }
 
-const Motion& town_motion() {
-  static const Town town({.seed = 1});
-  static const TownMotion motion(town, true_vehicle(), SpeedProfile({}, kLongest));
+const simulate::motion::Motion& town_motion() {
+  static const simulate::world::Town town({.seed = 1});
+  static const simulate::motion::TownMotion motion(town, true_vehicle(), simulate::motion::SpeedProfile({}, kLongest));
   return motion;
 }
 
-const Motion& winding_motion() {
+const simulate::motion::Motion& winding_motion() {
   static const WindingMotion motion;
   return motion;
 }
 
-const Motion& straight_motion() {
+const simulate::motion::Motion& straight_motion() {
   static const StraightMotion motion;
   return motion;
 }
 
-CalibrationData drive_to_calibrate(const Motion& motion, double seconds, std::uint64_t seed) {
+CalibrationData drive_to_calibrate(const simulate::motion::Motion& motion, double seconds, std::uint64_t seed) {
   const VehicleConfig vehicle = true_vehicle();
-  WheelNoise wheel_noise;
+  simulate::sensors::WheelNoise wheel_noise;
   wheel_noise.radius_error = 0.0;
-  ImuModel imu({}, vehicle, motion, Random(seed).fork(11));
-  WheelModel wheels(wheel_noise, vehicle, motion, seconds, Random(seed).fork(12));
-  Random noise = Random(seed).fork(13);
+  simulate::sensors::ImuModel imu({}, vehicle, motion, simulate::numerics::Random(seed).fork(11));
+  simulate::sensors::WheelModel wheels(wheel_noise, vehicle, motion, seconds,
+                                       simulate::numerics::Random(seed).fork(12));
+  simulate::numerics::Random noise = simulate::numerics::Random(seed).fork(13);
   const auto normals = [&](double sigma) -> Eigen::Vector3d {
     return {noise.normal(sigma), noise.normal(sigma), noise.normal(sigma)};
   };
@@ -134,7 +135,7 @@ CalibrationData drive_to_calibrate(const Motion& motion, double seconds, std::ui
   constexpr int kStanding = 300;  // samples: the filter's estimate of the bias
   for (int i = 1; i < static_cast<int>(100.0 * seconds); ++i) {
     const double t = 0.01 * i;
-    const Inertia inertia = imu.sample(t);
+    const simulate::motion::Inertia inertia = imu.sample(t);
     data.imu.push_back({utime(t), inertia.angular_rate, inertia.specific_force});
     if (i <= kStanding) standing_rate += inertia.angular_rate / kStanding;
     const auto counts = wheels.counts(t + 0.004);
@@ -150,4 +151,4 @@ CalibrationData drive_to_calibrate(const Motion& motion, double seconds, std::ui
   return data;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::calibrate

@@ -7,7 +7,7 @@
 
 #include "tests/tools/calibrate/calibration_drive.hpp"
 
-namespace curbstone {
+namespace curbstone::calibrate {
 namespace {
 
 std::array<double, kCalibratedCount> truth() {
@@ -51,7 +51,7 @@ TEST(Calibration, AWindingDriveWithSlipsFindsWhatTheFileHasWrong) {
 
 TEST(Calibration, ErrorsAreWithinThreeOfTheirOwnSigma) {
   for (const std::uint64_t seed : {2U, 3U, 4U, 5U, 6U, 7U}) {
-    const Motion& motion = seed % 2 == 0 ? town_motion() : winding_motion();
+    const simulate::motion::Motion& motion = seed % 2 == 0 ? town_motion() : winding_motion();
     const CalibrationResult result = calibrate(drive_to_calibrate(motion, 120.0, seed), believed_vehicle());
     for (std::size_t i = 0; i < kCalibratedCount; ++i) {
       EXPECT_LT(std::abs(result.values[i].value - truth()[i]), 3.0 * result.values[i].sigma)
@@ -103,4 +103,4 @@ TEST(Calibration, GapsAndSensorsThatSayNothingSensibleCostAccuracyOnly) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::calibrate

@@ -4,24 +4,22 @@
 #include <curbstone/imu_t.hpp>
 #include <curbstone/map_pose_t.hpp>
 #include <curbstone/wheels_t.hpp>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "common/config.hpp"
+#include "common/config/config.hpp"
 #include "common/log/log_writer.hpp"
-#include "services/mapper/mapper_config.hpp"
+#include "config/sections.hpp"
+#include "services/mapper/config/mapper_config.hpp"
+#include "tests/temporary_folder.hpp"
 #include "tests/tools/calibrate/calibration_drive.hpp"
 #include "tools/calibrate/calibrate.hpp"
 
-namespace curbstone {
+namespace curbstone::calibrate {
 namespace {
 
 class RunCalibrate : public ::testing::Test {
  protected:
-  RunCalibrate() { std::filesystem::create_directories(folder_); }
-  ~RunCalibrate() override { std::filesystem::remove_all(folder_); }
-
   template <class Message>
   static void write(LogWriter& log, const std::string& channel, const Message& message) {
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
@@ -34,7 +32,7 @@ class RunCalibrate : public ::testing::Test {
     LogWriter log(log_);
     const Pose T_lidar_base = believed_vehicle().T_base_lidar().inverse();
     std::size_t wheels = 0, lidar = 0;
-    for (const ImuSample& s : data.imu) {
+    for (const ekf::base::ImuSample& s : data.imu) {
       for (; wheels < data.wheels.size() && data.wheels[wheels].utime <= s.utime; ++wheels) {
         wheels_t m{};
         m.utime = data.wheels[wheels].utime;
@@ -77,22 +75,22 @@ class RunCalibrate : public ::testing::Test {
     list(v.imu);
   }
 
-  std::string folder_ = ::testing::TempDir() + "calibrate_" + std::to_string(getpid());
-  std::string log_ = folder_ + "/drive.lcmlog";
-  std::string config_ = folder_ + "/ugv.yaml";
+  testing::TemporaryFolder folder_;
+  std::string log_ = folder_ / "drive.lcmlog";
+  std::string config_ = folder_ / "ugv.yaml";
 };
 
 TEST_F(RunCalibrate, WritesAVehicleSectionThatTheProcessesTakeAndTheSameForPrograms) {
   write_log(drive_to_calibrate(town_motion(), 90.0, 1));
   write_config();
-  ASSERT_EQ(run({log_, "--config", config_, "--out", folder_ + "/new.yaml", "--json", folder_ + "/new.json"}), 0);
-  ConfigOf<MapperConfig> loaded;
-  load_config(folder_ + "/new.yaml", "mapper", loaded);
+  ASSERT_EQ(run({log_, "--config", config_, "--out", folder_ / "new.yaml", "--json", folder_ / "new.json"}), 0);
+  ConfigOf<mapper::config::MapperConfig> loaded;
+  load_config(folder_ / "new.yaml", "mapper", kProcessSections, loaded);
   const VehicleConfig& found = loaded.value.vehicle;
   EXPECT_NEAR(found.wheel_radius, true_vehicle().wheel_radius, 0.001 * true_vehicle().wheel_radius);
   EXPECT_NEAR(found.track_width, true_vehicle().track_width, 0.005 * true_vehicle().track_width);
   EXPECT_NEAR(found.lidar[5], true_vehicle().lidar[5], 0.1 * 3.1416 / 180.0);
-  const nlohmann::json json = nlohmann::json::parse(std::ifstream(folder_ + "/new.json"));
+  const nlohmann::json json = nlohmann::json::parse(std::ifstream(folder_ / "new.json"));
   ASSERT_EQ(json["parameters"].size(), kCalibratedCount);
   EXPECT_EQ(json["covariance"].size(), kCalibratedCount);
   EXPECT_EQ(json["parameters"][2]["name"], "track_width");
@@ -109,10 +107,10 @@ TEST_F(RunCalibrate, SaysWhatALogLacks) {
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), ::testing::HasSubstr("holds no LIDAR_POINTS that can be mapped, and no MAP_POSE"));
   }
-  EXPECT_THROW(run({folder_ + "/nothing.lcmlog"}), std::runtime_error);
+  EXPECT_THROW(run({folder_ / "nothing.lcmlog"}), std::runtime_error);
   EXPECT_EQ(run({}), 2);
-  EXPECT_EQ(run({log_, "--config", folder_ + "/nothing.yaml"}), 2);
+  EXPECT_EQ(run({log_, "--config", folder_ / "nothing.yaml"}), 2);
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::calibrate

@@ -4,12 +4,12 @@
 
 #include <cmath>
 
-namespace curbstone {
+namespace curbstone::evaluate {
 namespace {
 
 /// A straight curb at y = 3 from x = 0 to 10, seen from a path along y = 0.
-std::vector<TrueCurbPoint> curb_at(double y, bool dropped = false, int line = 0) {
-  std::vector<TrueCurbPoint> points;
+std::vector<truth::TrueCurbPoint> curb_at(double y, bool dropped = false, int line = 0) {
+  std::vector<truth::TrueCurbPoint> points;
   for (int i = 0; i <= 100; ++i) points.push_back({line, 0.1 * i, y, 0, 0.1, dropped});
   return points;
 }
@@ -104,7 +104,7 @@ TEST(CurbScore, TellsTheLateralBiasFromItsSpread) {
 
 TEST(CurbScore, GivesRecallByTheHeightOfTheStep) {
   auto truth = curb_at(3);  // 0.10 m
-  for (TrueCurbPoint point : curb_at(-3, false, 1)) {
+  for (truth::TrueCurbPoint point : curb_at(-3, false, 1)) {
     point.height = 0.05;
     truth.push_back(point);
   }
@@ -138,4 +138,4 @@ TEST(CurbScore, NothingAgainstNothingIsZeroNotNan) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

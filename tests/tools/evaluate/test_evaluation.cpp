@@ -6,15 +6,15 @@
 
 #include "tools/evaluate/report.hpp"
 
-namespace curbstone {
+namespace curbstone::evaluate {
 namespace {
 
 /// The map is the truth turned by 90 degrees and moved: evaluation has to undo that.
 struct Scene {
   Pose T_truth_map = Pose::Identity();
-  Trajectory trajectory;
-  Truth truth;
-  std::vector<MapTile> tiles;
+  truth::Trajectory trajectory;
+  truth::Truth truth;
+  std::vector<semantic_map::tile::MapTile> tiles;
 
   Scene() {
     T_truth_map.linear() = rotation_from_rpy(0, 0, 1.5707963267948966);
@@ -25,11 +25,11 @@ struct Scene {
       trajectory.push_back({1'000'000 + 50'000 * i, p});
       truth.poses.push_back({1'000'000 + 50'000 * i, T_truth_map * p});
     }
-    MapTile tile;  // x 0..3, y 0..3: road, with a curb along its row 12
-    tile.cell_class.fill(CellClass::kRoad);
+    semantic_map::tile::MapTile tile;  // x 0..3, y 0..3: road, with a curb along its row 12
+    tile.cell_class.fill(semantic_map::tile::CellClass::kRoad);
     tile.height.fill(0);
     for (int c = 0; c < kCellsPerTile; ++c)
-      tile.cell_class[static_cast<std::size_t>(12 * kCellsPerTile + c)] = CellClass::kCurb;
+      tile.cell_class[static_cast<std::size_t>(12 * kCellsPerTile + c)] = semantic_map::tile::CellClass::kCurb;
     tiles.push_back(tile);
     for (int i = 0; i <= 60; ++i) {
       const Eigen::Vector3d p = T_truth_map * Eigen::Vector3d(0.05 * i, 12.5 * kCellSize, 0);
@@ -55,14 +55,15 @@ TEST(Evaluation, LaysTheMapOnTheTruthByTheTrajectories) {
 
 TEST(Evaluation, TellsWhatBlocksAndIsCalledFreeFromWhatIsNotKnown) {
   Scene scene;
-  MapTile& tile = scene.tiles.front();  // its first row is truly a wall
+  semantic_map::tile::MapTile& tile = scene.tiles.front();  // its first row is truly a wall
   for (int c = 0; c < kCellsPerTile; ++c) {
     const Eigen::Vector3d p = scene.T_truth_map * Eigen::Vector3d((c + 0.5) * kCellSize, 0.5 * kCellSize, 0);
     scene.truth.classes.set(p.x(), p.y(), 4);
   }
-  for (std::size_t c = 0; c < 20; ++c) tile.cell_class[c] = c < 10 ? CellClass::kWall : CellClass::kObstacle;
-  tile.cell_class[20] = tile.cell_class[21] = CellClass::kUnknown;
-  tile.height[21] = MapTile::kNoHeight;  // no point fell into it
+  for (std::size_t c = 0; c < 20; ++c)
+    tile.cell_class[c] = c < 10 ? semantic_map::tile::CellClass::kWall : semantic_map::tile::CellClass::kObstacle;
+  tile.cell_class[20] = tile.cell_class[21] = semantic_map::tile::CellClass::kUnknown;
+  tile.height[21] = semantic_map::tile::MapTile::kNoHeight;  // no point fell into it
   const Evaluation e = evaluate(scene.tiles, {}, scene.trajectory, scene.truth, 8);
   ASSERT_TRUE(e.blocking);
   EXPECT_EQ(e.blocking->blocked, 20);
@@ -100,4 +101,4 @@ TEST(Evaluation, JsonHasTheAgreedKeysAndNullForTheUnknown) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-namespace curbstone {
+namespace curbstone::evaluate {
 namespace {
 
 TEST(TruthLines, AreTheCurbsAndThePathInMap) {
-  Truth truth;
+  truth::Truth truth;
   truth.curbs = {{0, 10, 5, 0, 0.1, false},
                  {0, 10.1, 5, 0, 0.1, false},
                  {0, 10.2, 5, 0, 0.02, true},
@@ -30,8 +30,8 @@ TEST(ErrorDots, AreInMapAColourForEachKind) {
   Evaluation evaluation;
   evaluation.T_truth_map.translation() = Eigen::Vector3d(10, 5, 0);
   evaluation.blocking.emplace();
-  evaluation.blocking->count(CellClass::kWall, {1, 1});
-  evaluation.blocking->count(CellClass::kCurb, {12, 6});
+  evaluation.blocking->count(semantic_map::tile::CellClass::kWall, {1, 1});
+  evaluation.blocking->count(semantic_map::tile::CellClass::kCurb, {12, 6});
   evaluation.curbs.emplace();
   evaluation.curbs->missed = {{10, 5}};
   evaluation.curbs->wrong = {{11, 5}};
@@ -45,4 +45,4 @@ TEST(ErrorDots, AreInMapAColourForEachKind) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

@@ -4,28 +4,30 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "services/semantic_map/map_store.hpp"
+#include "services/semantic_map/store/map_store.hpp"
+#include "tests/temporary_folder.hpp"
 #include "tools/evaluate/evaluate.hpp"
 
-namespace curbstone {
+namespace curbstone::evaluate {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 /// A folder with a small map along the x axis and the truth of the same drive.
-class RunEvaluate : public testing::Test {
+class RunEvaluate : public ::testing::Test {
  protected:
   void SetUp() override {
-    fs::remove_all(folder_);
+    fs::remove_all(folder_ / "truth");
+    fs::remove(folder_ / "map.db");
     fs::create_directories(folder_ / "truth");
     std::ofstream poses(folder_ / "truth/poses.csv");
     poses << "utime,x,y,z,qw,qx,qy,qz\n";
     std::ofstream curbs(folder_ / "truth/curbs.csv");
     curbs << "line,x,y,z,height,dropped\n";
-    MapStore::Batch batch;
+    semantic_map::store::MapStore::Batch batch;
     for (int i = 0; i < 200; ++i) {
       Pose T_map_base = Pose::Identity();
       T_map_base.translation().x() = 0.1 * i;
@@ -34,17 +36,17 @@ class RunEvaluate : public testing::Test {
       if (i <= 180) curbs << "0," << 0.1 * i << ",1.5,0,0.1,0\n";
     }
     for (int x = 0; x < 6; ++x) {
-      MapTile tile;
+      semantic_map::tile::MapTile tile;
       tile.key = {x, 0};
-      tile.cell_class.fill(CellClass::kRoad);
-      for (std::size_t c = 0; c < kCellsPerTile; ++c) tile.cell_class[12 * kCellsPerTile + c] = CellClass::kCurb;
+      tile.cell_class.fill(semantic_map::tile::CellClass::kRoad);
+      for (std::size_t c = 0; c < kCellsPerTile; ++c)
+        tile.cell_class[12 * kCellsPerTile + c] = semantic_map::tile::CellClass::kCurb;
       batch.tiles.push_back(tile);
     }
-    MapStore store(path("map.db"));
+    semantic_map::store::MapStore store(path("map.db"));
     store.write(batch);
     store.close_canonical();
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   [[nodiscard]] std::string path(const char* name) const { return (folder_ / name).string(); }
   int run(std::vector<std::string> arguments = {}) const {
@@ -56,17 +58,17 @@ class RunEvaluate : public testing::Test {
   }
   void expect_failure(const std::string& file, const std::string& words,
                       std::vector<std::string> arguments = {}) const {
-    EXPECT_THAT([&] { run(arguments); },
-                ThrowsMessage<std::exception>(AllOf(HasSubstr(file), HasSubstr(words), testing::Not(HasSubstr("\n")))));
+    EXPECT_THAT([&] { run(arguments); }, ThrowsMessage<std::exception>(AllOf(HasSubstr(file), HasSubstr(words),
+                                                                             ::testing::Not(HasSubstr("\n")))));
   }
 
-  fs::path folder_ = fs::path(testing::TempDir()) / ("curbstone_evaluate_" + std::to_string(getpid()));
+  testing::TemporaryFolder folder_;
 };
 
 TEST_F(RunEvaluate, PrintsATableAndWritesJson) {
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   EXPECT_EQ(run({"--json", path("report.json")}), 0);
-  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("19.9 m driven"));
+  EXPECT_THAT(::testing::internal::GetCapturedStdout(), HasSubstr("19.9 m driven"));
   std::ifstream file(path("report.json"));
   const auto json = nlohmann::json::parse(file);
   EXPECT_EQ(json.at("curb").at("0.12").at("f1"), 1.0);
@@ -105,10 +107,10 @@ TEST_F(RunEvaluate, RefusesALogThatIsNone) {
 }
 
 TEST_F(RunEvaluate, KnowsUsage) {
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStderr();
   EXPECT_EQ(run({"--no-such-option"}), 2);
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("--no-such-option"));
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("--no-such-option"));
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

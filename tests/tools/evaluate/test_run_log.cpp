@@ -11,8 +11,9 @@
 #include <curbstone/wheels_t.hpp>
 
 #include "common/log/log_writer.hpp"
+#include "tests/temporary_folder.hpp"
 
-namespace curbstone {
+namespace curbstone::evaluate {
 namespace {
 
 using ::testing::ElementsAre;
@@ -37,7 +38,8 @@ service_status_t status(const std::string& service, std::int64_t uptime, std::in
 }
 
 TEST(RunLog, SumsLossesLatencyAndCores) {
-  const std::string file = ::testing::TempDir() + "run.lcmlog";
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "run.lcmlog";
   {
     LogWriter log(file);
     lidar_points_t lidar{};
@@ -76,7 +78,8 @@ TEST(RunLog, SumsLossesLatencyAndCores) {
 }
 
 TEST(RunLog, DatagramsThatSeveralProcessesReportAsDroppedAreTheSame) {
-  const std::string file = ::testing::TempDir() + "full_buffers.lcmlog";
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "full_buffers.lcmlog";
   {
     LogWriter log(file);
     for (const auto& [service, dropped] : {std::pair{"mapper", 5}, std::pair{"ekf", 4}}) {
@@ -90,7 +93,8 @@ TEST(RunLog, DatagramsThatSeveralProcessesReportAsDroppedAreTheSame) {
 }
 
 TEST(RunLog, SaysNothingOfLatencyInALogThatWasNotRecordedLive) {
-  const std::string file = ::testing::TempDir() + "replayed.lcmlog";
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "replayed.lcmlog";
   {
     LogWriter log(file);
     lidar_points_t lidar{};
@@ -105,7 +109,8 @@ TEST(RunLog, SaysNothingOfLatencyInALogThatWasNotRecordedLive) {
 }
 
 TEST(RunLog, SeesWhatTheRecorderMissed) {
-  const std::string file = ::testing::TempDir() + "gaps.lcmlog";
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "gaps.lcmlog";
   {
     LogWriter log(file);
     lidar_points_t lidar{};
@@ -118,7 +123,8 @@ TEST(RunLog, SeesWhatTheRecorderMissed) {
 }
 
 TEST(RunLog, SeesWhatTheRecorderMissedOfTheOtherSensors) {
-  const std::string file = ::testing::TempDir() + "sensor_gaps.lcmlog";
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "sensor_gaps.lcmlog";
   {
     LogWriter log(file);
     imu_t imu{};
@@ -140,4 +146,4 @@ TEST(RunLog, SeesWhatTheRecorderMissedOfTheOtherSensors) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::evaluate

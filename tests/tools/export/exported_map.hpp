@@ -1,58 +1,56 @@
 #pragma once
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <array>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <random>
 #include <sstream>
 #include <string>
 #include <vector>
 
-#include "services/semantic_map/map_store.hpp"
+#include "services/semantic_map/store/map_store.hpp"
+#include "tests/temporary_folder.hpp"
 #include "tools/export/export.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 
 /// A small map across the origin, written through the store, and the folder of its export.
-class ExportedMap : public testing::Test {
+class ExportedMap : public ::testing::Test {
  protected:
   static constexpr std::int32_t kEpoch = 3;
 
-  void SetUp() override {
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  void write_map(const std::vector<MapTile>& tiles, const std::vector<CurbLine>& curbs,
-                 const std::vector<TrajectoryPose>& trajectory = {}) const {
-    MapStore store(path("map.db"));
+  void write_map(const std::vector<semantic_map::tile::MapTile>& tiles,
+                 const std::vector<semantic_map::tile::CurbLine>& curbs,
+                 const std::vector<semantic_map::tile::TrajectoryPose>& trajectory = {}) const {
+    semantic_map::store::MapStore store(path("map.db"));
     store.write({.epoch = kEpoch, .tiles = tiles, .trajectory = trajectory, .curbs = &curbs});
     store.close_canonical();
   }
   /// All classes, heights with gaps, costs of all kinds: (-1, 0), (0, 0), and (1, -2) apart from them.
-  static std::vector<MapTile> varied_tiles() {
-    std::vector<MapTile> tiles;
+  static std::vector<semantic_map::tile::MapTile> varied_tiles() {
+    std::vector<semantic_map::tile::MapTile> tiles;
     std::mt19937 random(7);
     for (const TileKey key : {TileKey{-1, 0}, TileKey{0, 0}, TileKey{1, -2}}) {
-      MapTile tile;
+      semantic_map::tile::MapTile tile;
       tile.key = key;
       tile.z_origin = -2;
-      for (std::size_t i = 0; i < kCellsInTile; ++i) {
+      for (std::size_t i = 0; i < semantic_map::tile::kCellsInTile; ++i) {
         // Mostly road: there shall be a slope.
-        tile.cell_class[i] = random() % 4 == 0 ? static_cast<CellClass>(random() % kNumClasses) : CellClass::kRoad;
-        const bool unknown = tile.cell_class[i] == CellClass::kUnknown;
-        tile.height[i] = unknown ? MapTile::kNoHeight : static_cast<std::int16_t>(900 + random() % 200);
+        tile.cell_class[i] =
+            random() % 4 == 0 ? static_cast<semantic_map::tile::CellClass>(random() % semantic_map::tile::kNumClasses)
+                              : semantic_map::tile::CellClass::kRoad;
+        const bool unknown = tile.cell_class[i] == semantic_map::tile::CellClass::kUnknown;
+        tile.height[i] =
+            unknown ? semantic_map::tile::MapTile::kNoHeight : static_cast<std::int16_t>(900 + random() % 200);
         tile.cost[i] = unknown ? 255 : static_cast<std::uint8_t>(random() % 255);
         tile.confidence[i] = static_cast<std::uint8_t>(random());
         tile.hits[i] = static_cast<std::uint8_t>(random());
       }
-      tile.cell_class[0] = tile.cell_class[kCellsInTile - 1] = CellClass::kWall;  // the corners are known
+      tile.cell_class[0] = tile.cell_class[semantic_map::tile::kCellsInTile - 1] =
+          semantic_map::tile::CellClass::kWall;  // the corners are known
       tiles.push_back(tile);
     }
     return tiles;
@@ -62,8 +60,8 @@ class ExportedMap : public testing::Test {
     arguments.insert(arguments.begin(), {"export", path("map.db"), "--out", path("out")});
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
-    testing::internal::CaptureStdout();
-    testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStderr();
     std::exception_ptr thrown;
     int status = -1;
     try {
@@ -71,7 +69,7 @@ class ExportedMap : public testing::Test {
     } catch (...) {
       thrown = std::current_exception();
     }
-    said_ = testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr();
+    said_ = ::testing::internal::GetCapturedStdout() + ::testing::internal::GetCapturedStderr();
     if (thrown) std::rethrow_exception(thrown);
     return status;
   }
@@ -83,8 +81,7 @@ class ExportedMap : public testing::Test {
     return {std::istreambuf_iterator<char>(in), {}};
   }
 
-  std::filesystem::path folder_ =
-      std::filesystem::path(testing::TempDir()) / ("curbstone_export_" + std::to_string(getpid()));
+  testing::TemporaryFolder folder_;
   mutable std::string said_;
 };
 
@@ -95,7 +92,8 @@ inline bool has_gdal() {
 }
 
 inline std::string output_of(const std::string& command, const std::string& input = "") {
-  const std::string file = testing::TempDir() + "curbstone_export_input_" + std::to_string(getpid());
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "input";
   std::ofstream(file) << input;
   std::string output;
   std::FILE* pipe = popen((command + " < " + file).c_str(), "r");
@@ -103,7 +101,6 @@ inline std::string output_of(const std::string& command, const std::string& inpu
   std::array<char, 65536> buffer{};
   while (const std::size_t size = std::fread(buffer.data(), 1, buffer.size(), pipe)) output.append(buffer.data(), size);
   EXPECT_EQ(pclose(pipe), 0) << command << "\n" << output;
-  std::filesystem::remove(file);
   return output;
 }
 
@@ -124,4 +121,4 @@ inline std::vector<std::vector<double>> cells_of(const std::string& raster, int 
   return rows_of(output_of("gdal_translate -q -of XYZ -b " + std::to_string(band) + " " + raster + " /vsistdout/"));
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::map_export

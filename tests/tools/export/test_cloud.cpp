@@ -7,12 +7,12 @@
 #include "common/log/log_writer.hpp"
 #include "tests/tools/export/exported_map.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 using Row = std::array<float, 4>;  // x y z intensity
 
@@ -131,4 +131,4 @@ TEST_F(Cloud, OfAnotherDriveIsRefused) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::map_export

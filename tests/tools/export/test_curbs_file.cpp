@@ -3,14 +3,14 @@
 
 #include "tests/tools/export/exported_map.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 namespace {
 
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// A high curb far out with its high side on the left, a low one, a dropped one; and what is of no use.
-std::vector<CurbLine> some_curbs() {
+std::vector<semantic_map::tile::CurbLine> some_curbs() {
   return {{0, 0.9F, false, {{-812.3456F, 431.1111F, -3.25F, 0.12F, 0, 1}, {-811.2F, 431.1F, -3.2F, 0.14F, 0, 1}}},
           {4, 0.5F, false, {{1, 2, 0, 0.03F, 1, 0}, {1, 3, 0.01F, 0.03F, 1, 0}, {1.0625F, 4, 0.02F, 0.04F, 1, 0}}},
           {5, 0.5F, true, {{5, 2, 0, 0.09F, -1, 0}, {5, 3, 0, 0.02F, -1, 0}}},
@@ -25,10 +25,10 @@ class CurbsFile : public ExportedMap {
     if (!has_gdal()) GTEST_SKIP() << "no GDAL programs here";
     write_map({}, some_curbs());  // curbs alone are worth a file
   }
-  static std::vector<CurbVertex> usable_vertices() {
-    std::vector<CurbVertex> vertices;
+  static std::vector<semantic_map::tile::CurbVertex> usable_vertices() {
+    std::vector<semantic_map::tile::CurbVertex> vertices;
     for (std::size_t i = 0; i < 3; ++i) {
-      const CurbLine line = some_curbs()[i];
+      const semantic_map::tile::CurbLine line = some_curbs()[i];
       vertices.insert(vertices.end(), line.points.begin(), line.points.end());
     }
     return vertices;
@@ -115,7 +115,7 @@ TEST_F(CurbsFile, WithoutADatumThereAreLocalCoordinatesOnly) {
 }
 
 TEST_F(CurbsFile, SaysWhetherOneStepsUpOrDownFromTheDrivenPath) {
-  TrajectoryPose pose;
+  semantic_map::tile::TrajectoryPose pose;
   pose.utime = 1;
   pose.T_map_base.translation() = Eigen::Vector3d(3, 3, 0);  // between curb 4 (high side +x) and 5 (high side -x)
   write_map({}, some_curbs(), {pose});
@@ -136,4 +136,4 @@ TEST_F(CurbsFile, WhatIsHighIsForTheVehicleToSay) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::map_export

@@ -4,7 +4,7 @@
 
 #include "tests/tools/export/exported_map.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 namespace {
 
 TEST(GeoDatum, IsReadFromTheCommandLine) {
@@ -53,4 +53,4 @@ TEST(TangentPlane, TurnsTheMapByTheHeadingOfItsXAxis) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::map_export

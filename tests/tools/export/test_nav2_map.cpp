@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "common/tile.hpp"
+#include "common/tiles/tile.hpp"
 #include "tests/tools/export/exported_map.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 namespace {
 
 /// map_server's rule (nav2_map_server, map_io: loadMapFromFile) for a pixel: 0 free .. 100 occupied, -1 unknown.
@@ -29,16 +29,17 @@ class Nav2Map : public ExportedMap {
   void SetUp() override {
     ExportedMap::SetUp();
     if (!has_gdal()) GTEST_SKIP() << "no GDAL programs here";
-    MapTile tile;
+    semantic_map::tile::MapTile tile;
     tile.key = {-2, 1};
-    tile.cell_class.fill(CellClass::kRoad);
-    set(tile, 1, CellClass::kCurb, 110);
-    set(tile, 2, CellClass::kObstacle, 254);
-    set(tile, 3, CellClass::kUnknown, 255);
-    set(tile, 4, CellClass::kUnknown, 0);  // as with unknown_is_free
+    tile.cell_class.fill(semantic_map::tile::CellClass::kRoad);
+    set(tile, 1, semantic_map::tile::CellClass::kCurb, 110);
+    set(tile, 2, semantic_map::tile::CellClass::kObstacle, 254);
+    set(tile, 3, semantic_map::tile::CellClass::kUnknown, 255);
+    set(tile, 4, semantic_map::tile::CellClass::kUnknown, 0);  // as with unknown_is_free
     write_map({tile}, {});
   }
-  static void set(MapTile& tile, std::size_t i, CellClass cell_class, int cost) {
+  static void set(semantic_map::tile::MapTile& tile, std::size_t i, semantic_map::tile::CellClass cell_class,
+                  int cost) {
     tile.cell_class[i] = cell_class;
     tile.cost[i] = static_cast<std::uint8_t>(cost);
   }
@@ -51,15 +52,16 @@ class Nav2Map : public ExportedMap {
     const std::string image = out(yaml["image"].as<std::string>());
     const auto pixels = cells_of(image);
     const auto alpha = image.ends_with(".png") ? cells_of(image, 2) : decltype(pixels){};
-    EXPECT_EQ(pixels.size(), std::size_t{kCellsInTile});
+    EXPECT_EQ(pixels.size(), std::size_t{semantic_map::tile::kCellsInTile});
     std::vector<int> row;
-    for (std::size_t i = kCellsInTile - kCellsPerTile; i < kCellsInTile - kCellsPerTile + 5U; ++i)
+    for (std::size_t i = semantic_map::tile::kCellsInTile - kCellsPerTile;
+         i < semantic_map::tile::kCellsInTile - kCellsPerTile + 5U; ++i)
       row.push_back(occupancy(yaml, pixels[i][2], alpha.empty() ? 255 : alpha[i][2]));
     return row;
   }
 };
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 TEST_F(Nav2Map, TakesTheSafeSideUnlessToldOtherwise) {
   ASSERT_EQ(run({"--only", "nav2"}), 0);
@@ -90,4 +92,4 @@ TEST_F(Nav2Map, TakesThePolicyFromTheVehiclesFileUnlessTold) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::map_export

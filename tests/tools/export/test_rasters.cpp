@@ -1,13 +1,13 @@
 #include <cmath>
 #include <map>
 
-#include "common/tile.hpp"
+#include "common/tiles/tile.hpp"
 #include "tests/tools/export/exported_map.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 class Rasters : public ExportedMap {
  protected:
@@ -20,8 +20,8 @@ class Rasters : public ExportedMap {
   template <class Value>
   void expect_cells(const std::string& raster, double elsewhere, Value value) const {
     std::map<std::pair<long, long>, double> expected;
-    for (const MapTile& tile : tiles_) {
-      for (std::size_t i = 0; i < kCellsInTile; ++i) {
+    for (const semantic_map::tile::MapTile& tile : tiles_) {
+      for (std::size_t i = 0; i < semantic_map::tile::kCellsInTile; ++i) {
         const long column = long{tile.key.x} * kCellsPerTile + static_cast<long>(i % kCellsPerTile);
         const long row = long{tile.key.y} * kCellsPerTile + static_cast<long>(i / kCellsPerTile);
         expected[{column, row}] = value(tile, i);
@@ -43,18 +43,24 @@ class Rasters : public ExportedMap {
     EXPECT_EQ(matched, expected.size());
   }
 
-  std::vector<MapTile> tiles_ = varied_tiles();
+  std::vector<semantic_map::tile::MapTile> tiles_ = varied_tiles();
 };
 
 TEST_F(Rasters, HoldEveryCellAtItsPlace) {
   ASSERT_EQ(run({"--only", "rasters"}), 0);
-  expect_cells("class.png", 0, [](const MapTile& t, std::size_t i) { return static_cast<double>(t.cell_class[i]); });
-  expect_cells("cost.png", 255, [](const MapTile& t, std::size_t i) { return static_cast<double>(t.cost[i]); });
-  expect_cells("confidence.png", 0,
-               [](const MapTile& t, std::size_t i) { return static_cast<double>(t.confidence[i]); });
-  expect_cells("hits.png", 0, [](const MapTile& t, std::size_t i) { return static_cast<double>(t.hits[i]); });
-  expect_cells("height.flt", -9999, [](const MapTile& t, std::size_t i) {
-    return t.height[i] == MapTile::kNoHeight ? -9999 : double{t.z_origin} + t.height[i] * kPositionStep;
+  expect_cells("class.png", 0, [](const semantic_map::tile::MapTile& t, std::size_t i) {
+    return static_cast<double>(t.cell_class[i]);
+  });
+  expect_cells("cost.png", 255,
+               [](const semantic_map::tile::MapTile& t, std::size_t i) { return static_cast<double>(t.cost[i]); });
+  expect_cells("confidence.png", 0, [](const semantic_map::tile::MapTile& t, std::size_t i) {
+    return static_cast<double>(t.confidence[i]);
+  });
+  expect_cells("hits.png", 0,
+               [](const semantic_map::tile::MapTile& t, std::size_t i) { return static_cast<double>(t.hits[i]); });
+  expect_cells("height.flt", -9999, [](const semantic_map::tile::MapTile& t, std::size_t i) {
+    return t.height[i] == semantic_map::tile::MapTile::kNoHeight ? -9999
+                                                                 : double{t.z_origin} + t.height[i] * kPositionStep;
   });
 }
 
@@ -92,7 +98,7 @@ TEST_F(Rasters, ADatumPutsThemOnTheEarthAlsoTurned) {
       "+lon_0=8.416 +h_0=110 +step +inv +proj=cart +ellps=WGS84 +step +proj=unitconvert +xy_in=rad +xy_out=deg'",
       std::to_string(x * std::sin(a) - y * std::cos(a)) + " " + std::to_string(x * std::cos(a) + y * std::sin(a)) +
           " 0\n");
-  const MapTile& tile = tiles_[1];
+  const semantic_map::tile::MapTile& tile = tiles_[1];
   const std::size_t i = 3 * kCellsPerTile + 20;
   for (const auto& [raster, value] :
        {std::pair{"class.png", static_cast<double>(tile.cell_class[i])},
@@ -114,4 +120,4 @@ TEST_F(Rasters, AnEarlierDatumDoesNotLinger) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::map_export

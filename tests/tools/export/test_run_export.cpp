@@ -4,13 +4,13 @@
 
 #include "tests/tools/export/exported_map.hpp"
 
-namespace curbstone {
+namespace curbstone::map_export {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
-using testing::ThrowsMessage;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::ThrowsMessage;
 
 class RunExport : public ExportedMap {
  protected:
@@ -51,21 +51,21 @@ TEST_F(RunExport, OfAnEarlierSchemaLeavesOutTheHitsAndSaysSo) {
 TEST_F(RunExport, SaysThatAMapIsEmpty) {
   write_map({}, {});
   expect_failure("the map is empty");
-  write_map({MapTile{.key = {5, 5},
-                     .height =
-                         [] {
-                           std::array<std::int16_t, kCellsInTile> none{};
-                           none.fill(MapTile::kNoHeight);
-                           return none;
-                         }()}},
+  write_map({semantic_map::tile::MapTile{.key = {5, 5},
+                                         .height =
+                                             [] {
+                                               std::array<std::int16_t, semantic_map::tile::kCellsInTile> none{};
+                                               none.fill(semantic_map::tile::MapTile::kNoHeight);
+                                               return none;
+                                             }()}},
             {});
   expect_failure("the map is empty");
 }
 
 TEST_F(RunExport, RefusesAMapThatNoRasterHolds) {
-  MapTile tile;
-  tile.cell_class.fill(CellClass::kRoad);
-  std::vector<MapTile> tiles(2, tile);
+  semantic_map::tile::MapTile tile;
+  tile.cell_class.fill(semantic_map::tile::CellClass::kRoad);
+  std::vector<semantic_map::tile::MapTile> tiles(2, tile);
   tiles[0].key = {std::numeric_limits<std::int32_t>::min(), 0};
   tiles[1].key = {std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::int32_t>::max()};
   write_map(tiles, {});
@@ -113,4 +113,4 @@ TEST_F(RunExport, SaysWhereItCannotWrite) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::map_export

@@ -10,11 +10,12 @@
 #include <map>
 
 #include "common/log/log_reader.hpp"
+#include "tests/temporary_folder.hpp"
 #include "tests/tools/simulate/drives.hpp"
 #include "tools/simulate/log_recorder.hpp"
 #include "tools/simulate/town_surroundings.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate {
 namespace {
 
 constexpr std::int64_t kStart = 1'750'000'000'000'000;
@@ -47,23 +48,24 @@ Messages read(const std::string& file) {
   return all;
 }
 
-std::string record(const std::string& name, std::uint64_t seed, const Motion& motion) {
-  const std::string file = testing::TempDir() + name;
-  SimulateConfig config;
-  const Drive drive{
-      motion, [] { return std::make_unique<TownSurroundings>(test_town(), LidarNoise{}); }, config, 1200, 0, seed, 6.0,
-      kStart};
+void record(const std::string& file, std::uint64_t seed, const motion::Motion& motion) {
+  rig::SimulateConfig config;
+  const rig::Drive drive{motion, [] { return std::make_unique<TownSurroundings>(test_town(), sensors::LidarNoise{}); },
+                         config, 1200,
+                         0,      seed,
+                         6.0,    kStart};
   (void)record_drive(drive, file);
-  return file;
 }
 
-const std::string& recorded_file() {
-  static const std::string file = record("simulated.lcmlog", 1, test_motion());
-  return file;
-}
+class LogRecorder : public ::testing::Test {
+ protected:
+  LogRecorder() { record(log_, 1, test_motion()); }
+  testing::TemporaryFolder folder_;
+  std::string log_ = folder_ / "simulated.lcmlog";
+};
 
-TEST(LogRecorder, LogsWhatEveryDriverSaysInOrderOfTime) {
-  const Messages all = read(recorded_file());
+TEST_F(LogRecorder, LogsWhatEveryDriverSaysInOrderOfTime) {
+  const Messages all = read(log_);
   EXPECT_NEAR(static_cast<double>(all.lidar.size()), 6.0 / 0.001332, 2);
   EXPECT_NEAR(static_cast<double>(all.imu.size()), 600, 2);
   EXPECT_NEAR(static_cast<double>(all.wheels.size()), 600, 2);
@@ -72,8 +74,8 @@ TEST(LogRecorder, LogsWhatEveryDriverSaysInOrderOfTime) {
   EXPECT_LE(all.log_times.back(), kStart + 6'000'000);
 }
 
-TEST(LogRecorder, GivesEveryMessageAPlausibleDelay) {
-  for (const auto& [channel, delays] : read(recorded_file()).delays) {
+TEST_F(LogRecorder, GivesEveryMessageAPlausibleDelay) {
+  for (const auto& [channel, delays] : read(log_).delays) {
     for (const auto delay : delays) {
       ASSERT_GE(delay, -100) << channel;
       ASSERT_LT(delay, 8'000) << channel;
@@ -81,15 +83,15 @@ TEST(LogRecorder, GivesEveryMessageAPlausibleDelay) {
   }
 }
 
-TEST(LogRecorder, LosesNothingOnTheWay) {
-  const Messages all = read(recorded_file());
+TEST_F(LogRecorder, LosesNothingOnTheWay) {
+  const Messages all = read(log_);
   for (std::size_t i = 1; i < all.lidar.size(); ++i) ASSERT_EQ(all.lidar[i].packet, all.lidar[i - 1].packet + 1);
   for (std::size_t i = 1; i < all.imu.size(); ++i) ASSERT_EQ(all.imu[i].sequence, all.imu[i - 1].sequence + 1);
   for (std::size_t i = 1; i < all.wheels.size(); ++i) ASSERT_EQ(all.wheels[i].sequence, all.wheels[i - 1].sequence + 1);
 }
 
-TEST(LogRecorder, StampsAreThoseOfTheMeasurements) {
-  const Messages all = read(recorded_file());
+TEST_F(LogRecorder, StampsAreThoseOfTheMeasurements) {
+  const Messages all = read(log_);
   // Every sample of the gyro against the true turn at its stamp would not tell microseconds; the wheels do: the stamp
   // of a count is right where the true way at that stamp is what was counted.
   const VehicleConfig vehicle;
@@ -106,16 +108,18 @@ TEST(LogRecorder, StampsAreThoseOfTheMeasurements) {
   }
 }
 
-TEST(LogRecorder, TheSameSeedGivesTheSameLogBitForBit) {
+TEST_F(LogRecorder, TheSameSeedGivesTheSameLogBitForBit) {
   const auto bytes = [](const std::string& file) {
     std::ifstream in(file, std::ios::binary);
     return std::string(std::istreambuf_iterator<char>(in), {});
   };
-  const std::string first = bytes(recorded_file());
+  const std::string first = bytes(log_);
   ASSERT_GT(first.size(), 1'000'000U);
-  EXPECT_TRUE(first == bytes(record("again.lcmlog", 1, test_motion())));
-  EXPECT_FALSE(first == bytes(record("other.lcmlog", 2, test_motion())));
+  record(folder_ / "again.lcmlog", 1, test_motion());
+  EXPECT_TRUE(first == bytes(folder_ / "again.lcmlog"));
+  record(folder_ / "other.lcmlog", 2, test_motion());
+  EXPECT_FALSE(first == bytes(folder_ / "other.lcmlog"));
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::simulate

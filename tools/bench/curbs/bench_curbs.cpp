@@ -7,18 +7,18 @@
 #include <fstream>
 #include <numbers>
 
-#include "common/command_line.hpp"
-#include "services/semantic_map/map_picture.hpp"
-#include "services/semantic_map/png_file.hpp"
-#include "tools/bench/curbs/curb_feet.hpp"
+#include "common/config/command_line.hpp"
+#include "services/semantic_map/picture/map_picture.hpp"
+#include "services/semantic_map/picture/png_file.hpp"
 #include "tools/bench/curbs/curb_tables.hpp"
-#include "tools/bench/curbs/hdl64.hpp"
-#include "tools/bench/curbs/scene_drive.hpp"
-#include "tools/bench/curbs/street_clouds.hpp"
-#include "tools/bench/curbs/town_drive.hpp"
-#include "tools/detect/cloud_map.hpp"
+#include "tools/bench/curbs/scenes/hdl64.hpp"
+#include "tools/bench/curbs/scenes/scene_drive.hpp"
+#include "tools/bench/curbs/scenes/street_clouds.hpp"
+#include "tools/bench/curbs/scenes/town_drive.hpp"
+#include "tools/bench/curbs/scores/curb_feet.hpp"
+#include "tools/detect/cloud_map/cloud_map.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::curbs {
 
 namespace {
 
@@ -30,11 +30,11 @@ struct Arguments {
   int seeds = 10;
   int drive_seeds = 3;
   int turns = 1;
-  ScanLoss loss;
+  scenes::ScanLoss loss;
   bool varied = false;
   bool ablation = false;
   std::vector<std::string> assignments;
-  CloudMapOptions options;
+  detect::cloud_map::CloudMapOptions options;
 
   [[nodiscard]] bool wants(const std::string& part) const {
     return std::find(parts.begin(), parts.end(), part) != parts.end();
@@ -43,8 +43,8 @@ struct Arguments {
 
 /// What can be set with --set.
 struct CurbBenchConfig {
-  CurbParameters curb;
-  ClassParameters classes;
+  semantic_map::tile::CurbParameters curb;
+  semantic_map::cells::ClassParameters classes;
   void visit(ConfigVisitor& v) {
     v.section("curb", curb, "how curbs are found");
     v.section("classes", classes, "what blocks and what does not");
@@ -53,11 +53,11 @@ struct CurbBenchConfig {
 
 struct CurbMethod {
   std::string name;
-  CloudMapOptions options;
+  detect::cloud_map::CloudMapOptions options;
 };
 
 /// The method and its halves: what does the vote bring?
-std::vector<CurbMethod> methods(const CloudMapOptions& options, bool ablation) {
+std::vector<CurbMethod> methods(const detect::cloud_map::CloudMapOptions& options, bool ablation) {
   std::vector<CurbMethod> methods = {{"both cues", options}};
   if (!ablation) return methods;
   methods.push_back({"step only", options});
@@ -67,16 +67,17 @@ std::vector<CurbMethod> methods(const CloudMapOptions& options, bool ablation) {
   return methods;
 }
 
-CloudMap map_of(const std::vector<VotedTile>& tiles, const CloudMapOptions& options) {
-  CloudMap map;
-  map_tiles(tiles, options, map);
+detect::cloud_map::CloudMap map_of(const std::vector<semantic_map::tile::VotedTile>& tiles,
+                                   const detect::cloud_map::CloudMapOptions& options) {
+  detect::cloud_map::CloudMap map;
+  detect::cloud_map::map_tiles(tiles, options, map);
   return map;
 }
 
 /// With their heights: a sensor that stands on a slope has moved to the side of what it sees on the ground.
-std::vector<CurbLine> moved(std::vector<CurbLine> lines, const Pose& T) {
-  for (CurbLine& line : lines) {
-    for (CurbVertex& v : line.points) {
+std::vector<semantic_map::tile::CurbLine> moved(std::vector<semantic_map::tile::CurbLine> lines, const Pose& T) {
+  for (semantic_map::tile::CurbLine& line : lines) {
+    for (semantic_map::tile::CurbVertex& v : line.points) {
       const Eigen::Vector3f at = (T * Eigen::Vector3f(v.x, v.y, v.z).cast<double>()).cast<float>();
       const Eigen::Vector3f up = T.linear().cast<float>() * Eigen::Vector3f(v.high_side_x, v.high_side_y, 0);
       v = {.x = at.x(), .y = at.y(), .z = at.z(), .height = v.height, .high_side_x = up.x(), .high_side_y = up.y()};
@@ -85,43 +86,46 @@ std::vector<CurbLine> moved(std::vector<CurbLine> lines, const Pose& T) {
   return lines;
 }
 
-std::vector<CurbSceneOptions> scenes_of(const Arguments& arguments) {
-  return arguments.varied ? varied_scenes() : peer_scenes();
+std::vector<scenes::CurbSceneOptions> scenes_of(const Arguments& arguments) {
+  return arguments.varied ? scenes::varied_scenes() : scenes::peer_scenes();
 }
 
 std::string method_suffix(const CurbMethod& method, bool ablation) {
   return ablation ? ", " + method.name : "";
 }
 
-void draw(const CloudMap& map, const std::vector<PictureLine>& overlay, const std::string& file) {
-  MapPicture picture;
-  for (const MapTile& tile : map.tiles) {
+void draw(const detect::cloud_map::CloudMap& map, const std::vector<semantic_map::picture::PictureLine>& overlay,
+          const std::string& file) {
+  semantic_map::picture::MapPicture picture;
+  for (const semantic_map::tile::MapTile& tile : map.tiles) {
     if (std::abs(tile.key.x) <= 6 && std::abs(tile.key.y) <= 5) picture.tiles.push_back(tile);
   }
   if (overlay.empty()) picture.curbs = map.lines;
   picture.overlays = overlay;
   const std::string title = overlay.empty() ? "" : "dots: magenta truth, green right, red wrong, yellow not counted";
-  write_png(draw_map(picture, {.title = title, .pixels_per_cell = 6}), file);
+  semantic_map::picture::write_png(semantic_map::picture::draw_map(picture, {.title = title, .pixels_per_cell = 6}),
+                                   file);
 }
 
 std::vector<SceneFigures> bench_scans(const Arguments& arguments) {
   std::vector<SceneFigures> figures;
   const double lidar_height = VehicleConfig{}.lidar[2];
-  for (const CurbSceneOptions& options : scenes_of(arguments)) {
+  for (const scenes::CurbSceneOptions& options : scenes_of(arguments)) {
     const std::vector<CurbMethod> ways = methods(arguments.options, arguments.ablation);
     const std::size_t first = figures.size();
     for (const CurbMethod& way : ways) figures.push_back({options.name + method_suffix(way, arguments.ablation), {}});
     for (int seed = 1; seed <= arguments.seeds; ++seed) {
-      const CurbScene scene(options, static_cast<std::uint64_t>(seed));
+      const scenes::CurbScene scene(options, static_cast<std::uint64_t>(seed));
       Pose T_world_lidar = scene.T_world_base(0);
       T_world_lidar.translation() += lidar_height * T_world_lidar.linear().col(2);
-      const auto scan = scan_hdl64(scene.scene(), T_world_lidar, options.noise, static_cast<std::uint64_t>(seed));
-      CloudMap counts;
-      const auto tiles = vote_tiles(scan, arguments.options, counts);
+      const auto scan =
+          scenes::scan_hdl64(scene.scene(), T_world_lidar, options.noise, static_cast<std::uint64_t>(seed));
+      detect::cloud_map::CloudMap counts;
+      const auto tiles = detect::cloud_map::vote_tiles(scan, arguments.options, counts);
       for (std::size_t k = 0; k < ways.size(); ++k) {
-        const CloudMap map = map_of(tiles, ways[k].options);
-        const auto feet = feet_along(moved(map.lines, T_world_lidar));
-        figures[first + k].scores.push_back(score_bins(feet, scene, {T_world_lidar.translation()}));
+        const detect::cloud_map::CloudMap map = map_of(tiles, ways[k].options);
+        const auto feet = scores::feet_along(moved(map.lines, T_world_lidar));
+        figures[first + k].scores.push_back(scores::score_bins(feet, scene, {T_world_lidar.translation()}));
         if (!arguments.pictures.empty() && seed == 1)
           draw(map, {}, fmt::format("{}/scan_{}.png", arguments.pictures, first + k));
       }
@@ -132,17 +136,17 @@ std::vector<SceneFigures> bench_scans(const Arguments& arguments) {
 
 std::vector<SceneFigures> bench_drives(const Arguments& arguments) {
   std::vector<SceneFigures> figures;
-  for (const CurbSceneOptions& options : scenes_of(arguments)) {
+  for (const scenes::CurbSceneOptions& options : scenes_of(arguments)) {
     const std::vector<CurbMethod> ways = methods(arguments.options, arguments.ablation);
     const std::size_t first = figures.size();
     for (const CurbMethod& way : ways) figures.push_back({options.name + method_suffix(way, arguments.ablation), {}});
     for (int seed = 1; seed <= arguments.drive_seeds; ++seed) {
-      const CurbScene scene(options, static_cast<std::uint64_t>(seed));
-      const SceneDrive drive = drive_scene(scene, static_cast<std::uint64_t>(seed));
+      const scenes::CurbScene scene(options, static_cast<std::uint64_t>(seed));
+      const scenes::SceneDrive drive = scenes::drive_scene(scene, static_cast<std::uint64_t>(seed));
       for (std::size_t k = 0; k < ways.size(); ++k) {
-        const CloudMap map = map_of(drive.made.tiles, ways[k].options);
+        const detect::cloud_map::CloudMap map = map_of(drive.made.tiles, ways[k].options);
         figures[first + k].scores.push_back(
-            score_bins(feet_along(moved(map.lines, drive.T_world_map)), scene, drive.eyes));
+            scores::score_bins(scores::feet_along(moved(map.lines, drive.T_world_map)), scene, drive.eyes));
         if (!arguments.pictures.empty() && seed == 1)
           draw(map, {}, fmt::format("{}/drive_{}.png", arguments.pictures, first + k));
       }
@@ -153,29 +157,35 @@ std::vector<SceneFigures> bench_drives(const Arguments& arguments) {
 
 /// True curbs magenta, lower steps pink, other borders blue; detections green where right, red where wrong, yellow
 /// where they do not count.
-std::vector<PictureLine> verdict_lines(const StreetLabels& truth, const std::vector<CurbFoot>& feet) {
-  std::vector<PictureLine> lines;
-  const auto dot = [&](double x, double y, Colour colour, double thickness) {
+std::vector<semantic_map::picture::PictureLine> verdict_lines(const evaluate::truth::StreetLabels& truth,
+                                                              const std::vector<evaluate::CurbFoot>& feet) {
+  std::vector<semantic_map::picture::PictureLine> lines;
+  const auto dot = [&](double x, double y, semantic_map::picture::Colour colour, double thickness) {
     lines.push_back({{{x, y}, {x + 0.02, y}}, colour, thickness});
   };
-  for (const TrueCurbPoint& t : truth.curbs)
-    dot(t.x, t.y, !t.dropped ? Colour{255, 0, 200} : t.height != 0 ? Colour{255, 150, 230} : Colour{90, 90, 255}, 5);
-  for (const CurbFoot& foot : feet) {
-    const Verdict verdict = judge(foot, truth, kTolerances.back());
+  for (const evaluate::truth::TrueCurbPoint& t : truth.curbs)
+    dot(t.x, t.y,
+        !t.dropped      ? semantic_map::picture::Colour{255, 0, 200}
+        : t.height != 0 ? semantic_map::picture::Colour{255, 150, 230}
+                        : semantic_map::picture::Colour{90, 90, 255},
+        5);
+  for (const evaluate::CurbFoot& foot : feet) {
+    const scores::Verdict verdict = scores::judge(foot, truth, evaluate::kTolerances.back());
     dot(foot.at.x, foot.at.y,
-        verdict == Verdict::kRight   ? Colour{0, 230, 0}
-        : verdict == Verdict::kWrong ? Colour{255, 30, 0}
-                                     : Colour{250, 240, 0},
+        verdict == scores::Verdict::kRight   ? semantic_map::picture::Colour{0, 230, 0}
+        : verdict == scores::Verdict::kWrong ? semantic_map::picture::Colour{255, 30, 0}
+                                             : semantic_map::picture::Colour{250, 240, 0},
         3);
   }
   return lines;
 }
 
-void draw(const CloudMap& map, const JudgedDrive& drive, const Evaluation& evaluation, const std::string& file) {
-  const StreetLabels truth{drive.truth.curbs, drive.truth.classes};
-  auto lines = verdict_lines(truth, feet_along(moved(map.lines, evaluation.T_truth_map)));
+void draw(const detect::cloud_map::CloudMap& map, const scenes::JudgedDrive& drive,
+          const evaluate::Evaluation& evaluation, const std::string& file) {
+  const evaluate::truth::StreetLabels truth{drive.truth.curbs, drive.truth.classes};
+  auto lines = verdict_lines(truth, scores::feet_along(moved(map.lines, evaluation.T_truth_map)));
   const Pose T_map_truth = evaluation.T_truth_map.inverse();
-  for (PictureLine& line : lines) {
+  for (semantic_map::picture::PictureLine& line : lines) {
     for (Eigen::Vector2d& p : line.points) p = (T_map_truth * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>();
   }
   draw(map, lines, file);
@@ -189,11 +199,11 @@ void bench_whole_drives(const Arguments& arguments, const std::string& name, dou
   const std::size_t first = figures.size();
   for (const CurbMethod& way : ways) figures.push_back({name, way.name, {}});
   for (int seed = 1; seed <= arguments.drive_seeds; ++seed) {
-    const JudgedDrive drive = drive_of(static_cast<std::uint64_t>(seed));
+    const scenes::JudgedDrive drive = drive_of(static_cast<std::uint64_t>(seed));
     for (std::size_t k = 0; k < ways.size(); ++k) {
-      const CloudMap map = map_of(drive.made.tiles, ways[k].options);
-      std::vector<Evaluation>& evaluations = figures[first + k].seeds;
-      evaluations.push_back(evaluate(map.tiles, map.lines, drive.made.trajectory, drive.truth, radius));
+      const detect::cloud_map::CloudMap map = map_of(drive.made.tiles, ways[k].options);
+      std::vector<evaluate::Evaluation>& evaluations = figures[first + k].seeds;
+      evaluations.push_back(evaluate::evaluate(map.tiles, map.lines, drive.made.trajectory, drive.truth, radius));
       if (!arguments.pictures.empty())
         draw(map, drive, evaluations.back(),
              fmt::format("{}/{}_{}_{}.png", arguments.pictures, name, seed, ways[k].name));
@@ -206,16 +216,17 @@ std::vector<StreetFigures> bench_street(const Arguments& arguments, double turn)
   std::vector<StreetFigures> figures;
   Pose T_world_first = Pose::Identity();
   T_world_first.rotate(Eigen::AngleAxisd(turn / 180 * std::numbers::pi, Eigen::Vector3d::UnitZ()));
-  const StreetLabels truth = read_street_labels(arguments.data, T_world_first);
-  for (const StreetCloud& cloud : read_street_clouds(arguments.data, T_world_first, arguments.loss)) {
-    CloudMap counts;
-    const auto tiles = vote_tiles(cloud.points, arguments.options, counts);
+  const evaluate::truth::StreetLabels truth = evaluate::truth::read_street_labels(arguments.data, T_world_first);
+  for (const scenes::StreetCloud& cloud : scenes::read_street_clouds(arguments.data, T_world_first, arguments.loss)) {
+    detect::cloud_map::CloudMap counts;
+    const auto tiles = detect::cloud_map::vote_tiles(cloud.points, arguments.options, counts);
     for (const CurbMethod& way : methods(arguments.options, true)) {
-      const CloudMap map = map_of(tiles, way.options);
-      const std::vector<CurbFoot> feet = feet_along(map.lines);
+      const detect::cloud_map::CloudMap map = map_of(tiles, way.options);
+      const std::vector<evaluate::CurbFoot> feet = scores::feet_along(map.lines);
       figures.push_back({cloud.name, way.name, {}});
       auto& scores = figures.back().turns.emplace_back();
-      for (const double tolerance : kTolerances) scores.push_back(score_street(feet, truth, tolerance));
+      for (const double tolerance : evaluate::kTolerances)
+        scores.push_back(scores::score_street(feet, truth, tolerance));
       if (!arguments.pictures.empty())
         draw(map, verdict_lines(truth, feet),
              fmt::format("{}/street_{}_{}_{:.0f}.png", arguments.pictures, cloud.name, way.name, turn));
@@ -259,11 +270,11 @@ void bench(const Arguments& arguments) {
   }
   if (arguments.wants("town"))
     bench_whole_drives(
-        arguments, "towns, 60 s", 8, [](std::uint64_t seed) { return drive_town(seed, 60); }, figures.towns);
+        arguments, "towns, 60 s", 8, [](std::uint64_t seed) { return scenes::drive_town(seed, 60); }, figures.towns);
   if (arguments.wants("street") && has_street)
     bench_whole_drives(
         arguments, "labelled street, RS16", 15,
-        [&](std::uint64_t seed) { return drive_recorded(arguments.data, seed); }, figures.towns);
+        [&](std::uint64_t seed) { return scenes::drive_recorded(arguments.data, seed); }, figures.towns);
   if (!figures.towns.empty()) fmt::print("{}", to_table(figures.towns));
   if (arguments.wants("street") && !has_street) fmt::print("no labelled street: {} is not there\n", arguments.data);
   if (!arguments.json.empty()) write_text(arguments.json, to_json(figures));
@@ -321,4 +332,4 @@ int run_bench_curbs(int argc, char** argv) {
   return 0;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::curbs

@@ -8,7 +8,7 @@
 
 #include "tools/evaluate/report.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::curbs {
 
 namespace {
 
@@ -18,39 +18,39 @@ struct MeanAndSpread {
 };
 
 template <class Get>
-MeanAndSpread over_seeds(const std::vector<BinScore>& scores, Get get) {
+MeanAndSpread over_seeds(const std::vector<scores::BinScore>& scores, Get get) {
   MeanAndSpread result;
   const auto n = static_cast<double>(scores.size());
-  for (const BinScore& s : scores) result.mean += get(s) / n;
-  for (const BinScore& s : scores) result.spread += std::pow(get(s) - result.mean, 2) / std::max(1.0, n - 1);
+  for (const scores::BinScore& s : scores) result.mean += get(s) / n;
+  for (const scores::BinScore& s : scores) result.spread += std::pow(get(s) - result.mean, 2) / std::max(1.0, n - 1);
   result.spread = std::sqrt(result.spread);
   return result;
 }
 
-double precision_of(const BinScore& s) {
+double precision_of(const scores::BinScore& s) {
   return s.precision;
 }
-double recall_of(const BinScore& s) {
+double recall_of(const scores::BinScore& s) {
   return s.recall;
 }
-double f1_of(const BinScore& s) {
+double f1_of(const scores::BinScore& s) {
   return s.f1();
 }
-double rmse_cm(const BinScore& s) {
+double rmse_cm(const scores::BinScore& s) {
   return 100 * s.rmse;
 }
-double wrong_bins(const BinScore& s) {
+double wrong_bins(const scores::BinScore& s) {
   return s.wrong;
 }
-double bias_cm(const BinScore& s) {
+double bias_cm(const scores::BinScore& s) {
   return 100 * s.bias;
 }
 
 /// At one tolerance, over all turns.
-StreetScore pooled_at(const StreetFigures& figures, std::size_t tolerance) {
-  std::vector<StreetScore> scores;
+scores::StreetScore pooled_at(const StreetFigures& figures, std::size_t tolerance) {
+  std::vector<scores::StreetScore> scores;
   for (const auto& turn : figures.turns) scores.push_back(turn[tolerance]);
-  return pooled(scores);
+  return scores::pooled(scores);
 }
 
 double least_f1(const StreetFigures& figures) {
@@ -61,18 +61,18 @@ double least_f1(const StreetFigures& figures) {
 
 /// What drives with truth came to on average.
 struct DriveMeans {
-  std::array<Score, kTolerances.size()> at{};
+  std::array<evaluate::Score, evaluate::kTolerances.size()> at{};
   double least_f1 = 1;  ///< at the widest tolerance
   double bias_cm = 0, spread_cm = 0;
   double class_accuracy = 0, blocking_recall = 0;
 };
 
-DriveMeans means_of(const std::vector<Evaluation>& seeds) {
+DriveMeans means_of(const std::vector<evaluate::Evaluation>& seeds) {
   DriveMeans mean;
   const auto n = static_cast<double>(seeds.size());
-  for (const Evaluation& seed : seeds) {
-    const CurbScore& curbs = seed.curbs.value();
-    for (std::size_t i = 0; i < kTolerances.size(); ++i) {
+  for (const evaluate::Evaluation& seed : seeds) {
+    const evaluate::CurbScore& curbs = seed.curbs.value();
+    for (std::size_t i = 0; i < evaluate::kTolerances.size(); ++i) {
       mean.at[i].precision += curbs.at[i].precision / n;
       mean.at[i].recall += curbs.at[i].recall / n;
     }
@@ -130,17 +130,17 @@ std::string to_table(const std::string& title, const std::vector<SceneFigures>& 
 
 std::string to_table(const std::vector<StreetFigures>& street) {
   std::string text = fmt::format("{:<22}", "labelled street");
-  for (const double tolerance : kTolerances) text += fmt::format("  P/R/F1 at {:.2f} m ", tolerance);
+  for (const double tolerance : evaluate::kTolerances) text += fmt::format("  P/R/F1 at {:.2f} m ", tolerance);
   text += "  least   bias  spread cm   recall <1.5 <3 <4 <5 >5 cm   counted/not\n";
   for (const StreetFigures& f : street) {
     text += fmt::format("  {:<9} {:<10}", f.cloud, f.method);
-    for (std::size_t i = 0; i < kTolerances.size(); ++i) {
-      const Score score = pooled_at(f, i).score();
+    for (std::size_t i = 0; i < evaluate::kTolerances.size(); ++i) {
+      const evaluate::Score score = pooled_at(f, i).score();
       text += fmt::format("  {:.3f} {:.3f} {:.3f}", score.precision, score.recall, score.f1());
     }
-    const StreetScore widest = pooled_at(f, kTolerances.size() - 1);
+    const scores::StreetScore widest = pooled_at(f, evaluate::kTolerances.size() - 1);
     text += fmt::format("  {:.3f}  {:+5.1f} {:5.1f}            ", least_f1(f), 100 * widest.bias, 100 * widest.spread);
-    for (const Score& step : widest.by_step) text += fmt::format(" {:.2f}", step.recall);
+    for (const evaluate::Score& step : widest.by_step) text += fmt::format(" {:.2f}", step.recall);
     text += fmt::format("   {}/{}\n", widest.detections, widest.dont_care);
   }
   return text;
@@ -148,12 +148,13 @@ std::string to_table(const std::vector<StreetFigures>& street) {
 
 std::string to_table(const std::vector<DriveFigures>& drives) {
   std::string text = fmt::format("{:<34} seeds", "whole drives");
-  for (const double tolerance : kTolerances) text += fmt::format("  P/R/F1 at {:.2f} m ", tolerance);
+  for (const double tolerance : evaluate::kTolerances) text += fmt::format("  P/R/F1 at {:.2f} m ", tolerance);
   text += "  least   bias  spread cm   classes   blocking recall\n";
   for (const DriveFigures& d : drives) {
     const DriveMeans mean = means_of(d.seeds);
     text += fmt::format("  {:<21} {:<10} {:5}", d.name, d.method, d.seeds.size());
-    for (const Score& at : mean.at) text += fmt::format("  {:.3f} {:.3f} {:.3f}", at.precision, at.recall, at.f1());
+    for (const evaluate::Score& at : mean.at)
+      text += fmt::format("  {:.3f} {:.3f} {:.3f}", at.precision, at.recall, at.f1());
     text += fmt::format("  {:.3f}  {:+5.1f} {:5.1f}       {:.3f}     {:.4f}\n", mean.least_f1, mean.bias_cm,
                         mean.spread_cm, mean.class_accuracy, mean.blocking_recall);
   }
@@ -175,7 +176,7 @@ std::string to_json(const CurbFigures& figures) {
   }
   json["street"] = nlohmann::json::array();
   for (const StreetFigures& f : figures.street) {
-    const StreetScore widest = pooled_at(f, kTolerances.size() - 1);
+    const scores::StreetScore widest = pooled_at(f, evaluate::kTolerances.size() - 1);
     nlohmann::json entry = {{"cloud", f.cloud},
                             {"method", f.method},
                             {"turns", f.turns.size()},
@@ -184,9 +185,9 @@ std::string to_json(const CurbFigures& figures) {
                             {"spread_cm", 100 * widest.spread},
                             {"detections", widest.detections},
                             {"not_counted", widest.dont_care}};
-    for (std::size_t i = 0; i < kTolerances.size(); ++i) {
-      const Score score = pooled_at(f, i).score();
-      entry[fmt::format("{:.2f}", kTolerances[i])] = {
+    for (std::size_t i = 0; i < evaluate::kTolerances.size(); ++i) {
+      const evaluate::Score score = pooled_at(f, i).score();
+      entry[fmt::format("{:.2f}", evaluate::kTolerances[i])] = {
           {"precision", score.precision}, {"recall", score.recall}, {"f1", score.f1()}};
     }
     json["street"].push_back(std::move(entry));
@@ -194,4 +195,4 @@ std::string to_json(const CurbFigures& figures) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::curbs

@@ -3,30 +3,30 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/curbs/bin_score.hpp"
-#include "tools/bench/curbs/street_score.hpp"
+#include "tools/bench/curbs/scores/bin_score.hpp"
+#include "tools/bench/curbs/scores/street_score.hpp"
 #include "tools/evaluate/evaluation.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::curbs {
 
 /// What one scene came to, one score a seed.
 struct SceneFigures {
   std::string name;
-  std::vector<BinScore> scores;
+  std::vector<scores::BinScore> scores;
 };
 
 /// One cloud of the labelled street, by one way of looking for curbs.
 struct StreetFigures {
   std::string cloud;
   std::string method;
-  std::vector<std::vector<StreetScore>> turns;  ///< the way it lies on the grid, and of that by kTolerances
+  std::vector<std::vector<scores::StreetScore>> turns;  ///< the way it lies on the grid, and of that by kTolerances
 };
 
 /// A kind of whole drive, by one way of looking for curbs: an evaluation a seed.
 struct DriveFigures {
   std::string name;
   std::string method;
-  std::vector<Evaluation> seeds;
+  std::vector<evaluate::Evaluation> seeds;
 };
 
 /// For people.
@@ -42,4 +42,4 @@ struct CurbFigures {
 };
 [[nodiscard]] std::string to_json(const CurbFigures& figures);
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::curbs

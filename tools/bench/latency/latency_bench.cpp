@@ -7,13 +7,13 @@
 #include <optional>
 #include <string>
 
-#include "common/command_line.hpp"
-#include "common/config.hpp"
+#include "common/config/command_line.hpp"
+#include "common/config/config.hpp"
 #include "common/log/log_reader.hpp"
 #include "tools/bench/latency/tile_ages.hpp"
 #include "tools/bench/latency/timed_vehicle.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::latency {
 
 namespace {
 
@@ -105,4 +105,4 @@ int run_bench_latency(int argc, char** argv) {
   return 0;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::latency

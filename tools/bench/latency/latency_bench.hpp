@@ -1,8 +1,8 @@
 #pragma once
 
-namespace curbstone {
+namespace curbstone::bench::latency {
 
 /// curbstone bench latency: from the last packet of a revolution to the changed tiles on the bus, stage by stage.
 int run_bench_latency(int argc, char** argv);
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::latency

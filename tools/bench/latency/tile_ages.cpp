@@ -6,7 +6,7 @@
 #include <curbstone/semantic_tile_t.hpp>
 #include <curbstone/voted_points_t.hpp>
 
-namespace curbstone {
+namespace curbstone::bench::latency {
 
 namespace {
 
@@ -89,4 +89,4 @@ double TileAges::megabytes(const std::string& channel) const {
   return it == channels_.end() ? 0 : static_cast<double>(it->second.bytes) * 1e-6;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::latency

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "common/tile.hpp"
+#include "common/tiles/tile.hpp"
 #include "tools/bench/latency/timed_process.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::latency {
 
 /// p50, p95 and the largest of some milliseconds.
 struct AgeFigures {
@@ -52,4 +52,4 @@ class TileAges {
   News tiles_, curbs_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::latency

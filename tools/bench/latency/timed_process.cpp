@@ -2,7 +2,7 @@
 
 #include <ctime>
 
-namespace curbstone {
+namespace curbstone::bench::latency {
 
 namespace {
 
@@ -68,4 +68,4 @@ void TimedProcess::subscribe_bytes(const std::string& channel, BytesHandler hand
   handlers_[channel] = std::move(handler);
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::latency

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "common/bus.hpp"
-#include "common/node.hpp"
+#include "common/bus/bus.hpp"
+#include "common/bus/node.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::latency {
 
 /// A message on its way, or arrived.
 struct TimedMessage {
@@ -62,4 +62,4 @@ class TimedProcess final : public Publisher, public Subscriber {
   Counters counters_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::latency

@@ -2,17 +2,18 @@
 
 #include <algorithm>
 
-#include "common/config.hpp"
-#include "services/ekf/ekf_config.hpp"
+#include "common/config/config.hpp"
+#include "config/sections.hpp"
+#include "services/ekf/base/ekf_config.hpp"
 #include "services/ekf/ekf_node.hpp"
-#include "services/mapper/mapper_config.hpp"
+#include "services/mapper/config/mapper_config.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
 #include "services/semantic_map/semantic_map_node.hpp"
-#include "services/tensor_voting/tensor_voting_config.hpp"
-#include "services/tensor_voting/tensor_voting_node.hpp"
+#include "services/tensor_voting/worker/tensor_voting_config.hpp"
+#include "services/tensor_voting/worker/tensor_voting_node.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::latency {
 
 TimedVehicle::TimedVehicle(const TimedVehicleOptions& options, Listener listener)
     : listener_(std::move(listener)), cores_(static_cast<std::size_t>(options.cores)) {
@@ -23,20 +24,24 @@ TimedVehicle::TimedVehicle(const TimedVehicleOptions& options, Listener listener
     process->run(make(*process));
     processes_.emplace_back(name, std::move(process));
   };
-  auto semantic = config_of<SemanticMapConfig>("semantic_map", options.config_file, options.assignments);
+  auto semantic = config_of<semantic_map::SemanticMapConfig>("semantic_map", kProcessSections, options.config_file,
+                                                             options.assignments);
   semantic.map = options.map_file;
   add("ekf", [&](Publisher& bus) {
-    return std::make_unique<EkfNode>(config_of<EkfConfig>("ekf", options.config_file, options.assignments), bus);
+    return std::make_unique<ekf::EkfNode>(
+        config_of<ekf::base::EkfConfig>("ekf", kProcessSections, options.config_file, options.assignments), bus);
   });
-  auto mapper = config_of<MapperConfig>("mapper", options.config_file, options.assignments);
+  auto mapper =
+      config_of<mapper::config::MapperConfig>("mapper", kProcessSections, options.config_file, options.assignments);
   mapper.threads = 1;  // what another thread does is not on this process's clock
-  add("mapper", [&](Publisher& bus) { return std::make_unique<MapperNode>(mapper, bus); });
+  add("mapper", [&](Publisher& bus) { return std::make_unique<mapper::MapperNode>(mapper, bus); });
   add("tensor_voting", [&](Publisher& bus) {
-    return std::make_unique<TensorVotingNode>(
-        config_of<TensorVotingConfig>("tensor_voting", options.config_file, options.assignments), "tensor_voting:1",
-        bus);
+    return std::make_unique<tensor_voting::worker::TensorVotingNode>(
+        config_of<tensor_voting::worker::TensorVotingConfig>("tensor_voting", kProcessSections, options.config_file,
+                                                             options.assignments),
+        "tensor_voting:1", bus);
   });
-  add("semantic_map", [&](Publisher& bus) { return std::make_unique<SemanticMapNode>(semantic, bus); });
+  add("semantic_map", [&](Publisher& bus) { return std::make_unique<semantic_map::SemanticMapNode>(semantic, bus); });
 }
 
 void TimedVehicle::send(const TimedMessage& message) {
@@ -66,4 +71,4 @@ void TimedVehicle::sense(const LogEvent& event) {
   send({now_, event.channel, std::make_shared<std::vector<std::uint8_t>>(event.bytes)});
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::latency

@@ -9,7 +9,7 @@
 #include "common/log/log_reader.hpp"
 #include "tools/bench/latency/timed_process.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::latency {
 
 struct TimedVehicleOptions {
   std::string config_file;               ///< the vehicle's YAML file; empty: defaults
@@ -44,4 +44,4 @@ class TimedVehicle {
   std::int64_t now_ = 0;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::latency

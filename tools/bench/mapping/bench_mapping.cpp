@@ -7,25 +7,26 @@
 #include <string>
 #include <vector>
 
-#include "common/command_line.hpp"
-#include "tools/bench/mapping/loam_cloud.hpp"
+#include "common/config/command_line.hpp"
+#include "tools/bench/mapping/drives/poor_odometry.hpp"
+#include "tools/bench/mapping/drives/scan_drive.hpp"
+#include "tools/bench/mapping/drives/town_drive.hpp"
 #include "tools/bench/mapping/loop_run.hpp"
 #include "tools/bench/mapping/mapping_report.hpp"
-#include "tools/bench/mapping/poor_odometry.hpp"
-#include "tools/bench/mapping/scan_drive.hpp"
-#include "tools/bench/mapping/town_drive.hpp"
+#include "tools/bench/mapping/methods/loam_cloud.hpp"
+#include "tools/bench/mapping/methods/make_mapping_method.hpp"
 #include "tools/export/cloud_writer.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::mapping {
 namespace {
 
 struct BenchMappingOptions {
   std::string recorded = "../shared/data/kitti0005_rs16";
   std::string scans, poses, times, json, tracks, clouds, sweep = "auto";
-  std::vector<std::string> methods = mapping_methods();
+  std::vector<std::string> methods = methods::mapping_methods();
   std::vector<std::string> priors = {"none", "poor", "ekf"};
   std::vector<std::string> set;
-  ScanDrive::Selection selection;
+  drives::ScanDrive::Selection selection;
   double town_seconds = 40;
   double town_lidar_from = 0;  // s
   std::vector<std::string> town_set;
@@ -38,21 +39,22 @@ struct BenchMappingOptions {
 };
 
 /// What LOAM itself would keep of the drive, in a file, for the paper's table of sizes.
-void write_loam_cloud(const MappingDrive& drive, const LoamCloud& cloud, const std::string& folder) {
+void write_loam_cloud(const drives::MappingDrive& drive, const methods::LoamCloud& cloud, const std::string& folder) {
   const std::string file = fmt::format("{}/{}-{}-loam.pcd", folder, drive.name, drive.prior);
-  write_cloud(cloud.cloud(), CloudFormat::kPcd, file);
+  map_export::write_cloud(cloud.cloud(), map_export::CloudFormat::kPcd, file);
   fmt::print("{}: {} edges, {} planes, {} bytes\n", file, cloud.edges(), cloud.planes(),
              std::filesystem::file_size(file));
 }
 
 /// One drive with every method, as its results come.
-void run_all(const MappingDrive& drive, const BenchMappingOptions& options, std::vector<MappingResult>& results) {
+void run_all(const drives::MappingDrive& drive, const BenchMappingOptions& options,
+             std::vector<MappingResult>& results) {
   if (std::find(options.priors.begin(), options.priors.end(), drive.prior) == options.priors.end()) return;
   for (const std::string& method : options.methods) {
-    LoamCloud cloud(drive.vehicle);
+    methods::LoamCloud cloud(drive.vehicle);
     const bool keeps = method == "loam" && !options.clouds.empty();
     results.push_back(run_mapping(drive, method, options.set, [&](const MappingMoment& moment) {
-      if (keeps && moment.pose) cloud.add(*moment.revolution, *moment.pose);
+      if (keeps && moment.pose) cloud.add(*moment.scan, *moment.pose);
     }));
     fmt::print("{}", mapping_line(results.back()));
     if (keeps) write_loam_cloud(drive, cloud, options.clouds);
@@ -63,17 +65,17 @@ void run_all(const MappingDrive& drive, const BenchMappingOptions& options, std:
 
 void run_scans(const BenchMappingOptions& options, const std::string& folder, const std::string& poses,
                std::vector<MappingResult>& results) {
-  ScanDrive drive(folder, poses, options.times, options.selection);
+  drives::ScanDrive drive(folder, poses, options.times, options.selection);
   if (options.sweep != "auto") drive.set_swept(options.sweep == "raw");
   if (options.sweep_seconds > 0) drive.set_sweep(options.sweep_seconds);
   run_all(drive, options, results);
   drive.prior = "poor";
-  drive.add_odometry(poor_odometry(drive.truth(), {}, drive.period()));
+  drive.add_odometry(drives::poor_odometry(drive.truth(), {}, drive.period()));
   run_all(drive, options, results);
 }
 
 std::vector<MappingResult> run_drives(const BenchMappingOptions& options) {
-  ConfigOf<SimulateConfig> config;
+  ConfigOf<simulate::rig::SimulateConfig> config;
   for (const std::string& setting : options.town_set) set_config_value(setting, config);
   std::vector<MappingResult> results;
   fmt::print("{}", mapping_heading());
@@ -88,7 +90,7 @@ std::vector<MappingResult> run_drives(const BenchMappingOptions& options) {
   }
   for (const std::uint64_t seed : options.seeds) {
     if (options.town_seconds == 0) break;
-    TownDrive town({seed, options.town_seconds, options.town_lidar_from, config.value});
+    drives::TownDrive town({seed, options.town_seconds, options.town_lidar_from, config.value});
     run_all(town, options, results);
     town.without_odometry();
     run_all(town, options, results);
@@ -100,7 +102,7 @@ void run_loops(const BenchMappingOptions& options) {
   std::vector<LoopResult> results;
   fmt::print("{}", loop_heading());
   for (const std::uint64_t seed : options.seeds) {
-    const LoopDrive drive(
+    const drives::LoopDrive drive(
         {.seed = seed, .seconds = 3600.0 * options.hours, .loop = options.loop, .opposite = options.opposite},
         options.slips);
     for (const std::string& method : options.methods) {
@@ -124,7 +126,7 @@ void add_mapping_options(CommandLine& line, BenchMappingOptions& options) {
       .one_of({"auto", "raw", "corrected"})
       .shows_default();
   line.option("--recorded", options.recorded, "Folder of the recorded drive").shows_default();
-  line.option("--methods", options.methods, "Of: " + fmt::format("{}", fmt::join(mapping_methods(), ", ")))
+  line.option("--methods", options.methods, "Of: " + fmt::format("{}", fmt::join(methods::mapping_methods(), ", ")))
       .comma_separated();
   line.option("--priors", options.priors, "Odometry: none, poor (2 % scale, 0.2 deg/s, of the truth), ekf (town)")
       .comma_separated()
@@ -173,7 +175,7 @@ int run_bench_mapping(int argc, char** argv) {
   if (options.opposite && options.hours > 0) return line.refuse("--opposite goes once round: no --hours");
   if (options.loop > 0 && !line.given("--methods")) options.methods = {"icp"};
   for (const std::string& method : options.methods) {
-    const auto known = mapping_methods();
+    const auto known = methods::mapping_methods();
     if (std::find(known.begin(), known.end(), method) == known.end())
       return line.refuse(fmt::format("--methods: nothing is called '{}'", method));
   }
@@ -195,4 +197,4 @@ int run_bench_mapping(int argc, char** argv) {
   }
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::mapping

@@ -1,9 +1,9 @@
 #pragma once
 
-namespace curbstone {
+namespace curbstone::bench::mapping {
 
 /// `curbstone bench mapping`: odometry and mapping by every method on recorded and simulated drives. Exit status as of
 /// run_bench().
 int run_bench_mapping(int argc, char** argv);
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::mapping

@@ -3,13 +3,12 @@
 #include <malloc.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <string>
 
-namespace curbstone {
+namespace curbstone::bench::mapping {
 namespace {
 
 /// The number in size="..." of the last such element of malloc_info()'s text; 0 if there is none.
@@ -50,10 +49,4 @@ double resident_mb() {
   return in ? resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6 : 0;
 }
 
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
-}
-
-}  // namespace curbstone
+}  // namespace curbstone::bench::mapping

@@ -2,9 +2,7 @@
 
 #include <time.h>
 
-#include <vector>
-
-namespace curbstone {
+namespace curbstone::bench::mapping {
 
 /// ms: CLOCK_MONOTONIC for the wall, CLOCK_PROCESS_CPUTIME_ID for what the process used.
 [[nodiscard]] double now_ms(clockid_t clock);
@@ -12,7 +10,5 @@ namespace curbstone {
 [[nodiscard]] double heap_mb();
 /// MB of the process that lie in memory (Linux only, else 0).
 [[nodiscard]] double resident_mb();
-/// The value below which `share` of them lie; 0 of none.
-[[nodiscard]] double percentile(std::vector<double> values, double share);
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::mapping

@@ -5,37 +5,39 @@
 #include <cstdlib>
 #include <optional>
 
-#include "common/pose_covariance.hpp"
-#include "services/mapper/normal_equations.hpp"
+#include "common/geometry/pose_covariance.hpp"
+#include "services/mapper/registration/normal_equations.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::mapping {
 namespace {
 
 /// Lagrange's polynomial through the two poses on either side, in the log of SE(3) about the one before; nothing
 /// outside of them.
-std::optional<Pose> cubic_at(const Trajectory& truth, std::int64_t utime) {
-  const auto after = std::lower_bound(truth.begin(), truth.end(), utime,
-                                      [](const StampedPose& p, std::int64_t t) { return p.utime < t; });
+std::optional<Pose> cubic_at(const evaluate::truth::Trajectory& truth, std::int64_t utime) {
+  const auto after =
+      std::lower_bound(truth.begin(), truth.end(), utime,
+                       [](const evaluate::truth::StampedPose& p, std::int64_t t) { return p.utime < t; });
   if (after == truth.end()) return std::nullopt;
   if (after->utime == utime) return after->pose;
   if (after - truth.begin() < 2 || truth.end() - after < 2) return std::nullopt;
   const auto from = after - 2;
   const Pose& about = from[1].pose;
-  Vector6 change = Vector6::Zero();
+  mapper::registration::Vector6 change = mapper::registration::Vector6::Zero();
   for (int i = 0; i < 4; ++i) {
     double weight = 1;
     for (int k = 0; k < 4; ++k) {
       if (k == i) continue;
       weight *= static_cast<double>(utime - from[k].utime) / static_cast<double>(from[i].utime - from[k].utime);
     }
-    change += weight * log_of(about.inverse() * from[i].pose);
+    change += weight * mapper::registration::log_of(about.inverse() * from[i].pose);
   }
-  return about * exp_of(change);
+  return about * mapper::registration::exp_of(change);
 }
 
 }  // namespace
 
-void IncrementConsistency::add(const StampedPose& pose, const Matrix6& covariance) {
+void IncrementConsistency::add(const evaluate::truth::StampedPose& pose,
+                               const mapper::registration::Matrix6& covariance) {
   const auto off = [&](const Claim& claim) { return std::abs(pose.utime - claim.stamped.utime - span_); };
   while (recent_.size() > 1 && off(recent_[1]) <= off(recent_[0])) recent_.pop_front();
   const Claim end{pose, covariance};
@@ -48,7 +50,8 @@ void IncrementConsistency::compare(const Claim& begin, const Claim& end) {
   if (!true_begin || !true_end) return;
   const Pose T_begin_end = begin.stamped.pose.inverse() * end.stamped.pose;
   const PoseCovariance P = covariance_of_increment(T_begin_end, begin.covariance, end.covariance);
-  const Vector6 error = log_of((true_begin->inverse() * *true_end).inverse() * T_begin_end);
+  const mapper::registration::Vector6 error =
+      mapper::registration::log_of((true_begin->inverse() * *true_end).inverse() * T_begin_end);
   const Eigen::Vector3d shift = error.head<3>(), turn = error.tail<3>();
   sum_.all += error.dot(P.ldlt().solve(error));
   sum_.translation += shift.dot(P.topLeftCorner<3, 3>().ldlt().solve(shift));
@@ -63,4 +66,4 @@ Nees IncrementConsistency::mean() const {
   return mean;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::mapping

@@ -3,7 +3,7 @@
 #include "tools/bench/mapping/loop_run.hpp"
 #include "tools/bench/mapping/mapping_report.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::mapping {
 
 std::string loop_heading() {
   return fmt::format("{:<14} {:<8} {:>7} {:>20} {:>8} {:>7} {:>14} {:>9} {:>18} {:>14} {:>8} {:>8} {:>12}\n", "drive",
@@ -37,9 +37,12 @@ void write_loop_json(const std::vector<LoopResult>& results, const std::string& 
     run["way_m"] = r.end.way_m;
     run["before_m"] = r.before.error_m;
     run["before_percent"] = r.before.percent();
+    run["before_height_m"] = r.before.height_m;
     run["closed"] = r.run.rearranged;
     run["end_m"] = r.end.error_m;
+    run["end_height_m"] = r.end.height_m;
     run["corrected_ate_m"] = r.run.corrected_m;
+    run["odometry_before_percent"] = r.odometry_before.percent();
     run["odometry_percent"] = r.odometry_end.percent();
     run["cpu_ms_median"] = r.run.cpu_ms_median;
     run["cpu_ms_p95"] = r.run.cpu_ms_p95;
@@ -56,4 +59,4 @@ void write_loop_json(const std::vector<LoopResult>& results, const std::string& 
   write_runs(runs, file);
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::mapping

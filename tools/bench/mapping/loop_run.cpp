@@ -4,13 +4,13 @@
 
 #include "tools/bench/mapping/gauges.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::mapping {
 namespace {
 
 /// Follows one estimate along the drive.
 class ErrorTracker {
  public:
-  explicit ErrorTracker(const LoopDrive& drive) : drive_(drive) {}
+  explicit ErrorTracker(const drives::LoopDrive& drive) : drive_(drive) {}
 
   void on(std::int64_t utime, const Pose& T_any_base) {
     const Pose truth = drive_.T_world_base(utime);
@@ -27,7 +27,7 @@ class ErrorTracker {
   [[nodiscard]] const LoopError& before() const { return before_; }
 
  private:
-  const LoopDrive& drive_;
+  const drives::LoopDrive& drive_;
   bool started_ = false;
   Pose T_world_any_ = Pose::Identity();
   double begin_ = 0;  // m
@@ -36,7 +36,7 @@ class ErrorTracker {
 
 }  // namespace
 
-LoopResult run_loop(const LoopDrive& drive, const std::string& method, const std::vector<std::string>& settings,
+LoopResult run_loop(const drives::LoopDrive& drive, const std::string& method, const std::vector<std::string>& settings,
                     const std::function<void(const LapFigures&)>& lap_done) {
   LoopResult result;
   ErrorTracker mapped(drive), odometry(drive);
@@ -63,4 +63,4 @@ LoopResult run_loop(const LoopDrive& drive, const std::string& method, const std
   return result;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::mapping

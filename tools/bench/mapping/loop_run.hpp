@@ -1,9 +1,9 @@
 #pragma once
 
-#include "tools/bench/mapping/loop_drive.hpp"
+#include "tools/bench/mapping/drives/loop_drive.hpp"
 #include "tools/bench/mapping/mapping_run.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::mapping {
 
 /// How far off a pose was, when the first pose and the truth's coincide.
 struct LoopError {
@@ -33,7 +33,7 @@ struct LoopResult {
 };
 
 /// `lap_done`: after each round, as it comes.
-[[nodiscard]] LoopResult run_loop(const LoopDrive& drive, const std::string& method,
+[[nodiscard]] LoopResult run_loop(const drives::LoopDrive& drive, const std::string& method,
                                   const std::vector<std::string>& settings,
                                   const std::function<void(const LapFigures&)>& lap_done = {});
 
@@ -43,4 +43,4 @@ struct LoopResult {
 /// As write_mapping_json() with what loop_line() and lap_line() say on top.
 void write_loop_json(const std::vector<LoopResult>& results, const std::string& file);
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::mapping

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <stdexcept>
 
-namespace curbstone {
+namespace curbstone::bench::mapping {
 
 std::string mapping_heading() {
   return fmt::format("{:<16} {:<8} {:<6} {:>7} {:>8} {:>7} {:>7} {:>6} {:>14} {:>14} {:>8} {:>9}\n", "drive", "method",
@@ -14,7 +14,7 @@ std::string mapping_heading() {
 }
 
 std::string mapping_line(const MappingResult& r) {
-  const TrajectoryErrors& e = r.errors;
+  const evaluate::truth::TrajectoryErrors& e = r.errors;
   return fmt::format("{:<16} {:<8} {:<6} {:>7.3f} {:>8.4f} {:>7.3f} {:>7.3f} {:>6} {:>14} {:>14} {:>8.1f} {:>9}\n",
                      r.name, r.method, r.prior, e.rpe_percent, e.rpe_deg_per_m, e.ate_m, e.end_percent,
                      r.nees.increments > 0 ? fmt::format("{:.1f}", r.nees.all) : "-",
@@ -60,7 +60,11 @@ nlohmann::json mapping_json(const MappingResult& r) {
                          {"end_percent", r.errors.end_percent},
                          {"ms_median", r.ms_median},
                          {"ms_p95", r.ms_p95},
-                         {"memory_mb", r.memory_mb}};
+                         {"memory_mb", r.memory_mb},
+                         {"poses", r.poses},
+                         {"revolutions", r.revolutions},
+                         {"map_points", r.content.points},
+                         {"local_elements", r.content.local_elements}};
   if (r.nees.increments > 0) {
     json["nees"] = r.nees.all;
     json["nees_translation"] = r.nees.translation;
@@ -84,4 +88,4 @@ void write_mapping_json(const std::vector<MappingResult>& results, const std::st
   write_runs(runs, file);
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::mapping

@@ -6,7 +6,7 @@
 
 #include "tools/bench/mapping/mapping_run.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::mapping {
 
 [[nodiscard]] std::string mapping_heading();
 [[nodiscard]] std::string mapping_line(const MappingResult& result);
@@ -17,9 +17,9 @@ namespace curbstone {
 void write_mapping_track(const MappingResult& result, const std::string& folder);
 /// One of the runs in the file.
 [[nodiscard]] nlohmann::json mapping_json(const MappingResult& result);
-/// {"runs": [...]}: as documented in docs/benchmarks.md. The file is there as a whole or not at all. Throws
+/// {"runs": [...]}: what the tables of docs/benchmarks are made of. The file is there as a whole or not at all. Throws
 /// std::runtime_error.
 void write_runs(const nlohmann::json& runs, const std::string& file);
 void write_mapping_json(const std::vector<MappingResult>& results, const std::string& file);
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::mapping

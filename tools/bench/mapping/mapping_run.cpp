@@ -2,40 +2,42 @@
 
 #include <algorithm>
 
+#include "common/statistics/quantile.hpp"
 #include "tools/bench/mapping/gauges.hpp"
+#include "tools/bench/mapping/methods/make_mapping_method.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::mapping {
 namespace {
 
 constexpr std::int64_t kIncrement = 500'000;  // us: `map.baseline` of the ekf
 
 }  // namespace
 
-MappingResult run_mapping(const MappingDrive& drive, const std::string& method,
+MappingResult run_mapping(const drives::MappingDrive& drive, const std::string& method,
                           const std::vector<std::string>& settings,
                           const std::function<void(const MappingMoment&)>& watch) {
   MappingResult result;
   result.name = drive.name;
   result.method = method;
   result.prior = drive.prior;
-  Trajectory track;
+  evaluate::truth::Trajectory track;
   IncrementConsistency consistency(drive.truth(), kIncrement);
   std::vector<double> wall, cpu;
   // Asked for beforehand, so that it does not count as the mapper's.
   track.reserve(drive.truth().size());
   wall.reserve(drive.truth().size());
   cpu.reserve(drive.truth().size());
-  std::unique_ptr<MappingMethod> mapper;
+  std::unique_ptr<methods::MappingMethod> mapper;
   double heap_without = 0;  // MB
-  drive.play([&](const Revolution& revolution, const OdometryHistory& odometry) {
+  drive.play([&](const mapper::scan::Scan& scan, const mapper::scan::OdometryHistory& odometry) {
     if (!mapper) {
       heap_without = heap_mb();
-      mapper = make_mapping_method(method, drive, settings);
+      mapper = methods::make_mapping_method(method, drive, settings);
     }
     ++result.revolutions;
     const double wall_before = now_ms(CLOCK_MONOTONIC);
     const double cpu_before = now_ms(CLOCK_PROCESS_CPUTIME_ID);
-    const auto pose = mapper->process(revolution, odometry);
+    const auto pose = mapper->process(scan, odometry);
     wall.push_back(now_ms(CLOCK_MONOTONIC) - wall_before);
     cpu.push_back(now_ms(CLOCK_PROCESS_CPUTIME_ID) - cpu_before);
     // The drive's own share is as large as before the first revolution, about: it keeps no more than a few seconds.
@@ -44,28 +46,29 @@ MappingResult run_mapping(const MappingDrive& drive, const std::string& method,
     if (pose) track.push_back(*pose);
     if (const auto claimed = mapper->covariance(); pose && claimed) consistency.add(*pose, *claimed);
     if (!watch) return;
-    MappingMoment moment{pose, std::nullopt, held, cpu.back(), &revolution};
-    if (odometry.covers(revolution.end, revolution.end))
-      moment.odometry = StampedPose{revolution.end, odometry.at(revolution.end)};
+    MappingMoment moment{pose, std::nullopt, held, cpu.back(), &scan};
+    if (odometry.covers(scan.end, scan.end))
+      moment.odometry = evaluate::truth::StampedPose{scan.end, odometry.at(scan.end)};
     watch(moment);
   });
   if (mapper) {
     mapper->finish();
     result.content = mapper->content();
     result.rearranged = mapper->rearranged();
-    result.corrected_m = trajectory_errors(pair_up(drive.truth(), mapper->trajectory())).ate_m;
+    result.corrected_m =
+        evaluate::truth::trajectory_errors(evaluate::truth::pair_up(drive.truth(), mapper->trajectory())).ate_m;
   }
   result.poses = static_cast<int>(track.size());
   // The truth speaks of its own stamps: the estimate is interpolated, between the ends of two revolutions.
-  const PosePairs swapped = pair_up(track, drive.truth());
+  const evaluate::truth::PosePairs swapped = evaluate::truth::pair_up(track, drive.truth());
   result.track = {swapped.estimate, swapped.truth};
   result.nees = consistency.mean();
-  result.errors = trajectory_errors(result.track);
-  result.ms_median = percentile(wall, 0.5);
-  result.ms_p95 = percentile(wall, 0.95);
-  result.cpu_ms_median = percentile(cpu, 0.5);
-  result.cpu_ms_p95 = percentile(cpu, 0.95);
+  result.errors = evaluate::truth::trajectory_errors(result.track);
+  result.ms_median = quantile_or(wall, 0.5, 0);
+  result.ms_p95 = quantile_or(wall, 0.95, 0);
+  result.cpu_ms_median = quantile_or(cpu, 0.5, 0);
+  result.cpu_ms_p95 = quantile_or(cpu, 0.95, 0);
   return result;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::mapping

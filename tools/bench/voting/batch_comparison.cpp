@@ -1,18 +1,18 @@
 #include "tools/bench/voting/batch_comparison.hpp"
 
-#include "services/tensor_voting/batch_voting.hpp"
+#include "services/tensor_voting/voting/batch_voting.hpp"
+#include "tools/bench/voting/inputs/street_cloud.hpp"
 #include "tools/bench/voting/pair_count.hpp"
 #include "tools/bench/voting/pcl_normals.hpp"
-#include "tools/bench/voting/street_cloud.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::voting {
 
 void measure_batch(BatchRow& row, bool with_pcl, const TurnOptions& options) {
-  const auto cloud = street_cloud(row.points, row.length);
-  const VotingParameters parameters{.sigma = row.sigma, .radius = row.radius, .voxel = 0};
+  const auto cloud = inputs::street_cloud(row.points, row.length);
+  const tensor_voting::voting::VotingParameters parameters{.sigma = row.sigma, .radius = row.radius, .voxel = 0};
   row.pair_votes = count_pair_votes(cloud, row.radius, row.threads);
   std::vector<Contender> contenders;
-  contenders.push_back({"ours", [&] { (void)vote_cloud(cloud, parameters, row.threads); }});
+  contenders.push_back({"ours", [&] { (void)tensor_voting::voting::vote_cloud(cloud, parameters, row.threads); }});
   const PclNormals pcl(cloud, row.radius, row.threads);
   if (with_pcl) contenders.push_back({"pcl", [&] { (void)pcl.run(); }});
   const std::vector<TurnTimes> times = time_in_turn(contenders, options);
@@ -21,9 +21,10 @@ void measure_batch(BatchRow& row, bool with_pcl, const TurnOptions& options) {
 }
 
 double stick_sum() {
-  const VotingParameters parameters{.sigma = 0.3, .radius = 0.9, .voxel = 0};
+  const tensor_voting::voting::VotingParameters parameters{.sigma = 0.3, .radius = 0.9, .voxel = 0};
   double sum = 0;
-  for (const DecompositionF& d : vote_cloud(street_cloud(10'000), parameters).decompositions) {
+  for (const tensor_voting::kernels::DecompositionF& d :
+       tensor_voting::voting::vote_cloud(inputs::street_cloud(10'000), parameters).decompositions) {
     const double trace = (3 - parameters.ball) * double{d.mass};
     const double trace_in_l1 = double{d.stick} + 2 * double{d.plate} + 3 * double{d.ball};
     if (trace_in_l1 > 0) sum += double{d.stick} * trace / trace_in_l1;
@@ -31,4 +32,4 @@ double stick_sum() {
   return sum;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::voting

@@ -6,7 +6,7 @@
 
 #include "tools/bench/voting/timed_in_turn.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::voting {
 
 /// Useful single-precision operations of one vote (reference: tensor voting, section 9): what its mathematics asks for,
 /// however a kernel goes about it. The offset 3; d^2 5; exp(-d^2/sigma^2) as a scale, a range reduction, a polynomial
@@ -37,4 +37,4 @@ void measure_batch(BatchRow& row, bool with_pcl, const TurnOptions& options);
 [[nodiscard]] double stick_sum();
 inline constexpr double kStickSumOfOthers = 22779.8;
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::voting

@@ -7,12 +7,12 @@
 #include "services/tensor_voting/cuda/cuda_voting.hpp"
 #include "tools/bench/voting/batch_comparison.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::voting {
 
 /// A GPU beside this machine's CPU on one street cloud.
 struct CudaRow {
   BatchRow cpu;  ///< measured
-  CudaTimings gpu;
+  tensor_voting::cuda::CudaTimings gpu;
 };
 
 /// For each row of the CPU's; none without a device.
@@ -22,4 +22,4 @@ void print_cuda(std::span<const CudaRow> rows);
 /// null for no rows.
 [[nodiscard]] nlohmann::json cuda_json(std::span<const CudaRow> rows);
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::voting

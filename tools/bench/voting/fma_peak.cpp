@@ -13,7 +13,7 @@
 #include <arm_neon.h>
 #endif
 
-namespace curbstone {
+namespace curbstone::bench::voting {
 
 namespace {
 
@@ -135,4 +135,4 @@ FmaPeak measure_fma_peak(int threads, double seconds) {
   return peak;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::voting

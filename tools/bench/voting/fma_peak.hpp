@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace curbstone {
+namespace curbstone::bench::voting {
 
 /// What this machine's arithmetic can do at most in single precision, measured: fused multiply-adds of registers only,
 /// in twelve independent chains, with the widest vectors it has, on all threads at once.
@@ -14,4 +14,4 @@ struct FmaPeak {
 /// good.
 [[nodiscard]] FmaPeak measure_fma_peak(int threads, double seconds = 0.5);
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::voting

@@ -4,20 +4,20 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <cmath>
 #include <curbstone/map_points_t.hpp>
 #include <curbstone/voted_points_t.hpp>
 #include <numeric>
 #include <utility>
 #include <vector>
 
-#include "common/local_bus.hpp"
-#include "services/tensor_voting/batch_voting.hpp"
-#include "services/tensor_voting/point_tiles.hpp"
-#include "services/tensor_voting/tensor_voting_node.hpp"
-#include "services/tensor_voting/voting_field.hpp"
+#include "common/bus/local_bus.hpp"
+#include "common/statistics/quantile.hpp"
+#include "services/tensor_voting/voting/batch_voting.hpp"
+#include "services/tensor_voting/voting/voting_field.hpp"
+#include "services/tensor_voting/worker/point_tiles.hpp"
+#include "services/tensor_voting/worker/tensor_voting_node.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::voting {
 
 namespace {
 
@@ -29,23 +29,14 @@ double cpu_ms() {
   return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
 }
 
-/// The least of the values that `share` of all do not exceed.
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto n = static_cast<double>(values.size());
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::ceil(share * n)) - 1;
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
-RevolutionTimes summarise(const std::vector<double>& ms) {
+ScanTimes summarise(const std::vector<double>& ms) {
   if (ms.empty()) return {};
   const double sum = std::accumulate(ms.begin(), ms.end(), 0.0);
-  return {sum / static_cast<double>(ms.size()), quantile(ms, 0.99), quantile(ms, 1)};
+  return {sum / static_cast<double>(ms.size()), quantile_or(ms, 0.99, 0), quantile_or(ms, 1, 0)};
 }
 
-TensorVotingConfig two_scales() {
-  TensorVotingConfig config;
+tensor_voting::worker::TensorVotingConfig two_scales() {
+  tensor_voting::worker::TensorVotingConfig config;
   config.sigma = {0.1, 0.3};
   config.voxel = {0.05, 0.1};
   return config;
@@ -55,27 +46,27 @@ TensorVotingConfig two_scales() {
 class FieldTimer {
  public:
   FieldTimer() {
-    for (const VotingParameters& scale : two_scales().scales()) fields_.emplace_back(scale);
+    for (const tensor_voting::voting::VotingParameters& scale : two_scales().scales()) fields_.emplace_back(scale);
   }
   void add(const map_points_t& message) {
     const TileKey key{message.tile_x, message.tile_y};
-    const PointTiles::Taken taken = map_.take(message);
-    if (taken.outcome != PointTiles::Outcome::kAdded) return;
+    const tensor_voting::worker::PointTiles::Taken taken = map_.take(message);
+    if (taken.outcome != tensor_voting::worker::PointTiles::Outcome::kAdded) return;
     const std::int32_t z_origin = map_.find(key)->z_origin * kStepsPerMetre;
     const double begin = cpu_ms();
-    for (VotingField& field : fields_) {
+    for (tensor_voting::voting::VotingField& field : fields_) {
       if (taken.removed) field.remove(key);
       field.add(key, z_origin, taken.removed ? std::span(map_.find(key)->points) : taken.added);
     }
     ms_ += cpu_ms() - begin;
   }
   double take_ms() { return std::exchange(ms_, 0.0); }
-  [[nodiscard]] const PointTiles& map() const { return map_; }
-  [[nodiscard]] const std::vector<VotingField>& fields() const { return fields_; }
+  [[nodiscard]] const tensor_voting::worker::PointTiles& map() const { return map_; }
+  [[nodiscard]] const std::vector<tensor_voting::voting::VotingField>& fields() const { return fields_; }
 
  private:
-  PointTiles map_{{}};
-  std::vector<VotingField> fields_;
+  tensor_voting::worker::PointTiles map_{{}};
+  std::vector<tensor_voting::voting::VotingField> fields_;
   double ms_ = 0;
 };
 
@@ -112,7 +103,7 @@ class WorkerTimer {
     return std::exchange(tick_ms_, 0.0);
   }
   LocalBus bus_;
-  TensorVotingNode node_;
+  tensor_voting::worker::TensorVotingNode node_;
   std::int64_t now_ = 0;
   double ms_ = 0;
   double tick_ms_ = 0;
@@ -120,7 +111,7 @@ class WorkerTimer {
 };
 
 template <class Scalar>
-Eigen::Matrix3d matrix(const BasicTensor<Scalar>& t) {
+Eigen::Matrix3d matrix(const tensor_voting::kernels::BasicTensor<Scalar>& t) {
   Eigen::Matrix<Scalar, 3, 3> m;
   m << t.xx, t.xy, t.xz, t.xy, t.yy, t.yz, t.xz, t.yz, t.zz;
   return m.template cast<double>();
@@ -128,10 +119,10 @@ Eigen::Matrix3d matrix(const BasicTensor<Scalar>& t) {
 
 /// The voters of a field, and what they have received.
 struct VotersOfField {
-  std::vector<StepPoint> points;
-  std::vector<Tensor> tensors;
+  std::vector<tensor_voting::kernels::StepPoint> points;
+  std::vector<tensor_voting::kernels::Tensor> tensors;
 };
-VotersOfField voters_of(const VotingField& field, const PointTiles& map) {
+VotersOfField voters_of(const tensor_voting::voting::VotingField& field, const tensor_voting::worker::PointTiles& map) {
   VotersOfField voters;
   for (const auto& [key, tile] : map.tiles()) {
     const auto voter_of_point = field.voters_of_points(key);
@@ -143,17 +134,19 @@ VotersOfField voters_of(const VotingField& field, const PointTiles& map) {
       voters.points.push_back(
           {key.x * kStepsPerTile + p.x, key.y * kStepsPerTile + p.y, tile.z_origin * kStepsPerMetre + p.z});
     }
-    for (const VoteSums& sums : field.sums(key)) voters.tensors.push_back(to_tensor(sums, field.parameters().ball));
+    for (const tensor_voting::kernels::VoteSums& sums : field.sums(key))
+      voters.tensors.push_back(tensor_voting::kernels::to_tensor(sums, field.parameters().ball));
   }
   return voters;
 }
 
-double max_difference(const VotersOfField& voters, VotingParameters parameters) {
+double max_difference(const VotersOfField& voters, tensor_voting::voting::VotingParameters parameters) {
   parameters.voxel = 0;           // they are what is left of the thinning
   parameters.radius *= 1 - 1e-6;  // the field leaves out a pair at the very cut-off; rounding must not let it in here
   std::vector<Eigen::Vector3d> cloud;
-  for (const StepPoint& p : voters.points) cloud.push_back(Eigen::Vector3d(p.x, p.y, p.z) * kPositionStep);
-  const CloudVotes batch = vote_cloud(cloud, parameters);
+  for (const tensor_voting::kernels::StepPoint& p : voters.points)
+    cloud.push_back(Eigen::Vector3d(p.x, p.y, p.z) * kPositionStep);
+  const tensor_voting::voting::CloudVotes batch = tensor_voting::voting::vote_cloud(cloud, parameters);
   double most = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Matrix3d expected = matrix(batch.tensors[i]);
@@ -165,7 +158,7 @@ double max_difference(const VotersOfField& voters, VotingParameters parameters) 
 
 }  // namespace
 
-IncrementalTiming time_incremental(const DriveSource& source) {
+IncrementalTiming time_incremental(const inputs::DriveSource& source) {
   FieldTimer fields;
   WorkerTimer worker;
   std::vector<double> voting_ms;
@@ -184,17 +177,17 @@ IncrementalTiming time_incremental(const DriveSource& source) {
     voting_ms.push_back(ms[0]);
     worker_ms.push_back(ms[1]);
   };
-  drive_and_map(source, {message, [&](std::int64_t now) { worker.tick(now); }});
+  inputs::drive_and_map(source, {message, [&](std::int64_t now) { worker.tick(now); }});
 
   IncrementalTiming timing;
   timing.revolutions = static_cast<int>(voting_ms.size());
   timing.points = fields.map().num_points();
   timing.decomposition_ms = worker.mean_tick_ms(timing.revolutions);
-  timing.pacing_p50_ms = quantile(worker.pacing_ms, 0.5);
-  timing.pacing_p95_ms = quantile(worker.pacing_ms, 0.95);
+  timing.pacing_p50_ms = quantile_or(worker.pacing_ms, 0.5, 0);
+  timing.pacing_p95_ms = quantile_or(worker.pacing_ms, 0.95, 0);
   timing.voting = summarise(voting_ms);
   timing.worker = summarise(worker_ms);
-  for (const VotingField& field : fields.fields()) {
+  for (const tensor_voting::voting::VotingField& field : fields.fields()) {
     const VotersOfField voters = voters_of(field, fields.map());
     timing.voters += voters.points.size();
     timing.pairs += field.num_pairs();
@@ -204,4 +197,4 @@ IncrementalTiming time_incremental(const DriveSource& source) {
   return timing;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::voting

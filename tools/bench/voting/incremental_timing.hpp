@@ -3,12 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "tools/bench/voting/mapped_drive.hpp"
+#include "tools/bench/voting/inputs/mapped_drive.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::voting {
 
 /// CPU time on one core, ms a revolution.
-struct RevolutionTimes {
+struct ScanTimes {
   double mean_ms = 0;
   double p99_ms = 0;
   double max_ms = 0;
@@ -20,8 +20,8 @@ struct IncrementalTiming {
   std::size_t points = 0;
   std::size_t voters = 0;  ///< at both scales together
   std::int64_t pairs = 0;  ///< computed, each for both of its ends
-  RevolutionTimes voting;  ///< a revolution's points into both fields
-  RevolutionTimes worker;  ///< all that a worker does: decode, vote, decompose, make pages, encode
+  ScanTimes voting;        ///< a revolution's points into both fields
+  ScanTimes worker;        ///< all that a worker does: decode, vote, decompose, make pages, encode
   /// Message time from the newest points in a tile to the tile's VOTED_POINTS: what the mapper's and the worker's
   /// pacing come to (4 MB/s), without the time that anything takes. Each tile that was published counts once.
   double pacing_p50_ms = 0;
@@ -30,6 +30,6 @@ struct IncrementalTiming {
   double max_relative_difference = 0;  ///< to the batch vote of the same points, of the tensor's norm
 };
 
-[[nodiscard]] IncrementalTiming time_incremental(const DriveSource& source);
+[[nodiscard]] IncrementalTiming time_incremental(const inputs::DriveSource& source);
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::voting

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace curbstone {
+namespace curbstone::bench::voting {
 
 namespace {
 
@@ -81,4 +81,4 @@ std::int64_t count_pair_votes(std::span<const Eigen::Vector3d> points, double ra
   return total;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::voting

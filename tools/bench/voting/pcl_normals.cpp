@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace curbstone {
+namespace curbstone::bench::voting {
 
 struct PclNormals::Impl {
   pcl::PointCloud<pcl::PointXYZ>::Ptr cloud{new pcl::PointCloud<pcl::PointXYZ>};
@@ -37,4 +37,4 @@ std::size_t PclNormals::run() const {
       std::count_if(normals.begin(), normals.end(), [](const pcl::Normal& n) { return std::isfinite(n.normal_z); }));
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::voting

@@ -4,7 +4,7 @@
 #include <memory>
 #include <span>
 
-namespace curbstone {
+namespace curbstone::bench::voting {
 
 /// The peer: what a user takes from PCL who wants to know which way a surface lies. Surface normals and curvature from
 /// the covariance of all neighbours within a radius (pcl::NormalEstimationOMP), as Debian builds it.
@@ -23,4 +23,4 @@ class PclNormals {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::voting

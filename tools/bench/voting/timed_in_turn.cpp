@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace curbstone {
+namespace curbstone::bench::voting {
 
 namespace {
 
@@ -62,4 +62,4 @@ std::vector<TurnTimes> time_in_turn(std::span<const Contender> contenders, const
   return medians;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::voting

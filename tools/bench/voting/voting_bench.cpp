@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "common/command_line.hpp"
-#include "services/tensor_voting/vote_kernel.hpp"
+#include "common/config/command_line.hpp"
+#include "services/tensor_voting/kernels/vote_kernel.hpp"
 #include "tools/bench/voting/voting_report.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::voting {
 
 namespace {
 
@@ -22,7 +22,7 @@ struct VotingBenchOptions {
   int threads = 2;
   std::size_t pcl_max_points = 1'000'000;
   TurnOptions turns;
-  DriveSource drive;
+  inputs::DriveSource drive;
   bool no_growth = false;
   bool no_drive = false;
   std::string json;
@@ -78,7 +78,7 @@ std::vector<BatchRow> measure_growth(const VotingBenchOptions& o) {
 
 VotingReport measure(const VotingBenchOptions& o) {
   VotingReport report;
-  report.kernel = vote_kernels()[0].name;
+  report.kernel = tensor_voting::kernels::vote_kernels()[0].name;
   report.peak = measure_fma_peak(o.threads);
   for (const double sigma : o.sigmas) {
     for (const std::size_t points : o.points) {
@@ -120,4 +120,4 @@ int run_bench_voting(int argc, char** argv) {
   return 0;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::voting

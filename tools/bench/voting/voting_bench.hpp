@@ -1,9 +1,9 @@
 #pragma once
 
-namespace curbstone {
+namespace curbstone::bench::voting {
 
 /// `curbstone bench voting`: tensor voting beside PCL's normals, against this machine's peak, and on a growing map.
 /// argv[0] is the subcommand's name. Returns the exit status: 0 done, 1 input or output failed, 2 wrong usage.
 int run_bench_voting(int argc, char** argv);
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::voting

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "tools/bench/voting/street_cloud.hpp"
+#include "tools/bench/voting/inputs/street_cloud.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::voting {
 
 namespace {
 
@@ -42,8 +42,8 @@ void print_growth(const VotingReport& report) {
   for (const BatchRow& row : report.growth) {
     const auto points = static_cast<double>(row.points);
     fmt::print("  {:>9} {:>9.0f} {:>9.0f} {:>7} {:>10.2f} {:>12.3f} {:>10.3f}\n", row.points, row.length,
-               points / (kStreetArea * row.length), row.threads, row.ours.wall_ms, row.ours.wall_ms * 1e3 / points,
-               1e9 / row.pair_votes_per_s());
+               points / (inputs::kStreetArea * row.length), row.threads, row.ours.wall_ms,
+               row.ours.wall_ms * 1e3 / points, 1e9 / row.pair_votes_per_s());
   }
 }
 
@@ -53,7 +53,7 @@ void print_incremental(const IncrementalTiming& t) {
       "pairs\n",
       t.revolutions, t.points, t.voters, t.pairs);
   fmt::print("  CPU ms a revolution on one core   {:>8} {:>8} {:>8}\n", "mean", "p99", "max");
-  const auto line = [](const char* what, const RevolutionTimes& times) {
+  const auto line = [](const char* what, const ScanTimes& times) {
     fmt::print("  {:<33} {:>8.2f} {:>8.2f} {:>8.2f}\n", what, times.mean_ms, times.p99_ms, times.max_ms);
   };
   line("its points into both fields", t.voting);
@@ -92,6 +92,7 @@ json growth_json(const VotingReport& report) {
   for (const BatchRow& row : report.growth) {
     rows.push_back({{"points", row.points},
                     {"street_m", row.length},
+                    {"points_per_m2", static_cast<double>(row.points) / (inputs::kStreetArea * row.length)},
                     {"threads", row.threads},
                     {"ours_ms", row.ours.wall_ms},
                     {"pair_votes_per_s", row.pair_votes_per_s()}});
@@ -100,10 +101,20 @@ json growth_json(const VotingReport& report) {
 }
 
 json incremental_json(const IncrementalTiming& t) {
-  return {{"mean_ms", t.voting.mean_ms},      {"p99_ms", t.voting.p99_ms},
-          {"max_ms", t.voting.max_ms},        {"max_relative_difference", t.max_relative_difference},
-          {"revolutions", t.revolutions},     {"worker_mean_ms", t.worker.mean_ms},
-          {"worker_p99_ms", t.worker.p99_ms}, {"worker_max_ms", t.worker.max_ms}};
+  return {{"mean_ms", t.voting.mean_ms},
+          {"p99_ms", t.voting.p99_ms},
+          {"max_ms", t.voting.max_ms},
+          {"max_relative_difference", t.max_relative_difference},
+          {"revolutions", t.revolutions},
+          {"points", t.points},
+          {"voters", t.voters},
+          {"pairs", t.pairs},
+          {"worker_mean_ms", t.worker.mean_ms},
+          {"worker_p99_ms", t.worker.p99_ms},
+          {"worker_max_ms", t.worker.max_ms},
+          {"decomposition_ms", t.decomposition_ms},
+          {"pacing_p50_ms", t.pacing_p50_ms},
+          {"pacing_p95_ms", t.pacing_p95_ms}};
 }
 
 }  // namespace
@@ -120,7 +131,8 @@ void print_report(const VotingReport& report) {
 }
 
 void write_report(const VotingReport& report, const std::string& file) {
-  const json all = {{"batch", batch_json(report)},
+  const json all = {{"kernel", report.kernel},
+                    {"batch", batch_json(report)},
                     {"incremental", report.incremental ? incremental_json(*report.incremental) : json(nullptr)},
                     {"cuda", cuda_json(report.cuda)},
                     {"growth", growth_json(report)},
@@ -132,4 +144,4 @@ void write_report(const VotingReport& report, const std::string& file) {
   if (!out) throw std::runtime_error(file + ": cannot write it");
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::voting

@@ -9,7 +9,7 @@
 #include "tools/bench/voting/fma_peak.hpp"
 #include "tools/bench/voting/incremental_timing.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::voting {
 
 /// All that `curbstone bench voting` has measured.
 struct VotingReport {
@@ -29,4 +29,4 @@ void print_report(const VotingReport& report);
 /// written.
 void write_report(const VotingReport& report, const std::string& file);
 
-}  // namespace curbstone
+}  // namespace curbstone::bench::voting

@@ -3,35 +3,39 @@
 #include <algorithm>
 #include <cmath>
 
-namespace curbstone {
+#include "common/bytes/little_endian.hpp"
 
-using canopen::NmtCommand;
-using canopen::NmtState;
-using canopen::Object;
-using canopen::SdoCommand;
+namespace curbstone::simulate::devices {
+
+using encoder::canopen::NmtCommand;
+using encoder::canopen::NmtState;
+using encoder::canopen::Object;
+using encoder::canopen::SdoCommand;
 
 namespace {
 
 constexpr std::uint8_t kMaxMapped = 8;
 
 /// Bytes that a write command carries; 0 for what is no such command.
-std::uint8_t written_size(SdoCommand command) {
+std::uint8_t written_size(encoder::canopen::SdoCommand command) {
   switch (command) {
-    case SdoCommand::kWrite1:
+    case encoder::canopen::SdoCommand::kWrite1:
       return 1;
-    case SdoCommand::kWrite2:
+    case encoder::canopen::SdoCommand::kWrite2:
       return 2;
-    case SdoCommand::kWrite3:
+    case encoder::canopen::SdoCommand::kWrite3:
       return 3;
-    case SdoCommand::kWrite4:
+    case encoder::canopen::SdoCommand::kWrite4:
       return 4;
     default:
       return 0;
   }
 }
 
-SdoCommand read_reply(std::uint8_t size) {
-  return size == 1 ? SdoCommand::kReadReply1 : size == 2 ? SdoCommand::kReadReply2 : SdoCommand::kReadReply4;
+encoder::canopen::SdoCommand read_reply(std::uint8_t size) {
+  return size == 1   ? encoder::canopen::SdoCommand::kReadReply1
+         : size == 2 ? encoder::canopen::SdoCommand::kReadReply2
+                     : encoder::canopen::SdoCommand::kReadReply4;
 }
 
 }  // namespace
@@ -48,7 +52,8 @@ void CanDriveEmulator::load_defaults() {
       {{0x6064, 2}, {4, false, 0}},          {{0x606C, 1}, {4, false, 0}}, {{0x606C, 2}, {4, false, 0}},
       {{0x606C, 3}, {4, false, 0}},
   };
-  pdos_ = {{canopen::kTpdo1 + settings_.node, 0x1800, 0, {}}, {canopen::kTpdo2 + settings_.node, 0x1801, 0, {}}};
+  pdos_ = {{encoder::canopen::kTpdo1 + settings_.node, 0x1800, 0, {}},
+           {encoder::canopen::kTpdo2 + settings_.node, 0x1801, 0, {}}};
   for (const Pdo& pdo : pdos_) {
     const auto mapping = static_cast<std::uint16_t>(pdo.communication + 0x200);
     dictionary_[{pdo.communication, 1}] = {4, false, pdo.id};
@@ -64,58 +69,61 @@ void CanDriveEmulator::load_defaults() {
 CanDriveEmulator::Frames CanDriveEmulator::power_on(std::int64_t now) {
   powered_ = true;
   load_defaults();
-  enter(NmtState::kPreOperational, now);
-  return {heartbeat(NmtState::kBootUp)};
+  enter(encoder::canopen::NmtState::kPreOperational, now);
+  return {heartbeat(encoder::canopen::NmtState::kBootUp)};
 }
 
-CanDriveEmulator::Frames CanDriveEmulator::on_frame(std::int64_t now, const CanFrame& frame) {
+CanDriveEmulator::Frames CanDriveEmulator::on_frame(std::int64_t now, const encoder::can::CanFrame& frame) {
   if (!powered_ || frame.extended || frame.remote) return {};
-  if (frame.id == canopen::kNmt && frame.size == 2 && (frame.data[1] == 0 || frame.data[1] == settings_.node)) {
-    switch (static_cast<NmtCommand>(frame.data[0])) {
-      case NmtCommand::kStart:
-        enter(NmtState::kOperational, now);
+  if (frame.id == encoder::canopen::kNmt && frame.size == 2 &&
+      (frame.data[1] == 0 || frame.data[1] == settings_.node)) {
+    switch (static_cast<encoder::canopen::NmtCommand>(frame.data[0])) {
+      case encoder::canopen::NmtCommand::kStart:
+        enter(encoder::canopen::NmtState::kOperational, now);
         return tick(now);
-      case NmtCommand::kStop:
-        enter(NmtState::kStopped, now);
+      case encoder::canopen::NmtCommand::kStop:
+        enter(encoder::canopen::NmtState::kStopped, now);
         return {};
-      case NmtCommand::kPreOperational:
-        enter(NmtState::kPreOperational, now);
+      case encoder::canopen::NmtCommand::kPreOperational:
+        enter(encoder::canopen::NmtState::kPreOperational, now);
         return {};
-      case NmtCommand::kResetNode:
-      case NmtCommand::kResetCommunication:
+      case encoder::canopen::NmtCommand::kResetNode:
+      case encoder::canopen::NmtCommand::kResetCommunication:
         return power_on(now);
     }
     return {};
   }
-  const bool is_request = frame.id == canopen::kSdoRequest + settings_.node && frame.size == 8;
-  if (is_request && state_ != NmtState::kStopped && frame.data[0] != static_cast<std::uint8_t>(SdoCommand::kAbort)) {
+  const bool is_request = frame.id == encoder::canopen::kSdoRequest + settings_.node && frame.size == 8;
+  if (is_request && state_ != encoder::canopen::NmtState::kStopped &&
+      frame.data[0] != static_cast<std::uint8_t>(encoder::canopen::SdoCommand::kAbort)) {
     return {answer_sdo(frame)};
   }
   return {};
 }
 
-CanFrame CanDriveEmulator::answer_sdo(const CanFrame& request) {
-  const auto command = static_cast<SdoCommand>(request.data[0]);
-  const Object object{canopen::little_endian<std::uint16_t>(request.bytes().subspan(1)), request.data[3]};
-  const auto reply = [&](SdoCommand answer, std::uint32_t data) {
-    return canopen::sdo(canopen::kSdoReply + settings_.node, answer, object, data);
+encoder::can::CanFrame CanDriveEmulator::answer_sdo(const encoder::can::CanFrame& request) {
+  const auto command = static_cast<encoder::canopen::SdoCommand>(request.data[0]);
+  const encoder::canopen::Object object{read_little_endian<std::uint16_t>(request.bytes().subspan(1)), request.data[3]};
+  const auto reply = [&](encoder::canopen::SdoCommand answer, std::uint32_t data) {
+    return encoder::canopen::sdo(encoder::canopen::kSdoReply + settings_.node, answer, object, data);
   };
   const auto entry = dictionary_.find(object);
   if (entry == dictionary_.end()) {
     const auto same_index = dictionary_.lower_bound({object.index, 0});
     const bool index_exists = same_index != dictionary_.end() && same_index->first.index == object.index;
-    return reply(SdoCommand::kAbort, index_exists ? canopen::kAbortNoSubIndex : canopen::kAbortNoObject);
+    return reply(encoder::canopen::SdoCommand::kAbort,
+                 index_exists ? encoder::canopen::kAbortNoSubIndex : encoder::canopen::kAbortNoObject);
   }
-  if (command == SdoCommand::kRead) return reply(read_reply(entry->second.size), entry->second.value);
+  if (command == encoder::canopen::SdoCommand::kRead) return reply(read_reply(entry->second.size), entry->second.value);
   const std::uint8_t size = written_size(command);
-  if (size == 0) return reply(SdoCommand::kAbort, canopen::kAbortUnknownCommand);
-  if (!entry->second.writable) return reply(SdoCommand::kAbort, canopen::kAbortReadOnly);
-  if (size != entry->second.size) return reply(SdoCommand::kAbort, canopen::kAbortLength);
-  entry->second.value = canopen::little_endian<std::uint32_t>(request.bytes().subspan(4));
-  return reply(SdoCommand::kWriteReply, 0);
+  if (size == 0) return reply(encoder::canopen::SdoCommand::kAbort, encoder::canopen::kAbortUnknownCommand);
+  if (!entry->second.writable) return reply(encoder::canopen::SdoCommand::kAbort, encoder::canopen::kAbortReadOnly);
+  if (size != entry->second.size) return reply(encoder::canopen::SdoCommand::kAbort, encoder::canopen::kAbortLength);
+  entry->second.value = read_little_endian<std::uint32_t>(request.bytes().subspan(4));
+  return reply(encoder::canopen::SdoCommand::kWriteReply, 0);
 }
 
-void CanDriveEmulator::enter(NmtState state, std::int64_t now) {
+void CanDriveEmulator::enter(encoder::canopen::NmtState state, std::int64_t now) {
   state_ = state;
   last_heartbeat_ = now;
   for (Pdo& pdo : pdos_) {  // each is sent once when the node becomes operational
@@ -133,7 +141,7 @@ CanDriveEmulator::Frames CanDriveEmulator::tick(std::int64_t now) {
     pdo.last_data = pdo_data(pdo);
     // The timer runs on: a late tick is jitter, not a slower clock. After a long pause it starts anew.
     pdo.last_sent = now - *at < 1'000'000 ? *at : now;
-    CanFrame frame;
+    encoder::can::CanFrame frame;
     frame.id = pdo.id;
     frame.size = static_cast<std::uint8_t>(pdo.last_data.size());
     std::copy(pdo.last_data.begin(), pdo.last_data.end(), frame.data.begin());
@@ -156,7 +164,7 @@ std::optional<std::int64_t> CanDriveEmulator::next_due() const {
 }
 
 std::optional<std::int64_t> CanDriveEmulator::due(const Pdo& pdo) const {
-  if (state_ != NmtState::kOperational) return {};
+  if (state_ != encoder::canopen::NmtState::kOperational) return {};
   const std::vector<std::uint8_t> data = pdo_data(pdo);
   if (data.empty()) return {};
   if (pdo.last_data.empty()) return pdo.last_sent;
@@ -190,17 +198,19 @@ std::vector<std::uint8_t> CanDriveEmulator::pdo_data(const Pdo& pdo) const {
   return data;
 }
 
-CanFrame CanDriveEmulator::heartbeat(NmtState state) const {
-  return CanFrame::make(canopen::kHeartbeat + settings_.node, {static_cast<std::uint8_t>(state)});
+encoder::can::CanFrame CanDriveEmulator::heartbeat(encoder::canopen::NmtState state) const {
+  return encoder::can::CanFrame::make(encoder::canopen::kHeartbeat + settings_.node,
+                                      {static_cast<std::uint8_t>(state)});
 }
 
-CanFrame CanDriveEmulator::emergency() const {
+encoder::can::CanFrame CanDriveEmulator::emergency() const {
   const std::uint32_t faults = value(0x603F, 0);
   const bool any = faults != 0;
-  CanFrame frame = CanFrame::make(canopen::kEmergency + settings_.node, {0, 0, 0, 0, 0, 0, 0, 0});
-  canopen::put_little_endian<std::uint16_t>(frame.data, any ? 0x1000 : 0x0000);
+  encoder::can::CanFrame frame =
+      encoder::can::CanFrame::make(encoder::canopen::kEmergency + settings_.node, {0, 0, 0, 0, 0, 0, 0, 0});
+  write_little_endian<std::uint16_t>(frame.data, any ? 0x1000 : 0x0000);
   frame.data[2] = any ? 0x81 : 0x00;
-  canopen::put_little_endian(std::span(frame.data).subspan(3), faults);
+  write_little_endian(std::span(frame.data).subspan(3), faults);
   return frame;
 }
 
@@ -224,7 +234,7 @@ void CanDriveEmulator::set_enabled(bool enabled) {
 CanDriveEmulator::Frames CanDriveEmulator::set_faults(std::uint16_t left, std::uint16_t right) {
   set(0x603F, 0, std::uint32_t{right} << 16 | left);
   update_status();
-  return powered_ && state_ != NmtState::kStopped ? Frames{emergency()} : Frames{};
+  return powered_ && state_ != encoder::canopen::NmtState::kStopped ? Frames{emergency()} : Frames{};
 }
 
 void CanDriveEmulator::update_status() {
@@ -249,4 +259,4 @@ std::int64_t CanDriveEmulator::device_time(double us) const {
   return std::llround(us / (1.0 + settings_.clock_error));
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::devices

@@ -5,17 +5,17 @@
 #include <optional>
 #include <vector>
 
-#include "drivers/encoder/can_frame.hpp"
-#include "drivers/encoder/canopen.hpp"
+#include "drivers/encoder/can/can_frame.hpp"
+#include "drivers/encoder/canopen/canopen.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::devices {
 
 /// A ZLAC8015D wheel drive as the CAN bus sees it: boot-up, NMT, SDO server, heartbeat, two TPDOs with event and
 /// inhibit timers, EMCY. A frame state machine without a clock: whoever uses it passes the time (us, any monotonic
 /// clock).
 ///
-/// To simulate: set_counts() to the truth of the instant, then on_frame() with what the host sends (a start answers with
-/// positions at once) or, at next_due(), tick(). Settings that a power cycle or a reset loses are lost here too.
+/// To simulate: set_counts() to the truth of the instant, then on_frame() with what the host sends (a start answers
+/// with positions at once) or, at next_due(), tick(). Settings that a power cycle or a reset loses are lost here too.
 class CanDriveEmulator {
  public:
   struct Settings {
@@ -24,7 +24,7 @@ class CanDriveEmulator {
     std::int64_t heartbeat_unit = 500;    ///< us; so measured, the manual says 1000
     double clock_error = 0.0;             ///< of the drive's oscillator: 50e-6 runs fast by 50 ppm
   };
-  using Frames = std::vector<CanFrame>;
+  using Frames = std::vector<encoder::can::CanFrame>;
 
   explicit CanDriveEmulator(const Settings& settings);
   CanDriveEmulator() : CanDriveEmulator(Settings{}) {}
@@ -32,7 +32,7 @@ class CanDriveEmulator {
   /// The supply comes on, or on again: counts start at 0, the configuration is lost. Sends boot-up.
   Frames power_on(std::int64_t now);
   /// A frame on the bus; returns the answers. Frames for others are ignored.
-  Frames on_frame(std::int64_t now, const CanFrame& frame);
+  Frames on_frame(std::int64_t now, const encoder::can::CanFrame& frame);
   /// Everything that is due up to `now`: TPDOs, heartbeat.
   Frames tick(std::int64_t now);
   /// When tick() has something next, us; empty while nothing is timed.
@@ -47,7 +47,7 @@ class CanDriveEmulator {
   /// A fault (603F bits) on a wheel, 0 clears: sends EMCY.
   Frames set_faults(std::uint16_t left, std::uint16_t right);
 
-  [[nodiscard]] canopen::NmtState state() const { return state_; }
+  [[nodiscard]] encoder::canopen::NmtState state() const { return state_; }
 
  private:
   struct Entry {
@@ -63,10 +63,10 @@ class CanDriveEmulator {
   };
 
   void load_defaults();
-  CanFrame answer_sdo(const CanFrame& request);
-  void enter(canopen::NmtState state, std::int64_t now);
-  [[nodiscard]] CanFrame heartbeat(canopen::NmtState state) const;
-  [[nodiscard]] CanFrame emergency() const;
+  encoder::can::CanFrame answer_sdo(const encoder::can::CanFrame& request);
+  void enter(encoder::canopen::NmtState state, std::int64_t now);
+  [[nodiscard]] encoder::can::CanFrame heartbeat(encoder::canopen::NmtState state) const;
+  [[nodiscard]] encoder::can::CanFrame emergency() const;
   [[nodiscard]] std::vector<std::uint8_t> pdo_data(const Pdo& pdo) const;
   [[nodiscard]] std::optional<std::int64_t> due(const Pdo& pdo) const;
   [[nodiscard]] std::optional<std::int64_t> heartbeat_due() const;
@@ -76,12 +76,12 @@ class CanDriveEmulator {
   void update_status();
 
   Settings settings_;
-  canopen::NmtState state_ = canopen::NmtState::kStopped;
+  encoder::canopen::NmtState state_ = encoder::canopen::NmtState::kStopped;
   bool powered_ = false;
   bool enabled_ = false;
-  std::map<canopen::Object, Entry> dictionary_;
+  std::map<encoder::canopen::Object, Entry> dictionary_;
   std::vector<Pdo> pdos_;
   std::int64_t last_heartbeat_ = 0;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::devices

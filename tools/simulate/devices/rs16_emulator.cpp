@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "drivers/rslidar/difop_packet.hpp"
+#include "drivers/rslidar/packet/difop_packet.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::devices {
 
 namespace {
 
@@ -28,61 +28,61 @@ std::uint16_t encode_azimuth(double azimuth_deg) {
 
 Rs16Emulator::Rs16Emulator(const Rs16EmulatorConfig& config)
     : elevations_(config.elevations), rate_(config.rpm / 60.0 * 360.0) {
-  for (std::size_t i = 0; i < kLasers; ++i) {
+  for (std::size_t i = 0; i < rslidar::packet::kLasers; ++i) {
     by_laser_[i] = {std::cos(elevations_[i] * kDegree), std::sin(elevations_[i] * kDegree)};
   }
 }
 
-std::array<Rs16Ray, kLasers> Rs16Emulator::rays(double azimuth_deg) const {
-  std::array<Rs16Ray, kLasers> rays;
-  for (std::size_t i = 0; i < kLasers; ++i) {
-    rays[i].time_offset = static_cast<double>(i) * kLaserPeriod;
+std::array<Rs16Ray, rslidar::packet::kLasers> Rs16Emulator::rays(double azimuth_deg) const {
+  std::array<Rs16Ray, rslidar::packet::kLasers> rays;
+  for (std::size_t i = 0; i < rslidar::packet::kLasers; ++i) {
+    rays[i].time_offset = static_cast<double>(i) * rslidar::packet::kLaserPeriod;
     const double azimuth = (azimuth_deg + rate_ * rays[i].time_offset) * kDegree;
     const Eigen::Vector3d outward(std::cos(azimuth), -std::sin(azimuth), 0.0);
-    rays[i].origin = kLensOffset * outward;
+    rays[i].origin = rslidar::packet::kLensOffset * outward;
     rays[i].direction = by_laser_[i].cos * outward + by_laser_[i].sin * Eigen::Vector3d::UnitZ();
   }
   return rays;
 }
 
-std::optional<Rs16Packet> Rs16Emulator::add_sequence(std::int64_t utime, double azimuth_deg,
-                                                     std::span<const Rs16Shot, kLasers> by_laser) {
+std::optional<rslidar::packet::Rs16Packet> Rs16Emulator::add_sequence(
+    std::int64_t utime, double azimuth_deg, std::span<const Rs16Shot, rslidar::packet::kLasers> by_laser) {
   if (sequences_ == 0) {
-    packet_ = MsopPacket{};
-    packet_.magic = kMsopMagic;
-    packet_.time = packet_time_from(utime);
+    packet_ = rslidar::packet::MsopPacket{};
+    packet_.magic = rslidar::packet::kMsopMagic;
+    packet_.time = rslidar::packet::packet_time_from(utime);
     packet_.tail = {0x00, 0xFF};
   }
-  MsopBlock& block = packet_.blocks[sequences_ / kSequencesPerBlock];
-  const int half = sequences_ % kSequencesPerBlock;
+  rslidar::packet::MsopBlock& block = packet_.blocks[sequences_ / rslidar::packet::kSequencesPerBlock];
+  const int half = sequences_ % rslidar::packet::kSequencesPerBlock;
   if (half == 0) {
-    block.flag = MsopBlock::kFlag;
+    block.flag = rslidar::packet::MsopBlock::kFlag;
     block.azimuth = encode_azimuth(azimuth_deg);
   }
-  MsopRecord* records = block.records + half * kLasers;
-  for (std::size_t i = 0; i < kLasers; ++i) {
+  rslidar::packet::MsopRecord* records = block.records + half * rslidar::packet::kLasers;
+  for (std::size_t i = 0; i < rslidar::packet::kLasers; ++i) {
     records[i].distance = encode_distance(by_laser[i].range_m);
     records[i].intensity = records[i].distance != 0 ? by_laser[i].intensity : std::uint8_t{0};
   }
-  if (++sequences_ < kSequencesPerPacket) return std::nullopt;
+  if (++sequences_ < rslidar::packet::kSequencesPerPacket) return std::nullopt;
   sequences_ = 0;
-  return std::bit_cast<Rs16Packet>(packet_);
+  return std::bit_cast<rslidar::packet::Rs16Packet>(packet_);
 }
 
-Rs16Packet Rs16Emulator::difop(std::int64_t utime, int rpm) const {
-  DifopPacket packet{};
-  packet.magic = kDifopMagic;
+rslidar::packet::Rs16Packet Rs16Emulator::difop(std::int64_t utime, int rpm) const {
+  rslidar::packet::DifopPacket packet{};
+  packet.magic = rslidar::packet::kDifopMagic;
   packet.rpm = static_cast<std::uint16_t>(rpm);
   packet.fov_end = 36000;
   packet.firmware = {0x06, 0x23, 0x06, 0x06, 0xA0};
   packet.bottom_firmware = {0x09, 0x00, 0x0C, 0x02, 0xA0};
   packet.return_mode = 1;
-  packet.time = packet_time_from(utime);
-  for (std::size_t i = 0; i < kLasers; ++i) {
+  packet.time = rslidar::packet::packet_time_from(utime);
+  for (std::size_t i = 0; i < rslidar::packet::kLasers; ++i) {
     packet.elevation[i] = static_cast<std::uint32_t>(std::lround(std::abs(elevations_[i]) * 1e4));
   }
   packet.tail = {0x0F, 0xF0};
-  return std::bit_cast<Rs16Packet>(packet);
+  return std::bit_cast<rslidar::packet::Rs16Packet>(packet);
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::devices

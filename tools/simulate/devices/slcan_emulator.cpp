@@ -1,8 +1,8 @@
 #include "tools/simulate/devices/slcan_emulator.hpp"
 
-#include "drivers/encoder/slcan.hpp"
+#include "drivers/encoder/can/slcan.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::devices {
 
 namespace {
 constexpr std::uint8_t kOk = '\r';
@@ -42,7 +42,7 @@ void SlcanEmulator::on_line(Result& result) {
     case 'T':
     case 'r':
     case 'R': {
-      const auto frame = parse_slcan_frame(line_);
+      const auto frame = encoder::can::parse_slcan_frame(line_);
       if (!open_ || !frame) return answer(false);
       result.to_bus.push_back(*frame);
       result.to_host.push_back(frame->extended ? 'Z' : 'z');
@@ -53,8 +53,8 @@ void SlcanEmulator::on_line(Result& result) {
   }
 }
 
-std::vector<std::uint8_t> SlcanEmulator::on_frame(const CanFrame& frame) const {
-  return open_ ? encode_slcan(frame) : std::vector<std::uint8_t>{};
+std::vector<std::uint8_t> SlcanEmulator::on_frame(const encoder::can::CanFrame& frame) const {
+  return open_ ? encoder::can::encode_slcan(frame) : std::vector<std::uint8_t>{};
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::devices

@@ -4,9 +4,9 @@
 #include <bit>
 #include <cmath>
 
-#include "drivers/imu/big_endian.hpp"
+#include "common/bytes/big_endian.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::devices {
 
 namespace {
 
@@ -29,7 +29,7 @@ std::vector<std::uint8_t> XsensEmulator::power_on(std::int64_t now) {
   counter_ = 0;
   parser_.reset();
   if (outputs_.empty()) use_default_outputs();
-  return encode_xbus(Mid::kWakeUp);
+  return imu::encode_xbus(imu::Mid::kWakeUp);
 }
 
 void XsensEmulator::use_default_outputs() {
@@ -48,31 +48,31 @@ std::vector<std::uint8_t> XsensEmulator::on_bytes(std::int64_t now, std::span<co
   std::vector<std::uint8_t> answer;
   if (state_ == State::kOff) return answer;
   if (measuring(now)) state_ = State::kMeasurement;
-  parser_.parse(now, bytes, [&](const XbusFrame& frame) { on_frame(frame, now, answer); });
+  parser_.parse(now, bytes, [&](const imu::XbusFrame& frame) { on_frame(frame, now, answer); });
   return answer;
 }
 
-void XsensEmulator::on_frame(const XbusFrame& frame, std::int64_t now, std::vector<std::uint8_t>& answer) {
+void XsensEmulator::on_frame(const imu::XbusFrame& frame, std::int64_t now, std::vector<std::uint8_t>& answer) {
   const auto reply = [&](const std::vector<std::uint8_t>& bytes) {
     answer.insert(answer.end(), bytes.begin(), bytes.end());
   };
-  const auto refuse = [&](std::uint8_t code) { reply(encode_xbus(Mid::kError, std::span(&code, 1))); };
-  if (frame.is(Mid::kWakeUpAck)) {
+  const auto refuse = [&](std::uint8_t code) { reply(imu::encode_xbus(imu::Mid::kError, std::span(&code, 1))); };
+  if (frame.is(imu::Mid::kWakeUpAck)) {
     if (state_ == State::kBooting) state_ = State::kConfig;
-  } else if (frame.is(Mid::kGotoConfig)) {
+  } else if (frame.is(imu::Mid::kGotoConfig)) {
     state_ = State::kConfig;
-    reply(encode_xbus(Mid::kGotoConfigAck));
-  } else if (frame.is(Mid::kReset)) {
-    reply(encode_xbus(Mid::kResetAck));
+    reply(imu::encode_xbus(imu::Mid::kGotoConfigAck));
+  } else if (frame.is(imu::Mid::kReset)) {
+    reply(imu::encode_xbus(imu::Mid::kResetAck));
     reply(power_on(now));
   } else if (state_ != State::kConfig) {
     refuse(0x04);  // invalid message in this state
-  } else if (frame.is(Mid::kGotoMeasurement)) {
+  } else if (frame.is(imu::Mid::kGotoMeasurement)) {
     state_ = State::kMeasurement;
-    reply(encode_xbus(Mid::kGotoMeasurementAck));
-  } else if (frame.is(Mid::kSetOutputConfiguration)) {
+    reply(imu::encode_xbus(imu::Mid::kGotoMeasurementAck));
+  } else if (frame.is(imu::Mid::kSetOutputConfiguration)) {
     if (frame.data.size() % 4 != 0 || frame.data.size() > 128) return refuse(0x21);
-    reply(encode_xbus(Mid::kOutputConfiguration, configure(frame.data)));
+    reply(imu::encode_xbus(imu::Mid::kOutputConfiguration, configure(frame.data)));
   } else {
     refuse(0x04);
   }
@@ -83,7 +83,7 @@ std::vector<std::uint8_t> XsensEmulator::configure(std::span<const std::uint8_t>
   std::vector<std::uint8_t> effective;
   outputs_.clear();
   for (; list.size() >= 4; list = list.subspan(4)) {
-    Output output{big_endian<std::uint16_t>(list), big_endian<std::uint16_t>(list.subspan(2))};
+    Output output{read_big_endian<std::uint16_t>(list), read_big_endian<std::uint16_t>(list.subspan(2))};
     if (has_rate(output.id)) {
       output.rate = std::clamp<std::uint16_t>(output.rate, 1, 400);
       rate_ = output.rate;
@@ -103,7 +103,7 @@ std::vector<std::uint8_t> XsensEmulator::sample(std::int64_t now, const XsensSam
   std::vector<std::uint8_t> payload;
   for (const Output& output : outputs_) append_item(payload, output.id, now, sample);
   ++counter_;
-  return encode_xbus(Mid::kMtData2, payload);
+  return imu::encode_xbus(imu::Mid::kMtData2, payload);
 }
 
 void XsensEmulator::append_item(std::vector<std::uint8_t>& payload, std::uint16_t id, std::int64_t now,
@@ -151,4 +151,4 @@ void XsensEmulator::append_item(std::vector<std::uint8_t>& payload, std::uint16_
   }
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::devices

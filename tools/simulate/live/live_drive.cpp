@@ -13,15 +13,15 @@
 #include <future>
 #include <memory>
 
-#include "common/clock.hpp"
-#include "tools/simulate/bench/emulated_imu.hpp"
-#include "tools/simulate/bench/emulated_wheels.hpp"
-#include "tools/simulate/bench/packet_spool.hpp"
+#include "common/time/clock.hpp"
 #include "tools/simulate/live/pty.hpp"
 #include "tools/simulate/live/udp_sender.hpp"
+#include "tools/simulate/rig/emulated_imu.hpp"
+#include "tools/simulate/rig/emulated_wheels.hpp"
+#include "tools/simulate/rig/packet_spool.hpp"
 #include "tools/simulate/sensors/lidar_model.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::live {
 
 namespace {
 
@@ -55,27 +55,28 @@ class Signals {
 /// The emulated vehicle on the real clock, one thread.
 class LiveDrive {
  public:
-  LiveDrive(const Drive& drive, const LiveOptions& options)
+  LiveDrive(const rig::Drive& drive, const LiveOptions& options)
       : drive_(drive),
         options_(options),
         msop_(options.lidar_host, options.msop_port),
         difop_(options.lidar_host, options.difop_port),
         imu_port_(options.imu_link),
         can_port_(options.can_link),
-        imu_(ImuModel(drive.config.imu, drive.config.vehicle, drive.motion, Random(drive.seed).fork(11))),
-        wheels_(WheelModel(drive.config.wheels, drive.config.vehicle, drive.motion, drive.seconds,
-                           Random(drive.seed).fork(12))),
-        garbage_(Random(drive.seed).fork(13)) {
+        imu_(sensors::ImuModel(drive.config.imu, drive.config.vehicle, drive.motion,
+                               numerics::Random(drive.seed).fork(11))),
+        wheels_(sensors::WheelModel(drive.config.wheels, drive.config.vehicle, drive.motion, drive.seconds,
+                                    numerics::Random(drive.seed).fork(12))),
+        garbage_(numerics::Random(drive.seed).fork(13)) {
     const auto now = wall_clock();
-    send(imu_port_, imu_.power_on(now), SensorFault::Sensor::kImu);
-    send(can_port_, wheels_.power_on(now), SensorFault::Sensor::kWheels);
+    send(imu_port_, imu_.power_on(now), rig::SensorFault::Sensor::kImu);
+    send(can_port_, wheels_.power_on(now), rig::SensorFault::Sensor::kWheels);
   }
 
   LiveReport run(const std::function<void(std::int64_t)>& on_start) {
     // The vehicle stands, with its devices on, until the packets are rendered.
     const int threads = 2;
     auto rendering = std::async(std::launch::async, [&] {
-      return std::make_unique<PacketSpool>(drive_, options_.spool, options_.fingerprint, threads, cancel_);
+      return std::make_unique<rig::PacketSpool>(drive_, options_.spool, options_.fingerprint, threads, cancel_);
     });
     while (!report_.interrupted && rendering.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
       serve(wall_clock() + 20'000);
@@ -103,7 +104,7 @@ class LiveDrive {
   [[nodiscard]] std::int64_t packet_due() const {
     if (!spool_ || report_.packets >= spool_->size()) return kNever;
     // A packet leaves the device when its last shot is in.
-    return start_ + std::llround(static_cast<double>(report_.packets + 1) * kPacketPeriod * 1e6);
+    return start_ + std::llround(static_cast<double>(report_.packets + 1) * rslidar::packet::kPacketPeriod * 1e6);
   }
 
   /// Sleeps until something is due (at most until `limit`) or the host writes, and does it.
@@ -114,17 +115,17 @@ class LiveDrive {
     const timespec timeout{wait / kSecond, wait % kSecond * 1000};
     if (ppoll(ports, 3, &timeout, nullptr) > 0) {
       if (ports[0].revents != 0)
-        send(imu_port_, imu_.on_bytes(wall_clock(), imu_port_.read()), SensorFault::Sensor::kImu);
+        send(imu_port_, imu_.on_bytes(wall_clock(), imu_port_.read()), rig::SensorFault::Sensor::kImu);
       if (ports[1].revents != 0)
-        send(can_port_, wheels_.on_bytes(wall_clock(), can_port_.read()), SensorFault::Sensor::kWheels);
+        send(can_port_, wheels_.on_bytes(wall_clock(), can_port_.read()), rig::SensorFault::Sensor::kWheels);
       if (ports[2].revents != 0) report_.interrupted = true;
     }
     const std::int64_t now = wall_clock();
     // A device samples by its own timer however late we are: the bytes come late then, the measurement does not.
     for (auto at = imu_.next_due(); at <= now; at = imu_.next_due())
-      send(imu_port_, imu_.run(at, time(at)), SensorFault::Sensor::kImu);
+      send(imu_port_, imu_.run(at, time(at)), rig::SensorFault::Sensor::kImu);
     for (auto at = wheels_.next_due(); at <= now; at = wheels_.next_due())
-      send(can_port_, wheels_.run(at, time(at)), SensorFault::Sensor::kWheels);
+      send(can_port_, wheels_.run(at, time(at)), rig::SensorFault::Sensor::kWheels);
     if (next_difop_ <= now) send_difop(now);
     while (packet_due() <= now) send_packet(now);
   }
@@ -132,10 +133,11 @@ class LiveDrive {
   void send_packet(std::int64_t now) {
     const std::int64_t due = packet_due();
     report_.latest = std::max(report_.latest, static_cast<double>(now - due) * 1e-6);
-    const auto first_shot = start_ + std::llround(static_cast<double>(report_.packets) * kPacketPeriod * 1e6);
-    Rs16Packet packet = spool_->packet(report_.packets++, first_shot);
-    if (const auto fault = options_.faults.at(SensorFault::Sensor::kLidar, time(now))) {
-      if (fault == SensorFault::Kind::kSilent) return;
+    const auto first_shot =
+        start_ + std::llround(static_cast<double>(report_.packets) * rslidar::packet::kPacketPeriod * 1e6);
+    rslidar::packet::Rs16Packet packet = spool_->packet(report_.packets++, first_shot);
+    if (const auto fault = options_.faults.at(rig::SensorFault::Sensor::kLidar, time(now))) {
+      if (fault == rig::SensorFault::Kind::kSilent) return;
       for (auto& byte : packet) byte = static_cast<std::uint8_t>(garbage_.bits());
     }
     msop_.send(packet);
@@ -143,31 +145,31 @@ class LiveDrive {
 
   void send_difop(std::int64_t now) {
     next_difop_ += kSecond;
-    if (options_.faults.at(SensorFault::Sensor::kLidar, time(now))) return;
-    Rs16EmulatorConfig config;
+    if (options_.faults.at(rig::SensorFault::Sensor::kLidar, time(now))) return;
+    devices::Rs16EmulatorConfig config;
     config.rpm = drive_.rpm;
-    difop_.send(Rs16Emulator(config).difop(now, static_cast<int>(std::lround(drive_.rpm))));
+    difop_.send(devices::Rs16Emulator(config).difop(now, static_cast<int>(std::lround(drive_.rpm))));
   }
 
-  void send(Pty& port, SerialDevice::Bytes bytes, SensorFault::Sensor sensor) {
+  void send(Pty& port, rig::SerialDevice::Bytes bytes, rig::SensorFault::Sensor sensor) {
     if (bytes.empty()) return;
     if (const auto fault = options_.faults.at(sensor, time(wall_clock()))) {
-      if (fault == SensorFault::Kind::kSilent) return;
+      if (fault == rig::SensorFault::Kind::kSilent) return;
       for (auto& byte : bytes) byte = static_cast<std::uint8_t>(garbage_.bits());
     }
     port.write(bytes);
   }
 
-  const Drive& drive_;
+  const rig::Drive& drive_;
   const LiveOptions& options_;
   Signals signals_;
   UdpSender msop_, difop_;
   Pty imu_port_, can_port_;
-  EmulatedImu imu_;
-  EmulatedWheels wheels_;
-  Random garbage_;
+  rig::EmulatedImu imu_;
+  rig::EmulatedWheels wheels_;
+  numerics::Random garbage_;
   std::atomic<bool> cancel_{false};
-  std::unique_ptr<PacketSpool> spool_;
+  std::unique_ptr<rig::PacketSpool> spool_;
   std::int64_t start_ = kNever;
   std::int64_t next_difop_ = kNever;
   LiveReport report_;
@@ -175,8 +177,9 @@ class LiveDrive {
 
 }  // namespace
 
-LiveReport run_live(const Drive& drive, const LiveOptions& options, const std::function<void(std::int64_t)>& on_start) {
+LiveReport run_live(const rig::Drive& drive, const LiveOptions& options,
+                    const std::function<void(std::int64_t)>& on_start) {
   return LiveDrive(drive, options).run(on_start);
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::live

@@ -4,10 +4,10 @@
 #include <functional>
 #include <string>
 
-#include "tools/simulate/bench/fault_plan.hpp"
-#include "tools/simulate/drive.hpp"
+#include "tools/simulate/rig/drive.hpp"
+#include "tools/simulate/rig/fault_plan.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::live {
 
 struct LiveOptions {
   std::string lidar_host = "127.0.0.1";
@@ -18,7 +18,7 @@ struct LiveOptions {
   std::string spool;                            ///< file of rendered packets, kept for the next run; empty: temporary
   std::uint64_t fingerprint = 0;                ///< of all that the packets depend on
   double head_start = 0;                        ///< s that the devices are on before the drive begins
-  FaultPlan faults;
+  rig::FaultPlan faults;
 };
 
 /// What a live drive came to.
@@ -35,7 +35,7 @@ struct LiveReport {
 /// Sends a drive in real time as the devices do: RS16 packets over UDP, an Xsens and an SLCAN adapter on
 /// pseudo-terminals that answer what the host writes. The serial ports are there from the start; the drive begins when
 /// the packets have been rendered, and `on_start` hears of it. Throws std::runtime_error with one clear line.
-LiveReport run_live(const Drive& drive, const LiveOptions& options,
+LiveReport run_live(const rig::Drive& drive, const LiveOptions& options,
                     const std::function<void(std::int64_t start_utime)>& on_start);
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::live

@@ -13,7 +13,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-namespace curbstone {
+namespace curbstone::simulate::live {
 
 Pty::Pty(const std::string& link) : link_(link), fd_(posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
   std::array<char, 128> name{};
@@ -67,4 +67,4 @@ std::size_t Pty::write(std::span<const std::uint8_t> bytes) {
   return size > 0 ? static_cast<std::size_t>(size) : 0;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::live

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace curbstone {
+namespace curbstone::simulate::live {
 
 /// The device's end of a pseudo-terminal; the host's end is a tty that drivers open like any serial port, under a name
 /// of our choosing (a symlink). Stays open while nobody is at the other end. Move-only in spirit: neither copied nor
@@ -30,4 +30,4 @@ class Pty {
   int host_end_ = -1;  // kept open, so that our end sees no hang-up between two hosts
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::live

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <stdexcept>
 
-namespace curbstone {
+namespace curbstone::simulate::live {
 
 UdpSender::UdpSender(const std::string& host, int port) {
   sockaddr_in address{};
@@ -36,4 +36,4 @@ void UdpSender::send(std::span<const std::uint8_t> bytes) const {
     (void)!::send(fd_, bytes.data(), bytes.size(), 0);
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::live

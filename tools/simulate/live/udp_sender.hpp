@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-namespace curbstone {
+namespace curbstone::simulate::live {
 
 /// Sends datagrams to one address. That nobody listens is no error to a sender.
 class UdpSender {
@@ -21,4 +21,4 @@ class UdpSender {
   int fd_ = -1;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::live

@@ -1,6 +1,6 @@
 #include "tools/simulate/motion/motion.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::motion {
 
 Inertia inertia_at(const Motion& motion, const Pose& T_base_imu, double t) {
   constexpr double kStep = 2e-3;  // s: central differences
@@ -27,4 +27,4 @@ double rolled_distance(const Motion& motion, const Eigen::Vector3d& point_base, 
   return way;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::motion

@@ -2,10 +2,10 @@
 
 #include <memory>
 
-#include "common/geometry.hpp"
-#include "common/gravity.hpp"
+#include "common/geometry/geometry.hpp"
+#include "common/geometry/gravity.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::motion {
 
 /// Where the vehicle truly is at any time: the source of everything that its sensors say. Twice differentiable.
 /// Immutable; safe from any thread.
@@ -26,4 +26,4 @@ struct Inertia {
 /// Signed way of a point of the vehicle along the vehicle's heading from t0 to t1, m: what a wheel there rolls.
 [[nodiscard]] double rolled_distance(const Motion& motion, const Eigen::Vector3d& point_base, double t0, double t1);
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::motion

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace curbstone {
+namespace curbstone::simulate::motion {
 
 SpeedProfile::SpeedProfile(const Options& options, double seconds) : cruise_(options.speed) {
   const double ramp = std::max(0.5, 1.5 * options.speed / options.acceleration);  // the ramp's peak is 1.5 of its mean
@@ -50,4 +50,4 @@ double SpeedProfile::acceleration(double t) const {
   return (r.v1 - r.v0) * 6.0 * f * (1.0 - f) / r.duration;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::motion

@@ -3,7 +3,7 @@
 #include <limits>
 #include <vector>
 
-namespace curbstone {
+namespace curbstone::simulate::motion {
 
 /// Speed over time made of smooth ramps: starts at rest, drives, stops in between, drives on. The acceleration is
 /// continuous.
@@ -35,4 +35,4 @@ class SpeedProfile {
   double end_ = std::numeric_limits<double>::infinity();
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::motion

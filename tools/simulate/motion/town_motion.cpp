@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace curbstone {
+namespace curbstone::simulate::motion {
 
 namespace {
 
@@ -10,21 +10,21 @@ constexpr double kWayStep = 0.125;
 constexpr double kNodPerAcceleration = 0.006;   // rad per m/s^2: the nose rises when it accelerates
 constexpr double kLeanPerAcceleration = 0.005;  // rad per m/s^2: it leans out of bends
 
-double speed_of(const Spline<Eigen::Matrix<double, 5, 1>>& path, double u) {
+double speed_of(const numerics::Spline<Eigen::Matrix<double, 5, 1>>& path, double u) {
   return path.derivative(u).head<2>().norm();
 }
 
 /// Simpson's rule over one step of the way table, or a part of it.
-double way_between(const Spline<Eigen::Matrix<double, 5, 1>>& path, double a, double b) {
+double way_between(const numerics::Spline<Eigen::Matrix<double, 5, 1>>& path, double a, double b) {
   return (b - a) / 6.0 * (speed_of(path, a) + 4.0 * speed_of(path, 0.5 * (a + b)) + speed_of(path, b));
 }
 
 }  // namespace
 
-TownMotion::TownMotion(const Town& town, const VehicleConfig& vehicle, const SpeedProfile& profile,
+TownMotion::TownMotion(const world::Town& town, const VehicleConfig& vehicle, const SpeedProfile& profile,
                        const TownRoute& route)
     : profile_(profile) {
-  const Ground& ground = town.scene->ground();
+  const world::Ground& ground = town.scene->ground();
   const auto height = [&](const Eigen::Vector2d& p) {
     return static_cast<double>(ground.height_at(static_cast<float>(p.x()), static_cast<float>(p.y())));
   };
@@ -42,7 +42,7 @@ TownMotion::TownMotion(const Town& town, const VehicleConfig& vehicle, const Spe
         -std::atan2(zf - zb, 2.0 * half_base);
     states.push_back(state);
   }
-  path_ = Spline<State>(states, route.closed());
+  path_ = numerics::Spline<State>(states, route.closed());
   way_ = {0.0};
   for (double u = 0; u + 0.5 * kWayStep < path_.length(); u += kWayStep)
     way_.push_back(way_.back() + way_between(path_, u, u + kWayStep));
@@ -75,4 +75,4 @@ Pose TownMotion::T_world_base(double t) const {
   return T;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::motion

@@ -3,22 +3,23 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "common/vehicle.hpp"
+#include "common/config/vehicle.hpp"
 #include "tools/simulate/motion/motion.hpp"
 #include "tools/simulate/motion/speed_profile.hpp"
 #include "tools/simulate/motion/town_route.hpp"
-#include "tools/simulate/spline.hpp"
+#include "tools/simulate/numerics/spline.hpp"
 #include "tools/simulate/world/town.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::motion {
 
 /// Along a route through a town: on the ground with all wheels, leaning with slopes and camber, nodding with
 /// its suspension when it accelerates, and shaking a little while it rolls.
 class TownMotion final : public Motion {
  public:
-  TownMotion(const Town& town, const VehicleConfig& vehicle, const SpeedProfile& profile, const TownRoute& route);
+  TownMotion(const world::Town& town, const VehicleConfig& vehicle, const SpeedProfile& profile,
+             const TownRoute& route);
   /// Round the loop.
-  TownMotion(const Town& town, const VehicleConfig& vehicle, const SpeedProfile& profile)
+  TownMotion(const world::Town& town, const VehicleConfig& vehicle, const SpeedProfile& profile)
       : TownMotion(town, vehicle, profile, TownRoute::around(town)) {}
   [[nodiscard]] Pose T_world_base(double t) const override;
   [[nodiscard]] const SpeedProfile& profile() const { return profile_; }
@@ -27,9 +28,9 @@ class TownMotion final : public Motion {
   using State = Eigen::Matrix<double, 5, 1>;  // x y z, roll pitch of the ground under the vehicle
   [[nodiscard]] double parameter_at(double s) const;
 
-  Spline<State> path_;
+  numerics::Spline<State> path_;
   SpeedProfile profile_;
   std::vector<double> way_;  // m from the start to each place kWayStep apart in the spline's parameter
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::motion

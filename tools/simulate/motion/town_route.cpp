@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-namespace curbstone {
+namespace curbstone::simulate::motion {
 
 namespace {
 
@@ -30,21 +30,21 @@ Eigen::Vector2d crossing(const Eigen::Vector2d& p, const Eigen::Vector2d& along_
 
 }  // namespace
 
-TownRoute TownRoute::around(const Town& town) {
-  const Street& loop = town.streets.front();
+TownRoute TownRoute::around(const world::Town& town) {
+  const world::Street& loop = town.streets.front();
   const auto n = static_cast<int>(loop.length());
   Points points;
   for (int i = -1; i <= n; ++i) {
-    const Street::Sample at = loop.at(loop.length() * i / n);
+    const world::Street::Sample at = loop.at(loop.length() * i / n);
     points.emplace_back(at.point + town.options.lane_offset * at.normal());
   }
   return {std::move(points), true};
 }
 
-TownRoute TownRoute::there_and_back(const Town& town) {
+TownRoute TownRoute::there_and_back(const world::Town& town) {
   constexpr double kBegin = 100.0;  // m from the loop
   constexpr double kTurn = 9.0;     // m before and after a corner: the curb's 6 m and the lane's way from it
-  const Street &loop = town.streets.front(), &gate = town.streets.at(1);
+  const world::Street &loop = town.streets.front(), &gate = town.streets.at(1);
   const double lane = town.options.lane_offset;
   const auto on_loop = [&](double s) -> Eigen::Vector2d { return loop.at(s).point + lane * loop.at(s).normal(); };
   const auto on_gate = [&](double s, double side) -> Eigen::Vector2d {
@@ -52,7 +52,7 @@ TownRoute TownRoute::there_and_back(const Town& town) {
   };
   // Where the gate's crown meets the loop, along the loop.
   double meets = 0;
-  for (const Street::Sample& at : loop.samples()) {
+  for (const world::Street::Sample& at : loop.samples()) {
     if ((at.point - gate.at(0).point).norm() < (loop.at(meets).point - gate.at(0).point).norm()) meets = at.s;
   }
   const Eigen::Vector2d along_loop = loop.at(meets).tangent, along_gate = gate.at(0).tangent;
@@ -88,4 +88,4 @@ double TownRoute::length() const {
   return length;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::motion

@@ -6,16 +6,16 @@
 
 #include "tools/simulate/world/town.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::motion {
 
 /// The line in plan view that a drive follows in the right-hand lane: points about a metre apart.
 class TownRoute {
  public:
   /// Round the loop, and round again.
-  [[nodiscard]] static TownRoute around(const Town& town);
+  [[nodiscard]] static TownRoute around(const world::Town& town);
   /// In by the street that leads out of the loop, once round, and out by it: against the first direction. Only in a
   /// town of several blocks.
-  [[nodiscard]] static TownRoute there_and_back(const Town& town);
+  [[nodiscard]] static TownRoute there_and_back(const world::Town& town);
 
   [[nodiscard]] bool closed() const { return closed_; }
   [[nodiscard]] int size() const { return static_cast<int>(points_.size()) - 2; }
@@ -30,4 +30,4 @@ class TownRoute {
   bool closed_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::motion

@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-namespace curbstone {
+namespace curbstone::simulate::recorded {
 
 namespace {
 
@@ -44,4 +44,4 @@ Eigen::Matrix3d level(const ScanSet& scans, double height) {
   return Eigen::Quaterniond::FromTwoVectors(up.normalized(), Eigen::Vector3d::UnitZ()).toRotationMatrix();
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::recorded

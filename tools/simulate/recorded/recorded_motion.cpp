@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace curbstone {
+namespace curbstone::simulate::recorded {
 
 namespace {
 
@@ -58,7 +58,7 @@ RecordedMotion::RecordedMotion(const ScanSet& scans, const VehicleConfig& vehicl
   }
   std::vector<State> knots;
   for (double t = 0; t <= scans.times.back(); t += kKnot) knots.push_back(smoothed(scans.times, states, t));
-  spline_ = Spline<State>(knots, false);
+  spline_ = numerics::Spline<State>(knots, false);
   const Eigen::Vector3d origin = spline_.at(0).head<3>();
   T_world_first_.linear() = R_world_first;
   T_world_first_.translation() = -origin;
@@ -80,4 +80,4 @@ Pose recorded_pose(const ScanSet& scans, double recorded) {
   return interpolate(scans.T_first_scan[high - 1], scans.T_first_scan[high], std::clamp(f, -1.0, 2.0));
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::recorded

@@ -2,12 +2,12 @@
 
 #include <vector>
 
-#include "common/vehicle.hpp"
+#include "common/config/vehicle.hpp"
 #include "tools/simulate/motion/motion.hpp"
+#include "tools/simulate/numerics/spline.hpp"
 #include "tools/simulate/recorded/scan_set.hpp"
-#include "tools/simulate/spline.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::recorded {
 
 /// When in the recording the emulated drive is: it holds the first pose for a while, so that the IMU can be levelled,
 /// gets going, and then runs at the recording's own pace.
@@ -23,7 +23,7 @@ class Playback {
 
 /// The recorded poses as a smooth motion of the vehicle: a centimetre of noise from pose to pose would be metres per
 /// second squared to an IMU. The world is levelled by `R_world_first`; its origin is base_link at the start.
-class RecordedMotion final : public Motion {
+class RecordedMotion final : public motion::Motion {
  public:
   RecordedMotion(const ScanSet& scans, const VehicleConfig& vehicle, const Eigen::Matrix3d& R_world_first,
                  const Playback& playback);
@@ -37,11 +37,11 @@ class RecordedMotion final : public Motion {
   static constexpr double kKnot = 0.1;        // s
 
   Pose T_world_first_;
-  Spline<State> spline_;
+  numerics::Spline<State> spline_;
   Playback playback_;
 };
 
 /// The recording's own poses, interpolated: lidar in the lidar frame of the first scan, at seconds from the first scan.
 [[nodiscard]] Pose recorded_pose(const ScanSet& scans, double recorded);
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::recorded

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace curbstone {
+namespace curbstone::simulate::recorded {
 
 namespace fs = std::filesystem;
 
@@ -114,4 +114,4 @@ std::vector<ScanPoint> read_scan(const std::string& file) {
   return points;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::recorded

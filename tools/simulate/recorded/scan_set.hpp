@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "common/geometry.hpp"
+#include "common/geometry/geometry.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::recorded {
 
 /// One recorded point.
 struct ScanPoint {
@@ -36,4 +36,4 @@ struct ScanSet {
 /// Points of a scan that are finite and farther than a metre. Throws std::runtime_error when the file is cut off.
 [[nodiscard]] std::vector<ScanPoint> read_scan(const std::string& file);
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::recorded

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace curbstone {
+namespace curbstone::simulate::recorded {
 
 namespace {
 
@@ -36,7 +36,7 @@ bool is_ground(float height) {
 }  // namespace
 
 ScanSurroundings::ScanSurroundings(const ScanSet& scans, const RecordedMotion& motion, const Playback& playback,
-                                   const ElevationTable& elevations_deg)
+                                   const rslidar::packet::ElevationTable& elevations_deg)
     : scans_(scans), motion_(motion), playback_(playback), elevations_(elevations_deg) {
   for (double& elevation : elevations_) elevation *= kDegree;
 }
@@ -72,7 +72,7 @@ std::size_t ScanSurroundings::scan_for(double recorded, double bearing) const {
   return off_low <= std::abs(scans_.times[high] + looked - recorded) ? high - 1 : high;
 }
 
-void ScanSurroundings::prepare(const PacketView& view) {
+void ScanSurroundings::prepare(const sensors::PacketView& view) {
   const double middle = view.azimuth + 0.5 * view.azimuth_span;
   const LoadedScan& scan = load(scan_for(playback_.recording_time(view.t), wrap(-middle)));
   columns_.resize(static_cast<std::size_t>(view.azimuth_span / kColumn) + 12);
@@ -88,7 +88,7 @@ void ScanSurroundings::prepare(const PacketView& view) {
   if (to > std::numbers::pi) add_points(scan, view, from - 2.0 * std::numbers::pi, to - 2.0 * std::numbers::pi);
 }
 
-void ScanSurroundings::add_points(const LoadedScan& scan, const PacketView& view, double from, double to) {
+void ScanSurroundings::add_points(const LoadedScan& scan, const sensors::PacketView& view, double from, double to) {
   const Eigen::Isometry3f T_lidar_first = (view.T_world_lidar.inverse() * motion_.T_world_first()).cast<float>();
   auto it = std::lower_bound(scan.points.begin(), scan.points.end(), from, [](const FixedPoint& p, double bearing) {
     return static_cast<double>(p.bearing) < bearing;
@@ -98,14 +98,14 @@ void ScanSurroundings::add_points(const LoadedScan& scan, const PacketView& view
     const double azimuth = std::atan2(-static_cast<double>(p.y()), static_cast<double>(p.x()));
     const auto column = static_cast<long>(std::floor(wrap(azimuth - first_column_) / kColumn));
     if (column < 0 || column >= static_cast<long>(columns_.size())) continue;
-    const float reach = std::hypot(p.x(), p.y()) - static_cast<float>(kLensOffset);
+    const float reach = std::hypot(p.x(), p.y()) - static_cast<float>(rslidar::packet::kLensOffset);
     if (reach < 0.5F) continue;
     columns_[static_cast<std::size_t>(column)].push_back(
         {static_cast<float>(azimuth), std::atan2(p.z(), reach), reach, p.z(), it->intensity});
   }
 }
 
-Rs16Shot ScanSurroundings::measure(const Shot& shot) {
+devices::Rs16Shot ScanSurroundings::measure(const sensors::Shot& shot) {
   const Nearness near = nearness(scans_);
   const auto elevation = static_cast<float>(elevations_[static_cast<std::size_t>(shot.laser)]);
   const Candidate* below = nullptr;
@@ -122,16 +122,16 @@ Rs16Shot ScanSurroundings::measure(const Shot& shot) {
         side = &candidate;
     }
   }
-  Rs16Shot report = meet(below, above, elevation);
+  devices::Rs16Shot report = meet(below, above, elevation);
   if (report.range_m <= 0) return report;
   // The vehicle has moved on a little since prepare().
   const Eigen::Vector3d flat(shot.direction_world.x(), shot.direction_world.y(), 0);
-  const Eigen::Vector3d lens = origin_ + kLensOffset * flat.normalized();
+  const Eigen::Vector3d lens = origin_ + rslidar::packet::kLensOffset * flat.normalized();
   report.range_m -= static_cast<float>((shot.origin_world - lens).dot(shot.direction_world));
   return report;
 }
 
-Rs16Shot ScanSurroundings::meet(const Candidate* below, const Candidate* above, float elevation) const {
+devices::Rs16Shot ScanSurroundings::meet(const Candidate* below, const Candidate* above, float elevation) const {
   const Nearness near = nearness(scans_);
   const float slope = std::tan(elevation), stretch = std::sqrt(1.0F + slope * slope);
   const auto off = [&](const Candidate* c) { return c == nullptr ? 1e9F : std::abs(c->elevation - elevation); };
@@ -155,4 +155,4 @@ Rs16Shot ScanSurroundings::meet(const Candidate* below, const Candidate* above, 
   return {nearest->reach * stretch, nearest->intensity};
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::recorded

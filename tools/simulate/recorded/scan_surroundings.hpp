@@ -7,20 +7,20 @@
 
 #include "tools/simulate/recorded/recorded_motion.hpp"
 #include "tools/simulate/recorded/scan_set.hpp"
-#include "tools/simulate/surroundings.hpp"
+#include "tools/simulate/sensors/surroundings.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::recorded {
 
 /// What an RS16 would have seen where other scans were recorded: each shot finds the recorded points just below and
 /// above it and meets the surface between them. No return where nothing is near. Nothing is added: the recording has
 /// its own noise.
-class ScanSurroundings final : public Surroundings {
+class ScanSurroundings final : public sensors::Surroundings {
  public:
   ScanSurroundings(const ScanSet& scans, const RecordedMotion& motion, const Playback& playback,
-                   const ElevationTable& elevations_deg);
+                   const rslidar::packet::ElevationTable& elevations_deg);
 
-  void prepare(const PacketView& view) override;
-  [[nodiscard]] Rs16Shot measure(const Shot& shot) override;
+  void prepare(const sensors::PacketView& view) override;
+  [[nodiscard]] devices::Rs16Shot measure(const sensors::Shot& shot) override;
 
  private:
   struct FixedPoint {
@@ -43,17 +43,17 @@ class ScanSurroundings final : public Surroundings {
 
   const LoadedScan& load(std::size_t index);
   [[nodiscard]] std::size_t scan_for(double recorded, double bearing) const;
-  void add_points(const LoadedScan& scan, const PacketView& view, double from, double to);
-  [[nodiscard]] Rs16Shot meet(const Candidate* below, const Candidate* above, float elevation) const;
+  void add_points(const LoadedScan& scan, const sensors::PacketView& view, double from, double to);
+  [[nodiscard]] devices::Rs16Shot meet(const Candidate* below, const Candidate* above, float elevation) const;
 
   const ScanSet& scans_;
   const RecordedMotion& motion_;
   Playback playback_;
-  ElevationTable elevations_;  ///< rad
+  rslidar::packet::ElevationTable elevations_;  ///< rad
   std::deque<LoadedScan> loaded_;
   std::vector<std::vector<Candidate>> columns_;
   double first_column_ = 0;  ///< rad, clockwise
   Eigen::Vector3d origin_;   ///< m, of the lidar when the points were put in its frame
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::recorded

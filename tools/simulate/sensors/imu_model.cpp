@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-namespace curbstone {
+namespace curbstone::simulate::sensors {
 
-ImuModel::ImuModel(const ImuNoise& noise, const VehicleConfig& vehicle, const Motion& motion, Random random)
+ImuModel::ImuModel(const ImuNoise& noise, const VehicleConfig& vehicle, const motion::Motion& motion,
+                   numerics::Random random)
     : noise_(noise),
       T_base_imu_(vehicle.T_base_imu()),
       motion_(motion),
@@ -13,13 +14,13 @@ ImuModel::ImuModel(const ImuNoise& noise, const VehicleConfig& vehicle, const Mo
       gyro_bias_(normals(noise.gyro_bias)),
       accelerometer_bias_(normals(noise.accelerometer_bias)) {}
 
-Inertia ImuModel::sample(double t) {
+motion::Inertia ImuModel::sample(double t) {
   const double elapsed = std::sqrt(std::max(0.0, t - last_t_));
   last_t_ = t;
   gyro_bias_ += normals(noise_.gyro_walk * elapsed);
   accelerometer_bias_ += normals(noise_.accelerometer_walk * elapsed);
-  Inertia inertia = inertia_at(motion_, T_base_imu_, t);
-  const double speed = std::abs(rolled_distance(motion_, Eigen::Vector3d::Zero(), t - 0.005, t + 0.005)) / 0.01;
+  motion::Inertia inertia = motion::inertia_at(motion_, T_base_imu_, t);
+  const double speed = std::abs(motion::rolled_distance(motion_, Eigen::Vector3d::Zero(), t - 0.005, t + 0.005)) / 0.01;
   const double shaking = noise_.vibration * std::min(1.5, speed / 3.0);
   inertia.angular_rate += gyro_bias_ + normals(noise_.gyro_sigma);
   inertia.specific_force += accelerometer_bias_ + normals(std::hypot(noise_.accelerometer_sigma, shaking));
@@ -32,4 +33,4 @@ std::array<double, 4> ImuModel::orientation(double t) const {
   return {q.w(), q.x(), q.y(), q.z()};
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::sensors

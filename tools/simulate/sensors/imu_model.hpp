@@ -2,12 +2,12 @@
 
 #include <array>
 
-#include "common/config.hpp"
-#include "common/vehicle.hpp"
+#include "common/config/config.hpp"
+#include "common/config/vehicle.hpp"
 #include "tools/simulate/motion/motion.hpp"
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/numerics/random.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::sensors {
 
 /// A MEMS IMU of the MTi class at 100 Hz: white noise, a bias from its switching on, and its slow walk.
 struct ImuNoise {
@@ -33,8 +33,8 @@ struct ImuNoise {
 /// Samples in time order, each with the noise of its turn.
 class ImuModel {
  public:
-  ImuModel(const ImuNoise& noise, const VehicleConfig& vehicle, const Motion& motion, Random random);
-  [[nodiscard]] Inertia sample(double t);
+  ImuModel(const ImuNoise& noise, const VehicleConfig& vehicle, const motion::Motion& motion, numerics::Random random);
+  [[nodiscard]] motion::Inertia sample(double t);
   /// What the device itself makes of it: right in roll and pitch, its heading anywhere. w x y z.
   [[nodiscard]] std::array<double, 4> orientation(double t) const;
 
@@ -45,10 +45,10 @@ class ImuModel {
 
   ImuNoise noise_;
   Pose T_base_imu_;
-  const Motion& motion_;
-  Random random_;
+  const motion::Motion& motion_;
+  numerics::Random random_;
   Eigen::Vector3d gyro_bias_, accelerometer_bias_;
   double last_t_ = 0;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::sensors

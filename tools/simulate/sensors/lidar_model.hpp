@@ -2,12 +2,12 @@
 
 #include <cstdint>
 
-#include "common/vehicle.hpp"
+#include "common/config/vehicle.hpp"
 #include "tools/simulate/devices/rs16_emulator.hpp"
 #include "tools/simulate/motion/motion.hpp"
-#include "tools/simulate/surroundings.hpp"
+#include "tools/simulate/sensors/surroundings.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::sensors {
 
 /// Fires the lasers of an RS16 one by one from the moving vehicle and packs what comes back. Packets follow each other
 /// without a gap.
@@ -22,24 +22,25 @@ class LidarModel {
   struct Packet {
     double t = 0;       ///< s, of its first shot
     double t_last = 0;  ///< s, of its last: when it can be sent
-    Rs16Packet bytes{};
+    rslidar::packet::Rs16Packet bytes{};
   };
 
-  LidarModel(const Options& options, const VehicleConfig& vehicle, const Motion& motion, Surroundings& surroundings);
+  LidarModel(const Options& options, const VehicleConfig& vehicle, const motion::Motion& motion,
+             Surroundings& surroundings);
 
   /// The next packet; the first starts at t = 0.
   Packet next();
   /// Goes on with the packet of that number: packets do not depend on those before.
-  void skip_to(std::int64_t packet) { sequence_ = packet * kSequencesPerPacket; }
-  [[nodiscard]] Rs16Packet difop(double t) const;
+  void skip_to(std::int64_t packet) { sequence_ = packet * rslidar::packet::kSequencesPerPacket; }
+  [[nodiscard]] rslidar::packet::Rs16Packet difop(double t) const;
 
  private:
   Options options_;
   Pose T_base_lidar_;
-  const Motion& motion_;
+  const motion::Motion& motion_;
   Surroundings& surroundings_;
-  Rs16Emulator emulator_;
+  devices::Rs16Emulator emulator_;
   std::int64_t sequence_ = 0;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::sensors

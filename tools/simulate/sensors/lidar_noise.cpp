@@ -3,26 +3,26 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/numerics/random.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::sensors {
 
 namespace {
 
 /// m, 1 sigma: how uneven a surface is at the scale of the laser's spot.
-float texture(Surface surface) {
+float texture(world::Surface surface) {
   switch (surface) {
-    case Surface::kAsphalt:
+    case world::Surface::kAsphalt:
       return 0.002F;
-    case Surface::kCurbStone:
+    case world::Surface::kCurbStone:
       return 0.0015F;
-    case Surface::kPavement:
+    case world::Surface::kPavement:
       return 0.0015F;
-    case Surface::kGrass:
+    case world::Surface::kGrass:
       return 0.008F;
-    case Surface::kFoliage:
+    case world::Surface::kFoliage:
       return 0.02F;
-    case Surface::kTrunk:
+    case world::Surface::kTrunk:
       return 0.005F;
     default:
       return 0.001F;
@@ -31,24 +31,27 @@ float texture(Surface surface) {
 
 }  // namespace
 
-Rs16Shot LidarNoise::report(const Hit& hit, std::uint64_t noise) const {
-  if (hit.surface == Surface::kNone) return {};
-  const std::uint64_t dice = mix_bits(noise ^ 0x5eedULL);
-  if (unit_from_bits(dice) < drop_out) return {};
+devices::Rs16Shot LidarNoise::report(const world::Hit& hit, std::uint64_t noise) const {
+  if (hit.surface == world::Surface::kNone) return {};
+  const std::uint64_t dice = numerics::mix_bits(noise ^ 0x5eedULL);
+  if (numerics::unit_from_bits(dice) < drop_out) return {};
   // Echo power falls with distance squared; rough surfaces send more back at a grazing angle than Lambert says.
   const double distance = static_cast<double>(hit.range);
   const double shine = static_cast<double>(hit.reflectivity) * std::sqrt(static_cast<double>(hit.incidence));
   const double power = shine / 0.2 * (reach_at_20_percent / distance) * (reach_at_20_percent / distance);
-  if (power < 0.7 + 0.6 * unit_from_bits(mix_bits(dice))) return {};
+  if (power < 0.7 + 0.6 * numerics::unit_from_bits(numerics::mix_bits(dice))) return {};
 
   // A bump of the ground shifts the range by its height over the sine of the grazing angle.
-  const float bump = texture(hit.surface) * normal_from_bits(mix_bits(noise + 1)) / std::max(hit.incidence, 0.08F);
-  float range = hit.range + bump + static_cast<float>(range_sigma) * normal_from_bits(mix_bits(noise + 2));
-  if (unit_from_bits(mix_bits(noise + 3)) < mixed_pixels)
-    range *= 0.97F + 0.02F * normal_from_bits(mix_bits(noise + 4)) / 3.5F;
+  const float bump =
+      texture(hit.surface) * numerics::normal_from_bits(numerics::mix_bits(noise + 1)) / std::max(hit.incidence, 0.08F);
+  float range =
+      hit.range + bump + static_cast<float>(range_sigma) * numerics::normal_from_bits(numerics::mix_bits(noise + 2));
+  if (numerics::unit_from_bits(numerics::mix_bits(noise + 3)) < mixed_pixels)
+    range *= 0.97F + 0.02F * numerics::normal_from_bits(numerics::mix_bits(noise + 4)) / 3.5F;
   if (range < static_cast<float>(min_range)) return {};
-  const double intensity = 255.0 * std::pow(shine, 0.9) * (0.92 + 0.16 * unit_from_bits(mix_bits(noise + 5)));
+  const double intensity =
+      255.0 * std::pow(shine, 0.9) * (0.92 + 0.16 * numerics::unit_from_bits(numerics::mix_bits(noise + 5)));
   return {range, static_cast<std::uint8_t>(std::clamp(intensity, 1.0, 255.0))};
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::sensors

@@ -2,11 +2,11 @@
 
 #include <cstdint>
 
-#include "common/config.hpp"
+#include "common/config/config.hpp"
 #include "tools/simulate/devices/rs16_emulator.hpp"
 #include "tools/simulate/world/shapes.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::sensors {
 
 /// How an RS-LiDAR-16 differs from a perfect ruler.
 struct LidarNoise {
@@ -25,7 +25,7 @@ struct LidarNoise {
   }
 
   /// The sensor's report of a hit, by the shot's own random bits.
-  [[nodiscard]] Rs16Shot report(const Hit& hit, std::uint64_t noise) const;
+  [[nodiscard]] devices::Rs16Shot report(const world::Hit& hit, std::uint64_t noise) const;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::sensors

@@ -4,15 +4,15 @@
 #include <cmath>
 #include <numbers>
 
-namespace curbstone {
+namespace curbstone::simulate::sensors {
 
-WheelModel::WheelModel(const WheelNoise& noise, const VehicleConfig& vehicle, const Motion& motion, double seconds,
-                       Random random)
+WheelModel::WheelModel(const WheelNoise& noise, const VehicleConfig& vehicle, const motion::Motion& motion,
+                       double seconds, numerics::Random random)
     : noise_(noise), motion_(motion), half_track_(0.5 * vehicle.track_width) {
   for (auto& radius : radius_)
     radius = vehicle.wheel_radius * (1.0 + std::clamp(random.normal(noise.radius_error), -0.005, 0.005));
   // Slip comes with a change of speed: look where the vehicle speeds up or brakes, pick some of those moments.
-  const auto way = [&](double t) { return rolled_distance(motion, Eigen::Vector3d::Zero(), t, t + 0.1); };
+  const auto way = [&](double t) { return motion::rolled_distance(motion, Eigen::Vector3d::Zero(), t, t + 0.1); };
   std::vector<double> moments;
   for (double t = 0; t + 0.6 < seconds; t += 0.25) {
     if (std::abs(way(t + 0.3) - way(t)) > 0.01) moments.push_back(t);
@@ -40,7 +40,8 @@ void WheelModel::roll_to(double t) {
     for (int wheel = 0; wheel < 2; ++wheel) {
       const auto i = static_cast<std::size_t>(wheel);
       const Eigen::Vector3d contact(0, wheel == 0 ? half_track_ : -half_track_, 0);
-      const double turned = rolled_distance(motion_, contact, t_, next) / radius_[i] * (1.0 + slip_at(t_, wheel));
+      const double turned =
+          motion::rolled_distance(motion_, contact, t_, next) / radius_[i] * (1.0 + slip_at(t_, wheel));
       angle_[i] += turned;
       speed_[i] = turned / (next - t_);
     }
@@ -55,4 +56,4 @@ std::array<std::int64_t, 2> WheelModel::counts(double t) {
           static_cast<std::int64_t>(std::floor(angle_[1] * per_radian))};
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::sensors

@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/config.hpp"
-#include "common/vehicle.hpp"
+#include "common/config/config.hpp"
+#include "common/config/vehicle.hpp"
 #include "tools/simulate/motion/motion.hpp"
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/numerics/random.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::sensors {
 
 struct WheelNoise {
   int counts_per_revolution = 4096;  // what the drive's 1024 lines make
@@ -28,8 +28,8 @@ struct WheelNoise {
 /// Two wheels that roll (mostly) with the motion, and their encoders: counts since the start, forward positive.
 class WheelModel {
  public:
-  WheelModel(const WheelNoise& noise, const VehicleConfig& vehicle, const Motion& motion, double seconds,
-             Random random);
+  WheelModel(const WheelNoise& noise, const VehicleConfig& vehicle, const motion::Motion& motion, double seconds,
+             numerics::Random random);
 
   /// Counts of the left and the right wheel at `t`; times must not go back.
   [[nodiscard]] std::array<std::int64_t, 2> counts(double t);
@@ -46,7 +46,7 @@ class WheelModel {
   void roll_to(double t);
 
   WheelNoise noise_;
-  const Motion& motion_;
+  const motion::Motion& motion_;
   double half_track_;
   std::array<double, 2> radius_;
   std::array<double, 2> angle_{};
@@ -55,4 +55,4 @@ class WheelModel {
   double t_ = 0;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::sensors

@@ -6,7 +6,7 @@
 
 #include "tools/simulate/truth/curb_lines.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::truth {
 
 namespace {
 
@@ -14,13 +14,13 @@ constexpr int kSamples = 6;              // along one side of a cell
 constexpr float kObstacleHeight = 1.2F;  // m
 constexpr float kBehind = 12.0F;         // m behind a curb: gardens beyond are not told about
 
-std::uint8_t ground_class(const Ground& ground, double x, double y, double size) {
-  const GroundVertex middle = ground.at(static_cast<float>(x + 0.5 * size), static_cast<float>(y + 0.5 * size));
+std::uint8_t ground_class(const world::Ground& ground, double x, double y, double size) {
+  const world::GroundVertex middle = ground.at(static_cast<float>(x + 0.5 * size), static_cast<float>(y + 0.5 * size));
   if (middle.distance > kBehind) return semantic_tile_t::UNKNOWN;
   if (std::abs(middle.distance) < 0.3F) {
     for (int i = 0; i < kSamples * kSamples; ++i) {
       const double sx = x + size * ((i % kSamples) + 0.5) / kSamples, sy = y + size * ((i / kSamples) + 0.5) / kSamples;
-      const GroundVertex node = ground.at(static_cast<float>(sx), static_cast<float>(sy));
+      const world::GroundVertex node = ground.at(static_cast<float>(sx), static_cast<float>(sy));
       if (node.distance < 0 || node.distance > static_cast<float>(ground.profile().face)) continue;
       return node.curb < static_cast<float>(kDroppedBelow) ? semantic_tile_t::UNKNOWN : semantic_tile_t::CURB;
     }
@@ -30,24 +30,25 @@ std::uint8_t ground_class(const Ground& ground, double x, double y, double size)
 
 }  // namespace
 
-ClassGrid make_class_grid(const Scene& scene, double vehicle_height) {
-  const Ground& ground = scene.ground();
+ClassGrid make_class_grid(const world::Scene& scene, double vehicle_height) {
+  const world::Ground& ground = scene.ground();
   ClassGrid grid;
   grid.x0 = ground.x_of(0);
   grid.y0 = ground.y_of(0);
   const double size = grid.resolution;
   const auto cells = [&](double length) { return static_cast<int>(length / size); };
-  grid.image = GrayImage(cells((ground.width() - 1) * Ground::kPitch), cells((ground.height() - 1) * Ground::kPitch));
+  grid.image = GrayImage(cells((ground.width() - 1) * world::Ground::kPitch),
+                         cells((ground.height() - 1) * world::Ground::kPitch));
   GrayImage& image = grid.image;
   const auto row_of = [&](int iy) { return image.height - 1 - iy; };
   for (int iy = 0; iy < image.height; ++iy) {
     for (int ix = 0; ix < image.width; ++ix)
       image.at(ix, row_of(iy)) = ground_class(ground, grid.x0 + ix * size, grid.y0 + iy * size, size);
   }
-  for (const Shape& shape : scene.shapes()) {
+  for (const world::Shape& shape : scene.shapes()) {
     const float floor = ground.height_at(shape.centre.x(), shape.centre.y());
     if (shape.bottom() - floor > static_cast<float>(vehicle_height)) continue;
-    const bool low = shape.surface != Surface::kCar && shape.top() - floor < kObstacleHeight;
+    const bool low = shape.surface != world::Surface::kCar && shape.top() - floor < kObstacleHeight;
     const std::uint8_t id = low ? semantic_tile_t::OBSTACLE : semantic_tile_t::WALL;
     const auto index = [&](float v, double origin) {
       return static_cast<int>(std::floor((static_cast<double>(v) - origin) / size));
@@ -67,4 +68,4 @@ ClassGrid make_class_grid(const Scene& scene, double vehicle_height) {
   return grid;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::truth

@@ -3,7 +3,7 @@
 #include "tools/simulate/truth/gray_image.hpp"
 #include "tools/simulate/world/scene.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::truth {
 
 /// The town as the semantic map should show it: class ids of semantic_tile_t in cells of `resolution` m.
 struct ClassGrid {
@@ -17,6 +17,6 @@ struct ClassGrid {
 /// passes through; where it is dropped (< 4 cm) a cell stays unknown: neither answer is wrong there. Obstacles are
 /// lower than 1.2 m; cars and what is higher are wall or vehicle; what hangs above `vehicle_height` does not count, nor
 /// do moving cars.
-[[nodiscard]] ClassGrid make_class_grid(const Scene& scene, double vehicle_height);
+[[nodiscard]] ClassGrid make_class_grid(const world::Scene& scene, double vehicle_height);
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::truth

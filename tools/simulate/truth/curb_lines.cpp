@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-namespace curbstone {
+namespace curbstone::simulate::truth {
 
 namespace {
 
@@ -15,7 +15,7 @@ using EdgeKey = std::int64_t;
 
 class Contours {
  public:
-  explicit Contours(const Ground& ground) : ground_(ground) {
+  explicit Contours(const world::Ground& ground) : ground_(ground) {
     for (int iy = 0; iy + 1 < ground.height(); ++iy) {
       for (int ix = 0; ix + 1 < ground.width(); ++ix) add_cell(ix, iy);
     }
@@ -49,7 +49,7 @@ class Contours {
   EdgeKey cross(int ix, int iy, bool upwards) {
     const EdgeKey key = (static_cast<EdgeKey>(iy) * ground_.width() + ix) * 2 + (upwards ? 1 : 0);
     const double a = value(ix, iy), b = upwards ? value(ix, iy + 1) : value(ix + 1, iy);
-    const double f = Ground::kPitch * a / (a - b);
+    const double f = world::Ground::kPitch * a / (a - b);
     points_[key] = {ground_.x_of(ix) + (upwards ? 0 : f), ground_.y_of(iy) + (upwards ? f : 0)};
     return key;
   }
@@ -78,20 +78,20 @@ class Contours {
     }
   }
 
-  const Ground& ground_;
+  const world::Ground& ground_;
   std::map<EdgeKey, std::vector<EdgeKey>> next_;
   std::map<EdgeKey, Eigen::Vector2d> points_;
 };
 
-TrueCurbVertex curb_point(const Ground& ground, const Eigen::Vector2d& p) {
-  const GroundVertex node = ground.at(static_cast<float>(p.x()), static_cast<float>(p.y()));
+TrueCurbVertex curb_point(const world::Ground& ground, const Eigen::Vector2d& p) {
+  const world::GroundVertex node = ground.at(static_cast<float>(p.x()), static_cast<float>(p.y()));
   const auto height = static_cast<double>(node.curb);
   return {{p.x(), p.y(), static_cast<double>(node.terrain)}, height, height < kDroppedBelow};
 }
 
 }  // namespace
 
-std::vector<std::vector<TrueCurbVertex>> trace_curbs(const Ground& ground, double spacing) {
+std::vector<std::vector<TrueCurbVertex>> trace_curbs(const world::Ground& ground, double spacing) {
   std::vector<std::vector<TrueCurbVertex>> curbs;
   for (const auto& line : Contours(ground).lines()) {
     std::vector<TrueCurbVertex> curb{curb_point(ground, line.front())};
@@ -107,4 +107,4 @@ std::vector<std::vector<TrueCurbVertex>> trace_curbs(const Ground& ground, doubl
   return curbs;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::truth

@@ -5,7 +5,7 @@
 
 #include "tools/simulate/world/ground.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::truth {
 
 /// A point on the foot of a curb.
 struct TrueCurbVertex {
@@ -18,6 +18,6 @@ struct TrueCurbVertex {
 inline constexpr double kDroppedBelow = 0.04;  // m
 
 /// The feet of all curbs of a ground, line by line, points `spacing` m apart: contours of its distance field.
-[[nodiscard]] std::vector<std::vector<TrueCurbVertex>> trace_curbs(const Ground& ground, double spacing = 0.08);
+[[nodiscard]] std::vector<std::vector<TrueCurbVertex>> trace_curbs(const world::Ground& ground, double spacing = 0.08);
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::truth

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <stdexcept>
 
-namespace curbstone {
+namespace curbstone::simulate::truth {
 
 void write_png(const std::string& file, const GrayImage& image) {
   png_image png{};
@@ -19,4 +19,4 @@ void write_png(const std::string& file, const GrayImage& image) {
     throw std::runtime_error(fmt::format("{}: cannot be written: {}", file, png.message));
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::truth

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace curbstone {
+namespace curbstone::simulate::truth {
 
 /// 8-bit gray, row 0 on top.
 struct GrayImage {
@@ -21,4 +21,4 @@ struct GrayImage {
 /// Throws std::runtime_error when the file cannot be written.
 void write_png(const std::string& file, const GrayImage& image);
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::truth

@@ -12,7 +12,7 @@
 #include "tools/simulate/truth/class_grid.hpp"
 #include "tools/simulate/truth/curb_lines.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::truth {
 
 namespace {
 
@@ -28,7 +28,7 @@ void write_file(const std::string& folder, const std::string& name, const std::s
   throw std::runtime_error(fmt::format("{}: cannot be written: is the disk full?", file));
 }
 
-void write_poses(const std::string& folder, const TruthInfo& info, const Motion& motion) {
+void write_poses(const std::string& folder, const TruthInfo& info, const motion::Motion& motion) {
   constexpr int kRate = 100;  // Hz
   std::string text = "utime,x,y,z,qw,qx,qy,qz\n";
   for (int i = 0; i <= static_cast<int>(info.seconds * kRate); ++i) {
@@ -57,7 +57,7 @@ void prepare_truth_folder(const std::string& folder) {
   std::filesystem::remove(probe, error);
 }
 
-ClassImageInfo write_town_truth(const std::string& folder, const Town& town, double vehicle_height) {
+ClassImageInfo write_town_truth(const std::string& folder, const world::Town& town, double vehicle_height) {
   const ClassGrid grid = make_class_grid(*town.scene, vehicle_height);
   write_png(folder + "/classes.png", grid.image);
   std::string text = "line,x,y,z,height,dropped\n";
@@ -73,11 +73,12 @@ ClassImageInfo write_town_truth(const std::string& folder, const Town& town, dou
   return {grid.resolution, grid.x0, grid.y0, grid.image.width, grid.image.height};
 }
 
-void write_drive_truth(const std::string& folder, const TruthInfo& info, const Motion& motion,
+void write_drive_truth(const std::string& folder, const TruthInfo& info, const motion::Motion& motion,
                        const std::optional<ClassImageInfo>& classes) {
   write_poses(folder, info, motion);
   nlohmann::ordered_json json = {
       {"start_utime", info.start_utime}, {"seed", info.seed}, {"source", info.source}, {"seconds", info.seconds}};
+  if (info.latest_packet) json["latest_packet_s"] = *info.latest_packet;
   if (classes) {
     json["resolution_m"] = classes->resolution;
     json["origin"] = {classes->x0, classes->y0};
@@ -89,4 +90,4 @@ void write_drive_truth(const std::string& folder, const TruthInfo& info, const M
   write_file(folder, "truth.json", json.dump(2) + "\n");
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::truth

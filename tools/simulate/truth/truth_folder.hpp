@@ -7,7 +7,7 @@
 #include "tools/simulate/motion/motion.hpp"
 #include "tools/simulate/world/town.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::truth {
 
 /// The folder that `curbstone evaluate` reads: truth.json, poses.csv, and for towns classes.png and curbs.csv. All
 /// functions throw std::runtime_error with one clear line when something cannot be written.
@@ -16,6 +16,7 @@ struct TruthInfo {
   std::uint64_t seed = 0;
   std::string source;  ///< "town", or the folder of the scans
   double seconds = 0;
+  std::optional<double> latest_packet = std::nullopt;  ///< s, live: how late the latest packet was
 };
 
 /// Where the class image lies.
@@ -30,9 +31,9 @@ struct ClassImageInfo {
 /// Makes the folder, and finds out now rather than after the drive whether it can be written.
 void prepare_truth_folder(const std::string& folder);
 /// classes.png and curbs.csv: known before the drive.
-ClassImageInfo write_town_truth(const std::string& folder, const Town& town, double vehicle_height);
+ClassImageInfo write_town_truth(const std::string& folder, const world::Town& town, double vehicle_height);
 /// poses.csv and truth.json: known when the drive has begun. Without `classes` the truth has none, and says so.
-void write_drive_truth(const std::string& folder, const TruthInfo& info, const Motion& motion,
+void write_drive_truth(const std::string& folder, const TruthInfo& info, const motion::Motion& motion,
                        const std::optional<ClassImageInfo>& classes);
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::truth

@@ -4,14 +4,14 @@
 #include "tools/simulate/world/side_street.hpp"
 #include "tools/simulate/world/town_plan.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 namespace {
 
 using std::numbers::pi;
 
 /// Control points of a street around a block: straight sides, round corners, one long side or two that swing.
-std::vector<Eigen::Vector2d> block(Random& random) {
+std::vector<Eigen::Vector2d> block(numerics::Random& random) {
   const double width = random.uniform(112.0, 136.0), depth = random.uniform(78.0, 92.0);
   const double radius = random.uniform(15.0, 20.0), step = 5.0;
   std::vector<Eigen::Vector2d> points;
@@ -46,9 +46,9 @@ std::vector<Eigen::Vector2d> block(Random& random) {
 
 }  // namespace
 
-TownPlan plan_block(double half_width, Random& random) {
+TownPlan plan_block(double half_width, numerics::Random& random) {
   TownPlan plan;
-  plan.streets.emplace_back(Spline<Eigen::Vector2d>(block(random), true), half_width);
+  plan.streets.emplace_back(numerics::Spline<Eigen::Vector2d>(block(random), true), half_width);
   const double around = plan.streets.front().length();
   add_side_street(plan.streets, around * random.uniform(0.10, 0.14), Side::kRight, 70.0, random);
   add_side_street(plan.streets, around * random.uniform(0.58, 0.64), Side::kRight, 70.0, random);
@@ -56,4 +56,4 @@ TownPlan plan_block(double half_width, Random& random) {
   return plan;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

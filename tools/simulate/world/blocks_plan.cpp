@@ -9,7 +9,7 @@
 #include "tools/simulate/world/side_street.hpp"
 #include "tools/simulate/world/town_plan.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 namespace {
 
@@ -23,7 +23,7 @@ using Points = std::vector<Eigen::Vector2d>;
 class Pen {
  public:
   /// Swings to the side, in bows of their own, and comes back to the straight line.
-  void go(double length, Random random) {
+  void go(double length, numerics::Random random) {
     const int bows = std::max(1, static_cast<int>(std::lround(length / 110.0)));
     std::vector<double> swings;
     for (int i = 0; i < bows; ++i) swings.push_back(random.uniform(2.0, 6.0) * (random.chance(0.5) ? 1.0 : -1.0));
@@ -60,7 +60,7 @@ class Pen {
 
 /// An L: east, north, west, north, west, south. `a`..`d` are the distances between the corners of the first four legs,
 /// in m; the last two close it.
-Points l_shape(double a, double b, double c, double d, const Random& random) {
+Points l_shape(double a, double b, double c, double d, const numerics::Random& random) {
   const double r = 2.0 * kCorner;
   Pen pen;
   pen.go(a - r, random.fork(1));
@@ -78,14 +78,14 @@ Points l_shape(double a, double b, double c, double d, const Random& random) {
   return pen.take();
 }
 
-Street make_loop(double round, double half_width, Random& random) {
+Street make_loop(double round, double half_width, numerics::Random& random) {
   const double a = random.uniform(0.23, 0.25), b = random.uniform(0.12, 0.14), c = random.uniform(0.115, 0.125),
                d = random.uniform(0.12, 0.14);
-  const Random swings = random.fork(1);
+  const numerics::Random swings = random.fork(1);
   // Bends shorten it, bows lengthen it: a few rounds find the size that comes to the length wanted.
   double size = round;
   for (int i = 0;; ++i) {
-    const Spline<Eigen::Vector2d> line(l_shape(a * size, b * size, c * size, d * size, swings), true);
+    const numerics::Spline<Eigen::Vector2d> line(l_shape(a * size, b * size, c * size, d * size, swings), true);
     Street loop(line, half_width);
     if (i == 4) return loop;
     size *= round / loop.length();
@@ -98,7 +98,7 @@ bool straight(const Street& loop, double s, double half) {
 }
 
 /// Across the blocks from a place on the loop to where it is met again at about right angles.
-std::optional<Street> street_across(const Street& loop, double s, double half_width, Random& random) {
+std::optional<Street> street_across(const Street& loop, double s, double half_width, numerics::Random& random) {
   const Street::Sample from = loop.at(s);
   const Eigen::Vector2d along = Eigen::Rotation2Dd(random.uniform(-0.05, 0.05)) * from.normal();
   for (double way = 50.0; way < 1500.0; way += 1.0) {
@@ -113,7 +113,7 @@ std::optional<Street> street_across(const Street& loop, double s, double half_wi
     const auto n = static_cast<int>((way - loop.half_width()) / 4.0);
     for (int i = 0; i <= n; ++i)
       points.push_back(from.point + along * (loop.half_width() + (way - loop.half_width()) * i / n));
-    return Street(Spline<Eigen::Vector2d>(points, false), half_width);
+    return Street(numerics::Spline<Eigen::Vector2d>(points, false), half_width);
   }
   return std::nullopt;
 }
@@ -176,7 +176,7 @@ Quarter quarter_of(int kind) {
 }
 
 /// Stretches of 60 to 90 m, none built like the one before.
-Quarters::Row row_of_quarters(double length, Random& random) {
+Quarters::Row row_of_quarters(double length, numerics::Random& random) {
   Quarters::Row row;
   const int n = std::max(1, static_cast<int>(length / random.uniform(60.0, 90.0)));
   row.stretch = length / n;
@@ -190,7 +190,7 @@ Quarters::Row row_of_quarters(double length, Random& random) {
 
 }  // namespace
 
-TownPlan plan_blocks(double round, double half_width, Random& random) {
+TownPlan plan_blocks(double round, double half_width, numerics::Random& random) {
   TownPlan plan;
   plan.streets.push_back(make_loop(round, half_width, random));
   const Street loop = plan.streets.front();
@@ -200,7 +200,7 @@ TownPlan plan_blocks(double round, double half_width, Random& random) {
     const Street::Sample from = loop.at(gate);
     Points points;
     for (double d = loop.half_width(); d <= 116.0; d += 4.0) points.push_back(from.point - d * from.normal());
-    plan.streets.emplace_back(Spline<Eigen::Vector2d>(points, false), half_width);
+    plan.streets.emplace_back(numerics::Spline<Eigen::Vector2d>(points, false), half_width);
   }
   plan.inside = 2;
   for (double s = random.uniform(30.0, 60.0); s < loop.length() - 30.0;
@@ -218,4 +218,4 @@ TownPlan plan_blocks(double round, double half_width, Random& random) {
   return plan;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

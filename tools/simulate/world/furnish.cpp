@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "tools/simulate/world/town.hpp"
+#include "tools/simulate/world/car.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 namespace {
 
@@ -13,7 +13,7 @@ constexpr double kDrivewayHalf = 1.7;
 /// Puts things beside a street, and refuses what would stand in the way of something else.
 class Furnisher {
  public:
-  Furnisher(const std::vector<Street>& streets, const Quarters& quarters, const Ground& ground, Random random)
+  Furnisher(const std::vector<Street>& streets, const Quarters& quarters, const Ground& ground, numerics::Random random)
       : streets_(streets), quarters_(quarters), ground_(ground), random_(random) {}
 
   void house(const Plot& plot) {
@@ -99,7 +99,7 @@ class Furnisher {
 
   void set_driveways(const std::vector<Driveway>& driveways) { driveways_ = driveways; }
   [[nodiscard]] std::vector<Shape> take() { return std::move(shapes_); }
-  Random& random() { return random_; }
+  numerics::Random& random() { return random_; }
 
  private:
   struct Place {
@@ -144,7 +144,7 @@ class Furnisher {
   const std::vector<Street>& streets_;
   const Quarters& quarters_;
   const Ground& ground_;
-  Random random_;
+  numerics::Random random_;
   std::vector<Driveway> driveways_;
   std::vector<Shape> houses_;
   std::vector<Shape> shapes_;
@@ -152,7 +152,7 @@ class Furnisher {
 
 }  // namespace
 
-Furnishing plan_furnishing(const std::vector<Street>& streets, const Quarters& quarters, Random random) {
+Furnishing plan_furnishing(const std::vector<Street>& streets, const Quarters& quarters, numerics::Random random) {
   Furnishing plan;
   for (std::size_t i = 0; i < streets.size(); ++i) {
     const double begin = streets[i].closed() ? 0.0 : 11.0;
@@ -172,10 +172,10 @@ Furnishing plan_furnishing(const std::vector<Street>& streets, const Quarters& q
 }
 
 std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Street>& streets, const Quarters& quarters,
-                           const Ground& ground, Random random) {
+                           const Ground& ground, numerics::Random random) {
   Furnisher furnisher(streets, quarters, ground, random);
   furnisher.set_driveways(furnishing.driveways);
-  Random& dice = furnisher.random();
+  numerics::Random& dice = furnisher.random();
   for (const auto& plot : furnishing.plots) furnisher.house(plot);
   for (const auto& plot : furnishing.plots) {
     furnisher.front(plot);
@@ -200,4 +200,4 @@ std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Stree
   return furnisher.take();
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

@@ -3,13 +3,13 @@
 #include <cstddef>
 #include <vector>
 
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/numerics/random.hpp"
 #include "tools/simulate/world/ground.hpp"
 #include "tools/simulate/world/quarter.hpp"
 #include "tools/simulate/world/shapes.hpp"
 #include "tools/simulate/world/street.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 /// A piece of land along a street with a house on it.
 struct Plot {
@@ -35,10 +35,11 @@ struct Furnishing {
   std::vector<Driveway> driveways;
 };
 
-[[nodiscard]] Furnishing plan_furnishing(const std::vector<Street>& streets, const Quarters& quarters, Random random);
+[[nodiscard]] Furnishing plan_furnishing(const std::vector<Street>& streets, const Quarters& quarters,
+                                         numerics::Random random);
 
 /// Houses, fences, hedges, trees, lamps, parked cars, bins and boxes; nothing stands in another street or in a house.
 [[nodiscard]] std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Street>& streets,
-                                         const Quarters& quarters, const Ground& ground, Random random);
+                                         const Quarters& quarters, const Ground& ground, numerics::Random random);
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

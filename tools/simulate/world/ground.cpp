@@ -1,8 +1,8 @@
 #include "tools/simulate/world/ground.hpp"
 
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/numerics/random.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 namespace {
 
@@ -19,7 +19,7 @@ float smooth_step(float t) {
 
 float tuft(int ix, int iy) {
   const auto key = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(ix)) << 32) | static_cast<std::uint32_t>(iy);
-  return static_cast<float>(mix_bits(key) >> 40) * (1.0F / 16777216.0F);
+  return static_cast<float>(numerics::mix_bits(key) >> 40) * (1.0F / 16777216.0F);
 }
 
 float mix(float a, float b, float f) {
@@ -149,4 +149,4 @@ float Ground::cast(float x, float y, float z, float dx, float dy, float dz, floa
   return -1.0F;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 /// What a ray hit. The ground's kinds come first.
 enum class Surface : std::uint8_t {
@@ -96,4 +96,4 @@ class Ground {
   std::vector<GroundVertex> nodes_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 namespace {
 
@@ -15,7 +15,7 @@ constexpr double kCornerRadius = 6.0;  // m, of the curb where streets meet
 /// Rolling ground: a few long waves, no steeper than 4 % together.
 class Terrain {
  public:
-  explicit Terrain(Random random) {
+  explicit Terrain(numerics::Random random) {
     for (auto& wave : waves_) {
       const double length = random.uniform(90.0, 190.0), heading = random.uniform(0.0, 2.0 * std::numbers::pi);
       wave.k = Eigen::Vector2d(std::cos(heading), std::sin(heading)) * (2.0 * std::numbers::pi / length);
@@ -90,7 +90,7 @@ double join(double a, double b) {
 }  // namespace
 
 Ground build_ground(const std::vector<Street>& streets, std::size_t inside, const StreetProfile& profile,
-                    Random random) {
+                    numerics::Random random) {
   const Terrain terrain(random.fork(1));
   Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
   for (std::size_t i = 0; i < inside; ++i) {
@@ -141,4 +141,4 @@ Ground build_ground(const std::vector<Street>& streets, std::size_t inside, cons
   return ground;
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

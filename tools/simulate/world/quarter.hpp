@@ -3,15 +3,15 @@
 #include <cstddef>
 #include <vector>
 
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/numerics/random.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 /// How a part of a town is built. The defaults are the demo's suburb.
 struct Quarter {
   struct Bounds {
     double from, to;
-    [[nodiscard]] double draw(Random& random) const { return random.uniform(from, to); }
+    [[nodiscard]] double draw(numerics::Random& random) const { return random.uniform(from, to); }
   };
   Bounds plot{13.5, 18.5};           ///< m along the street
   double houses = 1.0;               ///< share of the plots that have one
@@ -42,4 +42,4 @@ struct Quarters {
   }
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <utility>
 
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/numerics/random.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 Scene::Scene(Ground ground, std::vector<Shape> shapes) : ground_(std::move(ground)), shapes_(std::move(shapes)) {
   const double pitch = Ground::kPitch;
@@ -96,7 +96,7 @@ void Scene::cast_shapes(const Ray& ray, std::uint64_t noise, Hit& hit) const {
           const std::uint32_t i = members_[cell.first + k];
           if (i == last) continue;
           last = i;
-          intersect(shapes_[i], ray, mix_bits(noise ^ i), hit);
+          intersect(shapes_[i], ray, numerics::mix_bits(noise ^ i), hit);
         }
       }
     }
@@ -126,4 +126,4 @@ float ground_reflectivity(Surface surface) {
   }
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

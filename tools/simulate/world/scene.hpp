@@ -6,7 +6,7 @@
 #include "tools/simulate/world/ground.hpp"
 #include "tools/simulate/world/shapes.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 /// Everything that stands still, arranged for casting rays: about a million a second. Immutable after building; cast()
 /// is safe from any thread.
@@ -44,4 +44,4 @@ class Scene {
 /// 0..1, diffuse, of the ground's kinds.
 [[nodiscard]] float ground_reflectivity(Surface surface);
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/numerics/random.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 namespace {
 
@@ -68,7 +68,7 @@ void intersect_ellipsoid(const Shape& shape, const Ray& ray, std::uint64_t noise
   const float enter = (-b - root) / a, leave = (-b + root) / a;
   if (enter <= 0 || enter >= hit.range) return;
   // Leaves: a ray gets in to some depth, and may get through.
-  const float depth = -0.45F * std::log(1.0F - static_cast<float>(unit_from_bits(noise)));
+  const float depth = -0.45F * std::log(1.0F - static_cast<float>(numerics::unit_from_bits(noise)));
   if (enter + depth > leave || enter + depth >= hit.range) return;
   keep(shape, enter + depth, 0.7F, hit);
 }
@@ -115,4 +115,4 @@ void intersect(const Shape& shape, const Ray& ray, std::uint64_t noise, Hit& hit
   }
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

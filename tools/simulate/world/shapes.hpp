@@ -4,7 +4,7 @@
 
 #include "tools/simulate/world/ground.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 /// A ray in the world frame with a unit direction.
 struct Ray {
@@ -51,4 +51,4 @@ struct Shape {
 /// Shortens `hit` if the ray meets the shape nearer than that. `noise` picks how deep into foliage this very ray gets.
 void intersect(const Shape& shape, const Ray& ray, std::uint64_t noise, Hit& hit);
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

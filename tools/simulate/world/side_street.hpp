@@ -2,12 +2,12 @@
 
 #include <vector>
 
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/numerics/random.hpp"
 #include "tools/simulate/world/street.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 /// Adds a street of `length` m that leaves the first one, about at right angles, at `s` m along it.
-void add_side_street(std::vector<Street>& streets, double s, Side side, double length, Random& random);
+void add_side_street(std::vector<Street>& streets, double s, Side side, double length, numerics::Random& random);
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 namespace {
 
@@ -40,7 +40,7 @@ double CurbSide::height(double s, double street_length, bool closed) const {
   return height;
 }
 
-Street::Street(const Spline<Eigen::Vector2d>& line, double half_width)
+Street::Street(const numerics::Spline<Eigen::Vector2d>& line, double half_width)
     : half_width_(half_width), closed_(line.closed()) {
   constexpr double kStep = 0.5;  // m
   const auto points = static_cast<int>(line.length() * 40);
@@ -74,4 +74,4 @@ Street::Sample Street::at(double s) const {
   return {a.point + f * (b.point - a.point), (a.tangent + f * (b.tangent - a.tangent)).normalized(), s};
 }
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

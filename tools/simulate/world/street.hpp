@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "tools/simulate/spline.hpp"
+#include "tools/simulate/numerics/spline.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 enum class Side { kLeft = 1, kRight = -1 };
 
@@ -37,7 +37,7 @@ class Street {
     [[nodiscard]] Eigen::Vector2d normal() const { return {-tangent.y(), tangent.x()}; }  ///< to the left
   };
 
-  Street(const Spline<Eigen::Vector2d>& line, double half_width);
+  Street(const numerics::Spline<Eigen::Vector2d>& line, double half_width);
 
   [[nodiscard]] const std::vector<Sample>& samples() const { return samples_; }
   [[nodiscard]] double length() const { return length_; }
@@ -56,4 +56,4 @@ class Street {
   CurbSide left_, right_;
 };
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

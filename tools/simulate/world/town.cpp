@@ -2,15 +2,16 @@
 
 #include <cmath>
 
+#include "tools/simulate/world/car.hpp"
 #include "tools/simulate/world/furnish.hpp"
 #include "tools/simulate/world/ground_builder.hpp"
 #include "tools/simulate/world/town_plan.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 namespace {
 
-void set_curbs(Street& street, Random& random) {
+void set_curbs(Street& street, numerics::Random& random) {
   for (const Side side : {Side::kLeft, Side::kRight}) {
     CurbSide& curb = street.curb(side);
     curb.stretch = random.uniform(22.0, 34.0);
@@ -22,8 +23,8 @@ void set_curbs(Street& street, Random& random) {
 }  // namespace
 
 Town::Town(const TownOptions& town_options) : options(town_options) {
-  const Random random(options.seed);
-  Random plan = random.fork(1);
+  const numerics::Random random(options.seed);
+  numerics::Random plan = random.fork(1);
   const StreetProfile profile;
   TownPlan planned =
       options.loop > 0 ? plan_blocks(options.loop, profile.half_width, plan) : plan_block(profile.half_width, plan);
@@ -39,7 +40,7 @@ Town::Town(const TownOptions& town_options) : options(town_options) {
 
   const double around = streets.front().length();
   const int traffic_density = std::max(4, static_cast<int>(around / 110.0));
-  Random traffic = random.fork(5);
+  numerics::Random traffic = random.fork(5);
   for (int i = 0; i < traffic_density; ++i) {
     cars.push_back({around * (i + traffic.uniform(0.1, 0.9)) / traffic_density, traffic.uniform(6.0, 8.0), 1.45,
                     traffic.uniform(0.15, 0.7)});
@@ -58,17 +59,4 @@ void Town::place_cars(double t, std::vector<Shape>& shapes) const {
   }
 }
 
-void add_car(std::vector<Shape>& shapes, const Eigen::Vector3d& ground, double yaw, float reflectivity) {
-  const Eigen::Vector3d along(std::cos(yaw), std::sin(yaw), 0), left(-along.y(), along.x(), 0);
-  const auto up = [](double z) { return Eigen::Vector3d(0, 0, z); };
-  shapes.push_back(make_box(Surface::kCar, reflectivity, ground + up(0.54), {4.25, 1.76, 0.64}, yaw));
-  shapes.push_back(
-      make_box(Surface::kCar, 0.6F * reflectivity, ground - 0.25 * along + up(1.14), {2.3, 1.50, 0.60}, yaw));
-  for (const double x : {-1.3, 1.3}) {
-    for (const double y : {-0.76, 0.76})
-      shapes.push_back(
-          make_box(Surface::kCar, 0.06F, ground + x * along + y * left + up(0.31), {0.60, 0.20, 0.62}, yaw));
-  }
-}
-
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

@@ -4,11 +4,11 @@
 #include <memory>
 #include <vector>
 
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/numerics/random.hpp"
 #include "tools/simulate/world/scene.hpp"
 #include "tools/simulate/world/street.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 struct TownOptions {
   std::uint64_t seed = 1;
@@ -39,7 +39,4 @@ struct Town {
   void place_cars(double t, std::vector<Shape>& shapes) const;
 };
 
-/// A car's body, cabin and wheels with the middle of its contact patch at (x, y, z).
-void add_car(std::vector<Shape>& shapes, const Eigen::Vector3d& ground, double yaw, float reflectivity);
-
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

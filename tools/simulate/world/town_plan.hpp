@@ -2,11 +2,11 @@
 
 #include <vector>
 
-#include "tools/simulate/random.hpp"
+#include "tools/simulate/numerics/random.hpp"
 #include "tools/simulate/world/quarter.hpp"
 #include "tools/simulate/world/street.hpp"
 
-namespace curbstone {
+namespace curbstone::simulate::world {
 
 /// The streets of a town before curbs and houses.
 struct TownPlan {
@@ -16,11 +16,11 @@ struct TownPlan {
 };
 
 /// The demo's: a street round one block, three side streets.
-[[nodiscard]] TownPlan plan_block(double half_width, Random& random);
+[[nodiscard]] TownPlan plan_block(double half_width, numerics::Random& random);
 
 /// A loop of `round` metres through streets of several blocks, at least a tenth of it apart from each other but at
 /// corners. Street 1, off the loop, ends in the world: the way in and out. Other streets lead out of the town or across
 /// its blocks. One part of the town is not built like the next.
-[[nodiscard]] TownPlan plan_blocks(double round, double half_width, Random& random);
+[[nodiscard]] TownPlan plan_blocks(double round, double half_width, numerics::Random& random);
 
-}  // namespace curbstone
+}  // namespace curbstone::simulate::world

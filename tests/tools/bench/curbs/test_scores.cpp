@@ -1,17 +1,17 @@
 #include <gtest/gtest.h>
 
-#include "tools/bench/curbs/bin_score.hpp"
-#include "tools/bench/curbs/curb_feet.hpp"
-#include "tools/bench/curbs/street_score.hpp"
+#include "tools/bench/curbs/scores/bin_score.hpp"
+#include "tools/bench/curbs/scores/curb_feet.hpp"
+#include "tools/bench/curbs/scores/street_score.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::curbs {
 namespace {
 
 const Eigen::Vector3d kEye(0, 0, 1.8);
 
 /// Detections `off` m outside both feet of a scene, x 0..20 m.
-std::vector<CurbFoot> both_sides(const CurbScene& scene, double off) {
-  std::vector<CurbFoot> feet;
+std::vector<evaluate::CurbFoot> both_sides(const scenes::CurbScene& scene, double off) {
+  std::vector<evaluate::CurbFoot> feet;
   for (double s = 0.05; s < 20; s += 0.1) {
     for (const double y : {scene.options().left + off, -scene.options().right - off}) {
       const Eigen::Vector3d at = scene.place(s, y);
@@ -22,9 +22,9 @@ std::vector<CurbFoot> both_sides(const CurbScene& scene, double off) {
 }
 
 TEST(BinScore, OfThePerfectDetectorIsOne) {
-  for (const CurbSceneOptions& options : peer_scenes()) {
-    const CurbScene scene(options);
-    const BinScore score = score_bins(both_sides(scene, 0.02), scene, {kEye});
+  for (const scenes::CurbSceneOptions& options : scenes::peer_scenes()) {
+    const scenes::CurbScene scene(options);
+    const scores::BinScore score = scores::score_bins(both_sides(scene, 0.02), scene, {kEye});
     EXPECT_DOUBLE_EQ(score.f1(), 1) << options.name;
     EXPECT_NEAR(score.rmse, 0.02, 1e-6);
     EXPECT_NEAR(score.bias, 0.02, 1e-6);
@@ -32,40 +32,41 @@ TEST(BinScore, OfThePerfectDetectorIsOne) {
 }
 
 TEST(BinScore, TheInnermostDetectionCounts) {
-  const CurbScene scene({.name = "street"});
+  const scenes::CurbScene scene({.name = "street"});
   auto feet = both_sides(scene, 0);
   feet.push_back({{10.2, 1.0}, {0, 1}});  // a ghost in mid-road
-  const BinScore score = score_bins(feet, scene, {kEye});
+  const scores::BinScore score = scores::score_bins(feet, scene, {kEye});
   EXPECT_NEAR(score.precision, 79.0 / 80, 1e-9);
   EXPECT_NEAR(score.recall, 79.0 / 80, 1e-9);
 }
 
 TEST(BinScore, HalfAMetreOffIsWrongAndNothingIsNothing) {
-  const CurbScene scene({.name = "street"});
-  EXPECT_EQ(score_bins(both_sides(scene, 0.4), scene, {kEye}).precision, 0);
-  EXPECT_EQ(score_bins(both_sides(scene, 0.4), scene, {kEye}).wrong, 80);
-  EXPECT_EQ(score_bins({}, scene, {kEye}).f1(), 0);
+  const scenes::CurbScene scene({.name = "street"});
+  EXPECT_EQ(scores::score_bins(both_sides(scene, 0.4), scene, {kEye}).precision, 0);
+  EXPECT_EQ(scores::score_bins(both_sides(scene, 0.4), scene, {kEye}).wrong, 80);
+  EXPECT_EQ(scores::score_bins({}, scene, {kEye}).f1(), 0);
 }
 
 TEST(BinScore, WhereThereIsNoCurbAllThatIsFoundIsWrong) {
-  const CurbScene scene({.name = "country road", .height = 0, .pavement = 0.15});
-  const BinScore score = score_bins(both_sides(scene, 0), scene, {kEye});
+  const scenes::CurbScene scene({.name = "country road", .height = 0, .pavement = 0.15});
+  const scores::BinScore score = scores::score_bins(both_sides(scene, 0), scene, {kEye});
   EXPECT_EQ(score.bins, 0);
   EXPECT_EQ(score.wrong, 80);
-  EXPECT_EQ(score_bins({}, scene, {kEye}).wrong, 0);
+  EXPECT_EQ(scores::score_bins({}, scene, {kEye}).wrong, 0);
 }
 
 TEST(CurbFeet, AreNoFartherApartThanAsked) {
-  const CurbLine line{.id = 1, .points = {{0, 0, 0, 0.1F, 0, 1}, {1, 0, 0, 0.1F, 0, 1}, {1.05F, 0, 0, 0.1F, 0, 1}}};
-  const auto feet = feet_along({line}, 0.1);
+  const semantic_map::tile::CurbLine line{
+      .id = 1, .points = {{0, 0, 0, 0.1F, 0, 1}, {1, 0, 0, 0.1F, 0, 1}, {1.05F, 0, 0, 0.1F, 0, 1}}};
+  const auto feet = scores::feet_along({line}, 0.1);
   ASSERT_GE(feet.size(), 11U);
   for (std::size_t i = 1; i < feet.size(); ++i) EXPECT_LE(feet[i].at.x - feet[i - 1].at.x, 0.1 + 1e-6);
   EXPECT_NEAR(feet.back().at.x, 1.05, 1e-6);
 }
 
 /// A curb along y = 6 with a step of 8 cm, lowered to 2 cm beyond x = 5; ground labelled within 10 m.
-StreetLabels street_of(double step) {
-  StreetLabels labels;
+evaluate::truth::StreetLabels street_of(double step) {
+  evaluate::truth::StreetLabels labels;
   for (double x = -5; x < 8; x += 0.1) labels.curbs.push_back({0, x, 6, 0, x < 5 ? step : 0.02, x >= 5});
   labels.classes = {.resolution = 0.12, .origin_x = -10, .origin_y = -10, .width = 170, .height = 170, .pixels = {}};
   labels.classes.pixels.assign(170 * 170, 1);
@@ -73,20 +74,20 @@ StreetLabels street_of(double step) {
 }
 
 TEST(StreetScore, TellsRightFromWrongFromWhatDoesNotCount) {
-  const StreetLabels truth = street_of(0.08);
-  EXPECT_EQ(judge({{0, 6.1}, {0, 1}}, truth, 0.12), Verdict::kRight);
-  EXPECT_EQ(judge({{0, 6.2}, {0, 1}}, truth, 0.12), Verdict::kWrong);
-  EXPECT_EQ(judge({{0, 6.2}, {0, 1}}, truth, 0.24), Verdict::kRight);
-  EXPECT_EQ(judge({{6.5, 6.2}, {0, 1}}, truth, 0.12), Verdict::kNotCounted) << "a lowered kerb";
-  EXPECT_EQ(judge({{0, 3}, {0, 1}}, truth, 0.24), Verdict::kNotCounted) << "the sensor's blind disc";
-  EXPECT_EQ(judge({{0, 20}, {0, 1}}, truth, 0.24), Verdict::kNotCounted) << "no labels there";
+  const evaluate::truth::StreetLabels truth = street_of(0.08);
+  EXPECT_EQ(scores::judge({{0, 6.1}, {0, 1}}, truth, 0.12), scores::Verdict::kRight);
+  EXPECT_EQ(scores::judge({{0, 6.2}, {0, 1}}, truth, 0.12), scores::Verdict::kWrong);
+  EXPECT_EQ(scores::judge({{0, 6.2}, {0, 1}}, truth, 0.24), scores::Verdict::kRight);
+  EXPECT_EQ(scores::judge({{6.5, 6.2}, {0, 1}}, truth, 0.12), scores::Verdict::kNotCounted) << "a lowered kerb";
+  EXPECT_EQ(scores::judge({{0, 3}, {0, 1}}, truth, 0.24), scores::Verdict::kNotCounted) << "the sensor's blind disc";
+  EXPECT_EQ(scores::judge({{0, 20}, {0, 1}}, truth, 0.24), scores::Verdict::kNotCounted) << "no labels there";
 }
 
 TEST(StreetScore, StatesBiasAndSpreadApart) {
-  const StreetLabels truth = street_of(0.08);
-  std::vector<CurbFoot> feet;
+  const evaluate::truth::StreetLabels truth = street_of(0.08);
+  std::vector<evaluate::CurbFoot> feet;
   for (double x = -5; x < 5; x += 0.1) feet.push_back({{x, 6.05}, {0, 1}});
-  const StreetScore score = score_street(feet, truth, 0.24);
+  const scores::StreetScore score = scores::score_street(feet, truth, 0.24);
   EXPECT_NEAR(score.bias, 0.05, 1e-6);
   EXPECT_NEAR(score.spread, 0, 1e-6);
   EXPECT_GT(score.score().f1(), 0.99);
@@ -94,9 +95,10 @@ TEST(StreetScore, StatesBiasAndSpreadApart) {
 }
 
 TEST(StreetScore, OfSeveralStreetsCountsAllTheirPoints) {
-  const StreetScore one{.truth = 10, .found = 9, .detections = 20, .right = 20, .bias = 0.02, .spread = 0.03};
-  const StreetScore other{.truth = 30, .found = 15, .detections = 20, .right = 10, .bias = -0.01, .spread = 0.05};
-  const StreetScore both = pooled({one, other});
+  const scores::StreetScore one{.truth = 10, .found = 9, .detections = 20, .right = 20, .bias = 0.02, .spread = 0.03};
+  const scores::StreetScore other{
+      .truth = 30, .found = 15, .detections = 20, .right = 10, .bias = -0.01, .spread = 0.05};
+  const scores::StreetScore both = scores::pooled({one, other});
   EXPECT_DOUBLE_EQ(both.score().recall, 0.6);
   EXPECT_DOUBLE_EQ(both.score().precision, 0.75);
   EXPECT_DOUBLE_EQ(both.bias, 0.005);
@@ -104,4 +106,4 @@ TEST(StreetScore, OfSeveralStreetsCountsAllTheirPoints) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::bench::curbs

@@ -6,12 +6,13 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/temporary_folder.hpp"
+#include "tools/bench/mapping/drives/poor_odometry.hpp"
+#include "tools/bench/mapping/drives/scan_drive.hpp"
+#include "tools/bench/mapping/drives/town_drive.hpp"
 #include "tools/bench/mapping/mapping_run.hpp"
-#include "tools/bench/mapping/poor_odometry.hpp"
-#include "tools/bench/mapping/scan_drive.hpp"
-#include "tools/bench/mapping/town_drive.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::mapping {
 namespace {
 
 const std::string kRecorded = CURBSTONE_DATA_DIR "/kitti0005_rs16";
@@ -30,35 +31,35 @@ int bench(std::vector<std::string> arguments) {
 /// 72 m of a real street on ten beams, the LiDAR alone: what the best of the peers reach is a t_rel of 0.23 to 0.31 %
 /// (reference/peers.md).
 TEST(BenchMapping, IcpFollowsARecordedStreetByTheLidarAlone) {
-  if (!has_recorded()) GTEST_SKIP() << "no recorded data in " << CURBSTONE_DATA_DIR;
-  const ScanDrive drive(kRecorded, kRecorded + "/reference_poses.txt", "");
+  if (!has_recorded()) GTEST_SKIP() << kRecorded << " is not there";
+  const drives::ScanDrive drive(kRecorded, kRecorded + "/reference_poses.txt", "");
   const MappingResult result = run_mapping(drive, "icp", {});
   EXPECT_EQ(result.poses, 154);
   EXPECT_LT(result.errors.rpe_percent, 0.22);
   EXPECT_LT(result.errors.rpe_deg_per_m, 0.005);
   EXPECT_LT(result.errors.ate_m, 0.03);
-  EXPECT_LT(result.nees.all, 6) << "it pretends";
+  EXPECT_LT(result.nees.all, 6) << "the covariance is overconfident";
   EXPECT_GT(result.nees.all, 0.5) << "hardly a claim";
   EXPECT_LT(result.errors.end_percent, 0.2);
 }
 
 TEST(BenchMapping, IcpFollowsItWithAPoorPrior) {
-  if (!has_recorded()) GTEST_SKIP() << "no recorded data in " << CURBSTONE_DATA_DIR;
-  ScanDrive drive(kRecorded, kRecorded + "/reference_poses.txt", "");
-  drive.add_odometry(poor_odometry(drive.truth(), {}, drive.period()));
+  if (!has_recorded()) GTEST_SKIP() << kRecorded << " is not there";
+  drives::ScanDrive drive(kRecorded, kRecorded + "/reference_poses.txt", "");
+  drive.add_odometry(drives::poor_odometry(drive.truth(), {}, drive.period()));
   const MappingResult result = run_mapping(drive, "icp", {});
   EXPECT_LT(result.errors.rpe_percent, 0.2);
   EXPECT_LT(result.errors.rpe_deg_per_m, 0.005);
   EXPECT_LT(result.errors.ate_m, 0.03);
-  EXPECT_LT(result.nees.all, 6) << "it pretends";
+  EXPECT_LT(result.nees.all, 6) << "the covariance is overconfident";
   EXPECT_GT(result.nees.all, 0.5) << "hardly a claim";
   EXPECT_LT(result.errors.end_percent, 0.15);
 }
 
 /// A-LOAM has a t_rel of 0.49 % there.
 TEST(BenchMapping, LoamFollowsItByTheLidarAlone) {
-  if (!has_recorded()) GTEST_SKIP() << "no recorded data in " << CURBSTONE_DATA_DIR;
-  const ScanDrive drive(kRecorded, kRecorded + "/reference_poses.txt", "");
+  if (!has_recorded()) GTEST_SKIP() << kRecorded << " is not there";
+  const drives::ScanDrive drive(kRecorded, kRecorded + "/reference_poses.txt", "");
   const MappingResult result = run_mapping(drive, "loam", {});
   EXPECT_EQ(result.poses, 154);
   EXPECT_LT(result.errors.rpe_percent, 0.3);
@@ -68,7 +69,7 @@ TEST(BenchMapping, LoamFollowsItByTheLidarAlone) {
 }
 
 TEST(BenchMapping, BothMethodsFollowADriveThroughTheTown) {
-  const TownDrive drive({.seconds = 8});
+  const drives::TownDrive drive({.seconds = 8});
   for (const char* method : {"icp", "loam"}) {
     const MappingResult result = run_mapping(drive, method, {});
     EXPECT_GT(result.revolutions, 90);
@@ -78,11 +79,11 @@ TEST(BenchMapping, BothMethodsFollowADriveThroughTheTown) {
   }
 }
 
-/// The same street at two to five times the speed, begun on the move.
+/// The same street at two to five times the speed, with a moving start.
 TEST(BenchMapping, FollowsAFastVehicleByTheLidarAlone) {
-  if (!has_recorded()) GTEST_SKIP() << "no recorded data in " << CURBSTONE_DATA_DIR;
+  if (!has_recorded()) GTEST_SKIP() << kRecorded << " is not there";
   for (const std::size_t every : {2U, 3U, 4U, 5U}) {
-    const ScanDrive drive(kRecorded, kRecorded + "/reference_poses.txt", "", {.first = 1, .every = every});
+    const drives::ScanDrive drive(kRecorded, kRecorded + "/reference_poses.txt", "", {.first = 1, .every = every});
     for (const char* method : {"icp", "loam"}) {
       const MappingResult result = run_mapping(drive, method, {});
       EXPECT_LT(result.errors.rpe_percent, 0.6) << method << ", every " << every;
@@ -92,12 +93,12 @@ TEST(BenchMapping, FollowsAFastVehicleByTheLidarAlone) {
 }
 
 TEST(BenchMapping, FollowsATownAtTwelveMetresASecondByALidarThatIsSwitchedOnLate) {
-  SimulateConfig config;
+  simulate::rig::SimulateConfig config;
   config.rpm = 600;
   config.speed = 12;
   config.acceleration = 3;
   config.standstill = 0;
-  TownDrive drive({.seconds = 12, .lidar_from = 6, .config = config});
+  drives::TownDrive drive({.seconds = 12, .lidar_from = 6, .config = config});
   drive.without_odometry();
   for (const char* method : {"icp", "loam"}) {
     const MappingResult result = run_mapping(drive, method, {});
@@ -107,8 +108,9 @@ TEST(BenchMapping, FollowsATownAtTwelveMetresASecondByALidarThatIsSwitchedOnLate
 }
 
 TEST(BenchMapping, WritesTheFiguresOfEachRun) {
-  if (!has_recorded()) GTEST_SKIP() << "no recorded data in " << CURBSTONE_DATA_DIR;
-  const std::string file = testing::TempDir() + "/bench_mapping.json";
+  if (!has_recorded()) GTEST_SKIP() << kRecorded << " is not there";
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "bench_mapping.json";
   ASSERT_EQ(bench({"--scans", kRecorded, "--poses", kRecorded + "/reference_poses.txt", "--most", "12", "--methods",
                    "icp", "--json", file}),
             0);
@@ -120,7 +122,7 @@ TEST(BenchMapping, WritesTheFiguresOfEachRun) {
   EXPECT_EQ(json["runs"][0]["prior"], "none");
   EXPECT_EQ(json["runs"][1]["prior"], "poor");
   for (const nlohmann::json& run : json["runs"]) {
-    EXPECT_EQ(run.size(), 13U);
+    EXPECT_EQ(run.size(), 17U);
     for (const char* key : {"t_rel_percent", "r_rel_deg_per_m", "ate_m", "end_percent", "ms_median", "ms_p95", "nees",
                             "nees_translation", "nees_rotation"}) {
       EXPECT_GT(run[key].get<double>(), 0) << key;
@@ -138,4 +140,4 @@ TEST(BenchMapping, RefusesWrongUse) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::bench::mapping

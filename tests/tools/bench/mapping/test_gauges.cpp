@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-namespace curbstone {
+namespace curbstone::bench::mapping {
 namespace {
 
 TEST(Gauges, HeapCountsWhatAnyThreadTookAndGaveBack) {
@@ -23,11 +23,5 @@ TEST(Gauges, HeapCountsWhatAnyThreadTookAndGaveBack) {
   EXPECT_NEAR(heap_mb() - before, 30, 5);
 }
 
-TEST(Gauges, PercentileIsTheValueBelowWhichTheShareLies) {
-  EXPECT_EQ(percentile({5, 1, 4, 2, 3}, 0.5), 3);
-  EXPECT_EQ(percentile({5, 1, 4, 2, 3}, 1.0), 5);
-  EXPECT_EQ(percentile({}, 0.5), 0);
-}
-
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::bench::mapping

@@ -5,31 +5,31 @@
 #include <cmath>
 #include <random>
 
-#include "services/mapper/normal_equations.hpp"
+#include "services/mapper/registration/normal_equations.hpp"
 #include "tests/services/mapper/mapper_drive.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::mapping {
 namespace {
 
-Vector6 sigma() {
-  Vector6 out;
+mapper::registration::Vector6 sigma() {
+  mapper::registration::Vector6 out;
   out << 0.01, 0.02, 0.03, 1e-3, 2e-3, 5e-4;
   return out;
 }
 
 /// The NEES of poses that are off by sigma() and claim `claim` times as much. The truth is known between them.
 Nees of_claim(double claim) {
-  const Twist twist{{5, 0, 0.1}, {0, 0.02, 0.3}};
-  Trajectory truth;
-  for (int i = -2; i < 1010; ++i) truth.push_back({100'000 * i + 50'000, move(twist, 0.1 * i + 0.05)});
+  const mapper::scan::Twist twist{{5, 0, 0.1}, {0, 0.02, 0.3}};
+  evaluate::truth::Trajectory truth;
+  for (int i = -2; i < 1010; ++i) truth.push_back({100'000 * i + 50'000, mapper::scan::move(twist, 0.1 * i + 0.05)});
   IncrementConsistency consistency(truth, 500'000);
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
   for (int i = 0; i < 1000; ++i) {
-    Vector6 error;
+    mapper::registration::Vector6 error;
     for (int k = 0; k < 6; ++k) error[k] = sigma()[k] * normal(random);
-    consistency.add({100'000 * i, move(twist, 0.1 * i) * exp_of(error)},
-                    claim * claim * Matrix6(sigma().cwiseAbs2().asDiagonal()));
+    consistency.add({100'000 * i, mapper::scan::move(twist, 0.1 * i) * mapper::registration::exp_of(error)},
+                    claim * claim * mapper::registration::Matrix6(sigma().cwiseAbs2().asDiagonal()));
   }
   return consistency.mean();
 }
@@ -47,11 +47,11 @@ TEST(IncrementConsistencyTest, IsFourTimesThatOfWhoClaimsHalfTheError) {
 }
 
 TEST(IncrementConsistencyTest, NeedsATruthAndAPoseAboutSoLongBefore) {
-  Trajectory truth;
+  evaluate::truth::Trajectory truth;
   for (int i = 0; i < 20; ++i) truth.push_back({100'000 * i, Pose::Identity()});
   IncrementConsistency consistency(truth, 500'000);
   for (const std::int64_t utime : {0, 300'000, 1'000'000, 9'000'000, 9'500'000})
-    consistency.add({utime, Pose::Identity()}, Matrix6::Identity());
+    consistency.add({utime, Pose::Identity()}, mapper::registration::Matrix6::Identity());
   EXPECT_EQ(consistency.mean().increments, 0);
   EXPECT_EQ(consistency.mean().all, 0);
 }
@@ -67,7 +67,7 @@ Nees of_shaken_drive(const std::string& method, bool with_odometry) {
   test::MapperDrive drive(method);
   drive.trajectory = shaken;
   if (with_odometry) drive.with_odometry(4);
-  Trajectory truth;
+  evaluate::truth::Trajectory truth;
   for (int i = -2; i < 410; ++i) truth.push_back({test::utime(0.01 * i), shaken(0.01 * i)});
   IncrementConsistency consistency(truth, 500'000);
   for (int i = 0; i < 70; ++i) {
@@ -86,7 +86,7 @@ TEST(IncrementConsistencyTest, TheMapperIsHonestAboutAShakenVehicleWithAndWithou
     EXPECT_GT(guessed.increments, 50);
     EXPECT_LT(guessed.all, 6) << method;
     EXPECT_LT(guessed.rotation, 4) << method;
-    EXPECT_GT(guessed.rotation, 0.3) << method << " pretends to know nothing";
+    EXPECT_GT(guessed.rotation, 0.3) << method << " claims to know nothing";
     const Nees guided = of_shaken_drive(method, true);
     EXPECT_LT(guided.all, 6) << method;
     EXPECT_GT(guided.all, 0.005) << method;
@@ -94,4 +94,4 @@ TEST(IncrementConsistencyTest, TheMapperIsHonestAboutAShakenVehicleWithAndWithou
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::bench::mapping

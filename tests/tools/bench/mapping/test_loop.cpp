@@ -4,25 +4,26 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/temporary_folder.hpp"
 #include "tools/bench/mapping/bench_mapping.hpp"
 #include "tools/bench/mapping/loop_run.hpp"
 
-namespace curbstone {
+namespace curbstone::bench::mapping {
 namespace {
 
 TEST(LoopDrive, KnowsWhenItComesBack) {
-  const LoopDrive same({.seed = 1, .loop = 1000}, 3);
-  EXPECT_NEAR(same.returns(), same.lap() - LoopDrive::kNear, 15);
-  EXPECT_NEAR(same.length(), same.lap() + TownTour::kAgain, 1);
-  const LoopDrive opposite({.seed = 1, .loop = 1000, .opposite = true}, 3);
-  EXPECT_NEAR(opposite.returns(), 100 + 1000 - LoopDrive::kNear, 25) << "to where it turned into the loop";
+  const drives::LoopDrive same({.seed = 1, .loop = 1000}, 3);
+  EXPECT_NEAR(same.returns(), same.lap() - drives::LoopDrive::kNear, 15);
+  EXPECT_NEAR(same.length(), same.lap() + simulate::TownTour::kAgain, 1);
+  const drives::LoopDrive opposite({.seed = 1, .loop = 1000, .opposite = true}, 3);
+  EXPECT_NEAR(opposite.returns(), 100 + 1000 - drives::LoopDrive::kNear, 25) << "to where it turned into the loop";
   EXPECT_NEAR(opposite.length(), 1200, 30);
-  const LoopDrive part({.seed = 1, .seconds = 20, .loop = 1000}, 3);
+  const drives::LoopDrive part({.seed = 1, .seconds = 20, .loop = 1000}, 3);
   EXPECT_TRUE(std::isinf(part.returns()));
 }
 
 TEST(LoopRun, FollowsTheBeginningOfALoop) {
-  const LoopDrive drive({.seed = 2, .seconds = 8, .loop = 600}, 30);
+  const drives::LoopDrive drive({.seed = 2, .seconds = 8, .loop = 600}, 30);
   const LoopResult result = run_loop(drive, "icp", {});
   EXPECT_GT(result.run.revolutions, 90);
   EXPECT_EQ(result.run.poses, result.run.revolutions);
@@ -35,7 +36,8 @@ TEST(LoopRun, FollowsTheBeginningOfALoop) {
   EXPECT_GT(result.mapping_cpu_s, 0.1);
   EXPECT_TRUE(result.laps.empty());
 
-  const std::string file = testing::TempDir() + "/bench_loop.json";
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "bench_loop.json";
   write_loop_json({result}, file);
   std::ifstream in(file);
   const nlohmann::json run = nlohmann::json::parse(in)["runs"][0];
@@ -44,10 +46,11 @@ TEST(LoopRun, FollowsTheBeginningOfALoop) {
 }
 
 TEST(LoopRun, IsTheSameDriveEachTime) {
-  const LoopDrive drive({.seed = 2, .seconds = 1.5, .loop = 600}, 3);
+  const drives::LoopDrive drive({.seed = 2, .seconds = 1.5, .loop = 600}, 3);
   std::vector<std::size_t> points[2];
   for (auto& of_run : points)
-    drive.play([&](const Revolution& r, const OdometryHistory&) { of_run.push_back(r.points.size()); });
+    drive.play(
+        [&](const mapper::scan::Scan& r, const mapper::scan::OdometryHistory&) { of_run.push_back(r.points.size()); });
   EXPECT_GT(points[0].size(), 5U);
   EXPECT_EQ(points[0], points[1]);
 }
@@ -66,4 +69,4 @@ TEST(LoopCommand, RefusesWrongUse) {
 }
 
 }  // namespace
-}  // namespace curbstone
+}  // namespace curbstone::bench::mapping

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/bus/counters.hpp"
+#include "common/bus/decode.hpp"
+
+namespace curbstone {
+
+/// Where a node's messages go. A node knows no more of the bus than this. So it runs the same over UDP multicast,
+/// `memq://`, a log, or inside `curbstone replay`. One thread.
+class Publisher {
+ public:
+  virtual ~Publisher() = default;
+
+  /// Encodes and sends one message. Called from the node's thread. Never throws: what cannot be sent is counted.
+  template <class Message>
+  void publish(const std::string& channel, const Message& message) {
+    const int size = message.getEncodedSize();
+    buffer_.resize(static_cast<std::size_t>(size));
+    if (message.encode(buffer_.data(), 0, size) == size) publish_bytes(channel, buffer_.data(), size);
+  }
+
+ protected:
+  virtual void publish_bytes(const std::string& channel, const void* data, int size) = 0;
+
+ private:
+  std::vector<std::uint8_t> buffer_;
+};
+
+/// What happens to a subscription's queue when its messages come faster than they are handled.
+struct QueueLimit {
+  int capacity = 1000;  ///< messages; when one more comes, the oldest is dropped and counted
+};
+
+/// A bus all of whose messages can be seen, whatever their channel and type: for recording.
+class Tappable {
+ public:
+  /// `utime`: when it came, us; 0 on a bus that knows no time.
+  using Tap = std::function<void(const std::string& channel, const void* data, int size, std::int64_t utime)>;
+
+  virtual ~Tappable() = default;
+
+  /// Calls `tap` for every message from this call on, also for those that this process sends. Messages of the channel
+  /// `except` are left out. At most one tap.
+  virtual void tap(Tap tap, QueueLimit limit, const std::string& except) = 0;
+};
+
+/// Where a node's messages come from. Channels are exact names, not patterns. One thread.
+class Subscriber {
+ public:
+  using BytesHandler = std::function<void(const void* data, int size)>;
+
+  virtual ~Subscriber() = default;
+
+  /// `handler(const Message&)` is called from the thread that handles the bus. A message that does not decode is
+  /// counted as `refused.undecodable`. A handler that throws is counted as `faults.handler`, for LCM's C code cannot
+  /// pass exceptions on.
+  template <class Message, class Handler>
+  void subscribe(const std::string& channel, Handler handler, QueueLimit limit = {}) {
+    subscribe_bytes(
+        channel,
+        [this, handler = std::move(handler)](const void* data, int size) {
+          Message message{};
+          if (!decode(data, size, message)) {
+            count("refused.undecodable");
+            return;
+          }
+          handler(message);
+        },
+        limit);
+  }
+
+  /// What was lost or refused on the way in.
+  [[nodiscard]] virtual Counters counters() const = 0;
+
+ protected:
+  virtual void count(std::string_view name) = 0;
+  virtual void subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) = 0;
+};
+
+}  // namespace curbstone

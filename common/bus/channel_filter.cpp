@@ -1,0 +1,74 @@
+#include "common/bus/channel_filter.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <string_view>
+
+namespace curbstone {
+namespace {
+
+constexpr std::uint32_t kUdpHeader = 8;
+constexpr std::uint32_t kShort = 0x4C433032;          // "LC02"
+constexpr std::uint32_t kFragment = 0x4C433033;       // "LC03"
+constexpr std::uint32_t kShortName = kUdpHeader + 8;  // where the channel's name begins
+constexpr std::uint32_t kFragmentName = kUdpHeader + 20;
+constexpr std::uint32_t kFragmentNumber = kUdpHeader + 16;
+constexpr std::uint32_t kAll = 0xFFFFFFFF;  // bytes that pass
+
+sock_filter statement(int code, std::uint32_t k) {
+  return {static_cast<std::uint16_t>(code), 0, 0, k};
+}
+
+sock_filter jump(int code, std::uint32_t k, std::size_t if_true, std::size_t if_false) {
+  return {static_cast<std::uint16_t>(code), static_cast<std::uint8_t>(if_true), static_cast<std::uint8_t>(if_false), k};
+}
+
+/// Passes a datagram whose name, at X, is this one; goes on behind otherwise. (Jumps reach 255 statements: names of 500
+/// bytes. LCM's have 63 at most.)
+void match(const std::string& name, std::vector<sock_filter>& program) {
+  struct Piece {
+    std::size_t at;
+    std::size_t size;  // 4, 2 or 1
+  };
+  const std::string_view bytes(name.c_str(), name.size() + 1);  // its 0 too
+  std::vector<Piece> pieces;
+  for (std::size_t at = 0; at < bytes.size(); at += pieces.back().size) {
+    const std::size_t left = bytes.size() - at;
+    pieces.push_back({at, left >= 4 ? 4U : left >= 2 ? 2U : 1U});
+  }
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const auto [at, size] = pieces[i];
+    std::uint32_t value = 0;
+    for (std::size_t k = 0; k < size; ++k) value = value << 8 | static_cast<std::uint8_t>(bytes[at + k]);
+    const int width = size == 4 ? BPF_W : size == 2 ? BPF_H : BPF_B;
+    program.push_back(statement(BPF_LD | width | BPF_IND, static_cast<std::uint32_t>(at)));
+    const std::size_t behind = 2 * (pieces.size() - 1 - i) + 1;  // the pieces that are left, and the pass
+    program.push_back(jump(BPF_JMP | BPF_JEQ | BPF_K, value, 0, behind));
+  }
+  program.push_back(statement(BPF_RET | BPF_K, kAll));
+}
+
+}  // namespace
+
+std::vector<sock_filter> make_channel_filter(std::vector<std::string> channels) {
+  std::vector<sock_filter> program = {
+      statement(BPF_LD | BPF_W | BPF_ABS, kUdpHeader),
+      jump(BPF_JMP | BPF_JEQ | BPF_K, kShort, 0, 2),
+      statement(BPF_LDX | BPF_W | BPF_IMM, kShortName),
+      jump(BPF_JMP | BPF_JA, 6, 0, 0),
+      jump(BPF_JMP | BPF_JEQ | BPF_K, kFragment, 1, 0),
+      statement(BPF_RET | BPF_K, kAll),  // what is not LCM's, LCM may judge
+      statement(BPF_LD | BPF_H | BPF_ABS, kFragmentNumber),
+      jump(BPF_JMP | BPF_JEQ | BPF_K, 0, 1, 0),
+      statement(BPF_RET | BPF_K, kAll),
+      statement(BPF_LDX | BPF_W | BPF_IMM, kFragmentName),
+  };
+  // A read beyond the datagram's end turns it away: so short names first, whose end every longer one's datagram has.
+  std::sort(channels.begin(), channels.end(),
+            [](const std::string& a, const std::string& b) { return a.size() < b.size(); });
+  for (const std::string& channel : channels) match(channel, program);
+  program.push_back(statement(BPF_RET | BPF_K, 0));
+  return program;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,250 @@
+#include "common/bus/lcm_bus.hpp"
+
+#include <fmt/format.h>
+#include <lcm/lcm.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <deque>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "common/bus/lcm_socket.hpp"
+
+namespace curbstone {
+
+namespace {
+
+std::string effective_url(std::string url) {
+  if (!url.empty()) return url;
+  const char* from_environment = std::getenv("LCM_DEFAULT_URL");
+  return from_environment != nullptr && *from_environment != '\0' ? from_environment : LcmBus::kDefaultUrl;
+}
+
+}  // namespace
+
+class LcmBus::Impl {
+ public:
+  explicit Impl(std::string url) : url_(effective_url(std::move(url))), threaded_(url_.starts_with("udpm")) {
+    lcm_ = lcm_create(url_.c_str());
+    if (lcm_ == nullptr) {
+      throw std::runtime_error(
+          fmt::format("cannot open the bus {}: check the URL, and that multicast is routed (ip link set lo up; ip "
+                      "route add 224.0.0.0/4 dev lo)",
+                      url_));
+    }
+    if (threaded_) {
+      wake_fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+      stop_fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+    }
+  }
+
+  ~Impl() {
+    if (receiver_.joinable()) {
+      const std::uint64_t one = 1;
+      (void)!write(stop_fd_, &one, sizeof one);
+      receiver_.join();
+    }
+    lcm_destroy(lcm_);
+    if (wake_fd_ >= 0) close(wake_fd_);
+    if (stop_fd_ >= 0) close(stop_fd_);
+  }
+
+  void publish(const std::string& channel, const void* data, int size) {
+    const std::scoped_lock lock(publish_mutex_);
+    if (lcm_publish(lcm_, channel.c_str(), data, static_cast<unsigned>(size)) != 0) publish_failed_.fetch_add(1);
+  }
+
+  void subscribe(const std::string& channel, BytesHandler handler, QueueLimit limit) {
+    // Channel names are exact to us and patterns to LCM: quote what is not a word character.
+    std::string pattern;
+    for (const char c : channel) {
+      if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_') pattern += '\\';
+      pattern += c;
+    }
+    subscribe_pattern(
+        pattern, [handler = std::move(handler)](const Message& m) { handler(m.bytes.data(), m.size()); }, limit);
+    channels_.push_back(channel);
+    if (socket_.found() && !has_tap_) socket_.pass_only(channels_);
+  }
+
+  void tap(Tap tap, QueueLimit limit, const std::string& except) {
+    subscribe_pattern(
+        except.empty() ? ".*" : "(?!" + except + "$).*",
+        [tap = std::move(tap)](const Message& m) { tap(m.channel, m.bytes.data(), m.size(), m.utime); }, limit);
+    has_tap_ = true;
+    if (socket_.found()) socket_.pass_all();
+  }
+
+  bool handle(std::chrono::milliseconds timeout) {
+    if (!threaded_) return lcm_handle_timeout(lcm_, static_cast<int>(timeout.count())) >= 0;
+    if (timeout.count() > 0) {
+      pollfd waiting{wake_fd_, POLLIN, 0};
+      poll(&waiting, 1, static_cast<int>(timeout.count()));
+    }
+    std::uint64_t ignored = 0;
+    (void)!read(wake_fd_, &ignored, sizeof ignored);
+    for (int budget = 1000; budget > 0; --budget) {  // bounded, so that timers get their turn
+      Message message;
+      {
+        const std::scoped_lock lock(queue_mutex_);
+        if (queue_.empty()) return true;
+        message = std::move(queue_.front());
+        queue_.pop_front();
+        --message.subscription->queued;
+      }
+      call(message);
+    }
+    wake();
+    return true;
+  }
+
+  [[nodiscard]] int fd() const { return threaded_ ? wake_fd_ : lcm_get_fileno(lcm_); }
+
+  [[nodiscard]] Counters counters() const {
+    Counters all = counters_;
+    all.set("dropped.queue", queue_drops_.load());
+    if (socket_.found()) all.set("dropped.kernel", socket_.dropped());
+    if (const auto failed = publish_failed_.load(); failed > 0) all.set("faults.publish", failed);
+    return all;
+  }
+  void count(std::string_view name) { counters_.add(name); }
+
+  [[nodiscard]] const std::string& url() const { return url_; }
+
+ private:
+  struct Subscription;
+  struct Message {
+    Subscription* subscription = nullptr;
+    std::string channel;
+    std::int64_t utime = 0;  // us, when the kernel had it
+    std::vector<std::uint8_t> bytes;
+    [[nodiscard]] int size() const { return static_cast<int>(bytes.size()); }
+  };
+  using MessageHandler = std::function<void(const Message&)>;
+  struct Subscription {
+    Impl* bus = nullptr;
+    MessageHandler handler;
+    std::size_t capacity = 0;
+    std::size_t queued = 0;
+  };
+
+  void subscribe_pattern(const std::string& pattern, MessageHandler handler, QueueLimit limit) {
+    auto subscription = std::make_unique<Subscription>();
+    subscription->bus = this;
+    subscription->handler = std::move(handler);
+    subscription->capacity = static_cast<std::size_t>(std::max(limit.capacity, 1));
+    lcm_subscription_t* handle = nullptr;
+    const auto ask = [&] { handle = lcm_subscribe(lcm_, pattern.c_str(), &Impl::on_message, subscription.get()); };
+    if (threaded_ && !socket_.found()) {
+      socket_.find(ask);
+    } else {
+      ask();
+    }
+    if (handle == nullptr) throw std::runtime_error(fmt::format("cannot subscribe to {}", pattern));
+    lcm_subscription_set_queue_capacity(handle, threaded_ ? 1000 : 0);
+    subscriptions_.push_back(std::move(subscription));
+    if (threaded_ && !receiver_.joinable()) receiver_ = std::thread([this] { receive(); });
+  }
+
+  static void on_message(const lcm_recv_buf_t* buffer, const char* channel, void* user) {
+    auto& subscription = *static_cast<Subscription*>(user);
+    const auto* bytes = static_cast<const std::uint8_t*>(buffer->data);
+    subscription.bus->arrived({&subscription, channel, buffer->recv_utime, {bytes, bytes + buffer->data_size}});
+  }
+
+  void arrived(Message message) {
+    if (!threaded_) {
+      call(message);
+      return;
+    }
+    Subscription& subscription = *message.subscription;
+    const std::scoped_lock lock(queue_mutex_);
+    if (subscription.queued >= subscription.capacity) {
+      const auto oldest = std::find_if(queue_.begin(), queue_.end(),
+                                       [&](const Message& waiting) { return waiting.subscription == &subscription; });
+      queue_.erase(oldest);  // latest wins
+      --subscription.queued;
+      queue_drops_.fetch_add(1);
+    }
+    queue_.push_back(std::move(message));
+    ++subscription.queued;
+    if (queue_.size() == 1) wake();  // else whoever takes messages has been woken, and takes them all
+  }
+
+  void call(const Message& message) {
+    try {
+      message.subscription->handler(message);
+    } catch (const std::exception&) {
+      counters_.add("faults.handler");
+    }
+  }
+
+  void receive() {
+    pollfd fds[2] = {{lcm_get_fileno(lcm_), POLLIN, 0}, {stop_fd_, POLLIN, 0}};
+    while (true) {
+      if (poll(fds, 2, -1) < 0) continue;
+      if (fds[1].revents != 0) return;
+      if (fds[0].revents != 0) lcm_handle(lcm_);
+    }
+  }
+
+  void wake() const {
+    const std::uint64_t one = 1;
+    (void)!write(wake_fd_, &one, sizeof one);
+  }
+
+  std::string url_;
+  bool threaded_;
+  lcm_t* lcm_ = nullptr;
+  int wake_fd_ = -1;
+  int stop_fd_ = -1;
+  LcmSocket socket_;
+  std::vector<std::string> channels_;
+  bool has_tap_ = false;
+  std::vector<std::unique_ptr<Subscription>> subscriptions_;
+  std::mutex queue_mutex_;
+  std::deque<Message> queue_;
+  std::mutex publish_mutex_;
+  std::atomic<std::int64_t> queue_drops_ = 0;
+  std::atomic<std::int64_t> publish_failed_ = 0;
+  Counters counters_;
+  std::thread receiver_;
+};
+
+LcmBus::LcmBus(std::string url) : impl_(std::make_unique<Impl>(std::move(url))) {}
+LcmBus::~LcmBus() = default;
+
+bool LcmBus::handle(std::chrono::milliseconds timeout) {
+  return impl_->handle(timeout);
+}
+int LcmBus::fd() const {
+  return impl_->fd();
+}
+Counters LcmBus::counters() const {
+  return impl_->counters();
+}
+void LcmBus::count(std::string_view name) {
+  impl_->count(name);
+}
+const std::string& LcmBus::url() const {
+  return impl_->url();
+}
+void LcmBus::publish_bytes(const std::string& channel, const void* data, int size) {
+  impl_->publish(channel, data, size);
+}
+void LcmBus::tap(Tap tap, QueueLimit limit, const std::string& except) {
+  impl_->tap(std::move(tap), limit, except);
+}
+void LcmBus::subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) {
+  impl_->subscribe(channel, std::move(handler), limit);
+}
+
+}  // namespace curbstone

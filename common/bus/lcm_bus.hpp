@@ -1,0 +1,53 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "common/bus/bus.hpp"
+
+namespace curbstone {
+
+/// The bus as LCM carries it: `udpm://`, `memq://`, `file://`.
+///
+/// Over `udpm://` a receiver thread moves messages from LCM into bounded queues of our own, because LCM 1.3.1 drops
+/// silently and keeps the oldest. The counters tell what was lost: `dropped.queue` (handled too slowly) and
+/// `dropped.kernel` (socket buffer full, see LcmSocket). Channels that nobody here subscribed to are turned away by the
+/// kernel, unless the bus is tapped. Handlers run in the thread that calls handle(), in order of arrival. All public
+/// functions are for that one thread.
+class LcmBus final : public Publisher, public Subscriber, public Tappable {
+ public:
+  /// An empty URL means $LCM_DEFAULT_URL, else kDefaultUrl. Throws std::runtime_error with the URL and what to check.
+  explicit LcmBus(std::string url = {});
+  ~LcmBus() override;
+  LcmBus(const LcmBus&) = delete;
+  LcmBus& operator=(const LcmBus&) = delete;
+
+  /// Handles what has arrived, waiting at most `timeout` for the first message. Returns false at the end of a `file://`
+  /// log.
+  bool handle(std::chrono::milliseconds timeout);
+
+  /// Called from the thread that handles the bus, with the time (us since the Unix epoch) at which the kernel had the
+  /// message.
+  void tap(Tap tap, QueueLimit limit, const std::string& except = "") override;
+
+  /// For poll(): readable when handle() has something to do. Call handle(0) then.
+  [[nodiscard]] int fd() const;
+
+  [[nodiscard]] Counters counters() const override;
+  [[nodiscard]] const std::string& url() const;
+
+  /// ttl=0 keeps messages on this host. The large receive buffer holds bursts; the kernel caps it at net.core.rmem_max.
+  static constexpr const char* kDefaultUrl = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304";
+
+ protected:
+  void count(std::string_view name) override;
+  void publish_bytes(const std::string& channel, const void* data, int size) override;
+  void subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) override;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace curbstone

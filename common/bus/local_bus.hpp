@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/bus/bus.hpp"
+
+namespace curbstone {
+
+/// A bus inside one process and one thread: messages are delivered in the order in which they were published, nothing
+/// is lost, nothing depends on the clock. `curbstone replay` and the node tests run on it.
+class LocalBus final : public Publisher, public Subscriber, public Tappable {
+ public:
+  /// Puts encoded bytes on the bus, as read from a log.
+  void inject(const std::string& channel, const void* data, int size);
+  /// Delivers until the queue is empty, including what the handlers publish meanwhile.
+  void dispatch();
+  /// The tap sees a message when it is published, before its subscribers do.
+  void tap(Tap tap, QueueLimit limit = {}, const std::string& except = "") override;
+
+  [[nodiscard]] Counters counters() const override { return counters_; }
+
+ protected:
+  void count(std::string_view name) override { counters_.add(name); }
+  void publish_bytes(const std::string& channel, const void* data, int size) override { inject(channel, data, size); }
+  void subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) override;
+
+ private:
+  struct Message {
+    std::string channel;
+    std::vector<std::uint8_t> bytes;
+  };
+  std::map<std::string, std::vector<BytesHandler>, std::less<>> handlers_;
+  std::deque<Message> queue_;
+  Tap tap_;
+  std::string untapped_;
+  Counters counters_;
+};
+
+}  // namespace curbstone

@@ -1,0 +1,296 @@
+#include "common/config/config.hpp"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+namespace curbstone {
+
+namespace {
+
+int edit_distance(std::string_view a, std::string_view b) {
+  std::vector<int> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = static_cast<int>(j);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    int diagonal = row[0];
+    row[0] = static_cast<int>(i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const int substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row[b.size()];
+}
+
+std::string unknown_key(const std::string& key, const std::vector<std::string>& known) {
+  const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+    return edit_distance(key, a) < edit_distance(key, b);
+  });
+  std::string text = "unknown key";
+  if (nearest != known.end()) text += fmt::format("; did you mean {}?", *nearest);
+  return text;
+}
+
+/// Shared by the visitors that put values into the struct.
+class Loader final : public ConfigVisitor {
+ public:
+  Loader(const YAML::Node& root, std::string file, std::string path) : file_(std::move(file)) {
+    enter(root, std::move(path));
+  }
+
+  void field(const char* key, bool& value, const char*) override { scalar(key, value, "true or false"); }
+  void field(const char* key, int& value, Range range, const char*) override {
+    if (scalar(key, value, "a whole number")) check(key, value, range);
+  }
+  void field(const char* key, double& value, Range range, const char*) override {
+    if (scalar(key, value, "a number")) check(key, value, range);
+  }
+  void field(const char* key, std::string& value, const char*) override { scalar(key, value, "a text"); }
+  void choice(const char* key, std::string& value, const std::vector<std::string>& choices, const char*) override {
+    if (scalar(key, value, "a text") && std::find(choices.begin(), choices.end(), value) == choices.end()) {
+      fail(key, fmt::format("'{}' is not one of {}", value, fmt::join(choices, ", ")));
+    }
+  }
+  void field(const char* key, std::vector<double>& value, Range range, const char*, bool any_length) override {
+    std::vector<double> read;
+    if (!scalar(key, read, fmt::format("a list of {} numbers", value.size()).c_str())) return;
+    if (!any_length && read.size() != value.size())
+      fail(key, fmt::format("expected {} numbers, got {}", value.size(), read.size()));
+    for (const double x : read) check(key, x, range);
+    value = read;
+  }
+
+  /// To be called once the struct has named all it knows.
+  void leave() {
+    const Level& level = levels_.back();
+    if (level.node.IsMap()) {
+      for (const auto& entry : level.node) {
+        const auto key = entry.first.as<std::string>();
+        if (std::find(level.known.begin(), level.known.end(), key) == level.known.end()) {
+          fail_at(entry.first, level.path + key, unknown_key(key, level.known));
+        }
+      }
+    }
+    levels_.pop_back();
+  }
+
+ protected:
+  bool begin_section(const char* key, const char*) override {
+    Level& level = levels_.back();
+    level.known.emplace_back(key);
+    if (!level.node.IsMap() || !level.node[key]) return false;
+    enter(level.node[key], level.path + key + ".");
+    return true;
+  }
+  void end_section() override { leave(); }
+
+ private:
+  struct Level {
+    YAML::Node node;
+    std::string path;  // "ekf.noise."
+    std::vector<std::string> known;
+  };
+
+  void enter(const YAML::Node& node, std::string path) {
+    if (!node.IsMap() && !node.IsNull())
+      fail_at(node, path.substr(0, path.size() - 1), "expected a map of keys and values");
+    levels_.push_back({node, std::move(path), {}});
+  }
+  template <class T>
+  bool scalar(const char* key, T& value, const char* expected) {
+    Level& level = levels_.back();
+    level.known.emplace_back(key);
+    if (!level.node.IsMap()) return false;
+    const YAML::Node node = level.node[key];
+    if (!node) return false;
+    try {
+      value = node.as<T>();
+    } catch (const YAML::Exception&) {
+      fail(key, fmt::format("expected {}", expected));
+    }
+    return true;
+  }
+  void check(const char* key, double value, Range range) const {
+    if (!(value >= range.min && value <= range.max))
+      fail(key, fmt::format("{} is not within {} .. {}", value, range.min, range.max));
+  }
+  [[noreturn]] void fail(const char* key, const std::string& what) const {
+    const Level& level = levels_.back();
+    fail_at(level.node[key], level.path + key, what);
+  }
+  [[noreturn]] void fail_at(const YAML::Node& node, const std::string& path, const std::string& what) const {
+    throw ConfigError(fmt::format("{}:{}: {}: {}", file_, node.Mark().line + 1, path, what));
+  }
+
+  std::string file_;
+  std::vector<Level> levels_;
+};
+
+class Dumper final : public ConfigVisitor {
+ public:
+  void field(const char* key, bool& value, const char* help) override { line(key, value ? "true" : "false", help); }
+  void field(const char* key, int& value, Range range, const char* help) override {
+    line(key, fmt::format("{}", value), help, range);
+  }
+  void field(const char* key, double& value, Range range, const char* help) override {
+    line(key, number(value), help, range);
+  }
+  void field(const char* key, std::string& value, const char* help) override {
+    YAML::Emitter emitter;
+    emitter << YAML::DoubleQuoted << value;
+    line(key, emitter.c_str(), help);
+  }
+  void choice(const char* key, std::string& value, const std::vector<std::string>& choices, const char* help) override {
+    line(key, value, fmt::format("{} ({})", help, fmt::join(choices, " | ")).c_str());
+  }
+  void field(const char* key, std::vector<double>& value, Range range, const char* help, bool) override {
+    std::vector<std::string> items;
+    for (const double x : value) items.push_back(number(x));
+    line(key, fmt::format("[{}]", fmt::join(items, ", ")), help, range);
+  }
+  bool begin_section(const char* key, const char* help) override {
+    text_ += fmt::format("{:{}}{}:  # {}\n", "", 2 * depth_, key, help);
+    ++depth_;
+    return true;
+  }
+  void end_section() override { --depth_; }
+
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  static std::string number(double value) {
+    if (std::isnan(value)) return ".nan";
+    if (std::isinf(value)) return value > 0 ? ".inf" : "-.inf";
+    return fmt::format("{}", value);
+  }
+  void line(const char* key, const std::string& value, const char* help, Range range = {}) {
+    std::string bounds;
+    if (std::isfinite(range.min) && std::isfinite(range.max)) {
+      bounds = fmt::format(" [{} .. {}]", range.min, range.max);
+    } else if (std::isfinite(range.min)) {
+      bounds = fmt::format(" [>= {}]", range.min);
+    }
+    text_ += fmt::format("{:{}}{}: {}  # {}{}\n", "", 2 * depth_, key, value, help, bounds);
+  }
+  std::string text_;
+  int depth_ = 0;
+};
+
+/// Whether a struct has a section of this name at its top.
+class SectionFinder final : public ConfigVisitor {
+ public:
+  explicit SectionFinder(std::string name) : name_(std::move(name)) {}
+  void field(const char*, bool&, const char*) override {}
+  void field(const char*, int&, Range, const char*) override {}
+  void field(const char*, double&, Range, const char*) override {}
+  void field(const char*, std::string&, const char*) override {}
+  void choice(const char*, std::string&, const std::vector<std::string>&, const char*) override {}
+  void field(const char*, std::vector<double>&, Range, const char*, bool) override {}
+  [[nodiscard]] bool found() const { return found_; }
+
+ protected:
+  bool begin_section(const char* key, const char*) override {
+    found_ = found_ || key == name_;
+    return false;
+  }
+  void end_section() override {}
+
+ private:
+  std::string name_;
+  bool found_ = false;
+};
+
+bool has_section(AnyConfig& config, const std::string& name) {
+  SectionFinder finder(name);
+  config.visit(finder);
+  return finder.found();
+}
+
+/// Loads a node whose root map holds exactly the struct's keys.
+void load_node(const YAML::Node& node, const std::string& file, const std::string& path, AnyConfig& config) {
+  Loader loader(node, file, path);
+  config.visit(loader);
+  loader.leave();
+}
+
+}  // namespace
+
+void parse_config(std::string_view text, const std::string& name, const std::string& section, SectionNames sections,
+                  AnyConfig& config) {
+  YAML::Node root;
+  try {
+    root = YAML::Load(std::string(text));
+  } catch (const YAML::ParserException& error) {
+    throw ConfigError(fmt::format("{}:{}: {}", name, error.mark.line + 1, error.msg));
+  }
+  if (root.IsNull()) return;
+  if (!root.IsMap()) throw ConfigError(fmt::format("{}:1: expected a map with a section for each process", name));
+  std::vector<std::string> known = {"vehicle"};
+  known.insert(known.end(), sections.begin(), sections.end());
+  for (const auto& entry : root) {
+    const auto key = entry.first.as<std::string>();
+    if (std::find(known.begin(), known.end(), key) == known.end()) {
+      throw ConfigError(fmt::format("{}:{}: {}: {}", name, entry.first.Mark().line + 1, key, unknown_key(key, known)));
+    }
+  }
+  YAML::Node own = root[section] ? root[section] : YAML::Node(YAML::NodeType::Map);
+  // What several processes share stands once, at the top of the file.
+  if (root["vehicle"] && has_section(config, "vehicle")) {
+    if (own.IsMap() && own["vehicle"]) {
+      throw ConfigError(fmt::format("{}:{}: {}.vehicle: stands at the top of the file already", name,
+                                    own["vehicle"].Mark().line + 1, section));
+    }
+    if (own.IsNull()) own = YAML::Node(YAML::NodeType::Map);
+    if (own.IsMap()) own["vehicle"] = root["vehicle"];
+  }
+  load_node(own, name, section + ".", config);
+}
+
+void load_config(const std::string& file, const std::string& section, SectionNames sections, AnyConfig& config) {
+  std::ifstream in(file);
+  std::stringstream text;
+  if (!in || !(text << in.rdbuf())) throw ConfigError(fmt::format("{}: cannot be read", file));
+  parse_config(text.str(), file, section, sections, config);
+}
+
+void set_config_value(std::string_view assignment, AnyConfig& config) {
+  const auto equals = assignment.find('=');
+  if (equals == std::string_view::npos || equals == 0) {
+    throw ConfigError(fmt::format("--set {}: expected KEY=VALUE", assignment));
+  }
+  std::string yaml;  // a.b=1 becomes {a: {b: 1}}
+  std::string key(assignment.substr(0, equals));
+  std::string closing;
+  for (std::size_t dot; (dot = key.find('.')) != std::string::npos; key.erase(0, dot + 1)) {
+    yaml += "{" + key.substr(0, dot) + ": ";
+    closing += "}";
+  }
+  yaml += "{" + key + ": " + std::string(assignment.substr(equals + 1)) + "}" + closing;
+  try {
+    load_node(YAML::Load(yaml), "--set " + std::string(assignment), "", config);
+  } catch (const YAML::ParserException& error) {
+    throw ConfigError(fmt::format("--set {}: {}", assignment, error.msg));
+  }
+}
+
+std::string dump_config(const std::string& section, AnyConfig& config) {
+  Dumper dumper;
+  dumper.begin_section(section.c_str(), "effective configuration");
+  config.visit(dumper);
+  return dumper.text();
+}
+
+std::string config_hash(const std::string& section, AnyConfig& config) {
+  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  for (const char c : dump_config(section, config)) {
+    hash = (hash ^ static_cast<std::uint8_t>(c)) * 0x100000001b3ULL;
+  }
+  return fmt::format("{:016x}", hash);
+}
+
+}  // namespace curbstone

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace curbstone {
+
+/// Inclusive bounds of a number in a configuration.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+};
+
+/// Visits the fields of a configuration struct: one visitor loads, another dumps. A struct takes part with
+///
+///     struct EkfConfig {
+///       double track_width = 0.6;  ///< m, > 0
+///       void visit(ConfigVisitor& v) { v.field("track_width", track_width, {0.01, 10}, "m, between the wheels"); }
+///     };
+///
+/// Defaults live in the struct; a file only overrides them. `help` says unit and meaning, for --dump-config.
+class ConfigVisitor {
+ public:
+  virtual ~ConfigVisitor() = default;
+  virtual void field(const char* key, bool& value, const char* help) = 0;
+  virtual void field(const char* key, int& value, Range range, const char* help) = 0;
+  virtual void field(const char* key, double& value, Range range, const char* help) = 0;
+  virtual void field(const char* key, std::string& value, const char* help) = 0;
+  /// Only one of `choices` is accepted.
+  virtual void choice(const char* key, std::string& value, const std::vector<std::string>& choices,
+                      const char* help) = 0;
+  /// The same for an enumeration: each word stands for a value of it, and each value has its word.
+  template <class Enum>
+  requires std::is_enum_v<Enum>
+  void choice(const char* key, Enum& value, const std::vector<std::pair<std::string, Enum>>& choices,
+              const char* help) {
+    std::vector<std::string> words;
+    std::string word;
+    for (const auto& [name, meaning] : choices) {
+      words.push_back(name);
+      if (meaning == value) word = name;
+    }
+    choice(key, word, words, help);
+    for (const auto& [name, meaning] : choices) {
+      if (name == word) value = meaning;
+    }
+  }
+  /// A list of exactly as many numbers as `value` holds, unless `any_length`.
+  virtual void field(const char* key, std::vector<double>& value, Range range, const char* help,
+                     bool any_length = false) = 0;
+  template <class Section>
+  void section(const char* key, Section& section, const char* help) {
+    if (begin_section(key, help)) {
+      section.visit(*this);
+      end_section();
+    }
+  }
+
+ protected:
+  virtual bool begin_section(const char* key, const char* help) = 0;
+  virtual void end_section() = 0;
+};
+
+/// A configuration that cannot be used: "ugv.yaml:12: ekf.trak_width: unknown key; did you mean track_width?"
+class ConfigError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A struct with a visit() method, seen without its type.
+class AnyConfig {
+ public:
+  virtual ~AnyConfig() = default;
+  virtual void visit(ConfigVisitor& visitor) = 0;
+};
+template <class Config>
+class ConfigOf final : public AnyConfig {
+ public:
+  Config value;
+  void visit(ConfigVisitor& visitor) override { value.visit(visitor); }
+};
+
+/// The sections that a file may have beside `vehicle:`. This layer knows no process by name: whoever loads a file says.
+using SectionNames = std::span<const std::string_view>;
+
+/// Loads section `section` of a YAML file over what `config` holds. One vehicle is one file with a section a process
+/// (`ekf:`, `mapper:`...). A missing section leaves the defaults. Throws ConfigError (file, line, key, what was
+/// expected) on an unreadable file, bad YAML, a section that is not one of `sections`, an unknown key, a wrong type or
+/// a number out of range.
+void load_config(const std::string& file, const std::string& section, SectionNames sections, AnyConfig& config);
+/// The same from text; `name` stands for the file in errors.
+void parse_config(std::string_view text, const std::string& name, const std::string& section, SectionNames sections,
+                  AnyConfig& config);
+/// Sets one value by its dotted key as text: "icp.iterations=20".
+void set_config_value(std::string_view assignment, AnyConfig& config);
+/// The effective configuration as commented YAML that load_config() takes back.
+[[nodiscard]] std::string dump_config(const std::string& section, AnyConfig& config);
+/// 16 hexadecimal digits over the dump (FNV-1a, 64 bit).
+[[nodiscard]] std::string config_hash(const std::string& section, AnyConfig& config);
+
+/// A process's configuration where several share a program: its section of the file (none: the defaults), and of the
+/// assignments, SECTION.KEY=VALUE, those that are its own.
+template <class Config>
+[[nodiscard]] Config config_of(const std::string& section, SectionNames sections, const std::string& file,
+                               const std::vector<std::string>& assignments) {
+  ConfigOf<Config> config;
+  if (!file.empty()) load_config(file, section, sections, config);
+  for (const std::string& assignment : assignments) {
+    if (assignment.starts_with(section + ".")) set_config_value(assignment.substr(section.size() + 1), config);
+  }
+  return config.value;
+}
+
+}  // namespace curbstone

@@ -1,0 +1,84 @@
+#include "common/shell/event_loop.hpp"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+#include "common/time/clock.hpp"
+
+namespace curbstone {
+
+EventLoop::EventLoop() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  sigprocmask(SIG_BLOCK, &signals, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+  signal_fd_ = signalfd(-1, &signals, SFD_NONBLOCK | SFD_CLOEXEC);
+  if (signal_fd_ < 0) throw std::system_error(errno, std::generic_category(), "signalfd");
+}
+
+EventLoop::~EventLoop() {
+  close(signal_fd_);
+}
+
+void EventLoop::watch(int fd, std::function<void()> on_readable) {
+  watches_.push_back({fd, std::move(on_readable)});
+}
+
+void EventLoop::unwatch(int fd) {
+  std::erase_if(watches_, [fd](const Watch& watch) { return watch.fd == fd; });
+}
+
+void EventLoop::every(std::chrono::milliseconds period, std::function<void()> task) {
+  const std::int64_t period_us = std::chrono::microseconds(period).count();
+  timers_.push_back({period_us, steady_clock() + period_us, std::move(task)});
+}
+
+void EventLoop::run() {
+  running_ = true;
+  bool may_idle = true;
+  std::vector<pollfd> fds;
+  while (running_) {
+    fds.assign(1, {signal_fd_, POLLIN, 0});
+    for (const Watch& watch : watches_) fds.push_back({watch.fd, POLLIN, 0});
+    std::int64_t due = steady_clock() + 1'000'000;
+    for (const Timer& timer : timers_) due = std::min(due, timer.due_us);
+    const std::int64_t wait_us = may_idle && idle_ ? 0 : std::max<std::int64_t>(0, due - steady_clock());
+    if (poll(fds.data(), fds.size(), static_cast<int>((wait_us + 999) / 1000)) < 0 && errno != EINTR) {
+      throw std::system_error(errno, std::generic_category(), "poll");
+    }
+    if (fds[0].revents != 0) {
+      signalfd_siginfo taken{};  // so that a second run() waits for a second signal
+      (void)!read(signal_fd_, &taken, sizeof taken);
+      break;
+    }
+    bool was_idle = true;
+    for (std::size_t i = 1; i < fds.size(); ++i) {
+      if (fds[i].revents == 0) continue;
+      was_idle = false;
+      // By value and looked up anew: a handler may watch and unwatch.
+      const auto it = std::find_if(watches_.begin(), watches_.end(), [&](const Watch& w) { return w.fd == fds[i].fd; });
+      if (it == watches_.end()) continue;
+      const auto on_readable = it->on_readable;
+      on_readable();
+    }
+    const std::int64_t now = steady_clock();
+    for (std::size_t i = 0; i < timers_.size(); ++i) {
+      if (timers_[i].due_us > now) continue;
+      was_idle = false;
+      timers_[i].due_us = std::max(timers_[i].due_us + timers_[i].period_us, now);  // late once, not a burst
+      const auto task = timers_[i].task;
+      task();
+    }
+    may_idle = !was_idle || (may_idle && idle_ && idle_());
+  }
+}
+
+}  // namespace curbstone

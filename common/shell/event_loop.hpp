@@ -1,0 +1,50 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <utility>
+#include <vector>
+
+namespace curbstone {
+
+/// The loop of every process: one thread waits for file descriptors and timers, and calls their handlers. SIGINT and
+/// SIGTERM end it.
+class EventLoop {
+ public:
+  /// Blocks SIGINT and SIGTERM for the process and takes them by signalfd. Create it before any thread.
+  EventLoop();
+  ~EventLoop();
+  EventLoop(const EventLoop&) = delete;
+  EventLoop& operator=(const EventLoop&) = delete;
+
+  /// Calls `on_readable` whenever `fd` is readable, at its end, or in error. The caller still owns the fd.
+  void watch(int fd, std::function<void()> on_readable);
+  void unwatch(int fd);
+  /// Calls `task` once a period. Periods that were missed are not made up for.
+  void every(std::chrono::milliseconds period, std::function<void()> task);
+  /// Calls `task` while nothing is readable and no timer is due, until it returns false. It is called again after the
+  /// next event.
+  void when_idle(std::function<bool()> task) { idle_ = std::move(task); }
+
+  /// Runs until stop() or a signal.
+  void run();
+  void stop() { running_ = false; }
+
+ private:
+  struct Watch {
+    int fd;
+    std::function<void()> on_readable;
+  };
+  struct Timer {
+    std::int64_t period_us;
+    std::int64_t due_us;
+    std::function<void()> task;
+  };
+  std::vector<Watch> watches_;
+  std::vector<Timer> timers_;
+  std::function<bool()> idle_;
+  int signal_fd_ = -1;
+  bool running_ = false;
+};
+
+}  // namespace curbstone

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/node.hpp"
+#include "common/config/config.hpp"
+#include "common/shell/event_loop.hpp"
+
+namespace curbstone {
+
+/// What the shell gives to a process besides its node: for drivers that watch a socket or a serial port.
+struct ServiceContext {
+  std::string name;  ///< unique on the bus, from --name
+  Publisher& bus;
+  Tappable& everything;  ///< the same bus: for a recorder
+  EventLoop& loop;
+};
+
+/// Which process this is.
+struct ServiceOptions {
+  std::string section;      ///< of the vehicle's file, and the name on the bus unless --name says another
+  SectionNames sections;    ///< all that the file may have: see load_config()
+  std::string description;  ///< one line, for --help
+};
+
+/// Runs a node as a process until SIGINT or SIGTERM: parses the command line (--config FILE, --set KEY=VALUE,
+/// --lcm-url URL, --name NAME, --dump-config, --version), opens the bus, ticks the node every 20 ms, sends
+/// SERVICE_STATUS at 1 Hz, calls Node::finish() at the end. Returns the exit status: 0 clean, 1 the environment failed
+/// (one clear line on stderr), 2 wrong usage or configuration.
+///
+/// `make` builds the node from the loaded configuration. It may throw std::runtime_error with one clear line.
+int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig& config,
+                const std::function<std::unique_ptr<Node>(ServiceContext&)>& make);
+
+template <class Config>
+int run_service(int argc, char** argv, const ServiceOptions& options,
+                const std::function<std::unique_ptr<Node>(const Config&, ServiceContext&)>& make) {
+  ConfigOf<Config> config;
+  return run_service(argc, argv, options, config, [&](ServiceContext& context) { return make(config.value, context); });
+}
+
+}  // namespace curbstone

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string>
+
+namespace curbstone {
+
+/// "<version>+<git commit>".
+[[nodiscard]] std::string version();
+
+}  // namespace curbstone

@@ -1,0 +1,168 @@
+#include "common/tile_sync/tile_sync.hpp"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace curbstone {
+
+void TileCatalog::start_epoch(std::int32_t epoch) {
+  epoch_ = epoch;
+  versions_.clear();
+  changed_.clear();
+  waiting_.clear();
+  waiting_have_.clear();
+}
+
+void TileCatalog::set_version(TileKey key, std::int32_t version) {
+  versions_[key] = version;
+  changed_.insert(key);
+}
+
+void TileCatalog::remove(TileKey key) {
+  versions_.erase(key);
+  changed_.erase(key);
+}
+
+std::vector<tile_index_t> TileCatalog::make_index(std::int64_t utime, double x, double y, std::size_t max_tiles) {
+  struct Entry {
+    std::pair<int, double> rank;  // changed first, then near
+    TileKey key;
+    std::int32_t version;
+  };
+  std::vector<Entry> entries;
+  entries.reserve(versions_.size());
+  for (const auto& [key, version] : versions_) {
+    entries.push_back({{changed_.contains(key) ? 0 : 1, squared_distance(key, x, y)}, key, version});
+  }
+  std::sort(entries.begin(), entries.end(),
+            [](const Entry& a, const Entry& b) { return std::tie(a.rank, a.key) < std::tie(b.rank, b.key); });
+  if (entries.size() > max_tiles && max_tiles > 1) {
+    // Half of the round for the front of the list, half for the others in turn, so that every tile is announced
+    // sometime.
+    const std::size_t front = max_tiles / 2;
+    const std::size_t others = entries.size() - front;
+    std::vector<Entry> chosen(entries.begin(), entries.begin() + static_cast<std::ptrdiff_t>(front));
+    for (std::size_t i = 0; i < max_tiles - front; ++i) chosen.push_back(entries[front + (turn_ + i) % others]);
+    turn_ = (turn_ + max_tiles - front) % others;
+    entries = std::move(chosen);
+  }
+  changed_.clear();
+
+  const std::size_t num_pages = std::max<std::size_t>(1, (entries.size() + kTilesPerPage - 1) / kTilesPerPage);
+  std::vector<tile_index_t> pages(num_pages);
+  for (std::size_t p = 0; p < num_pages; ++p) {
+    tile_index_t& page = pages[p];
+    page.utime = utime;
+    page.owner = owner_;
+    page.channel = channel_;
+    page.epoch = epoch_;
+    page.page = static_cast<std::int32_t>(p);
+    page.num_pages = static_cast<std::int32_t>(num_pages);
+    for (std::size_t i = p * kTilesPerPage; i < std::min(entries.size(), (p + 1) * kTilesPerPage); ++i) {
+      page.tile_x.push_back(entries[i].key.x);
+      page.tile_y.push_back(entries[i].key.y);
+      page.version.push_back(entries[i].version);
+    }
+    page.num_tiles = static_cast<std::int32_t>(page.tile_x.size());
+  }
+  return pages;
+}
+
+void TileCatalog::request(const tile_request_t& message) {
+  if (message.channel != channel_ || message.epoch != epoch_) return;
+  for (std::size_t i = 0; i < message.tile_x.size(); ++i) {
+    const TileKey key{message.tile_x[i], message.tile_y[i]};
+    if (!versions_.contains(key)) continue;
+    const auto it = waiting_have_.find(key);
+    if (it != waiting_have_.end()) {
+      it->second = std::min(it->second, message.have[i]);
+    } else if (waiting_.size() < kMaxWaiting) {
+      waiting_.push_back(key);
+      waiting_have_.emplace(key, message.have[i]);
+    }
+  }
+}
+
+std::vector<TileCatalog::Wanted> TileCatalog::take_requests(std::size_t max_tiles) {
+  std::vector<Wanted> wanted;
+  while (!waiting_.empty() && wanted.size() < max_tiles) {
+    const TileKey key = waiting_.front();
+    waiting_.pop_front();
+    const std::int32_t have = waiting_have_.at(key);
+    waiting_have_.erase(key);
+    const auto it = versions_.find(key);
+    if (it != versions_.end() && it->second > have) wanted.push_back({key, have});
+  }
+  return wanted;
+}
+
+void TileFollower::start_epoch(std::int32_t epoch) {
+  epoch_ = epoch;
+  have_.clear();
+  behind_.clear();
+}
+
+void TileFollower::set_have(TileKey key, std::int32_t version) {
+  have_[key] = version;
+  const auto it = behind_.find(key);
+  if (it != behind_.end() && it->second.announced <= version) behind_.erase(it);
+}
+
+void TileFollower::forget(TileKey key) {
+  have_.erase(key);
+  behind_.erase(key);
+}
+
+bool TileFollower::announced(const tile_index_t& message) {
+  if (message.channel != channel_ || message.epoch != epoch_) return false;
+  for (std::size_t i = 0; i < message.tile_x.size(); ++i) {
+    const TileKey key{message.tile_x[i], message.tile_y[i]};
+    const auto have = have_.find(key);
+    if (have != have_.end() && have->second >= message.version[i]) continue;
+    const auto [it, inserted] = behind_.try_emplace(key);
+    if (inserted) it->second.since = message.utime;
+    it->second.announced = std::max(it->second.announced, message.version[i]);
+  }
+  return true;
+}
+
+void TileFollower::lacks(TileKey key, std::int32_t version) {
+  Behind& behind = behind_[key];
+  behind.since = 0;
+  behind.announced = std::max(behind.announced, version);
+}
+
+bool TileFollower::is_behind_near(double x, double y, double radius) const {
+  return std::any_of(behind_.begin(), behind_.end(),
+                     [&](const auto& tile) { return squared_distance(tile.first, x, y) < radius * radius; });
+}
+
+tile_request_t TileFollower::make_request(std::int64_t now, std::size_t max_tiles, std::int64_t patience, double x,
+                                          double y) {
+  std::vector<TileKey> due;
+  for (const auto& [key, behind] : behind_) {
+    if (now - behind.since >= patience && now - behind.last_asked >= 1'000'000) due.push_back(key);
+  }
+  std::sort(due.begin(), due.end(), [&](TileKey a, TileKey b) {
+    return std::pair(squared_distance(a, x, y), a) < std::pair(squared_distance(b, x, y), b);
+  });
+  if (due.size() > max_tiles) due.resize(max_tiles);
+
+  tile_request_t request;
+  request.utime = now;
+  request.requester = requester_;
+  request.channel = channel_;
+  request.epoch = epoch_;
+  for (const TileKey& key : due) {
+    behind_[key].last_asked = now;
+    const auto have = have_.find(key);
+    request.tile_x.push_back(key.x);
+    request.tile_y.push_back(key.y);
+    request.have.push_back(have == have_.end() ? 0 : have->second);
+  }
+  request.num_tiles = static_cast<std::int32_t>(due.size());
+  return request;
+}
+
+}  // namespace curbstone

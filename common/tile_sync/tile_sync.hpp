@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <curbstone/tile_index_t.hpp>
+#include <curbstone/tile_request_t.hpp>
+#include <deque>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "common/tiles/tile.hpp"
+
+namespace curbstone {
+
+/// @file
+/// The loss-recovery protocol of versioned tiles (docs/design.md, "State, not events"). A version is a count of points
+/// or a revision. It only grows within an epoch. Both classes are pure: messages in, messages out, no bus, one thread.
+
+/// The sender's side: the versions of its tiles. Makes TILE_INDEX pages and remembers which tiles were asked for.
+class TileCatalog {
+ public:
+  TileCatalog(std::string owner, std::string channel) : owner_(std::move(owner)), channel_(std::move(channel)) {}
+
+  /// Forgets everything of the epoch before.
+  void start_epoch(std::int32_t epoch);
+  void set_version(TileKey key, std::int32_t version);
+  void remove(TileKey key);
+
+  /// One round of the index: the tiles changed since the last round first, then those nearest to (x, y), m in map.
+  /// At most `max_tiles` (the rest take turns in later rounds), in pages of at most kTilesPerPage. At least one page,
+  /// even when empty.
+  [[nodiscard]] std::vector<tile_index_t> make_index(std::int64_t utime, double x, double y,
+                                                     std::size_t max_tiles = 4000);
+
+  /// Takes a request. One for another channel or another epoch is ignored. A tile that is waiting already waits once.
+  void request(const tile_request_t& message);
+  struct Wanted {
+    TileKey key;
+    std::int32_t have;  ///< version the requester has
+  };
+  /// Up to `max_tiles` requested tiles that are newer here than there, oldest request first; they stop waiting.
+  [[nodiscard]] std::vector<Wanted> take_requests(std::size_t max_tiles);
+
+  static constexpr std::size_t kTilesPerPage = 1500;  ///< 12 bytes each: 18 kB
+  static constexpr std::size_t kMaxWaiting = 10000;   ///< requests kept; more are dropped, they are asked again
+
+ private:
+  std::string owner_;
+  std::string channel_;
+  std::int32_t epoch_ = 0;
+  std::unordered_map<TileKey, std::int32_t, TileKeyHash> versions_;
+  std::unordered_set<TileKey, TileKeyHash> changed_;
+  std::deque<TileKey> waiting_;
+  std::unordered_map<TileKey, std::int32_t, TileKeyHash> waiting_have_;
+  std::size_t turn_ = 0;
+};
+
+/// The listener's side: compares the versions that it has with those announced. Makes TILE_REQUESTs for what is
+/// missing.
+class TileFollower {
+ public:
+  TileFollower(std::string requester, std::string channel)
+      : requester_(std::move(requester)), channel_(std::move(channel)) {}
+
+  void start_epoch(std::int32_t epoch);
+  void set_have(TileKey key, std::int32_t version);
+  void forget(TileKey key);
+  /// Takes an index page. Returns false for another channel's or an older epoch's. A newer epoch is for the caller to
+  /// start (start_epoch) before.
+  bool announced(const tile_index_t& message);
+  /// A message of the tile told of `version`, and could not be used because something before it is missing. The tile is
+  /// asked for in the next request, without patience.
+  void lacks(TileKey key, std::int32_t version);
+
+  /// A request for at most `max_tiles` tiles whose announced version has been above ours for `patience` us: one that
+  /// was just announced is probably on its way. The nearest to (x, y), m in map, come first. num_tiles is 0 if nothing
+  /// is to be asked. Each tile is asked for at most once a second. `now`: message time, us.
+  [[nodiscard]] tile_request_t make_request(std::int64_t now, std::size_t max_tiles = 200,
+                                            std::int64_t patience = 300'000, double x = 0, double y = 0);
+
+  /// Tiles announced and not yet had.
+  [[nodiscard]] std::size_t behind() const { return behind_.size(); }
+  /// Whether one of them is nearer than `radius` to (x, y), m in map.
+  [[nodiscard]] bool is_behind_near(double x, double y, double radius) const;
+
+ private:
+  struct Behind {
+    std::int32_t announced = 0;
+    std::int64_t since = 0;       // us; message time of the index
+    std::int64_t last_asked = 0;  // us
+  };
+  std::string requester_;
+  std::string channel_;
+  std::int32_t epoch_ = 0;
+  std::unordered_map<TileKey, std::int32_t, TileKeyHash> have_;
+  std::unordered_map<TileKey, Behind, TileKeyHash> behind_;
+};
+
+}  // namespace curbstone

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "common/bus/node.hpp"
+#include "common/shell/event_loop.hpp"
+#include "drivers/encoder/can/can_frame.hpp"
+
+namespace curbstone::encoder::can {
+
+/// A way to a CAN bus. It recovers by itself when the adapter or interface vanishes and comes back. Frames get their
+/// time of receipt here, us since the Unix epoch. One thread, that of the event loop.
+class CanLink {
+ public:
+  struct Handlers {
+    std::function<void(std::int64_t receive_utime, const CanFrame&)> on_frame;
+    /// `up`: frames can be sent from this time on. Otherwise they cannot, and `why` says so in a line.
+    std::function<void(std::int64_t now, bool up, const std::string& why)> on_link;
+  };
+
+  virtual ~CanLink() = default;
+  /// Begins to read. The loop must not run after this object's end.
+  virtual void attach(EventLoop& loop, Handlers handlers) = 0;
+  /// A frame is lost, and counted, while the link is down.
+  virtual void send(const CanFrame& frame) = 0;
+  /// Adds counters and faults.
+  virtual void report(NodeReport& report) const = 0;
+};
+
+}  // namespace curbstone::encoder::can

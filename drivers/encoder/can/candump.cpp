@@ -1,0 +1,77 @@
+#include "drivers/encoder/can/candump.hpp"
+
+#include <charconv>
+
+#include "drivers/encoder/can/hex.hpp"
+
+namespace curbstone::encoder::can {
+
+namespace {
+
+std::optional<std::int64_t> parse_decimal(std::string_view text) {
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || text[0] == '-' || error != std::errc{} || end != text.data() + text.size()) return {};
+  return value;
+}
+
+/// "1608055974.318981"
+std::optional<std::int64_t> parse_stamp(std::string_view text) {
+  const std::size_t dot = text.find('.');
+  if (dot == std::string_view::npos || dot > 12 || text.size() - dot != 7) return {};
+  const auto seconds = parse_decimal(text.substr(0, dot));
+  const auto micros = parse_decimal(text.substr(dot + 1));
+  if (!seconds || !micros) return {};
+  return *seconds * 1'000'000 + *micros;
+}
+
+/// "202#903C", "00000123#", "123#R", "123#R4"
+std::optional<CanFrame> parse_frame(std::string_view text) {
+  const std::size_t hash = text.find('#');
+  if (hash != 3 && hash != 8) return {};
+  CanFrame frame;
+  frame.extended = hash == 8;
+  const auto id = parse_hex(text.substr(0, hash));
+  if (!id || *id > (frame.extended ? kMaxExtendedId : kMaxStandardId)) return {};  // error frames have bit 29 set
+  frame.id = *id;
+  std::string_view payload = text.substr(hash + 1);
+  if (!payload.empty() && payload[0] == 'R') {
+    frame.remote = true;
+    if (payload.size() > 2) return {};
+    if (payload.size() == 2) {
+      if (payload[1] < '0' || payload[1] > '8') return {};
+      frame.size = static_cast<std::uint8_t>(payload[1] - '0');
+    }
+    return frame;
+  }
+  if (!parse_hex_bytes(payload, frame.data)) return {};
+  frame.size = static_cast<std::uint8_t>(payload.size() / 2);
+  return frame;
+}
+
+/// Cuts the first word off.
+std::string_view next_word(std::string_view& text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  if (begin == std::string_view::npos) return text = {};
+  text.remove_prefix(begin);
+  const std::string_view word = text.substr(0, text.find_first_of(" \t\r\n"));
+  text.remove_prefix(word.size());
+  return word;
+}
+
+}  // namespace
+
+std::optional<CandumpLine> parse_candump_line(std::string_view line) {
+  const std::string_view stamp = next_word(line);
+  const std::string_view interface = next_word(line);
+  const std::string_view frame_text = next_word(line);
+  if (stamp.size() < 3 || stamp.front() != '(' || stamp.back() != ')' || interface.empty()) return {};
+  const std::string_view direction = next_word(line);  // newer candump adds T or R
+  if (!direction.empty() && direction != "T" && direction != "R") return {};
+  const auto utime = parse_stamp(stamp.substr(1, stamp.size() - 2));
+  const auto frame = parse_frame(frame_text);
+  if (!utime || !frame) return {};
+  return CandumpLine{*utime, std::string(interface), *frame};
+}
+
+}  // namespace curbstone::encoder::can

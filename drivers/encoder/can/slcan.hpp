@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/bus/counters.hpp"
+#include "drivers/encoder/can/can_frame.hpp"
+
+namespace curbstone::encoder::can {
+
+// SLCAN, Lawicel's ASCII protocol (CANUSB manual): lines that end with CR. "t1812AABB" is a data frame with an 11-bit
+// id (T: 29 bits), "r"/"R" a remote request. An adapter answers a command by CR, or refuses it by BELL.
+
+/// The frame of one line, without its CR. Four more digits, a time stamp, are ignored. Empty if the line is no frame.
+[[nodiscard]] std::optional<CanFrame> parse_slcan_frame(std::string_view line);
+[[nodiscard]] std::vector<std::uint8_t> encode_slcan(const CanFrame& frame);
+
+/// Cuts the adapter's byte stream into frames and answers. The protocol has no checksum: a line that is not exactly a
+/// frame is refused. A whole frame at the end of a damaged line is still read, for its first letter is no hexadecimal
+/// digit. Holds at most kMaxLine bytes. Pure.
+///
+/// Counts: slcan.frames, refused.slcan_line (malformed), refused.slcan_overlong.
+class SlcanParser {
+ public:
+  enum class Answer { kOk, kRefused };
+  struct Handlers {
+    std::function<void(const CanFrame&)> on_frame;
+    std::function<void(Answer)> on_answer;
+  };
+  static constexpr std::size_t kMaxLine = 64;
+
+  void parse(std::span<const std::uint8_t> bytes, const Handlers& handlers);
+  void reset() { line_.clear(); }
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  void on_line(const Handlers& handlers);
+
+  std::string line_;
+  bool overlong_ = false;
+  Counters counters_;
+};
+
+}  // namespace curbstone::encoder::can

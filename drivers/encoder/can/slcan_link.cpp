@@ -1,0 +1,38 @@
+#include "drivers/encoder/can/slcan_link.hpp"
+
+#include <utility>
+
+#include "common/time/clock.hpp"
+
+namespace curbstone::encoder::can {
+
+SlcanLink::SlcanLink(const serial::SerialSettings& serial, int bitrate)
+    : channel_(bitrate, {[this](auto bytes) { serial_.send(bytes); },
+                         [this](std::int64_t utime, const CanFrame& frame) { handlers_.on_frame(utime, frame); },
+                         [this](std::int64_t now) { handlers_.on_link(now, true, ""); }}),
+      serial_(serial) {}
+
+void SlcanLink::attach(EventLoop& loop, Handlers handlers) {
+  handlers_ = std::move(handlers);
+  handlers_.on_link(wall_clock(), false, "the SLCAN adapter's channel is being opened");
+  serial_.attach(loop, {[this](auto utime, auto bytes) { channel_.on_bytes(utime, bytes); },
+                        [this](std::int64_t now, bool up, const std::string& why) {
+                          port_up_ = up;
+                          if (up) {
+                            channel_.start(now);
+                          } else {
+                            handlers_.on_link(now, false, why);
+                          }
+                        }});
+  loop.every(std::chrono::milliseconds(20), [this] {
+    if (port_up_) channel_.tick(wall_clock());
+  });
+}
+
+void SlcanLink::report(NodeReport& report) const {
+  const Counters counters = channel_.counters();
+  for (const auto& [name, value] : counters.values()) report.counters.add(name, value);
+  if (port_up_ && !channel_.fault().empty()) report.faults.push_back(channel_.fault());
+}
+
+}  // namespace curbstone::encoder::can

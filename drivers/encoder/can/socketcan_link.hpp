@@ -1,0 +1,68 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/bus/counters.hpp"
+#include "drivers/encoder/can/can_link.hpp"
+
+namespace curbstone::encoder::can {
+
+/// A raw SocketCAN socket (Linux Documentation/networking/can.rst). It receives exactly the given ids (11 bits) and the
+/// bus's error frames. Non-blocking. Move-only; closes at its end.
+class CanSocket {
+ public:
+  /// Throws std::runtime_error with one clear line: no CAN in the kernel, no such interface, no permission.
+  CanSocket(const std::string& interface, const std::vector<std::uint32_t>& ids);
+  ~CanSocket();
+  CanSocket(CanSocket&& other) noexcept;
+  CanSocket& operator=(CanSocket&& other) noexcept;
+
+  enum class Status { kFrame, kErrorFrame, kRefused, kNothing, kDown };
+  struct Read {
+    Status status = Status::kNothing;
+    CanFrame frame;
+    std::int64_t utime = 0;        ///< us, by the kernel, when the frame was received
+    std::uint32_t error_bits = 0;  ///< of an error frame: CAN_ERR_*
+  };
+  [[nodiscard]] Read read();
+  /// False if the kernel has no room for it, or the interface is down.
+  bool write(const CanFrame& frame);
+  [[nodiscard]] int fd() const { return fd_; }
+
+ private:
+  void close() noexcept;
+  int fd_ = -1;
+};
+
+/// A CAN interface of the kernel (can0). Bus-off, and an interface that goes down or away, are faults and counted. The
+/// link waits until they are over.
+///
+/// Counts: can.frames, can.errors, can.bus_off, can.send_failed, refused.can_frame.
+class SocketCanLink final : public CanLink {
+ public:
+  /// Throws std::runtime_error, with one clear line, if the interface cannot be opened.
+  SocketCanLink(std::string interface, std::vector<std::uint32_t> ids);
+
+  void attach(EventLoop& loop, Handlers handlers) override;
+  void send(const CanFrame& frame) override;
+  void report(NodeReport& report) const override;
+
+ private:
+  void watch();
+  void on_readable();
+  void on_error_frame(std::uint32_t bits);
+  void lose();
+  void try_to_open();
+
+  std::string interface_;
+  std::vector<std::uint32_t> ids_;
+  std::optional<CanSocket> socket_;
+  EventLoop* loop_ = nullptr;
+  Handlers handlers_;
+  bool bus_off_ = false;
+  Counters counters_;
+};
+
+}  // namespace curbstone::encoder::can

@@ -1,0 +1,230 @@
+#include "drivers/encoder/canopen/wheel_drive.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "common/bytes/little_endian.hpp"
+
+namespace curbstone::encoder::canopen {
+
+using canopen::NmtCommand;
+using canopen::NmtState;
+using canopen::Object;
+
+namespace {
+
+constexpr Object kHeartbeatPeriod{0x1017, 0};
+constexpr Object kEncoderLines{0x200E, 1};
+constexpr Object kFaults{0x603F, 0};
+constexpr Object kStatusWords{0x6041, 0};
+constexpr Object kPositionLeft{0x6064, 1};
+constexpr Object kPositionRight{0x6064, 2};
+constexpr Object kSpeeds{0x606C, 3};
+
+constexpr std::int64_t kStatusPeriod = 100'000;        // us, of TPDO2
+constexpr std::int64_t kPollPeriod = 1'000'000;        // us, of the fault word
+constexpr std::int64_t kSetUpRetryPeriod = 1'000'000;  // us, after a set-up that failed
+
+/// Low half left, high half right: measured for the speeds, probable for status and faults (encoders_can.md, B4).
+std::array<std::uint16_t, 2> halves(std::uint32_t value) {
+  return {static_cast<std::uint16_t>(value), static_cast<std::uint16_t>(value >> 16)};
+}
+
+}  // namespace
+
+bool DriveStatus::enabled() const {
+  const auto on = [](std::uint16_t bits) { return (bits & 0x6F) == 0x27 && (bits & 0x80) == 0; };
+  return known && on(word[0]) && on(word[1]) && faults[0] == 0 && faults[1] == 0;
+}
+
+std::string fault_text(std::uint16_t faults) {
+  static constexpr std::array<const char*, 16> kNames = {"over-voltage",
+                                                         "under-voltage",
+                                                         "over-current",
+                                                         "overload",
+                                                         "current tolerance",
+                                                         "encoder tolerance",
+                                                         "velocity tolerance",
+                                                         "reference voltage",
+                                                         "EEPROM",
+                                                         "hall",
+                                                         "motor temperature",
+                                                         "encoder",
+                                                         "bit 12",
+                                                         "speed setting",
+                                                         "bit 14",
+                                                         "bit 15"};
+  std::string text;
+  for (std::size_t bit = 0; bit < kNames.size(); ++bit) {
+    if ((faults >> bit & 1) != 0) text += (text.empty() ? "" : ", ") + std::string(kNames[bit]);
+  }
+  return text;
+}
+
+WheelDrive::WheelDrive(const Settings& settings, Handlers handlers)
+    : settings_(settings), handlers_(std::move(handlers)), sdo_(settings.node, handlers_.send) {}
+
+std::vector<std::uint32_t> WheelDrive::ids(std::uint8_t node) {
+  std::vector<std::uint32_t> ids = {canopen::kEmergency, canopen::kTpdo1, canopen::kTpdo2, canopen::kSdoReply,
+                                    canopen::kHeartbeat};
+  for (std::uint32_t& id : ids) id += node;
+  return ids;
+}
+
+Counters WheelDrive::counters() const {
+  Counters counters = counters_;
+  for (const auto& [name, value] : sdo_.counters().values()) counters.add(name, value);
+  return counters;
+}
+
+/// While driving, a change is sent at most every inhibit time; standing, every event timer: both are the period, so
+/// that the positions come evenly.
+std::vector<WheelDrive::Write> WheelDrive::setup_sequence() const {
+  std::vector<Write> writes;
+  const auto map_pdo = [&](std::uint16_t communication, std::int64_t period, Object first, Object second) {
+    const auto map = static_cast<std::uint16_t>(communication + 0x200);
+    writes.push_back({{map, 0}, 1, 0, true});
+    writes.push_back({{map, 1}, 4, canopen::mapping(first, 32), true});
+    writes.push_back({{map, 2}, 4, canopen::mapping(second, 32), true});
+    writes.push_back({{communication, 2}, 1, 0xFF, true});
+    writes.push_back({{communication, 3}, 2, static_cast<std::uint32_t>(period / 100), true});
+    writes.push_back({{communication, 5}, 2, static_cast<std::uint32_t>(period / settings_.event_timer_unit), true});
+    writes.push_back({{map, 0}, 1, 2, true});
+  };
+  map_pdo(0x1800, settings_.period, kPositionLeft, kPositionRight);
+  map_pdo(0x1801, kStatusPeriod, kStatusWords, kSpeeds);
+  writes.push_back({kHeartbeatPeriod, 2, static_cast<std::uint32_t>(settings_.heartbeat_period), false});
+  return writes;
+}
+
+void WheelDrive::start(std::int64_t now) {
+  sdo_.cancel();
+  status_ = {};
+  since_ = now;
+  if (!settings_.configure) {
+    run(now);
+    return;
+  }
+  counters_.add("drive.setups");
+  state_ = State::kSettingUp;
+  sequence_ = setup_sequence();
+  step_ = 0;
+  handlers_.send(canopen::nmt(NmtCommand::kPreOperational, settings_.node));
+  next_write(now);
+}
+
+void WheelDrive::next_write(std::int64_t now) {
+  if (step_ == sequence_.size()) {
+    handlers_.send(canopen::nmt(NmtCommand::kStart, settings_.node));
+    run(now);
+    return;
+  }
+  const Write& write = sequence_[step_];
+  sdo_.write(now, write.object, write.size, write.value, [this](std::int64_t at, const SdoClient::Result& result) {
+    const Write& done = sequence_[step_];
+    using Status = SdoClient::Result::Status;
+    if (result.status == Status::kNoAnswer) {
+      fail(at,
+           fmt::format("the drive (CAN node {}) does not answer: power, bus, bit rate or node id?", settings_.node));
+    } else if (result.status == Status::kAborted && done.required) {
+      fail(at, fmt::format("the drive (CAN node {}) refuses object {:04X}:{:02X}: abort {:08X}", settings_.node,
+                           done.object.index, done.object.sub, result.value));
+    } else {
+      ++step_;
+      next_write(at);
+    }
+  });
+}
+
+void WheelDrive::run(std::int64_t now) {
+  state_ = State::kRunning;
+  since_ = last_counts_ = now;
+  fault_.clear();
+}
+
+void WheelDrive::fail(std::int64_t now, std::string why) {
+  state_ = State::kFailed;
+  since_ = now;
+  fault_ = std::move(why);
+}
+
+void WheelDrive::on_frame(std::int64_t receive_utime, const can::CanFrame& frame) {
+  if (state_ == State::kIdle) start(receive_utime);
+  if (frame.extended || frame.remote) {
+    counters_.add("ignored.frames");
+  } else if (frame.id == canopen::kTpdo1 + settings_.node) {
+    if (state_ != State::kRunning) return counters_.add("ignored.unconfigured");
+    if (frame.size != 8) return counters_.add("refused.length");
+    last_counts_ = receive_utime;
+    const auto left = read_little_endian<std::uint32_t>(frame.bytes());
+    const auto right = read_little_endian<std::uint32_t>(frame.bytes().subspan(4));
+    handlers_.on_counts(receive_utime, {static_cast<std::int32_t>(left), static_cast<std::int32_t>(right)});
+  } else if (frame.id == canopen::kTpdo2 + settings_.node) {
+    if (state_ != State::kRunning) return counters_.add("ignored.unconfigured");
+    if (frame.size != 8) return counters_.add("refused.length");
+    status_.word = halves(read_little_endian<std::uint32_t>(frame.bytes()));
+    status_.known = true;
+  } else if (frame.id == canopen::kSdoReply + settings_.node) {
+    sdo_.on_frame(receive_utime, frame);
+  } else if (frame.id == canopen::kHeartbeat + settings_.node) {
+    on_heartbeat(receive_utime, frame);
+  } else if (frame.id == canopen::kEmergency + settings_.node) {
+    on_emergency(frame);
+  } else {
+    counters_.add("ignored.frames");
+  }
+}
+
+void WheelDrive::on_heartbeat(std::int64_t now, const can::CanFrame& frame) {
+  if (frame.size != 1) return counters_.add("refused.length");
+  const auto state = static_cast<NmtState>(frame.data[0] & 0x7F);
+  if (state == NmtState::kBootUp) {  // all that we had set up is lost
+    counters_.add("drive.boots");
+    handlers_.on_restart();
+    start(now);
+  } else if (state_ == State::kRunning && state != NmtState::kOperational && now - since_ > settings_.patience) {
+    counters_.add("drive.stops");
+    start(now);
+  }
+}
+
+void WheelDrive::on_emergency(const can::CanFrame& frame) {
+  if (frame.size != 8) return counters_.add("refused.length");
+  counters_.add("drive.emergencies");
+  poll_now_ = true;  // the message tells that something is wrong, the fault word what
+}
+
+void WheelDrive::tick(std::int64_t now) {
+  if (state_ == State::kIdle) return start(now);
+  // Who has slept has not heard the drive either: what it sent waits to be read, and comes before the next tick.
+  const bool slept = now - std::exchange(last_tick_, now) > settings_.patience / 2;
+  sdo_.tick(now);
+  if (state_ == State::kFailed && now - since_ >= kSetUpRetryPeriod) start(now);
+  if (state_ != State::kRunning) return;
+  if (now - last_counts_ > settings_.patience && !slept) {
+    counters_.add("drive.silences");
+    start(now);
+    return;
+  }
+  poll(now);
+}
+
+void WheelDrive::poll(std::int64_t now) {
+  if (!settings_.configure || sdo_.busy()) return;  // a listener asks nothing: the SDO channel is the other master's
+  using Status = SdoClient::Result::Status;
+  if (!encoder_lines_) {
+    sdo_.read(now, kEncoderLines, [this](std::int64_t, const SdoClient::Result& result) {
+      encoder_lines_ = result.status == Status::kOk ? result.value : 0;
+    });
+  } else if (poll_now_ || now - last_poll_ >= kPollPeriod) {
+    poll_now_ = false;
+    last_poll_ = now;
+    sdo_.read(now, kFaults, [this](std::int64_t, const SdoClient::Result& result) {
+      if (result.status == Status::kOk) status_.faults = halves(result.value);
+    });
+  }
+}
+
+}  // namespace curbstone::encoder::canopen

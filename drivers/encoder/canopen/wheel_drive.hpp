@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/bus/counters.hpp"
+#include "drivers/encoder/can/can_frame.hpp"
+#include "drivers/encoder/canopen/sdo_client.hpp"
+
+namespace curbstone::encoder::canopen {
+
+/// What the drive reports of itself. Index 0 is the left wheel, 1 the right.
+struct DriveStatus {
+  std::array<std::uint16_t, 2> word{};    ///< CiA 402 status words
+  std::array<std::uint16_t, 2> faults{};  ///< 603F: bits
+  bool known = false;                     ///< a status word has come since the drive was last set up
+
+  /// Both wheels powered (operation enabled) and free of alarms.
+  [[nodiscard]] bool enabled() const;
+};
+
+/// The master of a ZLAC8015D two-wheel drive on CANopen. Set-up: pre-operational, PDO mapping by SDO, start. Then it
+/// watches boot-ups, heartbeats and silence. After a restart, a stop by another master or a silence it sets the drive
+/// up again. It never moves a wheel. Pure: time comes in (us), frames go in and out. TPDO1 carries both positions,
+/// TPDO2 status and speeds. Source: CiA 301, CiA 402; ZLAC8015D CANopen manual.
+///
+/// Counts: drive.setups, drive.boots, drive.silences, drive.stops (left operational without us), drive.emergencies,
+/// ignored.frames, ignored.unconfigured, refused.length, and those of SdoClient.
+class WheelDrive {
+ public:
+  struct Settings {
+    std::uint8_t node = 1;
+    bool configure = true;                ///< false: another master sets the drive up, only listen
+    std::int64_t period = 10'000;         ///< us, of the positions
+    std::int64_t event_timer_unit = 500;  ///< us; the ZLAC's, the standard says 1000
+    std::int64_t patience = 500'000;      ///< us without positions after which the drive is set up again
+    std::int64_t heartbeat_period = 250;  ///< in the drive's own unit (1 ms or, measured, 0.5 ms)
+  };
+  struct Handlers {
+    std::function<void(const can::CanFrame&)> send;
+    std::function<void(std::int64_t receive_utime, std::array<std::int32_t, 2> counts)> on_counts;
+    std::function<void()> on_restart;  ///< the drive has booted: its counts begin anew
+  };
+
+  WheelDrive(const Settings& settings, Handlers handlers);
+
+  /// (Re)starts from the beginning: the link came up.
+  void start(std::int64_t now);
+  void on_frame(std::int64_t receive_utime, const can::CanFrame& frame);
+  void tick(std::int64_t now);
+
+  [[nodiscard]] const DriveStatus& status() const { return status_; }
+  /// Encoder lines of the left wheel's motor (200E), once read.
+  [[nodiscard]] std::optional<std::uint32_t> encoder_lines() const { return encoder_lines_; }
+  /// What is wrong with the communication, in words; empty when nothing is.
+  [[nodiscard]] const std::string& fault() const { return fault_; }
+  [[nodiscard]] Counters counters() const;
+  /// The CAN ids that a source must let through.
+  [[nodiscard]] static std::vector<std::uint32_t> ids(std::uint8_t node);
+
+ private:
+  struct Write {
+    canopen::Object object;
+    std::uint8_t size;
+    std::uint32_t value;
+    bool required;
+  };
+  enum class State { kIdle, kSettingUp, kRunning, kFailed };
+
+  [[nodiscard]] std::vector<Write> setup_sequence() const;
+  void next_write(std::int64_t now);
+  void run(std::int64_t now);
+  void fail(std::int64_t now, std::string why);
+  void on_heartbeat(std::int64_t now, const can::CanFrame& frame);
+  void on_emergency(const can::CanFrame& frame);
+  void poll(std::int64_t now);
+
+  Settings settings_;
+  Handlers handlers_;
+  SdoClient sdo_;
+  State state_ = State::kIdle;
+  std::vector<Write> sequence_;
+  std::size_t step_ = 0;
+  std::int64_t since_ = 0;        // when the state began
+  std::int64_t last_counts_ = 0;  // when positions last came, or the drive was started
+  std::int64_t last_poll_ = 0;
+  std::int64_t last_tick_ = 0;
+  bool poll_now_ = false;
+  DriveStatus status_;
+  std::optional<std::uint32_t> encoder_lines_;
+  std::string fault_;
+  Counters counters_;
+};
+
+/// The names of 603F's bits that are set: "over-voltage, encoder"; empty for 0.
+[[nodiscard]] std::string fault_text(std::uint16_t faults);
+
+}  // namespace curbstone::encoder::canopen

@@ -1,0 +1,252 @@
+#include "procman/deputy/deputy_app.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/signalfd.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <set>
+
+#include "common/time/clock.hpp"
+#include "common/time/microseconds.hpp"
+#include "procman/deputy/systemd_notify.hpp"
+
+namespace curbstone::procman::deputy {
+
+namespace {
+
+constexpr std::int64_t kShortLife = 1'000'000;  // us
+constexpr int kCrashLoop = 5;                   // short lives in a row: said once as such, then every 60th
+constexpr std::size_t kLinesShown = 10;
+constexpr std::size_t kLinesResent = 50;
+
+std::string host_name() {
+  char name[256] = {};
+  gethostname(name, sizeof name - 1);
+  return name;
+}
+
+/// Commands are found beside the deputy first, and a vehicle's config is where it is usually installed.
+void prepare_environment() {
+  std::error_code error;
+  const auto own = std::filesystem::read_symlink("/proc/self/exe", error);
+  const char* path = std::getenv("PATH");
+  if (!error) setenv("PATH", (own.parent_path().string() + ":" + (path ? path : "/usr/bin:/bin")).c_str(), 1);
+  setenv("CURBSTONE_CONFIG", "/etc/curbstone/ugv.yaml", 0);
+}
+
+std::string describe_status(int status) {
+  if (WIFSIGNALED(status)) {
+    return fmt::format("{}{}", strsignal(WTERMSIG(status)), WCOREDUMP(status) ? " (core dumped)" : "");
+  }
+  return fmt::format("exit status {}", WEXITSTATUS(status));
+}
+
+process::FileDescriptor take_signals(std::initializer_list<int> numbers) {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int number : numbers) sigaddset(&signals, number);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return process::FileDescriptor(signalfd(-1, &signals, SFD_NONBLOCK | SFD_CLOEXEC));
+}
+
+}  // namespace
+
+DeputyApp::DeputyApp(DeputyAppOptions options)
+    : options_(std::move(options)),
+      keeper_(options_.log_dir, options_.keep),
+      supervisor_(
+          loop_, {.output =
+                      [this](const std::string& id, std::string_view bytes) {
+                        deputy_->output(id, bytes);
+                        keeper_.add(id, bytes, [&](std::string_view line) { print_line(id, line); });
+                      },
+                  .started = [this](const process::CommandState& state) { on_started(state); },
+                  .ended = [this](const process::CommandState& state, std::int64_t lived) { on_ended(state, lived); }}),
+      other_signals_(take_signals({SIGHUP, SIGQUIT})) {
+  prepare_environment();
+  load_config();
+  bus_ = std::make_unique<LcmBus>(options_.lcm_url);
+  deputy_ = std::make_unique<Deputy>(
+      DeputyOptions{.id = options_.id, .allow_list = options_.allow_any ? std::nullopt : std::optional(config_)},
+      supervisor_, *bus_);
+  deputy_->on_sheriff_arrived = [this] { resend_last_lines(); };
+  deputy_->connect(*bus_);
+}
+
+void DeputyApp::load_config() {
+  if (options_.config_file.empty() && !options_.allow_any) {
+    throw UsageError("nothing to run: give --config FILE.cfg, or --allow-any to take orders for any command");
+  }
+  try {
+    if (!options_.config_file.empty()) config_ = config::load_config_file(options_.config_file);
+  } catch (const std::runtime_error& error) {
+    throw UsageError(error.what());
+  }
+  std::set<std::string> deputies;
+  for (const config::Command& command : config_.commands) deputies.insert(command.deputy);
+  if (options_.id.empty()) options_.id = deputies.size() == 1 ? *deputies.begin() : host_name();
+  if (!config_.commands.empty() && !deputies.contains(options_.id)) {
+    throw UsageError(fmt::format("{} has no command for deputy \"{}\", only for: {}; choose one with --id",
+                                 options_.config_file, options_.id, fmt::join(deputies, ", ")));
+  }
+  const config::Config all = config_;
+  std::erase_if(config_.commands, [&](const config::Command& command) { return command.deputy != options_.id; });
+  if (!options_.script.empty() && all.find_script(options_.script) == nullptr) {
+    throw UsageError(fmt::format("{} has no script \"{}\"", options_.config_file, options_.script));
+  }
+  if (!options_.exit_when.empty() && config_.find_command(options_.exit_when) == nullptr) {
+    throw UsageError(fmt::format("--exit-when {}: {} has no such command for deputy \"{}\"", options_.exit_when,
+                                 options_.config_file, options_.id));
+  }
+  for (const config::Command& command : config_.commands) supervisor_.set(command);
+}
+
+int DeputyApp::run() {
+  loop_.watch(bus_->fd(), [this] { bus_->handle(std::chrono::milliseconds(0)); });
+  loop_.watch(other_signals_.get(), [this] {
+    signalfd_siginfo ignored{};
+    (void)!read(other_signals_.get(), &ignored, sizeof ignored);
+    loop_.stop();
+  });
+  loop_.every(std::chrono::milliseconds(10), [this] { tick(); });
+  loop_.run();
+  if (!deputy_->conflict().empty()) {
+    fmt::print(stderr, "curbstone-deputy: {}; choose another --id, or stop that one\n", deputy_->conflict());
+    return 2;
+  }
+  shut_down();
+  return status_;
+}
+
+void DeputyApp::shut_down() {
+  notify_systemd("STOPPING=1");
+  deputy_->begin_shutdown();
+  script_.reset();
+  if (supervisor_.any_running()) say("stopping");
+  stopping_.emplace(supervisor_, config_.stages());
+  while (!stopping_->step(steady_clock())) {
+    loop_.run();  // until tick() sees the end, or another signal
+    if (stopping_->step(steady_clock())) break;
+    say("killing what is left");
+    supervisor_.kill_all();
+  }
+  for (const std::string& id : stopping_->abandoned()) say(fmt::format("{} does not even die when killed", id));
+  deputy_->flush();
+}
+
+void DeputyApp::tick() {
+  deputy_->tick();
+  const std::int64_t now = steady_clock();
+  if (!deputy_->conflict().empty()) loop_.stop();
+  if (deputy_->active() && !begun_) begin();
+  if (script_ && !script_->done()) {
+    script_->step(now);
+    if (script_->done()) say(fmt::format("script \"{}\" is done", options_.script));
+  }
+  if (stopping_ ? stopping_->step(now) : end_at_ != 0 && now >= end_at_) loop_.stop();
+  if (now >= watchdog_due_) {
+    watchdog_due_ = now + 1'000'000;
+    notify_systemd("WATCHDOG=1");
+  }
+}
+
+void DeputyApp::begin() {
+  begun_ = true;
+  notify_systemd("READY=1");
+  say(fmt::format("deputy \"{}\" on {}, {} commands", options_.id, bus_->url(), config_.commands.size()));
+  for (const config::Command& command : config_.commands) {
+    const config::ExecLine line = config::parse_exec_line(command.exec, config::from_environment);
+    for (const std::string& name : line.unknown_variables) {
+      say(fmt::format("{}: ${} is not set and stays as written", command.id, name));
+    }
+  }
+  if (options_.start_all) {  // sinks before sources: nothing of what the sources say is missed
+    for (auto it = config_.commands.rbegin(); it != config_.commands.rend(); ++it) deputy_->start(it->id);
+  }
+  if (!options_.script.empty()) {
+    script_.emplace(config_, options_.script,
+                    ScriptRunner::Hands{[this](const std::string& id) { deputy_->start(id); },
+                                        [this](const std::string& id) { supervisor_.stop(id); },
+                                        [this](const std::string& id) { supervisor_.restart(id); },
+                                        [this](const std::string& id, config::WaitStatus wanted) {
+                                          // "running" means, as in procman, that the deputy has done what it could:
+                                          // a script does not hang on a program that cannot start.
+                                          const process::CommandState* state = supervisor_.find(id);
+                                          if (state == nullptr || state->pid == 0) return true;
+                                          return wanted == config::WaitStatus::kRunning && !state->stopping;
+                                        }});
+  }
+}
+
+void DeputyApp::on_started(const process::CommandState& state) {
+  deputy_->changed();
+  keeper_.note(state.command.id, fmt::format("-- started, pid {}", state.pid));
+  if (short_lives_[state.command.id] < kCrashLoop) say(fmt::format("{} started, pid {}", state.command.id, state.pid));
+}
+
+void DeputyApp::on_ended(const process::CommandState& state, std::int64_t lived) {
+  deputy_->changed();
+  const std::string& id = state.command.id;
+  keeper_.end(id, [&](std::string_view line) { print_line(id, line); });
+  if (WIFSIGNALED(state.exit_status)) {  // as procman words it for sheriffs
+    deputy_->output(id, fmt::format("{}\n{}", strsignal(WTERMSIG(state.exit_status)),
+                                    WCOREDUMP(state.exit_status) ? "Core dumped.\n" : ""));
+  }
+  const std::string how =
+      fmt::format("{} after {:.1f} s", describe_status(state.exit_status), static_cast<double>(lived) * 1e-6);
+  keeper_.note(id, "-- ended: " + how);
+
+  int& short_lives = short_lives_[id];
+  short_lives = lived < kShortLife && state.respawn_at != 0 ? short_lives + 1 : 0;
+  if (short_lives < kCrashLoop) {
+    std::string what = fmt::format("{} ended: {}", id, how);
+    if (state.killed)
+      what += fmt::format("; it was killed: it did not stop within {} s", state.command.stop_time_allowed);
+    say(what);
+  } else if (short_lives == kCrashLoop || short_lives % 60 == 0) {
+    say(fmt::format("{} keeps dying: {} times in a row within a second ({})", id, short_lives, how));
+  }
+  if (!state.stopping && state.exit_status != 0 && short_lives <= kCrashLoop) show_last_lines(id);
+  if (id == options_.exit_when && !stopping_ && end_at_ == 0) {
+    status_ = state.exit_status == 0 ? 0 : 1;
+    end_at_ = steady_clock() + microseconds(options_.settle);
+  }
+}
+
+void DeputyApp::say(const std::string& text) {
+  fmt::print("deputy: {}\n", text);
+  std::fflush(stdout);
+  deputy_->output("", text + "\n");
+}
+
+void DeputyApp::print_line(const std::string& id, std::string_view line) const {
+  if (options_.quiet) return;
+  fmt::print("{}: {}\n", id, line);
+  std::fflush(stdout);
+}
+
+/// Of a command that failed, when its output was not printed as it came.
+void DeputyApp::show_last_lines(const std::string& id) {
+  if (!options_.quiet) return;
+  const auto& lines = keeper_.last_lines(id);
+  for (std::size_t i = lines.size() - std::min(lines.size(), kLinesShown); i < lines.size(); ++i) {
+    fmt::print("  {}: {}\n", id, lines[i]);
+  }
+  std::fflush(stdout);
+}
+
+/// A sheriff that comes late still sees what the commands last printed.
+void DeputyApp::resend_last_lines() {
+  for (const process::CommandState* state : supervisor_.commands()) {
+    const auto& lines = keeper_.last_lines(state->command.id);
+    for (std::size_t i = lines.size() - std::min(lines.size(), kLinesResent); i < lines.size(); ++i) {
+      deputy_->output(state->command.id, lines[i] + "\r\n");
+    }
+  }
+}
+
+}  // namespace curbstone::procman::deputy

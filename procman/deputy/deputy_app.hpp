@@ -1,0 +1,81 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "common/bus/lcm_bus.hpp"
+#include "common/shell/event_loop.hpp"
+#include "procman/config/config.hpp"
+#include "procman/deputy/deputy.hpp"
+#include "procman/deputy/script_runner.hpp"
+#include "procman/output/output_keeper.hpp"
+#include "procman/process/stop_sequence.hpp"
+#include "procman/process/supervisor.hpp"
+
+namespace curbstone::procman::deputy {
+
+/// Wrong options or config; what() says what is wrong, for people.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct DeputyAppOptions {
+  std::string config_file;  ///< empty: none
+  std::string id;           ///< empty: the only deputy that the config names, else the host name
+  std::string script;       ///< run it at the start
+  bool start_all = false;
+  bool allow_any = false;  ///< take orders for commands that are not in the config
+  bool quiet = false;      ///< do not print what the commands print
+  std::string lcm_url;
+  std::string log_dir;
+  output::KeepLimits keep;
+  std::string exit_when;  ///< when this command has ended, stop the rest and exit
+  double settle = 0;      ///< s between the two
+};
+
+/// The process `curbstone-deputy`: a deputy on the bus that also runs its own config without a sheriff. One thread.
+class DeputyApp {
+ public:
+  /// Throws UsageError, or std::runtime_error when the environment fails.
+  explicit DeputyApp(DeputyAppOptions options);
+  /// Runs until a signal, or the end of `exit_when`. Then it stops everything, stage by stage; a second signal kills.
+  /// Returns the exit status: 0 clean, 1 `exit_when` failed, 2 another deputy has our id.
+  int run();
+
+ private:
+  void load_config();
+  void begin();
+  void tick();
+  void shut_down();
+  void on_started(const process::CommandState& state);
+  void on_ended(const process::CommandState& state, std::int64_t lived);
+  void say(const std::string& text);
+  void print_line(const std::string& id, std::string_view line) const;
+  void show_last_lines(const std::string& id);
+  void resend_last_lines();
+
+  DeputyAppOptions options_;
+  config::Config config_;  // our commands only
+  EventLoop loop_;
+  output::OutputKeeper keeper_;
+  process::Supervisor supervisor_;
+  std::unique_ptr<LcmBus> bus_;
+  std::unique_ptr<Deputy> deputy_;
+  process::FileDescriptor other_signals_;  // SIGHUP, SIGQUIT
+  std::optional<ScriptRunner> script_;
+  std::optional<process::StopSequence> stopping_;
+  std::map<std::string, int> short_lives_;  // in a row
+  bool begun_ = false;
+  int status_ = 0;
+  std::int64_t end_at_ = 0;  // us; 0: not yet known
+  std::int64_t watchdog_due_ = 0;
+};
+
+}  // namespace curbstone::procman::deputy

@@ -1,0 +1,89 @@
+#include "procman/output/output_keeper.hpp"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <filesystem>
+#include <stdexcept>
+
+namespace curbstone::procman::output {
+
+namespace {
+
+/// A file name for an id, whatever an operator calls his commands. Two ids never share a name.
+std::string file_name(const std::string& id) {
+  std::string name;
+  for (const char c : id) {
+    const bool plain =
+        std::isalnum(static_cast<unsigned char>(c)) != 0 || std::string_view("_-.:").find(c) != std::string_view::npos;
+    name += plain ? std::string(1, c) : fmt::format("%{:02x}", static_cast<unsigned char>(c));
+  }
+  return name + ".log";
+}
+
+}  // namespace
+
+OutputKeeper::OutputKeeper(std::string folder, KeepLimits limits) : folder_(std::move(folder)), limits_(limits) {
+  if (folder_.empty()) return;
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  const std::string probe = folder_ + "/.curbstone-deputy";
+  std::FILE* file = error ? nullptr : std::fopen(probe.c_str(), "we");
+  if (file == nullptr) {
+    throw std::runtime_error(
+        fmt::format("cannot write into the log folder {}: does it exist, and is it ours?", folder_));
+  }
+  std::fclose(file);
+  std::filesystem::remove(probe, error);
+}
+
+OutputKeeper::Kept& OutputKeeper::of(const std::string& id) {
+  const auto [it, is_new] = kept_.try_emplace(id);
+  if (is_new && !folder_.empty()) {
+    it->second.path = folder_ + "/" + file_name(id);
+    open(it->second);
+  }
+  return it->second;
+}
+
+void OutputKeeper::open(Kept& kept) const {
+  kept.file.reset(std::fopen(kept.path.c_str(), "ae"));
+  std::error_code error;
+  const auto size = std::filesystem::file_size(kept.path, error);
+  kept.file_size = error ? 0 : static_cast<std::size_t>(size);
+}
+
+void OutputKeeper::rotate(Kept& kept) const {
+  kept.file.reset();
+  std::error_code ignored;
+  for (int i = limits_.old_files; i >= 1; --i) {
+    const std::string from = i == 1 ? kept.path : fmt::format("{}.{}", kept.path, i - 1);
+    std::filesystem::rename(from, fmt::format("{}.{}", kept.path, i), ignored);
+  }
+  if (limits_.old_files < 1) std::filesystem::remove(kept.path, ignored);
+  open(kept);
+}
+
+void OutputKeeper::write(Kept& kept, std::string_view line) {
+  if (kept.path.empty()) return;
+  if (kept.file_size + line.size() + 1 > limits_.file_bytes && kept.file_size > 0) rotate(kept);
+  if (!kept.file) open(kept);
+  const bool written = kept.file && std::fwrite(line.data(), 1, line.size(), kept.file.get()) == line.size() &&
+                       std::fputc('\n', kept.file.get()) != EOF && std::fflush(kept.file.get()) == 0;
+  if (written) {
+    kept.file_size += line.size() + 1;
+  } else {
+    ++write_failures_;
+    if (kept.file) std::clearerr(kept.file.get());
+  }
+}
+
+void OutputKeeper::note(const std::string& id, std::string_view line) {
+  write(of(id), line);
+}
+
+const std::deque<std::string>& OutputKeeper::last_lines(const std::string& id) {
+  return of(id).lines;
+}
+
+}  // namespace curbstone::procman::output

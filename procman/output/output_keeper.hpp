@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <deque>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "procman/output/line_splitter.hpp"
+
+namespace curbstone::procman::output {
+
+/// Where and how much of the output is kept.
+struct KeepLimits {
+  std::size_t lines = 200;                    ///< in memory, a command
+  std::size_t file_bytes = 10 * 1024 * 1024;  ///< a log file; then it is rotated
+  int old_files = 2;                          ///< rotated files kept a command: NAME.log.1, NAME.log.2
+};
+
+/// Keeps the last lines of each command in memory. With a folder it also writes all output to a bounded, rotated log
+/// file for each command. If the disk is full or gone, only the files suffer: failures are counted.
+class OutputKeeper {
+ public:
+  /// `folder` empty: memory only. Creates the folder; throws std::runtime_error with one clear line when it cannot.
+  explicit OutputKeeper(std::string folder, KeepLimits limits = {});
+
+  /// Takes bytes in pieces of any size. Calls `on_line` for each line when it is complete.
+  template <class OnLine>
+  void add(const std::string& id, std::string_view bytes, OnLine on_line) {
+    Kept& kept = of(id);
+    kept.splitter.feed(bytes, [&](std::string_view line) { keep(kept, line, on_line); });
+  }
+  /// The command has ended: an unfinished line is finished.
+  template <class OnLine>
+  void end(const std::string& id, OnLine on_line) {
+    Kept& kept = of(id);
+    kept.splitter.flush([&](std::string_view line) { keep(kept, line, on_line); });
+    if (kept.file) std::fflush(kept.file.get());
+  }
+  /// A line of the deputy about the command, into the file only: "-- started ...".
+  void note(const std::string& id, std::string_view line);
+
+  [[nodiscard]] const std::deque<std::string>& last_lines(const std::string& id);
+  void forget(const std::string& id) { kept_.erase(id); }
+  [[nodiscard]] std::int64_t write_failures() const { return write_failures_; }
+
+ private:
+  struct CloseFile {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  struct Kept {
+    LineSplitter splitter;
+    std::deque<std::string> lines;
+    std::string path;
+    std::unique_ptr<std::FILE, CloseFile> file;
+    std::size_t file_size = 0;
+  };
+
+  template <class OnLine>
+  void keep(Kept& kept, std::string_view line, OnLine& on_line) {
+    kept.lines.emplace_back(line);
+    if (kept.lines.size() > limits_.lines) kept.lines.pop_front();
+    write(kept, line);
+    on_line(line);
+  }
+  Kept& of(const std::string& id);
+  void write(Kept& kept, std::string_view line);
+  void open(Kept& kept) const;
+  void rotate(Kept& kept) const;
+
+  std::string folder_;
+  KeepLimits limits_;
+  std::map<std::string, Kept> kept_;
+  std::int64_t write_failures_ = 0;
+};
+
+}  // namespace curbstone::procman::output

@@ -1,0 +1,113 @@
+#include "procman/process/process_table.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "procman/process/spawn.hpp"
+
+namespace curbstone::procman::process {
+
+namespace {
+
+std::string read_text(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+bool carries_mark(pid_t pid, const std::string& mark) {
+  const std::string environment = '\0' + read_text("/proc/" + std::to_string(pid) + "/environ") + '\0';
+  return environment.find('\0' + std::string(kMarkVariable) + "=" + mark + '\0') != std::string::npos;
+}
+
+}  // namespace
+
+std::optional<ProcessInfo> parse_process_stat(const std::string& text) {
+  const std::size_t name_end = text.rfind(')');
+  if (name_end == std::string::npos) return std::nullopt;
+  ProcessInfo info;
+  std::istringstream head(text);
+  std::istringstream rest(text.substr(name_end + 1));
+  std::int64_t skipped = 0;
+  char state = '?';
+  std::int64_t user = 0;
+  std::int64_t system = 0;
+  std::int64_t pages = 0;
+  head >> info.pid;
+  rest >> state >> info.parent >> skipped >> info.session;  // fields 3..6 of proc(5)
+  for (int field = 7; field <= 13; ++field) rest >> skipped;
+  rest >> user >> system;  // 14, 15
+  for (int field = 16; field <= 22; ++field) rest >> skipped;
+  rest >> info.memory_virtual >> pages;  // 23, 24
+  if (!head || !rest) return std::nullopt;
+  info.zombie = state == 'Z' || state == 'X';
+  info.cpu_ticks = user + system;
+  info.memory_resident = pages * sysconf(_SC_PAGESIZE);
+  return info;
+}
+
+std::optional<ProcessInfo> read_process(pid_t pid) {
+  return parse_process_stat(read_text("/proc/" + std::to_string(pid) + "/stat"));
+}
+
+std::vector<ProcessInfo> read_process_table() {
+  std::vector<ProcessInfo> table;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc", ignored)) {
+    const std::string name = entry.path().filename().string();
+    pid_t pid = 0;
+    const auto result = std::from_chars(name.data(), name.data() + name.size(), pid);
+    if (result.ec != std::errc() || result.ptr != name.data() + name.size()) continue;
+    if (const auto info = read_process(pid)) table.push_back(*info);
+  }
+  return table;
+}
+
+std::vector<pid_t> find_family(const std::vector<ProcessInfo>& table, pid_t leader, const std::string& mark) {
+  const pid_t self = getpid();
+  std::set<pid_t> members;
+  for (const ProcessInfo& info : table) {
+    const bool adopted = info.parent == self && info.pid != leader && carries_mark(info.pid, mark);
+    if (info.pid == leader || info.session == leader || adopted) members.insert(info.pid);
+  }
+  for (bool grown = true; grown;) {  // a child may be listed before its parent
+    grown = false;
+    for (const ProcessInfo& info : table) {
+      if (members.contains(info.parent) && members.insert(info.pid).second) grown = true;
+    }
+  }
+  std::vector<pid_t> living;
+  for (const ProcessInfo& info : table) {
+    if (members.contains(info.pid) && !info.zombie) living.push_back(info.pid);
+  }
+  return living;
+}
+
+MachineInfo read_machine() {
+  MachineInfo machine;
+  std::istringstream cpu(read_text("/proc/stat"));
+  std::string label;
+  std::int64_t user = 0;
+  std::int64_t nice = 0;
+  std::int64_t system = 0;
+  cpu >> label >> user >> nice >> system >> machine.cpu_ticks_idle;
+  machine.cpu_ticks_total = user + nice + system + machine.cpu_ticks_idle;
+  std::istringstream memory(read_text("/proc/meminfo"));
+  for (std::string line; std::getline(memory, line);) {
+    std::istringstream words(line);
+    std::int64_t kilobytes = 0;
+    words >> label >> kilobytes;
+    if (label == "MemTotal:") machine.memory_total = kilobytes * 1024;
+    if (label == "MemFree:") machine.memory_free = kilobytes * 1024;
+    if (label == "SwapTotal:") machine.swap_total = kilobytes * 1024;
+    if (label == "SwapFree:") machine.swap_free = kilobytes * 1024;
+  }
+  return machine;
+}
+
+}  // namespace curbstone::procman::process

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/shell/event_loop.hpp"
+#include "procman/config/config.hpp"
+#include "procman/process/backoff.hpp"
+#include "procman/process/spawn.hpp"
+#include "procman/process/timer.hpp"
+
+namespace curbstone::procman::process {
+
+/// What the supervisor knows of one command.
+struct CommandState {
+  config::Command command;  ///< as it is to be started next
+  pid_t pid = 0;            ///< 0: not running. Stays until the last descendant is gone
+  int exit_status = 0;      ///< raw, of waitpid(), of the last life; 0 while it runs
+  bool wanted = false;      ///< should be running: decides whether it is started again
+  bool stopping = false;
+  bool killed = false;          ///< the last life needed SIGKILL
+  std::int64_t starts = 0;      ///< lives so far
+  std::int64_t started = 0;     ///< us of steady_clock()
+  std::int64_t respawn_at = 0;  ///< us; 0: no start is pending
+};
+
+/// Starts, watches, respawns and stops processes. It owns all children of this process, which becomes a subreaper
+/// (prctl(2)). So processes that a command leaves behind are stopped too. Everything happens in the thread of the loop.
+/// Create it before any other thread, so that SIGCHLD is blocked in all of them.
+class Supervisor {
+ public:
+  struct Events {
+    /// Bytes as the terminal gives them.
+    std::function<void(const std::string& id, std::string_view text)> output;
+    /// A command was started.
+    std::function<void(const CommandState&)> started;
+    /// A command and all its descendants are gone, or could not be started. `lived` in us.
+    std::function<void(const CommandState&, std::int64_t lived)> ended;
+  };
+
+  Supervisor(EventLoop& loop, Events events);
+  /// Kills what is left.
+  ~Supervisor();
+  Supervisor(const Supervisor&) = delete;
+  Supervisor& operator=(const Supervisor&) = delete;
+
+  /// Registers a command, or changes it; a changed exec takes effect at the next start.
+  void set(const config::Command& command);
+  /// Forgets a command: at once when it is not running, else when it has ended.
+  void remove(const std::string& id);
+
+  /// No effect when it is running.
+  void start(const std::string& id);
+  /// Sends the stop signal to the command and its descendants, and SIGKILL when stop_time_allowed has passed.
+  void stop(const std::string& id);
+  /// Stops it if it is running, and starts it once it has ended.
+  void restart(const std::string& id);
+  /// Whether it is started again when it ends, without starting or stopping it now.
+  void want(const std::string& id, bool wanted);
+  /// SIGKILL at once to everything that is running.
+  void kill_all();
+
+  [[nodiscard]] const CommandState* find(const std::string& id) const;
+  [[nodiscard]] std::vector<const CommandState*> commands() const;  ///< sorted by id
+  [[nodiscard]] bool any_running() const;
+
+ private:
+  struct Managed {
+    CommandState state;
+    SpawnedProcess process;
+    Backoff backoff;
+    std::string mark;
+    bool leader_gone = false;  // reaped; descendants may still live
+    bool remove_at_end = false;
+    bool start_at_end = false;
+    std::int64_t kill_at = 0;  // us; when stopping
+  };
+
+  void launch(Managed& managed);
+  void begin_stop(Managed& managed);
+  void signal_family(const Managed& managed, int signal) const;
+  void read_output(Managed& managed, std::size_t at_most);
+  void close_terminal(Managed& managed);
+  void reap();
+  void settle(Managed& managed);
+  void end_life(Managed& managed);
+  void on_timer();
+  void arm_timer();
+
+  EventLoop& loop_;
+  Events events_;
+  std::map<std::string, std::unique_ptr<Managed>> commands_;
+  FileDescriptor child_signal_;
+  Timer timer_;
+};
+
+}  // namespace curbstone::procman::process

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "common/bus/counters.hpp"
+#include "services/ekf/detection/slip_detector.hpp"
+#include "services/ekf/inputs/wheel_odometer.hpp"
+#include "services/ekf/model/measurement_model.hpp"
+#include "services/ekf/model/motion_window.hpp"
+
+namespace curbstone::ekf::detection {
+
+/// Which wheel slips, from interval to interval of the wheels: the one that the filter finds far off (a sudden slip),
+/// or that the SlipDetector shows (one that grows). It is left out for slip.hold after the last sign.
+class SlipJudge {
+ public:
+  SlipJudge(const base::SlipConfig& config, const model::Geometry& geometry)
+      : config_(config), geometry_(geometry), detector_(config) {}
+
+  /// `distances`: squared, of both wheels' speeds from the filter's (see distance()); `window`: the filter's motion
+  /// over the same interval. Counts slips.* and slip_signs.*.
+  void judge(const inputs::WheelInterval& interval, const std::array<double, 2>& distances,
+             const model::NavState& state, const model::MotionWindow& window, Counters& counters);
+  [[nodiscard]] bool slipping(std::size_t wheel, std::int64_t utime) const { return utime < until_[wheel]; }
+
+  /// The intervals were interrupted.
+  void reset_detector() { detector_.reset(); }
+  /// Both wheels are believed again.
+  void acquit() { until_ = {INT64_MIN, INT64_MIN}; }
+
+ private:
+  base::SlipConfig config_;
+  model::Geometry geometry_;
+  SlipDetector detector_;
+  std::array<std::int64_t, 2> until_ = {INT64_MIN, INT64_MIN};  // us
+};
+
+}  // namespace curbstone::ekf::detection

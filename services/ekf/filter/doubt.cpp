@@ -1,0 +1,47 @@
+#include "services/ekf/filter/doubt.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/ekf/detection/start_up.hpp"
+
+namespace curbstone::ekf::filter {
+
+namespace {
+
+void widen(model::Belief& belief, int index, double sigma) {
+  belief.covariance.diagonal().segment<3>(index).array() += sigma * sigma;
+}
+
+}  // namespace
+
+void doubt_motion(model::Belief& belief, double speed_sigma, const base::StartConfig& config) {
+  widen(belief, model::kVelocity, speed_sigma);
+  widen(belief, model::kAttitude, config.moving_tilt_sigma);
+  detection::forget_accelerometer_bias(belief, config);
+}
+
+void doubt_since_gap(model::Belief& belief, double gap, const base::StartConfig& config) {
+  const double speed = std::max(1.0, belief.mean.velocity.norm());
+  widen(belief, model::kPosition, speed * std::clamp(gap, 0.0, 10.0));
+  widen(belief, model::kVelocity, speed);
+  widen(belief, model::kAttitude, config.moving_tilt_sigma);
+}
+
+void doubt_standstill(model::Belief& belief, double travel, double track_width) {
+  const double moved = travel / std::sqrt(3.0);
+  const double turned = travel / std::sqrt(6.0) / track_width;
+  const Eigen::Vector3d yaw_axis = belief.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
+  widen(belief, model::kPosition, moved);
+  belief.covariance.block<3, 3>(model::kAttitude, model::kAttitude) +=
+      turned * turned * yaw_axis * yaw_axis.transpose();
+}
+
+bool is_finite(const model::Belief& belief) {
+  const model::NavState& x = belief.mean;
+  return belief.covariance.allFinite() && x.position.allFinite() && x.velocity.allFinite() &&
+         x.attitude.coeffs().allFinite() && x.gyro_bias.allFinite() && x.accelerometer_bias.allFinite() &&
+         x.wheel_scale.allFinite() && std::isfinite(x.axle) && x.course.allFinite();
+}
+
+}  // namespace curbstone::ekf::filter

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "services/ekf/base/ekf_config.hpp"
+#include "services/ekf/model/error_state.hpp"
+
+namespace curbstone::ekf::filter {
+
+/// What widens a belief where the filter knows less than its covariance says.
+
+/// Speed and tilt have gone astray, and the accelerometer's bias was learnt from them. The gyro's has not: it takes no
+/// part in the speed.
+void doubt_motion(model::Belief& belief, double speed_sigma, const base::StartConfig& config);
+/// The stamps jumped by `gap` s: nobody knows how the vehicle moved meanwhile.
+void doubt_since_gap(model::Belief& belief, double gap, const base::StartConfig& config);
+/// The vehicle may have moved and turned a little before the wheels' travel was noticed: each wheel by anything up to
+/// `travel` m, evenly distributed.
+void doubt_standstill(model::Belief& belief, double travel, double track_width);
+
+[[nodiscard]] bool is_finite(const model::Belief& belief);
+
+}  // namespace curbstone::ekf::filter

@@ -1,0 +1,330 @@
+#include "services/ekf/filter/filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "services/ekf/filter/doubt.hpp"
+
+namespace curbstone::ekf::filter {
+
+namespace {
+
+constexpr std::size_t kRecent = 1024;     // poses: 2.5 s at 400 Hz
+constexpr double kMaxAxleError = 4.0;     // sigma: farther from its configured place it was learnt from nonsense
+constexpr std::size_t kMaxPending = 256;  // wheel samples between two of the IMU
+
+/// Says nothing, and changes nothing.
+model::Observation no_observation() {
+  model::Observation z(1);
+  z.R(0, 0) = 1.0;
+  return z;
+}
+
+const char* name_of(detection::StartUp::Kind kind) {
+  switch (kind) {
+    case detection::StartUp::Kind::kStanding:
+      return "starts.standing";
+    case detection::StartUp::Kind::kMoving:
+      return "starts.moving";
+    default:
+      return "starts.impatient";
+  }
+}
+
+}  // namespace
+
+Filter::Filter(const base::EkfConfig& config)
+    : config_(std::make_shared<const base::EkfConfig>(config)),
+      geometry_(config.vehicle),
+      start_up_(config),
+      still_(config.standstill, config.vehicle.wheel_radius, config.timing.max_wheel_gap),
+      odometer_(config.wheels, config.vehicle.wheel_radius, config.timing.max_wheel_gap),
+      mechanisation_(config, geometry_),
+      slip_(config.slip, geometry_),
+      spreader_(config.spread),
+      recent_(kRecent) {}
+
+void Filter::add(const base::ImuSample& sample, std::vector<model::Estimate>& out) {
+  if (!started_) {
+    start(sample);
+    if (!started_) return;
+  }
+  const model::TimedInertial next{
+      sample.utime, {geometry_.R_base_imu * sample.angular_rate, geometry_.R_base_imu * sample.acceleration}};
+  const double gap = base::seconds_between(belief_.utime, sample.utime);
+  if (gap < 0.0 || gap > config_->timing.max_jump) restart_clock(sample.utime);
+  const auto& last = mechanisation_.last_imu();
+  const double dt = last ? base::seconds_between(last->utime, sample.utime) : 0.0;
+  if (dt > config_->timing.max_imu_gap) {
+    counters_.add("gaps.imu");
+    leave_standing();
+    still_.reset();
+  }
+  still_.add(sample);
+  serve_pending(&next);
+  mechanisation_.advance(belief_, sample.utime, &next, standing_);
+  mechanisation_.set_last_imu(next);
+  update_standing();
+  if (wheels_missing(sample.utime)) correct_without_wheels();
+  restore_if_not_finite();
+  emit(next.imu, dt, false, out);
+  if (pending_increment_ && pending_increment_->utime <= sample.utime) correct_with_map();
+}
+
+void Filter::add(const base::WheelSample& sample, std::vector<model::Estimate>& out) {
+  last_wheels_ = sample.utime;
+  still_.add(sample);
+  if (!started_) {
+    start_up_.add(sample);
+    odometer_.add(sample);
+    return;
+  }
+  const double gap = base::seconds_between(belief_.utime, sample.utime);
+  if (gap < 0.0 || gap > config_->timing.max_jump) {
+    restart_clock(sample.utime);
+    last_wheels_ = sample.utime;
+  }
+  pending_.push_back(sample);
+  if (!mechanisation_.imu_at_hand(sample.utime)) {
+    if (standing_) leave_standing();
+    serve_pending(nullptr);
+    restore_if_not_finite();
+    const model::Inertial steady{
+        belief_.mean.gyro_bias + Eigen::Vector3d(0, 0, mechanisation_.wheel_yaw_rate()),
+        belief_.mean.accelerometer_bias + belief_.mean.attitude.conjugate() * Eigen::Vector3d(0, 0, kGravity)};
+    emit(steady, 0.0, true, out);
+  } else if (pending_.size() > kMaxPending) {
+    counters_.add("dropped.pending");
+    pending_.pop_front();
+  }
+}
+
+void Filter::start(const base::ImuSample& sample) {
+  const std::optional<model::Belief> first = start_up_.add(sample);
+  if (!first) {
+    still_.add(sample);
+    return;
+  }
+  counters_.add(name_of(start_up_.kind()));
+  belief_ = last_good_ = *first;
+  started_ = true;
+  standing_ = start_up_.kind() == detection::StartUp::Kind::kStanding;
+  start_up_.reset();
+}
+
+void Filter::restart_clock(std::int64_t utime) {
+  counters_.add("reset.clock");
+  doubt_since_gap(belief_, base::seconds_between(belief_.utime, utime), config_->start);
+  belief_.utime = utime;
+  last_wheels_.reset();
+  pending_.clear();
+  pending_increment_.reset();
+  recent_.clear();
+  still_.reset();
+  odometer_.reset();
+  mechanisation_.reset();
+  slip_.reset_detector();
+  slip_.acquit();
+  wheels_refused_.reset();
+  constraint_refused_.reset();
+  standing_ = false;
+}
+
+void Filter::restore_if_not_finite() {
+  if (is_finite(belief_)) {
+    last_good_ = belief_;
+    return;
+  }
+  counters_.add("reset.diverged");
+  const std::int64_t utime = belief_.utime;
+  belief_ = last_good_;
+  restart_clock(utime);
+}
+
+void Filter::serve_pending(const model::TimedInertial* next) {
+  for (; !pending_.empty(); pending_.pop_front()) {
+    const base::WheelSample& wheels = pending_.front();
+    const WheelStep step = odometer_.add(wheels);
+    if (odometer_.newest())
+      mechanisation_.set_wheel_yaw_rate(model::wheel_yaw_rate(belief_.mean, odometer_.newest()->speed, geometry_));
+    mechanisation_.advance(belief_, wheels.utime, next, standing_);
+    correct_with_wheels(step, next == nullptr);
+  }
+}
+
+void Filter::update_standing() {
+  const bool still = still_.still(geometry_.R_base_imu.transpose() * belief_.mean.gyro_bias);
+  if (still && !standing_) {
+    counters_.add("standstills");
+    slip_.reset_detector();
+    mechanisation_.window().reset();
+    standing_ = true;
+  } else if (!still && standing_) {
+    leave_standing();
+  }
+}
+
+void Filter::leave_standing() {
+  if (!standing_) return;
+  standing_ = false;
+  mechanisation_.window().reset();
+  doubt_standstill(belief_, config_->standstill.travel, geometry_.track_width);
+}
+
+void Filter::correct_with_wheels(WheelStep step, bool coasting) {
+  switch (step) {
+    case WheelStep::kOpen:
+      return;
+    case WheelStep::kGap:
+      counters_.add("gaps.wheels");
+      break;
+    case WheelStep::kNonsense:
+      counters_.add("refused.wheel_jump");
+      break;
+    case WheelStep::kFirst:
+      break;
+    case WheelStep::kInterval: {
+      const inputs::WheelInterval& interval = odometer_.interval();
+      const bool covered = mechanisation_.window().duration() > 0.5 * interval.duration();
+      if (covered && standing_)
+        correct_standing();
+      else if (covered && coasting)
+        correct_coasting(interval);
+      else if (covered)
+        correct_driving(interval);
+      mechanisation_.window().reset();
+      return;
+    }
+  }
+  slip_.reset_detector();
+  mechanisation_.window().reset();
+}
+
+void Filter::correct_driving(const inputs::WheelInterval& interval) {
+  const model::BodyMotion motion = mechanisation_.window().motion();
+  const auto observe = [&](std::size_t wheel) {
+    return model::observe_wheel(belief_.mean, motion, static_cast<model::Wheel>(wheel), interval.speed[wheel],
+                                inputs::wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel),
+                                geometry_);
+  };
+  std::array<model::Observation, 2> rows{observe(0), observe(1)};
+  slip_.judge(interval, {model::distance(belief_, rows[0]), model::distance(belief_, rows[1])}, belief_.mean,
+              mechanisation_.window(), counters_);
+  bool refused = true;
+  for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+    const bool slipping = slip_.slipping(wheel, interval.end);
+    refused = refused && slipping;
+    if (slipping)
+      rows[wheel] = no_observation();
+    else if (!model::soften_beyond(model::kGate1, belief_, rows[wheel]))
+      counters_.add(wheel == 0 ? "gated.wheel_left" : "gated.wheel_right");
+  }
+  apply(model::stack(model::stack(rows[0], rows[1]), observe_constraint(motion)));
+  const bool strayed =
+      std::abs(belief_.mean.axle - config_->wheels.axle) > kMaxAxleError * config_->wheels.axle_sigma ||
+      belief_.mean.course.cwiseAbs().maxCoeff() > kMaxAxleError * config_->wheels.course_sigma;
+  if (strayed) {
+    counters_.add("reset.axle");
+    detection::forget_axle(belief_, config_->wheels);
+  }
+  const bool absurd = motion.velocity.norm() > config_->wheels.max_speed;
+  if (wheels_refused_.lasts(refused, belief_.utime, config_->slip.patience) || absurd) {
+    doubt(interval.mean_speed() - motion.velocity.x());
+    detection::forget_wheel_scale(belief_, config_->wheels);
+    slip_.acquit();
+  }
+}
+
+model::Observation Filter::observe_constraint(const model::BodyMotion& motion) {
+  const base::WheelsConfig& c = config_->wheels;
+  model::Observation lateral = model::observe_no_motion_along(1, belief_.mean, motion, c.lateral_noise, geometry_);
+  model::Observation vertical = model::observe_no_motion_along(2, belief_.mean, motion, c.vertical_noise, geometry_);
+  const bool lateral_fits = model::soften_beyond(model::kGate1, belief_, lateral);
+  const bool vertical_fits = model::soften_beyond(model::kGate1, belief_, vertical);
+  if (!lateral_fits) counters_.add("gated.lateral");
+  if (!vertical_fits) counters_.add("gated.vertical");
+  const bool refused = !lateral_fits || !vertical_fits;
+  if (constraint_refused_.lasts(refused, belief_.utime, config_->slip.patience)) {
+    doubt(motion.velocity.tail<2>().norm());
+    detection::forget_axle(belief_, c);
+  }
+  return model::stack(lateral, vertical);
+}
+
+void Filter::doubt(double speed_sigma) {
+  counters_.add("reset.doubt");
+  doubt_motion(belief_, speed_sigma, config_->start);
+}
+
+void Filter::correct_coasting(const inputs::WheelInterval& interval) {
+  const model::BodyMotion motion = mechanisation_.window().motion();
+  const auto sigma = [&](std::size_t wheel) {
+    return inputs::wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel);
+  };
+  model::Observation forward =
+      model::observe_forward_speed(belief_.mean, motion, interval.mean_speed(), std::max(sigma(0), sigma(1)));
+  if (!model::soften_beyond(model::kGate1, belief_, forward)) counters_.add("gated.forward");
+  model::Observation constraint = observe_constraint(motion);
+  constraint.H.middleCols<3>(model::kGyroBias).setZero();  // the rate comes from the wheels
+  apply(model::stack(forward, constraint));
+}
+
+void Filter::correct_standing() {
+  const model::MotionWindow& window = mechanisation_.window();
+  const double rate_density = std::hypot(config_->noise.gyro, config_->standstill.rate_noise);
+  model::Observation velocity = model::observe_standing_velocity(belief_.mean, config_->standstill.speed_noise);
+  model::Observation rate =
+      model::observe_standing_rate(belief_.mean, window.gyro(), rate_density / std::sqrt(window.duration()));
+  if (!model::soften_beyond(model::kGate3, belief_, velocity)) counters_.add("gated.standing_velocity");
+  if (!model::soften_beyond(model::kGate3, belief_, rate)) counters_.add("gated.standing_rate");
+  apply(model::stack(velocity, rate));
+}
+
+void Filter::correct_without_wheels() {
+  model::MotionWindow& window = mechanisation_.window();
+  if (window.duration() < config_->wheels.interval) return;
+  apply(observe_constraint(window.motion()));
+  window.reset();
+}
+
+void Filter::correct_with_map() {
+  const inputs::MapIncrement increment = *std::exchange(pending_increment_, std::nullopt);
+  const auto begin = recent_.at(increment.begin);
+  const auto end = recent_.at(increment.utime);
+  if (standing_ || !begin || !end) return;
+  const Pose believed = begin->inverse() * *end;
+  const double dt = base::seconds_between(increment.begin, increment.utime);
+  const model::BodyMotion mean{believed.translation() / dt, so3_log(Eigen::Quaterniond(believed.linear())) / dt};
+  model::Observation z =
+      model::observe_increment(increment.T_begin_end, increment.covariance, believed, dt, mean, geometry_);
+  counters_.add(model::soften_beyond(model::kGate6, belief_, z) ? "map.used" : "gated.map");
+  apply(z);
+}
+
+void Filter::apply(const model::Observation& z) {
+  const Pose before = model::base_pose(belief_.mean, geometry_);
+  model::correct(belief_, z, model::guarded_gain(belief_, z));
+  spreader_.corrected(before, model::base_pose(belief_.mean, geometry_));
+}
+
+bool Filter::wheels_missing(std::int64_t utime) const {
+  return !last_wheels_ || base::seconds_between(*last_wheels_, utime) > config_->timing.max_wheel_gap;
+}
+
+void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vector<model::Estimate>& out) {
+  const double rate_sigma = no_imu ? config_->noise.coasting_rate : config_->noise.gyro / std::sqrt(std::max(dt, 1e-3));
+  model::Estimate estimate = model::estimate_base(belief_, imu, rate_sigma, geometry_);
+  estimate.stationary = standing_;
+  estimate.slipping = slip_.slipping(0, belief_.utime) || slip_.slipping(1, belief_.utime);
+  estimate.no_imu = no_imu;
+  estimate.no_wheels = wheels_missing(belief_.utime);
+  recent_.add(estimate.utime, spreader_.uncorrected(estimate.T_odom_base));
+  const double since = std::clamp(base::seconds_between(emitted_, estimate.utime), 0.0, config_->timing.max_imu_gap);
+  emitted_ = estimate.utime;
+  if (!standing_) spreader_.moved(estimate.T_odom_base, since * estimate.velocity.norm(), since);
+  spreader_.apply(estimate);
+  out.push_back(estimate);
+}
+
+}  // namespace curbstone::ekf::filter

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/bus/counters.hpp"
+#include "services/ekf/detection/refusal_timer.hpp"
+#include "services/ekf/detection/slip_judge.hpp"
+#include "services/ekf/detection/start_up.hpp"
+#include "services/ekf/detection/still_detector.hpp"
+#include "services/ekf/filter/odom_smoother.hpp"
+#include "services/ekf/filter/pose_history.hpp"
+#include "services/ekf/inputs/map_increment.hpp"
+#include "services/ekf/inputs/wheel_odometer.hpp"
+#include "services/ekf/model/estimate.hpp"
+#include "services/ekf/model/mechanisation.hpp"
+
+namespace curbstone::ekf::filter {
+
+/// Error-state Kalman filter of wheels and IMU. The equations are in process_model.hpp and measurement_model.hpp, the
+/// state in error_state.hpp; here is what is done when:
+///
+/// - start-up (StartUp); then every IMU sample predicts from the sample before, by the difference of the stamps, with
+///   wheel samples between the two served at their own times (Mechanisation);
+/// - every interval of the wheels corrects: driving, by both wheels' speeds and the non-holonomic constraint; standing,
+///   by zero velocity and zero rate. A wheel that slips is left out (SlipJudge);
+/// - the mapper's increments, if given, correct speed, gyro bias and with them the wheels' calibration;
+/// - without IMU it coasts on the wheels, without wheels on the IMU and the constraint; both heal by themselves.
+///
+/// What a correction moves position or heading by is spread over the way that follows (OdomSmoother).
+///
+/// Takes samples in the order of their stamps (Sequencer, RewindingFilter). A stamp that goes back, or a step of more
+/// than timing.max_jump, restarts the clock: the pose stays where it is, speed and tilt are doubted.
+///
+/// A value type without clock or threads: a copy is a check point from which it can go on.
+class Filter {
+ public:
+  explicit Filter(const base::EkfConfig& config);
+
+  /// Appends to `out` one estimate at the sample's stamp, once started.
+  void add(const base::ImuSample& sample, std::vector<model::Estimate>& out);
+  /// Appends estimates only while there is no IMU: at the wheels' stamps.
+  void add(const base::WheelSample& sample, std::vector<model::Estimate>& out);
+  /// Takes effect with the first IMU sample that is not before its end.
+  void add(const inputs::MapIncrement& increment) { pending_increment_ = increment; }
+
+  [[nodiscard]] bool started() const { return started_; }
+  [[nodiscard]] const model::Belief& belief() const { return belief_; }
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  using WheelStep = inputs::WheelOdometer::Step;
+
+  void start(const base::ImuSample& sample);
+  void restart_clock(std::int64_t utime);
+  void restore_if_not_finite();
+
+  void serve_pending(const model::TimedInertial* next);
+  void update_standing();
+  void leave_standing();
+
+  void correct_with_wheels(WheelStep step, bool coasting);
+  void correct_driving(const inputs::WheelInterval& interval);
+  void correct_coasting(const inputs::WheelInterval& interval);
+  void correct_standing();
+  void correct_without_wheels();
+  void correct_with_map();
+  void apply(const model::Observation& z);
+  [[nodiscard]] model::Observation observe_constraint(const model::BodyMotion& motion);
+  void doubt(double speed_sigma);
+
+  void emit(const model::Inertial& imu, double dt, bool no_imu, std::vector<model::Estimate>& out);
+  [[nodiscard]] bool wheels_missing(std::int64_t utime) const;
+
+  std::shared_ptr<const base::EkfConfig> config_;  // never changes: check points share it
+  model::Geometry geometry_;
+  detection::StartUp start_up_;
+  detection::StillDetector still_;
+  inputs::WheelOdometer odometer_;
+  model::Mechanisation mechanisation_;
+  detection::SlipJudge slip_;
+  detection::RefusalTimer wheels_refused_;
+  detection::RefusalTimer constraint_refused_;
+  OdomSmoother spreader_;
+  PoseHistory recent_;  // uncorrected: what the mapper's increments are compared with
+  Counters counters_;
+
+  bool started_ = false;
+  bool standing_ = false;
+  model::Belief belief_;
+  model::Belief last_good_;                  // the last one that was finite
+  std::deque<base::WheelSample> pending_;    // wait for the IMU sample after them
+  std::optional<std::int64_t> last_wheels_;  // us
+  std::int64_t emitted_ = 0;                 // us, the last estimate
+  std::optional<inputs::MapIncrement> pending_increment_;
+};
+
+}  // namespace curbstone::ekf::filter

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <deque>
+#include <utility>
+#include <vector>
+
+#include "services/ekf/filter/filter.hpp"
+#include "services/ekf/inputs/sequencer.hpp"
+
+namespace curbstone::ekf::filter {
+
+/// A Filter that takes late samples at their own time: it keeps the samples of the last `timing.history` seconds and
+/// check points among them, goes back to the one before the late sample and runs everything from there again, as
+/// robot_localization and pronto do (protocols/kalman_odometry.md, sections 4 and 5). From then on its belief is, bit
+/// for bit, that of a filter which had got all samples in order.
+///
+/// What was published stays published: no estimate is given twice. And odom stays continuous: after a rewind the pose
+/// goes on from where the last estimate was. Position and heading mean nothing to the filter (no measurement sees
+/// them), so they are changed on the way out only, by T_odom_filter, a translation and a turn about the vertical; the
+/// covariance grows by their squares, for they are known errors that we chose to keep.
+///
+/// A sample is taken to be late when it is older than the newest by at most the history; if it is older still, the
+/// clock has been turned back.
+class RewindingFilter {
+ public:
+  using Sample = inputs::Sequencer::Sample;
+
+  explicit RewindingFilter(const base::EkfConfig& config);
+
+  /// Appends to `out` the estimates that are newer than all before.
+  void add(const Sample& sample, std::vector<model::Estimate>& out);
+
+  [[nodiscard]] const Filter& filter() const { return filter_; }
+  /// T_odom_base, as published, at any time of the last seconds.
+  [[nodiscard]] std::optional<Pose> pose_at(std::int64_t utime) const { return published_.at(utime); }
+  [[nodiscard]] Counters counters() const;
+
+ private:
+  /// Order of samples: by stamp; at equal stamps wheels, IMU, map (Sample's own order).
+  using Key = std::pair<std::int64_t, std::size_t>;
+  struct CheckPoint {
+    Key after;  // of the sample that it includes last
+    Filter filter;
+  };
+
+  [[nodiscard]] static Key key_of(const Sample& sample);
+  void forget_all();
+  void forget_old();
+  void run(const Sample& sample);
+  void rewind_to(const Key& late);
+  void go_on_from_last_published();
+  void publish(std::vector<model::Estimate>& out);
+
+  std::int64_t history_;  // us
+  Filter filter_;
+  std::deque<std::pair<Key, Sample>> samples_;  // by key; from the first check point on
+  std::deque<CheckPoint> check_points_;
+  std::vector<model::Estimate> estimates_;  // of the filter, not yet looked at
+  PoseHistory published_;
+  std::int64_t last_published_ = INT64_MIN;  // us
+  Pose T_odom_filter_ = Pose::Identity();
+  Eigen::Matrix3d position_shift_ = Eigen::Matrix3d::Zero();  // sum of squares, odom axes, m^2
+  double heading_shift_ = 0.0;                                // sum of squares, rad^2
+  Counters counters_;
+};
+
+}  // namespace curbstone::ekf::filter

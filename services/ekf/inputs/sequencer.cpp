@@ -1,0 +1,106 @@
+#include "services/ekf/inputs/sequencer.hpp"
+
+#include "common/time/microseconds.hpp"
+
+namespace curbstone::ekf::inputs {
+
+namespace {
+
+constexpr std::size_t kMaxQueue = 2048;     // samples; 1 s of hold at 2 kHz
+constexpr std::size_t kMaxIncrements = 64;  // one each 0.05 s, 1 s of delay, and some
+
+}  // namespace
+
+Sequencer::Sequencer(const base::EkfConfig& config)
+    : hold_(microseconds(config.timing.hold)),
+      history_(microseconds(config.timing.history)),
+      delay_(microseconds(config.map.delay)),
+      imu_("imu", microseconds(config.timing.max_jump)),
+      wheels_("wheels", microseconds(config.timing.max_jump)) {}
+
+template <class T, class Other>
+void Sequencer::take(Channel<T>& own, Channel<Other>& other, const T& sample) {
+  const auto drop = [&](const char* cause) { counters_.add(std::string("dropped.") + cause + "." + own.name); };
+  switch (own.guard.judge(sample.utime)) {
+    case StampGuard::Verdict::kDuplicate:
+      return drop("duplicate");
+    case StampGuard::Verdict::kSuspicious:
+      return drop("stray_stamp");
+    case StampGuard::Verdict::kJumped:
+      counters_.add(std::string("jumps.") + own.name);
+      if (sample.utime < own.newest) turn_clock_back(own, other);
+      break;
+    case StampGuard::Verdict::kBackwards:
+    case StampGuard::Verdict::kGood:
+      break;
+  }
+  const std::int64_t turn = std::max(own.newest, sample.utime);
+  if (const std::int64_t front = std::max(processed_, turn); front != kNever && sample.utime < front - history_) {
+    counters_.add("dropped.late");
+    return drop("late");
+  }
+  if (sample.utime < own.newest) counters_.add(std::string("disordered.") + own.name);
+  own.newest = turn;
+  own.queue.push_back({turn, sample});
+  if (own.queue.size() > kMaxQueue) {
+    own.queue.pop_front();
+    drop("queue");
+  }
+}
+
+void Sequencer::push(const base::ImuSample& sample) {
+  take(imu_, wheels_, sample);
+}
+
+void Sequencer::push(const base::WheelSample& sample) {
+  take(wheels_, imu_, sample);
+}
+
+void Sequencer::push(const MapIncrement& increment) {
+  const std::int64_t turn = increment.utime + delay_;
+  if (turn < processed_ || (!increments_.empty() && turn <= increments_.back().utime))
+    return counters_.add("dropped.late.map");
+  increments_.push_back({turn, increment});
+  if (increments_.size() > kMaxIncrements) {
+    increments_.pop_front();
+    counters_.add("dropped.queue.map");
+  }
+}
+
+/// Whatever waits belongs to the old time, and the other sensor's next stamp may be of either.
+template <class T, class Other>
+void Sequencer::turn_clock_back(Channel<T>& own, Channel<Other>& other) {
+  counters_.add("dropped.clock_turned_back", static_cast<std::int64_t>(own.queue.size() + other.queue.size()));
+  own.queue.clear();
+  other.queue.clear();
+  increments_.clear();
+  other.guard.reset();
+  own.newest = kNever;
+  other.newest = kNever;
+  processed_ = kNever;
+}
+
+template <class T, class Other>
+std::optional<Sequencer::Sample> Sequencer::pop_front(Channel<T>& own, const Channel<Other>& other, bool drain) {
+  const std::int64_t turn = own.queue.front().utime;
+  const bool due = drain || other.newest >= turn || own.newest - turn >= hold_;
+  if (!due) return std::nullopt;
+  processed_ = std::max(processed_, turn);
+  if (!increments_.empty() && increments_.front().utime < turn) {
+    Sample increment = increments_.front().sample;
+    increments_.pop_front();
+    return increment;
+  }
+  Sample sample = own.queue.front().sample;
+  own.queue.pop_front();
+  return sample;
+}
+
+std::optional<Sequencer::Sample> Sequencer::pop(bool drain) {
+  if (imu_.queue.empty() && wheels_.queue.empty()) return std::nullopt;
+  const bool wheels_first =
+      imu_.queue.empty() || (!wheels_.queue.empty() && wheels_.queue.front().utime <= imu_.queue.front().utime);
+  return wheels_first ? pop_front(wheels_, imu_, drain) : pop_front(imu_, wheels_, drain);
+}
+
+}  // namespace curbstone::ekf::inputs

@@ -1,0 +1,52 @@
+#include "services/ekf/inputs/wheel_odometer.hpp"
+
+#include <cmath>
+
+namespace curbstone::ekf::inputs {
+
+namespace {
+constexpr double kStampSlack = 0.02;  // s: a late stamp makes the next difference look short, and the wheel fast
+}
+
+double wheel_sigma(const base::WheelsConfig& config, const WheelInterval& interval, double wheel_radius,
+                   std::size_t wheel) {
+  const double speed = std::abs(interval.speed[wheel]);
+  const double angle = std::sqrt(2.0) * wheel_radius * config.angle_noise / interval.duration();
+  const double stamp = std::sqrt(2.0) * speed * config.stamp_noise / interval.duration();
+  const double slip = speed * config.slip_noise;
+  return std::sqrt(config.speed_noise * config.speed_noise + slip * slip + stamp * stamp + angle * angle);
+}
+
+WheelInterval WheelOdometer::between(const base::WheelSample& a, const base::WheelSample& b) const {
+  WheelInterval out{a.utime, b.utime, {}};
+  for (std::size_t i = 0; i < 2; ++i) out.speed[i] = radius_ * (b.angle[i] - a.angle[i]) / out.duration();
+  return out;
+}
+
+WheelOdometer::Step WheelOdometer::add(const base::WheelSample& sample) {
+  const auto begin_again = [&](Step step) {
+    begin_ = last_ = sample;
+    newest_.reset();
+    return step;
+  };
+  if (!begin_) return begin_again(Step::kFirst);
+  const double dt = base::seconds_between(last_.utime, sample.utime);
+  if (dt <= 0.0 || dt > max_gap_) return begin_again(Step::kGap);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double travel = radius_ * std::abs(sample.angle[i] - last_.angle[i]);
+    if (!(travel <= config_.max_speed * (dt + kStampSlack))) return begin_again(Step::kNonsense);
+  }
+  newest_ = between(last_, sample);
+  last_ = sample;
+  if (base::seconds_between(begin_->utime, sample.utime) < config_.interval) return Step::kOpen;
+  interval_ = between(*begin_, sample);
+  begin_ = sample;
+  return Step::kInterval;
+}
+
+void WheelOdometer::reset() {
+  begin_.reset();
+  newest_.reset();
+}
+
+}  // namespace curbstone::ekf::inputs

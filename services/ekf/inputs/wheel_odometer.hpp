@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "services/ekf/base/ekf_config.hpp"
+#include "services/ekf/base/samples.hpp"
+
+namespace curbstone::ekf::inputs {
+
+/// Mean speeds of both wheels over an interval, with the configured radius.
+struct WheelInterval {
+  std::int64_t begin = 0;            ///< us
+  std::int64_t end = 0;              ///< us
+  std::array<double, 2> speed = {};  ///< m/s, left and right
+  [[nodiscard]] double duration() const { return base::seconds_between(begin, end); }
+  [[nodiscard]] double mean_speed() const { return 0.5 * (speed[0] + speed[1]); }
+};
+
+/// 1 sigma of a wheel's mean speed over the interval, m/s: slip, jitter of the stamps, steps of the counter.
+[[nodiscard]] double wheel_sigma(const base::WheelsConfig& config, const WheelInterval& interval, double wheel_radius,
+                                 std::size_t wheel);
+
+/// Wheel angles to speeds: differences of angles over differences of stamps, over intervals long enough that jitter of
+/// the stamps and steps of the counter do not matter (an error of the first is divided by the interval). Intervals
+/// touch and do not overlap, so that their sum is the travel.
+class WheelOdometer {
+ public:
+  WheelOdometer(const base::WheelsConfig& config, double wheel_radius, double max_gap)
+      : config_(config), radius_(wheel_radius), max_gap_(max_gap) {}
+
+  enum class Step {
+    kFirst,     ///< an interval begins
+    kOpen,      ///< the interval goes on
+    kInterval,  ///< interval() is complete, the next one begins
+    kGap,       ///< samples were missing for too long; an interval begins
+    kNonsense,  ///< no wheel turns that fast: the counter restarted. An interval begins
+  };
+  Step add(const base::WheelSample& sample);
+  [[nodiscard]] const WheelInterval& interval() const { return interval_; }
+  /// From the sample before to the newest one; nothing after kFirst, kGap and kNonsense.
+  [[nodiscard]] const std::optional<WheelInterval>& newest() const { return newest_; }
+  void reset();
+
+ private:
+  [[nodiscard]] WheelInterval between(const base::WheelSample& a, const base::WheelSample& b) const;
+
+  base::WheelsConfig config_;
+  double radius_;   // m
+  double max_gap_;  // s
+  std::optional<base::WheelSample> begin_;
+  base::WheelSample last_;
+  WheelInterval interval_;
+  std::optional<WheelInterval> newest_;
+};
+
+}  // namespace curbstone::ekf::inputs

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+
+#include "services/ekf/base/samples.hpp"
+#include "services/ekf/model/motion_window.hpp"
+#include "services/ekf/model/process_model.hpp"
+
+namespace curbstone::ekf::model {
+
+/// One IMU sample in body axes.
+struct TimedInertial {
+  std::int64_t utime = 0;  ///< us
+  Inertial imu;
+};
+
+/// Carries a belief forward in time: by the IMU where there are samples on both sides, else by the wheels. Keeps what
+/// the belief went through since the last correction, for the wheels to be compared with.
+class Mechanisation {
+ public:
+  Mechanisation(const base::EkfConfig& config, const Geometry& geometry) : config_(config), geometry_(geometry) {}
+
+  /// To `utime`. `next` is the IMU's sample at or after it; null where none is known yet.
+  void advance(Belief& belief, std::int64_t utime, const TimedInertial* next, bool standing);
+  /// The IMU's sample at the belief's time: the one to go on from.
+  void set_last_imu(const TimedInertial& sample) { last_imu_ = sample; }
+  /// rad/s, to turn with while there is no IMU.
+  void set_wheel_yaw_rate(double rate) { wheel_yaw_rate_ = rate; }
+  void reset();
+
+  /// Whether the IMU's last sample is recent enough, at `utime`, to go on from.
+  [[nodiscard]] bool imu_at_hand(std::int64_t utime) const {
+    return last_imu_ && base::seconds_between(last_imu_->utime, utime) <= config_.timing.max_imu_gap;
+  }
+  [[nodiscard]] const std::optional<TimedInertial>& last_imu() const { return last_imu_; }
+  [[nodiscard]] double wheel_yaw_rate() const { return wheel_yaw_rate_; }
+  [[nodiscard]] MotionWindow& window() { return window_; }
+
+ private:
+  void step(Belief& belief, const Inertial& imu, double dt, bool standing);
+  void coast(Belief& belief, double dt);
+
+  base::EkfConfig config_;
+  Geometry geometry_;
+  std::optional<TimedInertial> last_imu_;
+  MotionWindow window_;
+  double inertial_speed_ = 0.0;  // m/s, see SlipDetector::Comparison
+  double wheel_yaw_rate_ = 0.0;  // rad/s
+};
+
+}  // namespace curbstone::ekf::model

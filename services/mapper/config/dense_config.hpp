@@ -1,0 +1,40 @@
+#pragma once
+
+#include "common/config/config.hpp"
+
+namespace curbstone::mapper::config {
+
+/// The dense map: what goes in.
+struct DenseConfig {
+  double voxel = 0.05;
+  double max_range = 20.0;
+  double min_height = -3.0;
+  double max_height = 4.0;
+  int settle_hits = 3;
+  double settle_s = 0.3;
+  double ground_clearance = 0.30;
+  double persistence_s = 1.0;
+  double start_hold_s = 30.0;
+  double standing_s = 1.5;
+  double free_range = 12.0;
+  int max_points = 30'000'000;
+
+  void visit(ConfigVisitor& v) {
+    v.field("voxel", voxel, {0.02, 0.5}, "m, one point each; a whole number of 2 mm steps that divides 3 m");
+    v.field("max_range", max_range, {2.0, 100.0}, "m, horizontally from base_link; farther points are too noisy");
+    v.field("min_height", min_height, {-20.0, 0.0}, "m above base_link");
+    v.field("max_height", max_height, {0.0, 30.0}, "m above base_link");
+    v.field("settle_hits", settle_hits, {1, 100}, "hits whose mean becomes the voxel's point");
+    v.field("settle_s", settle_s, {0.0, 10.0}, "s after which fewer hits do");
+    v.field("ground_clearance", ground_clearance, {0.05, 5.0}, "m above its column's lowest point: may be moving");
+    v.field("persistence_s", persistence_s, {0.0, 60.0}, "s for which what may be moving must have stayed");
+    v.field("start_hold_s", start_hold_s, {0.0, 600.0},
+            "s that the first standstill waits; it is dropped if the vehicle moves by then");
+    v.field("standing_s", standing_s, {0.0, 600.0}, "s at one place after which nothing new is added");
+    v.field("free_range", free_range, {0.0, 50.0}, "m within which what beams pass through is taken out; 0: never");
+    v.field("max_points", max_points, {100'000, 500'000'000},
+            "of the whole map, 8 bytes each; the farthest tiles go first");
+  }
+};
+
+}  // namespace curbstone::mapper::config

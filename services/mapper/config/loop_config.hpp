@@ -1,0 +1,34 @@
+#pragma once
+
+#include "common/config/config.hpp"
+
+namespace curbstone::mapper::config {
+
+/// Closing loops.
+struct LoopConfig {
+  bool close = true;
+  double look_every = 2.0;
+  double search = 3.0;
+  double search_drift = 0.01;
+  double max_search = 15.0;
+  double agree_m = 0.3;
+  double agree_rad = 0.03;
+  double within = 15.0;
+  double max_sigma = 5.0;
+  double rearrange_m = 0.03;
+
+  void visit(ConfigVisitor& v) {
+    v.field("close", close, "whether loops are closed");
+    v.field("look_every", look_every, {0.5, 100.0}, "m driven between looks for a place of long ago");
+    v.field("search", search, {0.5, 15.0}, "m, how far off an old place may seem");
+    v.field("search_drift", search_drift, {0.0, 0.2}, "m more for each m driven since");
+    v.field("max_search", max_search, {0.5, 15.0}, "m, but not more");
+    v.field("agree_m", agree_m, {0.01, 5.0}, "m to which two looks must agree");
+    v.field("agree_rad", agree_rad, {0.001, 1.0}, "rad to which they must");
+    v.field("within", within, {1.0, 100.0}, "m driven between those two at most");
+    v.field("max_sigma", max_sigma, {1.0, 100.0}, "by which an edge of the graph may be bent");
+    v.field("rearrange_m", rearrange_m, {0.0, 1.0}, "m that a node must move for the map to be made anew");
+  }
+};
+
+}  // namespace curbstone::mapper::config

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <string>
+
+#include "common/config/config.hpp"
+#include "common/config/vehicle.hpp"
+#include "services/mapper/config/atlas_config.hpp"
+#include "services/mapper/config/dense_config.hpp"
+#include "services/mapper/config/loop_config.hpp"
+#include "services/mapper/config/map_mode.hpp"
+#include "services/mapper/config/registration_config.hpp"
+#include "services/mapper/config/tracker_config.hpp"
+
+namespace curbstone::mapper::config {
+
+/// The mapper's settings; every default is good for an RS-LiDAR-16 on a vehicle. What each means, and its unit, is what
+/// visit() says of it. Keys of `tracker` and `registration` stand beside the mapper's own in a file.
+struct MapperConfig {
+  int threads = 2;
+  MapMode mode = MapMode::kMap;
+  std::string folder;
+  double save_every = 60.0;
+  double start_x = 0;
+  double start_y = 0;
+  double start_yaw = 0;
+  double start_radius = 5.0;
+  double odometry_wait_s = 0.25;
+  double start_wait_s = 2.0;
+  TrackerConfig tracker;
+  VehicleConfig vehicle;
+  RegistrationConfig registration;
+  AtlasConfig atlas;
+  LoopConfig loop;
+  DenseConfig dense;
+
+  void visit(ConfigVisitor& v) {
+    v.field("threads", threads, {1, 2}, "2: the dense map is worked on beside registration");
+    v.choice("mode", mode, {{"map", MapMode::kMap}, {"extend", MapMode::kExtend}, {"localise", MapMode::kLocalise}},
+             "begins a new map in `folder`, goes on with the one there, or only uses it");
+    v.field("folder", folder, "the map on disk, written while driving and at the end; empty: not kept");
+    v.field("save_every", save_every, {0.0, 86400.0}, "s between two times that it is saved; 0: only at the end");
+    v.field("start_x", start_x, {-1e6, 1e6}, "m in that map, where the drive begins");
+    v.field("start_y", start_y, {-1e6, 1e6}, "m");
+    v.field("start_yaw", start_yaw, {-7.0, 7.0}, "rad");
+    v.field("start_radius", start_radius, {0.0, 1e6}, "m, how well that is known; found by searching");
+    v.field("odometry_wait_s", odometry_wait_s, {0.02, 5.0}, "s of lidar time that a revolution waits for odometry");
+    v.field("start_wait_s", start_wait_s, {0.02, 60.0}, "s of lidar time that the first one waits");
+    tracker.visit(v);
+    v.section("vehicle", vehicle, "what the parts share about the vehicle");
+    registration.visit(v);
+    v.section("atlas", atlas, "what is remembered of the drive");
+    v.section("loop", loop, "closing loops");
+    v.section("dense", dense, "the dense map");
+  }
+};
+
+}  // namespace curbstone::mapper::config

@@ -1,0 +1,318 @@
+#include "services/mapper/dense_map/dense_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace curbstone::mapper::dense_map {
+namespace {
+
+constexpr std::int64_t kGiveUp = 3'000'000;       // us without a hit: what waits is forgotten
+constexpr double kGroundSlope = 0.05;             // by which unseen ground may rise above the vehicle's plane
+constexpr std::int64_t kHousekeeping = 64;        // revolutions between
+constexpr std::uint32_t kHeldEvery = 4;           // revolutions between looks at what is held
+constexpr double kAwake = 40.0;                   // m beyond the range: tiles that keep their voxel sets
+constexpr int kLookEvery = 4;                     // revolutions between looks through a tile
+constexpr std::int64_t kRemoveEvery = 1'000'000;  // us: whoever votes counts such a tile anew
+constexpr double kWorldEdge = 90'000;             // m from the start, in either axis
+constexpr int kHighestStep = 32000;               // of a point above its tile's origin, either way
+
+/// tile_at() of what can be mapped.
+std::optional<TileKey> mapped_tile_at(const Eigen::Vector3d& p) {
+  if (!(std::abs(p.x()) < kWorldEdge && std::abs(p.y()) < kWorldEdge)) return std::nullopt;
+  return TileKey{voxels::floor_to_int(p.x() / kTileSize), voxels::floor_to_int(p.y() / kTileSize)};
+}
+
+std::optional<TilePoint> point_in_tile(const Eigen::Vector3d& offset, std::uint8_t intensity) {
+  const double z = offset.z() / kPositionStep;
+  if (!(std::abs(z) < kHighestStep)) return std::nullopt;
+  const auto in_plane = [](double v) {
+    return static_cast<std::int16_t>(std::clamp(static_cast<int>(v / kPositionStep), 0, kStepsPerTile - 1));
+  };
+  return TilePoint{in_plane(offset.x()), in_plane(offset.y()), static_cast<std::int16_t>(voxels::floor_to_int(z)),
+                   intensity};
+}
+
+/// What a node's correction makes of what was seen from it.
+Pose correction_of(const DenseTile::Run& run, const std::vector<Pose>& corrections) {
+  const bool moves = run.anchor >= 0 && static_cast<std::size_t>(run.anchor) < corrections.size();
+  return moves ? corrections[static_cast<std::size_t>(run.anchor)] : Pose::Identity();
+}
+
+/// m that a point of a tile goes, at most.
+double farthest_move(TileKey key, const DenseTile& tile, const std::vector<Pose>& corrections) {
+  const Eigen::Vector3d corner = corner_of(key, tile);
+  double farthest = 0;
+  for (const DenseTile::Run& run : tile.runs()) {
+    const Pose T = correction_of(run, corrections);
+    farthest = std::max(farthest, (T * corner - corner).norm() + angle_of(T) * 2 * kTileSize);
+  }
+  return farthest;
+}
+
+/// Names a waiting voxel in the index of all of them. Not a lattice cell, but as unique.
+voxels::VoxelKey waiting_key(TileKey tile, std::uint32_t voxel) {
+  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(tile.x) & 0xffff) << 48) |
+         (static_cast<std::uint64_t>(static_cast<std::uint32_t>(tile.y) & 0xffff) << 32) | voxel;
+}
+
+}  // namespace
+
+DenseMap::DenseMap(const config::DenseConfig& config)
+    : config_(config),
+      voxel_steps_(static_cast<int>(std::lround(config.voxel / kPositionStep))),
+      settle_us_(std::llround(1e6 * config.settle_s)),
+      tiles_(voxel_steps_),
+      places_(std::llround(1e6 * config.persistence_s)),
+      free_space_(config.ground_clearance) {}
+
+std::vector<TileKey> DenseMap::insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base,
+                                      std::int64_t utime, bool add_new) {
+  ++round_;
+  base_ = T_map_base.translation();
+  up_ = T_map_base.linear().col(2);
+  learn(points, T_map_base, utime);
+  for (const Seen& seen : in_range_) hit(seen, utime, add_new);
+  std::vector<TileKey> grown = settle_all(utime, false);
+  if (round_ % kHousekeeping == 0) {
+    places_.forget_before(utime - 2 * kGiveUp);  // what waits below one is given up before
+    bound_memory();
+  }
+  return grown;
+}
+
+std::vector<TileKey> DenseMap::finish() {
+  return settle_all(0, true);
+}
+
+std::vector<TileKey> DenseMap::look_through(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base,
+                                            const Pose& T_base_lidar, const scan::Twist& motion, std::int64_t utime,
+                                            const std::function<bool(std::int32_t)>& in_place) {
+  std::vector<TileKey> changed;
+  const Pose T_map_lidar = T_map_base * T_base_lidar;
+  const Eigen::Vector2d here = T_map_lidar.translation().head<2>();
+  const auto low = mapped_tile_at({here.x() - config_.free_range, here.y() - config_.free_range, 0});
+  const auto high = mapped_tile_at({here.x() + config_.free_range, here.y() + config_.free_range, 0});
+  if (!(config_.free_range > 0) || !low || !high) return changed;
+  const SweepImage image(points, T_base_lidar, motion);
+  const FreeSpace::View view{image, T_map_lidar.inverse(), config_.free_range, in_place};
+  for (int x = low->x; x <= high->x; ++x) {
+    for (int y = low->y; y <= high->y; ++y) {
+      if ((x + 3 * y + round_) % kLookEvery != 0) continue;
+      DenseTile* const tile = tiles_.wake({x, y});
+      if (tile == nullptr) continue;
+      std::vector<std::uint32_t> gone = free_space_.look(*tile, corner_of({x, y}, *tile), view);
+      if (gone.size() == tile->num_points() && !gone.empty()) gone.pop_back();  // a tile that was told of stays one
+      if (gone.empty() || utime - tile->removed_at() < kRemoveEvery) continue;
+      tile->remove(gone, utime);
+      const auto count = static_cast<std::int64_t>(gone.size());
+      size_ -= count;
+      num_removals_ += count;
+      counters_.add("dense.removed", count);
+      changed.push_back({x, y});
+    }
+  }
+  return changed;
+}
+
+/// First look at the whole revolution: the lowest point of each column, then what stands above it.
+void DenseMap::learn(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, std::int64_t utime) {
+  in_range_.clear();
+  for (const scan::LidarPoint& point : points) {
+    const Eigen::Vector3d p = point.position.cast<double>();
+    if (p.head<2>().squaredNorm() > config_.max_range * config_.max_range) continue;
+    if (!(p.z() > config_.min_height && p.z() < config_.max_height)) continue;
+    const Eigen::Vector3d in_map = T_map_base * p;
+    const auto key = mapped_tile_at(in_map);
+    if (!key) continue;
+    DenseTile& tile = tiles_.wake_or_make(*key, static_cast<std::int32_t>(std::lround(base_.z())));
+    in_range_.push_back({in_map, *key, &tile, point.intensity});
+    const auto place = [](double along) {
+      return std::clamp(static_cast<int>(along * DenseTile::kColumnsPerMetre), 0, DenseTile::kColumns - 1);
+    };
+    float& lowest = tile.lowest(place(in_map.x() - key->x * kTileSize), place(in_map.y() - key->y * kTileSize));
+    lowest = std::min(lowest, static_cast<float>(in_map.z()));
+  }
+  for (const Seen& seen : in_range_) {
+    if (seen.position.z() > ground_at(seen.position) + config_.ground_clearance) places_.see(seen.position, utime);
+  }
+}
+
+/// The lowest point known in the four columns around, but not above where the vehicle's own plane says ground may be:
+/// under a vehicle that hides the ground, the lowest point seen is the vehicle's.
+double DenseMap::ground_at(const Eigen::Vector3d& point) {
+  const Eigen::Vector2d d = (point - base_).head<2>();
+  const double slope = up_.z() > 0.5 ? -(up_.head<2>().dot(d)) / up_.z() : 0.0;
+  return std::min(base_.z() + slope + kGroundSlope * d.norm(), tiles_.lowest_about(point));
+}
+
+void DenseMap::hit(const Seen& seen, std::int64_t utime, bool add_new) {
+  const auto in_tile = point_in_tile(seen.position - corner_of(seen.key, *seen.tile), seen.intensity);
+  if (!in_tile) return;
+  const std::uint32_t voxel = seen.tile->voxel_number(*in_tile);
+  if (seen.tile->occupied(voxel)) return;
+  const voxels::VoxelKey name = waiting_key(seen.key, voxel);
+  std::uint32_t at = waiting_index_.find(name);
+  if (at == voxels::FlatIndex::kNone) {
+    if (!add_new || tiles_.known_beside(seen.key, *seen.tile, *in_tile)) return;
+    at = new_waiting();
+    waiting_index_.find_or_insert(name, at);
+    waiting_[at] = {.tile = seen.key, .voxel = voxel, .first = utime};
+  }
+  Waiting& waiting = waiting_[at];
+  waiting.last = utime;
+  if (waiting.hits >= config_.settle_hits) return;  // its point is made; only its proof is missing
+  ++waiting.hits;
+  waiting.intensity += seen.intensity;
+  waiting.sum += Eigen::Vector3i(in_tile->x, in_tile->y, in_tile->z);
+}
+
+std::uint32_t DenseMap::new_waiting() {
+  if (free_.empty()) {
+    waiting_.emplace_back();
+    return static_cast<std::uint32_t>(waiting_.size() - 1);
+  }
+  const std::uint32_t at = free_.back();
+  free_.pop_back();
+  return at;
+}
+
+bool DenseMap::may_be_moving(const Eigen::Vector3d& point, std::int64_t utime) {
+  if (point.z() > ground_at(point) + config_.ground_clearance) return !places_.stays(point);
+  return places_.passing_above(point, utime);
+}
+
+/// Whether the voxel leaves the waiting room: because it went into the map or because it was given up.
+bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
+  if (!last_call && waiting.hits < config_.settle_hits && utime - waiting.first < settle_us_) return false;
+  // What is held takes turns: a place is no proof sooner than after a second.
+  if (!last_call && waiting.held && (static_cast<std::uint32_t>(round_) + waiting.voxel) % kHeldEvery != 0)
+    return false;
+  waiting.held = true;
+  DenseTile* tile = tiles_.wake(waiting.tile);
+  if (tile == nullptr) return true;
+  const auto mean = [&](int sum) {  // rounded down, so that it stays inside the voxel
+    return static_cast<std::int16_t>(sum >= 0 ? sum / waiting.hits : -((-sum + waiting.hits - 1) / waiting.hits));
+  };
+  const TilePoint point{mean(waiting.sum.x()), mean(waiting.sum.y()), mean(waiting.sum.z()),
+                        static_cast<std::uint8_t>(waiting.intensity / waiting.hits)};
+  const Eigen::Vector3d in_map =
+      corner_of(waiting.tile, *tile) + kPositionStep * Eigen::Vector3d(point.x, point.y, point.z);
+  if (may_be_moving(in_map, waiting.last)) {
+    const bool give_up = last_call || utime - waiting.last > kGiveUp;
+    if (give_up) counters_.add("dense.transient");
+    return give_up;
+  }
+  tile->append(point, last_call ? waiting.last : utime, anchor_);
+  ++size_;
+  return true;
+}
+
+std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, bool last_call) {
+  std::vector<TileKey> grown;
+  const std::int64_t before = size_;
+  for (std::size_t i = 0; i < waiting_.size(); ++i) {
+    Waiting& waiting = waiting_[i];
+    const std::int64_t size = size_;
+    if (waiting.hits == 0 || !settle(waiting, utime, last_call)) continue;
+    if (size_ != size && (grown.empty() || grown.back() != waiting.tile)) grown.push_back(waiting.tile);
+    waiting_index_.erase(waiting_key(waiting.tile, waiting.voxel));
+    waiting.hits = 0;
+    free_.push_back(static_cast<std::uint32_t>(i));
+  }
+  if (size_ != before) counters_.add("dense.points", size_ - before);
+  std::sort(grown.begin(), grown.end());
+  grown.erase(std::unique(grown.begin(), grown.end()), grown.end());
+  return grown;
+}
+
+void DenseMap::bound_memory() {
+  std::vector<TileKey> far = tiles_.sleep_beyond(base_, config_.max_range + kAwake);
+  for (; size_ + 2 * num_removals_ > config_.max_points && !far.empty(); far.pop_back()) {
+    const DenseTile& tile = *tiles_.find(far.back());
+    size_ -= static_cast<std::int64_t>(tile.num_points());
+    num_removals_ -= static_cast<std::int64_t>(tile.num_removals());
+    tiles_.erase(far.back());
+    evicted_.push_back(far.back());
+    counters_.add("dense.evicted_tiles");
+  }
+}
+
+void DenseMap::forget_waiting() {
+  waiting_.clear();
+  free_.clear();
+  waiting_index_.clear(4096);
+  places_.clear();
+}
+
+/// Goes from west to east: behind it, where nothing comes in any more, what is far from the vehicle falls asleep at
+/// once, so that the whole map is never awake.
+void DenseMap::move(const std::vector<Pose>& corrections) {
+  TileGrid before = std::exchange(tiles_, TileGrid(voxel_steps_));
+  forget_waiting();
+  size_ = num_removals_ = 0;
+  const std::vector<TileKey> keys = before.keys();
+  double farthest = 0;
+  for (const TileKey& key : keys) farthest = std::max(farthest, farthest_move(key, *before.find(key), corrections));
+  const int reach = static_cast<int>(std::min(std::ceil(farthest / kTileSize), kWorldEdge / kTileSize)) + 1;  // tiles
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    const TileKey key = keys[k];
+    if (k > 0 && key.x != keys[k - 1].x) tiles_.sleep_west_of(key.x - reach, base_, config_.max_range + kAwake);
+    const DenseTile& tile = *before.find(key);
+    const std::vector<bool> there = tile.standing();
+    const Eigen::Vector3d corner = corner_of(key, tile);
+    for (std::size_t r = 0; r < tile.runs().size(); ++r) {
+      const DenseTile::Run& run = tile.runs()[r];
+      const std::size_t end = tile.end_of(r);
+      const Pose T = correction_of(run, corrections);
+      for (auto i = static_cast<std::size_t>(run.first); i < end; ++i) {
+        if (!there[i]) continue;
+        const TilePoint& p = tile.records()[i];
+        const Eigen::Vector3d half(0.5, 0.5, 0.5);  // a point stands for its step's middle
+        const Eigen::Vector3d was = corner + kPositionStep * (Eigen::Vector3d(p.x, p.y, p.z) + half);
+        put(T * was, tile.z_origin(), p.intensity, run);
+      }
+    }
+    before.erase(key);
+  }
+}
+
+/// A point that was settled once, at its new place.
+void DenseMap::put(const Eigen::Vector3d& point, std::int32_t z_origin, std::uint8_t intensity,
+                   const DenseTile::Run& run) {
+  const auto key = mapped_tile_at(point);
+  if (!key) return;
+  DenseTile& tile = tiles_.wake_or_make(*key, z_origin);
+  const auto in_tile = point_in_tile(point - corner_of(*key, tile), intensity);
+  if (!in_tile || tile.occupied(tile.voxel_number(*in_tile))) return;
+  tile.append(*in_tile, run.utime, run.anchor);
+  ++size_;
+  float& lowest = tile.lowest_at(*in_tile);
+  lowest = std::min(lowest, static_cast<float>(point.z()));
+}
+
+void DenseMap::roll_back(std::int64_t utime) {
+  forget_waiting();
+  size_ = num_removals_ = 0;
+  tiles_.for_each([&](DenseTile& tile) {
+    tile.cut_after(utime);
+    size_ += static_cast<std::int64_t>(tile.num_points());
+    num_removals_ += static_cast<std::int64_t>(tile.num_removals());
+  });
+}
+
+void DenseMap::load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points) {
+  DenseTile& tile = tiles_.wake_or_make(key, z_origin);
+  for (const TilePoint& p : points) {
+    if (tile.occupied(tile.voxel_number(p))) continue;
+    tile.append(p, utime, kFixed);
+    ++size_;
+  }
+  tiles_.sleep(key);
+}
+
+std::vector<TileKey> DenseMap::take_evicted() {
+  return std::exchange(evicted_, {});
+}
+
+}  // namespace curbstone::mapper::dense_map

@@ -1,0 +1,93 @@
+#include "services/mapper/dense_map/free_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/mapper/voxels/flat_index.hpp"
+
+namespace curbstone::mapper::dense_map {
+namespace {
+
+constexpr int kCellSteps = 100;                      // 0.2 m
+constexpr int kAcross = kStepsPerTile / kCellSteps;  // cells along a tile's side
+constexpr int kLayers = 60;                          // cells, half of them below the lidar
+constexpr int kLayer = kAcross * kAcross;            // cells in one
+constexpr int kBelowAll = 400;                       // cells: below every int16
+constexpr auto kRecordStep = static_cast<float>(kPositionStep);
+constexpr std::uint8_t kOften = 2;                  // revolutions whose beams passed through: free
+constexpr std::uint8_t kMost = 4;                   // that are counted
+constexpr float kLowClearance = 0.06F;              // m above the column's lowest point, under what has gone
+constexpr SweepImage::Margins kHigh{0.30F, 0.50F};  // m: an obstacle's own depth, and what is clearly beyond
+constexpr SweepImage::Margins kLow{0.12F, 0.15F};   // m: there the ground is near
+static_assert(DenseTile::kVacatedColumns == kAcross);
+
+}  // namespace
+
+FreeSpace::FreeSpace(double ground_clearance)
+    : ground_clearance_(static_cast<float>(ground_clearance)), cells_(kLayers * kLayer) {}
+
+/// First look: what each candidate's own beams say, and what was met in each cell.
+void FreeSpace::gather(DenseTile& tile, const Eigen::Vector3d& corner, const View& view) {
+  const Eigen::Vector3d lidar = view.T_lidar_map.inverse().translation();
+  const int layers_below = voxels::floor_to_int((lidar.z() - corner.z()) / (kCellSteps * kPositionStep)) - kLayers / 2;
+  const Eigen::Matrix3f turn = view.T_lidar_map.linear().cast<float>();
+  const Eigen::Vector3f offset = (view.T_lidar_map * corner).cast<float>();
+  const auto z_origin = static_cast<float>(tile.z_origin());
+  const auto reach2 = static_cast<float>(view.reach * view.reach);
+  for (std::size_t run = 0; run < tile.runs().size(); ++run) {
+    if (!view.in_place(tile.runs()[run].anchor)) continue;
+    const std::size_t end = tile.end_of(run);
+    for (auto i = static_cast<std::size_t>(tile.runs()[run].first); i < end; ++i) {
+      if (!tile.there(i)) continue;
+      const TilePoint& p = tile.records()[i];
+      const float above = z_origin + kRecordStep * static_cast<float>(p.z) - tile.lowest_at(p);
+      const int column = p.y / kCellSteps * kAcross + p.x / kCellSteps;
+      const bool high = above > ground_clearance_;
+      if (!high && !(above > kLowClearance && tile.vacated(column))) continue;
+      const int layer = (p.z + kBelowAll * kCellSteps) / kCellSteps - kBelowAll - layers_below;
+      if (layer < 0 || layer >= kLayers) continue;
+      const Eigen::Vector3f in_lidar = offset + turn * (kRecordStep * Eigen::Vector3f(p.x, p.y, p.z));
+      if (in_lidar.squaredNorm() > reach2) continue;
+      const auto cell = static_cast<std::uint32_t>(layer * kLayer + column);
+      const Sighting sighting = view.image.look(in_lidar, high ? kHigh : kLow);
+      ++cells_[cell].points;
+      cells_[cell].there |= sighting == Sighting::kThere;
+      candidates_.push_back({static_cast<std::uint32_t>(i), cell, sighting == Sighting::kThrough});
+    }
+  }
+}
+
+/// In the cell or one that shares a face with it; a tile's border ends the search.
+bool FreeSpace::met_about(std::uint32_t cell) const {
+  if (cells_[cell].there) return true;
+  const int x = static_cast<int>(cell) % kAcross, y = static_cast<int>(cell) / kAcross % kAcross;
+  const int z = static_cast<int>(cell) / kLayer;
+  return (x > 0 && cells_[cell - 1].there) || (x + 1 < kAcross && cells_[cell + 1].there) ||
+         (y > 0 && cells_[cell - kAcross].there) || (y + 1 < kAcross && cells_[cell + kAcross].there) ||
+         (z > 0 && cells_[cell - kLayer].there) || (z + 1 < kLayers && cells_[cell + kLayer].there);
+}
+
+std::vector<std::uint32_t> FreeSpace::look(DenseTile& tile, const Eigen::Vector3d& corner, const View& view) {
+  candidates_.clear();
+  gather(tile, corner, view);
+  for (const Candidate& candidate : candidates_) {
+    std::uint8_t& through = tile.seen_through(candidate.record);
+    if ((through > 0 || candidate.through) && met_about(candidate.cell)) {
+      through = 0;
+    } else if (candidate.through) {
+      through = static_cast<std::uint8_t>(std::min<int>(through + 1, kMost));
+    }
+    cells_[candidate.cell].free += through >= kOften ? 1 : 0;
+  }
+  std::vector<std::uint32_t> gone;
+  for (const Candidate& candidate : candidates_) {
+    const Cell& cell = cells_[candidate.cell];
+    if (cell.free == 0 || 2 * cell.free < cell.points || cell.there) continue;
+    gone.push_back(candidate.record);
+    tile.set_vacated(static_cast<int>(candidate.cell) % kLayer);
+  }
+  for (const Candidate& candidate : candidates_) cells_[candidate.cell] = {};
+  return gone;
+}
+
+}  // namespace curbstone::mapper::dense_map

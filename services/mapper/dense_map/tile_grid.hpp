@@ -1,0 +1,67 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "common/tiles/tile.hpp"
+#include "services/mapper/dense_map/dense_tile.hpp"
+
+namespace curbstone::mapper::dense_map {
+
+/// Where a tile's points are counted from, m in map.
+[[nodiscard]] inline Eigen::Vector3d corner_of(TileKey key, const DenseTile& tile) {
+  return {key.x * kTileSize, key.y * kTileSize, static_cast<double>(tile.z_origin())};
+}
+
+/// The tiles of the dense map, and what lies across their borders. Those far from the vehicle sleep; whoever asks for
+/// one to change it wakes it. Pure; one thread.
+class TileGrid {
+ public:
+  /// `voxel_steps`: as of DenseTile.
+  explicit TileGrid(int voxel_steps) : voxel_steps_(voxel_steps) {}
+
+  /// As it is; nullptr if there is none.
+  [[nodiscard]] const DenseTile* find(TileKey key) const;
+  /// Of all tiles, in order.
+  [[nodiscard]] std::vector<TileKey> keys() const;
+
+  /// Awake; nullptr if there is none.
+  [[nodiscard]] DenseTile* wake(TileKey key);
+  /// Made if there is none: with this z_origin.
+  [[nodiscard]] DenseTile& wake_or_make(TileKey key, std::int32_t z_origin);
+  void erase(TileKey key);
+  /// Nothing if there is none.
+  void sleep(TileKey key);
+  /// Puts those to sleep whose middle is `distance` m from a place (map) and more. They, the nearest first.
+  std::vector<TileKey> sleep_beyond(const Eigen::Vector3d& place, double distance);
+  /// Of those west of `x` (of a key): puts to sleep whose middle is `distance` m from a place (map) and more.
+  void sleep_west_of(std::int32_t x, const Eigen::Vector3d& place, double distance);
+  /// visit(tile), of every tile, asleep or not.
+  template <class Visit>
+  void for_each(Visit visit) {
+    for (auto& [key, tile] : tiles_) visit(tile);
+  }
+
+  /// The lowest height known in the four columns about a point (m, map); +infinity where nothing is.
+  [[nodiscard]] double lowest_about(const Eigen::Vector3d& point);
+  /// Whether one of the 26 voxels about a point of a tile was occupied before this visit.
+  [[nodiscard]] bool known_beside(TileKey key, const DenseTile& tile, const TilePoint& point);
+
+ private:
+  /// Tiles looked up lately, by the low bits of their keys: points come tile by tile.
+  struct Recent {
+    TileKey key;
+    DenseTile* tile = nullptr;
+  };
+  static constexpr int kRecentSide = 16;
+
+  int voxel_steps_;
+  std::unordered_map<TileKey, DenseTile, TileKeyHash> tiles_;
+  std::array<Recent, std::size_t{kRecentSide} * kRecentSide> recent_;
+};
+
+}  // namespace curbstone::mapper::dense_map

@@ -1,0 +1,60 @@
+#include "services/mapper/pose_graph/relocalizer.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+#include "services/mapper/place_recognition/verify_place.hpp"
+
+namespace curbstone::mapper::pose_graph {
+namespace {
+
+constexpr double kSurroundings = 60.0;    // m along the graph, that one search looks at
+constexpr double kLeastSearch = 1.0;      // m, and
+constexpr double kFarthestSearch = 15.0;  // m, that a search about a guess reaches
+constexpr double kUnseenTurn = 0.3;       // rad, that the vehicle may have turned unseen,
+constexpr double kTurnPerMetre = 0.3;     // and rad more for each m that it may have gone
+
+}  // namespace
+
+std::optional<FoundPlace> Relocalizer::find_at(const Atlas& atlas, int node,
+                                               const std::vector<scan::LidarPoint>& points, const Pose& guess,
+                                               double reach, double turn) const {
+  std::vector<const scan::Keyframe*> nodes;
+  for (const int id : atlas.connected(node, kSurroundings)) nodes.push_back(&atlas.node(id));
+  const auto match = place_recognition::verify_place(points, {guess, reach, turn}, nodes, config_, lidar_);
+  if (!match) return std::nullopt;
+  return FoundPlace{match->registration.T_map_base, match->registration.covariance, node};
+}
+
+std::optional<FoundPlace> Relocalizer::find(const Atlas& atlas, const std::vector<scan::LidarPoint>& points,
+                                            const Pose& guess, double doubt) {
+  const double reach = std::min(kLeastSearch + doubt, kFarthestSearch);
+  const double turn = std::min(kUnseenTurn + kTurnPerMetre * doubt, std::numbers::pi);
+  const std::vector<int> near = atlas.near(guess.translation(), reach + 10.0);
+  if (!near.empty()) {
+    if (const auto found = find_at(atlas, near.front(), points, guess, reach, turn)) return found;
+  }
+  return is_anywhere(doubt) ? find_anywhere(atlas, points, guess) : std::nullopt;
+}
+
+bool Relocalizer::is_anywhere(double doubt) {
+  return kLeastSearch + doubt > kFarthestSearch;
+}
+
+void Relocalizer::forget() {
+  index_.clear();
+  indexed_ = 0;
+}
+
+std::optional<FoundPlace> Relocalizer::find_anywhere(const Atlas& atlas, const std::vector<scan::LidarPoint>& points,
+                                                     const Pose& guess) {
+  for (; indexed_ < atlas.size(); ++indexed_) index_.add(indexed_, atlas.node(indexed_).points);
+  std::vector<const scan::Keyframe*> nodes;
+  for (int id = 0; id < atlas.size(); ++id) nodes.push_back(&atlas.node(id));
+  const auto match = place_recognition::verify_place(points, guess, index_, nodes, config_, lidar_);
+  if (!match) return std::nullopt;
+  const Pose& T_map_base = match->registration.T_map_base;
+  return FoundPlace{T_map_base, match->registration.covariance, atlas.near(T_map_base.translation(), 1e9).front()};
+}
+
+}  // namespace curbstone::mapper::pose_graph

@@ -1,0 +1,105 @@
+#include "services/mapper/registration/icp_registration.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "services/mapper/registration/normal_equations.hpp"
+#include "services/mapper/scan/downsample.hpp"
+
+namespace curbstone::mapper::registration {
+namespace {
+
+/// Points near each other share their plane and its error: of so many, one counts.
+constexpr double kIndependence = 1.0 / 25;
+
+constexpr std::size_t kCoarseStride = 4;  // one point in so many finds the way; all of them say where it ends
+constexpr double kRematch = 0.01;         // m, moved by so much since points were matched, they are matched again
+constexpr double kRematchTurn = 0.001;    // rad, likewise
+
+}  // namespace
+
+IcpRegistration::IcpRegistration(const config::IcpConfig& config, const Eigen::Vector3d& lidar)
+    : config_(config),
+      lidar_(lidar.cast<float>()),
+      map_({config.fine_voxel, config.coarse_voxel, config.min_grazing}) {}
+
+void IcpRegistration::match(const std::vector<scan::LidarPoint>& source, std::size_t stride, const Pose& T_map_base,
+                            double reach) {
+  matches_.clear();
+  const Eigen::Matrix3d R = T_map_base.linear();
+  const double sensor_variance = config_.sensor_sigma * config_.sensor_sigma;
+  for (std::size_t i = 0; i < source.size(); i += stride) {
+    const scan::LidarPoint& point = source[i];
+    const Eigen::Vector3d p = T_map_base * point.position.cast<double>();
+    const MapShape* plane = map_.plane_at(p, reach);
+    if (plane == nullptr) continue;
+    const Eigen::Vector3d n = plane->axis.cast<double>();
+    matches_.add(point.position, (R.transpose() * n).cast<float>(), n.dot(p - plane->mean),
+                 sensor_variance + static_cast<double>(plane->variance));
+  }
+}
+
+RegistrationResult IcpRegistration::align(const std::vector<scan::LidarPoint>& points, const PosePrior& prior) {
+  const std::vector<scan::LidarPoint> source = scan::downsample(points, config_.source_voxel, config_.max_range);
+  const double settled = 5 * config_.kernel;
+  double annealing = std::clamp(prior.reach, settled, std::max(config_.search, settled));
+  Pose T_matched = prior.T_map_base;  // where points were matched
+  Pose moved = Pose::Identity();      // since then
+  std::size_t stride = kCoarseStride;
+  bool stale = true;
+  RegistrationResult result;
+  NormalEquations sum;
+  while (result.iterations < config_.max_iterations && !result.converged) {
+    ++result.iterations;
+    const RobustKernel kernel{std::max(annealing, 6 * config_.kernel), std::max(0.2 * annealing, config_.kernel)};
+    if (stale) {
+      T_matched = normalised(T_matched * moved);
+      moved = Pose::Identity();
+      match(source, stride, T_matched, kernel.reach);
+    }
+    sum = matches_.at(moved, kernel);
+    const Observability seen = observability(sum, config_.degenerate_below);
+    const Matrix6 H = kIndependence * seen.P * sum.H * seen.P.transpose() + prior.information;
+    const Vector6 b =
+        kIndependence * seen.P * sum.b + prior.information * log_of(prior.T_map_base.inverse() * T_matched * moved);
+    const Eigen::LDLT<Matrix6> solver(H);
+    const Vector6 step = solver.solve(-b);
+    if (!step.allFinite()) break;
+    moved = moved * exp_of(step);
+    result.degenerate = seen.degenerate;
+    result.converged = stride == 1 && step.head<3>().norm() < 5e-4 && step.tail<3>().norm() < 1e-4;
+    annealing = std::clamp(2 * step.head<3>().norm(), 0.5 * annealing, annealing);
+    const Vector6 since = log_of(moved);
+    stale = since.head<3>().norm() > kRematch || since.tail<3>().norm() > kRematchTurn;
+    if (result.converged || result.iterations == config_.max_iterations) {
+      result.covariance = solver.solve(Matrix6::Identity());
+    } else if (stride > 1 && annealing <= settled) {
+      stride = 1;
+      stale = true;
+    }
+  }
+  const auto sought = static_cast<double>((source.size() + stride - 1) / stride);
+  result.T_map_base = normalised(T_matched * moved);
+  result.overlap = sum.found / std::max(sought, 1.0);
+  result.inlier_ratio = static_cast<double>(sum.inliers) / std::max(sum.found, 1);
+  result.residual = sum.inliers > 0 ? std::sqrt(sum.squared_error / sum.inliers) : 0;
+  return result;
+}
+
+void IcpRegistration::insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base) {
+  map_.insert(scan::downsample(points, config_.source_voxel, config_.max_range), T_map_base, lidar_);
+}
+
+void IcpRegistration::recall(const scan::Keyframe& node) {
+  map_.insert(scan::unpack(node.points), node.T_map_base, lidar_);
+}
+
+bool IcpRegistration::keep_around(const Eigen::Vector3d& centre) {
+  if ((centre - kept_around_).norm() < 0.25 * config_.window) return false;
+  kept_around_ = centre;
+  map_.keep_around(centre, config_.window);
+  return true;
+}
+
+}  // namespace curbstone::mapper::registration

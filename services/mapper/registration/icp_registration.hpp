@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include "services/mapper/config/icp_config.hpp"
+#include "services/mapper/registration/plane_map.hpp"
+#include "services/mapper/registration/plane_matches.hpp"
+#include "services/mapper/registration/registration.hpp"
+
+namespace curbstone::mapper::registration {
+
+/// Point-to-plane ICP on a voxel map of planes: Gauss-Newton over SE(3) with a Huber kernel, a Gaussian prior, and
+/// directions that the surroundings do not fix left to the prior (solution remapping, Zhang, Kaess, Singh, ICRA 2016).
+/// Steps are cheap once points are matched, matching is not: it is done anew only when the pose has moved, and with few
+/// of the points until the pose has settled.
+class IcpRegistration final : public Registration {
+ public:
+  /// `lidar`: where it is in base_link, m.
+  IcpRegistration(const config::IcpConfig& config, const Eigen::Vector3d& lidar);
+
+  [[nodiscard]] RegistrationResult align(const std::vector<scan::LidarPoint>& points, const PosePrior& prior) override;
+  void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base) override;
+  void recall(const scan::Keyframe& node) override;
+  bool keep_around(const Eigen::Vector3d& centre) override;
+  [[nodiscard]] double window() const override { return config_.window; }
+  [[nodiscard]] std::size_t size() const override { return map_.size(); }
+
+ private:
+  /// Finds the planes of every `stride`-th point.
+  void match(const std::vector<scan::LidarPoint>& source, std::size_t stride, const Pose& T_map_base, double reach);
+
+  config::IcpConfig config_;
+  Eigen::Vector3f lidar_;
+  PlaneMap map_;
+  PlaneMatches matches_;  // scratch
+  Eigen::Vector3d kept_around_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace curbstone::mapper::registration

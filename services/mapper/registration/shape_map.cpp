@@ -1,0 +1,137 @@
+#include "services/mapper/registration/shape_map.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace curbstone::mapper::registration {
+ShapeLevel::ShapeLevel(const ShapeLevelOptions& options) : options_(options), inverse_size_(1.0 / options.voxel) {}
+
+Eigen::Vector3d ShapeLevel::centre_of(const Eigen::Vector3i& cell) const {
+  return (cell.cast<double>().array() + 0.5) * options_.voxel;
+}
+
+std::uint32_t ShapeLevel::new_voxel() {
+  if (free_.empty()) {
+    moments_.emplace_back();
+    fitted_.emplace_back();
+    return static_cast<std::uint32_t>(moments_.size() - 1);
+  }
+  const std::uint32_t voxel = free_.back();
+  free_.pop_back();
+  moments_[voxel] = {};
+  fitted_[voxel] = {};
+  return voxel;
+}
+
+void ShapeLevel::insert(const Eigen::Vector3d& point, const Eigen::Vector3f& ray) {
+  const Eigen::Vector3i cell = voxels::voxel_of(point, inverse_size_);
+  std::uint32_t& place = index_.place(cell);
+  if (place == voxels::BlockIndex::kNone) place = new_voxel();
+  Moments& m = moments_[place];
+  if (m.first[0] >= static_cast<float>(options_.capacity)) return;
+  const Eigen::Vector3f d = (point - centre_of(cell)).cast<float>();
+  m.first += Eigen::Array4f(1, d.x(), d.y(), d.z());
+  m.squares += Eigen::Array4f(d.x() * d.x(), d.y() * d.y(), d.z() * d.z(), d.x() * d.y());
+  m.rest += Eigen::Array4f(d.x() * d.z(), d.y() * d.z(), ray.x(), ray.y());
+  m.rays_z += ray.z();
+}
+
+const MapShape* ShapeLevel::shape_at(const Eigen::Vector3d& point) {
+  const Eigen::Vector3i cell = voxels::voxel_of(point, inverse_size_);
+  voxels::BlockIndex::Finder find(index_);
+  const std::uint32_t own = find(cell);
+  if (own != voxels::BlockIndex::kNone) return up_to_date(own, cell);
+
+  // Beside a surface, not on it: take the neighbour on the nearer side along one axis, nearest first.
+  const Eigen::Vector3d d = point - centre_of(cell);
+  std::array<int, 3> axes{0, 1, 2};
+  const auto order = [&](std::size_t a, std::size_t b) {
+    if (std::abs(d[axes[a]]) < std::abs(d[axes[b]])) std::swap(axes[a], axes[b]);
+  };
+  order(0, 1), order(1, 2), order(0, 1);
+  for (const int axis : axes) {
+    Eigen::Vector3i beside = cell;
+    beside[axis] += d[axis] > 0 ? 1 : -1;
+    const std::uint32_t voxel = find(beside);
+    if (voxel == voxels::BlockIndex::kNone) continue;
+    if (const MapShape* shape = up_to_date(voxel, beside)) return shape;
+  }
+  return nullptr;
+}
+
+const MapShape* ShapeLevel::up_to_date(std::uint32_t voxel, const Eigen::Vector3i& cell) {
+  Fitted& fitted = fitted_[voxel];
+  if (fitted.version < 0 || version_ - fitted.version >= fitted.patience) fit(fitted, cell);
+  return fitted.valid ? &fitted.shape : nullptr;
+}
+
+void ShapeLevel::fit(Fitted& fitted, const Eigen::Vector3i& cell) const {
+  // Each voxel's moments are about its own centre, a voxel's side away in each axis or not at all: what moving them to
+  // the middle one takes is the difference of the sums on either side, and the counts there.
+  Eigen::Array4f first = Eigen::Array4f::Zero(), squares = first, rest = first;
+  Eigen::Array4f along_x = first, along_y = first, along_z = first;
+  Eigen::Array4f counts = first, mixed_counts = first;
+  float rays_z = 0;
+  index_.around(cell, [&](std::uint32_t voxel, int dx, int dy, int dz) {
+    const Moments& m = moments_[voxel];
+    const auto x = static_cast<float>(dx), y = static_cast<float>(dy), z = static_cast<float>(dz);
+    first += m.first;
+    squares += m.squares;
+    rest += m.rest;
+    rays_z += m.rays_z;
+    along_x += x * m.first;
+    along_y += y * m.first;
+    along_z += z * m.first;
+    counts += m.first[0] * Eigen::Array4f(x * x, y * y, z * z, x * y);
+    mixed_counts += m.first[0] * Eigen::Array4f(x * z, y * z, 0, 0);
+  });
+  const double h = options_.voxel, h2 = h * h;
+  const double count = static_cast<double>(first[0]);
+
+  // A neighbourhood that hardly grew is left alone for longer and longer.
+  const bool settled = count < 1.1 * static_cast<double>(fitted.count);
+  fitted.patience = static_cast<std::int16_t>(settled ? std::min(2 * fitted.patience, 32) : 2);
+  fitted.version = version_;
+  fitted.count = first[0];
+  fitted.valid = false;
+  if (count < options_.min_points) return;
+
+  const Eigen::Array4d n = first.cast<double>(), q = squares.cast<double>(), r = rest.cast<double>();
+  const Eigen::Array4d ax = h * along_x.cast<double>(), ay = h * along_y.cast<double>(),
+                       az = h * along_z.cast<double>();
+  const Eigen::Array4d c = h2 * counts.cast<double>(), cm = h2 * mixed_counts.cast<double>();
+  const Eigen::Vector3d mean = Eigen::Vector3d(n[1] + ax[0], n[2] + ay[0], n[3] + az[0]) / count;
+  const double xy = q[3] + ax[2] + ay[1] + c[3];
+  const double xz = r[0] + ax[3] + az[1] + cm[0];
+  const double yz = r[1] + ay[3] + az[2] + cm[1];
+  Eigen::Matrix3d about_centre;
+  about_centre << q[0] + 2 * ax[1] + c[0], xy, xz, xy, q[1] + 2 * ay[2] + c[1], yz, xz, yz, q[2] + 2 * az[3] + c[2];
+  const Eigen::Matrix3d covariance = about_centre / count - mean * mean.transpose();
+
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(covariance);
+  const Eigen::Vector3d& lambda = solver.eigenvalues();
+  const int across = options_.shape == ShapeKind::kPlane ? 0 : 1;
+  const double along = lambda[across + 1];
+  if (!(along > options_.min_width * options_.min_width && lambda[across] < options_.max_flatness * along)) return;
+  fitted.shape.mean = centre_of(cell) + mean;
+  fitted.shape.axis = solver.eigenvectors().col(options_.shape == ShapeKind::kPlane ? 0 : 2).cast<float>();
+  fitted.shape.variance = static_cast<float>(std::max(lambda[across], 0.0));
+  fitted.valid = fitted.shape.axis.allFinite();
+  if (options_.shape == ShapeKind::kLine) return;
+  // Where one ring passes through foliage, or grazes, its returns scatter along the rays: they lie in a plane, and a
+  // thin one, but it is the ring's own. Held to it, a vehicle can no longer pitch.
+  const float grazing = std::abs(fitted.shape.axis.dot(Eigen::Vector3f(rest[2], rest[3], rays_z))) / first[0];
+  fitted.valid = fitted.valid && grazing > static_cast<float>(options_.min_grazing);
+}
+
+void ShapeLevel::keep_around(const Eigen::Vector3d& centre, double radius) {
+  const auto far = [&](const Eigen::Vector3i& middle) {
+    return (middle.cast<double>() * options_.voxel - centre).cwiseAbs().maxCoeff() > radius;
+  };
+  index_.erase_blocks(far, [&](std::uint32_t voxel) { free_.push_back(voxel); });
+}
+
+}  // namespace curbstone::mapper::registration

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "services/mapper/voxels/block_index.hpp"
+
+namespace curbstone::mapper::registration {
+
+enum class ShapeKind { kPlane, kLine };
+
+/// A piece of surface, or of an edge, in map.
+struct MapShape {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3f axis = Eigen::Vector3f::Zero();  ///< unit: a plane's normal, a line's direction; of either sign
+  float variance = 0;                              ///< m^2, of the points about it, in the worst direction
+};
+
+/// How finely a level of the map looks, and what passes for a plane or a line there.
+struct ShapeLevelOptions {
+  ShapeKind shape = ShapeKind::kPlane;
+  double voxel = 0.3;         ///< m
+  int capacity = 40;          ///< points of a voxel; more are not taken, so that the map stays where it was built
+  int min_points = 6;         ///< in the 3 x 3 x 3 voxels that a shape is fitted to
+  double max_flatness = 0.1;  ///< eigenvalue of the covariance across the shape, over the next larger one along it
+  double min_width = 0.12;    ///< m: root of the latter; a plane of less is a line, a line of less a point
+  double min_grazing = 0.05;  ///< sine of the angle at which rays must have met a plane, in the mean: see fit()
+};
+
+/// The world as planes, or as lines, in a lattice of voxels. A voxel keeps count, sum and sum of squares of its points;
+/// the shape of a voxel is fitted to these moments over its 3 x 3 x 3 neighbourhood, which are plain sums: nothing is
+/// ever rebuilt, and a point costs the same on the first day as on the last. Pure; one thread.
+class ShapeLevel {
+ public:
+  explicit ShapeLevel(const ShapeLevelOptions& options);
+
+  /// `ray`: unit vector from the lidar to the point, in map.
+  void insert(const Eigen::Vector3d& point, const Eigen::Vector3f& ray);
+  /// Call after the points of a revolution: what was fitted before it may now be stale.
+  void end_insertion() { ++version_; }
+
+  /// The shape of the voxel that holds the point, or of the nearest one beside it; nullptr if there is none.
+  /// The pointer lives until the next insert().
+  [[nodiscard]] const MapShape* shape_at(const Eigen::Vector3d& point);
+
+  /// Forgets voxels farther than `radius` (in any axis) from `centre`, to within 2 voxels.
+  void keep_around(const Eigen::Vector3d& centre, double radius);
+  [[nodiscard]] std::size_t size() const { return moments_.size() - free_.size(); }
+
+ private:
+  /// In the order in which they are added up four at a time. Offsets are from the voxel's centre.
+  struct alignas(64) Moments {
+    Eigen::Array4f first = Eigen::Array4f::Zero();    // count, sum of x y z
+    Eigen::Array4f squares = Eigen::Array4f::Zero();  // sums of xx yy zz xy
+    Eigen::Array4f rest = Eigen::Array4f::Zero();     // sums of xz yz; of the rays' x y
+    float rays_z = 0;
+  };
+  struct Fitted {
+    MapShape shape;
+    std::int32_t version = -1;  // at which the shape was fitted
+    std::int16_t patience = 1;  // versions until it is looked at again
+    bool valid = false;
+    float count = 0;  // of points that it was fitted to
+  };
+
+  [[nodiscard]] Eigen::Vector3d centre_of(const Eigen::Vector3i& cell) const;
+  [[nodiscard]] std::uint32_t new_voxel();
+  const MapShape* up_to_date(std::uint32_t voxel, const Eigen::Vector3i& cell);
+  void fit(Fitted& fitted, const Eigen::Vector3i& cell) const;
+
+  ShapeLevelOptions options_;
+  double inverse_size_;
+  std::int32_t version_ = 0;
+  voxels::BlockIndex index_;
+  std::vector<Moments> moments_;     // of each voxel
+  std::vector<Fitted> fitted_;       // likewise
+  std::vector<std::uint32_t> free_;  // voxels that were forgotten
+};
+
+}  // namespace curbstone::mapper::registration

@@ -1,0 +1,91 @@
+#include "services/mapper/scan/odometry_history.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace curbstone::mapper::scan {
+
+namespace {
+
+constexpr std::int64_t kMeasured = 30'000;  // us of samples that tell how the motion goes on
+
+}  // namespace
+
+OdometryHistory::Added OdometryHistory::add(const OdometrySample& sample) {
+  if (!samples_.empty() && sample.utime <= samples_.back().utime) {
+    if (samples_.back().utime - sample.utime < kClockJump) return Added::kLate;
+    samples_.clear();
+    samples_.push_back(sample);
+    return Added::kClockJump;
+  }
+  samples_.push_back(sample);
+  if (samples_.size() > kCapacity) samples_.pop_front();
+  return Added::kYes;
+}
+
+std::size_t OdometryHistory::lower_bound(std::int64_t utime) const {
+  const auto it = std::lower_bound(samples_.begin(), samples_.end(), utime,
+                                   [](const OdometrySample& s, std::int64_t t) { return s.utime < t; });
+  return static_cast<std::size_t>(it - samples_.begin());
+}
+
+std::size_t OdometryHistory::num_known() const {
+  return std::min(samples_.size(), lower_bound(horizon_ - kLead) + 1);
+}
+
+bool OdometryHistory::covers(std::int64_t from, std::int64_t to) const {
+  const std::size_t known = num_known();
+  if (known == 0 || samples_.front().utime > from || samples_[known - 1].utime + kLead < to) return false;
+  std::size_t first = std::min(lower_bound(from), known - 1);
+  if (samples_[first].utime > from) --first;
+  for (std::size_t i = first;; ++i) {
+    if (!samples_[i].usable) return false;
+    if (samples_[i].utime >= to || i + 1 == known) return true;
+    if (samples_[i + 1].utime - samples_[i].utime > kMaxGap) return false;
+  }
+}
+
+Pose OdometryHistory::at(std::int64_t utime) const {
+  const std::size_t known = num_known();
+  const std::size_t after = lower_bound(utime);
+  if (after >= known) return beyond(known - 1, utime);
+  if (after == 0 || samples_[after].utime <= utime) return samples_[after].T_odom_base;
+  const OdometrySample& a = samples_[after - 1];
+  const OdometrySample& b = samples_[after];
+  const double fraction = static_cast<double>(utime - a.utime) / static_cast<double>(b.utime - a.utime);
+  return interpolate(a.T_odom_base, b.T_odom_base, fraction);
+}
+
+/// From the `last` sample on. Its motion is that of a few, which a correction by the filter does not bend much.
+Pose OdometryHistory::beyond(std::size_t last, std::int64_t utime) const {
+  const OdometrySample& end = samples_[last];
+  const std::size_t before = last > 0 && end.utime - samples_[last - 1].utime <= kMaxGap ? last - 1 : last;
+  const OdometrySample& begin = samples_[std::min(lower_bound(end.utime - kMeasured), before)];
+  const Pose motion = begin.T_odom_base.inverse() * end.T_odom_base;
+  return end.T_odom_base * move(twist_of(motion, seconds(begin.utime, end.utime)), seconds(end.utime, utime));
+}
+
+bool OdometryHistory::stationary(std::int64_t from, std::int64_t to) const {
+  const std::size_t known = num_known();
+  for (std::size_t i = lower_bound(from); i < known && samples_[i].utime <= to; ++i) {
+    if (!samples_[i].stationary) return false;
+  }
+  return true;
+}
+
+void OdometryHistory::forget_before(std::int64_t utime) {
+  while (samples_.size() > 1 && samples_[1].utime <= utime) samples_.pop_front();
+}
+
+SweepMotion sweep_from(const OdometryHistory& odometry, std::int64_t from, std::int64_t to) {
+  SweepMotion sweep;
+  const Pose T_end_odom = odometry.at(to).inverse();
+  const auto step = static_cast<std::int64_t>(std::llround(sweep.step * 1e6));
+  for (std::int64_t t = from; t < to + step; t += step) {
+    sweep.T_end_at.push_back(T_end_odom * odometry.at(std::min(t, to)));
+  }
+  if (sweep.T_end_at.size() < 2) sweep.T_end_at.resize(2, Pose::Identity());
+  return sweep;
+}
+
+}  // namespace curbstone::mapper::scan

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <limits>
+
+#include "common/geometry/geometry.hpp"
+#include "services/mapper/scan/deskew.hpp"
+
+namespace curbstone::mapper::scan {
+
+/// What the mapper takes from one ODOMETRY message.
+struct OdometrySample {
+  std::int64_t utime = 0;  ///< us
+  Pose T_odom_base = Pose::Identity();
+  bool usable = true;  ///< the filter says that it is initialised
+  bool stationary = false;
+};
+
+/// A bounded stretch of odometry in order of time, for poses at any time in between, and kLead beyond: in so short a
+/// time a vehicle's motion hardly changes, and who waits for the next sample is later by as much. Pure; one thread.
+class OdometryHistory {
+ public:
+  static constexpr std::int64_t kLead = 20'000;          ///< us: at 2 m/s^2, 0.4 mm
+  static constexpr std::size_t kCapacity = 8000;         ///< 80 s at 100 Hz
+  static constexpr std::int64_t kMaxGap = 200'000;       ///< us between samples that may be interpolated over
+  static constexpr std::int64_t kClockJump = 1'000'000;  ///< us backwards that is a new clock, not a late message
+
+  enum class Added { kYes, kLate, kClockJump };
+  /// Late samples are left out. When the clock jumps back, what was known before is forgotten.
+  Added add(const OdometrySample& sample);
+
+  /// Whether odometry has come to kLead before `utime`, usable or not: nothing more need be waited for.
+  [[nodiscard]] bool reaches(std::int64_t utime) const {
+    return !samples_.empty() && samples_.back().utime + kLead >= utime;
+  }
+  /// From now on only what was known when odometry first reached `utime` is looked at: what is said does not depend on
+  /// whether more was there in time.
+  void look_from(std::int64_t utime) { horizon_ = utime; }
+  /// Whether `from`..`to` lies between usable samples without a gap, or no farther than kLead beyond the last.
+  [[nodiscard]] bool covers(std::int64_t from, std::int64_t to) const;
+  /// Pose at a covered time: linear in position, spherical-linear in attitude; beyond the last sample the motion of the
+  /// last few goes on.
+  [[nodiscard]] Pose at(std::int64_t utime) const;
+  /// Whether the filter says, all through a covered stretch, that the vehicle stands.
+  [[nodiscard]] bool stationary(std::int64_t from, std::int64_t to) const;
+  /// Forgets what is not needed for times from `utime` on.
+  void forget_before(std::int64_t utime);
+
+ private:
+  /// Index of the first sample at or after `utime`; size() if there is none.
+  [[nodiscard]] std::size_t lower_bound(std::int64_t utime) const;
+  /// How many samples may be looked at.
+  [[nodiscard]] std::size_t num_known() const;
+  [[nodiscard]] Pose beyond(std::size_t last, std::int64_t utime) const;
+  std::deque<OdometrySample> samples_;
+  std::int64_t horizon_ = std::numeric_limits<std::int64_t>::max();
+};
+
+/// Motion from `from` to `to`, which must be covered.
+[[nodiscard]] SweepMotion sweep_from(const OdometryHistory& odometry, std::int64_t from, std::int64_t to);
+
+}  // namespace curbstone::mapper::scan

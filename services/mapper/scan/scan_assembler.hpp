@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <curbstone/lidar_points_t.hpp>
+#include <optional>
+#include <vector>
+
+#include "common/bus/counters.hpp"
+#include "services/mapper/scan/scan.hpp"
+
+namespace curbstone::mapper::scan {
+
+/// What a scan may hold at most, and which returns count.
+struct AssemblyLimits {
+  double min_range = 0.4;               ///< m, from the lidar
+  double max_range = 120.0;             ///< m
+  std::size_t max_points = 80'000;      ///< of a scan; at 5 Hz an RS16 sends 58,000
+  std::int64_t max_span = 400'000;      ///< us, of a scan
+  std::int64_t clock_jump = 1'000'000;  ///< us between packets that is no longer a gap
+};
+
+/// Puts the packets of a scan together again. Lost packets are counted, late ones of the running scan are
+/// taken, late ones of an older scan and duplicates are dropped. A clock that jumps or a driver that starts
+/// again begins a new scan. Pure; one thread.
+///
+/// Counters: lidar.packets, lidar.lost, lidar.reordered, lidar.restarts, lidar.clock_jumps, dropped.late,
+/// dropped.duplicate, refused.packet, refused.not_finite, points.out_of_range, refused.endless_scan.
+class ScanAssembler {
+ public:
+  explicit ScanAssembler(const AssemblyLimits& limits = {}) : limits_(limits) {}
+
+  /// Returns the scan before, if this packet begins another one.
+  [[nodiscard]] std::optional<Scan> add(const lidar_points_t& packet);
+  /// What has come of the running scan: the drive is over.
+  [[nodiscard]] std::optional<Scan> flush();
+
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  void append(const lidar_points_t& packet);
+  [[nodiscard]] std::optional<Scan> restart_with(const lidar_points_t& packet);
+
+  AssemblyLimits limits_;
+  std::optional<Scan> current_;
+  std::vector<std::int32_t> seen_;  // numbers of the current scan's packets
+  std::int64_t newest_utime_ = 0;
+  std::int32_t newest_packet_ = 0;
+  Counters counters_;
+};
+
+}  // namespace curbstone::mapper::scan

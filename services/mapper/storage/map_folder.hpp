@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+
+#include "services/mapper/storage/saved_map.hpp"
+
+namespace curbstone::mapper::storage {
+
+/// A map on disk is a folder:
+///
+///     map.yaml           format, voxel, epoch, counts; written last
+///     tiles.csv          x, y, z_origin, utime of each tile
+///     tiles/X_Y.pcd      its points: x y z intensity, float32, in map
+///     nodes.csv          utime and T_map_base (3x4, row by row) of each node
+///     nodes/000000.pcd   its points: x y z, float32, in base_link; the pose as VIEWPOINT
+///     graph.csv          from, to, loop, T_from_to (3x4), information (6x6)
+///
+/// What load_map() returns equals what save_map() got, bit for bit: points are whole 2 mm steps, which float32 tells
+/// apart up to 32 km from the map's origin; other numbers are written with all their digits.
+inline constexpr int kMapFormat = 1;
+
+/// Replaces the map in `folder`, if there is one, in one step once the new one is complete and on the disk: a crash at
+/// any time leaves the old or the new. Until then the new one grows in `folder`.partial; one process at a time.
+/// What is on_disk stays the file that it is (a hard link): only what is new is written.
+/// Throws MapFolderError: what cannot be written, or is not on the disk, a map that load_map() would refuse, or a
+/// folder that holds anything but a map (which is left alone).
+void save_map(const SavedMap& map, const std::filesystem::path& folder);
+
+/// Throws MapFolderError: a file that is missing, truncated, too large, or of a newer format; a point that is not
+/// finite, outside its tile, off the 2 mm steps or in another's voxel; a pose that is none; an edge to nowhere.
+/// Memory stays within a small multiple of what lies on the disk.
+[[nodiscard]] SavedMap load_map(const std::filesystem::path& folder);
+
+}  // namespace curbstone::mapper::storage

@@ -1,0 +1,147 @@
+#include <fmt/format.h>
+
+#include <iterator>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "services/mapper/storage/atomic_folder.hpp"
+#include "services/mapper/storage/map_file.hpp"
+#include "services/mapper/storage/map_folder.hpp"
+#include "services/mapper/storage/map_folder_rules.hpp"
+#include "services/mapper/storage/pcd_file.hpp"
+
+namespace curbstone::mapper::storage {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Rules = MapFolderRules;
+
+template <class Matrix>
+std::string row_of(const Matrix& m, int rows) {
+  std::string text;
+  for (int r = 0; r < rows; ++r) {
+    for (int c = 0; c < m.cols(); ++c) fmt::format_to(std::back_inserter(text), ",{}", m(r, c));
+  }
+  return text;
+}
+
+/// A file of the old map is one of the new.
+void keep_file(const fs::path& name, const AtomicFolder& target) {
+  std::error_code error;
+  fs::create_hard_link(target.folder() / name, target.partial() / name, error);
+  if (error) fs::copy_file(target.folder() / name, target.partial() / name, error);  // there are no links everywhere
+  if (error) fail_map(target.folder() / name, error.message());
+}
+
+void write_tiles(const SavedMap& map, int voxel_steps, const AtomicFolder& target) {
+  const fs::path& folder = target.partial();
+  std::string table = std::string(Rules::kTilesHeader) + "\n";
+  std::set<TileKey> seen;
+  std::vector<float> values;
+  for (const SavedTile& tile : map.tiles) {
+    const fs::path file = folder / map_tile_file(tile.key);
+    if (!seen.insert(tile.key).second) fail_map(file, "is there twice");
+    fmt::format_to(std::back_inserter(table), "{},{},{},{}\n", tile.key.x, tile.key.y, tile.z_origin, tile.utime);
+    if (tile.on_disk) {
+      keep_file(map_tile_file(tile.key), target);
+      continue;
+    }
+    check_map_tile(tile, voxel_steps, file);
+    values.clear();
+    for (const TilePoint& p : tile.points) {
+      values.insert(values.end(),
+                    {pcd_coordinate(tile.key.x * kTileSize, p.x), pcd_coordinate(tile.key.y * kTileSize, p.y),
+                     pcd_coordinate(tile.z_origin, p.z), static_cast<float>(p.intensity)});
+    }
+    write_pcd(file, Rules::kTileFields, values);
+  }
+  write_map_file(folder / "tiles.csv", table);
+}
+
+void write_nodes(const SavedMap& map, const AtomicFolder& target) {
+  const fs::path& folder = target.partial();
+  const fs::path file = folder / "nodes.csv";
+  std::string table = std::string(Rules::kNodesHeader) + "\n";
+  std::vector<float> values;
+  for (std::size_t i = 0; i < map.nodes.size(); ++i) {
+    const scan::Keyframe& node = map.nodes[i];
+    check_keyframe(node, file, i);
+    fmt::format_to(std::back_inserter(table), "{}{}\n", node.utime, row_of(node.T_map_base.matrix(), 3));
+    if (i < map.nodes_on_disk) {
+      keep_file(keyframe_file(i), target);
+      continue;
+    }
+    values.clear();
+    for (const scan::KeyframePoint& p : node.points)
+      values.insert(values.end(), {pcd_coordinate(0.0, p.x), pcd_coordinate(0.0, p.y), pcd_coordinate(0.0, p.z)});
+    write_pcd(folder / keyframe_file(i), Rules::kNodeFields, values, node.T_map_base);
+  }
+  write_map_file(file, table);
+}
+
+void write_graph(const SavedMap& map, const fs::path& folder) {
+  const fs::path file = folder / "graph.csv";
+  std::string table = std::string(Rules::kGraphHeader) + "\n";
+  for (std::size_t i = 0; i < map.edges.size(); ++i) {
+    const pose_graph::PoseEdge& edge = map.edges[i];
+    check_map_edge(edge, map.nodes.size(), file, i);
+    fmt::format_to(std::back_inserter(table), "{},{},{}{}{}\n", edge.from, edge.to, edge.closes_loop ? 1 : 0,
+                   row_of(edge.T_from_to.matrix(), 3), row_of(edge.information, 6));
+  }
+  write_map_file(file, table);
+}
+
+void write_head(const SavedMap& map, const fs::path& folder) {
+  write_map_file(
+      folder / "map.yaml",
+      fmt::format("# A map of curbstone's mapper: services/mapper/storage/map_folder.hpp says what lies here.\n"
+                  "format: {}\ntile_size: {}  # m\nposition_step: {}  # m\nvoxel: {}  # m\nepoch: {}\n"
+                  "tiles: {}\nnodes: {}\nedges: {}\n",
+                  kMapFormat, kTileSize, kPositionStep, map.voxel, map.epoch, map.tiles.size(), map.nodes.size(),
+                  map.edges.size()));
+}
+
+/// Whether there is nothing in it that save_map() has not made.
+bool is_map_folder(const fs::path& folder) {
+  const auto all = [](const fs::path& in, const auto& rule) {
+    std::error_code error;
+    fs::directory_iterator entry(in, error);
+    for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+      if (!rule(*entry)) return false;
+    }
+    return !error;  // where there is no folder, too
+  };
+  return all(folder, [&](const fs::directory_entry& entry) {
+    const std::string name = entry.path().filename().string();
+    std::error_code ignored;
+    if (name == "tiles" || name == "nodes") {
+      return all(entry.path(), [&](const fs::directory_entry& file) {
+        return file.is_regular_file(ignored) && file.path().extension() == ".pcd";
+      });
+    }
+    return entry.is_regular_file(ignored) &&
+           (name == "map.yaml" || name == "tiles.csv" || name == "nodes.csv" || name == "graph.csv");
+  });
+}
+
+}  // namespace
+
+void save_map(const SavedMap& map, const fs::path& folder) {
+  const int voxel_steps = check_map_head(map, folder);
+  AtomicFolder target(folder, is_map_folder);
+  for (const char* name : {"tiles", "nodes"}) {
+    std::error_code error;
+    fs::create_directory(target.partial() / name, error);
+    if (error) fail_map(target.partial() / name, error.message());
+  }
+  write_tiles(map, voxel_steps, target);
+  write_nodes(map, target);
+  write_graph(map, target.partial());
+  write_head(map, target.partial());
+  target.commit();
+}
+
+}  // namespace curbstone::mapper::storage

@@ -1,0 +1,38 @@
+#include "services/mapper/storage/map_snapshot.hpp"
+
+#include "services/mapper/dense_map/dense_tile.hpp"
+#include "services/mapper/scan/keyframe.hpp"
+
+namespace curbstone::mapper::storage {
+
+MapSnapshot take_snapshot(const dense_map::DenseMap& dense, const pose_graph::Atlas& atlas, double voxel,
+                          std::int32_t epoch, const MapVersions& on_disk) {
+  MapSnapshot out;
+  out.map.voxel = voxel;
+  out.map.epoch = out.versions.epoch = epoch;
+  const bool comparable = on_disk.epoch == epoch;
+  for (const TileKey& key : dense.keys()) {
+    const dense_map::DenseTile& tile = *dense.tile(key);
+    if (tile.num_points() == 0) continue;
+    const MapVersions::Tile version{tile.utime(), tile.removed_at(), tile.records().size()};
+    const auto known = on_disk.tiles.find(key);
+    const bool kept = comparable && known != on_disk.tiles.end() && known->second == version;
+    out.map.tiles.push_back({key, tile.z_origin(), tile.utime(), {}, kept});
+    if (!kept) out.map.tiles.back().points = tile.points();
+    out.versions.tiles.emplace(key, version);
+  }
+  for (int id = 0; id < atlas.size(); ++id) {
+    const scan::Keyframe& node = atlas.node(id);
+    const auto index = static_cast<std::size_t>(id);
+    out.versions.nodes.push_back({node.utime, node.T_map_base.matrix(), node.points.size()});
+    const bool kept = comparable && out.map.nodes_on_disk == index && index < on_disk.nodes.size() &&
+                      on_disk.nodes[index] == out.versions.nodes.back();
+    if (kept) ++out.map.nodes_on_disk;
+    out.map.nodes.push_back(kept ? scan::Keyframe{node.utime, node.T_map_base, {}} : node);
+  }
+  out.map.edges = atlas.edges();
+  out.versions.edges = out.map.edges.size();
+  return out;
+}
+
+}  // namespace curbstone::mapper::storage

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include "common/tiles/tile.hpp"
+#include "services/mapper/pose_graph/pose_graph.hpp"
+#include "services/mapper/scan/keyframe.hpp"
+
+namespace curbstone::mapper::storage {
+
+/// A tile of the dense map; the order of its points is that in which they came.
+struct SavedTile {
+  TileKey key;
+  std::int32_t z_origin = 0;  ///< m in map
+  std::int64_t utime = 0;     ///< us, when the newest point came
+  std::vector<TilePoint> points;
+  bool on_disk = false;  ///< the folder that it will be saved to holds this very tile: `points` is empty
+};
+
+/// All that outlives a drive: the dense map, the nodes from which the map for registration is built anew, and the
+/// graph that holds them together. Nothing of the vehicle.
+struct SavedMap {
+  double voxel = 0.05;     ///< m, of the dense map
+  std::int32_t epoch = 1;  ///< of its tiles
+  std::vector<SavedTile> tiles;
+  std::vector<scan::Keyframe> nodes;
+  std::size_t nodes_on_disk = 0;  ///< so many, the first: the folder holds their very scans, `points` is empty
+  std::vector<pose_graph::PoseEdge> edges;
+};
+
+/// One line that names the file and what is wrong with it.
+class MapFolderError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace curbstone::mapper::storage

@@ -1,0 +1,158 @@
+#include "services/mapper/tracking/scan_matcher.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "services/mapper/registration/make_registration.hpp"
+
+namespace curbstone::mapper::tracking {
+namespace {
+
+constexpr int kDeskewPasses = 2;         // without odometry, after the first
+constexpr double kSettledShift = 0.01;   // m over a scan, and
+constexpr double kSettledTurn = 1e-3;    // rad: de-skewed with a motion that is off by less, it is right
+constexpr double kRefined = 0.15;        // m, that such a pass may find its points off
+constexpr double kLever = 15.0;          // m, at which most of what is registered stands
+constexpr int kPairPasses = 3;           // of the first two scans
+constexpr double kClearlyBetter = 1.02;  // agreement that makes a less likely speed the better answer
+
+/// s from when its points were taken, in the mean, to its end.
+double mean_age(const scan::Scan& scan) {
+  double sum = 0;
+  std::size_t n = 0;
+  for (const scan::LidarPoint& point : scan.points) {
+    if (scan::measured(point)) sum += static_cast<double>(point.time), ++n;
+  }
+  return scan::seconds(scan.start, scan.end) - sum / static_cast<double>(std::max<std::size_t>(n, 1));
+}
+
+/// Whether two motions de-skew alike.
+bool alike(const scan::Twist& a, const scan::Twist& b, double sweep_seconds) {
+  return (a.linear - b.linear).norm() * sweep_seconds < kSettledShift &&
+         (a.angular - b.angular).norm() * sweep_seconds < kSettledTurn;
+}
+
+/// Where the vehicle sees itself. The ground under it is no part of it.
+Eigen::AlignedBox3f body_of(const VehicleConfig& vehicle) {
+  constexpr double kMargin = 0.1;  // m
+  const double half_length = 0.5 * vehicle.length + kMargin;
+  const double half_width = 0.5 * vehicle.width + kMargin;
+  const Eigen::Vector3d rear_right(vehicle.middle - half_length, -half_width, kMargin);
+  const Eigen::Vector3d front_left(vehicle.middle + half_length, half_width, vehicle.height + kMargin);
+  return {rear_right.cast<float>(), front_left.cast<float>()};
+}
+
+bool clearly_better(const Fit& fit, const Fit& than) {
+  return fit.result.converged && fit.agreement() > kClearlyBetter * than.agreement();
+}
+
+}  // namespace
+
+ScanMatcher::ScanMatcher(const config::RegistrationConfig& config, const VehicleConfig& vehicle, double max_speed)
+    : config_(config),
+      max_speed_(max_speed),
+      T_base_lidar_(vehicle.T_base_lidar()),
+      own_body_(body_of(vehicle)),
+      registration_(registration::make_registration(config, T_base_lidar_.translation())) {}
+
+void ScanMatcher::clear_map() {
+  registration_ = registration::make_registration(config_, T_base_lidar_.translation());
+}
+
+std::vector<scan::LidarPoint> ScanMatcher::in_base(const scan::Scan& scan, const scan::SweepMotion& sweep) const {
+  std::vector<scan::LidarPoint> points = scan::deskew(scan.points, T_base_lidar_, sweep);
+  std::erase_if(points, [this](const scan::LidarPoint& p) { return own_body_.contains(p.position); });
+  return points;
+}
+
+Fit ScanMatcher::expect(const Departure& from, const scan::Scan& scan, MotionExpectation expected) const {
+  Fit fit;
+  fit.prior.T_map_base = normalised(from.T_map_base * expected.T_last_base);
+  const registration::Matrix6 covariance = from.drift + expected.covariance;
+  fit.prior.information = covariance.inverse();
+  fit.prior.reach = 3 * (std::sqrt(covariance(0, 0)) + kLever * std::sqrt(covariance(3, 3)));
+  fit.expected = std::move(expected);
+  fit.points = in_base(scan, fit.expected.sweep);
+  return fit;
+}
+
+Fit ScanMatcher::fit(const Departure& from, const scan::Scan& scan, MotionExpectation expected,
+                     const MotionFilter& motion) {
+  Fit fit = expect(from, scan, std::move(expected));
+  fit.motion = motion;
+  fit.result = registration_->align(fit.points, fit.prior);
+  if (!fit.expected.with_odometry && scan::seconds(from.end, scan.end) <= kLongestStride) {
+    return refine_motion(from, scan, motion, std::move(fit));
+  }
+  return fit;
+}
+
+/// What registration found says more of the motion during the scan than the expectation did: de-skew with that,
+/// and register again.
+Fit ScanMatcher::refine_motion(const Departure& from, const scan::Scan& scan, const MotionFilter& before, Fit fit) {
+  const double sweep_seconds = scan::seconds(scan.start, scan.end);
+  MotionFilter::Found found;
+  found.assumed = before.twist();
+  found.age = mean_age(scan);
+  found.stride = scan::seconds(from.end, scan.end);
+  registration::PosePrior prior = fit.prior;
+  for (int pass = 0; fit.result.converged; ++pass) {
+    found.T_last_base = from.T_map_base.inverse() * fit.result.T_map_base;
+    fit.motion = before;
+    fit.result.T_map_base = normalised(from.T_map_base * fit.motion.take(found));
+    const scan::Twist& twist = fit.motion.twist();
+    fit.points = in_base(scan, scan::steady_sweep(twist, sweep_seconds));
+    if (pass == kDeskewPasses || alike(twist, found.assumed, sweep_seconds)) break;
+    found.assumed = twist;
+    prior.T_map_base = fit.result.T_map_base;
+    prior.reach = kRefined;
+    fit.result = registration_->align(fit.points, prior);
+  }
+  return fit;
+}
+
+Fit ScanMatcher::fit_from_afar(const Departure& from, const scan::Scan& scan, const MotionFilter& motion) {
+  Fit best;
+  for (const scan::Twist& twist : other_motions(motion.twist(), scan::seconds(from.end, scan.end))) {
+    MotionFilter other;
+    other.set(twist);
+    Fit found = fit(from, scan, expect_perhaps(twist, from.end, scan), other);
+    if (clearly_better(found, best)) best = std::move(found);
+  }
+  return best;
+}
+
+/// De-skewed with the same motion both show the same distortion, so what lies between them is right from the first pass
+/// on; the next ones put the distortion right.
+Fit ScanMatcher::fit_second(const Departure& from, const scan::Scan& first, const scan::Scan& second) {
+  const double stride = scan::seconds(from.end, second.end);
+  const auto fit_with = [&](scan::Twist twist) {
+    Fit fit;
+    for (int pass = 0; pass < kPairPasses; ++pass) {
+      clear_map();
+      std::vector<scan::LidarPoint> first_points =
+          in_base(first, scan::steady_sweep(twist, scan::seconds(first.start, first.end)));
+      registration_->insert(first_points, from.T_map_base);
+      fit = expect(from, second, expect_perhaps(twist, from.end, second));
+      fit.first_points = std::move(first_points);
+      if (pass > 0) fit.prior.reach = kRefined;
+      fit.result = registration_->align(fit.points, fit.prior);
+      if (!fit.result.converged) break;
+      twist = scan::twist_of(from.T_map_base.inverse() * fit.result.T_map_base, stride);
+    }
+    fit.motion.set(twist);
+    return fit;
+  };
+  Fit best;
+  bool last_is_best = false;
+  for (const scan::Twist& twist : first_motions(max_speed_, stride)) {
+    Fit fit = fit_with(twist);
+    last_is_best = clearly_better(fit, best);
+    if (last_is_best) best = std::move(fit);
+  }
+  if (last_is_best) return best;
+  return fit_with(best.motion.twist());
+}
+
+}  // namespace curbstone::mapper::tracking

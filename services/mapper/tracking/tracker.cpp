@@ -1,0 +1,334 @@
+#include "services/mapper/tracking/tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace curbstone::mapper::tracking {
+namespace {
+
+constexpr std::int64_t kLongestSweep = 1'000'000;  // us
+constexpr std::int64_t kClockJump = 1'000'000;     // us backwards that is a new clock, not a late scan
+constexpr int kFirstInsertions = 10;               // scans that go into the map even when the vehicle stands
+constexpr std::int64_t kPatience = 1'000'000;      // us without a fit, after which the pose is lost
+constexpr int kConfirmed = 10;                     // scans in a row that must fit before a pose is trusted again
+constexpr int kMostFromAfar = 3;                   // refused in a row that are sought with other motions
+constexpr double kFirmOverlap = 0.4;               // what a scan must show to be believed while the pose is not
+constexpr double kFirmInliers = 0.75;
+constexpr double kDoubtSpeed = 3.0;             // m/s, how doubt grows while lost or when nothing tells of the motion,
+constexpr double kGuidedDoubt = 0.05;           // and m a metre when odometry does
+constexpr std::int64_t kNewGround = 6'000'000;  // us, by when it has been sought everywhere, and
+constexpr double kNewGroundPath = 10.0;         // m by odometry, without a fit: these surroundings are new
+
+/// Gravity's share of an attitude: roll and pitch, without yaw.
+Pose levelled(const Pose& T_odom_base) {
+  const Eigen::Vector3d rpy = roll_pitch_yaw(T_odom_base.linear());
+  Pose T = Pose::Identity();
+  T.linear() = rotation_from_rpy(rpy.x(), rpy.y(), 0);
+  return T;
+}
+
+scan::SharedPoints share(std::vector<scan::LidarPoint> points) {
+  return std::make_shared<const std::vector<scan::LidarPoint>>(std::move(points));
+}
+
+}  // namespace
+
+Tracker::Tracker(const config::TrackerConfig& config, const config::RegistrationConfig& registration,
+                 const VehicleConfig& vehicle, bool keeps_map)
+    : config_(config), keeps_map_(keeps_map), fitter_(registration, vehicle, config.max_speed) {}
+
+std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
+  counters_.add("revolutions");
+  if (std::count_if(scan.points.begin(), scan.points.end(), scan::measured) < config_.min_points) {
+    counters_.add("refused.sparse");
+    return std::nullopt;
+  }
+  if (scan.end < scan.start || scan.end - scan.start > kLongestSweep) {
+    counters_.add("refused.time");
+    return std::nullopt;
+  }
+  if (!last_) return start(scan, odometry);
+  if (!follows(scan, odometry)) {
+    counters_.add("refused.time");
+    return std::nullopt;
+  }
+
+  Attempt found = attempt(scan, odometry);
+  if (!found.fit.expected.with_odometry) counters_.add("without_odometry");
+  if (!found.refusal.empty()) counters_.add(found.refusal);
+  if (first_ && !found.believed) {  // neither proves the other: the first is forgotten, the drive begins with this one
+    forget_start();
+    return start(scan, odometry);
+  }
+  std::optional<Tracked::Earlier> first = prove_start(found.fit);
+  Tracked tracked = conclude(scan.end, std::move(found));
+  tracked.first = std::move(first);
+  if (tracked.maps) insert(*tracked.points, tracked.T_map_base);
+  return tracked;
+}
+
+/// Where the scan is, by all that may tell.
+Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
+  MotionExpectation expected = expect_motion(config_, recent(), scan, odometry);
+  if (expected.incredible) counters_.add("odometry.not_believed");
+  const Departure from = departure();
+  if (expected.blind && first_) {  // too far apart to tell of each other: the drive begins with this one
+    return {fitter_.expect(from, scan, std::move(expected)), {}, false};
+  }
+  if (expected.blind && fix_ != Fix::kLost) {
+    counters_.add("lost.blind");
+    fix_ = Fix::kLost;
+  }
+  blind_ = blind_ || expected.blind;
+  if (fix_ == Fix::kLost && blind_) {  // a registration from a mere guess fits somewhere, only where?
+    return {fitter_.expect(from, scan, std::move(expected)), {}, false};
+  }
+  const bool guided = expected.with_odometry;
+  if (first_ && !guided) return judged(fitter_.fit_second(from, *first_, scan));
+  Attempt first = judged(fitter_.fit(from, scan, std::move(expected), motion_));
+  if (first.believed) return first;
+  if (guided) {  // perhaps it is odometry that jumped
+    Attempt second = judged(fitter_.fit(from, scan, expect_steady(recent(), scan), motion_));
+    if (!second.believed) return first;
+    counters_.add("odometry.not_believed");
+    return second;
+  }
+  if (fix_ != Fix::kTracking || refused_in_a_row_ >= kMostFromAfar) return first;
+  Attempt second = judged(fitter_.fit_from_afar(from, scan, motion_));
+  return second.believed ? second : first;
+}
+
+/// Whether a scan comes after the last one, as time goes. What is late or comes once more does not. After a
+/// break, a gap or a clock that jumped, the second in a row is believed: one alone may be an error.
+bool Tracker::follows(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
+  const std::int64_t stride = scan.end - last_->end;
+  const bool in_order = stride > 0 && static_cast<double>(stride) * 1e-6 <= kLongestStride;
+  const std::optional<std::int64_t> before = std::exchange(broken_, std::nullopt);
+  if (in_order || (stride > 0 && odometry.covers(last_->end, scan.end))) return true;
+  if (stride <= 0 && stride > -kClockJump) return false;
+  const std::int64_t since = before ? scan.end - *before : 0;
+  if (since <= 0 || static_cast<double>(since) * 1e-6 > kLongestStride) {
+    broken_ = scan.end;
+    return false;
+  }
+  if (stride < 0) last_->end = fitted_ = *before - std::llround(stride_ * 1e6);  // no gap: a new clock
+  return true;
+}
+
+/// The new pose is settled, and with it how far it can be trusted.
+Tracked Tracker::conclude(std::int64_t utime, Attempt found) {
+  const MotionExpectation& expected = found.fit.expected;
+  const Pose sought = found.believed ? found.fit.result.T_map_base : found.fit.prior.T_map_base;
+  const Pose moved = last_->T_map_base.inverse() * sought;
+  const double stride = scan::seconds(last_->end, utime);
+  learn_motion(found, moved, stride);
+
+  Tracked tracked;
+  tracked.utime = utime;
+  tracked.with_odometry = expected.with_odometry;
+  tracked.stationary = expected.stationary && moved.translation().norm() < 0.03 && angle_of(moved) < 0.01;
+  tracked.T_map_base = tracked.stationary ? last_->T_map_base : sought;
+  tracked.registration = found.fit.result;
+  if (found.believed) {  // registration itself knows nothing of what de-skew got wrong
+    tracked.registration.covariance +=
+        expected.with_odometry ? expected.deskew_covariance : motion_jitter_.covariance();
+  }
+  last_ = Last{utime, tracked.T_map_base};
+  grow_doubt(expected, stride);
+  tracked.anew = judge(utime, expected, found.believed);
+  tracked.fix = fix_;
+  tracked.registered = found.believed || tracked.anew;
+  tracked.maps = tracked.registered && fix_ == Fix::kTracking;
+  tracked.points = share(std::move(found.fit.points));
+  return tracked;
+}
+
+/// What the scan tells of the motion: the vehicle moved so in `stride` s.
+void Tracker::learn_motion(const Attempt& found, const Pose& moved, double stride) {
+  const bool in_step = stride < kLongestStride;
+  if (in_step) {
+    stride_ = stride;
+    const scan::Twist before = std::exchange(twist_, scan::twist_of(moved, stride));
+    if (steady_ >= 2 && found.believed) motion_jitter_.add(before, twist_, stride);
+    if (found.fit.expected.with_odometry) {
+      motion_.set(twist_);
+    } else if (found.believed) {
+      motion_ = found.fit.motion;
+    }
+  }
+  // An earlier pose that did not fit, or is another's, tells nothing of this one's error.
+  steady_ = found.believed && in_step ? steady_ + 1 : 0;
+}
+
+void Tracker::grow_doubt(const MotionExpectation& expected, double stride) {
+  const double went = expected.T_last_base.translation().norm();
+  since_fitted_m_ += went;
+  const bool guided = expected.with_odometry && fix_ != Fix::kLost;
+  doubt_ += guided ? kGuidedDoubt * went : kDoubtSpeed * stride;
+}
+
+/// How far the pose can be trusted with this scan. Whether the registration map begins anew with it.
+bool Tracker::judge(std::int64_t utime, const MotionExpectation& expected, bool registered) {
+  if (registered) {
+    refused_in_a_row_ = 0;
+    drift_.setZero();
+    if (fix_ == Fix::kLost) {
+      fix_ = Fix::kTentative;
+      fitting_ = 0;
+    }
+    if (fix_ == Fix::kTentative && ++fitting_ >= kConfirmed) {
+      counters_.add("found");
+      fix_ = Fix::kTracking;
+    }
+    if (fix_ == Fix::kTracking) trust(utime);
+    return false;
+  }
+  ++refused_in_a_row_;
+  drift_ += expected.covariance;
+  if (fix_ == Fix::kTentative) fix_ = Fix::kLost;
+  if (fix_ == Fix::kTracking && utime - fitted_ > kPatience) {
+    counters_.add("lost.refused");
+    fix_ = Fix::kLost;
+    blind_ = !expected.with_odometry;
+  }
+  if (!may_begin_anew(utime, expected)) return false;
+  counters_.add("began_anew");
+  fitter_.clear_map();
+  fix_ = Fix::kTracking;
+  drift_.setZero();
+  trust(utime);
+  return true;
+}
+
+void Tracker::trust(std::int64_t utime) {
+  fitted_ = utime;
+  since_fitted_m_ = doubt_ = 0;
+  blind_ = false;
+}
+
+/// Lost, but odometry held all the while and the vehicle has driven on: what it sees is new, not displaced. Who was
+/// lifted and put down elsewhere has not driven.
+bool Tracker::may_begin_anew(std::int64_t utime, const MotionExpectation& expected) const {
+  return fix_ == Fix::kLost && !blind_ && expected.with_odometry && utime - fitted_ > kNewGround &&
+         since_fitted_m_ > kNewGroundPath;
+}
+
+void Tracker::relocate(const Pose& T_map_base) {
+  last_->T_map_base = T_map_base;
+  steady_ = 0;
+  drift_.setZero();
+  fix_ = Fix::kTentative;
+  fitting_ = 0;
+  blind_ = false;
+}
+
+void Tracker::rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pose& T_map_base) {
+  fitter_.clear_map();
+  for (const scan::Keyframe* node : nodes) fitter_.map().recall(*node);
+  (void)fitter_.map().keep_around(T_map_base.translation());
+  last_->T_map_base = T_map_base;
+  T_map_keyframe_ = T_map_base;
+}
+
+void Tracker::begin_at(const Pose& T_map_base, double doubt) {
+  known_start_ = T_map_base;
+  fix_ = Fix::kLost;
+  blind_ = true;
+  doubt_ = doubt;
+}
+
+bool Tracker::forget_far() {
+  return fitter_.map().keep_around(last_->T_map_base.translation());
+}
+
+Tracked Tracker::start(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
+  Tracked tracked;
+  tracked.began = true;
+  tracked.utime = scan.end;
+  tracked.with_odometry = odometry.covers(scan.start, scan.end);
+  const scan::SweepMotion sweep = tracked.with_odometry ? scan::sweep_from(odometry, scan.start, scan.end)
+                                                        : scan::steady_sweep({}, scan::seconds(scan.start, scan.end));
+  if (!tracked.with_odometry) counters_.add("without_odometry");
+  if (tracked.with_odometry) tracked.T_map_base = levelled(odometry.at(scan.end));
+  if (known_start_) tracked.T_map_base = *known_start_ * tracked.T_map_base;
+  tracked.fix = fix_;
+  tracked.registered = fix_ == Fix::kTracking;
+  tracked.registration.T_map_base = tracked.T_map_base;
+  tracked.registration.converged = true;
+  tracked.registration.inlier_ratio = 1;
+  last_ = Last{scan.end, tracked.T_map_base};
+  fitted_ = scan.end;
+  T_map_keyframe_ = tracked.T_map_base;
+  if (tracked.registered && !tracked.with_odometry) {
+    first_ = scan;
+    first_points_ = fitter_.in_base(scan, sweep);
+    fitter_.map().insert(first_points_, tracked.T_map_base);
+    tracked.points = share({});
+    return tracked;
+  }
+  tracked.points = share(fitter_.in_base(scan, sweep));
+  tracked.maps = tracked.registered;
+  if (tracked.maps) insert(*tracked.points, tracked.T_map_base);
+  return tracked;
+}
+
+/// The second scan fits the first, so the first was good: it goes into the map. Nothing where it has long been there.
+std::optional<Tracked::Earlier> Tracker::prove_start(const Fit& second) {
+  if (!std::exchange(first_, std::nullopt)) return std::nullopt;
+  std::vector<scan::LidarPoint> points = std::exchange(first_points_, {});
+  if (!second.first_points.empty()) points = second.first_points;
+  return Tracked::Earlier{share(std::move(points)), last_->T_map_base, last_->end};
+}
+
+void Tracker::forget_start() {
+  fitter_.clear_map();
+  last_.reset();
+  drift_.setZero();
+  twist_ = {};
+  motion_.set({});
+  first_.reset();
+  first_points_.clear();
+}
+
+Tracker::Attempt Tracker::judged(Fit fit) const {
+  Attempt attempt{std::move(fit), {}, false};
+  attempt.refusal = refusal(attempt.fit);
+  attempt.believed = attempt.refusal.empty();
+  return attempt;
+}
+
+/// Why an answer is not believed; empty if it is.
+std::string Tracker::refusal(const Fit& fit) const {
+  const registration::RegistrationResult& result = fit.result;
+  if (!result.converged) return "refused.not_converged";
+  if (result.overlap < config_.min_overlap) return "refused.overlap";
+  if (result.inlier_ratio < config_.min_inliers) return "refused.inliers";
+  if (result.residual > config_.max_residual) return "refused.residual";
+  if (fix_ != Fix::kTracking) {  // the ground alone fits everywhere
+    if (result.overlap < kFirmOverlap) return "refused.overlap";
+    if (result.inlier_ratio < kFirmInliers || (result.degenerate & registration::kPlanarAxes) != 0)
+      return "refused.inliers";
+  }
+  const Pose jump = fit.prior.T_map_base.inverse() * result.T_map_base;
+  const registration::Matrix6 covariance = drift_ + fit.expected.covariance;
+  const bool guided = fit.expected.with_odometry;
+  const double max_m = (guided ? config_.max_jump_m : 0) + 3 * std::sqrt(covariance(0, 0));
+  const double max_rad = (guided ? config_.max_jump_rad : 0) + 3 * std::sqrt(covariance(3, 3));
+  if (jump.translation().norm() > max_m || angle_of(jump) > max_rad) return "refused.jump";
+  return {};
+}
+
+void Tracker::insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base) {
+  if (!keeps_map_) return;
+  const Pose since_keyframe = T_map_keyframe_.inverse() * T_map_base;
+  if (counters_["keyframes"] >= kFirstInsertions && since_keyframe.translation().norm() <= config_.keyframe_m &&
+      angle_of(since_keyframe) <= config_.keyframe_rad) {
+    return;
+  }
+  counters_.add("keyframes");
+  T_map_keyframe_ = T_map_base;
+  fitter_.map().insert(points, T_map_base);
+}
+
+}  // namespace curbstone::mapper::tracking

@@ -1,0 +1,154 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/bus/counters.hpp"
+#include "common/config/vehicle.hpp"
+#include "common/geometry/geometry.hpp"
+#include "services/mapper/config/registration_config.hpp"
+#include "services/mapper/config/tracker_config.hpp"
+#include "services/mapper/registration/registration.hpp"
+#include "services/mapper/scan/deskew.hpp"
+#include "services/mapper/scan/keyframe.hpp"
+#include "services/mapper/scan/odometry_history.hpp"
+#include "services/mapper/scan/scan.hpp"
+#include "services/mapper/tracking/motion_expectation.hpp"
+#include "services/mapper/tracking/motion_filter.hpp"
+#include "services/mapper/tracking/motion_jitter_covariance.hpp"
+#include "services/mapper/tracking/scan_matcher.hpp"
+
+namespace curbstone::mapper::tracking {
+
+/// How far the pose can be trusted.
+enum class Fix {
+  kTracking,   ///< scan after scan fits the map
+  kTentative,  ///< found again; a few more must fit before the map takes anything
+  kLost,       ///< only a guess
+};
+
+/// What the tracker made of one scan.
+struct Tracked {
+  std::int64_t utime = 0;  ///< us, its end
+  Pose T_map_base = Pose::Identity();
+  registration::RegistrationResult
+      registration;  ///< covariance in base_link axes, with that of the motion where it was a guess
+  Fix fix = Fix::kTracking;
+  bool registered = false;
+  bool with_odometry = false;
+  bool stationary = false;
+  bool began = false;         ///< with this scan, or anew
+  bool anew = false;          ///< the map for registration is empty: odometry alone led here
+  bool maps = false;          ///< the map may take it
+  scan::SharedPoints points;  ///< de-skewed, in base_link; never null
+  /// Without odometry a scan has its motion from the next: the very first, when the second has proved it.
+  struct Earlier {
+    scan::SharedPoints points;
+    Pose T_map_base;
+    std::int64_t utime;
+  };
+  std::optional<Earlier> first;
+};
+
+/// Follows the vehicle through the map for registration, which it keeps: de-skew, expect, register, judge. A function
+/// of the sequence of calls alone. Pure; one thread.
+///
+/// Counters: revolutions, keyframes, refused.sparse, refused.time, refused.not_converged, refused.overlap,
+/// refused.inliers, refused.residual, refused.jump, odometry.not_believed, without_odometry, lost.blind (no sensor told
+/// of the motion for too long), lost.refused (nothing fitted for too long), found, began_anew (on odometry alone).
+class Tracker {
+ public:
+  /// `keeps_map` false: the registration map is an earlier drive's, and takes no scans.
+  Tracker(const config::TrackerConfig& config, const config::RegistrationConfig& registration,
+          const VehicleConfig& vehicle, bool keeps_map);
+
+  /// Takes the next scan; nothing when it cannot be placed in time (once more, late, longer than a second, ended
+  /// before it began, the first after a gap or a jump of the clock) or holds too few points that can be measurements.
+  /// Such changes nothing.
+  [[nodiscard]] std::optional<Tracked> track(const scan::Scan& scan, const scan::OdometryHistory& odometry);
+
+  [[nodiscard]] bool started() const { return last_.has_value(); }
+  [[nodiscard]] Fix fix() const { return fix_; }
+  [[nodiscard]] const Pose& T_map_base() const { return last_->T_map_base; }
+  /// How far off the pose may be, m, since the last scan that fitted...
+  [[nodiscard]] double doubt() const { return doubt_; }
+  /// ...which ended then; us.
+  [[nodiscard]] std::int64_t fitted() const { return fitted_; }
+
+  /// The vehicle is somewhere else than was thought: lost becomes tentative.
+  void relocate(const Pose& T_map_base);
+  /// The first scan is not where the map begins, but about here in a map that is known. Lost until relocate().
+  void begin_at(const Pose& T_map_base, double doubt);
+  /// The map for registration is made anew from these nodes, and the vehicle is here in it.
+  void rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pose& T_map_base);
+  /// A node's surroundings come back into the map for registration.
+  void recall(const scan::Keyframe& node) { fitter_.map().recall(node); }
+  /// Bounds the map for registration once the vehicle has gone far enough: true when what is farther than the window
+  /// has been forgotten.
+  bool forget_far();
+  [[nodiscard]] double window() const { return fitter_.map().window(); }
+
+  /// Voxels of the map that registration keeps; bounded by its window.
+  [[nodiscard]] std::size_t registration_size() const { return fitter_.map().size(); }
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+  /// Scans in a row that could not be registered.
+  [[nodiscard]] int refused_in_a_row() const { return refused_in_a_row_; }
+
+ private:
+  struct Last {
+    std::int64_t end = 0;
+    Pose T_map_base = Pose::Identity();
+  };
+  /// A scan in the map, and whether that is so.
+  struct Attempt {
+    Fit fit;
+    std::string refusal;  // the counter of why it is not believed; empty if it is
+    bool believed = false;
+  };
+
+  [[nodiscard]] bool follows(const scan::Scan& scan, const scan::OdometryHistory& odometry);
+  [[nodiscard]] RecentMotion recent() const { return {last_->end, motion_.twist(), stride_}; }
+  [[nodiscard]] Departure departure() const { return {last_->end, last_->T_map_base, drift_}; }
+  [[nodiscard]] Attempt attempt(const scan::Scan& scan, const scan::OdometryHistory& odometry);
+  [[nodiscard]] Attempt judged(Fit fit) const;
+  [[nodiscard]] std::string refusal(const Fit& fit) const;
+  [[nodiscard]] Tracked start(const scan::Scan& scan, const scan::OdometryHistory& odometry);
+  [[nodiscard]] std::optional<Tracked::Earlier> prove_start(const Fit& second);
+  void forget_start();
+  [[nodiscard]] Tracked conclude(std::int64_t utime, Attempt found);
+  void learn_motion(const Attempt& found, const Pose& moved, double stride);
+  void grow_doubt(const MotionExpectation& expected, double stride);
+  [[nodiscard]] bool judge(std::int64_t utime, const MotionExpectation& expected, bool registered);
+  void trust(std::int64_t utime);
+  [[nodiscard]] bool may_begin_anew(std::int64_t utime, const MotionExpectation& expected) const;
+  void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base);
+
+  config::TrackerConfig config_;
+  bool keeps_map_;
+  ScanMatcher fitter_;
+  std::optional<Last> last_;
+  std::optional<Pose> known_start_;
+  std::optional<std::int64_t> broken_;          // us, the end of a scan that did not follow the one before
+  std::optional<scan::Scan> first_;             // until its motion is known, where there is no odometry
+  std::vector<scan::LidarPoint> first_points_;  // of it, de-skewed
+  Fix fix_ = Fix::kTracking;
+  int fitting_ = 0;            // scans in a row, while tentative
+  bool blind_ = false;         // lost, and not even odometry says how far
+  double since_fitted_m_ = 0;  // moved by odometry since the last one that fitted
+  double doubt_ = 0;           // m, that the pose may be off by since then
+  std::int64_t fitted_ = 0;    // us, the end of the last scan that fitted
+  scan::Twist twist_;          // over the last scan
+  MotionFilter motion_;        // until now
+  double stride_ = 0.05;       // s from scan to scan
+  int steady_ = 0;             // scans in a row that fitted and tell of the motion between them
+  MotionJitterCovariance motion_jitter_;
+  Pose T_map_keyframe_ = Pose::Identity();  // when the registration map last took a scan
+  registration::Matrix6 drift_ =
+      registration::Matrix6::Zero();  // covariance of the pose at the end of the last scan, if that was refused
+  int refused_in_a_row_ = 0;
+  Counters counters_;
+};
+
+}  // namespace curbstone::mapper::tracking

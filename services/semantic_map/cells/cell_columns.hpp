@@ -1,0 +1,111 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bitset>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "common/config/config.hpp"
+#include "services/semantic_map/ground/ground_model.hpp"
+#include "services/semantic_map/tile/map_types.hpp"
+#include "services/semantic_map/tile/voted_tile.hpp"
+
+namespace curbstone::semantic_map::cells {
+
+/// What stands in the way and what does not.
+struct ClassParameters {
+  double ground_band = 0.20;     ///< m about the ground: points in it are the ground's (pavement and curb included)
+  double min_obstacle = 0.22;    ///< m above ground
+  double vehicle_height = 2.00;  ///< m; from the vehicle's section
+  double min_vehicle = 0.90;     ///< m: what is this high and as large as a car is as good as a wall
+  int min_points = 2;            ///< in a cell and at its edges, to be an obstacle
+  double margin = 0.02;          ///< m beyond a cell's edge that a point may truly stand: twice its own error
+  bool unknown_is_free = false;  ///< the paper's policy; the safe one is the default
+  double max_step = 0.15;        ///< m the vehicle may climb
+
+  void visit(ConfigVisitor& v) {
+    v.field("ground_band", ground_band, {0.02, 1}, "m about the ground: points in it are the ground's");
+    v.field("min_obstacle", min_obstacle, {0.02, 1}, "m above ground, for a point to be in the way");
+    v.field("min_vehicle", min_vehicle, {0.2, 3}, "m, height of what counts as a vehicle if it is large");
+    v.field("min_points", min_points, {1, 100}, "points in a cell and at its edges, to be an obstacle");
+    v.field("margin", margin, {0, 0.06}, "m beyond a cell's edge that a point may truly stand");
+    v.field("unknown_is_free", unknown_is_free, "traverse what was never seen (the paper's policy; not safe)");
+    v.field("max_step", max_step, {0, 0.5}, "m, the highest curb that the vehicle may climb");
+  }
+};
+
+/// The points of one 0.12 m cell, by height above the ground.
+struct CellColumn {
+  int points = 0;  ///< all of them, those too that are neither on the ground nor in the way
+  int ground_points = 0;
+  float ground_z = 0;       ///< m in map, mean of the ground points; without any: of the lowest point
+  int blocking_points = 0;  ///< between min_obstacle and the vehicle's height
+  float top = 0;            ///< m above ground, of the blocking points (the second highest: one may be a stray)
+  int drop_points = 0;      ///< as far below the ground as is in the way above it, and more than may be climbed
+  /// Blocking points within the margin of the cell's edges: towards -x, +x, -y, +y.
+  std::array<int, 4> at_edge{};
+  [[nodiscard]] bool blocks(const ClassParameters& parameters) const {
+    return blocking_points >= parameters.min_points;
+  }
+  [[nodiscard]] bool is_high(const ClassParameters& parameters) const {
+    return blocks(parameters) && double{top} >= parameters.min_vehicle;
+  }
+  /// More than a stray point, which does not make a cell ground yet.
+  [[nodiscard]] bool shows_ground() const { return ground_points > 1; }
+  bool operator==(const CellColumn&) const = default;
+};
+
+/// From the lowest to the highest of some numbers.
+struct Extent {
+  float low = std::numeric_limits<float>::infinity();
+  float high = -std::numeric_limits<float>::infinity();
+  void take(const Extent& other) { low = std::min(low, other.low), high = std::max(high, other.high); }
+  void take(float value) { take(Extent{value, value}); }
+  /// 0 of nothing.
+  [[nodiscard]] double size() const { return high >= low ? double{high} - double{low} : 0; }
+  bool operator==(const Extent&) const = default;
+};
+
+struct CellColumns {
+  std::array<CellColumn, tile::kCellsInTile> cells{};
+  std::bitset<tile::kCellsInTile> standing;  ///< cells where anything stands, be it one point
+  std::bitset<tile::kCellsInTile> blocked;   ///< where enough stands to be an obstacle
+  std::bitset<tile::kCellsInTile> high;      ///< and as high as `min_vehicle`
+  Extent ground;                             ///< m in map, heights of the cells that show ground
+  [[nodiscard]] const CellColumn& at(int column, int row) const {
+    return cells[static_cast<std::size_t>(row * kCellsPerTile + column)];
+  }
+  bool operator==(const CellColumns&) const = default;
+};
+
+/// Puts the points of a tile into its columns as they come.
+class ColumnMeter {
+ public:
+  ColumnMeter(const ground::GroundSurface& ground, const ClassParameters& parameters);
+
+  void add(std::span<const tile::VotedPoint> points);
+  [[nodiscard]] std::size_t num_points() const { return num_points_; }
+  /// Brings columns that this meter has read before up to date (at first, any): the same as if all points so far had
+  /// come at once. Whether they have become others.
+  bool read(CellColumns& columns);
+
+ private:
+  struct Cell {
+    float ground = 0;  // m in map; NaN: not known
+    float lowest = 0;  // m in map
+    double ground_sum = 0;
+    std::array<float, 2> highest{};  // m above ground, of the blocking points
+    CellColumn column;
+  };
+  ClassParameters parameters_;
+  std::vector<Cell> cells_;
+  std::bitset<tile::kCellsInTile> unread_;  // where points have come since read()
+  std::size_t num_points_ = 0;
+};
+
+[[nodiscard]] CellColumns measure_columns(const tile::VotedTile& tile, const ground::GroundSurface& ground,
+                                          const ClassParameters& parameters);
+
+}  // namespace curbstone::semantic_map::cells

@@ -1,0 +1,95 @@
+#include "services/semantic_map/cells/vehicle_cells.hpp"
+
+#include <cstdint>
+#include <vector>
+
+#include "services/semantic_map/cells/vehicle_outline.hpp"
+
+namespace curbstone::semantic_map::cells {
+
+namespace {
+
+constexpr int kWindow = 3 * kCellsPerTile;  // cells
+constexpr int kHighCells = 10;              // as high as `min_vehicle`: less is a post or a bin
+
+using CellPlace = VehicleOutline::Cell;  // in the window
+
+/// What stands connected, cell by cell.
+struct Thing {
+  std::vector<CellPlace> cells;
+  int high = 0;
+};
+
+class StandingCells {
+ public:
+  explicit StandingCells(const tile::Around<CellColumns>& columns) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const CellColumns* tile = columns.at(dx, dy);
+        if (tile == nullptr || tile->blocked.none()) continue;
+        for (int i = 0; i < tile::kCellsInTile; ++i) {
+          const auto cell = static_cast<std::size_t>(i);
+          if (!tile->blocked[cell]) continue;
+          const CellPlace at((dx + 1) * kCellsPerTile + i % kCellsPerTile,
+                             (dy + 1) * kCellsPerTile + i / kCellsPerTile);
+          state_[index(at)] = tile->high[cell] ? kHigh : kLow;
+          places_.push_back(at);
+        }
+      }
+    }
+  }
+  /// Where anything stood at first.
+  [[nodiscard]] const std::vector<CellPlace>& places() const { return places_; }
+
+  /// Takes everything connected to a cell out of the window; nothing if nothing stands there.
+  Thing take(CellPlace start) {
+    Thing thing;
+    take_cell(start, thing);
+    for (std::size_t k = 0; k < thing.cells.size(); ++k) {
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) take_cell(CellPlace(thing.cells[k].x() + dx, thing.cells[k].y() + dy), thing);
+      }
+    }
+    return thing;
+  }
+
+ private:
+  enum State : std::uint8_t { kNothing, kLow, kHigh };
+  static std::size_t index(CellPlace at) { return static_cast<std::size_t>(at.y() * kWindow + at.x()); }
+  void take_cell(CellPlace at, Thing& thing) {
+    if ((at.array() < 0).any() || (at.array() >= kWindow).any() || state_[index(at)] == kNothing) return;
+    thing.cells.push_back(at);
+    thing.high += state_[index(at)] == kHigh ? 1 : 0;
+    state_[index(at)] = kNothing;
+  }
+  std::vector<State> state_ = std::vector<State>(static_cast<std::size_t>(kWindow * kWindow), kNothing);
+  std::vector<CellPlace> places_;
+};
+
+}  // namespace
+
+VehicleCells find_vehicles(const tile::Around<CellColumns>& columns) {
+  VehicleCells vehicles;
+  std::size_t num_high = 0;
+  columns.for_each([&](const CellColumns& tile, double, double) { num_high += tile.high.count(); });
+  if (num_high < kHighCells) return vehicles;
+  StandingCells standing(columns);
+  const auto in_tile = [](CellPlace at) {
+    return static_cast<std::size_t>((at.y() - kCellsPerTile) * kCellsPerTile + at.x() - kCellsPerTile);
+  };
+  for (const CellPlace& place : standing.places()) {
+    const Thing thing = standing.take(place);
+    if (thing.high < kHighCells) continue;
+    const auto outline = VehicleOutline::of(thing.cells);
+    if (!outline) continue;
+    for (int row = kCellsPerTile; row < 2 * kCellsPerTile; ++row) {
+      for (int column = kCellsPerTile; column < 2 * kCellsPerTile; ++column) {
+        const CellPlace at(column, row);
+        if (outline->contains(at)) vehicles.beneath.set(in_tile(at));
+      }
+    }
+  }
+  return vehicles;
+}
+
+}  // namespace curbstone::semantic_map::cells

@@ -1,0 +1,210 @@
+#include "services/semantic_map/curb_lines/curb_linker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+namespace curbstone::semantic_map::curb_lines {
+
+namespace {
+
+constexpr double kGap = 0.80;           // m that a line may bridge in any case
+constexpr double kFarSideways = 0.10;   // of a longer bridge, that its ends may be off each other's line
+constexpr double kSideways = 0.12;      // m that the next point may lie off, and a share of its distance
+constexpr double kGrid = 2.0;           // m: the longest bridge from point to point
+constexpr double kJoin = 2.5;           // m: the longest from chain to chain
+constexpr double kEnd = 1.5;            // m of a chain that say where it goes on
+constexpr double kJoinSideways = 0.04;  // m off, and a share of the gap
+constexpr double kJoinShare = 0.04;
+constexpr double kJoinAlike = 0.97;   // cosine between the ends' directions
+constexpr double kJoinHeight = 0.03;  // m, or a third
+
+using Cell = std::pair<std::int64_t, std::int64_t>;
+
+Cell cell_at(double x, double y) {
+  return {static_cast<std::int64_t>(std::floor(x / kGrid)), static_cast<std::int64_t>(std::floor(y / kGrid))};
+}
+
+/// Follows curb points from one to the next.
+class Linker {
+ public:
+  explicit Linker(const std::vector<MapCurbPoint>& points) : points_(points), used_(points.size()) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      cells_[cell_at(points[i].foot.x(), points[i].foot.y())].push_back(i);
+  }
+
+  /// Indices along the line through `seed`, which must be unused; marks them used.
+  CurbChain follow(std::size_t seed) {
+    used_[seed] = true;
+    CurbChain line;
+    extend(seed, -1, line);
+    std::reverse(line.begin(), line.end());
+    line.push_back(seed);
+    extend(seed, 1, line);
+    return line;
+  }
+  [[nodiscard]] bool is_used(std::size_t i) const { return used_[i]; }
+
+ private:
+  void extend(std::size_t from, int sense, CurbChain& line) {
+    for (auto next = nearest_ahead(from, sense); next < points_.size(); next = nearest_ahead(next, sense)) {
+      used_[next] = true;
+      line.push_back(next);
+    }
+  }
+  /// Whether the evidence of two distant points meets, and each lies on the other's line.
+  static bool bridges(const MapCurbPoint& a, const MapCurbPoint& b) {
+    const Eigen::Vector2d d = b.foot - a.foot;
+    const double off = std::max(std::abs(d.dot(a.up)), std::abs(d.dot(b.up)));
+    return d.norm() < a.reach + b.reach && off < kSideways + kFarSideways * d.norm();
+  }
+  /// points_.size() if there is none.
+  std::size_t nearest_ahead(std::size_t from, int sense) {
+    const MapCurbPoint& p = points_[from];
+    const Eigen::Vector2d ahead = sense * Eigen::Vector2d(-p.up.y(), p.up.x());
+    std::size_t best = points_.size();
+    double best_distance = kGrid;
+    const Cell centre = cell_at(p.foot.x(), p.foot.y());
+    for (std::int64_t x = centre.first - 1; x <= centre.first + 1; ++x) {
+      for (std::int64_t y = centre.second - 1; y <= centre.second + 1; ++y) {
+        const auto it = cells_.find({x, y});
+        if (it == cells_.end()) continue;
+        for (const std::size_t i : it->second) {
+          if (used_[i] || points_[i].up.dot(p.up) < 0.7) continue;
+          const Eigen::Vector2d d = points_[i].foot - p.foot;
+          const double sideways = std::abs(d.dot(p.up));
+          if (d.dot(ahead) <= 0 || sideways > kSideways + 0.25 * d.norm()) continue;
+          if (d.norm() > kGap && !bridges(p, points_[i])) continue;
+          if (d.norm() + sideways < best_distance) {
+            best = i;
+            best_distance = d.norm() + sideways;
+          }
+        }
+      }
+    }
+    return best;
+  }
+
+  const std::vector<MapCurbPoint>& points_;
+  std::vector<bool> used_;
+  std::map<Cell, std::vector<std::size_t>> cells_;
+};
+
+/// One end of a chain: the straight line through its last metres.
+struct ChainEnd {
+  Eigen::Vector2d at;         // on that line
+  Eigen::Vector2d direction;  // along the chain
+  double height = 0;
+};
+
+double length(const std::vector<MapCurbPoint>& points, const CurbChain& chain) {
+  return (points[chain.back()].foot - points[chain.front()].foot).norm();
+}
+
+template <class Iterator>
+ChainEnd end_of(const std::vector<MapCurbPoint>& points, Iterator outermost, Iterator inmost) {
+  const Eigen::Vector2d tip = points[*outermost].foot;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Vector2d up = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  ChainEnd end;
+  double n = 0;
+  for (auto it = outermost; it != inmost && (points[*it].foot - tip).norm() <= kEnd; ++it) {
+    const Eigen::Vector2d d = points[*it].foot - tip;
+    mean += d;
+    scatter += d * d.transpose();
+    up += points[*it].up;
+    end.height += points[*it].height;
+    n += 1;
+  }
+  mean /= n;
+  scatter = scatter / n - mean * mean.transpose();
+  const double angle = 0.5 * std::atan2(2 * scatter(0, 1), scatter(0, 0) - scatter(1, 1));
+  end.direction = {std::cos(angle), std::sin(angle)};
+  if (end.direction.dot(Eigen::Vector2d(-up.y(), up.x())) < 0) end.direction = -end.direction;
+  end.at = tip + mean + end.direction * end.direction.dot(-mean);
+  end.height /= n;
+  return end;
+}
+
+/// How far apart two ends are, if the second goes on where the first points to.
+std::optional<double> gap_between(const ChainEnd& from, const ChainEnd& to, double shorter) {
+  const Eigen::Vector2d d = to.at - from.at;
+  const double gap = d.norm();
+  if (gap > std::min(kJoin, shorter) || d.dot(from.direction) <= 0) return std::nullopt;
+  if (from.direction.dot(to.direction) < kJoinAlike) return std::nullopt;
+  if (std::abs(from.height - to.height) > std::max(kJoinHeight, 0.33 * std::max(from.height, to.height)))
+    return std::nullopt;
+  const auto off = [&](const ChainEnd& end) { return std::abs(d.x() * end.direction.y() - d.y() * end.direction.x()); };
+  if (std::max(off(from), off(to)) > kJoinSideways + kJoinShare * gap) return std::nullopt;
+  return gap;
+}
+
+/// Joins what goes on behind a gap, the shortest gaps first.
+void join_chains(const std::vector<MapCurbPoint>& points, std::vector<CurbChain>& chains) {
+  struct Joint {
+    double gap;
+    std::size_t from, to;
+  };
+  std::map<Cell, std::vector<std::size_t>> begins;
+  const auto cell_of = [&](std::size_t i) { return cell_at(points[i].foot.x(), points[i].foot.y()); };
+  for (std::size_t k = 0; k < chains.size(); ++k) begins[cell_of(chains[k].front())].push_back(k);
+  std::vector<Joint> joints;
+  for (std::size_t a = 0; a < chains.size(); ++a) {
+    const ChainEnd from = end_of(points, chains[a].rbegin(), chains[a].rend());
+    const Cell centre = cell_of(chains[a].back());
+    for (std::int64_t x = centre.first - 2; x <= centre.first + 2; ++x) {
+      for (std::int64_t y = centre.second - 2; y <= centre.second + 2; ++y) {
+        const auto it = begins.find({x, y});
+        if (it == begins.end()) continue;
+        for (const std::size_t b : it->second) {
+          if (a == b) continue;
+          const double shorter = std::min(length(points, chains[a]), length(points, chains[b]));
+          const auto gap = gap_between(from, end_of(points, chains[b].begin(), chains[b].end()), shorter);
+          if (gap) joints.push_back({*gap, a, b});
+        }
+      }
+    }
+  }
+  std::sort(joints.begin(), joints.end(), [](const Joint& a, const Joint& b) {
+    return std::tie(a.gap, a.from, a.to) < std::tie(b.gap, b.from, b.to);
+  });
+  constexpr std::size_t kNone = ~std::size_t{0};
+  std::vector<std::size_t> next(chains.size(), kNone);
+  std::vector<std::size_t> previous(chains.size(), kNone);
+  const auto first_of = [&](std::size_t k) {
+    while (previous[k] != kNone) k = previous[k];
+    return k;
+  };
+  for (const Joint& joint : joints) {
+    if (next[joint.from] != kNone || previous[joint.to] != kNone || first_of(joint.from) == joint.to) continue;
+    next[joint.from] = joint.to;
+    previous[joint.to] = joint.from;
+  }
+  std::vector<CurbChain> joined;
+  for (std::size_t k = 0; k < chains.size(); ++k) {
+    if (previous[k] != kNone) continue;
+    CurbChain chain = std::move(chains[k]);
+    for (std::size_t n = next[k]; n != kNone; n = next[n])
+      chain.insert(chain.end(), chains[n].begin(), chains[n].end());
+    joined.push_back(std::move(chain));
+  }
+  chains = std::move(joined);
+}
+
+}  // namespace
+
+std::vector<CurbChain> chain_curbs(const std::vector<MapCurbPoint>& points) {
+  std::vector<CurbChain> chains;
+  Linker linker(points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!linker.is_used(i)) chains.push_back(linker.follow(i));
+  }
+  join_chains(points, chains);
+  return chains;
+}
+
+}  // namespace curbstone::semantic_map::curb_lines

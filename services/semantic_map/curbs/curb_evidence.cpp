@@ -1,0 +1,137 @@
+#include "services/semantic_map/curbs/curb_evidence.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "services/semantic_map/curbs/near_ground_points.hpp"
+#include "services/semantic_map/curbs/step_search.hpp"
+
+namespace curbstone::semantic_map::curbs {
+
+namespace {
+
+constexpr double kMinCoarseTilt = 0.008;
+constexpr int kMinTilted = 1;    // points in a cell
+constexpr double kSparse = 2.0;  // times the length of the window, where points are few
+constexpr double kThin = 4.0;    // and where there are only single scan lines
+
+/// A cell whose normals tilt: where, and which way up.
+struct TiltedCell {
+  Eigen::Vector2d at = Eigen::Vector2d::Zero();
+  Eigen::Vector2d tilt = Eigen::Vector2d::Zero();
+  int count = 0;
+  bool is_thin = false;  // scan lines only: which way is up is not the vote's word
+};
+
+TiltedCell gather_tilt(const NearGroundPoints& points, const ground::GroundSurface& ground, int column, int row,
+                       const tile::CurbParameters& parameters) {
+  TiltedCell cell;
+  points.for_cell(column, row, [&](const NearGround& p) {
+    if (parameters.use_tilt && !p.tilted) return;
+    cell.at += Eigen::Vector2d(double{p.x}, double{p.y});
+    cell.tilt += Eigen::Vector2d(double{p.tilt_x}, double{p.tilt_y});
+    ++cell.count;
+  });
+  if (cell.count > 0) {
+    cell.at /= cell.count;
+    cell.tilt /= cell.count;
+    return cell;
+  }
+  points.for_cell(column, row, [&](const NearGround& p) {
+    if (!p.is_line) return;
+    cell.at += Eigen::Vector2d(double{p.x}, double{p.y});
+    ++cell.count;
+  });
+  if (cell.count == 0) return cell;
+  cell.at /= cell.count;
+  cell.is_thin = true;
+  if (const auto here = ground.at(cell.at.x(), cell.at.y())) cell.tilt = here->coarse_tilt;
+  if (cell.tilt.norm() < kMinCoarseTilt) cell.count = 0;
+  return cell;
+}
+
+/// The steps at a cell. Where points are dense, the vote's word on which way is up is good, and a short window enough.
+/// Where they are few it is looked for farther along, about the directions of the vote and of the ground at large.
+std::vector<FoundStep> find_steps(const NearGroundPoints& points, const TiltedCell& cell,
+                                  const ground::GroundAt& ground, const tile::CurbParameters& parameters,
+                                  StepWindow& window) {
+  StepSearch search(points, cell.at, ground.layer_noise, parameters, window);
+  std::vector<Eigen::Vector2d> directions;
+  const double length = parameters.half_length;
+  if (!cell.is_thin) {
+    directions.push_back(cell.tilt.normalized());
+    if (search.look_close(directions.back(), length)) return search.found();
+    search.look(directions.back(), kSparse * length);
+  }
+  if (ground.coarse_tilt.norm() > kMinCoarseTilt) {
+    directions.push_back(ground.coarse_tilt.normalized());
+    search.look(directions.back(), kSparse * length);
+  }
+  for (const Eigen::Vector2d& direction : directions) {
+    for (const double turn : {0.0, -0.12, 0.12, -0.24, 0.24})
+      search.look(Eigen::Rotation2Dd(turn) * direction, kThin * length);
+  }
+  return search.found();
+}
+
+CurbCandidate candidate_of(const FoundStep& found, const TiltedCell& cell, const tile::CurbParameters& parameters) {
+  CurbCandidate candidate;
+  candidate.at = cell.at + found.face.middle * found.up;
+  candidate.up = found.up;
+  candidate.z = found.step.low_z - 0.5 * (found.step.full_height - found.step.height);
+  candidate.height = found.step.full_height;
+  candidate.lean = found.face.lean;
+  candidate.reach = found.half_length;
+  candidate.score = found.step.height / found.step.sigma;
+  candidate.weak = found.step.height < parameters.min_step;
+  candidate.falls = found.step.falls();
+  return candidate;
+}
+
+/// What a tilt looks like by itself (ablation).
+CurbCandidate candidate_of(const TiltedCell& cell) {
+  CurbCandidate candidate;
+  candidate.at = cell.at;
+  candidate.up = cell.tilt.normalized();
+  candidate.height = 0.5 * cell.tilt.norm();  // what a step of that height tilts the normals by at sigma 0.3
+  candidate.score = cell.tilt.norm();
+  return candidate;
+}
+
+std::vector<CurbCandidate> test_cell(const NearGroundPoints& points, const TiltedCell& cell,
+                                     const ground::GroundSurface& ground, const tile::CurbParameters& parameters,
+                                     StepWindow& window) {
+  if (!(cell.tilt.norm() > 1e-6)) return {};
+  if (!parameters.use_step) return {candidate_of(cell)};
+  const auto here = ground.at(cell.at.x(), cell.at.y());
+  if (!here) return {};
+  std::vector<CurbCandidate> candidates;
+  for (const FoundStep& found : find_steps(points, cell, *here, parameters, window))
+    candidates.push_back(candidate_of(found, cell, parameters));
+  return candidates;
+}
+
+}  // namespace
+
+std::vector<CurbCandidate> find_curb_evidence(const tile::Around<tile::VotedTile>& tiles,
+                                              const ground::GroundSurface& ground,
+                                              const tile::CurbParameters& parameters) {
+  std::vector<CurbCandidate> candidates;
+  const NearGroundPoints points(tiles, ground, parameters);
+  StepWindow window;  // one for all, for the sake of its memory
+  for (int row = 0; row < kCellsPerTile; ++row) {
+    for (int column = 0; column < kCellsPerTile; ++column) {
+      const TiltedCell cell = gather_tilt(points, ground, column, row, parameters);
+      if (cell.count < kMinTilted) continue;
+      for (CurbCandidate& candidate : test_cell(points, cell, ground, parameters, window)) {
+        const auto height = ground.height(candidate.at.x(), candidate.at.y());
+        if (!height) continue;
+        candidate.z += *height;
+        candidates.push_back(candidate);
+      }
+    }
+  }
+  return candidates;
+}
+
+}  // namespace curbstone::semantic_map::curbs

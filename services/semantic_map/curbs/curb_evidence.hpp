@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "services/semantic_map/curbs/curb_face.hpp"
+#include "services/semantic_map/ground/ground_model.hpp"
+#include "services/semantic_map/tile/curb_parameters.hpp"
+#include "services/semantic_map/tile/voted_tile.hpp"
+
+namespace curbstone::semantic_map::curbs {
+
+/// A place that looks like a curb by itself, before its neighbours are asked.
+struct CurbCandidate {
+  Eigen::Vector2d at = Eigen::Vector2d::Zero();   ///< m from the tile's corner, may lie a little outside: mid-face
+  Eigen::Vector2d up = Eigen::Vector2d::UnitX();  ///< unit vector across, towards the higher side
+  double z = 0;                                   ///< m in map, of the low side at the foot
+  double height = 0;                              ///< m, of the step
+  FaceLean lean;                                  ///< of what is seen of it
+  double reach = 0;                               ///< m along the curb, on each side, that the evidence is from
+  double score = 0;                               ///< the step in units of its noise
+  bool falls = false;  ///< as HeightStep says; unless weak it is no curb, but what is there instead
+  bool weak = false;   ///< only counts where a line of others goes on
+  bool operator==(const CurbCandidate&) const = default;
+};
+
+/// Section VI, curb evidence: where normals near the ground tilt more than flat ground's do, and the ground really
+/// steps up from one side to the other. A cell may give several candidates, in different directions. Of the centre
+/// tile; looks at points within half a metre around it.
+[[nodiscard]] std::vector<CurbCandidate> find_curb_evidence(const tile::Around<tile::VotedTile>& tiles,
+                                                            const ground::GroundSurface& ground,
+                                                            const tile::CurbParameters& parameters);
+
+}  // namespace curbstone::semantic_map::curbs

@@ -1,0 +1,203 @@
+#include "services/semantic_map/curbs/curb_filter.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+#include <tuple>
+
+#include "services/semantic_map/curbs/curb_support.hpp"
+
+namespace curbstone::semantic_map::curbs {
+
+namespace {
+
+constexpr double kAcross = 0.50;       // m: ghosts of a step appear this far beside it
+constexpr double kAlong = 0.15;        // m
+constexpr double kSameLine = 0.04;     // m: this close across is the same line, not a ghost
+constexpr double kMargin = 3.0;        // m around the tile that can matter
+constexpr double kLongest = 2.2;       // m each way that a line is looked at
+constexpr double kMinExtent = 0.8;     // m of line around a detection
+constexpr double kReaches = 2.0;       // of the evidence: where points are few, so are detections
+constexpr double kWeakReach = 1.5;     // m a weak detection may be from the line's strong ones
+constexpr int kRounds = 8;             // of kWeakReach: from one side of what matters to the other
+constexpr double kWeakLateral = 0.10;  // m off it
+constexpr double kWeakSupport = 2.5;   // of the certainty of a line: low steps must bear each other out as well
+
+/// A candidate that competes with others.
+struct Placed : PlacedCandidate {
+  double certainty = 0;  ///< pooled along its line
+};
+
+/// Of those in the order of x, the ones that may be within `reach` of a place.
+template <class T>
+std::span<const T> near_x(const std::vector<T>& by_x, double x, double reach) {
+  const auto before = [](const T& a, double at) { return a.at.x() < at; };
+  const auto begin = std::lower_bound(by_x.begin(), by_x.end(), x - reach, before);
+  return {begin, std::lower_bound(begin, by_x.end(), std::nextafter(x + reach, 1e9), before)};
+}
+
+/// How far a place is outside the tile, the larger of x and y; m.
+double outside(const Eigen::Vector2d& at) {
+  return std::max((-at).maxCoeff(), at.maxCoeff() - kTileSize);
+}
+
+/// All that matter, in the order of x, and what the others along their lines say of them.
+std::vector<Placed> place_all(const tile::Around<std::vector<CurbCandidate>>& tiles) {
+  std::vector<PlacedCandidate> candidates;
+  tiles.for_each([&](const std::vector<CurbCandidate>& of_tile, double dx, double dy) {
+    for (const CurbCandidate& c : of_tile) candidates.push_back({c.at + Eigen::Vector2d(dx, dy), &c});
+  });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& a, const auto& b) { return a.at.x() < b.at.x(); });
+  std::vector<Placed> placed;
+  for (const PlacedCandidate& c : candidates) {
+    if (outside(c.at) >= kMargin) continue;
+    placed.push_back({c, pool_along_line(c, near_x(candidates, c.at.x(), kLineReach))});
+  }
+  return placed;
+}
+
+/// What goes on along its line comes first; ties by place, so that two never suppress each other.
+bool outranks(const Placed& a, const Placed& b) {
+  return std::make_tuple(a.certainty, a.at.x(), a.at.y()) > std::make_tuple(b.certainty, b.at.x(), b.at.y());
+}
+
+bool is_ghost(const Placed& p, const std::vector<Placed>& all) {
+  const auto rivals = near_x(all, p.at.x(), kAcross + kAlong);
+  return std::any_of(rivals.begin(), rivals.end(), [&](const Placed& other) {
+    if (!outranks(other, p)) return false;
+    const Eigen::Vector2d d = p.at - other.at;
+    const double across = std::abs(d.dot(other.candidate->up));
+    const double along = std::abs(d.x() * other.candidate->up.y() - d.y() * other.candidate->up.x());
+    return across > kSameLine && across < kAcross && along < kAlong;
+  });
+}
+
+/// Of those on one line, whose own step is clear says best where and how high it is.
+bool is_surer(const Placed& a, const Placed& b) {
+  return a.certainty * a.candidate->score > b.certainty * b.candidate->score;
+}
+
+/// The line through the detections around a place.
+struct LocalLine {
+  int count = 0;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Vector2d direction = Eigen::Vector2d::UnitX();
+  double linearity = 1;  ///< minor over major spread
+  double extent = 0;     ///< m, major spread
+  double score = 0;      ///< mean
+};
+
+template <class Accept>
+LocalLine line_around(const Eigen::Vector2d& at, double radius, const std::vector<Placed>& all, Accept accept) {
+  LocalLine line;
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  for (const Placed& other : near_x(all, at.x(), radius)) {
+    const Eigen::Vector2d d = other.at - at;
+    if (d.squaredNorm() > radius * radius || !accept(other)) continue;
+    ++line.count;
+    line.score += other.candidate->score;
+    line.mean += d;
+    scatter += d * d.transpose();
+  }
+  if (line.count < 2) return line;
+  line.mean /= line.count;
+  line.score /= line.count;
+  scatter = scatter / line.count - line.mean * line.mean.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(scatter);
+  const double minor = std::sqrt(std::max(0.0, eigen.eigenvalues()(0)));
+  const double major = std::sqrt(std::max(0.0, eigen.eigenvalues()(1)));
+  line.direction = eigen.eigenvectors().col(1);
+  line.linearity = major > 0 ? minor / major : 1;
+  line.extent = major * std::sqrt(12.0);  // of an even line
+  line.mean += at;
+  return line;
+}
+
+bool is_on_line(const Placed& p, const std::vector<Placed>& strong, const tile::CurbParameters& parameters) {
+  const auto alike = [&](const Placed& o) { return std::abs(o.candidate->up.dot(p.candidate->up)) > 0.6; };
+  const double radius = std::min(kLongest, std::max(parameters.linearity_radius, kReaches * p.candidate->reach));
+  const LocalLine line = line_around(p.at, radius, strong, alike);
+  return line.count > parameters.min_neighbours && line.linearity < parameters.max_linearity &&
+         line.extent > kMinExtent && std::abs(line.direction.dot(p.candidate->up)) < 0.6;
+}
+
+/// The steps along a line bear each other out: a short line must be of certain steps, a long one may be of less
+/// certain.
+bool is_supported(const Placed& p, const std::vector<Placed>& kept, const tile::CurbParameters& parameters) {
+  if (!parameters.use_step) return true;  // a tilt alone has no certainty
+  const auto alike = [&](const Placed& o) { return std::abs(o.candidate->up.dot(p.candidate->up)) > 0.6; };
+  const LocalLine line = line_around(p.at, kLongest, kept, alike);
+  return line.score * std::sqrt(line.extent) >= parameters.line_sigmas;
+}
+
+bool continues_line(const Placed& p, const std::vector<Placed>& confirmed, const tile::CurbParameters& parameters) {
+  if (p.certainty < kWeakSupport * parameters.line_sigmas) return false;
+  const auto alike = [&](const Placed& o) { return o.candidate->up.dot(p.candidate->up) > 0.8; };
+  const LocalLine line = line_around(p.at, kWeakReach, confirmed, alike);
+  if (line.count < 4 || line.linearity > 0.2 || line.extent < kMinExtent) return false;
+  const Eigen::Vector2d d = p.at - line.mean;
+  const double lateral = std::abs(d.x() * line.direction.y() - d.y() * line.direction.x());
+  return lateral < kWeakLateral && std::abs(line.direction.dot(p.candidate->up)) < 0.4;
+}
+
+/// Low steps are taken in where they continue a line, and then those that continue them: a lowered kerb is followed
+/// from its ends, as far as it is seen to go on. `kept` stays in the order of x.
+void grow_lowered(std::vector<Placed> weak, const tile::CurbParameters& parameters, std::vector<Placed>& kept) {
+  bool grows = true;
+  for (int round = 0; grows && round < kRounds; ++round) {
+    const auto goes_on = std::stable_partition(weak.begin(), weak.end(),
+                                               [&](const Placed& p) { return !continues_line(p, kept, parameters); });
+    grows = goes_on != weak.end();
+    kept.insert(kept.end(), goes_on, weak.end());
+    weak.erase(goes_on, weak.end());
+    std::stable_sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.at.x() < b.at.x(); });
+  }
+}
+
+}  // namespace
+
+std::vector<CurbPoint> filter_curbs(const tile::Around<std::vector<CurbCandidate>>& candidates,
+                                    const tile::CurbParameters& parameters) {
+  std::vector<Placed> strong;
+  std::vector<Placed> weak;
+  const std::vector<Placed> all = place_all(candidates);
+  for (const Placed& p : all) {
+    // What falls is only somebody's rival: where noise is the best explanation there is no curb. Low steps need a line
+    // that they go on from, and a lowered kerb is a lip at the foot of a ramp.
+    if (p.candidate->falls && !p.candidate->weak) continue;
+    if (!is_ghost(p, all)) (p.candidate->weak ? weak : strong).push_back(p);
+  }
+  std::vector<Placed> on_line;
+  for (const Placed& p : strong) {
+    if (is_on_line(p, strong, parameters)) on_line.push_back(p);
+  }
+  std::vector<Placed> kept;
+  for (const Placed& p : on_line) {
+    if (is_supported(p, on_line, parameters)) kept.push_back(p);
+  }
+  grow_lowered(std::move(weak), parameters, kept);
+
+  std::map<int, Placed> best;  // by cell
+  for (const Placed& p : kept) {
+    if ((p.at.array() < 0).any() || (p.at.array() >= kTileSize).any()) continue;
+    const int column = std::min(kCellsPerTile - 1, static_cast<int>(p.at.x() / kCellSize));
+    const int row = std::min(kCellsPerTile - 1, static_cast<int>(p.at.y() / kCellSize));
+    const auto [it, inserted] = best.try_emplace(row * kCellsPerTile + column, p);
+    if (!inserted && is_surer(p, it->second)) it->second = p;
+  }
+  const std::vector<PlacedCandidate> of_lines(kept.begin(), kept.end());
+  std::vector<CurbPoint> points;
+  for (const auto& [cell, p] : best) {
+    const double confidence = p.candidate->weak ? 0.5 : std::min(1.0, 0.5 + p.candidate->score / 60);
+    const double lean = lean_along_line(p, near_x(of_lines, p.at.x(), kLineReach));
+    const Eigen::Vector2d foot = p.at - 0.5 * p.candidate->height * lean * p.candidate->up;
+    points.push_back({foot, p.candidate->up, p.candidate->z, p.candidate->height, confidence, p.candidate->weak,
+                      p.candidate->reach});
+  }
+  return points;
+}
+
+}  // namespace curbstone::semantic_map::curbs

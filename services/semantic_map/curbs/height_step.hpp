@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "services/semantic_map/tile/curb_parameters.hpp"
+
+namespace curbstone::semantic_map::curbs {
+
+/// Points in the frame of a suspected step: u across it, towards the higher side, t along it, z up; m. By columns.
+struct StepWindow {
+  static constexpr double kUnfit = 1e9;
+  std::vector<double> u, t, z;
+  std::vector<double> unfit;  ///< 0: may carry a side; kUnfit: only says where the face stands
+  double half_length = 1e8;   ///< points with a larger |t| do not count
+
+  [[nodiscard]] std::size_t size() const { return u.size(); }
+  [[nodiscard]] bool has(std::size_t i) const { return std::abs(t[i]) <= half_length; }
+  [[nodiscard]] bool may_carry_a_side(std::size_t i) const { return std::abs(t[i]) + unfit[i] <= half_length; }
+  void resize(std::size_t n);
+  void add(double at_u, double at_t, double at_z, bool is_ground = true);
+};
+
+/// Two parallel half-planes, low for u < at and high beyond, with one slope that both share (so that camber, ramps and
+/// hills are no steps), fitted to the points.
+struct HeightStep {
+  double at = 0;                                    ///< m in u: where the step is
+  double height = 0;                                ///< m, at least: what sides that hardly lean ask for
+  double level = 0;                                 ///< m, by which the two sides' means differ: with no slope at all
+  double full_height = 0;                           ///< m, most likely: one to two times that
+  double sigma = 0;                                 ///< m, of `height`, from the residual noise of the data
+  double roughness = 0;                             ///< m, residual RMS of the points about their half-planes
+  double low_z = 0;                                 ///< m, of the low side at (at, t = 0)
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< of both sides, in u and t
+
+  /// Whether most of it is there only because both sides are taken to fall.
+  [[nodiscard]] bool falls() const;
+};
+
+/// What the points about a step say besides.
+struct StepSides {
+  double clear = 0;    ///< m between the low side's upper fifth and the high side's lower fifth, slope removed
+  int face_above = 0;  ///< points that stand on the step and go on above it: a wall's
+};
+
+/// Finds the step that explains the points best. `noise` m is what heights are known to scatter by around. Nothing
+/// where a side is too thin to say.
+[[nodiscard]] std::optional<HeightStep> find_height_step(const StepWindow& points, double noise,
+                                                         const tile::CurbParameters& parameters);
+/// Costs as much again: for steps that are worth it.
+[[nodiscard]] StepSides look_at_sides(const StepWindow& points, const HeightStep& step,
+                                      const tile::CurbParameters& parameters);
+
+}  // namespace curbstone::semantic_map::curbs

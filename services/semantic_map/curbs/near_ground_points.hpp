@@ -1,0 +1,58 @@
+#pragma once
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "services/semantic_map/ground/ground_model.hpp"
+#include "services/semantic_map/tile/curb_parameters.hpp"
+#include "services/semantic_map/tile/voted_tile.hpp"
+
+namespace curbstone::semantic_map::curbs {
+
+/// A point with what it says of the ground below it.
+struct NearGround {
+  float x = 0, y = 0, z = 0;     ///< m from the centre tile's corner; z above the ground
+  float tilt_x = 0, tilt_y = 0;  ///< slope of the surface against the ground's, by the normal
+  bool tilted = false;           ///< more than the normals around scatter
+  bool is_ground = false;        ///< by its normal: what may carry a side of a step
+  bool is_line = false;          ///< the vote saw little more than a scan line
+};
+
+/// Section VI: what is less than `max_step` (the paper: 0.5 m) above the ground, of a tile and 1.2 m around it, sorted
+/// into cells of 0.12 m so that a row of cells is one range.
+class NearGroundPoints {
+ public:
+  static constexpr int kMarginCells = 10;
+  NearGroundPoints(const tile::Around<tile::VotedTile>& tiles, const ground::GroundSurface& ground,
+                   const tile::CurbParameters& parameters);
+
+  /// visit(point) for all points in a cell of the tile.
+  template <class Visit>
+  void for_cell(int column, int row, Visit visit) const {
+    const auto [begin, end] = range(column, column, row);
+    for (std::size_t i = begin; i < end; ++i) visit(points_[i]);
+  }
+  /// First and behind the last of the points in a row's cells, columns inclusive, of the tile; empty if there are none.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> range(int column0, int column1, int row) const {
+    if (column1 < column0) return {0, 0};
+    column0 = std::clamp(column0 + kMarginCells, 0, kSide - 1);
+    column1 = std::clamp(column1 + kMarginCells, 0, kSide - 1);
+    row = std::clamp(row + kMarginCells, 0, kSide - 1);
+    return {static_cast<std::size_t>(start_[static_cast<std::size_t>(row * kSide + column0)]),
+            static_cast<std::size_t>(start_[static_cast<std::size_t>(row * kSide + column1) + 1])};
+  }
+  // The same points by columns, as a StepWindow has them.
+  [[nodiscard]] const double* x() const { return x_.data(); }
+  [[nodiscard]] const double* y() const { return y_.data(); }
+  [[nodiscard]] const double* z() const { return z_.data(); }
+  [[nodiscard]] const double* unfit() const { return unfit_.data(); }
+
+ private:
+  static constexpr int kSide = kCellsPerTile + 2 * kMarginCells;
+  std::vector<NearGround> points_;
+  std::vector<double> x_, y_, z_, unfit_;
+  std::vector<int> start_;
+};
+
+}  // namespace curbstone::semantic_map::curbs

@@ -1,0 +1,144 @@
+#include "services/semantic_map/curbs/step_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/semantic_map/curbs/vectorised.hpp"
+
+namespace curbstone::semantic_map::curbs {
+
+namespace {
+
+constexpr std::size_t kEnoughPoints = 100;  // in the short window
+constexpr int kMaxFacePoints = 3;           // on the step and above it: more are a wall's
+constexpr double kSearch = 0.24;            // m: how far the found step may be from the place
+constexpr double kSameDirection = 0.97;     // cosine: less than the turns between two directions
+
+/// From .. to, m; empty where to < from.
+struct Interval {
+  double from, to;
+};
+
+/// The places between two parallel lines: |a x + b y| <= most.
+class Band {
+ public:
+  Band(double a, double b, double most) : b_(b), most_(most), inverse_a_(std::abs(a) < 1e-2 ? 0 : 1 / a) {}
+  /// Those of x for which there is such a place with some y.
+  [[nodiscard]] Interval cut(const Interval& x, const Interval& y) const {
+    if (inverse_a_ == 0) return x;
+    const double p = (-most_ - std::max(b_ * y.from, b_ * y.to)) * inverse_a_;
+    const double q = (most_ - std::min(b_ * y.from, b_ * y.to)) * inverse_a_;
+    return {std::max(x.from, std::min(p, q)), std::min(x.to, std::max(p, q))};
+  }
+
+ private:
+  double b_, most_, inverse_a_;
+};
+constexpr double kRounding = 1e-4;  // m: how much too small an interval may be
+
+/// What is looked at for a step: a rectangle about a cell, `up` across it.
+struct StepRectangle {
+  Eigen::Vector2d at;
+  Eigen::Vector2d up;
+  double half_width;   ///< m along `up`
+  double half_length;  ///< m
+};
+
+CURBSTONE_VECTORISED
+void turn_points(const double* x, const double* y, std::size_t n, const StepRectangle& r, double* u, double* t) {
+  const double at_x = r.at.x();
+  const double at_y = r.at.y();
+  const double up_x = r.up.x();
+  const double up_y = r.up.y();
+  for (std::size_t i = 0; i < n; ++i) {
+    const double dx = x[i] - at_x;
+    const double dy = y[i] - at_y;
+    u[i] = dx * up_x + dy * up_y;
+    t[i] = dx * -up_y + dy * up_x;
+  }
+}
+
+/// The points in the rectangle and, unless `exactly`, those beyond its two ends across. Others around it may be among
+/// them, too far along to count.
+void fill_window(const NearGroundPoints& points, const StepRectangle& r, bool exactly, StepWindow& window) {
+  const Eigen::Vector2d along(-r.up.y(), r.up.x());
+  const double extent_x = std::abs(r.up.x()) * r.half_width + std::abs(along.x()) * r.half_length;
+  const double extent_y = std::abs(r.up.y()) * r.half_width + std::abs(along.y()) * r.half_length;
+  constexpr int kFar = 1000;  // cells, to round down by truncation
+  const auto cell_at = [](double x) { return static_cast<int>(x / kCellSize + kFar) - kFar; };
+  const int column0 = cell_at(r.at.x() - extent_x);
+  const int column1 = cell_at(r.at.x() + extent_x);
+  const int row1 = std::min(cell_at(r.at.y() + extent_y), kCellsPerTile + NearGroundPoints::kMarginCells - 1);
+  const Interval box{column0 * kCellSize - r.at.x(), (column1 + 1) * kCellSize - r.at.x()};
+  const Band lengthwise(along.x(), along.y(), r.half_length);
+  const Band crosswise(r.up.x(), r.up.y(), r.half_width);
+  std::size_t n = 0;
+  for (int row = std::max(cell_at(r.at.y() - extent_y), -NearGroundPoints::kMarginCells); row <= row1; ++row) {
+    // Of this row only as far as the rectangle may reach in it.
+    const Interval y{row * kCellSize - r.at.y(), (row + 1) * kCellSize - r.at.y()};
+    Interval x = lengthwise.cut(box, y);
+    if (exactly) x = crosswise.cut(x, y);
+    const auto [begin, end] = points.range(std::max(column0, cell_at(r.at.x() + x.from - kRounding)),
+                                           std::min(column1, cell_at(r.at.x() + x.to + kRounding)), row);
+    const std::size_t num = end - begin;
+    if (num == 0) continue;
+    if (window.u.size() < n + num) window.resize(2 * (n + num));
+    turn_points(points.x() + begin, points.y() + begin, num, r, window.u.data() + n, window.t.data() + n);
+    std::copy_n(points.z() + begin, num, window.z.data() + n);
+    std::copy_n(points.unfit() + begin, num, window.unfit.data() + n);
+    n += num;
+  }
+  window.resize(n);
+  window.half_length = r.half_length;
+}
+
+std::size_t count_points(const StepWindow& window) {
+  std::size_t n = 0;
+  for (const double t : window.t) n += std::abs(t) <= window.half_length ? 1U : 0U;
+  return n;
+}
+
+/// Whether a step is one: against its own uncertainty, against the noise of its surroundings...
+bool is_certain(const HeightStep& step, double noise, const tile::CurbParameters& parameters) {
+  const double sigma = step.sigma * std::max(1.0, noise / step.roughness);
+  return step.height <= parameters.max_step && step.height >= parameters.min_weak_step &&
+         step.height >= parameters.step_sigmas * sigma && step.height >= parameters.layer_sigmas * noise;
+}
+
+/// ... and on both sides.
+bool parts_its_sides(const StepSides& sides, const HeightStep& step, const tile::CurbParameters& parameters) {
+  return sides.face_above <= kMaxFacePoints && sides.clear >= parameters.clear_share * step.height;
+}
+
+bool is_more_certain(const HeightStep& a, const HeightStep& b) {
+  return a.height * b.sigma > b.height * a.sigma;
+}
+
+}  // namespace
+
+bool StepSearch::look_close(const Eigen::Vector2d& up, double half_length) {
+  look_in(up, half_length, false);
+  return count_points(window_) > kEnoughPoints;
+}
+
+void StepSearch::look_in(const Eigen::Vector2d& up, double half_length, bool exactly) {
+  fill_window(points_, {at_, up, parameters_.half_window + kSearch, half_length}, exactly, window_);
+  const auto step = find_height_step(window_, noise_, parameters_);
+  // What is quickly told comes first.
+  if (!step || !is_certain(*step, noise_, parameters_)) return;
+  FoundStep* rival = nullptr;
+  for (FoundStep& other : found_) {
+    if (other.up.dot(up) > kSameDirection && (rival == nullptr || is_more_certain(other.step, rival->step)))
+      rival = &other;
+  }
+  if (rival != nullptr && !is_more_certain(*step, rival->step)) return;
+  const StepSides sides = look_at_sides(window_, *step, parameters_);
+  if (!parts_its_sides(sides, *step, parameters_)) return;
+  const FoundStep found{*step, find_curb_face(window_, *step), up, half_length};
+  if (rival != nullptr)
+    *rival = found;
+  else
+    found_.push_back(found);
+}
+
+}  // namespace curbstone::semantic_map::curbs

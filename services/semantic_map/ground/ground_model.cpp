@@ -1,0 +1,293 @@
+#include "services/semantic_map/ground/ground_model.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "common/statistics/quantile.hpp"
+
+namespace curbstone::semantic_map::ground {
+
+namespace {
+
+constexpr int kSamplesPerSide = 3 * GroundSamples::kPerSide;  // over the 9 m
+constexpr int kRoadCells = kSamplesPerSide / 2;               // of 0.5 m
+
+using SampleGrid = std::array<const GroundSample*, kSamplesPerSide * kSamplesPerSide>;
+
+constexpr std::size_t sample_index(int column, int row) {
+  return static_cast<std::size_t>(row * kSamplesPerSide + column);
+}
+
+/// A sample's place, m from the centre tile's corner.
+PlaneSample plane_sample(const GroundSample& s, int column, int row) {
+  return {double{s.x} + (column / GroundSamples::kPerSide - 1) * kTileSize,
+          double{s.y} + (row / GroundSamples::kPerSide - 1) * kTileSize, double{s.z}, 1.0};
+}
+
+SampleGrid sample_grid(const tile::Around<GroundSamples>& samples) {
+  SampleGrid grid{};
+  for (int row = 0; row < kSamplesPerSide; ++row) {
+    for (int column = 0; column < kSamplesPerSide; ++column) {
+      const GroundSamples* tile = samples.at(column / GroundSamples::kPerSide - 1, row / GroundSamples::kPerSide - 1);
+      if (tile == nullptr) continue;
+      const GroundSample& s = tile->at(column % GroundSamples::kPerSide, row % GroundSamples::kPerSide);
+      if (s.count > 0) grid[sample_index(column, row)] = &s;
+    }
+  }
+  return grid;
+}
+
+/// A plane under most of what there is: what is above it (cars, hedges) pulls little.
+std::optional<Plane> rough_ground(const SampleGrid& grid) {
+  std::vector<PlaneSample> samples;
+  std::vector<double> heights;
+  for (int row = 0; row < kSamplesPerSide; ++row) {
+    for (int column = 0; column < kSamplesPerSide; ++column) {
+      const GroundSample* s = grid[sample_index(column, row)];
+      if (s == nullptr) continue;
+      samples.push_back(plane_sample(*s, column, row));
+      heights.push_back(samples.back().z);
+    }
+  }
+  if (samples.size() < 6) return std::nullopt;
+  const Plane start{quantile_in_place(heights, 0.2), Eigen::Vector2d::Zero()};
+  return fit_plane(samples, start, {.scale_above = 0.2, .scale_below = 0.5, .slope_sigma = 0.10, .sample_sigma = 0.15});
+}
+
+/// The road's height in each 0.5 m cell (NaN: none), without what stands above its neighbours.
+std::vector<double> road_heights(const SampleGrid& grid, const Plane& rough) {
+  constexpr double kMaxAboveRough = 1.0;
+  constexpr double kMaxAboveNeighbours = 0.30;
+  constexpr int kReach = 2;  // cells
+  const auto index = [](int column, int row) { return static_cast<std::size_t>(row * kRoadCells + column); };
+  const double none = std::numeric_limits<double>::quiet_NaN();
+
+  std::vector<double> low(static_cast<std::size_t>(kRoadCells * kRoadCells), none);
+  for (int row = 0; row < kSamplesPerSide; ++row) {
+    for (int column = 0; column < kSamplesPerSide; ++column) {
+      const GroundSample* s = grid[sample_index(column, row)];
+      if (s == nullptr) continue;
+      const PlaneSample p = plane_sample(*s, column, row);
+      if (std::abs(p.z - rough.at(p.x, p.y)) > kMaxAboveRough) continue;
+      double& cell = low[index(column / 2, row / 2)];
+      if (!(cell <= p.z)) cell = p.z;
+    }
+  }
+  std::vector<double> road = low;
+  std::vector<double> around;
+  for (int row = 0; row < kRoadCells; ++row) {
+    for (int column = 0; column < kRoadCells; ++column) {
+      if (std::isnan(low[index(column, row)])) continue;
+      around.clear();
+      for (int r = std::max(0, row - kReach); r <= std::min(kRoadCells - 1, row + kReach); ++r) {
+        for (int c = std::max(0, column - kReach); c <= std::min(kRoadCells - 1, column + kReach); ++c) {
+          if (!std::isnan(low[index(c, r)])) around.push_back(low[index(c, r)]);
+        }
+      }
+      if (low[index(column, row)] > quantile_in_place(around, 0.25) + kMaxAboveNeighbours)
+        road[index(column, row)] = none;
+    }
+  }
+  return road;
+}
+
+/// How well scan lines agree: spread of the heights within the 0.25 m cells and from one to the next, where the ground
+/// is even. A curb between them is a minority that the quantile passes over; lines that a wrong pose or a beam of
+/// its own has put beside each other are not.
+double layer_noise(const SampleGrid& grid, const Plane& rough, double x, double y) {
+  constexpr double kReach = 1.5;  // m
+  constexpr double kQuantile = 0.7;
+  constexpr double kOfPairs = 1.466;   // that quantile of |a - b| in sigmas
+  constexpr double kOfSpreads = 1.10;  // and of the RMS of few
+  std::vector<double> spreads;
+  std::vector<double> jumps;
+  for (int row = 0; row < kSamplesPerSide; ++row) {
+    for (int column = 0; column < kSamplesPerSide; ++column) {
+      const GroundSample* s = grid[sample_index(column, row)];
+      if (s == nullptr) continue;
+      const PlaneSample p = plane_sample(*s, column, row);
+      if (std::max(std::abs(p.x - x), std::abs(p.y - y)) > kReach) continue;
+      if (s->count >= 3) spreads.push_back(double{s->spread});
+      for (const auto& [dc, dr] : {std::pair(1, 0), std::pair(0, 1)}) {
+        if (column + dc >= kSamplesPerSide || row + dr >= kSamplesPerSide) continue;
+        const GroundSample* next = grid[sample_index(column + dc, row + dr)];
+        if (next == nullptr) continue;
+        const PlaneSample q = plane_sample(*next, column + dc, row + dr);
+        jumps.push_back(std::abs(q.z - p.z - rough.slope.x() * (q.x - p.x) - rough.slope.y() * (q.y - p.y)));
+      }
+    }
+  }
+  const double within = spreads.empty() ? 0 : quantile_in_place(spreads, kQuantile) / kOfSpreads;
+  const double between = jumps.empty() ? 0 : quantile_in_place(jumps, kQuantile) / kOfPairs;
+  return std::max(within, between);
+}
+
+/// The least-squares plane through all samples within 1.5 m, against the rough ground: where scan lines are so far
+/// apart that the vote sees only lines, it still tells which way the ground rises.
+Eigen::Vector2d coarse_tilt(const std::vector<PlaneSample>& samples, const Plane& rough) {
+  constexpr double kMinExtent = 0.25;  // m, standard deviation in any direction
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const PlaneSample& s : samples) mean += Eigen::Vector3d(s.x, s.y, s.z) / static_cast<double>(samples.size());
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d rise = Eigen::Vector2d::Zero();
+  for (const PlaneSample& s : samples) {
+    const Eigen::Vector2d d(s.x - mean.x(), s.y - mean.y());
+    scatter += d * d.transpose();
+    rise += d * (s.z - mean.z());
+  }
+  const double least = static_cast<double>(samples.size()) * kMinExtent * kMinExtent;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(scatter, Eigen::EigenvaluesOnly);
+  if (!(eigen.eigenvalues()(0) > least)) return Eigen::Vector2d::Zero();
+  return scatter.ldlt().solve(rise) - rough.slope;
+}
+
+/// The plane and the normals of the 1 m cell about (x, y).
+GroundNode refine(const SampleGrid& grid, const std::vector<double>& road, const Plane& rough, double x, double y) {
+  constexpr double kReach = 1.0;          // m, of the plane
+  constexpr double kNormalReach = 1.5;    // m, of the median of the normals: wider, so that a curb is a minority
+  constexpr double kMaxAboveRoad = 0.30;  // m
+  constexpr std::size_t kMinSamples = 4;
+
+  std::vector<PlaneSample> samples;
+  std::vector<double> slopes_x;
+  std::vector<double> slopes_y;
+  std::vector<PlaneSample> all;
+  for (int row = 0; row < kSamplesPerSide; ++row) {
+    for (int column = 0; column < kSamplesPerSide; ++column) {
+      const GroundSample* s = grid[sample_index(column, row)];
+      if (s == nullptr) continue;
+      PlaneSample p = plane_sample(*s, column, row);
+      p.x -= x;
+      p.y -= y;
+      if (std::max(std::abs(p.x), std::abs(p.y)) > kNormalReach) continue;
+      const double height = road[static_cast<std::size_t>((row / 2) * kRoadCells + column / 2)];
+      if (!(p.z <= height + kMaxAboveRoad)) continue;
+      all.push_back(p);
+      slopes_x.push_back(double{s->slope_x});
+      slopes_y.push_back(double{s->slope_y});
+      if (std::max(std::abs(p.x), std::abs(p.y)) <= kReach) samples.push_back(p);
+    }
+  }
+  GroundNode node;
+  if (samples.size() < kMinSamples) return node;
+  node.valid = true;
+  node.normal_slope = {quantile_in_place(slopes_x, 0.5), quantile_in_place(slopes_y, 0.5)};
+  for (double& s : slopes_x) s = std::abs(s - node.normal_slope.x());
+  for (double& s : slopes_y) s = std::abs(s - node.normal_slope.y());
+  node.normal_noise = 1.4826 * std::max(quantile_in_place(slopes_x, 0.5), quantile_in_place(slopes_y, 0.5));
+  node.layer_noise = layer_noise(grid, rough, x, y);
+  node.coarse_tilt = coarse_tilt(all, rough);
+  std::vector<double> heights;
+  for (const PlaneSample& s : samples) heights.push_back(s.z - rough.slope.x() * s.x - rough.slope.y() * s.y);
+  const Plane start{quantile_in_place(heights, 0.5), rough.slope};
+  node.plane =
+      fit_plane(samples, start, {.scale_above = 0.05, .scale_below = 0.05, .slope_sigma = 0.05, .sample_sigma = 0.05});
+  return node;
+}
+
+}  // namespace
+
+GroundModel model_ground(const tile::Around<GroundSamples>& samples, const tile::CurbParameters& /*parameters*/) {
+  GroundModel model;
+  const SampleGrid grid = sample_grid(samples);
+  model.road.fill(std::numeric_limits<float>::quiet_NaN());
+  const auto rough = rough_ground(grid);
+  model.rough = rough;
+  if (!rough) return model;
+  const std::vector<double> road = road_heights(grid, *rough);
+  constexpr int n = GroundModel::kRoadPerSide;
+  for (int row = 0; row < n; ++row) {
+    for (int column = 0; column < n; ++column)
+      model.road[static_cast<std::size_t>(row * n + column)] =
+          static_cast<float>(road[static_cast<std::size_t>((row + n) * kRoadCells + column + n)]);
+  }
+  for (int row = 0; row < GroundModel::kPerSide; ++row) {
+    for (int column = 0; column < GroundModel::kPerSide; ++column) {
+      model.nodes[static_cast<std::size_t>(row * GroundModel::kPerSide + column)] =
+          refine(grid, road, *rough, (column + 0.5) * GroundModel::kCell, (row + 0.5) * GroundModel::kCell);
+    }
+  }
+  return model;
+}
+
+GroundSurface::GroundSurface(const tile::Around<GroundModel>& models) {
+  if (models.centre() != nullptr) rough_ = models.centre()->rough;
+  for (int row = 0; row < kNodes; ++row) {
+    for (int column = 0; column < kNodes; ++column) {
+      const GroundModel* model = models.at(column / GroundModel::kPerSide - 1, row / GroundModel::kPerSide - 1);
+      if (model == nullptr) continue;
+      const GroundNode& node = model->at(column % GroundModel::kPerSide, row % GroundModel::kPerSide);
+      if (node.valid) nodes_[static_cast<std::size_t>(row * kNodes + column)] = &node;
+    }
+  }
+}
+
+/// visit(weight, node, dx, dy) for the up to four nodes around; returns the sum of the weights.
+template <class Visit>
+double GroundSurface::blend(double x, double y, Visit visit) const {
+  const double column = (x + kTileSize) / GroundModel::kCell - 0.5;
+  const double row = (y + kTileSize) / GroundModel::kCell - 0.5;
+  const int c0 = std::clamp(static_cast<int>(std::floor(column)), 0, kNodes - 2);
+  const int r0 = std::clamp(static_cast<int>(std::floor(row)), 0, kNodes - 2);
+  const double fx = std::clamp(column - c0, 0.0, 1.0);
+  const double fy = std::clamp(row - r0, 0.0, 1.0);
+  double sum = 0;
+  for (int r = 0; r < 2; ++r) {
+    for (int c = 0; c < 2; ++c) {
+      const GroundNode* node = nodes_[static_cast<std::size_t>((r0 + r) * kNodes + c0 + c)];
+      const double weight = (c == 0 ? 1 - fx : fx) * (r == 0 ? 1 - fy : fy);
+      if (node == nullptr || weight <= 0) continue;
+      visit(weight, *node, (column - c0 - c) * GroundModel::kCell, (row - r0 - r) * GroundModel::kCell);
+      sum += weight;
+    }
+  }
+  return sum;
+}
+
+std::optional<GroundAt> GroundSurface::at(double x, double y) const {
+  GroundAt ground;
+  const double sum = blend(x, y, [&](double weight, const GroundNode& node, double dx, double dy) {
+    ground.height += weight * node.plane.at(dx, dy);
+    ground.normal_slope += weight * node.normal_slope;
+    ground.normal_noise += weight * node.normal_noise;
+    ground.layer_noise += weight * node.layer_noise;
+    ground.coarse_tilt += weight * node.coarse_tilt;
+  });
+  if (sum <= 0) return std::nullopt;
+  ground.height /= sum;
+  ground.normal_slope /= sum;
+  ground.normal_noise /= sum;
+  ground.layer_noise /= sum;
+  ground.coarse_tilt /= sum;
+  return ground;
+}
+
+std::optional<GroundBelow> GroundSurface::below(double x, double y) const {
+  Eigen::Array2d height_noise = Eigen::Array2d::Zero();
+  Eigen::Array2d slope = Eigen::Array2d::Zero();
+  const double sum = blend(x, y, [&](double weight, const GroundNode& node, double dx, double dy) {
+    height_noise += weight * Eigen::Array2d(node.plane.at(dx, dy), node.normal_noise);
+    slope += weight * node.normal_slope.array();
+  });
+  if (sum <= 0) return std::nullopt;
+  height_noise /= sum;
+  return GroundBelow{height_noise(0), slope / sum, height_noise(1)};
+}
+
+std::optional<double> GroundSurface::height(double x, double y) const {
+  double height = 0;
+  const double sum = blend(x, y, [&](double weight, const GroundNode& node, double dx, double dy) {
+    height += weight * node.plane.at(dx, dy);
+  });
+  return sum > 0 ? std::optional(height / sum) : std::nullopt;
+}
+
+std::optional<double> GroundSurface::height_or_rough(double x, double y) const {
+  if (const auto refined = height(x, y)) return refined;
+  return rough_ ? std::optional(rough_->at(x, y)) : std::nullopt;
+}
+
+}  // namespace curbstone::semantic_map::ground

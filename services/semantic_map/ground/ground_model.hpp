@@ -1,0 +1,85 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "services/semantic_map/ground/ground_samples.hpp"
+#include "services/semantic_map/ground/robust_plane.hpp"
+
+namespace curbstone::semantic_map::ground {
+
+/// Section VI, digital elevation map. Rough ground: one robust plane over the 9 m around the tile (the paper: 10 m).
+/// Road height: the lowest layer of each 0.5 m cell, where its neighbours agree (tree tops and car roofs do not).
+/// Refined: every 1 m cell's own robust plane, so that slopes and crossfall stay ground.
+struct GroundNode {
+  bool valid = false;
+  Plane plane;                                             ///< about the node: m in map
+  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();  ///< what the normals around say, median
+  double normal_noise = 0;  ///< spread of what they say (1 sigma, from the median deviation)
+  double layer_noise = 0;   ///< m, 1 sigma of the ground's height from scan line to scan line around
+  Eigen::Vector2d coarse_tilt =
+      Eigen::Vector2d::Zero();  ///< slope of all ground within 1.5 m against the rough ground's
+  bool operator==(const GroundNode&) const = default;
+};
+
+/// The DEM's nodes in a tile: at the centres of its 3 x 3 squares of 1 m.
+struct GroundModel {
+  static constexpr int kPerSide = 3;
+  static constexpr double kCell = kTileSize / kPerSide;  ///< 1 m
+  std::array<GroundNode, kPerSide * kPerSide> nodes{};
+  std::optional<Plane> rough;  ///< about the tile's corner
+  static constexpr int kRoadPerSide = 6;
+  /// m in map, road height of the 0.5 m cells, row by row from the lowest y; NaN: none
+  std::array<float, kRoadPerSide * kRoadPerSide> road{};
+
+  [[nodiscard]] const GroundNode& at(int column, int row) const {
+    return nodes[static_cast<std::size_t>(row * kPerSide + column)];
+  }
+};
+
+/// Whether a GroundSurface is the same with either. (The road heights, some of which are NaN, are no part of it.)
+[[nodiscard]] inline bool is_same_surface(const GroundModel& a, const GroundModel& b) {
+  return a.nodes == b.nodes && a.rough == b.rough;
+}
+
+/// Of a tile, from the samples of it and its neighbours.
+[[nodiscard]] GroundModel model_ground(const tile::Around<GroundSamples>& samples,
+                                       const tile::CurbParameters& parameters);
+
+/// The ground at a place.
+struct GroundAt {
+  double height = 0;  ///< m in map
+  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();
+  double normal_noise = 0;
+  double layer_noise = 0;  ///< m
+  Eigen::Vector2d coarse_tilt = Eigen::Vector2d::Zero();
+};
+
+/// What a point is held against.
+struct GroundBelow {
+  double height = 0;  ///< m in map
+  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();
+  double normal_noise = 0;
+};
+
+/// The DEM over a tile and its neighbours, interpolated between the nodes: no jumps at borders.
+class GroundSurface {
+ public:
+  explicit GroundSurface(const tile::Around<GroundModel>& models);
+  /// x, y: m from the centre tile's corner. Nothing where no ground has been seen around.
+  [[nodiscard]] std::optional<GroundAt> at(double x, double y) const;
+  /// Of that only what every point is asked for.
+  [[nodiscard]] std::optional<GroundBelow> below(double x, double y) const;
+  [[nodiscard]] std::optional<double> height(double x, double y) const;
+  /// Falls back to the rough ground of the centre tile: for walls that stand where the ground is hidden.
+  [[nodiscard]] std::optional<double> height_or_rough(double x, double y) const;
+
+ private:
+  static constexpr int kNodes = 3 * GroundModel::kPerSide;
+  template <class Visit>
+  double blend(double x, double y, Visit visit) const;
+  std::array<const GroundNode*, kNodes * kNodes> nodes_{};
+  std::optional<Plane> rough_;
+};
+
+}  // namespace curbstone::semantic_map::ground

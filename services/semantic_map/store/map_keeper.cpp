@@ -1,0 +1,134 @@
+#include "services/semantic_map/store/map_keeper.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace curbstone::semantic_map::store {
+
+namespace {
+
+constexpr std::int64_t kLongestBreak = 600'000'000;  // us between two poses of one drive, a restart in between
+constexpr std::size_t kMaxPoses = 200'000;           // kept while the disk is full: hours
+
+}  // namespace
+
+MapKeeper::MapKeeper(const std::string& path, std::size_t max_pending_tiles) : max_pending_(max_pending_tiles) {
+  if (!path.empty()) store_ = std::make_unique<MapStore>(path);
+}
+
+MapKeeper::~MapKeeper() {
+  if (writing_.valid()) writing_.wait();
+}
+
+void MapKeeper::start(std::int32_t epoch, std::int64_t utime) {
+  if (!store_) return;
+  await_writing();
+  const bool goes_on = pending_.trajectory.empty() && store_->last_utime() > 0 && store_->epoch() == epoch &&
+                       utime > store_->last_utime() && utime - store_->last_utime() < kLongestBreak;
+  epoch_ = epoch;
+  pending_ = {.clear = pending_.clear || !goes_on, .tiles = {}, .trajectory = {}, .curbs = {}};
+}
+
+void MapKeeper::put(const tile::MapTile& tile) {
+  if (store_) add(tile);
+}
+
+void MapKeeper::add(const tile::MapTile& tile) {
+  const auto it = pending_.tiles.find(tile.key);
+  if (it != pending_.tiles.end())
+    it->second = tile;
+  else if (pending_.tiles.size() < max_pending_)
+    pending_.tiles.emplace(tile.key, tile);
+  else
+    counters_.add("dropped.unstored_tiles");
+}
+
+void MapKeeper::put(const tile::TrajectoryPose& pose) {
+  if (!store_) return;
+  if (pending_.trajectory.size() < kMaxPoses)
+    pending_.trajectory.push_back(pose);
+  else
+    counters_.add("dropped.unstored_poses");
+}
+
+void MapKeeper::put(std::vector<tile::CurbLine> curbs) {
+  if (store_) pending_.curbs = std::move(curbs);
+}
+
+void MapKeeper::write() {
+  if (!store_ || busy()) return;
+  const bool is_news = pending_.clear || !pending_.tiles.empty() || !pending_.trajectory.empty() || pending_.curbs;
+  if (is_news) begin_writing();
+}
+
+bool MapKeeper::busy() {
+  if (!writing_.valid()) return false;
+  if (writing_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return true;
+  await_writing();
+  return false;
+}
+
+void MapKeeper::begin_writing() {
+  under_way_ = std::exchange(pending_, {});
+  writing_ = std::async(std::launch::async, [this]() -> std::string {
+    try {
+      store_->write(batch_under_way());
+      return {};
+    } catch (const MapStoreError& error) {
+      return error.what();
+    }
+  });
+}
+
+MapStore::Batch MapKeeper::batch_under_way() const {
+  MapStore::Batch batch{.clear = under_way_.clear,
+                        .epoch = epoch_,
+                        .trajectory = under_way_.trajectory,
+                        .curbs = under_way_.curbs ? &*under_way_.curbs : nullptr};
+  for (const auto& [key, tile] : under_way_.tiles) batch.tiles.push_back(tile);
+  std::sort(batch.tiles.begin(), batch.tiles.end(),
+            [](const tile::MapTile& a, const tile::MapTile& b) { return a.key < b.key; });
+  return batch;
+}
+
+void MapKeeper::await_writing() {
+  if (!writing_.valid()) return;
+  const std::string error = writing_.get();
+  if (error.empty()) {
+    counters_.add("store.transactions");
+    counters_.add("store.tiles", static_cast<std::int64_t>(under_way_.tiles.size()));
+    fault_.clear();
+  } else {
+    counters_.add("faults.store");
+    fault_ = "the map is kept in memory only: " + error;
+    take_back();
+  }
+  under_way_ = {};
+}
+
+/// What could not be written is pending again, less what has become another meanwhile.
+void MapKeeper::take_back() {
+  std::swap(pending_, under_way_);
+  for (const auto& [key, tile] : under_way_.tiles) add(tile);
+  for (const tile::TrajectoryPose& pose : under_way_.trajectory) put(pose);
+  if (under_way_.curbs) pending_.curbs = std::move(under_way_.curbs);
+}
+
+void MapKeeper::finish(std::vector<tile::CurbLine> curbs) {
+  if (!store_) return;
+  await_writing();
+  pending_.curbs = std::move(curbs);
+  begin_writing();
+  await_writing();
+  if (!fault_.empty()) return;
+  try {
+    store_->close_canonical();
+  } catch (const MapStoreError& error) {
+    counters_.add("faults.store");
+    fault_ = error.what();
+  }
+  store_.reset();
+}
+
+}  // namespace curbstone::semantic_map::store

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "common/bus/counters.hpp"
+#include "services/semantic_map/store/map_store.hpp"
+
+namespace curbstone::semantic_map::store {
+
+/// Writes what changes to the map file, a transaction at a time, in another thread: the disk takes tens of ms, for
+/// which no tile should wait. While the disk is full (or fails) it keeps the newest state of each tile in memory, up to
+/// a bound (and as many again while it tries), says so, and writes when it can again. One thread calls.
+///
+/// Counters, of what is known to be written: store.transactions, store.tiles, faults.store; dropped.unstored_tiles,
+/// dropped.unstored_poses.
+class MapKeeper {
+ public:
+  /// Opens the file: throws MapStoreError. Empty path: keeps nothing.
+  MapKeeper(const std::string& path, std::size_t max_pending_tiles);
+  /// Waits for what is under way; what is pending is lost without finish().
+  ~MapKeeper();
+  MapKeeper(const MapKeeper&) = delete;
+  MapKeeper& operator=(const MapKeeper&) = delete;
+
+  /// A drive begins (first pose, or a new epoch of the map). An earlier map of the same drive is gone on with (the
+  /// service was restarted); any other is forgotten.
+  void start(std::int32_t epoch, std::int64_t utime);
+  void put(const tile::MapTile& tile);
+  void put(const tile::TrajectoryPose& pose);
+  /// All curbs of the map as they are now; they go with the next batch.
+  void put(std::vector<tile::CurbLine> curbs);
+  /// Begins to write what is pending, unless the last transaction is still under way.
+  void write();
+  /// Writes the rest and the curbs, and closes the file in canonical form.
+  void finish(std::vector<tile::CurbLine> curbs);
+
+  /// What became of the last transaction, in words; empty when all is well.
+  [[nodiscard]] const std::string& fault() const { return fault_; }
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  /// What the file does not know yet.
+  struct Changes {
+    bool clear = false;  // first of all that was stored
+    std::unordered_map<TileKey, tile::MapTile, TileKeyHash> tiles;
+    std::vector<tile::TrajectoryPose> trajectory;
+    std::optional<std::vector<tile::CurbLine>> curbs;
+  };
+  [[nodiscard]] bool busy();
+  void begin_writing();
+  void await_writing();
+  void take_back();
+  void add(const tile::MapTile& tile);
+  [[nodiscard]] MapStore::Batch batch_under_way() const;
+
+  std::unique_ptr<MapStore> store_;
+  std::size_t max_pending_;
+  std::int32_t epoch_ = 0;
+  Changes pending_;
+  Changes under_way_;                 // not touched while it is written
+  std::future<std::string> writing_;  // what went wrong
+  std::string fault_;
+  Counters counters_;
+};
+
+}  // namespace curbstone::semantic_map::store

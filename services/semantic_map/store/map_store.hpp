@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "services/semantic_map/tile/map_types.hpp"
+
+namespace SQLite {
+class Database;
+}
+
+namespace curbstone::semantic_map::store {
+
+/// The map file: SQLite, application id "CURB", schema version in PRAGMA user_version.
+///
+///   meta(key, value)                         epoch, tile_size, cell_size
+///   tiles(x, y, utime, z_origin, cells)      cells: zlib of class[625], height[625] (int16, low bytes first, then
+///                                            high bytes), cost[625],
+///                                            min(255, 32 hits) - confidence mod 256[625], hits[625]
+///   curbs(id, dropped, confidence, points)   points: float32 LE, 6 a vertex: x y z height high_side_x high_side_y
+///   trajectory(utime, revolution, x, y, z, qw, qx, qy, qz)    T_map_base at the end of each revolution
+///
+/// Schema 1 had confidence as it is, and no hits: such a map is read, with none; whoever writes to it makes it a map of
+/// schema 2.
+///
+/// There is no wall clock, pid or revision in it: two replays of one log give the same bytes.
+inline constexpr std::int32_t kMapSchemaVersion = 2;
+
+/// One clear line: what is wrong with which file.
+class MapStoreError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads a map, also while a service writes it. Never changes the file. Everything throws MapStoreError.
+class MapReader {
+ public:
+  /// Refuses what is missing, not a map, or of a newer schema.
+  explicit MapReader(const std::string& path);
+  ~MapReader();
+
+  /// Of the file: 1 .. kMapSchemaVersion.
+  [[nodiscard]] std::int32_t schema() const;
+  [[nodiscard]] std::int32_t epoch() const;
+  [[nodiscard]] std::vector<tile::MapTile> tiles() const;              ///< by key
+  [[nodiscard]] std::vector<tile::CurbLine> curbs() const;             ///< by id
+  [[nodiscard]] std::vector<tile::TrajectoryPose> trajectory() const;  ///< by utime
+  /// PRAGMA integrity_check: "ok" or what is wrong.
+  [[nodiscard]] std::string integrity() const;
+
+ private:
+  std::string path_;
+  std::unique_ptr<SQLite::Database> db_;
+};
+
+/// Writes a map. One writer a file: a second one is refused while the first lives (also after kill -9, the lock goes
+/// with the process). A write is one transaction: it is there as a whole or not at all.
+class MapStore {
+ public:
+  /// Opens or creates; a map of an earlier schema becomes one of this. Throws MapStoreError: not a map (left
+  /// untouched), newer schema (left untouched), another writer, no such directory, no permission.
+  explicit MapStore(std::string path);
+  ~MapStore();
+
+  /// What one transaction changes.
+  struct Batch {
+    bool clear = false;  ///< first forget all that was stored: another drive begins
+    std::int32_t epoch = 0;
+    std::vector<tile::MapTile> tiles = {};               ///< replace those with the same key
+    std::vector<tile::TrajectoryPose> trajectory = {};   ///< appended
+    const std::vector<tile::CurbLine>* curbs = nullptr;  ///< replaces all curbs, if given
+  };
+  /// Throws MapStoreError (disk full, I/O error): nothing of the batch is in the file then, try again later.
+  void write(const Batch& batch);
+
+  /// What is stored now, to decide whether a drive goes on: epoch and the newest pose's utime (0: none).
+  [[nodiscard]] std::int32_t epoch() const { return epoch_; }
+  [[nodiscard]] std::int64_t last_utime() const { return last_utime_; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+  /// The drive is over: rewrites the file in canonical order, so that the same content is the same bytes, and closes
+  /// it. Throws MapStoreError; the file is then as it was, complete.
+  void close_canonical();
+
+ private:
+  struct Lock;
+  std::string path_;
+  std::unique_ptr<Lock> lock_;  // outlives db_: SQLite's own locks go when any descriptor of the file is closed
+  std::unique_ptr<SQLite::Database> db_;
+  std::int32_t epoch_ = 0;
+  std::int64_t last_utime_ = 0;
+};
+
+}  // namespace curbstone::semantic_map::store

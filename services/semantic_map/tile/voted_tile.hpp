@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/tiles/tile.hpp"
+
+namespace curbstone::semantic_map::tile {
+
+/// What the vote says of a place, at the coarse scale (0.3 m).
+struct VotedTensor {
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< e1, z >= 0
+  float stick = 0;                                    ///< (l1 - l2) / l1: how much of a surface
+  float plate = 0;                                    ///< (l2 - l3) / l1: how much of a crease
+  float mass = 0;  ///< sum of the votes' weights; 0: nobody voted, the rest means nothing
+};
+
+/// A point of the dense map with what the vote says about it.
+struct VotedPoint : VotedTensor {
+  float x = 0;  ///< m from the tile's corner, 0 .. kTileSize
+  float y = 0;
+  float z = 0;  ///< m in map
+};
+
+/// A complete revision of a tile of VOTED_POINTS.
+struct VotedTile {
+  TileKey key;
+  std::int64_t utime = 0;
+  std::int32_t revision = 0;
+  float z_origin = 0;
+  std::vector<VotedPoint> points;
+  std::vector<std::uint32_t> voters;  ///< of each point, the one whose tensor it takes; where that is not known: empty
+  std::int64_t chain = 0;             ///< of the worker that it came from
+};
+
+/// A tile's T and those of its eight neighbours; null where there is none. Everything that the semantic map computes
+/// for a tile is a pure function of such neighbourhoods, so that it does not matter in which order tiles arrive.
+template <class T>
+class Around {
+ public:
+  [[nodiscard]] const T* at(int dx, int dy) const { return tiles_[index(dx, dy)]; }
+  void set(int dx, int dy, const T* tile) { tiles_[index(dx, dy)] = tile; }
+  [[nodiscard]] const T* centre() const { return at(0, 0); }
+
+  /// visit(tile, x, y): each that is there, with the offset in m of its corner from the centre tile's.
+  template <class Visit>
+  void for_each(Visit visit) const {
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        if (at(dx, dy) != nullptr) visit(*at(dx, dy), dx * kTileSize, dy * kTileSize);
+      }
+    }
+  }
+
+ private:
+  static std::size_t index(int dx, int dy) { return static_cast<std::size_t>((dy + 1) * 3 + dx + 1); }
+  std::array<const T*, 9> tiles_{};
+};
+
+}  // namespace curbstone::semantic_map::tile

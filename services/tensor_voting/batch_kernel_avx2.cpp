@@ -1,3 +1,0 @@
-#define CURBSTONE_KERNEL kBatchKernel_avx2
-#define CURBSTONE_KERNEL_NAME "avx2"
-#include "services/tensor_voting/batch_kernel_impl.hpp"

@@ -1,3 +1,0 @@
-#define CURBSTONE_KERNEL kBatchKernel_avx512
-#define CURBSTONE_KERNEL_NAME "avx512"
-#include "services/tensor_voting/batch_kernel_impl.hpp"

@@ -1,3 +1,0 @@
-#define CURBSTONE_KERNEL kBatchKernel_baseline
-#define CURBSTONE_KERNEL_NAME "baseline"
-#include "services/tensor_voting/batch_kernel_impl.hpp"

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace curbstone::tensor_voting::kernels {
+
+/// @file
+/// The inner loops of batch voting, compiled once for each instruction set. Sixteen votees stand in the lanes, and
+/// every voter near them is shown to all at once: no sum crosses lanes, and no lane runs empty at the end of a cell.
+///
+/// In float with fused multiply-add: 1e-6 of a tensor's norm, the same for any number of threads, not the same bits on
+/// every machine (VotingField's are).
+
+inline constexpr int kBlock = 16;
+
+/// What an oriented voter has to say (second pass): e1, e3 and its stick and plate saliency.
+struct OrientedVoter {
+  float normal[3];
+  float stick;
+  float tangent[3];
+  float plate;
+};
+
+/// Voters in the order of their cells. The arrays are readable for kBlock elements past their end.
+struct VoterArrays {
+  const std::int32_t* x;  ///< in steps, modulo 2^32: only differences count
+  const std::int32_t* y;
+  const std::int32_t* z;
+  const float* weight;            ///< nullptr: all 1
+  const OrientedVoter* oriented;  ///< for the second pass only
+};
+/// Voters begin .. begin + count - 1.
+struct VoterRun {
+  std::uint32_t begin;
+  std::uint32_t count;
+};
+
+/// Lengths in units of 2^20 steps: whole steps within 16 units are exact in float.
+struct BatchScale {
+  float decay;   ///< 1 / sigma^2
+  float radius;  ///< the cut-off
+};
+
+/// Sums of the votes for each votee of a block, component after component: mass, xx, xy, xz, yy, yz, zz.
+struct BlockVotes {
+  float sum[7 * kBlock];
+};
+
+struct BatchKernel {
+  const char* name;
+  /// Ball votes of the voters in `runs` for votees first .. first + count - 1, count <= kBlock: sums of w and of
+  /// w u u^T (six components). Nobody votes for a votee at its own place.
+  void (*ball)(const VoterArrays& voters, const VoterRun* runs, std::size_t num_runs, std::uint32_t first,
+               std::uint32_t count, const BatchScale& scale, float* votes);
+  /// The same with the stick and plate votes of decomposed voters, formula (G): the tensors themselves.
+  void (*oriented)(const VoterArrays& voters, const VoterRun* runs, std::size_t num_runs, std::uint32_t first,
+                   std::uint32_t count, const BatchScale& scale, float* votes);
+  /// The weights of the voters within the radius, the votee's own included: one component.
+  void (*count)(const VoterArrays& voters, const VoterRun* runs, std::size_t num_runs, std::uint32_t first,
+                std::uint32_t count, const BatchScale& scale, float* votes);
+};
+
+/// The kernels that this machine can run, the fastest first.
+[[nodiscard]] std::span<const BatchKernel> batch_kernels();
+
+}  // namespace curbstone::tensor_voting::kernels

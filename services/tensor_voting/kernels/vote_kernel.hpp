@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "services/tensor_voting/kernels/tensor.hpp"
+
+namespace curbstone::tensor_voting::kernels {
+
+/// A position in whole steps. What a step is, is the caller's affair (2 mm in the map). Differences of positions are
+/// exact, however far from the origin they are; they wrap, so that a map may lie anywhere.
+struct StepPoint {
+  std::int32_t x = 0;
+  std::int32_t y = 0;
+  std::int32_t z = 0;
+  bool operator==(const StepPoint&) const = default;
+};
+
+/// The decay in steps: w = exp(-d^2 inverse_sigma2) for 0 < d^2 < radius2.
+struct Decay {
+  float inverse_sigma2 = 0;
+  float radius2 = 0;
+};
+[[nodiscard]] inline Decay decay_in_steps(double sigma, double radius, double step) {
+  return {static_cast<float>(step * step / (sigma * sigma)), static_cast<float>(radius * radius / (step * step))};
+}
+
+inline constexpr int kLanes = 16;
+
+/// A block's 32-bit sums hold the votes of so many others; then they must settle.
+inline constexpr int kMaxRecent = 15;
+
+[[nodiscard]] inline std::int32_t nowhere_near(std::int32_t x) {
+  return x ^ (1 << 30);
+}
+
+/// Sixteen voters side by side, and the votes that they have received lately. A lane in use for nobody holds
+/// nowhere_near() of its neighbours: too far away to give or to receive a vote. What every exchange touches lies
+/// together.
+struct alignas(64) VoterBlock {
+  std::array<std::int32_t, kLanes> x;
+  std::array<std::int32_t, kLanes> y;
+  std::array<std::int32_t, kLanes> z;
+  std::array<std::array<std::int32_t, kLanes>, VoteSums::kCount> recent{};
+  std::int32_t num_recent = 0;
+  std::int32_t num_voters = 0;
+  std::int64_t changed = 0;  // VotingField::change() that gave or took one of its votes last
+
+  /// Takes one voter more; there must be a lane left. Returns its lane.
+  std::size_t push_back(const StepPoint& at) {
+    const auto lane = static_cast<std::size_t>(num_voters++);
+    if (lane == 0) {
+      x.fill(nowhere_near(at.x));
+      y.fill(at.y);
+      z.fill(at.z);
+    }
+    x[lane] = at.x;
+    y[lane] = at.y;
+    z[lane] = at.z;
+    return lane;
+  }
+  [[nodiscard]] StepPoint at(std::size_t lane) const { return {x[lane], y[lane], z[lane]}; }
+};
+
+/// What a block has received before that.
+struct alignas(64) SettledSums {
+  std::array<std::array<std::int64_t, kLanes>, VoteSums::kCount> value{};
+};
+
+[[nodiscard]] inline VoteSums sums_of(const VoterBlock& block, const SettledSums& settled, std::size_t lane) {
+  VoteSums result;
+  for (std::size_t c = 0; c < VoteSums::kCount; ++c) result.value[c] = settled.value[c][lane] + block.recent[c][lane];
+  return result;
+}
+
+inline constexpr std::size_t kTensorFloats = 7 * kLanes;
+inline constexpr std::size_t kShapeFloats = 9 * kLanes;
+
+/// A block that may hold voters within reach, and how many votes it has been given.
+struct NearBlock {
+  VoterBlock* block = nullptr;
+  SettledSums* settled = nullptr;
+  std::int64_t pairs = 0;
+};
+
+/// The inner loops, compiled once for each instruction set. All give the same bits: they add, multiply, divide and take
+/// roots in float, which IEEE 754 rounds in one way only.
+///
+/// d^2 < radius2 is asked of a float: exact while radius < 2^12 steps in each direction.
+struct VoteKernel {
+  const char* name;
+  /// Votes between a voter at `at` and all in the blocks of `near`, both ways: the blocks get `sign` (1, or -1 to take
+  /// the votes back) times them, and so does `sums`. Adds to the blocks' `pairs` and returns how many there were.
+  std::int64_t (*exchange)(const Decay& decay, const StepPoint& at, float sign, NearBlock* near, std::size_t num_near,
+                           std::int64_t* sums);
+  /// Takes blocks of kLanes tensors apart, by Jacobi rotations. In: kTensorFloats a block, xx, xy, xz, yy, yz, zz and
+  /// one that is not looked at, kLanes floats each. Out: kShapeFloats, normal and tangent (x, y, z), shares of stick,
+  /// plate and ball. A tensor without votes gives what BasicDecomposition begins with.
+  void (*decompose)(const float* tensors, float* shapes, std::size_t blocks);
+};
+
+/// The kernels that this machine can run, the fastest first.
+[[nodiscard]] std::span<const VoteKernel> vote_kernels();
+
+}  // namespace curbstone::tensor_voting::kernels

@@ -1,3 +1,0 @@
-#define CURBSTONE_KERNEL kVoteKernel_avx2
-#define CURBSTONE_KERNEL_NAME "avx2"
-#include "services/tensor_voting/vote_kernel_impl.hpp"

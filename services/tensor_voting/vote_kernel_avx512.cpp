@@ -1,3 +1,0 @@
-#define CURBSTONE_KERNEL kVoteKernel_avx512
-#define CURBSTONE_KERNEL_NAME "avx512"
-#include "services/tensor_voting/vote_kernel_impl.hpp"

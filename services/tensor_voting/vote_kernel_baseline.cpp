@@ -1,3 +1,0 @@
-#define CURBSTONE_KERNEL kVoteKernel_baseline
-#define CURBSTONE_KERNEL_NAME "baseline"
-#include "services/tensor_voting/vote_kernel_impl.hpp"

@@ -1,0 +1,241 @@
+#include "services/tensor_voting/voting/cell_list.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "services/tensor_voting/voting/parallel.hpp"
+
+namespace curbstone::tensor_voting::voting {
+
+namespace {
+
+/// Ascending keys sort by z, then y, then x. Indices have 21 bits.
+std::uint64_t key_of(std::int32_t x, std::int32_t y, std::int32_t z) {
+  const auto bits = [](std::int32_t v) { return static_cast<std::uint64_t>(v); };
+  return bits(z) << 42 | bits(y) << 21 | bits(x);
+}
+std::uint64_t row_key(std::int32_t y, std::int32_t z) {
+  return key_of(0, y, z);
+}
+
+/// The cells of a box of points, counted from its lowest corner.
+struct Lattice {
+  WidePoint low;
+  WidePoint high;
+  double cells_per_step;
+
+  struct Index {
+    std::int32_t x, y, z;
+  };
+
+  Lattice(std::span<const WidePoint> points, std::int32_t edge)
+      : low(points[0]), high(low), cells_per_step(1.0 / edge) {
+    for (const WidePoint& p : points) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+  }
+  [[nodiscard]] std::int32_t index(std::int64_t v, std::int64_t from) const {
+    return static_cast<std::int32_t>(static_cast<double>(v - from) * cells_per_step);
+  }
+  [[nodiscard]] Index cell_of(const WidePoint& p) const {
+    return {index(p.x, low.x), index(p.y, low.y), index(p.z, low.z)};
+  }
+};
+
+/// The order of the points by cell; equal cells keep the order of their points.
+std::vector<std::uint32_t> order_by_cell(std::span<const WidePoint> points, const Lattice& lattice) {
+  std::vector<std::uint32_t> order(points.size());
+  const auto last = lattice.cell_of(lattice.high);
+  const double volume = (last.x + 1.0) * (last.y + 1.0) * (last.z + 1.0);
+  if (volume <= 4.0 * static_cast<double>(points.size()) + 65536) {
+    std::vector<std::uint32_t> next(static_cast<std::size_t>(volume) + 1);
+    std::vector<std::uint32_t> cell(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Lattice::Index c = lattice.cell_of(points[i]);
+      cell[i] = static_cast<std::uint32_t>((c.z * (last.y + 1) + c.y) * (last.x + 1) + c.x);
+      ++next[cell[i] + 1];
+    }
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    for (std::uint32_t i = 0; i < points.size(); ++i) order[next[cell[i]]++] = i;
+    return order;
+  }
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(points.size());
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    const Lattice::Index c = lattice.cell_of(points[i]);
+    keys[i] = {key_of(c.x, c.y, c.z), i};
+  }
+  std::sort(keys.begin(), keys.end());
+  for (std::uint32_t i = 0; i < points.size(); ++i) order[i] = keys[i].second;
+  return order;
+}
+
+/// Coordinates are low bits: they wrap, but differences within a cell do not.
+std::int32_t minus(std::int32_t a, std::int32_t b) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
+}
+std::int32_t plus(std::int32_t a, std::int32_t b) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) + static_cast<std::uint32_t>(b));
+}
+
+struct Item {
+  std::array<std::int32_t, 3> at;  // from the cell's first point
+  std::uint32_t source;
+};
+
+/// Where block `i` of `blocks` begins among `count` points: sizes that differ by one at most.
+std::uint32_t block_begin(std::uint32_t i, std::uint32_t blocks, std::uint32_t count) {
+  return static_cast<std::uint32_t>(std::uint64_t{count} * i / blocks);
+}
+
+/// Orders the items of blocks first .. last - 1 of a cell so that each block is compact: halves along the longest side,
+/// again and again.
+void make_compact(std::span<Item> cell, std::uint32_t first, std::uint32_t last, std::uint32_t blocks) {
+  if (last - first <= 1) return;
+  const auto count = static_cast<std::uint32_t>(cell.size());
+  const auto at = [&](std::uint32_t i) { return cell.begin() + block_begin(i, blocks, count); };
+  std::array<std::int32_t, 3> low = at(first)->at;
+  std::array<std::int32_t, 3> high = low;
+  for (auto item = at(first); item != at(last); ++item) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], item->at[axis]);
+      high[axis] = std::max(high[axis], item->at[axis]);
+    }
+  }
+  std::size_t longest = 0;
+  for (std::size_t axis = 1; axis < 3; ++axis) {
+    if (high[axis] - low[axis] > high[longest] - low[longest]) longest = axis;
+  }
+  const std::uint32_t middle = first + (last - first) / 2;
+  std::nth_element(at(first), at(middle), at(last), [longest](const Item& a, const Item& b) {
+    return a.at[longest] != b.at[longest] ? a.at[longest] < b.at[longest] : a.source < b.source;
+  });
+  make_compact(cell, first, middle, blocks);
+  make_compact(cell, middle, last, blocks);
+}
+
+}  // namespace
+
+CellList::CellList(std::span<const WidePoint> points, std::int32_t edge, int threads) {
+  if (points.empty()) return;
+  sort(points, edge);
+  index_rows();
+  make_blocks(threads);
+}
+
+void CellList::sort(std::span<const WidePoint> points, std::int32_t edge) {
+  const Lattice lattice(points, edge);
+  source_ = order_by_cell(points, lattice);
+  for (auto* v : {&x_, &y_, &z_}) v->resize(points.size() + kernels::kBlock);
+  for (std::uint32_t i = 0; i < source_.size(); ++i) {
+    const WidePoint& p = points[source_[i]];
+    const Lattice::Index c = lattice.cell_of(p);
+    x_[i] = static_cast<std::int32_t>(p.x);
+    y_[i] = static_cast<std::int32_t>(p.y);
+    z_[i] = static_cast<std::int32_t>(p.z);
+    if (cells_.empty() || cells_.back().x != c.x || cells_.back().y != c.y || cells_.back().z != c.z) {
+      cells_.push_back({c.x, c.y, c.z, i, i});
+    }
+    ++cells_.back().end;
+  }
+}
+
+void CellList::index_rows() {
+  std::size_t num_rows = 0;
+  const auto starts_row = [this](std::size_t i) {
+    return i == 0 || cells_[i].y != cells_[i - 1].y || cells_[i].z != cells_[i - 1].z;
+  };
+  for (std::size_t i = 0; i < cells_.size(); ++i) num_rows += starts_row(i) ? 1U : 0U;
+  std::size_t capacity = 16;
+  while (capacity < 2 * num_rows) capacity *= 2;
+  rows_.assign(capacity, {});
+  for (std::size_t begin = 0, end = 0; begin < cells_.size(); begin = end) {
+    for (end = begin + 1; end < cells_.size() && !starts_row(end); ++end) {
+    }
+    const Row row{row_key(cells_[begin].y, cells_[begin].z), static_cast<std::uint32_t>(begin),
+                  static_cast<std::uint32_t>(end)};
+    std::size_t slot = (row.key * 0x9e3779b97f4a7c15ULL) >> 32;
+    while (rows_[slot & (capacity - 1)].end != 0) ++slot;
+    rows_[slot & (capacity - 1)] = row;
+  }
+}
+
+const CellList::Row* CellList::find_row(std::int32_t y, std::int32_t z) const {
+  const std::uint64_t key = row_key(y, z);
+  const std::size_t mask = rows_.size() - 1;
+  for (std::size_t slot = (key * 0x9e3779b97f4a7c15ULL) >> 32;; ++slot) {
+    const Row& row = rows_[slot & mask];
+    if (row.end == 0) return nullptr;
+    if (row.key == key) return &row;
+  }
+}
+
+void CellList::make_blocks(int threads) {
+  const auto size = [](const Cell& c) { return c.end - c.begin; };
+  std::vector<std::uint32_t> first_block(cells_.size() + 1);
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    first_block[i + 1] = first_block[i] + (size(cells_[i]) + kernels::kBlock - 1) / kernels::kBlock;
+  }
+  blocks_.resize(first_block.back());
+  parallel_for(cells_.size(), 64, threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Item> items;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Cell& cell = cells_[i];
+      items.clear();
+      const std::int32_t x = x_[cell.begin];
+      const std::int32_t y = y_[cell.begin];
+      const std::int32_t z = z_[cell.begin];
+      for (std::uint32_t k = cell.begin; k < cell.end; ++k) {
+        items.push_back({{minus(x_[k], x), minus(y_[k], y), minus(z_[k], z)}, source_[k]});
+      }
+      const std::uint32_t blocks = first_block[i + 1] - first_block[i];
+      make_compact(items, 0, blocks, blocks);
+      for (std::uint32_t k = cell.begin; k < cell.end; ++k) {
+        const Item& item = items[k - cell.begin];
+        x_[k] = plus(x, item.at[0]);
+        y_[k] = plus(y, item.at[1]);
+        z_[k] = plus(z, item.at[2]);
+        source_[k] = item.source;
+      }
+      for (std::uint32_t b = 0; b < blocks; ++b) {
+        const std::uint32_t first = block_begin(b, blocks, size(cell));
+        blocks_[first_block[i] + b] = {static_cast<std::uint32_t>(i), cell.begin + first,
+                                       block_begin(b + 1, blocks, size(cell)) - first};
+      }
+    }
+  });
+}
+
+bool CellList::crowded(int reach, double most) const {
+  std::uint32_t largest = 0;
+  for (const Cell& cell : cells_) largest = std::max(largest, cell.end - cell.begin);
+  if (largest * std::pow(2.0 * reach + 1, 3) <= most) return false;  // as good as always
+  double pairs = 0;
+  std::vector<kernels::VoterRun> runs;
+  for (const Cell& cell : cells_) {
+    runs.clear();
+    runs_around(cell, reach, runs);
+    double near = 0;
+    for (const kernels::VoterRun& run : runs) near += run.count;
+    pairs += near * (cell.end - cell.begin);
+  }
+  return pairs > most * static_cast<double>(source_.size());
+}
+
+void CellList::runs_around(const Cell& cell, int reach, std::vector<kernels::VoterRun>& runs) const {
+  const auto before = [](const Cell& c, std::int32_t x) { return c.x < x; };
+  for (std::int32_t z = std::max(0, cell.z - reach); z <= cell.z + reach; ++z) {
+    for (std::int32_t y = std::max(0, cell.y - reach); y <= cell.y + reach; ++y) {
+      const Row* const row = find_row(y, z);
+      if (row == nullptr) continue;
+      const auto row_end = cells_.begin() + row->end;
+      const auto first = std::lower_bound(cells_.begin() + row->begin, row_end, cell.x - reach, before);
+      const auto last = std::find_if(first, row_end, [&](const Cell& c) { return c.x > cell.x + reach; });
+      if (first != last) runs.push_back({first->begin, std::prev(last)->end - first->begin});
+    }
+  }
+}
+
+}  // namespace curbstone::tensor_voting::voting

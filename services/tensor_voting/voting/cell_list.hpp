@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "services/tensor_voting/kernels/batch_kernel.hpp"
+#include "services/tensor_voting/voting/step_cloud.hpp"
+
+namespace curbstone::tensor_voting::voting {
+
+/// Points sorted by cubic cells, x fastest: the cells of a stretch of x within one row (y, z) are one run of points.
+/// Inside a cell they are grouped into blocks of neighbours, at most kBlock each. The order depends on the points
+/// alone, not on the number of threads.
+class CellList {
+ public:
+  struct Cell {
+    std::int32_t x, y, z;  // index, from the lowest of all
+    std::uint32_t begin, end;
+  };
+  struct Block {
+    std::uint32_t cell;
+    std::uint32_t begin;
+    std::uint32_t count;
+  };
+
+  /// `edge` in steps, at least kMinEdge.
+  CellList(std::span<const WidePoint> points, std::int32_t edge, int threads);
+
+  static constexpr std::int32_t kMinEdge = 1 << 19;  ///< so that an index has 21 bits
+
+  [[nodiscard]] const std::vector<Cell>& cells() const { return cells_; }
+  [[nodiscard]] const std::vector<Block>& blocks() const { return blocks_; }
+  /// Where each point of the sorted order came from.
+  [[nodiscard]] const std::vector<std::uint32_t>& source() const { return source_; }
+  [[nodiscard]] kernels::VoterArrays arrays() const { return {x_.data(), y_.data(), z_.data(), nullptr, nullptr}; }
+
+  /// Whether a point has more than `most` others in the cells up to `reach` away, on average.
+  [[nodiscard]] bool crowded(int reach, double most) const;
+  /// Appends the runs of points in the cells up to `reach` cells away from `cell` in each direction.
+  void runs_around(const Cell& cell, int reach, std::vector<kernels::VoterRun>& runs) const;
+
+ private:
+  /// The cells of one row (y, z): cells_[begin .. end).
+  struct Row {
+    std::uint64_t key;
+    std::uint32_t begin, end;
+  };
+  void sort(std::span<const WidePoint> points, std::int32_t edge);
+  void index_rows();
+  void make_blocks(int threads);
+  [[nodiscard]] const Row* find_row(std::int32_t y, std::int32_t z) const;
+
+  std::vector<Cell> cells_;
+  std::vector<Block> blocks_;
+  std::vector<std::uint32_t> source_;
+  std::vector<std::int32_t> x_, y_, z_;  // the low bits; kBlock elements of room at the end
+  std::vector<Row> rows_;                // open addressing by key; end = 0: free
+};
+
+}  // namespace curbstone::tensor_voting::voting

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <set>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "common/tiles/tile.hpp"
+#include "services/tensor_voting/kernels/tensor.hpp"
+#include "services/tensor_voting/kernels/vote_kernel.hpp"
+#include "services/tensor_voting/voting/field_grid.hpp"
+#include "services/tensor_voting/voting/voting_parameters.hpp"
+
+namespace curbstone::tensor_voting::voting {
+
+struct VoterTile;
+
+/// The ball votes of a growing map of tiles, kept exactly up to date: a new point costs its own pairs and no others,
+/// and every pair is computed once for both its ends. After any sequence of add() and remove(), every sum has the bits
+/// of a field to which the points now present were added at once, whatever the order between tiles was; vote_cloud() of
+/// them gives the same to 1e-5.
+///
+/// Which points vote is decided inside each tile by the order of its own points: the first one in a voxel votes. Points
+/// that are thinned out take the tensor of their voxel's voter. One thread at a time.
+class VotingField {
+ public:
+  /// Throws std::invalid_argument as FieldGrid does.
+  explicit VotingField(const VotingParameters& parameters);
+  ~VotingField();
+  VotingField(VotingField&&) noexcept;
+  VotingField& operator=(VotingField&&) noexcept;
+
+  [[nodiscard]] const VotingParameters& parameters() const { return parameters_; }
+
+  /// Appends points to a tile. `z_origin` is the height of its z = 0 in steps of kPositionStep; it holds from the
+  /// tile's first points on. x and y of points must lie in 0 .. kStepsPerTile - 1.
+  void add(TileKey key, std::int32_t z_origin, std::span<const TilePoint> points);
+  /// Takes a tile out, and its votes out of the tiles around it.
+  void remove(TileKey key);
+  void clear();
+
+  [[nodiscard]] bool contains(TileKey key) const { return tiles_.contains(key); }
+  [[nodiscard]] std::size_t num_points(TileKey key) const;
+  [[nodiscard]] std::size_t num_voters(TileKey key) const;
+  /// Votes received by all voters of a tile. Grows whenever add() changes a tensor of the tile, and depends on nothing
+  /// but the points present: a version number of the tile's tensors.
+  [[nodiscard]] std::int64_t num_votes(TileKey key) const;
+  /// The voter whose tensor each point of a tile takes, in the order of the points.
+  [[nodiscard]] std::span<const std::uint32_t> voters_of_points(TileKey key) const;
+  /// The point that each voter of a tile is, in the order of the voters.
+  [[nodiscard]] std::span<const std::uint32_t> points_of_voters(TileKey key) const;
+  /// What each voter of a tile has received.
+  [[nodiscard]] std::vector<kernels::VoteSums> sums(TileKey key) const;
+  [[nodiscard]] std::vector<kernels::VoteSums> sums(TileKey key, std::span<const std::uint32_t> voters) const;
+  /// The voters of a tile whose sums may have become others after change() was `since`, in order: all of those, and
+  /// some that share a block with them. Since 0, all.
+  [[nodiscard]] std::vector<std::uint32_t> voters_changed(TileKey key, std::int64_t since) const;
+  /// Counts add() and remove().
+  [[nodiscard]] std::int64_t change() const { return change_; }
+
+  /// The tiles whose points or tensors changed since the last call, in order of their keys.
+  [[nodiscard]] std::vector<TileKey> take_changed();
+
+  [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
+  /// Pair votes computed so far, pairs out of reach not counted.
+  [[nodiscard]] std::int64_t num_pairs() const { return num_pairs_; }
+
+ private:
+  struct Neighbourhood;
+  struct NewVoter;
+
+  [[nodiscard]] Neighbourhood around(TileKey key) const;
+  /// The points of `points` that are the first in their voxel; all of them are entered in the tile's lists.
+  std::vector<NewVoter> admit(TileKey key, VoterTile& tile, std::span<const TilePoint> points) const;
+  /// Fills near_ with the blocks of voters in the cells within reach of a cell of the centre tile.
+  void find_near(const Neighbourhood& around, const FieldCell& cell, bool with_own_tile);
+  /// Votes between the voter and all in near_ within its reach, both ways. Returns their number.
+  std::int64_t exchange(const kernels::StepPoint& at, float sign, kernels::VoteSums& sums);
+  /// Books the votes given to near_ since find_near().
+  void book(Neighbourhood& around, std::int64_t sign);
+  void note_changes(const Neighbourhood& around);
+
+  /// The tile; nullptr if there is none.
+  [[nodiscard]] const VoterTile* find(TileKey key) const;
+
+  VotingParameters parameters_;
+  FieldGrid grid_;
+  kernels::VoteKernel kernel_;
+  kernels::Decay decay_;
+  std::unordered_map<TileKey, std::unique_ptr<VoterTile>, TileKeyHash> tiles_;
+  std::set<TileKey> changed_;
+  std::int64_t num_pairs_ = 0;
+  std::int64_t change_ = 0;
+  std::vector<kernels::NearBlock> near_;
+  std::vector<std::size_t> near_tiles_;  // the neighbour that each belongs to
+};
+
+}  // namespace curbstone::tensor_voting::voting

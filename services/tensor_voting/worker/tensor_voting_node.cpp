@@ -1,0 +1,321 @@
+#include "services/tensor_voting/worker/tensor_voting_node.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "common/time/microseconds.hpp"
+
+namespace curbstone::tensor_voting::worker {
+
+namespace {
+
+constexpr const char* kMapPoints = "MAP_POINTS";
+constexpr const char* kVotedPoints = "VOTED_POINTS";
+constexpr std::int64_t kSecond = 1'000'000;           // us
+constexpr std::int64_t kRequestInterval = 100'000;    // us
+constexpr std::int64_t kRequestPatience = 300'000;    // us
+constexpr std::size_t kTilesPerRequest = 100;         // a few hundred kB of answers
+constexpr std::size_t kMaxBehind = 20'000;            // tiles that we lack and know of
+constexpr double kUnpublishedMargin = 2 * kTileSize;  // m: tiles at the rim may lack neighbours that were let go
+constexpr double kBurst = 50'000;                     // us: what may be saved up, of the bandwidth: a revolution's
+constexpr std::size_t kMovesPerTick = 8000;           // points taken over: 10 to 20 ms of work
+constexpr std::int64_t kListen = 1'500'000;           // us: in which every other worker has said that it lives
+constexpr double kJoinRadius = 40.0;                  // m: what a worker must have around the vehicle before it joins
+
+/// Another one for each worker and each start of it.
+std::int64_t begin_chain(const std::string& worker, std::int64_t now) {
+  return static_cast<std::int64_t>(std::hash<std::string>{}(worker + "@" + std::to_string(now)) | 1);
+}
+
+}  // namespace
+
+TensorVotingNode::TensorVotingNode(const TensorVotingConfig& config, std::string worker, Publisher& publisher)
+    : config_(config),
+      worker_(std::move(worker)),
+      publisher_(publisher),
+      map_({.points = static_cast<std::size_t>(config.max_points)}, config.scales()),
+      workers_(worker_, microseconds(config.worker_timeout)),
+      follower_(worker_, kMapPoints),
+      catalog_(worker_, kVotedPoints),
+      schedule_({.min_interval = microseconds(config.min_interval)}) {}
+
+void TensorVotingNode::connect(Subscriber& bus) {
+  bus.subscribe<map_points_t>(kMapPoints, [this](const map_points_t& m) { on(m); });
+  bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { on(m); });
+  bus.subscribe<tile_index_t>("TILE_INDEX", [this](const tile_index_t& m) { on(m); });
+  bus.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { on(m); });
+}
+
+void TensorVotingNode::on(const map_points_t& message) {
+  if (message.epoch < epoch_) {
+    counters_.add("dropped.old_epoch");
+    return;
+  }
+  if (message.epoch > epoch_) start_epoch(message.epoch);
+  mapper_heard_ = now_;
+  const TileKey key{message.tile_x, message.tile_y};
+  if (!(distance(key) <= config_.keep_radius)) {
+    counters_.add("dropped.far");
+    return;
+  }
+  const PointTiles::Taken taken = map_.take(message, votes_here(key));
+  switch (taken.outcome) {
+    case PointTiles::Outcome::kDuplicate:
+      counters_.add("dropped.duplicate");
+      return;
+    case PointTiles::Outcome::kGap:
+      counters_.add("dropped.gap");
+      return;
+    case PointTiles::Outcome::kRefused:
+      counters_.add("refused.map_points");
+      return;
+    case PointTiles::Outcome::kFull:
+      counters_.add("dropped.full");
+      return;
+    case PointTiles::Outcome::kAdded:
+      break;
+  }
+  follower_.set_have(key, map_.points().find(key)->records);
+  counters_.add("map_points", static_cast<std::int64_t>(taken.added.size()));
+  counters_.add("tiles_thinned", taken.removed ? 1 : 0);
+  if (taken.removed) bases_.erase(key);  // its points are others now: the next step is a whole tile
+}
+
+void TensorVotingNode::on(const map_pose_t& message) {
+  const double* p = message.map_base_position;
+  if (!(std::abs(p[0]) < 1e7 && std::abs(p[1]) < 1e7)) {
+    counters_.add("refused.map_pose");
+    return;
+  }
+  x_ = p[0];
+  y_ = p[1];
+}
+
+void TensorVotingNode::on(const tile_index_t& message) {
+  if (message.channel == kVotedPoints && message.owner != worker_) {
+    workers_.heard(message.owner, now_);
+    if (message.epoch != epoch_) return;
+    // What another worker has published need not be published again when its tiles become ours.
+    for (std::size_t i = 0; i < message.version.size(); ++i) {
+      const TileKey key{message.tile_x[i], message.tile_y[i]};
+      if (distance(key) <= config_.keep_radius) schedule_.published(key, message.version[i], 0);
+    }
+  } else if (message.channel == kMapPoints) {
+    if (message.epoch > epoch_) start_epoch(message.epoch);
+    mapper_heard_ = now_;
+    tile_index_t near = message;
+    near.tile_x.clear(), near.tile_y.clear(), near.version.clear();
+    for (std::size_t i = 0; i < message.version.size() && follower_.behind() < kMaxBehind; ++i) {
+      if (!(distance({message.tile_x[i], message.tile_y[i]}) <= config_.keep_radius)) continue;
+      near.tile_x.push_back(message.tile_x[i]);
+      near.tile_y.push_back(message.tile_y[i]);
+      near.version.push_back(message.version[i]);
+    }
+    near.num_tiles = static_cast<std::int32_t>(near.version.size());
+    (void)follower_.announced(near);
+    index_heard_ = index_heard_ || (message.epoch == epoch_ && message.page == message.num_pages - 1);
+  }
+}
+
+void TensorVotingNode::on(const tile_request_t& message) {
+  catalog_.request(message);
+}
+
+void TensorVotingNode::start_epoch(std::int32_t epoch) {
+  epoch_ = epoch;
+  map_.clear();
+  index_heard_ = false;
+  follower_.start_epoch(epoch);
+  catalog_.start_epoch(epoch);
+  schedule_.clear();
+  pages_.clear();
+  bases_.clear();
+}
+
+double TensorVotingNode::distance(TileKey key) const {
+  return std::sqrt(squared_distance(key, x_, y_));
+}
+
+bool TensorVotingNode::owns(TileKey key) const {
+  return workers_.count() == 1 || (joined_ && workers_.owns(key));
+}
+
+bool TensorVotingNode::votes_here(TileKey key) const {
+  bool any = false;
+  for_each_around(key, [&](TileKey tile) { any = any || owns(tile); });
+  return any;
+}
+
+bool TensorVotingNode::publishes(TileKey key) const {
+  return owns(key) && distance(key) <= config_.keep_radius - kUnpublishedMargin;
+}
+
+/// Puts a tile's revision before the schedule, if it is for us to publish.
+void TensorVotingNode::review(TileKey key) {
+  const PointTile* const tile = map_.points().find(key);
+  if (tile == nullptr || !publishes(key) || !map_.is_current(key)) return;
+  const std::int32_t revision = map_.revision(key);
+  schedule_.changed(key, revision, tile->utime, now_);
+  // Published before, by its owner of that time: now it is us who answers for it.
+  if (schedule_.published_revision(key) == revision) catalog_.set_version(key, revision);
+}
+
+/// Alone, or with all that is near the vehicle.
+bool TensorVotingNode::may_join() const {
+  if (now_ - first_tick_ < kListen) return false;
+  return workers_.count() == 1 || (index_heard_ && !follower_.is_behind_near(x_, y_, kJoinRadius));
+}
+
+/// Other tiles are ours. Exact sums make that a matter of adding and removing.
+void TensorVotingNode::reassign() {
+  counters_.add("reassignments");
+  map_.reassign([this](TileKey key) { return votes_here(key); }, x_, y_);
+  for (const auto& [key, tile] : map_.points().tiles()) {
+    if (owns(key)) {
+      review(key);
+    } else {
+      schedule_.drop(key);
+      catalog_.remove(key);
+      bases_.erase(key);
+    }
+  }
+}
+
+void TensorVotingNode::collect_changes() {
+  for (const TileKey key : map_.take_changed()) review(key);
+}
+
+/// Lets go of what has fallen behind; takes up what has come near again.
+void TensorVotingNode::follow_vehicle() {
+  std::vector<TileKey> far;
+  for (const auto& [key, tile] : map_.points().tiles()) {
+    if (distance(key) <= config_.keep_radius) {
+      if (distance(key) > config_.keep_radius - 2 * kUnpublishedMargin) review(key);
+      continue;
+    }
+    bool waits = false;
+    for_each_around(key, [&](TileKey around) { waits = waits || schedule_.is_pending(around); });
+    if (!waits) far.push_back(key);
+  }
+  for (const TileKey key : far) {
+    map_.erase(key);
+    follower_.forget(key);
+    catalog_.remove(key);
+    bases_.erase(key);
+    counters_.add("tiles_let_go");
+  }
+  schedule_.forget_far(x_, y_, config_.keep_radius);
+}
+
+void TensorVotingNode::announce() {
+  for (const tile_index_t& page : catalog_.make_index(now_, x_, y_)) publisher_.publish("TILE_INDEX", page);
+}
+
+void TensorVotingNode::queue_pages(TileKey key) {
+  const PointTile* const tile = map_.points().find(key);
+  if (tile == nullptr) {
+    schedule_.drop(key);
+    return;
+  }
+  const std::int32_t revision = map_.revision(key);
+  VotedBase& base = bases_[key];
+  if (schedule_.is_wanted(key)) base = {};
+  for (voted_points_t& page : make_voted_pages(key, *tile, revision, base, map_.fields())) {
+    page.epoch = epoch_;
+    page.chain = chain_;
+    pages_.push_back(std::move(page));
+  }
+  latency_.add(static_cast<double>(now_ - schedule_.waiting_since(key).value_or(now_)) * 1e-6);
+  schedule_.published(key, revision, now_);
+  catalog_.set_version(key, revision);
+  counters_.add("tiles_published");
+  counters_.add("points_published", static_cast<std::int64_t>(tile->points.size()));
+}
+
+void TensorVotingNode::send_next_page() {
+  const int size = pages_.front().getEncodedSize();
+  publisher_.publish(kVotedPoints, pages_.front());
+  pages_.pop_front();
+  budget_ -= size;
+  counters_.add("bytes_published", size);
+}
+
+void TensorVotingNode::publish_paced() {
+  for (const TileCatalog::Wanted& wanted : catalog_.take_requests(20)) schedule_.wanted(wanted.key, now_);
+  while (budget_ > 0) {
+    if (pages_.empty()) {
+      const auto key = schedule_.next(now_, x_, y_);
+      if (!key) return;
+      queue_pages(*key);
+    } else {
+      send_next_page();
+    }
+  }
+}
+
+/// The clock goes on, and with it what may be sent.
+void TensorVotingNode::advance(std::int64_t now) {
+  // A clock that jumps, or a replay that starts, gives no more budget than one late tick does.
+  const auto elapsed = static_cast<double>(std::clamp<std::int64_t>(now - now_, 0, 50'000));
+  const double earned = config_.bandwidth * elapsed;  // MB/s times us
+  const double burst = std::max({earned, config_.bandwidth * kBurst, static_cast<double>(kMaxPageBytes)});
+  budget_ = std::min(budget_ + earned, burst);
+  now_ = now;
+}
+
+void TensorVotingNode::caught_up(std::int64_t now) {
+  if (first_tick_ == 0) return;
+  advance(now);
+  collect_changes();
+  publish_paced();
+}
+
+void TensorVotingNode::tick(std::int64_t now) {
+  advance(now);
+  if (first_tick_ == 0 || now < first_tick_) first_tick_ = now;
+  if (chain_ == 0) chain_ = begin_chain(worker_, now);
+
+  const bool others = workers_.update(now);
+  const bool joins = !joined_ && may_join();
+  if (joins) {
+    joined_ = true;
+    last_index_ = 0;  // says so at once
+  }
+  if (others || (joins && workers_.count() > 1)) reassign();
+  map_.move(kMovesPerTick);
+  collect_changes();
+  publish_paced();
+  if (now - last_request_ >= kRequestInterval || now < last_request_) {
+    last_request_ = now;
+    const tile_request_t request = follower_.make_request(now, kTilesPerRequest, kRequestPatience, x_, y_);
+    if (request.num_tiles > 0) publisher_.publish("TILE_REQUEST", request);
+  }
+  if (now - last_index_ >= kSecond || now < last_index_) {
+    last_index_ = now;
+    follow_vehicle();
+    if (joined_) announce();
+  }
+}
+
+void TensorVotingNode::finish() {
+  while (map_.is_moving()) map_.move(kMovesPerTick);
+  collect_changes();
+  while (const auto key = schedule_.any()) queue_pages(*key);
+  while (!pages_.empty()) send_next_page();
+  announce();
+}
+
+NodeReport TensorVotingNode::report() const {
+  NodeReport report;
+  report.counters = counters_;
+  report.counters.set("pair_votes", map_.num_pairs());
+  if (now_ - mapper_heard_ > 3 * kSecond) report.faults.push_back("the mapper is silent");
+  if (counters_["dropped.full"] > 0) report.faults.push_back("max_points reached: new map points are not voted");
+  report.latency_p50 = latency_.percentile(0.5);
+  report.latency_p99 = latency_.percentile(0.99);
+  return report;
+}
+
+}  // namespace curbstone::tensor_voting::worker

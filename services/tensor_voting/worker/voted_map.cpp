@@ -1,0 +1,136 @@
+#include "services/tensor_voting/worker/voted_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace curbstone::tensor_voting::worker {
+
+namespace {
+constexpr std::int32_t kStepsPerMetre = 500;
+// More than the votes that a tile can lose with one point: with the default scales at most 900 + 3050 voters reach it,
+// were all space full of them; on surfaces it is some 400.
+constexpr std::int64_t kVotesOfAPoint = 2048;
+
+PointTiles::Limits with_reach(PointTiles::Limits limits, std::span<const voting::VotingParameters> scales) {
+  limits.reach = 0;
+  for (const voting::VotingParameters& scale : scales)
+    limits.reach = std::max(limits.reach, static_cast<int>(std::ceil(scale.radius / kPositionStep)));
+  return limits;
+}
+}  // namespace
+
+VotedMap::VotedMap(PointTiles::Limits limits, std::span<const voting::VotingParameters> scales)
+    : points_(with_reach(limits, scales)) {
+  for (const voting::VotingParameters& scale : scales) fields_.emplace_back(scale);
+}
+
+PointTiles::Taken VotedMap::take(const map_points_t& message, bool matters) {
+  const TileKey key{message.tile_x, message.tile_y};
+  const PointTile* const before = points_.find(key);
+  const bool was_voted = before == nullptr || num_voted(key) == before->points.size();
+  const PointTiles::Taken taken = points_.take(message);
+  if (taken.outcome != PointTiles::Outcome::kAdded) return taken;
+  const PointTile& tile = *points_.find(key);
+  if (taken.removed) {
+    // Exact sums: what goes out and comes in again leaves no trace but that of what stayed out.
+    for (voting::VotingField& field : fields_) field.remove(key);
+    for (int i = 0; i < 9; ++i) {
+      if (tile.removals[static_cast<std::size_t>(i)] > 0) changed_.insert({key.x + i % 3 - 1, key.y + i / 3 - 1});
+    }
+    if (!matters || !was_voted) return taken;  // it still waits to be brought in
+    for (voting::VotingField& field : fields_) field.add(key, tile.z_origin * kStepsPerMetre, tile.points);
+    return taken;
+  }
+  if (!matters) return taken;
+  // A tile that still waits to be brought in gets these points then.
+  if (num_voted(key) + taken.added.size() != tile.points.size()) return taken;
+  for (voting::VotingField& field : fields_) field.add(key, tile.z_origin * kStepsPerMetre, taken.added);
+  return taken;
+}
+
+void VotedMap::erase(TileKey key) {
+  for (voting::VotingField& field : fields_) field.remove(key);
+  points_.erase(key);
+}
+
+void VotedMap::clear() {
+  points_.clear();
+  for (voting::VotingField& field : fields_) field.clear();
+  moves_.clear();
+  changed_.clear();
+}
+
+void VotedMap::reassign(const std::function<bool(TileKey)>& matters, double x, double y) {
+  moves_.clear();
+  for (const auto& [key, tile] : points_.tiles()) {
+    const bool in = matters(key);
+    if (in ? num_voted(key) < tile.points.size() : num_voted(key) > 0) moves_.push_back({key, in});
+  }
+  std::stable_sort(moves_.begin(), moves_.end(), [&](const Move& a, const Move& b) {
+    return a.in != b.in ? a.in : squared_distance(a.key, x, y) < squared_distance(b.key, x, y);
+  });
+}
+
+std::size_t VotedMap::bring_in(TileKey key) {
+  const PointTile* const tile = points_.find(key);
+  if (tile == nullptr) return 0;  // let go meanwhile
+  const auto missing = std::span(tile->points).subspan(num_voted(key));
+  for (voting::VotingField& field : fields_) field.add(key, tile->z_origin * kStepsPerMetre, missing);
+  // The last one to come makes those around it current, whether it reaches them or not.
+  for_each_around(key, [&](TileKey around) { changed_.insert(around); });
+  return missing.size();
+}
+
+std::size_t VotedMap::take_out(TileKey key) {
+  const std::size_t count = num_voted(key);
+  for (voting::VotingField& field : fields_) field.remove(key);
+  return count;
+}
+
+void VotedMap::move(std::size_t num_points) {
+  std::size_t moved = 0;
+  while (!moves_.empty() && moved < num_points) {
+    const Move next = moves_.front();
+    moves_.pop_front();
+    moved += next.in ? bring_in(next.key) : take_out(next.key);
+  }
+}
+
+bool VotedMap::is_current(TileKey key) const {
+  bool current = true;
+  for_each_around(key, [&](TileKey around) {
+    const PointTile* const tile = points_.find(around);
+    current = current && (tile == nullptr || num_voted(around) == tile->points.size());
+  });
+  return current;
+}
+
+std::int32_t VotedMap::revision(TileKey key) const {
+  const PointTile* const tile = points_.find(key);
+  if (tile == nullptr) return 0;
+  auto total = static_cast<std::int64_t>(tile->points.size());
+  for (const voting::VotingField& field : fields_) total += field.num_votes(key);
+  for (int i = 0; i < 9; ++i) {  // what was taken out took votes along: the revision grows all the same
+    const PointTile* const around = points_.find({key.x + i % 3 - 1, key.y + i / 3 - 1});
+    if (around != nullptr) total += kVotesOfAPoint * around->removals[static_cast<std::size_t>(8 - i)];
+  }
+  return static_cast<std::int32_t>(std::min<std::int64_t>(total, std::numeric_limits<std::int32_t>::max()));
+}
+
+std::vector<TileKey> VotedMap::take_changed() {
+  for (voting::VotingField& field : fields_) {
+    for (const TileKey& key : field.take_changed()) changed_.insert(key);
+  }
+  std::vector<TileKey> keys(changed_.begin(), changed_.end());
+  changed_.clear();
+  return keys;
+}
+
+std::int64_t VotedMap::num_pairs() const {
+  std::int64_t pairs = 0;
+  for (const voting::VotingField& field : fields_) pairs += field.num_pairs();
+  return pairs;
+}
+
+}  // namespace curbstone::tensor_voting::worker

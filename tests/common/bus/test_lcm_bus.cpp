@@ -1,0 +1,199 @@
+#include "common/bus/lcm_bus.hpp"
+
+#include <gtest/gtest.h>
+#include <lcm/lcm-cpp.hpp>
+
+#include <curbstone/imu_t.hpp>
+#include <curbstone/lidar_points_t.hpp>
+#include <curbstone/wheels_t.hpp>
+#include <string>
+#include <thread>
+
+#include "tests/temporary_folder.hpp"
+
+namespace curbstone {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kPatience = 10s;  // for what takes milliseconds on an idle machine
+
+/// Handles what comes until `done`, or patience is at its end.
+template <class Done>
+void handle_until(LcmBus& bus, const Done& done) {
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (!done() && std::chrono::steady_clock::now() < deadline) bus.handle(10ms);
+}
+
+TEST(LcmBus, DeliversOverMemq) {
+  LcmBus bus("memq://");
+  int received = 0;
+  bus.subscribe<imu_t>("IMU", [&](const imu_t& m) { received += m.sequence; });
+  imu_t message{};
+  message.sequence = 7;
+  bus.publish("IMU", message);
+  bus.publish("IMU2", message);  // exact names: not a prefix
+  for (int i = 0; i < 4; ++i) bus.handle(10ms);
+  EXPECT_EQ(received, 7);
+}
+
+TEST(LcmBus, ATapSeesEveryChannelWithTheTimeOfItsMessages) {
+  LcmBus bus("memq://");
+  std::vector<std::string> channels;
+  bus.tap(
+      [&](const std::string& channel, const void*, int size, std::int64_t utime) {
+        channels.push_back(channel);
+        EXPECT_EQ(size, imu_t{}.getEncodedSize());
+        EXPECT_GT(utime, 0);
+      },
+      {});
+  bus.publish("IMU", imu_t{});
+  bus.publish("A.B", imu_t{});
+  for (int i = 0; i < 4; ++i) bus.handle(10ms);
+  EXPECT_EQ(channels, (std::vector<std::string>{"IMU", "A.B"}));
+}
+
+TEST(LcmBus, ATapMayLeaveAChannelOut) {
+  LcmBus bus("memq://");
+  std::vector<std::string> channels;
+  bus.tap([&](const std::string& channel, const void*, int, std::int64_t) { channels.push_back(channel); }, {}, "IMU");
+  for (const char* channel : {"IMU", "IMU2", "A.IMU", "POSE"}) bus.publish(channel, imu_t{});
+  for (int i = 0; i < 6; ++i) bus.handle(10ms);
+  EXPECT_EQ(channels, (std::vector<std::string>{"IMU2", "A.IMU", "POSE"}));
+}
+
+/// Encoded bytes whose array length is negative: lcm-gen 1.3.1 throws on it.
+struct Garbage {
+  [[nodiscard]] int getEncodedSize() const { return 24; }
+  int encode(void* data, int, int) const {
+    auto* bytes = static_cast<std::uint8_t*>(data);
+    std::uint64_t hash = static_cast<std::uint64_t>(lidar_points_t::getHash());
+    for (int i = 7; i >= 0; --i, hash >>= 8) bytes[i] = static_cast<std::uint8_t>(hash);
+    for (int i = 8; i < 24; ++i) bytes[i] = 0xFF;
+    return 24;
+  }
+};
+
+TEST(LcmBus, CountsWhatDoesNotDecodeAndHandlersThatThrow) {
+  LcmBus bus("memq://");
+  bus.subscribe<lidar_points_t>("LIDAR_POINTS", [](const lidar_points_t&) {});
+  bus.subscribe<imu_t>("IMU", [](const imu_t&) { throw std::runtime_error("no"); });
+  bus.publish("LIDAR_POINTS", Garbage{});
+  bus.publish("IMU", imu_t{});
+  for (int i = 0; i < 4; ++i) bus.handle(10ms);
+  EXPECT_EQ(bus.counters()["refused.undecodable"], 1);
+  EXPECT_EQ(bus.counters()["faults.handler"], 1);
+}
+
+TEST(LcmBus, BadUrlIsOneClearError) {
+  try {
+    LcmBus bus("nonsense://x");
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("nonsense://x"), std::string::npos);
+  }
+}
+
+TEST(LcmBus, ReadsBackALog) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "bus.lcmlog";
+  {
+    LcmBus out("file://" + file + "?mode=w");
+    imu_t message{};
+    for (message.sequence = 0; message.sequence < 5; ++message.sequence) out.publish("IMU", message);
+  }
+  LcmBus in("file://" + file + "?speed=0");
+  std::vector<int> received;
+  in.subscribe<imu_t>("IMU", [&](const imu_t& m) { received.push_back(m.sequence); });
+  while (in.handle(100ms) && received.size() < 5) {
+  }
+  EXPECT_EQ(received, (std::vector<int>{0, 1, 2, 3, 4}));
+}
+
+/// In a network namespace of its own; see scripts/isolated.
+TEST(LcmBus, SlowHandlerDropsOldestAndCounts) {
+  const char* url = std::getenv("CURBSTONE_TEST_URL");
+  if (url == nullptr) GTEST_SKIP() << "CURBSTONE_TEST_URL not set: run through scripts/isolated";
+  LcmBus bus(url);
+  std::vector<int> received;
+  bus.subscribe<imu_t>("IMU", [&](const imu_t& m) { received.push_back(m.sequence); }, {.capacity = 10});
+  LcmBus sender(url);
+  imu_t message{};
+  for (message.sequence = 0; message.sequence < 100; ++message.sequence) sender.publish("IMU", message);
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (bus.counters()["dropped.queue"] < 90 && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(1ms);
+  bus.handle(0ms);
+  ASSERT_EQ(received.size(), 10U);
+  EXPECT_EQ(received.front(), 90);
+  EXPECT_EQ(received.back(), 99);
+  EXPECT_EQ(bus.counters()["dropped.queue"], 90);
+}
+
+/// Sends until the kernel has dropped something at the receiver's buffer, which is as small as it can be. `heard`: of
+/// the two messages sent each time, how many are for the receiver.
+void expect_drops_counted(LcmBus& bus, const std::string& url, const int& received, int heard) {
+  LcmBus sender(url);
+  int sent = 0;
+  for (int burst = 0; burst < 50 && bus.counters()["dropped.kernel"] == 0; ++burst) {
+    for (int i = 0; i < 500; ++i, ++sent) {
+      sender.publish("IMU", imu_t{});
+      sender.publish("IMU_OF_ANOTHER", imu_t{});
+    }
+    handle_until(bus, [&] { return received + bus.counters()["dropped.kernel"] >= heard * sent; });
+  }
+  EXPECT_GT(bus.counters()["dropped.kernel"], 0);
+  EXPECT_EQ(bus.counters()["dropped.queue"], 0);
+  EXPECT_EQ(received + bus.counters()["dropped.kernel"], heard * sent) << "what was dropped, no more and no less";
+}
+
+std::string with_smallest_buffer(std::string url) {
+  const auto at = url.find("recv_buf_size=");
+  return url.substr(0, at) + "recv_buf_size=2304";
+}
+
+TEST(LcmBus, CountsWhatTheKernelDropsAtAFullBuffer) {
+  const char* url = std::getenv("CURBSTONE_TEST_URL");
+  if (url == nullptr) GTEST_SKIP() << "CURBSTONE_TEST_URL not set: run through scripts/isolated";
+  const std::string narrow = with_smallest_buffer(url);
+  {
+    LcmBus bus(narrow);
+    int received = 0;
+    bus.tap([&](const std::string&, const void*, int, std::int64_t) { ++received; }, {.capacity = 1'000'000});
+    expect_drops_counted(bus, url, received, 2);
+  }
+  LcmBus bus(narrow);
+  int received = 0;
+  bus.subscribe<imu_t>("IMU", [&](const imu_t&) { ++received; }, {.capacity = 1'000'000});
+  expect_drops_counted(bus, url, received, 1);
+}
+
+TEST(LcmBus, WhatNobodyHereHasSubscribedToIsNoLoss) {
+  const char* url = std::getenv("CURBSTONE_TEST_URL");
+  if (url == nullptr) GTEST_SKIP() << "CURBSTONE_TEST_URL not set: run through scripts/isolated";
+  LcmBus bus(url);
+  int imu = 0;
+  int wheels = 0;
+  bus.subscribe<imu_t>("IMU", [&](const imu_t&) { ++imu; });
+  bus.subscribe<wheels_t>("WHEELS", [&](const wheels_t&) { ++wheels; });  // a second one does not shut out the first
+  LcmBus sender(url);
+  for (int i = 0; i < 50; ++i) {
+    sender.publish("IMU", imu_t{});
+    sender.publish("WHEELS", wheels_t{});
+    sender.publish("IMU_OF_ANOTHER", imu_t{});
+  }
+  handle_until(bus, [&] { return imu >= 50 && wheels >= 50; });
+  EXPECT_EQ(imu, 50);
+  EXPECT_EQ(wheels, 50);
+  EXPECT_EQ(bus.counters()["dropped.kernel"], 0);
+
+  int all = 0;
+  bus.tap([&](const std::string&, const void*, int, std::int64_t) { ++all; }, {.capacity = 1000});
+  for (int i = 0; i < 50; ++i) sender.publish("IMU_OF_ANOTHER", imu_t{});
+  handle_until(bus, [&] { return all >= 50; });
+  EXPECT_EQ(all, 50) << "a tap sees all";
+  EXPECT_EQ(bus.counters()["dropped.kernel"], 0) << "what was turned away before is no loss now";
+}
+
+}  // namespace
+}  // namespace curbstone

@@ -1,0 +1,155 @@
+#include "common/config/config.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "common/config/vehicle.hpp"
+
+namespace curbstone {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::array<std::string_view, 3> kSections = {"imu", "ekf", "mapper"};
+
+struct Inner {
+  int iterations = 10;
+  void visit(ConfigVisitor& v) { v.field("iterations", iterations, {1, 100}, "count"); }
+};
+struct Example {
+  double track_width = 0.6;
+  bool enabled = true;
+  std::string device = "/dev/ttyUSB0";
+  std::string method = "icp";
+  std::vector<double> offset = {0, 0, 1};
+  Inner inner;
+  void visit(ConfigVisitor& v) {
+    v.field("track_width", track_width, {0.01, 10}, "m, between the wheels");
+    v.field("enabled", enabled, "or not");
+    v.field("device", device, "path");
+    v.choice("method", method, {"icp", "loam"}, "registration");
+    v.field("offset", offset, {-100, 100}, "m");
+    v.section("inner", inner, "nested");
+  }
+};
+
+std::string error_of(const std::string& yaml) {
+  ConfigOf<Example> config;
+  try {
+    parse_config(yaml, "ugv.yaml", "ekf", kSections, config);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Config, FileOverridesDefaults) {
+  ConfigOf<Example> config;
+  parse_config("ekf:\n  track_width: 0.8\n  inner: {iterations: 3}\n  offset: [1, 2, 3]\n", "x", "ekf", kSections,
+               config);
+  EXPECT_EQ(config.value.track_width, 0.8);
+  EXPECT_EQ(config.value.inner.iterations, 3);
+  EXPECT_EQ(config.value.offset, (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(config.value.device, "/dev/ttyUSB0");
+}
+
+TEST(Config, UnknownKeySaysFileLineAndNearestKey) {
+  EXPECT_EQ(error_of("ekf:\n  enabled: true\n  trak_width: 1\n"),
+            "ugv.yaml:3: ekf.trak_width: unknown key; did you mean track_width?");
+  EXPECT_EQ(error_of("ekf:\n  inner:\n    iteration: 1\n"),
+            "ugv.yaml:3: ekf.inner.iteration: unknown key; did you mean iterations?");
+  EXPECT_EQ(error_of("efk: {}\n"), "ugv.yaml:1: efk: unknown key; did you mean ekf?");
+  EXPECT_EQ(error_of("vehicles: {}\n"), "ugv.yaml:1: vehicles: unknown key; did you mean vehicle?");
+  EXPECT_THAT(error_of("recorder: {}\n"), HasSubstr("ugv.yaml:1: recorder: unknown key; did you mean "));
+}
+
+TEST(Config, WrongValuesSayWhatWasExpected) {
+  EXPECT_THAT(error_of("ekf: {track_width: wide}"), HasSubstr("ugv.yaml:1: ekf.track_width: expected a number"));
+  EXPECT_THAT(error_of("ekf: {track_width: -1}"), HasSubstr("-1 is not within 0.01 .. 10"));
+  EXPECT_THAT(error_of("ekf: {track_width: .nan}"), HasSubstr("is not within"));
+  EXPECT_THAT(error_of("ekf: {method: magic}"), HasSubstr("'magic' is not one of icp, loam"));
+  EXPECT_THAT(error_of("ekf: {offset: [1, 2]}"), HasSubstr("expected 3 numbers, got 2"));
+  EXPECT_THAT(error_of("ekf: 3"), HasSubstr("expected a map"));
+  EXPECT_THAT(error_of("ekf: [\n"), HasSubstr("ugv.yaml:"));
+}
+
+enum class Colour { kRed, kGreen };
+struct Painted {
+  Colour colour = Colour::kGreen;
+  void visit(ConfigVisitor& v) {
+    v.choice("colour", colour, {{"red", Colour::kRed}, {"green", Colour::kGreen}}, "of the paint");
+  }
+};
+
+TEST(Config, WordsStandForTheValuesOfAnEnumeration) {
+  ConfigOf<Painted> config;
+  parse_config("ekf: {}", "x", "ekf", kSections, config);
+  EXPECT_EQ(config.value.colour, Colour::kGreen) << "the default stays";
+  EXPECT_THAT(dump_config("ekf", config), HasSubstr("colour: green  # of the paint (red | green)"));
+  parse_config("ekf: {colour: red}", "x", "ekf", kSections, config);
+  EXPECT_EQ(config.value.colour, Colour::kRed);
+  EXPECT_THAT(dump_config("ekf", config), HasSubstr("colour: red  #"));
+  try {
+    parse_config("ekf: {colour: reed}", "x", "ekf", kSections, config);
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_STREQ(error.what(), "x:1: ekf.colour: 'reed' is not one of red, green");
+  }
+  EXPECT_EQ(config.value.colour, Colour::kRed) << "what is refused changes nothing";
+}
+
+struct WithVehicle {
+  VehicleConfig vehicle;
+  bool flag = false;
+  void visit(ConfigVisitor& v) {
+    v.section("vehicle", vehicle, "shared");
+    v.field("flag", flag, "own");
+  }
+};
+
+TEST(Config, VehicleSectionIsSharedByThoseWhoKnowIt) {
+  const std::string yaml = "vehicle: {wheel_radius: 0.3}\nekf: {flag: true}\n";
+  ConfigOf<WithVehicle> config;
+  parse_config(yaml, "ugv.yaml", "ekf", kSections, config);
+  EXPECT_EQ(config.value.vehicle.wheel_radius, 0.3);
+  EXPECT_TRUE(config.value.flag);
+  ConfigOf<WithVehicle> other;
+  parse_config(yaml, "ugv.yaml", "mapper", kSections, other);
+  EXPECT_EQ(other.value.vehicle.wheel_radius, 0.3) << "also without a section of its own";
+  ConfigOf<Inner> stranger;
+  EXPECT_NO_THROW(parse_config(yaml, "ugv.yaml", "imu", kSections, stranger));
+}
+
+TEST(Config, MissingFileIsAnError) {
+  ConfigOf<Example> config;
+  EXPECT_THROW(load_config("/nonexistent/ugv.yaml", "ekf", kSections, config), ConfigError);
+}
+
+TEST(Config, DumpIsTakenBack) {
+  ConfigOf<Example> config;
+  config.value.track_width = 0.123456789;
+  config.value.device = "a \"quoted\" path";
+  config.value.inner.iterations = 42;
+  const std::string dump = dump_config("ekf", config);
+  ConfigOf<Example> again;
+  parse_config(dump, "dump", "ekf", kSections, again);
+  EXPECT_EQ(dump_config("ekf", again), dump);
+  EXPECT_EQ(config_hash("ekf", again), config_hash("ekf", config));
+  again.value.inner.iterations = 43;
+  EXPECT_NE(config_hash("ekf", again), config_hash("ekf", config));
+}
+
+TEST(Config, SetReachesNestedKeys) {
+  ConfigOf<Example> config;
+  set_config_value("inner.iterations=7", config);
+  set_config_value("device=/tmp/imu", config);
+  EXPECT_EQ(config.value.inner.iterations, 7);
+  EXPECT_EQ(config.value.device, "/tmp/imu");
+  EXPECT_THROW(set_config_value("inner.iteratons=7", config), ConfigError);
+  EXPECT_THROW(set_config_value("nonsense", config), ConfigError);
+}
+
+}  // namespace
+}  // namespace curbstone

@@ -1,0 +1,61 @@
+#include "common/shell/event_loop.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <chrono>
+
+namespace curbstone {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(EventLoop, DoesWhatMayWaitUntilThereIsNoMoreOfIt) {
+  EventLoop loop;
+  int pieces = 0;
+  loop.when_idle([&] { return ++pieces < 5; });
+  loop.every(20ms, [&] { loop.stop(); });
+  loop.run();
+  EXPECT_EQ(pieces, 5);
+}
+
+TEST(EventLoop, WhatHasComeGoesBeforeWhatMayWait) {
+  EventLoop loop;
+  const int fd = eventfd(1, EFD_NONBLOCK);
+  std::string order;
+  loop.watch(fd, [&] {
+    std::uint64_t taken = 0;
+    (void)!read(fd, &taken, sizeof taken);
+    order += 'm';
+    if (order.size() > 6) loop.stop();
+  });
+  loop.when_idle([&] {
+    order += 'i';
+    const std::uint64_t one = 1;
+    (void)!write(fd, &one, sizeof one);  // a message comes during each piece
+    return true;
+  });
+  loop.run();
+  EXPECT_EQ(order, "mimimim");
+  close(fd);
+}
+
+TEST(EventLoop, AsksAgainForWhatMayWaitAfterATimer) {
+  EventLoop loop;
+  int timers = 0;
+  int asked = 0;
+  loop.when_idle([&] {
+    ++asked;
+    return false;
+  });
+  loop.every(50ms, [&] {  // a timer that is late by its period goes before an idle task
+    if (++timers == 3) loop.stop();
+  });
+  loop.run();
+  EXPECT_GE(asked, 3) << "at the start and after each timer";
+  EXPECT_LE(asked, 4) << "and not all the time";
+}
+
+}  // namespace
+}  // namespace curbstone

@@ -1,0 +1,197 @@
+#include "procman/process/supervisor.hpp"
+
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <fstream>
+
+#include "tests/procman/process/supervised.hpp"
+
+namespace curbstone::procman::process {
+namespace {
+
+using ::testing::HasSubstr;
+
+bool is_alive(pid_t pid) {
+  return kill(pid, 0) == 0;
+}
+
+TEST(Supervisor, KeepsTheRawWaitStatus) {
+  Supervised s;
+  s.start(s.add("exit 3", "sh -c 'exit 3'"));
+  s.start(s.add("segv", "sh -c 'ulimit -c 0; kill -SEGV $$'"));
+  s.start(s.add("none", "/no/such/program"));
+  s.start(s.add("ok", "true"));
+  s.start(s.add("unbalanced", "sh -c 'x"));
+  ASSERT_TRUE(s.run_until([&] { return s.ends.size() == 5; }));
+  EXPECT_EQ(s.supervisor.find("exit 3")->exit_status, 0x300);
+  EXPECT_EQ(s.supervisor.find("segv")->exit_status & 0x7f, SIGSEGV);
+  EXPECT_EQ(s.supervisor.find("none")->exit_status, 0x7f00);
+  EXPECT_THAT(s.output["none"], HasSubstr("/no/such/program: No such file or directory"));
+  EXPECT_EQ(s.supervisor.find("ok")->exit_status, 0);
+  EXPECT_EQ(s.supervisor.find("unbalanced")->exit_status, 0x7f00);
+}
+
+TEST(Supervisor, GivesATerminalASessionAndACleanSignalState) {
+  Supervised s;
+  s.start(s.add("terminal", "sh -c 'test -t 0 && test -t 1 && test -t 2 && echo yes'"));
+  s.start(s.add("files", "ls /proc/self/fd"));
+  s.start(s.add("signals", "grep -E 'SigBlk|SigIgn' /proc/self/status"));
+  s.start(s.add("session", "sh -c 'ps -o sid=,pgid=,tpgid= -p $$'"));
+  const std::string pid = std::to_string(s.supervisor.find("session")->pid);
+  ASSERT_TRUE(s.run_until([&] { return s.ends.size() == 4; }));
+  EXPECT_EQ(s.output["terminal"], "yes\r\n");
+  EXPECT_THAT(s.output["files"], ::testing::MatchesRegex("0[ \t\r\n]+1[ \t\r\n]+2[ \t\r\n]+3[ \t\r\n]*"))
+      << "the fourth is that of ls: nothing of ours leaks";
+  EXPECT_THAT(s.output["session"], ::testing::MatchesRegex(" *" + pid + " +" + pid + " +" + pid + "\r\n"));
+  EXPECT_THAT(s.output["signals"], HasSubstr("SigBlk:\t0000000000000000"));
+  const std::size_t ignored = s.output["signals"].find("SigIgn:\t");
+  ASSERT_NE(ignored, std::string::npos);
+  EXPECT_EQ(std::stoull(s.output["signals"].substr(ignored + 8, 16), nullptr, 16) & 0x7fffffffU, 0U)
+      << "32 and 33 are glibc's";
+}
+
+TEST(Supervisor, AssignmentsReachTheEnvironment) {
+  Supervised s;
+  s.start(s.add("a", "GREETING='hello you' sh -c 'echo \"[$GREETING]\"'"));
+  ASSERT_TRUE(s.run_until_ended("a"));
+  EXPECT_EQ(s.output["a"], "[hello you]\r\n");
+}
+
+TEST(Supervisor, ABurstBeforeTheEndArrivesComplete) {
+  Supervised s;
+  s.start(s.add("a", "sh -c 'seq 1 150000; echo the end'"));
+  ASSERT_TRUE(s.run_until_ended("a"));
+  std::string expected;
+  for (int i = 1; i <= 150000; ++i) expected += std::to_string(i) + "\r\n";
+  EXPECT_EQ(s.output["a"].size(), expected.size() + 9) << "1.2 MB";
+  EXPECT_EQ(s.output["a"], expected + "the end\r\n");
+}
+
+TEST(Supervisor, StopsWithTheSignalOfTheCommand) {
+  Supervised s;
+  config::Command command = s.add("a", "sh -c 'trap \"echo bye; exit 0\" TERM; echo up; while :; do sleep 0.05; done'");
+  command.stop_signal = SIGTERM;
+  s.start(command);
+  ASSERT_TRUE(s.run_until([&] { return s.output["a"] == "up\r\n"; }));
+  s.supervisor.stop("a");
+  ASSERT_TRUE(s.run_until_ended("a"));
+  EXPECT_THAT(s.output["a"], ::testing::EndsWith("bye\r\n"));
+  EXPECT_EQ(s.ends.at(0).status, 0);
+  EXPECT_FALSE(s.ends.at(0).killed);
+}
+
+TEST(Supervisor, KillsWhatIgnoresTheSignalByItsOwnTimer) {
+  Supervised s;
+  config::Command command = s.add("a", "sh -c 'trap \"\" INT; echo up; while :; do sleep 0.05; done'");
+  command.stop_time_allowed = 0.3;
+  s.start(command);
+  ASSERT_TRUE(s.run_until([&] { return s.output["a"] == "up\r\n"; }));
+  const std::int64_t begin = steady_clock();
+  s.supervisor.stop("a");
+  ASSERT_TRUE(s.run_until_ended("a"));
+  EXPECT_GE(steady_clock() - begin, 300'000);
+  EXPECT_EQ(s.ends.at(0).status, SIGKILL);
+  EXPECT_TRUE(s.ends.at(0).killed);
+}
+
+TEST(Supervisor, GrandchildrenEndWithTheCommandEvenInSessionsOfTheirOwn) {
+  Supervised s;
+  config::Command command =
+      s.add("a", "sh -c 'sleep 1000 & echo $!; setsid sleep 1001 & sleep 0.2; setsid -f sleep 1002; echo up; wait'");
+  command.stop_time_allowed = 1;
+  s.start(command);
+  ASSERT_TRUE(s.run_until([&] { return s.output["a"].ends_with("up\r\n"); }));
+  const pid_t grandchild = std::stoi(s.output["a"]);
+  EXPECT_TRUE(is_alive(grandchild));
+  const auto sleepers = [] { return system("pgrep -f '^sleep 100[012]$' > /dev/null") == 0; };
+  s.supervisor.stop("a");
+  ASSERT_TRUE(s.run_until_ended("a"));
+  EXPECT_FALSE(is_alive(grandchild));
+  EXPECT_FALSE(sleepers());
+}
+
+TEST(Supervisor, WhatACrashLeavesBehindIsStoppedBeforeTheNextLife) {
+  Supervised s;
+  config::Command command = s.add("a", "sh -c 'setsid -f sleep 1003; sleep 0.1; exit 1'");
+  command.auto_respawn = true;
+  s.start(command);
+  ASSERT_TRUE(s.run_until([&] { return s.ends.size() == 2; }));
+  s.supervisor.stop("a");
+  ASSERT_TRUE(s.run_until_ended("a"));
+  EXPECT_NE(system("pgrep -f '^sleep 1003$' > /dev/null"), 0);
+}
+
+TEST(Supervisor, RespawnsWithGrowingGapsUntilItIsStopped) {
+  Supervised s;
+  config::Command command = s.add("a", "sh -c 'exit 1'");
+  command.auto_respawn = true;
+  s.start(command);
+  ASSERT_TRUE(s.run_until([&] { return s.starts["a"].size() == 6; }));
+  const auto& starts = s.starts["a"];
+  for (std::size_t i = 1; i < starts.size(); ++i) {
+    const std::int64_t gap = starts[i] - s.ends[i - 1].at;
+    const std::int64_t expected = 10'000 << i;  // 20, 40, 80 ms: never sooner; how much later is the machine's affair
+    EXPECT_GE(gap, expected - 1000) << i;
+  }
+  s.supervisor.stop("a");
+  ASSERT_TRUE(s.run_until_ended("a"));
+  const std::size_t lives = s.starts["a"].size();
+  s.run_for(0.8);
+  EXPECT_EQ(s.starts["a"].size(), lives) << "a pending respawn is cancelled";
+}
+
+TEST(Supervisor, AOneShotIsNotRunAgain) {
+  Supervised s;
+  s.start(s.add("a", "true"));
+  ASSERT_TRUE(s.run_until_ended("a"));
+  s.run_for(0.1);
+  EXPECT_EQ(s.starts["a"].size(), 1U);
+}
+
+TEST(Supervisor, RestartStartsOnceTheOldLifeHasEnded) {
+  Supervised s;
+  s.start(s.add("a", "sleep 1000"));
+  const pid_t first = s.supervisor.find("a")->pid;
+  s.supervisor.restart("a");
+  ASSERT_TRUE(s.run_until([&] { return s.starts["a"].size() == 2; }));
+  EXPECT_FALSE(is_alive(first));
+  EXPECT_NE(s.supervisor.find("a")->pid, 0);
+}
+
+TEST(Supervisor, RemovedWhileRunningIsForgottenWhenItHasEnded) {
+  Supervised s;
+  s.start(s.add("a", "sleep 1000"));
+  s.supervisor.remove("a");
+  EXPECT_NE(s.supervisor.find("a"), nullptr);
+  ASSERT_TRUE(s.run_until([&] { return s.supervisor.find("a") == nullptr; }));
+  s.add("b", "true");
+  s.supervisor.remove("b");
+  EXPECT_EQ(s.supervisor.find("b"), nullptr);
+}
+
+TEST(Supervisor, LeavesNothingBehindWhenItGoes) {
+  pid_t pid = 0;
+  {
+    Supervised s;
+    s.start(s.add("a", "sh -c 'trap \"\" INT TERM HUP; sleep 1000'"));
+    pid = s.supervisor.find("a")->pid;
+    ASSERT_TRUE(is_alive(pid));
+  }
+  EXPECT_FALSE(is_alive(pid));
+}
+
+TEST(Supervisor, AFloodOfOneDoesNotStarveTheOther) {
+  Supervised s;
+  s.start(s.add("flood", "yes"));
+  s.on_output = [&](const std::string& id, std::string_view) {
+    if (id == "flood") s.output[id].clear();
+  };
+  s.start(s.add("a", "sh -c 'for i in 1 2 3 4 5; do echo $i; sleep 0.02; done'"));
+  ASSERT_TRUE(s.run_until_ended("a"));
+  EXPECT_EQ(s.output["a"], "1\r\n2\r\n3\r\n4\r\n5\r\n");
+}
+
+}  // namespace
+}  // namespace curbstone::procman::process

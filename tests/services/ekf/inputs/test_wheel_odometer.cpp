@@ -1,0 +1,153 @@
+#include "services/ekf/inputs/wheel_odometer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace curbstone::ekf::inputs {
+namespace {
+
+using Step = WheelOdometer::Step;
+
+constexpr double kRadius = 0.1;  // m
+constexpr double kMaxGap = 0.2;  // s
+constexpr std::int64_t kStart = 1'000'000;
+constexpr std::int64_t kPeriod = 12'000;  // us between samples
+
+class WheelOdometerTest : public ::testing::Test {
+ protected:
+  /// Both wheels' angles at a time of an even drive.
+  static base::WheelSample rolling(std::int64_t since_start, double left, double right) {
+    const double t = base::seconds_between(0, since_start);
+    return {kStart + since_start, {3.0 + left / kRadius * t, -7.0 + right / kRadius * t}};
+  }
+  base::WheelsConfig config_;  // an interval is 0.05 s
+  WheelOdometer odometer_{config_, kRadius, kMaxGap};
+};
+
+TEST_F(WheelOdometerTest, AnIntervalIsCompleteOnceItIsAsLongAsConfigured) {
+  std::vector<Step> steps;
+  for (int i = 0; i <= 10; ++i) steps.push_back(odometer_.add(rolling(i * kPeriod, 1, 1)));
+  const std::vector<Step> expected = {Step::kFirst, Step::kOpen,     Step::kOpen,    Step::kOpen,
+                                      Step::kOpen,  Step::kInterval, Step::kOpen,    Step::kOpen,
+                                      Step::kOpen,  Step::kOpen,     Step::kInterval};
+  EXPECT_EQ(steps, expected);
+}
+
+TEST_F(WheelOdometerTest, AnEvenDriveHasTheSpeedOfItsRims) {
+  for (int i = 0; i <= 5; ++i) (void)odometer_.add(rolling(i * kPeriod, 1.5, -0.5));
+  const WheelInterval& interval = odometer_.interval();
+  EXPECT_EQ(interval.begin, kStart);
+  EXPECT_EQ(interval.end, kStart + 5 * kPeriod);
+  EXPECT_NEAR(interval.speed[0], 1.5, 1e-9);
+  EXPECT_NEAR(interval.speed[1], -0.5, 1e-9);
+  EXPECT_NEAR(interval.mean_speed(), 0.5, 1e-9);
+  ASSERT_TRUE(odometer_.newest());
+  EXPECT_EQ(odometer_.newest()->begin, kStart + 4 * kPeriod);
+  EXPECT_NEAR(odometer_.newest()->speed[0], 1.5, 1e-9);
+}
+
+TEST_F(WheelOdometerTest, IntervalsTouchSoThatTheirSumIsTheTravelHoweverUnevenlyItIsSampled) {
+  std::mt19937 random(1);
+  std::int64_t utime = kStart, end = kStart;
+  double angle = 0, travel = 0;
+  int intervals = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const auto step = odometer_.add({utime, {angle, angle}});
+    if (step == Step::kInterval) {
+      EXPECT_EQ(odometer_.interval().begin, end);
+      end = odometer_.interval().end;
+      travel += odometer_.interval().speed[0] * odometer_.interval().duration();
+      EXPECT_NEAR(travel, kRadius * angle, 1e-9);
+      ++intervals;
+    }
+    utime += 2'000 + static_cast<std::int64_t>(random() % 30'000);
+    angle += 1e-3 * static_cast<double>(random() % 100);
+  }
+  EXPECT_GT(intervals, 200);
+}
+
+TEST_F(WheelOdometerTest, AfterAGapAnIntervalBeginsAnew) {
+  for (int i = 0; i < 3; ++i) (void)odometer_.add(rolling(i * kPeriod, 1, 1));
+  const std::int64_t after = 2 * kPeriod + 200'001;
+  EXPECT_EQ(odometer_.add(rolling(after, 1, 1)), Step::kGap);
+  EXPECT_FALSE(odometer_.newest());
+  for (int i = 1; i < 5; ++i) EXPECT_EQ(odometer_.add(rolling(after + i * kPeriod, 1, 1)), Step::kOpen);
+  EXPECT_EQ(odometer_.add(rolling(after + 5 * kPeriod, 1, 1)), Step::kInterval);
+  EXPECT_EQ(odometer_.interval().begin, kStart + after);
+}
+
+TEST_F(WheelOdometerTest, AStampThatDoesNotGrowIsAGapToo) {
+  (void)odometer_.add(rolling(kPeriod, 1, 1));
+  EXPECT_EQ(odometer_.add(rolling(kPeriod, 1, 1)), Step::kGap);
+  EXPECT_EQ(odometer_.add(rolling(0, 1, 1)), Step::kGap);
+  EXPECT_EQ(odometer_.add(rolling(kPeriod, 1, 1)), Step::kOpen);
+}
+
+TEST_F(WheelOdometerTest, ACounterThatRestartsIsNonsenseOnceAndIsFollowedFromThere) {
+  for (const std::size_t wheel : {0U, 1U}) {
+    odometer_.reset();
+    for (int i = 0; i < 3; ++i) (void)odometer_.add(rolling(i * kPeriod, 1, 1));
+    base::WheelSample sample = rolling(3 * kPeriod, 1, 1);
+    sample.angle[wheel] = 1000;
+    EXPECT_EQ(odometer_.add(sample), Step::kNonsense);
+    EXPECT_FALSE(odometer_.newest());
+    sample.utime += kPeriod;
+    sample.angle[wheel] += 1;
+    EXPECT_EQ(odometer_.add(sample), Step::kOpen);
+    EXPECT_NEAR(odometer_.newest()->speed[wheel], kRadius * 1 / 0.012, 1e-9);
+  }
+}
+
+TEST_F(WheelOdometerTest, AnAngleThatIsNoNumberIsNonsense) {
+  (void)odometer_.add(rolling(0, 1, 1));
+  EXPECT_EQ(odometer_.add({kStart + kPeriod, {std::nan(""), 0}}), Step::kNonsense);
+}
+
+TEST_F(WheelOdometerTest, ALateStampBeforeItDoesNotMakeAFastWheelNonsense) {
+  // 35 m/s of at most 40, and the stamp of the first sample 9 of 12 ms late: that looks like 140 m/s.
+  base::WheelSample late = rolling(0, 35, 35);
+  late.utime += 9'000;
+  (void)odometer_.add(late);
+  EXPECT_EQ(odometer_.add(rolling(kPeriod, 35, 35)), Step::kOpen);
+}
+
+/// The standard deviation of the speed that an odometer measures of an even drive, from what disturbs it.
+double measured_sigma(const base::WheelsConfig& config, double speed) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> unit;
+  constexpr int kTries = 4000;
+  double sum = 0, squares = 0;
+  for (int i = 0; i < kTries; ++i) {
+    WheelOdometer odometer(config, kRadius, kMaxGap);
+    for (const std::int64_t t : {std::int64_t{0}, std::int64_t{60'000}}) {
+      const double angle = speed / kRadius * 1e-6 * static_cast<double>(t) + config.angle_noise * unit(random);
+      const std::int64_t stamp = kStart + t + std::llround(1e6 * config.stamp_noise * unit(random));
+      (void)odometer.add({stamp, {angle, angle}});
+    }
+    sum += odometer.interval().speed[0];
+    squares += std::pow(odometer.interval().speed[0], 2);
+  }
+  return std::sqrt(squares / kTries - std::pow(sum / kTries, 2));
+}
+
+TEST_F(WheelOdometerTest, SigmaIsThatOfSpeedsMeasuredWithNoisyStampsAndAngles) {
+  config_.speed_noise = config_.slip_noise = 0;
+  const WheelInterval fast{0, 60'000, {5.0, 5.0}}, slow{0, 60'000, {0.5, 0.5}};
+  config_.angle_noise = 0;
+  EXPECT_NEAR(measured_sigma(config_, 5.0) / wheel_sigma(config_, fast, kRadius, 0), 1.0, 0.05);
+  config_.angle_noise = 2e-3;
+  EXPECT_NEAR(measured_sigma(config_, 0.5) / wheel_sigma(config_, slow, kRadius, 0), 1.0, 0.05);
+}
+
+TEST_F(WheelOdometerTest, SigmaOfAWheelOnItsOwnGrowsWithItsSlipOnly) {
+  config_.angle_noise = config_.stamp_noise = 0;
+  const WheelInterval turning{0, 50'000, {0.0, -2.0}};
+  EXPECT_DOUBLE_EQ(wheel_sigma(config_, turning, kRadius, 0), config_.speed_noise);
+  EXPECT_DOUBLE_EQ(wheel_sigma(config_, turning, kRadius, 1), std::hypot(config_.speed_noise, 2 * config_.slip_noise));
+}
+
+}  // namespace
+}  // namespace curbstone::ekf::inputs

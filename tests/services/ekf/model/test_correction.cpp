@@ -1,0 +1,61 @@
+#include "services/ekf/model/correction.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/services/ekf/model/model_fixture.hpp"
+
+namespace curbstone::ekf::model {
+namespace {
+
+using CorrectionTest = ModelTest;
+
+TEST_F(CorrectionTest, CorrectionEqualsTheInformationForm) {
+  const ErrorMatrix A = ErrorMatrix::Random();
+  Belief belief;
+  belief.covariance = A * A.transpose() + ErrorMatrix::Identity();
+  const ErrorMatrix prior = belief.covariance;
+  const Observation z = observe_standing_velocity(state_, 0.3);
+  correct(belief, z, optimal_gain(belief, z));
+  const ErrorMatrix expected = (prior.inverse() + z.H.transpose() * z.R.inverse() * z.H).inverse();
+  EXPECT_LT((belief.covariance - expected).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_EQ((belief.covariance - belief.covariance.transpose()).cwiseAbs().maxCoeff(), 0.0);
+}
+
+TEST_F(CorrectionTest, TheGuardedGainMovesThePositionByTheGyrosBiasAlone) {
+  Belief belief;
+  belief.mean = state_;
+  belief.covariance.setIdentity();
+  belief.covariance.block<3, 3>(kPosition, kVelocity).setConstant(0.2);  // as if a scale were learnt
+  belief.covariance.block<3, 3>(kVelocity, kPosition).setConstant(0.2);
+  Observation z = observe_standing_velocity(state_, 0.3);
+  z.residual << 1e-3, -2e-3, 3e-3;
+  correct(belief, z, guarded_gain(belief, z));
+  EXPECT_EQ(belief.mean.position, state_.position);
+  EXPECT_GT((belief.mean.velocity - state_.velocity).norm(), 1e-3);
+
+  Belief turned;  // a bias that is exactly known to have moved it
+  turned.mean.attitude.setIdentity();
+  turned.covariance.setIdentity();
+  turned.covariance(kPosition + 1, kGyroBias + 2) = turned.covariance(kGyroBias + 2, kPosition + 1) = 0.9;
+  Observation rate = observe_standing_rate(turned.mean, Eigen::Vector3d(0, 0, 0.01), 1e-4);
+  const Gain guarded = guarded_gain(turned, rate);
+  EXPECT_LT((guarded - optimal_gain(turned, rate)).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST_F(CorrectionTest, AnOutlierLosesItsWeightButNotItsDirection) {
+  Belief belief;
+  belief.covariance.setIdentity();
+  Observation z(1);
+  z.H(0, kVelocity) = 1.0;
+  z.R(0, 0) = 1.0;
+  z.residual[0] = 1.0;
+  Observation far = z;
+  far.residual[0] = 100.0;
+  EXPECT_TRUE(soften_beyond(kGate1, belief, z));
+  EXPECT_FALSE(soften_beyond(kGate1, belief, far));
+  EXPECT_EQ(z.R(0, 0), 1.0);
+  EXPECT_GT(far.R(0, 0), 100.0);
+}
+
+}  // namespace
+}  // namespace curbstone::ekf::model

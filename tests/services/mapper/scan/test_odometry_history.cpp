@@ -1,0 +1,103 @@
+#include "services/mapper/scan/odometry_history.hpp"
+
+#include <gtest/gtest.h>
+
+namespace curbstone::mapper::scan {
+namespace {
+
+constexpr std::int64_t kPeriod = 10'000;
+constexpr std::int64_t kStart = 1'700'000'000'000'000;
+
+/// 5 m/s, turning left at 0.5 rad/s.
+Pose on_a_circle(std::int64_t utime) {
+  return move({Eigen::Vector3d(5, 0, 0), Eigen::Vector3d(0, 0, 0.5)}, 1e-6 * static_cast<double>(utime - kStart));
+}
+
+OdometrySample sample(int i, bool usable = true) {
+  const std::int64_t utime = kStart + i * kPeriod;
+  return {utime, on_a_circle(utime), usable, false};
+}
+
+OdometryHistory history_of(int num_samples) {
+  OdometryHistory history;
+  for (int i = 0; i < num_samples; ++i) EXPECT_EQ(history.add(sample(i)), OdometryHistory::Added::kYes);
+  return history;
+}
+
+double apart(const Pose& a, const Pose& b) {
+  return (a.translation() - b.translation()).norm();
+}
+
+TEST(OdometryHistory, InterpolatesBetweenSamples) {
+  const OdometryHistory history = history_of(20);
+  for (const std::int64_t t : {0, 3'333, 95'001, 190'000})
+    EXPECT_LT(apart(history.at(kStart + t), on_a_circle(kStart + t)), 1e-4) << t;
+}
+
+TEST(OdometryHistory, GoesOnForALittleWhileBeyondTheLastSample) {
+  const OdometryHistory history = history_of(20);
+  const std::int64_t last = kStart + 19 * kPeriod;
+  EXPECT_TRUE(history.covers(kStart, last + OdometryHistory::kLead));
+  EXPECT_FALSE(history.covers(kStart, last + OdometryHistory::kLead + 1));
+  const Pose at = history.at(last + OdometryHistory::kLead);
+  const Pose truth = on_a_circle(last + OdometryHistory::kLead);
+  EXPECT_LT(apart(at, truth), 1e-6);
+  EXPECT_LT(angle_of(at.inverse() * truth), 1e-6);
+}
+
+TEST(OdometryHistory, GoesOnAlsoWhereSamplesAreFarApart) {
+  OdometryHistory history;
+  for (int i = 0; i <= 40; i += 10) (void)history.add(sample(i));  // 10 Hz
+  const std::int64_t utime = kStart + 40 * kPeriod + 15'000;
+  EXPECT_LT(apart(history.at(utime), on_a_circle(utime)), 1e-6);
+}
+
+TEST(OdometryHistory, WithOneSampleTheVehicleIsThere) {
+  const OdometryHistory history = history_of(1);
+  EXPECT_TRUE(history.covers(kStart, kStart + 10'000));
+  EXPECT_EQ(apart(history.at(kStart + 10'000), Pose::Identity()), 0);
+}
+
+TEST(OdometryHistory, SaysTheSameWhetherOrNotMoreWasThereInTime) {
+  const std::int64_t end = kStart + 15 * kPeriod + 4'000;
+  OdometryHistory early;
+  for (int i = 0; !early.reaches(end); ++i) (void)early.add(sample(i));
+  OdometryHistory late = history_of(40);
+  early.look_from(end);
+  late.look_from(end);
+  EXPECT_TRUE(late.covers(kStart + 30'000, end));
+  EXPECT_TRUE(early.at(end).isApprox(late.at(end), 0));
+  EXPECT_TRUE(early.at(end - 7'000).isApprox(late.at(end - 7'000), 0));
+  EXPECT_FALSE(late.covers(kStart, kStart + 35 * kPeriod)) << "not known yet";
+  late.look_from(kStart + 35 * kPeriod);
+  EXPECT_TRUE(late.covers(kStart, kStart + 35 * kPeriod));
+}
+
+TEST(OdometryHistory, DoesNotCoverAGapNorWhatIsNotUsable) {
+  OdometryHistory history = history_of(5);
+  (void)history.add(sample(40));
+  EXPECT_FALSE(history.covers(kStart, kStart + 40 * kPeriod)) << "350 ms without a sample";
+  (void)history.add(sample(41, false));
+  EXPECT_TRUE(history.covers(kStart + 40 * kPeriod, kStart + 40 * kPeriod));
+  EXPECT_FALSE(history.covers(kStart + 40 * kPeriod, kStart + 41 * kPeriod));
+  EXPECT_FALSE(OdometryHistory{}.covers(kStart, kStart));
+}
+
+TEST(OdometryHistory, LeavesOutWhatIsLateAndBeginsAnewWhenTheClockJumps) {
+  OdometryHistory history = history_of(300);
+  EXPECT_EQ(history.add(sample(299)), OdometryHistory::Added::kLate);
+  EXPECT_EQ(history.add(sample(250)), OdometryHistory::Added::kLate);
+  EXPECT_EQ(history.add(sample(10)), OdometryHistory::Added::kClockJump);
+  EXPECT_FALSE(history.covers(kStart, kStart));
+  EXPECT_TRUE(history.covers(kStart + 10 * kPeriod, kStart + 10 * kPeriod));
+}
+
+TEST(OdometryHistory, ForgetsWhatIsNotNeeded) {
+  OdometryHistory history = history_of(100);
+  history.forget_before(kStart + 505'000);
+  EXPECT_FALSE(history.covers(kStart + 490'000, kStart + 600'000));
+  EXPECT_TRUE(history.covers(kStart + 505'000, kStart + 600'000));
+}
+
+}  // namespace
+}  // namespace curbstone::mapper::scan

@@ -1,0 +1,137 @@
+#include "services/mapper/scan/scan_assembler.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace curbstone::mapper::scan {
+namespace {
+
+constexpr std::int64_t kStart = 1'700'000'000'000'000;
+
+/// Packet `number` of a stream of 10 packets a revolution, 5 ms a packet, with `points` returns.
+lidar_points_t packet(std::int32_t number, int points = 4) {
+  lidar_points_t m;
+  m.utime = kStart + 5000 * static_cast<std::int64_t>(number);
+  m.packet = number;
+  m.revolution = number / 10;
+  for (int i = 0; i < points; ++i) {
+    m.x.push_back(5.0F);
+    m.y.push_back(static_cast<float>(i));
+    m.z.push_back(0.0F);
+    m.time_offset.push_back(0.001F * static_cast<float>(i));
+    m.intensity.push_back(1);
+    m.ring.push_back(static_cast<std::uint8_t>(i));
+  }
+  m.num_points = points;
+  return m;
+}
+
+TEST(ScanAssembler, GivesAScanWhenTheNextBegins) {
+  ScanAssembler assembler;
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(assembler.add(packet(i)));
+  const auto revolution = assembler.add(packet(10));
+  ASSERT_TRUE(revolution);
+  EXPECT_EQ(revolution->number, 0);
+  EXPECT_EQ(revolution->packets, 10);
+  EXPECT_EQ(revolution->points.size(), 40u);
+  EXPECT_EQ(revolution->start, kStart);
+  EXPECT_EQ(revolution->end, kStart + 9 * 5000 + 3000);
+  EXPECT_NEAR(revolution->points.back().time, 0.048F, 1e-6F);
+}
+
+TEST(ScanAssembler, CountsWhatWasLost) {
+  ScanAssembler assembler;
+  for (const int i : {0, 1, 4, 5, 9}) (void)assembler.add(packet(i));
+  const auto revolution = assembler.flush();
+  ASSERT_TRUE(revolution);
+  EXPECT_EQ(revolution->lost, 5);
+  EXPECT_EQ(assembler.counters()["lidar.lost"], 5);
+}
+
+TEST(ScanAssembler, CountsWithNumbersAsFarApartAsTheyCanBe) {
+  ScanAssembler assembler;
+  lidar_points_t message = packet(0);
+  message.packet = std::numeric_limits<std::int32_t>::min();
+  (void)assembler.add(message);
+  message.utime += 1000;
+  message.packet = std::numeric_limits<std::int32_t>::max();
+  (void)assembler.add(message);
+  EXPECT_EQ(assembler.counters()["lidar.lost"], 4'294'967'294);
+}
+
+TEST(ScanAssembler, TakesALatePacketOfTheRunningScanAndNoDuplicate) {
+  ScanAssembler assembler;
+  for (const int i : {0, 2, 1, 1, 2, 3}) (void)assembler.add(packet(i));
+  const auto revolution = assembler.flush();
+  EXPECT_EQ(revolution->packets, 4);
+  EXPECT_EQ(revolution->lost, 0);
+  EXPECT_EQ(assembler.counters()["lidar.reordered"], 1);
+  EXPECT_EQ(assembler.counters()["dropped.duplicate"], 2);
+}
+
+TEST(ScanAssembler, DropsWhatBelongsToAnOlderScan) {
+  ScanAssembler assembler;
+  for (const int i : {8, 10, 11}) (void)assembler.add(packet(i));
+  EXPECT_FALSE(assembler.add(packet(9)));
+  EXPECT_EQ(assembler.counters()["dropped.late"], 1);
+  EXPECT_EQ(assembler.flush()->packets, 2);
+}
+
+TEST(ScanAssembler, BeginsAgainWhenTheClockJumps) {
+  ScanAssembler assembler;
+  (void)assembler.add(packet(0));
+  lidar_points_t jumped = packet(1);
+  jumped.utime -= 3600LL * 1'000'000;
+  ASSERT_TRUE(assembler.add(jumped));
+  EXPECT_EQ(assembler.counters()["lidar.clock_jumps"], 1);
+  EXPECT_EQ(assembler.flush()->start, jumped.utime);
+}
+
+TEST(ScanAssembler, BeginsAgainWhenTheDriverDoes) {
+  ScanAssembler assembler;
+  (void)assembler.add(packet(57));
+  lidar_points_t again = packet(0);
+  again.utime = packet(80).utime;
+  ASSERT_TRUE(assembler.add(again));
+  EXPECT_EQ(assembler.counters()["lidar.restarts"], 1);
+}
+
+TEST(ScanAssembler, LeavesOutWhatIsNoPoint) {
+  ScanAssembler assembler;
+  lidar_points_t m = packet(0, 6);
+  m.x[0] = std::numeric_limits<float>::quiet_NaN();
+  m.y[1] = std::numeric_limits<float>::infinity();
+  m.x[2] = m.y[2] = m.z[2] = 0;
+  m.time_offset[3] = -1;
+  m.x[4] = 1e30F;
+  (void)assembler.add(m);
+  EXPECT_EQ(assembler.flush()->points.size(), 1u);
+  EXPECT_EQ(assembler.counters()["refused.not_finite"], 4);  // 1e30 squared is not finite either
+  EXPECT_EQ(assembler.counters()["points.out_of_range"], 1);
+}
+
+TEST(ScanAssembler, RefusesAMessageWhoseArraysDisagree) {
+  ScanAssembler assembler;
+  lidar_points_t m = packet(0);
+  m.ring.pop_back();
+  EXPECT_FALSE(assembler.add(m));
+  EXPECT_FALSE(assembler.flush());
+  EXPECT_EQ(assembler.counters()["refused.packet"], 1);
+}
+
+TEST(ScanAssembler, CutsAScanThatNeverEnds) {
+  ScanAssembler assembler;
+  std::size_t largest = 0;
+  for (int i = 0; i < 1000; ++i) {
+    lidar_points_t m = packet(i);
+    m.revolution = 0;
+    if (const auto revolution = assembler.add(m)) largest = std::max(largest, revolution->points.size());
+  }
+  EXPECT_GT(largest, 0u);
+  EXPECT_LE(largest, 4u * 82);
+  EXPECT_GT(assembler.counters()["refused.endless_scan"], 5);
+}
+
+}  // namespace
+}  // namespace curbstone::mapper::scan

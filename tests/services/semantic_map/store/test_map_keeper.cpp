@@ -1,0 +1,138 @@
+#include "services/semantic_map/store/map_keeper.hpp"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "tests/temporary_folder.hpp"
+
+namespace curbstone::semantic_map::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kSecond = 1'000'000;
+
+tile::MapTile a_tile(std::int32_t x, tile::CellClass cell_class = tile::CellClass::kRoad, unsigned noise = 0) {
+  tile::MapTile tile;
+  tile.key = {x, 0};
+  tile.utime = kSecond + noise;
+  tile.cell_class.fill(cell_class);
+  for (std::size_t i = 0; i < tile::kCellsInTile; ++i)
+    tile.cost[i] = static_cast<std::uint8_t>(noise * (i * i + 7 * i));
+  return tile;
+}
+
+tile::TrajectoryPose a_pose(std::int64_t utime) {
+  return {utime, static_cast<std::int32_t>(utime / 50'000), Pose::Identity()};
+}
+
+class MapKeeperTest : public ::testing::Test {
+ protected:
+  /// Until what was begun is written: the next write() has nothing to do.
+  static void write_all(MapKeeper& keeper) {
+    const auto done = [&] { return keeper.counters()["store.transactions"] + keeper.counters()["faults.store"]; };
+    const std::int64_t before = done();
+    keeper.write();
+    for (int i = 0; i < 5000 && done() == before; ++i, usleep(1000)) keeper.write();
+  }
+
+  testing::TemporaryFolder folder_;
+  fs::path path_ = folder_ / "map.db";
+};
+
+TEST_F(MapKeeperTest, WhatWasPutIsWrittenBesideItsOwner) {
+  MapKeeper keeper(path_, 100);
+  keeper.start(7, kSecond);
+  for (int x = 0; x < 50; ++x) keeper.put(a_tile(x));
+  keeper.put(a_pose(kSecond));
+  write_all(keeper);
+  EXPECT_GE(keeper.counters()["store.transactions"], 1);
+  EXPECT_EQ(keeper.counters()["store.tiles"], 50);
+  EXPECT_EQ(keeper.fault(), "");
+  const MapReader map(path_);
+  EXPECT_EQ(map.epoch(), 7);
+  EXPECT_EQ(map.tiles().size(), 50U);
+  EXPECT_EQ(map.trajectory().size(), 1U);
+}
+
+TEST_F(MapKeeperTest, WhatComesWhileItWritesIsInTheNextTransaction) {
+  MapKeeper keeper(path_, 1000);
+  keeper.start(7, kSecond);
+  for (int round = 0; round < 20; ++round) {
+    for (int x = 0; x < 40; ++x)
+      keeper.put(a_tile(x, round % 2 == 0 ? tile::CellClass::kRoad : tile::CellClass::kCurb));
+    keeper.put(a_pose(kSecond + round));
+    keeper.write();  // mostly busy
+  }
+  keeper.finish({});
+  const MapReader map(path_);
+  const auto tiles = map.tiles();
+  ASSERT_EQ(tiles.size(), 40U);
+  for (const tile::MapTile& tile : tiles) EXPECT_EQ(tile.cell_class[0], tile::CellClass::kCurb) << "the newest";
+  EXPECT_EQ(map.trajectory().size(), 20U);
+}
+
+TEST_F(MapKeeperTest, AnotherDriveForgetsTheEarlierOneAlsoInMidWriting) {
+  MapKeeper keeper(path_, 1000);
+  keeper.start(7, kSecond);
+  for (int x = 0; x < 200; ++x) keeper.put(a_tile(x));
+  keeper.put(a_pose(kSecond));
+  keeper.write();
+  keeper.start(8, kSecond);
+  keeper.put(a_tile(500));
+  keeper.put(a_pose(2 * kSecond));
+  keeper.finish({});
+  const MapReader map(path_);
+  EXPECT_EQ(map.epoch(), 8);
+  EXPECT_EQ(map.tiles().size(), 1U);
+  EXPECT_EQ(map.trajectory().size(), 1U);
+}
+
+TEST_F(MapKeeperTest, WhileTheDiskIsFullTheNewestOfEachTileIsKeptUpToABound) {
+  // In a child, as a limit on the file size stands for the full disk.
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    signal(SIGXFSZ, SIG_IGN);
+    MapKeeper keeper(path_, 400);
+    keeper.start(7, kSecond);
+    keeper.put(a_pose(kSecond));
+    write_all(keeper);
+    const rlimit small{100'000, RLIM_INFINITY};
+    setrlimit(RLIMIT_FSIZE, &small);
+    for (int x = 0; x < 300; ++x) keeper.put(a_tile(x, tile::CellClass::kRoad, 13));
+    keeper.put(a_pose(2 * kSecond));
+    write_all(keeper);
+    if (keeper.fault().empty()) _exit(1);
+    for (int x = 0; x < 300; x += 2) keeper.put(a_tile(x, tile::CellClass::kWall, 17));
+    for (int x = 300; x < 450; ++x) keeper.put(a_tile(x, tile::CellClass::kRoad, 13));
+    keeper.put(a_pose(3 * kSecond));
+    write_all(keeper);
+    if (keeper.counters()["faults.store"] != 2 || keeper.counters()["dropped.unstored_tiles"] != 50) _exit(2);
+    const rlimit large{RLIM_INFINITY, RLIM_INFINITY};
+    setrlimit(RLIMIT_FSIZE, &large);
+    write_all(keeper);
+    if (!keeper.fault().empty()) _exit(3);
+    keeper.finish({});
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  const MapReader map(path_);
+  const auto tiles = map.tiles();
+  ASSERT_EQ(tiles.size(), 400U);
+  for (int x = 0; x < 300; ++x) {
+    EXPECT_EQ(tiles[static_cast<std::size_t>(x)].cell_class[0],
+              x % 2 == 0 ? tile::CellClass::kWall : tile::CellClass::kRoad);
+  }
+  EXPECT_EQ(map.trajectory().size(), 3U);
+}
+
+}  // namespace
+}  // namespace curbstone::semantic_map::store

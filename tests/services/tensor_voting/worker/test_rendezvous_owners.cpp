@@ -1,0 +1,64 @@
+#include "services/tensor_voting/worker/rendezvous_owners.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <vector>
+
+namespace curbstone::tensor_voting::worker {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000;
+
+std::set<TileKey> owned(const RendezvousOwners& workers, int half = 40) {
+  std::set<TileKey> tiles;
+  for (int x = -half; x < half; ++x) {
+    for (int y = -half; y < half; ++y) {
+      if (workers.owns({x, y})) tiles.insert({x, y});
+    }
+  }
+  return tiles;
+}
+
+TEST(RendezvousOwners, EveryTileHasExactlyOneOwnerAndAllDoTheirShare) {
+  const std::vector<std::string> names{"tensor_voting:1", "tensor_voting:2", "tensor_voting:3"};
+  std::size_t total = 0;
+  std::set<TileKey> all;
+  for (const auto& self : names) {
+    RendezvousOwners workers(self, 2 * kSecond);
+    for (const auto& name : names) workers.heard(name, 0);
+    const auto tiles = owned(workers);
+    EXPECT_GT(tiles.size(), 1600U) << "of 6400";
+    total += tiles.size();
+    all.insert(tiles.begin(), tiles.end());
+  }
+  EXPECT_EQ(total, 6400U);
+  EXPECT_EQ(all.size(), 6400U);
+}
+
+TEST(RendezvousOwners, OnlyTheTilesOfWhoComesOrGoesMove) {
+  RendezvousOwners workers("b", 2 * kSecond);
+  EXPECT_EQ(owned(workers).size(), 6400U) << "alone";
+  EXPECT_FALSE(workers.update(0));
+  workers.heard("a", 0);
+  EXPECT_TRUE(workers.update(0));
+  EXPECT_FALSE(workers.update(kSecond));
+  const auto with_a = owned(workers);
+  workers.heard("c", kSecond);
+  EXPECT_TRUE(workers.update(kSecond));
+  for (const TileKey& key : owned(workers)) EXPECT_TRUE(with_a.contains(key)) << "nothing moves between a and b";
+  workers.heard("a", 3 * kSecond);
+  EXPECT_TRUE(workers.update(4 * kSecond)) << "c has been silent for too long";
+  EXPECT_EQ(owned(workers), with_a);
+}
+
+TEST(RendezvousOwners, OneselfIsAlwaysAliveAndStrangersAreBounded) {
+  RendezvousOwners workers("a", kSecond);
+  workers.heard("a", 0);
+  EXPECT_FALSE(workers.update(0));
+  for (int i = 0; i < 1000; ++i) workers.heard("stranger " + std::to_string(i), 0);
+  EXPECT_EQ(workers.count(), RendezvousOwners::kMaxWorkers + 1);
+}
+
+}  // namespace
+}  // namespace curbstone::tensor_voting::worker

@@ -1,0 +1,243 @@
+#include "services/tensor_voting/worker/tensor_voting_node.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+#include <stdexcept>
+
+#include "tests/services/tensor_voting/worker/tensor_voting_world.hpp"
+
+namespace curbstone::tensor_voting::worker {
+namespace {
+
+TEST(TensorVotingNode, PublishesEveryPointOfTheMapWithItsTensorsAtEveryScale) {
+  World world(street(), 0, 1, two_scales());
+  world.start("tensor_voting:1");
+  int longest = 0;
+  world.bus.subscribe<voted_points_t>(
+      "VOTED_POINTS", [&](const voted_points_t& m) { longest = std::max(longest, m.getEncodedSize()); });
+  world.run(3, 0.1);
+  world.finish();
+  ASSERT_EQ(world.listener.tiles().size(), world.mapper.tiles().size());
+  for (const auto& [key, tile] : world.listener.tiles()) {
+    const auto& points = world.mapper.tiles().at(key);
+    const voted_points_t all = tile.finished();
+    EXPECT_EQ(all.num_scales, 2);
+    EXPECT_EQ(all.sigma, (std::vector<float>{0.3F, 0.1F}));
+    EXPECT_EQ(all.total, static_cast<std::int32_t>(points.size()));
+    ASSERT_EQ(all.x.size(), points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(all.x[i], points[i].x);
+    std::set<std::pair<int, std::int32_t>> with_tensor;
+    for (std::size_t i = 0; i < all.point.size(); ++i) with_tensor.insert({all.scale[i], all.point[i]});
+    for (std::size_t i = 0; i < all.voter.size(); ++i) {
+      const int scale = i < points.size() ? 0 : 1;
+      EXPECT_TRUE(with_tensor.contains({scale, all.voter[i]}));
+    }
+  }
+  EXPECT_LE(longest, 48 * 1024);
+  // The road at the vehicle: a horizontal plane, well voted.
+  const voted_points_t road = world.listener.tiles().at({0, 0}).finished();
+  int flat = 0;
+  int voters = 0;
+  for (std::size_t i = 0; i < road.point.size(); ++i) {
+    if (road.scale[i] != 0) continue;
+    ++voters;
+    flat += road.normal_z[i] > 32000 && road.stick[i] > 90 && road.mass[i] > 5;
+  }
+  EXPECT_GT(flat, voters * 8 / 10);
+}
+
+TEST(TensorVotingNode, SendsWhatHasChangedAndNotTheTileAnew) {
+  World world(street());
+  world.start("tensor_voting:1");
+  std::size_t sent = 0;
+  std::map<std::pair<int, int>, int> wholes;
+  world.bus.subscribe<voted_points_t>("VOTED_POINTS", [&](const voted_points_t& m) {
+    sent += static_cast<std::size_t>(m.num_points);
+    if (m.base == 0 && m.page == 0) ++wholes[{m.tile_x, m.tile_y}];
+  });
+  world.run(3, 0.1);
+  world.run(2);
+  EXPECT_EQ(world.listener.contents(), lossless());
+  EXPECT_EQ(world.listener.gaps, 0);
+  EXPECT_EQ(sent, 20'000U) << "no point goes twice";
+  for (const auto& [key, count] : wholes) EXPECT_EQ(count, 1) << "the first step";
+}
+
+TEST(TensorVotingNode, WhoeverComesLateGetsWholeTilesAndGoesOnFromThere) {
+  World world(street());
+  world.start("tensor_voting:1");
+  world.run(2, 0.02);
+  testing_world::Listener late(world.bus, world.publisher);
+  for (int i = 0; i < 200; ++i) {
+    world.run(0.02, i < 100 ? 0.01 : 0);
+    late.tick(world.now);
+  }
+  world.mapper.map(world.now, 1.0);
+  for (int i = 0; i < 150; ++i) {
+    world.run(0.02);
+    late.tick(world.now);
+  }
+  EXPECT_EQ(late.contents(), lossless());
+  EXPECT_GT(late.gaps, 0) << "it heard of steps before";
+}
+
+TEST(TensorVotingNode, TheFinalContentDoesNotDependOnPacing) {
+  World world(street());
+  world.start("tensor_voting:1");
+  world.run(3, 0.07);
+  world.run(4);
+  EXPECT_EQ(world.listener.contents(), lossless()) << "also without finish()";
+}
+
+TEST(TensorVotingNode, ConvergesBitForBitThroughLossDoublesAndDisorder) {
+  for (unsigned seed = 1; seed <= 2; ++seed) {
+    World world(street(), 0.5, seed);
+    world.start("tensor_voting:1");
+    world.run(4, 0.05);
+    world.publisher.heal();
+    world.run(6);
+    EXPECT_EQ(world.listener.contents(), lossless()) << "seed " << seed;
+    EXPECT_GT(world.nodes.begin()->second->report().counters["dropped.gap"], 0) << "there was trouble";
+  }
+}
+
+TEST(TensorVotingNode, ANewEpochForgetsTheOldMap) {
+  World world(testing_clouds::as_tiles(testing_clouds::street(5'000, 9)));
+  world.start("tensor_voting:1");
+  world.run(1, 0.3);
+  world.mapper.start_epoch(2, street());
+  world.listener.start_epoch(2);
+  world.run(2, 0.2);
+  world.finish();
+  auto contents = world.listener.contents();
+  EXPECT_EQ(contents.size(), lossless().size());
+  for (const auto& [key, tile] : world.listener.tiles()) {
+    EXPECT_EQ(tile.all.total, static_cast<std::int32_t>(world.mapper.tiles().at(key).size()));
+  }
+  map_points_t old{};
+  old.epoch = 1;
+  world.bus.publish("MAP_POINTS", old);
+  world.bus.dispatch();
+  EXPECT_EQ(world.nodes.begin()->second->report().counters["dropped.old_epoch"], 1);
+}
+
+TEST(TensorVotingNode, KeepsToItsBandwidthAndToFiveRevisionsASecond) {
+  TensorVotingConfig config = two_scales();
+  config.bandwidth = 0.5;
+  World world(street(), 0, 1, config);
+  world.start("tensor_voting:1");
+  std::int64_t bytes_in_tick = 0;
+  std::int64_t most = 0;
+  std::map<std::pair<std::int32_t, std::int32_t>, int> revisions;
+  world.bus.subscribe<voted_points_t>("VOTED_POINTS", [&](const voted_points_t& m) {
+    bytes_in_tick += m.getEncodedSize();
+    if (m.page == 0) ++revisions[{m.tile_x, m.tile_y}];
+  });
+  std::int64_t total = 0;
+  for (int i = 0; i < 150; ++i) {
+    bytes_in_tick = 0;
+    world.run(0.02, i < 100 ? 0.05 : 0);
+    most = std::max(most, bytes_in_tick);
+    total += bytes_in_tick;
+  }
+  EXPECT_LE(most, 2 * 48 * 1024) << "no bursts";
+  EXPECT_LE(total, 0.5e6 * 3 + 48 * 1024);
+  EXPECT_GT(total, 0.5e6 * 2);
+  for (const auto& [key, count] : revisions) EXPECT_LE(count, 15) << "in 3 s";
+}
+
+TEST(TensorVotingNode, LetsGoOfTilesFarBehindAndTakesThemUpAgain) {
+  TensorVotingConfig config;
+  config.keep_radius = 50;
+  World world(street(), 0, 1, config);
+  TensorVotingNode& node = world.start("tensor_voting:1");
+  world.run(1, 0.2);
+  world.run(3);
+  EXPECT_EQ(world.listener.contents(), lossless());
+  const auto drive_to = [&](double x) {
+    map_pose_t pose{};
+    pose.map_base_position[0] = x;
+    world.bus.publish("MAP_POSE", pose);
+    world.run(2);
+  };
+  drive_to(200);
+  EXPECT_EQ(node.report().counters["tiles_let_go"], static_cast<std::int64_t>(lossless().size()));
+  const int before = world.listener.messages;
+  drive_to(0);
+  world.run(3);
+  EXPECT_EQ(world.listener.contents(), lossless());
+  EXPECT_EQ(world.listener.messages, before) << "nothing has changed: nothing is published again";
+}
+
+TEST(TensorVotingNode, SaysThatItLivesAndThatTheMapperIsSilent) {
+  World world({});
+  TensorVotingNode& node = world.start("tensor_voting:1");
+  world.kill("nobody");
+  for (int i = 0; i < 500; ++i) node.tick(world.now += kTick);
+  world.bus.dispatch();
+  EXPECT_GE(world.listener.indexes["tensor_voting:1"], 8) << "the empty index is the heartbeat";
+  EXPECT_THAT(node.report().faults, ::testing::ElementsAre("the mapper is silent"));
+  world.run(2);
+  EXPECT_TRUE(node.report().faults.empty()) << "an empty map is no fault";
+}
+
+TEST(TensorVotingNode, RefusesNonsenseAndGoesOn) {
+  World world(street());
+  TensorVotingNode& node = world.start("tensor_voting:1");
+  map_points_t good{};
+  good.epoch = 1;
+  good.num_points = 1;
+  good.x = {5};
+  good.y = {5};
+  good.z = {5};
+  good.intensity = {0};
+  std::vector<map_points_t> bad(6, good);
+  bad[0].x = {1500};
+  bad[1].y = {-1};
+  bad[2].tile_x = 2'000'000'000;
+  bad[3].z_origin = std::nanf("");
+  bad[4].z_origin = 0.5F;
+  bad[5].first = -1;
+  for (const auto& m : bad) world.bus.publish("MAP_POINTS", m);
+  map_pose_t pose{};
+  pose.map_base_position[0] = std::nan("");
+  world.bus.publish("MAP_POSE", pose);
+  world.bus.dispatch();
+  const Counters counters = node.report().counters;
+  EXPECT_EQ(counters["refused.map_points"] + counters["dropped.far"], 6);
+  EXPECT_EQ(counters["refused.map_pose"], 1);
+
+  std::mt19937 random(1);
+  for (int i = 0; i < 3000; ++i) {  // truncated, flipped and random messages
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(good.getEncodedSize()));
+    good.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    if (i % 3 == 0) bytes.resize(random() % bytes.size());
+    if (i % 3 == 1) bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1 << (random() % 8));
+    if (i % 3 == 2)
+      for (auto& b : bytes) b = static_cast<std::uint8_t>(random());
+    for (const char* channel : {"MAP_POINTS", "TILE_INDEX", "TILE_REQUEST", "MAP_POSE"}) {
+      world.bus.inject(channel, bytes.data(), static_cast<int>(bytes.size()));
+    }
+    world.bus.dispatch();
+    node.tick(world.now += kTick);
+  }
+}
+
+TEST(TensorVotingNode, RefusesScalesThatCannotBeVoted) {
+  LocalBus bus;
+  TensorVotingConfig config;
+  config.sigma = {0.3, 0.1};
+  config.voxel = {0.1};
+  EXPECT_THROW(TensorVotingNode(config, "w", bus), std::invalid_argument);
+  config.sigma = {0.3};
+  config.voxel = {0.07};
+  EXPECT_THROW(TensorVotingNode(config, "w", bus), std::invalid_argument);
+  config.voxel = {0.1};
+  EXPECT_NO_THROW(TensorVotingNode(config, "w", bus));
+}
+
+}  // namespace
+}  // namespace curbstone::tensor_voting::worker

@@ -1,0 +1,94 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/config/vehicle.hpp"
+#include "tools/simulate/motion/town_motion.hpp"
+#include "tools/simulate/world/town.hpp"
+
+namespace curbstone::simulate::world {
+namespace {
+
+TEST(Town, IsTheSameForTheSameSeedAndAnotherForAnother) {
+  const world::Town a({.seed = 5}), b({.seed = 5}), c({.seed = 6});
+  ASSERT_EQ(a.scene->shapes().size(), b.scene->shapes().size());
+  for (std::size_t i = 0; i < a.scene->shapes().size(); ++i)
+    EXPECT_EQ(a.scene->shapes()[i].centre, b.scene->shapes()[i].centre);
+  EXPECT_EQ(a.scene->ground().height_at(10, 10), b.scene->ground().height_at(10, 10));
+  EXPECT_NE(a.streets.front().length(), c.streets.front().length());
+}
+
+class Towns : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Seeds, Towns, testing::Range(1, 7));
+
+TEST_P(Towns, LeaveTheVehiclesWayFree) {
+  const world::Town town({.seed = static_cast<std::uint64_t>(GetParam())});
+  const VehicleConfig vehicle;
+  const world::Street& loop = town.streets.front();
+  for (double s = 0; s < loop.length(); s += 0.25) {
+    const auto at = loop.at(s);
+    for (const double off : {-0.5, 0.0, 0.5}) {
+      const Eigen::Vector2d p = at.point + (town.options.lane_offset + off * vehicle.width) * at.normal();
+      const auto x = static_cast<float>(p.x()), y = static_cast<float>(p.y());
+      EXPECT_LT(town.scene->ground().at(x, y).distance, -1.0F) << "on the carriageway";
+      for (const auto& shape : town.scene->shapes()) {
+        const bool hangs_over =
+            shape.bottom() > town.scene->ground().height_at(x, y) + static_cast<float>(vehicle.height);
+        EXPECT_TRUE(hangs_over || !shape.covers(x, y, 0.2F)) << "at s = " << s;
+      }
+    }
+  }
+}
+
+TEST_P(Towns, HaveCurbsAndSlopesAsBuilt) {
+  const world::Town town({.seed = static_cast<std::uint64_t>(GetParam())});
+  const world::Street& loop = town.streets.front();
+  int dropped = 0, full = 0;
+  for (const world::Side side : {world::Side::kLeft, world::Side::kRight}) {
+    for (double s = 0; s < loop.length(); s += 0.5) {
+      const double h = loop.curb(side).height(s, loop.length(), true);
+      EXPECT_GE(h, 0.015);
+      EXPECT_LE(h, 0.151);
+      (h < 0.04 ? dropped : full) += 1;
+      const double ahead = loop.curb(side).height(s + 0.5, loop.length(), true);
+      EXPECT_LT(std::abs(ahead - h), 0.12) << "curbs do not jump along the street";
+    }
+  }
+  EXPECT_GT(dropped, full / 20);
+  EXPECT_LT(dropped, full / 2);
+  for (double s = 0; s < loop.length(); s += 5) {
+    const auto a = loop.at(s).point, b = loop.at(s + 5).point;
+    const auto height = [&](const Eigen::Vector2d& p) {
+      return static_cast<double>(town.scene->ground().height_at(static_cast<float>(p.x()), static_cast<float>(p.y())));
+    };
+    EXPECT_LT(std::abs(height(b) - height(a)), 0.05 * 5);
+  }
+}
+
+TEST_P(Towns, LetCarsDriveOnTheRoad) {
+  const world::Town town({.seed = static_cast<std::uint64_t>(GetParam())});
+  std::vector<world::Shape> cars;
+  for (double t = 0; t < 60; t += 3) {
+    town.place_cars(t, cars);
+    ASSERT_FALSE(cars.empty());
+    for (const auto& part : cars) EXPECT_LT(town.scene->ground().at(part.centre.x(), part.centre.y()).distance, -0.5F);
+  }
+}
+
+TEST(TownMotion, StandsOnTheGroundWithBothWheels) {
+  const world::Town town({.seed = 1});
+  const VehicleConfig vehicle;
+  const motion::TownMotion motion(town, vehicle, motion::SpeedProfile({}, 120));
+  for (double t = 0; t < 120; t += 0.7) {
+    const Pose T = motion.T_world_base(t);
+    for (const double side : {-0.5, 0.5}) {
+      const Eigen::Vector3d wheel = T * Eigen::Vector3d(0, side * vehicle.track_width, 0);
+      const auto ground = static_cast<double>(
+          town.scene->ground().height_at(static_cast<float>(wheel.x()), static_cast<float>(wheel.y())));
+      EXPECT_NEAR(wheel.z(), ground, 0.012) << t;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace curbstone::simulate::world

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "tools/bench/curbs/scenes/curb_scene.hpp"
+#include "tools/bench/curbs/scenes/drive_tiles.hpp"
+
+namespace curbstone::bench::curbs::scenes {
+
+/// A scene driven through by the vehicle with its RS16, at 3 m/s along y = 0 from s = 0 to 24 m, after standing for 4
+/// s. Poses are the mapper's own; `T_world_map` is where they put the map.
+struct SceneDrive {
+  DriveTiles made;
+  Pose T_world_map = Pose::Identity();
+  std::vector<Eigen::Vector3d> eyes;  ///< places of the lidar, world, about each metre
+};
+
+[[nodiscard]] SceneDrive drive_scene(const CurbScene& scene, std::uint64_t seed);
+
+}  // namespace curbstone::bench::curbs::scenes

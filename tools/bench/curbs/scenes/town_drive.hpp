@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+
+#include "tools/bench/curbs/scenes/drive_tiles.hpp"
+#include "tools/evaluate/truth/truth.hpp"
+
+namespace curbstone::bench::curbs::scenes {
+
+/// A drive with its truth.
+struct JudgedDrive {
+  DriveTiles made;
+  evaluate::truth::Truth truth;
+};
+/// The demo: round a block of a town made from the seed.
+[[nodiscard]] JudgedDrive drive_town(std::uint64_t seed, double seconds);
+
+/// A recorded street (KITTI scans with poses) through the emulated RS16, at the recording's own pace. Truth: its
+/// labels.
+[[nodiscard]] JudgedDrive drive_recorded(const std::string& folder, std::uint64_t seed);
+
+}  // namespace curbstone::bench::curbs::scenes

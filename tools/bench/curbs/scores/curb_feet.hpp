@@ -1,0 +1,14 @@
+#pragma once
+
+#include <vector>
+
+#include "services/semantic_map/tile/map_types.hpp"
+#include "tools/evaluate/curb_score.hpp"
+
+namespace curbstone::bench::curbs::scores {
+
+/// Places along the feet of curb lines, at most `spacing` m apart: what is scored, as it is what a planner gets.
+[[nodiscard]] std::vector<evaluate::CurbFoot> feet_along(const std::vector<semantic_map::tile::CurbLine>& lines,
+                                                         double spacing = 0.1);
+
+}  // namespace curbstone::bench::curbs::scores

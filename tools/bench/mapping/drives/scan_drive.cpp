@@ -1,0 +1,165 @@
+#include "tools/bench/mapping/drives/scan_drive.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <stdexcept>
+
+namespace curbstone::bench::mapping::drives {
+namespace {
+
+constexpr std::int64_t kEpoch = 1'317'000'000'000'000;  // us, of the first scan: times in the files begin at 0
+constexpr std::int64_t kLongestSweep = 100'000;         // us: scans farther apart have been thinned out
+constexpr float kMinRange = 0.4F, kMaxRange = 120.0F;   // m, as the assembler has them
+
+std::string bytes_of(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw std::runtime_error(fmt::format("{}: cannot be read", file));
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+std::vector<std::uint8_t> ring_file(const std::string& scan_file, std::size_t points) {
+  namespace fs = std::filesystem;
+  const fs::path scan = scan_file;
+  const fs::path folder = scan.parent_path();
+  for (const fs::path& rings : {folder.parent_path() / "rings", folder / "rings"}) {
+    const fs::path file = rings / scan.filename();
+    if (!fs::exists(file)) continue;
+    const std::string bytes = bytes_of(file.string());
+    if (bytes.size() != points)
+      throw std::runtime_error(fmt::format("{}: {} rings for {} points", file.string(), bytes.size(), points));
+    std::vector<std::uint8_t> from_top(bytes.begin(), bytes.end());
+    const std::uint8_t bottom =
+        from_top.empty() ? std::uint8_t{0} : *std::max_element(from_top.begin(), from_top.end());
+    for (std::uint8_t& ring : from_top) ring = static_cast<std::uint8_t>(bottom - ring);
+    return from_top;
+  }
+  return {};
+}
+
+std::vector<std::uint8_t> rings_by_order(const std::vector<Eigen::Vector3f>& points) {
+  std::vector<std::uint8_t> rings;
+  int ring = 0;
+  float before = 0;
+  for (const Eigen::Vector3f& p : points) {
+    float turn = std::atan2(p.y(), p.x());
+    if (turn < 0) turn += 2 * std::numbers::pi_v<float>;
+    if (turn < before - std::numbers::pi_v<float>) ++ring;
+    if (ring > 127) return {};
+    before = turn;
+    rings.push_back(static_cast<std::uint8_t>(ring));
+  }
+  if (ring < 3) return {};
+  for (std::uint8_t& r : rings) r = static_cast<std::uint8_t>(ring - r);
+  return rings;
+}
+
+std::vector<std::uint8_t> rings_by_elevation(const std::vector<Eigen::Vector3f>& points) {
+  std::vector<std::uint8_t> rings;
+  for (const Eigen::Vector3f& p : points) {
+    const float elevation = std::atan2(p.z(), p.head<2>().norm()) * 180 / std::numbers::pi_v<float>;
+    rings.push_back(static_cast<std::uint8_t>(std::clamp(std::lround((elevation + 40) * 2), 0L, 255L)));
+  }
+  return rings;
+}
+
+simulate::recorded::ScanSet selected(const simulate::recorded::ScanSet& all, const ScanDrive::Selection& selection) {
+  simulate::recorded::ScanSet some = all;
+  some.files.clear();
+  some.T_first_scan.clear();
+  some.times.clear();
+  for (std::size_t i = selection.first; i < all.files.size() && some.files.size() < selection.most;
+       i += selection.every) {
+    some.files.push_back(all.files[i]);
+    some.T_first_scan.push_back(all.T_first_scan[i]);
+    some.times.push_back(all.times[i]);
+  }
+  if (some.files.size() < 2)
+    throw std::runtime_error(fmt::format("{}: {} of its {} scans are left, a drive has two", all.folder,
+                                         some.files.size(), all.files.size()));
+  return some;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> rings_of(const std::vector<Eigen::Vector3f>& points, const std::string& scan_file) {
+  std::vector<std::uint8_t> rings = ring_file(scan_file, points.size());
+  if (rings.empty()) rings = rings_by_order(points);
+  return rings.empty() ? rings_by_elevation(points) : rings;
+}
+
+ScanDrive::ScanDrive(const std::string& folder, const std::string& poses_file, const std::string& times_file,
+                     const Selection& selection)
+    : scans_(selected(simulate::recorded::find_scans(folder, poses_file, times_file), selection)) {
+  for (std::size_t i = 0; i < scans_.files.size(); ++i) {
+    truth_.push_back({kEpoch + std::llround(scans_.times[i] * 1e6), scans_.T_first_scan[i]});
+  }
+  period_ = std::llround(scans_.period() * 1e6);
+  sweep_ = std::min(period_, kLongestSweep);
+  vehicle.lidar = {0, 0, 0, 0, 0, 0};
+  ground = -1.73;
+  std::filesystem::path path = std::filesystem::path(folder).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  name = path.filename().string();
+}
+
+void ScanDrive::add_odometry(const std::vector<mapper::scan::OdometrySample>& samples) {
+  odometry_ = samples;
+}
+
+mapper::scan::Scan ScanDrive::scan(std::size_t scan) const {
+  const std::string& file = scans_.files[scan];
+  const std::string bytes = bytes_of(file);
+  constexpr std::size_t kRecord = 4 * sizeof(float);
+  if (bytes.size() % kRecord != 0)
+    throw std::runtime_error(fmt::format("{}: no scan of float32 x y z intensity", file));
+  std::vector<std::array<float, 4>> records(bytes.size() / kRecord);
+  std::memcpy(records.data(), bytes.data(), bytes.size());
+  std::vector<Eigen::Vector3f> points;
+  for (const auto& r : records) points.emplace_back(r[0], r[1], r[2]);
+  const std::vector<std::uint8_t> rings = rings_of(points, file);
+  const bool unit = std::all_of(records.begin(), records.end(), [](const auto& r) { return !(r[3] > 1.0F); });
+
+  mapper::scan::Scan out;
+  out.number = static_cast<std::int32_t>(scan);
+  out.start = out.end = truth_[scan].utime;
+  if (scans_.swept) {
+    out.start -= sweep_ / 2;
+    out.end = out.start + sweep_;
+  }
+  const float sweep = 1e-6F * static_cast<float>(out.end - out.start);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f& p = points[i];
+    const float range = p.norm();
+    if (!(range > kMinRange && range < kMaxRange)) continue;
+    const float turn = 0.5F * (1 - std::atan2(p.y(), p.x()) / std::numbers::pi_v<float>);
+    const float intensity = records[i][3] * (unit ? 255.0F : 1.0F);
+    out.points.push_back({p, std::clamp(turn, 0.0F, 1.0F) * sweep,
+                          static_cast<std::uint8_t>(intensity > 0 ? std::min(intensity, 255.0F) : 0.0F), rings[i]});
+  }
+  if (scans_.swept) {
+    std::stable_sort(
+        out.points.begin(), out.points.end(),
+        [](const mapper::scan::LidarPoint& a, const mapper::scan::LidarPoint& b) { return a.time < b.time; });
+  }
+  return out;
+}
+
+void ScanDrive::play(const Take& take) const {
+  mapper::scan::OdometryHistory history;
+  std::size_t given = 0;
+  for (std::size_t n = 0; n < truth_.size(); ++n) {
+    const mapper::scan::Scan next = scan(n);
+    while (given < odometry_.size() && !history.reaches(next.end)) history.add(odometry_[given++]);
+    take(next, history);
+    history.forget_before(next.start - 2 * period_);
+  }
+}
+
+}  // namespace curbstone::bench::mapping::drives

@@ -1,0 +1,69 @@
+#include "tools/evaluate/truth/labelled_scans.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+namespace curbstone::evaluate::truth {
+
+namespace {
+
+std::vector<Pose> read_poses(const std::string& file) {
+  std::ifstream in(file);
+  if (!in) throw std::runtime_error(fmt::format("{}: cannot be read", file));
+  std::vector<Pose> poses;
+  std::string line;
+  while (std::getline(in, line)) {
+    std::istringstream row(line);
+    Pose pose = Pose::Identity();
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 4; ++c) row >> pose.matrix()(r, c);
+    }
+    if (!row) throw std::runtime_error(fmt::format("{}:{}: expected 12 numbers", file, poses.size() + 1));
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+/// The whole of a file of `Record`s.
+template <class Record>
+std::vector<Record> read_records(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw std::runtime_error(fmt::format("{}: cannot be read", file));
+  const auto size = std::filesystem::file_size(file);
+  if (size % sizeof(Record) != 0) throw std::runtime_error(fmt::format("{}: cut off", file));
+  std::vector<Record> records(size / sizeof(Record));
+  in.read(reinterpret_cast<char*>(records.data()), static_cast<std::streamsize>(size));
+  return records;
+}
+
+}  // namespace
+
+std::vector<LabelledPoint> read_labelled_scans(const std::string& folder, const Pose& T_world_first, double reach) {
+  const std::vector<Pose> poses = read_poses(folder + "/reference_poses.txt");
+  std::vector<LabelledPoint> points;
+  for (std::size_t scan = 0; scan < poses.size(); ++scan) {
+    const std::string name = fmt::format("{:06}", scan);
+    const std::string label_file = folder + "/labels/" + name + ".label";
+    if (!std::filesystem::exists(label_file)) continue;
+    const auto labels = read_records<std::uint32_t>(label_file);
+    const auto returns = read_records<std::array<float, 4>>(folder + "/scans/" + name + ".bin");
+    if (labels.size() != returns.size()) {
+      throw std::runtime_error(fmt::format("{}: {} labels for {} points", label_file, labels.size(), returns.size()));
+    }
+    const Pose T_world_scan = T_world_first * poses[scan];
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      const Eigen::Vector3d at = Eigen::Vector3f(returns[i][0], returns[i][1], returns[i][2]).cast<double>();
+      if (at.norm() < reach) points.push_back({T_world_scan * at, static_cast<std::uint16_t>(labels[i])});
+    }
+  }
+  if (points.empty()) throw std::runtime_error(fmt::format("{}/labels: no labelled scans", folder));
+  return points;
+}
+
+}  // namespace curbstone::evaluate::truth

@@ -1,0 +1,44 @@
+#include "tools/simulate/rig/emulated_imu.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace curbstone::simulate::rig {
+
+namespace {
+
+constexpr double kClockError = 20e-6;  // the device's oscillator runs fast by 20 ppm
+
+devices::XsensEmulator::Settings imu_settings() {
+  devices::XsensEmulator::Settings settings;
+  settings.first_tick = 1'234'567;
+  settings.clock_error = kClockError;
+  return settings;
+}
+
+}  // namespace
+
+EmulatedImu::EmulatedImu(sensors::ImuModel model) : model_(std::move(model)), device_(imu_settings()) {}
+
+SerialDevice::Bytes EmulatedImu::power_on(std::int64_t now) {
+  due_ = now + device_.period();
+  return device_.power_on(now);
+}
+
+SerialDevice::Bytes EmulatedImu::run(std::int64_t now, double t) {
+  if (now < due_) return {};
+  due_ += device_.period();
+  if (due_ <= now) due_ = now + device_.period();  // after a pause of the emulator
+  if (!device_.measuring(now)) return {};
+  const motion::Inertia inertia = model_.sample(t);
+  devices::XsensSample sample;
+  for (std::size_t i = 0; i < 3; ++i) {
+    sample.acceleration[i] = inertia.specific_force[static_cast<Eigen::Index>(i)];
+    sample.angular_rate[i] = inertia.angular_rate[static_cast<Eigen::Index>(i)];
+  }
+  sample.orientation = model_.orientation(t);
+  ++samples_;
+  return device_.sample(now, sample);
+}
+
+}  // namespace curbstone::simulate::rig

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "tools/simulate/rig/drive.hpp"
+
+namespace curbstone::simulate::rig {
+
+/// A drive's LiDAR packets, made ahead in a file, so that sending them in real time costs next to nothing. Their times
+/// are relative: the packet's clock reads the drive's start_utime, and is set anew when it is sent.
+class PacketSpool {
+ public:
+  /// Renders into `file`, or takes what is there if it was made from the same `fingerprint`. An empty name is a
+  /// temporary file. Throws std::runtime_error (disk full,
+  /// cancelled).
+  PacketSpool(const Drive& drive, const std::string& file, std::uint64_t fingerprint, int threads,
+              const std::atomic<bool>& cancel);
+  ~PacketSpool();
+  PacketSpool(const PacketSpool&) = delete;
+  PacketSpool& operator=(const PacketSpool&) = delete;
+
+  [[nodiscard]] std::int64_t size() const { return packets_; }
+  /// The packet with its clock set to `utime`.
+  [[nodiscard]] rslidar::packet::Rs16Packet packet(std::int64_t index, std::int64_t utime) const;
+  [[nodiscard]] bool reused() const { return reused_; }
+
+ private:
+  void render(const Drive& drive, int threads, const std::atomic<bool>& cancel) const;
+
+  std::string file_;
+  int fd_ = -1;
+  std::int64_t packets_ = 0;
+  const std::uint8_t* data_ = nullptr;
+  std::size_t bytes_ = 0;
+  bool reused_ = false;
+};
+
+}  // namespace curbstone::simulate::rig

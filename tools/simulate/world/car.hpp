@@ -1,0 +1,13 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "tools/simulate/world/shapes.hpp"
+
+namespace curbstone::simulate::world {
+
+/// A car's body, cabin and wheels with the middle of its contact patch at (x, y, z).
+void add_car(std::vector<Shape>& shapes, const Eigen::Vector3d& ground, double yaw, float reflectivity);
+
+}  // namespace curbstone::simulate::world
