@@ -9,7 +9,7 @@ if(TARGET lcmtypes_jar)
   add_dependencies(programs lcmtypes_jar)
 endif()
 # What scripts/demo runs, and nothing else: a third less to compile, and nothing of PCL.
-add_custom_target(demo DEPENDS curbstone curbstone-deputy curbstone-rslidar curbstone-imu curbstone-encoder
+add_custom_target(demo DEPENDS curbstone curbstone-deputy curbstone-lidar curbstone-imu curbstone-encoder
   curbstone-ekf curbstone-mapper curbstone-tensor-voting curbstone-semantic-map curbstone-recorder)
 if(programs)
   install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

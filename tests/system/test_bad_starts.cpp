@@ -25,12 +25,12 @@ TEST(BadStarts, ALidarPortThatSomebodyElseHas) {
   address.sin_family = AF_INET;
   address.sin_port = htons(6699);
   ASSERT_EQ(bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  expect_refused("curbstone-rslidar", "6699");
+  expect_refused("curbstone-lidar", "6699");
   close(socket);
 }
 
 TEST(BadStarts, ACaptureThatIsNotThere) {
-  expect_refused("curbstone-rslidar --set pcap=/nowhere/x.pcap", "/nowhere/x.pcap");
+  expect_refused("curbstone-lidar --set pcap=/nowhere/x.pcap", "/nowhere/x.pcap");
 }
 
 TEST(BadStarts, ASerialPortThatIsNotThere) {

@@ -64,8 +64,8 @@ TEST_P(EveryProgram, RefusesAMissingFileABadOptionAndABadBus) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryProgram,
-                         ::testing::Values("rslidar", "imu", "encoder", "ekf", "mapper", "tensor-voting",
-                                           "semantic-map", "recorder"));
+                         ::testing::Values("lidar", "imu", "encoder", "ekf", "mapper", "tensor-voting", "semantic-map",
+                                           "recorder"));
 
 }  // namespace
 }  // namespace curbstone::system_test

@@ -26,7 +26,7 @@ void expect_a_street(const MapContent& map) {
   EXPECT_GT(map.curb_lines, 2);
 }
 
-const std::vector<std::string> kServices = {"rslidar",         "imu",         "encoder", "ekf", "mapper",
+const std::vector<std::string> kServices = {"lidar",           "imu",         "encoder", "ekf", "mapper",
                                             "tensor_voting:1", "semantic_map"};
 
 TEST(Drive, OfTheRealProcessesEndsWithAStreetWithCurbs) {
@@ -89,11 +89,11 @@ TEST(Drive, SensorsThatFallSilentOrSendGarbageAreFaultsThatPass) {
       "wheels-silent:9.5-11.5 "
       "--fault lidar-garbage:12-13 --fault imu-garbage:12-13 --fault wheels-garbage:12-13");
   ASSERT_TRUE(drive.wait_for_scans(20)) << drive.output();
-  for (const char* service : {"rslidar", "imu", "encoder"}) {
+  for (const char* service : {"lidar", "imu", "encoder"}) {
     EXPECT_TRUE(drive.bus.wait_until([&] { return drive.bus.has_fault(service); }, 60)) << service;
     EXPECT_TRUE(drive.bus.wait_until([&] { return drive.bus.is_healthy(service); }, 60)) << service << " recovers";
   }
-  const std::vector<std::string> all = {"rslidar", "imu", "encoder", "ekf", "mapper"};
+  const std::vector<std::string> all = {"lidar", "imu", "encoder", "ekf", "mapper"};
   EXPECT_TRUE(drive.bus.wait_until([&] { return drive.revolutions > 225; }, 60)) << "the garbage is over";
   for (const std::string& service : all) {
     EXPECT_TRUE(drive.bus.wait_until([&] { return drive.bus.is_healthy(service); }, 20)) << service;

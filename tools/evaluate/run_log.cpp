@@ -24,7 +24,7 @@ namespace curbstone::evaluate {
 namespace {
 
 bool is_driver(const std::string& service) {
-  return service == "rslidar" || service == "imu" || service == "encoder";
+  return service == "lidar" || service == "rslidar" || service == "imu" || service == "encoder";
 }
 
 /// A driver refuses what the sensor sent: that is lost. A service refuses an answer (a revolution that does not

@@ -27,7 +27,7 @@ struct RunFigures {
   /// recorded.
   std::map<std::string, Latency> stages;
   std::map<std::string, double> cores;         ///< CPU seconds a second, by service; empty without SERVICE_STATUS
-  std::map<std::string, std::int64_t> losses;  ///< "rslidar lost.packets": whatever is not zero
+  std::map<std::string, std::int64_t> losses;  ///< "lidar lost.packets": whatever is not zero
 };
 
 /// Reads an lcm-logger log. Throws std::runtime_error if it is none.

@@ -10,7 +10,7 @@
 #include "drivers/encoder/can/slcan_channel.hpp"
 #include "drivers/encoder/encoder_node.hpp"
 #include "drivers/imu/imu_node.hpp"
-#include "drivers/rslidar/rslidar_node.hpp"
+#include "drivers/lidar/lidar_node.hpp"
 #include "tools/simulate/rig/emulated_imu.hpp"
 #include "tools/simulate/rig/emulated_wheels.hpp"
 #include "tools/simulate/sensors/lidar_model.hpp"
@@ -100,7 +100,7 @@ class Recorder {
                                     numerics::Random(drive.seed).fork(12))),
         imu_line_(imu_, numerics::Random(drive.seed).fork(14)),
         can_line_(wheels_, numerics::Random(drive.seed).fork(15)),
-        rslidar_node_({}, log_),
+        lidar_node_({}, log_),
         imu_node_({}, log_, [this](std::span<const std::uint8_t> bytes) { imu_line_.to_device(bytes); }),
         encoder_node_(encoder_config(drive.config), log_,
                       [this](const encoder::can::CanFrame& frame) { channel_.send(frame); }),
@@ -127,18 +127,18 @@ class Recorder {
       if (now_ > end) break;
       log_.set_now(now_);
       if (now_ == next_difop) {
-        rslidar_node_.on_packet(now_, rslidar::packet::kDifopPort, lidar_.difop(time(now_)));
+        lidar_node_.on_packet(now_, lidar::packet::kDifopPort, lidar_.difop(time(now_)));
         next_difop += 1'000'000;
       }
       if (now_ == packet_due) {
-        rslidar_node_.on_packet(now_, rslidar::packet::kMsopPort, packet.bytes);
+        lidar_node_.on_packet(now_, lidar::packet::kMsopPort, packet.bytes);
         packet = lidar_.next();
         ++packets_;
       }
       imu_line_.serve(now_, time(now_), [this](auto at, auto bytes) { imu_node_.on_bytes(at, bytes); });
       can_line_.serve(now_, time(now_), [this](auto at, auto bytes) { channel_.on_bytes(at, bytes); });
       if (now_ == next_tick) {
-        rslidar_node_.tick(now_);
+        lidar_node_.tick(now_);
         imu_node_.tick(now_);
         channel_.tick(now_);
         encoder_node_.tick(now_);
@@ -164,7 +164,7 @@ class Recorder {
   rig::EmulatedImu imu_;
   rig::EmulatedWheels wheels_;
   Line imu_line_, can_line_;
-  rslidar::RslidarNode rslidar_node_;
+  lidar::LidarNode lidar_node_;
   imu::ImuNode imu_node_;
   encoder::EncoderNode encoder_node_;
   encoder::can::SlcanChannel channel_;

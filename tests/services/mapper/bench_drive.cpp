@@ -1,5 +1,5 @@
 // Development tool, no test: a log of lcm-logger (through ekf and mapper) or a capture of an RS-LiDAR-16 (through
-// rslidar and mapper); prints errors and times, draws the dense map from above.
+// lidar and mapper); prints errors and times, draws the dense map from above.
 //   bench_drive LOG|PCAP [truth=poses.csv] [png=FILE] [odometry=0] [KEY=VALUE...]
 #include <fmt/format.h>
 #include <time.h>
@@ -14,7 +14,7 @@
 #include "common/bus/local_bus.hpp"
 #include "common/log/log_reader.hpp"
 #include "common/log/message_order.hpp"
-#include "drivers/rslidar/packet_feed.hpp"
+#include "drivers/lidar/packet_feed.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "tools/evaluate/truth/trajectory.hpp"
@@ -149,10 +149,10 @@ int main(int argc, char** argv) {
     result.largest = std::max(result.largest, static_cast<std::size_t>(m.getEncodedSize()));
   });
   if (file.ends_with(".pcap")) {
-    rslidar::RslidarConfig lidar;
+    lidar::LidarConfig lidar;
     lidar.pcap = file;
-    rslidar::RslidarNode driver(lidar, bus);
-    fmt::print("{} packets\n", rslidar::feed_whole_capture(lidar, driver));
+    lidar::LidarNode driver(lidar, bus);
+    fmt::print("{} packets\n", lidar::feed_whole_capture(lidar, driver));
     bus.dispatch();
   } else {
     feed_log(file, with_odometry, bus, node, result);

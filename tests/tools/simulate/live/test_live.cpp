@@ -20,7 +20,7 @@
 #include "drivers/encoder/can/slcan_channel.hpp"
 #include "drivers/encoder/encoder_node.hpp"
 #include "drivers/imu/imu_node.hpp"
-#include "drivers/rslidar/rslidar_node.hpp"
+#include "drivers/lidar/lidar_node.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/tools/simulate/drives.hpp"
 #include "tools/simulate/live/live_drive.hpp"
@@ -100,13 +100,13 @@ class Host {
   std::vector<std::int64_t> lidar;
   std::vector<imu_t> imu;
   int wheels = 0;
-  [[nodiscard]] Counters counters() const { return rslidar_node_.report().counters; }
+  [[nodiscard]] Counters counters() const { return lidar_node_.report().counters; }
 
  private:
   void take(int fd, std::span<const std::uint8_t> bytes) {
     const auto now = wall_clock();
     if (fd == msop_ || fd == difop_)
-      rslidar_node_.on_packet(now, fd == msop_ ? options_.msop_port : options_.difop_port, bytes);
+      lidar_node_.on_packet(now, fd == msop_ ? options_.msop_port : options_.difop_port, bytes);
     if (fd == imu_) imu_node_.on_bytes(now, bytes);
     if (fd == can_) channel_.on_bytes(now, bytes);
   }
@@ -114,7 +114,7 @@ class Host {
   int msop_, difop_, imu_ = -1, can_ = -1;
   const live::LiveOptions& options_;
   LocalBus bus_;
-  rslidar::RslidarNode rslidar_node_{{}, bus_};
+  lidar::LidarNode lidar_node_{{}, bus_};
   imu::ImuNode imu_node_;
   encoder::EncoderNode encoder_node_;
   encoder::can::SlcanChannel channel_;

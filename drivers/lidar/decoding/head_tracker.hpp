@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace curbstone::lidar::decoding {
+
+/// Follows the turning head from packet to packet. RS16 packets have no sequence number: losses are estimated from the
+/// angle that the head turned meanwhile. Pure; one thread. Angles are in 0.01 deg, clockwise seen from above, as in the
+/// packets. So sums are exact.
+class HeadTracker {
+ public:
+  struct Step {
+    std::int32_t revolution = 0;  ///< of this packet; counts up when the azimuth passes the cut angle, never down
+    std::int64_t lost = 0;        ///< packets, estimated, between the one before and this one
+    bool duplicate = false;       ///< the same packet again: it is ignored
+    bool late = false;            ///< fired shortly before the last packet: it is ignored
+  };
+
+  struct Packet {
+    std::int64_t utime = 0;  ///< of the first shot, on any clock that runs evenly to within a quarter turn
+    int azimuth = 0;         ///< of the first shot
+    double rate = 0;         ///< 1/s that the head turns
+    double duration = 0;     ///< s
+  };
+
+  explicit HeadTracker(int cut_angle) : cut_angle_(cut_angle) {}
+
+  /// `blind`: how far the head may turn without firing.
+  Step follow(const Packet& packet, double blind = 0);
+
+ private:
+  int cut_angle_;
+  std::optional<Packet> last_;
+  std::int64_t turned_ = 0;  ///< since the cut angle at the start of revolution 0
+  std::int32_t scan_ = 0;
+};
+
+}  // namespace curbstone::lidar::decoding

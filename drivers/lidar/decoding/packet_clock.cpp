@@ -1,0 +1,34 @@
+#include "drivers/lidar/decoding/packet_clock.hpp"
+
+#include <cstdlib>
+
+namespace curbstone::lidar::decoding {
+
+PacketClock::Time PacketClock::time_of(std::optional<std::int64_t> stamp, std::int64_t received,
+                                       std::int64_t duration) {
+  const std::int64_t fired = received - duration;
+  if (!stamp) {
+    choose(false);
+    return {fired, fired};
+  }
+  difference_ = *stamp - fired;
+  choose(std::abs(difference_) <= tolerance_);
+  const std::int64_t even = offset_.to_host(*stamp, fired);
+  return {uses_device_ ? *stamp : even, even};
+}
+
+void PacketClock::choose(bool device_is_sane) {
+  const bool wanted = mode_ == ClockMode::kDevice || (mode_ == ClockMode::kAuto && device_is_sane);
+  if (!decided_) {
+    decided_ = true;
+    uses_device_ = wanted;
+    return;
+  }
+  contrary_ = wanted == uses_device_ ? 0 : contrary_ + 1;
+  if (contrary_ < kPatience) return;
+  contrary_ = 0;
+  uses_device_ = wanted;
+  ++switches_;
+}
+
+}  // namespace curbstone::lidar::decoding

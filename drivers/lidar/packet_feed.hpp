@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/shell/event_loop.hpp"
+#include "drivers/lidar/lidar_node.hpp"
+#include "drivers/lidar/sources/pcap_source.hpp"
+#include "drivers/lidar/sources/udp_source.hpp"
+
+namespace curbstone::lidar {
+
+/// Owns what brings a node its packets: sockets or a capture file. Node and loop must outlive it.
+class PacketFeed {
+ public:
+  virtual ~PacketFeed() = default;
+};
+
+/// From the network, until the process ends. Throws std::runtime_error, one line.
+[[nodiscard]] std::unique_ptr<PacketFeed> feed_from_network(const LidarConfig& config, LidarNode& node,
+                                                            EventLoop& loop);
+
+/// From a capture at its own pace times `pcap_rate`. At its end the loop is stopped, and so the process ends. Only
+/// packets to the two configured ports are used. Throws std::runtime_error, one line. So does the loop where the file
+/// is damaged.
+[[nodiscard]] std::unique_ptr<PacketFeed> feed_from_capture(const LidarConfig& config, LidarNode& node,
+                                                            EventLoop& loop);
+
+/// The same as fast as possible, without a process. Returns the number of packets.
+std::int64_t feed_whole_capture(const LidarConfig& config, LidarNode& node);
+
+}  // namespace curbstone::lidar

@@ -1,0 +1,124 @@
+#include "drivers/lidar/sources/udp_source.hpp"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <system_error>
+
+#include "common/time/clock.hpp"
+
+namespace curbstone::lidar::sources {
+
+namespace {
+
+in_addr address(const std::string& text, const char* key) {
+  in_addr result{};
+  if (inet_pton(AF_INET, text.c_str(), &result) != 1)
+    throw std::runtime_error(fmt::format("{}: '{}' is no IPv4 address", key, text));
+  return result;
+}
+
+[[noreturn]] void fail_bind(int port, const std::string& host, int error) {
+  switch (error) {
+    case EADDRINUSE:
+      throw std::runtime_error(fmt::format(
+          "port {} is in use by another process: stop it (ss -ulpn 'sport = :{}' shows it) or choose another port",
+          port, port));
+    case EADDRNOTAVAIL:
+      throw std::runtime_error(
+          fmt::format("host_address: this machine has no interface with address {} (ip address shows them)", host));
+    case EACCES:
+      throw std::runtime_error(fmt::format("port {} may only be opened by root: choose one above 1023", port));
+    default:
+      throw std::runtime_error(fmt::format("port {}: {}", port, std::generic_category().message(error)));
+  }
+}
+
+void join(int fd, const std::string& group, const std::string& host) {
+  ip_mreq request{};
+  request.imr_multiaddr = address(group, "group_address");
+  request.imr_interface = address(host, "host_address");
+  if (setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request) != 0)
+    throw std::runtime_error(
+        fmt::format("group_address: cannot join {} on {}: {}", group, host, std::generic_category().message(errno)));
+}
+
+void enable(int fd, int option) {
+  const int on = 1;
+  setsockopt(fd, SOL_SOCKET, option, &on, sizeof on);
+}
+
+}  // namespace
+
+UdpSource::UdpSource(int port, const UdpOptions& options) : port_(port) {
+  const bool multicast = !options.group_address.empty() && options.group_address != "0.0.0.0";
+  sockaddr_in local{};
+  local.sin_family = AF_INET;
+  local.sin_port = htons(static_cast<std::uint16_t>(port));
+  local.sin_addr = address(options.host_address, "host_address");
+  if (multicast) local.sin_addr.s_addr = htonl(INADDR_ANY);
+
+  fd_ = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (fd_ < 0) throw std::runtime_error("UDP socket: " + std::generic_category().message(errno));
+  try {
+    // No SO_REUSEADDR: a second driver on the port would take the packets from the first without a word.
+    setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &options.receive_buffer, sizeof options.receive_buffer);
+    enable(fd_, SO_TIMESTAMPNS);
+    enable(fd_, SO_RXQ_OVFL);
+    if (bind(fd_, reinterpret_cast<const sockaddr*>(&local), sizeof local) != 0)
+      fail_bind(port, options.host_address, errno);
+    if (multicast) join(fd_, options.group_address, options.host_address);
+  } catch (...) {
+    close(fd_);
+    throw;
+  }
+}
+
+UdpSource::~UdpSource() {
+  close(fd_);
+}
+
+void UdpSource::receive(const Handler& handler) {
+  for (int i = 0; i < kBatch && receive_one(handler); ++i) {
+  }
+}
+
+bool UdpSource::receive_one(const Handler& handler) {
+  std::array<std::uint8_t, 2048> bytes;
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t))> control;
+  iovec part{bytes.data(), bytes.size()};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  const ssize_t size = recvmsg(fd_, &message, 0);
+  if (size < 0) return errno == EINTR || errno == ECONNREFUSED;
+
+  std::int64_t received = 0;
+  for (cmsghdr* item = CMSG_FIRSTHDR(&message); item != nullptr; item = CMSG_NXTHDR(&message, item)) {
+    if (item->cmsg_level != SOL_SOCKET) continue;
+    if (item->cmsg_type == SO_TIMESTAMPNS) {
+      timespec time;
+      std::memcpy(&time, CMSG_DATA(item), sizeof time);
+      received = std::int64_t{time.tv_sec} * 1'000'000 + time.tv_nsec / 1000;
+    } else if (item->cmsg_type == SO_RXQ_OVFL) {
+      std::uint32_t overflow = 0;
+      std::memcpy(&overflow, CMSG_DATA(item), sizeof overflow);
+      dropped_ += overflow - last_overflow_;  // wraps as the kernel's counter does
+      last_overflow_ = overflow;
+    }
+  }
+  if (received == 0) received = wall_clock();
+  handler(received, port_, std::span(bytes.data(), static_cast<std::size_t>(size)));
+  return true;
+}
+
+}  // namespace curbstone::lidar::sources

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+
+namespace curbstone::lidar::sources {
+
+struct UdpOptions {
+  std::string host_address = "0.0.0.0";  ///< interface to listen on
+  std::string group_address;             ///< multicast group to join; empty = none
+  int receive_buffer = 4 << 20;          ///< bytes; the kernel may grant less
+};
+
+/// One UDP port that a sensor sends to. Non-blocking; watch fd() and call receive(). One thread.
+class UdpSource {
+ public:
+  /// `received`: us since the Unix epoch, by the kernel, when the packet reached the host.
+  using Handler = std::function<void(std::int64_t received, int port, std::span<const std::uint8_t>)>;
+
+  /// Throws std::runtime_error with one line that says what is wrong and how to mend it.
+  UdpSource(int port, const UdpOptions& options);
+  ~UdpSource();
+  UdpSource(const UdpSource&) = delete;
+  UdpSource& operator=(const UdpSource&) = delete;
+
+  [[nodiscard]] int fd() const { return fd_; }
+  [[nodiscard]] int port() const { return port_; }
+
+  /// Calls the handler for each packet that has arrived, at most kBatch. Packets are cut to 2 kB; no sensor sends
+  /// longer ones. The bytes are valid inside the handler only.
+  void receive(const Handler& handler);
+
+  /// Packets that the kernel has dropped since the start, because this process was too slow.
+  [[nodiscard]] std::int64_t dropped() const { return dropped_; }
+
+  static constexpr int kBatch = 64;
+
+ private:
+  bool receive_one(const Handler& handler);
+
+  int fd_ = -1;
+  int port_;
+  std::int64_t dropped_ = 0;
+  std::uint32_t last_overflow_ = 0;
+};
+
+}  // namespace curbstone::lidar::sources

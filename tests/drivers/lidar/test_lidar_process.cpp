@@ -1,0 +1,80 @@
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "drivers/lidar/sources/udp_source.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace curbstone::lidar {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+struct Ended {
+  int status;
+  std::string output;
+};
+
+/// Runs the program to its end, at most 20 s.
+Ended lidar(const std::string& arguments) {
+  const std::string command = "timeout 20 " CURBSTONE_BIN_DIR "/curbstone-lidar " + arguments + " 2>&1";
+  FILE* pipe = popen(command.c_str(), "r");
+  std::string output;
+  for (int c = fgetc(pipe); c != EOF; c = fgetc(pipe)) output.push_back(static_cast<char>(c));
+  const int status = pclose(pipe);
+  return {WEXITSTATUS(status), output};
+}
+
+TEST(LidarProcess, SaysThatItsPortIsTaken) {
+  const sources::UdpSource other(6699, {});
+  const Ended ended = lidar("");
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_THAT(ended.output, HasSubstr("lidar: port 6699 is in use by another process"));
+}
+
+TEST(LidarProcess, SaysThatACaptureIsMissingOrCutOff) {
+  Ended ended = lidar("--set pcap=/nowhere/drive.pcap");
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_THAT(ended.output, HasSubstr("/nowhere/drive.pcap: No such file"));
+
+  const std::string recorded = CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap";
+  if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
+  const testing::TemporaryFolder folder;
+  const std::string cut = folder / "cut.pcap";
+  std::filesystem::copy_file(recorded, cut);
+  std::filesystem::permissions(cut, std::filesystem::perms::owner_all);
+  std::filesystem::resize_file(cut, 100'000);
+  ended = lidar("--set pcap=" + cut + " --set pcap_rate=50");
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_THAT(ended.output, HasSubstr("truncated"));
+}
+
+TEST(LidarProcess, EndsWithACapture) {
+  const std::string recorded = CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap";
+  if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
+  const Ended ended = lidar("--set pcap=" + recorded + " --set pcap_rate=20");
+  EXPECT_EQ(ended.status, 0);
+  EXPECT_THAT(ended.output, HasSubstr("end of the capture after 3040 packets"));
+}
+
+TEST(LidarProcess, NamesTheSectionThatAnOldFileMeans) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "old.yaml";
+  std::ofstream(file) << "rslidar:\n  msop_port: 6699\n";
+  const Ended ended = lidar("--config " + file);
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_THAT(ended.output, AllOf(HasSubstr("old.yaml:1: rslidar"), HasSubstr("did you mean lidar?")));
+}
+
+TEST(LidarProcess, RefusesConfigurationItDoesNotKnow) {
+  const Ended ended = lidar("--set msop_prot=6699");
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_THAT(ended.output, AllOf(HasSubstr("msop_prot"), HasSubstr("msop_port")));
+}
+
+}  // namespace
+}  // namespace curbstone::lidar
