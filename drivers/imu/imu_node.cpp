@@ -42,12 +42,13 @@ void ImuNode::on_frame(std::int64_t receive_utime, const XbusFrame& frame) {
 }
 
 void ImuNode::on_measurement(std::int64_t receive_utime, const MtData2& data) {
-  const auto time = device_time(data);
-  count_losses(data);
-  if (!data.acceleration || !data.angular_rate) {
+  if (!data.acceleration || !data.angular_rate) {  // of its GNSS receiver, say, which bear the time of the fix
     counters_.add("skipped.incomplete");
-    return;  // messages of its GNSS receiver, say, which bear the time of the fix
+    if (data.packet_counter) packet_counter_.other(*data.packet_counter);
+    return;
   }
+  const auto [usable, time] = judge(receive_utime, data);
+  if (!usable) return;
   if (!time) counters_.add("stamped_on_receipt");
   const HostTime at = time ? to_host(*time, receive_utime) : HostTime{receive_utime, 0};
   ++sequence_;
@@ -88,12 +89,31 @@ void ImuNode::finish() {
   start_.release([this](imu_t& message) { publish(message, last_sample_); });
 }
 
-/// The device's own time of a message, us; empty if it tells none.
-std::optional<std::int64_t> ImuNode::device_time(const MtData2& data) {
-  if (!data.sample_time_fine) return {};
-  const auto [time, restarted] = sample_time_.unwrap(*data.sample_time_fine);
-  if (restarted) restart_clocks();
-  return time;
+/// Counts losses too, and what is wrong with a sample that is not to be used.
+ImuNode::Judged ImuNode::judge(std::int64_t receive_utime, const MtData2& data) {
+  const auto& counter = data.packet_counter;
+  const auto gap = counter ? packet_counter_.gap(*counter) : std::nullopt;
+  const auto ahead = gap ? std::optional(gap->ahead) : std::nullopt;
+  int lost = gap ? gap->lost : 0;
+  int missing = lost;
+  Judged judged;
+  if (data.sample_time_fine) {
+    using Verdict = SampleTime::Verdict;
+    const auto at = sample_time_.next(*data.sample_time_fine, receive_utime, ahead);
+    if (at.verdict == Verdict::kRepeated || at.verdict == Verdict::kRefused) {
+      counters_.add(at.verdict == Verdict::kRepeated ? "refused.repeated" : "refused.time");
+      if (counter) packet_counter_.refused(*counter);
+      return {false, {}};
+    }
+    if (at.verdict == Verdict::kRestarted) restart_clocks();
+    judged.time = at.time;
+    missing = at.missing;
+    if (!ahead || at.verdict == Verdict::kRestarted) lost = missing;
+  }
+  if (counter) packet_counter_.used(*counter);
+  if (lost > 0) counters_.add("lost.packets", lost);
+  sequence_ += missing;
+  return judged;
 }
 
 void ImuNode::restart_clocks() {
@@ -116,15 +136,6 @@ ImuNode::HostTime ImuNode::to_host(std::int64_t device_time, std::int64_t receiv
     last_utime_ = 0;
   }
   return {utime, 0};
-}
-
-/// Messages without inertial data count too, but leave no gap in the sequence.
-void ImuNode::count_losses(const MtData2& data) {
-  if (!data.packet_counter) return;
-  const int lost = packet_counter_.lost_before(*data.packet_counter);
-  if (lost == 0) return;
-  counters_.add("lost.packets", lost);
-  sequence_ += lost;
 }
 
 void ImuNode::on_link(std::int64_t now, bool up, const std::string& why) {

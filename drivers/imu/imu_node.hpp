@@ -14,6 +14,7 @@
 #include "drivers/imu/imu_config.hpp"
 #include "drivers/imu/mt_configurator.hpp"
 #include "drivers/imu/mtdata2.hpp"
+#include "drivers/imu/packet_counter.hpp"
 #include "drivers/imu/sample_time.hpp"
 #include "drivers/imu/xbus_frame.hpp"
 
@@ -43,7 +44,12 @@ class ImuNode final : public Node {
  private:
   void on_frame(std::int64_t receive_utime, const XbusFrame& frame);
   void on_measurement(std::int64_t receive_utime, const MtData2& data);
-  std::optional<std::int64_t> device_time(const MtData2& data);
+  /// Whether the sample is one to use; and its time on the device's clock, us, if the device tells it.
+  struct Judged {
+    bool usable = true;
+    std::optional<std::int64_t> time;
+  };
+  Judged judge(std::int64_t receive_utime, const MtData2& data);
   /// A sample's time on the host's clock, us, and by how much its coming puts those before earlier.
   struct HostTime {
     std::int64_t utime;
@@ -52,7 +58,6 @@ class ImuNode final : public Node {
   HostTime to_host(std::int64_t device_time, std::int64_t receive_utime);
   void restart_clocks();
   void publish(imu_t& message, std::int64_t now);
-  void count_losses(const MtData2& data);
   void watch_line(std::int64_t now);
 
   ImuConfig config_;

@@ -1,63 +1,64 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
 namespace curbstone::imu {
 
-/// Unwraps SampleTimeFine. It begins again at zero after 2^32 ticks on some devices (MTi-1, 600 series) and after a day
-/// (864e6 ticks) on others (10 and 100 series). The messages do not tell which. So a step back by either period, give
-/// or take kMaxGap, is a wrap. Any other step back is a restart of the device.
+/// Unwraps SampleTimeFine of the samples, and judges each: a wrong one must cost no more than its sample, for the
+/// device's clock hangs on it (ClockOffset). Messages without inertial data do not belong here: those of the device's
+/// GNSS receiver bear the time of the fix, up to seconds old.
+///
+/// A time is believed if it continues the last one that was. If not, the sample is refused. If the next continues the
+/// refused one, and not the believed one, the device has restarted. "Continues" means: later, by a whole number of
+/// sample intervals (found from the steps that were seen) that the packet counter allows, or, without a counter, that
+/// the time of receipt allows. After a second without a sample it is enough that the time of receipt agrees.
+///
+/// SampleTimeFine begins again at zero after 2^32 ticks on some devices (MTi-1, 600 series) and after a day (864e6
+/// ticks) on others (10 and 100 series). The messages do not tell which, so a step may be either. Pure; one thread.
 class SampleTime {
  public:
-  static constexpr std::int64_t kTick = 100;        ///< us
-  static constexpr std::int64_t kMaxGap = 600'000;  ///< ticks, a minute without data
+  static constexpr std::int64_t kTick = 100;         ///< us
+  static constexpr std::int64_t kSlack = 500'000;    ///< us by which samples may wait for their receipt, in a bunch
+  static constexpr std::int64_t kPause = 1'000'000;  ///< us of receipt without a believed sample
 
-  static constexpr std::int64_t kMaxStepBack = 10'000;  ///< ticks, a second: a message that was sent late
-
+  enum class Verdict {
+    kContinues,  ///< the sample's time is right
+    kRestarted,  ///< so it is, but it has nothing to do with the times before
+    kRepeated,   ///< the time of the sample before: the same message again
+    kRefused,    ///< wrong, or the first of a device that restarted
+  };
   struct Result {
-    std::int64_t time = 0;   ///< us on the device's clock, unwrapped
-    bool restarted = false;  ///< `time` has nothing to do with the times before
+    Verdict verdict = Verdict::kRefused;
+    std::int64_t time = 0;  ///< us on the device's clock, unwrapped
+    int missing = 0;        ///< samples between the last believed one and this, of those that are seen by their time
   };
 
-  Result unwrap(std::uint32_t ticks) {
-    constexpr std::int64_t kDay = 864'000'000;
-    constexpr std::int64_t kFull = std::int64_t{1} << 32;
-    const std::int64_t step = last_ ? std::int64_t{ticks} - *last_ : 0;
-    bool restarted = false;
-    if (step < -kMaxStepBack) {
-      if (*last_ < kDay && step + kDay <= kMaxGap) {
-        base_ += kDay;
-      } else if (step + kFull <= kMaxGap) {
-        base_ += kFull;
-      } else {
-        base_ = 0;
-        restarted = true;
-      }
-    }
-    if (step < -kMaxStepBack || step >= 0) last_ = ticks;
-    return {(base_ + ticks) * kTick, restarted};
-  }
+  /// `received` us. `ahead`: messages from the last believed sample to this one, by the packet counter.
+  Result next(std::uint32_t ticks, std::int64_t received, std::optional<int> ahead);
 
  private:
+  struct Seen {
+    std::uint32_t ticks;
+    std::int64_t unwrapped;  // ticks
+    std::int64_t received;   // us
+  };
+
+  [[nodiscard]] std::optional<std::int64_t> step(const Seen& from, std::uint32_t ticks, std::int64_t received,
+                                                 std::optional<int> ahead) const;
+  [[nodiscard]] bool plausible(std::int64_t step, std::int64_t elapsed, std::optional<int> ahead) const;
+  [[nodiscard]] bool on_grid(std::int64_t step) const;
+  [[nodiscard]] std::int64_t intervals(std::int64_t step) const;
+  void learn_interval(std::int64_t step);
+
+  std::optional<Seen> believed_;
+  std::optional<Seen> refused_;  // since the last believed one
   std::optional<std::uint32_t> last_;
-  std::int64_t base_ = 0;  // ticks
-};
-
-/// Finds losses by the 16-bit packet counter.
-class PacketCounter {
- public:
-  /// How many messages were lost between the one before and this one.
-  int lost_before(std::uint16_t counter) {
-    const int lost = last_ ? static_cast<std::uint16_t>(counter - *last_ - 1) : 0;
-    last_ = counter;
-    return lost;
-  }
-  /// The device counts anew: whatever comes next is the next one.
-  void restart() { last_.reset(); }
-
- private:
-  std::optional<std::uint16_t> last_;
+  std::array<std::int64_t, 8> steps_{};  // ticks, of the last messages
+  std::size_t learned_ = 0;
+  std::int64_t interval_ = 0;  // ticks between samples; 0: unknown, or they come as they like
 };
 
 }  // namespace curbstone::imu
