@@ -150,6 +150,7 @@ class Dumper final : public ConfigVisitor {
   }
   void field(const char* key, std::vector<double>& value, Range range, const char* help, bool) override {
     std::vector<std::string> items;
+    items.reserve(value.size());
     for (const double x : value) items.push_back(number(x));
     line(key, fmt::format("[{}]", fmt::join(items, ", ")), help, range);
   }

@@ -172,7 +172,7 @@ void Supervisor::begin_stop(Managed& managed) {
   arm_timer();
 }
 
-void Supervisor::signal_family(const Managed& managed, int signal) const {
+void Supervisor::signal_family(const Managed& managed, int signal) {
   for (const pid_t pid : find_family(read_process_table(), managed.process.pid, managed.mark)) kill(pid, signal);
 }
 

@@ -83,7 +83,7 @@ class Supervisor {
 
   void launch(Managed& managed);
   void begin_stop(Managed& managed);
-  void signal_family(const Managed& managed, int signal) const;
+  static void signal_family(const Managed& managed, int signal);
   void read_output(Managed& managed, std::size_t at_most);
   void close_terminal(Managed& managed);
   void reap();

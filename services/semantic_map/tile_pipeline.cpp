@@ -209,8 +209,8 @@ void TilePipeline::update_columns(TileKey key) {
 
 /// In doubt the earlier step: what follows from it would only have to be computed again.
 void TilePipeline::settle_oldest() {
-  const auto oldest = std::min_element(stale_.begin(), stale_.end(),
-                                       [](const auto& a, const auto& b) { return first_turn(a) < first_turn(b); });
+  auto* const oldest = std::min_element(stale_.begin(), stale_.end(),
+                                        [](const auto& a, const auto& b) { return first_turn(a) < first_turn(b); });
   if (oldest->empty()) return;
   const TileKey key = oldest->begin()->second;
   refresh(static_cast<Step>(oldest - stale_.begin()), key, *find(key));

@@ -36,7 +36,7 @@ class TilePipeline {
   std::optional<VotedChange> apply(const tile::VotedStep& step);
   /// Puts a whole tile in place of the one there was. `has_grown`: its points are those of the one before and more
   /// behind them, whatever their tensors.
-  void set_voted(tile::VotedTile tile, bool has_grown = false);
+  void set_voted(tile::VotedTile voted, bool has_grown = false);
   /// Another epoch begins.
   void clear();
 

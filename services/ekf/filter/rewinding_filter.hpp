@@ -11,8 +11,8 @@ namespace curbstone::ekf::filter {
 
 /// A Filter that takes late samples at their own time: it keeps the samples of the last `timing.history` seconds and
 /// check points among them, goes back to the one before the late sample and runs everything from there again, as
-/// robot_localization and pronto do (protocols/kalman_odometry.md, sections 4 and 5). From then on its belief is, bit
-/// for bit, that of a filter which had got all samples in order.
+/// robot_localization (`smooth_lagged_data`) and pronto (`update_history`) do. From then on its belief is, bit for bit,
+/// that of a filter which had got all samples in order.
 ///
 /// What was published stays published: no estimate is given twice. And odom stays continuous: after a rewind the pose
 /// goes on from where the last estimate was. Position and heading mean nothing to the filter (no measurement sees

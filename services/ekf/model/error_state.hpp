@@ -10,9 +10,9 @@ namespace curbstone::ekf::model {
 /// What the filter estimates. The *body* frame has its origin in the IMU and the axes of base_link: an IMU's sample
 /// needs only a rotation to be used in it, and a wheel only a lever arm.
 ///
-/// The velocity is kept in the body frame (as pronto does, protocols/kalman_odometry.md section 5), not in odom: then
-/// no measurement of wheels or gravity touches position or yaw, and the filter cannot fool itself into believing that
-/// it sees them. With the velocity in odom it slowly would.
+/// The velocity is kept in the body frame (as in pronto's rigid-body state), not in odom: then no measurement of wheels
+/// or gravity touches position or yaw, and the filter cannot fool itself into believing that it sees them. With the
+/// velocity in odom it slowly would.
 struct NavState {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();            ///< p: of the IMU in odom, m
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();            ///< v: of the IMU over ground, in body axes, m/s

@@ -12,7 +12,7 @@
 
 namespace curbstone::testing_clouds {
 
-/// The street of the peers' table (shared/reference/tensor_voting.md, section 12): uniform by area, 1 cm noise. m.
+/// The street on which the peers are compared (docs/benchmarks/voting.md): uniform by area, 1 cm noise. m.
 inline std::vector<Eigen::Vector3d> street(std::size_t count, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);

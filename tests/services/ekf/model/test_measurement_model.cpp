@@ -95,7 +95,7 @@ TEST_F(MeasurementModelTest, StandingAndGravityJacobiansMatch) {
 }
 
 TEST_F(MeasurementModelTest, WheelsOfADifferentialDriveTurnAsTheReferenceSays) {
-  // protocols/kalman_odometry.md section 2: v_L = v - w b/2, v_R = v + w b/2
+  // differential drive, inverse kinematics: v_L = v - w b/2, v_R = v + w b/2
   vehicle_.imu = {0, 0, 0, 0, 0, 0};
   vehicle_.track_width = 0.4;
   const Geometry geometry(vehicle_);

@@ -1,5 +1,4 @@
-// The double reference against the exact lattice sums and the closed forms of shared/reference/tensor_voting.md,
-// section 6.
+// The double reference against the exact lattice sums and the closed forms of the ball vote.
 #include "services/tensor_voting/voting/ball_vote.hpp"
 
 #include <gtest/gtest.h>

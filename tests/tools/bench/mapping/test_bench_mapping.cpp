@@ -29,7 +29,7 @@ int bench(std::vector<std::string> arguments) {
 }
 
 /// 72 m of a real street on ten beams, the LiDAR alone: what the best of the peers reach is a t_rel of 0.23 to 0.31 %
-/// (reference/peers.md).
+/// (docs/benchmarks/mapping.md).
 TEST(BenchMapping, IcpFollowsARecordedStreetByTheLidarAlone) {
   if (!has_recorded()) GTEST_SKIP() << kRecorded << " is not there";
   const drives::ScanDrive drive(kRecorded, kRecorded + "/reference_poses.txt", "");
