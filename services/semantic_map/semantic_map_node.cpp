@@ -22,6 +22,7 @@ constexpr std::int64_t kRequestPeriod = 100'000;
 constexpr std::size_t kAnswersPerTick = 4;
 constexpr std::size_t kMaxCurbVertices = 1800;  // 24 bytes each: below 48 kB
 constexpr std::size_t kMaxTiles = 200'000;      // 1.8 square kilometres: memory has an end
+constexpr std::size_t kMaxHeld = 64;            // messages of up to 42 kB; a new epoch is believed at the second
 constexpr double kPathSpacing = 0.1;            // m, of the path in the picture
 
 cells::ClassParameters with_vehicle(cells::ClassParameters classes, const VehicleConfig& vehicle) {
@@ -54,9 +55,39 @@ void SemanticMapNode::connect(Subscriber& bus) {
   bus.subscribe<map_trajectory_t>("MAP_TRAJECTORY", [this](const map_trajectory_t& m) { on(m); });
 }
 
-bool SemanticMapNode::enter_epoch(std::int32_t epoch) {
-  if (has_epoch_ && epoch < epoch_) return false;
-  if (has_epoch_ && epoch == epoch_) return true;
+bool SemanticMapNode::follow_epoch(std::int32_t epoch, EpochFollower::Source source) {
+  switch (epochs_.hear(epoch, source, now_)) {
+    case EpochFollower::Verdict::kPresent:
+      return true;
+    case EpochFollower::Verdict::kEntered:
+      enter_epoch(epoch);
+      return true;
+    case EpochFollower::Verdict::kCandidate:
+    case EpochFollower::Verdict::kOther:
+      break;
+  }
+  return false;
+}
+
+/// The drive, of which nothing is sent twice, is kept until it is known whether the mapper has begun another epoch.
+template <typename Message>
+bool SemanticMapNode::follow_mapper(const Message& message) {
+  const bool is_present = follow_epoch(message.epoch, EpochFollower::Source::kMapper);
+  if (is_present || held_epoch_ != message.epoch) drop_held(held_.size());
+  if (is_present) return true;
+  held_epoch_ = message.epoch;
+  if (held_.size() == kMaxHeld) drop_held(1);
+  held_.emplace_back(message);
+  return false;
+}
+
+void SemanticMapNode::drop_held(std::size_t count) {
+  if (count == 0) return;
+  counters_.add("dropped.other_epoch", static_cast<std::int64_t>(count));
+  held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(count));
+}
+
+void SemanticMapNode::enter_epoch(std::int32_t epoch) {
   if (has_epoch_) counters_.add("epochs");
   has_epoch_ = true;
   epoch_ = epoch;
@@ -72,12 +103,14 @@ bool SemanticMapNode::enter_epoch(std::int32_t epoch) {
   voted_.start_epoch(epoch);
   catalog_.start_epoch(epoch);
   curbs_changed_ = curbs_unstored_ = true;
-  return true;
+  for (const auto& held : std::exchange(held_, {})) {
+    if (held_epoch_ == epoch) std::visit([this](const auto& message) { take(message); }, held);
+  }
 }
 
 void SemanticMapNode::on(const voted_points_t& message) {
   counters_.add("voted_pages");
-  if (!enter_epoch(message.epoch)) return counters_.add("dropped.old_epoch");
+  if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return counters_.add("dropped.other_epoch");
   const TileKey key{message.tile_x, message.tile_y};
   const auto revision = revisions_.find(key);
   if (revision != revisions_.end() && message.revision <= revision->second) return counters_.add("dropped.known");
@@ -98,7 +131,7 @@ void SemanticMapNode::on(const voted_points_t& message) {
 
 void SemanticMapNode::on(const tile_index_t& message) {
   if (message.channel != "VOTED_POINTS") return;
-  if (!enter_epoch(message.epoch)) return counters_.add("dropped.old_epoch");
+  if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return counters_.add("dropped.other_epoch");
   voted_.announced(message);
 }
 
@@ -109,10 +142,14 @@ void SemanticMapNode::on(const tile_request_t& message) {
 void SemanticMapNode::on(const map_pose_t& message) {
   const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
   if (!is_finite(T_map_base) || message.utime <= 0) return counters_.add("refused.pose");
-  if (!enter_epoch(message.epoch)) return counters_.add("dropped.old_epoch");
+  if (follow_mapper(message)) take(message);
+}
+
+void SemanticMapNode::take(const map_pose_t& message) {
   if (message.utime <= last_pose_utime_) return counters_.add("dropped.late");
   begin_drive(message.utime);
   last_pose_utime_ = message.utime;
+  const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
   vehicle_ = T_map_base.translation().head<2>();
   if (path_.empty() || (path_.rbegin()->second - vehicle_).norm() > kPathSpacing)
     path_.emplace(message.utime, vehicle_);
@@ -121,7 +158,10 @@ void SemanticMapNode::on(const map_pose_t& message) {
 
 /// The drive as a new epoch has it: what MAP_POSE said before is void.
 void SemanticMapNode::on(const map_trajectory_t& message) {
-  if (!enter_epoch(message.epoch)) return counters_.add("dropped.old_epoch");
+  if (follow_mapper(message)) take(message);
+}
+
+void SemanticMapNode::take(const map_trajectory_t& message) {
   for (std::size_t i = 0; i < message.utimes.size(); ++i) {
     const Pose T_map_base = pose_of(message, i);
     const std::int64_t utime = message.utimes[i];
@@ -335,6 +375,7 @@ NodeReport SemanticMapNode::report() const {
   report.counters.set("tiles_waiting", static_cast<std::int64_t>(schedule_.num_waiting() + unsent_.size()));
   report.counters.set("steps_stale", static_cast<std::int64_t>(pipeline_.num_stale()));
   report.counters.set("evidence_computed", pipeline_.num_evidence());
+  if (const auto fault = epochs_.fault(now_)) report.faults.push_back(*fault);
   if (!keeper_.fault().empty()) report.faults.push_back(keeper_.fault());
   if (!picture_fault_.empty()) report.faults.push_back(picture_fault_);
   report.latency_p50 = latency_.percentile(0.5);

@@ -6,15 +6,18 @@
 #include <curbstone/tile_index_t.hpp>
 #include <curbstone/tile_request_t.hpp>
 #include <curbstone/voted_points_t.hpp>
+#include <deque>
 #include <map>
 #include <optional>
 #include <set>
 #include <unordered_map>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
+#include "common/tile_sync/epoch_follower.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/semantic_map/curb_lines/curb_lines.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
@@ -51,8 +54,14 @@ class SemanticMapNode final : public Node {
     std::int32_t revision = 0;
     std::int64_t at = 0;  // us, when it went out
   };
-  /// False for what belongs to an epoch that is over.
-  bool enter_epoch(std::int32_t epoch);
+  /// Whether a message that names this epoch is of the present one, which may begin with it.
+  bool follow_epoch(std::int32_t epoch, EpochFollower::Source source);
+  template <typename Message>
+  bool follow_mapper(const Message& message);
+  void drop_held(std::size_t count);  // the oldest
+  void enter_epoch(std::int32_t epoch);
+  void take(const map_pose_t& message);
+  void take(const map_trajectory_t& message);
   void begin_drive(std::int64_t utime);
   /// Brings what stands where up to date in all tiles with new points, and sends it.
   void show_news(std::int64_t now);
@@ -87,7 +96,10 @@ class SemanticMapNode final : public Node {
   std::unordered_map<TileKey, std::int32_t, TileKeyHash> revisions_;  // of voted tiles
   curb_lines::CurbLineIds curb_ids_;
 
-  std::int32_t epoch_ = 0;
+  EpochFollower epochs_;
+  std::deque<std::variant<map_pose_t, map_trajectory_t>> held_;  // of the epoch that may begin
+  std::int32_t held_epoch_ = 0;
+  std::int32_t epoch_ = 0;  // the present one, once there is one
   bool has_epoch_ = false;
   bool drive_started_ = false;
   std::int64_t last_pose_utime_ = 0;

@@ -49,11 +49,7 @@ void TensorVotingNode::connect(Subscriber& bus) {
 }
 
 void TensorVotingNode::on(const map_points_t& message) {
-  if (message.epoch < epoch_) {
-    counters_.add("dropped.old_epoch");
-    return;
-  }
-  if (message.epoch > epoch_) start_epoch(message.epoch);
+  if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return;
   mapper_heard_ = now_;
   const TileKey key{message.tile_x, message.tile_y};
   if (!(distance(key) <= config_.keep_radius)) {
@@ -89,6 +85,7 @@ void TensorVotingNode::on(const map_pose_t& message) {
     counters_.add("refused.map_pose");
     return;
   }
+  if (!follow_epoch(message.epoch, EpochFollower::Source::kMapper)) return;
   x_ = p[0];
   y_ = p[1];
 }
@@ -103,7 +100,7 @@ void TensorVotingNode::on(const tile_index_t& message) {
       if (distance(key) <= config_.keep_radius) schedule_.published(key, message.version[i], 0);
     }
   } else if (message.channel == kMapPoints) {
-    if (message.epoch > epoch_) start_epoch(message.epoch);
+    if (!follow_epoch(message.epoch, EpochFollower::Source::kMapper)) return;
     mapper_heard_ = now_;
     tile_index_t near = message;
     near.tile_x.clear(), near.tile_y.clear(), near.version.clear();
@@ -115,12 +112,27 @@ void TensorVotingNode::on(const tile_index_t& message) {
     }
     near.num_tiles = static_cast<std::int32_t>(near.version.size());
     (void)follower_.announced(near);
-    index_heard_ = index_heard_ || (message.epoch == epoch_ && message.page == message.num_pages - 1);
+    index_heard_ = index_heard_ || message.page == message.num_pages - 1;
   }
 }
 
 void TensorVotingNode::on(const tile_request_t& message) {
   catalog_.request(message);
+}
+
+/// Whether a message that names this epoch is of the present one, which may begin with it.
+bool TensorVotingNode::follow_epoch(std::int32_t epoch, EpochFollower::Source source) {
+  switch (epochs_.hear(epoch, source, now_)) {
+    case EpochFollower::Verdict::kEntered:
+      start_epoch(epoch);
+      return true;
+    case EpochFollower::Verdict::kPresent:
+      return true;
+    case EpochFollower::Verdict::kCandidate:
+    case EpochFollower::Verdict::kOther:
+      counters_.add("dropped.other_epoch");
+  }
+  return false;
 }
 
 void TensorVotingNode::start_epoch(std::int32_t epoch) {
@@ -312,6 +324,7 @@ NodeReport TensorVotingNode::report() const {
   report.counters = counters_;
   report.counters.set("pair_votes", map_.num_pairs());
   if (now_ - mapper_heard_ > 3 * kSecond) report.faults.push_back("the mapper is silent");
+  if (const auto fault = epochs_.fault(now_)) report.faults.push_back(*fault);
   if (counters_["dropped.full"] > 0) report.faults.push_back("max_points reached: new map points are not voted");
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);

@@ -12,6 +12,7 @@
 
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
+#include "common/tile_sync/epoch_follower.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/tensor_voting/worker/publish_schedule.hpp"
 #include "services/tensor_voting/worker/rendezvous_owners.hpp"
@@ -53,6 +54,7 @@ class TensorVotingNode final : public Node {
   void on(const tile_index_t& message);
   void on(const tile_request_t& message);
 
+  [[nodiscard]] bool follow_epoch(std::int32_t epoch, EpochFollower::Source source);
   void start_epoch(std::int32_t epoch);
   [[nodiscard]] double distance(TileKey key) const;  // from the vehicle, m
   [[nodiscard]] bool owns(TileKey key) const;
@@ -83,8 +85,9 @@ class TensorVotingNode final : public Node {
   std::unordered_map<TileKey, VotedBase, TileKeyHash> bases_;  // of what is out, from us
   std::int64_t chain_ = 0;
 
-  std::int32_t epoch_ = 0;
-  double x_ = 0;  // the vehicle, m in map
+  EpochFollower epochs_;
+  std::int32_t epoch_ = 0;  // the present one, once there is one
+  double x_ = 0;            // the vehicle, m in map
   double y_ = 0;
   std::int64_t now_ = 0;
   std::int64_t first_tick_ = 0;

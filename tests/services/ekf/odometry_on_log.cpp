@@ -39,7 +39,7 @@ Run run(const std::string& log_file, ekf::EkfNode& node, mapper::MapperNode* map
   bus.subscribe<odometry_t>("ODOMETRY", [&](const odometry_t& m) {
     out.odometry.push_back(m);
     const ekf::model::Belief& belief = node.filter().filter().belief();
-    out.calibration.push_back({belief.mean, std::sqrt(belief.covariance(kAxle, kAxle))});
+    out.calibration.push_back({belief.mean, std::sqrt(belief.covariance(ekf::model::kAxle, ekf::model::kAxle))});
   });
   bus.subscribe<map_pose_t>("MAP_POSE", [&](const map_pose_t& m) {
     out.map.push_back({m.utime, pose_from_arrays(m.map_base_position, m.map_base_orientation)});

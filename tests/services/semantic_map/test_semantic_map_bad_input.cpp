@@ -79,7 +79,7 @@ TEST_F(SemanticMapNodeTest, RandomValuesInMessagesDoNoHarm) {
                               &m.voter[9],
                               &m.point[random() % 50]};
     *fields[random() % std::size(fields)] = any();
-    if (i % 50 == 0) m.epoch = i / 50;
+    if (i % 50 == 25) m.epoch = i / 50;
     const std::size_t k = random() % m.x.size();
     m.x[k] = static_cast<std::int16_t>(any());
     m.z[k] = static_cast<std::int16_t>(any());
@@ -96,7 +96,7 @@ TEST_F(SemanticMapNodeTest, RandomValuesInMessagesDoNoHarm) {
   }
   node.finish();
   EXPECT_GT(node.report().counters["voted_tiles"], 10);
-  EXPECT_GT(node.report().counters["refused.size"], 10);
+  EXPECT_GT(node.report().counters["refused.size"], 5);
 }
 
 TEST_F(SemanticMapNodeTest, RefusesToStartOnAFileThatIsNoMap) {

@@ -132,7 +132,51 @@ TEST_F(SemanticMapNodeTest, ANewEpochForgetsTheOldOne) {
   EXPECT_EQ(map.epoch(), 2);
   EXPECT_EQ(map.tiles().size(), 1U);
   EXPECT_EQ(map.trajectory().size(), 1U);
-  EXPECT_EQ(node.report().counters["dropped.old_epoch"], 1);
+  EXPECT_EQ(node.report().counters["dropped.other_epoch"], 1);
+}
+
+TEST_F(SemanticMapNodeTest, AnEpochThatOneMessageNamesChangesNothing) {
+  LocalBus bus;
+  SemanticMapNode node(config("map.db"), bus);
+  node.connect(bus);
+  bus.publish("MAP_POSE", pose_at(kStart, 0));
+  bus.dispatch();
+  node.tick(kStart);
+  std::int64_t now = kStart;
+  for (const auto& page : all_pages()) {
+    bus.publish("VOTED_POINTS", page);
+    voted_points_t foreign = page;
+    foreign.epoch = 9;
+    bus.publish("VOTED_POINTS", foreign);
+    tile_index_t index{};
+    index.owner = "tensor_voting:1";
+    index.channel = "VOTED_POINTS";
+    index.epoch = 2'147'483'000;
+    bus.publish("TILE_INDEX", index);
+    bus.publish("MAP_POSE", pose_at(now += 50'000, 0, 1 << 20));  // one bit flipped
+    bus.publish("MAP_POSE", pose_at(now += 50'000, 0));
+    bus.dispatch();
+    node.tick(now);
+  }
+  node.finish();
+  EXPECT_EQ(store::MapReader(config("map.db").map).epoch(), 1);
+  EXPECT_EQ(store::MapReader(config("map.db").map).tiles().size(), street().size());
+  EXPECT_EQ(node.report().counters["epochs"], 0);
+}
+
+TEST_F(SemanticMapNodeTest, LosesNoPoseOfAMapperWhoseClockWasSetBack) {
+  LocalBus bus;
+  SemanticMapNode node(config("map.db"), bus);
+  node.connect(bus);
+  node.tick(kStart);
+  bus.publish("MAP_POSE", pose_at(kStart, 0, 9));
+  for (int i = 0; i < 60; ++i) bus.publish("MAP_POSE", pose_at(kStart + i * 50'000, i, 2));
+  bus.dispatch();
+  node.tick(kStart);
+  EXPECT_EQ(node.report().faults.size(), 1U);
+  node.finish();
+  EXPECT_EQ(store::MapReader(config("map.db").map).epoch(), 2);
+  EXPECT_EQ(store::MapReader(config("map.db").map).trajectory().size(), 60U);
 }
 
 TEST_F(SemanticMapNodeTest, ARestartGoesOnWithTheDrive) {

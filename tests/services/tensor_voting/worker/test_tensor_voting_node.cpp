@@ -117,11 +117,32 @@ TEST(TensorVotingNode, ANewEpochForgetsTheOldMap) {
   for (const auto& [key, tile] : world.listener.tiles()) {
     EXPECT_EQ(tile.all.total, static_cast<std::int32_t>(world.mapper.tiles().at(key).size()));
   }
+  const std::int64_t dropped = world.nodes.begin()->second->report().counters["dropped.other_epoch"];
   map_points_t old{};
   old.epoch = 1;
   world.bus.publish("MAP_POINTS", old);
   world.bus.dispatch();
-  EXPECT_EQ(world.nodes.begin()->second->report().counters["dropped.old_epoch"], 1);
+  EXPECT_EQ(world.nodes.begin()->second->report().counters["dropped.other_epoch"], dropped + 1);
+}
+
+TEST(TensorVotingNode, AnEpochThatOneMessageNamesChangesNothing) {
+  World world(street());
+  world.start("tensor_voting:1");
+  world.run(2, 0.2);
+  for (const std::int32_t epoch : {2, 3, 2'147'483'000, -5}) {
+    tile_index_t index{};
+    index.owner = "mapper";
+    index.channel = "MAP_POINTS";
+    index.epoch = epoch;
+    index.num_pages = 1;
+    world.bus.publish("TILE_INDEX", index);
+    map_points_t points{};
+    points.epoch = epoch + 7;
+    world.bus.publish("MAP_POINTS", points);
+    world.run(1);
+  }
+  world.run(2);
+  EXPECT_EQ(world.listener.contents(), lossless());
 }
 
 TEST(TensorVotingNode, KeepsToItsBandwidthAndToFiveRevisionsASecond) {
@@ -159,6 +180,7 @@ TEST(TensorVotingNode, LetsGoOfTilesFarBehindAndTakesThemUpAgain) {
   EXPECT_EQ(world.listener.contents(), lossless());
   const auto drive_to = [&](double x) {
     map_pose_t pose{};
+    pose.epoch = 1;
     pose.map_base_position[0] = x;
     world.bus.publish("MAP_POSE", pose);
     world.run(2);
