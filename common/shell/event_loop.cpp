@@ -29,11 +29,23 @@ EventLoop::~EventLoop() {
 }
 
 void EventLoop::watch(int fd, std::function<void()> on_readable) {
-  watches_.push_back({fd, std::move(on_readable)});
+  watches_.push_back({fd, POLLIN, std::move(on_readable)});
+}
+
+void EventLoop::watch_writable(int fd, std::function<void()> on_writable) {
+  watches_.push_back({fd, POLLOUT, std::move(on_writable)});
+}
+
+void EventLoop::unwatch(int fd, short events) {
+  std::erase_if(watches_, [=](const Watch& watch) { return watch.fd == fd && (watch.events & events) != 0; });
+}
+
+void EventLoop::unwatch_writable(int fd) {
+  unwatch(fd, POLLOUT);
 }
 
 void EventLoop::unwatch(int fd) {
-  std::erase_if(watches_, [fd](const Watch& watch) { return watch.fd == fd; });
+  unwatch(fd, POLLIN | POLLOUT);
 }
 
 void EventLoop::every(std::chrono::milliseconds period, std::function<void()> task) {
@@ -47,7 +59,7 @@ void EventLoop::run() {
   std::vector<pollfd> fds;
   while (running_) {
     fds.assign(1, {signal_fd_, POLLIN, 0});
-    for (const Watch& watch : watches_) fds.push_back({watch.fd, POLLIN, 0});
+    for (const Watch& watch : watches_) fds.push_back({watch.fd, watch.events, 0});
     std::int64_t due = steady_clock() + 1'000'000;
     for (const Timer& timer : timers_) due = std::min(due, timer.due_us);
     const std::int64_t wait_us = may_idle && idle_ ? 0 : std::max<std::int64_t>(0, due - steady_clock());
@@ -64,10 +76,12 @@ void EventLoop::run() {
       if (fds[i].revents == 0) continue;
       was_idle = false;
       // By value and looked up anew: a handler may watch and unwatch.
-      const auto it = std::find_if(watches_.begin(), watches_.end(), [&](const Watch& w) { return w.fd == fds[i].fd; });
+      const auto it = std::find_if(watches_.begin(), watches_.end(), [&](const Watch& watch) {
+        return watch.fd == fds[i].fd && watch.events == fds[i].events;
+      });
       if (it == watches_.end()) continue;
-      const auto on_readable = it->on_readable;
-      on_readable();
+      const auto handler = it->handler;
+      handler();
     }
     const std::int64_t now = steady_clock();
     for (std::size_t i = 0; i < timers_.size(); ++i) {

@@ -19,6 +19,11 @@ class EventLoop {
 
   /// Calls `on_readable` whenever `fd` is readable, at its end, or in error. The caller still owns the fd.
   void watch(int fd, std::function<void()> on_readable);
+  /// Calls `on_writable` whenever `fd` takes more bytes, or is in error. To be ended as soon as nothing waits to be
+  /// written, for most fds are always writable.
+  void watch_writable(int fd, std::function<void()> on_writable);
+  void unwatch_writable(int fd);
+  /// Both.
   void unwatch(int fd);
   /// Calls `task` once a period. Periods that were missed are not made up for.
   void every(std::chrono::milliseconds period, std::function<void()> task);
@@ -33,8 +38,10 @@ class EventLoop {
  private:
   struct Watch {
     int fd;
-    std::function<void()> on_readable;
+    short events;  // POLLIN or POLLOUT
+    std::function<void()> handler;
   };
+  void unwatch(int fd, short events);
   struct Timer {
     std::int64_t period_us;
     std::int64_t due_us;

@@ -16,6 +16,7 @@ enum class Line {
 struct ImuConfig {
   std::string device = "/dev/ttyUSB0";  ///< serial port of the IMU
   int baud = 115200;
+  bool low_latency = true;  ///< ask the port's driver not to hold bytes back
   Line line = Line::kUsb;
   int rate = 100;           ///< Hz
   bool configure = true;    ///< set the device up; false: it was set up by somebody else
@@ -23,8 +24,10 @@ struct ImuConfig {
   double silence = 1.0;     ///< s without a sample after which it is a fault, and the device is set up again
 
   void visit(ConfigVisitor& v) {
-    v.field("device", device, "serial port of the IMU; /dev/serial/by-id/... survives replugging");
-    v.field("baud", baud, {115200, 921600}, "115200, 230400, 460800 or 921600; a USB device ignores it");
+    v.field("device", device,
+            "serial port of the IMU; /dev/curbstone-imu (udev) and /dev/serial/by-id/... survive replugging");
+    v.field("baud", baud, {4800, 4000000}, "any that device and port can; a USB device ignores it");
+    v.field("low_latency", low_latency, "ask the port's driver not to hold bytes back (an FTDI chip does for 16 ms)");
     v.choice("line", line, {{"usb", Line::kUsb}, {"uart", Line::kUart}},
              "uart: stamps are put back by the time that a frame takes at this baud");
     v.field("rate", rate, {1, 400}, "Hz, of acceleration and rate of turn");

@@ -172,6 +172,7 @@ NodeReport ImuNode::report() const {
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
 
+  if (link_report_) link_report_(report);
   if (!link_fault_.empty()) report.faults.push_back(link_fault_);
   const double silent = static_cast<double>(now_ - last_sample_) * 1e-6;
   if (silent > config_.silence) report.faults.push_back(fmt::format("no sample from the IMU for {:.0f} s", silent));

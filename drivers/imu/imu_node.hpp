@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
@@ -37,6 +38,8 @@ class ImuNode final : public Node {
   void on_bytes(std::int64_t receive_utime, std::span<const std::uint8_t> bytes);
   /// `up`: the port was opened again. Otherwise it has vanished or still cannot be opened, and `why` says so in a line.
   void on_link(std::int64_t now, bool up, const std::string& why);
+  /// What else belongs into the report: the link's counters and faults.
+  void add_report(std::function<void(NodeReport&)> report) { link_report_ = std::move(report); }
   void tick(std::int64_t now) override;
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
@@ -81,6 +84,7 @@ class ImuNode final : public Node {
   bool garbled_ = false;
   bool self_test_failed_ = false;
   std::string link_fault_;
+  std::function<void(NodeReport&)> link_report_;
   LatencyWindow latency_;
   Counters counters_;
 };

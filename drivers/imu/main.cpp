@@ -12,8 +12,9 @@ int main(int argc, char** argv) {
   return run_service<imu::ImuConfig>(
       argc, argv, {"imu", kProcessSections, "Xsens MTi (MTData2) on a serial port -> IMU"},
       [&](const imu::ImuConfig& config, ServiceContext& context) -> std::unique_ptr<Node> {
-        link.emplace(serial::SerialSettings{config.device, config.baud});
+        link.emplace(serial::SerialSettings{config.device, config.baud, config.low_latency});
         auto node = std::make_unique<imu::ImuNode>(config, context.bus, [&](auto bytes) { link->send(bytes); });
+        node->add_report([&](NodeReport& report) { link->report(report); });
         link->attach(context.loop,
                      {[node = node.get()](auto utime, auto bytes) { node->on_bytes(utime, bytes); },
                       [node = node.get()](auto now, bool up, const auto& why) { node->on_link(now, up, why); }});

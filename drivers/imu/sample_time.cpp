@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <functional>
 
 namespace curbstone::imu {
 
@@ -10,76 +11,77 @@ namespace {
 constexpr std::int64_t kDay = 864'000'000;  // ticks
 constexpr std::int64_t kFull = std::int64_t{1} << 32;
 constexpr std::int64_t kLongestInterval = 10'000;  // ticks, a second
-constexpr std::int64_t kGridError = 2;             // ticks: the device rounds, on both sides
+constexpr std::int64_t kRounding = 2;              // ticks: the device rounds, on both sides of a step
 constexpr std::size_t kFewestSteps = 3;
 
 }  // namespace
 
 SampleTime::Result SampleTime::next(std::uint32_t ticks, std::int64_t received, std::optional<int> ahead) {
-  if (last_) learn_interval(std::int64_t{ticks} - *last_);
+  if (last_) learn(std::int64_t{ticks} - *last_);
   last_ = ticks;
-  if (!believed_) {
-    believed_ = Seen{ticks, ticks, received};
-    return {Verdict::kContinues, ticks * kTick, 0};
-  }
-  if (const auto on = step(*believed_, ticks, received, ahead)) {
-    believed_ = Seen{ticks, believed_->unwrapped + *on, received};
+  const Seen seen{ticks, ticks, received};
+  const auto believe = [&](Verdict verdict, std::int64_t step) -> Result {
+    const bool continues = verdict == Verdict::kContinues && believed_;
+    std::int64_t missing = continues ? (interval_ == 0 ? ahead.value_or(1) : intervals(step)) - 1 : 0;
+    if (ahead) missing = std::clamp<std::int64_t>(missing, 0, std::max(*ahead - 1, 0));
+    believed_ = Seen{ticks, continues ? believed_->unwrapped + step : ticks, received};
     refused_.reset();
-    const std::int64_t missing = interval_ == 0 ? std::max(ahead.value_or(1), 1) - 1 : intervals(*on) - 1;
-    return {Verdict::kContinues, believed_->unwrapped * kTick, static_cast<int>(std::min(missing, kDay))};
-  }
+    return {verdict, believed_->unwrapped * kTick, static_cast<int>(std::min(missing, kDay))};
+  };
+  if (!believed_) return believe(Verdict::kContinues, 0);
+  if (const auto on = step(*believed_, seen, ahead, Strictness::kOnGrid)) return believe(Verdict::kContinues, *on);
   if (ticks == believed_->ticks) return {Verdict::kRepeated, 0, 0};
-  if (refused_ && step(*refused_, ticks, received, {})) {
-    believed_ = Seen{ticks, ticks, received};
-    refused_.reset();
-    return {Verdict::kRestarted, ticks * kTick, 0};
+  if (refused_ && step(*refused_, seen, {}, Strictness::kOnGrid)) {
+    if (const auto on = step(*believed_, seen, ahead, Strictness::kInOrder)) return believe(Verdict::kContinues, *on);
+    learned_ = 0;  // it may sample at another rate
+    interval_ = 0;
+    return believe(Verdict::kRestarted, 0);
   }
-  refused_ = Seen{ticks, ticks, received};
+  refused_ = seen;
   return {Verdict::kRefused, 0, 0};
 }
 
 /// From one time to the next, across a wrap too, in ticks; empty if it does not continue it.
-std::optional<std::int64_t> SampleTime::step(const Seen& from, std::uint32_t ticks, std::int64_t received,
-                                             std::optional<int> ahead) const {
+std::optional<std::int64_t> SampleTime::step(const Seen& from, const Seen& to, std::optional<int> ahead,
+                                             Strictness strictness) const {
+  const std::int64_t elapsed = to.received - from.received;
   for (const std::int64_t period : {std::int64_t{0}, kDay, kFull}) {
-    const std::int64_t step = std::int64_t{ticks} - from.ticks + period;
-    if (period == kDay && std::max(from.ticks, ticks) >= kDay) continue;
-    if (plausible(step, received - from.received, ahead)) return step;
+    const std::int64_t step = std::int64_t{to.ticks} - from.ticks + period;
+    if (step <= 0 || (period == kDay && std::max(from.ticks, to.ticks) >= kDay)) continue;
+    if (elapsed > kPause && std::abs(step * kTick - elapsed) <= kSlack) return step;
+    if (in_order(step, elapsed, ahead) && (strictness == Strictness::kInOrder || on_grid(step))) return step;
   }
   return {};
 }
 
-bool SampleTime::plausible(std::int64_t step, std::int64_t elapsed, std::optional<int> ahead) const {
-  if (step <= 0) return false;
-  if (elapsed > kPause && std::abs(step * kTick - elapsed) <= kSlack) return true;
-  if (!on_grid(step)) return false;
+bool SampleTime::in_order(std::int64_t step, std::int64_t elapsed, std::optional<int> ahead) const {
+  if (!ahead || interval_ == 0) return step * kTick <= std::max<std::int64_t>(elapsed, 0) + kSlack;
   // Messages of other kinds may be lost beside the samples, so there can be more messages than intervals; but not many.
-  if (ahead && interval_ > 0) return intervals(step) <= *ahead && *ahead <= 4 * intervals(step) + 8;
-  return step * kTick <= std::max<std::int64_t>(elapsed, 0) + kSlack;
+  return intervals(step - tolerance_) <= *ahead && *ahead <= 4 * intervals(step) + 8;
 }
 
-bool SampleTime::on_grid(std::int64_t step) const {
-  if (interval_ == 0) return true;
-  const std::int64_t n = intervals(step);
-  return std::abs(step - n * interval_) <= kGridError + n / 2;  // an interval is known to half a tick
+/// How far a step is from a multiple of the interval.
+std::int64_t SampleTime::off_grid(std::int64_t step) const {
+  return interval_ == 0 ? 0 : std::abs(step - intervals(step) * interval_);
 }
 
 std::int64_t SampleTime::intervals(std::int64_t step) const {
-  return std::max<std::int64_t>((step + interval_ / 2) / interval_, 1);
+  return interval_ == 0 ? 1 : std::max<std::int64_t>((step + interval_ / 2) / interval_, 1);
 }
 
-/// The interval is the median step, if most steps are multiples of it.
-void SampleTime::learn_interval(std::int64_t step) {
+/// The interval is the median step. The tolerance follows the third largest deviation: one wrong time makes two.
+void SampleTime::learn(std::int64_t step) {
   if (step <= 0 || step > kLongestInterval) return;
   steps_[learned_++ % steps_.size()] = step;
   const std::size_t n = std::min(learned_, steps_.size());
   if (n < kFewestSteps) return;
   auto sorted = steps_;
-  std::nth_element(sorted.begin(), sorted.begin() + n / 2, sorted.begin() + static_cast<std::ptrdiff_t>(n));
+  const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(n);
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), end);
   interval_ = sorted[n / 2];
-  const auto on = std::count_if(steps_.begin(), steps_.begin() + static_cast<std::ptrdiff_t>(n),
-                                [this](std::int64_t s) { return on_grid(s); });
-  if (3 * on < 2 * static_cast<std::int64_t>(n)) interval_ = 0;
+  std::transform(sorted.begin(), end, sorted.begin(), [this](std::int64_t s) { return off_grid(s); });
+  std::nth_element(sorted.begin(), sorted.begin() + 2, end, std::greater<>());
+  tolerance_ = kRounding + 2 * sorted[2];
 }
 
 }  // namespace curbstone::imu

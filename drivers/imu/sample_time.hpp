@@ -12,9 +12,10 @@ namespace curbstone::imu {
 /// GNSS receiver bear the time of the fix, up to seconds old.
 ///
 /// A time is believed if it continues the last one that was. If not, the sample is refused. If the next continues the
-/// refused one, and not the believed one, the device has restarted. "Continues" means: later, by a whole number of
-/// sample intervals (found from the steps that were seen) that the packet counter allows, or, without a counter, that
-/// the time of receipt allows. After a second without a sample it is enough that the time of receipt agrees.
+/// refused one, and not the believed one, the device has restarted, or has only shifted its samples. "Continues" means:
+/// later, by a whole number of sample intervals, give or take what is usual for this device, that the packet counter
+/// allows, or, without a counter, that the time of receipt allows. After a second without a sample it is enough that
+/// the time of receipt agrees.
 ///
 /// SampleTimeFine begins again at zero after 2^32 ticks on some devices (MTi-1, 600 series) and after a day (864e6
 /// ticks) on others (10 and 100 series). The messages do not tell which, so a step may be either. Pure; one thread.
@@ -46,19 +47,22 @@ class SampleTime {
     std::int64_t received;   // us
   };
 
-  [[nodiscard]] std::optional<std::int64_t> step(const Seen& from, std::uint32_t ticks, std::int64_t received,
-                                                 std::optional<int> ahead) const;
-  [[nodiscard]] bool plausible(std::int64_t step, std::int64_t elapsed, std::optional<int> ahead) const;
-  [[nodiscard]] bool on_grid(std::int64_t step) const;
+  enum class Strictness { kOnGrid, kInOrder };
+  [[nodiscard]] std::optional<std::int64_t> step(const Seen& from, const Seen& to, std::optional<int> ahead,
+                                                 Strictness strictness) const;
+  [[nodiscard]] bool in_order(std::int64_t step, std::int64_t elapsed, std::optional<int> ahead) const;
+  [[nodiscard]] bool on_grid(std::int64_t step) const { return off_grid(step) <= tolerance_ + intervals(step) / 2; }
+  [[nodiscard]] std::int64_t off_grid(std::int64_t step) const;
   [[nodiscard]] std::int64_t intervals(std::int64_t step) const;
-  void learn_interval(std::int64_t step);
+  void learn(std::int64_t step);
 
   std::optional<Seen> believed_;
   std::optional<Seen> refused_;  // since the last believed one
   std::optional<std::uint32_t> last_;
-  std::array<std::int64_t, 8> steps_{};  // ticks, of the last messages
+  std::array<std::int64_t, 32> steps_{};  // ticks, of the last samples, believed or not
   std::size_t learned_ = 0;
-  std::int64_t interval_ = 0;  // ticks between samples; 0: unknown, or they come as they like
+  std::int64_t interval_ = 0;   // ticks between samples; 0: not known yet
+  std::int64_t tolerance_ = 0;  // ticks, of a step that is a multiple of the interval
 };
 
 }  // namespace curbstone::imu

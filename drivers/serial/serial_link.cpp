@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -13,18 +14,47 @@ namespace curbstone::serial {
 namespace {
 constexpr std::int64_t kFirstRetry = 100'000;  // us
 constexpr std::int64_t kLastRetry = 2'000'000;
-constexpr int kMaxReads = 16;  // at a time: a device that never pauses must not starve the rest of the process
+constexpr double kBaudError = 0.02;  // a byte of ten bits is misread from 5 % on, of both ends together
+constexpr int kMaxReads = 16;        // at a time: a device that never pauses must not starve the rest of the process
 }  // namespace
+
+SerialLink::SerialLink(SerialSettings settings) : settings_(std::move(settings)) {
+  try {
+    open();
+  } catch (const NotASerialPort&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    why_ = error.what();
+    retry_after_ = kFirstRetry;
+    retry_at_ = steady_clock() + retry_after_;
+  }
+}
+
+void SerialLink::open() {
+  port_.emplace(settings_);
+  why_.clear();
+  counters_.set("serial.baud", port_->baud());
+  if (!settings_.low_latency) return;
+  const LowLatency& granted = port_->low_latency();
+  counters_.set("serial.low_latency", granted.granted ? 1 : 0);
+  if (!granted.granted) counters_.add("serial.low_latency_refused");
+  if (granted.timer_ms) counters_.set("serial.latency_timer_ms", *granted.timer_ms);
+}
 
 void SerialLink::attach(EventLoop& loop, Handlers handlers) {
   loop_ = &loop;
   handlers_ = std::move(handlers);
-  watch();
+  if (port_) {
+    watch();
+  } else {
+    handlers_.on_link(wall_clock(), false, why_);
+  }
   loop.every(std::chrono::milliseconds(100), [this] { try_to_open(); });
 }
 
 void SerialLink::watch() {
   loop_->watch(port_->fd(), [this] { on_readable(); });
+  if (!queue_.empty()) loop_->watch_writable(port_->fd(), [this] { on_writable(); });
 }
 
 void SerialLink::on_readable() {
@@ -41,6 +71,7 @@ void SerialLink::on_readable() {
 void SerialLink::lose() {
   loop_->unwatch(port_->fd());
   port_.reset();
+  queue_.clear();
   retry_after_ = kFirstRetry;
   retry_at_ = steady_clock() + retry_after_;
   handlers_.on_link(wall_clock(), false,
@@ -50,7 +81,7 @@ void SerialLink::lose() {
 void SerialLink::try_to_open() {
   if (port_ || steady_clock() < retry_at_) return;
   try {
-    port_.emplace(settings_);
+    open();
   } catch (const std::runtime_error& error) {
     retry_after_ = std::min(2 * retry_after_, kLastRetry);
     retry_at_ = steady_clock() + retry_after_;
@@ -62,7 +93,27 @@ void SerialLink::try_to_open() {
 }
 
 void SerialLink::send(std::span<const std::uint8_t> bytes) {
-  if (port_) port_->write(bytes);
+  if (!port_) return counters_.add("dropped.serial_away");
+  if (!queue_.has_room(bytes.size())) return counters_.add("dropped.serial_full");
+  const bool waiting = !queue_.empty();
+  if (!waiting) bytes = bytes.subspan(port_->write(bytes));
+  if (bytes.empty()) return;
+  queue_.push(bytes);
+  if (!waiting && loop_ != nullptr) loop_->watch_writable(port_->fd(), [this] { on_writable(); });
+}
+
+void SerialLink::on_writable() {
+  if (port_) queue_.pop(port_->write(queue_.front()));
+  if (port_ && queue_.empty()) loop_->unwatch_writable(port_->fd());
+}
+
+void SerialLink::report(NodeReport& report) const {
+  for (const auto& [name, value] : counters_.values()) report.counters.add(name, value);
+  if (!port_ || port_->baud() == 0) return;
+  if (std::abs(port_->baud() - settings_.baud) > kBaudError * settings_.baud) {
+    report.faults.push_back(fmt::format("serial port {} runs at {} baud: its driver cannot do {}", settings_.device,
+                                        port_->baud(), settings_.baud));
+  }
 }
 
 }  // namespace curbstone::serial

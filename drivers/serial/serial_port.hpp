@@ -3,25 +3,39 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stdexcept>
 #include <string>
+
+#include "drivers/serial/low_latency.hpp"
 
 namespace curbstone::serial {
 
 struct SerialSettings {
   std::string device = "/dev/ttyUSB0";
   int baud = 115200;
+  bool low_latency = true;  ///< ask the port's driver not to hold bytes back
+};
+
+/// The name is that of something else than a serial port: no waiting makes it one.
+class NotASerialPort : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
 };
 
 /// A serial port in raw mode, 8N1, no flow control, non-blocking, held exclusively. Move-only; closes at its end.
 class SerialPort {
  public:
-  /// Throws std::runtime_error with one clear line: no such device, no permission, busy, no serial port, bad baud.
+  /// Throws std::runtime_error with one clear line: no such device, no permission, busy; NotASerialPort.
   explicit SerialPort(const SerialSettings& settings);
   ~SerialPort();
   SerialPort(SerialPort&& other) noexcept;
   SerialPort& operator=(SerialPort&& other) noexcept;
 
   [[nodiscard]] int fd() const { return fd_; }
+  /// As the driver tells it; 0 if it does not.
+  [[nodiscard]] int baud() const { return baud_; }
+  /// What was granted; nothing if it was not asked for.
+  [[nodiscard]] const LowLatency& low_latency() const { return low_latency_; }
 
   enum class Status { kData, kNothing, kGone };
   struct Read {
@@ -37,6 +51,8 @@ class SerialPort {
   void close() noexcept;
 
   int fd_ = -1;
+  int baud_ = 0;
+  LowLatency low_latency_;
 };
 
 }  // namespace curbstone::serial

@@ -32,6 +32,7 @@ void SlcanLink::attach(EventLoop& loop, Handlers handlers) {
 void SlcanLink::report(NodeReport& report) const {
   const Counters counters = channel_.counters();
   for (const auto& [name, value] : counters.values()) report.counters.add(name, value);
+  serial_.report(report);
   if (port_up_ && !channel_.fault().empty()) report.faults.push_back(channel_.fault());
 }
 

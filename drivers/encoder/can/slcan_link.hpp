@@ -9,7 +9,8 @@ namespace curbstone::encoder::can {
 /// A CAN bus behind a serial SLCAN adapter.
 class SlcanLink final : public CanLink {
  public:
-  /// `bitrate` kbit/s of the bus. Throws std::runtime_error, with one clear line, if the port cannot be opened.
+  /// `bitrate` kbit/s of the bus. A port that is missing is waited for. Throws std::runtime_error,
+  /// with one clear line, for a bit rate or a file that cannot be meant.
   SlcanLink(const serial::SerialSettings& serial, int bitrate);
 
   void attach(EventLoop& loop, Handlers handlers) override;

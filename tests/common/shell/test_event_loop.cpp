@@ -20,6 +20,27 @@ TEST(EventLoop, DoesWhatMayWaitUntilThereIsNoMoreOfIt) {
   EXPECT_EQ(pieces, 5);
 }
 
+TEST(EventLoop, TellsReadableAndWritableOfOneDescriptorApart) {
+  EventLoop loop;
+  const int fd = eventfd(0, EFD_NONBLOCK);  // writable, and not readable until it was written to
+  std::string order;
+  loop.watch(fd, [&] {
+    order += 'r';
+    loop.unwatch(fd);
+    loop.stop();
+  });
+  loop.watch_writable(fd, [&] {
+    order += 'w';
+    if (order.size() < 3) return;
+    loop.unwatch_writable(fd);
+    const std::uint64_t one = 1;
+    (void)!write(fd, &one, sizeof one);
+  });
+  loop.run();
+  EXPECT_EQ(order, "wwwr");
+  close(fd);
+}
+
 TEST(EventLoop, WhatHasComeGoesBeforeWhatMayWait) {
   EventLoop loop;
   const int fd = eventfd(1, EFD_NONBLOCK);

@@ -14,6 +14,7 @@ namespace curbstone::encoder {
 namespace {
 
 using namespace std::chrono_literals;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -111,7 +112,7 @@ TEST_F(EncoderOnAPty, IsReadThroughNoise) {
 }
 
 TEST(EncoderProgram, SaysInOneLineWhatIsMissingAndStops) {
-  for (const std::string& what : {std::string("device=/dev/no_such_tty"), std::string("interface=socketcan")}) {
+  for (const std::string& what : {std::string("device=/dev/null"), std::string("interface=socketcan")}) {
     const std::string command =
         CURBSTONE_BIN_DIR "/curbstone-encoder --lcm-url memq:// --set device=no_can --set " + what + " 2>&1 >/dev/null";
     FILE* output = popen(command.c_str(), "r");
@@ -120,7 +121,7 @@ TEST(EncoderProgram, SaysInOneLineWhatIsMissingAndStops) {
     text.resize(fread(text.data(), 1, text.size(), output));
     EXPECT_EQ(WEXITSTATUS(pclose(output)), 1);
     EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
-    EXPECT_THAT(text, HasSubstr("cannot open"));
+    EXPECT_THAT(text, AnyOf(HasSubstr("cannot open"), HasSubstr("is no serial port")));
   }
 }
 

@@ -175,6 +175,21 @@ TEST_F(SampleTimeTest, ARateThatIsNoWholeNumberOfTicksIsFollowed) {
   }
 }
 
+TEST_F(SampleTimeTest, ADeviceThatSamplesABitLateAtTimesIsBelieved) {
+  std::mt19937 random(2);
+  int used = 0, restarted = 0;
+  const std::int64_t begin = ticks_;
+  for (int i = 1; i <= 10'000; ++i) {
+    const std::int64_t late = static_cast<std::int64_t>(random() % 20 == 0 ? random() % 40 : random() % 3);
+    received_ += 10'000;
+    const auto verdict = say(static_cast<std::uint32_t>(begin + i * interval_ + late), 1).verdict;
+    used += verdict == Verdict::kContinues;
+    restarted += verdict == Verdict::kRestarted;
+  }
+  EXPECT_GT(used, 9'800) << "what is off by far costs its sample";
+  EXPECT_EQ(restarted, 0);
+}
+
 TEST_F(SampleTimeTest, ADeviceThatSamplesAsItLikesIsBelieved) {
   std::mt19937 random(1);
   int used = 0;

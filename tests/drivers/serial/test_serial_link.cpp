@@ -59,6 +59,74 @@ TEST(SerialLinkTest, ComesBackByItselfAfterTheDeviceWasUnplugged) {
   EXPECT_EQ(pty.wait_and_read(), testing::Bytes{9});
 }
 
+TEST(SerialLinkTest, ADeviceThatIsMissingAtTheStartIsAFaultUntilItComes) {
+  testing::Pty pty;
+  const std::string path = pty.path();
+  pty.unplug();
+  EventLoop loop;
+  SerialLink link({path, 115200});
+  std::vector<std::string> down;
+  testing::Bytes received;
+  bool up = false;
+  link.attach(loop, {[&](std::int64_t, auto bytes) { received.insert(received.end(), bytes.begin(), bytes.end()); },
+                     [&](std::int64_t, bool is_up, const std::string& why) {
+                       up = is_up;
+                       if (!is_up) down.push_back(why);
+                     }});
+  ASSERT_EQ(down.size(), 1u) << "told at once";
+  EXPECT_THAT(down[0], ::testing::HasSubstr(path));
+  link.send(testing::Bytes{1});
+  int step = 0;
+  loop.every(50ms, [&] {
+    if (++step == 8) pty.plug();
+    if (up && received.empty()) pty.write(testing::Bytes{7});
+    if (!received.empty() || step == 200) loop.stop();
+  });
+  loop.run();
+  EXPECT_TRUE(up);
+  ASSERT_FALSE(received.empty());
+  EXPECT_GT(down.size(), 1u) << "told again with each try";
+  NodeReport report;
+  link.report(report);
+  EXPECT_EQ(report.counters["dropped.serial_away"], 1);
+  EXPECT_EQ(report.counters["serial.baud"], 115200);
+  EXPECT_EQ(report.counters["serial.low_latency_refused"], 1);
+}
+
+TEST(SerialLinkTest, AFileThatIsNoSerialPortEndsTheStart) {
+  EXPECT_THROW(SerialLink({"/dev/null", 115200}), NotASerialPort);
+}
+
+TEST(SerialLinkTest, WhatTheKernelDoesNotTakeAtOnceIsSentInOrderAndWhole) {
+  testing::Pty pty;
+  EventLoop loop;
+  SerialLink link({pty.path(), 115200});
+  link.attach(loop,
+              {[](std::int64_t, std::span<const std::uint8_t>) {}, [](std::int64_t, bool, const std::string&) {}});
+  constexpr std::size_t kSize = 100;
+  int sent = 0;
+  const auto dropped = [&] {
+    NodeReport report;
+    link.report(report);
+    return report.counters["dropped.serial_full"];
+  };
+  while (dropped() < 3 && sent < 100'000) link.send(testing::Bytes(kSize, static_cast<std::uint8_t>(sent++)));
+  ASSERT_EQ(dropped(), 3) << "what waits is bounded";
+  const std::size_t expected = static_cast<std::size_t>(sent - 3) * kSize;
+  testing::Bytes received;
+  int step = 0;
+  loop.every(1ms, [&] {
+    const auto bytes = pty.read();
+    received.insert(received.end(), bytes.begin(), bytes.end());
+    if (received.size() >= expected || ++step == 5000) loop.stop();
+  });
+  loop.run();
+  ASSERT_EQ(received.size(), expected);
+  for (std::size_t i = 0; i < expected; ++i) ASSERT_EQ(received[i], static_cast<std::uint8_t>(i / kSize)) << i;
+  link.send(testing::Bytes{9});
+  EXPECT_EQ(pty.wait_and_read(), testing::Bytes{9});
+}
+
 TEST(SerialLinkTest, NothingIsReceivedBeforeItWasSentHoweverBusyTheHost) {
   testing::Pty pty;
   EventLoop loop;

@@ -61,11 +61,23 @@ TEST(SerialPortTest, IsHeldByOneProgramAtATime) {
   EXPECT_EQ(error_of({pty.path(), 115200}), "");
 }
 
+TEST(SerialPortTest, RunsAtAnyBaudAndReadsBackWhichOneWasGranted) {
+  const testing::Pty pty;
+  for (const int baud : {9600, 115200, 123'456, 250'000, 3'500'000}) {
+    EXPECT_EQ(SerialPort({pty.path(), baud}).baud(), baud);
+  }
+}
+
+TEST(SerialPortTest, APortThatRefusesLowLatencyIsUsedAllTheSame) {
+  const testing::Pty pty;
+  EXPECT_EQ(SerialPort({pty.path(), 115200}).low_latency(), LowLatency{});
+}
+
 TEST(SerialPortTest, ErrorsSayWhatToDo) {
   EXPECT_THAT(error_of({"/dev/no_such_tty", 115200}), AllOf(HasSubstr("/dev/no_such_tty"), HasSubstr("plugged in")));
   EXPECT_THAT(error_of({CURBSTONE_SOURCE_DIR "/CMakeLists.txt", 115200}), HasSubstr("is no serial port"));
   EXPECT_THAT(error_of({"/dev/null", 115200}), HasSubstr("is no serial port"));
-  EXPECT_THAT(error_of({"/dev/null", 123}), HasSubstr("baud 123 is none"));
+  EXPECT_THROW(SerialPort({"/dev/null", 115200}), NotASerialPort) << "no waiting helps";
 }
 
 }  // namespace

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace curbstone::serial {
+
+/// What the kernel would not take at once. A message goes in whole or not at all: half a command would make the device
+/// misread the next. Holds at most kMost bytes.
+class SendQueue {
+ public:
+  static constexpr std::size_t kMost = 16'384;  ///< bytes: more than a second at 115200 baud
+
+  [[nodiscard]] bool empty() const { return sent_ == bytes_.size(); }
+  /// Whether a message of this size fits.
+  [[nodiscard]] bool has_room(std::size_t size) const { return size <= kMost - (bytes_.size() - sent_); }
+  void push(std::span<const std::uint8_t> bytes) {
+    bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(sent_));
+    sent_ = 0;
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  }
+  [[nodiscard]] std::span<const std::uint8_t> front() const { return std::span(bytes_).subspan(sent_); }
+  void pop(std::size_t size) {
+    sent_ += size;
+    if (empty()) clear();
+  }
+  void clear() {
+    bytes_.clear();
+    sent_ = 0;
+  }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::size_t sent_ = 0;  // of bytes_
+};
+
+}  // namespace curbstone::serial
