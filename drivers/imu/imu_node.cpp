@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <utility>
 
@@ -26,7 +27,27 @@ ImuNode::ImuNode(const ImuConfig& config, Publisher& bus, Send send)
 
 void ImuNode::on_bytes(std::int64_t receive_utime, std::span<const std::uint8_t> bytes) {
   counters_.add("bytes", static_cast<std::int64_t>(bytes.size()));
-  parser_.parse(receive_utime, bytes, [&](const XbusFrame& frame) { on_frame(receive_utime, frame); });
+  parser_.parse(receive_utime, bytes, [&](const XbusFrame& frame) {
+    note_refusals(receive_utime);
+    on_frame(receive_utime, frame);
+    if (note_refusals(receive_utime) == 0) refusals_.used(receive_utime);
+  });
+  note_refusals(receive_utime);
+}
+
+/// Returns how many have come since it was called last.
+int ImuNode::note_refusals(std::int64_t now) {
+  int more = 0;
+  for (const Counters* counters : std::initializer_list<const Counters*>{&counters_, &parser_.counters()}) {
+    for (const auto& [name, value] : counters->values()) {
+      if (!name.starts_with("refused.")) continue;
+      for (; noted_[name] < value; ++more) {
+        refusals_.refused(now, name);
+        noted_.add(name);
+      }
+    }
+  }
+  return more;
 }
 
 void ImuNode::on_frame(std::int64_t receive_utime, const XbusFrame& frame) {
@@ -150,6 +171,7 @@ void ImuNode::tick(std::int64_t now) {
   now_ = now;
   if (link_fault_.empty()) configurator_.tick(now);
   watch_line(now);
+  refusals_.tick(now);
 }
 
 /// More garbage than frames within a second is a fault; a byte now and then is not.
@@ -177,6 +199,7 @@ NodeReport ImuNode::report() const {
   const double silent = static_cast<double>(now_ - last_sample_) * 1e-6;
   if (silent > config_.silence) report.faults.push_back(fmt::format("no sample from the IMU for {:.0f} s", silent));
   if (garbled_) report.faults.push_back("garbage from the IMU: wrong baud, or another device");
+  if (const auto& fault = refusals_.fault()) report.faults.push_back(*fault);
   if (const std::string fault = configurator_.fault(); !fault.empty()) report.faults.push_back(fault);
   if (self_test_failed_) report.faults.push_back("the IMU's self-test has failed");
   return report;

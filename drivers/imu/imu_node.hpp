@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/bus/node.hpp"
+#include "common/bus/refusal_share.hpp"
 #include "common/shell/latency.hpp"
 #include "common/time/clock_offset.hpp"
 #include "common/time/settling_start.hpp"
@@ -62,6 +63,7 @@ class ImuNode final : public Node {
   void restart_clocks();
   void publish(imu_t& message, std::int64_t now);
   void watch_line(std::int64_t now);
+  int note_refusals(std::int64_t now);
 
   ImuConfig config_;
   Publisher& bus_;
@@ -82,6 +84,8 @@ class ImuNode final : public Node {
   std::int64_t watched_bytes_ = 0;
   std::int64_t watched_garbage_ = 0;
   bool garbled_ = false;
+  RefusalShare refusals_;
+  Counters noted_;  // of refusals, those that refusals_ knows
   bool self_test_failed_ = false;
   std::string link_fault_;
   std::function<void(NodeReport&)> link_report_;

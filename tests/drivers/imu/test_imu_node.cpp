@@ -187,6 +187,26 @@ TEST_F(ImuNodeTest, GarbageIsCountedToldAndSurvived) {
   EXPECT_THAT(node_->report().faults, IsEmpty());
 }
 
+TEST_F(ImuNodeTest, MoreThanAFewRefusedMessagesAreAFaultThatNamesTheirCause) {
+  make_node();
+  deliver(now_, device_.power_on(now_));
+  run_for(2'000'000);
+  const auto damage_each = [&](int n) {
+    for (int k = 0; k < 200; ++k, now_ += 10'000) {
+      testing::Bytes bytes = device_.sample(now_, {.acceleration = {0, 0, 9.8}});
+      if (k % n == 0) bytes[bytes.size() - 2] ^= 0x10;
+      deliver(now_, bytes);
+      if (k % 2 == 0) node_->tick(now_);
+    }
+  };
+  damage_each(100);
+  EXPECT_THAT(node_->report().faults, IsEmpty()) << "one in a hundred";
+  damage_each(10);
+  EXPECT_THAT(node_->report().faults, Contains(HasSubstr("refused.checksum")));
+  damage_each(1000);
+  EXPECT_THAT(node_->report().faults, IsEmpty());
+}
+
 TEST_F(ImuNodeTest, LossesOnTheWireAreCountedAndSeenInTheSequence) {
   make_node();
   deliver(now_, device_.power_on(now_));
