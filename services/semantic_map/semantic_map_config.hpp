@@ -11,17 +11,20 @@ namespace curbstone::semantic_map {
 
 /// Configuration of the semantic map: section "semantic_map" of the vehicle's file.
 struct SemanticMapConfig {
-  std::string map = "map.db";      ///< file; empty: the map lives in memory only
-  std::string picture;             ///< PNG of the map, written at the end; empty: none
-  int work_per_tick = 8;           ///< tiles whose ground and curbs are looked for each 20 ms
-  double curb_range = 20.0;        ///< m around the vehicle that CURBS speaks of
-  int max_pending_tiles = 20'000;  ///< kept in memory while the disk is full
+  std::string map = "map.db";       ///< file; empty: the map lives in memory only
+  bool keep_earlier_drives = true;  ///< in files beside the map
+  std::string picture;              ///< PNG of the map, written at the end; empty: none
+  int work_per_tick = 8;            ///< tiles whose ground and curbs are looked for each 20 ms
+  double curb_range = 20.0;         ///< m around the vehicle that CURBS speaks of
+  int max_pending_tiles = 20'000;   ///< kept in memory while the disk is full
   tile::CurbParameters curb;
   cells::ClassParameters classes;
   VehicleConfig vehicle;
 
   void visit(ConfigVisitor& v) {
     v.field("map", map, "file to keep the map in; empty: in memory only");
+    v.field("keep_earlier_drives", keep_earlier_drives,
+            "a map that must make room for another drive's is kept beside it, as map-<its start>.db");
     v.field("picture", picture, "PNG of the map, written at the end; empty: none");
     v.field("work_per_tick", work_per_tick, {1, 1000}, "tiles whose ground and curbs are looked for each 20 ms");
     v.field("curb_range", curb_range, {3, 100}, "m around the vehicle that CURBS speaks of");

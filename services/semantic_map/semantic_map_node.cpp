@@ -45,7 +45,7 @@ SemanticMapNode::SemanticMapNode(const SemanticMapConfig& config, Publisher& bus
       bus_(bus),
       pipeline_(config.curb, with_vehicle(config.classes, config.vehicle)),
       schedule_(config.work_per_tick),
-      keeper_(config.map, static_cast<std::size_t>(config.max_pending_tiles)) {}
+      keeper_(config.map, static_cast<std::size_t>(config.max_pending_tiles), config.keep_earlier_drives) {}
 
 void SemanticMapNode::connect(Subscriber& bus) {
   bus.subscribe<voted_points_t>("VOTED_POINTS", [this](const voted_points_t& m) { on(m); });
@@ -173,6 +173,7 @@ void SemanticMapNode::take(const map_trajectory_t& message) {
     path_.emplace(utime, T_map_base.translation().head<2>());
     keeper_.put(tile::TrajectoryPose{utime, message.revolutions[i], T_map_base});
   }
+  if (message.page == 0 && !message.utimes.empty()) keeper_.corrected_from(message.utimes.front());
 }
 
 void SemanticMapNode::begin_drive(std::int64_t utime) {

@@ -17,6 +17,7 @@ ReplayVehicle::ReplayVehicle(const ReplayOptions& options, LocalBus& bus) : bus_
   auto semantic = config_of<semantic_map::SemanticMapConfig>("semantic_map", kProcessSections, options.config_file,
                                                              options.assignments);
   if (!options.map_file.empty()) semantic.map = options.map_file;
+  semantic.keep_earlier_drives = false;  // the user says which file is to be made
   stages_.push_back(
       {"ekf",
        std::make_unique<ekf::EkfNode>(

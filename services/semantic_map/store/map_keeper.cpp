@@ -1,7 +1,11 @@
 #include "services/semantic_map/store/map_keeper.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
+#include <filesystem>
 #include <utility>
 
 namespace curbstone::semantic_map::store {
@@ -9,11 +13,13 @@ namespace curbstone::semantic_map::store {
 namespace {
 
 constexpr std::int64_t kLongestBreak = 600'000'000;  // us between two poses of one drive, a restart in between
+constexpr std::int64_t kFirstPose = 1'000'000;       // us: a corrected drive may begin so much later than it did
 constexpr std::size_t kMaxPoses = 200'000;           // kept while the disk is full: hours
 
 }  // namespace
 
-MapKeeper::MapKeeper(const std::string& path, std::size_t max_pending_tiles) : max_pending_(max_pending_tiles) {
+MapKeeper::MapKeeper(const std::string& path, std::size_t max_pending_tiles, bool keep_earlier)
+    : max_pending_(max_pending_tiles), keep_earlier_(keep_earlier) {
   if (!path.empty()) store_ = std::make_unique<MapStore>(path);
 }
 
@@ -26,8 +32,39 @@ void MapKeeper::start(std::int32_t epoch, std::int64_t utime) {
   await_writing();
   const bool goes_on = pending_.trajectory.empty() && store_->last_utime() > 0 && store_->epoch() == epoch &&
                        utime > store_->last_utime() && utime - store_->last_utime() < kLongestBreak;
+  const std::string keep_in = goes_on ? "" : make_room();
   epoch_ = epoch;
-  pending_ = {.clear = pending_.clear || !goes_on, .tiles = {}, .trajectory = {}, .curbs = {}};
+  has_begun_ = true;
+  const bool clear = pending_.clear || !goes_on;
+  pending_ = {};
+  pending_.clear = clear;
+  pending_.keep_in = keep_in;
+}
+
+/// Where to keep the drive that is stored; empty if none is. What of it is not written yet is written first.
+std::string MapKeeper::make_room() {
+  if (!keep_earlier_) return {};
+  if (has_begun_) {
+    begin_writing();
+    await_writing();
+  }
+  if (!pending_.keep_in.empty()) return pending_.keep_in;  // the disk is full
+  if (store_->first_utime() == 0) return {};
+  const std::string file = store_->free_name();
+  if (has_begun_) earlier_ = {.file = file, .first_utime = store_->first_utime()};
+  return file;
+}
+
+void MapKeeper::corrected_from(std::int64_t first_utime) {
+  if (!earlier_ || std::abs(first_utime - earlier_->first_utime) > kFirstPose) return;
+  remove_superseded();
+  superseded_ = earlier_->file;
+  earlier_.reset();
+}
+
+void MapKeeper::remove_superseded() {
+  std::error_code ignored;  // it stays, then
+  if (!superseded_.empty()) std::filesystem::remove(std::exchange(superseded_, {}), ignored);
 }
 
 void MapKeeper::put(const tile::MapTile& tile) {
@@ -83,6 +120,7 @@ void MapKeeper::begin_writing() {
 
 MapStore::Batch MapKeeper::batch_under_way() const {
   MapStore::Batch batch{.clear = under_way_.clear,
+                        .keep_in = under_way_.keep_in,
                         .epoch = epoch_,
                         .trajectory = under_way_.trajectory,
                         .curbs = under_way_.curbs ? &*under_way_.curbs : nullptr};
@@ -115,6 +153,13 @@ void MapKeeper::take_back() {
   if (under_way_.curbs) pending_.curbs = std::move(under_way_.curbs);
 }
 
+std::string MapKeeper::fault() const {
+  if (!fault_.empty()) return fault_;
+  if (earlier_)
+    return fmt::format("the mapper began a new map in mid-drive; what was mapped before is kept in {}", earlier_->file);
+  return {};
+}
+
 void MapKeeper::finish(std::vector<tile::CurbLine> curbs) {
   if (!store_) return;
   await_writing();
@@ -124,6 +169,7 @@ void MapKeeper::finish(std::vector<tile::CurbLine> curbs) {
   if (!fault_.empty()) return;
   try {
     store_->close_canonical();
+    remove_superseded();
   } catch (const MapStoreError& error) {
     counters_.add("faults.store");
     fault_ = error.what();

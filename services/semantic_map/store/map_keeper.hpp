@@ -20,16 +20,20 @@ namespace curbstone::semantic_map::store {
 /// dropped.unstored_poses.
 class MapKeeper {
  public:
-  /// Opens the file: throws MapStoreError. Empty path: keeps nothing.
-  MapKeeper(const std::string& path, std::size_t max_pending_tiles);
+  /// Opens the file: throws MapStoreError. Empty path: keeps nothing. `keep_earlier`: a drive that must make room for
+  /// another is kept in a file beside (MapStore::free_name).
+  MapKeeper(const std::string& path, std::size_t max_pending_tiles, bool keep_earlier = true);
   /// Waits for what is under way; what is pending is lost without finish().
   ~MapKeeper();
   MapKeeper(const MapKeeper&) = delete;
   MapKeeper& operator=(const MapKeeper&) = delete;
 
   /// A drive begins (first pose, or a new epoch of the map). An earlier map of the same drive is gone on with (the
-  /// service was restarted); any other is forgotten.
+  /// service was restarted). Any other makes room, and is kept in a file beside.
   void start(std::int32_t epoch, std::int64_t utime);
+  /// The mapper has corrected the drive as a whole, from `first_utime` on: if that is the drive that made room, its
+  /// file beside is removed when the drive is over, or when the next correction makes another.
+  void corrected_from(std::int64_t first_utime);
   void put(const tile::MapTile& tile);
   void put(const tile::TrajectoryPose& pose);
   /// All curbs of the map as they are now; they go with the next batch.
@@ -39,14 +43,16 @@ class MapKeeper {
   /// Writes the rest and the curbs, and closes the file in canonical form.
   void finish(std::vector<tile::CurbLine> curbs);
 
-  /// What became of the last transaction, in words; empty when all is well.
-  [[nodiscard]] const std::string& fault() const { return fault_; }
+  /// What became of the last transaction, in words; or that the map was begun anew in mid-drive. Empty when all is
+  /// well.
+  [[nodiscard]] std::string fault() const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
   /// What the file does not know yet.
   struct Changes {
-    bool clear = false;  // first of all that was stored
+    bool clear = false;   // first of all that was stored
+    std::string keep_in;  // but in this file
     std::unordered_map<TileKey, tile::MapTile, TileKeyHash> tiles;
     std::vector<tile::TrajectoryPose> trajectory;
     std::optional<std::vector<tile::CurbLine>> curbs;
@@ -55,11 +61,22 @@ class MapKeeper {
   void begin_writing();
   void await_writing();
   void take_back();
+  [[nodiscard]] std::string make_room();
+  void remove_superseded();
   void add(const tile::MapTile& tile);
   [[nodiscard]] MapStore::Batch batch_under_way() const;
 
   std::unique_ptr<MapStore> store_;
+  /// The drive that made room, while this process ran.
+  struct Earlier {
+    std::string file;
+    std::int64_t first_utime = 0;
+  };
   std::size_t max_pending_;
+  bool keep_earlier_;
+  bool has_begun_ = false;
+  std::optional<Earlier> earlier_;
+  std::string superseded_;  // file of this drive, before it was corrected: until all tiles have come again
   std::int32_t epoch_ = 0;
   Changes pending_;
   Changes under_way_;                 // not touched while it is written

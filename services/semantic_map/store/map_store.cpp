@@ -7,6 +7,7 @@
 #include <SQLiteCpp/Transaction.h>
 #include <SQLiteCpp/VariadicBind.h>
 #include <fcntl.h>
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
 #include <sys/file.h>
@@ -16,6 +17,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <span>
 #include <vector>
@@ -211,6 +213,7 @@ MapStore::MapStore(std::string path) : path_(std::move(path)), lock_(std::make_u
     if (integer(*db_, "PRAGMA user_version") < kMapSchemaVersion)
       db_->exec(fmt::format("PRAGMA user_version = {}", kMapSchemaVersion));
     epoch_ = stored_epoch(*db_);
+    first_utime_ = integer(*db_, "SELECT min(utime) FROM trajectory");
     last_utime_ = integer(*db_, "SELECT max(utime) FROM trajectory");
   });
 }
@@ -219,6 +222,7 @@ MapStore::~MapStore() = default;
 
 void MapStore::write(const Batch& batch) {
   if (!db_) throw MapStoreError(fmt::format("{}: is closed", path_));
+  if (batch.clear && !batch.keep_in.empty()) copy_to(batch.keep_in);
   for_file(path_, [&] {
     SQLite::Transaction transaction(*db_, SQLite::TransactionBehavior::IMMEDIATE);
     if (batch.clear) db_->exec("DELETE FROM tiles; DELETE FROM curbs; DELETE FROM trajectory");
@@ -254,8 +258,42 @@ void MapStore::write(const Batch& batch) {
     transaction.commit();
   });
   epoch_ = batch.epoch;
-  if (batch.clear) last_utime_ = 0;
-  for (const tile::TrajectoryPose& pose : batch.trajectory) last_utime_ = std::max(last_utime_, pose.utime);
+  if (batch.clear) first_utime_ = last_utime_ = 0;
+  for (const tile::TrajectoryPose& pose : batch.trajectory) {
+    first_utime_ = first_utime_ == 0 ? pose.utime : std::min(first_utime_, pose.utime);
+    last_utime_ = std::max(last_utime_, pose.utime);
+  }
+}
+
+std::string MapStore::free_name() const {
+  const std::filesystem::path file(path_);
+  const std::time_t second = first_utime_ / 1'000'000;
+  const std::string stem = fmt::format("{}-{:%Y%m%dT%H%M%SZ}", file.stem().string(), fmt::gmtime(second));
+  std::filesystem::path name;
+  std::error_code ignored;
+  for (int i = 1; i == 1 || std::filesystem::exists(name, ignored); ++i)
+    name = file.parent_path() / (stem + (i == 1 ? "" : fmt::format("-{}", i)) + file.extension().string());
+  return name.string();
+}
+
+/// A copy and not a rename: readers may have the file open, and what they see must stay one map.
+void MapStore::copy_to(const std::string& path) {
+  const std::string unfinished = path + ".unfinished";
+  try {
+    for_file(path_, [&] {
+      std::filesystem::remove(unfinished);
+      SQLite::Statement vacuum(*db_, "VACUUM INTO ?");
+      vacuum.bind(1, unfinished);
+      vacuum.exec();
+      std::filesystem::rename(unfinished, path);
+    });
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw MapStoreError(fmt::format("{}: {}", path, error.what()));
+  } catch (const MapStoreError&) {
+    std::error_code ignored;
+    std::filesystem::remove(unfinished, ignored);
+    throw;
+  }
 }
 
 void MapStore::close_canonical() {

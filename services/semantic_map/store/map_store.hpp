@@ -67,7 +67,8 @@ class MapStore {
 
   /// What one transaction changes.
   struct Batch {
-    bool clear = false;  ///< first forget all that was stored: another drive begins
+    bool clear = false;        ///< first forget all that was stored: another drive begins
+    std::string keep_in = {};  ///< but copy it to this file before; empty: do not
     std::int32_t epoch = 0;
     std::vector<tile::MapTile> tiles = {};               ///< replace those with the same key
     std::vector<tile::TrajectoryPose> trajectory = {};   ///< appended
@@ -76,9 +77,14 @@ class MapStore {
   /// Throws MapStoreError (disk full, I/O error): nothing of the batch is in the file then, try again later.
   void write(const Batch& batch);
 
-  /// What is stored now, to decide whether a drive goes on: epoch and the newest pose's utime (0: none).
+  /// What is stored now, to decide whether a drive goes on: epoch, and utime of the first and the newest pose (0:
+  /// none).
   [[nodiscard]] std::int32_t epoch() const { return epoch_; }
+  [[nodiscard]] std::int64_t first_utime() const { return first_utime_; }
   [[nodiscard]] std::int64_t last_utime() const { return last_utime_; }
+  /// A file that does not exist yet, for a drive that must make room for another: map.db -> map-20261123T165133Z.db,
+  /// after its first pose; ...-2.db if that is taken, by a vehicle whose clock begins anew at each start.
+  [[nodiscard]] std::string free_name() const;
   [[nodiscard]] const std::string& path() const { return path_; }
 
   /// The drive is over: rewrites the file in canonical order, so that the same content is the same bytes, and closes
@@ -87,10 +93,13 @@ class MapStore {
 
  private:
   struct Lock;
+  void copy_to(const std::string& path);
+
   std::string path_;
   std::unique_ptr<Lock> lock_;  // outlives db_: SQLite's own locks go when any descriptor of the file is closed
   std::unique_ptr<SQLite::Database> db_;
   std::int32_t epoch_ = 0;
+  std::int64_t first_utime_ = 0;
   std::int64_t last_utime_ = 0;
 };
 

@@ -6,7 +6,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "tests/temporary_folder.hpp"
 
@@ -39,6 +42,20 @@ class MapKeeperTest : public ::testing::Test {
     const std::int64_t before = done();
     keeper.write();
     for (int i = 0; i < 5000 && done() == before; ++i, usleep(1000)) keeper.write();
+  }
+
+  /// The maps beside map.db.
+  [[nodiscard]] std::vector<fs::path> kept() const {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(path_.parent_path()))
+      if (entry.path() != path_) files.push_back(entry.path());
+    std::ranges::sort(files);
+    return files;
+  }
+  static void drive(MapKeeper& keeper, std::int32_t epoch, std::int64_t utime, int tiles) {
+    keeper.start(epoch, utime);
+    for (int x = 0; x < tiles; ++x) keeper.put(a_tile(x));
+    keeper.put(a_pose(utime));
   }
 
   testing::TemporaryFolder folder_;
@@ -77,20 +94,72 @@ TEST_F(MapKeeperTest, WhatComesWhileItWritesIsInTheNextTransaction) {
   EXPECT_EQ(map.trajectory().size(), 20U);
 }
 
-TEST_F(MapKeeperTest, AnotherDriveForgetsTheEarlierOneAlsoInMidWriting) {
+TEST_F(MapKeeperTest, AnotherDriveMakesTheEarlierOneAFileBeside) {
+  {
+    MapKeeper keeper(path_, 1000);
+    drive(keeper, 7, kSecond, 200);
+    keeper.finish({});
+  }
   MapKeeper keeper(path_, 1000);
-  keeper.start(7, kSecond);
-  for (int x = 0; x < 200; ++x) keeper.put(a_tile(x));
-  keeper.put(a_pose(kSecond));
-  keeper.write();
-  keeper.start(8, kSecond);
-  keeper.put(a_tile(500));
-  keeper.put(a_pose(2 * kSecond));
+  drive(keeper, 8, 100 * kSecond, 3);
+  EXPECT_EQ(keeper.fault(), "") << "that is how a day begins";
   keeper.finish({});
   const MapReader map(path_);
   EXPECT_EQ(map.epoch(), 8);
-  EXPECT_EQ(map.tiles().size(), 1U);
+  EXPECT_EQ(map.tiles().size(), 3U);
   EXPECT_EQ(map.trajectory().size(), 1U);
+  ASSERT_EQ(kept(), std::vector<fs::path>{folder_ / "map-19700101T000001Z.db"});
+  const MapReader earlier(kept().front());
+  EXPECT_EQ(earlier.epoch(), 7);
+  EXPECT_EQ(earlier.tiles().size(), 200U);
+  EXPECT_EQ(earlier.trajectory().size(), 1U);
+}
+
+TEST_F(MapKeeperTest, DrivesThatBeginAtTheSameTimeOfABrokenClockAreAllKept) {
+  for (int day = 0; day < 4; ++day) {
+    MapKeeper keeper(path_, 1000);
+    drive(keeper, 7 + day, kSecond, 10 + day);
+    keeper.finish({});
+  }
+  const std::vector<fs::path> wanted = {folder_ / "map-19700101T000001Z-2.db", folder_ / "map-19700101T000001Z-3.db",
+                                        folder_ / "map-19700101T000001Z.db"};
+  EXPECT_EQ(kept(), wanted);
+}
+
+TEST_F(MapKeeperTest, AMapBegunAnewInMidDriveLosesNothingAndIsAFault) {
+  MapKeeper keeper(path_, 1000);
+  drive(keeper, 7, kSecond, 200);  // not written yet when the mapper dies
+  drive(keeper, 8, 2 * kSecond, 3);
+  EXPECT_NE(keeper.fault().find("map-19700101T000001Z.db"), std::string::npos) << keeper.fault();
+  keeper.finish({});
+  EXPECT_EQ(MapReader(path_).tiles().size(), 3U);
+  ASSERT_EQ(kept().size(), 1U);
+  EXPECT_EQ(MapReader(kept().front()).tiles().size(), 200U);
+}
+
+TEST_F(MapKeeperTest, ADriveThatIsCorrectedAsAWholeIsOneMap) {
+  MapKeeper keeper(path_, 1000);
+  drive(keeper, 7, kSecond, 200);
+  for (int closure = 0; closure < 3; ++closure) {
+    drive(keeper, 8 + closure, (10 + closure) * kSecond, 190);
+    keeper.corrected_from(kSecond);
+    keeper.put(a_pose(kSecond));
+    write_all(keeper);
+    EXPECT_EQ(keeper.fault(), "");
+    EXPECT_EQ(MapReader(kept().front()).tiles().size(), closure == 0 ? 200U : 190U) << "until all has come again";
+  }
+  keeper.finish({});
+  EXPECT_EQ(MapReader(path_).tiles().size(), 190U);
+  EXPECT_TRUE(kept().empty());
+}
+
+TEST_F(MapKeeperTest, ReplacesTheEarlierDriveWhereThatIsWanted) {
+  for (int run = 0; run < 2; ++run) {
+    MapKeeper keeper(path_, 1000, false);
+    drive(keeper, 7 + run, kSecond, 10);
+    keeper.finish({});
+  }
+  EXPECT_TRUE(kept().empty());
 }
 
 TEST_F(MapKeeperTest, WhileTheDiskIsFullTheNewestOfEachTileIsKeptUpToABound) {
