@@ -6,15 +6,34 @@
 
 namespace curbstone::encoder {
 
-/// How the CAN bus is reached.
-enum class CanInterface {
-  kSlcan,      ///< a serial adapter that speaks SLCAN
+/// How the drive is reached.
+enum class Interface {
+  kSlcan,      ///< CAN by a serial adapter that speaks SLCAN
   kSocketCan,  ///< the kernel's CAN
+  kModbusRtu,  ///< Modbus on a serial line, RS485
+  kModbusTcp,  ///< Modbus over TCP, through a gateway
+};
+
+/// The `encoder.modbus:` part.
+struct ModbusConfig {
+  std::string host = "192.168.1.10";  ///< IPv4 address of the gateway
+  int port = 502;
+  int slave = 1;     ///< the drive's id on its serial line
+  double rate = 50;  ///< Hz, of the positions
+  int timeout = 60;  ///< ms from request to reply; later replies are refused
+
+  void visit(ConfigVisitor& v) {
+    v.field("host", host, "IPv4 address of the gateway, for modbus_tcp");
+    v.field("port", port, {1, 65535}, "TCP port of the gateway");
+    v.field("slave", slave, {1, 127}, "id of the drive on its RS485 line");
+    v.field("rate", rate, {1, 100}, "Hz, of the positions: 50 is safe at 115200 baud");
+    v.field("timeout", timeout, {10, 500}, "ms from request to whole reply; a later one is refused");
+  }
 };
 
 /// The `encoder:` section of a vehicle's file.
 struct EncoderConfig {
-  CanInterface interface = CanInterface::kSlcan;
+  Interface interface = Interface::kSlcan;
   std::string device = "/dev/ttyACM0";  ///< serial port, or network interface ("can0")
   int baud = 115200;                    ///< of the serial port
   int bitrate = 500;                    ///< kbit/s of the CAN bus, for slcan; socketcan's is set by `ip link`
@@ -28,12 +47,18 @@ struct EncoderConfig {
   bool invert_right = true;
   double max_speed = 60;  ///< rad/s of a wheel: more is a corrupted frame
   double silence = 0.5;   ///< s without positions after which it is a fault, and the drive is set up again
+  ModbusConfig modbus;
 
   void visit(ConfigVisitor& v) {
-    v.choice("interface", interface, {{"slcan", CanInterface::kSlcan}, {"socketcan", CanInterface::kSocketCan}},
-             "slcan: a serial adapter; socketcan: the kernel's CAN");
+    v.choice("interface", interface,
+             {{"slcan", Interface::kSlcan},
+              {"socketcan", Interface::kSocketCan},
+              {"modbus_rtu", Interface::kModbusRtu},
+              {"modbus_tcp", Interface::kModbusTcp}},
+             "slcan: a serial CAN adapter; socketcan: the kernel's CAN; modbus_rtu: RS485; modbus_tcp: a gateway");
     v.field("device", device, "serial port (/dev/ttyACM0), or network interface (can0)");
-    v.field("baud", baud, {9600, 2000000}, "of the serial port, for slcan; a USB adapter ignores it");
+    v.field("baud", baud, {9600, 2000000},
+            "of the serial port, for slcan and modbus_rtu; a USB CAN adapter ignores it");
     v.field("bitrate", bitrate, {10, 1000}, "kbit/s of the CAN bus, for slcan; socketcan's is set by `ip link`");
     v.field("node", node, {1, 127}, "CANopen node id of the drive");
     v.field("configure", configure, "set the drive up; false: another master does, nothing is sent");
@@ -46,6 +71,7 @@ struct EncoderConfig {
     v.field("invert_right", invert_right, "the same of the right wheel, which is mounted mirrored");
     v.field("max_speed", max_speed, {1, 1000}, "rad/s of a wheel: more is a corrupted frame");
     v.field("silence", silence, {0.1, 60.0}, "s without positions: a fault, and the drive is set up again");
+    v.section("modbus", modbus, "for modbus_rtu and modbus_tcp");
   }
 };
 

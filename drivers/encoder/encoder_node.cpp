@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/time/microseconds.hpp"
+#include "drivers/encoder/drive_faults.hpp"
 
 namespace curbstone::encoder {
 
@@ -29,7 +30,6 @@ WheelCounter::Settings odometer_settings(const EncoderConfig& config) {
 
 EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
     : config_(config),
-      bus_(bus),
       drive_(drive_settings(config),
              {std::move(send),
               [this](std::int64_t utime, std::array<std::int32_t, 2> counts) { on_counts(utime, counts); },
@@ -38,7 +38,8 @@ EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
                 clock_.restart();
               }}),
       odometer_(odometer_settings(config)),
-      clock_(std::int64_t{config.period} * 1000) {}
+      clock_(std::int64_t{config.period} * 1000),
+      output_(bus) {}
 
 void EncoderNode::on_frame(std::int64_t receive_utime, const can::CanFrame& frame) {
   counters_.add("frames");
@@ -54,43 +55,22 @@ void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw&
   last_received_ = receive_utime;
   if (const int lost = stamp.steps - 1 + stamp.lost_before; lost > 0) counters_.add("lost.samples", lost);
 
-  const auto publish_it = [&](wheels_t& message) { publish(message, receive_utime); };
+  const auto publish_it = [&](wheels_t& message) { output_.publish(message, receive_utime); };
   if (stamp.restarted) {
     start_.release(publish_it);
     start_.begin(receive_utime);
-    if (stamp.utime < last_utime_) {  // the host's clock was set: its times before mean nothing now
-      counters_.add("clock_jumps");
-      last_utime_ = 0;
-    }
+    output_.restart(stamp.utime);
   }
   const auto sample = odometer_.update(counts, static_cast<double>(elapsed) * 1e-6);
   if (!sample) return;
-  wheels_t message{};
-  message.utime = stamp.utime;
-  for (std::size_t i = 0; i < 2; ++i) {
-    message.counts[i] = sample->counts[i];
-    message.angle[i] = sample->angle[i];
-    message.speed[i] = sample->speed[i];
-    message.faults[i] = drive_.status().faults[i];
-  }
+  wheels_t message = WheelsOutput::message(*sample, stamp.utime);
+  for (std::size_t i = 0; i < 2; ++i) message.faults[i] = drive_.status().faults[i];
   message.enabled = drive_.status().enabled();
   start_.pass(std::move(message), receive_utime, stamp.earlier, publish_it);
 }
 
-void EncoderNode::publish(wheels_t& message, std::int64_t now) {
-  if (message.utime <= last_utime_) {
-    counters_.add("dropped.not_newer");
-    return;
-  }
-  last_utime_ = message.utime;
-  message.sequence = sequence_++;
-  bus_.publish("WHEELS", message);
-  counters_.add("samples");
-  latency_.add(static_cast<double>(now - message.utime) * 1e-6);
-}
-
 void EncoderNode::finish() {
-  start_.release([this](wheels_t& message) { publish(message, last_received_); });
+  start_.release([this](wheels_t& message) { output_.publish(message, last_received_); });
 }
 
 void EncoderNode::on_link(std::int64_t now, bool up, const std::string& why) {
@@ -113,30 +93,19 @@ NodeReport EncoderNode::report() const {
   for (const Counters* more : {&drive, &odometer_.counters()}) {
     for (const auto& [name, value] : more->values()) report.counters.add(name, value);
   }
-  report.latency_p50 = latency_.percentile(0.5);
-  report.latency_p99 = latency_.percentile(0.99);
+  output_.report(report);
 
   if (!link_fault_.empty()) report.faults.push_back(link_fault_);
   const double silent = static_cast<double>(now_ - last_received_) * 1e-6;
   if (silent > config_.silence)
     report.faults.push_back(fmt::format("no positions from the drive for {:.0f} s", silent));
   if (!drive_.fault().empty()) report.faults.push_back(drive_.fault());
-  for (std::size_t i = 0; i < 2; ++i) {
-    if (const auto text = canopen::fault_text(drive_.status().faults[i]); !text.empty()) {
-      report.faults.push_back(fmt::format("drive, {} wheel: {}", i == 0 ? "left" : "right", text));
-    }
-  }
+  add_wheel_faults(report, drive_.status().faults);
   if (clock_.period() != std::int64_t{config_.period} * 1000) {
     report.faults.push_back(fmt::format("the drive sends every {:.1f} ms, {} ms was asked for: check event_timer_unit",
                                         static_cast<double>(clock_.period()) * 1e-3, config_.period));
   }
-  const double lines = drive_.encoder_lines().value_or(0);
-  if (config_.check_encoder_lines && lines > 0 && std::abs(4 * lines - config_.counts_per_revolution) > 0.5) {
-    report.faults.push_back(
-        fmt::format("the drive has {} encoder lines, so {} counts a revolution, not {}: turn a wheel "
-                    "once and see",
-                    lines, 4 * lines, config_.counts_per_revolution));
-  }
+  add_encoder_lines_fault(report, drive_.encoder_lines().value_or(0), config_);
   if (add_report_) add_report_(report);
   return report;
 }

@@ -7,13 +7,13 @@
 #include <string>
 
 #include "common/bus/node.hpp"
-#include "common/shell/latency.hpp"
 #include "common/time/settling_start.hpp"
 #include "drivers/encoder/can/can_frame.hpp"
 #include "drivers/encoder/canopen/wheel_drive.hpp"
 #include "drivers/encoder/encoder_config.hpp"
 #include "drivers/encoder/period_clock.hpp"
 #include "drivers/encoder/wheel_counter.hpp"
+#include "drivers/encoder/wheels_output.hpp"
 
 namespace curbstone::encoder {
 
@@ -43,21 +43,17 @@ class EncoderNode final : public Node {
 
  private:
   void on_counts(std::int64_t receive_utime, const WheelCounter::Raw& counts);
-  void publish(wheels_t& message, std::int64_t now);
 
   EncoderConfig config_;
-  Publisher& bus_;
   canopen::WheelDrive drive_;
   WheelCounter odometer_;
   PeriodClock clock_;
   SettlingStart<wheels_t> start_;
-  std::int32_t sequence_ = 0;
-  std::int64_t last_utime_ = 0;     // published
+  WheelsOutput output_;
   std::int64_t last_received_ = 0;  // counts
   std::int64_t now_ = 0;
   std::string link_fault_;
   std::function<void(NodeReport&)> add_report_;
-  LatencyWindow latency_;
   Counters counters_;
 };
 

@@ -1,36 +1,64 @@
-// curbstone-encoder: a CANopen wheel drive, by SLCAN or SocketCAN -> WHEELS.
+// curbstone-encoder: a wheel drive on CAN (SLCAN, SocketCAN) or Modbus (RS485, TCP) -> WHEELS.
 #include "common/shell/service.hpp"
+#include "common/time/clock.hpp"
 #include "config/sections.hpp"
 #include "drivers/encoder/can/slcan_link.hpp"
 #include "drivers/encoder/can/socketcan_link.hpp"
 #include "drivers/encoder/encoder_node.hpp"
+#include "drivers/encoder/modbus/modbus_link.hpp"
+#include "drivers/encoder/modbus_node.hpp"
 
 namespace {
 
 using namespace curbstone;
+using encoder::EncoderConfig;
+using encoder::Interface;
 
-std::unique_ptr<encoder::can::CanLink> open_link(const encoder::EncoderConfig& config) {
-  if (config.interface == encoder::CanInterface::kSocketCan) {
+/// Outlive the loop that calls them.
+struct Links {
+  std::unique_ptr<encoder::can::CanLink> can;
+  std::unique_ptr<encoder::modbus::ModbusLink> modbus;
+};
+
+std::unique_ptr<encoder::can::CanLink> open_can(const EncoderConfig& config) {
+  if (config.interface == Interface::kSocketCan) {
     return std::make_unique<encoder::can::SocketCanLink>(
         config.device, encoder::canopen::WheelDrive::ids(static_cast<std::uint8_t>(config.node)));
   }
   return std::make_unique<encoder::can::SlcanLink>(serial::SerialSettings{config.device, config.baud}, config.bitrate);
 }
 
+std::unique_ptr<Node> can_node(const EncoderConfig& config, ServiceContext& context, Links& links) {
+  links.can = open_can(config);
+  auto* link = links.can.get();
+  auto node = std::make_unique<encoder::EncoderNode>(
+      config, context.bus, [link](const encoder::can::CanFrame& frame) { link->send(frame); });
+  node->add_report([link](NodeReport& report) { link->report(report); });
+  link->attach(context.loop,
+               {[node = node.get()](auto utime, const auto& frame) { node->on_frame(utime, frame); },
+                [node = node.get()](auto now, bool up, const auto& why) { node->on_link(now, up, why); }});
+  return node;
+}
+
+std::unique_ptr<Node> modbus_node(const EncoderConfig& config, ServiceContext& context, Links& links) {
+  links.modbus = std::make_unique<encoder::modbus::ModbusLink>(encoder::modbus_settings(config), config.modbus.rate);
+  auto* link = links.modbus.get();
+  auto node = std::make_unique<encoder::ModbusNode>(config, context.bus);
+  node->add_report([link](NodeReport& report) { link->report(report); });
+  link->attach(context.loop, {[node = node.get()](const auto& reading) { node->on_reading(wall_clock(), reading); },
+                              [node = node.get()](bool up, const auto& why) { node->on_link(up, why); }});
+  return node;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::unique_ptr<encoder::can::CanLink> link;  // outlives the loop that calls it
-  return run_service<encoder::EncoderConfig>(
-      argc, argv, {"encoder", kProcessSections, "CANopen wheel drive (ZLAC8015D), by SLCAN or SocketCAN -> WHEELS"},
-      [&](const encoder::EncoderConfig& config, ServiceContext& context) -> std::unique_ptr<Node> {
-        link = open_link(config);
-        auto node = std::make_unique<encoder::EncoderNode>(
-            config, context.bus, [&link](const encoder::can::CanFrame& frame) { link->send(frame); });
-        node->add_report([&link](NodeReport& report) { link->report(report); });
-        link->attach(context.loop,
-                     {[node = node.get()](auto utime, const auto& frame) { node->on_frame(utime, frame); },
-                      [node = node.get()](auto now, bool up, const auto& why) { node->on_link(now, up, why); }});
-        return node;
+  Links links;
+  return run_service<EncoderConfig>(
+      argc, argv,
+      {"encoder", kProcessSections, "Wheel drive (ZLAC8015D) on CAN, by SLCAN or SocketCAN, or on Modbus -> WHEELS"},
+      [&](const EncoderConfig& config, ServiceContext& context) -> std::unique_ptr<Node> {
+        const bool modbus = config.interface == Interface::kModbusRtu || config.interface == Interface::kModbusTcp;
+        return modbus ? modbus_node(config, context, links) : can_node(config, context, links);
       });
 }

@@ -139,10 +139,10 @@ void simulate_live(const Options& options, const rig::SimulateConfig& config, co
   });
   truth.finish(report.start_utime, report.seconds, report.latest);
   fmt::print(
-      "simulate: {:.1f} of {:.1f} s, {:.1f} m live: {} LiDAR packets ({:.1f} ms late at most), {} IMU samples, {} CAN "
-      "frames{}\n",
+      "simulate: {:.1f} of {:.1f} s, {:.1f} m live: {} LiDAR packets ({:.1f} ms late at most), {} IMU samples, {} "
+      "messages of the wheels{}\n",
       report.seconds, drive.seconds, way_of(source, report.seconds), report.packets, report.latest * 1e3, report.imu,
-      report.can_frames, report.interrupted ? "; interrupted" : "");
+      report.wheels, report.interrupted ? "; interrupted" : "");
 }
 
 void add_options(CommandLine& line, Options& options) {
@@ -169,7 +169,10 @@ void add_options(CommandLine& line, Options& options) {
   line.option("--difop-port", live.difop_port).within(1, 65535).shows_default();
   line.option("--devices", options.devices, "Folder for the serial ports, as imu and can: short for both links");
   line.option("--imu-link", live.imu_link, "Name for the IMU's serial port").shows_default();
-  line.option("--can-link", live.can_link, "Name for the CAN adapter's serial port").shows_default();
+  line.option("--can-link", live.can_link, "Name for the serial port of the CAN adapter, or of the drive")
+      .shows_default();
+  line.choice("--encoder", live.modbus, {{"can", false}, {"modbus", true}},
+              "The wheels' line: CAN by an SLCAN adapter");
   line.option("--spool", live.spool, "File for the packets rendered ahead; the next run takes them from there");
   line.option("--head-start", live.head_start, "s that the devices are on before the drive begins").within(0.0, 600.0);
   line.option("--fault", options.faults, "lidar|imu|wheels-silent|garbage:FROM-TO, seconds of the drive; repeatable");

@@ -39,30 +39,6 @@ bool DriveStatus::enabled() const {
   return known && on(word[0]) && on(word[1]) && faults[0] == 0 && faults[1] == 0;
 }
 
-std::string fault_text(std::uint16_t faults) {
-  static constexpr std::array<const char*, 16> kNames = {"over-voltage",
-                                                         "under-voltage",
-                                                         "over-current",
-                                                         "overload",
-                                                         "current tolerance",
-                                                         "encoder tolerance",
-                                                         "velocity tolerance",
-                                                         "reference voltage",
-                                                         "EEPROM",
-                                                         "hall",
-                                                         "motor temperature",
-                                                         "encoder",
-                                                         "bit 12",
-                                                         "speed setting",
-                                                         "bit 14",
-                                                         "bit 15"};
-  std::string text;
-  for (std::size_t bit = 0; bit < kNames.size(); ++bit) {
-    if ((faults >> bit & 1) != 0) text += (text.empty() ? "" : ", ") + std::string(kNames[bit]);
-  }
-  return text;
-}
-
 WheelDrive::WheelDrive(const Settings& settings, Handlers handlers)
     : settings_(settings), handlers_(std::move(handlers)), sdo_(settings.node, handlers_.send) {}
 

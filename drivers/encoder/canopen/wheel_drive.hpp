@@ -96,7 +96,4 @@ class WheelDrive {
   Counters counters_;
 };
 
-/// The names of 603F's bits that are set: "over-voltage, encoder"; empty for 0.
-[[nodiscard]] std::string fault_text(std::uint16_t faults);
-
 }  // namespace curbstone::encoder::canopen

@@ -17,6 +17,7 @@
 #include "tools/simulate/live/pty.hpp"
 #include "tools/simulate/live/udp_sender.hpp"
 #include "tools/simulate/rig/emulated_imu.hpp"
+#include "tools/simulate/rig/emulated_modbus_wheels.hpp"
 #include "tools/simulate/rig/emulated_wheels.hpp"
 #include "tools/simulate/rig/packet_spool.hpp"
 #include "tools/simulate/sensors/lidar_model.hpp"
@@ -52,6 +53,13 @@ class Signals {
   int fd_ = -1;
 };
 
+std::unique_ptr<rig::WheelDevice> make_wheels(const rig::Drive& drive, bool modbus) {
+  sensors::WheelModel model(drive.config.wheels, drive.config.vehicle, drive.motion, drive.seconds,
+                            numerics::Random(drive.seed).fork(12));
+  if (modbus) return std::make_unique<rig::EmulatedModbusWheels>(std::move(model));
+  return std::make_unique<rig::EmulatedWheels>(std::move(model));
+}
+
 /// The emulated vehicle on the real clock, one thread.
 class LiveDrive {
  public:
@@ -64,12 +72,11 @@ class LiveDrive {
         can_port_(options.can_link),
         imu_(sensors::ImuModel(drive.config.imu, drive.config.vehicle, drive.motion,
                                numerics::Random(drive.seed).fork(11))),
-        wheels_(sensors::WheelModel(drive.config.wheels, drive.config.vehicle, drive.motion, drive.seconds,
-                                    numerics::Random(drive.seed).fork(12))),
+        wheels_(make_wheels(drive, options.modbus)),
         garbage_(numerics::Random(drive.seed).fork(13)) {
     const auto now = wall_clock();
     send(imu_port_, imu_.power_on(now), rig::SensorFault::Sensor::kImu);
-    send(can_port_, wheels_.power_on(now), rig::SensorFault::Sensor::kWheels);
+    send(can_port_, wheels_->power_on(now), rig::SensorFault::Sensor::kWheels);
   }
 
   LiveReport run(const std::function<void(std::int64_t)>& on_start) {
@@ -93,7 +100,7 @@ class LiveDrive {
     while (!report_.interrupted && wall_clock() < end) serve(end);
     report_.seconds = std::max(0.0, std::min(drive_.seconds, time(wall_clock())));
     report_.imu = imu_.samples();
-    report_.can_frames = wheels_.frames();
+    report_.wheels = wheels_->messages();
     return report_;
   }
 
@@ -109,7 +116,7 @@ class LiveDrive {
 
   /// Sleeps until something is due (at most until `limit`) or the host writes, and does it.
   void serve(std::int64_t limit) {
-    const std::int64_t due = std::min({limit, packet_due(), next_difop_, imu_.next_due(), wheels_.next_due()});
+    const std::int64_t due = std::min({limit, packet_due(), next_difop_, imu_.next_due(), wheels_->next_due()});
     const std::int64_t wait = std::clamp<std::int64_t>(due - wall_clock(), 0, kSecond);
     pollfd ports[] = {{imu_port_.fd(), POLLIN, 0}, {can_port_.fd(), POLLIN, 0}, {signals_.fd(), POLLIN, 0}};
     const timespec timeout{wait / kSecond, wait % kSecond * 1000};
@@ -117,15 +124,15 @@ class LiveDrive {
       if (ports[0].revents != 0)
         send(imu_port_, imu_.on_bytes(wall_clock(), imu_port_.read()), rig::SensorFault::Sensor::kImu);
       if (ports[1].revents != 0)
-        send(can_port_, wheels_.on_bytes(wall_clock(), can_port_.read()), rig::SensorFault::Sensor::kWheels);
+        send(can_port_, wheels_->on_bytes(wall_clock(), can_port_.read()), rig::SensorFault::Sensor::kWheels);
       if (ports[2].revents != 0) report_.interrupted = true;
     }
     const std::int64_t now = wall_clock();
     // A device samples by its own timer however late we are: the bytes come late then, the measurement does not.
     for (auto at = imu_.next_due(); at <= now; at = imu_.next_due())
       send(imu_port_, imu_.run(at, time(at)), rig::SensorFault::Sensor::kImu);
-    for (auto at = wheels_.next_due(); at <= now; at = wheels_.next_due())
-      send(can_port_, wheels_.run(at, time(at)), rig::SensorFault::Sensor::kWheels);
+    for (auto at = wheels_->next_due(); at <= now; at = wheels_->next_due())
+      send(can_port_, wheels_->run(at, time(at)), rig::SensorFault::Sensor::kWheels);
     if (next_difop_ <= now) send_difop(now);
     while (packet_due() <= now) send_packet(now);
   }
@@ -166,7 +173,7 @@ class LiveDrive {
   UdpSender msop_, difop_;
   Pty imu_port_, can_port_;
   rig::EmulatedImu imu_;
-  rig::EmulatedWheels wheels_;
+  std::unique_ptr<rig::WheelDevice> wheels_;
   numerics::Random garbage_;
   std::atomic<bool> cancel_{false};
   std::unique_ptr<rig::PacketSpool> spool_;

@@ -14,7 +14,8 @@ struct LiveOptions {
   int msop_port = 6699;
   int difop_port = 7788;
   std::string imu_link = "/tmp/curbstone-imu";  ///< where the IMU's serial port appears
-  std::string can_link = "/tmp/curbstone-can";  ///< where the CAN adapter's serial port appears
+  std::string can_link = "/tmp/curbstone-can";  ///< where the CAN adapter's, or the drive's, serial port appears
+  bool modbus = false;                          ///< the drive is on a Modbus line, not on CAN
   std::string spool;                            ///< file of rendered packets, kept for the next run; empty: temporary
   std::uint64_t fingerprint = 0;                ///< of all that the packets depend on
   double head_start = 0;                        ///< s that the devices are on before the drive begins
@@ -26,15 +27,16 @@ struct LiveReport {
   double seconds = 0;
   std::int64_t packets = 0;
   std::int64_t imu = 0;
-  std::int64_t can_frames = 0;
+  std::int64_t wheels = 0;  ///< CAN frames, or Modbus replies
   std::int64_t start_utime = 0;
   double latest = 0;         ///< s, how late the latest packet was
   bool interrupted = false;  ///< SIGINT or SIGTERM
 };
 
-/// Sends a drive in real time as the devices do: RS16 packets over UDP, an Xsens and an SLCAN adapter on
-/// pseudo-terminals that answer what the host writes. The serial ports are there from the start; the drive begins when
-/// the packets have been rendered, and `on_start` hears of it. Throws std::runtime_error with one clear line.
+/// Sends a drive in real time as the devices do: RS16 packets over UDP, an Xsens and an SLCAN adapter, or a drive on
+/// Modbus, on pseudo-terminals that answer what the host writes. The serial ports are there from the start; the drive
+/// begins when the packets have been rendered, and `on_start` hears of it. Throws std::runtime_error with one clear
+/// line.
 LiveReport run_live(const rig::Drive& drive, const LiveOptions& options,
                     const std::function<void(std::int64_t start_utime)>& on_start);
 

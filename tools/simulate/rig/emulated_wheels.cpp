@@ -15,12 +15,11 @@ devices::CanDriveEmulator::Settings drive_settings() {
   return settings;
 }
 
-/// rad/s to 0.1 rpm
-std::int16_t decirpm(double speed) {
+}  // namespace
+
+std::int16_t WheelDevice::decirpm(double speed) {
   return static_cast<std::int16_t>(std::lround(speed * 600.0 / (2.0 * std::numbers::pi)));
 }
-
-}  // namespace
 
 EmulatedWheels::EmulatedWheels(sensors::WheelModel model) : model_(std::move(model)), drive_(drive_settings()) {}
 

@@ -7,8 +7,19 @@
 
 namespace curbstone::simulate::rig {
 
+/// The wheel drive, whatever the line.
+class WheelDevice : public SerialDevice {
+ public:
+  /// That the host could receive: frames, or replies.
+  [[nodiscard]] virtual std::int64_t messages() const = 0;
+
+ protected:
+  /// rad/s to 0.1 rpm, the drive's unit
+  [[nodiscard]] static std::int16_t decirpm(double speed);
+};
+
 /// The wheel drive on its CAN bus, behind a serial SLCAN adapter. The right wheel is mounted mirrored.
-class EmulatedWheels final : public SerialDevice {
+class EmulatedWheels final : public WheelDevice {
  public:
   explicit EmulatedWheels(sensors::WheelModel model);
 
@@ -16,7 +27,7 @@ class EmulatedWheels final : public SerialDevice {
   Bytes on_bytes(std::int64_t now, std::span<const std::uint8_t> bytes) override;
   [[nodiscard]] std::int64_t next_due() const override;
   Bytes run(std::int64_t now, double t) override;
-  [[nodiscard]] std::int64_t frames() const { return frames_; }
+  [[nodiscard]] std::int64_t messages() const override { return frames_; }
 
  private:
   Bytes to_host(const devices::CanDriveEmulator::Frames& frames);

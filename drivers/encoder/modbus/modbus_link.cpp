@@ -1,0 +1,154 @@
+#include "drivers/encoder/modbus/modbus_link.hpp"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "common/time/clock.hpp"
+
+namespace curbstone::encoder::modbus {
+
+namespace {
+
+constexpr std::int64_t kFirstRetry = 100'000;  // us
+constexpr std::int64_t kLastRetry = 1'000'000;
+constexpr std::int64_t kGap = 2'000;  // us between two requests: 3.5 characters, at least 1.75 ms
+constexpr std::array<int, 5> kBauds = {9600, 19200, 38400, 57600, 115200};  // of the drive, and of libmodbus
+
+/// Throws for what libmodbus would only notice when it opens the port, or never.
+void check(const ModbusSettings& settings) {
+  in_addr address{};
+  if (settings.tcp && inet_pton(AF_INET, settings.host.c_str(), &address) != 1)
+    throw std::runtime_error(fmt::format("encoder.modbus.host: {}: not an IPv4 address", settings.host));
+  if (!settings.tcp && std::ranges::find(kBauds, settings.baud) == kBauds.end())
+    throw std::runtime_error(
+        fmt::format("encoder.baud: {}: for Modbus use {}", settings.baud, fmt::join(kBauds, ", ")));
+}
+
+}  // namespace
+
+ModbusLink::ModbusLink(const ModbusSettings& settings, double rate)
+    : settings_(settings),
+      period_(static_cast<std::int64_t>(1e6 / rate)),
+      client_(settings),
+      poll_([this](const Block& block, std::span<std::uint16_t> registers) { return client_.read(block, registers); },
+            [this] {
+              if (!settings_.tcp) std::this_thread::sleep_for(std::chrono::microseconds(kGap));
+            }) {
+  check(settings);
+  event_fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+  if (event_fd_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+}
+
+ModbusLink::~ModbusLink() {
+  if (thread_.joinable()) {
+    thread_.request_stop();
+    thread_.join();
+  }
+  close(event_fd_);
+}
+
+void ModbusLink::attach(EventLoop& loop, Handlers handlers) {
+  handlers_ = std::move(handlers);
+  handlers_.on_link(false, fmt::format("Modbus {} is being opened", client_.name()));
+  loop.watch(event_fd_, [this] { on_readable(); });
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+void ModbusLink::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    if (!open(stop)) return;
+    std::int64_t due = steady_clock();
+    while (!stop.stop_requested() && !poll_.must_reopen()) {
+      poll_.poll([this](const Reading& reading) { tell({reading, true, {}}); });
+      share_report();
+      due = std::max(due + period_, steady_clock() + kGap);  // late once, not a burst
+      if (!sleep_until(due, stop)) break;
+    }
+    client_.close();
+    if (!stop.stop_requested()) tell({{}, false, fmt::format("Modbus {}: lost; opening it anew", client_.name())});
+  }
+}
+
+/// Tries until it is open; false if the thread is to end.
+bool ModbusLink::open(const std::stop_token& stop) {
+  for (std::int64_t wait = kFirstRetry; !stop.stop_requested(); wait = std::min(2 * wait, kLastRetry)) {
+    const std::string why = client_.open();
+    if (why.empty()) {
+      ++openings_;
+      poll_.restart();
+      tell({{}, true, {}});
+      return true;
+    }
+    tell({{}, false, why});
+    poll_.tick();
+    share_report();
+    if (!sleep_until(steady_clock() + wait, stop)) return false;
+  }
+  return false;
+}
+
+/// False if the thread is to end.
+bool ModbusLink::sleep_until(std::int64_t time, const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  const auto span = std::chrono::microseconds(std::max<std::int64_t>(time - steady_clock(), 0));
+  wake_.wait_for(lock, stop, span, [] { return false; });
+  return !stop.stop_requested();
+}
+
+void ModbusLink::tell(Event event) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (queue_.size() == kMaxQueue) {
+      queue_.pop_front();
+      ++dropped_;
+    }
+    queue_.push_back(std::move(event));
+  }
+  const std::uint64_t one = 1;
+  (void)!write(event_fd_, &one, sizeof one);
+}
+
+void ModbusLink::share_report() {
+  const std::lock_guard lock(mutex_);
+  counters_ = poll_.counters();
+  counters_.set("modbus.openings", openings_);
+  fault_ = poll_.fault();
+  share_fault_ = poll_.share().fault();
+}
+
+void ModbusLink::on_readable() {
+  std::uint64_t count = 0;
+  (void)!read(event_fd_, &count, sizeof count);
+  std::deque<Event> events;
+  {
+    const std::lock_guard lock(mutex_);
+    events.swap(queue_);
+  }
+  for (const Event& event : events) {
+    if (event.reading) {
+      handlers_.on_reading(*event.reading);
+    } else {
+      handlers_.on_link(event.up, event.why);
+    }
+  }
+}
+
+void ModbusLink::report(NodeReport& report) const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [name, value] : counters_.values()) report.counters.add(name, value);
+  if (dropped_ > 0) report.counters.add("dropped.queue", dropped_);
+  if (!fault_.empty()) report.faults.push_back(fault_);
+  if (share_fault_) report.faults.push_back(*share_fault_);
+}
+
+}  // namespace curbstone::encoder::modbus

@@ -1,0 +1,101 @@
+#include "drivers/encoder/modbus_node.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "common/time/microseconds.hpp"
+#include "drivers/encoder/drive_faults.hpp"
+
+namespace curbstone::encoder {
+
+namespace {
+constexpr double kOldStatus = 3;  // readings of it that failed
+}
+
+modbus::ModbusSettings modbus_settings(const EncoderConfig& config) {
+  modbus::ModbusSettings settings;
+  settings.tcp = config.interface == Interface::kModbusTcp;
+  settings.device = config.device;
+  settings.baud = config.baud;
+  settings.host = config.modbus.host;
+  settings.port = config.modbus.port;
+  settings.slave = config.modbus.slave;
+  settings.timeout = std::int64_t{config.modbus.timeout} * 1000;
+  return settings;
+}
+
+ModbusNode::ModbusNode(const EncoderConfig& config, Publisher& bus)
+    : config_(config),
+      odometer_({config.counts_per_revolution, {config.invert_left, config.invert_right}, config.max_speed}),
+      output_(bus) {}
+
+void ModbusNode::on_reading(std::int64_t now, const modbus::Reading& reading) {
+  link_fault_.clear();
+  const std::int64_t elapsed = reading.utime - reading_.utime;
+  const bool first = reading_.utime == 0 || elapsed <= 0 || elapsed > microseconds(config_.silence);
+  if (first) {
+    if (reading_.utime != 0) counters_.add("counts_restarted");
+    odometer_.restart();
+    output_.restart(reading.utime);
+  }
+  reading_ = reading;
+  last_heard_ = now;
+  round_trips_.add(static_cast<double>(reading.round_trip));
+  const auto sample = odometer_.update(reading.counts, static_cast<double>(elapsed) * 1e-6);
+  if (!sample || first) return;
+  wheels_t message = WheelsOutput::message(*sample, reading.utime);
+  for (std::size_t i = 0; i < 2; ++i) message.faults[i] = reading.faults[i];
+  message.enabled = reading.state_utime != 0 && reading.state.enabled && reading.faults_utime != 0 &&
+                    reading.faults[0] == 0 && reading.faults[1] == 0;
+  output_.publish(message, now);
+}
+
+void ModbusNode::on_link(bool up, const std::string& why) {
+  if (up && was_up_) counters_.add("link.reopened");
+  if (!up && was_up_ && link_fault_.empty()) counters_.add("link.lost");
+  was_up_ |= up;
+  link_fault_ = up ? "" : why;
+}
+
+void ModbusNode::tick(std::int64_t now) {
+  if (now_ == 0) began_ = last_heard_ = now;
+  now_ = now;
+}
+
+void ModbusNode::add_faults_of_drive(NodeReport& report) const {
+  add_wheel_faults(report, reading_.faults);
+  if (reading_.state.alarm) report.faults.emplace_back("drive: alarm");
+  if (reading_.state.emergency_stop) report.faults.emplace_back("drive: emergency stop");
+  if (reading_.utime == 0) return;
+  const std::int64_t old = microseconds(kOldStatus * modbus::DrivePoll::kStatusEvery / config_.modbus.rate) + 1'000'000;
+  const auto check_age = [&](const char* what, std::int64_t utime) {
+    const std::int64_t since = utime != 0 ? utime : began_;
+    if (now_ - since > old)
+      report.faults.push_back(
+          fmt::format("the drive's {} not known for {:.0f} s", what, static_cast<double>(now_ - since) * 1e-6));
+  };
+  check_age("faults are", reading_.faults_utime);
+  check_age("status is", reading_.state_utime);
+  add_encoder_lines_fault(report, reading_.encoder_lines, config_);
+}
+
+NodeReport ModbusNode::report() const {
+  NodeReport report;
+  report.counters = counters_;
+  for (const auto& [name, value] : odometer_.counters().values()) report.counters.add(name, value);
+  output_.report(report);
+  if (reading_.utime != 0) {
+    report.counters.set("modbus.round_trip_us", std::llround(round_trips_.percentile(0.5)));
+    report.counters.set("stamp.uncertainty_us", std::llround(0.5 * round_trips_.percentile(0.99)));
+  }
+  if (!link_fault_.empty()) report.faults.push_back(link_fault_);
+  const double silent = static_cast<double>(now_ - last_heard_) * 1e-6;
+  if (silent > config_.silence)
+    report.faults.push_back(fmt::format("no positions from the drive for {:.0f} s", silent));
+  add_faults_of_drive(report);
+  if (add_report_) add_report_(report);
+  return report;
+}
+
+}  // namespace curbstone::encoder

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "common/bus/node.hpp"
+#include "common/shell/latency.hpp"
+#include "drivers/encoder/encoder_config.hpp"
+#include "drivers/encoder/modbus/drive_poll.hpp"
+#include "drivers/encoder/wheel_counter.hpp"
+#include "drivers/encoder/wheels_output.hpp"
+
+namespace curbstone::encoder {
+
+[[nodiscard]] modbus::ModbusSettings modbus_settings(const EncoderConfig& config);
+
+/// Readings of a two-wheel drive over Modbus in, from any source, WHEELS out. It has no port and no clock. One thread.
+///
+/// A reading's stamp is the middle between its request and its reply, which is where the counts were taken to half the
+/// round trip. After a silence the counts begin anew: the drive may have lost power and count from 0. Where the wheels
+/// turned meanwhile is lost, and the first reading has no speed, so it is not published.
+class ModbusNode final : public Node {
+ public:
+  ModbusNode(const EncoderConfig& config, Publisher& bus);
+
+  void connect(Subscriber&) override {}
+  /// `now`: us since the Unix epoch.
+  void on_reading(std::int64_t now, const modbus::Reading& reading);
+  /// `why`, when it is not up, is one line for people.
+  void on_link(bool up, const std::string& why);
+  void tick(std::int64_t now) override;
+  [[nodiscard]] NodeReport report() const override;
+
+  /// Called by report(), to add the counters and faults of the link.
+  void add_report(std::function<void(NodeReport&)> add) { add_report_ = std::move(add); }
+
+ private:
+  void add_faults_of_drive(NodeReport& report) const;
+
+  EncoderConfig config_;
+  WheelCounter odometer_;
+  WheelsOutput output_;
+  modbus::Reading reading_;      // the last one
+  std::int64_t last_heard_ = 0;  // us, when it came, or the node began
+  std::int64_t began_ = 0;
+  std::int64_t now_ = 0;
+  bool was_up_ = false;
+  std::string link_fault_;
+  std::function<void(NodeReport&)> add_report_;
+  LatencyWindow round_trips_;  // us
+  Counters counters_;
+};
+
+}  // namespace curbstone::encoder

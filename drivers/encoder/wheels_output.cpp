@@ -1,0 +1,40 @@
+#include "drivers/encoder/wheels_output.hpp"
+
+namespace curbstone::encoder {
+
+wheels_t WheelsOutput::message(const WheelCounter::Sample& sample, std::int64_t utime) {
+  wheels_t message{};
+  message.utime = utime;
+  for (std::size_t i = 0; i < 2; ++i) {
+    message.counts[i] = sample.counts[i];
+    message.angle[i] = sample.angle[i];
+    message.speed[i] = sample.speed[i];
+  }
+  return message;
+}
+
+void WheelsOutput::publish(wheels_t& message, std::int64_t now) {
+  if (message.utime <= last_utime_) {
+    counters_.add("dropped.not_newer");
+    return;
+  }
+  last_utime_ = message.utime;
+  message.sequence = sequence_++;
+  bus_.publish("WHEELS", message);
+  counters_.add("samples");
+  latency_.add(static_cast<double>(now - message.utime) * 1e-6);
+}
+
+void WheelsOutput::restart(std::int64_t utime) {
+  if (utime >= last_utime_) return;
+  counters_.add("clock_jumps");
+  last_utime_ = 0;
+}
+
+void WheelsOutput::report(NodeReport& report) const {
+  for (const auto& [name, value] : counters_.values()) report.counters.add(name, value);
+  report.latency_p50 = latency_.percentile(0.5);
+  report.latency_p99 = latency_.percentile(0.99);
+}
+
+}  // namespace curbstone::encoder

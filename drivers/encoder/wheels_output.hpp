@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <curbstone/wheels_t.hpp>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/node.hpp"
+#include "common/shell/latency.hpp"
+#include "drivers/encoder/wheel_counter.hpp"
+
+namespace curbstone::encoder {
+
+/// WHEELS, as it goes out, whatever the wheels were read by: numbered, and with stamps that increase. One thread.
+///
+/// Counts: samples, dropped.not_newer, clock_jumps.
+class WheelsOutput {
+ public:
+  explicit WheelsOutput(Publisher& bus) : bus_(bus) {}
+
+  /// A message with the sample's counts, angles and speeds.
+  [[nodiscard]] static wheels_t message(const WheelCounter::Sample& sample, std::int64_t utime);
+  /// `now`, us since the Unix epoch: when it was received, for the latency.
+  void publish(wheels_t& message, std::int64_t now);
+  /// The stamps begin anew with one at `utime`: if that is earlier, the host's clock was set.
+  void restart(std::int64_t utime);
+  /// Adds counters and latencies.
+  void report(NodeReport& report) const;
+
+ private:
+  Publisher& bus_;
+  std::int32_t sequence_ = 0;
+  std::int64_t last_utime_ = 0;
+  LatencyWindow latency_;
+  Counters counters_;
+};
+
+}  // namespace curbstone::encoder

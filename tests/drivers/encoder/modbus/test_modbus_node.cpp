@@ -1,0 +1,147 @@
+#include "drivers/encoder/modbus_node.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/drivers/recorder.hpp"
+
+namespace curbstone::encoder {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
+constexpr std::int64_t kPeriod = 20'000;
+
+class ModbusNodeTest : public ::testing::Test {
+ protected:
+  /// Both wheels at `speed` rad/s forward, for `samples` polls.
+  void run(int samples, double speed = 10) {
+    for (int i = 0; i < samples; ++i) {
+      now_ += kPeriod;
+      angle_ += speed * 1e-6 * kPeriod;
+      const auto counts = static_cast<std::int64_t>(angle_ * 4096 / (2 * M_PI));
+      reading_.utime = now_;
+      reading_.round_trip = 4'000;
+      reading_.counts = {wrap(first_ + counts), wrap(first_ - counts)};
+      if (!stale_) reading_.state_utime = reading_.faults_utime = now_;
+      node_.on_reading(now_ + 2'000, reading_);
+      node_.tick(now_ + 2'000);
+    }
+  }
+  static std::int32_t wrap(std::int64_t counts) {
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(counts));
+  }
+
+  testing::Recorder<wheels_t> recorder_{"WHEELS"};
+  ModbusNode node_{EncoderConfig{}, recorder_.bus()};
+  modbus::Reading reading_{.state = {true, false, false}};
+  std::int64_t now_ = kStart;
+  std::int64_t first_ = 0;
+  double angle_ = 0;
+  bool stale_ = false;
+};
+
+TEST_F(ModbusNodeTest, BothWheelsGoForwardAndTheStampIsTheReadings) {
+  run(100);
+  ASSERT_EQ(recorder_.messages().size(), 99u) << "all but the first, which has no speed";
+  const wheels_t& last = recorder_.messages().back();
+  EXPECT_EQ(last.utime, now_);
+  EXPECT_TRUE(last.enabled);
+  for (int side = 0; side < 2; ++side) {
+    EXPECT_NEAR(last.speed[side], 10, 0.1);
+    EXPECT_NEAR(last.angle[side], 99 * 0.2, 0.01);
+  }
+  EXPECT_THAT(node_.report().faults, IsEmpty());
+}
+
+TEST_F(ModbusNodeTest, CountsAreUnwrappedAcrossInt32) {
+  first_ = INT32_MAX - 500;
+  run(100);
+  EXPECT_NEAR(recorder_.messages().back().angle[0], 19.8, 0.01);
+  EXPECT_NEAR(recorder_.messages().back().angle[1], 19.8, 0.01);
+  EXPECT_EQ(node_.report().counters["refused.jump"], 0);
+}
+
+TEST_F(ModbusNodeTest, AfterASilenceTheCountsBeginAnewAndNoSpeedIsMadeUp) {
+  run(50);
+  const wheels_t before = recorder_.messages().back();
+  now_ += 3'000'000;
+  first_ = -wrap(static_cast<std::int64_t>(angle_ * 4096 / (2 * M_PI)));  // it lost power: it counts from 0
+  run(50);
+  EXPECT_EQ(node_.report().counters["counts_restarted"], 1);
+  const wheels_t& first = recorder_.messages()[49];
+  EXPECT_NEAR(first.speed[0], 10, 0.2);
+  EXPECT_NEAR(first.angle[0] - before.angle[0], 0.2, 0.01);
+}
+
+TEST_F(ModbusNodeTest, OneReadingThatCannotBeIsRefused) {
+  run(20);
+  const double angle = recorder_.messages().back().angle[0];
+  now_ += kPeriod;
+  reading_.utime = now_;
+  reading_.counts[0] += 1 << 24;
+  node_.on_reading(now_, reading_);
+  run(1);
+  EXPECT_EQ(node_.report().counters["refused.jump"], 1);
+  EXPECT_NEAR(recorder_.messages().back().angle[0] - angle, 0.2, 0.01);
+}
+
+TEST_F(ModbusNodeTest, FaultsOfTheDriveAreToldByWheelAndByName) {
+  reading_.faults = {0, 0x0404};
+  reading_.state = {false, true, true};
+  run(10);
+  EXPECT_THAT(node_.report().faults, Contains("drive, right wheel: over-current, motor temperature"));
+  EXPECT_THAT(node_.report().faults, Contains("drive: alarm"));
+  EXPECT_THAT(node_.report().faults, Contains("drive: emergency stop"));
+  EXPECT_FALSE(recorder_.messages().back().enabled);
+  EXPECT_EQ(recorder_.messages().back().faults[1], 0x0404);
+}
+
+TEST_F(ModbusNodeTest, FaultsAndStatusThatAreNotKnownAreAFault) {
+  stale_ = true;
+  run(200);
+  EXPECT_THAT(node_.report().faults, Contains(HasSubstr("the drive's faults are not known for 4 s")));
+  EXPECT_THAT(node_.report().faults, Contains(HasSubstr("the drive's status is not known for 4 s")));
+  EXPECT_FALSE(recorder_.messages().back().enabled);
+}
+
+TEST_F(ModbusNodeTest, TheUncertaintyOfTheStampsIsTold) {
+  run(100);
+  EXPECT_EQ(node_.report().counters["modbus.round_trip_us"], 4'000);
+  EXPECT_EQ(node_.report().counters["stamp.uncertainty_us"], 2'000);
+}
+
+TEST_F(ModbusNodeTest, EncoderLinesThatDoNotFitAreTold) {
+  reading_.encoder_lines = 4096;
+  run(2);
+  EXPECT_THAT(node_.report().faults, Contains(HasSubstr("16384 counts a revolution, not 4096")));
+}
+
+TEST_F(ModbusNodeTest, ASilentDriveIsAFault) {
+  run(10);
+  node_.tick(now_ + 5'000'000);
+  EXPECT_THAT(node_.report().faults, Contains("no positions from the drive for 5 s"));
+}
+
+TEST_F(ModbusNodeTest, ReadingsOfEveryValueAreSurvived) {
+  std::mt19937_64 random(3);
+  for (int i = 0; i < 20'000; ++i) {
+    reading_.utime = random() % 10 == 0 ? static_cast<std::int64_t>(random() >> 2) : now_ + i * kPeriod;
+    reading_.round_trip = static_cast<std::int64_t>(random() % 60'000);
+    reading_.counts = {static_cast<std::int32_t>(random()), static_cast<std::int32_t>(random())};
+    reading_.faults = {static_cast<std::uint16_t>(random()), static_cast<std::uint16_t>(random())};
+    node_.on_reading(now_ + i * kPeriod, reading_);
+  }
+  for (const wheels_t& message : recorder_.messages()) {
+    ASSERT_TRUE(std::isfinite(message.speed[0]));
+    ASSERT_LE(std::abs(message.speed[0]), 61);
+  }
+}
+
+}  // namespace
+}  // namespace curbstone::encoder
