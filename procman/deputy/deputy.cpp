@@ -16,6 +16,7 @@ constexpr std::int64_t kInfoPeriod = 1'000'000;
 constexpr std::int64_t kOutputPeriod = 10'000;  // one message at a time: no bursts
 constexpr std::size_t kMaxCommands = 300;       // ordered by strangers; bounds PM_INFO
 constexpr std::size_t kMaxRefusedRemembered = 1000;
+constexpr std::int64_t kPlayed = 5'000'000;  // us: what is older comes from a log that is being played
 }  // namespace
 
 Deputy::Deputy(DeputyOptions options, process::Supervisor& supervisor, Publisher& bus)
@@ -69,7 +70,7 @@ void Deputy::start(const std::string& id) {
 
 void Deputy::on(const procman_lcm::discovery_t& message) {
   const bool ours = message.transmitter_id == options_.id && message.nonce == getpid();
-  if (ours) return;
+  if (ours || wall_clock() - message.utime > kPlayed) return;
   if (active_) {
     changed();
     if (message.nonce == 0 && on_sheriff_arrived) on_sheriff_arrived();
@@ -79,7 +80,7 @@ void Deputy::on(const procman_lcm::discovery_t& message) {
 }
 
 void Deputy::on(const procman_lcm::deputy_info_t& message) {
-  if (active_ || message.deputy_id != options_.id) return;
+  if (active_ || message.deputy_id != options_.id || wall_clock() - message.utime > kPlayed) return;
   conflict_ = fmt::format("another deputy \"{}\" is running", options_.id);
 }
 
@@ -95,15 +96,23 @@ void Deputy::on(const procman_lcm::orders_t& message) {
     }
     return;
   }
+  if (message.cmds.empty() && !options_.allow_empty_orders)
+    return refuse("", "it names no command, which would stop all of them (--allow-empty-orders)");
   counters_.add("orders");
   for (const auto& order : message.cmds) apply(order);
   remove_missing(message);
 }
 
 void Deputy::apply(const procman_lcm::cmd_desired_t& order) {
-  const auto command = command_from_wire(order.cmd, options_.id);
+  auto command = command_from_wire(order.cmd, options_.id);
   if (!command) return refuse(order.cmd.command_id, "its id or exec is empty or too long");
-  if (!allowed(*command)) return refuse(command->id, "it is not in the deputy's own config with this exec");
+  if (options_.allow_list) {
+    const config::Command* const known = own(command->id);
+    if (known == nullptr || known->exec != command->exec)
+      return refuse(command->id, "it is not in the deputy's own config with this exec");
+    if (*known != *command) counters_.add("refused.change");
+    command = *known;
+  }
   const process::CommandState* state = supervisor_.find(command->id);
   if (state == nullptr && supervisor_.commands().size() >= kMaxCommands)
     return refuse(command->id, "too many commands");
@@ -138,7 +147,11 @@ void Deputy::remove_missing(const procman_lcm::orders_t& message) {
   for (const auto& order : message.cmds) ordered.insert(order.cmd.command_id);
   std::vector<std::string> missing;
   for (const process::CommandState* state : supervisor_.commands()) {
-    if (!ordered.contains(state->command.id)) missing.push_back(state->command.id);
+    if (ordered.contains(state->command.id)) continue;
+    if (own(state->command.id) != nullptr)
+      counters_.add("refused.removal");
+    else
+      missing.push_back(state->command.id);
   }
   for (const std::string& id : missing) {
     runids_.erase(id);
@@ -147,10 +160,8 @@ void Deputy::remove_missing(const procman_lcm::orders_t& message) {
   }
 }
 
-bool Deputy::allowed(const config::Command& command) const {
-  if (!options_.allow_list) return true;
-  const config::Command* own = options_.allow_list->find_command(command.id);
-  return own != nullptr && own->exec == command.exec;
+const config::Command* Deputy::own(const std::string& id) const {
+  return options_.allow_list ? options_.allow_list->find_command(id) : nullptr;
 }
 
 void Deputy::refuse(const std::string& id, const std::string& why) {

@@ -20,8 +20,11 @@ namespace curbstone::procman::deputy {
 
 struct DeputyOptions {
   std::string id;
-  /// Orders are accepted only for the commands of this config, with exactly its exec strings. None: for any.
+  /// Orders are accepted only for the commands of this config, with exactly its exec strings; how they are stopped and
+  /// respawned is this config's too, and they are not removed. None: for any.
   std::optional<config::Config> allow_list;
+  /// An order without any command removes all of them. Only where this is said: it is what a damaged one looks like.
+  bool allow_empty_orders = false;
   std::int64_t discovery_window = 500'000;  ///< us in which somebody else may claim the id
 };
 
@@ -64,7 +67,7 @@ class Deputy {
   void on(const procman_lcm::orders_t& message);
   void apply(const procman_lcm::cmd_desired_t& order);
   void remove_missing(const procman_lcm::orders_t& message);
-  [[nodiscard]] bool allowed(const config::Command& command) const;
+  [[nodiscard]] const config::Command* own(const std::string& id) const;
   void refuse(const std::string& id, const std::string& why);
   void publish_discovery();
   void publish_info();

@@ -70,9 +70,11 @@ DeputyApp::DeputyApp(DeputyAppOptions options)
   prepare_environment();
   load_config();
   bus_ = std::make_unique<LcmBus>(options_.lcm_url);
-  deputy_ = std::make_unique<Deputy>(
-      DeputyOptions{.id = options_.id, .allow_list = options_.allow_any ? std::nullopt : std::optional(config_)},
-      supervisor_, *bus_);
+  deputy_ =
+      std::make_unique<Deputy>(DeputyOptions{.id = options_.id,
+                                             .allow_list = options_.allow_any ? std::nullopt : std::optional(config_),
+                                             .allow_empty_orders = options_.allow_empty_orders},
+                               supervisor_, *bus_);
   deputy_->on_sheriff_arrived = [this] { resend_last_lines(); };
   deputy_->connect(*bus_);
 }

@@ -31,8 +31,9 @@ struct DeputyAppOptions {
   std::string id;           ///< empty: the only deputy that the config names, else the host name
   std::string script;       ///< run it at the start
   bool start_all = false;
-  bool allow_any = false;  ///< take orders for commands that are not in the config
-  bool quiet = false;      ///< do not print what the commands print
+  bool allow_any = false;           ///< take orders for commands that are not in the config
+  bool allow_empty_orders = false;  ///< an order without commands removes all that are not in the config
+  bool quiet = false;               ///< do not print what the commands print
   std::string lcm_url;
   std::string log_dir;
   output::KeepLimits keep;

@@ -21,6 +21,8 @@ int main(int argc, char** argv) {
   line.option("--settle", options.settle, "s to wait then, while what was lost on the way is asked for again")
       .within(0.0, 3600.0);
   line.flag("--allow-any", options.allow_any, "Take orders for commands that are not in the config");
+  line.flag("--allow-empty-orders", options.allow_empty_orders,
+            "Obey an order that names no command, which removes those that are not in the config");
   line.option(
       "-u,--lcm-url", options.lcm_url,
       "Bus for procman's own messages; default $LCM_DEFAULT_URL, else " + std::string(curbstone::LcmBus::kDefaultUrl));

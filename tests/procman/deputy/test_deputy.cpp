@@ -18,7 +18,11 @@ using ::testing::HasSubstr;
 class DeputyOnTheBus : public ::testing::Test {
  protected:
   void begin(std::optional<config::Config> allow_list = std::nullopt, std::int64_t window = 500'000) {
-    deputy_.emplace(DeputyOptions{"robot", std::move(allow_list), window}, s_.supervisor, bus_);
+    deputy_.emplace(DeputyOptions{.id = "robot",
+                                  .allow_list = std::move(allow_list),
+                                  .allow_empty_orders = allow_empty_orders_,
+                                  .discovery_window = window},
+                    s_.supervisor, bus_);
     deputy_->connect(bus_);
     bus_.subscribe<procman_lcm::deputy_info_t>("PM_INFO", [this](const auto& info) { infos_.push_back(info); });
     bus_.subscribe<procman_lcm::discovery_t>("PM_DISCOVER", [this](const auto& m) { discoveries_.push_back(m); });
@@ -69,6 +73,7 @@ class DeputyOnTheBus : public ::testing::Test {
     return -1;
   }
 
+  bool allow_empty_orders_ = false;
   process::Supervised s_;
   LocalBus bus_;
   std::optional<Deputy> deputy_;
@@ -100,6 +105,7 @@ TEST_F(DeputyOnTheBus, AnotherWithItsIdStartingOrRunningIsAConflict) {
 TEST_F(DeputyOnTheBus, AnotherWithItsIdRunningIsAConflict) {
   begin();
   procman_lcm::deputy_info_t info{};
+  info.utime = wall_clock();
   info.deputy_id = "somebody else";
   bus_.publish("PM_INFO", info);
   bus_.dispatch();
@@ -108,6 +114,17 @@ TEST_F(DeputyOnTheBus, AnotherWithItsIdRunningIsAConflict) {
   bus_.publish("PM_INFO", info);
   bus_.dispatch();
   EXPECT_THAT(deputy_->conflict(), HasSubstr("is running"));
+}
+
+TEST_F(DeputyOnTheBus, APlayedLogIsNoConflict) {
+  begin();
+  procman_lcm::deputy_info_t info{};
+  info.utime = wall_clock() - 6'000'000;
+  info.deputy_id = "robot";
+  bus_.publish("PM_INFO", info);
+  bus_.publish("PM_DISCOVER", procman_lcm::discovery_t{wall_clock() - 6'000'000, "robot", getpid() + 1});
+  bus_.dispatch();
+  EXPECT_EQ(deputy_->conflict(), "");
 }
 
 TEST_F(DeputyOnTheBus, RunIdZeroRegistersAndOneStarts) {
@@ -170,10 +187,55 @@ TEST_F(DeputyOnTheBus, ForceQuitCancelsARespawn) {
 
 TEST_F(DeputyOnTheBus, LeavingACommandOutRemovesIt) {
   begin_active();
+  send({order("a", "sleep 1000", 1), order("b", "sleep 1000", 0), order("c", "sleep 1000", 0)});
+  send({order("c", "sleep 1000", 0)});
+  EXPECT_EQ(pid("b"), -1);
+  ASSERT_TRUE(s_.run_until([this] { return pid("a") == -1; }));
+  EXPECT_EQ(pid("c"), 0);
+}
+
+TEST_F(DeputyOnTheBus, AnOrderThatNamesNoCommandStopsNothing) {
+  begin_active();
+  send({order("a", "sleep 1000", 1)});
+  const pid_t first = pid("a");
+  for (int i = 0; i < 10; ++i) send({});
+  EXPECT_EQ(pid("a"), first);
+  EXPECT_EQ(deputy_->counters()["refused.order"], 10);
+  ASSERT_TRUE(s_.run_until([this] { return text_.contains(""); }));
+  EXPECT_THAT(text_[""], HasSubstr("names no command"));
+}
+
+TEST_F(DeputyOnTheBus, AnOrderThatNamesNoCommandRemovesAllWhereThatIsAllowed) {
+  allow_empty_orders_ = true;
+  begin_active();
   send({order("a", "sleep 1000", 1), order("b", "sleep 1000", 0)});
   send({});
   EXPECT_EQ(pid("b"), -1);
   ASSERT_TRUE(s_.run_until([this] { return pid("a") == -1; }));
+}
+
+TEST_F(DeputyOnTheBus, CommandsOfTheAllowListAreNeitherRemovedNorChanged) {
+  allow_empty_orders_ = true;
+  begin_active(config::parse_config(
+      "cmd \"a\" { exec = \"sleep 1000\"; deputy = \"robot\"; auto_respawn = \"true\"; stop_signal = 2; }", "x"));
+  auto changed = order("a", "sleep 1000", 1);
+  changed.cmd.stop_signal = SIGKILL;
+  changed.cmd.auto_respawn = 0;
+  changed.cmd.stop_time_allowed = 0;
+  send({changed});
+  const pid_t first = pid("a");
+  EXPECT_GT(first, 0);
+  const config::Command& command = s_.supervisor.find("a")->command;
+  EXPECT_EQ(command.stop_signal, SIGINT);
+  EXPECT_TRUE(command.auto_respawn);
+  EXPECT_EQ(command.stop_time_allowed, config::kDefaultStopTimeAllowed);
+  EXPECT_EQ(deputy_->counters()["refused.change"], 1);
+  send({order("b", "sleep 1000", 1)});
+  send({});
+  EXPECT_EQ(pid("a"), first);
+  EXPECT_EQ(deputy_->counters()["refused.removal"], 2);
+  send({order("a", "sleep 1000", 1, true)});
+  ASSERT_TRUE(s_.run_until_ended("a")) << "it can be stopped";
 }
 
 TEST_F(DeputyOnTheBus, AChangedExecTakesEffectAtTheNextStart) {
