@@ -35,8 +35,10 @@ struct LidarConfig {
   std::string host_address = "0.0.0.0";  ///< interface to listen on
   std::string group_address;             ///< multicast group, where the device sends to one
   int receive_buffer = 4 << 20;          ///< bytes, of each socket; the kernel may grant less
+  std::string device_address;            ///< of the device; packets of other senders are refused
   std::string pcap;                      ///< file instead of the network
   double pcap_rate = 1.0;                ///< times real time
+  bool pcap_repeat = false;
 
   decoding::ClockMode clock = decoding::ClockMode::kAuto;
   double clock_tolerance = 1.0;  ///< s, auto: how far a sane device clock may be from the host's
@@ -51,9 +53,12 @@ struct LidarConfig {
     v.field("difop_port", difop_port, {1, 65535}, "UDP port of the device information; may be the same");
     v.field("host_address", host_address, "address of the interface to listen on; 0.0.0.0 = all");
     v.field("group_address", group_address, "multicast group to join; empty = none");
+    v.field("device_address", device_address,
+            "the device's own address: other senders are refused; empty = any sender");
     v.field("receive_buffer", receive_buffer, {65536, 1 << 28}, "bytes; capped by net.core.rmem_max");
-    v.field("pcap", pcap, "read this capture instead of the network, then end; empty = network");
+    v.field("pcap", pcap, "read this capture instead of the network; empty = network");
     v.field("pcap_rate", pcap_rate, {0.01, 100.0}, "speed of the capture, times real time");
+    v.field("pcap_repeat", pcap_repeat, "begin the capture anew at its end, with times that go on");
     using enum decoding::ClockMode;
     v.choice("clock", clock, {{"auto", kAuto}, {"device", kDevice}, {"host", kHost}},
              "time of the points: the device's (set by GPS), the host's, or the device's where it is sane");

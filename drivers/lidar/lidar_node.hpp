@@ -3,6 +3,7 @@
 #include <curbstone/lidar_points_t.hpp>
 #include <curbstone/raw_packet_t.hpp>
 #include <span>
+#include <string_view>
 
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
@@ -30,6 +31,9 @@ class LidarNode final : public Node {
 
   /// Packets that the kernel has dropped since the start.
   void set_dropped(std::int64_t packets) { counters_.set("dropped.socket", packets); }
+
+  /// A count that is kept where the packets come from: "refused.source".
+  void set_counter(std::string_view name, std::int64_t count) { counters_.set(name, count); }
 
   void tick(std::int64_t now) override { health_.tick(now); }
   [[nodiscard]] NodeReport report() const override;

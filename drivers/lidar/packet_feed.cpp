@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/time/clock.hpp"
+#include "drivers/lidar/driver_capture.hpp"
 
 namespace curbstone::lidar {
 
@@ -11,7 +12,8 @@ namespace {
 class NetworkFeed final : public PacketFeed {
  public:
   NetworkFeed(const LidarConfig& config, LidarNode& node, EventLoop& loop) {
-    const sources::UdpOptions options{config.host_address, config.group_address, config.receive_buffer};
+    const sources::UdpOptions options{config.host_address, config.group_address, config.receive_buffer,
+                                      config.device_address};
     open(config.msop_port, options, node, loop);
     if (config.difop_port != config.msop_port) open(config.difop_port, options, node, loop);
   }
@@ -21,43 +23,30 @@ class NetworkFeed final : public PacketFeed {
     sources::UdpSource& source = *sources_.emplace_back(std::make_unique<sources::UdpSource>(port, options));
     loop.watch(source.fd(), [this, &source, &node] {
       source.receive([&node](auto received, int on_port, auto bytes) { node.on_packet(received, on_port, bytes); });
-      std::int64_t dropped = 0;
-      for (const auto& each : sources_) dropped += each->dropped();
+      std::int64_t dropped = 0, foreign = 0;
+      for (const auto& each : sources_) {
+        dropped += each->dropped();
+        foreign += each->foreign();
+      }
       node.set_dropped(dropped);
+      if (foreign > 0) node.set_counter("refused.source", foreign);
     });
   }
   std::vector<std::unique_ptr<sources::UdpSource>> sources_;
 };
 
-/// The packets of a capture that are meant for the driver.
-class DriverCapture {
- public:
-  explicit DriverCapture(const LidarConfig& config)
-      : source_(config.pcap), msop_port_(config.msop_port), difop_port_(config.difop_port) {}
-
-  std::optional<sources::PcapSource::Packet> next() {
-    for (;;) {
-      const auto packet = source_.next();
-      if (!packet || packet->port == msop_port_ || packet->port == difop_port_) return packet;
-    }
-  }
-
- private:
-  sources::PcapSource source_;
-  int msop_port_;
-  int difop_port_;
-};
+/// What of a capture did not reach the node.
+void count_refused(const DriverCapture& capture, LidarNode& node) {
+  if (capture.foreign() > 0) node.set_counter("refused.source", capture.foreign());
+  if (capture.fragments() > 0) node.set_counter("refused.fragment", capture.fragments());
+  if (capture.cut() > 0) node.set_counter("refused.cut_off", capture.cut());
+}
 
 class CaptureFeed final : public PacketFeed {
  public:
   CaptureFeed(const LidarConfig& config, LidarNode& node, EventLoop& loop)
-      : file_(config.pcap), rate_(config.pcap_rate), capture_(config), node_(node), loop_(loop) {
-    pending_ = capture_.next();
-    if (!pending_) {
-      throw std::runtime_error(file_ + ": no UDP packet to port " + std::to_string(config.msop_port) + " or " +
-                               std::to_string(config.difop_port) + " in it");
-    }
-    begin_ = pending_->received;
+      : file_(config.pcap), rate_(config.pcap_rate), capture_(config, config.pcap_repeat), node_(node), loop_(loop) {
+    begin_ = capture_.packet()->received;
     loop.every(std::chrono::milliseconds(1), [this] { feed(); });
   }
 
@@ -65,13 +54,14 @@ class CaptureFeed final : public PacketFeed {
   void feed() {
     const std::int64_t now = steady_clock();
     if (!started_) started_ = now;
-    while (pending_ &&
-           static_cast<double>(pending_->received - begin_) <= static_cast<double>(now - *started_) * rate_) {
-      node_.on_packet(pending_->received, pending_->port, pending_->bytes);
+    const auto& packet = capture_.packet();
+    while (packet && static_cast<double>(packet->received - begin_) <= static_cast<double>(now - *started_) * rate_) {
+      node_.on_packet(packet->received, packet->port, packet->bytes);
       ++count_;
-      pending_ = capture_.next();
+      capture_.advance();
     }
-    if (pending_) return;
+    count_refused(capture_, node_);
+    if (packet) return;
     if (!ended_) spdlog::info("{}: end of the capture after {} packets", file_, count_);
     ended_ = true;
     loop_.stop();
@@ -82,7 +72,6 @@ class CaptureFeed final : public PacketFeed {
   DriverCapture capture_;
   LidarNode& node_;
   EventLoop& loop_;
-  std::optional<sources::PcapSource::Packet> pending_;
   std::int64_t begin_ = 0;
   std::optional<std::int64_t> started_;
   std::int64_t count_ = 0;
@@ -100,11 +89,11 @@ std::unique_ptr<PacketFeed> feed_from_capture(const LidarConfig& config, LidarNo
 }
 
 std::int64_t feed_whole_capture(const LidarConfig& config, LidarNode& node) {
-  DriverCapture capture(config);
+  DriverCapture capture(config, false);
   std::int64_t count = 0;
-  for (auto packet = capture.next(); packet; packet = capture.next(), ++count) {
+  for (; const auto& packet = capture.packet(); capture.advance(), ++count)
     node.on_packet(packet->received, packet->port, packet->bytes);
-  }
+  count_refused(capture, node);
   return count;
 }
 

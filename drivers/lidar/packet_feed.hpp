@@ -6,7 +6,6 @@
 
 #include "common/shell/event_loop.hpp"
 #include "drivers/lidar/lidar_node.hpp"
-#include "drivers/lidar/sources/pcap_source.hpp"
 #include "drivers/lidar/sources/udp_source.hpp"
 
 namespace curbstone::lidar {
@@ -21,13 +20,13 @@ class PacketFeed {
 [[nodiscard]] std::unique_ptr<PacketFeed> feed_from_network(const LidarConfig& config, LidarNode& node,
                                                             EventLoop& loop);
 
-/// From a capture at its own pace times `pcap_rate`. At its end the loop is stopped, and so the process ends. Only
-/// packets to the two configured ports are used. Throws std::runtime_error, one line. So does the loop where the file
-/// is damaged.
+/// From a capture at its own pace times `pcap_rate`. At its end it begins anew with `pcap_repeat`; else the loop is
+/// stopped, and so the process ends. Only packets to the two configured ports are used. Throws std::runtime_error, one
+/// line. So does the loop where the file is damaged.
 [[nodiscard]] std::unique_ptr<PacketFeed> feed_from_capture(const LidarConfig& config, LidarNode& node,
                                                             EventLoop& loop);
 
-/// The same as fast as possible, without a process. Returns the number of packets.
+/// The same once, as fast as possible, without a process. Returns the number of packets.
 std::int64_t feed_whole_capture(const LidarConfig& config, LidarNode& node);
 
 }  // namespace curbstone::lidar

@@ -6,36 +6,56 @@
 #include <array>
 #include <stdexcept>
 
-#include "drivers/lidar/sources/udp_frame.hpp"
-
 namespace curbstone::lidar::sources {
+
+namespace {
+
+using FrameReader = UdpFrame (*)(std::span<const std::uint8_t>);
+
+/// Nothing for a link type that is not supported.
+FrameReader reader_of(int link) {
+  switch (link) {
+    case DLT_EN10MB:
+      return udp_in_ethernet;
+    case DLT_LINUX_SLL:
+      return udp_in_sll;
+    case DLT_LINUX_SLL2:
+      return udp_in_sll2;
+    case DLT_RAW:
+    case DLT_IPV4:
+      return udp_in_ip;
+    default:
+      return nullptr;
+  }
+}
+
+}  // namespace
 
 class PcapSource::Impl {
  public:
   explicit Impl(const std::string& file) {
     std::array<char, PCAP_ERRBUF_SIZE> error{};
+    // libpcap turns stamps in nanoseconds into microseconds.
     handle_ = pcap_open_offline(file.c_str(), error.data());
     if (handle_ == nullptr) throw std::runtime_error(fmt::format("cannot read the capture: {}", error.data()));
-    link_ = pcap_datalink(handle_);
-    if (link_ != DLT_EN10MB && link_ != DLT_RAW && link_ != DLT_LINUX_SLL) {
+    const int link = pcap_datalink(handle_);
+    read_ = reader_of(link);
+    if (read_ == nullptr) {
       pcap_close(handle_);
       throw std::runtime_error(fmt::format("{}: link type {} is not supported: capture on an Ethernet interface", file,
-                                           pcap_datalink_val_to_name(link_) ? pcap_datalink_val_to_name(link_) : "?"));
+                                           pcap_datalink_val_to_name(link) ? pcap_datalink_val_to_name(link) : "?"));
     }
   }
   ~Impl() { pcap_close(handle_); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  [[nodiscard]] std::optional<UdpFrame> udp_in(std::span<const std::uint8_t> frame) const {
-    if (link_ == DLT_RAW) return udp_in_ip(frame);
-    return udp_in_ethernet(frame, link_ == DLT_LINUX_SLL ? 14 : 12);
-  }
+  [[nodiscard]] UdpFrame udp_in(std::span<const std::uint8_t> frame) const { return read_(frame); }
 
   pcap_t* handle_ = nullptr;
 
  private:
-  int link_ = 0;
+  FrameReader read_ = nullptr;
 };
 
 PcapSource::PcapSource(std::string file) : file_(std::move(file)), impl_(std::make_unique<Impl>(file_)) {}
@@ -48,10 +68,24 @@ std::optional<PcapSource::Packet> PcapSource::next() {
     const int status = pcap_next_ex(impl_->handle_, &header, &data);
     if (status == PCAP_ERROR_BREAK) return std::nullopt;
     if (status != 1) throw std::runtime_error(fmt::format("{}: {}", file_, pcap_geterr(impl_->handle_)));
-    if (const auto udp = impl_->udp_in({data, header->caplen})) {
-      return Packet{std::int64_t{header->ts.tv_sec} * 1'000'000 + header->ts.tv_usec, udp->port, udp->payload};
-    }
-    ++skipped_;
+    const UdpFrame udp = impl_->udp_in({data, header->caplen});
+    if (udp.kind == FrameKind::kUdp)
+      return Packet{std::int64_t{header->ts.tv_sec} * 1'000'000 + header->ts.tv_usec, udp.sender, udp.port,
+                    udp.payload};
+    skip(udp.kind);
+  }
+}
+
+void PcapSource::skip(FrameKind kind) {
+  switch (kind) {
+    case FrameKind::kFragment:
+      ++skipped_.fragments;
+      break;
+    case FrameKind::kCut:
+      ++skipped_.cut;
+      break;
+    default:
+      ++skipped_.not_udp;
   }
 }
 

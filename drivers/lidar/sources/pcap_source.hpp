@@ -6,15 +6,28 @@
 #include <span>
 #include <string>
 
+#include "drivers/lidar/sources/udp_frame.hpp"
+
 namespace curbstone::lidar::sources {
 
-/// The UDP packets of a capture (.pcap or .pcapng; Ethernet with or without VLAN tags, raw IP, Linux cooked).
+/// The UDP packets of a capture (.pcap with stamps in us or ns, .pcapng; Ethernet with or without VLAN tags, raw IP,
+/// Linux cooked 1 and 2).
 class PcapSource {
  public:
   struct Packet {
     std::int64_t received = 0;            ///< us since the Unix epoch, when it was captured
+    Ipv4 sender = 0;                      ///< source address
     int port = 0;                         ///< destination
     std::span<const std::uint8_t> bytes;  ///< UDP payload; valid until the next call
+  };
+
+  /// Frames that were skipped, by cause.
+  struct Skipped {
+    std::int64_t not_udp = 0;    ///< another protocol
+    std::int64_t fragments = 0;  ///< parts of IP packets
+    std::int64_t cut = 0;        ///< shorter than they say
+    [[nodiscard]] std::int64_t all() const { return not_udp + fragments + cut; }
+    bool operator==(const Skipped&) const = default;
   };
 
   /// Throws std::runtime_error with one line: what is wrong with the file.
@@ -27,13 +40,15 @@ class PcapSource {
   /// where the file is damaged or cut off.
   std::optional<Packet> next();
 
-  [[nodiscard]] std::int64_t skipped() const { return skipped_; }  ///< frames that were not whole UDP packets
+  [[nodiscard]] const Skipped& skipped() const { return skipped_; }
 
  private:
   class Impl;
+  void skip(FrameKind kind);
+
   std::string file_;
   std::unique_ptr<Impl> impl_;
-  std::int64_t skipped_ = 0;
+  Skipped skipped_;
 };
 
 }  // namespace curbstone::lidar::sources

@@ -11,31 +11,55 @@ constexpr int kVlan = 0x8100;
 constexpr int kServiceVlan = 0x88A8;
 constexpr std::uint8_t kUdp = 17;
 
-int be16(std::span<const std::uint8_t> bytes, std::size_t at) {
+using Bytes = std::span<const std::uint8_t>;
+
+int be16(Bytes bytes, std::size_t at) {
   return read_big_endian<std::uint16_t>(bytes.subspan(at));
+}
+
+UdpFrame none(FrameKind kind) {
+  return {kind, 0, 0, {}};
+}
+
+UdpFrame udp_at(Bytes frame, std::size_t type_offset, std::size_t rest_offset) {
+  if (frame.size() < rest_offset) return none(FrameKind::kCut);
+  return udp_after(be16(frame, type_offset), frame.subspan(rest_offset));
 }
 
 }  // namespace
 
-std::optional<UdpFrame> udp_in_ip(std::span<const std::uint8_t> packet) {
-  if (packet.size() < 20 || packet[0] >> 4 != 4 || packet[9] != kUdp) return std::nullopt;
-  const bool fragment = (be16(packet, 6) & 0x3FFF) != 0;
+UdpFrame udp_in_ip(Bytes packet) {
+  if (packet.size() < 20) return none(FrameKind::kCut);
+  if (packet[0] >> 4 != 4 || packet[9] != kUdp) return none(FrameKind::kNotUdp);
+  if ((be16(packet, 6) & 0x3FFF) != 0) return none(FrameKind::kFragment);
   const auto header = static_cast<std::size_t>(packet[0] & 0x0F) * 4;
-  if (fragment || header < 20 || packet.size() < header + 8) return std::nullopt;
-  const auto udp = packet.subspan(header);
+  if (header < 20 || packet.size() < header + 8) return none(FrameKind::kCut);
+  const Bytes udp = packet.subspan(header);
   const auto length = static_cast<std::size_t>(be16(udp, 4));
-  if (length < 8 || length > udp.size()) return std::nullopt;
-  return UdpFrame{be16(udp, 2), udp.subspan(8, length - 8)};
+  if (length < 8 || length > udp.size()) return none(FrameKind::kCut);
+  return {FrameKind::kUdp, read_big_endian<std::uint32_t>(packet.subspan(12)), be16(udp, 2),
+          udp.subspan(8, length - 8)};
 }
 
-std::optional<UdpFrame> udp_in_ethernet(std::span<const std::uint8_t> frame, std::size_t type_offset) {
-  std::size_t at = type_offset;
-  for (int tags = 0; tags <= 2 && at + 2 <= frame.size(); ++tags, at += 4) {
-    const int type = be16(frame, at);
-    if (type == kIpv4) return udp_in_ip(frame.subspan(at + 2));
-    if (type != kVlan && type != kServiceVlan) return std::nullopt;
+UdpFrame udp_after(int ether_type, Bytes rest) {
+  for (int tags = 0; tags < 2 && (ether_type == kVlan || ether_type == kServiceVlan); ++tags) {
+    if (rest.size() < 4) return none(FrameKind::kCut);
+    ether_type = be16(rest, 2);
+    rest = rest.subspan(4);
   }
-  return std::nullopt;
+  return ether_type == kIpv4 ? udp_in_ip(rest) : none(FrameKind::kNotUdp);
+}
+
+UdpFrame udp_in_ethernet(Bytes frame) {
+  return udp_at(frame, 12, 14);
+}
+
+UdpFrame udp_in_sll(Bytes frame) {
+  return udp_at(frame, 14, 16);
+}
+
+UdpFrame udp_in_sll2(Bytes frame) {
+  return udp_at(frame, 0, 20);
 }
 
 }  // namespace curbstone::lidar::sources

@@ -19,10 +19,7 @@ namespace curbstone::lidar::sources {
 namespace {
 
 in_addr address(const std::string& text, const char* key) {
-  in_addr result{};
-  if (inet_pton(AF_INET, text.c_str(), &result) != 1)
-    throw std::runtime_error(fmt::format("{}: '{}' is no IPv4 address", key, text));
-  return result;
+  return {htonl(parse_ipv4(text, key))};
 }
 
 [[noreturn]] void fail_bind(int port, const std::string& host, int error) {
@@ -58,6 +55,7 @@ void enable(int fd, int option) {
 }  // namespace
 
 UdpSource::UdpSource(int port, const UdpOptions& options) : port_(port) {
+  if (!options.device_address.empty()) device_ = parse_ipv4(options.device_address, "device_address");
   const bool multicast = !options.group_address.empty() && options.group_address != "0.0.0.0";
   sockaddr_in local{};
   local.sin_family = AF_INET;
@@ -93,8 +91,11 @@ void UdpSource::receive(const Handler& handler) {
 bool UdpSource::receive_one(const Handler& handler) {
   std::array<std::uint8_t, 2048> bytes;
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t))> control;
+  sockaddr_in sender{};
   iovec part{bytes.data(), bytes.size()};
   msghdr message{};
+  message.msg_name = &sender;
+  message.msg_namelen = sizeof sender;
   message.msg_iov = &part;
   message.msg_iovlen = 1;
   message.msg_control = control.data();
@@ -115,6 +116,10 @@ bool UdpSource::receive_one(const Handler& handler) {
       dropped_ += overflow - last_overflow_;  // wraps as the kernel's counter does
       last_overflow_ = overflow;
     }
+  }
+  if (device_ && ntohl(sender.sin_addr.s_addr) != *device_) {
+    ++foreign_;
+    return true;
   }
   if (received == 0) received = wall_clock();
   handler(received, port_, std::span(bytes.data(), static_cast<std::size_t>(size)));

@@ -2,8 +2,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
+
+#include "drivers/lidar/sources/ipv4_address.hpp"
 
 namespace curbstone::lidar::sources {
 
@@ -11,6 +14,7 @@ struct UdpOptions {
   std::string host_address = "0.0.0.0";  ///< interface to listen on
   std::string group_address;             ///< multicast group to join; empty = none
   int receive_buffer = 4 << 20;          ///< bytes; the kernel may grant less
+  std::string device_address;            ///< packets of other senders are not handed over; empty = of any
 };
 
 /// One UDP port that a sensor sends to. Non-blocking; watch fd() and call receive(). One thread.
@@ -35,6 +39,9 @@ class UdpSource {
   /// Packets that the kernel has dropped since the start, because this process was too slow.
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
 
+  /// Packets of senders other than `device_address`, which were not handed over.
+  [[nodiscard]] std::int64_t foreign() const { return foreign_; }
+
   static constexpr int kBatch = 64;
 
  private:
@@ -42,6 +49,8 @@ class UdpSource {
 
   int fd_ = -1;
   int port_;
+  std::optional<Ipv4> device_;
+  std::int64_t foreign_ = 0;
   std::int64_t dropped_ = 0;
   std::uint32_t last_overflow_ = 0;
 };

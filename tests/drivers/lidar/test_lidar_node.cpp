@@ -7,6 +7,7 @@
 
 #include "common/bus/local_bus.hpp"
 #include "drivers/lidar/packet_feed.hpp"
+#include "drivers/lidar/sources/pcap_source.hpp"
 #include "tests/drivers/lidar/packets.hpp"
 
 namespace curbstone::lidar {

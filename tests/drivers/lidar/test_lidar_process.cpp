@@ -61,6 +61,16 @@ TEST(LidarProcess, EndsWithACapture) {
   EXPECT_THAT(ended.output, HasSubstr("end of the capture after 3040 packets"));
 }
 
+TEST(LidarProcess, BeginsACaptureAnewUntilItIsStopped) {
+  const std::string recorded = CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap";
+  if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
+  // The recording lasts 4 s: at 100 times that pace it is through long before the 3 s.
+  const std::string command = "timeout 3 " CURBSTONE_BIN_DIR "/curbstone-lidar --set pcap=" + recorded +
+                              " --set pcap_rate=100 --set pcap_repeat=true > /dev/null 2>&1";
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 124) << "ended by itself";
+}
+
 TEST(LidarProcess, NamesTheSectionThatAnOldFileMeans) {
   const testing::TemporaryFolder folder;
   const std::string file = folder / "old.yaml";

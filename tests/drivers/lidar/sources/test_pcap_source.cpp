@@ -2,71 +2,16 @@
 
 #include <gmock/gmock.h>
 
-#include <filesystem>
-#include <fstream>
 #include <random>
 
 #include "drivers/lidar/sources/udp_frame.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/drivers/lidar/captures.hpp"
 
 namespace curbstone::lidar::sources {
 namespace {
 
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
-using Bytes = std::vector<std::uint8_t>;
-
-void put(Bytes& bytes, std::initializer_list<int> values) {
-  for (const int value : values) bytes.push_back(static_cast<std::uint8_t>(value));
-}
-void put16(Bytes& bytes, std::size_t value) {
-  put(bytes, {static_cast<int>(value >> 8), static_cast<int>(value & 0xFF)});
-}
-
-/// An Ethernet frame with `payload` in UDP to `port`, behind `tags` VLAN tags.
-Bytes frame(const Bytes& payload, int port, int tags = 0) {
-  Bytes bytes(12, 0xAB);
-  for (int i = 0; i < tags; ++i) put(bytes, {0x81, 0x00, 0x00, 0x05});
-  put(bytes, {0x08, 0x00, 0x45, 0x00});
-  put16(bytes, 28 + payload.size());
-  put(bytes, {0, 1, 0, 0, 64, 17, 0, 0, 192, 168, 1, 200, 192, 168, 1, 102});
-  put16(bytes, 6699);
-  put16(bytes, static_cast<std::size_t>(port));
-  put16(bytes, 8 + payload.size());
-  put16(bytes, 0);
-  for (const std::uint8_t byte : payload) bytes.push_back(byte);
-  return bytes;
-}
-
-/// A capture file of its own that goes with the test.
-class Capture {
- public:
-  explicit Capture(const std::vector<Bytes>& frames, std::uint32_t link_type = 1) {
-    put({0xA1B2C3D4, 0x00040002, 0, 0, 65535, link_type});
-    std::uint32_t time = 100;
-    for (const Bytes& f : frames) {
-      const auto size = static_cast<std::uint32_t>(f.size());
-      put({time++, 42, size, size});
-      file_.write(reinterpret_cast<const char*>(f.data()), static_cast<std::streamsize>(size));
-    }
-    file_.close();
-  }
-  ~Capture() { std::filesystem::remove(name_); }
-  void cut(std::uintmax_t bytes) const {
-    std::filesystem::resize_file(name_, std::filesystem::file_size(name_) - bytes);
-  }
-  [[nodiscard]] const std::string& name() const { return name_; }
-
- private:
-  void put(std::initializer_list<std::uint32_t> words) {
-    for (const std::uint32_t word : words) file_.write(reinterpret_cast<const char*>(&word), sizeof word);
-  }
-  testing::TemporaryFolder folder_;
-  std::string name_ = folder_ / "capture.pcap";
-  std::ofstream file_{name_, std::ios::binary};
-};
-
 TEST(PcapSource, ReadsPayloadPortAndTimeWithAndWithoutVlan) {
   const Capture capture({frame({1, 2, 3}, 6699), frame({4}, 7788, 1), frame({5}, 9, 2)});
   PcapSource source(capture.name());
@@ -82,22 +27,57 @@ TEST(PcapSource, ReadsPayloadPortAndTimeWithAndWithoutVlan) {
   EXPECT_FALSE(source.next());
 }
 
-TEST(PcapSource, SkipsWhatIsNoWholeUdpPacket) {
+TEST(PcapSource, ReadsStampsInNanosecondsAndPcapng) {
+  for (const Capture::Format format : {Capture::Format::kNanoseconds, Capture::Format::kPcapng}) {
+    const Capture capture({frame({1, 2, 3}, 6699), frame({4, 5}, 7788)}, kEthernet, format);
+    PcapSource source(capture.name());
+    EXPECT_EQ(source.next()->received, 100'000'042);
+    const auto packet = source.next();
+    ASSERT_TRUE(packet);
+    EXPECT_EQ(packet->received, 101'000'042);
+    EXPECT_EQ(packet->port, 7788);
+    EXPECT_FALSE(source.next());
+  }
+}
+
+TEST(PcapSource, ReadsEachLinkTypeWithTheSender) {
+  Bytes cooked(14, 0xAB), cooked2(20, 0xAB), cooked2_vlan(20, 0xAB);
+  put(cooked, {0x08, 0x00});
+  cooked2[0] = 0x08;
+  cooked2[1] = 0x00;
+  cooked2_vlan[0] = 0x81;
+  cooked2_vlan[1] = 0x00;
+  put(cooked2_vlan, {0x00, 0x05, 0x08, 0x00});
+  const Bytes ip = ip_packet({7, 8}, 6699, 201);
+  for (const auto& [head, link] :
+       {std::pair{Bytes(), kRawIp}, {cooked, kCooked}, {cooked2, kCooked2}, {cooked2_vlan, kCooked2}}) {
+    const Capture capture({head + ip}, link);
+    PcapSource source(capture.name());
+    const auto packet = source.next();
+    ASSERT_TRUE(packet) << link;
+    EXPECT_EQ(packet->port, 6699);
+    EXPECT_EQ(to_text(packet->sender), "192.168.1.201");
+    EXPECT_EQ(Bytes(packet->bytes.begin(), packet->bytes.end()), (Bytes{7, 8}));
+  }
+}
+
+TEST(PcapSource, CountsWhatIsNoWholeUdpPacketByCause) {
   Bytes arp = frame({}, 1);
   arp[12] = 0x08;
   arp[13] = 0x06;
   Bytes tcp = frame({1}, 1);
   tcp[23] = 6;
-  Bytes fragment = frame({1}, 1);
-  fragment[20] = 0x20;
+  Bytes first_fragment = frame({1}, 1), last_fragment = frame({1}, 1);
+  first_fragment[20] = 0x20;
+  last_fragment[21] = 0xB9;
   Bytes cut = frame({1, 2, 3, 4}, 1);
   cut.pop_back();
-  const Capture capture({arp, tcp, fragment, cut, {}, {1, 2, 3}, frame({9}, 5)});
+  const Capture capture({arp, tcp, first_fragment, last_fragment, cut, {}, {1, 2, 3}, frame({9}, 5)});
   PcapSource source(capture.name());
   const auto packet = source.next();
   ASSERT_TRUE(packet);
   EXPECT_EQ(packet->port, 5);
-  EXPECT_EQ(source.skipped(), 6);
+  EXPECT_EQ(source.skipped(), (PcapSource::Skipped{.not_udp = 2, .fragments = 2, .cut = 3}));
 }
 
 TEST(PcapSource, SaysWhatIsWrongWithAFile) {
@@ -124,9 +104,13 @@ TEST(UdpFrame, NeverReachesBeyondTheFrameWhateverComes) {
     for (auto k = random() % 6; k > 0; --k) bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
     bytes.resize(random() % (bytes.size() + 1));
     bytes.shrink_to_fit();
-    if (const auto udp = udp_in_ethernet(bytes)) {
-      ASSERT_GE(udp->payload.data(), bytes.data());
-      ASSERT_LE(udp->payload.data() + udp->payload.size(), bytes.data() + bytes.size());
+    for (const UdpFrame& udp : {udp_in_ethernet(bytes), udp_in_sll(bytes), udp_in_sll2(bytes), udp_in_ip(bytes)}) {
+      if (udp.kind != FrameKind::kUdp) {
+        ASSERT_TRUE(udp.payload.empty());
+        continue;
+      }
+      ASSERT_GE(udp.payload.data(), bytes.data());
+      ASSERT_LE(udp.payload.data() + udp.payload.size(), bytes.data() + bytes.size());
     }
   }
 }

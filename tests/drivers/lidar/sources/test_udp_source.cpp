@@ -19,11 +19,15 @@ using testing::ThrowsMessage;
 
 constexpr int kPort = 46699;
 
+UdpOptions options(const char* host, const char* group, int buffer, const char* device = "") {
+  return {host, group, buffer, device};
+}
+
 class Sender {
  public:
-  explicit Sender(const char* to = "127.0.0.1") {
+  explicit Sender(const char* to = "127.0.0.1", int port = kPort) {
     to_.sin_family = AF_INET;
-    to_.sin_port = htons(kPort);
+    to_.sin_port = htons(static_cast<std::uint16_t>(port));
     inet_pton(AF_INET, to, &to_.sin_addr);
   }
   ~Sender() { close(fd_); }
@@ -97,7 +101,7 @@ TEST(UdpSource, HandsOverEmptyAndOversizedPacketsAsSuch) {
 }
 
 TEST(UdpSource, CountsWhatTheKernelThrewAway) {
-  UdpSource source(kPort, {"0.0.0.0", "", 65536});
+  UdpSource source(kPort, options("0.0.0.0", "", 65536));
   const Sender sender;
   for (int i = 0; i < 1000; ++i) sender.send(std::vector<std::uint8_t>(1248));
   auto arrived = all_of(source);
@@ -107,8 +111,22 @@ TEST(UdpSource, CountsWhatTheKernelThrewAway) {
   EXPECT_EQ(source.dropped(), 1000 - static_cast<std::int64_t>(arrived.size()));
 }
 
+TEST(UdpSource, HandsOverPacketsOfTheDeviceOnlyAndCountsTheOthers) {
+  UdpSource device(kPort, options("0.0.0.0", "", 65536, "127.0.0.1"));
+  const Sender sender;
+  sender.send({1});
+  EXPECT_EQ(all_of(device).size(), 1U);
+  EXPECT_EQ(device.foreign(), 0);
+
+  UdpSource other(kPort + 1, options("0.0.0.0", "", 65536, "127.0.0.2"));
+  const Sender stranger("127.0.0.1", kPort + 1);
+  for (int i = 0; i < 3; ++i) stranger.send({1});
+  EXPECT_EQ(all_of(other).size(), 0U);
+  EXPECT_EQ(other.foreign(), 3);
+}
+
 TEST(UdpSource, JoinsAMulticastGroup) {
-  UdpSource source(kPort, {"127.0.0.1", "239.255.66.99", 1 << 20});
+  UdpSource source(kPort, options("127.0.0.1", "239.255.66.99", 1 << 20));
   const Sender sender("239.255.66.99");
   sender.send({7});
   EXPECT_EQ(all_of(source).size(), 1U);
@@ -118,21 +136,14 @@ TEST(UdpSource, SaysWhatIsWrongWithPortAndAddress) {
   const UdpSource first(kPort, {});
   EXPECT_THAT([] { UdpSource(kPort, {}); },
               ThrowsMessage<std::runtime_error>(HasSubstr("port 46699 is in use by another process")));
-  EXPECT_THAT(
-      [] {
-        UdpSource(kPort + 1, {"192.0.2.1", "", 65536});
-      },
-      ThrowsMessage<std::runtime_error>(HasSubstr("no interface with address 192.0.2.1")));
-  EXPECT_THAT(
-      [] {
-        UdpSource(kPort + 1, {"lidar", "", 65536});
-      },
-      ThrowsMessage<std::runtime_error>(HasSubstr("'lidar' is no IPv4 address")));
-  EXPECT_THAT(
-      [] {
-        UdpSource(kPort + 1, {"127.0.0.1", "10.0.0.1", 65536});
-      },
-      ThrowsMessage<std::runtime_error>(HasSubstr("cannot join 10.0.0.1")));
+  EXPECT_THAT([] { UdpSource(kPort + 1, options("192.0.2.1", "", 65536)); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("no interface with address 192.0.2.1")));
+  EXPECT_THAT([] { UdpSource(kPort + 1, options("lidar", "", 65536)); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("'lidar' is no IPv4 address")));
+  EXPECT_THAT([] { UdpSource(kPort + 1, options("0.0.0.0", "", 65536, "192.168.1")); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("device_address: '192.168.1' is no IPv4 address")));
+  EXPECT_THAT([] { UdpSource(kPort + 1, options("127.0.0.1", "10.0.0.1", 65536)); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("cannot join 10.0.0.1")));
 }
 
 }  // namespace

@@ -1,0 +1,71 @@
+#include "drivers/lidar/driver_capture.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "drivers/lidar/sources/capture_contents.hpp"
+#include "drivers/lidar/stamp_shift.hpp"
+
+namespace curbstone::lidar {
+
+DriverCapture::DriverCapture(const LidarConfig& config, bool repeat)
+    : config_(config), repeat_(repeat), source_(std::make_unique<sources::PcapSource>(config.pcap)) {
+  if (!config.device_address.empty()) device_ = sources::parse_ipv4(config.device_address, "device_address");
+  packet_ = next_in_file();
+  if (!packet_) fail_empty();
+  first_ = last_ = packet_->received;
+}
+
+void DriverCapture::advance() {
+  packet_ = next_in_file();
+  if (!packet_ && repeat_) begin_anew();
+  if (!packet_) return;
+  if (repeats_ == 0) {
+    first_ = std::min(first_, packet_->received);
+    last_ = std::max(last_, packet_->received);
+  } else {
+    shift_packet();
+  }
+}
+
+std::optional<DriverCapture::Packet> DriverCapture::next_in_file() {
+  while (auto packet = source_->next()) {
+    if (packet->port != config_.msop_port && packet->port != config_.difop_port) continue;
+    if (device_ && packet->sender != *device_) {
+      ++foreign_;
+      continue;
+    }
+    if (repeats_ == 0) ++count_;
+    return packet;
+  }
+  return std::nullopt;
+}
+
+void DriverCapture::begin_anew() {
+  const std::int64_t length = last_ - first_;
+  constexpr std::int64_t kShortest = 1000;  // us, of a file with one packet
+  shift_ += std::max(kShortest, length + (count_ > 1 ? length / (count_ - 1) : 0));
+  ++repeats_;
+  before_.fragments += source_->skipped().fragments;
+  before_.cut += source_->skipped().cut;
+  source_ = std::make_unique<sources::PcapSource>(config_.pcap);
+  packet_ = next_in_file();
+}
+
+void DriverCapture::shift_packet() {
+  shifted_.assign(packet_->bytes.begin(), packet_->bytes.end());
+  shift_stamp(shifted_, shift_);
+  packet_->bytes = shifted_;
+  packet_->received += shift_;
+}
+
+void DriverCapture::fail_empty() const {
+  const std::string from = device_ ? " from " + config_.device_address : "";
+  throw std::runtime_error(fmt::format("{}: no UDP packet{} to port {} or {} in it; it has: {}", config_.pcap, from,
+                                       config_.msop_port, config_.difop_port,
+                                       to_text(sources::contents_of(config_.pcap))));
+}
+
+}  // namespace curbstone::lidar
