@@ -12,8 +12,16 @@ enum class Line {
   kUart,  ///< ten bits a byte at the configured baud
 };
 
+/// Which protocol the device speaks.
+enum class Model {
+  kXsens,      ///< MTi: Xbus, MTData2
+  kWitMotion,  ///< WT901 and kin: 11-byte frames that begin with 0x55
+  kAuto,       ///< whichever is heard first
+};
+
 /// The `imu:` section of a vehicle's file.
 struct ImuConfig {
+  Model model = Model::kXsens;
   std::string device = "/dev/ttyUSB0";  ///< serial port of the IMU
   int baud = 115200;
   bool low_latency = true;  ///< ask the port's driver not to hold bytes back
@@ -24,6 +32,8 @@ struct ImuConfig {
   double silence = 1.0;     ///< s without a sample after which it is a fault, and the device is set up again
 
   void visit(ConfigVisitor& v) {
+    v.choice("model", model, {{"xsens", Model::kXsens}, {"witmotion", Model::kWitMotion}, {"auto", Model::kAuto}},
+             "auto: whichever is heard first; nothing is sent to set it up until then");
     v.field("device", device,
             "serial port of the IMU; /dev/curbstone-imu (udev) and /dev/serial/by-id/... survive replugging");
     v.field("baud", baud, {4800, 4000000}, "any that device and port can; a USB device ignores it");

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <curbstone/imu_t.hpp>
 #include <functional>
-#include <optional>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -13,24 +13,20 @@
 #include "common/shell/latency.hpp"
 #include "common/time/clock_offset.hpp"
 #include "common/time/settling_start.hpp"
+#include "drivers/imu/device/imu_device.hpp"
 #include "drivers/imu/imu_config.hpp"
-#include "drivers/imu/mt_configurator.hpp"
-#include "drivers/imu/mtdata2.hpp"
-#include "drivers/imu/packet_counter.hpp"
-#include "drivers/imu/sample_time.hpp"
-#include "drivers/imu/xbus_frame.hpp"
 
 namespace curbstone::imu {
 
-/// The bytes of an Xsens MTi in, IMU out. It has no port and no clock: bytes come with their time of receipt (us since
-/// the Unix epoch), and commands to the device leave through `send`. One thread.
+/// The bytes of an IMU in, IMU out. It has no port and no clock: bytes come with their time of receipt (us since the
+/// Unix epoch), and commands to the device leave through `send`. One thread.
 ///
-/// A sample's stamp is the device's own (SampleTimeFine), converted to the host's clock by ClockOffset. Of a device
-/// that sends no time it is the time of receipt. Stamps strictly increase, unless the host's clock is set back. Samples
-/// of the first 0.1 s go out at its end: see SettlingStart.
+/// A sample's stamp is the device's own time, converted to the host's clock by ClockOffset. Of a device that sends no
+/// time it is the time of receipt. Stamps strictly increase, unless the host's clock is set back. Samples of the first
+/// 0.1 s go out at its end: see SettlingStart.
 class ImuNode final : public Node {
  public:
-  using Send = MtConfigurator::Send;
+  using Send = device::ImuDevice::Send;
 
   ImuNode(
       const ImuConfig& config, Publisher& bus, Send send = [](auto) {});
@@ -46,31 +42,21 @@ class ImuNode final : public Node {
   [[nodiscard]] NodeReport report() const override;
 
  private:
-  void on_frame(std::int64_t receive_utime, const XbusFrame& frame);
-  void on_measurement(std::int64_t receive_utime, const MtData2& data);
-  /// Whether the sample is one to use; and its time on the device's clock, us, if the device tells it.
-  struct Judged {
-    bool usable = true;
-    std::optional<std::int64_t> time;
-  };
-  Judged judge(std::int64_t receive_utime, const MtData2& data);
+  void on_sample(const device::ImuSample& sample);
   /// A sample's time on the host's clock, us, and by how much its coming puts those before earlier.
   struct HostTime {
     std::int64_t utime;
     std::int64_t earlier;
   };
   HostTime to_host(std::int64_t device_time, std::int64_t receive_utime);
-  void restart_clocks();
+  void restart_clock();
   void publish(imu_t& message, std::int64_t now);
   void watch_line(std::int64_t now);
-  int note_refusals(std::int64_t now);
+  void note_refusals(std::int64_t now);
 
   ImuConfig config_;
   Publisher& bus_;
-  XbusParser parser_;
-  MtConfigurator configurator_;
-  SampleTime sample_time_;
-  PacketCounter packet_counter_;
+  std::unique_ptr<device::ImuDevice> device_;
   ClockOffset clock_;
   bool clock_begun_ = false;
   SettlingStart<imu_t> start_;
@@ -85,7 +71,7 @@ class ImuNode final : public Node {
   std::int64_t watched_garbage_ = 0;
   bool garbled_ = false;
   RefusalShare refusals_;
-  Counters noted_;  // of refusals, those that refusals_ knows
+  Counters noted_;  // the device's, when refusals_ heard of them last
   bool self_test_failed_ = false;
   std::string link_fault_;
   std::function<void(NodeReport&)> link_report_;

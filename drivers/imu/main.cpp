@@ -1,4 +1,4 @@
-// curbstone-imu: an Xsens MTi on a serial port -> IMU.
+// curbstone-imu: an Xsens MTi or a WitMotion on a serial port -> IMU.
 #include <optional>
 
 #include "common/shell/service.hpp"
@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
   using namespace curbstone;
   std::optional<serial::SerialLink> link;
   return run_service<imu::ImuConfig>(
-      argc, argv, {"imu", kProcessSections, "Xsens MTi (MTData2) on a serial port -> IMU"},
+      argc, argv, {"imu", kProcessSections, "Xsens MTi or WitMotion on a serial port -> IMU"},
       [&](const imu::ImuConfig& config, ServiceContext& context) -> std::unique_ptr<Node> {
         link.emplace(serial::SerialSettings{config.device, config.baud, config.low_latency});
         auto node = std::make_unique<imu::ImuNode>(config, context.bus, [&](auto bytes) { link->send(bytes); });

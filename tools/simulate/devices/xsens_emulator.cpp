@@ -29,7 +29,7 @@ std::vector<std::uint8_t> XsensEmulator::power_on(std::int64_t now) {
   counter_ = 0;
   parser_.reset();
   if (outputs_.empty()) use_default_outputs();
-  return imu::encode_xbus(imu::Mid::kWakeUp);
+  return imu::xsens::encode_xbus(imu::xsens::Mid::kWakeUp);
 }
 
 void XsensEmulator::use_default_outputs() {
@@ -48,31 +48,33 @@ std::vector<std::uint8_t> XsensEmulator::on_bytes(std::int64_t now, std::span<co
   std::vector<std::uint8_t> answer;
   if (state_ == State::kOff) return answer;
   if (measuring(now)) state_ = State::kMeasurement;
-  parser_.parse(now, bytes, [&](const imu::XbusFrame& frame) { on_frame(frame, now, answer); });
+  parser_.parse(now, bytes, [&](const imu::xsens::XbusFrame& frame) { on_frame(frame, now, answer); });
   return answer;
 }
 
-void XsensEmulator::on_frame(const imu::XbusFrame& frame, std::int64_t now, std::vector<std::uint8_t>& answer) {
+void XsensEmulator::on_frame(const imu::xsens::XbusFrame& frame, std::int64_t now, std::vector<std::uint8_t>& answer) {
   const auto reply = [&](const std::vector<std::uint8_t>& bytes) {
     answer.insert(answer.end(), bytes.begin(), bytes.end());
   };
-  const auto refuse = [&](std::uint8_t code) { reply(imu::encode_xbus(imu::Mid::kError, std::span(&code, 1))); };
-  if (frame.is(imu::Mid::kWakeUpAck)) {
+  const auto refuse = [&](std::uint8_t code) {
+    reply(imu::xsens::encode_xbus(imu::xsens::Mid::kError, std::span(&code, 1)));
+  };
+  if (frame.is(imu::xsens::Mid::kWakeUpAck)) {
     if (state_ == State::kBooting) state_ = State::kConfig;
-  } else if (frame.is(imu::Mid::kGotoConfig)) {
+  } else if (frame.is(imu::xsens::Mid::kGotoConfig)) {
     state_ = State::kConfig;
-    reply(imu::encode_xbus(imu::Mid::kGotoConfigAck));
-  } else if (frame.is(imu::Mid::kReset)) {
-    reply(imu::encode_xbus(imu::Mid::kResetAck));
+    reply(imu::xsens::encode_xbus(imu::xsens::Mid::kGotoConfigAck));
+  } else if (frame.is(imu::xsens::Mid::kReset)) {
+    reply(imu::xsens::encode_xbus(imu::xsens::Mid::kResetAck));
     reply(power_on(now));
   } else if (state_ != State::kConfig) {
     refuse(0x04);  // invalid message in this state
-  } else if (frame.is(imu::Mid::kGotoMeasurement)) {
+  } else if (frame.is(imu::xsens::Mid::kGotoMeasurement)) {
     state_ = State::kMeasurement;
-    reply(imu::encode_xbus(imu::Mid::kGotoMeasurementAck));
-  } else if (frame.is(imu::Mid::kSetOutputConfiguration)) {
+    reply(imu::xsens::encode_xbus(imu::xsens::Mid::kGotoMeasurementAck));
+  } else if (frame.is(imu::xsens::Mid::kSetOutputConfiguration)) {
     if (frame.data.size() % 4 != 0 || frame.data.size() > 128) return refuse(0x21);
-    reply(imu::encode_xbus(imu::Mid::kOutputConfiguration, configure(frame.data)));
+    reply(imu::xsens::encode_xbus(imu::xsens::Mid::kOutputConfiguration, configure(frame.data)));
   } else {
     refuse(0x04);
   }
@@ -103,7 +105,7 @@ std::vector<std::uint8_t> XsensEmulator::sample(std::int64_t now, const XsensSam
   std::vector<std::uint8_t> payload;
   for (const Output& output : outputs_) append_item(payload, output.id, now, sample);
   ++counter_;
-  return imu::encode_xbus(imu::Mid::kMtData2, payload);
+  return imu::xsens::encode_xbus(imu::xsens::Mid::kMtData2, payload);
 }
 
 void XsensEmulator::append_item(std::vector<std::uint8_t>& payload, std::uint16_t id, std::int64_t now,

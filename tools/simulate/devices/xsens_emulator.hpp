@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "drivers/imu/xbus_frame.hpp"
+#include "drivers/imu/xsens/xbus_frame.hpp"
 
 namespace curbstone::simulate::devices {
 
@@ -58,7 +58,7 @@ class XsensEmulator {
     std::uint16_t rate;
   };
 
-  void on_frame(const imu::XbusFrame& frame, std::int64_t now, std::vector<std::uint8_t>& answer);
+  void on_frame(const imu::xsens::XbusFrame& frame, std::int64_t now, std::vector<std::uint8_t>& answer);
   std::vector<std::uint8_t> configure(std::span<const std::uint8_t> list);
   void append_item(std::vector<std::uint8_t>& payload, std::uint16_t id, std::int64_t now, const XsensSample& sample);
   void use_default_outputs();
@@ -69,7 +69,7 @@ class XsensEmulator {
   std::uint16_t counter_ = 0;
   int rate_ = 100;
   std::vector<Output> outputs_;
-  imu::XbusParser parser_;
+  imu::xsens::XbusParser parser_;
 };
 
 }  // namespace curbstone::simulate::devices

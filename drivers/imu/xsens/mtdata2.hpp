@@ -7,7 +7,7 @@
 
 #include "common/bus/counters.hpp"
 
-namespace curbstone::imu {
+namespace curbstone::imu::xsens {
 
 /// The content of one MTData2 message. Each message may hold other items: what was absent is empty. Frame: imu (the
 /// sensor's own axes, right-handed).
@@ -30,4 +30,4 @@ struct MtData2 {
 /// Xsens MT Low Level Communication Protocol (MT0101P), MTData2.
 [[nodiscard]] MtData2 decode_mtdata2(std::span<const std::uint8_t> payload, Counters& counters);
 
-}  // namespace curbstone::imu
+}  // namespace curbstone::imu::xsens

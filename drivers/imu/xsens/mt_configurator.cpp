@@ -1,4 +1,4 @@
-#include "drivers/imu/mt_configurator.hpp"
+#include "drivers/imu/xsens/mt_configurator.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 #include "common/bytes/big_endian.hpp"
 
-namespace curbstone::imu {
+namespace curbstone::imu::xsens {
 
 namespace {
 
@@ -168,4 +168,4 @@ std::string MtConfigurator::fault() const {
   return mismatch_;
 }
 
-}  // namespace curbstone::imu
+}  // namespace curbstone::imu::xsens

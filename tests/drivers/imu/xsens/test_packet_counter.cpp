@@ -1,8 +1,8 @@
-#include "drivers/imu/packet_counter.hpp"
+#include "drivers/imu/xsens/packet_counter.hpp"
 
 #include <gtest/gtest.h>
 
-namespace curbstone::imu {
+namespace curbstone::imu::xsens {
 namespace {
 
 TEST(PacketCounterTest, TellsLossesAcrossTheWrapAndNoneAfterARestart) {
@@ -50,4 +50,4 @@ TEST(PacketCounterTest, AnyNumberOfOthersIsBorne) {
 }
 
 }  // namespace
-}  // namespace curbstone::imu
+}  // namespace curbstone::imu::xsens

@@ -1,10 +1,10 @@
-#include "drivers/imu/xbus_frame.hpp"
+#include "drivers/imu/xsens/xbus_frame.hpp"
 
 #include <gmock/gmock.h>
 
 #include "tests/drivers/byte_stream.hpp"
 
-namespace curbstone::imu {
+namespace curbstone::imu::xsens {
 namespace {
 
 using testing::append;
@@ -143,4 +143,4 @@ TEST_F(XbusParserTest, NoBytesAreToldAsFramesUnlessTheChecksumHoldsAndGoodFrames
 }
 
 }  // namespace
-}  // namespace curbstone::imu
+}  // namespace curbstone::imu::xsens

@@ -1,10 +1,10 @@
-#include "drivers/imu/sample_time.hpp"
+#include "drivers/imu/device/sample_time.hpp"
 
 #include <algorithm>
 #include <cstdlib>
 #include <functional>
 
-namespace curbstone::imu {
+namespace curbstone::imu::device {
 
 namespace {
 
@@ -84,4 +84,4 @@ void SampleTime::learn(std::int64_t step) {
   tolerance_ = kRounding + 2 * sorted[2];
 }
 
-}  // namespace curbstone::imu
+}  // namespace curbstone::imu::device

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "common/bus/counters.hpp"
-#include "drivers/imu/xbus_frame.hpp"
+#include "drivers/imu/xsens/xbus_frame.hpp"
 
-namespace curbstone::imu {
+namespace curbstone::imu::xsens {
 
 /// Sets a device up and starts its measurement, and does so again whenever it restarts or falls silent. GotoConfig ->
 /// SetOutputConfiguration -> GotoMeasurement: each is repeated until it is acknowledged, without end. Pure: time comes
@@ -65,4 +65,4 @@ class MtConfigurator {
 /// turn, status.
 [[nodiscard]] std::vector<std::uint8_t> output_configuration(int rate, bool orientation);
 
-}  // namespace curbstone::imu
+}  // namespace curbstone::imu::xsens

@@ -1,4 +1,4 @@
-#include "drivers/imu/mtdata2.hpp"
+#include "drivers/imu/xsens/mtdata2.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,7 @@
 #include "common/bytes/big_endian.hpp"
 #include "common/geometry/geometry.hpp"
 
-namespace curbstone::imu {
+namespace curbstone::imu::xsens {
 
 namespace {
 
@@ -150,4 +150,4 @@ MtData2 decode_mtdata2(std::span<const std::uint8_t> payload, Counters& counters
   return result;
 }
 
-}  // namespace curbstone::imu
+}  // namespace curbstone::imu::xsens

@@ -1,11 +1,11 @@
-#include "drivers/imu/xbus_frame.hpp"
+#include "drivers/imu/xsens/xbus_frame.hpp"
 
 #include <algorithm>
 #include <numeric>
 
 #include "common/bytes/big_endian.hpp"
 
-namespace curbstone::imu {
+namespace curbstone::imu::xsens {
 
 namespace {
 
@@ -108,4 +108,4 @@ XbusParser::Candidate XbusParser::examine(std::span<const std::uint8_t> bytes, X
   return Candidate::kComplete;
 }
 
-}  // namespace curbstone::imu
+}  // namespace curbstone::imu::xsens

@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-namespace curbstone::imu {
+namespace curbstone::imu::xsens {
 
 /// Finds losses by the device's 16-bit packet counter. The device numbers all of its messages in one row: samples, and
 /// others such as those of its GNSS receiver. So a number that is missing between two samples is a loss only if no
@@ -62,4 +62,4 @@ class PacketCounter {
   Came refused_;
 };
 
-}  // namespace curbstone::imu
+}  // namespace curbstone::imu::xsens

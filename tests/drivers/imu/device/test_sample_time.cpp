@@ -1,10 +1,10 @@
-#include "drivers/imu/sample_time.hpp"
+#include "drivers/imu/device/sample_time.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-namespace curbstone::imu {
+namespace curbstone::imu::device {
 namespace {
 
 using Verdict = SampleTime::Verdict;
@@ -201,4 +201,4 @@ TEST_F(SampleTimeTest, ADeviceThatSamplesAsItLikesIsBelieved) {
 }
 
 }  // namespace
-}  // namespace curbstone::imu
+}  // namespace curbstone::imu::device

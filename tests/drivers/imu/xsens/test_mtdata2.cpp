@@ -1,4 +1,4 @@
-#include "drivers/imu/mtdata2.hpp"
+#include "drivers/imu/xsens/mtdata2.hpp"
 
 #include <gmock/gmock.h>
 
@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include "common/geometry/geometry.hpp"
-#include "drivers/imu/xbus_frame.hpp"
+#include "drivers/imu/xsens/xbus_frame.hpp"
 #include "tests/drivers/byte_stream.hpp"
 
-namespace curbstone::imu {
+namespace curbstone::imu::xsens {
 namespace {
 
 using testing::append;
@@ -154,4 +154,4 @@ TEST(MtData2Test, NoPayloadReadsBeyondItsEndOrGivesNumbersThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace curbstone::imu
+}  // namespace curbstone::imu::xsens

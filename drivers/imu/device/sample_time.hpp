@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace curbstone::imu {
+namespace curbstone::imu::device {
 
 /// Unwraps SampleTimeFine of the samples, and judges each: a wrong one must cost no more than its sample, for the
 /// device's clock hangs on it (ClockOffset). Messages without inertial data do not belong here: those of the device's
@@ -65,4 +65,4 @@ class SampleTime {
   std::int64_t tolerance_ = 0;  // ticks, of a step that is a multiple of the interval
 };
 
-}  // namespace curbstone::imu
+}  // namespace curbstone::imu::device

@@ -8,7 +8,7 @@
 
 #include "common/bus/counters.hpp"
 
-namespace curbstone::imu {
+namespace curbstone::imu::xsens {
 
 /// Message ids of the Xsens "Xbus" protocol that we speak. An acknowledgement is the request plus one.
 enum class Mid : std::uint8_t {
@@ -72,4 +72,4 @@ class XbusParser {
   Counters counters_;
 };
 
-}  // namespace curbstone::imu
+}  // namespace curbstone::imu::xsens

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "common/bus/counters.hpp"
+
+namespace curbstone::imu::device {
+
+/// What a device measured at one instant. Frame: imu (the sensor's own axes, right-handed). Times in us.
+struct ImuSample {
+  std::int64_t received = 0;             ///< on the host's clock, the time that its bytes took on the line taken off
+  std::optional<std::int64_t> time;      ///< on the device's clock, unwrapped and believed; empty if it tells none
+  bool restarted = false;                ///< that clock has begun anew
+  int missing = 0;                       ///< samples that should have come before this one
+  std::array<double, 3> acceleration{};  ///< specific force, m/s^2
+  std::array<double, 3> angular_rate{};  ///< rad/s
+  std::optional<std::array<double, 4>> orientation;  ///< w x y z, unit, sensor to the device's local frame
+  std::optional<double> temperature;                 ///< deg C
+  bool clipping = false;                             ///< an axis is at the end of its range
+  std::optional<bool> self_test_passed;
+};
+
+/// What all IMUs are made of.
+struct DeviceSettings {
+  bool configure = true;  ///< set the device up; false: nothing is sent
+  int rate = 100;         ///< Hz
+  bool orientation = true;
+  std::int64_t patience = 1'000'000;  ///< us without a sample after which it is set up again
+  int baud = 115200;
+  bool uart = false;  ///< a byte takes ten bits at that baud; otherwise no time worth counting
+};
+
+/// A model of IMU behind a byte stream: bytes in, samples and commands out. Pure: time comes in, us. One thread. A
+/// model is a folder with a class that implements this.
+class ImuDevice {
+ public:
+  using Handler = std::function<void(const ImuSample&)>;
+  using Send = std::function<void(std::span<const std::uint8_t>)>;
+
+  ImuDevice() = default;
+  virtual ~ImuDevice() = default;
+  ImuDevice(const ImuDevice&) = delete;
+  ImuDevice& operator=(const ImuDevice&) = delete;
+
+  virtual void on_bytes(std::int64_t now, std::span<const std::uint8_t> bytes, const Handler& handler) = 0;
+  /// The link came up, or went down: what was half received or half commanded is forgotten.
+  virtual void on_link(std::int64_t now, bool up) = 0;
+  virtual void tick(std::int64_t now) = 0;
+
+  /// frames, garbage_bytes, refused.*, lost.packets, and what else the model has.
+  [[nodiscard]] virtual Counters counters() const = 0;
+  /// What is wrong, in words; empty when nothing is.
+  [[nodiscard]] virtual std::string fault() const = 0;
+};
+
+}  // namespace curbstone::imu::device

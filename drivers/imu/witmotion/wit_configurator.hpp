@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/bus/counters.hpp"
+
+namespace curbstone::imu::witmotion {
+
+/// Sets a device up: which frames it sends, and how often. The protocol has no acknowledgement; so it does so again if
+/// no usable sample comes for a while. Nothing is saved in the device: after a power cycle it is as it was bought.
+/// Pure; times in us. Source: WitMotion standard protocol, registers 02 (RSW) and 03 (RRATE).
+///
+/// Counts: device.commands, device.reconfigured.
+class WitConfigurator {
+ public:
+  using Send = std::function<void(std::span<const std::uint8_t>)>;
+  struct Settings {
+    bool enabled = true;
+    int rate = 100;  ///< Hz
+    bool orientation = true;
+    std::int64_t patience = 1'000'000;  ///< us
+  };
+
+  WitConfigurator(const Settings& settings, Send send);
+
+  void start(std::int64_t now);
+  /// A sample with time, acceleration and rate of turn has come.
+  void on_usable_sample(std::int64_t now) { last_usable_ = now; }
+  void tick(std::int64_t now);
+  /// What cannot be had, in words; empty when nothing is wrong.
+  [[nodiscard]] const std::string& fault() const { return fault_; }
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  Settings settings_;
+  Send send_;
+  std::vector<std::vector<std::uint8_t>> commands_;
+  bool started_ = false;
+  std::size_t next_ = 0;          // command
+  std::int64_t sent_ = 0;         // the one before
+  std::int64_t last_usable_ = 0;  // or when the set-up was done
+  std::string fault_;
+  Counters counters_;
+};
+
+}  // namespace curbstone::imu::witmotion

@@ -1,0 +1,165 @@
+#include "drivers/imu/witmotion/wit_device.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <utility>
+
+#include "common/bytes/little_endian.hpp"
+#include "common/geometry/gravity.hpp"
+
+namespace curbstone::imu::witmotion {
+
+namespace {
+
+constexpr double kAcceleration = 16.0 / 32768 * kGravity;                 // m/s^2
+constexpr double kAngularRate = 2000.0 / 32768 * std::numbers::pi / 180;  // rad/s
+constexpr int kFullScale = 32767;
+constexpr int kUsual =
+    3;  // groups with fewer frames, one after the other, after which that is how the device is set up
+
+constexpr unsigned bit(WitId id) {
+  return 1u << (static_cast<unsigned>(id) - 0x50u);
+}
+constexpr unsigned kInertia = bit(WitId::kAcceleration) | bit(WitId::kAngularRate);
+constexpr unsigned kGrouped =
+    kInertia | bit(WitId::kTime) | bit(WitId::kAngle) | bit(WitId::kMagnetic) | bit(WitId::kQuaternion);
+
+std::array<double, 3> vector(const WitFrame& frame, double scale) {
+  return {scale * frame.word(0), scale * frame.word(1), scale * frame.word(2)};
+}
+
+bool clips(const WitFrame& frame) {
+  return std::abs(frame.word(0)) >= kFullScale || std::abs(frame.word(1)) >= kFullScale ||
+         std::abs(frame.word(2)) >= kFullScale;
+}
+
+/// w first, as most take it; the maker does not say.
+std::optional<std::array<double, 4>> quaternion(const WitFrame& frame) {
+  std::array<double, 4> q{};
+  double norm = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    q[i] = frame.word(i) / 32768.0;
+    norm += q[i] * q[i];
+  }
+  norm = std::sqrt(norm);
+  if (std::abs(norm - 1) > 0.01) return {};
+  for (double& component : q) component /= norm;
+  return q;
+}
+
+/// Ticks of 0.1 ms since midnight: so it wraps as some Xsens do.
+std::optional<std::uint32_t> time_of_day(const WitFrame& frame) {
+  const std::uint32_t hour = frame.data[3], minute = frame.data[4], second = frame.data[5];
+  const std::uint32_t ms = read_little_endian<std::uint16_t>(frame.data.subspan(6));
+  if (hour > 23 || minute > 59 || second > 59 || ms > 999) return {};
+  return (((hour * 60 + minute) * 60 + second) * 1000 + ms) * 10;
+}
+
+}  // namespace
+
+WitDevice::WitDevice(const device::DeviceSettings& settings, Send send)
+    : settings_(settings),
+      configurator_({settings.configure, settings.rate, settings.orientation, settings.patience}, std::move(send)) {}
+
+void WitDevice::on_bytes(std::int64_t now, std::span<const std::uint8_t> bytes, const Handler& handler) {
+  parser_.parse(bytes, [&](const WitFrame& frame) { on_frame(now, frame, handler); });
+}
+
+void WitDevice::on_frame(std::int64_t now, const WitFrame& frame, const Handler& handler) {
+  if (frame.id > 0x5A || (kGrouped & 1u << (frame.id - 0x50u)) == 0) return counters_.add("skipped.frames");
+  if (group_.ids != 0 && frame.id <= group_.last) end_group(now, handler);
+  if (group_.ids == 0) group_.begun = now;
+  group_.broken = group_.broken || (frame.after_gap && group_.ids != 0);
+  group_.ids |= 1u << (frame.id - 0x50u);
+  group_.last = frame.id;
+  ++group_.frames;
+  take(frame);
+  if (expected_ != 0 && (group_.ids & expected_) == expected_ && !group_.done && !group_.broken)
+    use_group(now, handler);
+}
+
+void WitDevice::take(const WitFrame& frame) {
+  switch (static_cast<WitId>(frame.id)) {
+    case WitId::kTime:
+      group_.ticks = time_of_day(frame);
+      if (!group_.ticks) counters_.add("refused.range");
+      group_.broken = group_.broken || !group_.ticks;
+      break;
+    case WitId::kAcceleration:
+      group_.sample.acceleration = vector(frame, kAcceleration);
+      group_.sample.temperature = frame.word(3) / 100.0;
+      group_.sample.clipping = group_.sample.clipping || clips(frame);
+      break;
+    case WitId::kAngularRate:
+      group_.sample.angular_rate = vector(frame, kAngularRate);
+      group_.sample.clipping = group_.sample.clipping || clips(frame);
+      break;
+    case WitId::kQuaternion:
+      group_.sample.orientation = quaternion(frame);
+      if (!group_.sample.orientation) counters_.add("refused.range");
+      break;
+    default:
+      break;
+  }
+}
+
+/// Another group begins. The first shows by its end what a whole one is.
+void WitDevice::end_group(std::int64_t now, const Handler& handler) {
+  const bool whole = (group_.ids & expected_) == expected_ && !group_.broken;
+  if (whole && !group_.done) use_group(group_.begun, handler);
+  if (!whole && !group_.done) counters_.add("refused.group");
+  if (whole) {
+    expected_ = group_.ids;
+    fewer_times_ = 0;
+  } else if (!group_.broken) {
+    fewer_times_ = group_.ids == fewer_ ? fewer_times_ + 1 : 1;
+    fewer_ = group_.ids;
+    if (fewer_times_ >= kUsual) expected_ = fewer_;
+  }
+  group_ = {};
+  group_.begun = now;
+}
+
+void WitDevice::use_group(std::int64_t now, const Handler& handler) {
+  group_.done = true;
+  if ((group_.ids & kInertia) != kInertia) return counters_.add("skipped.incomplete");
+  const std::int64_t bits = group_.frames * static_cast<std::int64_t>(WitFrame::kSize) * 10;
+  group_.sample.received = settings_.uart ? now - bits * 1'000'000 / settings_.baud : group_.begun;
+  if (!judge_time()) return;
+  if (group_.ticks) configurator_.on_usable_sample(now);
+  handler(group_.sample);
+}
+
+/// False: the group's time is wrong, and counted by its cause.
+bool WitDevice::judge_time() {
+  if (!group_.ticks) return true;
+  using Verdict = device::SampleTime::Verdict;
+  const auto at = sample_time_.next(*group_.ticks, group_.sample.received, {});
+  if (at.verdict == Verdict::kRepeated || at.verdict == Verdict::kRefused) {
+    counters_.add(at.verdict == Verdict::kRepeated ? "refused.repeated" : "refused.time");
+    return false;
+  }
+  group_.sample.time = at.time;
+  group_.sample.missing = at.missing;
+  group_.sample.restarted = at.verdict == Verdict::kRestarted;
+  if (at.missing > 0) counters_.add("lost.packets", at.missing);
+  if (group_.sample.restarted) configurator_.start(group_.sample.received);  // it was off, and has forgotten
+  return true;
+}
+
+void WitDevice::on_link(std::int64_t now, bool up) {
+  parser_.reset();
+  group_ = {};
+  if (up) configurator_.start(now);
+}
+
+Counters WitDevice::counters() const {
+  Counters all = counters_;
+  for (const Counters* more : {&parser_.counters(), &configurator_.counters()}) {
+    for (const auto& [name, value] : more->values()) all.add(name, value);
+  }
+  return all;
+}
+
+}  // namespace curbstone::imu::witmotion

@@ -1,0 +1,88 @@
+#include "drivers/imu/xsens/xsens_device.hpp"
+
+#include <utility>
+
+namespace curbstone::imu::xsens {
+
+XsensDevice::XsensDevice(const device::DeviceSettings& settings, Send send)
+    : settings_(settings),
+      configurator_({settings.configure, settings.rate, settings.orientation, settings.patience}, std::move(send)) {}
+
+void XsensDevice::on_bytes(std::int64_t now, std::span<const std::uint8_t> bytes, const Handler& handler) {
+  parser_.parse(now, bytes, [&](const XbusFrame& frame) { on_frame(now, frame, handler); });
+}
+
+void XsensDevice::on_frame(std::int64_t now, const XbusFrame& frame, const Handler& handler) {
+  configurator_.on_frame(now, frame);
+  if (frame.is(Mid::kWakeUp)) {
+    sample_time_ = {};
+    restart_clock();
+  }
+  if (!frame.is(Mid::kMtData2)) return;
+  const MtData2 data = decode_mtdata2(frame.data, counters_);
+  if (!data.acceleration || !data.angular_rate) {
+    counters_.add("skipped.incomplete");
+    if (data.packet_counter) packet_counter_.other(*data.packet_counter);
+    return;
+  }
+  device::ImuSample sample;
+  const auto bits = static_cast<std::int64_t>(frame.wire_size) * 10;  // 8N1: ten bits a byte
+  sample.received = now - (settings_.uart ? bits * 1'000'000 / settings_.baud : 0);
+  if (!judge(data, sample)) return;
+  configurator_.on_usable_sample(now);
+  sample.acceleration = *data.acceleration;
+  sample.angular_rate = *data.angular_rate;
+  sample.orientation = data.orientation;
+  sample.temperature = data.temperature;
+  if (data.status) {
+    sample.self_test_passed = (*data.status & MtData2::kSelfTestPassed) != 0;
+    sample.clipping = (*data.status & MtData2::kClipping) != 0;
+  }
+  sample.restarted = std::exchange(restarted_, false);
+  handler(sample);
+}
+
+/// Fills in time and losses. False: the sample is wrong, and counted by its cause.
+bool XsensDevice::judge(const MtData2& data, device::ImuSample& sample) {
+  const auto& counter = data.packet_counter;
+  const auto gap = counter ? packet_counter_.gap(*counter) : std::nullopt;
+  int lost = gap ? gap->lost : 0;
+  sample.missing = lost;
+  if (data.sample_time_fine) {
+    using Verdict = device::SampleTime::Verdict;
+    const auto ahead = gap ? std::optional(gap->ahead) : std::nullopt;
+    const auto at = sample_time_.next(*data.sample_time_fine, sample.received, ahead);
+    if (at.verdict == Verdict::kRepeated || at.verdict == Verdict::kRefused) {
+      counters_.add(at.verdict == Verdict::kRepeated ? "refused.repeated" : "refused.time");
+      if (counter) packet_counter_.refused(*counter);
+      return false;
+    }
+    if (at.verdict == Verdict::kRestarted) restart_clock();
+    sample.time = at.time;
+    sample.missing = at.missing;
+    if (!gap || at.verdict == Verdict::kRestarted) lost = at.missing;
+  }
+  if (counter) packet_counter_.used(*counter);
+  if (lost > 0) counters_.add("lost.packets", lost);
+  return true;
+}
+
+void XsensDevice::restart_clock() {
+  restarted_ = true;
+  packet_counter_.restart();
+}
+
+void XsensDevice::on_link(std::int64_t now, bool up) {
+  parser_.reset();
+  if (up) configurator_.start(now);
+}
+
+Counters XsensDevice::counters() const {
+  Counters all = counters_;
+  for (const Counters* more : {&parser_.counters(), &configurator_.counters()}) {
+    for (const auto& [name, value] : more->values()) all.add(name, value);
+  }
+  return all;
+}
+
+}  // namespace curbstone::imu::xsens

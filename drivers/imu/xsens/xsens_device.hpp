@@ -1,0 +1,41 @@
+#pragma once
+
+#include "drivers/imu/device/imu_device.hpp"
+#include "drivers/imu/device/sample_time.hpp"
+#include "drivers/imu/xsens/mt_configurator.hpp"
+#include "drivers/imu/xsens/mtdata2.hpp"
+#include "drivers/imu/xsens/packet_counter.hpp"
+#include "drivers/imu/xsens/xbus_frame.hpp"
+
+namespace curbstone::imu::xsens {
+
+/// An Xsens MTi: Xbus frames, MTData2 messages. Its time is SampleTimeFine. Messages without inertial data (of its GNSS
+/// receiver, say, which bear the time of the fix) touch neither clock nor sequence.
+///
+/// Counts, besides those of XbusParser, decode_mtdata2() and MtConfigurator: skipped.incomplete (messages without
+/// inertial data), refused.time, refused.repeated (SampleTime), lost.packets.
+class XsensDevice final : public device::ImuDevice {
+ public:
+  XsensDevice(const device::DeviceSettings& settings, Send send);
+
+  void on_bytes(std::int64_t now, std::span<const std::uint8_t> bytes, const Handler& handler) override;
+  void on_link(std::int64_t now, bool up) override;
+  void tick(std::int64_t now) override { configurator_.tick(now); }
+  [[nodiscard]] Counters counters() const override;
+  [[nodiscard]] std::string fault() const override { return configurator_.fault(); }
+
+ private:
+  void on_frame(std::int64_t now, const XbusFrame& frame, const Handler& handler);
+  bool judge(const MtData2& data, device::ImuSample& sample);
+  void restart_clock();
+
+  device::DeviceSettings settings_;
+  XbusParser parser_;
+  MtConfigurator configurator_;
+  device::SampleTime sample_time_;
+  PacketCounter packet_counter_;
+  bool restarted_ = false;  // since the last sample
+  Counters counters_;
+};
+
+}  // namespace curbstone::imu::xsens
