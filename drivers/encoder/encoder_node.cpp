@@ -43,7 +43,15 @@ EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
 
 void EncoderNode::on_frame(std::int64_t receive_utime, const can::CanFrame& frame) {
   counters_.add("frames");
+  const std::int64_t before = drive_.refused();
+  refusal_ = nullptr;
   drive_.on_frame(receive_utime, frame);
+  if (drive_.refused() != before) refusal_ = "refused.length";
+  if (refusal_ != nullptr) {
+    share_.refused(receive_utime, refusal_);
+  } else {
+    share_.used(receive_utime);
+  }
 }
 
 void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw& counts) {
@@ -62,10 +70,13 @@ void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw&
     output_.restart(stamp.utime);
   }
   const auto sample = odometer_.update(counts, static_cast<double>(elapsed) * 1e-6);
-  if (!sample) return;
+  if (!sample) {
+    refusal_ = "refused.jump";
+    return;
+  }
   wheels_t message = WheelsOutput::message(*sample, stamp.utime);
   for (std::size_t i = 0; i < 2; ++i) message.faults[i] = drive_.status().faults[i];
-  message.enabled = drive_.status().enabled();
+  message.enabled = drive_.status().enabled(receive_utime);
   start_.pass(std::move(message), receive_utime, stamp.earlier, publish_it);
 }
 
@@ -83,6 +94,7 @@ void EncoderNode::on_link(std::int64_t now, bool up, const std::string& why) {
 void EncoderNode::tick(std::int64_t now) {
   if (now_ == 0) last_received_ = now;
   now_ = now;
+  share_.tick(now);
   if (link_fault_.empty()) drive_.tick(now);
 }
 
@@ -99,7 +111,10 @@ NodeReport EncoderNode::report() const {
   const double silent = static_cast<double>(now_ - last_received_) * 1e-6;
   if (silent > config_.silence)
     report.faults.push_back(fmt::format("no positions from the drive for {:.0f} s", silent));
-  if (!drive_.fault().empty()) report.faults.push_back(drive_.fault());
+  if (link_fault_.empty()) {
+    for (std::string& fault : drive_.faults()) report.faults.push_back(std::move(fault));
+  }
+  if (share_.fault()) report.faults.push_back(*share_.fault());
   add_wheel_faults(report, drive_.status().faults);
   if (clock_.period() != std::int64_t{config_.period} * 1000) {
     report.faults.push_back(fmt::format("the drive sends every {:.1f} ms, {} ms was asked for: check event_timer_unit",

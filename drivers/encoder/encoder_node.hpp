@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/bus/node.hpp"
+#include "common/bus/refusal_share.hpp"
 #include "common/time/settling_start.hpp"
 #include "drivers/encoder/can/can_frame.hpp"
 #include "drivers/encoder/canopen/wheel_drive.hpp"
@@ -34,6 +35,8 @@ class EncoderNode final : public Node {
   /// `up`: frames can be sent from this time on (assumed at first). The drive is set up then. Otherwise the adapter or
   /// interface is not ready or has vanished, and `why` says so in a line.
   void on_link(std::int64_t now, bool up, const std::string& why);
+  /// The link refused a line or a frame; `cause` as the counter has it.
+  void on_refused(std::int64_t now, const char* cause) { share_.refused(now, cause); }
   void tick(std::int64_t now) override;
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
@@ -53,6 +56,8 @@ class EncoderNode final : public Node {
   std::int64_t last_received_ = 0;  // counts
   std::int64_t now_ = 0;
   std::string link_fault_;
+  RefusalShare share_;
+  const char* refusal_ = nullptr;  // why the frame in hand was refused
   std::function<void(NodeReport&)> add_report_;
   Counters counters_;
 };

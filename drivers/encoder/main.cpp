@@ -34,9 +34,9 @@ std::unique_ptr<Node> can_node(const EncoderConfig& config, ServiceContext& cont
   auto node = std::make_unique<encoder::EncoderNode>(
       config, context.bus, [link](const encoder::can::CanFrame& frame) { link->send(frame); });
   node->add_report([link](NodeReport& report) { link->report(report); });
-  link->attach(context.loop,
-               {[node = node.get()](auto utime, const auto& frame) { node->on_frame(utime, frame); },
-                [node = node.get()](auto now, bool up, const auto& why) { node->on_link(now, up, why); }});
+  link->attach(context.loop, {[node = node.get()](auto utime, const auto& frame) { node->on_frame(utime, frame); },
+                              [node = node.get()](auto now, bool up, const auto& why) { node->on_link(now, up, why); },
+                              [node = node.get()](auto now, const char* cause) { node->on_refused(now, cause); }});
   return node;
 }
 

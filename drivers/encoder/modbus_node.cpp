@@ -43,7 +43,9 @@ void ModbusNode::on_reading(std::int64_t now, const modbus::Reading& reading) {
   last_heard_ = now;
   round_trips_.add(static_cast<double>(reading.round_trip));
   const auto sample = odometer_.update(reading.counts, static_cast<double>(elapsed) * 1e-6);
-  if (!sample || first) return;
+  if (!sample) return share_.refused(now, "refused.jump");
+  share_.used(now);
+  if (first) return;
   wheels_t message = WheelsOutput::message(*sample, reading.utime);
   for (std::size_t i = 0; i < 2; ++i) message.faults[i] = reading.faults[i];
   message.enabled = reading.state_utime != 0 && reading.state.enabled && reading.faults_utime != 0 &&
@@ -61,6 +63,7 @@ void ModbusNode::on_link(bool up, const std::string& why) {
 void ModbusNode::tick(std::int64_t now) {
   if (now_ == 0) began_ = last_heard_ = now;
   now_ = now;
+  share_.tick(now);
 }
 
 void ModbusNode::add_faults_of_drive(NodeReport& report) const {
@@ -93,6 +96,7 @@ NodeReport ModbusNode::report() const {
   const double silent = static_cast<double>(now_ - last_heard_) * 1e-6;
   if (silent > config_.silence)
     report.faults.push_back(fmt::format("no positions from the drive for {:.0f} s", silent));
+  if (share_.fault()) report.faults.push_back(*share_.fault());
   add_faults_of_drive(report);
   if (add_report_) add_report_(report);
   return report;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/bus/node.hpp"
+#include "common/bus/refusal_share.hpp"
 #include "common/shell/latency.hpp"
 #include "drivers/encoder/encoder_config.hpp"
 #include "drivers/encoder/modbus/drive_poll.hpp"
@@ -47,6 +48,7 @@ class ModbusNode final : public Node {
   std::int64_t now_ = 0;
   bool was_up_ = false;
   std::string link_fault_;
+  RefusalShare share_;  // of readings; that of replies is the link's
   std::function<void(NodeReport&)> add_report_;
   LatencyWindow round_trips_;  // us
   Counters counters_;

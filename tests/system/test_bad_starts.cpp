@@ -38,8 +38,12 @@ TEST(BadStarts, AFileThatIsNoSerialPort) {  // one that is not there is waited f
   expect_refused("curbstone-encoder --set interface=slcan --set device=/dev/null", "/dev/null is no serial port");
 }
 
-TEST(BadStarts, ACanInterfaceThatIsNotThere) {
-  expect_refused("curbstone-encoder --set interface=socketcan --set device=can7", "can7");
+TEST(BadStarts, ANameThatIsNoCanInterfaces) {  // one that is not there is waited for: tests/drivers/encoder
+  expect_refused("curbstone-encoder --set interface=socketcan --set device=/dev/ttyACM0", "/dev/ttyACM0");
+}
+
+TEST(BadStarts, AModbusGatewayThatIsNoAddress) {
+  expect_refused("curbstone-encoder --set interface=modbus_tcp --set modbus.host=gateway", "encoder.modbus.host");
 }
 
 TEST(BadStarts, AMapThatCannotBeWritten) {

@@ -18,6 +18,8 @@ class CanLink {
     std::function<void(std::int64_t receive_utime, const CanFrame&)> on_frame;
     /// `up`: frames can be sent from this time on. Otherwise they cannot, and `why` says so in a line.
     std::function<void(std::int64_t now, bool up, const std::string& why)> on_link;
+    /// A line or a frame was refused; `cause` as the counter has it.
+    std::function<void(std::int64_t now, const char* cause)> on_refused = [](std::int64_t, const char*) {};
   };
 
   virtual ~CanLink() = default;

@@ -69,15 +69,22 @@ void SlcanParser::parse(std::span<const std::uint8_t> bytes, const Handlers& han
 }
 
 void SlcanParser::on_line(const Handlers& handlers) {
-  // "z" and "Z" say that a frame was sent; V, N and F answer questions that somebody else asked.
+  // "z" and "Z" say that a frame was sent; V and N answer questions that somebody else asked.
   if (line_.empty() || line_ == "z" || line_ == "Z") {
     if (handlers.on_answer) handlers.on_answer(Answer::kOk);
     return;
   }
-  if (std::string_view("VNF").find(line_[0]) != std::string_view::npos) return;
+  if (line_[0] == 'F') {
+    const auto flags = line_.size() == 3 ? parse_hex(std::string_view(line_).substr(1)) : std::nullopt;
+    if (flags && handlers.on_flags) handlers.on_flags(static_cast<std::uint8_t>(*flags));
+    if (flags) return;
+  }
+  if (line_[0] == 'V' || line_[0] == 'N') return;
   auto frame = parse_slcan_frame(line_);
   if (overlong_ || !frame) {
-    counters_.add(overlong_ ? "refused.slcan_overlong" : "refused.slcan_line");
+    const char* cause = overlong_ ? "refused.slcan_overlong" : "refused.slcan_line";
+    counters_.add(cause);
+    if (handlers.on_refused) handlers.on_refused(cause);
     const std::size_t last = line_.find_last_of("tTrR");
     frame = last != std::string::npos ? parse_slcan_frame(std::string_view(line_).substr(last)) : std::nullopt;
   }

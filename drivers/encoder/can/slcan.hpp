@@ -14,7 +14,19 @@
 namespace curbstone::encoder::can {
 
 // SLCAN, Lawicel's ASCII protocol (CANUSB manual): lines that end with CR. "t1812AABB" is a data frame with an 11-bit
-// id (T: 29 bits), "r"/"R" a remote request. An adapter answers a command by CR, or refuses it by BELL.
+// id (T: 29 bits), "r"/"R" a remote request. An adapter answers a command by CR, or refuses it by BELL. "F" asks for
+// its error flags, and clears them: the answer is "F" and two digits.
+
+/// The bits of the answer to "F" (those of the SJA1000 controller).
+enum SlcanFlag : std::uint8_t {
+  kReceiveFull = 0x01,
+  kTransmitFull = 0x02,
+  kErrorWarning = 0x04,
+  kDataOverrun = 0x08,
+  kErrorPassive = 0x20,
+  kArbitrationLost = 0x40,  ///< no error: others were first
+  kBusError = 0x80,
+};
 
 /// The frame of one line, without its CR. Four more digits, a time stamp, are ignored. Empty if the line is no frame.
 [[nodiscard]] std::optional<CanFrame> parse_slcan_frame(std::string_view line);
@@ -31,6 +43,8 @@ class SlcanParser {
   struct Handlers {
     std::function<void(const CanFrame&)> on_frame;
     std::function<void(Answer)> on_answer;
+    std::function<void(std::uint8_t)> on_flags = {};         ///< the answer to "F"
+    std::function<void(const char* cause)> on_refused = {};  ///< as the counter has it
   };
   static constexpr std::size_t kMaxLine = 64;
 

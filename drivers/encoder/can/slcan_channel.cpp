@@ -15,6 +15,22 @@ constexpr std::int64_t kAnswerTime = 300'000;  // us; some adapters never answer
 constexpr std::int64_t kSilence = 2'000'000;   // us; a bus with a drive is never silent
 constexpr std::int64_t kRetryPeriod = 1'000'000;
 constexpr int kMaxRefused = 5;
+constexpr std::int64_t kFlagsPeriod = 1'000'000;      // us
+constexpr std::int64_t kFlagsRemembered = 3'000'000;  // us: longer than a status message takes
+constexpr int kMaxUnknownFlags = 3;
+
+struct FlagName {
+  SlcanFlag flag;
+  const char* counter;
+  const char* words;  // none: it is no error
+};
+constexpr std::array<FlagName, 7> kFlagNames = {{{kBusError, "slcan.bus_error", "bus error"},
+                                                 {kErrorPassive, "slcan.error_passive", "error passive"},
+                                                 {kErrorWarning, "slcan.error_warning", "error warning"},
+                                                 {kDataOverrun, "slcan.data_overrun", "data overrun"},
+                                                 {kReceiveFull, "slcan.receive_full", "receive queue full"},
+                                                 {kTransmitFull, "slcan.transmit_full", "transmit queue full"},
+                                                 {kArbitrationLost, "slcan.arbitration_lost", nullptr}}};
 
 char speed_code(int bitrate) {
   static constexpr std::array<int, 9> kBitrates = {10, 20, 50, 100, 125, 250, 500, 800, 1000};
@@ -51,7 +67,11 @@ void SlcanChannel::on_bytes(std::int64_t receive_utime, std::span<const std::uin
                           if (state_ == State::kOpen) fault_.clear();
                           if (state_ == State::kOpen) handlers_.on_frame(receive_utime, frame);
                         },
-                        [&](SlcanParser::Answer answer) { on_answer(receive_utime, answer); }});
+                        [&](SlcanParser::Answer answer) { on_answer(receive_utime, answer); },
+                        [&](std::uint8_t flags) { on_flags(receive_utime, flags); },
+                        [&](const char* cause) {
+                          if (handlers_.on_refused) handlers_.on_refused(receive_utime, cause);
+                        }});
 }
 
 void SlcanChannel::on_answer(std::int64_t now, SlcanParser::Answer answer) {
@@ -85,7 +105,8 @@ void SlcanChannel::on_answer(std::int64_t now, SlcanParser::Answer answer) {
 
 void SlcanChannel::open(std::int64_t now) {
   state_ = State::kOpen;
-  last_heard_ = now;
+  last_heard_ = asked_ = now;
+  unknown_flags_ = 0;
   if (handlers_.on_open) handlers_.on_open(now);
 }
 
@@ -100,6 +121,7 @@ void SlcanChannel::send(const CanFrame& frame) {
 
 void SlcanChannel::tick(std::int64_t now) {
   const std::int64_t elapsed = now - since_;
+  last_tick_ = now;
   switch (state_) {
     case State::kIdle:
       start(now);
@@ -114,7 +136,10 @@ void SlcanChannel::tick(std::int64_t now) {
       if (elapsed >= kAnswerTime) open(now);  // on trust; silence will tell
       break;
     case State::kOpen:
-      if (now - last_heard_ < kSilence) break;
+      if (now - last_heard_ < kSilence) {
+        ask_for_flags(now);
+        break;
+      }
       fault_ = "nothing from the SLCAN adapter: no frame and no answer";
       start(now);
       break;
@@ -122,6 +147,41 @@ void SlcanChannel::tick(std::int64_t now) {
       if (elapsed >= kRetryPeriod) start(now);
       break;
   }
+}
+
+void SlcanChannel::ask_for_flags(std::int64_t now) {
+  if (now - asked_ < kFlagsPeriod || unknown_flags_ == kMaxUnknownFlags) return;
+  asked_ = now;
+  if (++unknown_flags_ == kMaxUnknownFlags) return counters_.set("slcan.flags_unknown", 1);
+  static constexpr std::array<std::uint8_t, 2> kQuestion = {'F', '\r'};
+  handlers_.send(kQuestion);
+}
+
+void SlcanChannel::on_flags(std::int64_t now, std::uint8_t flags) {
+  if (state_ != State::kOpen) return;
+  unknown_flags_ = 0;
+  std::uint8_t errors = 0;
+  for (const FlagName& name : kFlagNames) {
+    if ((flags & name.flag) == 0) continue;
+    counters_.add(name.counter);
+    if (name.words != nullptr) errors = static_cast<std::uint8_t>(errors | name.flag);
+  }
+  if (errors == 0) return;
+  flags_ = errors;
+  flagged_ = now;
+}
+
+std::vector<std::string> SlcanChannel::faults() const {
+  std::vector<std::string> faults;
+  if (!fault_.empty()) faults.push_back(fault_);
+  if (flags_ == 0 || last_tick_ - flagged_ > kFlagsRemembered) return faults;
+  std::string text;
+  for (const FlagName& name : kFlagNames) {
+    if (name.words != nullptr && (flags_ & name.flag) != 0)
+      text += (text.empty() ? "" : ", ") + std::string(name.words);
+  }
+  faults.push_back(fmt::format("the SLCAN adapter reports {}: cable, terminator, bit rate, a slow host?", text));
+  return faults;
 }
 
 Counters SlcanChannel::counters() const {

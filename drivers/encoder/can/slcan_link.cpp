@@ -9,7 +9,8 @@ namespace curbstone::encoder::can {
 SlcanLink::SlcanLink(const serial::SerialSettings& serial, int bitrate)
     : channel_(bitrate, {[this](auto bytes) { serial_.send(bytes); },
                          [this](std::int64_t utime, const CanFrame& frame) { handlers_.on_frame(utime, frame); },
-                         [this](std::int64_t now) { handlers_.on_link(now, true, ""); }}),
+                         [this](std::int64_t now) { handlers_.on_link(now, true, ""); },
+                         [this](std::int64_t now, const char* cause) { handlers_.on_refused(now, cause); }}),
       serial_(serial) {}
 
 void SlcanLink::attach(EventLoop& loop, Handlers handlers) {
@@ -33,7 +34,8 @@ void SlcanLink::report(NodeReport& report) const {
   const Counters counters = channel_.counters();
   for (const auto& [name, value] : counters.values()) report.counters.add(name, value);
   serial_.report(report);
-  if (port_up_ && !channel_.fault().empty()) report.faults.push_back(channel_.fault());
+  if (!port_up_) return;
+  for (std::string& fault : channel_.faults()) report.faults.push_back(std::move(fault));
 }
 
 }  // namespace curbstone::encoder::can

@@ -24,8 +24,11 @@ namespace {
 
 constexpr int kMaxReads = 256;  // at a time
 
-[[noreturn]] void fail(const std::string& interface, const std::string& why) {
-  throw std::runtime_error(fmt::format("cannot open CAN interface {}: {}", interface, why));
+constexpr std::int64_t kFirstRetry = 100'000;  // us
+constexpr std::int64_t kLastRetry = 2'000'000;
+
+std::string cannot_open(const std::string& interface, const std::string& why) {
+  return fmt::format("cannot open CAN interface {}: {}", interface, why);
 }
 
 bool is_up(int fd, const std::string& interface) {
@@ -72,9 +75,12 @@ std::int64_t kernel_stamp(msghdr& message) {
 CanSocket::CanSocket(const std::string& interface, const std::vector<std::uint32_t>& ids) {
   fd_ = ::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
   if (fd_ < 0) {
-    const bool none = errno == EAFNOSUPPORT || errno == EPROTONOSUPPORT || errno == ESOCKTNOSUPPORT;
-    fail(interface, none ? "this kernel has no CAN: use slcan (interface: slcan, device: the serial port of an adapter)"
-                         : std::strerror(errno));
+    const int error = errno;
+    if (error == EAFNOSUPPORT || error == EPROTONOSUPPORT || error == ESOCKTNOSUPPORT) {
+      throw NoSocketCan(cannot_open(
+          interface, "this kernel has no CAN: use slcan (interface: slcan, device: the serial port of an adapter)"));
+    }
+    throw std::runtime_error(cannot_open(interface, std::strerror(error)));
   }
   std::string why;
   sockaddr_can address{};
@@ -97,7 +103,7 @@ CanSocket::CanSocket(const std::string& interface, const std::vector<std::uint32
   }
   if (why.empty()) return;
   close();
-  fail(interface, why);
+  throw std::runtime_error(cannot_open(interface, why));
 }
 
 CanSocket::~CanSocket() {
@@ -153,13 +159,29 @@ bool CanSocket::write(const CanFrame& frame) {
 }
 
 SocketCanLink::SocketCanLink(std::string interface, std::vector<std::uint32_t> ids)
-    : interface_(std::move(interface)), ids_(std::move(ids)), socket_(CanSocket(interface_, ids_)) {}
+    : interface_(std::move(interface)), ids_(std::move(ids)) {
+  if (interface_.empty() || interface_.size() >= IFNAMSIZ || interface_.find('/') != std::string::npos)
+    throw NoSocketCan(cannot_open(interface_, "an interface is named like can0"));
+  try {
+    socket_.emplace(interface_, ids_);
+  } catch (const NoSocketCan&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    why_ = error.what();
+    retry_after_ = kFirstRetry;
+    retry_at_ = steady_clock() + retry_after_;
+  }
+}
 
 void SocketCanLink::attach(EventLoop& loop, Handlers handlers) {
   loop_ = &loop;
   handlers_ = std::move(handlers);
-  watch();
-  loop.every(std::chrono::milliseconds(500), [this] { try_to_open(); });
+  if (socket_) {
+    watch();
+  } else {
+    handlers_.on_link(wall_clock(), false, why_);
+  }
+  loop.every(std::chrono::milliseconds(100), [this] { try_to_open(); });
 }
 
 void SocketCanLink::watch() {
@@ -176,6 +198,7 @@ void SocketCanLink::on_readable() {
         return lose();
       case CanSocket::Status::kRefused:
         counters_.add("refused.can_frame");
+        handlers_.on_refused(wall_clock(), "refused.can_frame");
         break;
       case CanSocket::Status::kErrorFrame:
         on_error_frame(read.error_bits);
@@ -201,15 +224,20 @@ void SocketCanLink::on_error_frame(std::uint32_t bits) {
 void SocketCanLink::lose() {
   loop_->unwatch(socket_->fd());
   socket_.reset();
+  bus_off_ = false;
+  retry_after_ = kFirstRetry;
+  retry_at_ = steady_clock() + retry_after_;
   handlers_.on_link(wall_clock(), false,
                     fmt::format("CAN interface {} went down; waiting for it to come back", interface_));
 }
 
 void SocketCanLink::try_to_open() {
-  if (socket_) return;
+  if (socket_ || steady_clock() < retry_at_) return;
   try {
     socket_.emplace(interface_, ids_);
   } catch (const std::runtime_error& error) {
+    retry_after_ = std::min(2 * retry_after_, kLastRetry);
+    retry_at_ = steady_clock() + retry_after_;
     handlers_.on_link(wall_clock(), false, error.what());
     return;
   }

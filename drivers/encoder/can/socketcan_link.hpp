@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -9,11 +10,17 @@
 
 namespace curbstone::encoder::can {
 
+/// This kernel has no CAN, or the name can be no interface's: only the config mends that.
+class NoSocketCan : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// A raw SocketCAN socket (Linux Documentation/networking/can.rst). It receives exactly the given ids (11 bits) and the
 /// bus's error frames. Non-blocking. Move-only; closes at its end.
 class CanSocket {
  public:
-  /// Throws std::runtime_error with one clear line: no CAN in the kernel, no such interface, no permission.
+  /// Throws with one clear line: NoSocketCan, or std::runtime_error (no such interface, it is down, no permission).
   CanSocket(const std::string& interface, const std::vector<std::uint32_t>& ids);
   ~CanSocket();
   CanSocket(CanSocket&& other) noexcept;
@@ -37,12 +44,13 @@ class CanSocket {
 };
 
 /// A CAN interface of the kernel (can0). Bus-off, and an interface that goes down or away, are faults and counted. The
-/// link waits until they are over.
+/// link tries to open it again, with waits that grow from 0.1 s to 2 s.
 ///
 /// Counts: can.frames, can.errors, can.bus_off, can.send_failed, refused.can_frame.
 class SocketCanLink final : public CanLink {
  public:
-  /// Throws std::runtime_error, with one clear line, if the interface cannot be opened.
+  /// An interface that is missing or down is waited for. Throws NoSocketCan, with one clear line, for what no waiting
+  /// mends.
   SocketCanLink(std::string interface, std::vector<std::uint32_t> ids);
 
   void attach(EventLoop& loop, Handlers handlers) override;
@@ -61,6 +69,9 @@ class SocketCanLink final : public CanLink {
   std::optional<CanSocket> socket_;
   EventLoop* loop_ = nullptr;
   Handlers handlers_;
+  std::string why_;               // there is no socket
+  std::int64_t retry_at_ = 0;     // us, steady clock
+  std::int64_t retry_after_ = 0;  // us
   bool bus_off_ = false;
   Counters counters_;
 };

@@ -27,6 +27,14 @@ constexpr std::int64_t kStatusPeriod = 100'000;        // us, of TPDO2
 constexpr std::int64_t kPollPeriod = 1'000'000;        // us, of the fault word
 constexpr std::int64_t kSetUpRetryPeriod = 1'000'000;  // us, after a set-up that failed
 
+constexpr std::int64_t kOldFaults = 5'000'000;          // us, of the fault word: five polls
+constexpr std::int64_t kHeartbeatPatience = 3'000'000;  // us: three of the slowest that are usual
+
+/// CiA 402 "fault" or "fault reaction", or the drive's own alarm bit.
+bool in_alarm(std::uint16_t word) {
+  return (word & 0x4F) == 0x08 || (word & 0x4F) == 0x0F || (word & 0x80) != 0;
+}
+
 /// Low half left, high half right: measured for the speeds, probable for status and faults (encoders_can.md, B4).
 std::array<std::uint16_t, 2> halves(std::uint32_t value) {
   return {static_cast<std::uint16_t>(value), static_cast<std::uint16_t>(value >> 16)};
@@ -34,9 +42,10 @@ std::array<std::uint16_t, 2> halves(std::uint32_t value) {
 
 }  // namespace
 
-bool DriveStatus::enabled() const {
+bool DriveStatus::enabled(std::int64_t now) const {
   const auto on = [](std::uint16_t bits) { return (bits & 0x6F) == 0x27 && (bits & 0x80) == 0; };
-  return known && on(word[0]) && on(word[1]) && faults[0] == 0 && faults[1] == 0;
+  const bool known = word_utime != 0 && now - word_utime <= kOldStatus;
+  return known && emergency == 0 && on(word[0]) && on(word[1]) && faults[0] == 0 && faults[1] == 0;
 }
 
 WheelDrive::WheelDrive(const Settings& settings, Handlers handlers)
@@ -53,6 +62,37 @@ Counters WheelDrive::counters() const {
   Counters counters = counters_;
   for (const auto& [name, value] : sdo_.counters().values()) counters.add(name, value);
   return counters;
+}
+
+std::vector<std::string> WheelDrive::faults() const {
+  std::vector<std::string> faults;
+  if (!fault_.empty()) faults.push_back(fault_);
+  if (state_ == State::kIdle) return faults;
+  const auto check_age = [&](const char* what, std::int64_t utime, std::int64_t most) {
+    const std::int64_t age = last_tick_ - (utime != 0 ? utime : began_);
+    if (age > most)
+      faults.push_back(fmt::format("the drive's {} not known for {:.0f} s", what, static_cast<double>(age) * 1e-6));
+  };
+  check_age("status is", status_.word_utime, DriveStatus::kOldStatus);
+  if (settings_.configure) check_age("fault word is", status_.faults_utime, kOldFaults);
+  if (last_heartbeat_ != 0 && last_tick_ - last_heartbeat_ > kHeartbeatPatience) {
+    faults.push_back(fmt::format("the drive's heartbeat stays away for {:.0f} s",
+                                 static_cast<double>(last_tick_ - last_heartbeat_) * 1e-6));
+  }
+  if (state_ == State::kRunning && nmt_state_ != NmtState::kOperational && nmt_state_ != NmtState::kBootUp) {
+    faults.push_back(fmt::format("another master has made the drive {}",
+                                 nmt_state_ == NmtState::kStopped ? "stopped" : "pre-operational"));
+  }
+  if (status_.emergency != 0) {
+    faults.push_back(
+        fmt::format("drive: emergency {:04X}, error register {:02X}", status_.emergency, status_.error_register));
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (status_.word_utime != 0 && status_.faults[i] == 0 && in_alarm(status_.word[i]))
+      faults.push_back(
+          fmt::format("drive, {} wheel: alarm (status word {:04X})", i == 0 ? "left" : "right", status_.word[i]));
+  }
+  return faults;
 }
 
 /// While driving, a change is sent at most every inhibit time; standing, every event timer: both are the period, so
@@ -76,8 +116,16 @@ std::vector<WheelDrive::Write> WheelDrive::setup_sequence() const {
 }
 
 void WheelDrive::start(std::int64_t now) {
+  began_ = now;
+  last_heartbeat_ = 0;
+  restart(now);
+}
+
+/// What an EMCY said stays: only the drive takes it back.
+void WheelDrive::restart(std::int64_t now) {
   sdo_.cancel();
-  status_ = {};
+  status_.word_utime = status_.faults_utime = 0;
+  nmt_state_ = NmtState::kOperational;
   since_ = now;
   if (!settings_.configure) {
     run(now);
@@ -141,7 +189,7 @@ void WheelDrive::on_frame(std::int64_t receive_utime, const can::CanFrame& frame
     if (state_ != State::kRunning) return counters_.add("ignored.unconfigured");
     if (frame.size != 8) return counters_.add("refused.length");
     status_.word = halves(read_little_endian<std::uint32_t>(frame.bytes()));
-    status_.known = true;
+    status_.word_utime = receive_utime;
   } else if (frame.id == canopen::kSdoReply + settings_.node) {
     sdo_.on_frame(receive_utime, frame);
   } else if (frame.id == canopen::kHeartbeat + settings_.node) {
@@ -156,19 +204,25 @@ void WheelDrive::on_frame(std::int64_t receive_utime, const can::CanFrame& frame
 void WheelDrive::on_heartbeat(std::int64_t now, const can::CanFrame& frame) {
   if (frame.size != 1) return counters_.add("refused.length");
   const auto state = static_cast<NmtState>(frame.data[0] & 0x7F);
+  last_heartbeat_ = now;
+  nmt_state_ = state;
   if (state == NmtState::kBootUp) {  // all that we had set up is lost
     counters_.add("drive.boots");
     handlers_.on_restart();
-    start(now);
+    status_ = {};
+    restart(now);
   } else if (state_ == State::kRunning && state != NmtState::kOperational && now - since_ > settings_.patience) {
     counters_.add("drive.stops");
-    start(now);
+    restart(now);
+    nmt_state_ = state;
   }
 }
 
 void WheelDrive::on_emergency(const can::CanFrame& frame) {
   if (frame.size != 8) return counters_.add("refused.length");
-  counters_.add("drive.emergencies");
+  status_.emergency = read_little_endian<std::uint16_t>(frame.bytes());
+  status_.error_register = status_.emergency != 0 ? frame.data[2] : std::uint8_t{0};
+  if (status_.emergency != 0) counters_.add("drive.emergencies");
   poll_now_ = true;  // the message tells that something is wrong, the fault word what
 }
 
@@ -177,11 +231,11 @@ void WheelDrive::tick(std::int64_t now) {
   // Who has slept has not heard the drive either: what it sent waits to be read, and comes before the next tick.
   const bool slept = now - std::exchange(last_tick_, now) > settings_.patience / 2;
   sdo_.tick(now);
-  if (state_ == State::kFailed && now - since_ >= kSetUpRetryPeriod) start(now);
+  if (state_ == State::kFailed && now - since_ >= kSetUpRetryPeriod) restart(now);
   if (state_ != State::kRunning) return;
   if (now - last_counts_ > settings_.patience && !slept) {
     counters_.add("drive.silences");
-    start(now);
+    restart(now);
     return;
   }
   poll(now);
@@ -197,8 +251,11 @@ void WheelDrive::poll(std::int64_t now) {
   } else if (poll_now_ || now - last_poll_ >= kPollPeriod) {
     poll_now_ = false;
     last_poll_ = now;
-    sdo_.read(now, kFaults, [this](std::int64_t, const SdoClient::Result& result) {
-      if (result.status == Status::kOk) status_.faults = halves(result.value);
+    sdo_.read(now, kFaults, [this](std::int64_t at, const SdoClient::Result& result) {
+      if (result.status != Status::kOk) return;
+      status_.faults = halves(result.value);
+      status_.faults_utime = at;
+      if (result.value == 0) status_.emergency = status_.error_register = 0;
     });
   }
 }

@@ -16,17 +16,22 @@ namespace curbstone::encoder::canopen {
 /// What the drive reports of itself. Index 0 is the left wheel, 1 the right.
 struct DriveStatus {
   std::array<std::uint16_t, 2> word{};    ///< CiA 402 status words
-  std::array<std::uint16_t, 2> faults{};  ///< 603F: bits
-  bool known = false;                     ///< a status word has come since the drive was last set up
+  std::int64_t word_utime = 0;            ///< us, when they last came; 0: not since the drive was last set up
+  std::array<std::uint16_t, 2> faults{};  ///< 603F: bits; only asked for by who sets the drive up
+  std::int64_t faults_utime = 0;          ///< us, when they were last read; 0: not since then
+  std::uint16_t emergency = 0;            ///< error code of the last EMCY; 0: none, or it is over
+  std::uint8_t error_register = 0;        ///< 1001, as that EMCY had it
 
-  /// Both wheels powered (operation enabled) and free of alarms.
-  [[nodiscard]] bool enabled() const;
+  /// Both wheels powered (operation enabled) and free of alarms, at the last status that is not older than kOldStatus.
+  [[nodiscard]] bool enabled(std::int64_t now) const;
+  static constexpr std::int64_t kOldStatus = 2'000'000;  ///< us
 };
 
 /// The master of a ZLAC8015D two-wheel drive on CANopen. Set-up: pre-operational, PDO mapping by SDO, start. Then it
 /// watches boot-ups, heartbeats and silence. After a restart, a stop by another master or a silence it sets the drive
-/// up again. It never moves a wheel. Pure: time comes in (us), frames go in and out. TPDO1 carries both positions,
-/// TPDO2 status and speeds. Source: CiA 301, CiA 402; ZLAC8015D CANopen manual.
+/// up again. It never moves a wheel. A drive whose status, fault word or heartbeat stays away has a fault, too: what is
+/// not known is not good. Pure: time comes in (us), frames go in and out. TPDO1 carries both positions, TPDO2 status
+/// and speeds. Source: CiA 301, CiA 402; ZLAC8015D CANopen manual.
 ///
 /// Counts: drive.setups, drive.boots, drive.silences, drive.stops (left operational without us), drive.emergencies,
 /// ignored.frames, ignored.unconfigured, refused.length, and those of SdoClient.
@@ -56,8 +61,11 @@ class WheelDrive {
   [[nodiscard]] const DriveStatus& status() const { return status_; }
   /// Encoder lines of the left wheel's motor (200E), once read.
   [[nodiscard]] std::optional<std::uint32_t> encoder_lines() const { return encoder_lines_; }
-  /// What is wrong with the communication, in words; empty when nothing is.
-  [[nodiscard]] const std::string& fault() const { return fault_; }
+  /// What is wrong, in words, with the communication and by what the drive says of itself, except the bits of its fault
+  /// word; empty when nothing is.
+  [[nodiscard]] std::vector<std::string> faults() const;
+  /// Frames that were refused.
+  [[nodiscard]] std::int64_t refused() const { return counters_["refused.length"]; }
   [[nodiscard]] Counters counters() const;
   /// The CAN ids that a source must let through.
   [[nodiscard]] static std::vector<std::uint32_t> ids(std::uint8_t node);
@@ -72,6 +80,7 @@ class WheelDrive {
   enum class State { kIdle, kSettingUp, kRunning, kFailed };
 
   [[nodiscard]] std::vector<Write> setup_sequence() const;
+  void restart(std::int64_t now);
   void next_write(std::int64_t now);
   void run(std::int64_t now);
   void fail(std::int64_t now, std::string why);
@@ -89,6 +98,9 @@ class WheelDrive {
   std::int64_t last_counts_ = 0;  // when positions last came, or the drive was started
   std::int64_t last_poll_ = 0;
   std::int64_t last_tick_ = 0;
+  std::int64_t began_ = 0;                       // when the link came up
+  std::int64_t last_heartbeat_ = 0;              // 0: none came since then
+  NmtState nmt_state_ = NmtState::kOperational;  // by the last heartbeat
   bool poll_now_ = false;
   DriveStatus status_;
   std::optional<std::uint32_t> encoder_lines_;

@@ -268,6 +268,24 @@ TEST(EncoderNodeTest, ListensOnlyWhereAnotherMasterIsInCharge) {
   EXPECT_EQ(recorder.messages().size(), 200u);
 }
 
+TEST(EncoderNodeTest, ManyRefusedFramesAreAFaultThatNamesTheCause) {
+  testing::DriveRig rig;
+  rig.receive(rig.now, rig.drive.power_on(rig.now));
+  rig.run_for(2'000'000);
+  for (int i = 0; i < 200; ++i) {
+    rig.run_for(10'000);
+    if (i % 5 == 0) rig.node.on_frame(rig.now, can::CanFrame::make(0x181, {1, 2, 3}));
+  }
+  EXPECT_THAT(rig.node.report().faults, Contains(HasSubstr("most of them refused.length")));
+  rig.run_for(3'000'000);
+  EXPECT_THAT(rig.node.report().faults, IsEmpty());
+  for (int i = 0; i < 200; ++i) {
+    rig.run_for(10'000);
+    if (i % 5 == 0) rig.node.on_refused(rig.now, "refused.slcan_line");
+  }
+  EXPECT_THAT(rig.node.report().faults, Contains(HasSubstr("most of them refused.slcan_line")));
+}
+
 TEST(EncoderNodeTest, FramesOfEveryShapeAreSurvivedAndTheDriveIsReadOn) {
   testing::DriveRig rig;
   std::mt19937 random(9);

@@ -100,6 +100,15 @@ TEST_F(EncoderOnAPty, ADriveThatLosesPowerIsToldAndSetUpAgain) {
   EXPECT_TRUE(run_until_healthy());
 }
 
+TEST_F(EncoderOnAPty, ErrorFlagsOfTheAdapterAreCountedAndAreAFaultUntilTheyAreGone) {
+  ASSERT_TRUE(run_until_more_samples(20));
+  adapter_.set_flags(0x80 | 0x20 | 0x40);
+  ASSERT_TRUE(run_until_fault("the SLCAN adapter reports bus error, error passive"));
+  EXPECT_EQ(node_.report().counters["slcan.bus_error"], 1);
+  EXPECT_EQ(node_.report().counters["slcan.arbitration_lost"], 1);
+  EXPECT_TRUE(run_until_healthy());
+}
+
 TEST_F(EncoderOnAPty, IsReadThroughNoise) {
   ASSERT_TRUE(run_until_more_samples(20));
   noise_ = true;
@@ -112,16 +121,34 @@ TEST_F(EncoderOnAPty, IsReadThroughNoise) {
 }
 
 TEST(EncoderProgram, SaysInOneLineWhatIsMissingAndStops) {
-  for (const std::string& what : {std::string("device=/dev/null"), std::string("interface=socketcan")}) {
+  for (const char* what :
+       {"device=/dev/null", "interface=socketcan --set device=/dev/can0",
+        "interface=modbus_tcp --set modbus.host=nowhere", "interface=modbus_rtu --set baud=128000"}) {
     const std::string command =
-        CURBSTONE_BIN_DIR "/curbstone-encoder --lcm-url memq:// --set device=no_can --set " + what + " 2>&1 >/dev/null";
+        CURBSTONE_BIN_DIR "/curbstone-encoder --lcm-url memq:// --set " + std::string(what) + " 2>&1 >/dev/null";
     FILE* output = popen(command.c_str(), "r");
     ASSERT_NE(output, nullptr);
     std::string text(2000, '\0');
     text.resize(fread(text.data(), 1, text.size(), output));
     EXPECT_EQ(WEXITSTATUS(pclose(output)), 1);
     EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
-    EXPECT_THAT(text, AnyOf(HasSubstr("cannot open"), HasSubstr("is no serial port")));
+    EXPECT_THAT(text, AnyOf(HasSubstr("cannot open"), HasSubstr("is no serial port"), HasSubstr("encoder.")));
+  }
+}
+
+TEST(EncoderProgram, ADeviceThatIsMissingAtTheStartIsWaitedFor) {
+  for (const char* what : {"interface=slcan --set device=/dev/no_such_tty",
+                           "interface=modbus_rtu --set device=/dev/no_such_tty --set baud=115200",
+                           "interface=modbus_tcp --set modbus.host=127.0.0.1 --set modbus.port=1"}) {
+    const std::string command = "timeout --preserve-status -s TERM 1.5 " CURBSTONE_BIN_DIR
+                                "/curbstone-encoder --lcm-url memq:// --set " +
+                                std::string(what) + " 2>&1";
+    FILE* output = popen(command.c_str(), "r");
+    ASSERT_NE(output, nullptr);
+    std::string text(2000, '\0');
+    text.resize(fread(text.data(), 1, text.size(), output));
+    EXPECT_EQ(WEXITSTATUS(pclose(output)), 0) << what << "\n" << text;
+    EXPECT_EQ(text, "") << what;
   }
 }
 

@@ -38,6 +38,15 @@ void SlcanEmulator::on_line(Result& result) {
       answer(open_);
       open_ = false;
       return;
+    case 'F': {
+      if (!open_) return answer(false);
+      static constexpr char kDigits[] = "0123456789ABCDEF";
+      result.to_host.push_back('F');
+      result.to_host.push_back(static_cast<std::uint8_t>(kDigits[flags_ >> 4]));
+      result.to_host.push_back(static_cast<std::uint8_t>(kDigits[flags_ & 0x0F]));
+      flags_ = 0;
+      return answer(true);
+    }
     case 't':
     case 'T':
     case 'r':

@@ -25,6 +25,9 @@ class SlcanEmulator {
   /// The adapter loses power, or is plugged in again: the channel is closed and has no speed.
   void reset() { *this = {}; }
 
+  /// Error flags, until the host has asked for them: encoder::can::SlcanFlag.
+  void set_flags(std::uint8_t flags) { flags_ = flags; }
+
   [[nodiscard]] bool is_open() const { return open_; }
 
  private:
@@ -33,6 +36,7 @@ class SlcanEmulator {
   std::string line_;
   bool has_speed_ = false;
   bool open_ = false;
+  std::uint8_t flags_ = 0;
 };
 
 }  // namespace curbstone::simulate::devices

@@ -9,8 +9,10 @@
 namespace curbstone::encoder::can {
 namespace {
 
+using ::testing::ElementsAre;
 using testing::from_text;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 class SlcanChannelTest : public ::testing::Test {
  protected:
@@ -74,7 +76,7 @@ TEST_F(SlcanChannelTest, ARefusalIsToldAndTriedAgain) {
   wait(0);
   wait(100'000);
   answer("\a\a");
-  EXPECT_THAT(channel_.fault(), HasSubstr("refuses to open"));
+  EXPECT_THAT(channel_.faults(), ElementsAre(HasSubstr("refuses to open")));
   sent();
   wait(1'000'000);
   EXPECT_EQ(sent(), "\r\rC\r");
@@ -82,10 +84,12 @@ TEST_F(SlcanChannelTest, ARefusalIsToldAndTriedAgain) {
 
 TEST_F(SlcanChannelTest, ASilentAdapterIsToldAndOpenedAgain) {
   open();
-  wait(1'900'000);
+  wait(900'000);
   EXPECT_EQ(sent(), "");
+  wait(1'000'000);
+  EXPECT_EQ(sent(), "F\r");
   wait(200'000);
-  EXPECT_THAT(channel_.fault(), HasSubstr("nothing from the SLCAN adapter"));
+  EXPECT_THAT(channel_.faults(), ElementsAre(HasSubstr("nothing from the SLCAN adapter")));
   EXPECT_EQ(sent(), "\r\rC\r");
 }
 
@@ -98,6 +102,38 @@ TEST_F(SlcanChannelTest, BellsToWhatWeSentMeanThatItWasClosedBellsOutOfTheBlueNo
     answer("\a");
   }
   EXPECT_FALSE(channel_.is_open());
+}
+
+TEST_F(SlcanChannelTest, TheErrorFlagsAreAskedForEachSecondAndAreAFaultWhileTheyLast) {
+  open();
+  for (int second = 0; second < 10; ++second) {
+    wait(1'000'000);
+    EXPECT_EQ(sent(), "F\r");
+    answer(second == 3 ? "FA4\r" : second == 7 ? "F40\r" : "F00\r");
+    answer("t1811AA\r");
+    EXPECT_EQ(channel_.faults().empty(), second < 3 || second > 6) << second;
+    if (second == 4) {
+      EXPECT_THAT(channel_.faults(), ElementsAre(HasSubstr("reports bus error, error passive, error warning:")));
+    }
+  }
+  EXPECT_EQ(channel_.counters()["slcan.bus_error"], 1);
+  EXPECT_EQ(channel_.counters()["slcan.error_passive"], 1);
+  EXPECT_EQ(channel_.counters()["slcan.error_warning"], 1);
+  EXPECT_EQ(channel_.counters()["slcan.arbitration_lost"], 1);
+}
+
+TEST_F(SlcanChannelTest, AnAdapterWithoutErrorFlagsIsAskedNoMoreAndThatIsCounted) {
+  open();
+  std::string all;
+  for (int second = 0; second < 10; ++second) {
+    wait(1'000'000);
+    all += sent();
+    answer("\at1811AA\r");
+  }
+  EXPECT_EQ(all, "F\rF\r");
+  EXPECT_EQ(channel_.counters()["slcan.flags_unknown"], 1);
+  EXPECT_THAT(channel_.faults(), IsEmpty());
+  EXPECT_TRUE(channel_.is_open());
 }
 
 TEST(SlcanChannelConfigTest, ABitRateThatNoAdapterHasIsRefused) {

@@ -179,6 +179,29 @@ TEST_F(EncoderOnSocketCan, TheDriveIsSetUpAndTheWheelsAreRead) {
   EXPECT_NEAR(static_cast<double>(last.counts[1] - first.counts[1]) / seconds, 10'000, 1'000);
 }
 
+TEST_F(SocketCanTest, AnInterfaceThatIsMissingAtTheStartIsWaitedFor) {
+  set_up(false);
+  EventLoop loop;
+  std::vector<std::string> faults;
+  bool is_up = false;
+  SocketCanLink link(kInterface, {0x181});
+  link.attach(loop, {[](auto, const auto&) {},
+                     [&](auto, bool up, const auto& why) {
+                       is_up = up;
+                       if (!up) faults.push_back(why);
+                       if (faults.size() == 2) set_up(true);
+                       if (up) loop.stop();
+                     }});
+  const std::int64_t deadline = steady_clock() + 20'000'000;
+  loop.every(10ms, [&] {
+    if (steady_clock() > deadline) loop.stop();
+  });
+  loop.run();
+  EXPECT_TRUE(is_up);
+  ASSERT_GE(faults.size(), 2u);
+  EXPECT_THAT(faults[0], HasSubstr("it is down"));
+}
+
 TEST_F(EncoderOnSocketCan, AnInterfaceThatGoesDownIsAFaultUntilItIsUpAgain) {
   ASSERT_TRUE(run_until_more_samples(20));
   set_up(false);

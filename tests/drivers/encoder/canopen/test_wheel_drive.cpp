@@ -12,8 +12,11 @@ namespace {
 
 using canopen::Object;
 using canopen::SdoCommand;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
 
 constexpr std::uint32_t kRequest = 0x601;
 
@@ -81,7 +84,7 @@ TEST_F(WheelDriveTest, PositionsAreTwoLittleEndianInt32OnceTheDriveIsSetUp) {
 TEST_F(WheelDriveTest, ARefusedObjectIsNamedWithItsAbortCodeAndTriedAgainLater) {
   drive_.tick(0);
   answer_last(1000, SdoCommand::kAbort, 0x06040041);
-  EXPECT_THAT(drive_.fault(), HasSubstr("refuses object 1A00:00: abort 06040041"));
+  EXPECT_THAT(drive_.faults(), Contains(HasSubstr("refuses object 1A00:00: abort 06040041")));
   const std::size_t before = sent_.size();
   drive_.tick(500'000);
   EXPECT_EQ(sent_.size(), before);
@@ -96,7 +99,7 @@ TEST_F(WheelDriveTest, ADriveWithoutAHeartbeatIsStillUsed) {
     answer_last(1000, heartbeat ? SdoCommand::kAbort : SdoCommand::kWriteReply, heartbeat ? 0x06020000 : 0);
   }
   EXPECT_EQ(sent_.back(), can::CanFrame::make(0x000, {0x01, 0x01}));
-  EXPECT_EQ(drive_.fault(), "");
+  EXPECT_THAT(drive_.faults(), IsEmpty());
 }
 
 TEST_F(WheelDriveTest, ABootUpStartsOverAndDropsThePendingRequest) {
@@ -108,20 +111,104 @@ TEST_F(WheelDriveTest, ABootUpStartsOverAndDropsThePendingRequest) {
   EXPECT_EQ(sent_[0], can::CanFrame::make(0x000, {0x80, 0x01}));
 }
 
+/// A drive that another master has set up, heard for a while from 1 s on.
+class ListeningTest : public ::testing::Test {
+ protected:
+  ListeningTest() { drive_.tick(now_); }
+  void hear(const can::CanFrame& frame) { drive_.on_frame(now_, frame); }
+  void positions() { hear(can::CanFrame::make(0x181, {0, 0, 0, 0, 0, 0, 0, 0})); }
+  void status(std::uint8_t low = 0x27) { hear(can::CanFrame::make(0x281, {low, 0, low, 0, 0, 0, 0, 0})); }
+  void heartbeat(std::uint8_t state = 0x05) { hear(can::CanFrame::make(0x701, {state})); }
+  void wait(std::int64_t us, bool with_status = true, bool with_heartbeat = true) {
+    for (const std::int64_t end = now_ + us; now_ < end;) {
+      now_ += 100'000;
+      positions();
+      if (with_status) status();
+      if (with_heartbeat) heartbeat();
+      drive_.tick(now_);
+    }
+  }
+
+  std::int64_t now_ = 1'000'000;
+  int sent_ = 0;
+  WheelDrive drive_{{.configure = false}, {[this](const can::CanFrame&) { ++sent_; }, [](auto, auto) {}, [] {}}};
+};
+
+TEST_F(ListeningTest, ADriveThatSaysAllIsWellHasNoFault) {
+  wait(10'000'000);
+  EXPECT_THAT(drive_.faults(), IsEmpty());
+  EXPECT_TRUE(drive_.status().enabled(now_));
+  EXPECT_EQ(sent_, 0);
+}
+
+TEST_F(ListeningTest, AnEmergencyIsAFaultUntilTheDriveTakesItBack) {
+  wait(1'000'000);
+  hear(can::CanFrame::make(0x081, {0x10, 0x32, 0x04, 0, 0, 0, 0, 0}));
+  EXPECT_THAT(drive_.faults(), ElementsAre("drive: emergency 3210, error register 04"));
+  EXPECT_FALSE(drive_.status().enabled(now_));
+  wait(5'000'000);
+  EXPECT_THAT(drive_.faults(), ElementsAre(HasSubstr("emergency 3210")));
+  hear(can::CanFrame::make(0x081, {0, 0, 0, 0, 0, 0, 0, 0}));
+  EXPECT_THAT(drive_.faults(), IsEmpty());
+  EXPECT_EQ(drive_.counters()["drive.emergencies"], 1);
+}
+
+TEST_F(ListeningTest, AStatusThatNeverCameOrIsOldIsAFaultAndNotAGoodOne) {
+  wait(4'000'000, false);
+  EXPECT_THAT(drive_.faults(), ElementsAre("the drive's status is not known for 4 s"));
+  EXPECT_FALSE(drive_.status().enabled(now_));
+  wait(1'000'000);
+  EXPECT_THAT(drive_.faults(), IsEmpty());
+  wait(3'000'000, false);
+  EXPECT_THAT(drive_.faults(), ElementsAre("the drive's status is not known for 3 s"));
+  EXPECT_FALSE(drive_.status().enabled(now_));
+}
+
+TEST_F(ListeningTest, AHeartbeatThatStopsIsAFaultOneThatNeverCameIsNot) {
+  wait(5'000'000, true, false);
+  EXPECT_THAT(drive_.faults(), IsEmpty());
+  wait(1'000'000);
+  wait(4'000'000, true, false);
+  EXPECT_THAT(drive_.faults(), ElementsAre("the drive's heartbeat stays away for 4 s"));
+  wait(100'000);
+  EXPECT_THAT(drive_.faults(), IsEmpty());
+}
+
+TEST_F(ListeningTest, ADriveThatAnotherMasterHasStoppedIsAFault) {
+  wait(2'000'000);
+  heartbeat(0x7F);
+  EXPECT_THAT(drive_.faults(), Contains("another master has made the drive pre-operational"));
+  heartbeat();
+  EXPECT_THAT(drive_.faults(), Not(Contains(HasSubstr("pre-operational"))));
+}
+
+TEST_F(ListeningTest, AnAlarmInTheStatusWordIsAFaultThoughNobodyCanAskForItsCause) {
+  wait(1'000'000);
+  status(0xA8);
+  EXPECT_THAT(drive_.faults(), Contains("drive, left wheel: alarm (status word 00A8)"));
+  EXPECT_THAT(drive_.faults(), Contains("drive, right wheel: alarm (status word 00A8)"));
+  status();
+  EXPECT_THAT(drive_.faults(), IsEmpty());
+}
+
 TEST(DriveStatusTest, EnabledMeansBothWheelsPoweredAndNoFault) {
   DriveStatus status;
-  EXPECT_FALSE(status.enabled());
-  status.known = true;
+  EXPECT_FALSE(status.enabled(1000)) << "no status came";
+  status.word_utime = 1000;
   status.word = {0x1427, 0x0027};
-  EXPECT_TRUE(status.enabled());
+  EXPECT_TRUE(status.enabled(1000));
+  EXPECT_FALSE(status.enabled(1000 + 3'000'000)) << "that was long ago";
   for (const int bits : {0x1421, 0x00A7, 0x0023, 0x0007, 0x002F, 0x0028}) {
     const auto word = static_cast<std::uint16_t>(bits);
     status.word = {0x0027, word};
-    EXPECT_FALSE(status.enabled()) << std::hex << word;
+    EXPECT_FALSE(status.enabled(1000)) << std::hex << word;
   }
   status.word = {0x0027, 0x0027};
+  status.emergency = 0x1000;
+  EXPECT_FALSE(status.enabled(1000));
+  status.emergency = 0;
   status.faults = {0, 4};
-  EXPECT_FALSE(status.enabled());
+  EXPECT_FALSE(status.enabled(1000));
 }
 
 class SdoClientTest : public ::testing::Test {
