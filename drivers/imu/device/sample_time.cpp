@@ -23,9 +23,11 @@ SampleTime::Result SampleTime::next(std::uint32_t ticks, std::int64_t received, 
   const auto believe = [&](Verdict verdict, std::int64_t step) -> Result {
     const bool continues = verdict == Verdict::kContinues && believed_;
     std::int64_t missing = continues ? (interval_ == 0 ? ahead.value_or(1) : intervals(step)) - 1 : 0;
-    if (ahead) missing = std::clamp<std::int64_t>(missing, 0, std::max(*ahead - 1, 0));
+    if (ahead) missing = std::min<std::int64_t>(missing, *ahead - 1);
+    missing = std::max<std::int64_t>(missing, continues ? refusals_ : 0);
     believed_ = Seen{ticks, continues ? believed_->unwrapped + step : ticks, received};
     refused_.reset();
+    refusals_ = 0;
     return {verdict, believed_->unwrapped * kTick, static_cast<int>(std::min(missing, kDay))};
   };
   if (!believed_) return believe(Verdict::kContinues, 0);
@@ -38,6 +40,7 @@ SampleTime::Result SampleTime::next(std::uint32_t ticks, std::int64_t received, 
     return believe(Verdict::kRestarted, 0);
   }
   refused_ = seen;
+  ++refusals_;
   return {Verdict::kRefused, 0, 0};
 }
 
@@ -67,6 +70,18 @@ std::int64_t SampleTime::off_grid(std::int64_t step) const {
 
 std::int64_t SampleTime::intervals(std::int64_t step) const {
   return interval_ == 0 ? 1 : std::max<std::int64_t>((step + interval_ / 2) / interval_, 1);
+}
+
+double SampleTime::interval() const {
+  if (interval_ == 0) return 0;
+  std::int64_t sum = 0, count = 0;
+  for (std::size_t i = 0; i < std::min(learned_, steps_.size()); ++i) {
+    if (!on_grid(steps_[i])) continue;
+    sum += steps_[i];
+    count += intervals(steps_[i]);
+  }
+  return static_cast<double>(kTick * (count > 0 ? sum : interval_)) /
+         static_cast<double>(std::max<std::int64_t>(count, 1));
 }
 
 /// The interval is the median step. The tolerance follows the third largest deviation: one wrong time makes two.

@@ -39,6 +39,8 @@ class SampleTime {
 
   /// `received` us. `ahead`: messages from the last believed sample to this one, by the packet counter.
   Result next(std::uint32_t ticks, std::int64_t received, std::optional<int> ahead);
+  /// The mean interval of the last samples, us; 0 while it is not known.
+  [[nodiscard]] double interval() const;
 
  private:
   struct Seen {
@@ -58,6 +60,7 @@ class SampleTime {
 
   std::optional<Seen> believed_;
   std::optional<Seen> refused_;  // since the last believed one
+  int refusals_ = 0;             // since then
   std::optional<std::uint32_t> last_;
   std::array<std::int64_t, 32> steps_{};  // ticks, of the last samples, believed or not
   std::size_t learned_ = 0;

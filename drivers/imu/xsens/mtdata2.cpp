@@ -19,8 +19,10 @@ constexpr std::uint16_t kPacketCounter = 0x1020;
 constexpr std::uint16_t kSampleTimeFine = 0x1060;
 constexpr std::uint16_t kQuaternion = 0x2010;
 constexpr std::uint16_t kEulerAngles = 0x2030;
+constexpr std::uint16_t kDeltaVelocity = 0x4010;
 constexpr std::uint16_t kAcceleration = 0x4020;
 constexpr std::uint16_t kRateOfTurn = 0x8020;
+constexpr std::uint16_t kDeltaRotation = 0x8030;
 constexpr std::uint16_t kStatusByte = 0xE010;
 constexpr std::uint16_t kStatusWord = 0xE020;
 
@@ -113,6 +115,12 @@ void decode_item(const Item& item, MtData2& result, Counters& counters) {
       break;
     case kRateOfTurn:
       result.angular_rate = numbers<3>(item, kMaxAngularRate, counters);
+      break;
+    case kDeltaVelocity:
+      result.delta_velocity = numbers<3>(item, kMaxAcceleration, counters);  // of a second at most
+      break;
+    case kDeltaRotation:
+      result.delta_rotation = unit_quaternion(item, counters);
       break;
     case kQuaternion:
       result.orientation = unit_quaternion(item, counters);

@@ -13,12 +13,14 @@ namespace curbstone::imu::xsens {
 /// sensor's own axes, right-handed).
 struct MtData2 {
   std::optional<std::uint16_t> packet_counter;
-  std::optional<std::uint32_t> sample_time_fine;      ///< ticks of 0.1 ms
-  std::optional<std::array<double, 3>> acceleration;  ///< specific force, m/s^2
-  std::optional<std::array<double, 3>> angular_rate;  ///< rad/s
-  std::optional<std::array<double, 4>> orientation;   ///< w x y z, unit, sensor to the device's local frame
-  std::optional<double> temperature;                  ///< deg C
-  std::optional<std::uint32_t> status;                ///< bits of the status word; the status byte is its lowest
+  std::optional<std::uint32_t> sample_time_fine;        ///< ticks of 0.1 ms
+  std::optional<std::array<double, 3>> acceleration;    ///< specific force, m/s^2
+  std::optional<std::array<double, 3>> angular_rate;    ///< rad/s
+  std::optional<std::array<double, 3>> delta_velocity;  ///< m/s, of one sample interval
+  std::optional<std::array<double, 4>> delta_rotation;  ///< w x y z, unit, of one sample interval
+  std::optional<std::array<double, 4>> orientation;     ///< w x y z, unit, sensor to the device's local frame
+  std::optional<double> temperature;                    ///< deg C
+  std::optional<std::uint32_t> status;                  ///< bits of the status word; the status byte is its lowest
 
   static constexpr std::uint32_t kSelfTestPassed = 1u << 0;
   static constexpr std::uint32_t kClipping = 0x3Fu << 8;  ///< of the accelerometer (8..10) or the gyroscope (11..13)

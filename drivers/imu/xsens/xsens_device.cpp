@@ -1,8 +1,21 @@
 #include "drivers/imu/xsens/xsens_device.hpp"
 
+#include <cmath>
 #include <utility>
 
 namespace curbstone::imu::xsens {
+
+namespace {
+
+/// The rotation vector of a unit quaternion, rad.
+std::array<double, 3> rotation_vector(const std::array<double, 4>& q) {
+  const double sine = std::hypot(q[1], q[2], q[3]);
+  const double angle = 2 * std::atan2(std::copysign(sine, q[0]), std::abs(q[0]));  // q and -q are one rotation
+  const double scale = sine > 0 ? angle / sine : 0;
+  return {scale * q[1], scale * q[2], scale * q[3]};
+}
+
+}  // namespace
 
 XsensDevice::XsensDevice(const device::DeviceSettings& settings, Send send)
     : settings_(settings),
@@ -20,7 +33,7 @@ void XsensDevice::on_frame(std::int64_t now, const XbusFrame& frame, const Handl
   }
   if (!frame.is(Mid::kMtData2)) return;
   const MtData2 data = decode_mtdata2(frame.data, counters_);
-  if (!data.acceleration || !data.angular_rate) {
+  if (!(data.acceleration && data.angular_rate) && !(data.delta_velocity && data.delta_rotation)) {
     counters_.add("skipped.incomplete");
     if (data.packet_counter) packet_counter_.other(*data.packet_counter);
     return;
@@ -29,9 +42,8 @@ void XsensDevice::on_frame(std::int64_t now, const XbusFrame& frame, const Handl
   const auto bits = static_cast<std::int64_t>(frame.wire_size) * 10;  // 8N1: ten bits a byte
   sample.received = now - (settings_.uart ? bits * 1'000'000 / settings_.baud : 0);
   if (!judge(data, sample)) return;
+  if (!measure(data, sample)) return counters_.add("skipped.no_interval");
   configurator_.on_usable_sample(now);
-  sample.acceleration = *data.acceleration;
-  sample.angular_rate = *data.angular_rate;
   sample.orientation = data.orientation;
   sample.temperature = data.temperature;
   if (data.status) {
@@ -40,6 +52,23 @@ void XsensDevice::on_frame(std::int64_t now, const XbusFrame& frame, const Handl
   }
   sample.restarted = std::exchange(restarted_, false);
   handler(sample);
+}
+
+/// Increments are integrals of the device's fast inner samples, with coning and sculling compensated. Over the interval
+/// they are the means that an integration needs; what the device filters out of its rates is not lost.
+bool XsensDevice::measure(const MtData2& data, device::ImuSample& sample) const {
+  const double interval = sample_time_.interval() * 1e-6;  // s
+  if (data.delta_velocity && data.delta_rotation && interval > 0) {
+    sample.acceleration = *data.delta_velocity;
+    sample.angular_rate = rotation_vector(*data.delta_rotation);
+    for (double& a : sample.acceleration) a /= interval;
+    for (double& w : sample.angular_rate) w /= interval;
+    return true;
+  }
+  if (!data.acceleration || !data.angular_rate) return false;
+  sample.acceleration = *data.acceleration;
+  sample.angular_rate = *data.angular_rate;
+  return true;
 }
 
 /// Fills in time and losses. False: the sample is wrong, and counted by its cause.

@@ -10,10 +10,12 @@
 namespace curbstone::imu::xsens {
 
 /// An Xsens MTi: Xbus frames, MTData2 messages. Its time is SampleTimeFine. Messages without inertial data (of its GNSS
-/// receiver, say, which bear the time of the fix) touch neither clock nor sequence.
+/// receiver, say, which bear the time of the fix) touch neither clock nor sequence. Velocity and rotation increments go
+/// before acceleration and rate of turn where they come.
 ///
 /// Counts, besides those of XbusParser, decode_mtdata2() and MtConfigurator: skipped.incomplete (messages without
-/// inertial data), refused.time, refused.repeated (SampleTime), lost.packets.
+/// inertial data), skipped.no_interval (increments before the sample interval is known), refused.time, refused.repeated
+/// (SampleTime), lost.packets.
 class XsensDevice final : public device::ImuDevice {
  public:
   XsensDevice(const device::DeviceSettings& settings, Send send);
@@ -27,6 +29,7 @@ class XsensDevice final : public device::ImuDevice {
  private:
   void on_frame(std::int64_t now, const XbusFrame& frame, const Handler& handler);
   bool judge(const MtData2& data, device::ImuSample& sample);
+  bool measure(const MtData2& data, device::ImuSample& sample) const;
   void restart_clock();
 
   device::DeviceSettings settings_;
