@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "drivers/lidar/models/base/sender.hpp"
 #include "drivers/lidar/sources/capture_contents.hpp"
 #include "drivers/lidar/stamp_shift.hpp"
 
@@ -30,9 +31,18 @@ void DriverCapture::advance() {
   }
 }
 
+bool DriverCapture::any_port() const {
+  return config_.msop_port == 0 && config_.difop_port == 0;
+}
+
+bool DriverCapture::is_for_us(const Packet& packet) const {
+  if (any_port()) return models::sender_of(packet.bytes) != models::Sender::kUnknown;
+  return packet.port == point_port(config_) || packet.port == info_port(config_);
+}
+
 std::optional<DriverCapture::Packet> DriverCapture::next_in_file() {
   while (auto packet = source_->next()) {
-    if (packet->port != config_.msop_port && packet->port != config_.difop_port) continue;
+    if (!is_for_us(*packet)) continue;
     if (device_ && packet->sender != *device_) {
       ++foreign_;
       continue;
@@ -63,8 +73,9 @@ void DriverCapture::shift_packet() {
 
 void DriverCapture::fail_empty() const {
   const std::string from = device_ ? " from " + config_.device_address : "";
-  throw std::runtime_error(fmt::format("{}: no UDP packet{} to port {} or {} in it; it has: {}", config_.pcap, from,
-                                       config_.msop_port, config_.difop_port,
+  const std::string wanted =
+      any_port() ? "of a LiDAR" : fmt::format("to port {} or {}", point_port(config_), info_port(config_));
+  throw std::runtime_error(fmt::format("{}: no UDP packet{} {} in it; it has: {}", config_.pcap, from, wanted,
                                        to_text(sources::contents_of(config_.pcap))));
 }
 

@@ -10,7 +10,8 @@
 
 namespace curbstone::lidar {
 
-/// The packets of a capture that are meant for the driver: to its two ports, and of `device_address` where one is set.
+/// The packets of a capture that are meant for the driver: to its two ports, or, where both are 0, of a LiDAR to
+/// any port; and of `device_address` where one is set.
 class DriverCapture {
  public:
   using Packet = sources::PcapSource::Packet;
@@ -31,6 +32,8 @@ class DriverCapture {
   [[nodiscard]] std::int64_t repeats() const { return repeats_; }
 
  private:
+  [[nodiscard]] bool any_port() const;
+  [[nodiscard]] bool is_for_us(const Packet& packet) const;
   [[nodiscard]] std::optional<Packet> next_in_file();
   void begin_anew();
   void shift_packet();

@@ -5,6 +5,7 @@
 
 #include "common/config/config.hpp"
 #include "drivers/lidar/decoding/packet_clock.hpp"
+#include "drivers/lidar/models/make_model.hpp"
 
 namespace curbstone::lidar {
 
@@ -30,8 +31,9 @@ enum class DistanceResolution {
 
 /// Section `lidar:` of the vehicle's file.
 struct LidarConfig {
-  int msop_port = 6699;
-  int difop_port = 7788;
+  models::ModelName model = models::ModelName::kRs16;
+  int msop_port = 0;                     ///< 0 = the model's own
+  int difop_port = 0;                    ///< 0 = the model's own
   std::string host_address = "0.0.0.0";  ///< interface to listen on
   std::string group_address;             ///< multicast group, where the device sends to one
   int receive_buffer = 4 << 20;          ///< bytes, of each socket; the kernel may grant less
@@ -41,16 +43,26 @@ struct LidarConfig {
   bool pcap_repeat = false;
 
   decoding::ClockMode clock = decoding::ClockMode::kAuto;
-  double clock_tolerance = 1.0;  ///< s, auto: how far a sane device clock may be from the host's
+  double clock_tolerance = 0.02;  ///< s, auto: how far a sane device clock may be from the host's
+  double time_offset = 0.0;       ///< s, added to the device's stamps
   DistanceResolution distance_resolution = DistanceResolution::kAuto;
   double cut_angle = 180.0;  ///< deg
   double min_range = 0.4;    ///< m
   double max_range = 150.0;  ///< m
+  double start_angle = 0.0;  ///< deg
+  double end_angle = 360.0;  ///< deg
+  std::string angles_file;
+  bool wait_for_difop = false;
+  int most_lost = 15;                    ///< packets a second
+  std::string channel = "LIDAR_POINTS";  ///< several devices on one bus
+  std::string raw_channel = "LIDAR_RAW";
   bool publish_raw = false;
 
   void visit(ConfigVisitor& v) {
-    v.field("msop_port", msop_port, {1, 65535}, "UDP port of the point packets");
-    v.field("difop_port", difop_port, {1, 65535}, "UDP port of the device information; may be the same");
+    v.choice("model", model, {{"rs16", models::ModelName::kRs16}}, "the device");
+    v.field("msop_port", msop_port, {0, 65535}, "UDP port of the point packets; 0: the model's own");
+    v.field("difop_port", difop_port, {0, 65535},
+            "UDP port of the device information; may be the same; 0: the model's own");
     v.field("host_address", host_address, "address of the interface to listen on; 0.0.0.0 = all");
     v.field("group_address", group_address, "multicast group to join; empty = none");
     v.field("device_address", device_address,
@@ -61,9 +73,12 @@ struct LidarConfig {
     v.field("pcap_repeat", pcap_repeat, "begin the capture anew at its end, with times that go on");
     using enum decoding::ClockMode;
     v.choice("clock", clock, {{"auto", kAuto}, {"device", kDevice}, {"host", kHost}},
-             "time of the points: the device's (set by GPS), the host's, or the device's where it is sane");
+             "time of the points: the device's (set by GPS), the host's, or the device's where it agrees with a "
+             "synchronised host's");
     v.field("clock_tolerance", clock_tolerance, {0.001, 3600.0},
             "s; auto: a sane device clock is this near the host's");
+    v.field("time_offset", time_offset, {-1e5, 1e5},
+            "s, added to the device's stamps; 37 where its clock is that much behind (TAI - UTC)");
     v.choice(
         "distance_resolution", distance_resolution,
         {{"auto", DistanceResolution::kAuto}, {"0.005", DistanceResolution::k5mm}, {"0.01", DistanceResolution::k10mm}},
@@ -71,8 +86,24 @@ struct LidarConfig {
     v.field("cut_angle", cut_angle, {0.0, 359.99}, "deg, clockwise from the lidar's x: where a revolution begins");
     v.field("min_range", min_range, {0.0, 300.0}, "m; nearer returns are left out");
     v.field("max_range", max_range, {0.1, 400.0}, "m; farther returns are left out");
-    v.field("publish_raw", publish_raw, "send every packet as received on LIDAR_RAW, for logs");
+    v.field("start_angle", start_angle, {0.0, 360.0}, "deg, clockwise from x: returns from here ...");
+    v.field("end_angle", end_angle, {0.0, 360.0}, "... to before here go out, through 0 where it is the smaller");
+    v.field("angles_file", angles_file,
+            "CSV with a line a laser in firing order: elevation[,azimuth] in deg; empty = the device's own");
+    v.field("wait_for_difop", wait_for_difop, "no points before the device has told its angles");
+    v.field("most_lost", most_lost, {1, 1'000'000}, "packets a second; more lost than this is a fault");
+    v.field("channel", channel, "of the points: another one for each further device on the bus");
+    v.field("raw_channel", raw_channel, "of the packets as received");
+    v.field("publish_raw", publish_raw, "send every packet as received on raw_channel, for logs");
   }
 };
+
+/// The UDP ports to listen on.
+[[nodiscard]] inline int point_port(const LidarConfig& config) {
+  return config.msop_port != 0 ? config.msop_port : models::table_of(config.model).point_port;
+}
+[[nodiscard]] inline int info_port(const LidarConfig& config) {
+  return config.difop_port != 0 ? config.difop_port : models::table_of(config.model).info_port;
+}
 
 }  // namespace curbstone::lidar

@@ -1,35 +1,53 @@
 #include "drivers/lidar/lidar_node.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
 #include <cmath>
+#include <cstdlib>
+#include <utility>
 
 #include "common/time/microseconds.hpp"
-#include "drivers/lidar/packet/rs16_packet.hpp"
+#include "drivers/lidar/angles_file.hpp"
 
 namespace curbstone::lidar {
 
+using decoding::Refusal;
+
 namespace {
 
-/// One second of packets at 20 Hz.
-constexpr std::size_t kLatencies = 750;
+constexpr std::size_t kLatencies = 750;          // one second of packets
+constexpr std::size_t kLongestRaw = 2500;        // bytes
+constexpr std::int64_t kSecond = 1'000'000;      // us
+constexpr double kTaiMinusUtcFrom = 36.0;        // s: 37 at present
+constexpr double kTaiMinusUtcTo = 38.0;          // s
+constexpr std::int64_t kNearlySet = 60'000'000;  // us: a clock this near the host's was set by somebody, and wrongly
 
-bool is_device_info(std::span<const std::uint8_t> bytes) {
-  return bytes.size() >= 2 && bytes[0] == packet::kDifopMagic[0] && bytes[1] == packet::kDifopMagic[1];
+models::ModelSettings settings_of(const LidarConfig& config) {
+  models::ModelSettings settings;
+  settings.limits = {config.min_range, config.max_range, config.start_angle, config.end_angle};
+  settings.distance_step = distance_step(config.distance_resolution);
+  settings.wait_for_info = config.wait_for_difop;
+  if (!config.angles_file.empty()) settings.angles = read_angles(config.angles_file);
+  return settings;
+}
+
+/// Whether the device did fire this packet, so that it is not lost on the way.
+bool is_the_devices(Refusal refusal) {
+  return refusal == Refusal::kBlock || refusal == Refusal::kAzimuth;
 }
 
 }  // namespace
 
-LidarNode::LidarNode(const LidarConfig& config, Publisher& bus)
+LidarNode::LidarNode(const LidarConfig& config, Publisher& bus, HostClockCheck host_clock)
     : config_(config),
       bus_(bus),
-      decoder_({config.min_range, config.max_range}),
+      host_clock_(std::move(host_clock)),
+      model_(models::make_model(config.model, settings_of(config))),
       clock_(config.clock, microseconds(config.clock_tolerance)),
       head_(static_cast<int>(std::lround(config.cut_angle * 100))),
-      health_(config.msop_port, config.difop_port),
+      health_(point_port(config), info_port(config)),
       latency_(kLatencies) {
-  packet::DeviceInfo device;
-  device.distance_step = distance_step(config.distance_resolution).value_or(device.distance_step);
-  decoder_.set_device(device);
   message_.packet = -1;
 }
 
@@ -38,88 +56,185 @@ void LidarNode::on(const raw_packet_t& packet) {
 }
 
 void LidarNode::on_packet(std::int64_t received, int port, std::span<const std::uint8_t> bytes) {
+  came_since_tick_ = true;
   if (config_.publish_raw) publish_raw(received, port, bytes);
-  const packet::Refusal refusal = is_device_info(bytes) ? on_device_info(bytes) : on_points(received, bytes);
-  if (refusal == packet::Refusal::kNone) return;
-  counters_.add(packet::counter_of(refusal));
-  health_.packet_refused(refusal);
+  const models::Sender sender = models::sender_of(bytes);
+  const models::PacketKind kind = model_->kind_of(sender);
+  if (kind == models::PacketKind::kForeign) {
+    refuse(models::counter_of(sender),
+           fmt::format("{} is sending; model is {}", models::title_of(sender), model_->table().name));
+    return;
+  }
+  const Refusal refusal = kind == models::PacketKind::kInfo ? on_info(received, bytes) : on_points(received, bytes);
+  if (refusal == Refusal::kNone) {
+    share_.used(now_);
+  } else {
+    if (is_the_devices(refusal)) order_.refused();
+    if (refusal == Refusal::kLate) lost_.take_back();
+    refuse(decoding::counter_of(refusal), remedy(refusal, model_->table()));
+  }
+  send_ready();
 }
 
-packet::Refusal LidarNode::on_device_info(std::span<const std::uint8_t> bytes) {
-  packet::DifopResult result = packet::parse_difop(bytes);
-  if (result.refusal != packet::Refusal::kNone) return result.refusal;
+void LidarNode::refuse(const char* counter, const std::string& remedy) {
+  counters_.add(counter);
+  health_.packet_refused(remedy);
+  share_.refused(now_, counter);
+}
+
+Refusal LidarNode::on_info(std::int64_t received, std::span<const std::uint8_t> bytes) {
+  if (const Refusal refusal = model_->read_info(received, bytes); refusal != Refusal::kNone) return refusal;
   counters_.add("difop");
   health_.info_packet_used();
-  result.info.distance_step = distance_step(config_.distance_resolution).value_or(result.info.distance_step);
-  if (result.info != decoder_.device()) decoder_.set_device(result.info);
-  return packet::Refusal::kNone;
+  if (const std::string& identity = model_->facts().identity; identity != identity_) {
+    identity_ = identity;
+    spdlog::info("{}: {}", model_->table().title, identity);
+  }
+  return Refusal::kNone;
 }
 
-packet::Refusal LidarNode::on_points(std::int64_t received, std::span<const std::uint8_t> bytes) {
-  if (const packet::Refusal refusal = decoder_.decode(bytes, packet_); refusal != packet::Refusal::kNone)
-    return refusal;
-  if (!packet_.stamp) counters_.add("clock.invalid");
-  const decoding::PacketClock::Time time = clock_.time_of(packet_.stamp, received, microseconds(packet_.duration));
-  if (const packet::Refusal refusal = follow_head(time); refusal != packet::Refusal::kNone) return refusal;
-  publish_points(received, time.utime);
-  return packet::Refusal::kNone;
+Refusal LidarNode::on_points(std::int64_t received, std::span<const std::uint8_t> bytes) {
+  decoding::DecodedPacket& points = order_.spare();
+  if (const Refusal refusal = model_->decode(received, bytes, points); refusal != Refusal::kNone) return refusal;
+  if (!points.stamp) counters_.add("clock.invalid");
+  if (points.stamp) *points.stamp += microseconds(config_.time_offset);
+  const Refusal refusal = order_.take(received);
+  if (refusal != Refusal::kNone) return refusal;
+  for (int i = order_.discarded(); i > 0; --i)
+    refuse(decoding::counter_of(Refusal::kStamp), remedy(Refusal::kStamp, model_->table()));
+  if (order_.began_anew()) clock_.restart();
+  if (!host_is_right_) host_is_right_ = host_clock_();
+  decoding::PendingPacket& packet = order_.taken();
+  const decoding::PacketClock::Time time = clock_.time_of(
+      packet.points.stamp, received, microseconds(packet.points.duration), *host_is_right_, order_.in_order());
+  packet.utime = time.utime;
+  packet.even = time.even;
+  return Refusal::kNone;
 }
 
-packet::Refusal LidarNode::follow_head(const decoding::PacketClock::Time& time) {
-  const double blind = (360.0 - decoder_.device().fov) * 100.0;
+void LidarNode::send_ready() {
+  while (decoding::PendingPacket* packet = order_.next()) send(*packet);
+}
+
+void LidarNode::send(decoding::PendingPacket& packet) {
+  decoding::DecodedPacket& points = packet.points;
+  const double blind = (360.0 - model_->facts().field_of_view) * 100.0;
   const decoding::HeadTracker::Step step =
-      head_.follow({time.even, packet_.azimuth, packet_.rate, packet_.duration}, blind);
-  if (step.duplicate) return packet::Refusal::kDuplicate;
-  if (step.late) return packet::Refusal::kLate;
-  if (step.lost > 0) counters_.add("lost.packets", step.lost);
+      head_.follow({packet.even, points.azimuth, points.rate, points.duration}, blind);
+  if (step.duplicate || step.late) {
+    const Refusal refusal = step.duplicate ? Refusal::kDuplicate : Refusal::kLate;
+    if (step.late) lost_.take_back();
+    refuse(decoding::counter_of(refusal), remedy(refusal, model_->table()));
+    return;
+  }
+  lost_.add(packet.received, step.lost - packet.refused_before);
   message_.revolution = step.revolution;
-  return packet::Refusal::kNone;
-}
-
-void LidarNode::publish_points(std::int64_t received, std::int64_t utime) {
-  message_.utime = utime;
-  ++message_.packet;
-  message_.num_points = static_cast<std::int32_t>(packet_.x.size());
+  message_.utime = packet.utime;
+  message_.packet = message_.packet < 0 ? 0 : next_packet_number(message_.packet);
+  message_.num_points = static_cast<std::int32_t>(points.x.size());
   // The vectors go back and forth between packet and message, and are allocated once.
-  message_.x.swap(packet_.x);
-  message_.y.swap(packet_.y);
-  message_.z.swap(packet_.z);
-  message_.time_offset.swap(packet_.time_offset);
-  message_.intensity.swap(packet_.intensity);
-  message_.ring.swap(packet_.ring);
-  bus_.publish("LIDAR_POINTS", message_);
+  message_.x.swap(points.x);
+  message_.y.swap(points.y);
+  message_.z.swap(points.z);
+  message_.time_offset.swap(points.time_offset);
+  message_.intensity.swap(points.intensity);
+  message_.ring.swap(points.ring);
+  bus_.publish(config_.channel, message_);
 
   counters_.add("packets");
   counters_.add("points", message_.num_points);
-  if (packet_.out_of_range > 0) counters_.add("out_of_range", packet_.out_of_range);
-  latency_.add(static_cast<double>(received - utime) * 1e-6);
+  if (points.out_of_range > 0) counters_.add("out_of_range", points.out_of_range);
+  if (points.no_return > 0) counters_.add("no_return", points.no_return);
+  latency_.add(static_cast<double>(packet.received - packet.utime) * 1e-6);
   health_.point_packet_used();
 }
 
 void LidarNode::publish_raw(std::int64_t received, int port, std::span<const std::uint8_t> bytes) {
-  if (bytes.size() > 2 * packet::kRs16PacketSize) return;
+  if (bytes.size() > kLongestRaw) return;
   raw_packet_t raw;
   raw.utime = received;
   raw.port = port;
   raw.size = static_cast<std::int32_t>(bytes.size());
   raw.data.assign(bytes.begin(), bytes.end());
-  bus_.publish("LIDAR_RAW", raw);
+  bus_.publish(config_.raw_channel, raw);
+}
+
+void LidarNode::set_receive_buffer(int asked, int granted) {
+  buffer_fault_.clear();
+  if (granted < asked)
+    buffer_fault_ = fmt::format(
+        "the kernel grants the sockets {} kB of the {} kB of receive_buffer, and drops packets while this process has "
+        "to wait: sysctl -w net.core.rmem_max={}, or install config/sysctl.d/60-curbstone.conf",
+        granted / 1024, asked / 1024, asked);
+}
+
+void LidarNode::tick(std::int64_t now) {
+  now_ = now;
+  health_.tick(now);
+  share_.tick(now);
+  // What is held waits for its successors. If none comes any more, it goes out.
+  if (!std::exchange(came_since_tick_, false) && order_.holds()) {
+    order_.flush();
+    send_ready();
+  }
+  if (now - second_began_ < kSecond && now >= second_began_) return;
+  second_began_ = now;
+  host_is_right_ = host_clock_();
+  lost_in_second_ = lost_.total() - std::exchange(lost_before_second_, lost_.total());
+}
+
+void LidarNode::finish() {
+  order_.flush();
+  send_ready();
+  lost_.settle_all();
 }
 
 NodeReport LidarNode::report() const {
   NodeReport report;
   report.counters = counters_;
   report.counters.set("revolutions", message_.packet < 0 ? 0 : message_.revolution + 1);
+  report.counters.set("lost.packets", lost_.total());
   report.counters.set("clock.device", clock_.uses_device() ? 1 : 0);
   report.counters.set("clock.switches", clock_.switches());
-  report.counters.set("clock.jumps", clock_.jumps());
-  report.faults = health_.faults();
-  if (config_.clock == decoding::ClockMode::kDevice &&
-      std::abs(clock_.last_difference()) > microseconds(config_.clock_tolerance))
-    report.faults.push_back("the device's clock is not set: use clock: auto or host, or connect its GPS");
+  report.counters.set("clock.jumps", order_.jumps());
+  if (const auto difference = clock_.difference()) report.counters.set("clock.difference_us", *difference);
+  if (host_is_right_) report.counters.set("clock.host_synchronised", *host_is_right_ ? 1 : 0);
+  for (const auto& [name, value] : model_->facts().values.values()) report.counters.set(name, value);
+
+  if (!source_fault_.empty()) report.faults.push_back(source_fault_);
+  if (!buffer_fault_.empty()) report.faults.push_back(buffer_fault_);
+  for (std::string& fault : health_.faults(*model_)) report.faults.push_back(std::move(fault));
+  if (share_.fault()) report.faults.push_back(*share_.fault());
+  if (lost_in_second_ > config_.most_lost)
+    report.faults.push_back(
+        fmt::format("{} packets were lost in a second: dropped.socket says how many of them this host lost, the rest "
+                    "the network",
+                    lost_in_second_));
+  add_clock_faults(report.faults);
+  for (const std::string& fault : model_->facts().faults) report.faults.push_back(fault);
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
   return report;
+}
+
+void LidarNode::add_clock_faults(std::vector<std::string>& faults) const {
+  const auto difference = clock_.difference();
+  if (!difference || config_.clock == decoding::ClockMode::kHost) return;
+  const double seconds = static_cast<double>(*difference) * 1e-6;
+  const double apart = std::abs(seconds);
+  if (apart >= kTaiMinusUtcFrom && apart <= kTaiMinusUtcTo) {
+    faults.push_back(
+        fmt::format("the device's clock is {:.3f} s {} the host's, as TAI is from UTC: correct its time source, or set "
+                    "time_offset: {}",
+                    apart, seconds < 0 ? "behind" : "ahead of", seconds < 0 ? 37 : -37));
+  } else if (config_.clock == decoding::ClockMode::kDevice && apart > config_.clock_tolerance) {
+    faults.push_back("the device's clock is not set: use clock: auto or host, or connect its GPS");
+  } else if (config_.clock == decoding::ClockMode::kAuto && apart > config_.clock_tolerance &&
+             std::abs(*difference) < kNearlySet) {
+    faults.push_back(
+        fmt::format("the device's clock is {:.3f} s {} the host's, whose time is used: which one is wrong?", apart,
+                    seconds < 0 ? "behind" : "ahead of"));
+  }
 }
 
 }  // namespace curbstone::lidar

@@ -2,59 +2,92 @@
 
 #include <curbstone/lidar_points_t.hpp>
 #include <curbstone/raw_packet_t.hpp>
+#include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "common/bus/node.hpp"
+#include "common/bus/refusal_share.hpp"
 #include "common/shell/latency.hpp"
-#include "drivers/lidar/decoding/decoder.hpp"
 #include "drivers/lidar/decoding/head_tracker.hpp"
 #include "drivers/lidar/decoding/packet_clock.hpp"
+#include "drivers/lidar/decoding/packet_order.hpp"
+#include "drivers/lidar/host_clock.hpp"
 #include "drivers/lidar/lidar_config.hpp"
-#include "drivers/lidar/packet/lidar_health.hpp"
+#include "drivers/lidar/lidar_health.hpp"
+#include "drivers/lidar/lost_packets.hpp"
 
 namespace curbstone::lidar {
 
-/// RS-LiDAR-16 packets in, LIDAR_POINTS (and LIDAR_RAW on request) out: one message a packet. What it sends is a
-/// function of the packets and their times of receipt. One thread. A packet that cannot be used is counted by cause.
+/// The number of the packet after this one: lidar_points_t.packet.
+[[nodiscard]] constexpr std::int32_t next_packet_number(std::int32_t number) {
+  return static_cast<std::int32_t>((static_cast<std::uint32_t>(number) + 1) & 0x7FFFFFFF);
+}
+
+/// A LiDAR's packets in, LIDAR_POINTS (and LIDAR_RAW on request) out: one message a packet. What it sends is a function
+/// of the packets, their times of receipt and of whether the host's clock is synchronised. One thread. A packet that
+/// cannot be used is counted by cause.
 class LidarNode final : public Node {
  public:
-  LidarNode(const LidarConfig& config, Publisher& bus);
+  /// Throws std::runtime_error, one line, where the configuration does not fit the model.
+  LidarNode(const LidarConfig& config, Publisher& bus, HostClockCheck host_clock = kernel_clock_is_synchronised);
 
   void connect(Subscriber& bus) override { (void)bus; }
 
-  /// A packet from the device; `received` in us since the Unix epoch. The first bytes tell point packets and device
-  /// information apart, so both may come on one port.
+  /// A packet from the device; `received` in us since the Unix epoch. The bytes tell what it is, so all may come on one
+  /// port.
   void on_packet(std::int64_t received, int port, std::span<const std::uint8_t> bytes);
   /// The same from a log.
   void on(const raw_packet_t& packet);
 
   /// Packets that the kernel has dropped since the start.
   void set_dropped(std::int64_t packets) { counters_.set("dropped.socket", packets); }
+  /// What is wrong with where the packets come from, in words; empty when nothing is.
+  void set_source_fault(const std::string& fault) { source_fault_ = fault; }
+  /// bytes of a socket's receive buffer: what was asked for, and what the kernel granted.
+  void set_receive_buffer(int asked, int granted);
 
   /// A count that is kept where the packets come from: "refused.source".
   void set_counter(std::string_view name, std::int64_t count) { counters_.set(name, count); }
 
-  void tick(std::int64_t now) override { health_.tick(now); }
+  void tick(std::int64_t now) override;
+  void finish() override;
   [[nodiscard]] NodeReport report() const override;
 
  private:
-  packet::Refusal on_points(std::int64_t received, std::span<const std::uint8_t> bytes);
-  packet::Refusal on_device_info(std::span<const std::uint8_t> bytes);
-  packet::Refusal follow_head(const decoding::PacketClock::Time& time);
-  void publish_points(std::int64_t received, std::int64_t utime);
+  [[nodiscard]] decoding::Refusal on_points(std::int64_t received, std::span<const std::uint8_t> bytes);
+  [[nodiscard]] decoding::Refusal on_info(std::int64_t received, std::span<const std::uint8_t> bytes);
+  void refuse(const char* counter, const std::string& remedy);
+  void send_ready();
+  void send(decoding::PendingPacket& packet);
   void publish_raw(std::int64_t received, int port, std::span<const std::uint8_t> bytes);
+  void add_clock_faults(std::vector<std::string>& faults) const;
 
   LidarConfig config_;
   Publisher& bus_;
-  decoding::Rs16Decoder decoder_;
+  HostClockCheck host_clock_;
+  std::unique_ptr<models::Model> model_;
+  decoding::PacketOrder order_;
   decoding::PacketClock clock_;
   decoding::HeadTracker head_;
-  packet::LidarHealth health_;
+  LidarHealth health_;
+  RefusalShare share_;
+  LostPackets lost_;
   Counters counters_;
   LatencyWindow latency_;
-  decoding::DecodedPacket packet_;
   lidar_points_t message_{};
+
+  std::optional<bool> host_is_right_;
+  std::int64_t now_ = 0;  ///< us, of the last tick
+  std::int64_t second_began_ = 0;
+  std::int64_t lost_before_second_ = 0;
+  std::int64_t lost_in_second_ = 0;
+  bool came_since_tick_ = false;
+  std::string identity_;
+  std::string source_fault_;
+  std::string buffer_fault_;
 };
 
 }  // namespace curbstone::lidar

@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 #include "common/time/clock.hpp"
 #include "drivers/lidar/driver_capture.hpp"
 
@@ -9,30 +11,68 @@ namespace curbstone::lidar {
 
 namespace {
 
+constexpr std::int64_t kFirstRetry = 100'000;      // us after which a missing interface is tried again; doubles ...
+constexpr std::int64_t kSlowestRetry = 2'000'000;  // ... up to this
+
 class NetworkFeed final : public PacketFeed {
  public:
-  NetworkFeed(const LidarConfig& config, LidarNode& node, EventLoop& loop) {
-    const sources::UdpOptions options{config.host_address, config.group_address, config.receive_buffer,
-                                      config.device_address};
-    open(config.msop_port, options, node, loop);
-    if (config.difop_port != config.msop_port) open(config.difop_port, options, node, loop);
+  NetworkFeed(const LidarConfig& config, LidarNode& node, EventLoop& loop)
+      : options_{config.host_address, config.group_address, config.receive_buffer, config.device_address},
+        ports_{point_port(config)},
+        node_(node),
+        loop_(loop) {
+    if (info_port(config) != point_port(config)) ports_.push_back(info_port(config));
+    try_to_open();
+    if (!open_) loop_.every(std::chrono::milliseconds(50), [this] { retry(); });
   }
 
  private:
-  void open(int port, const sources::UdpOptions& options, LidarNode& node, EventLoop& loop) {
-    sources::UdpSource& source = *sources_.emplace_back(std::make_unique<sources::UdpSource>(port, options));
-    loop.watch(source.fd(), [this, &source, &node] {
-      source.receive([&node](auto received, int on_port, auto bytes) { node.on_packet(received, on_port, bytes); });
-      std::int64_t dropped = 0, foreign = 0;
-      for (const auto& each : sources_) {
-        dropped += each->dropped();
-        foreign += each->foreign();
-      }
-      node.set_dropped(dropped);
-      if (foreign > 0) node.set_counter("refused.source", foreign);
-    });
+  void retry() {
+    if (!open_ && steady_clock() >= retry_at_) try_to_open();
   }
+
+  /// All ports or none. An interface that is not there may come; everything else is for people to mend.
+  void try_to_open() {
+    try {
+      for (const int port : ports_) sources_.push_back(std::make_unique<sources::UdpSource>(port, options_));
+    } catch (const sources::InterfaceMissing& missing) {
+      sources_.clear();
+      if (!tried_) spdlog::warn("{}: it is tried again until it comes", missing.what());
+      tried_ = true;
+      node_.set_source_fault(missing.what());
+      retry_at_ = steady_clock() + pause_;
+      pause_ = std::min(2 * pause_, kSlowestRetry);
+      return;
+    }
+    open_ = true;
+    if (tried_) spdlog::info("the interface is there: listening");
+    node_.set_source_fault("");
+    for (const auto& source : sources_) {
+      node_.set_receive_buffer(options_.receive_buffer, source->receive_buffer());
+      loop_.watch(source->fd(), [this, listening = source.get()] { receive(*listening); });
+    }
+  }
+
+  void receive(sources::UdpSource& source) {
+    source.receive([this](auto received, int on_port, auto bytes) { node_.on_packet(received, on_port, bytes); });
+    std::int64_t dropped = 0, foreign = 0;
+    for (const auto& each : sources_) {
+      dropped += each->dropped();
+      foreign += each->foreign();
+    }
+    node_.set_dropped(dropped);
+    if (foreign > 0) node_.set_counter("refused.source", foreign);
+  }
+
+  sources::UdpOptions options_;
+  std::vector<int> ports_;
+  LidarNode& node_;
+  EventLoop& loop_;
   std::vector<std::unique_ptr<sources::UdpSource>> sources_;
+  bool open_ = false;
+  bool tried_ = false;
+  std::int64_t retry_at_ = 0;
+  std::int64_t pause_ = kFirstRetry;
 };
 
 /// What of a capture did not reach the node.
@@ -94,6 +134,7 @@ std::int64_t feed_whole_capture(const LidarConfig& config, LidarNode& node) {
   for (; const auto& packet = capture.packet(); capture.advance(), ++count)
     node.on_packet(packet->received, packet->port, packet->bytes);
   count_refused(capture, node);
+  node.finish();
   return count;
 }
 

@@ -6,7 +6,7 @@
 
 #include "common/bytes/big_endian.hpp"
 #include "common/bytes/little_endian.hpp"
-#include "drivers/lidar/packet/packet_time.hpp"
+#include "drivers/lidar/models/robosense/packet_time.hpp"
 
 namespace curbstone::lidar {
 
@@ -24,11 +24,11 @@ constexpr std::int64_t kHour = 3'600'000'000;
 constexpr std::int64_t kSecond = 1'000'000;
 
 void shift_rs16(Bytes packet, std::int64_t shift) {
-  packet::PacketTime time;
+  models::robosense::PacketTime time;
   std::memcpy(&time, packet.data() + kRoboSenseStamp, sizeof time);
-  const auto utime = packet::utime_from(time);
+  const auto utime = models::robosense::utime_from(time);
   if (!utime) return;
-  time = packet::packet_time_from(*utime + shift);
+  time = models::robosense::packet_time_from(*utime + shift);
   std::memcpy(packet.data() + kRoboSenseStamp, &time, sizeof time);
 }
 

@@ -100,7 +100,7 @@ class Recorder {
                                     numerics::Random(drive.seed).fork(12))),
         imu_line_(imu_, numerics::Random(drive.seed).fork(14)),
         can_line_(wheels_, numerics::Random(drive.seed).fork(15)),
-        lidar_node_({}, log_),
+        lidar_node_({}, log_, [] { return true; }),  // one made-up clock, of host and device
         imu_node_({}, log_, [this](std::span<const std::uint8_t> bytes) { imu_line_.to_device(bytes); }),
         encoder_node_(encoder_config(drive.config), log_,
                       [this](const encoder::can::CanFrame& frame) { channel_.send(frame); }),
@@ -127,11 +127,11 @@ class Recorder {
       if (now_ > end) break;
       log_.set_now(now_);
       if (now_ == next_difop) {
-        lidar_node_.on_packet(now_, lidar::packet::kDifopPort, lidar_.difop(time(now_)));
+        lidar_node_.on_packet(now_, lidar::models::robosense::kDifopPort, lidar_.difop(time(now_)));
         next_difop += 1'000'000;
       }
       if (now_ == packet_due) {
-        lidar_node_.on_packet(now_, lidar::packet::kMsopPort, packet.bytes);
+        lidar_node_.on_packet(now_, lidar::models::robosense::kMsopPort, packet.bytes);
         packet = lidar_.next();
         ++packets_;
       }

@@ -4,17 +4,23 @@
 
 namespace curbstone::lidar::decoding {
 
-PacketClock::Time PacketClock::time_of(std::optional<std::int64_t> stamp, std::int64_t received,
-                                       std::int64_t duration) {
+PacketClock::Time PacketClock::time_of(std::optional<std::int64_t> stamp, std::int64_t received, std::int64_t duration,
+                                       bool host_is_right, bool in_order) {
+  const bool offset_known = stamped_;
   const std::int64_t fired = received - duration;
+  stamped_ = stamp.has_value();
   if (!stamp) {
     choose(false);
     return {fired, fired};
   }
-  difference_ = *stamp - fired;
-  choose(std::abs(difference_) <= tolerance_);
-  const std::int64_t even = offset_.to_host(*stamp, fired);
+  choose(host_is_right && std::abs(*stamp - fired) <= tolerance_);
+  const std::int64_t even = in_order || !offset_known ? offset_.to_host(*stamp, fired) : *stamp + offset_.offset();
   return {uses_device_ ? *stamp : even, even};
+}
+
+std::optional<std::int64_t> PacketClock::difference() const {
+  if (!stamped_) return std::nullopt;
+  return -offset_.offset();
 }
 
 void PacketClock::choose(bool device_is_sane) {

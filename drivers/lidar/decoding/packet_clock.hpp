@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "common/time/clock_offset.hpp"
@@ -9,17 +10,17 @@ namespace curbstone::lidar::decoding {
 
 /// Whose time the points bear.
 enum class ClockMode {
-  kAuto,    ///< the device's stamps while they are within a tolerance of the host's clock, else the host's clock
-  kDevice,  ///< the device's stamps, which its GPS has set
+  kAuto,    ///< the device's stamps while they agree with the host's clock and that is synchronised, else the host's
+  kDevice,  ///< the device's stamps, which its GPS or PTP has set
   kHost,    ///< the host's clock
 };
 
-/// Decides a packet's time: the device's own stamp (UTC from its GPS), or the host's clock. A function of the packets
-/// alone. All times in us since the Unix epoch.
+/// Decides a packet's time: the device's own stamp, or the host's clock. A function of the packets and of whether the
+/// host's clock is synchronised. All times in us since the Unix epoch.
 class PacketClock {
  public:
   /// `tolerance`: of kAuto, which decides on the first packet. It changes its mind only after kPatience packets in a
-  /// row (1 s) that speak against it.
+  /// row (1 s of an RS16) that speak against it.
   PacketClock(ClockMode mode, std::int64_t tolerance) : mode_(mode), tolerance_(tolerance) {}
 
   struct Time {
@@ -28,23 +29,33 @@ class PacketClock {
   };
 
   /// `stamp`: of the first shot by the device; `received`: when the packet came, `duration`: from the first shot to
-  /// when it was sent.
-  Time time_of(std::optional<std::int64_t> stamp, std::int64_t received, std::int64_t duration);
+  /// when it was sent. `host_is_right`: somebody (NTP, PTP) keeps the host's clock, so that it may judge the device's.
+  /// `in_order`: the packet came when its turn was; else its time of receipt tells nothing of the clocks' offset.
+  Time time_of(std::optional<std::int64_t> stamp, std::int64_t received, std::int64_t duration, bool host_is_right,
+               bool in_order);
+
+  /// The device's clock was set, or the device is another one: its offset is to be found anew.
+  void restart() {
+    offset_ = make_offset();
+    stamped_ = false;
+  }
 
   [[nodiscard]] bool uses_device() const { return uses_device_; }
-  [[nodiscard]] std::int64_t switches() const { return switches_; }     ///< between device and host, after the first
-  [[nodiscard]] std::int64_t jumps() const { return offset_.jumps(); }  ///< of the device's clock
-  [[nodiscard]] std::int64_t last_difference() const { return difference_; }  ///< device minus host
+  [[nodiscard]] std::int64_t switches() const { return switches_; }  ///< between device and host, after the first
+  /// Device minus host, by the least delayed packet of the last seconds; nothing before the first stamp.
+  [[nodiscard]] std::optional<std::int64_t> difference() const;
 
   static constexpr int kPatience = 750;
 
  private:
+  /// Jumps are found by PacketOrder.
+  static ClockOffset make_offset() { return ClockOffset(5'000'000, std::numeric_limits<std::int64_t>::max()); }
   void choose(bool device_is_sane);
 
   ClockMode mode_;
   std::int64_t tolerance_;
-  ClockOffset offset_;
-  std::int64_t difference_ = 0;
+  ClockOffset offset_ = make_offset();
+  bool stamped_ = false;
   bool decided_ = false;
   bool uses_device_ = false;
   int contrary_ = 0;

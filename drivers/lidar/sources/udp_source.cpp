@@ -29,7 +29,7 @@ in_addr address(const std::string& text, const char* key) {
           "port {} is in use by another process: stop it (ss -ulpn 'sport = :{}' shows it) or choose another port",
           port, port));
     case EADDRNOTAVAIL:
-      throw std::runtime_error(
+      throw InterfaceMissing(
           fmt::format("host_address: this machine has no interface with address {} (ip address shows them)", host));
     case EACCES:
       throw std::runtime_error(fmt::format("port {} may only be opened by root: choose one above 1023", port));
@@ -42,9 +42,12 @@ void join(int fd, const std::string& group, const std::string& host) {
   ip_mreq request{};
   request.imr_multiaddr = address(group, "group_address");
   request.imr_interface = address(host, "host_address");
-  if (setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request) != 0)
-    throw std::runtime_error(
-        fmt::format("group_address: cannot join {} on {}: {}", group, host, std::generic_category().message(errno)));
+  if (setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request) == 0) return;
+  const int error = errno;
+  const auto text =
+      fmt::format("group_address: cannot join {} on {}: {}", group, host, std::generic_category().message(error));
+  if (error == ENODEV || error == EADDRNOTAVAIL) throw InterfaceMissing(text);
+  throw std::runtime_error(text);
 }
 
 void enable(int fd, int option) {
@@ -81,6 +84,13 @@ UdpSource::UdpSource(int port, const UdpOptions& options) : port_(port) {
 
 UdpSource::~UdpSource() {
   close(fd_);
+}
+
+int UdpSource::receive_buffer() const {
+  int bytes = 0;
+  socklen_t size = sizeof bytes;
+  getsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &bytes, &size);
+  return bytes / 2;  // the kernel counts its own overhead in: it doubles what is asked for (socket(7))
 }
 
 void UdpSource::receive(const Handler& handler) {

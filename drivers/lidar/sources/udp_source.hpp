@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 
 #include "drivers/lidar/sources/ipv4_address.hpp"
@@ -17,13 +18,20 @@ struct UdpOptions {
   std::string device_address;            ///< packets of other senders are not handed over; empty = of any
 };
 
+/// The interface that the sensor is on is not there, or has no address yet: it may come.
+class InterfaceMissing : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// One UDP port that a sensor sends to. Non-blocking; watch fd() and call receive(). One thread.
 class UdpSource {
  public:
   /// `received`: us since the Unix epoch, by the kernel, when the packet reached the host.
   using Handler = std::function<void(std::int64_t received, int port, std::span<const std::uint8_t>)>;
 
-  /// Throws std::runtime_error with one line that says what is wrong and how to mend it.
+  /// Throws std::runtime_error with one line that says what is wrong and how to mend it: InterfaceMissing where it may
+  /// mend itself.
   UdpSource(int port, const UdpOptions& options);
   ~UdpSource();
   UdpSource(const UdpSource&) = delete;
@@ -31,6 +39,8 @@ class UdpSource {
 
   [[nodiscard]] int fd() const { return fd_; }
   [[nodiscard]] int port() const { return port_; }
+  /// bytes of the receive buffer as the kernel granted it; it may be less than was asked for.
+  [[nodiscard]] int receive_buffer() const;
 
   /// Calls the handler for each packet that has arrived, at most kBatch. Packets are cut to 2 kB; no sensor sends
   /// longer ones. The bytes are valid inside the handler only.

@@ -24,7 +24,7 @@ LidarConfig config_for(const Capture& capture) {
   return config;
 }
 
-std::vector<Bytes> frames_of(const std::vector<packet::Rs16Packet>& packets, int sender = 200) {
+std::vector<Bytes> frames_of(const std::vector<models::rs16::Rs16Packet>& packets, int sender = 200) {
   std::vector<Bytes> frames;
   for (const auto& each : packets) frames.push_back(frame(Bytes(each.begin(), each.end()), 6699, 0, sender));
   return frames;
@@ -80,10 +80,10 @@ TEST(DriverCapture, GoesOnByTheCapturesLengthWhenItBeginsAnew) {
   for (int i = 0; i < 9; ++i) {
     ASSERT_TRUE(source.packet());
     EXPECT_EQ(source.packet()->received, 100'000'042 + i * 1332);
-    packet::MsopPacket packet;
+    models::rs16::MsopPacket packet;
     ASSERT_EQ(source.packet()->bytes.size(), sizeof packet);
     std::memcpy(&packet, source.packet()->bytes.data(), sizeof packet);
-    EXPECT_EQ(packet::utime_from(packet.time), kBegin + i * 1332);
+    EXPECT_EQ(models::robosense::utime_from(packet.time), kBegin + i * 1332);
     source.advance();
   }
   EXPECT_EQ(source.repeats(), 3);

@@ -27,11 +27,11 @@ Bytes vlp16_packet(std::initializer_list<int> stamp) {
 }
 
 TEST(StampShift, SetsTheCalendarTimeOfAnRs16Forward) {
-  packet::MsopPacket before = empty_packet();
-  before.time = packet::packet_time_from(1'699'999'999'999'000);
-  packet::MsopPacket after = before;
-  after.time = packet::packet_time_from(1'700'000'000'001'500);
-  packet::Rs16Packet bytes = bytes_of(before);
+  models::rs16::MsopPacket before = empty_packet();
+  before.time = models::robosense::packet_time_from(1'699'999'999'999'000);
+  models::rs16::MsopPacket after = before;
+  after.time = models::robosense::packet_time_from(1'700'000'000'001'500);
+  models::rs16::Rs16Packet bytes = bytes_of(before);
   shift_stamp(bytes, 2500);
   EXPECT_EQ(bytes, bytes_of(after));
 }
@@ -57,9 +57,9 @@ TEST(StampShift, LeavesAloneWhatIsNoStamp) {
     shift_stamp(bytes, 1'000'000);
     EXPECT_EQ(bytes, before);
   }
-  packet::MsopPacket unset = empty_packet();
+  models::rs16::MsopPacket unset = empty_packet();
   unset.time = {};
-  packet::Rs16Packet bytes = bytes_of(unset);
+  models::rs16::Rs16Packet bytes = bytes_of(unset);
   shift_stamp(bytes, 1'000'000);
   EXPECT_EQ(bytes, bytes_of(unset));
 }

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "drivers/lidar/packet/msop_packet.hpp"
+#include "drivers/lidar/models/rs16/msop_packet.hpp"
 
 namespace curbstone::simulate::devices {
 
@@ -26,8 +26,9 @@ struct Rs16Ray {
 struct Rs16EmulatorConfig {
   double rpm = 1200;
   /// deg, by laser in firing order: a device's own, slightly off the nominal table, so that DIFOP matters.
-  lidar::packet::ElevationTable elevations = {-15.0031, -12.9874, -11.0212, -8.9956, -7.0103, -4.9891, -3.0067, -0.9985,
-                                              14.9860,  12.9630,  11.0127,  8.9934,  7.0088,  4.9912,  3.0145,  1.0133};
+  lidar::models::rs16::ElevationTable elevations = {-15.0031, -12.9874, -11.0212, -8.9956, -7.0103, -4.9891,
+                                                    -3.0067,  -0.9985,  14.9860,  12.9630, 11.0127, 8.9934,
+                                                    7.0088,   4.9912,   3.0145,   1.0133};
 };
 
 /// Builds the packets of an RS-LiDAR-16 (single return, 5 mm, current firmware) from what its lasers measured. Pure:
@@ -41,27 +42,27 @@ class Rs16Emulator {
   explicit Rs16Emulator(const Rs16EmulatorConfig& config = {});
 
   /// deg the head turns from one sequence to the next.
-  [[nodiscard]] double azimuth_step() const { return rate_ * lidar::packet::kSequencePeriod; }
+  [[nodiscard]] double azimuth_step() const { return rate_ * lidar::models::rs16::kSequencePeriod; }
 
   /// Beams of the sequence that starts at `azimuth_deg` (clockwise from above; 0 is x), by laser in firing order.
-  [[nodiscard]] std::array<Rs16Ray, lidar::packet::kLasers> rays(double azimuth_deg) const;
+  [[nodiscard]] std::array<Rs16Ray, lidar::models::rs16::kLasers> rays(double azimuth_deg) const;
 
   /// Adds the sequence whose first shot is at `utime`. A packet comes out with the 24th.
-  std::optional<lidar::packet::Rs16Packet> add_sequence(std::int64_t utime, double azimuth_deg,
-                                                        std::span<const Rs16Shot, lidar::packet::kLasers> by_laser);
+  std::optional<lidar::models::rs16::Rs16Packet> add_sequence(
+      std::int64_t utime, double azimuth_deg, std::span<const Rs16Shot, lidar::models::rs16::kLasers> by_laser);
 
   /// The device information packet; `rpm` 300, 600 or 1200.
-  [[nodiscard]] lidar::packet::Rs16Packet difop(std::int64_t utime, int rpm) const;
+  [[nodiscard]] lidar::models::rs16::Rs16Packet difop(std::int64_t utime, int rpm) const;
 
  private:
   struct Direction {
     double cos = 1;
     double sin = 0;
   };
-  lidar::packet::ElevationTable elevations_;
-  std::array<Direction, lidar::packet::kLasers> by_laser_;
+  lidar::models::rs16::ElevationTable elevations_;
+  std::array<Direction, lidar::models::rs16::kLasers> by_laser_;
   double rate_;  ///< deg/s
-  lidar::packet::MsopPacket packet_{};
+  lidar::models::rs16::MsopPacket packet_{};
   int sequences_ = 0;
 };
 

@@ -111,7 +111,7 @@ class LiveDrive {
   [[nodiscard]] std::int64_t packet_due() const {
     if (!spool_ || report_.packets >= spool_->size()) return kNever;
     // A packet leaves the device when its last shot is in.
-    return start_ + std::llround(static_cast<double>(report_.packets + 1) * lidar::packet::kPacketPeriod * 1e6);
+    return start_ + std::llround(static_cast<double>(report_.packets + 1) * lidar::models::rs16::kPacketPeriod * 1e6);
   }
 
   /// Sleeps until something is due (at most until `limit`) or the host writes, and does it.
@@ -141,8 +141,8 @@ class LiveDrive {
     const std::int64_t due = packet_due();
     report_.latest = std::max(report_.latest, static_cast<double>(now - due) * 1e-6);
     const auto first_shot =
-        start_ + std::llround(static_cast<double>(report_.packets) * lidar::packet::kPacketPeriod * 1e6);
-    lidar::packet::Rs16Packet packet = spool_->packet(report_.packets++, first_shot);
+        start_ + std::llround(static_cast<double>(report_.packets) * lidar::models::rs16::kPacketPeriod * 1e6);
+    lidar::models::rs16::Rs16Packet packet = spool_->packet(report_.packets++, first_shot);
     if (const auto fault = options_.faults.at(rig::SensorFault::Sensor::kLidar, time(now))) {
       if (fault == rig::SensorFault::Kind::kSilent) return;
       for (auto& byte : packet) byte = static_cast<std::uint8_t>(garbage_.bits());

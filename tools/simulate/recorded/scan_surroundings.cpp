@@ -36,7 +36,7 @@ bool is_ground(float height) {
 }  // namespace
 
 ScanSurroundings::ScanSurroundings(const ScanSet& scans, const RecordedMotion& motion, const Playback& playback,
-                                   const lidar::packet::ElevationTable& elevations_deg)
+                                   const lidar::models::rs16::ElevationTable& elevations_deg)
     : scans_(scans), motion_(motion), playback_(playback), elevations_(elevations_deg) {
   for (double& elevation : elevations_) elevation *= kDegree;
 }
@@ -98,7 +98,7 @@ void ScanSurroundings::add_points(const LoadedScan& scan, const sensors::PacketV
     const double azimuth = std::atan2(-static_cast<double>(p.y()), static_cast<double>(p.x()));
     const auto column = static_cast<long>(std::floor(wrap(azimuth - first_column_) / kColumn));
     if (column < 0 || column >= static_cast<long>(columns_.size())) continue;
-    const float reach = std::hypot(p.x(), p.y()) - static_cast<float>(lidar::packet::kLensOffset);
+    const float reach = std::hypot(p.x(), p.y()) - static_cast<float>(lidar::models::rs16::kLensOffset);
     if (reach < 0.5F) continue;
     columns_[static_cast<std::size_t>(column)].push_back(
         {static_cast<float>(azimuth), std::atan2(p.z(), reach), reach, p.z(), it->intensity});
@@ -126,7 +126,7 @@ devices::Rs16Shot ScanSurroundings::measure(const sensors::Shot& shot) {
   if (report.range_m <= 0) return report;
   // The vehicle has moved on a little since prepare().
   const Eigen::Vector3d flat(shot.direction_world.x(), shot.direction_world.y(), 0);
-  const Eigen::Vector3d lens = origin_ + lidar::packet::kLensOffset * flat.normalized();
+  const Eigen::Vector3d lens = origin_ + lidar::models::rs16::kLensOffset * flat.normalized();
   report.range_m -= static_cast<float>((shot.origin_world - lens).dot(shot.direction_world));
   return report;
 }

@@ -17,7 +17,7 @@ namespace curbstone::simulate::recorded {
 class ScanSurroundings final : public sensors::Surroundings {
  public:
   ScanSurroundings(const ScanSet& scans, const RecordedMotion& motion, const Playback& playback,
-                   const lidar::packet::ElevationTable& elevations_deg);
+                   const lidar::models::rs16::ElevationTable& elevations_deg);
 
   void prepare(const sensors::PacketView& view) override;
   [[nodiscard]] devices::Rs16Shot measure(const sensors::Shot& shot) override;
@@ -49,7 +49,7 @@ class ScanSurroundings final : public sensors::Surroundings {
   const ScanSet& scans_;
   const RecordedMotion& motion_;
   Playback playback_;
-  lidar::packet::ElevationTable elevations_;  ///< rad
+  lidar::models::rs16::ElevationTable elevations_;  ///< rad
   std::deque<LoadedScan> loaded_;
   std::vector<std::vector<Candidate>> columns_;
   double first_column_ = 0;  ///< rad, clockwise

@@ -50,7 +50,7 @@ PacketSpool::PacketSpool(const Drive& drive, const std::string& file, std::uint6
                          const std::atomic<bool>& cancel)
     : file_(file.empty() ? "the temporary spool of packets" : file),
       fd_(open_file(file)),
-      packets_(static_cast<std::int64_t>(std::ceil(drive.seconds / lidar::packet::kPacketPeriod))) {
+      packets_(static_cast<std::int64_t>(std::ceil(drive.seconds / lidar::models::rs16::kPacketPeriod))) {
   if (fd_ < 0) throw std::runtime_error(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
   try {
     Header wanted;
@@ -64,7 +64,7 @@ PacketSpool::PacketSpool(const Drive& drive, const std::string& file, std::uint6
       if (!write_all(fd_, &wanted, sizeof wanted, 0))
         throw std::runtime_error(fmt::format("{}: is the disk full?", file_));
     }
-    const auto bytes = sizeof(Header) + static_cast<std::size_t>(packets_) * lidar::packet::kRs16PacketSize;
+    const auto bytes = sizeof(Header) + static_cast<std::size_t>(packets_) * lidar::models::robosense::kPacketSize;
     struct stat status {};
     if (fstat(fd_, &status) != 0 || static_cast<std::size_t>(status.st_size) < bytes)
       throw std::runtime_error(fmt::format("{}: is cut off: remove it", file_));
@@ -93,13 +93,13 @@ void PacketSpool::render(const Drive& drive, int threads, const std::atomic<bool
     const auto surroundings = drive.make_surroundings();
     sensors::LidarModel lidar({drive.rpm, drive.seed, drive.azimuth, drive.start_utime}, drive.config.vehicle,
                               drive.motion, *surroundings);
-    std::vector<lidar::packet::Rs16Packet> batch;
+    std::vector<lidar::models::rs16::Rs16Packet> batch;
     for (std::int64_t first; (first = next.fetch_add(kBatch)) < packets_ && !failed && !cancel;) {
       lidar.skip_to(first);
       batch.clear();
       for (std::int64_t i = first; i < std::min(first + kBatch, packets_); ++i) batch.push_back(lidar.next().bytes);
-      const auto offset = sizeof(Header) + static_cast<std::size_t>(first) * lidar::packet::kRs16PacketSize;
-      if (!write_all(fd_, batch.data(), batch.size() * lidar::packet::kRs16PacketSize, offset)) failed = true;
+      const auto offset = sizeof(Header) + static_cast<std::size_t>(first) * lidar::models::robosense::kPacketSize;
+      if (!write_all(fd_, batch.data(), batch.size() * lidar::models::robosense::kPacketSize, offset)) failed = true;
     }
   };
   std::vector<std::thread> workers;
@@ -110,12 +110,12 @@ void PacketSpool::render(const Drive& drive, int threads, const std::atomic<bool
   if (failed) throw std::runtime_error(fmt::format("{}: cannot be written: is the disk full?", file_));
 }
 
-lidar::packet::Rs16Packet PacketSpool::packet(std::int64_t index, std::int64_t utime) const {
-  lidar::packet::Rs16Packet packet;
-  std::memcpy(packet.data(), data_ + static_cast<std::size_t>(index) * lidar::packet::kRs16PacketSize,
-              lidar::packet::kRs16PacketSize);
-  const lidar::packet::PacketTime time = lidar::packet::packet_time_from(utime);
-  std::memcpy(packet.data() + offsetof(lidar::packet::MsopPacket, time), &time, sizeof time);
+lidar::models::rs16::Rs16Packet PacketSpool::packet(std::int64_t index, std::int64_t utime) const {
+  lidar::models::rs16::Rs16Packet packet;
+  std::memcpy(packet.data(), data_ + static_cast<std::size_t>(index) * lidar::models::robosense::kPacketSize,
+              lidar::models::robosense::kPacketSize);
+  const lidar::models::robosense::PacketTime time = lidar::models::robosense::packet_time_from(utime);
+  std::memcpy(packet.data() + offsetof(lidar::models::rs16::MsopPacket, time), &time, sizeof time);
   return packet;
 }
 

@@ -23,7 +23,7 @@ class PacketSpool {
 
   [[nodiscard]] std::int64_t size() const { return packets_; }
   /// The packet with its clock set to `utime`.
-  [[nodiscard]] lidar::packet::Rs16Packet packet(std::int64_t index, std::int64_t utime) const;
+  [[nodiscard]] lidar::models::rs16::Rs16Packet packet(std::int64_t index, std::int64_t utime) const;
   [[nodiscard]] bool reused() const { return reused_; }
 
  private:

@@ -22,7 +22,7 @@ class LidarModel {
   struct Packet {
     double t = 0;       ///< s, of its first shot
     double t_last = 0;  ///< s, of its last: when it can be sent
-    lidar::packet::Rs16Packet bytes{};
+    lidar::models::rs16::Rs16Packet bytes{};
   };
 
   LidarModel(const Options& options, const VehicleConfig& vehicle, const motion::Motion& motion,
@@ -31,8 +31,8 @@ class LidarModel {
   /// The next packet; the first starts at t = 0.
   Packet next();
   /// Goes on with the packet of that number: packets do not depend on those before.
-  void skip_to(std::int64_t packet) { sequence_ = packet * lidar::packet::kSequencesPerPacket; }
-  [[nodiscard]] lidar::packet::Rs16Packet difop(double t) const;
+  void skip_to(std::int64_t packet) { sequence_ = packet * lidar::models::rs16::kSequencesPerPacket; }
+  [[nodiscard]] lidar::models::rs16::Rs16Packet difop(double t) const;
 
  private:
   Options options_;

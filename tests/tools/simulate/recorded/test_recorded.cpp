@@ -86,7 +86,7 @@ class MadeUpRecording : public ::testing::Test {
       const Pose T = motion.T_world_base(t) * VehicleConfig{}.T_base_lidar();
       surroundings.prepare({t, T, azimuth * M_PI / 180, span * M_PI / 180});
       const auto rays = emulator.rays(azimuth + 0.5 * span);
-      for (int laser = 0; laser < lidar::packet::kLasers; ++laser) {
+      for (int laser = 0; laser < lidar::models::rs16::kLasers; ++laser) {
         const devices::Rs16Ray& ray = rays[static_cast<std::size_t>(laser)];
         sensors::Shot shot{
             t, laser, std::atan2(-ray.origin.y(), ray.origin.x()), T * ray.origin, T.linear() * ray.direction, 1};

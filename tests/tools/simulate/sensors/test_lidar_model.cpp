@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "drivers/lidar/decoding/decoder.hpp"
+#include "drivers/lidar/models/rs16/rs16_decoder.hpp"
 #include "tests/tools/simulate/drives.hpp"
 #include "tools/simulate/sensors/lidar_model.hpp"
 #include "tools/simulate/town_surroundings.hpp"
@@ -21,12 +21,12 @@ sensors::LidarNoise no_noise() {
 TEST(LidarModel, PacketsFollowEachOtherInTimeAndAzimuth) {
   TownSurroundings town(test_town(), {});
   sensors::LidarModel lidar({.rpm = 1200, .seed = 1, .start_utime = kStart}, {}, test_motion(), town);
-  lidar::decoding::Rs16Decoder decoder({});
+  lidar::models::rs16::Rs16Decoder decoder({});
   lidar::decoding::DecodedPacket packet;
   std::int64_t last = 0;
   for (int i = 0; i < 60; ++i) {
     const auto sent = lidar.next();
-    ASSERT_EQ(decoder.decode(sent.bytes, packet), lidar::packet::Refusal::kNone);
+    ASSERT_EQ(decoder.decode(sent.bytes, packet), lidar::decoding::Refusal::kNone);
     ASSERT_TRUE(packet.stamp.has_value());
     EXPECT_NEAR(static_cast<double>(*packet.stamp - kStart), i * 1332.0, 1.0);
     if (i > 0) {
@@ -40,8 +40,8 @@ TEST(LidarModel, PacketsFollowEachOtherInTimeAndAzimuth) {
 TEST(LidarModel, RaysOfAMovingVehicleLieOnTheTrueGround) {
   TownSurroundings surroundings(test_town(), no_noise());
   sensors::LidarModel lidar({.rpm = 1200, .seed = 1, .start_utime = kStart}, {}, test_motion(), surroundings);
-  lidar::decoding::Rs16Decoder decoder({});
-  lidar::packet::DeviceInfo device;
+  lidar::models::rs16::Rs16Decoder decoder({});
+  lidar::models::rs16::DeviceInfo device;
   device.elevations = devices::Rs16EmulatorConfig().elevations;
   decoder.set_device(device);
   const world::Ground& ground = test_town().scene->ground();
@@ -51,7 +51,7 @@ TEST(LidarModel, RaysOfAMovingVehicleLieOnTheTrueGround) {
   for (int i = 0; i < 75; ++i) {
     const auto sent = lidar.next();
     lidar::decoding::DecodedPacket packet;
-    ASSERT_EQ(decoder.decode(sent.bytes, packet), lidar::packet::Refusal::kNone);
+    ASSERT_EQ(decoder.decode(sent.bytes, packet), lidar::decoding::Refusal::kNone);
     for (std::size_t k = 0; k < packet.x.size(); ++k) {
       const Eigen::Vector3d p(static_cast<double>(packet.x[k]), static_cast<double>(packet.y[k]),
                               static_cast<double>(packet.z[k]));

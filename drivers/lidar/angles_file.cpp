@@ -1,0 +1,49 @@
+#include "drivers/lidar/angles_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+
+namespace curbstone::lidar {
+
+namespace {
+
+constexpr std::size_t kMostLasers = 128;
+
+/// Reads a number at `text` and moves behind it. Nothing where there is none, or none within +-180.
+bool read_angle(const char*& text, double& angle) {
+  char* end = nullptr;
+  angle = std::strtod(text, &end);
+  if (end == text || !std::isfinite(angle) || std::abs(angle) > 180.0) return false;
+  text = end;
+  while (*text == ' ' || *text == '\t' || *text == '\r') ++text;
+  return true;
+}
+
+}  // namespace
+
+std::vector<models::LaserAngles> read_angles(const std::string& file) {
+  std::ifstream stream(file);
+  if (!stream) throw std::runtime_error(fmt::format("angles_file: cannot read {}", file));
+  std::vector<models::LaserAngles> angles;
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const auto begin = line.find_first_not_of(" \t\r");
+    if (begin == std::string::npos || line[begin] == '#') continue;
+    models::LaserAngles laser;
+    const char* text = line.c_str() + begin;
+    bool good = read_angle(text, laser.elevation) && std::abs(laser.elevation) < 90.0;
+    if (good && *text == ',') good = read_angle(++text, laser.azimuth);
+    if (!good || *text != '\0' || angles.size() == kMostLasers)
+      throw std::runtime_error(
+          fmt::format("angles_file: {}:{}: expected elevation[,azimuth] in deg, a line a laser", file, number));
+    angles.push_back(laser);
+  }
+  if (angles.empty()) throw std::runtime_error(fmt::format("angles_file: {} has no angles", file));
+  return angles;
+}
+
+}  // namespace curbstone::lidar

@@ -1,0 +1,177 @@
+#include "drivers/lidar/decoding/packet_order.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+namespace curbstone::lidar::decoding {
+
+namespace {
+
+constexpr double kTurn = 36000;             // 0.01 deg
+constexpr double kReorderAtMost = 100'000;  // us that a packet may come after a later one
+constexpr double kShortGap = 500'000;       // us, over which the head's speed is known
+constexpr double kReceiptJitter = 40'000;   // us, of the time of receipt
+constexpr double kLongGapJitter = 250'000;  // us, the same after a longer silence
+constexpr double kClocksAgree = 20'000;     // us; two clocks that do so by chance are not to be expected
+constexpr int kForgetRefusedAfter = 3;      // packets
+
+double nearest_turn(double angle) {
+  return angle - kTurn * std::round(angle / kTurn);
+}
+
+}  // namespace
+
+PacketOrder::Mark PacketOrder::mark(const PendingPacket& packet) {
+  return {packet.points.stamp.value_or(0), packet.received, packet.points.azimuth, packet.points.rate * 1e-6,
+          packet.points.duration * 1e6};
+}
+
+Refusal PacketOrder::fits(const Mark& before, const Mark& packet) {
+  const auto passed = static_cast<double>(packet.stamp - before.stamp);
+  const double beside_receipt = std::abs(passed - static_cast<double>(packet.received - before.received));
+  if (passed < -kReorderAtMost) return Refusal::kStamp;
+  if (passed > kShortGap) return beside_receipt <= kLongGapJitter ? Refusal::kNone : Refusal::kStamp;
+  // Times of receipt may be anything while the stamps go on without a gap: a busy host, a network that stood still.
+  const bool near = std::abs(passed) <= 4 * before.duration;
+  if (!near && beside_receipt > kReceiptJitter) return Refusal::kStamp;
+
+  const double turned = 0.5 * (before.rate + packet.rate) * passed;
+  const double off = std::abs(nearest_turn(packet.azimuth - before.azimuth - turned));
+  const double tolerance = 30 + 0.25 * std::abs(before.rate) * before.duration + 0.02 * std::abs(turned);
+  if (off <= tolerance) return Refusal::kNone;
+  const double whole = std::round(passed / before.duration) * before.duration;
+  const bool on_time = std::abs(passed - whole) < 0.1 * before.duration && beside_receipt <= kReceiptJitter;
+  return on_time ? Refusal::kAzimuth : Refusal::kStamp;
+}
+
+Refusal PacketOrder::take(std::int64_t received) {
+  PendingPacket& packet = slots_[spare_];
+  packet.received = received;
+  began_anew_ = false;
+  if (!packet.points.stamp) return take_without_stamp();
+  stampless_ = 0;
+
+  const Mark now = mark(packet);
+  const bool waiting = confirmed_ && held_count_ > 0;
+  if (base_) {
+    if (const Refusal why = fits(*base_, now); why != Refusal::kNone) {
+      if (const Refusal refusal = doubt(now, why); refusal != Refusal::kNone) return refusal;
+    } else {
+      others_ = 0;
+      if (const Refusal refusal = twice_or_late(now); refusal != Refusal::kNone) return refusal;
+      confirmed_ = true;
+    }
+  }
+  if (!base_) {
+    const double delay = static_cast<double>(received - now.stamp) - now.duration;
+    confirmed_ = std::abs(delay) <= kClocksAgree;
+  }
+  const long ahead = base_ && !began_anew_ ? missing(*base_, now) : 0;
+  in_order_ = !waiting && (ahead == 0 || ahead > static_cast<long>(kMostHeld));
+  if (!base_ || began_anew_ || now.stamp > base_->stamp) base_ = now;
+  hold();
+  return Refusal::kNone;
+}
+
+Refusal PacketOrder::take_without_stamp() {
+  if (base_ && ++stampless_ < kAgreeing) {
+    refused();
+    return Refusal::kStamp;
+  }
+  base_.reset();
+  sent_.reset();
+  in_order_ = true;
+  hold();
+  draining_ = true;
+  return Refusal::kNone;
+}
+
+Refusal PacketOrder::doubt(const Mark& packet, Refusal why) {
+  others_ = other_ && others_ > 0 && fits(*other_, packet) == Refusal::kNone ? others_ + 1 : 1;
+  other_ = packet;
+  if (!confirmed_) {
+    // One of the first two is wrong. The first has not gone out; the next packet tells.
+    discard_held();
+    began_anew_ = true;
+    return Refusal::kNone;
+  }
+  if (others_ < kAgreeing) {
+    refused();
+    return why;
+  }
+  ++jumps_;
+  others_ = 0;
+  began_anew_ = true;
+  sent_.reset();
+  draining_ = held_count_ > 0;
+  return Refusal::kNone;
+}
+
+Refusal PacketOrder::twice_or_late(const Mark& packet) const {
+  const auto same = [&](const Mark& other) {
+    return packet.azimuth == other.azimuth &&
+           std::abs(static_cast<double>(packet.stamp - other.stamp)) < 0.5 * packet.duration;
+  };
+  bool twice = sent_ && same(*sent_);
+  for (std::size_t i = 0; i < held_count_; ++i) twice = twice || same(mark(slots_[held_[i]]));
+  if (twice) return Refusal::kDuplicate;
+  return sent_ && packet.stamp <= sent_->stamp ? Refusal::kLate : Refusal::kNone;
+}
+
+void PacketOrder::hold() {
+  taken_ = spare_;
+  std::size_t at = held_count_++;
+  for (; at > 0 && slots_[held_[at - 1]].points.stamp > slots_[taken_].points.stamp; --at) held_[at] = held_[at - 1];
+  held_[at] = taken_;
+  for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
+    const auto end = held_.begin() + static_cast<std::ptrdiff_t>(held_count_);
+    if (std::find(held_.begin(), end, slot) == end) spare_ = slot;
+  }
+  if (held_count_ > kMostHeld) draining_ = true;
+}
+
+void PacketOrder::discard_held() {
+  discarded_ += static_cast<int>(held_count_);
+  held_count_ = 0;
+  draining_ = false;
+}
+
+bool PacketOrder::due(const PendingPacket& packet) const {
+  if (draining_) return true;
+  if (!confirmed_) return false;
+  if (!sent_) return true;
+  const long before = missing(*sent_, mark(packet));
+  return before <= 0 || before > static_cast<long>(kMostHeld);
+}
+
+/// How many packets are to come between the two; negative where the second was fired first.
+long PacketOrder::missing(const Mark& before, const Mark& packet) const {
+  const double gap = static_cast<double>(packet.stamp - before.stamp) - before.duration;
+  const long packets = std::lround(gap / before.duration);
+  return packets > 0 ? std::max(packets - refused_, 0L) : packets;
+}
+
+PendingPacket* PacketOrder::next() {
+  if (held_count_ == 0) draining_ = false;
+  if (held_count_ == 0 || !due(slots_[held_[0]])) return nullptr;
+  PendingPacket& packet = slots_[held_[0]];
+  --held_count_;
+  std::copy_n(held_.begin() + 1, held_count_, held_.begin());
+  packet.refused_before = refused_;
+  if (++sent_since_refused_ >= kForgetRefusedAfter) refused_ = 0;
+  if (packet.points.stamp) sent_ = mark(packet);
+  return &packet;
+}
+
+int PacketOrder::discarded() {
+  return std::exchange(discarded_, 0);
+}
+
+void PacketOrder::refused() {
+  ++refused_;
+  sent_since_refused_ = 0;
+}
+
+}  // namespace curbstone::lidar::decoding

@@ -1,0 +1,66 @@
+#include "drivers/lidar/lidar_health.hpp"
+
+#include <fmt/format.h>
+
+namespace curbstone::lidar {
+
+namespace {
+
+constexpr double kSilence = 1.0;      // s without a point packet
+constexpr double kInfoSilence = 5.0;  // s without device information, which comes one to ten times a second
+
+}  // namespace
+
+std::string remedy(decoding::Refusal why, const models::ModelTable& model) {
+  using decoding::Refusal;
+  switch (why) {
+    case Refusal::kLength:
+      return fmt::format("their length is none of a {}'s; is another device sending to this port?", model.title);
+    case Refusal::kMagic:
+      return fmt::format("not {} packets; is another device sending to this port?", model.title);
+    case Refusal::kMode:
+      return "the device is set to a return mode that it does not know";
+    case Refusal::kNoAngles:
+      return "the device has not told its lasers' angles; give them in angles_file, or let it send its information";
+    case Refusal::kStamp:
+      return "the device's stamps do not go on evenly";
+    case Refusal::kAzimuth:
+      return "the head cannot have turned as the packets say";
+    default:
+      return "damaged packets";
+  }
+}
+
+void LidarHealth::Watched::look(std::int64_t count, std::int64_t now) {
+  if (count != seen) grew_at = now;
+  seen = count;
+}
+
+void LidarHealth::tick(std::int64_t now) {
+  now_ = now;
+  if (!started_) {
+    used_watch_.grew_at = info_watch_.grew_at = refused_watch_.grew_at = now;
+    started_ = true;
+  }
+  used_watch_.look(used_, now);
+  info_watch_.look(info_, now);
+  refused_watch_.look(refused_, now);
+}
+
+std::vector<std::string> LidarHealth::faults(const models::Model& model) const {
+  std::vector<std::string> faults;
+  const double silent = since(used_watch_.grew_at);
+  if (silent >= kSilence) {
+    const bool garbage = refused_ > 0 && since(refused_watch_.grew_at) < kSilence;
+    faults.push_back(garbage ? fmt::format("no usable packet for {:.1f} s on port {}: {}", silent, msop_port_, remedy_)
+                             : fmt::format("no packets for {:.1f} s on port {}", silent, msop_port_));
+  } else if (since(info_watch_.grew_at) >= kInfoSilence && model.table().needs_info) {
+    const char* angles = model.facts().angles_known ? "" : ": nominal angles are used";
+    faults.push_back(info_ == 0 ? fmt::format("no device information on port {}{}", difop_port_, angles)
+                                : fmt::format("no device information for {:.0f} s on port {}",
+                                              since(info_watch_.grew_at), difop_port_));
+  }
+  return faults;
+}
+
+}  // namespace curbstone::lidar

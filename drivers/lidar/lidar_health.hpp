@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/lidar/decoding/refusal.hpp"
+#include "drivers/lidar/models/base/model.hpp"
+
+namespace curbstone::lidar {
+
+/// What to do about packets that are refused for this reason, in words.
+[[nodiscard]] std::string remedy(decoding::Refusal why, const models::ModelTable& model);
+
+/// Says in words what is wrong with the packet stream at present. It is judged once a tick, on the host's clock (us).
+/// It is status only: no product depends on it.
+class LidarHealth {
+ public:
+  LidarHealth(int msop_port, int difop_port) : msop_port_(msop_port), difop_port_(difop_port) {}
+
+  void point_packet_used() { ++used_; }
+  void info_packet_used() { ++info_; }
+  void packet_refused(const std::string& remedy) {
+    ++refused_;
+    remedy_ = remedy;
+  }
+  void tick(std::int64_t now);
+  [[nodiscard]] std::vector<std::string> faults(const models::Model& model) const;
+
+ private:
+  /// A count and when it last grew.
+  struct Watched {
+    std::int64_t seen = 0;
+    std::int64_t grew_at = 0;
+    void look(std::int64_t count, std::int64_t now);
+  };
+  [[nodiscard]] double since(std::int64_t time) const { return static_cast<double>(now_ - time) * 1e-6; }
+
+  int msop_port_;
+  int difop_port_;
+  std::int64_t used_ = 0;
+  std::int64_t info_ = 0;
+  std::int64_t refused_ = 0;
+  std::string remedy_;  ///< of the last refusal
+  std::int64_t now_ = 0;
+  bool started_ = false;
+  Watched used_watch_;
+  Watched info_watch_;
+  Watched refused_watch_;
+};
+
+}  // namespace curbstone::lidar

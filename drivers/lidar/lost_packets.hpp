@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+
+namespace curbstone::lidar {
+
+/// Counts packets that did not come. One that comes late after all is taken back: so a loss counts only once it is
+/// kSettled old. Times in us, of receipt. Pure.
+class LostPackets {
+ public:
+  static constexpr std::int64_t kSettled = 150'000;
+
+  void add(std::int64_t now, std::int64_t packets) {
+    if (packets > 0) recent_.push_back({now, packets});
+    settle(now);
+  }
+  /// One of those that were missed last came late.
+  void take_back() {
+    if (!recent_.empty() && --recent_.back().packets == 0) recent_.pop_back();
+  }
+  void settle(std::int64_t now) {
+    for (; !recent_.empty() && (now - recent_.front().at >= kSettled || recent_.size() > kMost); recent_.pop_front())
+      total_ += recent_.front().packets;
+  }
+  void settle_all() {
+    for (; !recent_.empty(); recent_.pop_front()) total_ += recent_.front().packets;
+  }
+  [[nodiscard]] std::int64_t total() const { return total_; }
+
+ private:
+  static constexpr std::size_t kMost = 1000;
+  struct Loss {
+    std::int64_t at;
+    std::int64_t packets;
+  };
+  std::deque<Loss> recent_;
+  std::int64_t total_ = 0;
+};
+
+}  // namespace curbstone::lidar

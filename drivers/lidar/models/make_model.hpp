@@ -1,0 +1,22 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "drivers/lidar/models/base/model.hpp"
+
+namespace curbstone::lidar::models {
+
+/// The models that this driver speaks. A new one: a folder with its table and its decoder, a line in `tables()` and one
+/// in `make_model()`.
+enum class ModelName { kAuto, kRs16, kHelios16p, kHelios32, kVlp16 };
+
+/// All of them.
+[[nodiscard]] std::vector<const ModelTable*> tables();
+[[nodiscard]] const ModelTable& table_of(ModelName name);
+
+/// nullptr for kAuto. Throws std::runtime_error, one line, where the settings do not fit the model.
+[[nodiscard]] std::unique_ptr<Model> make_model(ModelName name, const ModelSettings& settings);
+
+}  // namespace curbstone::lidar::models

@@ -1,0 +1,82 @@
+#include "drivers/lidar/models/rs16/rs16_model.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace curbstone::lidar::models::rs16 {
+
+using decoding::Refusal;
+
+namespace {
+
+constexpr double kSpeedTolerance = 0.05;
+
+}  // namespace
+
+const ModelTable kTable = {"rs16", "RoboSense RS-LiDAR-16", robosense::kMsopPort, robosense::kDifopPort, kLasers};
+
+Rs16Model::Rs16Model(const ModelSettings& settings) : settings_(settings), decoder_(settings.limits) {
+  if (!settings.angles.empty() && settings.angles.size() != kLasers)
+    throw std::runtime_error(
+        fmt::format("angles_file: an RS-LiDAR-16 has {} lasers, the file {}", kLasers, settings.angles.size()));
+  decoder_.set_device(with_settings({}));
+  facts_.angles_known = !settings.angles.empty();
+}
+
+PacketKind Rs16Model::kind_of(Sender sender) const {
+  if (sender == Sender::kRs16Info) return PacketKind::kInfo;
+  return sender == Sender::kRs16 || sender == Sender::kUnknown ? PacketKind::kPoints : PacketKind::kForeign;
+}
+
+Refusal Rs16Model::decode(std::int64_t received, std::span<const std::uint8_t> bytes, decoding::DecodedPacket& packet) {
+  (void)received;
+  if (settings_.wait_for_info && !facts_.angles_known) {
+    const Refusal refusal = decoder_.decode(bytes, packet);
+    return refusal == Refusal::kNone ? Refusal::kNoAngles : refusal;
+  }
+  return decoder_.decode(bytes, packet);
+}
+
+Refusal Rs16Model::read_info(std::int64_t received, std::span<const std::uint8_t> bytes) {
+  (void)received;
+  const DifopResult result = parse_difop(bytes);
+  if (result.refusal != Refusal::kNone) return result.refusal;
+  if (info_.offer(result.info)) decoder_.set_device(with_settings(result.info));
+  if (info_.value()) tell(*info_.value(), result.status);
+  return Refusal::kNone;
+}
+
+DeviceInfo Rs16Model::with_settings(DeviceInfo info) const {
+  info.distance_step = settings_.distance_step.value_or(info.distance_step);
+  for (std::size_t i = 0; i < settings_.angles.size(); ++i) {
+    info.elevations[i] = settings_.angles[i].elevation;
+    info.azimuths[i] = settings_.angles[i].azimuth;
+    info.calibrated = true;
+  }
+  return info;
+}
+
+void Rs16Model::tell(const DeviceInfo& info, const DeviceStatus& status) {
+  facts_.told = true;
+  const int fires = ((info.fov_end - info.fov_start) % 36000 + 36000) % 36000;
+  facts_.field_of_view = fires == 0 ? 360.0 : fires * 0.01;
+  facts_.angles_known = info.calibrated || !settings_.angles.empty();
+  facts_.values.set("device.rpm_set", info.rpm);
+  facts_.values.set("device.rpm", status.rpm);
+  facts_.values.set("device.pps_locked", status.pps_locked ? 1 : 0);
+  facts_.values.set("device.gprmc_locked", status.gprmc_locked ? 1 : 0);
+  facts_.values.set("device.dual_return", info.dual_return ? 1 : 0);
+  for (std::size_t i = 0; i < status.temperatures.size(); ++i)
+    facts_.values.set(fmt::format("device.temperature_{}_mdeg", i + 1), std::lround(status.temperatures[i] * 1000));
+  facts_.faults.clear();
+  // A real speed of 0 is an old firmware that does not tell it.
+  if (status.rpm != 0 && info.rpm != 0 && std::abs(status.rpm - info.rpm) > kSpeedTolerance * info.rpm)
+    facts_.faults.push_back(fmt::format(
+        "the head turns at {} rpm and not at the {} that are set: is the device blocked, cold, or about to fail?",
+        status.rpm, info.rpm));
+  facts_.identity = status.identity;
+}
+
+}  // namespace curbstone::lidar::models::rs16

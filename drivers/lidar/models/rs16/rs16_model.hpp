@@ -1,0 +1,35 @@
+#pragma once
+
+#include "drivers/lidar/models/base/agreed.hpp"
+#include "drivers/lidar/models/base/model.hpp"
+#include "drivers/lidar/models/rs16/rs16_decoder.hpp"
+
+namespace curbstone::lidar::models::rs16 {
+
+extern const ModelTable kTable;
+
+/// The RS-LiDAR-16 as a model: its decoder, and what it says of itself. Without device information the nominal
+/// elevations are used, unless the user wants to wait for it.
+class Rs16Model final : public Model {
+ public:
+  /// Throws std::runtime_error where there are not 16 angles.
+  explicit Rs16Model(const ModelSettings& settings);
+
+  [[nodiscard]] const ModelTable& table() const override { return kTable; }
+  [[nodiscard]] PacketKind kind_of(Sender sender) const override;
+  [[nodiscard]] decoding::Refusal decode(std::int64_t received, std::span<const std::uint8_t> bytes,
+                                         decoding::DecodedPacket& packet) override;
+  [[nodiscard]] decoding::Refusal read_info(std::int64_t received, std::span<const std::uint8_t> bytes) override;
+  [[nodiscard]] const DeviceFacts& facts() const override { return facts_; }
+
+ private:
+  [[nodiscard]] DeviceInfo with_settings(DeviceInfo info) const;
+  void tell(const DeviceInfo& info, const DeviceStatus& status);
+
+  ModelSettings settings_;
+  Rs16Decoder decoder_;
+  Agreed<DeviceInfo> info_;
+  DeviceFacts facts_;
+};
+
+}  // namespace curbstone::lidar::models::rs16
