@@ -12,6 +12,30 @@ enum class Interface {
   kSocketCan,  ///< the kernel's CAN
   kModbusRtu,  ///< Modbus on a serial line, RS485
   kModbusTcp,  ///< Modbus over TCP, through a gateway
+  kFile,       ///< recorded CAN frames
+};
+
+/// What raw CAN signals tell.
+enum class SignalKind {
+  kNone,    ///< there are none: the drive speaks CANopen
+  kCounts,  ///< of the encoders
+  kSpeeds,  ///< of the wheels
+};
+
+/// The `encoder.signals:` part: wheels that are read from raw CAN frames.
+struct SignalsConfig {
+  SignalKind kind = SignalKind::kNone;
+  std::string left = "181 0|32@1-";
+  std::string right = "181 32|32@1-";
+
+  void visit(ConfigVisitor& v) {
+    v.choice("kind", kind,
+             {{"none", SignalKind::kNone}, {"counts", SignalKind::kCounts}, {"speeds", SignalKind::kSpeeds}},
+             "none: a CANopen drive; counts, speeds: what these signals are");
+    v.field("left", left,
+            "ID START|LENGTH@ORDER SIGN (FACTOR,OFFSET), bits numbered as in a DBC file; speeds in rad/s");
+    v.field("right", right, "the same of the right wheel: 181 32|32@1- (1,0)");
+  }
 };
 
 /// The `encoder.modbus:` part.
@@ -48,14 +72,19 @@ struct EncoderConfig {
   double max_speed = 60;  ///< rad/s of a wheel: more is a corrupted frame
   double silence = 0.5;   ///< s without positions after which it is a fault, and the drive is set up again
   ModbusConfig modbus;
+  SignalsConfig signals;
+  std::string file;      ///< candump log or PCAN trace, for file
+  double file_rate = 1;  ///< times real time; 0: as fast as it can be read
 
   void visit(ConfigVisitor& v) {
     v.choice("interface", interface,
              {{"slcan", Interface::kSlcan},
               {"socketcan", Interface::kSocketCan},
               {"modbus_rtu", Interface::kModbusRtu},
-              {"modbus_tcp", Interface::kModbusTcp}},
-             "slcan: a serial CAN adapter; socketcan: the kernel's CAN; modbus_rtu: RS485; modbus_tcp: a gateway");
+              {"modbus_tcp", Interface::kModbusTcp},
+              {"file", Interface::kFile}},
+             "slcan: a serial CAN adapter; socketcan: the kernel's CAN; modbus_rtu: RS485; modbus_tcp: a gateway; "
+             "file: recorded");
     v.field("device", device, "serial port (/dev/ttyACM0), or network interface (can0)");
     v.field("baud", baud, {9600, 2000000},
             "of the serial port, for slcan and modbus_rtu; a USB CAN adapter ignores it");
@@ -72,6 +101,9 @@ struct EncoderConfig {
     v.field("max_speed", max_speed, {1, 1000}, "rad/s of a wheel: more is a corrupted frame");
     v.field("silence", silence, {0.1, 60.0}, "s without positions: a fault, and the drive is set up again");
     v.section("modbus", modbus, "for modbus_rtu and modbus_tcp");
+    v.section("signals", signals, "raw CAN signals instead of a CANopen drive");
+    v.field("file", file, "recorded CAN, for file: a log of candump -l, or a PCAN trace (.trc) 1.1, 2.0 or 2.1");
+    v.field("file_rate", file_rate, {0, 1000}, "speed of the recording, times real time; 0: as fast as it can be read");
   }
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "common/time/microseconds.hpp"
@@ -15,7 +16,7 @@ namespace {
 canopen::WheelDrive::Settings drive_settings(const EncoderConfig& config) {
   canopen::WheelDrive::Settings settings;
   settings.node = static_cast<std::uint8_t>(config.node);
-  settings.configure = config.configure;
+  settings.configure = config.configure && config.interface != Interface::kFile;
   settings.period = std::int64_t{config.period} * 1000;
   settings.event_timer_unit = std::llround(config.event_timer_unit * 1e3);
   settings.patience = microseconds(config.silence);
@@ -26,7 +27,27 @@ WheelCounter::Settings odometer_settings(const EncoderConfig& config) {
   return {config.counts_per_revolution, {config.invert_left, config.invert_right}, config.max_speed};
 }
 
+std::optional<signals::WheelSignals> signals_of(const EncoderConfig& config) {
+  if (config.signals.kind == SignalKind::kNone) return {};
+  const auto parse = [&](const char* key, const std::string& text) {
+    try {
+      const auto signal = signals::CanSignal::parse(text);
+      if (config.signals.kind == SignalKind::kCounts && (signal.factor != 1 || signal.offset != 0))
+        throw std::runtime_error("counts have no factor and no offset: set counts_per_revolution");
+      return signal;
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(fmt::format("encoder.signals.{}: {}", key, error.what()));
+    }
+  };
+  return signals::WheelSignals(parse("left", config.signals.left), parse("right", config.signals.right));
+}
+
 }  // namespace
+
+std::vector<std::uint32_t> can_ids(const EncoderConfig& config) {
+  if (const auto signals = signals_of(config)) return signals->ids();
+  return canopen::WheelDrive::ids(static_cast<std::uint8_t>(config.node));
+}
 
 EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
     : config_(config),
@@ -37,7 +58,9 @@ EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
                 odometer_.restart();
                 clock_.restart();
               }}),
+      signals_(signals_of(config)),
       odometer_(odometer_settings(config)),
+      speedometer_(odometer_settings(config)),
       clock_(std::int64_t{config.period} * 1000),
       output_(bus) {}
 
@@ -45,7 +68,12 @@ void EncoderNode::on_frame(std::int64_t receive_utime, const can::CanFrame& fram
   counters_.add("frames");
   const std::int64_t before = drive_.refused();
   refusal_ = nullptr;
-  drive_.on_frame(receive_utime, frame);
+  last_frame_ = receive_utime;
+  if (signals_) {
+    on_signals(receive_utime, frame);
+  } else {
+    drive_.on_frame(receive_utime, frame);
+  }
   if (drive_.refused() != before) refusal_ = "refused.length";
   if (refusal_ != nullptr) {
     share_.refused(receive_utime, refusal_);
@@ -55,9 +83,37 @@ void EncoderNode::on_frame(std::int64_t receive_utime, const can::CanFrame& fram
 }
 
 void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw& counts) {
-  const auto stamp = clock_.stamp(receive_utime, [&](int most) {
-    return odometer_.likely_periods(counts, most, static_cast<double>(clock_.period()) * 1e-6);
-  });
+  on_sample(
+      receive_utime,
+      [&](int most) { return odometer_.likely_periods(counts, most, static_cast<double>(clock_.period()) * 1e-6); },
+      [&](double elapsed) { return odometer_.update(counts, elapsed); });
+}
+
+void EncoderNode::on_signals(std::int64_t receive_utime, const can::CanFrame& frame) {
+  const std::int64_t refused = signals_->counters()["refused.length"];
+  const auto values = signals_->on_frame(frame);
+  if (signals_->counters()["refused.length"] != refused) refusal_ = "refused.length";
+  if (!values) return;
+  // Nothing tells that who counts has lost power: after a silence it may count from 0. The first sample has no speed
+  // then.
+  const bool first = last_received_ == 0 || receive_utime - last_received_ > microseconds(config_.silence);
+  if (config_.signals.kind == SignalKind::kSpeeds) {
+    if (first) speedometer_.restart();
+    return on_sample(
+        receive_utime, [](int) { return std::nullopt; },
+        [&](double elapsed) { return speedometer_.update(values->values, elapsed); });
+  }
+  if (!first) return on_counts(receive_utime, values->counts);
+  if (counters_["frames"] > 1) counters_.add("counts_restarted");
+  odometer_.restart();
+  clock_.restart();
+  (void)odometer_.update(values->counts, 0);
+  last_received_ = receive_utime;
+}
+
+void EncoderNode::on_sample(std::int64_t receive_utime, const PeriodClock::Evidence& evidence,
+                            const std::function<Sample(double)>& update) {
+  const auto stamp = clock_.stamp(receive_utime, evidence);
   // Speeds by the drive's own periods: a correction of the clock's offset is no change of speed.
   const std::int64_t elapsed = stamp.restarted ? receive_utime - last_received_ : stamp.steps * clock_.period();
   last_received_ = receive_utime;
@@ -69,7 +125,7 @@ void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw&
     start_.begin(receive_utime);
     output_.restart(stamp.utime);
   }
-  const auto sample = odometer_.update(counts, static_cast<double>(elapsed) * 1e-6);
+  const Sample sample = update(static_cast<double>(elapsed) * 1e-6);
   if (!sample) {
     refusal_ = "refused.jump";
     return;
@@ -88,30 +144,34 @@ void EncoderNode::on_link(std::int64_t now, bool up, const std::string& why) {
   if (up && counters_["link.lost"] > 0) counters_.add("link.reopened");
   if (!up && link_fault_.empty() && counters_["frames"] > 0) counters_.add("link.lost");
   link_fault_ = up ? "" : why;
-  if (up) drive_.start(now);
+  if (up && !signals_) drive_.start(now);
 }
 
 void EncoderNode::tick(std::int64_t now) {
-  if (now_ == 0) last_received_ = now;
+  if (config_.interface == Interface::kFile) now = last_frame_;
+  if (now == 0) return;
+  if (now_ == 0) began_ = now;
   now_ = now;
   share_.tick(now);
-  if (link_fault_.empty()) drive_.tick(now);
+  if (link_fault_.empty() && !signals_) drive_.tick(now);
 }
 
 NodeReport EncoderNode::report() const {
   NodeReport report;
   report.counters = counters_;
   const Counters drive = drive_.counters();
-  for (const Counters* more : {&drive, &odometer_.counters()}) {
+  const Counters none;
+  const Counters& signals = signals_ ? signals_->counters() : none;
+  for (const Counters* more : {&drive, &odometer_.counters(), &speedometer_.counters(), &signals}) {
     for (const auto& [name, value] : more->values()) report.counters.add(name, value);
   }
   output_.report(report);
 
   if (!link_fault_.empty()) report.faults.push_back(link_fault_);
-  const double silent = static_cast<double>(now_ - last_received_) * 1e-6;
+  const double silent = static_cast<double>(now_ - (last_received_ != 0 ? last_received_ : began_)) * 1e-6;
   if (silent > config_.silence)
     report.faults.push_back(fmt::format("no positions from the drive for {:.0f} s", silent));
-  if (link_fault_.empty()) {
+  if (link_fault_.empty() && !signals_) {
     for (std::string& fault : drive_.faults()) report.faults.push_back(std::move(fault));
   }
   if (share_.fault()) report.faults.push_back(*share_.fault());

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <curbstone/wheels_t.hpp>
 #include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "common/bus/node.hpp"
 #include "common/bus/refusal_share.hpp"
@@ -13,20 +15,28 @@
 #include "drivers/encoder/canopen/wheel_drive.hpp"
 #include "drivers/encoder/encoder_config.hpp"
 #include "drivers/encoder/period_clock.hpp"
+#include "drivers/encoder/signals/wheel_signals.hpp"
+#include "drivers/encoder/speed_counter.hpp"
 #include "drivers/encoder/wheel_counter.hpp"
 #include "drivers/encoder/wheels_output.hpp"
 
 namespace curbstone::encoder {
 
+/// The CAN ids that a source must let through; bit 31 marks one of 29 bits. Throws as EncoderNode does.
+[[nodiscard]] std::vector<std::uint32_t> can_ids(const EncoderConfig& config);
+
 /// CAN frames of a two-wheel drive in, from any source, WHEELS out. It has no socket and no clock: frames come with
 /// their time of receipt (us since the Unix epoch), and frames to the drive leave through `send`. One thread.
 ///
 /// PeriodClock makes the stamps: evenly spaced as the drive samples, not as frames arrive. They strictly increase,
-/// unless the host's clock is set back. Samples of the first 0.1 s go out at its end: see SettlingStart.
+/// unless the host's clock is set back. With `signals`, the wheels are read from raw frames and no drive is known:
+/// nothing is sent, and `enabled` is false. From a file the time is that of the frames, whatever tick() says. Samples
+/// of the first 0.1 s go out at its end: see SettlingStart.
 class EncoderNode final : public Node {
  public:
   using Send = std::function<void(const can::CanFrame&)>;
 
+  /// Throws std::runtime_error, with one clear line, for signals that are none.
   EncoderNode(
       const EncoderConfig& config, Publisher& bus, Send send = [](const can::CanFrame&) {});
 
@@ -45,16 +55,24 @@ class EncoderNode final : public Node {
   void add_report(std::function<void(NodeReport&)> add) { add_report_ = std::move(add); }
 
  private:
+  using Sample = std::optional<WheelCounter::Sample>;
   void on_counts(std::int64_t receive_utime, const WheelCounter::Raw& counts);
+  void on_signals(std::int64_t receive_utime, const can::CanFrame& frame);
+  void on_sample(std::int64_t receive_utime, const PeriodClock::Evidence& evidence,
+                 const std::function<Sample(double elapsed)>& update);
 
   EncoderConfig config_;
-  canopen::WheelDrive drive_;
+  canopen::WheelDrive drive_;                     // idle where there are signals
+  std::optional<signals::WheelSignals> signals_;  // instead of a CANopen drive
   WheelCounter odometer_;
+  SpeedCounter speedometer_;
   PeriodClock clock_;
   SettlingStart<wheels_t> start_;
   WheelsOutput output_;
   std::int64_t last_received_ = 0;  // counts
+  std::int64_t began_ = 0;
   std::int64_t now_ = 0;
+  std::int64_t last_frame_ = 0;  // received
   std::string link_fault_;
   RefusalShare share_;
   const char* refusal_ = nullptr;  // why the frame in hand was refused

@@ -1,4 +1,4 @@
-// curbstone-encoder: a wheel drive on CAN (SLCAN, SocketCAN) or Modbus (RS485, TCP) -> WHEELS.
+// curbstone-encoder: a wheel drive on CAN (SLCAN, SocketCAN, a recording) or Modbus (RS485, TCP) -> WHEELS.
 #include "common/shell/service.hpp"
 #include "common/time/clock.hpp"
 #include "config/sections.hpp"
@@ -7,6 +7,7 @@
 #include "drivers/encoder/encoder_node.hpp"
 #include "drivers/encoder/modbus/modbus_link.hpp"
 #include "drivers/encoder/modbus_node.hpp"
+#include "drivers/encoder/traces/file_link.hpp"
 
 namespace {
 
@@ -22,9 +23,10 @@ struct Links {
 
 std::unique_ptr<encoder::can::CanLink> open_can(const EncoderConfig& config) {
   if (config.interface == Interface::kSocketCan) {
-    return std::make_unique<encoder::can::SocketCanLink>(
-        config.device, encoder::canopen::WheelDrive::ids(static_cast<std::uint8_t>(config.node)));
+    return std::make_unique<encoder::can::SocketCanLink>(config.device, encoder::can_ids(config));
   }
+  if (config.interface == Interface::kFile)
+    return std::make_unique<encoder::traces::FileLink>(config.file, config.file_rate);
   return std::make_unique<encoder::can::SlcanLink>(serial::SerialSettings{config.device, config.baud}, config.bitrate);
 }
 

@@ -87,7 +87,8 @@ CanSocket::CanSocket(const std::string& interface, const std::vector<std::uint32
   address.can_family = AF_CAN;
   address.can_ifindex = static_cast<int>(if_nametoindex(interface.c_str()));
   std::vector<can_filter> filters;
-  for (const std::uint32_t id : ids) filters.push_back({id, CAN_SFF_MASK | CAN_EFF_FLAG});
+  for (const std::uint32_t id : ids)
+    filters.push_back({id, ((id & CAN_EFF_FLAG) != 0 ? CAN_EFF_MASK : CAN_SFF_MASK) | CAN_EFF_FLAG});
   const can_err_mask_t errors = CAN_ERR_MASK;
   const int on = 1;
   if (address.can_ifindex == 0) {

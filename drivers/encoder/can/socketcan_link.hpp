@@ -16,8 +16,8 @@ class NoSocketCan : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A raw SocketCAN socket (Linux Documentation/networking/can.rst). It receives exactly the given ids (11 bits) and the
-/// bus's error frames. Non-blocking. Move-only; closes at its end.
+/// A raw SocketCAN socket (Linux Documentation/networking/can.rst). It receives exactly the given ids (bit 31 marks one
+/// of 29 bits) and the bus's error frames. Non-blocking. Move-only; closes at its end.
 class CanSocket {
  public:
   /// Throws with one clear line: NoSocketCan, or std::runtime_error (no such interface, it is down, no permission).

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <optional>
+#include <string>
+
+#include "common/bus/counters.hpp"
+#include "drivers/encoder/can/can_frame.hpp"
+#include "drivers/encoder/traces/pcan_trace.hpp"
+
+namespace curbstone::encoder::traces {
+
+/// The frames of a recording, whichever of the two kinds it is. Of several buses only the first is read.
+///
+/// Counts: refused.trace_line, ignored.trace_line (no classical frames), ignored.other_bus.
+class TraceFile {
+ public:
+  struct Frame {
+    std::int64_t utime = 0;  ///< us since the Unix epoch
+    can::CanFrame frame;
+  };
+
+  /// Throws std::runtime_error, with one clear line, if the file cannot be read, has no frame among its first 1000
+  /// lines or is of a version that is not known.
+  explicit TraceFile(std::string path);
+
+  /// The next frame; nothing at the end.
+  std::optional<Frame> next();
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  bool read_line(std::string& text);
+  std::optional<Frame> parse(const std::string& text);
+
+  std::string path_;
+  std::ifstream file_;
+  bool pcan_ = false;
+  PcanTrace trace_;
+  std::optional<std::string> bus_;
+  std::optional<Frame> first_;
+  Counters counters_;
+};
+
+}  // namespace curbstone::encoder::traces

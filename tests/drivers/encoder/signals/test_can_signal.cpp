@@ -1,0 +1,107 @@
+#include "drivers/encoder/signals/can_signal.hpp"
+
+#include <gmock/gmock.h>
+
+#include <random>
+
+namespace curbstone::encoder::signals {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::int64_t raw_of(const char* text, std::initializer_list<std::uint8_t> bytes) {
+  const CanSignal signal = CanSignal::parse(text);
+  return signal.raw(can::CanFrame::make(signal.id, bytes)).value();
+}
+double value_of(const char* text, std::initializer_list<std::uint8_t> bytes) {
+  return CanSignal::parse(text).value(raw_of(text, bytes));
+}
+std::string why(const char* text) {
+  try {
+    (void)CanSignal::parse(text);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CanSignalTest, ReadsTheExamplesOfADbcFile) {
+  EXPECT_DOUBLE_EQ(value_of("1F0 0|12@0- (0.01,250)", {0x80, 0x4A, 0x0F, 0, 0, 0, 0, 0}), 255.92);
+  EXPECT_DOUBLE_EQ(value_of("1F0 7|1@0+", {0x80, 0x4A, 0x0F, 0, 0, 0, 0, 0}), 1);
+  EXPECT_DOUBLE_EQ(value_of("1F0 6|6@0+ (0.1,0)", {0x80, 0x4A, 0x0F, 0, 0, 0, 0, 0}), 0);
+  EXPECT_DOUBLE_EQ(value_of("1F0 0|12@0- (0.01,250)", {0xC0, 0x06, 0xE0, 0, 0, 0, 0, 0}), 250.55);
+  EXPECT_DOUBLE_EQ(value_of("1F0 6|6@0+ (0.1,0)", {0xC0, 0x06, 0xE0, 0, 0, 0, 0, 0}), 3.2);
+}
+
+TEST(CanSignalTest, ReadsBothByteOrdersWithTheirSigns) {
+  EXPECT_EQ(raw_of("181 0|32@1-", {0x2E, 0xFB, 0xFF, 0xFF, 0x2E, 0x16, 0, 0}), -1234);
+  EXPECT_EQ(raw_of("181 32|32@1-", {0x2E, 0xFB, 0xFF, 0xFF, 0x2E, 0x16, 0, 0}), 5678);
+  EXPECT_EQ(raw_of("181 7|32@0-", {0xFF, 0xFF, 0xFB, 0x2E, 0, 0, 0x16, 0x2E}), -1234);
+  EXPECT_EQ(raw_of("181 39|32@0-", {0xFF, 0xFF, 0xFB, 0x2E, 0, 0, 0x16, 0x2E}), 5678);
+  EXPECT_EQ(raw_of("181 3|12@0+", {0x0A, 0xBC}), 0xABC);
+  EXPECT_EQ(raw_of("181 0|64@1-", {0xFE, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF}), -2);
+  EXPECT_DOUBLE_EQ(value_of("181 7|64@0+", {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF}), 18446744073709551615.0);
+}
+
+TEST(CanSignalTest, AFrameThatIsTooShortOrRemoteHasNone) {
+  const CanSignal little = CanSignal::parse("181 12|8@1+");
+  EXPECT_FALSE(little.raw(can::CanFrame::make(0x181, {1, 2})));
+  EXPECT_TRUE(little.raw(can::CanFrame::make(0x181, {1, 2, 3})));
+  const CanSignal big = CanSignal::parse("181 3|12@0+");
+  EXPECT_FALSE(big.raw(can::CanFrame::make(0x181, {1})));
+  EXPECT_TRUE(big.raw(can::CanFrame::make(0x181, {1, 2})));
+  can::CanFrame remote = can::CanFrame::make(0x181, {1, 2, 3});
+  remote.remote = true;
+  EXPECT_FALSE(little.raw(remote));
+}
+
+TEST(CanSignalTest, IdsOfElevenAndOf29BitsAreNeverMixed) {
+  const CanSignal standard = CanSignal::parse("181 0|8@1+");
+  const CanSignal extended = CanSignal::parse("00000181 0|8@1+");
+  can::CanFrame frame = can::CanFrame::make(0x181, {1});
+  EXPECT_TRUE(standard.is_in(frame));
+  EXPECT_FALSE(extended.is_in(frame));
+  frame.extended = true;
+  EXPECT_FALSE(standard.is_in(frame));
+  EXPECT_TRUE(extended.is_in(frame));
+}
+
+TEST(CanSignalTest, WhatIsNoSignalIsToldInALine) {
+  EXPECT_THAT(why("800 0|8@1+"), HasSubstr("up to 7FF"));
+  EXPECT_THAT(why("2FFFFFFF 0|8@1+"), HasSubstr("up to 1FFFFFFF"));
+  EXPECT_THAT(why("0181 0|8@1+"), HasSubstr("the id has"));
+  EXPECT_THAT(why("181 60|8@1+"), HasSubstr("does not fit"));
+  EXPECT_THAT(why("181 56|9@0+"), HasSubstr("does not fit"));
+  EXPECT_THAT(why("181 0|65@1+"), HasSubstr("does not fit"));
+  EXPECT_THAT(why("181 0|0@1+"), HasSubstr("does not fit"));
+  EXPECT_THAT(why("181 -1|8@1+"), HasSubstr("does not fit"));
+  EXPECT_THAT(why("181 0|8@2+"), HasSubstr("the byte order"));
+  EXPECT_THAT(why("181 0|8@1"), HasSubstr("'-' is missing"));
+  EXPECT_THAT(why("181 0|8@1+ (0,1)"), HasSubstr("the factor is not 0"));
+  EXPECT_THAT(why("181 0|8@1+ (nan,1)"), HasSubstr("the factor is not 0"));
+  EXPECT_THAT(why("181 0|8@1+ (1;1)"), HasSubstr("',' is missing"));
+  EXPECT_THAT(why("181 0|8@1+ km"), HasSubstr("something follows"));
+  EXPECT_THAT(why("181 0|999999999999@1+"), HasSubstr("the length is no number"));
+  EXPECT_THAT(why(""), HasSubstr("expected e.g. \"181 0|32@1- (1,0)\""));
+}
+
+TEST(CanSignalTest, TextOfEveryShapeIsAcceptedOrRefusedAndWhatIsAcceptedCanBeRead) {
+  std::mt19937 random(2);
+  static constexpr std::string_view kLetters = "018F|@+-(,). e";
+  int accepted = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    std::string text = "181 0|32@1- (1,0)";
+    for (unsigned changes = random() % 4; changes > 0; --changes)
+      text[random() % text.size()] = kLetters[random() % kLetters.size()];
+    try {
+      const CanSignal signal = CanSignal::parse(text);
+      (void)signal.raw(can::CanFrame::make(signal.id, {1, 2, 3, 4, 5, 6, 7, 8}));
+      ++accepted;
+    } catch (const std::runtime_error&) {
+    }
+  }
+  EXPECT_GT(accepted, 10'000);
+}
+
+}  // namespace
+}  // namespace curbstone::encoder::signals
