@@ -92,8 +92,8 @@ class Recorder {
       : drive_(drive),
         log_(sink, drive.start_utime),
         surroundings_(drive.make_surroundings()),
-        lidar_({drive.rpm, drive.seed, drive.azimuth, drive.start_utime}, drive.config.vehicle, drive.motion,
-               *surroundings_),
+        lidar_({drive.rpm, drive.seed, drive.azimuth, drive.start_utime, drive.lidar}, drive.config.vehicle,
+               drive.motion, *surroundings_),
         imu_(sensors::ImuModel(drive.config.imu, drive.config.vehicle, drive.motion,
                                numerics::Random(drive.seed).fork(11))),
         wheels_(sensors::WheelModel(drive.config.wheels, drive.config.vehicle, drive.motion, drive.seconds,
@@ -127,11 +127,11 @@ class Recorder {
       if (now_ > end) break;
       log_.set_now(now_);
       if (now_ == next_difop) {
-        lidar_node_.on_packet(now_, lidar::models::robosense::kDifopPort, lidar_.difop(time(now_)));
-        next_difop += 1'000'000;
+        lidar_node_.on_packet(now_, lidar_.table().info_port, lidar_.info(time(now_)));
+        next_difop += lidar_.table().info_period;
       }
       if (now_ == packet_due) {
-        lidar_node_.on_packet(now_, lidar::models::robosense::kMsopPort, packet.bytes);
+        lidar_node_.on_packet(now_, lidar_.table().point_port, packet.bytes);
         packet = lidar_.next();
         ++packets_;
       }

@@ -32,6 +32,7 @@ struct Options {
   std::uint64_t seed = 1;
   double seconds = 60;
   std::int64_t start_utime = 1'750'000'000'000'000;
+  devices::LidarName lidar = devices::LidarName::kRs16;
   std::string log, truth, config, scans, poses, times, devices;
   std::vector<std::string> set, faults;
   live::LiveOptions to_devices;
@@ -73,16 +74,16 @@ Source recorded_source(const Options& options, const rig::SimulateConfig& config
   const recorded::Playback playback(config.standstill, kRamp);
   auto motion = std::make_unique<recorded::RecordedMotion>(scans, config.vehicle,
                                                            recorded::level(scans, config.vehicle.lidar[2]), playback);
-  source.make_surroundings = [scans = source.scans, at = motion.get(), playback] {
-    return std::make_unique<recorded::ScanSurroundings>(*scans, *at, playback,
-                                                        devices::Rs16EmulatorConfig().elevations);
+  source.rpm = std::clamp(60.0 / scans.period(), 300.0, 1200.0);
+  const std::shared_ptr<const devices::LidarEmulator> lidar = devices::make_lidar(options.lidar, source.rpm);
+  source.make_surroundings = [scans = source.scans, at = motion.get(), playback, lidar] {
+    return std::make_unique<recorded::ScanSurroundings>(*scans, *at, playback, *lidar);
   };
   source.recorded = std::move(motion);
   source.motion = source.recorded.get();
   source.name = options.scans;
   source.seconds = playback.drive_time(scans.times.back());
   if (options.seconds_given) source.seconds = std::min(source.seconds, options.seconds);
-  source.rpm = std::clamp(60.0 / scans.period(), 300.0, 1200.0);
   source.azimuth = -6.0 * source.rpm * playback.drive_time(0);  // looks forward when the recording's head did
   return source;
 }
@@ -165,8 +166,8 @@ void add_options(CommandLine& line, Options& options) {
   line.heading("Live, as devices");
   line.flag("--live", options.live, "Send packets and serial bytes in real time");
   line.option("--lidar-host", live.lidar_host, "Where the LiDAR's packets go").shows_default();
-  line.option("--msop-port", live.msop_port).within(1, 65535).shows_default();
-  line.option("--difop-port", live.difop_port).within(1, 65535).shows_default();
+  line.option("--msop-port", live.msop_port, "Of the point packets; default: the device's own").within(1, 65535);
+  line.option("--difop-port", live.difop_port, "Of the device information; default: the device's own").within(1, 65535);
   line.option("--devices", options.devices, "Folder for the serial ports, as imu and can: short for both links");
   line.option("--imu-link", live.imu_link, "Name for the IMU's serial port").shows_default();
   line.option("--can-link", live.can_link, "Name for the serial port of the CAN adapter, or of the drive")
@@ -179,9 +180,9 @@ void add_options(CommandLine& line, Options& options) {
 }
 
 std::uint64_t fingerprint(const Options& options, AnyConfig& config) {
-  const std::string all =
-      fmt::format("2 {} {} {} {} {} {} {} {}", options.town, options.scans, options.poses, options.seed,
-                  options.seconds, options.loop, options.opposite, dump_config("simulate", config));
+  const std::string all = fmt::format("3 {} {} {} {} {} {} {} {} {}", static_cast<int>(options.lidar), options.town,
+                                      options.scans, options.poses, options.seed, options.seconds, options.loop,
+                                      options.opposite, dump_config("simulate", config));
   std::uint64_t hash = 0;
   for (const char c : all) hash = numerics::mix_bits(hash ^ static_cast<unsigned char>(c));
   return hash;
@@ -229,8 +230,8 @@ int run_simulate(int argc, char** argv) {
     if (!options.truth.empty()) truth::prepare_truth_folder(options.truth);
     if (!options.devices.empty()) std::filesystem::create_directories(options.devices);
     const Source source = options.town ? town_source(options, config.value) : recorded_source(options, config.value);
-    const rig::Drive drive{*source.motion, source.make_surroundings, config.value,       source.rpm, source.azimuth,
-                           options.seed,   source.seconds,           options.start_utime};
+    const rig::Drive drive{*source.motion, source.make_surroundings, config.value,        source.rpm,   source.azimuth,
+                           options.seed,   source.seconds,           options.start_utime, options.lidar};
     options.to_devices.fingerprint = fingerprint(options, config);
     if (options.live) {
       simulate_live(options, config.value, source, drive);

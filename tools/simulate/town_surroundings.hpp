@@ -18,7 +18,7 @@ class TownSurroundings final : public sensors::Surroundings {
     const Eigen::Vector3f eye = view.T_world_lidar.translation().cast<float>();
     std::erase_if(moving_, [&](const world::Shape& shape) { return (shape.centre - eye).norm() > kReach + kMargin; });
   }
-  [[nodiscard]] devices::Rs16Shot measure(const sensors::Shot& shot) override {
+  [[nodiscard]] devices::LidarShot measure(const sensors::Shot& shot) override {
     const world::Ray ray{shot.origin_world.cast<float>(), shot.direction_world.cast<float>()};
     return noise_.report(town_.scene->cast(ray, kReach, moving_, shot.noise), shot.noise);
   }

@@ -36,7 +36,7 @@ inline models::rs16::DifopPacket info_packet() {
 inline std::vector<models::rs16::Rs16Packet> drive_packets(std::int64_t utime, int count, double rpm = 1200,
                                                            float range = 10.0F) {
   simulate::devices::Rs16Emulator emulator({.rpm = rpm});
-  std::array<simulate::devices::Rs16Shot, models::rs16::kLasers> shots;
+  std::array<simulate::devices::LidarShot, models::rs16::kLasers> shots;
   shots.fill({range, 100});
   std::vector<models::rs16::Rs16Packet> packets;
   for (int i = 0; static_cast<int>(packets.size()) < count; ++i) {

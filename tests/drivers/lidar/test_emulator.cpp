@@ -14,7 +14,7 @@ constexpr std::int64_t kStart = 1'700'000'000'000'000;
 
 TEST(Rs16Emulator, WritesTheBytesOfTheProtocol) {
   simulate::devices::Rs16Emulator emulator({.rpm = 600});
-  std::array<simulate::devices::Rs16Shot, models::rs16::kLasers> shots{};
+  std::array<simulate::devices::LidarShot, models::rs16::kLasers> shots{};
   shots[0] = {10.0F, 77};
   std::optional<models::rs16::Rs16Packet> packet;
   for (int i = 0; i < 24; ++i) {
@@ -34,7 +34,7 @@ TEST(Rs16Emulator, WritesTheBytesOfTheProtocol) {
 
 TEST(Rs16Emulator, SendsNoReturnForRangesItCannotSay) {
   simulate::devices::Rs16Emulator emulator;
-  std::array<simulate::devices::Rs16Shot, models::rs16::kLasers> shots{};
+  std::array<simulate::devices::LidarShot, models::rs16::kLasers> shots{};
   const float ranges[] = {0.0F, -1.0F, NAN, INFINITY, 327.68F, 0.002F, 327.675F};
   for (std::size_t i = 0; i < std::size(ranges); ++i) shots[i] = {ranges[i], 9};
   std::optional<models::rs16::Rs16Packet> bytes;
@@ -56,9 +56,9 @@ TEST(Rs16Emulator, IsReadBackByTheDecoder) {
     for (int i = 0; i < 24 * 40; ++i) {
       const double azimuth = i * emulator.azimuth_step();
       const double start = i % 24 * models::rs16::kSequencePeriod;
-      std::array<simulate::devices::Rs16Shot, models::rs16::kLasers> shots;
+      std::array<simulate::devices::LidarShot, models::rs16::kLasers> shots;
       for (std::size_t laser = 0; laser < models::rs16::kLasers; ++laser) {
-        const simulate::devices::Rs16Ray ray = emulator.rays(azimuth)[laser];
+        const simulate::devices::LidarRay ray = emulator.rays(azimuth)[laser];
         const double range = 2.0 + 0.0371 * ((i * 16 + static_cast<int>(laser)) % 2000);
         shots[laser] = {static_cast<float>(range), static_cast<std::uint8_t>(laser)};
         origins.push_back(ray.origin);

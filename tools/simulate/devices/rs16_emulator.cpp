@@ -1,10 +1,14 @@
 #include "tools/simulate/devices/rs16_emulator.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <numbers>
 
 #include "drivers/lidar/models/rs16/difop_packet.hpp"
+#include "tools/simulate/devices/wire_fields.hpp"
 
 namespace curbstone::simulate::devices {
 
@@ -12,17 +16,6 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kDistanceStep = 0.005;  // m
-
-std::uint16_t encode_distance(float range_m) {
-  const double steps = std::round(static_cast<double>(range_m) / kDistanceStep);
-  return steps > 0 && steps <= 65535 ? static_cast<std::uint16_t>(steps) : std::uint16_t{0};
-}
-
-std::uint16_t encode_azimuth(double azimuth_deg) {
-  const double turns = azimuth_deg / 360.0;
-  const auto steps = static_cast<int>(std::lround((turns - std::floor(turns)) * 36000.0));
-  return static_cast<std::uint16_t>(steps % 36000);
-}
 
 }  // namespace
 
@@ -33,8 +26,46 @@ Rs16Emulator::Rs16Emulator(const Rs16EmulatorConfig& config)
   }
 }
 
-std::array<Rs16Ray, lidar::models::rs16::kLasers> Rs16Emulator::rays(double azimuth_deg) const {
-  std::array<Rs16Ray, lidar::models::rs16::kLasers> rays;
+const LidarTable& Rs16Emulator::table() const {
+  static constexpr LidarTable kTable = {"rs16",
+                                        lidar::models::rs16::kLasers,
+                                        lidar::models::rs16::kSequencePeriod,
+                                        lidar::models::rs16::kSequencesPerPacket,
+                                        lidar::models::robosense::kPacketSize,
+                                        lidar::models::rs16::kLensOffset,
+                                        6699,
+                                        7788,
+                                        1'000'000};
+  return kTable;
+}
+
+std::vector<double> Rs16Emulator::elevations_deg() const {
+  return {elevations_.begin(), elevations_.end()};
+}
+
+void Rs16Emulator::beams(double azimuth_deg, std::span<LidarRay> by_laser) const {
+  std::ranges::copy(rays(azimuth_deg), by_laser.begin());
+}
+
+std::optional<LidarEmulator::Bytes> Rs16Emulator::add_firing(std::int64_t utime, double azimuth_deg, Shots strongest,
+                                                             Shots /*last*/) {
+  const auto packet = add_sequence(utime, azimuth_deg, strongest.first<lidar::models::rs16::kLasers>());
+  if (!packet) return std::nullopt;
+  return Bytes(packet->begin(), packet->end());
+}
+
+void Rs16Emulator::set_time(std::span<std::uint8_t> packet, std::int64_t utime) const {
+  const lidar::models::robosense::PacketTime time = lidar::models::robosense::packet_time_from(utime);
+  std::memcpy(packet.data() + offsetof(lidar::models::rs16::MsopPacket, time), &time, sizeof time);
+}
+
+LidarEmulator::Bytes Rs16Emulator::info(std::int64_t utime) const {
+  const lidar::models::rs16::Rs16Packet packet = difop(utime, static_cast<int>(std::lround(rate_ / 6.0)));
+  return {packet.begin(), packet.end()};
+}
+
+std::array<LidarRay, lidar::models::rs16::kLasers> Rs16Emulator::rays(double azimuth_deg) const {
+  std::array<LidarRay, lidar::models::rs16::kLasers> rays;
   for (std::size_t i = 0; i < lidar::models::rs16::kLasers; ++i) {
     rays[i].time_offset = static_cast<double>(i) * lidar::models::rs16::kLaserPeriod;
     const double azimuth = (azimuth_deg + rate_ * rays[i].time_offset) * kDegree;
@@ -46,7 +77,7 @@ std::array<Rs16Ray, lidar::models::rs16::kLasers> Rs16Emulator::rays(double azim
 }
 
 std::optional<lidar::models::rs16::Rs16Packet> Rs16Emulator::add_sequence(
-    std::int64_t utime, double azimuth_deg, std::span<const Rs16Shot, lidar::models::rs16::kLasers> by_laser) {
+    std::int64_t utime, double azimuth_deg, std::span<const LidarShot, lidar::models::rs16::kLasers> by_laser) {
   if (sequences_ == 0) {
     packet_ = lidar::models::rs16::MsopPacket{};
     packet_.magic = lidar::models::robosense::kMsopMagic;
@@ -57,11 +88,11 @@ std::optional<lidar::models::rs16::Rs16Packet> Rs16Emulator::add_sequence(
   const int half = sequences_ % lidar::models::rs16::kSequencesPerBlock;
   if (half == 0) {
     block.flag = lidar::models::rs16::MsopBlock::kFlag;
-    block.azimuth = encode_azimuth(azimuth_deg);
+    block.azimuth = azimuth_steps(azimuth_deg);
   }
   lidar::models::rs16::MsopRecord* records = block.records + half * lidar::models::rs16::kLasers;
   for (std::size_t i = 0; i < lidar::models::rs16::kLasers; ++i) {
-    records[i].distance = encode_distance(by_laser[i].range_m);
+    records[i].distance = range_steps(by_laser[i].range_m, kDistanceStep);
     records[i].intensity = records[i].distance != 0 ? by_laser[i].intensity : std::uint8_t{0};
   }
   if (++sequences_ < lidar::models::rs16::kSequencesPerPacket) return std::nullopt;

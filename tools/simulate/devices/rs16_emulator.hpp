@@ -7,21 +7,9 @@
 #include <span>
 
 #include "drivers/lidar/models/rs16/msop_packet.hpp"
+#include "tools/simulate/devices/lidar_emulator.hpp"
 
 namespace curbstone::simulate::devices {
-
-/// What one laser got back.
-struct Rs16Shot {
-  float range_m = 0;  ///< from the lens along the beam; <= 0 or beyond 327 m is no return
-  std::uint8_t intensity = 0;
-};
-
-/// Where and when one laser of a firing sequence really looks: a target at range r is at `origin + r * direction`.
-struct Rs16Ray {
-  double time_offset = 0;  ///< s after the sequence's first shot
-  Eigen::Vector3d origin;  ///< m in the lidar frame (x forward, y left, z up)
-  Eigen::Vector3d direction;
-};
 
 struct Rs16EmulatorConfig {
   double rpm = 1200;
@@ -37,19 +25,26 @@ struct Rs16EmulatorConfig {
 /// The sequences come every kSequencePeriod; the head turns `360 * rpm / 60 * kSequencePeriod` deg meanwhile. A packet
 /// carries the time and the azimuths (0.01 deg) of its blocks' first shots only: a decoder interpolates the rest, which
 /// is exact while the sequences keep that pace.
-class Rs16Emulator {
+class Rs16Emulator final : public LidarEmulator {
  public:
   explicit Rs16Emulator(const Rs16EmulatorConfig& config = {});
 
   /// deg the head turns from one sequence to the next.
-  [[nodiscard]] double azimuth_step() const { return rate_ * lidar::models::rs16::kSequencePeriod; }
+  [[nodiscard]] double azimuth_step() const override { return rate_ * lidar::models::rs16::kSequencePeriod; }
+  [[nodiscard]] const LidarTable& table() const override;
+  [[nodiscard]] std::vector<double> elevations_deg() const override;
+  void beams(double azimuth_deg, std::span<LidarRay> by_laser) const override;
+  using LidarEmulator::add_firing;
+  std::optional<Bytes> add_firing(std::int64_t utime, double azimuth_deg, Shots strongest, Shots last) override;
+  void set_time(std::span<std::uint8_t> packet, std::int64_t utime) const override;
+  [[nodiscard]] Bytes info(std::int64_t utime) const override;
 
   /// Beams of the sequence that starts at `azimuth_deg` (clockwise from above; 0 is x), by laser in firing order.
-  [[nodiscard]] std::array<Rs16Ray, lidar::models::rs16::kLasers> rays(double azimuth_deg) const;
+  [[nodiscard]] std::array<LidarRay, lidar::models::rs16::kLasers> rays(double azimuth_deg) const;
 
   /// Adds the sequence whose first shot is at `utime`. A packet comes out with the 24th.
   std::optional<lidar::models::rs16::Rs16Packet> add_sequence(
-      std::int64_t utime, double azimuth_deg, std::span<const Rs16Shot, lidar::models::rs16::kLasers> by_laser);
+      std::int64_t utime, double azimuth_deg, std::span<const LidarShot, lidar::models::rs16::kLasers> by_laser);
 
   /// The device information packet; `rpm` 300, 600 or 1200.
   [[nodiscard]] lidar::models::rs16::Rs16Packet difop(std::int64_t utime, int rpm) const;

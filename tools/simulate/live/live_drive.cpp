@@ -66,8 +66,9 @@ class LiveDrive {
   LiveDrive(const rig::Drive& drive, const LiveOptions& options)
       : drive_(drive),
         options_(options),
-        msop_(options.lidar_host, options.msop_port),
-        difop_(options.lidar_host, options.difop_port),
+        lidar_(devices::make_lidar(drive.lidar, drive.rpm)),
+        msop_(options.lidar_host, options.msop_port != 0 ? options.msop_port : lidar_->table().point_port),
+        difop_(options.lidar_host, options.difop_port != 0 ? options.difop_port : lidar_->table().info_port),
         imu_port_(options.imu_link),
         can_port_(options.can_link),
         imu_(sensors::ImuModel(drive.config.imu, drive.config.vehicle, drive.motion,
@@ -111,7 +112,7 @@ class LiveDrive {
   [[nodiscard]] std::int64_t packet_due() const {
     if (!spool_ || report_.packets >= spool_->size()) return kNever;
     // A packet leaves the device when its last shot is in.
-    return start_ + std::llround(static_cast<double>(report_.packets + 1) * lidar::models::rs16::kPacketPeriod * 1e6);
+    return start_ + std::llround(static_cast<double>(report_.packets + 1) * lidar_->table().packet_period() * 1e6);
   }
 
   /// Sleeps until something is due (at most until `limit`) or the host writes, and does it.
@@ -133,7 +134,7 @@ class LiveDrive {
       send(imu_port_, imu_.run(at, time(at)), rig::SensorFault::Sensor::kImu);
     for (auto at = wheels_->next_due(); at <= now; at = wheels_->next_due())
       send(can_port_, wheels_->run(at, time(at)), rig::SensorFault::Sensor::kWheels);
-    if (next_difop_ <= now) send_difop(now);
+    while (next_difop_ <= now) send_difop(now);
     while (packet_due() <= now) send_packet(now);
   }
 
@@ -141,8 +142,8 @@ class LiveDrive {
     const std::int64_t due = packet_due();
     report_.latest = std::max(report_.latest, static_cast<double>(now - due) * 1e-6);
     const auto first_shot =
-        start_ + std::llround(static_cast<double>(report_.packets) * lidar::models::rs16::kPacketPeriod * 1e6);
-    lidar::models::rs16::Rs16Packet packet = spool_->packet(report_.packets++, first_shot);
+        start_ + std::llround(static_cast<double>(report_.packets) * lidar_->table().packet_period() * 1e6);
+    std::vector<std::uint8_t> packet = spool_->packet(report_.packets++, first_shot);
     if (const auto fault = options_.faults.at(rig::SensorFault::Sensor::kLidar, time(now))) {
       if (fault == rig::SensorFault::Kind::kSilent) return;
       for (auto& byte : packet) byte = static_cast<std::uint8_t>(garbage_.bits());
@@ -151,11 +152,9 @@ class LiveDrive {
   }
 
   void send_difop(std::int64_t now) {
-    next_difop_ += kSecond;
+    next_difop_ += lidar_->table().info_period;
     if (options_.faults.at(rig::SensorFault::Sensor::kLidar, time(now))) return;
-    devices::Rs16EmulatorConfig config;
-    config.rpm = drive_.rpm;
-    difop_.send(devices::Rs16Emulator(config).difop(now, static_cast<int>(std::lround(drive_.rpm))));
+    difop_.send(lidar_->info(now));
   }
 
   void send(Pty& port, rig::SerialDevice::Bytes bytes, rig::SensorFault::Sensor sensor) {
@@ -170,6 +169,7 @@ class LiveDrive {
   const rig::Drive& drive_;
   const LiveOptions& options_;
   Signals signals_;
+  std::unique_ptr<devices::LidarEmulator> lidar_;
   UdpSender msop_, difop_;
   Pty imu_port_, can_port_;
   rig::EmulatedImu imu_;

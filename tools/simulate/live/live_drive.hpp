@@ -11,8 +11,8 @@ namespace curbstone::simulate::live {
 
 struct LiveOptions {
   std::string lidar_host = "127.0.0.1";
-  int msop_port = 6699;
-  int difop_port = 7788;
+  int msop_port = 0;                            ///< 0 = the device's own
+  int difop_port = 0;                           ///< 0 = the device's own
   std::string imu_link = "/tmp/curbstone-imu";  ///< where the IMU's serial port appears
   std::string can_link = "/tmp/curbstone-can";  ///< where the CAN adapter's, or the drive's, serial port appears
   bool modbus = false;                          ///< the drive is on a Modbus line, not on CAN
@@ -33,7 +33,7 @@ struct LiveReport {
   bool interrupted = false;  ///< SIGINT or SIGTERM
 };
 
-/// Sends a drive in real time as the devices do: RS16 packets over UDP, an Xsens and an SLCAN adapter, or a drive on
+/// Sends a drive in real time as the devices do: LiDAR packets over UDP, an Xsens and an SLCAN adapter, or a drive on
 /// Modbus, on pseudo-terminals that answer what the host writes. The serial ports are there from the start; the drive
 /// begins when the packets have been rendered, and `on_start` hears of it. Throws std::runtime_error with one clear
 /// line.

@@ -36,8 +36,12 @@ bool is_ground(float height) {
 }  // namespace
 
 ScanSurroundings::ScanSurroundings(const ScanSet& scans, const RecordedMotion& motion, const Playback& playback,
-                                   const lidar::models::rs16::ElevationTable& elevations_deg)
-    : scans_(scans), motion_(motion), playback_(playback), elevations_(elevations_deg) {
+                                   const devices::LidarEmulator& lidar)
+    : scans_(scans),
+      motion_(motion),
+      playback_(playback),
+      elevations_(lidar.elevations_deg()),
+      lens_offset_(lidar.table().lens_offset) {
   for (double& elevation : elevations_) elevation *= kDegree;
 }
 
@@ -98,14 +102,14 @@ void ScanSurroundings::add_points(const LoadedScan& scan, const sensors::PacketV
     const double azimuth = std::atan2(-static_cast<double>(p.y()), static_cast<double>(p.x()));
     const auto column = static_cast<long>(std::floor(wrap(azimuth - first_column_) / kColumn));
     if (column < 0 || column >= static_cast<long>(columns_.size())) continue;
-    const float reach = std::hypot(p.x(), p.y()) - static_cast<float>(lidar::models::rs16::kLensOffset);
+    const float reach = std::hypot(p.x(), p.y()) - static_cast<float>(lens_offset_);
     if (reach < 0.5F) continue;
     columns_[static_cast<std::size_t>(column)].push_back(
         {static_cast<float>(azimuth), std::atan2(p.z(), reach), reach, p.z(), it->intensity});
   }
 }
 
-devices::Rs16Shot ScanSurroundings::measure(const sensors::Shot& shot) {
+devices::LidarShot ScanSurroundings::measure(const sensors::Shot& shot) {
   const Nearness near = nearness(scans_);
   const auto elevation = static_cast<float>(elevations_[static_cast<std::size_t>(shot.laser)]);
   const Candidate* below = nullptr;
@@ -122,16 +126,16 @@ devices::Rs16Shot ScanSurroundings::measure(const sensors::Shot& shot) {
         side = &candidate;
     }
   }
-  devices::Rs16Shot report = meet(below, above, elevation);
+  devices::LidarShot report = meet(below, above, elevation);
   if (report.range_m <= 0) return report;
   // The vehicle has moved on a little since prepare().
   const Eigen::Vector3d flat(shot.direction_world.x(), shot.direction_world.y(), 0);
-  const Eigen::Vector3d lens = origin_ + lidar::models::rs16::kLensOffset * flat.normalized();
+  const Eigen::Vector3d lens = origin_ + lens_offset_ * flat.normalized();
   report.range_m -= static_cast<float>((shot.origin_world - lens).dot(shot.direction_world));
   return report;
 }
 
-devices::Rs16Shot ScanSurroundings::meet(const Candidate* below, const Candidate* above, float elevation) const {
+devices::LidarShot ScanSurroundings::meet(const Candidate* below, const Candidate* above, float elevation) const {
   const Nearness near = nearness(scans_);
   const float slope = std::tan(elevation), stretch = std::sqrt(1.0F + slope * slope);
   const auto off = [&](const Candidate* c) { return c == nullptr ? 1e9F : std::abs(c->elevation - elevation); };

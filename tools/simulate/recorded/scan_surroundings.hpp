@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <deque>
 #include <memory>
 #include <vector>
@@ -11,16 +10,16 @@
 
 namespace curbstone::simulate::recorded {
 
-/// What an RS16 would have seen where other scans were recorded: each shot finds the recorded points just below and
+/// What a LiDAR would have seen where other scans were recorded: each shot finds the recorded points just below and
 /// above it and meets the surface between them. No return where nothing is near. Nothing is added: the recording has
 /// its own noise.
 class ScanSurroundings final : public sensors::Surroundings {
  public:
   ScanSurroundings(const ScanSet& scans, const RecordedMotion& motion, const Playback& playback,
-                   const lidar::models::rs16::ElevationTable& elevations_deg);
+                   const devices::LidarEmulator& lidar);
 
   void prepare(const sensors::PacketView& view) override;
-  [[nodiscard]] devices::Rs16Shot measure(const sensors::Shot& shot) override;
+  [[nodiscard]] devices::LidarShot measure(const sensors::Shot& shot) override;
 
  private:
   struct FixedPoint {
@@ -44,12 +43,13 @@ class ScanSurroundings final : public sensors::Surroundings {
   const LoadedScan& load(std::size_t index);
   [[nodiscard]] std::size_t scan_for(double recorded, double bearing) const;
   void add_points(const LoadedScan& scan, const sensors::PacketView& view, double from, double to);
-  [[nodiscard]] devices::Rs16Shot meet(const Candidate* below, const Candidate* above, float elevation) const;
+  [[nodiscard]] devices::LidarShot meet(const Candidate* below, const Candidate* above, float elevation) const;
 
   const ScanSet& scans_;
   const RecordedMotion& motion_;
   Playback playback_;
-  lidar::models::rs16::ElevationTable elevations_;  ///< rad
+  std::vector<double> elevations_;  ///< rad, by laser
+  double lens_offset_ = 0;          ///< m, of the lens from the axis
   std::deque<LoadedScan> loaded_;
   std::vector<std::vector<Candidate>> columns_;
   double first_column_ = 0;  ///< rad, clockwise

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 
+#include "tools/simulate/devices/make_lidar.hpp"
 #include "tools/simulate/motion/motion.hpp"
 #include "tools/simulate/rig/simulate_config.hpp"
 #include "tools/simulate/sensors/surroundings.hpp"
@@ -20,6 +21,7 @@ struct Drive {
   std::uint64_t seed = 1;
   double seconds = 60;
   std::int64_t start_utime = 0;  ///< us since the Unix epoch, of t = 0
+  devices::LidarName lidar = devices::LidarName::kRs16;
 };
 
 }  // namespace curbstone::simulate::rig

@@ -49,8 +49,9 @@ int open_file(const std::string& file) {
 PacketSpool::PacketSpool(const Drive& drive, const std::string& file, std::uint64_t fingerprint, int threads,
                          const std::atomic<bool>& cancel)
     : file_(file.empty() ? "the temporary spool of packets" : file),
+      device_(devices::make_lidar(drive.lidar, drive.rpm)),
       fd_(open_file(file)),
-      packets_(static_cast<std::int64_t>(std::ceil(drive.seconds / lidar::models::rs16::kPacketPeriod))) {
+      packets_(static_cast<std::int64_t>(std::ceil(drive.seconds / device_->table().packet_period()))) {
   if (fd_ < 0) throw std::runtime_error(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
   try {
     Header wanted;
@@ -64,7 +65,7 @@ PacketSpool::PacketSpool(const Drive& drive, const std::string& file, std::uint6
       if (!write_all(fd_, &wanted, sizeof wanted, 0))
         throw std::runtime_error(fmt::format("{}: is the disk full?", file_));
     }
-    const auto bytes = sizeof(Header) + static_cast<std::size_t>(packets_) * lidar::models::robosense::kPacketSize;
+    const auto bytes = sizeof(Header) + static_cast<std::size_t>(packets_) * device_->table().packet_size;
     struct stat status {};
     if (fstat(fd_, &status) != 0 || static_cast<std::size_t>(status.st_size) < bytes)
       throw std::runtime_error(fmt::format("{}: is cut off: remove it", file_));
@@ -91,15 +92,18 @@ void PacketSpool::render(const Drive& drive, int threads, const std::atomic<bool
     // The devices are on already, and who listens to them comes before us. On Linux this is the thread's own priority.
     setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 10);
     const auto surroundings = drive.make_surroundings();
-    sensors::LidarModel lidar({drive.rpm, drive.seed, drive.azimuth, drive.start_utime}, drive.config.vehicle,
-                              drive.motion, *surroundings);
-    std::vector<lidar::models::rs16::Rs16Packet> batch;
+    sensors::LidarModel lidar({drive.rpm, drive.seed, drive.azimuth, drive.start_utime, drive.lidar},
+                              drive.config.vehicle, drive.motion, *surroundings);
+    std::vector<std::uint8_t> batch;
     for (std::int64_t first; (first = next.fetch_add(kBatch)) < packets_ && !failed && !cancel;) {
       lidar.skip_to(first);
       batch.clear();
-      for (std::int64_t i = first; i < std::min(first + kBatch, packets_); ++i) batch.push_back(lidar.next().bytes);
-      const auto offset = sizeof(Header) + static_cast<std::size_t>(first) * lidar::models::robosense::kPacketSize;
-      if (!write_all(fd_, batch.data(), batch.size() * lidar::models::robosense::kPacketSize, offset)) failed = true;
+      for (std::int64_t i = first; i < std::min(first + kBatch, packets_); ++i) {
+        const std::vector<std::uint8_t> bytes = lidar.next().bytes;
+        batch.insert(batch.end(), bytes.begin(), bytes.end());
+      }
+      const auto offset = sizeof(Header) + static_cast<std::size_t>(first) * device_->table().packet_size;
+      if (!write_all(fd_, batch.data(), batch.size(), offset)) failed = true;
     }
   };
   std::vector<std::thread> workers;
@@ -110,12 +114,11 @@ void PacketSpool::render(const Drive& drive, int threads, const std::atomic<bool
   if (failed) throw std::runtime_error(fmt::format("{}: cannot be written: is the disk full?", file_));
 }
 
-lidar::models::rs16::Rs16Packet PacketSpool::packet(std::int64_t index, std::int64_t utime) const {
-  lidar::models::rs16::Rs16Packet packet;
-  std::memcpy(packet.data(), data_ + static_cast<std::size_t>(index) * lidar::models::robosense::kPacketSize,
-              lidar::models::robosense::kPacketSize);
-  const lidar::models::robosense::PacketTime time = lidar::models::robosense::packet_time_from(utime);
-  std::memcpy(packet.data() + offsetof(lidar::models::rs16::MsopPacket, time), &time, sizeof time);
+std::vector<std::uint8_t> PacketSpool::packet(std::int64_t index, std::int64_t utime) const {
+  const std::size_t size = device_->table().packet_size;
+  const std::uint8_t* begin = data_ + static_cast<std::size_t>(index) * size;
+  std::vector<std::uint8_t> packet(begin, begin + size);
+  device_->set_time(packet, utime);
   return packet;
 }
 

@@ -2,7 +2,9 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "tools/simulate/rig/drive.hpp"
 
@@ -23,13 +25,14 @@ class PacketSpool {
 
   [[nodiscard]] std::int64_t size() const { return packets_; }
   /// The packet with its clock set to `utime`.
-  [[nodiscard]] lidar::models::rs16::Rs16Packet packet(std::int64_t index, std::int64_t utime) const;
+  [[nodiscard]] std::vector<std::uint8_t> packet(std::int64_t index, std::int64_t utime) const;
   [[nodiscard]] bool reused() const { return reused_; }
 
  private:
   void render(const Drive& drive, int threads, const std::atomic<bool>& cancel) const;
 
   std::string file_;
+  std::unique_ptr<devices::LidarEmulator> device_;
   int fd_ = -1;
   std::int64_t packets_ = 0;
   const std::uint8_t* data_ = nullptr;

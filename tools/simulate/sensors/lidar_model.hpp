@@ -1,15 +1,17 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 #include "common/config/vehicle.hpp"
-#include "tools/simulate/devices/rs16_emulator.hpp"
+#include "tools/simulate/devices/make_lidar.hpp"
 #include "tools/simulate/motion/motion.hpp"
 #include "tools/simulate/sensors/surroundings.hpp"
 
 namespace curbstone::simulate::sensors {
 
-/// Fires the lasers of an RS16 one by one from the moving vehicle and packs what comes back. Packets follow each other
+/// Fires the lasers of a LiDAR one by one from the moving vehicle and packs what comes back. Packets follow each other
 /// without a gap.
 class LidarModel {
  public:
@@ -18,11 +20,12 @@ class LidarModel {
     std::uint64_t seed = 1;
     double azimuth = 0;            ///< deg, clockwise, at t = 0
     std::int64_t start_utime = 0;  ///< us, of t = 0
+    devices::LidarName lidar = devices::LidarName::kRs16;
   };
   struct Packet {
     double t = 0;       ///< s, of its first shot
     double t_last = 0;  ///< s, of its last: when it can be sent
-    lidar::models::rs16::Rs16Packet bytes{};
+    std::vector<std::uint8_t> bytes;
   };
 
   LidarModel(const Options& options, const VehicleConfig& vehicle, const motion::Motion& motion,
@@ -31,16 +34,20 @@ class LidarModel {
   /// The next packet; the first starts at t = 0.
   Packet next();
   /// Goes on with the packet of that number: packets do not depend on those before.
-  void skip_to(std::int64_t packet) { sequence_ = packet * lidar::models::rs16::kSequencesPerPacket; }
-  [[nodiscard]] lidar::models::rs16::Rs16Packet difop(double t) const;
+  void skip_to(std::int64_t packet) { firing_ = packet * device_->table().firings_per_packet; }
+  /// What the device says of itself at t.
+  [[nodiscard]] std::vector<std::uint8_t> info(double t) const;
+  [[nodiscard]] const devices::LidarTable& table() const { return device_->table(); }
 
  private:
   Options options_;
   Pose T_base_lidar_;
   const motion::Motion& motion_;
   Surroundings& surroundings_;
-  devices::Rs16Emulator emulator_;
-  std::int64_t sequence_ = 0;
+  std::unique_ptr<devices::LidarEmulator> device_;
+  std::vector<devices::LidarRay> rays_;  ///< of one firing
+  std::vector<devices::LidarShot> shots_;
+  std::int64_t firing_ = 0;
 };
 
 }  // namespace curbstone::simulate::sensors

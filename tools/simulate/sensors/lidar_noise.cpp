@@ -31,7 +31,7 @@ float texture(world::Surface surface) {
 
 }  // namespace
 
-devices::Rs16Shot LidarNoise::report(const world::Hit& hit, std::uint64_t noise) const {
+devices::LidarShot LidarNoise::report(const world::Hit& hit, std::uint64_t noise) const {
   if (hit.surface == world::Surface::kNone) return {};
   const std::uint64_t dice = numerics::mix_bits(noise ^ 0x5eedULL);
   if (numerics::unit_from_bits(dice) < drop_out) return {};

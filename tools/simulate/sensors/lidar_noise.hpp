@@ -3,12 +3,12 @@
 #include <cstdint>
 
 #include "common/config/config.hpp"
-#include "tools/simulate/devices/rs16_emulator.hpp"
+#include "tools/simulate/devices/lidar_emulator.hpp"
 #include "tools/simulate/world/shapes.hpp"
 
 namespace curbstone::simulate::sensors {
 
-/// How an RS-LiDAR-16 differs from a perfect ruler.
+/// How a LiDAR differs from a perfect ruler.
 struct LidarNoise {
   double range_sigma = 0.01;        ///< m
   double drop_out = 0.01;           ///< share of the echoes that get lost whatever they come from
@@ -25,7 +25,7 @@ struct LidarNoise {
   }
 
   /// The sensor's report of a hit, by the shot's own random bits.
-  [[nodiscard]] devices::Rs16Shot report(const world::Hit& hit, std::uint64_t noise) const;
+  [[nodiscard]] devices::LidarShot report(const world::Hit& hit, std::uint64_t noise) const;
 };
 
 }  // namespace curbstone::simulate::sensors

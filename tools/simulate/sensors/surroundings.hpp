@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "common/geometry/geometry.hpp"
-#include "tools/simulate/devices/rs16_emulator.hpp"
+#include "tools/simulate/devices/lidar_emulator.hpp"
 #include "tools/simulate/world/town.hpp"
 
 namespace curbstone::simulate::sensors {
@@ -34,7 +34,7 @@ class Surroundings {
   /// Once for every packet, before its shots.
   virtual void prepare(const PacketView& view) = 0;
   /// What the sensor reports: noise included, nothing if there is no echo.
-  [[nodiscard]] virtual devices::Rs16Shot measure(const Shot& shot) = 0;
+  [[nodiscard]] virtual devices::LidarShot measure(const Shot& shot) = 0;
 };
 
 }  // namespace curbstone::simulate::sensors

@@ -44,7 +44,7 @@ View snapshot(const simulate::TownSetup& setup, const Pose& T, double t, std::ui
       shot.direction_world = T_world_lidar.linear() * ray;
       shot.noise = simulate::numerics::mix_bits(
           seed ^ simulate::numerics::mix_bits(static_cast<std::uint64_t>(column * 16 + ring)));
-      const simulate::devices::Rs16Shot hit = world.measure(shot);
+      const simulate::devices::LidarShot hit = world.measure(shot);
       if (!(hit.range_m > 0.4F)) continue;
       const Eigen::Vector3d p = T_base_lidar * (static_cast<double>(hit.range_m) * ray);
       view.points.push_back({p.cast<float>(), 0, hit.intensity, static_cast<std::uint8_t>(ring)});

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "tests/temporary_folder.hpp"
+#include "tools/simulate/devices/rs16_emulator.hpp"
 #include "tools/simulate/recorded/level.hpp"
 #include "tools/simulate/recorded/recorded_motion.hpp"
 #include "tools/simulate/recorded/scan_surroundings.hpp"
@@ -78,7 +79,7 @@ class MadeUpRecording : public ::testing::Test {
     const recorded::Playback playback(1, 1);
     const recorded::RecordedMotion motion(scans, {}, Eigen::Matrix3d::Identity(), playback);
     EXPECT_NEAR(motion.T_world_base(2.0).translation().x(), 2.5, 0.02) << "1.5 s less half of the ramp, at 5 m/s";
-    recorded::ScanSurroundings surroundings(scans, motion, playback, devices::Rs16EmulatorConfig().elevations);
+    recorded::ScanSurroundings surroundings(scans, motion, playback, devices::Rs16Emulator());
     const devices::Rs16Emulator emulator({.rpm = 600});
     Seen out;
     for (double t = 0.5; t < 2; t += 0.0171) {
@@ -87,10 +88,10 @@ class MadeUpRecording : public ::testing::Test {
       surroundings.prepare({t, T, azimuth * M_PI / 180, span * M_PI / 180});
       const auto rays = emulator.rays(azimuth + 0.5 * span);
       for (int laser = 0; laser < lidar::models::rs16::kLasers; ++laser) {
-        const devices::Rs16Ray& ray = rays[static_cast<std::size_t>(laser)];
+        const devices::LidarRay& ray = rays[static_cast<std::size_t>(laser)];
         sensors::Shot shot{
             t, laser, std::atan2(-ray.origin.y(), ray.origin.x()), T * ray.origin, T.linear() * ray.direction, 1};
-        const devices::Rs16Shot seen = surroundings.measure(shot);
+        const devices::LidarShot seen = surroundings.measure(shot);
         if (dense && laser >= 8 && laser < 15) {
           EXPECT_EQ(seen.range_m, 0) << "the recording does not reach up there";
           continue;

@@ -6,6 +6,7 @@
 
 #include "drivers/lidar/models/rs16/rs16_decoder.hpp"
 #include "tests/tools/simulate/drives.hpp"
+#include "tools/simulate/devices/rs16_emulator.hpp"
 #include "tools/simulate/sensors/lidar_model.hpp"
 #include "tools/simulate/town_surroundings.hpp"
 
@@ -69,6 +70,21 @@ TEST(LidarModel, RaysOfAMovingVehicleLieOnTheTrueGround) {
   }
   EXPECT_GT(on_road, 2000);
   EXPECT_LT(off, on_road / 200);
+}
+
+TEST(LidarModel, FiresEachDeviceAtItsOwnPace) {
+  const std::pair<devices::LidarName, double> devices[] = {{devices::LidarName::kVlp16, 1327.104e-6},
+                                                           {devices::LidarName::kHelios16p, 1333.44e-6},
+                                                           {devices::LidarName::kHelios32, 666.72e-6}};
+  for (const auto& [name, period] : devices) {
+    TownSurroundings town(test_town(), no_noise());
+    sensors::LidarModel lidar({.rpm = 1200, .seed = 1, .start_utime = kStart, .lidar = name}, {}, test_motion(), town);
+    const auto first = lidar.next(), second = lidar.next();
+    EXPECT_NEAR(second.t - first.t, period, 1e-9) << lidar.table().name;
+    EXPECT_LT(first.t_last, second.t);
+    EXPECT_EQ(first.bytes.size(), lidar.table().packet_size);
+    EXPECT_NE(first.bytes, second.bytes);
+  }
 }
 
 TEST(LidarModel, APacketDoesNotDependOnThoseBefore) {

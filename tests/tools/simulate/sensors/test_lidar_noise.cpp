@@ -15,7 +15,7 @@ TEST(LidarNoise, SpreadsRangesAsConfigured) {
   double sum = 0, squares = 0;
   int n = 0;
   for (std::uint64_t i = 0; i < 20'000; ++i) {
-    const devices::Rs16Shot shot = noise.report(wall, numerics::mix_bits(i));
+    const devices::LidarShot shot = noise.report(wall, numerics::mix_bits(i));
     if (shot.range_m <= 0) continue;
     const double off = static_cast<double>(shot.range_m) - 10.0;
     sum += off;

@@ -34,7 +34,7 @@ std::vector<Eigen::Vector3f> scan_hdl64(const simulate::world::Scene& scene, con
       const auto shot = static_cast<std::uint64_t>(beam * kColumns + column);
       const std::uint64_t bits = simulate::numerics::mix_bits(simulate::numerics::mix_bits(seed) ^ shot);
       const simulate::world::Ray ray{origin, (T_world_lidar.linear() * direction).cast<float>()};
-      const simulate::devices::Rs16Shot report = errors.report(scene.cast(ray, kHdlReach, {}, bits), bits);
+      const simulate::devices::LidarShot report = errors.report(scene.cast(ray, kHdlReach, {}, bits), bits);
       if (report.range_m > 0) points.push_back(report.range_m * direction.cast<float>());
     }
   }

@@ -28,7 +28,7 @@ class SceneSurroundings final : public simulate::sensors::Surroundings {
   SceneSurroundings(const CurbScene& scene, const simulate::sensors::LidarNoise& noise)
       : scene_(scene), noise_(noise) {}
   void prepare(const simulate::sensors::PacketView& /*view*/) override {}
-  [[nodiscard]] simulate::devices::Rs16Shot measure(const simulate::sensors::Shot& shot) override {
+  [[nodiscard]] simulate::devices::LidarShot measure(const simulate::sensors::Shot& shot) override {
     const simulate::world::Ray ray{shot.origin_world.cast<float>(), shot.direction_world.cast<float>()};
     return noise_.report(scene_.scene().cast(ray, kReach, {}, shot.noise), shot.noise);
   }

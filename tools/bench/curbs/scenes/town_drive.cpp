@@ -1,6 +1,7 @@
 #include "tools/bench/curbs/scenes/town_drive.hpp"
 
 #include "tools/evaluate/truth/street_labels.hpp"
+#include "tools/simulate/devices/rs16_emulator.hpp"
 #include "tools/simulate/recorded/level.hpp"
 #include "tools/simulate/recorded/recorded_motion.hpp"
 #include "tools/simulate/recorded/scan_surroundings.hpp"
@@ -51,8 +52,8 @@ JudgedDrive drive_recorded(const std::string& folder, std::uint64_t seed) {
       .motion = motion,
       .make_surroundings =
           [&] {
-            return std::make_unique<simulate::recorded::ScanSurroundings>(
-                scans, motion, playback, simulate::devices::Rs16EmulatorConfig().elevations);
+            return std::make_unique<simulate::recorded::ScanSurroundings>(scans, motion, playback,
+                                                                          simulate::devices::Rs16Emulator());
           },
       .config = config,
       .rpm = rpm,
