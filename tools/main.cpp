@@ -7,6 +7,7 @@
 #include "tools/command/dispatch.hpp"
 #include "tools/command/program_beside.hpp"
 #include "tools/evaluate/evaluate.hpp"
+#include "tools/lidar_tool/lidar_tool.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/simulate/simulate.hpp"
 
@@ -20,6 +21,8 @@ constexpr std::array kSubcommands = {
                curbstone::simulate::run_simulate},
     Subcommand{"replay", "make a map from a log, as fast as the machine can", curbstone::replay::run_replay},
     Subcommand{"evaluate", "compare a map with the truth", curbstone::evaluate::run_evaluate},
+    Subcommand{"lidar", "what is in a capture, is my sensor sane; its points as CSV or PCD",
+               curbstone::lidar_tool::run_lidar},
     Subcommand{"detect", "curbs and classes of any cloud: .pcd, .ply, KITTI .bin"},
     Subcommand{"export", "a map for others: nav2, QGIS, Lanelet2, GeoJSON, PCD, PLY"},
     Subcommand{"calibrate", "wheels and extrinsics from a drive"},

@@ -127,7 +127,8 @@ bool UdpSource::receive_one(const Handler& handler) {
       last_overflow_ = overflow;
     }
   }
-  if (device_ && ntohl(sender.sin_addr.s_addr) != *device_) {
+  sender_ = ntohl(sender.sin_addr.s_addr);
+  if (device_ && sender_ != *device_) {
     ++foreign_;
     return true;
   }

@@ -49,6 +49,9 @@ class UdpSource {
   /// Packets that the kernel has dropped since the start, because this process was too slow.
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
 
+  /// Who sent the packet that the handler is called with.
+  [[nodiscard]] Ipv4 sender() const { return sender_; }
+
   /// Packets of senders other than `device_address`, which were not handed over.
   [[nodiscard]] std::int64_t foreign() const { return foreign_; }
 
@@ -60,6 +63,7 @@ class UdpSource {
   int fd_ = -1;
   int port_;
   std::optional<Ipv4> device_;
+  Ipv4 sender_ = 0;
   std::int64_t foreign_ = 0;
   std::int64_t dropped_ = 0;
   std::uint32_t last_overflow_ = 0;

@@ -116,6 +116,7 @@ TEST(UdpSource, HandsOverPacketsOfTheDeviceOnlyAndCountsTheOthers) {
   const Sender sender;
   sender.send({1});
   EXPECT_EQ(all_of(device).size(), 1U);
+  EXPECT_EQ(to_text(device.sender()), "127.0.0.1");
   EXPECT_EQ(device.foreign(), 0);
 
   UdpSource other(kPort + 1, options("0.0.0.0", "", 65536, "127.0.0.2"));

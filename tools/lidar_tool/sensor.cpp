@@ -1,0 +1,86 @@
+#include "tools/lidar_tool/sensor.hpp"
+
+#include <algorithm>
+
+namespace curbstone::lidar_tool {
+
+using lidar::models::PacketKind;
+using lidar::models::Sender;
+
+namespace {
+
+lidar::LidarConfig config_of(lidar::models::ModelName model) {
+  lidar::LidarConfig config;
+  config.model = model;
+  config.min_range = 0;
+  config.max_range = 400;
+  return config;
+}
+
+/// Nothing where the packet does not tell.
+std::string mode_in(Sender kind, std::span<const std::uint8_t> bytes) {
+  if (kind == Sender::kVlp16) {
+    const int mode = bytes[1204];
+    return mode == 0x37 ? "strongest" : mode == 0x38 ? "last" : mode == 0x39 ? "dual" : "";
+  }
+  if (kind == Sender::kRs16Info) {
+    const int mode = bytes[300];
+    return mode == 0 ? "dual" : mode == 1 ? "strongest" : mode == 2 ? "last" : "";
+  }
+  if (kind == Sender::kHeliosInfo) {
+    const int mode = bytes[300];
+    return mode == 0 ? "dual" : mode == 4 ? "strongest" : mode == 5 ? "last" : mode == 6 ? "first" : "";
+  }
+  return "";
+}
+
+}  // namespace
+
+Sensor::Sensor(lidar::models::ModelName model, const OnPoints& on_points)
+    : node_(config_of(model), bus_, [] { return true; }),
+      model_(lidar::models::make_model(model, {.limits = {0, 400}, .distance_step = {}, .angles = {}})) {
+  if (on_points) bus_.subscribe<lidar_points_t>("LIDAR_POINTS", on_points);
+}
+
+void Sensor::prepare(const Packet& packet) {
+  const Sender kind = lidar::models::sender_of(packet.bytes);
+  if (model_->kind_of(kind) != PacketKind::kInfo) return;
+  // Twice: a driver believes what two packets agree on, and a short capture may have one.
+  for (int i = 0; i < 2; ++i) {
+    node_.on_packet(packet.received, packet.port, packet.bytes);
+    (void)model_->read_info(packet.received, packet.bytes);
+  }
+}
+
+void Sensor::on_packet(const Packet& packet) {
+  const Sender kind = lidar::models::sender_of(packet.bytes);
+  if (const std::string mode = mode_in(kind, packet.bytes); !mode.empty()) return_mode_ = mode;
+  const PacketKind is = model_->kind_of(kind);
+  if (is == PacketKind::kInfo) (void)model_->read_info(packet.received, packet.bytes);
+  if (is == PacketKind::kPoints &&
+      model_->decode(packet.received, packet.bytes, decoded_) == lidar::decoding::Refusal::kNone) {
+    const double rpm = decoded_.rate / 36000.0 * 60.0;
+    rpm_ = rpm_ == 0 ? rpm : rpm_ + 0.02 * (rpm - rpm_);
+    if (decoded_.stamp) {
+      const std::int64_t difference = *decoded_.stamp - packet.received;
+      clock_difference_ = std::max(clock_difference_.value_or(difference), difference);
+      last_stamp_ = decoded_.stamp;
+    }
+  }
+  node_.on_packet(packet.received, packet.port, packet.bytes);
+  bus_.dispatch();
+}
+
+void Sensor::finish() {
+  node_.finish();
+  bus_.dispatch();
+}
+
+std::int64_t Sensor::refused() const {
+  std::int64_t sum = 0;
+  const Counters all = counters();
+  for (const auto& [name, count] : all.values()) sum += name.starts_with("refused.") ? count : 0;
+  return sum;
+}
+
+}  // namespace curbstone::lidar_tool
