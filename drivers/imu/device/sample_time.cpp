@@ -16,7 +16,8 @@ constexpr std::size_t kFewestSteps = 3;
 
 }  // namespace
 
-SampleTime::Result SampleTime::next(std::uint32_t ticks, std::int64_t received, std::optional<int> ahead) {
+SampleTime::Result SampleTime::next(std::uint32_t ticks, std::int64_t received, std::optional<int> ahead, int others) {
+  others_ = others;
   if (last_) learn(std::int64_t{ticks} - *last_);
   last_ = ticks;
   const Seen seen{ticks, ticks, received};
@@ -33,6 +34,10 @@ SampleTime::Result SampleTime::next(std::uint32_t ticks, std::int64_t received, 
   if (!believed_) return believe(Verdict::kContinues, 0);
   if (const auto on = step(*believed_, seen, ahead, Strictness::kOnGrid)) return believe(Verdict::kContinues, *on);
   if (ticks == believed_->ticks) return {Verdict::kRepeated, 0, 0};
+  if (ahead && *ahead < 0 && interval_ > 0 && ticks < believed_->ticks &&
+      on_grid(std::int64_t{believed_->ticks} - ticks) && intervals(std::int64_t{believed_->ticks} - ticks) <= -*ahead) {
+    return {Verdict::kLate, 0, 0};
+  }
   if (refused_ && step(*refused_, seen, {}, Strictness::kOnGrid)) {
     if (const auto on = step(*believed_, seen, ahead, Strictness::kInOrder)) return believe(Verdict::kContinues, *on);
     learned_ = 0;  // it may sample at another rate
@@ -60,7 +65,7 @@ std::optional<std::int64_t> SampleTime::step(const Seen& from, const Seen& to, s
 bool SampleTime::in_order(std::int64_t step, std::int64_t elapsed, std::optional<int> ahead) const {
   if (!ahead || interval_ == 0) return step * kTick <= std::max<std::int64_t>(elapsed, 0) + kSlack;
   // Messages of other kinds may be lost beside the samples, so there can be more messages than intervals; but not many.
-  return intervals(step - tolerance_) <= *ahead && *ahead <= 4 * intervals(step) + 8;
+  return intervals(step - tolerance_) <= *ahead && *ahead <= others_ + 4 * intervals(step) + 8;
 }
 
 /// How far a step is from a multiple of the interval.

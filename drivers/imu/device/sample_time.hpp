@@ -29,6 +29,7 @@ class SampleTime {
     kContinues,  ///< the sample's time is right
     kRestarted,  ///< so it is, but it has nothing to do with the times before
     kRepeated,   ///< the time of the sample before: the same message again
+    kLate,       ///< of a sample that should have come before the last one
     kRefused,    ///< wrong, or the first of a device that restarted
   };
   struct Result {
@@ -37,8 +38,9 @@ class SampleTime {
     int missing = 0;        ///< samples between the last believed one and this, of those that are seen by their time
   };
 
-  /// `received` us. `ahead`: messages from the last believed sample to this one, by the packet counter.
-  Result next(std::uint32_t ticks, std::int64_t received, std::optional<int> ahead);
+  /// `received` us. `ahead`: messages from the last believed sample to this one, by the packet counter, and `others`:
+  /// of these, those that are known to be no samples. Negative: it comes late by that many.
+  Result next(std::uint32_t ticks, std::int64_t received, std::optional<int> ahead, int others = 0);
   /// The mean interval of the last samples, us; 0 while it is not known.
   [[nodiscard]] double interval() const;
 
@@ -58,6 +60,7 @@ class SampleTime {
   [[nodiscard]] std::int64_t intervals(std::int64_t step) const;
   void learn(std::int64_t step);
 
+  int others_ = 0;  // of this sample
   std::optional<Seen> believed_;
   std::optional<Seen> refused_;  // since the last believed one
   int refusals_ = 0;             // since then

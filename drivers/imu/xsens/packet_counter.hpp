@@ -14,10 +14,13 @@ namespace curbstone::imu::xsens {
 /// other message had it.
 class PacketCounter {
  public:
+  static constexpr int kMostLate = 16;  ///< messages
+
   /// From the last used sample to this one.
   struct Gap {
-    int ahead = 1;  ///< samples, were none lost but samples; 1: this is the next
-    int lost = 0;   ///< messages that never came
+    int ahead = 1;   ///< messages; 1: this is the next; down to -kMostLate: it comes late
+    int others = 0;  ///< of these, those that came and are no samples
+    int lost = 0;    ///< messages that never came
   };
 
   /// A message that is no sample.
@@ -28,13 +31,25 @@ class PacketCounter {
   [[nodiscard]] std::optional<Gap> gap(std::uint16_t counter) const {
     if (!last_) return {};
     const auto distance = static_cast<std::uint16_t>(counter - *last_);
-    const int ahead = distance - others_.between(*last_, distance);
-    return Gap{ahead, std::max(ahead - 1 - refused_.between(*last_, distance), 0)};
+    if (distance >= 65536 - kMostLate) return Gap{distance - 65536, 0, 0};
+    const int others = others_.between(*last_, distance), refused = refused_.between(*last_, distance);
+    return Gap{distance, others, std::max(distance - 1 - others - refused, 0)};
   }
   /// The sample with this counter is used.
   void used(std::uint16_t counter) {
+    note_lost(counter);
     last_ = counter;
     others_ = refused_ = {};
+  }
+  /// Whether this counter, of a message that comes late, was among the lost ones. It no longer is.
+  bool found(std::uint16_t counter) {
+    for (auto& lost : lost_) {
+      if (lost == counter) {
+        lost.reset();
+        return true;
+      }
+    }
+    return false;
   }
   /// The device counts anew: whatever comes next is the next one.
   void restart() { *this = {}; }
@@ -48,6 +63,9 @@ class PacketCounter {
     void add(std::uint16_t counter) {
       if (size < counters.size()) counters[size++] = counter;
     }
+    [[nodiscard]] bool has(std::uint16_t counter) const {
+      return std::ranges::count(std::span(counters).first(size), counter) > 0;
+    }
     [[nodiscard]] int between(std::uint16_t last, std::uint16_t distance) const {
       const auto inside = [&](std::uint16_t c) {
         const auto d = static_cast<std::uint16_t>(c - last);
@@ -57,7 +75,19 @@ class PacketCounter {
     }
   };
 
+  /// Remembers the last of those that are missing before this one.
+  void note_lost(std::uint16_t counter) {
+    if (!last_ || gap(counter)->lost == 0) return;
+    for (int back = 1; back <= kMostLate; ++back) {
+      const auto missing = static_cast<std::uint16_t>(counter - back);
+      if (missing == *last_) break;
+      if (!others_.has(missing) && !refused_.has(missing)) lost_[next_lost_++ % lost_.size()] = missing;
+    }
+  }
+
   std::optional<std::uint16_t> last_;
+  std::array<std::optional<std::uint16_t>, kMostLate> lost_{};
+  std::size_t next_lost_ = 0;
   Came others_;
   Came refused_;
 };

@@ -83,6 +83,28 @@ void XbusParser::drain(std::int64_t now, const Handler& handler) {
 }
 
 XbusParser::Candidate XbusParser::examine(std::span<const std::uint8_t> bytes, XbusFrame& frame) {
+  const char* cause = nullptr;
+  Candidate candidate = look_at(bytes, frame, &cause);
+  if (candidate == Candidate::kComplete && swallows_another(bytes, frame.wire_size)) {
+    candidate = Candidate::kRefused;
+    cause = "refused.overlap";
+  }
+  if (candidate == Candidate::kRefused) counters_.add(cause);
+  return candidate;
+}
+
+bool XbusParser::swallows_another(std::span<const std::uint8_t> bytes, std::size_t size) {
+  if (bytes.size() == size || bytes[size] == kPreamble) return false;
+  for (std::size_t i = 1; i < size; ++i) {
+    XbusFrame other;
+    const char* cause = nullptr;
+    if (bytes[i] != kPreamble || look_at(bytes.subspan(i), other, &cause) != Candidate::kComplete) continue;
+    if (i + other.wire_size > size) return true;
+  }
+  return false;
+}
+
+XbusParser::Candidate XbusParser::look_at(std::span<const std::uint8_t> bytes, XbusFrame& frame, const char** cause) {
   if (bytes.size() < 4) return Candidate::kIncomplete;
   frame.mid = bytes[2];
   std::size_t header = 4;
@@ -95,13 +117,13 @@ XbusParser::Candidate XbusParser::examine(std::span<const std::uint8_t> bytes, X
     plausible = may_be_extended(frame.mid) && length >= kExtended && length <= kMaxData;
   }
   if (!plausible) {
-    counters_.add("refused.header");
+    *cause = "refused.header";
     return Candidate::kRefused;
   }
   frame.wire_size = header + length + 1;
   if (bytes.size() < frame.wire_size) return Candidate::kIncomplete;
   if (sum(bytes.subspan(1, frame.wire_size - 1)) != 0) {
-    counters_.add("refused.checksum");
+    *cause = "refused.checksum";
     return Candidate::kRefused;
   }
   frame.data = bytes.subspan(header, length);

@@ -41,10 +41,12 @@ struct XbusFrame {
 
 /// Cuts a byte stream into frames. FA also occurs inside payloads, and garbage looks like headers. So a candidate
 /// counts only if its checksum is right. If not, the search goes on from its second byte, and a good frame inside it is
-/// found. Holds at most kMaxFrame bytes. One thread.
+/// found. A frame that was cut takes what it lacks from its follower, and one in 256 such has the right sum: so a
+/// candidate that no preamble follows, though bytes do, and inside which a good frame begins, is refused. Holds at most
+/// kMaxFrame bytes. One thread.
 ///
 /// Counts: frames, refused.checksum, refused.header (bus id, id or length that no device sends), refused.incomplete (a
-/// candidate whose rest did not come within kPatience), garbage_bytes.
+/// candidate whose rest did not come within kPatience), refused.overlap, garbage_bytes.
 class XbusParser {
  public:
   using Handler = std::function<void(const XbusFrame&)>;
@@ -53,7 +55,8 @@ class XbusParser {
   static constexpr std::size_t kMaxFrame = kMaxData + 7;
   static constexpr std::int64_t kPatience = 250'000;  ///< us; kMaxFrame takes 180 ms at 115200 baud
 
-  /// `now`, us: when these bytes arrived. Any cutting of the stream into calls gives the same frames.
+  /// `now`, us: when these bytes arrived. Any cutting of the stream into calls gives the same frames, but for such
+  /// overlaps: they are seen if the other frame has come whole.
   void parse(std::int64_t now, std::span<const std::uint8_t> bytes, const Handler& handler);
 
   /// Forgets a half-received frame: the link was interrupted.
@@ -65,6 +68,8 @@ class XbusParser {
 
   void drain(std::int64_t now, const Handler& handler);
   Candidate examine(std::span<const std::uint8_t> bytes, XbusFrame& frame);
+  static Candidate look_at(std::span<const std::uint8_t> bytes, XbusFrame& frame, const char** cause);
+  static bool swallows_another(std::span<const std::uint8_t> bytes, std::size_t size);
 
   std::vector<std::uint8_t> buffer_;  // starts with the oldest candidate's preamble, if not empty
   std::int64_t waiting_since_ = 0;    // us; when the candidate at the front was first found incomplete

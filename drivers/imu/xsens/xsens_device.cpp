@@ -80,7 +80,13 @@ bool XsensDevice::judge(const MtData2& data, device::ImuSample& sample) {
   if (data.sample_time_fine) {
     using Verdict = device::SampleTime::Verdict;
     const auto ahead = gap ? std::optional(gap->ahead) : std::nullopt;
-    const auto at = sample_time_.next(*data.sample_time_fine, sample.received, ahead);
+    const auto at = sample_time_.next(*data.sample_time_fine, sample.received, ahead, gap ? gap->others : 0);
+    if (at.verdict == Verdict::kLate) {
+      const bool was_lost = packet_counter_.found(*counter);
+      counters_.add(was_lost ? "refused.late" : "refused.repeated");
+      if (was_lost) counters_.add("lost.packets", -1);  // not lost then
+      return false;
+    }
     if (at.verdict == Verdict::kRepeated || at.verdict == Verdict::kRefused) {
       counters_.add(at.verdict == Verdict::kRepeated ? "refused.repeated" : "refused.time");
       if (counter) packet_counter_.refused(*counter);

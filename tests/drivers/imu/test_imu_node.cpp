@@ -377,6 +377,18 @@ TEST_P(SampleTimesThatAreWrong, CostTheirSamplesAndMoveNoStamp) {
 INSTANTIATE_TEST_SUITE_P(Ticks, SampleTimesThatAreWrong,
                          ::testing::Values(20'000, -20'000, 36'000'000, -36'000'000, 8, -8, 64, -64));
 
+TEST_F(RecordedStream, SwappedNeighboursCostTheLaterOneAndAreNotLostToo) {
+  auto frames = drive(2);
+  for (const std::size_t i : {20u, 30u, 31u, 60u, 150u}) std::swap(frames[i], frames[i + 1]);
+  play(frames);
+  EXPECT_EQ(count("lost.packets"), 0);
+  EXPECT_EQ(count("refused.time"), 0);
+  EXPECT_EQ(count("clock_restarts"), 0);
+  EXPECT_GE(count("refused.late"), 4);
+  EXPECT_EQ(messages().size() + static_cast<std::size_t>(count("refused.late")), 2u * 96);
+  EXPECT_EQ(messages().back().sequence, 2 * 96 - 1);
+}
+
 TEST_F(RecordedStream, AMessageThatComesTwiceIsUsedOnce) {
   auto frames = drive(1);
   frames.insert(frames.begin() + 50, frames[50]);

@@ -42,6 +42,18 @@ TEST(PacketCounterTest, SamplesThatCameAndWereRefusedAreAheadAndNotLost) {
   EXPECT_EQ(counter.gap(13)->lost, 1);
 }
 
+TEST(PacketCounterTest, WhatComesLateWasNotLost) {
+  PacketCounter counter;
+  counter.used(65534);
+  EXPECT_EQ(counter.gap(1)->lost, 2);
+  counter.used(1);
+  EXPECT_EQ(counter.gap(0)->ahead, -1);
+  EXPECT_TRUE(counter.found(0));
+  EXPECT_FALSE(counter.found(0)) << "a second time";
+  EXPECT_TRUE(counter.found(65535));
+  EXPECT_FALSE(counter.found(65534)) << "it was used";
+}
+
 TEST(PacketCounterTest, AnyNumberOfOthersIsBorne) {
   PacketCounter counter;
   counter.used(0);

@@ -84,6 +84,24 @@ TEST_F(XbusParserTest, AFrameInsideAFailedCandidateIsFound) {
   EXPECT_EQ(count("garbage_bytes"), 4);
 }
 
+TEST_F(XbusParserTest, ACutFrameThatIsCompletedByItsFollowerWithTheRightSumIsRefused) {
+  for (int tail = 0; tail < 256; ++tail) {  // for one of them the sum is right
+    parser_.reset();
+    testing::Bytes bytes = testing::from_hex("FA FF 36 05");
+    bytes.push_back(static_cast<std::uint8_t>(tail));  // then the end of it is missing
+    testing::append(bytes, error_);
+    testing::append(bytes, ack_);
+    EXPECT_THAT(parse(bytes), ::testing::ElementsAre(Parsed{0x42, {0x04}}, Parsed{0x31, {}})) << tail;
+  }
+  EXPECT_EQ(count("refused.overlap"), 1);
+}
+
+TEST_F(XbusParserTest, AGoodFrameBeforeNoiseIsNoOverlap) {
+  testing::Bytes bytes = error_;
+  testing::append(bytes, testing::from_hex("00 00"));
+  EXPECT_THAT(parse(bytes), ::testing::ElementsAre(Parsed{0x42, {0x04}}));
+}
+
 TEST_F(XbusParserTest, WrongBusIdsAndAbsurdLengthsAreRefusedAtOnce) {
   testing::Bytes bytes = testing::from_hex("FA 37 36 00 93");      // bus id 37
   testing::append(bytes, testing::from_hex("FA FF 36 FF FF FF"));  // 65535 bytes
