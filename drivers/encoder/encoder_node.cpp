@@ -83,6 +83,13 @@ void EncoderNode::on_frame(std::int64_t receive_utime, const can::CanFrame& fram
 }
 
 void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw& counts) {
+  // A sample that is none would put the clock, which counts them, a period wrong.
+  const bool at_once = receive_utime - last_received_ < clock_.period() / 4;
+  if (at_once && odometer_.repeats(counts, static_cast<double>(clock_.period()) * 1e-6)) {
+    counters_.add("refused.repeated");
+    refusal_ = "refused.repeated";
+    return;
+  }
   on_sample(
       receive_utime,
       [&](int most) { return odometer_.likely_periods(counts, most, static_cast<double>(clock_.period()) * 1e-6); },

@@ -84,4 +84,11 @@ std::optional<int> WheelCounter::likely_periods(const Raw& raw, int most, double
   return {};
 }
 
+bool WheelCounter::repeats(const Raw& raw, double period) const {
+  constexpr double kTooFast =
+      8;  // counts a period: to stop at once from there takes 20 m/s^2 at 4096 counts and 0.17 m
+  if (!last_ || raw != *last_) return false;
+  return std::max(std::abs(rate_[0]), std::abs(rate_[1])) * period >= kTooFast;
+}
+
 }  // namespace curbstone::encoder

@@ -38,6 +38,10 @@ class WheelCounter {
   /// unless the counts clearly show more. Nothing where they show neither, as with slow wheels.
   [[nodiscard]] std::optional<int> likely_periods(const Raw& raw, int most, double period) const;
 
+  /// The counts of the last sample again, though the wheels turned so fast that they cannot have stopped within
+  /// `period` s: the same frame twice.
+  [[nodiscard]] bool repeats(const Raw& raw, double period) const;
+
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:

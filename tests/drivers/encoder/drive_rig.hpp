@@ -48,7 +48,8 @@ class DriveRig {
   void sleep_for(std::int64_t us) { asleep_until_ = now + us; }
   void receive(std::int64_t at, const simulate::devices::CanDriveEmulator::Frames& frames) {
     for (const encoder::can::CanFrame& frame : frames) {
-      if (connected && !lost(frame)) late_.push_back({at + delay(frame), frame});
+      if (!connected || lost(frame)) continue;
+      late_.insert(late_.end(), static_cast<std::size_t>(copies(frame)), {at + delay(frame), frame});
     }
   }
   /// Raw counts: left forward, right mirrored.
@@ -69,6 +70,7 @@ class DriveRig {
     return std::int64_t{200};
   };
   std::function<bool(const encoder::can::CanFrame&)> lost = [](const encoder::can::CanFrame&) { return false; };
+  std::function<int(const encoder::can::CanFrame&)> copies = [](const encoder::can::CanFrame&) { return 1; };
   simulate::devices::CanDriveEmulator drive;
 
  private:

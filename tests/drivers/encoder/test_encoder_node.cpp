@@ -89,6 +89,21 @@ TEST(EncoderNodeTest, LostSamplesAreCountedAndDoNotDoubleTheSpeed) {
   for (std::size_t i = 20; i < rig.messages().size(); ++i) EXPECT_NEAR(rig.messages()[i].speed[0], 10, 0.4) << i;
 }
 
+TEST(EncoderNodeTest, AFrameThatComesTwiceIsUsedOnceAndMovesNoStamp) {
+  testing::DriveRig rig;
+  rig.run_for(2'000'000);
+  const std::size_t before = rig.messages().size();
+  int positions = 0;
+  rig.copies = [&](const can::CanFrame& frame) { return frame.id == 0x181 && ++positions % 7 == 0 ? 2 : 1; };
+  rig.run_for(5'000'000);
+  EXPECT_EQ(rig.count("refused.repeated"), positions / 7);
+  EXPECT_EQ(rig.messages().size() - before, static_cast<std::size_t>(positions));
+  EXPECT_EQ(rig.count("lost.samples"), 0);
+  for (std::size_t i = before; i < rig.messages().size(); ++i) {
+    EXPECT_EQ(rig.messages()[i].utime - rig.messages()[i - 1].utime, 10'000);
+  }
+}
+
 TEST(EncoderNodeTest, ABusyHostLosesNothingWhateverTheWheelsDo) {
   for (const double speed : {0.0, 0.5, 10.0}) {
     testing::DriveRig rig;
