@@ -37,7 +37,7 @@ bool DriverCapture::any_port() const {
 
 bool DriverCapture::is_for_us(const Packet& packet) const {
   if (any_port()) return models::sender_of(packet.bytes) != models::Sender::kUnknown;
-  return packet.port == point_port(config_) || packet.port == info_port(config_);
+  return ports_of(config_).contains(packet.port);
 }
 
 std::optional<DriverCapture::Packet> DriverCapture::next_in_file() {

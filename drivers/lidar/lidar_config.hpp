@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 
 #include "common/config/config.hpp"
@@ -59,7 +60,13 @@ struct LidarConfig {
   bool publish_raw = false;
 
   void visit(ConfigVisitor& v) {
-    v.choice("model", model, {{"rs16", models::ModelName::kRs16}}, "the device");
+    v.choice("model", model,
+             {{"auto", models::ModelName::kAuto},
+              {"rs16", models::ModelName::kRs16},
+              {"helios16p", models::ModelName::kHelios16p},
+              {"helios32", models::ModelName::kHelios32},
+              {"vlp16", models::ModelName::kVlp16}},
+             "the device; auto: by its packets");
     v.field("msop_port", msop_port, {0, 65535}, "UDP port of the point packets; 0: the model's own");
     v.field("difop_port", difop_port, {0, 65535},
             "UDP port of the device information; may be the same; 0: the model's own");
@@ -98,12 +105,23 @@ struct LidarConfig {
   }
 };
 
-/// The UDP ports to listen on.
+/// The UDP ports of the model, or those that are set in their place.
 [[nodiscard]] inline int point_port(const LidarConfig& config) {
   return config.msop_port != 0 ? config.msop_port : models::table_of(config.model).point_port;
 }
 [[nodiscard]] inline int info_port(const LidarConfig& config) {
   return config.difop_port != 0 ? config.difop_port : models::table_of(config.model).info_port;
+}
+
+/// All UDP ports to listen on. While the model is to be found out, and none is set: those of all models.
+[[nodiscard]] inline std::set<int> ports_of(const LidarConfig& config) {
+  std::set<int> ports = {point_port(config), info_port(config)};
+  if (config.model != models::ModelName::kAuto) return ports;
+  for (const models::ModelTable* table : models::tables()) {
+    if (config.msop_port == 0) ports.insert(table->point_port);
+    if (config.difop_port == 0) ports.insert(table->info_port);
+  }
+  return ports;
 }
 
 }  // namespace curbstone::lidar

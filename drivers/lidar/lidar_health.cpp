@@ -47,15 +47,17 @@ void LidarHealth::tick(std::int64_t now) {
   refused_watch_.look(refused_, now);
 }
 
-std::vector<std::string> LidarHealth::faults(const models::Model& model) const {
+std::vector<std::string> LidarHealth::faults(const models::Model* model) const {
   std::vector<std::string> faults;
   const double silent = since(used_watch_.grew_at);
   if (silent >= kSilence) {
     const bool garbage = refused_ > 0 && since(refused_watch_.grew_at) < kSilence;
     faults.push_back(garbage ? fmt::format("no usable packet for {:.1f} s on port {}: {}", silent, msop_port_, remedy_)
                              : fmt::format("no packets for {:.1f} s on port {}", silent, msop_port_));
-  } else if (since(info_watch_.grew_at) >= kInfoSilence && model.table().needs_info) {
-    const char* angles = model.facts().angles_known ? "" : ": nominal angles are used";
+  } else if (since(info_watch_.grew_at) >= kInfoSilence && model != nullptr && model->table().needs_info) {
+    const char* angles = model->facts().angles_known         ? ""
+                         : model->table().has_nominal_angles ? ": nominal angles are used"
+                                                             : ": no angles, so no points";
     faults.push_back(info_ == 0 ? fmt::format("no device information on port {}{}", difop_port_, angles)
                                 : fmt::format("no device information for {:.0f} s on port {}",
                                               since(info_watch_.grew_at), difop_port_));

@@ -26,7 +26,8 @@ class LidarHealth {
     remedy_ = remedy;
   }
   void tick(std::int64_t now);
-  [[nodiscard]] std::vector<std::string> faults(const models::Model& model) const;
+  /// `model`: nullptr while it is not known.
+  [[nodiscard]] std::vector<std::string> faults(const models::Model* model) const;
 
  private:
   /// A count and when it last grew.

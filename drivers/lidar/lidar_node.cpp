@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <stdexcept>
 #include <utility>
 
 #include "common/time/microseconds.hpp"
@@ -43,7 +44,8 @@ LidarNode::LidarNode(const LidarConfig& config, Publisher& bus, HostClockCheck h
     : config_(config),
       bus_(bus),
       host_clock_(std::move(host_clock)),
-      model_(models::make_model(config.model, settings_of(config))),
+      settings_(settings_of(config)),
+      model_(models::make_model(config.model, settings_)),
       clock_(config.clock, microseconds(config.clock_tolerance)),
       head_(static_cast<int>(std::lround(config.cut_angle * 100))),
       health_(point_port(config), info_port(config)),
@@ -58,6 +60,10 @@ void LidarNode::on(const raw_packet_t& packet) {
 void LidarNode::on_packet(std::int64_t received, int port, std::span<const std::uint8_t> bytes) {
   came_since_tick_ = true;
   if (config_.publish_raw) publish_raw(received, port, bytes);
+  if (!model_ && !find_model(bytes)) {
+    counters_.add("undecided");
+    return;
+  }
   const models::Sender sender = models::sender_of(bytes);
   const models::PacketKind kind = model_->kind_of(sender);
   if (kind == models::PacketKind::kForeign) {
@@ -74,6 +80,20 @@ void LidarNode::on_packet(std::int64_t received, int port, std::span<const std::
     refuse(decoding::counter_of(refusal), remedy(refusal, model_->table()));
   }
   send_ready();
+}
+
+bool LidarNode::find_model(std::span<const std::uint8_t> bytes) {
+  const auto name = vote_.offer(bytes);
+  if (!name) return false;
+  try {
+    model_ = models::make_model(*name, settings_);
+  } catch (const std::runtime_error& error) {
+    source_fault_ = error.what();  // the angles are another device's
+    return false;
+  }
+  spdlog::info("model: auto: {} packets in a row are those of {}: it is {}", models::ModelVote::kAgreeing,
+               models::title_of(vote_.leading()), model_->table().name);
+  return true;
 }
 
 void LidarNode::refuse(const char* counter, const std::string& remedy) {
@@ -199,11 +219,13 @@ NodeReport LidarNode::report() const {
   report.counters.set("clock.jumps", order_.jumps());
   if (const auto difference = clock_.difference()) report.counters.set("clock.difference_us", *difference);
   if (host_is_right_) report.counters.set("clock.host_synchronised", *host_is_right_ ? 1 : 0);
-  for (const auto& [name, value] : model_->facts().values.values()) report.counters.set(name, value);
+  if (model_) {
+    for (const auto& [name, value] : model_->facts().values.values()) report.counters.set(name, value);
+  }
 
   if (!source_fault_.empty()) report.faults.push_back(source_fault_);
   if (!buffer_fault_.empty()) report.faults.push_back(buffer_fault_);
-  for (std::string& fault : health_.faults(*model_)) report.faults.push_back(std::move(fault));
+  for (std::string& fault : health_.faults(model_.get())) report.faults.push_back(std::move(fault));
   if (share_.fault()) report.faults.push_back(*share_.fault());
   if (lost_in_second_ > config_.most_lost)
     report.faults.push_back(
@@ -211,7 +233,12 @@ NodeReport LidarNode::report() const {
                     "the network",
                     lost_in_second_));
   add_clock_faults(report.faults);
-  for (const std::string& fault : model_->facts().faults) report.faults.push_back(fault);
+  if (model_) {
+    for (const std::string& fault : model_->facts().faults) report.faults.push_back(fault);
+  } else if (report.counters["undecided"] > 0) {
+    report.faults.push_back(
+        fmt::format("model: auto: not decided yet; the last packets are from {}", models::title_of(vote_.leading())));
+  }
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
   return report;

@@ -18,6 +18,7 @@
 #include "drivers/lidar/lidar_config.hpp"
 #include "drivers/lidar/lidar_health.hpp"
 #include "drivers/lidar/lost_packets.hpp"
+#include "drivers/lidar/models/model_vote.hpp"
 
 namespace curbstone::lidar {
 
@@ -59,6 +60,7 @@ class LidarNode final : public Node {
  private:
   [[nodiscard]] decoding::Refusal on_points(std::int64_t received, std::span<const std::uint8_t> bytes);
   [[nodiscard]] decoding::Refusal on_info(std::int64_t received, std::span<const std::uint8_t> bytes);
+  [[nodiscard]] bool find_model(std::span<const std::uint8_t> bytes);
   void refuse(const char* counter, const std::string& remedy);
   void send_ready();
   void send(decoding::PendingPacket& packet);
@@ -68,7 +70,9 @@ class LidarNode final : public Node {
   LidarConfig config_;
   Publisher& bus_;
   HostClockCheck host_clock_;
-  std::unique_ptr<models::Model> model_;
+  models::ModelSettings settings_;
+  models::ModelVote vote_;
+  std::unique_ptr<models::Model> model_;  ///< none until `model: auto` is decided
   decoding::PacketOrder order_;
   decoding::PacketClock clock_;
   decoding::HeadTracker head_;

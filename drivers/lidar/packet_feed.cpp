@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <set>
 
 #include "common/time/clock.hpp"
 #include "drivers/lidar/driver_capture.hpp"
@@ -18,10 +19,9 @@ class NetworkFeed final : public PacketFeed {
  public:
   NetworkFeed(const LidarConfig& config, LidarNode& node, EventLoop& loop)
       : options_{config.host_address, config.group_address, config.receive_buffer, config.device_address},
-        ports_{point_port(config)},
+        ports_(ports_of(config)),
         node_(node),
         loop_(loop) {
-    if (info_port(config) != point_port(config)) ports_.push_back(info_port(config));
     try_to_open();
     if (!open_) loop_.every(std::chrono::milliseconds(50), [this] { retry(); });
   }
@@ -65,7 +65,7 @@ class NetworkFeed final : public PacketFeed {
   }
 
   sources::UdpOptions options_;
-  std::vector<int> ports_;
+  std::set<int> ports_;
   LidarNode& node_;
   EventLoop& loop_;
   std::vector<std::unique_ptr<sources::UdpSource>> sources_;

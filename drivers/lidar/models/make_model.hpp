@@ -8,12 +8,13 @@
 
 namespace curbstone::lidar::models {
 
-/// The models that this driver speaks. A new one: a folder with its table and its decoder, a line in `tables()` and one
-/// in `make_model()`.
+/// The models that this driver speaks. A new one: a folder with its table and its decoder, and a line each in
+/// `tables()`, `table_of()` and `make_model()`.
 enum class ModelName { kAuto, kRs16, kHelios16p, kHelios32, kVlp16 };
 
-/// All of them.
+/// Their facts.
 [[nodiscard]] std::vector<const ModelTable*> tables();
+/// kAuto: those of the first.
 [[nodiscard]] const ModelTable& table_of(ModelName name);
 
 /// nullptr for kAuto. Throws std::runtime_error, one line, where the settings do not fit the model.

@@ -23,7 +23,8 @@ struct ModelTable {
   int point_port = 0;      ///< UDP, as delivered
   int info_port = 0;
   int lasers = 0;
-  bool needs_info = true;  ///< its silence about itself is a fault
+  bool needs_info = true;          ///< its silence about itself is a fault
+  bool has_nominal_angles = true;  ///< to be used until its own are known
 };
 
 enum class PacketKind {
@@ -36,6 +37,8 @@ enum class PacketKind {
 struct LaserAngles {
   double elevation = 0;  ///< deg above the horizon
   double azimuth = 0;    ///< deg beside the head's azimuth, clockwise
+
+  bool operator==(const LaserAngles&) const = default;
 };
 
 /// What the user decides, for all models.

@@ -1,0 +1,88 @@
+#include "drivers/lidar/models/helios/device_info.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "common/bytes/big_endian.hpp"
+#include "drivers/lidar/models/robosense/magic.hpp"
+
+namespace curbstone::lidar::models::helios {
+
+using decoding::Refusal;
+using Bytes = std::span<const std::uint8_t>;
+
+namespace {
+
+constexpr std::size_t kRpm = 8;
+constexpr std::size_t kFovStart = 32;
+constexpr std::size_t kFovEnd = 34;
+constexpr std::size_t kSerialNumber = 292;  // 6 bytes
+constexpr std::size_t kReturnMode = 300;    // 0 dual, 4 strongest, 5 last, 6 first
+constexpr std::size_t kSyncMode = 301;
+constexpr std::size_t kSyncStatus = 302;
+constexpr std::size_t kRealRpm = 352;
+constexpr std::size_t kGpsStatus = 359;   // bit 0 PPS, bit 1 GPRMC
+constexpr std::size_t kElevations = 468;  // 32 x sign, u16 0.01 deg
+constexpr std::size_t kAzimuths = 564;    // the same
+constexpr double kSteepest = 90.0;        // deg
+constexpr double kFarthestBeside = 30.0;  // deg
+
+int be16(Bytes bytes, std::size_t at) {
+  return read_big_endian<std::uint16_t>(bytes.subspan(at));
+}
+
+/// Nothing where there is none: a sign that is neither 0 nor 1.
+std::optional<double> angle(Bytes bytes, std::size_t table, std::size_t laser, double most) {
+  const std::size_t at = table + 3 * laser;
+  const double size = be16(bytes, at + 1) * 0.01;
+  if (bytes[at] > 1 || size > most) return std::nullopt;
+  return bytes[at] == 1 ? -size : size;
+}
+
+/// How many lasers have angles, of which no two look the same way: 32, 16, or 0.
+int read_angles(Bytes bytes, std::array<LaserAngles, kRecords>& angles) {
+  std::size_t lasers = 0;
+  for (; lasers < kRecords; ++lasers) {
+    const auto elevation = angle(bytes, kElevations, lasers, kSteepest);
+    const auto azimuth = angle(bytes, kAzimuths, lasers, kFarthestBeside);
+    if (!elevation || !azimuth) break;
+    const auto same = [&](const LaserAngles& other) { return other.elevation == *elevation; };
+    if (std::any_of(angles.begin(), angles.begin() + static_cast<std::ptrdiff_t>(lasers), same)) break;
+    angles[lasers] = {*elevation, *azimuth};
+  }
+  const std::size_t whole = lasers == kRecords ? kRecords : lasers >= kRecords / 2 ? kRecords / 2 : 0;
+  std::fill(angles.begin() + static_cast<std::ptrdiff_t>(whole), angles.end(), LaserAngles{});
+  return static_cast<int>(whole);
+}
+
+}  // namespace
+
+DifopResult parse_difop(Bytes bytes) {
+  if (bytes.size() != robosense::kPacketSize) return {Refusal::kLength, {}, {}};
+  if (!std::equal(robosense::kDifopMagic.begin(), robosense::kDifopMagic.end(), bytes.begin()))
+    return {Refusal::kMagic, {}, {}};
+  const int mode = bytes[kReturnMode];
+  if (mode != 0 && (mode < 4 || mode > 6)) return {Refusal::kDifopMode, {}, {}};
+
+  DifopResult result;
+  result.info.rpm = be16(bytes, kRpm);
+  if (be16(bytes, kFovStart) <= 36000 && be16(bytes, kFovEnd) <= 36000) {
+    result.info.fov_start = be16(bytes, kFovStart);
+    result.info.fov_end = be16(bytes, kFovEnd);
+  }
+  result.info.dual_return = mode == 0;
+  result.info.lasers = read_angles(bytes, result.info.angles);
+  result.status.rpm = be16(bytes, kRealRpm);
+  result.status.pps_locked = (bytes[kGpsStatus] & 1) != 0;
+  result.status.gprmc_locked = (bytes[kGpsStatus] & 2) != 0;
+  result.status.sync_mode = bytes[kSyncMode];
+  result.status.sync_status = bytes[kSyncStatus];
+  result.status.identity = fmt::format("serial number {:02X}", fmt::join(bytes.subspan(kSerialNumber, 6), ""));
+  return result;
+}
+
+}  // namespace curbstone::lidar::models::helios

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "drivers/lidar/decoding/blind_zone.hpp"
+#include "drivers/lidar/decoding/decoded_packet.hpp"
+#include "drivers/lidar/decoding/point_writer.hpp"
+#include "drivers/lidar/decoding/refusal.hpp"
+#include "drivers/lidar/models/helios/device_info.hpp"
+#include "drivers/lidar/models/helios/helios.hpp"
+
+namespace curbstone::lidar::models::helios {
+
+/// Point packets of a Helios to points, once its angles are known. One thread.
+///
+/// 16 lasers, one return: a block is two sequences. Two returns: a block is one sequence, its halves are the returns.
+/// 32 lasers, one return: a block is one sequence. Two returns: the blocks come in pairs of one azimuth. Where a shot
+/// has but one return, both are the same, and it goes out once. Source: RS-Helios-16P user manual; nebula 606ac41.
+class HeliosDecoder {
+ public:
+  HeliosDecoder(const Variant& variant, const decoding::ReturnLimits& limits, std::optional<double> distance_step);
+
+  void set_device(const DeviceInfo& device);
+  [[nodiscard]] decoding::Refusal decode(std::span<const std::uint8_t> bytes, decoding::DecodedPacket& packet);
+
+ private:
+  [[nodiscard]] bool unit_is_credible(std::uint8_t unit);
+
+  const Variant& variant_;
+  decoding::PointWriter writer_;
+  std::optional<double> distance_step_;  ///< m, as the user says
+  decoding::BlindZone blind_zone_;
+  bool dual_return_ = false;
+  std::array<decoding::Laser, kRecords> lasers_{};
+  std::optional<std::uint8_t> unit_;
+  int other_units_ = 0;  ///< packets in a row with another one
+};
+
+}  // namespace curbstone::lidar::models::helios
