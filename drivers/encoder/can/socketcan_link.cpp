@@ -159,8 +159,8 @@ bool CanSocket::write(const CanFrame& frame) {
   return ::write(fd_, &raw, sizeof raw) == static_cast<ssize_t>(sizeof raw);
 }
 
-SocketCanLink::SocketCanLink(std::string interface, std::vector<std::uint32_t> ids)
-    : interface_(std::move(interface)), ids_(std::move(ids)) {
+SocketCanLink::SocketCanLink(std::string interface, std::vector<std::uint32_t> ids, Restart restart)
+    : interface_(std::move(interface)), ids_(std::move(ids)), restart_(std::move(restart)) {
   if (interface_.empty() || interface_.size() >= IFNAMSIZ || interface_.find('/') != std::string::npos)
     throw NoSocketCan(cannot_open(interface_, "an interface is named like can0"));
   try {
@@ -182,7 +182,10 @@ void SocketCanLink::attach(EventLoop& loop, Handlers handlers) {
   } else {
     handlers_.on_link(wall_clock(), false, why_);
   }
-  loop.every(std::chrono::milliseconds(100), [this] { try_to_open(); });
+  loop.every(std::chrono::milliseconds(100), [this] {
+    try_to_open();
+    try_to_restart();
+  });
 }
 
 void SocketCanLink::watch() {
@@ -207,6 +210,8 @@ void SocketCanLink::on_readable() {
       case CanSocket::Status::kFrame:
         counters_.add("can.frames");
         bus_off_ = false;
+        restart_after_ = 0;
+        restart_failed_.clear();
         handlers_.on_frame(read.utime != 0 ? read.utime : wall_clock(), read.frame);
         break;
     }
@@ -217,6 +222,10 @@ void SocketCanLink::on_error_frame(std::uint32_t bits) {
   counters_.add("can.errors");
   if ((bits & CAN_ERR_BUSOFF) != 0) {
     counters_.add("can.bus_off");
+    if (!bus_off_) {
+      restart_after_ = restart_after_ == 0 ? kFirstRetry : std::min(2 * restart_after_, kLastRetry);
+      restart_at_ = steady_clock() + restart_after_;
+    }
     bus_off_ = true;
   }
   if ((bits & CAN_ERR_RESTARTED) != 0) bus_off_ = false;
@@ -246,16 +255,23 @@ void SocketCanLink::try_to_open() {
   handlers_.on_link(wall_clock(), true, "");
 }
 
+void SocketCanLink::try_to_restart() {
+  if (!socket_ || !bus_off_ || steady_clock() < restart_at_) return;
+  restart_failed_ = restart_(interface_);
+  counters_.add(restart_failed_.empty() ? "can.restarts" : "can.restart_failed");
+  restart_after_ = std::min(2 * restart_after_, kLastRetry);
+  restart_at_ = steady_clock() + restart_after_;
+}
+
 void SocketCanLink::send(const CanFrame& frame) {
   if (!socket_ || !socket_->write(frame)) counters_.add("can.send_failed");
 }
 
 void SocketCanLink::report(NodeReport& report) const {
   for (const auto& [name, value] : counters_.values()) report.counters.add(name, value);
-  if (bus_off_) {
-    report.faults.push_back(fmt::format("CAN interface {} is bus-off: cable, terminator or bit rate; restart by {}",
-                                        interface_, bring_up(interface_)));
-  }
+  if (!bus_off_) return;
+  report.faults.push_back(fmt::format("CAN interface {} is bus-off: cable, terminator or bit rate{}", interface_,
+                                      restart_failed_.empty() ? "" : "; it cannot be restarted: " + restart_failed_));
 }
 
 }  // namespace curbstone::encoder::can

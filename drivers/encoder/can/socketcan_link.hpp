@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "common/bus/counters.hpp"
 #include "drivers/encoder/can/can_link.hpp"
+#include "drivers/encoder/can/can_restart.hpp"
 
 namespace curbstone::encoder::can {
 
@@ -43,15 +45,18 @@ class CanSocket {
   int fd_ = -1;
 };
 
-/// A CAN interface of the kernel (can0). Bus-off, and an interface that goes down or away, are faults and counted. The
+/// A CAN interface of the kernel (can0). Bus-off, and an interface that goes down or away, are faults and counted. A
+/// bus-off is ended by restarting the interface, after 0.1 s, then with waits that grow to 2 s until a frame comes. The
 /// link tries to open it again, with waits that grow from 0.1 s to 2 s.
 ///
-/// Counts: can.frames, can.errors, can.bus_off, can.send_failed, refused.can_frame.
+/// Counts: can.frames, can.errors, can.bus_off, can.restarts, can.restart_failed, can.send_failed, refused.can_frame.
 class SocketCanLink final : public CanLink {
  public:
   /// An interface that is missing or down is waited for. Throws NoSocketCan, with one clear line, for what no waiting
   /// mends.
-  SocketCanLink(std::string interface, std::vector<std::uint32_t> ids);
+  /// `restart` returns why it failed.
+  using Restart = std::function<std::string(const std::string& interface)>;
+  SocketCanLink(std::string interface, std::vector<std::uint32_t> ids, Restart restart = restart_can);
 
   void attach(EventLoop& loop, Handlers handlers) override;
   void send(const CanFrame& frame) override;
@@ -63,6 +68,7 @@ class SocketCanLink final : public CanLink {
   void on_error_frame(std::uint32_t bits);
   void lose();
   void try_to_open();
+  void try_to_restart();
 
   std::string interface_;
   std::vector<std::uint32_t> ids_;
@@ -72,7 +78,11 @@ class SocketCanLink final : public CanLink {
   std::string why_;               // there is no socket
   std::int64_t retry_at_ = 0;     // us, steady clock
   std::int64_t retry_after_ = 0;  // us
+  Restart restart_;
   bool bus_off_ = false;
+  std::int64_t restart_at_ = 0;     // us, steady clock
+  std::int64_t restart_after_ = 0;  // us; 0: a frame has come since the last bus-off
+  std::string restart_failed_;
   Counters counters_;
 };
 

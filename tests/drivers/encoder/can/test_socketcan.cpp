@@ -1,14 +1,21 @@
 // Against the kernel's CAN, on the virtual interface vcan0. Where there is none, can_in_qemu runs this program inside a
 // small virtual machine that has it.
 #include <gmock/gmock.h>
+#include <linux/can.h>
+#include <linux/can/error.h>
+#include <linux/can/raw.h>
 #include <net/if.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cstdio>
+#include <cstdlib>
 #include <curbstone/wheels_t.hpp>
+#include <fstream>
 
 #include "common/time/clock.hpp"
+#include "drivers/encoder/can/candump.hpp"
 #include "drivers/encoder/can/socketcan_link.hpp"
 #include "drivers/encoder/encoder_node.hpp"
 #include "tests/drivers/recorder.hpp"
@@ -99,6 +106,22 @@ TEST_F(SocketCanTest, OnlyTheIdsAskedForArriveAndNoExtendedOnesOfTheSameNumber) 
   EXPECT_EQ(b.read().status, CanSocket::Status::kNothing);
 }
 
+TEST_F(SocketCanTest, IdsOf29BitsAreAskedForByTheirMark) {
+  CanSocket a(kInterface, {0x000});
+  CanSocket b(kInterface, {0x8000'0181});
+  CanFrame extended = CanFrame::make(0x181, {1});
+  extended.extended = true;
+  ASSERT_TRUE(a.write(CanFrame::make(0x181, {3})));
+  ASSERT_TRUE(a.write(extended));
+  EXPECT_EQ(wait_and_read(b).frame, extended);
+  EXPECT_EQ(b.read().status, CanSocket::Status::kNothing);
+}
+
+TEST_F(SocketCanTest, TheKernelSaysWhyAnInterfaceCannotBeRestarted) {
+  EXPECT_THAT(restart_can(kInterface), HasSubstr("not supported")) << "a virtual bus is never off";
+  EXPECT_THAT(restart_can("no_can9"), HasSubstr("no such interface"));
+}
+
 TEST_F(SocketCanTest, AnInterfaceThatIsDownIsToldWithTheCommandThatMendsIt) {
   set_up(false);
   EXPECT_THAT(error_of(kInterface), HasSubstr("it is down; `ip link set vcan0 up"));
@@ -108,13 +131,26 @@ TEST_F(SocketCanTest, AnInterfaceThatIsDownIsToldWithTheCommandThatMendsIt) {
 
 /// The driver as the program runs it and an emulated drive, both on vcan0, in real time.
 class EncoderOnSocketCan : public SocketCanTest {
+ public:
+  /// Ends with the test.
+  class Command {
+   public:
+    explicit Command(const std::string& command) : pipe_(popen(("exec " + command + " 2>&1").c_str(), "r")) {}
+    ~Command() { pclose(pipe_); }
+    Command(const Command&) = delete;
+    Command& operator=(const Command&) = delete;
+
+   private:
+    FILE* pipe_;
+  };
+
  protected:
   void SetUp() override {
     SocketCanTest::SetUp();
     if (IsSkipped()) return;
     open_bus();
-    link_.emplace(kInterface, canopen::WheelDrive::ids(1));
-    node_.emplace(EncoderConfig{}, recorder_.bus(), [this](const CanFrame& frame) { link_->send(frame); });
+    link_.emplace(kInterface, can_ids(config_), [this](const std::string&) { return restart(); });
+    node_.emplace(config_, recorder_.bus(), [this](const CanFrame& frame) { link_->send(frame); });
     node_->add_report([this](NodeReport& report) { link_->report(report); });
     link_->attach(loop_, {[this](auto utime, const auto& frame) { node_->on_frame(utime, frame); },
                           [this](auto now, bool up, const auto& why) { node_->on_link(now, up, why); }});
@@ -125,7 +161,9 @@ class EncoderOnSocketCan : public SocketCanTest {
   }
   void open_bus() { bus_.emplace(kInterface, std::vector<std::uint32_t>{0x000, 0x601}); }
   void send(const simulate::devices::CanDriveEmulator::Frames& frames) {
-    for (const CanFrame& frame : frames) bus_->write(frame);
+    for (const CanFrame& frame : frames) {
+      if (drive_on_) bus_->write(frame);
+    }
   }
   void turn_drive() {
     const std::int64_t now = steady_clock();
@@ -153,6 +191,36 @@ class EncoderOnSocketCan : public SocketCanTest {
     return run_until([&] { return recorder_.messages().size() >= before + more; });
   }
 
+  /// What a controller's driver tells of its errors.
+  void send_error(canid_t bits) {
+    const int fd = socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW);
+    sockaddr_can address{};
+    address.can_family = AF_CAN;
+    address.can_ifindex = static_cast<int>(if_nametoindex(kInterface));
+    ASSERT_EQ(bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    can_frame frame{};
+    frame.can_id = CAN_ERR_FLAG | bits;
+    frame.can_dlc = CAN_ERR_DLC;
+    ASSERT_EQ(write(fd, &frame, sizeof frame), static_cast<ssize_t>(sizeof frame));
+    close(fd);
+  }
+  std::string restart() {
+    restarts_.push_back(steady_clock());
+    return why_no_restart_;
+  }
+  bool run_until_fault(const std::string& text) {
+    return run_until([&] {
+      for (const auto& fault : node_->report().faults) {
+        if (fault.find(text) != std::string::npos) return true;
+      }
+      return false;
+    });
+  }
+
+  EncoderConfig config_;
+  std::vector<std::int64_t> restarts_;
+  std::string why_no_restart_;
+  bool drive_on_ = true;
   EventLoop loop_;
   std::optional<CanSocket> bus_;
   simulate::devices::CanDriveEmulator drive_;
@@ -214,6 +282,107 @@ TEST_F(EncoderOnSocketCan, AnInterfaceThatGoesDownIsAFaultUntilItIsUpAgain) {
   EXPECT_TRUE(run_until_more_samples(50));
   EXPECT_TRUE(run_until([&] { return node_->report().faults.empty(); }));
   EXPECT_EQ(node_->report().counters["link.reopened"], 1);
+}
+
+TEST_F(EncoderOnSocketCan, BusErrorsAreCountedAndABusOffIsAFaultAndRestartedUntilFramesCome) {
+  ASSERT_TRUE(run_until_more_samples(20));
+  send_error(CAN_ERR_BUSERROR);
+  send_error(CAN_ERR_CRTL);
+  ASSERT_TRUE(run_until([&] { return node_->report().counters["can.errors"] == 2; }));
+  EXPECT_EQ(node_->report().counters["can.bus_off"], 0);
+
+  drive_on_ = false;
+  why_no_restart_ = "not today";
+  send_error(CAN_ERR_BUSOFF);
+  ASSERT_TRUE(run_until_fault("vcan0 is bus-off: cable, terminator or bit rate; it cannot be restarted: not today"));
+  ASSERT_TRUE(run_until([&] { return restarts_.size() == 4; }));
+  EXPECT_GE(restarts_[1] - restarts_[0], 190'000);
+  EXPECT_GE(restarts_[2] - restarts_[1], 390'000);
+  EXPECT_GE(restarts_[3] - restarts_[2], 790'000);
+  why_no_restart_ = "";
+  ASSERT_TRUE(run_until([&] { return node_->report().counters["can.restarts"] >= 1; }));
+  send_error(CAN_ERR_RESTARTED);
+  drive_on_ = true;
+  EXPECT_TRUE(run_until_more_samples(20));
+  EXPECT_TRUE(run_until([&] { return node_->report().faults.empty(); }));
+  const std::size_t restarts = restarts_.size();
+  EXPECT_TRUE(run_until_more_samples(50));
+  EXPECT_EQ(restarts_.size(), restarts) << "the bus is on";
+  EXPECT_EQ(node_->report().counters["can.bus_off"], 1);
+  EXPECT_EQ(node_->report().counters["can.restart_failed"], 4);
+}
+
+TEST_F(EncoderOnSocketCan, TheNoiseOfOthersChangesNothing) {
+  if (std::system("command -v cangen >/dev/null") != 0) GTEST_SKIP() << "no cangen: can-utils has it";
+  ASSERT_TRUE(run_until_more_samples(20));
+  const std::int64_t setups = node_->report().counters["drive.setups"];
+  const Command extended(std::string("timeout -s KILL 4 cangen ") + kInterface + " -e -g 1");
+  const Command standard(std::string("timeout -s KILL 4 cangen ") + kInterface + " -I 3FF -g 1");
+  const std::size_t before = recorder_.messages().size();
+  ASSERT_TRUE(run_until_more_samples(250));
+  const Counters counters = node_->report().counters;
+  EXPECT_EQ(counters["refused.length"], 0);
+  EXPECT_EQ(counters["refused.jump"], 0);
+  EXPECT_EQ(counters["ignored.frames"], 0);
+  EXPECT_EQ(counters["drive.setups"], setups);
+  const auto& messages = recorder_.messages();
+  const double seconds = static_cast<double>(messages.back().utime - messages[before].utime) * 1e-6;
+  EXPECT_NEAR(static_cast<double>(messages.back().counts[0] - messages[before].counts[0]) / seconds, 10'000, 1'000);
+}
+
+TEST_F(EncoderOnSocketCan, NonsenseOnTheDrivesOwnIdsIsNeverPublished) {
+  if (std::system("command -v cangen >/dev/null") != 0) GTEST_SKIP() << "no cangen: can-utils has it";
+  ASSERT_TRUE(run_until_more_samples(50));
+  {
+    const Command positions(std::string("timeout -s KILL 3 cangen ") + kInterface + " -I 181 -g 20");
+    const Command sdo(std::string("timeout -s KILL 3 cangen ") + kInterface + " -I 581 -g 20");
+    EXPECT_TRUE(run_until([&] {
+      const Counters counters = node_->report().counters;
+      return counters["refused.jump"] > 20 && counters["refused.length"] > 20 && counters["ignored.sdo"] > 20;
+    }));
+    EXPECT_TRUE(run_until_fault("of the packets of a second were refused"));
+  }
+  EXPECT_TRUE(run_until_more_samples(100));
+  for (const wheels_t& message : recorder_.messages()) ASSERT_LE(std::abs(message.speed[0]), 61);
+  EXPECT_TRUE(run_until([&] { return node_->report().faults.empty(); }));
+}
+
+/// The first frames of a real car, played by canplayer at their own pace.
+class RealLogOnSocketCan : public EncoderOnSocketCan {
+ protected:
+  static constexpr const char* kLog = "/data/fsae_candump.log";
+  void SetUp() override {
+    config_.configure = false;
+    config_.signals = {SignalKind::kCounts, "202 0|8@1+", "202 8|8@1+"};
+    drive_on_ = false;
+    EncoderOnSocketCan::SetUp();
+  }
+};
+
+TEST_F(RealLogOnSocketCan, EachFrameThatWasAskedForIsRead) {
+  if (std::system("command -v canplayer >/dev/null") != 0) GTEST_SKIP() << "no canplayer: can-utils has it";
+  std::ifstream log(kLog);
+  if (!log) GTEST_SKIP() << kLog << " is not there: can_in_qemu brings it";
+  std::vector<CanFrame> played;
+  for (std::string text; std::getline(log, text);) {
+    const auto line = parse_candump_line(text);
+    if (line && line->frame.id == 0x202) played.push_back(line->frame);
+  }
+  ASSERT_GT(played.size(), 1000u);
+  CanSocket other(kInterface, {0x202});  // hears the same
+  std::vector<CanFrame> heard;
+  loop_.every(5ms, [&] {
+    for (auto read = other.read(); read.status == CanSocket::Status::kFrame; read = other.read())
+      heard.push_back(read.frame);
+  });
+  const Command player(std::string("canplayer vcan0=can0 -I ") + kLog);
+  EXPECT_TRUE(run_until([&] { return heard.size() >= played.size(); }));
+  EXPECT_TRUE(heard == played) << heard.size() << " of " << played.size();
+  EXPECT_TRUE(run_until([&] {
+    return node_->report().counters["can.frames"] == static_cast<std::int64_t>(played.size());
+  })) << node_->report().counters["can.frames"]
+      << " of " << played.size();
+  EXPECT_EQ(node_->report().counters["refused.length"], 0);
 }
 
 }  // namespace
