@@ -100,9 +100,10 @@ std::string sensor_text(const Packets& packets, const Device& device) {
   for (const auto& [name, count] : before.values()) counters.add(name, name.starts_with("refused.") ? -count : 0);
 
   const lidar::models::DeviceFacts& facts = sensor.facts();
-  std::string text =
-      line("points", fmt::format("{} in {} packets of {} revolutions; {} shots without a return", counters["points"],
-                                 counters["packets"], revolutions, counters["no_return"]));
+  std::string text = line("points", fmt::format("{} in {} packets of {} revolutions; besides {} shots without a "
+                                                "return, {} nearer than 0.4 m or farther than 150 m",
+                                                counters["points"], counters["packets"], revolutions,
+                                                counters["no_return"], counters["out_of_range"]));
   text += line("lost", fmt::format("{} packets", counters["lost.packets"]));
   text += line("refused", refusals_text(counters));
   text += line("returns", sensor.return_mode().empty() ? "not told" : sensor.return_mode());

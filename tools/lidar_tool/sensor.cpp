@@ -12,8 +12,6 @@ namespace {
 lidar::LidarConfig config_of(lidar::models::ModelName model) {
   lidar::LidarConfig config;
   config.model = model;
-  config.min_range = 0;
-  config.max_range = 400;
   return config;
 }
 
@@ -38,7 +36,7 @@ std::string mode_in(Sender kind, std::span<const std::uint8_t> bytes) {
 
 Sensor::Sensor(lidar::models::ModelName model, const OnPoints& on_points)
     : node_(config_of(model), bus_, [] { return true; }),
-      model_(lidar::models::make_model(model, {.limits = {0, 400}, .distance_step = {}, .angles = {}})) {
+      model_(lidar::models::make_model(model, {.limits = {}, .distance_step = {}, .angles = {}})) {
   if (on_points) bus_.subscribe<lidar_points_t>("LIDAR_POINTS", on_points);
 }
 

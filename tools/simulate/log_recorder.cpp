@@ -100,7 +100,7 @@ class Recorder {
                                     numerics::Random(drive.seed).fork(12))),
         imu_line_(imu_, numerics::Random(drive.seed).fork(14)),
         can_line_(wheels_, numerics::Random(drive.seed).fork(15)),
-        lidar_node_({}, log_, [] { return true; }),  // one made-up clock, of host and device
+        lidar_node_(lidar_config(drive.lidar), log_, [] { return true; }),  // one made-up clock, of host and device
         imu_node_({}, log_, [this](std::span<const std::uint8_t> bytes) { imu_line_.to_device(bytes); }),
         encoder_node_(encoder_config(drive.config), log_,
                       [this](const encoder::can::CanFrame& frame) { channel_.send(frame); }),
@@ -149,6 +149,24 @@ class Recorder {
   }
 
  private:
+  [[nodiscard]] static lidar::LidarConfig lidar_config(devices::LidarName name) {
+    lidar::LidarConfig config;
+    switch (name) {
+      case devices::LidarName::kRs16:
+        config.model = lidar::models::ModelName::kRs16;
+        break;
+      case devices::LidarName::kVlp16:
+        config.model = lidar::models::ModelName::kVlp16;
+        break;
+      case devices::LidarName::kHelios16p:
+        config.model = lidar::models::ModelName::kHelios16p;
+        break;
+      case devices::LidarName::kHelios32:
+        config.model = lidar::models::ModelName::kHelios32;
+        break;
+    }
+    return config;
+  }
   [[nodiscard]] static encoder::EncoderConfig encoder_config(const rig::SimulateConfig& config) {
     encoder::EncoderConfig encoder;
     encoder.counts_per_revolution = config.wheels.counts_per_revolution;

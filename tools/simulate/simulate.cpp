@@ -156,6 +156,10 @@ void add_options(CommandLine& line, Options& options) {
   line.option("--times", options.times, "Time of each scan, s; default: times.txt beside the poses, else 10 Hz");
   line.option("--seed", options.seed, "Of the town and of all noise").shows_default();
   line.option("--seconds", options.seconds, "Length of the drive").within(0.1, 36000.0).shows_default();
+  using enum devices::LidarName;
+  line.choice("--lidar", options.lidar,
+              {{"rs16", kRs16}, {"vlp16", kVlp16}, {"helios16p", kHelios16p}, {"helios32", kHelios32}},
+              "The LiDAR on the roof");
   line.option("--truth", options.truth, "Folder for the true poses, classes and curbs");
   line.option("--config", options.config, "The vehicle's YAML file (sections simulate and vehicle)");
   line.option("--set", options.set, "KEY=VALUE of section simulate, e.g. speed=2");

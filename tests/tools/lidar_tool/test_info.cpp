@@ -49,6 +49,7 @@ TEST(LidarInfo, TellsTheRecordingOfAnRs16) {
   EXPECT_THAT(text, HasSubstr("RoboSense RS-LiDAR-16 (model: rs16)"));
   EXPECT_THAT(text, HasSubstr("6699: 3000 packets of 1248 bytes"));
   EXPECT_THAT(text, HasSubstr("7788: 40 packets of 1248 bytes"));
+  EXPECT_THAT(text, HasSubstr("points    1056856 in 3000 packets"));
   EXPECT_THAT(text, HasSubstr("lost      0 packets"));
   EXPECT_THAT(text, HasSubstr("refused   none"));
   EXPECT_THAT(text, HasSubstr("angles    the device's own"));
