@@ -70,7 +70,9 @@ UdpSource::UdpSource(int port, const UdpOptions& options) : port_(port) {
   if (fd_ < 0) throw std::runtime_error("UDP socket: " + std::generic_category().message(errno));
   try {
     // No SO_REUSEADDR: a second driver on the port would take the packets from the first without a word.
-    setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &options.receive_buffer, sizeof options.receive_buffer);
+    // Root gets what it asks for; others what net.core.rmem_max allows.
+    if (setsockopt(fd_, SOL_SOCKET, SO_RCVBUFFORCE, &options.receive_buffer, sizeof options.receive_buffer) != 0)
+      setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &options.receive_buffer, sizeof options.receive_buffer);
     enable(fd_, SO_TIMESTAMPNS);
     enable(fd_, SO_RXQ_OVFL);
     if (bind(fd_, reinterpret_cast<const sockaddr*>(&local), sizeof local) != 0)

@@ -19,9 +19,10 @@ struct Ended {
   std::string output;
 };
 
-/// Runs the program to its end, at most 20 s.
-Ended lidar(const std::string& arguments) {
-  const std::string command = "timeout 20 " CURBSTONE_BIN_DIR "/curbstone-lidar " + arguments + " 2>&1";
+/// Runs the program to its end, at most `seconds`, after which it gets SIGTERM.
+Ended lidar(const std::string& arguments, int seconds = 20) {
+  const std::string command = "timeout --preserve-status " + std::to_string(seconds) +
+                              " " CURBSTONE_BIN_DIR "/curbstone-lidar " + arguments + " 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
   std::string output;
   for (int c = fgetc(pipe); c != EOF; c = fgetc(pipe)) output.push_back(static_cast<char>(c));
@@ -78,6 +79,23 @@ TEST(LidarProcess, NamesTheSectionThatAnOldFileMeans) {
   const Ended ended = lidar("--config " + file);
   EXPECT_EQ(ended.status, 2);
   EXPECT_THAT(ended.output, AllOf(HasSubstr("old.yaml:1: rslidar"), HasSubstr("did you mean lidar?")));
+}
+
+TEST(LidarProcess, WaitsForAnInterfaceThatIsNotThereYet) {
+  // 192.0.2.9 (for documentation, RFC 5737) comes to this namespace's loopback while the process runs. Where that is
+  // not allowed there is nothing to see.
+  if (std::system("ip address add 192.0.2.8/32 dev lo 2>/dev/null") != 0) GTEST_SKIP() << "no network namespace";
+  (void)!std::system("( sleep 1; ip address add 192.0.2.9/32 dev lo ) &");
+  const Ended ended = lidar("--set host_address=192.0.2.9 --set msop_port=46701 --set difop_port=46702", 6);
+  EXPECT_EQ(ended.status, 0) << "SIGTERM ends it, and nothing else did";
+  EXPECT_THAT(ended.output, AllOf(HasSubstr("no interface with address 192.0.2.9"), HasSubstr("it is tried again"),
+                                  HasSubstr("the interface is there: listening")));
+}
+
+TEST(LidarProcess, EndsForAnAddressThatIsNone) {
+  const Ended ended = lidar("--set host_address=lidar");
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_THAT(ended.output, HasSubstr("'lidar' is no IPv4 address"));
 }
 
 TEST(LidarProcess, RefusesConfigurationItDoesNotKnow) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 
 #include "drivers/lidar/decoding/block_steps.hpp"
 #include "drivers/lidar/models/helios/msop_packet.hpp"
@@ -14,7 +13,6 @@ using decoding::Refusal;
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::uint16_t kNoReturn = 0xFFFF;
 constexpr int kUnitChangesAfter = 10;                          // packets in a row
 constexpr std::uint64_t kLastSecond = std::uint64_t{1} << 40;  // beyond any clock
@@ -41,7 +39,7 @@ bool same(const MsopRecord& a, const MsopRecord& b) {
 
 HeliosDecoder::HeliosDecoder(const Variant& variant, const decoding::ReturnLimits& limits,
                              std::optional<double> distance_step)
-    : variant_(variant), writer_(limits, kLensOffset), distance_step_(distance_step) {}
+    : variant_(variant), limits_(limits), distance_step_(distance_step) {}
 
 void HeliosDecoder::set_device(const DeviceInfo& device) {
   blind_zone_.set_field_of_view(device.fov_start, device.fov_end);
@@ -50,8 +48,7 @@ void HeliosDecoder::set_device(const DeviceInfo& device) {
   for (std::size_t i = 0; i < variant_.lasers; ++i) {
     const double elevation = angles[i].elevation;
     const auto lower = std::ranges::count_if(angles, [&](const auto& a) { return a.elevation < elevation; });
-    lasers_[i] = {std::cos(elevation * kDegree), std::sin(elevation * kDegree), angles[i].azimuth, 0.0,
-                  static_cast<std::uint8_t>(lower)};
+    lasers_[i] = decoding::laser_at(elevation, angles[i].azimuth, 0.0, static_cast<std::uint8_t>(lower));
   }
 }
 
@@ -98,7 +95,9 @@ Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::Dec
   packet.azimuth = azimuths[0];
   packet.rate = steps.mean / period;
   packet.duration = spans[firings - 1].start + period;
+  decoding::PointWriter writer(limits_, kLensOffset, packet);
   for (std::size_t f = 0; f < firings; ++f) {
+    writer.block(0.01 * azimuths[f]);
     const MsopBlock& first = msop.blocks[f * blocks_a_firing];
     const MsopBlock& last = msop.blocks[f * blocks_a_firing + blocks_a_firing - 1];
     for (std::size_t r = 0; r < kRecords; ++r) {
@@ -106,13 +105,13 @@ Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::Dec
       const bool second_return = sixteen && dual_return_ && r >= variant_.lasers;
       const double time =
           variant_.times[laser] + (second_return ? 0.0 : static_cast<double>(r / variant_.lasers) * kSequencePeriod);
-      const double azimuth = 0.01 * (azimuths[f] + spans[f].angle * (time / period));
+      const double turned_deg = 0.01 * spans[f].angle * (time / period);
       const auto add = [&](const MsopRecord& record) {
         if (record.distance == 0 || record.distance == kNoReturn) {
           ++packet.no_return;
         } else {
-          writer_.add(azimuth, spans[f].start + time, lasers_[laser], record.distance * distance_step, record.intensity,
-                      packet);
+          writer.add(turned_deg, spans[f].start + time, lasers_[laser], record.distance * distance_step,
+                     record.intensity);
         }
       };
       if (second_return && same(first.records[r], first.records[laser])) continue;
@@ -120,6 +119,7 @@ Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::Dec
       if (blocks_a_firing == 2 && !same(first.records[r], last.records[r])) add(last.records[r]);
     }
   }
+  writer.finish();
   return Refusal::kNone;
 }
 

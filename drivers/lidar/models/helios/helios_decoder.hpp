@@ -30,7 +30,7 @@ class HeliosDecoder {
   [[nodiscard]] bool unit_is_credible(std::uint8_t unit);
 
   const Variant& variant_;
-  decoding::PointWriter writer_;
+  decoding::ReturnLimits limits_;
   std::optional<double> distance_step_;  ///< m, as the user says
   decoding::BlindZone blind_zone_;
   bool dual_return_ = false;

@@ -1,9 +1,7 @@
 #include "drivers/lidar/models/rs16/rs16_decoder.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <numbers>
 
 #include "drivers/lidar/decoding/block_steps.hpp"
 #include "drivers/lidar/models/rs16/msop_packet.hpp"
@@ -14,7 +12,6 @@ using decoding::Refusal;
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::uint16_t kNoReturn = 0xFFFF;  // as real devices send it; 0 is the manual's
 
 Refusal check(const MsopPacket& packet) {
@@ -35,7 +32,7 @@ bool repeats_first(const MsopBlock& block, std::size_t record) {
 
 }  // namespace
 
-Rs16Decoder::Rs16Decoder(const decoding::ReturnLimits& limits) : writer_(limits, kLensOffset) {
+Rs16Decoder::Rs16Decoder(const decoding::ReturnLimits& limits) : limits_(limits) {
   set_device(DeviceInfo{});
 }
 
@@ -51,8 +48,7 @@ void Rs16Decoder::set_device(const DeviceInfo& device) {
   for (std::size_t i = 0; i < kLasers; ++i) {
     const double elevation = device.elevations[i];
     const auto lower = std::ranges::count_if(device.elevations, [&](double e) { return e < elevation; });
-    lasers_[i] = {std::cos(elevation * kDegree), std::sin(elevation * kDegree), device.azimuths[i], 0.0,
-                  static_cast<std::uint8_t>(lower)};
+    lasers_[i] = decoding::laser_at(elevation, device.azimuths[i], 0.0, static_cast<std::uint8_t>(lower));
   }
 }
 
@@ -80,7 +76,10 @@ Refusal Rs16Decoder::decode(std::span<const std::uint8_t> bytes, decoding::Decod
   packet.azimuth = azimuths[0];
   packet.rate = steps.mean / block_period_;
   packet.duration = spans.back().start + block_period_;
+  decoding::PointWriter writer(limits_, kLensOffset, packet);
   for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
+    writer.block(0.01 * azimuths[b]);
+    const double turned_a_second = 0.01 * spans[b].angle / block_period_;
     for (std::size_t r = 0; r < kRecords; ++r) {
       const MsopRecord& record = msop.blocks[b].records[r];
       if (device_.dual_return && r >= kLasers && repeats_first(msop.blocks[b], r)) continue;
@@ -88,11 +87,11 @@ Refusal Rs16Decoder::decode(std::span<const std::uint8_t> bytes, decoding::Decod
         ++packet.no_return;
         continue;
       }
-      const double azimuth = 0.01 * (azimuths[b] + spans[b].angle * (times_[r] / block_period_));
-      writer_.add(azimuth, spans[b].start + times_[r], lasers_[r % kLasers], record.distance * device_.distance_step,
-                  record.intensity, packet);
+      writer.add(turned_a_second * times_[r], spans[b].start + times_[r], lasers_[r % kLasers],
+                 record.distance * device_.distance_step, record.intensity);
     }
   }
+  writer.finish();
   return Refusal::kNone;
 }
 

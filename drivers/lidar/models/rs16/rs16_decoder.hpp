@@ -31,7 +31,7 @@ class Rs16Decoder {
  private:
   static constexpr std::size_t kRecords = kSequencesPerBlock * kLasers;
 
-  decoding::PointWriter writer_;
+  decoding::ReturnLimits limits_;
   DeviceInfo device_;
   decoding::BlindZone blind_zone_;
   double block_period_ = kBlockPeriod;    ///< s

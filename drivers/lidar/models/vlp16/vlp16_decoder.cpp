@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "drivers/lidar/decoding/block_steps.hpp"
 
@@ -12,7 +11,6 @@ using decoding::Refusal;
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::int64_t kHour = 3'600'000'000;             // us
 constexpr std::int64_t kLongestHour = kHour + 1'000'000;  // us: values a little above the hour occur
 
@@ -31,13 +29,12 @@ std::int64_t nearest(std::int64_t past_hour, std::int64_t reference) {
 }  // namespace
 
 Vlp16Decoder::Vlp16Decoder(const decoding::ReturnLimits& limits, const std::vector<LaserAngles>& angles)
-    : writer_(limits, 0.0) {
+    : limits_(limits) {
   std::array<LaserAngles, kLasers> all;
   for (std::size_t i = 0; i < kLasers; ++i) all[i] = angles.empty() ? LaserAngles{kElevations[i], 0.0} : angles[i];
   for (std::size_t i = 0; i < kLasers; ++i) {
     const auto lower = std::ranges::count_if(all, [&](const auto& a) { return a.elevation < all[i].elevation; });
-    lasers_[i] = {std::cos(all[i].elevation * kDegree), std::sin(all[i].elevation * kDegree), all[i].azimuth,
-                  kHeights[i], static_cast<std::uint8_t>(lower)};
+    lasers_[i] = decoding::laser_at(all[i].elevation, all[i].azimuth, kHeights[i], static_cast<std::uint8_t>(lower));
   }
 }
 
@@ -78,29 +75,29 @@ Refusal Vlp16Decoder::decode(std::int64_t received, std::span<const std::uint8_t
   packet.azimuth = azimuths[0];
   packet.rate = steps.mean / kBlockPeriod;
   packet.duration = spans[firings - 1].start + kBlockPeriod;
+  decoding::PointWriter writer(limits_, 0.0, packet);
+  const auto add = [&](std::span<const std::uint8_t> record, double turned_deg, double time, std::size_t laser) {
+    const auto distance = read_little_endian<std::uint16_t>(record);
+    if (distance == 0)
+      ++packet.no_return;
+    else
+      writer.add(turned_deg, time, lasers_[laser], distance * kDistanceStep, record[2]);
+  };
   for (std::size_t f = 0; f < firings; ++f) {
+    writer.block(0.01 * azimuths[f]);
     for (std::size_t r = 0; r < kRecordsPerBlock; ++r) {
       const double time =
           static_cast<double>(r / kLasers) * kSequencePeriod + static_cast<double>(r % kLasers) * kLaserPeriod;
-      const double azimuth = 0.01 * (azimuths[f] + spans[f].angle * (time / kBlockPeriod));
+      const double turned_deg = 0.01 * spans[f].angle * (time / kBlockPeriod);
       const auto record = record_of(bytes, f * blocks_a_firing, r);
-      add(record, azimuth, spans[f].start + time, r % kLasers, packet);
+      add(record, turned_deg, spans[f].start + time, r % kLasers);
       if (!dual) continue;
       const auto other = record_of(bytes, f * blocks_a_firing + 1, r);
-      if (!std::ranges::equal(record, other)) add(other, azimuth, spans[f].start + time, r % kLasers, packet);
+      if (!std::ranges::equal(record, other)) add(other, turned_deg, spans[f].start + time, r % kLasers);
     }
   }
+  writer.finish();
   return Refusal::kNone;
-}
-
-void Vlp16Decoder::add(std::span<const std::uint8_t> record, double azimuth_deg, double time, std::size_t laser,
-                       decoding::DecodedPacket& packet) const {
-  const auto distance = read_little_endian<std::uint16_t>(record);
-  if (distance == 0) {
-    ++packet.no_return;
-    return;
-  }
-  writer_.add(azimuth_deg, time, lasers_[laser], distance * kDistanceStep, record[2], packet);
 }
 
 std::int64_t Vlp16Decoder::resolve(std::int64_t past_hour, std::int64_t received) {

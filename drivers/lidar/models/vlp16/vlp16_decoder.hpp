@@ -35,11 +35,9 @@ class Vlp16Decoder {
   [[nodiscard]] bool dual_return() const { return dual_return_; }
 
  private:
-  void add(std::span<const std::uint8_t> record, double azimuth_deg, double time, std::size_t laser,
-           decoding::DecodedPacket& packet) const;
   [[nodiscard]] std::int64_t resolve(std::int64_t past_hour, std::int64_t received);
 
-  decoding::PointWriter writer_;
+  decoding::ReturnLimits limits_;
   decoding::BlindZone blind_zone_;
   std::array<decoding::Laser, kLasers> lasers_{};
   bool dual_return_ = false;
