@@ -66,7 +66,7 @@ odometry_t odometry_message(const model::Estimate& estimate) {
   copy(estimate.accelerometer_bias, out.accelerometer_bias);
   copy(estimate.pose_covariance, out.pose_covariance);
   copy(estimate.twist_covariance, out.twist_covariance);
-  out.flags = odometry_t::INITIALISED;
+  out.flags |= estimate.level ? std::int32_t{odometry_t::INITIALISED} : std::int32_t{odometry_t::NOT_LEVEL};
   if (estimate.stationary) out.flags |= odometry_t::STATIONARY;
   if (estimate.slipping) out.flags |= odometry_t::SLIPPING;
   if (estimate.no_imu) out.flags |= odometry_t::NO_IMU;

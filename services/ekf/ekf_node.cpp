@@ -5,19 +5,32 @@
 #include <cmath>
 
 #include "services/ekf/ekf_messages.hpp"
+#include "services/ekf/filter/state_file.hpp"
 
 namespace curbstone::ekf {
 
 namespace {
 
-constexpr std::int64_t kSilence = 1'000'000;  // us without a message that is a fault
-constexpr int kGarbageRun = 20;               // messages refused in a row that are a fault
-constexpr std::int32_t kMaxLoss = 100'000;    // a larger step of a sequence is a restart, not a loss
+constexpr std::int64_t kStatePeriod = 100'000;  // us
+constexpr std::int64_t kSilence = 1'000'000;    // us without a message that is a fault
+constexpr int kGarbageRun = 20;                 // messages refused in a row that are a fault
+constexpr std::int32_t kMaxLoss = 100'000;      // a larger step of a sequence is a restart, not a loss
 
 }  // namespace
 
 EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
-    : config_(config), publisher_(publisher), sequencer_(config), increments_(config.map), filter_(config) {}
+    : config_(config), publisher_(publisher), sequencer_(config), increments_(config.map), filter_(config) {
+  if (config_.state_file.empty()) return;
+  if (const auto state = filter::load_state(config_.state_file)) filter_.inherit(*state);
+}
+
+void EkfNode::tick(std::int64_t now) {
+  now_ = now;
+  if (config_.state_file.empty() || !filter_.filter().started()) return;
+  if (now >= state_saved_ && now - state_saved_ < kStatePeriod) return;
+  state_saved_ = now;
+  if (!filter::save_state(config_.state_file, filter_.filter().belief())) counters_.add("faults.state_file");
+}
 
 void EkfNode::connect(Subscriber& bus) {
   bus.subscribe<imu_t>("IMU", [this](const imu_t& message) { on(message); });
@@ -113,6 +126,7 @@ NodeReport EkfNode::report() const {
   if (!filter_.filter().started()) {
     faults.emplace_back("no odometry yet: waiting to stand still or to see the wheels turn");
   } else if (last_) {
+    if (!last_->level) faults.emplace_back("not level yet after a start on the move: the mapper goes by LiDAR alone");
     if (last_->no_imu) faults.emplace_back("no IMU: odometry coasts on the wheels");
     if (last_->no_wheels) faults.emplace_back("no wheels: odometry coasts on the IMU, and drifts");
   }

@@ -18,13 +18,13 @@ namespace curbstone::ekf {
 /// every wheel sample. With `fuse_map`, MAP_POSE in as well. Products are a function of the channels' sequences (see
 /// Sequencer) as long as none lags by more than its hold; what comes later still counts (see RewindingFilter). tick()
 /// only notices silence, for the faults. Latency is in message time: how far the sensors are ahead when an estimate is
-/// sent.
+/// sent. With `state_file` it saves what it believes (tick), and goes on from there when it was killed.
 class EkfNode final : public Node {
  public:
   EkfNode(const base::EkfConfig& config, Publisher& publisher);
 
   void connect(Subscriber& bus) override;
-  void tick(std::int64_t now) override { now_ = now; }
+  void tick(std::int64_t now) override;
   void finish() override { run(true); }
   [[nodiscard]] NodeReport report() const override;
 
@@ -59,7 +59,8 @@ class EkfNode final : public Node {
   std::int32_t imu_status_ = 0;
   wheels_t last_wheels_{};
   std::optional<model::Estimate> last_;
-  std::int64_t now_ = 0;  // us, of the last tick
+  std::int64_t now_ = 0;          // us, of the last tick
+  std::int64_t state_saved_ = 0;  // us
   std::vector<model::Estimate> estimates_;
 };
 

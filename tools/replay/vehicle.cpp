@@ -18,10 +18,9 @@ ReplayVehicle::ReplayVehicle(const ReplayOptions& options, LocalBus& bus) : bus_
                                                              options.assignments);
   if (!options.map_file.empty()) semantic.map = options.map_file;
   semantic.keep_earlier_drives = false;  // the user says which file is to be made
-  stages_.push_back(
-      {"ekf",
-       std::make_unique<ekf::EkfNode>(
-           config_of<ekf::base::EkfConfig>("ekf", kProcessSections, options.config_file, options.assignments), bus)});
+  auto ekf = config_of<ekf::base::EkfConfig>("ekf", kProcessSections, options.config_file, options.assignments);
+  ekf.state_file.clear();  // another vehicle's, or of another time
+  stages_.push_back({"ekf", std::make_unique<ekf::EkfNode>(ekf, bus)});
   stages_.push_back({"mapper", std::make_unique<mapper::MapperNode>(
                                    config_of<mapper::config::MapperConfig>("mapper", kProcessSections,
                                                                            options.config_file, options.assignments),

@@ -117,6 +117,8 @@ struct StartConfig {
   double max_gyro_bias = 0.1;              ///< rad/s: a larger mean rate at standstill is a turn or a broken gyro
   double moving_tilt_sigma = 0.05;         ///< rad, 1 sigma of roll and pitch after a start on the move
   double moving_speed_sigma = 0.5;         ///< m/s, 1 sigma of the speed after a start on the move
+  double level_sigma = 0.005;              ///< rad, 1 sigma of roll and pitch from which on the odometry may be used
+  double level_patience = 10.0;            ///< s, after which it may be used whatever they are
 
   void visit(ConfigVisitor& v) {
     v.field("still", still, {0.2, 60.0}, "s of standstill for a good start");
@@ -127,6 +129,8 @@ struct StartConfig {
     v.field("max_gyro_bias", max_gyro_bias, {1e-3, 1.0}, "rad/s: more at standstill is a turn or a broken gyro");
     v.field("moving_tilt_sigma", moving_tilt_sigma, {1e-3, 1.0}, "rad, of roll and pitch after a start on the move");
     v.field("moving_speed_sigma", moving_speed_sigma, {1e-3, 50.0}, "m/s, of the speed after a start on the move");
+    v.field("level_sigma", level_sigma, {1e-4, 1.0}, "rad, of roll and pitch from which on the odometry may be used");
+    v.field("level_patience", level_patience, {0.0, 600.0}, "s, after which it may be used whatever they are");
   }
 };
 
@@ -182,6 +186,7 @@ struct EkfConfig {
   StandstillConfig standstill;
   SlipConfig slip;
   SpreadConfig spread;
+  std::string state_file;  ///< what the filter believes, ten times a second, for its successor; empty: none
   bool fuse_map = false;
   MapFusionConfig map;
 
@@ -194,6 +199,8 @@ struct EkfConfig {
     v.section("standstill", standstill, "when the vehicle stands");
     v.section("slip", slip, "when wheels are not believed");
     v.section("spread", spread, "how odom takes corrections of place and heading: not in jumps");
+    v.field("state_file", state_file,
+            "on a tmpfs: what the filter believes, for the next one if it is killed; or empty");
     v.field("fuse_map", fuse_map, "take MAP_POSE back as a correction of speed, biases and wheels");
     v.section("map", map, "how the mapper's poses are taken back");
   }

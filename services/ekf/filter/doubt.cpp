@@ -28,6 +28,19 @@ void doubt_since_gap(model::Belief& belief, double gap, const base::StartConfig&
   widen(belief, model::kAttitude, config.moving_tilt_sigma);
 }
 
+void doubt_since_killed(model::Belief& belief, double gap) {
+  constexpr double kAcceleration = 3.0;  // m/s^2
+  constexpr double kTilting = 0.02;      // rad/s
+  constexpr double kTurning = 0.5;       // rad/s, about the vertical: no measurement depends on it
+  belief.mean.position += belief.mean.attitude * belief.mean.velocity * gap;
+  const Eigen::Vector3d yaw_axis = belief.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
+  widen(belief, model::kPosition, 0.5 * kAcceleration * gap * gap + kTurning * gap * belief.mean.velocity.norm() * gap);
+  widen(belief, model::kVelocity, kAcceleration * gap);
+  widen(belief, model::kAttitude, kTilting * gap);
+  belief.covariance.block<3, 3>(model::kAttitude, model::kAttitude) +=
+      kTurning * kTurning * gap * gap * yaw_axis * yaw_axis.transpose();
+}
+
 void doubt_standstill(model::Belief& belief, double travel, double track_width) {
   const double moved = travel / std::sqrt(3.0);
   const double turned = travel / std::sqrt(6.0) / track_width;

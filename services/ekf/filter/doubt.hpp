@@ -12,6 +12,9 @@ namespace curbstone::ekf::filter {
 void doubt_motion(model::Belief& belief, double speed_sigma, const base::StartConfig& config);
 /// The stamps jumped by `gap` s: nobody knows how the vehicle moved meanwhile.
 void doubt_since_gap(model::Belief& belief, double gap, const base::StartConfig& config);
+/// A process that was killed goes on with what it believed `gap` s ago, on a road vehicle: 3 m/s^2, 1 deg/s of roll and
+/// pitch. What is known of the sensors stays known. The belief is moved on by its own velocity.
+void doubt_since_killed(model::Belief& belief, double gap);
 /// The vehicle may have moved and turned a little before the wheels' travel was noticed: each wheel by anything up to
 /// `travel` m, evenly distributed.
 void doubt_standstill(model::Belief& belief, double travel, double track_width);

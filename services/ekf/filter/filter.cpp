@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::size_t kRecent = 1024;     // poses: 2.5 s at 400 Hz
 constexpr double kMaxAxleError = 4.0;     // sigma: farther from its configured place it was learnt from nonsense
+constexpr double kMostForce = 5.0;        // m/s^2: braking and rough roads; the vehicle was not laid on its side
+constexpr double kLostLevel = 4.0;        // times level_sigma: so far out, roll and pitch are open again
 constexpr std::size_t kMaxPending = 256;  // wheel samples between two of the IMU
 
 /// Says nothing, and changes nothing.
@@ -68,6 +70,7 @@ void Filter::add(const base::ImuSample& sample, std::vector<model::Estimate>& ou
   update_standing();
   if (wheels_missing(sample.utime)) correct_without_wheels();
   restore_if_not_finite();
+  update_level();
   emit(next.imu, dt, false, out);
   if (pending_increment_ && pending_increment_->utime <= sample.utime) correct_with_map();
 }
@@ -100,7 +103,30 @@ void Filter::add(const base::WheelSample& sample, std::vector<model::Estimate>& 
   }
 }
 
+bool Filter::go_on(const base::ImuSample& sample) {
+  const std::optional<model::Belief> predecessor = std::exchange(predecessor_, std::nullopt);
+  if (!predecessor) return false;
+  const double gap = base::seconds_between(predecessor->utime, sample.utime);
+  const Eigen::Vector3d force = geometry_.R_base_imu * sample.acceleration - predecessor->mean.accelerometer_bias;
+  const Eigen::Vector3d up = predecessor->mean.attitude.conjugate() * Eigen::Vector3d(0, 0, kGravity);
+  if (gap <= 0.0 || gap > kInheritance || (force - up).norm() > kMostForce) {
+    counters_.add("starts.not_inherited");
+    return false;
+  }
+  counters_.add("starts.inherited");
+  belief_ = *predecessor;
+  doubt_since_killed(belief_, gap);
+  belief_.utime = sample.utime;
+  last_good_ = belief_;
+  started_ = true;
+  not_level_since_ = sample.utime;
+  update_level();
+  start_up_.reset();
+  return true;
+}
+
 void Filter::start(const base::ImuSample& sample) {
+  if (go_on(sample)) return;
   const std::optional<model::Belief> first = start_up_.add(sample);
   if (!first) {
     still_.add(sample);
@@ -110,7 +136,27 @@ void Filter::start(const base::ImuSample& sample) {
   belief_ = last_good_ = *first;
   started_ = true;
   standing_ = start_up_.kind() == detection::StartUp::Kind::kStanding;
+  level_ = standing_;
+  not_level_since_ = sample.utime;
   start_up_.reset();
+}
+
+/// A start on the move, or a doubt, leaves roll and pitch open by degrees, and the first corrections swing them there
+/// in a moment. A mapper that took that for motion would tilt its map.
+void Filter::update_level() {
+  const Eigen::Matrix3d R = belief_.mean.attitude.toRotationMatrix();
+  const Eigen::Matrix3d in_odom =
+      R * belief_.covariance.block<3, 3>(model::kAttitude, model::kAttitude) * R.transpose();
+  const double sigma = std::sqrt(std::max(in_odom(0, 0), in_odom(1, 1)));
+  const double limit = config_->start.level_sigma;
+  const bool was_level = level_;
+  if (sigma > kLostLevel * limit && level_ && !standing_) {
+    level_ = false;
+    not_level_since_ = belief_.utime;
+  }
+  if (sigma <= limit || base::seconds_between(not_level_since_, belief_.utime) > config_->start.level_patience)
+    level_ = true;
+  if (was_level && !level_) counters_.add("level.lost");
 }
 
 void Filter::restart_clock(std::int64_t utime) {
@@ -209,8 +255,12 @@ void Filter::correct_driving(const inputs::WheelInterval& interval) {
                                 geometry_);
   };
   std::array<model::Observation, 2> rows{observe(0), observe(1)};
-  slip_.judge(interval, {model::distance(belief_, rows[0]), model::distance(belief_, rows[1])}, belief_.mean,
-              mechanisation_.window(), counters_);
+  if (level_) {
+    slip_.judge(interval, {model::distance(belief_, rows[0]), model::distance(belief_, rows[1])}, belief_.mean,
+                mechanisation_.window(), counters_);
+  } else {
+    slip_.reset_detector();  // a tilted filter sees the wheels slip whenever the vehicle accelerates
+  }
   bool refused = true;
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
     const bool slipping = slip_.slipping(wheel, interval.end);
@@ -315,6 +365,7 @@ bool Filter::wheels_missing(std::int64_t utime) const {
 void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vector<model::Estimate>& out) {
   const double rate_sigma = no_imu ? config_->noise.coasting_rate : config_->noise.gyro / std::sqrt(std::max(dt, 1e-3));
   model::Estimate estimate = model::estimate_base(belief_, imu, rate_sigma, geometry_);
+  estimate.level = level_;
   estimate.stationary = standing_;
   estimate.slipping = slip_.slipping(0, belief_.utime) || slip_.slipping(1, belief_.utime);
   estimate.no_imu = no_imu;

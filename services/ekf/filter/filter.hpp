@@ -39,6 +39,11 @@ class Filter {
  public:
   explicit Filter(const base::EkfConfig& config);
 
+  /// Before any sample: what a filter that was killed believed last. It is gone on with if the first IMU sample comes
+  /// within kInheritance of it and its specific force fits; else the filter starts as if there were none.
+  void inherit(const model::Belief& belief) { predecessor_ = belief; }
+  static constexpr double kInheritance = 2.0;  ///< s
+
   /// Appends to `out` one estimate at the sample's stamp, once started.
   void add(const base::ImuSample& sample, std::vector<model::Estimate>& out);
   /// Appends estimates only while there is no IMU: at the wheels' stamps.
@@ -47,6 +52,8 @@ class Filter {
   void add(const inputs::MapIncrement& increment) { pending_increment_ = increment; }
 
   [[nodiscard]] bool started() const { return started_; }
+  /// Roll and pitch are known to start.level_sigma, or as well as they will be.
+  [[nodiscard]] bool level() const { return level_; }
   [[nodiscard]] const model::Belief& belief() const { return belief_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -54,12 +61,14 @@ class Filter {
   using WheelStep = inputs::WheelOdometer::Step;
 
   void start(const base::ImuSample& sample);
+  [[nodiscard]] bool go_on(const base::ImuSample& sample);
   void restart_clock(std::int64_t utime);
   void restore_if_not_finite();
 
   void serve_pending(const model::TimedInertial* next);
   void update_standing();
   void leave_standing();
+  void update_level();
 
   void correct_with_wheels(WheelStep step, bool coasting);
   void correct_driving(const inputs::WheelInterval& interval);
@@ -89,6 +98,9 @@ class Filter {
 
   bool started_ = false;
   bool standing_ = false;
+  bool level_ = false;
+  std::int64_t not_level_since_ = 0;  // us
+  std::optional<model::Belief> predecessor_;
   model::Belief belief_;
   model::Belief last_good_;                  // the last one that was finite
   std::deque<base::WheelSample> pending_;    // wait for the IMU sample after them

@@ -27,6 +27,9 @@ class RewindingFilter {
 
   explicit RewindingFilter(const base::EkfConfig& config);
 
+  /// See Filter::inherit().
+  void inherit(const model::Belief& belief) { filter_.inherit(belief); }
+
   /// Appends to `out` the estimates that are newer than all before.
   void add(const Sample& sample, std::vector<model::Estimate>& out);
 

@@ -15,6 +15,7 @@ struct Estimate {
   Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();  ///< imu frame, m/s^2
   Eigen::Matrix<double, 6, 6> pose_covariance;                   ///< x y z (odom), rotation about X Y Z (base_link)
   Eigen::Matrix<double, 6, 6> twist_covariance;                  ///< vx vy vz, wx wy wz (base_link)
+  bool level = true;  ///< roll and pitch are known well enough: they will not swing by degrees in the next moment
   bool stationary = false;
   bool slipping = false;
   bool no_imu = false;     ///< coasting on wheels alone

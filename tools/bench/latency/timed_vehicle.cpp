@@ -27,10 +27,9 @@ TimedVehicle::TimedVehicle(const TimedVehicleOptions& options, Listener listener
   auto semantic = config_of<semantic_map::SemanticMapConfig>("semantic_map", kProcessSections, options.config_file,
                                                              options.assignments);
   semantic.map = options.map_file;
-  add("ekf", [&](Publisher& bus) {
-    return std::make_unique<ekf::EkfNode>(
-        config_of<ekf::base::EkfConfig>("ekf", kProcessSections, options.config_file, options.assignments), bus);
-  });
+  auto ekf = config_of<ekf::base::EkfConfig>("ekf", kProcessSections, options.config_file, options.assignments);
+  ekf.state_file.clear();
+  add("ekf", [&](Publisher& bus) { return std::make_unique<ekf::EkfNode>(ekf, bus); });
   auto mapper =
       config_of<mapper::config::MapperConfig>("mapper", kProcessSections, options.config_file, options.assignments);
   mapper.threads = 1;  // what another thread does is not on this process's clock
