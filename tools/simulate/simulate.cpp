@@ -176,6 +176,7 @@ void add_options(CommandLine& line, Options& options) {
   line.option("--imu-link", live.imu_link, "Name for the IMU's serial port").shows_default();
   line.option("--can-link", live.can_link, "Name for the serial port of the CAN adapter, or of the drive")
       .shows_default();
+  line.choice("--imu", live.witmotion, {{"xsens", false}, {"witmotion", true}}, "The IMU that is emulated");
   line.choice("--encoder", live.modbus, {{"can", false}, {"modbus", true}},
               "The wheels' line: CAN by an SLCAN adapter");
   line.option("--spool", live.spool, "File for the packets rendered ahead; the next run takes them from there");

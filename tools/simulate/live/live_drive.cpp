@@ -72,7 +72,8 @@ class LiveDrive {
         imu_port_(options.imu_link),
         can_port_(options.can_link),
         imu_(sensors::ImuModel(drive.config.imu, drive.config.vehicle, drive.motion,
-                               numerics::Random(drive.seed).fork(11))),
+                               numerics::Random(drive.seed).fork(11)),
+             options.witmotion),
         wheels_(make_wheels(drive, options.modbus)),
         garbage_(numerics::Random(drive.seed).fork(13)) {
     const auto now = wall_clock();

@@ -18,18 +18,26 @@ devices::XsensEmulator::Settings imu_settings() {
 
 }  // namespace
 
-EmulatedImu::EmulatedImu(sensors::ImuModel model) : model_(std::move(model)), device_(imu_settings()) {}
+EmulatedImu::EmulatedImu(sensors::ImuModel model, bool witmotion)
+    : model_(std::move(model)), witmotion_(witmotion), xsens_(imu_settings()) {}
 
 SerialDevice::Bytes EmulatedImu::power_on(std::int64_t now) {
-  due_ = now + device_.period();
-  return device_.power_on(now);
+  wit_.power_on(now);
+  due_ = now + period();
+  return witmotion_ ? Bytes{} : xsens_.power_on(now);
+}
+
+SerialDevice::Bytes EmulatedImu::on_bytes(std::int64_t now, std::span<const std::uint8_t> bytes) {
+  if (!witmotion_) return xsens_.on_bytes(now, bytes);
+  wit_.on_bytes(bytes);  // it answers nothing
+  return {};
 }
 
 SerialDevice::Bytes EmulatedImu::run(std::int64_t now, double t) {
   if (now < due_) return {};
-  due_ += device_.period();
-  if (due_ <= now) due_ = now + device_.period();  // after a pause of the emulator
-  if (!device_.measuring(now)) return {};
+  due_ += period();
+  if (due_ <= now) due_ = now + period();  // after a pause of the emulator
+  if (!witmotion_ && !xsens_.measuring(now)) return {};
   const motion::Inertia inertia = model_.sample(t);
   devices::XsensSample sample;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -38,7 +46,7 @@ SerialDevice::Bytes EmulatedImu::run(std::int64_t now, double t) {
   }
   sample.orientation = model_.orientation(t);
   ++samples_;
-  return device_.sample(now, sample);
+  return witmotion_ ? wit_.sample(now, sample) : xsens_.sample(now, sample);
 }
 
 }  // namespace curbstone::simulate::rig
