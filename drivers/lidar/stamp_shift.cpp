@@ -21,7 +21,7 @@ constexpr std::array<std::uint8_t, 4> kHelios = {0x55, 0xAA, 0x05, 0x5A};
 constexpr std::size_t kVlp16Size = 1206;
 constexpr std::size_t kVlp16Stamp = 1200;  // us past the hour
 constexpr std::int64_t kHour = 3'600'000'000;
-constexpr std::int64_t kSecond = 1'000'000;
+constexpr std::int64_t kOneSecond = 1'000'000;
 
 void shift_rs16(Bytes packet, std::int64_t shift) {
   models::robosense::PacketTime time;
@@ -38,10 +38,10 @@ void shift_helios(Bytes packet, std::int64_t shift) {
   for (std::size_t i = 0; i < 6; ++i) seconds = seconds << 8 | field[i];
   constexpr std::int64_t kEnd = std::int64_t{1} << 40;  // s: beyond any clock, and no overflow in us
   const auto fraction = std::int64_t{read_big_endian<std::uint32_t>(field.subspan(6))};
-  if (seconds >= kEnd || fraction >= kSecond) return;
-  const std::int64_t utime = seconds * kSecond + fraction + shift;
-  for (std::size_t i = 0; i < 6; ++i) field[i] = static_cast<std::uint8_t>(utime / kSecond >> (8 * (5 - i)));
-  for (std::size_t i = 0; i < 4; ++i) field[6 + i] = static_cast<std::uint8_t>(utime % kSecond >> (8 * (3 - i)));
+  if (seconds >= kEnd || fraction >= kOneSecond) return;
+  const std::int64_t utime = seconds * kOneSecond + fraction + shift;
+  for (std::size_t i = 0; i < 6; ++i) field[i] = static_cast<std::uint8_t>(utime / kOneSecond >> (8 * (5 - i)));
+  for (std::size_t i = 0; i < 4; ++i) field[6 + i] = static_cast<std::uint8_t>(utime % kOneSecond >> (8 * (3 - i)));
 }
 
 void shift_vlp16(Bytes packet, std::int64_t shift) {

@@ -7,20 +7,20 @@ namespace curbstone::lidar::decoding {
 
 namespace {
 
-constexpr int kTurn = 36000;
+constexpr int kFullTurn = 36000;
 constexpr int kTolerance = 200;  // 0.01 deg: two blocks and what the device rounds
 
 bool same(const Gap& a, const Gap& b) {
-  const int apart = std::abs(a.from - b.from) % kTurn;
-  return std::min(apart, kTurn - apart) <= kTolerance && std::abs(a.width - b.width) <= kTolerance;
+  const int apart = std::abs(a.from - b.from) % kFullTurn;
+  return std::min(apart, kFullTurn - apart) <= kTolerance && std::abs(a.width - b.width) <= kTolerance;
 }
 
 }  // namespace
 
 void BlindZone::set_field_of_view(int start, int end) {
   told_.reset();
-  const int fires = ((end - start) % kTurn + kTurn) % kTurn;
-  if (fires != 0) told_ = Gap{end % kTurn, kTurn - fires};
+  const int fires = ((end - start) % kFullTurn + kFullTurn) % kFullTurn;
+  if (fires != 0) told_ = Gap{end % kFullTurn, kFullTurn - fires};
 }
 
 bool BlindZone::is(const Gap& gap) const {

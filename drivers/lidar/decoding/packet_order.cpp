@@ -9,7 +9,7 @@ namespace curbstone::lidar::decoding {
 
 namespace {
 
-constexpr double kTurn = 36000;             // 0.01 deg
+constexpr double kFullCircle = 36000;       // 0.01 deg
 constexpr double kReorderAtMost = 100'000;  // us that a packet may come after a later one
 constexpr double kShortGap = 500'000;       // us, over which the head's speed is known
 constexpr double kReceiptJitter = 40'000;   // us, of the time of receipt
@@ -18,7 +18,7 @@ constexpr double kClocksAgree = 20'000;     // us; two clocks that do so by chan
 constexpr int kForgetRefusedAfter = 3;      // packets
 
 double nearest_turn(double angle) {
-  return angle - kTurn * std::round(angle / kTurn);
+  return angle - kFullCircle * std::round(angle / kFullCircle);
 }
 
 }  // namespace
