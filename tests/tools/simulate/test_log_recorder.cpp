@@ -121,5 +121,28 @@ TEST_F(LogRecorder, TheSameSeedGivesTheSameLogBitForBit) {
   EXPECT_FALSE(first == bytes(folder_ / "other.lcmlog"));
 }
 
+TEST(LogRecorderOfLidars, MakesAMessageOfEachPacketOfEveryDevice) {
+  const std::pair<devices::LidarName, double> devices[] = {{devices::LidarName::kVlp16, 1327.104e-6},
+                                                           {devices::LidarName::kHelios16p, 1333.44e-6},
+                                                           {devices::LidarName::kHelios32, 666.72e-6}};
+  for (const auto& [name, period] : devices) {
+    const testing::TemporaryFolder folder;
+    const std::string log = folder / "simulated.lcmlog";
+    const rig::SimulateConfig config;
+    const rig::Drive drive{
+        .motion = test_motion(),
+        .make_surroundings = [] { return std::make_unique<TownSurroundings>(test_town(), sensors::LidarNoise{}); },
+        .config = config,
+        .seconds = 1.0,
+        .start_utime = kStart,
+        .lidar = name};
+    (void)record_drive(drive, log);
+    const Messages all = read(log);
+    EXPECT_NEAR(static_cast<double>(all.lidar.size()), 1.0 / period, 4) << period;
+    ASSERT_FALSE(all.lidar.empty());
+    EXPECT_NEAR(static_cast<double>(all.lidar.front().utime - kStart), 0, 3 * period * 1e6);
+  }
+}
+
 }  // namespace
 }  // namespace curbstone::simulate
