@@ -65,6 +65,8 @@ std::int64_t write_csv(const Packets& packets, const PointSource& source, std::o
                  m.ring[i]);
     }
   });
+  if (count == 0)
+    throw std::runtime_error("no points: 'curbstone lidar info' says why; or is --model another device's?");
   return count;
 }
 

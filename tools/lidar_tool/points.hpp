@@ -20,7 +20,7 @@ struct PointSource {
 [[nodiscard]] PointSource point_source(const Packets& packets, const std::string& address, const std::string& model);
 
 /// Writes the points as CSV with a heading: utime (us since the Unix epoch, of each shot), revolution, x, y, z (m, in
-/// the lidar frame), intensity, ring. Returns their number.
+/// the lidar frame), intensity, ring. Returns their number. Throws std::runtime_error, one line, where there is none.
 std::int64_t write_csv(const Packets& packets, const PointSource& source, std::ostream& out);
 
 /// Writes the points of one revolution, counted from 0, as a binary PCD: x, y, z (m), intensity, ring, t (s after the

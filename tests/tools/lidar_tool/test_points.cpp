@@ -116,6 +116,14 @@ TEST(LidarPoints, TakesTheDeviceThatIsAskedFor) {
               ThrowsMessage<std::runtime_error>(HasSubstr("--model rs999")));
 }
 
+TEST(LidarPoints, SaysThatTheModelIsAnotherDevices) {
+  const Capture capture(frames(5), lidar::kEthernet, Capture::Format::kMicroseconds, 1332);
+  const auto packets = packets_from(capture.name(), {});
+  std::ostringstream out;
+  EXPECT_THAT([&] { (void)write_csv(*packets, point_source(*packets, "", "vlp16"), out); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("is --model another device's?")));
+}
+
 TEST(LidarPoints, SaysThatThereIsNoLidar) {
   const Capture capture({lidar::frame(Bytes(100), 6699)});
   const auto packets = packets_from(capture.name(), {});
