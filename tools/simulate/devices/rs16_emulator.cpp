@@ -14,7 +14,7 @@ namespace curbstone::simulate::devices {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kRadiansADegree = std::numbers::pi / 180.0;
 constexpr double kDistanceStep = 0.005;  // m
 
 }  // namespace
@@ -22,7 +22,7 @@ constexpr double kDistanceStep = 0.005;  // m
 Rs16Emulator::Rs16Emulator(const Rs16EmulatorConfig& config)
     : elevations_(config.elevations), rate_(config.rpm / 60.0 * 360.0) {
   for (std::size_t i = 0; i < lidar::models::rs16::kLasers; ++i) {
-    by_laser_[i] = {std::cos(elevations_[i] * kDegree), std::sin(elevations_[i] * kDegree)};
+    by_laser_[i] = {std::cos(elevations_[i] * kRadiansADegree), std::sin(elevations_[i] * kRadiansADegree)};
   }
 }
 
@@ -68,7 +68,7 @@ std::array<LidarRay, lidar::models::rs16::kLasers> Rs16Emulator::rays(double azi
   std::array<LidarRay, lidar::models::rs16::kLasers> rays;
   for (std::size_t i = 0; i < lidar::models::rs16::kLasers; ++i) {
     rays[i].time_offset = static_cast<double>(i) * lidar::models::rs16::kLaserPeriod;
-    const double azimuth = (azimuth_deg + rate_ * rays[i].time_offset) * kDegree;
+    const double azimuth = (azimuth_deg + rate_ * rays[i].time_offset) * kRadiansADegree;
     const Eigen::Vector3d outward(std::cos(azimuth), -std::sin(azimuth), 0.0);
     rays[i].origin = lidar::models::rs16::kLensOffset * outward;
     rays[i].direction = by_laser_[i].cos * outward + by_laser_[i].sin * Eigen::Vector3d::UnitZ();
