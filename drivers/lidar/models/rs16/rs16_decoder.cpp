@@ -42,8 +42,9 @@ void Rs16Decoder::set_device(const DeviceInfo& device) {
   const int sequences = device.dual_return ? 1 : kSequencesPerBlock;
   block_period_ = sequences * device.times.sequence;
   for (std::size_t i = 0; i < kRecords; ++i) {
-    const auto sequence = device.dual_return ? 0.0 : static_cast<double>(i / kLasers);
-    times_[i] = sequence * device.times.sequence + static_cast<double>(i % kLasers) * device.times.laser;
+    const std::size_t sequence = device.dual_return ? 0 : i / kLasers;
+    times_[i] =
+        static_cast<double>(sequence) * device.times.sequence + static_cast<double>(i % kLasers) * device.times.laser;
   }
   for (std::size_t i = 0; i < kLasers; ++i) {
     const double elevation = device.elevations[i];
