@@ -8,12 +8,10 @@ namespace curbstone {
 namespace {
 
 constexpr std::uint32_t kUdpHeader = 8;
-constexpr std::uint32_t kShort = 0x4C433032;          // "LC02"
-constexpr std::uint32_t kFragment = 0x4C433033;       // "LC03"
-constexpr std::uint32_t kShortName = kUdpHeader + 8;  // where the channel's name begins
-constexpr std::uint32_t kFragmentName = kUdpHeader + 20;
-constexpr std::uint32_t kFragmentNumber = kUdpHeader + 16;
-constexpr std::uint32_t kAll = 0xFFFFFFFF;  // bytes that pass
+constexpr std::uint32_t kWhole = 0x4C433032;     // "LC02"
+constexpr std::uint32_t kName = kUdpHeader + 8;  // where the channel's name begins
+constexpr std::uint32_t kMaxName = 63;           // bytes
+constexpr std::uint32_t kAll = 0xFFFFFFFF;       // bytes that pass
 
 sock_filter statement(int code, std::uint32_t k) {
   return {static_cast<std::uint16_t>(code), 0, 0, k};
@@ -21,6 +19,12 @@ sock_filter statement(int code, std::uint32_t k) {
 
 sock_filter jump(int code, std::uint32_t k, std::size_t if_true, std::size_t if_false) {
   return {static_cast<std::uint16_t>(code), static_cast<std::uint8_t>(if_true), static_cast<std::uint8_t>(if_false), k};
+}
+
+/// Goes on for a whole message; turns everything else away.
+std::vector<sock_filter> whole_messages() {
+  return {statement(BPF_LD | BPF_W | BPF_ABS, kUdpHeader), jump(BPF_JMP | BPF_JEQ | BPF_K, kWhole, 1, 0),
+          statement(BPF_RET | BPF_K, 0)};
 }
 
 /// Passes a datagram whose name, at X, is this one; goes on behind otherwise. (Jumps reach 255 statements: names of 500
@@ -51,22 +55,24 @@ void match(const std::string& name, std::vector<sock_filter>& program) {
 }  // namespace
 
 std::vector<sock_filter> make_channel_filter(std::vector<std::string> channels) {
-  std::vector<sock_filter> program = {
-      statement(BPF_LD | BPF_W | BPF_ABS, kUdpHeader),
-      jump(BPF_JMP | BPF_JEQ | BPF_K, kShort, 0, 2),
-      statement(BPF_LDX | BPF_W | BPF_IMM, kShortName),
-      jump(BPF_JMP | BPF_JA, 6, 0, 0),
-      jump(BPF_JMP | BPF_JEQ | BPF_K, kFragment, 1, 0),
-      statement(BPF_RET | BPF_K, kAll),  // what is not LCM's, LCM may judge
-      statement(BPF_LD | BPF_H | BPF_ABS, kFragmentNumber),
-      jump(BPF_JMP | BPF_JEQ | BPF_K, 0, 1, 0),
-      statement(BPF_RET | BPF_K, kAll),
-      statement(BPF_LDX | BPF_W | BPF_IMM, kFragmentName),
-  };
+  std::vector<sock_filter> program = whole_messages();
+  program.push_back(statement(BPF_LDX | BPF_W | BPF_IMM, kName));
   // A read beyond the datagram's end turns it away: so short names first, whose end every longer one's datagram has.
   std::sort(channels.begin(), channels.end(),
             [](const std::string& a, const std::string& b) { return a.size() < b.size(); });
   for (const std::string& channel : channels) match(channel, program);
+  program.push_back(statement(BPF_RET | BPF_K, 0));
+  return program;
+}
+
+std::vector<sock_filter> make_message_filter() {
+  std::vector<sock_filter> program = whole_messages();
+  // The name's end is looked for byte by byte: classic BPF has no loops.
+  for (std::uint32_t i = 0; i <= kMaxName; ++i) {
+    program.push_back(statement(BPF_LD | BPF_B | BPF_ABS, kName + i));
+    program.push_back(jump(BPF_JMP | BPF_JEQ | BPF_K, 0, 0, 1));
+    program.push_back(statement(BPF_RET | BPF_K, i == 0 ? 0 : kAll));
+  }
   program.push_back(statement(BPF_RET | BPF_K, 0));
   return program;
 }

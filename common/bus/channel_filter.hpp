@@ -7,12 +7,18 @@
 
 namespace curbstone {
 
-/// A classic BPF program for the receiving socket of LCM's udpm. It lets only messages on these channels through, so
-/// that the process is not woken for the others: most messages on a vehicle's bus are not for most of its processes.
-/// Datagrams that do not begin a message pass too. A socket filter sees the datagram from its UDP header on.
-/// Format (LCM 1.3.1, `lcm_udpm.c`, big-endian): a short message is "LC02", sequence number, channel, 0, data. A longer
-/// one is sent in fragments: "LC03", sequence number, size, offset, fragment number, fragment count, and in the first
-/// fragment channel, 0. Reference: Linux Documentation/networking/filter.rst.
+/// Classic BPF programs for the receiving socket of LCM's udpm, which let whole messages through and nothing else. A
+/// whole message is one datagram, up to 65,499 bytes: "LC02", sequence number, channel, 0, data (LCM 1.3.1,
+/// `lcm_udpm.c`, big-endian). No message of ours is longer. The fragments ("LC03") of longer ones are turned away:
+/// LCM 1.3.1 writes out of bounds when a fragment's offset lies outside its message, and believes any size up to
+/// 256 MiB. A socket filter sees the datagram from its UDP header on. Reference: Linux
+/// Documentation/networking/filter.rst.
+
+/// Messages on these channels only, so that the process is not woken for the others: most messages on a vehicle's bus
+/// are not for most of its processes.
 [[nodiscard]] std::vector<sock_filter> make_channel_filter(std::vector<std::string> channels);
+
+/// Messages on any channel whose name has 1 to 63 bytes and ends within the datagram.
+[[nodiscard]] std::vector<sock_filter> make_message_filter();
 
 }  // namespace curbstone

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 
 #include "common/bus/channel_filter.hpp"
 
@@ -51,19 +52,20 @@ void LcmSocket::find_since(const std::vector<int>& before) {
   host_before_ = dropped_on_host();
 }
 
-void LcmSocket::pass_only(const std::vector<std::string>& channels) {
-  std::vector<sock_filter> program = make_channel_filter(channels);
+bool LcmSocket::attach(std::vector<sock_filter> program) const {
   const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
-  if (setsockopt(fd_, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) == 0) {
+  return setsockopt(fd_, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) == 0;
+}
+
+void LcmSocket::pass_only(const std::vector<std::string>& channels) {
+  if (attach(make_channel_filter(channels)))
     turned_away_ = true;
-  } else {
-    pass_all();  // as with LCM alone; an earlier filter would keep the newest channel out
-  }
+  else
+    pass_all();  // too many channels for the kernel; an earlier filter would keep the newest out
 }
 
 void LcmSocket::pass_all() {
-  const int ignored = 0;
-  setsockopt(fd_, SOL_SOCKET, SO_DETACH_FILTER, &ignored, sizeof ignored);
+  if (!attach(make_message_filter())) throw std::runtime_error("cannot filter the bus: SO_ATTACH_FILTER is refused");
 }
 
 std::int64_t LcmSocket::dropped() const {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <linux/filter.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -21,8 +23,10 @@ class LcmSocket {
   }
   [[nodiscard]] bool found() const { return fd_ >= 0; }
 
-  /// The kernel turns away messages on other channels from this call on. Nobody is woken for them.
+  /// From this call on the kernel turns away messages on other channels, and what is no whole message (see
+  /// channel_filter.hpp). Nobody is woken for them.
   void pass_only(const std::vector<std::string>& channels);
+  /// Whole messages on any channel.
   void pass_all();
 
   /// Datagrams that found the receive buffer full, since find(). With pass_only() the kernel's count of this socket
@@ -31,6 +35,7 @@ class LcmSocket {
   [[nodiscard]] std::int64_t dropped() const;
 
  private:
+  [[nodiscard]] bool attach(std::vector<sock_filter> program) const;
   static std::vector<int> open_sockets();
   void find_since(const std::vector<int>& before);
 

@@ -1,6 +1,9 @@
 #include "common/bus/lcm_bus.hpp"
 
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 #include <lcm/lcm-cpp.hpp>
 
 #include <curbstone/imu_t.hpp>
@@ -73,6 +76,41 @@ struct Garbage {
     return 24;
   }
 };
+
+/// What ends a process that runs LCM 1.3.1 alone: a first fragment, and one whose offset lies far outside the message.
+void send_deadly_fragments(const std::string& channel, std::uint16_t port) {
+  using namespace std::string_literals;
+  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(port);
+  inet_pton(AF_INET, "239.255.76.67", &to.sin_addr);
+  const std::string first = "LC03\0\0\0\1\0\1\0\0\0\0\0\0\0\0\0\2"s + channel + '\0' + std::string(1000, 'x');
+  const std::string second = "LC03\0\0\0\1\0\1\0\0\xFF\xFF\xFF\xF0\0\1\0\2"s + std::string(1000, 'x');
+  const std::string no_end = "LC02\0\0\0\2"s + std::string(1000, 'A');
+  for (int i = 0; i < 3; ++i) {
+    for (const std::string& datagram : {first, second, no_end})
+      (void)!sendto(fd, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+  }
+  close(fd);
+}
+
+TEST(LcmBus, LivesWithFragmentsThatLieOutsideTheirMessage) {
+  constexpr const char* kUrl = "udpm://239.255.76.67:7681?ttl=0";
+  LcmBus listener(kUrl);
+  LcmBus recorder(kUrl);
+  int heard = 0;
+  int recorded = 0;
+  listener.subscribe<imu_t>("IMU", [&](const imu_t&) { ++heard; });
+  recorder.tap([&](const std::string&, const void*, int, std::int64_t) { ++recorded; }, {});
+  send_deadly_fragments("IMU", 7681);
+  LcmBus sender(kUrl);
+  sender.publish("IMU", imu_t{});
+  handle_until(listener, [&] { return heard > 0; });
+  handle_until(recorder, [&] { return recorded > 0; });
+  EXPECT_EQ(heard, 1);
+  EXPECT_EQ(recorded, 1);
+}
 
 TEST(LcmBus, CountsWhatDoesNotDecodeAndHandlersThatThrow) {
   LcmBus bus("memq://");
