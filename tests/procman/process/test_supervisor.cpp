@@ -99,13 +99,14 @@ TEST(Supervisor, KillsWhatIgnoresTheSignalByItsOwnTimer) {
 TEST(Supervisor, GrandchildrenEndWithTheCommandEvenInSessionsOfTheirOwn) {
   Supervised s;
   config::Command command =
-      s.add("a", "sh -c 'sleep 1000 & echo $!; setsid sleep 1001 & sleep 0.2; setsid -f sleep 1002; echo up; wait'");
+      s.add("a", "sh -c 'sleep 7351 & echo $!; setsid sleep 7352 & sleep 0.2; setsid -f sleep 7353; echo up; wait'");
   command.stop_time_allowed = 1;
   s.start(command);
   ASSERT_TRUE(s.run_until([&] { return s.output["a"].ends_with("up\r\n"); }));
   const pid_t grandchild = std::stoi(s.output["a"]);
   EXPECT_TRUE(is_alive(grandchild));
-  const auto sleepers = [] { return system("pgrep -f '^sleep 100[012]$' > /dev/null") == 0; };
+  // Numbers of this test's own: others run at the same time and sleep too.
+  const auto sleepers = [] { return system("pgrep -f '^sleep 735[123]$' > /dev/null") == 0; };
   s.supervisor.stop("a");
   ASSERT_TRUE(s.run_until_ended("a"));
   EXPECT_FALSE(is_alive(grandchild));
