@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t kSecond = 1'000'000;  // us
 
-std::string clock_text(const Sensor& sensor) {
+std::string clock_line(const Sensor& sensor) {
   if (!sensor.clock_difference()) return "no time";
   const double ms = static_cast<double>(*sensor.clock_difference()) * 1e-3;
   return std::abs(ms) < 1000 ? fmt::format("clock {:+.1f} ms", ms) : fmt::format("clock {:+.0f} s", ms * 1e-3);
@@ -56,7 +56,7 @@ std::string Watch::line_of(lidar::sources::Ipv4 address, Watched& watched) {
   if (refused > 0) complain(fmt::format("{} REFUSED", refused));
   for (const std::string& fault : sensor.facts().faults) complain(fault);
   return fmt::format("{}  {}  {} packets  {:.0f} rpm  {}{}{}  {}", who, sensor.table().name, packets, sensor.rpm(),
-                     clock_text(sensor), sensor.return_mode().empty() ? "" : "  ", sensor.return_mode(),
+                     clock_line(sensor), sensor.return_mode().empty() ? "" : "  ", sensor.return_mode(),
                      verdict.empty() ? "ok" : verdict);
 }
 
