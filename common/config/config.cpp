@@ -70,6 +70,7 @@ class Loader final : public ConfigVisitor {
     const Level& level = levels_.back();
     if (level.node.IsMap()) {
       for (const auto& entry : level.node) {
+        if (!entry.first.IsScalar()) fail_at(entry.first, level.path + "?", "expected a key that is a word");
         const auto key = entry.first.as<std::string>();
         if (std::find(level.known.begin(), level.known.end(), key) == level.known.end()) {
           fail_at(entry.first, level.path + key, unknown_key(key, level.known));
@@ -234,6 +235,8 @@ void parse_config(std::string_view text, const std::string& name, const std::str
   std::vector<std::string> known = {"vehicle"};
   known.insert(known.end(), sections.begin(), sections.end());
   for (const auto& entry : root) {
+    if (!entry.first.IsScalar())
+      throw ConfigError(fmt::format("{}:{}: expected the name of a section", name, entry.first.Mark().line + 1));
     const auto key = entry.first.as<std::string>();
     if (std::find(known.begin(), known.end(), key) == known.end()) {
       throw ConfigError(fmt::format("{}:{}: {}: {}", name, entry.first.Mark().line + 1, key, unknown_key(key, known)));

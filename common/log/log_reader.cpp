@@ -43,6 +43,7 @@ std::optional<LogEvent> LogReader::next() {
   LogEvent out{
       event->timestamp, {event->channel, static_cast<std::size_t>(event->channellen)}, {bytes, bytes + event->datalen}};
   lcm_eventlog_free_event(event);
+  read_to_ = std::ftell(log_->f);
   return out;
 }
 

@@ -28,12 +28,17 @@ class LogReader {
   /// The next event; nothing at the end. A log that was cut off inside an event ends there: see truncated().
   [[nodiscard]] std::optional<LogEvent> next();
   [[nodiscard]] bool truncated() const { return truncated_; }
+  /// Where the last whole event ended, and how many bytes behind it were not read: fewer than an event if the log was
+  /// cut off, more if it is damaged there.
+  [[nodiscard]] std::int64_t read_to() const { return read_to_; }
+  [[nodiscard]] std::int64_t unread() const { return size_ - read_to_; }
   /// The part of the file read so far, 0..1.
   [[nodiscard]] double progress() const;
 
  private:
   lcm_eventlog_t* log_ = nullptr;
   std::int64_t size_ = 0;
+  std::int64_t read_to_ = 0;
   bool truncated_ = false;
 };
 

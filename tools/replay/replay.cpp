@@ -49,6 +49,10 @@ class ProgressBar {
   std::int64_t last_ = 0;
 };
 
+/// Bytes: a message of one datagram, and its head. What is left behind the last one is more only in a damaged log.
+constexpr std::int64_t kLongestRecord = 66'000;
+constexpr std::int64_t kLatest = 4'102'444'800'000'000;  // us: the year 2100
+
 struct Arguments {
   std::string log;
   std::string record;
@@ -57,6 +61,7 @@ struct Arguments {
 
 struct Summary {
   std::int64_t messages = 0;
+  std::int64_t refused = 0;  // their times are none
   std::int64_t first_utime = 0;
   std::int64_t last_utime = 0;
   [[nodiscard]] double seconds() const { return static_cast<double>(last_utime - first_utime) * 1e-6; }
@@ -68,6 +73,10 @@ Summary drive(LogReader& reader, LocalBus& bus, ReplayVehicle& vehicle) {
   ProgressBar progress;
   const auto deliver = [&](const LogEvent& event) {
     const std::int64_t time = message_time(event);
+    if (time <= 0 || time > kLatest) {
+      ++summary.refused;
+      return;
+    }
     if (summary.messages++ == 0) summary.first_utime = summary.last_utime = time;
     summary.last_utime = std::max(summary.last_utime, time);
     vehicle.advance(time);
@@ -89,6 +98,7 @@ Summary drive(LogReader& reader, LocalBus& bus, ReplayVehicle& vehicle) {
 void report(const Summary& summary, const ReplayVehicle& vehicle, double wall_seconds, const std::string& map_file) {
   fmt::print("{:.1f} s of drive in {:.1f} s ({:.1f}x real time), {} messages -> {}\n", summary.seconds(), wall_seconds,
              summary.seconds() / wall_seconds, summary.messages, map_file);
+  if (summary.refused > 0) fmt::print("  refused.time {}\n", summary.refused);
   for (const auto& stage : vehicle.stages()) {
     const NodeReport report = stage.node->report();
     for (const auto& [name, value] : report.counters.values()) {
@@ -132,6 +142,11 @@ int run_replay(int argc, char** argv) {
     const Summary summary = drive(reader, bus, vehicle);
     if (summary.messages == 0) throw std::runtime_error(arguments.log + ": holds no LIDAR_POINTS, IMU or WHEELS");
     report(summary, vehicle, static_cast<double>(steady_clock() - start) * 1e-6, arguments.vehicle.map_file);
+    if (reader.unread() > kLongestRecord) {
+      fmt::print(stderr, "curbstone replay: {} is damaged at byte {}: the map ends there, {} bytes were not read\n",
+                 arguments.log, reader.read_to(), reader.unread());
+      return 1;
+    }
     if (reader.truncated()) fmt::print("  {} is cut off in mid-record: the map ends there\n", arguments.log);
   } catch (const ConfigError& error) {
     fmt::print(stderr, "curbstone replay: {}\n", error.what());

@@ -1,5 +1,7 @@
 #include "tools/replay/vehicle.hpp"
 
+#include <cstdlib>
+
 #include "common/config/config.hpp"
 #include "config/sections.hpp"
 #include "services/ekf/base/ekf_config.hpp"
@@ -39,7 +41,7 @@ ReplayVehicle::~ReplayVehicle() = default;
 void ReplayVehicle::advance(std::int64_t now) {
   if (last_tick_ == 0) last_tick_ = now;
   // A gap in the log is no reason to tick through it.
-  if (now - last_tick_ > 50 * kTickPeriod) last_tick_ = now - kTickPeriod;
+  if (std::abs(now - last_tick_) > 50 * kTickPeriod) last_tick_ = now - kTickPeriod;
   while (last_tick_ + kTickPeriod <= now) tick(last_tick_ += kTickPeriod);
 }
 

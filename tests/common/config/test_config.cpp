@@ -73,6 +73,8 @@ TEST(Config, WrongValuesSayWhatWasExpected) {
   EXPECT_THAT(error_of("ekf: {offset: [1, 2]}"), HasSubstr("expected 3 numbers, got 2"));
   EXPECT_THAT(error_of("ekf: 3"), HasSubstr("expected a map"));
   EXPECT_THAT(error_of("ekf: [\n"), HasSubstr("ugv.yaml:"));
+  EXPECT_THAT(error_of("ekf: {? [1] : 2}"), HasSubstr("ugv.yaml:1: ekf.?: expected a key that is a word"));
+  EXPECT_THAT(error_of("? [ekf]\n: 2"), HasSubstr("ugv.yaml:1: expected the name of a section"));
 }
 
 enum class Colour { kRed, kGreen };
