@@ -29,7 +29,8 @@ void EkfNode::tick(std::int64_t now) {
   if (config_.state_file.empty() || !filter_.filter().started()) return;
   if (now >= state_saved_ && now - state_saved_ < kStatePeriod) return;
   state_saved_ = now;
-  if (!filter::save_state(config_.state_file, filter_.filter().belief())) counters_.add("faults.state_file");
+  state_saves_ = filter::save_state(config_.state_file, filter_.filter().belief());
+  if (!state_saves_) counters_.add("faults.state_file");
 }
 
 void EkfNode::connect(Subscriber& bus) {
@@ -123,6 +124,9 @@ NodeReport EkfNode::report() const {
     faults.push_back(fmt::format("WHEELS: {} drive reports fault {:#x}", i == 0 ? "left" : "right",
                                  static_cast<std::uint32_t>(last_wheels_.faults[i])));
   }
+  if (!state_saves_)
+    faults.push_back(fmt::format("{} cannot be written: if this process dies, the next one starts on the move (mkdir?)",
+                                 config_.state_file));
   if (!filter_.filter().started()) {
     faults.emplace_back("no odometry yet: waiting to stand still or to see the wheels turn");
   } else if (last_) {

@@ -61,6 +61,7 @@ class EkfNode final : public Node {
   std::optional<model::Estimate> last_;
   std::int64_t now_ = 0;          // us, of the last tick
   std::int64_t state_saved_ = 0;  // us
+  bool state_saves_ = true;
   std::vector<model::Estimate> estimates_;
 };
 

@@ -13,7 +13,6 @@ namespace {
 constexpr std::size_t kRecent = 1024;     // poses: 2.5 s at 400 Hz
 constexpr double kMaxAxleError = 4.0;     // sigma: farther from its configured place it was learnt from nonsense
 constexpr double kMostForce = 5.0;        // m/s^2: braking and rough roads; the vehicle was not laid on its side
-constexpr double kLostLevel = 4.0;        // times level_sigma: so far out, roll and pitch are open again
 constexpr std::size_t kMaxPending = 256;  // wheel samples between two of the IMU
 
 /// Says nothing, and changes nothing.
@@ -119,7 +118,7 @@ bool Filter::go_on(const base::ImuSample& sample) {
   belief_.utime = sample.utime;
   last_good_ = belief_;
   started_ = true;
-  not_level_since_ = sample.utime;
+  level_.begin(false, sample.utime);
   update_level();
   start_up_.reset();
   return true;
@@ -136,27 +135,16 @@ void Filter::start(const base::ImuSample& sample) {
   belief_ = last_good_ = *first;
   started_ = true;
   standing_ = start_up_.kind() == detection::StartUp::Kind::kStanding;
-  level_ = standing_;
-  not_level_since_ = sample.utime;
+  level_.begin(standing_, sample.utime);
   start_up_.reset();
 }
 
-/// A start on the move, or a doubt, leaves roll and pitch open by degrees, and the first corrections swing them there
-/// in a moment. A mapper that took that for motion would tilt its map.
 void Filter::update_level() {
   const Eigen::Matrix3d R = belief_.mean.attitude.toRotationMatrix();
   const Eigen::Matrix3d in_odom =
       R * belief_.covariance.block<3, 3>(model::kAttitude, model::kAttitude) * R.transpose();
   const double sigma = std::sqrt(std::max(in_odom(0, 0), in_odom(1, 1)));
-  const double limit = config_->start.level_sigma;
-  const bool was_level = level_;
-  if (sigma > kLostLevel * limit && level_ && !standing_) {
-    level_ = false;
-    not_level_since_ = belief_.utime;
-  }
-  if (sigma <= limit || base::seconds_between(not_level_since_, belief_.utime) > config_->start.level_patience)
-    level_ = true;
-  if (was_level && !level_) counters_.add("level.lost");
+  if (level_.look(sigma, standing_, belief_.utime, config_->start)) counters_.add("level.lost");
 }
 
 void Filter::restart_clock(std::int64_t utime) {
@@ -255,7 +243,7 @@ void Filter::correct_driving(const inputs::WheelInterval& interval) {
                                 geometry_);
   };
   std::array<model::Observation, 2> rows{observe(0), observe(1)};
-  if (level_) {
+  if (level_.level()) {
     slip_.judge(interval, {model::distance(belief_, rows[0]), model::distance(belief_, rows[1])}, belief_.mean,
                 mechanisation_.window(), counters_);
   } else {
@@ -365,7 +353,7 @@ bool Filter::wheels_missing(std::int64_t utime) const {
 void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vector<model::Estimate>& out) {
   const double rate_sigma = no_imu ? config_->noise.coasting_rate : config_->noise.gyro / std::sqrt(std::max(dt, 1e-3));
   model::Estimate estimate = model::estimate_base(belief_, imu, rate_sigma, geometry_);
-  estimate.level = level_;
+  estimate.level = level_.level();
   estimate.stationary = standing_;
   estimate.slipping = slip_.slipping(0, belief_.utime) || slip_.slipping(1, belief_.utime);
   estimate.no_imu = no_imu;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/bus/counters.hpp"
+#include "services/ekf/detection/level_watch.hpp"
 #include "services/ekf/detection/refusal_timer.hpp"
 #include "services/ekf/detection/slip_judge.hpp"
 #include "services/ekf/detection/start_up.hpp"
@@ -53,7 +54,7 @@ class Filter {
 
   [[nodiscard]] bool started() const { return started_; }
   /// Roll and pitch are known to start.level_sigma, or as well as they will be.
-  [[nodiscard]] bool level() const { return level_; }
+  [[nodiscard]] bool level() const { return level_.level(); }
   [[nodiscard]] const model::Belief& belief() const { return belief_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -98,8 +99,7 @@ class Filter {
 
   bool started_ = false;
   bool standing_ = false;
-  bool level_ = false;
-  std::int64_t not_level_since_ = 0;  // us
+  detection::LevelWatch level_;
   std::optional<model::Belief> predecessor_;
   model::Belief belief_;
   model::Belief last_good_;                  // the last one that was finite

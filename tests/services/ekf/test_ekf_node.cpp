@@ -6,6 +6,7 @@
 #include <random>
 
 #include "tests/services/ekf/ekf_node_test.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone::ekf {
 namespace {
@@ -109,6 +110,35 @@ TEST_F(EkfNodeTest, SaysThatItHeardNothing) {
   EXPECT_THAT(faults, ::testing::Contains("IMU: nothing heard yet"));
   EXPECT_THAT(faults, ::testing::Contains("WHEELS: nothing heard yet"));
   EXPECT_THAT(faults, ::testing::Contains(::testing::HasSubstr("no odometry yet")));
+}
+
+TEST_F(EkfNodeTest, ANodeThatWasKilledIsGoneOnWith) {
+  testing::TemporaryFolder folder;
+  config_.state_file = folder / "ekf.state";
+  {
+    Rig killed(config_);
+    for (std::size_t i = 0; i < 600; ++i) {
+      send(killed, i);
+      killed.node.tick(drive_.imu[i].utime);
+    }
+  }
+  Rig next(config_);
+  for (std::size_t i = 640; i < 900; ++i) send(next, i);
+  EXPECT_EQ(next.node.report().counters["starts.inherited"], 1);
+  ASSERT_FALSE(next.odometry.empty());
+  EXPECT_TRUE(next.odometry.back().flags & odometry_t::INITIALISED);
+}
+
+TEST_F(EkfNodeTest, AStateFileThatCannotBeWrittenIsAFault) {
+  config_.state_file = "/no/such/folder/ekf.state";
+  Rig rig(config_);
+  for (std::size_t i = 0; i < 300; ++i) {
+    send(rig, i);
+    rig.node.tick(drive_.imu[i].utime);
+  }
+  EXPECT_GT(rig.node.report().counters["faults.state_file"], 0);
+  ASSERT_FALSE(rig.node.report().faults.empty());
+  EXPECT_NE(rig.node.report().faults.back().find("/no/such/folder"), std::string::npos);
 }
 
 TEST_F(EkfNodeTest, PassesOnTheDrivesFaults) {

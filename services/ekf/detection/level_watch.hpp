@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+#include "services/ekf/base/ekf_config.hpp"
+#include "services/ekf/base/samples.hpp"
+
+namespace curbstone::ekf::detection {
+
+/// Whether roll and pitch are known well enough for the odometry to be used. A start on the move, or a doubt, leaves
+/// them open by degrees, and the first corrections swing them there in a moment. A mapper that took that for motion
+/// would tilt its map.
+class LevelWatch {
+ public:
+  void begin(bool level, std::int64_t utime) {
+    level_ = level;
+    since_ = utime;
+  }
+  /// `sigma`: the larger of roll's and pitch's, rad. Returns whether the level was lost with this look.
+  bool look(double sigma, bool standing, std::int64_t utime, const base::StartConfig& config) {
+    if (utime < since_) since_ = utime;  // the clock was set back
+    const bool lost = level_ && !standing && sigma > kLost * config.level_sigma;
+    if (lost) begin(false, utime);
+    if (sigma <= config.level_sigma || base::seconds_between(since_, utime) > config.level_patience) level_ = true;
+    return lost;
+  }
+  [[nodiscard]] bool level() const { return level_; }
+
+ private:
+  static constexpr double kLost = 4.0;  // times level_sigma: so far out, they are open again
+  bool level_ = false;
+  std::int64_t since_ = 0;  // us, of the last change for the worse
+};
+
+}  // namespace curbstone::ekf::detection
