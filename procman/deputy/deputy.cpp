@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <procman_lcm/output_t.hpp>
 
 #include "common/time/clock.hpp"
@@ -17,6 +18,11 @@ constexpr std::int64_t kOutputPeriod = 10'000;  // one message at a time: no bur
 constexpr std::size_t kMaxCommands = 300;       // ordered by strangers; bounds PM_INFO
 constexpr std::size_t kMaxRefusedRemembered = 1000;
 constexpr std::int64_t kPlayed = 5'000'000;  // us: what is older comes from a log that is being played
+/// us that a message has been under way; any bytes may stand in it.
+std::int64_t age_of(std::int64_t utime) {
+  return wall_clock() - std::max<std::int64_t>(utime, 0);
+}
+
 }  // namespace
 
 Deputy::Deputy(DeputyOptions options, process::Supervisor& supervisor, Publisher& bus)
@@ -70,7 +76,7 @@ void Deputy::start(const std::string& id) {
 
 void Deputy::on(const procman_lcm::discovery_t& message) {
   const bool ours = message.transmitter_id == options_.id && message.nonce == getpid();
-  if (ours || wall_clock() - message.utime > kPlayed) return;
+  if (ours || age_of(message.utime) > kPlayed) return;
   if (active_) {
     changed();
     if (message.nonce == 0 && on_sheriff_arrived) on_sheriff_arrived();
@@ -80,13 +86,13 @@ void Deputy::on(const procman_lcm::discovery_t& message) {
 }
 
 void Deputy::on(const procman_lcm::deputy_info_t& message) {
-  if (active_ || message.deputy_id != options_.id || wall_clock() - message.utime > kPlayed) return;
+  if (active_ || message.deputy_id != options_.id || age_of(message.utime) > kPlayed) return;
   conflict_ = fmt::format("another deputy \"{}\" is running", options_.id);
 }
 
 void Deputy::on(const procman_lcm::orders_t& message) {
   if (!active_ || shutting_down_ || message.deputy_id != options_.id) return;
-  const std::int64_t age = wall_clock() - message.utime;
+  const std::int64_t age = age_of(message.utime);
   if (age > kStaleAfter) {
     counters_.add("refused.stale");
     for (const auto& order : message.cmds) {

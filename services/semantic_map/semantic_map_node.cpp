@@ -22,7 +22,6 @@ constexpr std::int64_t kRequestPeriod = 100'000;
 constexpr std::size_t kAnswersPerTick = 4;
 constexpr std::size_t kMaxCurbVertices = 1800;  // 24 bytes each: below 48 kB
 constexpr std::size_t kMaxTiles = 200'000;      // 1.8 square kilometres: memory has an end
-constexpr std::size_t kMaxHeld = 64;            // messages of up to 42 kB; a new epoch is believed at the second
 constexpr double kPathSpacing = 0.1;            // m, of the path in the picture
 
 cells::ClassParameters with_vehicle(cells::ClassParameters classes, const VehicleConfig& vehicle) {
@@ -73,18 +72,9 @@ bool SemanticMapNode::follow_epoch(std::int32_t epoch, EpochFollower::Source sou
 template <typename Message>
 bool SemanticMapNode::follow_mapper(const Message& message) {
   const bool is_present = follow_epoch(message.epoch, EpochFollower::Source::kMapper);
-  if (is_present || held_epoch_ != message.epoch) drop_held(held_.size());
-  if (is_present) return true;
-  held_epoch_ = message.epoch;
-  if (held_.size() == kMaxHeld) drop_held(1);
-  held_.emplace_back(message);
-  return false;
-}
-
-void SemanticMapNode::drop_held(std::size_t count) {
-  if (count == 0) return;
-  counters_.add("dropped.other_epoch", static_cast<std::int64_t>(count));
-  held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(count));
+  const std::size_t dropped = is_present ? held_.clear() : held_.hold(message);
+  if (dropped > 0) counters_.add("dropped.other_epoch", static_cast<std::int64_t>(dropped));
+  return is_present;
 }
 
 void SemanticMapNode::enter_epoch(std::int32_t epoch) {
@@ -103,9 +93,8 @@ void SemanticMapNode::enter_epoch(std::int32_t epoch) {
   voted_.start_epoch(epoch);
   catalog_.start_epoch(epoch);
   curbs_changed_ = curbs_unstored_ = true;
-  for (const auto& held : std::exchange(held_, {})) {
-    if (held_epoch_ == epoch) std::visit([this](const auto& message) { take(message); }, held);
-  }
+  for (const HeldDrive::Message& held : held_.take(epoch))
+    std::visit([this](const auto& message) { take(message); }, held);
 }
 
 void SemanticMapNode::on(const voted_points_t& message) {
@@ -173,7 +162,8 @@ void SemanticMapNode::take(const map_trajectory_t& message) {
     path_.emplace(utime, T_map_base.translation().head<2>());
     keeper_.put(tile::TrajectoryPose{utime, message.revolutions[i], T_map_base});
   }
-  if (message.page == 0 && !message.utimes.empty()) keeper_.corrected_from(message.utimes.front());
+  if (message.page == 0 && !message.utimes.empty() && message.utimes.front() > 0)
+    keeper_.corrected_from(message.utimes.front());
 }
 
 void SemanticMapNode::begin_drive(std::int64_t utime) {

@@ -6,13 +6,11 @@
 #include <curbstone/tile_index_t.hpp>
 #include <curbstone/tile_request_t.hpp>
 #include <curbstone/voted_points_t.hpp>
-#include <deque>
 #include <map>
 #include <optional>
 #include <set>
 #include <unordered_map>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "common/bus/node.hpp"
@@ -20,6 +18,7 @@
 #include "common/tile_sync/epoch_follower.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/semantic_map/curb_lines/curb_lines.hpp"
+#include "services/semantic_map/held_drive.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
 #include "services/semantic_map/store/map_keeper.hpp"
 #include "services/semantic_map/tile/voted_tile_assembler.hpp"
@@ -58,7 +57,6 @@ class SemanticMapNode final : public Node {
   bool follow_epoch(std::int32_t epoch, EpochFollower::Source source);
   template <typename Message>
   bool follow_mapper(const Message& message);
-  void drop_held(std::size_t count);  // the oldest
   void enter_epoch(std::int32_t epoch);
   void take(const map_pose_t& message);
   void take(const map_trajectory_t& message);
@@ -97,8 +95,7 @@ class SemanticMapNode final : public Node {
   curb_lines::CurbLineIds curb_ids_;
 
   EpochFollower epochs_;
-  std::deque<std::variant<map_pose_t, map_trajectory_t>> held_;  // of the epoch that may begin
-  std::int32_t held_epoch_ = 0;
+  HeldDrive held_;
   std::int32_t epoch_ = 0;  // the present one, once there is one
   bool has_epoch_ = false;
   bool drive_started_ = false;

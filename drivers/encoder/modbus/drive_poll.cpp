@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "common/time/clock.hpp"
-
 namespace curbstone::encoder::modbus {
 
 namespace {
@@ -71,15 +69,16 @@ void DrivePoll::restart() {
   reading_ = {};
 }
 
-void DrivePoll::tick() {
-  share_.tick(steady_clock());
+void DrivePoll::tick(std::int64_t now) {
+  now_ = now;
+  share_.tick(now);
 }
 
 bool DrivePoll::read(const Block& block, std::span<std::uint16_t> registers) {
   last_ = read_(block, registers.first(static_cast<std::size_t>(block.count)));
   if (last_.outcome == Outcome::kOk) {
     counters_.add("modbus.replies");
-    share_.used(steady_clock());
+    share_.used(now_);
     return true;
   }
   refuse(last_);
@@ -93,7 +92,7 @@ void DrivePoll::refuse(const Reply& reply) {
   }
   const std::string name = counter(reply);
   counters_.add(name);
-  share_.refused(steady_clock(), name);
+  share_.refused(now_, name);
   if (reply.outcome != Outcome::kException && reply.outcome != Outcome::kSlow) in_step_ = false;
 }
 

@@ -57,8 +57,8 @@ class DrivePoll {
   /// What is wrong with the communication, in words; empty when nothing is.
   [[nodiscard]] const std::string& fault() const { return fault_; }
   [[nodiscard]] const RefusalShare& share() const { return share_; }
-  /// To be called though no poll is possible.
-  void tick();
+  /// To be called before each poll, and though no poll is possible. `now`: us, steady clock.
+  void tick(std::int64_t now);
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
@@ -80,6 +80,7 @@ class DrivePoll {
   Reply last_;
   Reading reading_;
   std::string fault_;
+  std::int64_t now_ = 0;  // us, of the last tick
   RefusalShare share_;
   Counters counters_;
 };

@@ -69,6 +69,7 @@ void ModbusLink::run(const std::stop_token& stop) {
     if (!open(stop)) return;
     std::int64_t due = steady_clock();
     while (!stop.stop_requested() && !poll_.must_reopen()) {
+      poll_.tick(steady_clock());
       poll_.poll([this](const Reading& reading) { tell({reading, true, {}}); });
       share_report();
       due = std::max(due + period_, steady_clock() + kGap);  // late once, not a burst
@@ -90,7 +91,7 @@ bool ModbusLink::open(const std::stop_token& stop) {
       return true;
     }
     tell({{}, false, why});
-    poll_.tick();
+    poll_.tick(steady_clock());
     share_report();
     if (!sleep_until(steady_clock() + wait, stop)) return false;
   }

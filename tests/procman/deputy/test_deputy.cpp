@@ -261,6 +261,23 @@ TEST_F(DeputyOnTheBus, OrdersThatAreStaleOrForOthersAreIgnored) {
   EXPECT_GT(pid("a"), 0) << "orders from the future are accepted";
 }
 
+TEST_F(DeputyOnTheBus, AnyTimeInAMessageIsSurvived) {
+  begin_active();
+  for (const std::int64_t utime : {std::int64_t{INT64_MIN}, std::int64_t{-1}, std::int64_t{INT64_MAX}}) {
+    procman_lcm::orders_t orders{};
+    orders.utime = utime;
+    orders.deputy_id = "robot";
+    bus_.publish("PM_ORDERS", orders);
+    bus_.publish("PM_DISCOVER", procman_lcm::discovery_t{utime, "robot", getpid() + 1});
+    procman_lcm::deputy_info_t info{};
+    info.utime = utime;
+    info.deputy_id = "robot";
+    bus_.publish("PM_INFO", info);
+    bus_.dispatch();
+  }
+  EXPECT_EQ(deputy_->counters()["refused.stale"], 2);
+}
+
 TEST_F(DeputyOnTheBus, OnlyTheAllowListIsRun) {
   begin_active(config::parse_config("cmd \"a\" { exec = \"sleep 1000\"; deputy = \"robot\"; }", "x"));
   send({order("a", "rm -rf /nowhere", 1), order("b", "sleep 1000", 1)});
