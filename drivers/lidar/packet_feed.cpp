@@ -2,18 +2,15 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <set>
 
 #include "common/time/clock.hpp"
+#include "common/time/retry_pause.hpp"
 #include "drivers/lidar/driver_capture.hpp"
 
 namespace curbstone::lidar {
 
 namespace {
-
-constexpr std::int64_t kFirstRetry = 100'000;      // us after which a missing interface is tried again; doubles ...
-constexpr std::int64_t kSlowestRetry = 2'000'000;  // ... up to this
 
 class NetworkFeed final : public PacketFeed {
  public:
@@ -23,12 +20,12 @@ class NetworkFeed final : public PacketFeed {
         node_(node),
         loop_(loop) {
     try_to_open();
-    if (!open_) loop_.every(std::chrono::milliseconds(50), [this] { retry(); });
+    if (!open_) loop_.every(std::chrono::milliseconds(50), [this] { try_again(); });
   }
 
  private:
-  void retry() {
-    if (!open_ && steady_clock() >= retry_at_) try_to_open();
+  void try_again() {
+    if (!open_ && retry_.due(steady_clock())) try_to_open();
   }
 
   /// All ports or none. An interface that is not there may come; everything else is for people to mend.
@@ -40,8 +37,7 @@ class NetworkFeed final : public PacketFeed {
       if (!tried_) spdlog::warn("{}: it is tried again until it comes", missing.what());
       tried_ = true;
       node_.set_source_fault(missing.what());
-      retry_at_ = steady_clock() + pause_;
-      pause_ = std::min(2 * pause_, kSlowestRetry);
+      retry_.failed(steady_clock());
       return;
     }
     open_ = true;
@@ -71,8 +67,7 @@ class NetworkFeed final : public PacketFeed {
   std::vector<std::unique_ptr<sources::UdpSource>> sources_;
   bool open_ = false;
   bool tried_ = false;
-  std::int64_t retry_at_ = 0;
-  std::int64_t pause_ = kFirstRetry;
+  RetryPause retry_;
 };
 
 /// What of a capture did not reach the node.

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -12,8 +11,6 @@
 namespace curbstone::serial {
 
 namespace {
-constexpr std::int64_t kFirstRetry = 100'000;  // us
-constexpr std::int64_t kLastRetry = 2'000'000;
 constexpr double kBaudError = 0.02;  // a byte of ten bits is misread from 5 % on, of both ends together
 constexpr int kMaxReads = 16;        // at a time: a device that never pauses must not starve the rest of the process
 }  // namespace
@@ -25,8 +22,7 @@ SerialLink::SerialLink(SerialSettings settings) : settings_(std::move(settings))
     throw;
   } catch (const std::runtime_error& error) {
     why_ = error.what();
-    retry_after_ = kFirstRetry;
-    retry_at_ = steady_clock() + retry_after_;
+    retry_.failed(steady_clock());
   }
 }
 
@@ -72,19 +68,17 @@ void SerialLink::lose() {
   loop_->unwatch(port_->fd());
   port_.reset();
   queue_.clear();
-  retry_after_ = kFirstRetry;
-  retry_at_ = steady_clock() + retry_after_;
+  retry_.lost(steady_clock());
   handlers_.on_link(wall_clock(), false,
                     fmt::format("serial port {} has vanished; waiting for it to come back", settings_.device));
 }
 
 void SerialLink::try_to_open() {
-  if (port_ || steady_clock() < retry_at_) return;
+  if (port_ || !retry_.due(steady_clock())) return;
   try {
     open();
   } catch (const std::runtime_error& error) {
-    retry_after_ = std::min(2 * retry_after_, kLastRetry);
-    retry_at_ = steady_clock() + retry_after_;
+    retry_.failed(steady_clock());
     handlers_.on_link(wall_clock(), false, error.what());
     return;
   }

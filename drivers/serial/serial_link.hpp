@@ -9,6 +9,7 @@
 
 #include "common/bus/node.hpp"
 #include "common/shell/event_loop.hpp"
+#include "common/time/retry_pause.hpp"
 #include "drivers/serial/send_queue.hpp"
 #include "drivers/serial/serial_port.hpp"
 
@@ -54,8 +55,7 @@ class SerialLink {
   EventLoop* loop_ = nullptr;
   Handlers handlers_;
   SendQueue queue_;
-  std::int64_t retry_at_ = 0;     // us, steady clock
-  std::int64_t retry_after_ = 0;  // us
+  RetryPause retry_;
   Counters counters_;
   std::array<std::uint8_t, 4096> buffer_{};
 };

@@ -24,8 +24,8 @@ namespace {
 
 constexpr int kMaxReads = 256;  // at a time
 
-constexpr std::int64_t kFirstRetry = 100'000;  // us
-constexpr std::int64_t kLastRetry = 2'000'000;
+constexpr std::int64_t kFirstRestart = RetryPause::kFirst;  // us, after a bus-off
+constexpr std::int64_t kLastRestart = RetryPause::kLast;
 
 std::string cannot_open(const std::string& interface, const std::string& why) {
   return fmt::format("cannot open CAN interface {}: {}", interface, why);
@@ -169,8 +169,7 @@ SocketCanLink::SocketCanLink(std::string interface, std::vector<std::uint32_t> i
     throw;
   } catch (const std::runtime_error& error) {
     why_ = error.what();
-    retry_after_ = kFirstRetry;
-    retry_at_ = steady_clock() + retry_after_;
+    retry_.failed(steady_clock());
   }
 }
 
@@ -223,7 +222,7 @@ void SocketCanLink::on_error_frame(std::uint32_t bits) {
   if ((bits & CAN_ERR_BUSOFF) != 0) {
     counters_.add("can.bus_off");
     if (!bus_off_) {
-      restart_after_ = restart_after_ == 0 ? kFirstRetry : std::min(2 * restart_after_, kLastRetry);
+      restart_after_ = restart_after_ == 0 ? kFirstRestart : std::min(2 * restart_after_, kLastRestart);
       restart_at_ = steady_clock() + restart_after_;
     }
     bus_off_ = true;
@@ -235,19 +234,17 @@ void SocketCanLink::lose() {
   loop_->unwatch(socket_->fd());
   socket_.reset();
   bus_off_ = false;
-  retry_after_ = kFirstRetry;
-  retry_at_ = steady_clock() + retry_after_;
+  retry_.lost(steady_clock());
   handlers_.on_link(wall_clock(), false,
                     fmt::format("CAN interface {} went down; waiting for it to come back", interface_));
 }
 
 void SocketCanLink::try_to_open() {
-  if (socket_ || steady_clock() < retry_at_) return;
+  if (socket_ || !retry_.due(steady_clock())) return;
   try {
     socket_.emplace(interface_, ids_);
   } catch (const std::runtime_error& error) {
-    retry_after_ = std::min(2 * retry_after_, kLastRetry);
-    retry_at_ = steady_clock() + retry_after_;
+    retry_.failed(steady_clock());
     handlers_.on_link(wall_clock(), false, error.what());
     return;
   }
@@ -259,7 +256,7 @@ void SocketCanLink::try_to_restart() {
   if (!socket_ || !bus_off_ || steady_clock() < restart_at_) return;
   restart_failed_ = restart_(interface_);
   counters_.add(restart_failed_.empty() ? "can.restarts" : "can.restart_failed");
-  restart_after_ = std::min(2 * restart_after_, kLastRetry);
+  restart_after_ = std::min(2 * restart_after_, kLastRestart);
   restart_at_ = steady_clock() + restart_after_;
 }
 

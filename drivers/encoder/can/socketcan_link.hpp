@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/bus/counters.hpp"
+#include "common/time/retry_pause.hpp"
 #include "drivers/encoder/can/can_link.hpp"
 #include "drivers/encoder/can/can_restart.hpp"
 
@@ -75,9 +76,8 @@ class SocketCanLink final : public CanLink {
   std::optional<CanSocket> socket_;
   EventLoop* loop_ = nullptr;
   Handlers handlers_;
-  std::string why_;               // there is no socket
-  std::int64_t retry_at_ = 0;     // us, steady clock
-  std::int64_t retry_after_ = 0;  // us
+  std::string why_;  // there is no socket
+  RetryPause retry_;
   Restart restart_;
   bool bus_off_ = false;
   std::int64_t restart_at_ = 0;     // us, steady clock
