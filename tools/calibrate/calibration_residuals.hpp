@@ -15,6 +15,7 @@
 ///   lidar, imu          T_base_lidar, T_base_imu: x y z in m, roll pitch yaw in rad
 ///   gyro_bias           rad/s, beside what was taken off; accelerometer_bias m/s^2
 ///   level               rad, about x and y: of the map against gravity
+///   camber              rad, roll of the road under the vehicle: the same all drive long
 /// Each names the kinds of its residuals, kKinds, which are in sigmas of `noise`. Only calibration_solver.cpp sees
 /// this.
 namespace curbstone::calibrate::residuals {
@@ -47,13 +48,15 @@ Matrix3<T> exp_of(const Vector3<T>& v) {
   return R;
 }
 
-/// base_link's motion as the LiDAR saw it, against the arcs that the wheels rolled.
+/// base_link's motion as the LiDAR saw it, against the arcs that the wheels rolled. A vehicle turns about the vertical,
+/// which is base_link's z on a flat road only. On one that falls to its side all along, the LiDAR seems mounted at that
+/// angle.
 struct WheelsAgainstLidar {
   const CalibrationSegment& segment;
   double configured_track;
   const NoiseLevels& noise;
   template <class T>
-  bool operator()(const T* wheels, const T* lidar, T* residual) const {
+  bool operator()(const T* wheels, const T* lidar, const T* camber, T* residual) const {
     T x(0.0), y(0.0), heading(0.0);
     for (const auto& turned : segment.wheels) {
       const T left = wheels[0] * turned[0];
@@ -74,7 +77,7 @@ struct WheelsAgainstLidar {
     residual[1] = (t_base.y() - y) / noise[kSideways];
     residual[2] = t_base.z() / noise[kUpwards];
     residual[3] = turned.x() / noise[kTilt];
-    residual[4] = turned.y() / noise[kTilt];
+    residual[4] = (turned.y() - camber[0] * turned.z()) / noise[kTilt];
     // In metres of the wheels, which are what errs. A piece that hardly turns tells how the radii compare; of the track
     // only noise would speak, and shrink or stretch it to make itself small.
     const double seen = L.linear().trace() > kStraight ? 0.0 : 1.0;

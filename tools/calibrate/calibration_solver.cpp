@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kRounds = 4;            // of solving and of finding the noise
 constexpr double kRobustWidth = 4.0;  // sigma of a block beyond which it is an outlier
+constexpr double kCamber = 0.01;      // rad, 1 sigma: roads fall by 2 % to their sides, less in bends and crossings
 constexpr NoiseLevels kFirstGuess = {0.01, 0.01, 0.01, 0.005, 0.002, 0.002, 0.05};
 
 /// Not less, however well all agrees: tyres, roads and maps bend by more, and always the same way.
@@ -30,8 +31,9 @@ class CalibrationSolver::Problem {
     std::array<double, 3> gyro_bias = {};           // rad/s, beside what was taken off
     std::array<double, 3> accelerometer_bias = {};  // m/s^2
     std::array<double, 2> level = {};               // rad, about x and y: of the map against gravity
+    std::array<double, 1> camber = {};              // rad, roll of the road under the vehicle
   };
-  static constexpr std::size_t kUnknownCount = 23;
+  static constexpr std::size_t kUnknownCount = 24;
 
  public:
   Problem(const std::vector<CalibrationSegment>& segments, const VehicleConfig& vehicle) {
@@ -44,10 +46,11 @@ class CalibrationSolver::Problem {
     add_prior(x_.gyro_bias, {0.01, 0.01, 0.01});
     add_prior(x_.accelerometer_bias, {0.2, 0.2, 0.2});
     add_prior(x_.level, {0.1, 0.1});
+    add_prior(x_.camber, {kCamber});
     for (std::size_t i = 0; i < segments.size(); ++i) {
-      add(new ceres::AutoDiffCostFunction<residuals::WheelsAgainstLidar, 6, 3, 6>(
+      add(new ceres::AutoDiffCostFunction<residuals::WheelsAgainstLidar, 6, 3, 6, 1>(
               new residuals::WheelsAgainstLidar{segments[i], vehicle.track_width, noise_}),
-          residuals::WheelsAgainstLidar::kKinds, x_.wheels.data(), x_.lidar.data());
+          residuals::WheelsAgainstLidar::kKinds, x_.wheels.data(), x_.lidar.data(), x_.camber.data());
       add(new ceres::AutoDiffCostFunction<residuals::GyroAgainstLidar, 3, 6, 6, 3>(
               new residuals::GyroAgainstLidar{segments[i], noise_}),
           residuals::GyroAgainstLidar::kKinds, x_.lidar.data(), x_.imu.data(), x_.gyro_bias.data());
@@ -78,7 +81,7 @@ class CalibrationSolver::Problem {
     ceres::Problem::EvaluateOptions options;
     options.parameter_blocks = {
         x_.wheels.data(), x_.lidar.data(), x_.imu.data(), x_.gyro_bias.data(), x_.accelerometer_bias.data(),
-        x_.level.data()};
+        x_.level.data(),  x_.camber.data()};
     ceres::CRSMatrix J;
     problem_.Evaluate(options, nullptr, nullptr, nullptr, &J);
     Eigen::MatrixXd H = Eigen::MatrixXd::Zero(J.num_cols, J.num_cols);

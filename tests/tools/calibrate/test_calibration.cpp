@@ -60,6 +60,15 @@ TEST(Calibration, ErrorsAreWithinThreeOfTheirOwnSigma) {
   }
 }
 
+TEST(Calibration, ARollFoundInBendsToOneSideIsNoSurerThanTheCamberOfTheRoads) {
+  const CalibrationResult result = calibrate(drive_to_calibrate(town_motion(), 120.0, 2), believed_vehicle());
+  for (const Calibrated which : {Calibrated::kLidarRoll, Calibrated::kImuRoll}) {
+    EXPECT_GT(result[which].sigma, 0.005) << result[which].name;
+    EXPECT_LT(std::abs(result[which].value - truth()[static_cast<std::size_t>(which)]), 2.0 * result[which].sigma)
+        << result[which].name;
+  }
+}
+
 TEST(Calibration, AStraightDriveSaysNothingOfTheTrackAndTheLeverArms) {
   const CalibrationResult result = calibrate(drive_to_calibrate(straight_motion(), 60.0, 1), believed_vehicle());
   print(result);
