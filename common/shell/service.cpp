@@ -9,6 +9,7 @@
 
 #include "common/bus/lcm_bus.hpp"
 #include "common/config/command_line.hpp"
+#include "common/shell/fault_lines.hpp"
 #include "common/shell/version.hpp"
 #include "common/time/clock.hpp"
 
@@ -75,10 +76,13 @@ class StatusReporter {
     status_.fault = report.faults;
     status_.num_faults = static_cast<std::int32_t>(status_.fault.size());
     bus.publish("SERVICE_STATUS", status_);
+    for (const std::string& line : fault_lines_.update(report.faults, steady_clock()))
+      fmt::print(stderr, "{}: {}\n", status_.service, line);
   }
 
  private:
   service_status_t status_;
+  FaultLines fault_lines_;
   std::int64_t start_ = steady_clock();
 };
 

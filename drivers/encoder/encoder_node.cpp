@@ -176,7 +176,7 @@ NodeReport EncoderNode::report() const {
 
   if (!link_fault_.empty()) report.faults.push_back(link_fault_);
   const double silent = static_cast<double>(now_ - (last_received_ != 0 ? last_received_ : began_)) * 1e-6;
-  if (silent > config_.silence)
+  if (link_fault_.empty() && silent > config_.silence)
     report.faults.push_back(fmt::format("no positions from the drive for {:.0f} s", silent));
   if (link_fault_.empty() && !signals_) {
     for (std::string& fault : drive_.faults()) report.faults.push_back(std::move(fault));

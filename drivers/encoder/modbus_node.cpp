@@ -94,7 +94,7 @@ NodeReport ModbusNode::report() const {
   }
   if (!link_fault_.empty()) report.faults.push_back(link_fault_);
   const double silent = static_cast<double>(now_ - last_heard_) * 1e-6;
-  if (silent > config_.silence)
+  if (link_fault_.empty() && silent > config_.silence)
     report.faults.push_back(fmt::format("no positions from the drive for {:.0f} s", silent));
   if (share_.fault()) report.faults.push_back(*share_.fault());
   add_faults_of_drive(report);

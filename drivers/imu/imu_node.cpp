@@ -158,7 +158,8 @@ NodeReport ImuNode::report() const {
   if (link_report_) link_report_(report);
   if (!link_fault_.empty()) report.faults.push_back(link_fault_);
   const double silent = static_cast<double>(now_ - last_sample_) * 1e-6;
-  if (silent > config_.silence) report.faults.push_back(fmt::format("no sample from the IMU for {:.0f} s", silent));
+  if (link_fault_.empty() && silent > config_.silence)
+    report.faults.push_back(fmt::format("no sample from the IMU for {:.0f} s", silent));
   if (garbled_) report.faults.push_back("garbage from the IMU: wrong baud, or another device");
   if (const auto& fault = refusals_.fault()) report.faults.push_back(*fault);
   if (const std::string fault = device_->fault(); !fault.empty()) report.faults.push_back(fault);

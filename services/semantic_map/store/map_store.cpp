@@ -106,6 +106,14 @@ bool is_sane(const tile::TrajectoryPose& pose) {
   return is_finite(pose.T_map_base);
 }
 
+/// Makes the folder where there is none: on a fresh machine the first map is the first thing there.
+int open_in_its_folder(const std::string& path) {
+  std::error_code ignored;  // open() says it
+  const auto folder = std::filesystem::path(path).parent_path();
+  if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
+  return open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+}
+
 }  // namespace
 
 MapReader::MapReader(const std::string& path) : path_(path) {
@@ -184,7 +192,7 @@ std::string MapReader::integrity() const {
 
 /// flock() on the map itself. (Not SQLite's exclusive mode: readers are welcome.)
 struct MapStore::Lock {
-  explicit Lock(const std::string& path) : fd(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
+  explicit Lock(const std::string& path) : fd(open_in_its_folder(path)) {
     if (fd < 0) throw MapStoreError(fmt::format("{}: {}", path, std::strerror(errno)));
     if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
       close(fd);

@@ -88,6 +88,11 @@ TEST_F(MapStoreTest, GivesBackWhatWasWritten) {
   EXPECT_EQ(map.integrity(), "ok");
 }
 
+TEST_F(MapStoreTest, MakesTheFolderOfTheFirstMap) {
+  const MapStore store(folder_ / "site" / "today" / "map.db");
+  EXPECT_TRUE(fs::exists(folder_ / "site" / "today" / "map.db"));
+}
+
 TEST_F(MapStoreTest, SameContentIsTheSameBytesHoweverManyTransactionsItTook) {
   {
     MapStore store(path_);
@@ -219,8 +224,7 @@ TEST_F(MapStoreTest, ReadsSchemaOneAndMakesItTwoOnceItIsWritten) {
 TEST_F(MapStoreTest, SaysWhatIsMissing) {
   EXPECT_THAT(error_of([&] { MapReader map(path_); }), ::testing::HasSubstr("no such file"));
   EXPECT_FALSE(fs::exists(path_));
-  EXPECT_THAT(error_of([&] { MapStore store(folder_ / "no" / "map.db"); }),
-              ::testing::HasSubstr("No such file or directory"));
+  EXPECT_THAT(error_of([&] { MapStore store("/proc/no/map.db"); }), ::testing::HasSubstr("No such file or directory"));
 }
 
 TEST_F(MapStoreTest, SurvivesKillAtAnyMomentWithNothingAcknowledgedLost) {
