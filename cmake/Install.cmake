@@ -1,4 +1,6 @@
-# What a planner of someone else needs: find_package(curbstone) and curbstone::lcmtypes, or pkg-config curbstone-lcmtypes.
+# What is installed, and into which package it goes (cmake/Package.cmake): component `vehicle` what runs on one, `tools`
+# what looks at its maps, `dev` the rest: what a planner of someone else needs, by find_package(curbstone) and
+# curbstone::lcmtypes, or by pkg-config curbstone-lcmtypes.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -11,9 +13,13 @@ endif()
 # What scripts/demo runs, and nothing else: a third less to compile, and nothing of PCL.
 add_custom_target(demo DEPENDS curbstone curbstone-deputy curbstone-lidar curbstone-imu curbstone-encoder
   curbstone-ekf curbstone-mapper curbstone-tensor-voting curbstone-semantic-map curbstone-recorder)
-if(programs)
-  install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-endif()
+# Those that link PCL, and half of a desktop with it.
+set(tools curbstone-bench curbstone-detect curbstone-export)
+list(REMOVE_ITEM programs ${tools})
+install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT vehicle)
+install(TARGETS ${tools} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
+install(PROGRAMS scripts/lcm-spy DESTINATION ${CMAKE_INSTALL_BINDIR} RENAME curbstone-lcm-spy COMPONENT tools)
+
 install(DIRECTORY ${PROJECT_BINARY_DIR}/lcmtypes/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS lcmtypes procman_lcmtypes EXPORT curbstoneTargets)
 install(EXPORT curbstoneTargets NAMESPACE curbstone:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/curbstone)
@@ -26,9 +32,22 @@ install(FILES ${PROJECT_BINARY_DIR}/curbstoneConfig.cmake ${PROJECT_BINARY_DIR}/
 file(RELATIVE_PATH CURBSTONE_PC_PREFIX /x/${CMAKE_INSTALL_LIBDIR}/pkgconfig /x)
 configure_file(${PROJECT_SOURCE_DIR}/cmake/curbstone-lcmtypes.pc.in ${PROJECT_BINARY_DIR}/curbstone-lcmtypes.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/curbstone-lcmtypes.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/config/ DESTINATION share/curbstone/config
-  PATTERN "*.hpp" EXCLUDE PATTERN CMakeLists.txt EXCLUDE)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/procman/ DESTINATION share/curbstone/procman FILES_MATCHING PATTERN "*.cfg")
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/curbstone)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION share/doc/curbstone FILES_MATCHING PATTERN "*.md"
+
+# The vehicle's files as they come. /etc/curbstone has those that are edited: a package puts them there, and keeps them.
+install(FILES config/ugv.yaml procman/ugv.cfg DESTINATION share/curbstone COMPONENT vehicle)
+install(FILES config/sysctl.d/60-curbstone.conf DESTINATION lib/sysctl.d COMPONENT vehicle)
+install(FILES config/udev/60-curbstone.rules DESTINATION lib/udev/rules.d COMPONENT vehicle)
+install(FILES config/sysusers.d/curbstone.conf DESTINATION lib/sysusers.d COMPONENT vehicle)
+install(FILES config/tmpfiles.d/curbstone.conf DESTINATION lib/tmpfiles.d COMPONENT vehicle)
+# The units in the tree are for /usr/local.
+foreach(unit curbstone-deputy curbstone-network)
+  set(file ${PROJECT_SOURCE_DIR}/config/systemd/${unit}.service)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+  file(READ ${file} text)
+  string(REPLACE "/usr/local/" "${CMAKE_INSTALL_PREFIX}/" text "${text}")
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/systemd/${unit}.service CONTENT "${text}" @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/systemd/${unit}.service DESTINATION lib/systemd/system COMPONENT vehicle)
+endforeach()
+install(FILES LICENSE DESTINATION share/doc/curbstone COMPONENT vehicle)
+install(DIRECTORY docs/ DESTINATION share/doc/curbstone COMPONENT vehicle FILES_MATCHING PATTERN "*.md"
   PATTERN benchmarks EXCLUDE PATTERN images EXCLUDE)
