@@ -12,9 +12,12 @@ function(lcm_types)
     add_custom_command(OUTPUT ${header}
       COMMAND ${LCM_GEN} --cpp --cpp-hpath ${dir} ${file}
       # lcm-gen 1.3.1 believes an array length off the wire: it resizes to it (gigabytes), and its check of the bytes
-      # overflows (reads past the end). No element is smaller than a byte.
+      # overflows (reads past the end). No element is smaller than a byte. It believes a string's length, too: one of
+      # -2^31 is read as 2 GiB. A string ends with a 0, and has no other: else it could not be sent on.
       COMMAND sed -i -E
-        "s/^( *)(this->.*)[.]resize[(](.*)[)]\;/\\1if ((\\3) < 0 || (\\3) > maxlen - pos) return -1\;\\n&/" ${header}
+        -e "s/^( *)(this->.*)[.]resize[(](.*)[)]\;/\\1if ((\\3) < 0 || (\\3) > maxlen - pos) return -1\;\\n&/"
+        -e "s/if[(](__.*_len_*) > maxlen - pos[)] return -1\;/if (\\1 < 1 || \\1 > maxlen - pos || memchr((const char*)buf + offset + pos, 0, \\1) != (const char*)buf + offset + pos + \\1 - 1) return -1\;/"
+        ${header}
       DEPENDS ${file} COMMENT "lcm-gen ${ARG_PACKAGE}.${type}" VERBATIM)
     list(APPEND headers ${header})
   endforeach()
