@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace curbstone {
+
+enum class Colour { kPlain, kBold, kDim, kGood, kWarning, kBad };
+
+/// How lines are made: for a file or a pipe (the default), or for a terminal.
+struct TextStyle {
+  bool colours = false;   ///< by SGR sequences (ECMA-48)
+  std::size_t width = 0;  ///< columns, longer lines are cut; 0: as long as they are
+};
+
+/// Text of others (a channel's name, a fault) as it may be shown: what would steer the terminal, and what is no UTF-8,
+/// becomes '?'.
+[[nodiscard]] std::string printable(std::string_view text);
+
+/// One line in a colour, cut and coloured as the style says. `text` is made printable.
+[[nodiscard]] std::string styled_line(std::string_view text, Colour colour, const TextStyle& style);
+
+/// A table as lines of text: columns as wide as their widest cell, two spaces between them. Pure.
+///
+///     TerminalTable table({{"channel"}, {"Hz", Align::kRight}});
+///     table.add_row({{"IMU"}, {"99.8", Colour::kGood}});
+///     for (const std::string& line : table.lines(style)) ...
+class TerminalTable {
+ public:
+  enum class Align { kLeft, kRight };
+  struct Column {
+    std::string title;
+    Align align = Align::kLeft;
+    std::size_t least = 0;  ///< characters, so that a live table does not jump when its values get longer
+  };
+  struct Cell {
+    std::string text;
+    Colour colour = Colour::kPlain;
+  };
+
+  explicit TerminalTable(std::vector<Column> columns) : columns_(std::move(columns)) {}
+  /// Missing cells are empty; those beyond the last column are left out.
+  void add_row(std::vector<Cell> cells);
+  /// The titles and a line a row, without end of line. No line ends with spaces.
+  [[nodiscard]] std::vector<std::string> lines(const TextStyle& style = {}) const;
+
+ private:
+  std::vector<Column> columns_;
+  std::vector<std::vector<Cell>> rows_;
+};
+
+}  // namespace curbstone
