@@ -8,6 +8,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "common/config/duplicate_keys.hpp"
+
 namespace curbstone {
 
 namespace {
@@ -227,6 +229,7 @@ void parse_config(std::string_view text, const std::string& name, const std::str
   YAML::Node root;
   try {
     root = YAML::Load(std::string(text));
+    refuse_duplicate_keys(std::string(text), name);
   } catch (const YAML::ParserException& error) {
     throw ConfigError(fmt::format("{}:{}: {}", name, error.mark.line + 1, error.msg));
   }

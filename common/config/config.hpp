@@ -92,8 +92,8 @@ using SectionNames = std::span<const std::string_view>;
 
 /// Loads section `section` of a YAML file over what `config` holds. One vehicle is one file with a section a process
 /// (`ekf:`, `mapper:`...). A missing section leaves the defaults. Throws ConfigError (file, line, key, what was
-/// expected) on an unreadable file, bad YAML, a section that is not one of `sections`, an unknown key, a wrong type or
-/// a number out of range.
+/// expected) on an unreadable file, bad YAML, a section that is not one of `sections`, an unknown key, a key that
+/// stands twice, a wrong type or a number out of range.
 void load_config(const std::string& file, const std::string& section, SectionNames sections, AnyConfig& config);
 /// The same from text; `name` stands for the file in errors.
 void parse_config(std::string_view text, const std::string& name, const std::string& section, SectionNames sections,

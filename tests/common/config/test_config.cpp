@@ -77,6 +77,16 @@ TEST(Config, WrongValuesSayWhatWasExpected) {
   EXPECT_THAT(error_of("? [ekf]\n: 2"), HasSubstr("ugv.yaml:1: expected the name of a section"));
 }
 
+TEST(Config, AKeyThatStandsTwiceIsRefusedWithBothLines) {
+  EXPECT_EQ(error_of("ekf:\n  enabled: true\nekf:\n  track_width: 1\n"), "ugv.yaml:3: ekf: stands in line 1 already");
+  EXPECT_EQ(error_of("ekf:\n  inner:\n    iterations: 1\n    iterations: 2\n"),
+            "ugv.yaml:4: ekf.inner.iterations: stands in line 3 already");
+  EXPECT_EQ(error_of("ekf: {}\nmapper: {a: 1, a: 2}\n"), "ugv.yaml:2: mapper.a: stands in line 2 already")
+      << "also in a section that is not this process's";
+  EXPECT_THAT(error_of("ekf: &a {track_width: 1, inner: *a}"), HasSubstr("ekf.inner.track_width: unknown key"))
+      << "a node that holds itself ends";
+}
+
 enum class Colour { kRed, kGreen };
 struct Painted {
   Colour colour = Colour::kGreen;
