@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "common/message_types/message_type.hpp"
+
+namespace curbstone {
+
+/// The types that the text of a .lcm file defines (grammar: LCM's "type specification" page). Throws std::runtime_error
+/// with the line at which the text is no such definition. Enumerations, which LCM gave up, are not read.
+[[nodiscard]] std::vector<MessageType> parse_message_types(std::string_view text);
+
+}  // namespace curbstone
