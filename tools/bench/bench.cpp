@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/bench/curbs/bench_curbs.hpp"
+#include "tools/bench/drivers/drivers_bench.hpp"
 #include "tools/bench/latency/latency_bench.hpp"
 #include "tools/bench/mapping/bench_mapping.hpp"
 #include "tools/bench/voting/voting_bench.hpp"
@@ -27,6 +28,7 @@ const std::vector<Benchmark> kBenchmarks = {
     {"curbs", curbs::run_bench_curbs, "precision, recall and lateral error of the curbs"},
     {"latency", latency::run_bench_latency,
      "from the last packet of a revolution to the changed tiles, stage by stage"},
+    {"drivers", drivers::run_bench_drivers, "packets, bytes and frames a second of the drivers on one core"},
 };
 
 int usage(std::FILE* out) {

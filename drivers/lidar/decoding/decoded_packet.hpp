@@ -24,14 +24,11 @@ struct DecodedPacket {
   std::vector<std::uint8_t> intensity;
   std::vector<std::uint8_t> ring;  ///< rank by elevation, 0 = lowest
 
-  /// Keeps the vectors' memory.
-  void clear() {
+  /// Begins a new packet. The vectors stay as they are: who fills them overwrites them.
+  void begin() {
     stamp.reset();
     gap.reset();
     out_of_range = no_return = 0;
-    for (auto* values : {&x, &y, &z, &time_offset}) values->clear();
-    intensity.clear();
-    ring.clear();
   }
 };
 

@@ -1,15 +1,15 @@
 #pragma once
 
-#include <cmath>
+#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <numbers>
+#include <span>
 
+#include "drivers/lidar/decoding/compaction.hpp"
 #include "drivers/lidar/decoding/decoded_packet.hpp"
+#include "drivers/lidar/decoding/shot_table.hpp"
 
 namespace curbstone::lidar::decoding {
-
-inline constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// Which returns go out.
 struct ReturnLimits {
@@ -19,85 +19,76 @@ struct ReturnLimits {
   double end_angle = 360.0;  ///< ... to before here; equal, or 0 and 360: all
 };
 
-/// One laser of a device, ready for use.
-struct Laser {
-  double cos = 1;  ///< of the elevation
-  double sin = 0;
-  double cos_beside = 1;  ///< of `azimuth`
-  double sin_beside = 0;
-  double azimuth = 0;     ///< deg that it looks beside the head's azimuth, clockwise
-  double height = 0;      ///< m above the origin
-  std::uint8_t ring = 0;  ///< rank by elevation, 0 = lowest
+/// How a device writes distances. 0 is no return.
+struct DistanceUnit {
+  double step = 0;              ///< m
+  std::uint16_t no_return = 0;  ///< another word for none
 };
-[[nodiscard]] inline Laser laser_at(double elevation_deg, double azimuth_deg, double height, std::uint8_t ring) {
-  return {std::cos(elevation_deg * kDegree),
-          std::sin(elevation_deg * kDegree),
-          std::cos(azimuth_deg * kDegree),
-          std::sin(azimuth_deg * kDegree),
-          azimuth_deg,
-          height,
-          ring};
-}
 
-/// Turns the returns of a packet into points, in the order in which they are added. A sine and a cosine are taken once
-/// a block; within it the head turns by at most 1 deg, for which four terms of the series are exact to 1e-15.
-/// Use: construct it, then for each block block() and add(), then finish().
+/// The records of a data block as they are in the packet.
+struct BlockRecords {
+  std::array<std::uint16_t, kRecordsPerBlock> distance{};
+  std::array<std::uint8_t, kRecordsPerBlock> intensity{};
+  int repeats = 0;  ///< set to distance 0 because they repeat the shot's other return: no shots without a return
+
+  void leave_out(std::size_t record) {
+    distance[record] = 0;
+    ++repeats;
+  }
+};
+
+/// Where the head was when a block's shots were fired.
+struct BlockPlace {
+  int azimuth = 0;             ///< 0.01 deg, 0..35999, clockwise, at the first shot
+  double turned_a_second = 0;  ///< deg/s, within the block
+  double start = 0;            ///< s from the packet's first shot to the block's
+};
+
+/// Turns the returns of a packet into points, in the order in which they were fired. A sine and a cosine are looked
+/// up once a block; within it the head turns by at most 1 deg, for which few terms of the series are exact to 1e-15.
+/// Use: construct it, add() each block, then finish().
 class PointWriter {
  public:
-  static constexpr std::size_t kMost = 384;  ///< points of a packet: a record each, 12 blocks of 32
+  static constexpr std::size_t kMost = 12 * kRecordsPerBlock;  ///< points of a packet: a record each
 
-  /// `lens_offset`: m from the axis to the lenses, in the direction of the head's azimuth.
-  PointWriter(const ReturnLimits& limits, double lens_offset, DecodedPacket& packet);
+  /// `lens_offset`: m from the axis to the lenses, in the direction of the head's azimuth. `shots` must outlive it.
+  PointWriter(const ReturnLimits& limits, const DistanceUnit& unit, const ShotTable& shots, double lens_offset,
+              DecodedPacket& packet);
 
-  /// `azimuth_deg` of the head at the block's first shot.
-  void block(double azimuth_deg) {
-    azimuth_deg_ = azimuth_deg;
-    cos_ = std::cos(azimuth_deg * kDegree);
-    sin_ = std::sin(azimuth_deg * kDegree);
-  }
-  /// `turned_deg`: by the head since the block's first shot; `time` s after the packet's.
-  void add(double turned_deg, double time, const Laser& laser, double range, std::uint8_t intensity) {
-    if (range < limits_.min_range || range > limits_.max_range) {
-      ++packet_.out_of_range;
-      return;
-    }
-    if (!whole_turn_ && !in_sector(azimuth_deg_ + turned_deg + laser.azimuth)) return;
-    const double turned = turned_deg * kDegree;
-    const double square = turned * turned;
-    const double s = turned * (1.0 - square / 6.0 * (1.0 - square / 20.0));
-    const double c = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0));
-    const double cos_head = cos_ * c - sin_ * s;
-    const double sin_head = sin_ * c + cos_ * s;
-    const double cos_beam = cos_head * laser.cos_beside - sin_head * laser.sin_beside;
-    const double sin_beam = sin_head * laser.cos_beside + cos_head * laser.sin_beside;
-    const double flat = range * laser.cos;
-    const std::size_t i = count_++;
-    x_[i] = static_cast<float>(flat * cos_beam + lens_offset_ * cos_head);
-    y_[i] = static_cast<float>(-flat * sin_beam - lens_offset_ * sin_head);
-    z_[i] = static_cast<float>(range * laser.sin + laser.height);
-    time_[i] = static_cast<float>(time);
-    intensity_[i] = intensity;
-    ring_[i] = laser.ring;
-  }
+  /// A block, or two of the same shots: first one return of each, then the other.
+  void add(const BlockPlace& place, std::span<const BlockRecords> returns);
+  void add(const BlockPlace& place, const BlockRecords& records) { add(place, std::span(&records, 1)); }
   void finish();
 
  private:
+  /// A figure of each record of a block; after them, or in between, those of the block with the shots' other returns.
+  template <class Value>
+  using Figures = std::array<Value, 2 * kRecordsPerBlock>;
+
+  void place_all(const BlockPlace& place, std::span<const BlockRecords> returns);
+  void choose(std::span<const BlockRecords> returns);
+  void leave_out_sector(const BlockPlace& place, std::size_t records);
+  void put_returns_side_by_side();
   [[nodiscard]] bool in_sector(double azimuth_deg) const;
 
   ReturnLimits limits_;
-  double lens_offset_;
   bool whole_turn_;
+  DistanceUnit unit_;
+  unsigned least_;  ///< distance that goes out, in steps
+  unsigned most_;
+  const ShotTable& shots_;
+  double lens_offset_;
   DecodedPacket& packet_;
-  float* x_;
-  float* y_;
-  float* z_;
-  float* time_;
-  std::uint8_t* intensity_;
-  std::uint8_t* ring_;
   std::size_t count_ = 0;
-  double azimuth_deg_ = 0;
-  double cos_ = 1;
-  double sin_ = 0;
+  std::array<std::uint32_t, kMost + kCompactionSlack> marks_;  ///< of all points: ring and intensity
+
+  // Of the block in hand. What has no return means nothing.
+  alignas(64) Figures<float> x_;
+  alignas(64) Figures<float> y_;
+  alignas(64) Figures<float> z_;
+  alignas(64) Figures<float> time_;
+  Figures<std::uint32_t> mark_;
+  Figures<std::uint8_t> goes_out_;  ///< 1 or 0
 };
 
 }  // namespace curbstone::lidar::decoding

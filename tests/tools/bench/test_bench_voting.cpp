@@ -7,11 +7,11 @@
 
 #include "services/tensor_voting/voting/batch_voting.hpp"
 #include "tests/temporary_folder.hpp"
+#include "tools/bench/timing/timed_in_turn.hpp"
 #include "tools/bench/voting/fma_peak.hpp"
 #include "tools/bench/voting/inputs/street_cloud.hpp"
 #include "tools/bench/voting/pair_count.hpp"
 #include "tools/bench/voting/pcl_normals.hpp"
-#include "tools/bench/voting/timed_in_turn.hpp"
 #include "tools/bench/voting/voting_bench.hpp"
 
 namespace curbstone::bench {
@@ -79,13 +79,13 @@ TEST(PclNormals, GivesANormalToEveryPointWithNeighbours) {
 
 TEST(TimeInTurn, EachHasItsTurnInEveryRoundUnlessItIsSlow) {
   std::string order;
-  const std::vector<voting::Contender> contenders = {{"a", [&] { order += 'a'; }}, {"b", [&] { order += 'b'; }}};
-  const auto times = voting::time_in_turn(contenders, {.rounds = 2, .min_time = 1e-9});
+  const std::vector<timing::Contender> contenders = {{"a", [&] { order += 'a'; }}, {"b", [&] { order += 'b'; }}};
+  const auto times = timing::time_in_turn(contenders, {.rounds = 2, .min_time = 1e-9});
   ASSERT_EQ(times.size(), 2U);
   EXPECT_GT(times[0].wall_ms, 0);
   EXPECT_THAT(order, HasSubstr("ba")) << "a comes back after b";
   order.clear();
-  (void)voting::time_in_turn(contenders, {.rounds = 5, .min_time = 1e-9, .slow = 0});
+  (void)timing::time_in_turn(contenders, {.rounds = 5, .min_time = 1e-9, .slow = 0});
   EXPECT_EQ(order.find("ba"), std::string::npos) << "everything is slower than nothing";
 }
 

@@ -7,15 +7,15 @@
 
 namespace curbstone::bench::voting {
 
-void measure_batch(BatchRow& row, bool with_pcl, const TurnOptions& options) {
+void measure_batch(BatchRow& row, bool with_pcl, const timing::TurnOptions& options) {
   const auto cloud = inputs::street_cloud(row.points, row.length);
   const tensor_voting::voting::VotingParameters parameters{.sigma = row.sigma, .radius = row.radius, .voxel = 0};
   row.pair_votes = count_pair_votes(cloud, row.radius, row.threads);
-  std::vector<Contender> contenders;
+  std::vector<timing::Contender> contenders;
   contenders.push_back({"ours", [&] { (void)tensor_voting::voting::vote_cloud(cloud, parameters, row.threads); }});
   const PclNormals pcl(cloud, row.radius, row.threads);
   if (with_pcl) contenders.push_back({"pcl", [&] { (void)pcl.run(); }});
-  const std::vector<TurnTimes> times = time_in_turn(contenders, options);
+  const std::vector<timing::TurnTimes> times = time_in_turn(contenders, options);
   row.ours = times[0];
   if (with_pcl) row.pcl = times[1];
 }

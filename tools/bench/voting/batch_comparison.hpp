@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "tools/bench/voting/timed_in_turn.hpp"
+#include "tools/bench/timing/timed_in_turn.hpp"
 
 namespace curbstone::bench::voting {
 
@@ -22,15 +22,15 @@ struct BatchRow {
   double sigma = 0.3;  ///< m
   double radius = 0.9;
   int threads = 2;
-  TurnTimes ours{};                ///< votes of all points by all points, and decomposition
-  std::optional<TurnTimes> pcl{};  ///< tree and normals
-  std::int64_t pair_votes = 0;     ///< cast: ordered pairs within reach
+  timing::TurnTimes ours{};                ///< votes of all points by all points, and decomposition
+  std::optional<timing::TurnTimes> pcl{};  ///< tree and normals
+  std::int64_t pair_votes = 0;             ///< cast: ordered pairs within reach
   [[nodiscard]] double pair_votes_per_s() const { return static_cast<double>(pair_votes) / ours.wall_ms * 1e3; }
   [[nodiscard]] double flops_per_s() const { return pair_votes_per_s() * kFlopsPerVote; }
 };
 
 /// Fills in the measured fields of `row`.
-void measure_batch(BatchRow& row, bool with_pcl, const TurnOptions& options);
+void measure_batch(BatchRow& row, bool with_pcl, const timing::TurnOptions& options);
 
 /// Sum of l1 - l2 over the points of a street of 10,000 at sigma 0.3, to be compared with what independent codes gave
 /// for another draw of it (kStickSumOfOthers): the draws differ by about a per cent.

@@ -21,7 +21,7 @@ struct VotingBenchOptions {
   std::vector<double> sigmas = {0.3, 0.1};
   int threads = 2;
   std::size_t pcl_max_points = 1'000'000;
-  TurnOptions turns;
+  timing::TurnOptions turns;
   inputs::DriveSource drive;
   bool no_growth = false;
   bool no_drive = false;
@@ -57,7 +57,7 @@ void say(const std::string& what) {
   fmt::print(stderr, "bench voting: {}\n", what);
 }
 
-BatchRow measured(BatchRow row, bool with_pcl, const TurnOptions& turns) {
+BatchRow measured(BatchRow row, bool with_pcl, const timing::TurnOptions& turns) {
   say(fmt::format("{} points on {} m, sigma {}, {} threads{}", row.points, row.length, row.sigma, row.threads,
                   with_pcl ? ", and PCL" : ""));
   measure_batch(row, with_pcl, turns);

@@ -31,8 +31,22 @@ std::optional<std::int64_t> stamp_of(const MsopPacket& packet) {
   return static_cast<std::int64_t>(std::uint64_t{packet.seconds}) * 1'000'000 + std::uint32_t{packet.microseconds};
 }
 
-bool same(const MsopRecord& a, const MsopRecord& b) {
-  return a.distance == b.distance && a.intensity == b.intensity;
+decoding::BlockRecords records_of(const MsopBlock& block) {
+  decoding::BlockRecords records;
+  for (std::size_t i = 0; i < kRecords; ++i) {
+    records.distance[i] = block.records[i].distance;
+    records.intensity[i] = block.records[i].intensity;
+  }
+  return records;
+}
+
+/// Two returns: where a shot had but one, both are the same. `apart`: records from one return to the other.
+void leave_out_repeats(const decoding::BlockRecords& first, decoding::BlockRecords& other, std::size_t apart) {
+  for (std::size_t i = apart; i < kRecords; ++i) {
+    const std::size_t of_first = i - apart;
+    if (other.distance[i] == first.distance[of_first] && other.intensity[i] == first.intensity[of_first])
+      other.leave_out(i);
+  }
 }
 
 }  // namespace
@@ -45,10 +59,13 @@ void HeliosDecoder::set_device(const DeviceInfo& device) {
   blind_zone_.set_field_of_view(device.fov_start, device.fov_end);
   dual_return_ = device.dual_return;
   const std::span<const LaserAngles> angles(device.angles.data(), variant_.lasers);
-  for (std::size_t i = 0; i < variant_.lasers; ++i) {
-    const double elevation = angles[i].elevation;
+  for (std::size_t i = 0; i < kRecords; ++i) {
+    const std::size_t laser = i % variant_.lasers;
+    const std::size_t sequence = dual_return_ ? 0 : i / variant_.lasers;
+    const double time = variant_.times[laser] + static_cast<double>(sequence) * kSequencePeriod;
+    const double elevation = angles[laser].elevation;
     const auto lower = std::ranges::count_if(angles, [&](const auto& a) { return a.elevation < elevation; });
-    lasers_[i] = decoding::laser_at(elevation, angles[i].azimuth, 0.0, static_cast<std::uint8_t>(lower));
+    shots_.set(i, time, {elevation, angles[laser].azimuth, 0.0, static_cast<std::uint8_t>(lower)});
   }
 }
 
@@ -83,7 +100,7 @@ Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::Dec
   const decoding::BlockSteps steps =
       decoding::block_steps(std::span(azimuths).first(firings), blind_zone_, period, spans);
 
-  packet.clear();
+  packet.begin();
   packet.stamp = stamp_of(msop);
   if (packet.stamp) blind_zone_.next_stamp(*packet.stamp);
   if (!steps.steady) {
@@ -95,29 +112,14 @@ Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::Dec
   packet.azimuth = azimuths[0];
   packet.rate = steps.mean / period;
   packet.duration = spans[firings - 1].start + period;
-  decoding::PointWriter writer(limits_, kLensOffset, packet);
+  decoding::PointWriter writer(limits_, {distance_step, kNoReturn}, shots_, kLensOffset, packet);
   for (std::size_t f = 0; f < firings; ++f) {
-    writer.block(0.01 * azimuths[f]);
-    const MsopBlock& first = msop.blocks[f * blocks_a_firing];
-    const MsopBlock& last = msop.blocks[f * blocks_a_firing + blocks_a_firing - 1];
-    for (std::size_t r = 0; r < kRecords; ++r) {
-      const std::size_t laser = r % variant_.lasers;
-      const bool second_return = sixteen && dual_return_ && r >= variant_.lasers;
-      const double time =
-          variant_.times[laser] + (second_return ? 0.0 : static_cast<double>(r / variant_.lasers) * kSequencePeriod);
-      const double turned_deg = 0.01 * spans[f].angle * (time / period);
-      const auto add = [&](const MsopRecord& record) {
-        if (record.distance == 0 || record.distance == kNoReturn) {
-          ++packet.no_return;
-        } else {
-          writer.add(turned_deg, spans[f].start + time, lasers_[laser], record.distance * distance_step,
-                     record.intensity);
-        }
-      };
-      if (second_return && same(first.records[r], first.records[laser])) continue;
-      add(first.records[r]);
-      if (blocks_a_firing == 2 && !same(first.records[r], last.records[r])) add(last.records[r]);
-    }
+    std::array<decoding::BlockRecords, 2> returns;
+    for (std::size_t i = 0; i < blocks_a_firing; ++i) returns[i] = records_of(msop.blocks[f * blocks_a_firing + i]);
+    if (dual_return_ && sixteen) leave_out_repeats(returns[0], returns[0], variant_.lasers);
+    if (dual_return_ && !sixteen) leave_out_repeats(returns[0], returns[1], 0);
+    writer.add({azimuths[f], 0.01 * spans[f].angle / period, spans[f].start},
+               std::span(returns).first(blocks_a_firing));
   }
   writer.finish();
   return Refusal::kNone;

@@ -34,7 +34,7 @@ class HeliosDecoder {
   std::optional<double> distance_step_;  ///< m, as the user says
   decoding::BlindZone blind_zone_;
   bool dual_return_ = false;
-  std::array<decoding::Laser, kRecords> lasers_{};
+  decoding::ShotTable shots_;
   std::optional<std::uint8_t> unit_;
   int other_units_ = 0;  ///< packets in a row with another one
 };

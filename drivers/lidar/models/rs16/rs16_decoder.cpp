@@ -23,11 +23,22 @@ Refusal check(const MsopPacket& packet) {
   return Refusal::kNone;
 }
 
-/// The half of the block that holds the other return has the same: the shot had but one.
-bool repeats_first(const MsopBlock& block, std::size_t record) {
-  const MsopRecord& first = block.records[record - kLasers];
-  const MsopRecord& second = block.records[record];
-  return first.distance == second.distance && first.intensity == second.intensity;
+decoding::BlockRecords records_of(const MsopBlock& block) {
+  decoding::BlockRecords records;
+  for (std::size_t i = 0; i < decoding::kRecordsPerBlock; ++i) {
+    records.distance[i] = block.records[i].distance;
+    records.intensity[i] = block.records[i].intensity;
+  }
+  return records;
+}
+
+/// Two returns: where the shot had but one, the half of the block that holds the other has the same.
+void leave_out_repeats(decoding::BlockRecords& records) {
+  for (std::size_t i = kLasers; i < decoding::kRecordsPerBlock; ++i) {
+    const std::size_t first = i - kLasers;
+    if (records.distance[i] == records.distance[first] && records.intensity[i] == records.intensity[first])
+      records.leave_out(i);
+  }
 }
 
 }  // namespace
@@ -41,15 +52,14 @@ void Rs16Decoder::set_device(const DeviceInfo& device) {
   blind_zone_.set_field_of_view(device.fov_start, device.fov_end);
   const int sequences = device.dual_return ? 1 : kSequencesPerBlock;
   block_period_ = sequences * device.times.sequence;
-  for (std::size_t i = 0; i < kRecords; ++i) {
+  for (std::size_t i = 0; i < decoding::kRecordsPerBlock; ++i) {
     const std::size_t sequence = device.dual_return ? 0 : i / kLasers;
-    times_[i] =
-        static_cast<double>(sequence) * device.times.sequence + static_cast<double>(i % kLasers) * device.times.laser;
-  }
-  for (std::size_t i = 0; i < kLasers; ++i) {
-    const double elevation = device.elevations[i];
+    const std::size_t laser = i % kLasers;
+    const double time =
+        static_cast<double>(sequence) * device.times.sequence + static_cast<double>(laser) * device.times.laser;
+    const double elevation = device.elevations[laser];
     const auto lower = std::ranges::count_if(device.elevations, [&](double e) { return e < elevation; });
-    lasers_[i] = decoding::laser_at(elevation, device.azimuths[i], 0.0, static_cast<std::uint8_t>(lower));
+    shots_.set(i, time, {elevation, device.azimuths[laser], 0.0, static_cast<std::uint8_t>(lower)});
   }
 }
 
@@ -64,7 +74,7 @@ Refusal Rs16Decoder::decode(std::span<const std::uint8_t> bytes, decoding::Decod
   std::array<decoding::BlockSpan, kBlocksPerPacket> spans;
   const decoding::BlockSteps steps = decoding::block_steps(azimuths, blind_zone_, block_period_, spans);
 
-  packet.clear();
+  packet.begin();
   packet.stamp = robosense::utime_from(msop.time);
   if (packet.stamp) blind_zone_.next_stamp(*packet.stamp);
   if (!steps.steady) {
@@ -77,20 +87,12 @@ Refusal Rs16Decoder::decode(std::span<const std::uint8_t> bytes, decoding::Decod
   packet.azimuth = azimuths[0];
   packet.rate = steps.mean / block_period_;
   packet.duration = spans.back().start + block_period_;
-  decoding::PointWriter writer(limits_, kLensOffset, packet);
+  const decoding::DistanceUnit unit = {device_.distance_step, kNoReturn};
+  decoding::PointWriter writer(limits_, unit, shots_, kLensOffset, packet);
   for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
-    writer.block(0.01 * azimuths[b]);
-    const double turned_a_second = 0.01 * spans[b].angle / block_period_;
-    for (std::size_t r = 0; r < kRecords; ++r) {
-      const MsopRecord& record = msop.blocks[b].records[r];
-      if (device_.dual_return && r >= kLasers && repeats_first(msop.blocks[b], r)) continue;
-      if (record.distance == 0 || record.distance == kNoReturn) {
-        ++packet.no_return;
-        continue;
-      }
-      writer.add(turned_a_second * times_[r], spans[b].start + times_[r], lasers_[r % kLasers],
-                 record.distance * device_.distance_step, record.intensity);
-    }
+    decoding::BlockRecords records = records_of(msop.blocks[b]);
+    if (device_.dual_return) leave_out_repeats(records);
+    writer.add({azimuths[b], 0.01 * spans[b].angle / block_period_, spans[b].start}, records);
   }
   writer.finish();
   return Refusal::kNone;

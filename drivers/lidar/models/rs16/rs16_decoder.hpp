@@ -29,14 +29,11 @@ class Rs16Decoder {
   [[nodiscard]] decoding::Refusal decode(std::span<const std::uint8_t> bytes, decoding::DecodedPacket& packet);
 
  private:
-  static constexpr std::size_t kRecords = kSequencesPerBlock * kLasers;
-
   decoding::ReturnLimits limits_;
   DeviceInfo device_;
   decoding::BlindZone blind_zone_;
-  double block_period_ = kBlockPeriod;    ///< s
-  std::array<double, kRecords> times_{};  ///< s after the block's first shot
-  std::array<decoding::Laser, kLasers> lasers_{};
+  double block_period_ = kBlockPeriod;  ///< s
+  decoding::ShotTable shots_;
 };
 
 }  // namespace curbstone::lidar::models::rs16

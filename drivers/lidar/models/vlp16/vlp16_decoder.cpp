@@ -14,8 +14,21 @@ namespace {
 constexpr std::int64_t kHour = 3'600'000'000;             // us
 constexpr std::int64_t kLongestHour = kHour + 1'000'000;  // us: values a little above the hour occur
 
-std::span<const std::uint8_t> record_of(std::span<const std::uint8_t> bytes, std::size_t block, std::size_t record) {
-  return bytes.subspan(kBlockSize * block + 4 + 3 * record, 3);
+decoding::BlockRecords records_of(std::span<const std::uint8_t> block) {
+  decoding::BlockRecords records;
+  for (std::size_t i = 0; i < decoding::kRecordsPerBlock; ++i) {
+    const auto record = block.subspan(4 + 3 * i, 3);
+    records.distance[i] = read_little_endian<std::uint16_t>(record);
+    records.intensity[i] = record[2];
+  }
+  return records;
+}
+
+/// Two returns: where a shot had but one, both are the same.
+void leave_out_repeats(const decoding::BlockRecords& first, decoding::BlockRecords& other) {
+  for (std::size_t i = 0; i < decoding::kRecordsPerBlock; ++i) {
+    if (other.distance[i] == first.distance[i] && other.intensity[i] == first.intensity[i]) other.leave_out(i);
+  }
 }
 
 /// To the hour in which it is nearest to `reference`.
@@ -32,9 +45,12 @@ Vlp16Decoder::Vlp16Decoder(const decoding::ReturnLimits& limits, const std::vect
     : limits_(limits) {
   std::array<LaserAngles, kLasers> all;
   for (std::size_t i = 0; i < kLasers; ++i) all[i] = angles.empty() ? LaserAngles{kElevations[i], 0.0} : angles[i];
-  for (std::size_t i = 0; i < kLasers; ++i) {
-    const auto lower = std::ranges::count_if(all, [&](const auto& a) { return a.elevation < all[i].elevation; });
-    lasers_[i] = decoding::laser_at(all[i].elevation, all[i].azimuth, kHeights[i], static_cast<std::uint8_t>(lower));
+  for (std::size_t i = 0; i < decoding::kRecordsPerBlock; ++i) {
+    const std::size_t laser = i % kLasers;
+    const double time = static_cast<double>(i / kLasers) * kSequencePeriod + static_cast<double>(laser) * kLaserPeriod;
+    const auto& [elevation, azimuth] = all[laser];
+    const auto lower = std::ranges::count_if(all, [&](const auto& a) { return a.elevation < all[laser].elevation; });
+    shots_.set(i, time, {elevation, azimuth, kHeights[laser], static_cast<std::uint8_t>(lower)});
   }
 }
 
@@ -59,7 +75,7 @@ Refusal Vlp16Decoder::decode(std::int64_t received, std::span<const std::uint8_t
   const decoding::BlockSteps steps =
       decoding::block_steps(std::span(azimuths).first(firings), blind_zone_, kBlockPeriod, spans);
 
-  packet.clear();
+  packet.begin();
   const std::int64_t past_hour = read_little_endian<std::uint32_t>(bytes.subspan(kStamp));
   if (past_hour < kLongestHour) packet.stamp = resolve(past_hour, received);
   if (packet.stamp) blind_zone_.next_stamp(*packet.stamp);
@@ -75,26 +91,14 @@ Refusal Vlp16Decoder::decode(std::int64_t received, std::span<const std::uint8_t
   packet.azimuth = azimuths[0];
   packet.rate = steps.mean / kBlockPeriod;
   packet.duration = spans[firings - 1].start + kBlockPeriod;
-  decoding::PointWriter writer(limits_, 0.0, packet);
-  const auto add = [&](std::span<const std::uint8_t> record, double turned_deg, double time, std::size_t laser) {
-    const auto distance = read_little_endian<std::uint16_t>(record);
-    if (distance == 0)
-      ++packet.no_return;
-    else
-      writer.add(turned_deg, time, lasers_[laser], distance * kDistanceStep, record[2]);
-  };
+  decoding::PointWriter writer(limits_, {kDistanceStep}, shots_, 0.0, packet);
   for (std::size_t f = 0; f < firings; ++f) {
-    writer.block(0.01 * azimuths[f]);
-    for (std::size_t r = 0; r < kRecordsPerBlock; ++r) {
-      const double time =
-          static_cast<double>(r / kLasers) * kSequencePeriod + static_cast<double>(r % kLasers) * kLaserPeriod;
-      const double turned_deg = 0.01 * spans[f].angle * (time / kBlockPeriod);
-      const auto record = record_of(bytes, f * blocks_a_firing, r);
-      add(record, turned_deg, spans[f].start + time, r % kLasers);
-      if (!dual) continue;
-      const auto other = record_of(bytes, f * blocks_a_firing + 1, r);
-      if (!std::ranges::equal(record, other)) add(other, turned_deg, spans[f].start + time, r % kLasers);
-    }
+    std::array<decoding::BlockRecords, 2> returns;
+    for (std::size_t i = 0; i < blocks_a_firing; ++i)
+      returns[i] = records_of(bytes.subspan(kBlockSize * (f * blocks_a_firing + i), kBlockSize));
+    if (dual) leave_out_repeats(returns[0], returns[1]);
+    writer.add({azimuths[f], 0.01 * spans[f].angle / kBlockPeriod, spans[f].start},
+               std::span(returns).first(blocks_a_firing));
   }
   writer.finish();
   return Refusal::kNone;

@@ -39,7 +39,7 @@ class Vlp16Decoder {
 
   decoding::ReturnLimits limits_;
   decoding::BlindZone blind_zone_;
-  std::array<decoding::Laser, kLasers> lasers_{};
+  decoding::ShotTable shots_;
   bool dual_return_ = false;
   std::optional<std::int64_t> last_stamp_;
   std::int64_t last_received_ = 0;

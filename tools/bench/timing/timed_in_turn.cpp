@@ -1,10 +1,10 @@
-#include "tools/bench/voting/timed_in_turn.hpp"
+#include "tools/bench/timing/timed_in_turn.hpp"
 
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 
-namespace curbstone::bench::voting {
+namespace curbstone::bench::timing {
 
 namespace {
 
@@ -62,4 +62,4 @@ std::vector<TurnTimes> time_in_turn(std::span<const Contender> contenders, const
   return medians;
 }
 
-}  // namespace curbstone::bench::voting
+}  // namespace curbstone::bench::timing

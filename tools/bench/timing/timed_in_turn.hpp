@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace curbstone::bench::voting {
+namespace curbstone::bench::timing {
 
 /// Something to be timed.
 struct Contender {
@@ -29,4 +29,4 @@ struct TurnTimes {
 /// By Google Benchmark.
 [[nodiscard]] std::vector<TurnTimes> time_in_turn(std::span<const Contender> contenders, const TurnOptions& options);
 
-}  // namespace curbstone::bench::voting
+}  // namespace curbstone::bench::timing

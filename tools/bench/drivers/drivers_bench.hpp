@@ -1,0 +1,8 @@
+#pragma once
+
+namespace curbstone::bench::drivers {
+
+/// curbstone bench drivers: packets, bytes and frames a second of the drivers on one core.
+int run_bench_drivers(int argc, char** argv);
+
+}  // namespace curbstone::bench::drivers
