@@ -1,54 +1,53 @@
 #include "common/log/log_reader.hpp"
 
 #include <fmt/format.h>
-#include <lcm/eventlog.h>
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
+#include <cstdlib>
 #include <stdexcept>
 
 namespace curbstone {
 
-LogReader::LogReader(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file))
-    throw std::runtime_error(fmt::format("{}: cannot be read: {}", file, in ? "it is a folder" : std::strerror(errno)));
-  // Every record of an LCM log opens with this sync word.
-  constexpr unsigned char kSync[4] = {0xED, 0xA1, 0xDA, 0x01};
-  char head[4] = {};
-  in.read(head, sizeof head);
-  if (in.gcount() != sizeof head || std::memcmp(head, kSync, sizeof kSync) != 0) {
-    throw std::runtime_error(fmt::format("{}: not an LCM log (it does not begin with a record of lcm-logger)", file));
-  }
-  size_ = static_cast<std::int64_t>(std::filesystem::file_size(file));
-  log_ = lcm_eventlog_create(file.c_str(), "r");
-  if (log_ == nullptr) throw std::runtime_error(fmt::format("{}: cannot be opened as an LCM log", file));
-}
-
-LogReader::~LogReader() {
-  if (log_ != nullptr) lcm_eventlog_destroy(log_);
+LogReader::LogReader(const std::string& file) : file_(file), finder_(file_) {
+  if (!finder_.cut_off_at(0) && !finder_.first_from(0))
+    throw std::runtime_error(fmt::format("{}: not an LCM log (no record of lcm-logger is in it)", file));
 }
 
 std::optional<LogEvent> LogReader::next() {
-  const auto before = std::ftell(log_->f);
-  lcm_eventlog_event_t* event = lcm_eventlog_read_next_event(log_);
-  if (event == nullptr) {
-    truncated_ = before < size_;
-    return std::nullopt;
+  const auto record = next_record();
+  if (!record) return std::nullopt;
+  const auto bytes = file_.at(record->begin, static_cast<std::size_t>(record->end() - record->begin));
+  const auto channel = bytes.subspan(LogRecord::kHeader, static_cast<std::size_t>(record->channel_size));
+  const auto data = bytes.subspan(static_cast<std::size_t>(LogRecord::kHeader + record->channel_size));
+  previous_ = record;
+  at_ = record->end();
+  return LogEvent{record->utime, {channel.begin(), channel.end()}, {data.begin(), data.end()}};
+}
+
+std::optional<LogRecord> LogReader::next_record() {
+  if (at_ >= file_.size()) return std::nullopt;
+  if (const auto record = finder_.record_at(at_, previous_)) return record;
+  const auto found = finder_.first_from(at_ + 1);
+  skip(found);
+  return found;
+}
+
+void LogReader::skip(const std::optional<LogRecord>& to) {
+  const std::int64_t end = to ? to->begin : file_.size();
+  if (!to && finder_.cut_off_at(at_)) {
+    loss_.cut_off += end - at_;
+  } else {
+    ++loss_.places;
+    loss_.bytes += end - at_;
+    if (to && previous_) {
+      if (to->number > previous_->number) loss_.missing += to->number - previous_->number - 1;
+      loss_.seconds += std::abs(static_cast<double>(to->utime) - static_cast<double>(previous_->utime)) * 1e-6;
+    }
   }
-  const auto* bytes = static_cast<const std::uint8_t*>(event->data);
-  LogEvent out{
-      event->timestamp, {event->channel, static_cast<std::size_t>(event->channellen)}, {bytes, bytes + event->datalen}};
-  lcm_eventlog_free_event(event);
-  read_to_ = std::ftell(log_->f);
-  return out;
+  at_ = end;
 }
 
 double LogReader::progress() const {
-  return size_ > 0 ? static_cast<double>(std::ftell(log_->f)) / static_cast<double>(size_) : 1.0;
+  return file_.size() > 0 ? static_cast<double>(at_) / static_cast<double>(file_.size()) : 1.0;
 }
 
 }  // namespace curbstone

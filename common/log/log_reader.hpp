@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
-typedef struct _lcm_eventlog_t lcm_eventlog_t;
+#include "common/log/file_window.hpp"
+#include "common/log/log_loss.hpp"
+#include "common/log/record_finder.hpp"
 
 namespace curbstone {
 
@@ -16,30 +18,29 @@ struct LogEvent {
   std::vector<std::uint8_t> bytes;
 };
 
-/// Reads an `lcm-logger` log from beginning to end. Format: lcm/lcm/eventlog.c. One thread.
+/// Reads an `lcm-logger` log from beginning to end. Format: lcm/lcm/eventlog.c. What is damaged is skipped, up to the
+/// next record, and counted: see loss(). One thread.
 class LogReader {
  public:
   /// Throws std::runtime_error with one clear line: the file is missing, unreadable, or no LCM log.
   explicit LogReader(const std::string& file);
-  ~LogReader();
-  LogReader(const LogReader&) = delete;
-  LogReader& operator=(const LogReader&) = delete;
 
-  /// The next event; nothing at the end. A log that was cut off inside an event ends there: see truncated().
+  /// The next event; nothing at the end.
   [[nodiscard]] std::optional<LogEvent> next();
-  [[nodiscard]] bool truncated() const { return truncated_; }
-  /// Where the last whole event ended, and how many bytes behind it were not read: fewer than an event if the log was
-  /// cut off, more if it is damaged there.
-  [[nodiscard]] std::int64_t read_to() const { return read_to_; }
-  [[nodiscard]] std::int64_t unread() const { return size_ - read_to_; }
+  /// What was skipped so far.
+  [[nodiscard]] const LogLoss& loss() const { return loss_; }
   /// The part of the file read so far, 0..1.
   [[nodiscard]] double progress() const;
 
  private:
-  lcm_eventlog_t* log_ = nullptr;
-  std::int64_t size_ = 0;
-  std::int64_t read_to_ = 0;
-  bool truncated_ = false;
+  [[nodiscard]] std::optional<LogRecord> next_record();
+  void skip(const std::optional<LogRecord>& to);
+
+  FileWindow file_;
+  RecordFinder finder_;
+  std::int64_t at_ = 0;
+  std::optional<LogRecord> previous_;
+  LogLoss loss_;
 };
 
 }  // namespace curbstone

@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <curbstone/service_config_t.hpp>
 #include <curbstone/service_status_t.hpp>
 #include <fstream>
 
@@ -16,6 +17,8 @@
 namespace curbstone {
 
 namespace {
+
+constexpr std::chrono::seconds kConfigPeriod{5};
 
 std::int64_t cpu_time() {
   rusage usage{};
@@ -44,6 +47,17 @@ std::string host_name() {
   char name[256] = {};
   gethostname(name, sizeof name - 1);
   return name;
+}
+
+/// What the process says of how it is configured: see service_config_t.
+service_config_t config_message(const std::string& name, const std::string& section, AnyConfig& config) {
+  service_config_t message;
+  message.service = name;
+  message.section = section;
+  message.host = host_name();
+  message.version = version();
+  message.yaml = dump_config(section, config);
+  return message;
 }
 
 class StatusReporter {
@@ -86,14 +100,18 @@ class StatusReporter {
   std::int64_t start_ = steady_clock();
 };
 
-void run(const std::string& name, const std::string& url, const std::string& hash,
+void run(service_config_t config, const std::string& url, const std::string& hash,
          const std::function<std::unique_ptr<Node>(ServiceContext&)>& make) {
   EventLoop loop;
   LcmBus bus(url);
-  ServiceContext context{name, bus, bus, loop};
+  ServiceContext context{config.service, bus, bus, loop};
   const std::unique_ptr<Node> node = make(context);
   node->connect(bus);
-  StatusReporter status(name, hash);
+  StatusReporter status(config.service, hash);
+  const auto publish_config = [&] {
+    config.utime = wall_clock();
+    bus.publish("CONFIG", config);
+  };
 
   loop.watch(bus.fd(), [&] {
     bus.handle(std::chrono::milliseconds(0));
@@ -102,7 +120,9 @@ void run(const std::string& name, const std::string& url, const std::string& has
   loop.when_idle([&] { return node->idle(wall_clock()); });
   loop.every(std::chrono::milliseconds(20), [&] { node->tick(wall_clock()); });
   loop.every(std::chrono::milliseconds(1000), [&] { status.publish(bus, node->report()); });
+  loop.every(kConfigPeriod, publish_config);
   status.publish(bus, node->report());
+  publish_config();
   loop.run();
 
   bus.handle(std::chrono::milliseconds(0));
@@ -147,7 +167,7 @@ int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig&
   }
   try {
     yield_to_others(nice);
-    run(name, url, config_hash(section, config), make);
+    run(config_message(name, section, config), url, config_hash(section, config), make);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", section, error.what());
     return 1;

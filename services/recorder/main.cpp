@@ -1,4 +1,5 @@
 #include "common/shell/service.hpp"
+#include "common/time/clock.hpp"
 #include "config/sections.hpp"
 #include "services/recorder/recorder_node.hpp"
 
@@ -8,6 +9,6 @@ int main(int argc, char** argv) {
   return run_service<recorder::RecorderConfig>(
       argc, argv, {"recorder", kProcessSections, "Writes everything on the bus to an LCM log"},
       [](const recorder::RecorderConfig& config, ServiceContext& context) -> std::unique_ptr<Node> {
-        return std::make_unique<recorder::RecorderNode>(config, context.everything);
+        return std::make_unique<recorder::RecorderNode>(config, context.everything, wall_clock());
       });
 }

@@ -10,8 +10,10 @@ constexpr std::int64_t kPeriod = 1'000'000;  // us
 
 }  // namespace
 
-RecorderNode::RecorderNode(const RecorderConfig& config, Tappable& bus) : config_(config) {
-  begin();
+RecorderNode::RecorderNode(const RecorderConfig& config, Tappable& bus, std::int64_t now)
+    : config_(config), space_(config.folder, static_cast<std::int64_t>(config.keep_free * 1e9)) {
+  if (config_.file.empty()) session_.emplace(config_.folder, now);
+  if (has_room()) begin();
   const auto write_any = [this](const std::string& channel, const void* data, int size, std::int64_t utime) {
     write(channel, data, size, utime);
   };
@@ -19,10 +21,23 @@ RecorderNode::RecorderNode(const RecorderConfig& config, Tappable& bus) : config
 }
 
 void RecorderNode::begin() {
-  recording_.emplace(config_.file, std::int64_t{config_.split_mb} * 1'000'000);
+  const auto next_name = [this] { return session_ ? session_->next_log() : unused_name(config_.file); };
+  const auto head = [this](LogWriter& log, std::int64_t utime) { configs_.write(log, utime); };
+  recording_.emplace(next_name, std::int64_t{config_.split_mb} * 1'000'000, head);
+}
+
+bool RecorderNode::has_room() {
+  if (!session_) return true;
+  const std::int64_t deleted = space_.deleted();
+  const bool room = space_.make_room(session_->path());
+  if (space_.deleted() > deleted) report_.counters.add("deleted.sessions", space_.deleted() - deleted);
+  if (!room) stop(space_.why_refused());
+  return room;
 }
 
 void RecorderNode::write(const std::string& channel, const void* data, int size, std::int64_t utime) {
+  const bool is_new = channel == "CONFIG" && configs_.take(data, size);
+  if (is_new && session_) session_->write_config(configs_.yaml());
   if (!recording_) {
     report_.counters.add("lost.unwritten");
     return;
@@ -41,8 +56,10 @@ void RecorderNode::tick(std::int64_t now) {
   last_ = now;
   if (recording_) {
     flush();
+    (void)has_room();
     return;
   }
+  if (!has_room()) return;
   try {
     begin();
   } catch (const std::runtime_error& error) {
@@ -64,7 +81,7 @@ void RecorderNode::flush() {
   }
 }
 
-void RecorderNode::stop(const char* why) {
+void RecorderNode::stop(const std::string& why) {
   recording_.reset();
   report_.counters.add("lost.unwritten", std::exchange(waiting_, 0));
   report_.faults = {why};

@@ -5,19 +5,22 @@
 #include <string>
 
 #include "common/bus/node.hpp"
+#include "services/recorder/config_memory.hpp"
+#include "services/recorder/free_space.hpp"
 #include "services/recorder/recorder_config.hpp"
 #include "services/recorder/recording.hpp"
+#include "services/recorder/session.hpp"
 
 namespace curbstone::recorder {
 
 /// Writes everything on the bus to an LCM log, as lcm-logger does. lcm-logger keeps LCM's queue of 30 messages, and
 /// loses what arrives while it is not scheduled for 30 ms. This one uses the bus's receiver thread and a longer queue,
 /// and counts what it loses. A full disk is a fault in SERVICE_STATUS; it goes on in a new file when there is room
-/// again.
+/// again. Each file begins with the CONFIG of all processes that have been heard.
 class RecorderNode final : public Node {
  public:
-  /// Throws std::runtime_error when the file cannot be written.
-  RecorderNode(const RecorderConfig& config, Tappable& bus);
+  /// `now`: us, names the session. Throws std::runtime_error when the file cannot be written.
+  RecorderNode(const RecorderConfig& config, Tappable& bus, std::int64_t now);
 
   void connect(Subscriber&) override {}
   /// Hands what was written to the kernel, once a second. `now`: us.
@@ -28,10 +31,14 @@ class RecorderNode final : public Node {
  private:
   void write(const std::string& channel, const void* data, int size, std::int64_t utime);
   void flush();
-  void stop(const char* why);
+  void stop(const std::string& why);
   void begin();
+  [[nodiscard]] bool has_room();
 
   RecorderConfig config_;
+  std::optional<Session> session_;  // none: config_.file
+  FreeSpace space_;
+  ConfigMemory configs_;
   std::optional<Recording> recording_;  // none while the disk is full
   std::int64_t waiting_ = 0;            // messages that are not known to be on file
   std::int64_t last_ = 0;               // us, flushed or tried

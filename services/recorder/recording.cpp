@@ -8,13 +8,19 @@
 
 namespace curbstone::recorder {
 
-Recording::Recording(std::string file, std::int64_t split) : file_(std::move(file)), split_(split) {
+std::string unused_name(const std::string& file) {
+  std::string name = file;
+  for (int n = 1; std::filesystem::exists(name); ++n) name = fmt::format("{}.{}", file, n);
+  return name;
+}
+
+Recording::Recording(NextName next_name, std::int64_t split, Head head)
+    : next_name_(std::move(next_name)), split_(split), head_(std::move(head)) {
   open();
 }
 
 void Recording::open() {
-  current_ = file_;
-  for (int n = 1; std::filesystem::exists(current_); ++n) current_ = fmt::format("{}.{}", file_, n);
+  current_ = next_name_();
   log_.emplace(current_);
   flushed_ = 0;
 }
@@ -25,6 +31,7 @@ void Recording::write(const std::string& channel, const void* data, int size, st
     open();
   }
   try {
+    if (log_->bytes() == 0 && head_) head_(*log_, utime);
     log_->write(channel, data, size, utime);
   } catch (const std::runtime_error&) {
     give_up();

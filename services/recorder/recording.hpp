@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -8,12 +9,16 @@
 
 namespace curbstone::recorder {
 
-/// A recording in one file or several: FILE, or if that exists FILE.1, FILE.2 and so on. It never overwrites a file.
-/// Each file is a log that lcm-logplayer reads. One thread.
+/// A recording in one file or several. It never overwrites a file. Each file is a log that lcm-logplayer reads. One
+/// thread.
 class Recording {
  public:
-  /// Opens the first file. Throws std::runtime_error with one clear line. `split` bytes, 0: never.
-  Recording(std::string file, std::int64_t split);
+  using NextName = std::function<std::string()>;  ///< of a file that is not there
+  using Head = std::function<void(LogWriter&, std::int64_t utime)>;
+
+  /// `head` writes what each file begins with, at the time of its first record. `split` bytes, 0: never. Opens the
+  /// first file. Throws std::runtime_error with one clear line.
+  Recording(NextName next_name, std::int64_t split, Head head = {});
 
   /// `utime`: us since the Unix epoch, the time of the record. Throws std::runtime_error when the disk is full. The
   /// file then ends in a torn message, and the recording is over. A file that holds no whole message is removed.
@@ -25,11 +30,15 @@ class Recording {
   void open();
   void give_up();
 
-  std::string file_;
+  NextName next_name_;
   std::int64_t split_;
+  Head head_;
   std::string current_;
   std::int64_t flushed_ = 0;  // bytes
   std::optional<LogWriter> log_;
 };
+
+/// FILE, or if that exists FILE.1, FILE.2 and so on.
+[[nodiscard]] std::string unused_name(const std::string& file);
 
 }  // namespace curbstone::recorder

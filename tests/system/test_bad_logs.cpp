@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <curbstone/imu_t.hpp>
+#include <curbstone/service_config_t.hpp>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -17,6 +18,7 @@ namespace curbstone::system_test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr std::int64_t kStart = 1'700'000'000'000'000;
 
@@ -69,7 +71,7 @@ TEST_F(BadLogs, DamageInTheMiddleIsSaidAndTheExitStatusIsNotZero) {
   }
   const ProgramResult result = replay();
   EXPECT_EQ(result.exit_status, 1);
-  EXPECT_THAT(result.err, HasSubstr("is damaged at byte"));
+  EXPECT_THAT(result.err, HasSubstr("damaged at 1 place: "));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "map.db")) << "what could be read is kept";
 }
 
@@ -78,7 +80,59 @@ TEST_F(BadLogs, ALogThatWasCutOffIsReadToItsEnd) {
   std::filesystem::resize_file(log_, std::filesystem::file_size(log_) - 7);
   const ProgramResult result = replay();
   EXPECT_EQ(result.exit_status, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("cut off"));
+  EXPECT_THAT(result.err, HasSubstr("cut off"));
+}
+
+/// How a log says that a drive was configured.
+class RecordedConfigs : public BadLogs {
+ protected:
+  void write_with_config(const std::string& yaml) {
+    service_config_t config;
+    config.utime = kStart;
+    config.service = config.section = "mapper";
+    config.host = "ugv";
+    config.version = "0.0.1";
+    config.yaml = yaml;
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(config.getEncodedSize()));
+    config.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    LogWriter log(log_);
+    log.write("CONFIG", bytes.data(), static_cast<int>(bytes.size()));
+    imu_t message{};
+    bytes.resize(static_cast<std::size_t>(message.getEncodedSize()));
+    for (message.utime = kStart; message.utime < kStart + 3'000'000; message.utime += 10'000) {
+      message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+      log.write("IMU", bytes.data(), static_cast<int>(bytes.size()));
+    }
+  }
+  [[nodiscard]] ProgramResult replay_with(const std::string& arguments) const {
+    return run_program("curbstone replay " + log_ + " --map " + (folder_ / "map.db").string() + " " + arguments, 60);
+  }
+};
+
+TEST_F(RecordedConfigs, AReplayRunsWithWhatWasRecorded) {
+  write_with_config("mapper:\n  vehicle:\n    lidar: [0, 0, 1.5, 0, 0, 0]\n");
+  const ProgramResult result = replay();
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("configuration: as recorded by 0.0.1"));
+  EXPECT_THAT(result.err, Not(HasSubstr("mapper.vehicle.lidar")));
+  EXPECT_THAT(result.err, HasSubstr("mapper was recorded by version 0.0.1, this is "));
+}
+
+TEST_F(RecordedConfigs, AnotherConfigurationIsTakenAndItsDifferencesAreNamed) {
+  write_with_config("mapper:\n  vehicle:\n    lidar: [0, 0, 1.5, 0, 0, 0]\n");
+  const std::string config = (folder_ / "ugv.yaml").string();
+  std::ofstream(config) << "vehicle:\n  lidar: [0, 0, 2.5, 0, 0, 0]\n";
+  const ProgramResult result = replay_with("--config " + config);
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("configuration: " + config));
+  EXPECT_THAT(result.err, HasSubstr("mapper.vehicle.lidar: [0, 0, 2.5, 0, 0, 0], recorded with [0, 0, 1.5, 0, 0, 0]"));
+}
+
+TEST_F(RecordedConfigs, OneThatThisVersionCannotReadIsAnErrorWithAWayOut) {
+  write_with_config("mapper:\n  no_such_key: 1\n");
+  const ProgramResult result = replay();
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_THAT(result.err, HasSubstr("--config FILE"));
 }
 
 }  // namespace

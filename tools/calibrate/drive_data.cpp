@@ -15,6 +15,7 @@
 #include "services/ekf/ekf_messages.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_node.hpp"
+#include "tools/output/watched_log.hpp"
 
 namespace curbstone::calibrate {
 
@@ -80,7 +81,7 @@ CalibrationData read_drive(const std::string& log, const std::string& config_fil
   ekf.connect(bus);
   if (!given) mapper.connect(bus);
 
-  LogReader reader(log);
+  output::WatchedLog reader(log, "calibrate");
   MessageOrder order;
   const auto deliver = [&](const LogEvent& event) {
     bus.inject(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));

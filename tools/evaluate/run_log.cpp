@@ -18,6 +18,7 @@
 #include "common/log/log_reader.hpp"
 #include "common/statistics/quantile.hpp"
 #include "common/tiles/tile.hpp"
+#include "tools/output/watched_log.hpp"
 
 namespace curbstone::evaluate {
 
@@ -151,7 +152,7 @@ class Recording {
 }  // namespace
 
 RunFigures read_run_log(const std::string& file) {
-  LogReader reader(file);
+  output::WatchedLog reader(file, "evaluate");
   Recording recording;
   while (const auto event = reader.next()) recording.take(*event);
 

@@ -13,6 +13,7 @@
 
 #include "common/log/log_reader.hpp"
 #include "common/tiles/tile.hpp"
+#include "tools/output/watched_log.hpp"
 
 namespace curbstone::map_export {
 
@@ -80,7 +81,7 @@ void append(TileKey key, const TilePoints& tile, DenseCloud& cloud) {
 }  // namespace
 
 DenseCloud read_dense_cloud(const std::string& log, std::int32_t epoch) {
-  LogReader reader(log);
+  output::WatchedLog reader(log, "export");
   DenseCloud cloud;
   std::map<TileKey, TilePoints> tiles;
   std::set<std::int32_t> other_epochs;

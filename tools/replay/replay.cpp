@@ -1,21 +1,24 @@
 #include "tools/replay/replay.hpp"
 
 #include <fmt/format.h>
-#include <lcm/eventlog.h>
-#include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
+#include <curbstone/service_config_t.hpp>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "common/bus/local_bus.hpp"
 #include "common/config/command_line.hpp"
 #include "common/config/config.hpp"
-#include "common/log/log_reader.hpp"
 #include "common/log/log_writer.hpp"
 #include "common/log/message_order.hpp"
+#include "common/shell/version.hpp"
 #include "common/time/clock.hpp"
+#include "tools/output/watched_log.hpp"
+#include "tools/replay/recorded_config.hpp"
 #include "tools/replay/vehicle.hpp"
 
 namespace curbstone::replay {
@@ -29,32 +32,10 @@ bool is_sensor(const std::string& channel) {
   return std::find(kSensorChannels.begin(), kSensorChannels.end(), channel) != kSensorChannels.end();
 }
 
-/// One line on a terminal, redrawn at most ten times a second; silent elsewhere.
-class ProgressBar {
- public:
-  void show(double fraction, double message_seconds) {
-    const std::int64_t now = steady_clock();
-    if (isatty(STDERR_FILENO) == 0 || now - last_ < 100'000) return;
-    last_ = now;
-    constexpr int kWidth = 40;
-    const int filled = static_cast<int>(fraction * kWidth);
-    fmt::print(stderr, "\rreplay [{:#<{}}{:.<{}}] {:3.0f} %  {:6.1f} s of drive", "", filled, "", kWidth - filled,
-               100 * fraction, message_seconds);
-  }
-  void clear() const {
-    if (last_ != 0) fmt::print(stderr, "\r{:80}\r", "");
-  }
-
- private:
-  std::int64_t last_ = 0;
-};
-
-/// Bytes: a message of one datagram, and its head. What is left behind the last one is more only in a damaged log.
-constexpr std::int64_t kLongestRecord = 66'000;
 constexpr std::int64_t kLatest = 4'102'444'800'000'000;  // us: the year 2100
 
 struct Arguments {
-  std::string log;
+  std::vector<std::string> logs;
   std::string record;
   ReplayOptions vehicle;
 };
@@ -67,37 +48,86 @@ struct Summary {
   [[nodiscard]] double seconds() const { return static_cast<double>(last_utime - first_utime) * 1e-6; }
 };
 
-Summary drive(LogReader& reader, LocalBus& bus, ReplayVehicle& vehicle) {
+/// Says, once a process, where what was recorded is configured otherwise than this replay.
+class ConfigWatch {
+ public:
+  explicit ConfigWatch(const ReplayVehicle& vehicle) : vehicle_(vehicle) {}
+
+  void on(const service_config_t& recorded) {
+    if (!seen_.insert(recorded.service + recorded.yaml + recorded.version).second || seen_.size() > kMost) return;
+    for (const auto& stage : vehicle_.stages()) {
+      if (stage.name != recorded.section) continue;
+      for (const std::string& difference : config_differences(stage.config, recorded.yaml)) say(difference);
+      if (recorded.version != version())
+        say(fmt::format("{} was recorded by version {}, this is {}", recorded.service, recorded.version, version()));
+    }
+  }
+  void say_all() const {
+    for (const std::string& line : lines_) fmt::print(stderr, "curbstone replay: {}\n", line);
+  }
+
+ private:
+  static constexpr std::size_t kMost = 1000;  // a log may hold anything
+
+  void say(const std::string& line) {
+    if (std::find(lines_.begin(), lines_.end(), line) == lines_.end()) lines_.push_back(line);
+  }
+
+  const ReplayVehicle& vehicle_;
+  std::set<std::string> seen_;
+  std::vector<std::string> lines_;
+};
+
+/// So that a log made by --record says what it was made with, as that of a recorder does.
+void publish_configs(const ReplayVehicle& vehicle, std::int64_t utime, Publisher& bus) {
+  for (const auto& stage : vehicle.stages())
+    bus.publish("CONFIG", service_config_t{utime, stage.name, stage.name, "replay", version(), stage.config});
+}
+
+Summary drive(output::WatchedLog& log, LocalBus& bus, ReplayVehicle& vehicle) {
   Summary summary;
   MessageOrder order;
-  ProgressBar progress;
+  ConfigWatch configs(vehicle);
   const auto deliver = [&](const LogEvent& event) {
     const std::int64_t time = message_time(event);
     if (time <= 0 || time > kLatest) {
       ++summary.refused;
       return;
     }
-    if (summary.messages++ == 0) summary.first_utime = summary.last_utime = time;
+    if (summary.messages++ == 0) {
+      summary.first_utime = summary.last_utime = time;
+      publish_configs(vehicle, time, bus);
+    }
     summary.last_utime = std::max(summary.last_utime, time);
     vehicle.advance(time);
     bus.inject(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
     bus.dispatch();
-    progress.show(reader.progress(), summary.seconds());
   };
-  while (auto event = reader.next()) {
+  while (auto event = log.next()) {
+    if (const auto config = config_in(*event)) configs.on(*config);
     if (!is_sensor(event->channel)) continue;
     order.push(std::move(*event));
     while (const auto ready = order.pop(false)) deliver(*ready);
   }
   while (const auto ready = order.pop(true)) deliver(*ready);
   vehicle.finish();
-  progress.clear();
+  configs.say_all();
   return summary;
 }
 
-void report(const Summary& summary, const ReplayVehicle& vehicle, double wall_seconds, const std::string& map_file) {
+std::string config_source(const ReplayOptions& options) {
+  std::string source = options.config_file;
+  if (source.empty())
+    source =
+        options.recorded.empty() ? "the defaults, as none is recorded" : "as recorded by " + options.recorded.version;
+  return options.assignments.empty() ? source : source + ", and --set";
+}
+
+void report(const Summary& summary, const ReplayVehicle& vehicle, double wall_seconds, const std::string& map_file,
+            const std::string& configuration) {
   fmt::print("{:.1f} s of drive in {:.1f} s ({:.1f}x real time), {} messages -> {}\n", summary.seconds(), wall_seconds,
              summary.seconds() / wall_seconds, summary.messages, map_file);
+  fmt::print("  configuration: {}\n", configuration);
   if (summary.refused > 0) fmt::print("  refused.time {}\n", summary.refused);
   for (const auto& stage : vehicle.stages()) {
     const NodeReport report = stage.node->report();
@@ -118,15 +148,19 @@ int run_replay(int argc, char** argv) {
       "Makes a map from an lcm-logger log with the vehicle's own nodes, in message-time order, as fast as the machine "
       "can",
       "curbstone replay");
-  line.argument("log", arguments.log, "Log of lcm-logger with LIDAR_POINTS, IMU and WHEELS").required();
+  line.option("log", arguments.logs, "Logs of lcm-logger with LIDAR_POINTS, IMU and WHEELS, or a session's folder")
+      .required();
   line.option("--map", arguments.vehicle.map_file, "The map to write; an existing file is replaced").shows_default();
-  line.option("--config", arguments.vehicle.config_file, "The vehicle's YAML file");
+  line.option("--config", arguments.vehicle.config_file,
+              "The vehicle's YAML file, instead of what the log was recorded with");
   line.option("--set", arguments.vehicle.assignments, "SECTION.KEY=VALUE, over the file").one_each();
   line.option("--record", arguments.record, "Write every message, recomputed ones too, to this log");
   if (const auto status = line.read(argc, argv)) return *status;
 
-  LogReader reader(arguments.log);
+  output::WatchedLog log(arguments.logs, "replay");
   try {
+    LogFiles head(arguments.logs);
+    arguments.vehicle.recorded = recorded_config(head);
     // A replay makes a map; it does not extend one.
     for (const char* suffix : {"", "-wal", "-shm"}) std::remove((arguments.vehicle.map_file + suffix).c_str());
     LocalBus bus;
@@ -139,15 +173,11 @@ int run_replay(int argc, char** argv) {
     }
     ReplayVehicle vehicle(arguments.vehicle, bus);
     const std::int64_t start = steady_clock();
-    const Summary summary = drive(reader, bus, vehicle);
-    if (summary.messages == 0) throw std::runtime_error(arguments.log + ": holds no LIDAR_POINTS, IMU or WHEELS");
-    report(summary, vehicle, static_cast<double>(steady_clock() - start) * 1e-6, arguments.vehicle.map_file);
-    if (reader.unread() > kLongestRecord) {
-      fmt::print(stderr, "curbstone replay: {} is damaged at byte {}: the map ends there, {} bytes were not read\n",
-                 arguments.log, reader.read_to(), reader.unread());
-      return 1;
-    }
-    if (reader.truncated()) fmt::print("  {} is cut off in mid-record: the map ends there\n", arguments.log);
+    const Summary summary = drive(log, bus, vehicle);
+    if (summary.messages == 0) throw std::runtime_error(arguments.logs[0] + ": holds no LIDAR_POINTS, IMU or WHEELS");
+    report(summary, vehicle, static_cast<double>(steady_clock() - start) * 1e-6, arguments.vehicle.map_file,
+           config_source(arguments.vehicle));
+    if (log.damaged()) return 1;
   } catch (const ConfigError& error) {
     fmt::print(stderr, "curbstone replay: {}\n", error.what());
     return 2;

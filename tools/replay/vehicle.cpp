@@ -1,5 +1,7 @@
 #include "tools/replay/vehicle.hpp"
 
+#include <fmt/format.h>
+
 #include <cstdlib>
 
 #include "common/config/config.hpp"
@@ -15,24 +17,50 @@
 
 namespace curbstone::replay {
 
+namespace {
+
+/// One process's configuration, and its text.
+template <class Config>
+Config configured(const std::string& section, const ReplayOptions& options, std::string& text) {
+  ConfigOf<Config> config;
+  const auto recorded = options.recorded.sections.find(section);
+  if (!options.config_file.empty()) {
+    load_config(options.config_file, section, kProcessSections, config);
+  } else if (recorded != options.recorded.sections.end()) {
+    try {
+      parse_config(recorded->second, "the log's CONFIG", section, kProcessSections, config);
+    } catch (const ConfigError& error) {
+      throw ConfigError(fmt::format("{}: it was recorded by version {}; --config FILE goes without it", error.what(),
+                                    options.recorded.version));
+    }
+  }
+  for (const std::string& assignment : options.assignments) {
+    if (assignment.starts_with(section + ".")) set_config_value(assignment.substr(section.size() + 1), config);
+  }
+  text = dump_config(section, config);
+  return config.value;
+}
+
+}  // namespace
+
 ReplayVehicle::ReplayVehicle(const ReplayOptions& options, LocalBus& bus) : bus_(bus) {
-  auto semantic = config_of<semantic_map::SemanticMapConfig>("semantic_map", kProcessSections, options.config_file,
-                                                             options.assignments);
+  std::string semantic_text;
+  auto semantic = configured<semantic_map::SemanticMapConfig>("semantic_map", options, semantic_text);
   if (!options.map_file.empty()) semantic.map = options.map_file;
   semantic.keep_earlier_drives = false;  // the user says which file is to be made
-  auto ekf = config_of<ekf::base::EkfConfig>("ekf", kProcessSections, options.config_file, options.assignments);
+  if (options.config_file.empty() && options.recorded.sections.contains("semantic_map")) semantic.picture.clear();
+  std::string ekf_text;
+  auto ekf = configured<ekf::base::EkfConfig>("ekf", options, ekf_text);
   ekf.state_file.clear();  // another vehicle's, or of another time
-  stages_.push_back({"ekf", std::make_unique<ekf::EkfNode>(ekf, bus)});
-  stages_.push_back({"mapper", std::make_unique<mapper::MapperNode>(
-                                   config_of<mapper::config::MapperConfig>("mapper", kProcessSections,
-                                                                           options.config_file, options.assignments),
-                                   bus)});
-  stages_.push_back(
-      {"tensor_voting", std::make_unique<tensor_voting::worker::TensorVotingNode>(
-                            config_of<tensor_voting::worker::TensorVotingConfig>(
-                                "tensor_voting", kProcessSections, options.config_file, options.assignments),
-                            "tensor_voting:1", bus)});
-  stages_.push_back({"semantic_map", std::make_unique<semantic_map::SemanticMapNode>(semantic, bus)});
+  std::string mapper_text;
+  const auto mapper = configured<mapper::config::MapperConfig>("mapper", options, mapper_text);
+  std::string voting_text;
+  const auto voting = configured<tensor_voting::worker::TensorVotingConfig>("tensor_voting", options, voting_text);
+  using tensor_voting::worker::TensorVotingNode;
+  stages_.push_back({"ekf", ekf_text, std::make_unique<ekf::EkfNode>(ekf, bus)});
+  stages_.push_back({"mapper", mapper_text, std::make_unique<mapper::MapperNode>(mapper, bus)});
+  stages_.push_back({"tensor_voting", voting_text, std::make_unique<TensorVotingNode>(voting, "tensor_voting:1", bus)});
+  stages_.push_back({"semantic_map", semantic_text, std::make_unique<semantic_map::SemanticMapNode>(semantic, bus)});
   for (Stage& stage : stages_) stage.node->connect(bus);
 }
 

@@ -7,12 +7,14 @@
 
 #include "common/bus/local_bus.hpp"
 #include "common/bus/node.hpp"
+#include "tools/replay/recorded_config.hpp"
 
 namespace curbstone::replay {
 
 /// What to run in a replay.
 struct ReplayOptions {
-  std::string config_file;               ///< the vehicle's file; empty: defaults
+  std::string config_file;               ///< the vehicle's file; empty: what was recorded, else defaults
+  RecordedConfig recorded;               ///< of the log
   std::vector<std::string> assignments;  ///< SECTION.KEY=VALUE, over the file
   std::string map_file;                  ///< where semantic_map keeps its store
 };
@@ -32,6 +34,7 @@ class ReplayVehicle {
 
   struct Stage {
     std::string name;
+    std::string config;  ///< its section with all values, as YAML
     std::unique_ptr<Node> node;
   };
   [[nodiscard]] const std::vector<Stage>& stages() const { return stages_; }

@@ -13,6 +13,8 @@
 namespace curbstone::recorder {
 namespace {
 
+constexpr std::int64_t kStart = 1'795'467'120'000'000;  // 2026-11-23T20:52:00Z, us
+
 class RecorderTest : public ::testing::Test {
  protected:
   RecorderTest() { config_.file = folder_ / "drive.lcmlog"; }
@@ -42,7 +44,7 @@ class RecorderTest : public ::testing::Test {
 };
 
 TEST_F(RecorderTest, WritesWhatIsSaidOnAnyChannelInItsOrder) {
-  RecorderNode node(config_, bus_);
+  RecorderNode node(config_, bus_, kStart);
   say(1, 3);
   node.finish();
   EXPECT_EQ(heard(), (std::vector<int>{1, 2, 3}));
@@ -51,7 +53,7 @@ TEST_F(RecorderTest, WritesWhatIsSaidOnAnyChannelInItsOrder) {
 
 TEST_F(RecorderTest, LeavesOutTheVotesUnlessToldOtherwise) {
   const auto record = [this] {
-    RecorderNode node(config_, bus_);
+    RecorderNode node(config_, bus_, kStart);
     bus_.publish("VOTED_POINTS", imu_t{});
     say(1, 1);
     node.finish();
@@ -63,7 +65,7 @@ TEST_F(RecorderTest, LeavesOutTheVotesUnlessToldOtherwise) {
 }
 
 TEST_F(RecorderTest, WhatWasSaidASecondAgoIsOnFileBeforeTheEnd) {
-  RecorderNode node(config_, bus_);
+  RecorderNode node(config_, bus_, kStart);
   node.tick(10'000'000);
   say(1, 3);
   node.tick(11'000'000);
@@ -72,11 +74,11 @@ TEST_F(RecorderTest, WhatWasSaidASecondAgoIsOnFileBeforeTheEnd) {
 
 TEST_F(RecorderTest, NeverOverwritesALog) {
   {
-    RecorderNode node(config_, bus_);
+    RecorderNode node(config_, bus_, kStart);
     say(1, 2);
   }
   {
-    RecorderNode node(config_, bus_);
+    RecorderNode node(config_, bus_, kStart);
     say(3, 4);
   }
   EXPECT_EQ(heard(), (std::vector<int>{1, 2}));
@@ -85,7 +87,7 @@ TEST_F(RecorderTest, NeverOverwritesALog) {
 
 TEST_F(RecorderTest, GoesOnInTheNextFileWhenOneIsFull) {
   const std::int64_t record = 28 + 3 + imu_t{}.getEncodedSize();
-  Recording recording(config_.file, 2 * record);
+  Recording recording([this] { return unused_name(config_.file); }, 2 * record);
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(imu_t{}.getEncodedSize()));
   imu_t message{};
   for (message.sequence = 1; message.sequence <= 5; ++message.sequence) {
@@ -101,7 +103,7 @@ TEST_F(RecorderTest, GoesOnInTheNextFileWhenOneIsFull) {
 TEST_F(RecorderTest, AFolderThatIsNotThereIsOneClearError) {
   config_.file = folder_ / "nowhere" / "drive.lcmlog";
   try {
-    RecorderNode node(config_, bus_);
+    RecorderNode node(config_, bus_, kStart);
     FAIL();
   } catch (const std::runtime_error& error) {
     EXPECT_EQ(std::string(error.what()), config_.file + ": cannot be written: No such file or directory");
@@ -109,7 +111,7 @@ TEST_F(RecorderTest, AFolderThatIsNotThereIsOneClearError) {
 }
 
 TEST_F(RecorderTest, SaysThatTheDiskIsFullAndGoesOnWhenThereIsRoomAgain) {
-  RecorderNode node(config_, bus_);
+  RecorderNode node(config_, bus_, kStart);
   node.tick(10'000'000);
   say(1, 3);
   node.tick(11'000'000);

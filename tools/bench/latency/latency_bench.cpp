@@ -9,9 +9,9 @@
 
 #include "common/config/command_line.hpp"
 #include "common/config/config.hpp"
-#include "common/log/log_reader.hpp"
 #include "tools/bench/latency/tile_ages.hpp"
 #include "tools/bench/latency/timed_vehicle.hpp"
+#include "tools/output/watched_log.hpp"
 
 namespace curbstone::bench::latency {
 
@@ -64,7 +64,7 @@ nlohmann::json report(const TimedVehicle& vehicle, const TileAges& ages, double 
 }
 
 nlohmann::json measure(const LatencyBenchOptions& options) {
-  LogReader reader(options.log);
+  output::WatchedLog reader(options.log, "bench latency");
   TileAges ages;
   TimedVehicle vehicle(options.vehicle, [&](const TimedMessage& message) { ages.hear(message); });
   std::int64_t first = 0;

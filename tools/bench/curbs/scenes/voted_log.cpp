@@ -11,6 +11,7 @@
 #include "services/mapper/mapper_node.hpp"
 #include "services/semantic_map/tile/voted_tile_assembler.hpp"
 #include "services/tensor_voting/worker/tensor_voting_node.hpp"
+#include "tools/output/watched_log.hpp"
 
 namespace curbstone::bench::curbs::scenes {
 
@@ -81,7 +82,7 @@ class VotingChain {
 
 DriveTiles vote_log(const std::string& log) {
   VotingChain chain;
-  LogReader reader(log);
+  output::WatchedLog reader(log, "bench curbs");
   MessageOrder order;
   while (auto event = reader.next()) {
     if (event->channel != "LIDAR_POINTS" && event->channel != "IMU" && event->channel != "WHEELS") continue;

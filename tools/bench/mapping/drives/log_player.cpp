@@ -11,6 +11,7 @@
 #include "services/ekf/base/ekf_config.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/scan/scan_assembler.hpp"
+#include "tools/output/watched_log.hpp"
 
 namespace curbstone::bench::mapping::drives {
 namespace {
@@ -82,7 +83,7 @@ void play_events(const EventSource& source, bool with_odometry, const MappingDri
 }
 
 void play_log(const std::string& file, bool with_odometry, const MappingDrive::Take& take) {
-  LogReader reader(file);
+  output::WatchedLog reader(file, "bench mapping");
   const auto source = [&](const std::function<void(LogEvent)>& hand_over) {
     while (auto event = reader.next()) hand_over(std::move(*event));
   };

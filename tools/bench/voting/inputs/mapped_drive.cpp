@@ -13,6 +13,7 @@
 #include "services/mapper/config/mapper_config.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "tools/bench/voting/inputs/town_log.hpp"
+#include "tools/output/watched_log.hpp"
 
 namespace curbstone::bench::voting::inputs {
 
@@ -77,7 +78,7 @@ class MappingVehicle {
 void drive_and_map(const DriveSource& source, const DriveListener& listener) {
   const TemporaryLog recorded;
   if (source.log.empty()) record_town_log(source.seed, source.seconds, recorded.path());
-  LogReader reader(source.log.empty() ? recorded.path() : source.log);
+  output::WatchedLog reader(source.log.empty() ? recorded.path() : source.log, "bench voting");
   MappingVehicle vehicle(listener);
   MessageOrder order;
   while (auto event = reader.next()) {

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "common/log/file_window.hpp"
+
+namespace curbstone {
+
+/// Where a message stands in a log, and what stands before it: the sync word 0xEDA1DA01, then big-endian the number of
+/// the record (int64), its time (int64), the lengths of channel and data (int32). Format: lcm/lcm/eventlog.c.
+struct LogRecord {
+  static constexpr std::int64_t kHeader = 28;  ///< bytes
+
+  std::int64_t begin = 0;   ///< bytes from the beginning of the file
+  std::int64_t number = 0;  ///< counts up from 0
+  std::int64_t utime = 0;   ///< us
+  std::int64_t channel_size = 0;
+  std::int64_t data_size = 0;
+  [[nodiscard]] std::int64_t end() const { return begin + kHeader + channel_size + data_size; }
+};
+
+/// Finds the records of a log, damaged or not. A record has no checksum; it is believed when it is plausible by itself
+/// and fits what stands behind it. One thread.
+class RecordFinder {
+ public:
+  explicit RecordFinder(FileWindow& file) : file_(file) {}
+
+  /// The record at `at`, where the one before ended; with `previous` known, a broken sync word is put up with.
+  [[nodiscard]] std::optional<LogRecord> record_at(std::int64_t at, const std::optional<LogRecord>& previous = {});
+  /// The first one at `from` or behind it.
+  [[nodiscard]] std::optional<LogRecord> first_from(std::int64_t from);
+  /// Whether a record begins at `at` that the end of the file cuts off.
+  [[nodiscard]] bool cut_off_at(std::int64_t at);
+
+ private:
+  [[nodiscard]] std::optional<LogRecord> header_at(std::int64_t at, bool any_sync);
+  [[nodiscard]] bool ends_at_sync(const LogRecord& record);
+  [[nodiscard]] bool fits_what_follows(const LogRecord& record);
+  [[nodiscard]] std::optional<LogRecord> confirmed_from(std::int64_t from);
+
+  FileWindow& file_;
+  // What confirmed_from() found last, and from where on: else a damaged file would be searched again for each record.
+  std::int64_t searched_from_ = -1;
+  std::int64_t searched_to_ = -1;
+  std::optional<LogRecord> confirmed_;
+};
+
+}  // namespace curbstone
