@@ -5,12 +5,11 @@
 #include <unistd.h>
 
 #include <curbstone/service_config_t.hpp>
-#include <curbstone/service_status_t.hpp>
 #include <fstream>
 
 #include "common/bus/lcm_bus.hpp"
 #include "common/config/command_line.hpp"
-#include "common/shell/fault_lines.hpp"
+#include "common/shell/status_reporter.hpp"
 #include "common/shell/version.hpp"
 #include "common/time/clock.hpp"
 
@@ -20,33 +19,12 @@ namespace {
 
 constexpr std::chrono::seconds kConfigPeriod{5};
 
-std::int64_t cpu_time() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto us = [](const timeval& t) { return std::int64_t{t.tv_sec} * 1'000'000 + t.tv_usec; };
-  return us(usage.ru_utime) + us(usage.ru_stime);
-}
-
-std::int64_t resident_memory() {
-  std::ifstream statm("/proc/self/statm");
-  std::int64_t total = 0;
-  std::int64_t resident = 0;
-  statm >> total >> resident;
-  return resident * sysconf(_SC_PAGESIZE);
-}
-
 /// Who was started by a deputy is a session of its own, and between sessions only their groups' niceness counts
 /// (sched(7), "autogroup").
 void yield_to_others(int nice) {
   if (nice == 0) return;
   setpriority(PRIO_PROCESS, 0, nice);
   std::ofstream("/proc/self/autogroup") << nice;
-}
-
-std::string host_name() {
-  char name[256] = {};
-  gethostname(name, sizeof name - 1);
-  return name;
 }
 
 /// What the process says of how it is configured: see service_config_t.
@@ -59,46 +37,6 @@ service_config_t config_message(const std::string& name, const std::string& sect
   message.yaml = dump_config(section, config);
   return message;
 }
-
-class StatusReporter {
- public:
-  StatusReporter(std::string service, std::string config_hash) {
-    status_.service = std::move(service);
-    status_.host = host_name();
-    status_.pid = getpid();
-    status_.version = version();
-    status_.config_hash = std::move(config_hash);
-  }
-
-  void publish(LcmBus& bus, const NodeReport& report) {
-    status_.utime = wall_clock();
-    status_.uptime = steady_clock() - start_;
-    status_.cpu_time = cpu_time();
-    status_.memory = resident_memory();
-    status_.latency_p50 = static_cast<float>(report.latency_p50);
-    status_.latency_p99 = static_cast<float>(report.latency_p99);
-    status_.counter_name.clear();
-    status_.counter_value.clear();
-    const Counters bus_counters = bus.counters();
-    for (const Counters* counters : {&report.counters, &bus_counters}) {
-      for (const auto& [name, value] : counters->values()) {
-        status_.counter_name.push_back(name);
-        status_.counter_value.push_back(value);
-      }
-    }
-    status_.num_counters = static_cast<std::int32_t>(status_.counter_name.size());
-    status_.fault = report.faults;
-    status_.num_faults = static_cast<std::int32_t>(status_.fault.size());
-    bus.publish("SERVICE_STATUS", status_);
-    for (const std::string& line : fault_lines_.update(report.faults, steady_clock()))
-      fmt::print(stderr, "{}: {}\n", status_.service, line);
-  }
-
- private:
-  service_status_t status_;
-  FaultLines fault_lines_;
-  std::int64_t start_ = steady_clock();
-};
 
 void run(service_config_t config, const std::string& url, const std::string& hash,
          const std::function<std::unique_ptr<Node>(ServiceContext&)>& make) {
@@ -119,15 +57,15 @@ void run(service_config_t config, const std::string& url, const std::string& has
   });
   loop.when_idle([&] { return node->idle(wall_clock()); });
   loop.every(std::chrono::milliseconds(20), [&] { node->tick(wall_clock()); });
-  loop.every(std::chrono::milliseconds(1000), [&] { status.publish(bus, node->report()); });
+  loop.every(std::chrono::milliseconds(1000), [&] { status.publish(bus, bus.counters(), node->report()); });
   loop.every(kConfigPeriod, publish_config);
-  status.publish(bus, node->report());
+  status.publish(bus, bus.counters(), node->report());
   publish_config();
   loop.run();
 
   bus.handle(std::chrono::milliseconds(0));
   node->finish();
-  status.publish(bus, node->report());
+  status.publish(bus, bus.counters(), node->report());
 }
 
 }  // namespace

@@ -20,6 +20,7 @@ struct Command {
   bool auto_respawn = false;
   int stop_signal = kDefaultStopSignal;                ///< 1..64
   double stop_time_allowed = kDefaultStopTimeAllowed;  ///< s from the stop signal to SIGKILL
+  double heartbeat = 0;                                ///< s without its SERVICE_STATUS: it hangs; 0: not watched
   bool operator==(const Command&) const = default;
 };
 
@@ -29,7 +30,7 @@ struct Target {
   std::string name;  ///< command id or group path
 };
 
-enum class WaitStatus { kNone, kRunning, kStopped };
+enum class WaitStatus { kNone, kRunning, kReady, kStopped };
 
 enum class ActionKind { kStart, kStop, kRestart, kWaitTime, kWaitStatus, kRunScript };
 struct Action {

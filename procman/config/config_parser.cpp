@@ -80,6 +80,18 @@ class Parser {
     return value;
   }
 
+  /// Whole seconds, in quotes or not.
+  long heartbeat() {
+    constexpr const char* kWanted = "heartbeat, whole seconds from 1 to 3600";
+    if (lexer_.peek().kind != TokenKind::kString) return integer(kWanted, 1, 3600);
+    const Token token = lexer_.take();
+    long value = 0;
+    const char* const end = token.text.data() + token.text.size();
+    const auto result = std::from_chars(token.text.data(), end, value);
+    if (result.ec != std::errc() || result.ptr != end || value < 1 || value > 3600) unexpected(token, kWanted);
+    return value;
+  }
+
   void refuse_slash(const Token& token, const std::string& what) {
     if (token.text.find('/') != std::string::npos) lexer_.fail(token, what + " cannot contain '/'");
   }
@@ -141,9 +153,11 @@ class Parser {
       command.stop_signal = static_cast<int>(integer("stop_signal", 1, kMaxSignal));
     } else if (name.text == "stop_time_allowed") {
       command.stop_time_allowed = static_cast<double>(integer("stop_time_allowed", 1, 86400));
+    } else if (name.text == "heartbeat") {
+      command.heartbeat = static_cast<double>(heartbeat());
     } else {
       lexer_.fail(name, fmt::format("unrecognized attribute '{}'; known are exec, deputy (or host), group, "
-                                    "auto_respawn, stop_signal and stop_time_allowed",
+                                    "auto_respawn, stop_signal, stop_time_allowed and heartbeat",
                                     name.text));
     }
   }
@@ -209,9 +223,10 @@ class Parser {
   }
 
   WaitStatus status() {
-    constexpr const char* kWanted = "\"running\" or \"stopped\"";
+    constexpr const char* kWanted = "\"running\", \"ready\" or \"stopped\"";
     const Token token = expect(TokenKind::kString, kWanted);
     if (token.text == "running") return WaitStatus::kRunning;
+    if (token.text == "ready") return WaitStatus::kReady;
     if (token.text == "stopped") return WaitStatus::kStopped;
     unexpected(token, kWanted);
   }

@@ -116,6 +116,7 @@ void Deputy::apply(const procman_lcm::cmd_desired_t& order) {
     const config::Command* const known = own(command->id);
     if (known == nullptr || known->exec != command->exec)
       return refuse(command->id, "it is not in the deputy's own config with this exec");
+    command->heartbeat = known->heartbeat;  // which the wire does not have
     if (*known != *command) counters_.add("refused.change");
     command = *known;
   }

@@ -22,12 +22,7 @@ constexpr std::int64_t kShortLife = 1'000'000;  // us
 constexpr int kCrashLoop = 5;                   // short lives in a row: said once as such, then every 60th
 constexpr std::size_t kLinesShown = 10;
 constexpr std::size_t kLinesResent = 50;
-
-std::string host_name() {
-  char name[256] = {};
-  gethostname(name, sizeof name - 1);
-  return name;
-}
+constexpr std::int64_t kOldStatus = 5'000'000;  // us: of a log that is being played
 
 /// Commands are found beside the deputy first, and a vehicle's config is where it is usually installed.
 void prepare_environment() {
@@ -77,6 +72,8 @@ DeputyApp::DeputyApp(DeputyAppOptions options)
                                supervisor_, *bus_);
   deputy_->on_sheriff_arrived = [this] { resend_last_lines(); };
   deputy_->connect(*bus_);
+  reporter_.emplace("deputy:" + options_.id, "");
+  bus_->subscribe<service_status_t>("SERVICE_STATUS", [this](const service_status_t& status) { on_status(status); });
 }
 
 void DeputyApp::load_config() {
@@ -127,6 +124,7 @@ int DeputyApp::run() {
 void DeputyApp::shut_down() {
   notify_systemd("STOPPING=1");
   deputy_->begin_shutdown();
+  starting_.reset();
   script_.reset();
   if (supervisor_.any_running()) say("stopping");
   stopping_.emplace(supervisor_, config_.stages());
@@ -145,15 +143,66 @@ void DeputyApp::tick() {
   const std::int64_t now = steady_clock();
   if (!deputy_->conflict().empty()) loop_.stop();
   if (deputy_->active() && !begun_) begin();
+  if (starting_ && starting_->step(now)) starting_.reset();
+  replace_silent(now);
   if (script_ && !script_->done()) {
     script_->step(now);
     if (script_->done()) say(fmt::format("script \"{}\" is done", options_.script));
   }
   if (stopping_ ? stopping_->step(now) : end_at_ != 0 && now >= end_at_) loop_.stop();
-  if (now >= watchdog_due_) {
-    watchdog_due_ = now + 1'000'000;
+  if (now >= second_due_) {
+    second_due_ = now + 1'000'000;
     notify_systemd("WATCHDOG=1");
+    if (begun_) publish_status(now);
   }
+}
+
+/// By its name: a command's id is its name on the bus.
+void DeputyApp::on_status(const service_status_t& status) {
+  if (status.host != host_name() || std::abs(wall_clock() - std::max<std::int64_t>(status.utime, 0)) > kOldStatus)
+    return;
+  heartbeats_.hear(status.service, status.fault.empty(), steady_clock());
+}
+
+void DeputyApp::replace_silent(std::int64_t now) {
+  if (stopping_) return;
+  for (const std::string& id : heartbeats_.take_silent(now)) {
+    const process::CommandState* state = supervisor_.find(id);
+    if (state == nullptr || state->pid == 0 || state->stopping) continue;
+    const double seconds = state->command.heartbeat;
+    say(fmt::format("{} has said nothing for {:.0f} s: it hangs and is replaced", id, seconds));
+    alarms_.silent(id, seconds, now);
+    supervisor_.replace(id);
+  }
+}
+
+void DeputyApp::publish_status(std::int64_t now) {
+  NodeReport report;
+  report.counters = deputy_->counters();
+  std::int64_t starts = 0, running = 0;
+  for (const process::CommandState* state : supervisor_.commands()) {
+    starts += state->starts;
+    running += state->pid != 0 ? 1 : 0;
+  }
+  report.counters.set("commands.starts", starts);
+  report.counters.set("commands.running", running);
+  report.faults = alarms_.faults(supervisor_.commands(), now);
+  reporter_->publish(*bus_, bus_->counters(), report);
+}
+
+bool DeputyApp::is_up(const std::string& id) const {
+  const process::CommandState* state = supervisor_.find(id);
+  return state == nullptr || state->pid == 0 || heartbeats_.alive(id);
+}
+
+/// What a script waits for. "running" means, as in procman, that the deputy has done what it could: a script does not
+/// hang on a program that cannot start.
+bool DeputyApp::has_come_to(const std::string& id, config::WaitStatus wanted) const {
+  const process::CommandState* state = supervisor_.find(id);
+  if (state == nullptr || (state->pid == 0 && state->respawn_at == 0)) return true;
+  if (wanted == config::WaitStatus::kReady) return state->pid != 0 && heartbeats_.ready(id);
+  if (state->pid == 0) return true;
+  return wanted == config::WaitStatus::kRunning && !state->stopping;
 }
 
 void DeputyApp::begin() {
@@ -166,26 +215,23 @@ void DeputyApp::begin() {
       say(fmt::format("{}: ${} is not set and stays as written", command.id, name));
     }
   }
-  if (options_.start_all) {  // sinks before sources: nothing of what the sources say is missed
-    for (auto it = config_.commands.rbegin(); it != config_.commands.rend(); ++it) deputy_->start(it->id);
+  if (options_.start_all) {
+    starting_.emplace(config_.stages(), StartSequence::Hands{[this](const std::string& id) { deputy_->start(id); },
+                                                             [this](const std::string& id) { return is_up(id); }});
   }
   if (!options_.script.empty()) {
     script_.emplace(config_, options_.script,
-                    ScriptRunner::Hands{[this](const std::string& id) { deputy_->start(id); },
-                                        [this](const std::string& id) { supervisor_.stop(id); },
-                                        [this](const std::string& id) { supervisor_.restart(id); },
-                                        [this](const std::string& id, config::WaitStatus wanted) {
-                                          // "running" means, as in procman, that the deputy has done what it could:
-                                          // a script does not hang on a program that cannot start.
-                                          const process::CommandState* state = supervisor_.find(id);
-                                          if (state == nullptr || state->pid == 0) return true;
-                                          return wanted == config::WaitStatus::kRunning && !state->stopping;
-                                        }});
+                    ScriptRunner::Hands{
+                        [this](const std::string& id) { deputy_->start(id); },
+                        [this](const std::string& id) { supervisor_.stop(id); },
+                        [this](const std::string& id) { supervisor_.restart(id); },
+                        [this](const std::string& id, config::WaitStatus wanted) { return has_come_to(id, wanted); }});
   }
 }
 
 void DeputyApp::on_started(const process::CommandState& state) {
   deputy_->changed();
+  heartbeats_.begin(state.command.id, state.command.heartbeat, steady_clock());
   keeper_.note(state.command.id, fmt::format("-- started, pid {}", state.pid));
   if (short_lives_[state.command.id] < kCrashLoop) say(fmt::format("{} started, pid {}", state.command.id, state.pid));
 }
@@ -201,6 +247,8 @@ void DeputyApp::on_ended(const process::CommandState& state, std::int64_t lived)
   const std::string how =
       fmt::format("{} after {:.1f} s", describe_status(state.exit_status), static_cast<double>(lived) * 1e-6);
   keeper_.note(id, "-- ended: " + how);
+  heartbeats_.end(id);
+  alarms_.ended(state, how, steady_clock());
 
   int& short_lives = short_lives_[id];
   short_lives = lived < kShortLife && state.respawn_at != 0 ? short_lives + 1 : 0;
@@ -208,6 +256,7 @@ void DeputyApp::on_ended(const process::CommandState& state, std::int64_t lived)
     std::string what = fmt::format("{} ended: {}", id, how);
     if (state.killed)
       what += fmt::format("; it was killed: it did not stop within {} s", state.command.stop_time_allowed);
+    if (state.refused) what += "; wrong configuration or options: it is not started again until ordered";
     say(what);
   } else if (short_lives == kCrashLoop || short_lives % 60 == 0) {
     say(fmt::format("{} keeps dying: {} times in a row within a second ({})", id, short_lives, how));

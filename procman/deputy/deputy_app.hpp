@@ -11,9 +11,13 @@
 
 #include "common/bus/lcm_bus.hpp"
 #include "common/shell/event_loop.hpp"
+#include "common/shell/status_reporter.hpp"
 #include "procman/config/config.hpp"
+#include "procman/deputy/alarms.hpp"
 #include "procman/deputy/deputy.hpp"
+#include "procman/deputy/heartbeats.hpp"
 #include "procman/deputy/script_runner.hpp"
+#include "procman/deputy/start_sequence.hpp"
 #include "procman/output/output_keeper.hpp"
 #include "procman/process/stop_sequence.hpp"
 #include "procman/process/supervisor.hpp"
@@ -55,6 +59,11 @@ class DeputyApp {
   void begin();
   void tick();
   void shut_down();
+  void on_status(const service_status_t& status);
+  void replace_silent(std::int64_t now);
+  void publish_status(std::int64_t now);
+  [[nodiscard]] bool is_up(const std::string& id) const;
+  [[nodiscard]] bool has_come_to(const std::string& id, config::WaitStatus wanted) const;
   void on_started(const process::CommandState& state);
   void on_ended(const process::CommandState& state, std::int64_t lived);
   void say(const std::string& text);
@@ -70,13 +79,17 @@ class DeputyApp {
   std::unique_ptr<LcmBus> bus_;
   std::unique_ptr<Deputy> deputy_;
   process::FileDescriptor other_signals_;  // SIGHUP, SIGQUIT
+  Heartbeats heartbeats_;
+  Alarms alarms_;
+  std::optional<StatusReporter> reporter_;
+  std::optional<StartSequence> starting_;
   std::optional<ScriptRunner> script_;
   std::optional<process::StopSequence> stopping_;
   std::map<std::string, int> short_lives_;  // in a row
   bool begun_ = false;
   int status_ = 0;
-  std::int64_t end_at_ = 0;  // us; 0: not yet known
-  std::int64_t watchdog_due_ = 0;
+  std::int64_t end_at_ = 0;      // us; 0: not yet known
+  std::int64_t second_due_ = 0;  // us
 };
 
 }  // namespace curbstone::procman::deputy

@@ -1,5 +1,6 @@
 #include "procman/output/output_keeper.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <cctype>
@@ -21,9 +22,15 @@ std::string file_name(const std::string& id) {
   return name + ".log";
 }
 
+std::string utc(std::int64_t utime) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(static_cast<std::time_t>(utime / 1'000'000)),
+                     utime / 1000 % 1000);
+}
+
 }  // namespace
 
-OutputKeeper::OutputKeeper(std::string folder, KeepLimits limits) : folder_(std::move(folder)), limits_(limits) {
+OutputKeeper::OutputKeeper(std::string folder, KeepLimits limits, std::function<std::int64_t()> clock)
+    : folder_(std::move(folder)), limits_(limits), clock_(std::move(clock)) {
   if (folder_.empty()) return;
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
@@ -64,8 +71,9 @@ void OutputKeeper::rotate(Kept& kept) const {
   open(kept);
 }
 
-void OutputKeeper::write(Kept& kept, std::string_view line) {
+void OutputKeeper::write(Kept& kept, std::string_view text) {
   if (kept.path.empty()) return;
+  const std::string line = fmt::format("{} {}", utc(clock_()), text);
   if (kept.file_size + line.size() + 1 > limits_.file_bytes && kept.file_size > 0) rotate(kept);
   if (!kept.file) open(kept);
   const bool written = kept.file && std::fwrite(line.data(), 1, line.size(), kept.file.get()) == line.size() &&

@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <cstdio>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
 #include <string_view>
 
+#include "common/time/clock.hpp"
 #include "procman/output/line_splitter.hpp"
 
 namespace curbstone::procman::output {
@@ -20,11 +22,13 @@ struct KeepLimits {
 };
 
 /// Keeps the last lines of each command in memory. With a folder it also writes all output to a bounded, rotated log
-/// file for each command. If the disk is full or gone, only the files suffer: failures are counted.
+/// file for each command; a line of it begins with the time in UTC, "2026-11-23T08:15:02.250Z ". If the disk is full or
+/// gone, only the files suffer: failures are counted.
 class OutputKeeper {
  public:
   /// `folder` empty: memory only. Creates the folder; throws std::runtime_error with one clear line when it cannot.
-  explicit OutputKeeper(std::string folder, KeepLimits limits = {});
+  /// `clock`: us since the Unix epoch.
+  explicit OutputKeeper(std::string folder, KeepLimits limits = {}, std::function<std::int64_t()> clock = wall_clock);
 
   /// Takes bytes in pieces of any size. Calls `on_line` for each line when it is complete.
   template <class OnLine>
@@ -66,12 +70,13 @@ class OutputKeeper {
     on_line(line);
   }
   Kept& of(const std::string& id);
-  void write(Kept& kept, std::string_view line);
+  void write(Kept& kept, std::string_view text);
   void open(Kept& kept) const;
   void rotate(Kept& kept) const;
 
   std::string folder_;
   KeepLimits limits_;
+  std::function<std::int64_t()> clock_;
   std::map<std::string, Kept> kept_;
   std::int64_t write_failures_ = 0;
 };

@@ -89,7 +89,7 @@ void Supervisor::stop(const std::string& id) {
   managed.state.wanted = false;
   managed.state.respawn_at = 0;
   managed.start_at_end = false;
-  if (managed.state.pid != 0 && !managed.state.stopping) begin_stop(managed);
+  if (managed.state.pid != 0 && !managed.state.stopping) begin_stop(managed, managed.state.command.stop_time_allowed);
 }
 
 void Supervisor::restart(const std::string& id) {
@@ -97,6 +97,13 @@ void Supervisor::restart(const std::string& id) {
   if (it == commands_.end()) return;
   if (it->second->state.pid == 0) return start(id);
   stop(id);
+  it->second->start_at_end = true;
+}
+
+void Supervisor::replace(const std::string& id) {
+  const auto it = commands_.find(id);
+  if (it == commands_.end() || it->second->state.pid == 0 || it->second->state.stopping) return;
+  begin_stop(*it->second, std::min(it->second->state.command.stop_time_allowed, kHangs));
   it->second->start_at_end = true;
 }
 
@@ -142,6 +149,7 @@ void Supervisor::launch(Managed& managed) {
   state.exit_status = 0;
   state.stopping = false;
   state.killed = false;
+  state.refused = false;
   state.started = steady_clock();
   ++state.starts;
   managed.leader_gone = false;
@@ -165,9 +173,9 @@ void Supervisor::launch(Managed& managed) {
   events_.started(state);
 }
 
-void Supervisor::begin_stop(Managed& managed) {
+void Supervisor::begin_stop(Managed& managed, double time_allowed) {
   managed.state.stopping = true;
-  managed.kill_at = steady_clock() + microseconds(std::clamp(managed.state.command.stop_time_allowed, 0.0, 86400.0));
+  managed.kill_at = steady_clock() + microseconds(std::clamp(time_allowed, 0.0, 86400.0));
   signal_family(managed, managed.state.command.stop_signal);
   arm_timer();
 }
@@ -225,7 +233,7 @@ void Supervisor::reap() {
 /// Its first process is gone: the life is over when the descendants are gone too.
 void Supervisor::settle(Managed& managed) {
   if (!find_family(read_process_table(), managed.process.pid, managed.mark).empty()) {
-    if (!managed.state.stopping) begin_stop(managed);
+    if (!managed.state.stopping) begin_stop(managed, managed.state.command.stop_time_allowed);
     return;
   }
   read_output(managed, kDrainAtMost);
@@ -238,11 +246,15 @@ void Supervisor::end_life(Managed& managed) {
   const std::int64_t now = steady_clock();
   const std::int64_t lived = now - managed.state.started;
   const std::string id = managed.state.command.id;
-  if (managed.state.wanted && managed.state.command.auto_respawn) {
-    managed.state.respawn_at = now + managed.backoff.next(lived);
+  const int status = managed.state.exit_status;
+  managed.state.refused = managed.state.command.heartbeat > 0 && WIFEXITED(status) && WEXITSTATUS(status) == kRefuses;
+  if (managed.state.refused) {
+    managed.state.wanted = false;
   } else if (managed.start_at_end) {
     managed.state.wanted = true;
     managed.state.respawn_at = now;
+  } else if (managed.state.wanted && managed.state.command.auto_respawn) {
+    managed.state.respawn_at = now + managed.backoff.next(lived);
   }
   const bool remove = managed.remove_at_end;
   const CommandState ended = managed.state;

@@ -24,10 +24,15 @@ struct CommandState {
   bool wanted = false;      ///< should be running: decides whether it is started again
   bool stopping = false;
   bool killed = false;          ///< the last life needed SIGKILL
+  bool refused = false;         ///< the last life ended by kRefuses: it is not started again by itself
   std::int64_t starts = 0;      ///< lives so far
   std::int64_t started = 0;     ///< us of steady_clock()
   std::int64_t respawn_at = 0;  ///< us; 0: no start is pending
 };
+
+/// Exit status of a Curbstone program whose configuration or options are wrong: the next life would end alike. Commands
+/// with a heartbeat are such programs.
+inline constexpr int kRefuses = 2;
 
 /// Starts, watches, respawns and stops processes. It owns all children of this process, which becomes a subreaper
 /// (prctl(2)). So processes that a command leaves behind are stopped too. Everything happens in the thread of the loop.
@@ -60,6 +65,9 @@ class Supervisor {
   void stop(const std::string& id);
   /// Stops it if it is running, and starts it once it has ended.
   void restart(const std::string& id);
+  /// The same of a command that hangs: SIGKILL follows the stop signal within kHangs at the latest.
+  void replace(const std::string& id);
+  static constexpr double kHangs = 2;  ///< s
   /// Whether it is started again when it ends, without starting or stopping it now.
   void want(const std::string& id, bool wanted);
   /// SIGKILL at once to everything that is running.
@@ -82,7 +90,7 @@ class Supervisor {
   };
 
   void launch(Managed& managed);
-  void begin_stop(Managed& managed);
+  void begin_stop(Managed& managed, double time_allowed);
   static void signal_family(const Managed& managed, int signal);
   void read_output(Managed& managed, std::size_t at_most);
   void close_terminal(Managed& managed);

@@ -56,7 +56,8 @@ TEST_F(DeputyProgram, RunsAConfigAloneAndStopsItInTheOrderOfTheFile) {
   EXPECT_LT(said.find("sink started"), said.find("source started")) << "sinks first";
   EXPECT_LT(said.find("source ended: exit status 0"), said.find("sink: sink ends")) << said;
   EXPECT_THAT(said, HasSubstr("sink ended: exit status 0"));
-  EXPECT_THAT(read_file(folder_ / "logs/sink.log"), HasSubstr("sink ends\n-- ended: exit status 0"));
+  EXPECT_THAT(read_file(folder_ / "logs/sink.log"),
+              ::testing::ContainsRegex("Z sink ends\n20[-0-9:.T]+Z -- ended: exit status 0"));
 }
 
 TEST_F(DeputyProgram, BringsBackWhatIsKilled) {
@@ -68,6 +69,37 @@ TEST_F(DeputyProgram, BringsBackWhatIsKilled) {
   kill(first, SIGKILL);
   ASSERT_TRUE(bus_.wait_until([&] { return bus_.pid("a") > 0 && bus_.pid("a") != first; }, 5));
   EXPECT_TRUE(bus_.wait_until([&] { return bus_.output["a"] == "Killed\n"; }, 2)) << bus_.output["a"];
+}
+
+TEST_F(DeputyProgram, ReplacesAServiceThatHangs) {
+  auto deputy = start("--config " +
+                      config("cmd \"ekf\" { exec = \"curbstone-ekf --set state_file=\"; deputy = \"d\"; "
+                             "auto_respawn = \"true\"; heartbeat = \"3\"; }") +
+                      " --start-all");
+  ASSERT_TRUE(wait_for_pid("ekf")) << deputy->output();
+  const int first = bus_.pid("ekf");
+  ASSERT_TRUE(bus_.wait_until([&] { return bus_.status("ekf") != nullptr; }, 30));
+  bus_.wait_until([] { return false; }, 6);
+  EXPECT_EQ(bus_.pid("ekf"), first) << "it works: " << deputy->output();
+  kill(first, SIGSTOP);
+  ASSERT_TRUE(bus_.wait_until([&] { return bus_.pid("ekf") > 0 && bus_.pid("ekf") != first; }, 60)) << deputy->output();
+  EXPECT_FALSE(is_alive(first));
+  EXPECT_THAT(deputy->output(), HasSubstr("ekf has said nothing for 3 s: it hangs and is replaced"));
+  EXPECT_TRUE(bus_.wait_until([&] { return bus_.has_fault("deputy:d", "ekf was silent for 3 s"); }, 30));
+}
+
+TEST_F(DeputyProgram, DoesNotStartAgainWhoRefusesItsConfiguration) {
+  write_file(folder_ / "ugv.yaml", "ekf:\n  no_such_key: 1\n");
+  auto deputy = start("--config " +
+                      config("cmd \"ekf\" { exec = \"curbstone-ekf --config " + (folder_ / "ugv.yaml").string() +
+                             "\"; deputy = \"d\"; auto_respawn = \"true\"; heartbeat = \"3\"; }") +
+                      " --start-all");
+  ASSERT_TRUE(bus_.wait_until([&] { return bus_.has_fault("deputy:d", "ekf: wrong configuration"); }, 30))
+      << deputy->output();
+  bus_.wait_until([] { return false; }, 3);
+  const std::string said = deputy->output();
+  EXPECT_EQ(said.find("ekf started"), said.rfind("ekf started")) << said;
+  EXPECT_THAT(said, HasSubstr("no_such_key"));
 }
 
 TEST_F(DeputyProgram, EndsWithTheCommandThatItIsToldToWaitForAndSaysWhetherItFailed) {

@@ -21,6 +21,12 @@ TEST(ProcmanConfig, ReadsEveryAttributeAndItsDefaults) {
   EXPECT_EQ(config.commands[1], (Command{"b", "b", "other", "old/style", false, 2, 7}));
 }
 
+TEST(ProcmanConfig, ReadsAHeartbeatInQuotesOrNot) {
+  EXPECT_EQ(parse_config("cmd \"a\" { exec = \"x\"; heartbeat = \"3\"; }", "f").commands.at(0).heartbeat, 3);
+  EXPECT_EQ(parse_config("cmd \"a\" { exec = \"x\"; heartbeat = 3; }", "f").commands.at(0).heartbeat, 3);
+  EXPECT_EQ(parse_config("cmd \"a\" { exec = \"x\"; }", "f").commands.at(0).heartbeat, 0);
+}
+
 TEST(ProcmanConfig, NestsAndMergesGroups) {
   const Config config = parse_config(R"(
     group "hardware" { cmd "a" { exec = "a"; group = "overwritten"; }
@@ -118,6 +124,9 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"cmd \"a\" { exec = \"x\"; stop_signal = 0; }", 1, 37, "stop_signal must be from 1 to 64"},
         Bad{"cmd \"a\" { exec = \"x\"; stop_signal = 65; }", 1, 37, "from 1 to 64"},
         Bad{"cmd \"a\" { exec = \"x\"; stop_time_allowed = 0; }", 1, 43, "from 1 to"},
+        Bad{"cmd \"a\" { exec = \"x\"; heartbeat = \"soon\"; }", 1, 35, "whole seconds from 1 to 3600"},
+        Bad{"cmd \"a\" { exec = \"x\"; heartbeat = \"0\"; }", 1, 35, "whole seconds from 1 to 3600"},
+        Bad{"cmd \"a\" { exec = \"x\"; heartbeat = 3601; }", 1, 35, "whole seconds from 1 to 3600"},
         Bad{"cmd \"a\" { exec = \"x\"; stop_time_allowed = 1.5; }", 1, 44, "unexpected character '.'"},
         Bad{"cmd \"a\" { exec = \"x\"; stop_time_allowed = -1; }", 1, 43, "unexpected character '-'"},
         Bad{"cmd \"a\" { exec = \"x\"; stop_time_allowed = 99999999999999999999; }", 1, 43, "from 1 to"},
@@ -128,7 +137,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"script \"s\" { wait ms \"5\"; }", 1, 22, "the wait in ms"},
         Bad{"script \"s\" { wait ms -5; }", 1, 22, "'-'"},
         Bad{"script \"s\" { wait cmd \"a\" \"running\"; }", 1, 27, "expected 'status'"},
-        Bad{"script \"s\" { start cmd \"a\" wait \"up\"; }", 1, 33, "\"running\" or \"stopped\""},
+        Bad{"script \"s\" { start cmd \"a\" wait \"up\"; }", 1, 33, "\"running\", \"ready\" or \"stopped\""},
         Bad{"script \"s\" { begin cmd \"a\"; }", 1, 14, "'run_script' or '}', not 'begin'"},
         Bad{"script \"s\" { start \"a\"; }", 1, 20, "'everything', 'cmd' or 'group'"},
         Bad{"script \"s\" { }\nscript \"s\" { }", 2, 8, "already a script \"s\""},

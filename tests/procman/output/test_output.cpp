@@ -120,7 +120,7 @@ class OutputFolder : public ::testing::Test {
 };
 
 TEST_F(OutputFolder, KeepsTheLastLinesInMemoryAndAllInAFile) {
-  OutputKeeper keeper(folder_, {.lines = 2});
+  OutputKeeper keeper(folder_, {.lines = 2}, [] { return 1'763'885'702'250'000; });
   std::vector<std::string> seen;
   keeper.note("a:1", "-- started");
   keeper.add("a:1", "one\r\ntwo\r\nthree\r\nfo", [&](std::string_view line) { seen.emplace_back(line); });
@@ -128,7 +128,9 @@ TEST_F(OutputFolder, KeepsTheLastLinesInMemoryAndAllInAFile) {
   EXPECT_THAT(keeper.last_lines("a:1"), ElementsAre("two", "three"));
   keeper.end("a:1", [](std::string_view) {});
   EXPECT_THAT(keeper.last_lines("a:1"), ElementsAre("three", "fo"));
-  EXPECT_EQ(read_file(folder_ / "a:1.log"), "-- started\none\ntwo\nthree\nfo\n");
+  const std::string at = "2025-11-23T08:15:02.250Z ";
+  EXPECT_EQ(read_file(folder_ / "a:1.log"),
+            at + "-- started\n" + at + "one\n" + at + "two\n" + at + "three\n" + at + "fo\n");
 }
 
 TEST_F(OutputFolder, RotatesSoThatNoMoreThanTheLimitIsKept) {

@@ -96,6 +96,41 @@ TEST(Supervisor, KillsWhatIgnoresTheSignalByItsOwnTimer) {
   EXPECT_TRUE(s.ends.at(0).killed);
 }
 
+TEST(Supervisor, WhatHangsIsKilledSoonAndStartedAgain) {
+  Supervised s;
+  config::Command command = s.add("a", "sh -c 'trap \"\" INT; echo up; while :; do sleep 0.05; done'");
+  command.stop_time_allowed = 1000;
+  s.start(command);
+  ASSERT_TRUE(s.run_until([&] { return s.output["a"] == "up\r\n"; }));
+  s.supervisor.replace("a");
+  ASSERT_TRUE(s.run_until([&] { return s.starts["a"].size() == 2; }, 60)) << "though it need not respawn by itself";
+  EXPECT_TRUE(s.ends.at(0).killed);
+}
+
+TEST(Supervisor, ACommandWithAHeartbeatThatRefusesItsConfigurationIsNotStartedAgain) {
+  Supervised s;
+  config::Command command = s.add("a", "sh -c 'exit 2'");
+  command.auto_respawn = true;
+  command.heartbeat = 3;
+  s.start(command);
+  ASSERT_TRUE(s.run_until_ended("a"));
+  EXPECT_TRUE(s.supervisor.find("a")->refused);
+  EXPECT_EQ(s.starts["a"].size(), 1U);
+  s.supervisor.start("a");
+  ASSERT_TRUE(s.run_until_ended("a"));
+  EXPECT_EQ(s.starts["a"].size(), 2U) << "by an order it is";
+}
+
+TEST(Supervisor, ACommandOfAnotherKindMayEndWithTheSameStatus) {
+  Supervised s;
+  config::Command command = s.add("a", "sh -c 'exit 2'");
+  command.auto_respawn = true;
+  s.start(command);
+  ASSERT_TRUE(s.run_until([&] { return s.starts["a"].size() == 2; }));
+  EXPECT_FALSE(s.supervisor.find("a")->refused);
+  s.supervisor.stop("a");
+}
+
 TEST(Supervisor, GrandchildrenEndWithTheCommandEvenInSessionsOfTheirOwn) {
   Supervised s;
   config::Command command =

@@ -1,0 +1,71 @@
+#include "common/shell/status_reporter.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+
+#include "common/shell/version.hpp"
+#include "common/time/clock.hpp"
+
+namespace curbstone {
+
+namespace {
+
+std::int64_t cpu_time() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto us = [](const timeval& t) { return std::int64_t{t.tv_sec} * 1'000'000 + t.tv_usec; };
+  return us(usage.ru_utime) + us(usage.ru_stime);
+}
+
+std::int64_t resident_memory() {
+  std::ifstream statm("/proc/self/statm");
+  std::int64_t total = 0;
+  std::int64_t resident = 0;
+  statm >> total >> resident;
+  return resident * sysconf(_SC_PAGESIZE);
+}
+
+}  // namespace
+
+std::string host_name() {
+  char name[256] = {};
+  gethostname(name, sizeof name - 1);
+  return name;
+}
+
+StatusReporter::StatusReporter(std::string service, std::string config_hash) : start_(steady_clock()) {
+  status_.service = std::move(service);
+  status_.host = host_name();
+  status_.pid = getpid();
+  status_.version = version();
+  status_.config_hash = std::move(config_hash);
+}
+
+void StatusReporter::publish(Publisher& bus, const Counters& bus_counters, const NodeReport& report) {
+  status_.utime = wall_clock();
+  status_.uptime = steady_clock() - start_;
+  status_.cpu_time = cpu_time();
+  status_.memory = resident_memory();
+  status_.latency_p50 = static_cast<float>(report.latency_p50);
+  status_.latency_p99 = static_cast<float>(report.latency_p99);
+  status_.counter_name.clear();
+  status_.counter_value.clear();
+  for (const Counters* counters : {&report.counters, &bus_counters}) {
+    for (const auto& [name, value] : counters->values()) {
+      status_.counter_name.push_back(name);
+      status_.counter_value.push_back(value);
+    }
+  }
+  status_.num_counters = static_cast<std::int32_t>(status_.counter_name.size());
+  status_.fault = report.faults;
+  status_.num_faults = static_cast<std::int32_t>(status_.fault.size());
+  bus.publish("SERVICE_STATUS", status_);
+  for (const std::string& line : fault_lines_.update(report.faults, steady_clock()))
+    fmt::print(stderr, "{}: {}\n", status_.service, line);
+}
+
+}  // namespace curbstone

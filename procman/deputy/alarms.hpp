@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "procman/process/supervisor.hpp"
+
+namespace curbstone::procman::deputy {
+
+/// What is wrong with the commands, in words, for the deputy's own SERVICE_STATUS. Pure: time comes in, us.
+class Alarms {
+ public:
+  static constexpr std::int64_t kWindow = 60'000'000;  ///< us that a death is remembered
+  static constexpr std::size_t kCrashLoop = 5;         ///< deaths in that time
+
+  /// A life is over; `how` in words.
+  void ended(const process::CommandState& state, const std::string& how, std::int64_t now);
+  /// A command was silent for too long and is being replaced.
+  void silent(const std::string& id, double seconds, std::int64_t now);
+
+  /// One line a fault; empty when all is well. Also forgets what is old.
+  [[nodiscard]] std::vector<std::string> faults(const std::vector<const process::CommandState*>& commands,
+                                                std::int64_t now);
+
+ private:
+  struct Silence {
+    double seconds = 0;
+    std::int64_t at = 0;
+  };
+  struct Past {
+    std::vector<std::int64_t> deaths;  // us
+    std::string how;                   // the last one
+    Silence silence;
+  };
+  std::map<std::string, Past> past_;
+};
+
+}  // namespace curbstone::procman::deputy

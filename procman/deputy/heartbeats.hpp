@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace curbstone::procman::deputy {
+
+/// Follows the SERVICE_STATUS of the commands that have a heartbeat. A command's status comes from the loop that does
+/// its work, so one that hangs falls silent while its process lives on. Pure: time comes in, us of a clock that does
+/// not jump.
+class Heartbeats {
+ public:
+  static constexpr std::int64_t kFirst = 30'000'000;  ///< us from the start to the first status: a map may be loaded
+
+  /// A life begins. `seconds` of silence are too many; 0: it is not watched.
+  void begin(const std::string& id, double seconds, std::int64_t now);
+  void end(const std::string& id) { lives_.erase(id); }
+  /// Its status has come.
+  void hear(const std::string& id, bool faultless, std::int64_t now);
+
+  /// Ids of commands that have been silent for too long, each once a life. To be called often: the time in which it was
+  /// not called, because the deputy itself had no CPU, is not held against them.
+  [[nodiscard]] std::vector<std::string> take_silent(std::int64_t now);
+
+  /// Has it spoken in this life? A command that is not watched needs not.
+  [[nodiscard]] bool alive(const std::string& id) const;
+  /// Has it said in this life that it has no fault?
+  [[nodiscard]] bool ready(const std::string& id) const;
+
+ private:
+  struct Life {
+    std::int64_t patience = 0;  // us
+    std::int64_t heard = 0;     // us, or when it began
+    bool alive = false;
+    bool ready = false;
+    bool taken = false;
+  };
+  std::map<std::string, Life> lives_;  // of commands that are watched
+  std::int64_t looked_ = 0;            // us
+};
+
+}  // namespace curbstone::procman::deputy

@@ -1,0 +1,82 @@
+#include "procman/deputy/heartbeats.hpp"
+
+#include <gmock/gmock.h>
+
+namespace curbstone::procman::deputy {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr std::int64_t kSecond = 1'000'000;
+constexpr std::int64_t kStart = 1000 * kSecond;
+
+/// Looks every half second, as a loop does, until `to`. What was silent is in the order in which it was found.
+std::vector<std::string> look(Heartbeats& heartbeats, std::int64_t from, std::int64_t to) {
+  std::vector<std::string> all;
+  for (std::int64_t now = from; now <= to; now += kSecond / 2)
+    for (const std::string& id : heartbeats.take_silent(now)) all.push_back(id);
+  return all;
+}
+
+TEST(Heartbeats, ACommandThatSpeaksIsLeftAlone) {
+  Heartbeats heartbeats;
+  heartbeats.begin("a", 3, kStart);
+  for (std::int64_t now = kStart; now < kStart + 100 * kSecond; now += kSecond) {
+    heartbeats.hear("a", true, now);
+    EXPECT_THAT(look(heartbeats, now, now + kSecond / 2), IsEmpty());
+  }
+}
+
+TEST(Heartbeats, ACommandThatFallsSilentIsTakenOnce) {
+  Heartbeats heartbeats;
+  heartbeats.begin("a", 3, kStart);
+  heartbeats.hear("a", true, kStart + kSecond);
+  EXPECT_THAT(look(heartbeats, kStart + kSecond, kStart + 4 * kSecond), IsEmpty());
+  EXPECT_THAT(look(heartbeats, kStart + 4 * kSecond, kStart + 60 * kSecond), ElementsAre("a"));
+  heartbeats.begin("a", 3, kStart + 61 * kSecond);
+  heartbeats.hear("a", true, kStart + 61 * kSecond);
+  EXPECT_THAT(look(heartbeats, kStart + 61 * kSecond, kStart + 70 * kSecond), ElementsAre("a")) << "its next life";
+}
+
+TEST(Heartbeats, TheFirstWordMayTakeHalfAMinute) {
+  Heartbeats heartbeats;
+  heartbeats.begin("a", 3, kStart);
+  EXPECT_THAT(look(heartbeats, kStart, kStart + 30 * kSecond), IsEmpty());
+  EXPECT_FALSE(heartbeats.alive("a"));
+  EXPECT_THAT(look(heartbeats, kStart + 30 * kSecond, kStart + 32 * kSecond), ElementsAre("a"));
+}
+
+TEST(Heartbeats, WhileTheDeputyItselfSleepsNobodyIsHeldSilent) {
+  Heartbeats heartbeats;
+  heartbeats.begin("a", 3, kStart);
+  heartbeats.hear("a", true, kStart);
+  EXPECT_THAT(look(heartbeats, kStart, kStart + 2 * kSecond), IsEmpty());
+  EXPECT_THAT(look(heartbeats, kStart + 100 * kSecond, kStart + 101 * kSecond), IsEmpty());
+  EXPECT_THAT(look(heartbeats, kStart + 101 * kSecond, kStart + 105 * kSecond), ElementsAre("a"));
+}
+
+TEST(Heartbeats, ReadyIsWhoHasSaidThatNothingIsWrong) {
+  Heartbeats heartbeats;
+  EXPECT_TRUE(heartbeats.ready("nobody")) << "who is not watched need not speak";
+  heartbeats.begin("a", 3, kStart);
+  EXPECT_FALSE(heartbeats.ready("a"));
+  heartbeats.hear("a", false, kStart);
+  EXPECT_TRUE(heartbeats.alive("a"));
+  EXPECT_FALSE(heartbeats.ready("a"));
+  heartbeats.hear("a", true, kStart);
+  heartbeats.hear("a", false, kStart);
+  EXPECT_TRUE(heartbeats.ready("a"));
+  heartbeats.begin("a", 3, kStart);
+  EXPECT_FALSE(heartbeats.ready("a")) << "in its next life it has said nothing yet";
+}
+
+TEST(Heartbeats, StrangersAndTheUnwatchedAreIgnored) {
+  Heartbeats heartbeats;
+  heartbeats.begin("a", 0, kStart);
+  heartbeats.hear("b", true, kStart);
+  EXPECT_THAT(look(heartbeats, kStart, kStart + 100 * kSecond), IsEmpty());
+}
+
+}  // namespace
+}  // namespace curbstone::procman::deputy
