@@ -16,7 +16,7 @@ target_link_options(curbstone_options INTERFACE -pthread)
 target_compile_options(curbstone_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wcast-align -Woverloaded-virtual
   -Wnon-virtual-dtor -Wdouble-promotion -Wformat=2
-  -Wno-restrict  # g++ 12 warns falsely inside std::string (GCC bug 105329)
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # g++ 12 warns falsely inside std::string (GCC bug 105329)
   # The same bits on every machine: no contraction to fused multiply-add behind our back.
   -ffp-contract=off
   # A name of one file may hide one of another file of its batch.

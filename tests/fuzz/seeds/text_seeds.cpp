@@ -1,0 +1,55 @@
+// Texts: configurations, traces, descriptions.
+#include "tests/fuzz/seeds/seed_folder.hpp"
+
+namespace curbstone::fuzz {
+namespace {
+
+constexpr const char* kCandump =
+    "(1608055974.318981) can0 181#0A0100000A020000\n(1608055974.319981) can0 202#903C\n"
+    "(1608055974.320000) can1 12345678#R\n(1608055974.330000) can0 181##100\n";
+constexpr const char* kPcan11 =
+    ";$FILEVERSION=1.1\n;$STARTTIME=40511.3973\n;---\n"
+    "     1)      1059.9  Rx         0300  7  00 00 00 00 04 00 00\n     2)      1283.2  Rx         0300  4  RTR\n";
+constexpr const char* kPcan21 =
+    ";$FILEVERSION=2.1\n;$STARTTIME=40511.3973\n;$COLUMNS=N,O,T,B,I,d,R,L,D\n"
+    "      1      1059.900 DT 1     0300 Rx -  7    00 00 00 00 04 00 00\n      2      1060.000 ST 1          Rx -  4  "
+    "  00 00 00 08\n";
+
+void write(const SeedFolder& folder, const std::string& target, const std::string& name, std::string_view text) {
+  const auto bytes = bytes_of(text);
+  folder.write(target, name, {bytes.begin(), bytes.end()});
+}
+
+}  // namespace
+
+void write_text_seeds(const SeedFolder& folder) {
+  const std::filesystem::path source = CURBSTONE_SOURCE_DIR;
+  write(folder, "can_trace", "candump", kCandump);
+  write(folder, "can_trace", "pcan11", kPcan11);
+  write(folder, "can_trace", "pcan21", kPcan21);
+  for (const char* name : {"can/fsae_candump.log", "can/pcan2.trc"}) {
+    const Seed seed = SeedFolder::read(folder.recording(name), 4096);
+    if (!seed.empty()) folder.write("can_trace", std::filesystem::path(name).filename(), seed);
+  }
+  write(folder, "can_signal", "intel", "181 0|32@1- (1,0)\n\x01\x02\x03\x04\x05\x06\x07\x08");
+  write(folder, "can_signal", "motorola", "18FEF100 7|16@0+ (0.00390625,-12)\n\x01\x02\x03\x04");
+  write(folder, "angles", "with_azimuth", "# elevation,azimuth\n-15.0,0.1\n-13,0\n\n15,-2.5\n");
+  write(folder, "angles", "elevation", "-15\n-13\n-11\n");
+
+  const Seed ugv = SeedFolder::read(source / "config/ugv.yaml");
+  for (std::uint8_t process = 0; process < 9; ++process) {
+    Seed seed = {process, 0};
+    put(seed, ugv);
+    folder.write("config", "ugv_" + std::to_string(process), seed);
+    seed = {process, 1};
+    put(seed, bytes_of("timing.delay=0.1"));
+    folder.write("config", "assignment_" + std::to_string(process), seed);
+  }
+  for (const char* name : {"ugv.cfg", "demo.cfg"})
+    folder.write("procman_config", name, SeedFolder::read(source / "procman" / name));
+  write(folder, "procman_config", "scripts",
+        "group \"a\" { cmd \"b\" { exec = \"X=1 $HOME/c 'd e'\"; host = \"vehicle\"; auto_respawn = \"true\"; } }\n"
+        "script \"go\" { start group \"a\" wait \"running\"; wait ms 100; run_script \"go\"; stop cmd \"b\"; }\n");
+}
+
+}  // namespace curbstone::fuzz
