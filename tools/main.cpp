@@ -8,6 +8,7 @@
 #include "tools/command/program_beside.hpp"
 #include "tools/evaluate/evaluate.hpp"
 #include "tools/lidar_tool/lidar_tool.hpp"
+#include "tools/log_tool/log_tool.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/simulate/simulate.hpp"
 
@@ -23,6 +24,8 @@ constexpr std::array kSubcommands = {
     Subcommand{"evaluate", "compare a map with the truth", curbstone::evaluate::run_evaluate},
     Subcommand{"lidar", "what is in a capture, is my sensor sane; its points as CSV or PCD",
                curbstone::lidar_tool::run_lidar},
+    Subcommand{"log", "what is in a log; cut, join, repair or filter it; its fields as CSV, its scans as PCD",
+               curbstone::log_tool::run_log},
     Subcommand{"detect", "curbs and classes of any cloud: .pcd, .ply, KITTI .bin"},
     Subcommand{"export", "a map for others: nav2, QGIS, Lanelet2, GeoJSON, PCD, PLY"},
     Subcommand{"calibrate", "wheels and extrinsics from a drive"},

@@ -1,0 +1,107 @@
+#include <gmock/gmock.h>
+
+#include <curbstone/lidar_points_t.hpp>
+#include <curbstone/map_pose_t.hpp>
+#include <filesystem>
+
+#include "tests/tools/log_tool/logged.hpp"
+
+namespace curbstone::log_tool {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class LogTables : public LogToolTest {
+ protected:
+  /// Three revolutions of two packets with two points each, and a vehicle that drives at 1 m/s along x.
+  std::string points(const std::string& name, bool with_poses) const {
+    LogWriter log(path(name));
+    for (int i = 0; i < 6; ++i) {
+      lidar_points_t message{};
+      message.utime = kBegin + i * 50'000;
+      message.packet = i;
+      message.revolution = 7 + i / 2;
+      message.num_points = 2;
+      message.x = {1, 2};
+      message.y = {3, 4};
+      message.z = {5, 6};
+      message.time_offset = {0, 0.01F};
+      message.intensity = {10, 20};
+      message.ring = {0, 15};
+      write(log, "LIDAR_POINTS", message);
+      if (with_poses && i % 2 == 0) {
+        map_pose_t pose{};
+        pose.utime = message.utime;
+        pose.map_base_position[0] = i * 0.05;
+        pose.map_base_orientation[0] = pose.map_odom_orientation[0] = 1;
+        write(log, "MAP_POSE", pose);
+      }
+    }
+    return path(name);
+  }
+  /// The numbers behind the header of a PCD file.
+  static std::vector<float> floats_of(const std::string& file) {
+    const std::string bytes = bytes_of(file);
+    const std::string data = bytes.substr(bytes.find("DATA binary\n") + 12);
+    std::vector<float> floats(data.size() / sizeof(float));
+    std::copy_n(data.data(), floats.size() * sizeof(float), reinterpret_cast<char*>(floats.data()));
+    return floats;
+  }
+};
+
+TEST_F(LogTables, AChannelIsATableOfItsFields) {
+  EXPECT_EQ(run({"csv", drive("drive.lcmlog"), "--channel", "IMU"}), 0) << err_;
+  EXPECT_THAT(out_, StartsWith("log_utime,utime,sequence,acceleration[0],acceleration[1],acceleration[2],"));
+  EXPECT_THAT(out_, HasSubstr("\n1795467120100000,1795467120100000,1,0,0,0,"));
+  EXPECT_EQ(std::count(out_.begin(), out_.end(), '\n'), 101);
+}
+
+TEST_F(LogTables, ARowIsAnElementWhereItIsWanted) {
+  const std::string log = points("points.lcmlog", false);
+  EXPECT_EQ(run({"csv", log, "--channel", "LIDAR_POINTS"}), 0) << err_;
+  EXPECT_THAT(out_, StartsWith("log_utime,utime,packet,revolution,num_points\n"));
+  EXPECT_THAT(err_, HasSubstr("without the arrays"));
+  EXPECT_EQ(run({"csv", log, "--channel", "LIDAR_POINTS", "--elements", "--out", path("points.csv")}), 0) << err_;
+  const std::string table = bytes_of(path("points.csv"));
+  EXPECT_THAT(table,
+              StartsWith("log_utime,utime,packet,revolution,num_points,element,x,y,z,time_offset,intensity,ring\n"
+                         "1795467120000000,1795467120000000,0,7,2,0,1,3,5,0,10,0\n"
+                         "1795467120000000,1795467120000000,0,7,2,1,2,4,6,0.01,20,15\n"));
+}
+
+TEST_F(LogTables, AChannelOfAnUnknownTypeIsAClearError) {
+  EXPECT_EQ(run({"csv", drive("drive.lcmlog"), "--channel", "WHEELS"}), 1);
+  EXPECT_THAT(err_, HasSubstr("10 messages of WHEELS have no known type"));
+  EXPECT_EQ(run({"csv", drive("drive.lcmlog"), "--channel", "NONE", "--out", path("none.csv")}), 1);
+  EXPECT_FALSE(std::filesystem::exists(path("none.csv")));
+}
+
+TEST_F(LogTables, EachScanIsAPointCloud) {
+  const std::string log = points("points.lcmlog", false);
+  EXPECT_EQ(run({"pcd", log, "--out", path("scans"), "--first", "1", "--count", "1"}), 0) << err_;
+  const auto file = path("scans") + "/scan-1795467120100000.pcd";
+  EXPECT_THAT(floats_of(file),
+              ::testing::ElementsAre(1, 3, 5, 10, 0, 0, 2, 4, 6, 20, 15, 0.01F,  //
+                                     1, 3, 5, 10, 0, 0.05F, 2, 4, 6, 20, 15, ::testing::FloatEq(0.06F)));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("scans")), {}), 1);
+  EXPECT_EQ(run({"pcd", log, "--out", path("scans")}), 1) << "one of them is there";
+  EXPECT_EQ(run({"pcd", log, "--out", path("scans"), "--force"}), 0) << err_;
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("scans")), {}), 3);
+}
+
+TEST_F(LogTables, MergedScansStandWhereTheVehicleWas) {
+  EXPECT_EQ(run({"pcd", points("bare.lcmlog", false), "--merged", "--out", path("all.pcd")}), 1);
+  EXPECT_THAT(err_, HasSubstr("no MAP_POSE"));
+  const std::string log = points("poses.lcmlog", true);
+  EXPECT_EQ(run({"pcd", log, "--merged", "--lidar", "0,0,2,0,0,0", "--out", path("all.pcd")}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("9 points in map, 3 without a pose left out")) << "behind the last pose";
+  const std::vector<float> values = floats_of(path("all.pcd"));
+  ASSERT_EQ(values.size(), 9 * 6U);
+  EXPECT_NEAR(values[6 + 0], 2 + 0.01, 1e-5) << "10 ms after the first pose at 1 m/s";
+  EXPECT_EQ(values[6 + 1], 4);
+  EXPECT_EQ(values[6 + 2], 6 + 2) << "the LiDAR's height";
+}
+
+}  // namespace
+}  // namespace curbstone::log_tool

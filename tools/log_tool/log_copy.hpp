@@ -1,0 +1,27 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/config/command_line.hpp"
+#include "common/log/log_loss.hpp"
+#include "common/log/log_reader.hpp"
+
+namespace curbstone::log_tool {
+
+/// What every command that writes a log is told.
+struct CopyOptions {
+  std::vector<std::string> logs;
+  std::string out;
+  bool force = false;
+
+  void declare(CommandLine& line);
+};
+
+/// The events that `wanted` chooses, as a new log with records numbered from 0. Their bytes and times stay. Says on
+/// stdout what it wrote, on stderr what was lost. Returns the loss.
+LogLoss copy_log(const CopyOptions& options, const std::string& command,
+                 const std::function<bool(const LogEvent&)>& wanted);
+
+}  // namespace curbstone::log_tool

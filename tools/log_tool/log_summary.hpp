@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/log/log_reader.hpp"
+
+namespace curbstone::log_tool {
+
+/// One channel of a log.
+struct ChannelSummary {
+  std::int64_t messages = 0;
+  std::int64_t bytes = 0;
+  std::int64_t first_utime = 0;  ///< us, of the records
+  std::int64_t last_utime = 0;
+  std::int64_t longest_gap = 0;         ///< us between two records
+  std::set<std::int64_t> fingerprints;  ///< kMostFingerprints at most
+  static constexpr std::size_t kMostFingerprints = 5;
+
+  [[nodiscard]] double hz() const;
+};
+
+/// What is in a log, gathered event by event.
+class LogSummary {
+ public:
+  void take(const LogEvent& event);
+
+  [[nodiscard]] const std::map<std::string, ChannelSummary>& channels() const { return channels_; }
+  [[nodiscard]] std::int64_t begin() const { return begin_; }  ///< us, the earliest record
+  [[nodiscard]] std::int64_t end() const { return end_; }
+  [[nodiscard]] std::int64_t messages() const { return messages_; }
+  /// Where nothing at all was recorded for a second or more: "0.5 .. 12.1 s".
+  [[nodiscard]] const std::vector<std::string>& gaps() const { return gaps_; }
+  /// "ekf on ugv, version 0.2.0", of those that said their configuration.
+  [[nodiscard]] const std::set<std::string>& configs() const { return configs_; }
+
+ private:
+  static constexpr std::size_t kMostGaps = 100;
+
+  std::map<std::string, ChannelSummary> channels_;
+  std::int64_t begin_ = 0;
+  std::int64_t end_ = 0;
+  std::int64_t previous_ = 0;
+  std::int64_t messages_ = 0;
+  std::vector<std::string> gaps_;
+  std::set<std::string> configs_;
+};
+
+}  // namespace curbstone::log_tool

@@ -1,0 +1,132 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <limits>
+#include <stdexcept>
+
+#include "common/bus/decode.hpp"
+#include "common/config/command_line.hpp"
+#include "common/config/config.hpp"
+#include "common/config/vehicle.hpp"
+#include "tools/log_tool/commands.hpp"
+#include "tools/log_tool/scans.hpp"
+#include "tools/output/new_file.hpp"
+#include "tools/output/watched_log.hpp"
+
+namespace curbstone::log_tool {
+
+namespace {
+
+struct PcdOptions {
+  std::vector<std::string> logs;
+  std::string channel = "LIDAR_POINTS";
+  std::string out;
+  bool merged = false;
+  std::vector<double> lidar = VehicleConfig{}.lidar;
+  int first = 0;
+  int count = std::numeric_limits<int>::max();
+  bool force = false;
+};
+
+template <class Message>
+bool decode_event(const LogEvent& event, Message& message) {
+  return decode(event.bytes.data(), static_cast<int>(event.bytes.size()), message);
+}
+
+/// Calls `on_scan` for the wanted scans of the log. Returns whether the log is damaged.
+bool for_each_scan(const PcdOptions& options, const ScanCollector::OnScan& on_scan) {
+  output::WatchedLog log(options.logs, "log pcd");
+  int number = 0;
+  ScanCollector collector([&](const LoggedScan& scan) {
+    const int n = number++;
+    if (n >= options.first && n - options.first < options.count) on_scan(scan);
+  });
+  lidar_points_t message;
+  while (const auto event = log.next()) {
+    if (event->channel == options.channel && decode_event(*event, message)) collector.take(message);
+  }
+  collector.finish();
+  if (number <= options.first)
+    throw std::runtime_error(fmt::format("{} has {} scans of lidar_points_t", options.channel, number));
+  return log.damaged();
+}
+
+LoggedPath path_in(const PcdOptions& options) {
+  LoggedPath path;
+  LogFiles files(options.logs);
+  map_pose_t pose;
+  while (const auto event = files.next()) {
+    if (event->channel == "MAP_POSE" && decode_event(*event, pose)) path.take(pose);
+  }
+  if (path.empty())
+    throw std::runtime_error(
+        "no MAP_POSE: 'curbstone replay LOG --record NEW.lcmlog' makes a log that has the poses, too");
+  return path;
+}
+
+bool write_each(const PcdOptions& options) {
+  std::filesystem::create_directories(options.out);
+  std::int64_t files = 0;
+  const bool damaged = for_each_scan(options, [&](const LoggedScan& scan) {
+    const auto name = std::filesystem::path(options.out) / fmt::format("scan-{}.pcd", scan.utime);
+    output::NewFile file(name, options.force);
+    write_scan_pcd(scan.points, file.part());
+    file.commit();
+    ++files;
+  });
+  fmt::print("{}: {} scans\n", options.out, files);
+  return damaged;
+}
+
+bool write_merged(const PcdOptions& options) {
+  const LoggedPath path = path_in(options);
+  VehicleConfig vehicle;
+  vehicle.lidar = options.lidar;
+  const Pose T_base_lidar = vehicle.T_base_lidar();
+  output::NewFile file(options.out, options.force);
+  std::vector<ScanPoint> points;
+  std::int64_t without_pose = 0;
+  const bool damaged = for_each_scan(options, [&](const LoggedScan& scan) {
+    for (ScanPoint point : scan.points) {
+      const auto T_map_base = path.at(scan.utime + static_cast<std::int64_t>(point.t * 1e6F));
+      if (!T_map_base) {
+        ++without_pose;
+        continue;
+      }
+      const Eigen::Vector3f in_map =
+          (*T_map_base * T_base_lidar * Eigen::Vector3f(point.x, point.y, point.z).cast<double>()).cast<float>();
+      point.x = in_map.x();
+      point.y = in_map.y();
+      point.z = in_map.z();
+      points.push_back(point);
+    }
+  });
+  write_scan_pcd(points, file.part());
+  file.commit();
+  fmt::print("{}: {} points in map, {} without a pose left out\n", options.out, points.size(), without_pose);
+  return damaged;
+}
+
+}  // namespace
+
+int run_pcd(int argc, char** argv) {
+  PcdOptions options;
+  CommandLine line("The LiDAR scans of a log as PCD files: x y z intensity ring t", "curbstone log pcd");
+  line.option("log", options.logs, "LCM logs, or the folder of a session").required();
+  line.option("--out", options.out, "A folder, in which each scan becomes scan-<utime>.pcd; with --merged, the file")
+      .required();
+  line.flag("--merged", options.merged,
+            "All in one file, in map, each point where MAP_POSE had the vehicle at its time");
+  line.option("--lidar", options.lidar, "--merged: T_base_lidar: x y z in m, roll pitch yaw in rad; as vehicle.lidar")
+      .comma_separated()
+      .shows_default();
+  line.option("--channel", options.channel, "Whose points").shows_default();
+  line.option("--first", options.first, "The first scan that is wanted, from 0").within(0, 1'000'000'000);
+  line.option("--count", options.count, "How many; default: all").within(1, 1'000'000'000);
+  line.flag("--force", options.force, "Replace files that are there");
+  if (const auto status = line.read(argc, argv)) return *status;
+  if (options.lidar.size() != 6) throw std::runtime_error("--lidar: expected six numbers");
+  return (options.merged ? write_merged(options) : write_each(options)) ? 1 : 0;
+}
+
+}  // namespace curbstone::log_tool

@@ -1,0 +1,63 @@
+#include "tools/log_tool/scans.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+#include <utility>
+
+#include "common/pcd/pcd_header.hpp"
+
+namespace curbstone::log_tool {
+
+void ScanCollector::take(const lidar_points_t& message) {
+  if (message.revolution != scan_.revolution) finish();
+  if (scan_.points.empty()) {
+    scan_.revolution = message.revolution;
+    scan_.utime = message.utime;
+  }
+  const double late = static_cast<double>(message.utime - scan_.utime) * 1e-6;
+  for (std::size_t i = 0; i < message.x.size(); ++i) {
+    const ScanPoint point{message.x[i],
+                          message.y[i],
+                          message.z[i],
+                          static_cast<float>(message.intensity[i]),
+                          static_cast<float>(message.ring[i]),
+                          static_cast<float>(late + static_cast<double>(message.time_offset[i]))};
+    if (std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z)) scan_.points.push_back(point);
+  }
+}
+
+void ScanCollector::finish() {
+  if (!scan_.points.empty()) on_scan_(scan_);
+  scan_.points.clear();
+}
+
+void LoggedPath::take(const map_pose_t& message) {
+  const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
+  if (is_finite(T_map_base) && (message.flags & map_pose_t::LOST) == 0) poses_[message.utime] = T_map_base;
+}
+
+std::optional<Pose> LoggedPath::at(std::int64_t utime) const {
+  constexpr std::int64_t kFarthest = 1'000'000;  // us
+  const auto after = poses_.lower_bound(utime);
+  if (after == poses_.end()) return std::nullopt;
+  if (after->first == utime) return after->second;
+  if (after == poses_.begin()) return std::nullopt;
+  const auto before = std::prev(after);
+  if (after->first - before->first > kFarthest) return std::nullopt;
+  return interpolate(before->second, after->second,
+                     static_cast<double>(utime - before->first) / static_cast<double>(after->first - before->first));
+}
+
+void write_scan_pcd(const std::vector<ScanPoint>& points, const std::string& file) {
+  constexpr PcdField kFields[] = {{"x"}, {"y"}, {"z"}, {"intensity"}, {"ring"}, {"t"}};
+  std::ofstream out(file, std::ios::binary);
+  out << pcd_header(kFields, points.size());
+  out.write(reinterpret_cast<const char*>(points.data()),
+            static_cast<std::streamsize>(points.size() * sizeof(ScanPoint)));
+  if (!out.flush()) throw std::runtime_error(fmt::format("{}: cannot be written", file));
+}
+
+}  // namespace curbstone::log_tool

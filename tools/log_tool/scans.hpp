@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <curbstone/lidar_points_t.hpp>
+#include <curbstone/map_pose_t.hpp>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/geometry/geometry.hpp"
+
+namespace curbstone::log_tool {
+
+/// A point as it stands in a PCD file: m, intensity 0..255, the ring, s from the scan's first point.
+struct ScanPoint {
+  float x, y, z, intensity, ring, t;
+};
+static_assert(sizeof(ScanPoint) == 24);
+
+/// The points of a revolution, in the frame lidar.
+struct LoggedScan {
+  std::int32_t revolution = 0;
+  std::int64_t utime = 0;  ///< us, the first packet
+  std::vector<ScanPoint> points;
+};
+
+/// Puts the packets of LIDAR_POINTS together to revolutions. What is not finite is left out.
+class ScanCollector {
+ public:
+  using OnScan = std::function<void(const LoggedScan&)>;
+
+  explicit ScanCollector(OnScan on_scan) : on_scan_(std::move(on_scan)) {}
+  void take(const lidar_points_t& message);
+  /// The last one is over.
+  void finish();
+
+ private:
+  OnScan on_scan_;
+  LoggedScan scan_;
+};
+
+/// Where the vehicle was, from MAP_POSE, between its messages too.
+class LoggedPath {
+ public:
+  void take(const map_pose_t& message);
+  /// T_map_base at that time, us. Nothing before the first pose, after the last, and where two are 1 s apart or more.
+  [[nodiscard]] std::optional<Pose> at(std::int64_t utime) const;
+  [[nodiscard]] bool empty() const { return poses_.empty(); }
+
+ private:
+  std::map<std::int64_t, Pose> poses_;
+};
+
+/// Throws std::runtime_error when the file cannot be written.
+void write_scan_pcd(const std::vector<ScanPoint>& points, const std::string& file);
+
+}  // namespace curbstone::log_tool
