@@ -9,6 +9,7 @@
 #include "tools/evaluate/evaluate.hpp"
 #include "tools/lidar_tool/lidar_tool.hpp"
 #include "tools/log_tool/log_tool.hpp"
+#include "tools/play/play.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/simulate/simulate.hpp"
 
@@ -26,6 +27,7 @@ constexpr std::array kSubcommands = {
                curbstone::lidar_tool::run_lidar},
     Subcommand{"log", "what is in a log; cut, join, repair or filter it; its fields as CSV, its scans as PCD",
                curbstone::log_tool::run_log},
+    Subcommand{"play", "say what the drivers said in a log on the bus", curbstone::play::run_play},
     Subcommand{"detect", "curbs and classes of any cloud: .pcd, .ply, KITTI .bin"},
     Subcommand{"export", "a map for others: nav2, QGIS, Lanelet2, GeoJSON, PCD, PLY"},
     Subcommand{"calibrate", "wheels and extrinsics from a drive"},

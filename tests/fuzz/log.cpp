@@ -15,8 +15,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       fuzz::require(bytes <= size, "no message is made up");
       fuzz::require(log.progress() >= 0 && log.progress() <= 1, "progress is a part");
     }
-    fuzz::require(log.unread() >= 0 && log.unread() <= static_cast<std::int64_t>(size),
-                  "what is unread is in the file");
+    const auto lost = log.loss().bytes + log.loss().cut_off;
+    fuzz::require(lost >= 0 && bytes + static_cast<std::size_t>(lost) <= size, "what was skipped is in the file");
   } catch (const std::runtime_error&) {
     // No log, and said so.
   }

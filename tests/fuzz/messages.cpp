@@ -11,6 +11,7 @@
 #include <curbstone/pose_t.hpp>
 #include <curbstone/raw_packet_t.hpp>
 #include <curbstone/semantic_tile_t.hpp>
+#include <curbstone/service_config_t.hpp>
 #include <curbstone/service_status_t.hpp>
 #include <curbstone/tile_index_t.hpp>
 #include <curbstone/tile_request_t.hpp>
@@ -22,6 +23,7 @@
 #include <procman_lcm/output_t.hpp>
 
 #include "common/bus/decode.hpp"
+#include "common/message_types/field_values.hpp"
 #include "tests/fuzz/message.hpp"
 #include "tests/fuzz/require.hpp"
 
@@ -42,6 +44,8 @@ void check(Bytes body) {
   std::vector<std::uint8_t> second(static_cast<std::size_t>(again.getEncodedSize()));
   (void)again.encode(second.data(), 0, static_cast<int>(second.size()));
   require(first == second, "a message is encoded as the same bytes");
+  require(decode_values(TypeTable::built_in(), first.data(), first.size()).has_value(),
+          "what its class decodes has named values");
 }
 
 using Check = void (*)(Bytes);
@@ -63,7 +67,8 @@ constexpr Check kChecks[] = {check<curb_lines_t>,
                              check<procman_lcm::deputy_info_t>,
                              check<procman_lcm::discovery_t>,
                              check<procman_lcm::orders_t>,
-                             check<procman_lcm::output_t>};
+                             check<procman_lcm::output_t>,
+                             check<service_config_t>};
 
 }  // namespace
 }  // namespace curbstone::fuzz

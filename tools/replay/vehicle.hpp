@@ -14,7 +14,7 @@ namespace curbstone::replay {
 /// What to run in a replay.
 struct ReplayOptions {
   std::string config_file;               ///< the vehicle's file; empty: what was recorded, else defaults
-  RecordedConfig recorded;               ///< of the log
+  RecordedConfig recorded = {};          ///< of the log
   std::vector<std::string> assignments;  ///< SECTION.KEY=VALUE, over the file
   std::string map_file;                  ///< where semantic_map keeps its store
 };
