@@ -29,6 +29,7 @@ models::ModelSettings settings_of(const LidarConfig& config) {
   settings.limits = {config.min_range, config.max_range, config.start_angle, config.end_angle};
   settings.distance_step = distance_step(config.distance_resolution);
   settings.wait_for_info = config.wait_for_difop;
+  settings.believes_first_info = !config.pcap.empty();
   if (!config.angles_file.empty()) settings.angles = read_angles(config.angles_file);
   return settings;
 }

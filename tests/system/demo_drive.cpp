@@ -60,6 +60,7 @@ DemoDrive::DemoDrive(const std::string& source, const std::string& deputy_option
   });
   setenv("DEMO_OUT", folder_.path().c_str(), 1);
   setenv("DEMO_SOURCE", source.c_str(), 1);
+  setenv("DEMO_IMU", "", 1);
   setenv("DEMO_ENCODER", "", 1);
   setenv("DEMO_LIDAR", "", 1);
   setenv("CURBSTONE_CONFIG", CURBSTONE_SOURCE_DIR "/config/ugv.yaml", 1);

@@ -1,12 +1,23 @@
 #include <gmock/gmock.h>
+#include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
+#include <cmath>
+#include <csignal>
 #include <cstdio>
+#include <curbstone/lidar_points_t.hpp>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <vector>
 
+#include "common/bus/lcm_bus.hpp"
+#include "common/time/clock.hpp"
 #include "drivers/lidar/sources/udp_source.hpp"
+#include "tests/drivers/lidar/captures.hpp"
 #include "tests/temporary_folder.hpp"
+#include "tools/simulate/devices/make_lidar.hpp"
 
 namespace curbstone::lidar {
 namespace {
@@ -70,6 +81,70 @@ TEST(LidarProcess, BeginsACaptureAnewUntilItIsStopped) {
                               " --set pcap_rate=100 --set pcap_repeat=true > /dev/null 2>&1";
   const int status = std::system(command.c_str());
   EXPECT_EQ(WEXITSTATUS(status), 124) << "ended by itself";
+}
+
+/// The program, until the test is over.
+class RunningLidar {
+ public:
+  explicit RunningLidar(std::vector<std::string> words) {
+    words.insert(words.begin(), CURBSTONE_BIN_DIR "/curbstone-lidar");
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    EXPECT_EQ(posix_spawn(&pid_, words.front().c_str(), nullptr, nullptr, arguments.data(), environ), 0);
+  }
+  ~RunningLidar() {
+    kill(pid_, SIGTERM);
+    waitpid(pid_, nullptr, 0);
+  }
+  RunningLidar(const RunningLidar&) = delete;
+  RunningLidar& operator=(const RunningLidar&) = delete;
+
+ private:
+  pid_t pid_ = 0;
+};
+
+/// A second of an emulated device, all of whose returns are at `range`.
+Capture second_of(simulate::devices::LidarName name, float range) {
+  const auto device = simulate::devices::make_lidar(name, 1200);
+  const auto& table = device->table();
+  const std::vector<simulate::devices::LidarShot> shots(static_cast<std::size_t>(table.lasers), {range, 100});
+  std::vector<Bytes> frames;
+  for (int firing = 0; firing * table.firing_period < 1.0; ++firing) {
+    const auto utime = 100'000'000 + static_cast<std::int64_t>(firing * table.firing_period * 1e6);
+    if (const auto packet = device->add_firing(utime, firing * device->azimuth_step(), shots))
+      frames.push_back(frame(*packet, table.point_port));
+  }
+  return Capture(frames, kEthernet, Capture::Format::kMicroseconds,
+                 static_cast<std::int64_t>(table.packet_period() * 1e6));
+}
+
+TEST(LidarProcess, SharesABusWithAnotherLidarOnAChannelOfItsOwn) {
+  using simulate::devices::LidarName;
+  const Capture front = second_of(LidarName::kRs16, 10);
+  const Capture rear = second_of(LidarName::kVlp16, 20);
+  LcmBus bus;
+  std::map<std::string, std::vector<double>> ranges;
+  for (const char* channel : {"LIDAR_POINTS", "LIDAR_POINTS_REAR"}) {
+    bus.subscribe<lidar_points_t>(channel, [&, channel](const lidar_points_t& message) {
+      ASSERT_GT(message.num_points, 0);
+      ranges[channel].push_back(std::hypot(static_cast<double>(message.x[0]), static_cast<double>(message.y[0]),
+                                           static_cast<double>(message.z[0])));
+    });
+  }
+  const RunningLidar first({"--set", "model=rs16", "--set", "pcap=" + front.name(), "--set", "pcap_repeat=true"});
+  const RunningLidar second({"--name", "lidar:2", "--set", "model=vlp16", "--set", "channel=LIDAR_POINTS_REAR", "--set",
+                             "pcap=" + rear.name(), "--set", "pcap_repeat=true"});
+  const std::int64_t deadline = steady_clock() + 50'000'000;
+  const auto enough = [&](const char* channel) { return ranges[channel].size() >= 100; };
+  while ((!enough("LIDAR_POINTS") || !enough("LIDAR_POINTS_REAR")) && steady_clock() < deadline)
+    bus.handle(std::chrono::milliseconds(100));
+  using ::testing::DoubleNear;
+  using ::testing::Each;
+  EXPECT_TRUE(enough("LIDAR_POINTS")) << ranges["LIDAR_POINTS"].size();
+  EXPECT_TRUE(enough("LIDAR_POINTS_REAR")) << ranges["LIDAR_POINTS_REAR"].size();
+  EXPECT_THAT(ranges["LIDAR_POINTS"], Each(DoubleNear(10, 0.1)));
+  EXPECT_THAT(ranges["LIDAR_POINTS_REAR"], Each(DoubleNear(20, 0.1)));
 }
 
 TEST(LidarProcess, NamesTheSectionThatAnOldFileMeans) {

@@ -163,7 +163,10 @@ TEST(HeliosNode, SendsNothingBeforeItsAnglesAreKnownAndSaysSo) {
   bench.send(info(32), kUtc, robosense::kDifopPort);
   EXPECT_EQ(bench.count("refused.difop_angles"), 1) << "one of 32 lasers is no 16P";
   bench.send(info(16), kUtc, robosense::kDifopPort);
-  for (int i = 20; i < 30; ++i) send(i);
+  send(20);
+  EXPECT_THAT(bench.points, IsEmpty()) << "one may be damaged: a second must agree";
+  bench.send(info(16), kUtc, robosense::kDifopPort);
+  for (int i = 21; i < 31; ++i) send(i);
   EXPECT_EQ(bench.points.size(), 10U);
   EXPECT_EQ(bench.count("device.rpm"), 599);
 }
@@ -192,9 +195,22 @@ TEST(HeliosNode, TakesItsAnglesFromAFileInstead) {
               ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("has 16 lasers, the file 2")));
 }
 
+TEST(HeliosNode, BelievesTheOnlyInformationOfACapture) {
+  LidarConfig config = config_for(ModelName::kHelios16p);
+  config.pcap = "drive.pcap";
+  Bench bench(config);
+  bench.send(info(16), kUtc, robosense::kDifopPort);
+  for (int i = 0; i < 3; ++i) {
+    MsopPacket packet = points(10000 + i * 480, 40, kUtc + i * 1333);
+    packet.blocks[0].records[0] = {1000, 1};
+    bench.send(bytes_of(packet), kUtc + (i + 1) * 1333);
+  }
+  EXPECT_EQ(bench.points.size(), 3U);
+}
+
 TEST(HeliosNode, OneDamagedInformationDoesNotChangeTheAngles) {
   Bench bench(config_for(ModelName::kHelios16p));
-  bench.send(info(16), kUtc, robosense::kDifopPort);
+  for (int i = 0; i < 2; ++i) bench.send(info(16), kUtc, robosense::kDifopPort);
   Bytes damaged = info(16, 0);  // two returns, and another angle
   damaged[470] = static_cast<std::uint8_t>(damaged[470] + 7);
   bench.send(damaged, kUtc, robosense::kDifopPort);
