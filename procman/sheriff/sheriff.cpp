@@ -1,0 +1,142 @@
+#include "procman/sheriff/sheriff.hpp"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+#include <limits>
+
+namespace curbstone::procman::sheriff {
+
+namespace {
+
+constexpr std::int64_t kPlayedInfo = 30'000'000;   // us
+constexpr std::int64_t kPlayedOrders = 5'000'000;  // us
+constexpr std::int64_t kStands = 1'000'000;        // us that a process lives before its start counts as one
+
+/// Any bytes may stand in a message's time.
+std::int64_t age_of_message(std::int64_t utime, std::int64_t now) {
+  return now - std::max<std::int64_t>(utime, 0);
+}
+
+std::int32_t next_run(std::int32_t runid) {
+  return runid <= 0 || runid == std::numeric_limits<std::int32_t>::max() ? 1 : runid + 1;
+}
+
+/// A command that is stopped on purpose often dies of the signal.
+bool ended_well(int status) {
+  if (!WIFSIGNALED(status)) return WEXITSTATUS(status) == 0;
+  return WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM;
+}
+
+}  // namespace
+
+void Sheriff::on(const procman_lcm::deputy_info_t& info, std::int64_t now) {
+  if (age_of_message(info.utime, now) > kPlayedInfo) return;
+  std::erase_if(commands_, [&](const auto& entry) {
+    return entry.second.deputy == info.deputy_id &&
+           std::none_of(info.cmds.begin(), info.cmds.end(),
+                        [&](const auto& status) { return status.cmd.command_id == entry.first; });
+  });
+  for (const auto& status : info.cmds) {
+    Known& known = commands_[status.cmd.command_id];
+    const std::int32_t before = known.status.pid;
+    if (!known.deputy.empty() && status.pid != 0 && status.pid != before) ++known.restarts;
+    known.deputy = info.deputy_id;
+    known.status = status;
+    const auto wish = wishes_.find(status.cmd.command_id);
+    if (wish == wishes_.end()) continue;
+    if (wish->second.since == 0 || wish->second.pid != status.pid || status.actual_runid != wish->second.runid)
+      wish->second.since = now;
+    wish->second.pid = status.pid;
+  }
+}
+
+void Sheriff::on(const service_status_t& status, std::int64_t now) {
+  const auto found = commands_.find(status.service);
+  if (found == commands_.end()) return;
+  found->second.heard_at = now;
+  found->second.faults = status.fault;
+}
+
+void Sheriff::on(const procman_lcm::orders_t& orders, std::int64_t now) {
+  if (orders.sheriff_id != id_ && age_of_message(orders.utime, now) <= kPlayedOrders) other_ = orders.sheriff_id;
+}
+
+std::vector<std::string> Sheriff::resolve(const std::string& name) const {
+  std::vector<std::string> ids;
+  for (const auto& [id, known] : commands_) {
+    const std::string& group = known.status.cmd.group;
+    if (name == "everything" || id == name || group == name || group.starts_with(name + "/")) ids.push_back(id);
+  }
+  return ids;
+}
+
+void Sheriff::wish_run(const std::string& id) {
+  const auto found = commands_.find(id);
+  if (found != commands_.end()) wishes_[id] = {.runid = next_run(found->second.status.actual_runid)};
+}
+
+void Sheriff::start(const std::string& id) {
+  const auto found = commands_.find(id);
+  if (found == commands_.end()) return;
+  if (found->second.status.pid == 0) return wish_run(id);
+  wishes_[id] = {.runid = found->second.status.actual_runid};
+}
+
+void Sheriff::stop(const std::string& id) {
+  const auto found = commands_.find(id);
+  if (found != commands_.end()) wishes_[id] = {.runid = found->second.status.actual_runid, .run = false};
+}
+
+void Sheriff::restart(const std::string& id) {
+  wish_run(id);
+}
+
+Progress Sheriff::progress(const std::string& id, std::int64_t now) const {
+  const auto wish = wishes_.find(id);
+  const auto found = commands_.find(id);
+  if (wish == wishes_.end() || found == commands_.end()) return Progress::kFailed;
+  const procman_lcm::cmd_status_t& status = found->second.status;
+  if (wish->second.since == 0) return Progress::kUnderWay;  // no report since
+  if (!wish->second.run) return status.pid == 0 ? Progress::kDone : Progress::kUnderWay;
+  if (status.actual_runid != wish->second.runid) return Progress::kUnderWay;
+  if (status.pid != 0) return now - wish->second.since >= kStands ? Progress::kDone : Progress::kUnderWay;
+  if (status.cmd.auto_respawn != 0) return Progress::kUnderWay;
+  return ended_well(status.exit_code) ? Progress::kDone : Progress::kFailed;
+}
+
+std::optional<procman_lcm::orders_t> Sheriff::orders(const std::string& deputy, std::int64_t now) const {
+  procman_lcm::orders_t orders;
+  orders.utime = now;
+  orders.deputy_id = deputy;
+  orders.sheriff_id = id_;
+  bool asked = false;
+  for (const auto& [id, known] : commands_) {
+    if (known.deputy != deputy) continue;
+    procman_lcm::cmd_desired_t order;
+    order.cmd = known.status.cmd;
+    order.desired_runid = known.status.actual_runid;
+    order.force_quit = 0;
+    if (const auto wish = wishes_.find(id); wish != wishes_.end()) {
+      asked = true;
+      order.desired_runid = wish->second.runid;
+      order.force_quit = wish->second.run ? 0 : 1;
+    }
+    orders.cmds.push_back(std::move(order));
+  }
+  if (!asked) return std::nullopt;
+  orders.ncmds = static_cast<std::int32_t>(orders.cmds.size());
+  return orders;
+}
+
+std::string describe(const procman_lcm::cmd_status_t& status) {
+  if (status.pid != 0) return "running";
+  if (ended_well(status.exit_code)) return "stopped";
+  if (WIFSIGNALED(status.exit_code)) return fmt::format("failed: {}", strsignal(WTERMSIG(status.exit_code)));
+  return fmt::format("failed: exit status {}", WEXITSTATUS(status.exit_code));
+}
+
+}  // namespace curbstone::procman::sheriff

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <curbstone/service_status_t.hpp>
+#include <map>
+#include <optional>
+#include <procman_lcm/cmd_status_t.hpp>
+#include <procman_lcm/deputy_info_t.hpp>
+#include <procman_lcm/orders_t.hpp>
+#include <string>
+#include <vector>
+
+namespace curbstone::procman::sheriff {
+
+/// How far an order has come.
+enum class Progress { kUnderWay, kDone, kFailed };
+
+/// What is known of one command.
+struct Known {
+  std::string deputy;
+  procman_lcm::cmd_status_t status;
+  int restarts = 0;           ///< new processes under the same command since this sheriff began
+  std::int64_t heard_at = 0;  ///< us, of its last SERVICE_STATUS; 0: none
+  std::vector<std::string> faults;
+};
+
+/// What deputies run, and what is wanted of it. Pure: messages and time (us since the Unix epoch) come in, orders go
+/// out. An order names every command of its deputy, because a deputy removes what an order leaves out. It is made of
+/// that deputy's report of the same moment: what nobody asked to change is ordered to stay as reported, so a sheriff
+/// that has just come, or a deputy that has just been started again, changes nothing. The wire format and the run ids
+/// are procman's (github.com/ashuang/procman).
+class Sheriff {
+ public:
+  explicit Sheriff(std::string id) : id_(std::move(id)) {}
+
+  /// A report older than 30 s comes from a log that is being played, and is left out.
+  void on(const procman_lcm::deputy_info_t& info, std::int64_t now);
+  void on(const service_status_t& status, std::int64_t now);
+  /// Somebody's orders.
+  void on(const procman_lcm::orders_t& orders, std::int64_t now);
+
+  /// Ids that a name stands for: a command, a group with its subgroups, or "everything".
+  [[nodiscard]] std::vector<std::string> resolve(const std::string& name) const;
+  /// No effect on a command that runs.
+  void start(const std::string& id);
+  void stop(const std::string& id);
+  void restart(const std::string& id);
+  [[nodiscard]] Progress progress(const std::string& id, std::int64_t now) const;
+
+  /// The orders for one deputy; nothing if nothing was asked of its commands. To be sent right after its report.
+  [[nodiscard]] std::optional<procman_lcm::orders_t> orders(const std::string& deputy, std::int64_t now) const;
+
+  /// By id.
+  [[nodiscard]] const std::map<std::string, Known>& commands() const { return commands_; }
+  /// Another sheriff that has given orders, in its own words; empty if none.
+  [[nodiscard]] const std::string& other() const { return other_; }
+
+ private:
+  struct Wish {
+    std::int32_t runid = 0;
+    bool run = true;
+    std::int32_t pid = 0;    // that the last report gave
+    std::int64_t since = 0;  // us, since when it has had this pid in the run that was asked for
+  };
+  void wish_run(const std::string& id);
+
+  std::string id_;
+  std::string other_;
+  std::map<std::string, Known> commands_;
+  std::map<std::string, Wish> wishes_;
+};
+
+/// The state in words: "running", "stopped", "failed: exit status 3", "failed: Segmentation fault".
+[[nodiscard]] std::string describe(const procman_lcm::cmd_status_t& status);
+
+}  // namespace curbstone::procman::sheriff

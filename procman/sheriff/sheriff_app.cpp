@@ -1,0 +1,205 @@
+#include "procman/sheriff/sheriff_app.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <procman_lcm/discovery_t.hpp>
+#include <procman_lcm/output_t.hpp>
+#include <set>
+
+#include "common/time/clock.hpp"
+#include "procman/config/config.hpp"
+#include "procman/deputy/script_runner.hpp"
+#include "procman/sheriff/status_table.hpp"
+
+namespace curbstone::procman::sheriff {
+
+namespace {
+
+constexpr std::int64_t kListen = 1'500'000;  // us: deputies and sheriffs speak once a second
+constexpr std::int64_t kRefresh = 500'000;   // us
+constexpr std::chrono::milliseconds kTurn(50);
+constexpr int kFailedStatus = 1;
+constexpr int kNoDeputyStatus = 3;
+constexpr int kConflictStatus = 4;
+
+/// As procman's sheriffs name themselves: host, pid, start.
+std::string sheriff_name() {
+  char host[256] = {};
+  gethostname(host, sizeof host - 1);
+  return fmt::format("{}:{}:{}", host, getpid(), wall_clock());
+}
+
+}  // namespace
+
+SheriffApp::SheriffApp(SheriffAppOptions options)
+    : options_(std::move(options)), bus_(options_.lcm_url), sheriff_(sheriff_name()) {
+  bus_.subscribe<procman_lcm::deputy_info_t>("PM_INFO", [this](const auto& info) {
+    sheriff_.on(info, wall_clock());
+    if (!ordering_ || !sheriff_.other().empty()) return;
+    if (const auto orders = sheriff_.orders(info.deputy_id, wall_clock())) bus_.publish("PM_ORDERS", *orders);
+  });
+  bus_.subscribe<procman_lcm::orders_t>("PM_ORDERS", [this](const auto& orders) { sheriff_.on(orders, wall_clock()); });
+  bus_.subscribe<service_status_t>("SERVICE_STATUS", [this](const auto& status) { sheriff_.on(status, wall_clock()); });
+}
+
+int SheriffApp::run() {
+  if (options_.action == Action::kTail) return tail();
+  listen();
+  if (options_.action == Action::kWatch) return watch();
+  if (sheriff_.commands().empty()) {
+    fmt::print(stderr, "curbstone-sheriff: no deputy with commands answers on {}\n", bus_.url());
+    return kNoDeputyStatus;
+  }
+  if (options_.action == Action::kStatus) {
+    fmt::print("{}", status_table(sheriff_.commands(), wall_clock()));
+    return 0;
+  }
+  if (!sheriff_.other().empty()) return say_conflict();
+  return options_.action == Action::kRun ? run_script() : order();
+}
+
+void SheriffApp::listen() {
+  if (!options_.observe) bus_.publish("PM_DISCOVER", procman_lcm::discovery_t{wall_clock(), sheriff_name(), 0});
+  const std::int64_t until = steady_clock() + kListen;
+  while (steady_clock() < until) handle();
+}
+
+void SheriffApp::handle() {
+  bus_.handle(kTurn);
+}
+
+int SheriffApp::say_conflict() const {
+  fmt::print(stderr, "curbstone-sheriff: another sheriff gives orders: {}; end that one first\n",
+             printable(sheriff_.other()));
+  return kConflictStatus;
+}
+
+int SheriffApp::watch() {
+  const bool terminal = isatty(STDOUT_FILENO) != 0;
+  for (;;) {
+    if (terminal) fmt::print("\x1b[H\x1b[2J");
+    if (!sheriff_.other().empty()) fmt::print("orders come from {}\n", printable(sheriff_.other()));
+    fmt::print("{}", status_table(sheriff_.commands(), wall_clock()));
+    if (!terminal) return 0;
+    std::fflush(stdout);
+    const std::int64_t until = steady_clock() + kRefresh;
+    while (steady_clock() < until) handle();
+  }
+}
+
+std::vector<std::string> SheriffApp::named() const {
+  std::set<std::string> ids;
+  for (const std::string& name : options_.names) {
+    const auto found = sheriff_.resolve(name);
+    if (found.empty()) throw UnknownName(fmt::format("no deputy has a command or group \"{}\"", name));
+    ids.insert(found.begin(), found.end());
+  }
+  return {ids.begin(), ids.end()};
+}
+
+int SheriffApp::order() {
+  const auto ids = named();
+  for (const std::string& id : ids) {
+    if (options_.action == Action::kStart) sheriff_.start(id);
+    if (options_.action == Action::kStop) sheriff_.stop(id);
+    if (options_.action == Action::kRestart) sheriff_.restart(id);
+  }
+  ordering_ = true;
+  const std::int64_t until = steady_clock() + static_cast<std::int64_t>(options_.wait * 1e6);
+  const auto is = [&](Progress progress) {
+    return [&, progress](const std::string& id) { return sheriff_.progress(id, wall_clock()) == progress; };
+  };
+  while (steady_clock() < until && std::any_of(ids.begin(), ids.end(), is(Progress::kUnderWay))) {
+    handle();
+    if (!sheriff_.other().empty()) return say_conflict();
+  }
+  int result = 0;
+  for (const std::string& id : ids) {
+    const auto known = sheriff_.commands().find(id);
+    const bool done = is(Progress::kDone)(id);
+    const std::string state = known == sheriff_.commands().end() ? "gone" : describe(known->second.status);
+    fmt::print("{}: {}{}\n", printable(id), state,
+               is(Progress::kUnderWay)(id) ? fmt::format(", not done within {} s", options_.wait) : "");
+    if (!done) result = kFailedStatus;
+  }
+  return result;
+}
+
+int SheriffApp::run_script() {
+  const config::Config config = config::load_config_file(options_.config_file);
+  const std::string& script = options_.names.front();
+  if (config.find_script(script) == nullptr)
+    throw UnknownName(fmt::format("{} has no script \"{}\"", options_.config_file, script));
+  for (const config::Command& command : config.commands) {
+    if (!sheriff_.commands().contains(command.id))
+      throw UnknownName(fmt::format("no deputy has the command \"{}\" of {}", command.id, options_.config_file));
+  }
+  std::set<std::string> touched;
+  const auto touch = [&](void (Sheriff::*act)(const std::string&)) {
+    return [&, act](const std::string& id) {
+      touched.insert(id);
+      (sheriff_.*act)(id);
+    };
+  };
+  deputy::ScriptRunner runner(config, script,
+                              {.start = touch(&Sheriff::start),
+                               .stop = touch(&Sheriff::stop),
+                               .restart = touch(&Sheriff::restart),
+                               .satisfied = [&](const std::string& id, config::WaitStatus wait) {
+                                 const auto known = sheriff_.commands().find(id);
+                                 if (known == sheriff_.commands().end()) return false;
+                                 if (touched.contains(id))
+                                   return sheriff_.progress(id, wall_clock()) != Progress::kUnderWay;
+                                 return (known->second.status.pid != 0) == (wait == config::WaitStatus::kRunning);
+                               }});
+  ordering_ = true;
+  const std::int64_t until = steady_clock() + static_cast<std::int64_t>(options_.wait * 1e6);
+  const auto under_way = [&] {
+    return !runner.done() || std::any_of(touched.begin(), touched.end(), [&](const std::string& id) {
+      return sheriff_.progress(id, wall_clock()) == Progress::kUnderWay;
+    });
+  };
+  do {
+    runner.step(steady_clock());
+    handle();
+    if (!sheriff_.other().empty()) return say_conflict();
+  } while (under_way() && steady_clock() < until);
+  fmt::print("{}", status_table(sheriff_.commands(), wall_clock()));
+  if (under_way()) fmt::print(stderr, "curbstone-sheriff: {} not done within {} s\n", script, options_.wait);
+  const bool good = runner.done() && std::all_of(touched.begin(), touched.end(), [&](const std::string& id) {
+                      return sheriff_.progress(id, wall_clock()) == Progress::kDone;
+                    });
+  return good ? 0 : kFailedStatus;
+}
+
+int SheriffApp::tail() {
+  const auto wanted = [this](const std::string& id) {
+    if (options_.names.empty()) return true;
+    return std::any_of(options_.names.begin(), options_.names.end(), [&](const std::string& name) {
+      const auto ids = sheriff_.resolve(name);
+      return name == id || std::find(ids.begin(), ids.end(), id) != ids.end();
+    });
+  };
+  bus_.subscribe<procman_lcm::output_t>("PM_OUTPUT", [&](const procman_lcm::output_t& message) {
+    for (std::size_t i = 0; i < message.text.size(); ++i) {
+      const std::string& id = message.command_ids[i];
+      if (!wanted(id)) continue;
+      std::string text = message.text[i];
+      std::erase(text, '\r');
+      std::size_t begin = 0;
+      for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', begin)) {
+        fmt::print("{}: {}\n", printable(id), printable(std::string_view(text).substr(begin, end - begin)));
+        begin = end + 1;
+      }
+      if (begin < text.size()) fmt::print("{}: {}\n", printable(id), printable(std::string_view(text).substr(begin)));
+    }
+    std::fflush(stdout);
+  });
+  listen();
+  for (;;) handle();
+}
+
+}  // namespace curbstone::procman::sheriff

@@ -1,0 +1,158 @@
+#include "procman/sheriff/sheriff.hpp"
+
+#include <gmock/gmock.h>
+
+#include "procman/sheriff/status_table.hpp"
+
+namespace curbstone::procman::sheriff {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr std::int64_t kNow = 1'700'000'000'000'000;
+
+procman_lcm::cmd_status_t command(const std::string& id, int pid, int runid, int exit_code = 0) {
+  procman_lcm::cmd_status_t status{};
+  status.cmd.command_id = id;
+  status.cmd.exec_str = "run " + id;
+  status.cmd.group = "top/" + id;
+  status.cmd.stop_signal = 2;
+  status.pid = pid;
+  status.actual_runid = runid;
+  status.exit_code = exit_code;
+  return status;
+}
+
+procman_lcm::deputy_info_t report(std::vector<procman_lcm::cmd_status_t> cmds, const std::string& deputy = "d") {
+  procman_lcm::deputy_info_t info{};
+  info.utime = kNow;
+  info.deputy_id = deputy;
+  info.ncmds = static_cast<std::int32_t>(cmds.size());
+  info.cmds = std::move(cmds);
+  return info;
+}
+
+class SheriffTest : public ::testing::Test {
+ protected:
+  void hear(std::vector<procman_lcm::cmd_status_t> cmds, std::int64_t after = 0) {
+    sheriff_.on(report(std::move(cmds)), kNow + after);
+  }
+  Sheriff sheriff_{"host:1:1"};
+};
+
+TEST_F(SheriffTest, GivesNoOrdersBeforeSomethingIsAsked) {
+  hear({command("a", 10, 4)});
+  EXPECT_FALSE(sheriff_.orders("d", kNow));
+}
+
+TEST_F(SheriffTest, OrdersEverythingElseToStayAsItIs) {
+  hear({command("a", 10, 4), command("b", 0, 7), command("c", 0, 0)});
+  sheriff_.start("c");
+  const auto orders = sheriff_.orders("d", kNow);
+  ASSERT_TRUE(orders);
+  EXPECT_EQ(orders->sheriff_id, "host:1:1");
+  ASSERT_EQ(orders->ncmds, 3) << "what is left out would be removed";
+  EXPECT_EQ(orders->cmds[0].desired_runid, 4);
+  EXPECT_EQ(orders->cmds[0].force_quit, 0);
+  EXPECT_EQ(orders->cmds[1].desired_runid, 7);
+  EXPECT_EQ(orders->cmds[2].desired_runid, 1);
+  EXPECT_EQ(orders->cmds[2].cmd.exec_str, "run c");
+}
+
+TEST_F(SheriffTest, FollowsADeputyThatWasStartedAgain) {
+  hear({command("a", 10, 4), command("b", 0, 0)});
+  sheriff_.start("b");
+  hear({command("a", 20, 1), command("b", 0, 0)});
+  EXPECT_EQ(sheriff_.orders("d", kNow)->cmds[0].desired_runid, 1) << "4 would stop a";
+}
+
+TEST_F(SheriffTest, ForgetsWhatADeputyNoLongerReports) {
+  hear({command("a", 10, 4), command("b", 0, 0)});
+  sheriff_.on(report({command("x", 1, 1)}, "other"), kNow);
+  hear({command("b", 0, 0)});
+  EXPECT_THAT(sheriff_.resolve("everything"), ElementsAre("b", "x"));
+}
+
+TEST_F(SheriffTest, NamesAreCommandsAndGroupsWithTheirSubgroups) {
+  hear({command("a", 0, 0), command("b", 0, 0)});
+  EXPECT_THAT(sheriff_.resolve("a"), ElementsAre("a"));
+  EXPECT_THAT(sheriff_.resolve("top/b"), ElementsAre("b"));
+  EXPECT_THAT(sheriff_.resolve("top"), ElementsAre("a", "b"));
+  EXPECT_THAT(sheriff_.resolve("to"), ElementsAre());
+}
+
+TEST_F(SheriffTest, ARestartIsDoneWhenTheNewRunHasLivedForASecond) {
+  hear({command("a", 10, 4)});
+  sheriff_.restart("a");
+  EXPECT_EQ(sheriff_.orders("d", kNow)->cmds[0].desired_runid, 5);
+  hear({command("a", 0, 4)});
+  EXPECT_EQ(sheriff_.progress("a", kNow + 5'000'000), Progress::kUnderWay) << "the old run has ended";
+  hear({command("a", 11, 5)}, 6'000'000);
+  EXPECT_EQ(sheriff_.progress("a", kNow + 6'900'000), Progress::kUnderWay);
+  EXPECT_EQ(sheriff_.progress("a", kNow + 7'000'000), Progress::kDone);
+  EXPECT_EQ(sheriff_.commands().at("a").restarts, 1);
+}
+
+TEST_F(SheriffTest, AStartFailsWhenTheCommandDoes) {
+  hear({command("a", 0, 0), command("b", 0, 0)});
+  sheriff_.start("a");
+  sheriff_.start("b");
+  hear({command("a", 0, 1, 0x300), command("b", 0, 1, 0)});
+  EXPECT_EQ(sheriff_.progress("a", kNow), Progress::kFailed);
+  EXPECT_EQ(sheriff_.progress("b", kNow), Progress::kDone) << "it has done its work";
+}
+
+TEST_F(SheriffTest, AStopIsDoneWhenAReportSaysSo) {
+  hear({command("a", 10, 4)});
+  sheriff_.stop("a");
+  EXPECT_EQ(sheriff_.orders("d", kNow)->cmds[0].force_quit, 1);
+  hear({command("a", 10, 4)});
+  EXPECT_EQ(sheriff_.progress("a", kNow), Progress::kUnderWay);
+  hear({command("a", 0, 4, 2)});
+  EXPECT_EQ(sheriff_.progress("a", kNow), Progress::kDone);
+}
+
+TEST_F(SheriffTest, StartingWhatRunsChangesNothing) {
+  hear({command("a", 10, 4)});
+  sheriff_.start("a");
+  EXPECT_EQ(sheriff_.orders("d", kNow)->cmds[0].desired_runid, 4);
+}
+
+TEST_F(SheriffTest, KnowsAnotherSheriffByItsOrdersButNotFromAPlayedLog) {
+  procman_lcm::orders_t orders{};
+  orders.sheriff_id = "other:2:2";
+  orders.utime = kNow - 6'000'000;
+  sheriff_.on(orders, kNow);
+  EXPECT_EQ(sheriff_.other(), "");
+  orders.utime = kNow;
+  sheriff_.on(orders, kNow);
+  EXPECT_EQ(sheriff_.other(), "other:2:2");
+}
+
+TEST_F(SheriffTest, AReportFromAPlayedLogIsLeftOut) {
+  hear({command("a", 10, 4)}, 31'000'000);
+  EXPECT_TRUE(sheriff_.commands().empty());
+}
+
+TEST_F(SheriffTest, RunIdsGoOnAtOneAfterTheLargest) {
+  hear({command("a", 10, INT32_MAX)});
+  sheriff_.restart("a");
+  EXPECT_EQ(sheriff_.orders("d", kNow)->cmds[0].desired_runid, 1);
+}
+
+TEST_F(SheriffTest, TheTableShowsFaultsInWordsAndNoControlCharacters) {
+  hear({command("a", 10, 1), command("b", 0, 1, 0x0b), command("c", 0, 1, 0x200)});
+  service_status_t status{};
+  status.service = "a";
+  status.fault = {"no \x1b[2Jdata"};
+  sheriff_.on(status, kNow);
+  const std::string table = status_table(sheriff_.commands(), kNow + 2'500'000);
+  EXPECT_THAT(table, HasSubstr("running"));
+  EXPECT_THAT(table, HasSubstr("no    2.5 s  no ?[2Jdata\n"));
+  EXPECT_THAT(table, HasSubstr("failed: Segmentation fault"));
+  EXPECT_THAT(table, HasSubstr("failed: exit status 2"));
+}
+
+}  // namespace
+}  // namespace curbstone::procman::sheriff
