@@ -46,6 +46,7 @@ void Sheriff::on(const procman_lcm::deputy_info_t& info, std::int64_t now) {
     if (!known.deputy.empty() && status.pid != 0 && status.pid != before) ++known.restarts;
     known.deputy = info.deputy_id;
     known.status = status;
+    known.reported_at = now;
     const auto wish = wishes_.find(status.cmd.command_id);
     if (wish == wishes_.end()) continue;
     if (wish->second.since == 0 || wish->second.pid != status.pid || status.actual_runid != wish->second.runid)

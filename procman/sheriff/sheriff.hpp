@@ -19,8 +19,9 @@ enum class Progress { kUnderWay, kDone, kFailed };
 struct Known {
   std::string deputy;
   procman_lcm::cmd_status_t status;
-  int restarts = 0;           ///< new processes under the same command since this sheriff began
-  std::int64_t heard_at = 0;  ///< us, of its last SERVICE_STATUS; 0: none
+  int restarts = 0;              ///< new processes under the same command since this sheriff began
+  std::int64_t heard_at = 0;     ///< us, of its last SERVICE_STATUS; 0: none
+  std::int64_t reported_at = 0;  ///< us, of its deputy's last report
   std::vector<std::string> faults;
 };
 

@@ -9,6 +9,12 @@ namespace curbstone::procman::sheriff {
 namespace {
 
 constexpr double kMegabyte = 1e6;
+constexpr std::int64_t kSilence = 5'000'000;  // us: a deputy reports once a second
+
+/// What a deputy that is gone said last is not shown as the present.
+std::string state_cell(const Known& known, std::int64_t now) {
+  return now - known.reported_at > kSilence ? "unknown: deputy silent" : describe(known.status);
+}
 
 std::string heard_cell(const Known& known, std::int64_t now) {
   if (known.heard_at == 0) return "-";
@@ -35,7 +41,7 @@ std::string status_table(const std::map<std::string, Known>& commands, std::int6
   std::size_t state_width = 5;
   for (const auto& [id, known] : commands) {
     id_width = std::max(id_width, id.size());
-    state_width = std::max(state_width, describe(known.status).size());
+    state_width = std::max(state_width, state_cell(known, now).size());
   }
   std::string table = fmt::format("{:<{}}  {:<{}}  {:>6}  {:>7}  {:>8}  {:>5}  {:>7}  {}\n", "COMMAND", id_width,
                                   "STATE", state_width, "CPU %", "MB", "RESTARTS", "READY", "HEARD", "FAULTS");

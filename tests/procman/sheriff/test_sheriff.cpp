@@ -154,5 +154,13 @@ TEST_F(SheriffTest, TheTableShowsFaultsInWordsAndNoControlCharacters) {
   EXPECT_THAT(table, HasSubstr("failed: exit status 2"));
 }
 
+TEST_F(SheriffTest, TheTableDoesNotShowTheLastWordOfADeadDeputyAsThePresent) {
+  hear({command("a", 10, 1)});
+  EXPECT_THAT(status_table(sheriff_.commands(), kNow + 5'000'000), HasSubstr("running"));
+  const std::string later = status_table(sheriff_.commands(), kNow + 5'000'001);
+  EXPECT_THAT(later, HasSubstr("unknown: deputy silent"));
+  EXPECT_THAT(later, ::testing::Not(HasSubstr("running")));
+}
+
 }  // namespace
 }  // namespace curbstone::procman::sheriff
