@@ -6,12 +6,14 @@
 #include "common/shell/version.hpp"
 #include "tools/command/dispatch.hpp"
 #include "tools/command/program_beside.hpp"
+#include "tools/doctor/doctor.hpp"
 #include "tools/evaluate/evaluate.hpp"
 #include "tools/lidar_tool/lidar_tool.hpp"
 #include "tools/log_tool/log_tool.hpp"
 #include "tools/play/play.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/simulate/simulate.hpp"
+#include "tools/spy/spy.hpp"
 
 namespace {
 
@@ -28,6 +30,8 @@ constexpr std::array kSubcommands = {
     Subcommand{"log", "what is in a log; cut, join, repair or filter it; its fields as CSV, its scans as PCD",
                curbstone::log_tool::run_log},
     Subcommand{"play", "say what the drivers said in a log on the bus", curbstone::play::run_play},
+    Subcommand{"spy", "who sends what on the bus, how fast, and how the services are", curbstone::spy::run_spy},
+    Subcommand{"doctor", "what is wrong with this vehicle's PC, and how to mend it", curbstone::doctor::run_doctor},
     Subcommand{"detect", "curbs and classes of any cloud: .pcd, .ply, KITTI .bin"},
     Subcommand{"export", "a map for others: nav2, QGIS, Lanelet2, GeoJSON, PCD, PLY"},
     Subcommand{"calibrate", "wheels and extrinsics from a drive"},

@@ -1,0 +1,115 @@
+#include "tools/doctor/checks/vehicle_checks.hpp"
+
+#include <fmt/format.h>
+
+namespace curbstone::doctor::checks {
+
+namespace {
+
+constexpr double kLeastHours = 1.0;  // of recording: a drive
+
+Verdict check_config(const ConfigFacts& config) {
+  if (config.error.empty()) return good("config", config.file);
+  return finding("config", config.error, fmt::format("edit {}; --config and --procman name other files", config.file));
+}
+
+Verdict check_program(const ProgramFacts& program) {
+  return finding("program", fmt::format("{}: there is no program {}", program.command, program.program),
+                 "install it, or correct exec in the procman file");
+}
+
+Verdict check_folder(const FolderFacts& folder, const std::string& user) {
+  if (!folder.is_there) {
+    return finding("folder", fmt::format("{}: {} is not there", folder.setting, folder.folder),
+                   fmt::format("install -d -o {} {}", user, folder.folder));
+  }
+  if (!folder.is_writable) {
+    return finding("folder", fmt::format("{}: {} may not be written by {}", folder.setting, folder.folder, user),
+                   fmt::format("chown {} {}", user, folder.folder));
+  }
+  return good("folder", fmt::format("{}: {}", folder.setting, folder.folder));
+}
+
+Verdict check_device(const DeviceFacts& device, const std::string& user) {
+  if (!device.is_there) {
+    return finding("device", fmt::format("{}: {} is not there", device.setting, device.file),
+                   "plug it in, or set the name that it has: ls -l /dev/serial/by-id /dev/curbstone-*");
+  }
+  if (!device.is_usable) {
+    return finding("device", fmt::format("{}: {} may not be opened by {}", device.setting, device.file, user),
+                   fmt::format("usermod -aG {} {}, and log in anew", device.group, user));
+  }
+  return good("device", fmt::format("{}: {}", device.setting, device.file));
+}
+
+Verdict check_can(const CanFacts& can, int bitrate) {
+  const std::string up = fmt::format("ip link set {} down; ip link set {} up type can bitrate {} restart-ms 100",
+                                     can.interface, can.interface, bitrate);
+  if (!can.is_there)
+    return finding("can", can.interface + " is not there", "plug the adapter in: ip link show; modprobe its driver");
+  if (!can.is_up) return finding("can", can.interface + " is down", up);
+  if (can.bitrate > 0 && can.bitrate != bitrate) {
+    return finding("can", fmt::format("{} has {} bit/s, encoder.bitrate is {}", can.interface, can.bitrate, bitrate),
+                   up);
+  }
+  if (can.state == "BUS-OFF" || can.state == "ERROR-PASSIVE") {
+    return finding("can", fmt::format("{} is {}: nobody acknowledges its frames", can.interface, can.state),
+                   "is the drive switched on, is the bus terminated at both ends, is the bit rate that of the drive?");
+  }
+  return good("can", fmt::format("{} is up, {} bit/s, {}", can.interface, can.bitrate, can.state));
+}
+
+Verdict check_lidar(const LidarFacts& lidar) {
+  std::int64_t wanted = 0;
+  std::string others;
+  for (const auto& [sender, packets] : lidar.packets) {
+    if (lidar.wanted_sender.empty() || sender == lidar.wanted_sender)
+      wanted += packets;
+    else
+      others += (others.empty() ? "" : ", ") + sender;
+  }
+  if (wanted > 0) {
+    return good("lidar",
+                fmt::format("{:.0f} packets/s on port {}", static_cast<double>(wanted) / lidar.seconds, lidar.port));
+  }
+  if (!others.empty()) {
+    return finding("lidar", fmt::format("{} sends to port {}, not {}", others, lidar.port, lidar.wanted_sender),
+                   "lidar.device_address: the address of the device, or empty");
+  }
+  if (lidar.messages > 0) return good("lidar", "its driver sends LIDAR_POINTS");
+  if (!lidar.listened) {
+    return unknown("lidar", fmt::format("port {} belongs to a driver, which sends nothing", lidar.port),
+                   "run this as root, who may look at the wire beside a driver");
+  }
+  return finding(
+      "lidar", fmt::format("no packet on port {} in {:.1f} s", lidar.port, lidar.seconds),
+      fmt::format("power, cable, `ip address` (the device sends to one address); tcpdump -ni any udp port {}",
+                  lidar.port));
+}
+
+Verdict check_disk(const DiskFacts& disk) {
+  const double hours = static_cast<double>(disk.free_bytes) / disk.rate / 3600;
+  const std::string text = fmt::format("{:.1f} h of recording are free in {}, at {:.1f} MB/s ({})", hours, disk.folder,
+                                       disk.rate * 1e-6, disk.is_measured ? "measured" : "usual; nothing drives now");
+  if (hours < kLeastHours)
+    return finding("disk", text, fmt::format("move logs away: du -sh {}/*; or set recorder.file", disk.folder));
+  return good("disk", text);
+}
+
+}  // namespace
+
+Verdicts check_vehicle(const VehicleFacts& facts) {
+  Verdicts verdicts;
+  for (const ConfigFacts& config : facts.configs) verdicts.push_back(check_config(config));
+  for (const ProgramFacts& program : facts.programs) {
+    if (!program.is_there) verdicts.push_back(check_program(program));
+  }
+  for (const FolderFacts& folder : facts.folders) verdicts.push_back(check_folder(folder, facts.user));
+  for (const DeviceFacts& device : facts.devices) verdicts.push_back(check_device(device, facts.user));
+  if (facts.can) verdicts.push_back(check_can(*facts.can, facts.can_bitrate));
+  if (facts.lidar) verdicts.push_back(check_lidar(*facts.lidar));
+  if (facts.disk) verdicts.push_back(check_disk(*facts.disk));
+  return verdicts;
+}
+
+}  // namespace curbstone::doctor::checks

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/doctor/checks/verdict.hpp"
+
+namespace curbstone::doctor::checks {
+
+/// A file that describes the vehicle.
+struct ConfigFacts {
+  std::string file;
+  std::string error;  ///< why it cannot be used, one line; empty: it can
+};
+
+/// A program that the procman file starts.
+struct ProgramFacts {
+  std::string command;  ///< its id
+  std::string program;
+  bool is_there = false;
+};
+
+/// A folder that a process writes into.
+struct FolderFacts {
+  std::string setting;  ///< "recorder.file"
+  std::string folder;
+  bool is_there = false;
+  bool is_writable = false;  ///< by the user who asks
+};
+
+/// A serial port.
+struct DeviceFacts {
+  std::string setting;  ///< "imu.device"
+  std::string file;
+  bool is_there = false;
+  bool is_usable = false;  ///< by the user who asks, for reading and writing
+  std::string group;       ///< that may use it
+};
+
+/// A CAN interface of the kernel, as `ip -details link show` has it.
+struct CanFacts {
+  std::string interface;
+  bool is_there = false;
+  bool is_up = false;
+  int bitrate = 0;    ///< bit/s; 0: not known (a virtual one)
+  std::string state;  ///< "ERROR-ACTIVE"
+};
+
+/// Who sends to the LiDAR's port.
+struct LidarFacts {
+  int port = 0;
+  bool listened = false;  ///< false: somebody else has the port, and raw sockets are not permitted
+  double seconds = 0;
+  std::map<std::string, std::int64_t> packets;  ///< by sender
+  std::string wanted_sender;                    ///< empty: any
+  std::int64_t messages = 0;                    ///< LIDAR_POINTS heard on the bus meanwhile
+};
+
+/// What is left of the disk that the recorder writes to.
+struct DiskFacts {
+  std::string folder;
+  std::int64_t free_bytes = 0;  ///< for the user who asks
+  double rate = 0;              ///< bytes/s, of a recording
+  bool is_measured = false;     ///< on the bus just now; else the usual rate
+};
+
+struct VehicleFacts {
+  std::string user;
+  std::vector<ConfigFacts> configs;
+  std::vector<ProgramFacts> programs;
+  std::vector<FolderFacts> folders;
+  std::vector<DeviceFacts> devices;
+  std::optional<CanFacts> can;
+  int can_bitrate = 0;  ///< bit/s wanted
+  std::optional<LidarFacts> lidar;
+  std::optional<DiskFacts> disk;
+};
+
+[[nodiscard]] Verdicts check_vehicle(const VehicleFacts& facts);
+
+}  // namespace curbstone::doctor::checks

@@ -1,0 +1,42 @@
+#include "tools/doctor/facts/bus_facts.hpp"
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "common/bus/lcm_bus.hpp"
+#include "tools/doctor/facts/program_output.hpp"
+
+namespace curbstone::doctor::facts {
+
+namespace {
+
+/// An empty list where ip(8) fails, or says nothing.
+nlohmann::json ip_json(std::vector<std::string> words) {
+  words.insert(words.begin(), {"ip", "-4", "-json"});
+  const auto text = program_output(words);
+  const auto parsed = nlohmann::json::parse(text.value_or(""), nullptr, false);
+  return parsed.is_array() ? parsed : nlohmann::json::array();
+}
+
+}  // namespace
+
+std::string bus_url(const std::string& url) {
+  if (!url.empty()) return url;
+  const char* const from_environment = std::getenv("LCM_DEFAULT_URL");
+  return from_environment != nullptr && *from_environment != '\0' ? from_environment : LcmBus::kDefaultUrl;
+}
+
+std::optional<checks::RouteFacts> read_route(const std::string& address) {
+  checks::RouteFacts route;
+  for (const auto& taken : ip_json({"route", "get", address})) route.interface = taken.value("dev", "");
+  if (route.interface.empty()) return std::nullopt;
+  route.is_loopback = route.interface == "lo";
+  // All routes that match: if the default route is the only one, the group has none of its own.
+  route.is_default = true;
+  for (const auto& match : ip_json({"route", "show", "match", address})) {
+    if (match.value("dst", "") != "default") route.is_default = false;
+  }
+  return route;
+}
+
+}  // namespace curbstone::doctor::facts

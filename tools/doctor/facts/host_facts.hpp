@@ -1,0 +1,10 @@
+#pragma once
+
+#include "tools/doctor/checks/host_checks.hpp"
+
+namespace curbstone::doctor::facts {
+
+/// adjtimex(2), /proc and /sys of this host.
+[[nodiscard]] checks::HostFacts read_host();
+
+}  // namespace curbstone::doctor::facts

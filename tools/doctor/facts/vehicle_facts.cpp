@@ -1,0 +1,188 @@
+#include "tools/doctor/facts/vehicle_facts.hpp"
+
+#include <grp.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/config/config.hpp"
+#include "config/sections.hpp"
+#include "drivers/encoder/encoder_config.hpp"
+#include "drivers/imu/imu_config.hpp"
+#include "drivers/lidar/lidar_config.hpp"
+#include "drivers/lidar/models/make_model.hpp"
+#include "procman/config/config.hpp"
+#include "procman/config/exec_line.hpp"
+#include "services/ekf/base/ekf_config.hpp"
+#include "services/mapper/config/mapper_config.hpp"
+#include "services/recorder/recorder_config.hpp"
+#include "services/semantic_map/semantic_map_config.hpp"
+#include "services/tensor_voting/worker/tensor_voting_config.hpp"
+#include "tools/command/program_beside.hpp"
+#include "tools/doctor/facts/program_output.hpp"
+
+namespace curbstone::doctor::facts {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Reads section by section, and keeps what is wrong, each thing once.
+class SectionReader {
+ public:
+  explicit SectionReader(std::string file) : file_(std::move(file)) {}
+
+  template <class Config>
+  Config read(const std::string& section) {
+    try {
+      return config_of<Config>(section, kProcessSections, file_, {});
+    } catch (const ConfigError& error) {
+      if (std::ranges::find(errors_, error.what()) == errors_.end()) errors_.emplace_back(error.what());
+    }
+    return {};
+  }
+  [[nodiscard]] std::vector<checks::ConfigFacts> result() const {
+    if (errors_.empty()) return {{file_, ""}};
+    std::vector<checks::ConfigFacts> facts;
+    for (const std::string& error : errors_) facts.push_back({file_, error});
+    return facts;
+  }
+
+ private:
+  std::string file_;
+  std::vector<std::string> errors_;
+};
+
+checks::FolderFacts folder_at(const std::string& setting, fs::path folder) {
+  if (folder.empty()) folder = ".";
+  return {setting, folder.string(), fs::is_directory(folder), access(folder.c_str(), W_OK | X_OK) == 0};
+}
+
+checks::DeviceFacts device_at(const std::string& setting, const std::string& file) {
+  struct stat status {};
+  checks::DeviceFacts device{setting, file, stat(file.c_str(), &status) == 0, access(file.c_str(), R_OK | W_OK) == 0,
+                             ""};
+  const group* const owner = device.is_there ? getgrgid(status.st_gid) : nullptr;
+  device.group = owner != nullptr ? owner->gr_name : "dialout";
+  return device;
+}
+
+checks::CanFacts can_at(const std::string& interface) {
+  checks::CanFacts can;
+  can.interface = interface;
+  const auto text = program_output({"ip", "-json", "-details", "link", "show", "dev", interface});
+  const auto links = nlohmann::json::parse(text.value_or(""), nullptr, false);
+  if (!links.is_array()) return can;
+  for (const auto& link : links) {
+    can.is_there = true;
+    const auto flags = link.value("flags", std::vector<std::string>());
+    can.is_up = std::ranges::find(flags, "UP") != flags.end();
+    const auto data = link.value("linkinfo", nlohmann::json::object()).value("info_data", nlohmann::json::object());
+    can.state = data.value("state", "");
+    can.bitrate = data.value("bittiming", nlohmann::json::object()).value("bitrate", 0);
+  }
+  return can;
+}
+
+/// As the deputy looks for it: in its own folder, then in $PATH.
+bool program_exists(const std::string& program) {
+  if (program.find('/') != std::string::npos) return access(program.c_str(), X_OK) == 0;
+  const char* const path = std::getenv("PATH");
+  std::istringstream folders(command::own_folder().string() + ":" + (path != nullptr ? path : ""));
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    if (access((fs::path(folder) / program).c_str(), X_OK) == 0) return true;
+  }
+  return false;
+}
+
+std::vector<checks::ProgramFacts> programs_of(const procman::config::Config& config) {
+  std::vector<checks::ProgramFacts> programs;
+  for (const auto& command : config.commands) {
+    const auto line = procman::config::parse_exec_line(command.exec, procman::config::from_environment);
+    if (!line.argv.empty()) programs.push_back({command.id, line.argv.front(), program_exists(line.argv.front())});
+  }
+  return programs;
+}
+
+void read_procman(const std::string& file, checks::VehicleFacts& facts) {
+  try {
+    facts.programs = programs_of(procman::config::load_config_file(file));
+    facts.configs.push_back({file, ""});
+  } catch (const std::runtime_error& error) {
+    const std::string text = error.what();
+    facts.configs.push_back({file, text.substr(0, text.find('\n'))});
+  }
+}
+
+void look_for_devices(const imu::ImuConfig& imu, const encoder::EncoderConfig& encoder, checks::VehicleFacts& facts) {
+  facts.devices.push_back(device_at("imu.device", imu.device));
+  switch (encoder.interface) {
+    case encoder::Interface::kSlcan:
+    case encoder::Interface::kModbusRtu:
+      facts.devices.push_back(device_at("encoder.device", encoder.device));
+      break;
+    case encoder::Interface::kSocketCan:
+      facts.can = can_at(encoder.device);
+      facts.can_bitrate = encoder.bitrate * 1000;
+      break;
+    default:
+      break;
+  }
+}
+
+std::string user_name() {
+  const passwd* const user = getpwuid(geteuid());
+  return user != nullptr ? user->pw_name : std::to_string(geteuid());
+}
+
+}  // namespace
+
+VehicleWishes read_vehicle(const std::string& config_file, const std::string& procman_file) {
+  VehicleWishes wishes;
+  checks::VehicleFacts& facts = wishes.facts;
+  facts.user = user_name();
+  SectionReader reader(config_file);
+  const auto lidar = reader.read<lidar::LidarConfig>("lidar");
+  const auto imu = reader.read<imu::ImuConfig>("imu");
+  const auto encoder = reader.read<encoder::EncoderConfig>("encoder");
+  const auto ekf = reader.read<ekf::base::EkfConfig>("ekf");
+  const auto mapper = reader.read<mapper::config::MapperConfig>("mapper");
+  (void)reader.read<tensor_voting::worker::TensorVotingConfig>("tensor_voting");
+  const auto map = reader.read<semantic_map::SemanticMapConfig>("semantic_map");
+  const auto recorder = reader.read<recorder::RecorderConfig>("recorder");
+  facts.configs = reader.result();
+  read_procman(procman_file, facts);
+
+  wishes.recorder_folder = fs::path(recorder.file).parent_path().string();
+  wishes.unrecorded_channel = recorder.skip;
+  if (!map.map.empty()) facts.folders.push_back(folder_at("semantic_map.map", fs::path(map.map).parent_path()));
+  facts.folders.push_back(folder_at("recorder.file", wishes.recorder_folder));
+  if (!ekf.state_file.empty())
+    facts.folders.push_back(folder_at("ekf.state_file", fs::path(ekf.state_file).parent_path()));
+  if (!mapper.folder.empty())
+    facts.folders.push_back(folder_at("mapper.folder", fs::path(mapper.folder).parent_path()));
+  look_for_devices(imu, encoder, facts);
+  if (lidar.pcap.empty())
+    wishes.lidar_port = lidar.msop_port != 0 ? lidar.msop_port : lidar::models::table_of(lidar.model).point_port;
+  wishes.lidar_address = lidar.device_address;
+  return wishes;
+}
+
+std::optional<checks::DiskFacts> read_disk(const std::string& folder) {
+  struct statvfs status {};
+  const std::string place = folder.empty() ? "." : folder;
+  if (statvfs(place.c_str(), &status) != 0) return std::nullopt;
+  checks::DiskFacts disk;
+  disk.folder = place;
+  disk.free_bytes = static_cast<std::int64_t>(status.f_bavail) * static_cast<std::int64_t>(status.f_frsize);
+  return disk;
+}
+
+}  // namespace curbstone::doctor::facts
