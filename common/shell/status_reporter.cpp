@@ -6,6 +6,7 @@
 
 #include <cstdio>
 #include <fstream>
+#include <utility>
 
 #include "common/shell/version.hpp"
 #include "common/time/clock.hpp"
@@ -46,7 +47,9 @@ StatusReporter::StatusReporter(std::string service, std::string config_hash) : s
 }
 
 void StatusReporter::publish(Publisher& bus, const Counters& bus_counters, const NodeReport& report) {
+  const std::int64_t before = steady_clock();
   status_.utime = wall_clock();
+  clock_step_.read(before, status_.utime, steady_clock());
   status_.uptime = steady_clock() - start_;
   status_.cpu_time = cpu_time();
   status_.memory = resident_memory();
@@ -54,7 +57,9 @@ void StatusReporter::publish(Publisher& bus, const Counters& bus_counters, const
   status_.latency_p99 = static_cast<float>(report.latency_p99);
   status_.counter_name.clear();
   status_.counter_value.clear();
-  for (const Counters* counters : {&report.counters, &bus_counters}) {
+  Counters clock_counters;
+  if (clock_step_.steps() > 0) clock_counters.set("clock.steps", clock_step_.steps());
+  for (const Counters* counters : {&report.counters, &bus_counters, &std::as_const(clock_counters)}) {
     for (const auto& [name, value] : counters->values()) {
       status_.counter_name.push_back(name);
       status_.counter_value.push_back(value);
@@ -62,9 +67,12 @@ void StatusReporter::publish(Publisher& bus, const Counters& bus_counters, const
   }
   status_.num_counters = static_cast<std::int32_t>(status_.counter_name.size());
   status_.fault = report.faults;
+  if (const auto step = clock_step_.recent())
+    status_.fault.push_back(
+        fmt::format("the clock of this host was set by {:+.0f} ms", static_cast<double>(*step) * 1e-3));
   status_.num_faults = static_cast<std::int32_t>(status_.fault.size());
   bus.publish("SERVICE_STATUS", status_);
-  for (const std::string& line : fault_lines_.update(report.faults, steady_clock()))
+  for (const std::string& line : fault_lines_.update(status_.fault, steady_clock()))
     fmt::print(stderr, "{}: {}\n", status_.service, line);
 }
 

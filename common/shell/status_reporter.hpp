@@ -7,12 +7,14 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/node.hpp"
 #include "common/shell/fault_lines.hpp"
+#include "common/time/clock_step.hpp"
 
 namespace curbstone {
 
 [[nodiscard]] std::string host_name();
 
-/// Sends SERVICE_STATUS for a process: what its node reports, and the facts of the process. Faults that come to stay,
+/// Sends SERVICE_STATUS for a process: what its node reports, and the facts of the process: that the clock
+/// of the host was set, too. Faults that come to stay,
 /// or are over, also go to stderr. Call it from the loop that does the work: its coming says that the loop turns.
 class StatusReporter {
  public:
@@ -24,6 +26,7 @@ class StatusReporter {
  private:
   service_status_t status_{};
   FaultLines fault_lines_;
+  ClockStep clock_step_;
   std::int64_t start_;  // us
 };
 
