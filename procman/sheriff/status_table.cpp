@@ -49,7 +49,7 @@ std::string status_table(const std::map<std::string, Known>& commands, std::int6
     std::string faults;
     for (const std::string& fault : known.faults) faults += (faults.empty() ? "" : "; ") + printable(fault);
     std::string line = fmt::format("{:<{}}  {:<{}}  {:>6.1f}  {:>7.1f}  {:>8}  {:>5}  {:>7}  {}", printable(id),
-                                   id_width, describe(known.status), state_width, 100 * known.status.cpu_usage,
+                                   id_width, state_cell(known, now), state_width, 100 * known.status.cpu_usage,
                                    static_cast<double>(known.status.mem_rss_bytes) / kMegabyte, known.restarts,
                                    ready_cell(known), heard_cell(known, now), faults);
     line.erase(line.find_last_not_of(' ') + 1);
