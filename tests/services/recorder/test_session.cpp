@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr std::int64_t kStart = 1'795'467'120'000'000;  // 2026-11-23T20:52:00Z, us
+constexpr std::int64_t kSessionStart = 1'795'467'120'000'000;  // 2026-11-23T20:52:00Z, us
 
 class SessionTest : public ::testing::Test {
  protected:
@@ -30,7 +30,7 @@ class SessionTest : public ::testing::Test {
 
   void say_config(const std::string& service, const std::string& yaml) {
     service_config_t message;
-    message.utime = kStart;
+    message.utime = kSessionStart;
     message.service = service;
     message.section = service.substr(0, service.find(':'));
     message.host = "ugv";
@@ -69,7 +69,7 @@ class SessionTest : public ::testing::Test {
 TEST_F(SessionTest, IsAFolderNamedByItsStartInUtc) {
   const fs::path session = folder_ / "log" / "2026-11-23T205200Z";
   {
-    RecorderNode node(config_, bus_, kStart);
+    RecorderNode node(config_, bus_, kSessionStart);
     bus_.publish("IMU", imu_t{});
     say_config("ekf", "ekf:\n  a: 1\n");
     node.finish();
@@ -77,14 +77,14 @@ TEST_F(SessionTest, IsAFolderNamedByItsStartInUtc) {
   }
   EXPECT_THAT(text(session / "config.yaml"), HasSubstr("# ekf on ugv, version 1.2.3\nekf:\n  a: 1\n"));
   {
-    RecorderNode node(config_, bus_, kStart);
+    RecorderNode node(config_, bus_, kSessionStart);
     bus_.publish("IMU", imu_t{});
   }
   EXPECT_TRUE(fs::exists(session.string() + "-2/drive-000.lcmlog")) << "another one of the same second";
 }
 
 TEST_F(SessionTest, EachFileBeginsWithTheConfigurationThatIsKnown) {
-  Session session(config_.folder, kStart);
+  Session session(config_.folder, kSessionStart);
   ConfigMemory memory;
   service_config_t message;
   message.service = message.section = "mapper";
@@ -97,14 +97,14 @@ TEST_F(SessionTest, EachFileBeginsWithTheConfigurationThatIsKnown) {
     Recording recording([&] { return session.next_log(); }, 1,
                         [&](LogWriter& log, std::int64_t utime) { memory.write(log, utime); });
     const int number = 7;
-    for (std::int64_t i = 0; i < 3; ++i) recording.write("IMU", &number, sizeof number, kStart + i);
+    for (std::int64_t i = 0; i < 3; ++i) recording.write("IMU", &number, sizeof number, kSessionStart + i);
   }
   for (const char* name : {"drive-000.lcmlog", "drive-001.lcmlog", "drive-002.lcmlog"})
     EXPECT_THAT(channels(session.path() / name), ElementsAre("CONFIG", "IMU"));
 }
 
 TEST_F(SessionTest, ProcessesThatShareASectionAndDifferAreNamed) {
-  RecorderNode node(config_, bus_, kStart);
+  RecorderNode node(config_, bus_, kSessionStart);
   say_config("tensor_voting:1", "tensor_voting:\n  a: 1\n");
   say_config("tensor_voting:2", "tensor_voting:\n  a: 2\n");
   const std::string yaml = text(folder_ / "log" / "2026-11-23T205200Z" / "config.yaml");
@@ -131,7 +131,7 @@ TEST_F(SessionTest, TheCurrentOneAndWhatIsNotOnlyARecordingAreNeverDeleted) {
   const fs::path other = folder_ / "log" / "photos";
   fs::create_directory(other);
   fs::create_directory_symlink(other, folder_ / "log" / "2026-01-05T100000Z");
-  const Session written(config_.folder, kStart);  // by another recorder
+  const Session written(config_.folder, kSessionStart);  // by another recorder
   std::ofstream(written.path() / "drive-000.lcmlog") << "log";
   FreeSpace space(config_.folder, 10'000'000'000, ten_gb_less_sessions);
   EXPECT_FALSE(space.make_room(current));
@@ -142,19 +142,19 @@ TEST_F(SessionTest, TheCurrentOneAndWhatIsNotOnlyARecordingAreNeverDeleted) {
 
 TEST_F(SessionTest, ARecorderThatMayNotWriteSaysSoAndCountsWhatItLoses) {
   config_.keep_free = 1e6;  // more than any disk has
-  RecorderNode node(config_, bus_, kStart);
+  RecorderNode node(config_, bus_, kSessionStart);
   bus_.publish("IMU", imu_t{});
   ASSERT_EQ(node.report().faults.size(), 1U);
   EXPECT_THAT(node.report().faults[0], HasSubstr("GB are free on the disk of"));
   EXPECT_EQ(node.report().counters["lost.unwritten"], 1);
-  node.tick(kStart + 2'000'000);
+  node.tick(kSessionStart + 2'000'000);
   EXPECT_EQ(node.report().faults.size(), 1U);
 }
 
 TEST_F(SessionTest, AFolderThatCannotBeMadeIsOneClearError) {
   std::ofstream(folder_ / "log") << "a file";
   try {
-    RecorderNode node(config_, bus_, kStart);
+    RecorderNode node(config_, bus_, kSessionStart);
     FAIL();
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr("cannot be made"));
