@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "services/viewer/frames/sections.hpp"
+
+namespace curbstone::viewer::frames {
+
+/// All that pages show, as it is now.
+struct World {
+  double run = 0;  ///< drawn at the start of the process
+  std::int32_t epoch = 0;
+  const store::LiveMap& map;
+  const TileSteps& steps;  ///< closed
+  const store::CurbLines& curbs;
+  const store::DrivenPath& path;
+  const std::vector<ScanPoint>& scan;
+  std::uint64_t scan_number = 0;  ///< grows with each scan
+  std::string_view services;      ///< JSON
+  std::uint64_t services_number = 0;
+  std::int64_t newest_utime = 0;  ///< us, of the map points that went into the newest tile
+};
+
+/// What one page has and lacks. It makes the page's frames. At most kMaxOut frames are out, which the page has not said
+/// to have drawn; so what a page costs is bounded, whatever it does. Pure; one thread.
+class PageFeed {
+ public:
+  static constexpr std::size_t kMaxOut = 2;
+  static constexpr std::size_t kMaxWholeTiles = 64;  ///< in one frame: 200 kB
+
+  /// What a page says that it has, from a connection before.
+  struct Resume {
+    double run = 0;
+    std::int32_t epoch = 0;
+    std::uint64_t number = 0;
+  };
+  explicit PageFeed(std::optional<Resume> resume) : resume_(resume) {}
+
+  void want_points(bool wanted) { wants_points_ = wanted; }
+  [[nodiscard]] bool wants_points() const { return wants_points_; }
+
+  [[nodiscard]] bool may_send() const { return out_.size() < kMaxOut; }
+  /// Whether it lacks tiles that are not in the steps of level pages.
+  [[nodiscard]] bool is_behind(const World& world) const;
+  /// The next frame; may_send() must be true.
+  [[nodiscard]] std::vector<std::uint8_t> make(const World& world, std::string_view state);
+
+  /// The page has drawn frame `frame`, and with it those before. Returns the newest utime that those told of for the
+  /// first time, us; 0 if none did. Nothing: no such frame is out.
+  std::optional<std::int64_t> drawn(std::uint32_t frame);
+
+ private:
+  void begin(ByteWriter& out, const World& world);
+
+  struct Out {
+    std::uint32_t frame;
+    std::int64_t newest_utime;  // 0: nothing newer than in earlier frames
+  };
+  std::optional<Resume> resume_;
+  std::optional<std::int32_t> epoch_;  // nothing was sent yet
+  std::uint64_t number_ = 0;
+  std::uint32_t curbs_number_ = 0;
+  std::uint32_t path_round_ = 0;
+  std::size_t path_points_ = 0;
+  std::uint64_t scan_number_ = 0;
+  std::uint64_t services_number_ = 0;
+  std::int64_t newest_utime_ = 0;
+  bool wants_points_ = false;
+  std::uint32_t last_frame_ = 0;
+  std::deque<Out> out_;
+};
+
+}  // namespace curbstone::viewer::frames

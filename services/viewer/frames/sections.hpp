@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "services/viewer/frames/byte_writer.hpp"
+#include "services/viewer/frames/tile_steps.hpp"
+#include "services/viewer/store/curb_lines.hpp"
+#include "services/viewer/store/driven_path.hpp"
+#include "services/viewer/store/live_map.hpp"
+
+namespace curbstone::viewer::frames {
+
+/// A point of the LiDAR in base_link.
+struct ScanPoint {
+  std::int16_t x = 0, y = 0, z = 0;  ///< cm
+  std::uint8_t intensity = 0;
+};
+
+/// @file
+/// The sections of a frame; README.md has their layouts.
+
+void write_begin(ByteWriter& out, double run, std::int32_t epoch);
+/// What a page that has the tiles up to `number` lacks: steps if it is level, else whole tiles, `max_tiles` at most.
+/// Returns the number that it has afterwards. No section if it lacks nothing.
+std::uint64_t write_tiles(ByteWriter& out, const store::LiveMap& map, const TileSteps& steps, std::uint64_t number,
+                          std::size_t max_tiles);
+/// The same of curbs.
+std::uint32_t write_curbs(ByteWriter& out, const store::CurbLines& curbs, std::uint32_t number);
+/// The points of the path from index `first` on. `everything`: the page forgets those it has.
+void write_path(ByteWriter& out, const store::DrivenPath& path, std::size_t first, bool everything);
+void write_points(ByteWriter& out, const std::vector<ScanPoint>& points);
+void write_state(ByteWriter& out, std::string_view json);
+void write_services(ByteWriter& out, std::string_view json);
+
+}  // namespace curbstone::viewer::frames

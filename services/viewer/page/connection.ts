@@ -1,0 +1,67 @@
+// The WebSocket to the viewer: it comes back by itself, and goes on where it was.
+import { readFrame } from "./decode";
+import { World } from "./world";
+
+const kRetry = 1000;    // ms
+const kSilence = 4000;  // ms without a frame: the connection is dead, whatever TCP thinks
+
+export class Connection {
+  lastFrame = 0;  // ms of performance.now(); 0: none yet
+  private socket: WebSocket | null = null;
+  private undrawn: number | null = null;
+  private points = false;
+
+  constructor(private world: World, private onFrame: () => void) {
+    this.open();
+    setInterval(() => this.watch(), 500);
+  }
+
+  get isOpen(): boolean { return this.socket?.readyState === WebSocket.OPEN; }
+
+  /// ms since the last frame.
+  age(): number { return performance.now() - this.lastFrame; }
+
+  /// What was received is on the screen: the server may send more.
+  drawn(): void {
+    if (this.undrawn === null) return;
+    this.say({ ack: this.undrawn });
+    this.undrawn = null;
+  }
+
+  wantPoints(wanted: boolean): void {
+    this.points = wanted;
+    this.say({ points: wanted });
+  }
+
+  private open(): void {
+    const scheme = location.protocol === "https:" ? "wss:" : "ws:";
+    const socket = this.socket = new WebSocket(`${scheme}//${location.host}/live`);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => {
+      const { run, epoch, number } = this.world;
+      this.undrawn = null;
+      this.lastFrame = performance.now();
+      this.say({ resume: run ? { run, epoch, number } : null });
+      this.say({ points: this.points });
+    };
+    socket.onmessage = event => {
+      if (socket !== this.socket) return;
+      this.undrawn = readFrame(event.data, this.world);
+      this.lastFrame = performance.now();
+      this.onFrame();
+    };
+    socket.onclose = () => {
+      if (socket !== this.socket) return;
+      this.socket = null;
+      setTimeout(() => this.socket || this.open(), kRetry);
+    };
+  }
+
+  private watch(): void {
+    if (this.isOpen && !document.hidden && this.undrawn === null && this.age() > kSilence) this.socket!.close();
+  }
+
+  private say(message: object): void {
+    if (this.isOpen) this.socket!.send(JSON.stringify(message));
+  }
+}

@@ -1,0 +1,36 @@
+// Numbers and small elements for people.
+
+export function seconds(s: number | null): string {
+  if (s === null) return "–";
+  if (s < 0.9995) return `${Math.round(s * 1000)} ms`;
+  if (s < 10) return `${s.toFixed(1)} s`;
+  if (s < 90) return `${Math.round(s)} s`;
+  return s < 5400 ? `${Math.round(s / 60)} min` : `${(s / 3600).toFixed(1)} h`;
+}
+
+export function metres(m: number): string {
+  if (Math.abs(m) < 0.9995) return `${(m * 100).toFixed(m < 0.0995 ? 1 : 0)} cm`;
+  return `${m.toFixed(2)} m`;
+}
+
+export function bytes(n: number): string {
+  return n < 1e9 ? `${Math.round(n / 1e6)} MB` : `${(n / 1e9).toFixed(1)} GB`;
+}
+
+/// An element with text and children; never HTML from outside.
+export function make(tag: string, text = "", className = "", ...children: Node[]): HTMLElement {
+  const element = document.createElement(tag);
+  if (text) element.textContent = text;
+  if (className) element.className = className;
+  element.append(...children);
+  return element;
+}
+
+export function byId<T extends HTMLElement>(id: string): T {
+  return document.getElementById(id) as T;
+}
+
+/// Terms and what they are, in a <dl>.
+export function list(into: HTMLElement, rows: [string, string, boolean?][]): void {
+  into.replaceChildren(...rows.flatMap(([term, value, bad]) => [make("dt", term), make("dd", value, bad ? "bad" : "")]));
+}

@@ -1,0 +1,53 @@
+// The card of the cell that was clicked.
+import { byId, list, make, metres, seconds } from "./format";
+import { classColours, css, kClassNames, Mode, Theme } from "./palette";
+import { cellAt, heightOf, kUnknownCost, World } from "./world";
+
+export class Inspector {
+  picked: [number, number] | null = null;  // m in map
+  private card = byId("cell");
+
+  constructor(private world: World, private changed: () => void) {}
+
+  pick(place: [number, number] | null): void {
+    this.picked = place && cellAt(this.world, ...place) ? place : null;
+    this.changed();
+  }
+
+  show(theme: Theme, mode: Mode): void {
+    const hit = this.picked && cellAt(this.world, ...this.picked);
+    this.card.hidden = !hit;
+    if (!hit || !this.picked) return;
+    const { tile, index } = hit, kind = tile.classes[index], height = heightOf(tile, index);
+    const colour = classColours(theme, mode)[kind];
+    const key = make("i");
+    key.style.setProperty("--key", colour ? css(colour) : "transparent");
+    const close = make("button", "×");
+    close.setAttribute("aria-label", "Close");
+    close.onclick = () => this.pick(null);
+    const facts = make("dl");
+    const cost = tile.costs[index];
+    const newest = this.world.state?.pose?.utime ?? tile.utime;
+    list(facts, [
+      ["Height", height === null ? "none" : `${height.toFixed(3)} m`],
+      ["Cost", cost === kUnknownCost ? "unknown" : cost === 254 ? "254, lethal" : `${cost}`],
+      ["Confidence", `${Math.round(tile.confidences[index] / 2.55)} %`],
+      ["Last points", tile.utime ? ago(newest - tile.utime) : "unknown"],
+      ["Curbs known to", tile.curbsUtime ? ago(newest - tile.curbsUtime) : "not yet"],
+      ["Tile", `${tile.x}, ${tile.y}, revision ${tile.revision}`],
+      ["Place", `${this.picked[0].toFixed(2)}, ${this.picked[1].toFixed(2)} m`],
+      ...this.distance(),
+    ]);
+    this.card.replaceChildren(make("h3", "", "", key, document.createTextNode(kClassNames[kind]), close), facts);
+  }
+
+  private distance(): [string, string][] {
+    const pose = this.world.state?.pose;
+    if (!pose || !this.picked) return [];
+    return [["From the vehicle", metres(Math.hypot(this.picked[0] - pose.x, this.picked[1] - pose.y))]];
+  }
+}
+
+function ago(us: number): string {
+  return us < 500_000 ? "now" : `${seconds(us * 1e-6)} ago`;
+}

@@ -1,0 +1,216 @@
+// The page: the world comes from the connection, the user looks at it through the camera.
+import { Camera } from "./camera";
+import { Connection } from "./connection";
+import { byId, seconds } from "./format";
+import { listen } from "./gestures";
+import { Ground } from "./ground";
+import { showServices, Verdict } from "./health";
+import { Inspector } from "./inspector";
+import { Marks } from "./marks";
+import { Motion } from "./motion";
+import { Panel, showSummary } from "./panel";
+import { Rgb } from "./palette";
+import { Settings } from "./settings";
+import { judge } from "./staleness";
+import { heightRange, mapBounds } from "./survey";
+import { World } from "./world";
+
+const world = new World();
+const camera = new Camera();
+const settings = new Settings();
+const map = byId("map"), groundCanvas = byId<HTMLCanvasElement>("ground"), marksCanvas = byId<HTMLCanvasElement>("marks");
+const motion = new Motion();
+let ground: Ground;
+let marks: Marks;
+let panel: Panel;
+let inspector: Inspector;
+let connection: Connection;
+let range: [number, number] = [-1, 3];
+let grey = 0;
+let shown = false;  // whether the view was ever put where the map is
+let verdict: Verdict = { faults: 0, silent: 0, all: 0 };
+let wanted = false;
+let written = 0;
+
+function redraw(): void {
+  if (wanted) return;
+  wanted = true;
+  requestAnimationFrame(draw);
+}
+
+function draw(now: number): void {
+  wanted = false;
+  const pose = motion.poseAt(now);
+  if (settings.follow && pose) {
+    [camera.x, camera.y] = [pose.x, pose.y];
+    if (settings.headingUp) camera.turn = Math.PI / 2 - pose.yaw;
+  }
+  const look = settings.look, { layers } = settings;
+  ground.draw(camera, { ...layers, theme: look, mode: settings.mode, range, grey, paper: paper() }, pose);
+  marks.draw(camera, look, layers, pose, inspector.picked, grey);
+  showScale();
+  byId("needle").style.transform = `rotate(${-camera.turn}rad)`;
+  byId("needle").style.transformOrigin = "12px 12px";
+  connection.drawn();
+  if (motion.isMoving(now) && !document.hidden) redraw();
+  if (now - written > 1000) {
+    written = now;
+    settings.write(camera);
+  }
+}
+
+function paper(): Rgb {
+  return settings.look === "dark" ? [14, 17, 20] : [243, 244, 241];
+}
+
+/// A frame came.
+function onFrame(): void {
+  const { state } = world;
+  if (state?.pose) motion.add(state.pose, performance.now());
+  if (!state?.pose) motion.clear();
+  if (!shown && world.tiles.size > 0) begin();
+  inspector.show(settings.look, settings.mode);
+  redraw();
+}
+
+/// The first tiles are there: look at them, unless the address says where.
+function begin(): void {
+  shown = true;
+  if (settings.hasView && !settings.follow) return;
+  if (world.state?.source === "map" && !settings.hasView) showWhole();
+}
+
+function showWhole(): void {
+  settings.follow = false;
+  camera.show(...mapBounds(world));
+  settingsChanged();
+}
+
+/// Twice a second: what depends on the time, and what need not be quicker.
+function look(): void {
+  const age = connection.age() / 1000, { state } = world;
+  const judged = judge(state, connection.isOpen && connection.lastFrame > 0, age);
+  const status = byId("status");
+  status.textContent = judged.word;
+  status.className = `chip ${judged.mood}`;
+  byId("curtain").textContent = judged.sentence;
+  byId("curtain").hidden = !judged.sentence;
+  byId("source").textContent = state?.title ?? "";
+  document.title = judged.mood === "bad" ? `${judged.word} – Curbstone` : "Curbstone";
+  if (grey !== judged.grey) {
+    grey = judged.grey;
+    redraw();
+  }
+  const latency = grey ? null : state?.latency[0] ?? null;
+  byId("latency").textContent = latency === null ? "" : `${seconds(latency)} from sensor to screen`;
+  verdict = showServices(world.services, age);
+  if (state) panel.showState(state, motion.speed);
+  showSummary(motion.speed, latency, verdict.faults, verdict.silent);
+  const fresh = heightRange(world, camera);
+  if (Math.abs(fresh[0] - range[0]) + Math.abs(fresh[1] - range[1]) > 0.1) {
+    range = fresh;
+    panel.refresh(range);
+    redraw();
+  }
+  byId("health").hidden = state?.source === "map";
+}
+
+function showScale(): void {
+  const steps = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
+  const step = steps.find(s => s * camera.scale > 70) ?? 1000;
+  const rule = byId("rule");
+  rule.textContent = step < 1 ? `${step * 100} cm` : `${step} m`;
+  rule.style.width = `${step * camera.scale}px`;
+}
+
+function settingsChanged(): void {
+  const root = document.documentElement;
+  root.dataset.theme = settings.look;
+  byId("follow").setAttribute("aria-pressed", String(settings.follow));
+  byId("north").setAttribute("aria-pressed", String(settings.headingUp));
+  panel.refresh(range);
+  inspector.show(settings.look, settings.mode);
+  connection.wantPoints(settings.layers.points);
+  settings.write(camera);
+  redraw();
+}
+
+function resize(): void {
+  const dots = Math.min(2, devicePixelRatio || 1);
+  [camera.width, camera.height] = [map.clientWidth, map.clientHeight];
+  const isPhone = camera.width <= 820;
+  camera.offsetX = isPhone ? 0 : -170;
+  camera.offsetY = isPhone ? -10 : 0;
+  for (const canvas of [groundCanvas, marksCanvas]) {
+    canvas.width = Math.round(camera.width * dots);
+    canvas.height = Math.round(camera.height * dots);
+  }
+  redraw();
+}
+
+function toggleNorth(): void {
+  if (!settings.headingUp && camera.turn !== 0 && !settings.follow) {
+    camera.turn = 0;  // it was turned by hand or by a drive: the first press puts it upright
+  } else {
+    settings.headingUp = !settings.headingUp;
+    if (settings.headingUp) settings.follow = true;
+    else camera.turn = 0;
+  }
+  settingsChanged();
+}
+
+function toggleFollow(): void {
+  settings.follow = !settings.follow;
+  settingsChanged();
+}
+
+function zoom(factor: number): void {
+  camera.zoom(factor, camera.width / 2 + camera.offsetX, camera.height / 2 + camera.offsetY);
+  redraw();
+}
+
+function wire(): void {
+  listen(map, camera, {
+    moved: dragged => {
+      if (dragged && settings.follow) {
+        settings.follow = settings.headingUp = false;
+        settingsChanged();
+      }
+      redraw();
+    },
+    picked: (x, y) => inspector.pick(camera.toMap(x, y)),
+    hovered: (x, y) => {
+      byId("place").textContent = camera.toMap(x, y).map(m => m.toFixed(1)).join(", ") + " m";
+    },
+  });
+  byId("follow").onclick = toggleFollow;
+  byId("north").onclick = toggleNorth;
+  byId("in").onclick = () => zoom(1.5);
+  byId("out").onclick = () => zoom(1 / 1.5);
+  byId("whole").onclick = showWhole;
+  const keys: Record<string, () => void> = {
+    f: toggleFollow, n: toggleNorth, "+": () => zoom(1.5), "=": () => zoom(1.5), "-": () => zoom(1 / 1.5), "0": showWhole,
+    Escape: () => inspector.pick(null),
+  };
+  addEventListener("keydown", event => event.ctrlKey || event.metaKey || keys[event.key]?.());
+  addEventListener("resize", resize);
+  document.addEventListener("visibilitychange", redraw);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", settingsChanged);
+}
+
+settings.read(camera);
+try {
+  ground = new Ground(groundCanvas, world, redraw);
+  marks = new Marks(marksCanvas, world);
+  inspector = new Inspector(world, () => { inspector.show(settings.look, settings.mode); redraw(); });
+  connection = new Connection(world, onFrame);
+  panel = new Panel(settings, settingsChanged);
+  wire();
+  resize();
+  settingsChanged();
+  look();
+  setInterval(look, 500);
+} catch (error) {
+  byId("curtain").textContent = (error as Error).message;
+  byId("curtain").hidden = false;
+}

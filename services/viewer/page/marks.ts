@@ -1,0 +1,172 @@
+// What lies over the ground: curbs, path, vehicle, the picked cell; Canvas 2D.
+import { Camera } from "./camera";
+import { Layers } from "./settings";
+import { Theme } from "./palette";
+import { CurbLine, kCellSize, Pose, World } from "./world";
+
+const kInk = {
+  light: { curb: "#6b3200", halo: "#ffffffc0", path: "#14181d", vehicle: "#d6247f", body: "#ffffff" },
+  dark: { curb: "#ffe2ae", halo: "#000000a0", path: "#eef1f4", vehicle: "#ff5fae", body: "#14181d" },
+};
+
+interface Shape { line: CurbLine; path: Path2D; ticks: Path2D }
+
+export class Marks {
+  private context: CanvasRenderingContext2D;
+  private curbs: Shape[] = [];
+  private driven = new Path2D();
+
+  constructor(private canvas: HTMLCanvasElement, private world: World) {
+    this.context = canvas.getContext("2d")!;
+  }
+
+  draw(camera: Camera, theme: Theme, layers: Layers, pose: Pose | null, picked: [number, number] | null, grey: number): void {
+    this.refresh();
+    const { context, canvas } = this;
+    const ink = kInk[theme];
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.clearRect(0, 0, canvas.width, canvas.height);
+    context.filter = grey > 0 ? "grayscale(1) opacity(0.55)" : "none";
+    this.toMap(camera);
+    const pixel = 1 / camera.scale;
+    context.lineJoin = context.lineCap = "round";
+    if (layers.path) this.drawPath(ink, pixel);
+    if (layers.curbs) this.drawCurbs(ink, pixel, camera.scale);
+    if (picked) this.drawPicked(picked, ink, pixel);
+    if (pose) {
+      this.drawEllipse(pose, ink, pixel);
+      this.drawVehicle(pose, ink, pixel);
+    }
+  }
+
+  /// From here on the canvas takes m in map.
+  private toMap(camera: Camera): void {
+    const dots = this.canvas.width / camera.width;
+    const k = camera.scale * dots;
+    const [c, s] = [Math.cos(camera.turn) * k, Math.sin(camera.turn) * k];
+    const [x, y] = camera.toScreen(0, 0);
+    this.context.setTransform(c, -s, -s, -c, x * dots, y * dots);
+  }
+
+  private refresh(): void {
+    const { world } = this;
+    if (world.curbsChanged) {
+      this.curbs = [...world.curbs.values()].map(shapeOf);
+      world.curbsChanged = false;
+    }
+    if (world.pathChanged) {
+      this.driven = new Path2D();
+      for (let i = 0; i < world.path.length; i += 3) this.driven.lineTo(world.path[i], world.path[i + 1]);
+      world.pathChanged = false;
+    }
+  }
+
+  private drawPath(ink: typeof kInk.light, pixel: number): void {
+    const { context } = this;
+    context.globalAlpha = 0.75;
+    context.strokeStyle = ink.halo;
+    context.lineWidth = 4.5 * pixel;
+    context.stroke(this.driven);
+    context.strokeStyle = ink.path;
+    context.lineWidth = 1.8 * pixel;
+    context.stroke(this.driven);
+    context.globalAlpha = 1;
+  }
+
+  /// A line along the foot; lowered ones dashed; from near, ticks towards the higher side.
+  private drawCurbs(ink: typeof kInk.light, pixel: number, scale: number): void {
+    const { context } = this;
+    context.strokeStyle = ink.halo;
+    context.lineWidth = 4 * pixel;
+    if (scale > 6) for (const curb of this.curbs) context.stroke(curb.path);
+    context.strokeStyle = ink.curb;
+    for (const curb of this.curbs) {
+      context.globalAlpha = 0.45 + 0.55 * Math.min(1, curb.line.confidence);
+      context.lineWidth = 2 * pixel;
+      if (curb.line.dropped) context.setLineDash([5 * pixel, 5 * pixel]);
+      context.stroke(curb.path);
+      context.setLineDash([]);
+      context.lineWidth = 1.2 * pixel;
+      if (scale > 24) context.stroke(curb.ticks);
+    }
+    context.globalAlpha = 1;
+  }
+
+  private drawPicked([x, y]: [number, number], ink: typeof kInk.light, pixel: number): void {
+    const { context } = this;
+    const side = Math.max(kCellSize, 6 * pixel);
+    const cornerX = (Math.floor(x / kCellSize) + 0.5) * kCellSize - side / 2;
+    const cornerY = (Math.floor(y / kCellSize) + 0.5) * kCellSize - side / 2;
+    for (const [colour, width] of [[ink.halo, 5], [ink.vehicle, 2.5]] as const) {
+      context.strokeStyle = colour;
+      context.lineWidth = width * pixel;
+      context.strokeRect(cornerX, cornerY, side, side);
+    }
+  }
+
+  /// 95 % of where the vehicle may be.
+  private drawEllipse(pose: Pose, ink: typeof kInk.light, pixel: number): void {
+    const [xx, xy, yy] = pose.covariance;
+    const mean = (xx + yy) / 2, spread = Math.hypot((xx - yy) / 2, xy);
+    const [long, short] = [Math.sqrt(Math.max(0, mean + spread) * 5.99), Math.sqrt(Math.max(0, mean - spread) * 5.99)];
+    if (!(long > 3 * pixel)) return;
+    const { context } = this;
+    context.beginPath();
+    context.ellipse(pose.x, pose.y, long, Math.max(short, pixel), Math.atan2(2 * xy, xx - yy) / 2, 0, 2 * Math.PI);
+    context.fillStyle = context.strokeStyle = ink.vehicle;
+    context.globalAlpha = 0.16;
+    context.fill();
+    context.globalAlpha = 0.8;
+    context.lineWidth = 1.2 * pixel;
+    context.stroke();
+    context.globalAlpha = 1;
+  }
+
+  /// To scale; from far, an arrow of 22 pixels.
+  private drawVehicle(pose: Pose, ink: typeof kInk.light, pixel: number): void {
+    const { context } = this;
+    const [length, width, middle] = this.world.state?.vehicle ?? [1.8, 1.2, 0];
+    context.save();
+    context.translate(pose.x, pose.y);
+    context.rotate(pose.yaw);
+    context.fillStyle = pose.lost ? "#888" : ink.vehicle;
+    context.strokeStyle = ink.body;
+    context.lineWidth = 2 * pixel;
+    if (length > 26 * pixel) {
+      context.beginPath();
+      context.roundRect(middle - length / 2, -width / 2, length, width, width * 0.22);
+      context.fill();
+      context.stroke();
+      context.translate(middle, 0);
+      context.scale(width * 0.3, width * 0.3);
+      context.fillStyle = ink.body;
+    } else {
+      context.scale(12 * pixel, 12 * pixel);
+    }
+    context.beginPath();
+    context.moveTo(1, 0);
+    context.lineTo(-0.8, 0.72);
+    context.lineTo(-0.45, 0);
+    context.lineTo(-0.8, -0.72);
+    context.closePath();
+    context.fill();
+    if (length <= 26 * pixel) {
+      context.lineWidth = 0.16;
+      context.stroke();
+    }
+    context.restore();
+  }
+}
+
+function shapeOf(line: CurbLine): Shape {
+  const path = new Path2D(), ticks = new Path2D();
+  const { n, values } = line;
+  for (let i = 0; i < n; ++i) {
+    const [x, y, height] = [values[i], values[n + i], values[3 * n + i]];
+    path.lineTo(x, y);
+    const reach = Math.min(0.3, 0.06 + height);
+    ticks.moveTo(x, y);
+    ticks.lineTo(x + values[4 * n + i] * reach, y + values[5 * n + i] * reach);
+  }
+  return { line, path, ticks };
+}

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string_view>
+
+namespace curbstone::viewer::page {
+
+/// The files of the page, as the build put them into the program.
+[[nodiscard]] std::string_view index_html();
+[[nodiscard]] std::string_view page_js();
+[[nodiscard]] std::string_view page_css();
+[[nodiscard]] std::string_view icon_svg();
+
+}  // namespace curbstone::viewer::page

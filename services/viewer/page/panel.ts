@@ -1,0 +1,105 @@
+// The controls: colours with their legend, layers, theme, facts of the vehicle.
+import { byId, list, make, metres, seconds } from "./format";
+import { classColours, css, kClassNames, kModes, Mode, ramp, Theme } from "./palette";
+import { Layers, Settings } from "./settings";
+import { State } from "./world";
+
+const kLayers: [keyof Layers, string][] =
+  [["grid", "Cells"], ["relief", "Relief"], ["curbs", "Curbs"], ["path", "Path"], ["points", "LiDAR"]];
+const kThemes: ["auto" | Theme, string][] = [["auto", "Auto"], ["light", "Light"], ["dark", "Dark"]];
+
+export class Panel {
+  constructor(private settings: Settings, private changed: () => void) {
+    segments("colours", kModes, () => settings.mode === "paper" ? "class" : settings.mode, mode => { settings.mode = mode; changed(); });
+    segments("themes", kThemes, () => settings.theme, theme => { settings.theme = theme; changed(); });
+    for (const [name, title] of kLayers) byId("layers").append(this.toggle(title, () => settings.layers[name], on => { settings.layers[name] = on; }));
+    byId("layers").append(this.toggle("Paper’s colours", () => settings.mode === "paper", on => { settings.mode = on ? "paper" : "class"; }));
+    const panel = byId("panel"), handle = byId("handle");
+    handle.onclick = () => handle.setAttribute("aria-expanded", String(panel.classList.toggle("open")));
+  }
+
+  private toggle(title: string, get: () => boolean, set: (on: boolean) => void): HTMLElement {
+    const box = document.createElement("input");
+    box.type = "checkbox";
+    box.checked = get();
+    box.onchange = () => { set(box.checked); this.changed(); };
+    refreshers.push(() => { box.checked = get(); });
+    return make("label", "", "", box, document.createTextNode(title));
+  }
+
+  /// After the settings changed.
+  refresh(range: [number, number]): void {
+    for (const refresh of refreshers) refresh();
+    const { mode, look } = this.settings;
+    byId("legend").replaceChildren(mode === "class" || mode === "paper" ? keys(look, mode) : scale(mode, range));
+  }
+
+  showState(state: State, speed: number | null): void {
+    const { pose } = state;
+    byId("vehicle").hidden = !pose;
+    if (!pose) return;
+    const [xx, xy, yy, turn] = pose.covariance;
+    const worst = Math.sqrt(Math.max(0, (xx + yy) / 2 + Math.hypot((xx - yy) / 2, xy)));
+    list(byId("facts"), [
+      ["Speed", speed === null ? "–" : `${speed.toFixed(1)} m/s`],
+      ["Position", `${pose.x.toFixed(2)}, ${pose.y.toFixed(2)}, ${pose.z.toFixed(2)} m`],
+      ["Heading", `${degrees(pose.yaw)} °`],
+      ["Uncertainty", `${metres(worst)}, ${(Math.sqrt(Math.max(0, turn)) * 180 / Math.PI).toFixed(2)} °`],
+      ["Registration", registration(pose), pose.lost || !pose.registered],
+      ["Residual, inliers", `${metres(pose.residual)}, ${Math.round(100 * pose.inliers)} %`],
+      ["Map", `${state.tiles.toLocaleString("en")} tiles${state.behind ? `, ${state.behind} on their way` : ""}`],
+    ]);
+  }
+}
+
+const refreshers: (() => void)[] = [];
+
+function registration(pose: NonNullable<State["pose"]>): string {
+  if (pose.lost) return "lost";
+  if (!pose.registered) return "not registered";
+  const words = [pose.without_odometry ? "no odometry" : "", pose.degenerate ? "degenerate" : ""].filter(Boolean);
+  return words.join(", ") || (pose.stationary ? "good, standing" : "good");
+}
+
+function degrees(rad: number): string {
+  return (((rad * 180 / Math.PI) % 360 + 360) % 360).toFixed(1);
+}
+
+function segments<T extends string>(id: string, choices: [T, string][], get: () => T, set: (choice: T) => void): void {
+  const buttons = choices.map(([choice, title]) => {
+    const button = make("button", title);
+    button.setAttribute("role", "radio");
+    button.onclick = () => set(choice);
+    return button;
+  });
+  byId(id).append(...buttons);
+  refreshers.push(() => buttons.forEach((button, i) => button.setAttribute("aria-checked", String(choices[i][0] === get()))));
+}
+
+function keys(theme: Theme, mode: Mode): HTMLElement {
+  const colours = classColours(theme, mode);
+  return make("div", "", "keys", ...kClassNames.flatMap((name, i) => {
+    const colour = colours[i];
+    if (!colour) return [];
+    const key = make("i");
+    key.style.setProperty("--key", css(colour));
+    return [make("span", "", "", key, document.createTextNode(name))];
+  }));
+}
+
+function scale(mode: Mode, [low, high]: [number, number]): HTMLElement {
+  const bar = make("div", "", "ramp");
+  bar.style.setProperty("--ramp", ramp(mode).map(css).join(","));
+  const [from, to] = mode === "height" ? [`${low.toFixed(1)} m`, `${high.toFixed(1)} m`] :
+    mode === "cost" ? ["free", "lethal"] : ["no trust", "full trust"];
+  return make("div", "", "", bar, make("div", "", "ends", make("span", from), make("span", to)));
+}
+
+/// The line of the folded panel on a phone.
+export function showSummary(speed: number | null, latency: number | null, faults: number, silent: number): void {
+  const left = make("span", speed === null ? "Map and health" : `${speed.toFixed(1)} m/s`);
+  left.style.color = "var(--ink)";
+  const right = faults ? make("span", `${faults} with faults`, "bad") : silent ? make("span", `${silent} silent`, "bad") :
+    make("span", latency === null ? "" : seconds(latency));
+  byId("summary").replaceChildren(left, right);
+}

@@ -1,0 +1,101 @@
+// GLSL of the map's pages and of the LiDAR's points.
+
+/// A page is a square of tiles: one quad, coloured by its textures. `cells`: class, cost, confidence, 1 where a tile is.
+/// `heights`: m, very low where none is known.
+export const kPageVertex = `#version 300 es
+uniform mat3 toClip;      // from m in map
+uniform vec2 corner;      // of the page, m in map
+uniform float side;       // m
+uniform float cellsAside;
+out highp vec2 cell;
+void main() {
+  vec2 unit = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  cell = unit * cellsAside;
+  gl_Position = vec4((toClip * vec3(corner + unit * side, 1)).xy, 0, 1);
+}`;
+
+export const kPageFragment = `#version 300 es
+precision highp float;
+precision highp usampler2D;
+precision highp sampler2D;
+uniform usampler2D cells;
+uniform sampler2D heights;
+uniform int mode;            // 0 class, 1 height, 2 cost, 3 confidence
+uniform vec4 classes[5];
+uniform vec3 ramp[8];
+uniform vec2 range;          // m: the ends of the ramp
+uniform float relief;        // how strong
+uniform float grey;          // 1: what is seen is old
+uniform vec3 paper;
+uniform float cellsAside;
+uniform vec2 pixelX;         // cells from one pixel to the next
+uniform vec2 pixelY;
+in highp vec2 cell;
+out vec4 colour;
+
+const float kNone = -1e8;
+
+vec3 onRamp(float share) {
+  float place = clamp(share, 0.0, 1.0) * 7.0;
+  int low = min(int(place), 6);
+  return mix(ramp[low], ramp[low + 1], place - float(low));
+}
+float heightAt(ivec2 at) {
+  return texelFetch(heights, clamp(at, ivec2(0), ivec2(int(cellsAside) - 1)), 0).r;
+}
+float shade(ivec2 at, float h) {
+  float e = heightAt(at + ivec2(1, 0)), w = heightAt(at - ivec2(1, 0));
+  float n = heightAt(at + ivec2(0, 1)), s = heightAt(at - ivec2(0, 1));
+  vec2 slope = vec2((e < kNone ? h : e) - (w < kNone ? h : w), (n < kNone ? h : n) - (s < kNone ? h : s)) / 0.24;
+  return clamp(dot(slope, vec2(0.45, -0.65)) * 0.9, -0.28, 0.22);  // light from the north-west
+}
+vec4 colourOf(ivec2 at) {
+  if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(int(cellsAside))))) return vec4(0);
+  uvec4 values = texelFetch(cells, at, 0);
+  if (values.a == 0u) return vec4(0);
+  float h = heightAt(at);
+  vec4 c = vec4(0);
+  if (mode == 0) c = classes[values.r];
+  if (mode == 1 && h > kNone) c = vec4(onRamp((h - range.x) / (range.y - range.x)), 1);
+  if (mode == 2 && values.g < 255u) c = vec4(onRamp(float(values.g) / 254.0), 1);
+  if (mode == 3 && values.r > 0u) c = vec4(onRamp(float(values.b) / 255.0), 1);
+  if (c.a > 0.0 && relief > 0.0 && h > kNone) c.rgb *= 1.0 + relief * shade(at, h);
+  return vec4(c.rgb * c.a, c.a);
+}
+void main() {
+  float size = max(length(pixelX), length(pixelY));
+  if (size < 0.8) {
+    colour = colourOf(ivec2(floor(cell)));
+  } else {
+    int n = size < 2.0 ? 2 : 3;  // several cells in a pixel: their mean
+    vec4 sum = vec4(0);
+    for (int i = 0; i < n; ++i) for (int j = 0; j < n; ++j)
+      sum += colourOf(ivec2(floor(cell + ((float(i) + 0.5) / float(n) - 0.5) * pixelX + ((float(j) + 0.5) / float(n) - 0.5) * pixelY)));
+    colour = sum / float(n * n);
+  }
+  float luma = dot(colour.rgb, vec3(0.3, 0.59, 0.11));
+  colour.rgb = mix(colour.rgb, mix(vec3(luma), paper * colour.a, 0.45), grey);
+}`;
+
+export const kPointVertex = `#version 300 es
+uniform mat4 toClip;     // from base_link
+uniform float size;      // pixels
+uniform vec3 low, high;
+in vec4 point;           // x, y, z in base_link, m; intensity
+out vec4 shade;
+void main() {
+  gl_Position = vec4((toClip * vec4(point.xy, 0, 1)).xy, 0, 1);
+  gl_PointSize = size;
+  float up = smoothstep(0.1, 2.2, point.z);
+  shade = vec4(mix(low, high, up), mix(0.35, 0.95, max(up, point.w * 0.7)));
+}`;
+
+export const kPointFragment = `#version 300 es
+precision mediump float;
+uniform float grey;
+in vec4 shade;
+out vec4 colour;
+void main() {
+  if (length(gl_PointCoord - 0.5) > 0.5) discard;
+  colour = vec4(shade.rgb * shade.a, shade.a) * (1.0 - 0.8 * grey);
+}`;

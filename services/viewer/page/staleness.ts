@@ -1,0 +1,30 @@
+// Whether what is seen is of now. A dead bus must look dead.
+import { seconds } from "./format";
+import { State } from "./world";
+
+const kOld = 1.5;  // s
+
+export interface Judgement {
+  word: string;      // for the chip
+  sentence: string;  // over the map; empty: all is well
+  mood: "good" | "bad" | "";
+  grey: number;      // 0 .. 1
+}
+
+/// `age`: s since the last frame.
+export function judge(state: State | null, isOpen: boolean, age: number): Judgement {
+  if (!isOpen || age > kOld) {
+    if (!state) return { word: "Connecting", sentence: "", mood: "", grey: 0 };
+    return { word: "No connection", mood: "bad", grey: 1, sentence: `No connection to the viewer for ${seconds(age)}` };
+  }
+  if (!state) return { word: "Connecting", sentence: "", mood: "", grey: 0 };
+  if (state.source === "map") return { word: "Saved map", sentence: "", mood: "", grey: 0 };
+  if (state.bus_age === null) return { word: "Waiting", sentence: "Nothing has been heard on the bus yet", mood: "", grey: 0 };
+  if (state.bus_age > kOld)
+    return { word: "Silent", mood: "bad", grey: 1, sentence: `The bus has been silent for ${seconds(state.bus_age)}: this is how it was` };
+  if (state.pose_age === null) return { word: "Waiting", sentence: "", mood: "", grey: 0 };
+  if (state.pose_age > kOld)
+    return { word: "Stale", mood: "bad", grey: 1, sentence: `No pose for ${seconds(state.pose_age)}: this is how it was` };
+  if (state.pose?.lost) return { word: "Lost", mood: "bad", grey: 0, sentence: "The mapper has lost the vehicle: its pose is a guess" };
+  return { word: state.source === "replay" ? "Replay" : "Live", sentence: "", mood: "good", grey: 0 };
+}

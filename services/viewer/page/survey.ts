@@ -1,0 +1,33 @@
+// Figures over the whole map: its bounds, the heights in view.
+import { Camera } from "./camera";
+import { heightOf, kTileCells, kTileSize, World } from "./world";
+
+/// min x, min y, max x, max y, m.
+export function mapBounds(world: World): [number, number, number, number] {
+  let [minX, minY, maxX, maxY] = [Infinity, Infinity, -Infinity, -Infinity];
+  for (const tile of world.tiles.values()) {
+    if (!tile.classes.some(c => c > 0)) continue;
+    [minX, minY] = [Math.min(minX, tile.x), Math.min(minY, tile.y)];
+    [maxX, maxY] = [Math.max(maxX, tile.x + 1), Math.max(maxY, tile.y + 1)];
+  }
+  if (!(minX < maxX)) return [-10, -10, 10, 10];
+  return [minX * kTileSize, minY * kTileSize, maxX * kTileSize, maxY * kTileSize];
+}
+
+/// Between which heights nearly all that is in view lies, m.
+export function heightRange(world: World, camera: Camera): [number, number] {
+  const heights: number[] = [];
+  const every = 7 * (1 + Math.floor(world.tiles.size / 2000));
+  for (const tile of world.tiles.values()) {
+    const [x, y] = camera.toScreen((tile.x + 0.5) * kTileSize, (tile.y + 0.5) * kTileSize);
+    if (x < 0 || y < 0 || x > camera.width || y > camera.height) continue;
+    for (let i = 3; i < kTileCells; i += every) {
+      const height = heightOf(tile, i);
+      if (height !== null) heights.push(height);
+    }
+  }
+  if (heights.length < 20) return [-1, 3];
+  heights.sort((a, b) => a - b);
+  const at = (share: number) => heights[Math.floor(share * (heights.length - 1))];
+  return [at(0.01), Math.max(at(0.01) + 0.5, at(0.97))];
+}

@@ -1,0 +1,96 @@
+// What the page knows of the map, and how frames change it (frames/README.md has their layout).
+
+export const kCells = 25;       // along a side of a tile
+export const kTileCells = 625;
+export const kCellSize = 0.12;  // m
+export const kTileSize = 3;     // m
+export const kNoHeight = -32768;
+export const kUnknownCost = 255;
+
+export interface Tile {
+  x: number; y: number;
+  revision: number;
+  utime: number;       // us, of the newest points
+  curbsUtime: number;  // us
+  zOrigin: number;     // m
+  classes: Uint8Array;
+  heights: Int16Array; // 2 mm steps from zOrigin
+  costs: Uint8Array;
+  confidences: Uint8Array;
+}
+
+export interface CurbLine {
+  confidence: number;
+  dropped: boolean;
+  rise: number;        // 1 up, -1 down, 0 not known, from the driven path
+  n: number;
+  values: Float32Array;  // n each of x, y, z, height, high side x, high side y
+}
+
+export interface Pose {
+  utime: number; x: number; y: number; z: number; roll: number; pitch: number; yaw: number;
+  covariance: [number, number, number, number];  // xx, xy, yy m^2, yaw rad^2
+  residual: number; inliers: number; degenerate: number;
+  registered: boolean; without_odometry: boolean; stationary: boolean; lost: boolean;
+}
+
+export interface State {
+  source: "live" | "map" | "replay"; title: string; epoch: number; tiles: number; behind: number;
+  bus_age: number | null; tile_age: number | null; pose_age: number | null;
+  latency: [number | null, number | null];
+  vehicle: [number, number, number];  // m: length, width, x of the middle
+  pose: Pose | null;
+}
+
+export interface Service {
+  name: string; host: string; version: string; pid: number; age: number; uptime: number; cpu: number; memory: number;
+  latency: [number | null, number | null]; faults: string[]; losses: [string, number, number][];
+}
+
+export class World {
+  run = 0;
+  epoch = 0;
+  number = 0;  // up to which it has all tiles
+  tiles = new Map<string, Tile>();
+  changed = new Set<Tile>();  // since somebody cleared it
+  cleared = true;
+  curbs = new Map<number, CurbLine>();
+  curbsChanged = true;
+  path: number[] = [];  // x, y, z by turns
+  pathChanged = true;
+  scan: Float32Array = new Float32Array();  // x, y, z in base_link, m, and intensity 0..1, by turns
+  scanChanged = false;
+  state: State | null = null;
+  services: Service[] = [];
+
+  tileAt(x: number, y: number): Tile | undefined {
+    return this.tiles.get(`${x},${y}`);
+  }
+
+  begin(run: number, epoch: number): void {
+    this.run = run;
+    this.epoch = epoch;
+    this.number = 0;
+    this.tiles.clear();
+    this.changed.clear();
+    this.curbs.clear();
+    this.path = [];
+    this.scan = new Float32Array();
+    this.cleared = this.curbsChanged = this.pathChanged = this.scanChanged = true;
+  }
+}
+
+/// The cell at a place in the map, m.
+export function cellAt(world: World, x: number, y: number): { tile: Tile; index: number } | null {
+  const tile = world.tileAt(Math.floor(x / kTileSize), Math.floor(y / kTileSize));
+  if (!tile) return null;
+  const column = Math.min(kCells - 1, Math.floor((x - tile.x * kTileSize) / kCellSize));
+  const row = Math.min(kCells - 1, Math.floor((y - tile.y * kTileSize) / kCellSize));
+  return { tile, index: row * kCells + column };
+}
+
+/// m in map; null where none is known.
+export function heightOf(tile: Tile, index: number): number | null {
+  const steps = tile.heights[index];
+  return steps === kNoHeight ? null : tile.zOrigin + steps * 0.002;
+}

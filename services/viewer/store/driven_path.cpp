@@ -1,0 +1,33 @@
+#include "services/viewer/store/driven_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace curbstone::viewer::store {
+namespace {
+
+bool are_near(const DrivenPath::Point& a, const DrivenPath::Point& b) {
+  return std::hypot(a.x - b.x, a.y - b.y) < DrivenPath::kSpacing;
+}
+
+}  // namespace
+
+void DrivenPath::put(const Point& point) {
+  if (points_.size() >= kMaxPoints) return;
+  if (points_.empty() || points_.back().utime < point.utime) {
+    if (points_.empty() || !are_near(points_.back(), point)) points_.push_back(point);
+    return;
+  }
+  const auto next = std::lower_bound(points_.begin(), points_.end(), point,
+                                     [](const Point& a, const Point& b) { return a.utime < b.utime; });
+  if (are_near(*next, point) || (next != points_.begin() && are_near(*(next - 1), point))) return;
+  points_.insert(next, point);
+  ++round_;
+}
+
+void DrivenPath::clear() {
+  points_.clear();
+  ++round_;
+}
+
+}  // namespace curbstone::viewer::store

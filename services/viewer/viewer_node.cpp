@@ -1,0 +1,297 @@
+#include "services/viewer/viewer_node.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <utility>
+
+#include "common/geometry/geometry.hpp"
+
+namespace curbstone::viewer {
+
+namespace {
+
+constexpr std::int64_t kRequestPeriod = 100'000;  // us
+constexpr std::int64_t kServicesPeriod = 500'000;
+constexpr std::int64_t kOldest = 60'000'000;  // us: a measurement that is older tells nothing of latency
+constexpr std::size_t kMaxHeld = 64;          // pages of MAP_TRAJECTORY
+constexpr std::size_t kMaxBehind = store::LiveMap::kMaxTiles;
+
+double seconds_since(std::int64_t then, std::int64_t now) {
+  if (then == 0) return std::numeric_limits<double>::quiet_NaN();
+  return static_cast<double>(std::max<std::int64_t>(0, now - then)) * 1e-6;
+}
+
+/// Names this run of the process: what pages have of another is void. A double holds it.
+double draw_run() {
+  std::random_device entropy;
+  return static_cast<double>(std::uniform_int_distribution<std::int64_t>(1, std::int64_t{1} << 52)(entropy));
+}
+
+std::string requester(const ViewerNode::Source& source) {
+  return "viewer:" + source.kind;
+}
+
+}  // namespace
+
+ViewerNode::ViewerNode(const ViewerConfig& config, Publisher& bus, web::Audience& audience, Source source)
+    : config_(config),
+      bus_(bus),
+      audience_(audience),
+      source_(std::move(source)),
+      run_(draw_run()),
+      tiles_(requester(source_), "SEMANTIC_TILE"),
+      scan_(config.vehicle.T_base_lidar(), config.scan_points) {}
+
+void ViewerNode::connect(Subscriber& bus) {
+  subscriber_ = &bus;
+  bus.subscribe<semantic_tile_t>("SEMANTIC_TILE", [this](const semantic_tile_t& m) { on(m); });
+  bus.subscribe<tile_index_t>("TILE_INDEX", [this](const tile_index_t& m) { on(m); });
+  bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { on(m); });
+  bus.subscribe<map_trajectory_t>("MAP_TRAJECTORY", [this](const map_trajectory_t& m) { on(m); });
+  bus.subscribe<curb_lines_t>("CURBS", [this](const curb_lines_t& m) { on(m); });
+  bus.subscribe<service_status_t>("SERVICE_STATUS", [this](const service_status_t& m) { on(m); });
+}
+
+/// The LiDAR's points are most of what is on the bus: nobody takes them until a page shows them.
+void ViewerNode::watch_scan() {
+  scan_wanted_ = std::any_of(pages_.begin(), pages_.end(),
+                             [](const auto& entry) { return entry.second.feed && entry.second.feed->wants_points(); });
+  if (!scan_wanted_ || scan_subscribed_ || subscriber_ == nullptr) return;
+  scan_subscribed_ = true;
+  subscriber_->subscribe<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& m) { on(m); });
+}
+
+bool ViewerNode::follow_epoch(std::int32_t epoch, EpochFollower::Source source) {
+  heard();
+  const EpochFollower::Verdict verdict = epochs_.hear(epoch, source, now_);
+  if (verdict == EpochFollower::Verdict::kEntered) enter_epoch(epoch);
+  if (verdict == EpochFollower::Verdict::kEntered || verdict == EpochFollower::Verdict::kPresent) return true;
+  counters_.add("dropped.other_epoch");
+  return false;
+}
+
+void ViewerNode::enter_epoch(std::int32_t epoch) {
+  counters_.add("epochs");
+  map_.clear();
+  steps_.clear(map_);
+  curbs_.clear();
+  path_.clear();
+  pose_.reset();
+  tiles_.start_epoch(epoch);
+  for (const map_trajectory_t& page : std::exchange(held_, {})) {
+    if (page.epoch == epoch) take(page);
+  }
+}
+
+void ViewerNode::on(const semantic_tile_t& message) {
+  counters_.add("tiles");
+  if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return;
+  const auto cells = store::cells_of(message);
+  if (!cells) return counters_.add("refused.tile");
+  const TileKey key{message.tile_x, message.tile_y};
+  const store::TileCells* before = map_.at(key);
+  if (before == nullptr || before->revision < cells->revision) steps_.will_change(key, before);
+  switch (map_.put(key, *cells)) {
+    case store::LiveMap::Put::kFull:
+      return counters_.add("dropped.map_full");
+    case store::LiveMap::Put::kKnown:
+      return counters_.add("dropped.known");
+    case store::LiveMap::Put::kTaken:
+      break;
+  }
+  tiles_.set_have(key, cells->revision);
+  tile_heard_ = now_;
+  newest_utime_ = std::max(newest_utime_, cells->utime);
+}
+
+void ViewerNode::on(const tile_index_t& message) {
+  if (message.channel != "SEMANTIC_TILE") return heard();
+  if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return;
+  if (tiles_.behind() < kMaxBehind) tiles_.announced(message);
+}
+
+void ViewerNode::on(const map_pose_t& message) {
+  const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
+  if (!is_finite(T_map_base) || message.utime <= 0) return counters_.add("refused.pose");
+  if (!follow_epoch(message.epoch, EpochFollower::Source::kMapper)) return;
+  if (pose_ && message.utime <= pose_->utime) return counters_.add("dropped.late");
+  pose_ = message;
+  pose_heard_ = now_;
+  const Eigen::Vector3f place = T_map_base.translation().cast<float>();
+  if ((message.flags & map_pose_t::LOST) == 0) path_.put({message.utime, place.x(), place.y(), place.z()});
+}
+
+void ViewerNode::on(const map_trajectory_t& message) {
+  if (follow_epoch(message.epoch, EpochFollower::Source::kMapper)) return take(message);
+  if (held_.size() < kMaxHeld) held_.push_back(message);
+}
+
+void ViewerNode::take(const map_trajectory_t& message) {
+  for (std::size_t i = 0; i < message.utimes.size(); ++i) {
+    const auto& place = message.positions[i];
+    const bool is_sound =
+        message.utimes[i] > 0 && std::all_of(place.begin(), place.end(), [](float v) { return std::isfinite(v); });
+    if (is_sound)
+      path_.put({message.utimes[i], place[0], place[1], place[2]});
+    else
+      counters_.add("refused.pose");
+  }
+}
+
+void ViewerNode::on(const curb_lines_t& message) {
+  if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return;
+  switch (curbs_.put(message)) {
+    case store::CurbLines::Put::kTaken:
+      return;
+    case store::CurbLines::Put::kRefused:
+      return counters_.add("refused.curbs");
+    case store::CurbLines::Put::kFull:
+      return counters_.add("dropped.curbs_full");
+  }
+}
+
+void ViewerNode::on(const service_status_t& message) {
+  heard();
+  if (!services_.put(message, now_)) counters_.add("dropped.service");
+}
+
+void ViewerNode::on(const lidar_points_t& message) {
+  if (scan_wanted_ && !scan_.put(message)) counters_.add("refused.points");
+}
+
+void ViewerNode::hear(const web::Audience::Event& event) {
+  using Kind = web::Audience::Event::Kind;
+  if (event.kind == Kind::kCame) pages_.try_emplace(event.page);
+  if (event.kind == Kind::kLeft) pages_.erase(event.page);
+  const auto page = pages_.find(event.page);
+  if (event.kind == Kind::kSaid && page != pages_.end()) hear(page->second, event);
+}
+
+/// frames/README.md: what a page says.
+void ViewerNode::hear(Page& page, const web::Audience::Event& event) {
+  const nlohmann::json said = nlohmann::json::parse(event.text, nullptr, false);
+  const auto number_in = [](const nlohmann::json& object, const char* name) {
+    const auto it = object.find(name);
+    return it != object.end() && it->is_number() ? it->get<double>() : -1.0;
+  };
+  const auto is_whole = [](double value, double most) { return value >= 0 && value <= most; };
+  if (!said.is_object()) return counters_.add("refused.message");
+  if (const auto resume = said.find("resume"); resume != said.end()) {
+    std::optional<frames::PageFeed::Resume> has;
+    if (resume->is_object()) {
+      const double epoch = number_in(*resume, "epoch");
+      const double number = number_in(*resume, "number");
+      if (is_whole(epoch, std::numeric_limits<std::int32_t>::max()) && is_whole(number, 1e15))
+        has = {.run = number_in(*resume, "run"),
+               .epoch = static_cast<std::int32_t>(epoch),
+               .number = static_cast<std::uint64_t>(number)};
+    }
+    page.feed.emplace(has);
+    page.sent = 0;
+    return;
+  }
+  if (!page.feed) return counters_.add("refused.message");
+  const double frame = number_in(said, "ack");
+  if (is_whole(frame, std::numeric_limits<std::uint32_t>::max()))
+    return drawn(page, static_cast<std::uint32_t>(frame), event.at);
+  const auto points = said.find("points");
+  if (points != said.end() && points->is_boolean()) return page.feed->want_points(points->get<bool>());
+  counters_.add("refused.message");
+}
+
+void ViewerNode::drawn(Page& page, std::uint32_t frame, std::int64_t at) {
+  const auto newest = page.feed->drawn(frame);
+  if (!newest) return counters_.add("refused.message");
+  if (*newest == 0 || at < *newest || at - *newest > kOldest) return;
+  const double latency = static_cast<double>(at - *newest) * 1e-6;
+  page.latency.add(latency);
+  latency_.add(latency);
+}
+
+void ViewerNode::tick(std::int64_t now) {
+  now_ = now;
+  for (const web::Audience::Event& event : audience_.take_events()) hear(event);
+  watch_scan();
+  if (std::abs(now - last_request_) >= kRequestPeriod) {
+    last_request_ = now;
+    const tile_request_t request =
+        pose_ ? tiles_.make_request(now, 200, 300'000, pose_->map_base_position[0], pose_->map_base_position[1])
+              : tiles_.make_request(now);
+    if (request.num_tiles > 0) bus_.publish("TILE_REQUEST", request);
+  }
+  if (!pages_.empty() && std::abs(now - last_services_) >= kServicesPeriod) {
+    last_services_ = now;
+    services_json_ = services_json(services_, now);
+    ++services_number_;
+  }
+  send_frames();
+}
+
+/// Who is level gets a frame each period: also where nothing changed, so that silence means a dead connection. Who is
+/// behind gets one as soon as the last but one is drawn.
+void ViewerNode::send_frames() {
+  const auto period = static_cast<std::int64_t>(config_.frame_period * 1e6);
+  const auto is_due = [&](const Page& page) { return std::abs(now_ - page.sent) >= period; };
+  const bool any_due =
+      std::any_of(pages_.begin(), pages_.end(), [&](const auto& entry) { return is_due(entry.second); });
+  if (any_due) steps_.close(map_);
+  if (pages_.empty()) steps_.clear(map_);  // nobody is level
+  for (auto& [id, page] : pages_) {
+    if (!page.feed || !page.feed->may_send()) continue;
+    if (!is_due(page)) {
+      if (!page.feed->is_behind(world())) continue;
+      steps_.close(map_);
+    }
+    page.sent = now_;
+    const std::string state = state_json(state_for(page), config_.vehicle);
+    audience_.send(id, std::make_shared<std::vector<std::uint8_t>>(page.feed->make(world(), state)));
+    counters_.add("frames");
+  }
+}
+
+frames::World ViewerNode::world() const {
+  return {.run = run_,
+          .epoch = epochs_.epoch().value_or(0),
+          .map = map_,
+          .steps = steps_,
+          .curbs = curbs_,
+          .path = path_,
+          .scan = scan_.points(),
+          .scan_number = scan_.number(),
+          .services = services_json_,
+          .services_number = services_number_,
+          .newest_utime = newest_utime_};
+}
+
+State ViewerNode::state_for(const Page& page) const {
+  return {.source = source_.kind,
+          .title = source_.title,
+          .epoch = epochs_.epoch().value_or(0),
+          .tiles = map_.size(),
+          .behind = tiles_.behind(),
+          .bus_age = seconds_since(bus_heard_, now_),
+          .tile_age = seconds_since(tile_heard_, now_),
+          .pose_age = seconds_since(pose_heard_, now_),
+          .latency_p50 = page.latency.percentile(0.5),
+          .latency_p95 = page.latency.percentile(0.95),
+          .pose = pose_};
+}
+
+NodeReport ViewerNode::report() const {
+  NodeReport report;
+  report.counters = counters_;
+  const Counters of_pages = audience_.counters();
+  for (const auto& [name, value] : of_pages.values()) report.counters.set(name, value);
+  report.counters.set("pages", static_cast<std::int64_t>(pages_.size()));
+  report.counters.set("tiles_behind", static_cast<std::int64_t>(tiles_.behind()));
+  if (const auto fault = epochs_.fault(now_)) report.faults.push_back(*fault);
+  report.latency_p50 = latency_.percentile(0.5);
+  report.latency_p99 = latency_.percentile(0.99);
+  return report;
+}
+
+}  // namespace curbstone::viewer

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <curbstone/curb_lines_t.hpp>
+#include <curbstone/lidar_points_t.hpp>
+#include <curbstone/map_pose_t.hpp>
+#include <curbstone/map_trajectory_t.hpp>
+#include <curbstone/semantic_tile_t.hpp>
+#include <curbstone/service_status_t.hpp>
+#include <curbstone/tile_index_t.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/bus/node.hpp"
+#include "common/shell/latency.hpp"
+#include "common/tile_sync/epoch_follower.hpp"
+#include "common/tile_sync/tile_sync.hpp"
+#include "services/viewer/frames/page_feed.hpp"
+#include "services/viewer/scan.hpp"
+#include "services/viewer/state_json.hpp"
+#include "services/viewer/store/services.hpp"
+#include "services/viewer/viewer_config.hpp"
+#include "services/viewer/web/audience.hpp"
+
+namespace curbstone::viewer {
+
+/// Shows the map to browsers. It follows the tiles of semantic_map whether or not a page is open: opening one asks
+/// nobody for anything. It changes nothing: all that it sends are requests for tiles that it missed. It is for people,
+/// so unlike other nodes it goes by when things came.
+class ViewerNode final : public Node {
+ public:
+  /// What it shows, for the pages.
+  struct Source {
+    std::string kind = "live";  ///< or "map", which is never stale, or "replay"
+    std::string title;
+  };
+  ViewerNode(const ViewerConfig& config, Publisher& bus, web::Audience& audience, Source source);
+
+  void connect(Subscriber& bus) override;
+  void tick(std::int64_t now) override;
+  [[nodiscard]] NodeReport report() const override;
+
+  void on(const semantic_tile_t& message);
+  void on(const tile_index_t& message);
+  void on(const map_pose_t& message);
+  void on(const map_trajectory_t& message);
+  void on(const curb_lines_t& message);
+  void on(const service_status_t& message);
+  void on(const lidar_points_t& message);
+
+ private:
+  struct Page {
+    std::optional<frames::PageFeed> feed;  // none until it has said what it has
+    std::int64_t sent = 0;                 // us, the last frame
+    LatencyWindow latency{64};
+  };
+  /// Whether a message that names this epoch is of the present one, which may begin with it.
+  bool follow_epoch(std::int32_t epoch, EpochFollower::Source source);
+  void enter_epoch(std::int32_t epoch);
+  void take(const map_trajectory_t& message);
+  void hear(const web::Audience::Event& event);
+  void hear(Page& page, const web::Audience::Event& event);
+  void drawn(Page& page, std::uint32_t frame, std::int64_t at);
+  void watch_scan();
+  void send_frames();
+  [[nodiscard]] frames::World world() const;
+  [[nodiscard]] State state_for(const Page& page) const;
+  void heard() { bus_heard_ = now_; }
+
+  ViewerConfig config_;
+  Publisher& bus_;
+  web::Audience& audience_;
+  Source source_;
+  Subscriber* subscriber_ = nullptr;
+  double run_ = 0;
+
+  EpochFollower epochs_;
+  TileFollower tiles_;
+  store::LiveMap map_;
+  frames::TileSteps steps_;
+  store::CurbLines curbs_;
+  store::DrivenPath path_;
+  store::Services services_;
+  Scan scan_;
+  bool scan_subscribed_ = false;
+  bool scan_wanted_ = false;            // by a page, now
+  std::vector<map_trajectory_t> held_;  // of an epoch that may begin
+  std::optional<map_pose_t> pose_;
+  std::int64_t newest_utime_ = 0;  // us, of the points in any tile
+  std::string services_json_;
+  std::uint64_t services_number_ = 0;
+
+  std::int64_t now_ = 0;  // us, of the last tick()
+  std::int64_t bus_heard_ = 0;
+  std::int64_t tile_heard_ = 0;
+  std::int64_t pose_heard_ = 0;
+  std::int64_t last_request_ = 0;
+  std::int64_t last_services_ = 0;
+  std::map<web::PageId, Page> pages_;
+  LatencyWindow latency_;
+  Counters counters_;
+};
+
+}  // namespace curbstone::viewer

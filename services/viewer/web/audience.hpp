@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/bus/counters.hpp"
+
+namespace curbstone::viewer::web {
+
+/// Names a connection of a page; never used twice.
+using PageId = std::uint64_t;
+using Frame = std::shared_ptr<const std::vector<std::uint8_t>>;
+
+/// The pages that watch. One thread calls.
+class Audience {
+ public:
+  struct Event {
+    enum class Kind { kCame, kSaid, kLeft };
+    PageId page = 0;
+    Kind kind = Kind::kCame;
+    std::string text;     ///< what it said; anything
+    std::int64_t at = 0;  ///< us since the Unix epoch
+  };
+
+  virtual ~Audience() = default;
+  /// What happened since the last call, in order.
+  [[nodiscard]] virtual std::vector<Event> take_events() = 0;
+  /// To a page that has left: nothing happens.
+  virtual void send(PageId page, Frame frame) = 0;
+  [[nodiscard]] virtual Counters counters() const = 0;
+};
+
+}  // namespace curbstone::viewer::web

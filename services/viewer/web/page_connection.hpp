@@ -1,0 +1,138 @@
+#pragma once
+
+#include <utility>  // Beast 1.74 forgets it in C++20
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <deque>
+#include <map>
+#include <memory>
+
+#include "common/time/clock.hpp"
+#include "services/viewer/web/shared.hpp"
+
+/// Of web_server.cpp, which alone includes it: Beast takes most of a minute to compile.
+namespace curbstone::viewer::web {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using tcp = asio::ip::tcp;
+using boost::system::error_code;
+
+inline constexpr std::size_t kMaxQueue = 8;  ///< frames; a page that acknowledges has two
+
+class Page;
+using Pages = std::map<PageId, std::shared_ptr<Page>>;
+
+/// A page that watches.
+class Page final : public std::enable_shared_from_this<Page> {
+ public:
+  Page(tcp::socket socket, std::unique_ptr<Place> place, PageId id, Shared& shared, Pages& pages)
+      : stream_(std::move(socket)),
+        write_timer_(stream_.get_executor()),
+        place_(std::move(place)),
+        id_(id),
+        shared_(shared),
+        pages_(pages) {}
+
+  void start(const http::request<http::empty_body>& request) {
+    const WebLimits& limits = shared_.settings.limits;
+    websocket::stream_base::timeout timeout{};
+    timeout.handshake_timeout = limits.head;
+    timeout.idle_timeout = limits.silence;
+    timeout.keep_alive_pings = true;
+    stream_.set_option(timeout);
+    stream_.read_message_max(0);  // see read()
+    stream_.auto_fragment(false);
+    stream_.binary(true);
+    stream_.async_accept(request, [self = shared_from_this()](error_code error) {
+      if (error) return self->leave();
+      self->is_open_ = true;
+      self->shared_.count("pages.came");
+      self->shared_.tell({self->id_, Audience::Event::Kind::kCame, "", wall_clock()});
+      self->read();
+    });
+  }
+
+  void send(Frame frame) {
+    if (!is_open_) return;
+    if (queue_.size() >= kMaxQueue) return shared_.count("dropped.frames");
+    queue_.push_back(std::move(frame));
+    if (queue_.size() == 1) write();
+  }
+
+ private:
+  /// In pieces: by its own limit Beast answers a message that is too big with a farewell, and waits for the other
+  /// side's.
+  void read() {
+    const std::size_t room = shared_.settings.limits.message_bytes + 1 - buffer_.size();
+    stream_.async_read_some(buffer_, room, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) return self->leave();
+      if (self->buffer_.size() > self->shared_.settings.limits.message_bytes) {
+        self->shared_.count("refused.messages");
+        return self->leave();
+      }
+      if (!self->stream_.is_message_done()) return self->read();
+      self->hear();
+    });
+  }
+
+  void hear() {
+    const std::int64_t now = steady_clock();
+    if (now - second_ >= 1'000'000) {
+      second_ = now;
+      said_ = 0;
+    }
+    Audience::Event event{id_, Audience::Event::Kind::kSaid, beast::buffers_to_string(buffer_.data()), wall_clock()};
+    buffer_.consume(buffer_.size());
+    if (++said_ > shared_.settings.limits.messages_per_second || !shared_.tell(std::move(event))) {
+      shared_.count("refused.messages");
+      return leave();
+    }
+    read();
+  }
+
+  void write() {
+    write_timer_.expires_after(shared_.settings.limits.write);
+    write_timer_.async_wait([self = shared_from_this()](error_code error) {
+      if (error) return;
+      self->shared_.count("dropped.slow_page");
+      self->leave();
+    });
+    stream_.async_write(asio::buffer(*queue_.front()), [self = shared_from_this()](error_code error, std::size_t n) {
+      self->write_timer_.cancel();
+      if (error) return self->leave();
+      self->shared_.count("pages.bytes", static_cast<std::int64_t>(n));
+      self->queue_.pop_front();
+      if (!self->queue_.empty()) self->write();
+    });
+  }
+
+  void leave() {
+    error_code ignored;
+    beast::get_lowest_layer(stream_).socket().close(ignored);
+    write_timer_.cancel();
+    if (is_open_) shared_.tell({id_, Audience::Event::Kind::kLeft, "", wall_clock()});
+    is_open_ = false;
+    pages_.erase(id_);
+  }
+
+  websocket::stream<beast::tcp_stream> stream_;
+  asio::steady_timer write_timer_;
+  std::unique_ptr<Place> place_;
+  const PageId id_;
+  Shared& shared_;
+  Pages& pages_;
+  beast::flat_buffer buffer_;
+  std::deque<Frame> queue_;
+  bool is_open_ = false;
+  std::int64_t second_ = 0;  // us, steady: when the present second of counting began
+  std::size_t said_ = 0;
+};
+
+}  // namespace curbstone::viewer::web

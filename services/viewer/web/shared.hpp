@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <mutex>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/bus/counters.hpp"
+#include "services/viewer/web/audience.hpp"
+#include "services/viewer/web/host_rules.hpp"
+#include "services/viewer/web/web_server.hpp"
+
+namespace curbstone::viewer::web {
+
+inline constexpr std::size_t kMaxEvents = 4000;  ///< that the node has not taken; it takes them every 20 ms
+
+/// What connections share. The events and counters are also the node's: under the lock.
+struct Shared {
+  Shared(const WebSettings& its_settings, HostRules its_rules) : settings(its_settings), rules(std::move(its_rules)) {}
+
+  void count(std::string_view name, std::int64_t amount = 1) {
+    const std::scoped_lock lock(mutex);
+    counters.add(name, amount);
+  }
+  bool tell(Audience::Event event) {
+    const std::scoped_lock lock(mutex);
+    if (events.size() >= kMaxEvents && event.kind == Audience::Event::Kind::kSaid) return false;
+    events.push_back(std::move(event));
+    return true;
+  }
+
+  const WebSettings settings;
+  const HostRules rules;
+  std::size_t connections = 0;  // of the web thread
+  std::mutex mutex;
+  Counters counters;
+  std::vector<Audience::Event> events;
+};
+
+/// Counts a connection as long as it lives.
+class Place {
+ public:
+  explicit Place(Shared& shared) : shared_(shared) { ++shared_.connections; }
+  ~Place() { --shared_.connections; }
+  Place(const Place&) = delete;
+  Place& operator=(const Place&) = delete;
+
+ private:
+  Shared& shared_;
+};
+
+}  // namespace curbstone::viewer::web

@@ -1,0 +1,231 @@
+#include "services/viewer/web/web_server.hpp"
+
+#include <utility>  // Beast 1.74 forgets it in C++20
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <optional>
+#include <thread>
+
+#include "common/time/clock.hpp"
+#include "services/viewer/web/assets.hpp"
+#include "services/viewer/web/host_rules.hpp"
+#include "services/viewer/web/listening_socket.hpp"
+#include "services/viewer/web/page_connection.hpp"
+
+namespace curbstone::viewer::web {
+namespace {
+
+constexpr std::string_view kPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' blob:; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// A connection that asks for files, until it becomes a page.
+class Visit final : public std::enable_shared_from_this<Visit> {
+ public:
+  Visit(tcp::socket socket, Shared& shared, Pages& pages, PageId id)
+      : stream_(std::move(socket)), place_(std::make_unique<Place>(shared)), shared_(shared), pages_(pages), id_(id) {}
+
+  void read() {
+    parser_.emplace();
+    parser_->header_limit(shared_.settings.limits.head_bytes);
+    parser_->body_limit(0);
+    stream_.expires_after(shared_.settings.limits.head);
+    http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error == http::error::end_of_stream || error == asio::error::operation_aborted) return;
+      const bool said_something = self->buffer_.size() > 0 || self->parser_->got_some();
+      if (error == beast::error::timeout && !said_something) return;
+      if (error) return self->shared_.count("refused.request");
+      self->answer();
+    });
+  }
+
+ private:
+  using Request = http::request<http::empty_body>;
+
+  void answer() {
+    const Request& request = parser_->get();
+    const std::string host(request[http::field::host]);
+    if (request.count(http::field::host) != 1 || !shared_.rules.allows_host(host)) {
+      shared_.count("refused.host");
+      return refuse(http::status::forbidden,
+                    "This name is not one of the viewer's: viewer.hosts in the configuration.\n");
+    }
+    if (websocket::is_upgrade(request)) return watch(request, host);
+    if (request.method() != http::verb::get && request.method() != http::verb::head) {
+      shared_.count("refused.request");
+      return refuse(http::status::method_not_allowed, "GET or HEAD.\n");
+    }
+    const std::string_view target(request.target().data(), request.target().size());
+    const auto asset = find_asset(target.substr(0, target.find('?')), shared_.settings.folder);
+    if (!asset) {
+      shared_.count("refused.request");
+      return refuse(http::status::not_found, "There is no such file.\n");
+    }
+    respond(http::status::ok, asset->type, asset->bytes);
+  }
+
+  void watch(const Request& request, const std::string& host) {
+    if (request.target() != "/live") {
+      shared_.count("refused.request");
+      return refuse(http::status::not_found, "There is no such file.\n");
+    }
+    const std::string origin(request[http::field::origin]);
+    if (request.count(http::field::origin) != 1 || !shared_.rules.allows_origin(origin, host)) {
+      shared_.count("refused.origin");
+      return refuse(http::status::forbidden, "Only the viewer's own page may watch.\n");
+    }
+    if (pages_.size() >= shared_.settings.limits.pages) {
+      shared_.count("refused.pages");
+      return refuse(http::status::service_unavailable, "Too many pages watch.\n");
+    }
+    stream_.expires_never();
+    const auto page = std::make_shared<Page>(stream_.release_socket(), std::move(place_), id_, shared_, pages_);
+    pages_.emplace(id_, page);
+    page->start(request);
+  }
+
+  void refuse(http::status status, std::string_view why) {
+    closes_ = true;
+    respond(status, "text/plain; charset=utf-8", std::string(why));
+  }
+
+  void respond(http::status status, const std::string& type, std::string bytes) {
+    const Request& request = parser_->get();
+    response_ = {};
+    response_.version(request.version());
+    response_.result(status);
+    response_.set(http::field::content_type, type);
+    response_.set(http::field::cache_control, "no-store");
+    response_.set("Content-Security-Policy", boost::string_view(kPolicy.data(), kPolicy.size()));
+    response_.set("X-Content-Type-Options", "nosniff");
+    response_.set("Referrer-Policy", "no-referrer");
+    response_.set("Cross-Origin-Resource-Policy", "same-origin");
+    if (status == http::status::method_not_allowed) response_.set(http::field::allow, "GET, HEAD");
+    response_.keep_alive(request.keep_alive() && !closes_);
+    response_.content_length(bytes.size());
+    if (request.method() != http::verb::head) response_.body() = std::move(bytes);
+    stream_.expires_after(shared_.settings.limits.write);
+    http::async_write(stream_, response_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error == beast::error::timeout) self->shared_.count("dropped.slow_page");
+      if (error) return;
+      if (self->response_.keep_alive()) return self->read();
+      error_code ignored;
+      self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    });
+  }
+
+  beast::tcp_stream stream_;
+  std::unique_ptr<Place> place_;
+  Shared& shared_;
+  Pages& pages_;
+  const PageId id_;
+  beast::flat_buffer buffer_{16384};
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  http::response<http::string_body> response_;
+  bool closes_ = false;
+};
+
+HostRules rules_of(const WebSettings& settings) {
+  std::vector<std::string> names = settings.names;
+  const bool is_v6 = settings.address.find(':') != std::string::npos;
+  names.push_back(is_v6 ? "[" + settings.address + "]" : settings.address);
+  return HostRules(std::move(names));
+}
+
+}  // namespace
+
+class WebServer::Impl {
+ public:
+  explicit Impl(const WebSettings& settings) : shared_(settings, rules_of(settings)), acceptor_(loop_) {
+    const int fd = open_listening_socket(settings.address, settings.port, settings.network);
+    port_ = port_of(fd);
+    acceptor_.assign(settings.address.find(':') == std::string::npos ? tcp::v4() : tcp::v6(), fd);
+    accept();
+    thread_ = std::thread([this] { loop_.run(); });
+  }
+  ~Impl() {
+    loop_.stop();
+    thread_.join();
+    pages_.clear();
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+
+  std::vector<Event> take_events() {
+    const std::scoped_lock lock(shared_.mutex);
+    return std::exchange(shared_.events, {});
+  }
+
+  void send(PageId id, Frame frame) {
+    asio::post(loop_, [this, id, frame = std::move(frame)]() mutable {
+      const auto page = pages_.find(id);
+      if (page != pages_.end()) page->second->send(std::move(frame));
+    });
+  }
+
+  Counters counters() {
+    const std::scoped_lock lock(shared_.mutex);
+    return shared_.counters;
+  }
+
+ private:
+  void accept() {
+    acceptor_.async_accept([this](error_code error, tcp::socket socket) {
+      if (error == asio::error::operation_aborted) return;
+      if (!error) greet(std::move(socket));
+      if (error) return rest();  // no descriptors left, say
+      accept();
+    });
+  }
+  void rest() {
+    shared_.count("refused.connections");
+    pause_.expires_after(std::chrono::milliseconds(100));
+    pause_.async_wait([this](error_code error) {
+      if (!error) accept();
+    });
+  }
+  void greet(tcp::socket socket) {
+    if (shared_.connections >= shared_.settings.limits.connections) return shared_.count("refused.connections");
+    error_code ignored;
+    socket.set_option(tcp::no_delay(true), ignored);
+    std::make_shared<Visit>(std::move(socket), shared_, pages_, ++last_id_)->read();
+  }
+
+  Shared shared_;
+  Pages pages_;  // of the web thread
+  PageId last_id_ = 0;
+  std::uint16_t port_ = 0;
+  asio::io_context loop_{1};
+  asio::steady_timer pause_{loop_};
+  tcp::acceptor acceptor_;
+  std::thread thread_;
+};
+
+WebServer::WebServer(const WebSettings& settings) : impl_(std::make_unique<Impl>(settings)) {}
+WebServer::~WebServer() = default;
+
+std::uint16_t WebServer::port() const {
+  return impl_->port();
+}
+
+std::vector<Audience::Event> WebServer::take_events() {
+  return impl_->take_events();
+}
+
+void WebServer::send(PageId page, Frame frame) {
+  impl_->send(page, std::move(frame));
+}
+
+Counters WebServer::counters() const {
+  return impl_->counters();
+}
+
+}  // namespace curbstone::viewer::web

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace curbstone::viewer::web {
+
+/// A TCP connection to a server on this machine that says whatever bytes it likes: what a browser would never do.
+class RawClient {
+ public:
+  explicit RawClient(std::uint16_t port);
+  ~RawClient();
+  RawClient(RawClient&& other) noexcept : fd_(other.fd_) { other.fd_ = -1; }
+  RawClient(const RawClient&) = delete;
+  RawClient& operator=(const RawClient&) = delete;
+
+  /// False: the server has closed the connection.
+  bool say(std::string_view bytes);
+  /// What comes until the server closes the connection, or nothing came for `quiet` ms.
+  std::string hear(int quiet = 300);
+  /// Waits until the server closes, at most `seconds`; what it says meanwhile is dropped.
+  bool is_closed_within(double seconds);
+  void shrink_receive_buffer();
+
+  /// Opens a page's WebSocket; the head of the answer.
+  std::string upgrade(const std::string& host, const std::string& origin, const std::string& target = "/live");
+  /// A text message, masked, of the given bytes.
+  bool say_message(std::string_view text);
+  /// Head of a text message of `length` bytes, of which none follow.
+  bool say_message_head(std::uint64_t length);
+
+ private:
+  int fd_ = -1;
+};
+
+[[nodiscard]] std::string get(const std::string& target, const std::string& host, const std::string& method = "GET");
+
+}  // namespace curbstone::viewer::web

@@ -1,0 +1,258 @@
+#include "services/viewer/web/web_server.hpp"
+
+#include <gmock/gmock.h>
+
+#include <thread>
+
+#include "services/viewer/web/listening_socket.hpp"
+#include "tests/services/viewer/web/raw_client.hpp"
+
+namespace curbstone::viewer::web {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+class WebServerTest : public ::testing::Test {
+ protected:
+  WebServerTest() {
+    settings_.limits.head = 600ms;
+    settings_.limits.silence = 1500ms;
+    settings_.limits.write = 600ms;
+  }
+  void start() {
+    server_.emplace(settings_);
+    host_ = "127.0.0.1:" + std::to_string(server_->port());
+  }
+  [[nodiscard]] RawClient connect() const { return RawClient(server_->port()); }
+  std::string ask(const std::string& request) {
+    RawClient client = connect();
+    client.say(request);
+    return client.hear();
+  }
+  RawClient open_page() {
+    RawClient client = connect();
+    EXPECT_THAT(client.upgrade(host_, "http://" + host_), StartsWith("HTTP/1.1 101"));
+    return client;
+  }
+  [[nodiscard]] std::int64_t counted(const std::string& name) const { return server_->counters()[name]; }
+  bool comes_to(const std::function<bool()>& condition) {
+    for (int i = 0; i < 1000 && !condition(); ++i) std::this_thread::sleep_for(10ms);
+    return condition();
+  }
+  std::vector<Audience::Event> wait_for_events(std::size_t n) {
+    std::vector<Audience::Event> events;
+    comes_to([&] {
+      for (auto& event : server_->take_events()) events.push_back(std::move(event));
+      return events.size() >= n;
+    });
+    return events;
+  }
+
+  WebSettings settings_;
+  std::optional<WebServer> server_;
+  std::string host_;
+};
+
+TEST_F(WebServerTest, ServesThePageWithAPolicyThatAllowsNothingFromElsewhere) {
+  start();
+  const std::string answer = ask(get("/", host_));
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 200 OK"));
+  EXPECT_THAT(answer, HasSubstr("Content-Security-Policy: default-src 'none'; script-src 'self'"));
+  EXPECT_THAT(answer, HasSubstr("frame-ancestors 'none'"));
+  EXPECT_THAT(answer, HasSubstr("X-Content-Type-Options: nosniff"));
+  EXPECT_THAT(answer, HasSubstr("text/html; charset=utf-8"));
+  EXPECT_THAT(answer, HasSubstr("</html>"));
+  EXPECT_THAT(ask(get("/page.js?v=1", host_)), HasSubstr("text/javascript"));
+}
+
+TEST_F(WebServerTest, AnswersAHeadWithoutTheFile) {
+  start();
+  const std::string answer = ask(get("/", host_, "HEAD"));
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 200 OK"));
+  EXPECT_THAT(answer, Not(HasSubstr("<html")));
+  EXPECT_THAT(answer, Not(HasSubstr("Content-Length: 0")));
+}
+
+TEST_F(WebServerTest, RefusesANameThatIsNotItsOwn) {
+  settings_.names = {"robot.local"};
+  start();
+  EXPECT_THAT(ask(get("/", "evil.example")), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(ask("GET / HTTP/1.1\r\n\r\n"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(ask("GET / HTTP/1.1\r\nHost: " + host_ + "\r\nHost: evil.example\r\n\r\n"), StartsWith("HTTP/1.1 403"));
+  EXPECT_EQ(counted("refused.host"), 3);
+  EXPECT_THAT(ask(get("/", "robot.local:1234")), StartsWith("HTTP/1.1 200"));
+  RawClient rebound = connect();
+  EXPECT_THAT(rebound.upgrade("evil.example", "http://evil.example"), StartsWith("HTTP/1.1 403"));
+  EXPECT_EQ(counted("refused.host"), 4);
+}
+
+TEST_F(WebServerTest, OnlyItsOwnPageMayWatch) {
+  start();
+  for (const char* origin : {"", "null", "http://evil.example", "http://localhost:1"}) {
+    RawClient client = connect();
+    EXPECT_THAT(client.upgrade(host_, origin), StartsWith("HTTP/1.1 403")) << origin;
+  }
+  EXPECT_EQ(counted("refused.origin"), 4);
+  RawClient elsewhere = connect();
+  EXPECT_THAT(elsewhere.upgrade(host_, "http://" + host_, "/other"), StartsWith("HTTP/1.1 404"));
+  open_page();
+}
+
+TEST_F(WebServerTest, IsReadOnly) {
+  start();
+  for (const char* method : {"POST", "PUT", "DELETE", "OPTIONS", "PATCH", "TRACE"})
+    EXPECT_THAT(ask(get("/", host_, method)), StartsWith("HTTP/1.1 405")) << method;
+  for (const char* target : {"/ugv.yaml", "/../etc/passwd", "/page.js/..", "http://evil.example/", "*"})
+    EXPECT_THAT(ask(get(target, host_)), StartsWith("HTTP/1.1 404")) << target;
+  EXPECT_EQ(counted("refused.request"), 11);
+  EXPECT_THAT(ask("POST / HTTP/1.1\r\nHost: " + host_ + "\r\nContent-Length: 1000000\r\n\r\nxxxx"),
+              Not(HasSubstr("200")));
+}
+
+TEST_F(WebServerTest, TellsTheNodeWhatPagesSayAndSendsThemFrames) {
+  start();
+  RawClient page = open_page();
+  page.say_message("hello");
+  auto events = wait_for_events(2);
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0].kind, Audience::Event::Kind::kCame);
+  EXPECT_EQ(events[1].text, "hello");
+  EXPECT_EQ(events[0].page, events[1].page);
+  server_->send(events[0].page, std::make_shared<std::vector<std::uint8_t>>(std::vector<std::uint8_t>{1, 2, 3}));
+  EXPECT_EQ(page.hear(), std::string("\x82\x03\x01\x02\x03"));
+  server_->send(12345, std::make_shared<std::vector<std::uint8_t>>(3));
+  { const RawClient gone = std::move(page); }
+  events = wait_for_events(1);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].kind, Audience::Event::Kind::kLeft);
+}
+
+TEST_F(WebServerTest, ARequestThatTricklesIsCutOff) {
+  start();
+  RawClient slow = connect();
+  const auto begin = std::chrono::steady_clock::now();
+  bool is_open = slow.say("GET / HTTP/1.1\r\nHost: ");
+  while (is_open && std::chrono::steady_clock::now() - begin < 20s) {
+    is_open = slow.say("x");
+    std::this_thread::sleep_for(50ms);
+  }
+  EXPECT_FALSE(is_open);
+  EXPECT_EQ(counted("refused.request"), 1);
+  EXPECT_TRUE(connect().is_closed_within(20)) << "and who says nothing";
+}
+
+TEST_F(WebServerTest, AHeadHasAnEnd) {
+  start();
+  RawClient client = connect();
+  client.say("GET / HTTP/1.1\r\nHost: " + host_ + "\r\n");
+  for (int i = 0; i < 100; ++i) client.say("X-Long: " + std::string(1000, 'x') + "\r\n");
+  EXPECT_TRUE(client.is_closed_within(20));
+  EXPECT_TRUE(comes_to([&] { return counted("refused.request") == 1; }));
+  EXPECT_THAT(ask(get("/", host_)), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(WebServerTest, GarbageIsRefused) {
+  start();
+  EXPECT_THAT(ask(std::string(2000, '\xff')), Not(HasSubstr("200 OK")));
+  EXPECT_THAT(ask("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03 a TLS hello\r\n\r\n"), Not(HasSubstr("200 OK")));
+  EXPECT_TRUE(comes_to([&] { return counted("refused.request") == 2; }));
+}
+
+TEST_F(WebServerTest, AGiantMessageEndsThePage) {
+  start();
+  RawClient page = open_page();
+  page.say_message_head(std::uint64_t{1} << 40);
+  page.say(std::string(5000, 'x'));
+  EXPECT_TRUE(page.is_closed_within(20));
+  EXPECT_TRUE(comes_to([&] { return counted("refused.messages") == 1; }));
+  RawClient other = open_page();
+  other.say_message(std::string(5000, 'x'));
+  EXPECT_TRUE(other.is_closed_within(20));
+  EXPECT_TRUE(comes_to([&] { return counted("refused.messages") == 2; }));
+}
+
+TEST_F(WebServerTest, AFloodOfMessagesEndsThePage) {
+  start();
+  RawClient page = open_page();
+  for (int i = 0; i < 1000; ++i) page.say_message("x");
+  EXPECT_TRUE(page.is_closed_within(20));
+  EXPECT_GE(counted("refused.messages"), 1);
+  EXPECT_LE(wait_for_events(52).size(), 53U);
+}
+
+TEST_F(WebServerTest, APageThatDoesNotReadIsCutOffAndHoldsNobodyUp) {
+  start();
+  RawClient slow = open_page();
+  slow.shrink_receive_buffer();
+  RawClient other = open_page();
+  const auto events = wait_for_events(2);
+  ASSERT_EQ(events.size(), 2U);
+  const auto frame = std::make_shared<std::vector<std::uint8_t>>(4'000'000);
+  for (int i = 0; i < 20; ++i) server_->send(events[0].page, frame);
+  server_->send(events[1].page, std::make_shared<std::vector<std::uint8_t>>(2));
+  EXPECT_EQ(other.hear().size(), 4U);
+  EXPECT_TRUE(comes_to([&] { return counted("dropped.slow_page") == 1; }));
+  EXPECT_GT(counted("dropped.frames"), 0);
+}
+
+TEST_F(WebServerTest, APageThatIsGoneWithoutAWordIsNoticed) {
+  start();
+  const RawClient page = open_page();  // it answers no ping
+  const auto events = wait_for_events(2);
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[1].kind, Audience::Event::Kind::kLeft);
+}
+
+TEST_F(WebServerTest, SoManyPagesMayWatchAndNoMore) {
+  settings_.limits.pages = 3;
+  settings_.limits.silence = 60s;
+  start();
+  std::vector<RawClient> pages;
+  for (int i = 0; i < 3; ++i) pages.push_back(open_page());
+  EXPECT_THAT(connect().upgrade(host_, "http://" + host_), StartsWith("HTTP/1.1 503"));
+  EXPECT_EQ(counted("refused.pages"), 1);
+  pages.pop_back();
+  EXPECT_TRUE(comes_to(
+      [&] { return RawClient(connect()).upgrade(host_, "http://" + host_).find(" 101 ") != std::string::npos; }));
+}
+
+TEST_F(WebServerTest, TwoHundredConnectionsLeaveThePageItsOwn) {
+  settings_.limits.head = 5s;
+  settings_.limits.silence = 60s;
+  start();
+  RawClient page = open_page();
+  const auto came = wait_for_events(1);
+  std::vector<RawClient> crowd;
+  for (int i = 0; i < 200; ++i) crowd.push_back(connect());
+  EXPECT_TRUE(comes_to([&] { return counted("refused.connections") >= 150; })) << counted("refused.connections");
+  page.say_message("still here");
+  const auto events = wait_for_events(1);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].text, "still here");
+  crowd.clear();
+  EXPECT_TRUE(comes_to([&] { return ask(get("/", host_)).find("200 OK") != std::string::npos; }));
+}
+
+TEST(ListeningSocketTest, SaysWhatIsWrong) {
+  const auto error_of = [](const std::string& address, std::uint16_t port, const std::string& network) -> std::string {
+    try {
+      (void)open_listening_socket(address, port, network);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(error_of("nonsense", 0, ""), HasSubstr("nonsense: not an address"));
+  EXPECT_THAT(error_of("203.0.113.5", 0, ""), HasSubstr("203.0.113.5, port 0: Cannot assign"));
+  EXPECT_THAT(error_of("127.0.0.1", 0, "/proc/none"), HasSubstr("/proc/none: not a network"));
+  const int taken = open_listening_socket("127.0.0.1", 0, "");
+  EXPECT_THAT(error_of("127.0.0.1", port_of(taken), ""), HasSubstr("Address already in use"));
+  const int elsewhere = open_listening_socket("127.0.0.1", 0, "/proc/self/ns/net");
+  EXPECT_GT(port_of(elsewhere), 0);
+}
+
+}  // namespace
+}  // namespace curbstone::viewer::web
