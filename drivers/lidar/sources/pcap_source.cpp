@@ -58,6 +58,12 @@ class PcapSource::Impl {
   FrameReader read_ = nullptr;
 };
 
+namespace {
+
+constexpr std::int64_t kLatest = 4'102'444'800;  // s since the Unix epoch: the year 2100
+
+}  // namespace
+
 PcapSource::PcapSource(std::string file) : file_(std::move(file)), impl_(std::make_unique<Impl>(file_)) {}
 PcapSource::~PcapSource() = default;
 
@@ -69,9 +75,11 @@ std::optional<PcapSource::Packet> PcapSource::next() {
     if (status == PCAP_ERROR_BREAK) return std::nullopt;
     if (status != 1) throw std::runtime_error(fmt::format("{}: {}", file_, pcap_geterr(impl_->handle_)));
     const UdpFrame udp = impl_->udp_in({data, header->caplen});
+    const std::int64_t seconds = header->ts.tv_sec;
+    if (seconds < 0 || seconds > kLatest)
+      throw std::runtime_error(fmt::format("{}: damaged: a frame of {} s after 1970", file_, seconds));
     if (udp.kind == FrameKind::kUdp)
-      return Packet{std::int64_t{header->ts.tv_sec} * 1'000'000 + header->ts.tv_usec, udp.sender, udp.port,
-                    udp.payload};
+      return Packet{seconds * 1'000'000 + header->ts.tv_usec, udp.sender, udp.port, udp.payload};
     skip(udp.kind);
   }
 }

@@ -89,6 +89,14 @@ TEST(PcapSource, SaysWhatIsWrongWithAFile) {
   EXPECT_THAT([&] { PcapSource{can.name()}; }, ThrowsMessage<std::runtime_error>(HasSubstr("link type")));
 }
 
+TEST(PcapSource, AFrameOfAnImpossibleTimeIsDamage) {
+  const Bytes udp = frame({1, 2, 3}, 6699);
+  const Capture capture({udp, udp}, kEthernet, Capture::Format::kPcapng, std::int64_t{1} << 62);
+  PcapSource source(capture.name());
+  EXPECT_TRUE(source.next());
+  EXPECT_THAT([&] { (void)source.next(); }, ThrowsMessage<std::runtime_error>(HasSubstr("damaged")));
+}
+
 TEST(PcapSource, TellsACutOffFileFromAWholeOne) {
   const Capture capture({frame({1, 2, 3}, 6699), frame({4, 5, 6}, 6699)});
   capture.cut(2);
