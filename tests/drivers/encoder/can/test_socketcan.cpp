@@ -322,7 +322,9 @@ TEST_F(EncoderOnSocketCan, TheNoiseOfOthersChangesNothing) {
   ASSERT_TRUE(run_until_more_samples(250));
   const Counters counters = node_->report().counters;
   EXPECT_EQ(counters["refused.length"], 0);
-  EXPECT_EQ(counters["refused.jump"], 0);
+  // The emulated drive sleeps too when the machine is busy, and sends what it missed at once. The noise would make
+  // hundreds.
+  EXPECT_LE(counters["refused.jump"], 5);
   EXPECT_EQ(counters["ignored.frames"], 0);
   EXPECT_EQ(counters["drive.setups"], setups);
   const auto& messages = recorder_.messages();
