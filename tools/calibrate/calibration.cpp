@@ -17,9 +17,8 @@ namespace {
 
 constexpr double kPiece = 0.5;  // s
 constexpr std::size_t kMinSegments = 20;
-constexpr double kShare = 0.9;        // of what is known, told by the drive: observed
-constexpr double kOpen = 0.5;         // of the prior's variance left: the drive says nothing in that direction
-constexpr double kRollOfUse = 0.015;  // rad: the roads' camber, which nothing tells apart from it, is 0.01
+constexpr double kShare = 0.9;  // of what is known, told by the drive: observed
+constexpr double kOpen = 0.5;   // of the prior's variance left: the drive says nothing in that direction
 
 struct Described {
   const char* name;
@@ -32,13 +31,13 @@ constexpr std::array<Described, kCalibratedCount> kDescribed = {{{"wheel_radius.
                                                                  {"lidar.x", "m", 0.05},
                                                                  {"lidar.y", "m", 0.05},
                                                                  {"lidar.z", "m", 0.05},
-                                                                 {"lidar.roll", "rad", kRollOfUse},
+                                                                 {"lidar.roll", "rad", 0.01},
                                                                  {"lidar.pitch", "rad", 0.01},
                                                                  {"lidar.yaw", "rad", 0.01},
                                                                  {"imu.x", "m", 0.05},
                                                                  {"imu.y", "m", 0.05},
                                                                  {"imu.z", "m", 0.05},
-                                                                 {"imu.roll", "rad", kRollOfUse},
+                                                                 {"imu.roll", "rad", 0.01},
                                                                  {"imu.pitch", "rad", 0.01},
                                                                  {"imu.yaw", "rad", 0.01}}};
 
