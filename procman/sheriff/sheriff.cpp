@@ -44,6 +44,10 @@ void Sheriff::on(const procman_lcm::deputy_info_t& info, std::int64_t now) {
     Known& known = commands_[status.cmd.command_id];
     const std::int32_t before = known.status.pid;
     if (!known.deputy.empty() && status.pid != 0 && status.pid != before) ++known.restarts;
+    if (status.pid != before) {
+      known.heard_at = 0;
+      known.faults.clear();
+    }
     known.deputy = info.deputy_id;
     known.status = status;
     known.reported_at = now;
@@ -96,7 +100,7 @@ void Sheriff::restart(const std::string& id) {
   wish_run(id);
 }
 
-Progress Sheriff::progress(const std::string& id, std::int64_t now) const {
+Progress Sheriff::progress(const std::string& id) const {
   const auto wish = wishes_.find(id);
   const auto found = commands_.find(id);
   if (wish == wishes_.end() || found == commands_.end()) return Progress::kFailed;
@@ -104,7 +108,8 @@ Progress Sheriff::progress(const std::string& id, std::int64_t now) const {
   if (wish->second.since == 0) return Progress::kUnderWay;  // no report since
   if (!wish->second.run) return status.pid == 0 ? Progress::kDone : Progress::kUnderWay;
   if (status.actual_runid != wish->second.runid) return Progress::kUnderWay;
-  if (status.pid != 0) return now - wish->second.since >= kStands ? Progress::kDone : Progress::kUnderWay;
+  const std::int64_t stood = found->second.reported_at - wish->second.since;
+  if (status.pid != 0) return stood >= kStands ? Progress::kDone : Progress::kUnderWay;
   if (status.cmd.auto_respawn != 0) return Progress::kUnderWay;
   return ended_well(status.exit_code) ? Progress::kDone : Progress::kFailed;
 }

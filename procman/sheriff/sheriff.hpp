@@ -20,9 +20,12 @@ struct Known {
   std::string deputy;
   procman_lcm::cmd_status_t status;
   int restarts = 0;              ///< new processes under the same command since this sheriff began
-  std::int64_t heard_at = 0;     ///< us, of its last SERVICE_STATUS; 0: none
+  std::int64_t heard_at = 0;     ///< us, of this process's last SERVICE_STATUS; 0: none
   std::int64_t reported_at = 0;  ///< us, of its deputy's last report
   std::vector<std::string> faults;
+
+  /// Has this process said last that nothing is wrong?
+  [[nodiscard]] bool ready() const { return status.pid != 0 && heard_at != 0 && faults.empty(); }
 };
 
 /// What deputies run, and what is wanted of it. Pure: messages and time (us since the Unix epoch) come in, orders go
@@ -46,7 +49,8 @@ class Sheriff {
   void start(const std::string& id);
   void stop(const std::string& id);
   void restart(const std::string& id);
-  [[nodiscard]] Progress progress(const std::string& id, std::int64_t now) const;
+  /// By the reports of its deputy: one that is dead has done nothing.
+  [[nodiscard]] Progress progress(const std::string& id) const;
 
   /// The orders for one deputy; nothing if nothing was asked of its commands. To be sent right after its report.
   [[nodiscard]] std::optional<procman_lcm::orders_t> orders(const std::string& deputy, std::int64_t now) const;

@@ -9,6 +9,8 @@
 #include <procman_lcm/output_t.hpp>
 #include <set>
 
+#include "common/shell/status_reporter.hpp"
+#include "common/terminal/screen.hpp"
 #include "common/time/clock.hpp"
 #include "procman/config/config.hpp"
 #include "procman/deputy/script_runner.hpp"
@@ -27,9 +29,7 @@ constexpr int kConflictStatus = 4;
 
 /// As procman's sheriffs name themselves: host, pid, start.
 std::string sheriff_name() {
-  char host[256] = {};
-  gethostname(host, sizeof host - 1);
-  return fmt::format("{}:{}:{}", host, getpid(), wall_clock());
+  return fmt::format("{}:{}:{}", host_name(), getpid(), wall_clock());
 }
 
 }  // namespace
@@ -54,7 +54,7 @@ int SheriffApp::run() {
     return kNoDeputyStatus;
   }
   if (options_.action == Action::kStatus) {
-    fmt::print("{}", status_table(sheriff_.commands(), wall_clock()));
+    Screen(STDOUT_FILENO).show(picture());
     return 0;
   }
   if (!sheriff_.other().empty()) return say_conflict();
@@ -77,17 +77,20 @@ int SheriffApp::say_conflict() const {
   return kConflictStatus;
 }
 
+std::vector<std::string> SheriffApp::picture(const TextStyle& style) const {
+  std::vector<std::string> lines = status_table(sheriff_.commands(), wall_clock(), style);
+  if (!sheriff_.other().empty())
+    lines.insert(lines.begin(), styled_line("orders come from " + sheriff_.other(), Colour::kWarning, style));
+  return lines;
+}
+
 int SheriffApp::watch() {
-  const bool terminal = isatty(STDOUT_FILENO) != 0;
-  for (;;) {
-    if (terminal) fmt::print("\x1b[H\x1b[2J");
-    if (!sheriff_.other().empty()) fmt::print("orders come from {}\n", printable(sheriff_.other()));
-    fmt::print("{}", status_table(sheriff_.commands(), wall_clock()));
-    if (!terminal) return 0;
-    std::fflush(stdout);
+  const Screen screen(STDOUT_FILENO);
+  while (screen.show(picture(screen.style())) && screen.is_terminal()) {
     const std::int64_t until = steady_clock() + kRefresh;
     while (steady_clock() < until) handle();
   }
+  return 0;
 }
 
 std::vector<std::string> SheriffApp::named() const {
@@ -110,7 +113,7 @@ int SheriffApp::order() {
   ordering_ = true;
   const std::int64_t until = steady_clock() + static_cast<std::int64_t>(options_.wait * 1e6);
   const auto is = [&](Progress progress) {
-    return [&, progress](const std::string& id) { return sheriff_.progress(id, wall_clock()) == progress; };
+    return [&, progress](const std::string& id) { return sheriff_.progress(id) == progress; };
   };
   while (steady_clock() < until && std::any_of(ids.begin(), ids.end(), is(Progress::kUnderWay))) {
     handle();
@@ -151,15 +154,17 @@ int SheriffApp::run_script() {
                                .satisfied = [&](const std::string& id, config::WaitStatus wait) {
                                  const auto known = sheriff_.commands().find(id);
                                  if (known == sheriff_.commands().end()) return false;
-                                 if (touched.contains(id))
-                                   return sheriff_.progress(id, wall_clock()) != Progress::kUnderWay;
-                                 return (known->second.status.pid != 0) == (wait == config::WaitStatus::kRunning);
+                                 const bool asked = touched.contains(id);
+                                 if (asked && sheriff_.progress(id) == Progress::kUnderWay) return false;
+                                 const bool runs = known->second.status.pid != 0;
+                                 if (wait == config::WaitStatus::kReady) return !runs || known->second.ready();
+                                 return asked || runs == (wait == config::WaitStatus::kRunning);
                                }});
   ordering_ = true;
   const std::int64_t until = steady_clock() + static_cast<std::int64_t>(options_.wait * 1e6);
   const auto under_way = [&] {
     return !runner.done() || std::any_of(touched.begin(), touched.end(), [&](const std::string& id) {
-      return sheriff_.progress(id, wall_clock()) == Progress::kUnderWay;
+      return sheriff_.progress(id) == Progress::kUnderWay;
     });
   };
   do {
@@ -167,10 +172,10 @@ int SheriffApp::run_script() {
     handle();
     if (!sheriff_.other().empty()) return say_conflict();
   } while (under_way() && steady_clock() < until);
-  fmt::print("{}", status_table(sheriff_.commands(), wall_clock()));
+  fmt::print("{}\n", fmt::join(picture(), "\n"));
   if (under_way()) fmt::print(stderr, "curbstone-sheriff: {} not done within {} s\n", script, options_.wait);
   const bool good = runner.done() && std::all_of(touched.begin(), touched.end(), [&](const std::string& id) {
-                      return sheriff_.progress(id, wall_clock()) == Progress::kDone;
+                      return sheriff_.progress(id) == Progress::kDone;
                     });
   return good ? 0 : kFailedStatus;
 }

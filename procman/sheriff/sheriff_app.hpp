@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/bus/lcm_bus.hpp"
+#include "common/terminal/terminal_table.hpp"
 #include "procman/sheriff/sheriff.hpp"
 
 namespace curbstone::procman::sheriff {
@@ -46,6 +47,7 @@ class SheriffApp {
   int run_script();
   int say_conflict() const;
   [[nodiscard]] std::vector<std::string> named() const;
+  [[nodiscard]] std::vector<std::string> picture(const TextStyle& style = {}) const;
 
   SheriffAppOptions options_;
   LcmBus bus_;

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace curbstone::procman::sheriff {
 
 namespace {
@@ -21,41 +19,35 @@ std::string heard_cell(const Known& known, std::int64_t now) {
   return fmt::format("{:.1f} s", static_cast<double>(now - known.heard_at) * 1e-6);
 }
 
-std::string ready_cell(const Known& known) {
-  if (known.status.pid == 0 || known.heard_at == 0) return "-";
-  return known.faults.empty() ? "yes" : "no";
+TerminalTable::Cell ready_cell(const Known& known) {
+  if (known.status.pid == 0 || known.heard_at == 0) return {"-"};
+  return known.ready() ? TerminalTable::Cell{"yes", Colour::kGood} : TerminalTable::Cell{"no", Colour::kBad};
 }
 
 }  // namespace
 
-std::string printable(std::string_view text) {
-  std::string shown(text);
-  std::replace_if(
-      shown.begin(), shown.end(),
-      [](char c) { return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f; }, '?');
-  return shown;
-}
-
-std::string status_table(const std::map<std::string, Known>& commands, std::int64_t now) {
-  std::size_t id_width = 7;
-  std::size_t state_width = 5;
+std::vector<std::string> status_table(const std::map<std::string, Known>& commands, std::int64_t now,
+                                      const TextStyle& style) {
+  constexpr auto kRight = TerminalTable::Align::kRight;
+  TerminalTable table({{"COMMAND"},
+                       {"STATE"},
+                       {"CPU %", kRight, 6},
+                       {"MB", kRight, 7},
+                       {"RESTARTS", kRight},
+                       {"READY", kRight},
+                       {"HEARD", kRight, 7},
+                       {"FAULTS"}});
   for (const auto& [id, known] : commands) {
-    id_width = std::max(id_width, id.size());
-    state_width = std::max(state_width, state_cell(known, now).size());
+    table.add_row({{id},
+                   {state_cell(known, now)},
+                   {fmt::format("{:.1f}", 100 * known.status.cpu_usage)},
+                   {fmt::format("{:.1f}", static_cast<double>(known.status.mem_rss_bytes) / kMegabyte)},
+                   {std::to_string(known.restarts)},
+                   ready_cell(known),
+                   {heard_cell(known, now)},
+                   {fmt::to_string(fmt::join(known.faults, "; "))}});
   }
-  std::string table = fmt::format("{:<{}}  {:<{}}  {:>6}  {:>7}  {:>8}  {:>5}  {:>7}  {}\n", "COMMAND", id_width,
-                                  "STATE", state_width, "CPU %", "MB", "RESTARTS", "READY", "HEARD", "FAULTS");
-  for (const auto& [id, known] : commands) {
-    std::string faults;
-    for (const std::string& fault : known.faults) faults += (faults.empty() ? "" : "; ") + printable(fault);
-    std::string line = fmt::format("{:<{}}  {:<{}}  {:>6.1f}  {:>7.1f}  {:>8}  {:>5}  {:>7}  {}", printable(id),
-                                   id_width, state_cell(known, now), state_width, 100 * known.status.cpu_usage,
-                                   static_cast<double>(known.status.mem_rss_bytes) / kMegabyte, known.restarts,
-                                   ready_cell(known), heard_cell(known, now), faults);
-    line.erase(line.find_last_not_of(' ') + 1);
-    table += line + "\n";
-  }
-  return table;
+  return table.lines(style);
 }
 
 }  // namespace curbstone::procman::sheriff

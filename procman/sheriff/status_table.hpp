@@ -3,16 +3,16 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
+#include "common/terminal/terminal_table.hpp"
 #include "procman/sheriff/sheriff.hpp"
 
 namespace curbstone::procman::sheriff {
 
-/// One line a command: state, CPU (% of the whole machine), memory (MB), restarts, ready, age of its SERVICE_STATUS,
-/// faults. Ends with a newline. Control characters, which anybody on the bus can send, are shown as '?'.
-[[nodiscard]] std::string status_table(const std::map<std::string, Known>& commands, std::int64_t now);
-
-/// Text from the bus that is fit for a terminal.
-[[nodiscard]] std::string printable(std::string_view text);
+/// A line of titles and one a command: state, CPU (% of the whole machine), memory (MB), restarts, ready, age of its
+/// SERVICE_STATUS, faults.
+[[nodiscard]] std::vector<std::string> status_table(const std::map<std::string, Known>& commands, std::int64_t now,
+                                                    const TextStyle& style = {});
 
 }  // namespace curbstone::procman::sheriff

@@ -33,6 +33,13 @@ procman_lcm::deputy_info_t report(std::vector<procman_lcm::cmd_status_t> cmds, c
   return info;
 }
 
+/// As it is printed.
+std::string table_of(const Sheriff& sheriff, std::int64_t now) {
+  std::string text;
+  for (const std::string& line : status_table(sheriff.commands(), now)) text += line + "\n";
+  return text;
+}
+
 class SheriffTest : public ::testing::Test {
  protected:
   void hear(std::vector<procman_lcm::cmd_status_t> cmds, std::int64_t after = 0) {
@@ -87,11 +94,37 @@ TEST_F(SheriffTest, ARestartIsDoneWhenTheNewRunHasLivedForASecond) {
   sheriff_.restart("a");
   EXPECT_EQ(sheriff_.orders("d", kNow)->cmds[0].desired_runid, 5);
   hear({command("a", 0, 4)});
-  EXPECT_EQ(sheriff_.progress("a", kNow + 5'000'000), Progress::kUnderWay) << "the old run has ended";
+  EXPECT_EQ(sheriff_.progress("a"), Progress::kUnderWay) << "the old run has ended";
   hear({command("a", 11, 5)}, 6'000'000);
-  EXPECT_EQ(sheriff_.progress("a", kNow + 6'900'000), Progress::kUnderWay);
-  EXPECT_EQ(sheriff_.progress("a", kNow + 7'000'000), Progress::kDone);
+  EXPECT_EQ(sheriff_.progress("a"), Progress::kUnderWay);
+  hear({command("a", 11, 5)}, 6'900'000);
+  EXPECT_EQ(sheriff_.progress("a"), Progress::kUnderWay);
+  hear({command("a", 11, 5)}, 7'000'000);
+  EXPECT_EQ(sheriff_.progress("a"), Progress::kDone);
   EXPECT_EQ(sheriff_.commands().at("a").restarts, 1);
+}
+
+TEST_F(SheriffTest, ADeputyThatDiedHasDoneNothing) {
+  hear({command("a", 10, 4)});
+  sheriff_.restart("a");
+  hear({command("a", 11, 5)}, 1'000'000);
+  sheriff_.on(report({command("x", 1, 1)}, "other"), kNow + 60'000'000);
+  EXPECT_EQ(sheriff_.progress("a"), Progress::kUnderWay) << "nobody has said that it lived on";
+}
+
+TEST_F(SheriffTest, AProcessIsReadyByItsOwnWordNotByThatOfTheOneBefore) {
+  service_status_t status{};
+  status.service = "a";
+  hear({command("a", 10, 4)});
+  EXPECT_FALSE(sheriff_.commands().at("a").ready()) << "it has said nothing";
+  sheriff_.on(status, kNow);
+  EXPECT_TRUE(sheriff_.commands().at("a").ready());
+  hear({command("a", 11, 5)});
+  EXPECT_FALSE(sheriff_.commands().at("a").ready());
+  status.num_faults = 1;
+  status.fault = {"no LiDAR"};
+  sheriff_.on(status, kNow);
+  EXPECT_FALSE(sheriff_.commands().at("a").ready());
 }
 
 TEST_F(SheriffTest, AStartFailsWhenTheCommandDoes) {
@@ -99,8 +132,8 @@ TEST_F(SheriffTest, AStartFailsWhenTheCommandDoes) {
   sheriff_.start("a");
   sheriff_.start("b");
   hear({command("a", 0, 1, 0x300), command("b", 0, 1, 0)});
-  EXPECT_EQ(sheriff_.progress("a", kNow), Progress::kFailed);
-  EXPECT_EQ(sheriff_.progress("b", kNow), Progress::kDone) << "it has done its work";
+  EXPECT_EQ(sheriff_.progress("a"), Progress::kFailed);
+  EXPECT_EQ(sheriff_.progress("b"), Progress::kDone) << "it has done its work";
 }
 
 TEST_F(SheriffTest, AStopIsDoneWhenAReportSaysSo) {
@@ -108,9 +141,9 @@ TEST_F(SheriffTest, AStopIsDoneWhenAReportSaysSo) {
   sheriff_.stop("a");
   EXPECT_EQ(sheriff_.orders("d", kNow)->cmds[0].force_quit, 1);
   hear({command("a", 10, 4)});
-  EXPECT_EQ(sheriff_.progress("a", kNow), Progress::kUnderWay);
+  EXPECT_EQ(sheriff_.progress("a"), Progress::kUnderWay);
   hear({command("a", 0, 4, 2)});
-  EXPECT_EQ(sheriff_.progress("a", kNow), Progress::kDone);
+  EXPECT_EQ(sheriff_.progress("a"), Progress::kDone);
 }
 
 TEST_F(SheriffTest, StartingWhatRunsChangesNothing) {
@@ -147,7 +180,7 @@ TEST_F(SheriffTest, TheTableShowsFaultsInWordsAndNoControlCharacters) {
   status.service = "a";
   status.fault = {"no \x1b[2Jdata"};
   sheriff_.on(status, kNow);
-  const std::string table = status_table(sheriff_.commands(), kNow + 2'500'000);
+  const std::string table = table_of(sheriff_, kNow + 2'500'000);
   EXPECT_THAT(table, HasSubstr("running"));
   EXPECT_THAT(table, HasSubstr("no    2.5 s  no ?[2Jdata\n"));
   EXPECT_THAT(table, HasSubstr("failed: Segmentation fault"));
@@ -156,8 +189,8 @@ TEST_F(SheriffTest, TheTableShowsFaultsInWordsAndNoControlCharacters) {
 
 TEST_F(SheriffTest, TheTableDoesNotShowTheLastWordOfADeadDeputyAsThePresent) {
   hear({command("a", 10, 1)});
-  EXPECT_THAT(status_table(sheriff_.commands(), kNow + 5'000'000), HasSubstr("running"));
-  const std::string later = status_table(sheriff_.commands(), kNow + 5'000'001);
+  EXPECT_THAT(table_of(sheriff_, kNow + 5'000'000), HasSubstr("running"));
+  const std::string later = table_of(sheriff_, kNow + 5'000'001);
   EXPECT_THAT(later, HasSubstr("unknown: deputy silent"));
   EXPECT_THAT(later, ::testing::Not(HasSubstr("running")));
 }
