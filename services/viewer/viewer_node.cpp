@@ -179,7 +179,7 @@ void ViewerNode::hear(Page& page, const web::Audience::Event& event) {
     return it != object.end() && it->is_number() ? it->get<double>() : -1.0;
   };
   const auto is_whole = [](double value, double most) { return value >= 0 && value <= most; };
-  if (!said.is_object()) return counters_.add("refused.message");
+  if (!said.is_object()) return counters_.add("refused.nonsense");
   if (const auto resume = said.find("resume"); resume != said.end()) {
     std::optional<frames::PageFeed::Resume> has;
     if (resume->is_object()) {
@@ -194,18 +194,18 @@ void ViewerNode::hear(Page& page, const web::Audience::Event& event) {
     page.sent = 0;
     return;
   }
-  if (!page.feed) return counters_.add("refused.message");
+  if (!page.feed) return counters_.add("refused.nonsense");
   const double frame = number_in(said, "ack");
   if (is_whole(frame, std::numeric_limits<std::uint32_t>::max()))
     return drawn(page, static_cast<std::uint32_t>(frame), event.at);
   const auto points = said.find("points");
   if (points != said.end() && points->is_boolean()) return page.feed->want_points(points->get<bool>());
-  counters_.add("refused.message");
+  counters_.add("refused.nonsense");
 }
 
 void ViewerNode::drawn(Page& page, std::uint32_t frame, std::int64_t at) {
   const auto newest = page.feed->drawn(frame);
-  if (!newest) return counters_.add("refused.message");
+  if (!newest) return counters_.add("refused.nonsense");
   if (*newest == 0 || at < *newest || at - *newest > kOldest) return;
   const double latency = static_cast<double>(at - *newest) * 1e-6;
   page.latency.add(latency);

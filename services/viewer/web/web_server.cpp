@@ -54,7 +54,7 @@ class Visit final : public std::enable_shared_from_this<Visit> {
     if (request.count(http::field::host) != 1 || !shared_.rules.allows_host(host)) {
       shared_.count("refused.host");
       return refuse(http::status::forbidden,
-                    "This name is not one of the viewer's: viewer.hosts in the configuration.\n");
+                    "This name is not one of the viewer's: viewer.names in the configuration.\n");
     }
     if (websocket::is_upgrade(request)) return watch(request, host);
     if (request.method() != http::verb::get && request.method() != http::verb::head) {
