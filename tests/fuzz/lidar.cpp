@@ -27,6 +27,12 @@ void check(const lidar_points_t& points, const lidar::LidarConfig& config) {
   }
 }
 
+std::int64_t accounted(const Counters& counters) {
+  std::int64_t sum = counters["packets"] + counters["difop"] + counters["undecided"];
+  for (const auto& [name, value] : counters.values()) sum += name.starts_with("refused.") ? value : 0;
+  return sum;
+}
+
 }  // namespace
 }  // namespace curbstone::fuzz
 
@@ -50,7 +56,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   node.finish();
   bus.dispatch();
-  fuzz::require(sent <= packets, "a packet is sent once");
-  fuzz::require(!node.report().counters.values().empty() || packets == 0, "what came is counted");
+  const Counters counters = node.report().counters;
+  fuzz::require(sent == counters["packets"], "what is sent is counted");
+  fuzz::require(fuzz::accounted(counters) == packets, "each packet is used, or refused under its cause");
   return 0;
 }
