@@ -91,7 +91,7 @@ TEST(PcapSource, SaysWhatIsWrongWithAFile) {
 
 TEST(PcapSource, AFrameOfAnImpossibleTimeIsDamage) {
   const Bytes udp = frame({1, 2, 3}, 6699);
-  const Capture capture({udp, udp}, kEthernet, Capture::Format::kPcapng, std::int64_t{1} << 62);
+  const Capture capture({udp, udp}, kEthernet, Capture::Format::kPcapng, std::int64_t{1} << 61);
   PcapSource source(capture.name());
   EXPECT_TRUE(source.next());
   EXPECT_THAT([&] { (void)source.next(); }, ThrowsMessage<std::runtime_error>(HasSubstr("damaged")));
