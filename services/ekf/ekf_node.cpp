@@ -22,15 +22,15 @@ EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
     : config_(config), publisher_(publisher), sequencer_(config), increments_(config.map), filter_(config) {
   if (config_.state_file.empty()) return;
   if (const auto state = filter::load_state(config_.state_file)) filter_.inherit(*state);
+  state_keeper_.emplace(config_.state_file);
 }
 
 void EkfNode::tick(std::int64_t now) {
   now_ = now;
-  if (config_.state_file.empty() || !filter_.filter().started()) return;
-  if (now >= state_saved_ && now - state_saved_ < kStatePeriod) return;
-  state_saved_ = now;
-  state_saves_ = filter::save_state(config_.state_file, filter_.filter().belief());
-  if (!state_saves_) counters_.add("faults.state_file");
+  if (!state_keeper_ || !filter_.filter().started()) return;
+  if (now >= state_kept_ && now - state_kept_ < kStatePeriod) return;
+  state_kept_ = now;
+  state_keeper_->keep(filter_.filter().belief());
 }
 
 void EkfNode::connect(Subscriber& bus) {
@@ -112,6 +112,7 @@ NodeReport EkfNode::report() const {
   const Counters filtering = filter_.counters();
   for (const Counters* part : {&increments_.counters(), &sequencer_.counters(), &filtering})
     for (const auto& [name, value] : part->values()) report.counters.add(name, value);
+  if (state_keeper_) report.counters.add("faults.state_file", state_keeper_->failures());
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
 
@@ -124,9 +125,9 @@ NodeReport EkfNode::report() const {
     faults.push_back(fmt::format("WHEELS: {} drive reports fault {:#x}", i == 0 ? "left" : "right",
                                  static_cast<std::uint32_t>(last_wheels_.faults[i])));
   }
-  if (!state_saves_)
+  if (state_keeper_ && state_keeper_->failing())
     faults.push_back(fmt::format("{} cannot be written: if this process dies, the next one starts on the move (mkdir?)",
-                                 config_.state_file));
+                                 state_keeper_->path()));
   if (!filter_.filter().started()) {
     faults.emplace_back("no odometry yet: waiting to stand still or to see the wheels turn");
   } else if (last_) {

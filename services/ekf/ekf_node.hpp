@@ -9,6 +9,7 @@
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
 #include "services/ekf/filter/rewinding_filter.hpp"
+#include "services/ekf/filter/state_keeper.hpp"
 #include "services/ekf/inputs/map_increment.hpp"
 #include "services/ekf/inputs/sequencer.hpp"
 
@@ -18,7 +19,7 @@ namespace curbstone::ekf {
 /// every wheel sample. With `fuse_map`, MAP_POSE in as well. Products are a function of the channels' sequences (see
 /// Sequencer) as long as none lags by more than its hold; what comes later still counts (see RewindingFilter). tick()
 /// only notices silence, for the faults. Latency is in message time: how far the sensors are ahead when an estimate is
-/// sent. With `state_file` it saves what it believes (tick), and goes on from there when it was killed.
+/// sent. With `state_file` it has what it believes saved (tick), and goes on from there when it was killed.
 class EkfNode final : public Node {
  public:
   EkfNode(const base::EkfConfig& config, Publisher& publisher);
@@ -59,9 +60,9 @@ class EkfNode final : public Node {
   std::int32_t imu_status_ = 0;
   wheels_t last_wheels_{};
   std::optional<model::Estimate> last_;
-  std::int64_t now_ = 0;          // us, of the last tick
-  std::int64_t state_saved_ = 0;  // us
-  bool state_saves_ = true;
+  std::int64_t now_ = 0;         // us, of the last tick
+  std::int64_t state_kept_ = 0;  // us
+  std::optional<filter::StateKeeper> state_keeper_;
   std::vector<model::Estimate> estimates_;
 };
 

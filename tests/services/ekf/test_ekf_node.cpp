@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <random>
+#include <thread>
 
 #include "tests/services/ekf/ekf_node_test.hpp"
 #include "tests/temporary_folder.hpp"
@@ -136,6 +138,8 @@ TEST_F(EkfNodeTest, AStateFileThatCannotBeWrittenIsAFault) {
     send(rig, i);
     rig.node.tick(drive_.imu[i].utime);
   }
+  for (int i = 0; i < 6000 && rig.node.report().counters["faults.state_file"] == 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_GT(rig.node.report().counters["faults.state_file"], 0);
   ASSERT_FALSE(rig.node.report().faults.empty());
   EXPECT_NE(rig.node.report().faults.back().find("/no/such/folder"), std::string::npos);

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "services/ekf/model/error_state.hpp"
+
+namespace curbstone::ekf::filter {
+
+/// Writes what the filter believes to its state file (state_file.hpp) in a thread of its own: a file system that
+/// flushes when a file is replaced (ext4) may block for a second, and odometry does not wait for it. Of what is handed
+/// over meanwhile the newest is written; the destructor writes the last.
+class StateKeeper {
+ public:
+  explicit StateKeeper(std::string path);
+  ~StateKeeper();
+  StateKeeper(const StateKeeper&) = delete;
+  StateKeeper& operator=(const StateKeeper&) = delete;
+
+  /// Returns at once.
+  void keep(const model::Belief& belief);
+  [[nodiscard]] const std::string& path() const { return path_; }
+  /// How many could not be written.
+  [[nodiscard]] int failures() const { return failures_; }
+  /// Whether the last one could not.
+  [[nodiscard]] bool failing() const { return failing_; }
+
+ private:
+  void write(const std::stop_token& stop);
+
+  const std::string path_;
+  std::atomic<int> failures_ = 0;
+  std::atomic<bool> failing_ = false;
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::optional<model::Belief> newest_;  // not written yet
+  std::jthread thread_;                  // last: it ends before what it uses
+};
+
+}  // namespace curbstone::ekf::filter
