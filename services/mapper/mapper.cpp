@@ -15,6 +15,13 @@ constexpr double kLongestStep = 0.3;                 // s between scans that tel
 constexpr double kStandsStill = 0.5;                 // s without a motion, from which a vehicle without odometry stands
 constexpr std::int64_t kSearchPeriod = 500'000;      // us between two searches for where the vehicle is,
 constexpr std::int64_t kSearchAnywhere = 2'000'000;  // and where it may be anywhere: that takes most of a second
+constexpr double kGuess = 1.0;                       // m that a guess from the speed alone may be off, at least
+
+Pose upright(double x, double y, double yaw) {
+  Pose T_map_base(Eigen::Translation3d(x, y, 0));
+  T_map_base.rotate(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+  return T_map_base;
+}
 
 }  // namespace
 
@@ -32,8 +39,7 @@ void Mapper::load(const storage::SavedMap& map) {
   for (const storage::SavedTile& tile : map.tiles) dense_.load(tile.key, tile.z_origin, tile.utime, tile.points);
   for (const scan::Keyframe& node : map.nodes) atlas_.add_known(node);
   for (const pose_graph::PoseEdge& edge : map.edges) atlas_.add_known(edge);
-  Pose T_map_start(Eigen::Translation3d(config_.start_x, config_.start_y, 0));
-  T_map_start.rotate(Eigen::AngleAxisd(config_.start_yaw, Eigen::Vector3d::UnitZ()));
+  Pose T_map_start = upright(config_.start_x, config_.start_y, config_.start_yaw);
   const int nearest = atlas_.nearest(T_map_start.translation());
   if (nearest != pose_graph::Atlas::kNone) {
     T_map_start.translation().z() = atlas_.node(nearest).T_map_base.translation().z();
@@ -41,13 +47,58 @@ void Mapper::load(const storage::SavedMap& map) {
   tracker_.begin_at(T_map_start, config_.start_radius);
 }
 
+void Mapper::resume(journal::RecordedDrive drive) {
+  left_off_ = drive.poses.back();
+  const auto num_known = static_cast<std::size_t>(drive.num_known);
+  for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
+    journal::RecordedNode& node = drive.nodes[i];
+    if (i < num_known)
+      atlas_.add_known(std::move(node.kept));
+    else
+      atlas_.restore(std::move(node.kept), node.driven);
+  }
+  for (const pose_graph::PoseEdge& edge : drive.edges) atlas_.add_known(edge);
+  for (auto& [key, tile] : drive.tiles) {
+    dense_.restore(key, tile.z_origin, std::move(tile.records), std::move(tile.runs),
+                   left_off_->T_map_base.translation());
+  }
+  for (const journal::RecordedPose& pose : drive.poses) {
+    const Pose T_odom_base = pose.T_map_odom.inverse() * pose.T_map_base;
+    trajectory_.add({pose.utime, pose.revolution, pose.T_map_base, pose.node},
+                    pose.with_odometry ? std::optional(T_odom_base) : std::nullopt, atlas_);
+  }
+}
+
+/// Before the first scan after another mapper of this drive died. Where odometry leads from its last pose is about
+/// where the vehicle is, and registration says whether it is there. Without odometry it is sought.
+void Mapper::take_up(const journal::RecordedPose& last, const scan::Scan& scan, const scan::OdometryHistory& odometry) {
+  const double reach = config_.tracker.max_speed * std::abs(scan::seconds(last.utime, scan.start)) + kGuess;
+  const Eigen::Vector3d was_at = last.T_map_base.translation();
+  if (last.with_odometry && scan.start > last.utime && odometry.covers(scan.start, scan.end)) {
+    const Pose T_map_base = normalised(last.T_map_odom * odometry.at(scan.start));
+    const double path = (T_map_base.translation() - was_at).norm();
+    if (path < reach) {  // else it is another odom frame: its filter began anew, too
+      T_map_odom_ = last.T_map_odom;
+      tracker_.resume(scan.start, T_map_base, path);
+      local_map_.rebuild(T_map_base, last.node);
+      standstill_ = Standstill{last.standing_since, last.utime, last.T_map_base, last.has_moved};
+      return;
+    }
+  }
+  Pose T_map_start = upright(was_at.x(), was_at.y(), roll_pitch_yaw(last.T_map_base.linear()).z());
+  T_map_start.translation().z() = was_at.z();
+  tracker_.begin_at(T_map_start, reach);
+}
+
 storage::MapSnapshot Mapper::snapshot(std::int32_t epoch, const storage::MapVersions& on_disk) const {
   return storage::take_snapshot(dense_.map(), atlas_, config_.dense.voxel, epoch, on_disk);
 }
 
 std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
+  if (left_off_) take_up(*left_off_, scan, odometry);
   const std::optional<tracking::Tracked> tracked = tracker_.track(scan, odometry);
   if (!tracked) return std::nullopt;
+  if (std::exchange(left_off_, std::nullopt)) counters_.add(tracked->began ? "resumed.lost" : "resumed");
   const auto T_odom_base = odometry.covers(scan.end, scan.end) ? std::optional(odometry.at(scan.end)) : std::nullopt;
   if (tracked->began) standstill_ = Standstill::at(tracked->utime, tracked->T_map_base);
 
@@ -58,7 +109,7 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   if (T_odom_base) T_map_odom_ = normalised(T_map_base * T_odom_base->inverse());
   const tracking::Fix fix = relocalised ? tracking::Fix::kTentative : tracked->fix;
   if (fix == tracking::Fix::kTracking && atlas_.reference() != pose_graph::Atlas::kNone) {
-    trajectory_.add({scan.end, scan.number, T_map_base}, T_odom_base, atlas_);
+    trajectory_.add({scan.end, scan.number, T_map_base, atlas_.reference()}, T_odom_base, atlas_);
   }
 
   MapperUpdate update;
@@ -72,6 +123,8 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   update.registered = tracked->registered || relocalised;
   update.with_odometry = tracked->with_odometry;
   update.stationary = tracked->stationary || (mapped && mapped->stands);
+  update.standing_since = standstill_.began;
+  update.has_moved = standstill_.has_moved;
   update.rearranged = (relocalised && relocalised->rolled_back) || (mapped && mapped->rearranged);
   return update;
 }

@@ -8,6 +8,7 @@
 #include "common/geometry/geometry.hpp"
 #include "services/mapper/config/mapper_config.hpp"
 #include "services/mapper/dense_map/dense_worker.hpp"
+#include "services/mapper/journal/recorded_drive.hpp"
 #include "services/mapper/local_map.hpp"
 #include "services/mapper/pose_graph/atlas.hpp"
 #include "services/mapper/pose_graph/loop_closer.hpp"
@@ -35,7 +36,9 @@ struct MapperUpdate {
   bool registered = false;
   bool with_odometry = false;
   bool stationary = false;
-  bool rearranged = false;  ///< a loop was closed, or the map rolled back: every tile may be another
+  std::int64_t standing_since = 0;  ///< us, when the drive's first standstill began,
+  bool has_moved = false;           ///< and whether it is over
+  bool rearranged = false;          ///< a loop was closed, or the map rolled back: every tile may be another
 };
 
 /// The mapper's method: track each scan, relocalise if lost, map what fits. The drive is remembered as a graph of
@@ -44,7 +47,8 @@ struct MapperUpdate {
 /// it first.
 ///
 /// Counters: those of Tracker, LoopCloser and DenseMap (these when it was last waited for); searches (for where the
-/// vehicle is, while lost), searches.found, rolled_back.
+/// vehicle is, while lost), searches.found, rolled_back, resumed (a drive that another began), resumed.lost (the same,
+/// without odometry from its last pose).
 class Mapper {
  public:
   explicit Mapper(const config::MapperConfig& config);
@@ -52,6 +56,10 @@ class Mapper {
   /// Before the first scan: a map of an earlier drive, which stands fast. The drive begins about at the start
   /// that the configuration gives.
   void load(const storage::SavedMap& map);
+
+  /// Before the first scan: the drive of a mapper that died. The next scan goes on with it: in its frame, about where
+  /// odometry leads from its last pose; where that is not so the place is sought.
+  void resume(journal::RecordedDrive drive);
 
   /// Takes the next scan; nothing when it cannot be placed in time or holds too few points that can be
   /// measurements: see Tracker::track(). Such changes nothing.
@@ -109,6 +117,7 @@ class Mapper {
     Pose T_map_base;
     std::int64_t utime;
   };
+  void take_up(const journal::RecordedPose& last, const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] std::optional<Relocalisation> relocalise(const tracking::Tracked& tracked,
                                                          const std::optional<Pose>& T_odom_base);
   [[nodiscard]] bool roll_back_to_agreement(const Pose& T_map_base, std::int64_t utime,
@@ -131,8 +140,9 @@ class Mapper {
   StartHold start_hold_;
   Trajectory trajectory_;
   Standstill standstill_;
-  std::optional<Earlier> earlier_;  // unless the map has been rearranged since
-  std::int64_t searched_ = 0;       // us
+  std::optional<Earlier> earlier_;                 // unless the map has been rearranged since
+  std::optional<journal::RecordedPose> left_off_;  // of the mapper that died, until the first scan
+  std::int64_t searched_ = 0;                      // us
   Pose T_map_odom_ = Pose::Identity();
   Counters counters_;
 };

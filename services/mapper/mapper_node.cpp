@@ -7,8 +7,10 @@
 #include <curbstone/map_pose_t.hpp>
 #include <utility>
 
+#include "common/config/config.hpp"
 #include "common/time/clock.hpp"
 #include "common/time/microseconds.hpp"
+#include "services/mapper/journal/journal_file.hpp"
 #include "services/mapper/storage/map_folder.hpp"
 
 namespace curbstone::mapper {
@@ -16,14 +18,35 @@ namespace {
 
 constexpr std::size_t kMaxPending = 80;  // scans that wait for odometry; 20 Hz: 4 s
 constexpr std::int64_t kIndexPeriod = 1'000'000;
-constexpr int kOdometryMissing = 5;  // scans in a row: the last ones of a drive have none to their end
+constexpr std::int64_t kToldFor = 60'000'000;  // us of the drive, that a new map began
+constexpr int kOdometryMissing = 5;            // scans in a row: the last ones of a drive have none to their end
+
+std::vector<journal::RecordedPose> recorded(const std::vector<TrajectoryPoint>& drive) {
+  std::vector<journal::RecordedPose> poses;
+  poses.reserve(drive.size());
+  for (const TrajectoryPoint& point : drive)
+    poses.push_back({point.utime, point.revolution, point.node, point.T_map_base});
+  return poses;
+}
+
+std::vector<TrajectoryPoint> points_of(const std::vector<journal::RecordedPose>& drive) {
+  std::vector<TrajectoryPoint> points;
+  points.reserve(drive.size());
+  for (const journal::RecordedPose& pose : drive)
+    points.push_back({pose.utime, pose.revolution, pose.T_map_base, pose.node});
+  return points;
+}
 
 }  // namespace
 
 MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
     : config_(config), bus_(bus), sender_(bus), mapper_(config) {
   if (!config_.folder.empty() && config_.mode != config::MapMode::kLocalise) saver_.emplace(config_.folder);
-  if (config_.mode == config::MapMode::kMap) return;
+  if (!resume_drive() && config_.mode != config::MapMode::kMap) begin_map();
+}
+
+/// With the map of an earlier drive.
+void MapperNode::begin_map() {
   const storage::SavedMap map = storage::load_map(config_.folder);
   if (std::abs(map.voxel - config_.dense.voxel) > 1e-9) {
     throw storage::MapFolderError(fmt::format("{}: its voxels are {} m, those of the configuration {}", config_.folder,
@@ -32,6 +55,34 @@ MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
   if (map.nodes.empty()) throw storage::MapFolderError(config_.folder + ": holds no nodes to find the vehicle by");
   epoch_before_ = map.epoch;
   mapper_.load(map);
+}
+
+/// Whether there is a drive that a mapper was killed in, a moment ago.
+bool MapperNode::resume_drive() {
+  if (config_.journal.empty()) return false;
+  ConfigOf<config::MapperConfig> config;
+  config.value = config_;
+  const std::string hash = config_hash("mapper", config);
+  const auto max_bytes = static_cast<std::size_t>(config_.journal_mb * 1e6);
+  journal_.emplace(config_.journal, max_bytes, hash);
+  const std::optional<double> age = journal::age_of_journal(config_.journal);
+  if (!age) return false;
+  if (std::abs(*age) > config_.resume_within_s) {
+    counters_.add("journal.old");
+    return false;
+  }
+  try {
+    std::optional<journal::RecordedDrive> drive = journal::read_journal(config_.journal, max_bytes, hash);
+    if (!drive) return false;
+    epoch_before_ = drive->epoch;
+    resumed_drive_ = points_of(drive->poses);
+    mapper_.resume(std::move(*drive));
+    return true;
+  } catch (const journal::JournalError& error) {
+    counters_.add("journal.refused");
+    not_resumed_ = fmt::format("a new map begins: {}", error.what());
+    return false;
+  }
 }
 
 void MapperNode::connect(Subscriber& bus) {
@@ -117,6 +168,7 @@ void MapperNode::process(const scan::Scan& scan) {
   position_ = update->T_map_base.translation();
   if (epoch_ == 0 || update->rearranged) begin_epoch(*update);
   publish_pose(*update);
+  if (journal_) keep_journal(*update);
   has_news_ = true;
   is_pause_ = false;
 }
@@ -125,10 +177,19 @@ void MapperNode::begin_epoch(const MapperUpdate& update) {
   const auto now = static_cast<std::int32_t>(std::clamp<std::int64_t>(update.utime / 1'000'000, 1, 2'147'483'000));
   epoch_ = std::max({epoch_ + 1, epoch_before_ + 1, now});
   counters_.add("epochs");
-  std::vector<TrajectoryPoint> drive = mapper_.trajectory();
+  std::vector<TrajectoryPoint> drive =
+      resumed_drive_.empty() ? mapper_.trajectory() : std::exchange(resumed_drive_, {});
   std::erase_if(drive, [&](const auto& point) { return point.utime >= update.utime; });  // MAP_POSE tells of the rest
   mapper_.wait();
   sender_.start_epoch(epoch_, mapper_.dense(), position_, drive);
+  if (journal_) journal_->start_epoch(epoch_, recorded(drive));
+}
+
+void MapperNode::keep_journal(const MapperUpdate& update) {
+  const int node = mapper_.atlas().reference();
+  if (update.fix != tracking::Fix::kTracking || node == pose_graph::Atlas::kNone) return;
+  journal_->add({update.utime, update.revolution, node, update.T_map_base, update.T_map_odom, update.with_odometry,
+                 update.standing_since, update.has_moved});
 }
 
 void MapperNode::publish_pose(const MapperUpdate& update) {
@@ -154,15 +215,20 @@ void MapperNode::publish_pose(const MapperUpdate& update) {
   bus_.publish("MAP_POSE", message);
 }
 
-void MapperNode::take_changes() {
+void MapperNode::take_changes(std::int64_t now) {
   mapper_.wait_grown();
-  sender_.changed(mapper_.take_changed());
-  sender_.forget(mapper_.take_evicted());
+  const std::vector<TileKey> changed = mapper_.take_changed();
+  const std::vector<TileKey> evicted = mapper_.take_evicted();
+  sender_.changed(changed);
+  sender_.forget(evicted);
+  if (!journal_) return;
+  if (journal_->wants_anew(now)) journal_->start_epoch(epoch_, recorded(mapper_.trajectory()));
+  journal_->write(mapper_.grown(), mapper_.atlas(), changed, evicted, now);
 }
 
-void MapperNode::send_changes() {
+void MapperNode::send_changes(std::int64_t now) {
   has_news_ = false;
-  take_changes();
+  take_changes(now);
   sender_.send_changes(mapper_.grown());
 }
 
@@ -171,14 +237,14 @@ void MapperNode::send_index(std::int64_t now) {
   index_sent_ = now;
 }
 
-void MapperNode::caught_up(std::int64_t /*now*/) {
-  if (has_news_ && epoch_ != 0) send_changes();
+void MapperNode::caught_up(std::int64_t now) {
+  if (has_news_ && epoch_ != 0) send_changes(now);
 }
 
 void MapperNode::tick(std::int64_t now) {
   if (epoch_ == 0) return;
   sender_.send_trajectory();
-  send_changes();
+  send_changes(now);
   sender_.send_requested(mapper_.grown());
   if (std::abs(now - index_sent_) >= kIndexPeriod) send_index(now);
   keep_map();
@@ -189,11 +255,12 @@ void MapperNode::finish() {
   queue(assembler_.flush());
   process_due(true);
   if (epoch_ == 0) return;
-  take_changes();
+  take_changes(last_end_);
   sender_.changed(mapper_.finish());
   sender_.finish(mapper_.dense());
   send_index(last_end_);
   keep_map_at_the_end();
+  if (journal_) journal_->remove();
 }
 
 /// Every so often of message time. Only what is new is copied here; another thread writes it.
@@ -226,6 +293,8 @@ NodeReport MapperNode::report() const {
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
   if (saver_ && !saver_->fault().empty()) report.faults.push_back(saver_->fault());
+  if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());
+  if (!not_resumed_.empty() && last_end_ - first_lidar_ < kToldFor) report.faults.push_back(not_resumed_);
   if (lidar_time_ == 0) report.faults.push_back("no LIDAR_POINTS");
   if (epoch_ != 0 && without_odometry_ >= kOdometryMissing)
     report.faults.push_back("no usable ODOMETRY: assuming constant velocity");

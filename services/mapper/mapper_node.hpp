@@ -8,6 +8,7 @@
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
 #include "services/mapper/config/mapper_config.hpp"
+#include "services/mapper/journal/drive_journal.hpp"
 #include "services/mapper/map_sender.hpp"
 #include "services/mapper/mapper.hpp"
 #include "services/mapper/scan/odometry_history.hpp"
@@ -46,11 +47,14 @@ class MapperNode final : public Node {
   /// A new epoch: the map begins, or has been rearranged as a whole and goes out anew.
   void begin_epoch(const MapperUpdate& update);
   void publish_pose(const MapperUpdate& update);
-  void take_changes();
-  void send_changes();
+  void take_changes(std::int64_t now);
+  void send_changes(std::int64_t now);
   void send_index(std::int64_t now);
   void keep_map();
   void keep_map_at_the_end();
+  void begin_map();
+  [[nodiscard]] bool resume_drive();
+  void keep_journal(const MapperUpdate& update);
 
   config::MapperConfig config_;
   Publisher& bus_;
@@ -66,6 +70,9 @@ class MapperNode final : public Node {
   std::int32_t epoch_before_ = 0;  // of the map on disk
   std::optional<storage::MapSaver> saver_;
   std::int64_t kept_ = 0;  // us, message time
+  std::optional<journal::DriveJournal> journal_;
+  std::string not_resumed_;                     // why the drive before was not gone on with
+  std::vector<TrajectoryPoint> resumed_drive_;  // of the mapper before, until it has gone out
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
 
   bool has_news_ = false;  // a scan whose tiles have not gone out

@@ -14,8 +14,8 @@ constexpr std::int64_t kWitness = 30'000'000;  // us for which odometry can tell
 
 void Trajectory::add(const TrajectoryPoint& point, const std::optional<Pose>& T_odom_base,
                      const pose_graph::Atlas& atlas) {
-  const Pose T_node_base = atlas.node(atlas.reference()).T_map_base.inverse() * point.T_map_base;
-  const Footprint footprint{point.utime, point.revolution, atlas.reference(), T_node_base.translation().cast<float>(),
+  const Pose T_node_base = atlas.node(point.node).T_map_base.inverse() * point.T_map_base;
+  const Footprint footprint{point.utime, point.revolution, point.node, T_node_base.translation().cast<float>(),
                             Eigen::Quaterniond(T_node_base.linear()).cast<float>()};
   const bool stands = !footprints_.empty() && footprints_.back().node == footprint.node &&
                       (footprints_.back().position - footprint.position).norm() < kFootprint;
@@ -33,7 +33,7 @@ void Trajectory::roll_back(std::int64_t utime) {
 std::vector<TrajectoryPoint> Trajectory::points(const pose_graph::Atlas& atlas) const {
   std::vector<TrajectoryPoint> points;
   points.reserve(footprints_.size());
-  for (const Footprint& f : footprints_) points.push_back({f.utime, f.revolution, T_map_of(f, atlas)});
+  for (const Footprint& f : footprints_) points.push_back({f.utime, f.revolution, T_map_of(f, atlas), f.node});
   return points;
 }
 

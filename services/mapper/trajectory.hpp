@@ -15,6 +15,7 @@ struct TrajectoryPoint {
   std::int64_t utime;  ///< us
   std::int32_t revolution;
   Pose T_map_base;
+  std::int32_t node = 0;  ///< of the atlas, that the vehicle was at
 };
 
 /// The drive's poses, each kept as it is seen from a keyframe: when a loop is closed they move with the keyframes.
@@ -22,7 +23,7 @@ struct TrajectoryPoint {
 /// thread.
 class Trajectory {
  public:
-  /// A scan that was tracked. The vehicle is at the atlas's reference; `T_odom_base` where odometry covers its end.
+  /// A scan that was tracked. `T_odom_base` where odometry covers its end.
   void add(const TrajectoryPoint& point, const std::optional<Pose>& T_odom_base, const pose_graph::Atlas& atlas);
   /// Forgets what came after `utime`, and what odometry said.
   void roll_back(std::int64_t utime);

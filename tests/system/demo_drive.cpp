@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -97,6 +99,12 @@ std::string DemoDrive::replay() const {
                                   100);
   if (result.exit_status != 0) throw std::runtime_error(result.err);
   return file;
+}
+
+int DemoDrive::map_files() const {
+  const std::filesystem::directory_iterator files(folder_.path());
+  return static_cast<int>(
+      std::count_if(begin(files), end(files), [](const auto& file) { return file.path().extension() == ".db"; }));
 }
 
 std::vector<std::string> DemoDrive::losses() const {

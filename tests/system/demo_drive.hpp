@@ -41,6 +41,8 @@ class DemoDrive {
 
   [[nodiscard]] MapContent map() const { return read_map(map_file()); }
   [[nodiscard]] std::string map_file() const { return folder_ / "map.db"; }
+  /// That the drive has left: its own, and those kept of drives before.
+  [[nodiscard]] int map_files() const;
   [[nodiscard]] std::string output() const { return deputy_->output(); }
   /// What the processes lost, by "service counter"; empty when nothing was.
   [[nodiscard]] std::vector<std::string> losses() const;

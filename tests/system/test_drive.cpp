@@ -71,6 +71,27 @@ TEST(Drive, AVotingWorkerKilledMidDriveComesBackAndTheMapConverges) {
       << "what a cell's class turns on, live pacing may shift a little";
 }
 
+TEST(Drive, AMapperKilledMidDriveComesBackAndTheMapHoldsTheWholeDrive) {
+  DemoDrive drive("--town --seed 1 --seconds 12", "--settle 15");
+  ASSERT_TRUE(drive.wait_for_scans(160)) << drive.output();
+  const map_pose_t before = drive.pose;
+  ASSERT_TRUE(drive.kill_and_see_it_come_back("mapper")) << drive.output();
+  ASSERT_TRUE(drive.bus.wait_until([&] { return drive.pose.epoch != before.epoch; }, 20)) << "it does not go on";
+  EXPECT_GE(drive.pose.map_base_position[0], before.map_base_position[0]) << "in the frame of before";
+  EXPECT_TRUE(drive.bus.wait_until([&] { return drive.bus.counter("mapper", "resumed") == 1; }, 20)) << drive.output();
+  EXPECT_EQ(drive.wait_for_end(), 0) << drive.output();
+  EXPECT_FALSE(drive.bus.has_fault("semantic_map", "mid-drive")) << "it is the same drive";
+  expect_a_street(drive.map());
+  EXPECT_EQ(drive.map_files(), 1) << "one drive, one map";
+
+  const std::string replayed = drive.replay();  // without that accident
+  if (drive.emulator_late() > DemoDrive::kEmulatorLate) {
+    GTEST_SKIP() << "maps not compared: the emulator itself came " << drive.emulator_late() << " s late, and lost was "
+                 << ::testing::PrintToString(drive.losses());
+  }
+  EXPECT_GT(agreement(drive.map_file(), replayed), 0.95) << "a map begun anew has another frame";
+}
+
 TEST(Drive, AnEkfKilledMidDriveComesBackAndMappingGoesOn) {
   DemoDrive drive("--town --seed 1 --seconds 14");
   ASSERT_TRUE(drive.wait_for_scans(120)) << drive.output();

@@ -72,7 +72,8 @@ class Collector {
 }  // namespace
 
 CalibrationData read_drive(const std::string& log, const std::string& config_file, bool map_anew) {
-  const auto mapper_config = load<mapper::config::MapperConfig>("mapper", config_file);
+  auto mapper_config = load<mapper::config::MapperConfig>("mapper", config_file);
+  mapper_config.journal.clear();  // of the vehicle's own drive
   const bool given = !map_anew && has_map_poses(log);
   LocalBus bus;
   Collector collector(bus, mapper_config.vehicle.T_base_lidar());

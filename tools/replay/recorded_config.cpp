@@ -43,7 +43,8 @@ const std::string& value_in(const Values& values, const std::string& key) {
 }
 
 bool set_by_replay(const std::string& key) {
-  return key == "semantic_map.map" || key == "semantic_map.keep_earlier_drives" || key == "ekf.state_file";
+  return key == "semantic_map.map" || key == "semantic_map.keep_earlier_drives" || key == "ekf.state_file" ||
+         key == "mapper.journal";
 }
 
 }  // namespace

@@ -53,7 +53,8 @@ ReplayVehicle::ReplayVehicle(const ReplayOptions& options, LocalBus& bus) : bus_
   auto ekf = configured<ekf::base::EkfConfig>("ekf", options, ekf_text);
   ekf.state_file.clear();  // another vehicle's, or of another time
   std::string mapper_text;
-  const auto mapper = configured<mapper::config::MapperConfig>("mapper", options, mapper_text);
+  auto mapper = configured<mapper::config::MapperConfig>("mapper", options, mapper_text);
+  mapper.journal.clear();  // likewise
   std::string voting_text;
   const auto voting = configured<tensor_voting::worker::TensorVotingConfig>("tensor_voting", options, voting_text);
   using tensor_voting::worker::TensorVotingNode;

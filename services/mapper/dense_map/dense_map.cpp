@@ -311,6 +311,17 @@ void DenseMap::load(TileKey key, std::int32_t z_origin, std::int64_t utime, cons
   tiles_.sleep(key);
 }
 
+/// What was far from the vehicle, or is of an earlier drive, was asleep.
+void DenseMap::restore(TileKey key, std::int32_t z_origin, std::vector<TilePoint> records,
+                       std::vector<DenseTile::Run> runs, const Eigen::Vector3d& at) {
+  const bool is_near = distance_of(key, at) < config_.max_range + kAwake;
+  const bool is_fixed = !runs.empty() && runs.front().anchor == kFixed;
+  DenseTile& tile = tiles_.wake_or_make(key, z_origin);
+  tile.restore(std::move(records), std::move(runs), is_near && !is_fixed);
+  size_ += static_cast<std::int64_t>(tile.num_points());
+  num_removals_ += static_cast<std::int64_t>(tile.num_removals());
+}
+
 std::vector<TileKey> DenseMap::take_evicted() {
   return std::exchange(evicted_, {});
 }

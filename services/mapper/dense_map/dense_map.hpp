@@ -49,6 +49,10 @@ class DenseMap {
   void roll_back(std::int64_t utime);
   /// Takes a tile of an earlier map, which moves no more. The key must be new.
   void load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points);
+  /// Takes a tile of this drive from who mapped it before; the vehicle is `at` a place (map). The key must be new, the
+  /// records and runs must be those of a tile.
+  void restore(TileKey key, std::int32_t z_origin, std::vector<TilePoint> records, std::vector<DenseTile::Run> runs,
+               const Eigen::Vector3d& at);
 
   /// What is still waiting for more hits goes in as it is; what must prove that it stays, does not.
   std::vector<TileKey> finish();

@@ -4,6 +4,7 @@
 #include <limits>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 namespace curbstone::mapper::dense_map {
 namespace {
@@ -171,6 +172,17 @@ void DenseTile::cut_after(std::int64_t utime) {
   }
   give_back(vacated_);
   if (!asleep_) index_points();
+}
+
+void DenseTile::restore(std::vector<TilePoint> records, std::vector<Run> runs, bool awake) {
+  records_ = std::move(records);
+  runs_ = std::move(runs);
+  for (const Run& run : runs_) utime_ = std::max(utime_, run.utime);
+  num_removals_ = static_cast<std::size_t>(std::count_if(records_.begin(), records_.end(), is_removal));
+  if (awake)
+    index_points();
+  else
+    sleep();
 }
 
 float& DenseTile::lowest(int column, int row) {

@@ -64,6 +64,8 @@ class DenseTile {
   [[nodiscard]] std::size_t end_of(std::size_t run) const {
     return run + 1 < runs_.size() ? static_cast<std::size_t>(runs_[run + 1].first) : records_.size();
   }
+  /// Takes the records of a tile that was, as they are; for a tile that has none. Not `awake`: it sleeps.
+  void restore(std::vector<TilePoint> records, std::vector<Run> runs, bool awake);
   /// Forgets the runs that began after `utime`: what they took out is there again.
   void cut_after(std::int64_t utime);
   /// When the newest point came, us. A fact of the content: whenever and in how many messages it is sent.

@@ -81,6 +81,13 @@ void DenseWorker::load(TileKey key, std::int32_t z_origin, std::int64_t utime, c
   note_change();
 }
 
+void DenseWorker::restore(TileKey key, std::int32_t z_origin, std::vector<TilePoint> records,
+                          std::vector<DenseTile::Run> runs, const Eigen::Vector3d& at) {
+  wait();
+  map_.restore(key, z_origin, std::move(records), std::move(runs), at);
+  note_change();
+}
+
 void DenseWorker::move(const std::vector<Pose>& corrections) {
   wait();
   map_.move(corrections);

@@ -60,6 +60,8 @@ class DenseWorker {
 
   /// Each of these changes the map as DenseMap's own do. Waits until all is done first.
   void load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points);
+  void restore(TileKey key, std::int32_t z_origin, std::vector<TilePoint> records, std::vector<DenseTile::Run> runs,
+               const Eigen::Vector3d& at);
   void move(const std::vector<Pose>& corrections);
   void roll_back(std::int64_t utime);
   [[nodiscard]] std::vector<TileKey> finish();

@@ -22,11 +22,6 @@ int tiles_on(int along) {
   return along < 0 ? -1 : (along >= kStepsPerTile ? 1 : 0);
 }
 
-/// m, in the plane, of a tile's middle from a place.
-double distance_of(TileKey key, const Eigen::Vector3d& place) {
-  return std::hypot((key.x + 0.5) * kTileSize - place.x(), (key.y + 0.5) * kTileSize - place.y());
-}
-
 /// From a voxel to those about it: across its sides first, where a surface goes on or its noise is.
 const std::array<Eigen::Vector3i, 26> kVoxelsAbout = [] {
   std::array<Eigen::Vector3i, 26> steps;

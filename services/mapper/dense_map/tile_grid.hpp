@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -15,6 +16,11 @@ namespace curbstone::mapper::dense_map {
 /// Where a tile's points are counted from, m in map.
 [[nodiscard]] inline Eigen::Vector3d corner_of(TileKey key, const DenseTile& tile) {
   return {key.x * kTileSize, key.y * kTileSize, static_cast<double>(tile.z_origin())};
+}
+
+/// m, in the plane, of a tile's middle from a place.
+[[nodiscard]] inline double distance_of(TileKey key, const Eigen::Vector3d& place) {
+  return std::hypot((key.x + 0.5) * kTileSize - place.x(), (key.y + 0.5) * kTileSize - place.y());
 }
 
 /// The tiles of the dense map, and what lies across their borders. Those far from the vehicle sleep; whoever asks for

@@ -69,6 +69,11 @@ void Atlas::add_known(const PoseEdge& edge) {
   connect(edge);
 }
 
+void Atlas::restore(scan::Keyframe node, double driven) {
+  driven_ = driven;
+  nodes_.push_back({std::move(node), driven, false, {}});
+}
+
 std::vector<Pose> Atlas::poses() const {
   std::vector<Pose> poses;
   poses.reserve(nodes_.size());

@@ -33,6 +33,8 @@ class Atlas {
   /// Takes a node and edges of an earlier map as they are. Before the first visit().
   int add_known(scan::Keyframe node);
   void add_known(const PoseEdge& edge);
+  /// Takes a node of this drive from who made it before; `driven`: m, as driven(). Not present.
+  void restore(scan::Keyframe node, double driven);
 
   [[nodiscard]] int size() const { return static_cast<int>(nodes_.size()); }
   [[nodiscard]] const scan::Keyframe& node(int id) const { return nodes_[static_cast<std::size_t>(id)].kept; }

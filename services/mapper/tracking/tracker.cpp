@@ -17,6 +17,7 @@ constexpr double kFirmOverlap = 0.4;               // what a scan must show to b
 constexpr double kFirmInliers = 0.75;
 constexpr double kDoubtSpeed = 3.0;             // m/s, how doubt grows while lost or when nothing tells of the motion,
 constexpr double kGuidedDoubt = 0.05;           // and m a metre when odometry does
+constexpr double kGuidedTurn = 0.005;           // rad, of its attitude, after a metre
 constexpr std::int64_t kNewGround = 6'000'000;  // us, by when it has been sought everywhere, and
 constexpr double kNewGroundPath = 10.0;         // m by odometry, without a fit: these surroundings are new
 
@@ -236,6 +237,17 @@ void Tracker::begin_at(const Pose& T_map_base, double doubt) {
   fix_ = Fix::kLost;
   blind_ = true;
   doubt_ = doubt;
+}
+
+void Tracker::resume(std::int64_t utime, const Pose& T_map_base, double path) {
+  last_ = Last{utime, T_map_base};
+  fix_ = Fix::kTracking;
+  blind_ = false;
+  fitted_ = utime;
+  since_fitted_m_ = path;
+  doubt_ = kGuidedDoubt * path;
+  drift_.topLeftCorner<3, 3>().diagonal().setConstant(doubt_ * doubt_);
+  drift_.bottomRightCorner<3, 3>().diagonal().setConstant(kGuidedTurn * kGuidedTurn * path);
 }
 
 bool Tracker::forget_far() {

@@ -32,6 +32,7 @@ TimedVehicle::TimedVehicle(const TimedVehicleOptions& options, Listener listener
   add("ekf", [&](Publisher& bus) { return std::make_unique<ekf::EkfNode>(ekf, bus); });
   auto mapper =
       config_of<mapper::config::MapperConfig>("mapper", kProcessSections, options.config_file, options.assignments);
+  mapper.journal.clear();
   mapper.threads = 1;  // what another thread does is not on this process's clock
   add("mapper", [&](Publisher& bus) { return std::make_unique<mapper::MapperNode>(mapper, bus); });
   add("tensor_voting", [&](Publisher& bus) {

@@ -166,6 +166,8 @@ VehicleWishes read_vehicle(const std::string& config_file, const std::string& pr
   facts.folders.push_back(folder_at("recorder.file", wishes.recorder_folder));
   if (!ekf.state_file.empty())
     facts.folders.push_back(folder_at("ekf.state_file", fs::path(ekf.state_file).parent_path()));
+  if (!mapper.journal.empty())
+    facts.folders.push_back(folder_at("mapper.journal", fs::path(mapper.journal).parent_path()));
   if (!mapper.folder.empty())
     facts.folders.push_back(folder_at("mapper.folder", fs::path(mapper.folder).parent_path()));
   look_for_devices(imu, encoder, facts);

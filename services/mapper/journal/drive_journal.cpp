@@ -1,0 +1,122 @@
+#include "services/mapper/journal/drive_journal.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "services/mapper/journal/journal_codec.hpp"
+#include "services/mapper/journal/journal_file.hpp"
+
+namespace curbstone::mapper::journal {
+namespace {
+
+constexpr std::int64_t kRetry = 60'000'000;        // us
+constexpr std::int64_t kSignOfLife = 1'000'000;    // us between two batches, at most
+constexpr std::int64_t kStandingPose = 1'000'000;  // us between two poses of a vehicle that stands
+constexpr double kStands = 0.03;                   // m
+constexpr std::size_t kWorthwhile = 1'000'000;     // bytes
+
+}  // namespace
+
+void DriveJournal::start_epoch(std::int32_t epoch, std::vector<RecordedPose> drive) {
+  epoch_ = epoch;
+  poses_ = std::move(drive);
+  last_ = {};
+  begins_ = true;
+  failed_ = 0;
+}
+
+bool DriveJournal::wants_anew(std::int64_t now) const {
+  if (failed_ != 0) return !writer_.is_full() && now - failed_ >= kRetry;
+  return !begins_ && of_gone_tiles_ > std::max(kWorthwhile, writer_.bytes() / 2);
+}
+
+void DriveJournal::add(const RecordedPose& pose) {
+  if (failed_ != 0) return;
+  const bool stands = pose.utime - last_.utime < kStandingPose && pose.has_moved == last_.has_moved &&
+                      (pose.T_map_base.translation() - last_.T_map_base.translation()).norm() < kStands;
+  if (stands) return;
+  last_ = pose;
+  poses_.push_back(pose);
+}
+
+void DriveJournal::write(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas,
+                         const std::vector<TileKey>& changed, const std::vector<TileKey>& evicted, std::int64_t now) {
+  if (epoch_ == 0 || failed_ != 0) return;
+  changed_.insert(changed.begin(), changed.end());
+  for (const TileKey& key : evicted) {
+    changed_.erase(key);
+    const auto written = tiles_.find(key);
+    if (written == tiles_.end()) continue;
+    of_gone_tiles_ += written->second.bytes;
+    tiles_.erase(written);
+    evicted_.push_back(key);
+  }
+  if (writer_.busy()) {
+    if (writer_.is_stuck()) give_up(now, "the disk has taken nothing for a minute");
+    return;
+  }
+  std::string items;
+  if (begins_) {
+    if (poses_.empty()) return;
+    begin(items, map, atlas);
+  }
+  if (!writer_.fault().empty()) return give_up(now, writer_.fault());
+  items += news(map, atlas);
+  if (items.empty() && now - appended_ < kSignOfLife && now >= appended_) return;
+  appended_ = now;
+  writer_.append(make_batch(items), is_complete(atlas));
+}
+
+void DriveJournal::begin(std::string& items, const dense_map::DenseMap& map, const pose_graph::Atlas& atlas) {
+  begins_ = false;
+  fault_.clear();
+  const std::vector<TileKey> keys = map.keys();
+  changed_ = {keys.begin(), keys.end()};
+  evicted_.clear();
+  tiles_.clear();
+  of_gone_tiles_ = 0;
+  nodes_ = 0;
+  edges_ = 0;
+  writer_.begin();
+  append_head(items, config_hash_, epoch_, atlas.num_known());
+}
+
+/// Nodes first: tiles and poses speak of them. The poses last: what led to them is in the file then.
+std::string DriveJournal::news(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas) {
+  std::string items;
+  for (; nodes_ < atlas.size() && items.size() < kBatchBytes; ++nodes_)
+    append_node(items, atlas.node(nodes_), atlas.driven(nodes_));
+  for (; nodes_ == atlas.size() && edges_ < atlas.edges().size() && items.size() < kBatchBytes; ++edges_)
+    append_edge(items, atlas.edges()[edges_]);
+  for (const TileKey& key : std::exchange(evicted_, {})) append_eviction(items, key);
+  while (nodes_ == atlas.size() && !changed_.empty() && items.size() < kBatchBytes) {
+    const TileKey key = *changed_.begin();
+    changed_.erase(changed_.begin());
+    const dense_map::DenseTile* tile = map.tile(key);
+    if (tile == nullptr) continue;
+    Written& written = tiles_[key];
+    if (tile->records().size() <= written.records) continue;
+    const std::size_t before = items.size();
+    append_tile(items, key, *tile, written.records, written.runs);
+    written = {tile->records().size(), tile->runs().size(), written.bytes + items.size() - before};
+  }
+  if (!is_complete(atlas)) return items;
+  for (const RecordedPose& pose : std::exchange(poses_, {})) append_pose(items, pose);
+  return items;
+}
+
+bool DriveJournal::is_complete(const pose_graph::Atlas& atlas) const {
+  return nodes_ == atlas.size() && edges_ == atlas.edges().size() && changed_.empty();
+}
+
+void DriveJournal::give_up(std::int64_t now, const std::string& why) {
+  failed_ = now;
+  fault_ = fmt::format("no journal, a mapper that dies begins a new map: {}", why);
+  poses_.clear();
+  changed_.clear();
+  evicted_.clear();
+}
+
+}  // namespace curbstone::mapper::journal

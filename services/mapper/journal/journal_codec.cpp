@@ -1,0 +1,288 @@
+#include "services/mapper/journal/journal_codec.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+#include <type_traits>
+#include <unordered_set>
+
+namespace curbstone::mapper::journal {
+namespace {
+
+enum class Item : std::uint8_t { kHead = 1, kNode, kEdge, kPose, kTile, kEviction };
+
+template <class Value>
+void put(std::string& out, const Value& value) {
+  static_assert(std::is_trivially_copyable_v<Value>);
+  out.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+void put(std::string& out, const Pose& pose) {
+  for (int i = 0; i < 12; ++i) put(out, pose.matrix()(i / 4, i % 4));
+}
+
+void put(std::string& out, const TilePoint& p) {
+  put(out, p.x);
+  put(out, p.y);
+  put(out, p.z);
+  put(out, p.intensity);
+}
+
+void require(bool holds, const char* what) {
+  if (!holds) throw std::runtime_error(what);
+}
+
+/// Takes the bytes of a batch from left to right.
+class ItemBytes {
+ public:
+  explicit ItemBytes(std::string_view bytes) : rest_(bytes) {}
+  [[nodiscard]] bool empty() const { return rest_.empty(); }
+
+  template <class Value>
+  [[nodiscard]] Value take() {
+    static_assert(std::is_trivially_copyable_v<Value>);
+    Value value;
+    const std::string_view bytes = take_bytes(sizeof value);
+    std::memcpy(&value, bytes.data(), sizeof value);
+    return value;
+  }
+  [[nodiscard]] std::string_view take_bytes(std::size_t size) {
+    require(size <= rest_.size(), "ends within an item");
+    const std::string_view bytes = rest_.substr(0, size);
+    rest_.remove_prefix(size);
+    return bytes;
+  }
+  [[nodiscard]] Pose take_pose() {
+    Pose pose = Pose::Identity();
+    for (int i = 0; i < 12; ++i) pose.matrix()(i / 4, i % 4) = take<double>();
+    require(is_finite(pose), "holds a pose that is not finite");
+    return pose;
+  }
+  [[nodiscard]] TileKey take_key() {
+    const auto x = take<std::int32_t>();
+    return {x, take<std::int32_t>()};
+  }
+  /// How many of `size` bytes each follow.
+  [[nodiscard]] std::size_t take_count(std::size_t size) {
+    const auto count = take<std::uint32_t>();
+    require(count <= rest_.size() / size, "claims more than it holds");
+    return count;
+  }
+
+ private:
+  std::string_view rest_;
+};
+
+constexpr std::size_t kNodePointBytes = 6;
+constexpr std::size_t kRecordBytes = 7;
+constexpr std::size_t kRunBytes = 16;
+
+RecordedNode take_node(ItemBytes& bytes) {
+  RecordedNode node;
+  node.kept.utime = bytes.take<std::int64_t>();
+  node.kept.T_map_base = bytes.take_pose();
+  node.driven = bytes.take<double>();
+  node.kept.points.resize(bytes.take_count(kNodePointBytes));
+  for (scan::KeyframePoint& p : node.kept.points) {
+    p.x = bytes.take<std::int16_t>();
+    p.y = bytes.take<std::int16_t>();
+    p.z = bytes.take<std::int16_t>();
+  }
+  return node;
+}
+
+pose_graph::PoseEdge take_edge(ItemBytes& bytes) {
+  pose_graph::PoseEdge edge;
+  edge.from = bytes.take<std::int32_t>();
+  edge.to = bytes.take<std::int32_t>();
+  edge.closes_loop = bytes.take<std::uint8_t>() != 0;
+  edge.T_from_to = bytes.take_pose();
+  for (int i = 0; i < 36; ++i) edge.information(i / 6, i % 6) = bytes.take<double>();
+  return edge;
+}
+
+RecordedPose take_pose(ItemBytes& bytes) {
+  RecordedPose pose;
+  pose.utime = bytes.take<std::int64_t>();
+  pose.revolution = bytes.take<std::int32_t>();
+  pose.node = bytes.take<std::int32_t>();
+  pose.T_map_base = bytes.take_pose();
+  pose.T_map_odom = bytes.take_pose();
+  pose.with_odometry = bytes.take<std::uint8_t>() != 0;
+  pose.standing_since = bytes.take<std::int64_t>();
+  pose.has_moved = bytes.take<std::uint8_t>() != 0;
+  return pose;
+}
+
+void take_tile(ItemBytes& bytes, RecordedDrive& drive) {
+  const TileKey key = bytes.take_key();
+  RecordedTile& tile = drive.tiles[key];
+  tile.z_origin = bytes.take<std::int32_t>();
+  require(bytes.take<std::uint32_t>() == tile.records.size(), "leaves out records of a tile");
+  const std::size_t records = bytes.take_count(kRecordBytes);
+  for (std::size_t i = 0; i < records; ++i) {
+    TilePoint p;
+    p.x = bytes.take<std::int16_t>();
+    p.y = bytes.take<std::int16_t>();
+    p.z = bytes.take<std::int16_t>();
+    p.intensity = bytes.take<std::uint8_t>();
+    tile.records.push_back(p);
+  }
+  const std::size_t runs = bytes.take_count(kRunBytes);
+  for (std::size_t i = 0; i < runs; ++i) {
+    dense_map::DenseTile::Run run{};
+    run.anchor = bytes.take<std::int32_t>();
+    run.first = bytes.take<std::int32_t>();
+    run.utime = bytes.take<std::int64_t>();
+    tile.runs.push_back(run);
+  }
+}
+
+/// What takes a point out names one that is there.
+void check_removals(const std::vector<TilePoint>& records) {
+  if (std::none_of(records.begin(), records.end(), is_removal)) return;
+  std::unordered_set<std::uint64_t> there;
+  const auto place = [](const TilePoint& p) {
+    return std::uint64_t{static_cast<std::uint16_t>(p.x)} << 32 | std::uint64_t{static_cast<std::uint16_t>(p.y)} << 16 |
+           static_cast<std::uint16_t>(p.z);
+  };
+  for (const TilePoint& record : records) {
+    if (is_removal(record))
+      require(there.erase(place(removal_of(record))) == 1, "takes out a point that is not there");
+    else
+      there.insert(place(record));
+  }
+}
+
+void check_tile(const RecordedTile& tile, std::int32_t num_nodes) {
+  for (const TilePoint& record : tile.records) {
+    const TilePoint point = is_removal(record) ? removal_of(record) : record;
+    require(point.x >= 0 && point.x < kStepsPerTile && point.y >= 0 && point.y < kStepsPerTile,
+            "holds a point outside its tile");
+  }
+  check_removals(tile.records);
+  require(!tile.runs.empty() && tile.runs.front().first == 0, "holds points that nobody made");
+  for (std::size_t i = 0; i < tile.runs.size(); ++i) {
+    const dense_map::DenseTile::Run& run = tile.runs[i];
+    require(run.anchor >= -1 && run.anchor < num_nodes, "holds points of a keyframe that is not there");
+    const bool in_order = i == 0 || run.first > tile.runs[i - 1].first;
+    require(in_order && static_cast<std::size_t>(run.first) < tile.records.size(), "holds runs out of order");
+  }
+}
+
+}  // namespace
+
+void append_head(std::string& out, const std::string& config_hash, std::int32_t epoch, std::int32_t num_known) {
+  put(out, Item::kHead);
+  put(out, static_cast<std::uint32_t>(config_hash.size()));
+  out += config_hash;
+  put(out, epoch);
+  put(out, num_known);
+}
+
+void append_node(std::string& out, const scan::Keyframe& node, double driven) {
+  put(out, Item::kNode);
+  put(out, node.utime);
+  put(out, node.T_map_base);
+  put(out, driven);
+  put(out, static_cast<std::uint32_t>(node.points.size()));
+  for (const scan::KeyframePoint& p : node.points) {
+    put(out, p.x);
+    put(out, p.y);
+    put(out, p.z);
+  }
+}
+
+void append_edge(std::string& out, const pose_graph::PoseEdge& edge) {
+  put(out, Item::kEdge);
+  put(out, static_cast<std::int32_t>(edge.from));
+  put(out, static_cast<std::int32_t>(edge.to));
+  put(out, static_cast<std::uint8_t>(edge.closes_loop));
+  put(out, edge.T_from_to);
+  for (int i = 0; i < 36; ++i) put(out, edge.information(i / 6, i % 6));
+}
+
+void append_pose(std::string& out, const RecordedPose& pose) {
+  put(out, Item::kPose);
+  put(out, pose.utime);
+  put(out, pose.revolution);
+  put(out, pose.node);
+  put(out, pose.T_map_base);
+  put(out, pose.T_map_odom);
+  put(out, static_cast<std::uint8_t>(pose.with_odometry));
+  put(out, pose.standing_since);
+  put(out, static_cast<std::uint8_t>(pose.has_moved));
+}
+
+void append_tile(std::string& out, TileKey key, const dense_map::DenseTile& tile, std::size_t records,
+                 std::size_t runs) {
+  put(out, Item::kTile);
+  put(out, key.x);
+  put(out, key.y);
+  put(out, tile.z_origin());
+  put(out, static_cast<std::uint32_t>(records));
+  put(out, static_cast<std::uint32_t>(tile.records().size() - records));
+  for (std::size_t i = records; i < tile.records().size(); ++i) put(out, tile.records()[i]);
+  put(out, static_cast<std::uint32_t>(tile.runs().size() - runs));
+  for (std::size_t i = runs; i < tile.runs().size(); ++i) {
+    put(out, tile.runs()[i].anchor);
+    put(out, tile.runs()[i].first);
+    put(out, tile.runs()[i].utime);
+  }
+}
+
+void append_eviction(std::string& out, TileKey key) {
+  put(out, Item::kEviction);
+  put(out, key.x);
+  put(out, key.y);
+}
+
+void apply_items(std::string_view items, RecordedDrive& drive) {
+  ItemBytes bytes(items);
+  while (!bytes.empty()) {
+    const auto item = bytes.take<Item>();
+    require((item == Item::kHead) == (drive.epoch == 0), "has no head, or two");
+    switch (item) {
+      case Item::kHead:
+        drive.config_hash = bytes.take_bytes(bytes.take_count(1));
+        drive.epoch = bytes.take<std::int32_t>();
+        drive.num_known = bytes.take<std::int32_t>();
+        require(drive.epoch > 0, "has no epoch");
+        break;
+      case Item::kNode:
+        drive.nodes.push_back(take_node(bytes));
+        break;
+      case Item::kEdge:
+        drive.edges.push_back(take_edge(bytes));
+        break;
+      case Item::kPose:
+        drive.poses.push_back(take_pose(bytes));
+        break;
+      case Item::kTile:
+        take_tile(bytes, drive);
+        break;
+      case Item::kEviction:
+        drive.tiles.erase(bytes.take_key());
+        break;
+      default:
+        require(false, "holds an item of no kind that is known");
+    }
+  }
+}
+
+void check_drive(const RecordedDrive& drive) {
+  require(drive.epoch > 0, "has no head");
+  const auto num_nodes = static_cast<std::int32_t>(drive.nodes.size());
+  require(drive.num_known >= 0 && drive.num_known <= num_nodes, "knows more keyframes than it holds");
+  require(!drive.poses.empty(), "holds no pose");
+  for (const RecordedPose& pose : drive.poses)
+    require(pose.node >= 0 && pose.node < num_nodes, "holds a pose at a keyframe that is not there");
+  for (const pose_graph::PoseEdge& edge : drive.edges) {
+    require(edge.from >= 0 && edge.from < num_nodes && edge.to >= 0 && edge.to < num_nodes && edge.from != edge.to,
+            "holds an edge to nowhere");
+    require(edge.information.allFinite(), "holds an edge that is not finite");
+  }
+  for (const auto& [key, tile] : drive.tiles) check_tile(tile, num_nodes);
+}
+
+}  // namespace curbstone::mapper::journal

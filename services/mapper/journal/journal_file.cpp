@@ -1,0 +1,85 @@
+#include "services/mapper/journal/journal_file.hpp"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <chrono>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "services/mapper/journal/journal_codec.hpp"
+
+namespace curbstone::mapper::journal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint32_t kBatchMagic = 0x314c4a43;  // "CJL1"
+
+struct BatchHead {
+  std::uint32_t magic = kBatchMagic;
+  std::uint32_t checksum = 0;  // of size and items
+  std::uint64_t size = 0;      // bytes of items
+};
+
+std::uint32_t checksum_of(std::uint64_t size, std::string_view items) {
+  const uLong seed = crc32_z(0, reinterpret_cast<const Bytef*>(&size), sizeof size);
+  return static_cast<std::uint32_t>(crc32_z(seed, reinterpret_cast<const Bytef*>(items.data()), items.size()));
+}
+
+/// The file may end in a batch that was not written any more.
+std::optional<RecordedDrive> read_batches(std::ifstream& file, std::uintmax_t bytes) {
+  RecordedDrive drive;
+  std::string items;
+  BatchHead head;
+  while (bytes >= sizeof head) {
+    if (!file.read(reinterpret_cast<char*>(&head), sizeof head)) throw std::runtime_error("cannot be read");
+    bytes -= sizeof head;
+    if (head.magic != kBatchMagic) throw std::runtime_error("is damaged, or no journal");
+    if (head.size > bytes) break;
+    items.resize(head.size);
+    if (!file.read(items.data(), static_cast<std::streamsize>(head.size))) throw std::runtime_error("cannot be read");
+    bytes -= head.size;
+    if (head.checksum != checksum_of(head.size, items)) throw std::runtime_error("is damaged: a checksum is wrong");
+    apply_items(items, drive);
+  }
+  if (drive.epoch == 0 || drive.poses.empty()) return std::nullopt;
+  check_drive(drive);
+  return drive;
+}
+
+}  // namespace
+
+std::string make_batch(std::string_view items) {
+  BatchHead head;
+  head.size = items.size();
+  head.checksum = checksum_of(head.size, items);
+  std::string batch(reinterpret_cast<const char*>(&head), sizeof head);
+  batch += items;
+  return batch;
+}
+
+std::optional<double> age_of_journal(const std::string& path) {
+  std::error_code error;
+  const fs::file_time_type written = fs::last_write_time(path, error);
+  if (error) return std::nullopt;
+  return std::chrono::duration<double>(fs::file_time_type::clock::now() - written).count();
+}
+
+std::optional<RecordedDrive> read_journal(const std::string& path, std::size_t max_bytes,
+                                          const std::string& config_hash) {
+  try {
+    const std::uintmax_t size = fs::file_size(path);
+    if (size > max_bytes) throw std::runtime_error(fmt::format("is larger than {} MB", max_bytes / 1'000'000));
+    std::ifstream file(path, std::ios::binary);
+    std::optional<RecordedDrive> drive = read_batches(file, size);
+    if (drive && drive->config_hash != config_hash) throw std::runtime_error("is of a mapper with other settings");
+    return drive;
+  } catch (const std::exception& problem) {
+    throw JournalError(fmt::format("{}: {}", path, problem.what()));
+  }
+}
+
+}  // namespace curbstone::mapper::journal

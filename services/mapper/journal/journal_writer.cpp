@@ -1,0 +1,90 @@
+#include "services/mapper/journal/journal_writer.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "common/time/clock.hpp"
+
+namespace curbstone::mapper::journal {
+namespace {
+
+constexpr std::int64_t kMostBusy = 60'000'000'000;  // ns
+
+}  // namespace
+
+JournalWriter::~JournalWriter() {
+  if (under_way_.valid()) under_way_.wait();
+}
+
+bool JournalWriter::busy() {
+  if (!under_way_.valid()) return false;
+  if (under_way_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return true;
+  std::string error = under_way_.get();
+  if (!error.empty()) fault_ = std::move(error);
+  return false;
+}
+
+bool JournalWriter::is_stuck() const {
+  return under_way_.valid() && steady_clock() - began_ > kMostBusy;
+}
+
+void JournalWriter::begin() {
+  is_open_ = is_in_place_ = is_full_ = false;
+  bytes_ = 0;
+  fault_.clear();
+}
+
+void JournalWriter::append(std::string batch, bool is_whole) {
+  began_ = steady_clock();
+  bytes_ += batch.size();
+  if (bytes_ > max_bytes_) {
+    is_full_ = true;
+    fault_ = fmt::format("{} would be larger than {} MB", path_, max_bytes_ / 1'000'000);
+    under_way_ = std::async(std::launch::async, [this] {
+      discard();
+      return std::string();
+    });
+    return;
+  }
+  const bool opens = !std::exchange(is_open_, true);
+  const bool takes_place = is_whole && !is_in_place_;
+  is_in_place_ = is_in_place_ || is_whole;
+  under_way_ = std::async(std::launch::async, [this, batch = std::move(batch), opens, takes_place] {
+    std::string error = put(batch, opens, takes_place);
+    if (!error.empty()) discard();
+    return error;
+  });
+}
+
+/// In the other thread.
+std::string JournalWriter::put(std::string_view batch, bool opens, bool takes_place) {
+  if (opens) {
+    std::error_code ignored;  // fopen() will say it
+    std::filesystem::create_directories(std::filesystem::path(path_).parent_path(), ignored);
+    file_.reset(std::fopen(unfinished().c_str(), "wbe"));
+  }
+  const bool is_written = file_ && std::fwrite(batch.data(), 1, batch.size(), file_.get()) == batch.size() &&
+                          std::fflush(file_.get()) == 0 &&
+                          (!takes_place || std::rename(unfinished().c_str(), path_.c_str()) == 0);
+  return is_written ? std::string() : fmt::format("{}: {}", path_, std::strerror(errno));
+}
+
+/// Likewise. A successor must not go on with half a drive.
+void JournalWriter::discard() {
+  file_.reset();
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
+  std::filesystem::remove(unfinished(), ignored);
+}
+
+void JournalWriter::remove() {
+  if (under_way_.valid()) under_way_.wait();
+  discard();
+}
+
+}  // namespace curbstone::mapper::journal

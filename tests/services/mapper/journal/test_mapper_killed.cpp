@@ -1,0 +1,329 @@
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <curbstone/map_pose_t.hpp>
+#include <curbstone/map_trajectory_t.hpp>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <thread>
+
+#include "common/bus/local_bus.hpp"
+#include "common/config/config.hpp"
+#include "services/mapper/journal/journal_file.hpp"
+#include "services/mapper/mapper_node.hpp"
+#include "tests/services/mapper/mapper_drive.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace curbstone::mapper::journal {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+test::SyntheticWorld known_street() {
+  test::SyntheticWorld world = test::street();
+  world.noise = 0.01;
+  world.boxes.push_back({{-16, 3, 0}, {-13, 6, 3}});
+  world.boxes.push_back({{2, -8, 0}, {4, -6, 2.2}});
+  return world;
+}
+
+/// The sensors of one drive, whoever maps it. What a mapper said of itself outlives it.
+class KilledMapperTest : public ::testing::Test {
+ protected:
+  KilledMapperTest() {
+    config_.journal = folder_ / "drive.journal";
+    bus_.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { poses_.push_back(m); });
+    bus_.subscribe<map_trajectory_t>("MAP_TRAJECTORY", [this](const map_trajectory_t& m) { pages_.push_back(m); });
+  }
+
+  void start_mapper() {
+    mapper_bus_ = std::make_unique<LocalBus>();
+    mapper_bus_->subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { bus_.publish("MAP_POSE", m); });
+    mapper_bus_->subscribe<map_trajectory_t>("MAP_TRAJECTORY",
+                                             [this](const map_trajectory_t& m) { bus_.publish("MAP_TRAJECTORY", m); });
+    node_ = std::make_unique<MapperNode>(config_, *mapper_bus_);
+    node_->connect(*mapper_bus_);
+  }
+  /// No farewell: what has not come to the disk by then never will. It does within a revolution, unless the machine is
+  /// busy.
+  void kill_mapper() {
+    if (!config_.journal.empty()) await_journal();
+    node_.reset();
+    mapper_bus_.reset();
+  }
+  void await_journal() {
+    ConfigOf<config::MapperConfig> config;
+    config.value = config_;
+    const std::string hash = config_hash("mapper", config);
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    const auto is_there = [&] {
+      if (!age_of_journal(config_.journal)) return false;
+      const auto recorded = read_journal(config_.journal, 1'000'000'000, hash);
+      return recorded && recorded->poses.back().utime == poses_.back().utime;
+    };
+    while (!is_there()) {
+      if (std::chrono::steady_clock::now() > limit) throw std::runtime_error("the journal never has it");
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      node_->tick(test::utime(turn_ * test::kPeriod));
+    }
+  }
+  void drive(int turns) {
+    for (int i = 0; i < turns; ++i) step();
+  }
+  /// The vehicle does not wait for a mapper.
+  void step() {
+    const int n = turn_++;
+    for (; odometry_sent_ < (n + 1) * test::kPeriod + 0.02; odometry_sent_ += 0.01) {
+      odometry_t m{};
+      m.utime = test::utime(odometry_sent_);
+      m.flags = odometry_t::INITIALISED;
+      pose_to_arrays(T_odom_start_ * test::driving(0).inverse() * test::driving(odometry_sent_), m.position,
+                     m.orientation);
+      if (mapper_bus_) mapper_bus_->publish("ODOMETRY", m);
+    }
+    const auto packets = known_street().packets(test::driving, config::MapperConfig{}.vehicle.T_base_lidar(), n,
+                                                n * test::kPeriod, test::kPeriod);
+    if (!node_) return;
+    for (const lidar_points_t& packet : packets) mapper_bus_->publish("LIDAR_POINTS", packet);
+    mapper_bus_->dispatch();
+    for (int i = 0; i < 2; ++i) node_->tick(test::utime(n * test::kPeriod + 0.02 * i));
+    mapper_bus_->dispatch();
+    bus_.dispatch();
+  }
+  /// How far the newest pose is from where the vehicle is, in the frame of the drive's first map; m.
+  [[nodiscard]] double error() const {
+    const map_pose_t& m = poses_.back();
+    const double t = static_cast<double>(m.utime - test::SyntheticWorld::kEpoch) * 1e-6;
+    const Pose T_start_base = test::driving(test::kPeriod).inverse() * test::driving(t);
+    return (pose_from_arrays(m.map_base_position, m.map_base_orientation).translation() - T_start_base.translation())
+        .norm();
+  }
+  [[nodiscard]] std::int64_t counter(const std::string& name) const { return node_->report().counters[name]; }
+
+  testing::TemporaryFolder folder_;
+  config::MapperConfig config_;
+  LocalBus bus_;
+  std::unique_ptr<LocalBus> mapper_bus_;
+  std::unique_ptr<MapperNode> node_;
+  std::vector<map_pose_t> poses_;
+  std::vector<map_trajectory_t> pages_;
+  Pose T_odom_start_ = Pose::Identity();
+  double odometry_sent_ = -0.1;
+  int turn_ = 0;
+};
+
+TEST_F(KilledMapperTest, IsSucceededInTheSameFrameAndNothingThatWasMappedIsLost) {
+  start_mapper();
+  drive(60);
+  node_->tick(test::utime(100));
+  const std::size_t heard = poses_.size();
+  const std::int64_t points = counter("dense.points");
+  const std::int32_t epoch = poses_.back().epoch;
+  kill_mapper();
+  drive(12);
+  start_mapper();
+  drive(3);  // the first is cut, of the second odometry does not know the beginning
+  EXPECT_EQ(counter("resumed"), 1);
+  EXPECT_EQ(poses_.size(), heard + 1) << "the first scan has its place";
+  EXPECT_EQ(poses_.back().flags & map_pose_t::LOST, 0);
+  EXPECT_NE(poses_.back().flags & map_pose_t::REGISTERED, 0);
+  EXPECT_LT(error(), 0.08);
+  EXPECT_GT(poses_.back().epoch, epoch) << "its tiles are made of other records";
+  node_->tick(test::utime(100));
+  EXPECT_GT(static_cast<double>(node_->mapper().grown().size()), 0.97 * static_cast<double>(points));
+
+  drive(30);
+  EXPECT_LT(error(), 0.1);
+  ASSERT_THAT(pages_, Not(IsEmpty()));
+  EXPECT_GT(pages_.front().num_poses, static_cast<int>(heard) - 5) << "all of the drive, but what was not on the disk";
+  EXPECT_EQ(pages_.front().utimes.front(), poses_.front().utime);
+  EXPECT_THAT(node_->report().faults, IsEmpty());
+}
+
+TEST_F(KilledMapperTest, IsSucceededAgainAndAgain) {
+  start_mapper();
+  drive(40);
+  for (int kill = 0; kill < 3; ++kill) {
+    kill_mapper();
+    drive(6);
+    start_mapper();
+    drive(20);
+    EXPECT_EQ(counter("resumed"), 1) << kill;
+    EXPECT_LT(error(), 0.1) << kill;
+  }
+  EXPECT_EQ(pages_.back().utimes.front(), poses_.front().utime) << "the drive since its beginning";
+}
+
+TEST_F(KilledMapperTest, IsSucceededByOneThatIsKilledBeforeItsFirstScan) {
+  start_mapper();
+  drive(40);
+  kill_mapper();
+  start_mapper();
+  kill_mapper();
+  drive(6);
+  start_mapper();
+  drive(20);
+  EXPECT_EQ(counter("resumed"), 1);
+  EXPECT_LT(error(), 0.1);
+}
+
+TEST_F(KilledMapperTest, IsSucceededWhereOdometryBeganAnewToo) {
+  start_mapper();
+  drive(100);
+  kill_mapper();
+  drive(10);
+  T_odom_start_ = Pose(Eigen::Translation3d(40, -30, 0));
+  start_mapper();
+  drive(60);
+  EXPECT_EQ(counter("resumed.lost"), 1);
+  EXPECT_EQ(counter("searches.found"), 1) << "sought, and found";
+  EXPECT_LT(error(), 0.15);
+  EXPECT_EQ(poses_.back().flags & map_pose_t::LOST, 0);
+}
+
+TEST_F(KilledMapperTest, MapsTheSameAsOneWithoutAJournal) {
+  start_mapper();
+  drive(60);
+  const std::int64_t points = counter("dense.points");
+  kill_mapper();
+  const std::vector<map_pose_t> with = std::exchange(poses_, {});
+  config_.journal.clear();
+  turn_ = 0;
+  odometry_sent_ = -0.1;
+  start_mapper();
+  drive(60);
+  ASSERT_EQ(poses_.size(), with.size());
+  for (std::size_t i = 0; i < with.size(); ++i) {
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(poses_[i].map_base_position[k], with[i].map_base_position[k]);
+  }
+  EXPECT_EQ(counter("dense.points"), points);
+}
+
+TEST_F(KilledMapperTest, LeavesNoJournalWhenTheDriveIsOver) {
+  start_mapper();
+  drive(20);
+  EXPECT_TRUE(std::filesystem::exists(config_.journal));
+  node_->finish();
+  EXPECT_FALSE(std::filesystem::exists(config_.journal));
+}
+
+TEST_F(KilledMapperTest, WhileItWroteLeavesABatchThatIsLeftOut) {
+  start_mapper();
+  drive(40);
+  kill_mapper();
+  std::filesystem::resize_file(config_.journal, std::filesystem::file_size(config_.journal) - 7);
+  start_mapper();
+  drive(20);
+  EXPECT_EQ(counter("resumed"), 1);
+  EXPECT_LT(error(), 0.1);
+}
+
+TEST_F(KilledMapperTest, WhileItBeganTheJournalLeavesTheOneBefore) {
+  start_mapper();
+  drive(40);
+  kill_mapper();
+  std::ofstream(config_.journal + ".unfinished") << "half";
+  start_mapper();
+  drive(20);
+  EXPECT_EQ(counter("resumed"), 1);
+}
+
+/// What is done to the file, and what the fault says then.
+struct Damage {
+  const char* name;
+  void (*spoil)(const std::string& file);
+  const char* fault;
+};
+
+class RefusedJournalTest : public KilledMapperTest, public ::testing::WithParamInterface<Damage> {};
+
+TEST_P(RefusedJournalTest, IsAFaultAndANewMapBegins) {
+  start_mapper();
+  drive(40);
+  kill_mapper();
+  GetParam().spoil(config_.journal);
+  start_mapper();
+  drive(20);
+  EXPECT_EQ(counter("resumed"), 0);
+  EXPECT_THAT(node_->report().faults, Contains(HasSubstr(GetParam().fault)));
+  EXPECT_THAT(node_->report().faults, Contains(HasSubstr("a new map begins: " + config_.journal)));
+  EXPECT_LT(pose_from_arrays(poses_.back().map_base_position, poses_.back().map_base_orientation).translation().norm(),
+            4.0)
+      << "its frame is where it began";
+  EXPECT_NE(poses_.back().flags & map_pose_t::REGISTERED, 0);
+  kill_mapper();
+  start_mapper();
+  drive(5);
+  EXPECT_EQ(counter("resumed"), 1) << "of the new drive there is a journal";
+}
+
+void flip_a_byte(const std::string& file, std::int64_t from_end) {
+  std::fstream f(file, std::ios::in | std::ios::out | std::ios::binary);
+  f.seekg(-from_end, std::ios::end);
+  const auto byte = static_cast<char>(f.get() ^ 0x10);
+  f.seekp(-from_end, std::ios::end);
+  f.put(byte);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Journals, RefusedJournalTest,
+    ::testing::Values(Damage{"Damaged", [](const std::string& file) { flip_a_byte(file, 5); }, "a checksum is wrong"},
+                      Damage{"NoJournal",
+                             [](const std::string& file) { std::ofstream(file) << std::string(5000, 'x'); },
+                             "is damaged, or no journal"}),
+    [](const auto& refused) { return refused.param.name; });
+
+TEST_F(KilledMapperTest, IsNotSucceededTheNextDayOrWhereTheClockWasSetBack) {
+  for (const auto hours : {-24, 24}) {
+    start_mapper();
+    drive(40);
+    kill_mapper();
+    std::filesystem::last_write_time(config_.journal,
+                                     std::filesystem::file_time_type::clock::now() + std::chrono::hours(hours));
+    start_mapper();
+    drive(10);
+    EXPECT_EQ(counter("resumed"), 0);
+    EXPECT_EQ(counter("journal.old"), 1);
+    EXPECT_THAT(node_->report().faults, IsEmpty()) << "that is how most drives begin";
+  }
+}
+
+TEST_F(KilledMapperTest, IsNotSucceededByOneOfAnotherVehicle) {
+  start_mapper();
+  drive(40);
+  kill_mapper();
+  config_.vehicle.lidar[2] += 0.1;
+  start_mapper();
+  drive(10);
+  EXPECT_EQ(counter("resumed"), 0);
+  EXPECT_THAT(node_->report().faults, Contains(HasSubstr("is of a mapper with other settings")));
+}
+
+TEST_F(KilledMapperTest, CannotBeSucceededWhereThereIsNoJournalAndSaysSo) {
+  std::ofstream(folder_ / "a_file") << "no folder";
+  config_.journal = folder_ / "a_file/drive.journal";
+  start_mapper();
+  drive(20);
+  EXPECT_THAT(node_->report().faults, Contains(HasSubstr("a mapper that dies begins a new map")));
+  EXPECT_LT(error(), 0.1) << "it maps all the same";
+}
+
+TEST_F(KilledMapperTest, HasABoundedJournal) {
+  config_.journal_mb = 1;
+  start_mapper();
+  for (int i = 0; i < 100; ++i) {
+    step();
+    if (std::filesystem::exists(config_.journal)) {
+      EXPECT_LE(std::filesystem::file_size(config_.journal), 1'000'000U);
+    }
+  }
+  EXPECT_THAT(node_->report().faults, Contains(HasSubstr("would be larger than 1 MB")));
+  EXPECT_FALSE(std::filesystem::exists(config_.journal)) << "half a drive is none";
+}
+
+}  // namespace
+}  // namespace curbstone::mapper::journal
