@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "tests/system/run_program.hpp"
-#include "tests/system/watched_bus.hpp"
 #include "tests/temporary_folder.hpp"
+#include "tools/bench/faults/watched_bus.hpp"
 
 namespace curbstone::system_test {
 
@@ -51,7 +51,7 @@ class DemoDrive {
   [[nodiscard]] double emulator_late() const;
   static constexpr double kEmulatorLate = 0.1;  // s: what the buffers bridge
 
-  WatchedBus bus;
+  bench::faults::WatchedBus bus;
   map_pose_t pose{};
   int revolutions = 0;
 

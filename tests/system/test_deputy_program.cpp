@@ -7,8 +7,8 @@
 
 #include "common/time/clock.hpp"
 #include "tests/system/run_program.hpp"
-#include "tests/system/watched_bus.hpp"
 #include "tests/temporary_folder.hpp"
+#include "tools/bench/faults/watched_bus.hpp"
 
 namespace curbstone::system_test {
 namespace {
@@ -33,7 +33,7 @@ class DeputyProgram : public ::testing::Test {
     return bus_.wait_until([&] { return bus_.pid(id) > 0; }, 10);
   }
   testing::TemporaryFolder folder_;
-  WatchedBus bus_;
+  bench::faults::WatchedBus bus_;
 };
 
 constexpr const char* kPipeline = R"(

@@ -7,6 +7,7 @@
 
 #include "tools/bench/curbs/bench_curbs.hpp"
 #include "tools/bench/drivers/drivers_bench.hpp"
+#include "tools/bench/faults/faults_bench.hpp"
 #include "tools/bench/latency/latency_bench.hpp"
 #include "tools/bench/mapping/bench_mapping.hpp"
 #include "tools/bench/voting/voting_bench.hpp"
@@ -29,6 +30,7 @@ const std::vector<Benchmark> kBenchmarks = {
     {"latency", latency::run_bench_latency,
      "from the last packet of a revolution to the changed tiles, stage by stage"},
     {"drivers", drivers::run_bench_drivers, "packets, bytes and frames a second of the drivers on one core"},
+    {"faults", faults::run_bench_faults, "what is lost when processes die, hang or starve in a drive"},
 };
 
 int usage(std::FILE* out) {

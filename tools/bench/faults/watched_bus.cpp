@@ -1,9 +1,9 @@
-#include "tests/system/watched_bus.hpp"
+#include "tools/bench/faults/watched_bus.hpp"
 
 #include <algorithm>
 #include <chrono>
 
-namespace curbstone::system_test {
+namespace curbstone::bench::faults {
 
 WatchedBus::WatchedBus() {
   bus.subscribe<service_status_t>("SERVICE_STATUS", [this](const auto& message) {
@@ -70,4 +70,4 @@ int WatchedBus::pid(const std::string& id) const {
   return status == nullptr ? -1 : status->pid;
 }
 
-}  // namespace curbstone::system_test
+}  // namespace curbstone::bench::faults

@@ -9,7 +9,7 @@
 
 #include "common/bus/lcm_bus.hpp"
 
-namespace curbstone::system_test {
+namespace curbstone::bench::faults {
 
 /// What the processes say about themselves, as an operator sees it.
 class WatchedBus {
@@ -39,4 +39,4 @@ class WatchedBus {
   std::map<std::string, std::string> output;  ///< PM_OUTPUT by command
 };
 
-}  // namespace curbstone::system_test
+}  // namespace curbstone::bench::faults

@@ -1,0 +1,42 @@
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/system/run_program.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace curbstone::system_test {
+namespace {
+
+TEST(BenchFaults, MeasuresADriveInWhichAProcessIsKilled) {
+  const testing::TemporaryFolder folder;
+  const std::string json = folder / "figures.json";
+  const auto run = run_program("curbstone-bench faults --only 'kill -9 semantic_map' --seconds 12 --json " + json +
+                                   " --procman " CURBSTONE_SOURCE_DIR "/procman/demo.cfg --config " CURBSTONE_SOURCE_DIR
+                                   "/config/ugv.yaml",
+                               250);
+  ASSERT_EQ(run.exit_status, 0) << run.err;
+  const auto figures = nlohmann::json::parse(std::ifstream(json));
+  ASSERT_EQ(figures["rows"].size(), 1U);
+  const auto& row = figures["rows"][0];
+  EXPECT_EQ(row["map"], "ok");
+  EXPECT_GT(figures["undisturbed"][0]["poses"], 200);
+  EXPECT_GT(figures["undisturbed"][0]["cells"], 20000);
+  EXPECT_LT(row["cells_differ"], figures["undisturbed"][0]["cells"].get<int>() / 4)
+      << "what was mapped before is there";
+}
+
+TEST(BenchFaults, KeepsOffABusOnWhichADeputyIs) {
+  const testing::TemporaryFolder folder;
+  write_file(folder / "test.cfg", "cmd \"a\" { exec = \"sleep 1000\"; deputy = \"d\"; }");
+  BackgroundProgram deputy("curbstone-deputy --config " + (folder / "test.cfg").string(), folder / "output");
+  const auto run = run_program("curbstone-bench faults --procman " CURBSTONE_SOURCE_DIR
+                               "/procman/demo.cfg --config " CURBSTONE_SOURCE_DIR "/config/ugv.yaml",
+                               60);
+  EXPECT_EQ(run.exit_status, 1);
+  EXPECT_THAT(run.err, ::testing::HasSubstr("a deputy is on this bus already"));
+}
+
+}  // namespace
+}  // namespace curbstone::system_test

@@ -1,0 +1,174 @@
+#include "tools/bench/faults/faults_bench.hpp"
+
+#include <fmt/format.h>
+#include <stdlib.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include "common/config/command_line.hpp"
+#include "services/semantic_map/store/map_store.hpp"
+#include "services/semantic_map/tile/map_types.hpp"
+#include "tools/bench/faults/fault_report.hpp"
+#include "tools/bench/faults/fault_rows.hpp"
+#include "tools/evaluate/map_difference.hpp"
+
+namespace curbstone::bench::faults {
+
+namespace {
+
+namespace fs = std::filesystem;
+using semantic_map::store::MapReader;
+using semantic_map::tile::CellClass;
+
+struct FaultsBenchOptions {
+  std::string procman_config = "procman/demo.cfg";
+  std::string config = "config/ugv.yaml";
+  std::string folder;
+  std::string only, json;
+  double seconds = 0;  // 0: as long as the row says
+  bool list = false;
+};
+
+evaluate::StoredMap read_map(const std::string& file) {
+  const MapReader reader(file);
+  return {reader.tiles(), reader.curbs(), reader.trajectory()};
+}
+
+int known_cells(const evaluate::StoredMap& map) {
+  std::int64_t known = 0;
+  for (const auto& tile : map.tiles)
+    known += std::ranges::count_if(tile.cell_class, [](CellClass cell) { return cell != CellClass::kUnknown; });
+  return static_cast<int>(known);
+}
+
+/// Drives with faults, and the undisturbed drives that they are compared with.
+class FaultsBench {
+ public:
+  explicit FaultsBench(FaultsBenchOptions options) : options_(std::move(options)) {
+    options_.config = fs::absolute(options_.config).string();
+    options_.procman_config = fs::absolute(options_.procman_config).string();
+  }
+
+  void measure(Fault fault) {
+    if (options_.seconds > 0) fault.seconds = options_.seconds;
+    const evaluate::StoredMap& wanted = undisturbed(fault.seconds);
+    StackDrive drive(stack(fault, fmt::format("row-{}", report_.rows.size())));
+    fault.happen(drive);
+    drive.finish();
+
+    FaultRow row;
+    row.fault = fault.name;
+    row.said = drive.faults_said();
+    row.back_s = drive.back_within();
+    row.ended_cleanly = drive.ended_cleanly();
+    row.emulator_late_s = drive.emulator_late();
+    judge(drive.map_file(), wanted, row);
+    report_.rows.push_back(row);
+  }
+
+  [[nodiscard]] const FaultReport& report() const { return report_; }
+
+ private:
+  StackOptions stack(const Fault& fault, const std::string& name) {
+    StackOptions stack;
+    stack.folder = (fs::path(options_.folder) / name).string();
+    stack.spool = (fs::path(options_.folder) / fmt::format("packets-{}", fault.seconds)).string();
+    stack.procman_config = options_.procman_config;
+    stack.config = options_.config;
+    stack.seconds = fault.seconds;
+    stack.simulate = fault.simulate;
+    fs::create_directories(fs::path(stack.folder) / "dev");
+    return stack;
+  }
+
+  /// The replay of a drive in which nothing happened; driven when it is first asked for.
+  const evaluate::StoredMap& undisturbed(double seconds) {
+    const auto there = undisturbed_.find(seconds);
+    if (there != undisturbed_.end()) return there->second;
+    StackDrive drive(stack({"", {}, seconds}, fmt::format("undisturbed-{}", seconds)));
+    drive.finish();
+    const std::string file = drive.map_file() + ".replayed";
+    const std::string line = fmt::format("curbstone replay '{}' --map '{}' --config '{}' >'{}.out' 2>&1",
+                                         drive.log_file(), file, options_.config, file);
+    if (std::system(line.c_str()) != 0) throw std::runtime_error("the undisturbed drive has no replay: " + line);
+    const evaluate::StoredMap& map = undisturbed_.emplace(seconds, read_map(file)).first->second;
+    report_.undisturbed.push_back({seconds, known_cells(map), static_cast<int>(map.trajectory.size())});
+    return map;
+  }
+
+  static void judge(const std::string& map_file, const evaluate::StoredMap& wanted, FaultRow& row) {
+    evaluate::StoredMap map;
+    try {
+      row.map = MapReader(map_file).integrity();
+      map = read_map(map_file);
+    } catch (const std::exception& error) {
+      row.map = error.what();
+    }
+    row.cells_differ = evaluate::difference(map, wanted).classes_differ;
+    row.poses_missing =
+        std::max(0, static_cast<int>(wanted.trajectory.size()) - static_cast<int>(map.trajectory.size()));
+  }
+
+  FaultsBenchOptions options_;
+  std::map<double, evaluate::StoredMap> undisturbed_;
+  FaultReport report_;
+};
+
+int measure_all(const FaultsBenchOptions& options) {
+  FaultsBench bench(options);
+  for (Fault& fault : all_faults()) {
+    if (fault.name.find(options.only) == std::string::npos) continue;
+    fmt::print(stderr, "bench faults: {}\n", fault.name);
+    bench.measure(fault);
+    if (!options.json.empty()) write_report(bench.report(), options.json);  // what there is, if a later one fails
+  }
+  if (bench.report().rows.empty()) throw std::runtime_error("no row's name contains '" + options.only + "'");
+  for (const std::string& line : table_lines(bench.report())) fmt::print("{}\n", line);
+  return 0;
+}
+
+}  // namespace
+
+int run_bench_faults(int argc, char** argv) {
+  FaultsBenchOptions options;
+  CommandLine line(
+      "What is lost when processes die, hang or starve: a table, a row a fault, each a drive of the demo's processes "
+      "in real time. They need a bus of their own: scripts/isolated curbstone bench faults",
+      "curbstone bench faults");
+  line.option("--only", options.only, "The rows whose name contains this");
+  line.option("--seconds", options.seconds, "Length of each drive (default: 18, of the last row 60)")
+      .within(12.0, 600.0);
+  line.option("--procman", options.procman_config, "The processes: a config with a script 'stack'").shows_default();
+  line.option("--config", options.config, "The vehicle's YAML file").shows_default();
+  line.option("--keep", options.folder, "Keep what the drives left in this folder");
+  line.flag("--list", options.list, "Only name the rows");
+  line.option("--json", options.json, "Write the figures to this file too");
+  if (const auto status = line.read(argc, argv)) return *status;
+  if (options.list) {
+    for (const Fault& fault : all_faults()) fmt::print("{}\n", fault.name);
+    return 0;
+  }
+  const bool temporary = options.folder.empty();
+  int status = 1;
+  try {
+    std::string pattern = (fs::temp_directory_path() / "bench_faults_XXXXXX").string();
+    if (temporary && mkdtemp(pattern.data()) == nullptr) throw std::runtime_error(pattern + ": cannot be made");
+    if (temporary) options.folder = pattern;
+    options.folder = fs::absolute(options.folder).string();
+    status = measure_all(options);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "curbstone bench faults: {}\n", error.what());
+  }
+  if (temporary && !options.folder.empty()) {
+    std::error_code ignored;
+    fs::remove_all(options.folder, ignored);
+  }
+  return status;
+}
+
+}  // namespace curbstone::bench::faults
