@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstring>
 #include <limits>
+#include <tuple>
 
 namespace curbstone::procman::sheriff {
 
@@ -67,7 +68,18 @@ void Sheriff::on(const service_status_t& status, std::int64_t now) {
 }
 
 void Sheriff::on(const procman_lcm::orders_t& orders, std::int64_t now) {
-  if (orders.sheriff_id != id_ && age_of_message(orders.utime, now) <= kPlayedOrders) other_ = orders.sheriff_id;
+  if (orders.sheriff_id == id_ || age_of_message(orders.utime, now) > kPlayedOrders) return;
+  const bool is_claim = orders.deputy_id.empty();
+  if (is_claim && std::tie(orders.utime, orders.sheriff_id) > std::tie(begun_, id_)) return;
+  other_ = orders.sheriff_id;
+}
+
+procman_lcm::orders_t Sheriff::claim() const {
+  procman_lcm::orders_t claim;
+  claim.utime = begun_;
+  claim.sheriff_id = id_;
+  claim.ncmds = 0;
+  return claim;
 }
 
 std::vector<std::string> Sheriff::resolve(const std::string& name) const {

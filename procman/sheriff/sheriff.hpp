@@ -35,12 +35,13 @@ struct Known {
 /// are procman's (github.com/ashuang/procman).
 class Sheriff {
  public:
-  explicit Sheriff(std::string id) : id_(std::move(id)) {}
+  /// `begun`: us since the Unix epoch, when it came.
+  explicit Sheriff(std::string id, std::int64_t begun = 0) : id_(std::move(id)), begun_(begun) {}
 
   /// A report older than 30 s comes from a log that is being played, and is left out.
   void on(const procman_lcm::deputy_info_t& info, std::int64_t now);
   void on(const service_status_t& status, std::int64_t now);
-  /// Somebody's orders.
+  /// Somebody's orders or claim.
   void on(const procman_lcm::orders_t& orders, std::int64_t now);
 
   /// Ids that a name stands for: a command, a group with its subgroups, or "everything".
@@ -55,9 +56,13 @@ class Sheriff {
   /// The orders for one deputy; nothing if nothing was asked of its commands. To be sent right after its report.
   [[nodiscard]] std::optional<procman_lcm::orders_t> orders(const std::string& deputy, std::int64_t now) const;
 
+  /// Says to other sheriffs that this one is going to give orders: orders for no deputy, with the time at which this
+  /// sheriff came (an addition to procman; deputies pay no attention). Of two that claim, the later one gives way.
+  [[nodiscard]] procman_lcm::orders_t claim() const;
+
   /// By id.
   [[nodiscard]] const std::map<std::string, Known>& commands() const { return commands_; }
-  /// Another sheriff that has given orders, in its own words; empty if none.
+  /// Another sheriff that has given orders, or came earlier and will, in its own words; empty if none.
   [[nodiscard]] const std::string& other() const { return other_; }
 
  private:
@@ -70,6 +75,7 @@ class Sheriff {
   void wish_run(const std::string& id);
 
   std::string id_;
+  std::int64_t begun_;
   std::string other_;
   std::map<std::string, Known> commands_;
   std::map<std::string, Wish> wishes_;

@@ -20,22 +20,28 @@ namespace curbstone::procman::sheriff {
 
 namespace {
 
-constexpr std::int64_t kListen = 1'500'000;  // us: deputies and sheriffs speak once a second
-constexpr std::int64_t kRefresh = 500'000;   // us
+constexpr std::int64_t kListen = 1'500'000;     // us: deputies and sheriffs speak once a second
+constexpr std::int64_t kClaimPeriod = 200'000;  // us
+constexpr std::int64_t kRefresh = 500'000;      // us
 constexpr std::chrono::milliseconds kTurn(50);
 constexpr int kFailedStatus = 1;
 constexpr int kNoDeputyStatus = 3;
 constexpr int kConflictStatus = 4;
 
-/// As procman's sheriffs name themselves: host, pid, start.
-std::string sheriff_name() {
-  return fmt::format("{}:{}:{}", host_name(), getpid(), wall_clock());
+/// As procman's sheriffs name themselves.
+std::string sheriff_name(std::int64_t begun) {
+  return fmt::format("{}:{}:{}", host_name(), getpid(), begun);
+}
+
+Sheriff new_sheriff() {
+  const std::int64_t begun = wall_clock();
+  return Sheriff(sheriff_name(begun), begun);
 }
 
 }  // namespace
 
 SheriffApp::SheriffApp(SheriffAppOptions options)
-    : options_(std::move(options)), bus_(options_.lcm_url), sheriff_(sheriff_name()) {
+    : options_(std::move(options)), bus_(options_.lcm_url), sheriff_(new_sheriff()) {
   bus_.subscribe<procman_lcm::deputy_info_t>("PM_INFO", [this](const auto& info) {
     sheriff_.on(info, wall_clock());
     if (!ordering_ || !sheriff_.other().empty()) return;
@@ -49,6 +55,7 @@ int SheriffApp::run() {
   if (options_.action == Action::kTail) return tail();
   listen();
   if (options_.action == Action::kWatch) return watch();
+  if (gives_orders() && !sheriff_.other().empty()) return say_conflict();
   if (sheriff_.commands().empty()) {
     fmt::print(stderr, "curbstone-sheriff: no deputy with commands answers on {}\n", bus_.url());
     return kNoDeputyStatus;
@@ -57,14 +64,26 @@ int SheriffApp::run() {
     Screen(STDOUT_FILENO).show(picture());
     return 0;
   }
-  if (!sheriff_.other().empty()) return say_conflict();
   return options_.action == Action::kRun ? run_script() : order();
 }
 
 void SheriffApp::listen() {
-  if (!options_.observe) bus_.publish("PM_DISCOVER", procman_lcm::discovery_t{wall_clock(), sheriff_name(), 0});
+  if (!options_.observe)
+    bus_.publish("PM_DISCOVER", procman_lcm::discovery_t{wall_clock(), sheriff_name(wall_clock()), 0});
   const std::int64_t until = steady_clock() + kListen;
-  while (steady_clock() < until) handle();
+  std::int64_t claim_due = 0;
+  while (steady_clock() < until && (!gives_orders() || sheriff_.other().empty())) {
+    if (gives_orders() && steady_clock() >= claim_due) {
+      bus_.publish("PM_ORDERS", sheriff_.claim());
+      claim_due = steady_clock() + kClaimPeriod;
+    }
+    handle();
+  }
+}
+
+bool SheriffApp::gives_orders() const {
+  const Action action = options_.action;
+  return action == Action::kStart || action == Action::kStop || action == Action::kRestart || action == Action::kRun;
 }
 
 void SheriffApp::handle() {

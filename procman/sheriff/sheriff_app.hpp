@@ -41,6 +41,7 @@ class SheriffApp {
  private:
   void listen();
   void handle();
+  [[nodiscard]] bool gives_orders() const;
   int watch();
   int tail();
   int order();

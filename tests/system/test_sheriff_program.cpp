@@ -86,6 +86,15 @@ TEST_F(SheriffProgram, ASecondOneThatCommandsNamesTheFirstAndDoesNothing) {
   EXPECT_THAT(second.err, HasSubstr("another sheriff gives orders: "));
 }
 
+TEST_F(SheriffProgram, OfTwoThatBeginTogetherOneGivesOrders) {
+  ASSERT_TRUE(wait_for_deputy());
+  BackgroundProgram first("curbstone-sheriff start a", folder_ / "first");
+  const auto second = sheriff("start b");
+  ASSERT_GE(first.wait(60), 0);
+  EXPECT_THAT((std::vector{first.wait(0), second.exit_status}), ::testing::UnorderedElementsAre(0, 4))
+      << first.output() << second.out << second.err;
+}
+
 TEST_F(SheriffProgram, ADeputyThatWasKilledIsCommandedAgainWhenItIsBack) {
   ASSERT_TRUE(wait_for_deputy());
   ASSERT_EQ(sheriff("start g").exit_status, 0);

@@ -152,9 +152,25 @@ TEST_F(SheriffTest, StartingWhatRunsChangesNothing) {
   EXPECT_EQ(sheriff_.orders("d", kNow)->cmds[0].desired_runid, 4);
 }
 
+TEST(SheriffClaims, OfTwoThatComeTogetherTheLaterOneGivesWay) {
+  Sheriff earlier("host:2:1", kNow), later("host:1:1", kNow + 1);
+  earlier.on(later.claim(), kNow + 500'000);
+  later.on(earlier.claim(), kNow + 500'000);
+  EXPECT_EQ(earlier.other(), "");
+  EXPECT_EQ(later.other(), "host:2:1");
+  EXPECT_EQ(earlier.claim().deputy_id, "") << "no deputy obeys it";
+
+  Sheriff a("host:1:1", kNow), b("host:2:1", kNow);
+  a.on(b.claim(), kNow);
+  b.on(a.claim(), kNow);
+  EXPECT_EQ(a.other(), "") << "one of the same microsecond gives way too";
+  EXPECT_EQ(b.other(), "host:1:1");
+}
+
 TEST_F(SheriffTest, KnowsAnotherSheriffByItsOrdersButNotFromAPlayedLog) {
   procman_lcm::orders_t orders{};
   orders.sheriff_id = "other:2:2";
+  orders.deputy_id = "d";
   orders.utime = kNow - 6'000'000;
   sheriff_.on(orders, kNow);
   EXPECT_EQ(sheriff_.other(), "");
