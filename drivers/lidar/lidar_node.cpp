@@ -185,8 +185,8 @@ void LidarNode::set_receive_buffer(int asked, int granted) {
   if (granted < asked)
     buffer_fault_ = fmt::format(
         "the kernel grants the sockets {} kB of the {} kB of receive_buffer, and drops packets while this process has "
-        "to wait: sysctl -w net.core.rmem_max={}, or install config/sysctl.d/60-curbstone.conf",
-        granted / 1024, asked / 1024, asked);
+        "to wait: sysctl -w net.core.rmem_max={}, and net.core.rmem_max={} in a file of /etc/sysctl.d",
+        granted / 1024, asked / 1024, asked, asked);
 }
 
 void LidarNode::tick(std::int64_t now) {

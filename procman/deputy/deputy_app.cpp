@@ -40,6 +40,11 @@ std::string describe_status(int status) {
   return fmt::format("exit status {}", WEXITSTATUS(status));
 }
 
+/// A service begins its lines with its name already.
+std::string named_line(const std::string& id, std::string_view line) {
+  return line.starts_with(id + ": ") ? std::string(line) : fmt::format("{}: {}", id, line);
+}
+
 process::FileDescriptor take_signals(std::initializer_list<int> numbers) {
   sigset_t signals;
   sigemptyset(&signals);
@@ -276,7 +281,7 @@ void DeputyApp::say(const std::string& text) {
 
 void DeputyApp::print_line(const std::string& id, std::string_view line) const {
   if (options_.quiet) return;
-  fmt::print("{}: {}\n", id, line);
+  fmt::print("{}\n", named_line(id, line));
   std::fflush(stdout);
 }
 
@@ -285,7 +290,7 @@ void DeputyApp::show_last_lines(const std::string& id) {
   if (!options_.quiet) return;
   const auto& lines = keeper_.last_lines(id);
   for (std::size_t i = lines.size() - std::min(lines.size(), kLinesShown); i < lines.size(); ++i) {
-    fmt::print("  {}: {}\n", id, lines[i]);
+    fmt::print("  {}\n", named_line(id, lines[i]));
   }
   std::fflush(stdout);
 }

@@ -120,8 +120,9 @@ TEST_F(DeputyProgram, RunsAScript) {
   const auto result = run_program("curbstone-deputy --script go --exit-when b --config " + config(R"(
     script "go" { start cmd "a" wait "running"; wait cmd "a" status "stopped"; start cmd "b"; }
     cmd "a" { exec = "sh -c 'sleep 0.2; echo first'"; deputy = "d"; }
-    cmd "b" { exec = "echo second"; deputy = "d"; })"));
+    cmd "b" { exec = "echo b: second"; deputy = "d"; })"));
   EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.out, Not(HasSubstr("b: b: "))) << "a service names itself";
   EXPECT_LT(result.out.find("a: first"), result.out.find("b: second")) << result.out;
 }
 
