@@ -10,6 +10,8 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
+}  // namespace
+
 std::string without_numbers(const std::string& text) {
   std::string key;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -20,8 +22,6 @@ std::string without_numbers(const std::string& text) {
   }
   return key;
 }
-
-}  // namespace
 
 void FaultLines::hold(const std::string& text, std::int64_t now) {
   const std::string key = without_numbers(text);

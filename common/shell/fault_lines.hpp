@@ -7,6 +7,9 @@
 
 namespace curbstone {
 
+/// "no data for 2.3 s" as "no data for # s".
+[[nodiscard]] std::string without_numbers(const std::string& text);
+
 /// What a process writes to its log about the faults of SERVICE_STATUS: a line when one has come to stay, a line when
 /// it is over, and nothing in between however long it lasts. Texts that differ only in their numbers are one fault. One
 /// that comes and goes is written less and less often: every 10 s at most, then 20 s, up to 10 minutes.

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cstdlib>
 #include <curbstone/map_pose_t.hpp>
@@ -15,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "common/shell/fault_lines.hpp"
 #include "common/time/clock.hpp"
 #include "tools/command/program_beside.hpp"
 
@@ -32,21 +32,6 @@ double seconds_since(std::int64_t steady) {
 }
 
 }  // namespace
-
-std::string without_numbers(const std::string& text) {
-  std::string out;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool digit = std::isdigit(static_cast<unsigned char>(text[i])) != 0;
-    const bool point = !out.empty() && out.back() == '#' && (text[i] == '.' || text[i] == ',') && i + 1 < text.size() &&
-                       std::isdigit(static_cast<unsigned char>(text[i + 1])) != 0;
-    if (!digit && !point) {
-      out += text[i];
-    } else if (out.empty() || out.back() != '#') {
-      out += '#';
-    }
-  }
-  return out;
-}
 
 StackDrive::StackDrive(const StackOptions& options) : options_(options) {
   if (bus_.wait_until([&] { return bus_.infos > 0; }, 1.5))

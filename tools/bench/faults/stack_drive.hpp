@@ -87,7 +87,4 @@ class StackDrive {
   std::unique_ptr<BackgroundProgram> simulator_, deputy_;
 };
 
-/// "no data for 2.3 s" as "no data for # s", so that a fault is one however often it is said.
-[[nodiscard]] std::string without_numbers(const std::string& text);
-
 }  // namespace curbstone::bench::faults

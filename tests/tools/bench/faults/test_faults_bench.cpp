@@ -15,13 +15,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(SaidFaults, AreTheSameWhateverTheirNumbers) {
-  EXPECT_EQ(without_numbers("no data for 2.3 s"), "no data for # s");
-  EXPECT_EQ(without_numbers("12,000 of 30 cells."), "# of # cells.");
-  EXPECT_EQ(without_numbers("2. of it"), "#. of it");
-  EXPECT_EQ(without_numbers(""), "");
-}
-
 TEST(FaultRows, HaveNamesOfTheirOwnAndBeginWithNoFault) {
   std::set<std::string> names;
   for (const Fault& fault : all_faults()) EXPECT_TRUE(names.insert(fault.name).second) << fault.name;
