@@ -95,17 +95,17 @@ void StackDrive::go_on_until(double at) {
   listen(std::max(0.0, at - now()));
 }
 
-int StackDrive::pid(const std::string& command) const {
-  return bus_.pid(command);
-}
-
 bool StackDrive::is_well(const std::string& command) const {
   const service_status_t* status = bus_.status(command);
-  return status != nullptr && status->pid == pid(command) && !killed_.contains(status->pid) && status->fault.empty() &&
-         wall_clock() - status->utime < kSilent;
+  return status != nullptr && status->pid == bus_.pid(command) && !killed_.contains(status->pid) &&
+         status->fault.empty() && wall_clock() - status->utime < kSilent;
 }
 
 void StackDrive::look() {
+  for (const std::string& command : commands_) {
+    const service_status_t* status = bus_.status(command);
+    if (done_ && status != nullptr && wall_clock() - status->utime > kSilent) silent_.insert(command);
+  }
   well_ = std::all_of(commands_.begin(), commands_.end(), [&](const auto& command) { return is_well(command); });
   if (!well_) last_bad_ = steady_clock();
 }
@@ -120,9 +120,9 @@ void StackDrive::kill_command(const std::string& command) {
   if (command == "deputy") {
     deputy_->send_signal(SIGKILL);
     deputy_->wait(kPatience);
-    for (const std::string& name : commands_) killed_.insert(pid(name));  // its terminals hang up
+    for (const std::string& name : commands_) killed_.insert(bus_.pid(name));  // its terminals hang up
     start_deputy();
-  } else if (const int victim = pid(command); victim > 0) {
+  } else if (const int victim = bus_.pid(command); victim > 0) {
     killed_.insert(victim);
     kill(victim, SIGKILL);
   }
@@ -130,7 +130,8 @@ void StackDrive::kill_command(const std::string& command) {
 }
 
 void StackDrive::freeze(const std::string& command, double seconds) {
-  const int victim = pid(command);
+  const int victim = bus_.pid(command);
+  if (victim <= 0) throw std::runtime_error(command + " does not run");
   kill(victim, SIGSTOP);
   deed_done();
   listen(seconds);
@@ -141,7 +142,7 @@ void StackDrive::freeze(const std::string& command, double seconds) {
 void StackDrive::lose_power() {
   deputy_->send_signal(SIGKILL);
   for (const std::string& command : commands_) {
-    if (const int victim = pid(command); victim > 0) {
+    if (const int victim = bus_.pid(command); victim > 0) {
       killed_.insert(victim);
       kill(victim, SIGKILL);
     }
@@ -200,6 +201,7 @@ std::vector<std::string> StackDrive::faults_said() const {
   for (const auto& [service, faults] : bus_.all_faults) {
     for (const std::string& fault : faults) said.insert(fmt::format("{}: {}", service, without_numbers(fault)));
   }
+  for (const std::string& command : silent_) said.insert(command + ": (no status for 3 s)");
   return {said.begin(), said.end()};
 }
 

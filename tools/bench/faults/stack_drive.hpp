@@ -56,7 +56,8 @@ class StackDrive {
 
   /// s from fault_is_over() until all commands ran, spoke and named no fault until the end; empty: not before the end.
   [[nodiscard]] std::optional<double> back_within() const;
-  /// What the services said was wrong since the first deed, "service: fault", each once, numbers as '#'.
+  /// What the services said was wrong since the first deed, "service: fault", each once, numbers as '#';
+  /// and which of them said nothing at all for 3 s.
   [[nodiscard]] std::vector<std::string> faults_said() const;
   /// Whether the deputy, and so each process, ended by itself when it was asked to.
   [[nodiscard]] bool ended_cleanly() const { return clean_; }
@@ -69,19 +70,19 @@ class StackDrive {
   void start_deputy();
   void listen(double seconds);
   void look();
-  [[nodiscard]] int pid(const std::string& command) const;
   [[nodiscard]] bool is_well(const std::string& command) const;
   void deed_done();
 
   StackOptions options_;
   WatchedBus bus_;
   std::vector<std::string> commands_;
-  std::set<int> killed_;       // pids whose last words do not count
-  std::int64_t begin_ = 0;     // us, steady, of the first revolution
-  std::int64_t over_ = 0;      // us, steady, of the fault
-  std::int64_t last_bad_ = 0;  // us, steady
-  bool well_ = true;           // when last looked
-  bool done_ = false;          // something was done to it
+  std::set<int> killed_;          // pids whose last words do not count
+  std::set<std::string> silent_;  // commands that said nothing for too long
+  std::int64_t begin_ = 0;        // us, steady, of the first revolution
+  std::int64_t over_ = 0;         // us, steady, of the fault
+  std::int64_t last_bad_ = 0;     // us, steady
+  bool well_ = true;              // when last looked
+  bool done_ = false;             // something was done to it
   bool clean_ = false;
   std::vector<pid_t> loops_;
   std::unique_ptr<BackgroundProgram> simulator_, deputy_;
