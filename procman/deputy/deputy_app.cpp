@@ -24,6 +24,11 @@ constexpr std::size_t kLinesShown = 10;
 constexpr std::size_t kLinesResent = 50;
 constexpr std::int64_t kOldStatus = 5'000'000;  // us: of a log that is being played
 
+// The drivers have their ports by then, and what they receive is looked at too.
+constexpr std::int64_t kDoctorAfter = 10'000'000;  // us
+constexpr std::int64_t kDoctorAgain =
+    600'000'000;  // us, while it finds something: what was mended is no fault any more
+
 /// Commands are found beside the deputy first, and a vehicle's config is where it is usually installed.
 void prepare_environment() {
   std::error_code error;
@@ -131,6 +136,7 @@ void DeputyApp::shut_down() {
   deputy_->begin_shutdown();
   starting_.reset();
   script_.reset();
+  doctor_.reset();
   if (supervisor_.any_running()) say("stopping");
   stopping_.emplace(supervisor_, config_.stages());
   while (!stopping_->step(steady_clock())) {
@@ -150,6 +156,7 @@ void DeputyApp::tick() {
   if (deputy_->active() && !begun_) begin();
   if (starting_ && starting_->step(now)) starting_.reset();
   replace_silent(now);
+  look_at_host(now);
   if (script_ && !script_->done()) {
     script_->step(now);
     if (script_->done()) say(fmt::format("script \"{}\" is done", options_.script));
@@ -181,6 +188,26 @@ void DeputyApp::replace_silent(std::int64_t now) {
   }
 }
 
+void DeputyApp::look_at_host(std::int64_t now) {
+  if (doctor_done_) doctor_.reset();
+  doctor_done_ = false;
+  if (doctor_due_ == 0 || now < doctor_due_ || stopping_ || doctor_) return;
+  doctor_due_ = 0;
+  doctor_.emplace(loop_, options_.config_file, options_.lcm_url,
+                  [this](auto findings) { on_findings(std::move(findings)); });
+}
+
+void DeputyApp::on_findings(std::optional<std::vector<std::string>> findings) {
+  doctor_done_ = true;
+  if (!findings) return say("doctor: `curbstone doctor` could not be run");
+  for (const std::string& finding : *findings) {
+    if (std::find(findings_.begin(), findings_.end(), finding) == findings_.end()) say("doctor: " + finding);
+  }
+  if (findings->empty()) say("doctor: all is well");
+  findings_ = std::move(*findings);
+  if (!findings_.empty()) doctor_due_ = steady_clock() + kDoctorAgain;
+}
+
 void DeputyApp::publish_status(std::int64_t now) {
   NodeReport report;
   report.counters = deputy_->counters();
@@ -192,6 +219,7 @@ void DeputyApp::publish_status(std::int64_t now) {
   report.counters.set("commands.starts", starts);
   report.counters.set("commands.running", running);
   report.faults = alarms_.faults(supervisor_.commands(), now);
+  for (const std::string& finding : findings_) report.faults.push_back("doctor: " + finding);
   reporter_->publish(*bus_, bus_->counters(), report);
 }
 
@@ -212,6 +240,7 @@ bool DeputyApp::has_come_to(const std::string& id, config::WaitStatus wanted) co
 
 void DeputyApp::begin() {
   begun_ = true;
+  if (options_.doctor) doctor_due_ = steady_clock() + kDoctorAfter;
   notify_systemd("READY=1");
   say(fmt::format("deputy \"{}\" on {}, {} commands", options_.id, bus_->url(), config_.commands.size()));
   for (const config::Command& command : config_.commands) {

@@ -15,6 +15,7 @@
 #include "procman/config/config.hpp"
 #include "procman/deputy/alarms.hpp"
 #include "procman/deputy/deputy.hpp"
+#include "procman/deputy/doctor_run.hpp"
 #include "procman/deputy/heartbeats.hpp"
 #include "procman/deputy/script_runner.hpp"
 #include "procman/deputy/start_sequence.hpp"
@@ -37,6 +38,7 @@ struct DeputyAppOptions {
   bool start_all = false;
   bool allow_any = false;           ///< take orders for commands that are not in the config
   bool allow_empty_orders = false;  ///< an order without commands removes all that are not in the config
+  bool doctor = false;              ///< run `curbstone doctor` at the start
   bool quiet = false;               ///< do not print what the commands print
   std::string lcm_url;
   std::string log_dir;
@@ -61,6 +63,8 @@ class DeputyApp {
   void shut_down();
   void on_status(const service_status_t& status);
   void replace_silent(std::int64_t now);
+  void look_at_host(std::int64_t now);
+  void on_findings(std::optional<std::vector<std::string>> findings);
   void publish_status(std::int64_t now);
   [[nodiscard]] bool is_up(const std::string& id) const;
   [[nodiscard]] bool has_come_to(const std::string& id, config::WaitStatus wanted) const;
@@ -82,6 +86,10 @@ class DeputyApp {
   Heartbeats heartbeats_;
   Alarms alarms_;
   std::optional<StatusReporter> reporter_;
+  std::optional<DoctorRun> doctor_;
+  bool doctor_done_ = false;           // doctor_ has said what it found
+  std::int64_t doctor_due_ = 0;        // us; 0: not again
+  std::vector<std::string> findings_;  // that hold
   std::optional<StartSequence> starting_;
   std::optional<ScriptRunner> script_;
   std::optional<process::StopSequence> stopping_;

@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
       "Bus for procman's own messages; default $LCM_DEFAULT_URL, else " + std::string(curbstone::LcmBus::kDefaultUrl));
   line.option("--log-dir", options.log_dir, "Keep all output here, one rotated file a command");
   line.option("--log-size", options.keep.file_bytes, "Bytes a log file may have").shows_default();
+  line.flag("--doctor", options.doctor, "Run `curbstone doctor` at the start: what it finds is logged, and a fault");
   line.flag("-q,--quiet", options.quiet,
             "Print only what the deputy itself has to say, and the last words of the dead");
   line.version(curbstone::version());

@@ -116,6 +116,18 @@ TEST_F(DeputyProgram, EndsWithTheCommandThatItIsToldToWaitForAndSaysWhetherItFai
       1);
 }
 
+TEST_F(DeputyProgram, SaysWhatTheDoctorFoundAndGoesOn) {
+  setenv("CURBSTONE_CONFIG", "/nowhere/ugv.yaml", 1);
+  auto deputy =
+      start("--doctor --start-all --config " + config("cmd \"a\" { exec = \"sleep 1000\"; deputy = \"d\"; }"));
+  ASSERT_TRUE(bus_.wait_until([&] { return bus_.has_fault("deputy:d", "doctor: "); }, 90)) << deputy->output();
+  EXPECT_TRUE(bus_.has_fault("deputy:d", "/nowhere/ugv.yaml")) << deputy->output();
+  EXPECT_THAT(deputy->output(), HasSubstr("deputy: doctor: "));
+  EXPECT_GT(bus_.pid("a"), 0);
+  deputy->send_signal(SIGINT);
+  EXPECT_EQ(deputy->wait(10), 0);
+}
+
 TEST_F(DeputyProgram, RunsAScript) {
   const auto result = run_program("curbstone-deputy --script go --exit-when b --config " + config(R"(
     script "go" { start cmd "a" wait "running"; wait cmd "a" status "stopped"; start cmd "b"; }

@@ -1,0 +1,92 @@
+#include "procman/deputy/doctor_run.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace curbstone::procman::deputy {
+
+namespace {
+
+constexpr std::size_t kMostText = 1 << 20;
+
+/// With the signals that the deputy itself takes by signalfd(2). Returns 0 when it cannot be started.
+pid_t start_program(const std::vector<std::string>& words, int output) {
+  std::vector<char*> argv;
+  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));  // as POSIX has it
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none;
+  sigemptyset(&none);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+  pid_t child = 0;
+  if (posix_spawnp(&child, argv[0], &actions, &attributes, argv.data(), environ) != 0) child = 0;
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  return child;
+}
+
+}  // namespace
+
+std::optional<std::vector<std::string>> doctor_findings(const std::string& json) {
+  std::vector<std::string> findings;
+  try {
+    const nlohmann::json report = nlohmann::json::parse(json);
+    for (const auto& check : report.at("checks")) {
+      if (check.at("kind") != "finding") continue;
+      findings.push_back(fmt::format("{}: {}; fix: {}", check.at("check").get<std::string>(),
+                                     check.at("what").get<std::string>(), check.at("fix").get<std::string>()));
+    }
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;
+  }
+  return findings;
+}
+
+DoctorRun::DoctorRun(EventLoop& loop, const std::string& procman_config, const std::string& lcm_url, Done done)
+    : loop_(loop), done_(std::move(done)) {
+  std::array<int, 2> ends{-1, -1};
+  if (pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) != 0) return;
+  output_ = process::FileDescriptor(ends[0]);
+  const process::FileDescriptor input(ends[1]);
+  std::vector<std::string> words = {"curbstone", "doctor", "--json", "--procman", procman_config};
+  if (const char* config = getenv("CURBSTONE_CONFIG")) words.insert(words.end(), {"--config", config});
+  if (!lcm_url.empty()) words.insert(words.end(), {"--lcm-url", lcm_url});
+  pid_ = start_program(words, input.get());
+  loop_.watch(output_.get(), [this] { read_on(); });  // also its end at once, if nothing was started
+}
+
+DoctorRun::~DoctorRun() {
+  loop_.unwatch(output_.get());
+  if (pid_ != 0) kill(pid_, SIGKILL);  // whoever waits for children takes it
+}
+
+void DoctorRun::read_on() {
+  std::array<char, 4096> bytes{};
+  const ssize_t size = read(output_.get(), bytes.data(), bytes.size());
+  if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
+  if (size > 0 && text_.size() < kMostText) {
+    text_.append(bytes.data(), static_cast<std::size_t>(size));
+    return;
+  }
+  loop_.unwatch(output_.get());
+  pid_ = 0;
+  const Done done = done_;  // it may end us
+  done(doctor_findings(text_));
+}
+
+}  // namespace curbstone::procman::deputy
