@@ -11,6 +11,9 @@ constexpr double kLongestGuess = 2.5;   // s that a vehicle is thought to have g
 constexpr double kBasin = 0.7;          // m between two beginnings, each of which registration finds its way from
 constexpr double kMostAhead = 5.0;      // m a scan that are sought
 constexpr double kTurned = 0.05;        // rad between such beginnings
+constexpr double kMostBraking = 4.0;    // m/s^2
+constexpr double kDrift = 0.05;         // m a metre of odometry that nothing checked,
+constexpr double kTurnDrift = 0.005;    // and rad
 
 registration::Matrix6 isotropic(double translation, double rotation) {
   registration::Vector6 diagonal;
@@ -46,6 +49,23 @@ MotionExpectation expect_motion(const config::TrackerConfig& config, const Recen
   expected.covariance = isotropic(config.prior_floor_m + config.prior_translation * moved,
                                   config.prior_floor_rad + config.prior_rotation * turned);
   expected.deskew_covariance = isotropic(0.5 * config.prior_translation * moved, 0.5 * config.prior_rotation * turned);
+  return expected;
+}
+
+std::optional<MotionExpectation> expect_across(const config::TrackerConfig& config, const RecentMotion& recent,
+                                               const Pose& T_odom_last, const scan::Scan& scan,
+                                               const scan::OdometryHistory& odometry) {
+  if (!odometry.covers(scan.start, scan.end)) return std::nullopt;
+  MotionExpectation expected;
+  expected.with_odometry = true;
+  expected.T_last_base = T_odom_last.inverse() * odometry.at(scan.end);
+  const double seconds = scan::seconds(recent.end, scan.end);
+  const Pose steady = scan::move(recent.twist, seconds);
+  const double path = expected.T_last_base.translation().norm();
+  const double unexpected = (expected.T_last_base.translation() - steady.translation()).norm();
+  if (unexpected > kMostBraking * seconds * seconds + 1.0 || path > config.max_speed * seconds) return std::nullopt;
+  expected.sweep = scan::sweep_from(odometry, scan.start, scan.end);
+  expected.covariance = isotropic(config.prior_floor_m + kDrift * path, config.prior_floor_rad + kTurnDrift * path);
   return expected;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "services/mapper/config/tracker_config.hpp"
@@ -36,6 +37,12 @@ struct MotionExpectation {
 /// By odometry where it spans, else as expect_steady().
 [[nodiscard]] MotionExpectation expect_motion(const config::TrackerConfig& config, const RecentMotion& recent,
                                               const scan::Scan& scan, const scan::OdometryHistory& odometry);
+/// Where seconds of messages were missed: from what odometry said at the last scan's end to what it says now. Nothing
+/// where it does not cover the scan, or says what no vehicle can do: its filter began anew.
+[[nodiscard]] std::optional<MotionExpectation> expect_across(const config::TrackerConfig& config,
+                                                             const RecentMotion& recent, const Pose& T_odom_last,
+                                                             const scan::Scan& scan,
+                                                             const scan::OdometryHistory& odometry);
 /// The vehicle goes on as it did; where that was seconds ago, as for a scan's time only.
 [[nodiscard]] MotionExpectation expect_steady(const RecentMotion& recent, const scan::Scan& scan);
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "services/mapper/tracking/levelled.hpp"
+
 namespace curbstone::mapper::tracking {
 namespace {
 
@@ -20,14 +22,6 @@ constexpr double kGuidedDoubt = 0.05;           // and m a metre when odometry d
 constexpr double kGuidedTurn = 0.005;           // rad, of its attitude, after a metre
 constexpr std::int64_t kNewGround = 6'000'000;  // us, by when it has been sought everywhere, and
 constexpr double kNewGroundPath = 10.0;         // m by odometry, without a fit: these surroundings are new
-
-/// Gravity's share of an attitude: roll and pitch, without yaw.
-Pose levelled(const Pose& T_odom_base) {
-  const Eigen::Vector3d rpy = roll_pitch_yaw(T_odom_base.linear());
-  Pose T = Pose::Identity();
-  T.linear() = rotation_from_rpy(rpy.x(), rpy.y(), 0);
-  return T;
-}
 
 scan::SharedPoints share(std::vector<scan::LidarPoint> points) {
   return std::make_shared<const std::vector<scan::LidarPoint>>(std::move(points));
@@ -64,6 +58,7 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   }
   std::optional<Tracked::Earlier> first = prove_start(found.fit);
   Tracked tracked = conclude(scan.end, std::move(found));
+  if (odometry.covers(scan.end, scan.end)) last_->T_odom_base = odometry.at(scan.end);
   tracked.first = std::move(first);
   if (tracked.maps) insert(*tracked.points, tracked.T_map_base);
   return tracked;
@@ -76,6 +71,14 @@ Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHi
   const Departure from = departure();
   if (expected.blind && first_) {  // too far apart to tell of each other: the drive begins with this one
     return {fitter_.expect(from, scan, std::move(expected)), {}, false};
+  }
+  if (expected.blind && fix_ == Fix::kTracking && last_->T_odom_base) {
+    const auto across = expect_across(config_, recent(), *last_->T_odom_base, scan, odometry);
+    Attempt bridged = across ? judged(fitter_.fit(from, scan, *across, motion_), true) : Attempt{};
+    if (bridged.believed) {
+      counters_.add("bridged");
+      return bridged;
+    }
   }
   if (expected.blind && fix_ != Fix::kLost) {
     counters_.add("lost.blind");
@@ -303,21 +306,21 @@ void Tracker::forget_start() {
   first_points_.clear();
 }
 
-Tracker::Attempt Tracker::judged(Fit fit) const {
+Tracker::Attempt Tracker::judged(Fit fit, bool firmly) const {
   Attempt attempt{std::move(fit), {}, false};
-  attempt.refusal = refusal(attempt.fit);
+  attempt.refusal = refusal(attempt.fit, firmly || fix_ != Fix::kTracking);
   attempt.believed = attempt.refusal.empty();
   return attempt;
 }
 
 /// Why an answer is not believed; empty if it is.
-std::string Tracker::refusal(const Fit& fit) const {
+std::string Tracker::refusal(const Fit& fit, bool firmly) const {
   const registration::RegistrationResult& result = fit.result;
   if (!result.converged) return "refused.not_converged";
   if (result.overlap < config_.min_overlap) return "refused.overlap";
   if (result.inlier_ratio < config_.min_inliers) return "refused.inliers";
   if (result.residual > config_.max_residual) return "refused.residual";
-  if (fix_ != Fix::kTracking) {  // the ground alone fits everywhere
+  if (firmly) {  // the ground alone fits everywhere
     if (result.overlap < kFirmOverlap) return "refused.overlap";
     if (result.inlier_ratio < kFirmInliers || (result.degenerate & registration::kPlanarAxes) != 0)
       return "refused.inliers";

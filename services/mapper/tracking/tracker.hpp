@@ -57,7 +57,9 @@ struct Tracked {
 ///
 /// Counters: revolutions, keyframes, refused.sparse, refused.time, refused.not_converged, refused.overlap,
 /// refused.inliers, refused.residual, refused.jump, odometry.not_believed, without_odometry, lost.blind (no sensor told
-/// of the motion for too long), lost.refused (nothing fitted for too long), found, began_anew (on odometry alone).
+/// of the motion for too long), bridged (nor did any, but odometry says the same
+/// as the LiDAR of where the vehicle is now), lost.refused (nothing fitted for too long), found, began_anew (on
+/// odometry alone).
 class Tracker {
  public:
   /// `keeps_map` false: the registration map is an earlier drive's, and takes no scans.
@@ -103,6 +105,7 @@ class Tracker {
   struct Last {
     std::int64_t end = 0;
     Pose T_map_base = Pose::Identity();
+    std::optional<Pose> T_odom_base = std::nullopt;  // as odometry had it
   };
   /// A scan in the map, and whether that is so.
   struct Attempt {
@@ -115,8 +118,9 @@ class Tracker {
   [[nodiscard]] RecentMotion recent() const { return {last_->end, motion_.twist(), stride_}; }
   [[nodiscard]] Departure departure() const { return {last_->end, last_->T_map_base, drift_}; }
   [[nodiscard]] Attempt attempt(const scan::Scan& scan, const scan::OdometryHistory& odometry);
-  [[nodiscard]] Attempt judged(Fit fit) const;
-  [[nodiscard]] std::string refusal(const Fit& fit) const;
+  /// `firmly`: more must fit, where the guess is not sure to be near.
+  [[nodiscard]] Attempt judged(Fit fit, bool firmly = false) const;
+  [[nodiscard]] std::string refusal(const Fit& fit, bool firmly) const;
   [[nodiscard]] Tracked start(const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] std::optional<Tracked::Earlier> prove_start(const Fit& second);
   void forget_start();

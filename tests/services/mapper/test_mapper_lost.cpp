@@ -30,6 +30,12 @@ struct Drive : test::MapperDrive {
     world = distinct_street();
     world.noise = 0.01;
   }
+  void with_odometry(double until) { MapperDrive::with_odometry(until); }
+  /// Only between these times, s; in a frame that has moved since.
+  void with_odometry(double from, double until, const Pose& T_new_old = Pose::Identity()) {
+    for (double t = from; t < until; t += 0.01)
+      odometry.add({utime(t), T_new_old * trajectory(0).inverse() * trajectory(t), true, false});
+  }
   std::optional<MapperUpdate> steps(int n) {
     std::optional<MapperUpdate> update;
     for (int i = 0; i < n; ++i) update = step();
@@ -66,6 +72,44 @@ TEST(MapperLost, AfterSecondsWithoutAnySensorTheVehicleIsSoughtAndNothingIsMappe
   ASSERT_TRUE(update && update->registered);
   EXPECT_LT(drive.error(*update), 0.08);
   EXPECT_GT(drive.dense().size(), points);
+}
+
+TEST(MapperLost, AfterSecondsThatItMissedOdometrySaysWhereItIsAndNothingIsSought) {
+  Drive drive;
+  drive.with_odometry(2.0);
+  (void)drive.steps(40);
+  drive.with_odometry(5.0, 20.0);
+  drive.turn += 60;  // 3 s, 9 m
+  const auto first = drive.step();
+  EXPECT_FALSE(first) << "one alone after a gap may be an error";
+  const auto update = drive.step();
+  ASSERT_TRUE(update);
+  EXPECT_TRUE(update->registered);
+  EXPECT_EQ(update->fix, tracking::Fix::kTracking);
+  EXPECT_LT(drive.error(*update), 0.1);
+  EXPECT_EQ(drive.counter("bridged"), 1);
+  EXPECT_EQ(drive.counter("lost.blind"), 0);
+  EXPECT_EQ(drive.counter("searches"), 0);
+}
+
+TEST(MapperLost, WhereOdometryBeganAnewInTheSecondsThatItMissedTheVehicleIsSought) {
+  for (const double x : {-25.0, -9.0, 4.0, 300.0}) {
+    Drive drive;
+    drive.with_odometry(2.0);
+    (void)drive.steps(40);
+    drive.with_odometry(4.0, 20.0, test::pose(x, 3, 0, 0, 0, 0.4));
+    drive.turn += 40;
+    std::optional<MapperUpdate> update;
+    for (int i = 0; i < 60; ++i) {
+      update = drive.step();
+      if (update && update->registered) {
+        EXPECT_LT(drive.error(*update), 0.15) << x << " " << i;
+      }
+    }
+    EXPECT_EQ(drive.counter("bridged"), 0) << x;
+    EXPECT_EQ(drive.counter("lost.blind"), 1) << x;
+    EXPECT_EQ(drive.counter("found"), 1) << x;
+  }
 }
 
 TEST(MapperLost, AFastVehicleIsSoughtAheadOfWhereItWasSeenLast) {
