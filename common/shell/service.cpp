@@ -21,8 +21,7 @@ constexpr std::chrono::seconds kConfigPeriod{5};
 
 /// Who was started by a deputy is a session of its own, and between sessions only their groups' niceness counts
 /// (sched(7), "autogroup").
-void yield_to_others(int nice) {
-  if (nice == 0) return;
+void set_niceness(int nice) {
   setpriority(PRIO_PROCESS, 0, nice);
   std::ofstream("/proc/self/autogroup") << nice;
 }
@@ -38,8 +37,9 @@ service_config_t config_message(const std::string& name, const std::string& sect
   return message;
 }
 
-void run(service_config_t config, const std::string& url, const std::string& hash,
+void run(service_config_t config, const std::string& url, const std::string& hash, int nice,
          const std::function<std::unique_ptr<Node>(ServiceContext&)>& make) {
+  if (nice != 0) set_niceness(nice);
   EventLoop loop;
   LcmBus bus(url);
   ServiceContext context{config.service, bus, bus, loop};
@@ -63,6 +63,7 @@ void run(service_config_t config, const std::string& url, const std::string& has
   publish_config();
   loop.run();
 
+  if (nice != 0) set_niceness(0);  // what is still owed is due before the deputy's patience ends
   bus.handle(std::chrono::milliseconds(0));
   node->finish();
   status.publish(bus, bus.counters(), node->report());
@@ -104,8 +105,7 @@ int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig&
     return 2;
   }
   try {
-    yield_to_others(nice);
-    run(config_message(name, section, config), url, config_hash(section, config), make);
+    run(config_message(name, section, config), url, config_hash(section, config), nice, make);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", section, error.what());
     return 1;

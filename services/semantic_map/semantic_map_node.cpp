@@ -19,6 +19,8 @@ constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kWritePeriod = 1'000'000;
 constexpr std::int64_t kStoreCurbsPeriod = 5'000'000;  // all of them each time
 constexpr std::int64_t kRequestPeriod = 100'000;
+constexpr int kShownAtOnce = 32;            // tiles, about 10 ms: then the messages that came meanwhile
+constexpr QueueLimit kVotedQueue = {3000};  // two seconds of them, 20 MB: a starved process catches up
 constexpr std::size_t kAnswersPerTick = 4;
 constexpr std::size_t kMaxCurbVertices = 1800;  // 24 bytes each: below 48 kB
 constexpr std::size_t kMaxTiles = 200'000;      // 1.8 square kilometres: memory has an end
@@ -47,7 +49,8 @@ SemanticMapNode::SemanticMapNode(const SemanticMapConfig& config, Publisher& bus
       keeper_(config.map, static_cast<std::size_t>(config.max_pending_tiles), config.keep_earlier_drives) {}
 
 void SemanticMapNode::connect(Subscriber& bus) {
-  bus.subscribe<voted_points_t>("VOTED_POINTS", [this](const voted_points_t& m) { on(m); });
+  bus.subscribe<voted_points_t>(
+      "VOTED_POINTS", [this](const voted_points_t& m) { on(m); }, kVotedQueue);
   bus.subscribe<tile_index_t>("TILE_INDEX", [this](const tile_index_t& m) { on(m); });
   bus.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { on(m); });
   bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { on(m); });
@@ -180,6 +183,7 @@ void SemanticMapNode::caught_up(std::int64_t now) {
 bool SemanticMapNode::idle(std::int64_t now) {
   now_ = now;
   idles_ = true;
+  if (show_next(now)) return true;
   const auto changed = work_on_one(now);
   if (!changed) return false;
   publish_changed(*changed, now);
@@ -205,8 +209,17 @@ void SemanticMapNode::tick(std::int64_t now) {
   }
 }
 
+/// Not all at once: what waits longer takes in more messages, and a process that gets little of the CPU loses none.
 void SemanticMapNode::show_news(std::int64_t now) {
-  while (const auto work = schedule_.next_to_show()) publish_changed(pipeline_.run(*work).changed, now);
+  for (int i = 0; i < kShownAtOnce && show_next(now); ++i) {
+  }
+}
+
+bool SemanticMapNode::show_next(std::int64_t now) {
+  const auto work = schedule_.next_to_show();
+  if (!work) return false;
+  publish_changed(pipeline_.run(*work).changed, now);
+  return true;
 }
 
 std::optional<std::set<TileKey>> SemanticMapNode::work_on_one(std::int64_t now) {

@@ -61,8 +61,10 @@ class SemanticMapNode final : public Node {
   void take(const map_pose_t& message);
   void take(const map_trajectory_t& message);
   void begin_drive(std::int64_t utime);
-  /// Brings what stands where up to date in all tiles with new points, and sends it.
+  /// Brings what stands where up to date in tiles with new points, some at a time, and sends it.
   void show_news(std::int64_t now);
+  /// In one of them; false if all show it.
+  bool show_next(std::int64_t now);
   /// Does the piece of work that is due, and tells which tiles became others. Nothing if none is due.
   std::optional<std::set<TileKey>> work_on_one(std::int64_t now);
   std::set<TileKey> work_on_all(std::int64_t now);
