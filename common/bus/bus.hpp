@@ -34,7 +34,8 @@ class Publisher {
 
 /// What happens to a subscription's queue when its messages come faster than they are handled.
 struct QueueLimit {
-  int capacity = 1000;  ///< messages; when one more comes, the oldest is dropped and counted
+  int capacity = 1000;                       ///< messages; when one more comes, the oldest is dropped and counted
+  std::size_t bytes = std::size_t{1} << 26;  ///< the same of all of them together
 };
 
 /// A bus all of whose messages can be seen, whatever their channel and type: for recording.

@@ -11,12 +11,13 @@
 #include <cstdlib>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "common/bus/lcm_socket.hpp"
+#include "common/bus/bus_socket.hpp"
 
 namespace curbstone {
 
@@ -33,13 +34,13 @@ std::string effective_url(std::string url) {
 class LcmBus::Impl {
  public:
   explicit Impl(std::string url) : url_(effective_url(std::move(url))), threaded_(url_.starts_with("udpm")) {
-    lcm_ = lcm_create(url_.c_str());
-    if (lcm_ == nullptr) {
-      throw std::runtime_error(
-          fmt::format("cannot open the bus {}: check the URL, and that multicast is routed (ip link set lo up; ip "
-                      "route add 224.0.0.0/4 dev lo)",
-                      url_));
+    if (threaded_) {
+      const auto address = parse_bus_url(url_);
+      if (!address) cannot_open("it is no URL of a multicast bus");
+      address_ = *address;
     }
+    lcm_ = lcm_create(url_.c_str());
+    if (lcm_ == nullptr) cannot_open("LCM refuses it");
     if (threaded_) {
       wake_fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
       stop_fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
@@ -63,24 +64,18 @@ class LcmBus::Impl {
   }
 
   void subscribe(const std::string& channel, BytesHandler handler, QueueLimit limit) {
-    // Channel names are exact to us and patterns to LCM: quote what is not a word character.
-    std::string pattern;
-    for (const char c : channel) {
-      if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_') pattern += '\\';
-      pattern += c;
-    }
-    subscribe_pattern(
-        pattern, [handler = std::move(handler)](const Message& m) { handler(m.bytes.data(), m.size()); }, limit);
+    add({channel, {}, [handler = std::move(handler)](const Message& m) { handler(m.bytes.data(), m.size()); }, limit});
     channels_.push_back(channel);
-    if (socket_.found() && !has_tap_) socket_.pass_only(channels_);
+    if (socket_ && !has_tap_) socket_->pass_only(channels_);
   }
 
   void tap(Tap tap, QueueLimit limit, const std::string& except) {
-    subscribe_pattern(
-        except.empty() ? ".*" : "(?!" + except + "$).*",
-        [tap = std::move(tap)](const Message& m) { tap(m.channel, m.bytes.data(), m.size(), m.utime); }, limit);
+    add({{},
+         except,
+         [tap = std::move(tap)](const Message& m) { tap(m.channel, m.bytes.data(), m.size(), m.utime); },
+         limit});
     has_tap_ = true;
-    if (socket_.found()) socket_.pass_all();
+    if (socket_) socket_->pass_all();
   }
 
   bool handle(std::chrono::milliseconds timeout) {
@@ -98,7 +93,7 @@ class LcmBus::Impl {
         if (queue_.empty()) return true;
         message = std::move(queue_.front());
         queue_.pop_front();
-        --message.subscription->queued;
+        leaves(message);
       }
       call(message);
     }
@@ -111,7 +106,8 @@ class LcmBus::Impl {
   [[nodiscard]] Counters counters() const {
     Counters all = counters_;
     all.set("dropped.queue", queue_drops_.load());
-    if (socket_.found()) all.set("dropped.kernel", socket_.dropped());
+    if (socket_) all.set("dropped.kernel", socket_->dropped());
+    if (has_tap_ && socket_) all.set("refused.datagram", socket_->refused());
     if (const auto failed = publish_failed_.load(); failed > 0) all.set("faults.publish", failed);
     return all;
   }
@@ -128,55 +124,65 @@ class LcmBus::Impl {
     std::vector<std::uint8_t> bytes;
     [[nodiscard]] int size() const { return static_cast<int>(bytes.size()); }
   };
-  using MessageHandler = std::function<void(const Message&)>;
   struct Subscription {
-    Impl* bus = nullptr;
-    MessageHandler handler;
-    std::size_t capacity = 0;
+    std::string channel;  // empty: a tap
+    std::string except;   // of a tap
+    std::function<void(const Message&)> handler;
+    QueueLimit limit;
     std::size_t queued = 0;
+    std::size_t queued_bytes = 0;
+    Impl* bus = nullptr;
+
+    [[nodiscard]] bool wants(std::string_view name) const { return channel.empty() ? name != except : name == channel; }
+    [[nodiscard]] bool is_full_for(std::size_t size) const {
+      return queued > 0 &&
+             (queued >= static_cast<std::size_t>(std::max(limit.capacity, 1)) || queued_bytes + size > limit.bytes);
+    }
   };
 
-  void subscribe_pattern(const std::string& pattern, MessageHandler handler, QueueLimit limit) {
-    auto subscription = std::make_unique<Subscription>();
-    subscription->bus = this;
-    subscription->handler = std::move(handler);
-    subscription->capacity = static_cast<std::size_t>(std::max(limit.capacity, 1));
-    lcm_subscription_t* handle = nullptr;
-    const auto ask = [&] { handle = lcm_subscribe(lcm_, pattern.c_str(), &Impl::on_message, subscription.get()); };
-    if (threaded_ && !socket_.found()) {
-      socket_.find(ask);
-    } else {
-      ask();
+  [[noreturn]] void cannot_open(const std::string& why) const {
+    throw std::runtime_error(
+        fmt::format("cannot open the bus {}: {}: check the URL, and that multicast is routed (ip link set lo up; ip "
+                    "route add 224.0.0.0/4 dev lo)",
+                    url_, why));
+  }
+
+  void add(Subscription subscription) {
+    subscription.bus = this;
+    {
+      const std::scoped_lock lock(queue_mutex_);
+      subscriptions_.push_back(std::make_unique<Subscription>(std::move(subscription)));
     }
+    if (!threaded_) return subscribe_to_lcm(*subscriptions_.back());
+    if (socket_) return;
+    try {
+      socket_.emplace(address_);
+    } catch (const std::runtime_error& error) {
+      cannot_open(error.what());
+    }
+    receiver_ = std::thread([this] { receive(); });
+  }
+
+  /// What is not multicast (memq, files) is LCM's.
+  void subscribe_to_lcm(Subscription& subscription) {
+    std::string pattern = subscription.except.empty() ? ".*" : "(?!" + subscription.except + "$).*";
+    // Channel names are exact to us and patterns to LCM: quote what is not a word character.
+    if (!subscription.channel.empty()) {
+      pattern.clear();
+      for (const char c : subscription.channel) {
+        if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_') pattern += '\\';
+        pattern += c;
+      }
+    }
+    lcm_subscription_t* handle = lcm_subscribe(lcm_, pattern.c_str(), &Impl::on_message, &subscription);
     if (handle == nullptr) throw std::runtime_error(fmt::format("cannot subscribe to {}", pattern));
-    lcm_subscription_set_queue_capacity(handle, threaded_ ? 1000 : 0);
-    subscriptions_.push_back(std::move(subscription));
-    if (threaded_ && !receiver_.joinable()) receiver_ = std::thread([this] { receive(); });
+    lcm_subscription_set_queue_capacity(handle, 0);
   }
 
   static void on_message(const lcm_recv_buf_t* buffer, const char* channel, void* user) {
     auto& subscription = *static_cast<Subscription*>(user);
     const auto* bytes = static_cast<const std::uint8_t*>(buffer->data);
-    subscription.bus->arrived({&subscription, channel, buffer->recv_utime, {bytes, bytes + buffer->data_size}});
-  }
-
-  void arrived(Message message) {
-    if (!threaded_) {
-      call(message);
-      return;
-    }
-    Subscription& subscription = *message.subscription;
-    const std::scoped_lock lock(queue_mutex_);
-    if (subscription.queued >= subscription.capacity) {
-      const auto oldest = std::find_if(queue_.begin(), queue_.end(),
-                                       [&](const Message& waiting) { return waiting.subscription == &subscription; });
-      queue_.erase(oldest);  // latest wins
-      --subscription.queued;
-      queue_drops_.fetch_add(1);
-    }
-    queue_.push_back(std::move(message));
-    ++subscription.queued;
-    if (queue_.size() == 1) wake();  // else whoever takes messages has been woken, and takes them all
+    subscription.bus->call({&subscription, channel, buffer->recv_utime, {bytes, bytes + buffer->data_size}});
   }
 
   void call(const Message& message) {
@@ -187,13 +193,43 @@ class LcmBus::Impl {
     }
   }
 
+  /// The receiver thread.
   void receive() {
-    pollfd fds[2] = {{lcm_get_fileno(lcm_), POLLIN, 0}, {stop_fd_, POLLIN, 0}};
+    pollfd fds[2] = {{socket_->fd(), POLLIN, 0}, {stop_fd_, POLLIN, 0}};
     while (true) {
       if (poll(fds, 2, -1) < 0) continue;
       if (fds[1].revents != 0) return;
-      if (fds[0].revents != 0) lcm_handle(lcm_);
+      while (socket_->receive([this](const BusSocket::Message& message) { arrived(message); })) {
+      }
     }
+  }
+
+  void arrived(const BusSocket::Message& message) {
+    const std::scoped_lock lock(queue_mutex_);
+    for (const auto& subscription : subscriptions_) {
+      if (subscription->wants(message.channel)) enqueue(*subscription, message);
+    }
+  }
+
+  /// Latest wins.
+  void enqueue(Subscription& subscription, const BusSocket::Message& message) {
+    while (subscription.is_full_for(message.bytes.size())) {
+      const auto oldest = std::find_if(queue_.begin(), queue_.end(),
+                                       [&](const Message& waiting) { return waiting.subscription == &subscription; });
+      leaves(*oldest);
+      queue_.erase(oldest);
+      queue_drops_.fetch_add(1);
+    }
+    queue_.push_back(
+        {&subscription, std::string(message.channel), message.utime, {message.bytes.begin(), message.bytes.end()}});
+    ++subscription.queued;
+    subscription.queued_bytes += message.bytes.size();
+    if (queue_.size() == 1) wake();  // else whoever takes messages has been woken, and takes them all
+  }
+
+  static void leaves(const Message& message) {
+    --message.subscription->queued;
+    message.subscription->queued_bytes -= message.bytes.size();
   }
 
   void wake() const {
@@ -203,14 +239,15 @@ class LcmBus::Impl {
 
   std::string url_;
   bool threaded_;
+  BusAddress address_;
   lcm_t* lcm_ = nullptr;
   int wake_fd_ = -1;
   int stop_fd_ = -1;
-  LcmSocket socket_;
+  mutable std::optional<BusSocket> socket_;
   std::vector<std::string> channels_;
   bool has_tap_ = false;
+  std::mutex queue_mutex_;  // of the two below
   std::vector<std::unique_ptr<Subscription>> subscriptions_;
-  std::mutex queue_mutex_;
   std::deque<Message> queue_;
   std::mutex publish_mutex_;
   std::atomic<std::int64_t> queue_drops_ = 0;

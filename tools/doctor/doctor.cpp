@@ -43,7 +43,7 @@ checks::Verdicts examine(const std::string& url, const std::string& config, cons
   facts::VehicleWishes wishes = facts::read_vehicle(config, procman);
   checks::BusFacts bus;
   bus.url = facts::bus_url(url);
-  const auto address = checks::parse_bus_url(bus.url);
+  const auto address = parse_bus_url(bus.url);
   std::thread wire([&] {
     if (!wishes.lidar_port) return;
     wishes.facts.lidar = facts::probe_lidar(*wishes.lidar_port, seconds);

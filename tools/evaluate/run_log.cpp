@@ -157,7 +157,6 @@ RunFigures read_run_log(const std::string& file) {
   while (const auto event = reader.next()) recording.take(*event);
 
   RunFigures figures;
-  std::int64_t full_buffers = 0;  // a process that filters cannot tell its own drops from the host's: see LcmSocket
   figures.processes = static_cast<int>(recording.processes.size());
   for (const auto& [id, span] : recording.processes) {
     const std::string& service = id.first;
@@ -172,15 +171,10 @@ RunFigures read_run_log(const std::string& file) {
         continue;
       }
       figures.losses[service + " " + name] += value;
-      if (name == "dropped.kernel") {
-        full_buffers = std::max(full_buffers, value);
-        continue;
-      }
-      const bool on_the_bus = name == "dropped.queue" || !is_driver(service);
+      const bool on_the_bus = name.starts_with("dropped.") || !is_driver(service);
       (on_the_bus ? figures.lost_messages : figures.lost_packets) += value;
     }
   }
-  figures.lost_messages += full_buffers;
   for (const auto& [channel, seen] : recording.gaps) {
     std::int64_t missing = seen.missing();
     // The IMU counts its own packets: what its driver did not get either was lost on the wire.

@@ -29,20 +29,6 @@ Verdict verdict_of(const std::string& check, const BusFacts& facts) {
   return {Verdict::Kind::kUnknown, "", "", ""};
 }
 
-TEST(BusUrl, IsReadAsLcmReadsIt) {
-  const auto address = parse_bus_url(kUrl);
-  ASSERT_TRUE(address);
-  EXPECT_EQ(address->group, "239.255.76.67");
-  EXPECT_EQ(address->port, 7667);
-  EXPECT_EQ(address->ttl, 0);
-  EXPECT_EQ(address->buffer, 4194304);
-  EXPECT_EQ(parse_bus_url("udpm://239.1.2.3:9000")->port, 9000);
-  for (const char* const url :
-       {"", "memq://", "udpm://239.255.76.67", "udpm://10.0.0.1:7667", "udpm://239.1.2.3:70000",
-        "udpm://239.1.2.3:7667?ttl=300", "udpm://239.1.2.3:7667?ttl", "udpm://239.1.2.3:7667?tll=1"})
-    EXPECT_FALSE(parse_bus_url(url)) << url;
-}
-
 TEST(BusChecks, ASaneBusHasNoFinding) {
   EXPECT_THAT(check_bus(sane_bus()), Each(Field(&Verdict::kind, Verdict::Kind::kGood)));
 }

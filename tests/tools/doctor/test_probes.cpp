@@ -19,8 +19,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-checks::BusAddress test_bus() {
-  return checks::parse_bus_url(facts::bus_url(std::getenv("CURBSTONE_TEST_URL"))).value();
+BusAddress test_bus() {
+  return parse_bus_url(facts::bus_url(std::getenv("CURBSTONE_TEST_URL"))).value();
 }
 
 /// Sends datagrams to an address until it is destroyed.
@@ -77,7 +77,7 @@ TEST(BusProbe, SeesAnotherBusOnThePort) {
 }
 
 TEST(BusProbe, SeesThatTheKernelGivesLessThanIsAskedFor) {
-  checks::BusAddress greedy = test_bus();
+  BusAddress greedy = test_bus();
   greedy.buffer = 1 << 30;  // more than any net.core.rmem_max
   const auto probe = facts::probe_bus(greedy, 0.1, "");
   EXPECT_GT(probe.granted_buffer, 0);

@@ -77,7 +77,7 @@ TEST(RunLog, SumsLossesLatencyAndCores) {
   EXPECT_NEAR(run.cores.at("mapper"), 0.25, 1e-9);
 }
 
-TEST(RunLog, DatagramsThatSeveralProcessesReportAsDroppedAreTheSame) {
+TEST(RunLog, EachProcessReportsTheDatagramsOfItsOwnSocketThatWereDropped) {
   const testing::TemporaryFolder folder;
   const std::string file = folder / "full_buffers.lcmlog";
   {
@@ -88,7 +88,7 @@ TEST(RunLog, DatagramsThatSeveralProcessesReportAsDroppedAreTheSame) {
       write(log, "SERVICE_STATUS", s, 1'000'000);
     }
   }
-  EXPECT_EQ(read_run_log(file).lost_messages, 5);
+  EXPECT_EQ(read_run_log(file).lost_messages, 9);
   EXPECT_EQ(read_run_log(file).losses.at("ekf dropped.kernel"), 4);
 }
 

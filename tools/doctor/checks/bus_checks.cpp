@@ -1,28 +1,10 @@
 #include "tools/doctor/checks/bus_checks.hpp"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
-
-#include <charconv>
 
 namespace curbstone::doctor::checks {
 
 namespace {
-
-bool read_number(std::string_view text, int most, int& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && value >= 0 && value <= most;
-}
-
-bool read_option(std::string_view option, BusAddress& address) {
-  if (option.empty()) return true;
-  const auto equals = option.find('=');
-  if (equals == std::string_view::npos) return false;
-  const std::string_view name = option.substr(0, equals), value = option.substr(equals + 1);
-  if (name == "ttl") return read_number(value, 255, address.ttl);
-  if (name == "recv_buf_size") return read_number(value, 1 << 30, address.buffer);
-  return false;
-}
 
 std::string route_by_hand(const BusAddress& address, const std::string& interface) {
   return fmt::format("ip route replace {}/32 dev {}", address.group, interface);
@@ -93,28 +75,6 @@ Verdict check_drops(const BusProbeFacts& probe) {
 }
 
 }  // namespace
-
-std::optional<BusAddress> parse_bus_url(std::string_view url) {
-  constexpr std::string_view kScheme = "udpm://";
-  if (!url.starts_with(kScheme)) return std::nullopt;
-  url.remove_prefix(kScheme.size());
-  const auto question = url.find('?');
-  const std::string_view network = url.substr(0, question);
-  std::string_view options = question == std::string_view::npos ? "" : url.substr(question + 1);
-  const auto colon = network.find(':');
-  BusAddress address;
-  address.group = network.substr(0, colon);
-  in_addr group{};
-  if (inet_pton(AF_INET, address.group.c_str(), &group) != 1 || !IN_MULTICAST(ntohl(group.s_addr))) return std::nullopt;
-  if (colon == std::string_view::npos || !read_number(network.substr(colon + 1), 65535, address.port))
-    return std::nullopt;
-  while (!options.empty()) {
-    const auto end = options.find('&');
-    if (!read_option(options.substr(0, end), address)) return std::nullopt;
-    options = end == std::string_view::npos ? "" : options.substr(end + 1);
-  }
-  return address;
-}
 
 Verdicts check_bus(const BusFacts& facts) {
   const auto address = parse_bus_url(facts.url);

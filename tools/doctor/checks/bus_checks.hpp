@@ -4,22 +4,11 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 
+#include "common/bus/bus_address.hpp"
 #include "tools/doctor/checks/verdict.hpp"
 
 namespace curbstone::doctor::checks {
-
-/// An LCM URL of multicast: "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304".
-struct BusAddress {
-  std::string group;
-  int port = 0;
-  int ttl = 0;
-  int buffer = 0;  ///< bytes asked for; 0: the kernel's default
-};
-
-/// Nothing for another kind of URL, and for one that is damaged.
-[[nodiscard]] std::optional<BusAddress> parse_bus_url(std::string_view url);
 
 /// The way that the bus takes out of the host.
 struct RouteFacts {

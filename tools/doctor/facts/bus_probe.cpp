@@ -33,7 +33,7 @@ constexpr std::string_view kChannel = "CURBSTONE_DOCTOR";
 
 class ProbeSocket {
  public:
-  explicit ProbeSocket(const checks::BusAddress& address) : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+  explicit ProbeSocket(const BusAddress& address) : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
     if (fd_ < 0) fail("socket");
     group_.sin_family = AF_INET;
     group_.sin_port = htons(static_cast<std::uint16_t>(address.port));
@@ -162,7 +162,7 @@ void listen(ProbeSocket& socket, double seconds, const std::string& unrecorded, 
 
 }  // namespace
 
-checks::BusProbeFacts probe_bus(const checks::BusAddress& address, double seconds, const std::string& unrecorded) {
+checks::BusProbeFacts probe_bus(const BusAddress& address, double seconds, const std::string& unrecorded) {
   checks::BusProbeFacts facts;
   try {
     ProbeSocket socket(address);

@@ -1,0 +1,197 @@
+#include "common/bus/bus_socket.hpp"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <linux/sock_diag.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <system_error>
+
+#include "common/bus/channel_filter.hpp"
+#include "common/time/clock.hpp"
+
+namespace curbstone {
+
+namespace {
+
+constexpr std::size_t kHeader = 8;          // "LC02", sequence number
+constexpr std::size_t kDatagrams = 32;      // taken from the kernel at once
+constexpr std::size_t kDatagram = 65'536;   // bytes
+constexpr std::uint32_t kTells = 1U << 20;  // bytes of a buffer that is not emptied and filled between two looks at it
+
+/// Datagrams dropped at full receive buffers on this host (in this network namespace): RcvbufErrors, of
+/// /proc/net/snmp's two lines on UDP, a heading and its values.
+std::int64_t dropped_on_host() {
+  std::ifstream table("/proc/self/net/snmp");
+  std::string heading, values;
+  for (std::string line; values.empty() && std::getline(table, line);) {
+    if (line.starts_with("Udp:")) (heading.empty() ? heading : values) = line;
+  }
+  std::istringstream names(heading), numbers(values);
+  for (std::string name, number; names >> name && numbers >> number;) {
+    if (name == "RcvbufErrors") return std::stoll(number);
+  }
+  return 0;
+}
+
+void set_option(int fd, int level, int option, const void* value, std::size_t size, const char* name) {
+  if (setsockopt(fd, level, option, value, static_cast<socklen_t>(size)) != 0)
+    throw std::system_error(errno, std::generic_category(), name);
+}
+
+void set_option(int fd, int level, int option, int value, const char* name) {
+  set_option(fd, level, option, &value, sizeof value, name);
+}
+
+/// Only what is sent to the group is heard; the interface is that of the route to it.
+void join(int fd, const BusAddress& address) {
+  sockaddr_in group{};
+  group.sin_family = AF_INET;
+  group.sin_port = htons(static_cast<std::uint16_t>(address.port));
+  inet_pton(AF_INET, address.group.c_str(), &group.sin_addr);
+  set_option(fd, SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR");
+  set_option(fd, SOL_SOCKET, SO_TIMESTAMP, 1, "SO_TIMESTAMP");
+  if (address.buffer > 0) set_option(fd, SOL_SOCKET, SO_RCVBUF, address.buffer, "SO_RCVBUF");
+  if (bind(fd, reinterpret_cast<const sockaddr*>(&group), sizeof group) != 0)
+    throw std::system_error(errno, std::generic_category(), "bind");
+  const ip_mreqn membership{group.sin_addr, {htonl(INADDR_ANY)}, 0};
+  set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership, "IP_ADD_MEMBERSHIP");
+}
+
+/// When the kernel had the datagram, us.
+std::int64_t time_of(const msghdr& header) {
+  for (const cmsghdr* control = CMSG_FIRSTHDR(&header); control != nullptr;
+       control = CMSG_NXTHDR(const_cast<msghdr*>(&header), const_cast<cmsghdr*>(control))) {
+    if (control->cmsg_level != SOL_SOCKET || control->cmsg_type != SCM_TIMESTAMP) continue;
+    timeval time{};
+    std::memcpy(&time, CMSG_DATA(control), sizeof time);
+    return std::int64_t{time.tv_sec} * 1'000'000 + time.tv_usec;
+  }
+  return wall_clock();
+}
+
+}  // namespace
+
+/// What recvmmsg() fills.
+struct BusSocket::Batch {
+  std::unique_ptr<std::uint8_t[]> bytes = std::make_unique_for_overwrite<std::uint8_t[]>(kDatagrams * kDatagram);
+  std::array<std::array<std::uint8_t, CMSG_SPACE(sizeof(timeval))>, kDatagrams> controls{};
+  std::array<iovec, kDatagrams> parts{};
+  std::array<mmsghdr, kDatagrams> headers{};
+
+  /// Says where to put the next datagrams: the kernel writes over the sizes.
+  void prepare() {
+    for (std::size_t i = 0; i < kDatagrams; ++i) {
+      parts[i] = {datagram(i), kDatagram};
+      headers[i] = {};
+      headers[i].msg_hdr.msg_iov = &parts[i];
+      headers[i].msg_hdr.msg_iovlen = 1;
+      headers[i].msg_hdr.msg_control = controls[i].data();
+      headers[i].msg_hdr.msg_controllen = controls[i].size();
+    }
+  }
+  [[nodiscard]] std::uint8_t* datagram(std::size_t i) const { return bytes.get() + i * kDatagram; }
+};
+
+BusSocket::BusSocket(const BusAddress& address) : batch_(std::make_unique<Batch>()) {
+  fd_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (fd_ < 0) throw std::system_error(errno, std::generic_category(), "socket");
+  try {
+    attach(make_channel_filter({}));
+    join(fd_, address);
+  } catch (...) {
+    close(fd_);
+    throw;
+  }
+  host_drops_ = dropped_on_host();
+  tells_ = look_at_buffer().size >= kTells;
+}
+
+BusSocket::~BusSocket() {
+  close(fd_);
+}
+
+void BusSocket::attach(const std::vector<sock_filter>& program) {
+  const sock_fprog filter{static_cast<unsigned short>(program.size()), const_cast<sock_filter*>(program.data())};
+  set_option(fd_, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter, "SO_ATTACH_FILTER");
+}
+
+void BusSocket::pass_only(const std::vector<std::string>& channels) {
+  try {
+    attach(make_channel_filter(channels));
+  } catch (const std::system_error&) {
+    attach(make_message_filter());  // too many channels for the kernel
+  }
+}
+
+void BusSocket::pass_all() {
+  attach(make_message_filter());
+  note_drops(true);
+  const std::scoped_lock lock(mutex_);
+  passes_all_ = true;
+  kernel_drops_before_ = look_at_buffer().kernel_drops;
+  dropped_before_ = dropped_;
+}
+
+bool BusSocket::receive(const Handler& handler) {
+  note_drops(false);
+  batch_->prepare();
+  const int count = recvmmsg(fd_, batch_->headers.data(), kDatagrams, MSG_DONTWAIT, nullptr);
+  note_drops(false);
+  for (std::size_t i = 0; count > 0 && i < static_cast<std::size_t>(count); ++i) {
+    const std::span<const std::uint8_t> all(batch_->datagram(i), batch_->headers[i].msg_len);
+    const auto name = all.subspan(std::min(kHeader, all.size()));
+    const auto end = std::find(name.begin(), name.end(), 0);
+    if (end == name.end()) continue;  // the filter lets none pass
+    const auto size = static_cast<std::size_t>(end - name.begin());
+    handler({{reinterpret_cast<const char*>(name.data()), size},
+             name.subspan(size + 1),
+             time_of(batch_->headers[i].msg_hdr)});
+  }
+  return count == static_cast<int>(kDatagrams);
+}
+
+BusSocket::Buffer BusSocket::look_at_buffer() const {
+  std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
+  socklen_t size = sizeof memory;
+  if (getsockopt(fd_, SOL_SOCKET, SO_MEMINFO, memory.data(), &size) != 0) return {};
+  return {memory[SK_MEMINFO_RCVBUF], memory[SK_MEMINFO_RMEM_ALLOC], memory[SK_MEMINFO_DROPS]};
+}
+
+/// What the host dropped since the last look was dropped here if this buffer was about full then or is now.
+void BusSocket::note_drops(bool is_host_wanted) {
+  const std::scoped_lock lock(mutex_);
+  const Buffer buffer = look_at_buffer();
+  const bool fills = !tells_ || buffer.used > buffer.size / 2;
+  if (!is_host_wanted && (!tells_ || (!fills && !filled_))) return;
+  const std::int64_t host = dropped_on_host();
+  if (fills || filled_) dropped_ += host - host_drops_;
+  host_drops_ = host;
+  filled_ = fills;
+}
+
+std::int64_t BusSocket::dropped() {
+  note_drops(true);
+  const std::scoped_lock lock(mutex_);
+  return dropped_;
+}
+
+std::int64_t BusSocket::refused() {
+  note_drops(true);
+  const std::scoped_lock lock(mutex_);
+  if (!passes_all_) return 0;
+  const std::int64_t all = look_at_buffer().kernel_drops - kernel_drops_before_;
+  return std::max<std::int64_t>(all - (dropped_ - dropped_before_), 0);
+}
+
+}  // namespace curbstone

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <linux/filter.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/bus/bus_address.hpp"
+
+namespace curbstone {
+
+/// The socket on which a process hears the bus: LCM's wire format (LCM 1.3.1, `lcm_udpm.c`), not LCM's receiver. That
+/// one writes out of bounds when a fragment lies, believes any size, hears other groups of the same port, wakes three
+/// threads for a message, and says nothing of what the kernel dropped. Here messages are single datagrams (no message
+/// of ours is longer), what nobody asked for is turned away in the kernel (channel_filter.hpp), and each datagram that
+/// found this socket's buffer full is counted. At first nothing passes: call pass_only() or pass_all().
+class BusSocket {
+ public:
+  struct Message {
+    std::string_view channel;
+    std::span<const std::uint8_t> bytes;
+    std::int64_t utime = 0;  ///< us since the Unix epoch, when the kernel had it
+  };
+  using Handler = std::function<void(const Message&)>;
+
+  /// Joins the group. Throws std::runtime_error with the kernel's reason.
+  explicit BusSocket(const BusAddress& address);
+  ~BusSocket();
+  BusSocket(const BusSocket&) = delete;
+  BusSocket& operator=(const BusSocket&) = delete;
+
+  /// From this call on the kernel turns away messages on other channels, and what is no whole message. Nobody is woken
+  /// for them.
+  void pass_only(const std::vector<std::string>& channels);
+  /// Whole messages on any channel.
+  void pass_all();
+
+  /// For poll().
+  [[nodiscard]] int fd() const { return fd_; }
+  /// Hands over what has come, some at a time; false if that was all. What it hands over is good until the handler
+  /// returns. One thread.
+  bool receive(const Handler& handler);
+
+  /// Datagrams that found the receive buffer full. Any thread; asked once a second it is exact: the kernel counts them
+  /// for a socket together with those that the filter turns away, and alone only for all UDP sockets of the host. So
+  /// the host's count is taken over from times in which this buffer was seen more than half full, or is too small to
+  /// tell.
+  [[nodiscard]] std::int64_t dropped();
+  /// Datagrams that were no whole message, since pass_all(); 0 without it, because then they are among those that
+  /// nobody asked for.
+  [[nodiscard]] std::int64_t refused();
+
+ private:
+  struct Batch;
+  struct Buffer {
+    std::uint32_t size = 0;         // bytes
+    std::uint32_t used = 0;         // bytes
+    std::int64_t kernel_drops = 0;  // datagrams, for whatever reason
+  };
+  void attach(const std::vector<sock_filter>& program);
+  [[nodiscard]] Buffer look_at_buffer() const;
+  void note_drops(bool is_host_wanted);
+
+  int fd_ = -1;
+  bool tells_ = false;  // whether the buffer is large enough to be seen filling
+  std::unique_ptr<Batch> batch_;
+  std::mutex mutex_;  // of all below
+  bool filled_ = false;
+  std::int64_t host_drops_ = 0;  // when looked at last
+  std::int64_t dropped_ = 0;
+  bool passes_all_ = false;
+  std::int64_t kernel_drops_before_ = 0;  // pass_all()
+  std::int64_t dropped_before_ = 0;
+};
+
+}  // namespace curbstone
