@@ -35,6 +35,7 @@ constexpr std::array kSubcommands = {
     Subcommand{"detect", "curbs and classes of any cloud: .pcd, .ply, KITTI .bin"},
     Subcommand{"export", "a map for others: nav2, QGIS, Lanelet2, GeoJSON, PCD, PLY"},
     Subcommand{"calibrate", "wheels and extrinsics from a drive"},
+    Subcommand{"exporter", "the figures of spy for Prometheus"},
     Subcommand{"bench", "measure: speed and accuracy, beside the peers"},
 };
 

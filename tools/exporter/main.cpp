@@ -1,0 +1,66 @@
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <mutex>
+#include <string>
+
+#include "common/bus/lcm_bus.hpp"
+#include "common/config/command_line.hpp"
+#include "common/shell/event_loop.hpp"
+#include "common/time/clock.hpp"
+#include "tools/exporter/metrics_server.hpp"
+#include "tools/exporter/metrics_text.hpp"
+#include "tools/spy/board/bus_board.hpp"
+
+namespace {
+
+using namespace curbstone;  // NOLINT(google-build-using-namespace): this file is a program
+
+/// Each client is a descriptor: those beyond wait in the kernel's queue.
+void limit_clients() {
+  constexpr rlimit kDescriptors{64, 64};
+  setrlimit(RLIMIT_NOFILE, &kDescriptors);
+}
+
+void run_exporter(const std::string& url, const exporter::ServerAddress& address) {
+  limit_clients();
+  EventLoop loop;  // takes the signals before there are threads
+  LcmBus bus(url);
+  std::mutex mutex;
+  spy::board::BusBoard board("");
+  bus.tap(
+      [&](const std::string& channel, const void* data, int size, std::int64_t utime) {
+        const std::scoped_lock lock(mutex);
+        board.on_message(channel, data, static_cast<std::size_t>(size), utime);
+      },
+      {20'000});
+  const exporter::MetricsServer server(address, [&] {
+    const std::scoped_lock lock(mutex);
+    return exporter::metrics_text(board, wall_clock());
+  });
+  fmt::print(stderr, "exporter: http://{}:{}/metrics\n", address.address, server.port());
+  loop.watch(bus.fd(), [&] { bus.handle(std::chrono::milliseconds(0)); });
+  loop.run();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string url;
+  exporter::ServerAddress address;
+  address.port = 9750;
+  CommandLine line("Rates of the channels, counters of the services and the deputies' processes, for Prometheus",
+                   "curbstone-exporter");
+  line.option("--lcm-url", url, "Bus; default $LCM_DEFAULT_URL, else loopback");
+  line.option("--listen", address.address, "Address to listen on; there is no password").shows_default();
+  line.option("--port", address.port, "TCP port; 0: any").within(0, 65535).shows_default();
+  line.option("--name", address.names, "A name by which this host may be asked, besides its address").one_each();
+  if (const auto status = line.read(argc, argv)) return *status;
+  try {
+    run_exporter(url, address);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "exporter: {}\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "tools/spy/board/bus_board.hpp"
+
+namespace curbstone::exporter {
+
+/// What was heard on the bus, in Prometheus' text format, version 0.0.4 (prometheus.io, "Exposition formats"). `now`:
+/// us since the Unix epoch. Figures that are not known are left out. Pure.
+[[nodiscard]] std::string metrics_text(const spy::board::BusBoard& board, std::int64_t now);
+
+}  // namespace curbstone::exporter
