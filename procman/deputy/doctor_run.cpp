@@ -21,6 +21,7 @@ constexpr std::size_t kMostText = 1 << 20;
 /// With the signals that the deputy itself takes by signalfd(2). Returns 0 when it cannot be started.
 pid_t start_program(const std::vector<std::string>& words, int output) {
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));  // as POSIX has it
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions;

@@ -74,7 +74,7 @@ class FaultsBench {
   [[nodiscard]] const FaultReport& report() const { return report_; }
 
  private:
-  StackOptions stack(const Fault& fault, const std::string& name) {
+  [[nodiscard]] StackOptions stack(const Fault& fault, const std::string& name) const {
     StackOptions stack;
     stack.folder = (fs::path(options_.folder) / name).string();
     stack.spool = (fs::path(options_.folder) / fmt::format("packets-{}", fault.seconds)).string();
