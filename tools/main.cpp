@@ -14,6 +14,7 @@
 #include "tools/replay/replay.hpp"
 #include "tools/simulate/simulate.hpp"
 #include "tools/spy/spy.hpp"
+#include "tools/view/view.hpp"
 
 namespace {
 
@@ -30,6 +31,7 @@ constexpr std::array kSubcommands = {
     Subcommand{"log", "what is in a log; cut, join, repair or filter it; its fields as CSV, its scans as PCD",
                curbstone::log_tool::run_log},
     Subcommand{"play", "say what the drivers said in a log on the bus", curbstone::play::run_play},
+    Subcommand{"view", "a saved map, or a drive that is played, in a browser", curbstone::view::run_view},
     Subcommand{"spy", "who sends what on the bus, how fast, and how the services are", curbstone::spy::run_spy},
     Subcommand{"doctor", "what is wrong with this vehicle's PC, and how to mend it", curbstone::doctor::run_doctor},
     Subcommand{"detect", "curbs and classes of any cloud: .pcd, .ply, KITTI .bin"},

@@ -14,6 +14,7 @@ class Viewer final : public Node {
  public:
   Viewer(const viewer::ViewerConfig& config, Publisher& bus)
       : server_(viewer::web_settings(config)), node_(config, bus, server_, {}) {
+    if (config.port != 0 && server_.port() != config.port) fmt::print("viewer: port {} is taken\n", config.port);
     fmt::print("viewer: {}\n", viewer::page_address(config, server_.port()));
     std::fflush(stdout);
   }

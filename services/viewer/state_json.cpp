@@ -34,6 +34,14 @@ json pose_json(const map_pose_t& pose) {
           {"lost", (pose.flags & map_pose_t::LOST) != 0}};
 }
 
+json playback_json(const Playback& playback) {
+  return {{"position", playback.position},
+          {"progress", playback.progress},
+          {"speed", playback.speed},
+          {"paused", playback.paused},
+          {"ended", playback.ended}};
+}
+
 }  // namespace
 
 std::string state_json(const State& state, const VehicleConfig& vehicle) {
@@ -47,7 +55,8 @@ std::string state_json(const State& state, const VehicleConfig& vehicle) {
                   {"pose_age", state.pose_age},
                   {"latency", {state.latency_p50, state.latency_p95}},
                   {"vehicle", {vehicle.length, vehicle.width, vehicle.middle}},
-                  {"pose", state.pose ? pose_json(*state.pose) : json()}});
+                  {"pose", state.pose ? pose_json(*state.pose) : json()},
+                  {"playback", state.playback ? playback_json(*state.playback) : json()}});
 }
 
 std::string services_json(const store::Services& services, std::int64_t now) {

@@ -10,6 +10,18 @@
 
 namespace curbstone::viewer {
 
+/// How far a log has been played.
+struct Playback {
+  double position = 0;  ///< s since its first record
+  double progress = 0;  ///< 0 .. 1, the part of it that has been read
+  double speed = 1;     ///< times the pace of the drive
+  bool paused = false;
+  bool ended = false;
+
+  /// Nothing is to be expected: silence means nothing.
+  [[nodiscard]] bool rests() const { return paused || ended; }
+};
+
 /// What the pages show of the present moment. Ages are in s since something came; NaN: it never did.
 struct State {
   std::string source;  ///< "live", "map" (saved) or "replay"
@@ -23,6 +35,7 @@ struct State {
   double latency_p50 = 0;  ///< s, from the LiDAR's measurement to the drawn frame; NaN: none was drawn
   double latency_p95 = 0;
   std::optional<map_pose_t> pose;
+  std::optional<Playback> playback;  ///< of a "replay"
 };
 
 /// JSON, UTF-8 whatever came from the bus. README.md of frames/ tells where it goes; page/model.ts reads it.

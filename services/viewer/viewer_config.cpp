@@ -24,6 +24,7 @@ web::WebSettings web_settings(const ViewerConfig& config) {
   web::WebSettings settings;
   settings.address = config.address;
   settings.port = static_cast<std::uint16_t>(config.port);
+  settings.ports = config.ports;
   settings.network = config.network;
   settings.names = split_names(config.names);
   settings.folder = config.assets;

@@ -14,6 +14,7 @@ struct ViewerConfig {
   VehicleConfig vehicle;
   std::string address = "127.0.0.1";  ///< to listen at
   int port = 8088;
+  int ports = 1;
   std::string names;          ///< by which browsers may call it too, with commas between
   int pages = 8;              ///< that may watch at a time
   double frame_period = 0.1;  ///< s between two frames of a page
@@ -26,6 +27,7 @@ struct ViewerConfig {
     v.field("address", address,
             "to listen at; 127.0.0.1: this machine alone. There are no passwords: whoever reaches it sees all");
     v.field("port", port, {0, 65535}, "of the page; 0: any that is free");
+    v.field("ports", ports, {1, 100}, "to try, from `port` on, until one is free");
     v.field("names", names, "host names that browsers may call it by, besides localhost and the address; with commas");
     v.field("pages", pages, {1, 64}, "that may watch at a time");
     v.field("frame_period", frame_period, {0.02, 5.0}, "s between two frames of a page");

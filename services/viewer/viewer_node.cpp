@@ -74,13 +74,29 @@ bool ViewerNode::follow_epoch(std::int32_t epoch, EpochFollower::Source source) 
   return false;
 }
 
-void ViewerNode::enter_epoch(std::int32_t epoch) {
-  counters_.add("epochs");
+void ViewerNode::forget_map() {
   map_.clear();
   steps_.clear(map_);
   curbs_.clear();
   path_.clear();
   pose_.reset();
+}
+
+void ViewerNode::begin_again() {
+  forget_map();
+  run_ = draw_run();
+  epochs_ = {};
+  services_ = {};
+  held_.clear();
+  bus_heard_ = tile_heard_ = pose_heard_ = newest_utime_ = 0;
+  for (auto& [id, page] : pages_) {
+    if (page.feed) page.feed->begin_again();
+  }
+}
+
+void ViewerNode::enter_epoch(std::int32_t epoch) {
+  counters_.add("epochs");
+  forget_map();
   tiles_.start_epoch(epoch);
   for (const map_trajectory_t& page : std::exchange(held_, {})) {
     if (page.epoch == epoch) take(page);
@@ -198,9 +214,25 @@ void ViewerNode::hear(Page& page, const web::Audience::Event& event) {
   const double frame = number_in(said, "ack");
   if (is_whole(frame, std::numeric_limits<std::uint32_t>::max()))
     return drawn(page, static_cast<std::uint32_t>(frame), event.at);
+  if (const auto order = said.find("play"); order != said.end() && obey(*order)) return;
   const auto points = said.find("points");
   if (points != said.end() && points->is_boolean()) return page.feed->want_points(points->get<bool>());
   counters_.add("refused.nonsense");
+}
+
+bool ViewerNode::obey(const nlohmann::json& order) {
+  if (!source_.on_order || !order.is_object()) return false;
+  const auto number = [&](const char* name) -> std::optional<double> {
+    const auto it = order.find(name);
+    if (it == order.end() || !it->is_number()) return std::nullopt;
+    return it->get<double>();
+  };
+  PlayOrder wanted{.pause = std::nullopt, .speed = number("speed"), .position = number("position")};
+  if (const auto it = order.find("pause"); it != order.end() && it->is_boolean()) wanted.pause = it->get<bool>();
+  if (wanted.speed && !(*wanted.speed > 0)) return false;
+  if (wanted.position && !(*wanted.position >= 0)) return false;
+  source_.on_order(wanted);
+  return true;
 }
 
 void ViewerNode::drawn(Page& page, std::uint32_t frame, std::int64_t at) {
@@ -278,7 +310,8 @@ State ViewerNode::state_for(const Page& page) const {
           .pose_age = seconds_since(pose_heard_, now_),
           .latency_p50 = page.latency.percentile(0.5),
           .latency_p95 = page.latency.percentile(0.95),
-          .pose = pose_};
+          .pose = pose_,
+          .playback = playback_};
 }
 
 NodeReport ViewerNode::report() const {

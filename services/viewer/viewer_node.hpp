@@ -7,7 +7,9 @@
 #include <curbstone/semantic_tile_t.hpp>
 #include <curbstone/service_status_t.hpp>
 #include <curbstone/tile_index_t.hpp>
+#include <functional>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,16 +32,28 @@ namespace curbstone::viewer {
 /// so unlike other nodes it goes by when things came.
 class ViewerNode final : public Node {
  public:
+  /// What a page wants of a log that is played; all are optional.
+  struct PlayOrder {
+    std::optional<bool> pause;
+    std::optional<double> speed;     ///< times the pace of the drive; any positive number
+    std::optional<double> position;  ///< s since the first record; any number that is not negative
+  };
   /// What it shows, for the pages.
   struct Source {
     std::string kind = "live";  ///< or "map", which is never stale, or "replay"
     std::string title;
+    std::function<void(const PlayOrder&)> on_order = {};  ///< none: pages may order nothing
   };
   ViewerNode(const ViewerConfig& config, Publisher& bus, web::Audience& audience, Source source);
 
   void connect(Subscriber& bus) override;
   void tick(std::int64_t now) override;
   [[nodiscard]] NodeReport report() const override;
+
+  /// Forgets all that it was told, as if it were started again; the pages stay.
+  void begin_again();
+  /// Of the log that is played, for the pages.
+  void set_playback(const Playback& playback) { playback_ = playback; }
 
   void on(const semantic_tile_t& message);
   void on(const tile_index_t& message);
@@ -58,9 +72,11 @@ class ViewerNode final : public Node {
   /// Whether a message that names this epoch is of the present one, which may begin with it.
   bool follow_epoch(std::int32_t epoch, EpochFollower::Source source);
   void enter_epoch(std::int32_t epoch);
+  void forget_map();
   void take(const map_trajectory_t& message);
   void hear(const web::Audience::Event& event);
   void hear(Page& page, const web::Audience::Event& event);
+  [[nodiscard]] bool obey(const nlohmann::json& order);
   void drawn(Page& page, std::uint32_t frame, std::int64_t at);
   void watch_scan();
   void send_frames();
@@ -87,6 +103,7 @@ class ViewerNode final : public Node {
   bool scan_wanted_ = false;            // by a page, now
   std::vector<map_trajectory_t> held_;  // of an epoch that may begin
   std::optional<map_pose_t> pose_;
+  std::optional<Playback> playback_;
   std::int64_t newest_utime_ = 0;  // us, of the points in any tile
   std::string services_json_;
   std::uint64_t services_number_ = 0;

@@ -65,6 +65,7 @@ DemoDrive::DemoDrive(const std::string& source, const std::string& deputy_option
   setenv("DEMO_IMU", "", 1);
   setenv("DEMO_ENCODER", "", 1);
   setenv("DEMO_LIDAR", "", 1);
+  setenv("DEMO_VIEWER", "--set port=0", 1);
   setenv("CURBSTONE_CONFIG", CURBSTONE_SOURCE_DIR "/config/ugv.yaml", 1);
   deputy_ = std::make_unique<BackgroundProgram>("curbstone-deputy --config " CURBSTONE_SOURCE_DIR
                                                 "/procman/demo.cfg --script go --exit-when simulate --log-dir " +

@@ -43,7 +43,8 @@ Config configured(const std::string& section, const ReplayOptions& options, std:
 
 }  // namespace
 
-ReplayVehicle::ReplayVehicle(const ReplayOptions& options, LocalBus& bus) : bus_(bus) {
+ReplayVehicle::ReplayVehicle(const ReplayOptions& options, LocalBus& bus)
+    : bus_(bus), tick_period_(options.tick_period) {
   std::string semantic_text;
   auto semantic = configured<semantic_map::SemanticMapConfig>("semantic_map", options, semantic_text);
   if (!options.map_file.empty()) semantic.map = options.map_file;
@@ -70,8 +71,8 @@ ReplayVehicle::~ReplayVehicle() = default;
 void ReplayVehicle::advance(std::int64_t now) {
   if (last_tick_ == 0) last_tick_ = now;
   // A gap in the log is no reason to tick through it.
-  if (std::abs(now - last_tick_) > 50 * kTickPeriod) last_tick_ = now - kTickPeriod;
-  while (last_tick_ + kTickPeriod <= now) tick(last_tick_ += kTickPeriod);
+  if (std::abs(now - last_tick_) > 50 * tick_period_) last_tick_ = now - tick_period_;
+  while (last_tick_ + tick_period_ <= now) tick(last_tick_ += tick_period_);
 }
 
 void ReplayVehicle::tick(std::int64_t now) {

@@ -17,6 +17,9 @@ struct ReplayOptions {
   RecordedConfig recorded = {};          ///< of the log
   std::vector<std::string> assignments;  ///< SECTION.KEY=VALUE, over the file
   std::string map_file;                  ///< where semantic_map keeps its store
+  /// us of message time. Live, it is 20 ms: in a replay nobody waits for a tile, and what the map comes to does not
+  /// depend on it.
+  std::int64_t tick_period = 1'000'000;
 };
 
 /// The services of the vehicle on one bus in one process: ekf, mapper, one tensor-voting worker, semantic_map. The
@@ -27,7 +30,7 @@ class ReplayVehicle {
   ReplayVehicle(const ReplayOptions& options, LocalBus& bus);
   ~ReplayVehicle();
 
-  /// Advances message time to `now`: ticks every node each kTickPeriod.
+  /// Advances message time to `now`: ticks every node each `tick_period`.
   void advance(std::int64_t now);
   /// The drive is over: everything pending is finished, stage by stage.
   void finish();
@@ -39,14 +42,11 @@ class ReplayVehicle {
   };
   [[nodiscard]] const std::vector<Stage>& stages() const { return stages_; }
 
-  /// us of message time. Live, it is 20 ms: here nobody waits for a tile, and what the map comes to does not depend on
-  /// it.
-  static constexpr std::int64_t kTickPeriod = 1'000'000;
-
  private:
   void tick(std::int64_t now);
 
   LocalBus& bus_;
+  std::int64_t tick_period_;
   std::vector<Stage> stages_;
   std::int64_t last_tick_ = 0;
 };

@@ -40,6 +40,12 @@ class PageFeed {
   };
   explicit PageFeed(std::optional<Resume> resume) : resume_(resume) {}
 
+  /// What was sent is void: the next frame begins with BEGIN, whatever the page has.
+  void begin_again() {
+    epoch_.reset();
+    resume_.reset();
+    newest_utime_ = 0;
+  }
   void want_points(bool wanted) { wants_points_ = wanted; }
   [[nodiscard]] bool wants_points() const { return wants_points_; }
 

@@ -18,8 +18,8 @@ export class Connection {
 
   get isOpen(): boolean { return this.socket?.readyState === WebSocket.OPEN; }
 
-  /// ms since the last frame.
-  age(): number { return performance.now() - this.lastFrame; }
+  /// ms since the last frame. One that is not drawn yet is news: until it is drawn the server sends no other.
+  age(): number { return this.undrawn === null ? performance.now() - this.lastFrame : 0; }
 
   /// What was received is on the screen: the server may send more.
   drawn(): void {
@@ -31,6 +31,11 @@ export class Connection {
   wantPoints(wanted: boolean): void {
     this.points = wanted;
     this.say({ points: wanted });
+  }
+
+  /// Of a log that is played: how it goes on.
+  order(play: { pause?: boolean; speed?: number; position?: number }): void {
+    this.say({ play });
   }
 
   private open(): void {

@@ -13,6 +13,7 @@ import { Rgb } from "./palette";
 import { Settings } from "./settings";
 import { judge } from "./staleness";
 import { heightRange, mapBounds } from "./survey";
+import { Timeline } from "./timeline";
 import { World } from "./world";
 
 const world = new World();
@@ -25,6 +26,7 @@ let marks: Marks;
 let panel: Panel;
 let inspector: Inspector;
 let connection: Connection;
+let timeline: Timeline;
 let range: [number, number] = [-1, 3];
 let grey = 0;
 let shown = false;  // whether the view was ever put where the map is
@@ -68,6 +70,7 @@ function onFrame(): void {
   const { state } = world;
   if (state?.pose) motion.add(state.pose, performance.now());
   if (!state?.pose) motion.clear();
+  timeline.show(state?.playback ?? null);
   if (!shown && world.tiles.size > 0) begin();
   inspector.show(settings.look, settings.mode);
   redraw();
@@ -190,6 +193,9 @@ function wire(): void {
   byId("whole").onclick = showWhole;
   const keys: Record<string, () => void> = {
     f: toggleFollow, n: toggleNorth, "+": () => zoom(1.5), "=": () => zoom(1.5), "-": () => zoom(1 / 1.5), "0": showWhole,
+    " ": () => {
+      if (document.activeElement?.tagName !== "BUTTON" && !byId("timeline").hidden) byId("pause").click();
+    },
     Escape: () => inspector.pick(null),
   };
   addEventListener("keydown", event => event.ctrlKey || event.metaKey || keys[event.key]?.());
@@ -204,6 +210,7 @@ try {
   marks = new Marks(marksCanvas, world);
   inspector = new Inspector(world, () => { inspector.show(settings.look, settings.mode); redraw(); });
   connection = new Connection(world, onFrame);
+  timeline = new Timeline(order => connection.order(order));
   panel = new Panel(settings, settingsChanged);
   wire();
   resize();

@@ -19,6 +19,8 @@ export function judge(state: State | null, isOpen: boolean, age: number): Judgem
   }
   if (!state) return { word: "Connecting", sentence: "", mood: "", grey: 0 };
   if (state.source === "map") return { word: "Saved map", sentence: "", mood: "", grey: 0 };
+  if (state.playback?.ended) return { word: "End of the log", sentence: "", mood: "", grey: 0 };
+  if (state.playback?.paused) return { word: "Paused", sentence: "", mood: "", grey: 0 };
   if (state.bus_age === null) return { word: "Waiting", sentence: "Nothing has been heard on the bus yet", mood: "", grey: 0 };
   if (state.bus_age > kOld)
     return { word: "Silent", mood: "bad", grey: 1, sentence: `The bus has been silent for ${seconds(state.bus_age)}: this is how it was` };

@@ -34,12 +34,16 @@ export interface Pose {
   registered: boolean; without_odometry: boolean; stationary: boolean; lost: boolean;
 }
 
+/// How far a log has been played.
+export interface Playback { position: number; progress: number; speed: number; paused: boolean; ended: boolean }
+
 export interface State {
   source: "live" | "map" | "replay"; title: string; epoch: number; tiles: number; behind: number;
   bus_age: number | null; tile_age: number | null; pose_age: number | null;
   latency: [number | null, number | null];
   vehicle: [number, number, number];  // m: length, width, x of the middle
   pose: Pose | null;
+  playback: Playback | null;
 }
 
 export interface Service {

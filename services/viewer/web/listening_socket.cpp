@@ -9,6 +9,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <system_error>
 
@@ -70,22 +71,31 @@ Address parse_address(const std::string& text, std::uint16_t port) {
   return address;
 }
 
-}  // namespace
-
-int open_listening_socket(const std::string& address, std::uint16_t port, const std::string& network) {
-  const Address where = parse_address(address, port);
-  const NetworkVisit visit(network);
+/// -1 and errno where that fails.
+int listen_at(const Address& where) {
   const int fd = socket(where.bytes.ss_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (fd < 0) throw failure("a socket for pages");
+  if (fd < 0) return -1;
   const int yes = 1;
   setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   if (bind(fd, reinterpret_cast<const sockaddr*>(&where.bytes), where.size) != 0 || listen(fd, 64) != 0) {
     const int error = errno;
     close(fd);
     errno = error;
-    throw failure(address + ", port " + std::to_string(port));
+    return -1;
   }
   return fd;
+}
+
+}  // namespace
+
+int open_listening_socket(const std::string& address, std::uint16_t port, int ports, const std::string& network) {
+  const NetworkVisit visit(network);
+  for (int i = 0;; ++i) {
+    const int fd = listen_at(parse_address(address, static_cast<std::uint16_t>(port + i)));
+    if (fd >= 0) return fd;
+    const bool is_last = i + 1 >= ports || port + i == std::numeric_limits<std::uint16_t>::max();
+    if (errno != EADDRINUSE || is_last) throw failure(address + ", port " + std::to_string(port + i));
+  }
 }
 
 std::uint16_t port_of(int socket) {

@@ -143,7 +143,7 @@ HostRules rules_of(const WebSettings& settings) {
 class WebServer::Impl {
  public:
   explicit Impl(const WebSettings& settings) : shared_(settings, rules_of(settings)), acceptor_(loop_) {
-    const int fd = open_listening_socket(settings.address, settings.port, settings.network);
+    const int fd = open_listening_socket(settings.address, settings.port, settings.ports, settings.network);
     port_ = port_of(fd);
     acceptor_.assign(settings.address.find(':') == std::string::npos ? tcp::v4() : tcp::v6(), fd);
     accept();

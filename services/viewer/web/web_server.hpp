@@ -25,6 +25,7 @@ struct WebLimits {
 struct WebSettings {
   std::string address = "127.0.0.1";
   std::uint16_t port = 0;          ///< 0: any that is free
+  int ports = 1;                   ///< to try, from `port` on
   std::string network;             ///< see open_listening_socket()
   std::vector<std::string> names;  ///< see HostRules
   std::string folder;              ///< see find_asset()

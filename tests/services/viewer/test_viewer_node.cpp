@@ -5,22 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "common/bus/local_bus.hpp"
+#include "tests/services/viewer/fake_audience.hpp"
 #include "tests/services/viewer/frame_reader.hpp"
 
 namespace curbstone::viewer {
 namespace {
 
 using web::Audience;
-
-class FakeAudience final : public Audience {
- public:
-  std::vector<Event> take_events() override { return std::exchange(events, {}); }
-  void send(web::PageId page, web::Frame frame) override { sent.emplace_back(page, std::move(frame)); }
-  [[nodiscard]] Counters counters() const override { return {}; }
-
-  std::vector<Event> events;
-  std::vector<std::pair<web::PageId, web::Frame>> sent;
-};
 
 constexpr std::int32_t kEpoch = 1'700'000'000;
 constexpr std::int64_t kStart = std::int64_t{kEpoch} * 1'000'000 + 10'000'000;
@@ -104,6 +95,55 @@ TEST_F(ViewerNodeTest, ShowsTilesPoseAndPathToAPage) {
   hear("SEMANTIC_TILE", tile(4, 1));
   pass(0.2);
   EXPECT_EQ(page_.tiles.size(), 2U);
+}
+
+TEST_F(ViewerNodeTest, ForgetsAllWhenItBeginsAgainAndThePageForgetsWithIt) {
+  hear("SEMANTIC_TILE", tile(3, 2));
+  hear("MAP_POSE", pose(kStart, 2));
+  open();
+  pass(0.2);
+  const double run = page_.run;
+  node_.begin_again();
+  hear("SEMANTIC_TILE", tile(4, 1));
+  hear("MAP_POSE", pose(kStart - 5'000'000, 1));
+  pass(0.2);
+  EXPECT_NE(page_.run, run);
+  EXPECT_EQ(page_.tiles.count({3, 0}), 0U);
+  EXPECT_EQ(page_.tiles.count({4, 0}), 1U);
+  EXPECT_EQ(state()["pose"]["x"], 1) << "an earlier pose is taken";
+  EXPECT_EQ(counted("refused.nonsense"), 0);
+}
+
+TEST_F(ViewerNodeTest, OfALiveMapAPageMayOrderNothing) {
+  open();
+  pass(0.1);
+  say(R"({"play": {"pause": true}})");
+  pass(0.1);
+  EXPECT_EQ(counted("refused.nonsense"), 1);
+}
+
+TEST(ViewerOfALogTest, TakesThePagesOrdersAndRefusesNonsense) {
+  LocalBus bus;
+  FakeAudience audience;
+  std::vector<ViewerNode::PlayOrder> orders;
+  ViewerNode node(ViewerConfig{}, bus, audience,
+                  {.kind = "replay", .title = "", .on_order = [&](const auto& order) { orders.push_back(order); }});
+  audience.events.push_back({1, Audience::Event::Kind::kCame, "", kStart});
+  for (const char* text :
+       {R"({"resume": null})", R"({"play": {"pause": true, "speed": 2.5, "position": 7}})", R"({"play": {"speed": 0}})",
+        R"({"play": {"position": -1}})", R"({"play": 3})", R"({"play": {"speed": "fast"}})"})
+    audience.events.push_back({1, Audience::Event::Kind::kSaid, text, kStart});
+  node.set_playback({.position = 4, .progress = 0.5, .speed = 1, .paused = true, .ended = false});
+  node.tick(kStart);
+  ASSERT_EQ(orders.size(), 2U);
+  EXPECT_EQ(orders[0].pause, true);
+  EXPECT_EQ(orders[0].speed, 2.5);
+  EXPECT_EQ(orders[0].position, 7);
+  EXPECT_FALSE(orders[1].speed) << "no number: as if it were not there";
+  EXPECT_EQ(node.report().counters["refused.nonsense"], 3);
+  FrameReader page;
+  page.read(*audience.sent.at(0).second);
+  EXPECT_EQ(nlohmann::json::parse(page.state)["playback"]["paused"], true);
 }
 
 TEST_F(ViewerNodeTest, AsksForTilesThatItMissedWhetherOrNotAPageIsOpen) {

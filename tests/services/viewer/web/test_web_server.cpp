@@ -1,6 +1,7 @@
 #include "services/viewer/web/web_server.hpp"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <thread>
 
@@ -239,7 +240,7 @@ TEST_F(WebServerTest, TwoHundredConnectionsLeaveThePageItsOwn) {
 TEST(ListeningSocketTest, SaysWhatIsWrong) {
   const auto error_of = [](const std::string& address, std::uint16_t port, const std::string& network) -> std::string {
     try {
-      (void)open_listening_socket(address, port, network);
+      (void)open_listening_socket(address, port, 1, network);
     } catch (const std::runtime_error& error) {
       return error.what();
     }
@@ -248,10 +249,20 @@ TEST(ListeningSocketTest, SaysWhatIsWrong) {
   EXPECT_THAT(error_of("nonsense", 0, ""), HasSubstr("nonsense: not an address"));
   EXPECT_THAT(error_of("203.0.113.5", 0, ""), HasSubstr("203.0.113.5, port 0: Cannot assign"));
   EXPECT_THAT(error_of("127.0.0.1", 0, "/proc/none"), HasSubstr("/proc/none: not a network"));
-  const int taken = open_listening_socket("127.0.0.1", 0, "");
+  const int taken = open_listening_socket("127.0.0.1", 0, 1, "");
   EXPECT_THAT(error_of("127.0.0.1", port_of(taken), ""), HasSubstr("Address already in use"));
-  const int elsewhere = open_listening_socket("127.0.0.1", 0, "/proc/self/ns/net");
+  const int elsewhere = open_listening_socket("127.0.0.1", 0, 1, "/proc/self/ns/net");
   EXPECT_GT(port_of(elsewhere), 0);
+}
+
+TEST(ListeningSocketTest, TakesTheNextFreePortWhereItMayTrySeveral) {
+  const int first = open_listening_socket("127.0.0.1", 18088, 20, "");
+  const int second = open_listening_socket("127.0.0.1", 18088, 20, "");
+  EXPECT_EQ(port_of(first), 18088);
+  EXPECT_EQ(port_of(second), 18089);
+  EXPECT_THROW((void)open_listening_socket("127.0.0.1", 18088, 2, ""), std::runtime_error);
+  close(first);
+  close(second);
 }
 
 }  // namespace

@@ -1,0 +1,45 @@
+// The bar of a log that is played: pause, pace, and where in the drive.
+import { byId } from "./format";
+import { Playback } from "./world";
+
+const kSpeeds = [1, 2, 5, 10, 0.5];
+
+export interface PlayOrder { pause?: boolean; speed?: number; position?: number }
+
+function clock(s: number): string {
+  return `${Math.floor(s / 60)}:${String(Math.floor(s % 60)).padStart(2, "0")}`;
+}
+
+export class Timeline {
+  private bar = byId("timeline");
+  private slider = byId<HTMLInputElement>("position");
+  private playback: Playback | null = null;
+  private length = 0;      // s, as far as the bytes that were read tell
+  private sliding = false;
+
+  constructor(order: (order: PlayOrder) => void) {
+    byId("pause").onclick = () => this.playback && order(this.playback.ended ? { position: 0 } : { pause: !this.playback.paused });
+    byId("speed").onclick = () => {
+      const next = kSpeeds[(kSpeeds.indexOf(this.playback?.speed ?? 1) + 1) % kSpeeds.length];
+      order({ speed: next });
+    };
+    this.slider.oninput = () => { this.sliding = true; this.showPlace(this.wanted()); };
+    this.slider.onchange = () => { this.sliding = false; order({ position: this.wanted() }); };
+  }
+
+  show(playback: Playback | null): void {
+    this.playback = playback;
+    this.bar.hidden = !playback;
+    if (!playback) return;
+    if (playback.progress > 0.001) this.length = playback.position / playback.progress;
+    byId("pause").textContent = playback.ended ? "↺" : playback.paused ? "▶" : "❚❚";
+    byId("pause").title = playback.ended ? "From the beginning" : playback.paused ? "Go on (space)" : "Pause (space)";
+    byId("speed").textContent = `${playback.speed}×`;
+    if (this.sliding) return;
+    this.slider.value = String(playback.progress * 1000);
+    this.showPlace(playback.position);
+  }
+
+  private wanted(): number { return Number(this.slider.value) / 1000 * this.length; }
+  private showPlace(s: number): void { byId("elapsed").textContent = clock(s); }
+}

@@ -1,0 +1,142 @@
+#include "tools/view/view.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/bus/local_bus.hpp"
+#include "common/config/command_line.hpp"
+#include "common/config/config.hpp"
+#include "common/shell/event_loop.hpp"
+#include "common/time/clock.hpp"
+#include "config/sections.hpp"
+#include "services/viewer/viewer_node.hpp"
+#include "services/viewer/web/web_server.hpp"
+#include "tools/view/drive.hpp"
+#include "tools/view/saved_map.hpp"
+
+namespace curbstone::view {
+namespace {
+
+struct ViewOptions {
+  std::vector<std::string> files;
+  std::string config;
+  std::vector<std::string> assignments;
+  double speed = 1;
+};
+
+/// A drive for the page, and what the page orders of it.
+class Playing {
+ public:
+  Playing(std::vector<std::string> logs, double speed, LocalBus& shown)
+      : logs_(std::move(logs)), shown_(shown), speed_(speed), drive_(std::make_unique<Drive>(logs_, shown)) {
+    drive_->set_speed(speed_);
+  }
+
+  void obey(const viewer::ViewerNode::PlayOrder& order, viewer::ViewerNode& node) {
+    if (order.pause) paused_ = *order.pause;
+    if (order.speed) speed_ = *order.speed;
+    if (order.position) {
+      const auto place = static_cast<std::int64_t>(std::min(*order.position, kLongest) * 1e6);
+      if (place < drive_->position()) {
+        drive_ = std::make_unique<Drive>(logs_, shown_);
+        node.begin_again();
+      }
+      drive_->go_to(place);
+    }
+    drive_->set_paused(paused_);
+    drive_->set_speed(speed_);
+  }
+
+  void advance() { drive_->advance(steady_clock()); }
+  [[nodiscard]] viewer::Playback state() const {
+    const play::Player& player = drive_->player();
+    return {.position = static_cast<double>(player.position()) * 1e-6,
+            .progress = player.progress(),
+            .speed = player.speed(),
+            .paused = player.paused(),
+            .ended = player.at_end()};
+  }
+  [[nodiscard]] const Drive& drive() const { return *drive_; }
+
+ private:
+  static constexpr double kLongest = 1e6;  // s
+
+  std::vector<std::string> logs_;
+  LocalBus& shown_;
+  double speed_;
+  bool paused_ = false;
+  std::unique_ptr<Drive> drive_;
+};
+
+std::string title_of(const std::vector<std::string>& files) {
+  const std::string first = std::filesystem::path(files[0]).filename().string();
+  return files.size() == 1 ? first : fmt::format("{} and {} more", first, files.size() - 1);
+}
+
+/// Until somebody ends it.
+void serve(EventLoop& loop, LocalBus& bus, viewer::ViewerNode& node, Playing* playing) {
+  loop.every(std::chrono::milliseconds(20), [&] {
+    if (playing != nullptr) {
+      playing->advance();
+      node.set_playback(playing->state());
+    }
+    bus.dispatch();
+    node.tick(wall_clock());
+  });
+  loop.run();
+}
+
+}  // namespace
+
+int run_view(int argc, char** argv) {
+  ViewOptions options;
+  CommandLine line(
+      "Shows a saved map, or plays a drive, in a browser: the page of curbstone-viewer. Nothing goes to a bus, and "
+      "nothing is written. Ctrl-C ends it",
+      "curbstone view");
+  line.option("file", options.files, "A map (map.db), or LCM logs of one drive, or the folder of a session").required();
+  line.option("--speed", options.speed, "Times the pace of the drive").within(0.01, 100.0).shows_default();
+  line.option("--config", options.config, "The vehicle's YAML file, of which 'viewer' is read");
+  line.option("--set", options.assignments, "viewer.KEY=VALUE, over the file: viewer.port=8090, say").one_each();
+  if (const auto status = line.read(argc, argv)) return *status;
+
+  try {
+    EventLoop loop;  // before the web server's thread
+    auto config = config_of<viewer::ViewerConfig>("viewer", kProcessSections, options.config, options.assignments);
+    // Beside the viewer of a vehicle, which has the first port, and beside others of its own kind.
+    if (!line.given("--config") && config.ports == 1) config.ports = 20;
+    const bool is_map = is_map_file(options.files[0]);
+    if (is_map && options.files.size() > 1) throw std::runtime_error("one map at a time");
+
+    LocalBus bus;
+    std::unique_ptr<Playing> playing;
+    if (!is_map) playing = std::make_unique<Playing>(options.files, options.speed, bus);
+    viewer::web::WebServer server(viewer::web_settings(config));
+    viewer::ViewerNode::Source source{.kind = is_map ? "map" : "replay", .title = title_of(options.files)};
+    viewer::ViewerNode* shown = nullptr;
+    if (playing) source.on_order = [&](const auto& order) { playing->obey(order, *shown); };
+    viewer::ViewerNode node(config, bus, server, source);
+    shown = &node;
+    node.connect(bus);
+    node.tick(wall_clock());
+    if (is_map) show_saved_map(options.files[0], wall_clock(), node);
+    fmt::print("view: {}{}\n", viewer::page_address(config, server.port()),
+               playing && playing->drive().makes_map() ? " (the log has no map: it is made from the sensors)" : "");
+    std::fflush(stdout);
+    serve(loop, bus, node, playing.get());
+  } catch (const ConfigError& error) {
+    fmt::print(stderr, "curbstone view: {}\n", error.what());
+    return 2;
+  }
+  return 0;
+}
+
+}  // namespace curbstone::view
