@@ -71,7 +71,9 @@ function onFrame(): void {
   if (state?.pose) motion.add(state.pose, performance.now());
   if (!state?.pose) motion.clear();
   timeline.show(state?.playback ?? null);
-  if (!shown && world.tiles.size > 0) begin();
+  // A saved map comes in several frames: the whole of it is shown, so it must be there.
+  const isThere = state?.source !== "map" || world.tiles.size >= state.tiles;
+  if (!shown && isThere && world.tiles.size > 0) begin();
   inspector.show(settings.look, settings.mode);
   redraw();
 }
