@@ -30,6 +30,8 @@ struct Options {
   double loop = 0;
   bool opposite = false;
   std::uint64_t seed = 1;
+  std::uint64_t day = 0;
+  double lane = -1.3;
   double seconds = 60;
   std::int64_t start_utime = 1'750'000'000'000'000;
   devices::LidarName lidar = devices::LidarName::kRs16;
@@ -53,7 +55,12 @@ struct Source {
 };
 
 Source town_source(const Options& options, const rig::SimulateConfig& config) {
-  TownTour tour{.seed = options.seed, .seconds = options.seconds, .loop = options.loop, .opposite = options.opposite};
+  TownTour tour{.seed = options.seed,
+                .seconds = options.seconds,
+                .loop = options.loop,
+                .day = options.day,
+                .lane = options.lane,
+                .opposite = options.opposite};
   if (options.loop > 0 && !options.seconds_given) tour.seconds = 0;
   Source source;
   source.town = std::make_unique<TownSetup>(tour, options.start_utime, config);
@@ -155,6 +162,10 @@ void add_options(CommandLine& line, Options& options) {
   line.option("--poses", options.poses, "Pose of each scan: 3x4 rows, lidar frame, to the first");
   line.option("--times", options.times, "Time of each scan, s; default: times.txt beside the poses, else 10 Hz");
   line.option("--seed", options.seed, "Of the town and of all noise").shows_default();
+  line.option("--day", options.day, "Seed of what does not stay in the town, cars and bins, and of all noise");
+  line.option("--lane", options.lane, "m left of the crown of the street, in the town")
+      .within(-2.0, 2.0)
+      .shows_default();
   line.option("--seconds", options.seconds, "Length of the drive").within(0.1, 36000.0).shows_default();
   using enum devices::LidarName;
   line.choice("--lidar", options.lidar,
@@ -185,9 +196,10 @@ void add_options(CommandLine& line, Options& options) {
 }
 
 std::uint64_t fingerprint(const Options& options, AnyConfig& config) {
-  const std::string all = fmt::format("3 {} {} {} {} {} {} {} {} {}", static_cast<int>(options.lidar), options.town,
-                                      options.scans, options.poses, options.seed, options.seconds, options.loop,
-                                      options.opposite, dump_config("simulate", config));
+  const std::string all =
+      fmt::format("4 {} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(options.lidar), options.town, options.scans,
+                  options.poses, options.seed, options.seconds, options.loop, options.opposite, options.day,
+                  options.lane, dump_config("simulate", config));
   std::uint64_t hash = 0;
   for (const char c : all) hash = numerics::mix_bits(hash ^ static_cast<unsigned char>(c));
   return hash;
@@ -198,6 +210,7 @@ void check(Options& options) {
   if (options.town == !options.scans.empty())
     throw ConfigError("what to drive through: --town, or --scans DIR --poses FILE");
   if (options.loop > 0 && !options.town) throw ConfigError("--loop belongs to --town");
+  if (options.day != 0 && !options.town) throw ConfigError("--day belongs to --town");
   if (options.opposite && options.loop == 0) throw ConfigError("--opposite belongs to --loop");
   if (options.scans.empty() != options.poses.empty()) throw ConfigError("--scans and --poses belong together");
   if (options.live == !options.log.empty()) throw ConfigError("either --log FILE or --live");
@@ -235,8 +248,9 @@ int run_simulate(int argc, char** argv) {
     if (!options.truth.empty()) truth::prepare_truth_folder(options.truth);
     if (!options.devices.empty()) std::filesystem::create_directories(options.devices);
     const Source source = options.town ? town_source(options, config.value) : recorded_source(options, config.value);
-    const rig::Drive drive{*source.motion, source.make_surroundings, config.value,        source.rpm,   source.azimuth,
-                           options.seed,   source.seconds,           options.start_utime, options.lidar};
+    const rig::Drive drive{*source.motion, source.make_surroundings, config.value,
+                           source.rpm,     source.azimuth,           options.day != 0 ? options.day : options.seed,
+                           source.seconds, options.start_utime,      options.lidar};
     options.to_devices.fingerprint = fingerprint(options, config);
     if (options.live) {
       simulate_live(options, config.value, source, drive);

@@ -29,13 +29,13 @@ motion::SpeedProfile speed_profile(const rig::SimulateConfig& config, double sec
 
 TownSetup::TownSetup(const TownTour& tour, std::int64_t start_utime, const rig::SimulateConfig& config)
     : config_(config),
-      town_({.seed = tour.seed, .loop = tour.loop}),
+      town_({.seed = tour.seed, .loop = tour.loop, .lane_offset = tour.lane, .day = tour.day}),
       motion_(tour_motion(town_, tour, config_)),
       drive_{.motion = motion_,
              .make_surroundings = [this] { return std::make_unique<TownSurroundings>(town_, config_.lidar); },
              .config = config_,
              .rpm = config_.rpm,
-             .seed = tour.seed,
+             .seed = tour.day != 0 ? tour.day : tour.seed,
              .seconds = tour.seconds > 0 ? tour.seconds : motion_.profile().end() + 2.0,
              .start_utime = start_utime} {}
 

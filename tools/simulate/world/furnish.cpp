@@ -98,6 +98,9 @@ class Furnisher {
   }
 
   void set_driveways(const std::vector<Driveway>& driveways) { driveways_ = driveways; }
+  void clear_passing() {
+    std::erase_if(shapes_, [](const Shape& s) { return s.surface == Surface::kCar || s.surface == Surface::kBin; });
+  }
   [[nodiscard]] std::vector<Shape> take() { return std::move(shapes_); }
   numerics::Random& random() { return random_; }
 
@@ -172,9 +175,24 @@ Furnishing plan_furnishing(const std::vector<Street>& streets, const Quarters& q
 }
 
 std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Street>& streets, const Quarters& quarters,
-                           const Ground& ground, numerics::Random random) {
+                           const Ground& ground, numerics::Random random,
+                           const std::optional<numerics::Random>& passing) {
   Furnisher furnisher(streets, quarters, ground, random);
   furnisher.set_driveways(furnishing.driveways);
+  const auto park = [&](std::size_t i, Side side) {
+    numerics::Random& dice = furnisher.random();
+    for (double s = dice.uniform(4.0, 12.0); s < streets[i].length() - 4.0; s += 6.5) {
+      if (dice.chance((side == Side::kLeft ? 0.30 : 0.22) * quarters.at(i, s).parking))
+        furnisher.parked_car(i, side, s);
+    }
+  };
+  const auto put_bins = [&](std::size_t i, Side side) {
+    numerics::Random& dice = furnisher.random();
+    for (double s = dice.uniform(5.0, 25.0); s < streets[i].length(); s += dice.uniform(15.0, 35.0))
+      furnisher.bin(i, side, s, dice.uniform(0.9, 1.7));
+    for (double s = dice.uniform(10.0, 60.0); s < streets[i].length(); s += dice.uniform(50.0, 90.0))
+      furnisher.bin(i, side, s, -dice.uniform(0.45, 0.7));
+  };
   numerics::Random& dice = furnisher.random();
   for (const auto& plot : furnishing.plots) furnisher.house(plot);
   for (const auto& plot : furnishing.plots) {
@@ -184,17 +202,21 @@ std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Stree
   }
   for (std::size_t i = 0; i < streets.size(); ++i) {
     for (const Side side : {Side::kLeft, Side::kRight}) {
-      for (double s = dice.uniform(4.0, 12.0); s < streets[i].length() - 4.0; s += 6.5) {
-        if (dice.chance((side == Side::kLeft ? 0.30 : 0.22) * quarters.at(i, s).parking))
-          furnisher.parked_car(i, side, s);
-      }
+      park(i, side);
       for (double s = dice.uniform(2.0, 14.0); s < streets[i].length(); s += quarters.at(i, s).between_trees.draw(dice))
         furnisher.tree(i, side, s, dice.uniform(0.75, 0.95));
       for (double s = dice.uniform(0.0, 20.0); s < streets[i].length(); s += 28.0) furnisher.lamp(i, side, s);
-      for (double s = dice.uniform(5.0, 25.0); s < streets[i].length(); s += dice.uniform(15.0, 35.0))
-        furnisher.bin(i, side, s, dice.uniform(0.9, 1.7));
-      for (double s = dice.uniform(10.0, 60.0); s < streets[i].length(); s += dice.uniform(50.0, 90.0))
-        furnisher.bin(i, side, s, -dice.uniform(0.45, 0.7));
+      put_bins(i, side);
+    }
+  }
+  if (passing) {  // what stays was drawn as on the first day; now what does not
+    furnisher.clear_passing();
+    dice = *passing;
+    for (std::size_t i = 0; i < streets.size(); ++i) {
+      for (const Side side : {Side::kLeft, Side::kRight}) {
+        park(i, side);
+        put_bins(i, side);
+      }
     }
   }
   return furnisher.take();

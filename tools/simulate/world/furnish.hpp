@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "tools/simulate/numerics/random.hpp"
@@ -39,7 +40,9 @@ struct Furnishing {
                                          numerics::Random random);
 
 /// Houses, fences, hedges, trees, lamps, parked cars, bins and boxes; nothing stands in another street or in a house.
+/// With `passing`, cars and bins are drawn from it, and all else is as without it: the same town on another day.
 [[nodiscard]] std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Street>& streets,
-                                         const Quarters& quarters, const Ground& ground, numerics::Random random);
+                                         const Quarters& quarters, const Ground& ground, numerics::Random random,
+                                         const std::optional<numerics::Random>& passing = {});
 
 }  // namespace curbstone::simulate::world

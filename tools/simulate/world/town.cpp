@@ -1,6 +1,7 @@
 #include "tools/simulate/world/town.hpp"
 
 #include <cmath>
+#include <optional>
 
 #include "tools/simulate/world/car.hpp"
 #include "tools/simulate/world/furnish.hpp"
@@ -35,12 +36,15 @@ Town::Town(const TownOptions& town_options) : options(town_options) {
   for (const auto& drop : furnishing.driveways)
     streets[drop.street].curb(drop.side).dropped.push_back({drop.s, drop.half, drop.height});
   Ground ground = build_ground(streets, planned.inside, profile, random.fork(3));
-  std::vector<Shape> shapes = furnish(furnishing, streets, planned.quarters, ground, random.fork(4));
+  const numerics::Random day = options.day == 0 ? random : random.fork(6).fork(options.day);
+  std::optional<numerics::Random> passing;
+  if (options.day != 0) passing = day.fork(4);
+  std::vector<Shape> shapes = furnish(furnishing, streets, planned.quarters, ground, random.fork(4), passing);
   scene = std::make_unique<const Scene>(std::move(ground), std::move(shapes));
 
   const double around = streets.front().length();
   const int traffic_density = std::max(4, static_cast<int>(around / 110.0));
-  numerics::Random traffic = random.fork(5);
+  numerics::Random traffic = day.fork(5);
   for (int i = 0; i < traffic_density; ++i) {
     cars.push_back({around * (i + traffic.uniform(0.1, 0.9)) / traffic_density, traffic.uniform(6.0, 8.0), 1.45,
                     traffic.uniform(0.15, 0.7)});

@@ -14,6 +14,7 @@ struct TownOptions {
   std::uint64_t seed = 1;
   double loop = 0;            ///< m round the streets that are driven, several blocks; 0: the demo's single block
   double lane_offset = -1.3;  ///< m left of the crown: where the emulated vehicle drives
+  std::uint64_t day = 0;      ///< seed of what does not stay: cars, parked and moving, and bins; 0: as the town's
 };
 
 /// A car that circles the loop against the vehicle's direction.
