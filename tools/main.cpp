@@ -34,6 +34,7 @@ constexpr std::array kSubcommands = {
     Subcommand{"view", "a saved map, or a drive that is played, in a browser", curbstone::view::run_view},
     Subcommand{"spy", "who sends what on the bus, how fast, and how the services are", curbstone::spy::run_spy},
     Subcommand{"doctor", "what is wrong with this vehicle's PC, and how to mend it", curbstone::doctor::run_doctor},
+    Subcommand{"localise", "place a drive on a saved map, and how well"},
     Subcommand{"detect", "curbs and classes of any cloud: .pcd, .ply, KITTI .bin"},
     Subcommand{"export", "a map for others: nav2, QGIS, Lanelet2, GeoJSON, PCD, PLY"},
     Subcommand{"calibrate", "wheels and extrinsics from a drive"},

@@ -1,0 +1,132 @@
+#include "services/localizer/fields/field_tile.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace curbstone::localizer::fields {
+namespace {
+
+using semantic_map::tile::Around;
+using semantic_map::tile::CellClass;
+using semantic_map::tile::MapTile;
+
+constexpr int kPatch = 2;            // cells either way that tell how an upright piece runs: 0.6 m square
+constexpr int kMinHits = 2;          // of the dense map: the inside of a vehicle's outline was not seen
+constexpr int kMostHits = 20;        // a tall wall is where it is no better than a low one
+constexpr float kLineShare = 0.15F;  // minor over major spread of a line
+constexpr int kMargin = FieldTile::kReach + kPatch;
+
+/// A cell of the tile or of one about it.
+class CellAround {
+ public:
+  CellAround(const Around<MapTile>& tiles, int column, int row) {
+    const int dx = step_of(column), dy = step_of(row);
+    tile_ = tiles.at(dx, dy);
+    index_ = static_cast<std::size_t>((row - dy * kCellsPerTile) * kCellsPerTile + column - dx * kCellsPerTile);
+  }
+  [[nodiscard]] float ground() const {
+    constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+    if (tile_ == nullptr || tile_->height[index_] == MapTile::kNoHeight) return kNone;
+    const CellClass what = tile_->cell_class[index_];
+    if (what != CellClass::kRoad && what != CellClass::kCurb) return kNone;
+    return tile_->z_origin + static_cast<float>(kPositionStep) * static_cast<float>(tile_->height[index_]);
+  }
+  /// How much was seen upright there; 0: nothing is.
+  [[nodiscard]] int upright_hits() const {
+    if (tile_ == nullptr) return 0;
+    const CellClass what = tile_->cell_class[index_];
+    const int hits = tile_->hits[index_];
+    if ((what != CellClass::kWall && what != CellClass::kObstacle) || hits < kMinHits) return 0;
+    return std::min(hits, kMostHits);
+  }
+
+ private:
+  static int step_of(int i) { return i < 0 ? -1 : (i >= kCellsPerTile ? 1 : 0); }
+  const MapTile* tile_;
+  std::size_t index_;
+};
+
+constexpr int kWindow = kCellsPerTile + 2 * kMargin;
+using HitWindow = std::array<int, std::size_t{kWindow} * kWindow>;
+
+std::size_t place(int column, int row) {
+  return static_cast<std::size_t>((row + kMargin) * kWindow + column + kMargin);
+}
+
+Upright upright_at(const HitWindow& hits, int column, int row) {
+  const auto cell = static_cast<float>(kCellSize);
+  float sum = 0;
+  Eigen::Vector2f mean = Eigen::Vector2f::Zero();
+  Eigen::Matrix2f square = Eigen::Matrix2f::Zero();
+  for (int r = row - kPatch; r <= row + kPatch; ++r) {
+    for (int c = column - kPatch; c <= column + kPatch; ++c) {
+      const auto weight = static_cast<float>(hits[place(c, r)]);
+      const Eigen::Vector2f at = cell * Eigen::Vector2f(static_cast<float>(c) + 0.5F, static_cast<float>(r) + 0.5F);
+      sum += weight;
+      mean += weight * at;
+      square += weight * at * at.transpose();
+    }
+  }
+  mean /= sum;
+  const Eigen::Matrix2f spread =
+      square / sum - mean * mean.transpose() + cell * cell / 12.0F * Eigen::Matrix2f::Identity();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2f> axes(spread);
+  Upright upright{mean, Eigen::Vector2f::Zero()};
+  if (axes.eigenvalues()(0) < kLineShare * axes.eigenvalues()(1)) upright.normal = axes.eigenvectors().col(0);
+  return upright;
+}
+
+void add_heights(const Around<MapTile>& tiles, FieldTile& field) {
+  std::vector<float> known;
+  for (int row = -1; row <= kCellsPerTile; ++row) {
+    for (int column = -1; column <= kCellsPerTile; ++column) {
+      const float height = CellAround(tiles, column, row).ground();
+      field.height[static_cast<std::size_t>((row + 1) * FieldTile::kSide + column + 1)] = height;
+      if (std::isfinite(height)) known.push_back(height);
+    }
+  }
+  field.level = std::numeric_limits<float>::quiet_NaN();
+  if (known.empty()) return;
+  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+  std::nth_element(known.begin(), middle, known.end());
+  field.level = *middle;
+}
+
+void add_uprights(const Around<MapTile>& tiles, FieldTile& field) {
+  HitWindow hits{};
+  for (int row = -kMargin; row < kCellsPerTile + kMargin; ++row) {
+    for (int column = -kMargin; column < kCellsPerTile + kMargin; ++column)
+      hits[place(column, row)] = CellAround(tiles, column, row).upright_hits();
+  }
+  constexpr int kReach = FieldTile::kReach;
+  std::array<int, semantic_map::tile::kCellsInTile> distance{};
+  distance.fill(kReach * kReach + 1);
+  for (int row = -kReach; row < kCellsPerTile + kReach; ++row) {
+    for (int column = -kReach; column < kCellsPerTile + kReach; ++column) {
+      if (hits[place(column, row)] == 0) continue;
+      field.uprights.push_back(upright_at(hits, column, row));
+      for (int r = std::max(0, row - kReach); r <= std::min(kCellsPerTile - 1, row + kReach); ++r) {
+        for (int c = std::max(0, column - kReach); c <= std::min(kCellsPerTile - 1, column + kReach); ++c) {
+          const int away = (r - row) * (r - row) + (c - column) * (c - column);
+          const auto i = static_cast<std::size_t>(r * kCellsPerTile + c);
+          if (away >= distance[i]) continue;
+          distance[i] = away;
+          field.nearest[i] = static_cast<std::uint16_t>(field.uprights.size());
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+FieldTile make_field_tile(const Around<MapTile>& tiles) {
+  FieldTile field;
+  add_heights(tiles, field);
+  add_uprights(tiles, field);
+  return field;
+}
+
+}  // namespace curbstone::localizer::fields

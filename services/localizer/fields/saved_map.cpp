@@ -1,0 +1,80 @@
+#include "services/localizer/fields/saved_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace curbstone::localizer::fields {
+namespace {
+
+/// m from a tile's corner.
+Eigen::Vector2d corner_of(TileKey key) {
+  return kTileSize * Eigen::Vector2d(key.x, key.y);
+}
+
+}  // namespace
+
+SavedMap::SavedMap(const std::vector<semantic_map::tile::MapTile>& tiles) {
+  tiles_.reserve(tiles.size());
+  for (const semantic_map::tile::MapTile& tile : tiles) tiles_.emplace(tile.key, tile);
+}
+
+const FieldTile* SavedMap::field_of(TileKey key) {
+  if (last_key_ == key) return last_;
+  const auto known = fields_.find(key);
+  if (known != fields_.end()) {
+    last_key_ = key;
+    return last_ = known->second.get();
+  }
+  if (!tiles_.contains(key)) return nullptr;
+  semantic_map::tile::Around<semantic_map::tile::MapTile> around;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const auto tile = tiles_.find({key.x + dx, key.y + dy});
+      if (tile != tiles_.end()) around.set(dx, dy, &tile->second);
+    }
+  }
+  if (fields_.size() >= kMostFields) fields_.clear();
+  last_key_ = key;
+  last_ = fields_.emplace(key, std::make_unique<const FieldTile>(make_field_tile(around))).first->second.get();
+  return last_;
+}
+
+std::optional<SavedMap::Ground> SavedMap::ground_at(double x, double y) {
+  const auto key = tile_at(x, y);
+  const FieldTile* field = key ? field_of(*key) : nullptr;
+  if (field == nullptr) return std::nullopt;
+  const Eigen::Vector2d place =
+      ((Eigen::Vector2d(x, y) - corner_of(*key)) / kCellSize).array() - 0.5;  // in cells, from the first one's middle
+  const int column = std::clamp(static_cast<int>(std::floor(place.x())), -1, kCellsPerTile - 1);
+  const int row = std::clamp(static_cast<int>(std::floor(place.y())), -1, kCellsPerTile - 1);
+  const double u = place.x() - column, v = place.y() - row;
+  const auto h = [&](int c, int r) { return static_cast<double>(field->height_of(column + c, row + r)); };
+  const double a = h(0, 0), b = h(1, 0), c = h(0, 1), d = h(1, 1);
+  Ground ground;
+  ground.height = (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * c + u * d);
+  if (!std::isfinite(ground.height)) return std::nullopt;
+  ground.slope = Eigen::Vector2d((1 - v) * (b - a) + v * (d - c), (1 - u) * (c - a) + u * (d - b)) / kCellSize;
+  return ground;
+}
+
+double SavedMap::level_at(double x, double y) {
+  const auto key = tile_at(x, y);
+  const FieldTile* field = key ? field_of(*key) : nullptr;
+  return field == nullptr ? std::numeric_limits<double>::quiet_NaN() : double{field->level};
+}
+
+std::optional<SavedMap::UprightThere> SavedMap::upright_at(double x, double y) {
+  const auto key = tile_at(x, y);
+  const FieldTile* field = key ? field_of(*key) : nullptr;
+  if (field == nullptr) return std::nullopt;
+  const Eigen::Vector2d corner = corner_of(*key);
+  const int column = std::clamp(static_cast<int>((x - corner.x()) / kCellSize), 0, kCellsPerTile - 1);
+  const int row = std::clamp(static_cast<int>((y - corner.y()) / kCellSize), 0, kCellsPerTile - 1);
+  const std::uint16_t nearest = field->nearest[static_cast<std::size_t>(row * kCellsPerTile + column)];
+  if (nearest == 0) return std::nullopt;
+  const Upright& upright = field->uprights[nearest - 1U];
+  return UprightThere{corner + upright.centre.cast<double>(), upright.normal.cast<double>()};
+}
+
+}  // namespace curbstone::localizer::fields

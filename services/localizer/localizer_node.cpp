@@ -1,0 +1,191 @@
+#include "services/localizer/localizer_node.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <curbstone/map_pose_t.hpp>
+#include <utility>
+
+#include "common/time/clock.hpp"
+#include "common/time/microseconds.hpp"
+#include "services/semantic_map/store/map_store.hpp"
+
+namespace curbstone::localizer {
+namespace {
+
+constexpr std::size_t kMaxPending = 80;  // revolutions that wait for odometry; 20 Hz: 4 s
+constexpr double kSteadyFor = 0.5;       // s that a motion is taken to go on without odometry
+constexpr double kMostSpeed = 40.0;      // m/s: odometry that claims more has begun again
+constexpr double kMostTurn = 6.0;        // rad/s
+constexpr double kStartTilt = 0.02;      // rad, 1 sigma of roll and pitch at the start
+constexpr double kStartHeight = 0.15;    // m
+
+}  // namespace
+
+LocalizerNode::LocalizerNode(const LocalizerConfig& config, Publisher& bus) : config_(config), bus_(bus) {
+  const semantic_map::store::MapReader reader(config_.map);
+  epoch_ = reader.epoch();
+  map_.emplace(reader.tiles());
+  if (map_->num_tiles() == 0)
+    throw semantic_map::store::MapStoreError(config_.map + ": holds no tiles to find the vehicle by");
+}
+
+void LocalizerNode::connect(Subscriber& bus) {
+  bus.subscribe<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& m) { on(m); }, {1500});
+  bus.subscribe<odometry_t>("ODOMETRY", [this](const odometry_t& m) { on(m); }, {800});
+}
+
+void LocalizerNode::on(const lidar_points_t& message) {
+  std::optional<mapper::scan::Scan> done = assembler_.add(message);
+  if (message.utime <= 0) return;
+  lidar_time_ = message.utime;
+  queue(std::move(done));
+  process_due(false);
+}
+
+void LocalizerNode::on(const odometry_t& message) {
+  const mapper::scan::OdometrySample sample{message.utime, pose_from_arrays(message.position, message.orientation),
+                                            (message.flags & odometry_t::INITIALISED) != 0,
+                                            (message.flags & odometry_t::STATIONARY) != 0};
+  if (!is_finite(sample.T_odom_base) || message.utime <= 0) {
+    counters_.add("refused.odometry");
+    return;
+  }
+  switch (odometry_.add(sample)) {
+    case mapper::scan::OdometryHistory::Added::kYes:
+      break;
+    case mapper::scan::OdometryHistory::Added::kLate:
+      counters_.add("dropped.odometry_late");
+      break;
+    case mapper::scan::OdometryHistory::Added::kClockJump:
+      counters_.add("odometry.clock_jumps");
+      break;
+  }
+  process_due(false);
+}
+
+void LocalizerNode::queue(std::optional<mapper::scan::Scan> scan) {
+  if (!scan) return;
+  if (pending_.size() >= kMaxPending) {
+    counters_.add("dropped.pending");
+    pending_.pop_front();
+  }
+  pending_.push_back(std::move(*scan));
+}
+
+void LocalizerNode::process_due(bool last_call) {
+  const auto due = [&](const mapper::scan::Scan& scan) {
+    return odometry_.reaches(scan.end) || std::abs(lidar_time_ - scan.end) > microseconds(config_.odometry_wait_s);
+  };
+  while (!pending_.empty() && (last_call || due(pending_.front()))) {
+    process(pending_.front());
+    pending_.pop_front();
+  }
+}
+
+void LocalizerNode::process(const mapper::scan::Scan& scan) {
+  odometry_.look_from(scan.end);
+  const bool covered = odometry_.covers(scan.start, scan.end);
+  if (!tracker_ && !covered) {
+    counters_.add("skipped.no_odometry_yet");
+    return;
+  }
+  const std::int64_t begun = steady_clock();
+  if (!tracker_) begin(scan);
+  const tracking::Motion motion = motion_to(scan);
+  const double sweep_seconds = std::max(mapper::scan::seconds(scan.start, scan.end), 0.001);
+  const mapper::scan::SweepMotion sweep = covered ? mapper::scan::sweep_from(odometry_, scan.start, scan.end)
+                                                  : mapper::scan::steady_sweep(twist_, sweep_seconds);
+  const auto points = thinner_.thin(mapper::scan::deskew(scan.points, config_.vehicle.T_base_lidar(), sweep));
+  const tracking::PoseFit fit = tracker_->track(points, motion, *map_);
+  latency_.add(static_cast<double>(steady_clock() - begun) * 1e-6);
+  last_end_ = scan.end;
+  odometry_.forget_before(scan.start - 100'000);
+  counters_.add("revolutions");
+  if (tracker_->lost()) counters_.add("revolutions.lost");
+  publish(scan, fit, motion.with_odometry);
+}
+
+/// At the place that the configuration names, on the map's ground, leaning as odometry does.
+void LocalizerNode::begin(const mapper::scan::Scan& scan) {
+  const Eigen::Matrix3d R_odom_base = odometry_.at(scan.end).linear();
+  const Eigen::Vector3d lean = roll_pitch_yaw(R_odom_base);
+  const auto ground = map_->ground_at(config_.start_x, config_.start_y);
+  const double level = ground ? ground->height : map_->level_at(config_.start_x, config_.start_y);
+  tracking::PoseBelief start;
+  start.T_map_base.translation() =
+      Eigen::Vector3d(config_.start_x, config_.start_y, std::isfinite(level) ? level : 0.0);
+  start.T_map_base.linear() = rotation_from_rpy(lean.x(), lean.y(), config_.start_yaw);
+  tracking::Vector6 sigma;
+  sigma << config_.start_sigma, config_.start_sigma, kStartHeight, kStartTilt, kStartTilt, config_.start_yaw_sigma;
+  start.covariance = sigma.cwiseAbs2().asDiagonal();
+  tracker_.emplace(start, config_.tracking);
+  last_end_ = scan.end;
+}
+
+/// By odometry from end to end where it spans; else the motion before goes on for a little while.
+tracking::Motion LocalizerNode::motion_to(const mapper::scan::Scan& scan) {
+  tracking::Motion motion;
+  motion.seconds = mapper::scan::seconds(last_end_, scan.end);
+  if (motion.seconds == 0) return motion;
+  if (odometry_.covers(std::min(last_end_, scan.end), scan.end)) {
+    motion.T_last_base = odometry_.at(last_end_).inverse() * odometry_.at(scan.end);
+    const double stride = std::max(motion.seconds, 0.02);
+    if (motion.seconds > 0 && motion.T_last_base.translation().norm() <= kMostSpeed * stride &&
+        angle_of(motion.T_last_base) <= kMostTurn * stride) {
+      twist_ = mapper::scan::twist_of(motion.T_last_base, motion.seconds);
+      return motion;
+    }
+    counters_.add("odometry.incredible");
+  }
+  counters_.add("revolutions.without_odometry");
+  if (std::abs(motion.seconds) > kSteadyFor) counters_.add("gaps");
+  motion.with_odometry = false;
+  motion.T_last_base = mapper::scan::move(twist_, std::clamp(motion.seconds, 0.0, kSteadyFor));
+  motion.seconds = std::abs(motion.seconds);
+  twist_ = {};
+  return motion;
+}
+
+void LocalizerNode::publish(const mapper::scan::Scan& scan, const tracking::PoseFit& fit, bool with_odometry) {
+  map_pose_t message{};
+  message.utime = scan.end;
+  message.revolution = scan.number;
+  message.epoch = epoch_;
+  const Pose& T_map_base = tracker_->belief().T_map_base;
+  const bool known = odometry_.covers(scan.end, scan.end);
+  const Pose T_map_odom = known ? normalised(T_map_base * odometry_.at(scan.end).inverse()) : Pose::Identity();
+  pose_to_arrays(T_map_odom, message.map_odom_position, message.map_odom_orientation);
+  pose_to_arrays(T_map_base, message.map_base_position, message.map_base_orientation);
+  const tracking::Matrix6 covariance = tracker_->published_covariance();
+  for (int i = 0; i < 36; ++i) message.covariance[i] = static_cast<float>(covariance(i / 6, i % 6));
+  message.residual = static_cast<float>(fit.residual);
+  message.inlier_ratio = static_cast<float>(fit.matched_share());
+  message.iterations = fit.iterations;
+  message.degenerate = fit.degenerate;
+  message.flags = (tracker_->lost() ? map_pose_t::LOST : 0) | (tracker_->lost() ? 0 : map_pose_t::REGISTERED) |
+                  (with_odometry && known ? 0 : map_pose_t::NO_ODOMETRY) |
+                  (known && odometry_.stationary(scan.start, scan.end) ? map_pose_t::STATIONARY : 0);
+  bus_.publish("LOCALIZED_POSE", message);
+}
+
+void LocalizerNode::finish() {
+  queue(assembler_.flush());
+  process_due(true);
+}
+
+NodeReport LocalizerNode::report() const {
+  NodeReport report;
+  report.counters = counters_;
+  for (const auto& [name, value] : assembler_.counters().values()) report.counters.add(name, value);
+  report.latency_p50 = latency_.percentile(0.5);
+  report.latency_p99 = latency_.percentile(0.99);
+  if (lidar_time_ == 0) report.faults.emplace_back("no LIDAR_POINTS");
+  if (lidar_time_ != 0 && !tracker_) report.faults.emplace_back("no usable ODOMETRY yet");
+  if (tracker_ && tracker_->lost())
+    report.faults.push_back(fmt::format("lost: {} does not show what is seen here", config_.map));
+  return report;
+}
+
+}  // namespace curbstone::localizer

@@ -1,0 +1,12 @@
+#include "common/shell/service.hpp"
+#include "config/sections.hpp"
+#include "services/localizer/localizer_node.hpp"
+
+int main(int argc, char** argv) {
+  using namespace curbstone;
+  return run_service<localizer::LocalizerConfig>(
+      argc, argv, {"localizer", kProcessSections, "Says where the vehicle is in a saved semantic map"},
+      [](const localizer::LocalizerConfig& config, ServiceContext& context) {
+        return std::make_unique<localizer::LocalizerNode>(config, context.bus);
+      });
+}

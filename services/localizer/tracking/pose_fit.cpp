@@ -1,0 +1,159 @@
+#include "services/localizer/tracking/pose_fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace curbstone::localizer::tracking {
+namespace {
+
+constexpr int kMostIterations = 5;
+constexpr double kDone = 3e-4;           // m or rad of a step
+constexpr double kGroundBand = 0.22;     // m about the map's ground: a point of it
+constexpr double kLeastUpright = 0.4;    // m above it: a point on something upright,
+constexpr double kMostUpright = 1.9;     // m: as high as the map's classes look
+constexpr double kLevel = 0.1;           // slope between cells
+constexpr double kGroundMatched = 0.06;  // m
+constexpr double kWallMatched = 0.25;    // m
+constexpr int kFewPoints = 40;           // of either kind: says nothing of whether the map fits
+constexpr double kToldPosition = 0.10;   // m, 1 sigma by the revolution alone, beyond which an axis is not told
+constexpr double kToldRotation = 0.01;   // rad
+
+/// What the points say about the pose: their part of the normal equations.
+struct NormalSums {
+  Matrix6 information = Matrix6::Zero();
+  Vector6 gradient = Vector6::Zero();
+  double squares = 0;
+  int matched = 0;
+
+  void add(const Vector6& J, double residual, double sigma, double let_go) {
+    const double ratio = residual / let_go;
+    const double root = 1.0 / (1.0 + ratio * ratio);
+    const double weight = root * root / (sigma * sigma);
+    information.noalias() += weight * J * J.transpose();
+    gradient.noalias() += weight * residual * J;
+  }
+};
+
+/// Derivative of `direction` . (R exp(w) p + t) by (t, w).
+Vector6 derivative(const Eigen::Vector3d& direction, const Eigen::Matrix3d& R, const Eigen::Vector3d& p) {
+  Vector6 J;
+  J << direction, p.cross(R.transpose() * direction);
+  return J;
+}
+
+class PointSums {
+ public:
+  PointSums(const Pose& T_map_base, fields::SavedMap& map, const TrackingConfig& config)
+      : T_(T_map_base), R_(T_map_base.linear()), map_(map), config_(config) {}
+
+  void add(const Eigen::Vector3d& p) {
+    const Eigen::Vector3d q = T_ * p;
+    const auto ground = map_.ground_at(q.x(), q.y());
+    const double above = q.z() - (ground ? ground->height : map_.level_at(q.x(), q.y()));
+    if (ground && std::abs(above) < kGroundBand) return add_ground(p, *ground, above);
+    if (above > kLeastUpright && above < kMostUpright) add_upright(p, q);
+  }
+
+  NormalSums sums;
+  PoseFit counts;
+
+ private:
+  void add_ground(const Eigen::Vector3d& p, const fields::SavedMap::Ground& ground, double above) {
+    ++counts.grounds;
+    if (std::abs(above) < kGroundMatched) count_match(counts.grounds_matched, above);
+    // Without heights, level ground still says how the vehicle stands, which walls cannot.
+    if (!config_.use_heights && ground.slope.norm() > kLevel) return;
+    const Eigen::Vector2d slope = config_.use_heights ? ground.slope : Eigen::Vector2d::Zero();
+    const Eigen::Vector3d up(-slope.x(), -slope.y(), 1);
+    sums.add(derivative(up, R_, p), above, config_.height_sigma, 2 * config_.height_sigma);
+  }
+
+  void add_upright(const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
+    ++counts.uprights;
+    const auto there = map_.upright_at(q.x(), q.y());
+    if (!there) return;
+    const Eigen::Vector2d off = q.head<2>() - there->centre;
+    const bool is_line = !there->normal.isZero();
+    const double distance = is_line ? there->normal.dot(off) : off.norm();
+    if (std::abs(distance) < kWallMatched) count_match(counts.uprights_matched, distance);
+    if (!config_.use_walls) return;
+    const double let_go = 3 * config_.wall_sigma;
+    if (is_line) {
+      const Eigen::Vector3d n(there->normal.x(), there->normal.y(), 0);
+      return sums.add(derivative(n, R_, p), distance, config_.wall_sigma, let_go);
+    }
+    sums.add(derivative(Eigen::Vector3d::UnitX(), R_, p), off.x(), 2 * config_.wall_sigma, let_go);
+    sums.add(derivative(Eigen::Vector3d::UnitY(), R_, p), off.y(), 2 * config_.wall_sigma, let_go);
+  }
+
+  void count_match(int& matched, double residual) {
+    ++matched;
+    ++sums.matched;
+    sums.squares += residual * residual;
+  }
+
+  const Pose& T_;
+  Eigen::Matrix3d R_;
+  fields::SavedMap& map_;
+  const TrackingConfig& config_;
+};
+
+/// Which axes of base_link the revolution alone does not tell.
+int untold_axes(const Matrix6& information, const Eigen::Matrix3d& R) {
+  Matrix6 to_base = Matrix6::Identity();
+  to_base.topLeftCorner<3, 3>() = R.transpose();
+  const Matrix6 alone = (information + 1e-3 * Matrix6::Identity()).inverse();
+  const Matrix6 covariance = to_base * alone * to_base.transpose();
+  int untold = 0;
+  for (int i = 0; i < 6; ++i) {
+    const double most = i < 3 ? kToldPosition : kToldRotation;
+    if (!(covariance(i, i) < most * most)) untold |= 1 << i;
+  }
+  return untold;
+}
+
+}  // namespace
+
+double PoseFit::matched_share() const {
+  if (uprights < kFewPoints || grounds < kFewPoints) return 0;
+  return std::min(static_cast<double>(uprights_matched) / uprights, static_cast<double>(grounds_matched) / grounds);
+}
+
+Pose moved_by(const Pose& pose, const Vector6& error) {
+  Pose moved = pose;
+  moved.translation() += error.head<3>();
+  moved.linear() = pose.linear() * so3_exp(error.tail<3>()).toRotationMatrix();
+  return moved;
+}
+
+Vector6 error_between(const Pose& from, const Pose& to) {
+  Vector6 error;
+  error << to.translation() - from.translation(), so3_log(Eigen::Quaterniond(from.linear().transpose() * to.linear()));
+  return error;
+}
+
+PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& prior, fields::SavedMap& map,
+                 const TrackingConfig& config) {
+  const Matrix6 prior_information = prior.covariance.inverse();
+  Pose pose = prior.T_map_base;
+  for (int iteration = 1;; ++iteration) {
+    PointSums seen(pose, map, config);
+    for (const Eigen::Vector3d& p : points) seen.add(p);
+    const Matrix6 revolution = config.independent * seen.sums.information;
+    const Matrix6 information = prior_information + revolution;
+    const Vector6 gradient =
+        prior_information * error_between(prior.T_map_base, pose) + config.independent * seen.sums.gradient;
+    const Vector6 step = -information.ldlt().solve(gradient);
+    pose = normalised(moved_by(pose, step));
+    if (step.cwiseAbs().maxCoeff() > kDone && iteration < kMostIterations) continue;
+    PoseFit fit = seen.counts;
+    fit.belief = {pose, information.inverse()};
+    fit.degenerate = untold_axes(revolution, pose.linear());
+    fit.iterations = iteration;
+    fit.residual = seen.sums.matched > 0 ? std::sqrt(seen.sums.squares / seen.sums.matched) : 0;
+    return fit;
+  }
+}
+
+}  // namespace curbstone::localizer::tracking

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "services/mapper/scan/scan.hpp"
+
+namespace curbstone::localizer::tracking {
+
+/// Thins revolutions to one point a box of 0.12 m square and 0.25 m height: the mean of what was seen in it, as a cell
+/// of the map is. One thread; keeps its memory.
+class ScanThinner {
+ public:
+  static constexpr double kReach = 30.0;  ///< m from base_link, in x and y
+
+  ScanThinner();
+  /// `points`: de-skewed, in base_link. In the order in which the boxes were first met.
+  [[nodiscard]] std::vector<Eigen::Vector3d> thin(const std::vector<mapper::scan::LidarPoint>& points);
+
+ private:
+  struct Box {
+    std::uint32_t place = 0;
+    float count = 0;
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  };
+  std::vector<std::uint32_t> box_at_;  // index into boxes_, if that box is of this place
+  std::vector<Box> boxes_;
+};
+
+}  // namespace curbstone::localizer::tracking

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "services/localizer/tracking/pose_fit.hpp"
+
+namespace curbstone::localizer::tracking {
+
+/// What is known of the motion since the last revolution's end.
+struct Motion {
+  Pose T_last_base = Pose::Identity();
+  bool with_odometry = true;
+  double seconds = 0;  ///< since that end
+};
+
+/// Follows one pose through the saved map. Until the map has fitted for half a second, and again when it has not for as
+/// long, the vehicle is lost: the pose goes on with odometry and says so. Pure; one thread.
+class Tracker {
+ public:
+  static constexpr int kInARow = 10;       ///< revolutions that fit, or do not
+  static constexpr int kInARowAgain = 40;  ///< that fit after it was lost on the way
+
+  Tracker(const PoseBelief& start, const TrackingConfig& config) : config_(config), belief_(start) {}
+
+  /// `points`: thinned, in base_link at the revolution's end.
+  PoseFit track(const std::vector<Eigen::Vector3d>& points, const Motion& motion, fields::SavedMap& map);
+
+  [[nodiscard]] const PoseBelief& belief() const { return belief_; }
+  /// With the error of the map itself.
+  [[nodiscard]] Matrix6 published_covariance() const;
+  [[nodiscard]] bool lost() const { return lost_; }
+
+ private:
+  void predict(const Motion& motion);
+  void judge(const PoseFit& fit);
+
+  TrackingConfig config_;
+  PoseBelief belief_;
+  bool lost_ = true;
+  bool was_found_ = false;
+  int fitting_ = 0;  // revolutions in a row
+  int failing_ = 0;
+};
+
+}  // namespace curbstone::localizer::tracking

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "common/config/config.hpp"
+
+namespace curbstone::localizer::tracking {
+
+/// What is looked at, and what is believed of it. What each means, and its unit, is what visit() says of it.
+struct TrackingConfig {
+  bool use_walls = true;
+  bool use_heights = true;
+  double height_sigma = 0.03;
+  double wall_sigma = 0.06;
+  double independent = 0.05;
+  double map_sigma = 0.0015;
+  double map_yaw_sigma = 0.00008;
+  double odometry_m = 0.02;
+  double odometry_rad = 0.02;
+  double odometry_floor_m = 0.0005;
+  double odometry_floor_rad = 0.0002;
+  double min_match = 0.5;
+  double max_sigma = 0.17;
+
+  void visit(ConfigVisitor& v) {
+    v.field("use_walls", use_walls, "what stands upright tells the pose");
+    v.field("use_heights", use_heights, "the ground's height, curbs included, tells the pose");
+    v.field("height_sigma", height_sigma, {0.001, 1.0}, "m, 1 sigma of a point of the ground against the map");
+    v.field("wall_sigma", wall_sigma, {0.001, 1.0}, "m, 1 sigma of a point on something upright against the map");
+    v.field("independent", independent, {0.0001, 1.0}, "share of the points of a revolution that say something new");
+    v.field("map_sigma", map_sigma, {0.0, 1.0}, "m, 1 sigma of the map itself, added to what is published");
+    v.field("map_yaw_sigma", map_yaw_sigma, {0.0, 1.0}, "rad, the same of its directions");
+    v.field("odometry_m", odometry_m, {0.0, 1.0}, "1 sigma of odometry in a revolution, m a metre driven");
+    v.field("odometry_rad", odometry_rad, {0.0, 1.0}, "1 sigma of odometry in a revolution, rad a rad turned");
+    v.field("odometry_floor_m", odometry_floor_m, {1e-6, 1.0}, "m, 1 sigma, added to it each revolution");
+    v.field("odometry_floor_rad", odometry_floor_rad, {1e-6, 1.0}, "rad, 1 sigma, added to it each revolution");
+    v.field("min_match", min_match, {0.0, 1.0}, "share of points that must lie where the map has them; below: lost");
+    v.field("max_sigma", max_sigma, {0.01, 100.0}, "m, 1 sigma of the position above which the vehicle is lost");
+  }
+};
+
+}  // namespace curbstone::localizer::tracking

@@ -1,0 +1,81 @@
+#include "services/localizer/fields/field_tile.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace curbstone::localizer::fields {
+namespace {
+
+using semantic_map::tile::Around;
+using semantic_map::tile::CellClass;
+using semantic_map::tile::MapTile;
+
+MapTile empty_tile() {
+  MapTile tile;
+  tile.height.fill(MapTile::kNoHeight);
+  return tile;
+}
+
+void put_wall(MapTile& tile, std::size_t column, std::size_t row, std::uint8_t hits) {
+  tile.cell_class[row * 25 + column] = CellClass::kWall;
+  tile.hits[row * 25 + column] = hits;
+}
+
+FieldTile field_of(const MapTile& tile) {
+  Around<MapTile> around;
+  around.set(0, 0, &tile);
+  return make_field_tile(around);
+}
+
+TEST(FieldTile, FindsWhereAWallIsBetweenTwoRowsOfCellsByHowOftenEachWasHit) {
+  MapTile tile = empty_tile();
+  for (std::size_t column = 0; column < 25; ++column) {
+    put_wall(tile, column, 10, 12);
+    put_wall(tile, column, 11, 4);
+  }
+  const FieldTile field = field_of(tile);
+  const auto nearest = field.nearest[13 * 25 + 12];
+  ASSERT_NE(nearest, 0);
+  const Upright& wall = field.uprights[nearest - 1U];
+  ASSERT_TRUE(wall.is_line());
+  EXPECT_NEAR(std::abs(wall.normal.y()), 1, 1e-3);
+  EXPECT_NEAR(wall.centre.y(), 0.12 * (10.5 + 0.25), 1e-4);
+}
+
+TEST(FieldTile, GivesAPoleNoDirection) {
+  MapTile tile = empty_tile();
+  put_wall(tile, 5, 5, 9);
+  const FieldTile field = field_of(tile);
+  ASSERT_EQ(field.uprights.size(), 1U);
+  EXPECT_FALSE(field.uprights[0].is_line());
+  EXPECT_EQ(field.nearest[5 * 25 + 10], 1) << "five cells away";
+  EXPECT_EQ(field.nearest[5 * 25 + 11], 0) << "six cells away";
+}
+
+TEST(FieldTile, LeavesOutTheInsideOfAVehiclesOutlineWhichNobodySaw) {
+  MapTile tile = empty_tile();
+  put_wall(tile, 5, 5, 0);
+  EXPECT_TRUE(field_of(tile).uprights.empty());
+}
+
+TEST(FieldTile, TakesHeightsFromTheGroundAloneAndOneCellOfEachNeighbour) {
+  MapTile tile = empty_tile(), east = empty_tile();
+  tile.z_origin = 2;
+  tile.cell_class[0] = CellClass::kRoad;
+  tile.height[0] = 50;
+  put_wall(tile, 1, 0, 9);
+  tile.height[1] = 700;
+  east.cell_class[0] = CellClass::kRoad;
+  east.height[0] = -50;
+  Around<MapTile> around;
+  around.set(0, 0, &tile);
+  around.set(1, 0, &east);
+  const FieldTile field = make_field_tile(around);
+  EXPECT_NEAR(field.height_of(0, 0), 2.1, 1e-6);
+  EXPECT_TRUE(std::isnan(field.height_of(1, 0))) << "under a wall";
+  EXPECT_NEAR(field.height_of(25, 0), -0.1, 1e-6);
+}
+
+}  // namespace
+}  // namespace curbstone::localizer::fields

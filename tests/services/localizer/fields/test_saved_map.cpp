@@ -1,0 +1,53 @@
+#include "services/localizer/fields/saved_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/services/localizer/yard.hpp"
+
+namespace curbstone::localizer::fields {
+namespace {
+
+using testing::map_of;
+using testing::Yard;
+
+TEST(SavedMap, HasNoJumpAtTheBordersOfTiles) {
+  SavedMap map(map_of(Yard{}));
+  for (double along = -5; along < 5; along += 0.5) {
+    const auto before = map.ground_at(3.0 - 1e-9, along), after = map.ground_at(3.0 + 1e-9, along);
+    if (!before || !after) continue;
+    EXPECT_NEAR(before->height, after->height, 1e-6) << along;
+  }
+}
+
+TEST(SavedMap, KnowsTheSlopeThatItsHeightsHave) {
+  SavedMap map(map_of(Yard{.turned = 0}));
+  const auto at = [&](double y) { return map.ground_at(1.0, y); };
+  double steepest = 0;
+  for (double y = -3.3; y < -2.7; y += 0.01) {
+    const auto low = at(y - 1e-4), here = at(y), high = at(y + 1e-4);
+    ASSERT_TRUE(low && here && high);
+    const double difference = (high->height - low->height) / 2e-4;
+    const bool between_middles = std::abs(high->slope.y() - low->slope.y()) < 1e-6;
+    if (between_middles) {
+      EXPECT_NEAR(here->slope.y(), difference, 1e-3) << y;
+    }
+    steepest = std::max(steepest, -here->slope.y());
+  }
+  EXPECT_GT(steepest, 0.5) << "the curb: 0.1 m from cell to cell";
+}
+
+TEST(SavedMap, SaysNothingWhereItHasNothing) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  SavedMap map(map_of(Yard{}));
+  for (const double far : {1e4, 1e300, kNaN}) {
+    EXPECT_FALSE(map.ground_at(far, 0)) << far;
+    EXPECT_FALSE(map.upright_at(0, far)) << far;
+    EXPECT_TRUE(std::isnan(map.level_at(far, far))) << far;
+  }
+}
+
+}  // namespace
+}  // namespace curbstone::localizer::fields

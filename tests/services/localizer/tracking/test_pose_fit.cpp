@@ -1,0 +1,67 @@
+#include "services/localizer/tracking/pose_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/services/localizer/yard.hpp"
+
+namespace curbstone::localizer::tracking {
+namespace {
+
+using testing::map_of;
+using testing::points_in;
+using testing::pose_at;
+using testing::Yard;
+
+PoseBelief belief(const Pose& pose) {
+  Vector6 sigma;
+  sigma << 0.3, 0.3, 0.1, 0.02, 0.02, 0.05;
+  return {pose, sigma.cwiseAbs2().asDiagonal()};
+}
+
+TEST(FitPose, FindsTheVehicleFromThirtyCentimetresAndTwoDegreesOff) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  const Pose truth = pose_at(1.2, 0.7, 0.4);
+  const PoseFit fit = fit_pose(points_in(yard, truth), belief(pose_at(1.45, 0.85, 0.435)), map, {});
+  const Vector6 error = error_between(truth, fit.belief.T_map_base);
+  EXPECT_LT(error.head<2>().norm(), 0.015) << error.transpose();
+  EXPECT_LT(std::abs(error(5)), 0.002);
+  EXPECT_GT(fit.matched_share(), 0.95);
+  EXPECT_EQ(fit.degenerate, 0);
+}
+
+TEST(FitPose, SaysThatTwoLongWallsTellNothingLengthwiseAndLeavesThatToThePrior) {
+  const Yard yard{.half_length = 60, .turned = 0, .ends = false};
+  fields::SavedMap map(map_of(yard));
+  const Pose truth = pose_at(0, 0, 0);
+  std::vector<Eigen::Vector3d> near;
+  for (const Eigen::Vector3d& p : points_in(yard, truth)) {
+    if (p.head<2>().norm() < 25) near.push_back(p);
+  }
+  const PoseFit fit = fit_pose(near, belief(pose_at(0.2, 0.15, 0)), map, {});
+  EXPECT_EQ(fit.degenerate, 1) << "x of base_link, and nothing else";
+  EXPECT_NEAR(fit.belief.T_map_base.translation().y(), 0, 0.03) << "walls along the cells: known to a part of one";
+  EXPECT_NEAR(fit.belief.T_map_base.translation().x(), 0.2, 0.02);
+  EXPECT_GT(std::sqrt(fit.belief.covariance(0, 0)), 0.25) << "known no better than before";
+}
+
+TEST(FitPose, ACarWhereTheMapHasNoneDoesNotPull) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  const Pose truth = pose_at(0, 0, 0.3);
+  auto points = points_in(yard, truth);
+  for (double x = 2; x < 6; x += 0.05) points.emplace_back(x, 1.5, 0.8);
+  const PoseFit fit = fit_pose(points, belief(pose_at(0.1, 0, 0.3)), map, {});
+  EXPECT_LT(error_between(truth, fit.belief.T_map_base).head<2>().norm(), 0.015);
+}
+
+TEST(FitPose, WithoutPointsStaysWithThePrior) {
+  fields::SavedMap map(map_of(Yard{}));
+  const PoseFit fit = fit_pose({}, belief(pose_at(0.5, 0, 0)), map, {});
+  EXPECT_NEAR(fit.belief.T_map_base.translation().x(), 0.5, 1e-12);
+  EXPECT_EQ(fit.matched_share(), 0);
+  EXPECT_EQ(fit.degenerate, 63);
+}
+
+}  // namespace
+}  // namespace curbstone::localizer::tracking

@@ -1,0 +1,86 @@
+#include "services/localizer/tracking/tracker.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/services/localizer/yard.hpp"
+
+namespace curbstone::localizer::tracking {
+namespace {
+
+using testing::map_of;
+using testing::points_in;
+using testing::pose_at;
+using testing::Yard;
+
+PoseBelief start(const Pose& pose) {
+  Vector6 sigma;
+  sigma << 0.15, 0.15, 0.1, 0.02, 0.02, 0.03;
+  return {pose, sigma.cwiseAbs2().asDiagonal()};
+}
+
+/// 0.1 m a revolution along x of the vehicle.
+Motion ahead() {
+  Motion motion;
+  motion.T_last_base.translation().x() = 0.1;
+  motion.seconds = 0.05;
+  return motion;
+}
+
+TEST(Tracker, FollowsADriveAndIsSureAfterHalfASecond) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  Pose truth = pose_at(-3, 0, 0.2);
+  Tracker tracker(start(truth), {});
+  for (int i = 0; i < 60; ++i) {
+    truth = truth * ahead().T_last_base;
+    tracker.track(points_in(yard, truth), ahead(), map);
+    EXPECT_EQ(tracker.lost(), i + 1 < Tracker::kInARow) << i;
+    EXPECT_LT(error_between(truth, tracker.belief().T_map_base).head<2>().norm(), 0.03) << i;
+  }
+}
+
+TEST(Tracker, OnAMapOfAnotherPlaceIsNeverSure) {
+  const Yard here, other{.half_length = 8.3, .half_width = 9.4, .turned = -0.5, .curb = 2};
+  fields::SavedMap map(map_of(other));
+  Pose truth = pose_at(-3, 0, 0.2);
+  Tracker tracker(start(truth), {});
+  for (int i = 0; i < 100; ++i) {
+    truth = truth * ahead().T_last_base;
+    tracker.track(points_in(here, truth), ahead(), map);
+    EXPECT_TRUE(tracker.lost()) << i;
+  }
+}
+
+TEST(Tracker, CarriedAwaySaysSoWithinASecondAndGoesOnWithOdometry) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  Pose truth = pose_at(-3, 0, 0.2);
+  Tracker tracker(start(truth), {});
+  for (int i = 0; i < 20; ++i) tracker.track(points_in(yard, truth), Motion{}, map);
+  ASSERT_FALSE(tracker.lost());
+  truth = pose_at(3, 2, 1.4);
+  for (int i = 0; i < 20; ++i) tracker.track(points_in(yard, truth), Motion{}, map);
+  EXPECT_TRUE(tracker.lost());
+  const double sigma = std::sqrt(tracker.published_covariance()(0, 0));
+  for (int i = 0; i < 20; ++i) tracker.track(points_in(yard, truth), ahead(), map);
+  EXPECT_TRUE(tracker.lost());
+  EXPECT_GT(std::sqrt(tracker.published_covariance()(0, 0)), sigma) << "known worse and worse";
+}
+
+TEST(Tracker, AGapInOdometryIsSurvived) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  const Pose truth = pose_at(-1, 0, 0.2);
+  Tracker tracker(start(truth), {});
+  for (int i = 0; i < 20; ++i) tracker.track(points_in(yard, truth), Motion{}, map);
+  Motion blind;
+  blind.with_odometry = false;
+  blind.seconds = 3;
+  tracker.track(points_in(yard, truth), blind, map);
+  for (int i = 0; i < Tracker::kInARowAgain; ++i) tracker.track(points_in(yard, truth), Motion{}, map);
+  EXPECT_FALSE(tracker.lost());
+  EXPECT_LT(error_between(truth, tracker.belief().T_map_base).head<2>().norm(), 0.03);
+}
+
+}  // namespace
+}  // namespace curbstone::localizer::tracking

@@ -1,0 +1,197 @@
+#include "tools/localise/localise.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "common/bus/local_bus.hpp"
+#include "common/config/command_line.hpp"
+#include "common/config/config.hpp"
+#include "common/log/message_order.hpp"
+#include "config/sections.hpp"
+#include "services/ekf/ekf_node.hpp"
+#include "services/localizer/localizer_node.hpp"
+#include "services/semantic_map/store/map_store.hpp"
+#include "tools/evaluate/truth/truth.hpp"
+#include "tools/localise/pose_errors.hpp"
+#include "tools/output/new_file.hpp"
+#include "tools/output/watched_log.hpp"
+
+namespace curbstone::localise {
+namespace {
+
+struct Arguments {
+  std::string map;
+  std::vector<std::string> logs, assignments;
+  std::vector<double> start;
+  std::string config, truth, map_truth, csv, json;
+};
+
+bool is_sensor(const std::string& channel) {
+  return channel == "LIDAR_POINTS" || channel == "IMU" || channel == "WHEELS";
+}
+
+/// The drive through ekf and localizer, in message-time order: as live.
+struct Localised {
+  std::vector<map_pose_t> poses;
+  NodeReport report;
+};
+Localised localise(output::WatchedLog& log, const Arguments& arguments, const localizer::LocalizerConfig& config) {
+  auto ekf_config = config_of<ekf::base::EkfConfig>("ekf", kProcessSections, arguments.config, arguments.assignments);
+  ekf_config.state_file.clear();  // another vehicle's, or of another time
+  LocalBus bus;
+  ekf::EkfNode ekf(ekf_config, bus);
+  localizer::LocalizerNode node(config, bus);
+  ekf.connect(bus);
+  node.connect(bus);
+  Localised out;
+  bus.subscribe<map_pose_t>("LOCALIZED_POSE", [&](const map_pose_t& pose) { out.poses.push_back(pose); });
+  MessageOrder order;
+  const auto deliver = [&](const LogEvent& event) {
+    bus.inject(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
+    bus.dispatch();
+  };
+  while (auto event = log.next()) {
+    if (!is_sensor(event->channel)) continue;
+    order.push(std::move(*event));
+    while (const auto ready = order.pop(false)) deliver(*ready);
+  }
+  while (const auto ready = order.pop(true)) deliver(*ready);
+  ekf.finish();
+  bus.dispatch();
+  node.finish();
+  bus.dispatch();
+  out.report = node.report();
+  return out;
+}
+
+void write_text(const std::string& name, const std::string& text) {
+  output::NewFile file(name, true);
+  std::FILE* out = std::fopen(file.part().c_str(), "w");
+  if (out == nullptr) throw std::runtime_error(name + ": cannot be written");
+  const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
+  if (std::fclose(out) != 0 || !written) throw std::runtime_error(name + ": cannot be written");
+  file.commit();
+}
+
+std::string to_csv(const std::vector<map_pose_t>& poses) {
+  std::string text = "utime,x,y,z,qw,qx,qy,qz,sigma_x,sigma_y,sigma_yaw,matched,degenerate,flags\n";
+  for (const map_pose_t& m : poses) {
+    const double* p = m.map_base_position;
+    const double* q = m.map_base_orientation;
+    const auto sigma = [&](int i) { return std::sqrt(static_cast<double>(m.covariance[i * 7])); };
+    text += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.7f},{:.7f},{:.7f},{:.7f},{:.4f},{:.4f},{:.6f},{:.3f},{},{}\n",
+                        m.utime, p[0], p[1], p[2], q[0], q[1], q[2], q[3], sigma(0), sigma(1), sigma(5),
+                        static_cast<double>(m.inlier_ratio), m.degenerate, m.flags);
+  }
+  return text;
+}
+
+std::string to_table(const PoseErrors& e) {
+  return fmt::format(
+      "  not lost and with a truth    {} of {} revolutions, {} lost\n"
+      "  lateral        RMSE {:.3f} m, 99 % {:.3f} m\n"
+      "  longitudinal   RMSE {:.3f} m, 99 % {:.3f} m where not degenerate ({} revolutions are)\n"
+      "  yaw            RMSE {:.3f} deg\n"
+      "  NEES (3)       mean {:.2f}, {:.1f} % beyond the 95 % bound\n"
+      "  worst          {:.3f} m; {} revolutions wrong by 0.5 m and not lost\n",
+      e.judged, e.poses, e.lost, e.lateral_rmse, e.lateral_99, e.longitudinal_rmse, e.longitudinal_99, e.degenerate,
+      e.yaw_rmse, e.nees, 100 * e.beyond_95, e.worst, e.wrong_and_sure);
+}
+
+nlohmann::json to_json(const PoseErrors& e) {
+  return {{"revolutions", e.poses},
+          {"lost", e.lost},
+          {"judged", e.judged},
+          {"lateral_rmse_m", e.lateral_rmse},
+          {"lateral_99_m", e.lateral_99},
+          {"longitudinal_rmse_m", e.longitudinal_rmse},
+          {"longitudinal_99_m", e.longitudinal_99},
+          {"degenerate", e.degenerate},
+          {"yaw_rmse_deg", e.yaw_rmse},
+          {"nees_mean", e.nees},
+          {"nees_beyond_95", e.beyond_95},
+          {"worst_m", e.worst},
+          {"wrong_and_not_lost", e.wrong_and_sure}};
+}
+
+/// From --start, else from the truth, else as configured.
+void set_start(const Arguments& arguments, const std::optional<TrueMapPose>& truth,
+               const evaluate::truth::Trajectory& poses, localizer::LocalizerConfig& config) {
+  std::vector<double> start = arguments.start;
+  if (start.empty() && truth) {
+    const auto T_map_base = truth->at(poses.front().utime);
+    if (!T_map_base) throw std::runtime_error("the drive does not begin on the map: say where, --start X Y YAW");
+    const Eigen::Vector3d& p = T_map_base->translation();
+    start = {p.x(), p.y(), roll_pitch_yaw(T_map_base->linear()).z()};
+  }
+  if (start.empty()) return;
+  config.start_x = start[0];
+  config.start_y = start[1];
+  config.start_yaw = start[2];
+}
+
+int run(const Arguments& arguments) {
+  auto config =
+      config_of<localizer::LocalizerConfig>("localizer", kProcessSections, arguments.config, arguments.assignments);
+  config.map = arguments.map;
+  std::optional<TrueMapPose> truth;
+  evaluate::truth::Trajectory drive;
+  if (!arguments.truth.empty()) {
+    drive = evaluate::truth::load_truth(arguments.truth).poses;
+    truth.emplace(semantic_map::store::MapReader(arguments.map).trajectory(),
+                  evaluate::truth::load_truth(arguments.map_truth).poses, drive);
+  }
+  set_start(arguments, truth, drive, config);
+  output::WatchedLog log(arguments.logs, "localise");
+  const Localised out = localise(log, arguments, config);
+  if (out.poses.empty()) throw std::runtime_error(arguments.logs[0] + ": gives no pose: LIDAR_POINTS, IMU and WHEELS?");
+  const auto lost = out.report.counters["revolutions.lost"];
+  fmt::print("{} revolutions on {}, {} of them lost; {:.2f} ms each (p50), {:.2f} (p99)\n", out.poses.size(),
+             arguments.map, lost, 1e3 * out.report.latency_p50, 1e3 * out.report.latency_p99);
+  for (const std::string& fault : out.report.faults) fmt::print("  at the end: {}\n", fault);
+  nlohmann::json figures = {{"revolutions", out.poses.size()}, {"lost", lost}};
+  if (truth) {
+    const PoseErrors errors = errors_of(out.poses, *truth);
+    fmt::print("{}", to_table(errors));
+    figures = to_json(errors);
+  }
+  if (!arguments.csv.empty()) write_text(arguments.csv, to_csv(out.poses));
+  if (!arguments.json.empty()) write_text(arguments.json, figures.dump(2) + "\n");
+  return log.damaged() ? 1 : 0;
+}
+
+}  // namespace
+
+int run_localise(int argc, char** argv) {
+  Arguments arguments;
+  CommandLine line("Places a recorded drive on a saved map, with the vehicle's own nodes", "curbstone localise");
+  line.argument("map", arguments.map, "The map, as curbstone-semantic-map or curbstone replay wrote it").required();
+  line.option("--log", arguments.logs, "Logs of lcm-logger with LIDAR_POINTS, IMU and WHEELS, or a session's folder")
+      .required();
+  line.option("--start", arguments.start, "X,Y,YAW in the map, m and rad, where the drive begins").comma_separated();
+  line.option("--config", arguments.config, "The vehicle's YAML file");
+  line.option("--set", arguments.assignments, "SECTION.KEY=VALUE, over the file").one_each();
+  line.option("--truth", arguments.truth, "Truth folder of the drive: adds its errors; it begins at its true place");
+  line.option("--map-truth", arguments.map_truth, "Truth folder of the drive that made the map, of the same town");
+  line.option("--csv", arguments.csv, "Write each pose");
+  line.option("--json", arguments.json, "Write the figures here, for programs");
+  if (const auto status = line.read(argc, argv)) return *status;
+  if (arguments.truth.empty() != arguments.map_truth.empty())
+    return line.refuse("--truth and --map-truth belong together");
+  if (!arguments.start.empty() && arguments.start.size() != 3) return line.refuse("--start: three numbers, X,Y,YAW");
+  try {
+    return run(arguments);
+  } catch (const ConfigError& error) {
+    fmt::print(stderr, "curbstone localise: {}\n", error.what());
+    return 2;
+  }
+}
+
+}  // namespace curbstone::localise

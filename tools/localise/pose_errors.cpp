@@ -1,0 +1,101 @@
+#include "tools/localise/pose_errors.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "common/statistics/quantile.hpp"
+
+namespace curbstone::localise {
+namespace {
+
+constexpr double kWrong = 0.5;    // m
+constexpr double kChi95 = 7.815;  // of three degrees of freedom
+
+double rms(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value * value;
+  return values.empty() ? 0 : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+/// Of the error in x, y (map) and yaw.
+double nees_of(const map_pose_t& pose, const Eigen::Vector3d& error) {
+  constexpr int kRows[3] = {0, 1, 5};
+  Eigen::Matrix3d covariance;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) covariance(i, j) = static_cast<double>(pose.covariance[kRows[i] * 6 + kRows[j]]);
+  }
+  return error.dot(covariance.ldlt().solve(error));
+}
+
+}  // namespace
+
+TrueMapPose::TrueMapPose(const std::vector<semantic_map::tile::TrajectoryPose>& map_drive,
+                         evaluate::truth::Trajectory map_truth, evaluate::truth::Trajectory truth)
+    : truth_(std::move(truth)) {
+  for (const semantic_map::tile::TrajectoryPose& pose : map_drive) {
+    const auto there = evaluate::truth::pose_at(map_truth, pose.utime);
+    if (!there) continue;
+    drive_.truth.push_back(pose.T_map_base);
+    drive_.estimate.push_back(*there);
+  }
+}
+
+std::optional<Pose> TrueMapPose::at(std::int64_t utime) const {
+  const auto T_world_base = evaluate::truth::pose_at(truth_, utime);
+  if (!T_world_base) return std::nullopt;
+  evaluate::truth::PosePairs near;
+  for (std::size_t i = 0; i < drive_.estimate.size(); ++i) {
+    if ((drive_.estimate[i].translation() - T_world_base->translation()).norm() > kNear) continue;
+    near.truth.push_back(drive_.truth[i]);
+    near.estimate.push_back(drive_.estimate[i]);
+  }
+  if (near.truth.size() < 20) return std::nullopt;
+  return evaluate::truth::align(near) * *T_world_base;
+}
+
+PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& truth) {
+  PoseErrors errors;
+  std::vector<double> across, along, yaws;
+  double nees = 0;
+  int beyond = 0;
+  for (const map_pose_t& pose : poses) {
+    ++errors.poses;
+    if (pose.flags & map_pose_t::LOST) {
+      ++errors.lost;
+      continue;
+    }
+    const auto T_map_base = truth.at(pose.utime);
+    if (!T_map_base) continue;
+    ++errors.judged;
+    const Pose estimate = pose_from_arrays(pose.map_base_position, pose.map_base_orientation);
+    const Pose error = T_map_base->inverse() * estimate;
+    const Eigen::Vector3d off = estimate.translation() - T_map_base->translation();
+    const double yaw = roll_pitch_yaw(error.linear()).z();
+    across.push_back(std::abs(error.translation().y()));
+    yaws.push_back(yaw * 180 / std::numbers::pi);
+    if (pose.degenerate & 1)
+      ++errors.degenerate;
+    else
+      along.push_back(std::abs(error.translation().x()));
+    const double one = nees_of(pose, {off.x(), off.y(), yaw});
+    nees += one;
+    if (!(one <= kChi95)) ++beyond;
+    errors.worst = std::max(errors.worst, off.head<2>().norm());
+    if (off.head<2>().norm() >= kWrong) ++errors.wrong_and_sure;
+  }
+  errors.lateral_rmse = rms(across);
+  errors.lateral_99 = quantile_or(across, 0.99, 0);
+  errors.longitudinal_rmse = rms(along);
+  errors.longitudinal_99 = quantile_or(along, 0.99, 0);
+  errors.yaw_rmse = rms(yaws);
+  if (errors.judged > 0) {
+    errors.nees = nees / errors.judged;
+    errors.beyond_95 = static_cast<double>(beyond) / errors.judged;
+  }
+  return errors;
+}
+
+}  // namespace curbstone::localise
