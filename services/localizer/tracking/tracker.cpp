@@ -12,6 +12,8 @@ constexpr double kBlindTurn = 0.3;   // rad/s
 constexpr double kBlindFor = 0.5;    // s: after that, where it is must be confirmed again
 constexpr double kMostSigma = 2.0;   // m: of a lost vehicle; a search from farther off finds another wall
 constexpr double kMostYaw = 0.2;     // rad
+constexpr int kPlacesWhenLost = 9;   // looked at in a revolution,
+constexpr int kRevolutions = 4;      // or one place in so many
 
 }  // namespace
 
@@ -47,7 +49,7 @@ void Tracker::judge(const PoseFit& fit) {
   if (failing_ >= kInARow || !(sigma < config_.max_sigma)) {
     lost_ = true;
     if (!(sigma < config_.max_sigma)) fitting_ = 0;
-  } else if (lost_ && fitting_ >= (was_found_ ? kInARowAgain : kInARow)) {
+  } else if (lost_ && surroundings_.all_seen() && fitting_ >= (was_found_ ? kInARowAgain : kInARow)) {
     lost_ = false;
     was_found_ = true;
   }
@@ -66,7 +68,20 @@ PoseFit Tracker::track(const std::vector<Eigen::Vector3d>& points, const Motion&
   if (usable && fit.matched_share() >= config_.min_match) belief_ = fit.belief;
   fit.belief = belief_;
   judge(fit);
+  look_around(points, fit, map);
   return fit;
+}
+
+void Tracker::look_around(const std::vector<Eigen::Vector3d>& points, PoseFit& fit, fields::SavedMap& map) {
+  revolution_ = (revolution_ + 1) % kRevolutions;
+  const int places = lost_ ? kPlacesWhenLost : revolution_ == 0 ? 1 : 0;
+  const auto better = surroundings_.better_than(fit, points, places, map, config_);
+  if (!better) return;
+  fit = *better;
+  belief_ = fit.belief;
+  lost_ = true;
+  fitting_ = 0;
+  surroundings_.restart();
 }
 
 Matrix6 Tracker::published_covariance() const {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "services/localizer/tracking/pose_fit.hpp"
+#include "services/localizer/tracking/surroundings.hpp"
 
 namespace curbstone::localizer::tracking {
 
@@ -14,7 +15,8 @@ struct Motion {
 };
 
 /// Follows one pose through the saved map. Until the map has fitted for half a second, and again when it has not for as
-/// long, the vehicle is lost: the pose goes on with odometry and says so. Pure; one thread.
+/// long, the vehicle is lost: the pose goes on with odometry and says so. It is lost too when a place near by fits
+/// clearly better; that one is followed from then on, and must fit as long. Pure; one thread.
 class Tracker {
  public:
   static constexpr int kInARow = 10;       ///< revolutions that fit, or do not
@@ -33,9 +35,12 @@ class Tracker {
  private:
   void predict(const Motion& motion);
   void judge(const PoseFit& fit);
+  void look_around(const std::vector<Eigen::Vector3d>& points, PoseFit& fit, fields::SavedMap& map);
 
   TrackingConfig config_;
   PoseBelief belief_;
+  Surroundings surroundings_;
+  int revolution_ = 0;  // of those between two looks around
   bool lost_ = true;
   bool was_found_ = false;
   int fitting_ = 0;  // revolutions in a row

@@ -39,6 +39,24 @@ TEST(Tracker, FollowsADriveAndIsSureAfterHalfASecond) {
   }
 }
 
+TEST(Tracker, StartedMetresOffIsNeverSureOfAWrongPlaceAndFindsTheRightOne) {
+  const Yard yard;
+  for (const Eigen::Vector2d& off : {Eigen::Vector2d(1, 0), {-2.5, 0}, {0, 1.3}, {2, -1}}) {
+    fields::SavedMap map(map_of(yard));
+    Pose truth = pose_at(-3, 0, 0.2);
+    Pose wrong = truth;
+    wrong.translation() += truth.linear() * Eigen::Vector3d(off.x(), off.y(), 0);
+    Tracker tracker(start(wrong), {});
+    for (int i = 0; i < 60; ++i) {
+      truth = truth * ahead().T_last_base;
+      tracker.track(points_in(yard, truth), ahead(), map);
+      const double error = error_between(truth, tracker.belief().T_map_base).head<2>().norm();
+      EXPECT_TRUE(tracker.lost() || error < 0.1) << off.transpose() << ": " << error << " m at " << i;
+    }
+    EXPECT_FALSE(tracker.lost()) << off.transpose();
+  }
+}
+
 TEST(Tracker, OnAMapOfAnotherPlaceIsNeverSure) {
   const Yard here, other{.half_length = 8.3, .half_width = 9.4, .turned = -0.5, .curb = 2};
   fields::SavedMap map(map_of(other));

@@ -1,0 +1,62 @@
+#include "services/localizer/tracking/surroundings.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/services/localizer/yard.hpp"
+
+namespace curbstone::localizer::tracking {
+namespace {
+
+using testing::map_of;
+using testing::points_in;
+using testing::pose_at;
+using testing::Yard;
+
+/// A wrong pose that is held, as a street holds it: the prior is trusted more than the points.
+PoseFit held_at(const Pose& pose, const std::vector<Eigen::Vector3d>& points, fields::SavedMap& map) {
+  return fit_pose(points, {pose, 1e-8 * Matrix6::Identity()}, map, {});
+}
+
+TEST(Surroundings, HaveNoBetterPlaceThanTheRightOne) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  const Pose truth = pose_at(-1, 0, 0.2);
+  const auto points = points_in(yard, truth);
+  Surroundings surroundings;
+  const PoseFit own = held_at(truth, points, map);
+  EXPECT_FALSE(surroundings.all_seen());
+  EXPECT_FALSE(surroundings.better_than(own, points, 1000, map, {}));
+  EXPECT_TRUE(surroundings.all_seen());
+  surroundings.restart();
+  EXPECT_FALSE(surroundings.all_seen());
+}
+
+TEST(Surroundings, OfAWrongPoseHaveTheRightOne) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  const Pose truth = pose_at(-1, 0, 0.2);
+  const auto points = points_in(yard, truth);
+  for (const Eigen::Vector2d& off : {Eigen::Vector2d(1, 0), {-2.5, 0}, {0, 1.3}, {2, -1}}) {
+    Pose wrong = truth;
+    wrong.translation() += truth.linear() * Eigen::Vector3d(off.x(), off.y(), 0);
+    Surroundings surroundings;
+    const auto better = surroundings.better_than(held_at(wrong, points, map), points, 1000, map, {});
+    ASSERT_TRUE(better) << off.transpose();
+    EXPECT_LT(error_between(truth, better->belief.T_map_base).head<2>().norm(), 0.05) << off.transpose();
+  }
+}
+
+TEST(Surroundings, BetweenTwoLongWallsAreAllAlike) {
+  const Yard street{.ends = false};
+  fields::SavedMap map(map_of(street));
+  const Pose truth = pose_at(0, 0, street.turned);
+  const auto points = points_in(street, truth);
+  Pose ahead = truth;
+  ahead.translation() += truth.linear() * Eigen::Vector3d(1, 0, 0);
+  Surroundings surroundings;
+  EXPECT_FALSE(surroundings.better_than(held_at(ahead, points, map), points, 1000, map, {}))
+      << "nothing tells; it is degenerate, not wrong";
+}
+
+}  // namespace
+}  // namespace curbstone::localizer::tracking
