@@ -92,6 +92,23 @@ TEST(RunLog, EachProcessReportsTheDatagramsOfItsOwnSocketThatWereDropped) {
   EXPECT_EQ(read_run_log(file).losses.at("ekf dropped.kernel"), 4);
 }
 
+TEST(RunLog, WhatAFollowerOfTilesLeavesOutIsNoLoss) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "left_out.lcmlog";
+  {
+    LogWriter log(file);
+    for (const char* const counter : {"dropped.known", "dropped.superseded", "dropped.other_epoch"}) {
+      service_status_t s = status("viewer", 1'000'000, 0, 3);
+      s.counter_name[0] = counter;
+      write(log, "SERVICE_STATUS", s, 1'000'000);
+      s.utime += 1'000'000;
+      write(log, "SERVICE_STATUS", s, 2'000'000);
+    }
+  }
+  EXPECT_EQ(read_run_log(file).lost_messages, 0);
+  EXPECT_TRUE(read_run_log(file).losses.empty());
+}
+
 TEST(RunLog, SaysNothingOfLatencyInALogThatWasNotRecordedLive) {
   const testing::TemporaryFolder folder;
   const std::string file = folder / "replayed.lcmlog";
