@@ -1,7 +1,6 @@
 #include "common/bus/bus_socket.hpp"
 
 #include <arpa/inet.h>
-#include <fmt/format.h>
 #include <linux/sock_diag.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -14,7 +13,6 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
-#include <stdexcept>
 #include <system_error>
 
 #include "common/bus/channel_filter.hpp"
@@ -143,7 +141,7 @@ void BusSocket::pass_all() {
   dropped_before_ = dropped_;
 }
 
-bool BusSocket::receive(const Handler& handler) {
+void BusSocket::receive(const Handler& handler) {
   note_drops(false);
   batch_->prepare();
   const int count = recvmmsg(fd_, batch_->headers.data(), kDatagrams, MSG_DONTWAIT, nullptr);
@@ -158,7 +156,6 @@ bool BusSocket::receive(const Handler& handler) {
              name.subspan(size + 1),
              time_of(batch_->headers[i].msg_hdr)});
   }
-  return count == static_cast<int>(kDatagrams);
 }
 
 BusSocket::Buffer BusSocket::look_at_buffer() const {
@@ -190,7 +187,7 @@ std::int64_t BusSocket::refused() {
   note_drops(true);
   const std::scoped_lock lock(mutex_);
   if (!passes_all_) return 0;
-  const std::int64_t all = look_at_buffer().kernel_drops - kernel_drops_before_;
+  const std::int64_t all = look_at_buffer().kernel_drops - kernel_drops_before_;  // modulo 2^32, as the kernel counts
   return std::max<std::int64_t>(all - (dropped_ - dropped_before_), 0);
 }
 

@@ -44,9 +44,8 @@ class BusSocket {
 
   /// For poll().
   [[nodiscard]] int fd() const { return fd_; }
-  /// Hands over what has come, some at a time; false if that was all. What it hands over is good until the handler
-  /// returns. One thread.
-  bool receive(const Handler& handler);
+  /// Hands over what has come, 32 messages at most. What it hands over is good until the handler returns. One thread.
+  void receive(const Handler& handler);
 
   /// Datagrams that found the receive buffer full. Any thread; asked once a second it is exact: the kernel counts them
   /// for a socket together with those that the filter turns away, and alone only for all UDP sockets of the host. So
@@ -60,9 +59,9 @@ class BusSocket {
  private:
   struct Batch;
   struct Buffer {
-    std::uint32_t size = 0;         // bytes
-    std::uint32_t used = 0;         // bytes
-    std::int64_t kernel_drops = 0;  // datagrams, for whatever reason
+    std::uint32_t size = 0;          // bytes
+    std::uint32_t used = 0;          // bytes
+    std::uint32_t kernel_drops = 0;  // datagrams, for whatever reason
   };
   void attach(const std::vector<sock_filter>& program);
   [[nodiscard]] Buffer look_at_buffer() const;
@@ -76,7 +75,7 @@ class BusSocket {
   std::int64_t host_drops_ = 0;  // when looked at last
   std::int64_t dropped_ = 0;
   bool passes_all_ = false;
-  std::int64_t kernel_drops_before_ = 0;  // pass_all()
+  std::uint32_t kernel_drops_before_ = 0;  // pass_all()
   std::int64_t dropped_before_ = 0;
 };
 

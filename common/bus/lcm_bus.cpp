@@ -199,8 +199,7 @@ class LcmBus::Impl {
     while (true) {
       if (poll(fds, 2, -1) < 0) continue;
       if (fds[1].revents != 0) return;
-      while (socket_->receive([this](const BusSocket::Message& message) { arrived(message); })) {
-      }
+      socket_->receive([this](const BusSocket::Message& message) { arrived(message); });
     }
   }
 
