@@ -9,6 +9,7 @@
 
 #include "common/time/clock.hpp"
 #include "common/time/microseconds.hpp"
+#include "services/mapper/scan/odometry_intake.hpp"
 #include "services/semantic_map/store/map_store.hpp"
 
 namespace curbstone::localizer {
@@ -45,24 +46,7 @@ void LocalizerNode::on(const lidar_points_t& message) {
 }
 
 void LocalizerNode::on(const odometry_t& message) {
-  const mapper::scan::OdometrySample sample{message.utime, pose_from_arrays(message.position, message.orientation),
-                                            (message.flags & odometry_t::INITIALISED) != 0,
-                                            (message.flags & odometry_t::STATIONARY) != 0};
-  if (!is_finite(sample.T_odom_base) || message.utime <= 0) {
-    counters_.add("refused.odometry");
-    return;
-  }
-  switch (odometry_.add(sample)) {
-    case mapper::scan::OdometryHistory::Added::kYes:
-      break;
-    case mapper::scan::OdometryHistory::Added::kLate:
-      counters_.add("dropped.odometry_late");
-      break;
-    case mapper::scan::OdometryHistory::Added::kClockJump:
-      counters_.add("odometry.clock_jumps");
-      break;
-  }
-  process_due(false);
+  if (mapper::scan::take_odometry(message, odometry_, counters_)) process_due(false);
 }
 
 void LocalizerNode::queue(std::optional<mapper::scan::Scan> scan) {

@@ -11,6 +11,7 @@
 #include "common/time/clock.hpp"
 #include "common/time/microseconds.hpp"
 #include "services/mapper/journal/journal_file.hpp"
+#include "services/mapper/scan/odometry_intake.hpp"
 #include "services/mapper/storage/map_folder.hpp"
 
 namespace curbstone::mapper {
@@ -101,24 +102,7 @@ void MapperNode::on(const lidar_points_t& message) {
 }
 
 void MapperNode::on(const odometry_t& message) {
-  scan::OdometrySample sample{message.utime, pose_from_arrays(message.position, message.orientation),
-                              (message.flags & odometry_t::INITIALISED) != 0,
-                              (message.flags & odometry_t::STATIONARY) != 0};
-  if (!is_finite(sample.T_odom_base) || message.utime <= 0) {
-    counters_.add("refused.odometry");
-    return;
-  }
-  switch (odometry_.add(sample)) {
-    case scan::OdometryHistory::Added::kYes:
-      break;
-    case scan::OdometryHistory::Added::kLate:
-      counters_.add("dropped.odometry_late");
-      break;
-    case scan::OdometryHistory::Added::kClockJump:
-      counters_.add("odometry.clock_jumps");
-      break;
-  }
-  process_due(false);
+  if (scan::take_odometry(message, odometry_, counters_)) process_due(false);
 }
 
 void MapperNode::on(const tile_request_t& message) {

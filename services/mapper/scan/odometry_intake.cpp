@@ -1,0 +1,26 @@
+#include "services/mapper/scan/odometry_intake.hpp"
+
+namespace curbstone::mapper::scan {
+
+bool take_odometry(const odometry_t& message, OdometryHistory& history, Counters& counters) {
+  const OdometrySample sample{message.utime, pose_from_arrays(message.position, message.orientation),
+                              (message.flags & odometry_t::INITIALISED) != 0,
+                              (message.flags & odometry_t::STATIONARY) != 0};
+  if (!is_finite(sample.T_odom_base) || message.utime <= 0) {
+    counters.add("refused.odometry");
+    return false;
+  }
+  switch (history.add(sample)) {
+    case OdometryHistory::Added::kYes:
+      break;
+    case OdometryHistory::Added::kLate:
+      counters.add("dropped.odometry_late");
+      break;
+    case OdometryHistory::Added::kClockJump:
+      counters.add("odometry.clock_jumps");
+      break;
+  }
+  return true;
+}
+
+}  // namespace curbstone::mapper::scan
