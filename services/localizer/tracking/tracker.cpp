@@ -12,7 +12,7 @@ constexpr double kBlindTurn = 0.3;   // rad/s
 constexpr double kBlindFor = 0.5;    // s: after that, where it is must be confirmed again
 constexpr double kMostSigma = 2.0;   // m: of a lost vehicle; a search from farther off finds another wall
 constexpr double kMostYaw = 0.2;     // rad
-constexpr int kPlacesWhenLost = 9;   // looked at in a revolution,
+constexpr int kPlacesWhenLost = 5;   // looked at in a revolution,
 constexpr int kRevolutions = 4;      // or one place in so many
 
 }  // namespace
