@@ -193,8 +193,12 @@ void DeputyApp::look_at_host(std::int64_t now) {
   doctor_done_ = false;
   if (doctor_due_ == 0 || now < doctor_due_ || stopping_ || doctor_) return;
   doctor_due_ = 0;
-  doctor_.emplace(loop_, options_.config_file, options_.lcm_url,
-                  [this](auto findings) { on_findings(std::move(findings)); });
+  try {
+    doctor_.emplace(loop_, options_.config_file, options_.lcm_url,
+                    [this](auto findings) { on_findings(std::move(findings)); });
+  } catch (const std::system_error&) {
+    on_findings(std::nullopt);
+  }
 }
 
 void DeputyApp::on_findings(std::optional<std::vector<std::string>> findings) {

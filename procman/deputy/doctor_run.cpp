@@ -10,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <utility>
 
 namespace curbstone::procman::deputy {
@@ -61,7 +62,7 @@ std::optional<std::vector<std::string>> doctor_findings(const std::string& json)
 DoctorRun::DoctorRun(EventLoop& loop, const std::string& procman_config, const std::string& lcm_url, Done done)
     : loop_(loop), done_(std::move(done)) {
   std::array<int, 2> ends{-1, -1};
-  if (pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) != 0) return;
+  if (pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) != 0) throw std::system_error(errno, std::generic_category(), "pipe2");
   output_ = process::FileDescriptor(ends[0]);
   const process::FileDescriptor input(ends[1]);
   std::vector<std::string> words = {"curbstone", "doctor", "--json", "--procman", procman_config};

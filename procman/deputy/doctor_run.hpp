@@ -18,7 +18,8 @@ namespace curbstone::procman::deputy {
 /// `curbstone doctor`, running beside everything else. It is killed with its owner. The loop must outlive it.
 class DoctorRun {
  public:
-  /// `done` gets the findings, or nothing when it could not be run; then the owner may end this.
+  /// `done` gets the findings, or nothing when it could not be run; then the owner may end this. Throws
+  /// std::system_error if no pipe can be had.
   using Done = std::function<void(std::optional<std::vector<std::string>> findings)>;
   DoctorRun(EventLoop& loop, const std::string& procman_config, const std::string& lcm_url, Done done);
   ~DoctorRun();
