@@ -39,7 +39,7 @@ void LogReader::skip(const std::optional<LogRecord>& to) {
     ++loss_.places;
     loss_.bytes += end - at_;
     if (to && previous_) {
-      if (to->number > previous_->number) loss_.missing += to->number - previous_->number - 1;
+      loss_.missing += previous_->missing_until(*to);
       loss_.seconds += std::abs(static_cast<double>(to->utime) - static_cast<double>(previous_->utime)) * 1e-6;
     }
   }

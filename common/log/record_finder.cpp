@@ -67,11 +67,11 @@ bool RecordFinder::fits_what_follows(const LogRecord& record) {
   if (record.end() > file_.size()) return false;
   if (ends_at_sync(record)) return true;
   const auto follower = header_at(record.end(), true);
-  if (follower && follower->number == record.number + 1 && ends_at_sync(*follower)) return true;
+  if (follower && record.is_followed_by(*follower) && ends_at_sync(*follower)) return true;
   const auto next = confirmed_from(record.begin + 1);
   if (!next) return true;
   // Bytes in front of the very next record are this one's: its lengths are wrong.
-  return next->begin >= record.end() && next->number != record.number + 1;
+  return next->begin >= record.end() && !record.is_followed_by(*next);
 }
 
 std::optional<LogRecord> RecordFinder::record_at(std::int64_t at, const std::optional<LogRecord>& previous) {
@@ -79,7 +79,7 @@ std::optional<LogRecord> RecordFinder::record_at(std::int64_t at, const std::opt
   if (record && fits_what_follows(*record)) return record;
   if (record || !previous) return std::nullopt;
   record = header_at(at, true);
-  if (record && record->number == previous->number + 1 && ends_at_sync(*record)) return record;
+  if (record && previous->is_followed_by(*record) && ends_at_sync(*record)) return record;
   return std::nullopt;
 }
 

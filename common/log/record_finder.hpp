@@ -18,6 +18,17 @@ struct LogRecord {
   std::int64_t channel_size = 0;
   std::int64_t data_size = 0;
   [[nodiscard]] std::int64_t end() const { return begin + kHeader + channel_size + data_size; }
+
+  /// How many numbers lie between this record's and that of `later`; 0 when a damaged number says that it is none or
+  /// more than kMostMissing.
+  [[nodiscard]] std::int64_t missing_until(const LogRecord& later) const {
+    const std::uint64_t steps = static_cast<std::uint64_t>(later.number) - static_cast<std::uint64_t>(number);
+    return steps >= 1 && steps <= kMostMissing ? static_cast<std::int64_t>(steps) - 1 : 0;
+  }
+  [[nodiscard]] bool is_followed_by(const LogRecord& next) const {
+    return static_cast<std::uint64_t>(next.number) - static_cast<std::uint64_t>(number) == 1;
+  }
+  static constexpr std::uint64_t kMostMissing = std::uint64_t{1} << 31;
 };
 
 /// Finds the records of a log, damaged or not. A record has no checksum; it is believed when it is plausible by itself

@@ -99,6 +99,24 @@ TEST_F(DamagedLog, AHoleCostsWhatStandsInItAndIsCounted) {
   }
 }
 
+TEST_F(DamagedLog, NumbersThatAreDamagedCountNothingAsMissing) {
+  const auto numbered = [](std::string bytes, std::int64_t record, std::uint64_t number) {
+    for (std::size_t i = 0; i < 8; ++i)
+      bytes[static_cast<std::size_t>(record) + 4 + i] = static_cast<char>(number >> (56 - 8 * i));
+    return bytes;
+  };
+  constexpr std::uint64_t kLowest = std::uint64_t{1} << 63;
+  std::string hole = whole_;
+  std::fill(hole.begin() + begins_[11], hole.begin() + begins_[14], 0);
+  for (const std::uint64_t before : {kLowest, kLowest - 2, std::uint64_t{0}, ~std::uint64_t{0}}) {
+    for (const std::uint64_t behind : {kLowest, kLowest - 2, ~std::uint64_t{0}}) {
+      const Read got = read(numbered(numbered(hole, begins_[10], before), begins_[14], behind));
+      EXPECT_EQ(got.intact.size(), kEvents - 3U);
+      EXPECT_EQ(got.loss.missing, before == kLowest - 2 && behind == kLowest ? 1 : 0) << before << " " << behind;
+    }
+  }
+}
+
 TEST_F(DamagedLog, BytesThatAreNotThereCostTheirMessagesAlone) {
   for (std::size_t from = 5; from + 40 < whole_.size(); from += 17) {
     std::string bytes = whole_;
