@@ -133,9 +133,10 @@ void TileFollower::lacks(TileKey key, std::int32_t version) {
   behind.announced = std::max(behind.announced, version);
 }
 
-bool TileFollower::is_behind_near(double x, double y, double radius) const {
-  return std::any_of(behind_.begin(), behind_.end(),
-                     [&](const auto& tile) { return squared_distance(tile.first, x, y) < radius * radius; });
+bool TileFollower::is_behind_near(double x, double y, double radius, std::int64_t until) const {
+  return std::any_of(behind_.begin(), behind_.end(), [&](const auto& tile) {
+    return tile.second.since <= until && squared_distance(tile.first, x, y) < radius * radius;
+  });
 }
 
 tile_request_t TileFollower::make_request(std::int64_t now, std::size_t max_tiles, std::int64_t patience, double x,

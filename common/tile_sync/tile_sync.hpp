@@ -81,8 +81,9 @@ class TileFollower {
 
   /// Tiles announced and not yet had.
   [[nodiscard]] std::size_t behind() const { return behind_.size(); }
-  /// Whether one of them is nearer than `radius` to (x, y), m in map.
-  [[nodiscard]] bool is_behind_near(double x, double y, double radius) const;
+  /// Whether one of them, announced at `until` (message time, us) or before and not had since, is nearer than `radius`
+  /// to (x, y), m in map.
+  [[nodiscard]] bool is_behind_near(double x, double y, double radius, std::int64_t until) const;
 
  private:
   struct Behind {

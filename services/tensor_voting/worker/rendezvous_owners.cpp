@@ -28,18 +28,20 @@ RendezvousOwners::RendezvousOwners(std::string self, std::int64_t timeout)
 
 void RendezvousOwners::heard(const std::string& name, std::int64_t now) {
   if (name == self_ || (last_heard_.size() >= kMaxWorkers && !last_heard_.contains(name))) return;
-  changed_ |= last_heard_.insert_or_assign(name, now).second;
+  last_heard_[name] = now;
 }
 
 bool RendezvousOwners::update(std::int64_t now) {
-  changed_ |= std::erase_if(last_heard_, [&](const auto& worker) { return now - worker.second > timeout_; }) > 0;
-  return std::exchange(changed_, false);
+  std::erase_if(last_heard_, [&](const auto& worker) { return now - worker.second > timeout_; });
+  std::vector<std::string> living;
+  for (const auto& [name, when] : last_heard_) living.push_back(name);
+  return std::exchange(others_, living) != living;
 }
 
 bool RendezvousOwners::owns(TileKey key) const {
   const TileKey block{floor_div(key.x, kTilesPerBlock), floor_div(key.y, kTilesPerBlock)};
   const std::pair mine{rank(self_, block), std::string_view(self_)};
-  for (const auto& [name, when] : last_heard_) {
+  for (const std::string& name : others_) {
     if (std::pair{rank(name, block), std::string_view(name)} > mine) return false;
   }
   return true;

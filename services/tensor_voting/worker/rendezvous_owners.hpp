@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "common/tiles/tile.hpp"
 
@@ -17,12 +18,12 @@ class RendezvousOwners {
   /// `timeout`, us: who has not been heard for so long is gone.
   RendezvousOwners(std::string self, std::int64_t timeout);
 
-  /// A sign of life at `now`. One's own does not count: one is alive anyway.
+  /// A sign of life at `now`. One's own does not count: one is alive anyway. It changes no owner before update().
   void heard(const std::string& name, std::int64_t now);
-  /// Drops who is gone. True when the set of the living has changed since the last call.
+  /// Takes in who has come and drops who is gone. True when owners have changed with it.
   bool update(std::int64_t now);
   [[nodiscard]] bool owns(TileKey key) const;
-  [[nodiscard]] std::size_t count() const { return last_heard_.size() + 1; }
+  [[nodiscard]] std::size_t count() const { return others_.size() + 1; }
 
   static constexpr int kTilesPerBlock = 4;
   static constexpr std::size_t kMaxWorkers = 64;  ///< more are not listened to
@@ -31,7 +32,7 @@ class RendezvousOwners {
   std::string self_;
   std::int64_t timeout_;
   std::map<std::string, std::int64_t> last_heard_;
-  bool changed_ = false;
+  std::vector<std::string> others_;  // who shares the tiles with us, as of the last update()
 };
 
 }  // namespace curbstone::tensor_voting::worker

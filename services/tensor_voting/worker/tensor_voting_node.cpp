@@ -112,7 +112,7 @@ void TensorVotingNode::on(const tile_index_t& message) {
     }
     near.num_tiles = static_cast<std::int32_t>(near.version.size());
     (void)follower_.announced(near);
-    index_heard_ = index_heard_ || message.page == message.num_pages - 1;
+    if (!index_heard_ && message.page == message.num_pages - 1) index_heard_ = message.utime;
   }
 }
 
@@ -138,7 +138,7 @@ bool TensorVotingNode::follow_epoch(std::int32_t epoch, EpochFollower::Source so
 void TensorVotingNode::start_epoch(std::int32_t epoch) {
   epoch_ = epoch;
   map_.clear();
-  index_heard_ = false;
+  index_heard_.reset();
   follower_.start_epoch(epoch);
   catalog_.start_epoch(epoch);
   schedule_.clear();
@@ -174,10 +174,11 @@ void TensorVotingNode::review(TileKey key) {
   if (schedule_.published_revision(key) == revision) catalog_.set_version(key, revision);
 }
 
-/// Alone, or with all that is near the vehicle.
+/// Alone, or with all that was near the vehicle when the map was first announced. What has been mapped since may be on
+/// its way, or lost, as it may be for a worker that joined long ago.
 bool TensorVotingNode::may_join() const {
   if (now_ - first_tick_ < kListen) return false;
-  return workers_.count() == 1 || (index_heard_ && !follower_.is_behind_near(x_, y_, kJoinRadius));
+  return workers_.count() == 1 || (index_heard_ && !follower_.is_behind_near(x_, y_, kJoinRadius, *index_heard_));
 }
 
 /// Other tiles are ours. Exact sums make that a matter of adding and removing.
@@ -227,7 +228,7 @@ void TensorVotingNode::announce() {
 
 void TensorVotingNode::queue_pages(TileKey key) {
   const PointTile* const tile = map_.points().find(key);
-  if (tile == nullptr) {
+  if (tile == nullptr || !map_.is_current(key)) {  // its turn comes again with the votes that it lacks
     schedule_.drop(key);
     return;
   }

@@ -6,6 +6,7 @@
 #include <curbstone/tile_request_t.hpp>
 #include <curbstone/voted_points_t.hpp>
 #include <deque>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -91,8 +92,8 @@ class TensorVotingNode final : public Node {
   double y_ = 0;
   std::int64_t now_ = 0;
   std::int64_t first_tick_ = 0;
-  bool joined_ = false;       // the others may know of us
-  bool index_heard_ = false;  // the mapper's, a whole round of it, in this epoch
+  bool joined_ = false;                      // the others may know of us
+  std::optional<std::int64_t> index_heard_;  // us: when the mapper's first whole index of this epoch was made
   std::int64_t last_index_ = 0;
   std::int64_t last_request_ = 0;
   std::int64_t mapper_heard_ = 0;

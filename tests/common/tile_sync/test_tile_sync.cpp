@@ -88,12 +88,13 @@ TEST(TileFollower, AsksForTheNearestTilesFirst) {
   TileFollower follower("voter", "MAP_POINTS");
   follower.start_epoch(1);
   for (const auto& page : catalog.make_index(1'000'000, 0, 0)) EXPECT_TRUE(follower.announced(page));
-  EXPECT_TRUE(follower.is_behind_near(21, 1.5, 3));
-  EXPECT_FALSE(follower.is_behind_near(21, 30, 3));
+  EXPECT_TRUE(follower.is_behind_near(21, 1.5, 3, 1'000'000));
+  EXPECT_FALSE(follower.is_behind_near(21, 1.5, 3, 999'999)) << "it was announced later";
+  EXPECT_FALSE(follower.is_behind_near(21, 30, 3, 1'000'000));
   const auto request = follower.make_request(2'000'000, 3, 0, 22.5, 1.5);
   EXPECT_EQ(request.tile_x, (std::vector<std::int32_t>{7, 6, 8}));
   for (std::int32_t x = 0; x < 10; ++x) follower.set_have({x, 0}, 5);
-  EXPECT_FALSE(follower.is_behind_near(21, 1.5, 100));
+  EXPECT_FALSE(follower.is_behind_near(21, 1.5, 100, 1'000'000));
 }
 
 }  // namespace

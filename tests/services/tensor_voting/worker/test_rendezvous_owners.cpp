@@ -27,6 +27,7 @@ TEST(RendezvousOwners, EveryTileHasExactlyOneOwnerAndAllDoTheirShare) {
   for (const auto& self : names) {
     RendezvousOwners workers(self, 2 * kSecond);
     for (const auto& name : names) workers.heard(name, 0);
+    EXPECT_TRUE(workers.update(0));
     const auto tiles = owned(workers);
     EXPECT_GT(tiles.size(), 1600U) << "of 6400";
     total += tiles.size();
@@ -41,6 +42,7 @@ TEST(RendezvousOwners, OnlyTheTilesOfWhoComesOrGoesMove) {
   EXPECT_EQ(owned(workers).size(), 6400U) << "alone";
   EXPECT_FALSE(workers.update(0));
   workers.heard("a", 0);
+  EXPECT_EQ(owned(workers).size(), 6400U) << "owners change with update(), not between";
   EXPECT_TRUE(workers.update(0));
   EXPECT_FALSE(workers.update(kSecond));
   const auto with_a = owned(workers);
@@ -57,6 +59,7 @@ TEST(RendezvousOwners, OneselfIsAlwaysAliveAndStrangersAreBounded) {
   workers.heard("a", 0);
   EXPECT_FALSE(workers.update(0));
   for (int i = 0; i < 1000; ++i) workers.heard("stranger " + std::to_string(i), 0);
+  EXPECT_TRUE(workers.update(0));
   EXPECT_EQ(workers.count(), RendezvousOwners::kMaxWorkers + 1);
 }
 

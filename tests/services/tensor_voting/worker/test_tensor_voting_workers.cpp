@@ -63,6 +63,38 @@ TEST(TensorVotingWorkers, AWorkerThatStartsLateSaysNothingBeforeItKnowsTheMap) {
   EXPECT_GT(known, world.mapper.mapped() * 9 / 10) << "nobody lets go of a tile for one who does not know it";
 }
 
+TEST(TensorVotingWorkers, AWorkerThatStartsLateJoinsThoughTheMapGrowsAndMessagesAreLost) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    World world(street(), 0.2, seed);
+    world.start("tensor_voting:1");
+    world.run(3, 0.002);
+    world.start("tensor_voting:3");
+    world.run(6, 0.002);
+    EXPECT_GT(world.listener.indexes["tensor_voting:3"], 0) << "of what is mapped, something is always on its way";
+  }
+}
+
+TEST(TensorVotingWorkers, PointsThatComeBesideTheFirstSignOfAnotherWorkerAreVotedOnBeforeTheyGoOut) {
+  TensorVotingConfig slow;
+  slow.bandwidth = 0.1;  // MB/s: there is always a tile that waits to go out
+  World world(street(), 0, 1, slow);
+  TensorVotingNode& one = world.start("tensor_voting:1");
+  world.run(3, 0.02);
+  tile_index_t heartbeat{};
+  heartbeat.owner = "tensor_voting:3";
+  heartbeat.channel = "VOTED_POINTS";
+  heartbeat.num_pages = 1;
+  heartbeat.epoch = 1;
+  world.bus.publish("TILE_INDEX", heartbeat);
+  world.mapper.map(world.now, 0.1);
+  world.bus.dispatch();
+  for (int i = 0; i < 20; ++i) one.caught_up(world.now += 50'000);
+  world.bus.dispatch();
+  world.mapper.map(world.now, 1.0);
+  world.run(60);
+  EXPECT_EQ(world.listener.contents(), lossless());
+}
+
 TEST(TensorVotingWorkers, VotesOnItsOwnTilesAndTheirMarginOnly) {
   World world(street());
   TensorVotingNode& one = world.start("tensor_voting:1");
