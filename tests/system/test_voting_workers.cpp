@@ -69,7 +69,7 @@ class VotingStreet : private Publisher {
     }
   }
 
-  /// Goes on until `done`, at most `seconds`. False when it took too long.
+  /// Goes on until `done`, at most `seconds`. False when it took too long, or a worker died.
   bool run_until(const std::function<bool()>& done, double seconds) {
     const std::int64_t end = wall_clock() + static_cast<std::int64_t>(seconds * 1e6);
     while (!done()) {
@@ -79,7 +79,10 @@ class VotingStreet : private Publisher {
       last_turn_ = now;
       mapper_.tick(now, driving);
       listener_.tick(now);
-      for (const auto& link : links) link->receive(std::chrono::milliseconds(10));
+      for (const auto& link : links) {
+        if (!link->all_live()) return false;
+        link->receive(std::chrono::milliseconds(10));
+      }
       local_.dispatch();
     }
     return true;
@@ -99,6 +102,7 @@ class VotingStreet : private Publisher {
   static bool owns(const std::string& worker, const std::string& other, TileKey key) {
     tensor_voting::worker::RendezvousOwners workers(worker, kSecond);
     workers.heard(other, 0);
+    (void)workers.update(0);
     return workers.owns(key);
   }
 

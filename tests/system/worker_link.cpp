@@ -1,6 +1,7 @@
 #include "tests/system/worker_link.hpp"
 
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 #include <signal.h>
 
 #include <algorithm>
@@ -55,6 +56,7 @@ bool WorkerLink::loses() {
 }
 
 void WorkerLink::start(const std::string& worker) {
+  killed_.erase(worker);
   workers_[worker] = std::make_unique<BackgroundProgram>(
       fmt::format("curbstone-tensor-voting --name {} --lcm-url '{}' --set bandwidth=20", worker, url_),
       folder_ / (worker + ".out"));
@@ -63,6 +65,16 @@ void WorkerLink::start(const std::string& worker) {
 void WorkerLink::kill(const std::string& worker) {
   workers_.at(worker)->send_signal(SIGKILL);
   workers_.at(worker)->wait(5);
+  killed_.insert(worker);
+}
+
+bool WorkerLink::all_live() {
+  for (const auto& [name, program] : workers_) {
+    if (killed_.contains(name) || program->running()) continue;
+    ADD_FAILURE() << name << " ended with " << program->wait(0) << ": " << program->output();
+    return false;
+  }
+  return true;
 }
 
 void WorkerLink::send(const std::string& channel, const void* data, int size) {

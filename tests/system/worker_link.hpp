@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,8 @@ class WorkerLink {
   void start(const std::string& worker);
   /// kill -9: nothing more from it.
   void kill(const std::string& worker);
+  /// Fails the test when a worker has ended by itself. False then.
+  [[nodiscard]] bool all_live();
 
   /// Towards the workers.
   void send(const std::string& channel, const void* data, int size);
@@ -47,6 +50,7 @@ class WorkerLink {
   std::mt19937 random_;
   const testing::TemporaryFolder& folder_;
   std::map<std::string, std::unique_ptr<BackgroundProgram>> workers_;
+  std::set<std::string> killed_;
 };
 
 }  // namespace curbstone::system_test
