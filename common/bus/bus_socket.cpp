@@ -85,6 +85,7 @@ struct BusSocket::Batch {
   std::unique_ptr<std::uint8_t[]> bytes = std::make_unique_for_overwrite<std::uint8_t[]>(kDatagrams * kDatagram);
   std::array<std::array<std::uint8_t, CMSG_SPACE(sizeof(timeval))>, kDatagrams> controls{};
   std::array<iovec, kDatagrams> parts{};
+  std::array<sockaddr_in, kDatagrams> senders{};
   std::array<mmsghdr, kDatagrams> headers{};
 
   /// Says where to put the next datagrams: the kernel writes over the sizes.
@@ -92,6 +93,8 @@ struct BusSocket::Batch {
     for (std::size_t i = 0; i < kDatagrams; ++i) {
       parts[i] = {datagram(i), kDatagram};
       headers[i] = {};
+      headers[i].msg_hdr.msg_name = &senders[i];
+      headers[i].msg_hdr.msg_namelen = sizeof senders[i];
       headers[i].msg_hdr.msg_iov = &parts[i];
       headers[i].msg_hdr.msg_iovlen = 1;
       headers[i].msg_hdr.msg_control = controls[i].data();
@@ -154,7 +157,8 @@ void BusSocket::receive(const Handler& handler) {
     const auto size = static_cast<std::size_t>(end - name.begin());
     handler({{reinterpret_cast<const char*>(name.data()), size},
              name.subspan(size + 1),
-             time_of(batch_->headers[i].msg_hdr)});
+             time_of(batch_->headers[i].msg_hdr),
+             ntohs(batch_->senders[i].sin_port)});
   }
 }
 

@@ -27,6 +27,7 @@ class BusSocket {
     std::string_view channel;
     std::span<const std::uint8_t> bytes;
     std::int64_t utime = 0;  ///< us since the Unix epoch, when the kernel had it
+    std::uint16_t port = 0;  ///< UDP port of its sender
   };
   using Handler = std::function<void(const Message&)>;
 

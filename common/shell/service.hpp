@@ -14,6 +14,7 @@ namespace curbstone {
 /// What the shell gives to a process besides its node: for drivers that watch a socket or a serial port.
 struct ServiceContext {
   std::string name;  ///< unique on the bus, from --name
+  std::string url;   ///< of the bus
   Publisher& bus;
   Tappable& everything;  ///< the same bus: for a recorder
   EventLoop& loop;

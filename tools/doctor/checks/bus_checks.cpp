@@ -6,20 +6,20 @@ namespace curbstone::doctor::checks {
 
 namespace {
 
-std::string route_by_hand(const BusAddress& address, const std::string& interface) {
-  return fmt::format("ip route replace {}/32 dev {}", address.group, interface);
+std::string route_by_hand(const BusAddress& address) {
+  return fmt::format("ip route replace {}/32 dev lo", address.group);
 }
 
 Verdict check_route(const BusAddress& address, const std::optional<RouteFacts>& route) {
   if (!route) {
     return finding("route", fmt::format("{} has no route: nothing can be sent", address.group),
-                   "ip link set lo up; ip link set lo multicast on; " + route_by_hand(address, "lo") +
+                   "ip link set lo up; ip link set lo multicast on; " + route_by_hand(address) +
                        " (systemctl enable --now curbstone-network)");
   }
   const std::string way = fmt::format("{} goes over {}", address.group, route->interface);
   if (address.ttl == 0 && !route->is_loopback) {
     return finding("route", fmt::format("{}: the bus of this host ends when that interface does", way),
-                   route_by_hand(address, "lo"));
+                   route_by_hand(address));
   }
   return good("route", way);
 }
@@ -30,7 +30,7 @@ Verdict check_ttl(const BusAddress& address, const RouteFacts& route) {
     return finding(
         "ttl",
         fmt::format("{} on the default route, over {}: the bus is open to that network", address.ttl, route.interface),
-        "ttl=0 in the URL; for two hosts " + route_by_hand(address, "INTERFACE") + ", a wire of their own");
+        "ttl=0 in the URL; for several hosts curbstone-relay, over a wire of their own");
   }
   return good("ttl", fmt::format("{}, over {}", address.ttl, route.interface));
 }
