@@ -65,7 +65,7 @@ TEST_P(EveryProgram, RefusesAMissingFileABadOptionAndABadBus) {
 
 INSTANTIATE_TEST_SUITE_P(All, EveryProgram,
                          ::testing::Values("lidar", "imu", "encoder", "ekf", "mapper", "tensor-voting", "semantic-map",
-                                           "localizer", "recorder", "viewer"));
+                                           "localizer", "recorder", "viewer", "relay"));
 
 }  // namespace
 }  // namespace curbstone::system_test

@@ -6,6 +6,7 @@
 #include "common/time/clock.hpp"
 #include "services/tensor_voting/worker/rendezvous_owners.hpp"
 #include "services/tensor_voting/worker/tensor_voting_node.hpp"
+#include "tests/services/relay/second_host.hpp"
 #include "tests/services/tensor_voting/voting_world.hpp"
 #include "tests/system/street_mapper.hpp"
 #include "tests/system/worker_link.hpp"
@@ -214,6 +215,25 @@ TEST(VotingWorkers, ConvergeThroughARelayThatLosesMessages) {
   EXPECT_GT(street.counter(kTwo, "tiles_published"), 0);
   EXPECT_GT(street.links[0]->lost, 10);
   EXPECT_GT(street.links[1]->lost, 10);
+}
+
+TEST(VotingWorkers, OnAnotherHostConvergeAfterTheCableWasOut) {
+  const relay::SecondHost second_host;
+  VotingStreet street(1, 0);
+  WorkerLink& bus = *street.links.front();
+  const testing::TemporaryFolder folder;
+  const auto command = "curbstone-relay --lcm-url '" + bus.url() + "' --set 'peers=\"192.168.2.1, 192.168.2.2\"'";
+  BackgroundProgram relay_here(command, folder / "here.out");
+  BackgroundProgram relay_there(second_host.prefix() + command, folder / "there.out");
+  bus.start(kOne, second_host.prefix());
+  ASSERT_TRUE(street.run_until([&] { return street.counter(kOne, "tiles_published") > 0; }, 30))
+      << relay_here.output() << relay_there.output();
+  relay::shell("ip link set cable0 down");
+  street.run(3);
+  relay::shell("ip link set cable0 up");
+  street.run(2);
+  street.expect_convergence();
+  EXPECT_TRUE(relay_here.running() && relay_there.running());
 }
 
 }  // namespace

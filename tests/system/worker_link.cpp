@@ -55,10 +55,10 @@ bool WorkerLink::loses() {
   return lost_now;
 }
 
-void WorkerLink::start(const std::string& worker) {
+void WorkerLink::start(const std::string& worker, const std::string& prefix) {
   killed_.erase(worker);
   workers_[worker] = std::make_unique<BackgroundProgram>(
-      fmt::format("curbstone-tensor-voting --name {} --lcm-url '{}' --set bandwidth=20", worker, url_),
+      fmt::format("{}curbstone-tensor-voting --name {} --lcm-url '{}' --set bandwidth=20", prefix, worker, url_),
       folder_ / (worker + ".out"));
 }
 

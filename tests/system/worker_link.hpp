@@ -25,11 +25,14 @@ class WorkerLink {
   /// What the workers say goes to `local`.
   WorkerLink(int port, double loss, unsigned seed, LocalBus& local, const testing::TemporaryFolder& folder);
 
-  void start(const std::string& worker);
+  /// `prefix`: before the command.
+  void start(const std::string& worker, const std::string& prefix = "");
   /// kill -9: nothing more from it.
   void kill(const std::string& worker);
   /// Fails the test when a worker has ended by itself. False then.
   [[nodiscard]] bool all_live();
+
+  [[nodiscard]] const std::string& url() const { return url_; }
 
   /// Towards the workers.
   void send(const std::string& channel, const void* data, int size);

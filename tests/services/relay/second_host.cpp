@@ -28,8 +28,7 @@ SecondHost::SecondHost() : here_(open(kNetwork, O_RDONLY | O_CLOEXEC)) {
   there_ = open(kNetwork, O_RDONLY | O_CLOEXEC);
   shell("ip link set lo up && ip route add 224.0.0.0/4 dev lo");
   enter(here_);
-  const std::string network = "/proc/" + std::to_string(getpid()) + "/fd/" + std::to_string(there_);
-  shell("ip link add cable0 type veth peer name cable1 netns " + network);
+  shell("ip link add cable0 type veth peer name cable1 netns " + network());
   shell("ip address add 192.168.2.1/24 dev cable0 && ip link set cable0 up");
   run([] { shell("ip address add 192.168.2.2/24 dev cable1 && ip link set cable1 up"); });
 }
@@ -38,6 +37,10 @@ SecondHost::~SecondHost() {
   std::system("ip link del cable0");
   close(here_);
   close(there_);
+}
+
+std::string SecondHost::network() const {
+  return "/proc/" + std::to_string(getpid()) + "/fd/" + std::to_string(there_);
 }
 
 void SecondHost::run(const std::function<void()>& work) const {

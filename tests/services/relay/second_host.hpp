@@ -16,8 +16,12 @@ class SecondHost {
 
   /// Sockets that `work` opens belong to the second host.
   void run(const std::function<void()>& work) const;
+  /// What to put before a command so that it runs there.
+  [[nodiscard]] std::string prefix() const { return "nsenter --net=" + network() + " "; }
 
  private:
+  [[nodiscard]] std::string network() const;
+
   int here_ = -1;
   int there_ = -1;
 };
