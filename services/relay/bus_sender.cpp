@@ -3,7 +3,6 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
-#include <sys/uio.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,23 +11,20 @@
 #include <system_error>
 
 #include "common/bytes/big_endian.hpp"
+#include "services/relay/datagram_parts.hpp"
 
 namespace curbstone::relay {
 
 namespace {
 
-[[noreturn]] void fail(const char* what) {
+[[noreturn]] void fail_sender(const char* what) {
   throw std::system_error(errno, std::generic_category(), what);
-}
-
-iovec part(const void* bytes, std::size_t size) {
-  return {const_cast<void*>(bytes), size};
 }
 
 }  // namespace
 
 BusSender::BusSender(const BusAddress& address) : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-  if (fd_ < 0) fail("socket");
+  if (fd_ < 0) fail_sender("socket");
   // Not connected: from a socket with a source address multicast leaves by that address's interface, not by the route.
   group_.sin_family = AF_INET;
   group_.sin_port = htons(static_cast<std::uint16_t>(address.port));
@@ -43,7 +39,7 @@ BusSender::BusSender(const BusAddress& address) : fd_(socket(AF_INET, SOCK_DGRAM
     const int error = errno;
     close(fd_);
     errno = error;
-    fail("the bus");
+    fail_sender("the bus");
   }
   port_ = ntohs(own.sin_port);
 }
@@ -56,9 +52,7 @@ bool BusSender::send(std::string_view channel, std::span<const std::uint8_t> dat
   std::array<std::uint8_t, 8> header = {'L', 'C', '0', '2'};
   const BigEndian<std::uint32_t> number(number_++);
   std::copy(std::begin(number.bytes), std::end(number.bytes), header.begin() + 4);
-  const char end = 0;
-  std::array<iovec, 4> parts = {part(header.data(), header.size()), part(channel.data(), channel.size()), part(&end, 1),
-                                part(data.data(), data.size())};
+  auto parts = datagram_parts(header, channel, data);
   msghdr message{};
   message.msg_name = &group_;
   message.msg_namelen = sizeof group_;

@@ -3,7 +3,6 @@
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <sys/socket.h>
-#include <sys/uio.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <cerrno>
 #include <system_error>
 
+#include "services/relay/datagram_parts.hpp"
 #include "services/relay/frame.hpp"
 
 namespace curbstone::relay {
@@ -25,10 +25,6 @@ std::string to_text(const sockaddr_in& address) {
   std::array<char, INET_ADDRSTRLEN> text{};
   inet_ntop(AF_INET, &address.sin_addr, text.data(), text.size());
   return fmt::format("{}:{}", text.data(), ntohs(address.sin_port));
-}
-
-iovec part(const void* bytes, std::size_t size) {
-  return {const_cast<void*>(bytes), size};
 }
 
 }  // namespace
@@ -59,9 +55,7 @@ void PeerLinks::send(std::string_view channel, std::span<const std::uint8_t> dat
   for (Peer& peer : peers_) {
     if (peer.is_self) continue;
     const auto header = encode_frame_header(run_, peer.sent++);
-    const char end = 0;
-    std::array<iovec, 4> parts = {part(header.data(), header.size()), part(channel.data(), channel.size()),
-                                  part(&end, 1), part(data.data(), data.size())};
+    auto parts = datagram_parts(header, channel, data);
     msghdr message{};
     message.msg_name = &peer.address;
     message.msg_namelen = sizeof peer.address;

@@ -146,6 +146,13 @@ void write_bus_seeds(const SeedFolder& folder) {
   folder.write("orders", "start", order());
   folder.write("datagram", "imu", whole_datagram("IMU", encoded(imu_at_rest(1))));
   folder.write("datagram", "foreign", whole_datagram(std::string(63, 'X'), {}));
+  Seed relayed;
+  put(relayed, bytes_of("CBR1"));
+  put(relayed, std::vector<std::uint8_t>(12));
+  folder.write("relay_frame", "sign_of_life", relayed);
+  put(relayed, bytes_of(std::string_view("IMU\0", 4)));
+  put(relayed, encoded(imu_at_rest(1)));
+  folder.write("relay_frame", "imu", relayed);
   folder.write("log", "imu", log());
   const Seed recorded = SeedFolder::read(folder.recording("lcm/botlab_convex.lcmlog"));
   if (!recorded.empty()) folder.write("log", "recorded", recorded);
