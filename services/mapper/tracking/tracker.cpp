@@ -57,11 +57,24 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
     return start(scan, odometry);
   }
   std::optional<Tracked::Earlier> first = prove_start(found.fit);
+  const Last before = *last_;
   Tracked tracked = conclude(scan.end, std::move(found));
-  if (odometry.covers(scan.end, scan.end)) last_->T_odom_base = odometry.at(scan.end);
+  note_odometry(before, odometry);
   tracked.first = std::move(first);
   if (tracked.maps) insert(*tracked.points, tracked.T_map_base);
   return tracked;
+}
+
+/// Where odometry has the vehicle now. The last scan before a gap may outrun its odometry: then what it moved itself
+/// goes on from where odometry had it a moment ago.
+void Tracker::note_odometry(const Last& before, const scan::OdometryHistory& odometry) {
+  if (odometry.covers(last_->end, last_->end)) {
+    last_->T_odom_base = odometry.at(last_->end);
+    last_->odometry_told = last_->end;
+  } else if (before.T_odom_base && last_->end - before.odometry_told <= scan::OdometryHistory::kMaxGap) {
+    last_->T_odom_base = *before.T_odom_base * before.T_map_base.inverse() * last_->T_map_base;
+    last_->odometry_told = before.odometry_told;
+  }
 }
 
 /// Where the scan is, by all that may tell.

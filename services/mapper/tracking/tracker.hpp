@@ -105,7 +105,8 @@ class Tracker {
   struct Last {
     std::int64_t end = 0;
     Pose T_map_base = Pose::Identity();
-    std::optional<Pose> T_odom_base = std::nullopt;  // as odometry had it
+    std::optional<Pose> T_odom_base = std::nullopt;  // as odometry had it, or had it last
+    std::int64_t odometry_told = 0;                  // us, when that was
   };
   /// A scan in the map, and whether that is so.
   struct Attempt {
@@ -130,6 +131,7 @@ class Tracker {
   [[nodiscard]] bool judge(std::int64_t utime, const MotionExpectation& expected, bool registered);
   void trust(std::int64_t utime);
   [[nodiscard]] bool may_begin_anew(std::int64_t utime, const MotionExpectation& expected) const;
+  void note_odometry(const Last& before, const scan::OdometryHistory& odometry);
   void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base);
 
   config::TrackerConfig config_;

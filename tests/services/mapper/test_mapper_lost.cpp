@@ -92,6 +92,19 @@ TEST(MapperLost, AfterSecondsThatItMissedOdometrySaysWhereItIsAndNothingIsSought
   EXPECT_EQ(drive.counter("searches"), 0);
 }
 
+TEST(MapperLost, OdometrySaysSoThoughTheLastScanBeforeThoseSecondsOutranIt) {
+  for (const double until : {1.96, 1.9}) {  // s; the last scan ends at 2.0
+    Drive drive;
+    drive.with_odometry(until);
+    (void)drive.steps(40);
+    drive.with_odometry(5.0, 20.0);
+    drive.turn += 60;
+    (void)drive.steps(2);
+    EXPECT_EQ(drive.counter("bridged"), 1) << until;
+    EXPECT_EQ(drive.counter("lost.blind"), 0) << until;
+  }
+}
+
 TEST(MapperLost, WhereOdometryBeganAnewInTheSecondsThatItMissedTheVehicleIsSought) {
   for (const double x : {-25.0, -9.0, 4.0, 300.0}) {
     Drive drive;
