@@ -162,6 +162,7 @@ int run(const Arguments& arguments) {
     fmt::print("{}", to_table(errors));
     figures = to_json(errors);
   }
+  figures["revolution_ms"] = {{"p50", 1e3 * out.report.latency_p50}, {"p99", 1e3 * out.report.latency_p99}};
   if (!arguments.csv.empty()) write_text(arguments.csv, to_csv(out.poses));
   if (!arguments.json.empty()) write_text(arguments.json, figures.dump(2) + "\n");
   return log.damaged() ? 1 : 0;
