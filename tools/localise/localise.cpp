@@ -113,6 +113,7 @@ nlohmann::json to_json(const PoseErrors& e) {
           {"lateral_99_m", e.lateral_99},
           {"longitudinal_rmse_m", e.longitudinal_rmse},
           {"longitudinal_99_m", e.longitudinal_99},
+          {"longitudinal_all_rmse_m", e.longitudinal_all},
           {"degenerate", e.degenerate},
           {"yaw_rmse_deg", e.yaw_rmse},
           {"nees_mean", e.nees},

@@ -58,7 +58,7 @@ std::optional<Pose> TrueMapPose::at(std::int64_t utime) const {
 
 PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& truth) {
   PoseErrors errors;
-  std::vector<double> across, along, yaws;
+  std::vector<double> across, along, along_all, yaws;
   double nees = 0;
   int beyond = 0;
   for (const map_pose_t& pose : poses) {
@@ -76,10 +76,11 @@ PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& tr
     const double yaw = roll_pitch_yaw(error.linear()).z();
     across.push_back(std::abs(error.translation().y()));
     yaws.push_back(yaw * 180 / std::numbers::pi);
+    along_all.push_back(std::abs(error.translation().x()));
     if (pose.degenerate & 1)
       ++errors.degenerate;
     else
-      along.push_back(std::abs(error.translation().x()));
+      along.push_back(along_all.back());
     const double one = nees_of(pose, {off.x(), off.y(), yaw});
     nees += one;
     if (!(one <= kChi95)) ++beyond;
@@ -90,6 +91,7 @@ PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& tr
   errors.lateral_99 = quantile_or(across, 0.99, 0);
   errors.longitudinal_rmse = rms(along);
   errors.longitudinal_99 = quantile_or(along, 0.99, 0);
+  errors.longitudinal_all = rms(along_all);
   errors.yaw_rmse = rms(yaws);
   if (errors.judged > 0) {
     errors.nees = nees / errors.judged;

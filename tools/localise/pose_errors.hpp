@@ -36,6 +36,7 @@ struct PoseErrors {
   double lateral_99 = 0;         ///< m
   double longitudinal_rmse = 0;  ///< m, along base_link, where that is not said to be degenerate
   double longitudinal_99 = 0;    ///< m
+  double longitudinal_all = 0;   ///< m, RMSE along base_link of all that are judged
   int degenerate = 0;            ///< poses that say that the direction of travel is not told
   double yaw_rmse = 0;           ///< deg
   double nees = 0;               ///< mean of x, y, yaw: 3 when the covariance is right

@@ -42,7 +42,10 @@ void Tracker::predict(const Motion& motion) {
 
 void Tracker::judge(const PoseFit& fit) {
   const bool fits = fit.matched_share() >= config_.min_match;
-  fitting_ = fits ? fitting_ + 1 : 0;
+  // On another town's map a street or two match by half.
+  const bool finds =
+      fit.matched_share() >= (lost_ ? std::max(config_.find_match, config_.min_match) : config_.min_match);
+  fitting_ = finds ? fitting_ + 1 : 0;
   failing_ = fits ? 0 : failing_ + 1;
   const Eigen::Matrix2d plane = belief_.covariance.topLeftCorner<2, 2>();
   const double sigma = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(plane).eigenvalues()(1));

@@ -18,6 +18,7 @@ struct TrackingConfig {
   double odometry_floor_m = 0.0005;
   double odometry_floor_rad = 0.0002;
   double min_match = 0.5;
+  double find_match = 0.6;
   double max_sigma = 0.17;
 
   void visit(ConfigVisitor& v) {
@@ -33,6 +34,7 @@ struct TrackingConfig {
     v.field("odometry_floor_m", odometry_floor_m, {1e-6, 1.0}, "m, 1 sigma, added to it each revolution");
     v.field("odometry_floor_rad", odometry_floor_rad, {1e-6, 1.0}, "rad, 1 sigma, added to it each revolution");
     v.field("min_match", min_match, {0.0, 1.0}, "share of points that must lie where the map has them; below: lost");
+    v.field("find_match", find_match, {0.0, 1.0}, "the same, for one that is lost to be found");
     v.field("max_sigma", max_sigma, {0.01, 100.0}, "m, 1 sigma of the position above which the vehicle is lost");
   }
 };

@@ -108,6 +108,7 @@ TEST_F(PoseErrorsTest, AlongAStreetThatDoesNotTellItAreLeftOut) {
   const PoseErrors errors = errors_of(poses, *truth_);
   EXPECT_EQ(errors.degenerate, kRevolutions);
   EXPECT_EQ(errors.longitudinal_rmse, 0);
+  EXPECT_NEAR(errors.longitudinal_all, 0.3, 1e-6);
 }
 
 TEST_F(PoseErrorsTest, AwayFromTheMapThereIsNoTruth) {

@@ -39,6 +39,25 @@ TEST(Tracker, FollowsADriveAndIsSureAfterHalfASecond) {
   }
 }
 
+TEST(Tracker, IsFoundByABetterFitThanItIsHeldBy) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  const Pose truth = pose_at(-3, 0, 0.2);
+  const auto points = points_in(yard, truth);
+  const double share = Tracker(start(truth), {}).track(points, Motion{}, map).matched_share();
+  ASSERT_GT(share, 0.6);
+  TrackingConfig config;
+  config.min_match = share - 0.01;
+  config.find_match = share + 0.01;
+  Tracker doubting(start(truth), config);
+  for (int i = 0; i < 100; ++i) doubting.track(points, Motion{}, map);
+  EXPECT_TRUE(doubting.lost());
+  config.find_match = share - 0.01;
+  Tracker believing(start(truth), config);
+  for (int i = 0; i < 20; ++i) believing.track(points, Motion{}, map);
+  EXPECT_FALSE(believing.lost());
+}
+
 TEST(Tracker, StartedMetresOffIsNeverSureOfAWrongPlaceAndFindsTheRightOne) {
   const Yard yard;
   for (const Eigen::Vector2d& off : {Eigen::Vector2d(1, 0), {-2.5, 0}, {0, 1.3}, {2, -1}}) {
