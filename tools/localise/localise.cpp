@@ -106,13 +106,15 @@ std::string to_table(const PoseErrors& e) {
 }
 
 nlohmann::json to_json(const PoseErrors& e) {
+  // Not 0 where no revolution tells it: there is none to be the error of.
+  const auto told = [&](double value) { return e.judged > e.degenerate ? nlohmann::json(value) : nlohmann::json(); };
   return {{"revolutions", e.poses},
           {"lost", e.lost},
           {"judged", e.judged},
           {"lateral_rmse_m", e.lateral_rmse},
           {"lateral_99_m", e.lateral_99},
-          {"longitudinal_rmse_m", e.longitudinal_rmse},
-          {"longitudinal_99_m", e.longitudinal_99},
+          {"longitudinal_rmse_m", told(e.longitudinal_rmse)},
+          {"longitudinal_99_m", told(e.longitudinal_99)},
           {"longitudinal_all_rmse_m", e.longitudinal_all},
           {"degenerate", e.degenerate},
           {"yaw_rmse_deg", e.yaw_rmse},

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "common/config/vehicle.hpp"
 #include "tools/simulate/motion/town_motion.hpp"
@@ -16,6 +19,26 @@ TEST(Town, IsTheSameForTheSameSeedAndAnotherForAnother) {
     EXPECT_EQ(a.scene->shapes()[i].centre, b.scene->shapes()[i].centre);
   EXPECT_EQ(a.scene->ground().height_at(10, 10), b.scene->ground().height_at(10, 10));
   EXPECT_NE(a.streets.front().length(), c.streets.front().length());
+}
+
+TEST(Town, OnAnotherDayHasOtherCarsAndBinsAndNothingElseIsOther) {
+  const auto shapes_of = [](std::uint64_t day, bool passing) {
+    std::vector<std::array<float, 6>> found;
+    const Town town({.seed = 5, .day = day});
+    for (const Shape& s : town.scene->shapes()) {
+      if ((s.surface == Surface::kCar || s.surface == Surface::kBin) == passing)
+        found.push_back({s.centre.x(), s.centre.y(), s.centre.z(), s.half.x(), s.half.y(), s.half.z()});
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+  };
+  EXPECT_EQ(shapes_of(7, false), shapes_of(0, false));
+  EXPECT_NE(shapes_of(7, true), shapes_of(0, true));
+  EXPECT_NE(shapes_of(7, true), shapes_of(8, true));
+  EXPECT_EQ(shapes_of(7, true), shapes_of(7, true));
+  EXPECT_GT(shapes_of(7, true).size(), 10U);
+  EXPECT_EQ(Town({.seed = 5, .day = 7}).scene->ground().height_at(10, 10),
+            Town({.seed = 5}).scene->ground().height_at(10, 10));
 }
 
 class Towns : public testing::TestWithParam<int> {};
