@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <sstream>
+#include <type_traits>
 
 #include "common/config/duplicate_keys.hpp"
 
@@ -111,6 +112,12 @@ class Loader final : public ConfigVisitor {
     if (!level.node.IsMap()) return false;
     const YAML::Node node = level.node[key];
     if (!node) return false;
+    if constexpr (std::is_same_v<T, std::string>) {
+      if (node.IsNull()) {  // "key:" with nothing behind it; yaml-cpp would say "null"
+        value.clear();
+        return true;
+      }
+    }
     try {
       value = node.as<T>();
     } catch (const YAML::Exception&) {

@@ -163,5 +163,16 @@ TEST(Config, SetReachesNestedKeys) {
   EXPECT_THROW(set_config_value("nonsense", config), ConfigError);
 }
 
+TEST(Config, ATextMayBeEmpty) {
+  for (const char* assignment : {"device=", "device=\"\"", "device=''"}) {
+    ConfigOf<Example> config;
+    set_config_value(assignment, config);
+    EXPECT_EQ(config.value.device, "") << assignment;
+  }
+  ConfigOf<Example> config;
+  parse_config("ekf:\n  device:\n", "ugv.yaml", "ekf", kSections, config);
+  EXPECT_EQ(config.value.device, "");
+}
+
 }  // namespace
 }  // namespace curbstone
