@@ -33,6 +33,7 @@ class CellAround {
     if (what != CellClass::kRoad && what != CellClass::kCurb) return kNone;
     return tile_->z_origin + static_cast<float>(kPositionStep) * static_cast<float>(tile_->height[index_]);
   }
+  [[nodiscard]] bool is_curb() const { return tile_ != nullptr && tile_->cell_class[index_] == CellClass::kCurb; }
   /// How much was seen upright there; 0: nothing is.
   [[nodiscard]] int upright_hits() const {
     if (tile_ == nullptr) return 0;
@@ -120,12 +121,26 @@ void add_uprights(const Around<MapTile>& tiles, FieldTile& field) {
   }
 }
 
+void add_curbs(const Around<MapTile>& tiles, FieldTile& field) {
+  constexpr int kReach = FieldTile::kReach;
+  for (int row = -kReach; row < kCellsPerTile + kReach; ++row) {
+    for (int column = -kReach; column < kCellsPerTile + kReach; ++column) {
+      if (!CellAround(tiles, column, row).is_curb()) continue;
+      for (int r = std::max(0, row - kReach); r <= std::min(kCellsPerTile - 1, row + kReach); ++r) {
+        for (int c = std::max(0, column - kReach); c <= std::min(kCellsPerTile - 1, column + kReach); ++c)
+          field.by_curb.set(static_cast<std::size_t>(r * kCellsPerTile + c));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 FieldTile make_field_tile(const Around<MapTile>& tiles) {
   FieldTile field;
   add_heights(tiles, field);
   add_uprights(tiles, field);
+  add_curbs(tiles, field);
   return field;
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct FieldTile {
   float level = 0;  ///< m in map, median of the heights; NaN: none
   std::array<std::uint16_t, semantic_map::tile::kCellsInTile> nearest{};  ///< 1 + index of uprights; 0: none in reach
   std::vector<Upright> uprights;
+  std::bitset<semantic_map::tile::kCellsInTile> by_curb;  ///< a cell of a curb is in reach
 
   [[nodiscard]] float height_of(int column, int row) const {
     return height[static_cast<std::size_t>((row + 1) * kSide + column + 1)];

@@ -12,6 +12,14 @@ Eigen::Vector2d corner_of(TileKey key) {
   return kTileSize * Eigen::Vector2d(key.x, key.y);
 }
 
+/// Index in the tile.
+std::size_t cell_of(TileKey key, double x, double y) {
+  const Eigen::Vector2d corner = corner_of(key);
+  const int column = std::clamp(static_cast<int>((x - corner.x()) / kCellSize), 0, kCellsPerTile - 1);
+  const int row = std::clamp(static_cast<int>((y - corner.y()) / kCellSize), 0, kCellsPerTile - 1);
+  return static_cast<std::size_t>(row * kCellsPerTile + column);
+}
+
 }  // namespace
 
 SavedMap::SavedMap(const std::vector<semantic_map::tile::MapTile>& tiles) {
@@ -55,6 +63,7 @@ std::optional<SavedMap::Ground> SavedMap::ground_at(double x, double y) {
   ground.height = (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * c + u * d);
   if (!std::isfinite(ground.height)) return std::nullopt;
   ground.slope = Eigen::Vector2d((1 - v) * (b - a) + v * (d - c), (1 - u) * (c - a) + u * (d - b)) / kCellSize;
+  ground.by_curb = field->by_curb.test(cell_of(*key, x, y));
   return ground;
 }
 
@@ -69,9 +78,7 @@ std::optional<SavedMap::UprightThere> SavedMap::upright_at(double x, double y) {
   const FieldTile* field = key ? field_of(*key) : nullptr;
   if (field == nullptr) return std::nullopt;
   const Eigen::Vector2d corner = corner_of(*key);
-  const int column = std::clamp(static_cast<int>((x - corner.x()) / kCellSize), 0, kCellsPerTile - 1);
-  const int row = std::clamp(static_cast<int>((y - corner.y()) / kCellSize), 0, kCellsPerTile - 1);
-  const std::uint16_t nearest = field->nearest[static_cast<std::size_t>(row * kCellsPerTile + column)];
+  const std::uint16_t nearest = field->nearest[cell_of(*key, x, y)];
   if (nearest == 0) return std::nullopt;
   const Upright& upright = field->uprights[nearest - 1U];
   return UprightThere{corner + upright.centre.cast<double>(), upright.normal.cast<double>()};

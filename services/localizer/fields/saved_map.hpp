@@ -20,6 +20,7 @@ class SavedMap {
   struct Ground {
     double height = 0;                                ///< m
     Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< of the height over x and y
+    bool by_curb = false;                             ///< the map has a curb within 0.6 m
   };
   /// Between four cells that all show ground; else nothing.
   [[nodiscard]] std::optional<Ground> ground_at(double x, double y);

@@ -62,9 +62,10 @@ class PointSums {
   void add_ground(const Eigen::Vector3d& p, const fields::SavedMap::Ground& ground, double above) {
     ++counts.grounds;
     if (std::abs(above) < kGroundMatched) count_match(counts.grounds_matched, above);
-    // Without heights, level ground still says how the vehicle stands, which walls cannot.
-    if (!config_.use_heights && ground.slope.norm() > kLevel) return;
-    const Eigen::Vector2d slope = config_.use_heights ? ground.slope : Eigen::Vector2d::Zero();
+    // Without its slope, level ground still says how the vehicle stands, which walls cannot.
+    const bool tells = config_.heights == Heights::kAll || (config_.heights == Heights::kCurbs && ground.by_curb);
+    if (!tells && ground.slope.norm() > kLevel) return;
+    const Eigen::Vector2d slope = tells ? ground.slope : Eigen::Vector2d::Zero();
     const Eigen::Vector3d up(-slope.x(), -slope.y(), 1);
     sums.add(derivative(up, R_, p), above, config_.height_sigma, 2 * config_.height_sigma);
   }
@@ -134,22 +135,21 @@ Vector6 error_between(const Pose& from, const Pose& to) {
 }
 
 PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& prior, fields::SavedMap& map,
-                 const TrackingConfig& config) {
+                 const TrackingConfig& config, double news) {
+  const double share = config.independent * news;
   const Matrix6 prior_information = prior.covariance.inverse();
   Pose pose = prior.T_map_base;
   for (int iteration = 1;; ++iteration) {
     PointSums seen(pose, map, config);
     for (const Eigen::Vector3d& p : points) seen.add(p);
-    const Matrix6 revolution = config.independent * seen.sums.information;
-    const Matrix6 information = prior_information + revolution;
-    const Vector6 gradient =
-        prior_information * error_between(prior.T_map_base, pose) + config.independent * seen.sums.gradient;
+    const Matrix6 information = prior_information + share * seen.sums.information;
+    const Vector6 gradient = prior_information * error_between(prior.T_map_base, pose) + share * seen.sums.gradient;
     const Vector6 step = -information.ldlt().solve(gradient);
     pose = normalised(moved_by(pose, step));
     if (step.cwiseAbs().maxCoeff() > kDone && iteration < kMostIterations) continue;
     PoseFit fit = seen.counts;
     fit.belief = {pose, information.inverse()};
-    fit.degenerate = untold_axes(revolution, pose.linear());
+    fit.degenerate = untold_axes(config.independent * seen.sums.information, pose.linear());
     fit.iterations = iteration;
     fit.residual = seen.sums.matched > 0 ? std::sqrt(seen.sums.squares / seen.sums.matched) : 0;
     return fit;

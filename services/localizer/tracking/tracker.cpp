@@ -12,8 +12,11 @@ constexpr double kBlindTurn = 0.3;   // rad/s
 constexpr double kBlindFor = 0.5;    // s: after that, where it is must be confirmed again
 constexpr double kMostSigma = 2.0;   // m: of a lost vehicle; a search from farther off finds another wall
 constexpr double kMostYaw = 0.2;     // rad
-constexpr int kPlacesWhenLost = 5;   // looked at in a revolution,
-constexpr int kRevolutions = 4;      // or one place in so many
+constexpr int kFirstLooks = 3;       // at a place where it begins: all that they say is new
+constexpr double kNewsStanding = 0.05;
+constexpr double kNewYaw = 0.02;    // rad, by which the points come to lie in other cells
+constexpr int kPlacesWhenLost = 5;  // looked at in a revolution,
+constexpr int kRevolutions = 4;     // or one place in so many
 
 }  // namespace
 
@@ -58,6 +61,12 @@ void Tracker::judge(const PoseFit& fit) {
   }
 }
 
+double Tracker::news_of(const Motion& motion) const {
+  if (looks_ < kFirstLooks) return 1;
+  const double cells = motion.T_last_base.translation().norm() / kCellSize;
+  return std::min(1.0, kNewsStanding + cells + angle_of(motion.T_last_base) / kNewYaw);
+}
+
 PoseFit Tracker::track(const std::vector<Eigen::Vector3d>& points, const Motion& motion, fields::SavedMap& map) {
   predict(motion);
   if (!motion.with_odometry && motion.seconds > kBlindFor) {
@@ -65,10 +74,12 @@ PoseFit Tracker::track(const std::vector<Eigen::Vector3d>& points, const Motion&
     fitting_ = 0;
   }
   const PoseBelief predicted = belief_;
-  PoseFit fit = fit_pose(points, predicted, map, config_);
+  PoseFit fit = fit_pose(points, predicted, map, config_, news_of(motion));
   const bool usable = is_finite(fit.belief.T_map_base) && fit.belief.covariance.allFinite();
   // What does not fit tells nothing: the pose goes on with odometry, and is known worse and worse.
-  if (usable && fit.matched_share() >= config_.min_match) belief_ = fit.belief;
+  const bool is_used = usable && fit.matched_share() >= config_.min_match;
+  if (is_used) belief_ = fit.belief;
+  looks_ = is_used ? looks_ + 1 : 0;
   fit.belief = belief_;
   judge(fit);
   look_around(points, fit, map);
@@ -85,6 +96,7 @@ void Tracker::look_around(const std::vector<Eigen::Vector3d>& points, PoseFit& f
   lost_ = true;
   fitting_ = 0;
   surroundings_.restart();
+  looks_ = 0;
 }
 
 Matrix6 Tracker::published_covariance() const {

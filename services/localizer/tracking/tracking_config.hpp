@@ -4,14 +4,21 @@
 
 namespace curbstone::localizer::tracking {
 
+/// Which heights of the ground are compared with the map's. Level ground always is: it says how the vehicle stands.
+enum class Heights {
+  kAll,
+  kCurbs,  ///< those beside a curb of the map alone: what curbs are worth by themselves
+  kNone,
+};
+
 /// What is looked at, and what is believed of it. What each means, and its unit, is what visit() says of it.
 struct TrackingConfig {
   bool use_walls = true;
-  bool use_heights = true;
+  Heights heights = Heights::kAll;
   double height_sigma = 0.03;
   double wall_sigma = 0.06;
   double independent = 0.05;
-  double map_sigma = 0.0015;
+  double map_sigma = 0.0025;
   double map_yaw_sigma = 0.00008;
   double odometry_m = 0.02;
   double odometry_rad = 0.02;
@@ -23,7 +30,8 @@ struct TrackingConfig {
 
   void visit(ConfigVisitor& v) {
     v.field("use_walls", use_walls, "what stands upright tells the pose");
-    v.field("use_heights", use_heights, "the ground's height, curbs included, tells the pose");
+    v.choice("heights", heights, {{"all", Heights::kAll}, {"curbs", Heights::kCurbs}, {"none", Heights::kNone}},
+             "which of the ground's heights tell the pose: all, those beside a curb, or none but level ground");
     v.field("height_sigma", height_sigma, {0.001, 1.0}, "m, 1 sigma of a point of the ground against the map");
     v.field("wall_sigma", wall_sigma, {0.001, 1.0}, "m, 1 sigma of a point on something upright against the map");
     v.field("independent", independent, {0.0001, 1.0}, "share of the points of a revolution that say something new");

@@ -66,7 +66,9 @@ std::vector<MapTile> map_of(const Yard& yard) {
   for (double x = -yard.half_length; x < yard.half_length; x += 0.03) {
     for (double y = -yard.half_width; y < yard.half_width; y += 0.03) {
       MapTile& tile = writer.tile(turn * Eigen::Vector2d(x, y), cell);
-      tile.cell_class[cell] = CellClass::kRoad;
+      const bool is_curb = std::abs(y - yard.curb) < kCellSize / 2;
+      if (tile.cell_class[cell] != CellClass::kCurb)
+        tile.cell_class[cell] = is_curb ? CellClass::kCurb : CellClass::kRoad;
       tile.height[cell] = static_cast<std::int16_t>(std::lround(ground_of(yard, {x, y}) / kPositionStep));
       tile.hits[cell] = 3;
     }

@@ -39,6 +39,16 @@ TEST(SavedMap, KnowsTheSlopeThatItsHeightsHave) {
   EXPECT_GT(steepest, 0.5) << "the curb: 0.1 m from cell to cell";
 }
 
+TEST(SavedMap, KnowsWhereACurbIsNear) {
+  SavedMap map(map_of(Yard{.turned = 0}));
+  for (const double x : {-4.0, 0.1, 2.9, 3.1}) {  // of several tiles
+    const auto curb = map.ground_at(x, -3.0), beside = map.ground_at(x, -2.6), far = map.ground_at(x, -1.5);
+    ASSERT_TRUE(curb && beside && far);
+    EXPECT_TRUE(curb->by_curb && beside->by_curb) << x;
+    EXPECT_FALSE(far->by_curb) << x;
+  }
+}
+
 TEST(SavedMap, SaysNothingWhereItHasNothing) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   SavedMap map(map_of(Yard{}));

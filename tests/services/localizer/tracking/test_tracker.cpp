@@ -39,6 +39,62 @@ TEST(Tracker, FollowsADriveAndIsSureAfterHalfASecond) {
   }
 }
 
+TEST(Tracker, LookingOnFromOnePlaceMakesThePoseNoSurer) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  Pose truth = pose_at(-3, 0, 0.2);
+  Tracker tracker(start(truth), {});
+  for (int i = 0; i < 40; ++i) {
+    truth = truth * ahead().T_last_base;
+    tracker.track(points_in(yard, truth), ahead(), map);
+  }
+  const Matrix6 driving = tracker.belief().covariance;
+  Motion standing;
+  standing.seconds = 0.05;
+  for (int i = 0; i < 200; ++i) tracker.track(points_in(yard, truth), standing, map);
+  const double ratio = tracker.belief().covariance(0, 0) / driving(0, 0);
+  EXPECT_GT(ratio, 0.5);
+  EXPECT_LT(ratio, 1.5);
+  EXPECT_FALSE(tracker.lost());
+}
+
+TEST(Tracker, CreepingWithNothingBesideItIsKnownWorseAndWorse) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  Pose truth = pose_at(-3, 0, 0.2);
+  TrackingConfig config;
+  config.use_walls = false;
+  config.heights = Heights::kNone;
+  Tracker tracker(start(truth), config);
+  Motion creeping;
+  creeping.T_last_base.translation().x() = 0.01;  // far less than a cell
+  creeping.seconds = 0.05;
+  tracker.track(points_in(yard, truth), creeping, map);
+  const double before = tracker.belief().covariance(0, 0);
+  for (int i = 0; i < 300; ++i) {
+    truth = truth * creeping.T_last_base;
+    tracker.track(points_in(yard, truth), creeping, map);
+  }
+  const double floor = config.odometry_floor_m;
+  EXPECT_GT(tracker.belief().covariance(0, 0), before + 300 * floor * floor);
+}
+
+TEST(Tracker, SeenAgainAfterItWasBlindItIsKnownThoughItStands) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  const Pose truth = pose_at(-3, 0, 0.2);
+  Tracker tracker(start(truth), {});
+  Motion standing;
+  standing.seconds = 0.05;
+  for (int i = 0; i < 20; ++i) tracker.track(points_in(yard, truth), standing, map);
+  Motion blind = standing;
+  blind.with_odometry = false;
+  for (int i = 0; i < 5; ++i) tracker.track({}, blind, map);
+  EXPECT_GT(tracker.belief().covariance(0, 0), 1e-3);
+  for (int i = 0; i < 3; ++i) tracker.track(points_in(yard, truth), standing, map);
+  EXPECT_LT(tracker.belief().covariance(0, 0), 1e-3);
+}
+
 TEST(Tracker, IsFoundByABetterFitThanItIsHeldBy) {
   const Yard yard;
   fields::SavedMap map(map_of(yard));
