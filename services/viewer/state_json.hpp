@@ -38,7 +38,7 @@ struct State {
   std::optional<Playback> playback;  ///< of a "replay"
 };
 
-/// JSON, UTF-8 whatever came from the bus. README.md of frames/ tells where it goes; page/model.ts reads it.
+/// JSON, UTF-8 whatever came from the bus. README.md of frames/ tells where it goes; page/world.ts reads it.
 [[nodiscard]] std::string state_json(const State& state, const VehicleConfig& vehicle);
 [[nodiscard]] std::string services_json(const store::Services& services, std::int64_t now);
 

@@ -30,6 +30,7 @@ struct ViewOptions {
   std::string config;
   std::vector<std::string> assignments;
   double speed = 1;
+  double from = 0;  // s
 };
 
 /// A drive for the page, and what the page orders of it.
@@ -104,6 +105,7 @@ int run_view(int argc, char** argv) {
       "curbstone view");
   line.option("file", options.files, "A map (map.db), or LCM logs of one drive, or the folder of a session").required();
   line.option("--speed", options.speed, "Times the pace of the drive").within(0.01, 100.0).shows_default();
+  line.option("--from", options.from, "s of the drive at which to begin").within(0.0, 1e6).shows_default();
   line.option("--config", options.config, "The vehicle's YAML file, of which 'viewer' is read");
   line.option("--set", options.assignments, "viewer.KEY=VALUE, over the file: viewer.port=8090, say").one_each();
   if (const auto status = line.read(argc, argv)) return *status;
@@ -127,6 +129,7 @@ int run_view(int argc, char** argv) {
     shown = &node;
     node.connect(bus);
     node.tick(wall_clock());
+    if (playing && options.from > 0) playing->obey({.pause = {}, .speed = {}, .position = options.from}, node);
     if (is_map) show_saved_map(options.files[0], wall_clock(), node);
     fmt::print("view: {}{}\n", viewer::page_address(config, server.port()),
                playing && playing->drive().makes_map() ? " (the log has no map: it is made from the sensors)" : "");

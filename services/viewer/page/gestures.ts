@@ -1,5 +1,5 @@
 // Mouse, touch and keys on the map: drag, wheel, pinch, click, long press.
-import { Camera } from "./camera";
+import { Camera } from "./drawing/camera";
 
 export interface GestureEvents {
   moved(dragged: boolean): void;          // the view is another; dragged: it left where it was

@@ -1,19 +1,20 @@
 // The page: the world comes from the connection, the user looks at it through the camera.
-import { Camera } from "./camera";
+import { showServices, Verdict } from "./cards/health";
+import { Inspector } from "./cards/inspector";
+import { Panel, showSummary } from "./cards/panel";
+import { Ruler } from "./cards/ruler";
+import { Timeline } from "./cards/timeline";
 import { Connection } from "./connection";
+import { Camera } from "./drawing/camera";
+import { Ground } from "./drawing/ground";
+import { Marks } from "./drawing/marks";
+import { Motion } from "./drawing/motion";
+import { css, Rgb } from "./drawing/palette";
 import { byId, seconds } from "./format";
 import { listen } from "./gestures";
-import { Ground } from "./ground";
-import { showServices, Verdict } from "./health";
-import { Inspector } from "./inspector";
-import { Marks } from "./marks";
-import { Motion } from "./motion";
-import { Panel, showSummary } from "./panel";
-import { Rgb } from "./palette";
 import { Settings } from "./settings";
 import { judge } from "./staleness";
 import { heightRange, mapBounds } from "./survey";
-import { Timeline } from "./timeline";
 import { World } from "./world";
 
 const world = new World();
@@ -25,6 +26,7 @@ let ground: Ground;
 let marks: Marks;
 let panel: Panel;
 let inspector: Inspector;
+let ruler: Ruler;
 let connection: Connection;
 let timeline: Timeline;
 let range: [number, number] = [-1, 3];
@@ -49,7 +51,7 @@ function draw(now: number): void {
   }
   const look = settings.look, { layers } = settings;
   ground.draw(camera, { ...layers, theme: look, mode: settings.mode, range, grey, paper: paper() }, pose);
-  marks.draw(camera, look, layers, pose, inspector.picked, grey);
+  marks.draw(camera, look, layers, pose, inspector.picked, ruler.places, grey);
   showScale();
   byId("needle").style.transform = `rotate(${-camera.turn}rad)`;
   byId("needle").style.transformOrigin = "12px 12px";
@@ -174,6 +176,24 @@ function zoom(factor: number): void {
   redraw();
 }
 
+/// The map as it is seen, without the cards, as a file.
+function savePicture(): void {
+  draw(performance.now());  // the ground can be read only in the task that drew it
+  const picture = document.createElement("canvas");
+  [picture.width, picture.height] = [groundCanvas.width, groundCanvas.height];
+  const context = picture.getContext("2d")!;
+  context.fillStyle = css(paper());
+  context.fillRect(0, 0, picture.width, picture.height);
+  for (const canvas of [groundCanvas, marksCanvas]) context.drawImage(canvas, 0, 0);
+  picture.toBlob(blob => {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(blob!);
+    link.download = `curbstone-${new Date().toISOString().slice(0, 19).replace(/:/g, "")}.png`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+  });
+}
+
 function wire(): void {
   listen(map, camera, {
     moved: dragged => {
@@ -183,22 +203,24 @@ function wire(): void {
       }
       redraw();
     },
-    picked: (x, y) => inspector.pick(camera.toMap(x, y)),
+    picked: (x, y) => ruler.isOn ? ruler.put(camera.toMap(x, y)) : inspector.pick(camera.toMap(x, y)),
     hovered: (x, y) => {
       byId("place").textContent = camera.toMap(x, y).map(m => m.toFixed(1)).join(", ") + " m";
     },
   });
   byId("follow").onclick = toggleFollow;
   byId("north").onclick = toggleNorth;
+  byId("measure").onclick = () => ruler.toggle();
+  byId("save").onclick = savePicture;
   byId("in").onclick = () => zoom(1.5);
   byId("out").onclick = () => zoom(1 / 1.5);
   byId("whole").onclick = showWhole;
   const keys: Record<string, () => void> = {
-    f: toggleFollow, n: toggleNorth, "+": () => zoom(1.5), "=": () => zoom(1.5), "-": () => zoom(1 / 1.5), "0": showWhole,
+    f: toggleFollow, n: toggleNorth, m: () => ruler.toggle(), p: savePicture, "+": () => zoom(1.5), "=": () => zoom(1.5), "-": () => zoom(1 / 1.5), "0": showWhole,
     " ": () => {
       if (document.activeElement?.tagName !== "BUTTON" && !byId("timeline").hidden) byId("pause").click();
     },
-    Escape: () => inspector.pick(null),
+    Escape: () => ruler.isOn ? ruler.toggle() : inspector.pick(null),
   };
   addEventListener("keydown", event => event.ctrlKey || event.metaKey || keys[event.key]?.());
   addEventListener("resize", resize);
@@ -206,11 +228,15 @@ function wire(): void {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", settingsChanged);
 }
 
+// For the browser's console, and for tests/services/viewer/page.
+Object.assign(window, { curbstone: { world, camera, settings } });
+
 settings.read(camera);
 try {
   ground = new Ground(groundCanvas, world, redraw);
   marks = new Marks(marksCanvas, world);
   inspector = new Inspector(world, () => { inspector.show(settings.look, settings.mode); redraw(); });
+  ruler = new Ruler(world, () => { ruler.show(); redraw(); });
   connection = new Connection(world, onFrame);
   timeline = new Timeline(order => connection.order(order));
   panel = new Panel(settings, settingsChanged);

@@ -1,6 +1,6 @@
 // What the user chose. It lives in the address (after #), so that a link shows the same.
-import { Camera } from "./camera";
-import { Mode, Theme } from "./palette";
+import { Camera } from "./drawing/camera";
+import { Mode, Theme } from "./drawing/palette";
 
 export interface Layers { grid: boolean; relief: boolean; curbs: boolean; path: boolean; points: boolean }
 

@@ -1,5 +1,5 @@
 // Figures over the whole map: its bounds, the heights in view.
-import { Camera } from "./camera";
+import { Camera } from "./drawing/camera";
 import { heightOf, kTileCells, kTileSize, World } from "./world";
 
 /// min x, min y, max x, max y, m.

@@ -34,6 +34,8 @@ export interface Pose {
   registered: boolean; without_odometry: boolean; stationary: boolean; lost: boolean;
 }
 
+export interface Place { x: number; y: number; height: number | null }  // m in map
+
 /// How far a log has been played.
 export interface Playback { position: number; progress: number; speed: number; paused: boolean; ended: boolean }
 

@@ -1,6 +1,6 @@
 // The bar of a log that is played: pause, pace, and where in the drive.
-import { byId } from "./format";
-import { Playback } from "./world";
+import { byId } from "../format";
+import { Playback } from "../world";
 
 const kSpeeds = [1, 2, 5, 10, 0.5];
 

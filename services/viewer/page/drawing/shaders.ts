@@ -41,7 +41,8 @@ vec3 onRamp(float share) {
   return mix(ramp[low], ramp[low + 1], place - float(low));
 }
 float heightAt(ivec2 at) {
-  return texelFetch(heights, clamp(at, ivec2(0), ivec2(int(cellsAside) - 1)), 0).r;
+  at = clamp(at, ivec2(0), ivec2(int(cellsAside) - 1));
+  return texelFetch(cells, at, 0).a == 0u ? -1e9 : texelFetch(heights, at, 0).r;  // no tile: no height
 }
 float shade(ivec2 at, float h) {
   float e = heightAt(at + ivec2(1, 0)), w = heightAt(at - ivec2(1, 0));
@@ -50,7 +51,8 @@ float shade(ivec2 at, float h) {
   return clamp(dot(slope, vec2(0.45, -0.65)) * 0.9, -0.28, 0.22);  // light from the north-west
 }
 vec4 colourOf(ivec2 at) {
-  if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(int(cellsAside))))) return vec4(0);
+  // A pixel on the page's edge is of this page as a whole: of two halves one over the other some paper would be seen.
+  at = clamp(at, ivec2(0), ivec2(int(cellsAside) - 1));
   uvec4 values = texelFetch(cells, at, 0);
   if (values.a == 0u) return vec4(0);
   float h = heightAt(at);
@@ -97,5 +99,6 @@ in vec4 shade;
 out vec4 colour;
 void main() {
   if (length(gl_PointCoord - 0.5) > 0.5) discard;
-  colour = vec4(shade.rgb * shade.a, shade.a) * (1.0 - 0.8 * grey);
+  vec3 ink = mix(shade.rgb, vec3(dot(shade.rgb, vec3(0.3, 0.59, 0.11))), grey);
+  colour = vec4(ink * shade.a, shade.a) * (1.0 - 0.6 * grey);
 }`;

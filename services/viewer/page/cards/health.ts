@@ -1,14 +1,18 @@
 // The processes, with their faults in words.
-import { byId, bytes, make, seconds } from "./format";
-import { Service } from "./world";
+import { byId, bytes, make, seconds } from "../format";
+import { Service } from "../world";
+import { LossHistory } from "./loss_history";
 
 const kSilent = 2.5;   // s: SERVICE_STATUS comes each second
 const kForget = 120;   // s
 const kUnits: Record<string, string> = { dropped: "dropped", refused: "refused", lost: "lost", faults: "faults" };
 
+const history = new LossHistory();
+
 export interface Verdict { faults: number; silent: number; all: number }
 
 export function showServices(services: Service[], age: number): Verdict {
+  history.note(services);
   const seen = services.map(s => ({ ...s, age: s.age + age })).filter(s => s.age < kForget);
   const faults = seen.filter(s => s.faults.length > 0).length, silent = seen.filter(s => s.age > kSilent).length;
   byId("services").replaceChildren(...(seen.length ? seen.map(row) : [make("li", "None has been heard.", "none")]));
@@ -27,7 +31,8 @@ function row(service: Service): HTMLElement {
   const item = make("li", "", silent ? "silent" : service.faults.length ? "fault" : "", head);
   for (const fault of service.faults) item.append(make("p", fault, "words"));
   const growing = service.losses.filter(([, , rate]) => rate > 0);
-  if (growing.length && !silent) item.append(make("p", growing.map(loss).join(", "), "loss"));
+  const line = silent ? null : history.line(service.name);
+  if (line) item.append(make("p", growing.map(loss).join(", ") || "nothing lost any more", "loss", line));
   return item;
 }
 

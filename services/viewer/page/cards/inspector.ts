@@ -1,7 +1,8 @@
-// The card of the cell that was clicked.
-import { byId, list, make, metres, seconds } from "./format";
-import { classColours, css, kClassNames, Mode, Theme } from "./palette";
-import { cellAt, heightOf, kUnknownCost, World } from "./world";
+// The card of the cell, or of the curb, that was clicked.
+import { classColours, css, kClassNames, Mode, Theme } from "../drawing/palette";
+import { byId, list, make, metres, seconds } from "../format";
+import { cellAt, heightOf, kUnknownCost, World } from "../world";
+import { CurbPlace, curbAt, cutAcross, drawCut, lengthOf } from "./cross_section";
 
 export class Inspector {
   picked: [number, number] | null = null;  // m in map
@@ -19,7 +20,7 @@ export class Inspector {
     this.card.hidden = !hit;
     if (!hit || !this.picked) return;
     const { tile, index } = hit, kind = tile.classes[index], height = heightOf(tile, index);
-    const colour = classColours(theme, mode)[kind];
+    const colours = classColours(theme, mode), colour = colours[kind];
     const key = make("i");
     key.style.setProperty("--key", colour ? css(colour) : "transparent");
     const close = make("button", "×");
@@ -38,7 +39,20 @@ export class Inspector {
       ["Place", `${this.picked[0].toFixed(2)}, ${this.picked[1].toFixed(2)} m`],
       ...this.distance(),
     ]);
-    this.card.replaceChildren(make("h3", "", "", key, document.createTextNode(kClassNames[kind]), close), facts);
+    const curb = curbAt(this.world, ...this.picked);
+    this.card.replaceChildren(make("h3", "", "", key, document.createTextNode(kClassNames[kind]), close), facts,
+      ...curb ? this.curb(curb, colours.map(c => c ? css(c) : "transparent")) : []);
+  }
+
+  private curb(curb: CurbPlace, colours: string[]): HTMLElement[] {
+    const { line } = curb, facts = make("dl");
+    list(facts, [
+      ["Step", `${metres(curb.height)}${line.rise > 0 ? ", up from the path" : line.rise < 0 ? ", down from the path" : ""}`],
+      ["Foot", `${curb.foot.toFixed(3)} m`],
+      ["Confidence", `${Math.round(100 * line.confidence)} %`],
+      ["Line", `${metres(lengthOf(line))}${line.dropped ? ", lowered" : ""}`],
+    ]);
+    return [make("h4", "Curb"), drawCut(cutAcross(this.world, curb), curb, kind => colours[kind]), facts];
   }
 
   private distance(): [string, string][] {

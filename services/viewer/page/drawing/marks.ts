@@ -1,8 +1,8 @@
 // What lies over the ground: curbs, path, vehicle, the picked cell; Canvas 2D.
+import { Layers } from "../settings";
 import { Camera } from "./camera";
-import { Layers } from "./settings";
 import { Theme } from "./palette";
-import { CurbLine, kCellSize, Pose, World } from "./world";
+import { CurbLine, kCellSize, Place, Pose, World } from "../world";
 
 const kInk = {
   light: { curb: "#6b3200", halo: "#ffffffc0", path: "#14181d", vehicle: "#d6247f", body: "#ffffff" },
@@ -20,7 +20,7 @@ export class Marks {
     this.context = canvas.getContext("2d")!;
   }
 
-  draw(camera: Camera, theme: Theme, layers: Layers, pose: Pose | null, picked: [number, number] | null, grey: number): void {
+  draw(camera: Camera, theme: Theme, layers: Layers, pose: Pose | null, picked: [number, number] | null, measured: Place[], grey: number): void {
     this.refresh();
     const { context, canvas } = this;
     const ink = kInk[theme];
@@ -33,6 +33,7 @@ export class Marks {
     if (layers.path) this.drawPath(ink, pixel);
     if (layers.curbs) this.drawCurbs(ink, pixel, camera.scale);
     if (picked) this.drawPicked(picked, ink, pixel);
+    if (measured.length > 0) this.drawMeasured(measured, ink, pixel);
     if (pose) {
       this.drawEllipse(pose, ink, pixel);
       this.drawVehicle(pose, ink, pixel);
@@ -104,6 +105,23 @@ export class Marks {
     }
   }
 
+  /// From place to place, a ring around each.
+  private drawMeasured(places: Place[], ink: typeof kInk.light, pixel: number): void {
+    const { context } = this;
+    for (const [colour, width] of [[ink.halo, 5], [ink.vehicle, 2]] as const) {
+      context.strokeStyle = colour;
+      context.lineWidth = width * pixel;
+      context.beginPath();
+      for (const { x, y } of places) context.lineTo(x, y);
+      context.stroke();
+      for (const { x, y } of places) {
+        context.beginPath();
+        context.arc(x, y, 5 * pixel, 0, 2 * Math.PI);
+        context.stroke();
+      }
+    }
+  }
+
   /// 95 % of where the vehicle may be.
   private drawEllipse(pose: Pose, ink: typeof kInk.light, pixel: number): void {
     const [xx, xy, yy] = pose.covariance;
@@ -133,8 +151,7 @@ export class Marks {
     context.strokeStyle = ink.body;
     context.lineWidth = 2 * pixel;
     if (length > 26 * pixel) {
-      context.beginPath();
-      context.roundRect(middle - length / 2, -width / 2, length, width, width * 0.22);
+      roundedBox(context, middle - length / 2, -width / 2, length, width, width * 0.22);
       context.fill();
       context.stroke();
       context.translate(middle, 0);
@@ -156,6 +173,18 @@ export class Marks {
     }
     context.restore();
   }
+}
+
+/// What roundRect() does, which browsers before 2023 lack.
+function roundedBox(context: CanvasRenderingContext2D, x: number, y: number, wide: number, high: number, radius: number): void {
+  const corners = [[x, y], [x + wide, y], [x + wide, y + high], [x, y + high]];
+  context.beginPath();
+  context.moveTo(x, y + radius);
+  corners.forEach(([cornerX, cornerY], i) => {
+    const [nextX, nextY] = corners[(i + 1) % 4];
+    context.arcTo(cornerX, cornerY, nextX, nextY, radius);
+  });
+  context.closePath();
 }
 
 function shapeOf(line: CurbLine): Shape {

@@ -1,8 +1,8 @@
 // The controls: colours with their legend, layers, theme, facts of the vehicle.
-import { byId, list, make, metres, seconds } from "./format";
-import { classColours, css, kClassNames, kModes, Mode, ramp, Theme } from "./palette";
-import { Layers, Settings } from "./settings";
-import { State } from "./world";
+import { byId, list, make, metres, seconds } from "../format";
+import { classColours, css, kClassNames, kModes, Mode, ramp, Theme } from "../drawing/palette";
+import { Layers, Settings } from "../settings";
+import { State } from "../world";
 
 const kLayers: [keyof Layers, string][] =
   [["grid", "Cells"], ["relief", "Relief"], ["curbs", "Curbs"], ["path", "Path"], ["points", "LiDAR"]];

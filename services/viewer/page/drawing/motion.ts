@@ -1,5 +1,5 @@
 // The vehicle between two poses: frames come ten times a second, the screen is drawn more often.
-import { Pose } from "./world";
+import { Pose } from "../world";
 
 const kLongest = 400;  // ms between two poses that are one motion
 

@@ -2,7 +2,7 @@
 import { Camera } from "./camera";
 import { classColours, Mode, ramp, Rgb, Theme } from "./palette";
 import { kPageFragment, kPageVertex, kPointFragment, kPointVertex } from "./shaders";
-import { kCells, kNoHeight, kTileCells, kTileSize, Pose, Tile, World } from "./world";
+import { kCells, kNoHeight, kTileCells, kTileSize, Pose, Tile, World } from "../world";
 
 const kTilesAside = 32;                      // of a page: 96 m
 const kCellsAside = kTilesAside * kCells;

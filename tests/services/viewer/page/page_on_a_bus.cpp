@@ -1,0 +1,149 @@
+#include "tests/services/viewer/page/page_on_a_bus.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "common/time/clock.hpp"
+
+namespace curbstone::viewer {
+namespace {
+
+constexpr std::int64_t kRevolution = 50'000;  // us
+constexpr int kTolerance = 4;                 // of 255: what rounding in shaders makes
+
+}  // namespace
+
+void PageOnABus::SetUp() {
+  if (!curbstone::testing::Browser::is_installed())
+    GTEST_SKIP() << "no chromium-headless-shell: scripts/install-deps --tests";
+  epoch_ = wall_clock() / 1'000'000 - 100;
+  start_viewer();
+  browser.emplace([this] { go_on(); });
+}
+
+void PageOnABus::TearDown() {
+  if (browser) {
+    EXPECT_THAT(browser->complaints(), ::testing::IsEmpty());
+  }
+}
+
+void PageOnABus::start_viewer(int port) {
+  config.port = port;
+  bus_ = std::make_unique<LocalBus>();
+  server_ = std::make_unique<web::WebServer>(web_settings(config));
+  node_ = std::make_unique<ViewerNode>(config, *bus_, *server_, ViewerNode::Source{});
+  node_->connect(*bus_);
+  node_->tick(wall_clock());
+  address = page_address(config, server_->port());
+}
+
+void PageOnABus::stop_viewer() {
+  config.port = server_->port();
+  node_.reset();
+  server_.reset();
+}
+
+void PageOnABus::repeat_tiles() {
+  for (const auto& [key, tile] : tiles) say("SEMANTIC_TILE", tile);
+}
+
+void PageOnABus::go_on() {
+  if (!node_) return;
+  const std::int64_t now = wall_clock();
+  if (bus_is_alive && now - said_ >= kRevolution) {
+    if (said_ > 0) vehicle_x += speed * static_cast<double>(now - said_) * 1e-6;
+    said_ = now;
+    say_pose();
+  }
+  node_->tick(now);
+  bus_->dispatch();
+}
+
+void PageOnABus::say_pose() {
+  map_pose_t pose{};
+  pose.utime = said_;
+  pose.epoch = epoch();
+  pose.map_base_position[0] = vehicle_x;
+  pose.map_base_orientation[0] = pose.map_odom_orientation[0] = 1;
+  pose.flags = map_pose_t::REGISTERED;
+  say("MAP_POSE", pose);
+}
+
+void PageOnABus::begin_epoch() {
+  epoch_ += 50;
+  tiles.clear();
+  browser->pass(0.2);  // the mapper's poses announce it
+}
+
+void PageOnABus::say_playback() {
+  node_->set_playback({.position = 12, .progress = 0.4, .speed = 1, .paused = false, .ended = false});
+}
+
+void PageOnABus::put(const semantic_tile_t& tile) {
+  tiles[{tile.tile_x, tile.tile_y}] = tile;
+  tiles[{tile.tile_x, tile.tile_y}].revision = ++revision_;
+  say("SEMANTIC_TILE", tiles[{tile.tile_x, tile.tile_y}]);
+}
+
+semantic_tile_t PageOnABus::tile_of(int x, int y, std::int8_t cell_class) const {
+  semantic_tile_t tile{};
+  tile.utime = wall_clock();
+  tile.epoch = epoch();
+  tile.tile_x = x;
+  tile.tile_y = y;
+  std::fill(std::begin(tile.cell_class), std::end(tile.cell_class), static_cast<std::uint8_t>(cell_class));
+  return tile;
+}
+
+PageOnABus::Rgb PageOnABus::colour_of(int cell_class) {
+  static constexpr std::array<Rgb, 5> kColours = {
+      {{243, 244, 241}, {190, 196, 203}, {233, 133, 8}, {126, 186, 232}, {28, 88, 160}}};  // page/drawing/palette.ts
+  return kColours.at(static_cast<std::size_t>(cell_class));
+}
+
+void PageOnABus::open(const std::string& fragment) {
+  browser->open(address + "#" + fragment);
+  ASSERT_TRUE(browser->comes_to(
+      fmt::format("curbstone.world.tiles.size === {} && curbstone.world.state && curbstone.world.changed.size === 0",
+                  tiles.size())))
+      << browser->evaluate("document.body.innerText");
+}
+
+PageOnABus::Spot PageOnABus::spot_of(double x, double y) {
+  const auto spot = browser->evaluate(fmt::format("curbstone.camera.toScreen({}, {})", x, y));
+  return {spot[0].get<double>(), spot[1].get<double>()};
+}
+
+int PageOnABus::wrong_cells(const semantic_tile_t& tile, const Picture& picture, int* seen) {
+  // For each cell where the page has its middle; null where a card covers it.
+  const auto spots = browser->evaluate(fmt::format(
+      R"(Array.from({{ length: 625 }}, (_, i) => {{
+           const spot = curbstone.camera.toScreen({} + (i % 25 + 0.5) * 0.12, {} + (Math.floor(i / 25) + 0.5) * 0.12);
+           return document.getElementById("map").contains(document.elementFromPoint(...spot)) ? spot : null;
+         }}))",
+      3 * tile.tile_x, 3 * tile.tile_y));
+  int wrong = 0;
+  *seen = 0;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    if (spots[i].is_null() || tile.cell_class[i] == 0) continue;  // under what is not known lies the page's grid
+    ++*seen;
+    const Rgb drawn = picture.at(spots[i][0].get<double>(), spots[i][1].get<double>());
+    if (difference(drawn, colour_of(tile.cell_class[i])) > kTolerance) ++wrong;
+  }
+  return wrong;
+}
+
+std::string PageOnABus::text_of(const std::string& selector) {
+  return browser->evaluate(fmt::format("document.querySelector('{}').innerText", selector));
+}
+
+bool PageOnABus::shows(const std::string& selector, const std::string& words, double seconds) {
+  return browser->comes_to(
+      fmt::format(
+          "document.querySelector('{0}').checkVisibility() && document.querySelector('{0}').innerText.includes('{1}')",
+          selector, words),
+      seconds);
+}
+
+}  // namespace curbstone::viewer

@@ -1,0 +1,101 @@
+#include <fmt/format.h>
+
+#include "tests/services/viewer/page/page_on_a_bus.hpp"
+
+namespace curbstone::viewer {
+namespace {
+
+constexpr const char* kPlain = "at=0,0,40,0&follow=0&theme=light&off=relief.curbs.path.points";
+constexpr double kPlace = -1.3;  // m, x and y: in the map
+
+class PageFaults : public PageOnABus {
+ protected:
+  void put_walls() {
+    vehicle_x = 30;  // it would hide cells
+    for (int y = -1; y < 1; ++y)
+      for (int x = -1; x < 1; ++x) put(tile_of(x, y, semantic_tile_t::WALL));
+  }
+  bool is_coloured() {
+    const Spot spot = spot_of(kPlace, kPlace);
+    const Rgb colour = browser->picture().at(spot.x, spot.y);
+    return difference(colour, {colour[0], colour[0], colour[0]}) > 20;
+  }
+};
+
+TEST_F(PageFaults, ADeadBusLooksDead) {
+  put_walls();
+  open(kPlain);
+  ASSERT_TRUE(shows("#status", "Live"));
+  EXPECT_TRUE(is_coloured());
+
+  bus_is_alive = false;
+  EXPECT_TRUE(shows("#status", "Silent"));
+  EXPECT_TRUE(shows("#curtain", "this is how it was"));
+  browser->pass(0.3);
+  EXPECT_FALSE(is_coloured());
+
+  bus_is_alive = true;
+  ASSERT_TRUE(shows("#status", "Live"));
+  browser->pass(0.3);
+  EXPECT_TRUE(is_coloured());
+}
+
+TEST_F(PageFaults, AViewerThatWasKilledIsMissedAndComesBackWithTheMap) {
+  put_walls();
+  open(kPlain);
+  stop_viewer();
+  ASSERT_TRUE(shows("#status", "No connection"));
+  browser->pass(0.3);
+  EXPECT_FALSE(is_coloured());
+
+  tiles[{-1, -1}].cell_class[0] = semantic_tile_t::CURB;  // while it was away
+  start_viewer(config.port);
+  repeat_tiles();
+  ASSERT_TRUE(shows("#status", "Live"));
+  ASSERT_TRUE(browser->comes_to("curbstone.world.tiles.size === 4 && curbstone.world.tileAt(-1, -1).classes[0] === 2"));
+  browser->pass(0.3);
+  EXPECT_TRUE(is_coloured());
+}
+
+TEST_F(PageFaults, AMapThatBeginsAgainReplacesTheOldOne) {
+  put_walls();
+  open(kPlain);
+  begin_epoch();
+  put(tile_of(5, 5, semantic_tile_t::ROAD));
+  EXPECT_TRUE(browser->comes_to("curbstone.world.tiles.size === 1 && curbstone.world.tileAt(5, 5)"));
+}
+
+TEST_F(PageFaults, AGraphicsContextThatWasLostIsDrawnAgain) {
+  put_walls();
+  open(kPlain);
+  browser->evaluate(
+      "window.lost = document.getElementById('ground').getContext('webgl2').getExtension('WEBGL_lose_context')");
+  browser->evaluate("lost.loseContext()");
+  browser->pass(0.3);
+  EXPECT_FALSE(is_coloured());
+  browser->evaluate("lost.restoreContext()");
+  EXPECT_TRUE(browser->comes_to("!document.getElementById('ground').getContext('webgl2').isContextLost()"));
+  browser->pass(0.5);
+  const Picture picture = browser->picture();
+  int seen = 0;
+  EXPECT_EQ(wrong_cells(tiles[{-1, -1}], picture, &seen), 0);
+  EXPECT_GT(seen, 500);
+}
+
+TEST_F(PageFaults, APageThatDoesNotReadGetsTheMapAsItIsWhenItWakes) {
+  put_walls();
+  open(kPlain);
+  // A tab in the background draws nothing, so it acknowledges nothing.
+  browser->evaluate("window.animate = requestAnimationFrame; window.requestAnimationFrame = () => 0");
+  for (int n = 0; n < 200; ++n) {
+    semantic_tile_t tile = tiles[{0, 0}];
+    tile.cell_class[n] = semantic_tile_t::OBSTACLE;
+    put(tile);
+    browser->pass(0.01);
+  }
+  browser->evaluate("window.requestAnimationFrame = animate; location.reload()");
+  ASSERT_TRUE(browser->comes_to("curbstone.world.tiles.size === 4 && curbstone.world.tileAt(0, 0).classes[199] === 3"));
+}
+
+}  // namespace
+}  // namespace curbstone::viewer
