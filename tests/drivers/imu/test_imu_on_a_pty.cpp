@@ -7,6 +7,7 @@
 #include "drivers/imu/imu_node.hpp"
 #include "drivers/serial/serial_link.hpp"
 #include "tests/drivers/driver_on_a_pty.hpp"
+#include "tests/drivers/stopped_after.hpp"
 #include "tools/simulate/devices/xsens_emulator.hpp"
 
 namespace curbstone::imu {
@@ -85,9 +86,10 @@ int status_of(const std::string& command) {
 }
 
 TEST(ImuProgram, WaitsForADeviceThatIsMissing) {
-  EXPECT_EQ(status_of("timeout --preserve-status 3 " CURBSTONE_BIN_DIR
-                      "/curbstone-imu --lcm-url memq:// --set device=/dev/no_such_tty"),
-            0)
+  EXPECT_EQ(
+      status_of(testing::kStoppedAfter +
+                std::string("3 " CURBSTONE_BIN_DIR "/curbstone-imu --lcm-url memq:// --set device=/dev/no_such_tty")),
+      0)
       << "ended by the signal, cleanly";
 }
 

@@ -16,6 +16,7 @@
 #include "common/time/clock.hpp"
 #include "drivers/lidar/sources/udp_source.hpp"
 #include "tests/drivers/lidar/captures.hpp"
+#include "tests/drivers/stopped_after.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tools/simulate/devices/make_lidar.hpp"
 
@@ -32,7 +33,7 @@ struct Ended {
 
 /// Runs the program to its end, at most `seconds`, after which it gets SIGTERM.
 Ended lidar(const std::string& arguments, int seconds = 20) {
-  const std::string command = "timeout --preserve-status " + std::to_string(seconds) +
+  const std::string command = testing::kStoppedAfter + std::to_string(seconds) +
                               " " CURBSTONE_BIN_DIR "/curbstone-lidar " + arguments + " 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
   std::string output;
@@ -77,7 +78,7 @@ TEST(LidarProcess, BeginsACaptureAnewUntilItIsStopped) {
   const std::string recorded = CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap";
   if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
   // The recording lasts 4 s: at 100 times that pace it is through long before the 3 s.
-  const std::string command = "timeout 3 " CURBSTONE_BIN_DIR "/curbstone-lidar --set pcap=" + recorded +
+  const std::string command = "timeout --foreground 3 " CURBSTONE_BIN_DIR "/curbstone-lidar --set pcap=" + recorded +
                               " --set pcap_rate=100 --set pcap_repeat=true > /dev/null 2>&1";
   const int status = std::system(command.c_str());
   EXPECT_EQ(WEXITSTATUS(status), 124) << "ended by itself";
