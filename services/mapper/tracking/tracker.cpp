@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "services/mapper/tracking/acceptance.hpp"
 #include "services/mapper/tracking/levelled.hpp"
 
 namespace curbstone::mapper::tracking {
@@ -12,16 +13,7 @@ namespace {
 constexpr std::int64_t kLongestSweep = 1'000'000;  // us
 constexpr std::int64_t kClockJump = 1'000'000;     // us backwards that is a new clock, not a late scan
 constexpr int kFirstInsertions = 10;               // scans that go into the map even when the vehicle stands
-constexpr std::int64_t kPatience = 1'000'000;      // us without a fit, after which the pose is lost
-constexpr int kConfirmed = 10;                     // scans in a row that must fit before a pose is trusted again
 constexpr int kMostFromAfar = 3;                   // refused in a row that are sought with other motions
-constexpr double kFirmOverlap = 0.4;               // what a scan must show to be believed while the pose is not
-constexpr double kFirmInliers = 0.75;
-constexpr double kDoubtSpeed = 3.0;             // m/s, how doubt grows while lost or when nothing tells of the motion,
-constexpr double kGuidedDoubt = 0.05;           // and m a metre when odometry does
-constexpr double kGuidedTurn = 0.005;           // rad, of its attitude, after a metre
-constexpr std::int64_t kNewGround = 6'000'000;  // us, by when it has been sought everywhere, and
-constexpr double kNewGroundPath = 10.0;         // m by odometry, without a fit: these surroundings are new
 
 scan::SharedPoints share(std::vector<scan::LidarPoint> points) {
   return std::make_shared<const std::vector<scan::LidarPoint>>(std::move(points));
@@ -85,7 +77,7 @@ Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHi
   if (expected.blind && first_) {  // too far apart to tell of each other: the drive begins with this one
     return {fitter_.expect(from, scan, std::move(expected)), {}, false};
   }
-  if (expected.blind && fix_ == Fix::kTracking && last_->T_odom_base) {
+  if (expected.blind && trust_.tracking() && last_->T_odom_base) {
     const auto across = expect_across(config_, recent(), *last_->T_odom_base, scan, odometry);
     Attempt bridged = across ? judged(fitter_.fit(from, scan, *across, motion_), true) : Attempt{};
     if (bridged.believed) {
@@ -93,14 +85,8 @@ Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHi
       return bridged;
     }
   }
-  if (expected.blind && fix_ != Fix::kLost) {
-    counters_.add("lost.blind");
-    fix_ = Fix::kLost;
-  }
-  blind_ = blind_ || expected.blind;
-  if (fix_ == Fix::kLost && blind_) {  // a registration from a mere guess fits somewhere, only where?
-    return {fitter_.expect(from, scan, std::move(expected)), {}, false};
-  }
+  if (expected.blind) trust_.go_blind(counters_);
+  if (trust_.groundless()) return {fitter_.expect(from, scan, std::move(expected)), {}, false};
   const bool guided = expected.with_odometry;
   if (first_ && !guided) return judged(fitter_.fit_second(from, *first_, scan));
   Attempt first = judged(fitter_.fit(from, scan, std::move(expected), motion_));
@@ -111,7 +97,7 @@ Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHi
     counters_.add("odometry.not_believed");
     return second;
   }
-  if (fix_ != Fix::kTracking || refused_in_a_row_ >= kMostFromAfar) return first;
+  if (!trust_.tracking() || trust_.refused_in_a_row() >= kMostFromAfar) return first;
   Attempt second = judged(fitter_.fit_from_afar(from, scan, motion_));
   return second.believed ? second : first;
 }
@@ -129,7 +115,10 @@ bool Tracker::follows(const scan::Scan& scan, const scan::OdometryHistory& odome
     broken_ = scan.end;
     return false;
   }
-  if (stride < 0) last_->end = fitted_ = *before - std::llround(stride_ * 1e6);  // no gap: a new clock
+  if (stride < 0) {  // no gap: a new clock
+    last_->end = *before - std::llround(stride_ * 1e6);
+    trust_.start(last_->end);
+  }
   return true;
 }
 
@@ -152,11 +141,13 @@ Tracked Tracker::conclude(std::int64_t utime, Attempt found) {
         expected.with_odometry ? expected.deskew_covariance : motion_jitter_.covariance();
   }
   last_ = Last{utime, tracked.T_map_base};
-  grow_doubt(expected, stride);
-  tracked.anew = judge(utime, expected, found.believed);
-  tracked.fix = fix_;
+  tracked.anew = trust_.judge({utime, stride, expected.T_last_base.translation().norm(), expected.with_odometry,
+                               found.believed, expected.covariance},
+                              counters_);
+  if (tracked.anew) fitter_.clear_map();
+  tracked.fix = trust_.fix();
   tracked.registered = found.believed || tracked.anew;
-  tracked.maps = tracked.registered && fix_ == Fix::kTracking;
+  tracked.maps = tracked.registered && trust_.tracking();
   tracked.points = share(std::move(found.fit.points));
   return tracked;
 }
@@ -178,66 +169,10 @@ void Tracker::learn_motion(const Attempt& found, const Pose& moved, double strid
   steady_ = found.believed && in_step ? steady_ + 1 : 0;
 }
 
-void Tracker::grow_doubt(const MotionExpectation& expected, double stride) {
-  const double went = expected.T_last_base.translation().norm();
-  since_fitted_m_ += went;
-  const bool guided = expected.with_odometry && fix_ != Fix::kLost;
-  doubt_ += guided ? kGuidedDoubt * went : kDoubtSpeed * stride;
-}
-
-/// How far the pose can be trusted with this scan. Whether the registration map begins anew with it.
-bool Tracker::judge(std::int64_t utime, const MotionExpectation& expected, bool registered) {
-  if (registered) {
-    refused_in_a_row_ = 0;
-    drift_.setZero();
-    if (fix_ == Fix::kLost) {
-      fix_ = Fix::kTentative;
-      fitting_ = 0;
-    }
-    if (fix_ == Fix::kTentative && ++fitting_ >= kConfirmed) {
-      counters_.add("found");
-      fix_ = Fix::kTracking;
-    }
-    if (fix_ == Fix::kTracking) trust(utime);
-    return false;
-  }
-  ++refused_in_a_row_;
-  drift_ += expected.covariance;
-  if (fix_ == Fix::kTentative) fix_ = Fix::kLost;
-  if (fix_ == Fix::kTracking && utime - fitted_ > kPatience) {
-    counters_.add("lost.refused");
-    fix_ = Fix::kLost;
-    blind_ = !expected.with_odometry;
-  }
-  if (!may_begin_anew(utime, expected)) return false;
-  counters_.add("began_anew");
-  fitter_.clear_map();
-  fix_ = Fix::kTracking;
-  drift_.setZero();
-  trust(utime);
-  return true;
-}
-
-void Tracker::trust(std::int64_t utime) {
-  fitted_ = utime;
-  since_fitted_m_ = doubt_ = 0;
-  blind_ = false;
-}
-
-/// Lost, but odometry held all the while and the vehicle has driven on: what it sees is new, not displaced. Who was
-/// lifted and put down elsewhere has not driven.
-bool Tracker::may_begin_anew(std::int64_t utime, const MotionExpectation& expected) const {
-  return fix_ == Fix::kLost && !blind_ && expected.with_odometry && utime - fitted_ > kNewGround &&
-         since_fitted_m_ > kNewGroundPath;
-}
-
 void Tracker::relocate(const Pose& T_map_base) {
   last_->T_map_base = T_map_base;
   steady_ = 0;
-  drift_.setZero();
-  fix_ = Fix::kTentative;
-  fitting_ = 0;
-  blind_ = false;
+  trust_.relocate();
 }
 
 void Tracker::rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pose& T_map_base) {
@@ -250,20 +185,12 @@ void Tracker::rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pos
 
 void Tracker::begin_at(const Pose& T_map_base, double doubt) {
   known_start_ = T_map_base;
-  fix_ = Fix::kLost;
-  blind_ = true;
-  doubt_ = doubt;
+  trust_.begin_lost(doubt);
 }
 
 void Tracker::resume(std::int64_t utime, const Pose& T_map_base, double path) {
   last_ = Last{utime, T_map_base};
-  fix_ = Fix::kTracking;
-  blind_ = false;
-  fitted_ = utime;
-  since_fitted_m_ = path;
-  doubt_ = kGuidedDoubt * path;
-  drift_.topLeftCorner<3, 3>().diagonal().setConstant(doubt_ * doubt_);
-  drift_.bottomRightCorner<3, 3>().diagonal().setConstant(kGuidedTurn * kGuidedTurn * path);
+  trust_.resume(utime, path);
 }
 
 bool Tracker::forget_far() {
@@ -280,13 +207,13 @@ Tracked Tracker::start(const scan::Scan& scan, const scan::OdometryHistory& odom
   if (!tracked.with_odometry) counters_.add("without_odometry");
   if (tracked.with_odometry) tracked.T_map_base = levelled(odometry.at(scan.end));
   if (known_start_) tracked.T_map_base = *known_start_ * tracked.T_map_base;
-  tracked.fix = fix_;
-  tracked.registered = fix_ == Fix::kTracking;
+  tracked.fix = trust_.fix();
+  tracked.registered = trust_.tracking();
   tracked.registration.T_map_base = tracked.T_map_base;
   tracked.registration.converged = true;
   tracked.registration.inlier_ratio = 1;
   last_ = Last{scan.end, tracked.T_map_base};
-  fitted_ = scan.end;
+  trust_.start(scan.end);
   T_map_keyframe_ = tracked.T_map_base;
   if (tracked.registered && !tracked.with_odometry) {
     first_ = scan;
@@ -312,7 +239,7 @@ std::optional<Tracked::Earlier> Tracker::prove_start(const Fit& second) {
 void Tracker::forget_start() {
   fitter_.clear_map();
   last_.reset();
-  drift_.setZero();
+  trust_.forget_drift();
   twist_ = {};
   motion_.set({});
   first_.reset();
@@ -321,30 +248,9 @@ void Tracker::forget_start() {
 
 Tracker::Attempt Tracker::judged(Fit fit, bool firmly) const {
   Attempt attempt{std::move(fit), {}, false};
-  attempt.refusal = refusal(attempt.fit, firmly || fix_ != Fix::kTracking);
+  attempt.refusal = why_refused(attempt.fit, config_, trust_.drift(), firmly || !trust_.tracking());
   attempt.believed = attempt.refusal.empty();
   return attempt;
-}
-
-/// Why an answer is not believed; empty if it is.
-std::string Tracker::refusal(const Fit& fit, bool firmly) const {
-  const registration::RegistrationResult& result = fit.result;
-  if (!result.converged) return "refused.not_converged";
-  if (result.overlap < config_.min_overlap) return "refused.overlap";
-  if (result.inlier_ratio < config_.min_inliers) return "refused.inliers";
-  if (result.residual > config_.max_residual) return "refused.residual";
-  if (firmly) {  // the ground alone fits everywhere
-    if (result.overlap < kFirmOverlap) return "refused.overlap";
-    if (result.inlier_ratio < kFirmInliers || (result.degenerate & registration::kPlanarAxes) != 0)
-      return "refused.inliers";
-  }
-  const Pose jump = fit.prior.T_map_base.inverse() * result.T_map_base;
-  const registration::Matrix6 covariance = drift_ + fit.expected.covariance;
-  const bool guided = fit.expected.with_odometry;
-  const double max_m = (guided ? config_.max_jump_m : 0) + 3 * std::sqrt(covariance(0, 0));
-  const double max_rad = (guided ? config_.max_jump_rad : 0) + 3 * std::sqrt(covariance(3, 3));
-  if (jump.translation().norm() > max_m || angle_of(jump) > max_rad) return "refused.jump";
-  return {};
 }
 
 void Tracker::insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base) {

@@ -18,16 +18,10 @@
 #include "services/mapper/tracking/motion_expectation.hpp"
 #include "services/mapper/tracking/motion_filter.hpp"
 #include "services/mapper/tracking/motion_jitter_covariance.hpp"
+#include "services/mapper/tracking/pose_trust.hpp"
 #include "services/mapper/tracking/scan_matcher.hpp"
 
 namespace curbstone::mapper::tracking {
-
-/// How far the pose can be trusted.
-enum class Fix {
-  kTracking,   ///< scan after scan fits the map
-  kTentative,  ///< found again; a few more must fit before the map takes anything
-  kLost,       ///< only a guess
-};
 
 /// What the tracker made of one scan.
 struct Tracked {
@@ -72,12 +66,12 @@ class Tracker {
   [[nodiscard]] std::optional<Tracked> track(const scan::Scan& scan, const scan::OdometryHistory& odometry);
 
   [[nodiscard]] bool started() const { return last_.has_value(); }
-  [[nodiscard]] Fix fix() const { return fix_; }
+  [[nodiscard]] Fix fix() const { return trust_.fix(); }
   [[nodiscard]] const Pose& T_map_base() const { return last_->T_map_base; }
   /// How far off the pose may be, m, since the last scan that fitted...
-  [[nodiscard]] double doubt() const { return doubt_; }
+  [[nodiscard]] double doubt() const { return trust_.doubt(); }
   /// ...which ended then; us.
-  [[nodiscard]] std::int64_t fitted() const { return fitted_; }
+  [[nodiscard]] std::int64_t fitted() const { return trust_.fitted(); }
 
   /// The vehicle is somewhere else than was thought: lost becomes tentative.
   void relocate(const Pose& T_map_base);
@@ -99,7 +93,7 @@ class Tracker {
   [[nodiscard]] std::size_t registration_size() const { return fitter_.map().size(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
   /// Scans in a row that could not be registered.
-  [[nodiscard]] int refused_in_a_row() const { return refused_in_a_row_; }
+  [[nodiscard]] int refused_in_a_row() const { return trust_.refused_in_a_row(); }
 
  private:
   struct Last {
@@ -117,20 +111,15 @@ class Tracker {
 
   [[nodiscard]] bool follows(const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] RecentMotion recent() const { return {last_->end, motion_.twist(), stride_}; }
-  [[nodiscard]] Departure departure() const { return {last_->end, last_->T_map_base, drift_}; }
+  [[nodiscard]] Departure departure() const { return {last_->end, last_->T_map_base, trust_.drift()}; }
   [[nodiscard]] Attempt attempt(const scan::Scan& scan, const scan::OdometryHistory& odometry);
   /// `firmly`: more must fit, where the guess is not sure to be near.
   [[nodiscard]] Attempt judged(Fit fit, bool firmly = false) const;
-  [[nodiscard]] std::string refusal(const Fit& fit, bool firmly) const;
   [[nodiscard]] Tracked start(const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] std::optional<Tracked::Earlier> prove_start(const Fit& second);
   void forget_start();
   [[nodiscard]] Tracked conclude(std::int64_t utime, Attempt found);
   void learn_motion(const Attempt& found, const Pose& moved, double stride);
-  void grow_doubt(const MotionExpectation& expected, double stride);
-  [[nodiscard]] bool judge(std::int64_t utime, const MotionExpectation& expected, bool registered);
-  void trust(std::int64_t utime);
-  [[nodiscard]] bool may_begin_anew(std::int64_t utime, const MotionExpectation& expected) const;
   void note_odometry(const Last& before, const scan::OdometryHistory& odometry);
   void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base);
 
@@ -142,21 +131,13 @@ class Tracker {
   std::optional<std::int64_t> broken_;          // us, the end of a scan that did not follow the one before
   std::optional<scan::Scan> first_;             // until its motion is known, where there is no odometry
   std::vector<scan::LidarPoint> first_points_;  // of it, de-skewed
-  Fix fix_ = Fix::kTracking;
-  int fitting_ = 0;            // scans in a row, while tentative
-  bool blind_ = false;         // lost, and not even odometry says how far
-  double since_fitted_m_ = 0;  // moved by odometry since the last one that fitted
-  double doubt_ = 0;           // m, that the pose may be off by since then
-  std::int64_t fitted_ = 0;    // us, the end of the last scan that fitted
-  scan::Twist twist_;          // over the last scan
-  MotionFilter motion_;        // until now
-  double stride_ = 0.05;       // s from scan to scan
-  int steady_ = 0;             // scans in a row that fitted and tell of the motion between them
+  PoseTrust trust_;
+  scan::Twist twist_;     // over the last scan
+  MotionFilter motion_;   // until now
+  double stride_ = 0.05;  // s from scan to scan
+  int steady_ = 0;        // scans in a row that fitted and tell of the motion between them
   MotionJitterCovariance motion_jitter_;
   Pose T_map_keyframe_ = Pose::Identity();  // when the registration map last took a scan
-  registration::Matrix6 drift_ =
-      registration::Matrix6::Zero();  // covariance of the pose at the end of the last scan, if that was refused
-  int refused_in_a_row_ = 0;
   Counters counters_;
 };
 

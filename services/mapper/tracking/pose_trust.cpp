@@ -1,0 +1,104 @@
+#include "services/mapper/tracking/pose_trust.hpp"
+
+namespace curbstone::mapper::tracking {
+namespace {
+
+constexpr std::int64_t kPatience = 1'000'000;   // us without a fit, after which the pose is lost
+constexpr int kConfirmed = 10;                  // scans in a row that must fit before a pose is trusted again
+constexpr double kDoubtSpeed = 3.0;             // m/s, how doubt grows while lost or when nothing tells of the motion,
+constexpr double kGuidedDoubt = 0.05;           // and m a metre when odometry does
+constexpr double kGuidedTurn = 0.005;           // rad, of its attitude, after a metre
+constexpr std::int64_t kNewGround = 6'000'000;  // us, by when it has been sought everywhere, and
+constexpr double kNewGroundPath = 10.0;         // m by odometry, without a fit: these surroundings are new
+
+}  // namespace
+
+bool PoseTrust::judge(const Evidence& scan, Counters& counters) {
+  grow_doubt(scan);
+  if (scan.fits) {
+    take_fit(scan, counters);
+    return false;
+  }
+  take_refusal(scan, counters);
+  if (!sees_new_ground(scan)) return false;
+  counters.add("began_anew");
+  fix_ = Fix::kTracking;
+  drift_.setZero();
+  trust(scan.utime);
+  return true;
+}
+
+void PoseTrust::grow_doubt(const Evidence& scan) {
+  since_fitted_m_ += scan.went;
+  const bool guided = scan.with_odometry && fix_ != Fix::kLost;
+  doubt_ += guided ? kGuidedDoubt * scan.went : kDoubtSpeed * scan.stride;
+}
+
+void PoseTrust::take_fit(const Evidence& scan, Counters& counters) {
+  refused_in_a_row_ = 0;
+  drift_.setZero();
+  if (fix_ == Fix::kLost) {
+    fix_ = Fix::kTentative;
+    fitting_ = 0;
+  }
+  if (fix_ == Fix::kTentative && ++fitting_ >= kConfirmed) {
+    counters.add("found");
+    fix_ = Fix::kTracking;
+  }
+  if (fix_ == Fix::kTracking) trust(scan.utime);
+}
+
+void PoseTrust::take_refusal(const Evidence& scan, Counters& counters) {
+  ++refused_in_a_row_;
+  drift_ += scan.covariance;
+  if (fix_ == Fix::kTentative) fix_ = Fix::kLost;
+  if (fix_ == Fix::kTracking && scan.utime - fitted_ > kPatience) {
+    counters.add("lost.refused");
+    fix_ = Fix::kLost;
+    blind_ = !scan.with_odometry;
+  }
+}
+
+/// Lost, but odometry held all the while and the vehicle has driven on: what it sees is new, not displaced. Who was
+/// lifted and put down elsewhere has not driven.
+bool PoseTrust::sees_new_ground(const Evidence& scan) const {
+  return fix_ == Fix::kLost && !blind_ && scan.with_odometry && scan.utime - fitted_ > kNewGround &&
+         since_fitted_m_ > kNewGroundPath;
+}
+
+void PoseTrust::trust(std::int64_t utime) {
+  fitted_ = utime;
+  since_fitted_m_ = doubt_ = 0;
+  blind_ = false;
+}
+
+void PoseTrust::go_blind(Counters& counters) {
+  if (fix_ != Fix::kLost) counters.add("lost.blind");
+  fix_ = Fix::kLost;
+  blind_ = true;
+}
+
+void PoseTrust::relocate() {
+  drift_.setZero();
+  fix_ = Fix::kTentative;
+  fitting_ = 0;
+  blind_ = false;
+}
+
+void PoseTrust::begin_lost(double doubt) {
+  fix_ = Fix::kLost;
+  blind_ = true;
+  doubt_ = doubt;
+}
+
+void PoseTrust::resume(std::int64_t utime, double path) {
+  fix_ = Fix::kTracking;
+  blind_ = false;
+  fitted_ = utime;
+  since_fitted_m_ = path;
+  doubt_ = kGuidedDoubt * path;
+  drift_.topLeftCorner<3, 3>().diagonal().setConstant(doubt_ * doubt_);
+  drift_.bottomRightCorner<3, 3>().diagonal().setConstant(kGuidedTurn * kGuidedTurn * path);
+}
+
+}  // namespace curbstone::mapper::tracking

@@ -1,0 +1,78 @@
+#include "services/mapper/tracking/pose_trust.hpp"
+
+#include <gtest/gtest.h>
+
+namespace curbstone::mapper::tracking {
+namespace {
+
+/// A vehicle at 20 m/s, scanned twenty times a second.
+class TrustOfADrive : public ::testing::Test {
+ protected:
+  /// Scans in a row, and whether the map for registration begins anew with the last of them.
+  bool drive(int scans, bool fits, bool with_odometry = true) {
+    bool anew = false;
+    for (int i = 0; i < scans && !anew; ++i) {
+      utime_ += 50'000;
+      const PoseTrust::Evidence scan{utime_, 0.05, 1.0, with_odometry, fits, registration::Matrix6::Identity()};
+      anew = trust_.judge(scan, counters_);
+    }
+    return anew;
+  }
+
+  PoseTrust trust_;
+  Counters counters_;
+  std::int64_t utime_ = 0;
+};
+
+TEST_F(TrustOfADrive, IsKeptThroughASecondWithoutAFitAndThenLost) {
+  drive(10, true);
+  drive(20, false);
+  EXPECT_EQ(trust_.fix(), Fix::kTracking);
+  EXPECT_DOUBLE_EQ(trust_.doubt(), 20 * 0.05);  // a twentieth of the way
+  EXPECT_DOUBLE_EQ(trust_.drift()(0, 0), 20);
+  drive(1, false);
+  EXPECT_EQ(trust_.fix(), Fix::kLost);
+  EXPECT_FALSE(trust_.groundless()) << "odometry tells how far";
+  EXPECT_EQ(counters_["lost.refused"], 1);
+}
+
+TEST_F(TrustOfADrive, ComesBackWhenTenScansInARowFit) {
+  drive(30, false);
+  drive(9, true);
+  EXPECT_EQ(trust_.fix(), Fix::kTentative);
+  EXPECT_GT(trust_.doubt(), 0);
+  drive(1, true);
+  EXPECT_EQ(trust_.fix(), Fix::kTracking);
+  EXPECT_EQ(trust_.doubt(), 0);
+  EXPECT_EQ(counters_["found"], 1);
+}
+
+TEST_F(TrustOfADrive, IsGoneAtTheFirstMisfitWhileTentative) {
+  drive(30, false);
+  drive(9, true);
+  drive(1, false);
+  EXPECT_EQ(trust_.fix(), Fix::kLost);
+}
+
+TEST_F(TrustOfADrive, BeginsAnewOnNewGroundIfOdometryLedThere) {
+  drive(10, true);
+  EXPECT_TRUE(drive(200, false));
+  EXPECT_EQ(utime_, 10 * 50'000 + 6'050'000) << "once it has been sought everywhere";
+  EXPECT_EQ(trust_.fix(), Fix::kTracking);
+  EXPECT_EQ(counters_["began_anew"], 1);
+}
+
+TEST_F(TrustOfADrive, NeverBeginsAnewWhenNothingToldOfTheMotion) {
+  drive(10, true);
+  trust_.go_blind(counters_);
+  EXPECT_TRUE(trust_.groundless());
+  EXPECT_FALSE(drive(400, false));
+  EXPECT_EQ(counters_["lost.blind"], 1);
+
+  trust_.relocate();
+  EXPECT_EQ(trust_.fix(), Fix::kTentative);
+  EXPECT_FALSE(trust_.groundless());
+}
+
+}  // namespace
+}  // namespace curbstone::mapper::tracking
