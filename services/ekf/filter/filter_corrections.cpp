@@ -1,0 +1,165 @@
+// What corrects the filter: an interval of the wheels, standing, the vehicle's constraint, the map.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "services/ekf/filter/doubt.hpp"
+#include "services/ekf/filter/filter.hpp"
+
+namespace curbstone::ekf::filter {
+
+namespace {
+
+constexpr double kMaxAxleError = 4.0;  // sigma: farther from its configured place it was learnt from nonsense
+
+/// Says nothing, and changes nothing.
+model::Observation no_observation() {
+  model::Observation z(1);
+  z.R(0, 0) = 1.0;
+  return z;
+}
+
+}  // namespace
+
+void Filter::correct_with_wheels(WheelStep step, bool coasting) {
+  switch (step) {
+    case WheelStep::kOpen:
+      return;
+    case WheelStep::kGap:
+      counters_.add("gaps.wheels");
+      break;
+    case WheelStep::kNonsense:
+      counters_.add("refused.wheel_jump");
+      break;
+    case WheelStep::kFirst:
+      break;
+    case WheelStep::kInterval: {
+      const inputs::WheelInterval& interval = odometer_.interval();
+      const bool covered = mechanisation_.window().duration() > 0.5 * interval.duration();
+      if (covered && standing_)
+        correct_standing();
+      else if (covered && coasting)
+        correct_coasting(interval);
+      else if (covered)
+        correct_driving(interval);
+      mechanisation_.window().reset();
+      return;
+    }
+  }
+  slip_.reset_detector();
+  mechanisation_.window().reset();
+}
+
+void Filter::correct_driving(const inputs::WheelInterval& interval) {
+  const model::BodyMotion motion = mechanisation_.window().motion();
+  const auto observe = [&](std::size_t wheel) {
+    return model::observe_wheel(belief_.mean, motion, static_cast<model::Wheel>(wheel), interval.speed[wheel],
+                                inputs::wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel),
+                                geometry_);
+  };
+  std::array<model::Observation, 2> rows{observe(0), observe(1)};
+  if (level_.level()) {
+    slip_.judge(interval, {model::distance(belief_, rows[0]), model::distance(belief_, rows[1])}, belief_.mean,
+                mechanisation_.window(), counters_);
+  } else {
+    slip_.reset_detector();  // a tilted filter sees the wheels slip whenever the vehicle accelerates
+  }
+  bool refused = true;
+  for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+    const bool slipping = slip_.slipping(wheel, interval.end);
+    refused = refused && slipping;
+    if (slipping)
+      rows[wheel] = no_observation();
+    else if (!model::soften_beyond(model::kGate1, belief_, rows[wheel]))
+      counters_.add(wheel == 0 ? "gated.wheel_left" : "gated.wheel_right");
+  }
+  apply(model::stack(model::stack(rows[0], rows[1]), observe_constraint(motion)));
+  const bool strayed =
+      std::abs(belief_.mean.axle - config_->wheels.axle) > kMaxAxleError * config_->wheels.axle_sigma ||
+      belief_.mean.course.cwiseAbs().maxCoeff() > kMaxAxleError * config_->wheels.course_sigma;
+  if (strayed) {
+    counters_.add("reset.axle");
+    detection::forget_axle(belief_, config_->wheels);
+  }
+  const bool absurd = motion.velocity.norm() > config_->wheels.max_speed;
+  if (wheels_refused_.lasts(refused, belief_.utime, config_->slip.patience) || absurd) {
+    doubt(interval.mean_speed() - motion.velocity.x());
+    detection::forget_wheel_scale(belief_, config_->wheels);
+    slip_.acquit();
+  }
+}
+
+model::Observation Filter::observe_constraint(const model::BodyMotion& motion) {
+  const base::WheelsConfig& c = config_->wheels;
+  model::Observation lateral = model::observe_no_motion_along(1, belief_.mean, motion, c.lateral_noise, geometry_);
+  model::Observation vertical = model::observe_no_motion_along(2, belief_.mean, motion, c.vertical_noise, geometry_);
+  const bool lateral_fits = model::soften_beyond(model::kGate1, belief_, lateral);
+  const bool vertical_fits = model::soften_beyond(model::kGate1, belief_, vertical);
+  if (!lateral_fits) counters_.add("gated.lateral");
+  if (!vertical_fits) counters_.add("gated.vertical");
+  const bool refused = !lateral_fits || !vertical_fits;
+  if (constraint_refused_.lasts(refused, belief_.utime, config_->slip.patience)) {
+    doubt(motion.velocity.tail<2>().norm());
+    detection::forget_axle(belief_, c);
+  }
+  return model::stack(lateral, vertical);
+}
+
+void Filter::doubt(double speed_sigma) {
+  counters_.add("reset.doubt");
+  doubt_motion(belief_, speed_sigma, config_->start);
+}
+
+void Filter::correct_coasting(const inputs::WheelInterval& interval) {
+  const model::BodyMotion motion = mechanisation_.window().motion();
+  const auto sigma = [&](std::size_t wheel) {
+    return inputs::wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel);
+  };
+  model::Observation forward =
+      model::observe_forward_speed(belief_.mean, motion, interval.mean_speed(), std::max(sigma(0), sigma(1)));
+  if (!model::soften_beyond(model::kGate1, belief_, forward)) counters_.add("gated.forward");
+  model::Observation constraint = observe_constraint(motion);
+  constraint.H.middleCols<3>(model::kGyroBias).setZero();  // the rate comes from the wheels
+  apply(model::stack(forward, constraint));
+}
+
+void Filter::correct_standing() {
+  const model::MotionWindow& window = mechanisation_.window();
+  const double rate_density = std::hypot(config_->noise.gyro, config_->standstill.rate_noise);
+  model::Observation velocity = model::observe_standing_velocity(belief_.mean, config_->standstill.speed_noise);
+  model::Observation rate =
+      model::observe_standing_rate(belief_.mean, window.gyro(), rate_density / std::sqrt(window.duration()));
+  if (!model::soften_beyond(model::kGate3, belief_, velocity)) counters_.add("gated.standing_velocity");
+  if (!model::soften_beyond(model::kGate3, belief_, rate)) counters_.add("gated.standing_rate");
+  apply(model::stack(velocity, rate));
+}
+
+void Filter::correct_without_wheels() {
+  model::MotionWindow& window = mechanisation_.window();
+  if (window.duration() < config_->wheels.interval) return;
+  apply(observe_constraint(window.motion()));
+  window.reset();
+}
+
+void Filter::correct_with_map() {
+  const inputs::MapIncrement increment = *std::exchange(pending_increment_, std::nullopt);
+  const auto begin = recent_.at(increment.begin);
+  const auto end = recent_.at(increment.utime);
+  if (standing_ || !begin || !end) return;
+  const Pose believed = begin->inverse() * *end;
+  const double dt = base::seconds_between(increment.begin, increment.utime);
+  const model::BodyMotion mean{believed.translation() / dt, so3_log(Eigen::Quaterniond(believed.linear())) / dt};
+  model::Observation z =
+      model::observe_increment(increment.T_begin_end, increment.covariance, believed, dt, mean, geometry_);
+  counters_.add(model::soften_beyond(model::kGate6, belief_, z) ? "map.used" : "gated.map");
+  apply(z);
+}
+
+void Filter::apply(const model::Observation& z) {
+  const Pose before = model::base_pose(belief_.mean, geometry_);
+  model::correct(belief_, z, model::guarded_gain(belief_, z));
+  spreader_.corrected(before, model::base_pose(belief_.mean, geometry_));
+}
+
+}  // namespace curbstone::ekf::filter
