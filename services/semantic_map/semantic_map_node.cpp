@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <curbstone/curb_lines_t.hpp>
 #include <utility>
 
 #include "services/semantic_map/picture/map_picture.hpp"
@@ -22,9 +21,8 @@ constexpr std::int64_t kRequestPeriod = 100'000;
 constexpr int kShownAtOnce = 32;            // tiles, about 10 ms: then the messages that came meanwhile
 constexpr QueueLimit kVotedQueue = {3000};  // two seconds of them, 20 MB: a starved process catches up
 constexpr std::size_t kAnswersPerTick = 4;
-constexpr std::size_t kMaxCurbVertices = 1800;  // 24 bytes each: below 48 kB
-constexpr std::size_t kMaxTiles = 200'000;      // 1.8 square kilometres: memory has an end
-constexpr double kPathSpacing = 0.1;            // m, of the path in the picture
+constexpr std::size_t kMaxTiles = 200'000;  // 1.8 square kilometres: memory has an end
+constexpr double kPathSpacing = 0.1;        // m, of the path in the picture
 
 cells::ClassParameters with_vehicle(cells::ClassParameters classes, const VehicleConfig& vehicle) {
   classes.vehicle_height = vehicle.height;
@@ -46,7 +44,8 @@ SemanticMapNode::SemanticMapNode(const SemanticMapConfig& config, Publisher& bus
       bus_(bus),
       pipeline_(config.curb, with_vehicle(config.classes, config.vehicle)),
       schedule_(config.work_per_tick),
-      keeper_(config.map, static_cast<std::size_t>(config.max_pending_tiles), config.keep_earlier_drives) {}
+      keeper_(config.map, static_cast<std::size_t>(config.max_pending_tiles), config.keep_earlier_drives),
+      nearby_curbs_(config.curb_range) {}
 
 void SemanticMapNode::connect(Subscriber& bus) {
   bus.subscribe<voted_points_t>(
@@ -285,63 +284,24 @@ void SemanticMapNode::publish_index(std::int64_t now) {
     bus_.publish("TILE_INDEX", page);
 }
 
-std::vector<curb_lines::MapCurbPoint> SemanticMapNode::curb_points(double x_min, double y_min, double x_max,
-                                                                   double y_max) const {
-  std::vector<curb_lines::MapCurbPoint> points;
-  for (const TileKey& key : pipeline_.keys()) {
-    const Eigen::Vector2d corner(key.x * kTileSize, key.y * kTileSize);
-    if (corner.x() + kTileSize < x_min || corner.x() > x_max || corner.y() + kTileSize < y_min || corner.y() > y_max)
-      continue;
-    for (const curbs::CurbPoint& p : *pipeline_.curbs(key)) {
-      const Eigen::Vector2d foot = p.foot + corner;
-      if (foot.x() >= x_min && foot.x() <= x_max && foot.y() >= y_min && foot.y() <= y_max)
-        points.push_back({foot, p.up, p.z, p.height, p.confidence, p.weak, p.reach});
-    }
-  }
-  return points;
-}
-
 void SemanticMapNode::publish_curbs(std::int64_t now) {
   last_curbs_ = now;
   curbs_changed_ = false;
-  curb_lines_t m;
-  std::vector<tile::CurbLine> lines;
-  std::size_t vertices = 0;
-  double range = config_.curb_range;
-  do {  // a smaller box where there is more than a message holds
-    lines = curb_lines::link_curbs(
-        curb_points(vehicle_.x() - range, vehicle_.y() - range, vehicle_.x() + range, vehicle_.y() + range));
-    vertices = 0;
-    for (const tile::CurbLine& line : lines) vertices += line.points.size() + 1;
-    m.box_min[0] = static_cast<float>(vehicle_.x() - range);
-    m.box_min[1] = static_cast<float>(vehicle_.y() - range);
-    m.box_max[0] = static_cast<float>(vehicle_.x() + range);
-    m.box_max[1] = static_cast<float>(vehicle_.y() + range);
-    range *= 0.7;
-  } while (vertices > kMaxCurbVertices);
-  curb_ids_.assign(lines);
-  m.utime = newest_utime_;
-  m.epoch = epoch_;
-  m.revision = ++curbs_revision_;
-  m.num_lines = static_cast<std::int32_t>(lines.size());
   std::vector<Eigen::Vector2d> path;
   for (const auto& [utime, place] : path_) path.push_back(place);
-  for (const tile::CurbLine& line : lines) m.lines.push_back(to_message(line, path));
-  bus_.publish("CURBS", m);
+  curb_lines_t message = nearby_curbs_.next(pipeline_, vehicle_, path);
+  message.utime = newest_utime_;
+  message.epoch = epoch_;
+  bus_.publish("CURBS", message);
 }
 
 void SemanticMapNode::store(std::int64_t now) {
   if (curbs_unstored_ && now - last_curbs_stored_ >= kStoreCurbsPeriod) {
     last_curbs_stored_ = now;
     curbs_unstored_ = false;
-    keeper_.put(all_curbs());
+    keeper_.put(all_curbs(pipeline_));
   }
   keeper_.write();
-}
-
-std::vector<tile::CurbLine> SemanticMapNode::all_curbs() const {
-  constexpr double kAll = 1e12;
-  return curb_lines::link_curbs(curb_points(-kAll, -kAll, kAll, kAll));
 }
 
 void SemanticMapNode::finish() {
@@ -350,7 +310,7 @@ void SemanticMapNode::finish() {
   for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(*pipeline_.classes(key), newest_utime_);
   if (curbs_changed_) publish_curbs(newest_utime_);
   publish_index(newest_utime_);
-  const std::vector<tile::CurbLine> curbs = all_curbs();
+  const std::vector<tile::CurbLine> curbs = all_curbs(pipeline_);
   if (drive_started_) keeper_.finish(curbs);
   if (!config_.picture.empty()) draw_picture(curbs);
 }

@@ -17,8 +17,8 @@
 #include "common/shell/latency.hpp"
 #include "common/tile_sync/epoch_follower.hpp"
 #include "common/tile_sync/tile_sync.hpp"
-#include "services/semantic_map/curb_lines/curb_lines.hpp"
 #include "services/semantic_map/held_drive.hpp"
+#include "services/semantic_map/nearby_curbs.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
 #include "services/semantic_map/store/map_keeper.hpp"
 #include "services/semantic_map/tile/voted_tile_assembler.hpp"
@@ -76,10 +76,7 @@ class SemanticMapNode final : public Node {
   void publish_index(std::int64_t now);
   void publish_curbs(std::int64_t now);
   void store(std::int64_t now);
-  [[nodiscard]] std::vector<tile::CurbLine> all_curbs() const;
   void draw_picture(const std::vector<tile::CurbLine>& curbs);
-  [[nodiscard]] std::vector<curb_lines::MapCurbPoint> curb_points(double x_min, double y_min, double x_max,
-                                                                  double y_max) const;
 
   SemanticMapConfig config_;
   Publisher& bus_;
@@ -87,6 +84,7 @@ class SemanticMapNode final : public Node {
   TilePipeline pipeline_;
   UpdateSchedule schedule_;
   store::MapKeeper keeper_;
+  NearbyCurbs nearby_curbs_;
   TileFollower voted_{"semantic_map", "VOTED_POINTS"};
   TileCatalog catalog_{"semantic_map", "SEMANTIC_TILE"};
   bool idles_ = false;        // whether idle() is called, so that tick() need not work
@@ -94,7 +92,6 @@ class SemanticMapNode final : public Node {
   std::set<TileKey> unsent_;  // changed since they were sent
   std::unordered_map<TileKey, Published, TileKeyHash> published_;
   std::unordered_map<TileKey, std::int32_t, TileKeyHash> revisions_;  // of voted tiles
-  curb_lines::CurbLineIds curb_ids_;
 
   EpochFollower epochs_;
   HeldDrive held_;
@@ -106,7 +103,6 @@ class SemanticMapNode final : public Node {
   Eigen::Vector2d vehicle_ = Eigen::Vector2d::Zero();
   std::map<std::int64_t, Eigen::Vector2d> path_;  // by utime
 
-  std::int32_t curbs_revision_ = 0;
   bool curbs_changed_ = false;
   std::int64_t last_curbs_ = 0;
   bool curbs_unstored_ = false;

@@ -1,0 +1,75 @@
+#include "services/semantic_map/nearby_curbs.hpp"
+
+#include <limits>
+
+#include "services/semantic_map/semantic_messages.hpp"
+
+namespace curbstone::semantic_map {
+namespace {
+
+constexpr std::size_t kMaxVertices = 1800;  // 24 bytes each: below 48 kB
+constexpr double kSmaller = 0.7;            // of the range, where there are more
+
+/// m in map.
+struct Box {
+  Eigen::Vector2d min;
+  Eigen::Vector2d max;
+  [[nodiscard]] bool contains(const Eigen::Vector2d& p) const {
+    return (p.array() >= min.array()).all() && (p.array() <= max.array()).all();
+  }
+  [[nodiscard]] bool meets_tile_at(const Eigen::Vector2d& corner) const {
+    return (corner.array() + kTileSize >= min.array()).all() && (corner.array() <= max.array()).all();
+  }
+};
+
+std::vector<curb_lines::MapCurbPoint> points_in(const Box& box, const TilePipeline& pipeline) {
+  std::vector<curb_lines::MapCurbPoint> points;
+  for (const TileKey& key : pipeline.keys()) {
+    const Eigen::Vector2d corner(key.x * kTileSize, key.y * kTileSize);
+    if (!box.meets_tile_at(corner)) continue;
+    for (const curbs::CurbPoint& p : *pipeline.curbs(key)) {
+      const Eigen::Vector2d foot = p.foot + corner;
+      if (box.contains(foot)) points.push_back({foot, p.up, p.z, p.height, p.confidence, p.weak, p.reach});
+    }
+  }
+  return points;
+}
+
+std::size_t num_vertices(const std::vector<tile::CurbLine>& lines) {
+  std::size_t vertices = 0;
+  for (const tile::CurbLine& line : lines) vertices += line.points.size() + 1;
+  return vertices;
+}
+
+}  // namespace
+
+std::vector<tile::CurbLine> all_curbs(const TilePipeline& pipeline) {
+  constexpr double kAll = std::numeric_limits<double>::max();
+  return curb_lines::link_curbs(
+      points_in({Eigen::Vector2d::Constant(-kAll), Eigen::Vector2d::Constant(kAll)}, pipeline));
+}
+
+curb_lines_t NearbyCurbs::next(const TilePipeline& pipeline, const Eigen::Vector2d& vehicle,
+                               const std::vector<Eigen::Vector2d>& path) {
+  double range = range_;
+  const auto box_of = [&] { return Box{vehicle.array() - range, vehicle.array() + range}; };
+  Box box = box_of();
+  std::vector<tile::CurbLine> lines = curb_lines::link_curbs(points_in(box, pipeline));
+  while (num_vertices(lines) > kMaxVertices) {
+    range *= kSmaller;
+    box = box_of();
+    lines = curb_lines::link_curbs(points_in(box, pipeline));
+  }
+  ids_.assign(lines);
+  curb_lines_t message;
+  for (int axis = 0; axis < 2; ++axis) {
+    message.box_min[axis] = static_cast<float>(box.min[axis]);
+    message.box_max[axis] = static_cast<float>(box.max[axis]);
+  }
+  message.revision = ++revision_;
+  message.num_lines = static_cast<std::int32_t>(lines.size());
+  for (const tile::CurbLine& line : lines) message.lines.push_back(to_message(line, path));
+  return message;
+}
+
+}  // namespace curbstone::semantic_map

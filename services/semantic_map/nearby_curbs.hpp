@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <curbstone/curb_lines_t.hpp>
+#include <vector>
+
+#include "services/semantic_map/curb_lines/curb_lines.hpp"
+#include "services/semantic_map/tile_pipeline.hpp"
+
+namespace curbstone::semantic_map {
+
+/// The curb lines of the whole map.
+[[nodiscard]] std::vector<tile::CurbLine> all_curbs(const TilePipeline& pipeline);
+
+/// What CURBS says of the lines about the vehicle. A line that is still there keeps its id from message to message.
+class NearbyCurbs {
+ public:
+  /// `range`: m, half of the box's side; less where there is more than a message holds.
+  explicit NearbyCurbs(double range) : range_(range) {}
+
+  /// `vehicle`, `path`: m in map; the rise of a line is told by the path. The caller fills in utime and epoch.
+  [[nodiscard]] curb_lines_t next(const TilePipeline& pipeline, const Eigen::Vector2d& vehicle,
+                                  const std::vector<Eigen::Vector2d>& path);
+
+ private:
+  double range_;
+  curb_lines::CurbLineIds ids_;
+  std::int32_t revision_ = 0;
+};
+
+}  // namespace curbstone::semantic_map
