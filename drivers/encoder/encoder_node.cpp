@@ -54,10 +54,7 @@ EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
       drive_(drive_settings(config),
              {std::move(send),
               [this](std::int64_t utime, std::array<std::int32_t, 2> counts) { on_counts(utime, counts); },
-              [this] {
-                odometer_.restart();
-                clock_.restart();
-              }}),
+              [this] { odometer_.restart(); }, [this] { clock_.restart(); }}),
       signals_(signals_of(config)),
       odometer_(odometer_settings(config)),
       speedometer_(odometer_settings(config)),
@@ -84,16 +81,17 @@ void EncoderNode::on_frame(std::int64_t receive_utime, const can::CanFrame& fram
 
 void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw& counts) {
   // A sample that is none would put the clock, which counts them, a period wrong.
+  const double period = static_cast<double>(clock_.period()) * 1e-6;
   const bool at_once = receive_utime - last_received_ < clock_.period() / 4;
-  if (at_once && odometer_.repeats(counts, static_cast<double>(clock_.period()) * 1e-6)) {
+  if (at_once && counts == last_counts_ && odometer_.turns_fast(period)) {
     counters_.add("refused.repeated");
     refusal_ = "refused.repeated";
     return;
   }
+  last_counts_ = counts;
   on_sample(
-      receive_utime,
-      [&](int most) { return odometer_.likely_periods(counts, most, static_cast<double>(clock_.period()) * 1e-6); },
-      [&](double elapsed) { return odometer_.update(counts, elapsed); });
+      receive_utime, [&](int least, int most) { return odometer_.likely_periods(counts, least, most, period); },
+      [this, counts](double elapsed) { return odometer_.update(counts, elapsed); });
 }
 
 void EncoderNode::on_signals(std::int64_t receive_utime, const can::CanFrame& frame) {
@@ -107,44 +105,61 @@ void EncoderNode::on_signals(std::int64_t receive_utime, const can::CanFrame& fr
   if (config_.signals.kind == SignalKind::kSpeeds) {
     if (first) speedometer_.restart();
     return on_sample(
-        receive_utime, [](int) { return std::nullopt; },
-        [&](double elapsed) { return speedometer_.update(values->values, elapsed); });
+        receive_utime, [](int, int) { return std::nullopt; },
+        [this, speeds = values->values](double elapsed) { return speedometer_.update(speeds, elapsed); });
   }
   if (!first) return on_counts(receive_utime, values->counts);
   if (counters_["frames"] > 1) counters_.add("counts_restarted");
   odometer_.restart();
   clock_.restart();
   (void)odometer_.update(values->counts, 0);
-  last_received_ = receive_utime;
+  last_received_ = last_stamped_ = receive_utime;
 }
 
-void EncoderNode::on_sample(std::int64_t receive_utime, const PeriodClock::Evidence& evidence,
-                            const std::function<Sample(double)>& update) {
-  const auto stamp = clock_.stamp(receive_utime, evidence);
-  // Speeds by the drive's own periods: a correction of the clock's offset is no change of speed.
-  const std::int64_t elapsed = stamp.restarted ? receive_utime - last_received_ : stamp.steps * clock_.period();
+void EncoderNode::on_sample(std::int64_t receive_utime, const PeriodClock::Evidence& evidence, Update update) {
   last_received_ = receive_utime;
-  if (const int lost = stamp.steps - 1 + stamp.lost_before; lost > 0) counters_.add("lost.samples", lost);
+  const auto& status = drive_.status();
+  waiting_.push_back({receive_utime, std::move(update), status.faults, status.enabled(receive_utime)});
+  for (const PeriodClock::Stamp& stamp : clock_.stamp(receive_utime, evidence)) {
+    on_stamp(receive_utime, waiting_.front(), stamp);
+    waiting_.pop_front();
+  }
+}
 
-  const auto publish_it = [&](wheels_t& message) { output_.publish(message, receive_utime); };
+void EncoderNode::on_stamp(std::int64_t now, const Arrived& arrived, const PeriodClock::Stamp& stamp) {
+  // Speeds by the drive's own periods: a correction of the clock's offset is no change of speed.
+  const std::int64_t passed = stamp.restarted ? arrived.receive_utime - last_stamped_ : stamp.steps * clock_.period();
+  const double elapsed = static_cast<double>(passed) * 1e-6;
+  last_stamped_ = arrived.receive_utime;
+  if (!stamp.sure) {
+    counters_.add("withheld.unsure");
+    odometer_.pass(elapsed);
+    speedometer_.pass(elapsed);
+    return;
+  }
+  if (stamp.steps > 1) counters_.add("lost.samples", stamp.steps - 1);
+
+  const auto publish_it = [&](wheels_t& message) { output_.publish(message, now); };
   if (stamp.restarted) {
     start_.release(publish_it);
-    start_.begin(receive_utime);
+    start_.begin(arrived.receive_utime);
     output_.restart(stamp.utime);
   }
-  const Sample sample = update(static_cast<double>(elapsed) * 1e-6);
+  const Sample sample = arrived.update(elapsed);
   if (!sample) {
     refusal_ = "refused.jump";
     return;
   }
   wheels_t message = WheelsOutput::message(*sample, stamp.utime);
-  for (std::size_t i = 0; i < 2; ++i) message.faults[i] = drive_.status().faults[i];
-  message.enabled = drive_.status().enabled(receive_utime);
-  start_.pass(std::move(message), receive_utime, stamp.earlier, publish_it);
+  for (std::size_t i = 0; i < 2; ++i) message.faults[i] = arrived.faults[i];
+  message.enabled = arrived.enabled;
+  start_.pass(std::move(message), arrived.receive_utime, stamp.earlier, publish_it);
 }
 
 void EncoderNode::finish() {
   start_.release([this](wheels_t& message) { output_.publish(message, last_received_); });
+  if (!waiting_.empty()) counters_.add("withheld.unsure", static_cast<std::int64_t>(waiting_.size()));
+  waiting_.clear();
 }
 
 void EncoderNode::on_link(std::int64_t now, bool up, const std::string& why) {

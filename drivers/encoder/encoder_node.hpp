@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <curbstone/wheels_t.hpp>
+#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -29,9 +30,9 @@ namespace curbstone::encoder {
 /// their time of receipt (us since the Unix epoch), and frames to the drive leave through `send`. One thread.
 ///
 /// PeriodClock makes the stamps: evenly spaced as the drive samples, not as frames arrive. They strictly increase,
-/// unless the host's clock is set back. With `signals`, the wheels are read from raw frames and no drive is known:
-/// nothing is sent, and `enabled` is false. From a file the time is that of the frames, whatever tick() says. Samples
-/// of the first 0.1 s go out at its end: see SettlingStart.
+/// unless the host's clock is set back. A sample waits where its time is not certain yet. With `signals`, the wheels
+/// are read from raw frames and no drive is known: nothing is sent, and `enabled` is false. From a file the time is
+/// that of the frames, whatever tick() says. Samples of the first 0.1 s go out at its end: see SettlingStart.
 class EncoderNode final : public Node {
  public:
   using Send = std::function<void(const can::CanFrame&)>;
@@ -58,8 +59,15 @@ class EncoderNode final : public Node {
   using Sample = std::optional<WheelCounter::Sample>;
   void on_counts(std::int64_t receive_utime, const WheelCounter::Raw& counts);
   void on_signals(std::int64_t receive_utime, const can::CanFrame& frame);
-  void on_sample(std::int64_t receive_utime, const PeriodClock::Evidence& evidence,
-                 const std::function<Sample(double elapsed)>& update);
+  using Update = std::function<Sample(double elapsed)>;
+  struct Arrived {  // what waits for its stamp
+    std::int64_t receive_utime;
+    Update update;
+    std::array<std::uint16_t, 2> faults;
+    bool enabled;
+  };
+  void on_sample(std::int64_t receive_utime, const PeriodClock::Evidence& evidence, Update update);
+  void on_stamp(std::int64_t now, const Arrived& arrived, const PeriodClock::Stamp& stamp);
 
   EncoderConfig config_;
   canopen::WheelDrive drive_;                     // idle where there are signals
@@ -69,7 +77,10 @@ class EncoderNode final : public Node {
   PeriodClock clock_;
   SettlingStart<wheels_t> start_;
   WheelsOutput output_;
+  std::deque<Arrived> waiting_;
   std::int64_t last_received_ = 0;  // counts
+  std::int64_t last_stamped_ = 0;   // time of receipt
+  WheelCounter::Raw last_counts_{};
   std::int64_t began_ = 0;
   std::int64_t now_ = 0;
   std::int64_t last_frame_ = 0;  // received

@@ -1,78 +1,159 @@
 #include "drivers/encoder/period_clock.hpp"
 
 #include <algorithm>
-#include <utility>
+#include <iterator>
 
 namespace curbstone::encoder {
 
 namespace {
-constexpr std::int64_t kWindow = 3'000'000;  // us, of the offset: longer than two times kSettle periods
+constexpr std::int64_t kWindow = 3'000'000;  // us, of the offset
 constexpr std::int64_t kJump = 1'000'000;
+constexpr std::int64_t kPunctual = 800;  // us: a sample that is no later is on the period,
+constexpr std::int64_t kEarly = 300;     // us: nor earlier
+constexpr int kHopeless = 1000;          // samples given up
+constexpr int kOrderly = PeriodClock::kSettle * 6 / 10;
 }  // namespace
 
+/// Those that wait are given up: nobody knows which time passed.
 void PeriodClock::begin(std::int64_t received) {
+  for (const Waiting& waiting : waiting_) decided_.push_back({.utime = waiting.received, .sure = false});
+  waiting_.clear();
+  given_up_ = 0;
   offset_ = ClockOffset(kWindow, kJump);
   running_ = true;
   index_ = 0;
-  settling_ = 0;
-  suspected_ = 0;
-  untold_ = 0;
+  stamped_ = 0;
   block_size_ = 0;
-  last_received_ = received;
   last_stamp_ = offset_.to_host(0, received);
+  decided_.push_back({.utime = last_stamp_, .restarted = true});
 }
 
-PeriodClock::Stamp PeriodClock::stamp(std::int64_t received, const Evidence& evidence) {
+const std::vector<PeriodClock::Stamp>& PeriodClock::stamp(std::int64_t received, const Evidence& evidence) {
+  decided_.clear();
   measure_period(received);
   const std::int64_t gap = received - last_received_;
-  const auto begin_anew = [&]() -> Stamp {
-    begin(received);
-    return {last_stamp_, 1, 0, true};
-  };
-  if (!running_ || gap > kMaxSleep || gap < 0) return begin_anew();
-
-  Stamp stamp;
-  const auto most = static_cast<int>((received - last_stamp_ + period_ / 2) / period_);
-  if (most > 1) {
-    const std::optional<int> told = evidence(most);
-    if (gap > kMaxGap && told != 1) return begin_anew();
-    stamp.steps = std::clamp(told.value_or(1), 1, most);
-    if (told != 1) untold_ += most - stamp.steps;
-  }
   last_received_ = received;
-  index_ += stamp.steps;
-  acquit(last_stamp_ + stamp.steps * period_ - received);
-  stamp.utime = offset_.to_host(index_ * period_, received);
-
-  const std::int64_t delay = received - stamp.utime;
-  if (2 * delay < period_) untold_ = 0;
-  least_delay_ = settling_ == 0 ? delay : std::min(least_delay_, delay);
-  if (++settling_ == kSettle) {
-    settling_ = 0;
-    if (4 * least_delay_ > 3 * period_ && untold_ > 0) {
-      const auto missing = static_cast<int>(std::min(untold_, (least_delay_ + period_ / 4) / period_));
-      untold_ -= missing;
-      suspected_ += missing;
-      suspected_at_ = received;
-      index_ += missing;
-      stamp.utime = offset_.to_host(index_ * period_, received);
-    }
+  if (!running_ || gap > kMaxSleep || gap < 0 || on_another_beat()) {
+    begin(received);
+    return decided_;
   }
-  stamp.lost_before = confirm(received);
-  stamp.earlier = std::max<std::int64_t>(last_stamp_ + stamp.steps * period_ - stamp.utime, 0);
-  last_stamp_ = stamp.utime;
-  return stamp;
+  if (waiting_.size() == kMost) give_up_oldest();
+  const int least = static_cast<int>(waiting_.size()) + 1;  // periods since the last stamped sample
+  const std::int64_t delay = received - (offset_.offset() + (index_ + least) * period_);
+  const int most = most_missing(delay);
+  std::optional<int> told = 0;
+  if (most > 0) {
+    told = evidence(least, least + most);
+    if (told) *told = std::clamp(*told - least, 0, most);
+  }
+  if (gap > kMaxGap && told != 0) {
+    begin(received);
+    return decided_;
+  }
+  waiting_.push_back({received, delay, told});
+  if (most == 0) {
+    decide(0, 0, waiting_.size() - 1);
+  } else {
+    decide_by_evidence();
+    decide_by_order();
+  }
+  return decided_;
 }
 
-/// A sample that arrives before its time shows that as many were not lost.
-void PeriodClock::acquit(std::int64_t early) {
-  if (suspected_ == 0 || 2 * early < period_) return;
-  suspected_ = std::max(0, suspected_ - static_cast<int>((early + period_ / 2) / period_));
+/// How much earlier than by the offset a sample may have been taken. At first nobody knows how late the best one was.
+std::int64_t PeriodClock::tolerance() const {
+  return stamped_ < kSettle ? period_ / 2 : period_ / 8;
 }
 
-int PeriodClock::confirm(std::int64_t received) {
-  if (suspected_ == 0 || received - suspected_at_ < kConfirm) return 0;
-  return std::exchange(suspected_, 0);
+int PeriodClock::most_missing(std::int64_t delay) const {
+  return static_cast<int>(std::max<std::int64_t>(delay + tolerance(), 0) / period_);
+}
+
+void PeriodClock::decide_by_evidence() {
+  const std::optional<int> told = waiting_.back().told;
+  if (!told) return;
+  const auto agrees = [&](const Waiting& waiting) { return waiting.told == told; };
+  const auto first = std::find_if(waiting_.begin(), waiting_.end(), agrees);
+  const auto position = static_cast<std::size_t>(first - waiting_.begin());
+  if (position + 1 < waiting_.size()) decide(*told, position, waiting_.size() - 1, true);
+}
+
+/// How many of the last kSettle that wait came within kPunctual of `delay`.
+int PeriodClock::count_punctual(std::int64_t delay) const {
+  const auto close = [&](const Waiting& waiting) { return is_punctual(waiting.delay - delay); };
+  return static_cast<int>(std::count_if(waiting_.end() - kSettle, waiting_.end(), close));
+}
+
+bool PeriodClock::is_punctual(std::int64_t delay) const {
+  return delay >= -kEarly && delay <= std::min(kPunctual, period_ / 8);
+}
+
+std::int64_t PeriodClock::least_delay() const {
+  const auto by_delay = [](const Waiting& a, const Waiting& b) { return a.delay < b.delay; };
+  return std::min_element(waiting_.end() - kSettle, waiting_.end(), by_delay)->delay;
+}
+
+/// The first one that is on the period may be a late one that only looks so: from the second one on.
+void PeriodClock::decide_by_order() {
+  if (waiting_.size() < kSettle) return;
+  const int missing = most_missing(least_delay());
+  if (count_punctual(missing * period_) < kOrderly) return;
+  const auto punctual = [&](const Waiting& waiting) { return is_punctual(waiting.delay - missing * period_); };
+  const auto begin = waiting_.end() - kSettle;
+  const auto first = std::find_if(std::find_if(begin, waiting_.end(), punctual) + 1, waiting_.end(), punctual);
+  const auto last = std::find_if(waiting_.rbegin(), waiting_.rend(),
+                                 [&](const Waiting& waiting) { return most_missing(waiting.delay) == missing; });
+  decide(missing, static_cast<std::size_t>(first - waiting_.begin()),
+         static_cast<std::size_t>(std::distance(last, waiting_.rend())) - 1);
+}
+
+/// Those that wait keep a beat of their own, for the device was stopped meanwhile. Or it has become hopeless.
+bool PeriodClock::on_another_beat() const {
+  if (waiting_.size() < kMost) return false;
+  return given_up_ >= kHopeless || count_punctual(least_delay()) >= kOrderly;
+}
+
+void PeriodClock::give_up_oldest() {
+  stamp_next(waiting_.front().received, 1, false);
+  waiting_.pop_front();
+  ++given_up_;
+}
+
+/// Before `first` so many are missing, and before `last` no more: the number never falls. Where two later ones told the
+/// number, those before `first` are believed if what they tell fits.
+void PeriodClock::decide(int missing, std::size_t first, std::size_t last, bool told_by_others) {
+  given_up_ = 0;
+  int so_far = 0;
+  for (std::size_t i = 0; i <= last; ++i) {
+    const Waiting waiting = waiting_.front();
+    waiting_.pop_front();
+    std::optional<int> before;
+    if (missing == 0 || i >= first) {
+      before = missing;
+    } else if (told_by_others && waiting.told && *waiting.told >= so_far && *waiting.told <= missing) {
+      before = waiting.told;
+    }
+    stamp_next(waiting.received, before ? 1 + *before - so_far : 1, before.has_value());
+    so_far = before.value_or(so_far);
+  }
+  for (Waiting& waiting : waiting_) {
+    waiting.delay -= missing * period_;
+    if (waiting.told) *waiting.told = std::max(*waiting.told - missing, 0);
+  }
+}
+
+void PeriodClock::stamp_next(std::int64_t received, int steps, bool sure) {
+  index_ += steps;
+  const std::int64_t expected = last_stamp_ + steps * period_;
+  if (!sure) {
+    last_stamp_ = expected;
+    decided_.push_back({.utime = received, .sure = false});
+    return;
+  }
+  last_stamp_ = offset_.to_host(index_ * period_, received);
+  stamped_ = std::min(stamped_ + 1, kSettle);
+  decided_.push_back(
+      {.utime = last_stamp_, .steps = steps, .earlier = std::max<std::int64_t>(expected - last_stamp_, 0)});
 }
 
 /// A wrong timer unit doubles or halves the period. A pause at a block's end spoils its mean: two blocks must agree.

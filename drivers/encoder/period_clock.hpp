@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "common/time/clock_offset.hpp"
 
@@ -12,28 +14,32 @@ namespace curbstone::encoder {
 /// a varying delay. Several samples may arrive at once after a pause, and single ones may be missing.
 ///
 /// The k-th sample was taken at offset + k * period. The offset is that of the least delayed sample (ClockOffset). k
-/// must be estimated: after a pause, samples may be lost or only late. The caller's evidence decides: wheels do not
-/// double their speed from one sample to the next. Without evidence they count as late, and the number that may be lost
-/// is kept. If no sample makes the lateness good within kSettle, the stamps follow it. That is no proof of a loss: a
-/// busy host can be late for half a second. If none does within kConfirm, the samples were lost. Lateness that the
-/// evidence explains, or that came without a pause, is the host's, however long it lasts. Pure; one thread. All times
-/// in us.
+/// is certain where a sample comes less than a period after its time. One that comes later may be late or follow a lost
+/// one, and waits, and so do those that follow it. They are decided together
+///  - by one that comes less than a period late if none is missing: then none is;
+///  - by two of them whose counts tell the same number of missing samples (the caller's evidence). One does not
+///    suffice: it may be corrupt;
+///  - by kSettle of them in a row, most of which come right on the period: the host's delays have no such order. Those
+///    before the second one that is on it are unsure.
+/// Where kMost wait, the oldest is given up as unsure. If they keep a beat of their own, or none for long, all begins
+/// anew. Pure; one thread. All times in us.
 class PeriodClock {
  public:
   struct Stamp {
     std::int64_t utime = 0;    ///< us; never after the arrival
-    int steps = 1;             ///< periods since the sample before, by the evidence: steps - 1 were lost
-    int lost_before = 0;       ///< samples now known, in hindsight, to have been lost
+    int steps = 1;             ///< periods since the sample before: steps - 1 were lost
+    bool sure = true;          ///< false: nobody knows when it was taken; the stamp is a guess
     bool restarted = false;    ///< nothing is known of the time since the sample before
     std::int64_t earlier = 0;  ///< us by which this sample shows those before to have been taken earlier than stamped
   };
-  /// Given the most periods that may have passed, how many have; nothing where that cannot be told.
-  using Evidence = std::function<std::optional<int>(int max_steps)>;
+  /// How many periods, least..most, have passed since the last sample that was stamped; nothing where that cannot be
+  /// told.
+  using Evidence = std::function<std::optional<int>(int least, int most)>;
 
-  /// Samples after which the stamps follow lateness that nobody made good.
+  /// Samples in a row.
   static constexpr int kSettle = 50;
-  /// us after which it was a loss.
-  static constexpr std::int64_t kConfirm = 3'000'000;
+  /// Samples that wait.
+  static constexpr int kMost = 200;
   /// us; after a longer silence all begins anew, unless the evidence says that nothing is missing: the host slept, and
   /// what the device sent meanwhile comes in one go.
   static constexpr std::int64_t kMaxGap = 500'000;
@@ -42,17 +48,33 @@ class PeriodClock {
 
   explicit PeriodClock(std::int64_t period) : nominal_(period), period_(period) {}
 
-  Stamp stamp(std::int64_t received, const Evidence& evidence);
+  /// Takes the arrival of the next sample. Returns the stamps of those, in order of arrival and oldest first, that are
+  /// now decided; they are valid until the next call.
+  const std::vector<Stamp>& stamp(std::int64_t received, const Evidence& evidence);
   void restart() { running_ = false; }
 
   /// us, in use: the nominal one, unless the device plainly keeps another.
   [[nodiscard]] std::int64_t period() const { return period_; }
 
  private:
+  struct Waiting {
+    std::int64_t received;
+    std::int64_t delay;       // us, if none before it is missing
+    std::optional<int> told;  // missing before it, by the evidence
+  };
   void begin(std::int64_t received);
   void measure_period(std::int64_t received);
-  void acquit(std::int64_t early);
-  [[nodiscard]] int confirm(std::int64_t received);
+  [[nodiscard]] std::int64_t tolerance() const;
+  [[nodiscard]] int most_missing(std::int64_t delay) const;
+  [[nodiscard]] bool is_punctual(std::int64_t delay) const;
+  [[nodiscard]] int count_punctual(std::int64_t delay) const;
+  [[nodiscard]] std::int64_t least_delay() const;
+  [[nodiscard]] bool on_another_beat() const;
+  void give_up_oldest();
+  void decide_by_evidence();
+  void decide_by_order();
+  void decide(int missing, std::size_t first, std::size_t last, bool told_by_others = false);
+  void stamp_next(std::int64_t received, int steps, bool sure);
 
   static constexpr int kBlock = 64;  // samples over which the period is measured
 
@@ -60,15 +82,14 @@ class PeriodClock {
   std::int64_t period_;
   ClockOffset offset_;
   bool running_ = false;
-  std::int64_t index_ = 0;       // k
+  std::int64_t index_ = 0;       // k of the last stamped sample
   std::int64_t last_stamp_ = 0;  // us
   std::int64_t last_received_ = 0;
-  std::int64_t least_delay_ = 0;  // us, of the last `settling_` samples
-  int settling_ = 0;
-  std::int64_t untold_ = 0;        // samples that, for all we know, were lost since the last punctual one
-  int suspected_ = 0;              // samples, perhaps lost
-  std::int64_t suspected_at_ = 0;  // us, arrival
-  std::int64_t block_begin_ = 0;   // us, arrival of the block's first sample
+  int stamped_ = 0;   // samples since the beginning, up to kSettle
+  int given_up_ = 0;  // samples since one was stamped
+  std::deque<Waiting> waiting_;
+  std::vector<Stamp> decided_;
+  std::int64_t block_begin_ = 0;  // us, arrival of the block's first sample
   int block_size_ = 0;
   std::int64_t last_mean_ = 0;  // us, period of the block before
 };

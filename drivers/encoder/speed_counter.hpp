@@ -18,6 +18,8 @@ class SpeedCounter {
 
   /// `speeds` rad/s, as the bus has them; `elapsed` s since the last update() call. Empty if the speeds cannot be.
   std::optional<WheelCounter::Sample> update(const std::array<double, 2>& speeds, double elapsed);
+  /// `elapsed` s passed since the last update() or pass() call, and nothing is known of the speeds.
+  void pass(double elapsed) { since_accepted_ += elapsed; }
   /// What the wheels turn until the next sample is not known.
   void restart() { last_.reset(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }

@@ -8,7 +8,7 @@ namespace curbstone::encoder {
 
 namespace {
 constexpr int kMaxSuspects = 3;       // samples in a row that agree with each other: they are right
-constexpr double kEvidentCounts = 8;  // a sample; slower, the counts say nothing about time
+constexpr double kAcceleration = 20;  // rad/s^2, of a wheel
 }  // namespace
 
 /// Modulo 2^32: right across the wrap.
@@ -47,6 +47,7 @@ std::optional<WheelCounter::Sample> WheelCounter::update(const Raw& raw, double 
   }
   const double time = since_accepted_;
   last_ = raw;
+  rate_time_ = time;
   since_accepted_ = 0;
   suspects_ = 0;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -68,26 +69,31 @@ WheelCounter::Sample WheelCounter::sample(const std::array<double, 2>& moved, do
   return sample;
 }
 
-std::optional<int> WheelCounter::likely_periods(const Raw& raw, int most, double period) const {
-  if (!last_ || std::max(std::abs(rate_[0]), std::abs(rate_[1])) * period < kEvidentCounts) return {};
+std::optional<int> WheelCounter::likely_periods(const Raw& raw, int least, int most, double period) const {
+  if (!last_) return {};
+  const double before = since_accepted_ / period;  // periods, of samples that were refused or passed
   const std::array<double, 2> moved = difference(*last_, raw);
-  const auto surprise = [&](int periods) {  // counts a period
-    return std::abs(moved[0] / periods - rate_[0] * period) + std::abs(moved[1] / periods - rate_[1] * period);
+  const auto surprise = [&](int periods) {  // counts
+    const double time = (before + periods) * period;
+    return std::abs(moved[0] - rate_[0] * time) + std::abs(moved[1] - rate_[1] * time);
   };
-  int best = 1;
-  for (int periods = 2; periods <= most; ++periods) {
+  int best = least;
+  for (int periods = least + 1; periods <= most; ++periods) {
     if (surprise(periods) < surprise(best)) best = periods;
   }
-  if (surprise(best) < 0.5 * surprise(1)) return best;
-  const double expected = (std::abs(rate_[0]) + std::abs(rate_[1])) * period;
-  if (surprise(1) < 0.5 * expected) return 1;
-  return {};
+  // Of what the wheels turn in a period, a quarter may be unexplained, and a half is what could be otherwise.
+  const double turned = (std::abs(rate_[0]) + std::abs(rate_[1])) * period;
+  const double periods = before + best;
+  const double time = periods * period;
+  const double by_acceleration = kAcceleration * time * (time + rate_time_) / 2;  // rad
+  const double doubt = by_acceleration * settings_.counts_per_revolution / (2 * std::numbers::pi) + 1 + 0.5 * periods;
+  if (surprise(best) > 0.25 * turned || 2 * doubt > 0.5 * turned) return {};
+  return best;
 }
 
-bool WheelCounter::repeats(const Raw& raw, double period) const {
+bool WheelCounter::turns_fast(double period) const {
   constexpr double kTooFast =
       8;  // counts a period: to stop at once from there takes 20 m/s^2 at 4096 counts and 0.17 m
-  if (!last_ || raw != *last_) return false;
   return std::max(std::abs(rate_[0]), std::abs(rate_[1])) * period >= kTooFast;
 }
 

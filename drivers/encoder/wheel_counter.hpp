@@ -34,13 +34,15 @@ class WheelCounter {
   /// The drive's counts begin anew with the next sample.
   void restart() { last_.reset(); }
 
-  /// How many periods of `period` s (1..most) have passed since the last sample, if the wheels kept their speeds. 1
-  /// unless the counts clearly show more. Nothing where they show neither, as with slow wheels.
-  [[nodiscard]] std::optional<int> likely_periods(const Raw& raw, int most, double period) const;
+  /// `elapsed` s passed since the last update() or pass() call, and nothing is known of the counts.
+  void pass(double elapsed) { since_accepted_ += elapsed; }
 
-  /// The counts of the last sample again, though the wheels turned so fast that they cannot have stopped within
-  /// `period` s: the same frame twice.
-  [[nodiscard]] bool repeats(const Raw& raw, double period) const;
+  /// How many periods of `period` s (least..most) have passed since the last update() or pass() call, if the wheels did
+  /// not accelerate more than vehicles do. Nothing where the counts do not tell, as with slow wheels.
+  [[nodiscard]] std::optional<int> likely_periods(const Raw& raw, int least, int most, double period) const;
+
+  /// The wheels turned so fast that they cannot have stopped within `period` s.
+  [[nodiscard]] bool turns_fast(double period) const;
 
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -52,6 +54,7 @@ class WheelCounter {
   std::optional<Raw> last_;              // raw counts of the last accepted sample
   std::array<std::int64_t, 2> total_{};  // counts, signed forward
   std::array<double, 2> rate_{};         // raw counts/s, over the last sample
+  double rate_time_ = 0;                 // s, that this took
   double since_accepted_ = 0;            // s
   std::optional<Raw> suspect_;           // the last sample that was refused
   int suspects_ = 0;

@@ -79,4 +79,17 @@ void DriverCapture::fail_empty() const {
                                        to_text(sources::contents_of(config_.pcap))));
 }
 
+bool has_one_info(const LidarConfig& config) {
+  int infos = 0;
+  try {
+    for (DriverCapture capture(config, false); capture.packet() && infos < 2; capture.advance()) {
+      const models::Sender sender = models::sender_of(capture.packet()->bytes);
+      if (sender == models::Sender::kHeliosInfo || sender == models::Sender::kRs16Info) ++infos;
+    }
+  } catch (const std::runtime_error&) {
+    // A file that is cut off has what it has; whoever reads it says so.
+  }
+  return infos == 1;
+}
+
 }  // namespace curbstone::lidar

@@ -54,4 +54,8 @@ class DriverCapture {
   sources::PcapSource::Skipped before_;  ///< in the passes before
 };
 
+/// Whether the device says but once, in the whole file, how it is: nothing can confirm it. Reads to the second time.
+/// Throws as DriverCapture does.
+[[nodiscard]] bool has_one_info(const LidarConfig& config);
+
 }  // namespace curbstone::lidar

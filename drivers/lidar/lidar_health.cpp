@@ -25,7 +25,7 @@ std::string remedy(decoding::Refusal why, const models::ModelTable& model) {
     case Refusal::kStamp:
       return "the device's stamps do not go on evenly";
     case Refusal::kAzimuth:
-      return "the head cannot have turned as the packets say";
+      return "the head stands, or cannot have turned as the packets say";
     default:
       return "damaged packets";
   }

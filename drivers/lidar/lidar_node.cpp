@@ -29,7 +29,6 @@ models::ModelSettings settings_of(const LidarConfig& config) {
   settings.limits = {config.min_range, config.max_range, config.start_angle, config.end_angle};
   settings.distance_step = distance_step(config.distance_resolution);
   settings.wait_for_info = config.wait_for_difop;
-  settings.believes_first_info = !config.pcap.empty();
   if (!config.angles_file.empty()) settings.angles = read_angles(config.angles_file);
   return settings;
 }
@@ -52,6 +51,11 @@ LidarNode::LidarNode(const LidarConfig& config, Publisher& bus, HostClockCheck h
       health_(point_port(config), info_port(config)),
       latency_(kLatencies) {
   message_.packet = -1;
+}
+
+void LidarNode::expect_one_info() {
+  settings_.only_info = true;
+  if (model_) model_ = models::make_model(config_.model, settings_);
 }
 
 void LidarNode::on(const raw_packet_t& packet) {

@@ -43,6 +43,9 @@ class LidarNode final : public Node {
   /// The same from a log.
   void on(const raw_packet_t& packet);
 
+  /// Before the first packet: what follows is a capture with but one device information.
+  void expect_one_info();
+
   /// Packets that the kernel has dropped since the start.
   void set_dropped(std::int64_t packets) { counters_.set("dropped.socket", packets); }
   /// What is wrong with where the packets come from, in words; empty when nothing is.

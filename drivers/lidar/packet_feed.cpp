@@ -82,6 +82,7 @@ class CaptureFeed final : public PacketFeed {
   CaptureFeed(const LidarConfig& config, LidarNode& node, EventLoop& loop)
       : file_(config.pcap), rate_(config.pcap_rate), capture_(config, config.pcap_repeat), node_(node), loop_(loop) {
     begin_ = capture_.packet()->received;
+    if (has_one_info(config)) node_.expect_one_info();
     loop.every(std::chrono::milliseconds(1), [this] { feed(); });
   }
 
@@ -126,6 +127,7 @@ std::unique_ptr<PacketFeed> feed_from_capture(const LidarConfig& config, LidarNo
 std::int64_t feed_whole_capture(const LidarConfig& config, LidarNode& node) {
   DriverCapture capture(config, false);
   std::int64_t count = 0;
+  if (has_one_info(config)) node.expect_one_info();
   for (; const auto& packet = capture.packet(); capture.advance(), ++count)
     node.on_packet(packet->received, packet->port, packet->bytes);
   count_refused(capture, node);

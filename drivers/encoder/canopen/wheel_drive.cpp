@@ -127,6 +127,7 @@ void WheelDrive::restart(std::int64_t now) {
   status_.word_utime = status_.faults_utime = 0;
   nmt_state_ = NmtState::kOperational;
   since_ = now;
+  handlers_.on_stop();
   if (!settings_.configure) {
     run(now);
     return;

@@ -48,7 +48,8 @@ class WheelDrive {
   struct Handlers {
     std::function<void(const can::CanFrame&)> send;
     std::function<void(std::int64_t receive_utime, std::array<std::int32_t, 2> counts)> on_counts;
-    std::function<void()> on_restart;  ///< the drive has booted: its counts begin anew
+    std::function<void()> on_restart;       ///< the drive has booted: its counts begin anew
+    std::function<void()> on_stop = [] {};  ///< the positions that come next keep another beat
   };
 
   WheelDrive(const Settings& settings, Handlers handlers);

@@ -11,6 +11,7 @@ namespace {
 constexpr int kCircle = 36000;      // 0.01 deg
 constexpr int kStepBack = 1000;     // a step back of less than this is one; else a wide blind zone
 constexpr int kFastest = 100;       // more than any motor speed gives: 20, 40, 80 at 5, 10, 20 Hz
+constexpr int kSlowest = 3;         // slower, it stands, or its azimuth is stuck: the same to who looks at the bytes
 constexpr int kLeastTolerance = 8;  // rounding and jitter; a Helios' steps are within 6 of their median
 
 int step(std::uint16_t from, std::uint16_t to) {
@@ -55,7 +56,7 @@ BlockSteps block_steps(std::span<const std::uint16_t> azimuths, const BlindZone&
     if (width > kFastest) result.gap = Gap{azimuths[*odd], width};
   }
   const bool blind = result.gap && blind_zone.is(*result.gap);
-  result.steady = median <= kFastest && median >= -kLeastTolerance && (odd_steps == 0 || blind);
+  result.steady = median <= kFastest && median >= kSlowest && (odd_steps == 0 || blind);
   if (!result.steady) return result;
 
   double start = 0;

@@ -47,8 +47,9 @@ class DriveRig {
   /// From now on the host does nothing for `us`; what comes waits for it.
   void sleep_for(std::int64_t us) { asleep_until_ = now + us; }
   void receive(std::int64_t at, const simulate::devices::CanDriveEmulator::Frames& frames) {
-    for (const encoder::can::CanFrame& frame : frames) {
+    for (encoder::can::CanFrame frame : frames) {
       if (!connected || lost(frame)) continue;
+      corrupt(frame);
       late_.insert(late_.end(), static_cast<std::size_t>(copies(frame)), {at + delay(frame), frame});
     }
   }
@@ -70,6 +71,7 @@ class DriveRig {
     return std::int64_t{200};
   };
   std::function<bool(const encoder::can::CanFrame&)> lost = [](const encoder::can::CanFrame&) { return false; };
+  std::function<void(encoder::can::CanFrame&)> corrupt = [](encoder::can::CanFrame&) {};
   std::function<int(const encoder::can::CanFrame&)> copies = [](const encoder::can::CanFrame&) { return 1; };
   simulate::devices::CanDriveEmulator drive;
 

@@ -259,6 +259,25 @@ TEST(EncoderNodeTest, OneCorruptedSampleIsRefusedAndTheNextIsRight) {
   EXPECT_NEAR(rig.messages().back().angle[0] - angle, 10, 0.2);
 }
 
+TEST(EncoderNodeTest, ASampleThatIsAPeriodLateAfterTwoCorruptOnesKeepsItsTime) {
+  testing::DriveRig rig;
+  int positions = 0;
+  rig.corrupt = [&](can::CanFrame& frame) {
+    if (frame.id == 0x181 && (positions == 300 || positions == 301)) frame.data[3] ^= 0x40;
+  };
+  rig.delay = [&](const can::CanFrame& frame) -> std::int64_t {
+    return frame.id == 0x181 && positions++ == 302 ? 10'300 : 200;
+  };
+  rig.receive(rig.now, rig.drive.power_on(rig.now));
+  rig.run_for(5'000'000);
+  EXPECT_EQ(rig.count("refused.jump"), 2);
+  EXPECT_EQ(rig.count("lost.samples"), 0);
+  ASSERT_GT(rig.messages().size(), 400u);
+  for (const wheels_t& message : rig.messages()) {
+    EXPECT_NEAR(message.angle[0], rig.angle(message.utime) - rig.angle(rig.messages()[0].utime), 10 * 0.001);
+  }
+}
+
 TEST(EncoderNodeTest, ATimerInAnotherUnitIsToldAndTheSpeedsStayRight) {
   testing::DriveRig rig({}, {.event_timer_unit = 1000});  // by the standard: 20 ms, not 10
   rig.receive(rig.now, rig.drive.power_on(rig.now));

@@ -57,7 +57,7 @@ void Ledger::print(const std::string& sensor, double hours, double seconds, cons
   fmt::print("  used twice or never sent {}, worst stamp {:.3f} ms ({} off by more than 1 ms), memory {:+.1f} MB\n",
              strange_, static_cast<double>(worst_error_) * 1e-3, wrong_, static_cast<double>(growth()) / (1 << 20));
   for (const auto& [name, value] : report.counters.values()) {
-    for (const char* kind : {"refused.", "lost.", "dropped.", "clock"}) {
+    for (const char* kind : {"refused.", "lost.", "withheld.", "dropped.", "clock"}) {
       if (name.starts_with(kind)) fmt::print("  {} {}\n", name, value);
     }
   }

@@ -47,7 +47,7 @@ struct ModelSettings {
   std::optional<double> distance_step;  ///< m; nothing: the device's own
   std::vector<LaserAngles> angles;      ///< from a file, by laser in firing order; empty: the device's own
   bool wait_for_info = false;           ///< no points before the device has told its angles
-  bool believes_first_info = false;     ///< where nothing else gives the angles: a capture may have but one
+  bool only_info = false;               ///< but one device information will come: it counts if it is plausible
 };
 
 /// What a device says of itself, as far as the driver has it.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "common/bytes/big_endian.hpp"
 #include "drivers/lidar/models/robosense/magic.hpp"
@@ -59,7 +61,37 @@ int read_angles(Bytes bytes, std::array<LaserAngles, kRecords>& angles) {
   return static_cast<int>(whole);
 }
 
+/// Beams lie evenly: each step is like those beside it. Measured: steps of 1.3 to 4 deg, at most 1.55 times the larger
+/// of the two beside them, and at least 0.65 times the smaller.
+bool are_spread_evenly(std::vector<double> elevations) {
+  constexpr double kLow = -60, kHigh = 20;  // deg
+  std::ranges::sort(elevations);
+  if (elevations.front() < kLow || elevations.back() > kHigh) return false;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < elevations.size(); ++i) steps.push_back(elevations[i] - elevations[i - 1]);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const double before = steps[i > 0 ? i - 1 : 1];
+    const double after = steps[i + 1 < steps.size() ? i + 1 : i - 1];
+    if (steps[i] > 1.7 * std::max(before, after) || steps[i] < 0.55 * std::min(before, after)) return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+bool is_plausible(const DeviceInfo& info, const DeviceStatus& status) {
+  constexpr double kFarthestAside = 10;  // deg
+  const bool can_be_set = info.rpm == 300 || info.rpm == 600 || info.rpm == 1200;
+  const bool has_it = std::abs(status.rpm - info.rpm) <= info.rpm / 10 || status.rpm == 0;
+  if (!can_be_set || !has_it || info.lasers == 0) return false;
+  std::vector<double> elevations;
+  for (int i = 0; i < info.lasers; ++i) {
+    const LaserAngles& laser = info.angles[static_cast<std::size_t>(i)];
+    if (std::abs(laser.azimuth) > kFarthestAside) return false;
+    elevations.push_back(laser.elevation);
+  }
+  return are_spread_evenly(std::move(elevations));
+}
 
 DifopResult parse_difop(Bytes bytes) {
   if (bytes.size() != robosense::kPacketSize) return {Refusal::kLength, {}, {}};

@@ -38,6 +38,11 @@ struct DifopResult {
   DeviceStatus status;
 };
 
+/// Whether this is what a whole device says, where no second time confirms it: a speed that it can be set to and has,
+/// and elevations that are spread as a Helios' are. An elevation that is off by more than half the distance of its
+/// neighbours is noticed. One that is off by less, or an azimuth that is, cannot be.
+[[nodiscard]] bool is_plausible(const DeviceInfo& info, const DeviceStatus& status);
+
 /// Reads a Helios' device information. Any bytes may come. Source: RS-Helios-16P user manual; nebula 606ac41.
 [[nodiscard]] DifopResult parse_difop(std::span<const std::uint8_t> bytes);
 

@@ -65,8 +65,9 @@ Refusal HeliosModel::read_info(std::int64_t received, std::span<const std::uint8
   if (result.refusal != Refusal::kNone) return result.refusal;
   const bool fits = result.info.lasers == static_cast<int>(variant_.lasers);
   if (!fits && (result.info.lasers != 0 || settings_.angles.empty())) return Refusal::kDifopAngles;
+  const bool alone = settings_.only_info && !facts_.told;
+  if (alone && settings_.angles.empty() && !is_plausible(result.info, result.status)) return Refusal::kDifopAngles;
   const bool agreed = info_.offer(result.info);
-  const bool alone = settings_.believes_first_info && !facts_.told;
   if (agreed || alone) use(result.info);
   if (info_.value() || facts_.told || alone) tell(info_.value().value_or(result.info), result.status);
   return Refusal::kNone;

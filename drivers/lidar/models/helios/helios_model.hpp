@@ -7,8 +7,8 @@
 namespace curbstone::lidar::models::helios {
 
 /// A Helios of 16 or 32 lasers as a model. Its angles are its own: from its device information or from a file. There is
-/// no nominal table, so no points come before they are known. The first device information counts at once, since
-/// without it there is nothing; from then on two in a row must agree.
+/// no nominal table, so no points come before they are known. Two device informations in a row must agree. Where but
+/// one will come, it counts if it is plausible.
 class HeliosModel final : public Model {
  public:
   /// Throws std::runtime_error where the file's angles are not as many as the lasers.

@@ -196,9 +196,8 @@ TEST(HeliosNode, TakesItsAnglesFromAFileInstead) {
 }
 
 TEST(HeliosNode, BelievesTheOnlyInformationOfACapture) {
-  LidarConfig config = config_for(ModelName::kHelios16p);
-  config.pcap = "drive.pcap";
-  Bench bench(config);
+  Bench bench(config_for(ModelName::kHelios16p));
+  bench.node.expect_one_info();
   bench.send(info(16), kUtc, robosense::kDifopPort);
   for (int i = 0; i < 3; ++i) {
     MsopPacket packet = points(10000 + i * 480, 40, kUtc + i * 1333);
@@ -206,6 +205,40 @@ TEST(HeliosNode, BelievesTheOnlyInformationOfACapture) {
     bench.send(bytes_of(packet), kUtc + (i + 1) * 1333);
   }
   EXPECT_EQ(bench.points.size(), 3U);
+}
+
+TEST(HeliosNode, DoesNotBelieveTheOnlyInformationWhereItIsDamaged) {
+  const auto set = [](std::size_t at, int byte) { return std::pair{at, static_cast<std::uint8_t>(byte)}; };
+  for (const auto& [at, byte] : {set(8, 0x42), set(352, 0x42), set(469 + 3 * 4, 2), set(470 + 3 * 4, 0x20), set(468, 1),
+                                 set(565 + 3 * 7, 9), set(300, 3), set(468 + 3 * 9, 7)}) {
+    Bench bench(config_for(ModelName::kHelios16p));
+    bench.node.expect_one_info();
+    Bytes damaged = info(16);
+    damaged[at] = byte;
+    bench.send(damaged, kUtc, robosense::kDifopPort);
+    for (int i = 0; i < 3; ++i)
+      bench.send(bytes_of(points(10000 + i * 480, 40, kUtc + i * 1333)), kUtc + (i + 1) * 1333);
+    EXPECT_EQ(bench.points.size(), 0U) << at;
+    EXPECT_EQ(bench.count("refused.difop_angles") + bench.count("refused.difop_mode"), 1) << at;
+  }
+}
+
+TEST(HeliosNode, ADamagedFirstInformationSetsNothingWhereMoreCome) {
+  Bench bench(config_for(ModelName::kHelios16p));
+  Bytes damaged = info(16, 0);
+  damaged[470] = static_cast<std::uint8_t>(damaged[470] + 7);
+  bench.send(damaged, kUtc, robosense::kDifopPort);
+  MsopPacket packet = points(10000, 40, kUtc);
+  bench.send(bytes_of(packet), kUtc + 1333);
+  EXPECT_EQ(bench.count("refused.no_angles"), 1);
+  for (int i = 0; i < 2; ++i) bench.send(info(16), kUtc, robosense::kDifopPort);
+  for (int i = 1; i < 4; ++i) {
+    packet = points(10000 + i * 480, 40, kUtc + i * 1333);
+    packet.blocks[0].records[0] = {1000, 1};
+    bench.send(bytes_of(packet), kUtc + (i + 1) * 1333);
+  }
+  ASSERT_EQ(bench.points.size(), 3U);
+  EXPECT_NEAR(bench.points[0].z.at(0), 2.5 * std::sin(14.0 * M_PI / 180), 1e-5);
 }
 
 TEST(HeliosNode, OneDamagedInformationDoesNotChangeTheAngles) {
