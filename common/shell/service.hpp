@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/node.hpp"
@@ -18,6 +19,8 @@ struct ServiceContext {
   Publisher& bus;
   Tappable& everything;  ///< the same bus: for a recorder
   EventLoop& loop;
+  /// LcmBus::hear_large(): for a recorder, before it taps the bus.
+  std::function<void(std::vector<std::string> channels)> hear_large;
 };
 
 /// Which process this is.
