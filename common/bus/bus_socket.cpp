@@ -16,6 +16,7 @@
 #include <system_error>
 
 #include "common/bus/channel_filter.hpp"
+#include "common/bytes/big_endian.hpp"
 #include "common/time/clock.hpp"
 
 namespace curbstone {
@@ -78,6 +79,15 @@ std::int64_t time_of(const msghdr& header) {
   return wall_clock();
 }
 
+bool is_fragment(std::span<const std::uint8_t> datagram) {
+  return datagram.size() >= 4 && read_big_endian<std::uint32_t>(datagram) == FragmentAssembler::kMagic;
+}
+
+/// Address and port.
+std::uint64_t number_of(const sockaddr_in& sender) {
+  return std::uint64_t{ntohl(sender.sin_addr.s_addr)} << 16 | ntohs(sender.sin_port);
+}
+
 }  // namespace
 
 /// What recvmmsg() fills.
@@ -104,7 +114,9 @@ struct BusSocket::Batch {
   [[nodiscard]] std::uint8_t* datagram(std::size_t i) const { return bytes.get() + i * kDatagram; }
 };
 
-BusSocket::BusSocket(const BusAddress& address) : batch_(std::make_unique<Batch>()) {
+BusSocket::BusSocket(const BusAddress& address, const std::vector<std::string>& large_channels)
+    : batch_(std::make_unique<Batch>()) {
+  if (!large_channels.empty()) assembler_.emplace(large_channels);
   fd_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (fd_ < 0) throw std::system_error(errno, std::generic_category(), "socket");
   try {
@@ -136,7 +148,7 @@ void BusSocket::pass_only(const std::vector<std::string>& channels) {
 }
 
 void BusSocket::pass_all() {
-  attach(make_message_filter());
+  attach(make_message_filter(assembler_.has_value()));
   note_drops(true);
   const std::scoped_lock lock(mutex_);
   passes_all_ = true;
@@ -151,15 +163,29 @@ void BusSocket::receive(const Handler& handler) {
   note_drops(false);
   for (std::size_t i = 0; count > 0 && i < static_cast<std::size_t>(count); ++i) {
     const std::span<const std::uint8_t> all(batch_->datagram(i), batch_->headers[i].msg_len);
+    const std::int64_t utime = time_of(batch_->headers[i].msg_hdr);
+    if (is_fragment(all)) {
+      take_fragment(number_of(batch_->senders[i]), all, utime, handler);
+      continue;
+    }
     const auto name = all.subspan(std::min(kHeader, all.size()));
     const auto end = std::find(name.begin(), name.end(), 0);
     if (end == name.end()) continue;  // the filter lets none pass
     const auto size = static_cast<std::size_t>(end - name.begin());
     handler({{reinterpret_cast<const char*>(name.data()), size},
              name.subspan(size + 1),
-             time_of(batch_->headers[i].msg_hdr),
+             utime,
              ntohs(batch_->senders[i].sin_port)});
   }
+}
+
+void BusSocket::take_fragment(std::uint64_t sender, std::span<const std::uint8_t> datagram, std::int64_t utime,
+                              const Handler& handler) {
+  if (!assembler_) return;
+  const auto whole = assembler_->add(sender, datagram, steady_clock());
+  refused_fragments_ = assembler_->refused();
+  dropped_large_ = assembler_->dropped();
+  if (whole) handler({whole->channel, whole->bytes, utime, static_cast<std::uint16_t>(sender & 0xFFFF)});
 }
 
 BusSocket::Buffer BusSocket::look_at_buffer() const {

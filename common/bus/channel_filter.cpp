@@ -8,6 +8,7 @@ namespace curbstone {
 namespace {
 
 constexpr std::uint32_t kUdpHeader = 8;
+constexpr std::uint32_t kFragment = 0x4C433033;  // "LC03"
 constexpr std::uint32_t kWhole = 0x4C433032;     // "LC02"
 constexpr std::uint32_t kName = kUdpHeader + 8;  // where the channel's name begins
 constexpr std::uint32_t kMaxName = 63;           // bytes
@@ -65,8 +66,13 @@ std::vector<sock_filter> make_channel_filter(std::vector<std::string> channels) 
   return program;
 }
 
-std::vector<sock_filter> make_message_filter() {
-  std::vector<sock_filter> program = whole_messages();
+std::vector<sock_filter> make_message_filter(bool with_fragments) {
+  std::vector<sock_filter> program;
+  if (with_fragments)
+    program = {statement(BPF_LD | BPF_W | BPF_ABS, kUdpHeader), jump(BPF_JMP | BPF_JEQ | BPF_K, kFragment, 0, 1),
+               statement(BPF_RET | BPF_K, kAll)};
+  const std::vector<sock_filter> whole = whole_messages();
+  program.insert(program.end(), whole.begin(), whole.end());
   // The name's end is looked for byte by byte: classic BPF has no loops.
   for (std::uint32_t i = 0; i <= kMaxName; ++i) {
     program.push_back(statement(BPF_LD | BPF_B | BPF_ABS, kName + i));

@@ -18,7 +18,8 @@ namespace curbstone {
 /// are not for most of its processes.
 [[nodiscard]] std::vector<sock_filter> make_channel_filter(std::vector<std::string> channels);
 
-/// Messages on any channel whose name has 1 to 63 bytes and ends within the datagram.
-[[nodiscard]] std::vector<sock_filter> make_message_filter();
+/// Messages on any channel whose name has 1 to 63 bytes and ends within the datagram. `with_fragments`: those of larger
+/// messages too, for who puts them together himself (fragment_assembler.hpp).
+[[nodiscard]] std::vector<sock_filter> make_message_filter(bool with_fragments = false);
 
 }  // namespace curbstone

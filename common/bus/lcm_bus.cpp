@@ -78,6 +78,8 @@ class LcmBus::Impl {
     if (socket_) socket_->pass_all();
   }
 
+  void hear_large(std::vector<std::string> channels) { large_channels_ = std::move(channels); }
+
   bool handle(std::chrono::milliseconds timeout) {
     if (!threaded_) return lcm_handle_timeout(lcm_, static_cast<int>(timeout.count())) >= 0;
     if (timeout.count() > 0) {
@@ -108,6 +110,10 @@ class LcmBus::Impl {
     all.set("dropped.queue", queue_drops_.load());
     if (socket_) all.set("dropped.kernel", socket_->dropped());
     if (has_tap_ && socket_) all.set("refused.datagram", socket_->refused());
+    if (!large_channels_.empty() && socket_) {
+      all.set("refused.fragment", socket_->refused_fragments());
+      all.set("dropped.large", socket_->dropped_large());
+    }
     if (const auto failed = publish_failed_.load(); failed > 0) all.set("faults.publish", failed);
     return all;
   }
@@ -156,7 +162,7 @@ class LcmBus::Impl {
     if (!threaded_) return subscribe_to_lcm(*subscriptions_.back());
     if (socket_) return;
     try {
-      socket_.emplace(address_);
+      socket_.emplace(address_, large_channels_);
     } catch (const std::runtime_error& error) {
       cannot_open(error.what());
     }
@@ -244,6 +250,7 @@ class LcmBus::Impl {
   int stop_fd_ = -1;
   mutable std::optional<BusSocket> socket_;
   std::vector<std::string> channels_;
+  std::vector<std::string> large_channels_;
   bool has_tap_ = false;
   std::mutex queue_mutex_;  // of the two below
   std::vector<std::unique_ptr<Subscription>> subscriptions_;
@@ -278,6 +285,9 @@ void LcmBus::publish_bytes(const std::string& channel, const void* data, int siz
 }
 void LcmBus::tap(Tap tap, QueueLimit limit, const std::string& except) {
   impl_->tap(std::move(tap), limit, except);
+}
+void LcmBus::hear_large(std::vector<std::string> channels) {
+  impl_->hear_large(std::move(channels));
 }
 void LcmBus::subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) {
   impl_->subscribe(channel, std::move(handler), limit);

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 
@@ -30,6 +31,11 @@ class LcmBus final : public Publisher, public Subscriber, public Tappable {
   /// Called from the thread that handles the bus, with the time (us since the Unix epoch) at which the kernel had the
   /// message.
   void tap(Tap tap, QueueLimit limit, const std::string& except = "") override;
+
+  /// Of these channels a tap also hears messages of more than 64 kB, up to 16 MB, as foreign programs send them: see
+  /// FragmentAssembler. `refused.fragment` and `dropped.large` count what did not become whole. To be called before
+  /// anything is subscribed to. Other buses than UDP multicast know no such limit.
+  void hear_large(std::vector<std::string> channels);
 
   /// For poll(): readable when handle() has something to do. Call handle(0) then.
   [[nodiscard]] int fd() const;

@@ -18,6 +18,7 @@ namespace curbstone {
 namespace {
 
 constexpr std::chrono::seconds kConfigPeriod{5};
+constexpr std::chrono::milliseconds kLookPeriod{200};  // whether a fault has come or gone
 
 /// Who was started by a deputy is a session of its own, and between sessions only their groups' niceness counts
 /// (sched(7), "autogroup").
@@ -42,7 +43,9 @@ void run(service_config_t config, const std::string& url, const std::string& has
   if (nice != 0) set_niceness(nice);
   EventLoop loop;
   LcmBus bus(url);
-  ServiceContext context{config.service, bus.url(), bus, bus, loop};
+  ServiceContext context{config.service, bus.url(), bus, bus, loop, [&bus](std::vector<std::string> channels) {
+                           bus.hear_large(std::move(channels));
+                         }};
   const std::unique_ptr<Node> node = make(context);
   node->connect(bus);
   StatusReporter status(config.service, hash);
@@ -57,16 +60,20 @@ void run(service_config_t config, const std::string& url, const std::string& has
   });
   loop.when_idle([&] { return node->idle(wall_clock()); });
   loop.every(std::chrono::milliseconds(20), [&] { node->tick(wall_clock()); });
-  loop.every(std::chrono::milliseconds(1000), [&] { status.publish(bus, bus.counters(), node->report()); });
+  const auto publish_status = [&] { status.publish(bus, bus.counters(), node->report()); };
+  loop.every(std::chrono::milliseconds(1000), publish_status);
+  loop.every(kLookPeriod, [&] {
+    if (status.is_news(node->report())) publish_status();
+  });
   loop.every(kConfigPeriod, publish_config);
-  status.publish(bus, bus.counters(), node->report());
+  publish_status();
   publish_config();
   loop.run();
 
   if (nice != 0) set_niceness(0);  // what is still owed is due before the deputy's patience ends
   bus.handle(std::chrono::milliseconds(0));
   node->finish();
-  status.publish(bus, bus.counters(), node->report());
+  publish_status();
 }
 
 }  // namespace

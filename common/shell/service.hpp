@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/node.hpp"
@@ -18,6 +19,8 @@ struct ServiceContext {
   Publisher& bus;
   Tappable& everything;  ///< the same bus: for a recorder
   EventLoop& loop;
+  /// LcmBus::hear_large(): for a recorder, before it taps the bus.
+  std::function<void(std::vector<std::string> channels)> hear_large;
 };
 
 /// Which process this is.
@@ -29,8 +32,8 @@ struct ServiceOptions {
 
 /// Runs a node as a process until SIGINT or SIGTERM: parses the command line (--config FILE, --set KEY=VALUE,
 /// --lcm-url URL, --name NAME, --dump-config, --version), opens the bus, ticks the node every 20 ms, sends
-/// SERVICE_STATUS at 1 Hz, calls Node::finish() at the end. Returns the exit status: 0 clean, 1 the environment failed
-/// (one clear line on stderr), 2 wrong usage or configuration.
+/// SERVICE_STATUS at 1 Hz and when a fault comes or goes, calls Node::finish() at the end. Returns the exit status: 0
+/// clean, 1 the environment failed (one clear line on stderr), 2 wrong usage or configuration.
 ///
 /// `make` builds the node from the loaded configuration. It may throw std::runtime_error with one clear line.
 int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig& config,

@@ -9,11 +9,16 @@
 #include <utility>
 
 #include "common/shell/version.hpp"
-#include "common/time/clock.hpp"
 
 namespace curbstone {
 
 namespace {
+
+std::vector<std::string> kinds_of(const std::vector<std::string>& faults) {
+  std::vector<std::string> kinds;
+  for (const std::string& fault : faults) kinds.push_back(without_numbers(fault));
+  return kinds;
+}
 
 std::int64_t cpu_time() {
   rusage usage{};
@@ -38,7 +43,8 @@ std::string host_name() {
   return name;
 }
 
-StatusReporter::StatusReporter(std::string service, std::string config_hash) : start_(steady_clock()) {
+StatusReporter::StatusReporter(std::string service, std::string config_hash, Clocks clocks)
+    : clocks_(std::move(clocks)), start_(clocks_.steady()) {
   status_.service = std::move(service);
   status_.host = host_name();
   status_.pid = getpid();
@@ -46,11 +52,15 @@ StatusReporter::StatusReporter(std::string service, std::string config_hash) : s
   status_.config_hash = std::move(config_hash);
 }
 
+bool StatusReporter::is_news(const NodeReport& report) const {
+  return kinds_of(report.faults) != told_;
+}
+
 void StatusReporter::publish(Publisher& bus, const Counters& bus_counters, const NodeReport& report) {
-  const std::int64_t before = steady_clock();
-  status_.utime = wall_clock();
-  clock_step_.read(before, status_.utime, steady_clock());
-  status_.uptime = steady_clock() - start_;
+  const std::int64_t before = clocks_.steady();
+  status_.utime = clocks_.wall();
+  clock_step_.read(before, status_.utime, clocks_.steady());
+  status_.uptime = clocks_.steady() - start_;
   status_.cpu_time = cpu_time();
   status_.memory = resident_memory();
   status_.latency_p50 = static_cast<float>(report.latency_p50);
@@ -72,7 +82,8 @@ void StatusReporter::publish(Publisher& bus, const Counters& bus_counters, const
         fmt::format("the clock of this host was set by {:+.0f} ms", static_cast<double>(*step) * 1e-3));
   status_.num_faults = static_cast<std::int32_t>(status_.fault.size());
   bus.publish("SERVICE_STATUS", status_);
-  for (const std::string& line : fault_lines_.update(status_.fault, steady_clock()))
+  told_ = kinds_of(report.faults);
+  for (const std::string& line : fault_lines_.update(status_.fault, clocks_.steady()))
     fmt::print(stderr, "{}: {}\n", status_.service, line);
 }
 

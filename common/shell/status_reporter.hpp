@@ -2,16 +2,25 @@
 
 #include <cstdint>
 #include <curbstone/service_status_t.hpp>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/node.hpp"
 #include "common/shell/fault_lines.hpp"
+#include "common/time/clock.hpp"
 #include "common/time/clock_step.hpp"
 
 namespace curbstone {
 
 [[nodiscard]] std::string host_name();
+
+/// Where a process has its times from, us; a test has others.
+struct Clocks {
+  std::function<std::int64_t()> wall = wall_clock;
+  std::function<std::int64_t()> steady = steady_clock;
+};
 
 /// Sends SERVICE_STATUS for a process: what its node reports, and the facts of the process: that the clock
 /// of the host was set, too. Faults that come to stay,
@@ -19,12 +28,17 @@ namespace curbstone {
 class StatusReporter {
  public:
   /// `service`: unique on the bus.
-  StatusReporter(std::string service, std::string config_hash);
+  StatusReporter(std::string service, std::string config_hash, Clocks clocks = {});
 
+  /// Whether the node's faults are others than were said last, whatever their numbers: who waits for a service need not
+  /// wait for the next second.
+  [[nodiscard]] bool is_news(const NodeReport& report) const;
   void publish(Publisher& bus, const Counters& bus_counters, const NodeReport& report);
 
  private:
+  Clocks clocks_;
   service_status_t status_{};
+  std::vector<std::string> told_;  // the node's faults, without their numbers
   FaultLines fault_lines_;
   ClockStep clock_step_;
   std::int64_t start_;  // us

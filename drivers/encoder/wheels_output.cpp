@@ -1,5 +1,7 @@
 #include "drivers/encoder/wheels_output.hpp"
 
+#include <utility>
+
 namespace curbstone::encoder {
 
 wheels_t WheelsOutput::message(const WheelCounter::Sample& sample, std::int64_t utime) {
@@ -23,6 +25,7 @@ void WheelsOutput::publish(wheels_t& message, std::int64_t now) {
   bus_.publish("WHEELS", message);
   counters_.add("samples");
   latency_.add(static_cast<double>(now - message.utime) * 1e-6);
+  arrival_.add(message.utime, now);
 }
 
 void WheelsOutput::restart(std::int64_t utime) {
@@ -35,6 +38,8 @@ void WheelsOutput::report(NodeReport& report) const {
   for (const auto& [name, value] : counters_.values()) report.counters.add(name, value);
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
+  if (const auto difference = arrival_.difference()) report.counters.set("clock.difference_us", *difference);
+  if (auto fault = arrival_.fault()) report.faults.push_back(std::move(*fault));
 }
 
 }  // namespace curbstone::encoder

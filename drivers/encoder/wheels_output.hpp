@@ -6,13 +6,14 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
+#include "common/time/arrival_gap.hpp"
 #include "drivers/encoder/wheel_counter.hpp"
 
 namespace curbstone::encoder {
 
 /// WHEELS, as it goes out, whatever the wheels were read by: numbered, and with stamps that increase. One thread.
 ///
-/// Counts: samples, dropped.not_newer, clock_jumps.
+/// Counts: samples, dropped.not_newer, clock_jumps; clock.difference_us.
 class WheelsOutput {
  public:
   explicit WheelsOutput(Publisher& bus) : bus_(bus) {}
@@ -23,7 +24,7 @@ class WheelsOutput {
   void publish(wheels_t& message, std::int64_t now);
   /// The stamps begin anew with one at `utime`: if that is earlier, the host's clock was set.
   void restart(std::int64_t utime);
-  /// Adds counters and latencies.
+  /// Adds counters, latencies, and a fault if the stamps are not of the host's clock.
   void report(NodeReport& report) const;
 
  private:
@@ -31,6 +32,7 @@ class WheelsOutput {
   std::int32_t sequence_ = 0;
   std::int64_t last_utime_ = 0;
   LatencyWindow latency_;
+  ArrivalGap arrival_;
   Counters counters_;
 };
 

@@ -95,6 +95,7 @@ void ImuNode::publish(imu_t& message, std::int64_t now) {
   bus_.publish("IMU", message);
   counters_.add("samples");
   latency_.add(static_cast<double>(now - message.utime) * 1e-6);
+  arrival_.add(message.utime, now);
 }
 
 void ImuNode::finish() {
@@ -160,6 +161,8 @@ NodeReport ImuNode::report() const {
   const double silent = static_cast<double>(now_ - last_sample_) * 1e-6;
   if (link_fault_.empty() && silent > config_.silence)
     report.faults.push_back(fmt::format("no sample from the IMU for {:.0f} s", silent));
+  if (const auto difference = arrival_.difference()) report.counters.set("clock.difference_us", *difference);
+  if (auto fault = arrival_.fault()) report.faults.push_back(std::move(*fault));
   if (garbled_) report.faults.push_back("garbage from the IMU: wrong baud, or another device");
   if (const auto& fault = refusals_.fault()) report.faults.push_back(*fault);
   if (const std::string fault = device_->fault(); !fault.empty()) report.faults.push_back(fault);

@@ -11,6 +11,7 @@
 #include "common/bus/node.hpp"
 #include "common/bus/refusal_share.hpp"
 #include "common/shell/latency.hpp"
+#include "common/time/arrival_gap.hpp"
 #include "common/time/clock_offset.hpp"
 #include "common/time/settling_start.hpp"
 #include "drivers/imu/device/imu_device.hpp"
@@ -60,6 +61,7 @@ class ImuNode final : public Node {
   ClockOffset clock_;
   bool clock_begun_ = false;
   SettlingStart<imu_t> start_;
+  ArrivalGap arrival_;
   std::int32_t sequence_ = -1;
   std::int64_t last_utime_ = 0;  // published
 

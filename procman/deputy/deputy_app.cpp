@@ -223,6 +223,9 @@ void DeputyApp::publish_status(std::int64_t now) {
   report.counters.set("commands.starts", starts);
   report.counters.set("commands.running", running);
   report.faults = alarms_.faults(supervisor_.commands(), now);
+  for (const auto& [id, seconds] : heartbeats_.quiet(now))
+    report.faults.push_back(
+        fmt::format("{} has said nothing for {:.0f} s: it is stopped, hangs, or gets no CPU", id, seconds));
   for (const std::string& finding : findings_) report.faults.push_back("doctor: " + finding);
   reporter_->publish(*bus_, bus_->counters(), report);
 }
@@ -233,13 +236,14 @@ bool DeputyApp::is_up(const std::string& id) const {
 }
 
 /// What a script waits for. "running" means, as in procman, that the deputy has done what it could: a script does not
-/// hang on a program that cannot start.
+/// hang on a program that cannot start. One that is watched has also spoken: before that it hears nothing either.
 bool DeputyApp::has_come_to(const std::string& id, config::WaitStatus wanted) const {
   const process::CommandState* state = supervisor_.find(id);
   if (state == nullptr || (state->pid == 0 && state->respawn_at == 0)) return true;
   if (wanted == config::WaitStatus::kReady) return state->pid != 0 && heartbeats_.ready(id);
   if (state->pid == 0) return true;
-  return wanted == config::WaitStatus::kRunning && !state->stopping;
+  if (wanted != config::WaitStatus::kRunning || state->stopping) return false;
+  return heartbeats_.alive(id) || steady_clock() - state->started > StartSequence::kPatience;
 }
 
 void DeputyApp::begin() {

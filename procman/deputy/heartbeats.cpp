@@ -37,6 +37,15 @@ std::vector<std::string> Heartbeats::take_silent(std::int64_t now) {
   return silent;
 }
 
+std::vector<std::pair<std::string, double>> Heartbeats::quiet(std::int64_t now) const {
+  std::vector<std::pair<std::string, double>> all;
+  for (const auto& [id, life] : lives_) {
+    if (life.alive && !life.taken && now - life.heard > kQuiet)
+      all.emplace_back(id, static_cast<double>(now - life.heard) * 1e-6);
+  }
+  return all;
+}
+
 bool Heartbeats::alive(const std::string& id) const {
   const auto it = lives_.find(id);
   return it == lives_.end() || it->second.alive;

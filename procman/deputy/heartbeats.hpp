@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace curbstone::procman::deputy {
@@ -23,6 +24,11 @@ class Heartbeats {
   /// Ids of commands that have been silent for too long, each once a life. To be called often: the time in which it was
   /// not called, because the deputy itself had no CPU, is not held against them.
   [[nodiscard]] std::vector<std::string> take_silent(std::int64_t now);
+
+  /// Those that have spoken in this life and have been silent for longer than kQuiet, and for how long, s. They may be
+  /// stopped, or get no CPU; they are left alone until their patience is over.
+  static constexpr std::int64_t kQuiet = 2'500'000;  ///< us; statuses come at 1 Hz
+  [[nodiscard]] std::vector<std::pair<std::string, double>> quiet(std::int64_t now) const;
 
   /// Has it spoken in this life? A command that is not watched needs not.
   [[nodiscard]] bool alive(const std::string& id) const;

@@ -11,25 +11,17 @@ constexpr std::int32_t kPointsPerMessage = 3000;  // 7 bytes each: 21 kB, well u
 constexpr int kMessagesAtOnce = 150;              // every 20 ms, and after each revolution
 constexpr int kPointsAtOnce = 5000;               // 35 kB: 1.7 MB/s, the map of a vehicle at 3 m/s makes 0.25
 constexpr std::size_t kRequestsAtOnce = 1;        // tiles, of some 8000 points at most
-constexpr std::size_t kPosesPerPage = 800;        // 52 bytes each: 42 kB
 
 std::deque<map_trajectory_t> make_trajectory_pages(const std::vector<TrajectoryPoint>& points, std::int32_t epoch) {
   std::deque<map_trajectory_t> pages;
-  for (std::size_t first = 0; first < points.size(); first += kPosesPerPage) {
+  for (std::size_t first = 0; first < points.size(); first += kMostPosesOfPage) {
     map_trajectory_t page{};
-    const std::size_t end = std::min(first + kPosesPerPage, points.size());
-    page.utime = points[end - 1].utime;
+    const std::size_t end = std::min(first + kMostPosesOfPage, points.size());
     page.epoch = epoch;
     page.page = static_cast<std::int32_t>(pages.size());
-    for (std::size_t i = first; i < end; ++i) {
-      const Eigen::Vector3f p = points[i].T_map_base.translation().cast<float>();
-      const Eigen::Quaternionf q = Eigen::Quaterniond(points[i].T_map_base.linear()).cast<float>();
-      page.utimes.push_back(points[i].utime);
-      page.revolutions.push_back(points[i].revolution);
-      page.positions.push_back({p.x(), p.y(), p.z()});
-      page.orientations.push_back({q.w(), q.x(), q.y(), q.z()});
-    }
-    page.num_poses = static_cast<std::int32_t>(page.utimes.size());
+    for (std::size_t i = first; i < end; ++i)
+      append_pose(page, points[i].utime, points[i].revolution, points[i].T_map_base.translation().cast<float>(),
+                  Eigen::Quaterniond(points[i].T_map_base.linear()).cast<float>());
     pages.push_back(std::move(page));
   }
   for (map_trajectory_t& page : pages) page.num_pages = static_cast<std::int32_t>(pages.size());
@@ -50,6 +42,7 @@ void MapSender::start_epoch(std::int32_t epoch, const dense_map::DenseMap& map, 
   std::stable_sort(keys.begin(), keys.end(), [&](TileKey a, TileKey b) { return distance(a) < distance(b); });
   changed(keys);
   trajectory_ = make_trajectory_pages(drive, epoch);
+  drive_.start_epoch(epoch, drive);
 }
 
 void MapSender::changed(const std::vector<TileKey>& tiles) {
@@ -121,6 +114,7 @@ void MapSender::send_requested(const dense_map::DenseMap& map) {
     if (it == sent_.end()) continue;
     for (std::int32_t first = std::max(have, 0); first < it->second;) first = send_points(map, key, first);
   }
+  if (const auto page = drive_.take_requested()) bus_.publish("MAP_TRAJECTORY", *page);
 }
 
 void MapSender::send_trajectory() {
@@ -130,6 +124,7 @@ void MapSender::send_trajectory() {
 }
 
 void MapSender::send_index(std::int64_t now, const Eigen::Vector3d& position) {
+  for (const tile_index_t& page : drive_.make_index(now)) bus_.publish("TILE_INDEX", page);
   for (const tile_index_t& page : catalog_.make_index(now, position.x(), position.y()))
     bus_.publish("TILE_INDEX", page);
 }

@@ -11,13 +11,14 @@
 #include "common/bus/node.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/mapper/dense_map/dense_map.hpp"
+#include "services/mapper/drive_log.hpp"
 #include "services/mapper/trajectory.hpp"
 
 namespace curbstone::mapper {
 
 /// Tells the bus of the dense map: MAP_POINTS as tiles grow, TILE_INDEX, what TILE_REQUESTs ask for, and of a map that
-/// was rearranged MAP_TRAJECTORY, the drive anew. All at a bounded pace; what the map holds does not depend on it. One
-/// thread; the dense map must not change during a call.
+/// was rearranged MAP_TRAJECTORY, the drive anew; parts of the drive that somebody lacks go out again. All at a bounded
+/// pace; what the map holds does not depend on it. One thread; the dense map must not change during a call.
 class MapSender {
  public:
   explicit MapSender(Publisher& bus) : bus_(bus) {}
@@ -29,13 +30,18 @@ class MapSender {
   void changed(const std::vector<TileKey>& tiles);
   /// The map has given these up.
   void forget(const std::vector<TileKey>& tiles);
-  void request(const tile_request_t& message) { catalog_.request(message); }
+  void request(const tile_request_t& message) {
+    catalog_.request(message);
+    drive_.request(message);
+  }
+  /// A pose has gone out as MAP_POSE.
+  void posed(const TrajectoryPoint& point) { drive_.add(point); }
 
   /// What has grown, as much as may go at once.
   void send_changes(const dense_map::DenseMap& map);
   /// A page of the drive, if it goes out anew.
   void send_trajectory();
-  /// A tile that somebody lacks.
+  /// A tile and a page of the drive that somebody lacks.
   void send_requested(const dense_map::DenseMap& map);
   /// `position`: of the vehicle, m in map.
   void send_index(std::int64_t now, const Eigen::Vector3d& position);
@@ -53,6 +59,7 @@ class MapSender {
   std::deque<TileKey> changed_;                                  // in the order in which they will be sent
   std::unordered_set<TileKey, TileKeyHash> is_changed_;
   std::deque<map_trajectory_t> trajectory_;  // pages that will be sent
+  DriveLog drive_;
 };
 
 }  // namespace curbstone::mapper

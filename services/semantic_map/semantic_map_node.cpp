@@ -22,7 +22,6 @@ constexpr int kShownAtOnce = 32;            // tiles, about 10 ms: then the mess
 constexpr QueueLimit kVotedQueue = {3000};  // two seconds of them, 20 MB: a starved process catches up
 constexpr std::size_t kAnswersPerTick = 4;
 constexpr std::size_t kMaxTiles = 200'000;  // 1.8 square kilometres: memory has an end
-constexpr double kPathSpacing = 0.1;        // m, of the path in the picture
 
 cells::ClassParameters with_vehicle(cells::ClassParameters classes, const VehicleConfig& vehicle) {
   classes.vehicle_height = vehicle.height;
@@ -70,15 +69,6 @@ bool SemanticMapNode::follow_epoch(std::int32_t epoch, EpochFollower::Source sou
   return false;
 }
 
-/// The drive, of which nothing is sent twice, is kept until it is known whether the mapper has begun another epoch.
-template <typename Message>
-bool SemanticMapNode::follow_mapper(const Message& message) {
-  const bool is_present = follow_epoch(message.epoch, EpochFollower::Source::kMapper);
-  const std::size_t dropped = is_present ? held_.clear() : held_.hold(message);
-  if (dropped > 0) counters_.add("dropped.other_epoch", static_cast<std::int64_t>(dropped));
-  return is_present;
-}
-
 void SemanticMapNode::enter_epoch(std::int32_t epoch) {
   if (has_epoch_) counters_.add("epochs");
   has_epoch_ = true;
@@ -93,6 +83,7 @@ void SemanticMapNode::enter_epoch(std::int32_t epoch) {
   revisions_.clear();
   path_.clear();
   voted_.start_epoch(epoch);
+  drive_.start_epoch(epoch);
   catalog_.start_epoch(epoch);
   curbs_changed_ = curbs_unstored_ = true;
   for (const HeldDrive::Message& held : held_.take(epoch))
@@ -121,6 +112,7 @@ void SemanticMapNode::on(const voted_points_t& message) {
 }
 
 void SemanticMapNode::on(const tile_index_t& message) {
+  drive_.announced(message);
   if (message.channel != "VOTED_POINTS") return;
   if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return counters_.add("dropped.other_epoch");
   voted_.announced(message);
@@ -128,49 +120,6 @@ void SemanticMapNode::on(const tile_index_t& message) {
 
 void SemanticMapNode::on(const tile_request_t& message) {
   catalog_.request(message);
-}
-
-void SemanticMapNode::on(const map_pose_t& message) {
-  const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
-  if (!is_finite(T_map_base) || message.utime <= 0) return counters_.add("refused.pose");
-  if (follow_mapper(message)) take(message);
-}
-
-void SemanticMapNode::take(const map_pose_t& message) {
-  if (message.utime <= last_pose_utime_) return counters_.add("dropped.late");
-  begin_drive(message.utime);
-  last_pose_utime_ = message.utime;
-  const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
-  vehicle_ = T_map_base.translation().head<2>();
-  if (path_.empty() || (path_.rbegin()->second - vehicle_).norm() > kPathSpacing)
-    path_.emplace(message.utime, vehicle_);
-  keeper_.put(tile::TrajectoryPose{message.utime, message.revolution, T_map_base});
-}
-
-/// The drive as a new epoch has it: what MAP_POSE said before is void.
-void SemanticMapNode::on(const map_trajectory_t& message) {
-  if (follow_mapper(message)) take(message);
-}
-
-void SemanticMapNode::take(const map_trajectory_t& message) {
-  for (std::size_t i = 0; i < message.utimes.size(); ++i) {
-    const Pose T_map_base = pose_of(message, i);
-    const std::int64_t utime = message.utimes[i];
-    if (!is_finite(T_map_base) || utime <= 0) {
-      counters_.add("refused.pose");
-      continue;
-    }
-    begin_drive(utime);
-    path_.emplace(utime, T_map_base.translation().head<2>());
-    keeper_.put(tile::TrajectoryPose{utime, message.revolutions[i], T_map_base});
-  }
-  if (message.page == 0 && !message.utimes.empty() && message.utimes.front() > 0)
-    keeper_.corrected_from(message.utimes.front());
-}
-
-void SemanticMapNode::begin_drive(std::int64_t utime) {
-  if (!drive_started_) keeper_.start(epoch_, utime);
-  drive_started_ = true;
 }
 
 void SemanticMapNode::caught_up(std::int64_t now) {
@@ -195,17 +144,22 @@ void SemanticMapNode::tick(std::int64_t now) {
   if (!idles_) publish_changed(work_on_all(now), now);
   std::erase_if(unsent_, [&](TileKey key) { return publish_if_due(key, now); });
   answer_requests();
-  if (now - last_request_ >= kRequestPeriod) {
-    last_request_ = now;
-    const tile_request_t request = voted_.make_request(now);
-    if (request.num_tiles > 0) bus_.publish("TILE_REQUEST", request);
-  }
+  if (now - last_request_ >= kRequestPeriod) send_requests(now);
   if (curbs_changed_ && now - last_curbs_ >= kCurbsPeriod) publish_curbs(now);
   if (now - last_index_ >= kIndexPeriod) publish_index(now);
   if (now - last_write_ >= kWritePeriod) {
     last_write_ = now;
     if (drive_started_) store(now);
   }
+}
+
+void SemanticMapNode::send_requests(std::int64_t now) {
+  last_request_ = now;
+  const tile_request_t tiles = voted_.make_request(now);
+  if (tiles.num_tiles > 0) bus_.publish("TILE_REQUEST", tiles);
+  if (!drive_started_) return;
+  const tile_request_t poses = drive_.make_request(now);
+  if (poses.num_tiles > 0) bus_.publish("TILE_REQUEST", poses);
 }
 
 /// Not all at once: what waits longer takes in more messages, and a process that gets little of the CPU loses none.
@@ -340,6 +294,7 @@ NodeReport SemanticMapNode::report() const {
   report.counters.set("steps_stale", static_cast<std::int64_t>(pipeline_.num_stale()));
   report.counters.set("evidence_computed", pipeline_.num_evidence());
   if (const auto fault = epochs_.fault(now_)) report.faults.push_back(*fault);
+  if (const auto fault = drive_.fault(); fault && drive_started_) report.faults.push_back(*fault);
   if (!keeper_.fault().empty()) report.faults.push_back(keeper_.fault());
   if (!picture_fault_.empty()) report.faults.push_back(picture_fault_);
   report.latency_p50 = latency_.percentile(0.5);

@@ -15,6 +15,7 @@
 
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
+#include "common/tile_sync/drive_follower.hpp"
 #include "common/tile_sync/epoch_follower.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/semantic_map/held_drive.hpp"
@@ -60,7 +61,10 @@ class SemanticMapNode final : public Node {
   void enter_epoch(std::int32_t epoch);
   void take(const map_pose_t& message);
   void take(const map_trajectory_t& message);
+  /// Poses that this process did not hear when they were said.
+  void take_again(const map_trajectory_t& message);
   void begin_drive(std::int64_t utime);
+  void send_requests(std::int64_t now);
   /// Brings what stands where up to date in tiles with new points, some at a time, and sends it.
   void show_news(std::int64_t now);
   /// In one of them; false if all show it.
@@ -86,6 +90,7 @@ class SemanticMapNode final : public Node {
   store::MapKeeper keeper_;
   NearbyCurbs nearby_curbs_;
   TileFollower voted_{"semantic_map", "VOTED_POINTS"};
+  DriveFollower drive_{"semantic_map"};
   TileCatalog catalog_{"semantic_map", "SEMANTIC_TILE"};
   bool idles_ = false;        // whether idle() is called, so that tick() need not work
   std::int64_t now_ = 0;      // us, of the last tick()

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <fstream>
+#include <stdexcept>
 #include <string>
 
 #include "common/bus/lcm_bus.hpp"
@@ -11,6 +13,9 @@
 #include "common/shell/event_loop.hpp"
 #include "common/terminal/screen.hpp"
 #include "common/time/clock.hpp"
+#include "tools/output/new_file.hpp"
+#include "tools/spy/trace/chain_trace.hpp"
+#include "tools/spy/trace/trace_json.hpp"
 #include "tools/spy/view.hpp"
 
 namespace curbstone::spy {
@@ -20,6 +25,7 @@ namespace {
 struct SpyOptions {
   std::string channel;
   std::string url;
+  std::string trace;
   double seconds = 2.0;
   bool once = false;
   bool json = false;
@@ -46,6 +52,25 @@ int show_once(LcmBus& bus, const board::BusBoard& board, const SpyOptions& optio
   return heard ? 0 : 1;
 }
 
+/// Returns the exit status.
+int write_trace(const SpyOptions& options) {
+  output::NewFile file(options.trace, true);
+  LcmBus bus(options.url);
+  trace::ChainTrace chain;
+  bus.tap([&](const std::string& channel, const void* data, int size,
+              std::int64_t utime) { chain.on_message(channel, data, static_cast<std::size_t>(size), utime); },
+          {20'000}, "");
+  listen(bus, options.seconds);
+  std::ofstream out(file.part());
+  out << trace::trace_json(chain);
+  if (!out.flush()) throw std::runtime_error(options.trace + ": cannot be written");
+  out.close();
+  file.commit();
+  fmt::print("{}: {} spans of {} channels in {:.1f} s; https://ui.perfetto.dev opens it\n", options.trace,
+             chain.spans(), chain.channels().size(), options.seconds);
+  return chain.spans() > 0 ? 0 : 1;
+}
+
 void show_live(LcmBus& bus, const board::BusBoard& board, EventLoop& loop) {
   const Screen screen(STDOUT_FILENO);
   loop.watch(bus.fd(), [&] { bus.handle(std::chrono::milliseconds(0)); });
@@ -69,10 +94,16 @@ int run_spy(int argc, char** argv) {
   line.argument("channel", options.channel, "Show its last message; default: the whole bus");
   line.option("--lcm-url", options.url, "Bus; default $LCM_DEFAULT_URL, else loopback");
   line.flag("--once", options.once, "Listen for --seconds, print once, and end; exit status 1: nothing came");
-  line.option("--seconds", options.seconds, "How long, with --once").within(0.1, 3600.0).shows_default();
+  line.option("--trace", options.trace,
+              "Listen for --seconds, and write where the time goes from packets to tiles: Chrome trace JSON, for "
+              "Perfetto; exit status 1: nothing came");
+  line.option("--seconds", options.seconds, "How long, with --once and --trace").within(0.1, 3600.0).shows_default();
   line.flag("--json", options.json, "For programs, with --once");
   if (const auto status = line.read(argc, argv)) return *status;
   if (options.json && !options.once) return line.refuse("--json needs --once");
+  if (!options.trace.empty() && (options.once || !options.channel.empty()))
+    return line.refuse("--trace goes with --seconds alone");
+  if (!options.trace.empty()) return write_trace(options);
   EventLoop loop;  // takes the signals before the bus starts its thread
   LcmBus bus(options.url);
   board::BusBoard board(options.channel);

@@ -25,7 +25,7 @@ namespace {
 constexpr int kMaxReads = 256;  // at a time
 
 constexpr std::int64_t kFirstRestart = RetryPause::kFirst;  // us, after a bus-off
-constexpr std::int64_t kLastRestart = RetryPause::kLast;
+constexpr std::int64_t kLastRestart = 2'000'000;
 
 std::string cannot_open(const std::string& interface, const std::string& why) {
   return fmt::format("cannot open CAN interface {}: {}", interface, why);

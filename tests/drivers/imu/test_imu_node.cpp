@@ -156,6 +156,21 @@ TEST_F(ImuNodeTest, ADeviceThatFellSilentUnseenIsAFaultAndIsSetUpWhenItComesBack
   EXPECT_THAT(node_->report().faults, IsEmpty());
 }
 
+TEST_F(ImuNodeTest, AHostClockThatIsSetForwardIsAFaultUntilTheStampsFollow) {
+  make_node();
+  deliver(now_, device_.power_on(now_));
+  run_for(8'000'000);
+  EXPECT_THAT(node_->report().faults, IsEmpty());
+  EXPECT_GT(count("clock.difference_us"), -10'000);
+  delay_ = [] { return 80'000; };  // every time of receipt is later now
+  run_for(3'000'000);
+  EXPECT_LT(count("clock.difference_us"), -75'000);
+  EXPECT_THAT(node_->report().faults, Contains(HasSubstr("the host's clock was set")));
+  run_for(8'000'000);
+  EXPECT_GT(count("clock.difference_us"), -10'000);
+  EXPECT_THAT(node_->report().faults, IsEmpty());
+}
+
 TEST_F(ImuNodeTest, LeavesADeviceAloneThatSomebodyElseSetUp) {
   ImuConfig config;
   config.configure = false;

@@ -71,6 +71,20 @@ TEST(Heartbeats, ReadyIsWhoHasSaidThatNothingIsWrong) {
   EXPECT_FALSE(heartbeats.ready("a")) << "in its next life it has said nothing yet";
 }
 
+TEST(Heartbeats, ACommandThatFallsSilentIsNamedWhileItIsAndBeforeItIsTaken) {
+  Heartbeats heartbeats;
+  heartbeats.begin("a", 10, kStart);
+  heartbeats.begin("b", 10, kStart);
+  EXPECT_THAT(heartbeats.quiet(kStart + 9 * kSecond), IsEmpty()) << "it may take long to begin";
+  heartbeats.hear("a", true, kStart);
+  heartbeats.hear("b", true, kStart);
+  heartbeats.hear("b", true, kStart + 3 * kSecond);
+  EXPECT_THAT(heartbeats.quiet(kStart + 2 * kSecond), IsEmpty());
+  EXPECT_THAT(heartbeats.quiet(kStart + 4 * kSecond), ElementsAre(std::pair<std::string, double>("a", 4)));
+  heartbeats.hear("a", true, kStart + 5 * kSecond);
+  EXPECT_THAT(heartbeats.quiet(kStart + 5 * kSecond), IsEmpty());
+}
+
 TEST(Heartbeats, StrangersAndTheUnwatchedAreIgnored) {
   Heartbeats heartbeats;
   heartbeats.begin("a", 0, kStart);

@@ -6,10 +6,13 @@
 
 #include <atomic>
 #include <curbstone/imu_t.hpp>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "common/bus/lcm_bus.hpp"
+#include "common/time/clock.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone::spy {
 namespace {
@@ -44,6 +47,30 @@ TEST(Spy, HearsABusAndDecodesAMessage) {
   EXPECT_EQ(json["channels"][0]["channel"], "IMU");
   EXPECT_GT(json["channels"][0]["rate_hz"], 0);
   EXPECT_GT(json["message"]["sequence"], 0);
+}
+
+TEST(Spy, WritesATraceOfTheBus) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "trace.json";
+  std::atomic<bool> stop = false;
+  std::thread sender([&] {
+    LcmBus bus;
+    for (imu_t imu{}; !stop; ++imu.sequence) {
+      imu.utime = wall_clock();
+      bus.publish("IMU", imu);
+      usleep(5000);
+    }
+  });
+  std::string output;
+  const int status = spy({"--trace", file, "--seconds", "1.5"}, output);
+  stop = true;
+  sender.join();
+  EXPECT_EQ(status, 0);
+  EXPECT_THAT(output, ::testing::HasSubstr("spans of 1 channels"));
+  const auto json = nlohmann::json::parse(std::ifstream(file));
+  EXPECT_GT(json.at("traceEvents").size(), 3U);
+  EXPECT_EQ(spy({"--trace", folder / "silent.json", "--seconds", "0.1"}, output), 1) << "nothing came";
+  EXPECT_EQ(spy({"IMU", "--trace", file}, output), 2);
 }
 
 TEST(Spy, ASilentBusIsOneAndWrongUsageTwo) {

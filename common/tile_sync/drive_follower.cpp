@@ -1,0 +1,36 @@
+#include "common/tile_sync/drive_follower.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace curbstone {
+
+void DriveFollower::start_epoch(std::int32_t epoch) {
+  pages_.start_epoch(epoch);
+  poses_.clear();
+  num_poses_ = 0;
+}
+
+bool DriveFollower::add(std::int64_t utime) {
+  if (num_poses_ >= kMostPoses) return false;
+  const TileKey key = drive_page(utime);
+  std::vector<std::int64_t>& page = poses_[key];
+  const auto at = std::lower_bound(page.begin(), page.end(), utime);
+  if ((at != page.end() && *at == utime) || page.size() >= kMostPosesOfPage) return false;
+  page.insert(at, utime);
+  ++num_poses_;
+  pages_.set_have(key, static_cast<std::int32_t>(page.size()));
+  return true;
+}
+
+void DriveFollower::announced(const tile_index_t& message) {
+  if (pages_.behind() < kMostBehind && num_poses_ < kMostPoses) pages_.announced(message);
+}
+
+std::optional<std::string> DriveFollower::fault() const {
+  if (pages_.behind() == 0) return std::nullopt;
+  return fmt::format("poses of the drive are missing, in {} pages of 10 s: they are asked for again", pages_.behind());
+}
+
+}  // namespace curbstone

@@ -1,0 +1,88 @@
+#include <utility>
+
+#include "services/semantic_map/semantic_map_node.hpp"
+#include "services/semantic_map/semantic_messages.hpp"
+
+/// @file
+/// SemanticMapNode: what it hears of the drive.
+
+namespace curbstone::semantic_map {
+
+namespace {
+
+constexpr double kPathSpacing = 0.1;  // m, of the path in the picture
+
+}  // namespace
+
+/// The drive is kept until it is known whether the mapper has begun another epoch.
+template <typename Message>
+bool SemanticMapNode::follow_mapper(const Message& message) {
+  const bool is_present = follow_epoch(message.epoch, EpochFollower::Source::kMapper);
+  const std::size_t dropped = is_present ? held_.clear() : held_.hold(message);
+  if (dropped > 0) counters_.add("dropped.other_epoch", static_cast<std::int64_t>(dropped));
+  return is_present;
+}
+
+void SemanticMapNode::on(const map_pose_t& message) {
+  const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
+  if (!is_finite(T_map_base) || message.utime <= 0) return counters_.add("refused.pose");
+  if (follow_mapper(message)) take(message);
+}
+
+void SemanticMapNode::take(const map_pose_t& message) {
+  if (message.utime <= last_pose_utime_) return counters_.add("dropped.late");
+  begin_drive(message.utime);
+  last_pose_utime_ = message.utime;
+  const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
+  vehicle_ = T_map_base.translation().head<2>();
+  if (path_.empty() || (path_.rbegin()->second - vehicle_).norm() > kPathSpacing)
+    path_.emplace(message.utime, vehicle_);
+  keeper_.put(tile::TrajectoryPose{message.utime, message.revolution, T_map_base});
+  drive_.add(message.utime);
+}
+
+/// The drive as a new epoch has it: what MAP_POSE said before is void.
+void SemanticMapNode::on(const map_trajectory_t& message) {
+  if (follow_mapper(message)) take(message);
+}
+
+void SemanticMapNode::take(const map_trajectory_t& message) {
+  if (message.page == kPageAgain) return take_again(message);
+  for (std::size_t i = 0; i < message.utimes.size(); ++i) {
+    const Pose T_map_base = pose_of(message, i);
+    const std::int64_t utime = message.utimes[i];
+    if (!is_finite(T_map_base) || utime <= 0) {
+      counters_.add("refused.pose");
+      continue;
+    }
+    begin_drive(utime);
+    path_.emplace(utime, T_map_base.translation().head<2>());
+    keeper_.put(tile::TrajectoryPose{utime, message.revolutions[i], T_map_base});
+    drive_.add(utime);
+  }
+  if (message.page == 0 && !message.utimes.empty() && message.utimes.front() > 0)
+    keeper_.corrected_from(message.utimes.front());
+}
+
+/// The drive has begun by then: the first pose decides whether it is that of the map file.
+void SemanticMapNode::take_again(const map_trajectory_t& message) {
+  for (std::size_t i = 0; drive_started_ && i < message.utimes.size(); ++i) {
+    const Pose T_map_base = pose_of(message, i);
+    const std::int64_t utime = message.utimes[i];
+    if (!is_finite(T_map_base) || utime <= 0) {
+      counters_.add("refused.pose");
+      continue;
+    }
+    if (!drive_.add(utime)) continue;
+    counters_.add("poses_again");
+    path_.emplace(utime, T_map_base.translation().head<2>());
+    keeper_.put(tile::TrajectoryPose{utime, message.revolutions[i], T_map_base});
+  }
+}
+
+void SemanticMapNode::begin_drive(std::int64_t utime) {
+  if (!drive_started_) keeper_.start(epoch_, utime);
+  drive_started_ = true;
+}
+
+}  // namespace curbstone::semantic_map

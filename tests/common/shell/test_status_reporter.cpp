@@ -1,0 +1,81 @@
+#include "common/shell/status_reporter.hpp"
+
+#include <gmock/gmock.h>
+
+#include <utility>
+
+#include "common/bus/local_bus.hpp"
+
+namespace curbstone {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// A service whose clocks the test turns.
+class StatusOfAService : public ::testing::Test {
+ protected:
+  StatusOfAService() {
+    bus_.subscribe<service_status_t>("SERVICE_STATUS", [this](const service_status_t& s) { heard_ = s; });
+  }
+  void pass(std::int64_t us, std::int64_t step = 0) {
+    steady_ += us;
+    wall_ += us + step;
+    reporter_.publish(bus_, {}, report_);
+    bus_.dispatch();
+  }
+  std::int64_t steady_ = 5'000'000;
+  std::int64_t wall_ = 1'700'000'000'000'000;
+  LocalBus bus_;
+  NodeReport report_;
+  service_status_t heard_{};
+  StatusReporter reporter_{"imu", "hash", {[this] { return wall_; }, [this] { return steady_; }}};
+};
+
+TEST_F(StatusOfAService, TellsOfAHostClockThatWasSetByMoreThan50MsForAMinute) {
+  for (const std::int64_t step : {60'000, -60'000}) {
+    for (int i = 0; i < 3; ++i) pass(1'000'000);
+    EXPECT_THAT(heard_.fault, IsEmpty());
+    pass(1'000'000, step);
+    EXPECT_THAT(heard_.fault, ElementsAre(HasSubstr(step > 0 ? "was set by +60 ms" : "was set by -60 ms")));
+    for (int i = 0; i < 59; ++i) pass(1'000'000);
+    EXPECT_EQ(heard_.fault.size(), 1U);
+    for (int i = 0; i < 3; ++i) pass(1'000'000);
+    EXPECT_THAT(heard_.fault, IsEmpty());
+  }
+}
+
+TEST_F(StatusOfAService, AClockThatIsSlewedIsNoFault) {
+  for (int i = 0; i < 100; ++i) pass(1'000'000, 40'000);
+  EXPECT_THAT(heard_.fault, IsEmpty());
+}
+
+TEST_F(StatusOfAService, IsNewsWhenAFaultComesOrGoesAndNotWhenItsNumbersChange) {
+  const auto is_news = [&](std::vector<std::string> faults) {
+    report_.faults = std::move(faults);
+    return reporter_.is_news(report_);
+  };
+  report_.faults = {"IMU: nothing heard yet"};
+  pass(1'000'000);
+  EXPECT_FALSE(is_news({"IMU: nothing heard yet"}));
+  EXPECT_TRUE(is_news({"IMU: silent for 1.2 s"}));
+  pass(200'000);
+  EXPECT_FALSE(is_news({"IMU: silent for 1.4 s"}));
+  EXPECT_TRUE(is_news({})) << "ready";
+  pass(200'000);
+  EXPECT_FALSE(is_news({}));
+}
+
+TEST_F(StatusOfAService, SaysTheNodesFaultsAndCounters) {
+  report_.faults = {"no packets"};
+  report_.counters.add("packets", 3);
+  pass(1'000'000);
+  EXPECT_THAT(heard_.fault, ElementsAre("no packets"));
+  EXPECT_THAT(heard_.counter_name, ElementsAre("packets"));
+  EXPECT_THAT(heard_.counter_value, ElementsAre(3));
+  EXPECT_EQ(heard_.uptime, 1'000'000);
+}
+
+}  // namespace
+}  // namespace curbstone

@@ -1,0 +1,145 @@
+#include <gtest/gtest.h>
+
+#include <curbstone/map_trajectory_t.hpp>
+#include <curbstone/tile_index_t.hpp>
+#include <curbstone/tile_request_t.hpp>
+
+#include "common/bus/local_bus.hpp"
+#include "common/tile_sync/drive_pages.hpp"
+#include "tests/services/semantic_map/semantic_map_node_test.hpp"
+
+namespace curbstone::semantic_map {
+namespace {
+
+/// A mapper that has said all poses of the drive, of which semantic_map heard some, and says pages again when asked.
+class LostPoses : public SemanticMapNodeTest {
+ protected:
+  void SetUp() override {
+    SemanticMapNodeTest::SetUp();
+    bus_.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { answer(m); });
+  }
+  void begin() {
+    node_ = std::make_unique<SemanticMapNode>(config("map.db"), bus_);
+    node_->connect(bus_);
+  }
+  void say(int from, int to) {
+    for (int i = from; i < to; ++i) bus_.publish("MAP_POSE", pose_at(stamp(i), 0.15 * i));
+    bus_.dispatch();
+  }
+  /// The mapper's index of `poses` poses, and the ticks of the second after it.
+  void pass_second(int poses) {
+    tile_index_t index{};
+    index.utime = stamp(poses);
+    index.owner = "mapper";
+    index.channel = kDriveChannel;
+    index.epoch = 1;
+    std::map<TileKey, std::int32_t> versions;
+    for (int i = 0; i < poses; ++i) ++versions[drive_page(stamp(i))];
+    for (const auto& [key, version] : versions) {
+      index.tile_x.push_back(key.x);
+      index.tile_y.push_back(key.y);
+      index.version.push_back(version);
+    }
+    index.num_tiles = static_cast<std::int32_t>(versions.size());
+    said_ = poses;
+    bus_.publish("TILE_INDEX", index);
+    bus_.dispatch();
+    faults_ = node_->report().faults;
+    for (int i = 0; i < 50; ++i) {
+      node_->tick(stamp(poses) + i * 20'000);
+      bus_.dispatch();
+    }
+  }
+  void answer(const tile_request_t& request) {
+    if (request.channel != kDriveChannel) return;
+    for (std::size_t k = 0; k < request.tile_x.size(); ++k) {
+      ++asked_;
+      map_trajectory_t page{};
+      page.epoch = 1;
+      page.page = kPageAgain;
+      for (int i = 0; i < said_; ++i) {
+        if (drive_page(stamp(i)).x != request.tile_x[k]) continue;
+        page.utimes.push_back(stamp(i));
+        page.revolutions.push_back(i);
+        page.positions.push_back({static_cast<float>(0.15 * i), 0, 0});
+        page.orientations.push_back({1, 0, 0, 0});
+      }
+      page.num_poses = static_cast<std::int32_t>(page.utimes.size());
+      bus_.publish("MAP_TRAJECTORY", page);
+    }
+  }
+  std::vector<tile::TrajectoryPose> stored() {
+    node_->finish();
+    return store::MapReader(config("map.db").map).trajectory();
+  }
+  static std::int64_t stamp(int i) { return kStart + i * 50'000; }
+
+  LocalBus bus_;
+  std::unique_ptr<SemanticMapNode> node_;
+  std::vector<std::string> faults_;  // when the index had come
+  int said_ = 0;
+  int asked_ = 0;
+};
+
+TEST_F(LostPoses, AProcessThatWasStoppedForSecondsAsksForThePosesOfThatTime) {
+  begin();
+  say(0, 100);
+  say(200, 260);  // stopped for 5 s
+  pass_second(260);
+  ASSERT_EQ(faults_.size(), 1U) << "named while they are missing";
+  EXPECT_NE(faults_[0].find("poses of the drive are missing"), std::string::npos) << faults_[0];
+  EXPECT_TRUE(node_->report().faults.empty());
+  EXPECT_EQ(node_->report().counters["poses_again"], 100);
+  EXPECT_EQ(asked_, 1) << "they all lie in one page";
+  const auto poses = stored();
+  ASSERT_EQ(poses.size(), 260U);
+  for (int i = 0; i < 260; ++i) {
+    EXPECT_EQ(poses[static_cast<std::size_t>(i)].utime, stamp(i));
+    EXPECT_NEAR(poses[static_cast<std::size_t>(i)].T_map_base.translation().x(), 0.15 * i, 1e-5);
+  }
+}
+
+TEST_F(LostPoses, NothingIsAskedWhenNothingWasLost) {
+  begin();
+  say(0, 260);
+  pass_second(260);
+  EXPECT_TRUE(faults_.empty());
+  EXPECT_EQ(asked_, 0);
+  EXPECT_EQ(stored().size(), 260U);
+}
+
+TEST_F(LostPoses, TheSuccessorOfAKilledProcessGetsWhatWasSaidInBetweenAndGoesOnWithTheFile) {
+  begin();
+  say(0, 100);
+  node_->tick(stamp(100));  // writes
+  node_.reset();
+  bus_ = LocalBus();
+  bus_.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { answer(m); });
+  begin();
+  say(120, 140);
+  pass_second(140);
+  EXPECT_EQ(stored().size(), 140U);
+}
+
+TEST_F(LostPoses, APageThatComesBeforeTheDriveHasBegunClearsNoMap) {
+  begin();
+  say(0, 100);
+  stored();
+  node_.reset();
+  bus_ = LocalBus();
+  begin();
+  map_trajectory_t page{};
+  page.epoch = 1;
+  page.page = kPageAgain;
+  page.num_poses = 1;
+  page.utimes = {stamp(3)};
+  page.revolutions = {3};
+  page.positions = {{0, 0, 0}};
+  page.orientations = {{1, 0, 0, 0}};
+  bus_.publish("MAP_TRAJECTORY", page);
+  say(101, 102);
+  EXPECT_EQ(stored().size(), 101U);
+}
+
+}  // namespace
+}  // namespace curbstone::semantic_map

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <curbstone/service_status_t.hpp>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace curbstone::spy::trace {
+
+/// What a channel told of one measurement. Times in us since the Unix epoch.
+struct Span {
+  std::int64_t measured = 0;  ///< of a revolution of the LiDAR: its first shot
+  std::int64_t first_arrival = 0;
+  std::int64_t last_arrival = 0;
+  std::int64_t messages = 0;
+  std::int64_t bytes = 0;
+};
+
+/// A SERVICE_STATUS, and when it came, us.
+struct HeardStatus {
+  std::int64_t arrival = 0;
+  service_status_t status;
+};
+
+/// From stamp to arrival, channel by channel: where the time goes on the way from packets to tiles. Messages of one
+/// channel and one stamp are a span; packets are put together by their revolution, and a tile counts when it first
+/// shows a measurement. Pure; any bytes may come, and memory is bounded.
+class ChainTrace {
+ public:
+  static constexpr std::size_t kMostSpans = 200'000;  ///< a minute of a whole vehicle
+  static constexpr std::size_t kMostChannels = 500;
+  static constexpr std::size_t kMostStatuses = 20'000;
+  static constexpr std::size_t kMostTiles = 100'000;
+  static constexpr std::int64_t kOldest = 10'000'000;    ///< us under way: what is older is of a log, or state again
+  static constexpr std::int64_t kEarliest = -1'000'000;  ///< us: the other host's clock is ahead
+
+  void on_message(const std::string& channel, const void* data, std::size_t size, std::int64_t arrival);
+
+  /// By channel, then by revolution or stamp.
+  [[nodiscard]] const std::map<std::string, std::map<std::int64_t, Span>>& channels() const { return channels_; }
+  [[nodiscard]] const std::vector<HeardStatus>& statuses() const { return statuses_; }
+  [[nodiscard]] std::size_t spans() const { return num_spans_; }
+  /// Messages without a stamp, of another time, or too many.
+  [[nodiscard]] std::int64_t left_out() const { return left_out_; }
+
+ private:
+  /// Tiles go out again and again: for their curbs, for their neighbours, for who asked. What was not measured before?
+  bool shows_news(const void* data, std::size_t size);
+
+  std::map<std::string, std::map<std::int64_t, Span>> channels_;
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int64_t> shown_;  // newest measurement of a tile, us
+  std::vector<HeardStatus> statuses_;
+  std::size_t num_spans_ = 0;
+  std::int64_t left_out_ = 0;
+};
+
+}  // namespace curbstone::spy::trace
