@@ -14,10 +14,9 @@ namespace curbstone::viewer::foxglove {
 /// come back when it returns: the dense map of an hour is a gigabyte. Pure; one thread.
 class NearPoints {
  public:
-  static constexpr double kReach = 33;  ///< m, from the vehicle to the middle of a tile
-  static constexpr std::size_t kMaxTilePoints =
-      4000;                                      ///< 16 a square decimetre of ground; what comes after is left out
-  static constexpr std::size_t kMaxTiles = 600;  ///< before a place is known; more than lie within reach
+  static constexpr double kReach = 33;                       ///< m, from the vehicle to the middle of a tile
+  static constexpr std::size_t kMaxTilePoints = 16'000;      ///< of 9 m^2; what comes after is left out
+  static constexpr std::size_t kMaxTiles = 600;              ///< while no place is known: more than lie within reach
   static constexpr std::size_t kMaxMessagePoints = 150'000;  ///< 2.4 MB
 
   /// False: it is not sound. Points of another epoch than the present one are left out.
