@@ -35,6 +35,7 @@ install(FILES ${PROJECT_BINARY_DIR}/curbstone-lcmtypes.pc DESTINATION ${CMAKE_IN
 
 # The vehicle's files as they come. /etc/curbstone has those that are edited: a package puts them there, and keeps them.
 install(FILES config/ugv.yaml procman/ugv.cfg DESTINATION share/curbstone COMPONENT vehicle)
+install(FILES config/foxglove/curbstone.json DESTINATION share/curbstone/foxglove COMPONENT tools)
 install(FILES config/sysctl.d/60-curbstone.conf DESTINATION lib/sysctl.d COMPONENT vehicle)
 install(FILES config/udev/60-curbstone.rules DESTINATION lib/udev/rules.d COMPONENT vehicle)
 install(FILES config/sysusers.d/curbstone.conf DESTINATION lib/sysusers.d COMPONENT vehicle)

@@ -1,7 +1,12 @@
 #include <fmt/format.h>
 
+#include <optional>
+#include <string>
+
 #include "common/shell/service.hpp"
+#include "common/time/clock.hpp"
 #include "config/sections.hpp"
+#include "services/viewer/foxglove_node.hpp"
 #include "services/viewer/viewer_node.hpp"
 #include "services/viewer/web/web_server.hpp"
 
@@ -16,15 +21,36 @@ class Viewer final : public Node {
       : server_(viewer::web_settings(config)), node_(config, bus, server_, {}) {
     if (config.port != 0 && server_.port() != config.port) fmt::print("viewer: port {} is taken\n", config.port);
     fmt::print("viewer: {}\n", viewer::page_address(config, server_.port()));
+    if (config.foxglove_port != 0) open_door(config);
     std::fflush(stdout);
   }
-  void connect(Subscriber& bus) override { node_.connect(bus); }
-  void tick(std::int64_t now) override { node_.tick(now); }
-  [[nodiscard]] NodeReport report() const override { return node_.report(); }
+  void connect(Subscriber& bus) override {
+    node_.connect(bus);
+    if (foxglove_) foxglove_->connect(bus);
+  }
+  void tick(std::int64_t now) override {
+    node_.tick(now);
+    if (foxglove_) foxglove_->tick(now);
+  }
+  [[nodiscard]] NodeReport report() const override {
+    NodeReport report = node_.report();
+    if (!foxglove_) return report;
+    const Counters of_door = foxglove_->report().counters;
+    for (const auto& [name, value] : of_door.values()) report.counters.add(name, value);
+    return report;
+  }
 
  private:
+  void open_door(const viewer::ViewerConfig& config) {
+    door_.emplace(viewer::door_settings(config));
+    foxglove_.emplace(config, node_, *door_, std::to_string(wall_clock()));
+    fmt::print("viewer: for Foxglove: ws://{}:{}\n", config.address, door_->port());
+  }
+
   viewer::web::WebServer server_;
   viewer::ViewerNode node_;
+  std::optional<viewer::web::WebServer> door_;
+  std::optional<viewer::FoxgloveNode> foxglove_;
 };
 
 }  // namespace

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <iterator>
+
+#include "services/viewer/foxglove/wire.hpp"
+
 namespace curbstone::viewer {
 namespace {
 
@@ -30,6 +34,18 @@ web::WebSettings web_settings(const ViewerConfig& config) {
   settings.folder = config.assets;
   settings.limits.pages = static_cast<std::size_t>(config.pages);
   settings.limits.connections = settings.limits.pages + 40;
+  return settings;
+}
+
+web::WebSettings door_settings(const ViewerConfig& config) {
+  web::WebSettings settings = web_settings(config);
+  settings.port = static_cast<std::uint16_t>(config.foxglove_port);
+  settings.ports = 1;
+  settings.subprotocols.assign(std::begin(foxglove::kSubprotocols), std::end(foxglove::kSubprotocols));
+  settings.origins = split_names(config.foxglove_origins);
+  settings.limits.message_bytes = 16'384;            // a client asks for all topics at once
+  settings.limits.frames = 10'000;                   // foxglove::Door bounds their bytes
+  settings.limits.write = std::chrono::seconds(30);  // the whole map is 24 MB
   return settings;
 }
 

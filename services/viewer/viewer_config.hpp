@@ -21,6 +21,8 @@ struct ViewerConfig {
   int scan_points = 3000;     ///< of a LiDAR revolution, for pages that show it
   std::string network;        ///< file of the network namespace to listen in
   std::string assets;         ///< folder
+  int foxglove_port = 0;
+  std::string foxglove_origins = "https://app.foxglove.dev";  ///< with commas between
 
   void visit(ConfigVisitor& v) {
     v.section("vehicle", vehicle, "the vehicle");
@@ -33,12 +35,18 @@ struct ViewerConfig {
     v.field("frame_period", frame_period, {0.02, 5.0}, "s between two frames of a page");
     v.field("scan_points", scan_points, {0, 20'000}, "of a LiDAR revolution, for pages that show it");
     v.field("network", network, "network namespace to listen in, as /proc/PID/ns/net; empty: its own");
+    v.field("foxglove_port", foxglove_port, {0, 65535},
+            "of the door for Foxglove, at the same address, usually 8765; 0: there is none");
+    v.field("foxglove_origins", foxglove_origins,
+            "pages that may come in there, with commas; programs that name no origin always may");
     v.field("assets", assets, "folder with the page's files, for who works on them; empty: those in the program");
   }
 };
 
 /// Where and for whom the page is served.
 [[nodiscard]] web::WebSettings web_settings(const ViewerConfig& config);
+/// Where and for whom Foxglove's door is.
+[[nodiscard]] web::WebSettings door_settings(const ViewerConfig& config);
 /// For people: "http://127.0.0.1:8088/".
 [[nodiscard]] std::string page_address(const ViewerConfig& config, std::uint16_t port);
 

@@ -58,8 +58,8 @@ void ViewerNode::connect(Subscriber& bus) {
 
 /// The LiDAR's points are most of what is on the bus: nobody takes them until a page shows them.
 void ViewerNode::watch_scan() {
-  scan_wanted_ = std::any_of(pages_.begin(), pages_.end(),
-                             [](const auto& entry) { return entry.second.feed && entry.second.feed->wants_points(); });
+  const auto shows_it = [](const auto& entry) { return entry.second.feed && entry.second.feed->wants_points(); };
+  scan_wanted_ = scan_wanted_elsewhere_ || std::any_of(pages_.begin(), pages_.end(), shows_it);
   if (!scan_wanted_ || scan_subscribed_ || subscriber_ == nullptr) return;
   scan_subscribed_ = true;
   subscriber_->subscribe<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& m) { on(m); });

@@ -55,6 +55,12 @@ class ViewerNode final : public Node {
   /// Of the log that is played, for the pages.
   void set_playback(const Playback& playback) { playback_ = playback; }
 
+  /// All that it shows; valid until it hears anything.
+  [[nodiscard]] frames::World world() const;
+  [[nodiscard]] const std::optional<map_pose_t>& pose() const { return pose_; }
+  /// Whether somebody else than a page wants the LiDAR's points.
+  void want_scan(bool wanted) { scan_wanted_elsewhere_ = wanted; }
+
   void on(const semantic_tile_t& message);
   void on(const tile_index_t& message);
   void on(const map_pose_t& message);
@@ -80,7 +86,6 @@ class ViewerNode final : public Node {
   void drawn(Page& page, std::uint32_t frame, std::int64_t at);
   void watch_scan();
   void send_frames();
-  [[nodiscard]] frames::World world() const;
   [[nodiscard]] State state_for(const Page& page) const;
   void heard() { bus_heard_ = now_; }
 
@@ -100,7 +105,8 @@ class ViewerNode final : public Node {
   store::Services services_;
   Scan scan_;
   bool scan_subscribed_ = false;
-  bool scan_wanted_ = false;            // by a page, now
+  bool scan_wanted_ = false;  // now
+  bool scan_wanted_elsewhere_ = false;
   std::vector<map_trajectory_t> held_;  // of an epoch that may begin
   std::optional<map_pose_t> pose_;
   std::optional<Playback> playback_;

@@ -15,6 +15,7 @@
 #include "tools/export/geojson_file.hpp"
 #include "tools/export/georeference.hpp"
 #include "tools/export/lanelet2_file.hpp"
+#include "tools/export/mcap/mcap_file.hpp"
 #include "tools/export/nav2_map.hpp"
 #include "tools/export/raster_file.hpp"
 #include "tools/output/output_folder.hpp"
@@ -33,10 +34,13 @@ struct ExportArguments {
   std::string log;
   std::string config;
   CloudFormat cloud_format = CloudFormat::kPcd;
+  mcap::McapSettings mcap;
+  bool without_raw = false;
 
-  [[nodiscard]] bool wants(const char* what) const {
-    return only.empty() || std::find(only.begin(), only.end(), what) != only.end();
-  }
+  [[nodiscard]] bool wants(const char* what) const { return only.empty() || names(what); }
+  [[nodiscard]] bool names(const char* what) const { return std::find(only.begin(), only.end(), what) != only.end(); }
+  /// MCAP is made of a log, and of no map.
+  [[nodiscard]] bool only_mcap() const { return names("mcap") && only.size() == 1; }
 };
 
 void add_nav2(const MapGrid& grid, const Nav2Policy& policy, output::OutputFolder& out) {
@@ -110,6 +114,26 @@ void add_cloud(const ExportArguments& arguments, std::int32_t epoch, output::Out
   fmt::print("{} points in the dense cloud\n", cloud.points.size());
 }
 
+void add_mcap(const ExportArguments& arguments, output::OutputFolder& out) {
+  const std::string& log = arguments.log.empty() ? arguments.map : arguments.log;
+  const auto config = config_of<viewer::ViewerConfig>("viewer", kProcessSections, arguments.config, {});
+  out.add("drive.mcap", [&](const std::string& path) {
+    const mcap::McapResult result = mcap::write_mcap(log, path, config, arguments.mcap);
+    fmt::print("{} messages in drive.mcap\n", result.messages);
+    if (result.refused > 0) fmt::print("{}: {} messages refused\n", log, result.refused);
+    if (result.left_out > 0)
+      fmt::print("{}: {} messages left out: more than {} channels\n", log, result.left_out, mcap::kMaxRawChannels);
+    if (!result.has_map)
+      fmt::print("{} holds no map: 'curbstone replay {} --record all.lcmlog' adds it to what it reads\n", log, log);
+  });
+}
+
+void export_log(const ExportArguments& arguments) {
+  output::OutputFolder out(arguments.out);
+  add_mcap(arguments, out);
+  for (const std::string& name : out.commit()) fmt::print("{}/{}\n", arguments.out, name);
+}
+
 void export_map(const ExportArguments& arguments, const std::optional<TangentPlane>& plane) {
   const semantic_map::store::MapReader map(arguments.map);
   output::OutputFolder out(arguments.out);
@@ -125,6 +149,7 @@ void export_map(const ExportArguments& arguments, const std::optional<TangentPla
   }
   if (arguments.wants("curbs")) add_curbs(map, arguments.high_curb, plane, out);
   if (!arguments.log.empty() && arguments.wants("cloud")) add_cloud(arguments, map.epoch(), out);
+  if (arguments.names("mcap")) add_mcap(arguments, out);
   if (arguments.log.empty() && arguments.only.empty())
     fmt::print("no cloud: a map file keeps no points; give the log of its MAP_POINTS with --log\n");
   for (const std::string& name : out.commit()) fmt::print("{}/{}\n", arguments.out, name);
@@ -134,13 +159,14 @@ void export_map(const ExportArguments& arguments, const std::optional<TangentPla
 
 int run_export(int argc, char** argv) {
   ExportArguments arguments;
-  CommandLine line("Writes a map file in the formats of others: nav2, QGIS and GDAL, Lanelet2, GeoJSON, PCD, PLY",
-                   "curbstone export");
-  line.argument("map", arguments.map, "The map file").required();
+  CommandLine line(
+      "Writes a map file in the formats of others: nav2, QGIS and GDAL, Lanelet2, GeoJSON, PCD, PLY; or a log as MCAP",
+      "curbstone export");
+  line.argument("map", arguments.map, "The map file; with --only mcap, a log or the folder of a session").required();
   line.option("--out", arguments.out, "Folder for the results").shows_default();
-  line.option("--only", arguments.only, "What to write; default: everything")
+  line.option("--only", arguments.only, "What to write; default: everything but mcap")
       .comma_separated()
-      .one_of({"nav2", "rasters", "curbs", "cloud"});
+      .one_of({"nav2", "rasters", "curbs", "cloud", "mcap"});
   line.option("--config", arguments.config,
               "The vehicle's YAML file: its semantic_map.classes.unknown_is_free decides where --unknown is not given");
   line.choice(
@@ -160,6 +186,10 @@ int run_export(int argc, char** argv) {
   line.option("--log", arguments.log, "Log with MAP_POINTS: adds the dense cloud");
   line.choice("--cloud-format", arguments.cloud_format, {{"pcd", CloudFormat::kPcd}, {"ply", CloudFormat::kPly}},
               "pcd (the default) or ply");
+  line.choice("--compression", arguments.mcap.compression,
+              {{"zstd", McapCompression::kZstd}, {"none", McapCompression::kNone}}, "mcap: zstd (the default) or none");
+  line.flag("--without-raw", arguments.without_raw,
+            "mcap: leaves out the log's own messages, which only our tools read");
   if (const auto status = line.read(argc, argv)) return *status;
   std::optional<TangentPlane> plane;
   if (!arguments.datum.empty()) {
@@ -169,6 +199,13 @@ int run_export(int argc, char** argv) {
   }
   if (arguments.log.empty() && !arguments.only.empty() && arguments.wants("cloud"))
     return line.refuse("--only: cloud needs --log: a map file keeps no points");
+  if (arguments.log.empty() && arguments.names("mcap") && !arguments.only_mcap())
+    return line.refuse("--only: mcap is made of a log: give it with --log, or ask for mcap alone");
+  arguments.mcap.raw = !arguments.without_raw;
+  if (arguments.only_mcap()) {
+    export_log(arguments);
+    return 0;
+  }
   const auto semantic_map =
       config_of<semantic_map::SemanticMapConfig>("semantic_map", kProcessSections, arguments.config, {});
   if (!line.given("--unknown") && semantic_map.classes.unknown_is_free) arguments.nav2.unknown = UnknownCells::kFree;

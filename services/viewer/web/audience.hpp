@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -29,6 +30,10 @@ class Audience {
   [[nodiscard]] virtual std::vector<Event> take_events() = 0;
   /// To a page that has left: nothing happens.
   virtual void send(PageId page, Frame frame) = 0;
+  /// A text message.
+  virtual void say(PageId page, std::string text) = 0;
+  /// Bytes that were sent and not taken yet; 0 for a page that has left.
+  [[nodiscard]] virtual std::size_t queued(PageId page) const = 0;
   [[nodiscard]] virtual Counters counters() const = 0;
 };
 

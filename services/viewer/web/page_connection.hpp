@@ -8,6 +8,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 #include <deque>
+#include <limits>
 #include <map>
 #include <memory>
 
@@ -24,8 +25,6 @@ namespace websocket = beast::websocket;
 using tcp = asio::ip::tcp;
 using boost::system::error_code;
 
-inline constexpr std::size_t kMaxQueue = 8;  ///< frames; a page that acknowledges has two
-
 class Page;
 using Pages = std::map<PageId, std::shared_ptr<Page>>;
 
@@ -40,7 +39,8 @@ class Page final : public std::enable_shared_from_this<Page> {
         shared_(shared),
         pages_(pages) {}
 
-  void start(const http::request<http::empty_body>& request) {
+  /// `subprotocol`: which is agreed to; empty: none.
+  void start(const http::request<http::empty_body>& request, const std::string& subprotocol) {
     const WebLimits& limits = shared_.settings.limits;
     websocket::stream_base::timeout timeout{};
     timeout.handshake_timeout = limits.head;
@@ -49,7 +49,11 @@ class Page final : public std::enable_shared_from_this<Page> {
     stream_.set_option(timeout);
     stream_.read_message_max(0);  // see read()
     stream_.auto_fragment(false);
-    stream_.binary(true);
+    if (!subprotocol.empty()) {
+      stream_.set_option(websocket::stream_base::decorator([subprotocol](websocket::response_type& response) {
+        response.set(http::field::sec_websocket_protocol, subprotocol);
+      }));
+    }
     stream_.async_accept(request, [self = shared_from_this()](error_code error) {
       if (error) return self->leave();
       self->is_open_ = true;
@@ -59,10 +63,13 @@ class Page final : public std::enable_shared_from_this<Page> {
     });
   }
 
-  void send(Frame frame) {
-    if (!is_open_) return;
-    if (queue_.size() >= kMaxQueue) return shared_.count("dropped.frames");
-    queue_.push_back(std::move(frame));
+  void send(Frame frame, bool is_text) {
+    if (!is_open_ || queue_.size() >= shared_.settings.limits.frames) {
+      shared_.unqueue(id_, frame->size());
+      if (is_open_) shared_.count("dropped.frames");
+      return;
+    }
+    queue_.push_back({std::move(frame), is_text});
     if (queue_.size() == 1) write();
   }
 
@@ -104,13 +111,16 @@ class Page final : public std::enable_shared_from_this<Page> {
       self->shared_.count("dropped.slow_page");
       self->leave();
     });
-    stream_.async_write(asio::buffer(*queue_.front()), [self = shared_from_this()](error_code error, std::size_t n) {
-      self->write_timer_.cancel();
-      if (error) return self->leave();
-      self->shared_.count("pages.bytes", static_cast<std::int64_t>(n));
-      self->queue_.pop_front();
-      if (!self->queue_.empty()) self->write();
-    });
+    stream_.text(queue_.front().is_text);
+    stream_.async_write(asio::buffer(*queue_.front().frame),
+                        [self = shared_from_this()](error_code error, std::size_t n) {
+                          self->write_timer_.cancel();
+                          if (error) return self->leave();
+                          self->shared_.count("pages.bytes", static_cast<std::int64_t>(n));
+                          self->shared_.unqueue(self->id_, self->queue_.front().frame->size());
+                          self->queue_.pop_front();
+                          if (!self->queue_.empty()) self->write();
+                        });
   }
 
   void leave() {
@@ -119,9 +129,14 @@ class Page final : public std::enable_shared_from_this<Page> {
     write_timer_.cancel();
     if (is_open_) shared_.tell({id_, Audience::Event::Kind::kLeft, "", wall_clock()});
     is_open_ = false;
+    shared_.unqueue(id_, std::numeric_limits<std::size_t>::max());
     pages_.erase(id_);
   }
 
+  struct Outgoing {
+    Frame frame;
+    bool is_text;
+  };
   websocket::stream<beast::tcp_stream> stream_;
   asio::steady_timer write_timer_;
   std::unique_ptr<Place> place_;
@@ -129,7 +144,7 @@ class Page final : public std::enable_shared_from_this<Page> {
   Shared& shared_;
   Pages& pages_;
   beast::flat_buffer buffer_;
-  std::deque<Frame> queue_;
+  std::deque<Outgoing> queue_;
   bool is_open_ = false;
   std::int64_t second_ = 0;  // us, steady: when the present second of counting began
   std::size_t said_ = 0;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <map>
 #include <mutex>
 #include <string_view>
 #include <utility>
@@ -30,11 +32,25 @@ struct Shared {
     return true;
   }
 
+  void queue(PageId page, std::size_t bytes) {
+    const std::scoped_lock lock(mutex);
+    queued[page] += bytes;
+  }
+  /// What was sent was taken, or dropped.
+  void unqueue(PageId page, std::size_t bytes) {
+    const std::scoped_lock lock(mutex);
+    const auto it = queued.find(page);
+    if (it == queued.end()) return;
+    it->second -= std::min(bytes, it->second);
+    if (it->second == 0) queued.erase(it);
+  }
+
   const WebSettings settings;
   const HostRules rules;
   std::size_t connections = 0;  // of the web thread
   std::mutex mutex;
   Counters counters;
+  std::map<PageId, std::size_t> queued;  // bytes
   std::vector<Audience::Event> events;
 };
 

@@ -2,6 +2,7 @@
 
 #include <utility>  // Beast 1.74 forgets it in C++20
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
@@ -57,6 +58,10 @@ class Visit final : public std::enable_shared_from_this<Visit> {
                     "This name is not one of the viewer's: viewer.names in the configuration.\n");
     }
     if (websocket::is_upgrade(request)) return watch(request, host);
+    if (!shared_.settings.subprotocols.empty()) {
+      shared_.count("refused.request");
+      return refuse(http::status::upgrade_required, "A WebSocket, and nothing else.\n");
+    }
     if (request.method() != http::verb::get && request.method() != http::verb::head) {
       shared_.count("refused.request");
       return refuse(http::status::method_not_allowed, "GET or HEAD.\n");
@@ -71,14 +76,20 @@ class Visit final : public std::enable_shared_from_this<Visit> {
   }
 
   void watch(const Request& request, const std::string& host) {
-    if (request.target() != "/live") {
+    const bool is_for_page = shared_.settings.subprotocols.empty();
+    if (is_for_page && request.target() != "/live") {
       shared_.count("refused.request");
       return refuse(http::status::not_found, "There is no such file.\n");
     }
-    const std::string origin(request[http::field::origin]);
-    if (request.count(http::field::origin) != 1 || !shared_.rules.allows_origin(origin, host)) {
+    if (is_for_page ? !is_own_page(request, host) : !is_known_program(request)) {
       shared_.count("refused.origin");
-      return refuse(http::status::forbidden, "Only the viewer's own page may watch.\n");
+      return refuse(http::status::forbidden,
+                    is_for_page ? "Only the viewer's own page may watch.\n" : "Pages of this origin may not watch.\n");
+    }
+    const std::string subprotocol = agreed_subprotocol(request);
+    if (!is_for_page && subprotocol.empty()) {
+      shared_.count("refused.request");
+      return refuse(http::status::bad_request, "None of the subprotocols is known here.\n");
     }
     if (pages_.size() >= shared_.settings.limits.pages) {
       shared_.count("refused.pages");
@@ -87,7 +98,30 @@ class Visit final : public std::enable_shared_from_this<Visit> {
     stream_.expires_never();
     const auto page = std::make_shared<Page>(stream_.release_socket(), std::move(place_), id_, shared_, pages_);
     pages_.emplace(id_, page);
-    page->start(request);
+    page->start(request, subprotocol);
+  }
+
+  [[nodiscard]] bool is_own_page(const Request& request, const std::string& host) const {
+    const std::string origin(request[http::field::origin]);
+    return request.count(http::field::origin) == 1 && shared_.rules.allows_origin(origin, host);
+  }
+  /// A browser always names the origin of the page, other programs need not.
+  [[nodiscard]] bool is_known_program(const Request& request) const {
+    const auto& origins = shared_.settings.origins;
+    const std::string origin(request[http::field::origin]);
+    return request.count(http::field::origin) == 0 ||
+           (request.count(http::field::origin) == 1 &&
+            std::find(origins.begin(), origins.end(), origin) != origins.end());
+  }
+  /// The first one offered that is known here; empty: none.
+  [[nodiscard]] std::string agreed_subprotocol(const Request& request) const {
+    const auto& known = shared_.settings.subprotocols;
+    const std::string offer(request[http::field::sec_websocket_protocol]);
+    for (const auto& token : http::token_list(offer)) {
+      const std::string name(token);
+      if (std::find(known.begin(), known.end(), name) != known.end()) return name;
+    }
+    return {};
   }
 
   void refuse(http::status status, std::string_view why) {
@@ -164,11 +198,19 @@ class WebServer::Impl {
     return std::exchange(shared_.events, {});
   }
 
-  void send(PageId id, Frame frame) {
-    asio::post(loop_, [this, id, frame = std::move(frame)]() mutable {
+  void send(PageId id, Frame frame, bool is_text) {
+    shared_.queue(id, frame->size());
+    asio::post(loop_, [this, id, frame = std::move(frame), is_text]() mutable {
       const auto page = pages_.find(id);
-      if (page != pages_.end()) page->second->send(std::move(frame));
+      if (page == pages_.end()) return shared_.unqueue(id, frame->size());
+      page->second->send(std::move(frame), is_text);
     });
+  }
+
+  std::size_t queued(PageId id) {
+    const std::scoped_lock lock(shared_.mutex);
+    const auto it = shared_.queued.find(id);
+    return it == shared_.queued.end() ? 0 : it->second;
   }
 
   Counters counters() {
@@ -221,7 +263,15 @@ std::vector<Audience::Event> WebServer::take_events() {
 }
 
 void WebServer::send(PageId page, Frame frame) {
-  impl_->send(page, std::move(frame));
+  impl_->send(page, std::move(frame), false);
+}
+
+void WebServer::say(PageId page, std::string text) {
+  impl_->send(page, std::make_shared<const std::vector<std::uint8_t>>(text.begin(), text.end()), true);
+}
+
+std::size_t WebServer::queued(PageId page) const {
+  return impl_->queued(page);
 }
 
 Counters WebServer::counters() const {

@@ -16,6 +16,7 @@ struct WebLimits {
   std::size_t connections = 48;              ///< of any kind
   std::uint32_t head_bytes = 8192;           ///< of a request
   std::size_t message_bytes = 4096;          ///< that a page says at once
+  std::size_t frames = 8;                    ///< that wait for a page; one that acknowledges has two
   std::size_t messages_per_second = 50;      ///< of a page
   std::chrono::milliseconds head{5000};      ///< for a request to be complete, and for the next one to begin
   std::chrono::milliseconds silence{20000};  ///< of a page, pings included
@@ -29,6 +30,10 @@ struct WebSettings {
   std::string network;             ///< see open_listening_socket()
   std::vector<std::string> names;  ///< see HostRules
   std::string folder;              ///< see find_asset()
+  /// Not empty: no page is served but a WebSocket alone, for programs that speak one of these protocols, and pages of
+  /// `origins` ("https://app.example.org").
+  std::vector<std::string> subprotocols;
+  std::vector<std::string> origins;
   WebLimits limits;
 };
 
@@ -47,6 +52,8 @@ class WebServer final : public Audience {
   [[nodiscard]] std::uint16_t port() const;
   [[nodiscard]] std::vector<Event> take_events() override;
   void send(PageId page, Frame frame) override;
+  void say(PageId page, std::string text) override;
+  [[nodiscard]] std::size_t queued(PageId page) const override;
   [[nodiscard]] Counters counters() const override;
 
  private:

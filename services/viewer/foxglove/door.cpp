@@ -1,0 +1,88 @@
+#include "services/viewer/foxglove/door.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "services/viewer/foxglove/wire.hpp"
+
+namespace curbstone::viewer::foxglove {
+
+void Door::tick(const World& world, std::int64_t now) {
+  for (const web::Audience::Event& event : clients_.take_events()) hear(event);
+  for (auto& [id, client] : known_) {
+    introduce(id, client, world.status);
+    const std::size_t queued = clients_.queued(id);
+    if (queued > kMostQueued) continue;
+    for (const Message& message : client.feed.due(world, now, queued <= kMostForLarge)) {
+      const std::uint32_t subscription = client.subscriptions.at(message.channel);
+      clients_.send(id,
+                    std::make_shared<const std::vector<std::uint8_t>>(data_frame(subscription, now, message.payload)));
+      counters_.add("foxglove.messages");
+    }
+  }
+}
+
+void Door::hear(const web::Audience::Event& event) {
+  using Kind = web::Audience::Event::Kind;
+  if (event.kind == Kind::kCame) {
+    known_.try_emplace(event.page);
+    clients_.say(event.page, server_info("Curbstone", session_));
+    clients_.say(event.page, advertise(fixed_channels()));
+  }
+  if (event.kind == Kind::kLeft) known_.erase(event.page);
+  const auto client = known_.find(event.page);
+  if (event.kind == Kind::kSaid && client != known_.end()) hear(event.page, client->second, event.text);
+}
+
+void Door::hear(web::PageId id, Client& client, const std::string& text) {
+  const auto request = parse_request(text);
+  if (!request) {
+    counters_.add("refused.foxglove");
+    return clients_.say(id, warning("This server takes subscribe and unsubscribe, and nothing else."));
+  }
+  for (const auto& wanted : request->subscribe) {
+    if (!is_known(wanted.channel, client)) {
+      counters_.add("refused.foxglove");
+      clients_.say(id, warning("There is no channel " + std::to_string(wanted.channel) + "."));
+      continue;
+    }
+    client.subscriptions[wanted.channel] = wanted.id;
+    client.feed.subscribe(wanted.channel);
+  }
+  for (const std::uint32_t subscription : request->unsubscribe) {
+    const auto found = std::find_if(client.subscriptions.begin(), client.subscriptions.end(),
+                                    [&](const auto& entry) { return entry.second == subscription; });
+    if (found == client.subscriptions.end()) continue;
+    client.feed.unsubscribe(found->first);
+    client.subscriptions.erase(found);
+  }
+}
+
+/// Tells of processes that were heard for the first time since.
+void Door::introduce(web::PageId id, Client& client, const StatusBook& status) {
+  std::vector<Channel> news;
+  for (; client.services < status.services().size(); ++client.services)
+    news.push_back(status_channel(client.services, status.services()[client.services].topic));
+  if (!news.empty()) clients_.say(id, advertise(news));
+}
+
+bool Door::is_known(std::uint32_t channel, const Client& client) const {
+  const auto& fixed = fixed_channels();
+  return std::any_of(fixed.begin(), fixed.end(), [&](const Channel& known) { return known.id == channel; }) ||
+         (channel >= kFirstStatus && channel - kFirstStatus < client.services);
+}
+
+bool Door::wants(Topic topic) const {
+  return std::any_of(known_.begin(), known_.end(), [&](const auto& entry) { return entry.second.feed.wants(topic); });
+}
+
+Counters Door::counters() const {
+  Counters counters = counters_;
+  counters.set("foxglove.clients", static_cast<std::int64_t>(known_.size()));
+  const Counters connections = clients_.counters();
+  for (const auto& [name, value] : connections.values()) counters.add(name, value);
+  return counters;
+}
+
+}  // namespace curbstone::viewer::foxglove

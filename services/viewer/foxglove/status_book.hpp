@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <curbstone/service_status_t.hpp>
+#include <deque>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace curbstone::viewer::foxglove {
+
+/// What the processes say of themselves, for plots and for a log: JSON of their last status, and a line whenever one
+/// starts, and a fault begins or ends. Bounded. Pure; one thread.
+class StatusBook {
+ public:
+  static constexpr std::size_t kMaxServices = 64;
+  static constexpr std::size_t kMaxLines = 256;     ///< kept
+  static constexpr std::size_t kMaxText = 300;      ///< bytes of a name or a fault
+  static constexpr std::size_t kMaxFaults = 16;     ///< of a process
+  static constexpr std::size_t kMaxCounters = 256;  ///< of a process
+
+  struct Service {
+    std::string name;
+    std::string topic;         ///< "/status/tensor_voting_1"
+    std::string json;          ///< of the last message
+    std::uint64_t number = 0;  ///< grows with each message
+    std::int64_t utime = 0;    ///< us, of the last message
+    std::int32_t pid = 0;
+    std::int64_t uptime = 0;  ///< us
+    std::int64_t cpu_time = 0;
+    std::set<std::string> faults = {};
+  };
+  enum class Level { kInfo, kError };
+  struct Line {
+    std::uint64_t number = 0;  ///< from 1
+    std::int64_t utime = 0;    ///< us
+    Level level = Level::kInfo;
+    std::string name;  ///< of the process
+    std::string text;  ///< UTF-8
+  };
+
+  /// False: there are too many processes already.
+  bool put(const service_status_t& message);
+  /// In the order in which they were first heard; none ever goes.
+  [[nodiscard]] const std::vector<Service>& services() const { return services_; }
+  /// The newest kMaxLines.
+  [[nodiscard]] const std::deque<Line>& lines() const { return lines_; }
+
+ private:
+  void tell(const service_status_t& message, Level level, const std::string& name, std::string text);
+
+  std::vector<Service> services_;
+  std::deque<Line> lines_;
+  std::uint64_t number_ = 0;
+};
+
+/// foxglove.Log, as protobuf.
+[[nodiscard]] std::string log_message(const StatusBook::Line& line);
+
+}  // namespace curbstone::viewer::foxglove

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <curbstone/map_points_t.hpp>
+#include <curbstone/service_status_t.hpp>
+
+#include "common/bus/counters.hpp"
+#include "services/viewer/foxglove/feed.hpp"
+#include "services/viewer/viewer_node.hpp"
+
+namespace curbstone::viewer {
+
+/// What Foxglove sees and the page does not, beside what the node knows: every counter, a log, the mapper's points.
+/// Live, and of a log. One thread.
+class Show {
+ public:
+  /// Both must outlive this.
+  Show(const ViewerNode& node, const VehicleConfig& vehicle) : node_(node), vehicle_(vehicle) {}
+
+  void on(const service_status_t& message);
+  void on(const map_points_t& message);
+
+  /// Valid until the node or this hears anything.
+  [[nodiscard]] foxglove::World world() const;
+  [[nodiscard]] const foxglove::StatusBook& status() const { return status_; }
+  /// dropped.status (too many processes), refused.map_points.
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  const ViewerNode& node_;
+  const VehicleConfig& vehicle_;
+  foxglove::StatusBook status_;
+  foxglove::NearPoints points_;
+  Counters counters_;
+};
+
+}  // namespace curbstone::viewer

@@ -1,0 +1,192 @@
+#include <foxglove/frames.pb.h>
+#include <foxglove/log.pb.h>
+#include <foxglove/packed.pb.h>
+#include <foxglove/scene.pb.h>
+#include <gmock/gmock.h>
+
+#include <array>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/common/mcap/mcap_reader.hpp"
+#include "tests/temporary_folder.hpp"
+#include "tests/tools/export/mcap/shown_log.hpp"
+#include "tools/export/export.hpp"
+#include "tools/export/mcap/lcm_schemas.hpp"
+
+namespace curbstone::map_export {
+namespace {
+
+using curbstone::testing::McapFile;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class McapExport : public ::testing::Test {
+ protected:
+  int run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"export", path("log"), "--out", path("out")});
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    ::testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStderr();
+    const int status = run_export(static_cast<int>(argv.size()), argv.data());
+    said_ = ::testing::internal::GetCapturedStdout() + ::testing::internal::GetCapturedStderr();
+    return status;
+  }
+  [[nodiscard]] McapFile exported() const { return curbstone::testing::read_mcap(bytes()); }
+  [[nodiscard]] std::string bytes() const {
+    std::ifstream in(path("out") + "/drive.mcap", std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  template <class Message>
+  static Message last(const McapFile& file, const std::string& topic) {
+    Message message;
+    const auto all = file.of(topic);
+    EXPECT_FALSE(all.empty()) << topic;
+    EXPECT_TRUE(!all.empty() && message.ParseFromString(all.back())) << topic;
+    return message;
+  }
+
+  curbstone::testing::TemporaryFolder folder_;
+  std::string said_;
+};
+
+TEST_F(McapExport, HoldsWhatPanelsShow) {
+  curbstone::testing::write_shown_log(path("log"), 12);
+  ASSERT_EQ(run({"--only", "mcap"}), 0);
+  const McapFile file = exported();
+  EXPECT_THAT(file.errors, IsEmpty());
+  EXPECT_THAT(said_, HasSubstr("drive.mcap"));
+  EXPECT_EQ(file.of("/tf").size(), 240U) << "each pose";
+  EXPECT_EQ(file.of("/pose").size(), 240U);
+  EXPECT_NEAR(last<::foxglove::PoseInFrame>(file, "/pose").pose().position().x(), 11.95, 1e-9);
+  EXPECT_EQ(last<::foxglove::FrameTransforms>(file, "/tf").transforms_size(), 4);
+  EXPECT_NEAR(static_cast<double>(file.of("/map/window").size()), 24, 2);
+  EXPECT_GE(file.of("/map/whole").size(), 2U);
+  EXPECT_EQ(last<::foxglove::Grid>(file, "/map/whole").column_count(), 100U) << "the last state is there: 12 m";
+  EXPECT_EQ(last<::foxglove::SceneUpdate>(file, "/path").entities_size(), 1);
+  EXPECT_GT(last<::foxglove::SceneUpdate>(file, "/curbs").entities_size(), 0);
+  EXPECT_EQ(last<::foxglove::PointCloud>(file, "/map/points").data().size(), 16U * 720);
+  EXPECT_EQ(last<::foxglove::PointCloud>(file, "/lidar").frame_id(), "base_link");
+  EXPECT_GT(file.of("/lidar").size(), 100U);
+  EXPECT_EQ(file.of("/status/lidar").size(), 12U);
+  EXPECT_EQ(nlohmann::json::parse(file.of("/status/lidar").back())["counters"]["packets"], 220);
+  ASSERT_EQ(file.of("/log").size(), 3U) << "it runs, a fault begins and ends";
+  ::foxglove::Log line;
+  ASSERT_TRUE(line.ParseFromString(file.of("/log")[1]));
+  EXPECT_EQ(line.message(), "no packets");
+  EXPECT_EQ(line.level(), ::foxglove::Log::ERROR);
+}
+
+TEST_F(McapExport, RepeatsCurbsAndPathAsAWholeForThoseWhoEnterAnywhere) {
+  curbstone::testing::write_shown_log(path("log"), 25);
+  ASSERT_EQ(run({"--only", "mcap", "--without-raw"}), 0);
+  const McapFile file = exported();
+  for (const char* topic : {"/curbs", "/path"}) {
+    int wholes = 0;
+    for (const std::string& bytes : file.of(topic)) {
+      ::foxglove::SceneUpdate scene;
+      ASSERT_TRUE(scene.ParseFromString(bytes));
+      for (const auto& deletion : scene.deletions())
+        wholes += deletion.type() == ::foxglove::SceneEntityDeletion::ALL ? 1 : 0;
+    }
+    EXPECT_GE(wholes, 3) << topic;
+    EXPECT_LE(wholes, 6) << topic;
+  }
+}
+
+TEST_F(McapExport, HoldsTheMessagesOfTheLogWithTheirTypes) {
+  curbstone::testing::write_shown_log(path("log"), 2);
+  {
+    LogWriter more(path("log2"));
+    more.write("OURS_NOT", "0123456789abcdef", 16, curbstone::testing::kLogBegin);
+    more.write("SHORT", "01", 2, curbstone::testing::kLogBegin);
+  }
+  std::ofstream(path("log"), std::ios::binary | std::ios::app) << std::ifstream(path("log2"), std::ios::binary).rdbuf();
+  ASSERT_EQ(run({"--only", "mcap", "--compression", "none"}), 0);
+  const McapFile file = exported();
+  EXPECT_THAT(file.errors, IsEmpty());
+  EXPECT_EQ(file.of("MAP_POSE").size(), 40U);
+  EXPECT_THAT(file.of("OURS_NOT"), Contains("0123456789abcdef"));
+  map_pose_t pose{};
+  const std::string first = file.of("MAP_POSE").front();
+  ASSERT_GE(pose.decode(first.data(), 0, static_cast<int>(first.size())), 0);
+  EXPECT_EQ(pose.utime, curbstone::testing::kLogBegin);
+  for (const auto& message : file.messages) {
+    const auto& channel = file.channels.at(message.channel);
+    if (channel.topic != "MAP_POSE") continue;
+    EXPECT_EQ(channel.encoding, "lcm");
+    EXPECT_EQ(file.schemas.at(channel.schema).name, "curbstone.map_pose_t");
+    EXPECT_EQ(file.schemas.at(channel.schema).encoding, "lcm");
+    EXPECT_THAT(file.schemas.at(channel.schema).data, HasSubstr("struct map_pose_t {"));
+    EXPECT_EQ(message.log_time - message.publish_time, 1'000'000U);
+  }
+  for (const auto& [id, channel] : file.channels) {
+    const bool is_ours = channel.topic != "OURS_NOT" && channel.topic != "SHORT";
+    EXPECT_EQ(channel.schema != 0, is_ours) << channel.topic;
+  }
+}
+
+TEST_F(McapExport, IsSmallerWithoutTheLogsOwnMessages) {
+  curbstone::testing::write_shown_log(path("log"), 2);
+  ASSERT_EQ(run({"--only", "mcap", "--without-raw"}), 0);
+  EXPECT_THAT(exported().of("MAP_POSE"), IsEmpty());
+  EXPECT_EQ(exported().of("/pose").size(), 40U);
+}
+
+TEST_F(McapExport, IsAFunctionOfTheLogAlone) {
+  curbstone::testing::write_shown_log(path("log"), 3);
+  ASSERT_EQ(run({"--only", "mcap"}), 0);
+  const std::string first = bytes();
+  ASSERT_EQ(run({"--only", "mcap"}), 0);
+  EXPECT_TRUE(first == bytes());
+}
+
+TEST_F(McapExport, OfSensorsAloneSaysHowToAddTheMap) {
+  LogWriter(path("log")).write("IMU", std::array<std::uint8_t, 32>{}.data(), 32, curbstone::testing::kLogBegin);
+  ASSERT_EQ(run({"--only", "mcap"}), 0);
+  EXPECT_THAT(said_, HasSubstr("holds no map: 'curbstone replay"));
+  EXPECT_EQ(exported().of("IMU").size(), 1U);
+}
+
+TEST_F(McapExport, TakesWhateverStandsInALog) {
+  {
+    LogWriter log(path("log"));
+    const std::string noise(300, '\xff');
+    for (const char* channel : {"MAP_POSE", "SEMANTIC_TILE", "CURBS", "MAP_POINTS", "SERVICE_STATUS", "LIDAR_POINTS"})
+      log.write(channel, noise.data(), 300, curbstone::testing::kLogBegin);
+    log.write("LATE", noise.data(), 300, INT64_MAX);
+    log.write("EARLY", noise.data(), 300, INT64_MIN);
+    log.write("", noise.data(), 0, 1);
+  }
+  ASSERT_EQ(run({"--only", "mcap"}), 0);
+  EXPECT_THAT(exported().errors, IsEmpty());
+  EXPECT_THAT(said_, HasSubstr("messages refused"));
+}
+
+TEST_F(McapExport, IsMadeOfALogAndSaysSo) {
+  std::ofstream(path("log")) << "no log";
+  EXPECT_EQ(run({"--only", "mcap,nav2"}), 2);
+  EXPECT_THAT(said_, HasSubstr("mcap is made of a log"));
+  EXPECT_ANY_THROW(run({"--only", "mcap"}));
+  ::testing::internal::GetCapturedStdout();
+  ::testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(bytes().empty());
+}
+
+TEST(LcmSchemasTest, NestedTypesStandBehindTheType) {
+  curb_lines_t message{};
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  const auto schema = mcap::LcmSchemas().of(bytes.data(), bytes.size());
+  ASSERT_TRUE(schema);
+  EXPECT_EQ(schema->name, "curbstone.curb_lines_t");
+  EXPECT_LT(schema->data.find("struct curb_lines_t"), schema->data.find("struct curb_line_t"));
+  EXPECT_NE(schema->data.find("struct curb_line_t"), std::string::npos);
+  EXPECT_FALSE(mcap::LcmSchemas().of(bytes.data(), 3));
+}
+
+}  // namespace
+}  // namespace curbstone::map_export

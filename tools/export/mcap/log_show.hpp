@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "common/bus/local_bus.hpp"
+#include "common/log/log_reader.hpp"
+#include "services/viewer/show.hpp"
+#include "services/viewer/viewer_node.hpp"
+
+namespace curbstone::map_export::mcap {
+
+/// What curbstone-viewer would have sent to a Foxglove client while a log was recorded, at the log's own pace. Memory
+/// is that of the viewer, which is bounded. One thread.
+class LogShow {
+ public:
+  explicit LogShow(const viewer::ViewerConfig& config);
+
+  /// The messages that the event brings, in order.
+  [[nodiscard]] std::vector<viewer::foxglove::Message> take(const LogEvent& event);
+  /// What came last and had not been due.
+  [[nodiscard]] std::vector<viewer::foxglove::Message> finish();
+
+  /// In the order of first being heard: what the channels from kFirstStatus on are.
+  [[nodiscard]] const std::vector<viewer::foxglove::StatusBook::Service>& services() const {
+    return show_.status().services();
+  }
+  [[nodiscard]] bool has_map() const { return node_.world().map.size() > 0; }
+  /// us since the Unix epoch: when the messages of the last call would have been sent.
+  [[nodiscard]] std::int64_t now() const { return now_; }
+  /// What was not sound in the log.
+  [[nodiscard]] Counters counters() const;
+
+ private:
+  /// A file has no pages.
+  class NoPages final : public viewer::web::Audience {
+   public:
+    std::vector<Event> take_events() override { return {}; }
+    void send(viewer::web::PageId, viewer::web::Frame) override {}
+    void say(viewer::web::PageId, std::string) override {}
+    [[nodiscard]] std::size_t queued(viewer::web::PageId) const override { return 0; }
+    [[nodiscard]] Counters counters() const override { return {}; }
+  };
+  [[nodiscard]] std::vector<viewer::foxglove::Message> tick(std::int64_t now);
+
+  VehicleConfig vehicle_;
+  NoPages pages_;
+  LocalBus bus_;
+  viewer::ViewerNode node_;
+  viewer::Show show_;
+  viewer::foxglove::Feed feed_{viewer::foxglove::Feed::For::kFile};
+  std::size_t subscribed_services_ = 0;
+  std::int64_t now_ = 0;     // us
+  std::int64_t ticked_ = 0;  // us
+};
+
+}  // namespace curbstone::map_export::mcap
