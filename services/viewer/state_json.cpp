@@ -34,6 +34,14 @@ json pose_json(const map_pose_t& pose) {
           {"lost", (pose.flags & map_pose_t::LOST) != 0}};
 }
 
+json localized_json(const State& state) {
+  if (!state.localized) return {};
+  json localized = pose_json(*state.localized);
+  localized["age"] = state.localized_age;
+  localized["here"] = state.localized->epoch == state.epoch;
+  return localized;
+}
+
 json playback_json(const Playback& playback) {
   return {{"position", playback.position},
           {"progress", playback.progress},
@@ -56,6 +64,7 @@ std::string state_json(const State& state, const VehicleConfig& vehicle) {
                   {"latency", {state.latency_p50, state.latency_p95}},
                   {"vehicle", {vehicle.length, vehicle.width, vehicle.middle}},
                   {"pose", state.pose ? pose_json(*state.pose) : json()},
+                  {"localized", localized_json(state)},
                   {"playback", state.playback ? playback_json(*state.playback) : json()}});
 }
 

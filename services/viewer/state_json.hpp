@@ -35,6 +35,8 @@ struct State {
   double latency_p50 = 0;  ///< s, from the LiDAR's measurement to the drawn frame; NaN: none was drawn
   double latency_p95 = 0;
   std::optional<map_pose_t> pose;
+  std::optional<map_pose_t> localized;  ///< LOCALIZED_POSE; drawn where its map is the one that is seen
+  double localized_age = 0;
   std::optional<Playback> playback;  ///< of a "replay"
 };
 

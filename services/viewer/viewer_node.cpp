@@ -51,6 +51,7 @@ void ViewerNode::connect(Subscriber& bus) {
   bus.subscribe<semantic_tile_t>("SEMANTIC_TILE", [this](const semantic_tile_t& m) { on(m); });
   bus.subscribe<tile_index_t>("TILE_INDEX", [this](const tile_index_t& m) { on(m); });
   bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { on(m); });
+  bus.subscribe<map_pose_t>("LOCALIZED_POSE", [this](const map_pose_t& m) { on_localized(m); });
   bus.subscribe<map_trajectory_t>("MAP_TRAJECTORY", [this](const map_trajectory_t& m) { on(m); });
   bus.subscribe<curb_lines_t>("CURBS", [this](const curb_lines_t& m) { on(m); });
   bus.subscribe<service_status_t>("SERVICE_STATUS", [this](const service_status_t& m) { on(m); });
@@ -88,6 +89,7 @@ void ViewerNode::begin_again() {
   epochs_ = {};
   services_ = {};
   held_.clear();
+  localized_.reset();
   bus_heard_ = tile_heard_ = pose_heard_ = newest_utime_ = 0;
   for (auto& [id, page] : pages_) {
     if (page.feed) page.feed->begin_again();
@@ -139,6 +141,15 @@ void ViewerNode::on(const map_pose_t& message) {
   pose_heard_ = now_;
   const Eigen::Vector3f place = T_map_base.translation().cast<float>();
   if ((message.flags & map_pose_t::LOST) == 0) path_.put({message.utime, place.x(), place.y(), place.z()});
+}
+
+/// In the frame of the saved map that the localizer has, so its epoch says nothing of the live one.
+void ViewerNode::on_localized(const map_pose_t& message) {
+  const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
+  if (!is_finite(T_map_base) || message.utime <= 0) return counters_.add("refused.pose");
+  heard();
+  localized_ = message;
+  localized_heard_ = now_;
 }
 
 void ViewerNode::on(const map_trajectory_t& message) {
@@ -311,6 +322,8 @@ State ViewerNode::state_for(const Page& page) const {
           .latency_p50 = page.latency.percentile(0.5),
           .latency_p95 = page.latency.percentile(0.95),
           .pose = pose_,
+          .localized = localized_,
+          .localized_age = seconds_since(localized_heard_, now_),
           .playback = playback_};
 }
 

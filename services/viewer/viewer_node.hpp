@@ -64,6 +64,7 @@ class ViewerNode final : public Node {
   void on(const semantic_tile_t& message);
   void on(const tile_index_t& message);
   void on(const map_pose_t& message);
+  void on_localized(const map_pose_t& message);
   void on(const map_trajectory_t& message);
   void on(const curb_lines_t& message);
   void on(const service_status_t& message);
@@ -109,6 +110,7 @@ class ViewerNode final : public Node {
   bool scan_wanted_elsewhere_ = false;
   std::vector<map_trajectory_t> held_;  // of an epoch that may begin
   std::optional<map_pose_t> pose_;
+  std::optional<map_pose_t> localized_;
   std::optional<Playback> playback_;
   std::int64_t newest_utime_ = 0;  // us, of the points in any tile
   std::string services_json_;
@@ -118,6 +120,7 @@ class ViewerNode final : public Node {
   std::int64_t bus_heard_ = 0;
   std::int64_t tile_heard_ = 0;
   std::int64_t pose_heard_ = 0;
+  std::int64_t localized_heard_ = 0;
   std::int64_t last_request_ = 0;
   std::int64_t last_services_ = 0;
   std::map<web::PageId, Page> pages_;

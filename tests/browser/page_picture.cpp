@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <exception>
 
-#include "tests/browser/browser.hpp"
+#include "tools/browser/browser.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 4) {
@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    curbstone::testing::Browser browser([] {});
+    curbstone::browser::Browser browser([] {});
     browser.open(argv[1]);
     browser.pass(std::atof(argv[3]));
     browser.save_picture(argv[2]);

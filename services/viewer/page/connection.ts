@@ -1,9 +1,11 @@
 // The WebSocket to the viewer: it comes back by itself, and goes on where it was.
-import { readFrame } from "./decode";
 import { World } from "./world";
 
 const kRetry = 1000;    // ms
 const kSilence = 4000;  // ms without a frame: the connection is dead, whatever TCP thinks
+
+/// Who takes what comes. take() returns the frame's number.
+export interface Receiver { live: World; take(bytes: ArrayBuffer): number }
 
 export class Connection {
   lastFrame = 0;  // ms of performance.now(); 0: none yet
@@ -11,7 +13,7 @@ export class Connection {
   private undrawn: number | null = null;
   private points = false;
 
-  constructor(private world: World, private onFrame: () => void) {
+  constructor(private receiver: Receiver, private onFrame: () => void) {
     this.open();
     setInterval(() => this.watch(), 500);
   }
@@ -43,7 +45,7 @@ export class Connection {
     const socket = this.socket = new WebSocket(`${scheme}//${location.host}/live`);
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
-      const { run, epoch, number } = this.world;
+      const { run, epoch, number } = this.receiver.live;
       this.undrawn = null;
       this.lastFrame = performance.now();
       this.say({ resume: run ? { run, epoch, number } : null });
@@ -51,7 +53,7 @@ export class Connection {
     };
     socket.onmessage = event => {
       if (socket !== this.socket) return;
-      this.undrawn = readFrame(event.data, this.world);
+      this.undrawn = this.receiver.take(event.data);
       this.lastFrame = performance.now();
       this.onFrame();
     };

@@ -27,7 +27,7 @@ const kMaskBytes = Math.ceil(kTileCells / 8);
 
 function newTile(x: number, y: number): Tile {
   return { x, y, revision: 0, utime: 0, curbsUtime: 0, zOrigin: 0, classes: new Uint8Array(kTileCells),
-    heights: new Int16Array(kTileCells), costs: new Uint8Array(kTileCells), confidences: new Uint8Array(kTileCells) };
+    heights: new Int16Array(kTileCells), costs: new Uint8Array(kTileCells), confidences: new Uint8Array(kTileCells), kept: false };
 }
 
 /// A tile record: of all cells, or of those in the mask.
@@ -35,6 +35,7 @@ function readTile(reader: Reader, world: World): void {
   const x = reader.i32(), y = reader.i32(), key = `${x},${y}`;
   let tile = world.tiles.get(key);
   if (!tile) world.tiles.set(key, tile = newTile(x, y));
+  tile = world.own(tile);
   const isWhole = reader.u8() === 0;
   tile.revision = reader.i32();
   tile.utime = reader.f64();

@@ -1,5 +1,7 @@
-// Mouse, touch and keys on the map: drag, wheel, pinch, click, long press.
+// Mouse, touch and keys on the map: drag, wheel, pinch, tilt, click, long press.
 import { Camera } from "./drawing/camera";
+
+type Spot = [number, number];
 
 export interface GestureEvents {
   moved(dragged: boolean): void;          // the view is another; dragged: it left where it was
@@ -7,40 +9,59 @@ export interface GestureEvents {
   hovered(sx: number, sy: number): void;
 }
 
+const kLean = 0.006, kTurn = 0.005;  // rad a pixel
+const kDecide = 10;                  // pixels that two fingers go until it is told what they do
+
 export function listen(element: HTMLElement, camera: Camera, events: GestureEvents): void {
-  const fingers = new Map<number, [number, number]>();
+  const fingers = new Map<number, Spot>();
+  let began: Spot[] = [];     // where each of two fingers began
+  let isLeaning = false;      // the right button, or two fingers up or down side by side
+  let isPinching = false;
   let travelled = 0;
 
   element.addEventListener("pointerdown", event => {
     element.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, [event.clientX, event.clientY]);
     if (fingers.size === 1) travelled = 0;
+    isLeaning = fingers.size === 1 && (event.button === 2 || event.ctrlKey);
+    isPinching = false;
+    began = [...fingers.values()];
   });
 
   element.addEventListener("pointermove", event => {
     const before = fingers.get(event.pointerId);
     if (!before) return events.hovered(event.clientX, event.clientY);
-    const now: [number, number] = [event.clientX, event.clientY];
+    const now: Spot = [event.clientX, event.clientY];
     travelled += Math.hypot(now[0] - before[0], now[1] - before[1]);
+    fingers.set(event.pointerId, now);
     if (fingers.size === 1) {
       if (travelled < 4) return;
-      const [x, y] = camera.toMap(...before);
-      camera.hold(x, y, ...now);
       element.classList.add("dragged");
-      events.moved(true);
-    } else {
-      const other = [...fingers].find(([id]) => id !== event.pointerId)![1];
-      pinch(camera, before, now, other);
-      events.moved(false);
+      if (isLeaning) {
+        camera.lean((before[1] - now[1]) * kLean, (now[0] - before[0]) * kTurn);
+        return events.moved(false);
+      }
+      camera.hold(...camera.toMap(...before), ...now);
+      return events.moved(true);
     }
-    fingers.set(event.pointerId, now);
+    if (!isLeaning && !isPinching) {
+      const what = meaning(began, [...fingers.values()]);
+      isLeaning = what === "lean";
+      isPinching = what === "pinch";
+      return;
+    }
+    const other = [...fingers].find(([id]) => id !== event.pointerId)![1];
+    if (isLeaning) camera.lean((before[1] - now[1]) / 2 * kLean, 0);
+    else pinch(camera, before, now, other);
+    events.moved(false);
   });
 
   const up = (event: PointerEvent) => {
     if (!fingers.delete(event.pointerId)) return;
     element.classList.remove("dragged");
-    if (event.type === "pointerup" && fingers.size === 0 && travelled < 4) events.picked(event.clientX, event.clientY);
+    if (event.type === "pointerup" && fingers.size === 0 && travelled < 4 && !isLeaning) events.picked(event.clientX, event.clientY);
     if (fingers.size > 0) travelled = 100;  // the end of a pinch is no tap
+    isLeaning = isPinching = false;
   };
   element.addEventListener("pointerup", up);
   element.addEventListener("pointercancel", up);
@@ -54,8 +75,17 @@ export function listen(element: HTMLElement, camera: Camera, events: GestureEven
   element.addEventListener("contextmenu", event => event.preventDefault());
 }
 
+/// What two fingers do, once both have gone far enough or one has gone far.
+function meaning([a, b]: Spot[], [c, d]: Spot[]): "lean" | "pinch" | "" {
+  const first: Spot = [c[0] - a[0], c[1] - a[1]], second: Spot = [d[0] - b[0], d[1] - b[1]];
+  const [p, q] = [Math.hypot(...first), Math.hypot(...second)];
+  if (Math.max(p, q) < kDecide || Math.min(p, q) < kDecide / 2 && Math.max(p, q) < 3 * kDecide) return "";
+  const isUpright = ([x, y]: Spot) => Math.abs(y) > 1.7 * Math.abs(x);
+  return isUpright(first) && isUpright(second) && first[1] * second[1] > 0 ? "lean" : "pinch";
+}
+
 /// One finger went from `before` to `now` while the other one rests.
-function pinch(camera: Camera, before: [number, number], now: [number, number], other: [number, number]): void {
+function pinch(camera: Camera, before: Spot, now: Spot, other: Spot): void {
   const from = Math.hypot(before[0] - other[0], before[1] - other[1]);
   const to = Math.hypot(now[0] - other[0], now[1] - other[1]);
   const [x, y] = camera.toMap((before[0] + other[0]) / 2, (before[1] + other[1]) / 2);

@@ -3,32 +3,39 @@ import { showServices, Verdict } from "./cards/health";
 import { Inspector } from "./cards/inspector";
 import { Panel, showSummary } from "./cards/panel";
 import { Ruler } from "./cards/ruler";
-import { Timeline } from "./cards/timeline";
+import { clock, Timeline } from "./cards/timeline";
 import { Connection } from "./connection";
 import { Camera } from "./drawing/camera";
 import { Ground } from "./drawing/ground";
 import { Marks } from "./drawing/marks";
 import { Motion } from "./drawing/motion";
+import { kInk } from "./drawing/ink";
 import { css, Rgb } from "./drawing/palette";
+import { TiltedMarks } from "./drawing/tilted_marks";
+import { Tilting } from "./drawing/tilting";
 import { byId, seconds } from "./format";
 import { listen } from "./gestures";
+import { Rewind } from "./past/rewind";
 import { Settings } from "./settings";
-import { judge } from "./staleness";
-import { heightRange, mapBounds } from "./survey";
-import { World } from "./world";
+import { judge, judgePast } from "./staleness";
+import { heightRange, mapBounds, placeUnder } from "./survey";
+import { Pose, World } from "./world";
 
 const world = new World();
 const camera = new Camera();
 const settings = new Settings();
 const map = byId("map"), groundCanvas = byId<HTMLCanvasElement>("ground"), marksCanvas = byId<HTMLCanvasElement>("marks");
-const motion = new Motion();
+const motion = new Motion(), localized = new Motion(), tilting = new Tilting(camera);
 let ground: Ground;
 let marks: Marks;
+let tiltedMarks: TiltedMarks;
 let panel: Panel;
 let inspector: Inspector;
 let ruler: Ruler;
 let connection: Connection;
 let timeline: Timeline;
+let rewind: Rewind;
+let isWell = true;  // what is live, whatever is shown
 let range: [number, number] = [-1, 3];
 let grey = 0;
 let shown = false;  // whether the view was ever put where the map is
@@ -50,17 +57,31 @@ function draw(now: number): void {
     if (settings.headingUp) camera.turn = Math.PI / 2 - pose.yaw;
   }
   const look = settings.look, { layers } = settings;
-  ground.draw(camera, { ...layers, theme: look, mode: settings.mode, range, grey, paper: paper() }, pose);
-  marks.draw(camera, look, layers, pose, inspector.picked, ruler.places, grey);
+  const isTilting = tilting.step(now, world, settings.follow ? pose : null);
+  if (world.curbsChanged) ground.curbsChanged();
+  ground.draw(camera, { ...layers, theme: look, mode: settings.mode, byIntensity: settings.points === "intensity",
+    range, now: newestTime(), grey, paper: paper() }, pose);
+  const poses: [Pose, string][] = pose ? [[pose, kInk[look].vehicle]] : [], other = localized.poseAt(now);
+  if (other && layers.localized) poses.unshift([other, kInk[look].localized]);
+  marks.refresh();
+  (camera.isTilted ? tiltedMarks : marks).draw(camera, look, layers, poses, inspector.picked, ruler.places, grey);
   showScale();
+  byId("tilt").setAttribute("aria-pressed", String(camera.isTilted));
   byId("needle").style.transform = `rotate(${-camera.turn}rad)`;
   byId("needle").style.transformOrigin = "12px 12px";
   connection.drawn();
-  if (motion.isMoving(now) && !document.hidden) redraw();
+  if ((motion.isMoving(now) || isTilting) && !document.hidden) redraw();
   if (now - written > 1000) {
     written = now;
     settings.write(camera);
   }
+}
+
+/// us, from which the ages of cells count.
+function newestTime(): number {
+  let newest = world.state?.pose?.utime ?? 0;
+  if (newest === 0) for (const tile of world.tiles.values()) newest = Math.max(newest, tile.utime);
+  return newest;
 }
 
 function paper(): Rgb {
@@ -69,10 +90,36 @@ function paper(): Rgb {
 
 /// A frame came.
 function onFrame(): void {
+  if (!rewind.isPast) return onNews();
+  requestAnimationFrame(() => connection.drawn());
+  showTimeline();
+}
+
+function showTimeline(): void {
+  const { state } = world;
+  if (state?.playback) timeline.show(state.playback);
+  else timeline.show(rewind.playback(), { isSeen: !rewind.isPast, isWell });
+}
+
+/// The past is another moment; `leapt`: not the next one.
+function onPast(leapt: boolean): void {
+  if (leapt) {
+    motion.clear();
+    localized.clear();
+  }
+  map.classList.toggle("past", rewind.isPast);
+  onNews();
+  look();
+}
+
+/// What is shown is other than before.
+function onNews(): void {
   const { state } = world;
   if (state?.pose) motion.add(state.pose, performance.now());
   if (!state?.pose) motion.clear();
-  timeline.show(state?.playback ?? null);
+  if (state?.localized?.here) localized.add(state.localized, performance.now());
+  else localized.clear();
+  showTimeline();
   // A saved map comes in several frames: the whole of it is shown, so it must be there.
   const isThere = state?.source !== "map" || world.tiles.size >= state.tiles;
   if (!shown && isThere && world.tiles.size > 0) begin();
@@ -95,20 +142,24 @@ function showWhole(): void {
 
 /// Twice a second: what depends on the time, and what need not be quicker.
 function look(): void {
-  const age = connection.age() / 1000, { state } = world;
-  const judged = judge(state, connection.isOpen && connection.lastFrame > 0, age);
+  const { state } = world, { isPast } = rewind;
+  const age = isPast ? 0 : connection.age() / 1000;
+  const now = judge(rewind.live.state, connection.isOpen && connection.lastFrame > 0, connection.age() / 1000);
+  isWell = now.mood !== "bad";
+  const judged = isPast ? judgePast(judge(state, true, age), clock(rewind.behind / 1000)) : now;
   const status = byId("status");
+  showTimeline();
   status.textContent = judged.word;
   status.className = `chip ${judged.mood}`;
   byId("curtain").textContent = judged.sentence;
   byId("curtain").hidden = !judged.sentence;
   byId("source").textContent = state?.title ?? "";
-  document.title = judged.mood === "bad" ? `${judged.word} – Curbstone` : "Curbstone";
+  document.title = now.mood === "bad" ? `${now.word} – Curbstone` : "Curbstone";
   if (grey !== judged.grey) {
     grey = judged.grey;
     redraw();
   }
-  const latency = grey ? null : state?.latency[0] ?? null;
+  const latency = grey || isPast ? null : state?.latency[0] ?? null;
   byId("latency").textContent = latency === null ? "" : `${seconds(latency)} from sensor to screen`;
   verdict = showServices(world.services, age);
   if (state) panel.showState(state, motion.speed);
@@ -171,6 +222,11 @@ function toggleFollow(): void {
   settingsChanged();
 }
 
+function toggleTilt(): void {
+  tilting.toggle(performance.now());
+  redraw();
+}
+
 function zoom(factor: number): void {
   camera.zoom(factor, camera.width / 2 + camera.offsetX, camera.height / 2 + camera.offsetY);
   redraw();
@@ -201,22 +257,24 @@ function wire(): void {
         settings.follow = settings.headingUp = false;
         settingsChanged();
       }
+      tilting.stop();
       redraw();
     },
-    picked: (x, y) => ruler.isOn ? ruler.put(camera.toMap(x, y)) : inspector.pick(camera.toMap(x, y)),
+    picked: (x, y) => ruler.isOn ? ruler.put(placeUnder(world, camera, x, y)) : inspector.pick(placeUnder(world, camera, x, y)),
     hovered: (x, y) => {
-      byId("place").textContent = camera.toMap(x, y).map(m => m.toFixed(1)).join(", ") + " m";
+      byId("place").textContent = placeUnder(world, camera, x, y).map(m => m.toFixed(1)).join(", ") + " m";
     },
   });
   byId("follow").onclick = toggleFollow;
   byId("north").onclick = toggleNorth;
+  byId("tilt").onclick = toggleTilt;
   byId("measure").onclick = () => ruler.toggle();
   byId("save").onclick = savePicture;
   byId("in").onclick = () => zoom(1.5);
   byId("out").onclick = () => zoom(1 / 1.5);
   byId("whole").onclick = showWhole;
   const keys: Record<string, () => void> = {
-    f: toggleFollow, n: toggleNorth, m: () => ruler.toggle(), p: savePicture, "+": () => zoom(1.5), "=": () => zoom(1.5), "-": () => zoom(1 / 1.5), "0": showWhole,
+    f: toggleFollow, n: toggleNorth, t: toggleTilt, m: () => ruler.toggle(), p: savePicture, l: () => rewind.goLive(), "+": () => zoom(1.5), "=": () => zoom(1.5), "-": () => zoom(1 / 1.5), "0": showWhole,
     " ": () => {
       if (document.activeElement?.tagName !== "BUTTON" && !byId("timeline").hidden) byId("pause").click();
     },
@@ -229,16 +287,18 @@ function wire(): void {
 }
 
 // For the browser's console, and for tests/services/viewer/page.
-Object.assign(window, { curbstone: { world, camera, settings } });
+rewind = new Rewind(world, onPast);
+Object.assign(window, { curbstone: { world, camera, settings, rewind, redraw } });
 
 settings.read(camera);
 try {
   ground = new Ground(groundCanvas, world, redraw);
   marks = new Marks(marksCanvas, world);
+  tiltedMarks = new TiltedMarks(marksCanvas, world);
   inspector = new Inspector(world, () => { inspector.show(settings.look, settings.mode); redraw(); });
   ruler = new Ruler(world, () => { ruler.show(); redraw(); });
-  connection = new Connection(world, onFrame);
-  timeline = new Timeline(order => connection.order(order));
+  connection = new Connection(rewind, onFrame);
+  timeline = new Timeline(order => world.state?.playback ? connection.order(order) : rewind.order(order), () => rewind.goLive());
   panel = new Panel(settings, settingsChanged);
   wire();
   resize();

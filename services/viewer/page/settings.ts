@@ -2,14 +2,15 @@
 import { Camera } from "./drawing/camera";
 import { Mode, Theme } from "./drawing/palette";
 
-export interface Layers { grid: boolean; relief: boolean; curbs: boolean; path: boolean; points: boolean }
+export interface Layers { grid: boolean; relief: boolean; curbs: boolean; path: boolean; points: boolean; localized: boolean }
 
 export class Settings {
   mode: Mode = "class";
   theme: "auto" | Theme = "auto";
   follow = true;
   headingUp = false;
-  layers: Layers = { grid: true, relief: true, curbs: true, path: true, points: true };
+  points: "height" | "intensity" = "height";  // what colours the LiDAR's points
+  layers: Layers = { grid: true, relief: true, curbs: true, path: true, points: true, localized: true };
   hasView = false;  // the address said where to look
 
   /// The theme that is in force.
@@ -26,10 +27,13 @@ export class Settings {
       this.hasView = true;
     }
     const mode = words.get("colour");
-    if (mode && ["class", "paper", "height", "cost", "confidence"].includes(mode)) this.mode = mode as Mode;
+    if (mode && ["class", "paper", "height", "cost", "confidence", "age"].includes(mode)) this.mode = mode as Mode;
     const theme = words.get("theme");
     if (theme === "light" || theme === "dark") this.theme = theme;
     if (words.has("follow")) this.follow = words.get("follow") === "1";
+    const tilt = Number(words.get("tilt"));
+    if (tilt > 0) camera.lean(tilt * Math.PI / 180, 0);
+    if (words.get("points") === "intensity") this.points = "intensity";
     this.headingUp = words.get("up") === "heading";
     for (const name of (words.get("off") ?? "").split(".")) if (name in this.layers) this.layers[name as keyof Layers] = false;
   }
@@ -41,6 +45,8 @@ export class Settings {
     if (this.mode !== "class") words.push(`colour=${this.mode}`);
     if (this.theme !== "auto") words.push(`theme=${this.theme}`);
     if (this.headingUp) words.push("up=heading");
+    if (camera.isTilted) words.push(`tilt=${(camera.tilt * 180 / Math.PI).toFixed(0)}`);
+    if (this.points !== "height") words.push(`points=${this.points}`);
     if (off.length) words.push(`off=${off.join(".")}`);
     history.replaceState(null, "", "#" + words.join("&"));
   }

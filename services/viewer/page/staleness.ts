@@ -7,7 +7,7 @@ const kOld = 1.5;  // s
 export interface Judgement {
   word: string;      // for the chip
   sentence: string;  // over the map; empty: all is well
-  mood: "good" | "bad" | "";
+  mood: "good" | "bad" | "past" | "";
   grey: number;      // 0 .. 1
 }
 
@@ -29,4 +29,9 @@ export function judge(state: State | null, isOpen: boolean, age: number): Judgem
     return { word: "Stale", mood: "bad", grey: 1, sentence: `No pose for ${seconds(state.pose_age)}: this is how it was` };
   if (state.pose?.lost) return { word: "Lost", mood: "bad", grey: 0, sentence: "The mapper has lost the vehicle: its pose is a guess" };
   return { word: state.source === "replay" ? "Replay" : "Live", sentence: "", mood: "good", grey: 0 };
+}
+
+/// Of a world that is not of now: how it was then, but that it is past comes first.
+export function judgePast(then: Judgement, ago: string): Judgement {
+  return { ...then, word: `${ago} ago`, mood: "past" };
 }

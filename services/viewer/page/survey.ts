@@ -1,6 +1,6 @@
 // Figures over the whole map: its bounds, the heights in view.
 import { Camera } from "./drawing/camera";
-import { heightOf, kTileCells, kTileSize, World } from "./world";
+import { heightAt, heightOf, kTileCells, kTileSize, World } from "./world";
 
 /// min x, min y, max x, max y, m.
 export function mapBounds(world: World): [number, number, number, number] {
@@ -30,4 +30,11 @@ export function heightRange(world: World, camera: Camera): [number, number] {
   heights.sort((a, b) => a - b);
   const at = (share: number) => heights[Math.floor(share * (heights.length - 1))];
   return [at(0.01), Math.max(at(0.01) + 0.5, at(0.97))];
+}
+
+/// The place of the map that is seen there, on the ground as it rises and falls.
+export function placeUnder(world: World, camera: Camera, sx: number, sy: number): [number, number] {
+  let place = camera.toMap(sx, sy);
+  for (let i = 0; camera.isTilted && i < 4; ++i) place = camera.toMap(sx, sy, heightAt(world, ...place) ?? camera.z);
+  return place;
 }

@@ -17,6 +17,7 @@ export interface Tile {
   heights: Int16Array; // 2 mm steps from zOrigin
   costs: Uint8Array;
   confidences: Uint8Array;
+  kept: boolean;       // by a snapshot: who changes it copies it before
 }
 
 export interface CurbLine {
@@ -34,6 +35,9 @@ export interface Pose {
   registered: boolean; without_odometry: boolean; stationary: boolean; lost: boolean;
 }
 
+/// Where the localizer sees the vehicle in its saved map. `here`: that is the map that is seen.
+export interface Localized extends Pose { age: number; here: boolean }
+
 export interface Place { x: number; y: number; height: number | null }  // m in map
 
 /// How far a log has been played.
@@ -45,6 +49,7 @@ export interface State {
   latency: [number | null, number | null];
   vehicle: [number, number, number];  // m: length, width, x of the middle
   pose: Pose | null;
+  localized: Localized | null;
   playback: Playback | null;
 }
 
@@ -53,13 +58,23 @@ export interface Service {
   latency: [number | null, number | null]; faults: string[]; losses: [string, number, number][];
 }
 
+/// All that a world knows at a moment. It shares what does not change afterwards.
+export interface Snapshot {
+  run: number; epoch: number; number: number;
+  tiles: Map<string, Tile>; curbs: Map<number, CurbLine>;
+  path: number[]; pathLength: number;  // which may have grown since
+  scan: Float32Array; state: State | null; services: Service[];
+}
+
 export class World {
   run = 0;
   epoch = 0;
   number = 0;  // up to which it has all tiles
   tiles = new Map<string, Tile>();
   changed = new Set<Tile>();  // since somebody cleared it
+  gone = new Set<Tile>();     // the same
   cleared = true;
+  copied = 0;                 // tiles, because a snapshot keeps them as they were
   curbs = new Map<number, CurbLine>();
   curbsChanged = true;
   path: number[] = [];  // x, y, z by turns
@@ -79,10 +94,43 @@ export class World {
     this.number = 0;
     this.tiles.clear();
     this.changed.clear();
+    this.gone.clear();
     this.curbs.clear();
     this.path = [];
     this.scan = new Float32Array();
     this.cleared = this.curbsChanged = this.pathChanged = this.scanChanged = true;
+  }
+
+  /// The tile, to be changed.
+  own(tile: Tile): Tile {
+    if (!tile.kept) return tile;
+    const { classes, heights, costs, confidences } = tile;
+    const copy = { ...tile, kept: false, classes: classes.slice(), heights: heights.slice(), costs: costs.slice(), confidences: confidences.slice() };
+    this.tiles.set(`${tile.x},${tile.y}`, copy);
+    ++this.copied;
+    return copy;
+  }
+
+  snapshot(): Snapshot {
+    for (const tile of this.tiles.values()) tile.kept = true;
+    const { run, epoch, number, path, scan, state, services } = this;
+    return { run, epoch, number, tiles: new Map(this.tiles), curbs: new Map(this.curbs), path, pathLength: path.length, scan, state, services };
+  }
+
+  /// Becomes what the snapshot holds; only what is other there counts as changed.
+  show(other: Snapshot): void {
+    for (const [key, tile] of this.tiles) {
+      if (other.tiles.has(key)) continue;
+      this.gone.add(tile);
+      this.changed.delete(tile);
+    }
+    for (const [key, tile] of other.tiles) if (this.tiles.get(key) !== tile) this.changed.add(tile);
+    this.tiles = new Map(other.tiles);
+    this.curbs = new Map(other.curbs);
+    this.path = other.path.slice(0, other.pathLength);
+    const { run, epoch, number, scan, state, services } = other;
+    Object.assign(this, { run, epoch, number, scan, state, services });
+    this.curbsChanged = this.pathChanged = this.scanChanged = true;
   }
 }
 
@@ -99,4 +147,10 @@ export function cellAt(world: World, x: number, y: number): { tile: Tile; index:
 export function heightOf(tile: Tile, index: number): number | null {
   const steps = tile.heights[index];
   return steps === kNoHeight ? null : tile.zOrigin + steps * 0.002;
+}
+
+/// The same of a place, m.
+export function heightAt(world: World, x: number, y: number): number | null {
+  const hit = cellAt(world, x, y);
+  return hit && heightOf(hit.tile, hit.index);
 }

@@ -2,10 +2,11 @@
 import { byId, list, make, metres, seconds } from "../format";
 import { classColours, css, kClassNames, kModes, Mode, ramp, Theme } from "../drawing/palette";
 import { Layers, Settings } from "../settings";
-import { State } from "../world";
+import { Pose, State } from "../world";
 
 const kLayers: [keyof Layers, string][] =
-  [["grid", "Cells"], ["relief", "Relief"], ["curbs", "Curbs"], ["path", "Path"], ["points", "LiDAR"]];
+  [["grid", "Cells"], ["relief", "Relief"], ["curbs", "Curbs"], ["path", "Path"], ["points", "LiDAR"], ["localized", "Localizer"]];
+const kPointColours: [Settings["points"], string][] = [["height", "Points by height"], ["intensity", "By intensity"]];
 const kThemes: ["auto" | Theme, string][] = [["auto", "Auto"], ["light", "Light"], ["dark", "Dark"]];
 
 export class Panel {
@@ -13,7 +14,8 @@ export class Panel {
     segments("colours", kModes, () => settings.mode === "paper" ? "class" : settings.mode, mode => { settings.mode = mode; changed(); });
     segments("themes", kThemes, () => settings.theme, theme => { settings.theme = theme; changed(); });
     for (const [name, title] of kLayers) byId("layers").append(this.toggle(title, () => settings.layers[name], on => { settings.layers[name] = on; }));
-    byId("layers").append(this.toggle("Paper’s colours", () => settings.mode === "paper", on => { settings.mode = on ? "paper" : "class"; }));
+    byId("layers").append(this.toggle("As in paper", () => settings.mode === "paper", on => { settings.mode = on ? "paper" : "class"; }));
+    segments("point-colours", kPointColours, () => settings.points, colour => { settings.points = colour; changed(); });
     const panel = byId("panel"), handle = byId("handle");
     handle.onclick = () => handle.setAttribute("aria-expanded", String(panel.classList.toggle("open")));
   }
@@ -30,7 +32,8 @@ export class Panel {
   /// After the settings changed.
   refresh(range: [number, number]): void {
     for (const refresh of refreshers) refresh();
-    const { mode, look } = this.settings;
+    const { mode, look, layers } = this.settings;
+    byId("point-colours").hidden = !layers.points;
     byId("legend").replaceChildren(mode === "class" || mode === "paper" ? keys(look, mode) : scale(mode, range));
   }
 
@@ -38,15 +41,14 @@ export class Panel {
     const { pose } = state;
     byId("vehicle").hidden = !pose;
     if (!pose) return;
-    const [xx, xy, yy, turn] = pose.covariance;
-    const worst = Math.sqrt(Math.max(0, (xx + yy) / 2 + Math.hypot((xx - yy) / 2, xy)));
     list(byId("facts"), [
       ["Speed", speed === null ? "–" : `${speed.toFixed(1)} m/s`],
       ["Position", `${pose.x.toFixed(2)}, ${pose.y.toFixed(2)}, ${pose.z.toFixed(2)} m`],
       ["Heading", `${degrees(pose.yaw)} °`],
-      ["Uncertainty", `${metres(worst)}, ${(Math.sqrt(Math.max(0, turn)) * 180 / Math.PI).toFixed(2)} °`],
+      ["Uncertainty", uncertainty(pose)],
       ["Registration", registration(pose), pose.lost || !pose.registered],
       ["Residual, inliers", `${metres(pose.residual)}, ${Math.round(100 * pose.inliers)} %`],
+      ...localization(state),
       ["Map", `${state.tiles.toLocaleString("en")} tiles${state.behind ? `, ${state.behind} on their way` : ""}`],
     ]);
   }
@@ -59,6 +61,25 @@ function registration(pose: NonNullable<State["pose"]>): string {
   if (!pose.registered) return "not registered";
   const words = [pose.without_odometry ? "no odometry" : "", pose.degenerate ? "degenerate" : ""].filter(Boolean);
   return words.join(", ") || (pose.stationary ? "good, standing" : "good");
+}
+
+/// 1 sigma of the worst direction, and of the heading.
+function uncertainty({ covariance: [xx, xy, yy, turn] }: Pose): string {
+  const worst = Math.sqrt(Math.max(0, (xx + yy) / 2 + Math.hypot((xx - yy) / 2, xy)));
+  return `${metres(worst)}, ${(Math.sqrt(Math.max(0, turn)) * 180 / Math.PI).toFixed(2)} °`;
+}
+
+/// What the localizer says, if there is one.
+function localization({ localized, pose }: State): [string, string, boolean?][] {
+  if (!localized) return [];
+  if (localized.age > 1.5) return [["Localizer", `silent for ${seconds(localized.age)}`, true]];
+  const where = `${localized.x.toFixed(2)}, ${localized.y.toFixed(2)} m`;
+  const apart = localized.here && pose ? metres(Math.hypot(localized.x - pose.x, localized.y - pose.y)) : "in another map";
+  return [
+    ["Localizer", localized.lost ? "LOST: its pose is a guess" : where, localized.lost],
+    ["Its uncertainty", uncertainty(localized)],
+    ["From the mapper", apart],
+  ];
 }
 
 function degrees(rad: number): string {
@@ -91,7 +112,7 @@ function scale(mode: Mode, [low, high]: [number, number]): HTMLElement {
   const bar = make("div", "", "ramp");
   bar.style.setProperty("--ramp", ramp(mode).map(css).join(","));
   const [from, to] = mode === "height" ? [`${low.toFixed(1)} m`, `${high.toFixed(1)} m`] :
-    mode === "cost" ? ["free", "lethal"] : ["no trust", "full trust"];
+    mode === "cost" ? ["free", "lethal"] : mode === "age" ? ["now", "10 min ago"] : ["no trust", "full trust"];
   return make("div", "", "", bar, make("div", "", "ends", make("span", from), make("span", to)));
 }
 

@@ -1,4 +1,4 @@
-// The bar of a log that is played: pause, pace, and where in the drive.
+// The bar of a log that is played, or of the minutes before now: pause, pace, and where in the drive.
 import { byId } from "../format";
 import { Playback } from "../world";
 
@@ -6,29 +6,47 @@ const kSpeeds = [1, 2, 5, 10, 0.5];
 
 export interface PlayOrder { pause?: boolean; speed?: number; position?: number }
 
-function clock(s: number): string {
+export function clock(s: number): string {
   return `${Math.floor(s / 60)}:${String(Math.floor(s % 60)).padStart(2, "0")}`;
 }
+
+/// Of what is live: whether that is what is seen, and whether it is well.
+export interface Live { isSeen: boolean; isWell: boolean }
 
 export class Timeline {
   private bar = byId("timeline");
   private slider = byId<HTMLInputElement>("position");
   private playback: Playback | null = null;
+  private live: Live | null = null;
   private length = 0;      // s, as far as the bytes that were read tell
   private sliding = false;
 
-  constructor(order: (order: PlayOrder) => void) {
+  constructor(order: (order: PlayOrder) => void, goLive: () => void) {
     byId("pause").onclick = () => this.playback && order(this.playback.ended ? { position: 0 } : { pause: !this.playback.paused });
     byId("speed").onclick = () => {
       const next = kSpeeds[(kSpeeds.indexOf(this.playback?.speed ?? 1) + 1) % kSpeeds.length];
       order({ speed: next });
     };
-    this.slider.oninput = () => { this.sliding = true; this.showPlace(this.wanted()); };
-    this.slider.onchange = () => { this.sliding = false; order({ position: this.wanted() }); };
+    this.slider.oninput = () => {
+      this.sliding = true;
+      this.showPlace(this.wanted());
+      if (this.live) order({ position: this.wanted() });  // a log has to be read up to there: when the user lets go
+    };
+    this.slider.onchange = () => {
+      this.sliding = false;
+      const isEnd = this.slider.value === this.slider.max;
+      if (this.live && isEnd) goLive();
+      else order({ position: this.wanted() });
+    };
+    byId("live").onclick = goLive;
   }
 
-  show(playback: Playback | null): void {
+  /// `live`: the bar is of the minutes before now.
+  show(playback: Playback | null, live: Live | null = null): void {
     this.playback = playback;
+    this.live = live;
+    byId("live").hidden = !live;
+    if (live) byId("live").className = `${live.isSeen ? "on" : ""} ${live.isWell ? "good" : "bad"}`;
     this.bar.hidden = !playback;
     if (!playback) return;
     if (playback.progress > 0.001) this.length = playback.position / playback.progress;
@@ -41,5 +59,8 @@ export class Timeline {
   }
 
   private wanted(): number { return Number(this.slider.value) / 1000 * this.length; }
-  private showPlace(s: number): void { byId("elapsed").textContent = clock(s); }
+  private showPlace(s: number): void {
+    const behind = this.length - s;
+    byId("elapsed").textContent = !this.live ? clock(s) : behind < 0.5 ? "" : `−${clock(behind)}`;
+  }
 }

@@ -1,33 +1,75 @@
-// Where the screen looks: a point of the map, a scale and a turn.
+// Where the screen looks: a point of the map, a scale, a turn and a tilt. Tilted it is a perspective about that point;
+// from straight above the ground looks the same in both.
 
 export interface View { x: number; y: number; scale: number; turn: number }  // m, m, CSS pixels a m, rad
 
 export const kMinScale = 0.2;
 export const kMaxScale = 800;
+export const kMaxTilt = 1.1;  // rad: the horizon stays above the screen
+const kFocus = 1.25;          // of the screen's height: from the eye to the point looked at
+
+// Depth is kDepth[0] + kDepth[1] / w: -1 at a fifth of the eye's distance, 1 at 30 of them.
+const kDepth = [1.01342, -0.40268];
 
 export class Camera implements View {
   x = 0;
   y = 0;
+  z = 0;  // of the ground there
   scale = 14;
   turn = 0;  // by which the map is turned, counter-clockwise
+  tilt = 0;  // 0: from above
   width = 1;  // CSS pixels
   height = 1;
   // The middle of what no card hides, from the middle of the screen, CSS pixels.
   offsetX = 0;
   offsetY = 0;
 
-  toScreen(x: number, y: number): [number, number] {
+  get isTilted(): boolean { return this.tilt > 0.005; }
+  /// m, from the eye to the point looked at.
+  get distance(): number { return kFocus * this.height / this.scale; }
+
+  toScreen(x: number, y: number, z = this.z): [number, number] {
     const [c, s] = [Math.cos(this.turn), Math.sin(this.turn)];
     const [dx, dy] = [x - this.x, y - this.y];
-    return [this.width / 2 + this.offsetX + (c * dx - s * dy) * this.scale,
-      this.height / 2 + this.offsetY - (s * dx + c * dy) * this.scale];
+    let [u, v] = [c * dx - s * dy, s * dx + c * dy];
+    if (this.isTilted) {
+      const [rise, lie] = [Math.sin(this.tilt), Math.cos(this.tilt)], dz = z - this.z;
+      const nearer = 1 / Math.max(0.02, 1 + (v * rise - dz * lie) / this.distance);
+      [u, v] = [u * nearer, (v * lie + dz * rise) * nearer];
+    }
+    return [this.width / 2 + this.offsetX + u * this.scale, this.height / 2 + this.offsetY - v * this.scale];
   }
 
-  toMap(sx: number, sy: number): [number, number] {
+  /// The place at a height that is seen there.
+  toMap(sx: number, sy: number, z = this.z): [number, number] {
     const [c, s] = [Math.cos(this.turn), Math.sin(this.turn)];
-    const u = (sx - this.width / 2 - this.offsetX) / this.scale;
-    const v = -(sy - this.height / 2 - this.offsetY) / this.scale;
+    let u = (sx - this.width / 2 - this.offsetX) / this.scale;
+    let v = -(sy - this.height / 2 - this.offsetY) / this.scale;
+    if (this.isTilted) {
+      const [rise, lie] = [Math.sin(this.tilt), Math.cos(this.tilt)], dz = z - this.z, far = this.distance;
+      const slope = Math.max(0.02, lie - v * rise / far);  // how steeply the ray comes down
+      const along = (v * (1 - dz * lie / far) - dz * rise) / slope;
+      u *= 1 + (along * rise - dz * lie) / far;
+      v = along;
+    }
     return [this.x + c * u + s * v, this.y - s * u + c * v];
+  }
+
+  /// From m in map to clip space, by columns.
+  matrix(): number[] {
+    const [c, s] = [Math.cos(this.turn), Math.sin(this.turn)];
+    const [rise, lie] = [Math.sin(this.tilt), Math.cos(this.tilt)];
+    const [kx, ky] = [2 * this.scale / this.width, 2 * this.scale / this.height];
+    const [ox, oy] = [2 * this.offsetX / this.width, -2 * this.offsetY / this.height];
+    // Rows: what a step in x, y and z moves to the right, up, and away from the eye.
+    const right = [c, -s, 0], high = [s * lie, c * lie, rise], deep = [s * rise, c * rise, -lie];
+    const columns = [0, 1, 2].map(i => {
+      const w = this.isTilted ? deep[i] / this.distance : 0;
+      return [kx * right[i] + ox * w, ky * high[i] + oy * w, kDepth[0] * w, w];
+    });
+    const at = [this.x, this.y, this.z];
+    const shift = [0, 1, 2, 3].map(row => -columns.reduce((sum, column, i) => sum + column[row] * at[i], 0));
+    return [...columns.flat(), shift[0] + ox, shift[1] + oy, shift[2] + kDepth[0] + kDepth[1], shift[3] + 1];
   }
 
   /// Moves so that the map's point (x, y) is at this place of the screen.
@@ -43,6 +85,12 @@ export class Camera implements View {
     this.hold(x, y, sx, sy);
   }
 
+  /// By rad.
+  lean(tilt: number, turn: number): void {
+    this.tilt = Math.min(kMaxTilt, Math.max(0, this.tilt + tilt));
+    this.turn = Math.atan2(Math.sin(this.turn + turn), Math.cos(this.turn + turn));
+  }
+
   /// Shows this part of the map as a whole.
   show(minX: number, minY: number, maxX: number, maxY: number): void {
     this.x = (minX + maxX) / 2;
@@ -54,3 +102,4 @@ export class Camera implements View {
     this.scale = Math.min(60, Math.max(kMinScale, room));
   }
 }
+

@@ -1,27 +1,27 @@
-// The map's cells and the LiDAR's points, drawn by WebGL2. Cells live in textures of a page each, a square of tiles.
+// The map's cells and the LiDAR's points, drawn by WebGL2: from above here, tilted by Relief.
 import { Camera } from "./camera";
-import { classColours, Mode, ramp, Rgb, Theme } from "./palette";
+import { kCellsAside, kPageSize, Pages } from "./pages";
+import { classColours, Mode, pointRamp, ramp, Rgb, Theme } from "./palette";
+import { Program, unit } from "./program";
+import { Relief } from "./relief";
 import { kPageFragment, kPageVertex, kPointFragment, kPointVertex } from "./shaders";
-import { kCells, kNoHeight, kTileCells, kTileSize, Pose, Tile, World } from "../world";
-
-const kTilesAside = 32;                      // of a page: 96 m
-const kCellsAside = kTilesAside * kCells;
-const kNone = -1e9;                          // height where none is known
-
-interface Page { x: number; y: number; cells: WebGLTexture; heights: WebGLTexture }
+import { Pose, World } from "../world";
 
 export interface Look {
-  theme: Theme; mode: Mode; grid: boolean; relief: boolean; points: boolean;
+  theme: Theme; mode: Mode; grid: boolean; relief: boolean; points: boolean; curbs: boolean;
+  byIntensity: boolean;     // points; else by height
   range: [number, number];  // m, of the height ramp
+  now: number;              // us, from which ages count
   grey: number;             // 0 .. 1: old
   paper: Rgb;
 }
 
 export class Ground {
   private gl!: WebGL2RenderingContext;
-  private pages = new Map<string, Page>();
-  private pageProgram!: WebGLProgram;
-  private pointProgram!: WebGLProgram;
+  private pages!: Pages;
+  private relief!: Relief;
+  private flat!: Program;
+  private point!: Program;
   private points!: WebGLBuffer;
   private numPoints = 0;
   private lost = false;
@@ -39,162 +39,107 @@ export class Ground {
     });
   }
 
+  curbsChanged(): void { this.relief.curbsChanged(); }
+
   private setUp(): void {
-    const gl = this.canvas.getContext("webgl2", { antialias: false, premultipliedAlpha: true, preserveDrawingBuffer: false });
+    const gl = this.canvas.getContext("webgl2", { antialias: true, premultipliedAlpha: true, preserveDrawingBuffer: false });
     if (!gl) throw new Error("This browser has no WebGL2, which draws the map.");
     this.gl = gl;
-    this.pages.clear();
-    this.pageProgram = program(gl, kPageVertex, kPageFragment);
-    this.pointProgram = program(gl, kPointVertex, kPointFragment);
+    this.pages = new Pages(gl, this.world);
+    this.relief = new Relief(gl, this.world, this.pages);
+    this.flat = new Program(gl, kPageVertex, kPageFragment);
+    this.point = new Program(gl, kPointVertex, kPointFragment, ["point"]);
     this.points = gl.createBuffer()!;
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.points);
-    const place = gl.getAttribLocation(this.pointProgram, "point");
-    gl.enableVertexAttribArray(place);
-    gl.vertexAttribPointer(place, 4, gl.FLOAT, false, 0, 0);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   }
 
-  /// Takes what became other in the world into the textures.
-  private upload(): void {
-    const { gl, world } = this;
-    if (world.cleared) {
-      for (const page of this.pages.values()) { gl.deleteTexture(page.cells); gl.deleteTexture(page.heights); }
-      this.pages.clear();
-      world.cleared = false;
-    }
-    for (const tile of world.changed) this.uploadTile(tile);
-    world.changed.clear();
-    if (world.scanChanged) {
-      gl.bindBuffer(gl.ARRAY_BUFFER, this.points);
-      gl.bufferData(gl.ARRAY_BUFFER, world.scan, gl.DYNAMIC_DRAW);
-      this.numPoints = world.scan.length / 4;
-      world.scanChanged = false;
-    }
-  }
-
-  private uploadTile(tile: Tile): void {
-    const { gl } = this;
-    const [px, py] = [Math.floor(tile.x / kTilesAside), Math.floor(tile.y / kTilesAside)];
-    const key = `${px},${py}`;
-    let page = this.pages.get(key);
-    if (!page) this.pages.set(key, page = this.newPage(px, py));
-    for (let i = 0; i < kTileCells; ++i) {
-      kCellBytes.set([tile.classes[i], tile.costs[i], tile.confidences[i], 255], 4 * i);
-      kHeights[i] = tile.heights[i] === kNoHeight ? kNone : tile.zOrigin + tile.heights[i] * 0.002;
-    }
-    const [column, row] = [(tile.x - px * kTilesAside) * kCells, (tile.y - py * kTilesAside) * kCells];
-    gl.bindTexture(gl.TEXTURE_2D, page.cells);
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, column, row, kCells, kCells, gl.RGBA_INTEGER, gl.UNSIGNED_BYTE, kCellBytes);
-    gl.bindTexture(gl.TEXTURE_2D, page.heights);
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, column, row, kCells, kCells, gl.RED, gl.FLOAT, kHeights);
-  }
-
-  private newPage(x: number, y: number): Page {
-    const { gl } = this;
-    const texture = (format: number) => {
-      const made = gl.createTexture()!;
-      gl.bindTexture(gl.TEXTURE_2D, made);
-      gl.texStorage2D(gl.TEXTURE_2D, 1, format, kCellsAside, kCellsAside);
-      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
-      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
-      return made;
-    };
-    return { x, y, cells: texture(gl.RGBA8UI), heights: texture(gl.R32F) };
-  }
-
   draw(camera: Camera, look: Look, pose: Pose | null): void {
     if (this.lost) return;
-    this.upload();
-    const { gl, canvas } = this;
+    const { gl, canvas, world } = this;
+    this.pages.upload();
+    if (world.scanChanged) this.uploadScan();
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(0, 0, 0, 0);
-    gl.clear(gl.COLOR_BUFFER_BIT);
-    if (look.grid) this.drawPages(camera, look);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    if (camera.isTilted) {
+      const curbs = look.curbs ? [...unit(classColours(look.theme, look.mode)[2]!), 1] : null;
+      this.relief.draw(camera, program => this.style(program, look), look.grid, curbs, look.grey);
+    } else if (look.grid) {
+      this.drawPages(camera, look);
+    }
     if (look.points && pose && this.numPoints > 0) this.drawPoints(camera, look, pose);
   }
 
+  private uploadScan(): void {
+    const { gl, world } = this;
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.points);
+    gl.bufferData(gl.ARRAY_BUFFER, world.scan, gl.DYNAMIC_DRAW);
+    this.numPoints = world.scan.length / 4;
+    world.scanChanged = false;
+  }
+
+  /// The uniforms of kCellColours.
+  private style(program: Program, look: Look): void {
+    const { gl } = this;
+    ["cells", "heights", "times"].forEach((name, i) => gl.uniform1i(program.at(name), i));
+    gl.uniform1i(program.at("mode"), ["height", "cost", "confidence", "age"].indexOf(look.mode) + 1);
+    gl.uniform4fv(program.at("classes"), classColours(look.theme, look.mode).flatMap(c => c ? [...unit(c), 1] : [0, 0, 0, 0]));
+    gl.uniform3fv(program.at("ramp"), ramp(look.mode).flatMap(unit));
+    gl.uniform2fv(program.at("range"), look.range);
+    gl.uniform1f(program.at("now"), (look.now - this.pages.epoch) * 1e-6);
+    gl.uniform1f(program.at("relief"), look.relief ? 1 : 0);
+    gl.uniform1f(program.at("grey"), look.grey);
+    gl.uniform3fv(program.at("paper"), unit(look.paper));
+    gl.uniform1f(program.at("cellsAside"), kCellsAside);
+  }
+
   private drawPages(camera: Camera, look: Look): void {
-    const { gl, pageProgram } = this;
-    const at = (name: string) => gl.getUniformLocation(pageProgram, name);
-    gl.useProgram(pageProgram);
-    gl.uniform1i(at("cells"), 0);
-    gl.uniform1i(at("heights"), 1);
-    gl.uniform1i(at("mode"), ["height", "cost", "confidence"].indexOf(look.mode) + 1);
-    gl.uniform4fv(at("classes"), classColours(look.theme, look.mode).flatMap(c => c ? [...unit(c), 1] : [0, 0, 0, 0]));
-    gl.uniform3fv(at("ramp"), ramp(look.mode).flatMap(unit));
-    gl.uniform2fv(at("range"), look.range);
-    gl.uniform1f(at("relief"), look.relief ? 1 : 0);
-    gl.uniform1f(at("grey"), look.grey);
-    gl.uniform3fv(at("paper"), unit(look.paper));
-    gl.uniform1f(at("cellsAside"), kCellsAside);
-    gl.uniform1f(at("side"), kTilesAside * kTileSize);
+    const { gl, flat } = this;
+    flat.use();
+    this.style(flat, look);
+    gl.uniform1f(flat.at("side"), kPageSize);
     const [c, s] = [Math.cos(camera.turn), Math.sin(camera.turn)];
     const cellsAPixel = camera.width / this.canvas.width / camera.scale / 0.12;
-    gl.uniform2f(at("pixelX"), c * cellsAPixel, -s * cellsAPixel);
-    gl.uniform2f(at("pixelY"), s * cellsAPixel, c * cellsAPixel);
-    gl.uniformMatrix3fv(at("toClip"), false, clipMatrix(camera, camera.x, camera.y, 0));
-    for (const page of this.pages.values()) {
+    gl.uniform2f(flat.at("pixelX"), c * cellsAPixel, -s * cellsAPixel);
+    gl.uniform2f(flat.at("pixelY"), s * cellsAPixel, c * cellsAPixel);
+    gl.uniformMatrix4fv(flat.at("toClip"), false, camera.matrix());
+    gl.disableVertexAttribArray(0);
+    for (const page of this.pages.all.values()) {
       if (!isSeen(camera, page.x, page.y)) continue;
-      gl.activeTexture(gl.TEXTURE1);
-      gl.bindTexture(gl.TEXTURE_2D, page.heights);
-      gl.activeTexture(gl.TEXTURE0);
-      gl.bindTexture(gl.TEXTURE_2D, page.cells);
-      gl.uniform2f(at("corner"), page.x * kTilesAside * kTileSize, page.y * kTilesAside * kTileSize);
+      this.pages.bind(page);
+      gl.uniform2f(flat.at("corner"), page.x * kPageSize, page.y * kPageSize);
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
     }
   }
 
   private drawPoints(camera: Camera, look: Look, pose: Pose): void {
-    const { gl, pointProgram } = this;
-    const at = (name: string) => gl.getUniformLocation(pointProgram, name);
-    gl.useProgram(pointProgram);
-    const m = clipMatrix(camera, camera.x - pose.x, camera.y - pose.y, pose.yaw);
-    gl.uniformMatrix4fv(at("toClip"), false, [m[0], m[1], 0, 0, m[3], m[4], 0, 0, 0, 0, 1, 0, m[6], m[7], 0, 1]);
-    gl.uniform1f(at("size"), Math.min(4, Math.max(1.6, camera.scale * 0.05)) * this.canvas.width / camera.width);
-    gl.uniform1f(at("grey"), look.grey);
-    const dark = look.theme === "dark";
-    gl.uniform3fv(at("low"), unit(dark ? [130, 145, 160] : [110, 120, 132]));
-    gl.uniform3fv(at("high"), unit(dark ? [255, 150, 210] : [190, 20, 110]));
+    const { gl, point } = this;
+    point.use();
+    gl.uniformMatrix4fv(point.at("toClip"), false, camera.matrix());
+    gl.uniformMatrix4fv(point.at("toMap"), false, matrixOf(pose));
+    gl.uniform1f(point.at("size"), Math.min(4, Math.max(1.6, camera.scale * 0.05)) * this.canvas.width / camera.width);
+    gl.uniform1f(point.at("grey"), look.grey);
+    gl.uniform1i(point.at("byIntensity"), look.byIntensity ? 1 : 0);
+    gl.uniform3fv(point.at("ramp"), pointRamp(look.theme).flatMap(unit));
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.points);
+    gl.enableVertexAttribArray(0);
+    gl.vertexAttribPointer(0, 4, gl.FLOAT, false, 0, 0);
+    if (camera.isTilted) gl.enable(gl.DEPTH_TEST);
     gl.drawArrays(gl.POINTS, 0, this.numPoints);
+    gl.disable(gl.DEPTH_TEST);
   }
 }
 
-const kCellBytes = new Uint8Array(4 * kTileCells);
-const kHeights = new Float32Array(kTileCells);
-
-function unit(colour: Rgb): Rgb {
-  return colour.map(v => v / 255) as Rgb;
-}
-
-/// From m, turned by `yaw` and counted from `x`, `y` before the camera's middle, to clip space; by columns.
-function clipMatrix(camera: Camera, x: number, y: number, yaw: number): number[] {
-  const turn = camera.turn + yaw;
-  const [kx, ky] = [2 * camera.scale / camera.width, 2 * camera.scale / camera.height];
-  const [c, s] = [Math.cos(turn), Math.sin(turn)];
-  const [cc, cs] = [Math.cos(camera.turn), Math.sin(camera.turn)];
-  const [ox, oy] = [2 * camera.offsetX / camera.width, -2 * camera.offsetY / camera.height];
-  return [kx * c, ky * s, 0, -kx * s, ky * c, 0, ox - kx * (cc * x - cs * y), oy - ky * (cs * x + cc * y), 1];
+/// From base_link to map, by columns: yaw, pitch, roll.
+function matrixOf({ x, y, z, roll, pitch, yaw }: Pose): number[] {
+  const [cr, sr, cp, sp, cy, sy] = [roll, pitch, yaw].flatMap(a => [Math.cos(a), Math.sin(a)]);
+  return [cy * cp, sy * cp, -sp, 0, cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr, 0,
+    cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr, 0, x, y, z, 1];
 }
 
 function isSeen(camera: Camera, x: number, y: number): boolean {
-  const side = kTilesAside * kTileSize;
-  const [sx, sy] = camera.toScreen((x + 0.5) * side, (y + 0.5) * side);
-  const reach = side * camera.scale * 0.71;
+  const [sx, sy] = camera.toScreen((x + 0.5) * kPageSize, (y + 0.5) * kPageSize);
+  const reach = kPageSize * camera.scale * 0.71;
   return sx > -reach && sy > -reach && sx < camera.width + reach && sy < camera.height + reach;
-}
-
-function program(gl: WebGL2RenderingContext, vertex: string, fragment: string): WebGLProgram {
-  const made = gl.createProgram()!;
-  for (const [kind, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]] as const) {
-    const shader = gl.createShader(kind)!;
-    gl.shaderSource(shader, source);
-    gl.compileShader(shader);
-    gl.attachShader(made, shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost())
-      throw new Error(gl.getShaderInfoLog(shader) ?? "a shader does not compile");
-  }
-  gl.linkProgram(made);
-  return made;
 }

@@ -1,13 +1,9 @@
-// What lies over the ground: curbs, path, vehicle, the picked cell; Canvas 2D.
+// What lies over the ground seen from above: curbs, path, vehicles, the picked cell; Canvas 2D.
 import { Layers } from "../settings";
 import { Camera } from "./camera";
+import { ellipseOf, Ink, kInk } from "./ink";
 import { Theme } from "./palette";
 import { CurbLine, kCellSize, Place, Pose, World } from "../world";
-
-const kInk = {
-  light: { curb: "#6b3200", halo: "#ffffffc0", path: "#14181d", vehicle: "#d6247f", body: "#ffffff" },
-  dark: { curb: "#ffe2ae", halo: "#000000a0", path: "#eef1f4", vehicle: "#ff5fae", body: "#14181d" },
-};
 
 interface Shape { line: CurbLine; path: Path2D; ticks: Path2D }
 
@@ -20,8 +16,7 @@ export class Marks {
     this.context = canvas.getContext("2d")!;
   }
 
-  draw(camera: Camera, theme: Theme, layers: Layers, pose: Pose | null, picked: [number, number] | null, measured: Place[], grey: number): void {
-    this.refresh();
+  draw(camera: Camera, theme: Theme, layers: Layers, poses: [Pose, string][], picked: [number, number] | null, measured: Place[], grey: number): void {
     const { context, canvas } = this;
     const ink = kInk[theme];
     context.setTransform(1, 0, 0, 1, 0, 0);
@@ -34,10 +29,8 @@ export class Marks {
     if (layers.curbs) this.drawCurbs(ink, pixel, camera.scale);
     if (picked) this.drawPicked(picked, ink, pixel);
     if (measured.length > 0) this.drawMeasured(measured, ink, pixel);
-    if (pose) {
-      this.drawEllipse(pose, ink, pixel);
-      this.drawVehicle(pose, ink, pixel);
-    }
+    for (const [pose, colour] of poses) this.drawEllipse(pose, colour, pixel);
+    for (const [pose, colour] of poses) this.drawVehicle(pose, colour, ink, pixel);
   }
 
   /// From here on the canvas takes m in map.
@@ -49,7 +42,8 @@ export class Marks {
     this.context.setTransform(c, -s, -s, -c, x * dots, y * dots);
   }
 
-  private refresh(): void {
+  /// Takes what became other in the world; before each drawing.
+  refresh(): void {
     const { world } = this;
     if (world.curbsChanged) {
       this.curbs = [...world.curbs.values()].map(shapeOf);
@@ -62,7 +56,7 @@ export class Marks {
     }
   }
 
-  private drawPath(ink: typeof kInk.light, pixel: number): void {
+  private drawPath(ink: Ink, pixel: number): void {
     const { context } = this;
     context.globalAlpha = 0.75;
     context.strokeStyle = ink.halo;
@@ -75,7 +69,7 @@ export class Marks {
   }
 
   /// A line along the foot; lowered ones dashed; from near, ticks towards the higher side.
-  private drawCurbs(ink: typeof kInk.light, pixel: number, scale: number): void {
+  private drawCurbs(ink: Ink, pixel: number, scale: number): void {
     const { context } = this;
     context.strokeStyle = ink.halo;
     context.lineWidth = 4 * pixel;
@@ -93,7 +87,7 @@ export class Marks {
     context.globalAlpha = 1;
   }
 
-  private drawPicked([x, y]: [number, number], ink: typeof kInk.light, pixel: number): void {
+  private drawPicked([x, y]: [number, number], ink: Ink, pixel: number): void {
     const { context } = this;
     const side = Math.max(kCellSize, 6 * pixel);
     const cornerX = (Math.floor(x / kCellSize) + 0.5) * kCellSize - side / 2;
@@ -106,7 +100,7 @@ export class Marks {
   }
 
   /// From place to place, a ring around each.
-  private drawMeasured(places: Place[], ink: typeof kInk.light, pixel: number): void {
+  private drawMeasured(places: Place[], ink: Ink, pixel: number): void {
     const { context } = this;
     for (const [colour, width] of [[ink.halo, 5], [ink.vehicle, 2]] as const) {
       context.strokeStyle = colour;
@@ -122,16 +116,13 @@ export class Marks {
     }
   }
 
-  /// 95 % of where the vehicle may be.
-  private drawEllipse(pose: Pose, ink: typeof kInk.light, pixel: number): void {
-    const [xx, xy, yy] = pose.covariance;
-    const mean = (xx + yy) / 2, spread = Math.hypot((xx - yy) / 2, xy);
-    const [long, short] = [Math.sqrt(Math.max(0, mean + spread) * 5.99), Math.sqrt(Math.max(0, mean - spread) * 5.99)];
+  private drawEllipse(pose: Pose, colour: string, pixel: number): void {
+    const { long, short, turn } = ellipseOf(pose);
     if (!(long > 3 * pixel)) return;
     const { context } = this;
     context.beginPath();
-    context.ellipse(pose.x, pose.y, long, Math.max(short, pixel), Math.atan2(2 * xy, xx - yy) / 2, 0, 2 * Math.PI);
-    context.fillStyle = context.strokeStyle = ink.vehicle;
+    context.ellipse(pose.x, pose.y, long, Math.max(short, pixel), turn, 0, 2 * Math.PI);
+    context.fillStyle = context.strokeStyle = colour;
     context.globalAlpha = 0.16;
     context.fill();
     context.globalAlpha = 0.8;
@@ -141,13 +132,13 @@ export class Marks {
   }
 
   /// To scale; from far, an arrow of 22 pixels.
-  private drawVehicle(pose: Pose, ink: typeof kInk.light, pixel: number): void {
+  private drawVehicle(pose: Pose, colour: string, ink: Ink, pixel: number): void {
     const { context } = this;
     const [length, width, middle] = this.world.state?.vehicle ?? [1.8, 1.2, 0];
     context.save();
     context.translate(pose.x, pose.y);
     context.rotate(pose.yaw);
-    context.fillStyle = pose.lost ? "#888" : ink.vehicle;
+    context.fillStyle = pose.lost ? "#888" : colour;
     context.strokeStyle = ink.body;
     context.lineWidth = 2 * pixel;
     if (length > 26 * pixel) {

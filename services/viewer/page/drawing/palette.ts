@@ -3,10 +3,10 @@
 
 export type Rgb = [number, number, number];
 export type Theme = "light" | "dark";
-export type Mode = "class" | "paper" | "height" | "cost" | "confidence";
+export type Mode = "class" | "paper" | "height" | "cost" | "confidence" | "age";
 
 export const kModes: [Mode, string][] =
-  [["class", "Class"], ["height", "Height"], ["cost", "Cost"], ["confidence", "Trust"]];
+  [["class", "Class"], ["height", "Height"], ["cost", "Cost"], ["confidence", "Trust"], ["age", "Age"]];
 
 export const kClassNames = ["Unknown", "Road", "Curb", "Obstacle", "Wall or vehicle"];
 
@@ -21,16 +21,27 @@ export function classColours(theme: Theme, mode: Mode): (Rgb | null)[] {
   return mode === "paper" ? kPaper : kClear[theme];
 }
 
-const kRamps: Record<"height" | "cost" | "confidence", Rgb[]> = {
+const kRamps: Record<"height" | "cost" | "confidence" | "age", Rgb[]> = {
   height: [[68, 1, 84], [70, 50, 127], [54, 92, 141], [39, 127, 142], [31, 161, 135], [74, 194, 109], [159, 218, 58], [253, 231, 37]],
   cost: [[214, 222, 228], [224, 211, 176], [240, 192, 116], [244, 160, 62], [228, 120, 30], [196, 82, 22], [150, 48, 20], [96, 20, 18]],
+  age: [[255, 214, 102], [246, 178, 84], [226, 140, 92], [196, 108, 108], [160, 86, 122], [124, 74, 128], [92, 66, 122], [66, 58, 108]],
   confidence: [[222, 228, 232], [190, 212, 222], [148, 194, 208], [104, 172, 192], [62, 146, 174], [30, 116, 152], [14, 86, 126], [8, 56, 96]],
 };
 
 /// Eight colours from the lowest value to the highest.
 export function ramp(mode: Mode): Rgb[] {
-  return mode === "cost" || mode === "confidence" ? kRamps[mode] : kRamps.height;
+  return mode === "cost" || mode === "confidence" || mode === "age" ? kRamps[mode] : kRamps.height;
 }
+
+/// Of the LiDAR's points, low to high or faint to bright; none is the paper's.
+export function pointRamp(theme: Theme): Rgb[] {
+  return kPointRamps[theme];
+}
+
+const kPointRamps: Record<Theme, Rgb[]> = {
+  light: [[110, 120, 132], [112, 100, 140], [120, 80, 145], [134, 60, 142], [150, 42, 134], [168, 28, 124], [182, 20, 114], [190, 14, 104]],
+  dark: [[120, 136, 152], [140, 136, 168], [164, 136, 184], [188, 138, 194], [210, 140, 200], [230, 144, 204], [244, 148, 206], [255, 156, 210]],
+};
 
 export function css(colour: Rgb): string {
   return `rgb(${colour.join(" ")})`;

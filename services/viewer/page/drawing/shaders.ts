@@ -1,37 +1,23 @@
-// GLSL of the map's pages and of the LiDAR's points.
+// GLSL of the map seen from above and of the LiDAR's points; the colours of its cells, which the tilted view has too.
 
-/// A page is a square of tiles: one quad, coloured by its textures. `cells`: class, cost, confidence, 1 where a tile is.
-/// `heights`: m, very low where none is known.
-export const kPageVertex = `#version 300 es
-uniform mat3 toClip;      // from m in map
-uniform vec2 corner;      // of the page, m in map
-uniform float side;       // m
-uniform float cellsAside;
-out highp vec2 cell;
-void main() {
-  vec2 unit = vec2(gl_VertexID & 1, gl_VertexID >> 1);
-  cell = unit * cellsAside;
-  gl_Position = vec4((toClip * vec3(corner + unit * side, 1)).xy, 0, 1);
-}`;
-
-export const kPageFragment = `#version 300 es
+/// Colours of cells, for a fragment. The pages' textures: `cells` has class, cost, confidence, 255 where a tile is;
+/// `heights` m, very low where none is known; `times` those of tiles, s.
+export const kCellColours = `#version 300 es
 precision highp float;
 precision highp usampler2D;
 precision highp sampler2D;
 uniform usampler2D cells;
 uniform sampler2D heights;
-uniform int mode;            // 0 class, 1 height, 2 cost, 3 confidence
+uniform sampler2D times;
+uniform int mode;            // 0 class, 1 height, 2 cost, 3 confidence, 4 age
 uniform vec4 classes[5];
 uniform vec3 ramp[8];
 uniform vec2 range;          // m: the ends of the ramp
+uniform float now;           // s
 uniform float relief;        // how strong
 uniform float grey;          // 1: what is seen is old
 uniform vec3 paper;
 uniform float cellsAside;
-uniform vec2 pixelX;         // cells from one pixel to the next
-uniform vec2 pixelY;
-in highp vec2 cell;
-out vec4 colour;
 
 const float kNone = -1e8;
 
@@ -41,8 +27,7 @@ vec3 onRamp(float share) {
   return mix(ramp[low], ramp[low + 1], place - float(low));
 }
 float heightAt(ivec2 at) {
-  at = clamp(at, ivec2(0), ivec2(int(cellsAside) - 1));
-  return texelFetch(cells, at, 0).a == 0u ? -1e9 : texelFetch(heights, at, 0).r;  // no tile: no height
+  return texelFetch(heights, clamp(at, ivec2(0), ivec2(int(cellsAside) - 1)), 0).r;
 }
 float shade(ivec2 at, float h) {
   float e = heightAt(at + ivec2(1, 0)), w = heightAt(at - ivec2(1, 0));
@@ -50,7 +35,7 @@ float shade(ivec2 at, float h) {
   vec2 slope = vec2((e < kNone ? h : e) - (w < kNone ? h : w), (n < kNone ? h : n) - (s < kNone ? h : s)) / 0.24;
   return clamp(dot(slope, vec2(0.45, -0.65)) * 0.9, -0.28, 0.22);  // light from the north-west
 }
-vec4 colourOf(ivec2 at) {
+vec4 shadedColourOf(ivec2 at, float relief) {
   // A pixel on the page's edge is of this page as a whole: of two halves one over the other some paper would be seen.
   at = clamp(at, ivec2(0), ivec2(int(cellsAside) - 1));
   uvec4 values = texelFetch(cells, at, 0);
@@ -61,35 +46,67 @@ vec4 colourOf(ivec2 at) {
   if (mode == 1 && h > kNone) c = vec4(onRamp((h - range.x) / (range.y - range.x)), 1);
   if (mode == 2 && values.g < 255u) c = vec4(onRamp(float(values.g) / 254.0), 1);
   if (mode == 3 && values.r > 0u) c = vec4(onRamp(float(values.b) / 255.0), 1);
+  if (mode == 4 && values.r > 0u) c = vec4(onRamp(log2(1.0 + max(0.0, now - texelFetch(times, at / 25, 0).r)) / log2(601.0)), 1);
   if (c.a > 0.0 && relief > 0.0 && h > kNone) c.rgb *= 1.0 + relief * shade(at, h);
   return vec4(c.rgb * c.a, c.a);
 }
-void main() {
+vec4 colourOf(ivec2 at) {
+  return shadedColourOf(at, relief);
+}
+/// Of a pixel at \`cell\`, from which it is so many cells to the next pixels.
+vec4 colourOfPixel(vec2 cell, vec2 pixelX, vec2 pixelY) {
   float size = max(length(pixelX), length(pixelY));
-  if (size < 0.8) {
-    colour = colourOf(ivec2(floor(cell)));
-  } else {
-    int n = size < 2.0 ? 2 : 3;  // several cells in a pixel: their mean
-    vec4 sum = vec4(0);
-    for (int i = 0; i < n; ++i) for (int j = 0; j < n; ++j)
-      sum += colourOf(ivec2(floor(cell + ((float(i) + 0.5) / float(n) - 0.5) * pixelX + ((float(j) + 0.5) / float(n) - 0.5) * pixelY)));
-    colour = sum / float(n * n);
-  }
-  float luma = dot(colour.rgb, vec3(0.3, 0.59, 0.11));
-  colour.rgb = mix(colour.rgb, mix(vec3(luma), paper * colour.a, 0.45), grey);
+  if (size < 0.8) return colourOf(ivec2(floor(cell)));
+  int n = size < 2.0 ? 2 : 3;  // several cells in a pixel: their mean
+  vec4 sum = vec4(0);
+  for (int i = 0; i < n; ++i) for (int j = 0; j < n; ++j)
+    sum += colourOf(ivec2(floor(cell + ((float(i) + 0.5) / float(n) - 0.5) * pixelX + ((float(j) + 0.5) / float(n) - 0.5) * pixelY)));
+  return sum / float(n * n);
+}
+vec4 greyed(vec4 c) {
+  float luma = dot(c.rgb, vec3(0.3, 0.59, 0.11));
+  return vec4(mix(c.rgb, mix(vec3(luma), paper * c.a, 0.45), grey), c.a);
+}
+`;
+
+/// A page is a square of tiles: one quad.
+export const kPageVertex = `#version 300 es
+uniform mat4 toClip;      // from m in map
+uniform vec2 corner;      // of the page, m in map
+uniform float side;       // m
+uniform float cellsAside;
+out highp vec2 cell;
+void main() {
+  vec2 unit = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  cell = unit * cellsAside;
+  gl_Position = vec4((toClip * vec4(corner + unit * side, 0, 1)).xy, 0, 1);
+}`;
+
+export const kPageFragment = `${kCellColours}
+uniform vec2 pixelX;         // cells from one pixel to the next
+uniform vec2 pixelY;
+in highp vec2 cell;
+out vec4 colour;
+void main() {
+  colour = greyed(colourOfPixel(cell, pixelX, pixelY));
 }`;
 
 export const kPointVertex = `#version 300 es
-uniform mat4 toClip;     // from base_link
+uniform mat4 toClip;     // from m in map
+uniform mat4 toMap;      // from base_link
 uniform float size;      // pixels
-uniform vec3 low, high;
+uniform int byIntensity;
+uniform vec3 ramp[8];
 in vec4 point;           // x, y, z in base_link, m; intensity
 out vec4 shade;
 void main() {
-  gl_Position = vec4((toClip * vec4(point.xy, 0, 1)).xy, 0, 1);
+  gl_Position = toClip * (toMap * vec4(point.xyz, 1));
+  gl_Position.z -= 0.004 * gl_Position.w;  // before the ground on which it lies
   gl_PointSize = size;
-  float up = smoothstep(0.1, 2.2, point.z);
-  shade = vec4(mix(low, high, up), mix(0.35, 0.95, max(up, point.w * 0.7)));
+  float share = byIntensity == 1 ? sqrt(point.w) : smoothstep(0.05, 2.6, point.z);
+  float place = clamp(share, 0.0, 1.0) * 7.0;
+  int low = min(int(place), 6);
+  shade = vec4(mix(ramp[low], ramp[low + 1], place - float(low)), mix(0.45, 0.95, share));
 }`;
 
 export const kPointFragment = `#version 300 es

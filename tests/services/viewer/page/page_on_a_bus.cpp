@@ -15,7 +15,7 @@ constexpr int kTolerance = 4;                 // of 255: what rounding in shader
 }  // namespace
 
 void PageOnABus::SetUp() {
-  if (!curbstone::testing::Browser::is_installed())
+  if (!curbstone::browser::Browser::is_installed())
     GTEST_SKIP() << "no chromium-headless-shell: scripts/install-deps --tests";
   epoch_ = wall_clock() / 1'000'000 - 100;
   start_viewer();

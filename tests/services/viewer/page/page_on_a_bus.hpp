@@ -11,11 +11,12 @@
 #include "common/bus/local_bus.hpp"
 #include "services/viewer/viewer_node.hpp"
 #include "services/viewer/web/web_server.hpp"
-#include "tests/browser/browser.hpp"
+#include "tests/temporary_folder.hpp"
+#include "tools/browser/browser.hpp"
 
 namespace curbstone::viewer {
 
-using curbstone::testing::difference;
+using curbstone::browser::difference;
 
 /// The viewer on a bus of the test's, and its page in a real browser. What the test has said of the map is kept here,
 /// so that the pixels can be compared with it.
@@ -23,8 +24,8 @@ class PageOnABus : public ::testing::Test {
  protected:
   static constexpr int kCells = 25;
   static constexpr double kCell = 0.12;  // m
-  using Rgb = curbstone::testing::Rgb;
-  using Picture = curbstone::testing::Picture;
+  using Rgb = curbstone::browser::Rgb;
+  using Picture = curbstone::browser::Picture;
   struct Spot {
     double x;  // pixels
     double y;
@@ -60,7 +61,7 @@ class PageOnABus : public ::testing::Test {
   bool bus_is_alive = true;  // whether poses come
   std::map<std::pair<int, int>, semantic_tile_t> tiles;
   ViewerConfig config;
-  std::optional<curbstone::testing::Browser> browser;
+  std::optional<curbstone::browser::Browser> browser;
   std::string address;
 
  private:

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <string>
 
+#include "services/viewer/page/page_files.hpp"
+
 namespace curbstone::viewer {
 namespace {
 
@@ -17,6 +19,13 @@ TEST(PageTypes, AgreeAsTheTypeScriptCompilerSees) {
   std::string said;
   for (int c = std::fgetc(tsc); c != EOF; c = std::fgetc(tsc)) said.push_back(static_cast<char>(c));
   EXPECT_EQ(pclose(tsc), 0) << said;
+}
+
+TEST(PageFiles, AreSmallEnoughForALinkByRadio) {
+  const std::size_t all =
+      page::index_html().size() + page::page_js().size() + page::page_css().size() + page::icon_svg().size();
+  EXPECT_LE(all, 120'000U);
+  EXPECT_GT(all, 20'000U);
 }
 
 }  // namespace

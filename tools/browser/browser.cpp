@@ -1,8 +1,9 @@
-#include "tests/browser/browser.hpp"
+#include "tools/browser/browser.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,7 +14,7 @@
 #include <stdexcept>
 #include <thread>
 
-namespace curbstone::testing {
+namespace curbstone::browser {
 namespace {
 
 using nlohmann::json;
@@ -42,16 +43,24 @@ int start(int orders, int answers, const std::string& profile) {
   _exit(127);
 }
 
+/// An empty one that nobody else has.
+std::filesystem::path new_folder() {
+  std::string pattern = (std::filesystem::temp_directory_path() / "curbstone_browser_XXXXXX").string();
+  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("mkdtemp " + pattern);
+  return pattern;
+}
+
 }  // namespace
 
 bool Browser::is_installed() {
   return access(kProgram, X_OK) == 0;
 }
 
-Browser::Browser(std::function<void()> meanwhile, int width, int height) : meanwhile_(std::move(meanwhile)) {
+Browser::Browser(std::function<void()> meanwhile, int width, int height)
+    : folder_(new_folder()), meanwhile_(std::move(meanwhile)) {
   std::array<int, 2> orders{}, answers{};
   if (pipe2(orders.data(), O_CLOEXEC) != 0 || pipe2(answers.data(), O_CLOEXEC) != 0) throw std::runtime_error("pipe2");
-  process_ = start(orders[0], answers[1], folder_.path().string());
+  process_ = start(orders[0], answers[1], folder_.string());
   ::close(orders[0]);
   ::close(answers[1]);
   to_browser_ = orders[1];
@@ -69,6 +78,8 @@ Browser::~Browser() {
   ::close(from_browser_);
   kill(-process_, SIGKILL);
   waitpid(process_, nullptr, 0);
+  std::error_code ignored;
+  std::filesystem::remove_all(folder_, ignored);
 }
 
 void Browser::resize(int width, int height, bool touch) {
@@ -109,12 +120,12 @@ void Browser::pass(double seconds) {
   }
 }
 
-void Browser::mouse(const std::string& type, double x, double y, int buttons, int clicks) {
+void Browser::mouse(const std::string& type, double x, double y, int buttons, int clicks, const char* button) {
   call("Input.dispatchMouseEvent", {{"type", type},
                                     {"x", x},
                                     {"y", y},
                                     {"buttons", buttons},
-                                    {"button", clicks > 0 || buttons > 0 ? "left" : "none"},
+                                    {"button", clicks > 0 || buttons > 0 ? button : "none"},
                                     {"clickCount", clicks}});
 }
 
@@ -124,12 +135,25 @@ void Browser::click(double x, double y) {
   mouse("mouseReleased", x, y, 0, 1);
 }
 
-void Browser::drag(double from_x, double from_y, double to_x, double to_y) {
+void Browser::drag(double from_x, double from_y, double to_x, double to_y, bool right_button) {
+  const char* button = right_button ? "right" : "left";
+  const int buttons = right_button ? 2 : 1;
   mouse("mouseMoved", from_x, from_y);
-  mouse("mousePressed", from_x, from_y, 1, 1);
+  mouse("mousePressed", from_x, from_y, buttons, 1, button);
   for (const double share : {0.2, 0.6, 1.0})
-    mouse("mouseMoved", from_x + share * (to_x - from_x), from_y + share * (to_y - from_y), 1);
-  mouse("mouseReleased", to_x, to_y, 0, 1);
+    mouse("mouseMoved", from_x + share * (to_x - from_x), from_y + share * (to_y - from_y), buttons, 0, button);
+  mouse("mouseReleased", to_x, to_y, 0, 1, button);
+}
+
+void Browser::touch(const Finger& one, const Finger& other) {
+  const auto at = [](const Finger& f, double share, int id) {
+    return json{
+        {"x", f.from_x + share * (f.to_x - f.from_x)}, {"y", f.from_y + share * (f.to_y - f.from_y)}, {"id", id}};
+  };
+  for (const double share : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0})
+    call("Input.dispatchTouchEvent", {{"type", share == 0 ? "touchStart" : "touchMove"},
+                                      {"touchPoints", {at(one, share, 0), at(other, share, 1)}}});
+  call("Input.dispatchTouchEvent", {{"type", "touchEnd"}, {"touchPoints", json::array()}});
 }
 
 void Browser::press(char key) {
@@ -204,4 +228,4 @@ void Browser::note(const json& event) {
   }
 }
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::browser

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace curbstone::testing {
+namespace curbstone::browser {
 
 using Rgb = std::array<int, 3>;
 
@@ -28,4 +28,4 @@ class Picture {
 /// The largest difference of a channel.
 [[nodiscard]] int difference(const Rgb& a, const Rgb& b);
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::browser

@@ -1,4 +1,4 @@
-#include "tests/browser/picture.hpp"
+#include "tools/browser/picture.hpp"
 
 #include <png.h>
 
@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
-namespace curbstone::testing {
+namespace curbstone::browser {
 
 Picture::Picture(const std::string& png) {
   png_image image{};
@@ -30,4 +30,4 @@ int difference(const Rgb& a, const Rgb& b) {
   return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
 }
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::browser

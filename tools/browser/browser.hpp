@@ -1,21 +1,21 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "tests/browser/picture.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tools/browser/picture.hpp"
 
-namespace curbstone::testing {
+namespace curbstone::browser {
 
 /// Debian's Chromium without a window, driven by the DevTools protocol over a pipe (no node, no port). One page.
-/// While it waits for the browser it calls `meanwhile` about each 5 ms: there the test lets its services go on.
+/// While it waits for the browser it calls `meanwhile` about each 5 ms: there the caller lets its services go on.
 /// One thread. What goes wrong is a std::runtime_error, a browser that answers nothing for a minute included.
 class Browser {
  public:
-  /// Whether this machine has one; tests skip where it has none.
+  /// Whether this machine has one.
   [[nodiscard]] static bool is_installed();
 
   explicit Browser(std::function<void()> meanwhile, int width = 1280, int height = 800);
@@ -35,7 +35,12 @@ class Browser {
 
   void move(double x, double y) { mouse("mouseMoved", x, y); }
   void click(double x, double y);
-  void drag(double from_x, double from_y, double to_x, double to_y);
+  void drag(double from_x, double from_y, double to_x, double to_y, bool right_button = false);
+  /// Two fingers at a time, from place to place; CSS pixels.
+  struct Finger {
+    double from_x, from_y, to_x, to_y;
+  };
+  void touch(const Finger& one, const Finger& other);
   /// What the page saves goes to this folder.
   void save_to(const std::string& folder);
   /// A key that writes a letter or a sign.
@@ -49,12 +54,12 @@ class Browser {
 
  private:
   nlohmann::json call(const std::string& method, nlohmann::json parameters = nlohmann::json::object());
-  void mouse(const std::string& type, double x, double y, int buttons = 0, int clicks = 0);
+  void mouse(const std::string& type, double x, double y, int buttons = 0, int clicks = 0, const char* button = "left");
   nlohmann::json hear(int id);
   void note(const nlohmann::json& event);
   std::string png();
 
-  TemporaryFolder folder_;
+  std::filesystem::path folder_;  // of its profile; goes with it
   std::function<void()> meanwhile_;
   int to_browser_ = -1;
   int from_browser_ = -1;
@@ -65,4 +70,4 @@ class Browser {
   std::vector<std::string> complaints_;
 };
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::browser

@@ -1,0 +1,17 @@
+// What the marks over the ground are drawn in, and the ellipse of a pose.
+import { Theme } from "./palette";
+import { Pose } from "../world";
+
+export interface Ink { curb: string; halo: string; path: string; vehicle: string; body: string; localized: string }
+
+export const kInk: Record<Theme, Ink> = {
+  light: { curb: "#6b3200", halo: "#ffffffc0", path: "#14181d", vehicle: "#d6247f", body: "#ffffff", localized: "#00857a" },
+  dark: { curb: "#ffe2ae", halo: "#000000a0", path: "#eef1f4", vehicle: "#ff5fae", body: "#14181d", localized: "#4fe0cf" },
+};
+
+/// 95 % of where the vehicle may be: half axes, m, and the turn of the long one.
+export function ellipseOf({ covariance: [xx, xy, yy] }: Pose): { long: number; short: number; turn: number } {
+  const mean = (xx + yy) / 2, spread = Math.hypot((xx - yy) / 2, xy);
+  return { long: Math.sqrt(Math.max(0, mean + spread) * 5.99), short: Math.sqrt(Math.max(0, mean - spread) * 5.99),
+    turn: Math.atan2(2 * xy, xx - yy) / 2 };
+}

@@ -1,0 +1,101 @@
+// The page shows what comes, or what came before. What comes is taken in any case.
+import { PlayOrder } from "../cards/timeline";
+import { readFrame } from "../decode";
+import { Playback, World } from "../world";
+import { History } from "./history";
+
+const kRound = 50;  // ms, of playing
+
+export class Rewind {
+  live: World;  // has all that came; the shown world, unless that is of the past
+  history = new History();
+  private place: number | null = null;  // ms of performance.now(), what the past shows; null: live
+  private newest = 0;                   // ms, when the newest frame of the past came
+  private isPaused = false;
+  private speed = 1;
+  private timer = 0;
+  private round = 0;  // ms, the last one
+
+  /// `changed`: the shown world is another by playing or by a leap.
+  constructor(private shown: World, private changed: (leapt: boolean) => void) {
+    this.live = shown;
+  }
+
+  get isPast(): boolean { return this.place !== null; }
+  /// ms from what is shown to now.
+  get behind(): number { return this.place === null ? 0 : performance.now() - this.place; }
+
+  /// A frame came. Returns its number.
+  take(bytes: ArrayBuffer): number {
+    const now = performance.now(), { live, history } = this;
+    if (live.state && live.state.source !== "live") return readFrame(bytes, live);
+    history.expect(live, now);
+    const frame = readFrame(bytes, live);
+    history.add(live, bytes, now);
+    if (live.state?.source !== "live") history.clear();  // a saved map has no past, and a log a bar of its own
+    return frame;
+  }
+
+  /// For the bar; null: there is nothing to look back to.
+  playback(): Playback | null {
+    const { oldest, newest } = this.history;
+    if (oldest === null || newest - oldest < 2000) return null;
+    const place = this.place ?? newest, span = Math.max(newest, place) - oldest;
+    return { position: (place - oldest) / 1000, progress: (place - oldest) / span, speed: this.speed,
+      paused: this.isPaused, ended: false };
+  }
+
+  order({ pause, speed, position }: PlayOrder): void {
+    if (speed !== undefined) this.speed = speed;
+    if (position !== undefined) this.seek((this.history.oldest ?? 0) + position * 1000);
+    if (pause !== undefined) {
+      if (pause && !this.isPast) this.seek(this.history.newest);
+      this.isPaused = pause;
+    }
+    this.changed(false);
+  }
+
+  goLive(): void {
+    if (!this.isPast) return;
+    clearInterval(this.timer);
+    this.place = null;
+    this.isPaused = false;
+    this.shown.show(this.live.snapshot());
+    this.shown.copied = this.live.copied;
+    this.live = this.shown;
+    this.changed(true);
+  }
+
+  private seek(place: number): void {
+    const { oldest, newest } = this.history;
+    if (oldest === null) return;
+    if (!this.isPast) this.leave();
+    const from = this.place !== null && place >= this.place ? this.newest : null;
+    this.place = Math.min(newest, Math.max(oldest, place));
+    this.newest = this.history.lead(this.shown, from, this.place);
+    this.changed(true);
+  }
+
+  /// From now on what comes goes into a world that is not shown.
+  private leave(): void {
+    this.live = new World();
+    this.live.show(this.shown.snapshot());
+    this.live.copied = this.shown.copied;
+    this.round = performance.now();
+    this.timer = setInterval(() => this.play(), kRound);
+  }
+
+  private play(): void {
+    const now = performance.now(), step = (now - this.round) * this.speed;
+    this.round = now;
+    if (this.place === null) return;
+    if (this.history.oldest !== null && this.place < this.history.oldest) return this.seek(this.history.oldest);
+    if (this.isPaused) return;
+    this.place += step;
+    if (this.place >= this.history.newest && this.speed > 1) return this.goLive();
+    const newest = this.history.lead(this.shown, this.newest, this.place);
+    if (newest === this.newest) return;
+    this.newest = newest;
+    this.changed(false);
+  }
+}

@@ -1,0 +1,27 @@
+// A frame for the history: of the LiDAR's points, which are more than all else together, every fourth is kept.
+
+const kPointsKind = 5;
+const kPointBytes = 7;
+const kHead = 5;   // bytes of a section before its content
+const kStride = 4;
+
+export function thinScan(frame: ArrayBuffer): ArrayBuffer {
+  const view = new DataView(frame), bytes = new Uint8Array(frame);
+  const out = new Uint8Array(frame.byteLength);
+  let to = 0;
+  const copy = (from: number, n: number) => { out.set(bytes.subarray(from, from + n), to); to += n; };
+  copy(0, 4);  // its number
+  for (let at = 4; at < frame.byteLength;) {
+    const length = view.getUint32(at + 1, true), start = at + kHead;
+    copy(at, kHead);
+    if (view.getUint8(at) !== kPointsKind) {
+      copy(start, length);
+    } else {
+      const head = to;
+      for (let point = 0; point + kPointBytes <= length; point += kStride * kPointBytes) copy(start + point, kPointBytes);
+      new DataView(out.buffer).setUint32(head - 4, to - head, true);
+    }
+    at = start + length;
+  }
+  return out.slice(0, to).buffer;
+}

@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+
+#include "tests/services/viewer/page/page_on_a_bus.hpp"
+
+namespace curbstone::viewer {
+namespace {
+
+constexpr const char* kPlain = "at=0,0,40,0&follow=0&theme=light&off=relief.curbs.path.points";
+
+/// A tile that is obstacle at first and road from some time on, while the vehicle drives and tiles go on coming.
+class PageRewind : public PageOnABus {
+ protected:
+  void drive_past_the_change() {
+    vehicle_x = 8;
+    speed = 1;
+    put(tile_of(-1, -1, semantic_tile_t::OBSTACLE));
+    open(kPlain);
+    browser->pass(1.5);
+    put(tile_of(-1, -1, semantic_tile_t::ROAD));
+    put(tile_of(0, -1, semantic_tile_t::WALL));
+    browser->pass(2);
+    ASSERT_TRUE(browser->comes_to("document.getElementById('timeline').checkVisibility()"));
+  }
+  void drag_to(double share) {
+    const auto box = browser->evaluate(
+        "(() => { const b = document.getElementById('position').getBoundingClientRect(); "
+        "return [b.left, b.right, (b.top + b.bottom) / 2]; })()");
+    const double left = box[0].get<double>() + 8, right = box[1].get<double>() - 8, y = box[2];
+    browser->drag(right, y, left + share * (right - left), y);
+  }
+  double shown_x() { return browser->evaluate("curbstone.world.state.pose.x"); }
+  double live_x() { return browser->evaluate("curbstone.rewind.live.state.pose.x"); }
+  int wrong_cells_now(const semantic_tile_t& tile) {
+    browser->pass(0.3);
+    int seen = 0;
+    const int wrong = wrong_cells(tile, browser->picture(), &seen);
+    EXPECT_GT(seen, 500);
+    return wrong;
+  }
+};
+
+TEST_F(PageRewind, ShowsTheMapAsItWasWhileWhatIsNowGoesOnComing) {
+  drive_past_the_change();
+  browser->press(' ');  // so that it stands where it is dragged to
+  drag_to(0.15);
+  EXPECT_EQ(browser->evaluate("curbstone.rewind.isPast"), true);
+  EXPECT_TRUE(shows("#status", "ago"));
+  const double then = shown_x();
+  EXPECT_LT(then, live_x() - 1);
+  EXPECT_EQ(wrong_cells_now(tile_of(-1, -1, semantic_tile_t::OBSTACLE)), 0);
+  EXPECT_EQ(browser->evaluate("curbstone.world.tiles.size"), 1);  // the other one came later
+
+  put(tile_of(1, 1, semantic_tile_t::ROAD));
+  EXPECT_TRUE(browser->comes_to("curbstone.rewind.live.tileAt(1, 1)"));
+  EXPECT_EQ(browser->evaluate("curbstone.world.tiles.size"), 1);
+  EXPECT_EQ(shown_x(), then);
+
+  browser->evaluate("document.getElementById('live').click()");
+  EXPECT_TRUE(shows("#status", "Live"));
+  EXPECT_TRUE(browser->comes_to("curbstone.world === curbstone.rewind.live && curbstone.world.tiles.size === 3"));
+  EXPECT_EQ(wrong_cells_now(tile_of(-1, -1, semantic_tile_t::ROAD)), 0);
+  EXPECT_EQ(wrong_cells_now(tile_of(0, -1, semantic_tile_t::WALL)), 0);
+}
+
+TEST_F(PageRewind, PlaysFromThereAndFasterUpToNow) {
+  drive_past_the_change();
+  drag_to(0.1);
+  const double then = shown_x();
+  EXPECT_EQ(wrong_cells_now(tile_of(-1, -1, semantic_tile_t::OBSTACLE)), 0);
+  EXPECT_TRUE(browser->comes_to(fmt::format("curbstone.world.state.pose.x > {}", then + 1)));
+  EXPECT_TRUE(browser->comes_to("curbstone.world.tileAt(-1, -1).classes[0] === 1"));
+  EXPECT_EQ(browser->evaluate("curbstone.rewind.isPast"), true);
+  browser->evaluate("document.getElementById('speed').click()");  // twice the pace
+  EXPECT_TRUE(browser->comes_to("!curbstone.rewind.isPast"));
+  EXPECT_TRUE(shows("#status", "Live"));
+}
+
+TEST_F(PageRewind, GoesOnThoughTheViewerDiesAndSaysSo) {
+  drive_past_the_change();
+  browser->press(' ');
+  drag_to(0.15);
+  stop_viewer();
+  EXPECT_TRUE(browser->comes_to("document.getElementById('live').classList.contains('bad')"));
+  EXPECT_TRUE(shows("#status", "ago"));
+  drag_to(0.9);
+  EXPECT_EQ(wrong_cells_now(tile_of(-1, -1, semantic_tile_t::ROAD)), 0) << text_of("body");
+  if (HasFailure()) browser->save_picture(::testing::TempDir() + "page_rewind.png");
+  start_viewer(config.port);
+  repeat_tiles();
+  browser->evaluate("document.getElementById('live').click()");
+  EXPECT_TRUE(shows("#status", "Live"));
+  EXPECT_TRUE(browser->comes_to("curbstone.world.tiles.size === 2"));
+}
+
+TEST_F(PageRewind, KeepsNoMoreBytesThanItMay) {
+  drive_past_the_change();
+  // A frame of 60 kB with points, ten times a second for an hour, into a history of 5 MB.
+  const auto kept = browser->evaluate(R"((() => {
+    const { rewind, world } = curbstone, history = new rewind.history.constructor(5e6);
+    const bytes = new Uint8Array(4 + 5 + 60000);
+    bytes[4] = 5;
+    new DataView(bytes.buffer).setUint32(5, 60000, true);
+    let most = 0;
+    for (let at = 0; at < 3_600_000; at += 100) {
+      history.expect(world, at);
+      history.add(world, bytes.buffer, at);
+      most = Math.max(most, history.bytes);
+    }
+    return [most, history.oldest, history.newest, history.bytes];
+  })())");
+  EXPECT_LT(kept[0].get<double>(), 6e6) << kept;
+  EXPECT_GT(kept[3].get<double>(), 4e6) << kept;
+  EXPECT_GT(kept[2].get<double>() - kept[1].get<double>(), 20'000) << "a quarter of the points is kept: " << kept;
+}
+
+}  // namespace
+}  // namespace curbstone::viewer
