@@ -30,6 +30,7 @@ struct Arguments {
   std::string map;
   std::vector<std::string> logs, assignments;
   std::vector<double> start;
+  bool from_truth = false;
   std::string config, truth, map_truth, csv, json;
 };
 
@@ -124,20 +125,15 @@ nlohmann::json to_json(const PoseErrors& e) {
           {"wrong_and_not_lost", e.wrong_and_sure}};
 }
 
-/// From --start, else from the truth, else as configured.
+/// From --start or the true place; else as configured, which may be anywhere.
 void set_start(const Arguments& arguments, const std::optional<TrueMapPose>& truth,
                const evaluate::truth::Trajectory& poses, localizer::LocalizerConfig& config) {
-  std::vector<double> start = arguments.start;
-  if (start.empty() && truth) {
-    const auto T_map_base = truth->at(poses.front().utime);
-    if (!T_map_base) throw std::runtime_error("the drive does not begin on the map: say where, --start X Y YAW");
-    const Eigen::Vector3d& p = T_map_base->translation();
-    start = {p.x(), p.y(), roll_pitch_yaw(T_map_base->linear()).z()};
-  }
-  if (start.empty()) return;
-  config.start_x = start[0];
-  config.start_y = start[1];
-  config.start_yaw = start[2];
+  if (!arguments.start.empty()) config.start = arguments.start;
+  if (!arguments.from_truth) return;
+  const auto T_map_base = truth->at(poses.front().utime);
+  if (!T_map_base) throw std::runtime_error("the drive does not begin on the map: say where, --start X,Y,YAW");
+  const Eigen::Vector3d& p = T_map_base->translation();
+  config.start = {p.x(), p.y(), roll_pitch_yaw(T_map_base->linear()).z()};
 }
 
 int run(const Arguments& arguments) {
@@ -179,16 +175,20 @@ int run_localise(int argc, char** argv) {
   line.argument("map", arguments.map, "The map, as curbstone-semantic-map or curbstone replay wrote it").required();
   line.option("--log", arguments.logs, "Logs of lcm-logger with LIDAR_POINTS, IMU and WHEELS, or a session's folder")
       .required();
-  line.option("--start", arguments.start, "X,Y,YAW in the map, m and rad, where the drive begins").comma_separated();
+  line.option("--start", arguments.start,
+              "X,Y,YAW in the map, m and rad, where the drive begins; else it is searched for")
+      .comma_separated();
   line.option("--config", arguments.config, "The vehicle's YAML file");
   line.option("--set", arguments.assignments, "SECTION.KEY=VALUE, over the file").one_each();
-  line.option("--truth", arguments.truth, "Truth folder of the drive: adds its errors; it begins at its true place");
+  line.option("--truth", arguments.truth, "Truth folder of the drive: adds its errors");
   line.option("--map-truth", arguments.map_truth, "Truth folder of the drive that made the map, of the same town");
+  line.flag("--from-truth", arguments.from_truth, "Begin at the drive's true place");
   line.option("--csv", arguments.csv, "Write each pose");
   line.option("--json", arguments.json, "Write the figures here, for programs");
   if (const auto status = line.read(argc, argv)) return *status;
   if (arguments.truth.empty() != arguments.map_truth.empty())
     return line.refuse("--truth and --map-truth belong together");
+  if (arguments.from_truth && arguments.truth.empty()) return line.refuse("--from-truth needs --truth");
   if (!arguments.start.empty() && arguments.start.size() != 3) return line.refuse("--start: three numbers, X,Y,YAW");
   try {
     return run(arguments);

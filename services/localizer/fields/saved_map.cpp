@@ -27,6 +27,19 @@ SavedMap::SavedMap(const std::vector<semantic_map::tile::MapTile>& tiles) {
   for (const semantic_map::tile::MapTile& tile : tiles) tiles_.emplace(tile.key, tile);
 }
 
+std::vector<TileKey> SavedMap::keys() const {
+  std::vector<TileKey> keys;
+  keys.reserve(tiles_.size());
+  for (const auto& [key, tile] : tiles_) keys.push_back(key);
+  std::sort(keys.begin(), keys.end());
+  return keys;
+}
+
+const semantic_map::tile::MapTile* SavedMap::tile(TileKey key) const {
+  const auto there = tiles_.find(key);
+  return there == tiles_.end() ? nullptr : &there->second;
+}
+
 const FieldTile* SavedMap::field_of(TileKey key) {
   if (last_key_ == key) return last_;
   const auto known = fields_.find(key);

@@ -34,6 +34,9 @@ class SavedMap {
   /// The nearest within 0.6 m, about.
   [[nodiscard]] std::optional<UprightThere> upright_at(double x, double y);
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
+  [[nodiscard]] std::vector<TileKey> keys() const;  ///< in order
+  /// Null where the map has none.
+  [[nodiscard]] const semantic_map::tile::MapTile* tile(TileKey key) const;
 
  private:
   const FieldTile* field_of(TileKey key);
