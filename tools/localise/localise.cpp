@@ -19,6 +19,7 @@
 #include "services/localizer/localizer_node.hpp"
 #include "services/semantic_map/store/map_store.hpp"
 #include "tools/evaluate/truth/truth.hpp"
+#include "tools/localise/drive_picture.hpp"
 #include "tools/localise/pose_errors.hpp"
 #include "tools/output/new_file.hpp"
 #include "tools/output/watched_log.hpp"
@@ -31,7 +32,7 @@ struct Arguments {
   std::vector<std::string> logs, assignments;
   std::vector<double> start;
   bool from_truth = false;
-  std::string config, truth, map_truth, csv, json;
+  std::string config, truth, map_truth, csv, json, picture;
 };
 
 bool is_sensor(const std::string& channel) {
@@ -163,6 +164,7 @@ int run(const Arguments& arguments) {
   }
   figures["revolution_ms"] = {{"p50", 1e3 * out.report.latency_p50}, {"p99", 1e3 * out.report.latency_p99}};
   if (!arguments.csv.empty()) write_text(arguments.csv, to_csv(out.poses));
+  if (!arguments.picture.empty()) draw_drive(arguments.map, out.poses, arguments.picture);
   if (!arguments.json.empty()) write_text(arguments.json, figures.dump(2) + "\n");
   return log.damaged() ? 1 : 0;
 }
@@ -184,6 +186,7 @@ int run_localise(int argc, char** argv) {
   line.option("--map-truth", arguments.map_truth, "Truth folder of the drive that made the map, of the same town");
   line.flag("--from-truth", arguments.from_truth, "Begin at the drive's true place");
   line.option("--csv", arguments.csv, "Write each pose");
+  line.option("--picture", arguments.picture, "Draw the drive on the map: a PNG");
   line.option("--json", arguments.json, "Write the figures here, for programs");
   if (const auto status = line.read(argc, argv)) return *status;
   if (arguments.truth.empty() != arguments.map_truth.empty())

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <unordered_map>
@@ -40,11 +41,18 @@ class SavedMap {
 
  private:
   const FieldTile* field_of(TileKey key);
+  const FieldTile* make_field(TileKey key);
 
   std::unordered_map<TileKey, semantic_map::tile::MapTile, TileKeyHash> tiles_;
   std::unordered_map<TileKey, std::unique_ptr<const FieldTile>, TileKeyHash> fields_;
-  std::optional<TileKey> last_key_;
-  const FieldTile* last_ = nullptr;
+  // Of each place modulo kAround tiles, the field that was asked for last: a revolution asks for the same few hundred
+  // again and again, in no order.
+  static constexpr int kAround = 32;
+  struct Asked {
+    std::optional<TileKey> key;
+    const FieldTile* field = nullptr;
+  };
+  std::array<Asked, std::size_t{kAround} * kAround> asked_;
 };
 
 }  // namespace curbstone::localizer::fields
