@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <curbstone/map_pose_t.hpp>
+#include <iterator>
 #include <utility>
 
 #include "common/time/clock.hpp"
 #include "common/time/microseconds.hpp"
+#include "services/localizer/monte_carlo/particle_filter.hpp"
+#include "services/localizer/tracking/tracker.hpp"
 #include "services/mapper/scan/odometry_intake.hpp"
 #include "services/semantic_map/store/map_store.hpp"
 
@@ -21,10 +24,16 @@ constexpr double kMostSpeed = 40.0;      // m/s: odometry that claims more has b
 constexpr double kMostTurn = 6.0;        // rad/s
 constexpr double kStartTilt = 0.02;      // rad, 1 sigma of roll and pitch at the start
 constexpr double kStartHeight = 0.15;    // m
+constexpr double kUnknown = 1000.0;      // m and rad, 1 sigma of what nothing is known of
 
 }  // namespace
 
-LocalizerNode::LocalizerNode(const LocalizerConfig& config, Publisher& bus) : config_(config), bus_(bus) {
+LocalizerNode::LocalizerNode(const LocalizerConfig& config, Publisher& bus)
+    : config_(config), bus_(bus), finder_(config.tracking) {
+  if (!config_.start.empty() && config_.start.size() != 3)
+    throw ConfigError(fmt::format("localizer.start: expected X, Y, YAW or none, got {} numbers", config_.start.size()));
+  if (config_.method == Method::kMonteCarlo && config_.start.empty())
+    throw ConfigError("localizer.start: method mcl must be told where the drive begins");
   const semantic_map::store::MapReader reader(config_.map);
   epoch_ = reader.epoch();
   map_.emplace(reader.tiles());
@@ -46,6 +55,10 @@ void LocalizerNode::on(const lidar_points_t& message) {
 }
 
 void LocalizerNode::on(const odometry_t& message) {
+  // What odometry errs by is configured: a filter's own figures are not needed.
+  const auto& known = message.pose_covariance;
+  if (!std::all_of(std::begin(known), std::end(known), [](float v) { return std::isfinite(v); }))
+    counters_.add("odometry.no_covariance");
   if (mapper::scan::take_odometry(message, odometry_, counters_)) process_due(false);
 }
 
@@ -71,41 +84,63 @@ void LocalizerNode::process_due(bool last_call) {
 void LocalizerNode::process(const mapper::scan::Scan& scan) {
   odometry_.look_from(scan.end);
   const bool covered = odometry_.covers(scan.start, scan.end);
-  if (!tracker_ && !covered) {
+  if (!begun_ && !covered) {
     counters_.add("skipped.no_odometry_yet");
     return;
   }
   const std::int64_t begun = steady_clock();
-  if (!tracker_) begin(scan);
+  if (!begun_) begin(scan);
   const tracking::Motion motion = motion_to(scan);
   const double sweep_seconds = std::max(mapper::scan::seconds(scan.start, scan.end), 0.001);
   const mapper::scan::SweepMotion sweep = covered ? mapper::scan::sweep_from(odometry_, scan.start, scan.end)
                                                   : mapper::scan::steady_sweep(twist_, sweep_seconds);
   const auto points = thinner_.thin(mapper::scan::deskew(scan.points, config_.vehicle.T_base_lidar(), sweep));
-  const tracking::PoseFit fit = tracker_->track(points, motion, *map_);
+  const tracking::PoseFit fit = tracker_ ? tracker_->track(points, motion, *map_) : tracking::PoseFit{};
+  if (!lost() || !covered || !motion.with_odometry)
+    finder_.restart();
+  else
+    seek(scan, points, motion);
   latency_.add(static_cast<double>(steady_clock() - begun) * 1e-6);
   last_end_ = scan.end;
   odometry_.forget_before(scan.start - 100'000);
   counters_.add("revolutions");
-  if (tracker_->lost()) counters_.add("revolutions.lost");
-  publish(scan, fit, motion.with_odometry);
+  if (lost()) counters_.add("revolutions.lost");
+  publish(scan, answer(fit), motion.with_odometry);
 }
 
-/// At the place that the configuration names, on the map's ground, leaning as odometry does.
+/// In the whole map. What is found there must prove itself as any start must.
+void LocalizerNode::seek(const mapper::scan::Scan& scan, const std::vector<Eigen::Vector3d>& points,
+                         const tracking::Motion& motion) {
+  const auto found = finder_.look(points, odometry_.at(scan.end), motion, *map_);
+  if (!found) return;
+  counters_.add("found_in_whole_map");
+  tracker_ = tracker_from(*found);
+  finder_.restart();
+}
+
+/// At the place that the configuration names, if it does, on the map's ground, leaning as odometry does.
 void LocalizerNode::begin(const mapper::scan::Scan& scan) {
+  begun_ = true;
+  last_end_ = scan.end;
+  if (config_.start.empty()) return;
+  const double x = config_.start[0], y = config_.start[1], yaw = config_.start[2];
   const Eigen::Matrix3d R_odom_base = odometry_.at(scan.end).linear();
   const Eigen::Vector3d lean = roll_pitch_yaw(R_odom_base);
-  const auto ground = map_->ground_at(config_.start_x, config_.start_y);
-  const double level = ground ? ground->height : map_->level_at(config_.start_x, config_.start_y);
+  const auto ground = map_->ground_at(x, y);
+  const double level = ground ? ground->height : map_->level_at(x, y);
   tracking::PoseBelief start;
-  start.T_map_base.translation() =
-      Eigen::Vector3d(config_.start_x, config_.start_y, std::isfinite(level) ? level : 0.0);
-  start.T_map_base.linear() = rotation_from_rpy(lean.x(), lean.y(), config_.start_yaw);
+  start.T_map_base.translation() = Eigen::Vector3d(x, y, std::isfinite(level) ? level : 0.0);
+  start.T_map_base.linear() = rotation_from_rpy(lean.x(), lean.y(), yaw);
   tracking::Vector6 sigma;
   sigma << config_.start_sigma, config_.start_sigma, kStartHeight, kStartTilt, kStartTilt, config_.start_yaw_sigma;
   start.covariance = sigma.cwiseAbs2().asDiagonal();
-  tracker_.emplace(start, config_.tracking);
-  last_end_ = scan.end;
+  tracker_ = tracker_from(start);
+}
+
+std::unique_ptr<tracking::PoseTracker> LocalizerNode::tracker_from(const tracking::PoseBelief& start) const {
+  if (config_.method == Method::kMonteCarlo)
+    return std::make_unique<monte_carlo::ParticleFilter>(start, config_.monte_carlo, config_.tracking);
+  return std::make_unique<tracking::Tracker>(start, config_.tracking);
 }
 
 /// By odometry from end to end where it spans; else the motion before goes on for a little while.
@@ -132,23 +167,35 @@ tracking::Motion LocalizerNode::motion_to(const mapper::scan::Scan& scan) {
   return motion;
 }
 
-void LocalizerNode::publish(const mapper::scan::Scan& scan, const tracking::PoseFit& fit, bool with_odometry) {
+/// What is tracked; before that, the best of what may be.
+LocalizerNode::Answer LocalizerNode::answer(const tracking::PoseFit& fit) const {
+  if (tracker_) return {tracker_->belief().T_map_base, tracker_->published_covariance(), fit};
+  Answer guess;
+  guess.covariance = kUnknown * kUnknown * tracking::Matrix6::Identity();
+  if (const search::Hypothesis* best = finder_.best()) {
+    guess.T_map_base = best->belief.T_map_base;
+    guess.fit = best->fit;
+  }
+  return guess;
+}
+
+void LocalizerNode::publish(const mapper::scan::Scan& scan, const Answer& answer, bool with_odometry) {
   map_pose_t message{};
   message.utime = scan.end;
   message.revolution = scan.number;
   message.epoch = epoch_;
-  const Pose& T_map_base = tracker_->belief().T_map_base;
+  const auto& [T_map_base, covariance, fit] = answer;
   const bool known = odometry_.covers(scan.end, scan.end);
   const Pose T_map_odom = known ? normalised(T_map_base * odometry_.at(scan.end).inverse()) : Pose::Identity();
   pose_to_arrays(T_map_odom, message.map_odom_position, message.map_odom_orientation);
   pose_to_arrays(T_map_base, message.map_base_position, message.map_base_orientation);
-  const tracking::Matrix6 covariance = tracker_->published_covariance();
   for (int i = 0; i < 36; ++i) message.covariance[i] = static_cast<float>(covariance(i / 6, i % 6));
   message.residual = static_cast<float>(fit.residual);
   message.inlier_ratio = static_cast<float>(fit.matched_share());
   message.iterations = fit.iterations;
   message.degenerate = fit.degenerate;
-  message.flags = (tracker_->lost() ? map_pose_t::LOST : 0) | (tracker_->lost() ? 0 : map_pose_t::REGISTERED) |
+  message.flags = (lost() ? map_pose_t::LOST : 0) | (lost() ? 0 : map_pose_t::REGISTERED) |
+                  (lost() && finder_.ambiguous() ? map_pose_t::AMBIGUOUS : 0) |
                   (with_odometry && known ? 0 : map_pose_t::NO_ODOMETRY) |
                   (known && odometry_.stationary(scan.start, scan.end) ? map_pose_t::STATIONARY : 0);
   bus_.publish("LOCALIZED_POSE", message);
@@ -166,9 +213,11 @@ NodeReport LocalizerNode::report() const {
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
   if (lidar_time_ == 0) report.faults.emplace_back("no LIDAR_POINTS");
-  if (lidar_time_ != 0 && !tracker_) report.faults.emplace_back("no usable ODOMETRY yet");
-  if (tracker_ && tracker_->lost())
-    report.faults.push_back(fmt::format("lost: {} does not show what is seen here", config_.map));
+  if (lidar_time_ != 0 && !begun_) report.faults.emplace_back("no usable ODOMETRY yet");
+  if (tracker_ && lost()) report.faults.push_back(fmt::format("lost: {} does not show what is seen here", config_.map));
+  if (begun_ && !tracker_) report.faults.push_back(fmt::format("not found yet in {}", config_.map));
+  if (lost() && finder_.ambiguous())
+    report.faults.push_back(fmt::format("several places of {} look like this one", config_.map));
   return report;
 }
 

@@ -3,13 +3,15 @@
 #include <curbstone/lidar_points_t.hpp>
 #include <curbstone/odometry_t.hpp>
 #include <deque>
+#include <memory>
 #include <optional>
 
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
 #include "services/localizer/localizer_config.hpp"
+#include "services/localizer/search/finder.hpp"
+#include "services/localizer/tracking/pose_tracker.hpp"
 #include "services/localizer/tracking/thinned_scan.hpp"
-#include "services/localizer/tracking/tracker.hpp"
 #include "services/mapper/scan/odometry_history.hpp"
 #include "services/mapper/scan/scan_assembler.hpp"
 
@@ -18,10 +20,12 @@ namespace curbstone::localizer {
 /// LIDAR_POINTS and ODOMETRY in, LOCALIZED_POSE out: where base_link is in the saved map, at the end of each revolution
 /// (map_pose_t; its `map` is the saved map, its `epoch` that of the file). LOST: the pose is a guess. inlier_ratio: the
 /// share of points that lie where the map has them. A revolution is processed once odometry has come to its end, or
-/// when lidar time says that odometry is missing: the poses are a function of the two channels' sequences.
+/// when lidar time says that odometry is missing: the poses are a function of the two channels' sequences. While the
+/// vehicle is lost, and at the start if that is not configured, the whole map is searched. Nothing known yet: the pose
+/// is the map's origin, LOST, and so is its covariance.
 class LocalizerNode final : public Node {
  public:
-  /// Throws MapStoreError if the map cannot be used.
+  /// Throws MapStoreError if the map cannot be used, ConfigError if the start is no pose.
   LocalizerNode(const LocalizerConfig& config, Publisher& bus);
 
   void connect(Subscriber& bus) override;
@@ -37,7 +41,16 @@ class LocalizerNode final : public Node {
   void process(const mapper::scan::Scan& scan);
   void begin(const mapper::scan::Scan& scan);
   [[nodiscard]] tracking::Motion motion_to(const mapper::scan::Scan& scan);
-  void publish(const mapper::scan::Scan& scan, const tracking::PoseFit& fit, bool with_odometry);
+  [[nodiscard]] std::unique_ptr<tracking::PoseTracker> tracker_from(const tracking::PoseBelief& start) const;
+  void seek(const mapper::scan::Scan& scan, const std::vector<Eigen::Vector3d>& points, const tracking::Motion& motion);
+  [[nodiscard]] bool lost() const { return !tracker_ || tracker_->lost(); }
+  struct Answer {
+    Pose T_map_base = Pose::Identity();
+    tracking::Matrix6 covariance;
+    tracking::PoseFit fit;
+  };
+  [[nodiscard]] Answer answer(const tracking::PoseFit& fit) const;
+  void publish(const mapper::scan::Scan& scan, const Answer& answer, bool with_odometry);
 
   LocalizerConfig config_;
   Publisher& bus_;
@@ -46,7 +59,9 @@ class LocalizerNode final : public Node {
   mapper::scan::ScanAssembler assembler_;
   mapper::scan::OdometryHistory odometry_;
   tracking::ScanThinner thinner_;
-  std::optional<tracking::Tracker> tracker_;  // from the first revolution with odometry on
+  std::unique_ptr<tracking::PoseTracker> tracker_;  // once there is a place to begin at
+  search::Finder finder_;
+  bool begun_ = false;  // with the first revolution with odometry
   std::deque<mapper::scan::Scan> pending_;
   std::int64_t lidar_time_ = 0;  // us, newest LIDAR_POINTS
   std::int64_t last_end_ = 0;    // us, of the last revolution processed

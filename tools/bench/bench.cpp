@@ -9,6 +9,7 @@
 #include "tools/bench/drivers/drivers_bench.hpp"
 #include "tools/bench/faults/faults_bench.hpp"
 #include "tools/bench/latency/latency_bench.hpp"
+#include "tools/bench/localisation/localisation_bench.hpp"
 #include "tools/bench/mapping/bench_mapping.hpp"
 #include "tools/bench/voting/voting_bench.hpp"
 
@@ -29,13 +30,14 @@ const std::vector<Benchmark> kBenchmarks = {
     {"curbs", curbs::run_bench_curbs, "precision, recall and lateral error of the curbs"},
     {"latency", latency::run_bench_latency,
      "from the last packet of a revolution to the changed tiles, stage by stage"},
+    {"localisation", localisation::run_bench_localisation, "a vehicle of which nothing is known, found in a saved map"},
     {"drivers", drivers::run_bench_drivers, "packets, bytes and frames a second of the drivers on one core"},
     {"faults", faults::run_bench_faults, "what is lost when processes die, hang or starve in a drive"},
 };
 
 int usage(std::FILE* out) {
   fmt::print(out, "usage: curbstone bench NAME [OPTIONS]   (curbstone bench NAME --help says more)\n\n");
-  for (const auto& benchmark : kBenchmarks) fmt::print(out, "  {:<10} {}\n", benchmark.name, benchmark.summary);
+  for (const auto& benchmark : kBenchmarks) fmt::print(out, "  {:<12} {}\n", benchmark.name, benchmark.summary);
   return out == stdout ? 0 : 2;
 }
 

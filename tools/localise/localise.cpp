@@ -19,6 +19,7 @@
 #include "services/localizer/localizer_node.hpp"
 #include "services/semantic_map/store/map_store.hpp"
 #include "tools/evaluate/truth/truth.hpp"
+#include "tools/localise/drive_picture.hpp"
 #include "tools/localise/pose_errors.hpp"
 #include "tools/output/new_file.hpp"
 #include "tools/output/watched_log.hpp"
@@ -30,7 +31,8 @@ struct Arguments {
   std::string map;
   std::vector<std::string> logs, assignments;
   std::vector<double> start;
-  std::string config, truth, map_truth, csv, json;
+  bool from_truth = false;
+  std::string config, truth, map_truth, csv, json, picture;
 };
 
 bool is_sensor(const std::string& channel) {
@@ -124,20 +126,15 @@ nlohmann::json to_json(const PoseErrors& e) {
           {"wrong_and_not_lost", e.wrong_and_sure}};
 }
 
-/// From --start, else from the truth, else as configured.
+/// From --start or the true place; else as configured, which may be anywhere.
 void set_start(const Arguments& arguments, const std::optional<TrueMapPose>& truth,
                const evaluate::truth::Trajectory& poses, localizer::LocalizerConfig& config) {
-  std::vector<double> start = arguments.start;
-  if (start.empty() && truth) {
-    const auto T_map_base = truth->at(poses.front().utime);
-    if (!T_map_base) throw std::runtime_error("the drive does not begin on the map: say where, --start X Y YAW");
-    const Eigen::Vector3d& p = T_map_base->translation();
-    start = {p.x(), p.y(), roll_pitch_yaw(T_map_base->linear()).z()};
-  }
-  if (start.empty()) return;
-  config.start_x = start[0];
-  config.start_y = start[1];
-  config.start_yaw = start[2];
+  if (!arguments.start.empty()) config.start = arguments.start;
+  if (!arguments.from_truth) return;
+  const auto T_map_base = truth->at(poses.front().utime);
+  if (!T_map_base) throw std::runtime_error("the drive does not begin on the map: say where, --start X,Y,YAW");
+  const Eigen::Vector3d& p = T_map_base->translation();
+  config.start = {p.x(), p.y(), roll_pitch_yaw(T_map_base->linear()).z()};
 }
 
 int run(const Arguments& arguments) {
@@ -167,6 +164,7 @@ int run(const Arguments& arguments) {
   }
   figures["revolution_ms"] = {{"p50", 1e3 * out.report.latency_p50}, {"p99", 1e3 * out.report.latency_p99}};
   if (!arguments.csv.empty()) write_text(arguments.csv, to_csv(out.poses));
+  if (!arguments.picture.empty()) draw_drive(arguments.map, out.poses, arguments.picture);
   if (!arguments.json.empty()) write_text(arguments.json, figures.dump(2) + "\n");
   return log.damaged() ? 1 : 0;
 }
@@ -179,16 +177,21 @@ int run_localise(int argc, char** argv) {
   line.argument("map", arguments.map, "The map, as curbstone-semantic-map or curbstone replay wrote it").required();
   line.option("--log", arguments.logs, "Logs of lcm-logger with LIDAR_POINTS, IMU and WHEELS, or a session's folder")
       .required();
-  line.option("--start", arguments.start, "X,Y,YAW in the map, m and rad, where the drive begins").comma_separated();
+  line.option("--start", arguments.start,
+              "X,Y,YAW in the map, m and rad, where the drive begins; else it is searched for")
+      .comma_separated();
   line.option("--config", arguments.config, "The vehicle's YAML file");
   line.option("--set", arguments.assignments, "SECTION.KEY=VALUE, over the file").one_each();
-  line.option("--truth", arguments.truth, "Truth folder of the drive: adds its errors; it begins at its true place");
+  line.option("--truth", arguments.truth, "Truth folder of the drive: adds its errors");
   line.option("--map-truth", arguments.map_truth, "Truth folder of the drive that made the map, of the same town");
+  line.flag("--from-truth", arguments.from_truth, "Begin at the drive's true place");
   line.option("--csv", arguments.csv, "Write each pose");
+  line.option("--picture", arguments.picture, "Draw the drive on the map: a PNG");
   line.option("--json", arguments.json, "Write the figures here, for programs");
   if (const auto status = line.read(argc, argv)) return *status;
   if (arguments.truth.empty() != arguments.map_truth.empty())
     return line.refuse("--truth and --map-truth belong together");
+  if (arguments.from_truth && arguments.truth.empty()) return line.refuse("--from-truth needs --truth");
   if (!arguments.start.empty() && arguments.start.size() != 3) return line.refuse("--start: three numbers, X,Y,YAW");
   try {
     return run(arguments);

@@ -27,7 +27,7 @@ struct Options {
   bool town = false;
   bool live = false;
   bool seconds_given = false;
-  double loop = 0;
+  double loop = 0, straight = 0;
   bool opposite = false;
   std::uint64_t seed = 1;
   std::uint64_t day = 0;
@@ -58,10 +58,11 @@ Source town_source(const Options& options, const rig::SimulateConfig& config) {
   TownTour tour{.seed = options.seed,
                 .seconds = options.seconds,
                 .loop = options.loop,
+                .straight = options.straight,
                 .day = options.day,
                 .lane = options.lane,
                 .opposite = options.opposite};
-  if (options.loop > 0 && !options.seconds_given) tour.seconds = 0;
+  if ((options.loop > 0 || options.straight > 0) && !options.seconds_given) tour.seconds = 0;
   Source source;
   source.town = std::make_unique<TownSetup>(tour, options.start_utime, config);
   source.motion = &source.town->motion();
@@ -157,6 +158,9 @@ void add_options(CommandLine& line, Options& options) {
   line.flag("--town", options.town, "Drive round the block in a town made from the seed");
   line.option("--loop", options.loop, "m round several blocks instead, until it has come back (or --seconds)")
       .within(600.0, 4000.0);
+  line.option("--straight", options.straight,
+              "m of a straight street instead, with nothing but curbs along its middle half")
+      .within(200.0, 2000.0);
   line.flag("--opposite", options.opposite, "With --loop: comes back to its first street the other way");
   line.option("--scans", options.scans, "Drive a recording again: folder of KITTI scans (*.bin), with --poses");
   line.option("--poses", options.poses, "Pose of each scan: 3x4 rows, lidar frame, to the first");
@@ -197,9 +201,9 @@ void add_options(CommandLine& line, Options& options) {
 
 std::uint64_t fingerprint(const Options& options, AnyConfig& config) {
   const std::string all =
-      fmt::format("4 {} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(options.lidar), options.town, options.scans,
-                  options.poses, options.seed, options.seconds, options.loop, options.opposite, options.day,
-                  options.lane, dump_config("simulate", config));
+      fmt::format("5 {} {} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(options.lidar), options.town, options.scans,
+                  options.poses, options.seed, options.seconds, options.loop, options.straight, options.opposite,
+                  options.day, options.lane, dump_config("simulate", config));
   std::uint64_t hash = 0;
   for (const char c : all) hash = numerics::mix_bits(hash ^ static_cast<unsigned char>(c));
   return hash;
@@ -210,6 +214,8 @@ void check(Options& options) {
   if (options.town == !options.scans.empty())
     throw ConfigError("what to drive through: --town, or --scans DIR --poses FILE");
   if (options.loop > 0 && !options.town) throw ConfigError("--loop belongs to --town");
+  if (options.straight > 0 && (!options.town || options.loop > 0))
+    throw ConfigError("--straight belongs to --town, and not to --loop");
   if (options.day != 0 && !options.town) throw ConfigError("--day belongs to --town");
   if (options.opposite && options.loop == 0) throw ConfigError("--opposite belongs to --loop");
   if (options.scans.empty() != options.poses.empty()) throw ConfigError("--scans and --poses belong together");

@@ -9,8 +9,9 @@ namespace {
 motion::TownMotion tour_motion(const world::Town& town, const TownTour& tour, const rig::SimulateConfig& config) {
   constexpr double kBeforeEnd = 4.0;  // m of a route that are left: the spline cuts its corners
   constexpr double kForGood = std::numeric_limits<double>::infinity();
-  const motion::TownRoute route =
-      tour.opposite ? motion::TownRoute::there_and_back(town) : motion::TownRoute::around(town);
+  const motion::TownRoute route = tour.straight > 0 ? motion::TownRoute::along(town)
+                                  : tour.opposite   ? motion::TownRoute::there_and_back(town)
+                                                    : motion::TownRoute::around(town);
   if (tour.seconds > 0 && route.closed()) return {town, config.vehicle, speed_profile(config, tour.seconds), route};
   const double distance = route.length() + (route.closed() ? TownTour::kAgain : -kBeforeEnd);
   return {town, config.vehicle, speed_profile(config, kForGood, distance), route};
@@ -29,7 +30,8 @@ motion::SpeedProfile speed_profile(const rig::SimulateConfig& config, double sec
 
 TownSetup::TownSetup(const TownTour& tour, std::int64_t start_utime, const rig::SimulateConfig& config)
     : config_(config),
-      town_({.seed = tour.seed, .loop = tour.loop, .lane_offset = tour.lane, .day = tour.day}),
+      town_(
+          {.seed = tour.seed, .loop = tour.loop, .straight = tour.straight, .lane_offset = tour.lane, .day = tour.day}),
       motion_(tour_motion(town_, tour, config_)),
       drive_{.motion = motion_,
              .make_surroundings = [this] { return std::make_unique<TownSurroundings>(town_, config_.lidar); },

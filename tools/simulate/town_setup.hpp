@@ -17,6 +17,7 @@ struct TownTour {
   std::uint64_t seed = 1;
   double seconds = 0;     ///< 0: until it has come back and driven kAgain more
   double loop = 0;        ///< m round a town of several blocks; 0: the demo's block
+  double straight = 0;    ///< m of a straight street, bare along its middle half, instead; 0: a town
   std::uint64_t day = 0;  ///< seed of the cars, the bins and all noise; 0: as the town's
   double lane = -1.3;     ///< m left of the crown
   bool opposite = false;  ///< begins and ends in a street that leads to the loop: it comes back the other way

@@ -27,21 +27,11 @@ class CellAround {
     index_ = static_cast<std::size_t>((row - dy * kCellsPerTile) * kCellsPerTile + column - dx * kCellsPerTile);
   }
   [[nodiscard]] float ground() const {
-    constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-    if (tile_ == nullptr || tile_->height[index_] == MapTile::kNoHeight) return kNone;
-    const CellClass what = tile_->cell_class[index_];
-    if (what != CellClass::kRoad && what != CellClass::kCurb) return kNone;
+    if (tile_ == nullptr || !shows_ground(*tile_, index_)) return std::numeric_limits<float>::quiet_NaN();
     return tile_->z_origin + static_cast<float>(kPositionStep) * static_cast<float>(tile_->height[index_]);
   }
   [[nodiscard]] bool is_curb() const { return tile_ != nullptr && tile_->cell_class[index_] == CellClass::kCurb; }
-  /// How much was seen upright there; 0: nothing is.
-  [[nodiscard]] int upright_hits() const {
-    if (tile_ == nullptr) return 0;
-    const CellClass what = tile_->cell_class[index_];
-    const int hits = tile_->hits[index_];
-    if ((what != CellClass::kWall && what != CellClass::kObstacle) || hits < kMinHits) return 0;
-    return std::min(hits, kMostHits);
-  }
+  [[nodiscard]] int hits() const { return tile_ == nullptr ? 0 : std::min(upright_hits(*tile_, index_), kMostHits); }
 
  private:
   static int step_of(int i) { return i < 0 ? -1 : (i >= kCellsPerTile ? 1 : 0); }
@@ -99,7 +89,7 @@ void add_uprights(const Around<MapTile>& tiles, FieldTile& field) {
   HitWindow hits{};
   for (int row = -kMargin; row < kCellsPerTile + kMargin; ++row) {
     for (int column = -kMargin; column < kCellsPerTile + kMargin; ++column)
-      hits[place(column, row)] = CellAround(tiles, column, row).upright_hits();
+      hits[place(column, row)] = CellAround(tiles, column, row).hits();
   }
   constexpr int kReach = FieldTile::kReach;
   std::array<int, semantic_map::tile::kCellsInTile> distance{};
@@ -135,6 +125,17 @@ void add_curbs(const Around<MapTile>& tiles, FieldTile& field) {
 }
 
 }  // namespace
+
+bool shows_ground(const MapTile& tile, std::size_t cell) {
+  const CellClass what = tile.cell_class[cell];
+  return (what == CellClass::kRoad || what == CellClass::kCurb) && tile.height[cell] != MapTile::kNoHeight;
+}
+
+int upright_hits(const MapTile& tile, std::size_t cell) {
+  const CellClass what = tile.cell_class[cell];
+  const int hits = tile.hits[cell];
+  return (what == CellClass::kWall || what == CellClass::kObstacle) && hits >= kMinHits ? hits : 0;
+}
 
 FieldTile make_field_tile(const Around<MapTile>& tiles) {
   FieldTile field;

@@ -37,6 +37,10 @@ struct FieldTile {
   }
 };
 
+/// Whether a cell of the map shows ground with its height; how often something upright was seen there, 0: nothing is.
+[[nodiscard]] bool shows_ground(const semantic_map::tile::MapTile& tile, std::size_t cell);
+[[nodiscard]] int upright_hits(const semantic_map::tile::MapTile& tile, std::size_t cell);
+
 /// Pure. The centre tile must be there.
 [[nodiscard]] FieldTile make_field_tile(const semantic_map::tile::Around<semantic_map::tile::MapTile>& tiles);
 

@@ -27,25 +27,42 @@ SavedMap::SavedMap(const std::vector<semantic_map::tile::MapTile>& tiles) {
   for (const semantic_map::tile::MapTile& tile : tiles) tiles_.emplace(tile.key, tile);
 }
 
+std::vector<TileKey> SavedMap::keys() const {
+  std::vector<TileKey> keys;
+  keys.reserve(tiles_.size());
+  for (const auto& [key, tile] : tiles_) keys.push_back(key);
+  std::sort(keys.begin(), keys.end());
+  return keys;
+}
+
+const semantic_map::tile::MapTile* SavedMap::tile(TileKey key) const {
+  const auto there = tiles_.find(key);
+  return there == tiles_.end() ? nullptr : &there->second;
+}
+
 const FieldTile* SavedMap::field_of(TileKey key) {
-  if (last_key_ == key) return last_;
+  constexpr auto kMask = static_cast<std::uint32_t>(kAround - 1);
+  Asked& asked =
+      asked_[(static_cast<std::uint32_t>(key.y) & kMask) * kAround + (static_cast<std::uint32_t>(key.x) & kMask)];
+  if (asked.key == key) return asked.field;
   const auto known = fields_.find(key);
-  if (known != fields_.end()) {
-    last_key_ = key;
-    return last_ = known->second.get();
-  }
+  const FieldTile* field = known != fields_.end() ? known->second.get() : make_field(key);
+  asked = {key, field};
+  return field;
+}
+
+/// Null where the map has no such tile.
+const FieldTile* SavedMap::make_field(TileKey key) {
   if (!tiles_.contains(key)) return nullptr;
   semantic_map::tile::Around<semantic_map::tile::MapTile> around;
   for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
-      const auto tile = tiles_.find({key.x + dx, key.y + dy});
-      if (tile != tiles_.end()) around.set(dx, dy, &tile->second);
-    }
+    for (int dx = -1; dx <= 1; ++dx) around.set(dx, dy, tile({key.x + dx, key.y + dy}));
   }
-  if (fields_.size() >= kMostFields) fields_.clear();
-  last_key_ = key;
-  last_ = fields_.emplace(key, std::make_unique<const FieldTile>(make_field_tile(around))).first->second.get();
-  return last_;
+  if (fields_.size() >= kMostFields) {
+    fields_.clear();
+    asked_ = {};
+  }
+  return fields_.emplace(key, std::make_unique<const FieldTile>(make_field_tile(around))).first->second.get();
 }
 
 std::optional<SavedMap::Ground> SavedMap::ground_at(double x, double y) {

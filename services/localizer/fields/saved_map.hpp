@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <unordered_map>
@@ -34,14 +35,24 @@ class SavedMap {
   /// The nearest within 0.6 m, about.
   [[nodiscard]] std::optional<UprightThere> upright_at(double x, double y);
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
+  [[nodiscard]] std::vector<TileKey> keys() const;  ///< in order
+  /// Null where the map has none.
+  [[nodiscard]] const semantic_map::tile::MapTile* tile(TileKey key) const;
 
  private:
   const FieldTile* field_of(TileKey key);
+  const FieldTile* make_field(TileKey key);
 
   std::unordered_map<TileKey, semantic_map::tile::MapTile, TileKeyHash> tiles_;
   std::unordered_map<TileKey, std::unique_ptr<const FieldTile>, TileKeyHash> fields_;
-  std::optional<TileKey> last_key_;
-  const FieldTile* last_ = nullptr;
+  // Of each place modulo kAround tiles, the field that was asked for last: a revolution asks for the same few hundred
+  // again and again, in no order.
+  static constexpr int kAround = 32;
+  struct Asked {
+    std::optional<TileKey> key;
+    const FieldTile* field = nullptr;
+  };
+  std::array<Asked, std::size_t{kAround} * kAround> asked_;
 };
 
 }  // namespace curbstone::localizer::fields

@@ -2,38 +2,28 @@
 
 #include <vector>
 
-#include "services/localizer/tracking/pose_fit.hpp"
+#include "services/localizer/tracking/pose_tracker.hpp"
 #include "services/localizer/tracking/surroundings.hpp"
 
 namespace curbstone::localizer::tracking {
 
-/// What is known of the motion since the last revolution's end.
-struct Motion {
-  Pose T_last_base = Pose::Identity();
-  bool with_odometry = true;
-  double seconds = 0;  ///< since that end
-};
-
 /// Follows one pose through the saved map. Until the map has fitted for half a second, and again when it has not for as
 /// long, the vehicle is lost: the pose goes on with odometry and says so. It is lost too when a place near by fits
 /// clearly better; that one is followed from then on, and must fit as long. Pure; one thread.
-class Tracker {
+class Tracker final : public PoseTracker {
  public:
   static constexpr int kInARow = 10;       ///< revolutions that fit, or do not
   static constexpr int kInARowAgain = 40;  ///< that fit after it was lost on the way
 
   Tracker(const PoseBelief& start, const TrackingConfig& config) : config_(config), belief_(start) {}
 
-  /// `points`: thinned, in base_link at the revolution's end.
-  PoseFit track(const std::vector<Eigen::Vector3d>& points, const Motion& motion, fields::SavedMap& map);
+  PoseFit track(const std::vector<Eigen::Vector3d>& points, const Motion& motion, fields::SavedMap& map) override;
 
-  [[nodiscard]] const PoseBelief& belief() const { return belief_; }
-  /// With the error of the map itself.
-  [[nodiscard]] Matrix6 published_covariance() const;
-  [[nodiscard]] bool lost() const { return lost_; }
+  [[nodiscard]] const PoseBelief& belief() const override { return belief_; }
+  [[nodiscard]] Matrix6 published_covariance() const override;
+  [[nodiscard]] bool lost() const override { return lost_; }
 
  private:
-  void predict(const Motion& motion);
   /// Share of the revolution, 0..1, that earlier ones did not say: from nearly the same place the map's errors look the
   /// same, so a vehicle that stands does not become surer and surer.
   [[nodiscard]] double news_of(const Motion& motion) const;

@@ -19,11 +19,13 @@ double ground_of(const Yard& yard, const Eigen::Vector2d& p) {
 std::vector<Eigen::Vector2d> standing_in(const Yard& yard) {
   std::vector<Eigen::Vector2d> plan;
   for (double x = -yard.half_length; x <= yard.half_length; x += 0.02) {
-    for (const double side : {-1.0, 1.0}) plan.emplace_back(x, side * yard.half_width);
+    plan.emplace_back(x, -yard.half_width);
+    if (!yard.open || x > 0) plan.emplace_back(x, yard.half_width);
   }
   if (!yard.ends) return plan;
   for (double y = -yard.half_width; y <= yard.half_width; y += 0.02) {
-    for (const double side : {-1.0, 1.0}) plan.emplace_back(side * yard.half_length, y);
+    plan.emplace_back(yard.half_length, y);
+    if (!yard.open) plan.emplace_back(-yard.half_length, y);
   }
   for (double a = 0; a < 6.28; a += 0.1) {
     const Eigen::Vector2d round(0.2 * std::cos(a), 0.2 * std::sin(a));
@@ -82,6 +84,15 @@ std::vector<MapTile> map_of(const Yard& yard) {
   return writer.take();
 }
 
+std::vector<MapTile> twice(std::vector<MapTile> tiles, int on) {
+  const std::vector<MapTile> once = tiles;
+  for (MapTile tile : once) {
+    tile.key.x += on;
+    tiles.push_back(tile);
+  }
+  return tiles;
+}
+
 std::vector<Eigen::Vector3d> points_in(const Yard& yard, const Pose& T_map_base) {
   const Eigen::Rotation2Dd turn(yard.turned);
   const Pose T_base_map = T_map_base.inverse();
@@ -95,7 +106,7 @@ std::vector<Eigen::Vector3d> points_in(const Yard& yard, const Pose& T_map_base)
   }
   int i = 0;
   for (const Eigen::Vector2d& p : standing_in(yard)) {
-    if (++i % 6 == 0) add(p, ground_of(yard, p) + 0.6 + 0.2 * (i % 5));
+    if (++i % 5 == 0) add(p, ground_of(yard, p) + 0.6 + 0.2 * (i % 5));
   }
   return points;
 }

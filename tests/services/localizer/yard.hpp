@@ -15,10 +15,13 @@ struct Yard {
   double half_width = 7;    ///< m
   double turned = 0.3;      ///< rad, of the yard in map
   double curb = -3;         ///< m, y of the yard: higher beyond
+  bool open = false;        ///< without its west end and the western half of its north: no other way round looks alike
   bool ends = true;         ///< false: two long walls only, and no pillars
 };
 
 [[nodiscard]] std::vector<semantic_map::tile::MapTile> map_of(const Yard& yard);
+/// The tiles, and all of them once more, so many tiles on along x.
+[[nodiscard]] std::vector<semantic_map::tile::MapTile> twice(std::vector<semantic_map::tile::MapTile> tiles, int on);
 /// In base_link of a vehicle at T_map_base.
 [[nodiscard]] std::vector<Eigen::Vector3d> points_in(const Yard& yard, const Pose& T_map_base);
 [[nodiscard]] Pose pose_at(double x, double y, double yaw);

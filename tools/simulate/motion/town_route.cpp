@@ -82,6 +82,17 @@ TownRoute TownRoute::there_and_back(const world::Town& town) {
   return {std::move(points), false};
 }
 
+TownRoute TownRoute::along(const world::Town& town) {
+  constexpr double kFromEnds = 10.0;  // m
+  const world::Street& street = town.streets.front();
+  Points points;
+  for (double s = kFromEnds - 1; s <= street.length() - kFromEnds + 1; s += 1) {
+    const world::Street::Sample at = street.at(s);
+    points.emplace_back(at.point + town.options.lane_offset * at.normal());
+  }
+  return {std::move(points), false};
+}
+
 double TownRoute::length() const {
   double length = 0;
   for (int i = 1; i < size() + (closed_ ? 1 : 0); ++i) length += (at(i) - at(i - 1)).norm();

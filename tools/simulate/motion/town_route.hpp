@@ -17,6 +17,9 @@ class TownRoute {
   /// town of several blocks.
   [[nodiscard]] static TownRoute there_and_back(const world::Town& town);
 
+  /// Along the straight street, from a little after its beginning to a little before its end.
+  [[nodiscard]] static TownRoute along(const world::Town& town);
+
   [[nodiscard]] bool closed() const { return closed_; }
   [[nodiscard]] int size() const { return static_cast<int>(points_.size()) - 2; }
   /// -1 <= i <= size(): one beyond either end.

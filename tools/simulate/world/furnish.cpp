@@ -188,10 +188,13 @@ std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Stree
   };
   const auto put_bins = [&](std::size_t i, Side side) {
     numerics::Random& dice = furnisher.random();
+    const auto put = [&](double s, double off) {
+      if (quarters.at(i, s).lamps_and_bins) furnisher.bin(i, side, s, off);
+    };
     for (double s = dice.uniform(5.0, 25.0); s < streets[i].length(); s += dice.uniform(15.0, 35.0))
-      furnisher.bin(i, side, s, dice.uniform(0.9, 1.7));
+      put(s, dice.uniform(0.9, 1.7));
     for (double s = dice.uniform(10.0, 60.0); s < streets[i].length(); s += dice.uniform(50.0, 90.0))
-      furnisher.bin(i, side, s, -dice.uniform(0.45, 0.7));
+      put(s, -dice.uniform(0.45, 0.7));
   };
   numerics::Random& dice = furnisher.random();
   for (const auto& plot : furnishing.plots) furnisher.house(plot);
@@ -205,7 +208,9 @@ std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Stree
       park(i, side);
       for (double s = dice.uniform(2.0, 14.0); s < streets[i].length(); s += quarters.at(i, s).between_trees.draw(dice))
         furnisher.tree(i, side, s, dice.uniform(0.75, 0.95));
-      for (double s = dice.uniform(0.0, 20.0); s < streets[i].length(); s += 28.0) furnisher.lamp(i, side, s);
+      for (double s = dice.uniform(0.0, 20.0); s < streets[i].length(); s += 28.0) {
+        if (quarters.at(i, s).lamps_and_bins) furnisher.lamp(i, side, s);
+      }
       put_bins(i, side);
     }
   }

@@ -13,15 +13,16 @@ struct Quarter {
     double from, to;
     [[nodiscard]] double draw(numerics::Random& random) const { return random.uniform(from, to); }
   };
-  Bounds plot{13.5, 18.5};           ///< m along the street
-  double houses = 1.0;               ///< share of the plots that have one
-  Bounds width{9.0, 13.0};           ///< m, of a house
-  Bounds height{5.0, 8.5};           ///< m
-  Bounds setback{5.5, 8.5};          ///< m behind the curb
-  double fences = 0.45;              ///< share of the fronts
-  double fences_and_hedges = 0.80;   ///< share of the fronts; the rest is open
-  double garden_trees = 0.35;        ///< a plot
-  double parking = 1.0;              ///< times as many parked cars as in the suburb
+  Bounds plot{13.5, 18.5};          ///< m along the street
+  double houses = 1.0;              ///< share of the plots that have one
+  Bounds width{9.0, 13.0};          ///< m, of a house
+  Bounds height{5.0, 8.5};          ///< m
+  Bounds setback{5.5, 8.5};         ///< m behind the curb
+  double fences = 0.45;             ///< share of the fronts
+  double fences_and_hedges = 0.80;  ///< share of the fronts; the rest is open
+  double garden_trees = 0.35;       ///< a plot
+  double parking = 1.0;             ///< times as many parked cars as in the suburb
+  bool lamps_and_bins = true;
   Bounds between_trees{14.0, 24.0};  ///< m, along the pavement
 };
 

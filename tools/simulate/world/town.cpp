@@ -27,8 +27,9 @@ Town::Town(const TownOptions& town_options) : options(town_options) {
   const numerics::Random random(options.seed);
   numerics::Random plan = random.fork(1);
   const StreetProfile profile;
-  TownPlan planned =
-      options.loop > 0 ? plan_blocks(options.loop, profile.half_width, plan) : plan_block(profile.half_width, plan);
+  TownPlan planned = options.straight > 0 ? plan_straight(options.straight, profile.half_width, plan)
+                     : options.loop > 0   ? plan_blocks(options.loop, profile.half_width, plan)
+                                          : plan_block(profile.half_width, plan);
   streets = std::move(planned.streets);
   for (auto& street : streets) set_curbs(street, plan);
 
@@ -42,6 +43,7 @@ Town::Town(const TownOptions& town_options) : options(town_options) {
   std::vector<Shape> shapes = furnish(furnishing, streets, planned.quarters, ground, random.fork(4), passing);
   scene = std::make_unique<const Scene>(std::move(ground), std::move(shapes));
 
+  if (options.straight > 0) return;  // cars circle
   const double around = streets.front().length();
   const int traffic_density = std::max(4, static_cast<int>(around / 110.0));
   numerics::Random traffic = day.fork(5);

@@ -13,6 +13,7 @@ namespace curbstone::simulate::world {
 struct TownOptions {
   std::uint64_t seed = 1;
   double loop = 0;            ///< m round the streets that are driven, several blocks; 0: the demo's single block
+  double straight = 0;        ///< m of a straight street, bare along its middle half, instead of a town; 0: a town
   double lane_offset = -1.3;  ///< m left of the crown: where the emulated vehicle drives
   std::uint64_t day = 0;      ///< seed of what does not stay: cars, parked and moving, and bins; 0: as the town's
 };

@@ -10,7 +10,7 @@ namespace curbstone::simulate::world {
 
 /// The streets of a town before curbs and houses.
 struct TownPlan {
-  std::vector<Street> streets;  ///< 0 is the loop, counter-clockwise
+  std::vector<Street> streets;  ///< 0 is the loop, counter-clockwise, or the straight street
   Quarters quarters;
   std::size_t inside = 1;  ///< of the streets: those that end within the world
 };
@@ -22,5 +22,8 @@ struct TownPlan {
 /// corners. Street 1, off the loop, ends in the world: the way in and out. Other streets lead out of the town or across
 /// its blocks. One part of the town is not built like the next.
 [[nodiscard]] TownPlan plan_blocks(double round, double half_width, numerics::Random& random);
+
+/// A straight street, open at both ends: suburb along its first and last quarter, and nothing but curbs between.
+[[nodiscard]] TownPlan plan_straight(double length, double half_width, numerics::Random& random);
 
 }  // namespace curbstone::simulate::world

@@ -41,6 +41,31 @@ TEST(Town, OnAnotherDayHasOtherCarsAndBinsAndNothingElseIsOther) {
             Town({.seed = 5}).scene->ground().height_at(10, 10));
 }
 
+TEST(Town, AStraightStreetHasNothingButCurbsAlongItsMiddle) {
+  const Town town({.seed = 5, .straight = 400});
+  const Street& street = town.streets.front();
+  EXPECT_NEAR(street.length(), 400, 1);
+  const Eigen::Vector2d from = street.at(0).point, along = street.at(0).tangent;
+  EXPECT_LT((street.at(400).tangent - along).norm(), 1e-6);
+  int beside_its_ends = 0;
+  for (const Shape& shape : town.scene->shapes()) {
+    const double s = (Eigen::Vector2d(shape.centre.x(), shape.centre.y()) - from).dot(along);
+    EXPECT_TRUE(s < 110 || s > 290) << s;
+    ++beside_its_ends;
+  }
+  EXPECT_GT(beside_its_ends, 50);
+  EXPECT_TRUE(town.cars.empty());
+  const auto at = street.at(200);
+  const auto height = [&](double left) {
+    const Eigen::Vector2d p = at.point + left * at.normal();
+    return town.scene->ground().height_at(static_cast<float>(p.x()), static_cast<float>(p.y()));
+  };
+  EXPECT_GT(height(street.half_width() + 0.4) - height(street.half_width() - 0.4), 0.01F) << "a curb, if a dropped one";
+  const auto route = motion::TownRoute::along(town);
+  EXPECT_FALSE(route.closed());
+  EXPECT_NEAR(route.length(), 380, 3);
+}
+
 class Towns : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Seeds, Towns, testing::Range(1, 7));
 

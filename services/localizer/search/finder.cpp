@@ -1,0 +1,86 @@
+#include "services/localizer/search/finder.hpp"
+
+#include <cmath>
+
+namespace curbstone::localizer::search {
+namespace {
+
+constexpr std::size_t kLeastRevolutions = 10;  // of a local scan,
+constexpr double kLeastDriven = 3.0;           // m: what one place hides, another shows
+constexpr std::size_t kLeastPlaces = 20;       // of a plan, that tell one place from another
+constexpr std::int64_t kLookups = 10'000'000;  // of a search in one revolution: some 10 ms
+constexpr double kMostDriven = 30.0;           // m with several hypotheses; then the map is searched again
+
+/// At a candidate for where the anchor was, moved on since; on the map's ground, leaning as odometry does.
+tracking::PoseBelief belief_at(const Candidate& candidate, const Pose& T_odom_anchor, const Pose& T_odom_base,
+                               fields::SavedMap& map) {
+  const double turned = candidate.yaw - roll_pitch_yaw(T_odom_anchor.linear()).z();
+  const Eigen::Vector2d way =
+      Eigen::Rotation2Dd(turned) * (T_odom_base.translation() - T_odom_anchor.translation()).head<2>();
+  const Eigen::Vector3d lean = roll_pitch_yaw(T_odom_base.linear());
+  const double x = candidate.x + way.x(), y = candidate.y + way.y();
+  const auto ground = map.ground_at(x, y);
+  const double level = ground ? ground->height : map.level_at(x, y);
+  tracking::PoseBelief belief;
+  belief.T_map_base.translation() = Eigen::Vector3d(x, y, std::isfinite(level) ? level : 0.0);
+  belief.T_map_base.linear() = rotation_from_rpy(lean.x(), lean.y(), lean.z() + turned);
+  tracking::Vector6 sigma;
+  sigma << 0.25, 0.25, 0.1, 0.02, 0.02, 0.02;
+  belief.covariance = sigma.cwiseAbs2().asDiagonal();
+  return belief;
+}
+
+}  // namespace
+
+std::optional<tracking::PoseBelief> Finder::look(const std::vector<Eigen::Vector3d>& points, const Pose& T_odom_base,
+                                                 const tracking::Motion& motion, fields::SavedMap& map) {
+  switch (state_) {
+    case State::kCollecting:
+      collect(points, T_odom_base, map);
+      break;
+    case State::kSearching:
+      search(T_odom_base, map);
+      break;
+    case State::kDriving:
+      hypotheses_.drive_on(points, motion, map);
+      if (hypotheses_.one_holds()) return hypotheses_.alive().front().belief;
+      if (hypotheses_.alive().empty() || hypotheses_.driven() > kMostDriven) restart();
+      break;
+  }
+  return std::nullopt;
+}
+
+void Finder::restart() {
+  state_ = State::kCollecting;
+  scan_.clear();
+  search_.reset();
+}
+
+const Hypothesis* Finder::best() const {
+  return state_ == State::kDriving && !hypotheses_.alive().empty() ? &hypotheses_.alive().front() : nullptr;
+}
+
+void Finder::collect(const std::vector<Eigen::Vector3d>& points, const Pose& T_odom_base, const fields::SavedMap& map) {
+  scan_.add(points, T_odom_base);
+  const bool seen_enough = scan_.revolutions() >= kLeastRevolutions && scan_.driven() >= kLeastDriven;
+  if (!seen_enough && scan_.revolutions() < LocalScan::kMostRevolutions) return;
+  const auto plan = scan_.plan(T_odom_base, SearchRegion::kSight, MapSearch::kMostPlaces);
+  scan_.clear();
+  if (plan.size() < kLeastPlaces) return;
+  T_odom_anchor_ = T_odom_base;
+  search_.emplace(plan, map);
+  state_ = State::kSearching;
+}
+
+void Finder::search(const Pose& T_odom_base, fields::SavedMap& map) {
+  if (search_->go_on(kLookups)) return;
+  ++searches_;
+  std::vector<tracking::PoseBelief> beliefs;
+  for (const Candidate& one : search_->candidates())
+    beliefs.push_back(belief_at(one, T_odom_anchor_, T_odom_base, map));
+  search_.reset();
+  hypotheses_.begin(std::move(beliefs));
+  state_ = State::kDriving;
+}
+
+}  // namespace curbstone::localizer::search

@@ -1,0 +1,79 @@
+#include "services/localizer/search/finder.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/services/localizer/yard.hpp"
+
+namespace curbstone::localizer::search {
+namespace {
+
+using testing::map_of;
+using testing::points_in;
+using testing::pose_at;
+using testing::Yard;
+
+/// 0.15 m a revolution through the yard, on a gentle bend; odometry has an origin of its own.
+struct DriveThrough {
+  Yard yard;
+  fields::SavedMap map;
+  Finder finder{tracking::TrackingConfig{}};
+  Pose T_map_base = pose_at(-8, -1, 0.2);
+  Pose T_odom_map = pose_at(20, 5, 2.0);
+  bool was_ambiguous = false;
+
+  std::optional<tracking::PoseBelief> revolution(double step = 0.15) {
+    tracking::Motion motion;
+    motion.seconds = 0.05;
+    motion.T_last_base = pose_at(step, 0, 0.1 * step);
+    T_map_base = T_map_base * motion.T_last_base;
+    const auto found = finder.look(points_in(yard, T_map_base), T_odom_map * T_map_base, motion, map);
+    was_ambiguous = was_ambiguous || finder.ambiguous();
+    return found;
+  }
+  std::optional<tracking::PoseBelief> revolutions(int most) {
+    for (int i = 0; i < most; ++i) {
+      if (auto found = revolution()) return found;
+    }
+    return std::nullopt;
+  }
+};
+
+TEST(Finder, FindsAVehicleThatDrivesInAYard) {
+  DriveThrough drive{{.open = true}, fields::SavedMap(map_of(Yard{.open = true}))};
+  const auto found = drive.revolutions(100);
+  ASSERT_TRUE(found);
+  EXPECT_LT(tracking::error_between(drive.T_map_base, found->T_map_base).head<2>().norm(), 0.05);
+  EXPECT_FALSE(drive.was_ambiguous);
+}
+
+TEST(Finder, AtAPlaceThatTheMapHasTwiceItIsNeverSure) {
+  DriveThrough drive{{.open = true}, fields::SavedMap(testing::twice(map_of(Yard{.open = true}), 40))};
+  EXPECT_FALSE(drive.revolutions(100));
+  EXPECT_TRUE(drive.was_ambiguous);
+  ASSERT_NE(drive.finder.best(), nullptr);
+}
+
+TEST(Finder, OnAMapOfAnotherPlaceItIsNeverSure) {
+  DriveThrough drive{{.open = true}, fields::SavedMap(map_of({.half_length = 8.3, .half_width = 9.4, .turned = -0.5, .curb = 2}))};
+  EXPECT_FALSE(drive.revolutions(100));
+  EXPECT_GE(drive.finder.searches(), 1);
+}
+
+TEST(Finder, WhileTheVehicleStandsItIsNotSure) {
+  DriveThrough drive{{.open = true}, fields::SavedMap(map_of(Yard{.open = true}))};
+  for (int i = 0; i < 120; ++i) ASSERT_FALSE(drive.revolution(0)) << i;
+  ASSERT_NE(drive.finder.best(), nullptr) << "but has a guess";
+  EXPECT_LT((drive.finder.best()->belief.T_map_base.translation() - drive.T_map_base.translation()).head<2>().norm(),
+            0.05);
+}
+
+TEST(Finder, BeginsAgainWhenToldTo) {
+  DriveThrough drive{{.open = true}, fields::SavedMap(map_of(Yard{.open = true}))};
+  drive.revolutions(30);
+  drive.finder.restart();
+  EXPECT_EQ(drive.finder.best(), nullptr);
+  EXPECT_TRUE(drive.revolutions(60));
+}
+
+}  // namespace
+}  // namespace curbstone::localizer::search

@@ -1,0 +1,204 @@
+#include "tools/bench/localisation/localisation_bench.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "common/config/command_line.hpp"
+#include "common/statistics/quantile.hpp"
+#include "config/sections.hpp"
+#include "services/semantic_map/store/map_store.hpp"
+#include "tools/bench/localisation/trial.hpp"
+#include "tools/evaluate/truth/truth.hpp"
+
+namespace curbstone::bench::localisation {
+namespace {
+
+constexpr double kWithin = 20.0;   // m driven, in which a vehicle is to be found
+constexpr double kCarried = 15.0;  // m, at least, from where it was to where it is then
+constexpr std::int64_t kSecond = 1'000'000;
+constexpr std::int64_t kKnown = 3 * kSecond;  // before it is carried
+constexpr std::int64_t kFind = 10 * kSecond;  // after it
+
+struct Options {
+  std::string map, log, truth, map_truth, config, json;
+  std::vector<std::string> assignments;
+  int starts = 200, carried = 20;
+  int seed = 1;
+};
+
+struct Run {
+  RecordedDrive drive;
+  localizer::LocalizerConfig config;
+  std::optional<localise::TrueMapPose> truth;
+  std::mt19937_64 random;
+
+  [[nodiscard]] std::int64_t time_between(std::int64_t from, std::int64_t to) {
+    return from +
+           static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(std::max<std::int64_t>(to - from, 1)));
+  }
+  [[nodiscard]] const localise::TrueMapPose* true_pose() const { return truth ? &*truth : nullptr; }
+};
+
+nlohmann::json spread(const std::vector<double>& values) {
+  return {{"p50", quantile_or(values, 0.5, 0)},
+          {"p95", quantile_or(values, 0.95, 0)},
+          {"max", values.empty() ? 0 : *std::max_element(values.begin(), values.end())}};
+}
+
+void take_costs(const Trial& trial, std::vector<double>& ms) {
+  for (const Said& said : trial.said()) {
+    if (!said.sure) ms.push_back(said.ms);
+  }
+}
+
+/// From places along the drive, nothing known.
+nlohmann::json random_starts(Run& run, int count) {
+  int right = 0, wrong = 0, wrong_revolutions = 0;
+  std::vector<double> metres, seconds, ms;
+  const RecordedDrive& drive = run.drive;
+  std::int64_t last = drive.end();
+  while (last > drive.begin() && drive.driven_at(drive.end()) - drive.driven_at(last) < kWithin) last -= kSecond / 10;
+  for (int i = 0; i < count; ++i) {
+    const std::int64_t from = run.time_between(drive.begin(), last);
+    std::int64_t until = from;
+    while (until < drive.end() && drive.driven_at(until) - drive.driven_at(from) < kWithin) until += kSecond / 20;
+    Trial trial(run.config, drive, run.true_pose());
+    trial.hear(from, until);
+    take_costs(trial, ms);
+    const auto& said = trial.said();
+    const auto found = std::find_if(said.begin(), said.end(), [](const Said& s) { return s.right(); });
+    const auto bad = std::count_if(said.begin(), said.end(), [](const Said& s) { return s.wrong(); });
+    wrong += bad > 0 ? 1 : 0;
+    wrong_revolutions += static_cast<int>(bad);
+    if (bad > 0)
+      fmt::print("  start at {:.2f} s: sure and wrong for {} revolutions\n",
+                 static_cast<double>(from - drive.begin()) * 1e-6, bad);
+    if (found == said.end()) {
+      fmt::print("  start at {:.2f} s: not found\n", static_cast<double>(from - drive.begin()) * 1e-6);
+      continue;
+    }
+    ++right;
+    metres.push_back(drive.driven_at(found->utime) - drive.driven_at(from));
+    seconds.push_back(static_cast<double>(found->utime - from) * 1e-6);
+  }
+  return {{"starts", count},
+          {"right_within_20_m", right},
+          {"right_share", count > 0 ? 1.0 * right / count : 0},
+          {"wrong_but_sure", wrong},
+          {"wrong_revolutions", wrong_revolutions},
+          {"metres", spread(metres)},
+          {"seconds", spread(seconds)},
+          {"lost_ms", spread(ms)}};
+}
+
+/// The drive cut, and the vehicle elsewhere on it.
+nlohmann::json carried_away(Run& run, int count) {
+  int told = 0, found = 0, wrong_revolutions = 0, tried = 0;
+  std::vector<double> told_after, found_after, ms;
+  const RecordedDrive& drive = run.drive;
+  for (int i = 0; i < 20 * count && tried < count; ++i) {
+    const std::int64_t cut = run.time_between(drive.begin() + kKnown, drive.end());
+    const std::int64_t there = run.time_between(drive.begin(), drive.end() - kFind);
+    const auto start = run.truth->at(cut - kKnown), before = run.truth->at(cut), after = run.truth->at(there);
+    if (!start || !before || !after || (before->translation() - after->translation()).norm() < kCarried) continue;
+    ++tried;
+    localizer::LocalizerConfig config = run.config;
+    config.start = {start->translation().x(), start->translation().y(), roll_pitch_yaw(start->linear()).z()};
+    Trial trial(config, drive, run.true_pose());
+    trial.hear(cut - kKnown, cut);
+    const std::size_t heard = trial.said().size();
+    trial.hear(there, there + kFind);
+    const std::vector<Said> said(trial.said().begin() + static_cast<std::ptrdiff_t>(heard), trial.said().end());
+    take_costs(trial, ms);
+    const auto after_s = [&](const Said& s) { return static_cast<double>(s.utime - there) * 1e-6; };
+    const auto lost = std::find_if(said.begin(), said.end(), [](const Said& s) { return !s.sure; });
+    const auto again = std::find_if(lost, said.end(), [](const Said& s) { return s.right(); });
+    if (lost != said.end()) told_after.push_back(after_s(*lost));
+    if (again != said.end()) found_after.push_back(after_s(*again));
+    told += lost != said.end() && after_s(*lost) <= 1 ? 1 : 0;
+    found += again != said.end() ? 1 : 0;
+    wrong_revolutions += static_cast<int>(std::count_if(lost, said.end(), [](const Said& s) { return s.wrong(); }));
+  }
+  return {{"carried", tried},
+          {"told_within_1_s", told},
+          {"found_within_10_s", found},
+          {"wrong_revolutions_once_told", wrong_revolutions},
+          {"told_s", spread(told_after)},
+          {"found_s", spread(found_after)},
+          {"lost_ms", spread(ms)}};
+}
+
+void print(const nlohmann::json& starts, const nlohmann::json& carried) {
+  const auto of = [](const nlohmann::json& j, const char* what, const char* which) {
+    return j[what][which].get<double>();
+  };
+  fmt::print("{} starts anywhere: {} right within 20 m, {} sure and wrong; after {:.1f} m (p50), {:.1f} (p95)\n",
+             starts["starts"].get<int>(), starts["right_within_20_m"].get<int>(), starts["wrong_but_sure"].get<int>(),
+             of(starts, "metres", "p50"), of(starts, "metres", "p95"));
+  fmt::print("  a lost revolution: {:.1f} ms of CPU (p50), {:.1f} (p95), {:.1f} (max)\n", of(starts, "lost_ms", "p50"),
+             of(starts, "lost_ms", "p95"), of(starts, "lost_ms", "max"));
+  if (carried.is_null()) return;
+  fmt::print(
+      "{} times carried away: {} told within 1 s ({:.2f} s at most), {} found within 10 s ({:.1f} s p50), {} "
+      "revolutions sure "
+      "and wrong once told\n",
+      carried["carried"].get<int>(), carried["told_within_1_s"].get<int>(), of(carried, "told_s", "max"),
+      carried["found_within_10_s"].get<int>(), of(carried, "found_s", "p50"),
+      carried["wrong_revolutions_once_told"].get<int>());
+}
+
+int measure(const Options& options) {
+  auto ekf = config_of<ekf::base::EkfConfig>("ekf", kProcessSections, options.config, options.assignments);
+  ekf.state_file.clear();  // another vehicle's, or of another time
+  auto config =
+      config_of<localizer::LocalizerConfig>("localizer", kProcessSections, options.config, options.assignments);
+  config.map = options.map;
+  config.start.clear();
+  Run run{RecordedDrive(options.log, ekf), config, std::nullopt,
+          std::mt19937_64(static_cast<std::uint64_t>(options.seed))};
+  if (!options.truth.empty())
+    run.truth.emplace(semantic_map::store::MapReader(options.map).trajectory(),
+                      evaluate::truth::load_truth(options.map_truth).poses,
+                      evaluate::truth::load_truth(options.truth).poses);
+  const nlohmann::json starts = random_starts(run, options.starts);
+  const nlohmann::json carried = run.truth ? carried_away(run, options.carried) : nlohmann::json();
+  print(starts, carried);
+  if (options.json.empty()) return 0;
+  std::ofstream file(options.json);
+  file << nlohmann::json{{"starts", starts}, {"carried", carried}}.dump(2) << "\n";
+  if (!file.flush()) throw std::runtime_error(options.json + ": cannot be written");
+  return 0;
+}
+
+}  // namespace
+
+int run_bench_localisation(int argc, char** argv) {
+  Options options;
+  CommandLine line("A vehicle of which nothing is known, and one that is carried away: found in a saved map",
+                   "curbstone bench localisation");
+  line.argument("map", options.map, "The map").required();
+  line.option("--log", options.log, "Log of another drive with LIDAR_POINTS, IMU and WHEELS").required();
+  line.option("--truth", options.truth, "Truth folder of that drive; without it, the map is of another place");
+  line.option("--map-truth", options.map_truth, "Truth folder of the drive that made the map");
+  line.option("--starts", options.starts, "Places along the drive from which nothing is known");
+  line.option("--carried", options.carried, "Times that the vehicle is carried from one place of the drive to another");
+  line.option("--seed", options.seed, "Of the places");
+  line.option("--config", options.config, "The vehicle's YAML file");
+  line.option("--set", options.assignments, "SECTION.KEY=VALUE, over the file").one_each();
+  line.option("--json", options.json, "Write the figures here, for programs");
+  if (const auto status = line.read(argc, argv)) return *status;
+  if (options.truth.empty() != options.map_truth.empty()) return line.refuse("--truth and --map-truth belong together");
+  try {
+    return measure(options);
+  } catch (const ConfigError& error) {
+    fmt::print(stderr, "curbstone bench localisation: {}\n", error.what());
+    return 2;
+  }
+}
+
+}  // namespace curbstone::bench::localisation
