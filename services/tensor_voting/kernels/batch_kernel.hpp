@@ -7,13 +7,15 @@
 namespace curbstone::tensor_voting::kernels {
 
 /// @file
-/// The inner loops of batch voting, compiled once for each instruction set. Sixteen votees stand in the lanes, and
-/// every voter near them is shown to all at once: no sum crosses lanes, and no lane runs empty at the end of a cell.
+/// The inner loops of batch voting, compiled once for each instruction set. Eight votees that lie together stand in
+/// the lanes, and every voter near them is shown to all at once; where there are sixteen lanes, two voters. Few votees
+/// lie close together: few voters are near some and out of reach of the others.
 ///
-/// In float with fused multiply-add: 1e-6 of a tensor's norm, the same for any number of threads, not the same bits on
+/// In float with fused multiply-add: 3e-6 of a tensor's norm, the same for any number of threads, not the same bits on
 /// every machine (VotingField's are).
 
-inline constexpr int kBlock = 16;
+inline constexpr int kBlock = 8;
+inline constexpr int kReadAhead = 16;
 
 /// What an oriented voter has to say (second pass): e1, e3 and its stick and plate saliency.
 struct OrientedVoter {
@@ -23,7 +25,7 @@ struct OrientedVoter {
   float plate;
 };
 
-/// Voters in the order of their cells. The arrays are readable for kBlock elements past their end.
+/// Voters in the order of their cells. The arrays are readable for kReadAhead elements past their end.
 struct VoterArrays {
   const std::int32_t* x;  ///< in steps, modulo 2^32: only differences count
   const std::int32_t* y;

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <span>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace curbstone::tensor_voting::kernels {
@@ -19,5 +22,17 @@ std::vector<Kernel> usable(const Kernel* avx512, const Kernel* avx2, const Kerne
   return kernels;
 }
 #endif
+
+/// Of these builds that of an instruction set, "avx2" for example; the fastest if it has no name. Throws
+/// std::invalid_argument where this machine has no such.
+template <class Kernel>
+const Kernel& kernel_for(std::span<const Kernel> kernels, const std::string& name) {
+  std::string names;
+  for (const Kernel& kernel : kernels) {
+    if (name.empty() || name == kernel.name) return kernel;
+    names += std::string(" ") + kernel.name;
+  }
+  throw std::invalid_argument("kernel = " + name + ": this machine runs" + names);
+}
 
 }  // namespace curbstone::tensor_voting::kernels

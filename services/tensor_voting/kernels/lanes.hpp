@@ -27,6 +27,7 @@ using Floats = float __attribute__((vector_size(4 * kWidth)));
 using Ints = std::int32_t __attribute__((vector_size(4 * kWidth)));
 using Words = std::uint32_t __attribute__((vector_size(4 * kWidth)));
 using HalfInts = std::int32_t __attribute__((vector_size(2 * kWidth)));
+using HalfFloats = float __attribute__((vector_size(2 * kWidth)));
 using Longs = std::int64_t __attribute__((vector_size(4 * kWidth)));  // half of the lanes
 
 #if defined(__AVX512F__)
@@ -47,7 +48,7 @@ CURBSTONE_INLINE void store(void* to, const Vector& v) {
 }
 
 CURBSTONE_INLINE Floats all(float v) {
-  return Floats{} + v;
+  return v - Floats{};  // v + 0 would be another number where v is -0
 }
 
 /// Wrapping differences of coordinates.
@@ -69,6 +70,18 @@ CURBSTONE_INLINE Mask below(Mask mask, Floats a, Floats b) {
   return _mm512_mask_cmp_ps_mask(mask, __builtin_bit_cast(__m512, a), __builtin_bit_cast(__m512, b), _CMP_LT_OQ);
 #else
   return mask & (a < b);
+#endif
+}
+/// low <= a < high; none of them below 0. Such floats are in the order of their bits: one comparison does for both.
+CURBSTONE_INLINE Mask between(float low, Floats a, float high) {
+  constexpr std::uint32_t kLowest = 1U << 31;
+  const std::uint32_t from_low = kLowest - __builtin_bit_cast(std::uint32_t, low);  // what is below wraps to the top
+  const Ints bits = __builtin_bit_cast(Ints, __builtin_bit_cast(Words, a) + from_low);
+  const Ints limit = Ints{} + static_cast<std::int32_t>(__builtin_bit_cast(std::uint32_t, high) + from_low);
+#if defined(__AVX512F__)
+  return _mm512_cmplt_epi32_mask(__builtin_bit_cast(__m512i, bits), __builtin_bit_cast(__m512i, limit));
+#else
+  return bits < limit;
 #endif
 }
 /// `a` where the mask is set, `b` elsewhere.
@@ -146,11 +159,31 @@ CURBSTONE_INLINE Floats rough_reciprocal(Floats a) {
 #endif
 }
 
+#if defined(__AVX2__) && !defined(__AVX512F__)
+/// For each set of lanes: the lanes that are in it, side by side.
+struct PackedLanes {
+  std::uint8_t lane[256][8] = {};
+  constexpr PackedLanes() {
+    for (unsigned set = 0; set < 256; ++set) {
+      unsigned size = 0;
+      for (std::uint8_t i = 0; i < 8; ++i) {
+        if ((set >> i & 1U) != 0) lane[set][size++] = i;
+      }
+    }
+  }
+};
+constexpr PackedLanes kPackedLanes;
+#endif
+
 /// Writes the lanes of the mask side by side; up to kWidth elements at `to` may be overwritten.
 template <class Vector>
 CURBSTONE_INLINE void store_packed(void* to, Mask mask, const Vector& v) {
 #if defined(__AVX512F__)
   _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(mask, __builtin_bit_cast(__m512i, v)));
+#elif defined(__AVX2__)
+  const __m256i lanes = _mm256_cvtepu8_epi32(
+      _mm_loadl_epi64(static_cast<const __m128i*>(static_cast<const void*>(kPackedLanes.lane[bits(mask)]))));
+  store(to, _mm256_permutevar8x32_epi32(__builtin_bit_cast(__m256i, v), lanes));
 #else
   std::uint32_t lanes[kWidth];
   __builtin_memcpy(lanes, &v, sizeof lanes);

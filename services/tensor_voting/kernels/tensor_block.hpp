@@ -38,9 +38,10 @@ struct ShapeBlock {
 static_assert(sizeof(ShapeBlock) == kShapeFloats * sizeof(float));
 
 /// Takes tensors apart, shapes[i] of tensors[i].
-inline void decompose(std::span<const TensorBlock> tensors, std::span<ShapeBlock> shapes) {
+inline void decompose(std::span<const TensorBlock> tensors, std::span<ShapeBlock> shapes,
+                      const VoteKernel& kernel = vote_kernels()[0]) {
   if (tensors.empty()) return;
-  vote_kernels()[0].decompose(tensors[0].component, shapes[0].component, tensors.size());
+  kernel.decompose(tensors[0].component, shapes[0].component, tensors.size());
 }
 
 }  // namespace curbstone::tensor_voting::kernels

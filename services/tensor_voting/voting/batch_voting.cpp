@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 #include <future>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "services/tensor_voting/kernels/batch_kernel.hpp"
+#include "services/tensor_voting/kernels/instruction_sets.hpp"
 #include "services/tensor_voting/kernels/tensor_block.hpp"
 #include "services/tensor_voting/voting/cell_list.hpp"
 #include "services/tensor_voting/voting/parallel.hpp"
@@ -24,55 +26,68 @@ double cut_off(const VotingParameters& parameters) {
   return std::min(parameters.radius, 16 * parameters.sigma);
 }
 
-std::vector<WidePoint> voters_of(const StepCloud& cloud, const Thinning& thinning) {
-  std::vector<WidePoint> voters(thinning.voters.size());
-  for (std::size_t i = 0; i < voters.size(); ++i) voters[i] = cloud.points[thinning.voters[i]];
-  return voters;
-}
+/// Blocks of votees that one thread deals with at a time.
+constexpr std::size_t kBlocksAtOnce = 32;
 
-/// Blocks of voters that one thread deals with at a time.
-constexpr std::size_t kBlocksAtOnce = 16;
+/// What neighbours in the order of the cells have received: component after component, as in BlockVotes.
+struct Received {
+  static constexpr std::size_t kMost = kBlocksAtOnce * kernels::kBlock;
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+  std::array<std::array<float, kMost + kernels::kBlock>, 7> sum;
+
+  void append(const kernels::BlockVotes& votes, std::uint32_t num_votees) {
+    for (std::size_t c = 0; c < sum.size(); ++c) {
+      std::copy_n(votes.sum + c * kernels::kBlock, kernels::kBlock, sum[c].begin() + count);  // the next overwrites
+    }
+    count += num_votees;
+  }
+};
 
 /// The voters sorted by cell, with whatever they need to vote.
 class Assembly {
  public:
   using Vote = decltype(kernels::BatchKernel::ball);
 
-  Assembly(std::span<const WidePoint> voters, double radius_in_steps, int threads)
-      : cells_(voters, edge_for(radius_in_steps / 2), threads), reach_(2), threads_(threads) {
+  Assembly(CellList& cells, std::span<const WidePoint> voters, double radius_in_steps, int threads)
+      : cells_(&cells), reach_(2), threads_(threads) {
+    cells.rebuild(voters, edge_for(radius_in_steps / 2), threads);
     // Cells of half the radius look at the fewest voters out of reach. But a block of votees is of one cell: where
     // points are few, larger cells fill it better. The map is made of surfaces: twice the edge, four times the points.
-    constexpr double kEnough = kernels::kBlock;
-    const double occupancy = static_cast<double>(voters.size()) / static_cast<double>(cells_.cells().size());
+    constexpr double kEnough = 2 * kernels::kBlock;
+    const double occupancy = static_cast<double>(voters.size()) / static_cast<double>(cells_->cells().size());
     if (occupancy < kEnough) {
       const double edge = radius_in_steps * (4 * occupancy >= kEnough ? 1 : 16 * occupancy >= kEnough ? 2 : 4);
-      cells_ = CellList(voters, edge_for(edge), threads);
+      cells.rebuild(voters, edge_for(edge), threads);
       reach_ = 1;
     }
-    arrays_ = cells_.arrays();
+    arrays_ = cells_->arrays();
   }
 
-  [[nodiscard]] const CellList& cells() const { return cells_; }
-  [[nodiscard]] bool crowded(double most) const { return cells_.crowded(reach_, most); }
+  [[nodiscard]] const CellList& cells() const { return *cells_; }
+  [[nodiscard]] bool crowded(double most) const { return cells_->crowded(reach_, most); }
   void weigh(const std::vector<float>& weights) { arrays_.weight = weights.data(); }
   void orient(const std::vector<kernels::OrientedVoter>& voters) { arrays_.oriented = voters.data(); }
 
-  /// Has every block of voters voted for. `take(blocks, votes)` is called by any thread, for a few blocks at a time.
+  /// Has every voter voted for. `take(received)` is called by any thread, for a few neighbours at a time.
   template <class Take>
   void run(Vote vote, const kernels::BatchScale& scale, const Take& take) const {
-    const auto& blocks = cells_.blocks();
+    const auto& blocks = cells_->blocks();
     parallel_for(blocks.size(), kBlocksAtOnce, threads_, [&](std::size_t begin, std::size_t end) {
       std::vector<kernels::VoterRun> runs;
-      std::array<kernels::BlockVotes, kBlocksAtOnce> votes;
+      kernels::BlockVotes votes;
+      Received received;
+      received.first = blocks[begin].begin;
       for (std::size_t i = begin; i < end; ++i) {
         const CellList::Block& block = blocks[i];
         if (i == begin || block.cell != blocks[i - 1].cell) {
           runs.clear();
-          cells_.runs_around(cells_.cells()[block.cell], reach_, runs);
+          cells_->runs_around(cells_->cells()[block.cell], reach_, runs);
         }
-        vote(arrays_, runs.data(), runs.size(), block.begin, block.count, scale, votes[i - begin].sum);
+        vote(arrays_, runs.data(), runs.size(), block.begin, block.count, scale, votes.sum);
+        received.append(votes, block.count);
       }
-      take(std::span(blocks).subspan(begin, end - begin), std::span(votes).first(end - begin));
+      take(received);
     });
   }
 
@@ -81,51 +96,61 @@ class Assembly {
     return std::max(CellList::kMinEdge, static_cast<std::int32_t>(std::min(std::ceil(steps) + 1, double{1 << 29})));
   }
 
-  CellList cells_;
+  const CellList* cells_;
   kernels::VoterArrays arrays_{};
   int reach_;  // cells
   int threads_;
 };
 
-static_assert(kernels::kBlock == kernels::kLanes);
+constexpr std::size_t kTensorBlocks = (Received::kMost + kernels::kLanes - 1) / kernels::kLanes;
+using Tensors = std::array<kernels::TensorBlock, kTensorBlocks>;
 
-kernels::TensorBlock from_ball_votes(const kernels::BlockVotes& votes, float ball) {
-  kernels::TensorBlock t;
-  for (int lane = 0; lane < kernels::kBlock; ++lane) {
-    const auto sum = [&](int c) { return votes.sum[c * kernels::kBlock + lane]; };  // w, then w u u^T
-    const float w = sum(0);
-    const float components[] = {w - ball * sum(1), -ball * sum(2), -ball * sum(3),
-                                w - ball * sum(4), -ball * sum(5), w - ball * (w - sum(1) - sum(4))};
-    for (int c = 0; c < 6; ++c) t.component[c * kernels::kBlock + lane] = components[c];
-    t.mass[lane] = w;
-  }
-  return t;
+std::size_t num_blocks(const Received& received) {
+  return (received.count + kernels::kLanes - 1) / kernels::kLanes;
 }
 
-kernels::TensorBlock from_oriented_votes(const kernels::BlockVotes& votes) {
-  kernels::TensorBlock t;
-  std::copy_n(votes.sum, kernels::kBlock, t.mass);
-  std::copy_n(votes.sum + kernels::kBlock, 6 * kernels::kBlock, t.component);
-  return t;
+Tensors from_ball_votes(const Received& received, float ball) {
+  Tensors tensors;
+  for (std::size_t block = 0; block < num_blocks(received); ++block) {
+    kernels::TensorBlock& t = tensors[block];
+    for (std::size_t lane = 0; lane < kernels::kLanes; ++lane) {
+      const auto sum = [&](std::size_t c) { return received.sum[c][block * kernels::kLanes + lane]; };
+      const float w = sum(0);  // then w u u^T
+      const float components[] = {w - ball * sum(1), -ball * sum(2), -ball * sum(3),
+                                  w - ball * sum(4), -ball * sum(5), w - ball * (w - sum(1) - sum(4))};
+      for (std::size_t c = 0; c < 6; ++c) t.component[c * kernels::kLanes + lane] = components[c];
+      t.mass[lane] = w;
+    }
+  }
+  return tensors;
+}
+
+Tensors from_oriented_votes(const Received& received) {
+  Tensors tensors;
+  for (std::size_t block = 0; block < num_blocks(received); ++block) {
+    const auto copy = [&](std::size_t c, float* to) {
+      std::copy_n(received.sum[c].begin() + static_cast<std::ptrdiff_t>(block * kernels::kLanes), kernels::kLanes, to);
+    };
+    copy(0, tensors[block].mass);
+    for (std::size_t c = 0; c < 6; ++c) copy(c + 1, tensors[block].component + c * kernels::kLanes);
+  }
+  return tensors;
 }
 
 /// Of each voter, in the order in which voters were given.
 struct VoterResults {
-  std::vector<kernels::TensorF> tensors;
-  std::vector<kernels::DecompositionF> decompositions;
+  std::span<kernels::TensorF> tensors;
+  std::span<kernels::DecompositionF> decompositions;
+  const kernels::VoteKernel& kernel;  // takes tensors apart
 
-  explicit VoterResults(std::size_t size) : tensors(size), decompositions(size) {}
-
-  void take(const CellList& cells, std::span<const CellList::Block> blocks,
-            std::span<const kernels::TensorBlock> of_blocks) {
-    std::array<kernels::ShapeBlock, kBlocksAtOnce> shapes;
-    kernels::decompose(of_blocks, shapes);
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-      for (std::size_t lane = 0; lane < blocks[i].count; ++lane) {
-        const std::uint32_t voter = cells.source()[blocks[i].begin + lane];
-        tensors[voter] = of_blocks[i].get(lane);
-        decompositions[voter] = shapes[i].get(lane, of_blocks[i].mass[lane]);
-      }
+  void take(const CellList& cells, const Received& received, const Tensors& of_blocks) const {
+    std::array<kernels::ShapeBlock, kTensorBlocks> shapes;
+    kernels::decompose(std::span(of_blocks).first(num_blocks(received)), shapes, kernel);
+    for (std::size_t i = 0; i < received.count; ++i) {
+      const std::uint32_t voter = cells.source()[received.first + i];
+      const kernels::TensorBlock& block = of_blocks[i / kernels::kLanes];
+      tensors[voter] = block.get(i % kernels::kLanes);
+      decompositions[voter] = shapes[i / kernels::kLanes].get(i % kernels::kLanes, tensors[voter].mass);
     }
   }
 };
@@ -133,12 +158,8 @@ struct VoterResults {
 /// 1 / (number of voters within half a sigma), in the order of the cells.
 std::vector<float> density_weights(const Assembly& assembly, float half_sigma, const kernels::BatchKernel& kernel) {
   std::vector<float> weights(assembly.cells().source().size());
-  assembly.run(kernel.count, {0, half_sigma}, [&](auto blocks, auto votes) {
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-      for (std::size_t lane = 0; lane < blocks[i].count; ++lane) {
-        weights[blocks[i].begin + lane] = 1 / votes[i].sum[lane];
-      }
-    }
+  assembly.run(kernel.count, {0, half_sigma}, [&](const Received& received) {
+    for (std::size_t i = 0; i < received.count; ++i) weights[received.first + i] = 1 / received.sum[0][i];
   });
   return weights;
 }
@@ -154,18 +175,9 @@ std::vector<kernels::OrientedVoter> oriented_voters(const CellList& cells, const
   return oriented;
 }
 
-Assembly assemble(const StepCloud& cloud, const Thinning& thinning, const VotingParameters& parameters,
-                  const BatchOptions& options, int threads) {
-  // Density equalised over sigma / 2 must see that far even where the cut-off is nearer.
-  const double radius = std::max(cut_off(parameters), options.equalise_density ? parameters.sigma / 2 : 0.0);
-  const bool all = thinning.voters.size() == cloud.points.size();
-  const std::vector<WidePoint> some = all ? std::vector<WidePoint>() : voters_of(cloud, thinning);
-  return {std::span(all ? cloud.points : some), radius / cloud.step, threads};
-}
-
-VoterResults vote(Assembly& assembly, const StepCloud& cloud, const VotingParameters& parameters,
-                  const BatchOptions& options, VoterResults results) {
-  const kernels::BatchKernel& kernel = kernels::batch_kernels()[0];
+void vote_all(Assembly& assembly, const StepCloud& cloud, const VotingParameters& parameters,
+              const BatchOptions& options, const VoterResults& results) {
+  const kernels::BatchKernel& kernel = kernels::kernel_for(kernels::batch_kernels(), options.kernel);
   const double unit = cloud.unit;
   const kernels::BatchScale scale{static_cast<float>(unit * unit / (parameters.sigma * parameters.sigma)),
                                   static_cast<float>(cut_off(parameters) / unit)};
@@ -176,71 +188,112 @@ VoterResults vote(Assembly& assembly, const StepCloud& cloud, const VotingParame
     weights = density_weights(assembly, static_cast<float>(parameters.sigma / 2 / unit), kernel);
     assembly.weigh(weights);
   }
-  assembly.run(kernel.ball, scale, [&](auto blocks, auto votes) {
-    std::array<kernels::TensorBlock, kBlocksAtOnce> tensors;
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-      tensors[i] = from_ball_votes(votes[i], static_cast<float>(parameters.ball));
-    }
-    results.take(cells, blocks, std::span(tensors).first(blocks.size()));
+  assembly.run(kernel.ball, scale, [&](const Received& received) {
+    results.take(cells, received, from_ball_votes(received, static_cast<float>(parameters.ball)));
   });
-  if (!options.second_pass) return results;
+  if (!options.second_pass) return;
 
   const std::vector<kernels::OrientedVoter> oriented = oriented_voters(cells, results);
   assembly.orient(oriented);
-  assembly.run(kernel.oriented, scale, [&](auto blocks, auto votes) {
-    std::array<kernels::TensorBlock, kBlocksAtOnce> tensors;
-    for (std::size_t i = 0; i < blocks.size(); ++i) tensors[i] = from_oriented_votes(votes[i]);
-    results.take(cells, blocks, std::span(tensors).first(blocks.size()));
-  });
-  return results;
+  assembly.run(kernel.oriented, scale,
+               [&](const Received& received) { results.take(cells, received, from_oriented_votes(received)); });
 }
 
-}  // namespace
-
-CloudVotes vote_cloud(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters, int threads,
-                      const BatchOptions& options) {
-  validate(parameters);
+void require_voxel(const VotingParameters& parameters) {
   if (parameters.voxel > 0 && parameters.voxel < parameters.sigma / 64) {
     throw std::invalid_argument("voxel = " + std::to_string(parameters.voxel) +
                                 ": expected 0 (no thinning) or at least sigma / 64");
   }
-  const StepCloud cloud = to_steps(points, parameters.sigma);
-  CloudVotes votes;
-  votes.not_finite = cloud.not_finite;
-  votes.too_far = cloud.too_far;
-  votes.voxel = parameters.voxel;
-  if (cloud.points.empty()) {
+}
+
+}  // namespace
+
+/// What a vote needs, and the memory for the next one.
+struct BatchVoter::Room {
+  StepCloud cloud;
+  std::optional<Thinning> thinning;  // without: everybody votes
+  std::vector<WidePoint> voters;     // with
+  CellList cells;
+  std::vector<kernels::TensorF> tensors;  // of the voters, where not every point is one
+  std::vector<kernels::DecompositionF> decompositions;
+
+  void thin(double voxel) {
+    thinning.reset();
+    voters.clear();
+    if (voxel <= 0) return;
+    thinning = first_in_voxel(cloud, voxel);
+    for (const std::uint32_t i : thinning->voters) voters.push_back(cloud.points[i]);
+  }
+  Assembly assemble(const VotingParameters& parameters, const BatchOptions& options, int threads) {
+    // Density equalised over sigma / 2 must see that far even where the cut-off is nearer.
+    const double radius = std::max(cut_off(parameters), options.equalise_density ? parameters.sigma / 2 : 0.0);
+    return {cells, thinning ? voters : cloud.points, radius / cloud.step, threads};
+  }
+  /// From voters to points.
+  void spread(CloudVotes& votes) const {
+    for (std::uint32_t i = 0; i < cloud.points.size(); ++i) {
+      const std::uint32_t voter = thinning ? thinning->voter_of_point[i] : i;
+      votes.tensors[cloud.source[i]] = tensors[voter];
+      votes.decompositions[cloud.source[i]] = decompositions[voter];
+    }
+  }
+};
+
+BatchVoter::BatchVoter() : room_(std::make_unique<Room>()) {}
+BatchVoter::~BatchVoter() = default;
+BatchVoter::BatchVoter(BatchVoter&&) noexcept = default;
+BatchVoter& BatchVoter::operator=(BatchVoter&&) noexcept = default;
+
+void BatchVoter::vote(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters, int threads,
+                      const BatchOptions& options, CloudVotes& votes) {
+  validate(parameters);
+  require_voxel(parameters);
+  const kernels::VoteKernel& kernel = kernels::kernel_for(kernels::vote_kernels(), options.kernel);
+  // Memory that nobody has touched yet takes as long to get as the points take to sort.
+  const bool at_hand = votes.tensors.capacity() >= points.size() && votes.decompositions.capacity() >= points.size();
+  auto results = std::async(threads > 1 && !at_hand ? std::launch::async : std::launch::deferred, [&] {
     votes.tensors.resize(points.size());
     votes.decompositions.resize(points.size());
-    return votes;
+  });
+  Room& room = *room_;
+  room.cloud = to_steps(points, parameters.sigma, std::move(room.cloud));
+  votes.not_finite = room.cloud.not_finite;
+  votes.too_far = room.cloud.too_far;
+  votes.voxel = parameters.voxel;
+  votes.num_voters = 0;
+  if (room.cloud.points.empty()) {
+    results.get();
+    votes.tensors.assign(points.size(), {});
+    votes.decompositions.assign(points.size(), {});
+    return;
   }
-
-  Thinning thinning = votes.voxel > 0 ? first_in_voxel(cloud, votes.voxel) : keep_all(cloud.points.size());
-  // Memory that nobody has touched yet takes as long to get as the points take to sort.
-  const auto policy = threads > 1 ? std::launch::async : std::launch::deferred;
-  auto room = std::async(policy, [size = thinning.voters.size()] { return VoterResults(size); });
-  Assembly assembly = assemble(cloud, thinning, parameters, options, threads);
+  room.thin(votes.voxel);
+  Assembly assembly = room.assemble(parameters, options, threads);
   constexpr double kMostTests = 50'000;
   const double coarse = parameters.sigma / 8;
   if (votes.voxel < coarse && assembly.crowded(kMostTests)) {
     votes.voxel = coarse;
-    thinning = first_in_voxel(cloud, coarse);
-    assembly = assemble(cloud, thinning, parameters, options, threads);
+    room.thin(coarse);
+    assembly = room.assemble(parameters, options, threads);
   }
-  VoterResults results = vote(assembly, cloud, parameters, options, room.get());
-  votes.num_voters = thinning.voters.size();
+  votes.num_voters = assembly.cells().source().size();
+  results.get();
   if (votes.num_voters == points.size()) {  // voter by voter is point by point
-    votes.tensors = std::move(results.tensors);
-    votes.decompositions = std::move(results.decompositions);
-    return votes;
+    vote_all(assembly, room.cloud, parameters, options, {votes.tensors, votes.decompositions, kernel});
+    return;
   }
-  votes.tensors.resize(points.size());
-  votes.decompositions.resize(points.size());
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    const std::uint32_t voter = thinning.voter_of_point[i];
-    votes.tensors[cloud.source[i]] = results.tensors[voter];
-    votes.decompositions[cloud.source[i]] = results.decompositions[voter];
-  }
+  room.tensors.resize(votes.num_voters);
+  room.decompositions.resize(votes.num_voters);
+  vote_all(assembly, room.cloud, parameters, options, {room.tensors, room.decompositions, kernel});
+  votes.tensors.assign(points.size(), {});
+  votes.decompositions.assign(points.size(), {});
+  room.spread(votes);
+}
+
+CloudVotes vote_cloud(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters, int threads,
+                      const BatchOptions& options) {
+  CloudVotes votes;
+  BatchVoter().vote(points, parameters, threads, options, votes);
   return votes;
 }
 

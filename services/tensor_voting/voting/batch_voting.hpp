@@ -3,7 +3,9 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "services/tensor_voting/kernels/decomposition.hpp"
@@ -23,6 +25,8 @@ struct BatchOptions {
   /// Voters weigh 1 / (number of points within sigma / 2, themselves included): scan lines and rings, dense along and
   /// sparse across, then vote as a surface does.
   bool equalise_density = false;
+  /// Instruction set: "avx512", "avx2" or "baseline"; the fastest that this machine has, by default. For comparisons.
+  std::string kernel{};
 };
 
 /// What a cloud's votes come to. Points that were skipped get a tensor without votes.
@@ -35,6 +39,24 @@ struct CloudVotes {
   /// m: the voxel in which one point votes for all. More than was asked for (sigma / 8) where points lie so dense that
   /// voting would not end.
   double voxel = 0;
+};
+
+/// Votes on one cloud after another and keeps its memory, and that of the votes, in between: new memory costs as much
+/// as a small cloud's votes. One thread at a time.
+class BatchVoter {
+ public:
+  BatchVoter();
+  ~BatchVoter();
+  BatchVoter(BatchVoter&&) noexcept;
+  BatchVoter& operator=(BatchVoter&&) noexcept;
+
+  /// As vote_cloud(); what was in `votes` goes.
+  void vote(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters, int threads,
+            const BatchOptions& options, CloudVotes& votes);
+
+ private:
+  struct Room;
+  std::unique_ptr<Room> room_;
 };
 
 /// Ball votes of all points for all. With a voxel, the first point in each cube of it votes, and the others take its

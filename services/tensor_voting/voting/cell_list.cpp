@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 #include "services/tensor_voting/voting/parallel.hpp"
 
@@ -20,8 +20,10 @@ std::uint64_t row_key(std::int32_t y, std::int32_t z) {
   return key_of(0, y, z);
 }
 
+}  // namespace
+
 /// The cells of a box of points, counted from its lowest corner.
-struct Lattice {
+struct CellList::Lattice {
   WidePoint low;
   WidePoint high;
   double cells_per_step;
@@ -43,34 +45,11 @@ struct Lattice {
   [[nodiscard]] Index cell_of(const WidePoint& p) const {
     return {index(p.x, low.x), index(p.y, low.y), index(p.z, low.z)};
   }
+  [[nodiscard]] Index last() const { return cell_of(high); }
+  [[nodiscard]] double volume() const { return (last().x + 1.0) * (last().y + 1.0) * (last().z + 1.0); }
 };
 
-/// The order of the points by cell; equal cells keep the order of their points.
-std::vector<std::uint32_t> order_by_cell(std::span<const WidePoint> points, const Lattice& lattice) {
-  std::vector<std::uint32_t> order(points.size());
-  const auto last = lattice.cell_of(lattice.high);
-  const double volume = (last.x + 1.0) * (last.y + 1.0) * (last.z + 1.0);
-  if (volume <= 4.0 * static_cast<double>(points.size()) + 65536) {
-    std::vector<std::uint32_t> next(static_cast<std::size_t>(volume) + 1);
-    std::vector<std::uint32_t> cell(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Lattice::Index c = lattice.cell_of(points[i]);
-      cell[i] = static_cast<std::uint32_t>((c.z * (last.y + 1) + c.y) * (last.x + 1) + c.x);
-      ++next[cell[i] + 1];
-    }
-    std::partial_sum(next.begin(), next.end(), next.begin());
-    for (std::uint32_t i = 0; i < points.size(); ++i) order[next[cell[i]]++] = i;
-    return order;
-  }
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(points.size());
-  for (std::uint32_t i = 0; i < points.size(); ++i) {
-    const Lattice::Index c = lattice.cell_of(points[i]);
-    keys[i] = {key_of(c.x, c.y, c.z), i};
-  }
-  std::sort(keys.begin(), keys.end());
-  for (std::uint32_t i = 0; i < points.size(); ++i) order[i] = keys[i].second;
-  return order;
-}
+namespace {
 
 /// Coordinates are low bits: they wrap, but differences within a cell do not.
 std::int32_t minus(std::int32_t a, std::int32_t b) {
@@ -80,19 +59,16 @@ std::int32_t plus(std::int32_t a, std::int32_t b) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) + static_cast<std::uint32_t>(b));
 }
 
-struct Item {
-  std::array<std::int32_t, 3> at;  // from the cell's first point
-  std::uint32_t source;
-};
-
 /// Where block `i` of `blocks` begins among `count` points: sizes that differ by one at most.
 std::uint32_t block_begin(std::uint32_t i, std::uint32_t blocks, std::uint32_t count) {
   return static_cast<std::uint32_t>(std::uint64_t{count} * i / blocks);
 }
 
+}  // namespace
+
 /// Orders the items of blocks first .. last - 1 of a cell so that each block is compact: halves along the longest side,
 /// again and again.
-void make_compact(std::span<Item> cell, std::uint32_t first, std::uint32_t last, std::uint32_t blocks) {
+void CellList::make_compact(std::span<Item> cell, std::uint32_t first, std::uint32_t last, std::uint32_t blocks) {
   if (last - first <= 1) return;
   const auto count = static_cast<std::uint32_t>(cell.size());
   const auto at = [&](std::uint32_t i) { return cell.begin() + block_begin(i, blocks, count); };
@@ -116,29 +92,64 @@ void make_compact(std::span<Item> cell, std::uint32_t first, std::uint32_t last,
   make_compact(cell, middle, last, blocks);
 }
 
-}  // namespace
-
-CellList::CellList(std::span<const WidePoint> points, std::int32_t edge, int threads) {
+void CellList::rebuild(std::span<const WidePoint> points, std::int32_t edge, int threads) {
+  cells_.clear();
+  blocks_.clear();
+  items_.resize(points.size());
+  source_.resize(points.size());
+  for (auto* v : {&x_, &y_, &z_}) v->resize(points.size() + kernels::kReadAhead);
   if (points.empty()) return;
-  sort(points, edge);
+  const Lattice lattice(points, edge);
+  if (lattice.volume() <= 4.0 * static_cast<double>(points.size()) + 65536) {
+    count_into_cells(points, lattice);
+  } else {
+    sort_into_cells(points, lattice);
+  }
   index_rows();
   make_blocks(threads);
 }
 
-void CellList::sort(std::span<const WidePoint> points, std::int32_t edge) {
-  const Lattice lattice(points, edge);
-  source_ = order_by_cell(points, lattice);
-  for (auto* v : {&x_, &y_, &z_}) v->resize(points.size() + kernels::kBlock);
-  for (std::uint32_t i = 0; i < source_.size(); ++i) {
-    const WidePoint& p = points[source_[i]];
-    const Lattice::Index c = lattice.cell_of(p);
-    x_[i] = static_cast<std::int32_t>(p.x);
-    y_[i] = static_cast<std::int32_t>(p.y);
-    z_[i] = static_cast<std::int32_t>(p.z);
-    if (cells_.empty() || cells_.back().x != c.x || cells_.back().y != c.y || cells_.back().z != c.z) {
-      cells_.push_back({c.x, c.y, c.z, i, i});
+/// Both ways the points of a cell keep their order.
+void CellList::put(std::uint32_t at, const WidePoint& p, std::uint32_t source) {
+  items_[at] = {{static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y), static_cast<std::int32_t>(p.z)},
+                source};
+}
+
+void CellList::count_into_cells(std::span<const WidePoint> points, const Lattice& lattice) {
+  const Lattice::Index last = lattice.last();
+  next_.assign(static_cast<std::size_t>(lattice.volume()), 0);
+  cell_of_point_.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Lattice::Index c = lattice.cell_of(points[i]);
+    cell_of_point_[i] = static_cast<std::uint32_t>((c.z * (last.y + 1) + c.y) * (last.x + 1) + c.x);
+    ++next_[cell_of_point_[i]];
+  }
+  std::uint32_t begin = 0;
+  auto next = next_.begin();
+  for (std::int32_t z = 0; z <= last.z; ++z) {
+    for (std::int32_t y = 0; y <= last.y; ++y) {
+      for (std::int32_t x = 0; x <= last.x; ++x, ++next) {
+        if (*next > 0) cells_.push_back({x, y, z, begin, begin + *next});
+        begin += std::exchange(*next, begin);
+      }
     }
+  }
+  for (std::uint32_t i = 0; i < points.size(); ++i) put(next_[cell_of_point_[i]]++, points[i], i);
+}
+
+void CellList::sort_into_cells(std::span<const WidePoint> points, const Lattice& lattice) {
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(points.size());
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    const Lattice::Index c = lattice.cell_of(points[i]);
+    keys[i] = {key_of(c.x, c.y, c.z), i};
+  }
+  std::sort(keys.begin(), keys.end());
+  for (std::uint32_t at = 0; at < points.size(); ++at) {
+    const std::uint32_t i = keys[at].second;
+    const Lattice::Index c = lattice.cell_of(points[i]);
+    if (at == 0 || keys[at].first != keys[at - 1].first) cells_.push_back({c.x, c.y, c.z, at, at});
     ++cells_.back().end;
+    put(at, points[i], i);
   }
 }
 
@@ -180,23 +191,20 @@ void CellList::make_blocks(int threads) {
   }
   blocks_.resize(first_block.back());
   parallel_for(cells_.size(), 64, threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<Item> items;
     for (std::size_t i = begin; i < end; ++i) {
       const Cell& cell = cells_[i];
-      items.clear();
-      const std::int32_t x = x_[cell.begin];
-      const std::int32_t y = y_[cell.begin];
-      const std::int32_t z = z_[cell.begin];
-      for (std::uint32_t k = cell.begin; k < cell.end; ++k) {
-        items.push_back({{minus(x_[k], x), minus(y_[k], y), minus(z_[k], z)}, source_[k]});
+      const auto items = std::span(items_).subspan(cell.begin, size(cell));
+      const std::array<std::int32_t, 3> corner = items[0].at;
+      for (Item& item : items) {
+        for (std::size_t axis = 0; axis < 3; ++axis) item.at[axis] = minus(item.at[axis], corner[axis]);
       }
       const std::uint32_t blocks = first_block[i + 1] - first_block[i];
       make_compact(items, 0, blocks, blocks);
       for (std::uint32_t k = cell.begin; k < cell.end; ++k) {
         const Item& item = items[k - cell.begin];
-        x_[k] = plus(x, item.at[0]);
-        y_[k] = plus(y, item.at[1]);
-        z_[k] = plus(z, item.at[2]);
+        x_[k] = plus(corner[0], item.at[0]);
+        y_[k] = plus(corner[1], item.at[1]);
+        z_[k] = plus(corner[2], item.at[2]);
         source_[k] = item.source;
       }
       for (std::uint32_t b = 0; b < blocks; ++b) {

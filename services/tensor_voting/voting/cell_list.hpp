@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,8 +25,8 @@ class CellList {
     std::uint32_t count;
   };
 
-  /// `edge` in steps, at least kMinEdge.
-  CellList(std::span<const WidePoint> points, std::int32_t edge, int threads);
+  /// Forgets what it holds, but keeps the memory. `edge` in steps, at least kMinEdge.
+  void rebuild(std::span<const WidePoint> points, std::int32_t edge, int threads);
 
   static constexpr std::int32_t kMinEdge = 1 << 19;  ///< so that an index has 21 bits
 
@@ -46,7 +47,15 @@ class CellList {
     std::uint64_t key;
     std::uint32_t begin, end;
   };
-  void sort(std::span<const WidePoint> points, std::int32_t edge);
+  struct Item {
+    std::array<std::int32_t, 3> at;  // the low bits
+    std::uint32_t source;
+  };
+  struct Lattice;
+  void count_into_cells(std::span<const WidePoint> points, const Lattice& lattice);  // where cells are few
+  void sort_into_cells(std::span<const WidePoint> points, const Lattice& lattice);
+  void put(std::uint32_t at, const WidePoint& p, std::uint32_t source);
+  static void make_compact(std::span<Item> cell, std::uint32_t first, std::uint32_t last, std::uint32_t blocks);
   void index_rows();
   void make_blocks(int threads);
   [[nodiscard]] const Row* find_row(std::int32_t y, std::int32_t z) const;
@@ -54,8 +63,12 @@ class CellList {
   std::vector<Cell> cells_;
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> source_;
-  std::vector<std::int32_t> x_, y_, z_;  // the low bits; kBlock elements of room at the end
+  std::vector<std::int32_t> x_, y_, z_;  // the low bits; kReadAhead elements of room at the end
   std::vector<Row> rows_;                // open addressing by key; end = 0: free
+
+  std::vector<Item> items_;  // while it is built
+  std::vector<std::uint32_t> cell_of_point_;
+  std::vector<std::uint32_t> next_;  // place in each cell
 };
 
 }  // namespace curbstone::tensor_voting::voting

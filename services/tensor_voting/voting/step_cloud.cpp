@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace curbstone::tensor_voting::voting {
 
@@ -32,8 +33,12 @@ Eigen::Vector3d middle_of(std::span<const Eigen::Vector3d> points) {
 
 }  // namespace
 
-StepCloud to_steps(std::span<const Eigen::Vector3d> points, double sigma) {
+StepCloud to_steps(std::span<const Eigen::Vector3d> points, double sigma, StepCloud room) {
   StepCloud cloud;
+  cloud.points = std::move(room.points);
+  cloud.source = std::move(room.source);
+  cloud.points.clear();
+  cloud.source.clear();
   cloud.unit = std::exp2(std::floor(std::log2(sigma)));
   cloud.step = cloud.unit / kStepsPerUnit;
   cloud.origin = middle_of(points);
@@ -50,7 +55,11 @@ StepCloud to_steps(std::span<const Eigen::Vector3d> points, double sigma) {
       ++cloud.too_far;
       continue;
     }
-    const auto round = [&](int axis) { return static_cast<std::int64_t>(std::floor(steps[axis] + 0.5)); };
+    const auto round = [&](int axis) {  // floor(steps + 1/2)
+      const double up = steps[axis] + 0.5;
+      const auto whole = static_cast<std::int64_t>(up);
+      return whole - (static_cast<double>(whole) > up ? 1 : 0);
+    };
     cloud.points.push_back({round(0), round(1), round(2)});
     cloud.source.push_back(i);
   }

@@ -28,6 +28,7 @@ struct StepCloud {
 };
 inline constexpr std::int32_t kStepsPerUnit = 1 << 20;
 inline constexpr double kMostUnits = 1 << 19;  ///< 131 km at sigma 0.3
-[[nodiscard]] StepCloud to_steps(std::span<const Eigen::Vector3d> points, double sigma);
+/// In the memory of `room`.
+[[nodiscard]] StepCloud to_steps(std::span<const Eigen::Vector3d> points, double sigma, StepCloud room = {});
 
 }  // namespace curbstone::tensor_voting::voting

@@ -1,19 +1,10 @@
 #include "services/tensor_voting/voting/thinning.hpp"
 
 #include <cmath>
-#include <numeric>
 
 #include "services/tensor_voting/voting/voxel_table.hpp"
 
 namespace curbstone::tensor_voting::voting {
-
-Thinning keep_all(std::size_t num_points) {
-  Thinning result;
-  result.voters.resize(num_points);
-  std::iota(result.voters.begin(), result.voters.end(), 0U);
-  result.voter_of_point = result.voters;
-  return result;
-}
 
 Thinning first_in_voxel(const StepCloud& cloud, double voxel) {
   Thinning result;

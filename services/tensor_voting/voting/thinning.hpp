@@ -15,9 +15,6 @@ struct Thinning {
   std::vector<std::uint32_t> voter_of_point;  ///< index into voters
 };
 
-/// Everybody votes.
-[[nodiscard]] Thinning keep_all(std::size_t num_points);
-
 /// The first point in each cube of a lattice of edge `voxel` (m, at least unit / 64), which has a node at 0, 0, 0 of
 /// the cloud's own frame.
 [[nodiscard]] Thinning first_in_voxel(const StepCloud& cloud, double voxel);

@@ -7,12 +7,14 @@
 
 namespace curbstone::bench::voting {
 
-void measure_batch(BatchRow& row, bool with_pcl, const timing::TurnOptions& options) {
+void measure_batch(BatchRow& row, bool with_pcl, const std::string& kernel, const timing::TurnOptions& options) {
   const auto cloud = inputs::street_cloud(row.points, row.length);
   const tensor_voting::voting::VotingParameters parameters{.sigma = row.sigma, .radius = row.radius, .voxel = 0};
   row.pair_votes = count_pair_votes(cloud, row.radius, row.threads);
   std::vector<timing::Contender> contenders;
-  contenders.push_back({"ours", [&] { (void)tensor_voting::voting::vote_cloud(cloud, parameters, row.threads); }});
+  tensor_voting::voting::BatchVoter voter;
+  tensor_voting::voting::CloudVotes votes;
+  contenders.push_back({"ours", [&] { voter.vote(cloud, parameters, row.threads, {.kernel = kernel}, votes); }});
   const PclNormals pcl(cloud, row.radius, row.threads);
   if (with_pcl) contenders.push_back({"pcl", [&] { (void)pcl.run(); }});
   const std::vector<timing::TurnTimes> times = time_in_turn(contenders, options);

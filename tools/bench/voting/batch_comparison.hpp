@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "tools/bench/timing/timed_in_turn.hpp"
 
@@ -29,8 +30,9 @@ struct BatchRow {
   [[nodiscard]] double flops_per_s() const { return pair_votes_per_s() * kFlopsPerVote; }
 };
 
-/// Fills in the measured fields of `row`.
-void measure_batch(BatchRow& row, bool with_pcl, const timing::TurnOptions& options);
+/// Fills in the measured fields of `row`. Ours keeps its memory from one cloud to the next. `kernel` as in
+/// BatchOptions.
+void measure_batch(BatchRow& row, bool with_pcl, const std::string& kernel, const timing::TurnOptions& options);
 
 /// Sum of l1 - l2 over the points of a street of 10,000 at sigma 0.3, to be compared with what independent codes gave
 /// for another draw of it (kStickSumOfOthers): the draws differ by about a per cent.

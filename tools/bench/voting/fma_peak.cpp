@@ -83,13 +83,15 @@ float loop_baseline(std::int64_t rounds) {
   return chain[0][0];
 }
 
-Machine this_machine() {
+/// The widest, or the one of that name.
+Machine this_machine(const std::string& isa) {
+  const auto wanted = [&](const char* name) { return isa.empty() || isa == name; };
 #ifdef __x86_64__
   __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx512f")) return {"avx512", 32, loop_avx512};
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return {"avx2", 16, loop_avx2};
+  if (wanted("avx512") && __builtin_cpu_supports("avx512f")) return {"avx512", 32, loop_avx512};
+  if (wanted("avx2") && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return {"avx2", 16, loop_avx2};
 #elif defined(__aarch64__)
-  return {"neon", 8, loop_neon};
+  if (wanted("neon") || isa == "baseline") return {"neon", 8, loop_neon};
 #endif
   return {"baseline", 8, loop_baseline};
 }
@@ -119,9 +121,9 @@ double time_all(const Machine& machine, int threads, std::int64_t rounds) {
 
 }  // namespace
 
-FmaPeak measure_fma_peak(int threads, double seconds) {
+FmaPeak measure_fma_peak(int threads, double seconds, const std::string& isa) {
   constexpr int kStretches = 10;
-  const Machine machine = this_machine();
+  const Machine machine = this_machine(isa);
   std::int64_t rounds = 1 << 20;
   const double trial = time_all(machine, threads, rounds);
   rounds = std::max<std::int64_t>(

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/config/command_line.hpp"
+#include "services/tensor_voting/kernels/instruction_sets.hpp"
 #include "services/tensor_voting/kernels/vote_kernel.hpp"
 #include "tools/bench/voting/voting_report.hpp"
 
@@ -20,6 +21,7 @@ struct VotingBenchOptions {
   std::vector<std::size_t> points = {50'000, 100'000, 200'000, 1'000'000};
   std::vector<double> sigmas = {0.3, 0.1};
   int threads = 2;
+  std::string kernel;
   std::size_t pcl_max_points = 1'000'000;
   timing::TurnOptions turns;
   inputs::DriveSource drive;
@@ -38,6 +40,8 @@ void add_options(CommandLine& line, VotingBenchOptions& o) {
       .within(0.01, 1.0)
       .shows_default();
   line.option("--threads", o.threads, "For both sides").within(1, 256).shows_default();
+  line.option("--kernel", o.kernel, "Instruction set of the batch; default: the fastest that this machine has")
+      .one_of({"avx512", "avx2", "baseline"});
   line.option("--repetitions", o.turns.rounds, "Turns of each side, of which the median counts")
       .within(1, 1000)
       .shows_default();
@@ -57,10 +61,10 @@ void say(const std::string& what) {
   fmt::print(stderr, "bench voting: {}\n", what);
 }
 
-BatchRow measured(BatchRow row, bool with_pcl, const timing::TurnOptions& turns) {
+BatchRow measured(BatchRow row, bool with_pcl, const VotingBenchOptions& o) {
   say(fmt::format("{} points on {} m, sigma {}, {} threads{}", row.points, row.length, row.sigma, row.threads,
                   with_pcl ? ", and PCL" : ""));
-  measure_batch(row, with_pcl, turns);
+  measure_batch(row, with_pcl, o.kernel, o.turns);
   return row;
 }
 
@@ -72,19 +76,20 @@ std::vector<BatchRow> measure_growth(const VotingBenchOptions& o) {
     rows.push_back({.points = points * static_cast<std::size_t>(length / 20), .length = length, .threads = o.threads});
   }
   for (const std::size_t factor : {2U, 4U}) rows.push_back({.points = points * factor, .threads = o.threads});
-  for (BatchRow& row : rows) row = measured(row, false, o.turns);
+  for (BatchRow& row : rows) row = measured(row, false, o);
   return rows;
 }
 
 VotingReport measure(const VotingBenchOptions& o) {
+  namespace kernels = tensor_voting::kernels;
   VotingReport report;
-  report.kernel = tensor_voting::kernels::vote_kernels()[0].name;
-  report.peak = measure_fma_peak(o.threads);
+  report.kernel = kernels::kernel_for(kernels::vote_kernels(), o.kernel).name;
+  report.peak = measure_fma_peak(o.threads, 0.5, o.kernel);
   for (const double sigma : o.sigmas) {
     for (const std::size_t points : o.points) {
       const BatchRow row{
           .points = points, .sigma = sigma, .radius = std::round(3e6 * sigma) / 1e6, .threads = o.threads};
-      report.batch.push_back(measured(row, points <= o.pcl_max_points, o.turns));
+      report.batch.push_back(measured(row, points <= o.pcl_max_points, o));
     }
   }
   report.cuda = measure_cuda(report.batch, o.turns.rounds);
@@ -94,7 +99,7 @@ VotingReport measure(const VotingBenchOptions& o) {
     say(o.drive.log.empty() ? fmt::format("a drive of {} s", o.drive.seconds) : o.drive.log);
     report.incremental = time_incremental(o.drive);
   }
-  const FmaPeak again = measure_fma_peak(o.threads);  // the machine at its best, before or after
+  const FmaPeak again = measure_fma_peak(o.threads, 0.5, o.kernel);  // the machine at its best, before or after
   if (again.flops_per_s > report.peak.flops_per_s) report.peak = again;
   return report;
 }

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <random>
 
+#include "services/tensor_voting/kernels/batch_kernel.hpp"
 #include "services/tensor_voting/voting/ball_vote.hpp"
 #include "services/tensor_voting/voting/step_cloud.hpp"
 #include "tests/services/tensor_voting/clouds.hpp"
@@ -140,6 +141,34 @@ TEST(BatchVoting, HasTheSameBitsForAnyNumberOfThreads) {
       EXPECT_EQ(std::memcmp(one.tensors.data(), many.tensors.data(), one.tensors.size() * sizeof(kernels::TensorF)), 0);
     }
   }
+}
+
+TEST(BatchVoting, KeepsItsMemoryAndNothingElse) {
+  BatchVoter voter;
+  CloudVotes votes;
+  auto with_nonsense = testing_clouds::street(2'000, 10);
+  with_nonsense[7].x() = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& [points, voxel] : {std::pair{testing_clouds::street(6'000, 8), 0.1}, std::pair{with_nonsense, 0.0},
+                                      std::pair{testing_clouds::street(4'000, 9), 0.0}}) {
+    voter.vote(points, {.voxel = voxel}, 2, {}, votes);
+    const auto expected = vote_cloud(points, {.voxel = voxel});
+    EXPECT_EQ(votes.num_voters, expected.num_voters);
+    EXPECT_EQ(votes.not_finite, expected.not_finite);
+    ASSERT_EQ(votes.tensors.size(), points.size());
+    ASSERT_EQ(votes.decompositions.size(), points.size());
+    EXPECT_EQ(std::memcmp(votes.tensors.data(), expected.tensors.data(), points.size() * sizeof(kernels::TensorF)), 0);
+  }
+}
+
+TEST(BatchVoting, IsTheSameOnEveryInstructionSetThatTheMachineHas) {
+  const auto points = testing_clouds::street(3'000, 11);
+  const auto expected = vote_cloud(points, {.voxel = 0}, 1, {.kernel = "baseline"});
+  for (const kernels::BatchKernel& kernel : kernels::batch_kernels()) {
+    const auto votes = vote_cloud(points, {.voxel = 0}, 1, {.kernel = kernel.name});
+    for (std::size_t i = 0; i < points.size(); ++i)
+      EXPECT_LE(testing_clouds::relative_difference(votes.tensors[i], expected.tensors[i]), 1e-5) << kernel.name;
+  }
+  EXPECT_THROW((void)vote_cloud(points, {}, 1, {.kernel = "abacus"}), std::invalid_argument);
 }
 
 TEST(BatchVoting, TakesEveryTensorApart) {

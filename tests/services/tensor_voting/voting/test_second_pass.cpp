@@ -122,7 +122,7 @@ TEST(BatchKernels, AgreeOnBallsPlatesAndSticks) {
   std::mt19937 random(3);
   std::uniform_int_distribution<std::int32_t> offset(-(3 << 20), 3 << 20);
   constexpr std::uint32_t kVoters = 3001;
-  std::vector<std::int32_t> x(kVoters + kernels::kBlock), y(x.size()), z(x.size());
+  std::vector<std::int32_t> x(kVoters + kernels::kReadAhead), y(x.size()), z(x.size());
   std::vector<kernels::OrientedVoter> oriented(kVoters);
   std::vector<float> weight(kVoters);
   for (std::uint32_t i = 0; i < kVoters; ++i) {
@@ -137,18 +137,18 @@ TEST(BatchKernels, AgreeOnBallsPlatesAndSticks) {
   for (const bool weighted : {false, true}) {
     const kernels::VoterArrays voters{x.data(), y.data(), z.data(), weighted ? weight.data() : nullptr,
                                       oriented.data()};
-    for (const kernels::BatchScale scale : {kernels::BatchScale{1, 3}, kernels::BatchScale{2, 6}}) {
+    for (const kernels::BatchScale scale : {kernels::BatchScale{1, 3}, kernels::BatchScale{4, 6}}) {
       for (const auto vote :
            {&kernels::BatchKernel::ball, &kernels::BatchKernel::oriented, &kernels::BatchKernel::count}) {
         const int components = vote == &kernels::BatchKernel::ball       ? 6
                                : vote == &kernels::BatchKernel::oriented ? 7
                                                                          : 1;
         kernels::BlockVotes expected;
-        (kernels::batch_kernels().back().*vote)(voters, runs, 3, 0, 13, scale, expected.sum);
+        (kernels::batch_kernels().back().*vote)(voters, runs, 3, 0, 7, scale, expected.sum);
         for (const kernels::BatchKernel& kernel : kernels::batch_kernels()) {
           kernels::BlockVotes votes;
-          (kernel.*vote)(voters, runs, 3, 0, 13, scale, votes.sum);
-          for (int lane = 0; lane < 13; ++lane) {
+          (kernel.*vote)(voters, runs, 3, 0, 7, scale, votes.sum);
+          for (int lane = 0; lane < 7; ++lane) {
             for (int c = 0; c < components; ++c) {
               const int i = c * kernels::kBlock + lane;
               EXPECT_NEAR(votes.sum[i], expected.sum[i], 1e-5F * expected.sum[lane]) << kernel.name << " " << i;
