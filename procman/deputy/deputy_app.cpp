@@ -223,9 +223,11 @@ void DeputyApp::publish_status(std::int64_t now) {
   report.counters.set("commands.starts", starts);
   report.counters.set("commands.running", running);
   report.faults = alarms_.faults(supervisor_.commands(), now);
-  for (const auto& [id, seconds] : heartbeats_.quiet(now))
+  for (const auto& [id, seconds] : heartbeats_.quiet(now)) {
+    if (const process::CommandState* state = supervisor_.find(id); state == nullptr || state->stopping) continue;
     report.faults.push_back(
         fmt::format("{} has said nothing for {:.0f} s: it is stopped, hangs, or gets no CPU", id, seconds));
+  }
   for (const std::string& finding : findings_) report.faults.push_back("doctor: " + finding);
   reporter_->publish(*bus_, bus_->counters(), report);
 }

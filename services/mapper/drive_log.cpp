@@ -44,7 +44,7 @@ std::optional<map_trajectory_t> DriveLog::take_requested() {
 
 std::vector<tile_index_t> DriveLog::make_index(std::int64_t now) {
   if (pages_.empty()) return {};
-  return catalog_.make_index(now, pages_.rbegin()->first.x * kTileSize, 0);
+  return catalog_.make_index(now, (pages_.rbegin()->first.x + 1) * kTileSize, 0);
 }
 
 }  // namespace curbstone::mapper

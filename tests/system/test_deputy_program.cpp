@@ -138,6 +138,15 @@ TEST_F(DeputyProgram, RunsAScript) {
   EXPECT_LT(result.out.find("a: first"), result.out.find("b: second")) << result.out;
 }
 
+TEST_F(DeputyProgram, AScriptGoesOnWhenAServiceHasSpoken) {
+  auto deputy = start("--script go --config " + config(R"(
+    script "go" { start cmd "ekf" wait "running"; start cmd "b"; }
+    cmd "ekf" { exec = "sh -c 'sleep 1; exec curbstone-ekf --set state_file='"; deputy = "d"; heartbeat = "10"; }
+    cmd "b" { exec = "sleep 1000"; deputy = "d"; })"));
+  ASSERT_TRUE(bus_.wait_until([&] { return bus_.pid("b") > 0; }, 60)) << deputy->output();
+  EXPECT_NE(bus_.status("ekf"), nullptr) << "what b says, ekf hears";
+}
+
 TEST_F(DeputyProgram, ASecondSignalKillsAtOnce) {
   auto deputy =
       start("--config " +

@@ -133,7 +133,7 @@ int run_calibrate(int argc, char** argv) {
   else
     write(yaml_file, yaml(result));
   if (!json_file.empty()) write(json_file, json(result).dump(2) + "\n");
-  return 0;
+  return data.log_is_damaged ? 1 : 0;
 }
 
 }  // namespace curbstone::calibrate

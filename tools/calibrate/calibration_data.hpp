@@ -21,6 +21,7 @@ struct CalibrationData {
   std::vector<ekf::base::WheelSample> wheels;
   std::vector<ekf::base::ImuSample> imu;
   Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  ///< rad/s, imu frame, about: taken off before integration
+  bool log_is_damaged = false;                          ///< parts of the log could not be read
 };
 
 }  // namespace curbstone::calibrate

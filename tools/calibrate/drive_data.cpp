@@ -102,6 +102,7 @@ CalibrationData read_drive(const std::string& log, const std::string& config_fil
   bus.dispatch();
 
   CalibrationData data = collector.take();
+  data.log_is_damaged = reader.damaged();
   if (data.imu.empty()) throw std::runtime_error(log + ": holds no IMU");
   if (data.wheels.empty()) throw std::runtime_error(log + ": holds no WHEELS");
   if (data.lidar.empty()) throw std::runtime_error(log + ": holds no LIDAR_POINTS that can be mapped, and no MAP_POSE");

@@ -110,7 +110,7 @@ int run_evaluate(int argc, char** argv) {
     picture.overlays.insert(picture.overlays.end(), errors.begin(), errors.end());
     semantic_map::picture::write_png(semantic_map::picture::draw_map(picture, drawing), overlay_file);
   }
-  return 0;
+  return evaluation.run && evaluation.run->log_is_damaged ? 1 : 0;
 }
 
 }  // namespace curbstone::evaluate

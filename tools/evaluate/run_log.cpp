@@ -163,6 +163,7 @@ RunFigures read_run_log(const std::string& file) {
   while (const auto event = reader.next()) recording.take(*event);
 
   RunFigures figures;
+  figures.log_is_damaged = reader.damaged();
   figures.processes = static_cast<int>(recording.processes.size());
   for (const auto& [id, span] : recording.processes) {
     const std::string& service = id.first;

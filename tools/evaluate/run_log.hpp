@@ -28,6 +28,7 @@ struct RunFigures {
   std::map<std::string, Latency> stages;
   std::map<std::string, double> cores;         ///< CPU seconds a second, by service; empty without SERVICE_STATUS
   std::map<std::string, std::int64_t> losses;  ///< "lidar lost.packets": whatever is not zero
+  bool log_is_damaged = false;                 ///< parts of the recording could not be read
 };
 
 /// Reads an lcm-logger log. Throws std::runtime_error if it is none.

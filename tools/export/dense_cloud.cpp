@@ -99,6 +99,7 @@ DenseCloud read_dense_cloud(const std::string& log, std::int32_t epoch) {
       if (piece.size() < static_cast<std::size_t>(message.num_points)) piece = points_of(message);
     }
   }
+  cloud.log_is_damaged = reader.damaged();
   for (const auto& [key, tile] : tiles) append(key, tile, cloud);
   if (!cloud.points.empty()) return cloud;
   if (other_epochs.empty())

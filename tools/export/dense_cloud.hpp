@@ -17,6 +17,7 @@ struct DenseCloud {
   std::vector<CloudPoint> points;  ///< by tile, then in the order of mapping
   std::int64_t missing = 0;        ///< announced by what follows them, but not in the log
   std::int64_t refused = 0;        ///< messages that do not decode, or are impossible
+  bool log_is_damaged = false;     ///< parts of the log could not be read
 };
 
 /// The points of MAP_POINTS in an lcm-logger log (recorded live, or by `curbstone replay --record`) of one epoch.

@@ -105,18 +105,22 @@ void add_curbs(const semantic_map::store::MapReader& map, double high_curb, cons
   }
 }
 
-void add_cloud(const ExportArguments& arguments, std::int32_t epoch, output::OutputFolder& out) {
+/// Returns whether the log is damaged.
+bool add_cloud(const ExportArguments& arguments, std::int32_t epoch, output::OutputFolder& out) {
   const DenseCloud cloud = read_dense_cloud(arguments.log, epoch);
   if (cloud.missing + cloud.refused > 0)
     fmt::print("{}: {} points are missing in it, {} messages refused\n", arguments.log, cloud.missing, cloud.refused);
   out.add(arguments.cloud_format == CloudFormat::kPcd ? "cloud.pcd" : "cloud.ply",
           [&](const std::string& path) { write_cloud(cloud, arguments.cloud_format, path); });
   fmt::print("{} points in the dense cloud\n", cloud.points.size());
+  return cloud.log_is_damaged;
 }
 
-void add_mcap(const ExportArguments& arguments, output::OutputFolder& out) {
+/// Returns whether the log is damaged.
+bool add_mcap(const ExportArguments& arguments, output::OutputFolder& out) {
   const std::string& log = arguments.log.empty() ? arguments.map : arguments.log;
   const auto config = config_of<viewer::ViewerConfig>("viewer", kProcessSections, arguments.config, {});
+  bool is_damaged = false;
   out.add("drive.mcap", [&](const std::string& path) {
     const mcap::McapResult result = mcap::write_mcap(log, path, config, arguments.mcap);
     fmt::print("{} messages in drive.mcap\n", result.messages);
@@ -125,16 +129,21 @@ void add_mcap(const ExportArguments& arguments, output::OutputFolder& out) {
       fmt::print("{}: {} messages left out: more than {} channels\n", log, result.left_out, mcap::kMaxRawChannels);
     if (!result.has_map)
       fmt::print("{} holds no map: 'curbstone replay {} --record all.lcmlog' adds it to what it reads\n", log, log);
+    is_damaged = result.log_is_damaged;
   });
+  return is_damaged;
 }
 
-void export_log(const ExportArguments& arguments) {
+/// Returns whether the log is damaged.
+bool export_log(const ExportArguments& arguments) {
   output::OutputFolder out(arguments.out);
-  add_mcap(arguments, out);
+  const bool is_damaged = add_mcap(arguments, out);
   for (const std::string& name : out.commit()) fmt::print("{}/{}\n", arguments.out, name);
+  return is_damaged;
 }
 
-void export_map(const ExportArguments& arguments, const std::optional<TangentPlane>& plane) {
+/// Returns whether the log, if there is one, is damaged.
+bool export_map(const ExportArguments& arguments, const std::optional<TangentPlane>& plane) {
   const semantic_map::store::MapReader map(arguments.map);
   output::OutputFolder out(arguments.out);
   if (arguments.wants("nav2") || arguments.wants("rasters")) {
@@ -148,11 +157,12 @@ void export_map(const ExportArguments& arguments, const std::optional<TangentPla
     if (arguments.wants("rasters")) add_rasters(*grid, map.schema() >= 2, plane, out);
   }
   if (arguments.wants("curbs")) add_curbs(map, arguments.high_curb, plane, out);
-  if (!arguments.log.empty() && arguments.wants("cloud")) add_cloud(arguments, map.epoch(), out);
-  if (arguments.names("mcap")) add_mcap(arguments, out);
+  bool is_damaged = !arguments.log.empty() && arguments.wants("cloud") && add_cloud(arguments, map.epoch(), out);
+  if (arguments.names("mcap")) is_damaged = add_mcap(arguments, out) || is_damaged;
   if (arguments.log.empty() && arguments.only.empty())
     fmt::print("no cloud: a map file keeps no points; give the log of its MAP_POINTS with --log\n");
   for (const std::string& name : out.commit()) fmt::print("{}/{}\n", arguments.out, name);
+  return is_damaged;
 }
 
 }  // namespace
@@ -202,15 +212,11 @@ int run_export(int argc, char** argv) {
   if (arguments.log.empty() && arguments.names("mcap") && !arguments.only_mcap())
     return line.refuse("--only: mcap is made of a log: give it with --log, or ask for mcap alone");
   arguments.mcap.raw = !arguments.without_raw;
-  if (arguments.only_mcap()) {
-    export_log(arguments);
-    return 0;
-  }
+  if (arguments.only_mcap()) return export_log(arguments) ? 1 : 0;
   const auto semantic_map =
       config_of<semantic_map::SemanticMapConfig>("semantic_map", kProcessSections, arguments.config, {});
   if (!line.given("--unknown") && semantic_map.classes.unknown_is_free) arguments.nav2.unknown = UnknownCells::kFree;
-  export_map(arguments, plane);
-  return 0;
+  return export_map(arguments, plane) ? 1 : 0;
 }
 
 }  // namespace curbstone::map_export

@@ -317,7 +317,9 @@ void DenseMap::restore(TileKey key, std::int32_t z_origin, std::vector<TilePoint
   const bool is_near = distance_of(key, at) < config_.max_range + kAwake;
   const bool is_fixed = !runs.empty() && runs.front().anchor == kFixed;
   DenseTile& tile = tiles_.wake_or_make(key, z_origin);
-  tile.restore(std::move(records), std::move(runs), is_near && !is_fixed);
+  const bool is_awake = is_near && !is_fixed;
+  tile.restore(std::move(records), std::move(runs), is_awake);
+  if (!is_awake) tiles_.sleep(key);  // the grid has just seen it awake
   size_ += static_cast<std::int64_t>(tile.num_points());
   num_removals_ += static_cast<std::int64_t>(tile.num_removals());
 }

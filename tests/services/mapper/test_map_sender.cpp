@@ -142,5 +142,33 @@ TEST_F(MapSenderTest, AtTheEndAllThatWaitsGoesOut) {
   EXPECT_TRUE(sent_at_once().empty());
 }
 
+TEST_F(MapSenderTest, AnnouncesTheDriveAndSaysAPageOfItAgain) {
+  tile_index_t of_drive{};
+  bus.subscribe<tile_index_t>("TILE_INDEX", [&](const tile_index_t& m) {
+    if (m.channel == "MAP_TRAJECTORY") of_drive = m;
+  });
+  sender.start_epoch(7, map, {0, 0, 0}, {});
+  for (int i = 0; i < 10; ++i) sender.posed({kStart + i * 50'000, i, Pose::Identity()});
+  sender.send_index(kStart, {0, 0, 0});
+  bus.dispatch();
+  ASSERT_EQ(of_drive.num_tiles, 1);
+  EXPECT_EQ(of_drive.version[0], 10);
+  EXPECT_EQ(index.channel, "MAP_POINTS") << "that of the map too";
+
+  tile_request_t request{};
+  request.channel = "MAP_TRAJECTORY";
+  request.epoch = 7;
+  request.num_tiles = 1;
+  request.tile_x = of_drive.tile_x;
+  request.tile_y = of_drive.tile_y;
+  request.have = {4};
+  sender.request(request);
+  for (int i = 0; i < 3; ++i) sender.send_requested(map);
+  bus.dispatch();
+  ASSERT_EQ(pages.size(), 1U);
+  EXPECT_EQ(pages[0].num_poses, 10);
+  EXPECT_EQ(pages[0].page, -1);
+}
+
 }  // namespace
 }  // namespace curbstone::mapper

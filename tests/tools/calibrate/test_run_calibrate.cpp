@@ -4,6 +4,7 @@
 #include <curbstone/imu_t.hpp>
 #include <curbstone/map_pose_t.hpp>
 #include <curbstone/wheels_t.hpp>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,7 @@
 #include "common/log/log_writer.hpp"
 #include "config/sections.hpp"
 #include "services/mapper/config/mapper_config.hpp"
+#include "tests/damaged_file.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/tools/calibrate/calibration_drive.hpp"
 #include "tools/calibrate/calibrate.hpp"
@@ -95,6 +97,15 @@ TEST_F(RunCalibrate, WritesAVehicleSectionThatTheProcessesTakeAndTheSameForProgr
   EXPECT_EQ(json["covariance"].size(), kCalibratedCount);
   EXPECT_EQ(json["parameters"][2]["name"], "track_width");
   EXPECT_TRUE(json["parameters"][2]["observed"].get<bool>());
+}
+
+TEST_F(RunCalibrate, OfADamagedLogItCalibratesFromTheRestAndTheExitStatusTellsPrograms) {
+  write_log(drive_to_calibrate(town_motion(), 30.0, 1));
+  testing::damage_middle(log_, 1000);
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(run({log_, "--out", folder_ / "new.yaml"}), 1);
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), ::testing::HasSubstr("damaged at 1 place: "));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "new.yaml"));
 }
 
 TEST_F(RunCalibrate, SaysWhatALogLacks) {

@@ -1,10 +1,13 @@
 #include <gmock/gmock.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "common/log/log_writer.hpp"
 #include "services/semantic_map/store/map_store.hpp"
+#include "tests/damaged_file.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tools/evaluate/evaluate.hpp"
 
@@ -104,6 +107,20 @@ TEST_F(RunEvaluate, RefusesAMapThatIsCutOff) {
 TEST_F(RunEvaluate, RefusesALogThatIsNone) {
   std::ofstream(path("drive.lcmlog")) << "this is no log";
   expect_failure("drive.lcmlog", "", {"--log", path("drive.lcmlog")});
+}
+
+TEST_F(RunEvaluate, OfADamagedLogItSaysSoAndTheExitStatusTellsPrograms) {
+  {
+    LogWriter log(path("drive.lcmlog"));
+    const std::array<std::uint8_t, 100> bytes{};
+    for (int i = 0; i < 50; ++i) log.write("IMU", bytes.data(), 100);
+  }
+  EXPECT_EQ(run({"--log", path("drive.lcmlog")}), 0);
+  testing::damage_middle(path("drive.lcmlog"), 200);
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(run({"--log", path("drive.lcmlog"), "--json", path("report.json")}), 1);
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("damaged at 1 place: "));
+  EXPECT_TRUE(fs::exists(path("report.json"))) << "what could be read is told";
 }
 
 TEST_F(RunEvaluate, KnowsUsage) {

@@ -5,6 +5,7 @@
 #include <curbstone/map_points_t.hpp>
 
 #include "common/log/log_writer.hpp"
+#include "tests/damaged_file.hpp"
 #include "tests/tools/export/exported_map.hpp"
 
 namespace curbstone::map_export {
@@ -112,6 +113,18 @@ TEST_F(Cloud, RefusesImpossibleMessages) {
   ASSERT_EQ(run({"--only", "cloud", "--log", path("log")}), 0);
   EXPECT_THAT(read("cloud.pcd"), ElementsAre(row(0)));
   EXPECT_THAT(said_, HasSubstr("3 messages refused"));
+}
+
+TEST_F(Cloud, OfADamagedLogIsWhatCouldBeReadAndTheExitStatusTellsPrograms) {
+  std::vector<map_points_t> messages;
+  for (int k = 0; k < 20; ++k) messages.push_back(points(k, 1));
+  write_log(messages);
+  testing::damage_middle(path("log"), 100);
+  EXPECT_EQ(run({"--only", "cloud", "--log", path("log")}), 1);
+  EXPECT_THAT(said_, HasSubstr("damaged at 1 place: "));
+  const std::size_t rows = read("cloud.pcd").size();
+  EXPECT_GE(rows, 16U);
+  EXPECT_LT(rows, 20U);
 }
 
 TEST_F(Cloud, OfAnotherDriveIsRefused) {

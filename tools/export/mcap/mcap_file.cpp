@@ -106,6 +106,7 @@ McapResult write_mcap(const std::string& log, const std::string& path, const vie
   result.messages = writer.messages();
   result.has_map = show.has_map();
   result.refused = refused_in(show.counters());
+  result.log_is_damaged = events.damaged();
   return result;
 }
 

@@ -15,9 +15,10 @@ struct McapSettings {
 
 struct McapResult {
   std::uint64_t messages = 0;
-  bool has_map = false;       ///< else the log holds no products of the mapper and of semantic_map
-  std::int64_t refused = 0;   ///< messages that are not sound: not shown, though raw ones are in the file
-  std::int64_t left_out = 0;  ///< raw messages of more channels than kMaxRawChannels
+  bool has_map = false;         ///< else the log holds no products of the mapper and of semantic_map
+  std::int64_t refused = 0;     ///< messages that are not sound: not shown, though raw ones are in the file
+  std::int64_t left_out = 0;    ///< raw messages of more channels than kMaxRawChannels
+  bool log_is_damaged = false;  ///< parts of the log could not be read
 };
 
 inline constexpr std::size_t kMaxRawChannels = 1000;
