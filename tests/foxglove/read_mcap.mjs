@@ -47,7 +47,11 @@ for (let offset = 0; offset < size; offset += 1 << 20) {
     if (record.type === "Message") ++streamed;
 }
 if (!stream.done()) wrong.push("the file does not end where it should");
-if (BigInt(streamed) !== reader.statistics.messageCount) wrong.push(`${streamed} messages, by the statistics ${reader.statistics.messageCount}`);
+const counted = reader.statistics.messageCount;
+if (BigInt(streamed) !== counted) wrong.push(`${streamed} messages, by the statistics ${counted}`);
 await file.close();
-const plain = (key, value) => (value instanceof Uint8Array ? { bytes: value.length } : typeof value === "bigint" ? Number(value) : value);
+const plain = (key, value) => {
+  if (value instanceof Uint8Array) return { bytes: value.length };
+  return typeof value === "bigint" ? Number(value) : value;
+};
 console.log(JSON.stringify({ topics, wrong, chunks: reader.chunkIndexes.length }, plain));

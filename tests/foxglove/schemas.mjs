@@ -39,7 +39,8 @@ export function differences(name, schema) {
       if (field.resolve().resolvedType instanceof protobuf.Type && field.type.startsWith(".foxglove")) compare(inner);
       if (field.resolvedType instanceof protobuf.Enum && other != undefined) {
         const values = theirs.get(inner)?.values;
-        if (JSON.stringify(values) !== JSON.stringify(field.resolvedType.values)) lines.push(`${type}.${inner}: values`);
+        const ours = field.resolvedType.values;
+        if (JSON.stringify(values) !== JSON.stringify(ours)) lines.push(`${type}.${inner}: values`);
       }
     }
   }

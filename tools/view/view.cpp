@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "common/shell/event_loop.hpp"
 #include "common/time/clock.hpp"
 #include "config/sections.hpp"
+#include "services/viewer/foxglove_node.hpp"
 #include "services/viewer/viewer_node.hpp"
 #include "services/viewer/web/web_server.hpp"
 #include "tools/view/drive.hpp"
@@ -83,7 +85,7 @@ std::string title_of(const std::vector<std::string>& files) {
 }
 
 /// Until somebody ends it.
-void serve(EventLoop& loop, LocalBus& bus, viewer::ViewerNode& node, Playing* playing) {
+void serve(EventLoop& loop, LocalBus& bus, viewer::ViewerNode& node, Playing* playing, viewer::FoxgloveNode* foxglove) {
   loop.every(std::chrono::milliseconds(20), [&] {
     if (playing != nullptr) {
       playing->advance();
@@ -91,6 +93,7 @@ void serve(EventLoop& loop, LocalBus& bus, viewer::ViewerNode& node, Playing* pl
     }
     bus.dispatch();
     node.tick(wall_clock());
+    if (foxglove != nullptr) foxglove->tick(wall_clock());
   });
   loop.run();
 }
@@ -128,13 +131,21 @@ int run_view(int argc, char** argv) {
     viewer::ViewerNode node(config, bus, server, source);
     shown = &node;
     node.connect(bus);
+    std::optional<viewer::web::WebServer> door;
+    std::optional<viewer::FoxgloveNode> foxglove;
+    if (config.foxglove_port != 0) {
+      door.emplace(viewer::door_settings(config));
+      foxglove.emplace(config, node, *door, std::to_string(wall_clock()));
+      foxglove->connect(bus);
+      fmt::print("view: for Foxglove: ws://{}:{}\n", config.address, door->port());
+    }
     node.tick(wall_clock());
     if (playing && options.from > 0) playing->obey({.pause = {}, .speed = {}, .position = options.from}, node);
     if (is_map) show_saved_map(options.files[0], wall_clock(), node);
     fmt::print("view: {}{}\n", viewer::page_address(config, server.port()),
                playing && playing->drive().makes_map() ? " (the log has no map: it is made from the sensors)" : "");
     std::fflush(stdout);
-    serve(loop, bus, node, playing.get());
+    serve(loop, bus, node, playing.get(), foxglove ? &*foxglove : nullptr);
   } catch (const ConfigError& error) {
     fmt::print(stderr, "curbstone view: {}\n", error.what());
     return 2;

@@ -1,6 +1,7 @@
 #include "services/viewer/foxglove/door.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
 #include <utility>
 
@@ -12,15 +13,25 @@ void Door::tick(const World& world, std::int64_t now) {
   for (const web::Audience::Event& event : clients_.take_events()) hear(event);
   for (auto& [id, client] : known_) {
     introduce(id, client, world.status);
-    const std::size_t queued = clients_.queued(id);
-    if (queued > kMostQueued) continue;
-    for (const Message& message : client.feed.due(world, now, queued <= kMostForLarge)) {
-      const std::uint32_t subscription = client.subscriptions.at(message.channel);
-      clients_.send(id,
-                    std::make_shared<const std::vector<std::uint8_t>>(data_frame(subscription, now, message.payload)));
-      counters_.add("foxglove.messages");
-    }
+    serve(id, client, world, now);
   }
+}
+
+void Door::serve(web::PageId id, Client& client, const World& world, std::int64_t now) {
+  const std::size_t queued = clients_.queued(id);
+  if (queued > kMostQueued) return;
+  const bool takes_large = queued <= kMostForLarge && std::abs(now - client.large_sent) >= client.large_pause;
+  std::size_t bytes = 0;
+  for (const Message& message : client.feed.due(world, now, takes_large)) {
+    const std::uint32_t subscription = client.subscriptions.at(message.channel);
+    clients_.send(id,
+                  std::make_shared<const std::vector<std::uint8_t>>(data_frame(subscription, now, message.payload)));
+    counters_.add("foxglove.messages");
+    bytes += message.payload.size();
+  }
+  if (!takes_large || bytes == 0) return;
+  client.large_sent = now;
+  client.large_pause = static_cast<std::int64_t>(bytes * 1'000'000 / kMostASecond);
 }
 
 void Door::hear(const web::Audience::Event& event) {
@@ -67,7 +78,7 @@ void Door::introduce(web::PageId id, Client& client, const StatusBook& status) {
   if (!news.empty()) clients_.say(id, advertise(news));
 }
 
-bool Door::is_known(std::uint32_t channel, const Client& client) const {
+bool Door::is_known(std::uint32_t channel, const Client& client) {
   const auto& fixed = fixed_channels();
   return std::any_of(fixed.begin(), fixed.end(), [&](const Channel& known) { return known.id == channel; }) ||
          (channel >= kFirstStatus && channel - kFirstStatus < client.services);

@@ -13,11 +13,13 @@ namespace curbstone::viewer::foxglove {
 
 /// Foxglove's clients: tells each what there is, and sends what it subscribed to, the present state first. They can
 /// order nothing. A client gets no more than it takes: while kMostQueued bytes wait for it nothing is made for it, and
-/// nothing large while kMostForLarge wait. One thread.
+/// nothing large while kMostForLarge wait or when it has had kMostASecond. One thread.
 class Door {
  public:
   static constexpr std::size_t kMostQueued = 4'000'000;
   static constexpr std::size_t kMostForLarge = 100'000;
+  /// Of a client, on average: whoever subscribes again and again would keep the node busy with maps.
+  static constexpr std::size_t kMostASecond = 20'000'000;
 
   /// `clients` must outlive this. `session`: another one for each run of the process.
   Door(web::Audience& clients, std::string session) : clients_(clients), session_(std::move(session)) {}
@@ -35,11 +37,14 @@ class Door {
     Feed feed{Feed::For::kClient};
     std::map<std::uint32_t, std::uint32_t> subscriptions;  // by channel: the client's id
     std::size_t services = 0;                              // that it was told of
+    std::int64_t large_sent = 0;                           // us
+    std::int64_t large_pause = 0;                          // us from then on
   };
+  void serve(web::PageId id, Client& client, const World& world, std::int64_t now);
   void hear(const web::Audience::Event& event);
   void hear(web::PageId id, Client& client, const std::string& text);
   void introduce(web::PageId id, Client& client, const StatusBook& status);
-  [[nodiscard]] bool is_known(std::uint32_t channel, const Client& client) const;
+  [[nodiscard]] static bool is_known(std::uint32_t channel, const Client& client);
 
   web::Audience& clients_;
   std::string session_;

@@ -11,9 +11,9 @@
 namespace curbstone::viewer::foxglove {
 namespace {
 
-constexpr std::array<double, 3> kCurb = {0.10, 0.85, 0.30};  // red, green, blue
-constexpr std::array<double, 3> kLowered = {1.00, 0.60, 0.10};
-constexpr std::array<double, 3> kPath = {0.20, 0.55, 1.00};
+constexpr std::array<double, 3> kCurbColour = {0.10, 0.85, 0.30};  // red, green, blue
+constexpr std::array<double, 3> kLoweredColour = {1.00, 0.60, 0.10};
+constexpr std::array<double, 3> kPathColour = {0.20, 0.55, 1.00};
 constexpr double kThick = 0.06;  // m
 constexpr double kThin = 0.02;
 
@@ -64,7 +64,7 @@ float middle_of(std::vector<float> values) {
 void add_curb(::foxglove::SceneUpdate& scene, const store::CurbLines::News::Added& added, std::int64_t utime) {
   const curb_line_t& curb = *added.line;
   auto& entity = add_entity(scene, curb_id(added.name), utime);
-  const auto& colour = curb.dropped != 0 ? kLowered : kCurb;
+  const auto& colour = curb.dropped != 0 ? kLoweredColour : kCurbColour;
   auto& foot = add_line(entity, colour, kThin);
   auto& edge = add_line(entity, colour, kThick);
   for (std::size_t i = 0; i < curb.x.size(); ++i) {
@@ -102,7 +102,7 @@ std::string path_message(const store::DrivenPath& path, std::size_t first, bool 
       everything || first == 0 ? 0 : (first - 1) / kPathPiece;  // a piece ends with the next one's first
   for (std::size_t piece = from; piece * kPathPiece < points.size(); ++piece) {
     auto& entity = add_entity(scene, fmt::format("path {}", piece), utime);
-    auto& line = add_line(entity, kPath, kThick);
+    auto& line = add_line(entity, kPathColour, kThick);
     const std::size_t end = std::min(points.size(), (piece + 1) * kPathPiece + 1);
     for (std::size_t i = piece * kPathPiece; i < end; ++i)
       set_vector(*line.add_points(), double{points[i].x}, double{points[i].y}, double{points[i].z});

@@ -25,7 +25,7 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-std::string text_of(const json& value) {
+std::string json_text(const json& value) {
   return value.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
@@ -46,7 +46,7 @@ std::optional<std::uint32_t> id_in(const json& object, const char* name) {
 }  // namespace
 
 std::string server_info(const std::string& name, const std::string& session) {
-  return text_of({{"op", "serverInfo"}, {"name", name}, {"capabilities", json::array()}, {"sessionId", session}});
+  return json_text({{"op", "serverInfo"}, {"name", name}, {"capabilities", json::array()}, {"sessionId", session}});
 }
 
 std::string advertise(const std::vector<Channel>& channels) {
@@ -60,11 +60,11 @@ std::string advertise(const std::vector<Channel>& channels) {
                     {"schema", is_binary ? base64(channel.schema) : channel.schema},
                     {"schemaEncoding", channel.schema_encoding}});
   }
-  return text_of({{"op", "advertise"}, {"channels", list}});
+  return json_text({{"op", "advertise"}, {"channels", list}});
 }
 
 std::string warning(const std::string& text) {
-  return text_of({{"op", "status"}, {"level", kWarning}, {"message", text}});
+  return json_text({{"op", "status"}, {"level", kWarning}, {"message", text}});
 }
 
 std::vector<std::uint8_t> data_frame(std::uint32_t subscription, std::int64_t utime, std::string_view payload) {

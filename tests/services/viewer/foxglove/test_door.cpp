@@ -211,6 +211,18 @@ TEST_F(DoorTest, SendsNothingLargeToAClientThatIsSlowAndNothingAtAllToOneThatSto
   EXPECT_THAT(served(), ElementsAre(2, 1)) << "the newest of each, and not what was missed";
 }
 
+TEST_F(DoorTest, SendsNoMoreThanSoMuchASecondToAClientThatSubscribesAgainAndAgain) {
+  std::size_t bytes = 0;
+  for (int k = 0; k < 500; ++k) {  // 10 s
+    subscribe(1, kMapWindow);
+    tick(1 + 0.02 * k);
+    for (const auto& [page, frame] : audience_.sent) bytes += frame->size();
+    audience_.sent.clear();
+  }
+  EXPECT_LE(bytes, 11 * Door::kMostASecond);
+  EXPECT_GT(bytes, 5 * Door::kMostASecond);
+}
+
 TEST_F(DoorTest, StopsWhenToldTo) {
   subscribe(2, kPose);
   tick(1);
