@@ -88,6 +88,12 @@ void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw&
     refusal_ = "refused.repeated";
     return;
   }
+  // Another node with the same id sends when it likes: the clock must not count its frames either.
+  if (clock_.is_early(receive_utime) && !odometer_.can_be(counts, period * static_cast<double>(waiting_.size() + 1))) {
+    counters_.add("refused.jump");
+    refusal_ = "refused.jump";
+    return;
+  }
   last_counts_ = counts;
   on_sample(
       receive_utime, [&](int least, int most) { return odometer_.likely_periods(counts, least, most, period); },

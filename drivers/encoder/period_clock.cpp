@@ -60,6 +60,12 @@ const std::vector<PeriodClock::Stamp>& PeriodClock::stamp(std::int64_t received,
   return decided_;
 }
 
+bool PeriodClock::is_early(std::int64_t received) const {
+  if (!running_ || stamped_ < kSettle || received < last_received_) return false;
+  const auto next = index_ + static_cast<std::int64_t>(waiting_.size()) + 1;
+  return received < offset_.offset() + next * period_ - period_ / 4;
+}
+
 /// How much earlier than by the offset a sample may have been taken. At first nobody knows how late the best one was.
 std::int64_t PeriodClock::tolerance() const {
   return stamped_ < kSettle ? period_ / 2 : period_ / 8;

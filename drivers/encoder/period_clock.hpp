@@ -52,6 +52,8 @@ class PeriodClock {
   /// now decided; they are valid until the next call.
   const std::vector<Stamp>& stamp(std::int64_t received, const Evidence& evidence);
   void restart() { running_ = false; }
+  /// A sample that arrives now comes well before the next one can have been taken.
+  [[nodiscard]] bool is_early(std::int64_t received) const;
 
   /// us, in use: the nominal one, unless the device plainly keeps another.
   [[nodiscard]] std::int64_t period() const { return period_; }

@@ -29,10 +29,6 @@ std::optional<WheelCounter::Sample> WheelCounter::update(const Raw& raw, double 
     return sample({}, elapsed);
   }
   since_accepted_ += elapsed;
-  const double limit = settings_.max_speed * settings_.counts_per_revolution / (2 * std::numbers::pi);
-  const auto possible = [&](const std::array<double, 2>& moved, double time) {
-    return std::abs(moved[0]) <= limit * time && std::abs(moved[1]) <= limit * time;
-  };
   std::array<double, 2> moved = difference(*last_, raw);
   if (!possible(moved, since_accepted_)) {
     const bool agrees = suspects_ > 0 && possible(difference(*suspect_, raw), elapsed);
@@ -55,6 +51,15 @@ std::optional<WheelCounter::Sample> WheelCounter::update(const Raw& raw, double 
     total_[i] += static_cast<std::int64_t>(settings_.inverted[i] ? -moved[i] : moved[i]);
   }
   return sample(moved, time);
+}
+
+bool WheelCounter::possible(const std::array<double, 2>& moved, double time) const {
+  const double limit = settings_.max_speed * settings_.counts_per_revolution / (2 * std::numbers::pi);
+  return std::abs(moved[0]) <= limit * time && std::abs(moved[1]) <= limit * time;
+}
+
+bool WheelCounter::can_be(const Raw& raw, double elapsed) const {
+  return !last_ || possible(difference(*last_, raw), since_accepted_ + elapsed);
 }
 
 WheelCounter::Sample WheelCounter::sample(const std::array<double, 2>& moved, double elapsed) const {

@@ -41,6 +41,9 @@ class WheelCounter {
   /// not accelerate more than vehicles do. Nothing where the counts do not tell, as with slow wheels.
   [[nodiscard]] std::optional<int> likely_periods(const Raw& raw, int least, int most, double period) const;
 
+  /// Whether the wheels can have turned so far within `elapsed` s since the last update() or pass() call.
+  [[nodiscard]] bool can_be(const Raw& raw, double elapsed) const;
+
   /// The wheels turned so fast that they cannot have stopped within `period` s.
   [[nodiscard]] bool turns_fast(double period) const;
 
@@ -48,6 +51,7 @@ class WheelCounter {
 
  private:
   [[nodiscard]] static std::array<double, 2> difference(const Raw& from, const Raw& to);
+  [[nodiscard]] bool possible(const std::array<double, 2>& moved, double time) const;
   [[nodiscard]] Sample sample(const std::array<double, 2>& moved, double elapsed) const;
 
   Settings settings_;

@@ -48,6 +48,7 @@ struct LidarConfig {
   double time_offset = 0.0;       ///< s, added to the device's stamps
   DistanceResolution distance_resolution = DistanceResolution::kAuto;
   double cut_angle = 180.0;  ///< deg
+  int split_packets = 0;     ///< 0 = a revolution ends at cut_angle
   double min_range = 0.4;    ///< m
   double max_range = 150.0;  ///< m
   double start_angle = 0.0;  ///< deg
@@ -91,6 +92,8 @@ struct LidarConfig {
         {{"auto", DistanceResolution::kAuto}, {"0.005", DistanceResolution::k5mm}, {"0.01", DistanceResolution::k10mm}},
         "m; auto: by the device's firmware, 0.005 until it is known");
     v.field("cut_angle", cut_angle, {0.0, 359.99}, "deg, clockwise from the lidar's x: where a revolution begins");
+    v.field("split_packets", split_packets, {0, 100'000},
+            "packets of a revolution, wherever the head is; 0: it ends at cut_angle");
     v.field("min_range", min_range, {0.0, 300.0}, "m; nearer returns are left out");
     v.field("max_range", max_range, {0.1, 400.0}, "m; farther returns are left out");
     v.field("start_angle", start_angle, {0.0, 360.0}, "deg, clockwise from x: returns from here ...");

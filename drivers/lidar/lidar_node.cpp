@@ -153,7 +153,7 @@ void LidarNode::send(decoding::PendingPacket& packet) {
     return;
   }
   lost_.add(packet.received, step.lost - packet.refused_before);
-  message_.revolution = step.revolution;
+  message_.revolution = config_.split_packets == 0 ? step.revolution : scan_of_count();
   message_.utime = packet.utime;
   message_.packet = message_.packet < 0 ? 0 : next_packet_number(message_.packet);
   message_.num_points = static_cast<std::int32_t>(points.x.size());
@@ -172,6 +172,14 @@ void LidarNode::send(decoding::PendingPacket& packet) {
   if (points.no_return > 0) counters_.add("no_return", points.no_return);
   latency_.add(static_cast<double>(packet.received - packet.utime) * 1e-6);
   health_.point_packet_used();
+}
+
+/// Counts on from packet to packet, for `packet` begins anew at 2^31.
+std::int32_t LidarNode::scan_of_count() {
+  if (message_.packet < 0) return 0;
+  if (++in_scan_ < config_.split_packets) return message_.revolution;
+  in_scan_ = 0;
+  return message_.revolution + 1;
 }
 
 void LidarNode::publish_raw(std::int64_t received, int port, std::span<const std::uint8_t> bytes) {

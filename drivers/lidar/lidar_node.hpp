@@ -67,6 +67,7 @@ class LidarNode final : public Node {
   void refuse(const char* counter, const std::string& remedy);
   void send_ready();
   void send(decoding::PendingPacket& packet);
+  [[nodiscard]] std::int32_t scan_of_count();
   void publish_raw(std::int64_t received, int port, std::span<const std::uint8_t> bytes);
   void add_clock_faults(std::vector<std::string>& faults) const;
 
@@ -91,6 +92,7 @@ class LidarNode final : public Node {
   std::int64_t second_began_ = 0;
   std::int64_t lost_before_second_ = 0;
   std::int64_t lost_in_second_ = 0;
+  int in_scan_ = 0;  ///< packets of it before the next one, with split_packets
   bool came_since_tick_ = false;
   std::string identity_;
   std::string source_fault_;

@@ -25,8 +25,8 @@ struct BlockSteps {
 /// the step to the next block's azimuth; within the last block, by the mean step. A head is heavy: within a packet
 /// (1.3 ms) its steps are equal but for rounding and jitter. A step that differs is the blind zone, or an azimuth is
 /// damaged and the packet is not to be used (`steady` is false). The block before a blind zone turns by the mean, and
-/// the gap gives the time to pass the zone. A head that stands is not used either. Source: rs_driver 4eeadace, Rs16SingleReturnBlockIterator, which takes any
-/// step of more than 1 deg for a blind zone.
+/// the gap gives the time to pass the zone. A head that stands is not used either. Source: rs_driver 4eeadace,
+/// Rs16SingleReturnBlockIterator, which takes any step of more than 1 deg for a blind zone.
 ///
 /// `spans` has as many elements as `azimuths`, at most kMostBlocks. `block_period` in any unit of time.
 inline constexpr std::size_t kMostBlocks = 12;

@@ -56,6 +56,13 @@ int choose_by_distance(const std::uint16_t* distance, unsigned no_return, unsign
   return none;
 }
 
+/// Ring and intensity of each shot in one word, so that both move together.
+CURBSTONE_FOR_EACH_VECTOR_WIDTH
+void mark(const ShotTable& shots, const std::uint8_t* intensity, std::uint32_t* marks) {
+  for (std::size_t i = 0; i < kRecordsPerBlock; ++i)
+    marks[i] = static_cast<std::uint32_t>(shots.ring[i] << 8 | intensity[i]);
+}
+
 CURBSTONE_FOR_EACH_VECTOR_WIDTH
 void take_apart(const std::uint32_t* marks, std::size_t count, std::uint8_t* intensity, std::uint8_t* ring) {
   for (std::size_t i = 0; i < count; ++i) intensity[i] = static_cast<std::uint8_t>(marks[i]);
@@ -129,8 +136,7 @@ void PointWriter::place_all(const BlockPlace& place, std::span<const BlockRecord
     const std::size_t first = i * kRecordsPerBlock;
     place_block(head, shots_, returns[i].distance.data(), unit_.step, &x_[first], &y_[first], &z_[first],
                 &time_[first]);
-    for (std::size_t record = 0; record < kRecordsPerBlock; ++record)
-      mark_[first + record] = static_cast<std::uint32_t>(shots_.ring[record] << 8 | returns[i].intensity[record]);
+    mark(shots_, returns[i].intensity.data(), &mark_[first]);
   }
 }
 

@@ -262,6 +262,19 @@ TEST(LidarNode, HoldsTwoPacketsAtMost) {
   EXPECT_EQ(bench.points.size(), 19U);
 }
 
+TEST(LidarNode, ARevolutionIsANumberOfPacketsWhereThatIsSet) {
+  LidarConfig config;
+  config.split_packets = 7;
+  Bench bench(config);
+  const auto packets = drive_packets(1'700'000'000'000'000, 50);
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    if (i != 20) bench.send(packets[i], 1'700'000'000'000'000 + static_cast<std::int64_t>(i + 1) * 1332);
+  }
+  bench.finish();
+  ASSERT_EQ(bench.points.size(), 49U);
+  for (std::size_t i = 0; i < bench.points.size(); ++i) EXPECT_EQ(bench.points[i].revolution, static_cast<int>(i / 7));
+}
+
 TEST(LidarNode, SendsWhatItHoldsWhenNothingComesAnyMore) {
   Bench bench;
   const auto packets = drive_packets(1'700'000'000'000'000, 3);

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "drivers/lidar/decoding/block_steps.hpp"
+#include "drivers/lidar/decoding/record_bytes.hpp"
 #include "drivers/lidar/models/helios/msop_packet.hpp"
 
 namespace curbstone::lidar::models::helios {
@@ -32,11 +33,11 @@ std::optional<std::int64_t> stamp_of(const MsopPacket& packet) {
 }
 
 decoding::BlockRecords records_of(const MsopBlock& block) {
+  static_assert(sizeof block.records == decoding::kRecordBytes * decoding::kRecordsPerBlock);
   decoding::BlockRecords records;
-  for (std::size_t i = 0; i < kRecords; ++i) {
-    records.distance[i] = block.records[i].distance;
-    records.intensity[i] = block.records[i].intensity;
-  }
+  std::array<std::uint8_t, sizeof block.records> bytes;
+  std::memcpy(bytes.data(), block.records, sizeof bytes);
+  decoding::take_records(bytes, records);
   return records;
 }
 

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "drivers/lidar/decoding/block_steps.hpp"
+#include "drivers/lidar/decoding/record_bytes.hpp"
 #include "drivers/lidar/models/rs16/msop_packet.hpp"
 
 namespace curbstone::lidar::models::rs16 {
@@ -24,11 +25,11 @@ Refusal check(const MsopPacket& packet) {
 }
 
 decoding::BlockRecords records_of(const MsopBlock& block) {
+  static_assert(sizeof block.records == decoding::kRecordBytes * decoding::kRecordsPerBlock);
   decoding::BlockRecords records;
-  for (std::size_t i = 0; i < decoding::kRecordsPerBlock; ++i) {
-    records.distance[i] = block.records[i].distance;
-    records.intensity[i] = block.records[i].intensity;
-  }
+  std::array<std::uint8_t, sizeof block.records> bytes;
+  std::memcpy(bytes.data(), block.records, sizeof bytes);
+  decoding::take_records(bytes, records);
   return records;
 }
 

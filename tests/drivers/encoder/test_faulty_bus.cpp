@@ -1,0 +1,165 @@
+// Faults of a bus and of what else is on it, in the frames of an emulated drive: what is bad costs itself.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "tests/drivers/encoder/drive_rig.hpp"
+
+namespace curbstone::encoder {
+namespace {
+
+using can::CanFrame;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr std::uint32_t kPositions = 0x181;
+
+class FaultyBus : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    rig_.receive(rig_.now, rig_.drive.power_on(rig_.now));
+    rig_.run_for(2'000'000);
+  }
+  /// Where each message says that the wheels were, they were; it was published once, in order.
+  void expect_true_messages(double speed_error = 0.4) {
+    const auto& messages = rig_.messages();
+    for (std::size_t i = 1; i < messages.size(); ++i) {
+      const wheels_t& m = messages[i];
+      EXPECT_GT(m.utime, messages[i - 1].utime);
+      ASSERT_NEAR(m.angle[0], rig_.angle(m.utime) - rig_.angle(messages[0].utime), 10 * 0.001) << i << "\n"
+                                                                                               << counters();
+      ASSERT_NEAR(m.angle[1], m.angle[0], 0.002) << i;
+      if (i > 20) {
+        ASSERT_NEAR(m.speed[0], 10, speed_error) << i;
+      }
+    }
+  }
+  std::string counters() {
+    std::string text;
+    const NodeReport report = rig_.node.report();
+    for (const auto& [name, value] : report.counters.values()) text += name + " " + std::to_string(value) + "\n";
+    return text;
+  }
+  std::size_t new_messages(std::int64_t us) {
+    const std::size_t before = rig_.messages().size();
+    rig_.run_for(us);
+    return rig_.messages().size() - before;
+  }
+
+  testing::DriveRig rig_;
+};
+
+TEST_F(FaultyBus, FramesOfAnotherLengthAreRefusedAndTheirSamplesCountAsLost) {
+  int position = 0, cut = 0;
+  rig_.corrupt = [&](CanFrame& frame) {
+    if (frame.id != kPositions || ++position % 10 != 0) return;
+    frame.size = static_cast<std::uint8_t>(cut++ % 8);
+  };
+  rig_.run_for(5'000'000);
+  rig_.corrupt = [](CanFrame&) {};
+  rig_.run_for(100'000);
+  EXPECT_EQ(rig_.count("refused.length"), cut);
+  EXPECT_EQ(rig_.count("lost.samples"), cut);
+  expect_true_messages();
+}
+
+TEST_F(FaultyBus, RemoteAndExtendedFramesWithOurIdsAreNotOurs) {
+  for (int i = 0; i < 100; ++i) {
+    rig_.run_for(30'000);
+    for (const std::uint32_t id : {0x181U, 0x281U, 0x581U, 0x701U, 0x081U}) {
+      CanFrame frame = CanFrame::make(id, {0, 0, 0, 0, 0, 0, 0, 0});
+      if (id == 0x701U) frame.size = 1;
+      (i % 2 == 0 ? frame.remote : frame.extended) = true;
+      rig_.node.on_frame(rig_.now, frame);
+    }
+  }
+  EXPECT_EQ(rig_.count("ignored.frames"), 500);
+  EXPECT_EQ(rig_.count("drive.boots"), 1);
+  EXPECT_EQ(rig_.count("lost.samples"), 0);
+  expect_true_messages();
+}
+
+TEST_F(FaultyBus, ASecondNodeWithOurIdIsRefusedAndMovesNoStamp) {
+  int foreign = 0;
+  const std::size_t fresh = [&] {
+    const std::size_t before = rig_.messages().size();
+    for (int i = 0; i < 300; ++i) {
+      rig_.run_for(10'000);
+      rig_.node.on_frame(rig_.now,
+                         CanFrame::make(kPositions, {1, 2, 3, 4, static_cast<std::uint8_t>(foreign++), 0, 0, 0}));
+    }
+    return rig_.messages().size() - before;
+  }();
+  EXPECT_GE(fresh, 295U) << counters();
+  EXPECT_EQ(rig_.count("refused.jump"), foreign) << counters();
+  EXPECT_EQ(rig_.count("counts_restarted"), 0);
+  EXPECT_THAT(rig_.node.report().faults, Contains(HasSubstr("most of them refused.jump")));
+  expect_true_messages();
+}
+
+TEST_F(FaultyBus, PositionsThatAreSentTwiceMoveNoAngle) {
+  for (int i = 0; i < 300; ++i) {
+    rig_.run_for(10'000);
+    if (i % 5 == 0) {  // a SYNC that came twice: the same drive, a moment later
+      const std::int64_t at = rig_.now;
+      rig_.drive.set_counts(rig_.raw(at, 0), rig_.raw(at, 1));
+      CanFrame frame = CanFrame::make(kPositions, {0, 0, 0, 0, 0, 0, 0, 0});
+      for (int side = 0; side < 2; ++side) {
+        const auto counts = static_cast<std::uint32_t>(rig_.raw(at, side));
+        for (int byte = 0; byte < 4; ++byte)
+          frame.data[static_cast<std::size_t>(4 * side + byte)] = static_cast<std::uint8_t>(counts >> (8 * byte));
+      }
+      rig_.node.on_frame(at, frame);
+    }
+  }
+  EXPECT_EQ(rig_.count("lost.samples"), 0);
+  expect_true_messages(100);
+}
+
+TEST_F(FaultyBus, CountsThatBeginAnewInMidDriveCostTheirDistanceOnly) {
+  const wheels_t before = rig_.messages().back();
+  rig_.first_count -= rig_.raw(rig_.now, 0) - 1'000'000;  // without a boot-up
+  rig_.run_for(1'000'000);
+  EXPECT_EQ(rig_.count("counts_restarted"), 1);
+  EXPECT_EQ(rig_.count("refused.jump"), 2);
+  EXPECT_NEAR(rig_.messages().back().angle[0] - before.angle[0], 10, 0.5);
+  for (const wheels_t& message : rig_.messages()) ASSERT_LT(std::abs(message.speed[0]), 11) << counters();
+}
+
+TEST_F(FaultyBus, CountersWrapBothWays) {
+  for (const double speed : {10.0, -10.0}) {
+    testing::DriveRig rig;
+    rig.speed = speed;
+    rig.first_count = speed > 0 ? 0x7FFFFFFF - 2000 : -0x7FFFFFFF + 2000;
+    rig.receive(rig.now, rig.drive.power_on(rig.now));
+    rig.run_for(3'000'000);
+    EXPECT_EQ(rig.count("refused.jump") + rig.count("counts_restarted"), 0);
+    EXPECT_NEAR(rig.messages().back().angle[0], 28 * speed / 10, 2.5);
+    EXPECT_NEAR(rig.messages().back().angle[1], rig.messages().back().angle[0], 0.01);
+  }
+}
+
+TEST_F(FaultyBus, RandomBitsInFramesNeverMoveAStamp) {
+  std::mt19937 random(11);
+  int damaged = 0;
+  rig_.corrupt = [&](CanFrame& frame) {
+    if (frame.id != kPositions || random() % 20 != 0) return;
+    ++damaged;
+    frame.data[2 + random() % 2] ^= static_cast<std::uint8_t>(1U << (random() % 7));  // 65536 counts and more
+  };
+  rig_.lost = [&](const CanFrame& frame) { return frame.id == kPositions && random() % 50 == 0; };
+  rig_.delay = [&](const CanFrame&) -> std::int64_t {
+    return 200 + (random() % 10 == 0 ? static_cast<std::int64_t>(random() % 25'000) : 0);
+  };
+  rig_.run_for(20'000'000);
+  EXPECT_LE(rig_.count("refused.jump"), damaged);
+  EXPECT_GE(rig_.count("refused.jump") + rig_.count("withheld.unsure"), damaged);
+  EXPECT_GT(rig_.messages().size(), 1800U) << counters();
+  expect_true_messages(0.6);
+}
+
+}  // namespace
+}  // namespace curbstone::encoder
