@@ -10,6 +10,7 @@
 #include "tools/bench/faults/faults_bench.hpp"
 #include "tools/bench/latency/latency_bench.hpp"
 #include "tools/bench/mapping/bench_mapping.hpp"
+#include "tools/bench/viewer/viewer_bench.hpp"
 #include "tools/bench/voting/voting_bench.hpp"
 
 namespace curbstone::bench {
@@ -31,6 +32,7 @@ const std::vector<Benchmark> kBenchmarks = {
      "from the last packet of a revolution to the changed tiles, stage by stage"},
     {"drivers", drivers::run_bench_drivers, "packets, bytes and frames a second of the drivers on one core"},
     {"faults", faults::run_bench_faults, "what is lost when processes die, hang or starve in a drive"},
+    {"viewer", viewer::run_bench_viewer, "what a page of the live map costs, and how soon and how often it draws"},
 };
 
 int usage(std::FILE* out) {
