@@ -1,4 +1,5 @@
-// page_picture URL PNG SECONDS: opens a page, lets it run, and draws it. scripts/page-picture calls it.
+// page_picture URL PNG SECONDS [WIDTH HEIGHT]: opens a page, lets it run, and draws it; with a size as a phone has it.
+// scripts/page-picture calls it.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -6,12 +7,13 @@
 #include "tools/browser/browser.hpp"
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
-    std::fprintf(stderr, "usage: page_picture URL PNG SECONDS\n");
+  if (argc != 4 && argc != 6) {
+    std::fprintf(stderr, "usage: page_picture URL PNG SECONDS [WIDTH HEIGHT]\n");
     return 2;
   }
   try {
     curbstone::browser::Browser browser([] {});
+    if (argc == 6) browser.resize(std::atoi(argv[4]), std::atoi(argv[5]), true);
     browser.open(argv[1]);
     browser.pass(std::atof(argv[3]));
     browser.save_picture(argv[2]);

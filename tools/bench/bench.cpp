@@ -11,6 +11,7 @@
 #include "tools/bench/latency/latency_bench.hpp"
 #include "tools/bench/localisation/localisation_bench.hpp"
 #include "tools/bench/mapping/bench_mapping.hpp"
+#include "tools/bench/viewer/viewer_bench.hpp"
 #include "tools/bench/voting/voting_bench.hpp"
 
 namespace curbstone::bench {
@@ -33,6 +34,7 @@ const std::vector<Benchmark> kBenchmarks = {
     {"localisation", localisation::run_bench_localisation, "a vehicle of which nothing is known, found in a saved map"},
     {"drivers", drivers::run_bench_drivers, "packets, bytes and frames a second of the drivers on one core"},
     {"faults", faults::run_bench_faults, "what is lost when processes die, hang or starve in a drive"},
+    {"viewer", viewer::run_bench_viewer, "what a page of the live map costs, and how soon and how often it draws"},
 };
 
 int usage(std::FILE* out) {

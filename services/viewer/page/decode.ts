@@ -41,14 +41,26 @@ function readTile(reader: Reader, world: World): void {
   tile.utime = reader.f64();
   tile.curbsUtime = reader.f64();
   tile.zOrigin = reader.f32();
-  const cells: number[] = [];
-  const mask = isWhole ? null : reader.bytes(kMaskBytes);
-  for (let i = 0; i < kTileCells; ++i) if (!mask || mask[i >> 3] & (1 << (i & 7))) cells.push(i);
+  if (isWhole) readWhole(reader, tile);
+  else readChanges(reader, tile);
+  world.changed.add(tile);
+}
+
+function readWhole(reader: Reader, tile: Tile): void {
+  tile.classes.set(reader.bytes(kTileCells));
+  const heights = reader.bytes(2 * kTileCells);
+  for (let i = 0; i < kTileCells; ++i) tile.heights[i] = heights[2 * i] | heights[2 * i + 1] << 8;
+  tile.costs.set(reader.bytes(kTileCells));
+  tile.confidences.set(reader.bytes(kTileCells));
+}
+
+function readChanges(reader: Reader, tile: Tile): void {
+  const cells: number[] = [], mask = reader.bytes(kMaskBytes);
+  for (let i = 0; i < kTileCells; ++i) if (mask[i >> 3] & (1 << (i & 7))) cells.push(i);
   for (const i of cells) tile.classes[i] = reader.u8();
   for (const i of cells) tile.heights[i] = reader.i16();
   for (const i of cells) tile.costs[i] = reader.u8();
   for (const i of cells) tile.confidences[i] = reader.u8();
-  world.changed.add(tile);
 }
 
 function readCurbs(reader: Reader, world: World): void {

@@ -9,6 +9,7 @@ import { Camera } from "./drawing/camera";
 import { Ground } from "./drawing/ground";
 import { Marks } from "./drawing/marks";
 import { Motion } from "./drawing/motion";
+import { Pace } from "./drawing/pace";
 import { kInk } from "./drawing/ink";
 import { css, Rgb } from "./drawing/palette";
 import { TiltedMarks } from "./drawing/tilted_marks";
@@ -25,6 +26,7 @@ const world = new World();
 const camera = new Camera();
 const settings = new Settings();
 const map = byId("map"), groundCanvas = byId<HTMLCanvasElement>("ground"), marksCanvas = byId<HTMLCanvasElement>("marks");
+const pace = new Pace();
 const motion = new Motion(), localized = new Motion(), tilting = new Tilting(camera);
 let ground: Ground;
 let marks: Marks;
@@ -70,7 +72,7 @@ function draw(now: number): void {
   byId("needle").style.transform = `rotate(${-camera.turn}rad)`;
   byId("needle").style.transformOrigin = "12px 12px";
   connection.drawn();
-  if ((motion.isMoving(now) || isTilting) && !document.hidden) redraw();
+  if (pace.allows(now, motion.isMoving(now) || isTilting) && !document.hidden) redraw();
   if (now - written > 1000) {
     written = now;
     settings.write(camera);

@@ -42,7 +42,7 @@ export class Ground {
   curbsChanged(): void { this.relief.curbsChanged(); }
 
   private setUp(): void {
-    const gl = this.canvas.getContext("webgl2", { antialias: true, premultipliedAlpha: true, preserveDrawingBuffer: false });
+    const gl = this.canvas.getContext("webgl2", { antialias: !drawsInSoftware(), premultipliedAlpha: true, preserveDrawingBuffer: false });
     if (!gl) throw new Error("This browser has no WebGL2, which draws the map.");
     this.gl = gl;
     this.pages = new Pages(gl, this.world);
@@ -129,6 +129,15 @@ export class Ground {
     gl.drawArrays(gl.POINTS, 0, this.numPoints);
     gl.disable(gl.DEPTH_TEST);
   }
+}
+
+/// Without a graphics card smooth edges cost more than they are worth.
+function drawsInSoftware(): boolean {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const info = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = String(gl?.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
 }
 
 /// From base_link to map, by columns: yaw, pitch, roll.

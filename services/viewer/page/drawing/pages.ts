@@ -47,7 +47,10 @@ export class Pages {
     let page = this.all.get(key);
     if (!page) this.all.set(key, page = this.newPage(px, py));
     for (let i = 0; i < kTileCells; ++i) {
-      kBytes.set([tile.classes[i], tile.costs[i], tile.confidences[i], isThere ? 255 : 0], 4 * i);
+      kBytes[4 * i] = tile.classes[i];
+      kBytes[4 * i + 1] = tile.costs[i];
+      kBytes[4 * i + 2] = tile.confidences[i];
+      kBytes[4 * i + 3] = isThere ? 255 : 0;
       kHeights[i] = !isThere || tile.heights[i] === kNoHeight ? kNone : tile.zOrigin + tile.heights[i] * 0.002;
     }
     if (this.epoch === 0) this.epoch = tile.utime;

@@ -9,8 +9,8 @@ import { kBlockVertex, kNetVertex, kReliefFragment, kSolidFragment, kSolidVertex
 import { kCells, kTileSize, Tile, World } from "../world";
 
 const kNets = [25, 5, 1];          // squares aside
-const kFine = 84, kMiddle = 12;    // pixels that a tile must be wide for the nets before the last
-const kMostFine = 160;             // tiles
+const kFine = 100, kMiddle = 12;    // pixels that a tile must be wide for the nets before the last
+const kMostFine = 90;              // tiles
 const kMostFaces = 60_000;
 const kReach = 6;                  // of the eye's distance
 

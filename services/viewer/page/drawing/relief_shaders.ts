@@ -88,7 +88,7 @@ in float light;
 in float shown;
 out vec4 colour;
 void main() {
-  vec4 c = isBlock == 1 ? shadedColourOf(ivec2(floor(cell)), 0.0) : colourOfPixel(cell, dFdx(cell), dFdy(cell));
+  vec4 c = isBlock == 1 ? colourOf(ivec2(floor(cell)), 0.0) : colourOfPixel(cell, dFdx(cell), dFdy(cell));
   if (c.a < 0.02) discard;
   c.rgb = min(c.rgb * light, vec3(c.a));
   colour = greyed(c) * shown;

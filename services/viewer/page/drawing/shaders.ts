@@ -35,12 +35,12 @@ float shade(ivec2 at, float h) {
   vec2 slope = vec2((e < kNone ? h : e) - (w < kNone ? h : w), (n < kNone ? h : n) - (s < kNone ? h : s)) / 0.24;
   return clamp(dot(slope, vec2(0.45, -0.65)) * 0.9, -0.28, 0.22);  // light from the north-west
 }
-vec4 shadedColourOf(ivec2 at, float relief) {
+vec4 colourOf(ivec2 at, float relief) {
   // A pixel on the page's edge is of this page as a whole: of two halves one over the other some paper would be seen.
   at = clamp(at, ivec2(0), ivec2(int(cellsAside) - 1));
   uvec4 values = texelFetch(cells, at, 0);
   if (values.a == 0u) return vec4(0);
-  float h = heightAt(at);
+  float h = mode == 1 || relief > 0.0 ? heightAt(at) : -1e9;
   vec4 c = vec4(0);
   if (mode == 0) c = classes[values.r];
   if (mode == 1 && h > kNone) c = vec4(onRamp((h - range.x) / (range.y - range.x)), 1);
@@ -50,17 +50,15 @@ vec4 shadedColourOf(ivec2 at, float relief) {
   if (c.a > 0.0 && relief > 0.0 && h > kNone) c.rgb *= 1.0 + relief * shade(at, h);
   return vec4(c.rgb * c.a, c.a);
 }
-vec4 colourOf(ivec2 at) {
-  return shadedColourOf(at, relief);
-}
 /// Of a pixel at \`cell\`, from which it is so many cells to the next pixels.
 vec4 colourOfPixel(vec2 cell, vec2 pixelX, vec2 pixelY) {
   float size = max(length(pixelX), length(pixelY));
-  if (size < 0.8) return colourOf(ivec2(floor(cell)));
-  int n = size < 2.0 ? 2 : 3;  // several cells in a pixel: their mean
+  if (size < 0.8) return colourOf(ivec2(floor(cell)), relief);
+  int n = size < 2.0 ? 2 : 3;  // several cells in a pixel: their mean, in which no relief is seen
+  float seen = relief * max(0.0, 2.0 - size);
   vec4 sum = vec4(0);
   for (int i = 0; i < n; ++i) for (int j = 0; j < n; ++j)
-    sum += colourOf(ivec2(floor(cell + ((float(i) + 0.5) / float(n) - 0.5) * pixelX + ((float(j) + 0.5) / float(n) - 0.5) * pixelY)));
+    sum += colourOf(ivec2(floor(cell + ((float(i) + 0.5) / float(n) - 0.5) * pixelX + ((float(j) + 0.5) / float(n) - 0.5) * pixelY)), seen);
   return sum / float(n * n);
 }
 vec4 greyed(vec4 c) {

@@ -28,7 +28,7 @@ export class Tilting {
   step(now: number, world: World, followed: Pose | null): boolean {
     const { camera } = this, share = (now - this.began) / kLasts;
     const z = followed ? followed.z : heightAt(world, camera.x, camera.y);
-    const isRising = z !== null && camera.isTilted && Math.abs(z - camera.z) > 0.001;
+    const isRising = z !== null && camera.isTilted && Math.abs(z - camera.z) > 0.01;
     if (z !== null) camera.z = isRising ? camera.z + kRise * (z - camera.z) : z;
     if (this.began < 0) return isRising;
     camera.tilt = share >= 1 ? this.to : this.from + (this.to - this.from) * share * share * (3 - 2 * share);

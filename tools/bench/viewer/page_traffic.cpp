@@ -1,0 +1,112 @@
+#include "tools/bench/viewer/page_traffic.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include "common/bus/local_bus.hpp"
+#include "services/viewer/viewer_node.hpp"
+#include "tools/output/watched_log.hpp"
+#include "tools/replay/vehicle.hpp"
+
+namespace curbstone::bench::viewer {
+namespace {
+
+using curbstone::viewer::ViewerConfig;
+using curbstone::viewer::ViewerNode;
+namespace web = curbstone::viewer::web;
+
+constexpr std::int64_t kTick = 20'000;  // us
+enum PageNumber : web::PageId { kMap = 1, kPoints = 2, kUnread = 3 };
+
+/// By kind: frames/README.md.
+constexpr std::array<const char*, 8> kSections = {"", "begin", "tiles", "curbs", "path", "points", "state", "services"};
+
+std::uint32_t u32_at(const std::vector<std::uint8_t>& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+/// Three pages that draw at once what they get, but the last, which never says that it has.
+class CountingAudience final : public web::Audience {
+ public:
+  CountingAudience() {
+    for (const web::PageId page : {kMap, kPoints, kUnread}) {
+      tell(page, Event::Kind::kCame, "");
+      tell(page, Event::Kind::kSaid, R"({"resume": null})");
+    }
+    tell(kPoints, Event::Kind::kSaid, R"({"points": true})");
+  }
+  std::vector<Event> take_events() override { return std::exchange(events_, {}); }
+  void send(web::PageId page, web::Frame frame) override {
+    PageTraffic& traffic = pages_[page];
+    const auto size = static_cast<std::int64_t>(frame->size());
+    traffic.bytes += size;
+    traffic.frames += 1;
+    traffic.largest = std::max(traffic.largest, size);
+    const std::uint32_t number = u32_at(*frame, 0);
+    for (std::size_t at = 4; at + 5 <= frame->size(); at += 5 + u32_at(*frame, at + 1))
+      traffic.sections[kSections.at((*frame)[at])] += 5 + u32_at(*frame, at + 1);
+    if (page != kUnread) tell(page, Event::Kind::kSaid, fmt::format(R"({{"ack": {}}})", number));
+  }
+  [[nodiscard]] Counters counters() const override { return {}; }
+  [[nodiscard]] PageTraffic of(web::PageId page) { return pages_[page]; }
+
+ private:
+  void tell(web::PageId page, Event::Kind kind, std::string text) {
+    events_.push_back({page, kind, std::move(text), 0});
+  }
+  std::vector<Event> events_;
+  std::map<web::PageId, PageTraffic> pages_;
+};
+
+bool is_of_a_driver(const std::string& channel) {
+  return channel == "LIDAR_POINTS" || channel == "IMU" || channel == "WHEELS";
+}
+
+}  // namespace
+
+DriveTraffic measure_traffic(const std::string& log) {
+  output::WatchedLog reader(log, "bench viewer");
+  LocalBus bus;
+  CountingAudience audience;
+  ViewerNode node(ViewerConfig{}, bus, audience, {});
+  node.connect(bus);
+  replay::ReplayOptions options;
+  options.assignments = {"mapper.folder=", "semantic_map.map="};  // nothing to the disk
+  options.tick_period = kTick;
+  replay::ReplayVehicle vehicle(options, bus);
+  std::map<std::pair<std::int32_t, std::int32_t>, semantic_tile_t> tiles;
+  bus.subscribe<semantic_tile_t>("SEMANTIC_TILE", [&](const semantic_tile_t& tile) {
+    tiles[{tile.tile_x, tile.tile_y}] = tile;
+  });
+  std::int64_t first = 0, now = 0;
+  while (const auto event = reader.next()) {
+    if (!is_of_a_driver(event->channel)) continue;
+    if (first == 0) first = event->log_utime;
+    if (event->log_utime - now >= kTick) {
+      now = event->log_utime;
+      vehicle.advance(now);
+      bus.dispatch();
+      node.tick(now);
+    }
+    bus.inject(event->channel, event->bytes.data(), static_cast<int>(event->bytes.size()));
+    bus.dispatch();
+  }
+  if (now <= first) throw std::runtime_error(log + ": holds no LIDAR_POINTS, IMU or WHEELS");
+  DriveTraffic traffic{.seconds = static_cast<double>(now - first) * 1e-6,
+                       .map = audience.of(kMap),
+                       .points = audience.of(kPoints),
+                       .unread = audience.of(kUnread),
+                       .tiles = {}};
+  for (const auto& [key, tile] : tiles) traffic.tiles.push_back(tile);
+  return traffic;
+}
+
+}  // namespace curbstone::bench::viewer
