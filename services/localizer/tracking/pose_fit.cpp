@@ -121,6 +121,11 @@ double PoseFit::matched_share() const {
   return std::min(static_cast<double>(uprights_matched) / uprights, static_cast<double>(grounds_matched) / grounds);
 }
 
+double PoseFit::held_share() const {
+  const bool bare = uprights < kFewPoints && grounds >= kFewPoints;
+  return bare ? static_cast<double>(grounds_matched) / grounds : matched_share();
+}
+
 Pose moved_by(const Pose& pose, const Vector6& error) {
   Pose moved = pose;
   moved.translation() += error.head<3>();
