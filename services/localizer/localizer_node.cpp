@@ -191,7 +191,7 @@ void LocalizerNode::publish(const mapper::scan::Scan& scan, const Answer& answer
   pose_to_arrays(T_map_base, message.map_base_position, message.map_base_orientation);
   for (int i = 0; i < 36; ++i) message.covariance[i] = static_cast<float>(covariance(i / 6, i % 6));
   message.residual = static_cast<float>(fit.residual);
-  message.inlier_ratio = static_cast<float>(fit.matched_share());
+  message.inlier_ratio = static_cast<float>(lost() ? fit.matched_share() : fit.held_share());
   message.iterations = fit.iterations;
   message.degenerate = fit.degenerate;
   message.flags = (lost() ? map_pose_t::LOST : 0) | (lost() ? 0 : map_pose_t::REGISTERED) |

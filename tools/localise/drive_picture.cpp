@@ -1,6 +1,7 @@
 #include "tools/localise/drive_picture.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -65,6 +66,7 @@ std::vector<PictureLine> overlays_of(const std::vector<map_pose_t>& poses) {
     }
     last = &pose;
   }
+  std::stable_partition(lines.begin(), lines.end(), [](const PictureLine& line) { return line.colour == kKnown; });
   lines.insert(lines.end(), ellipses.begin(), ellipses.end());
   return lines;
 }
@@ -73,10 +75,10 @@ std::vector<PictureLine> overlays_of(const std::vector<map_pose_t>& poses) {
 
 void draw_drive(const std::string& map, const std::vector<map_pose_t>& poses, const std::string& png) {
   const semantic_map::store::MapReader reader(map);
-  semantic_map::picture::MapPicture picture{reader.tiles(), reader.curbs(), {}, overlays_of(poses)};
+  semantic_map::picture::MapPicture picture{reader.tiles(), reader.curbs(), {}, overlays_of(poses), "placed"};
   for (const auto& pose : reader.trajectory()) picture.path.emplace_back(pose.T_map_base.translation().head<2>());
   semantic_map::picture::PictureOptions options;
-  options.title = "blue: placed, orange: lost, violet: 3 sigma, 20 times as wide";
+  options.title = "orange: lost; violet: 3 sigma, 20 times as wide";
   write_png(draw_map(picture, options), png);
 }
 

@@ -99,12 +99,14 @@ std::string to_table(const PoseErrors& e) {
   return fmt::format(
       "  not lost and with a truth    {} of {} revolutions, {} lost\n"
       "  lateral        RMSE {:.3f} m, 99 % {:.3f} m\n"
+      "                 RMSE {:.3f} m, 99 % {:.3f} m where the longitudinal pose is not told\n"
       "  longitudinal   RMSE {:.3f} m, 99 % {:.3f} m where not degenerate ({} revolutions are)\n"
       "  yaw            RMSE {:.3f} deg\n"
       "  NEES (3)       mean {:.2f}, {:.1f} % beyond the 95 % bound\n"
       "  worst          {:.3f} m; {} revolutions wrong by 0.5 m and not lost\n",
-      e.judged, e.poses, e.lost, e.lateral_rmse, e.lateral_99, e.longitudinal_rmse, e.longitudinal_99, e.degenerate,
-      e.yaw_rmse, e.nees, 100 * e.beyond_95, e.worst, e.wrong_and_sure);
+      e.judged, e.poses, e.lost, e.lateral_rmse, e.lateral_99, e.lateral_untold_rmse, e.lateral_untold_99,
+      e.longitudinal_rmse, e.longitudinal_99, e.degenerate, e.yaw_rmse, e.nees, 100 * e.beyond_95, e.worst,
+      e.wrong_and_sure);
 }
 
 nlohmann::json to_json(const PoseErrors& e) {
@@ -115,6 +117,8 @@ nlohmann::json to_json(const PoseErrors& e) {
           {"judged", e.judged},
           {"lateral_rmse_m", e.lateral_rmse},
           {"lateral_99_m", e.lateral_99},
+          {"lateral_untold_rmse_m", e.lateral_untold_rmse},
+          {"lateral_untold_99_m", e.lateral_untold_99},
           {"longitudinal_rmse_m", told(e.longitudinal_rmse)},
           {"longitudinal_99_m", told(e.longitudinal_99)},
           {"longitudinal_all_rmse_m", e.longitudinal_all},

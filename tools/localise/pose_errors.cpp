@@ -58,7 +58,7 @@ std::optional<Pose> TrueMapPose::at(std::int64_t utime) const {
 
 PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& truth) {
   PoseErrors errors;
-  std::vector<double> across, along, along_all, yaws;
+  std::vector<double> across, across_untold, along, along_all, yaws;
   double nees = 0;
   int beyond = 0;
   for (const map_pose_t& pose : poses) {
@@ -77,10 +77,12 @@ PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& tr
     across.push_back(std::abs(error.translation().y()));
     yaws.push_back(yaw * 180 / std::numbers::pi);
     along_all.push_back(std::abs(error.translation().x()));
-    if (pose.degenerate & 1)
+    if (pose.degenerate & 1) {
       ++errors.degenerate;
-    else
+      across_untold.push_back(across.back());
+    } else {
       along.push_back(along_all.back());
+    }
     const double one = nees_of(pose, {off.x(), off.y(), yaw});
     nees += one;
     if (!(one <= kChi95)) ++beyond;
@@ -89,6 +91,8 @@ PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& tr
   }
   errors.lateral_rmse = rms(across);
   errors.lateral_99 = quantile_or(across, 0.99, 0);
+  errors.lateral_untold_rmse = rms(across_untold);
+  errors.lateral_untold_99 = quantile_or(across_untold, 0.99, 0);
   errors.longitudinal_rmse = rms(along);
   errors.longitudinal_99 = quantile_or(along, 0.99, 0);
   errors.longitudinal_all = rms(along_all);

@@ -8,7 +8,10 @@ namespace curbstone::localizer::tracking {
 namespace {
 
 constexpr int kMostIterations = 5;
-constexpr double kDone = 3e-4;           // m or rad of a step
+constexpr double kDone = 1e-3;        // m or rad of a step: what is left of the next is far less
+constexpr double kNearlyDone = 3e-3;  // m or rad
+constexpr std::size_t kCoarsely = 3;  // of so many points one, before all
+constexpr std::size_t kEnoughPoints = 600;
 constexpr double kGroundBand = 0.22;     // m about the map's ground: a point of it
 constexpr double kLeastUpright = 0.4;    // m above it: a point on something upright,
 constexpr double kMostUpright = 1.9;     // m: as high as the map's classes look
@@ -121,6 +124,11 @@ double PoseFit::matched_share() const {
   return std::min(static_cast<double>(uprights_matched) / uprights, static_cast<double>(grounds_matched) / grounds);
 }
 
+double PoseFit::held_share() const {
+  const bool bare = uprights < kFewPoints && grounds >= kFewPoints;
+  return bare ? static_cast<double>(grounds_matched) / grounds : matched_share();
+}
+
 Pose moved_by(const Pose& pose, const Vector6& error) {
   Pose moved = pose;
   moved.translation() += error.head<3>();
@@ -139,14 +147,21 @@ PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& p
   const double share = config.independent * news;
   const Matrix6 prior_information = prior.covariance.inverse();
   Pose pose = prior.T_map_base;
+  std::size_t every = points.size() < kEnoughPoints ? 1 : kCoarsely;
   for (int iteration = 1;; ++iteration) {
     PointSums seen(pose, map, config);
-    for (const Eigen::Vector3d& p : points) seen.add(p);
-    const Matrix6 information = prior_information + share * seen.sums.information;
-    const Vector6 gradient = prior_information * error_between(prior.T_map_base, pose) + share * seen.sums.gradient;
+    for (std::size_t i = 0; i < points.size(); i += every) seen.add(points[i]);
+    const double weight = share * static_cast<double>(every);
+    const Matrix6 information = prior_information + weight * seen.sums.information;
+    const Vector6 gradient = prior_information * error_between(prior.T_map_base, pose) + weight * seen.sums.gradient;
     const Vector6 step = -information.ldlt().solve(gradient);
     pose = normalised(moved_by(pose, step));
-    if (step.cwiseAbs().maxCoeff() > kDone && iteration < kMostIterations) continue;
+    const double moved = step.cwiseAbs().maxCoeff();
+    if (every > 1) {  // the way there by some of the points, the last of it by all
+      if (moved < kNearlyDone || iteration + 1 >= kMostIterations) every = 1;
+      continue;
+    }
+    if (moved > kDone && iteration < kMostIterations) continue;
     PoseFit fit = seen.counts;
     fit.belief = {pose, information.inverse()};
     fit.degenerate = untold_axes(config.independent * seen.sums.information, pose.linear());

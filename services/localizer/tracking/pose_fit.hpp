@@ -32,6 +32,9 @@ struct PoseFit {
 
   /// 0..1: the lesser of the two shares; 0 where hardly anything was seen.
   [[nodiscard]] double matched_share() const;
+  /// The same, but where hardly anything stands, that of the ground alone: a street without walls holds a pose that is
+  /// known, and finds none.
+  [[nodiscard]] double held_share() const;
 };
 
 /// The pose that fits prior and revolution best: Gauss-Newton with a kernel that lets go of what does not fit (Geman,

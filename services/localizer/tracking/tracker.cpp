@@ -17,10 +17,9 @@ constexpr int kRevolutions = 4;     // or one place in so many
 }  // namespace
 
 void Tracker::judge(const PoseFit& fit) {
-  const bool fits = fit.matched_share() >= config_.min_match;
+  const bool fits = fit.held_share() >= config_.min_match;
   // On another town's map a street or two match by half.
-  const bool finds =
-      fit.matched_share() >= (lost_ ? std::max(config_.find_match, config_.min_match) : config_.min_match);
+  const bool finds = lost_ ? fit.matched_share() >= std::max(config_.find_match, config_.min_match) : fits;
   fitting_ = finds ? fitting_ + 1 : 0;
   failing_ = fits ? 0 : failing_ + 1;
   const Eigen::Matrix2d plane = belief_.covariance.topLeftCorner<2, 2>();
@@ -50,7 +49,7 @@ PoseFit Tracker::track(const std::vector<Eigen::Vector3d>& points, const Motion&
   PoseFit fit = fit_pose(points, prior, map, config_, news_of(motion));
   const bool usable = is_finite(fit.belief.T_map_base) && fit.belief.covariance.allFinite();
   // What does not fit tells nothing: the pose goes on with odometry, and is known worse and worse.
-  const bool is_used = usable && fit.matched_share() >= config_.min_match;
+  const bool is_used = usable && (lost_ ? fit.matched_share() : fit.held_share()) >= config_.min_match;
   if (is_used) belief_ = fit.belief;
   looks_ = is_used ? looks_ + 1 : 0;
   fit.belief = belief_;

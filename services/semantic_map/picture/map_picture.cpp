@@ -251,7 +251,7 @@ Canvas draw_map(const MapPicture& map, const PictureOptions& options) {
     Footer footer(canvas, height, text);
     for (const LegendEntry& entry : kLegend) footer.swatch(class_colour(entry.cell_class), entry.name);
     if (!map.path.empty()) footer.stroke(kPath, "driven path");
-    if (!map.overlays.empty()) footer.stroke(map.overlays.front().colour, "truth");
+    if (!map.overlays.empty()) footer.stroke(map.overlays.front().colour, map.overlays_are.c_str());
     footer.scale_bar(scale / kCellSize);
     if (!options.title.empty()) footer.words(options.title);
   }

@@ -33,6 +33,7 @@ struct MapPicture {
   std::vector<tile::CurbLine> curbs;  ///< drawn as fine lines over the curb cells
   std::vector<Eigen::Vector2d> path;  ///< empty: none
   std::vector<PictureLine> overlays;
+  std::string overlays_are = "truth";  ///< in the legend, in the first one's colour
 };
 
 [[nodiscard]] Canvas draw_map(const MapPicture& map, const PictureOptions& options);

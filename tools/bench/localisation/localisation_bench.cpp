@@ -78,6 +78,7 @@ nlohmann::json random_starts(Run& run, int count) {
     if (bad > 0)
       fmt::print("  start at {:.2f} s: sure and wrong for {} revolutions\n",
                  static_cast<double>(from - drive.begin()) * 1e-6, bad);
+    if (found == said.end() && !run.truth) continue;
     if (found == said.end()) {
       fmt::print("  start at {:.2f} s: not found\n", static_cast<double>(from - drive.begin()) * 1e-6);
       continue;

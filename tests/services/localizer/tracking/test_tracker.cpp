@@ -160,6 +160,27 @@ TEST(Tracker, CarriedAwaySaysSoWithinASecondAndGoesOnWithOdometry) {
   EXPECT_GT(std::sqrt(tracker.published_covariance()(0, 0)), sigma) << "known worse and worse";
 }
 
+TEST(Tracker, WhereNothingStandsTheGroundHoldsAPoseThatIsKnownAndFindsNone) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  Pose truth = pose_at(-3, 0, 0.2);
+  const auto ground_at = [&](const Pose& pose) {
+    auto points = points_in(yard, pose);
+    std::erase_if(points, [](const Eigen::Vector3d& p) { return p.z() > 0.4; });
+    return points;
+  };
+  Tracker known(start(truth), {}), unknown(start(truth), {});
+  for (int i = 0; i < 20; ++i) known.track(points_in(yard, truth), Motion{}, map);
+  for (int i = 0; i < 40; ++i) {
+    truth = truth * ahead().T_last_base;
+    known.track(ground_at(truth), ahead(), map);
+    EXPECT_FALSE(known.lost()) << i;
+    unknown.track(ground_at(truth), ahead(), map);
+    EXPECT_TRUE(unknown.lost()) << i;
+  }
+  EXPECT_LT(error_between(truth, known.belief().T_map_base).head<2>().norm(), 0.1);
+}
+
 TEST(Tracker, AGapInOdometryIsSurvived) {
   const Yard yard;
   fields::SavedMap map(map_of(yard));
