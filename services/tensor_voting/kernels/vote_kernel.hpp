@@ -46,7 +46,6 @@ struct alignas(64) VoterBlock {
   std::array<std::array<std::int32_t, kLanes>, VoteSums::kCount> recent{};
   std::int32_t num_recent = 0;
   std::int32_t num_voters = 0;
-  std::int64_t changed = 0;  // VotingField::change() that gave or took one of its votes last
 
   /// Takes one voter more; there must be a lane left. Returns its lane.
   std::size_t push_back(const StepPoint& at) {

@@ -33,14 +33,23 @@ struct Votes {
   Ints component[VoteSums::kCount];
 };
 
-/// The votes between two points at offsets `d`, in the lanes of `mask`. Neither end can tell which one it is: the
-/// offset enters by products of two of its components only.
-CURBSTONE_INLINE Votes votes_at(const Decay& decay, float sign, const Offsets& d, Mask mask) {
+/// What votes at some distances weigh, in units. Lanes out of reach have no weight, and 1 as their distance.
+struct Weights {
+  Floats squared;
+  Floats w;
+};
+CURBSTONE_INLINE Weights weights_at(const Decay& decay, float sign, const Offsets& d, Mask mask) {
   constexpr float kLog2E = 1.44269504F;
   const Floats squared = choose(mask, d.squared, all(1));
   const Floats y = squared * (-decay.inverse_sigma2 * kLog2E);
-  const Floats w = keep(mask, power_of_two(choose(below(all(-126), y), y, all(-126))) * (sign * kUnitsPerVote));
-  const Floats g = w / squared;
+  return {squared, keep(mask, power_of_two(choose(below(all(-126), y), y, all(-126))) * (sign * kUnitsPerVote))};
+}
+
+/// The votes between two points at offsets `d`. Neither end can tell which one it is: the offset enters by products of
+/// two of its components only.
+CURBSTONE_INLINE Votes votes_at(const Offsets& d, const Weights& weights) {
+  const Floats w = weights.w;
+  const Floats g = w / weights.squared;
   const Floats gx = g * d.x;
   const Floats gy = g * d.y;
   Votes votes;
@@ -114,14 +123,14 @@ CURBSTONE_INLINE Mask within_reach(const Decay& decay, const Offsets& d) {
   return below(below(d.squared, all(decay.radius2)), Floats{}, d.squared);
 }
 
+constexpr int kVectors = kLanes / kWidth;  // to a block
+
 /// The votes between one voter and a block, both ways.
-CURBSTONE_INLINE void exchange_block(const Decay& decay, const StepPoint& at, float sign, const NearBlock* near,
-                                     OwnSums& own) {
+CURBSTONE_INLINE void exchange_block(const StepPoint& at, const Weights* weights, const NearBlock* near, OwnSums& own) {
   auto* const received = reinterpret_cast<std::int32_t*>(&near->block->recent);
 #pragma GCC unroll 4
   for (int lane = 0; lane < kLanes; lane += kWidth) {
-    const Offsets d = offsets_to(near->block, lane, at);
-    const Votes votes = votes_at(decay, sign, d, within_reach(decay, d));
+    const Votes votes = votes_at(offsets_to(near->block, lane, at), weights[lane / kWidth]);
 #pragma GCC unroll 6
     for (int c = 0; c < VoteSums::kCount; ++c) {
       own.recent[c] += votes.component[c];
@@ -131,6 +140,24 @@ CURBSTONE_INLINE void exchange_block(const Decay& decay, const StepPoint& at, fl
     if (++own.num_recent == kMaxRecent) own.settle();
   }
   if (++near->block->num_recent == kMaxRecent) settle(near->block, near->settled);
+}
+
+/// The votes between one voter and some blocks: first what they weigh, then the rest. Block by block, the operations
+/// that wait for others of the same block would fill the processor's queue.
+CURBSTONE_INLINE void exchange_blocks(const Decay& decay, const StepPoint& at, float sign,
+                                      const NearBlock* const* blocks, std::size_t num_blocks, OwnSums& own) {
+  constexpr std::size_t kAStep = 8;
+  Weights weights[kAStep * kVectors];
+  for (std::size_t begin = 0; begin < num_blocks; begin += kAStep) {
+    const std::size_t count = num_blocks - begin < kAStep ? num_blocks - begin : kAStep;
+    for (std::size_t i = 0; i < count; ++i) {
+      for (int v = 0; v < kVectors; ++v) {
+        const Offsets d = offsets_to(blocks[begin + i]->block, v * kWidth, at);
+        weights[i * kVectors + static_cast<std::size_t>(v)] = weights_at(decay, sign, d, within_reach(decay, d));
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) exchange_block(at, weights + i * kVectors, blocks[begin + i], own);
+  }
 }
 
 /// First which blocks have a voter within reach, then the votes: whether the next one has cannot be foretold, and a
@@ -155,7 +182,7 @@ std::int64_t exchange(const Decay& decay, const StepPoint& at, float sign, NearB
       within[num_within] = near + i;
       num_within += pairs > 0 ? 1 : 0;
     }
-    for (std::size_t i = 0; i < num_within; ++i) exchange_block(decay, at, sign, within[i], own);
+    exchange_blocks(decay, at, sign, within, num_within, own);
   }
   own.settle();
   return total;

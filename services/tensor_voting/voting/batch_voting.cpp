@@ -51,16 +51,17 @@ class Assembly {
 
   Assembly(CellList& cells, std::span<const WidePoint> voters, double radius_in_steps, int threads)
       : cells_(&cells), reach_(2), threads_(threads) {
-    cells.rebuild(voters, edge_for(radius_in_steps / 2), threads);
+    cells.divide(voters, edge_for(radius_in_steps / 2));
     // Cells of half the radius look at the fewest voters out of reach. But a block of votees is of one cell: where
     // points are few, larger cells fill it better. The map is made of surfaces: twice the edge, four times the points.
     constexpr double kEnough = 2 * kernels::kBlock;
     const double occupancy = static_cast<double>(voters.size()) / static_cast<double>(cells_->cells().size());
     if (occupancy < kEnough) {
       const double edge = radius_in_steps * (4 * occupancy >= kEnough ? 1 : 16 * occupancy >= kEnough ? 2 : 4);
-      cells.rebuild(voters, edge_for(edge), threads);
+      cells.divide(voters, edge_for(edge));
       reach_ = 1;
     }
+    cells.fill(voters, threads);
     arrays_ = cells_->arrays();
   }
 

@@ -92,33 +92,21 @@ void CellList::make_compact(std::span<Item> cell, std::uint32_t first, std::uint
   make_compact(cell, middle, last, blocks);
 }
 
-void CellList::rebuild(std::span<const WidePoint> points, std::int32_t edge, int threads) {
+void CellList::divide(std::span<const WidePoint> points, std::int32_t edge) {
   cells_.clear();
-  blocks_.clear();
-  items_.resize(points.size());
-  source_.resize(points.size());
-  for (auto* v : {&x_, &y_, &z_}) v->resize(points.size() + kernels::kReadAhead);
+  cell_of_point_.resize(points.size());
   if (points.empty()) return;
   const Lattice lattice(points, edge);
   if (lattice.volume() <= 4.0 * static_cast<double>(points.size()) + 65536) {
-    count_into_cells(points, lattice);
+    count_in_cells(points, lattice);
   } else {
-    sort_into_cells(points, lattice);
+    sort_by_cell(points, lattice);
   }
-  index_rows();
-  make_blocks(threads);
 }
 
-/// Both ways the points of a cell keep their order.
-void CellList::put(std::uint32_t at, const WidePoint& p, std::uint32_t source) {
-  items_[at] = {{static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y), static_cast<std::int32_t>(p.z)},
-                source};
-}
-
-void CellList::count_into_cells(std::span<const WidePoint> points, const Lattice& lattice) {
+void CellList::count_in_cells(std::span<const WidePoint> points, const Lattice& lattice) {
   const Lattice::Index last = lattice.last();
   next_.assign(static_cast<std::size_t>(lattice.volume()), 0);
-  cell_of_point_.resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Lattice::Index c = lattice.cell_of(points[i]);
     cell_of_point_[i] = static_cast<std::uint32_t>((c.z * (last.y + 1) + c.y) * (last.x + 1) + c.x);
@@ -134,23 +122,39 @@ void CellList::count_into_cells(std::span<const WidePoint> points, const Lattice
       }
     }
   }
-  for (std::uint32_t i = 0; i < points.size(); ++i) put(next_[cell_of_point_[i]]++, points[i], i);
 }
 
-void CellList::sort_into_cells(std::span<const WidePoint> points, const Lattice& lattice) {
+void CellList::sort_by_cell(std::span<const WidePoint> points, const Lattice& lattice) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(points.size());
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     const Lattice::Index c = lattice.cell_of(points[i]);
     keys[i] = {key_of(c.x, c.y, c.z), i};
   }
   std::sort(keys.begin(), keys.end());
+  next_.clear();
   for (std::uint32_t at = 0; at < points.size(); ++at) {
     const std::uint32_t i = keys[at].second;
-    const Lattice::Index c = lattice.cell_of(points[i]);
-    if (at == 0 || keys[at].first != keys[at - 1].first) cells_.push_back({c.x, c.y, c.z, at, at});
+    if (at == 0 || keys[at].first != keys[at - 1].first) {
+      const Lattice::Index c = lattice.cell_of(points[i]);
+      cells_.push_back({c.x, c.y, c.z, at, at});
+      next_.push_back(at);
+    }
     ++cells_.back().end;
-    put(at, points[i], i);
+    cell_of_point_[i] = static_cast<std::uint32_t>(cells_.size() - 1);
   }
+}
+
+void CellList::fill(std::span<const WidePoint> points, int threads) {
+  blocks_.clear();
+  items_.resize(points.size());
+  source_.resize(points.size());
+  for (auto* v : {&x_, &y_, &z_}) v->resize(points.size() + kernels::kReadAhead);
+  for (std::uint32_t i = 0; i < points.size(); ++i) {  // those of a cell keep their order
+    const auto low = [](std::int64_t v) { return static_cast<std::int32_t>(v); };
+    items_[next_[cell_of_point_[i]]++] = {{low(points[i].x), low(points[i].y), low(points[i].z)}, i};
+  }
+  index_rows();
+  make_blocks(threads);
 }
 
 void CellList::index_rows() {

@@ -25,8 +25,10 @@ class CellList {
     std::uint32_t count;
   };
 
-  /// Forgets what it holds, but keeps the memory. `edge` in steps, at least kMinEdge.
-  void rebuild(std::span<const WidePoint> points, std::int32_t edge, int threads);
+  /// Finds the cells of the points, `edge` steps long, at least kMinEdge. What it held is forgotten, the memory stays.
+  void divide(std::span<const WidePoint> points, std::int32_t edge);
+  /// Then sorts the points, the same ones, and makes the blocks.
+  void fill(std::span<const WidePoint> points, int threads);
 
   static constexpr std::int32_t kMinEdge = 1 << 19;  ///< so that an index has 21 bits
 
@@ -52,9 +54,8 @@ class CellList {
     std::uint32_t source;
   };
   struct Lattice;
-  void count_into_cells(std::span<const WidePoint> points, const Lattice& lattice);  // where cells are few
-  void sort_into_cells(std::span<const WidePoint> points, const Lattice& lattice);
-  void put(std::uint32_t at, const WidePoint& p, std::uint32_t source);
+  void count_in_cells(std::span<const WidePoint> points, const Lattice& lattice);  // where cells are few
+  void sort_by_cell(std::span<const WidePoint> points, const Lattice& lattice);
   static void make_compact(std::span<Item> cell, std::uint32_t first, std::uint32_t last, std::uint32_t blocks);
   void index_rows();
   void make_blocks(int threads);
@@ -68,7 +69,7 @@ class CellList {
 
   std::vector<Item> items_;  // while it is built
   std::vector<std::uint32_t> cell_of_point_;
-  std::vector<std::uint32_t> next_;  // place in each cell
+  std::vector<std::uint32_t> next_;  // place in each of those cells
 };
 
 }  // namespace curbstone::tensor_voting::voting

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "services/tensor_voting/kernels/tensor.hpp"
@@ -38,9 +37,11 @@ struct VoterTile {
   std::vector<std::uint32_t> voter_of_point;
   std::vector<Seat> seats;  ///< of each voter
   std::vector<std::uint32_t> point_of_voter;
-  std::vector<std::int32_t> columns;           ///< first block of each, or -1
-  std::vector<Link> links;                     ///< of each block
-  std::vector<std::unique_ptr<Chunk>> chunks;  ///< blocks stay where they are
+  std::vector<std::int32_t> columns;  ///< first block of each, or -1
+  std::vector<Link> links;            ///< of each block
+  std::vector<std::int64_t> changed;  ///< of each block: VotingField::change() that touched its votes last
+  std::vector<std::array<std::uint32_t, kernels::kLanes>> voters;  ///< of each block, lane by lane
+  std::vector<std::unique_ptr<Chunk>> chunks;                      ///< blocks stay where they are
   VoxelTable voxels;
   std::int64_t num_votes = 0;
 
@@ -56,26 +57,19 @@ struct VoterTile {
     const std::size_t made = links.size();
     if (made % kBlocksPerChunk == 0) chunks.push_back(std::make_unique<Chunk>());
     links.push_back({z, columns[column]});
+    changed.push_back(0);
+    voters.emplace_back();
     columns[column] = static_cast<std::int32_t>(made);
     return static_cast<std::uint32_t>(made);
   }
 
-  /// What voters have received.
-  [[nodiscard]] std::vector<kernels::VoteSums> sums(std::span<const std::uint32_t> voters) const {
+  /// What each voter has received.
+  [[nodiscard]] std::vector<kernels::VoteSums> sums() const {
     std::vector<kernels::VoteSums> result;
-    result.reserve(voters.size());
-    for (const std::uint32_t i : voters) {
-      const Block& at = block(seats[i].block);
-      result.push_back(kernels::sums_of(at.voters, at.settled, seats[i].lane));
-    }
-    return result;
-  }
-
-  /// The voters of all blocks that changed after `since`.
-  [[nodiscard]] std::vector<std::uint32_t> voters_changed(std::int64_t since) const {
-    std::vector<std::uint32_t> result;
-    for (std::size_t i = 0; i < seats.size(); ++i) {
-      if (block(seats[i].block).voters.changed > since) result.push_back(static_cast<std::uint32_t>(i));
+    result.reserve(seats.size());
+    for (const Seat& seat : seats) {
+      const Block& at = block(seat.block);
+      result.push_back(kernels::sums_of(at.voters, at.settled, seat.lane));
     }
     return result;
   }

@@ -18,7 +18,7 @@ struct VotingField::NewVoter {
 
 /// A tile and the eight around it, where they exist.
 struct VotingField::Neighbourhood {
-  static constexpr std::size_t kCentre = 4;
+  static constexpr std::uint32_t kCentre = 4;
   TileKey centre;
   std::array<VoterTile*, 9> tiles{};
   std::array<bool, 9> changed{};
@@ -56,7 +56,7 @@ void VotingField::find_near(const Neighbourhood& around, const FieldCell& cell, 
   const std::int64_t reach2 = grid_.radius() * grid_.radius();
   const auto gap2 = [&](int d) { return grid_.gap(d) * grid_.gap(d); };
   near_.clear();
-  near_tiles_.clear();
+  near_places_.clear();
   for (int y = cell.y - reach; y <= cell.y + reach; ++y) {
     for (int x = cell.x - reach; x <= cell.x + reach; ++x) {
       const std::int64_t away2 = gap2(x - cell.x) + gap2(y - cell.y);
@@ -69,10 +69,12 @@ void VotingField::find_near(const Neighbourhood& around, const FieldCell& cell, 
       for (std::int32_t i = tile->columns[grid_.column_of(x - n * right, y - n * up)]; i >= 0;) {
         const VoterTile::Link& link = tile->links[static_cast<std::size_t>(i)];
         VoterTile::Block& block = tile->block(static_cast<std::size_t>(i));
+        const auto number = static_cast<std::uint32_t>(i);
         i = link.next;
         if (away2 + gap2(link.layer - cell.z) >= reach2) continue;
+        for (const auto* line : {&block.voters.x, &block.voters.y, &block.voters.z}) __builtin_prefetch(line);
         near_.push_back({&block.voters, &block.settled, 0});
-        near_tiles_.push_back(t);
+        near_places_.push_back({static_cast<std::uint32_t>(t), number});
       }
     }
   }
@@ -87,9 +89,10 @@ std::int64_t VotingField::exchange(const kernels::StepPoint& at, float sign, ker
 void VotingField::book(Neighbourhood& around, std::int64_t sign) {
   for (std::size_t i = 0; i < near_.size(); ++i) {
     if (near_[i].pairs == 0) continue;
-    around.tiles[near_tiles_[i]]->num_votes += sign * near_[i].pairs;
-    around.changed[near_tiles_[i]] = true;
-    near_[i].block->changed = change_;
+    VoterTile& tile = *around.tiles[near_places_[i].tile];
+    tile.num_votes += sign * near_[i].pairs;
+    tile.changed[near_places_[i].block] = change_;
+    around.changed[near_places_[i].tile] = true;
   }
 }
 
@@ -131,12 +134,13 @@ void VotingField::add(TileKey key, std::int32_t z_origin, std::span<const TilePo
       const std::uint32_t index = tile->block_for(column, voter->cell.z);
       VoterTile::Block& block = tile->block(index);
       const std::size_t lane = block.voters.push_back(voter->place.in_map);
-      block.voters.changed = change_;
+      tile->changed[index] = change_;
+      tile->voters[index][lane] = voter->index;
       for (std::size_t c = 0; c < kernels::VoteSums::kCount; ++c) block.settled.value[c][lane] = sums.value[c];
       tile->seats[voter->index] = {index, static_cast<std::uint32_t>(lane)};
       if (lane == 0) {
         near_.push_back({&block.voters, &block.settled, 0});
-        near_tiles_.push_back(Neighbourhood::kCentre);
+        near_places_.push_back({Neighbourhood::kCentre, index});
       }
     }
     book(around, 1);
@@ -201,17 +205,27 @@ std::span<const std::uint32_t> VotingField::points_of_voters(TileKey key) const 
 }
 
 std::vector<kernels::VoteSums> VotingField::sums(TileKey key) const {
-  return sums(key, voters_changed(key, 0));
+  const VoterTile* const tile = find(key);
+  return tile == nullptr ? std::vector<kernels::VoteSums>() : tile->sums();
 }
 
-std::vector<kernels::VoteSums> VotingField::sums(TileKey key, std::span<const std::uint32_t> voters) const {
+void VotingField::for_each_changed(TileKey key, std::int64_t since,
+                                   const std::function<void(const ReceivedBlock&)>& visit) const {
   const VoterTile* const tile = find(key);
-  return tile == nullptr ? std::vector<kernels::VoteSums>() : tile->sums(voters);
-}
-
-std::vector<std::uint32_t> VotingField::voters_changed(TileKey key, std::int64_t since) const {
-  const VoterTile* const tile = find(key);
-  return tile == nullptr ? std::vector<std::uint32_t>() : tile->voters_changed(since);
+  if (tile == nullptr) return;
+  ReceivedBlock received;
+  for (std::uint32_t i = 0; i < tile->changed.size(); ++i) {
+    if (tile->changed[i] <= since) continue;
+    const VoterTile::Block& block = tile->block(i);
+    received.number = i;
+    received.voters = std::span(tile->voters[i]).first(static_cast<std::size_t>(block.voters.num_voters));
+    for (std::size_t c = 0; c < received.sums.size(); ++c) {
+      for (std::size_t lane = 0; lane < kernels::kLanes; ++lane) {
+        received.sums[c][lane] = block.settled.value[c][lane] + block.voters.recent[c][lane];
+      }
+    }
+    visit(received);
+  }
 }
 
 std::vector<TileKey> VotingField::take_changed() {

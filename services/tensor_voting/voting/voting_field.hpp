@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <set>
 #include <span>
@@ -16,6 +18,19 @@
 namespace curbstone::tensor_voting::voting {
 
 struct VoterTile;
+
+/// What up to kLanes voters of a tile have received, side by side.
+struct ReceivedBlock {
+  std::uint32_t number = 0;               ///< among the tile's blocks, for as long as the tile is in the field
+  std::span<const std::uint32_t> voters;  ///< which of the tile's they are
+  std::array<std::array<std::int64_t, kernels::kLanes>, kernels::VoteSums::kCount> sums;  ///< component after component
+
+  [[nodiscard]] kernels::VoteSums of(std::size_t lane) const {
+    kernels::VoteSums result;
+    for (std::size_t c = 0; c < sums.size(); ++c) result.value[c] = sums[c][lane];
+    return result;
+  }
+};
 
 /// The ball votes of a growing map of tiles, kept exactly up to date: a new point costs its own pairs and no others,
 /// and every pair is computed once for both its ends. After any sequence of add() and remove(), every sum has the bits
@@ -53,10 +68,9 @@ class VotingField {
   [[nodiscard]] std::span<const std::uint32_t> points_of_voters(TileKey key) const;
   /// What each voter of a tile has received.
   [[nodiscard]] std::vector<kernels::VoteSums> sums(TileKey key) const;
-  [[nodiscard]] std::vector<kernels::VoteSums> sums(TileKey key, std::span<const std::uint32_t> voters) const;
-  /// The voters of a tile whose sums may have become others after change() was `since`, in order: all of those, and
-  /// some that share a block with them. Since 0, all.
-  [[nodiscard]] std::vector<std::uint32_t> voters_changed(TileKey key, std::int64_t since) const;
+  /// The voters of a tile whose sums may have become others after change() was `since`: all of those, and some that
+  /// share a block with them. Since 0, all.
+  void for_each_changed(TileKey key, std::int64_t since, const std::function<void(const ReceivedBlock&)>& visit) const;
   /// Counts add() and remove().
   [[nodiscard]] std::int64_t change() const { return change_; }
 
@@ -94,7 +108,11 @@ class VotingField {
   std::int64_t num_pairs_ = 0;
   std::int64_t change_ = 0;
   std::vector<kernels::NearBlock> near_;
-  std::vector<std::size_t> near_tiles_;  // the neighbour that each belongs to
+  struct Place {
+    std::uint32_t tile;  // among the neighbours
+    std::uint32_t block;
+  };
+  std::vector<Place> near_places_;  // of each
 };
 
 }  // namespace curbstone::tensor_voting::voting

@@ -1,40 +1,80 @@
 #include "services/tensor_voting/worker/voted_pages.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
+#include <iterator>
 #include <utility>
 
-#include "services/tensor_voting/kernels/decomposition.hpp"
+#include "services/tensor_voting/kernels/tensor_block.hpp"
 
 namespace curbstone::tensor_voting::worker {
 
 namespace {
 
-/// A decomposition as the message carries it.
-struct WireTensor {
-  std::int16_t normal[3];
-  std::int8_t tangent[3];
-  std::uint8_t stick;
-  std::uint8_t plate;
-  float mass;
+/// Decompositions as the message carries them, side by side.
+struct WireBlock {
+  std::int16_t normal[3][kernels::kLanes];
+  std::int8_t tangent[3][kernels::kLanes];
+  std::uint8_t stick[kernels::kLanes];
+  std::uint8_t plate[kernels::kLanes];
+  float mass[kernels::kLanes];
 };
 
-WireTensor to_wire(const kernels::DecompositionF& d) {
-  WireTensor wire;
-  for (int axis = 0; axis < 3; ++axis) {
-    wire.normal[axis] = static_cast<std::int16_t>(std::lround(d.normal[axis] * 32767));
-    wire.tangent[axis] = static_cast<std::int8_t>(std::lround(d.tangent[axis] * 127));
+/// To the nearest whole number, halves away from 0, as std::lround() does one by one; |v| < 2^23.
+template <class Whole>
+void round_to(Whole* to, const float* from, float factor) {
+  for (std::size_t lane = 0; lane < kernels::kLanes; ++lane) {
+    const float v = from[lane] * factor;
+    const auto whole = static_cast<std::int32_t>(v);
+    const float rest = v - static_cast<float>(whole);
+    to[lane] = static_cast<Whole>(whole + (rest >= 0.5F ? 1 : 0) - (rest <= -0.5F ? 1 : 0));
   }
-  wire.stick = static_cast<std::uint8_t>(std::lround(d.stick * 255));
-  wire.plate = static_cast<std::uint8_t>(std::lround(d.plate * 255));
-  wire.mass = d.mass;
+}
+
+WireBlock to_wire(const kernels::ShapeBlock& shapes, const kernels::TensorBlock& tensors) {
+  WireBlock wire;
+  const auto component = [&](std::size_t c) { return shapes.component + c * kernels::kLanes; };
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    round_to(wire.normal[axis], component(axis), 32767);
+    round_to(wire.tangent[axis], component(3 + axis), 127);
+  }
+  round_to(wire.stick, component(6), 255);
+  round_to(wire.plate, component(7), 255);
+  std::copy(std::begin(tensors.mass), std::end(tensors.mass), wire.mass);
   return wire;
 }
 
-/// Of the voters of one scale that are sent.
+/// Of one scale, what is sent, in the order of the points; kLanes to a block.
 struct WireTensors {
   std::vector<std::uint32_t> points;  // indices in the tile
-  std::vector<WireTensor> tensors;
+  std::vector<WireBlock> blocks;
+};
+
+/// Voters and their sums, found block by block, wanted in the order of the voters.
+class VotersInOrder {
+ public:
+  explicit VotersInOrder(std::size_t num_voters) : found_(num_voters / 64 + 1), at_(num_voters) {}
+
+  void add(std::uint32_t voter, const kernels::VoteSums& sums) {
+    found_[voter / 64] |= std::uint64_t{1} << (voter % 64);
+    at_[voter] = static_cast<std::uint32_t>(sums_.size());
+    sums_.push_back(sums);
+  }
+  [[nodiscard]] std::size_t size() const { return sums_.size(); }
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    for (std::size_t word = 0; word < found_.size(); ++word) {
+      for (std::uint64_t rest = found_[word]; rest != 0; rest &= rest - 1) {
+        const auto voter = static_cast<std::uint32_t>(word * 64 + static_cast<unsigned>(std::countr_zero(rest)));
+        visit(voter, sums_[at_[voter]]);
+      }
+    }
+  }
+
+ private:
+  std::vector<std::uint64_t> found_;  // a bit a voter
+  std::vector<std::uint32_t> at_;
+  std::vector<kernels::VoteSums> sums_;
 };
 
 constexpr std::uint64_t kNothingOut = 0;
@@ -50,22 +90,37 @@ std::uint64_t digest_of(const kernels::VoteSums& sums) {
 }
 
 /// Of the blocks of voters that votes have reached, those voters whose own sums are others than what is out.
-WireTensors take_changed_tensors(const voting::VotingField& field, TileKey key, VotedBase::Scale& out) {
-  WireTensors wires;
-  const std::vector<std::uint32_t> voters = field.voters_changed(key, out.change);
-  const std::vector<kernels::VoteSums> all_sums = field.sums(key, voters);
-  const auto points = field.points_of_voters(key);
-  out.digests.resize(points.size(), kNothingOut);
-  std::vector<kernels::TensorF> tensors;
-  for (std::size_t i = 0; i < voters.size(); ++i) {
-    const std::uint64_t digest = digest_of(all_sums[i]);
-    if (std::exchange(out.digests[voters[i]], digest) == digest) continue;
-    wires.points.push_back(points[voters[i]]);
-    tensors.push_back(kernels::to_float(kernels::to_tensor(all_sums[i], field.parameters().ball)));
-  }
+VotersInOrder take_changed_voters(const voting::VotingField& field, TileKey key, VotedBase::Scale& out) {
+  VotersInOrder changed(field.num_voters(key));
+  field.for_each_changed(key, out.change, [&](const voting::ReceivedBlock& received) {
+    if (out.digests.size() <= received.number) out.digests.resize(received.number + 1, {kNothingOut});
+    auto& digests = out.digests[received.number];
+    for (std::size_t lane = 0; lane < received.voters.size(); ++lane) {
+      const kernels::VoteSums sums = received.of(lane);
+      const std::uint64_t digest = digest_of(sums);
+      if (std::exchange(digests[lane], digest) != digest) changed.add(received.voters[lane], sums);
+    }
+  });
   out.change = field.change();
-  wires.tensors.reserve(voters.size());
-  for (const kernels::DecompositionF& d : kernels::decompose(tensors)) wires.tensors.push_back(to_wire(d));
+  return changed;
+}
+
+WireTensors take_changed_tensors(const voting::VotingField& field, TileKey key, VotedBase::Scale& out) {
+  const VotersInOrder changed = take_changed_voters(field, key, out);
+  const auto points = field.points_of_voters(key);
+  std::vector<kernels::TensorBlock> tensors((changed.size() + kernels::kLanes - 1) / kernels::kLanes);
+  WireTensors wires;
+  wires.points.reserve(changed.size());
+  changed.for_each([&](std::uint32_t voter, const kernels::VoteSums& sums) {
+    const std::size_t i = wires.points.size();
+    wires.points.push_back(points[voter]);
+    tensors[i / kernels::kLanes].set(i % kernels::kLanes,
+                                     kernels::to_float(kernels::to_tensor(sums, field.parameters().ball)));
+  });
+  std::vector<kernels::ShapeBlock> shapes(tensors.size());
+  kernels::decompose(tensors, shapes);
+  wires.blocks.reserve(tensors.size());
+  for (std::size_t i = 0; i < tensors.size(); ++i) wires.blocks.push_back(to_wire(shapes[i], tensors[i]));
   return wires;
 }
 
@@ -130,18 +185,27 @@ void append_points(voted_points_t& page, TileKey key, const PointTile& tile, std
   }
 }
 
-void append_tensor(voted_points_t& page, std::size_t scale, std::uint32_t point, const WireTensor& wire) {
-  page.scale.push_back(static_cast<std::uint8_t>(scale));
-  page.point.push_back(static_cast<std::int32_t>(point));
-  page.normal_x.push_back(wire.normal[0]);
-  page.normal_y.push_back(wire.normal[1]);
-  page.normal_z.push_back(wire.normal[2]);
-  page.tangent_x.push_back(wire.tangent[0]);
-  page.tangent_y.push_back(wire.tangent[1]);
-  page.tangent_z.push_back(wire.tangent[2]);
-  page.stick.push_back(wire.stick);
-  page.plate.push_back(wire.plate);
-  page.mass.push_back(wire.mass);
+void append_tensors(voted_points_t& page, std::size_t scale, const WireTensors& wires, std::size_t first,
+                    std::size_t last) {
+  page.scale.resize(page.scale.size() + last - first, static_cast<std::uint8_t>(scale));
+  const auto at = [&](std::size_t i) { return wires.points.begin() + static_cast<std::ptrdiff_t>(i); };
+  page.point.insert(page.point.end(), at(first), at(last));
+  const auto fill = [&](auto& field, auto of) {
+    for (std::size_t i = first, count = 0; i < last; i += count) {
+      const auto* const lanes = of(wires.blocks[i / kernels::kLanes]);
+      count = std::min(kernels::kLanes - i % kernels::kLanes, last - i);
+      field.insert(field.end(), lanes + i % kernels::kLanes, lanes + i % kernels::kLanes + count);
+    }
+  };
+  fill(page.normal_x, [](const WireBlock& b) { return b.normal[0]; });
+  fill(page.normal_y, [](const WireBlock& b) { return b.normal[1]; });
+  fill(page.normal_z, [](const WireBlock& b) { return b.normal[2]; });
+  fill(page.tangent_x, [](const WireBlock& b) { return b.tangent[0]; });
+  fill(page.tangent_y, [](const WireBlock& b) { return b.tangent[1]; });
+  fill(page.tangent_z, [](const WireBlock& b) { return b.tangent[2]; });
+  fill(page.stick, [](const WireBlock& b) { return b.stick; });
+  fill(page.plate, [](const WireBlock& b) { return b.plate; });
+  fill(page.mass, [](const WireBlock& b) { return b.mass; });
 }
 
 }  // namespace
@@ -168,10 +232,10 @@ std::vector<voted_points_t> make_voted_pages(TileKey key, const PointTile& tile,
   base.scales.resize(fields.size());
   for (std::size_t scale = 0; scale < fields.size(); ++scale) {
     const WireTensors wires = take_changed_tensors(fields[scale], key, base.scales[scale]);
-    for (std::size_t i = 0; i < wires.points.size();) {
-      for (std::size_t fit = writer.room_for_tensors(wires.points.size() - i); fit > 0; --fit, ++i) {
-        append_tensor(writer.page(), scale, wires.points[i], wires.tensors[i]);
-      }
+    for (std::size_t first = 0; first < wires.points.size();) {
+      const std::size_t last = first + writer.room_for_tensors(wires.points.size() - first);
+      append_tensors(writer.page(), scale, wires, first, last);
+      first = last;
     }
   }
   base.revision = revision;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <curbstone/voted_points_t.hpp>
 #include <span>
@@ -14,8 +15,9 @@ namespace curbstone::tensor_voting::worker {
 /// What is out of a tile: what the next step goes on from. As it begins: nothing.
 struct VotedBase {
   struct Scale {
-    std::int64_t change = 0;             ///< VotingField::change()
-    std::vector<std::uint64_t> digests;  ///< of the sums that are out, voter by voter
+    std::int64_t change = 0;  ///< VotingField::change()
+    /// Of the sums that are out: block by block, voter by voter.
+    std::vector<std::array<std::uint64_t, kernels::kLanes>> digests;
   };
   std::int32_t revision = 0;
   std::size_t num_points = 0;

@@ -170,6 +170,37 @@ TEST_P(Field, NamesTheTilesWhoseTensorsChange) {
   }
 }
 
+TEST_P(Field, ShowsEveryVoterWhoseSumsHaveChanged) {
+  const testing_clouds::Tiles tiles = testing_clouds::as_tiles(testing_clouds::street(6'000, 4));
+  VotingField field(GetParam());
+  add_shuffled(field, tiles, 1);
+  const auto shown_since = [&](TileKey key, std::int64_t since) {
+    std::map<std::uint32_t, kernels::VoteSums> shown;
+    field.for_each_changed(key, since, [&](const ReceivedBlock& received) {
+      for (std::size_t lane = 0; lane < received.voters.size(); ++lane) {
+        EXPECT_TRUE(shown.emplace(received.voters[lane], received.of(lane)).second) << "once";
+      }
+    });
+    return shown;
+  };
+  std::map<TileKey, std::vector<kernels::VoteSums>> before;
+  for (const auto& [key, points] : tiles) before[key] = field.sums(key);
+  const std::int64_t since = field.change();
+  field.add({0, 0}, 0, std::vector<TilePoint>{{.x = 3, .y = 700, .z = 60}, {.x = 1490, .y = 1490, .z = 60}});
+  for (const auto& [key, points] : tiles) {
+    const std::vector<kernels::VoteSums> after = field.sums(key);
+    const auto all = shown_since(key, 0);
+    const auto changed = shown_since(key, since);
+    EXPECT_EQ(all.size(), after.size());
+    for (std::uint32_t voter = 0; voter < after.size(); ++voter) {
+      EXPECT_EQ(all.at(voter), after[voter]);
+      const bool differs = voter >= before[key].size() || after[voter] != before[key][voter];
+      EXPECT_TRUE(!differs || changed.contains(voter));
+    }
+    EXPECT_TRUE(shown_since(key, field.change()).empty());
+  }
+}
+
 TEST(VotingField, ThinsByTheFirstPointOfAVoxel) {
   VotingField field({});
   field.add({0, 0}, 0,
