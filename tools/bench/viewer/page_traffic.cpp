@@ -55,6 +55,8 @@ class CountingAudience final : public web::Audience {
       traffic.sections[kSections.at((*frame)[at])] += 5 + u32_at(*frame, at + 1);
     if (page != kUnread) tell(page, Event::Kind::kSaid, fmt::format(R"({{"ack": {}}})", number));
   }
+  void say(web::PageId, std::string) override {}
+  [[nodiscard]] std::size_t queued(web::PageId) const override { return 0; }
   [[nodiscard]] Counters counters() const override { return {}; }
   [[nodiscard]] PageTraffic of(web::PageId page) { return pages_[page]; }
 
