@@ -1,30 +1,37 @@
 // Of WebGL2: programs, and their uniforms by name.
 import { Rgb } from "./palette";
 
+/// Compiled when it is first used: without a graphics card that takes a second, and a view uses few of them.
 export class Program {
-  readonly made: WebGLProgram;
+  private made: WebGLProgram | null = null;
   private places = new Map<string, WebGLUniformLocation | null>();
 
-  /// `attributes`: by place, from 0. Throws where a shader does not compile.
-  constructor(private gl: WebGL2RenderingContext, vertex: string, fragment: string, attributes: string[] = []) {
-    this.made = gl.createProgram()!;
-    for (const [kind, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]] as const) {
+  /// `attributes`: by place, from 0.
+  constructor(private gl: WebGL2RenderingContext, private vertex: string, private fragment: string, private attributes: string[] = []) {}
+
+  /// Throws where a shader does not compile.
+  use(): void { this.gl.useProgram(this.made ??= this.make()); }
+
+  at(name: string): WebGLUniformLocation | null {
+    let place = this.places.get(name);
+    if (place === undefined) this.places.set(name, place = this.made && this.gl.getUniformLocation(this.made, name));
+    return place;
+  }
+
+  private make(): WebGLProgram {
+    const { gl } = this, program = gl.createProgram()!;
+    const shaders = ([[gl.VERTEX_SHADER, this.vertex], [gl.FRAGMENT_SHADER, this.fragment]] as const).map(([kind, source]) => {
       const shader = gl.createShader(kind)!;
       gl.shaderSource(shader, source);
       gl.compileShader(shader);
-      gl.attachShader(this.made, shader);
-      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost())
-        throw new Error(gl.getShaderInfoLog(shader) ?? "a shader does not compile");
-    }
-    attributes.forEach((name, place) => gl.bindAttribLocation(this.made, place, name));
-    gl.linkProgram(this.made);
-  }
-
-  use(): void { this.gl.useProgram(this.made); }
-  at(name: string): WebGLUniformLocation | null {
-    let place = this.places.get(name);
-    if (place === undefined) this.places.set(name, place = this.gl.getUniformLocation(this.made, name));
-    return place;
+      gl.attachShader(program, shader);
+      return shader;
+    });
+    this.attributes.forEach((name, place) => gl.bindAttribLocation(program, place, name));
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
+      throw new Error(shaders.map(shader => gl.getShaderInfoLog(shader)).join("") || "a shader does not compile");
+    return program;
   }
 }
 

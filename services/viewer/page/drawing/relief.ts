@@ -5,7 +5,7 @@ import { Camera } from "./camera";
 import { wallsOf } from "./curb_walls";
 import { kPageSize, kTilesAside, Page, Pages } from "./pages";
 import { Program } from "./program";
-import { kBlockVertex, kNetVertex, kReliefFragment, kSolidFragment, kSolidVertex } from "./relief_shaders";
+import { kBlockFragment, kBlockVertex, kNetFragment, kNetVertex, kSolidFragment, kSolidVertex } from "./relief_shaders";
 import { kCells, kTileSize, Tile, World } from "../world";
 
 const kNets = [25, 5, 1];          // squares aside
@@ -29,8 +29,8 @@ export class Relief {
 
   constructor(private gl: WebGL2RenderingContext, private world: World, private pages: Pages) {
     this.blocks = new Blocks(world);
-    this.net = new Program(gl, kNetVertex, kReliefFragment, ["tile"]);
-    this.block = new Program(gl, kBlockVertex, kReliefFragment, ["face"]);
+    this.net = new Program(gl, kNetVertex, kNetFragment, ["tile"]);
+    this.block = new Program(gl, kBlockVertex, kBlockFragment, ["face"]);
     this.solid = new Program(gl, kSolidVertex, kSolidFragment, ["point"]);
     this.nets = kNets.map(n => netOf(gl, n));
     this.instances = gl.createBuffer()!;
@@ -50,7 +50,6 @@ export class Relief {
         style(program);
         gl.uniformMatrix4fv(program.at("toClip"), false, toClip);
         gl.uniform1f(program.at("reach"), reach);
-        gl.uniform1i(program.at("isBlock"), program === this.block ? 1 : 0);
       }
       for (const [page, tiles] of byPage(seen, this.pages)) {
         this.pages.bind(page);

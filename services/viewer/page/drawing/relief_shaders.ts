@@ -81,17 +81,23 @@ void main() {
   shown = 1.0 - smoothstep(0.55 * reach, reach, gl_Position.w);
 }`;
 
-export const kReliefFragment = `${kCellColours}
-uniform int isBlock;
-in highp vec2 cell;
+const kLit = `in highp vec2 cell;
 in float light;
 in float shown;
 out vec4 colour;
-void main() {
-  vec4 c = isBlock == 1 ? colourOf(ivec2(floor(cell)), 0.0) : colourOfPixel(cell, dFdx(cell), dFdy(cell));
+vec4 lit(vec4 c) {
   if (c.a < 0.02) discard;
-  c.rgb = min(c.rgb * light, vec3(c.a));
-  colour = greyed(c) * shown;
+  return greyed(vec4(min(c.rgb * light, vec3(c.a)), c.a)) * shown;
+}`;
+
+export const kNetFragment = `${kCellColours}${kLit}
+void main() {
+  colour = lit(colourOfPixel(cell, dFdx(cell), dFdy(cell)));
+}`;
+
+export const kBlockFragment = `${kCellColours}${kLit}
+void main() {
+  colour = lit(colourOf(ivec2(floor(cell)), 0.0));
 }`;
 
 export const kSolidVertex = `#version 300 es
