@@ -54,7 +54,8 @@ TEST(Finder, AtAPlaceThatTheMapHasTwiceItIsNeverSure) {
 }
 
 TEST(Finder, OnAMapOfAnotherPlaceItIsNeverSure) {
-  DriveThrough drive{{.open = true}, fields::SavedMap(map_of({.half_length = 8.3, .half_width = 9.4, .turned = -0.5, .curb = 2}))};
+  DriveThrough drive{{.open = true},
+                     fields::SavedMap(map_of({.half_length = 8.3, .half_width = 9.4, .turned = -0.5, .curb = 2}))};
   EXPECT_FALSE(drive.revolutions(100));
   EXPECT_GE(drive.finder.searches(), 1);
 }
