@@ -4,10 +4,12 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "services/tensor_voting/voting/batch_voting.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tools/bench/timing/timed_in_turn.hpp"
+#include "tools/bench/voting/batch_comparison.hpp"
 #include "tools/bench/voting/fma_peak.hpp"
 #include "tools/bench/voting/inputs/street_cloud.hpp"
 #include "tools/bench/voting/pair_count.hpp"
@@ -71,6 +73,21 @@ TEST(FmaPeakOfThisMachine, IsThatOfItsVectorsWithNothingToWaitFor) {
   const double gain = peak.flops_per_s / flops_per_s_of_one_chain() / lanes;
   EXPECT_GT(gain, 2) << peak.isa << " " << peak.flops_per_s;
   EXPECT_LT(gain, 32) << peak.isa << " " << peak.flops_per_s;
+}
+
+TEST(FmaPeakOfThisMachine, CanBeThatOfANamedInstructionSet) {
+#ifdef __x86_64__
+  EXPECT_EQ(voting::measure_fma_peak(1, 0.02, "baseline").isa, "baseline");
+#else
+  EXPECT_GT(voting::measure_fma_peak(1, 0.02, "baseline").flops_per_s, 0);
+#endif
+}
+
+TEST(MeasureBatch, TakesTheKernelThatIsNamed) {
+  voting::BatchRow row{.points = 500, .threads = 1};
+  voting::measure_batch(row, false, "baseline", {.rounds = 1, .min_time = 1e-6});
+  EXPECT_GT(row.ours.wall_ms, 0);
+  EXPECT_THROW(voting::measure_batch(row, false, "abacus", {.rounds = 1, .min_time = 1e-6}), std::invalid_argument);
 }
 
 TEST(PclNormals, GivesANormalToEveryPointWithNeighbours) {
