@@ -78,7 +78,8 @@ DriveTraffic measure_traffic(const std::string& log) {
   output::WatchedLog reader(log, "bench viewer");
   LocalBus bus;
   CountingAudience audience;
-  ViewerNode node(ViewerConfig{}, bus, audience, {});
+  const ViewerConfig config;
+  ViewerNode node(config, bus, audience, {});
   node.connect(bus);
   replay::ReplayOptions options;
   options.assignments = {"mapper.folder=", "semantic_map.map="};  // nothing to the disk
