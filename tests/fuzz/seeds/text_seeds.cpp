@@ -50,6 +50,8 @@ void write_text_seeds(const SeedFolder& folder) {
   write(folder, "procman_config", "scripts",
         "group \"a\" { cmd \"b\" { exec = \"X=1 $HOME/c 'd e'\"; host = \"vehicle\"; auto_respawn = \"true\"; } }\n"
         "script \"go\" { start group \"a\" wait \"running\"; wait ms 100; run_script \"go\"; stop cmd \"b\"; }\n");
+  write(folder, "foxglove_request", "subscribe", R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":3}]})");
+  write(folder, "foxglove_request", "unsubscribe", R"({"op":"unsubscribe","subscriptionIds":[0]})");
 }
 
 }  // namespace curbstone::fuzz
