@@ -161,9 +161,10 @@ TEST_F(McapExport, TakesWhateverStandsInALog) {
     log.write("EARLY", noise.data(), 300, INT64_MIN);
     log.write("", noise.data(), 0, 1);
   }
-  ASSERT_EQ(run({"--only", "mcap"}), 0);
+  ASSERT_EQ(run({"--only", "mcap"}), 1) << "records whose time is none are damage";
   EXPECT_THAT(exported().errors, IsEmpty());
   EXPECT_THAT(said_, HasSubstr("messages refused"));
+  EXPECT_THAT(said_, HasSubstr("damaged"));
 }
 
 TEST_F(McapExport, IsMadeOfALogAndSaysSo) {
