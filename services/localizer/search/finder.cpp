@@ -6,7 +6,7 @@ namespace curbstone::localizer::search {
 namespace {
 
 constexpr std::size_t kLeastRevolutions = 10;  // of a local scan,
-constexpr double kLeastDriven = 3.0;           // m: what one place hides, another shows
+constexpr double kLeastCollected = 3.0;        // m: what one place hides, another shows
 constexpr std::size_t kLeastPlaces = 20;       // of a plan, that tell one place from another
 constexpr std::int64_t kLookups = 10'000'000;  // of a search in one revolution: some 10 ms
 constexpr double kMostDriven = 30.0;           // m with several hypotheses; then the map is searched again
@@ -62,7 +62,7 @@ const Hypothesis* Finder::best() const {
 
 void Finder::collect(const std::vector<Eigen::Vector3d>& points, const Pose& T_odom_base, const fields::SavedMap& map) {
   scan_.add(points, T_odom_base);
-  const bool seen_enough = scan_.revolutions() >= kLeastRevolutions && scan_.driven() >= kLeastDriven;
+  const bool seen_enough = scan_.revolutions() >= kLeastRevolutions && scan_.driven() >= kLeastCollected;
   if (!seen_enough && scan_.revolutions() < LocalScan::kMostRevolutions) return;
   const auto plan = scan_.plan(T_odom_base, SearchRegion::kSight, MapSearch::kMostPlaces);
   scan_.clear();

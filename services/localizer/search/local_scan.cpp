@@ -15,9 +15,9 @@ constexpr double kThin = 0.5;          // m
 constexpr int kLeastPoints = 2;        // in a square of kThin
 
 /// A square lattice about the origin.
-class Lattice {
+class SquareLattice {
  public:
-  Lattice(double reach, double cell) : cell_(cell), half_(static_cast<int>(std::ceil(reach / cell)) + 1) {}
+  SquareLattice(double reach, double cell) : cell_(cell), half_(static_cast<int>(std::ceil(reach / cell)) + 1) {}
   [[nodiscard]] int side() const { return 2 * half_ + 1; }
   [[nodiscard]] int column(double v) const { return static_cast<int>(std::floor(v / cell_)) + half_; }
   [[nodiscard]] std::size_t index(int x, int y) const { return static_cast<std::size_t>(y * side() + x); }
@@ -30,7 +30,7 @@ class Lattice {
 };
 
 /// The lowest of each square and the eight about it.
-std::vector<double> lowest_about(const std::vector<Eigen::Vector3d>& points, const Lattice& lattice) {
+std::vector<double> lowest_about(const std::vector<Eigen::Vector3d>& points, const SquareLattice& lattice) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   std::vector<double> own(lattice.size(), kNone), all(lattice.size(), kNone);
   for (const Eigen::Vector3d& p : points) own[lattice.index(p)] = std::min(own[lattice.index(p)], p.z());
@@ -76,7 +76,7 @@ std::vector<Eigen::Vector2d> LocalScan::plan(const Pose& T_odom_base, double rea
     const Eigen::Vector3d q = T_level_odom * p;
     if (q.head<2>().norm() < reach) near.push_back(q);
   }
-  const Lattice squares(reach, kSquare), thin(reach, kThin);
+  const SquareLattice squares(reach, kSquare), thin(reach, kThin);
   const std::vector<double> lowest = lowest_about(near, squares);
   std::vector<int> counts(thin.size());
   std::vector<Eigen::Vector2d> sums(thin.size(), Eigen::Vector2d::Zero());
