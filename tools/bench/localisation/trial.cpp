@@ -7,7 +7,7 @@
 namespace curbstone::bench::localisation {
 namespace {
 
-constexpr std::int64_t kCarried = 50'000;  // us from the last message before to the first one after
+constexpr std::int64_t kPause = 50'000;  // us from the last message before to the first one after
 
 double cpu_ms() {
   timespec now{};
@@ -54,7 +54,7 @@ void Trial::hear(std::int64_t from, std::int64_t until) {
 }
 
 void Trial::take_up(std::int64_t from) {
-  late_ = std::max(last_lidar_->utime, last_odometry_->utime) + kCarried - from;
+  late_ = std::max(last_lidar_->utime, last_odometry_->utime) + kPause - from;
   const auto& messages = drive_.messages();
   for (std::size_t i = drive_.first_at(from); i < messages.size(); ++i) {
     const auto* next = std::get_if<lidar_points_t>(&messages[i]);
