@@ -10,11 +10,11 @@
 #include "common/bus/local_bus.hpp"
 #include "common/config/config.hpp"
 #include "common/log/log_reader.hpp"
-#include "common/log/message_order.hpp"
 #include "config/sections.hpp"
 #include "services/ekf/ekf_messages.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_node.hpp"
+#include "tools/output/ordered_log.hpp"
 #include "tools/output/watched_log.hpp"
 
 namespace curbstone::calibrate {
@@ -77,25 +77,22 @@ CalibrationData read_drive(const std::string& log, const std::string& config_fil
   const bool given = !map_anew && has_map_poses(log);
   LocalBus bus;
   Collector collector(bus, mapper_config.vehicle.T_base_lidar());
-  ekf::EkfNode ekf(load<ekf::base::EkfConfig>("ekf", config_file), bus);
+  auto ekf_config = load<ekf::base::EkfConfig>("ekf", config_file);
+  ekf_config.state_file.clear();  // of the vehicle's own drive
+  ekf::EkfNode ekf(ekf_config, bus);
   mapper::MapperNode mapper(mapper_config, bus);
   ekf.connect(bus);
   if (!given) mapper.connect(bus);
 
   output::WatchedLog reader(log, "calibrate");
-  MessageOrder order;
   const auto deliver = [&](const LogEvent& event) {
     bus.inject(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
     bus.dispatch();
   };
-  while (auto event = reader.next()) {
-    const std::string& channel = event->channel;
-    const bool wanted = channel == "IMU" || channel == "WHEELS" || channel == (given ? "MAP_POSE" : "LIDAR_POINTS");
-    if (!wanted) continue;
-    order.push(std::move(*event));
-    while (const auto ready = order.pop(false)) deliver(*ready);
-  }
-  while (const auto ready = order.pop(true)) deliver(*ready);
+  const auto wanted = [&](const std::string& channel) {
+    return channel == "IMU" || channel == "WHEELS" || channel == (given ? "MAP_POSE" : "LIDAR_POINTS");
+  };
+  output::read_in_order(reader, wanted, deliver);
   ekf.finish();
   bus.dispatch();
   if (!given) mapper.finish();

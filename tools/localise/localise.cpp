@@ -13,7 +13,6 @@
 #include "common/bus/local_bus.hpp"
 #include "common/config/command_line.hpp"
 #include "common/config/config.hpp"
-#include "common/log/message_order.hpp"
 #include "config/sections.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/localizer/localizer_node.hpp"
@@ -22,6 +21,7 @@
 #include "tools/localise/drive_picture.hpp"
 #include "tools/localise/pose_errors.hpp"
 #include "tools/output/new_file.hpp"
+#include "tools/output/ordered_log.hpp"
 #include "tools/output/watched_log.hpp"
 
 namespace curbstone::localise {
@@ -34,10 +34,6 @@ struct Arguments {
   bool from_truth = false;
   std::string config, truth, map_truth, csv, json, picture;
 };
-
-bool is_sensor(const std::string& channel) {
-  return channel == "LIDAR_POINTS" || channel == "IMU" || channel == "WHEELS";
-}
 
 /// The drive through ekf and localizer, in message-time order: as live.
 struct Localised {
@@ -54,17 +50,11 @@ Localised localise(output::WatchedLog& log, const Arguments& arguments, const lo
   node.connect(bus);
   Localised out;
   bus.subscribe<map_pose_t>("LOCALIZED_POSE", [&](const map_pose_t& pose) { out.poses.push_back(pose); });
-  MessageOrder order;
   const auto deliver = [&](const LogEvent& event) {
     bus.inject(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
     bus.dispatch();
   };
-  while (auto event = log.next()) {
-    if (!is_sensor(event->channel)) continue;
-    order.push(std::move(*event));
-    while (const auto ready = order.pop(false)) deliver(*ready);
-  }
-  while (const auto ready = order.pop(true)) deliver(*ready);
+  output::read_in_order(log, output::is_of_a_driver, deliver);
   ekf.finish();
   bus.dispatch();
   node.finish();

@@ -11,6 +11,7 @@
 #include "common/config/config.hpp"
 #include "tools/bench/latency/tile_ages.hpp"
 #include "tools/bench/latency/timed_vehicle.hpp"
+#include "tools/output/ordered_log.hpp"
 #include "tools/output/watched_log.hpp"
 
 namespace curbstone::bench::latency {
@@ -21,10 +22,6 @@ struct LatencyBenchOptions {
   std::string log, json;
   TimedVehicleOptions vehicle;
 };
-
-bool is_of_a_driver(const std::string& channel) {
-  return channel == "LIDAR_POINTS" || channel == "IMU" || channel == "WHEELS";
-}
 
 void print_ages(nlohmann::json& json, const std::string& name, const AgeFigures& f) {
   fmt::print("  {:<34} {:>8} {:>8.0f} {:>8.0f} {:>8.0f}", name, f.count, f.p50, f.p95, f.max);
@@ -70,7 +67,7 @@ nlohmann::json measure(const LatencyBenchOptions& options) {
   std::int64_t first = 0;
   std::int64_t last = 0;
   while (const auto event = reader.next()) {
-    if (!is_of_a_driver(event->channel)) continue;
+    if (!output::is_of_a_driver(event->channel)) continue;
     if (first == 0) first = event->log_utime;
     last = std::max(last, event->log_utime);
     vehicle.sense(*event);

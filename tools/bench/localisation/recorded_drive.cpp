@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include "common/bus/local_bus.hpp"
-#include "common/log/message_order.hpp"
 #include "services/ekf/ekf_node.hpp"
+#include "tools/output/ordered_log.hpp"
 #include "tools/output/watched_log.hpp"
 
 namespace curbstone::bench::localisation {
@@ -25,18 +25,11 @@ RecordedDrive::RecordedDrive(const std::string& log, const ekf::base::EkfConfig&
     messages_.emplace_back(m);
     odometry_.push_back(m);
   });
-  MessageOrder order;
   const auto deliver = [&](const LogEvent& event) {
     bus.inject(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
     bus.dispatch();
   };
-  while (auto event = reader.next()) {
-    const std::string& channel = event->channel;
-    if (channel != "LIDAR_POINTS" && channel != "IMU" && channel != "WHEELS") continue;
-    order.push(std::move(*event));
-    while (const auto ready = order.pop(false)) deliver(*ready);
-  }
-  while (const auto ready = order.pop(true)) deliver(*ready);
+  output::read_in_order(reader, output::is_of_a_driver, deliver);
   ekf.finish();
   bus.dispatch();
   if (odometry_.empty()) throw std::runtime_error(log + ": gives no odometry: IMU and WHEELS?");

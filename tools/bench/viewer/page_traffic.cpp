@@ -11,6 +11,7 @@
 
 #include "common/bus/local_bus.hpp"
 #include "services/viewer/viewer_node.hpp"
+#include "tools/output/ordered_log.hpp"
 #include "tools/output/watched_log.hpp"
 #include "tools/replay/vehicle.hpp"
 
@@ -68,10 +69,6 @@ class CountingAudience final : public web::Audience {
   std::map<web::PageId, PageTraffic> pages_;
 };
 
-bool is_of_a_driver(const std::string& channel) {
-  return channel == "LIDAR_POINTS" || channel == "IMU" || channel == "WHEELS";
-}
-
 }  // namespace
 
 DriveTraffic measure_traffic(const std::string& log) {
@@ -91,7 +88,7 @@ DriveTraffic measure_traffic(const std::string& log) {
   });
   std::int64_t first = 0, now = 0;
   while (const auto event = reader.next()) {
-    if (!is_of_a_driver(event->channel)) continue;
+    if (!output::is_of_a_driver(event->channel)) continue;
     if (first == 0) first = event->log_utime;
     if (event->log_utime - now >= kTick) {
       now = event->log_utime;

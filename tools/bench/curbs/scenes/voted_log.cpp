@@ -11,6 +11,7 @@
 #include "services/mapper/mapper_node.hpp"
 #include "services/semantic_map/tile/voted_tile_assembler.hpp"
 #include "services/tensor_voting/worker/tensor_voting_node.hpp"
+#include "tools/output/ordered_log.hpp"
 #include "tools/output/watched_log.hpp"
 
 namespace curbstone::bench::curbs::scenes {
@@ -83,13 +84,7 @@ class VotingChain {
 DriveTiles vote_log(const std::string& log) {
   VotingChain chain;
   output::WatchedLog reader(log, "bench curbs");
-  MessageOrder order;
-  while (auto event = reader.next()) {
-    if (event->channel != "LIDAR_POINTS" && event->channel != "IMU" && event->channel != "WHEELS") continue;
-    order.push(std::move(*event));
-    while (const auto ready = order.pop(false)) chain.feed(*ready);
-  }
-  while (const auto ready = order.pop(true)) chain.feed(*ready);
+  output::read_in_order(reader, output::is_of_a_driver, [&](const LogEvent& event) { chain.feed(event); });
   return chain.finish();
 }
 

@@ -13,6 +13,7 @@
 #include "services/mapper/config/mapper_config.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "tools/bench/voting/inputs/town_log.hpp"
+#include "tools/output/ordered_log.hpp"
 #include "tools/output/watched_log.hpp"
 
 namespace curbstone::bench::voting::inputs {
@@ -80,13 +81,7 @@ void drive_and_map(const DriveSource& source, const DriveListener& listener) {
   if (source.log.empty()) record_town_log(source.seed, source.seconds, recorded.path());
   output::WatchedLog reader(source.log.empty() ? recorded.path() : source.log, "bench voting");
   MappingVehicle vehicle(listener);
-  MessageOrder order;
-  while (auto event = reader.next()) {
-    if (event->channel != "LIDAR_POINTS" && event->channel != "IMU" && event->channel != "WHEELS") continue;
-    order.push(std::move(*event));
-    while (const auto ready = order.pop(false)) vehicle.hear(*ready);
-  }
-  while (const auto ready = order.pop(true)) vehicle.hear(*ready);
+  output::read_in_order(reader, output::is_of_a_driver, [&](const LogEvent& event) { vehicle.hear(event); });
 }
 
 }  // namespace curbstone::bench::voting::inputs
