@@ -22,9 +22,9 @@ struct Clocks {
   std::function<std::int64_t()> steady = steady_clock;
 };
 
-/// Sends SERVICE_STATUS for a process: what its node reports, and the facts of the process: that the clock
-/// of the host was set, too. Faults that come to stay,
-/// or are over, also go to stderr. Call it from the loop that does the work: its coming says that the loop turns.
+/// Sends SERVICE_STATUS for a process: what its node reports, the facts of the process, and that the clock of the host
+/// was set. Faults that come to stay, or are over, also go to stderr. Call it from the loop that does the work: its
+/// coming says that the loop turns.
 class StatusReporter {
  public:
   /// `service`: unique on the bus.
