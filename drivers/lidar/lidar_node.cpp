@@ -174,12 +174,12 @@ void LidarNode::send(decoding::PendingPacket& packet) {
   health_.point_packet_used();
 }
 
-/// Counts on from packet to packet, for `packet` begins anew at 2^31.
+/// Counted by itself, for `packet` begins anew at 2^31, as this does.
 std::int32_t LidarNode::scan_of_count() {
   if (message_.packet < 0) return 0;
   if (++in_scan_ < config_.split_packets) return message_.revolution;
   in_scan_ = 0;
-  return message_.revolution + 1;
+  return next_packet_number(message_.revolution);
 }
 
 void LidarNode::publish_raw(std::int64_t received, int port, std::span<const std::uint8_t> bytes) {
