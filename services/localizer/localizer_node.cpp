@@ -11,6 +11,7 @@
 #include "common/time/clock.hpp"
 #include "common/time/microseconds.hpp"
 #include "services/localizer/monte_carlo/particle_filter.hpp"
+#include "services/localizer/tracking/pose_on_ground.hpp"
 #include "services/localizer/tracking/tracker.hpp"
 #include "services/mapper/scan/odometry_intake.hpp"
 #include "services/semantic_map/store/map_store.hpp"
@@ -123,14 +124,9 @@ void LocalizerNode::begin(const mapper::scan::Scan& scan) {
   begun_ = true;
   last_end_ = scan.end;
   if (config_.start.empty()) return;
-  const double x = config_.start[0], y = config_.start[1], yaw = config_.start[2];
-  const Eigen::Matrix3d R_odom_base = odometry_.at(scan.end).linear();
-  const Eigen::Vector3d lean = roll_pitch_yaw(R_odom_base);
-  const auto ground = map_->ground_at(x, y);
-  const double level = ground ? ground->height : map_->level_at(x, y);
   tracking::PoseBelief start;
-  start.T_map_base.translation() = Eigen::Vector3d(x, y, std::isfinite(level) ? level : 0.0);
-  start.T_map_base.linear() = rotation_from_rpy(lean.x(), lean.y(), yaw);
+  start.T_map_base = tracking::pose_on_ground(config_.start[0], config_.start[1], config_.start[2],
+                                              odometry_.at(scan.end).linear(), *map_);
   tracking::Vector6 sigma;
   sigma << config_.start_sigma, config_.start_sigma, kStartHeight, kStartTilt, kStartTilt, config_.start_yaw_sigma;
   start.covariance = sigma.cwiseAbs2().asDiagonal();

@@ -1,6 +1,6 @@
 #include "services/localizer/search/finder.hpp"
 
-#include <cmath>
+#include "services/localizer/tracking/pose_on_ground.hpp"
 
 namespace curbstone::localizer::search {
 namespace {
@@ -17,13 +17,10 @@ tracking::PoseBelief belief_at(const Candidate& candidate, const Pose& T_odom_an
   const double turned = candidate.yaw - roll_pitch_yaw(T_odom_anchor.linear()).z();
   const Eigen::Vector2d way =
       Eigen::Rotation2Dd(turned) * (T_odom_base.translation() - T_odom_anchor.translation()).head<2>();
-  const Eigen::Vector3d lean = roll_pitch_yaw(T_odom_base.linear());
-  const double x = candidate.x + way.x(), y = candidate.y + way.y();
-  const auto ground = map.ground_at(x, y);
-  const double level = ground ? ground->height : map.level_at(x, y);
+  const double yaw = roll_pitch_yaw(T_odom_base.linear()).z() + turned;
   tracking::PoseBelief belief;
-  belief.T_map_base.translation() = Eigen::Vector3d(x, y, std::isfinite(level) ? level : 0.0);
-  belief.T_map_base.linear() = rotation_from_rpy(lean.x(), lean.y(), lean.z() + turned);
+  belief.T_map_base =
+      tracking::pose_on_ground(candidate.x + way.x(), candidate.y + way.y(), yaw, T_odom_base.linear(), map);
   tracking::Vector6 sigma;
   sigma << 0.25, 0.25, 0.1, 0.02, 0.02, 0.02;
   belief.covariance = sigma.cwiseAbs2().asDiagonal();
