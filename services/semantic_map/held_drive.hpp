@@ -9,8 +9,8 @@
 
 namespace curbstone::semantic_map {
 
-/// What the mapper says of the drive in an epoch that may begin (EpochFollower). It is kept until the epoch has begun or
-/// turned out to be none. At most kMost messages, the newest ones.
+/// What the mapper says of the drive in an epoch that may begin (EpochFollower). It is kept until the epoch has begun
+/// or turned out to be none. At most kMost messages, the newest ones.
 class HeldDrive {
  public:
   using Message = std::variant<map_pose_t, map_trajectory_t>;
