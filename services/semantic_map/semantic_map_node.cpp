@@ -259,7 +259,8 @@ void SemanticMapNode::store(std::int64_t now) {
 }
 
 void SemanticMapNode::finish() {
-  unsent_.merge(pipeline_.settle());
+  WorkResult settled = pipeline_.settle();
+  unsent_.merge(settled.changed);
   schedule_.clear();
   for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(*pipeline_.classes(key), newest_utime_);
   if (curbs_changed_) publish_curbs(newest_utime_);
