@@ -14,6 +14,8 @@ constexpr int kPatchSide = kCellsPerTile + 2 * kMargin;
 constexpr int kBlock = 5;  // cells a side that share their surroundings
 constexpr int kReach = 8;  // cells around a block: its cells are 1.0 to 1.5 m from the window's edge
 constexpr int kFewest = 30;
+constexpr double kDarkestRoad = 48;  // three quarters of the road's median: tar around does not make asphalt paint
+constexpr double kMostSpread = 12;   // from cell to cell: more is tar among the asphalt
 constexpr int kDirections = 8;
 constexpr double kWeakShare = 0.35;  // of the least contrast: where paint's edges are
 constexpr double kFromCurb = 0.25;   // m
@@ -59,15 +61,10 @@ class Patch {
   std::array<Brightness, static_cast<std::size_t>(kPatchSide* kPatchSide)> cells_{};
 };
 
-/// The ground around a block of cells.
-struct Surroundings {
-  double level = 0;   ///< intensity
-  double spread = 0;  ///< from cell to cell, 1 sigma
-};
-
-/// From the lower half of what is there: paint is brighter, and of a crossing half is paint. For a normal distribution
-/// the 40 % quantile lies 0.253 and the 10 % quantile 1.282 sigma below the middle.
-std::optional<Surroundings> surroundings_of(const Patch& patch, int column0, int row0) {
+/// How bright the ground around a block of cells is, from the lower half of what is there: paint is brighter, and of a
+/// crossing half is paint. Not from its end: tar is darker. For a normal distribution the 45 % quantile lies 0.126 and
+/// the 25 % quantile 0.674 sigma below the middle.
+std::optional<double> level_around(const Patch& patch, int column0, int row0) {
   std::array<int, 256> histogram{};
   int known = 0;
   for (int row = row0 - kReach; row < row0 + kBlock + kReach; ++row) {
@@ -89,10 +86,9 @@ std::optional<Surroundings> surroundings_of(const Patch& patch, int column0, int
     }
     return 255.0;
   };
-  const double low = quantile(0.10);
-  const double middle = quantile(0.40);
-  const double spread = (middle - low) / (1.282 - 0.253);
-  return Surroundings{middle + 0.253 * spread, spread};
+  const double middle = quantile(0.45);
+  const double spread = std::min(kMostSpread, (middle - quantile(0.25)) / (0.674 - 0.126));
+  return std::max(kDarkestRoad, middle + 0.126 * spread);
 }
 
 /// Cells of the two sides in each direction across: 0.36 and 0.48 m away, and a cell to either hand.
@@ -190,9 +186,9 @@ std::vector<MarkingCell> find_marking_cells(const MarkingSurroundings& around, c
   if (layer == nullptr || layer->cells.empty() || around.classes == nullptr) return marks;
   const Patch patch(around.paint);
   constexpr int kBlocks = kCellsPerTile / kBlock;
-  std::array<std::optional<Surroundings>, static_cast<std::size_t>(kBlocks * kBlocks)> grounds;
+  std::array<std::optional<double>, static_cast<std::size_t>(kBlocks * kBlocks)> grounds;
   for (int i = 0; i < kBlocks * kBlocks; ++i)
-    grounds[static_cast<std::size_t>(i)] = surroundings_of(patch, i % kBlocks * kBlock, i / kBlocks * kBlock);
+    grounds[static_cast<std::size_t>(i)] = level_around(patch, i % kBlocks * kBlock, i / kBlocks * kBlock);
   const double scatter = point_variance(*layer);
   for (int row = 0; row < kCellsPerTile; ++row) {
     for (int column = 0; column < kCellsPerTile; ++column) {
@@ -200,11 +196,11 @@ std::vector<MarkingCell> find_marking_cells(const MarkingSurroundings& around, c
       const PaintCell& cell = layer->cells[k];
       const auto& ground = grounds[static_cast<std::size_t>(row / kBlock * kBlocks + column / kBlock)];
       if (cell.count == 0 || !ground || around.classes->cell_class[k] != tile::CellClass::kRoad) continue;
-      const double level = parameters.local ? ground->level : parameters.level;
+      const double level = parameters.local ? *ground : parameters.level;
       const double contrast = static_cast<double>(cell.sum) / static_cast<double>(cell.count) - level;
       if (contrast < kWeakShare * parameters.min_contrast) continue;
       MarkingCell mark = place(cell, column, row, level, contrast);
-      const double sigma = std::max(ground->spread, std::sqrt(scatter / static_cast<double>(cell.count)));
+      const double sigma = std::sqrt(scatter / static_cast<double>(cell.count));
       mark.is_strong = contrast >= parameters.min_contrast && contrast >= parameters.min_sigmas * sigma &&
                        stands_out(patch, column, row, level + parameters.side_share * contrast, parameters.two_sided) &&
                        !is_near_curb(around.curbs, double{mark.x}, double{mark.y});

@@ -133,7 +133,7 @@ void map_tiles(const std::vector<semantic_map::tile::VotedTile>& tiles, const Cl
     }
   }
   map.lines = semantic_map::curb_lines::link_curbs(curb_points);
-  map.markings = semantic_map::all_markings(pipeline, {}, options.markings);
+  map.markings = semantic_map::all_markings(pipeline, options.path, options.markings);
 }
 
 CloudMap map_cloud(std::span<const Eigen::Vector3f> points, const CloudMapOptions& options) {

@@ -21,6 +21,7 @@ struct CloudMapOptions {
   semantic_map::tile::CurbParameters curb;
   semantic_map::cells::ClassParameters classes;
   semantic_map::markings::MarkingParameters markings;
+  std::vector<Eigen::Vector2d> path;  ///< driven, m in the cloud's frame: stop lines lie across
   double thin = 0.03;  ///< m, > 0: of all points in a cube of this edge the first is used, as a mapper would
   double range = 80;   ///< m from the cloud's origin (0: all)
   int threads = 2;
