@@ -19,6 +19,7 @@ constexpr double kMostSpread = 12;   // from cell to cell: more is tar among the
 constexpr int kDirections = 8;
 constexpr double kWeakShare = 0.35;  // of the least contrast: where paint's edges are
 constexpr double kFromCurb = 0.25;   // m
+constexpr double kPavement = 2.5;    // m beyond a curb that are no road
 constexpr double kLeastSpread = 4;   // of a point's intensity: no sensor is better
 
 /// What a cell's brightness is, where that is known.
@@ -137,15 +138,21 @@ bool stands_out(const Patch& patch, int column, int row, double below, bool two_
   return false;
 }
 
-bool is_near_curb(const tile::Around<std::vector<curbs::CurbPoint>>& curbs, double x, double y) {
-  bool is_near = false;
+/// Beside a curb, or beyond it: the nearest curb straight across has its higher side there.
+bool is_off_road(const tile::Around<std::vector<curbs::CurbPoint>>& curbs, double x, double y) {
+  double nearest = kPavement;
+  bool is_off = false;
   curbs.for_each([&](const std::vector<curbs::CurbPoint>& points, double dx, double dy) {
     for (const curbs::CurbPoint& p : points) {
-      if (std::abs(p.foot.x() + dx - x) > kFromCurb || std::abs(p.foot.y() + dy - y) > kFromCurb) continue;
-      is_near = is_near || std::hypot(p.foot.x() + dx - x, p.foot.y() + dy - y) < kFromCurb;
+      const Eigen::Vector2d d(x - p.foot.x() - dx, y - p.foot.y() - dy);
+      const double across = d.dot(p.up);
+      const double along = d.x() * p.up.y() - d.y() * p.up.x();
+      if (std::abs(along) > kFromCurb || std::abs(across) >= nearest) continue;
+      nearest = std::abs(across);
+      is_off = across > -kFromCurb;
     }
   });
-  return is_near;
+  return is_off;
 }
 
 /// A point's scatter about its cell's mean, of all cells.
@@ -203,7 +210,7 @@ std::vector<MarkingCell> find_marking_cells(const MarkingSurroundings& around, c
       const double sigma = std::sqrt(scatter / static_cast<double>(cell.count));
       mark.is_strong = contrast >= parameters.min_contrast && contrast >= parameters.min_sigmas * sigma &&
                        stands_out(patch, column, row, level + parameters.side_share * contrast, parameters.two_sided) &&
-                       !is_near_curb(around.curbs, double{mark.x}, double{mark.y});
+                       !is_off_road(around.curbs, double{mark.x}, double{mark.y});
       marks.push_back(mark);
     }
   }
