@@ -7,7 +7,7 @@
 namespace curbstone::semantic_map {
 namespace {
 
-constexpr std::size_t kMaxMarkingVertices = 2500;  // 13 bytes each, and 33 a line that has two or more: below 48 kB
+constexpr std::size_t kMaxMarkingVertices = 2200;  // 13 bytes each, 33 a line that has two or more: below 48 kB
 constexpr double kSmallerBox = 0.7;                // of the range, where there are more
 
 std::vector<marking_lines::MapMarkingCell> cells_in(const Eigen::Vector2d& min, const Eigen::Vector2d& max,

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
+
+#include "common/tiles/tile.hpp"
 
 namespace curbstone::semantic_map::marking_lines {
 namespace {
@@ -55,6 +59,8 @@ double gap_between(const std::vector<MarkingPiece>& pieces, const End& a, const 
   const Eigen::Vector2d d = at(pieces, b) - at(pieces, a);
   const double gap = d.norm();
   if (gap > std::min(kLongestGap, kGapOfLength * std::min(p.length(), q.length()))) return kNone;
+  // A solid line goes over into a dashed one.
+  if ((p.length() > kLongestDash) != (q.length() > kLongestDash) && gap > kHole) return kNone;
   if (std::max(p.width, q.width) > kWidthAlike * std::min(p.width, q.width)) return kNone;
   const Eigen::Vector2d& from = out(pieces, a);
   const Eigen::Vector2d& to = out(pieces, b);
@@ -150,13 +156,26 @@ std::vector<MarkingString> join_pieces(std::vector<MarkingPiece> pieces) {
     std::size_t a, b;  // 2 piece + 1 for the begin
   };
   const auto end = [](std::size_t i) { return End{i / 2, i % 2 == 1}; };
+  const auto square = [&](std::size_t i) {
+    const Eigen::Vector2d& p = at(pieces, end(i));
+    return TileKey{static_cast<std::int32_t>(std::floor(p.x() / kLongestGap)),
+                   static_cast<std::int32_t>(std::floor(p.y() / kLongestGap))};
+  };
+  std::unordered_map<TileKey, std::vector<std::size_t>, TileKeyHash> grid;
+  for (std::size_t i = 0; i < 2 * pieces.size(); ++i) grid[square(i)].push_back(i);
   std::vector<Joint> joints;
   for (std::size_t a = 0; a < 2 * pieces.size(); ++a) {
-    for (std::size_t b = a + 1; b < 2 * pieces.size(); ++b) {
-      if (a / 2 == b / 2) continue;
-      if ((at(pieces, end(a)) - at(pieces, end(b))).cwiseAbs().maxCoeff() > kLongestGap) continue;
-      const double gap = gap_between(pieces, end(a), end(b));
-      if (std::isfinite(gap)) joints.push_back({gap, a, b});
+    const TileKey centre = square(a);
+    for (std::int32_t x = centre.x - 1; x <= centre.x + 1; ++x) {
+      for (std::int32_t y = centre.y - 1; y <= centre.y + 1; ++y) {
+        const auto it = grid.find({x, y});
+        if (it == grid.end()) continue;
+        for (const std::size_t b : it->second) {
+          if (b <= a || a / 2 == b / 2) continue;
+          const double gap = gap_between(pieces, end(a), end(b));
+          if (std::isfinite(gap)) joints.push_back({gap, a, b});
+        }
+      }
     }
   }
   std::sort(joints.begin(), joints.end(),

@@ -14,12 +14,13 @@ constexpr int kPatchSide = kCellsPerTile + 2 * kMargin;
 constexpr int kBlock = 5;  // cells a side that share their surroundings
 constexpr int kReach = 8;  // cells around a block: its cells are 1.0 to 1.5 m from the window's edge
 constexpr int kFewest = 30;
-constexpr double kDarkestRoad = 48;  // three quarters of the road's median: tar around does not make asphalt paint
-constexpr double kMostSpread = 12;   // from cell to cell: more is tar among the asphalt
+constexpr double kDarkestRoad = 48;    // three quarters of the road's median: tar around does not make asphalt paint
+constexpr double kBrightestRoad = 96;  // half as bright again: grass, pavement of pale stone
+constexpr double kMostSpread = 12;     // from cell to cell: more is tar among the asphalt
 constexpr int kDirections = 8;
 constexpr double kWeakShare = 0.35;  // of the least contrast: where paint's edges are
 constexpr double kFromCurb = 0.25;   // m
-constexpr double kPavement = 2.5;    // m beyond a curb that are no road
+constexpr double kPavement = 6.0;    // m beyond a curb that are no road
 constexpr double kLeastSpread = 4;   // of a point's intensity: no sensor is better
 
 /// What a cell's brightness is, where that is known.
@@ -204,6 +205,7 @@ std::vector<MarkingCell> find_marking_cells(const MarkingSurroundings& around, c
       const auto& ground = grounds[static_cast<std::size_t>(row / kBlock * kBlocks + column / kBlock)];
       if (cell.count == 0 || !ground || around.classes->cell_class[k] != tile::CellClass::kRoad) continue;
       const double level = parameters.local ? *ground : parameters.level;
+      if (level > kBrightestRoad) continue;
       const double contrast = static_cast<double>(cell.sum) / static_cast<double>(cell.count) - level;
       if (contrast < kWeakShare * parameters.min_contrast) continue;
       MarkingCell mark = place(cell, column, row, level, contrast);

@@ -8,7 +8,7 @@ namespace curbstone::semantic_map::markings {
 struct MarkingParameters {
   bool enabled = true;
   double min_contrast = 20;  ///< brighter than the ground around
-  double min_sigmas = 2.5;   ///< and that many times its own uncertainty
+  double min_sigmas = 1.5;   ///< and that many times its own uncertainty
   double side_share = 0.6;   ///< of the contrast, that both sides must lie below
   bool local = true;         ///< against the ground around; off: against `level` everywhere (ablation)
   double level = 64;         ///< what the road is, where `local` is off
