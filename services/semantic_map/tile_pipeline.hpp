@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <unordered_map>
+#include <variant>
 #include <vector>
 
 #include "services/semantic_map/cells/cell_classes.hpp"
@@ -42,8 +43,9 @@ class TilePipeline {
 
   /// Does one piece of work. Nothing is done on a tile of which no voted points are known.
   WorkResult run(const TileWork& work);
-  /// Computes all that is stale, and tells which tiles' classes became others.
-  std::set<TileKey> settle();
+  /// Computes all that is stale, and tells which tiles' classes became others. `threads`: 0 for as many as there are
+  /// cores; the result is that of one.
+  std::set<TileKey> settle(int threads = 0);
   [[nodiscard]] Backlog backlog() const;
 
   /// The tile as it was computed last; nullptr if it never was.
@@ -88,13 +90,19 @@ class TilePipeline {
   void update_columns(TileKey key);
   void settle_oldest();
   void refresh(Step step, TileKey key, Tile& tile);
-  void refresh_samples(TileKey key, Tile& tile);
-  void refresh_ground(TileKey key, Tile& tile);
-  void refresh_evidence(TileKey key, Tile& tile);
+  /// What becomes of a step of a tile: reads what the steps before have made, and changes nothing.
+  using Product = std::variant<std::monostate, ground::GroundSamples, ground::GroundModel,
+                               std::vector<curbs::CurbCandidate>, std::vector<curbs::CurbPoint>, tile::MapTile>;
+  [[nodiscard]] Product compute(Step step, TileKey key, const Tile& tile);
+  void take(TileKey key, Tile& tile, std::monostate columns);
+  void take(TileKey key, Tile& tile, const ground::GroundSamples& samples);
+  void take(TileKey key, Tile& tile, const ground::GroundModel& ground);
+  void take(TileKey key, Tile& tile, std::vector<curbs::CurbCandidate> evidence);
+  void take(TileKey key, Tile& tile, std::vector<curbs::CurbPoint> curbs);
+  void take(TileKey key, Tile& tile, const tile::MapTile& classes);
+  void settle_step(Step step, int threads);
   void refresh_columns(TileKey key, Tile& tile);
   void measure_columns(TileKey key, Tile& tile);
-  void refresh_curbs(TileKey key, Tile& tile);
-  void refresh_classes(TileKey key, Tile& tile);
 
   tile::CurbParameters curb_;
   cells::ClassParameters classes_;
