@@ -16,6 +16,8 @@ class LocalBus final : public Publisher, public Subscriber, public Tappable {
  public:
   /// Puts encoded bytes on the bus, as read from a log.
   void inject(const std::string& channel, const void* data, int size);
+  /// Whether somebody subscribes to a channel.
+  [[nodiscard]] bool hears(const std::string& channel) const { return handlers_.contains(channel); }
   /// Delivers until the queue is empty, including what the handlers publish meanwhile.
   void dispatch();
   /// The tap sees a message when it is published, before its subscribers do.

@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <limits>
 #include <span>
+#include <thread>
 #include <utility>
+
+#include "common/parallel/parallel_for.hpp"
 
 namespace curbstone::semantic_map {
 namespace {
 
+constexpr std::size_t kSettledAtOnce = 256;  // tiles, before their products are taken
+constexpr unsigned kMostThreads = 8;
 constexpr std::size_t kMostMeters = 512;  // 40 kB each; tiles in sight of the vehicle are fewer
 
 std::int64_t first_turn(const std::map<std::int64_t, TileKey>& stale) {
@@ -101,37 +106,59 @@ void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
   if (!unmark(step, tile)) return;
   result_.cost += kCost[step];
   num_evidence_ += step == kEvidence ? 1 : 0;
-  switch (step) {
-    case kSamples:
-      return refresh_samples(key, tile);
-    case kGround:
-      return refresh_ground(key, tile);
-    case kEvidence:
-      return refresh_evidence(key, tile);
-    case kColumns:
-      return refresh_columns(key, tile);
-    case kCurbs:
-      return refresh_curbs(key, tile);
-    case kPaint:
-      return refresh_paint(key, tile);
-    case kMarkings:
-      return refresh_markings(key, tile);
-    case kClasses:
-    case kNumSteps:
-      return refresh_classes(key, tile);
-  }
+  std::visit([&](auto&& product) { take(key, tile, std::forward<decltype(product)>(product)); },
+             compute(step, key, tile));
 }
 
-void TilePipeline::refresh_samples(TileKey key, Tile& tile) {
-  const ground::GroundSamples samples = ground::sample_ground(tile.voted, curb_);
+TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& tile) {
+  const auto models = [&] { return around<ground::GroundModel>(key, [](Tile& t) { return &t.ground; }); };
+  switch (step) {
+    case kSamples:
+      return ground::sample_ground(tile.voted, curb_);
+    case kGround:
+      return ground::model_ground(around<ground::GroundSamples>(key, [](Tile& t) { return &t.samples; }), curb_);
+    case kEvidence:
+      return curbs::find_curb_evidence(around<tile::VotedTile>(key, [](Tile& t) { return &t.voted; }),
+                                       ground::GroundSurface(models()), curb_);
+    case kCurbs:
+      return curbs::filter_curbs(around<std::vector<curbs::CurbCandidate>>(key, [](Tile& t) { return &t.evidence; }),
+                                 curb_);
+    case kClasses: {
+      tile::MapTile result;
+      result.key = key;
+      result.utime = tile.voted.utime;
+      result.curbs_utime = tile.curbs_utime;
+      result.z_origin = tile.voted.z_origin;
+      cells::classify_cells(around<cells::CellColumns>(key, [](Tile& t) { return &t.columns; }),
+                            around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return &t.curbs; }), classes_,
+                            result);
+      return result;
+    }
+    case kPaint:
+      return markings::lay_paint(tile.voted, ground::GroundSurface(models()));
+    case kMarkings:
+      return markings::find_marking_cells({around<markings::PaintLayer>(key, [](Tile& t) { return &t.paint; }),
+                                           around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return &t.curbs; }),
+                                           tile.classes ? &*tile.classes : nullptr},
+                                          markings_);
+    case kColumns:  // measured on, from what was measured before
+    case kNumSteps:
+      break;
+  }
+  return std::monostate{};
+}
+
+void TilePipeline::take(TileKey key, Tile& tile, std::monostate /*columns*/) {
+  refresh_columns(key, tile);
+}
+
+void TilePipeline::take(TileKey key, Tile& tile, const ground::GroundSamples& samples) {
   if (samples == tile.samples) return;
   tile.samples = samples;
   mark_around(kGround, key);
 }
 
-void TilePipeline::refresh_ground(TileKey key, Tile& tile) {
-  ground::GroundModel ground =
-      ground::model_ground(around<ground::GroundSamples>(key, [](Tile& t) { return &t.samples; }), curb_);
+void TilePipeline::take(TileKey key, Tile& tile, const ground::GroundModel& ground) {
   if (ground::is_same_surface(ground, tile.ground)) return;
   tile.ground = ground;
   mark_around(kEvidence, key);
@@ -142,10 +169,7 @@ void TilePipeline::refresh_ground(TileKey key, Tile& tile) {
   });
 }
 
-void TilePipeline::refresh_evidence(TileKey key, Tile& tile) {
-  const ground::GroundSurface ground(around<ground::GroundModel>(key, [](Tile& t) { return &t.ground; }));
-  auto evidence =
-      curbs::find_curb_evidence(around<tile::VotedTile>(key, [](Tile& t) { return &t.voted; }), ground, curb_);
+void TilePipeline::take(TileKey key, Tile& tile, std::vector<curbs::CurbCandidate> evidence) {
   if (std::exchange(tile.evidence_utime, tile.voted.utime) != tile.voted.utime) mark(kCurbs, key, tile);
   if (evidence == tile.evidence) return;
   tile.evidence = std::move(evidence);
@@ -170,9 +194,7 @@ void TilePipeline::measure_columns(TileKey key, Tile& tile) {
   if (meter.read(tile.columns)) mark_around(kClasses, key);
 }
 
-void TilePipeline::refresh_curbs(TileKey key, Tile& tile) {
-  auto curbs =
-      curbs::filter_curbs(around<std::vector<curbs::CurbCandidate>>(key, [](Tile& t) { return &t.evidence; }), curb_);
+void TilePipeline::take(TileKey key, Tile& tile, std::vector<curbs::CurbPoint> curbs) {
   if (std::exchange(tile.curbs_utime, tile.evidence_utime) != tile.evidence_utime) mark(kClasses, key, tile);
   if (curbs == tile.curbs) return;
   tile.curbs = std::move(curbs);
@@ -180,34 +202,20 @@ void TilePipeline::refresh_curbs(TileKey key, Tile& tile) {
   mark_around(kMarkings, key);
 }
 
-void TilePipeline::refresh_classes(TileKey key, Tile& tile) {
-  tile::MapTile result;
-  result.key = key;
-  result.utime = tile.voted.utime;
-  result.curbs_utime = tile.curbs_utime;
-  result.z_origin = tile.voted.z_origin;
-  cells::classify_cells(around<cells::CellColumns>(key, [](Tile& t) { return &t.columns; }),
-                        around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return &t.curbs; }), classes_, result);
-  if (tile.classes == result) return;
-  if (!tile.classes || tile.classes->cell_class != result.cell_class) mark(kMarkings, key, tile);
-  tile.classes = result;
+void TilePipeline::take(TileKey key, Tile& tile, const tile::MapTile& classes) {
+  if (tile.classes == classes) return;
+  if (!tile.classes || tile.classes->cell_class != classes.cell_class) mark(kMarkings, key, tile);
+  tile.classes = classes;
   result_.changed.insert(key);
 }
 
-void TilePipeline::refresh_paint(TileKey key, Tile& tile) {
-  const ground::GroundSurface ground(around<ground::GroundModel>(key, [](Tile& t) { return &t.ground; }));
-  markings::PaintLayer paint = markings::lay_paint(tile.voted, ground);
+void TilePipeline::take(TileKey key, Tile& tile, markings::PaintLayer paint) {
   if (paint == tile.paint) return;
   tile.paint = std::move(paint);
   mark_around(kMarkings, key);
 }
 
-void TilePipeline::refresh_markings(TileKey key, Tile& tile) {
-  auto markings =
-      markings::find_marking_cells({around<markings::PaintLayer>(key, [](Tile& t) { return &t.paint; }),
-                                    around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return &t.curbs; }),
-                                    tile.classes ? &*tile.classes : nullptr},
-                                   markings_);
+void TilePipeline::take(TileKey /*key*/, Tile& tile, std::vector<markings::MarkingCell> markings) {
   if (markings == tile.markings) return;
   tile.markings = std::move(markings);
   result_.markings = true;
@@ -260,17 +268,31 @@ WorkResult TilePipeline::run(const TileWork& work) {
 }
 
 /// Step by step: whatever a step makes stale is of a later one.
-WorkResult TilePipeline::settle() {
+WorkResult TilePipeline::settle(int threads) {
+  if (threads <= 0) threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, kMostThreads));
   result_ = {};
-  for (const Step step : kUrgentSteps) settle(step);
-  for (const Step step : kPatientSteps) settle(step);
+  for (const Step step : kUrgentSteps) settle_step(step, threads);
+  for (const Step step : kPatientSteps) settle_step(step, threads);
   return std::exchange(result_, {});
 }
 
-void TilePipeline::settle(Step step) {
+/// Nothing that a step reads is made by the same step of another tile: many are computed at once, and taken in turn.
+void TilePipeline::settle_step(Step step, int threads) {
+  std::vector<Product> products(kSettledAtOnce);
+  std::vector<std::pair<TileKey, Tile*>> tiles;
   while (!stale_[step].empty()) {
-    const TileKey key = stale_[step].begin()->second;
-    refresh(step, key, *find(key));
+    tiles.clear();
+    for (auto it = stale_[step].begin(); it != stale_[step].end() && tiles.size() < kSettledAtOnce; ++it)
+      tiles.emplace_back(it->second, find(it->second));
+    parallel_for(tiles.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) products[i] = compute(step, tiles[i].first, *tiles[i].second);
+    });
+    num_evidence_ += step == kEvidence ? static_cast<std::int64_t>(tiles.size()) : 0;
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      const auto& [key, tile] = tiles[i];
+      unmark(step, *tile);
+      std::visit([&, k = key, t = tile](auto& product) { take(k, *t, std::move(product)); }, products[i]);
+    }
   }
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <unordered_map>
+#include <variant>
 #include <vector>
 
 #include "services/semantic_map/cells/cell_classes.hpp"
@@ -45,8 +46,9 @@ class TilePipeline {
 
   /// Does one piece of work. Nothing is done on a tile of which no voted points are known.
   WorkResult run(const TileWork& work);
-  /// Computes all that is stale, and tells what became another.
-  WorkResult settle();
+  /// Computes all that is stale, and tells what became another. `threads`: 0 for as many as there are cores; the result
+  /// is that of one.
+  WorkResult settle(int threads = 0);
   [[nodiscard]] Backlog backlog() const;
 
   /// The tile as it was computed last; nullptr if it never was.
@@ -97,16 +99,22 @@ class TilePipeline {
   void update_columns(TileKey key);
   void settle_oldest();
   void refresh(Step step, TileKey key, Tile& tile);
-  void refresh_samples(TileKey key, Tile& tile);
-  void refresh_ground(TileKey key, Tile& tile);
-  void refresh_evidence(TileKey key, Tile& tile);
+  /// What becomes of a step of a tile: reads what the steps before have made, and changes nothing.
+  using Product = std::variant<std::monostate, ground::GroundSamples, ground::GroundModel,
+                               std::vector<curbs::CurbCandidate>, std::vector<curbs::CurbPoint>, tile::MapTile,
+                               markings::PaintLayer, std::vector<markings::MarkingCell>>;
+  [[nodiscard]] Product compute(Step step, TileKey key, const Tile& tile);
+  void take(TileKey key, Tile& tile, std::monostate columns);
+  void take(TileKey key, Tile& tile, const ground::GroundSamples& samples);
+  void take(TileKey key, Tile& tile, const ground::GroundModel& ground);
+  void take(TileKey key, Tile& tile, std::vector<curbs::CurbCandidate> evidence);
+  void take(TileKey key, Tile& tile, std::vector<curbs::CurbPoint> curbs);
+  void take(TileKey key, Tile& tile, const tile::MapTile& classes);
+  void take(TileKey key, Tile& tile, markings::PaintLayer paint);
+  void take(TileKey key, Tile& tile, std::vector<markings::MarkingCell> markings);
+  void settle_step(Step step, int threads);
   void refresh_columns(TileKey key, Tile& tile);
   void measure_columns(TileKey key, Tile& tile);
-  void refresh_curbs(TileKey key, Tile& tile);
-  void refresh_classes(TileKey key, Tile& tile);
-  void refresh_paint(TileKey key, Tile& tile);
-  void refresh_markings(TileKey key, Tile& tile);
-  void settle(Step step);
 
   tile::CurbParameters curb_;
   cells::ClassParameters classes_;

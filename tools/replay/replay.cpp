@@ -9,8 +9,10 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <thread>
+#include <utility>
+#include <vector>
 
-#include "common/bus/local_bus.hpp"
 #include "common/config/command_line.hpp"
 #include "common/config/config.hpp"
 #include "common/log/log_writer.hpp"
@@ -19,7 +21,7 @@
 #include "common/time/clock.hpp"
 #include "tools/output/watched_log.hpp"
 #include "tools/replay/recorded_config.hpp"
-#include "tools/replay/vehicle.hpp"
+#include "tools/replay/vehicle_line.hpp"
 
 namespace curbstone::replay {
 
@@ -37,6 +39,7 @@ constexpr std::int64_t kLatest = 4'102'444'800'000'000;  // us: the year 2100
 struct Arguments {
   std::vector<std::string> logs;
   std::string record;
+  int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   ReplayOptions vehicle;
 };
 
@@ -51,7 +54,7 @@ struct Summary {
 /// Says, once a process, where what was recorded is configured otherwise than this replay.
 class ConfigWatch {
  public:
-  explicit ConfigWatch(const ReplayVehicle& vehicle) : vehicle_(vehicle) {}
+  explicit ConfigWatch(const VehicleLine& vehicle) : vehicle_(vehicle) {}
 
   void on(const service_config_t& recorded) {
     if (!seen_.insert(recorded.service + recorded.yaml + recorded.version).second || seen_.size() > kMost) return;
@@ -73,22 +76,26 @@ class ConfigWatch {
     if (std::find(lines_.begin(), lines_.end(), line) == lines_.end()) lines_.push_back(line);
   }
 
-  const ReplayVehicle& vehicle_;
+  const VehicleLine& vehicle_;
   std::set<std::string> seen_;
   std::vector<std::string> lines_;
 };
 
 /// So that a log made by --record says what it was made with, as that of a recorder does.
-void publish_configs(const ReplayVehicle& vehicle, std::int64_t utime, Publisher& bus) {
-  for (const auto& stage : vehicle.stages())
-    bus.publish("CONFIG", service_config_t{utime, stage.name, stage.name, "replay", version(), stage.config});
+void note_configs(VehicleLine& vehicle, std::int64_t utime) {
+  for (const auto& stage : vehicle.stages()) {
+    const service_config_t message{utime, stage.name, stage.name, "replay", version(), stage.config};
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+    message.encode(bytes.data(), 0, message.getEncodedSize());
+    vehicle.note("CONFIG", std::move(bytes));
+  }
 }
 
-Summary drive(output::WatchedLog& log, LocalBus& bus, ReplayVehicle& vehicle) {
+Summary drive(output::WatchedLog& log, VehicleLine& vehicle) {
   Summary summary;
   MessageOrder order;
   ConfigWatch configs(vehicle);
-  const auto deliver = [&](const LogEvent& event) {
+  const auto deliver = [&](LogEvent event) {
     const std::int64_t time = message_time(event);
     if (time <= 0 || time > kLatest) {
       ++summary.refused;
@@ -96,20 +103,18 @@ Summary drive(output::WatchedLog& log, LocalBus& bus, ReplayVehicle& vehicle) {
     }
     if (summary.messages++ == 0) {
       summary.first_utime = summary.last_utime = time;
-      publish_configs(vehicle, time, bus);
+      note_configs(vehicle, time);
     }
     summary.last_utime = std::max(summary.last_utime, time);
-    vehicle.advance(time);
-    bus.inject(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
-    bus.dispatch();
+    vehicle.deliver(time, std::move(event.channel), std::move(event.bytes));
   };
   while (auto event = log.next()) {
     if (const auto config = config_in(*event)) configs.on(*config);
     if (!is_sensor(event->channel)) continue;
     order.push(std::move(*event));
-    while (const auto ready = order.pop(false)) deliver(*ready);
+    while (auto ready = order.pop(false)) deliver(std::move(*ready));
   }
-  while (const auto ready = order.pop(true)) deliver(*ready);
+  while (auto ready = order.pop(true)) deliver(std::move(*ready));
   vehicle.finish();
   configs.say_all();
   return summary;
@@ -123,7 +128,7 @@ std::string config_source(const ReplayOptions& options) {
   return options.assignments.empty() ? source : source + ", and --set";
 }
 
-void report(const Summary& summary, const ReplayVehicle& vehicle, double wall_seconds, const std::string& map_file,
+void report(const Summary& summary, const VehicleLine& vehicle, double wall_seconds, const std::string& map_file,
             const std::string& configuration) {
   fmt::print("{:.1f} s of drive in {:.1f} s ({:.1f}x real time), {} messages -> {}\n", summary.seconds(), wall_seconds,
              summary.seconds() / wall_seconds, summary.messages, map_file);
@@ -155,6 +160,9 @@ int run_replay(int argc, char** argv) {
               "The vehicle's YAML file, instead of what the log was recorded with");
   line.option("--set", arguments.vehicle.assignments, "SECTION.KEY=VALUE, over the file").one_each();
   line.option("--record", arguments.record, "Write every message, recomputed ones too, to this log");
+  line.option("--threads", arguments.threads,
+              "1: the stages one after the other, in one thread; else side by side. The map is the same")
+      .within(1, 1000);
   if (const auto status = line.read(argc, argv)) return *status;
 
   output::WatchedLog log(arguments.logs, "replay");
@@ -163,17 +171,17 @@ int run_replay(int argc, char** argv) {
     arguments.vehicle.recorded = recorded_config(head);
     // A replay makes a map; it does not extend one.
     for (const char* suffix : {"", "-wal", "-shm"}) std::remove((arguments.vehicle.map_file + suffix).c_str());
-    LocalBus bus;
     std::optional<LogWriter> recorder;
+    StageLine::Options options{.threads = arguments.threads > 1, .everything = {}};
     if (!arguments.record.empty()) {
       recorder.emplace(arguments.record);
-      bus.tap([&](const std::string& channel, const void* data, int size, std::int64_t) {
-        recorder->write(channel, data, size);
-      });
+      options.everything = [&](const LineItem& message) {
+        recorder->write(message.channel, message.bytes.data(), static_cast<int>(message.bytes.size()));
+      };
     }
-    ReplayVehicle vehicle(arguments.vehicle, bus);
+    VehicleLine vehicle(arguments.vehicle, options);
     const std::int64_t start = steady_clock();
-    const Summary summary = drive(log, bus, vehicle);
+    const Summary summary = drive(log, vehicle);
     if (summary.messages == 0) throw std::runtime_error(arguments.logs[0] + ": holds no LIDAR_POINTS, IMU or WHEELS");
     report(summary, vehicle, static_cast<double>(steady_clock() - start) * 1e-6, arguments.vehicle.map_file,
            config_source(arguments.vehicle));

@@ -43,8 +43,8 @@ Config configured(const std::string& section, const ReplayOptions& options, std:
 
 }  // namespace
 
-ReplayVehicle::ReplayVehicle(const ReplayOptions& options, LocalBus& bus)
-    : bus_(bus), tick_period_(options.tick_period) {
+std::vector<Stage> make_stages(const ReplayOptions& options,
+                               const std::function<Publisher&(const std::string& name)>& bus_of) {
   std::string semantic_text;
   auto semantic = configured<semantic_map::SemanticMapConfig>("semantic_map", options, semantic_text);
   if (!options.map_file.empty()) semantic.map = options.map_file;
@@ -59,10 +59,20 @@ ReplayVehicle::ReplayVehicle(const ReplayOptions& options, LocalBus& bus)
   std::string voting_text;
   const auto voting = configured<tensor_voting::worker::TensorVotingConfig>("tensor_voting", options, voting_text);
   using tensor_voting::worker::TensorVotingNode;
-  stages_.push_back({"ekf", ekf_text, std::make_unique<ekf::EkfNode>(ekf, bus)});
-  stages_.push_back({"mapper", mapper_text, std::make_unique<mapper::MapperNode>(mapper, bus)});
-  stages_.push_back({"tensor_voting", voting_text, std::make_unique<TensorVotingNode>(voting, "tensor_voting:1", bus)});
-  stages_.push_back({"semantic_map", semantic_text, std::make_unique<semantic_map::SemanticMapNode>(semantic, bus)});
+  std::vector<Stage> stages;
+  stages.push_back({"ekf", ekf_text, std::make_unique<ekf::EkfNode>(ekf, bus_of("ekf"))});
+  stages.push_back({"mapper", mapper_text, std::make_unique<mapper::MapperNode>(mapper, bus_of("mapper"))});
+  stages.push_back({"tensor_voting", voting_text,
+                    std::make_unique<TensorVotingNode>(voting, "tensor_voting:1", bus_of("tensor_voting"))});
+  stages.push_back({"semantic_map", semantic_text,
+                    std::make_unique<semantic_map::SemanticMapNode>(semantic, bus_of("semantic_map"))});
+  return stages;
+}
+
+ReplayVehicle::ReplayVehicle(const ReplayOptions& options, LocalBus& bus)
+    : bus_(bus),
+      tick_period_(options.tick_period),
+      stages_(make_stages(options, [&](const std::string&) -> Publisher& { return bus; })) {
   for (Stage& stage : stages_) stage.node->connect(bus);
 }
 

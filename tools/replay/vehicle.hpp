@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,8 +23,20 @@ struct ReplayOptions {
   std::int64_t tick_period = 1'000'000;
 };
 
-/// The services of the vehicle on one bus in one process: ekf, mapper, one tensor-voting worker, semantic_map. The
-/// drivers are left out: their messages come from the log.
+/// A service of the vehicle as a node.
+struct Stage {
+  std::string name;
+  std::string config;  ///< its section with all values, as YAML
+  std::unique_ptr<Node> node;
+};
+
+/// ekf, mapper, one tensor-voting worker, semantic_map; not connected yet. `bus_of`: where a stage, by its name,
+/// publishes. Throws ConfigError, or std::runtime_error when the map cannot be written.
+[[nodiscard]] std::vector<Stage> make_stages(const ReplayOptions& options,
+                                             const std::function<Publisher&(const std::string& name)>& bus_of);
+
+/// The services of the vehicle on one bus in one process and one thread: ekf, mapper, one tensor-voting worker,
+/// semantic_map. The drivers are left out: their messages come from the log.
 class ReplayVehicle {
  public:
   /// Throws ConfigError, or std::runtime_error when the map cannot be written.
@@ -35,11 +48,6 @@ class ReplayVehicle {
   /// The drive is over: everything pending is finished, stage by stage.
   void finish();
 
-  struct Stage {
-    std::string name;
-    std::string config;  ///< its section with all values, as YAML
-    std::unique_ptr<Node> node;
-  };
   [[nodiscard]] const std::vector<Stage>& stages() const { return stages_; }
 
  private:

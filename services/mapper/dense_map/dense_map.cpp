@@ -15,6 +15,7 @@ constexpr double kAwake = 40.0;                   // m beyond the range: tiles t
 constexpr int kLookEvery = 4;                     // revolutions between looks through a tile
 constexpr std::int64_t kRemoveEvery = 1'000'000;  // us: whoever votes counts such a tile anew
 constexpr double kWorldEdge = 90'000;             // m from the start, in either axis
+constexpr std::size_t kAhead = 12;                // points that memory is asked for what they need before their turn
 constexpr int kHighestStep = 32000;               // of a point above its tile's origin, either way
 
 /// tile_at() of what can be mapped.
@@ -72,7 +73,10 @@ std::vector<TileKey> DenseMap::insert(const std::vector<scan::LidarPoint>& point
   base_ = T_map_base.translation();
   up_ = T_map_base.linear().col(2);
   learn(points, T_map_base, utime);
-  for (const Seen& seen : in_range_) hit(seen, utime, add_new);
+  for (std::size_t i = 0; i < in_range_.size(); ++i) {
+    if (i + kAhead < in_range_.size()) prefetch(in_range_[i + kAhead]);
+    hit(in_range_[i], utime, add_new);
+  }
   std::vector<TileKey> grown = settle_all(utime, false);
   if (round_ % kHousekeeping == 0) {
     places_.forget_before(utime - 2 * kGiveUp);  // what waits below one is given up before
@@ -126,7 +130,9 @@ void DenseMap::learn(const std::vector<scan::LidarPoint>& points, const Pose& T_
     const auto key = mapped_tile_at(in_map);
     if (!key) continue;
     DenseTile& tile = tiles_.wake_or_make(*key, static_cast<std::int32_t>(std::lround(base_.z())));
-    in_range_.push_back({in_map, *key, &tile, scale_ ? scale_->of(point.ring, point.intensity) : point.intensity});
+    const std::uint8_t intensity = scale_ ? scale_->of(point.ring, point.intensity) : point.intensity;
+    const auto in_tile = point_in_tile(in_map - corner_of(*key, tile), intensity);
+    in_range_.push_back({in_map, *key, &tile, in_tile, in_tile ? tile.voxel_number(*in_tile) : 0});
     const auto place = [](double along) {
       return std::clamp(static_cast<int>(along * DenseTile::kColumnsPerMetre), 0, DenseTile::kColumns - 1);
     };
@@ -146,26 +152,30 @@ double DenseMap::ground_at(const Eigen::Vector3d& point) {
   return std::min(base_.z() + slope + kGroundSlope * d.norm(), tiles_.lowest_about(point));
 }
 
+/// Most points are in voxels that have one: what is looked up is far apart, and what is done with it is little.
+void DenseMap::prefetch(const Seen& seen) const {
+  if (!seen.in_tile) return;
+  seen.tile->prefetch(seen.voxel);
+  waiting_index_.prefetch(waiting_key(seen.key, seen.voxel));
+}
+
 void DenseMap::hit(const Seen& seen, std::int64_t utime, bool add_new) {
-  const auto in_tile = point_in_tile(seen.position - corner_of(seen.key, *seen.tile), seen.intensity);
-  if (!in_tile) return;
-  const std::uint32_t voxel = seen.tile->voxel_number(*in_tile);
-  if (seen.tile->occupied(voxel)) return;
-  const voxels::VoxelKey name = waiting_key(seen.key, voxel);
+  if (!seen.in_tile || seen.tile->occupied(seen.voxel)) return;
+  const voxels::VoxelKey name = waiting_key(seen.key, seen.voxel);
   std::uint32_t at = waiting_index_.find(name);
   if (at == voxels::FlatIndex::kNone) {
-    if (!add_new || tiles_.known_beside(seen.key, *seen.tile, *in_tile)) return;
+    if (!add_new || tiles_.known_beside(seen.key, *seen.tile, *seen.in_tile)) return;
     at = new_waiting();
     waiting_index_.find_or_insert(name, at);
-    waiting_[at] = {.tile = seen.key, .voxel = voxel, .first = utime};
+    waiting_[at] = {.tile = seen.key, .voxel = seen.voxel, .first = utime};
   }
   Waiting& waiting = waiting_[at];
   waiting.last = utime;
   if (waiting.hits >= config_.settle_hits) return;  // its point is made; only its proof is missing
   ++waiting.hits;
-  waiting.lit += seen.intensity > 0 ? 1 : 0;
-  waiting.intensity += seen.intensity;
-  waiting.sum += Eigen::Vector3i(in_tile->x, in_tile->y, in_tile->z);
+  waiting.lit += seen.in_tile->intensity > 0 ? 1 : 0;
+  waiting.intensity += seen.in_tile->intensity;
+  waiting.sum += Eigen::Vector3i(seen.in_tile->x, seen.in_tile->y, seen.in_tile->z);
 }
 
 std::uint32_t DenseMap::new_waiting() {

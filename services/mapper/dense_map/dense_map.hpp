@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -80,7 +81,8 @@ class DenseMap {
     Eigen::Vector3d position;  // m, map
     TileKey key;
     DenseTile* tile;
-    std::uint8_t intensity;
+    std::optional<TilePoint> in_tile;  // nothing: too high or too low for its tile
+    std::uint32_t voxel;               // DenseTile::voxel_number
   };
   /// A voxel that has been hit and has no point yet; not one when `hits` is 0.
   struct Waiting {
@@ -95,6 +97,7 @@ class DenseMap {
     std::int64_t last = 0;                          // us
   };
   void learn(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, std::int64_t utime);
+  void prefetch(const Seen& seen) const;
   void hit(const Seen& seen, std::int64_t utime, bool add_new);
   [[nodiscard]] std::uint32_t new_waiting();
   [[nodiscard]] double ground_at(const Eigen::Vector3d& point);

@@ -17,6 +17,10 @@ class NumberSet {
   /// Nothing if it is not in the set.
   void erase(std::uint32_t number);
   [[nodiscard]] std::size_t bytes() const { return slots_.capacity() * sizeof(std::uint32_t); }
+  /// Asks memory for where a search for the number will begin.
+  void prefetch(std::uint32_t number) const {
+    if (!slots_.empty()) __builtin_prefetch(&slots_[home_of(number)]);
+  }
 
  private:
   [[nodiscard]] std::size_t home_of(std::uint32_t number) const;
@@ -45,6 +49,8 @@ class DenseTile {
   /// Names the point's voxel within the tile.
   [[nodiscard]] std::uint32_t voxel_number(const TilePoint& point) const;
   [[nodiscard]] bool occupied(std::uint32_t voxel) const { return occupied_.contains(voxel); }
+  /// occupied() will be asked for the voxel some points later.
+  void prefetch(std::uint32_t voxel) const { occupied_.prefetch(voxel); }
   /// Whether the voxel is occupied, and was when the tile woke: by a visit before this one.
   [[nodiscard]] bool knew(std::uint32_t voxel) const { return has_slept_ && occupied_.is_marked(voxel); }
   [[nodiscard]] bool has_slept() const { return has_slept_; }

@@ -9,11 +9,11 @@
 #include <string>
 #include <utility>
 
+#include "common/parallel/parallel_for.hpp"
 #include "services/tensor_voting/kernels/batch_kernel.hpp"
 #include "services/tensor_voting/kernels/instruction_sets.hpp"
 #include "services/tensor_voting/kernels/tensor_block.hpp"
 #include "services/tensor_voting/voting/cell_list.hpp"
-#include "services/tensor_voting/voting/parallel.hpp"
 #include "services/tensor_voting/voting/step_cloud.hpp"
 #include "services/tensor_voting/voting/thinning.hpp"
 

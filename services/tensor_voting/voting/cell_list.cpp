@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "services/tensor_voting/voting/parallel.hpp"
+#include "common/parallel/parallel_for.hpp"
 
 namespace curbstone::tensor_voting::voting {
 

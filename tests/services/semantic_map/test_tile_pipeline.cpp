@@ -75,6 +75,20 @@ TEST_F(PipelineOfAStreet, DoesNotDependOnTheOrderOfTilesNorOnWhoLooksWhen) {
   expect_as_at_once(backward);
 }
 
+TEST_F(PipelineOfAStreet, SettlesTheSameOnAnyNumberOfThreads) {
+  for (const int threads : {1, 2, 5}) {
+    TilePipeline pipeline({}, {});
+    std::set<TileKey> all;
+    for (const tile::VotedTile& tile : tiles()) {
+      pipeline.set_voted(tile);
+      all.insert(tile.key);
+    }
+    EXPECT_EQ(pipeline.settle(threads).changed, all);
+    EXPECT_EQ(pipeline.num_evidence(), at_once().num_evidence());
+    expect_as_at_once(pipeline);
+  }
+}
+
 TEST_F(PipelineOfAStreet, ComesBackFromEveryOtherRevisionOfATile) {
   TilePipeline pipeline = at_once();
   for (std::size_t i = 0; i < tiles().size(); i += 5) {

@@ -5,10 +5,10 @@
 #include <thread>
 #include <vector>
 
-namespace curbstone::tensor_voting::voting {
+namespace curbstone {
 
 /// Calls work(begin, end) for pieces of [0, count) of at most `chunk`, on `threads` threads, this one included. `work`
-/// must not throw.
+/// must not throw. What a piece comes to must not depend on the others: then neither does it on the number of threads.
 template <class Work>
 void parallel_for(std::size_t count, std::size_t chunk, int threads, const Work& work) {
   std::atomic<std::size_t> next{0};
@@ -22,4 +22,4 @@ void parallel_for(std::size_t count, std::size_t chunk, int threads, const Work&
   run();
 }
 
-}  // namespace curbstone::tensor_voting::voting
+}  // namespace curbstone

@@ -1,0 +1,101 @@
+#include "tools/replay/replay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "common/log/log_reader.hpp"
+#include "common/log/log_writer.hpp"
+#include "tests/temporary_folder.hpp"
+#include "tools/command/run_subcommand.hpp"
+#include "tools/simulate/simulate.hpp"
+
+namespace curbstone::replay {
+namespace {
+
+int run(command::Run subcommand, std::vector<std::string> words) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  const std::string name = words[0];
+  return command::run_subcommand(name, subcommand, static_cast<int>(argv.size()), argv.data());
+}
+
+std::string bytes_of(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class ReplayOnThreads : public ::testing::Test {
+ protected:
+  void make_town(const std::string& seconds) {
+    ASSERT_EQ(run(simulate::run_simulate, {"simulate", "--town", "--seconds", seconds, "--log", log_}), 0);
+  }
+  /// The map, and every message that was said.
+  std::pair<std::string, std::string> replay(const std::string& threads,
+                                             const std::string& setting = "ekf.fuse_map=false") {
+    const std::string map = folder_ / ("map" + threads + ".db");
+    const std::string all = folder_ / ("all" + threads + ".lcmlog");
+    EXPECT_EQ(run(run_replay, {"replay", log_, "--map", map, "--threads", threads, "--record", all, "--set", setting}),
+              0);
+    return {bytes_of(map), bytes_of(all)};
+  }
+  /// Without all sensors for a while, without the IMU for another, and with packets whose clock is off.
+  void damage() {
+    std::vector<LogEvent> events;
+    LogReader reader(log_);
+    while (auto event = reader.next()) events.push_back(std::move(*event));
+    const std::int64_t begin = events.front().log_utime;
+    LogWriter writer(log_);
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      const double at = static_cast<double>(events[i].log_utime - begin) * 1e-6;
+      if (at > 2 && at < 2.7) continue;
+      if (events[i].channel == "IMU" && at > 3.5 && at < 4) continue;
+      if (i % 997 == 0) events[i].bytes.resize(events[i].bytes.size() / 2);
+      writer.write(events[i].channel, events[i].bytes.data(), static_cast<int>(events[i].bytes.size()),
+                   events[i].log_utime);
+    }
+  }
+
+  testing::TemporaryFolder folder_;
+  std::string log_ = folder_ / "drive.lcmlog";
+};
+
+TEST_F(ReplayOnThreads, MakesTheSameMapAndSaysTheSameAsInOne) {
+  make_town("5");
+  const auto one = replay("1");
+  EXPECT_GT(one.first.size(), 20'000U);
+  const auto many = replay("4");
+  EXPECT_TRUE(one.first == many.first);
+  EXPECT_TRUE(one.second == many.second);
+}
+
+TEST_F(ReplayOnThreads, MakesTheSameMapOfADamagedDrive) {
+  make_town("5");
+  damage();
+  const auto one = replay("1", "ekf.fuse_map=true");
+  const auto many = replay("4", "ekf.fuse_map=true");
+  EXPECT_GT(one.first.size(), 20'000U);
+  EXPECT_TRUE(one.first == many.first);
+  EXPECT_TRUE(one.second == many.second);
+}
+
+TEST_F(ReplayOnThreads, EndsWithoutAMapThatCannotBeWritten) {
+  make_town("0.5");
+  for (const std::string threads : {"1", "4"})
+    EXPECT_NE(run(run_replay, {"replay", log_, "--map", "/dev/null/map.db", "--threads", threads}), 0);
+}
+
+TEST_F(ReplayOnThreads, EndsWhenTheRecordCannotBeWritten) {
+  make_town("2");
+  for (const std::string threads : {"1", "4"}) {
+    EXPECT_EQ(
+        run(run_replay, {"replay", log_, "--map", folder_ / "map.db", "--threads", threads, "--record", "/dev/full"}),
+        1);
+  }
+}
+
+}  // namespace
+}  // namespace curbstone::replay

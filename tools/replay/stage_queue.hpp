@@ -1,0 +1,61 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace curbstone::replay {
+
+/// What goes along the line of stages (StageLine), in the order in which it is to be seen.
+struct LineItem {
+  enum class Kind {
+    kMessage,
+    kBeat,  ///< a piece of the drive is over
+    kEnd,   ///< the drive is
+  };
+  Kind kind = Kind::kMessage;
+  std::string channel;              ///< of a message
+  std::vector<std::uint8_t> bytes;  ///< likewise, as encoded
+  std::int64_t number = 0;          ///< of a beat, from 0
+  std::int64_t now = 0;             ///< us of message time, of a beat
+  bool ticks = false;               ///< a beat at which message time has gone on; else only the piece became long
+};
+
+/// From one thread to the next. It needs no bound of its own: nobody sends a beat that is many beats ahead of whoever
+/// is last (StageLine).
+class StageQueue {
+ public:
+  void push(std::vector<LineItem> items) {
+    {
+      const std::lock_guard lock(mutex_);
+      for (LineItem& item : items) items_.push_back(std::move(item));
+    }
+    some_.notify_one();
+  }
+  /// All that has come; waits for it. Empty: closed.
+  [[nodiscard]] std::vector<LineItem> take() {
+    std::unique_lock lock(mutex_);
+    some_.wait(lock, [&] { return !items_.empty() || closed_; });
+    if (closed_) return {};
+    return std::exchange(items_, {});
+  }
+  /// Nobody takes any more: what waits is forgotten.
+  void close() {
+    {
+      const std::lock_guard lock(mutex_);
+      closed_ = true;
+    }
+    some_.notify_all();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable some_;
+  std::vector<LineItem> items_;
+  bool closed_ = false;
+};
+
+}  // namespace curbstone::replay
