@@ -3,18 +3,29 @@
 #include <cmath>
 #include <filesystem>
 #include <utility>
-#include <vector>
 
 #include "services/semantic_map/store/map_file.hpp"
 #include "services/semantic_map/store/map_store.hpp"
 #include "services/semantic_map/store/map_store_blobs.hpp"
 
-/// @file
-/// MapReader.
-
 namespace curbstone::semantic_map::store {
-
 namespace {
+
+TileKey key_of(SQLite::Statement& row) {
+  return {static_cast<std::int32_t>(row.getColumn(0).getInt64()),
+          static_cast<std::int32_t>(row.getColumn(1).getInt64())};
+}
+
+/// From a row of x, y, utime, z_origin, cells.
+tile::MapTile tile_of(SQLite::Statement& row, const std::string& path) {
+  tile::MapTile tile;
+  tile.key = key_of(row);
+  tile.utime = row.getColumn(2).getInt64();
+  tile.z_origin = static_cast<float>(row.getColumn(3).getDouble());
+  if (!std::isfinite(tile.z_origin) || !unpack_cells(blob(row.getColumn(4)), tile))
+    throw MapStoreError(fmt::format("{}: tile ({}, {}) is damaged", path, tile.key.x, tile.key.y));
+  return tile;
+}
 
 bool is_sane(const tile::TrajectoryPose& pose) {
   return is_finite(pose.T_map_base);
@@ -44,16 +55,32 @@ std::vector<tile::MapTile> MapReader::tiles() const {
   return for_file(path_, [&] {
     std::vector<tile::MapTile> tiles;
     SQLite::Statement rows(*db_, "SELECT x, y, utime, z_origin, cells FROM tiles ORDER BY x, y");
-    while (rows.executeStep()) {
-      tile::MapTile& tile = tiles.emplace_back();
-      tile.key = {static_cast<std::int32_t>(rows.getColumn(0).getInt64()),
-                  static_cast<std::int32_t>(rows.getColumn(1).getInt64())};
-      tile.utime = rows.getColumn(2).getInt64();
-      tile.z_origin = static_cast<float>(rows.getColumn(3).getDouble());
-      if (!std::isfinite(tile.z_origin) || !unpack_cells(blob(rows.getColumn(4)), tile))
-        throw MapStoreError(fmt::format("{}: tile ({}, {}) is damaged", path_, tile.key.x, tile.key.y));
-    }
+    while (rows.executeStep()) tiles.push_back(tile_of(rows, path_));
     return tiles;
+  });
+}
+
+std::vector<TileKey> MapReader::tile_keys() const {
+  return for_file(path_, [&] {
+    std::vector<TileKey> keys;
+    SQLite::Statement rows(*db_, "SELECT x, y FROM tiles ORDER BY x, y");
+    while (rows.executeStep()) keys.push_back(key_of(rows));
+    return keys;
+  });
+}
+
+std::optional<tile::MapTile> MapReader::tile(TileKey key) const {
+  return for_file(path_, [&]() -> std::optional<tile::MapTile> {
+    if (!one_tile_)
+      one_tile_ = std::make_unique<SQLite::Statement>(
+          *db_, "SELECT x, y, utime, z_origin, cells FROM tiles WHERE x = ? AND y = ?");
+    one_tile_->reset();
+    one_tile_->bind(1, key.x);
+    one_tile_->bind(2, key.y);
+    std::optional<tile::MapTile> tile;
+    if (one_tile_->executeStep()) tile = tile_of(*one_tile_, path_);
+    one_tile_->reset();  // no lock on the file is kept
+    return tile;
   });
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -10,7 +11,8 @@
 
 namespace SQLite {
 class Database;
-}
+class Statement;
+}  // namespace SQLite
 
 namespace curbstone::semantic_map::store {
 
@@ -46,7 +48,10 @@ class MapReader {
   /// Of the file: 1 .. kMapSchemaVersion.
   [[nodiscard]] std::int32_t schema() const;
   [[nodiscard]] std::int32_t epoch() const;
-  [[nodiscard]] std::vector<tile::MapTile> tiles() const;              ///< by key
+  [[nodiscard]] std::vector<tile::MapTile> tiles() const;  ///< by key
+  [[nodiscard]] std::vector<TileKey> tile_keys() const;    ///< in order
+  /// One of them, as the file has it now; nothing if it has none. Some 50 us.
+  [[nodiscard]] std::optional<tile::MapTile> tile(TileKey key) const;
   [[nodiscard]] std::vector<tile::CurbLine> curbs() const;             ///< by id
   [[nodiscard]] std::vector<tile::MarkingLine> markings() const;       ///< by id
   [[nodiscard]] std::vector<tile::TrajectoryPose> trajectory() const;  ///< by utime
@@ -56,6 +61,7 @@ class MapReader {
  private:
   std::string path_;
   std::unique_ptr<SQLite::Database> db_;
+  mutable std::unique_ptr<SQLite::Statement> one_tile_;  // prepared once
 };
 
 /// Writes a map. One writer a file: a second one is refused while the first lives (also after kill -9, the lock goes

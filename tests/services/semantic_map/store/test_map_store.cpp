@@ -144,6 +144,17 @@ TEST_F(MapStoreTest, IsReadableWhileItIsWritten) {
   EXPECT_EQ(map.tiles().size(), 2U);
 }
 
+TEST_F(MapStoreTest, GivesOneTileAtATimeAsTheFileHasItThen) {
+  MapStore store(path_);
+  store.write({.epoch = 1, .tiles = {tile(3, 0), tile(-1, 7)}});
+  const MapReader map(path_);
+  EXPECT_THAT(map.tile_keys(), ::testing::ElementsAre(TileKey{-1, 7}, TileKey{3, 0}));
+  EXPECT_EQ(map.tile({3, 0}), tile(3, 0));
+  EXPECT_FALSE(map.tile({3, 1}));
+  store.write({.epoch = 1, .tiles = {tile(3, 0, 5)}});
+  EXPECT_EQ(map.tile({3, 0}), tile(3, 0, 5));
+}
+
 TEST_F(MapStoreTest, RefusesASecondWriterWhileTheFirstLives) {
   auto first = std::make_unique<MapStore>(path_);
   EXPECT_THAT(error_of([&] { MapStore second(path_); }), ::testing::HasSubstr("another semantic map service"));
