@@ -84,8 +84,9 @@ Source recorded_source(const Options& options, const rig::SimulateConfig& config
                                                            recorded::level(scans, config.vehicle.lidar[2]), playback);
   source.rpm = std::clamp(60.0 / scans.period(), 300.0, 1200.0);
   const std::shared_ptr<const devices::LidarEmulator> lidar = devices::make_lidar(options.lidar, source.rpm);
-  source.make_surroundings = [scans = source.scans, at = motion.get(), playback, lidar] {
-    return std::make_unique<recorded::ScanSurroundings>(*scans, *at, playback, *lidar);
+  const auto scale = std::make_shared<const recorded::LaserScale>(scans, config.vehicle.lidar[2]);
+  source.make_surroundings = [scans = source.scans, at = motion.get(), playback, lidar, scale] {
+    return std::make_unique<recorded::ScanSurroundings>(*scans, *at, playback, *lidar, scale);
   };
   source.recorded = std::move(motion);
   source.motion = source.recorded.get();

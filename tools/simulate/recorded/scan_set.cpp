@@ -11,6 +11,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "tools/simulate/recorded/scan_rings.hpp"
+
 namespace curbstone::simulate::recorded {
 
 namespace fs = std::filesystem;
@@ -103,13 +105,18 @@ std::vector<ScanPoint> read_scan(const std::string& file) {
   std::vector<std::array<float, 4>> records(bytes.size() / kRecord);
   std::memcpy(records.data(), bytes.data(), bytes.size());
   const bool unit = std::all_of(records.begin(), records.end(), [](const auto& r) { return !(r[3] > 1.0F); });
+  std::vector<Eigen::Vector3f> positions;
+  positions.reserve(records.size());
+  for (const auto& r : records) positions.emplace_back(r[0], r[1], r[2]);
+  const std::vector<std::uint8_t> rings = rings_of(positions, file);
   std::vector<ScanPoint> points;
   points.reserve(records.size());
-  for (const auto& r : records) {
-    const Eigen::Vector3f p(r[0], r[1], r[2]);
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const auto& r = records[i];
+    const Eigen::Vector3f& p = positions[i];
     if (!p.allFinite() || p.squaredNorm() < 1.0F || p.squaredNorm() > 1e6F) continue;
-    const float intensity = std::clamp(unit ? r[3] * 255.0F : r[3], 1.0F, 255.0F);
-    points.push_back({p, static_cast<std::uint8_t>(std::isfinite(intensity) ? intensity : 1.0F)});
+    const float intensity = std::clamp(unit ? r[3] * 255.0F : r[3], 0.0F, 255.0F);
+    points.push_back({p, static_cast<std::uint8_t>(std::isfinite(intensity) ? intensity : 0.0F), rings[i]});
   }
   return points;
 }

@@ -11,8 +11,9 @@ namespace curbstone::simulate::recorded {
 
 /// One recorded point.
 struct ScanPoint {
-  Eigen::Vector3f position;  ///< m, lidar frame of its scan
-  std::uint8_t intensity = 0;
+  Eigen::Vector3f position;    ///< m, lidar frame of its scan
+  std::uint8_t intensity = 0;  ///< 0: none
+  std::uint8_t laser = 0;      ///< counted upwards: rings_of()
 };
 
 /// A recorded drive: scans in KITTI's format, with the pose of each.

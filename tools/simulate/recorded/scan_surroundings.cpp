@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace curbstone::simulate::recorded {
 
@@ -36,10 +37,11 @@ bool is_ground(float height) {
 }  // namespace
 
 ScanSurroundings::ScanSurroundings(const ScanSet& scans, const RecordedMotion& motion, const Playback& playback,
-                                   const devices::LidarEmulator& lidar)
+                                   const devices::LidarEmulator& lidar, std::shared_ptr<const LaserScale> scale)
     : scans_(scans),
       motion_(motion),
       playback_(playback),
+      scale_(std::move(scale)),
       elevations_(lidar.elevations_deg()),
       lens_offset_(lidar.table().lens_offset) {
   for (double& elevation : elevations_) elevation *= kDegree;
@@ -57,8 +59,8 @@ const ScanSurroundings::LoadedScan& ScanSurroundings::load(std::size_t index) {
     const Pose T =
         scans_.swept ? recorded_pose(scans_, scans_.times[index] - bearing / (2.0 * std::numbers::pi) * scans_.period())
                      : scans_.T_first_scan[index];
-    scan.points.push_back(
-        {static_cast<float>(bearing), (T * point.position.cast<double>()).cast<float>(), point.intensity});
+    scan.points.push_back({static_cast<float>(bearing), (T * point.position.cast<double>()).cast<float>(),
+                           scale_ ? scale_->of(point) : point.intensity});
   }
   std::sort(scan.points.begin(), scan.points.end(), [](const auto& a, const auto& b) { return a.bearing < b.bearing; });
   if (loaded_.size() >= kLoaded) loaded_.pop_front();

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "tools/simulate/recorded/laser_scale.hpp"
 #include "tools/simulate/recorded/recorded_motion.hpp"
 #include "tools/simulate/recorded/scan_set.hpp"
 #include "tools/simulate/sensors/surroundings.hpp"
@@ -15,8 +16,9 @@ namespace curbstone::simulate::recorded {
 /// its own noise.
 class ScanSurroundings final : public sensors::Surroundings {
  public:
+  /// `scale`: of the recording's intensities; without it they are as recorded.
   ScanSurroundings(const ScanSet& scans, const RecordedMotion& motion, const Playback& playback,
-                   const devices::LidarEmulator& lidar);
+                   const devices::LidarEmulator& lidar, std::shared_ptr<const LaserScale> scale = nullptr);
 
   void prepare(const sensors::PacketView& view) override;
   [[nodiscard]] devices::LidarShot measure(const sensors::Shot& shot) override;
@@ -48,6 +50,7 @@ class ScanSurroundings final : public sensors::Surroundings {
   const ScanSet& scans_;
   const RecordedMotion& motion_;
   Playback playback_;
+  std::shared_ptr<const LaserScale> scale_;
   std::vector<double> elevations_;  ///< rad, by laser
   double lens_offset_ = 0;          ///< m, of the lens from the axis
   std::deque<LoadedScan> loaded_;

@@ -1,13 +1,17 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include "tests/temporary_folder.hpp"
 #include "tools/simulate/devices/rs16_emulator.hpp"
+#include "tools/simulate/recorded/laser_scale.hpp"
 #include "tools/simulate/recorded/level.hpp"
 #include "tools/simulate/recorded/recorded_motion.hpp"
+#include "tools/simulate/recorded/scan_rings.hpp"
 #include "tools/simulate/recorded/scan_surroundings.hpp"
 #include "tools/simulate/sensors/lidar_model.hpp"
 
@@ -119,6 +123,40 @@ TEST_F(MadeUpRecording, IsFoundReadAndLevel) {
   EXPECT_NEAR(scans.period(), 0.1, 1e-9) << "10 Hz where no times are given";
   EXPECT_FALSE(scans.swept);
   EXPECT_TRUE(recorded::level(scans, 1.73).isApprox(Eigen::Matrix3d::Identity(), 1e-3));
+}
+
+TEST_F(MadeUpRecording, HasItsLasersOnOneScale) {
+  for (int k = 0; k < 12; ++k) {  // each laser its own gain, no two roads alike
+    const std::string file = folder_ + "/" + std::to_string(100 + k) + ".bin";
+    std::vector<Eigen::Vector4f> records(std::filesystem::file_size(file) / sizeof(Eigen::Vector4f));
+    std::fstream scan(file, std::ios::binary | std::ios::in | std::ios::out);
+    scan.read(reinterpret_cast<char*>(records.data()),
+              static_cast<std::streamsize>(records.size() * sizeof(Eigen::Vector4f)));
+    std::vector<Eigen::Vector3f> positions;
+    for (const Eigen::Vector4f& r : records) positions.push_back(r.head<3>());
+    const std::vector<std::uint8_t> rings = recorded::rings_of(positions, file);
+    for (std::size_t i = 0; i < records.size(); ++i)
+      records[i][3] = (0.1F + 0.004F * static_cast<float>(rings[i])) * (0.9F + 0.02F * static_cast<float>(i % 11));
+    scan.seekp(0);
+    scan.write(reinterpret_cast<const char*>(records.data()),
+               static_cast<std::streamsize>(records.size() * sizeof(Eigen::Vector4f)));
+  }
+  const recorded::ScanSet scans = recorded::find_scans(folder_, folder_ + "/poses.txt", "");
+  const recorded::LaserScale scale(scans, 1.73);
+  int learned = 0;
+  std::map<int, std::vector<int>> road;
+  for (const recorded::ScanPoint& point : recorded::read_scan(scans.files[3])) {
+    if (std::abs(point.position.z() + 1.73F) < 0.01F && point.position.norm() < 15)
+      road[point.laser].push_back(scale.of(point));
+  }
+  for (auto& [laser, values] : road) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    if (scale.table().state(static_cast<std::uint8_t>(laser)) != mapper::intensity::RingState::kLearned) continue;
+    EXPECT_NEAR(*middle, 64, 5) << laser;
+    ++learned;
+  }
+  EXPECT_GT(learned, 30);
 }
 
 TEST_F(MadeUpRecording, IsKnownToBeSweptByItsRingsHoweverTheFolderIsNamed) {

@@ -48,12 +48,13 @@ JudgedDrive drive_recorded(const std::string& folder, std::uint64_t seed) {
   const simulate::recorded::RecordedMotion motion(scans, config.vehicle,
                                                   simulate::recorded::level(scans, config.vehicle.lidar[2]), playback);
   const double rpm = std::clamp(60.0 / scans.period(), 300.0, 1200.0);
+  const auto scale = std::make_shared<const simulate::recorded::LaserScale>(scans, config.vehicle.lidar[2]);
   const simulate::rig::Drive drive{
       .motion = motion,
       .make_surroundings =
           [&] {
             return std::make_unique<simulate::recorded::ScanSurroundings>(scans, motion, playback,
-                                                                          simulate::devices::Rs16Emulator());
+                                                                          simulate::devices::Rs16Emulator(), scale);
           },
       .config = config,
       .rpm = rpm,
