@@ -15,7 +15,7 @@ constexpr int kBlock = 5;  // cells a side that share their surroundings
 constexpr int kReach = 8;  // cells around a block: its cells are 1.0 to 1.5 m from the window's edge
 constexpr int kFewest = 30;
 constexpr double kDarkestRoad = 48;    // three quarters of the road's median: tar around does not make asphalt paint
-constexpr double kBrightestRoad = 96;  // half as bright again: grass, pavement of pale stone
+constexpr double kBrightestRoad = 96;  // half as bright again, and no paint between: grass
 constexpr double kMostSpread = 12;     // from cell to cell: more is tar among the asphalt
 constexpr int kDirections = 8;
 constexpr double kWeakShare = 0.35;  // of the least contrast: where paint's edges are
@@ -89,7 +89,9 @@ std::optional<double> level_around(const Patch& patch, int column0, int row0) {
     return 255.0;
   };
   const double middle = quantile(0.45);
-  const double spread = std::min(kMostSpread, (middle - quantile(0.25)) / (0.674 - 0.126));
+  const double low = quantile(0.25);
+  if (low > kBrightestRoad) return std::nullopt;
+  const double spread = std::min(kMostSpread, (middle - low) / (0.674 - 0.126));
   return std::max(kDarkestRoad, middle + 0.126 * spread);
 }
 
@@ -205,7 +207,6 @@ std::vector<MarkingCell> find_marking_cells(const MarkingSurroundings& around, c
       const auto& ground = grounds[static_cast<std::size_t>(row / kBlock * kBlocks + column / kBlock)];
       if (cell.count == 0 || !ground || around.classes->cell_class[k] != tile::CellClass::kRoad) continue;
       const double level = parameters.local ? *ground : parameters.level;
-      if (level > kBrightestRoad) continue;
       const double contrast = static_cast<double>(cell.sum) / static_cast<double>(cell.count) - level;
       if (contrast < kWeakShare * parameters.min_contrast) continue;
       MarkingCell mark = place(cell, column, row, level, contrast);

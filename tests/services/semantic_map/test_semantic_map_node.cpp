@@ -39,8 +39,8 @@ TEST_F(SemanticMapNodeTest, SaysWhereTheRoadIsPaintedAndKeepsItInTheMapFile) {
   EXPECT_LE(markings.size(), 7U) << "no more than one a second";
   ASSERT_EQ(markings.back().num_lines, 1);
   const marking_line_t& line = markings.back().lines[0];
-  EXPECT_EQ(line.type, marking_line_t::SOLID);
-  EXPECT_GT(line.x.back() - line.x.front(), 10);
+  EXPECT_EQ(int{line.type}, int{marking_line_t::SOLID});
+  EXPECT_GT(std::abs(line.x.back() - line.x.front()), 10.0F);
   for (const float y : line.y) EXPECT_NEAR(y, -2.0F, 0.05F);
   const std::size_t sent = markings.size();
   node.finish();

@@ -196,6 +196,7 @@ tile::VotedStep step_of(std::int32_t base, std::int32_t first, std::int32_t poin
     page.x.push_back(static_cast<std::int16_t>(100 + i));
     page.y.push_back(200);
     page.z.push_back(0);
+    page.intensity.push_back(0);
     page.voter.push_back(first + i);
   }
   return {.key = {0, 0}, .chain = 7, .base = base, .revision = base + 1, .pages = {page}};
