@@ -12,7 +12,8 @@ if(TARGET lcmtypes_jar)
 endif()
 # What scripts/demo runs, and nothing else: a third less to compile, and nothing of PCL.
 add_custom_target(demo DEPENDS curbstone curbstone-deputy curbstone-lidar curbstone-imu curbstone-encoder
-  curbstone-ekf curbstone-mapper curbstone-tensor-voting curbstone-semantic-map curbstone-recorder curbstone-viewer)
+  curbstone-ekf curbstone-mapper curbstone-localizer curbstone-localise curbstone-tensor-voting curbstone-semantic-map
+  curbstone-recorder curbstone-viewer)
 # Those that link PCL, and half of a desktop with it.
 set(tools curbstone-bench curbstone-detect curbstone-export)
 list(REMOVE_ITEM programs ${tools})

@@ -30,16 +30,27 @@ constexpr double kUnknown = 1000.0;      // m and rad, 1 sigma of what nothing i
 }  // namespace
 
 LocalizerNode::LocalizerNode(const LocalizerConfig& config, Publisher& bus)
-    : config_(config), bus_(bus), finder_(config.tracking) {
+    : config_(config), bus_(bus), file_(config.map), finder_(config.tracking) {
   if (!config_.start.empty() && config_.start.size() != 3)
     throw ConfigError(fmt::format("localizer.start: expected X, Y, YAW or none, got {} numbers", config_.start.size()));
   if (config_.method == Method::kMonteCarlo && config_.start.empty())
     throw ConfigError("localizer.start: method mcl must be told where the drive begins");
-  const semantic_map::store::MapReader reader(config_.map);
-  epoch_ = reader.epoch();
-  map_.emplace(reader.tiles());
+  epoch_ = file_.epoch();
+  const auto keys = file_.tile_keys();
+  map_.emplace(keys, [this](TileKey key) { return read(key); });
+  is_checked_ = true;
   if (map_->num_tiles() == 0)
     throw semantic_map::store::MapStoreError(config_.map + ": holds no tiles to find the vehicle by");
+}
+
+/// At the start a damaged map is refused. Later the drive goes on without the tile.
+std::optional<semantic_map::tile::MapTile> LocalizerNode::read(TileKey key) const {
+  try {
+    return file_.tile(key);
+  } catch (const semantic_map::store::MapStoreError&) {
+    if (!is_checked_) throw;
+    return std::nullopt;
+  }
 }
 
 void LocalizerNode::connect(Subscriber& bus) {
@@ -206,6 +217,8 @@ NodeReport LocalizerNode::report() const {
   NodeReport report;
   report.counters = counters_;
   for (const auto& [name, value] : assembler_.counters().values()) report.counters.add(name, value);
+  if (map_->unreadable() > 0)
+    report.counters.add("map.unreadable_tiles", static_cast<std::int64_t>(map_->unreadable()));
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
   if (lidar_time_ == 0) report.faults.emplace_back("no LIDAR_POINTS");

@@ -14,6 +14,7 @@
 #include "services/localizer/tracking/thinned_scan.hpp"
 #include "services/mapper/scan/odometry_history.hpp"
 #include "services/mapper/scan/scan_assembler.hpp"
+#include "services/semantic_map/store/map_store.hpp"
 
 namespace curbstone::localizer {
 
@@ -36,6 +37,7 @@ class LocalizerNode final : public Node {
   void on(const odometry_t& message);
 
  private:
+  [[nodiscard]] std::optional<semantic_map::tile::MapTile> read(TileKey key) const;
   void queue(std::optional<mapper::scan::Scan> scan);
   void process_due(bool last_call);
   void process(const mapper::scan::Scan& scan);
@@ -54,6 +56,8 @@ class LocalizerNode final : public Node {
 
   LocalizerConfig config_;
   Publisher& bus_;
+  semantic_map::store::MapReader file_;
+  bool is_checked_ = false;  // each of its tiles was read once
   std::optional<fields::SavedMap> map_;
   std::int32_t epoch_ = 0;  // of the map
   mapper::scan::ScanAssembler assembler_;

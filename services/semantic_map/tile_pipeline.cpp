@@ -51,7 +51,7 @@ tile::Around<T> TilePipeline::around(TileKey key, Get get) {
 
 /// What is stale already keeps its turn.
 void TilePipeline::mark(Step step, TileKey key, Tile& tile) {
-  if (tile.stale[step] != kFresh) return;
+  if (tile.stale[step] != kFresh || (step >= kPaint && !markings_.enabled)) return;
   tile.stale[step] = ++turn_;
   stale_[step].emplace(turn_, key);
 }
@@ -86,12 +86,13 @@ void TilePipeline::set_voted(tile::VotedTile voted, bool has_grown) {
 void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_grown) {
   if (!has_grown) meters_.erase(key);
   if (is_new) {
-    for (const Step step : kAllSteps) mark(step, key, tile);
+    for (const Step step : kUrgentSteps) mark(step, key, tile);
   }
   mark(kSamples, key, tile);
   mark_around(kEvidence, key);
   mark(kColumns, key, tile);
   mark(kClasses, key, tile);  // its time is new
+  mark(kPaint, key, tile);
 }
 
 void TilePipeline::clear() {
@@ -101,7 +102,7 @@ void TilePipeline::clear() {
 }
 
 void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
-  constexpr std::array kCost = {0.05, 0.2, 1.0, 0.05, 0.05, 0.05};  // as they were measured
+  constexpr std::array kCost = {0.05, 0.2, 1.0, 0.05, 0.05, 0.05, 0.05, 0.05};  // as they were measured
   if (!unmark(step, tile)) return;
   result_.cost += kCost[step];
   num_evidence_ += step == kEvidence ? 1 : 0;
@@ -133,6 +134,13 @@ TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& 
                             result);
       return result;
     }
+    case kPaint:
+      return markings::lay_paint(tile.voted, ground::GroundSurface(models()));
+    case kMarkings:
+      return markings::find_marking_cells({around<markings::PaintLayer>(key, [](Tile& t) { return &t.paint; }),
+                                           around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return &t.curbs; }),
+                                           tile.classes ? &*tile.classes : nullptr},
+                                          markings_);
     case kColumns:  // measured on, from what was measured before
     case kNumSteps:
       break;
@@ -155,6 +163,7 @@ void TilePipeline::take(TileKey key, Tile& tile, const ground::GroundModel& grou
   tile.ground = ground;
   mark_around(kEvidence, key);
   mark_around(kColumns, key);
+  mark_around(kPaint, key);
   for_around(key, [&](TileKey k, Tile&) {
     if (const auto meter = meters_.find(k); meter != meters_.end()) meter->second.ground_moved = true;
   });
@@ -190,18 +199,32 @@ void TilePipeline::take(TileKey key, Tile& tile, std::vector<curbs::CurbPoint> c
   if (curbs == tile.curbs) return;
   tile.curbs = std::move(curbs);
   mark_around(kClasses, key);
+  mark_around(kMarkings, key);
 }
 
 void TilePipeline::take(TileKey key, Tile& tile, const tile::MapTile& classes) {
   if (tile.classes == classes) return;
+  if (!tile.classes || tile.classes->cell_class != classes.cell_class) mark(kMarkings, key, tile);
   tile.classes = classes;
   result_.changed.insert(key);
+}
+
+void TilePipeline::take(TileKey key, Tile& tile, markings::PaintLayer paint) {
+  if (paint == tile.paint) return;
+  tile.paint = std::move(paint);
+  mark_around(kMarkings, key);
+}
+
+void TilePipeline::take(TileKey /*key*/, Tile& tile, std::vector<markings::MarkingCell> markings) {
+  if (markings == tile.markings) return;
+  tile.markings = std::move(markings);
+  result_.markings = true;
 }
 
 void TilePipeline::update(TileKey key) {
   Tile* const tile = find(key);
   if (tile == nullptr) return;
-  for (const Step step : kAllSteps) refresh(step, key, *tile);
+  for (const Step step : kUrgentSteps) refresh(step, key, *tile);
 }
 
 void TilePipeline::update_columns(TileKey key) {
@@ -245,11 +268,12 @@ WorkResult TilePipeline::run(const TileWork& work) {
 }
 
 /// Step by step: whatever a step makes stale is of a later one.
-std::set<TileKey> TilePipeline::settle(int threads) {
+WorkResult TilePipeline::settle(int threads) {
   if (threads <= 0) threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, kMostThreads));
   result_ = {};
-  for (const Step step : kAllSteps) settle_step(step, threads);
-  return std::exchange(result_, {}).changed;
+  for (const Step step : kUrgentSteps) settle_step(step, threads);
+  for (const Step step : kPatientSteps) settle_step(step, threads);
+  return std::exchange(result_, {});
 }
 
 /// Nothing that a step reads is made by the same step of another tile: many are computed at once, and taken in turn.
@@ -286,6 +310,11 @@ const tile::MapTile* TilePipeline::classes(TileKey key) const {
 const std::vector<curbs::CurbPoint>* TilePipeline::curbs(TileKey key) const {
   const auto it = tiles_.find(key);
   return it == tiles_.end() ? nullptr : &it->second.curbs;
+}
+
+const std::vector<markings::MarkingCell>* TilePipeline::markings(TileKey key) const {
+  const auto it = tiles_.find(key);
+  return it == tiles_.end() ? nullptr : &it->second.markings;
 }
 
 std::vector<TileKey> TilePipeline::keys() const {

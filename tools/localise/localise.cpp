@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -31,7 +32,7 @@ struct Arguments {
   std::string map;
   std::vector<std::string> logs, assignments;
   std::vector<double> start;
-  bool from_truth = false;
+  bool from_truth = false, recorded = false;
   std::string config, truth, map_truth, csv, json, picture;
 };
 
@@ -40,6 +41,20 @@ struct Localised {
   std::vector<map_pose_t> poses;
   NodeReport report;
 };
+
+/// As the log's own localizer said, live.
+Localised said_live(output::WatchedLog& log) {
+  Localised out;
+  LocalBus bus;
+  bus.subscribe<map_pose_t>("LOCALIZED_POSE", [&](const map_pose_t& pose) { out.poses.push_back(pose); });
+  const auto is_pose = [](const std::string& channel) { return channel == "LOCALIZED_POSE"; };
+  output::read_in_order(log, is_pose, [&](const LogEvent& event) {
+    bus.inject(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
+    bus.dispatch();
+  });
+  return out;
+}
+
 Localised localise(output::WatchedLog& log, const Arguments& arguments, const localizer::LocalizerConfig& config) {
   auto ekf_config = config_of<ekf::base::EkfConfig>("ekf", kProcessSections, arguments.config, arguments.assignments);
   ekf_config.state_file.clear();  // another vehicle's, or of another time
@@ -144,11 +159,15 @@ int run(const Arguments& arguments) {
   }
   set_start(arguments, truth, drive, config);
   output::WatchedLog log(arguments.logs, "localise");
-  const Localised out = localise(log, arguments, config);
+  const Localised out = arguments.recorded ? said_live(log) : localise(log, arguments, config);
+  if (out.poses.empty() && arguments.recorded) throw std::runtime_error(arguments.logs[0] + ": has no LOCALIZED_POSE");
   if (out.poses.empty()) throw std::runtime_error(arguments.logs[0] + ": gives no pose: LIDAR_POINTS, IMU and WHEELS?");
-  const auto lost = out.report.counters["revolutions.lost"];
-  fmt::print("{} revolutions on {}, {} of them lost; {:.2f} ms each (p50), {:.2f} (p99)\n", out.poses.size(),
-             arguments.map, lost, 1e3 * out.report.latency_p50, 1e3 * out.report.latency_p99);
+  const auto lost = std::count_if(out.poses.begin(), out.poses.end(),
+                                  [](const map_pose_t& pose) { return (pose.flags & map_pose_t::LOST) != 0; });
+  fmt::print("{} revolutions on {}, {} of them lost", out.poses.size(), arguments.map, lost);
+  if (!arguments.recorded)
+    fmt::print("; {:.2f} ms each (p50), {:.2f} (p99)", 1e3 * out.report.latency_p50, 1e3 * out.report.latency_p99);
+  fmt::print("\n");
   for (const std::string& fault : out.report.faults) fmt::print("  at the end: {}\n", fault);
   nlohmann::json figures = {{"revolutions", out.poses.size()}, {"lost", lost}};
   if (truth) {
@@ -156,7 +175,8 @@ int run(const Arguments& arguments) {
     fmt::print("{}", to_table(errors));
     figures = to_json(errors);
   }
-  figures["revolution_ms"] = {{"p50", 1e3 * out.report.latency_p50}, {"p99", 1e3 * out.report.latency_p99}};
+  if (!arguments.recorded)
+    figures["revolution_ms"] = {{"p50", 1e3 * out.report.latency_p50}, {"p99", 1e3 * out.report.latency_p99}};
   if (!arguments.csv.empty()) write_text(arguments.csv, to_csv(out.poses));
   if (!arguments.picture.empty()) draw_drive(arguments.map, out.poses, arguments.picture);
   if (!arguments.json.empty()) write_text(arguments.json, figures.dump(2) + "\n");
@@ -179,6 +199,7 @@ int run_localise(int argc, char** argv) {
   line.option("--truth", arguments.truth, "Truth folder of the drive: adds its errors");
   line.option("--map-truth", arguments.map_truth, "Truth folder of the drive that made the map, of the same town");
   line.flag("--from-truth", arguments.from_truth, "Begin at the drive's true place");
+  line.flag("--recorded", arguments.recorded, "Take the LOCALIZED_POSE that the log has: what was said live");
   line.option("--csv", arguments.csv, "Write each pose");
   line.option("--picture", arguments.picture, "Draw the drive on the map: a PNG");
   line.option("--json", arguments.json, "Write the figures here, for programs");

@@ -11,7 +11,8 @@
 namespace curbstone::localise {
 namespace {
 
-constexpr double kWrong = 0.5;    // m
+constexpr double kWrong = 0.5;  // m
+constexpr int kFewPoses = 6;
 constexpr double kChi95 = 7.815;  // of three degrees of freedom
 
 double rms(const std::vector<double>& values) {
@@ -38,6 +39,8 @@ TrueMapPose::TrueMapPose(const std::vector<semantic_map::tile::TrajectoryPose>& 
   for (const semantic_map::tile::TrajectoryPose& pose : map_drive) {
     const auto there = evaluate::truth::pose_at(map_truth, pose.utime);
     if (!there) continue;
+    if (!drive_.truth.empty() && (drive_.truth.back().translation() - pose.T_map_base.translation()).norm() < kEvery)
+      continue;
     drive_.truth.push_back(pose.T_map_base);
     drive_.estimate.push_back(*there);
   }
@@ -46,14 +49,22 @@ TrueMapPose::TrueMapPose(const std::vector<semantic_map::tile::TrajectoryPose>& 
 std::optional<Pose> TrueMapPose::at(std::int64_t utime) const {
   const auto T_world_base = evaluate::truth::pose_at(truth_, utime);
   if (!T_world_base) return std::nullopt;
-  evaluate::truth::PosePairs near;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Vector4d turn = Eigen::Vector4d::Zero();
+  int count = 0;
   for (std::size_t i = 0; i < drive_.estimate.size(); ++i) {
     if ((drive_.estimate[i].translation() - T_world_base->translation()).norm() > kNear) continue;
-    near.truth.push_back(drive_.truth[i]);
-    near.estimate.push_back(drive_.estimate[i]);
+    const Pose said = drive_.truth[i] * drive_.estimate[i].inverse() * *T_world_base;
+    const Eigen::Vector4d q = Eigen::Quaterniond(said.linear()).coeffs();
+    position += said.translation();
+    turn += q.dot(turn) < 0 ? Eigen::Vector4d(-q) : q;
+    ++count;
   }
-  if (near.truth.size() < 20) return std::nullopt;
-  return evaluate::truth::align(near) * *T_world_base;
+  if (count < kFewPoses) return std::nullopt;
+  Pose T_map_base = Pose::Identity();
+  T_map_base.translation() = position / count;
+  T_map_base.linear() = Eigen::Quaterniond(Eigen::Vector4d(turn.normalized())).toRotationMatrix();
+  return T_map_base;
 }
 
 PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& truth) {

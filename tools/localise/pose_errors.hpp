@@ -11,10 +11,12 @@
 namespace curbstone::localise {
 
 /// Where a vehicle truly is in a saved map. The map is bent by the drift of the drive that made it. So the truth is
-/// laid on the map piece by piece, by the poses of that drive within kNear of the place.
+/// what the poses of that drive within kNear of the place say of it, in the mean: each has it where what was mapped
+/// from there has it. Whole poses count, as a map that slid sideways has not turned.
 class TrueMapPose {
  public:
   static constexpr double kNear = 12.0;  ///< m
+  static constexpr double kEvery = 0.5;  ///< m between those poses: where it stood counts no more
 
   /// `map_drive`: of the map; `map_truth`: of the drive that made it; `truth`: of the drive to be judged. One world.
   TrueMapPose(const std::vector<semantic_map::tile::TrajectoryPose>& map_drive, evaluate::truth::Trajectory map_truth,

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+#include <utility>
 
 namespace curbstone::localizer::fields {
 namespace {
@@ -27,24 +29,71 @@ struct Place {
   }
 };
 
+TilePlan plan_of(const semantic_map::tile::MapTile& tile) {
+  TilePlan plan;
+  for (std::size_t cell = 0; cell < semantic_map::tile::kCellsInTile; ++cell) {
+    plan.standing[cell] = upright_hits(tile, cell) > 0;
+    plan.ground[cell] = shows_ground(tile, cell);
+  }
+  return plan;
+}
+
 }  // namespace
 
+SavedMap::SavedMap(const std::vector<TileKey>& keys, TileSource source) : source_(std::move(source)) {
+  plans_.reserve(keys.size());
+  for (const TileKey key : keys) {
+    if (const auto tile = source_(key)) plans_.emplace(key, plan_of(*tile));
+  }
+}
+
 SavedMap::SavedMap(const std::vector<semantic_map::tile::MapTile>& tiles) {
-  tiles_.reserve(tiles.size());
-  for (const semantic_map::tile::MapTile& tile : tiles) tiles_.emplace(tile.key, tile);
+  for (const semantic_map::tile::MapTile& tile : tiles) plans_.emplace(tile.key, plan_of(tile));
+  auto by_key = std::make_shared<std::unordered_map<TileKey, semantic_map::tile::MapTile, TileKeyHash>>();
+  for (const semantic_map::tile::MapTile& tile : tiles) by_key->emplace(tile.key, tile);
+  source_ = [by_key](TileKey key) -> Tile {
+    const auto there = by_key->find(key);
+    return there == by_key->end() ? Tile() : Tile(there->second);
+  };
 }
 
 std::vector<TileKey> SavedMap::keys() const {
   std::vector<TileKey> keys;
-  keys.reserve(tiles_.size());
-  for (const auto& [key, tile] : tiles_) keys.push_back(key);
+  keys.reserve(plans_.size());
+  for (const auto& [key, plan] : plans_) keys.push_back(key);
   std::sort(keys.begin(), keys.end());
   return keys;
 }
 
-const semantic_map::tile::MapTile* SavedMap::tile(TileKey key) const {
-  const auto there = tiles_.find(key);
-  return there == tiles_.end() ? nullptr : &there->second;
+const TilePlan* SavedMap::plan(TileKey key) const {
+  const auto there = plans_.find(key);
+  return there == plans_.end() ? nullptr : &there->second;
+}
+
+/// Null where the map has none.
+const semantic_map::tile::MapTile* SavedMap::tile(TileKey key) {
+  if (!plans_.contains(key)) return nullptr;
+  auto kept = tiles_.find(key);
+  if (kept == tiles_.end()) {
+    kept = tiles_.emplace(key, source_(key)).first;
+    if (!kept->second) ++unreadable_;
+  }
+  return kept->second ? &*kept->second : nullptr;
+}
+
+/// What is far from the tile goes first; when that is not enough, all goes.
+void SavedMap::make_room(TileKey about) {
+  const auto is_far = [&](const auto& entry) {
+    constexpr auto kTiles = static_cast<std::int64_t>(kWindow / kTileSize);
+    const std::int64_t x = std::int64_t{entry.first.x} - about.x, y = std::int64_t{entry.first.y} - about.y;
+    return std::max(std::abs(x), std::abs(y)) > kTiles;
+  };
+  std::erase_if(tiles_, is_far);
+  std::erase_if(fields_, is_far);
+  asked_ = {};
+  if (kept() < kMostKept) return;
+  tiles_.clear();
+  fields_.clear();
 }
 
 const FieldTile* SavedMap::field_of(TileKey key) {
@@ -60,14 +109,12 @@ const FieldTile* SavedMap::field_of(TileKey key) {
 
 /// Null where the map has no such tile.
 const FieldTile* SavedMap::make_field(TileKey key) {
-  if (!tiles_.contains(key)) return nullptr;
+  if (!plans_.contains(key)) return nullptr;
+  if (tiles_.size() + 9 > kMostKept || fields_.size() >= kMostKept) make_room(key);
+  if (tile(key) == nullptr) return nullptr;
   semantic_map::tile::Around<semantic_map::tile::MapTile> around;
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) around.set(dx, dy, tile({key.x + dx, key.y + dy}));
-  }
-  if (fields_.size() >= kMostFields) {
-    fields_.clear();
-    asked_ = {};
   }
   return fields_.emplace(key, std::make_unique<const FieldTile>(make_field_tile(around))).first->second.get();
 }

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bitset>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <unordered_map>
@@ -10,12 +13,26 @@
 
 namespace curbstone::localizer::fields {
 
-/// The saved map as the localizer looks at it, in m in that map. Fields are made when a tile is first asked for, and
-/// kept within a bound. What is said is a function of the tiles alone. One thread.
+/// What of a tile the search of the whole map looks at; kept of each tile, 160 bytes.
+struct TilePlan {
+  std::bitset<semantic_map::tile::kCellsInTile> standing;  ///< something upright is in the cell
+  std::bitset<semantic_map::tile::kCellsInTile> ground;    ///< ground with its height is
+};
+
+/// A tile of the map, from where it is kept: nothing if it is gone or cannot be read.
+using TileSource = std::function<std::optional<semantic_map::tile::MapTile>(TileKey)>;
+
+/// The saved map as the localizer looks at it, in m in that map. Tiles are read, and fields made, when they are first
+/// asked for; those about the place asked for last are kept, within a bound. What is said is a function of the tiles
+/// alone. One thread.
 class SavedMap {
  public:
-  static constexpr std::size_t kMostFields = 8000;  ///< tiles: some 60 MB
+  static constexpr std::size_t kMostKept = 3000;  ///< tiles, and as many fields: some 40 MB
+  static constexpr double kWindow = 75.0;         ///< m, about the place asked for: what is farther makes room
 
+  /// Reads each tile once, for its plan. What a source throws comes through here; later it must not throw.
+  SavedMap(const std::vector<TileKey>& keys, TileSource source);
+  /// All in memory.
   explicit SavedMap(const std::vector<semantic_map::tile::MapTile>& tiles);
 
   struct Ground {
@@ -34,16 +51,25 @@ class SavedMap {
   };
   /// The nearest within 0.6 m, about.
   [[nodiscard]] std::optional<UprightThere> upright_at(double x, double y);
-  [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
+  [[nodiscard]] std::size_t num_tiles() const { return plans_.size(); }
   [[nodiscard]] std::vector<TileKey> keys() const;  ///< in order
   /// Null where the map has none.
-  [[nodiscard]] const semantic_map::tile::MapTile* tile(TileKey key) const;
+  [[nodiscard]] const TilePlan* plan(TileKey key) const;
+  [[nodiscard]] std::size_t kept() const { return std::max(tiles_.size(), fields_.size()); }  ///< tiles or fields
+  [[nodiscard]] std::size_t unreadable() const { return unreadable_; }  ///< times that a tile was gone when asked for
 
  private:
   const FieldTile* field_of(TileKey key);
   const FieldTile* make_field(TileKey key);
 
-  std::unordered_map<TileKey, semantic_map::tile::MapTile, TileKeyHash> tiles_;
+  using Tile = std::optional<semantic_map::tile::MapTile>;
+  const semantic_map::tile::MapTile* tile(TileKey key);
+  void make_room(TileKey about);
+
+  TileSource source_;
+  std::unordered_map<TileKey, TilePlan, TileKeyHash> plans_;
+  std::unordered_map<TileKey, Tile, TileKeyHash> tiles_;  // nothing: it could not be read
+  std::size_t unreadable_ = 0;
   std::unordered_map<TileKey, std::unique_ptr<const FieldTile>, TileKeyHash> fields_;
   // Of each place modulo kAround tiles, the field that was asked for last: a revolution asks for the same few hundred
   // again and again, in no order.

@@ -90,16 +90,16 @@ SearchRegion::SearchRegion(TileKey region, const fields::SavedMap& map)
   Lattice standing(kSize), road(kSize);
   for (int y = -kTilesAbout; y < kTilesWide + kTilesAbout; ++y) {
     for (int x = -kTilesAbout; x < kTilesWide + kTilesAbout; ++x) {
-      const auto* tile = map.tile({region.x * kTilesWide + x, region.y * kTilesWide + y});
-      if (tile != nullptr) draw(*tile, standing, road);
+      const TileKey key{region.x * kTilesWide + x, region.y * kTilesWide + y};
+      if (const fields::TilePlan* plan = map.plan(key)) draw(key, *plan, standing, road);
     }
   }
   upright_ = pyramid(blurred(standing));
   road_ = pyramid(widened(widened(road)));  // beside what the map shows as road a vehicle may be too
 }
 
-void SearchRegion::draw(const semantic_map::tile::MapTile& tile, Lattice& standing, Lattice& road) const {
-  const Eigen::Vector2d from = kTileSize * Eigen::Vector2d(tile.key.x, tile.key.y) - corner_;
+void SearchRegion::draw(TileKey tile, const fields::TilePlan& plan, Lattice& standing, Lattice& road) const {
+  const Eigen::Vector2d from = kTileSize * Eigen::Vector2d(tile.x, tile.y) - corner_;
   const int first_column = static_cast<int>(std::lround(from.x() / kCellSize));
   const int first_row = static_cast<int>(std::lround(from.y() / kCellSize));
   const auto half = [](int v) { return v >= 0 ? v / 2 : -((1 - v) / 2); };
@@ -108,8 +108,8 @@ void SearchRegion::draw(const semantic_map::tile::MapTile& tile, Lattice& standi
       const int x = half(first_column + column), y = half(first_row + row);
       if (std::min(x, y) < -kMargin || std::max(x, y) >= kWide + kMargin) continue;
       const auto cell = static_cast<std::size_t>(row * kCellsPerTile + column);
-      if (fields::upright_hits(tile, cell) > 0) standing[index(x, y)] = 1;
-      if (fields::shows_ground(tile, cell)) road[index(x, y)] = 1;
+      if (plan.standing[cell]) standing[index(x, y)] = 1;
+      if (plan.ground[cell]) road[index(x, y)] = 1;
     }
   }
 }

@@ -43,7 +43,7 @@ class SearchRegion {
   static const std::uint8_t* at(const std::vector<Lattice>& levels, int level, int x, int y) {
     return &levels[static_cast<std::size_t>(level)][index(x, y)];
   }
-  void draw(const semantic_map::tile::MapTile& tile, Lattice& standing, Lattice& road) const;
+  void draw(TileKey tile, const fields::TilePlan& plan, Lattice& standing, Lattice& road) const;
 
   Eigen::Vector2d corner_;
   std::vector<Lattice> upright_, road_;

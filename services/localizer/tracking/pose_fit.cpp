@@ -164,6 +164,7 @@ PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& p
     if (moved > kDone && iteration < kMostIterations) continue;
     PoseFit fit = seen.counts;
     fit.belief = {pose, information.inverse()};
+    fit.told = seen.sums.information;
     fit.degenerate = untold_axes(config.independent * seen.sums.information, pose.linear());
     fit.iterations = iteration;
     fit.residual = seen.sums.matched > 0 ? std::sqrt(seen.sums.squares / seen.sums.matched) : 0;

@@ -25,10 +25,18 @@ PoseBelief prior_at(const Pose& pose, int i) {
   return prior;
 }
 
-/// Of all that was seen, ground and upright alike: 0..1.
-double score(const PoseFit& fit) {
-  if (fit.matched_share() == 0) return 0;
-  return 0.5 * fit.uprights_matched / fit.uprights + 0.5 * fit.grounds_matched / fit.grounds;
+/// Of two places, the one that explains more of what either sees, ground and upright alike: shares of 0..1. A place
+/// that hides what does not fit from the counts is no better for it.
+struct Scores {
+  double own, other;
+};
+Scores scores(const PoseFit& own, const PoseFit& other) {
+  const double uprights = std::max({own.uprights, other.uprights, 1});
+  const double grounds = std::max({own.grounds, other.grounds, 1});
+  const auto score = [&](const PoseFit& fit) {
+    return 0.5 * fit.uprights_matched / uprights + 0.5 * fit.grounds_matched / grounds;
+  };
+  return {score(own), score(other)};
 }
 
 }  // namespace
@@ -39,7 +47,14 @@ std::optional<PoseFit> Surroundings::better_than(const PoseFit& own, const std::
   for (int i = 0; i < count; ++i, next_ = (next_ + 1) % kPlaces) {
     seen_ = std::min(seen_ + 1, kPlaces);
     const PoseFit other = fit_pose(points, prior_at(own.belief.T_map_base, next_), map, config);
-    if (score(other) > std::max(score(own) + kClearly, best ? score(*best) : 0)) best = other;
+    if (other.matched_share() == 0) continue;  // too little is seen there to tell
+    const Scores against_own = scores(own, other);
+    if (against_own.other <= against_own.own + kClearly) continue;
+    if (best) {
+      const Scores against_best = scores(*best, other);
+      if (against_best.other <= against_best.own) continue;
+    }
+    best = other;
   }
   return best;
 }

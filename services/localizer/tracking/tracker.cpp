@@ -50,7 +50,10 @@ PoseFit Tracker::track(const std::vector<Eigen::Vector3d>& points, const Motion&
   const bool usable = is_finite(fit.belief.T_map_base) && fit.belief.covariance.allFinite();
   // What does not fit tells nothing: the pose goes on with odometry, and is known worse and worse.
   const bool is_used = usable && (lost_ ? fit.matched_share() : fit.held_share()) >= config_.min_match;
-  if (is_used) belief_ = fit.belief;
+  if (is_used) {
+    belief_ = fit.belief;
+    told_ = fit.told;
+  }
   looks_ = is_used ? looks_ + 1 : 0;
   fit.belief = belief_;
   judge(fit);
@@ -71,11 +74,13 @@ void Tracker::look_around(const std::vector<Eigen::Vector3d>& points, PoseFit& f
   looks_ = 0;
 }
 
+/// The map is bent: what tells the pose here also held the vehicle that made the map, and where that is little, the map
+/// drifted as that vehicle's odometry did. Looking on does not take it away: it is what all that is seen has in common.
 Matrix6 Tracker::published_covariance() const {
-  Matrix6 covariance = belief_.covariance;
-  covariance.diagonal().head<3>().array() += config_.map_sigma * config_.map_sigma;
-  covariance.diagonal().tail<3>().array() += config_.map_yaw_sigma * config_.map_yaw_sigma;
-  return covariance;
+  Matrix6 held = config_.map_independent * told_;
+  held.diagonal().head<3>().array() += 1 / (config_.map_drift_m * config_.map_drift_m);
+  held.diagonal().tail<3>().array() += 1 / (config_.map_drift_rad * config_.map_drift_rad);
+  return belief_.covariance + held.inverse();
 }
 
 }  // namespace curbstone::localizer::tracking

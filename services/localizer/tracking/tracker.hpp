@@ -32,6 +32,7 @@ class Tracker final : public PoseTracker {
 
   TrackingConfig config_;
   PoseBelief belief_;
+  Matrix6 told_ = Matrix6::Zero();  // of the last revolution that told the pose
   Surroundings surroundings_;
   int looks_ = 0;       // revolutions in a row that told the pose
   int revolution_ = 0;  // of those between two looks around

@@ -18,8 +18,9 @@ struct TrackingConfig {
   double height_sigma = 0.03;
   double wall_sigma = 0.06;
   double independent = 0.05;
-  double map_sigma = 0.0025;
-  double map_yaw_sigma = 0.00008;
+  double map_independent = 0.12;
+  double map_drift_m = 0.11;
+  double map_drift_rad = 0.011;
   double odometry_m = 0.02;
   double odometry_rad = 0.02;
   double odometry_floor_m = 0.0005;
@@ -35,8 +36,11 @@ struct TrackingConfig {
     v.field("height_sigma", height_sigma, {0.001, 1.0}, "m, 1 sigma of a point of the ground against the map");
     v.field("wall_sigma", wall_sigma, {0.001, 1.0}, "m, 1 sigma of a point on something upright against the map");
     v.field("independent", independent, {0.0001, 1.0}, "share of the points of a revolution that say something new");
-    v.field("map_sigma", map_sigma, {0.0, 1.0}, "m, 1 sigma of the map itself, added to what is published");
-    v.field("map_yaw_sigma", map_yaw_sigma, {0.0, 1.0}, "rad, the same of its directions");
+    v.field("map_independent", map_independent, {0.0001, 1000.0},
+            "share of the points of a revolution that held the vehicle as it made the map");
+    v.field("map_drift_m", map_drift_m, {0.0001, 1.0},
+            "m, 1 sigma of the map over what is seen of it where nothing did");
+    v.field("map_drift_rad", map_drift_rad, {0.0001, 1.0}, "rad, the same of its directions");
     v.field("odometry_m", odometry_m, {0.0, 1.0}, "1 sigma of odometry in a revolution, m a metre driven");
     v.field("odometry_rad", odometry_rad, {0.0, 1.0}, "1 sigma of odometry in a revolution, rad a rad turned");
     v.field("odometry_floor_m", odometry_floor_m, {1e-6, 1.0}, "m, 1 sigma, added to it each revolution");

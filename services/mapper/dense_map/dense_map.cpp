@@ -130,7 +130,8 @@ void DenseMap::learn(const std::vector<scan::LidarPoint>& points, const Pose& T_
     const auto key = mapped_tile_at(in_map);
     if (!key) continue;
     DenseTile& tile = tiles_.wake_or_make(*key, static_cast<std::int32_t>(std::lround(base_.z())));
-    const auto in_tile = point_in_tile(in_map - corner_of(*key, tile), point.intensity);
+    const std::uint8_t intensity = scale_ ? scale_->of(point.ring, point.intensity) : point.intensity;
+    const auto in_tile = point_in_tile(in_map - corner_of(*key, tile), intensity);
     in_range_.push_back({in_map, *key, &tile, in_tile, in_tile ? tile.voxel_number(*in_tile) : 0});
     const auto place = [](double along) {
       return std::clamp(static_cast<int>(along * DenseTile::kColumnsPerMetre), 0, DenseTile::kColumns - 1);
@@ -172,6 +173,7 @@ void DenseMap::hit(const Seen& seen, std::int64_t utime, bool add_new) {
   waiting.last = utime;
   if (waiting.hits >= config_.settle_hits) return;  // its point is made; only its proof is missing
   ++waiting.hits;
+  waiting.lit += seen.in_tile->intensity > 0 ? 1 : 0;
   waiting.intensity += seen.in_tile->intensity;
   waiting.sum += Eigen::Vector3i(seen.in_tile->x, seen.in_tile->y, seen.in_tile->z);
 }
@@ -204,7 +206,7 @@ bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
     return static_cast<std::int16_t>(sum >= 0 ? sum / waiting.hits : -((-sum + waiting.hits - 1) / waiting.hits));
   };
   const TilePoint point{mean(waiting.sum.x()), mean(waiting.sum.y()), mean(waiting.sum.z()),
-                        static_cast<std::uint8_t>(waiting.intensity / waiting.hits)};
+                        static_cast<std::uint8_t>(waiting.intensity / std::max(waiting.lit, 1))};
   const Eigen::Vector3d in_map =
       corner_of(waiting.tile, *tile) + kPositionStep * Eigen::Vector3d(point.x, point.y, point.z);
   if (may_be_moving(in_map, waiting.last)) {
@@ -213,6 +215,7 @@ bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
     return give_up;
   }
   tile->append(point, last_call ? waiting.last : utime, anchor_);
+  if (point.intensity == 0) counters_.add("dense.without_intensity");
   ++size_;
   return true;
 }

@@ -117,6 +117,17 @@ TEST_F(LocalizerOnAYard, ACovarianceOfOdometryThatIsNoneIsCountedAndDoesNoHarm) 
   EXPECT_GT(node_->report().counters["odometry.no_covariance"], 100);
 }
 
+TEST_F(LocalizerOnAYard, ATileThatIsGoneInMidDriveIsCountedAndTheDriveGoesOn) {
+  begin();
+  auto tiles = testing::map_of(yard_);
+  std::erase_if(tiles, [](const auto& tile) { return tile.key == TileKey{1, 1}; });
+  MapStore(config_.map).write({.clear = true, .epoch = 7, .tiles = tiles});
+  drive_until(40);
+  EXPECT_FALSE(lost());
+  EXPECT_LT(error(), 0.05);
+  EXPECT_EQ(node_->report().counters["map.unreadable_tiles"], 1);
+}
+
 TEST_F(LocalizerOnAYard, RefusesAMapThatIsMissingEmptyOrNone) {
   config_.map = (folder_ / "nowhere.db").string();
   EXPECT_THROW(begin(), MapStoreError);

@@ -111,6 +111,37 @@ TEST_F(PoseErrorsTest, AlongAStreetThatDoesNotTellItAreLeftOut) {
   EXPECT_NEAR(errors.longitudinal_all, 0.3, 1e-6);
 }
 
+TEST(TrueMapPose, OfAMapThatSlidSidewaysHasNotTurned) {
+  evaluate::truth::Trajectory straight;
+  std::vector<semantic_map::tile::TrajectoryPose> mapped;
+  for (int i = 0; i < 400; ++i) {
+    Pose pose = Pose::Identity();
+    pose.translation().x() = 0.1 * i;
+    straight.push_back({i * kRevolution, pose});
+    pose.translation().y() += 0.01 * pose.translation().x();
+    mapped.push_back({i * kRevolution, 0, pose});
+  }
+  const auto T_map_base = TrueMapPose(mapped, straight, straight).at(200 * kRevolution);
+  ASSERT_TRUE(T_map_base);
+  EXPECT_NEAR(T_map_base->translation().y(), 0.2, 0.005);
+  EXPECT_NEAR(roll_pitch_yaw(T_map_base->linear()).z(), 0, 1e-9);
+}
+
+TEST(TrueMapPose, CountsAPlaceWhereTheMapperStoodOnce) {
+  evaluate::truth::Trajectory driven;
+  std::vector<semantic_map::tile::TrajectoryPose> mapped;
+  for (int i = 0; i < 1000; ++i) {
+    Pose pose = Pose::Identity();
+    pose.translation().x() = i < 800 ? 0 : 0.1 * (i - 800);
+    driven.push_back({i * kRevolution, pose});
+    if (i >= 800) pose.translation().y() = 0.03;
+    mapped.push_back({i * kRevolution, 0, pose});
+  }
+  const auto T_map_base = TrueMapPose(mapped, driven, driven).at(0);
+  ASSERT_TRUE(T_map_base);
+  EXPECT_GT(T_map_base->translation().y(), 0.027);
+}
+
 TEST_F(PoseErrorsTest, AwayFromTheMapThereIsNoTruth) {
   for (auto& pose : second_) pose.pose.translation().x() += 500;
   const TrueMapPose elsewhere({}, drive(0, 0), second_);

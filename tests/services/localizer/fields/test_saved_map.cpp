@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "tests/services/localizer/yard.hpp"
 
@@ -47,6 +49,66 @@ TEST(SavedMap, KnowsWhereACurbIsNear) {
     EXPECT_TRUE(curb->by_curb && beside->by_curb) << x;
     EXPECT_FALSE(far->by_curb) << x;
   }
+}
+
+TEST(SavedMap, KeepsWhatIsAboutTheVehicleAndSaysTheSameAsOneThatKeepsAll) {
+  const auto yard = map_of(Yard{});
+  std::vector<TileKey> keys;
+  for (int copy = 0; copy < 200; ++copy) {
+    for (const auto& tile : yard) keys.push_back({tile.key.x + 10 * copy, tile.key.y});
+  }
+  int reads = 0;
+  const auto source = [&](TileKey key) -> std::optional<semantic_map::tile::MapTile> {
+    ++reads;
+    for (int copy = std::max(0, key.x / 10 - 1); copy < 200; ++copy) {
+      for (auto tile : yard) {
+        tile.key.x += 10 * copy;
+        if (tile.key == key) return tile;
+      }
+    }
+    return std::nullopt;
+  };
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  SavedMap map(keys, source);
+  SavedMap one(yard);
+  const int at_the_start = std::exchange(reads, 0);
+  EXPECT_EQ(at_the_start, static_cast<int>(keys.size()));
+  std::size_t most = 0;
+  for (int copy = 0; copy < 200; ++copy) {
+    for (double y = -8; y < 8; y += 0.5) {
+      for (double x = -2; x < 2; x += 1) {  // where one copy has it as the yard has
+        const auto here = map.ground_at(x + 30.0 * copy, y), there = one.ground_at(x, y);
+        ASSERT_EQ(here.has_value(), there.has_value()) << copy << ": " << x << ", " << y;
+        if (here) {
+          ASSERT_NEAR(here->height, there->height, 1e-6);
+        }
+      }
+    }
+    most = std::max(most, map.kept());
+  }
+  EXPECT_LE(most, SavedMap::kMostKept);
+  EXPECT_GT(keys.size(), 5 * SavedMap::kMostKept / 3) << "so that it had to make room";
+  EXPECT_EQ(map.unreadable(), 0U);
+}
+
+TEST(SavedMap, GoesOnWithoutATileThatIsGone) {
+  const auto yard = map_of(Yard{});
+  std::vector<TileKey> keys;
+  for (const auto& tile : yard) keys.push_back(tile.key);
+  bool is_gone = false;
+  SavedMap map(keys, [&](TileKey key) -> std::optional<semantic_map::tile::MapTile> {
+    for (const auto& tile : yard) {
+      if (tile.key == key && !(is_gone && key == TileKey{0, 0})) return tile;
+    }
+    return std::nullopt;
+  });
+  is_gone = true;
+  for (int again = 0; again < 3; ++again) {
+    EXPECT_FALSE(map.ground_at(1.5, 1.5));
+    EXPECT_TRUE(map.ground_at(-1.5, 1.5));
+  }
+  EXPECT_EQ(map.unreadable(), 1U) << "asked for once, while it is in the window";
 }
 
 TEST(SavedMap, SaysNothingWhereItHasNothing) {

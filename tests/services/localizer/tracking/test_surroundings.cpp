@@ -58,5 +58,20 @@ TEST(Surroundings, BetweenTwoLongWallsAreAllAlike) {
       << "nothing tells; it is degenerate, not wrong";
 }
 
+TEST(Surroundings, WhereHardlyAnythingStandsAreNoReasonToLeave) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  const Pose truth = pose_at(-1, 0, 0.2);
+  auto points = points_in(yard, truth);
+  std::erase_if(points, [](const Eigen::Vector3d& p) { return p.z() > 0.4; });
+  for (int i = 0; i < 60; ++i) points.emplace_back(0.5, 6.3 - 0.1 * i, 1.0);  // new, and no wall, but for its end
+  PoseFit own = held_at(truth, points, map);
+  own.uprights = 30;  // too few to tell whether they match
+  own.uprights_matched = 0;
+  ASSERT_EQ(own.matched_share(), 0);
+  Surroundings surroundings;
+  EXPECT_FALSE(surroundings.better_than(own, points, 1000, map, {})) << "all the ground fits";
+}
+
 }  // namespace
 }  // namespace curbstone::localizer::tracking

@@ -181,6 +181,28 @@ TEST(Tracker, WhereNothingStandsTheGroundHoldsAPoseThatIsKnownAndFindsNone) {
   EXPECT_LT(error_between(truth, known.belief().T_map_base).head<2>().norm(), 0.1);
 }
 
+TEST(Tracker, SaysThatAMapWhichLittleHeldIsBentHoweverLongItLooks) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  TrackingConfig level;
+  level.use_walls = false;
+  level.heights = Heights::kNone;
+  const auto sigma = [&](const TrackingConfig& config) {
+    Pose truth = pose_at(-3, 0, 0.2);
+    PoseBelief known = start(truth);
+    known.covariance *= 1e-6;
+    Tracker tracker(known, config);
+    for (int i = 0; i < 60; ++i) {
+      truth = truth * ahead().T_last_base;
+      tracker.track(points_in(yard, truth), ahead(), map);
+    }
+    return std::sqrt(tracker.published_covariance()(0, 0));
+  };
+  const TrackingConfig all;
+  EXPECT_LT(sigma(all), 0.03) << "four walls held the mapper";
+  EXPECT_GT(sigma(level), all.map_drift_m) << "nothing did";
+}
+
 TEST(Tracker, AGapInOdometryIsSurvived) {
   const Yard yard;
   fields::SavedMap map(map_of(yard));

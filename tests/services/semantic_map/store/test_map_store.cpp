@@ -144,6 +144,17 @@ TEST_F(MapStoreTest, IsReadableWhileItIsWritten) {
   EXPECT_EQ(map.tiles().size(), 2U);
 }
 
+TEST_F(MapStoreTest, GivesOneTileAtATimeAsTheFileHasItThen) {
+  MapStore store(path_);
+  store.write({.epoch = 1, .tiles = {tile(3, 0), tile(-1, 7)}});
+  const MapReader map(path_);
+  EXPECT_THAT(map.tile_keys(), ::testing::ElementsAre(TileKey{-1, 7}, TileKey{3, 0}));
+  EXPECT_EQ(map.tile({3, 0}), tile(3, 0));
+  EXPECT_FALSE(map.tile({3, 1}));
+  store.write({.epoch = 1, .tiles = {tile(3, 0, 5)}});
+  EXPECT_EQ(map.tile({3, 0}), tile(3, 0, 5));
+}
+
 TEST_F(MapStoreTest, RefusesASecondWriterWhileTheFirstLives) {
   auto first = std::make_unique<MapStore>(path_);
   EXPECT_THAT(error_of([&] { MapStore second(path_); }), ::testing::HasSubstr("another semantic map service"));
@@ -219,6 +230,63 @@ TEST_F(MapStoreTest, ReadsSchemaOneAndMakesItTwoOnceItIsWritten) {
   EXPECT_EQ(map.schema(), kMapSchemaVersion);
   EXPECT_THAT(map.tiles(), ::testing::ElementsAre(old, tile(9, 9)));
   EXPECT_EQ(map.integrity(), "ok");
+}
+
+std::vector<tile::MarkingLine> some_markings() {
+  tile::MarkingLine dashed{.id = 0,
+                           .type = tile::MarkingType::kDashed,
+                           .confidence = 0.9F,
+                           .width = 0.12F,
+                           .dash = 3,
+                           .gap = 6,
+                           .points = {{0, 0, 1, true}, {3, 0, 1, false}, {9, 0, 1, true}, {12, 0, 1, false}}};
+  tile::MarkingLine stop{.id = 1, .type = tile::MarkingType::kStopLine, .width = 0.4F, .points = {{5, -3, 1, true}}};
+  return {dashed, stop};
+}
+
+TEST_F(MapStoreTest, MarkingsComeBackAsTheyWere) {
+  const std::vector<tile::MarkingLine> markings = some_markings();
+  MapStore store(path_);
+  store.write({.epoch = 1, .markings = &markings});
+  EXPECT_EQ(MapReader(path_).markings(), markings);
+  store.write({.epoch = 1, .tiles = {tile(1, 1)}});
+  EXPECT_EQ(MapReader(path_).markings(), markings);
+  store.write({.clear = true, .epoch = 2});
+  EXPECT_TRUE(MapReader(path_).markings().empty());
+}
+
+TEST_F(MapStoreTest, SchemaTwoHasNoMarkingsAndIsMadeThreeOnceItIsWritten) {
+  { MapStore store(path_); }
+  sqlite3* db = nullptr;
+  sqlite3_open(path_.c_str(), &db);
+  sqlite3_exec(db, "DROP TABLE markings; PRAGMA user_version = 2", nullptr, nullptr, nullptr);
+  sqlite3_close(db);
+  EXPECT_TRUE(MapReader(path_).markings().empty());
+  EXPECT_EQ(MapReader(path_).schema(), 2);
+  const std::vector<tile::MarkingLine> markings = some_markings();
+  {
+    MapStore store(path_);
+    store.write({.epoch = 1, .markings = &markings});
+  }
+  EXPECT_EQ(MapReader(path_).schema(), 3);
+  EXPECT_EQ(MapReader(path_).markings(), markings);
+}
+
+TEST_F(MapStoreTest, DamagedMarkingsAreSaid) {
+  for (const char* damage : {"UPDATE markings SET type = 17", "UPDATE markings SET points = x'0102'",
+                             "UPDATE markings SET points = x'0000c07f000000000000000000000000'"}) {
+    fs::remove(path_);
+    const std::vector<tile::MarkingLine> markings = some_markings();
+    {
+      MapStore store(path_);
+      store.write({.epoch = 1, .markings = &markings});
+    }
+    sqlite3* db = nullptr;
+    sqlite3_open(path_.c_str(), &db);
+    sqlite3_exec(db, damage, nullptr, nullptr, nullptr);
+    sqlite3_close(db);
+    EXPECT_THAT(error_of([&] { (void)MapReader(path_).markings(); }), ::testing::HasSubstr("is damaged")) << damage;
+  }
 }
 
 TEST_F(MapStoreTest, SaysWhatIsMissing) {

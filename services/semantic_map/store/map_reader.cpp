@@ -1,0 +1,151 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "services/semantic_map/store/map_file.hpp"
+#include "services/semantic_map/store/map_store.hpp"
+#include "services/semantic_map/store/map_store_blobs.hpp"
+
+namespace curbstone::semantic_map::store {
+namespace {
+
+TileKey key_of(SQLite::Statement& row) {
+  return {static_cast<std::int32_t>(row.getColumn(0).getInt64()),
+          static_cast<std::int32_t>(row.getColumn(1).getInt64())};
+}
+
+/// From a row of x, y, utime, z_origin, cells.
+tile::MapTile tile_of(SQLite::Statement& row, const std::string& path) {
+  tile::MapTile tile;
+  tile.key = key_of(row);
+  tile.utime = row.getColumn(2).getInt64();
+  tile.z_origin = static_cast<float>(row.getColumn(3).getDouble());
+  if (!std::isfinite(tile.z_origin) || !unpack_cells(blob(row.getColumn(4)), tile))
+    throw MapStoreError(fmt::format("{}: tile ({}, {}) is damaged", path, tile.key.x, tile.key.y));
+  return tile;
+}
+
+bool is_sane(const tile::TrajectoryPose& pose) {
+  return is_finite(pose.T_map_base);
+}
+
+}  // namespace
+
+MapReader::MapReader(const std::string& path) : path_(path) {
+  if (!std::filesystem::exists(path)) throw MapStoreError(fmt::format("{}: no such file", path));
+  for_file(path, [&] {
+    db_ = std::make_unique<SQLite::Database>(path, SQLite::OPEN_READONLY, kBusyTimeout);
+    check_identity(*db_, path);
+  });
+}
+
+MapReader::~MapReader() = default;
+
+std::int32_t MapReader::schema() const {
+  return for_file(path_, [&] { return static_cast<std::int32_t>(integer(*db_, "PRAGMA user_version")); });
+}
+
+std::int32_t MapReader::epoch() const {
+  return for_file(path_, [&] { return stored_epoch(*db_); });
+}
+
+std::vector<tile::MapTile> MapReader::tiles() const {
+  return for_file(path_, [&] {
+    std::vector<tile::MapTile> tiles;
+    SQLite::Statement rows(*db_, "SELECT x, y, utime, z_origin, cells FROM tiles ORDER BY x, y");
+    while (rows.executeStep()) tiles.push_back(tile_of(rows, path_));
+    return tiles;
+  });
+}
+
+std::vector<TileKey> MapReader::tile_keys() const {
+  return for_file(path_, [&] {
+    std::vector<TileKey> keys;
+    SQLite::Statement rows(*db_, "SELECT x, y FROM tiles ORDER BY x, y");
+    while (rows.executeStep()) keys.push_back(key_of(rows));
+    return keys;
+  });
+}
+
+std::optional<tile::MapTile> MapReader::tile(TileKey key) const {
+  return for_file(path_, [&]() -> std::optional<tile::MapTile> {
+    if (!one_tile_)
+      one_tile_ = std::make_unique<SQLite::Statement>(
+          *db_, "SELECT x, y, utime, z_origin, cells FROM tiles WHERE x = ? AND y = ?");
+    one_tile_->reset();
+    one_tile_->bind(1, key.x);
+    one_tile_->bind(2, key.y);
+    std::optional<tile::MapTile> tile;
+    if (one_tile_->executeStep()) tile = tile_of(*one_tile_, path_);
+    one_tile_->reset();  // no lock on the file is kept
+    return tile;
+  });
+}
+
+std::vector<tile::CurbLine> MapReader::curbs() const {
+  return for_file(path_, [&] {
+    std::vector<tile::CurbLine> lines;
+    SQLite::Statement rows(*db_, "SELECT id, dropped, confidence, points FROM curbs ORDER BY id");
+    while (rows.executeStep()) {
+      const auto id = static_cast<std::int32_t>(rows.getColumn(0).getInt64());
+      auto points = unpack_vertices(blob(rows.getColumn(3)));
+      if (!points) throw MapStoreError(fmt::format("{}: curb {} is damaged", path_, id));
+      lines.push_back({id, static_cast<float>(rows.getColumn(2).getDouble()), rows.getColumn(1).getInt64() != 0,
+                       std::move(*points)});
+    }
+    return lines;
+  });
+}
+
+std::vector<tile::MarkingLine> MapReader::markings() const {
+  if (schema() < 3) return {};
+  return for_file(path_, [&] {
+    std::vector<tile::MarkingLine> lines;
+    SQLite::Statement rows(*db_, "SELECT id, type, confidence, width, dash, gap, points FROM markings ORDER BY id");
+    while (rows.executeStep()) {
+      const auto number = [&](int column) { return static_cast<float>(rows.getColumn(column).getDouble()); };
+      tile::MarkingLine& line = lines.emplace_back();
+      line.id = static_cast<std::int32_t>(rows.getColumn(0).getInt64());
+      const std::int64_t type = rows.getColumn(1).getInt64();
+      line.confidence = number(2);
+      line.width = number(3);
+      line.dash = number(4);
+      line.gap = number(5);
+      auto points = unpack_marking_vertices(blob(rows.getColumn(6)));
+      const bool is_sound = type >= 0 && type < tile::kNumMarkingTypes && std::isfinite(line.confidence) &&
+                            std::isfinite(line.width) && std::isfinite(line.dash) && std::isfinite(line.gap);
+      if (!points || !is_sound) throw MapStoreError(fmt::format("{}: marking {} is damaged", path_, line.id));
+      line.type = static_cast<tile::MarkingType>(type);
+      line.points = std::move(*points);
+    }
+    return lines;
+  });
+}
+
+std::vector<tile::TrajectoryPose> MapReader::trajectory() const {
+  return for_file(path_, [&] {
+    std::vector<tile::TrajectoryPose> poses;
+    SQLite::Statement rows(*db_, "SELECT utime, revolution, x, y, z, qw, qx, qy, qz FROM trajectory ORDER BY utime");
+    while (rows.executeStep()) {
+      const double position[3] = {rows.getColumn(2).getDouble(), rows.getColumn(3).getDouble(),
+                                  rows.getColumn(4).getDouble()};
+      const double orientation[4] = {rows.getColumn(5).getDouble(), rows.getColumn(6).getDouble(),
+                                     rows.getColumn(7).getDouble(), rows.getColumn(8).getDouble()};
+      poses.push_back({rows.getColumn(0).getInt64(), static_cast<std::int32_t>(rows.getColumn(1).getInt64()),
+                       pose_from_arrays(position, orientation)});
+      if (!is_sane(poses.back())) throw MapStoreError(fmt::format("{}: a pose is damaged", path_));
+    }
+    return poses;
+  });
+}
+
+std::string MapReader::integrity() const {
+  return for_file(path_, [&] {
+    SQLite::Statement rows(*db_, "PRAGMA integrity_check");
+    return rows.executeStep() ? rows.getColumn(0).getString() : std::string("no answer");
+  });
+}
+
+}  // namespace curbstone::semantic_map::store
