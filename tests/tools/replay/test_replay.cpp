@@ -64,7 +64,7 @@ class ReplayOnThreads : public ::testing::Test {
 };
 
 TEST_F(ReplayOnThreads, MakesTheSameMapAndSaysTheSameAsInOne) {
-  make_town("5");
+  make_town("9");
   const auto one = replay("1");
   EXPECT_GT(one.first.size(), 20'000U);
   const auto many = replay("4");
@@ -73,7 +73,7 @@ TEST_F(ReplayOnThreads, MakesTheSameMapAndSaysTheSameAsInOne) {
 }
 
 TEST_F(ReplayOnThreads, MakesTheSameMapOfADamagedDrive) {
-  make_town("5");
+  make_town("9");
   damage();
   const auto one = replay("1", "ekf.fuse_map=true");
   const auto many = replay("4", "ekf.fuse_map=true");

@@ -105,7 +105,8 @@ TEST(StageLine, BringsAnswersToWhatWasAskedWithinTheLag) {
   };
   // 60 beats, of which 12 do not tick.
   EXPECT_GE(asked("ASK0"), 40);
-  EXPECT_EQ(asked("STEP1"), 6000 + 1 + asked("ASK0"));
+  // What the two later groups ask last, when the drive is over, is after the first has finished.
+  EXPECT_EQ(asked("STEP1"), 6000 + 1 + asked("ASK0") - 2);
 }
 
 TEST(StageLine, ThrowsWhatANodeHasThrown) {
