@@ -85,7 +85,6 @@ bool MapperNode::resume_drive() {
     std::optional<journal::RecordedDrive> drive = journal::read_journal(config_.journal, max_bytes, hash);
     if (!drive) return false;
     epoch_before_ = drive->epoch;
-    // What had not settled in the map is mapped again.
     const std::int64_t settled = drive->poses.back().utime - kSettling;
     const auto is_later = [&](const journal::RecordedPose& pose) { return pose.utime > settled; };
     drive->poses.erase(std::find_if(drive->poses.begin() + 1, drive->poses.end(), is_later), drive->poses.end());
