@@ -18,10 +18,13 @@
 #include <vector>
 
 #include "common/bus/bus_socket.hpp"
+#include "common/time/clock.hpp"
 
 namespace curbstone {
 
 namespace {
+
+constexpr std::int64_t kTurn = 100'000;  // us of messages, so that timers get their turn
 
 std::string effective_url(std::string url) {
   if (!url.empty()) return url;
@@ -88,7 +91,8 @@ class LcmBus::Impl {
     }
     std::uint64_t ignored = 0;
     (void)!read(wake_fd_, &ignored, sizeof ignored);
-    for (int budget = 1000; budget > 0; --budget) {  // bounded, so that timers get their turn
+    const std::int64_t turn_ends = steady_clock() + kTurn;
+    for (int budget = 1000; budget > 0 && steady_clock() < turn_ends; --budget) {
       Message message;
       {
         const std::scoped_lock lock(queue_mutex_);

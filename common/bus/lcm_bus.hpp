@@ -24,7 +24,8 @@ class LcmBus final : public Publisher, public Subscriber, public Tappable {
   LcmBus(const LcmBus&) = delete;
   LcmBus& operator=(const LcmBus&) = delete;
 
-  /// Handles what has arrived, waiting at most `timeout` for the first message. Returns false at the end of a `file://`
+  /// Handles what has arrived, waiting at most `timeout` for the first message; under overload a part of it, for 0.1 s
+  /// and a message, so that timers get their turn. fd() stays readable then. Returns false at the end of a `file://`
   /// log.
   bool handle(std::chrono::milliseconds timeout);
 

@@ -20,6 +20,8 @@ namespace {
 constexpr std::chrono::seconds kConfigPeriod{5};
 constexpr std::chrono::milliseconds kLookPeriod{200};  // whether a fault has come or gone
 
+constexpr int kLastTurns = 10;  // of handle(), for what has come before the end
+
 /// Who was started by a deputy is a session of its own, and between sessions only their groups' niceness counts
 /// (sched(7), "autogroup").
 void set_niceness(int nice) {
@@ -71,7 +73,7 @@ void run(service_config_t config, const std::string& url, const std::string& has
   loop.run();
 
   if (nice != 0) set_niceness(0);  // what is still owed is due before the deputy's patience ends
-  bus.handle(std::chrono::milliseconds(0));
+  for (int turn = 0; turn < kLastTurns; ++turn) bus.handle(std::chrono::milliseconds(0));
   node->finish();
   publish_status();
 }

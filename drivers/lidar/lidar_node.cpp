@@ -43,6 +43,7 @@ bool is_the_devices(Refusal refusal) {
 LidarNode::LidarNode(const LidarConfig& config, Publisher& bus, HostClockCheck host_clock)
     : config_(config),
       bus_(bus),
+      sent_(bus, config.channel),
       host_clock_(std::move(host_clock)),
       settings_(settings_of(config)),
       model_(models::make_model(config.model, settings_)),
@@ -51,6 +52,10 @@ LidarNode::LidarNode(const LidarConfig& config, Publisher& bus, HostClockCheck h
       health_(point_port(config), info_port(config)),
       latency_(kLatencies) {
   message_.packet = -1;
+}
+
+void LidarNode::connect(Subscriber& bus) {
+  bus.subscribe<resend_request_t>(kResendRequests, [this](const resend_request_t& m) { sent_.request(m); }, {100});
 }
 
 void LidarNode::expect_one_info() {
@@ -165,6 +170,7 @@ void LidarNode::send(decoding::PendingPacket& packet) {
   message_.intensity.swap(points.intensity);
   message_.ring.swap(points.ring);
   bus_.publish(config_.channel, message_);
+  sent_.keep(message_);
 
   counters_.add("packets");
   counters_.add("points", message_.num_points);
@@ -203,6 +209,7 @@ void LidarNode::set_receive_buffer(int asked, int granted) {
 
 void LidarNode::tick(std::int64_t now) {
   now_ = now;
+  sent_.tick();
   health_.tick(now);
   share_.tick(now);
   // What is held waits for its successors. If none comes any more, it goes out.
@@ -227,6 +234,7 @@ NodeReport LidarNode::report() const {
   report.counters = counters_;
   report.counters.set("revolutions", message_.packet < 0 ? 0 : message_.revolution + 1);
   report.counters.set("lost.packets", lost_.total());
+  if (sent_.resent() > 0) report.counters.set("resent.packets", sent_.resent());
   report.counters.set("clock.device", clock_.uses_device() ? 1 : 0);
   report.counters.set("clock.switches", clock_.switches());
   report.counters.set("clock.jumps", order_.jumps());

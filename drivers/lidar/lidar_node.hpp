@@ -10,6 +10,7 @@
 
 #include "common/bus/node.hpp"
 #include "common/bus/refusal_share.hpp"
+#include "common/resend/message_keeper.hpp"
 #include "common/shell/latency.hpp"
 #include "drivers/lidar/decoding/head_tracker.hpp"
 #include "drivers/lidar/decoding/packet_clock.hpp"
@@ -29,13 +30,13 @@ namespace curbstone::lidar {
 
 /// A LiDAR's packets in, LIDAR_POINTS (and LIDAR_RAW on request) out: one message a packet. What it sends is a function
 /// of the packets, their times of receipt and of whether the host's clock is synchronised. One thread. A packet that
-/// cannot be used is counted by cause.
+/// cannot be used is counted by cause. The newest messages are kept, and sent again to who lost them.
 class LidarNode final : public Node {
  public:
   /// Throws std::runtime_error, one line, where the configuration does not fit the model.
   LidarNode(const LidarConfig& config, Publisher& bus, HostClockCheck host_clock = kernel_clock_is_synchronised);
 
-  void connect(Subscriber& bus) override { (void)bus; }
+  void connect(Subscriber& bus) override;
 
   /// A packet from the device; `received` in us since the Unix epoch. The bytes tell what it is, so all may come on one
   /// port.
@@ -73,6 +74,7 @@ class LidarNode final : public Node {
 
   LidarConfig config_;
   Publisher& bus_;
+  MessageKeeper sent_;
   HostClockCheck host_clock_;
   models::ModelSettings settings_;
   models::ModelVote vote_;

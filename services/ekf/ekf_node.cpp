@@ -19,7 +19,12 @@ constexpr std::int32_t kMaxLoss = 100'000;      // a larger step of a sequence i
 }  // namespace
 
 EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
-    : config_(config), publisher_(publisher), sequencer_(config), increments_(config.map), filter_(config) {
+    : config_(config),
+      publisher_(publisher),
+      sent_(publisher, "ODOMETRY"),
+      sequencer_(config),
+      increments_(config.map),
+      filter_(config) {
   if (config_.state_file.empty()) return;
   if (const auto state = filter::load_state(config_.state_file)) filter_.inherit(*state);
   state_keeper_.emplace(config_.state_file);
@@ -27,6 +32,7 @@ EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
 
 void EkfNode::tick(std::int64_t now) {
   now_ = now;
+  sent_.tick();
   if (!state_keeper_ || !filter_.filter().started()) return;
   if (now >= state_kept_ && now - state_kept_ < kStatePeriod) return;
   state_kept_ = now;
@@ -36,6 +42,7 @@ void EkfNode::tick(std::int64_t now) {
 void EkfNode::connect(Subscriber& bus) {
   bus.subscribe<imu_t>("IMU", [this](const imu_t& message) { on(message); });
   bus.subscribe<wheels_t>("WHEELS", [this](const wheels_t& message) { on(message); });
+  bus.subscribe<resend_request_t>(kResendRequests, [this](const resend_request_t& m) { sent_.request(m); }, {100});
   if (config_.fuse_map) bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& message) { on(message); });
 }
 
@@ -78,7 +85,9 @@ void EkfNode::run(bool drain) {
 void EkfNode::publish(const model::Estimate& estimate) {
   latency_.add(base::seconds_between(estimate.utime, sequencer_.newest()));
   last_ = estimate;
-  publisher_.publish("ODOMETRY", odometry_message(estimate));
+  const odometry_t odometry = odometry_message(estimate);
+  publisher_.publish("ODOMETRY", odometry);
+  sent_.keep(odometry);
   publisher_.publish("POSE", pose_message(estimate));
   counters_.add("published.odometry");
 }
@@ -112,6 +121,7 @@ NodeReport EkfNode::report() const {
   const Counters filtering = filter_.counters();
   for (const Counters* part : {&increments_.counters(), &sequencer_.counters(), &filtering})
     for (const auto& [name, value] : part->values()) report.counters.add(name, value);
+  if (sent_.resent() > 0) report.counters.add("resent.odometry", sent_.resent());
   if (state_keeper_) report.counters.add("faults.state_file", state_keeper_->failures());
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);

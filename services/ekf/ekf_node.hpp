@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/bus/node.hpp"
+#include "common/resend/message_keeper.hpp"
 #include "common/shell/latency.hpp"
 #include "services/ekf/filter/rewinding_filter.hpp"
 #include "services/ekf/filter/state_keeper.hpp"
@@ -18,8 +19,9 @@ namespace curbstone::ekf {
 /// IMU and WHEELS in, ODOMETRY and POSE out: one of each for every IMU sample, at its stamp; while there is no IMU, for
 /// every wheel sample. With `fuse_map`, MAP_POSE in as well. Products are a function of the channels' sequences (see
 /// Sequencer) as long as none lags by more than its hold; what comes later still counts (see RewindingFilter). tick()
-/// only notices silence, for the faults. Latency is in message time: how far the sensors are ahead when an estimate is
-/// sent. With `state_file` it has what it believes saved (tick), and goes on from there when it was killed.
+/// only notices silence, for the faults, and sends ODOMETRY again that somebody lost. Latency is in message time: how
+/// far the sensors are ahead when an estimate is sent. With `state_file` it has what it believes saved (tick), and goes
+/// on from there when it was killed.
 class EkfNode final : public Node {
  public:
   EkfNode(const base::EkfConfig& config, Publisher& publisher);
@@ -50,6 +52,7 @@ class EkfNode final : public Node {
 
   base::EkfConfig config_;
   Publisher& publisher_;
+  MessageKeeper sent_;  // ODOMETRY
   inputs::Sequencer sequencer_;
   inputs::MapIncrements increments_;
   filter::RewindingFilter filter_;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/config/config.hpp"
+#include "common/resend/message_keeper.hpp"
 #include "common/time/clock.hpp"
 #include "common/time/microseconds.hpp"
 #include "services/mapper/journal/journal_file.hpp"
@@ -19,8 +20,11 @@ namespace {
 
 constexpr std::size_t kMaxPending = 80;  // scans that wait for odometry; 20 Hz: 4 s
 constexpr std::int64_t kIndexPeriod = 1'000'000;
-constexpr std::int64_t kToldFor = 60'000'000;  // us of the drive, that a new map began
-constexpr int kOdometryMissing = 5;            // scans in a row: the last ones of a drive have none to their end
+constexpr std::int64_t kToldFor = 60'000'000;      // us of the drive, that a new map began
+constexpr std::int64_t kSettling = 1'200'000;      // us, until all that was seen has its place in the dense map
+constexpr std::int64_t kOdometryBefore = 100'000;  // us, of the first scan
+constexpr double kNextWait = 0.25;                 // s
+constexpr int kOdometryMissing = 5;                // scans in a row: the last ones of a drive have none to their end
 
 std::vector<journal::RecordedPose> recorded(const std::vector<TrajectoryPoint>& drive) {
   std::vector<journal::RecordedPose> poses;
@@ -41,7 +45,12 @@ std::vector<TrajectoryPoint> points_of(const std::vector<journal::RecordedPose>&
 }  // namespace
 
 MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
-    : config_(config), bus_(bus), sender_(bus), mapper_(config) {
+    : config_(config),
+      bus_(bus),
+      sender_(bus),
+      packets_(bus, "mapper", "LIDAR_POINTS"),
+      odometry_resend_(bus, "mapper", odometry_),
+      mapper_(config) {
   if (!config_.folder.empty() && config_.mode != config::MapMode::kLocalise) saver_.emplace(config_.folder);
   if (!resume_drive() && config_.mode != config::MapMode::kMap) begin_map();
 }
@@ -76,7 +85,12 @@ bool MapperNode::resume_drive() {
     std::optional<journal::RecordedDrive> drive = journal::read_journal(config_.journal, max_bytes, hash);
     if (!drive) return false;
     epoch_before_ = drive->epoch;
+    const std::int64_t settled = drive->poses.back().utime - kSettling;
+    const auto is_later = [&](const journal::RecordedPose& pose) { return pose.utime > settled; };
+    drive->poses.erase(std::find_if(drive->poses.begin() + 1, drive->poses.end(), is_later), drive->poses.end());
     resumed_drive_ = points_of(drive->poses);
+    packets_.begin_at(drive->poses.back().utime);
+    odometry_.begin_at(drive->poses.back().utime - kOdometryBefore);
     mapper_.resume(std::move(*drive));
     return true;
   } catch (const journal::JournalError& error) {
@@ -89,47 +103,79 @@ bool MapperNode::resume_drive() {
 void MapperNode::connect(Subscriber& bus) {
   // 750 packets a second: two seconds of them may wait while a scan is registered.
   bus.subscribe<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& m) { on(m); }, {1500});
+  bus.subscribe<lidar_points_t>(again("LIDAR_POINTS"), [this](const lidar_points_t& m) { on_again(m); }, {3000});
   bus.subscribe<odometry_t>("ODOMETRY", [this](const odometry_t& m) { on(m); }, {800});
+  bus.subscribe<odometry_t>(again("ODOMETRY"), [this](const odometry_t& m) { on_again(m); }, {3000});
   bus.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { on(m); }, {100});
 }
 
 void MapperNode::on(const lidar_points_t& message) {
-  std::optional<scan::Scan> done = assembler_.add(message);
-  if (message.utime <= 0) return;
-  lidar_time_ = message.utime;
-  queue(std::move(done));
+  packets_.hear(message, [this](const lidar_points_t& packet) { assemble(packet); });
   process_due(false);
 }
 
+void MapperNode::on_again(const lidar_points_t& message) {
+  packets_.hear_again(message, [this](const lidar_points_t& packet) { assemble(packet); });
+  process_due(false);
+}
+
+void MapperNode::on_again(const odometry_t& message) {
+  odometry_resend_.hear_again(message);
+  process_due(false);
+}
+
+void MapperNode::assemble(const lidar_points_t& packet) {
+  queue(assembler_.add(packet));
+}
+
 void MapperNode::on(const odometry_t& message) {
-  if (scan::take_odometry(message, odometry_, counters_)) process_due(false);
+  if (!scan::take_odometry(message, odometry_, counters_)) return;
+  note_late_odometry();
+  process_due(false);
 }
 
 void MapperNode::on(const tile_request_t& message) {
   sender_.request(message);
 }
 
+/// A scan that went without odometry which comes now: a replay, whose odometry is never late, makes another map.
+void MapperNode::note_late_odometry() {
+  for (; !missed_.empty() && odometry_.reaches(missed_.front()); missed_.pop_front()) {
+    if (!odometry_.covers(missed_.front(), missed_.front())) continue;
+    counters_.add("odometry.too_late");
+    too_late_ = missed_.front();
+  }
+}
+
 void MapperNode::queue(std::optional<scan::Scan> scan) {
   if (!scan) return;
-  if (first_lidar_ == 0) first_lidar_ = scan->start;
+  if (first_lidar_ == 0) {
+    first_lidar_ = scan->start;
+    first_heard_ = packets_.newest();
+  }
   if (pending_.size() >= kMaxPending) {
     counters_.add("dropped.pending");
     pending_.pop_front();
   }
-  pending_.push_back(std::move(*scan));
+  pending_.push_back({std::move(*scan), packets_.newest()});
 }
 
-bool MapperNode::due(const scan::Scan& scan) const {
-  if (odometry_.reaches(scan.end)) return true;
-  const std::int64_t waited_for = mapper_.started() ? scan.end : first_lidar_;
-  const double wait = mapper_.started() ? config_.odometry_wait_s : config_.start_wait_s;
-  return std::abs(lidar_time_ - waited_for) > microseconds(wait);
+bool MapperNode::due(const Pending& pending) {
+  if (odometry_.reaches(pending.scan.end)) return !odometry_resend_.is_waited_for(pending.scan);
+  const std::int64_t waited_for = mapper_.started() ? pending.since : first_heard_;
+  // Once it has been waited for in vain the filter is gone, rather than late: poses need not all be late, too.
+  const double again = std::min(config_.odometry_wait_s, kNextWait);
+  const double wait = !mapper_.started()       ? config_.start_wait_s
+                      : without_odometry_ == 0 ? config_.odometry_wait_s
+                                               : again;
+  return std::abs(packets_.newest() - waited_for) > microseconds(wait);
 }
 
 void MapperNode::process_due(bool last_call) {
   while (!pending_.empty() && (last_call || due(pending_.front()))) {
-    process(pending_.front());
+    const Pending next = std::move(pending_.front());
     pending_.pop_front();
+    process(next.scan);
   }
 }
 
@@ -148,6 +194,7 @@ void MapperNode::process(const scan::Scan& scan) {
   odometry_.forget_before(scan.start - 100'000);
   if (!update) return;
   last_end_ = scan.end;
+  if (!odometry_.reaches(scan.end) && missed_.size() < kMaxPending) missed_.push_back(scan.end);
   without_odometry_ = update->with_odometry ? 0 : without_odometry_ + 1;
   position_ = update->T_map_base.translation();
   if (epoch_ == 0 || update->rearranged) begin_epoch(*update);
@@ -228,6 +275,9 @@ void MapperNode::caught_up(std::int64_t now) {
 }
 
 void MapperNode::tick(std::int64_t now) {
+  packets_.tick(now, [this](const lidar_points_t& packet) { assemble(packet); });
+  odometry_resend_.tick(now);
+  process_due(false);
   if (epoch_ == 0) return;
   sender_.send_trajectory();
   send_changes(now);
@@ -238,6 +288,7 @@ void MapperNode::tick(std::int64_t now) {
 }
 
 void MapperNode::finish() {
+  packets_.release([this](const lidar_points_t& packet) { assemble(packet); });
   queue(assembler_.flush());
   process_due(true);
   if (epoch_ == 0) return;
@@ -270,7 +321,7 @@ NodeReport MapperNode::report() const {
   NodeReport report;
   report.counters = counters_;
   const Counters method = mapper_.counters();
-  for (const Counters* part : {&assembler_.counters(), &method}) {
+  for (const Counters* part : {&packets_.counters(), &odometry_resend_.counters(), &assembler_.counters(), &method}) {
     for (const auto& [name, value] : part->values()) report.counters.add(name, value);
   }
   if (saver_) {
@@ -281,9 +332,13 @@ NodeReport MapperNode::report() const {
   if (saver_ && !saver_->fault().empty()) report.faults.push_back(saver_->fault());
   if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());
   if (!not_resumed_.empty() && last_end_ - first_lidar_ < kToldFor) report.faults.push_back(not_resumed_);
-  if (lidar_time_ == 0) report.faults.push_back("no LIDAR_POINTS");
+  if (packets_.newest() == 0) report.faults.push_back("no LIDAR_POINTS");
   if (epoch_ != 0 && without_odometry_ >= kOdometryMissing)
     report.faults.push_back("no usable ODOMETRY: assuming constant velocity");
+  if (too_late_ != 0 && last_end_ - too_late_ < kToldFor)
+    report.faults.push_back(
+        fmt::format("{} revolutions went without odometry that came too late: a replay makes another map",
+                    counters_["odometry.too_late"]));
   if (epoch_ != 0 && mapper_.fix() != tracking::Fix::kTracking) {
     report.faults.push_back("lost: looking for where the vehicle is; nothing is mapped");
   } else if (mapper_.refused_in_a_row() >= 10) {

@@ -12,6 +12,8 @@
 #include "services/mapper/map_sender.hpp"
 #include "services/mapper/mapper.hpp"
 #include "services/mapper/scan/odometry_history.hpp"
+#include "services/mapper/scan/odometry_resend.hpp"
+#include "services/mapper/scan/packet_intake.hpp"
 #include "services/mapper/scan/scan_assembler.hpp"
 #include "services/mapper/storage/map_saver.hpp"
 
@@ -20,7 +22,8 @@ namespace curbstone::mapper {
 /// LIDAR_POINTS and ODOMETRY in, MAP_POSE, MAP_POINTS and MAP_TRAJECTORY out.
 ///
 /// A scan is processed once odometry has passed its end, or when lidar time says that odometry is missing: so the
-/// map does not depend on how the two channels interleave. Points go out at a bounded pace, at once after their
+/// map does not depend on how the two channels interleave. Packets and odometry that were lost on the bus are asked for
+/// and waited for, in order: so it does not depend on them either. Points go out at a bounded pace, at once after their
 /// scan and from tick(); what the map holds does not depend on it.
 class MapperNode final : public Node {
  public:
@@ -35,14 +38,23 @@ class MapperNode final : public Node {
 
   void on(const lidar_points_t& message);
   void on(const odometry_t& message);
+  /// What was sent again.
+  void on_again(const lidar_points_t& message);
+  void on_again(const odometry_t& message);
   void on(const tile_request_t& message);
 
   [[nodiscard]] const Mapper& mapper() const { return mapper_; }
 
  private:
+  struct Pending {
+    scan::Scan scan;
+    std::int64_t since;  // us, lidar time
+  };
+  void assemble(const lidar_points_t& packet);
   void queue(std::optional<scan::Scan> scan);
   void process_due(bool last_call);
-  [[nodiscard]] bool due(const scan::Scan& scan) const;
+  [[nodiscard]] bool due(const Pending& pending);
+  void note_late_odometry();
   void process(const scan::Scan& scan);
   /// A new epoch: the map begins, or has been rearranged as a whole and goes out anew.
   void begin_epoch(const MapperUpdate& update);
@@ -59,12 +71,14 @@ class MapperNode final : public Node {
   config::MapperConfig config_;
   Publisher& bus_;
   MapSender sender_;
+  scan::PacketIntake packets_;
   scan::ScanAssembler assembler_;
   scan::OdometryHistory odometry_;
+  scan::OdometryResend odometry_resend_;
   Mapper mapper_;
-  std::deque<scan::Scan> pending_;
-  std::int64_t lidar_time_ = 0;    // us, newest LIDAR_POINTS
+  std::deque<Pending> pending_;
   std::int64_t first_lidar_ = 0;   // us, start of the first scan
+  std::int64_t first_heard_ = 0;   // us, lidar time then
   std::int64_t last_end_ = 0;      // us, of the last scan processed
   std::int32_t epoch_ = 0;         // 0: no map yet
   std::int32_t epoch_before_ = 0;  // of the map on disk
@@ -78,7 +92,9 @@ class MapperNode final : public Node {
   bool has_news_ = false;  // a scan whose tiles have not gone out
   bool is_pause_ = false;  // a tick has passed since it was processed
   std::int64_t index_sent_ = 0;
-  int without_odometry_ = 0;  // scans in a row
+  int without_odometry_ = 0;         // scans in a row
+  std::deque<std::int64_t> missed_;  // us, ends of scans for which odometry had not come
+  std::int64_t too_late_ = 0;        // us, the newest of those for which it came later
   LatencyWindow latency_;
   Counters counters_;
 };

@@ -10,6 +10,7 @@
 #include <curbstone/odometry_t.hpp>
 #include <curbstone/pose_t.hpp>
 #include <curbstone/raw_packet_t.hpp>
+#include <curbstone/resend_request_t.hpp>
 #include <curbstone/semantic_tile_t.hpp>
 #include <curbstone/service_config_t.hpp>
 #include <curbstone/service_status_t.hpp>
@@ -58,6 +59,7 @@ constexpr Check kChecks[] = {check<curb_lines_t>,
                              check<odometry_t>,
                              check<pose_t>,
                              check<raw_packet_t>,
+                             check<resend_request_t>,
                              check<semantic_tile_t>,
                              check<service_status_t>,
                              check<tile_index_t>,

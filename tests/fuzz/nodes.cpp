@@ -11,6 +11,7 @@
 #include <curbstone/map_pose_t.hpp>
 #include <curbstone/map_trajectory_t.hpp>
 #include <curbstone/odometry_t.hpp>
+#include <curbstone/resend_request_t.hpp>
 #include <curbstone/semantic_tile_t.hpp>
 #include <curbstone/tile_index_t.hpp>
 #include <curbstone/tile_request_t.hpp>
@@ -38,7 +39,10 @@ constexpr Channel kChannels[] = {{"LIDAR_POINTS", inject<lidar_points_t>},
                                  {"SEMANTIC_TILE", inject<semantic_tile_t>},
                                  {"TILE_INDEX", inject<tile_index_t>},
                                  {"TILE_REQUEST", inject<tile_request_t>},
-                                 {"MAP_TRAJECTORY", inject<map_trajectory_t>}};
+                                 {"MAP_TRAJECTORY", inject<map_trajectory_t>},
+                                 {"RESEND_REQUEST", inject<resend_request_t>},
+                                 {"LIDAR_POINTS_AGAIN", inject<lidar_points_t>},
+                                 {"ODOMETRY_AGAIN", inject<odometry_t>}};
 
 /// Every message begins with its stamp.
 void set_stamp(std::vector<std::uint8_t>& body, std::int64_t utime) {

@@ -27,7 +27,7 @@ struct MapperConfig {
   double start_y = 0;
   double start_yaw = 0;
   double start_radius = 5.0;
-  double odometry_wait_s = 0.25;
+  double odometry_wait_s = 1.0;
   double start_wait_s = 2.0;
   TrackerConfig tracker;
   VehicleConfig vehicle;
@@ -50,7 +50,8 @@ struct MapperConfig {
     v.field("start_y", start_y, {-1e6, 1e6}, "m");
     v.field("start_yaw", start_yaw, {-7.0, 7.0}, "rad");
     v.field("start_radius", start_radius, {0.0, 1e6}, "m, how well that is known; found by searching");
-    v.field("odometry_wait_s", odometry_wait_s, {0.02, 5.0}, "s of lidar time that a revolution waits for odometry");
+    v.field("odometry_wait_s", odometry_wait_s, {0.02, 5.0},
+            "s of lidar time that a revolution waits for odometry; the next ones 0.25 at most, until it is back");
     v.field("start_wait_s", start_wait_s, {0.02, 60.0}, "s of lidar time that the first one waits");
     tracker.visit(v);
     v.section("vehicle", vehicle, "what the parts share about the vehicle");

@@ -7,7 +7,8 @@ namespace curbstone::mapper::scan {
 
 namespace {
 
-constexpr std::int64_t kMeasured = 30'000;  // us of samples that tell how the motion goes on
+constexpr std::int64_t kMeasured = 30'000;    // us of samples that tell how the motion goes on
+constexpr std::int64_t kShortestGap = 4'000;  // us: at 400 Hz one sample
 
 }  // namespace
 
@@ -21,6 +22,33 @@ OdometryHistory::Added OdometryHistory::add(const OdometrySample& sample) {
   samples_.push_back(sample);
   if (samples_.size() > kCapacity) samples_.pop_front();
   return Added::kYes;
+}
+
+bool OdometryHistory::fill(const OdometrySample& sample) {
+  if (samples_.empty() || samples_.size() >= kCapacity || sample.utime >= samples_.back().utime) return false;
+  if (sample.utime < samples_.front().utime && (begin_ == 0 || sample.utime < begin_)) return false;
+  const std::size_t place = lower_bound(sample.utime);
+  if (samples_[place].utime == sample.utime) return false;
+  samples_.insert(samples_.begin() + static_cast<std::ptrdiff_t>(place), sample);
+  return true;
+}
+
+std::optional<MissingMessages> OdometryHistory::gap(std::int64_t from) const {
+  if (samples_.empty()) return std::nullopt;
+  const std::int64_t first = samples_.front().utime;
+  if (begin_ > 0 && from < first && first - begin_ > kMeasured && first - begin_ <= ResendClient::kMostMissing)
+    return MissingMessages{begin_ - 1, first};
+  const auto step = [this](std::size_t i) { return samples_[i + 1].utime - samples_[i].utime; };
+  const std::size_t later = lower_bound(from + 1);
+  for (std::size_t i = later > 0 ? later - 1 : 0; i + 1 < samples_.size(); ++i) {
+    if (step(i) < kShortestGap || step(i) > ResendClient::kMostMissing) continue;
+    std::int64_t beside = std::numeric_limits<std::int64_t>::max();
+    if (i > 0) beside = step(i - 1);
+    if (i + 2 < samples_.size()) beside = std::min(beside, step(i + 1));
+    if (static_cast<double>(step(i)) > kGapSteps * static_cast<double>(beside))
+      return MissingMessages{samples_[i].utime, samples_[i + 1].utime};
+  }
+  return std::nullopt;
 }
 
 std::size_t OdometryHistory::lower_bound(std::int64_t utime) const {

@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <deque>
 #include <limits>
+#include <optional>
 
 #include "common/geometry/geometry.hpp"
+#include "common/resend/resend_client.hpp"
 #include "services/mapper/scan/deskew.hpp"
 
 namespace curbstone::mapper::scan {
@@ -25,10 +27,19 @@ class OdometryHistory {
   static constexpr std::size_t kCapacity = 8000;         ///< 80 s at 100 Hz
   static constexpr std::int64_t kMaxGap = 200'000;       ///< us between samples that may be interpolated over
   static constexpr std::int64_t kClockJump = 1'000'000;  ///< us backwards that is a new clock, not a late message
+  static constexpr double kGapSteps = 1.6;
 
   enum class Added { kYes, kLate, kClockJump };
   /// Late samples are left out. When the clock jumps back, what was known before is forgotten.
   Added add(const OdometrySample& sample);
+
+  /// Another listener had all odometry until `utime`, us: what is missing from there to the first sample is a gap, too.
+  void begin_at(std::int64_t utime) { begin_ = utime; }
+  /// The first place that ends later than `from`, us, and at which samples are missing: a step that is longer than
+  /// kGapSteps of those beside it. At most ResendClient::kMostMissing long.
+  [[nodiscard]] std::optional<MissingMessages> gap(std::int64_t from) const;
+  /// Puts in a sample that belongs before the newest one. False if there is one of this time, or no room.
+  bool fill(const OdometrySample& sample);
 
   /// Whether odometry has come to kLead before `utime`, usable or not: nothing more need be waited for.
   [[nodiscard]] bool reaches(std::int64_t utime) const {
@@ -54,6 +65,7 @@ class OdometryHistory {
   [[nodiscard]] std::size_t num_known() const;
   [[nodiscard]] Pose beyond(std::size_t last, std::int64_t utime) const;
   std::deque<OdometrySample> samples_;
+  std::int64_t begin_ = 0;
   std::int64_t horizon_ = std::numeric_limits<std::int64_t>::max();
 };
 

@@ -2,15 +2,20 @@
 
 namespace curbstone::mapper::scan {
 
-bool take_odometry(const odometry_t& message, OdometryHistory& history, Counters& counters) {
+std::optional<OdometrySample> sample_of(const odometry_t& message) {
   const OdometrySample sample{message.utime, pose_from_arrays(message.position, message.orientation),
                               (message.flags & odometry_t::INITIALISED) != 0,
                               (message.flags & odometry_t::STATIONARY) != 0};
-  if (!is_finite(sample.T_odom_base) || message.utime <= 0) {
+  return is_finite(sample.T_odom_base) && message.utime > 0 ? std::optional(sample) : std::nullopt;
+}
+
+bool take_odometry(const odometry_t& message, OdometryHistory& history, Counters& counters) {
+  const std::optional<OdometrySample> sample = sample_of(message);
+  if (!sample) {
     counters.add("refused.odometry");
     return false;
   }
-  switch (history.add(sample)) {
+  switch (history.add(*sample)) {
     case OdometryHistory::Added::kYes:
       break;
     case OdometryHistory::Added::kLate:

@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 #include <lcm/lcm-cpp.hpp>
@@ -220,6 +221,25 @@ void expect_drops_counted(LcmBus& bus, const std::string& url, const int& receiv
 std::string with_smallest_buffer(std::string url) {
   const auto at = url.find("recv_buf_size=");
   return url.substr(0, at) + "recv_buf_size=2304";
+}
+
+TEST(LcmBus, SlowHandlersLeaveTimersTheirTurn) {
+  LcmBus bus;
+  int handled = 0;
+  bus.subscribe<imu_t>("IMU", [&](const imu_t&) {
+    ++handled;
+    std::this_thread::sleep_for(10ms);
+  });
+  for (int i = 0; i < 300; ++i) bus.publish("IMU", imu_t{});
+  std::this_thread::sleep_for(200ms);
+  const auto begin = std::chrono::steady_clock::now();
+  bus.handle(0ms);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 1s) << "all of them take 3 s";
+  EXPECT_LT(handled, 100);
+  pollfd waiting{bus.fd(), POLLIN, 0};
+  EXPECT_EQ(poll(&waiting, 1, 0), 1) << "and are not forgotten";
+  handle_until(bus, [&] { return handled == 300; });
+  EXPECT_EQ(handled, 300);
 }
 
 TEST(LcmBus, CountsWhatTheKernelDropsAtAFullBuffer) {

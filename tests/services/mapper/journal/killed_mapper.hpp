@@ -9,10 +9,12 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "common/bus/local_bus.hpp"
 #include "common/config/config.hpp"
+#include "common/resend/message_keeper.hpp"
 #include "services/mapper/journal/journal_file.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "tests/services/mapper/mapper_drive.hpp"
@@ -35,7 +37,18 @@ class KilledMapperTest : public ::testing::Test {
     config_.journal = folder_ / "drive.journal";
     bus_.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { poses_.push_back(m); });
     bus_.subscribe<map_trajectory_t>("MAP_TRAJECTORY", [this](const map_trajectory_t& m) { pages_.push_back(m); });
+    sensor_bus_.subscribe<lidar_points_t>(again("LIDAR_POINTS"), [this](const lidar_points_t& m) {
+      if (mapper_bus_) mapper_bus_->publish(again("LIDAR_POINTS"), m);
+    });
+    sensor_bus_.subscribe<odometry_t>(again("ODOMETRY"), [this](const odometry_t& m) {
+      if (mapper_bus_) mapper_bus_->publish(again("ODOMETRY"), m);
+    });
+    start_driver();
+    start_filter();
   }
+  /// What was sent before is forgotten.
+  void start_driver() { driver_ = std::make_unique<MessageKeeper>(sensor_bus_, "LIDAR_POINTS"); }
+  void start_filter() { filter_ = std::make_unique<MessageKeeper>(sensor_bus_, "ODOMETRY"); }
 
   void start_mapper() {
     mapper_bus_ = std::make_unique<LocalBus>();
@@ -43,7 +56,12 @@ class KilledMapperTest : public ::testing::Test {
     mapper_bus_->subscribe<map_trajectory_t>("MAP_TRAJECTORY",
                                              [this](const map_trajectory_t& m) { bus_.publish("MAP_TRAJECTORY", m); });
     node_ = std::make_unique<MapperNode>(config_, *mapper_bus_);
+    is_new_ = true;
     node_->connect(*mapper_bus_);
+    mapper_bus_->subscribe<resend_request_t>(kResendRequests, [this](const resend_request_t& m) {
+      driver_->request(m);
+      filter_->request(m);
+    });
   }
   /// No farewell: what has not come to the disk by then never will. It does within a revolution, unless the machine is
   /// busy.
@@ -71,6 +89,18 @@ class KilledMapperTest : public ::testing::Test {
   void drive(int turns) {
     for (int i = 0; i < turns; ++i) step();
   }
+  /// Until the driver and the filter have sent again what was asked for.
+  void catch_up() {
+    for (int i = 0; node_ && i < 60; ++i) {
+      driver_->tick();
+      filter_->tick();
+      sensor_bus_.dispatch();
+      mapper_bus_->dispatch();
+      node_->tick(test::utime(turn_ * test::kPeriod));
+      mapper_bus_->dispatch();
+    }
+    bus_.dispatch();
+  }
   /// The vehicle does not wait for a mapper.
   void step() {
     const int n = turn_++;
@@ -80,16 +110,19 @@ class KilledMapperTest : public ::testing::Test {
       m.flags = odometry_t::INITIALISED;
       pose_to_arrays(T_odom_start_ * test::driving(0).inverse() * test::driving(odometry_sent_), m.position,
                      m.orientation);
+      filter_->keep(m);
       if (mapper_bus_) mapper_bus_->publish("ODOMETRY", m);
     }
     const auto packets = known_street().packets(test::driving, config::MapperConfig{}.vehicle.T_base_lidar(), n,
                                                 n * test::kPeriod, test::kPeriod);
+    for (const lidar_points_t& packet : packets) driver_->keep(packet);
     if (!node_) return;
     for (const lidar_points_t& packet : packets) mapper_bus_->publish("LIDAR_POINTS", packet);
     mapper_bus_->dispatch();
     for (int i = 0; i < 2; ++i) node_->tick(test::utime(n * test::kPeriod + 0.02 * i));
     mapper_bus_->dispatch();
     bus_.dispatch();
+    if (std::exchange(is_new_, false)) catch_up();
   }
   /// How far the newest pose is from where the vehicle is, in the frame of the drive's first map; m.
   [[nodiscard]] double error() const {
@@ -105,7 +138,10 @@ class KilledMapperTest : public ::testing::Test {
   config::MapperConfig config_;
   LocalBus bus_;
   std::unique_ptr<LocalBus> mapper_bus_;
+  LocalBus sensor_bus_;
+  std::unique_ptr<MessageKeeper> driver_, filter_;
   std::unique_ptr<MapperNode> node_;
+  bool is_new_ = false;
   std::vector<map_pose_t> poses_;
   std::vector<map_trajectory_t> pages_;
   Pose T_odom_start_ = Pose::Identity();

@@ -1,0 +1,122 @@
+#include "services/mapper/scan/packet_intake.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace curbstone::mapper::scan {
+namespace {
+
+constexpr std::int64_t kMostPackets = 100'000;  // a larger step of the numbers is no loss
+
+bool is_next(std::int32_t number, std::int32_t before) {
+  return std::int64_t{number} == std::int64_t{before} + 1;
+}
+
+}  // namespace
+
+/// Whether it is a later packet of the same driver, of which some before may be had.
+bool PacketIntake::is_gap_before(const lidar_points_t& packet) const {
+  if (!last_)
+    return begin_after_ && packet.utime > *begin_after_ + 1 &&
+           packet.utime - *begin_after_ <= ResendClient::kMostMissing;
+  const std::int64_t step = std::int64_t{packet.packet} - last_->number;
+  const std::int64_t ahead = packet.utime - last_->utime;
+  return step > 1 && step <= kMostPackets && ahead > 0 && ahead <= ResendClient::kMostMissing;
+}
+
+void PacketIntake::hear(const lidar_points_t& packet, const Handler& hand_on) {
+  if (packet.utime <= 0) return hand_on(packet);  // to be refused
+  newest_ = packet.utime;
+  if (is_gap_before(packet) && !client_.is_deaf(packet.utime)) {
+    if (held_.empty()) waited_ = 0;
+    return hold(packet);
+  }
+  const bool is_late = last_ && packet.packet <= last_->number && packet.utime <= last_->utime;
+  if (is_late) return hand_on(packet);  // a duplicate, or overtaken on its way
+  if (!last_ || !is_next(packet.packet, last_->number)) release(hand_on);
+  pass(packet, hand_on);
+  pass_held(hand_on);
+}
+
+void PacketIntake::hear_again(const lidar_points_t& packet, const Handler& hand_on) {
+  if (held_.empty() || packet.utime <= 0) return;
+  const lidar_points_t& newest = held_.back();
+  const bool is_missing =
+      packet.packet < newest.packet && packet.utime < newest.utime &&
+      (last_ ? packet.packet > last_->number && packet.utime > last_->utime : packet.utime > begin_after_.value_or(0));
+  if (!is_missing || holds(packet.packet)) return;
+  client_.answered();
+  counters_.add("lidar.resent");
+  waited_ = 0;
+  if (last_ && !is_next(packet.packet, last_->number)) {
+    hold(packet);
+  } else {
+    pass(packet, hand_on);
+    pass_held(hand_on);
+  }
+  client_.ask(ticked_, missing());  // of the next gap
+}
+
+/// The first held packet with this number or a later one.
+std::deque<lidar_points_t>::iterator PacketIntake::place_of(std::int32_t number) {
+  const auto by_number = [](const lidar_points_t& held, std::int32_t n) { return held.packet < n; };
+  return std::lower_bound(held_.begin(), held_.end(), number, by_number);
+}
+
+bool PacketIntake::holds(std::int32_t number) {
+  const auto place = place_of(number);
+  return place != held_.end() && place->packet == number;
+}
+
+void PacketIntake::hold(const lidar_points_t& packet) {
+  if (holds(packet.packet)) return;
+  if (held_.size() >= kMostHeld) {
+    if (packet.packet > held_.back().packet) return;
+    held_.pop_back();
+  }
+  held_.insert(place_of(packet.packet), packet);
+}
+
+void PacketIntake::pass(const lidar_points_t& packet, const Handler& hand_on) {
+  last_ = Last{packet.packet, packet.utime};
+  hand_on(packet);
+}
+
+void PacketIntake::pass_held(const Handler& hand_on) {
+  while (!held_.empty() && last_ && held_.front().packet <= last_->number + std::int64_t{1}) {
+    const lidar_points_t packet = std::move(held_.front());
+    held_.pop_front();
+    if (packet.packet > last_->number) pass(packet, hand_on);
+  }
+}
+
+void PacketIntake::tick(std::int64_t now, const Handler& hand_on) {
+  if (!held_.empty() && waited_++ >= kPatience) give_up(hand_on);
+  client_.ask(ticked_ = now, missing());
+}
+
+/// One gap at a time: what lies behind it may still have others.
+void PacketIntake::give_up(const Handler& hand_on) {
+  client_.gave_up(newest_);
+  counters_.add("lidar.not_resent");
+  waited_ = 0;
+  const lidar_points_t packet = std::move(held_.front());
+  held_.pop_front();
+  pass(packet, hand_on);
+  pass_held(hand_on);
+}
+
+void PacketIntake::release(const Handler& hand_on) {
+  while (!held_.empty()) {
+    const lidar_points_t packet = std::move(held_.front());
+    held_.pop_front();
+    pass(packet, hand_on);
+  }
+}
+
+std::optional<MissingMessages> PacketIntake::missing() const {
+  if (held_.empty()) return std::nullopt;
+  return MissingMessages{last_ ? last_->utime : begin_after_.value_or(0), held_.front().utime};
+}
+
+}  // namespace curbstone::mapper::scan

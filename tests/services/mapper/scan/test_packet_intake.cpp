@@ -1,0 +1,229 @@
+#include "services/mapper/scan/packet_intake.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <vector>
+
+#include "common/bus/local_bus.hpp"
+#include "common/resend/message_keeper.hpp"
+
+namespace curbstone::mapper::scan {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr std::int64_t kStart = 1'700'000'000'000'000;
+constexpr std::int64_t kStep = 1333;  // us
+
+lidar_points_t packet(std::int32_t number) {
+  lidar_points_t m;
+  m.utime = kStart + kStep * number;
+  m.packet = number;
+  m.num_points = 0;
+  return m;
+}
+
+class PacketIntakeTest : public ::testing::Test {
+ protected:
+  PacketIntakeTest() {
+    bus_.subscribe<resend_request_t>(kResendRequests, [this](const resend_request_t& m) {
+      requests_.push_back(m);
+      if (driver_answers_) keeper_.request(m);
+    });
+    bus_.subscribe<lidar_points_t>(again("LIDAR_POINTS"), [this](const lidar_points_t& m) {
+      if (again_is_lost_-- > 0) return;
+      intake_.hear_again(m, hand_on_);
+    });
+  }
+  /// The driver sends the packet; the listener hears it or not.
+  void send(std::int32_t number, bool is_heard = true) {
+    keeper_.keep(packet(number));
+    if (is_heard) intake_.hear(packet(number), hand_on_);
+    if (number % 15 == 14) tick();
+  }
+  void send_all(std::int32_t from, std::int32_t to, bool are_heard = true) {
+    for (std::int32_t i = from; i < to; ++i) send(i, are_heard);
+  }
+  void tick() {
+    now_ += 20'000;
+    keeper_.tick();
+    intake_.tick(now_, hand_on_);
+    bus_.dispatch();
+  }
+  void expect_all(std::int32_t from, std::int32_t to) const {
+    std::vector<std::int32_t> all(static_cast<std::size_t>(to - from));
+    std::iota(all.begin(), all.end(), from);
+    EXPECT_EQ(handed_on_, all);
+  }
+
+  LocalBus bus_;
+  MessageKeeper keeper_{bus_, "LIDAR_POINTS"};
+  PacketIntake intake_{bus_, "mapper", "LIDAR_POINTS"};
+  bool driver_answers_ = true;
+  int again_is_lost_ = 0;
+  std::int64_t now_ = kStart;
+  std::vector<resend_request_t> requests_;
+  std::vector<std::int32_t> handed_on_;
+  PacketIntake::Handler hand_on_ = [this](const lidar_points_t& m) { handed_on_.push_back(m.packet); };
+};
+
+TEST_F(PacketIntakeTest, HandsOnAtOnceWhatIsInOrder) {
+  for (int i = 0; i < 100; ++i) {
+    send(i);
+    EXPECT_THAT(handed_on_, SizeIs(static_cast<std::size_t>(i) + 1));
+  }
+  EXPECT_THAT(requests_, IsEmpty());
+}
+
+TEST_F(PacketIntakeTest, HandsOnInOrderWhatWasLostForSeconds) {
+  send_all(0, 750);
+  send_all(750, 3600, false);  // 3.8 s: the process was stopped
+  send_all(3600, 9000);
+  expect_all(0, 9000);
+  EXPECT_EQ(intake_.counters()["lidar.resent"], 2850);
+  EXPECT_LT(requests_.size(), 3U);
+}
+
+TEST_F(PacketIntakeTest, IsUpToDateAgainWithinTheTimeThatWasLost) {
+  send_all(0, 750);
+  send_all(750, 3600, false);
+  send_all(3600, 6450);
+  EXPECT_EQ(handed_on_.back(), 6449);
+}
+
+TEST_F(PacketIntakeTest, HandsOnInOrderWhenWhatIsSentAgainIsLostToo) {
+  send_all(0, 100);
+  send_all(100, 400, false);
+  again_is_lost_ = 37;
+  send_all(400, 3000);
+  expect_all(0, 3000);
+}
+
+TEST_F(PacketIntakeTest, HandsOnInOrderOnABusThatLosesEachTenth) {
+  for (int i = 0; i < 5000; ++i) {
+    if (i % 397 == 0) again_is_lost_ = 1;
+    send(i, i % 10 != 3 || i > 4000);
+  }
+  expect_all(0, 5000);
+}
+
+TEST_F(PacketIntakeTest, GoesOnAfterASecondWithoutWhatCannotBeHad) {
+  driver_answers_ = false;
+  send_all(0, 100);
+  send_all(100, 110, false);
+  send_all(110, 110 + 740);
+  EXPECT_EQ(handed_on_.back(), 99) << "not a second yet";
+  send_all(850, 900);
+  EXPECT_EQ(handed_on_.back(), 899);
+  EXPECT_THAT(handed_on_, SizeIs(890));
+  EXPECT_EQ(intake_.counters()["lidar.not_resent"], 1);
+}
+
+TEST_F(PacketIntakeTest, IsPatientWhenSecondsLieInItsQueue) {
+  send_all(0, 750);
+  send_all(750, 3600, false);
+  for (std::int32_t i = 3600; i < 5000; ++i) {  // without a tick
+    keeper_.keep(packet(i));
+    intake_.hear(packet(i), hand_on_);
+  }
+  send_all(5000, 9000);
+  expect_all(0, 9000);
+}
+
+TEST_F(PacketIntakeTest, NoLongerWaitsForADriverThatNeverAnswers) {
+  driver_answers_ = false;
+  std::int32_t i = 0;
+  for (; i < 4000; ++i) send(i, i % 900 != 5);
+  EXPECT_EQ(intake_.counters()["lidar.not_resent"], 3);
+  for (; i < 8000; ++i) {
+    send(i, i % 100 != 5);
+    if (i % 100 == 6) {
+      EXPECT_EQ(handed_on_.back(), i);
+    }
+  }
+}
+
+TEST_F(PacketIntakeTest, AStopLongerThanTheDriverKeepsIsHealedAsFarAsItCanBe) {
+  MessageKeeper short_memory(bus_, "LIDAR_POINTS", {2'000'000, 1U << 20});
+  driver_answers_ = false;
+  bus_.subscribe<resend_request_t>(kResendRequests, [&](const resend_request_t& m) { short_memory.request(m); });
+  for (int i = 0; i < 12'000; ++i) {
+    short_memory.keep(packet(i));
+    if (i < 100 || i >= 4000) intake_.hear(packet(i), hand_on_);
+    if (i % 15 != 14) continue;
+    short_memory.tick();
+    tick();
+  }
+  EXPECT_EQ(handed_on_.back(), 11'999);
+  EXPECT_TRUE(std::is_sorted(handed_on_.begin(), handed_on_.end()));
+  EXPECT_GT(handed_on_.size(), 100U + 8000 + 600) << "of 2 s, while the held live ones fill the bound";
+}
+
+TEST_F(PacketIntakeTest, HandsOnWhatItHoldsWhenTheDriverBeginsAnew) {
+  driver_answers_ = false;
+  send_all(0, 100);
+  send_all(100, 110, false);
+  send_all(110, 120);
+  lidar_points_t first = packet(120);
+  first.packet = 0;
+  intake_.hear(first, hand_on_);
+  EXPECT_THAT(handed_on_, SizeIs(111));
+  EXPECT_EQ(handed_on_.back(), 0);
+}
+
+TEST_F(PacketIntakeTest, HandsOnDuplicatesForTheCounters) {
+  send_all(0, 3);
+  intake_.hear(packet(1), hand_on_);
+  EXPECT_THAT(handed_on_, ElementsAre(0, 1, 2, 1));
+  intake_.hear_again(packet(1), hand_on_);
+  EXPECT_THAT(handed_on_, SizeIs(4)) << "what was sent again for another";
+}
+
+TEST_F(PacketIntakeTest, ASuccessorBeginsWhereItsPredecessorEnded) {
+  send_all(0, 1500, false);
+  intake_.begin_at(packet(700).utime);
+  send_all(1500, 4000);
+  expect_all(700, 4000);
+}
+
+TEST_F(PacketIntakeTest, HoldsNoMoreThanItsBoundAndLosesNothing) {
+  send_all(0, 100);
+  send_all(100, 200, false);
+  driver_answers_ = false;
+  for (std::int32_t i = 200; i < 800; ++i) send(i);
+  driver_answers_ = true;
+  send_all(800, 5000);
+  expect_all(0, 5000);
+}
+
+TEST_F(PacketIntakeTest, ReleasesWhatItHoldsAtTheEnd) {
+  driver_answers_ = false;
+  send_all(0, 100);
+  send_all(105, 110);
+  intake_.release(hand_on_);
+  EXPECT_THAT(handed_on_, SizeIs(105));
+}
+
+TEST_F(PacketIntakeTest, AnyNumbersAndStampsAreSurvived) {
+  unsigned state = 1;
+  const auto next = [&] { return state = state * 1664525U + 1013904223U; };
+  for (int i = 0; i < 20'000; ++i) {
+    lidar_points_t m = packet(static_cast<std::int32_t>(next() % 64));
+    if (next() % 8 == 0) m.packet = static_cast<std::int32_t>(next());
+    if (next() % 8 == 0) m.utime = static_cast<std::int64_t>(std::uint64_t{next()} << 32 | next());
+    if (next() % 2 == 0)
+      intake_.hear(m, hand_on_);
+    else
+      intake_.hear_again(m, hand_on_);
+    if (i % 15 == 0) intake_.tick(static_cast<std::int64_t>(next()), hand_on_);
+  }
+  intake_.release(hand_on_);
+  EXPECT_GT(handed_on_.size(), 5000U);
+}
+
+}  // namespace
+}  // namespace curbstone::mapper::scan
