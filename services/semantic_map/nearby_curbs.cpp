@@ -4,7 +4,7 @@
 #include <limits>
 #include <optional>
 
-#include "services/semantic_map/curb_lines/inferred_curbs.hpp"
+#include "services/semantic_map/curb_lines/curb_bridges.hpp"
 #include "services/semantic_map/semantic_messages.hpp"
 
 namespace curbstone::semantic_map {
@@ -54,7 +54,7 @@ std::optional<double> ground_at(const TilePipeline& pipeline, const Eigen::Vecto
 
 std::vector<tile::CurbLine> lines_in(const Box& box, const TilePipeline& pipeline) {
   std::vector<tile::CurbLine> lines = curb_lines::link_curbs(points_in(box, pipeline));
-  curb_lines::add_inferred([&](const Eigen::Vector2d& at) { return ground_at(pipeline, at); }, lines);
+  curb_lines::add_bridges([&](const Eigen::Vector2d& at) { return ground_at(pipeline, at); }, lines);
   return lines;
 }
 

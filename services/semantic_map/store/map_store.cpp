@@ -35,7 +35,8 @@ constexpr const char* kSchema = R"(
 CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID;
 CREATE TABLE tiles(x INTEGER, y INTEGER, utime INTEGER NOT NULL, z_origin REAL NOT NULL, cells BLOB NOT NULL,
                    PRIMARY KEY(x, y)) WITHOUT ROWID;
-CREATE TABLE curbs(id INTEGER PRIMARY KEY, dropped INTEGER NOT NULL, confidence REAL NOT NULL, points BLOB NOT NULL);
+CREATE TABLE curbs(id INTEGER PRIMARY KEY, dropped INTEGER NOT NULL, confidence REAL NOT NULL, points BLOB NOT NULL,
+                   inferred INTEGER NOT NULL DEFAULT 0);
 CREATE TABLE trajectory(utime INTEGER PRIMARY KEY, revolution INTEGER NOT NULL, x REAL NOT NULL, y REAL NOT NULL,
                         z REAL NOT NULL, qw REAL NOT NULL, qx REAL NOT NULL, qy REAL NOT NULL, qz REAL NOT NULL);
 INSERT INTO meta VALUES('tile_size', 3.0), ('cell_size', 0.12), ('epoch', 0);
@@ -77,6 +78,11 @@ void bind(SQLite::Statement& statement, int index, const std::vector<std::uint8_
 void run(SQLite::Statement& statement) {
   statement.exec();
   statement.reset();
+}
+
+/// Maps of schema 2 and before have no such curbs.
+bool has_inferred(SQLite::Database& db) {
+  return integer(db, "SELECT count(*) FROM pragma_table_info('curbs') WHERE name = 'inferred'") > 0;
 }
 
 std::int32_t stored_epoch(SQLite::Database& db) {
@@ -154,13 +160,14 @@ std::vector<tile::MapTile> MapReader::tiles() const {
 std::vector<tile::CurbLine> MapReader::curbs() const {
   return for_file(path_, [&] {
     std::vector<tile::CurbLine> lines;
-    SQLite::Statement rows(*db_, "SELECT id, dropped, confidence, points FROM curbs ORDER BY id");
+    SQLite::Statement rows(*db_, fmt::format("SELECT id, dropped, confidence, points, {} FROM curbs ORDER BY id",
+                                             has_inferred(*db_) ? "inferred" : "0"));
     while (rows.executeStep()) {
       const auto id = static_cast<std::int32_t>(rows.getColumn(0).getInt64());
       auto points = unpack_vertices(blob(rows.getColumn(3)));
       if (!points) throw MapStoreError(fmt::format("{}: curb {} is damaged", path_, id));
       lines.push_back({id, static_cast<float>(rows.getColumn(2).getDouble()), rows.getColumn(1).getInt64() != 0,
-                       std::move(*points)});
+                       std::move(*points), rows.getColumn(4).getInt64() != 0});
     }
     return lines;
   });
@@ -217,7 +224,8 @@ MapStore::MapStore(std::string path) : path_(std::move(path)), lock_(std::make_u
     db_->exec("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; PRAGMA foreign_keys = ON");
     // Another server may have died between creating the file and the schema: then it is still empty.
     if (fresh) create_schema(*db_);
-    // Rows of schema 1 are known by their size and may stay.
+    // Tiles of schema 1 are known by their size and may stay.
+    if (!has_inferred(*db_)) db_->exec("ALTER TABLE curbs ADD COLUMN inferred INTEGER NOT NULL DEFAULT 0");
     if (integer(*db_, "PRAGMA user_version") < kMapSchemaVersion)
       db_->exec(fmt::format("PRAGMA user_version = {}", kMapSchemaVersion));
     epoch_ = stored_epoch(*db_);
@@ -255,11 +263,12 @@ void MapStore::write(const Batch& batch) {
     }
     if (batch.curbs != nullptr) {
       db_->exec("DELETE FROM curbs");
-      SQLite::Statement put_curb(*db_, "INSERT INTO curbs VALUES(?, ?, ?, ?)");
+      SQLite::Statement put_curb(*db_, "INSERT INTO curbs VALUES(?, ?, ?, ?, ?)");
       for (const tile::CurbLine& line : *batch.curbs) {
         const std::vector<std::uint8_t> points = pack_vertices(line.points);
         SQLite::bind(put_curb, line.id, std::int64_t{line.dropped}, double{line.confidence});
         bind(put_curb, 4, points);
+        put_curb.bind(5, std::int64_t{line.inferred});
         run(put_curb);
       }
     }

@@ -18,8 +18,9 @@ bool is_sound(const curb_line_t& line) {
 }
 
 bool is_same(const curb_line_t& a, const curb_line_t& b) {
-  return a.confidence == b.confidence && a.dropped == b.dropped && a.rise == b.rise && a.x == b.x && a.y == b.y &&
-         a.z == b.z && a.height == b.height && a.high_side_x == b.high_side_x && a.high_side_y == b.high_side_y;
+  return a.confidence == b.confidence && a.dropped == b.dropped && a.inferred == b.inferred && a.rise == b.rise &&
+         a.x == b.x && a.y == b.y && a.z == b.z && a.height == b.height && a.high_side_x == b.high_side_x &&
+         a.high_side_y == b.high_side_y;
 }
 
 bool is_inside(const curb_lines_t& box, float x, float y) {
@@ -36,6 +37,7 @@ curb_line_t piece_of(const curb_line_t& line, std::size_t first, std::size_t las
   piece.id = line.id;
   piece.confidence = line.confidence;
   piece.dropped = line.dropped;
+  piece.inferred = line.inferred;
   piece.rise = line.rise;
   piece.num_points = static_cast<std::int32_t>(last - first);
   piece.x = cut(line.x);

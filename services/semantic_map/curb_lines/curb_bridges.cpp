@@ -1,4 +1,4 @@
-#include "services/semantic_map/curb_lines/inferred_curbs.hpp"
+#include "services/semantic_map/curb_lines/curb_bridges.hpp"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@ constexpr double kLongest = 8.0;       // m: a van, or a car with the room befor
 constexpr double kSight = 2.0;         // m of a line that say where it goes on, and how high it is
 constexpr double kMinSure = 1.5;       // m that a line must be long
 constexpr double kMostTurn = 0.25;     // rad between a line's end and the chord
-constexpr double kUneven = 0.06;       // rad that the two turns may differ: of an arc they are equal
+constexpr double kUneven = 0.08;       // rad that the two turns may differ: of an arc they are equal
 constexpr double kSideways = 0.10;     // m, and as much off that
 constexpr double kAlikeHeight = 0.03;  // m, or a third
 constexpr double kTip = 0.7;           // of a line's height that its end must still have: else it is lowered there
@@ -26,6 +26,10 @@ constexpr double kClimb = 0.12;        // of the street
 constexpr double kVertices = 0.20;     // m
 constexpr double kSeenStep = 0.4;      // of the expected step: what is seen to be less is no curb
 constexpr double kMostFlat = 0.45;     // m of the bridge that may be seen without a step: what a line ends with
+constexpr double kMinLowered = 1.0;    // m
+constexpr double kLowStep = 0.010;     // m
+constexpr double kLowSigmas = 3.0;     // of the step along it: its line is known, only its height is not
+constexpr double kHighest = 0.06;      // m: what is higher is found without a bridge
 constexpr double kBeside = 0.5;        // m: another line this close says more
 
 using Cell = std::pair<std::int64_t, std::int64_t>;
@@ -46,6 +50,7 @@ struct LineEnd {
   Eigen::Vector2d at = Eigen::Vector2d::Zero();
   Eigen::Vector2d along = Eigen::Vector2d::UnitX();  ///< unit, in the line's own direction
   double height = 0;
+  bool is_high = false;  ///< not a lowered kerb, nor being lowered where it ends
 };
 
 /// From the tip inwards; nothing of a line that is too short to say.
@@ -67,7 +72,8 @@ std::optional<LineEnd> end_of(Iterator tip, Iterator inmost) {
     n += 1;
   }
   end.height /= n;
-  if (longest < kMinSure || double{tip->height} < std::max(kMinTip, kTip * end.height)) return std::nullopt;
+  if (longest < kMinSure) return std::nullopt;
+  end.is_high = double{tip->height} >= std::max(kMinTip, kTip * end.height);
   mean /= n;
   scatter = scatter / n - mean * mean.transpose();
   const double angle = 0.5 * std::atan2(2 * scatter(0, 1), scatter(0, 0) - scatter(1, 1));
@@ -89,8 +95,12 @@ bool goes_on(const LineEnd& from, const LineEnd& to) {
   const double behind = turn_between(chord, to.along);
   if (std::max(std::abs(before), std::abs(behind)) > kMostTurn) return false;
   if (std::abs(before - behind) > kUneven + kSideways / gap) return false;
-  if (std::abs(from.height - to.height) > std::max(kAlikeHeight, std::max(from.height, to.height) / 3)) return false;
   return std::abs(double{from.tip.z} - double{to.tip.z}) < kClimb * gap + kAlikeHeight;
+}
+
+bool is_alike(const LineEnd& from, const LineEnd& to) {
+  return from.is_high && to.is_high &&
+         std::abs(from.height - to.height) <= std::max(kAlikeHeight, std::max(from.height, to.height) / 3);
 }
 
 /// Vertices from tip to tip, by a cubic Hermite curve.
@@ -150,6 +160,24 @@ bool meets_others(const std::set<Cell>& measured, const std::vector<tile::CurbVe
   });
 }
 
+std::optional<tile::CurbLine> line_between(const SeenGround& ground, const std::set<Cell>& measured,
+                                           const LineEnd& from, const LineEnd& to) {
+  tile::CurbLine line;
+  line.points = bridge_between(from, to);
+  if (meets_others(measured, line.points)) return std::nullopt;
+  if (is_alike(from, to) && !is_contradicted(ground, line.points)) {
+    line.inferred = true;
+    return line;
+  }
+  if ((to.at - from.at).norm() < kMinLowered) return std::nullopt;
+  const auto step = find_lowered_step(ground, line.points);
+  if (!step || step->height < std::max(kLowStep, kLowSigmas * step->sigma) || step->height > kHighest)
+    return std::nullopt;
+  line.dropped = true;
+  for (std::size_t k = 1; k + 1 < line.points.size(); ++k) line.points[k].height = static_cast<float>(step->height);
+  return line;
+}
+
 struct Bridge {
   double gap = 0;
   std::size_t from = 0, to = 0;  ///< ends
@@ -180,7 +208,7 @@ std::vector<Bridge> find_bridges(const std::vector<LineEnd>& ends, const std::ve
 
 }  // namespace
 
-void add_inferred(const SeenGround& ground, std::vector<tile::CurbLine>& lines) {
+void add_bridges(const SeenGround& ground, std::vector<tile::CurbLine>& lines) {
   std::vector<LineEnd> ends;
   std::vector<LineEnd> begins;
   std::set<Cell> measured;
@@ -198,29 +226,27 @@ void add_inferred(const SeenGround& ground, std::vector<tile::CurbLine>& lines) 
   };
   for (std::size_t k = 0; k < lines.size(); ++k) {
     const tile::CurbLine& line = lines[k];
-    if (line.dropped || line.points.empty()) continue;
-    if (is_free(first_places, line.points.back())) {
-      if (auto end = end_of(line.points.rbegin(), line.points.rend())) ends.push_back(*end), ends.back().line = k;
-    }
-    if (is_free(last_places, line.points.front())) {
-      if (auto end = end_of(line.points.begin(), line.points.end())) begins.push_back(*end), begins.back().line = k;
-    }
+    if (line.points.empty()) continue;
+    const auto take = [&](std::optional<LineEnd> end, std::vector<LineEnd>& all) {
+      if (!end) return;
+      end->line = k;
+      end->is_high = end->is_high && !line.dropped;
+      all.push_back(*end);
+    };
+    if (is_free(first_places, line.points.back())) take(end_of(line.points.rbegin(), line.points.rend()), ends);
+    if (is_free(last_places, line.points.front())) take(end_of(line.points.begin(), line.points.end()), begins);
   }
   std::vector<bool> end_taken(ends.size());
   std::vector<bool> begin_taken(begins.size());
-  const std::vector<Bridge> bridges = find_bridges(ends, begins);
-  for (const Bridge& bridge : bridges) {
+  for (const Bridge& bridge : find_bridges(ends, begins)) {
     if (end_taken[bridge.from] || begin_taken[bridge.to]) continue;
-    std::vector<tile::CurbVertex> points = bridge_between(ends[bridge.from], begins[bridge.to]);
-    if (meets_others(measured, points) || is_contradicted(ground, points)) continue;
+    auto line = line_between(ground, measured, ends[bridge.from], begins[bridge.to]);
+    if (!line) continue;
     end_taken[bridge.from] = begin_taken[bridge.to] = true;
-    tile::CurbLine line;
-    line.id = static_cast<std::int32_t>(lines.size());
-    line.confidence =
+    line->id = static_cast<std::int32_t>(lines.size());
+    line->confidence =
         0.5F * std::min(lines[ends[bridge.from].line].confidence, lines[begins[bridge.to].line].confidence);
-    line.points = std::move(points);
-    line.inferred = true;
-    lines.push_back(std::move(line));
+    lines.push_back(std::move(*line));
   }
 }
 
