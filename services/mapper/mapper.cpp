@@ -39,6 +39,7 @@ void Mapper::load(const storage::SavedMap& map) {
   for (const storage::SavedTile& tile : map.tiles) dense_.load(tile.key, tile.z_origin, tile.utime, tile.points);
   for (const scan::Keyframe& node : map.nodes) atlas_.add_known(node);
   for (const pose_graph::PoseEdge& edge : map.edges) atlas_.add_known(edge);
+  scale_.restore(map.rings);
   Pose T_map_start = upright(config_.start_x, config_.start_y, config_.start_yaw);
   const int nearest = atlas_.nearest(T_map_start.translation());
   if (nearest != pose_graph::Atlas::kNone) {
@@ -49,6 +50,7 @@ void Mapper::load(const storage::SavedMap& map) {
 
 void Mapper::resume(journal::RecordedDrive drive) {
   left_off_ = drive.poses.back();
+  scale_.restore(std::move(drive.rings));
   const auto num_known = static_cast<std::size_t>(drive.num_known);
   for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
     journal::RecordedNode& node = drive.nodes[i];
@@ -91,7 +93,10 @@ void Mapper::take_up(const journal::RecordedPose& last, const scan::Scan& scan, 
 }
 
 storage::MapSnapshot Mapper::snapshot(std::int32_t epoch, const storage::MapVersions& on_disk) const {
-  return storage::take_snapshot(dense_.map(), atlas_, config_.dense.voxel, epoch, on_disk);
+  storage::MapSnapshot snapshot = storage::take_snapshot(dense_.map(), atlas_, config_.dense.voxel, epoch, on_disk);
+  snapshot.map.rings = scale_.basis();
+  snapshot.versions.rings = scale_.basis().scans;
+  return snapshot;
 }
 
 std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
@@ -224,6 +229,10 @@ void Mapper::grow(const tracking::Tracked& tracked, const Pose& T_map_base, int 
     work.look = look_after(std::exchange(earlier_, Earlier{T_map_base, tracked.utime}), T_map_base, tracked.utime);
     std::move(admitted.begin(), admitted.end(), std::back_inserter(work.insertions));
   }
+  if (config_.dense.ring_scale) {  // what was held has the newest scale, too
+    scale_.learn(*tracked.points, T_map_base);
+    for (Insertion& insertion : work.insertions) insertion.scale = scale_.table();
+  }
   if (!work.insertions.empty()) dense_.begin(std::move(work));
 }
 
@@ -244,6 +253,9 @@ std::optional<dense_map::DenseWork::Look> Mapper::look_after(const std::optional
 
 std::vector<TileKey> Mapper::finish() {
   std::vector<Insertion> held = start_hold_.release();
+  if (config_.dense.ring_scale) {
+    for (Insertion& insertion : held) insertion.scale = scale_.table();
+  }
   if (!held.empty()) dense_.begin({std::move(held), std::nullopt});
   std::vector<TileKey> changed = dense_.finish();
   for (const TileKey& key : dense_.take_changed()) changed.push_back(key);
@@ -252,7 +264,7 @@ std::vector<TileKey> Mapper::finish() {
 
 Counters Mapper::counters() const {
   Counters all = counters_;
-  for (const Counters* part : {&tracker_.counters(), &closer_.counters(), &dense_.counters()}) {
+  for (const Counters* part : {&tracker_.counters(), &closer_.counters(), &scale_.counters(), &dense_.counters()}) {
     for (const auto& [name, value] : part->values()) all.add(name, value);
   }
   return all;

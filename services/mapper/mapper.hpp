@@ -8,6 +8,7 @@
 #include "common/geometry/geometry.hpp"
 #include "services/mapper/config/mapper_config.hpp"
 #include "services/mapper/dense_map/dense_worker.hpp"
+#include "services/mapper/intensity/ring_scale.hpp"
 #include "services/mapper/journal/recorded_drive.hpp"
 #include "services/mapper/local_map.hpp"
 #include "services/mapper/pose_graph/atlas.hpp"
@@ -46,9 +47,9 @@ struct MapperUpdate {
 /// calls. With `threads: 2` the dense map is worked on beside it: see DenseWorker. Whoever asks for that map waits for
 /// it first.
 ///
-/// Counters: those of Tracker, LoopCloser and DenseMap (these when it was last waited for); searches (for where the
-/// vehicle is, while lost), searches.found, rolled_back, resumed (a drive that another began), resumed.lost (the same,
-/// without odometry from its last pose).
+/// Counters: those of Tracker, LoopCloser, RingScale and DenseMap (these when it was last waited for); searches (for
+/// where the vehicle is, while lost), searches.found, rolled_back, resumed (a drive that another began), resumed.lost
+/// (the same, without odometry from its last pose).
 class Mapper {
  public:
   explicit Mapper(const config::MapperConfig& config);
@@ -91,6 +92,8 @@ class Mapper {
   [[nodiscard]] bool started() const { return tracker_.started(); }
   [[nodiscard]] tracking::Fix fix() const { return tracker_.fix(); }
   [[nodiscard]] const pose_graph::Atlas& atlas() const { return atlas_; }
+  /// What the scale of the dense map's intensities was made of.
+  [[nodiscard]] const intensity::RingHistograms& rings() const { return scale_.basis(); }
   /// Voxels of the map that registration keeps; bounded by its window.
   [[nodiscard]] std::size_t registration_size() const { return tracker_.registration_size(); }
   [[nodiscard]] Counters counters() const;
@@ -137,6 +140,7 @@ class Mapper {
   pose_graph::LoopCloser closer_;
   pose_graph::Relocalizer finder_;
   dense_map::DenseWorker dense_;
+  intensity::RingScale scale_;
   StartHold start_hold_;
   Trajectory trajectory_;
   Standstill standstill_;

@@ -208,6 +208,7 @@ void MapperNode::take_changes(std::int64_t now) {
   sender_.forget(evicted);
   if (!journal_) return;
   if (journal_->wants_anew(now)) journal_->start_epoch(epoch_, recorded(mapper_.trajectory()));
+  journal_->set_rings(mapper_.rings());
   journal_->write(mapper_.grown(), mapper_.atlas(), changed, evicted, now);
 }
 

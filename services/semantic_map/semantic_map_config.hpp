@@ -5,6 +5,7 @@
 #include "common/config/config.hpp"
 #include "common/config/vehicle.hpp"
 #include "services/semantic_map/cells/cell_columns.hpp"
+#include "services/semantic_map/markings/marking_parameters.hpp"
 #include "services/semantic_map/tile/curb_parameters.hpp"
 
 namespace curbstone::semantic_map {
@@ -15,10 +16,11 @@ struct SemanticMapConfig {
   bool keep_earlier_drives = true;  ///< in files beside the map
   std::string picture;              ///< PNG of the map, written at the end; empty: none
   int work_per_tick = 8;            ///< tiles whose ground and curbs are looked for each 20 ms
-  double curb_range = 20.0;         ///< m around the vehicle that CURBS speaks of
+  double curb_range = 20.0;         ///< m around the vehicle that CURBS and MARKINGS speak of
   int max_pending_tiles = 20'000;   ///< kept in memory while the disk is full
   tile::CurbParameters curb;
   cells::ClassParameters classes;
+  markings::MarkingParameters markings;
   VehicleConfig vehicle;
 
   void visit(ConfigVisitor& v) {
@@ -27,10 +29,11 @@ struct SemanticMapConfig {
             "a map that must make room for another drive's is kept beside it, as map-<its start>.db");
     v.field("picture", picture, "PNG of the map, written at the end; empty: none");
     v.field("work_per_tick", work_per_tick, {1, 1000}, "tiles whose ground and curbs are looked for each 20 ms");
-    v.field("curb_range", curb_range, {3, 100}, "m around the vehicle that CURBS speaks of");
+    v.field("curb_range", curb_range, {3, 100}, "m around the vehicle that CURBS and MARKINGS speak of");
     v.field("max_pending_tiles", max_pending_tiles, {100, 1e6}, "tiles kept in memory while the disk is full");
     v.section("curb", curb, "how curbs are found");
     v.section("classes", classes, "what blocks and what does not");
+    v.section("markings", markings, "how the paint on the road is found");
     v.section("vehicle", vehicle, "shared: the vehicle");
   }
 };

@@ -14,9 +14,11 @@ namespace {
 
 constexpr std::int64_t kTilePeriod = 100'000;   // us between two messages about a tile that no new points came to
 constexpr std::int64_t kCurbsPeriod = 500'000;  // us
+constexpr std::int64_t kMarkingsPeriod = 1'000'000;
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kWritePeriod = 1'000'000;
-constexpr std::int64_t kStoreCurbsPeriod = 5'000'000;  // all of them each time
+constexpr std::int64_t kStoreCurbsPeriod = 5'000'000;      // all of them each time
+constexpr std::int64_t kStoreMarkingsPeriod = 10'000'000;  // likewise
 constexpr std::int64_t kRequestPeriod = 100'000;
 constexpr int kShownAtOnce = 32;            // tiles, about 10 ms: then the messages that came meanwhile
 constexpr QueueLimit kVotedQueue = {3000};  // two seconds of them, 20 MB: a starved process catches up
@@ -41,10 +43,11 @@ std::int32_t revision_at(std::int64_t now, std::int32_t epoch) {
 SemanticMapNode::SemanticMapNode(const SemanticMapConfig& config, Publisher& bus)
     : config_(config),
       bus_(bus),
-      pipeline_(config.curb, with_vehicle(config.classes, config.vehicle)),
+      pipeline_(config.curb, with_vehicle(config.classes, config.vehicle), config.markings),
       schedule_(config.work_per_tick),
       keeper_(config.map, static_cast<std::size_t>(config.max_pending_tiles), config.keep_earlier_drives),
-      nearby_curbs_(config.curb_range) {}
+      nearby_curbs_(config.curb_range),
+      nearby_markings_(config.curb_range, config.markings) {}
 
 void SemanticMapNode::connect(Subscriber& bus) {
   bus.subscribe<voted_points_t>(
@@ -86,6 +89,7 @@ void SemanticMapNode::enter_epoch(std::int32_t epoch) {
   drive_.start_epoch(epoch);
   catalog_.start_epoch(epoch);
   curbs_changed_ = curbs_unstored_ = true;
+  markings_changed_ = markings_unstored_ = config_.markings.enabled;
   for (const HeldDrive::Message& held : held_.take(epoch))
     std::visit([this](const auto& message) { take(message); }, held);
 }
@@ -146,6 +150,7 @@ void SemanticMapNode::tick(std::int64_t now) {
   answer_requests();
   if (now - last_request_ >= kRequestPeriod) send_requests(now);
   if (curbs_changed_ && now - last_curbs_ >= kCurbsPeriod) publish_curbs(now);
+  if (markings_changed_ && now - last_markings_ >= kMarkingsPeriod) publish_markings(now);
   if (now - last_index_ >= kIndexPeriod) publish_index(now);
   if (now - last_write_ >= kWritePeriod) {
     last_write_ = now;
@@ -180,6 +185,7 @@ std::optional<std::set<TileKey>> SemanticMapNode::work_on_one(std::int64_t now) 
   if (!work) return std::nullopt;
   WorkResult result = pipeline_.run(*work);
   schedule_.spent(result.cost);
+  if (result.markings) markings_changed_ = markings_unstored_ = true;
   return std::move(result.changed);
 }
 
@@ -241,12 +247,25 @@ void SemanticMapNode::publish_index(std::int64_t now) {
 void SemanticMapNode::publish_curbs(std::int64_t now) {
   last_curbs_ = now;
   curbs_changed_ = false;
-  std::vector<Eigen::Vector2d> path;
-  for (const auto& [utime, place] : path_) path.push_back(place);
-  curb_lines_t message = nearby_curbs_.next(pipeline_, vehicle_, path);
+  curb_lines_t message = nearby_curbs_.next(pipeline_, vehicle_, path());
   message.utime = newest_utime_;
   message.epoch = epoch_;
   bus_.publish("CURBS", message);
+}
+
+void SemanticMapNode::publish_markings(std::int64_t now) {
+  last_markings_ = now;
+  markings_changed_ = false;
+  marking_lines_t message = nearby_markings_.next(pipeline_, vehicle_, path());
+  message.utime = newest_utime_;
+  message.epoch = epoch_;
+  bus_.publish("MARKINGS", message);
+}
+
+std::vector<Eigen::Vector2d> SemanticMapNode::path() const {
+  std::vector<Eigen::Vector2d> path;
+  for (const auto& [utime, place] : path_) path.push_back(place);
+  return path;
 }
 
 void SemanticMapNode::store(std::int64_t now) {
@@ -255,28 +274,39 @@ void SemanticMapNode::store(std::int64_t now) {
     curbs_unstored_ = false;
     keeper_.put(all_curbs(pipeline_));
   }
+  if (markings_unstored_ && now - last_markings_stored_ >= kStoreMarkingsPeriod) {
+    last_markings_stored_ = now;
+    markings_unstored_ = false;
+    keeper_.put(all_markings(pipeline_, path(), config_.markings));
+  }
   keeper_.write();
 }
 
 void SemanticMapNode::finish() {
-  unsent_.merge(pipeline_.settle());
+  WorkResult settled = pipeline_.settle();
+  unsent_.merge(settled.changed);
+  if (settled.markings) markings_changed_ = true;
   schedule_.clear();
   for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(*pipeline_.classes(key), newest_utime_);
   if (curbs_changed_) publish_curbs(newest_utime_);
+  if (markings_changed_) publish_markings(newest_utime_);
   publish_index(newest_utime_);
   const std::vector<tile::CurbLine> curbs = all_curbs(pipeline_);
-  if (drive_started_) keeper_.finish(curbs);
-  if (!config_.picture.empty()) draw_picture(curbs);
+  const std::vector<tile::MarkingLine> markings = all_markings(pipeline_, path(), config_.markings);
+  if (drive_started_) keeper_.finish(curbs, markings);
+  if (!config_.picture.empty()) draw_picture(curbs, markings);
 }
 
-void SemanticMapNode::draw_picture(const std::vector<tile::CurbLine>& curbs) {
+void SemanticMapNode::draw_picture(const std::vector<tile::CurbLine>& curbs,
+                                   const std::vector<tile::MarkingLine>& markings) {
   picture::MapPicture picture;
   for (const TileKey& key : pipeline_.keys()) {
     const auto it = published_.find(key);
     if (it != published_.end()) picture.tiles.push_back(it->second.tile);
   }
   picture.curbs = curbs;
-  for (const auto& [utime, position] : path_) picture.path.push_back(position);
+  picture.markings = markings;
+  picture.path = path();
   try {
     picture::write_png(picture::draw_map(picture, {}), config_.picture);
   } catch (const picture::PictureError& error) {

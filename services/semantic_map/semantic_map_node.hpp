@@ -20,6 +20,7 @@
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/semantic_map/held_drive.hpp"
 #include "services/semantic_map/nearby_curbs.hpp"
+#include "services/semantic_map/nearby_markings.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
 #include "services/semantic_map/store/map_keeper.hpp"
 #include "services/semantic_map/tile/voted_tile_assembler.hpp"
@@ -79,8 +80,10 @@ class SemanticMapNode final : public Node {
   void answer_requests();
   void publish_index(std::int64_t now);
   void publish_curbs(std::int64_t now);
+  void publish_markings(std::int64_t now);
+  [[nodiscard]] std::vector<Eigen::Vector2d> path() const;
   void store(std::int64_t now);
-  void draw_picture(const std::vector<tile::CurbLine>& curbs);
+  void draw_picture(const std::vector<tile::CurbLine>& curbs, const std::vector<tile::MarkingLine>& markings);
 
   SemanticMapConfig config_;
   Publisher& bus_;
@@ -89,6 +92,7 @@ class SemanticMapNode final : public Node {
   UpdateSchedule schedule_;
   store::MapKeeper keeper_;
   NearbyCurbs nearby_curbs_;
+  NearbyMarkings nearby_markings_;
   TileFollower voted_{"semantic_map", "VOTED_POINTS"};
   DriveFollower drive_{"semantic_map"};
   TileCatalog catalog_{"semantic_map", "SEMANTIC_TILE"};
@@ -110,8 +114,12 @@ class SemanticMapNode final : public Node {
 
   bool curbs_changed_ = false;
   std::int64_t last_curbs_ = 0;
+  bool markings_changed_ = false;
+  std::int64_t last_markings_ = 0;
   bool curbs_unstored_ = false;
+  bool markings_unstored_ = false;
   std::int64_t last_curbs_stored_ = 0;
+  std::int64_t last_markings_stored_ = 0;
   std::int64_t last_index_ = 0;
   std::int64_t last_write_ = 0;
   std::int64_t last_request_ = 0;

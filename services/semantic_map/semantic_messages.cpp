@@ -21,6 +21,24 @@ curb_line_t to_message(const tile::CurbLine& line, const std::vector<Eigen::Vect
   return m;
 }
 
+marking_line_t to_message(const tile::MarkingLine& line) {
+  marking_line_t m;
+  m.id = line.id;
+  m.type = static_cast<std::int8_t>(line.type);
+  m.confidence = line.confidence;
+  m.width = line.width;
+  m.dash = line.dash;
+  m.gap = line.gap;
+  m.num_points = static_cast<std::int32_t>(line.points.size());
+  for (const tile::MarkingVertex& v : line.points) {
+    m.x.push_back(v.x);
+    m.y.push_back(v.y);
+    m.z.push_back(v.z);
+    m.painted.push_back(v.painted ? 1 : 0);
+  }
+  return m;
+}
+
 semantic_tile_t to_message(const tile::MapTile& tile, std::int32_t epoch, std::int32_t revision) {
   semantic_tile_t m;
   m.utime = tile.utime;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <curbstone/curb_lines_t.hpp>
 #include <curbstone/map_trajectory_t.hpp>
+#include <curbstone/marking_line_t.hpp>
 #include <curbstone/semantic_tile_t.hpp>
 #include <vector>
 
@@ -15,6 +16,7 @@ namespace curbstone::semantic_map {
 
 /// `path`: where the vehicle drove, m in map, by which the rise is told.
 [[nodiscard]] curb_line_t to_message(const tile::CurbLine& line, const std::vector<Eigen::Vector2d>& path);
+[[nodiscard]] marking_line_t to_message(const tile::MarkingLine& line);
 [[nodiscard]] semantic_tile_t to_message(const tile::MapTile& tile, std::int32_t epoch, std::int32_t revision);
 /// One pose of a page of the drive; what is in it may be anything.
 [[nodiscard]] Pose pose_of(const map_trajectory_t& page, std::size_t i);

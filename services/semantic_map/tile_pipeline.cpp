@@ -46,7 +46,7 @@ tile::Around<T> TilePipeline::around(TileKey key, Get get) {
 
 /// What is stale already keeps its turn.
 void TilePipeline::mark(Step step, TileKey key, Tile& tile) {
-  if (tile.stale[step] != kFresh) return;
+  if (tile.stale[step] != kFresh || (step >= kPaint && !markings_.enabled)) return;
   tile.stale[step] = ++turn_;
   stale_[step].emplace(turn_, key);
 }
@@ -81,12 +81,13 @@ void TilePipeline::set_voted(tile::VotedTile voted, bool has_grown) {
 void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_grown) {
   if (!has_grown) meters_.erase(key);
   if (is_new) {
-    for (const Step step : kAllSteps) mark(step, key, tile);
+    for (const Step step : kUrgentSteps) mark(step, key, tile);
   }
   mark(kSamples, key, tile);
   mark_around(kEvidence, key);
   mark(kColumns, key, tile);
   mark(kClasses, key, tile);  // its time is new
+  mark(kPaint, key, tile);
 }
 
 void TilePipeline::clear() {
@@ -96,7 +97,7 @@ void TilePipeline::clear() {
 }
 
 void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
-  constexpr std::array kCost = {0.05, 0.2, 1.0, 0.05, 0.05, 0.05};  // as they were measured
+  constexpr std::array kCost = {0.05, 0.2, 1.0, 0.05, 0.05, 0.05, 0.05, 0.05};  // as they were measured
   if (!unmark(step, tile)) return;
   result_.cost += kCost[step];
   num_evidence_ += step == kEvidence ? 1 : 0;
@@ -111,6 +112,10 @@ void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
       return refresh_columns(key, tile);
     case kCurbs:
       return refresh_curbs(key, tile);
+    case kPaint:
+      return refresh_paint(key, tile);
+    case kMarkings:
+      return refresh_markings(key, tile);
     case kClasses:
     case kNumSteps:
       return refresh_classes(key, tile);
@@ -131,6 +136,7 @@ void TilePipeline::refresh_ground(TileKey key, Tile& tile) {
   tile.ground = ground;
   mark_around(kEvidence, key);
   mark_around(kColumns, key);
+  mark_around(kPaint, key);
   for_around(key, [&](TileKey k, Tile&) {
     if (const auto meter = meters_.find(k); meter != meters_.end()) meter->second.ground_moved = true;
   });
@@ -171,6 +177,7 @@ void TilePipeline::refresh_curbs(TileKey key, Tile& tile) {
   if (curbs == tile.curbs) return;
   tile.curbs = std::move(curbs);
   mark_around(kClasses, key);
+  mark_around(kMarkings, key);
 }
 
 void TilePipeline::refresh_classes(TileKey key, Tile& tile) {
@@ -182,14 +189,34 @@ void TilePipeline::refresh_classes(TileKey key, Tile& tile) {
   cells::classify_cells(around<cells::CellColumns>(key, [](Tile& t) { return &t.columns; }),
                         around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return &t.curbs; }), classes_, result);
   if (tile.classes == result) return;
+  if (!tile.classes || tile.classes->cell_class != result.cell_class) mark(kMarkings, key, tile);
   tile.classes = result;
   result_.changed.insert(key);
+}
+
+void TilePipeline::refresh_paint(TileKey key, Tile& tile) {
+  const ground::GroundSurface ground(around<ground::GroundModel>(key, [](Tile& t) { return &t.ground; }));
+  markings::PaintLayer paint = markings::lay_paint(tile.voted, ground);
+  if (paint == tile.paint) return;
+  tile.paint = std::move(paint);
+  mark_around(kMarkings, key);
+}
+
+void TilePipeline::refresh_markings(TileKey key, Tile& tile) {
+  auto markings =
+      markings::find_marking_cells({around<markings::PaintLayer>(key, [](Tile& t) { return &t.paint; }),
+                                    around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return &t.curbs; }),
+                                    tile.classes ? &*tile.classes : nullptr},
+                                   markings_);
+  if (markings == tile.markings) return;
+  tile.markings = std::move(markings);
+  result_.markings = true;
 }
 
 void TilePipeline::update(TileKey key) {
   Tile* const tile = find(key);
   if (tile == nullptr) return;
-  for (const Step step : kAllSteps) refresh(step, key, *tile);
+  for (const Step step : kUrgentSteps) refresh(step, key, *tile);
 }
 
 void TilePipeline::update_columns(TileKey key) {
@@ -233,15 +260,18 @@ WorkResult TilePipeline::run(const TileWork& work) {
 }
 
 /// Step by step: whatever a step makes stale is of a later one.
-std::set<TileKey> TilePipeline::settle() {
+WorkResult TilePipeline::settle() {
   result_ = {};
-  for (const Step step : kAllSteps) {
-    while (!stale_[step].empty()) {
-      const TileKey key = stale_[step].begin()->second;
-      refresh(step, key, *find(key));
-    }
+  for (const Step step : kUrgentSteps) settle(step);
+  for (const Step step : kPatientSteps) settle(step);
+  return std::exchange(result_, {});
+}
+
+void TilePipeline::settle(Step step) {
+  while (!stale_[step].empty()) {
+    const TileKey key = stale_[step].begin()->second;
+    refresh(step, key, *find(key));
   }
-  return std::exchange(result_, {}).changed;
 }
 
 Backlog TilePipeline::backlog() const {
@@ -258,6 +288,11 @@ const tile::MapTile* TilePipeline::classes(TileKey key) const {
 const std::vector<curbs::CurbPoint>* TilePipeline::curbs(TileKey key) const {
   const auto it = tiles_.find(key);
   return it == tiles_.end() ? nullptr : &it->second.curbs;
+}
+
+const std::vector<markings::MarkingCell>* TilePipeline::markings(TileKey key) const {
+  const auto it = tiles_.find(key);
+  return it == tiles_.end() ? nullptr : &it->second.markings;
 }
 
 std::vector<TileKey> TilePipeline::keys() const {

@@ -13,6 +13,7 @@
 #include "services/semantic_map/curbs/curb_evidence.hpp"
 #include "services/semantic_map/curbs/curb_filter.hpp"
 #include "services/semantic_map/ground/ground_model.hpp"
+#include "services/semantic_map/markings/marking_cells.hpp"
 #include "services/semantic_map/tile/voted_tile_assembler.hpp"
 #include "services/semantic_map/tile_work.hpp"
 
@@ -22,6 +23,7 @@ namespace curbstone::semantic_map {
 ///
 ///   voted points -> ground samples -> [3x3] ground model -> [3x3] curb evidence -> [3x3] curbs ---> [3x3] classes
 ///                                                       \-> columns --------------------------/
+///                                          [3x3] ground -> paint -> [3x3] marking cells <- [3x3] curbs, classes
 ///
 /// Each step of a tile is a pure function of the step before of it and its eight neighbours. A step is stale when one
 /// of those has become another since it was computed; a result that came out equal makes nothing stale. Whoever is in
@@ -29,8 +31,9 @@ namespace curbstone::semantic_map {
 /// the voted points alone: not of the order in which they came, nor of how often somebody looked.
 class TilePipeline {
  public:
-  TilePipeline(const tile::CurbParameters& curb, const cells::ClassParameters& classes)
-      : curb_(curb), classes_(classes) {}
+  TilePipeline(const tile::CurbParameters& curb, const cells::ClassParameters& classes,
+               const markings::MarkingParameters& markings = {})
+      : curb_(curb), classes_(classes), markings_(markings) {}
 
   /// Takes a tile to the step's revision. Nothing if the step does not go on from what the tile is.
   std::optional<VotedChange> apply(const tile::VotedStep& step);
@@ -42,14 +45,16 @@ class TilePipeline {
 
   /// Does one piece of work. Nothing is done on a tile of which no voted points are known.
   WorkResult run(const TileWork& work);
-  /// Computes all that is stale, and tells which tiles' classes became others.
-  std::set<TileKey> settle();
+  /// Computes all that is stale, and tells what became another.
+  WorkResult settle();
   [[nodiscard]] Backlog backlog() const;
 
   /// The tile as it was computed last; nullptr if it never was.
   [[nodiscard]] const tile::MapTile* classes(TileKey key) const;
   /// The curb points of a tile as they were computed last; frame: the tile's corner.
   [[nodiscard]] const std::vector<curbs::CurbPoint>* curbs(TileKey key) const;
+  /// The cells of paint of a tile as they were computed last; frame: the tile's corner.
+  [[nodiscard]] const std::vector<markings::MarkingCell>* markings(TileKey key) const;
   [[nodiscard]] std::vector<TileKey> keys() const;  ///< sorted
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
   /// Steps of tiles that are stale.
@@ -58,8 +63,10 @@ class TilePipeline {
   [[nodiscard]] std::int64_t num_evidence() const { return num_evidence_; }
 
  private:
-  enum Step { kSamples, kGround, kEvidence, kColumns, kCurbs, kClasses, kNumSteps };
-  static constexpr std::array kAllSteps = {kSamples, kGround, kEvidence, kColumns, kCurbs, kClasses};
+  enum Step { kSamples, kGround, kEvidence, kColumns, kCurbs, kClasses, kPaint, kMarkings, kNumSteps };
+  /// What a tile with news is taken through; paint may wait until what is stale is settled.
+  static constexpr std::array kUrgentSteps = {kSamples, kGround, kEvidence, kColumns, kCurbs, kClasses};
+  static constexpr std::array kPatientSteps = {kPaint, kMarkings};
   static constexpr std::int64_t kFresh = 0;
   struct Tile {
     tile::VotedTile voted;
@@ -71,6 +78,8 @@ class TilePipeline {
     std::vector<curbs::CurbPoint> curbs;
     std::int64_t curbs_utime = 0;  ///< us, of the evidence
     std::optional<tile::MapTile> classes;
+    markings::PaintLayer paint;
+    std::vector<markings::MarkingCell> markings;
     std::array<std::int64_t, kNumSteps> stale{};  ///< its turn in stale_, or kFresh
   };
   [[nodiscard]] Tile* find(TileKey key);
@@ -95,9 +104,13 @@ class TilePipeline {
   void measure_columns(TileKey key, Tile& tile);
   void refresh_curbs(TileKey key, Tile& tile);
   void refresh_classes(TileKey key, Tile& tile);
+  void refresh_paint(TileKey key, Tile& tile);
+  void refresh_markings(TileKey key, Tile& tile);
+  void settle(Step step);
 
   tile::CurbParameters curb_;
   cells::ClassParameters classes_;
+  markings::MarkingParameters markings_;
   std::unordered_map<TileKey, Tile, TileKeyHash> tiles_;
   std::array<std::map<std::int64_t, TileKey>, kNumSteps> stale_;  ///< by turn: the oldest first
   std::int64_t turn_ = kFresh;

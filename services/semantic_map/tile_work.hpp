@@ -38,6 +38,7 @@ struct TileWork {
 struct WorkResult {
   double cost = 0;            ///< where the curb evidence of a tile counts 1
   std::set<TileKey> changed;  ///< tiles whose classes became others
+  bool markings = false;      ///< whether the paint of any tile did
 };
 
 /// What is stale. Each step of a tile that becomes stale takes the next turn.

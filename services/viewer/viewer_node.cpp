@@ -54,6 +54,7 @@ void ViewerNode::connect(Subscriber& bus) {
   bus.subscribe<map_pose_t>("LOCALIZED_POSE", [this](const map_pose_t& m) { on_localized(m); });
   bus.subscribe<map_trajectory_t>("MAP_TRAJECTORY", [this](const map_trajectory_t& m) { on(m); });
   bus.subscribe<curb_lines_t>("CURBS", [this](const curb_lines_t& m) { on(m); });
+  bus.subscribe<marking_lines_t>("MARKINGS", [this](const marking_lines_t& m) { on(m); });
   bus.subscribe<service_status_t>("SERVICE_STATUS", [this](const service_status_t& m) { on(m); });
 }
 
@@ -79,6 +80,7 @@ void ViewerNode::forget_map() {
   map_.clear();
   steps_.clear(map_);
   curbs_.clear();
+  markings_.clear();
   path_.clear();
   pose_.reset();
 }
@@ -178,6 +180,18 @@ void ViewerNode::on(const curb_lines_t& message) {
       return counters_.add("refused.curbs");
     case store::CurbLines::Put::kFull:
       return counters_.add("dropped.curbs_full");
+  }
+}
+
+void ViewerNode::on(const marking_lines_t& message) {
+  if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return;
+  switch (markings_.put(message)) {
+    case store::MarkingLines::Put::kTaken:
+      return;
+    case store::MarkingLines::Put::kRefused:
+      return counters_.add("refused.markings");
+    case store::MarkingLines::Put::kFull:
+      return counters_.add("dropped.markings_full");
   }
 }
 
@@ -302,6 +316,7 @@ frames::World ViewerNode::world() const {
           .map = map_,
           .steps = steps_,
           .curbs = curbs_,
+          .markings = markings_,
           .path = path_,
           .scan = scan_.points(),
           .scan_number = scan_.number(),

@@ -4,6 +4,7 @@
 #include <curbstone/lidar_points_t.hpp>
 #include <curbstone/map_pose_t.hpp>
 #include <curbstone/map_trajectory_t.hpp>
+#include <curbstone/marking_lines_t.hpp>
 #include <curbstone/semantic_tile_t.hpp>
 #include <curbstone/service_status_t.hpp>
 #include <curbstone/tile_index_t.hpp>
@@ -67,6 +68,7 @@ class ViewerNode final : public Node {
   void on_localized(const map_pose_t& message);
   void on(const map_trajectory_t& message);
   void on(const curb_lines_t& message);
+  void on(const marking_lines_t& message);
   void on(const service_status_t& message);
   void on(const lidar_points_t& message);
 
@@ -102,6 +104,7 @@ class ViewerNode final : public Node {
   store::LiveMap map_;
   frames::TileSteps steps_;
   store::CurbLines curbs_;
+  store::MarkingLines markings_;
   store::DrivenPath path_;
   store::Services services_;
   Scan scan_;

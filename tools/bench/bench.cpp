@@ -11,6 +11,7 @@
 #include "tools/bench/latency/latency_bench.hpp"
 #include "tools/bench/localisation/localisation_bench.hpp"
 #include "tools/bench/mapping/bench_mapping.hpp"
+#include "tools/bench/markings/bench_markings.hpp"
 #include "tools/bench/viewer/viewer_bench.hpp"
 #include "tools/bench/voting/voting_bench.hpp"
 
@@ -29,6 +30,7 @@ const std::vector<Benchmark> kBenchmarks = {
     {"voting", voting::run_bench_voting, "tensor voting: beside PCL, against this machine's peak, on a growing map"},
     {"mapping", mapping::run_bench_mapping, "odometry and mapping: icp, loam and PCL's methods on the same drives"},
     {"curbs", curbs::run_bench_curbs, "precision, recall and lateral error of the curbs"},
+    {"markings", markings::run_bench_markings, "precision, recall, lateral error and types of the road markings"},
     {"latency", latency::run_bench_latency,
      "from the last packet of a revolution to the changed tiles, stage by stage"},
     {"localisation", localisation::run_bench_localisation, "a vehicle of which nothing is known, found in a saved map"},

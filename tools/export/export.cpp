@@ -15,6 +15,7 @@
 #include "tools/export/geojson_file.hpp"
 #include "tools/export/georeference.hpp"
 #include "tools/export/lanelet2_file.hpp"
+#include "tools/export/marking_export.hpp"
 #include "tools/export/mcap/mcap_file.hpp"
 #include "tools/export/nav2_map.hpp"
 #include "tools/export/raster_file.hpp"
@@ -52,7 +53,7 @@ void add_nav2(const MapGrid& grid, const Nav2Policy& policy, output::OutputFolde
   out.add_bytes("nav2_scale.yaml", nav2_yaml(grid, "nav2_scale.png", "scale"));
 }
 
-void add_rasters(const MapGrid& grid, bool with_hits, const std::optional<TangentPlane>& plane,
+void add_rasters(const MapGrid& grid, bool with_hits, const std::optional<geo::TangentPlane>& plane,
                  output::OutputFolder& out) {
   const Georeference place(grid, plane);
   const auto add_place = [&](const std::string& image, const std::string& world_file) {
@@ -86,8 +87,8 @@ void add_rasters(const MapGrid& grid, bool with_hits, const std::optional<Tangen
   add_float("slope", ground_slope(grid));
 }
 
-void add_curbs(const semantic_map::store::MapReader& map, double high_curb, const std::optional<TangentPlane>& plane,
-               output::OutputFolder& out) {
+void add_curbs(const semantic_map::store::MapReader& map, double high_curb,
+               const std::optional<geo::TangentPlane>& plane, output::OutputFolder& out) {
   std::vector<semantic_map::tile::CurbLine> all = map.curbs();
   const std::size_t count = all.size();
   const std::vector<semantic_map::tile::CurbLine> curbs = usable_curbs(std::move(all));
@@ -102,6 +103,18 @@ void add_curbs(const semantic_map::store::MapReader& map, double high_curb, cons
     out.add_bytes("curbs.geojson", curbs_geojson(curbs, view, *plane));
   } else {
     out.leave_out("curbs.geojson");
+  }
+}
+
+void add_markings(const semantic_map::store::MapReader& map, const std::optional<geo::TangentPlane>& plane,
+                  output::OutputFolder& out) {
+  const std::vector<semantic_map::tile::MarkingLine> lines = usable_markings(map.markings());
+  if (lines.empty()) fmt::print("the map holds no road markings\n");
+  out.add_bytes("markings.osm", markings_osm(lines, plane));
+  if (plane) {
+    out.add_bytes("markings.geojson", markings_geojson(lines, *plane));
+  } else {
+    out.leave_out("markings.geojson");
   }
 }
 
@@ -143,7 +156,7 @@ bool export_log(const ExportArguments& arguments) {
 }
 
 /// Returns whether the log, if there is one, is damaged.
-bool export_map(const ExportArguments& arguments, const std::optional<TangentPlane>& plane) {
+bool export_map(const ExportArguments& arguments, const std::optional<geo::TangentPlane>& plane) {
   const semantic_map::store::MapReader map(arguments.map);
   output::OutputFolder out(arguments.out);
   if (arguments.wants("nav2") || arguments.wants("rasters")) {
@@ -157,6 +170,7 @@ bool export_map(const ExportArguments& arguments, const std::optional<TangentPla
     if (arguments.wants("rasters")) add_rasters(*grid, map.schema() >= 2, plane, out);
   }
   if (arguments.wants("curbs")) add_curbs(map, arguments.high_curb, plane, out);
+  if (arguments.wants("markings")) add_markings(map, plane, out);
   bool is_damaged = !arguments.log.empty() && arguments.wants("cloud") && add_cloud(arguments, map.epoch(), out);
   if (arguments.names("mcap")) is_damaged = add_mcap(arguments, out) || is_damaged;
   if (arguments.log.empty() && arguments.only.empty())
@@ -176,7 +190,7 @@ int run_export(int argc, char** argv) {
   line.option("--out", arguments.out, "Folder for the results").shows_default();
   line.option("--only", arguments.only, "What to write; default: everything but mcap")
       .comma_separated()
-      .one_of({"nav2", "rasters", "curbs", "cloud", "mcap"});
+      .one_of({"nav2", "rasters", "curbs", "markings", "cloud", "mcap"});
   line.option("--config", arguments.config,
               "The vehicle's YAML file: its semantic_map.classes.unknown_is_free decides where --unknown is not given");
   line.choice(
@@ -201,9 +215,9 @@ int run_export(int argc, char** argv) {
   line.flag("--without-raw", arguments.without_raw,
             "mcap: leaves out the log's own messages, which only our tools read");
   if (const auto status = line.read(argc, argv)) return *status;
-  std::optional<TangentPlane> plane;
+  std::optional<geo::TangentPlane> plane;
   if (!arguments.datum.empty()) {
-    const auto datum = parse_datum(arguments.datum);
+    const auto datum = geo::parse_datum(arguments.datum);
     if (!datum) return line.refuse("--datum: " + arguments.datum + " is not LAT,LON[,ALT[,HEADING]] on the Earth");
     plane.emplace(*datum);
   }

@@ -6,11 +6,11 @@ namespace curbstone::map_export {
 
 namespace {
 
-std::string feature(const semantic_map::tile::CurbLine& line, const CurbView& view, const TangentPlane& plane) {
+std::string feature(const semantic_map::tile::CurbLine& line, const CurbView& view, const geo::TangentPlane& plane) {
   const CurbSummary summary = summarise(line, view);
   std::string coordinates;
   for (const semantic_map::tile::CurbVertex& v : line.points) {
-    const GeoPoint p = plane.to_wgs84({double{v.x}, double{v.y}, double{v.z}});
+    const geo::GeoPoint p = plane.to_wgs84({double{v.x}, double{v.y}, double{v.z}});
     if (!coordinates.empty()) coordinates += ",";
     coordinates += fmt::format("[{:.10f},{:.10f},{:.4f}]", p.longitude, p.latitude, p.altitude);
   }
@@ -24,7 +24,7 @@ std::string feature(const semantic_map::tile::CurbLine& line, const CurbView& vi
 }  // namespace
 
 std::string curbs_geojson(const std::vector<semantic_map::tile::CurbLine>& curbs, const CurbView& view,
-                          const TangentPlane& plane) {
+                          const geo::TangentPlane& plane) {
   std::string features;
   for (const semantic_map::tile::CurbLine& line : curbs) {
     if (!features.empty()) features += ",\n";

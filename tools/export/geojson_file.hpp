@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tools/export/curb_export.hpp"
-#include "tools/export/geo_datum.hpp"
+#include "tools/export/geo/geo_datum.hpp"
 
 namespace curbstone::map_export {
 
@@ -12,6 +12,6 @@ namespace curbstone::map_export {
 /// id, subtype, height, high_side, dropped, confidence and rise (up, down or unknown, from the driven path). A map
 /// across the 180th meridian is not cut there.
 [[nodiscard]] std::string curbs_geojson(const std::vector<semantic_map::tile::CurbLine>& curbs, const CurbView& view,
-                                        const TangentPlane& plane);
+                                        const geo::TangentPlane& plane);
 
 }  // namespace curbstone::map_export

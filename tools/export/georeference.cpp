@@ -6,7 +6,7 @@
 
 namespace curbstone::map_export {
 
-Georeference::Georeference(const MapGrid& grid, const std::optional<TangentPlane>& plane)
+Georeference::Georeference(const MapGrid& grid, const std::optional<geo::TangentPlane>& plane)
     : first_(grid.left() + 0.5 * kCellSize, grid.top() - 0.5 * kCellSize),
       column_(kCellSize, 0),
       row_(0, -kCellSize),

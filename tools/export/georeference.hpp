@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "tools/export/geo_datum.hpp"
+#include "tools/export/geo/geo_datum.hpp"
 #include "tools/export/map_grid.hpp"
 
 namespace curbstone::map_export {
@@ -11,7 +11,7 @@ namespace curbstone::map_export {
 /// Where a raster's cells lie: in map or, with a datum, in the datum's tangent plane (m east and north of it).
 class Georeference {
  public:
-  Georeference(const MapGrid& grid, const std::optional<TangentPlane>& plane);
+  Georeference(const MapGrid& grid, const std::optional<geo::TangentPlane>& plane);
 
   /// ESRI world file: six lines, the affine map from (column, row) to the middle of the cell.
   [[nodiscard]] std::string world_file() const;

@@ -4,24 +4,11 @@
 
 #include <iterator>
 
+#include "tools/export/geo/osm_node.hpp"
+
 namespace curbstone::map_export {
 
 namespace {
-
-std::string node(std::size_t id, const semantic_map::tile::CurbVertex& v, const std::optional<TangentPlane>& plane) {
-  double elevation = double{v.z};
-  std::string place;
-  if (plane) {
-    const GeoPoint p = plane->to_wgs84({double{v.x}, double{v.y}, double{v.z}});
-    place = fmt::format(R"( lat="{:.10f}" lon="{:.10f}")", p.latitude, p.longitude);
-    elevation = p.altitude;
-  }
-  return fmt::format(
-      "  <node id=\"{}\" version=\"1\"{}>\n    <tag k=\"local_x\" v=\"{:.4f}\"/>\n    <tag k=\"local_y\" "
-      "v=\"{:.4f}\"/>\n"
-      "    <tag k=\"ele\" v=\"{:.4f}\"/>\n  </node>\n",
-      id, place, double{v.x}, double{v.y}, elevation);
-}
 
 std::string way(std::size_t id, std::size_t first_node, const semantic_map::tile::CurbLine& line,
                 const CurbView& view) {
@@ -45,16 +32,16 @@ std::string way(std::size_t id, std::size_t first_node, const semantic_map::tile
 }  // namespace
 
 std::string lanelet2_osm(const std::vector<semantic_map::tile::CurbLine>& curbs, const CurbView& view,
-                         const std::optional<TangentPlane>& plane) {
+                         const std::optional<geo::TangentPlane>& plane) {
   std::string nodes;
   std::string ways;
   std::size_t id = curbs.size();
   for (std::size_t k = 0; k < curbs.size(); ++k) {
     ways += way(k + 1, id + 1, curbs[k], view);
-    for (const semantic_map::tile::CurbVertex& v : curbs[k].points) nodes += node(++id, v, plane);
+    for (const semantic_map::tile::CurbVertex& v : curbs[k].points)
+      nodes += geo::osm_node(++id, {double{v.x}, double{v.y}, double{v.z}}, plane);
   }
-  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<osm version=\"0.6\" generator=\"curbstone\">\n" + nodes + ways +
-         "</osm>\n";
+  return geo::osm_document(nodes + ways);
 }
 
 }  // namespace curbstone::map_export

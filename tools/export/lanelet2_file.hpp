@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/export/curb_export.hpp"
-#include "tools/export/geo_datum.hpp"
+#include "tools/export/geo/geo_datum.hpp"
 
 namespace curbstone::map_export {
 
@@ -17,6 +17,6 @@ namespace curbstone::map_export {
 /// datum, above the ellipsoid. lat and lon are there with a datum only, to 1e-10 deg; many readers (GDAL's too) keep
 /// 1e-7 deg of them, a centimetre. Ids count from 1, nodes after ways.
 [[nodiscard]] std::string lanelet2_osm(const std::vector<semantic_map::tile::CurbLine>& curbs, const CurbView& view,
-                                       const std::optional<TangentPlane>& plane);
+                                       const std::optional<geo::TangentPlane>& plane);
 
 }  // namespace curbstone::map_export

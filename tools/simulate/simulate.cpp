@@ -102,7 +102,8 @@ class TruthWriter {
   TruthWriter(const Options& options, const rig::SimulateConfig& config, const Source& source)
       : options_(options), source_(source) {
     if (!options.truth.empty() && source.town)
-      classes_ = truth::write_town_truth(options.truth, source.town->town(), config.vehicle.height);
+      classes_ = truth::write_town_truth(options.truth, source.town->town(), source.town->ground().markings(),
+                                         config.vehicle.height);
   }
   void finish(std::int64_t start_utime, double seconds, std::optional<double> latest_packet = {}) const {
     if (options_.truth.empty()) return;
@@ -201,7 +202,7 @@ void add_options(CommandLine& line, Options& options) {
 
 std::uint64_t fingerprint(const Options& options, AnyConfig& config) {
   const std::string all =
-      fmt::format("5 {} {} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(options.lidar), options.town, options.scans,
+      fmt::format("6 {} {} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(options.lidar), options.town, options.scans,
                   options.poses, options.seed, options.seconds, options.loop, options.straight, options.opposite,
                   options.day, options.lane, dump_config("simulate", config));
   std::uint64_t hash = 0;

@@ -32,13 +32,16 @@ TownSetup::TownSetup(const TownTour& tour, std::int64_t start_utime, const rig::
     : config_(config),
       town_(
           {.seed = tour.seed, .loop = tour.loop, .straight = tour.straight, .lane_offset = tour.lane, .day = tour.day}),
+      ground_(town_, config_.paint),
       motion_(tour_motion(town_, tour, config_)),
-      drive_{.motion = motion_,
-             .make_surroundings = [this] { return std::make_unique<TownSurroundings>(town_, config_.lidar); },
-             .config = config_,
-             .rpm = config_.rpm,
-             .seed = tour.day != 0 ? tour.day : tour.seed,
-             .seconds = tour.seconds > 0 ? tour.seconds : motion_.profile().end() + 2.0,
-             .start_utime = start_utime} {}
+      drive_{
+          .motion = motion_,
+          .make_surroundings =
+              [this] { return std::make_unique<TownSurroundings>(town_, config_.lidar, ground_, config_.intensity); },
+          .config = config_,
+          .rpm = config_.rpm,
+          .seed = tour.day != 0 ? tour.day : tour.seed,
+          .seconds = tour.seconds > 0 ? tour.seconds : motion_.profile().end() + 2.0,
+          .start_utime = start_utime} {}
 
 }  // namespace curbstone::simulate

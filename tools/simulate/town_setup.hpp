@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "tools/simulate/motion/town_motion.hpp"
+#include "tools/simulate/paint/painted_ground.hpp"
 #include "tools/simulate/rig/drive.hpp"
 
 namespace curbstone::simulate {
@@ -38,12 +39,14 @@ class TownSetup {
 
   [[nodiscard]] const rig::SimulateConfig& config() const { return config_; }
   [[nodiscard]] const world::Town& town() const { return town_; }
+  [[nodiscard]] const paint::PaintedGround& ground() const { return ground_; }
   [[nodiscard]] const motion::TownMotion& motion() const { return motion_; }
   [[nodiscard]] const rig::Drive& drive() const { return drive_; }
 
  private:
   rig::SimulateConfig config_;
   world::Town town_;
+  paint::PaintedGround ground_;
   motion::TownMotion motion_;
   rig::Drive drive_;
 };

@@ -2,15 +2,21 @@
 
 #include <vector>
 
+#include "tools/simulate/paint/painted_ground.hpp"
+#include "tools/simulate/sensors/intensity_model.hpp"
 #include "tools/simulate/sensors/lidar_noise.hpp"
 #include "tools/simulate/sensors/surroundings.hpp"
 
 namespace curbstone::simulate {
 
-/// Casts the lasers' rays into a town, moving cars included.
+/// Casts the lasers' rays into a town, moving cars included. What is painted on the ground changes the intensity of a
+/// return and nothing else of it.
 class TownSurroundings final : public sensors::Surroundings {
  public:
   TownSurroundings(const world::Town& town, const sensors::LidarNoise& noise) : town_(town), noise_(noise) {}
+  TownSurroundings(const world::Town& town, const sensors::LidarNoise& noise, const paint::PaintedGround& ground,
+                   const sensors::IntensityModel& intensity)
+      : town_(town), noise_(noise), ground_(&ground), intensity_(intensity) {}
 
   void prepare(const sensors::PacketView& view) override {
     town_.place_cars(view.t, moving_);
@@ -20,7 +26,11 @@ class TownSurroundings final : public sensors::Surroundings {
   }
   [[nodiscard]] devices::LidarShot measure(const sensors::Shot& shot) override {
     const world::Ray ray{shot.origin_world.cast<float>(), shot.direction_world.cast<float>()};
-    return noise_.report(town_.scene->cast(ray, kReach, moving_, shot.noise), shot.noise);
+    const world::Hit hit = town_.scene->cast(ray, kReach, moving_, shot.noise);
+    devices::LidarShot report = noise_.report(hit, shot.noise);
+    if (ground_ != nullptr && report.range_m > 0)
+      report.intensity = intensity_.report(hit, ground_->reflectivity(ray, hit), shot.laser, shot.noise);
+    return report;
   }
 
  private:
@@ -28,6 +38,8 @@ class TownSurroundings final : public sensors::Surroundings {
   static constexpr float kMargin = 10.0F;  // m: a car's size, and what the vehicle drives within a packet
   const world::Town& town_;
   sensors::LidarNoise noise_;
+  const paint::PaintedGround* ground_ = nullptr;
+  sensors::IntensityModel intensity_;
   std::vector<world::Shape> moving_;
 };
 

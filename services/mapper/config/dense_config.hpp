@@ -17,6 +17,7 @@ struct DenseConfig {
   double start_hold_s = 30.0;
   double standing_s = 1.5;
   double free_range = 12.0;
+  bool ring_scale = true;
   int max_points = 30'000'000;
 
   void visit(ConfigVisitor& v) {
@@ -32,6 +33,7 @@ struct DenseConfig {
             "s that the first standstill waits; it is dropped if the vehicle moves by then");
     v.field("standing_s", standing_s, {0.0, 600.0}, "s at one place after which nothing new is added");
     v.field("free_range", free_range, {0.0, 50.0}, "m within which what beams pass through is taken out; 0: never");
+    v.field("ring_scale", ring_scale, "intensities of all rings on one scale, learned on the road: its median is 64");
     v.field("max_points", max_points, {100'000, 500'000'000},
             "of the whole map, 8 bytes each; the farthest tiles go first");
   }

@@ -126,7 +126,7 @@ void DenseMap::learn(const std::vector<scan::LidarPoint>& points, const Pose& T_
     const auto key = mapped_tile_at(in_map);
     if (!key) continue;
     DenseTile& tile = tiles_.wake_or_make(*key, static_cast<std::int32_t>(std::lround(base_.z())));
-    in_range_.push_back({in_map, *key, &tile, point.intensity});
+    in_range_.push_back({in_map, *key, &tile, scale_ ? scale_->of(point.ring, point.intensity) : point.intensity});
     const auto place = [](double along) {
       return std::clamp(static_cast<int>(along * DenseTile::kColumnsPerMetre), 0, DenseTile::kColumns - 1);
     };
@@ -163,6 +163,7 @@ void DenseMap::hit(const Seen& seen, std::int64_t utime, bool add_new) {
   waiting.last = utime;
   if (waiting.hits >= config_.settle_hits) return;  // its point is made; only its proof is missing
   ++waiting.hits;
+  waiting.lit += seen.intensity > 0 ? 1 : 0;
   waiting.intensity += seen.intensity;
   waiting.sum += Eigen::Vector3i(in_tile->x, in_tile->y, in_tile->z);
 }
@@ -195,7 +196,7 @@ bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
     return static_cast<std::int16_t>(sum >= 0 ? sum / waiting.hits : -((-sum + waiting.hits - 1) / waiting.hits));
   };
   const TilePoint point{mean(waiting.sum.x()), mean(waiting.sum.y()), mean(waiting.sum.z()),
-                        static_cast<std::uint8_t>(waiting.intensity / waiting.hits)};
+                        static_cast<std::uint8_t>(waiting.intensity / std::max(waiting.lit, 1))};
   const Eigen::Vector3d in_map =
       corner_of(waiting.tile, *tile) + kPositionStep * Eigen::Vector3d(point.x, point.y, point.z);
   if (may_be_moving(in_map, waiting.last)) {
@@ -204,6 +205,7 @@ bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
     return give_up;
   }
   tile->append(point, last_call ? waiting.last : utime, anchor_);
+  if (point.intensity == 0) counters_.add("dense.without_intensity");
   ++size_;
   return true;
 }

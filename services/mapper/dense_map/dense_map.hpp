@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "common/bus/counters.hpp"
@@ -10,6 +12,7 @@
 #include "services/mapper/dense_map/free_space.hpp"
 #include "services/mapper/dense_map/persistence_filter.hpp"
 #include "services/mapper/dense_map/tile_grid.hpp"
+#include "services/mapper/intensity/ring_table.hpp"
 #include "services/mapper/scan/scan.hpp"
 #include "services/mapper/voxels/flat_index.hpp"
 
@@ -18,11 +21,12 @@ namespace curbstone::mapper::dense_map {
 /// The dense map in tiles. A voxel gives one point: the mean of its first hits. What stands clear of the ground waits
 /// until its place has been seen occupied for a while, so that moving objects do not leave their ghosts; so do low
 /// points under such a thing. What has left is taken out again. On ground that is known from an earlier visit a point
-/// goes in only where nothing is known beside it: noise makes a surface thicker with each visit, without end. A
-/// function of the calls alone. Pure; one thread.
+/// goes in only where nothing is known beside it: noise makes a surface thicker with each visit, without end. The
+/// intensity of a point is the mean over those hits that had one, on the scale of set_scale(); 0: none had. A function
+/// of the calls alone. Pure; one thread.
 ///
 /// Counters: dense.points, dense.transient (voxels given up: nothing stayed there), dense.removed (points: seen through
-/// since), dense.evicted_tiles.
+/// since), dense.evicted_tiles, dense.without_intensity (points).
 class DenseMap {
  public:
   explicit DenseMap(const config::DenseConfig& config);
@@ -39,6 +43,8 @@ class DenseMap {
                                     const std::function<bool(std::int32_t)>& in_place);
   /// The node of the drive that the vehicle is at: what is settled from now on moves with it.
   void set_anchor(std::int32_t anchor) { anchor_ = anchor; }
+  /// Puts the intensities of what is inserted from now on to one scale; nullptr: they are taken as they are.
+  void set_scale(std::shared_ptr<const intensity::RingTable> scale) { scale_ = std::move(scale); }
   static constexpr std::int32_t kFixed = -1;  ///< an anchor that never moves
 
   /// The nodes have been moved: every point goes where its anchor's correction, T_new_old by number, takes it. Where
@@ -82,7 +88,8 @@ class DenseMap {
     std::uint32_t voxel = 0;  // DenseTile::voxel_number
     bool held = false;        // has had its time, must prove that it stays
     std::int32_t hits = 0;
-    std::int32_t intensity = 0;                     // sums, as the position's
+    std::int32_t lit = 0;                           // hits that had an intensity,
+    std::int32_t intensity = 0;                     // and its sum
     Eigen::Vector3i sum = Eigen::Vector3i::Zero();  // of TilePoint positions
     std::int64_t first = 0;                         // us
     std::int64_t last = 0;                          // us
@@ -115,6 +122,7 @@ class DenseMap {
   std::int64_t size_ = 0;                           // points
   std::int64_t num_removals_ = 0;
   std::int32_t anchor_ = kFixed;
+  std::shared_ptr<const intensity::RingTable> scale_;
   Counters counters_;
 };
 

@@ -15,6 +15,7 @@ void append(Keys& keys, const Keys& more) {
 void grow(DenseMap& map, const DenseWork& work, Keys& changed) {
   for (const DenseWork::Insertion& i : work.insertions) {
     map.set_anchor(i.anchor);
+    map.set_scale(i.scale);
     append(changed, map.insert(*i.points, i.T_map_base, i.utime, i.add_new));
   }
 }

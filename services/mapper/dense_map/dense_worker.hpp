@@ -24,6 +24,7 @@ struct DenseWork {
     std::int64_t utime;   ///< us
     std::int32_t anchor;  ///< keyframe of the points that settle with this scan
     bool add_new;         ///< false: only voxels that are known already take the points
+    std::shared_ptr<const intensity::RingTable> scale = nullptr;  ///< of their intensities: DenseMap::set_scale()
   };
   /// What has left is looked for with the points of the last insertion.
   struct Look {

@@ -41,6 +41,12 @@ void DriveJournal::add(const RecordedPose& pose) {
   poses_.push_back(pose);
 }
 
+void DriveJournal::set_rings(const intensity::RingHistograms& rings) {
+  if (rings.scans == rings_.scans) return;
+  rings_ = rings;
+  new_rings_ = true;
+}
+
 void DriveJournal::write(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas,
                          const std::vector<TileKey>& changed, const std::vector<TileKey>& evicted, std::int64_t now) {
   if (epoch_ == 0 || failed_ != 0) return;
@@ -79,6 +85,7 @@ void DriveJournal::begin(std::string& items, const dense_map::DenseMap& map, con
   of_gone_tiles_ = 0;
   nodes_ = 0;
   edges_ = 0;
+  new_rings_ = rings_.scans > 0;
   writer_.begin();
   append_head(items, config_hash_, epoch_, atlas.num_known());
 }
@@ -86,6 +93,7 @@ void DriveJournal::begin(std::string& items, const dense_map::DenseMap& map, con
 /// Nodes first: tiles and poses speak of them. The poses last: what led to them is in the file then.
 std::string DriveJournal::news(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas) {
   std::string items;
+  if (std::exchange(new_rings_, false)) append_rings(items, rings_);
   for (; nodes_ < atlas.size() && items.size() < kBatchBytes; ++nodes_)
     append_node(items, atlas.node(nodes_), atlas.driven(nodes_));
   for (; nodes_ == atlas.size() && edges_ < atlas.edges().size() && items.size() < kBatchBytes; ++edges_)

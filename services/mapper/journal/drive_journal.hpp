@@ -31,6 +31,8 @@ class DriveJournal {
   [[nodiscard]] bool wants_anew(std::int64_t now) const;
   /// Where the vehicle is, after a revolution that the map has taken. While it stands one a second is kept.
   void add(const RecordedPose& pose);
+  /// The scale of what the tiles take from now on.
+  void set_rings(const intensity::RingHistograms& rings);
   /// What the map has more than the file. `changed`: tiles that may have grown; `evicted`: that are gone; `now`: us.
   void write(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas, const std::vector<TileKey>& changed,
              const std::vector<TileKey>& evicted, std::int64_t now);
@@ -62,6 +64,8 @@ class DriveJournal {
   // What the file does not have yet.
   std::vector<RecordedPose> poses_;
   std::set<TileKey> changed_;
+  intensity::RingHistograms rings_;
+  bool new_rings_ = false;
   std::vector<TileKey> evicted_;
   // What it has.
   RecordedPose last_;

@@ -9,7 +9,7 @@
 namespace curbstone::mapper::journal {
 namespace {
 
-enum class Item : std::uint8_t { kHead = 1, kNode, kEdge, kPose, kTile, kEviction };
+enum class Item : std::uint8_t { kHead = 1, kNode, kEdge, kPose, kTile, kEviction, kRings };
 
 template <class Value>
 void put(std::string& out, const Value& value) {
@@ -138,6 +138,20 @@ void take_tile(ItemBytes& bytes, RecordedDrive& drive) {
   }
 }
 
+intensity::RingHistograms take_rings(ItemBytes& bytes) {
+  using Rings = intensity::RingHistograms;
+  Rings rings;
+  rings.scans = bytes.take<std::int32_t>();
+  const std::size_t count = bytes.take_count(sizeof(Rings::Counts));
+  require(rings.scans >= 0 && count <= Rings::kMostRings, "holds more rings than a LiDAR has");
+  for (std::size_t i = 0; i < count; ++i) {
+    rings.rings.push_back(bytes.take<Rings::Counts>());
+    for (const std::uint32_t returns : rings.rings.back())
+      require(returns <= Rings::kMostReturns, "holds more returns of a ring than can be");
+  }
+  return rings;
+}
+
 /// What takes a point out names one that is there.
 void check_removals(const std::vector<TilePoint>& records) {
   if (std::none_of(records.begin(), records.end(), is_removal)) return;
@@ -237,6 +251,13 @@ void append_eviction(std::string& out, TileKey key) {
   put(out, key.y);
 }
 
+void append_rings(std::string& out, const intensity::RingHistograms& rings) {
+  put(out, Item::kRings);
+  put(out, rings.scans);
+  put(out, static_cast<std::uint32_t>(rings.rings.size()));
+  for (const auto& counts : rings.rings) put(out, counts);
+}
+
 void apply_items(std::string_view items, RecordedDrive& drive) {
   ItemBytes bytes(items);
   while (!bytes.empty()) {
@@ -263,6 +284,9 @@ void apply_items(std::string_view items, RecordedDrive& drive) {
         break;
       case Item::kEviction:
         drive.tiles.erase(bytes.take_key());
+        break;
+      case Item::kRings:
+        drive.rings = take_rings(bytes);
         break;
       default:
         require(false, "holds an item of no kind that is known");

@@ -18,6 +18,7 @@ void append_pose(std::string& out, const RecordedPose& pose);
 void append_tile(std::string& out, TileKey key, const dense_map::DenseTile& tile, std::size_t records,
                  std::size_t runs);
 void append_eviction(std::string& out, TileKey key);
+void append_rings(std::string& out, const intensity::RingHistograms& rings);
 
 /// Adds what a batch of items says to the drive. Throws std::runtime_error where it says what cannot be: the drive is
 /// then of no use.

@@ -9,6 +9,7 @@
 #include "common/geometry/geometry.hpp"
 #include "common/tiles/tile.hpp"
 #include "services/mapper/dense_map/dense_tile.hpp"
+#include "services/mapper/intensity/ring_histograms.hpp"
 #include "services/mapper/pose_graph/pose_graph.hpp"
 #include "services/mapper/scan/keyframe.hpp"
 
@@ -47,6 +48,7 @@ struct RecordedDrive {
   std::vector<pose_graph::PoseEdge> edges;
   std::unordered_map<TileKey, RecordedTile, TileKeyHash> tiles;
   std::vector<RecordedPose> poses;  ///< in order; at least one
+  intensity::RingHistograms rings;  ///< of which the scale of the tiles' intensities was made
 };
 
 /// One line that names the file and what is wrong with it.

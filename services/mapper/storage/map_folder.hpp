@@ -14,6 +14,8 @@ namespace curbstone::mapper::storage {
 ///     nodes.csv          utime and T_map_base (3x4, row by row) of each node
 ///     nodes/000000.pcd   its points: x y z, float32, in base_link; the pose as VIEWPOINT
 ///     graph.csv          from, to, loop, T_from_to (3x4), information (6x6)
+///     rings.csv          of each ring of the LiDAR, how often it gave the road each intensity from 0 to 255; maps of
+///                        earlier versions have none, and intensities as they came
 ///
 /// What load_map() returns equals what save_map() got, bit for bit: points are whole 2 mm steps, which float32 tells
 /// apart up to 32 km from the map's origin; other numbers are written with all their digits.

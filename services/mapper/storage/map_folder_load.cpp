@@ -27,6 +27,7 @@ struct MapHead {
   std::size_t tiles = 0;
   std::size_t nodes = 0;
   std::size_t edges = 0;
+  std::size_t rings = 0;
 };
 
 template <class Value>
@@ -68,6 +69,10 @@ MapHead read_head(const fs::path& folder) {
   head.tiles = count("tiles", Rules::kMaxTiles);
   head.nodes = count("nodes", Rules::kMaxNodes);
   head.edges = count("edges", Rules::kMaxEdges);
+  if (yaml["rings"]) {  // else it is of a version that knew none
+    head.rings = count("rings", intensity::RingHistograms::kMostRings);
+    head.map.rings.scans = static_cast<std::int32_t>(count("ring_scans", Rules::kMaxRingScans));
+  }
   return head;
 }
 
@@ -173,6 +178,20 @@ void read_graph(MapHead& head, const fs::path& folder) {
   }
 }
 
+void read_rings(MapHead& head, const fs::path& folder) {
+  if (head.rings == 0) return;
+  const fs::path table = folder / "rings.csv";
+  const std::vector<std::string> rows = read_map_rows(table, Rules::kRingsHeader, head.rings);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    MapRow row = row_at(rows, i, table);
+    intensity::RingHistograms::Counts counts{};
+    for (std::uint32_t& count : counts)
+      count = static_cast<std::uint32_t>(row.integer(0, intensity::RingHistograms::kMostReturns));
+    row.end();
+    head.map.rings.rings.push_back(counts);
+  }
+}
+
 }  // namespace
 
 SavedMap load_map(const fs::path& folder) {
@@ -183,6 +202,7 @@ SavedMap load_map(const fs::path& folder) {
   read_tiles(head, voxel_steps, folder);
   read_nodes(head, folder);
   read_graph(head, folder);
+  read_rings(head, folder);
   return std::move(head.map);
 }
 

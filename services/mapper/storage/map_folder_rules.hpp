@@ -17,11 +17,13 @@ struct MapFolderRules {
   static constexpr const char* kTilesHeader = "x,y,z_origin,utime";
   static constexpr const char* kNodesHeader = "utime,r11,r12,r13,x,r21,r22,r23,y,r31,r32,r33,z";
   static constexpr const char* kGraphHeader = "from,to,loop,T_from_to 3x4,information 6x6";
+  static constexpr const char* kRingsHeader = "returns of the road by intensity, 0 to 255";
 
   // What no map of a vehicle reaches: what claims more is none.
   static constexpr std::int64_t kMaxTiles = 10'000'000;  // 90 km2
   static constexpr std::int64_t kMaxNodes = 1'000'000;
   static constexpr std::int64_t kMaxEdges = 10'000'000;
+  static constexpr std::int64_t kMaxRingScans = 1'000'000;
   static constexpr std::size_t kMaxTilePoints = 4'000'000;  // 64 MB
   static constexpr std::size_t kMaxNodePoints = 500'000;
   static constexpr std::int32_t kMaxTileKey = 10'921;  // 32,766 m: there float32 still tells 2 mm apart

@@ -94,14 +94,23 @@ void write_graph(const SavedMap& map, const fs::path& folder) {
   write_map_file(file, table);
 }
 
+void write_rings(const SavedMap& map, const fs::path& folder) {
+  std::string table = std::string(Rules::kRingsHeader) + "\n";
+  for (const auto& counts : map.rings.rings) {
+    for (std::size_t i = 0; i < counts.size(); ++i)
+      fmt::format_to(std::back_inserter(table), "{}{}", counts[i], i + 1 < counts.size() ? "," : "\n");
+  }
+  write_map_file(folder / "rings.csv", table);
+}
+
 void write_head(const SavedMap& map, const fs::path& folder) {
   write_map_file(
       folder / "map.yaml",
       fmt::format("# A map of curbstone's mapper: services/mapper/storage/map_folder.hpp says what lies here.\n"
                   "format: {}\ntile_size: {}  # m\nposition_step: {}  # m\nvoxel: {}  # m\nepoch: {}\n"
-                  "tiles: {}\nnodes: {}\nedges: {}\n",
-                  kMapFormat, kTileSize, kPositionStep, map.voxel, map.epoch, map.tiles.size(), map.nodes.size(),
-                  map.edges.size()));
+                  "rings: {}\nring_scans: {}\ntiles: {}\nnodes: {}\nedges: {}\n",
+                  kMapFormat, kTileSize, kPositionStep, map.voxel, map.epoch, map.rings.rings.size(), map.rings.scans,
+                  map.tiles.size(), map.nodes.size(), map.edges.size()));
 }
 
 /// Whether there is nothing in it that save_map() has not made.
@@ -122,8 +131,8 @@ bool is_map_folder(const fs::path& folder) {
         return file.is_regular_file(ignored) && file.path().extension() == ".pcd";
       });
     }
-    return entry.is_regular_file(ignored) &&
-           (name == "map.yaml" || name == "tiles.csv" || name == "nodes.csv" || name == "graph.csv");
+    return entry.is_regular_file(ignored) && (name == "map.yaml" || name == "tiles.csv" || name == "nodes.csv" ||
+                                              name == "graph.csv" || name == "rings.csv");
   });
 }
 
@@ -140,6 +149,7 @@ void save_map(const SavedMap& map, const fs::path& folder) {
   write_tiles(map, voxel_steps, target);
   write_nodes(map, target);
   write_graph(map, target.partial());
+  write_rings(map, target.partial());
   write_head(map, target.partial());
   target.commit();
 }

@@ -29,6 +29,7 @@ struct MapVersions {
   std::unordered_map<TileKey, Tile, TileKeyHash> tiles;
   std::vector<Node> nodes;
   std::size_t edges = 0;
+  std::int32_t rings = 0;  ///< scans that the scale of intensities is of
   bool operator==(const MapVersions&) const = default;
 };
 

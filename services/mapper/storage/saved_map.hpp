@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/tiles/tile.hpp"
+#include "services/mapper/intensity/ring_histograms.hpp"
 #include "services/mapper/pose_graph/pose_graph.hpp"
 #include "services/mapper/scan/keyframe.hpp"
 
@@ -21,7 +22,7 @@ struct SavedTile {
 };
 
 /// All that outlives a drive: the dense map, the nodes from which the map for registration is built anew, and the
-/// graph that holds them together. Nothing of the vehicle.
+/// graph that holds them together. Of the vehicle nothing but what its LiDAR makes of a road.
 struct SavedMap {
   double voxel = 0.05;     ///< m, of the dense map
   std::int32_t epoch = 1;  ///< of its tiles
@@ -29,6 +30,7 @@ struct SavedMap {
   std::vector<scan::Keyframe> nodes;
   std::size_t nodes_on_disk = 0;  ///< so many, the first: the folder holds their very scans, `points` is empty
   std::vector<pose_graph::PoseEdge> edges;
+  intensity::RingHistograms rings;  ///< of the LiDAR that made it: the scale of its intensities; empty: as they came
 };
 
 /// One line that names the file and what is wrong with it.

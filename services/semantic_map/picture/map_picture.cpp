@@ -15,6 +15,7 @@ constexpr Colour kPaper{24, 38, 30};  // unknown, a shade deeper: around the map
 constexpr Colour kPath{255, 196, 61};
 constexpr Colour kText{236, 240, 236};
 constexpr Colour kLine{190, 255, 170};
+constexpr Colour kMarking{255, 255, 255};
 
 struct LegendEntry {
   tile::CellClass cell_class;
@@ -137,6 +138,20 @@ void draw_dashes(const std::vector<Eigen::Vector2d>& points, const ToPixels& pix
   }
 }
 
+/// A band with square ends; a broad one in strips, since the canvas draws round ends.
+void draw_band(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double thickness, Canvas& canvas) {
+  constexpr double kStrip = 2.0;  // pixels
+  const double length = (b - a).norm();
+  if (!(length > 1e-9 && length < 1e5)) return;
+  const Eigen::Vector2d across = Eigen::Vector2d(a.y() - b.y(), b.x() - a.x()) / length;
+  const int strips = std::clamp(static_cast<int>(thickness / kStrip), 1, 1000);
+  const double width = thickness / strips;
+  for (int k = 0; k < strips; ++k) {
+    const Eigen::Vector2d off = (k + 0.5 - 0.5 * strips) * width * across;
+    canvas.line(a.x() + off.x(), a.y() + off.y(), b.x() + off.x(), b.y() + off.y(), width, kMarking, 0.95);
+  }
+}
+
 void draw_path(const std::vector<Eigen::Vector2d>& path, const ToPixels& pixel, Canvas& canvas) {
   if (path.empty()) return;
   const double width = std::max(2.0, 0.35 * pixel.scale);
@@ -247,6 +262,14 @@ Canvas draw_map(const MapPicture& map, const PictureOptions& options) {
 
   draw_cells(grid, scale, options.shade, canvas);
   const ToPixels pixel{grid, scale};
+  for (const tile::MarkingLine& line : map.markings) {
+    const double thickness = std::max(1.0, double{line.width} / kCellSize * scale);
+    for (std::size_t i = 1; i < line.points.size(); ++i) {
+      const tile::MarkingVertex& a = line.points[i - 1];
+      const tile::MarkingVertex& b = line.points[i];
+      if (a.painted) draw_band(pixel(double{a.x}, double{a.y}), pixel(double{b.x}, double{b.y}), thickness, canvas);
+    }
+  }
   for (const tile::CurbLine& line : map.curbs) {
     std::vector<Eigen::Vector2d> points;
     for (const tile::CurbVertex& v : line.points) points.emplace_back(double{v.x}, double{v.y});
@@ -262,6 +285,7 @@ Canvas draw_map(const MapPicture& map, const PictureOptions& options) {
   if (options.legend) {
     Footer footer(canvas, height, text);
     for (const LegendEntry& entry : kLegend) footer.swatch(class_colour(entry.cell_class), entry.name);
+    if (!map.markings.empty()) footer.stroke(kMarking, "marking");
     if (!map.path.empty()) footer.stroke(kPath, "driven path");
     if (!map.overlays.empty()) footer.stroke(map.overlays.front().colour, map.overlays_are.c_str());
     footer.scale_bar(scale / kCellSize);

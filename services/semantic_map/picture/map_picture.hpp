@@ -33,7 +33,8 @@ struct MapPicture {
   std::vector<tile::CurbLine> curbs;  ///< drawn as fine lines over the curb cells, dashed where inferred
   std::vector<Eigen::Vector2d> path;  ///< empty: none
   std::vector<PictureLine> overlays;
-  std::string overlays_are = "truth";  ///< in the legend, in the first one's colour
+  std::string overlays_are = "truth";            ///< in the legend, in the first one's colour
+  std::vector<tile::MarkingLine> markings = {};  ///< drawn white, as wide as they are, where they are painted
 };
 
 [[nodiscard]] Canvas draw_map(const MapPicture& map, const PictureOptions& options);

@@ -93,9 +93,14 @@ void MapKeeper::put(std::vector<tile::CurbLine> curbs) {
   if (store_) pending_.curbs = std::move(curbs);
 }
 
+void MapKeeper::put(std::vector<tile::MarkingLine> markings) {
+  if (store_) pending_.markings = std::move(markings);
+}
+
 void MapKeeper::write() {
   if (!store_ || busy()) return;
-  const bool is_news = pending_.clear || !pending_.tiles.empty() || !pending_.trajectory.empty() || pending_.curbs;
+  const bool is_news =
+      pending_.clear || !pending_.tiles.empty() || !pending_.trajectory.empty() || pending_.curbs || pending_.markings;
   if (is_news) begin_writing();
 }
 
@@ -123,7 +128,8 @@ MapStore::Batch MapKeeper::batch_under_way() const {
                         .keep_in = under_way_.keep_in,
                         .epoch = epoch_,
                         .trajectory = under_way_.trajectory,
-                        .curbs = under_way_.curbs ? &*under_way_.curbs : nullptr};
+                        .curbs = under_way_.curbs ? &*under_way_.curbs : nullptr,
+                        .markings = under_way_.markings ? &*under_way_.markings : nullptr};
   for (const auto& [key, tile] : under_way_.tiles) batch.tiles.push_back(tile);
   std::sort(batch.tiles.begin(), batch.tiles.end(),
             [](const tile::MapTile& a, const tile::MapTile& b) { return a.key < b.key; });
@@ -151,6 +157,7 @@ void MapKeeper::take_back() {
   for (const auto& [key, tile] : under_way_.tiles) add(tile);
   for (const tile::TrajectoryPose& pose : under_way_.trajectory) put(pose);
   if (under_way_.curbs) pending_.curbs = std::move(under_way_.curbs);
+  if (under_way_.markings) pending_.markings = std::move(under_way_.markings);
 }
 
 std::string MapKeeper::fault() const {
@@ -160,10 +167,11 @@ std::string MapKeeper::fault() const {
   return {};
 }
 
-void MapKeeper::finish(std::vector<tile::CurbLine> curbs) {
+void MapKeeper::finish(std::vector<tile::CurbLine> curbs, std::vector<tile::MarkingLine> markings) {
   if (!store_) return;
   await_writing();
   pending_.curbs = std::move(curbs);
+  pending_.markings = std::move(markings);
   begin_writing();
   await_writing();
   if (!fault_.empty()) return;

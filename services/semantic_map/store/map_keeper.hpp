@@ -38,10 +38,11 @@ class MapKeeper {
   void put(const tile::TrajectoryPose& pose);
   /// All curbs of the map as they are now; they go with the next batch.
   void put(std::vector<tile::CurbLine> curbs);
+  void put(std::vector<tile::MarkingLine> markings);  ///< likewise
   /// Begins to write what is pending, unless the last transaction is still under way.
   void write();
-  /// Writes the rest and the curbs, and closes the file in canonical form.
-  void finish(std::vector<tile::CurbLine> curbs);
+  /// Writes the rest, the curbs and the markings, and closes the file in canonical form.
+  void finish(std::vector<tile::CurbLine> curbs, std::vector<tile::MarkingLine> markings = {});
 
   /// What became of the last transaction, in words; or that the map was begun anew in mid-drive. Empty when all is
   /// well.
@@ -56,6 +57,7 @@ class MapKeeper {
     std::unordered_map<TileKey, tile::MapTile, TileKeyHash> tiles;
     std::vector<tile::TrajectoryPose> trajectory;
     std::optional<std::vector<tile::CurbLine>> curbs;
+    std::optional<std::vector<tile::MarkingLine>> markings;
   };
   [[nodiscard]] bool busy();
   void begin_writing();

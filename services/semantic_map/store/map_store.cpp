@@ -22,14 +22,17 @@
 #include <span>
 #include <vector>
 
+#include "services/semantic_map/store/map_file.hpp"
 #include "services/semantic_map/store/map_store_blobs.hpp"
 
 namespace curbstone::semantic_map::store {
 
 namespace {
 
-constexpr std::int32_t kApplicationId = 0x43555242;  // "CURB"
-constexpr int kBusyTimeout = 2000;                   // ms
+constexpr const char* kMarkingsTable = R"(
+CREATE TABLE IF NOT EXISTS markings(id INTEGER PRIMARY KEY, type INTEGER NOT NULL, confidence REAL NOT NULL, width REAL NOT NULL,
+                      dash REAL NOT NULL, gap REAL NOT NULL, points BLOB NOT NULL);
+)";
 
 constexpr const char* kSchema = R"(
 CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID;
@@ -42,33 +45,6 @@ CREATE TABLE trajectory(utime INTEGER PRIMARY KEY, revolution INTEGER NOT NULL, 
 INSERT INTO meta VALUES('tile_size', 3.0), ('cell_size', 0.12), ('epoch', 0);
 )";
 
-/// Runs `work`; what SQLite says becomes one line that names the file.
-template <class Work>
-auto for_file(const std::string& path, Work work) {
-  try {
-    return work();
-  } catch (const SQLite::Exception& error) {
-    std::string hint;
-    const int code = error.getErrorCode() & 0xff;  // without what extends it
-    if (code == SQLITE_NOTADB) hint = " (not a curbstone map)";
-    if (code == SQLITE_CORRUPT) hint = " (damaged: move it away, or mend it with 'sqlite3 FILE .recover')";
-    if (code == SQLITE_FULL) hint = " (no room on the disk)";
-    throw MapStoreError(fmt::format("{}: {}{}", path, error.what(), hint));
-  }
-}
-
-/// The first column of the first row; 0 if there is none.
-std::int64_t integer(SQLite::Database& db, const char* sql) {
-  SQLite::Statement statement(db, sql);
-  return statement.executeStep() ? statement.getColumn(0).getInt64() : 0;
-}
-
-/// Valid until the statement's next step.
-std::span<const std::uint8_t> blob(const SQLite::Column& column) {
-  const auto* data = static_cast<const std::uint8_t*>(column.getBlob());
-  return {data, data == nullptr ? 0 : static_cast<std::size_t>(column.getBytes())};
-}
-
 /// `bytes` must live until the statement was run.
 void bind(SQLite::Statement& statement, int index, const std::vector<std::uint8_t>& bytes) {
   statement.bindNoCopy(index, bytes.data(), static_cast<int>(bytes.size()));
@@ -80,36 +56,24 @@ void run(SQLite::Statement& statement) {
   statement.reset();
 }
 
-/// Maps of schema 2 and before have no such curbs.
-bool has_inferred(SQLite::Database& db) {
-  return integer(db, "SELECT count(*) FROM pragma_table_info('curbs') WHERE name = 'inferred'") > 0;
-}
-
-std::int32_t stored_epoch(SQLite::Database& db) {
-  return static_cast<std::int32_t>(integer(db, "SELECT value FROM meta WHERE key = 'epoch'"));
-}
-
-/// Throws unless the file is a map of a schema that we know.
-void check_identity(SQLite::Database& db, const std::string& path) {
-  if (integer(db, "PRAGMA application_id") != kApplicationId)
-    throw MapStoreError(fmt::format("{}: is an SQLite file but not a curbstone map", path));
-  const std::int64_t version = integer(db, "PRAGMA user_version");
-  if (version > kMapSchemaVersion)
-    throw MapStoreError(fmt::format("{}: map schema {} is newer than this program's {}: use a newer curbstone", path,
-                                    version, kMapSchemaVersion));
-  if (version < 1) throw MapStoreError(fmt::format("{}: map schema {} is not known", path, version));
-}
-
 void create_schema(SQLite::Database& db) {
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
   db.exec(kSchema);
+  db.exec(kMarkingsTable);
   db.exec(fmt::format("PRAGMA application_id = {}", kApplicationId));
   db.exec(fmt::format("PRAGMA user_version = {}", kMapSchemaVersion));
   transaction.commit();
 }
 
-bool is_sane(const tile::TrajectoryPose& pose) {
-  return is_finite(pose.T_map_base);
+/// Rows of schema 1 are known by their size and may stay.
+void migrate(SQLite::Database& db) {
+  const bool inferred = has_inferred(db);
+  if (inferred && integer(db, "PRAGMA user_version") >= kMapSchemaVersion) return;
+  SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
+  if (!inferred) db.exec("ALTER TABLE curbs ADD COLUMN inferred INTEGER NOT NULL DEFAULT 0");
+  db.exec(kMarkingsTable);
+  db.exec(fmt::format("PRAGMA user_version = {}", kMapSchemaVersion));
+  transaction.commit();
 }
 
 /// Makes the folder where there is none: on a fresh machine the first map is the first thing there.
@@ -121,81 +85,6 @@ int open_in_its_folder(const std::string& path) {
 }
 
 }  // namespace
-
-MapReader::MapReader(const std::string& path) : path_(path) {
-  if (!std::filesystem::exists(path)) throw MapStoreError(fmt::format("{}: no such file", path));
-  for_file(path, [&] {
-    db_ = std::make_unique<SQLite::Database>(path, SQLite::OPEN_READONLY, kBusyTimeout);
-    check_identity(*db_, path);
-  });
-}
-
-MapReader::~MapReader() = default;
-
-std::int32_t MapReader::schema() const {
-  return for_file(path_, [&] { return static_cast<std::int32_t>(integer(*db_, "PRAGMA user_version")); });
-}
-
-std::int32_t MapReader::epoch() const {
-  return for_file(path_, [&] { return stored_epoch(*db_); });
-}
-
-std::vector<tile::MapTile> MapReader::tiles() const {
-  return for_file(path_, [&] {
-    std::vector<tile::MapTile> tiles;
-    SQLite::Statement rows(*db_, "SELECT x, y, utime, z_origin, cells FROM tiles ORDER BY x, y");
-    while (rows.executeStep()) {
-      tile::MapTile& tile = tiles.emplace_back();
-      tile.key = {static_cast<std::int32_t>(rows.getColumn(0).getInt64()),
-                  static_cast<std::int32_t>(rows.getColumn(1).getInt64())};
-      tile.utime = rows.getColumn(2).getInt64();
-      tile.z_origin = static_cast<float>(rows.getColumn(3).getDouble());
-      if (!std::isfinite(tile.z_origin) || !unpack_cells(blob(rows.getColumn(4)), tile))
-        throw MapStoreError(fmt::format("{}: tile ({}, {}) is damaged", path_, tile.key.x, tile.key.y));
-    }
-    return tiles;
-  });
-}
-
-std::vector<tile::CurbLine> MapReader::curbs() const {
-  return for_file(path_, [&] {
-    std::vector<tile::CurbLine> lines;
-    SQLite::Statement rows(*db_, fmt::format("SELECT id, dropped, confidence, points, {} FROM curbs ORDER BY id",
-                                             has_inferred(*db_) ? "inferred" : "0"));
-    while (rows.executeStep()) {
-      const auto id = static_cast<std::int32_t>(rows.getColumn(0).getInt64());
-      auto points = unpack_vertices(blob(rows.getColumn(3)));
-      if (!points) throw MapStoreError(fmt::format("{}: curb {} is damaged", path_, id));
-      lines.push_back({id, static_cast<float>(rows.getColumn(2).getDouble()), rows.getColumn(1).getInt64() != 0,
-                       std::move(*points), rows.getColumn(4).getInt64() != 0});
-    }
-    return lines;
-  });
-}
-
-std::vector<tile::TrajectoryPose> MapReader::trajectory() const {
-  return for_file(path_, [&] {
-    std::vector<tile::TrajectoryPose> poses;
-    SQLite::Statement rows(*db_, "SELECT utime, revolution, x, y, z, qw, qx, qy, qz FROM trajectory ORDER BY utime");
-    while (rows.executeStep()) {
-      const double position[3] = {rows.getColumn(2).getDouble(), rows.getColumn(3).getDouble(),
-                                  rows.getColumn(4).getDouble()};
-      const double orientation[4] = {rows.getColumn(5).getDouble(), rows.getColumn(6).getDouble(),
-                                     rows.getColumn(7).getDouble(), rows.getColumn(8).getDouble()};
-      poses.push_back({rows.getColumn(0).getInt64(), static_cast<std::int32_t>(rows.getColumn(1).getInt64()),
-                       pose_from_arrays(position, orientation)});
-      if (!is_sane(poses.back())) throw MapStoreError(fmt::format("{}: a pose is damaged", path_));
-    }
-    return poses;
-  });
-}
-
-std::string MapReader::integrity() const {
-  return for_file(path_, [&] {
-    SQLite::Statement rows(*db_, "PRAGMA integrity_check");
-    return rows.executeStep() ? rows.getColumn(0).getString() : std::string("no answer");
-  });
-}
 
 /// flock() on the map itself. (Not SQLite's exclusive mode: readers are welcome.)
 struct MapStore::Lock {
@@ -224,10 +113,7 @@ MapStore::MapStore(std::string path) : path_(std::move(path)), lock_(std::make_u
     db_->exec("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; PRAGMA foreign_keys = ON");
     // Another server may have died between creating the file and the schema: then it is still empty.
     if (fresh) create_schema(*db_);
-    // Tiles of schema 1 are known by their size and may stay.
-    if (!has_inferred(*db_)) db_->exec("ALTER TABLE curbs ADD COLUMN inferred INTEGER NOT NULL DEFAULT 0");
-    if (integer(*db_, "PRAGMA user_version") < kMapSchemaVersion)
-      db_->exec(fmt::format("PRAGMA user_version = {}", kMapSchemaVersion));
+    migrate(*db_);
     epoch_ = stored_epoch(*db_);
     first_utime_ = integer(*db_, "SELECT min(utime) FROM trajectory");
     last_utime_ = integer(*db_, "SELECT max(utime) FROM trajectory");
@@ -241,7 +127,7 @@ void MapStore::write(const Batch& batch) {
   if (batch.clear && !batch.keep_in.empty()) copy_to(batch.keep_in);
   for_file(path_, [&] {
     SQLite::Transaction transaction(*db_, SQLite::TransactionBehavior::IMMEDIATE);
-    if (batch.clear) db_->exec("DELETE FROM tiles; DELETE FROM curbs; DELETE FROM trajectory");
+    if (batch.clear) db_->exec("DELETE FROM tiles; DELETE FROM curbs; DELETE FROM markings; DELETE FROM trajectory");
     SQLite::Statement put_epoch(*db_, "UPDATE meta SET value = ? WHERE key = 'epoch'");
     put_epoch.bind(1, batch.epoch);
     run(put_epoch);
@@ -270,6 +156,17 @@ void MapStore::write(const Batch& batch) {
         bind(put_curb, 4, points);
         put_curb.bind(5, std::int64_t{line.inferred});
         run(put_curb);
+      }
+    }
+    if (batch.markings != nullptr) {
+      db_->exec("DELETE FROM markings");
+      SQLite::Statement put_marking(*db_, "INSERT INTO markings VALUES(?, ?, ?, ?, ?, ?, ?)");
+      for (const tile::MarkingLine& line : *batch.markings) {
+        const std::vector<std::uint8_t> points = pack_vertices(line.points);
+        SQLite::bind(put_marking, line.id, static_cast<std::int32_t>(line.type), double{line.confidence},
+                     double{line.width}, double{line.dash}, double{line.gap});
+        bind(put_marking, 7, points);
+        run(put_marking);
       }
     }
     transaction.commit();

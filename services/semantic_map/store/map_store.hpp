@@ -22,10 +22,11 @@ namespace curbstone::semantic_map::store {
 ///                                            min(255, 32 hits) - confidence mod 256[625], hits[625]
 ///   curbs(id, dropped, confidence, points, inferred)
 ///                                            points: float32 LE, 6 a vertex: x y z height high_side_x high_side_y
+///   markings(id, type, confidence, width, dash, gap, points)  points: float32 LE, 4 a vertex: x y z painted (0 or 1)
 ///   trajectory(utime, revolution, x, y, z, qw, qx, qy, qz)    T_map_base at the end of each revolution
 ///
-/// Schema 1 had confidence as it is, and no hits: such a map is read, with none. Schema 2 had no inferred curbs.
-/// Whoever writes to a map of an earlier schema makes it one of schema 3.
+/// Schema 1 had confidence as it is, and no hits; schema 2 had no markings and no inferred curbs. Such a map is read,
+/// with none; whoever writes to it makes it a map of schema 3.
 ///
 /// There is no wall clock, pid or revision in it: two replays of one log give the same bytes.
 inline constexpr std::int32_t kMapSchemaVersion = 3;
@@ -48,6 +49,7 @@ class MapReader {
   [[nodiscard]] std::int32_t epoch() const;
   [[nodiscard]] std::vector<tile::MapTile> tiles() const;              ///< by key
   [[nodiscard]] std::vector<tile::CurbLine> curbs() const;             ///< by id
+  [[nodiscard]] std::vector<tile::MarkingLine> markings() const;       ///< by id
   [[nodiscard]] std::vector<tile::TrajectoryPose> trajectory() const;  ///< by utime
   /// PRAGMA integrity_check: "ok" or what is wrong.
   [[nodiscard]] std::string integrity() const;
@@ -71,9 +73,10 @@ class MapStore {
     bool clear = false;        ///< first forget all that was stored: another drive begins
     std::string keep_in = {};  ///< but copy it to this file before; empty: do not
     std::int32_t epoch = 0;
-    std::vector<tile::MapTile> tiles = {};               ///< replace those with the same key
-    std::vector<tile::TrajectoryPose> trajectory = {};   ///< appended
-    const std::vector<tile::CurbLine>* curbs = nullptr;  ///< replaces all curbs, if given
+    std::vector<tile::MapTile> tiles = {};                     ///< replace those with the same key
+    std::vector<tile::TrajectoryPose> trajectory = {};         ///< appended
+    const std::vector<tile::CurbLine>* curbs = nullptr;        ///< replaces all curbs, if given
+    const std::vector<tile::MarkingLine>* markings = nullptr;  ///< replaces all markings, if given
   };
   /// Throws MapStoreError (disk full, I/O error): nothing of the batch is in the file then, try again later.
   void write(const Batch& batch);

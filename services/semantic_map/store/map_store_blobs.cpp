@@ -13,8 +13,29 @@ namespace {
 constexpr std::size_t kPlain =
     6 * tile::kCellsInTile;  // class, height (two), cost, confidence (to what is expected), hits
 constexpr std::size_t kPlain1 = 5 * tile::kCellsInTile;  // as schema 1 has it: without hits
-constexpr int kFloats = 6;
 constexpr int kLevel = 6;
+
+void append(float value, std::vector<std::uint8_t>& blob) {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  for (int shift = 0; shift < 32; shift += 8) blob.push_back(static_cast<std::uint8_t>(bits >> shift));
+}
+
+/// visit(values) of each `kFloats` floats. False if the blob is no whole number of them, or one is not finite.
+template <std::size_t kFloats, class Visit>
+bool for_rows(std::span<const std::uint8_t> blob, Visit visit) {
+  if (blob.size() % (kFloats * 4) != 0) return false;
+  for (std::size_t row = 0; row < blob.size(); row += kFloats * 4) {
+    std::array<float, kFloats> values{};
+    for (std::size_t k = 0; k < kFloats; ++k) {
+      const std::uint8_t* b = &blob[row + k * 4];
+      values[k] = std::bit_cast<float>(std::uint32_t{b[0]} | std::uint32_t{b[1]} << 8 | std::uint32_t{b[2]} << 16 |
+                                       std::uint32_t{b[3]} << 24);
+      if (!std::isfinite(values[k])) return false;
+    }
+    visit(values);
+  }
+  return true;
+}
 
 int expected_confidence(std::uint8_t hits) {
   return std::min(255, 32 * hits);
@@ -65,29 +86,35 @@ bool unpack_cells(std::span<const std::uint8_t> blob, tile::MapTile& tile) {
 
 std::vector<std::uint8_t> pack_vertices(const std::vector<tile::CurbVertex>& vertices) {
   std::vector<std::uint8_t> blob;
-  blob.reserve(vertices.size() * kFloats * 4);
   for (const tile::CurbVertex& v : vertices) {
-    for (const float value : {v.x, v.y, v.z, v.height, v.high_side_x, v.high_side_y}) {
-      const auto bits = std::bit_cast<std::uint32_t>(value);
-      for (int shift = 0; shift < 32; shift += 8) blob.push_back(static_cast<std::uint8_t>(bits >> shift));
-    }
+    for (const float value : {v.x, v.y, v.z, v.height, v.high_side_x, v.high_side_y}) append(value, blob);
   }
   return blob;
 }
 
 std::optional<std::vector<tile::CurbVertex>> unpack_vertices(std::span<const std::uint8_t> blob) {
-  if (blob.size() % (kFloats * 4) != 0) return std::nullopt;
-  std::vector<tile::CurbVertex> vertices(blob.size() / (kFloats * 4));
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    std::array<float, kFloats> values{};
-    for (std::size_t k = 0; k < kFloats; ++k) {
-      const std::uint8_t* b = &blob[(i * kFloats + k) * 4];
-      values[k] = std::bit_cast<float>(std::uint32_t{b[0]} | std::uint32_t{b[1]} << 8 | std::uint32_t{b[2]} << 16 |
-                                       std::uint32_t{b[3]} << 24);
-      if (!std::isfinite(values[k])) return std::nullopt;
-    }
-    vertices[i] = {values[0], values[1], values[2], values[3], values[4], values[5]};
+  std::vector<tile::CurbVertex> vertices;
+  const bool is_sound = for_rows<6>(blob, [&](const std::array<float, 6>& v) {
+    vertices.push_back({v[0], v[1], v[2], v[3], v[4], v[5]});
+  });
+  if (!is_sound) return std::nullopt;
+  return vertices;
+}
+
+std::vector<std::uint8_t> pack_vertices(const std::vector<tile::MarkingVertex>& vertices) {
+  std::vector<std::uint8_t> blob;
+  for (const tile::MarkingVertex& v : vertices) {
+    for (const float value : {v.x, v.y, v.z, v.painted ? 1.0F : 0.0F}) append(value, blob);
   }
+  return blob;
+}
+
+std::optional<std::vector<tile::MarkingVertex>> unpack_marking_vertices(std::span<const std::uint8_t> blob) {
+  std::vector<tile::MarkingVertex> vertices;
+  const bool is_sound = for_rows<4>(blob, [&](const std::array<float, 4>& v) {
+    vertices.push_back({v[0], v[1], v[2], v[3] != 0});
+  });
+  if (!is_sound) return std::nullopt;
   return vertices;
 }
 

@@ -17,4 +17,8 @@ namespace curbstone::semantic_map::store {
 [[nodiscard]] std::vector<std::uint8_t> pack_vertices(const std::vector<tile::CurbVertex>& vertices);
 [[nodiscard]] std::optional<std::vector<tile::CurbVertex>> unpack_vertices(std::span<const std::uint8_t> blob);
 
+[[nodiscard]] std::vector<std::uint8_t> pack_vertices(const std::vector<tile::MarkingVertex>& vertices);
+[[nodiscard]] std::optional<std::vector<tile::MarkingVertex>> unpack_marking_vertices(
+    std::span<const std::uint8_t> blob);
+
 }  // namespace curbstone::semantic_map::store

@@ -52,6 +52,36 @@ struct CurbLine {
   bool operator==(const CurbLine&) const = default;
 };
 
+/// What the paint on the road says, as far as its geometry tells. The values of marking_line_t.
+enum class MarkingType : std::uint8_t {
+  kUnknown = 0,
+  kSolid = 1,
+  kDashed = 2,
+  kStopLine = 3,
+  kCrossing = 4,
+  kOther = 5
+};
+inline constexpr int kNumMarkingTypes = 6;
+
+struct MarkingVertex {
+  float x = 0, y = 0, z = 0;  ///< m in map, on the road, the middle of the paint
+  bool painted = false;       ///< from here to the next vertex
+  bool operator==(const MarkingVertex&) const = default;
+};
+
+/// A marking along its middle. A crossing runs through the middles of its bars, across them: `width` is their length,
+/// `dash` their width.
+struct MarkingLine {
+  std::int32_t id = 0;
+  MarkingType type = MarkingType::kUnknown;
+  float confidence = 0;  ///< 0..1
+  float width = 0;       ///< m, of the paint; 0: not known
+  float dash = 0;        ///< m, median length of a painted piece; 0: not interrupted
+  float gap = 0;         ///< m, median between two of them
+  std::vector<MarkingVertex> points;
+  bool operator==(const MarkingLine&) const = default;
+};
+
 /// Where the vehicle was at the end of a revolution.
 struct TrajectoryPose {
   std::int64_t utime = 0;

@@ -32,7 +32,9 @@ struct VotedTile {
   float z_origin = 0;
   std::vector<VotedPoint> points;
   std::vector<std::uint32_t> voters;  ///< of each point, the one whose tensor it takes; where that is not known: empty
-  std::int64_t chain = 0;             ///< of the worker that it came from
+  /// Of each point, on one scale for all beams: the road's median is 64, 0 is not known; empty: of none is known.
+  std::vector<std::uint8_t> intensity;
+  std::int64_t chain = 0;  ///< of the worker that it came from
 };
 
 /// A tile's T and those of its eight neighbours; null where there is none. Everything that the semantic map computes

@@ -70,6 +70,7 @@ void append_points(const voted_points_t& page, std::size_t scale, VotedTile& til
     if (voter < tile.points.size()) static_cast<VotedTensor&>(p) = tile.points[voter];
     tile.points.push_back(p);
     tile.voters.push_back(voter);
+    tile.intensity.push_back(page.intensity[i]);
   }
 }
 
@@ -94,7 +95,8 @@ bool goes_on_from(const VotedStep& step, const VotedTile* tile) {
   const voted_points_t& head = step.pages.front();
   return tile != nullptr && tile->chain == step.chain && tile->revision >= step.base &&
          tile->z_origin == head.z_origin && static_cast<std::int32_t>(tile->points.size()) >= head.first &&
-         static_cast<std::int32_t>(tile->points.size()) <= head.total && tile->voters.size() == tile->points.size();
+         static_cast<std::int32_t>(tile->points.size()) <= head.total && tile->voters.size() == tile->points.size() &&
+         tile->intensity.size() == tile->points.size();
 }
 
 void take_step(const VotedStep& step, VotedTile& tile) {

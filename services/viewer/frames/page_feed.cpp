@@ -12,7 +12,7 @@ void PageFeed::begin(ByteWriter& out, const World& world) {
   const bool goes_on = !epoch_ && resume_ && resume_->run == world.run && resume_->epoch == world.epoch &&
                        resume_->number <= world.map.number();
   number_ = goes_on ? resume_->number : 0;
-  curbs_number_ = 0;
+  curbs_number_ = markings_number_ = 0;
   path_round_ = 0;
   epoch_ = world.epoch;
   if (!goes_on) write_begin(out, world.run, world.epoch);
@@ -24,6 +24,7 @@ std::vector<std::uint8_t> PageFeed::make(const World& world, std::string_view st
   if (epoch_ != world.epoch) begin(out, world);
   number_ = write_tiles(out, world.map, world.steps, number_, kMaxWholeTiles);
   curbs_number_ = write_curbs(out, world.curbs, curbs_number_);
+  markings_number_ = write_markings(out, world.markings, markings_number_);
   const bool everything = path_round_ != world.path.round();
   write_path(out, world.path, everything ? 0 : path_points_, everything);
   path_round_ = world.path.round();

@@ -17,6 +17,7 @@ struct World {
   const store::LiveMap& map;
   const TileSteps& steps;  ///< closed
   const store::CurbLines& curbs;
+  const store::MarkingLines& markings;
   const store::DrivenPath& path;
   const std::vector<ScanPoint>& scan;
   std::uint64_t scan_number = 0;  ///< grows with each scan
@@ -70,6 +71,7 @@ class PageFeed {
   std::optional<std::int32_t> epoch_;  // nothing was sent yet
   std::uint64_t number_ = 0;
   std::uint32_t curbs_number_ = 0;
+  std::uint32_t markings_number_ = 0;
   std::uint32_t path_round_ = 0;
   std::size_t path_points_ = 0;
   std::uint64_t scan_number_ = 0;

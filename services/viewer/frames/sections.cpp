@@ -8,7 +8,7 @@
 namespace curbstone::viewer::frames {
 namespace {
 
-enum Kind : std::uint8_t { kBegin = 1, kTiles, kCurbs, kPath, kPoints, kState, kServices };
+enum Kind : std::uint8_t { kBegin = 1, kTiles, kCurbs, kPath, kPoints, kState, kServices, kMarkings };
 
 /// Writes the head of a section, and its length when the section is complete.
 class Section {
@@ -39,6 +39,33 @@ void write_line(ByteWriter& out, std::uint32_t name, const curb_line_t& line) {
   }
 }
 
+void write_line(ByteWriter& out, std::uint32_t name, const marking_line_t& line) {
+  const std::size_t n = std::min<std::size_t>(line.x.size(), std::numeric_limits<std::uint16_t>::max());
+  out.u32(name);
+  out.i8(line.type);
+  out.f32(line.confidence);
+  out.f32(line.width);
+  out.u16(static_cast<std::uint16_t>(n));
+  for (const auto* list : {&line.x, &line.y, &line.z}) {
+    for (std::size_t i = 0; i < n; ++i) out.f32((*list)[i]);
+  }
+  for (std::size_t i = 0; i < n; ++i) out.u8(line.painted[i] != 0 ? 1 : 0);
+}
+
+template <class Lines>
+std::uint32_t write_lines(ByteWriter& out, Kind kind, const Lines& lines, std::uint32_t number) {
+  if (number == lines.number()) return number;
+  const auto news = lines.above(number);
+  const Section section(out, kind);
+  out.u32(news.number);
+  out.u8(news.everything ? 1 : 0);
+  out.u32(static_cast<std::uint32_t>(news.gone.size()));
+  for (const std::uint32_t name : news.gone) out.u32(name);
+  out.u32(static_cast<std::uint32_t>(news.added.size()));
+  for (const auto& added : news.added) write_line(out, added.name, *added.line);
+  return news.number;
+}
+
 }  // namespace
 
 void write_begin(ByteWriter& out, double run, std::int32_t epoch) {
@@ -66,16 +93,11 @@ std::uint64_t write_tiles(ByteWriter& out, const store::LiveMap& map, const Tile
 }
 
 std::uint32_t write_curbs(ByteWriter& out, const store::CurbLines& curbs, std::uint32_t number) {
-  if (number == curbs.number()) return number;
-  const store::CurbLines::News news = curbs.above(number);
-  const Section section(out, kCurbs);
-  out.u32(news.number);
-  out.u8(news.everything ? 1 : 0);
-  out.u32(static_cast<std::uint32_t>(news.gone.size()));
-  for (const std::uint32_t name : news.gone) out.u32(name);
-  out.u32(static_cast<std::uint32_t>(news.added.size()));
-  for (const auto& added : news.added) write_line(out, added.name, *added.line);
-  return news.number;
+  return write_lines(out, kCurbs, curbs, number);
+}
+
+std::uint32_t write_markings(ByteWriter& out, const store::MarkingLines& markings, std::uint32_t number) {
+  return write_lines(out, kMarkings, markings, number);
 }
 
 void write_path(ByteWriter& out, const store::DrivenPath& path, std::size_t first, bool everything) {

@@ -8,6 +8,7 @@
 #include "services/viewer/store/curb_lines.hpp"
 #include "services/viewer/store/driven_path.hpp"
 #include "services/viewer/store/live_map.hpp"
+#include "services/viewer/store/marking_lines.hpp"
 
 namespace curbstone::viewer::frames {
 
@@ -27,6 +28,8 @@ std::uint64_t write_tiles(ByteWriter& out, const store::LiveMap& map, const Tile
                           std::size_t max_tiles);
 /// The same of curbs.
 std::uint32_t write_curbs(ByteWriter& out, const store::CurbLines& curbs, std::uint32_t number);
+/// The same of road markings.
+std::uint32_t write_markings(ByteWriter& out, const store::MarkingLines& markings, std::uint32_t number);
 /// The points of the path from index `first` on. `everything`: the page forgets those it has.
 void write_path(ByteWriter& out, const store::DrivenPath& path, std::size_t first, bool everything);
 void write_points(ByteWriter& out, const std::vector<ScanPoint>& points);

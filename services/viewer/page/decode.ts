@@ -1,5 +1,5 @@
 // Frames of the server: bytes in, a changed World out. frames/README.md has the layout.
-import { CurbLine, kTileCells, Tile, World } from "./world";
+import { CurbLine, kTileCells, MarkingLine, Tile, World } from "./world";
 
 class Reader {
   private at: number;
@@ -63,18 +63,38 @@ function readChanges(reader: Reader, tile: Tile): void {
   for (const i of cells) tile.confidences[i] = reader.u8();
 }
 
-function readCurbs(reader: Reader, world: World): void {
+/// What became of lines that the page knows by name.
+function readGone(reader: Reader, lines: Map<number, unknown>): void {
   reader.u32();  // the number: the server remembers it for us
-  if (reader.u8()) world.curbs.clear();
-  for (let gone = reader.u32(); gone > 0; --gone) world.curbs.delete(reader.u32());
+  if (reader.u8()) lines.clear();
+  for (let gone = reader.u32(); gone > 0; --gone) lines.delete(reader.u32());
+}
+
+function readFloats(reader: Reader, n: number): Float32Array {
+  const values = new Float32Array(n);
+  for (let i = 0; i < n; ++i) values[i] = reader.f32();
+  return values;
+}
+
+function readCurbs(reader: Reader, world: World): void {
+  readGone(reader, world.curbs);
   for (let lines = reader.u32(); lines > 0; --lines) {
     const name = reader.u32();
     const confidence = reader.f32(), dropped = reader.u8() !== 0, rise = reader.i8(), n = reader.u16();
-    const line: CurbLine = { confidence, dropped, rise, n, values: new Float32Array(6 * n) };
-    for (let i = 0; i < 6 * n; ++i) line.values[i] = reader.f32();
+    const line: CurbLine = { confidence, dropped, rise, n, values: readFloats(reader, 6 * n) };
     world.curbs.set(name, line);
   }
   world.curbsChanged = true;
+}
+
+function readMarkings(reader: Reader, world: World): void {
+  readGone(reader, world.markings);
+  for (let lines = reader.u32(); lines > 0; --lines) {
+    const name = reader.u32(), type = reader.i8(), confidence = reader.f32(), width = reader.f32(), n = reader.u16();
+    const line: MarkingLine = { type, confidence, width, n, values: readFloats(reader, 3 * n), painted: reader.bytes(n).slice() };
+    world.markings.set(name, line);
+  }
+  world.markingsChanged = true;
 }
 
 function readPath(reader: Reader, world: World): void {
@@ -109,6 +129,7 @@ export function readFrame(buffer: ArrayBuffer, world: World): number {
     if (kind === 4) readPath(section, world);
     if (kind === 5) readScan(section, world);
     if (kind === 6) world.state = JSON.parse(section.text());
+    if (kind === 8) readMarkings(section, world);
     if (kind === 7) world.services = JSON.parse(section.text());
   }
   return frame;

@@ -166,7 +166,7 @@ function look(): void {
   verdict = showServices(world.services, age);
   if (state) panel.showState(state, motion.speed);
   showSummary(motion.speed, latency, verdict.faults, verdict.silent);
-  const fresh = heightRange(world, camera);
+  const fresh = settings.mode === "height" ? heightRange(world, camera) : range;
   if (Math.abs(fresh[0] - range[0]) + Math.abs(fresh[1] - range[1]) > 0.1) {
     range = fresh;
     panel.refresh(range);

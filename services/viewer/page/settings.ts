@@ -2,7 +2,7 @@
 import { Camera } from "./drawing/camera";
 import { Mode, Theme } from "./drawing/palette";
 
-export interface Layers { grid: boolean; relief: boolean; curbs: boolean; path: boolean; points: boolean; localized: boolean }
+export interface Layers { grid: boolean; relief: boolean; curbs: boolean; markings: boolean; path: boolean; points: boolean; localized: boolean }
 
 export class Settings {
   mode: Mode = "class";
@@ -10,7 +10,7 @@ export class Settings {
   follow = true;
   headingUp = false;
   points: "height" | "intensity" = "height";  // what colours the LiDAR's points
-  layers: Layers = { grid: true, relief: true, curbs: true, path: true, points: true, localized: true };
+  layers: Layers = { grid: true, relief: true, curbs: true, markings: true, path: true, points: true, localized: true };
   hasView = false;  // the address said where to look
 
   /// The theme that is in force.

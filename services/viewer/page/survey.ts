@@ -27,8 +27,8 @@ export function heightRange(world: World, camera: Camera): [number, number] {
     }
   }
   if (heights.length < 20) return [-1, 3];
-  heights.sort((a, b) => a - b);
-  const at = (share: number) => heights[Math.floor(share * (heights.length - 1))];
+  const sorted = Float32Array.from(heights).sort();
+  const at = (share: number) => sorted[Math.floor(share * (sorted.length - 1))];
   return [at(0.01), Math.max(at(0.01) + 0.5, at(0.97))];
 }
 

@@ -28,6 +28,17 @@ export interface CurbLine {
   values: Float32Array;  // n each of x, y, z, height, high side x, high side y
 }
 
+/// As marking_line_t: a crossing runs across its bars, which are as long as it is wide.
+export interface MarkingLine {
+  type: number;            // kMarkingNames
+  confidence: number;
+  width: number;           // m; 0: not known
+  n: number;
+  values: Float32Array;    // n each of x, y, z, m
+  painted: Uint8Array;     // whether there is paint up to the next point
+}
+export const kMarkingNames = ["Marking", "Solid line", "Dashed line", "Stop line", "Crossing", "Other marking"];
+
 export interface Pose {
   utime: number; x: number; y: number; z: number; roll: number; pitch: number; yaw: number;
   covariance: [number, number, number, number];  // xx, xy, yy m^2, yaw rad^2
@@ -61,7 +72,7 @@ export interface Service {
 /// All that a world knows at a moment. It shares what does not change afterwards.
 export interface Snapshot {
   run: number; epoch: number; number: number;
-  tiles: Map<string, Tile>; curbs: Map<number, CurbLine>;
+  tiles: Map<string, Tile>; curbs: Map<number, CurbLine>; markings: Map<number, MarkingLine>;
   path: number[]; pathLength: number;  // which may have grown since
   scan: Float32Array; state: State | null; services: Service[];
 }
@@ -77,6 +88,8 @@ export class World {
   copied = 0;                 // tiles, because a snapshot keeps them as they were
   curbs = new Map<number, CurbLine>();
   curbsChanged = true;
+  markings = new Map<number, MarkingLine>();
+  markingsChanged = true;
   path: number[] = [];  // x, y, z by turns
   pathChanged = true;
   scan: Float32Array = new Float32Array();  // x, y, z in base_link, m, and intensity 0..1, by turns
@@ -96,9 +109,10 @@ export class World {
     this.changed.clear();
     this.gone.clear();
     this.curbs.clear();
+    this.markings.clear();
     this.path = [];
     this.scan = new Float32Array();
-    this.cleared = this.curbsChanged = this.pathChanged = this.scanChanged = true;
+    this.cleared = this.curbsChanged = this.markingsChanged = this.pathChanged = this.scanChanged = true;
   }
 
   /// The tile, to be changed.
@@ -114,7 +128,7 @@ export class World {
   snapshot(): Snapshot {
     for (const tile of this.tiles.values()) tile.kept = true;
     const { run, epoch, number, path, scan, state, services } = this;
-    return { run, epoch, number, tiles: new Map(this.tiles), curbs: new Map(this.curbs), path, pathLength: path.length, scan, state, services };
+    return { run, epoch, number, tiles: new Map(this.tiles), curbs: new Map(this.curbs), markings: new Map(this.markings), path, pathLength: path.length, scan, state, services };
   }
 
   /// Becomes what the snapshot holds; only what is other there counts as changed.
@@ -127,10 +141,11 @@ export class World {
     for (const [key, tile] of other.tiles) if (this.tiles.get(key) !== tile) this.changed.add(tile);
     this.tiles = new Map(other.tiles);
     this.curbs = new Map(other.curbs);
+    this.markings = new Map(other.markings);
     this.path = other.path.slice(0, other.pathLength);
     const { run, epoch, number, scan, state, services } = other;
     Object.assign(this, { run, epoch, number, scan, state, services });
-    this.curbsChanged = this.pathChanged = this.scanChanged = true;
+    this.curbsChanged = this.markingsChanged = this.pathChanged = this.scanChanged = true;
   }
 }
 

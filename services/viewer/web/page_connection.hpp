@@ -49,6 +49,7 @@ class Page final : public std::enable_shared_from_this<Page> {
     stream_.set_option(timeout);
     stream_.read_message_max(0);  // see read()
     stream_.auto_fragment(false);
+    if (subprotocol.empty()) compress();
     if (!subprotocol.empty()) {
       stream_.set_option(websocket::stream_base::decorator([subprotocol](websocket::response_type& response) {
         response.set(http::field::sec_websocket_protocol, subprotocol);
@@ -74,6 +75,18 @@ class Page final : public std::enable_shared_from_this<Page> {
   }
 
  private:
+  /// What a page is sent shrinks to a third (docs/benchmarks/viewer.md). Each message by itself: it costs a little, and
+  /// a page is never bound to what it was sent before. Programs that speak a subprotocol unpack raw messages only.
+  void compress() {
+    websocket::permessage_deflate option;
+    option.server_enable = true;
+    option.server_no_context_takeover = option.client_no_context_takeover = true;
+    option.compLevel = kCompression;
+    option.memLevel = 8;
+    stream_.set_option(option);
+    stream_.write_buffer_bytes(std::size_t{64} * 1024);
+  }
+
   /// In pieces: by its own limit Beast answers a message that is too big with a farewell, and waits for the other
   /// side's.
   void read() {

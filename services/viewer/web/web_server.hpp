@@ -23,6 +23,9 @@ struct WebLimits {
   std::chrono::milliseconds write{10000};    ///< for a response or a frame to be taken
 };
 
+/// zlib's level of the messages to a browser (permessage-deflate, RFC 7692), each by itself.
+inline constexpr int kCompression = 1;
+
 struct WebSettings {
   std::string address = "127.0.0.1";
   std::uint16_t port = 0;          ///< 0: any that is free
@@ -40,9 +43,9 @@ struct WebSettings {
 /// Serves the page (GET and HEAD of its files) and its WebSocket, /live. Read-only: nothing that a page says changes
 /// anything but what it is sent. A thread of its own does all of it, so that a slow browser delays nobody.
 ///
-/// Counters: pages.came, pages.bytes; refused.host, .origin, .request (no such file, method or
-/// head), .pages, .connections (too many), .messages (too many or too large); dropped.slow_page (a frame or an answer
-/// that was not taken in time), dropped.frames.
+/// Counters: pages.came, pages.bytes (before they were compressed); refused.host, .origin, .request (no such
+/// file, method or head), .pages, .connections (too many), .messages (too many or too large); dropped.slow_page (a
+/// frame or an answer that was not taken in time), dropped.frames.
 class WebServer final : public Audience {
  public:
   /// Listens from here on. Throws std::runtime_error with one clear line.

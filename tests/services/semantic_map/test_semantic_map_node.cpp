@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <curbstone/curb_lines_t.hpp>
+#include <curbstone/marking_lines_t.hpp>
 #include <map>
 #include <random>
 
@@ -11,6 +13,42 @@
 
 namespace curbstone::semantic_map {
 namespace {
+
+TEST_F(SemanticMapNodeTest, SaysWhereTheRoadIsPaintedAndKeepsItInTheMapFile) {
+  LocalBus bus;
+  const SemanticMapConfig c = config("map.db");
+  SemanticMapNode node(c, bus);
+  node.connect(bus);
+  std::vector<marking_lines_t> markings;
+  bus.subscribe<marking_lines_t>("MARKINGS", [&](const marking_lines_t& m) { markings.push_back(m); });
+  bus.publish("MAP_POSE", pose_at(kStart, 0));
+  for (voted_points_t page : all_pages()) {
+    for (std::size_t i = 0; i < page.intensity.size(); ++i) {
+      const double y = page.tile_y * kTileSize + page.y[i] * kPositionStep;
+      page.intensity[i] = std::abs(y + 2.0) < 0.12 ? 160 : 64;
+    }
+    bus.publish("VOTED_POINTS", page);
+  }
+  bus.publish("MAP_POSE", pose_at(kStart + 50'000, 1));
+  bus.dispatch();
+  for (int i = 1; i <= 350; ++i) {
+    node.tick(kStart + 20'000 * i);
+    bus.dispatch();
+  }
+  ASSERT_FALSE(markings.empty());
+  EXPECT_LE(markings.size(), 7U) << "no more than one a second";
+  ASSERT_EQ(markings.back().num_lines, 1);
+  const marking_line_t& line = markings.back().lines[0];
+  EXPECT_EQ(line.type, marking_line_t::SOLID);
+  EXPECT_GT(line.x.back() - line.x.front(), 10);
+  for (const float y : line.y) EXPECT_NEAR(y, -2.0F, 0.05F);
+  const std::size_t sent = markings.size();
+  node.finish();
+  EXPECT_EQ(markings.size(), sent) << "and what was sent is the map";
+  const auto kept = store::MapReader(c.map).markings();
+  ASSERT_EQ(kept.size(), 1U);
+  EXPECT_EQ(kept[0].points.size(), line.x.size());
+}
 
 TEST_F(SemanticMapNodeTest, MakesTilesCurbsAndAMapFile) {
   LocalBus bus;

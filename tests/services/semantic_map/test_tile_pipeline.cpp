@@ -133,7 +133,7 @@ TEST_F(PipelineOfAStreet, DoesNothingMoreForATileThatCameOutAsItWas) {
   const tile::VotedTile& tile = tiles()[tiles().size() / 2];
   pipeline.set_voted(tile);
   const std::int64_t before = pipeline.num_evidence();
-  EXPECT_TRUE(pipeline.settle().empty());
+  EXPECT_TRUE(pipeline.settle().changed.empty());
   EXPECT_LE(pipeline.num_evidence() - before, 9) << "its neighbours look at its points, and nobody looks at theirs";
 }
 

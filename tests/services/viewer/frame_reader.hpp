@@ -18,7 +18,14 @@ class FrameReader {
  public:
   std::map<TileKey, store::TileCells> tiles;
   std::map<std::uint32_t, std::vector<float>> curbs;  ///< x of the vertices, by name
-  std::vector<float> path;                            ///< x, y, z by turns
+  struct Marking {
+    int type = 0;
+    float width = 0;  ///< m
+    std::vector<float> x;
+    std::vector<int> painted;
+  };
+  std::map<std::uint32_t, Marking> markings;
+  std::vector<float> path;  ///< x, y, z by turns
   std::size_t num_points = 0;
   double run = 0;
   std::int32_t epoch = 0;
@@ -69,6 +76,7 @@ class FrameReader {
         epoch = take_i32();
         tiles.clear();
         curbs.clear();
+        markings.clear();
         path.clear();
         return;
       case 2:
@@ -91,6 +99,8 @@ class FrameReader {
       case 7:
         services = take_text();
         return;
+      case 8:
+        return read_markings();
       default:
         throw std::runtime_error("an unknown section");
     }
@@ -119,10 +129,30 @@ class FrameReader {
     for (const std::size_t i : cells) tile.confidence[i] = take<std::uint8_t>();
   }
 
-  void read_curbs() {
+  template <class Lines>
+  void read_gone(Lines& lines) {
     take<std::uint32_t>();
-    if (take<std::uint8_t>() != 0) curbs.clear();
-    for (auto gone = take<std::uint32_t>(); gone > 0; --gone) EXPECT_EQ(curbs.erase(take<std::uint32_t>()), 1U);
+    if (take<std::uint8_t>() != 0) lines.clear();
+    for (auto gone = take<std::uint32_t>(); gone > 0; --gone) EXPECT_EQ(lines.erase(take<std::uint32_t>()), 1U);
+  }
+
+  void read_markings() {
+    read_gone(markings);
+    for (auto lines = take<std::uint32_t>(); lines > 0; --lines) {
+      Marking& line = markings[take<std::uint32_t>()];
+      line.type = take<std::uint8_t>();
+      take_f32();
+      line.width = take_f32();
+      line.x.resize(take<std::uint16_t>());
+      line.painted.resize(line.x.size());
+      for (float& x : line.x) x = take_f32();
+      for (std::size_t i = 0; i < 2 * line.x.size(); ++i) take_f32();
+      for (int& painted : line.painted) painted = take<std::uint8_t>();
+    }
+  }
+
+  void read_curbs() {
+    read_gone(curbs);
     for (auto lines = take<std::uint32_t>(); lines > 0; --lines) {
       std::vector<float>& line = curbs[take<std::uint32_t>()];
       take_f32();

@@ -285,6 +285,13 @@ TEST_F(ViewerNodeTest, BadMessagesAreCounted) {
   curbs.box_min[0] = NAN;
   hear("CURBS", curbs);
   EXPECT_EQ(counted("refused.curbs"), 1);
+  marking_lines_t markings{};
+  markings.epoch = kEpoch;
+  markings.num_lines = 1;
+  markings.lines.resize(1);
+  markings.lines[0].width = NAN;
+  hear("MARKINGS", markings);
+  EXPECT_EQ(counted("refused.markings"), 1);
 }
 
 TEST_F(ViewerNodeTest, WhateverAPageSaysNothingBreaks) {

@@ -1,6 +1,7 @@
 #include "tools/bench/viewer/page_traffic.hpp"
 
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -26,12 +27,28 @@ constexpr std::int64_t kTick = 20'000;  // us
 enum PageNumber : web::PageId { kMap = 1, kPoints = 2, kUnread = 3 };
 
 /// By kind: frames/README.md.
-constexpr std::array<const char*, 8> kSections = {"", "begin", "tiles", "curbs", "path", "points", "state", "services"};
+constexpr std::array<const char*, 9> kSections = {"",       "begin", "tiles",    "curbs",   "path",
+                                                  "points", "state", "services", "markings"};
 
 std::uint32_t u32_at(const std::vector<std::uint8_t>& bytes, std::size_t at) {
   std::uint32_t value = 0;
   std::memcpy(&value, bytes.data() + at, sizeof value);
   return value;
+}
+
+/// As permessage-deflate makes it (RFC 7692 7.2.1): raw deflate, each message by itself, without the last four bytes.
+std::int64_t compressed_size(const std::vector<std::uint8_t>& message) {
+  z_stream stream{};
+  if (deflateInit2(&stream, web::kCompression, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
+  std::vector<std::uint8_t> out(deflateBound(&stream, message.size()) + 16);
+  stream.next_in = const_cast<Bytef*>(message.data());
+  stream.avail_in = static_cast<uInt>(message.size());
+  stream.next_out = out.data();
+  stream.avail_out = static_cast<uInt>(out.size());
+  deflate(&stream, Z_SYNC_FLUSH);
+  const auto size = static_cast<std::int64_t>(stream.total_out) - 4;
+  deflateEnd(&stream);
+  return size;
 }
 
 /// Three pages that draw at once what they get, but the last, which never says that it has.
@@ -49,6 +66,7 @@ class CountingAudience final : public web::Audience {
     PageTraffic& traffic = pages_[page];
     const auto size = static_cast<std::int64_t>(frame->size());
     traffic.bytes += size;
+    traffic.compressed += compressed_size(*frame);
     traffic.frames += 1;
     traffic.largest = std::max(traffic.largest, size);
     const std::uint32_t number = u32_at(*frame, 0);

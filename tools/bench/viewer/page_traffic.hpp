@@ -11,6 +11,7 @@ namespace curbstone::bench::viewer {
 /// What one page was sent.
 struct PageTraffic {
   std::int64_t bytes = 0;
+  std::int64_t compressed = 0;  ///< what a browser gets of them
   std::int64_t frames = 0;
   std::int64_t largest = 0;                           ///< bytes of a frame
   std::map<std::string, std::int64_t> sections = {};  ///< bytes of what they hold, by its name

@@ -22,7 +22,8 @@ nlohmann::json traffic_json(const PageTraffic& traffic, double seconds) {
   nlohmann::json sections = nlohmann::json::object();
   for (const auto& [name, bytes] : traffic.sections) sections[name] = static_cast<double>(bytes) * 1e-6 / seconds;
   return {{"sections_mb_per_s", sections},
-          {"mb_per_s", static_cast<double>(traffic.bytes) * 1e-6 / seconds},
+          {"mb_per_s", static_cast<double>(traffic.compressed) * 1e-6 / seconds},
+          {"raw_mb_per_s", static_cast<double>(traffic.bytes) * 1e-6 / seconds},
           {"frames_per_s", static_cast<double>(traffic.frames) / seconds},
           {"frames", traffic.frames},
           {"bytes", traffic.bytes},
@@ -35,9 +36,9 @@ void print_traffic(const nlohmann::json& json) {
   for (const auto& [name, says] :
        {std::pair{"map", "a page"}, {"points", "with the LiDAR's points"}, {"unread", "that reads nothing"}}) {
     const auto& traffic = json["traffic"][name];
-    fmt::print("  {:<26} {:>7.3f} MB/s {:>6.1f} frames/s, the largest {:.0f} kB\n", says,
-               traffic["mb_per_s"].get<double>(), traffic["frames_per_s"].get<double>(),
-               traffic["largest_kb"].get<double>());
+    fmt::print("  {:<26} {:>7.3f} MB/s ({:.3f} before compression) {:>6.1f} frames/s, the largest {:.0f} kB\n", says,
+               traffic["mb_per_s"].get<double>(), traffic["raw_mb_per_s"].get<double>(),
+               traffic["frames_per_s"].get<double>(), traffic["largest_kb"].get<double>());
   }
   std::fflush(stdout);
 }

@@ -7,6 +7,7 @@
 #include <unordered_set>
 
 #include "services/semantic_map/nearby_curbs.hpp"
+#include "services/semantic_map/nearby_markings.hpp"
 #include "services/tensor_voting/kernels/decomposition.hpp"
 #include "services/tensor_voting/voting/batch_voting.hpp"
 
@@ -27,12 +28,17 @@ struct VoxelHash {
   }
 };
 
-std::vector<Eigen::Vector3d> usable_points(std::span<const Eigen::Vector3f> points, const CloudMapOptions& options,
-                                           CloudMap& counts) {
-  std::vector<Eigen::Vector3d> used;
+/// Points of a cloud that are used, and which ones they are.
+struct UsablePoints {
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<std::size_t> indices;
+};
+
+UsablePoints usable_points(std::span<const Eigen::Vector3f> points, const CloudMapOptions& options, CloudMap& counts) {
+  UsablePoints used;
   std::unordered_set<Voxel, VoxelHash> taken;
-  for (const Eigen::Vector3f& point : points) {
-    const Eigen::Vector3d p = point.cast<double>();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d p = points[i].cast<double>();
     if (!p.allFinite()) {
       ++counts.not_finite;
       continue;
@@ -44,7 +50,8 @@ std::vector<Eigen::Vector3d> usable_points(std::span<const Eigen::Vector3f> poin
     }
     const auto cell = [&](double x) { return static_cast<std::int64_t>(std::floor(x / options.thin)); };
     if (options.thin > 0 && !taken.insert({cell(p.x()), cell(p.y()), cell(p.z())}).second) continue;
-    used.push_back(p);
+    used.positions.push_back(p);
+    used.indices.push_back(i);
   }
   return used;
 }
@@ -72,8 +79,10 @@ semantic_map::tile::CellClass label_of(const semantic_map::tile::VotedPoint& p, 
 }  // namespace
 
 std::vector<semantic_map::tile::VotedTile> vote_tiles(std::span<const Eigen::Vector3f> points,
-                                                      const CloudMapOptions& options, CloudMap& counts) {
-  const std::vector<Eigen::Vector3d> used = usable_points(points, options, counts);
+                                                      const CloudMapOptions& options, CloudMap& counts,
+                                                      std::span<const std::uint8_t> intensities) {
+  const UsablePoints usable = usable_points(points, options, counts);
+  const std::vector<Eigen::Vector3d>& used = usable.positions;
   const tensor_voting::voting::CloudVotes votes =
       tensor_voting::voting::vote_cloud(used, options.voting, options.threads);
   std::map<TileKey, semantic_map::tile::VotedTile> tiles;
@@ -91,6 +100,7 @@ std::vector<semantic_map::tile::VotedTile> vote_tiles(std::span<const Eigen::Vec
                            static_cast<float>(p.x() - key.x * kTileSize),
                            static_cast<float>(p.y() - key.y * kTileSize),
                            static_cast<float>(p.z())});
+    if (intensities.size() == points.size()) tile.intensity.push_back(intensities[usable.indices[i]]);
   }
   std::vector<semantic_map::tile::VotedTile> result;
   result.reserve(tiles.size());
@@ -99,7 +109,7 @@ std::vector<semantic_map::tile::VotedTile> vote_tiles(std::span<const Eigen::Vec
 }
 
 void map_tiles(const std::vector<semantic_map::tile::VotedTile>& tiles, const CloudMapOptions& options, CloudMap& map) {
-  semantic_map::TilePipeline pipeline(options.curb, options.classes);
+  semantic_map::TilePipeline pipeline(options.curb, options.classes, options.markings);
   for (const semantic_map::tile::VotedTile& tile : tiles) pipeline.set_voted(tile);
   pipeline.settle();
   for (const semantic_map::tile::VotedTile& tile : tiles) {
@@ -121,6 +131,7 @@ void map_tiles(const std::vector<semantic_map::tile::VotedTile>& tiles, const Cl
     }
   }
   map.lines = semantic_map::all_curbs(pipeline);
+  map.markings = semantic_map::all_markings(pipeline, options.path, options.markings);
 }
 
 CloudMap map_cloud(std::span<const Eigen::Vector3f> points, const CloudMapOptions& options) {

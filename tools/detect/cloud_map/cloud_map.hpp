@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "services/semantic_map/cells/cell_classes.hpp"
+#include "services/semantic_map/markings/marking_parameters.hpp"
 #include "services/semantic_map/tile/curb_parameters.hpp"
 #include "services/semantic_map/tile/map_types.hpp"
 #include "services/semantic_map/tile_pipeline.hpp"
@@ -19,6 +20,8 @@ struct CloudMapOptions {
   tensor_voting::voting::VotingParameters voting;
   semantic_map::tile::CurbParameters curb;
   semantic_map::cells::ClassParameters classes;
+  semantic_map::markings::MarkingParameters markings;
+  std::vector<Eigen::Vector2d> path;  ///< driven, m in the cloud's frame: stop lines lie across
   double thin = 0.03;  ///< m, > 0: of all points in a cube of this edge the first is used, as a mapper would
   double range = 80;   ///< m from the cloud's origin (0: all)
   int threads = 2;
@@ -43,16 +46,20 @@ struct CloudMap {
   std::vector<semantic_map::tile::MapTile> tiles;  ///< by key
   std::vector<CloudCurb> curbs;
   std::vector<semantic_map::tile::CurbLine> lines;  ///< the curbs, linked; inferred ones last
+  std::vector<semantic_map::tile::MarkingLine> markings;
   std::vector<DetectedPoint> points;
   std::size_t not_finite = 0;  ///< points skipped
   std::size_t out_of_range = 0;
 };
 
+/// Without intensities, and so without markings.
 [[nodiscard]] CloudMap map_cloud(std::span<const Eigen::Vector3f> points, const CloudMapOptions& options);
 
 /// The voted tiles of a cloud: the part of map_cloud() that costs, apart for those who try several parameters on it.
+/// `intensities`: of the points, as VotedTile has them, or none.
 [[nodiscard]] std::vector<semantic_map::tile::VotedTile> vote_tiles(std::span<const Eigen::Vector3f> points,
-                                                                    const CloudMapOptions& options, CloudMap& counts);
+                                                                    const CloudMapOptions& options, CloudMap& counts,
+                                                                    std::span<const std::uint8_t> intensities = {});
 /// The rest of map_cloud().
 void map_tiles(const std::vector<semantic_map::tile::VotedTile>& tiles, const CloudMapOptions& options, CloudMap& map);
 

@@ -2,7 +2,9 @@
 
 #include "common/config/config.hpp"
 #include "common/config/vehicle.hpp"
+#include "tools/simulate/paint/painted_ground.hpp"
 #include "tools/simulate/sensors/imu_model.hpp"
+#include "tools/simulate/sensors/intensity_model.hpp"
 #include "tools/simulate/sensors/lidar_noise.hpp"
 #include "tools/simulate/sensors/wheel_model.hpp"
 
@@ -15,6 +17,8 @@ struct SimulateConfig {
   double speed = 3.0;         ///< m/s
   double standstill = 4.0;    ///< s at the start
   double acceleration = 0.9;  ///< m/s^2
+  paint::Paint paint = paint::Paint::kFresh;
+  sensors::IntensityModel intensity;
   sensors::LidarNoise lidar;
   sensors::ImuNoise imu;
   sensors::WheelNoise wheels;
@@ -25,6 +29,10 @@ struct SimulateConfig {
     v.field("speed", speed, {0.2, 15.0}, "m/s, in the town");
     v.field("standstill", standstill, {0.0, 60.0}, "s at the start, for the IMU to be levelled");
     v.field("acceleration", acceleration, {0.1, 5.0}, "m/s^2, at most");
+    using enum paint::Paint;
+    v.choice("paint", paint, {{"none", kNone}, {"fresh", kFresh}, {"worn", kWorn}}, "on the streets of the town");
+    v.field("ring_gains", intensity.ring_gains, "every laser has a scale of intensity of its own, in the town");
+    v.field("intensity_step", intensity.step, {1.0, 64.0}, "of 255, what intensities are multiples of, in the town");
     v.section("lidar", lidar, "the LiDAR's errors");
     v.section("imu", imu, "the IMU's errors");
     v.section("wheels", wheels, "the wheels' errors");

@@ -42,6 +42,22 @@ void write_poses(const std::string& folder, const TruthInfo& info, const motion:
   write_file(folder, "poses.csv", text);
 }
 
+/// A row a vertex of a piece's centre line.
+void write_markings(const std::string& folder, const world::Ground& ground, std::span<const paint::Marking> markings) {
+  std::string text = "line,piece,type,width,x,y,z\n";
+  for (std::size_t line = 0; line < markings.size(); ++line) {
+    const auto& pieces = markings[line].pieces;
+    for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
+      for (const Eigen::Vector2d& p : pieces[piece].centre) {
+        const float z = ground.height_at(static_cast<float>(p.x()), static_cast<float>(p.y()));
+        text += fmt::format("{},{},{},{:.3f},{:.4f},{:.4f},{:.4f}\n", line, piece, paint::name_of(markings[line].type),
+                            pieces[piece].width, p.x(), p.y(), z);
+      }
+    }
+  }
+  write_file(folder, "markings.csv", text);
+}
+
 }  // namespace
 
 void prepare_truth_folder(const std::string& folder) {
@@ -57,7 +73,8 @@ void prepare_truth_folder(const std::string& folder) {
   std::filesystem::remove(probe, error);
 }
 
-ClassImageInfo write_town_truth(const std::string& folder, const world::Town& town, double vehicle_height) {
+ClassImageInfo write_town_truth(const std::string& folder, const world::Town& town,
+                                std::span<const paint::Marking> markings, double vehicle_height) {
   const ClassGrid grid = make_class_grid(*town.scene, vehicle_height);
   write_png(folder + "/classes.png", grid.image);
   std::string text = "line,x,y,z,height,dropped\n";
@@ -70,6 +87,7 @@ ClassImageInfo write_town_truth(const std::string& folder, const world::Town& to
     ++line;
   }
   write_file(folder, "curbs.csv", text);
+  write_markings(folder, town.scene->ground(), markings);
   return {grid.resolution, grid.x0, grid.y0, grid.image.width, grid.image.height};
 }
 

@@ -2,15 +2,17 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "tools/simulate/motion/motion.hpp"
+#include "tools/simulate/paint/markings.hpp"
 #include "tools/simulate/world/town.hpp"
 
 namespace curbstone::simulate::truth {
 
-/// The folder that `curbstone evaluate` reads: truth.json, poses.csv, and for towns classes.png and curbs.csv. All
-/// functions throw std::runtime_error with one clear line when something cannot be written.
+/// The folder that `curbstone evaluate` reads: truth.json, poses.csv, for towns also classes.png, curbs.csv and
+/// markings.csv. All functions throw std::runtime_error with one clear line when something cannot be written.
 struct TruthInfo {
   std::int64_t start_utime = 0;
   std::uint64_t seed = 0;
@@ -30,8 +32,9 @@ struct ClassImageInfo {
 
 /// Makes the folder, and finds out now rather than after the drive whether it can be written.
 void prepare_truth_folder(const std::string& folder);
-/// classes.png and curbs.csv: known before the drive.
-ClassImageInfo write_town_truth(const std::string& folder, const world::Town& town, double vehicle_height);
+/// classes.png, curbs.csv and markings.csv: known before the drive.
+ClassImageInfo write_town_truth(const std::string& folder, const world::Town& town,
+                                std::span<const paint::Marking> markings, double vehicle_height);
 /// poses.csv and truth.json: known when the drive has begun. Without `classes` the truth has none, and says so.
 void write_drive_truth(const std::string& folder, const TruthInfo& info, const motion::Motion& motion,
                        const std::optional<ClassImageInfo>& classes);

@@ -5,7 +5,7 @@ import { Layers, Settings } from "../settings";
 import { Pose, State } from "../world";
 
 const kLayers: [keyof Layers, string][] =
-  [["grid", "Cells"], ["relief", "Relief"], ["curbs", "Curbs"], ["path", "Path"], ["points", "LiDAR"], ["localized", "Localizer"]];
+  [["grid", "Cells"], ["relief", "Relief"], ["curbs", "Curbs"], ["markings", "Paint"], ["path", "Path"], ["points", "LiDAR"], ["localized", "Localizer"]];
 const kPointColours: [Settings["points"], string][] = [["height", "Points by height"], ["intensity", "By intensity"]];
 const kThemes: ["auto" | Theme, string][] = [["auto", "Auto"], ["light", "Light"], ["dark", "Dark"]];
 

@@ -1,6 +1,7 @@
 // The map's cells and the LiDAR's points, drawn by WebGL2: from above here, tilted by Relief.
 import { Camera } from "./camera";
-import { kCellsAside, kPageSize, Pages } from "./pages";
+import { Painter } from "./painter";
+import { kCellsAside, kPageSize, Page, Pages } from "./pages";
 import { classColours, Mode, pointRamp, ramp, Rgb, Theme } from "./palette";
 import { Program, unit } from "./program";
 import { Relief } from "./relief";
@@ -19,6 +20,7 @@ export interface Look {
 export class Ground {
   private gl!: WebGL2RenderingContext;
   private pages!: Pages;
+  private painter!: Painter;
   private relief!: Relief;
   private flat!: Program;
   private point!: Program;
@@ -42,10 +44,12 @@ export class Ground {
   curbsChanged(): void { this.relief.curbsChanged(); }
 
   private setUp(): void {
-    const gl = this.canvas.getContext("webgl2", { antialias: !drawsInSoftware(), premultipliedAlpha: true, preserveDrawingBuffer: false });
+    const isSlow = drawsInSoftware();
+    const gl = this.canvas.getContext("webgl2", { antialias: !isSlow, premultipliedAlpha: true, preserveDrawingBuffer: false });
     if (!gl) throw new Error("This browser has no WebGL2, which draws the map.");
     this.gl = gl;
-    this.pages = new Pages(gl, this.world);
+    this.pages = new Pages(gl, this.world, isSlow ? gl.LINEAR_MIPMAP_NEAREST : gl.LINEAR_MIPMAP_LINEAR);
+    this.painter = new Painter(gl, this.pages);
     this.relief = new Relief(gl, this.world, this.pages);
     this.flat = new Program(gl, kPageVertex, kPageFragment);
     this.point = new Program(gl, kPointVertex, kPointFragment, ["point"]);
@@ -59,14 +63,15 @@ export class Ground {
     const { gl, canvas, world } = this;
     this.pages.upload();
     if (world.scanChanged) this.uploadScan();
+    const paint = this.painting(camera, look);
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     if (camera.isTilted) {
       const curbs = look.curbs ? [...unit(classColours(look.theme, look.mode)[2]!), 1] : null;
-      this.relief.draw(camera, program => this.style(program, look), look.grid, curbs, look.grey);
+      this.relief.draw(camera, program => this.style(program, look), paint, look.grid, curbs, look.grey);
     } else if (look.grid) {
-      this.drawPages(camera, look);
+      this.drawPages(camera, look, paint);
     }
     if (look.points && pose && this.numPoints > 0) this.drawPoints(camera, look, pose);
   }
@@ -79,34 +84,49 @@ export class Ground {
     world.scanChanged = false;
   }
 
-  /// The uniforms of kCellColours.
+  /// Brings the picture of a page up to date.
+  private painting(camera: Camera, look: Look): (page: Page) => void {
+    const { gl } = this, { theme, mode, relief, range } = look;
+    const name = [theme, mode, relief, ...mode === "height" ? range : []].join(" ");
+    const isSmall = camera.isTilted || camera.scale * 0.12 * this.canvas.width / camera.width < 1.5;
+    const style = (program: Program) => {
+      gl.uniform1i(program.at("cells"), 0);
+      gl.uniform1i(program.at("heights"), 1);
+      this.ramp(program, look);
+      gl.uniform4fv(program.at("classes"), classColours(theme, mode).flatMap(c => c ? [...unit(c), 1] : [0, 0, 0, 0]));
+      gl.uniform2fv(program.at("range"), range);
+      gl.uniform1f(program.at("relief"), relief ? 1 : 0);
+    };
+    return page => this.painter.paint(page, name, style, isSmall);
+  }
+
+  private ramp(program: Program, look: Look): void {
+    const { gl } = this;
+    gl.uniform1i(program.at("mode"), ["height", "cost", "confidence", "age"].indexOf(look.mode) + 1);
+    gl.uniform3fv(program.at("ramp"), ramp(look.mode).flatMap(unit));
+  }
+
+  /// The uniforms of kPicture, and the textures that the nets need.
   private style(program: Program, look: Look): void {
     const { gl } = this;
-    ["cells", "heights", "times"].forEach((name, i) => gl.uniform1i(program.at(name), i));
-    gl.uniform1i(program.at("mode"), ["height", "cost", "confidence", "age"].indexOf(look.mode) + 1);
-    gl.uniform4fv(program.at("classes"), classColours(look.theme, look.mode).flatMap(c => c ? [...unit(c), 1] : [0, 0, 0, 0]));
-    gl.uniform3fv(program.at("ramp"), ramp(look.mode).flatMap(unit));
-    gl.uniform2fv(program.at("range"), look.range);
+    ["cells", "heights", "times", "picture"].forEach((name, i) => gl.uniform1i(program.at(name), i));
+    this.ramp(program, look);
     gl.uniform1f(program.at("now"), (look.now - this.pages.epoch) * 1e-6);
-    gl.uniform1f(program.at("relief"), look.relief ? 1 : 0);
     gl.uniform1f(program.at("grey"), look.grey);
     gl.uniform3fv(program.at("paper"), unit(look.paper));
     gl.uniform1f(program.at("cellsAside"), kCellsAside);
   }
 
-  private drawPages(camera: Camera, look: Look): void {
+  private drawPages(camera: Camera, look: Look, paint: (page: Page) => void): void {
     const { gl, flat } = this;
+    const seen = [...this.pages.all.values()].filter(page => isSeen(camera, page.x, page.y));
+    seen.forEach(paint);
     flat.use();
     this.style(flat, look);
     gl.uniform1f(flat.at("side"), kPageSize);
-    const [c, s] = [Math.cos(camera.turn), Math.sin(camera.turn)];
-    const cellsAPixel = camera.width / this.canvas.width / camera.scale / 0.12;
-    gl.uniform2f(flat.at("pixelX"), c * cellsAPixel, -s * cellsAPixel);
-    gl.uniform2f(flat.at("pixelY"), s * cellsAPixel, c * cellsAPixel);
     gl.uniformMatrix4fv(flat.at("toClip"), false, camera.matrix());
     gl.disableVertexAttribArray(0);
-    for (const page of this.pages.all.values()) {
-      if (!isSeen(camera, page.x, page.y)) continue;
+    for (const page of seen) {
       this.pages.bind(page);
       gl.uniform2f(flat.at("corner"), page.x * kPageSize, page.y * kPageSize);
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);

@@ -3,13 +3,16 @@ import { Layers } from "../settings";
 import { Camera } from "./camera";
 import { ellipseOf, Ink, kInk } from "./ink";
 import { Theme } from "./palette";
-import { CurbLine, kCellSize, Place, Pose, World } from "../world";
+import { CurbLine, kCellSize, MarkingLine, Place, Pose, World } from "../world";
+
+const kPaintWidth = 0.12;  // m, where it is not known
 
 interface Shape { line: CurbLine; path: Path2D; ticks: Path2D }
 
 export class Marks {
   private context: CanvasRenderingContext2D;
   private curbs: Shape[] = [];
+  private paint: [MarkingLine, Path2D][] = [];
   private driven = new Path2D();
 
   constructor(private canvas: HTMLCanvasElement, private world: World) {
@@ -25,6 +28,7 @@ export class Marks {
     this.toMap(camera);
     const pixel = 1 / camera.scale;
     context.lineJoin = context.lineCap = "round";
+    if (layers.markings) this.drawPaint(ink, pixel);
     if (layers.path) this.drawPath(ink, pixel);
     if (layers.curbs) this.drawCurbs(ink, pixel, camera.scale);
     if (picked) this.drawPicked(picked, ink, pixel);
@@ -49,11 +53,29 @@ export class Marks {
       this.curbs = [...world.curbs.values()].map(shapeOf);
       world.curbsChanged = false;
     }
+    if (world.markingsChanged) {
+      this.paint = [...world.markings.values()].map(line => [line, pathOf(line)]);
+      world.markingsChanged = false;
+    }
     if (world.pathChanged) {
       this.driven = new Path2D();
       for (let i = 0; i < world.path.length; i += 3) this.driven.lineTo(world.path[i], world.path[i + 1]);
       world.pathChanged = false;
     }
+  }
+
+  /// To scale, from far as thin lines; a dark edge keeps it apart from a light road.
+  private drawPaint(ink: Ink, pixel: number): void {
+    const { context } = this;
+    context.lineCap = "butt";
+    for (const [colour, more] of [["#00000070", 1.5 * pixel], [ink.paint, 0]] as const) {
+      context.strokeStyle = colour;
+      for (const [line, path] of this.paint) {
+        context.lineWidth = Math.max(line.width || kPaintWidth, 1.5 * pixel) + more;
+        context.stroke(path);
+      }
+    }
+    context.lineCap = "round";
   }
 
   private drawPath(ink: Ink, pixel: number): void {
@@ -176,6 +198,16 @@ function roundedBox(context: CanvasRenderingContext2D, x: number, y: number, wid
     context.arcTo(cornerX, cornerY, nextX, nextY, radius);
   });
   context.closePath();
+}
+
+function pathOf({ n, values, painted }: MarkingLine): Path2D {
+  const path = new Path2D();
+  for (let i = 0; i + 1 < n; ++i) {
+    if (!painted[i]) continue;
+    if (i === 0 || !painted[i - 1]) path.moveTo(values[i], values[n + i]);
+    path.lineTo(values[i + 1], values[n + i + 1]);
+  }
+  return path;
 }
 
 function shapeOf(line: CurbLine): Shape {

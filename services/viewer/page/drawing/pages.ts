@@ -4,16 +4,25 @@ import { kCells, kNoHeight, kTileCells, kTileSize, Tile, World } from "../world"
 export const kTilesAside = 32;               // of a page: 96 m
 export const kCellsAside = kTilesAside * kCells;
 export const kPageSize = kTilesAside * kTileSize;  // m
+const kSizes = 1 + Math.floor(Math.log2(kCellsAside));  // of a picture, each half of the one before
 const kNone = -1e9;                          // height where none is known
 
+/// From column, row on, up to column, row, which are not in it.
+export interface Area { left: number; low: number; right: number; high: number }
+
 /// `cells`: class, cost, confidence, 255 where a tile is. `heights`: m. `times`: of each tile's newest points, s.
-export interface Page { x: number; y: number; cells: WebGLTexture; heights: WebGLTexture; times: WebGLTexture }
+/// `picture`: the cells' colours (Painter), which lacks what became other in `unpainted`.
+export interface Page {
+  x: number; y: number; cells: WebGLTexture; heights: WebGLTexture; times: WebGLTexture; picture: WebGLTexture;
+  unpainted: Area | null; paintedAs: string; hasSmaller: boolean;
+}
 
 export class Pages {
   readonly all = new Map<string, Page>();
   epoch = 0;  // us, from which the times count
 
-  constructor(private gl: WebGL2RenderingContext, private world: World) {
+  /// `smooth`: how pictures are drawn smaller (a texture's filter).
+  constructor(private gl: WebGL2RenderingContext, private world: World, private smooth: number) {
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
   }
 
@@ -21,7 +30,7 @@ export class Pages {
   upload(): void {
     const { gl, world } = this;
     if (world.cleared) {
-      for (const { cells, heights, times } of this.all.values()) for (const texture of [cells, heights, times]) gl.deleteTexture(texture);
+      for (const page of this.all.values()) for (const texture of texturesOf(page)) gl.deleteTexture(texture);
       this.all.clear();
       this.epoch = 0;
       world.cleared = false;
@@ -34,7 +43,7 @@ export class Pages {
 
   bind(page: Page): void {
     const { gl } = this;
-    for (const [i, texture] of [page.cells, page.heights, page.times].entries()) {
+    for (const [i, texture] of texturesOf(page).entries()) {
       gl.activeTexture(gl.TEXTURE0 + i);
       gl.bindTexture(gl.TEXTURE_2D, texture);
     }
@@ -59,6 +68,7 @@ export class Pages {
       gl.bindTexture(gl.TEXTURE_2D, texture);
       gl.texSubImage2D(gl.TEXTURE_2D, 0, column * side, row * side, side, side, format, type, values);
     };
+    page.unpainted = around(page.unpainted, column * kCells, row * kCells);
     gl.activeTexture(gl.TEXTURE0);
     put(page.cells, kCells, gl.RGBA_INTEGER, gl.UNSIGNED_BYTE, kBytes);
     put(page.heights, kCells, gl.RED, gl.FLOAT, kHeights);
@@ -68,18 +78,35 @@ export class Pages {
   private newPage(x: number, y: number): Page {
     const { gl } = this;
     gl.activeTexture(gl.TEXTURE0);
-    const texture = (format: number, side: number) => {
+    const texture = (format: number, side: number, sizes = 1) => {
       const made = gl.createTexture()!;
       gl.bindTexture(gl.TEXTURE_2D, made);
-      gl.texStorage2D(gl.TEXTURE_2D, 1, format, side, side);
+      gl.texStorage2D(gl.TEXTURE_2D, sizes, format, side, side);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
       gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
       gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
       return made;
     };
-    const page = { x, y, cells: texture(gl.RGBA8UI, kCellsAside), times: texture(gl.R32F, kTilesAside), heights: texture(gl.R32F, kCellsAside) };
+    const picture = texture(gl.RGBA8, kCellsAside, kSizes);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, this.smooth);
+    const page: Page = { x, y, picture, cells: texture(gl.RGBA8UI, kCellsAside), times: texture(gl.R32F, kTilesAside),
+      heights: texture(gl.R32F, kCellsAside), unpainted: null, paintedAs: "", hasSmaller: false };
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, kCellsAside, kCellsAside, gl.RED, gl.FLOAT, new Float32Array(kCellsAside * kCellsAside).fill(kNone));
     return page;
   }
+}
+
+/// By the places of their units.
+function texturesOf(page: Page): WebGLTexture[] {
+  return [page.cells, page.heights, page.times, page.picture];
+}
+
+/// With that tile, and the cells about it, whose relief it changes.
+function around(area: Area | null, column: number, row: number): Area {
+  const { left, low, right, high } = area ?? { left: kCellsAside, low: kCellsAside, right: 0, high: 0 };
+  return { left: Math.max(0, Math.min(left, column - 1)), low: Math.max(0, Math.min(low, row - 1)),
+    right: Math.min(kCellsAside, Math.max(right, column + kCells + 1)), high: Math.min(kCellsAside, Math.max(high, row + kCells + 1)) };
 }
 
 const kBytes = new Uint8Array(4 * kTileCells);

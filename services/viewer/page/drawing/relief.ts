@@ -39,19 +39,20 @@ export class Relief {
 
   curbsChanged(): void { this.numWalls = -1; }
 
-  /// `style` sets the uniforms of kCellColours; `curbs`: their colour, or null.
-  draw(camera: Camera, style: (program: Program) => void, cells: boolean, curbs: number[] | null, grey: number): void {
+  /// `style` sets the uniforms of kPicture, `paint` brings a page's picture up to date; `curbs`: their colour, or null.
+  draw(camera: Camera, style: (program: Program) => void, paint: (page: Page) => void, cells: boolean, curbs: number[] | null, grey: number): void {
     const { gl } = this, toClip = camera.matrix(), reach = kReach;
     gl.enable(gl.DEPTH_TEST);
     if (cells) {
-      const seen = this.look(camera);
+      const seen = byPage(this.look(camera), this.pages);
+      for (const page of seen.keys()) paint(page);
       for (const program of [this.net, this.block]) {
         program.use();
         style(program);
         gl.uniformMatrix4fv(program.at("toClip"), false, toClip);
         gl.uniform1f(program.at("reach"), reach);
       }
-      for (const [page, tiles] of byPage(seen, this.pages)) {
+      for (const [page, tiles] of seen) {
         this.pages.bind(page);
         this.drawNets(page, tiles);
         this.drawBlocks(page, tiles);

@@ -1,5 +1,5 @@
 // GLSL of the tilted view: the ground as a net over the cells' heights, what blocks as boxes, curbs as walls.
-import { kCellColours } from "./shaders";
+import { kPicture } from "./shaders";
 
 /// A tile's ground: a net of `net` squares aside, in as many steps as its place on the screen is worth. Where a
 /// neighbour has a coarser net, the net's edge lies on that one's, so that no gap is seen.
@@ -90,14 +90,14 @@ vec4 lit(vec4 c) {
   return greyed(vec4(min(c.rgb * light, vec3(c.a)), c.a)) * shown;
 }`;
 
-export const kNetFragment = `${kCellColours}${kLit}
+export const kNetFragment = `${kPicture}${kLit}
 void main() {
-  colour = lit(colourOfPixel(cell, dFdx(cell), dFdy(cell)));
+  colour = lit(colourOf(cell));
 }`;
 
-export const kBlockFragment = `${kCellColours}${kLit}
+export const kBlockFragment = `${kPicture}${kLit}
 void main() {
-  colour = lit(colourOf(ivec2(floor(cell)), 0.0));
+  colour = lit(colourOfOne(ivec2(floor(cell))));
 }`;
 
 export const kSolidVertex = `#version 300 es

@@ -1,33 +1,37 @@
-// GLSL of the map seen from above and of the LiDAR's points; the colours of its cells, which the tilted view has too.
+// GLSL of the map's cells: painted into a picture of each page, and the picture drawn; and of the LiDAR's points.
 
-/// Colours of cells, for a fragment. The pages' textures: `cells` has class, cost, confidence, 255 where a tile is;
-/// `heights` m, very low where none is known; `times` those of tiles, s.
-export const kCellColours = `#version 300 es
-precision highp float;
-precision highp usampler2D;
-precision highp sampler2D;
-uniform usampler2D cells;
-uniform sampler2D heights;
-uniform sampler2D times;
-uniform int mode;            // 0 class, 1 height, 2 cost, 3 confidence, 4 age
-uniform vec4 classes[5];
+const kRamp = `uniform int mode;            // 0 class, 1 height, 2 cost, 3 confidence, 4 age
 uniform vec3 ramp[8];
-uniform vec2 range;          // m: the ends of the ramp
-uniform float now;           // s
-uniform float relief;        // how strong
-uniform float grey;          // 1: what is seen is old
-uniform vec3 paper;
-uniform float cellsAside;
-
-const float kNone = -1e8;
-
 vec3 onRamp(float share) {
   float place = clamp(share, 0.0, 1.0) * 7.0;
   int low = min(int(place), 6);
   return mix(ramp[low], ramp[low + 1], place - float(low));
 }
+`;
+
+/// Over a whole page, a pixel a cell.
+export const kPaintVertex = `#version 300 es
+void main() {
+  gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0, 0, 1);
+}`;
+
+/// The colour of a cell. The page's textures: `cells` has class, cost, confidence, 255 where a tile is; `heights` m, very
+/// low where none is known. By age only which cells are known: their colours change all the time.
+export const kPaintFragment = `#version 300 es
+precision highp float;
+precision highp usampler2D;
+precision highp sampler2D;
+uniform usampler2D cells;
+uniform sampler2D heights;
+uniform vec4 classes[5];
+uniform vec2 range;          // m: the ends of the ramp
+uniform float relief;        // how strong
+out vec4 colour;
+${kRamp}
+const float kNone = -1e8;
+
 float heightAt(ivec2 at) {
-  return texelFetch(heights, clamp(at, ivec2(0), ivec2(int(cellsAside) - 1)), 0).r;
+  return texelFetch(heights, clamp(at, ivec2(0), textureSize(heights, 0) - 1), 0).r;
 }
 float shade(ivec2 at, float h) {
   float e = heightAt(at + ivec2(1, 0)), w = heightAt(at - ivec2(1, 0));
@@ -35,31 +39,44 @@ float shade(ivec2 at, float h) {
   vec2 slope = vec2((e < kNone ? h : e) - (w < kNone ? h : w), (n < kNone ? h : n) - (s < kNone ? h : s)) / 0.24;
   return clamp(dot(slope, vec2(0.45, -0.65)) * 0.9, -0.28, 0.22);  // light from the north-west
 }
-vec4 colourOf(ivec2 at, float relief) {
-  // A pixel on the page's edge is of this page as a whole: of two halves one over the other some paper would be seen.
-  at = clamp(at, ivec2(0), ivec2(int(cellsAside) - 1));
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
   uvec4 values = texelFetch(cells, at, 0);
-  if (values.a == 0u) return vec4(0);
-  float h = mode == 1 || relief > 0.0 ? heightAt(at) : -1e9;
+  float h = heightAt(at);
   vec4 c = vec4(0);
-  if (mode == 0) c = classes[values.r];
-  if (mode == 1 && h > kNone) c = vec4(onRamp((h - range.x) / (range.y - range.x)), 1);
-  if (mode == 2 && values.g < 255u) c = vec4(onRamp(float(values.g) / 254.0), 1);
-  if (mode == 3 && values.r > 0u) c = vec4(onRamp(float(values.b) / 255.0), 1);
-  if (mode == 4 && values.r > 0u) c = vec4(onRamp(log2(1.0 + max(0.0, now - texelFetch(times, at / 25, 0).r)) / log2(601.0)), 1);
-  if (c.a > 0.0 && relief > 0.0 && h > kNone) c.rgb *= 1.0 + relief * shade(at, h);
-  return vec4(c.rgb * c.a, c.a);
+  if (values.a > 0u) {
+    if (mode == 0) c = classes[values.r];
+    if (mode == 1 && h > kNone) c = vec4(onRamp((h - range.x) / (range.y - range.x)), 1);
+    if (mode == 2 && values.g < 255u) c = vec4(onRamp(float(values.g) / 254.0), 1);
+    if (mode == 3 && values.r > 0u) c = vec4(onRamp(float(values.b) / 255.0), 1);
+    if (mode == 4 && values.r > 0u) c = vec4(1);
+    if (c.a > 0.0 && relief > 0.0 && h > kNone) c.rgb *= 1.0 + relief * shade(at, h);
+  }
+  colour = vec4(c.rgb * c.a, c.a);
+}`;
+
+/// For a fragment that shows the picture of a page; `times`: of tiles, s.
+export const kPicture = `#version 300 es
+precision highp float;
+precision highp sampler2D;
+uniform sampler2D picture;
+uniform sampler2D times;
+uniform float now;           // s
+uniform float grey;          // 1: what is seen is old
+uniform vec3 paper;
+uniform float cellsAside;
+${kRamp}
+vec4 aged(vec4 c, vec2 cell) {
+  if (mode != 4 || c.a == 0.0) return c;
+  ivec2 tile = clamp(ivec2(floor(cell)) / 25, ivec2(0), textureSize(times, 0) - 1);
+  return vec4(c.rgb * onRamp(log2(1.0 + max(0.0, now - texelFetch(times, tile, 0).r)) / log2(601.0)), c.a);
 }
-/// Of a pixel at \`cell\`, from which it is so many cells to the next pixels.
-vec4 colourOfPixel(vec2 cell, vec2 pixelX, vec2 pixelY) {
-  float size = max(length(pixelX), length(pixelY));
-  if (size < 0.8) return colourOf(ivec2(floor(cell)), relief);
-  int n = size < 2.0 ? 2 : 3;  // several cells in a pixel: their mean, in which no relief is seen
-  float seen = relief * max(0.0, 2.0 - size);
-  vec4 sum = vec4(0);
-  for (int i = 0; i < n; ++i) for (int j = 0; j < n; ++j)
-    sum += colourOf(ivec2(floor(cell + ((float(i) + 0.5) / float(n) - 0.5) * pixelX + ((float(j) + 0.5) / float(n) - 0.5) * pixelY)), seen);
-  return sum / float(n * n);
+/// Where cells are smaller than pixels, their mean: the picture has it in smaller sizes.
+vec4 colourOf(vec2 cell) {
+  return aged(texture(picture, cell / cellsAside, -0.4), cell);
+}
+vec4 colourOfOne(ivec2 cell) {
+  return aged(texelFetch(picture, cell, 0), vec2(cell));
 }
 vec4 greyed(vec4 c) {
   float luma = dot(c.rgb, vec3(0.3, 0.59, 0.11));
@@ -80,13 +97,11 @@ void main() {
   gl_Position = vec4((toClip * vec4(corner + unit * side, 0, 1)).xy, 0, 1);
 }`;
 
-export const kPageFragment = `${kCellColours}
-uniform vec2 pixelX;         // cells from one pixel to the next
-uniform vec2 pixelY;
+export const kPageFragment = `${kPicture}
 in highp vec2 cell;
 out vec4 colour;
 void main() {
-  colour = greyed(colourOfPixel(cell, pixelX, pixelY));
+  colour = greyed(colourOf(cell));
 }`;
 
 export const kPointVertex = `#version 300 es

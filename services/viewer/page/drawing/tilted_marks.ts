@@ -23,6 +23,7 @@ export class TiltedMarks {
     context.setTransform(dots, 0, 0, dots, 0, 0);
     context.filter = grey > 0 ? "grayscale(1) opacity(0.55)" : "none";
     context.lineJoin = context.lineCap = "round";
+    if (layers.markings) this.drawPaint(camera, ink);
     if (layers.path) this.drawPath(camera, ink);
     if (picked) this.drawPicked(camera, picked, ink);
     if (measured.length > 0) this.drawMeasured(camera, measured, ink);
@@ -30,17 +31,33 @@ export class TiltedMarks {
     for (const [pose, colour] of poses) this.drawVehicle(camera, pose, colour, ink);
   }
 
-  /// What is behind the eye, or far away, is left out.
+  /// Painted pieces as flat strips.
+  private drawPaint(camera: Camera, ink: Ink): void {
+    const { context } = this, strips = new Path2D();
+    for (const { n, values, painted, width } of this.world.markings.values()) for (let i = 0; i + 1 < n; ++i) {
+      const [x, y, nextX, nextY] = [values[i], values[n + i], values[i + 1], values[n + i + 1]];
+      const length = Math.hypot(nextX - x, nextY - y);
+      if (!painted[i] || !(length > 0) || !isSeen(camera, x, y) || !isSeen(camera, nextX, nextY)) continue;
+      const half = (width || 0.12) / 2 / length, [u, v] = [(y - nextY) * half, (nextX - x) * half];
+      const at = (px: number, py: number, z: number) => camera.toScreen(px, py, z + 0.01);
+      strips.moveTo(...at(x + u, y + v, values[2 * n + i]));
+      strips.lineTo(...at(nextX + u, nextY + v, values[2 * n + i + 1]));
+      strips.lineTo(...at(nextX - u, nextY - v, values[2 * n + i + 1]));
+      strips.lineTo(...at(x - u, y - v, values[2 * n + i]));
+      strips.closePath();
+    }
+    context.fillStyle = ink.paint;
+    context.fill(strips, "nonzero");
+  }
+
   private drawPath(camera: Camera, ink: Ink): void {
     const { context } = this, { path } = this.world;
-    const [c, s] = [Math.cos(camera.turn), Math.sin(camera.turn)], rise = Math.sin(camera.tilt) / camera.distance;
     const line = new Path2D();
     let isDown = false;
     for (let i = 0; i < path.length; i += 3) {
-      const w = 1 + (s * (path[i] - camera.x) + c * (path[i + 1] - camera.y)) * rise;
-      const isSeen = w > 0.15 && w < 5;
-      if (isSeen) line[isDown ? "lineTo" : "moveTo"](...camera.toScreen(path[i], path[i + 1], path[i + 2] + 0.03));
-      isDown = isSeen;
+      const isShown = isSeen(camera, path[i], path[i + 1]);
+      if (isShown) line[isDown ? "lineTo" : "moveTo"](...camera.toScreen(path[i], path[i + 1], path[i + 2] + 0.03));
+      isDown = isShown;
     }
     context.globalAlpha = 0.75;
     for (const [colour, width] of [[ink.halo, 4.5], [ink.path, 1.8]] as const) {
@@ -144,4 +161,11 @@ export class TiltedMarks {
     context.fillStyle = `rgba(0, 0, 0, ${(0.3 + 0.14 * Math.cos(facing)).toFixed(2)})`;
     context.fill();
   }
+}
+
+/// What is behind the eye, or far away, is left out.
+function isSeen(camera: Camera, x: number, y: number): boolean {
+  const ahead = Math.sin(camera.turn) * (x - camera.x) + Math.cos(camera.turn) * (y - camera.y);
+  const w = 1 + ahead * Math.sin(camera.tilt) / camera.distance;
+  return w > 0.15 && w < 5;
 }

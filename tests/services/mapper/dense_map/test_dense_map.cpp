@@ -36,6 +36,27 @@ void drive_away(DenseMap& map, std::int64_t since, int revolutions) {
   (void)map.finish();
 }
 
+TEST(DenseMap, TakesIntensitiesOnTheScaleGivenAndNoneForNothing) {
+  intensity::RingHistograms seen{10, {{}}};
+  for (std::size_t i = 0; i < 9; ++i) seen.rings[0][26 + i] = 100;
+  DenseMap map{config::DenseConfig{}};
+  map.set_scale(std::make_shared<const intensity::RingTable>(seen));
+  const auto point = [](float x, std::uint8_t intensity, std::uint8_t ring) {
+    return scan::LidarPoint{{x, 1.01F, 0.01F}, 0, intensity, ring};
+  };
+  const std::vector<std::vector<scan::LidarPoint>> scans = {
+      {point(4.01F, 30, 0), point(4.21F, 30, 1)},
+      {point(4.01F, 0, 0), point(4.21F, 30, 1)},  // of ring 1 nothing is known
+      {point(4.01F, 30, 0), point(4.21F, 30, 1)}};
+  std::int64_t utime = kStart;
+  for (const auto& points : scans) map.insert(points, Pose::Identity(), utime += kPeriod);
+  const std::vector<TilePoint> points = map.tile(*tile_at(4.01, 1.01))->points();
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_EQ(points[0].intensity, 64) << "the mean of the hits that had one";
+  EXPECT_EQ(points[1].intensity, 0);
+  EXPECT_EQ(map.counters()["dense.without_intensity"], 1);
+}
+
 TEST(DenseMap, GivesOnePointAVoxelOnceItHasBeenHitThreeTimes) {
   DenseMap map{config::DenseConfig{}};
   const auto ground = patch(5, 5, 0.01);

@@ -138,10 +138,19 @@ class DriveJournalTest : public ::testing::Test {
 
 TEST_F(DriveJournalTest, HoldsAllOfTheDriveBitForBit) {
   start_epoch(7, {});
-  drive(60);
+  drive(30);
+  intensity::RingHistograms rings{40, {{}, {}}};
+  rings.rings[1][64] = 12'345;
+  journal_.set_rings(rings);
+  drive(30);
   settle();
   ASSERT_TRUE(read());
   expect_all(*read());
+  EXPECT_EQ(read()->rings, rings);
+  start_epoch(8, read()->poses);
+  drive(1);
+  settle();
+  EXPECT_EQ(read()->rings, rings) << "an epoch later, too";
   EXPECT_THAT(journal_.fault(), IsEmpty());
 }
 

@@ -15,6 +15,7 @@ class KilledOnAKnownMapTest : public KilledMapperTest, public ::testing::WithPar
     start_mapper();
     drive(60);
     node_->finish();
+    rings_ = node_->mapper().rings();
     node_.reset();
     poses_.clear();
     pages_.clear();
@@ -22,8 +23,10 @@ class KilledOnAKnownMapTest : public KilledMapperTest, public ::testing::WithPar
     odometry_sent_ = -0.1;
     config_.mode = GetParam();
     start_mapper();
+    EXPECT_EQ(node_->mapper().rings(), rings_) << "one scale of intensities";
     drive(50);
   }
+  intensity::RingHistograms rings_;
 };
 
 TEST_P(KilledOnAKnownMapTest, IsSucceededInTheFrameOfTheMap) {

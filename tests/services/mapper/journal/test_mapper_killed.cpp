@@ -21,9 +21,12 @@ TEST_F(KilledMapperTest, IsSucceededInTheSameFrameAndNothingThatWasMappedIsLost)
   const std::size_t heard = poses_.size();
   const std::int64_t points = counter("dense.points");
   const std::int32_t epoch = poses_.back().epoch;
+  const intensity::RingHistograms rings = node_->mapper().rings();
+  EXPECT_GE(rings.scans, 20);
   kill_mapper();
   drive(12);
   start_mapper();
+  EXPECT_EQ(node_->mapper().rings(), rings) << "one scale of intensities";
   drive(3);  // the first is cut, of the second odometry does not know the beginning
   EXPECT_EQ(counter("resumed"), 1);
   EXPECT_EQ(poses_.size(), heard + 1) << "the first scan has its place";

@@ -88,12 +88,18 @@ SavedMap random_map(unsigned seed, int tiles, int nodes) {
     edge.information = m * m.transpose();
     map.edges.push_back(edge);
   }
+  map.rings.scans = 640;
+  for (int ring = 0; ring < nodes; ++ring) {
+    map.rings.rings.emplace_back();
+    for (std::uint32_t& count : map.rings.rings.back()) count = static_cast<std::uint32_t>(random() % 9000);
+  }
   return map;
 }
 
 bool equal(const SavedMap& a, const SavedMap& b) {
   return a.voxel == b.voxel && a.epoch == b.epoch && std::ranges::equal(a.tiles, b.tiles, equal_tiles) &&
-         std::ranges::equal(a.nodes, b.nodes, equal_nodes) && std::ranges::equal(a.edges, b.edges, equal_edges);
+         std::ranges::equal(a.nodes, b.nodes, equal_nodes) && std::ranges::equal(a.edges, b.edges, equal_edges) &&
+         a.rings == b.rings;
 }
 
 std::string bytes_of(const fs::path& file) {

@@ -32,7 +32,20 @@ TEST(MapFolder, LoadsWhatWasSavedBitForBit) {
   EXPECT_TRUE(equal(load_map(scratch / "town"), map));
   EXPECT_THAT(names_in(scratch / "."), ::testing::ElementsAre("town"));
   EXPECT_THAT(names_in(scratch / "town"),
-              ::testing::ElementsAre("graph.csv", "map.yaml", "nodes", "nodes.csv", "tiles", "tiles.csv"));
+              ::testing::ElementsAre("graph.csv", "map.yaml", "nodes", "nodes.csv", "rings.csv", "tiles", "tiles.csv"));
+}
+
+TEST(MapFolder, OfAnEarlierVersionHasNoScaleOfIntensities) {
+  const auto scratch = testing::TemporaryFolder::in_memory();
+  SavedMap map = random_map(1, 4, 2);
+  save_map(map, scratch / "town");
+  std::string head = bytes_of(scratch / "town/map.yaml");
+  for (const char* line : {"rings: 2\n", "ring_scans: 640\n"}) head.erase(head.find(line), std::string(line).size());
+  put_bytes(scratch / "town/map.yaml", head);
+  fs::remove(scratch / "town/rings.csv");
+  map.rings = {};
+  EXPECT_TRUE(equal(load_map(scratch / "town"), map));
+  save_map(map, scratch / "town");  // and it is a map that may be replaced
 }
 
 TEST(MapFolder, AnEmptyMapIsAMap) {

@@ -25,7 +25,8 @@ class BadMapFolder : public ::testing::Test {
               folder_ / "nodes.csv",
               folder_ / "graph.csv",
               folder_ / map_tile_file(map_.tiles[0].key),
-              folder_ / keyframe_file(1)};
+              folder_ / keyframe_file(1),
+              folder_ / "rings.csv"};
   }
 
   /// What loading says; empty if it loads.
@@ -138,6 +139,8 @@ TEST_F(BadMapFolder, ClaimsWithoutEndAreRefusedBeforeMemoryIsTaken) {
   EXPECT_THAT(complaint_with(files_[0], "tiles: 2", "tiles: 20000000000"), HasSubstr("expected 0 to"));
   EXPECT_THAT(complaint_with(files_[0], "tiles: 2", "tiles: 10000000"), HasSubstr("2 rows; map.yaml has 10000000"));
   EXPECT_THAT(complaint_with(files_[0], "nodes: 3", "nodes: -1"), HasSubstr("nodes -1"));
+  EXPECT_THAT(complaint_with(files_[0], "rings: 3", "rings: 257"), HasSubstr("rings 257"));
+  EXPECT_THAT(complaint_with(files_[0], "rings: 3", "rings: 4"), HasSubstr("3 rows; map.yaml has 4"));
   EXPECT_THAT(complaint_with(files_[0], "voxel: 0.05", "voxel: 0.0001"), HasSubstr("voxel 0.0001"));
   const std::string points = "POINTS " + std::to_string(map_.tiles[0].points.size());
   EXPECT_THAT(complaint_with(files_[4], points, "POINTS 4000000000"), HasSubstr("truncated?"));

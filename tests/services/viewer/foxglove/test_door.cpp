@@ -60,6 +60,7 @@ class DoorTest : public ::testing::Test {
                               .map = map_,
                               .steps = steps_,
                               .curbs = curbs_,
+                              .markings = markings_,
                               .path = path_,
                               .scan = scan_,
                               .scan_number = scan_number_,
@@ -99,6 +100,7 @@ class DoorTest : public ::testing::Test {
   store::LiveMap map_;
   frames::TileSteps steps_;
   store::CurbLines curbs_;
+  store::MarkingLines markings_;
   store::DrivenPath path_;
   std::vector<frames::ScanPoint> scan_;
   std::uint64_t scan_number_ = 0;

@@ -33,6 +33,7 @@ class PageFeedTest : public ::testing::Test {
             .map = map_,
             .steps = steps_,
             .curbs = curbs_,
+            .markings = markings_,
             .path = path_,
             .scan = scan_,
             .scan_number = scan_number_,
@@ -66,11 +67,40 @@ class PageFeedTest : public ::testing::Test {
   store::LiveMap map_;
   TileSteps steps_;
   store::CurbLines curbs_;
+  store::MarkingLines markings_;
   store::DrivenPath path_;
   std::vector<ScanPoint> scan_;
   std::uint64_t scan_number_ = 0;
   std::int64_t newest_utime_ = 0;
 };
+
+TEST_F(PageFeedTest, RoadMarkingsGoOnceAndAreTakenBack) {
+  marking_lines_t message{};
+  message.box_max[0] = message.box_max[1] = 10;
+  message.num_lines = 1;
+  marking_line_t& line = message.lines.emplace_back();
+  line.type = marking_line_t::STOP_LINE;
+  line.width = 0.5F;
+  line.x = {1, 2, 3};
+  line.y = line.z = {0, 0, 0};
+  line.painted = {1, 0, 0};
+  line.num_points = 3;
+  ASSERT_EQ(markings_.put(message), store::MarkingLines::Put::kTaken);
+  PageFeed feed(std::nullopt);
+  FrameReader page;
+  feed.drawn(page.read(make(feed)));
+  ASSERT_EQ(page.markings.size(), 1U);
+  const auto& [name, marking] = *page.markings.begin();
+  EXPECT_EQ(marking.type, int{marking_line_t::STOP_LINE});
+  EXPECT_FLOAT_EQ(marking.width, 0.5F);
+  EXPECT_EQ(marking.x, line.x);
+  EXPECT_EQ(marking.painted, (std::vector<int>{1, 0, 0}));
+  message.lines.clear();
+  message.num_lines = 0;
+  markings_.put(message);
+  feed.drawn(page.read(make(feed)));
+  EXPECT_TRUE(page.markings.empty());
+}
 
 TEST_F(PageFeedTest, ANewPageGetsTheWholeMapInFramesOfBoundedSize) {
   for (int i = 0; i < 200; ++i) change({i, -i});

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <random>
 
+#include "common/time/clock.hpp"
 #include "tests/services/viewer/page/page_on_a_bus.hpp"
 
 namespace curbstone::viewer {
@@ -174,6 +175,64 @@ TEST_F(Page, AClickedCurbShowsItsCrossSection) {
   const double foot = dots.front()[1], top = dots.back()[1];
   EXPECT_NEAR(foot - top, 0.12 / 0.6 * 96, 0.01);
   for (const auto& dot : dots) EXPECT_NEAR(dot[1].get<double>(), dot[0].get<double>() < 116 ? foot : top, 0.01);
+}
+
+TEST_F(Page, PaintOnTheRoadIsDrawnWithItsGapsAndWithItsWidth) {
+  put(tile_of(-1, -1, semantic_tile_t::ROAD));
+  marking_line_t line{};
+  line.type = marking_line_t::DASHED;
+  line.width = 0.3F;
+  for (const float x : {-2.5F, -1.5F, -1.0F, -0.5F}) {
+    line.x.push_back(x);
+    line.y.push_back(-1.5F);
+    line.z.push_back(0);
+  }
+  line.painted = {1, 0, 1, 0};
+  line.num_points = 4;
+  marking_lines_t markings{};
+  markings.epoch = epoch();
+  markings.box_min[0] = markings.box_min[1] = -20;
+  markings.box_max[0] = markings.box_max[1] = 20;
+  markings.num_lines = 1;
+  markings.lines = {line};
+  say("MARKINGS", markings);
+  open(fmt::format("at=-1.5,-1.5,80,0&{}", kPlain));
+  ASSERT_TRUE(browser->comes_to("curbstone.world.markings.size === 1"));
+  const Rgb white = {255, 255, 255}, road = colour_of(semantic_tile_t::ROAD);
+  const auto is_drawn = [&](double x, double y, const Rgb& colour) {
+    const Spot spot = spot_of(x, y);
+    return difference(browser->picture().at(static_cast<int>(spot.x), static_cast<int>(spot.y)), colour) < 12;
+  };
+  ASSERT_TRUE(browser->comes_to("!curbstone.world.markingsChanged"));
+  EXPECT_TRUE(is_drawn(-2.0, -1.5, white));
+  EXPECT_TRUE(is_drawn(-2.0, -1.38, white)) << "to scale: 30 cm";
+  EXPECT_TRUE(is_drawn(-2.0, -1.2, road));
+  EXPECT_TRUE(is_drawn(-1.25, -1.5, road)) << "a gap";
+  EXPECT_TRUE(is_drawn(-0.75, -1.5, white));
+  browser->evaluate("[...document.querySelectorAll('#layers label')].find(l => l.innerText === 'Paint').click()");
+  EXPECT_TRUE(is_drawn(-2.0, -1.5, road)) << "its layer is off";
+}
+
+TEST_F(Page, TheLocalizedPoseIsAVehicleOfItsOwn) {
+  put(tile_of(-1, -1, semantic_tile_t::ROAD));
+  open("at=0,0,40,0&follow=0&theme=light&off=relief.curbs.path.points.markings");
+  map_pose_t pose{};
+  pose.utime = wall_clock();
+  pose.epoch = epoch();
+  pose.map_base_position[0] = 4;
+  pose.map_base_position[1] = -3;
+  pose.map_base_orientation[0] = pose.map_odom_orientation[0] = 1;
+  pose.flags = map_pose_t::REGISTERED;
+  say("LOCALIZED_POSE", pose);
+  ASSERT_TRUE(browser->comes_to("curbstone.world.state.localized?.here"));
+  const Rgb teal = {0, 133, 122};
+  const auto is_drawn = [&] {
+    const Spot spot = spot_of(4 - 0.6, -3 + 0.45);  // on its body, beside the arrow
+    return difference(browser->picture().at(static_cast<int>(spot.x), static_cast<int>(spot.y)), teal) < 12;
+  };
+  EXPECT_TRUE(is_drawn());
+  browser->evaluate("[...document.querySelectorAll('#layers label')].find(l => l.innerText === 'Localizer').click()");
+  EXPECT_FALSE(is_drawn());
 }
 
 TEST_F(Page, MeasuresBetweenTwoPlaces) {

@@ -62,11 +62,13 @@ bool RawClient::is_closed_within(double seconds) {
   return false;
 }
 
-std::string RawClient::upgrade(const std::string& host, const std::string& origin, const std::string& target) {
+std::string RawClient::upgrade(const std::string& host, const std::string& origin, const std::string& target,
+                               const std::string& extensions) {
   std::string request = "GET " + target + " HTTP/1.1\r\nHost: " + host +
                         "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
                         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
   if (!origin.empty()) request += "Origin: " + origin + "\r\n";
+  if (!extensions.empty()) request += "Sec-WebSocket-Extensions: " + extensions + "\r\n";
   say(request + "\r\n");
   std::string head;
   char c = 0;
@@ -75,7 +77,11 @@ std::string RawClient::upgrade(const std::string& host, const std::string& origi
 }
 
 bool RawClient::say_message(std::string_view text) {
-  std::string bytes = "\x81";
+  return say_first_byte_and('\x81', text);
+}
+
+bool RawClient::say_first_byte_and(char first, std::string_view text) {
+  std::string bytes(1, first);
   if (text.size() < 126) {
     bytes += static_cast<char>(0x80 | text.size());
   } else {

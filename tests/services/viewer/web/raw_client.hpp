@@ -25,13 +25,17 @@ class RawClient {
   void shrink_receive_buffer();
 
   /// Opens a page's WebSocket; the head of the answer.
-  std::string upgrade(const std::string& host, const std::string& origin, const std::string& target = "/live");
+  std::string upgrade(const std::string& host, const std::string& origin, const std::string& target = "/live",
+                      const std::string& extensions = "");
   /// A text message, masked, of the given bytes.
   bool say_message(std::string_view text);
+  /// The same of bytes that were compressed (RFC 7692).
+  bool say_compressed(std::string_view bytes) { return say_first_byte_and('\xc1', bytes); }
   /// Head of a text message of `length` bytes, of which none follow.
   bool say_message_head(std::uint64_t length);
 
  private:
+  bool say_first_byte_and(char first, std::string_view payload);
   int fd_ = -1;
 };
 

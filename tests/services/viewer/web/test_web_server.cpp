@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <thread>
 
@@ -12,9 +13,43 @@ namespace curbstone::viewer::web {
 namespace {
 
 using namespace std::chrono_literals;
+using ::testing::AllOf;
+using ::testing::Gt;
 using ::testing::HasSubstr;
+using ::testing::Lt;
 using ::testing::Not;
+using ::testing::SizeIs;
 using ::testing::StartsWith;
+
+/// Raw deflate, as permessage-deflate wants it (RFC 7692 7.2.1).
+std::string deflated(const std::string& text) {
+  z_stream stream{};
+  deflateInit2(&stream, 9, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY);
+  std::string out(deflateBound(&stream, text.size()) + 16, '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  stream.avail_in = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  deflate(&stream, Z_SYNC_FLUSH);
+  out.resize(stream.total_out - 4);
+  deflateEnd(&stream);
+  return out;
+}
+
+std::string inflated(std::string bytes, std::size_t size) {
+  bytes += std::string("\0\0\xff\xff", 4);
+  z_stream stream{};
+  inflateInit2(&stream, -15);
+  std::string out(size + 1, '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(bytes.data());
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  inflate(&stream, Z_SYNC_FLUSH);
+  out.resize(stream.total_out);
+  inflateEnd(&stream);
+  return out;
+}
 
 class WebServerTest : public ::testing::Test {
  protected:
@@ -173,6 +208,38 @@ TEST_F(WebServerTest, AGiantMessageEndsThePage) {
   other.say_message(std::string(5000, 'x'));
   EXPECT_TRUE(other.is_closed_within(20));
   EXPECT_TRUE(comes_to([&] { return counted("refused.messages") == 2; }));
+}
+
+TEST_F(WebServerTest, FramesAreCompressedForABrowserThatUnpacksThem) {
+  start();
+  RawClient page = connect();
+  EXPECT_THAT(page.upgrade(host_, "http://" + host_, "/live", "permessage-deflate; client_max_window_bits"),
+              HasSubstr("permessage-deflate"));
+  const auto events = wait_for_events(1);
+  ASSERT_EQ(events.size(), 1U);
+  const auto frame = std::make_shared<std::vector<std::uint8_t>>(20'000);
+  for (std::size_t i = 0; i < frame->size(); ++i) (*frame)[i] = static_cast<std::uint8_t>(i / 100);
+  for (int i = 0; i < 2; ++i) {  // the second does not build on the first
+    server_->send(events[0].page, frame);
+    const std::string heard = page.hear();
+    ASSERT_THAT(heard, SizeIs(AllOf(Gt(4U), Lt(2000U))));
+    EXPECT_EQ(heard[0], '\xc2');  // one piece, compressed, binary
+    const std::size_t head = heard[1] == 126 ? 4 : 2;
+    EXPECT_EQ(inflated(heard.substr(head), frame->size()), std::string(frame->begin(), frame->end()));
+  }
+  page.say_compressed(deflated("a word"));
+  EXPECT_EQ(wait_for_events(1)[0].text, "a word");
+}
+
+TEST_F(WebServerTest, AMessageThatUnpacksToAGiantEndsThePage) {
+  start();
+  RawClient page = connect();
+  page.upgrade(host_, "http://" + host_, "/live", "permessage-deflate");
+  const std::string bomb = deflated(std::string(3'000'000, 'x'));
+  ASSERT_THAT(bomb, SizeIs(Lt(4000U)));
+  page.say_compressed(bomb);
+  EXPECT_TRUE(page.is_closed_within(20));
+  EXPECT_TRUE(comes_to([&] { return counted("refused.messages") == 1; }));
 }
 
 TEST_F(WebServerTest, AFloodOfMessagesEndsThePage) {

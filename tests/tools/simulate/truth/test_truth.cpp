@@ -102,8 +102,8 @@ TEST(TruthFolder, IsCompleteAndReadable) {
   const truth::TruthInfo info{1'750'000'000'000'000, 2, "town", 5.0, 0.004};
   const motion::TownMotion motion(town(), {}, motion::SpeedProfile({}, 5));
   truth::prepare_truth_folder(folder);
-  truth::write_drive_truth(folder, info, motion, truth::write_town_truth(folder, town(), 2.0));
-  for (const char* name : {"truth.json", "poses.csv", "classes.png", "curbs.csv"})
+  truth::write_drive_truth(folder, info, motion, truth::write_town_truth(folder, town(), {}, 2.0));
+  for (const char* name : {"truth.json", "poses.csv", "classes.png", "curbs.csv", "markings.csv"})
     EXPECT_TRUE(std::filesystem::exists(folder + "/" + name)) << name;
   std::ifstream in(folder + "/truth.json");
   const auto json = nlohmann::json::parse(in);

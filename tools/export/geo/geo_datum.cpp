@@ -1,4 +1,4 @@
-#include "tools/export/geo_datum.hpp"
+#include "tools/export/geo/geo_datum.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <numbers>
 
-namespace curbstone::map_export {
+namespace curbstone::map_export::geo {
 
 namespace {
 
@@ -64,4 +64,4 @@ std::string TangentPlane::wkt() const {
       datum_.latitude, datum_.longitude);
 }
 
-}  // namespace curbstone::map_export
+}  // namespace curbstone::map_export::geo

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace curbstone::map_export {
+namespace curbstone::map_export::geo {
 
 /// Where the map's origin lies on the Earth and which way its x axis points.
 struct GeoDatum {
@@ -47,4 +47,4 @@ class TangentPlane {
   Eigen::Matrix2d R_enu_map_;
 };
 
-}  // namespace curbstone::map_export
+}  // namespace curbstone::map_export::geo

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <vector>
+
+#include "services/semantic_map/marking_lines/marking_pieces.hpp"
+#include "services/semantic_map/tile/map_types.hpp"
+
+namespace curbstone::semantic_map::marking_lines {
+
+/// Pedestrian crossings: three or more broad bars side by side at even distances. Takes their pieces out.
+[[nodiscard]] std::vector<tile::MarkingLine> take_crossings(std::vector<MarkingPiece>& pieces);
+
+}  // namespace curbstone::semantic_map::marking_lines

@@ -1,0 +1,162 @@
+#include "services/semantic_map/marking_lines/marking_chains.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "services/semantic_map/marking_lines/ball_vote.hpp"
+
+namespace curbstone::semantic_map::marking_lines {
+namespace {
+
+constexpr double kSigma = 0.5;        // m, of the vote
+constexpr double kLeastMass = 1.2;    // a row of single cells has 4 at each place, 2 at its ends
+constexpr double kLeastStick = 0.25;  // where lines cross there is none
+constexpr double kAcross = 0.30;      // m, that belong to a marking's middle
+constexpr double kAlong = 0.15;       // m
+constexpr double kSpacing = 0.10;     // m between ridge points
+constexpr double kGap = 0.45;         // m from one to the next
+constexpr double kSideways = 0.08;    // m off the line, and a share of the distance
+constexpr double kSidewaysShare = 0.2;
+constexpr double kAlike = 0.85;  // cosine between tangents
+
+/// The middle of the paint across the line through `at`.
+RidgePoint on_ridge(const MarkingField& field, const Eigen::Vector2d& at, const PlaneVote& vote) {
+  const Eigen::Vector2d normal(-vote.tangent.y(), vote.tangent.x());
+  RidgePoint point;
+  point.at = at;
+  point.tangent = vote.tangent;
+  point.mass = vote.mass;
+  for (int round = 0; round < 2; ++round) {
+    double weight = 0;
+    double across = 0;
+    double z = 0;
+    double most = 0;
+    field.within(point.at, kAcross + kAlong, [&](std::size_t j, const Eigen::Vector2d& d) {
+      if (std::abs(d.dot(normal)) > kAcross || std::abs(d.dot(vote.tangent)) > kAlong) return;
+      const MapMarkingCell& cell = field.cells()[j];
+      weight += cell.contrast;
+      across += cell.contrast * d.dot(normal);
+      z += cell.contrast * cell.z;
+      most = std::max(most, cell.contrast);
+    });
+    if (weight <= 0) break;
+    point.at += across / weight * normal;
+    point.z = z / weight;
+    point.contrast = most;
+  }
+  return point;
+}
+
+/// One ridge point each kSpacing, those with the largest mass first.
+std::vector<RidgePoint> thinned(std::vector<RidgePoint> points) {
+  std::sort(points.begin(), points.end(), [](const RidgePoint& a, const RidgePoint& b) {
+    return std::tuple(-a.mass, a.at.x(), a.at.y()) < std::tuple(-b.mass, b.at.x(), b.at.y());
+  });
+  std::vector<RidgePoint> kept;
+  std::unordered_map<TileKey, std::vector<std::size_t>, TileKeyHash> grid;
+  const auto square = [](const Eigen::Vector2d& at) {
+    return TileKey{static_cast<std::int32_t>(std::floor(at.x() / kSpacing)),
+                   static_cast<std::int32_t>(std::floor(at.y() / kSpacing))};
+  };
+  for (const RidgePoint& p : points) {
+    const TileKey centre = square(p.at);
+    bool is_free = true;
+    for (std::int32_t x = centre.x - 1; x <= centre.x + 1; ++x) {
+      for (std::int32_t y = centre.y - 1; y <= centre.y + 1; ++y) {
+        const auto it = grid.find({x, y});
+        if (it == grid.end()) continue;
+        for (const std::size_t i : it->second) is_free = is_free && (kept[i].at - p.at).norm() >= kSpacing;
+      }
+    }
+    if (!is_free) continue;
+    grid[centre].push_back(kept.size());
+    kept.push_back(p);
+  }
+  return kept;
+}
+
+/// Follows ridge points from one to the next.
+class RidgeFollower {
+ public:
+  explicit RidgeFollower(const std::vector<RidgePoint>& points) : points_(points), used_(points.size()) {
+    for (std::size_t i = 0; i < points.size(); ++i) grid_[square(points[i].at)].push_back(i);
+  }
+  [[nodiscard]] bool is_used(std::size_t i) const { return used_[i]; }
+  MarkingChain follow(std::size_t seed) {
+    used_[seed] = true;
+    MarkingChain chain;
+    extend(seed, -points_[seed].tangent, chain);
+    std::reverse(chain.begin(), chain.end());
+    for (RidgePoint& p : chain) p.tangent = -p.tangent;
+    chain.push_back(points_[seed]);
+    extend(seed, points_[seed].tangent, chain);
+    return chain;
+  }
+
+ private:
+  static TileKey square(const Eigen::Vector2d& at) {
+    return {static_cast<std::int32_t>(std::floor(at.x() / kGap)), static_cast<std::int32_t>(std::floor(at.y() / kGap))};
+  }
+  void extend(std::size_t from, Eigen::Vector2d ahead, MarkingChain& chain) {
+    for (std::size_t next = nearest(from, ahead); next < points_.size(); next = nearest(from, ahead)) {
+      used_[next] = true;
+      RidgePoint p = points_[next];
+      if (p.tangent.dot(ahead) < 0) p.tangent = -p.tangent;
+      ahead = p.tangent;
+      chain.push_back(p);
+      from = next;
+    }
+  }
+  /// points_.size() if there is none.
+  [[nodiscard]] std::size_t nearest(std::size_t from, const Eigen::Vector2d& ahead) const {
+    std::size_t best = points_.size();
+    double best_distance = kGap;
+    const TileKey centre = square(points_[from].at);
+    for (std::int32_t x = centre.x - 1; x <= centre.x + 1; ++x) {
+      for (std::int32_t y = centre.y - 1; y <= centre.y + 1; ++y) {
+        const auto it = grid_.find({x, y});
+        if (it == grid_.end()) continue;
+        for (const std::size_t i : it->second) {
+          const RidgePoint& p = points_[i];
+          if (used_[i] || std::abs(p.tangent.dot(ahead)) < kAlike) continue;
+          const Eigen::Vector2d d = p.at - points_[from].at;
+          const double distance = d.norm();
+          const double sideways = std::abs(d.x() * ahead.y() - d.y() * ahead.x());
+          if (d.dot(ahead) <= 0 || sideways > kSideways + kSidewaysShare * distance) continue;
+          if (distance + sideways < best_distance) {
+            best = i;
+            best_distance = distance + sideways;
+          }
+        }
+      }
+    }
+    return best;
+  }
+
+  const std::vector<RidgePoint>& points_;
+  std::vector<bool> used_;
+  std::unordered_map<TileKey, std::vector<std::size_t>, TileKeyHash> grid_;
+};
+
+}  // namespace
+
+std::vector<MarkingChain> chain_markings(const MarkingField& field, const ChainOptions& options) {
+  const std::vector<PlaneVote> votes = vote_in_plane(field, kSigma);
+  std::vector<RidgePoint> ridge;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    const MapMarkingCell& cell = field.cells()[i];
+    if (!cell.is_strong) continue;
+    if (options.vote && (votes[i].mass < kLeastMass || votes[i].stick < kLeastStick)) continue;
+    ridge.push_back(on_ridge(field, cell.at, votes[i]));
+  }
+  ridge = thinned(std::move(ridge));
+  std::vector<MarkingChain> chains;
+  RidgeFollower follower(ridge);
+  for (std::size_t i = 0; i < ridge.size(); ++i) {
+    if (!follower.is_used(i)) chains.push_back(follower.follow(i));
+  }
+  return chains;
+}
+
+}  // namespace curbstone::semantic_map::marking_lines

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "services/semantic_map/curb_lines/smoothing_spline.hpp"
+#include "services/semantic_map/marking_lines/marking_chains.hpp"
+
+namespace curbstone::semantic_map::marking_lines {
+
+/// A piece of paint without a gap: a dash, a bar of a crossing, a line from end to end.
+struct MarkingPiece {
+  std::vector<curb_lines::SmoothingSpline::Sample> samples;  ///< along it, s from 0
+  double begin = 0, end = 0;  ///< m, s of the paint's ends: half a cell or so beyond the samples
+  Eigen::Vector2d begin_at = Eigen::Vector2d::Zero(), end_at = Eigen::Vector2d::Zero();  ///< m in map
+  Eigen::Vector2d begin_direction = Eigen::Vector2d::UnitX();                            ///< unit, out of the piece
+  Eigen::Vector2d end_direction = Eigen::Vector2d::UnitX();
+  double width = 0;     ///< m
+  double contrast = 0;  ///< 0..255, of the paint
+  double straight = 0;  ///< m, how far its samples lie off its spline, RMS
+
+  [[nodiscard]] double length() const { return end - begin; }
+  [[nodiscard]] Eigen::Vector2d middle() const { return 0.5 * (begin_at + end_at); }
+  [[nodiscard]] Eigen::Vector2d direction() const { return (end_at - begin_at).normalized(); }
+};
+
+/// Nothing if the chain is too short to be anything. Where paint ends, and how wide it is, is told by how much of it
+/// there is: finer than a cell.
+[[nodiscard]] std::optional<MarkingPiece> measure_piece(const MarkingField& field, const MarkingChain& chain);
+
+}  // namespace curbstone::semantic_map::marking_lines

@@ -1,0 +1,268 @@
+#include "services/semantic_map/marking_lines/marking_strings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+#include "common/tiles/tile.hpp"
+
+namespace curbstone::semantic_map::marking_lines {
+namespace {
+
+using curb_lines::SmoothingSpline;
+using tile::MarkingType;
+
+constexpr double kLongestGap = 9.0;   // m
+constexpr double kGapOfLength = 4.0;  // gaps are no longer than so many times the shorter piece
+constexpr double kSideways = 0.12;    // m off each other's line, and a share of the gap
+constexpr double kSidewaysShare = 0.06;
+constexpr double kAlike = 0.94;  // cosine between an end's direction and the way across
+constexpr double kWidthAlike = 2.2;
+constexpr double kSpacing = 0.20;      // m between vertices
+constexpr double kGapSpacing = 1.0;    // m between vertices where there is no paint
+constexpr double kSolid = 6.0;         // m: a single piece that is longer is no dash
+constexpr double kShortSolid = 3.0;    // m: a line of pieces with holes
+constexpr double kHole = 0.6;          // m: in a line that is worn
+constexpr double kWornShare = 0.8;     // painted, of a line that is worn
+constexpr double kDashUneven = 0.4;    // of the median
+constexpr double kLongestDash = 6.5;   // m
+constexpr double kStopWidth = 0.24;    // m
+constexpr double kShortestStop = 1.5;  // m
+constexpr double kLongestStop = 15.0;  // m
+constexpr double kStopReach = 8.0;     // m from the driven path
+constexpr double kStopAcross = 0.5;    // cosine to the path
+constexpr double kBlobLength = 1.5;    // m: shorter and as wide as that is an arrow or a letter
+constexpr double kBlobWidth = 0.3;     // m
+
+/// One of the two ends of a piece.
+struct End {
+  std::size_t piece = 0;
+  bool is_begin = false;
+};
+
+const Eigen::Vector2d& at(const std::vector<MarkingPiece>& pieces, const End& end) {
+  return end.is_begin ? pieces[end.piece].begin_at : pieces[end.piece].end_at;
+}
+const Eigen::Vector2d& out(const std::vector<MarkingPiece>& pieces, const End& end) {
+  return end.is_begin ? pieces[end.piece].begin_direction : pieces[end.piece].end_direction;
+}
+
+/// How far apart two ends are, if each points at the other; else nothing better than infinity.
+double gap_between(const std::vector<MarkingPiece>& pieces, const End& a, const End& b) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const MarkingPiece& p = pieces[a.piece];
+  const MarkingPiece& q = pieces[b.piece];
+  const Eigen::Vector2d d = at(pieces, b) - at(pieces, a);
+  const double gap = d.norm();
+  if (gap > std::min(kLongestGap, kGapOfLength * std::min(p.length(), q.length()))) return kNone;
+  // A solid line goes over into a dashed one.
+  if ((p.length() > kLongestDash) != (q.length() > kLongestDash) && gap > kHole) return kNone;
+  if (std::max(p.width, q.width) > kWidthAlike * std::min(p.width, q.width)) return kNone;
+  const Eigen::Vector2d& from = out(pieces, a);
+  const Eigen::Vector2d& to = out(pieces, b);
+  if (-from.dot(to) < kAlike) return kNone;
+  if (d.dot(from) < -0.1 || d.dot(to) > 0.1) return kNone;
+  const auto off = [&](const Eigen::Vector2d& direction) {
+    return std::abs(d.x() * direction.y() - d.y() * direction.x());
+  };
+  if (std::max(off(from), off(to)) > kSideways + kSidewaysShare * gap + gap * (1 - kAlike)) return kNone;
+  return gap;
+}
+
+MarkingPiece reversed(MarkingPiece piece) {
+  const double last = piece.samples.back().s;
+  std::reverse(piece.samples.begin(), piece.samples.end());
+  for (auto& sample : piece.samples) sample.s = last - sample.s;
+  std::swap(piece.begin_at, piece.end_at);
+  std::swap(piece.begin_direction, piece.end_direction);
+  std::tie(piece.begin, piece.end) = std::tuple(last - piece.end, last - piece.begin);
+  return piece;
+}
+
+bool is_uniform(const std::vector<double>& values) {
+  const double median = median_of(values);
+  const auto alike = std::count_if(values.begin(), values.end(),
+                                   [&](double v) { return std::abs(v - median) <= kDashUneven * median; });
+  return 3 * static_cast<std::size_t>(alike) >= 2 * values.size();
+}
+
+bool lies_across(const MarkingPiece& piece, const std::vector<Eigen::Vector2d>& path) {
+  double nearest = kStopReach;
+  Eigen::Vector2d way = Eigen::Vector2d::Zero();
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const double distance = (path[i] - piece.middle()).norm();
+    if (distance >= nearest || path[i] == path[i - 1]) continue;
+    nearest = distance;
+    way = (path[i] - path[i - 1]).normalized();
+  }
+  return way.norm() > 0 && std::abs(way.dot(piece.direction())) < kStopAcross;
+}
+
+/// What a string of pieces is, from lengths and gaps (m).
+MarkingType type_of(const MarkingString& string, const std::vector<double>& dashes, const std::vector<double>& gaps,
+                    const std::vector<Eigen::Vector2d>& path) {
+  const MarkingPiece& piece = string.front();
+  double painted = 0;
+  double open = 0;
+  for (const double d : dashes) painted += d;
+  for (const double g : gaps) open += g;
+  const double longest = *std::max_element(dashes.begin(), dashes.end());
+  const double longest_gap = gaps.empty() ? 0 : *std::max_element(gaps.begin(), gaps.end());
+  const bool is_whole = painted >= kWornShare * (painted + open) || longest_gap <= kHole;
+  std::vector<double> widths;
+  for (const MarkingPiece& p : string) widths.push_back(p.width);
+  const double length = painted + open;
+  if (is_whole && median_of(widths) >= kStopWidth && length >= kShortestStop && length <= kLongestStop &&
+      lies_across(piece, path))
+    return MarkingType::kStopLine;
+  if (is_whole && length >= (string.size() > 1 ? kShortSolid : kSolid)) return MarkingType::kSolid;
+  if (string.size() > 1 && longest <= kLongestDash) {
+    // The ends of a line may be cut off.
+    const std::vector<double> inner =
+        dashes.size() > 3 ? std::vector<double>(dashes.begin() + 1, dashes.end() - 1) : dashes;
+    if (is_uniform(inner) && is_uniform(gaps)) return MarkingType::kDashed;
+  }
+  if (painted >= 0.6 * length && longest >= kSolid) return MarkingType::kSolid;
+  if (string.size() == 1 && piece.length() < kBlobLength && piece.width > kBlobWidth) return MarkingType::kOther;
+  return MarkingType::kUnknown;
+}
+
+}  // namespace
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+tile::MarkingVertex vertex(const Eigen::Vector2d& at, double z, bool painted) {
+  return {static_cast<float>(at.x()), static_cast<float>(at.y()), static_cast<float>(z), painted};
+}
+
+float confidence_of(double contrast, float length) {
+  constexpr double kHalf = 15;  // contrast of what is as likely a patch of another asphalt
+  const double squared = contrast * contrast;
+  return static_cast<float>(squared / (squared + kHalf * kHalf) * (1 - std::exp(-double{length})));
+}
+
+std::vector<MarkingString> join_pieces(std::vector<MarkingPiece> pieces) {
+  struct Joint {
+    double gap;
+    std::size_t a, b;  // 2 piece + 1 for the begin
+  };
+  const auto end = [](std::size_t i) { return End{i / 2, i % 2 == 1}; };
+  const auto square = [&](std::size_t i) {
+    const Eigen::Vector2d& p = at(pieces, end(i));
+    return TileKey{static_cast<std::int32_t>(std::floor(p.x() / kLongestGap)),
+                   static_cast<std::int32_t>(std::floor(p.y() / kLongestGap))};
+  };
+  std::unordered_map<TileKey, std::vector<std::size_t>, TileKeyHash> grid;
+  for (std::size_t i = 0; i < 2 * pieces.size(); ++i) grid[square(i)].push_back(i);
+  std::vector<Joint> joints;
+  for (std::size_t a = 0; a < 2 * pieces.size(); ++a) {
+    const TileKey centre = square(a);
+    for (std::int32_t x = centre.x - 1; x <= centre.x + 1; ++x) {
+      for (std::int32_t y = centre.y - 1; y <= centre.y + 1; ++y) {
+        const auto it = grid.find({x, y});
+        if (it == grid.end()) continue;
+        for (const std::size_t b : it->second) {
+          if (b <= a || a / 2 == b / 2) continue;
+          const double gap = gap_between(pieces, end(a), end(b));
+          if (std::isfinite(gap)) joints.push_back({gap, a, b});
+        }
+      }
+    }
+  }
+  std::sort(joints.begin(), joints.end(),
+            [](const Joint& a, const Joint& b) { return std::tie(a.gap, a.a, a.b) < std::tie(b.gap, b.a, b.b); });
+  constexpr std::size_t kNone = ~std::size_t{0};
+  std::vector<std::size_t> partner(2 * pieces.size(), kNone);
+  const auto other = [](std::size_t i) { return i ^ 1U; };
+  /// The end at which a string's other end is, seen from one of its free ends.
+  const auto far_end = [&](std::size_t i) {
+    for (i = other(i); partner[i] != kNone; i = other(partner[i])) {
+    }
+    return i;
+  };
+  for (const Joint& joint : joints) {
+    if (partner[joint.a] != kNone || partner[joint.b] != kNone || far_end(joint.a) == joint.b) continue;
+    partner[joint.a] = joint.b;
+    partner[joint.b] = joint.a;
+  }
+  std::vector<MarkingString> strings;
+  std::vector<bool> used(pieces.size());
+  for (std::size_t i = 0; i < 2 * pieces.size(); ++i) {
+    if (partner[i] != kNone || used[i / 2]) continue;
+    MarkingString string;
+    for (std::size_t from = i;;) {  // the end by which a piece is entered
+      used[from / 2] = true;
+      string.push_back(end(from).is_begin ? pieces[from / 2] : reversed(pieces[from / 2]));
+      const std::size_t next = partner[other(from)];
+      if (next == kNone) break;
+      from = next;
+    }
+    strings.push_back(std::move(string));
+  }
+  return strings;
+}
+
+tile::MarkingLine line_of(const MarkingString& string, const std::vector<Eigen::Vector2d>& path) {
+  std::vector<SmoothingSpline::Sample> samples;
+  struct Painted {
+    double begin, end;
+  };
+  std::vector<Painted> painted;
+  double offset = 0;
+  for (std::size_t k = 0; k < string.size(); ++k) {
+    const MarkingPiece& piece = string[k];
+    if (k > 0) offset = painted.back().end + (piece.begin_at - string[k - 1].end_at).norm() - piece.begin;
+    painted.push_back({offset + piece.begin, offset + piece.end});
+    for (SmoothingSpline::Sample sample : piece.samples) {
+      sample.s += offset;
+      samples.push_back(sample);
+    }
+  }
+  const SmoothingSpline spline(samples);
+  std::vector<double> dashes;
+  std::vector<double> gaps;
+  std::vector<double> widths;
+  double contrast = 0;
+  double length = 0;
+  tile::MarkingLine line;
+  const auto add = [&](double s, bool is_painted) {
+    // Beyond the samples a line goes straight on.
+    const double inside = std::clamp(s, spline.begin(), spline.end());
+    const SmoothingSpline::Values values = spline.at(inside);
+    const Eigen::Vector2d along = spline.derivative(inside).head<2>().normalized();
+    line.points.push_back(vertex(values.head<2>() + (s - inside) * along, values.z(), is_painted));
+  };
+  const auto add_between = [&](double from, double to, double spacing, bool is_painted, bool with_end) {
+    const int steps = std::max(1, static_cast<int>(std::ceil((to - from) / spacing - 1e-9)));
+    for (int i = 0; i < steps + (with_end ? 1 : 0); ++i) add(from + (to - from) * i / steps, is_painted && i < steps);
+  };
+  for (std::size_t k = 0; k < string.size(); ++k) {
+    const bool is_last = k + 1 == string.size();
+    add_between(painted[k].begin, painted[k].end, kSpacing, true, is_last);
+    if (!is_last) add_between(painted[k].end, painted[k + 1].begin, kGapSpacing, false, false);
+    dashes.push_back(painted[k].end - painted[k].begin);
+    if (!is_last) gaps.push_back(painted[k + 1].begin - painted[k].end);
+    widths.push_back(string[k].width);
+    contrast += string[k].contrast * string[k].length();
+    length += string[k].length();
+  }
+  line.type = type_of(string, dashes, gaps, path);
+  line.width = static_cast<float>(median_of(widths));
+  if (line.type == MarkingType::kDashed) {
+    line.dash = static_cast<float>(median_of(dashes));
+    line.gap = static_cast<float>(median_of(gaps));
+  }
+  line.confidence = confidence_of(contrast / length, static_cast<float>(length));
+  return line;
+}
+
+}  // namespace curbstone::semantic_map::marking_lines

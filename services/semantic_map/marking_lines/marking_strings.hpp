@@ -1,0 +1,25 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "services/semantic_map/marking_lines/marking_pieces.hpp"
+#include "services/semantic_map/tile/map_types.hpp"
+
+namespace curbstone::semantic_map::marking_lines {
+
+/// Pieces that follow each other along one line, each in the line's sense.
+using MarkingString = std::vector<MarkingPiece>;
+
+/// Joins pieces where both ends point across a gap, of up to 9 m, the shortest gaps first.
+[[nodiscard]] std::vector<MarkingString> join_pieces(std::vector<MarkingPiece> pieces);
+
+/// One spline through all its pieces; typed by its dashes and gaps. `path`: driven, m in map; a stop line lies across.
+[[nodiscard]] tile::MarkingLine line_of(const MarkingString& string, const std::vector<Eigen::Vector2d>& path);
+
+[[nodiscard]] double median_of(std::vector<double> values);  ///< 0 of none
+[[nodiscard]] tile::MarkingVertex vertex(const Eigen::Vector2d& at, double z, bool painted);
+/// 0..1, by how bright the paint is and how much of it (m) there is.
+[[nodiscard]] float confidence_of(double contrast, float length);
+
+}  // namespace curbstone::semantic_map::marking_lines

@@ -1,0 +1,222 @@
+#include "services/semantic_map/markings/marking_cells.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace curbstone::semantic_map::markings {
+namespace {
+
+constexpr int kMargin = 10;  // cells, 1.2 m
+constexpr int kPatchSide = kCellsPerTile + 2 * kMargin;
+constexpr int kBlock = 5;  // cells a side that share their surroundings
+constexpr int kReach = 8;  // cells around a block: its cells are 1.0 to 1.5 m from the window's edge
+constexpr int kFewest = 30;
+constexpr double kDarkestRoad = 48;    // three quarters of the road's median: tar around does not make asphalt paint
+constexpr double kBrightestRoad = 96;  // half as bright again: grass, pavement of pale stone
+constexpr double kMostSpread = 12;     // from cell to cell: more is tar among the asphalt
+constexpr int kDirections = 8;
+constexpr double kWeakShare = 0.35;  // of the least contrast: where paint's edges are
+constexpr double kFromCurb = 0.25;   // m
+constexpr double kPavement = 6.0;    // m beyond a curb that are no road
+constexpr double kLeastSpread = 4;   // of a point's intensity: no sensor is better
+
+/// What a cell's brightness is, where that is known.
+struct Brightness {
+  float mean = 0;
+  float count = 0;  // points; 0: not known
+};
+
+class Patch {
+ public:
+  explicit Patch(const tile::Around<PaintLayer>& paint) {
+    for (int row = 0; row < kPatchSide; ++row) {
+      for (int column = 0; column < kPatchSide; ++column) {
+        const PaintCell* cell = find(paint, column - kMargin, row - kMargin);
+        if (cell == nullptr || cell->count == 0) continue;
+        const auto n = static_cast<float>(cell->count);
+        at(column - kMargin, row - kMargin) = {static_cast<float>(cell->sum) / n, n};
+      }
+    }
+  }
+  /// From the centre tile's lowest cell.
+  [[nodiscard]] const Brightness& at(int column, int row) const {
+    return cells_[static_cast<std::size_t>((row + kMargin) * kPatchSide + column + kMargin)];
+  }
+
+ private:
+  Brightness& at(int column, int row) {
+    return cells_[static_cast<std::size_t>((row + kMargin) * kPatchSide + column + kMargin)];
+  }
+  static const PaintCell* find(const tile::Around<PaintLayer>& paint, int column, int row) {
+    const auto tile_of = [](int i) { return i < 0 ? -1 : i >= kCellsPerTile ? 1 : 0; };
+    const int dx = tile_of(column);
+    const int dy = tile_of(row);
+    const PaintLayer* layer = paint.at(dx, dy);
+    if (layer == nullptr || layer->cells.empty()) return nullptr;
+    const int c = column - dx * kCellsPerTile;
+    const int r = row - dy * kCellsPerTile;
+    return &layer->cells[static_cast<std::size_t>(r * kCellsPerTile + c)];
+  }
+  std::array<Brightness, static_cast<std::size_t>(kPatchSide* kPatchSide)> cells_{};
+};
+
+/// How bright the ground around a block of cells is, from the lower half of what is there: paint is brighter, and of a
+/// crossing half is paint. Not from its end: tar is darker. For a normal distribution the 45 % quantile lies 0.126 and
+/// the 25 % quantile 0.674 sigma below the middle.
+std::optional<double> level_around(const Patch& patch, int column0, int row0) {
+  std::array<int, 256> histogram{};
+  int known = 0;
+  for (int row = row0 - kReach; row < row0 + kBlock + kReach; ++row) {
+    for (int column = column0 - kReach; column < column0 + kBlock + kReach; ++column) {
+      const Brightness& b = patch.at(column, row);
+      if (b.count == 0) continue;
+      ++histogram[static_cast<std::size_t>(b.mean)];
+      ++known;
+    }
+  }
+  if (known < kFewest) return std::nullopt;
+  const auto quantile = [&](double share) {
+    const double wanted = share * known;
+    double below = 0;
+    for (std::size_t i = 0; i < histogram.size(); ++i) {
+      const double n = histogram[i];
+      if (below + n >= wanted) return static_cast<double>(i) + (n > 0 ? (wanted - below) / n : 0);
+      below += n;
+    }
+    return 255.0;
+  };
+  const double middle = quantile(0.45);
+  const double spread = std::min(kMostSpread, (middle - quantile(0.25)) / (0.674 - 0.126));
+  return std::max(kDarkestRoad, middle + 0.126 * spread);
+}
+
+/// Cells of the two sides in each direction across: 0.36 and 0.48 m away, and a cell to either hand.
+struct Side {
+  std::array<std::array<int, 2>, 6> cells{};
+};
+std::array<Side, kDirections> make_sides() {
+  std::array<Side, kDirections> sides;
+  for (int k = 0; k < kDirections; ++k) {
+    const double angle = k * std::numbers::pi / kDirections;
+    const double c = std::cos(angle);
+    const double s = std::sin(angle);
+    std::size_t n = 0;
+    for (const double across : {3.0, 4.0}) {
+      for (const double along : {-1.0, 0.0, 1.0}) {
+        sides[static_cast<std::size_t>(k)].cells[n++] = {static_cast<int>(std::lround(across * c - along * s)),
+                                                         static_cast<int>(std::lround(across * s + along * c))};
+      }
+    }
+  }
+  return sides;
+}
+const std::array<Side, kDirections> kSides = make_sides();
+
+/// Mean brightness of a side; `sense` 1 or -1.
+std::optional<double> side_level(const Patch& patch, const Side& side, int column, int row, int sense) {
+  double sum = 0;
+  double n = 0;
+  for (const auto& [dx, dy] : side.cells) {
+    const Brightness& b = patch.at(column + sense * dx, row + sense * dy);
+    sum += double{b.mean} * double{b.count};
+    n += double{b.count};
+  }
+  if (n == 0) return std::nullopt;
+  return sum / n;
+}
+
+bool stands_out(const Patch& patch, int column, int row, double below, bool two_sided) {
+  for (const Side& side : kSides) {
+    const auto a = side_level(patch, side, column, row, 1);
+    const auto b = side_level(patch, side, column, row, -1);
+    const bool is_above_a = a && *a <= below;
+    const bool is_above_b = b && *b <= below;
+    if (two_sided ? is_above_a && is_above_b : is_above_a || is_above_b) return true;
+  }
+  return false;
+}
+
+/// Beside a curb, or beyond it: the nearest curb straight across has its higher side there.
+bool is_off_road(const tile::Around<std::vector<curbs::CurbPoint>>& curbs, double x, double y) {
+  double nearest = kPavement;
+  bool is_off = false;
+  curbs.for_each([&](const std::vector<curbs::CurbPoint>& points, double dx, double dy) {
+    for (const curbs::CurbPoint& p : points) {
+      const Eigen::Vector2d d(x - p.foot.x() - dx, y - p.foot.y() - dy);
+      const double across = d.dot(p.up);
+      const double along = d.x() * p.up.y() - d.y() * p.up.x();
+      if (std::abs(along) > kFromCurb || std::abs(across) >= nearest) continue;
+      nearest = std::abs(across);
+      is_off = across > -kFromCurb;
+    }
+  });
+  return is_off;
+}
+
+/// A point's scatter about its cell's mean, of all cells.
+double point_variance(const PaintLayer& layer) {
+  double squares = 0;
+  double n = 0;
+  for (const PaintCell& cell : layer.cells) {
+    if (cell.count < 2) continue;
+    squares += static_cast<double>(cell.squares) -
+               static_cast<double>(cell.sum) * static_cast<double>(cell.sum) / static_cast<double>(cell.count);
+    n += static_cast<double>(cell.count) - 1;
+  }
+  return std::max(kLeastSpread * kLeastSpread, n > 0 ? squares / n : 0);
+}
+
+/// Where the brighter part of a cell is: its points weigh as they are brighter than the ground around.
+MarkingCell place(const PaintCell& cell, int column, int row, double level, double contrast) {
+  const double weight = static_cast<double>(cell.sum) - level * static_cast<double>(cell.count);
+  const auto centroid = [&](std::uint32_t by, std::uint32_t sum) {
+    const double at = (static_cast<double>(by) - level * static_cast<double>(sum)) / weight * kPositionStep;
+    return std::clamp(at, 0.0, kCellSize);
+  };
+  MarkingCell mark;
+  mark.column = static_cast<std::uint8_t>(column);
+  mark.row = static_cast<std::uint8_t>(row);
+  mark.x = static_cast<float>(column * kCellSize + centroid(cell.by_x, cell.x));
+  mark.y = static_cast<float>(row * kCellSize + centroid(cell.by_y, cell.y));
+  mark.z = cell.z;
+  mark.contrast = static_cast<float>(contrast);
+  return mark;
+}
+
+}  // namespace
+
+std::vector<MarkingCell> find_marking_cells(const MarkingSurroundings& around, const MarkingParameters& parameters) {
+  std::vector<MarkingCell> marks;
+  const PaintLayer* layer = around.paint.centre();
+  if (layer == nullptr || layer->cells.empty() || around.classes == nullptr) return marks;
+  const Patch patch(around.paint);
+  constexpr int kBlocks = kCellsPerTile / kBlock;
+  std::array<std::optional<double>, static_cast<std::size_t>(kBlocks * kBlocks)> grounds;
+  for (int i = 0; i < kBlocks * kBlocks; ++i)
+    grounds[static_cast<std::size_t>(i)] = level_around(patch, i % kBlocks * kBlock, i / kBlocks * kBlock);
+  const double scatter = point_variance(*layer);
+  for (int row = 0; row < kCellsPerTile; ++row) {
+    for (int column = 0; column < kCellsPerTile; ++column) {
+      const auto k = static_cast<std::size_t>(row * kCellsPerTile + column);
+      const PaintCell& cell = layer->cells[k];
+      const auto& ground = grounds[static_cast<std::size_t>(row / kBlock * kBlocks + column / kBlock)];
+      if (cell.count == 0 || !ground || around.classes->cell_class[k] != tile::CellClass::kRoad) continue;
+      const double level = parameters.local ? *ground : parameters.level;
+      if (level > kBrightestRoad) continue;
+      const double contrast = static_cast<double>(cell.sum) / static_cast<double>(cell.count) - level;
+      if (contrast < kWeakShare * parameters.min_contrast) continue;
+      MarkingCell mark = place(cell, column, row, level, contrast);
+      const double sigma = std::sqrt(scatter / static_cast<double>(cell.count));
+      mark.is_strong = contrast >= parameters.min_contrast && contrast >= parameters.min_sigmas * sigma &&
+                       stands_out(patch, column, row, level + parameters.side_share * contrast, parameters.two_sided) &&
+                       !is_off_road(around.curbs, double{mark.x}, double{mark.y});
+      marks.push_back(mark);
+    }
+  }
+  return marks;
+}
+
+}  // namespace curbstone::semantic_map::markings

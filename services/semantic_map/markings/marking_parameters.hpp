@@ -1,0 +1,30 @@
+#pragma once
+
+#include "common/config/config.hpp"
+
+namespace curbstone::semantic_map::markings {
+
+/// How road markings are found. Intensities: 0..255, the road's median is 64.
+struct MarkingParameters {
+  bool enabled = true;
+  double min_contrast = 20;  ///< brighter than the ground around
+  double min_sigmas = 1.5;   ///< and that many times its own uncertainty
+  double side_share = 0.6;   ///< of the contrast, that both sides must lie below
+  bool local = true;         ///< against the ground around; off: against `level` everywhere (ablation)
+  double level = 64;         ///< what the road is, where `local` is off
+  bool two_sided = true;     ///< off: one side is enough (ablation)
+  bool vote = true;          ///< off: no company is asked for (ablation)
+
+  void visit(ConfigVisitor& v) {
+    v.field("enabled", enabled, "look for road markings");
+    v.field("min_contrast", min_contrast, {1, 255}, "brighter than the ground around, at least; its median is 64");
+    v.field("min_sigmas", min_sigmas, {0, 100}, "the contrast in units of its own uncertainty, at least");
+    v.field("side_share", side_share, {0, 1}, "of the contrast, that both sides of a marking must lie below");
+    v.field("local", local, "against the ground around (off: against `level` everywhere)");
+    v.field("level", level, {0, 255}, "intensity of the road, where `local` is off");
+    v.field("two_sided", two_sided, "brighter than both sides (off: than one)");
+    v.field("vote", vote, "ask for a line of marking cells by the vote (off: any piece counts)");
+  }
+};
+
+}  // namespace curbstone::semantic_map::markings

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <curbstone/marking_lines_t.hpp>
+#include <vector>
+
+#include "services/semantic_map/marking_lines/marking_lines.hpp"
+#include "services/semantic_map/tile_pipeline.hpp"
+
+namespace curbstone::semantic_map {
+
+/// The markings of the whole map. `path`: driven, m in map.
+[[nodiscard]] std::vector<tile::MarkingLine> all_markings(const TilePipeline& pipeline,
+                                                          const std::vector<Eigen::Vector2d>& path,
+                                                          const markings::MarkingParameters& parameters);
+
+/// What MARKINGS says of the lines about the vehicle. A line that is still there keeps its id from message to message.
+class NearbyMarkings {
+ public:
+  /// `range`: m, half of the box's side; less where there is more than a message holds.
+  NearbyMarkings(double range, const markings::MarkingParameters& parameters)
+      : range_(range), parameters_(parameters) {}
+
+  /// `vehicle`, `path`: m in map. The caller fills in utime and epoch.
+  [[nodiscard]] marking_lines_t next(const TilePipeline& pipeline, const Eigen::Vector2d& vehicle,
+                                     const std::vector<Eigen::Vector2d>& path);
+
+ private:
+  double range_;
+  markings::MarkingParameters parameters_;
+  marking_lines::MarkingLineIds ids_;
+  std::int32_t revision_ = 0;
+};
+
+}  // namespace curbstone::semantic_map

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <SQLiteCpp/Column.h>
+#include <SQLiteCpp/Database.h>
+#include <SQLiteCpp/Exception.h>
+#include <SQLiteCpp/Statement.h>
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "services/semantic_map/store/map_store.hpp"
+
+/// @file
+/// What reading and writing a map file share. Included by their sources only.
+
+namespace curbstone::semantic_map::store {
+
+inline constexpr std::int32_t kApplicationId = 0x43555242;  // "CURB"
+inline constexpr int kBusyTimeout = 2000;                   // ms
+
+/// Runs `work`; what SQLite says becomes one line that names the file.
+template <class Work>
+auto for_file(const std::string& path, Work work) {
+  try {
+    return work();
+  } catch (const SQLite::Exception& error) {
+    std::string hint;
+    const int code = error.getErrorCode() & 0xff;  // without what extends it
+    if (code == SQLITE_NOTADB) hint = " (not a curbstone map)";
+    if (code == SQLITE_CORRUPT) hint = " (damaged: move it away, or mend it with 'sqlite3 FILE .recover')";
+    if (code == SQLITE_FULL) hint = " (no room on the disk)";
+    throw MapStoreError(fmt::format("{}: {}{}", path, error.what(), hint));
+  }
+}
+
+/// The first column of the first row; 0 if there is none.
+inline std::int64_t integer(SQLite::Database& db, const char* sql) {
+  SQLite::Statement statement(db, sql);
+  return statement.executeStep() ? statement.getColumn(0).getInt64() : 0;
+}
+
+/// Valid until the statement's next step.
+inline std::span<const std::uint8_t> blob(const SQLite::Column& column) {
+  const auto* data = static_cast<const std::uint8_t*>(column.getBlob());
+  return {data, data == nullptr ? 0 : static_cast<std::size_t>(column.getBytes())};
+}
+
+/// Maps of schema 2, and the first of schema 3, have no such column.
+inline bool has_inferred(SQLite::Database& db) {
+  return integer(db, "SELECT count(*) FROM pragma_table_info('curbs') WHERE name = 'inferred'") > 0;
+}
+
+inline std::int32_t stored_epoch(SQLite::Database& db) {
+  return static_cast<std::int32_t>(integer(db, "SELECT value FROM meta WHERE key = 'epoch'"));
+}
+
+/// Throws unless the file is a map of a schema that we know.
+inline void check_identity(SQLite::Database& db, const std::string& path) {
+  if (integer(db, "PRAGMA application_id") != kApplicationId)
+    throw MapStoreError(fmt::format("{}: is an SQLite file but not a curbstone map", path));
+  const std::int64_t version = integer(db, "PRAGMA user_version");
+  if (version > kMapSchemaVersion)
+    throw MapStoreError(fmt::format("{}: map schema {} is newer than this program's {}: use a newer curbstone", path,
+                                    version, kMapSchemaVersion));
+  if (version < 1) throw MapStoreError(fmt::format("{}: map schema {} is not known", path, version));
+}
+
+}  // namespace curbstone::semantic_map::store

@@ -1,0 +1,125 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "services/semantic_map/store/map_file.hpp"
+#include "services/semantic_map/store/map_store.hpp"
+#include "services/semantic_map/store/map_store_blobs.hpp"
+
+/// @file
+/// MapReader.
+
+namespace curbstone::semantic_map::store {
+
+namespace {
+
+bool is_sane(const tile::TrajectoryPose& pose) {
+  return is_finite(pose.T_map_base);
+}
+
+}  // namespace
+
+MapReader::MapReader(const std::string& path) : path_(path) {
+  if (!std::filesystem::exists(path)) throw MapStoreError(fmt::format("{}: no such file", path));
+  for_file(path, [&] {
+    db_ = std::make_unique<SQLite::Database>(path, SQLite::OPEN_READONLY, kBusyTimeout);
+    check_identity(*db_, path);
+  });
+}
+
+MapReader::~MapReader() = default;
+
+std::int32_t MapReader::schema() const {
+  return for_file(path_, [&] { return static_cast<std::int32_t>(integer(*db_, "PRAGMA user_version")); });
+}
+
+std::int32_t MapReader::epoch() const {
+  return for_file(path_, [&] { return stored_epoch(*db_); });
+}
+
+std::vector<tile::MapTile> MapReader::tiles() const {
+  return for_file(path_, [&] {
+    std::vector<tile::MapTile> tiles;
+    SQLite::Statement rows(*db_, "SELECT x, y, utime, z_origin, cells FROM tiles ORDER BY x, y");
+    while (rows.executeStep()) {
+      tile::MapTile& tile = tiles.emplace_back();
+      tile.key = {static_cast<std::int32_t>(rows.getColumn(0).getInt64()),
+                  static_cast<std::int32_t>(rows.getColumn(1).getInt64())};
+      tile.utime = rows.getColumn(2).getInt64();
+      tile.z_origin = static_cast<float>(rows.getColumn(3).getDouble());
+      if (!std::isfinite(tile.z_origin) || !unpack_cells(blob(rows.getColumn(4)), tile))
+        throw MapStoreError(fmt::format("{}: tile ({}, {}) is damaged", path_, tile.key.x, tile.key.y));
+    }
+    return tiles;
+  });
+}
+
+std::vector<tile::CurbLine> MapReader::curbs() const {
+  return for_file(path_, [&] {
+    std::vector<tile::CurbLine> lines;
+    SQLite::Statement rows(*db_, fmt::format("SELECT id, dropped, confidence, points, {} FROM curbs ORDER BY id",
+                                             has_inferred(*db_) ? "inferred" : "0"));
+    while (rows.executeStep()) {
+      const auto id = static_cast<std::int32_t>(rows.getColumn(0).getInt64());
+      auto points = unpack_vertices(blob(rows.getColumn(3)));
+      if (!points) throw MapStoreError(fmt::format("{}: curb {} is damaged", path_, id));
+      lines.push_back({id, static_cast<float>(rows.getColumn(2).getDouble()), rows.getColumn(1).getInt64() != 0,
+                       std::move(*points), rows.getColumn(4).getInt64() != 0});
+    }
+    return lines;
+  });
+}
+
+std::vector<tile::MarkingLine> MapReader::markings() const {
+  if (schema() < 3) return {};
+  return for_file(path_, [&] {
+    std::vector<tile::MarkingLine> lines;
+    SQLite::Statement rows(*db_, "SELECT id, type, confidence, width, dash, gap, points FROM markings ORDER BY id");
+    while (rows.executeStep()) {
+      const auto number = [&](int column) { return static_cast<float>(rows.getColumn(column).getDouble()); };
+      tile::MarkingLine& line = lines.emplace_back();
+      line.id = static_cast<std::int32_t>(rows.getColumn(0).getInt64());
+      const std::int64_t type = rows.getColumn(1).getInt64();
+      line.confidence = number(2);
+      line.width = number(3);
+      line.dash = number(4);
+      line.gap = number(5);
+      auto points = unpack_marking_vertices(blob(rows.getColumn(6)));
+      const bool is_sound = type >= 0 && type < tile::kNumMarkingTypes && std::isfinite(line.confidence) &&
+                            std::isfinite(line.width) && std::isfinite(line.dash) && std::isfinite(line.gap);
+      if (!points || !is_sound) throw MapStoreError(fmt::format("{}: marking {} is damaged", path_, line.id));
+      line.type = static_cast<tile::MarkingType>(type);
+      line.points = std::move(*points);
+    }
+    return lines;
+  });
+}
+
+std::vector<tile::TrajectoryPose> MapReader::trajectory() const {
+  return for_file(path_, [&] {
+    std::vector<tile::TrajectoryPose> poses;
+    SQLite::Statement rows(*db_, "SELECT utime, revolution, x, y, z, qw, qx, qy, qz FROM trajectory ORDER BY utime");
+    while (rows.executeStep()) {
+      const double position[3] = {rows.getColumn(2).getDouble(), rows.getColumn(3).getDouble(),
+                                  rows.getColumn(4).getDouble()};
+      const double orientation[4] = {rows.getColumn(5).getDouble(), rows.getColumn(6).getDouble(),
+                                     rows.getColumn(7).getDouble(), rows.getColumn(8).getDouble()};
+      poses.push_back({rows.getColumn(0).getInt64(), static_cast<std::int32_t>(rows.getColumn(1).getInt64()),
+                       pose_from_arrays(position, orientation)});
+      if (!is_sane(poses.back())) throw MapStoreError(fmt::format("{}: a pose is damaged", path_));
+    }
+    return poses;
+  });
+}
+
+std::string MapReader::integrity() const {
+  return for_file(path_, [&] {
+    SQLite::Statement rows(*db_, "PRAGMA integrity_check");
+    return rows.executeStep() ? rows.getColumn(0).getString() : std::string("no answer");
+  });
+}
+
+}  // namespace curbstone::semantic_map::store

@@ -1,0 +1,48 @@
+// The cells' colours as a picture of each page. A cell is painted when it or the look becomes other; then to draw a page
+// costs one look into its picture a pixel, which machines without a graphics card can do too.
+import { kCellsAside, Page, Pages } from "./pages";
+import { Program } from "./program";
+import { kPaintFragment, kPaintVertex } from "./shaders";
+
+export class Painter {
+  private program: Program;
+  private canvas: WebGLFramebuffer;
+
+  constructor(private gl: WebGL2RenderingContext, private pages: Pages) {
+    this.program = new Program(gl, kPaintVertex, kPaintFragment);
+    this.canvas = gl.createFramebuffer()!;
+  }
+
+  /// Brings the page's picture up to date. `look` names all that the colours depend on but the cells; `style` sets the
+  /// uniforms of kPaintFragment; `isSmall`: it is drawn smaller than it is.
+  paint(page: Page, look: string, style: (program: Program) => void, isSmall: boolean): void {
+    const { gl } = this;
+    if (page.paintedAs !== look) page.unpainted = { left: 0, low: 0, right: kCellsAside, high: kCellsAside };
+    if (page.unpainted) {
+      const { left, low, right, high } = page.unpainted;
+      this.program.use();
+      style(this.program);
+      this.pages.bind(page);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, this.canvas);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, page.picture, 0);
+      gl.viewport(0, 0, kCellsAside, kCellsAside);
+      gl.disable(gl.BLEND);
+      gl.enable(gl.SCISSOR_TEST);
+      gl.scissor(left, low, right - left, high - low);
+      gl.disableVertexAttribArray(0);
+      gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+      gl.disable(gl.SCISSOR_TEST);
+      gl.enable(gl.BLEND);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+      gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
+      page.unpainted = null;
+      page.paintedAs = look;
+      page.hasSmaller = false;
+    }
+    if (!isSmall || page.hasSmaller) return;
+    gl.activeTexture(gl.TEXTURE3);
+    gl.bindTexture(gl.TEXTURE_2D, page.picture);
+    gl.generateMipmap(gl.TEXTURE_2D);
+    page.hasSmaller = true;
+  }
+}

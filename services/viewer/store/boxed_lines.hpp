@@ -1,0 +1,185 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <iterator>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace curbstone::viewer::store {
+
+/// The lines of the whole epoch, put together from messages each of which speaks of the box around the vehicle: CURBS,
+/// MARKINGS. A message replaces what lies within its box; lines that leave the box are cut there. A line never changes:
+/// it goes, and others come. So a listener needs the lines above a number, and the names of those that went since.
+/// Bounded. Pure; one thread.
+///
+/// Of a line that its message holds, in the namespace curbstone:
+///   bool is_sound(const Line&): finite, lists of the same length
+///   bool is_same(const Line&, const Line&): but for its id
+///   Line piece_of(const Line&, std::size_t first, std::size_t last): its points from `first` up to before `last`
+template <class Message>
+class BoxedLines {
+ public:
+  using Line = typename decltype(Message::lines)::value_type;
+  static constexpr std::size_t kMaxVertices = 500'000;  ///< 100 km of curb
+  static constexpr std::size_t kMaxGone = 20'000;       ///< names kept of lines that went
+
+  enum class Put {
+    kTaken,
+    kRefused,  ///< not finite, or lists of other lengths
+    kFull,
+  };
+  Put put(const Message& message);
+  /// Numbers go on.
+  void clear();
+
+  /// What happened after a number.
+  struct News {
+    std::uint32_t number = 0;         ///< of the last event
+    bool everything = false;          ///< what the listener has is void: `added` is all there is
+    std::vector<std::uint32_t> gone;  ///< names
+    struct Added {
+      std::uint32_t name;
+      const Line* line;  ///< valid until the next put() or clear()
+    };
+    std::vector<Added> added;
+  };
+  /// 0: from the beginning.
+  [[nodiscard]] News above(std::uint32_t number) const;
+  [[nodiscard]] std::uint32_t number() const { return number_; }
+
+ private:
+  using Lines = std::map<std::uint32_t, Line>;
+  typename Lines::iterator remove(typename Lines::iterator line);
+  void add(Line line);
+  /// Takes out what lies in the message's box, but for lines that the message repeats, which go from `news`.
+  void make_room(const Message& message, std::vector<Line>& news);
+
+  static bool is_inside(const Message& box, float x, float y) {
+    return x >= box.box_min[0] && x <= box.box_max[0] && y >= box.box_min[1] && y <= box.box_max[1];
+  }
+  /// The parts of a line that lie outside of the box, and those with one vertex inside at their ends, so that they
+  /// touch what the box holds.
+  static std::vector<Line> pieces_outside(const Line& line, const Message& box);
+
+  struct Gone {
+    std::uint32_t number;
+    std::uint32_t name;
+  };
+  std::uint32_t number_ = 0;
+  std::uint32_t forgotten_ = 0;  // what went up to this number is not known any more
+  Lines lines_;                  // by name, which is the number at which the line came
+  std::deque<Gone> gone_;
+  std::size_t vertices_ = 0;
+};
+
+template <class Message>
+typename BoxedLines<Message>::Put BoxedLines<Message>::put(const Message& message) {
+  const bool has_box = message.box_min[0] <= message.box_max[0] && message.box_min[1] <= message.box_max[1];
+  if (!has_box ||
+      !std::all_of(message.lines.begin(), message.lines.end(), [](const Line& line) { return is_sound(line); }))
+    return Put::kRefused;
+  std::vector<Line> news = message.lines;
+  make_room(message, news);
+  Put result = Put::kTaken;
+  for (Line& line : news) {
+    if (vertices_ + line.x.size() <= kMaxVertices)
+      add(std::move(line));
+    else
+      result = Put::kFull;
+  }
+  return result;
+}
+
+template <class Message>
+void BoxedLines<Message>::make_room(const Message& message, std::vector<Line>& news) {
+  std::vector<Line> left;
+  for (auto it = lines_.begin(); it != lines_.end();) {
+    const Line& line = it->second;
+    const auto again = std::find_if(news.begin(), news.end(), [&](const Line& n) { return is_same(n, line); });
+    const auto inside = [&](std::size_t i) { return is_inside(message, line.x[i], line.y[i]); };
+    bool touches = false;
+    for (std::size_t i = 0; i < line.x.size() && !touches; ++i) touches = inside(i);
+    if (again != news.end()) {
+      news.erase(again);
+      ++it;
+      continue;
+    }
+    if (!touches) {
+      ++it;
+      continue;
+    }
+    std::vector<Line> pieces = pieces_outside(line, message);
+    if (pieces.size() == 1 && pieces.front().x.size() == line.x.size()) {  // cut there before
+      ++it;
+      continue;
+    }
+    std::move(pieces.begin(), pieces.end(), std::back_inserter(left));
+    it = remove(it);
+  }
+  for (Line& piece : left) add(std::move(piece));
+}
+
+template <class Message>
+typename BoxedLines<Message>::Lines::iterator BoxedLines<Message>::remove(typename Lines::iterator line) {
+  vertices_ -= line->second.x.size();
+  gone_.push_back({++number_, line->first});
+  if (gone_.size() > kMaxGone) {
+    forgotten_ = gone_.front().number;
+    gone_.pop_front();
+  }
+  return lines_.erase(line);
+}
+
+template <class Message>
+void BoxedLines<Message>::add(Line line) {
+  if (line.x.size() < 2) return;
+  vertices_ += line.x.size();
+  lines_.emplace(++number_, std::move(line));
+}
+
+template <class Message>
+void BoxedLines<Message>::clear() {
+  lines_.clear();
+  gone_.clear();
+  vertices_ = 0;
+  forgotten_ = ++number_;
+}
+
+template <class Message>
+typename BoxedLines<Message>::News BoxedLines<Message>::above(std::uint32_t number) const {
+  News news;
+  news.number = number_;
+  news.everything = number < forgotten_ || number == 0 || number > number_;
+  const std::uint32_t from = news.everything ? 0 : number;
+  for (auto it = lines_.upper_bound(from); it != lines_.end(); ++it) news.added.push_back({it->first, &it->second});
+  if (news.everything) return news;
+  // Names of lines that came after `number` mean nothing to the listener.
+  for (const Gone& gone : gone_) {
+    if (gone.number > number && gone.name <= number) news.gone.push_back(gone.name);
+  }
+  return news;
+}
+
+template <class Message>
+std::vector<typename BoxedLines<Message>::Line> BoxedLines<Message>::pieces_outside(const Line& line,
+                                                                                    const Message& box) {
+  std::vector<Line> pieces;
+  const std::size_t n = line.x.size();
+  for (std::size_t i = 0; i < n;) {
+    if (is_inside(box, line.x[i], line.y[i])) {
+      ++i;
+      continue;
+    }
+    std::size_t end = i;
+    while (end < n && !is_inside(box, line.x[end], line.y[end])) ++end;
+    pieces.push_back(piece_of(line, i > 0 ? i - 1 : i, end < n ? end + 1 : end));
+    i = end;
+  }
+  return pieces;
+}
+
+}  // namespace curbstone::viewer::store

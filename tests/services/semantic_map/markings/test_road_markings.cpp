@@ -1,0 +1,181 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <random>
+
+#include "services/semantic_map/marking_lines/marking_lines.hpp"
+#include "services/semantic_map/nearby_markings.hpp"
+#include "services/semantic_map/tile_pipeline.hpp"
+
+namespace curbstone::semantic_map {
+namespace {
+
+using tile::MarkingLine;
+using tile::MarkingType;
+
+constexpr double kRoad = 64;
+constexpr double kPaint = 160;
+
+/// A flat road from -15 to 15 m along x, -6 to 6 m across, 300 points/m^2, with noise of 12 of 255.
+std::vector<tile::VotedTile> road(const std::function<double(double, double)>& intensity) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> along(-15, 15), across(-6, 6);
+  std::normal_distribution<double> noise(0, 12), height(0, 0.005);
+  std::map<TileKey, tile::VotedTile> tiles;
+  for (int i = 0; i < 30 * 12 * 300; ++i) {
+    const double x = along(random);
+    const double y = across(random);
+    const TileKey key = *tile_at(x, y);
+    tile::VotedTile& tile = tiles[key];
+    tile.key = key;
+    tile.revision = 1;
+    tile.points.push_back({{Eigen::Vector3f::UnitZ(), 0.9F, 0.05F, 5.0F},
+                           static_cast<float>(x - key.x * kTileSize),
+                           static_cast<float>(y - key.y * kTileSize),
+                           static_cast<float>(height(random))});
+    tile.intensity.push_back(static_cast<std::uint8_t>(std::clamp(intensity(x, y) + noise(random), 1.0, 255.0)));
+  }
+  std::vector<tile::VotedTile> result;
+  for (auto& [key, tile] : tiles) result.push_back(std::move(tile));
+  return result;
+}
+
+/// Driven along x, at y = -1.5 m.
+std::vector<Eigen::Vector2d> path() {
+  std::vector<Eigen::Vector2d> path;
+  for (double x = -15; x <= 15; x += 0.5) path.emplace_back(x, -1.5);
+  return path;
+}
+
+std::vector<MarkingLine> lines_of(const std::vector<tile::VotedTile>& tiles) {
+  TilePipeline pipeline({}, {});
+  for (const tile::VotedTile& tile : tiles) pipeline.set_voted(tile);
+  pipeline.settle();
+  return all_markings(pipeline, path(), {});
+}
+
+double painted_length(const MarkingLine& line) {
+  double length = 0;
+  for (std::size_t i = 1; i < line.points.size(); ++i) {
+    const auto &a = line.points[i - 1], &b = line.points[i];
+    if (a.painted) length += std::hypot(double{b.x} - double{a.x}, double{b.y} - double{a.y});
+  }
+  return length;
+}
+
+TEST(RoadMarkings, ASolidLineIsFoundWhereItIs) {
+  const auto lines = lines_of(road([](double, double y) { return std::abs(y - 0.37) < 0.06 ? kPaint : kRoad; }));
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].type, MarkingType::kSolid);
+  EXPECT_NEAR(painted_length(lines[0]), 30, 0.5);
+  EXPECT_NEAR(lines[0].width, 0.12, 0.07);  // it lies half in one cell, half in the next
+  EXPECT_EQ(lines[0].dash, 0);
+  EXPECT_GT(lines[0].confidence, 0.9);
+  for (const tile::MarkingVertex& v : lines[0].points) EXPECT_NEAR(v.y, 0.37, 0.03) << v.x;
+}
+
+TEST(RoadMarkings, DashesAreOneLineWithTheirLengthsAndGaps) {
+  const auto lines = lines_of(road([](double x, double y) {
+    const double in_period = std::fmod(x + 150, 9.0);
+    return std::abs(y) < 0.06 && in_period < 3 ? kPaint : kRoad;
+  }));
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].type, MarkingType::kDashed);
+  EXPECT_NEAR(lines[0].dash, 3, 0.15);
+  EXPECT_NEAR(lines[0].gap, 6, 0.15);
+  EXPECT_FALSE(lines[0].points.back().painted);
+}
+
+TEST(RoadMarkings, AStopLineLiesAcrossTheWay) {
+  const auto lines =
+      lines_of(road([](double x, double y) { return std::abs(x - 2) < 0.2 && y > -4 && y < -0.5 ? kPaint : kRoad; }));
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].type, MarkingType::kStopLine);
+  EXPECT_NEAR(lines[0].width, 0.4, 0.1);
+  EXPECT_NEAR(painted_length(lines[0]), 3.5, 0.2);
+}
+
+TEST(RoadMarkings, BarsSideBySideAreACrossing) {
+  const auto lines = lines_of(road([](double x, double y) {
+    return std::abs(x) < 2 && std::abs(y) < 3.5 && std::fmod(y + 10, 1.0) < 0.5 ? kPaint : kRoad;
+  }));
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].type, MarkingType::kCrossing);
+  EXPECT_NEAR(lines[0].width, 4, 0.3);
+  EXPECT_NEAR(lines[0].dash, 0.5, 0.12);
+  EXPECT_NEAR(lines[0].gap, 0.5, 0.12);
+}
+
+TEST(RoadMarkings, ARoadWithoutPaintHasNone) {
+  EXPECT_TRUE(lines_of(road([](double, double) { return kRoad; })).empty());
+}
+
+TEST(RoadMarkings, JointsTarPatchesAndPavementAreNoPaint) {
+  EXPECT_TRUE(lines_of(road([](double, double y) { return std::abs(y) < 0.05 ? 5.0 : kRoad; })).empty());
+  EXPECT_TRUE(lines_of(road([](double, double y) { return y > 1 ? 95.0 : kRoad; })).empty());
+  EXPECT_TRUE(lines_of(road([](double x, double y) { return x > 0 && x < 4 && y > 0 ? 85.0 : kRoad; })).empty());
+}
+
+TEST(RoadMarkings, WhereNoIntensityIsKnownThereIsNone) {
+  auto tiles = road([](double, double y) { return std::abs(y) < 0.06 ? kPaint : kRoad; });
+  for (tile::VotedTile& tile : tiles) tile.intensity.pop_back();  // of not all points: nobody knows which
+  EXPECT_TRUE(lines_of(tiles).empty());
+  for (tile::VotedTile& tile : tiles) tile.intensity.assign(tile.points.size(), 0);
+  EXPECT_TRUE(lines_of(tiles).empty());
+  for (tile::VotedTile& tile : tiles) tile.intensity.assign(tile.points.size(), 255);  // a saturated sensor
+  EXPECT_TRUE(lines_of(tiles).empty());
+}
+
+TEST(RoadMarkings, DoNotDependOnTheOrderOfTilesNorOnWhoLooksWhen) {
+  const auto tiles = road([](double x, double y) { return std::abs(y - 0.1 * x) < 0.06 ? kPaint : kRoad; });
+  TilePipeline backward({}, {});
+  for (auto it = tiles.rbegin(); it != tiles.rend(); ++it) {
+    backward.set_voted(*it);
+    backward.run({TileWork::Kind::kUpdate, it->key});
+    for (int i = 0; i < 5; ++i) backward.run({TileWork::Kind::kOldestStep});
+  }
+  while (backward.num_stale() > 0) backward.run({TileWork::Kind::kOldestStep});
+  EXPECT_EQ(all_markings(backward, path(), {}), lines_of(tiles));
+  EXPECT_FALSE(lines_of(tiles).empty());
+}
+
+TEST(RoadMarkings, AreLookedForOnlyWhereThatIsAskedFor) {
+  const auto tiles = road([](double, double y) { return std::abs(y) < 0.06 ? kPaint : kRoad; });
+  markings::MarkingParameters off;
+  off.enabled = false;
+  TilePipeline pipeline({}, {}, off);
+  for (const tile::VotedTile& tile : tiles) pipeline.set_voted(tile);
+  pipeline.settle();
+  EXPECT_EQ(pipeline.num_stale(), 0U);
+  EXPECT_TRUE(all_markings(pipeline, path(), off).empty());
+}
+
+TEST(MarkingLineIds, StayWithTheLineWhileItGrows) {
+  const auto line = [](float y, int n) {
+    MarkingLine made;
+    for (int i = 0; i < n; ++i) made.points.push_back({0.2F * static_cast<float>(i), y, 0, true});
+    return made;
+  };
+  marking_lines::MarkingLineIds ids;
+  std::vector<MarkingLine> first = {line(0, 20), line(3, 20)};
+  ids.assign(first);
+  EXPECT_NE(first[0].id, first[1].id);
+  std::vector<MarkingLine> second = {line(6, 20), line(3, 40), line(0, 40)};
+  ids.assign(second);
+  EXPECT_EQ(second[1].id, first[1].id);
+  EXPECT_EQ(second[2].id, first[0].id);
+  EXPECT_NE(second[0].id, first[0].id);
+  EXPECT_NE(second[0].id, first[1].id);
+}
+
+TEST(RoadMarkings, LinesOfNoPointsAndOfPointsAtOnePlaceAreNone) {
+  EXPECT_TRUE(marking_lines::link_markings({}, {}, {}).empty());
+  const std::vector<marking_lines::MapMarkingCell> heap(50, {{1, 1}, 0, 80, true});
+  EXPECT_TRUE(marking_lines::link_markings(heap, {}, {}).empty());
+}
+
+}  // namespace
+}  // namespace curbstone::semantic_map

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <unordered_set>
+#include <vector>
+
+#include "common/geometry/geometry.hpp"
+#include "common/tiles/tile.hpp"
+#include "services/semantic_map/tile/map_types.hpp"
+
+namespace curbstone::bench::markings {
+
+inline constexpr double kTolerance = 0.24;  ///< m: labels are blobs wider than the paint
+
+/// Cells of 0.12 m, column and row from the frame's origin.
+using PaintCells = std::unordered_set<TileKey, TileKeyHash>;
+[[nodiscard]] TileKey cell_of(const Eigen::Vector2d& at);
+
+/// Paint cell by cell, where nobody says of which line it is.
+struct PaintTruth {
+  PaintCells painted;
+  PaintCells judged;  ///< where it is known whether there is paint
+};
+
+/// A painted band about a polyline. m, the truth's frame.
+struct TruePiece {
+  std::vector<Eigen::Vector2d> centre;
+  double width = 0;
+};
+struct TrueLine {
+  semantic_map::tile::MarkingType type = semantic_map::tile::MarkingType::kUnknown;
+  std::vector<TruePiece> pieces;
+  std::vector<Eigen::Vector2d> middle = {};  ///< of a double line; as good as either of the two
+};
+
+/// Shares of cells; a cell is right with one of the other side within kTolerance.
+struct CellScore {
+  double found = 0, found_right = 0;  ///< cells that were found to be painted, and are judged
+  double painted = 0, painted_found = 0;
+  [[nodiscard]] double precision() const { return found > 0 ? found_right / found : 1; }
+  [[nodiscard]] double recall() const { return painted > 0 ? painted_found / painted : 1; }
+  [[nodiscard]] double f1() const {
+    const double sum = precision() + recall();
+    return sum > 0 ? 2 * precision() * recall() / sum : 0;
+  }
+};
+
+struct LineScore {
+  CellScore cells;
+  double right_metres = 0;  ///< painted, on paint
+  double false_metres = 0;
+  double typed_metres = 0;      ///< of the right ones, with the right type
+  std::vector<double> lateral;  ///< m, each 0.2 m of lines along solid and dashed ones
+  double driven = 0;            ///< m
+  [[nodiscard]] double type_share() const { return right_metres > 0 ? typed_metres / right_metres : 0; }
+  void add(const LineScore& other);
+};
+
+/// The cells that lines cover where they are painted. `T`: to the frame wanted.
+[[nodiscard]] PaintCells cells_of(const std::vector<semantic_map::tile::MarkingLine>& lines, const Pose& T);
+
+[[nodiscard]] CellScore score_cells(const PaintCells& found, const PaintTruth& truth);
+
+/// `is_judged`: whether a place, in the truth's frame, was mapped well enough to count.
+[[nodiscard]] LineScore score_lines(const std::vector<semantic_map::tile::MarkingLine>& lines, const Pose& T_truth_map,
+                                    const std::vector<TrueLine>& truth,
+                                    const std::function<bool(const Eigen::Vector2d&)>& is_judged);
+
+}  // namespace curbstone::bench::markings

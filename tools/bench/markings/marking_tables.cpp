@@ -1,0 +1,67 @@
+#include "tools/bench/markings/marking_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/statistics/quantile.hpp"
+
+namespace curbstone::bench::markings {
+namespace {
+
+double lateral_cm(const LineScore& score) {
+  return 100 * quantile_or(score.lateral, 0.5, 0);
+}
+double false_in_200_m(const LineScore& score) {
+  return score.driven > 0 ? 200 * score.false_metres / score.driven : 0;
+}
+
+}  // namespace
+
+std::string to_table(const std::vector<StreetFigures>& figures) {
+  std::string text =
+      fmt::format("{:<12}{:<34}{:>7}{:>7}{:>7}{:>8}{:>8}\n", "street", "method", "P", "R", "F1", "found", "truth");
+  for (const StreetFigures& f : figures)
+    text += fmt::format("{:<12}{:<34}{:>7.3f}{:>7.3f}{:>7.3f}{:>8.0f}{:>8.0f}\n", f.cloud, f.method,
+                        f.score.precision(), f.score.recall(), f.score.f1(), f.score.found, f.score.painted);
+  return text;
+}
+
+std::string to_table(const std::vector<TownFigures>& figures) {
+  std::string text = fmt::format("{:<24}{:<24}{:>7}{:>7}{:>7}{:>9}{:>8}{:>9}{:>9}\n", "town", "method", "P", "R", "F1",
+                                 "lateral", "typed", "metres", "false/200");
+  for (const TownFigures& f : figures)
+    text += fmt::format("{:<24}{:<24}{:>7.3f}{:>7.3f}{:>7.3f}{:>9.2f}{:>8.3f}{:>9.1f}{:>9.2f}\n", f.town, f.method,
+                        f.score.cells.precision(), f.score.cells.recall(), f.score.cells.f1(), lateral_cm(f.score),
+                        f.score.type_share(), f.score.right_metres, false_in_200_m(f.score));
+  return text;
+}
+
+std::string to_json(const MarkingFigures& figures) {
+  nlohmann::ordered_json json;
+  json["tolerance_m"] = kTolerance;
+  json["street"] = nlohmann::ordered_json::array();
+  for (const StreetFigures& f : figures.street)
+    json["street"].push_back({{"cloud", f.cloud},
+                              {"method", f.method},
+                              {"precision", f.score.precision()},
+                              {"recall", f.score.recall()},
+                              {"f1", f.score.f1()},
+                              {"true_cells", f.score.painted}});
+  json["towns"] = nlohmann::ordered_json::array();
+  for (const TownFigures& f : figures.towns)
+    json["towns"].push_back({{"town", f.town},
+                             {"method", f.method},
+                             {"precision", f.score.cells.precision()},
+                             {"recall", f.score.cells.recall()},
+                             {"f1", f.score.cells.f1()},
+                             {"lateral_median_cm", lateral_cm(f.score)},
+                             {"type_share", f.score.type_share()},
+                             {"right_m", f.score.right_metres},
+                             {"false_m", f.score.false_metres},
+                             {"driven_m", f.score.driven},
+                             {"false_m_in_200", false_in_200_m(f.score)}});
+  return json.dump(2) + "\n";
+}
+
+}  // namespace curbstone::bench::markings
