@@ -1,7 +1,10 @@
 #include "services/semantic_map/nearby_curbs.hpp"
 
+#include <algorithm>
 #include <limits>
+#include <optional>
 
+#include "services/semantic_map/curb_lines/curb_bridges.hpp"
 #include "services/semantic_map/semantic_messages.hpp"
 
 namespace curbstone::semantic_map {
@@ -35,6 +38,26 @@ std::vector<curb_lines::MapCurbPoint> points_in(const Box& box, const TilePipeli
   return points;
 }
 
+/// Where a cell shows ground.
+std::optional<double> ground_at(const TilePipeline& pipeline, const Eigen::Vector2d& at) {
+  const auto key = tile_at(at.x(), at.y());
+  const tile::MapTile* tile = key ? pipeline.classes(*key) : nullptr;
+  if (tile == nullptr) return std::nullopt;
+  const auto cell_of = [](double x, std::int32_t tile_x) {
+    return std::clamp(static_cast<int>((x - tile_x * kTileSize) / kCellSize), 0, kCellsPerTile - 1);
+  };
+  const auto i = static_cast<std::size_t>(cell_of(at.y(), key->y) * kCellsPerTile + cell_of(at.x(), key->x));
+  const bool is_ground = tile->cell_class[i] == tile::CellClass::kRoad || tile->cell_class[i] == tile::CellClass::kCurb;
+  if (!is_ground || tile->height[i] == tile::MapTile::kNoHeight) return std::nullopt;
+  return double{tile->z_origin} + kPositionStep * tile->height[i];
+}
+
+std::vector<tile::CurbLine> lines_in(const Box& box, const TilePipeline& pipeline) {
+  std::vector<tile::CurbLine> lines = curb_lines::link_curbs(points_in(box, pipeline));
+  curb_lines::add_bridges([&](const Eigen::Vector2d& at) { return ground_at(pipeline, at); }, lines);
+  return lines;
+}
+
 std::size_t num_vertices(const std::vector<tile::CurbLine>& lines) {
   std::size_t vertices = 0;
   for (const tile::CurbLine& line : lines) vertices += line.points.size() + 1;
@@ -45,8 +68,7 @@ std::size_t num_vertices(const std::vector<tile::CurbLine>& lines) {
 
 std::vector<tile::CurbLine> all_curbs(const TilePipeline& pipeline) {
   constexpr double kAll = std::numeric_limits<double>::max();
-  return curb_lines::link_curbs(
-      points_in({Eigen::Vector2d::Constant(-kAll), Eigen::Vector2d::Constant(kAll)}, pipeline));
+  return lines_in({Eigen::Vector2d::Constant(-kAll), Eigen::Vector2d::Constant(kAll)}, pipeline);
 }
 
 curb_lines_t NearbyCurbs::next(const TilePipeline& pipeline, const Eigen::Vector2d& vehicle,
@@ -54,11 +76,11 @@ curb_lines_t NearbyCurbs::next(const TilePipeline& pipeline, const Eigen::Vector
   double range = range_;
   const auto box_of = [&] { return Box{vehicle.array() - range, vehicle.array() + range}; };
   Box box = box_of();
-  std::vector<tile::CurbLine> lines = curb_lines::link_curbs(points_in(box, pipeline));
+  std::vector<tile::CurbLine> lines = lines_in(box, pipeline);
   while (num_vertices(lines) > kMaxVertices) {
     range *= kSmaller;
     box = box_of();
-    lines = curb_lines::link_curbs(points_in(box, pipeline));
+    lines = lines_in(box, pipeline);
   }
   ids_.assign(lines);
   curb_lines_t message;

@@ -7,6 +7,7 @@ curb_line_t to_message(const tile::CurbLine& line, const std::vector<Eigen::Vect
   m.id = line.id;
   m.confidence = line.confidence;
   m.dropped = line.dropped ? 1 : 0;
+  m.inferred = line.inferred ? 1 : 0;
   m.rise = static_cast<std::int8_t>(curb_lines::seen_from(line, path));
   m.num_points = static_cast<std::int32_t>(line.points.size());
   for (const tile::CurbVertex& v : line.points) {

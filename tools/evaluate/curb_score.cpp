@@ -143,6 +143,23 @@ void score_lowered(const CurbMap& map, const std::vector<truth::TrueCurbPoint>& 
   }
 }
 
+/// After score_recall(), which says what is missed.
+void score_inferred(const CurbMap& map, const TrueCurbs& curbs, const NearPath& near_path, CurbScore& score) {
+  std::vector<Place> places;
+  double right = 0;
+  for (const CurbMap::Inferred& inferred : map.inferred) {
+    if (!near_path.any_near(inferred.at.x, inferred.at.y)) continue;
+    places.push_back(inferred.at);
+    const bool is_right = curbs.nearest(inferred.at, kTolerances.back()).distance <= kTolerances.back();
+    if (!inferred.judged && !is_right) continue;
+    score.inferred_m += inferred.length;
+    right += is_right ? inferred.length : 0;
+  }
+  score.inferred_right = score.inferred_m > 0 ? right / score.inferred_m : 0;
+  const PlaceGrid<Place> near_inferred(places, kTolerances.back());
+  for (const Place& missed : score.missed) score.inferred_found += near_inferred.any_near(missed.x, missed.y) ? 1 : 0;
+}
+
 void score_lateral(const CurbMap& map, const TrueCurbs& curbs, const NearPath& near_path, CurbScore& score) {
   std::vector<double> sizes;
   std::vector<double> offsets;  // towards the higher side
@@ -172,6 +189,7 @@ CurbScore score_curbs(const CurbMap& map, const std::vector<truth::TrueCurbPoint
   score_precision(map, curbs, near_path, score);
   score_recall(map, truth, near_path, score);
   score_lowered(map, truth, curbs, near_path, score);
+  score_inferred(map, curbs, near_path, score);
   score_lateral(map, curbs, near_path, score);
   return score;
 }

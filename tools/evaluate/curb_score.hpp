@@ -69,7 +69,12 @@ struct CurbScore {
   int lowered_feet = 0;    ///< points of such lines
   int lowered_wrong = 0;   ///< of them, away from any true lowered kerb
 
-  // Of the points of curb lines within 0.5 m of a true curb:
+  /// Curbs that nobody saw: the lines that are marked as inferred. Nothing else counts them.
+  double inferred_m = 0;      ///< of such lines, where the truth knows the ground
+  double inferred_right = 0;  ///< share of it within the widest tolerance of a true curb that is not lowered
+  int inferred_found = 0;     ///< true points that are missed, but lie within it of such a line
+
+  // Of the points of measured curb lines within 0.5 m of a true curb:
   double lateral_median_cm = 0;  ///< distance of the foot from the true one
   double lateral_p95_cm = 0;
   double lateral_bias_cm = 0;    ///< median offset, positive towards the higher side
@@ -91,9 +96,15 @@ struct CurbCell {
 /// What a map says of curbs, in the truth's frame.
 struct CurbMap {
   std::vector<CurbCell> cells;
-  std::vector<CurbFoot> feet;       ///< points of the curb lines
+  std::vector<CurbFoot> feet;       ///< points of the measured curb lines
   std::vector<Place> seen;          ///< centres of all cells that are not unknown
   std::vector<Place> lowered = {};  ///< points of the lines that are marked as lowered
+  struct Inferred {
+    Place at;
+    double length = 0;  ///< m of line that it stands for
+    bool judged = true;
+  };
+  std::vector<Inferred> inferred = {};  ///< points of the lines that are marked as inferred
 };
 
 /// Precision: the share of the curb cells that count whose centre is within the tolerance of a true curb. Recall: the

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <stdexcept>
 
 #include "tools/evaluate/place_grid.hpp"
@@ -30,17 +29,29 @@ void for_each_seen_cell(const std::vector<semantic_map::tile::MapTile>& tiles, c
   }
 }
 
-std::vector<CurbFoot> feet_of(const std::vector<semantic_map::tile::CurbLine>& curbs, const Pose& T_truth_map) {
+std::vector<CurbFoot> feet_of(const semantic_map::tile::CurbLine& line, const Pose& T_truth_map) {
   std::vector<CurbFoot> feet;
-  for (const semantic_map::tile::CurbLine& line : curbs) {
-    for (const semantic_map::tile::CurbVertex& vertex : line.points) {
-      const Eigen::Vector3d at = T_truth_map * Eigen::Vector3f(vertex.x, vertex.y, vertex.z).cast<double>();
-      const Eigen::Vector3d up =
-          T_truth_map.linear() * Eigen::Vector3f(vertex.high_side_x, vertex.high_side_y, 0).cast<double>();
-      feet.push_back({{at.x(), at.y()}, {up.x(), up.y()}});
-    }
+  for (const semantic_map::tile::CurbVertex& vertex : line.points) {
+    const Eigen::Vector3d at = T_truth_map * Eigen::Vector3f(vertex.x, vertex.y, vertex.z).cast<double>();
+    const Eigen::Vector3d up =
+        T_truth_map.linear() * Eigen::Vector3f(vertex.high_side_x, vertex.high_side_y, 0).cast<double>();
+    feet.push_back({{at.x(), at.y()}, {up.x(), up.y()}});
   }
   return feet;
+}
+
+/// Each foot stands for half the way to its neighbours.
+template <class IsJudged>
+void add_inferred(const std::vector<CurbFoot>& feet, IsJudged is_judged, std::vector<CurbMap::Inferred>& inferred) {
+  const std::size_t first = inferred.size();
+  for (const CurbFoot& foot : feet) inferred.push_back({foot.at, 0, is_judged(foot.at)});
+  for (std::size_t i = first + 1; i < inferred.size(); ++i) {
+    const Place& a = inferred[i - 1].at;
+    const Place& b = inferred[i].at;
+    const double half = 0.5 * std::hypot(b.x - a.x, b.y - a.y);
+    inferred[i - 1].length += half;
+    inferred[i].length += half;
+  }
 }
 
 bool is_blocking(semantic_map::tile::CellClass cell_class) {
@@ -111,11 +122,16 @@ Evaluation evaluate(const std::vector<semantic_map::tile::MapTile>& tiles,
     if (true_class != 0 && true_class < semantic_map::tile::kNumClasses)
       ++confusion.count[true_class][static_cast<std::size_t>(cell_class)];
   });
-  map.feet = feet_of(curbs, evaluation.T_truth_map);
-  std::vector<semantic_map::tile::CurbLine> lowered;
-  std::copy_if(curbs.begin(), curbs.end(), std::back_inserter(lowered),
-               [](const semantic_map::tile::CurbLine& l) { return l.dropped; });
-  for (const CurbFoot& foot : feet_of(lowered, evaluation.T_truth_map)) map.lowered.push_back(foot.at);
+  for (const semantic_map::tile::CurbLine& line : curbs) {
+    const std::vector<CurbFoot> feet = feet_of(line, evaluation.T_truth_map);
+    if (line.inferred) {
+      add_inferred(feet, is_judged, map.inferred);
+      continue;
+    }
+    map.feet.insert(map.feet.end(), feet.begin(), feet.end());
+    if (!line.dropped) continue;
+    for (const CurbFoot& foot : feet) map.lowered.push_back(foot.at);
+  }
   if (!truth.curbs.empty()) evaluation.curbs = score_curbs(map, truth.curbs, path, radius);
   if (!truth.classes.empty()) {
     evaluation.classes = confusion;

@@ -38,6 +38,11 @@ std::string curb_table(const CurbScore& c) {
                       c.recall_of_seen, recall_by_step(c));
   text += fmt::format("             lowered kerbs: {} of {} true points marked; {} of {} marked points are none\n",
                       c.lowered_found, c.lowered_points, c.lowered_wrong, c.lowered_feet);
+  if (c.inferred_m > 0) {
+    text += fmt::format(
+        "             inferred, not counted above: {:.1f} m, {:.3f} of them right; {} of {} missed points\n",
+        c.inferred_m, c.inferred_right, c.inferred_found, c.missed.size());
+  }
   text += fmt::format(
       "             lateral error of the foot: median {:.1f} cm, p95 {:.1f} cm; bias {:+.1f} cm to the high side, "
       "spread {:.1f} cm\n",
@@ -113,7 +118,7 @@ std::string to_table(const Evaluation& e) {
 std::string to_json(const Evaluation& e) {
   nlohmann::json json;
   for (const char* key :
-       {"curb", "lowered_kerbs", "lateral_cm", "classes", "blocking", "dropped", "latency_ms", "cores"})
+       {"curb", "lowered_kerbs", "inferred", "lateral_cm", "classes", "blocking", "dropped", "latency_ms", "cores"})
     json[key] = nullptr;
   if (e.curbs) {
     json["curb"] = curb_json(*e.curbs);
@@ -121,6 +126,10 @@ std::string to_json(const Evaluation& e) {
                              {"found", e.curbs->lowered_found},
                              {"marked_points", e.curbs->lowered_feet},
                              {"wrong", e.curbs->lowered_wrong}};
+    json["inferred"] = {{"length_m", e.curbs->inferred_m},
+                        {"right", e.curbs->inferred_right},
+                        {"missed_points", e.curbs->missed.size()},
+                        {"found", e.curbs->inferred_found}};
     json["lateral_cm"] = {{"median", e.curbs->lateral_median_cm},
                           {"p95", e.curbs->lateral_p95_cm},
                           {"bias", e.curbs->lateral_bias_cm},

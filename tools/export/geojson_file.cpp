@@ -16,9 +16,9 @@ std::string feature(const semantic_map::tile::CurbLine& line, const CurbView& vi
   }
   return fmt::format(
       R"({{"type":"Feature","id":{},"properties":{{"id":{},"subtype":"{}","height":{:.3f},"high_side":"{}","dropped":{},)"
-      R"("confidence":{:.2f},"rise":"{}"}},"geometry":{{"type":"LineString","coordinates":[{}]}}}})",
+      R"("inferred":{},"confidence":{:.2f},"rise":"{}"}},"geometry":{{"type":"LineString","coordinates":[{}]}}}})",
       line.id, line.id, summary.is_low ? "low" : "high", summary.height, summary.high_side_left ? "left" : "right",
-      line.dropped, double{line.confidence}, rise_name(summary.rise), coordinates);
+      line.dropped, line.inferred, double{line.confidence}, rise_name(summary.rise), coordinates);
 }
 
 }  // namespace

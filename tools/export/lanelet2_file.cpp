@@ -23,6 +23,7 @@ std::string way(std::size_t id, std::size_t first_node, const semantic_map::tile
   tag("height", fmt::format("{:.3f}", summary.height));
   tag("high_side", summary.high_side_left ? "left" : "right");
   if (line.dropped) tag("dropped", "yes");
+  if (line.inferred) tag("inferred", "yes");
   if (summary.rise != semantic_map::curb_lines::CurbRise::kUnknown) tag("rise", rise_name(summary.rise));
   tag("confidence", fmt::format("{:.2f}", double{line.confidence}));
   return text + "  </way>\n";

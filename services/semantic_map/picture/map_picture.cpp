@@ -130,6 +130,14 @@ void draw_line(const std::vector<Eigen::Vector2d>& points, const ToPixels& pixel
   }
 }
 
+/// Two pieces in three.
+void draw_dashes(const std::vector<Eigen::Vector2d>& points, const ToPixels& pixel, double thickness, Colour colour,
+                 Canvas& canvas) {
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    if (i % 3 != 0) draw_line({points[i - 1], points[i]}, pixel, thickness, colour, 0.9, canvas);
+  }
+}
+
 /// A band with square ends; a broad one in strips, since the canvas draws round ends.
 void draw_band(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double thickness, Canvas& canvas) {
   constexpr double kStrip = 2.0;  // pixels
@@ -265,7 +273,11 @@ Canvas draw_map(const MapPicture& map, const PictureOptions& options) {
   for (const tile::CurbLine& line : map.curbs) {
     std::vector<Eigen::Vector2d> points;
     for (const tile::CurbVertex& v : line.points) points.emplace_back(double{v.x}, double{v.y});
-    draw_line(points, pixel, std::max(1.0, 0.25 * scale), kLine, line.dropped ? 0.45 : 0.9, canvas);
+    const double thickness = std::max(1.0, 0.25 * scale);
+    if (line.inferred)
+      draw_dashes(points, pixel, thickness, kLine, canvas);
+    else
+      draw_line(points, pixel, thickness, kLine, line.dropped ? 0.45 : 0.9, canvas);
   }
   for (const PictureLine& line : map.overlays) draw_line(line.points, pixel, line.thickness, line.colour, 0.9, canvas);
   draw_path(map.path, pixel, canvas);

@@ -30,7 +30,7 @@ struct PictureOptions {
 /// The map from above, x to the right, y up, with the driven path (m in map), curb lines and overlays on top.
 struct MapPicture {
   std::vector<tile::MapTile> tiles;
-  std::vector<tile::CurbLine> curbs;  ///< drawn as fine lines over the curb cells
+  std::vector<tile::CurbLine> curbs;  ///< drawn as fine lines over the curb cells, dashed where inferred
   std::vector<Eigen::Vector2d> path;  ///< empty: none
   std::vector<PictureLine> overlays;
   std::string overlays_are = "truth";            ///< in the legend, in the first one's colour

@@ -48,6 +48,11 @@ inline std::span<const std::uint8_t> blob(const SQLite::Column& column) {
   return {data, data == nullptr ? 0 : static_cast<std::size_t>(column.getBytes())};
 }
 
+/// Maps of schema 2, and the first of schema 3, have no such column.
+inline bool has_inferred(SQLite::Database& db) {
+  return integer(db, "SELECT count(*) FROM pragma_table_info('curbs') WHERE name = 'inferred'") > 0;
+}
+
 inline std::int32_t stored_epoch(SQLite::Database& db) {
   return static_cast<std::int32_t>(integer(db, "SELECT value FROM meta WHERE key = 'epoch'"));
 }

@@ -87,13 +87,14 @@ std::optional<tile::MapTile> MapReader::tile(TileKey key) const {
 std::vector<tile::CurbLine> MapReader::curbs() const {
   return for_file(path_, [&] {
     std::vector<tile::CurbLine> lines;
-    SQLite::Statement rows(*db_, "SELECT id, dropped, confidence, points FROM curbs ORDER BY id");
+    SQLite::Statement rows(*db_, fmt::format("SELECT id, dropped, confidence, points, {} FROM curbs ORDER BY id",
+                                             has_inferred(*db_) ? "inferred" : "0"));
     while (rows.executeStep()) {
       const auto id = static_cast<std::int32_t>(rows.getColumn(0).getInt64());
       auto points = unpack_vertices(blob(rows.getColumn(3)));
       if (!points) throw MapStoreError(fmt::format("{}: curb {} is damaged", path_, id));
       lines.push_back({id, static_cast<float>(rows.getColumn(2).getDouble()), rows.getColumn(1).getInt64() != 0,
-                       std::move(*points)});
+                       std::move(*points), rows.getColumn(4).getInt64() != 0});
     }
     return lines;
   });

@@ -38,7 +38,8 @@ constexpr const char* kSchema = R"(
 CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID;
 CREATE TABLE tiles(x INTEGER, y INTEGER, utime INTEGER NOT NULL, z_origin REAL NOT NULL, cells BLOB NOT NULL,
                    PRIMARY KEY(x, y)) WITHOUT ROWID;
-CREATE TABLE curbs(id INTEGER PRIMARY KEY, dropped INTEGER NOT NULL, confidence REAL NOT NULL, points BLOB NOT NULL);
+CREATE TABLE curbs(id INTEGER PRIMARY KEY, dropped INTEGER NOT NULL, confidence REAL NOT NULL, points BLOB NOT NULL,
+                   inferred INTEGER NOT NULL DEFAULT 0);
 CREATE TABLE trajectory(utime INTEGER PRIMARY KEY, revolution INTEGER NOT NULL, x REAL NOT NULL, y REAL NOT NULL,
                         z REAL NOT NULL, qw REAL NOT NULL, qx REAL NOT NULL, qy REAL NOT NULL, qz REAL NOT NULL);
 INSERT INTO meta VALUES('tile_size', 3.0), ('cell_size', 0.12), ('epoch', 0);
@@ -66,8 +67,10 @@ void create_schema(SQLite::Database& db) {
 
 /// Rows of schema 1 are known by their size and may stay.
 void migrate(SQLite::Database& db) {
-  if (integer(db, "PRAGMA user_version") >= kMapSchemaVersion) return;
+  const bool inferred = has_inferred(db);
+  if (inferred && integer(db, "PRAGMA user_version") >= kMapSchemaVersion) return;
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
+  if (!inferred) db.exec("ALTER TABLE curbs ADD COLUMN inferred INTEGER NOT NULL DEFAULT 0");
   db.exec(kMarkingsTable);
   db.exec(fmt::format("PRAGMA user_version = {}", kMapSchemaVersion));
   transaction.commit();
@@ -146,11 +149,12 @@ void MapStore::write(const Batch& batch) {
     }
     if (batch.curbs != nullptr) {
       db_->exec("DELETE FROM curbs");
-      SQLite::Statement put_curb(*db_, "INSERT INTO curbs VALUES(?, ?, ?, ?)");
+      SQLite::Statement put_curb(*db_, "INSERT INTO curbs VALUES(?, ?, ?, ?, ?)");
       for (const tile::CurbLine& line : *batch.curbs) {
         const std::vector<std::uint8_t> points = pack_vertices(line.points);
         SQLite::bind(put_curb, line.id, std::int64_t{line.dropped}, double{line.confidence});
         bind(put_curb, 4, points);
+        put_curb.bind(5, std::int64_t{line.inferred});
         run(put_curb);
       }
     }

@@ -22,12 +22,13 @@ namespace curbstone::semantic_map::store {
 ///   tiles(x, y, utime, z_origin, cells)      cells: zlib of class[625], height[625] (int16, low bytes first, then
 ///                                            high bytes), cost[625],
 ///                                            min(255, 32 hits) - confidence mod 256[625], hits[625]
-///   curbs(id, dropped, confidence, points)   points: float32 LE, 6 a vertex: x y z height high_side_x high_side_y
+///   curbs(id, dropped, confidence, points, inferred)
+///                                            points: float32 LE, 6 a vertex: x y z height high_side_x high_side_y
 ///   markings(id, type, confidence, width, dash, gap, points)  points: float32 LE, 4 a vertex: x y z painted (0 or 1)
 ///   trajectory(utime, revolution, x, y, z, qw, qx, qy, qz)    T_map_base at the end of each revolution
 ///
-/// Schema 1 had confidence as it is, and no hits; schema 2 had no markings. Such a map is read, with none; whoever
-/// writes to it makes it a map of schema 3.
+/// Schema 1 had confidence as it is, and no hits; schema 2 had no markings and no inferred curbs. Such a map is read,
+/// with none; whoever writes to it makes it a map of schema 3.
 ///
 /// There is no wall clock, pid or revision in it: two replays of one log give the same bytes.
 inline constexpr std::int32_t kMapSchemaVersion = 3;

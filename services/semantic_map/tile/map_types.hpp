@@ -48,6 +48,7 @@ struct CurbLine {
   float confidence = 0;  ///< 0..1
   bool dropped = false;  ///< a lowered kerb, as at a driveway
   std::vector<CurbVertex> points;
+  bool inferred = false;  ///< nobody saw it: a bridge between two measured lines, as behind a parked vehicle
   bool operator==(const CurbLine&) const = default;
 };
 

@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::array<double, 3> kCurbColour = {0.10, 0.85, 0.30};  // red, green, blue
 constexpr std::array<double, 3> kLoweredColour = {1.00, 0.60, 0.10};
+constexpr std::array<double, 3> kInferredColour = {0.60, 0.60, 0.65};
 constexpr std::array<double, 3> kPathColour = {0.20, 0.55, 1.00};
 constexpr double kThick = 0.06;  // m
 constexpr double kThin = 0.02;
@@ -64,7 +65,7 @@ float middle_of(std::vector<float> values) {
 void add_curb(::foxglove::SceneUpdate& scene, const store::CurbLines::News::Added& added, std::int64_t utime) {
   const curb_line_t& curb = *added.line;
   auto& entity = add_entity(scene, curb_id(added.name), utime);
-  const auto& colour = curb.dropped != 0 ? kLoweredColour : kCurbColour;
+  const auto& colour = curb.inferred != 0 ? kInferredColour : curb.dropped != 0 ? kLoweredColour : kCurbColour;
   auto& foot = add_line(entity, colour, kThin);
   auto& edge = add_line(entity, colour, kThick);
   for (std::size_t i = 0; i < curb.x.size(); ++i) {
@@ -78,6 +79,7 @@ void add_curb(::foxglove::SceneUpdate& scene, const store::CurbLines::News::Adde
   add_metadata(entity, "rise", curb.rise > 0 ? "up" : curb.rise < 0 ? "down" : "unknown");
   add_metadata(entity, "confidence", fmt::format("{:.2f}", curb.confidence));
   add_metadata(entity, "lowered", curb.dropped != 0 ? "yes" : "no");
+  add_metadata(entity, "inferred", curb.inferred != 0 ? "yes" : "no");
 }
 
 }  // namespace

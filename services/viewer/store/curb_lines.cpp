@@ -18,8 +18,9 @@ bool is_sound(const curb_line_t& line) {
 }
 
 bool is_same(const curb_line_t& a, const curb_line_t& b) {
-  return a.confidence == b.confidence && a.dropped == b.dropped && a.rise == b.rise && a.x == b.x && a.y == b.y &&
-         a.z == b.z && a.height == b.height && a.high_side_x == b.high_side_x && a.high_side_y == b.high_side_y;
+  return a.confidence == b.confidence && a.dropped == b.dropped && a.inferred == b.inferred && a.rise == b.rise &&
+         a.x == b.x && a.y == b.y && a.z == b.z && a.height == b.height && a.high_side_x == b.high_side_x &&
+         a.high_side_y == b.high_side_y;
 }
 
 curb_line_t piece_of(const curb_line_t& line, std::size_t first, std::size_t last) {

@@ -89,6 +89,24 @@ TEST(CurbScore, LoweredKerbsDoNotCount) {
   EXPECT_EQ(score.on_dropped, 84);
 }
 
+TEST(CurbScore, InferredCurbsHaveARowOfTheirOwn) {
+  const auto truth = curb_at(3);
+  const auto cells = row(3);
+  const std::vector<Place> seen(cells.begin(), cells.begin() + 40);
+  CurbMap map{cells_at(seen), {}, seen};
+  const double before = score_curbs(map, truth, row(0), 8).at[2].recall;
+  for (double x = 5; x < 9.95; x += 0.1) map.inferred.push_back({{x, 3.1}, 0.1});
+  for (double x = 5; x < 9.95; x += 0.1) map.inferred.push_back({{x, -3}, 0.1});
+  for (double x = 5; x < 9.95; x += 0.1) map.inferred.push_back({{x, -4}, 0.1, false});  // where the truth is blind
+  const auto score = score_curbs(map, truth, row(0), 8);
+  EXPECT_EQ(score.at[2].recall, before);
+  EXPECT_EQ(score.at[2].precision, 1.0);
+  EXPECT_NEAR(score.inferred_m, 10.0, 1e-6);
+  EXPECT_NEAR(score.inferred_right, 0.5, 1e-6);
+  EXPECT_GT(score.inferred_found, 40);
+  EXPECT_LE(score.inferred_found, static_cast<int>(score.missed.size()));
+}
+
 TEST(CurbScore, TellsTheLateralBiasFromItsSpread) {
   CurbMap map{cells_at(row(3)), {}, row(3)};
   for (const double y : {2.93, 2.95, 2.97}) {

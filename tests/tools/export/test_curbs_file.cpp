@@ -9,11 +9,12 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// A high curb far out with its high side on the left, a low one, a dropped one; and what is of no use.
+/// A high curb far out with its high side on the left, a low one, a dropped one that is inferred; and what is of no
+/// use.
 std::vector<semantic_map::tile::CurbLine> some_curbs() {
   return {{0, 0.9F, false, {{-812.3456F, 431.1111F, -3.25F, 0.12F, 0, 1}, {-811.2F, 431.1F, -3.2F, 0.14F, 0, 1}}},
           {4, 0.5F, false, {{1, 2, 0, 0.03F, 1, 0}, {1, 3, 0.01F, 0.03F, 1, 0}, {1.0625F, 4, 0.02F, 0.04F, 1, 0}}},
-          {5, 0.5F, true, {{5, 2, 0, 0.09F, -1, 0}, {5, 3, 0, 0.02F, -1, 0}}},
+          {5, 0.5F, true, {{5, 2, 0, 0.09F, -1, 0}, {5, 3, 0, 0.02F, -1, 0}}, true},
           {6, 0.5F, false, {{7, 2, 0, 0.09F, -1, 0}}},
           {7, 0.5F, false, {{7, 2, 0, 0.09F, -1, 0}, {1e30F, 2, 0, 0.09F, -1, 0}}}};
 }
@@ -92,7 +93,7 @@ TEST_F(CurbsFile, Lanelet2HasTheCurbsAsGdalReadsThem) {
       lines,
       HasSubstr(R"(""type""=>""curbstone"",""subtype""=>""high"",""height""=>""0.140"",""high_side""=>""left"")"));
   EXPECT_THAT(lines, HasSubstr(R"(""subtype""=>""low"",""height""=>""0.030"",""high_side""=>""right"")"));
-  EXPECT_THAT(lines, HasSubstr(R"(""dropped""=>""yes"")"));
+  EXPECT_THAT(lines, HasSubstr(R"(""dropped""=>""yes"",""inferred""=>""yes"")"));
   // Where they are, by the nodes' latitude and longitude (GDAL keeps 1e-7 deg: a centimetre) of the line near the
   // datum.
   const auto wkt =
@@ -122,7 +123,8 @@ TEST_F(CurbsFile, SaysWhetherOneStepsUpOrDownFromTheDrivenPath) {
   ASSERT_EQ(run({"--only", "curbs", "--datum", "49,8"}), 0);
   const std::string json = text_of(out("curbs.geojson"));
   EXPECT_THAT(json, HasSubstr(R"("id":4,"properties":{"id":4,"subtype":"low","height":0.030,"high_side":"right",)"
-                              R"("dropped":false,"confidence":0.50,"rise":"down"})"));
+                              R"("dropped":false,"inferred":false,"confidence":0.50,"rise":"down"})"));
+  EXPECT_THAT(json, HasSubstr(R"("dropped":true,"inferred":true)"));
   EXPECT_THAT(text_of(out("curbs.osm")), HasSubstr(R"(<tag k="rise" v="down"/>)"));
 }
 

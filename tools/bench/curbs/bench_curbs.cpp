@@ -271,7 +271,7 @@ void bench(const Arguments& arguments) {
   if (arguments.wants("town"))
     bench_whole_drives(
         arguments, "towns, 60 s", 8, [](std::uint64_t seed) { return scenes::drive_town(seed, 60); }, figures.towns);
-  if (arguments.wants("street") && has_street)
+  if (arguments.wants("street") && has_street && std::filesystem::exists(arguments.data + "/reference_poses.txt"))
     bench_whole_drives(
         arguments, "labelled street, RS16", 15,
         [&](std::uint64_t seed) { return scenes::drive_recorded(arguments.data, seed); }, figures.towns);
@@ -309,7 +309,10 @@ int run_bench_curbs(int argc, char** argv) {
       .shows_default();
   line.flag("--varied", arguments.varied, "Other scenes than the peers': what no parameter was chosen on");
   line.flag("--ablation", arguments.ablation, "The step alone and the vote alone too (on the street always)");
-  line.option("--data", arguments.data, "Labelled street: scans/, labels/, reference_poses.txt, times.txt")
+  line.option(
+          "--data", arguments.data,
+          "Labelled street: scans/, labels/ (and labels.csv, where labels are not SemanticKITTI's), "
+          "reference_poses.txt, times.txt; or one scan without poses; or clicked curbs, curbs.csv, in place of labels")
       .shows_default();
   line.option("--set", arguments.assignments, "KEY=VALUE, as in section semantic_map").one_each();
   line.option("--pictures", arguments.pictures, "Folder for pictures of what was found");

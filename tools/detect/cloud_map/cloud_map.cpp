@@ -6,7 +6,7 @@
 #include <tuple>
 #include <unordered_set>
 
-#include "services/semantic_map/curb_lines/curb_lines.hpp"
+#include "services/semantic_map/nearby_curbs.hpp"
 #include "services/semantic_map/nearby_markings.hpp"
 #include "services/tensor_voting/kernels/decomposition.hpp"
 #include "services/tensor_voting/voting/batch_voting.hpp"
@@ -109,7 +109,6 @@ std::vector<semantic_map::tile::VotedTile> vote_tiles(std::span<const Eigen::Vec
 }
 
 void map_tiles(const std::vector<semantic_map::tile::VotedTile>& tiles, const CloudMapOptions& options, CloudMap& map) {
-  std::vector<semantic_map::curb_lines::MapCurbPoint> curb_points;
   semantic_map::TilePipeline pipeline(options.curb, options.classes, options.markings);
   for (const semantic_map::tile::VotedTile& tile : tiles) pipeline.set_voted(tile);
   pipeline.settle();
@@ -120,7 +119,6 @@ void map_tiles(const std::vector<semantic_map::tile::VotedTile>& tiles, const Cl
     for (const semantic_map::curbs::CurbPoint& c : *pipeline.curbs(tile.key)) {
       const Eigen::Vector2d foot = c.foot + corner;
       map.curbs.push_back({{foot.x(), foot.y(), c.z}, c.height, c.up});
-      curb_points.push_back({foot, c.up, c.z, c.height, c.confidence, c.weak, c.reach});
     }
     for (const semantic_map::tile::VotedPoint& p : tile.points) {
       map.points.push_back(
@@ -132,7 +130,7 @@ void map_tiles(const std::vector<semantic_map::tile::VotedTile>& tiles, const Cl
            label_of(p, computed, options.classes)});
     }
   }
-  map.lines = semantic_map::curb_lines::link_curbs(curb_points);
+  map.lines = semantic_map::all_curbs(pipeline);
   map.markings = semantic_map::all_markings(pipeline, options.path, options.markings);
 }
 

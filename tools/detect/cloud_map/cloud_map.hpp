@@ -45,7 +45,7 @@ struct DetectedPoint {
 struct CloudMap {
   std::vector<semantic_map::tile::MapTile> tiles;  ///< by key
   std::vector<CloudCurb> curbs;
-  std::vector<semantic_map::tile::CurbLine> lines;  ///< the curbs, linked
+  std::vector<semantic_map::tile::CurbLine> lines;  ///< the curbs, linked; inferred ones last
   std::vector<semantic_map::tile::MarkingLine> markings;
   std::vector<DetectedPoint> points;
   std::size_t not_finite = 0;  ///< points skipped

@@ -42,21 +42,46 @@ std::vector<Record> read_records(const std::string& file) {
   return records;
 }
 
+/// A scan and its labels, by their name without what follows the dot.
+struct LabelledScan {
+  std::string name;
+  Pose T_first_scan = Pose::Identity();
+};
+
+/// With poses, a scan's name is its number among them; a scan alone may have any name, and needs no pose.
+std::vector<LabelledScan> find_labelled(const std::string& folder) {
+  namespace fs = std::filesystem;
+  const std::string labels = folder + "/labels";
+  std::vector<LabelledScan> scans;
+  if (fs::exists(folder + "/reference_poses.txt")) {
+    const std::vector<Pose> poses = read_poses(folder + "/reference_poses.txt");
+    for (std::size_t scan = 0; scan < poses.size(); ++scan) {
+      const std::string name = fmt::format("{:06}", scan);
+      if (fs::exists(fmt::format("{}/{}.label", labels, name))) scans.push_back({name, poses[scan]});
+    }
+    return scans;
+  }
+  if (!fs::is_directory(labels)) return scans;
+  for (const auto& entry : fs::directory_iterator(labels)) {
+    if (entry.path().extension() == ".label") scans.push_back({entry.path().stem().string()});
+  }
+  if (scans.size() > 1)
+    throw std::runtime_error(fmt::format("{}/reference_poses.txt: more than one scan needs poses", folder));
+  return scans;
+}
+
 }  // namespace
 
 std::vector<LabelledPoint> read_labelled_scans(const std::string& folder, const Pose& T_world_first, double reach) {
-  const std::vector<Pose> poses = read_poses(folder + "/reference_poses.txt");
   std::vector<LabelledPoint> points;
-  for (std::size_t scan = 0; scan < poses.size(); ++scan) {
-    const std::string name = fmt::format("{:06}", scan);
+  for (const auto& [name, T_first_scan] : find_labelled(folder)) {
     const std::string label_file = folder + "/labels/" + name + ".label";
-    if (!std::filesystem::exists(label_file)) continue;
     const auto labels = read_records<std::uint32_t>(label_file);
     const auto returns = read_records<std::array<float, 4>>(folder + "/scans/" + name + ".bin");
     if (labels.size() != returns.size()) {
       throw std::runtime_error(fmt::format("{}: {} labels for {} points", label_file, labels.size(), returns.size()));
     }
-    const Pose T_world_scan = T_world_first * poses[scan];
+    const Pose T_world_scan = T_world_first * T_first_scan;
     for (std::size_t i = 0; i < labels.size(); ++i) {
       const Eigen::Vector3d at = Eigen::Vector3f(returns[i][0], returns[i][1], returns[i][2]).cast<double>();
       if (at.norm() < reach) points.push_back({T_world_scan * at, static_cast<std::uint16_t>(labels[i])});

@@ -17,8 +17,8 @@ struct LabelledPoint {
 };
 
 /// All points within `reach` m of the lidar of those scans of a folder that are labelled: scans/NNNNNN.bin,
-/// labels/NNNNNN.label, reference_poses.txt. Moved by `T_world_first` from the lidar frame of scan 0. Throws
-/// std::runtime_error with one clear line.
+/// labels/NNNNNN.label, reference_poses.txt. One scan alone needs no pose and may have any name. Moved by
+/// `T_world_first` from the lidar frame of scan 0. Throws std::runtime_error with one clear line.
 [[nodiscard]] std::vector<LabelledPoint> read_labelled_scans(const std::string& folder, const Pose& T_world_first,
                                                              double reach);
 

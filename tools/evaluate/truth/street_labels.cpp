@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -10,6 +11,8 @@
 
 #include "common/tiles/tile.hpp"
 #include "services/semantic_map/tile/map_types.hpp"
+#include "tools/evaluate/truth/clicked_curbs.hpp"
+#include "tools/evaluate/truth/label_table.hpp"
 #include "tools/evaluate/truth/labelled_scans.hpp"
 
 namespace curbstone::evaluate::truth {
@@ -22,28 +25,6 @@ constexpr double kFitRadius = 0.6;  // m
 constexpr double kSmoothing = 0.75 / 2;
 constexpr double kCompany = 0.8;  // m: a curb's points are no farther apart
 constexpr double kLowestStep = 0.04;
-
-enum class Surface { kNone, kRoad, kParking, kSidewalk, kTerrain, kVegetation, kWall };
-
-Surface surface_of(std::uint16_t label) {
-  switch (label) {
-    case 40:
-      return Surface::kRoad;
-    case 44:
-      return Surface::kParking;
-    case 48:
-      return Surface::kSidewalk;
-    case 70:
-      return Surface::kVegetation;
-    case 72:
-      return Surface::kTerrain;
-    case 10:
-    case 50:
-      return Surface::kWall;
-    default:
-      return Surface::kNone;
-  }
-}
 
 bool is_ground(Surface s) {
   return s == Surface::kRoad || s == Surface::kParking || s == Surface::kSidewalk || s == Surface::kTerrain;
@@ -264,16 +245,38 @@ TrueClasses paint(const std::vector<SurfacePoint>& points, const std::vector<Tru
 
 }  // namespace
 
+Border StreetLabels::border_at(double x, double y, double up_x, double up_y) const {
+  if (surfaces.empty()) return classes.known_around(x, y) ? Border::kNone : Border::kNotKnown;
+  constexpr std::array kOff = {0.12, 0.24, 0.36, 0.48};  // m
+  const auto side = [&](double sign) {
+    std::array<int, kNumSurfaces> votes{};
+    for (const double off : kOff) ++votes[surfaces.at(x + sign * off * up_x, y + sign * off * up_y) % kNumSurfaces];
+    votes[0] = 0;
+    const auto most = std::max_element(votes.begin(), votes.end());
+    return *most > 0 ? static_cast<Surface>(most - votes.begin()) : Surface::kNone;
+  };
+  const Surface low = side(-1);
+  const Surface high = side(1);
+  if (low == Surface::kNone || high == Surface::kNone || !classes.known_around(x, y)) return Border::kNotKnown;
+  return makes_curb(low, high) || makes_curb(high, low) || may_look_like_curb(low, high) ? Border::kSomewhere
+                                                                                         : Border::kNone;
+}
+
 StreetLabels read_street_labels(const std::string& folder, const Pose& T_world_first) {
+  if (has_clicked_curbs(folder)) return read_clicked_curbs(folder, T_world_first);
+  const LabelTable table(folder);
   std::vector<SurfacePoint> points;
   for (const LabelledPoint& p : read_labelled_scans(folder, T_world_first, kReach)) {
-    if (const Surface surface = surface_of(p.label); surface != Surface::kNone) points.push_back({p.at, surface});
+    if (const Surface surface = table.surface_of(p.label); surface != Surface::kNone) points.push_back({p.at, surface});
   }
   StreetLabels labels;
   if (points.empty()) return labels;
   labels.curbs = smoothed(find_borders(points, Neighbours(points)));
   link(labels.curbs);
   labels.classes = paint(points, labels.curbs);
+  labels.surfaces = labels.classes;
+  std::fill(labels.surfaces.pixels.begin(), labels.surfaces.pixels.end(), std::uint8_t{0});
+  for (const SurfacePoint& p : points) labels.surfaces.set(p.at.x(), p.at.y(), static_cast<std::uint8_t>(p.surface));
   return labels;
 }
 

@@ -191,12 +191,16 @@ TEST_F(MapStoreTest, RefusesANewerSchemaAndLeavesItUntouched) {
   EXPECT_EQ(bytes(path_), before);
 }
 
-TEST_F(MapStoreTest, ReadsSchemaOneAndMakesItTwoOnceItIsWritten) {
+TEST_F(MapStoreTest, ReadsSchemaOneAndMakesItTheNewestOnceItIsWritten) {
   tile::MapTile old = tile(2, 3);
   old.hits.fill(0);  // of which schema 1 knows nothing
+  const tile::CurbLine measured{3, 0.5F, true, {{1, 2, 0, 0.1F, 1, 0}, {1, 3, 0, 0.1F, 1, 0}}};
+  tile::CurbLine inferred = measured;
+  inferred.inferred = true;  // of which schema 2 knows nothing
   {
     MapStore store(path_);
-    store.write({.epoch = 1, .tiles = {old}, .trajectory = {pose(50'000)}});
+    const std::vector<tile::CurbLine> curbs = {measured};
+    store.write({.epoch = 1, .tiles = {old}, .trajectory = {pose(50'000)}, .curbs = &curbs});
   }
   constexpr std::size_t kBytes = 6 * tile::kCellsInTile, kBytes1 = 5 * tile::kCellsInTile;
   std::vector<std::uint8_t> plain(kBytes), cells = pack_cells(old);
@@ -208,7 +212,7 @@ TEST_F(MapStoreTest, ReadsSchemaOneAndMakesItTwoOnceItIsWritten) {
   ASSERT_EQ(compress(cells.data(), &size, plain.data(), kBytes1), Z_OK);
   sqlite3* db = nullptr;
   sqlite3_open(path_.c_str(), &db);
-  sqlite3_exec(db, "PRAGMA user_version = 1", nullptr, nullptr, nullptr);
+  sqlite3_exec(db, "PRAGMA user_version = 1; ALTER TABLE curbs DROP COLUMN inferred", nullptr, nullptr, nullptr);
   sqlite3_stmt* put = nullptr;
   sqlite3_prepare_v2(db, "UPDATE tiles SET cells = ?", -1, &put, nullptr);
   sqlite3_bind_blob(put, 1, cells.data(), static_cast<int>(size), SQLITE_STATIC);
@@ -219,15 +223,18 @@ TEST_F(MapStoreTest, ReadsSchemaOneAndMakesItTwoOnceItIsWritten) {
     const MapReader map(path_);
     EXPECT_EQ(map.schema(), 1);
     EXPECT_THAT(map.tiles(), ::testing::ElementsAre(old));
+    EXPECT_THAT(map.curbs(), ::testing::ElementsAre(measured));
   }
   {
     MapStore store(path_);
     EXPECT_EQ(store.last_utime(), 50'000);
-    store.write({.epoch = 1, .tiles = {tile(9, 9)}});
+    const std::vector<tile::CurbLine> curbs = {inferred};
+    store.write({.epoch = 1, .tiles = {tile(9, 9)}, .curbs = &curbs});
     store.close_canonical();
   }
   const MapReader map(path_);
   EXPECT_EQ(map.schema(), kMapSchemaVersion);
+  EXPECT_THAT(map.curbs(), ::testing::ElementsAre(inferred));
   EXPECT_THAT(map.tiles(), ::testing::ElementsAre(old, tile(9, 9)));
   EXPECT_EQ(map.integrity(), "ok");
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <random>
 
 #include "tests/temporary_folder.hpp"
@@ -68,6 +69,57 @@ TEST(StreetLabels, ALowStepDoesNotCount) {
     low += point.dropped ? 1 : 0;
   }
   EXPECT_GT(low, 50);
+}
+
+/// Moves the labels' numbers by 100, as another data set may have them.
+void relabel(const std::string& folder) {
+  std::fstream file(folder + "/labels/000000.label", std::ios::binary | std::ios::in | std::ios::out);
+  std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  for (std::size_t i = 0; i < bytes.size(); i += 4) bytes[i] = static_cast<char>(bytes[i] + 100);
+  file.seekp(0);
+  file << bytes;
+}
+
+TEST(StreetLabels, AnotherDataSetsLabelsAreNamedInATable) {
+  const testing::TemporaryFolder folder;
+  write_street(folder.path(), [](double) { return 0.10; });
+  relabel(folder.path());
+  EXPECT_TRUE(read_street_labels(folder.path(), Pose::Identity()).curbs.empty());
+  std::ofstream(folder.path() / "labels.csv") << "label,surface\n# of our own\n140,road\r\n148,sidewalk\n";
+  EXPECT_GT(read_street_labels(folder.path(), Pose::Identity()).curbs.size(), 100U);
+}
+
+TEST(StreetLabels, ATableThatMakesNoSenseIsNamedWithItsLine) {
+  const testing::TemporaryFolder folder;
+  write_street(folder.path(), [](double) { return 0.10; });
+  for (const std::string row : {"140,street", "x,road", "140", "70000,road"}) {
+    std::ofstream(folder.path() / "labels.csv") << "label,surface\n" << row << "\n";
+    try {
+      (void)read_street_labels(folder.path(), Pose::Identity());
+      ADD_FAILURE() << row;
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find("labels.csv:2"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(StreetLabels, OneScanAloneNeedsNoPoseAndMayHaveAnyName) {
+  const testing::TemporaryFolder folder;
+  write_street(folder.path(), [](double) { return 0.10; });
+  std::filesystem::remove(folder.path() / "reference_poses.txt");
+  std::filesystem::rename(folder.path() / "scans/000000.bin", folder.path() / "scans/mine.bin");
+  std::filesystem::rename(folder.path() / "labels/000000.label", folder.path() / "labels/mine.label");
+  EXPECT_GT(read_street_labels(folder.path(), Pose::Identity()).curbs.size(), 100U);
+  std::filesystem::copy(folder.path() / "labels/mine.label", folder.path() / "labels/other.label");
+  EXPECT_THROW((void)read_street_labels(folder.path(), Pose::Identity()), std::runtime_error);
+}
+
+TEST(StreetLabels, KnowWhereTwoSurfacesMeet) {
+  const auto labels = labels_of_street([](double) { return 0.10; });
+  EXPECT_EQ(labels.border_at(0, 4, 0, 1), Border::kSomewhere);
+  EXPECT_EQ(labels.border_at(0, 2.5, 0, 1), Border::kNone);
+  EXPECT_EQ(labels.border_at(0, 1, 0, 1), Border::kNotKnown);
+  EXPECT_EQ(labels.border_at(0, -5, 0, 1), Border::kNotKnown);
 }
 
 TEST(StreetLabels, LieInTheTruthsFrame) {

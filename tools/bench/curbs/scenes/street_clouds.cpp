@@ -1,15 +1,46 @@
 #include "tools/bench/curbs/scenes/street_clouds.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
+#include <filesystem>
+#include <stdexcept>
 
 #include "tools/simulate/recorded/scan_set.hpp"
 
 namespace curbstone::bench::curbs::scenes {
 
+namespace {
+
+std::string only_scan(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> files;
+  if (fs::is_directory(folder + "/scans")) {
+    for (const auto& entry : fs::directory_iterator(folder + "/scans")) {
+      if (entry.path().extension() == ".bin") files.push_back(entry.path().string());
+    }
+  }
+  if (files.size() != 1)
+    throw std::runtime_error(
+        fmt::format("{}: {} scans, and no reference_poses.txt, which more than one needs", folder, files.size()));
+  return files.front();
+}
+
+std::vector<Eigen::Vector3f> alone(const std::string& file, const Pose& T_world_first, const ScanLoss& loss) {
+  std::vector<Eigen::Vector3f> points;
+  for (const simulate::recorded::ScanPoint& point : worsened(simulate::recorded::read_scan(file), loss, 0))
+    points.push_back((T_world_first * point.position.cast<double>()).cast<float>());
+  return points;
+}
+
+}  // namespace
+
 std::vector<StreetCloud> read_street_clouds(const std::string& folder, const Pose& T_world_first,
                                             const ScanLoss& loss) {
   constexpr double kBeamSlack = 0.2;  // deg
   std::vector<StreetCloud> clouds{{"merged", {}}, {"frame 0", {}}, {"16 beams", {}}};
+  if (!std::filesystem::exists(folder + "/reference_poses.txt"))
+    return {{"frame 0", alone(only_scan(folder), T_world_first, loss)}};
   const simulate::recorded::ScanSet scans = simulate::recorded::find_scans(folder, folder + "/reference_poses.txt", "");
   for (std::size_t k = 0; k < scans.files.size(); ++k) {
     const Pose T_world_scan = T_world_first * scans.T_first_scan[k];

@@ -12,6 +12,7 @@ std::vector<evaluate::CurbFoot> feet_along(const std::vector<semantic_map::tile:
                               {mix(a.high_side_x, b.high_side_x), mix(a.high_side_y, b.high_side_y)}};
   };
   for (const semantic_map::tile::CurbLine& line : lines) {
+    if (line.inferred) continue;
     for (std::size_t i = 0; i + 1 < line.points.size(); ++i) {
       const semantic_map::tile::CurbVertex& a = line.points[i];
       const semantic_map::tile::CurbVertex& b = line.points[i + 1];

@@ -69,8 +69,10 @@ Verdict judge(const evaluate::CurbFoot& detection, const evaluate::truth::Street
   if (true_curb(detection, truth, tolerance) != nullptr) return Verdict::kRight;
   const bool border = nearest_truth(truth.curbs, detection.at, kBorderReach,
                                     [](const evaluate::truth::TrueCurbPoint& t) { return t.dropped; }) != nullptr;
-  if (border || !truth.classes.known_around(detection.at.x, detection.at.y)) return Verdict::kNotCounted;
-  return Verdict::kWrong;
+  if (border) return Verdict::kNotCounted;
+  const bool is_none =
+      truth.border_at(detection.at.x, detection.at.y, detection.up.x, detection.up.y) == evaluate::truth::Border::kNone;
+  return is_none ? Verdict::kWrong : Verdict::kNotCounted;
 }
 
 StreetScore score_street(const std::vector<evaluate::CurbFoot>& detections, const evaluate::truth::StreetLabels& truth,

@@ -12,8 +12,8 @@ namespace curbstone::bench::curbs::scores {
 inline constexpr std::array kTrueStepBounds = {0.015, 0.03, 0.04, 0.05};
 
 /// What a detection is worth, the strict way: right within the tolerance of a true step of 4 cm or more; it does not
-/// count within 0.24 m of another border (a lower step, say), where one side has no label, or in the sensor's blind
-/// disc; else it is wrong.
+/// count within 0.24 m of another border (a lower step, say), where one side has no label, where two surfaces meet
+/// but labels are too thin to say where, or in the sensor's blind disc; else it is wrong.
 enum class Verdict { kRight, kWrong, kNotCounted };
 [[nodiscard]] Verdict judge(const evaluate::CurbFoot& detection, const evaluate::truth::StreetLabels& truth,
                             double tolerance);

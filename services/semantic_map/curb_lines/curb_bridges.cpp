@@ -1,0 +1,253 @@
+#include "services/semantic_map/curb_lines/curb_bridges.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <set>
+#include <tuple>
+#include <utility>
+
+namespace curbstone::semantic_map::curb_lines {
+
+namespace {
+
+constexpr double kLongest = 8.0;       // m: a van, or a car with the room before and behind it
+constexpr double kSight = 2.0;         // m of a line that say where it goes on, and how high it is
+constexpr double kMinSure = 1.5;       // m that a line must be long
+constexpr double kMostTurn = 0.25;     // rad between a line's end and the chord
+constexpr double kUneven = 0.08;       // rad that the two turns may differ: of an arc they are equal
+constexpr double kSideways = 0.10;     // m, and as much off that
+constexpr double kAlikeHeight = 0.03;  // m, or a third
+constexpr double kTip = 0.7;           // of a line's height that its end must still have: else it is lowered there
+constexpr double kMinTip = 0.035;      // m
+constexpr double kClimb = 0.12;        // of the street
+constexpr double kVertices = 0.20;     // m
+constexpr double kSeenStep = 0.4;      // of the expected step: what is seen to be less is no curb
+constexpr double kMostFlat = 0.45;     // m of the bridge that may be seen without a step: what a line ends with
+constexpr double kMinLowered = 1.0;    // m
+constexpr double kLowStep = 0.010;     // m
+constexpr double kLowSigmas = 3.0;     // of the step along it: its line is known, only its height is not
+constexpr double kHighest = 0.06;      // m: what is higher is found without a bridge
+constexpr double kBeside = 0.5;        // m: another line this close says more
+
+using Cell = std::pair<std::int64_t, std::int64_t>;
+
+Cell cell_at(const Eigen::Vector2d& at) {
+  return {static_cast<std::int64_t>(std::floor(at.x() / kBeside)),
+          static_cast<std::int64_t>(std::floor(at.y() / kBeside))};
+}
+
+Eigen::Vector2d place(const tile::CurbVertex& v) {
+  return {double{v.x}, double{v.y}};
+}
+
+/// Where a line ends, and how.
+struct LineEnd {
+  std::size_t line = 0;
+  tile::CurbVertex tip;
+  Eigen::Vector2d at = Eigen::Vector2d::Zero();
+  Eigen::Vector2d along = Eigen::Vector2d::UnitX();  ///< unit, in the line's own direction
+  double height = 0;
+  bool is_high = false;  ///< not a lowered kerb, nor being lowered where it ends
+};
+
+/// From the tip inwards; nothing of a line that is too short to say.
+template <class Iterator>
+std::optional<LineEnd> end_of(Iterator tip, Iterator inmost) {
+  LineEnd end{.tip = *tip, .at = place(*tip)};
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Vector2d up = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  double longest = 0;
+  double n = 0;
+  for (auto it = tip; it != inmost && (place(*it) - end.at).norm() <= kSight; ++it) {
+    const Eigen::Vector2d d = place(*it) - end.at;
+    longest = d.norm();
+    mean += d;
+    scatter += d * d.transpose();
+    up += Eigen::Vector2d(double{it->high_side_x}, double{it->high_side_y});
+    end.height += double{it->height};
+    n += 1;
+  }
+  end.height /= n;
+  if (longest < kMinSure) return std::nullopt;
+  end.is_high = double{tip->height} >= std::max(kMinTip, kTip * end.height);
+  mean /= n;
+  scatter = scatter / n - mean * mean.transpose();
+  const double angle = 0.5 * std::atan2(2 * scatter(0, 1), scatter(0, 0) - scatter(1, 1));
+  end.along = {std::cos(angle), std::sin(angle)};
+  if (end.along.dot(Eigen::Vector2d(-up.y(), up.x())) < 0) end.along = -end.along;
+  return end;
+}
+
+double turn_between(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+}
+
+/// Whether the second line goes on where the first points to, along a straight line or an arc.
+bool goes_on(const LineEnd& from, const LineEnd& to) {
+  const Eigen::Vector2d chord = to.at - from.at;
+  const double gap = chord.norm();
+  if (gap < kVertices || gap > kLongest) return false;
+  const double before = turn_between(from.along, chord);
+  const double behind = turn_between(chord, to.along);
+  if (std::max(std::abs(before), std::abs(behind)) > kMostTurn) return false;
+  if (std::abs(before - behind) > kUneven + kSideways / gap) return false;
+  return std::abs(double{from.tip.z} - double{to.tip.z}) < kClimb * gap + kAlikeHeight;
+}
+
+bool is_alike(const LineEnd& from, const LineEnd& to) {
+  return from.is_high && to.is_high &&
+         std::abs(from.height - to.height) <= std::max(kAlikeHeight, std::max(from.height, to.height) / 3);
+}
+
+/// Vertices from tip to tip, by a cubic Hermite curve.
+std::vector<tile::CurbVertex> bridge_between(const LineEnd& from, const LineEnd& to) {
+  const double gap = (to.at - from.at).norm();
+  const int pieces = std::max(2, static_cast<int>(std::lround(gap / kVertices)));
+  std::vector<tile::CurbVertex> bridge = {from.tip};
+  for (int k = 1; k < pieces; ++k) {
+    const double s = static_cast<double>(k) / pieces;
+    const double s2 = s * s;
+    const double s3 = s2 * s;
+    const Eigen::Vector2d at = (2 * s3 - 3 * s2 + 1) * from.at + (s3 - 2 * s2 + s) * gap * from.along +
+                               (3 * s2 - 2 * s3) * to.at + (s3 - s2) * gap * to.along;
+    const Eigen::Vector2d along = ((6 * s2 - 6 * s) * (from.at - to.at) + (3 * s2 - 4 * s + 1) * gap * from.along +
+                                   (3 * s2 - 2 * s) * gap * to.along)
+                                      .normalized();
+    const double z = (1 - s) * double{from.tip.z} + s * double{to.tip.z};
+    const double height = (1 - s) * from.height + s * to.height;
+    bridge.push_back({static_cast<float>(at.x()), static_cast<float>(at.y()), static_cast<float>(z),
+                      static_cast<float>(height), static_cast<float>(along.y()), static_cast<float>(-along.x())});
+  }
+  bridge.push_back(to.tip);
+  return bridge;
+}
+
+/// Of the ground that was seen on one side of a place, 0.15 to 0.45 m off.
+std::optional<double> seen_beside(const SeenGround& ground, const Eigen::Vector2d& at, const Eigen::Vector2d& side) {
+  double sum = 0;
+  int n = 0;
+  for (const double off : {0.18, 0.30, 0.42}) {
+    if (const auto height = ground(at + off * side)) {
+      sum += *height;
+      ++n;
+    }
+  }
+  return n > 0 ? std::optional(sum / n) : std::nullopt;
+}
+
+/// Whether there is seen to be no curb for longer than where a line ends.
+bool is_contradicted(const SeenGround& ground, const std::vector<tile::CurbVertex>& bridge) {
+  int flat = 0;
+  for (const tile::CurbVertex& v : bridge) {
+    const Eigen::Vector2d up(double{v.high_side_x}, double{v.high_side_y});
+    const auto low = seen_beside(ground, place(v), -up);
+    const auto high = seen_beside(ground, place(v), up);
+    if (low && high && *high - *low < kSeenStep * double{v.height}) ++flat;
+  }
+  return flat * kVertices > kMostFlat;
+}
+
+/// Whether anything measured lies beside the bridge's middle.
+bool meets_others(const std::set<Cell>& measured, const std::vector<tile::CurbVertex>& bridge) {
+  return std::any_of(bridge.begin(), bridge.end(), [&](const tile::CurbVertex& v) {
+    const Eigen::Vector2d at = place(v);
+    const double to_ends = std::min((at - place(bridge.front())).norm(), (at - place(bridge.back())).norm());
+    return to_ends > 2 * kBeside && measured.contains(cell_at(at));
+  });
+}
+
+std::optional<tile::CurbLine> line_between(const SeenGround& ground, const std::set<Cell>& measured,
+                                           const LineEnd& from, const LineEnd& to) {
+  tile::CurbLine line;
+  line.points = bridge_between(from, to);
+  if (meets_others(measured, line.points)) return std::nullopt;
+  if (is_alike(from, to) && !is_contradicted(ground, line.points)) {
+    line.inferred = true;
+    return line;
+  }
+  if ((to.at - from.at).norm() < kMinLowered) return std::nullopt;
+  const auto step = find_lowered_step(ground, line.points);
+  if (!step || step->height < std::max(kLowStep, kLowSigmas * step->sigma) || step->height > kHighest)
+    return std::nullopt;
+  line.dropped = true;
+  for (std::size_t k = 1; k + 1 < line.points.size(); ++k) line.points[k].height = static_cast<float>(step->height);
+  return line;
+}
+
+struct Bridge {
+  double gap = 0;
+  std::size_t from = 0, to = 0;  ///< ends
+};
+
+/// All that could be, the shortest first. An end that another line goes on from is none.
+std::vector<Bridge> find_bridges(const std::vector<LineEnd>& ends, const std::vector<LineEnd>& begins) {
+  std::vector<std::size_t> by_x(begins.size());
+  std::iota(by_x.begin(), by_x.end(), std::size_t{0});
+  std::sort(by_x.begin(), by_x.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(begins[a].at.x(), a) < std::pair(begins[b].at.x(), b);
+  });
+  std::vector<Bridge> bridges;
+  for (std::size_t e = 0; e < ends.size(); ++e) {
+    const double x = ends[e].at.x();
+    auto it = std::lower_bound(by_x.begin(), by_x.end(), x - kLongest,
+                               [&](std::size_t b, double at) { return begins[b].at.x() < at; });
+    for (; it != by_x.end() && begins[*it].at.x() <= x + kLongest; ++it) {
+      if (begins[*it].line == ends[e].line || !goes_on(ends[e], begins[*it])) continue;
+      bridges.push_back({(begins[*it].at - ends[e].at).norm(), e, *it});
+    }
+  }
+  std::sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b) {
+    return std::tie(a.gap, a.from, a.to) < std::tie(b.gap, b.from, b.to);
+  });
+  return bridges;
+}
+
+}  // namespace
+
+void add_bridges(const SeenGround& ground, std::vector<tile::CurbLine>& lines) {
+  std::vector<LineEnd> ends;
+  std::vector<LineEnd> begins;
+  std::set<Cell> measured;
+  std::set<std::pair<float, float>> first_places;
+  std::set<std::pair<float, float>> last_places;
+  for (const tile::CurbLine& line : lines) {
+    if (line.points.empty()) continue;
+    first_places.emplace(line.points.front().x, line.points.front().y);
+    last_places.emplace(line.points.back().x, line.points.back().y);
+    for (const tile::CurbVertex& v : line.points) measured.insert(cell_at(place(v)));
+  }
+  // A line that is cut where the kerb is lowered shares a vertex with its neighbour.
+  const auto is_free = [](const std::set<std::pair<float, float>>& others, const tile::CurbVertex& v) {
+    return !others.contains({v.x, v.y});
+  };
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    const tile::CurbLine& line = lines[k];
+    if (line.points.empty()) continue;
+    const auto take = [&](std::optional<LineEnd> end, std::vector<LineEnd>& all) {
+      if (!end) return;
+      end->line = k;
+      end->is_high = end->is_high && !line.dropped;
+      all.push_back(*end);
+    };
+    if (is_free(first_places, line.points.back())) take(end_of(line.points.rbegin(), line.points.rend()), ends);
+    if (is_free(last_places, line.points.front())) take(end_of(line.points.begin(), line.points.end()), begins);
+  }
+  std::vector<bool> end_taken(ends.size());
+  std::vector<bool> begin_taken(begins.size());
+  for (const Bridge& bridge : find_bridges(ends, begins)) {
+    if (end_taken[bridge.from] || begin_taken[bridge.to]) continue;
+    auto line = line_between(ground, measured, ends[bridge.from], begins[bridge.to]);
+    if (!line) continue;
+    end_taken[bridge.from] = begin_taken[bridge.to] = true;
+    line->id = static_cast<std::int32_t>(lines.size());
+    line->confidence =
+        0.5F * std::min(lines[ends[bridge.from].line].confidence, lines[begins[bridge.to].line].confidence);
+    lines.push_back(std::move(*line));
+  }
+}
+
+}  // namespace curbstone::semantic_map::curb_lines
