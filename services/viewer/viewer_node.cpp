@@ -172,27 +172,19 @@ void ViewerNode::take(const map_trajectory_t& message) {
 }
 
 void ViewerNode::on(const curb_lines_t& message) {
-  if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return;
-  switch (curbs_.put(message)) {
-    case store::CurbLines::Put::kTaken:
-      return;
-    case store::CurbLines::Put::kRefused:
-      return counters_.add("refused.curbs");
-    case store::CurbLines::Put::kFull:
-      return counters_.add("dropped.curbs_full");
-  }
+  take_lines(message, curbs_, "curbs");
 }
 
 void ViewerNode::on(const marking_lines_t& message) {
+  take_lines(message, markings_, "markings");
+}
+
+template <class Message>
+void ViewerNode::take_lines(const Message& message, store::BoxedLines<Message>& lines, const std::string& name) {
+  using Put = typename store::BoxedLines<Message>::Put;
   if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return;
-  switch (markings_.put(message)) {
-    case store::MarkingLines::Put::kTaken:
-      return;
-    case store::MarkingLines::Put::kRefused:
-      return counters_.add("refused.markings");
-    case store::MarkingLines::Put::kFull:
-      return counters_.add("dropped.markings_full");
-  }
+  const Put put = lines.put(message);
+  if (put != Put::kTaken) counters_.add(put == Put::kRefused ? "refused." + name : "dropped." + name + "_full");
 }
 
 void ViewerNode::on(const service_status_t& message) {

@@ -83,6 +83,8 @@ class ViewerNode final : public Node {
   void enter_epoch(std::int32_t epoch);
   void forget_map();
   void take(const map_trajectory_t& message);
+  template <class Message>
+  void take_lines(const Message& message, store::BoxedLines<Message>& lines, const std::string& name);
   void hear(const web::Audience::Event& event);
   void hear(Page& page, const web::Audience::Event& event);
   [[nodiscard]] bool obey(const nlohmann::json& order);

@@ -18,6 +18,7 @@ namespace {
 
 using semantic_map::store::MapReader;
 
+constexpr float kAll = 1e6F;  // m, of a box about everything
 constexpr std::string_view kSqlite = "SQLite format 3";
 
 /// All of the drive in one page: it goes to no bus.
@@ -36,7 +37,6 @@ map_trajectory_t trajectory_of(const MapReader& file, std::int32_t epoch) {
 }
 
 curb_lines_t curbs_of(const MapReader& file, const map_trajectory_t& trajectory) {
-  constexpr float kAll = 1e6F;  // m
   curb_lines_t message{};
   message.utime = trajectory.utime;
   message.epoch = trajectory.epoch;
@@ -46,6 +46,17 @@ curb_lines_t curbs_of(const MapReader& file, const map_trajectory_t& trajectory)
   path.reserve(trajectory.positions.size());
   for (const auto& place : trajectory.positions) path.emplace_back(place[0], place[1]);
   for (const auto& line : file.curbs()) message.lines.push_back(semantic_map::to_message(line, path));
+  message.num_lines = static_cast<std::int32_t>(message.lines.size());
+  return message;
+}
+
+marking_lines_t markings_of(const MapReader& file, const map_trajectory_t& trajectory) {
+  marking_lines_t message{};
+  message.utime = trajectory.utime;
+  message.epoch = trajectory.epoch;
+  std::fill(std::begin(message.box_min), std::end(message.box_min), -kAll);
+  std::fill(std::begin(message.box_max), std::end(message.box_max), kAll);
+  for (const auto& line : file.markings()) message.lines.push_back(semantic_map::to_message(line));
   message.num_lines = static_cast<std::int32_t>(message.lines.size());
   return message;
 }
@@ -69,6 +80,7 @@ void show_saved_map(const std::string& file, std::int64_t now, viewer::ViewerNod
   node.on(trajectory);
   for (const auto& tile : reader.tiles()) node.on(semantic_map::to_message(tile, epoch, 1));
   node.on(curbs_of(reader, trajectory));
+  node.on(markings_of(reader, trajectory));
 }
 
 }  // namespace curbstone::view

@@ -29,9 +29,7 @@ void IcpRegistration::match(const std::vector<scan::LidarPoint>& source, std::si
   matches_.clear();
   const Eigen::Matrix3d R = T_map_base.linear();
   const double sensor_variance = config_.sensor_sigma * config_.sensor_sigma;
-  const std::size_t ahead = PlaneMap::kAhead * stride;
   for (std::size_t i = 0; i < source.size(); i += stride) {
-    if (i + ahead < source.size()) map_.prefetch(T_map_base * source[i + ahead].position.cast<double>());
     const scan::LidarPoint& point = source[i];
     const Eigen::Vector3d p = T_map_base * point.position.cast<double>();
     const MapShape* plane = map_.plane_at(p, reach);

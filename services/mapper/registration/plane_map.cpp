@@ -22,9 +22,7 @@ const MapShape* PlaneMap::plane_at(const Eigen::Vector3d& point, double reach) {
 void PlaneMap::insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base,
                       const Eigen::Vector3f& lidar) {
   const Eigen::Matrix3f R = T_map_base.linear().cast<float>();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (i + kAhead < points.size()) prefetch(T_map_base * points[i + kAhead].position.cast<double>());
-    const scan::LidarPoint& point = points[i];
+  for (const scan::LidarPoint& point : points) {
     const Eigen::Vector3d p = T_map_base * point.position.cast<double>();
     const Eigen::Vector3f ray = R * (point.position - lidar).normalized();
     fine_.insert(p, ray);

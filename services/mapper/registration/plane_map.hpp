@@ -23,11 +23,6 @@ class PlaneMap {
   /// The finest plane within reach of the point (map, m); where none is, one that is out of reach; nullptr if there is
   /// none. The pointer lives until the next insert().
   [[nodiscard]] const MapShape* plane_at(const Eigen::Vector3d& point, double reach);
-  /// Asks memory for what plane_at() or insert() will need of a point so many points later. (A level of large voxels is
-  /// small enough to be near.)
-  void prefetch(const Eigen::Vector3d& point) const { fine_.prefetch(point); }
-  static constexpr std::size_t kAhead = 12;
-
   /// Adds the points of a revolution, in base_link, seen by the lidar (there too).
   void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, const Eigen::Vector3f& lidar);
   /// Forgets what is farther than `radius` (in any axis) from `centre`.

@@ -25,13 +25,6 @@ std::uint32_t ShapeLevel::new_voxel() {
   return voxel;
 }
 
-void ShapeLevel::prefetch(const Eigen::Vector3d& point) const {
-  const std::uint32_t voxel = index_.find(voxels::voxel_of(point, inverse_size_));
-  if (voxel == voxels::BlockIndex::kNone) return;
-  __builtin_prefetch(&fitted_[voxel]);
-  __builtin_prefetch(&moments_[voxel]);
-}
-
 void ShapeLevel::insert(const Eigen::Vector3d& point, const Eigen::Vector3f& ray) {
   const Eigen::Vector3i cell = voxels::voxel_of(point, inverse_size_);
   std::uint32_t& place = index_.place(cell);

@@ -35,10 +35,6 @@ class ShapeLevel {
  public:
   explicit ShapeLevel(const ShapeLevelOptions& options);
 
-  /// Asks memory for what insert() or shape_at() will need of a point some points later: voxels are far apart, and the
-  /// wait for them costs more than what is done with them.
-  void prefetch(const Eigen::Vector3d& point) const;
-
   /// `ray`: unit vector from the lidar to the point, in map.
   void insert(const Eigen::Vector3d& point, const Eigen::Vector3f& ray);
   /// Call after the points of a revolution: what was fitted before it may now be stale.

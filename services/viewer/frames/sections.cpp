@@ -31,7 +31,7 @@ void write_line(ByteWriter& out, std::uint32_t name, const curb_line_t& line) {
   const std::size_t n = std::min<std::size_t>(line.x.size(), std::numeric_limits<std::uint16_t>::max());
   out.u32(name);
   out.f32(line.confidence);
-  out.u8(line.dropped != 0 ? 1 : 0);
+  out.u8(static_cast<std::uint8_t>((line.dropped != 0 ? 1 : 0) | (line.inferred != 0 ? 2 : 0)));
   out.i8(line.rise);
   out.u16(static_cast<std::uint16_t>(n));
   for (const auto* list : {&line.x, &line.y, &line.z, &line.height, &line.high_side_x, &line.high_side_y}) {

@@ -80,8 +80,8 @@ function readCurbs(reader: Reader, world: World): void {
   readGone(reader, world.curbs);
   for (let lines = reader.u32(); lines > 0; --lines) {
     const name = reader.u32();
-    const confidence = reader.f32(), dropped = reader.u8() !== 0, rise = reader.i8(), n = reader.u16();
-    const line: CurbLine = { confidence, dropped, rise, n, values: readFloats(reader, 6 * n) };
+    const confidence = reader.f32(), kind = reader.u8(), rise = reader.i8(), n = reader.u16();
+    const line: CurbLine = { confidence, dropped: (kind & 1) !== 0, inferred: (kind & 2) !== 0, rise, n, values: readFloats(reader, 6 * n) };
     world.curbs.set(name, line);
   }
   world.curbsChanged = true;

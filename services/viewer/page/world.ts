@@ -23,6 +23,7 @@ export interface Tile {
 export interface CurbLine {
   confidence: number;
   dropped: boolean;
+  inferred: boolean;       // nobody saw it
   rise: number;        // 1 up, -1 down, 0 not known, from the driven path
   n: number;
   values: Float32Array;  // n each of x, y, z, height, high side x, high side y

@@ -50,7 +50,7 @@ export class Inspector {
       ["Step", `${metres(curb.height)}${line.rise > 0 ? ", up from the path" : line.rise < 0 ? ", down from the path" : ""}`],
       ["Foot", `${curb.foot.toFixed(3)} m`],
       ["Confidence", `${Math.round(100 * line.confidence)} %`],
-      ["Line", `${metres(lengthOf(line))}${line.dropped ? ", lowered" : ""}`],
+      ["Line", `${metres(lengthOf(line))}${line.dropped ? ", lowered" : ""}${line.inferred ? ", inferred" : ""}`],
     ]);
     return [make("h4", "Curb"), drawCut(cutAcross(this.world, curb), curb, kind => colours[kind]), facts];
   }

@@ -4,11 +4,11 @@ import { CurbLine } from "../world";
 const kStone = 0.1;  // m, wide
 const kSide = 0.78, kTop = 1.06;  // light
 
-/// Triangles, of x, y, z and light; negative light: a lowered curb.
+/// Triangles, of x, y, z and light; negative light: a lowered curb, or one that nobody saw.
 export function wallsOf(curbs: Iterable<CurbLine>): Float32Array {
   const points: number[] = [];
-  for (const { n, values: v, dropped } of curbs) {
-    const sign = dropped ? -1 : 1;
+  for (const { n, values: v, dropped, inferred } of curbs) {
+    const sign = dropped || inferred ? -1 : 1;
     const foot = (i: number) => [v[i], v[n + i], v[2 * n + i]];
     const top = (i: number) => [v[i], v[n + i], v[2 * n + i] + v[3 * n + i]];
     const back = (i: number) => [v[i] + kStone * v[4 * n + i], v[n + i] + kStone * v[5 * n + i], v[2 * n + i] + v[3 * n + i]];

@@ -90,7 +90,7 @@ export class Marks {
     context.globalAlpha = 1;
   }
 
-  /// A line along the foot; lowered ones dashed; from near, ticks towards the higher side.
+  /// A line along the foot; lowered ones dashed, inferred ones dotted and thin; from near, ticks towards the higher side.
   private drawCurbs(ink: Ink, pixel: number, scale: number): void {
     const { context } = this;
     context.strokeStyle = ink.halo;
@@ -101,10 +101,14 @@ export class Marks {
       context.globalAlpha = 0.45 + 0.55 * Math.min(1, curb.line.confidence);
       context.lineWidth = 2 * pixel;
       if (curb.line.dropped) context.setLineDash([5 * pixel, 5 * pixel]);
+      if (curb.line.inferred) {
+        context.setLineDash([0.5 * pixel, 4.5 * pixel]);
+        context.globalAlpha *= 0.75;
+      }
       context.stroke(curb.path);
       context.setLineDash([]);
       context.lineWidth = 1.2 * pixel;
-      if (scale > 24) context.stroke(curb.ticks);
+      if (scale > 24 && !curb.line.inferred) context.stroke(curb.ticks);
     }
     context.globalAlpha = 1;
   }

@@ -15,56 +15,12 @@
 #include <random>
 
 #include "services/semantic_map/store/map_store_blobs.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/services/semantic_map/store/map_store_fixture.hpp"
 
 namespace curbstone::semantic_map::store {
 namespace {
 
 namespace fs = std::filesystem;
-
-class MapStoreTest : public ::testing::Test {
- protected:
-  static tile::MapTile tile(std::int32_t x, std::int32_t y, unsigned seed = 1) {
-    std::mt19937 random(seed + static_cast<unsigned>(x * 1000 + y));
-    tile::MapTile t;
-    t.key = {x, y};
-    t.utime = 1'000'000 + seed;
-    t.z_origin = -3;
-    for (std::size_t i = 0; i < tile::kCellsInTile; ++i) {
-      t.cell_class[i] = static_cast<tile::CellClass>(random() % tile::kNumClasses);
-      t.height[i] = static_cast<std::int16_t>(random());
-      t.cost[i] = static_cast<std::uint8_t>(random());
-      t.confidence[i] = static_cast<std::uint8_t>(random());
-      t.hits[i] = static_cast<std::uint8_t>(random());
-    }
-    return t;
-  }
-  static tile::TrajectoryPose pose(std::int64_t utime) {
-    tile::TrajectoryPose p{utime, static_cast<std::int32_t>(utime / 50'000), Pose::Identity()};
-    p.T_map_base.translation() = Eigen::Vector3d(1e-6 * static_cast<double>(utime), 2, -0.1);
-    p.T_map_base.linear() = rotation_from_rpy(0.01, -0.02, 1.5);
-    return p;
-  }
-  static std::string bytes(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
-  static void write_file(const fs::path& path, const std::string& content) {
-    std::ofstream(path, std::ios::binary) << content;
-  }
-  template <class Work>
-  static std::string error_of(Work work) {
-    try {
-      work();
-    } catch (const MapStoreError& error) {
-      return error.what();
-    }
-    return "no error";
-  }
-
-  testing::TemporaryFolder folder_;
-  fs::path path_ = folder_ / "map.db";
-};
 
 TEST_F(MapStoreTest, GivesBackWhatWasWritten) {
   const std::vector<tile::CurbLine> curbs = {{0, 0.75F, false, {{1, 2, 3, 0.12F, 0, 1}, {1.1F, 2, 3, 0.11F, 0, 1}}},
@@ -237,63 +193,6 @@ TEST_F(MapStoreTest, ReadsSchemaOneAndMakesItTheNewestOnceItIsWritten) {
   EXPECT_THAT(map.curbs(), ::testing::ElementsAre(inferred));
   EXPECT_THAT(map.tiles(), ::testing::ElementsAre(old, tile(9, 9)));
   EXPECT_EQ(map.integrity(), "ok");
-}
-
-std::vector<tile::MarkingLine> some_markings() {
-  tile::MarkingLine dashed{.id = 0,
-                           .type = tile::MarkingType::kDashed,
-                           .confidence = 0.9F,
-                           .width = 0.12F,
-                           .dash = 3,
-                           .gap = 6,
-                           .points = {{0, 0, 1, true}, {3, 0, 1, false}, {9, 0, 1, true}, {12, 0, 1, false}}};
-  tile::MarkingLine stop{.id = 1, .type = tile::MarkingType::kStopLine, .width = 0.4F, .points = {{5, -3, 1, true}}};
-  return {dashed, stop};
-}
-
-TEST_F(MapStoreTest, MarkingsComeBackAsTheyWere) {
-  const std::vector<tile::MarkingLine> markings = some_markings();
-  MapStore store(path_);
-  store.write({.epoch = 1, .markings = &markings});
-  EXPECT_EQ(MapReader(path_).markings(), markings);
-  store.write({.epoch = 1, .tiles = {tile(1, 1)}});
-  EXPECT_EQ(MapReader(path_).markings(), markings);
-  store.write({.clear = true, .epoch = 2});
-  EXPECT_TRUE(MapReader(path_).markings().empty());
-}
-
-TEST_F(MapStoreTest, SchemaTwoHasNoMarkingsAndIsMadeThreeOnceItIsWritten) {
-  { MapStore store(path_); }
-  sqlite3* db = nullptr;
-  sqlite3_open(path_.c_str(), &db);
-  sqlite3_exec(db, "DROP TABLE markings; PRAGMA user_version = 2", nullptr, nullptr, nullptr);
-  sqlite3_close(db);
-  EXPECT_TRUE(MapReader(path_).markings().empty());
-  EXPECT_EQ(MapReader(path_).schema(), 2);
-  const std::vector<tile::MarkingLine> markings = some_markings();
-  {
-    MapStore store(path_);
-    store.write({.epoch = 1, .markings = &markings});
-  }
-  EXPECT_EQ(MapReader(path_).schema(), 3);
-  EXPECT_EQ(MapReader(path_).markings(), markings);
-}
-
-TEST_F(MapStoreTest, DamagedMarkingsAreSaid) {
-  for (const char* damage : {"UPDATE markings SET type = 17", "UPDATE markings SET points = x'0102'",
-                             "UPDATE markings SET points = x'0000c07f000000000000000000000000'"}) {
-    fs::remove(path_);
-    const std::vector<tile::MarkingLine> markings = some_markings();
-    {
-      MapStore store(path_);
-      store.write({.epoch = 1, .markings = &markings});
-    }
-    sqlite3* db = nullptr;
-    sqlite3_open(path_.c_str(), &db);
-    sqlite3_exec(db, damage, nullptr, nullptr, nullptr);
-    sqlite3_close(db);
-    EXPECT_THAT(error_of([&] { (void)MapReader(path_).markings(); }), ::testing::HasSubstr("is damaged")) << damage;
-  }
 }
 
 TEST_F(MapStoreTest, SaysWhatIsMissing) {
