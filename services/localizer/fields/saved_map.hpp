@@ -27,8 +27,9 @@ using TileSource = std::function<std::optional<semantic_map::tile::MapTile>(Tile
 /// alone. One thread.
 class SavedMap {
  public:
-  static constexpr std::size_t kMostKept = 3000;  ///< tiles, and as many fields: some 40 MB
-  static constexpr double kWindow = 75.0;         ///< m, about the place asked for: what is farther makes room
+  /// Tiles, and as many fields: at most 90 MB; a dozen places of a search.
+  static constexpr std::size_t kMostKept = 8000;
+  static constexpr double kWindow = 75.0;  ///< m, about the place asked for: what is farther makes room
 
   /// Reads each tile once, for its plan. What a source throws comes through here; later it must not throw.
   SavedMap(const std::vector<TileKey>& keys, TileSource source);

@@ -54,7 +54,8 @@ TEST(MarkingScore, TheMiddleOfADoubleLineIsAsGoodAsEither) {
   for (const double lateral : score.lateral) EXPECT_NEAR(lateral, 0.01, 1e-6);
 }
 
-/// The floor of what 64 beams at rest in a recorded street give; docs/benchmarks/markings.md has the figures.
+/// The floor of what 64 beams at rest in a recorded street give; `curbstone bench markings --parts street` says what
+/// they are.
 TEST(PaintedStreet, MarkingsOfARecordedStreetAreFound) {
   const std::string folder = CURBSTONE_DATA_DIR "/kitti00";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
