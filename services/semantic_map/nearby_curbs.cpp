@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "services/semantic_map/curb_lines/curb_bridges.hpp"
 #include "services/semantic_map/semantic_messages.hpp"
@@ -91,6 +92,7 @@ curb_lines_t NearbyCurbs::next(const TilePipeline& pipeline, const Eigen::Vector
   message.revision = ++revision_;
   message.num_lines = static_cast<std::int32_t>(lines.size());
   for (const tile::CurbLine& line : lines) message.lines.push_back(to_message(line, path));
+  lines_ = std::move(lines);
   return message;
 }
 

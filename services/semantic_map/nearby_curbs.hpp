@@ -21,10 +21,13 @@ class NearbyCurbs {
   /// `vehicle`, `path`: m in map; the rise of a line is told by the path. The caller fills in utime and epoch.
   [[nodiscard]] curb_lines_t next(const TilePipeline& pipeline, const Eigen::Vector2d& vehicle,
                                   const std::vector<Eigen::Vector2d>& path);
+  /// What the last message told of.
+  [[nodiscard]] const std::vector<tile::CurbLine>& lines() const { return lines_; }
 
  private:
   double range_;
   curb_lines::CurbLineIds ids_;
+  std::vector<tile::CurbLine> lines_;
   std::int32_t revision_ = 0;
 };
 

@@ -1,6 +1,8 @@
 #include "services/semantic_map/nearby_markings.hpp"
 
+#include <cmath>
 #include <limits>
+#include <unordered_map>
 
 #include "services/semantic_map/semantic_messages.hpp"
 
@@ -9,16 +11,56 @@ namespace {
 
 constexpr std::size_t kMaxMarkingVertices = 2200;  // 13 bytes each, 33 a line that has two or more: below 48 kB
 constexpr double kSmallerBox = 0.7;                // of the range, where there are more
+constexpr double kBeforeKerb = 0.15;               // m from a curb's foot towards the road
+constexpr double kKerbstone = 0.45;                // m from it over the stone
+constexpr double kAlongKerb = 0.15;                // m; a line's vertices are 0.2 m apart
+
+/// The stones of curb lines: bright, narrow, and where the kerb is lowered hardly higher than the road.
+class Kerbstones {
+ public:
+  explicit Kerbstones(const std::vector<tile::CurbLine>& curbs) {
+    for (const tile::CurbLine& line : curbs) {
+      for (const tile::CurbVertex& v : line.points) vertices_[square({double{v.x}, double{v.y}})].push_back(&v);
+    }
+  }
+  [[nodiscard]] bool hold(const Eigen::Vector2d& at) const {
+    const TileKey centre = square(at);
+    for (std::int32_t x = centre.x - 1; x <= centre.x + 1; ++x) {
+      for (std::int32_t y = centre.y - 1; y <= centre.y + 1; ++y) {
+        const auto it = vertices_.find({x, y});
+        if (it == vertices_.end()) continue;
+        for (const tile::CurbVertex* v : it->second)
+          if (is_on_stone_of(*v, at)) return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  static TileKey square(const Eigen::Vector2d& at) {
+    return {static_cast<std::int32_t>(std::floor(at.x() / kSquare)),
+            static_cast<std::int32_t>(std::floor(at.y() / kSquare))};
+  }
+  static bool is_on_stone_of(const tile::CurbVertex& v, const Eigen::Vector2d& at) {
+    const Eigen::Vector2d d(at.x() - double{v.x}, at.y() - double{v.y});
+    const double across = d.x() * double{v.high_side_x} + d.y() * double{v.high_side_y};
+    const double along = d.x() * double{v.high_side_y} - d.y() * double{v.high_side_x};
+    return across > -kBeforeKerb && across < kKerbstone && std::abs(along) < kAlongKerb;
+  }
+
+  static constexpr double kSquare = 0.5;  // m
+  std::unordered_map<TileKey, std::vector<const tile::CurbVertex*>, TileKeyHash> vertices_;
+};
 
 std::vector<marking_lines::MapMarkingCell> cells_in(const Eigen::Vector2d& min, const Eigen::Vector2d& max,
-                                                    const TilePipeline& pipeline) {
+                                                    const TilePipeline& pipeline, const Kerbstones& kerbs) {
   std::vector<marking_lines::MapMarkingCell> cells;
   for (const TileKey& key : pipeline.keys()) {
     const Eigen::Vector2d corner(key.x * kTileSize, key.y * kTileSize);
     if ((corner.array() + kTileSize < min.array()).any() || (corner.array() > max.array()).any()) continue;
     for (const markings::MarkingCell& cell : *pipeline.markings(key)) {
       const Eigen::Vector2d at = corner + Eigen::Vector2d(double{cell.x}, double{cell.y});
-      if ((at.array() < min.array()).any() || (at.array() > max.array()).any()) continue;
+      if ((at.array() < min.array()).any() || (at.array() > max.array()).any() || kerbs.hold(at)) continue;
       cells.push_back({at, double{cell.z}, double{cell.contrast}, cell.is_strong});
     }
   }
@@ -33,19 +75,22 @@ std::size_t message_size(const std::vector<tile::MarkingLine>& lines) {
 
 }  // namespace
 
-std::vector<tile::MarkingLine> all_markings(const TilePipeline& pipeline, const std::vector<Eigen::Vector2d>& path,
+std::vector<tile::MarkingLine> all_markings(const TilePipeline& pipeline, const std::vector<tile::CurbLine>& curbs,
+                                            const std::vector<Eigen::Vector2d>& path,
                                             const markings::MarkingParameters& parameters) {
   constexpr double kAll = std::numeric_limits<double>::max();
   return marking_lines::link_markings(
-      cells_in(Eigen::Vector2d::Constant(-kAll), Eigen::Vector2d::Constant(kAll), pipeline), path, parameters);
+      cells_in(Eigen::Vector2d::Constant(-kAll), Eigen::Vector2d::Constant(kAll), pipeline, Kerbstones(curbs)), path,
+      parameters);
 }
 
-marking_lines_t NearbyMarkings::next(const TilePipeline& pipeline, const Eigen::Vector2d& vehicle,
-                                     const std::vector<Eigen::Vector2d>& path) {
+marking_lines_t NearbyMarkings::next(const TilePipeline& pipeline, const std::vector<tile::CurbLine>& curbs,
+                                     const Eigen::Vector2d& vehicle, const std::vector<Eigen::Vector2d>& path) {
+  const Kerbstones kerbs(curbs);
   double range = range_;
   const auto lines_about = [&] {
-    return marking_lines::link_markings(cells_in(vehicle.array() - range, vehicle.array() + range, pipeline), path,
-                                        parameters_);
+    return marking_lines::link_markings(cells_in(vehicle.array() - range, vehicle.array() + range, pipeline, kerbs),
+                                        path, parameters_);
   };
   std::vector<tile::MarkingLine> lines = lines_about();
   while (message_size(lines) > kMaxMarkingVertices) {

@@ -9,8 +9,9 @@
 
 namespace curbstone::semantic_map {
 
-/// The markings of the whole map. `path`: driven, m in map.
+/// The markings of the whole map. `curbs`: its curb lines, whose stones are no paint. `path`: driven, m in map.
 [[nodiscard]] std::vector<tile::MarkingLine> all_markings(const TilePipeline& pipeline,
+                                                          const std::vector<tile::CurbLine>& curbs,
                                                           const std::vector<Eigen::Vector2d>& path,
                                                           const markings::MarkingParameters& parameters);
 
@@ -21,9 +22,9 @@ class NearbyMarkings {
   NearbyMarkings(double range, const markings::MarkingParameters& parameters)
       : range_(range), parameters_(parameters) {}
 
-  /// `vehicle`, `path`: m in map. The caller fills in utime and epoch.
-  [[nodiscard]] marking_lines_t next(const TilePipeline& pipeline, const Eigen::Vector2d& vehicle,
-                                     const std::vector<Eigen::Vector2d>& path);
+  /// `curbs`: the curb lines about the vehicle; `vehicle`, `path`: m in map. The caller fills in utime and epoch.
+  [[nodiscard]] marking_lines_t next(const TilePipeline& pipeline, const std::vector<tile::CurbLine>& curbs,
+                                     const Eigen::Vector2d& vehicle, const std::vector<Eigen::Vector2d>& path);
 
  private:
   double range_;

@@ -256,7 +256,7 @@ void SemanticMapNode::publish_curbs(std::int64_t now) {
 void SemanticMapNode::publish_markings(std::int64_t now) {
   last_markings_ = now;
   markings_changed_ = false;
-  marking_lines_t message = nearby_markings_.next(pipeline_, vehicle_, path());
+  marking_lines_t message = nearby_markings_.next(pipeline_, nearby_curbs_.lines(), vehicle_, path());
   message.utime = newest_utime_;
   message.epoch = epoch_;
   bus_.publish("MARKINGS", message);
@@ -277,7 +277,7 @@ void SemanticMapNode::store(std::int64_t now) {
   if (markings_unstored_ && now - last_markings_stored_ >= kStoreMarkingsPeriod) {
     last_markings_stored_ = now;
     markings_unstored_ = false;
-    keeper_.put(all_markings(pipeline_, path(), config_.markings));
+    keeper_.put(all_markings(pipeline_, all_curbs(pipeline_), path(), config_.markings));
   }
   keeper_.write();
 }
@@ -292,7 +292,7 @@ void SemanticMapNode::finish() {
   if (markings_changed_) publish_markings(newest_utime_);
   publish_index(newest_utime_);
   const std::vector<tile::CurbLine> curbs = all_curbs(pipeline_);
-  const std::vector<tile::MarkingLine> markings = all_markings(pipeline_, path(), config_.markings);
+  const std::vector<tile::MarkingLine> markings = all_markings(pipeline_, curbs, path(), config_.markings);
   if (drive_started_) keeper_.finish(curbs, markings);
   if (!config_.picture.empty()) draw_picture(curbs, markings);
 }

@@ -78,7 +78,8 @@ TEST(Drive, AMapperKilledMidDriveComesBackAndTheMapHoldsTheWholeDrive) {
   const map_pose_t before = drive.pose;
   ASSERT_TRUE(drive.kill_and_see_it_come_back("mapper")) << drive.output();
   ASSERT_TRUE(drive.bus.wait_until([&] { return drive.pose.epoch != before.epoch; }, 20)) << "it does not go on";
-  EXPECT_GE(drive.pose.map_base_position[0], before.map_base_position[0]) << "in the frame of before";
+  EXPECT_TRUE(drive.bus.wait_until([&] { return drive.pose.map_base_position[0] > before.map_base_position[0]; }, 20))
+      << "in the frame of before, after what was missed has been mapped";
   EXPECT_TRUE(drive.bus.wait_until([&] { return drive.bus.counter("mapper", "resumed") == 1; }, 20)) << drive.output();
   EXPECT_EQ(drive.wait_for_end(), 0) << drive.output();
   EXPECT_FALSE(drive.bus.has_fault("semantic_map", "mid-drive")) << "it is the same drive";

@@ -68,9 +68,9 @@ TEST_F(CurbsFile, GeoJsonComesBackToTheMillimetreByWayOfProj) {
     EXPECT_NEAR(local[i][1], double{expected[i].y}, 2e-4);
     EXPECT_NEAR(local[i][2], double{expected[i].z}, 2e-4);
   }
-  EXPECT_THAT(csv, HasSubstr(R"(,"0",high,0.14,left,"0",0.9)"));
-  EXPECT_THAT(csv, HasSubstr(R"(,"4",low,0.03,right,"0",0.5)"));
-  EXPECT_THAT(csv, HasSubstr(R"(,"5",low,0.09,left,"1",0.5)"));
+  EXPECT_THAT(csv, HasSubstr(R"(,"0",high,0.14,left,"0","0",0.9)"));
+  EXPECT_THAT(csv, HasSubstr(R"(,"4",low,0.03,right,"0","0",0.5)"));
+  EXPECT_THAT(csv, HasSubstr(R"(,"5",low,0.09,left,"1","1",0.5)"));
 }
 
 TEST_F(CurbsFile, Lanelet2HasTheCurbsAsGdalReadsThem) {

@@ -131,7 +131,7 @@ void map_tiles(const std::vector<semantic_map::tile::VotedTile>& tiles, const Cl
     }
   }
   map.lines = semantic_map::all_curbs(pipeline);
-  map.markings = semantic_map::all_markings(pipeline, options.path, options.markings);
+  map.markings = semantic_map::all_markings(pipeline, map.lines, options.path, options.markings);
 }
 
 CloudMap map_cloud(std::span<const Eigen::Vector3f> points, const CloudMapOptions& options) {

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "services/semantic_map/marking_lines/marking_lines.hpp"
+#include "services/semantic_map/nearby_curbs.hpp"
 #include "services/semantic_map/nearby_markings.hpp"
 #include "services/semantic_map/tile_pipeline.hpp"
 
@@ -54,7 +55,7 @@ std::vector<MarkingLine> lines_of(const std::vector<tile::VotedTile>& tiles) {
   TilePipeline pipeline({}, {});
   for (const tile::VotedTile& tile : tiles) pipeline.set_voted(tile);
   pipeline.settle();
-  return all_markings(pipeline, path(), {});
+  return all_markings(pipeline, all_curbs(pipeline), path(), {});
 }
 
 double painted_length(const MarkingLine& line) {
@@ -119,6 +120,20 @@ TEST(RoadMarkings, JointsTarPatchesAndPavementAreNoPaint) {
   EXPECT_TRUE(lines_of(road([](double x, double y) { return x > 0 && x < 4 && y > 0 ? 85.0 : kRoad; })).empty());
 }
 
+TEST(RoadMarkings, TheStoneOfALoweredKerbIsNoPaint) {
+  TilePipeline pipeline({}, {});
+  for (const tile::VotedTile& tile : road([](double, double y) { return std::abs(y - 2.1) < 0.1 ? kPaint : kRoad; }))
+    pipeline.set_voted(tile);
+  pipeline.settle();
+  ASSERT_FALSE(all_markings(pipeline, {}, path(), {}).empty());
+  tile::CurbLine kerb;
+  kerb.dropped = true;
+  for (int i = -75; i <= 75; ++i) kerb.points.push_back({0.2F * static_cast<float>(i), 2.0F, 0, 0.02F, 0, 1});
+  EXPECT_TRUE(all_markings(pipeline, {kerb}, path(), {}).empty());
+  for (tile::CurbVertex& v : kerb.points) v.y = 2.5F;  // an edge line before the kerb is one
+  EXPECT_FALSE(all_markings(pipeline, {kerb}, path(), {}).empty());
+}
+
 TEST(RoadMarkings, WhereNoIntensityIsKnownThereIsNone) {
   auto tiles = road([](double, double y) { return std::abs(y) < 0.06 ? kPaint : kRoad; });
   for (tile::VotedTile& tile : tiles) tile.intensity.pop_back();  // of not all points: nobody knows which
@@ -138,7 +153,7 @@ TEST(RoadMarkings, DoNotDependOnTheOrderOfTilesNorOnWhoLooksWhen) {
     for (int i = 0; i < 5; ++i) backward.run({TileWork::Kind::kOldestStep});
   }
   while (backward.num_stale() > 0) backward.run({TileWork::Kind::kOldestStep});
-  EXPECT_EQ(all_markings(backward, path(), {}), lines_of(tiles));
+  EXPECT_EQ(all_markings(backward, all_curbs(backward), path(), {}), lines_of(tiles));
   EXPECT_FALSE(lines_of(tiles).empty());
 }
 
@@ -150,7 +165,7 @@ TEST(RoadMarkings, AreLookedForOnlyWhereThatIsAskedFor) {
   for (const tile::VotedTile& tile : tiles) pipeline.set_voted(tile);
   pipeline.settle();
   EXPECT_EQ(pipeline.num_stale(), 0U);
-  EXPECT_TRUE(all_markings(pipeline, path(), off).empty());
+  EXPECT_TRUE(all_markings(pipeline, {}, path(), off).empty());
 }
 
 TEST(MarkingLineIds, StayWithTheLineWhileItGrows) {

@@ -29,7 +29,7 @@ bool everywhere(const Eigen::Vector2d&) {
 TEST(MarkingScore, TellsWhatIsRightFromWhatIsMissingAndWhatIsFalse) {
   const std::vector<TrueLine> truth = {{MarkingType::kSolid, {{{{0, 0}, {20, 0}}, 0.12}}}};
   const std::vector<MarkingLine> lines = {along_x(0, 10, 0.05F, MarkingType::kSolid),
-                                          along_x(0, 5, 3, MarkingType::kDashed)};
+                                          along_x(0, 5, 3.05F, MarkingType::kDashed)};
   const LineScore score = score_lines(lines, Pose::Identity(), truth, everywhere);
   EXPECT_NEAR(score.right_metres, 10, 0.01);
   EXPECT_NEAR(score.false_metres, 5, 0.01);
