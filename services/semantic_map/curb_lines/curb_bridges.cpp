@@ -17,8 +17,8 @@ constexpr double kLongest = 8.0;       // m: a van, or a car with the room befor
 constexpr double kSight = 2.0;         // m of a line that say where it goes on, and how high it is
 constexpr double kMinSure = 1.5;       // m that a line must be long
 constexpr double kMostTurn = 0.25;     // rad between a line's end and the chord
-constexpr double kUneven = 0.08;       // rad that the two turns may differ: of an arc they are equal
-constexpr double kSideways = 0.10;     // m, and as much off that
+constexpr double kUnevenTurns = 0.08;  // rad that the two turns may differ: of an arc they are equal
+constexpr double kOffArc = 0.10;       // m, and as much off that
 constexpr double kAlikeHeight = 0.03;  // m, or a third
 constexpr double kTip = 0.7;           // of a line's height that its end must still have: else it is lowered there
 constexpr double kMinTip = 0.035;      // m
@@ -94,7 +94,7 @@ bool goes_on(const LineEnd& from, const LineEnd& to) {
   const double before = turn_between(from.along, chord);
   const double behind = turn_between(chord, to.along);
   if (std::max(std::abs(before), std::abs(behind)) > kMostTurn) return false;
-  if (std::abs(before - behind) > kUneven + kSideways / gap) return false;
+  if (std::abs(before - behind) > kUnevenTurns + kOffArc / gap) return false;
   return std::abs(double{from.tip.z} - double{to.tip.z}) < kClimb * gap + kAlikeHeight;
 }
 

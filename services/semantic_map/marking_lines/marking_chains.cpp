@@ -9,16 +9,16 @@
 namespace curbstone::semantic_map::marking_lines {
 namespace {
 
-constexpr double kSigma = 0.5;        // m, of the vote
-constexpr double kLeastMass = 1.2;    // a row of single cells has 4 at each place, 2 at its ends
-constexpr double kLeastStick = 0.25;  // where lines cross there is none
-constexpr double kAcross = 0.30;      // m, that belong to a marking's middle
-constexpr double kAlong = 0.15;       // m
-constexpr double kSpacing = 0.10;     // m between ridge points
-constexpr double kGap = 0.45;         // m from one to the next
-constexpr double kSideways = 0.08;    // m off the line, and a share of the distance
-constexpr double kSidewaysShare = 0.2;
-constexpr double kAlike = 0.85;  // cosine between tangents
+constexpr double kVoteSigma = 0.5;      // m, of the vote
+constexpr double kLeastMass = 1.2;      // a row of single cells has 4 at each place, 2 at its ends
+constexpr double kLeastStick = 0.25;    // where lines cross there is none
+constexpr double kAcrossRidge = 0.30;   // m, that belong to a marking's middle
+constexpr double kAlongRidge = 0.15;    // m
+constexpr double kRidgeSpacing = 0.10;  // m between ridge points
+constexpr double kRidgeGap = 0.45;      // m from one to the next
+constexpr double kOffTangent = 0.08;    // m off the line, and a share of the distance
+constexpr double kOffTangentShare = 0.2;
+constexpr double kAlikeTangents = 0.85;  // cosine between tangents
 
 /// The middle of the paint across the line through `at`.
 RidgePoint on_ridge(const MarkingField& field, const Eigen::Vector2d& at, const PlaneVote& vote) {
@@ -32,8 +32,8 @@ RidgePoint on_ridge(const MarkingField& field, const Eigen::Vector2d& at, const 
     double across = 0;
     double z = 0;
     double most = 0;
-    field.within(point.at, kAcross + kAlong, [&](std::size_t j, const Eigen::Vector2d& d) {
-      if (std::abs(d.dot(normal)) > kAcross || std::abs(d.dot(vote.tangent)) > kAlong) return;
+    field.within(point.at, kAcrossRidge + kAlongRidge, [&](std::size_t j, const Eigen::Vector2d& d) {
+      if (std::abs(d.dot(normal)) > kAcrossRidge || std::abs(d.dot(vote.tangent)) > kAlongRidge) return;
       const MapMarkingCell& cell = field.cells()[j];
       weight += cell.contrast;
       across += cell.contrast * d.dot(normal);
@@ -48,7 +48,7 @@ RidgePoint on_ridge(const MarkingField& field, const Eigen::Vector2d& at, const 
   return point;
 }
 
-/// One ridge point each kSpacing, those with the largest mass first.
+/// One ridge point each kRidgeSpacing, those with the largest mass first.
 std::vector<RidgePoint> thinned(std::vector<RidgePoint> points) {
   std::sort(points.begin(), points.end(), [](const RidgePoint& a, const RidgePoint& b) {
     return std::tuple(-a.mass, a.at.x(), a.at.y()) < std::tuple(-b.mass, b.at.x(), b.at.y());
@@ -56,8 +56,8 @@ std::vector<RidgePoint> thinned(std::vector<RidgePoint> points) {
   std::vector<RidgePoint> kept;
   std::unordered_map<TileKey, std::vector<std::size_t>, TileKeyHash> grid;
   const auto square = [](const Eigen::Vector2d& at) {
-    return TileKey{static_cast<std::int32_t>(std::floor(at.x() / kSpacing)),
-                   static_cast<std::int32_t>(std::floor(at.y() / kSpacing))};
+    return TileKey{static_cast<std::int32_t>(std::floor(at.x() / kRidgeSpacing)),
+                   static_cast<std::int32_t>(std::floor(at.y() / kRidgeSpacing))};
   };
   for (const RidgePoint& p : points) {
     const TileKey centre = square(p.at);
@@ -66,7 +66,7 @@ std::vector<RidgePoint> thinned(std::vector<RidgePoint> points) {
       for (std::int32_t y = centre.y - 1; y <= centre.y + 1; ++y) {
         const auto it = grid.find({x, y});
         if (it == grid.end()) continue;
-        for (const std::size_t i : it->second) is_free = is_free && (kept[i].at - p.at).norm() >= kSpacing;
+        for (const std::size_t i : it->second) is_free = is_free && (kept[i].at - p.at).norm() >= kRidgeSpacing;
       }
     }
     if (!is_free) continue;
@@ -96,7 +96,8 @@ class RidgeFollower {
 
  private:
   static TileKey square(const Eigen::Vector2d& at) {
-    return {static_cast<std::int32_t>(std::floor(at.x() / kGap)), static_cast<std::int32_t>(std::floor(at.y() / kGap))};
+    return {static_cast<std::int32_t>(std::floor(at.x() / kRidgeGap)),
+            static_cast<std::int32_t>(std::floor(at.y() / kRidgeGap))};
   }
   void extend(std::size_t from, Eigen::Vector2d ahead, MarkingChain& chain) {
     for (std::size_t next = nearest(from, ahead); next < points_.size(); next = nearest(from, ahead)) {
@@ -111,7 +112,7 @@ class RidgeFollower {
   /// points_.size() if there is none.
   [[nodiscard]] std::size_t nearest(std::size_t from, const Eigen::Vector2d& ahead) const {
     std::size_t best = points_.size();
-    double best_distance = kGap;
+    double best_distance = kRidgeGap;
     const TileKey centre = square(points_[from].at);
     for (std::int32_t x = centre.x - 1; x <= centre.x + 1; ++x) {
       for (std::int32_t y = centre.y - 1; y <= centre.y + 1; ++y) {
@@ -119,11 +120,11 @@ class RidgeFollower {
         if (it == grid_.end()) continue;
         for (const std::size_t i : it->second) {
           const RidgePoint& p = points_[i];
-          if (used_[i] || std::abs(p.tangent.dot(ahead)) < kAlike) continue;
+          if (used_[i] || std::abs(p.tangent.dot(ahead)) < kAlikeTangents) continue;
           const Eigen::Vector2d d = p.at - points_[from].at;
           const double distance = d.norm();
           const double sideways = std::abs(d.x() * ahead.y() - d.y() * ahead.x());
-          if (d.dot(ahead) <= 0 || sideways > kSideways + kSidewaysShare * distance) continue;
+          if (d.dot(ahead) <= 0 || sideways > kOffTangent + kOffTangentShare * distance) continue;
           if (distance + sideways < best_distance) {
             best = i;
             best_distance = distance + sideways;
@@ -142,7 +143,7 @@ class RidgeFollower {
 }  // namespace
 
 std::vector<MarkingChain> chain_markings(const MarkingField& field, const ChainOptions& options) {
-  const std::vector<PlaneVote> votes = vote_in_plane(field, kSigma);
+  const std::vector<PlaneVote> votes = vote_in_plane(field, kVoteSigma);
   std::vector<RidgePoint> ridge;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     const MapMarkingCell& cell = field.cells()[i];

@@ -9,13 +9,13 @@ namespace {
 using curb_lines::SmoothingSpline;
 
 constexpr std::size_t kFewestPoints = 3;
-constexpr double kShortest = 0.30;   // m
-constexpr double kAcross = 0.35;     // m: paint of this piece
-constexpr double kCore = 0.08;       // m: where it is whole
-constexpr double kEndReach = 0.25;   // m beyond the last sample that paint may go on
-constexpr double kEndInside = 0.30;  // m before it, from where what is painted is counted
-constexpr double kHalfCell = 0.06;   // m
-constexpr double kEndLength = 1.0;   // m that say where a piece points
+constexpr double kShortestPiece = 0.30;  // m
+constexpr double kPieceWidth = 0.35;     // m: paint of this piece
+constexpr double kCore = 0.08;           // m: where it is whole
+constexpr double kEndReach = 0.25;       // m beyond the last sample that paint may go on
+constexpr double kEndInside = 0.30;      // m before it, from where what is painted is counted
+constexpr double kHalfCell = 0.06;       // m
+constexpr double kEndLength = 1.0;       // m that say where a piece points
 constexpr double kCellArea = kCellSize * kCellSize;
 
 /// A cell of paint seen along a piece.
@@ -53,10 +53,10 @@ std::vector<AlongCell> cells_along(const MarkingField& field, const SmoothingSpl
     along.normalize();
     const double before = k == 0 ? kEndReach : step / 2;
     const double behind = k == steps ? kEndReach : step / 2;
-    field.within(at, kAcross + kEndReach, [&](std::size_t i, const Eigen::Vector2d& d) {
+    field.within(at, kPieceWidth + kEndReach, [&](std::size_t i, const Eigen::Vector2d& d) {
       const double ahead = d.dot(along);
       const double across = along.x() * d.y() - along.y() * d.x();
-      if (ahead < -before || ahead >= behind || std::abs(across) > kAcross) return;
+      if (ahead < -before || ahead >= behind || std::abs(across) > kPieceWidth) return;
       cells.push_back({s + ahead, across, field.cells()[i].contrast});
     });
   }
@@ -77,7 +77,7 @@ std::optional<MarkingPiece> measure_piece(const MarkingField& field, const Marki
   MarkingPiece piece;
   piece.samples = lay_out(chain);
   const double last = piece.samples.back().s;
-  if (last < kShortest) return std::nullopt;
+  if (last < kShortestPiece) return std::nullopt;
   const SmoothingSpline spline(piece.samples);
   const std::vector<AlongCell> cells = cells_along(field, spline);
   std::vector<double> core;

@@ -18,25 +18,25 @@ using tile::MarkingType;
 
 constexpr double kLongestGap = 9.0;   // m
 constexpr double kGapOfLength = 4.0;  // gaps are no longer than so many times the shorter piece
-constexpr double kSideways = 0.12;    // m off each other's line, and a share of the gap
-constexpr double kSidewaysShare = 0.06;
-constexpr double kAlike = 0.94;  // cosine between an end's direction and the way across
+constexpr double kOffEnd = 0.12;      // m off each other's line, and a share of the gap
+constexpr double kOffEndShare = 0.06;
+constexpr double kAlikeEnds = 0.94;  // cosine between an end's direction and the way across
 constexpr double kWidthAlike = 2.2;
-constexpr double kSpacing = 0.20;      // m between vertices
-constexpr double kGapSpacing = 1.0;    // m between vertices where there is no paint
-constexpr double kSolid = 6.0;         // m: a single piece that is longer is no dash
-constexpr double kShortSolid = 3.0;    // m: a line of pieces with holes
-constexpr double kHole = 0.6;          // m: in a line that is worn
-constexpr double kWornShare = 0.8;     // painted, of a line that is worn
-constexpr double kDashUneven = 0.4;    // of the median
-constexpr double kLongestDash = 6.5;   // m
-constexpr double kStopWidth = 0.24;    // m
-constexpr double kShortestStop = 1.5;  // m
-constexpr double kLongestStop = 15.0;  // m
-constexpr double kStopReach = 8.0;     // m from the driven path
-constexpr double kStopAcross = 0.5;    // cosine to the path
-constexpr double kBlobLength = 1.5;    // m: shorter and as wide as that is an arrow or a letter
-constexpr double kBlobWidth = 0.3;     // m
+constexpr double kVertexSpacing = 0.20;  // m between vertices
+constexpr double kGapSpacing = 1.0;      // m between vertices where there is no paint
+constexpr double kSolid = 6.0;           // m: a single piece that is longer is no dash
+constexpr double kShortSolid = 3.0;      // m: a line of pieces with holes
+constexpr double kHole = 0.6;            // m: in a line that is worn
+constexpr double kWornShare = 0.8;       // painted, of a line that is worn
+constexpr double kDashUneven = 0.4;      // of the median
+constexpr double kLongestDash = 6.5;     // m
+constexpr double kStopWidth = 0.24;      // m
+constexpr double kShortestStop = 1.5;    // m
+constexpr double kLongestStop = 15.0;    // m
+constexpr double kStopReach = 8.0;       // m from the driven path
+constexpr double kStopAcross = 0.5;      // cosine to the path
+constexpr double kBlobLength = 1.5;      // m: shorter and as wide as that is an arrow or a letter
+constexpr double kBlobWidth = 0.3;       // m
 
 /// One of the two ends of a piece.
 struct End {
@@ -64,12 +64,12 @@ double gap_between(const std::vector<MarkingPiece>& pieces, const End& a, const 
   if (std::max(p.width, q.width) > kWidthAlike * std::min(p.width, q.width)) return kNone;
   const Eigen::Vector2d& from = out(pieces, a);
   const Eigen::Vector2d& to = out(pieces, b);
-  if (-from.dot(to) < kAlike) return kNone;
+  if (-from.dot(to) < kAlikeEnds) return kNone;
   if (d.dot(from) < -0.1 || d.dot(to) > 0.1) return kNone;
   const auto off = [&](const Eigen::Vector2d& direction) {
     return std::abs(d.x() * direction.y() - d.y() * direction.x());
   };
-  if (std::max(off(from), off(to)) > kSideways + kSidewaysShare * gap + gap * (1 - kAlike)) return kNone;
+  if (std::max(off(from), off(to)) > kOffEnd + kOffEndShare * gap + gap * (1 - kAlikeEnds)) return kNone;
   return gap;
 }
 
@@ -247,7 +247,7 @@ tile::MarkingLine line_of(const MarkingString& string, const std::vector<Eigen::
   };
   for (std::size_t k = 0; k < string.size(); ++k) {
     const bool is_last = k + 1 == string.size();
-    add_between(painted[k].begin, painted[k].end, kSpacing, true, is_last);
+    add_between(painted[k].begin, painted[k].end, kVertexSpacing, true, is_last);
     if (!is_last) add_between(painted[k].end, painted[k + 1].begin, kGapSpacing, false, false);
     dashes.push_back(painted[k].end - painted[k].begin);
     if (!is_last) gaps.push_back(painted[k + 1].begin - painted[k].end);
