@@ -102,7 +102,8 @@ void TilePipeline::clear() {
 }
 
 void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
-  constexpr std::array kCost = {0.05, 0.2, 1.0, 0.05, 0.05, 0.05, 0.05, 0.05};  // as they were measured
+  // In units of the evidence. Those of the two steps of paint are upper bounds.
+  constexpr std::array kCost = {0.05, 0.2, 1.0, 0.05, 0.05, 0.05, 0.05, 0.05};
   if (!unmark(step, tile)) return;
   result_.cost += kCost[step];
   num_evidence_ += step == kEvidence ? 1 : 0;
