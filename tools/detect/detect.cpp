@@ -79,6 +79,7 @@ void write_steps(const std::vector<Eigen::Vector3f>& cloud, const Arguments& arg
   outputs.add("8_result.png", [&](const std::string& path) {
     semantic_map::picture::MapPicture picture = picture_of(map, arguments.options.range);
     picture.curbs = map.lines;
+    picture.markings = map.markings;
     semantic_map::picture::write_png(
         semantic_map::picture::draw_map(picture, {.title = "curbs and classes", .pixels_per_cell = 6}), path);
   });

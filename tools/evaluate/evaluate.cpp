@@ -15,6 +15,7 @@
 #include "tools/evaluate/overlay.hpp"
 #include "tools/evaluate/report.hpp"
 #include "tools/evaluate/truth/street_labels.hpp"
+#include "tools/stored_picture/stored_picture.hpp"
 
 namespace curbstone::evaluate {
 
@@ -91,11 +92,9 @@ int run_evaluate(int argc, char** argv) {
   if (!label_folder.empty()) add_labels(label_folder, truth);
   const semantic_map::store::MapReader map(map_file);
   truth::Trajectory trajectory;
-  semantic_map::picture::MapPicture picture{map.tiles(), map.curbs(), {}, {}};
-  for (const semantic_map::tile::TrajectoryPose& pose : map.trajectory()) {
+  semantic_map::picture::MapPicture picture = output::stored_picture(map);
+  for (const semantic_map::tile::TrajectoryPose& pose : map.trajectory())
     trajectory.push_back({pose.utime, pose.T_map_base});
-    picture.path.emplace_back(pose.T_map_base.translation().head<2>());
-  }
   Evaluation evaluation = evaluate(picture.tiles, picture.curbs, trajectory, truth, radius);
   if (!log_file.empty()) evaluation.run = read_run_log(log_file);
   fmt::print("{}", to_table(evaluation));

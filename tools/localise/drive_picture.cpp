@@ -8,6 +8,7 @@
 #include "services/semantic_map/picture/map_picture.hpp"
 #include "services/semantic_map/picture/png_file.hpp"
 #include "services/semantic_map/store/map_store.hpp"
+#include "tools/stored_picture/stored_picture.hpp"
 
 namespace curbstone::localise {
 namespace {
@@ -75,8 +76,9 @@ std::vector<PictureLine> overlays_of(const std::vector<map_pose_t>& poses) {
 
 void draw_drive(const std::string& map, const std::vector<map_pose_t>& poses, const std::string& png) {
   const semantic_map::store::MapReader reader(map);
-  semantic_map::picture::MapPicture picture{reader.tiles(), reader.curbs(), {}, overlays_of(poses), "placed"};
-  for (const auto& pose : reader.trajectory()) picture.path.emplace_back(pose.T_map_base.translation().head<2>());
+  semantic_map::picture::MapPicture picture = output::stored_picture(reader);
+  picture.overlays = overlays_of(poses);
+  picture.overlays_are = "placed";
   semantic_map::picture::PictureOptions options;
   options.title = "orange: lost; violet: 3 sigma, 20 times as wide";
   write_png(draw_map(picture, options), png);

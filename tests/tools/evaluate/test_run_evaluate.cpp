@@ -3,6 +3,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "common/log/log_writer.hpp"
@@ -10,6 +11,7 @@
 #include "tests/damaged_file.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tools/evaluate/evaluate.hpp"
+#include "tools/stored_picture/stored_picture.hpp"
 
 namespace curbstone::evaluate {
 namespace {
@@ -51,6 +53,10 @@ class RunEvaluate : public ::testing::Test {
     store.close_canonical();
   }
 
+  [[nodiscard]] std::string bytes_of(const char* name) const {
+    std::ifstream in(folder_ / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
   [[nodiscard]] std::string path(const char* name) const { return (folder_ / name).string(); }
   int run(std::vector<std::string> arguments = {}) const {
     std::vector<std::string> all = {"evaluate", "--map", path("map.db"), "--truth", path("truth")};
@@ -84,6 +90,26 @@ TEST_F(RunEvaluate, DrawsTheMapAndTheTruthOverIt) {
   EXPECT_GT(fs::file_size(path("map.png")), 1000U);
   EXPECT_GT(fs::file_size(path("truth.png")), fs::file_size(path("map.png")));  // there is more in it
   expect_failure("/nowhere/map.png", "", {"--picture", "/nowhere/map.png"});
+}
+
+TEST_F(RunEvaluate, DrawsThePaintOnTheRoadThatTheMapHolds) {
+  EXPECT_EQ(run({"--picture", path("bare.png")}), 0);
+  {
+    const std::vector<semantic_map::tile::MarkingLine> markings = {{.type = semantic_map::tile::MarkingType::kSolid,
+                                                                    .width = 0.3F,
+                                                                    .points = {{1, 2, 0, true}, {9, 2, 0, false}}}};
+    semantic_map::store::MapStore store(path("map.db"));
+    semantic_map::store::MapStore::Batch batch;
+    batch.markings = &markings;
+    store.write(batch);
+  }
+  EXPECT_EQ(run({"--picture", path("painted.png")}), 0);
+  const semantic_map::store::MapReader map(path("map.db"));
+  const auto picture = output::stored_picture(map);
+  EXPECT_EQ(picture.markings, map.markings());
+  EXPECT_EQ(picture.tiles.size(), 6U);
+  EXPECT_EQ(picture.path.size(), 200U);
+  EXPECT_NE(bytes_of("bare.png"), bytes_of("painted.png"));
 }
 
 TEST_F(RunEvaluate, SaysWhichInputIsMissing) {

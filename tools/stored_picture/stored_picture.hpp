@@ -1,0 +1,11 @@
+#pragma once
+
+#include "services/semantic_map/picture/map_picture.hpp"
+#include "services/semantic_map/store/map_store.hpp"
+
+namespace curbstone::output {
+
+/// All that a map file holds, to be drawn: tiles, curbs, markings and the driven path. Throws MapStoreError.
+[[nodiscard]] semantic_map::picture::MapPicture stored_picture(const semantic_map::store::MapReader& map);
+
+}  // namespace curbstone::output
