@@ -20,7 +20,7 @@ int exec_program(std::string_view name, const std::filesystem::path& folder, cha
   execv(program.c_str(), argv);
   const int error = errno;
   if (error == ENOENT) {
-    fmt::print(stderr, "curbstone {}: {} is not there; build the target {}\n", name, program.native(), target);
+    fmt::print(stderr, "curbstone {}: {} is not there: scripts/build release {}\n", name, program.native(), target);
   } else {
     fmt::print(stderr, "curbstone {}: {} cannot be run: {}\n", name, program.native(), std::strerror(error));
   }

@@ -82,7 +82,7 @@ TEST_F(Dispatch, AMissingProgramIsAnErrorThatNamesTheTarget) {
   ::testing::internal::CaptureStderr();
   EXPECT_EQ(run({"tell"}), 1);
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "curbstone tell: " + (folder_ / "curbstone-tell").native() +
-                                                          " is not there; build the target curbstone-tell\n");
+                                                          " is not there: scripts/build release curbstone-tell\n");
 }
 
 TEST_F(Dispatch, DoesNotSearchThePath) {

@@ -1,0 +1,6 @@
+#include "tools/command/run_subcommand.hpp"
+#include "tools/view/view.hpp"
+
+int main(int argc, char** argv) {
+  return curbstone::command::run_subcommand("view", curbstone::view::run_view, argc, argv);
+}
