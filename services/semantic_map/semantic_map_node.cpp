@@ -201,11 +201,13 @@ void SemanticMapNode::publish_changed(const std::set<TileKey>& changed, std::int
   }
 }
 
-/// What has new points goes out at once, what is only seen otherwise not too often.
+/// What has new points goes out at once, and again when its curbs know of them; what is only seen otherwise not too
+/// often.
 bool SemanticMapNode::publish_if_due(TileKey key, std::int64_t now) {
   const auto it = published_.find(key);
   const tile::MapTile& tile = *pipeline_.classes(key);
-  const bool is_news = it == published_.end() || tile.utime > it->second.tile.utime;
+  const bool is_news =
+      it == published_.end() || tile.utime > it->second.tile.utime || tile.curbs_utime > it->second.tile.curbs_utime;
   if (!is_news && std::abs(now - it->second.at) < kTilePeriod) return false;
   publish_tile(tile, now);
   return true;

@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kTick = 20'000;               // us: what work_per_tick is of
 constexpr std::int64_t kSavedWork = 50'000;          // us
 constexpr double kLargeShare = 0.3;                  // new points of a tile for which its curbs are looked for at once
-constexpr std::int64_t kNewsPatience = 500'000;      // us after which they are looked for, however few there are
+constexpr std::int64_t kNewsPatience = 150'000;      // us after which they are looked for, however few there are
 constexpr std::int64_t kSettlePatience = 1'000'000;  // us that what is stale may wait for news of its own
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "common/statistics/quantile.hpp"
 #include "services/semantic_map/curbs/vectorised.hpp"
@@ -36,7 +38,9 @@ constexpr double kOwnLean = 1.2;  // slope of the refined ground about a step, f
 /// Two sums that are kept in step: one instruction adds to both.
 using Pair = Eigen::Array2d;
 
-/// Sums over some points, from which means and scatter follow.
+constexpr std::size_t kMoments = 9;
+
+/// Sums over some points, from which means and scatter follow: kMoments of them.
 struct Moments {
   Pair t_z = Pair::Zero(), uu_ut = Pair::Zero(), tt_uz = Pair::Zero(), tz_zz = Pair::Zero();
   double u = 0;
@@ -49,27 +53,32 @@ struct Moments {
     tt_uz += Pair(t, at_u) * tz;
     tz_zz += Pair(z, z) * tz;
   }
-  Moments& operator+=(const Moments& o) {
-    u += o.u;
-    t_z += o.t_z;
-    uu_ut += o.uu_ut;
-    tt_uz += o.tt_uz;
-    tz_zz += o.tz_zz;
-    return *this;
-  }
 };
 
-/// The window cut into strips along the step: `half` of them on each side of u = 0.
+constexpr int kShift = static_cast<int>(kMaxShift / kBin + 0.5);
+constexpr int kPlaces = 16;  // at which the step may be: 2 kShift + 1, made even
+static_assert(2 * kShift + 1 <= kPlaces);
+using Places = std::array<double, kPlaces>;
+
+/// m in u.
+constexpr double place(int k) {
+  return (k - kShift) * kBin;
+}
+
+/// The window cut into strips along the step: `half` of them on each side of u = 0. Kept for the sake of its memory.
 struct Strips {
   int half = 0;
-  std::vector<int> of_point;        ///< strip of each point that may carry a side, else -1
-  std::vector<std::size_t> order;   ///< those points
-  std::vector<int> points_before;   ///< of them, in all strips before each
-  std::vector<int> covered_before;  ///< strips with points, before each
-  std::vector<Moments> moments;     ///< of each strip
+  std::vector<int> of_point;         ///< strip of each point that may carry a side, else -1
+  std::vector<std::uint32_t> order;  ///< those points
+  std::vector<int> points_before;    ///< of them, in all strips before each
+  std::vector<int> covered_before;   ///< strips with points, before each
+  std::vector<Moments> moments;      ///< of each strip
+  std::vector<double> sums;          ///< the same, moment by moment, so that many places are summed up side by side
 
   void sort(const StepWindow& points, int num_half);
   void sum(const StepWindow& points);
+  /// From one moment to the next; behind a moment's strips are as many zeros as may be read there.
+  [[nodiscard]] std::size_t stride() const { return static_cast<std::size_t>(2 * half + kPlaces); }
   [[nodiscard]] int points_in(int from, int to) const {
     return points_before[static_cast<std::size_t>(to)] - points_before[static_cast<std::size_t>(from)];
   }
@@ -98,13 +107,13 @@ void Strips::sort(const StepWindow& points, int num_half) {
   find_strips(points.u.data(), points.t.data(), points.unfit.data(), n, points.half_length, half, of_point.data());
   std::size_t kept = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    order[kept] = i;
+    order[kept] = static_cast<std::uint32_t>(i);
     kept += of_point[i] >= 0 ? 1U : 0U;
   }
   order.resize(kept);
   points_before.assign(static_cast<std::size_t>(2 * half) + 1, 0);
   covered_before.assign(points_before.size(), 0);
-  for (const std::size_t i : order) ++points_before[static_cast<std::size_t>(of_point[i]) + 1];
+  for (const std::uint32_t i : order) ++points_before[static_cast<std::size_t>(of_point[i]) + 1];
   for (std::size_t b = 1; b < points_before.size(); ++b) {
     covered_before[b] = covered_before[b - 1] + (points_before[b] > 0 ? 1 : 0);
     points_before[b] += points_before[b - 1];
@@ -116,7 +125,15 @@ void Strips::sum(const StepWindow& points) {
   const double* const u = points.u.data();
   const double* const t = points.t.data();
   const double* const z = points.z.data();
-  for (const std::size_t i : order) moments[static_cast<std::size_t>(of_point[i])].add(u[i], t[i], z[i]);
+  for (const std::uint32_t i : order) moments[static_cast<std::size_t>(of_point[i])].add(u[i], t[i], z[i]);
+  sums.assign(kMoments * stride(), 0);
+  const std::size_t apart = stride();
+  for (std::size_t b = 0; b < moments.size(); ++b) {
+    const Moments& m = moments[b];
+    const double of_strip[kMoments] = {m.u,        m.t_z(0),   m.t_z(1),   m.uu_ut(0), m.uu_ut(1),
+                                       m.tt_uz(0), m.tt_uz(1), m.tz_zz(0), m.tz_zz(1)};
+    for (std::size_t c = 0; c < kMoments; ++c) sums[c * apart + b] = of_strip[c];
+  }
 }
 
 /// A side is ground seen all over, not a scan line or two that run along the step: all points of a line may be off by
@@ -126,35 +143,24 @@ bool is_side(const Strips& strips, int from, int to, int far_from, int far_to, d
          strips.covered(from, to) >= min_cover * (to - from);
 }
 
-constexpr int kShift = static_cast<int>(kMaxShift / kBin + 0.5);
-constexpr int kPlaces = 16;  // at which the step may be: 2 kShift + 1, made even
-static_assert(2 * kShift + 1 <= kPlaces);
-using Places = std::array<double, kPlaces>;
-
-/// m in u.
-constexpr double place(int k) {
-  return (k - kShift) * kBin;
-}
-
-/// Moments of one side, for each place of the step; where there is no side, 0.
+/// Moments of one side, for each place of the step; where there is no side they mean nothing.
 struct SideSums {
-  Places n{}, u{}, t{}, z{}, uu{}, ut{}, tt{}, uz{}, tz{}, zz{};
-
-  void set(std::size_t k, const Strips& strips, int from, int to) {
-    Moments sum;
-    for (int b = from; b < to; ++b) sum += strips.moments[static_cast<std::size_t>(b)];
-    n[k] = strips.points_in(from, to);
-    u[k] = sum.u;
-    t[k] = sum.t_z(0);
-    z[k] = sum.t_z(1);
-    uu[k] = sum.uu_ut(0);
-    ut[k] = sum.uu_ut(1);
-    tt[k] = sum.tt_uz(0);
-    uz[k] = sum.tt_uz(1);
-    tz[k] = sum.tz_zz(0);
-    zz[k] = sum.tz_zz(1);
-  }
+  Places n, u, t, z, uu, ut, tt, uz, tz, zz;
 };
+
+/// The sums over strips `from` .. `to` - 1 of the first place, one on of the next.
+CURBSTONE_VECTORISED
+void sum_side(const double* of_strips, std::size_t stride, std::size_t from, std::size_t to, SideSums& side) {
+  Places* const moments[kMoments] = {&side.u,  &side.t,  &side.z,  &side.uu, &side.ut,
+                                     &side.tt, &side.uz, &side.tz, &side.zz};
+  for (std::size_t c = 0; c < kMoments; ++c) {
+    double sum[kPlaces] = {};
+    for (std::size_t b = from; b < to; ++b) {
+      for (std::size_t k = 0; k < kPlaces; ++k) sum[k] += of_strips[c * stride + b + k];
+    }
+    for (std::size_t k = 0; k < kPlaces; ++k) (*moments[c])[k] = sum[k];
+  }
+}
 
 /// What the fits at all places say; `spread` is the smaller variance of u of the two sides.
 struct StepFits {
@@ -274,30 +280,32 @@ bool HeightStep::falls() const {
 
 std::optional<HeightStep> find_height_step(const StepWindow& points, double noise,
                                            const tile::CurbParameters& parameters) {
-  const int half = static_cast<int>(std::lround((parameters.half_window + kMaxShift) / kBin));
   const int window = static_cast<int>(std::lround(parameters.half_window / kBin));
+  const int half = window + kShift;
   const int far = window / 2;
   const int first = half - kShift;  // the step is between strips k - 1 and k, this k and the next ones
-  Strips strips;
+  thread_local Strips strips;
   strips.sort(points, half);
   // First where there are two sides at all, by counting: that is cheap.
   std::array<bool, kPlaces> has_sides{};
+  SideSums low;
+  SideSums high;
   for (int i = 0; i <= 2 * kShift; ++i) {
     const int k = first + i;
-    has_sides[static_cast<std::size_t>(i)] =
-        is_side(strips, k - window, k - kFaceBins, k - window, k - far, parameters.min_cover) &&
-        is_side(strips, k + kFaceBins, k + window, k + far, k + window, parameters.min_cover);
+    const auto at = static_cast<std::size_t>(i);
+    has_sides[at] = is_side(strips, k - window, k - kFaceBins, k - window, k - far, parameters.min_cover) &&
+                    is_side(strips, k + kFaceBins, k + window, k + far, k + window, parameters.min_cover);
+    low.n[at] = strips.points_in(k - window, k - kFaceBins);
+    high.n[at] = strips.points_in(k + kFaceBins, k + window);
   }
   if (std::none_of(has_sides.begin(), has_sides.end(), [](bool has) { return has; })) return std::nullopt;
   strips.sum(points);
-  SideSums low;
-  SideSums high;
-  for (std::size_t i = 0; i < kPlaces; ++i) {
-    if (!has_sides[i]) continue;
-    const int k = first + static_cast<int>(i);
-    low.set(i, strips, k - window, k - kFaceBins);
-    high.set(i, strips, k + kFaceBins, k + window);
-  }
+  const auto sum_of = [&](int from, int to, SideSums& side) {
+    for (std::size_t i = 2 * kShift + 1; i < kPlaces; ++i) side.n[i] = 0;
+    sum_side(strips.sums.data(), strips.stride(), static_cast<std::size_t>(from), static_cast<std::size_t>(to), side);
+  };
+  sum_of(first - window, first - kFaceBins, low);
+  sum_of(first + kFaceBins, first + window, high);
   StepFits fits;
   fit_sides(low, high, std::max(noise, kNoiseFloor), fits);
   std::optional<HeightStep> best;

@@ -34,8 +34,10 @@ NearGroundPoints::NearGroundPoints(const tile::Around<tile::VotedTile>& tiles, c
   const auto cell = [](double x) {
     return std::clamp(static_cast<int>((x + kWindowMargin) / kCellSize), 0, kSide - 1);
   };
-  std::vector<NearGround> points;
-  std::vector<int> cell_of;
+  thread_local std::vector<NearGround> points;  // for the sake of their memory
+  thread_local std::vector<int> cell_of;
+  points.clear();
+  cell_of.clear();
   tiles.for_each([&](const tile::VotedTile& tile, double dx, double dy) {
     for (const tile::VotedPoint& p : tile.points) {
       const double x = double{p.x} + dx;
@@ -55,14 +57,16 @@ NearGroundPoints::NearGroundPoints(const tile::Around<tile::VotedTile>& tiles, c
   for (const int c : cell_of) ++start_[static_cast<std::size_t>(c) + 1];
   for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
   points_.resize(points.size());
+  for (std::vector<double>* column : {&x_, &y_, &z_, &unfit_}) column->resize(points.size() + kPadding);
   std::vector<int> next(start_.begin(), start_.end() - 1);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    points_[static_cast<std::size_t>(next[static_cast<std::size_t>(cell_of[i])]++)] = points[i];
-  for (const NearGround& p : points_) {
-    x_.push_back(double{p.x});
-    y_.push_back(double{p.y});
-    z_.push_back(double{p.z});
-    unfit_.push_back(p.is_ground ? 0 : StepWindow::kUnfit);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const NearGround& p = points[i];
+    const auto at = static_cast<std::size_t>(next[static_cast<std::size_t>(cell_of[i])]++);
+    points_[at] = p;
+    x_[at] = double{p.x};
+    y_[at] = double{p.y};
+    z_[at] = double{p.z};
+    unfit_[at] = p.is_ground ? 0 : StepWindow::kUnfit;
   }
 }
 

@@ -24,6 +24,7 @@ struct NearGround {
 class NearGroundPoints {
  public:
   static constexpr int kMarginCells = 10;
+  static constexpr int kSide = kCellsPerTile + 2 * kMarginCells;  ///< cells
   NearGroundPoints(const tile::Around<tile::VotedTile>& tiles, const ground::GroundSurface& ground,
                    const tile::CurbParameters& parameters);
 
@@ -42,14 +43,14 @@ class NearGroundPoints {
     return {static_cast<std::size_t>(start_[static_cast<std::size_t>(row * kSide + column0)]),
             static_cast<std::size_t>(start_[static_cast<std::size_t>(row * kSide + column1) + 1])};
   }
-  // The same points by columns, as a StepWindow has them.
+  // The same points by columns, as a StepWindow has them; kPadding numbers more than there are points.
+  static constexpr std::size_t kPadding = 8;
   [[nodiscard]] const double* x() const { return x_.data(); }
   [[nodiscard]] const double* y() const { return y_.data(); }
   [[nodiscard]] const double* z() const { return z_.data(); }
   [[nodiscard]] const double* unfit() const { return unfit_.data(); }
 
  private:
-  static constexpr int kSide = kCellsPerTile + 2 * kMarginCells;
   std::vector<NearGround> points_;
   std::vector<double> x_, y_, z_, unfit_;
   std::vector<int> start_;

@@ -1,6 +1,7 @@
 #include "services/semantic_map/curbs/step_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "services/semantic_map/curbs/vectorised.hpp"
@@ -34,6 +35,7 @@ class Band {
  private:
   double b_, most_, inverse_a_;
 };
+constexpr std::size_t kMostRows = NearGroundPoints::kSide;
 constexpr double kRounding = 1e-4;  // m: how much too small an interval may be
 
 /// What is looked at for a step: a rectangle about a cell, `up` across it.
@@ -44,17 +46,32 @@ struct StepRectangle {
   double half_length;  ///< m
 };
 
+/// Points side by side, and where they go in the window.
+struct Run {
+  std::size_t from, to, size;
+};
+
+/// Eight at a time: what is taken beyond a run's end is written over by the next run, or lies beyond the window's end.
 CURBSTONE_VECTORISED
-void turn_points(const double* x, const double* y, std::size_t n, const StepRectangle& r, double* u, double* t) {
+void turn_points(const double* x, const double* y, const double* z, const double* unfit, const Run* runs,
+                 std::size_t num_runs, const StepRectangle& r, double* __restrict u, double* __restrict t,
+                 double* __restrict up, double* __restrict carries) {
   const double at_x = r.at.x();
   const double at_y = r.at.y();
   const double up_x = r.up.x();
   const double up_y = r.up.y();
-  for (std::size_t i = 0; i < n; ++i) {
-    const double dx = x[i] - at_x;
-    const double dy = y[i] - at_y;
-    u[i] = dx * up_x + dy * up_y;
-    t[i] = dx * -up_y + dy * up_x;
+  for (std::size_t k = 0; k < num_runs; ++k) {
+    const Run run = runs[k];
+    for (std::size_t begin = 0; begin < run.size; begin += NearGroundPoints::kPadding) {
+      for (std::size_t i = begin; i < begin + NearGroundPoints::kPadding; ++i) {
+        const double dx = x[run.from + i] - at_x;
+        const double dy = y[run.from + i] - at_y;
+        u[run.to + i] = dx * up_x + dy * up_y;
+        t[run.to + i] = dx * -up_y + dy * up_x;
+        up[run.to + i] = z[run.from + i];
+        carries[run.to + i] = unfit[run.from + i];
+      }
+    }
   }
 }
 
@@ -72,6 +89,8 @@ void fill_window(const NearGroundPoints& points, const StepRectangle& r, bool ex
   const Interval box{column0 * kCellSize - r.at.x(), (column1 + 1) * kCellSize - r.at.x()};
   const Band lengthwise(along.x(), along.y(), r.half_length);
   const Band crosswise(r.up.x(), r.up.y(), r.half_width);
+  std::array<Run, kMostRows> runs;
+  std::size_t num_runs = 0;
   std::size_t n = 0;
   for (int row = std::max(cell_at(r.at.y() - extent_y), -NearGroundPoints::kMarginCells); row <= row1; ++row) {
     // Of this row only as far as the rectangle may reach in it.
@@ -82,12 +101,12 @@ void fill_window(const NearGroundPoints& points, const StepRectangle& r, bool ex
                                            std::min(column1, cell_at(r.at.x() + x.to + kRounding)), row);
     const std::size_t num = end - begin;
     if (num == 0) continue;
-    if (window.u.size() < n + num) window.resize(2 * (n + num));
-    turn_points(points.x() + begin, points.y() + begin, num, r, window.u.data() + n, window.t.data() + n);
-    std::copy_n(points.z() + begin, num, window.z.data() + n);
-    std::copy_n(points.unfit() + begin, num, window.unfit.data() + n);
+    runs[num_runs++] = {begin, n, num};
     n += num;
   }
+  window.resize(n + NearGroundPoints::kPadding);
+  turn_points(points.x(), points.y(), points.z(), points.unfit(), runs.data(), num_runs, r, window.u.data(),
+              window.t.data(), window.z.data(), window.unfit.data());
   window.resize(n);
   window.half_length = r.half_length;
 }

@@ -14,11 +14,16 @@ namespace {
 
 constexpr int kSamplesPerSide = 3 * GroundSamples::kPerSide;  // over the 9 m
 constexpr int kRoadCells = kSamplesPerSide / 2;               // of 0.5 m
+constexpr double kNormalReach = 1.5;  // m, of the median of a node's normals: wide, so that a curb is a minority
 
 using SampleGrid = std::array<const GroundSample*, kSamplesPerSide * kSamplesPerSide>;
 
 constexpr std::size_t sample_index(int column, int row) {
   return static_cast<std::size_t>(row * kSamplesPerSide + column);
+}
+
+constexpr std::size_t road_index(int column, int row) {
+  return static_cast<std::size_t>(row * kRoadCells + column);
 }
 
 /// A sample's place, m from the centre tile's corner.
@@ -40,6 +45,19 @@ SampleGrid sample_grid(const tile::Around<GroundSamples>& samples) {
   return grid;
 }
 
+/// The cells along one axis, of `size` m each, in which samples may lie within `reach` of a place (m from the centre
+/// tile's corner): one more on each side, for rounding.
+struct CellSpan {
+  int first, last;
+  CellSpan(double at, double reach, double size, int cells)
+      : first(std::max(0, static_cast<int>(std::floor((at - reach + kTileSize) / size)) - 1)),
+        last(std::min(cells - 1, static_cast<int>(std::floor((at + reach + kTileSize) / size)) + 1)) {}
+};
+
+CellSpan samples_about(double at, double reach) {
+  return {at, reach, GroundSamples::kCell, kSamplesPerSide};
+}
+
 /// A plane under most of what there is: what is above it (cars, hedges) pulls little.
 std::optional<Plane> rough_ground(const SampleGrid& grid) {
   std::vector<PlaneSample> samples;
@@ -57,38 +75,50 @@ std::optional<Plane> rough_ground(const SampleGrid& grid) {
   return fit_plane(samples, start, {.scale_above = 0.2, .scale_below = 0.5, .slope_sigma = 0.10, .sample_sigma = 0.15});
 }
 
-/// The road's height in each 0.5 m cell (NaN: none), without what stands above its neighbours.
-std::vector<double> road_heights(const SampleGrid& grid, const Plane& rough) {
+/// The lowest sample of each 0.5 m cell (NaN: none) that is not far off the rough ground.
+std::vector<double> lowest_samples(const SampleGrid& grid, const Plane& rough) {
   constexpr double kMaxAboveRough = 1.0;
-  constexpr double kMaxAboveNeighbours = 0.30;
-  constexpr int kReach = 2;  // cells
-  const auto index = [](int column, int row) { return static_cast<std::size_t>(row * kRoadCells + column); };
-  const double none = std::numeric_limits<double>::quiet_NaN();
-
-  std::vector<double> low(static_cast<std::size_t>(kRoadCells * kRoadCells), none);
+  std::vector<double> low(static_cast<std::size_t>(kRoadCells * kRoadCells), std::numeric_limits<double>::quiet_NaN());
   for (int row = 0; row < kSamplesPerSide; ++row) {
     for (int column = 0; column < kSamplesPerSide; ++column) {
       const GroundSample* s = grid[sample_index(column, row)];
       if (s == nullptr) continue;
       const PlaneSample p = plane_sample(*s, column, row);
       if (std::abs(p.z - rough.at(p.x, p.y)) > kMaxAboveRough) continue;
-      double& cell = low[index(column / 2, row / 2)];
+      double& cell = low[road_index(column / 2, row / 2)];
       if (!(cell <= p.z)) cell = p.z;
     }
   }
+  return low;
+}
+
+/// The road's height in each 0.5 m cell (NaN: none) that a node of the centre tile looks at, without what stands above
+/// its neighbours.
+std::vector<double> road_heights(const SampleGrid& grid, const Plane& rough) {
+  constexpr double kMaxAboveNeighbours = 0.30;
+  constexpr int kReach = 2;  // cells
+  const std::vector<double> low = lowest_samples(grid, rough);
   std::vector<double> road = low;
   std::vector<double> around;
-  for (int row = 0; row < kRoadCells; ++row) {
-    for (int column = 0; column < kRoadCells; ++column) {
-      if (std::isnan(low[index(column, row)])) continue;
+  const int first = samples_about(0, kNormalReach).first / 2;
+  const int last = samples_about(kTileSize, kNormalReach).last / 2;
+  for (int row = first; row <= last; ++row) {
+    for (int column = first; column <= last; ++column) {
+      const double here = low[road_index(column, row)];
+      if (std::isnan(here)) continue;
       around.clear();
+      double lowest = here;
       for (int r = std::max(0, row - kReach); r <= std::min(kRoadCells - 1, row + kReach); ++r) {
         for (int c = std::max(0, column - kReach); c <= std::min(kRoadCells - 1, column + kReach); ++c) {
-          if (!std::isnan(low[index(c, r)])) around.push_back(low[index(c, r)]);
+          const double height = low[road_index(c, r)];
+          if (std::isnan(height)) continue;
+          around.push_back(height);
+          lowest = std::min(lowest, height);
         }
       }
-      if (low[index(column, row)] > quantile_in_place(around, 0.25) + kMaxAboveNeighbours)
-        road[index(column, row)] = none;
+      // Most are not even above the lowest.
+      if (here > lowest + kMaxAboveNeighbours && here > quantile_in_place(around, 0.25) + kMaxAboveNeighbours)
+        road[road_index(column, row)] = std::numeric_limits<double>::quiet_NaN();
     }
   }
   return road;
@@ -104,8 +134,10 @@ double layer_noise(const SampleGrid& grid, const Plane& rough, double x, double 
   constexpr double kOfSpreads = 1.10;  // and of the RMS of few
   std::vector<double> spreads;
   std::vector<double> jumps;
-  for (int row = 0; row < kSamplesPerSide; ++row) {
-    for (int column = 0; column < kSamplesPerSide; ++column) {
+  const CellSpan rows = samples_about(y, kReach);
+  const CellSpan columns = samples_about(x, kReach);
+  for (int row = rows.first; row <= rows.last; ++row) {
+    for (int column = columns.first; column <= columns.last; ++column) {
       const GroundSample* s = grid[sample_index(column, row)];
       if (s == nullptr) continue;
       const PlaneSample p = plane_sample(*s, column, row);
@@ -147,7 +179,6 @@ Eigen::Vector2d coarse_tilt(const std::vector<PlaneSample>& samples, const Plane
 /// The plane and the normals of the 1 m cell about (x, y).
 GroundNode refine(const SampleGrid& grid, const std::vector<double>& road, const Plane& rough, double x, double y) {
   constexpr double kReach = 1.0;          // m, of the plane
-  constexpr double kNormalReach = 1.5;    // m, of the median of the normals: wider, so that a curb is a minority
   constexpr double kMaxAboveRoad = 0.30;  // m
   constexpr std::size_t kMinSamples = 4;
 
@@ -155,15 +186,17 @@ GroundNode refine(const SampleGrid& grid, const std::vector<double>& road, const
   std::vector<double> slopes_x;
   std::vector<double> slopes_y;
   std::vector<PlaneSample> all;
-  for (int row = 0; row < kSamplesPerSide; ++row) {
-    for (int column = 0; column < kSamplesPerSide; ++column) {
+  const CellSpan rows = samples_about(y, kNormalReach);
+  const CellSpan columns = samples_about(x, kNormalReach);
+  for (int row = rows.first; row <= rows.last; ++row) {
+    for (int column = columns.first; column <= columns.last; ++column) {
       const GroundSample* s = grid[sample_index(column, row)];
       if (s == nullptr) continue;
       PlaneSample p = plane_sample(*s, column, row);
       p.x -= x;
       p.y -= y;
       if (std::max(std::abs(p.x), std::abs(p.y)) > kNormalReach) continue;
-      const double height = road[static_cast<std::size_t>((row / 2) * kRoadCells + column / 2)];
+      const double height = road[road_index(column / 2, row / 2)];
       if (!(p.z <= height + kMaxAboveRoad)) continue;
       all.push_back(p);
       slopes_x.push_back(double{s->slope_x});
@@ -202,7 +235,7 @@ GroundModel model_ground(const tile::Around<GroundSamples>& samples, const tile:
   for (int row = 0; row < n; ++row) {
     for (int column = 0; column < n; ++column)
       model.road[static_cast<std::size_t>(row * n + column)] =
-          static_cast<float>(road[static_cast<std::size_t>((row + n) * kRoadCells + column + n)]);
+          static_cast<float>(road[road_index(column + n, row + n)]);
   }
   for (int row = 0; row < GroundModel::kPerSide; ++row) {
     for (int column = 0; column < GroundModel::kPerSide; ++column) {

@@ -57,8 +57,8 @@ TEST(UpdateSchedule, AFewNewPointsWaitForOthersButNotForLong) {
   schedule.voted(voted({0, 0}, 1010, 1000), later);
   EXPECT_FALSE(schedule.next_work(kVehicle, kNothingStale, later));
   EXPECT_EQ(schedule.next_to_show(), show(0)) << "what stands there is shown at once";
-  EXPECT_FALSE(schedule.next_work(kVehicle, kNothingStale, later + 400'000));
-  EXPECT_EQ(schedule.next_work(kVehicle, kNothingStale, later + 500'000), update(0));
+  EXPECT_FALSE(schedule.next_work(kVehicle, kNothingStale, later + 140'000));
+  EXPECT_EQ(schedule.next_work(kVehicle, kNothingStale, later + 150'000), update(0));
 }
 
 TEST(UpdateSchedule, ManySmallStepsAreALargeOneTogether) {
