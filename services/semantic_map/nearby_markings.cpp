@@ -4,6 +4,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include "services/semantic_map/marking_lines/cut_lines.hpp"
 #include "services/semantic_map/semantic_messages.hpp"
 
 namespace curbstone::semantic_map {
@@ -11,6 +12,7 @@ namespace {
 
 constexpr std::size_t kMaxMarkingVertices = 2200;  // 13 bytes each, 33 a line that has two or more: below 48 kB
 constexpr double kSmallerBox = 0.7;                // of the range, where there are more
+constexpr double kBeyondBox = 4.0;                 // m, of cells that lines at the box's edge are linked with
 constexpr double kBeforeKerb = 0.15;               // m from a curb's foot towards the road
 constexpr double kKerbstone = 0.45;                // m from it over the stone
 constexpr double kAlongKerb = 0.15;                // m; a line's vertices are 0.2 m apart
@@ -89,8 +91,10 @@ marking_lines_t NearbyMarkings::next(const TilePipeline& pipeline, const std::ve
   const Kerbstones kerbs(curbs);
   double range = range_;
   const auto lines_about = [&] {
-    return marking_lines::link_markings(cells_in(vehicle.array() - range, vehicle.array() + range, pipeline, kerbs),
-                                        path, parameters_);
+    const double reach = range + kBeyondBox;
+    const auto linked = marking_lines::link_markings(
+        cells_in(vehicle.array() - reach, vehicle.array() + reach, pipeline, kerbs), path, parameters_);
+    return marking_lines::cut_lines(linked, vehicle.array() - range, vehicle.array() + range);
   };
   std::vector<tile::MarkingLine> lines = lines_about();
   while (message_size(lines) > kMaxMarkingVertices) {

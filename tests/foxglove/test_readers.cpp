@@ -53,6 +53,12 @@ TEST_F(FoxgloveReaders, ReadTheMcapFileByItsIndexAndFindThePublishedSchemas) {
     EXPECT_EQ(topics["/map/whole"]["last"]["data"]["bytes"], 100 * 25 * 12);
     EXPECT_EQ(topics["/map/whole"]["schema"], "foxglove.Grid");
     EXPECT_EQ(topics["/map/points"]["last"]["data"]["bytes"], 720 * 16);
+    EXPECT_EQ(topics["/curbs"]["schema"], "foxglove.SceneUpdate");
+    EXPECT_EQ(topics["/markings"]["schema"], "foxglove.SceneUpdate");
+    const json& paint = topics["/markings"]["last"]["entities"][0];
+    EXPECT_EQ(paint["metadata"][0]["value"], "solid line");
+    EXPECT_EQ(paint["triangles"][0]["points"].size(), 4U);
+    EXPECT_EQ(paint["triangles"][0]["indices"].size(), 6U);
     EXPECT_EQ(topics["/log"]["last"]["message"], "no longer: no packets");
     EXPECT_EQ(topics["/status/lidar"]["last"]["counters"]["packets"], 220);
     EXPECT_EQ(topics["MAP_POSE"]["schema"], "curbstone.map_pose_t");
@@ -84,9 +90,9 @@ TEST_F(FoxgloveReaders, ComeInThroughTheDoorByBothNamesOfTheProtocol) {
     std::atomic<bool> is_over = false;
     std::string output;
     std::thread client([&] {
-      output =
-          testing::output_of(node_ + "talk.mjs ws://127.0.0.1:" + std::to_string(server.port()) + " " + subprotocol +
-                             " /tf /pose /map/window /map/whole /curbs /path /lidar /map/points /log /status/lidar");
+      output = testing::output_of(
+          node_ + "talk.mjs ws://127.0.0.1:" + std::to_string(server.port()) + " " + subprotocol +
+          " /tf /pose /map/window /map/whole /curbs /markings /path /lidar /map/points /log /status/lidar");
       is_over = true;
     });
     while (!is_over) {
@@ -101,6 +107,7 @@ TEST_F(FoxgloveReaders, ComeInThroughTheDoorByBothNamesOfTheProtocol) {
     EXPECT_EQ(said["serverInfo"]["capabilities"], json::array());
     EXPECT_EQ(said["topics"]["/map/window"]["last"]["column_count"], 500);
     EXPECT_EQ(said["topics"]["/map/window"]["last"]["data"]["bytes"], 500 * 500 * 12);
+    EXPECT_EQ(said["topics"]["/markings"]["last"]["entities"].size(), 1U);
     EXPECT_EQ(said["topics"]["/tf"]["seconds"].get<std::int64_t>() / 100, 17'000'000);
     EXPECT_EQ(said["topics"]["/status/lidar"]["last"]["counters"].size(), 1U);
   }

@@ -14,9 +14,9 @@ constexpr std::int64_t kSearched = 20'000'000;  // us: a map that is made says s
 constexpr std::int64_t kLeap = 1'000'000;       // us of the drive at once: the page is served between
 constexpr std::int64_t kTick = 50'000;          // us of message time
 
-constexpr std::array<std::string_view, 9> kShown = {"SEMANTIC_TILE",  "TILE_INDEX",   "MAP_POSE",
-                                                    "MAP_TRAJECTORY", "CURBS",        "MARKINGS",
-                                                    "SERVICE_STATUS", "LIDAR_POINTS", "MAP_POINTS"};
+constexpr std::array<std::string_view, 10> kShown = {"SEMANTIC_TILE", "TILE_INDEX", "MAP_POSE",       "MAP_TRAJECTORY",
+                                                     "CURBS",         "MARKINGS",   "LOCALIZED_POSE", "SERVICE_STATUS",
+                                                     "LIDAR_POINTS",  "MAP_POINTS"};
 constexpr std::array<std::string_view, 3> kSensors = {"LIDAR_POINTS", "IMU", "WHEELS"};
 
 template <class Names>

@@ -30,7 +30,8 @@ std::vector<Message> Feed::due(const World& world, std::int64_t now, bool takes_
   send_pose(world, now, out);
   send_status(world, now, out);
   send_log(world, now, out);
-  send_curbs(world, now, out);
+  send_lines(kCurbs, world.map.curbs, curbs_message, world.map.newest_utime, now, out);
+  send_lines(kMarkings, world.map.markings, markings_message, world.map.newest_utime, now, out);
   send_path(world, now, out);
   if (takes_large) {
     // The rarest first: else the others would leave it no turn.
@@ -85,14 +86,15 @@ void Feed::send_log(const World& world, std::int64_t now, Sink& out) {
   }
 }
 
-void Feed::send_curbs(const World& world, std::int64_t now, Sink& out) {
-  Sent* sent = ready(kCurbs, now, kLinePeriod);
+template <class Lines, class Message>
+void Feed::send_lines(Topic topic, const Lines& lines, const Message& message_of, std::int64_t utime, std::int64_t now,
+                      Sink& out) {
+  Sent* sent = ready(topic, now, kLinePeriod);
   if (sent == nullptr) return;
   const bool whole = is_whole_due(*sent, now);
-  if (!whole && sent->number == world.map.curbs.number()) return;
-  const auto news = world.map.curbs.above(whole ? 0 : static_cast<std::uint32_t>(sent->number));
-  const std::int64_t utime = world.map.newest_utime;
-  out.push_back({kCurbs, utime, curbs_message(news, utime)});
+  if (!whole && sent->number == lines.number()) return;
+  const auto news = lines.above(whole ? 0 : static_cast<std::uint32_t>(sent->number));
+  out.push_back({topic, utime, message_of(news, utime)});
   if (whole) sent->whole = now;
   sent->at = now;
   sent->number = news.number;

@@ -63,7 +63,9 @@ class Feed {
   void send_pose(const World& world, std::int64_t now, Sink& out);
   void send_status(const World& world, std::int64_t now, Sink& out);
   void send_log(const World& world, std::int64_t now, Sink& out);
-  void send_curbs(const World& world, std::int64_t now, Sink& out);
+  template <class Lines, class Message>
+  void send_lines(Topic topic, const Lines& lines, const Message& message_of, std::int64_t utime, std::int64_t now,
+                  Sink& out);
   void send_path(const World& world, std::int64_t now, Sink& out);
   bool send_scan(const World& world, std::int64_t now, Sink& out);
   bool send_points(const World& world, std::int64_t now, Sink& out);

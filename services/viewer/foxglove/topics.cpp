@@ -47,7 +47,8 @@ std::vector<Channel> make_channels() {
           channel_of<::foxglove::SceneUpdate>(kPath, "/path"),
           channel_of<::foxglove::PointCloud>(kScan, "/lidar"),
           channel_of<::foxglove::PointCloud>(kPoints, "/map/points"),
-          channel_of<::foxglove::Log>(kLog, "/log")};
+          channel_of<::foxglove::Log>(kLog, "/log"),
+          channel_of<::foxglove::SceneUpdate>(kMarkings, "/markings")};
 }
 
 }  // namespace

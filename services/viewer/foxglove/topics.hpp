@@ -17,6 +17,7 @@ enum Topic : std::uint32_t {
   kScan,
   kPoints,
   kLog,
+  kMarkings,
   kFirstStatus = 100,
 };
 

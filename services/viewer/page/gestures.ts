@@ -11,18 +11,31 @@ export interface GestureEvents {
 
 const kLean = 0.006, kTurn = 0.005;  // rad a pixel
 const kDecide = 10;                  // pixels that two fingers go until it is told what they do
+const kStill = 4, kStillFinger = 10; // pixels that are no drag yet
+const kLong = 500;                   // ms that a finger rests: it asks what is there
 
 export function listen(element: HTMLElement, camera: Camera, events: GestureEvents): void {
   const fingers = new Map<number, Spot>();
   let began: Spot[] = [];     // where each of two fingers began
   let isLeaning = false;      // the right button, or two fingers up or down side by side
   let isPinching = false;
-  let travelled = 0;
+  let start: Spot = [0, 0];
+  let isDragged = false;      // since the first finger came
+  let press = 0;              // the timer of a long press
 
   element.addEventListener("pointerdown", event => {
     element.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, [event.clientX, event.clientY]);
-    if (fingers.size === 1) travelled = 0;
+    clearTimeout(press);
+    if (fingers.size === 1) {
+      start = [event.clientX, event.clientY];
+      isDragged = false;
+      if (event.pointerType === "touch") press = setTimeout(() => {
+        isDragged = true;  // what follows is neither a tap nor a drag
+        fingers.clear();
+        events.picked(...start);
+      }, kLong);
+    }
     isLeaning = fingers.size === 1 && (event.button === 2 || event.ctrlKey);
     isPinching = false;
     began = [...fingers.values()];
@@ -32,10 +45,12 @@ export function listen(element: HTMLElement, camera: Camera, events: GestureEven
     const before = fingers.get(event.pointerId);
     if (!before) return events.hovered(event.clientX, event.clientY);
     const now: Spot = [event.clientX, event.clientY];
-    travelled += Math.hypot(now[0] - before[0], now[1] - before[1]);
     fingers.set(event.pointerId, now);
     if (fingers.size === 1) {
-      if (travelled < 4) return;
+      const still = event.pointerType === "touch" ? kStillFinger : kStill;
+      if (!isDragged && Math.hypot(now[0] - start[0], now[1] - start[1]) < still) return void fingers.set(event.pointerId, before);
+      isDragged = true;
+      clearTimeout(press);
       element.classList.add("dragged");
       if (isLeaning) {
         camera.lean((before[1] - now[1]) * kLean, (now[0] - before[0]) * kTurn);
@@ -59,8 +74,9 @@ export function listen(element: HTMLElement, camera: Camera, events: GestureEven
   const up = (event: PointerEvent) => {
     if (!fingers.delete(event.pointerId)) return;
     element.classList.remove("dragged");
-    if (event.type === "pointerup" && fingers.size === 0 && travelled < 4 && !isLeaning) events.picked(event.clientX, event.clientY);
-    if (fingers.size > 0) travelled = 100;  // the end of a pinch is no tap
+    clearTimeout(press);
+    if (event.type === "pointerup" && fingers.size === 0 && !isDragged && !isLeaning) events.picked(event.clientX, event.clientY);
+    if (fingers.size > 0) isDragged = true;  // the end of a pinch is no tap
     isLeaning = isPinching = false;
   };
   element.addEventListener("pointerup", up);

@@ -155,6 +155,7 @@ function look(): void {
   status.className = `chip ${judged.mood}`;
   byId("curtain").textContent = judged.sentence;
   byId("curtain").hidden = !judged.sentence;
+  byId("curtain").className = judged.mood;
   byId("source").textContent = state?.title ?? "";
   document.title = now.mood === "bad" ? `${now.word} – Curbstone` : "Curbstone";
   if (grey !== judged.grey) {
@@ -234,6 +235,35 @@ function zoom(factor: number): void {
   redraw();
 }
 
+/// The user looks elsewhere.
+function leave(): void {
+  if (!settings.follow) return;
+  settings.follow = settings.headingUp = false;
+  settingsChanged();
+}
+
+const kArrows: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+
+/// By the arrow keys, a step on the screen; `leans`: turns and tilts.
+function walk(right: number, down: number, leans: boolean): void {
+  const step = 80, [x, y] = [camera.width / 2 + camera.offsetX, camera.height / 2 + camera.offsetY];
+  tilting.stop();
+  if (leans) {
+    camera.lean(-down * 0.12, right * 0.12);
+  } else {
+    leave();
+    camera.hold(...camera.toMap(x + right * step, y + down * step), x, y);
+  }
+  redraw();
+}
+
+/// A click, a tap, a long press.
+function touched(x: number, y: number): void {
+  const place = placeUnder(world, camera, x, y);
+  if (ruler.isOn) ruler.put(place);
+  else inspector.pick(place);
+}
+
 /// The map as it is seen, without the cards, as a file.
 function savePicture(): void {
   draw(performance.now());  // the ground can be read only in the task that drew it
@@ -255,14 +285,11 @@ function savePicture(): void {
 function wire(): void {
   listen(map, camera, {
     moved: dragged => {
-      if (dragged && settings.follow) {
-        settings.follow = settings.headingUp = false;
-        settingsChanged();
-      }
+      if (dragged) leave();
       tilting.stop();
       redraw();
     },
-    picked: (x, y) => ruler.isOn ? ruler.put(placeUnder(world, camera, x, y)) : inspector.pick(placeUnder(world, camera, x, y)),
+    picked: touched,
     hovered: (x, y) => {
       byId("place").textContent = placeUnder(world, camera, x, y).map(m => m.toFixed(1)).join(", ") + " m";
     },
@@ -282,7 +309,14 @@ function wire(): void {
     },
     Escape: () => ruler.isOn ? ruler.toggle() : inspector.pick(null),
   };
-  addEventListener("keydown", event => event.ctrlKey || event.metaKey || keys[event.key]?.());
+  addEventListener("keydown", event => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    keys[event.key]?.();
+    if (document.activeElement !== map && document.activeElement !== document.body) return;  // arrows are the slider's, Enter the button's
+    const arrow = kArrows[event.key];
+    if (arrow) walk(...arrow, event.shiftKey);
+    if (event.key === "Enter") touched(camera.width / 2 + camera.offsetX, camera.height / 2 + camera.offsetY);
+  });
   addEventListener("resize", resize);
   document.addEventListener("visibilitychange", redraw);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", settingsChanged);

@@ -72,7 +72,8 @@ export function lengthOf({ n, values }: CurbLine): number {
 const kSvg = "http://www.w3.org/2000/svg";
 const kWide = 232, kHigh = 96, kLowest = -0.15, kHighest = 0.45;  // pixels; m over the foot
 
-/// Cells as dots of their class's colour, the fitted step as a line, a rule of 10 cm.
+/// Cells as dots of their class's colour, the fitted step as a line, a rule of 10 cm. The step of a lowered curb is dashed
+/// and that of an inferred one dotted, as on the map.
 export function drawCut(cells: CutCell[], curb: CurbPlace, colourOf: (kind: number) => string): HTMLElement {
   const x = (across: number) => (across / kReach + 1) / 2 * kWide;
   const y = (up: number) => kHigh * (kHighest - Math.min(kHighest, Math.max(kLowest, up))) / (kHighest - kLowest);
@@ -84,9 +85,11 @@ export function drawCut(cells: CutCell[], curb: CurbPlace, colourOf: (kind: numb
     svg.append(element);
   };
   add("line", { class: "rule", x1: 5, x2: 5, y1: y(0), y2: y(0.1) });
-  add("polyline", { class: "step", points: `0,${y(0)} ${x(0)},${y(0)} ${x(0)},${y(curb.height)} ${kWide},${y(curb.height)}` });
+  const dashes = curb.line.inferred ? "1 4" : curb.line.dropped ? "5 4" : "none";
+  add("polyline", { class: "step", "stroke-dasharray": dashes, points: `0,${y(0)} ${x(0)},${y(0)} ${x(0)},${y(curb.height)} ${kWide},${y(curb.height)}` });
   for (const cell of cells) add("circle", { cx: x(cell.across), cy: y(cell.up), r: 3, fill: colourOf(cell.kind) });
-  const figure = make("figure", "", "cut", make("figcaption", "Cells across it, 1.5 m to each side; bar: 10 cm"));
+  const figure = make("figure", "", "cut", make("figcaption", cells.length === 0 ? "No cell is known across it" :
+    `Cells across it, 1.5 m to each side; ${curb.line.inferred ? "dotted: inferred" : "line: the fitted step"}; bar: 10 cm`));
   figure.prepend(svg);
   return figure;
 }

@@ -2,7 +2,7 @@
 import { classColours, css, kClassNames, Mode, Theme } from "../drawing/palette";
 import { byId, list, make, metres, seconds } from "../format";
 import { cellAt, heightOf, kUnknownCost, World } from "../world";
-import { CurbPlace, curbAt, cutAcross, drawCut, lengthOf } from "./cross_section";
+import { CurbPlace, curbAt, CutCell, cutAcross, drawCut, lengthOf } from "./cross_section";
 
 export class Inspector {
   picked: [number, number] | null = null;  // m in map
@@ -47,12 +47,13 @@ export class Inspector {
   private curb(curb: CurbPlace, colours: string[]): HTMLElement[] {
     const { line } = curb, facts = make("dl");
     list(facts, [
-      ["Step", `${metres(curb.height)}${line.rise > 0 ? ", up from the path" : line.rise < 0 ? ", down from the path" : ""}`],
+      [line.inferred ? "Step, inferred" : "Step", `${metres(curb.height)}${line.rise > 0 ? ", up from the path" : line.rise < 0 ? ", down from the path" : ""}`],
       ["Foot", `${curb.foot.toFixed(3)} m`],
       ["Confidence", `${Math.round(100 * line.confidence)} %`],
-      ["Line", `${metres(lengthOf(line))}${line.dropped ? ", lowered" : ""}${line.inferred ? ", inferred" : ""}`],
+      ["Line", metres(lengthOf(line))],
     ]);
-    return [make("h4", "Curb"), drawCut(cutAcross(this.world, curb), curb, kind => colours[kind]), facts];
+    const cells = cutAcross(this.world, curb), [title, sentence] = meaningOf(curb, cells);
+    return [make("h4", title), ...sentence ? [make("p", sentence)] : [], drawCut(cells, curb, kind => colours[kind]), facts];
   }
 
   private distance(): [string, string][] {
@@ -60,6 +61,15 @@ export class Inspector {
     if (!pose || !this.picked) return [];
     return [["From the vehicle", metres(Math.hypot(this.picked[0] - pose.x, this.picked[1] - pose.y))]];
   }
+}
+
+/// What kind of curb that is, in words.
+function meaningOf({ line }: CurbPlace, cells: CutCell[]): [string, string] {
+  if (line.inferred) {
+    const hides = cells.some(({ kind }) => kind > 2) ? " What stands there hides it." : "";
+    return ["Inferred curb", `Nobody saw it: a bridge between two curbs that were seen.${hides}`];
+  }
+  return line.dropped ? ["Lowered curb", "As at a driveway or a crossing: its step is low."] : ["Curb", ""];
 }
 
 function ago(us: number): string {

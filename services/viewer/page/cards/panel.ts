@@ -1,12 +1,21 @@
 // The controls: colours with their legend, layers, theme, facts of the vehicle.
 import { byId, list, make, metres, seconds } from "../format";
 import { classColours, css, kClassNames, kModes, Mode, ramp, Theme } from "../drawing/palette";
+import { kInk } from "../drawing/ink";
 import { Layers, Settings } from "../settings";
 import { Pose, State } from "../world";
 
+const kSvg = "http://www.w3.org/2000/svg";
 const kLayers: [keyof Layers, string][] =
   [["grid", "Cells"], ["relief", "Relief"], ["curbs", "Curbs"], ["markings", "Paint"], ["path", "Path"], ["points", "LiDAR"], ["localized", "Localizer"]];
 const kPointColours: [Settings["points"], string][] = [["height", "Points by height"], ["intensity", "By intensity"]];
+/// What is drawn as lines: layer, words, dashes.
+const kLineKeys: [keyof Layers, string, string][] =
+  [["curbs", "Curb", "none"], ["curbs", "Lowered", "4 3"], ["curbs", "Inferred", "0.5 3.5"], ["path", "Driven", "none"], ["markings", "Road paint", "none"]];
+const kKeys: [string, string][] = [
+  ["F", "follow the vehicle"], ["N", "north or heading up"], ["T", "tilt"], ["M", "measure"], ["P", "save a picture"], ["L", "back to what is live"],
+  ["Space", "pause, go on"], ["0", "the whole map"], ["+ −", "zoom"], ["Arrows", "move; with Shift tilt and turn"], ["Enter", "what is in the middle"], ["Esc", "close"],
+  ["Drag", "move; right button: tilt"], ["Two fingers", "zoom; side by side upwards: tilt"], ["Long press", "what is there"]];
 const kThemes: ["auto" | Theme, string][] = [["auto", "Auto"], ["light", "Light"], ["dark", "Dark"]];
 
 export class Panel {
@@ -16,6 +25,7 @@ export class Panel {
     for (const [name, title] of kLayers) byId("layers").append(this.toggle(title, () => settings.layers[name], on => { settings.layers[name] = on; }));
     byId("layers").append(this.toggle("As in paper", () => settings.mode === "paper", on => { settings.mode = on ? "paper" : "class"; }));
     segments("point-colours", kPointColours, () => settings.points, colour => { settings.points = colour; changed(); });
+    list(byId("keys"), kKeys);
     const panel = byId("panel"), handle = byId("handle");
     handle.onclick = () => handle.setAttribute("aria-expanded", String(panel.classList.toggle("open")));
   }
@@ -34,6 +44,7 @@ export class Panel {
     for (const refresh of refreshers) refresh();
     const { mode, look, layers } = this.settings;
     byId("point-colours").hidden = !layers.points;
+    byId("line-keys").replaceChildren(...kLineKeys.filter(([layer]) => layers[layer]).map(([layer, title, dashes]) => lineKey(look, layer, title, dashes)));
     byId("legend").replaceChildren(mode === "class" || mode === "paper" ? keys(look, mode) : scale(mode, range));
   }
 
@@ -106,6 +117,20 @@ function keys(theme: Theme, mode: Mode): HTMLElement {
     key.style.setProperty("--key", css(colour));
     return [make("span", "", "", key, document.createTextNode(name))];
   }));
+}
+
+/// A piece of the line as it is on the map, and what it is.
+function lineKey(theme: Theme, layer: keyof Layers, title: string, dashes: string): HTMLElement {
+  const svg = document.createElementNS(kSvg, "svg");
+  svg.setAttribute("viewBox", "0 0 22 8");
+  const ink = kInk[theme], [colour, width] = layer === "curbs" ? [ink.curb, 2] : layer === "path" ? [ink.path, 2] : [ink.paint, 3];
+  for (const [stroke, thick, dash] of layer === "markings" ? [["#0008", 5, "none"], [colour, width, dashes]] : [[colour, width, dashes]]) {
+    const line = document.createElementNS(kSvg, "line");
+    const attributes = { x1: 1, y1: 4, x2: 21, y2: 4, stroke, "stroke-width": thick, "stroke-dasharray": dash, "stroke-linecap": layer === "markings" ? "butt" : "round" };
+    for (const [name, value] of Object.entries(attributes)) line.setAttribute(name, String(value));
+    svg.append(line);
+  }
+  return make("span", "", "", svg, document.createTextNode(title));
 }
 
 function scale(mode: Mode, [low, high]: [number, number]): HTMLElement {

@@ -1,46 +1,70 @@
 // What blocks, as boxes. The map knows the class of a cell and not its height: an obstacle is lower than the vehicle, a
-// wall is not; so the boxes are symbols of the class, of one height each.
+// wall is not; so the boxes are symbols of the class, of one height each. From far, five by five cells are one box.
 import { kTilesAside } from "./pages";
 import { heightOf, kCells, kNoHeight, kTileCells, Tile, World } from "../world";
 
 const kObstacle = 3, kWall = 4;
-const kHighs = [0, 0, 0, 7, 20];  // dm, by class
-const kSides: [number, number, number][] = [[1, 1, 0], [2, -1, 0], [3, 0, 1], [4, 0, -1]];
+const kHighs = [0, 0, 0, 0.7, 2];  // m, by class
+const kCoarse = 5;                 // cells that are one box from far
+const kEnough = 4;                 // of its 25 cells that block: a wall is a cell or two thick
+export const kFaceFloats = 4 * 6;  // of four points each: column and row in the page, m; light; column, row of the cell
 
-export interface Shape {
-  ground: number;       // m, where the tile shows ground; else the lowest that it knows
-  faces: Float32Array;  // of four values each: kBlockVertex
-}
+/// Sides: x and y of their two ends on a box of one, the step to what lies beside, light.
+const kSides: [number, number, number, number, number, number, number][] =
+  [[1, 0, 1, 1, 1, 0, 0.76], [0, 1, 0, 0, -1, 0, 0.94], [1, 1, 0, 1, 0, 1, 0.94], [0, 0, 1, 0, 0, -1, 0.76]];
+const kTop = 1.08, kFoot = 0.84;  // light; of a side, at its foot
+
+/// Of some tiles. `buffer` holds `faces` faces.
+export interface Boxes { buffer: WebGLBuffer; faces: number }
+
+interface Known { revision: number; ground?: number; faces: (Float32Array | undefined)[] }
 
 export class Blocks {
-  private shapes = new WeakMap<Tile, { revision: number; shape: Shape }>();
+  private known = new WeakMap<Tile, Known>();
 
   constructor(private world: World) {}
 
-  of(tile: Tile): Shape {
-    const known = this.shapes.get(tile);
-    if (known && known.revision === tile.revision) return known.shape;
-    const shape = this.make(tile);
-    this.shapes.set(tile, { revision: tile.revision, shape });
-    return shape;
+  /// `level`: 0 a box a cell, 1 coarse ones.
+  facesOf(tile: Tile, level: number): Float32Array {
+    const known = this.of(tile);
+    return known.faces[level] ??= this.make(tile, level === 0 ? 1 : kCoarse);
   }
 
-  private make(tile: Tile): Shape {
-    const ground = this.groundOf(tile), faces: number[] = [];
+  /// m: the mean of the cells that show ground; of a tile without any, its neighbours'; else its lowest cell.
+  groundOf(tile: Tile): number {
+    return this.of(tile).ground ??= this.ground(tile);
+  }
+
+  private of(tile: Tile): Known {
+    let known = this.known.get(tile);
+    if (!known || known.revision !== tile.revision) this.known.set(tile, known = { revision: tile.revision, faces: [] });
+    return known;
+  }
+
+  private make(tile: Tile, size: number): Float32Array {
+    const n = kCells / size, kinds = size === 1 ? tile.classes : coarse(tile.classes), floats: number[] = [];
+    const ground = this.groundOf(tile);
     const column = (tile.x - Math.floor(tile.x / kTilesAside) * kTilesAside) * kCells;
     const row = (tile.y - Math.floor(tile.y / kTilesAside) * kTilesAside) * kCells;
-    const high = (x: number, y: number) => x < 0 || y < 0 || x >= kCells || y >= kCells ? 0 : kHighs[tile.classes[y * kCells + x]] ?? 0;
-    for (let i = 0; i < kTileCells; ++i) {
-      if (tile.classes[i] !== kObstacle && tile.classes[i] !== kWall) continue;
-      const [x, y] = [i % kCells, Math.floor(i / kCells)], own = high(x, y);
-      faces.push(column + x, row + y, ground, 8 * own);
-      for (const [side, dx, dy] of kSides) if (high(x + dx, y + dy) < own) faces.push(column + x, row + y, ground, 8 * own + side);
+    const high = (x: number, y: number) => x < 0 || y < 0 || x >= n || y >= n ? 0 : kHighs[kinds[y * n + x]] ?? 0;
+    const point = (x: number, y: number, z: number, light: number, cell: number) =>
+      floats.push(column + x * size, row + y * size, z, light, column + cell % kCells, row + Math.floor(cell / kCells));
+    for (let y = 0; y < n; ++y) for (let x = 0; x < n; ++x) {
+      const own = high(x, y);
+      if (own === 0) continue;
+      const cell = size === 1 ? y * n + x : cellOf(tile.classes, x, y, kinds[y * n + x]);
+      for (let i = 0; i < 4; ++i) point(x + (i & 1), y + (i >> 1), ground + own, kTop, cell);
+      for (const [ax, ay, bx, by, dx, dy, light] of kSides) {
+        const beside = high(x + dx, y + dy);
+        if (beside >= own) continue;
+        for (const [z, shade] of [[ground + beside, light * kFoot], [ground + own, light]])
+          for (const [px, py] of [[ax, ay], [bx, by]]) point(x + px, y + py, z, shade, cell);
+      }
     }
-    return { ground, faces: new Float32Array(faces) };
+    return new Float32Array(floats);
   }
 
-  /// The mean of the cells that show ground; of a tile without any, its neighbours'; else its lowest cell.
-  private groundOf(tile: Tile): number {
+  private ground(tile: Tile): number {
     const own = meanGround(tile);
     if (own !== null) return own;
     const near: number[] = [];
@@ -54,6 +78,27 @@ export class Blocks {
     for (let i = 0; i < kTileCells; ++i) lowest = Math.min(lowest, heightOf(tile, i) ?? Infinity);
     return lowest === Infinity ? tile.zOrigin : lowest;
   }
+}
+
+/// The class of each box of five by five cells: the higher one, if there are enough of them.
+function coarse(classes: Uint8Array): Uint8Array {
+  const n = kCells / kCoarse, walls = new Uint8Array(n * n), all = new Uint8Array(n * n);
+  for (let i = 0; i < kTileCells; ++i) {
+    if (classes[i] !== kObstacle && classes[i] !== kWall) continue;
+    const box = Math.floor(i / kCells / kCoarse) * n + Math.floor(i % kCells / kCoarse);
+    ++all[box];
+    if (classes[i] === kWall) ++walls[box];
+  }
+  return all.map((count, box) => count < kEnough ? 0 : 2 * walls[box] >= count ? kWall : kObstacle);
+}
+
+/// A cell of that class in a coarse box, whose colour it gets.
+function cellOf(classes: Uint8Array, x: number, y: number, kind: number): number {
+  for (let i = 0; i < kCoarse * kCoarse; ++i) {
+    const cell = (y * kCoarse + Math.floor(i / kCoarse)) * kCells + x * kCoarse + i % kCoarse;
+    if (classes[cell] === kind) return cell;
+  }
+  return y * kCoarse * kCells + x * kCoarse;
 }
 
 function meanGround(tile: Tile): number | null {

@@ -50,7 +50,7 @@ export class Ground {
     this.gl = gl;
     this.pages = new Pages(gl, this.world, isSlow ? gl.LINEAR_MIPMAP_NEAREST : gl.LINEAR_MIPMAP_LINEAR);
     this.painter = new Painter(gl, this.pages);
-    this.relief = new Relief(gl, this.world, this.pages);
+    this.relief = new Relief(gl, this.world, this.pages, isSlow);
     this.flat = new Program(gl, kPageVertex, kPageFragment);
     this.point = new Program(gl, kPointVertex, kPointFragment, ["point"]);
     this.points = gl.createBuffer()!;

@@ -1,4 +1,5 @@
 // The map's cells in textures: of a page each, a square of tiles.
+import { Square, touch } from "./terrain";
 import { kCells, kNoHeight, kTileCells, kTileSize, Tile, World } from "../world";
 
 export const kTilesAside = 32;               // of a page: 96 m
@@ -11,10 +12,12 @@ const kNone = -1e9;                          // height where none is known
 export interface Area { left: number; low: number; right: number; high: number }
 
 /// `cells`: class, cost, confidence, 255 where a tile is. `heights`: m. `times`: of each tile's newest points, s.
-/// `picture`: the cells' colours (Painter), which lacks what became other in `unpainted`.
+/// `picture`: the cells' colours (Painter), which lacks what became other in `unpainted`. `tiles`: by row and column, and
+/// `squares` of them by squareKey(): what the tilted view draws.
 export interface Page {
   x: number; y: number; cells: WebGLTexture; heights: WebGLTexture; times: WebGLTexture; picture: WebGLTexture;
   unpainted: Area | null; paintedAs: string; hasSmaller: boolean;
+  tiles: (Tile | undefined)[]; squares: Map<number, Square>;
 }
 
 export class Pages {
@@ -68,6 +71,8 @@ export class Pages {
       gl.bindTexture(gl.TEXTURE_2D, texture);
       gl.texSubImage2D(gl.TEXTURE_2D, 0, column * side, row * side, side, side, format, type, values);
     };
+    page.tiles[row * kTilesAside + column] = isThere ? tile : undefined;
+    touch(page, column, row);
     page.unpainted = around(page.unpainted, column * kCells, row * kCells);
     gl.activeTexture(gl.TEXTURE0);
     put(page.cells, kCells, gl.RGBA_INTEGER, gl.UNSIGNED_BYTE, kBytes);
@@ -91,7 +96,7 @@ export class Pages {
     const picture = texture(gl.RGBA8, kCellsAside, kSizes);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, this.smooth);
     const page: Page = { x, y, picture, cells: texture(gl.RGBA8UI, kCellsAside), times: texture(gl.R32F, kTilesAside),
-      heights: texture(gl.R32F, kCellsAside), unpainted: null, paintedAs: "", hasSmaller: false };
+      heights: texture(gl.R32F, kCellsAside), unpainted: null, paintedAs: "", hasSmaller: false, tiles: [], squares: new Map() };
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, kCellsAside, kCellsAside, gl.RED, gl.FLOAT, new Float32Array(kCellsAside * kCellsAside).fill(kNone));
     return page;
   }

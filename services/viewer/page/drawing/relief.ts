@@ -1,39 +1,48 @@
-// The tilted view by WebGL2: the ground as nets over the tiles, boxes on what blocks, curbs as walls of their height.
-// Far tiles have coarse nets and no boxes; beyond the reach there is nothing.
-import { Blocks } from "./blocks";
+// The tilted view by WebGL2: the ground as nets, boxes on what blocks, curbs as walls of their height. What is far is
+// coarser; beyond the reach there is nothing.
+import { Blocks, Boxes, kFaceFloats } from "./blocks";
 import { Camera } from "./camera";
 import { wallsOf } from "./curb_walls";
 import { kPageSize, kTilesAside, Page, Pages } from "./pages";
 import { Program } from "./program";
 import { kBlockFragment, kBlockVertex, kNetFragment, kNetVertex, kSolidFragment, kSolidVertex } from "./relief_shaders";
-import { kCells, kTileSize, Tile, World } from "../world";
+import { netIndices, netPoints, Seen, Square, squaresInView } from "./terrain";
+import { World } from "../world";
 
-const kNets = [25, 5, 1];          // squares aside
-const kFine = 100, kMiddle = 12;    // pixels that a tile must be wide for the nets before the last
-const kMostFine = 90;              // tiles
-const kMostFaces = 60_000;
-const kReach = 6;                  // of the eye's distance
+const kReach = 6;             // of the eye's distance
+const kMostNets = 600;        // that are kept
+const kMostFaces = 16_383;    // of one square, by 16 bit indices
+const kFineCell = 1, kCoarseCell = 0.5;  // pixels that a cell must be wide for boxes
 
-interface Seen { tile: Tile; width: number; net: number }
-interface Net { indices: WebGLBuffer; count: number }
+/// What a machine draws between two pictures.
+interface Budget { widest: number; faces: number }  // pixels of a square; boxes' faces
+const kWithCard: Budget = { widest: 260, faces: 60_000 };
+const kInSoftware: Budget = { widest: 700, faces: 6_000 };
 
 export class Relief {
-  private nets: Net[];
   private net: Program;
   private block: Program;
   private solid: Program;
-  private instances: WebGLBuffer;
+  private netIndices: WebGLBuffer;
+  private faceIndices: WebGLBuffer;
+  private numIndices: number;
   private walls: WebGLBuffer;
   private numWalls = -1;  // points; -1: of other curbs
   private blocks: Blocks;
+  private budget: Budget;
+  private kept = new Set<Square>();
+  private picture = 0;
 
-  constructor(private gl: WebGL2RenderingContext, private world: World, private pages: Pages) {
+  constructor(private gl: WebGL2RenderingContext, private world: World, private pages: Pages, isSlow: boolean) {
     this.blocks = new Blocks(world);
-    this.net = new Program(gl, kNetVertex, kNetFragment, ["tile"]);
-    this.block = new Program(gl, kBlockVertex, kBlockFragment, ["face"]);
+    this.budget = isSlow ? kInSoftware : kWithCard;
+    this.net = new Program(gl, kNetVertex, kNetFragment, ["point"]);
+    this.block = new Program(gl, kBlockVertex, kBlockFragment, ["point", "place"]);
     this.solid = new Program(gl, kSolidVertex, kSolidFragment, ["point"]);
-    this.nets = kNets.map(n => netOf(gl, n));
-    this.instances = gl.createBuffer()!;
+    const indices = netIndices();
+    this.numIndices = indices.length;
+    this.netIndices = this.buffer(gl.ELEMENT_ARRAY_BUFFER, indices);
+    this.faceIndices = this.buffer(gl.ELEMENT_ARRAY_BUFFER, faceIndices());
     this.walls = gl.createBuffer()!;
   }
 
@@ -41,105 +50,117 @@ export class Relief {
 
   /// `style` sets the uniforms of kPicture, `paint` brings a page's picture up to date; `curbs`: their colour, or null.
   draw(camera: Camera, style: (program: Program) => void, paint: (page: Page) => void, cells: boolean, curbs: number[] | null, grey: number): void {
-    const { gl } = this, toClip = camera.matrix(), reach = kReach;
+    const { gl } = this, toClip = camera.matrix();
+    ++this.picture;
     gl.enable(gl.DEPTH_TEST);
     if (cells) {
-      const seen = byPage(this.look(camera), this.pages);
+      const seen = byPage(squaresInView(this.pages.all.values(), camera, this.budget.widest, kReach));
       for (const page of seen.keys()) paint(page);
-      for (const program of [this.net, this.block]) {
+      const use = (program: Program) => {
         program.use();
         style(program);
         gl.uniformMatrix4fv(program.at("toClip"), false, toClip);
-        gl.uniform1f(program.at("reach"), reach);
-      }
-      for (const [page, tiles] of seen) {
-        this.pages.bind(page);
-        this.drawNets(page, tiles);
-        this.drawBlocks(page, tiles);
-      }
+        gl.uniform1f(program.at("reach"), kReach);
+      };
+      use(this.net);
+      this.eachPage(this.net, seen, ({ square }) => this.drawNet(square));
+      use(this.block);
+      gl.enable(gl.CULL_FACE);
+      let left = this.budget.faces;
+      this.eachPage(this.block, seen, one => { left -= this.drawBoxes(one, left); });
+      gl.disable(gl.CULL_FACE);
+      gl.disableVertexAttribArray(1);
+      this.forget();
     }
     if (curbs) {
       this.solid.use();
       gl.uniformMatrix4fv(this.solid.at("toClip"), false, toClip);
       gl.uniform4fv(this.solid.at("ink"), curbs);
-      gl.uniform1f(this.solid.at("reach"), reach);
+      gl.uniform1f(this.solid.at("reach"), kReach);
       gl.uniform1f(this.solid.at("grey"), grey);
       this.drawWalls();
     }
     gl.disable(gl.DEPTH_TEST);
   }
 
-  /// The tiles in view, the widest on the screen first, with their nets.
-  private look(camera: Camera): Seen[] {
-    const [c, s] = [Math.cos(camera.turn), Math.sin(camera.turn)];
-    const [rise, far] = [Math.sin(camera.tilt), camera.distance];
-    const seen: Seen[] = [];
-    for (const tile of this.world.tiles.values()) {
-      const [x, y] = [(tile.x + 0.5) * kTileSize, (tile.y + 0.5) * kTileSize];
-      const w = 1 + (s * (x - camera.x) + c * (y - camera.y)) * rise / far;
-      if (w < 0.1 || w > kReach) continue;
-      const width = kTileSize * camera.scale / w, [sx, sy] = camera.toScreen(x, y);
-      if (sx < -width || sy < -width || sx > camera.width + width || sy > camera.height + 2 * width) continue;
-      seen.push({ tile, width, net: 2 });
+  private eachPage(program: Program, seen: Map<Page, Seen[]>, draw: (one: Seen) => void): void {
+    const { gl } = this;
+    gl.enableVertexAttribArray(0);
+    for (const [page, squares] of seen) {
+      this.pages.bind(page);
+      gl.uniform2f(program.at("corner"), page.x * kPageSize, page.y * kPageSize);
+      squares.forEach(draw);
     }
-    seen.sort((a, b) => b.width - a.width);
-    seen.forEach((one, i) => { one.net = one.width > kFine && i < kMostFine ? 0 : one.width > kMiddle ? 1 : 2; });
-    return seen;
   }
 
-  private drawNets(page: Page, tiles: Seen[]): void {
-    const { gl, net } = this;
-    net.use();
-    gl.uniform2f(net.at("corner"), page.x * kPageSize, page.y * kPageSize);
-    const nets = new Map(tiles.map(({ tile, net }) => [`${tile.x},${tile.y}`, net]));
-    const coarser = (tile: Tile, dx: number, dy: number, own: number) => (nets.get(`${tile.x + dx},${tile.y + dy}`) ?? own) > own;
-    kNets.forEach((squares, level) => {
-      const values: number[] = [];
-      for (const { tile, net } of tiles) {
-        if (net !== level) continue;
-        const edges = (coarser(tile, -1, 0, net) ? 1 : 0) | (coarser(tile, 1, 0, net) ? 2 : 0) |
-          (coarser(tile, 0, -1, net) ? 4 : 0) | (coarser(tile, 0, 1, net) ? 8 : 0);
-        values.push((tile.x - page.x * kTilesAside) * kCells, (tile.y - page.y * kTilesAside) * kCells, this.blocks.of(tile).ground, edges);
-      }
-      if (values.length === 0) return;
-      this.fill(new Float32Array(values));
-      gl.uniform1i(net.at("net"), squares);
-      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.nets[level].indices);
-      gl.drawElementsInstanced(gl.TRIANGLES, this.nets[level].count, gl.UNSIGNED_SHORT, 0, values.length / 4);
-    });
-    gl.vertexAttribDivisor(0, 0);
+  private drawNet(square: Square): void {
+    const { gl } = this;
+    this.renew(square);
+    gl.bindBuffer(gl.ARRAY_BUFFER, square.net ??= this.buffer(gl.ARRAY_BUFFER, netPoints(square, this.blocks)));
+    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.netIndices);
+    gl.drawElements(gl.TRIANGLES, this.numIndices, gl.UNSIGNED_SHORT, 0);
   }
 
-  private drawBlocks(page: Page, tiles: Seen[]): void {
-    const { gl, block } = this, parts: Float32Array[] = [];
-    let faces = 0;
-    for (const { tile, net } of tiles) {
-      const shape = this.blocks.of(tile);
-      if (net === 2 || faces + shape.faces.length / 4 > kMostFaces) continue;
-      parts.push(shape.faces);
-      faces += shape.faces.length / 4;
+  /// Fine boxes where there is room for them; returns how many faces were drawn.
+  private drawBoxes({ square, width }: Seen, room: number): number {
+    const { gl } = this, cell = width / (25 << square.level);
+    let boxes: Boxes | null = null;
+    if (cell >= kFineCell) boxes = square.boxes[0] ??= this.boxesOf(square, 0);
+    if ((!boxes || boxes.faces > room) && cell >= kCoarseCell) boxes = square.boxes[1] ??= this.boxesOf(square, 1);
+    if (!boxes || boxes.faces === 0 || boxes.faces > room) return 0;
+    gl.bindBuffer(gl.ARRAY_BUFFER, boxes.buffer);
+    gl.vertexAttribPointer(0, 4, gl.FLOAT, false, 24, 0);
+    gl.enableVertexAttribArray(1);
+    gl.vertexAttribPointer(1, 2, gl.FLOAT, false, 24, 16);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.faceIndices);
+    gl.drawElements(gl.TRIANGLES, 6 * boxes.faces, gl.UNSIGNED_SHORT, 0);
+    return boxes.faces;
+  }
+
+  private boxesOf({ page, level, column, row }: Square, coarse: number): Boxes {
+    const parts: Float32Array[] = [], aside = 1 << level;
+    let size = 0;
+    for (let i = 0; i < aside * aside; ++i) {
+      const tile = page.tiles[(row + (i >> level)) * kTilesAside + column + i % aside];
+      const part = tile && this.blocks.facesOf(tile, coarse);
+      if (!part || part.length === 0 || size + part.length > kMostFaces * kFaceFloats) continue;
+      parts.push(part);
+      size += part.length;
     }
-    if (faces === 0) return;
-    const all = new Float32Array(4 * faces);
+    const all = new Float32Array(size);
     let at = 0;
     for (const part of parts) { all.set(part, at); at += part.length; }
-    block.use();
-    gl.uniform2f(block.at("corner"), page.x * kPageSize, page.y * kPageSize);
-    this.fill(all);
-    gl.enable(gl.CULL_FACE);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, faces);
-    gl.disable(gl.CULL_FACE);
-    gl.vertexAttribDivisor(0, 0);
+    return { buffer: this.buffer(this.gl.ARRAY_BUFFER, all), faces: size / kFaceFloats };
   }
 
-  /// One vec4 an instance.
-  private fill(values: Float32Array): void {
-    const { gl } = this;
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.instances);
-    gl.bufferData(gl.ARRAY_BUFFER, values, gl.STREAM_DRAW);
-    gl.enableVertexAttribArray(0);
-    gl.vertexAttribPointer(0, 4, gl.FLOAT, false, 0, 0);
-    gl.vertexAttribDivisor(0, 1);
+  /// What was made of tiles that became other is made anew.
+  private renew(square: Square): void {
+    if (square.stale) this.drop(square);
+    square.stale = false;
+    square.used = this.picture;
+    this.kept.add(square);
+  }
+
+  private drop(square: Square): void {
+    for (const buffer of [square.net, ...square.boxes.map(boxes => boxes && boxes.buffer)]) if (buffer) this.gl.deleteBuffer(buffer);
+    square.net = null;
+    square.boxes = [null, null];
+    this.kept.delete(square);
+  }
+
+  /// What was not seen for long, when there is too much.
+  private forget(): void {
+    if (this.kept.size <= kMostNets) return;
+    const oldest = [...this.kept].sort((a, b) => a.used - b.used).slice(0, kMostNets / 4);
+    for (const square of oldest) if (square.used < this.picture) this.drop(square);
+  }
+
+  private buffer(target: number, values: ArrayBufferView): WebGLBuffer {
+    const { gl } = this, made = gl.createBuffer()!;
+    gl.bindBuffer(target, made);
+    gl.bufferData(target, values, gl.STATIC_DRAW);
+    return made;
   }
 
   private drawWalls(): void {
@@ -156,26 +177,18 @@ export class Relief {
   }
 }
 
-function byPage(seen: Seen[], pages: Pages): Map<Page, Seen[]> {
+function byPage(seen: Seen[]): Map<Page, Seen[]> {
   const found = new Map<Page, Seen[]>();
   for (const one of seen) {
-    const page = pages.all.get(`${Math.floor(one.tile.x / kTilesAside)},${Math.floor(one.tile.y / kTilesAside)}`);
-    if (!page) continue;
-    const list = found.get(page);
+    const list = found.get(one.square.page);
     if (list) list.push(one);
-    else found.set(page, [one]);
+    else found.set(one.square.page, [one]);
   }
   return found;
 }
 
-function netOf(gl: WebGL2RenderingContext, n: number): Net {
-  const indices: number[] = [];
-  for (let y = 0; y < n; ++y) for (let x = 0; x < n; ++x) {
-    const at = y * (n + 1) + x;
-    indices.push(at, at + 1, at + n + 1, at + 1, at + n + 2, at + n + 1);
-  }
-  const buffer = gl.createBuffer()!;
-  gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffer);
-  gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, new Uint16Array(indices), gl.STATIC_DRAW);
-  return { indices: buffer, count: indices.length };
+function faceIndices(): Uint16Array {
+  const indices = new Uint16Array(6 * kMostFaces);
+  for (let i = 0; i < kMostFaces; ++i) [0, 1, 2, 1, 3, 2].forEach((corner, n) => { indices[6 * i + n] = 4 * i + corner; });
+  return indices;
 }

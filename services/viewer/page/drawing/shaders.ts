@@ -55,7 +55,7 @@ void main() {
   colour = vec4(c.rgb * c.a, c.a);
 }`;
 
-/// For a fragment that shows the picture of a page; `times`: of tiles, s.
+/// For a shader that shows the picture of a page; `times`: of tiles, s.
 export const kPicture = `#version 300 es
 precision highp float;
 precision highp sampler2D;
@@ -71,16 +71,19 @@ vec4 aged(vec4 c, vec2 cell) {
   ivec2 tile = clamp(ivec2(floor(cell)) / 25, ivec2(0), textureSize(times, 0) - 1);
   return vec4(c.rgb * onRamp(log2(1.0 + max(0.0, now - texelFetch(times, tile, 0).r)) / log2(601.0)), c.a);
 }
-/// Where cells are smaller than pixels, their mean: the picture has it in smaller sizes.
-vec4 colourOf(vec2 cell) {
-  return aged(texture(picture, cell / cellsAside, -0.4), cell);
-}
 vec4 colourOfOne(ivec2 cell) {
   return aged(texelFetch(picture, cell, 0), vec2(cell));
 }
 vec4 greyed(vec4 c) {
+  if (grey == 0.0) return c;
   float luma = dot(c.rgb, vec3(0.3, 0.59, 0.11));
   return vec4(mix(c.rgb, mix(vec3(luma), paper * c.a, 0.45), grey), c.a);
+}
+`;
+
+/// Of a fragment. Where cells are smaller than pixels, their mean: the picture has it in smaller sizes.
+export const kColourOf = `vec4 colourOf(vec2 cell) {
+  return aged(texture(picture, cell / cellsAside, -0.4), cell);
 }
 `;
 
@@ -97,7 +100,7 @@ void main() {
   gl_Position = vec4((toClip * vec4(corner + unit * side, 0, 1)).xy, 0, 1);
 }`;
 
-export const kPageFragment = `${kPicture}
+export const kPageFragment = `${kPicture}${kColourOf}
 in highp vec2 cell;
 out vec4 colour;
 void main() {

@@ -6,6 +6,7 @@
 #include <map>
 #include <random>
 
+#include "services/semantic_map/marking_lines/cut_lines.hpp"
 #include "services/semantic_map/marking_lines/marking_lines.hpp"
 #include "services/semantic_map/nearby_curbs.hpp"
 #include "services/semantic_map/nearby_markings.hpp"
@@ -166,6 +167,88 @@ TEST(RoadMarkings, AreLookedForOnlyWhereThatIsAskedFor) {
   pipeline.settle();
   EXPECT_EQ(pipeline.num_stale(), 0U);
   EXPECT_TRUE(all_markings(pipeline, {}, path(), off).empty());
+}
+
+/// m, from a place to the nearest of those lines that `counts`.
+double distance_to(const std::vector<MarkingLine>& lines, const Eigen::Vector2d& at,
+                   const std::function<bool(const MarkingLine&)>& counts) {
+  double nearest = 1e9;
+  for (const MarkingLine& line : lines) {
+    if (!counts(line)) continue;
+    for (std::size_t i = 1; i < line.points.size(); ++i) {
+      const Eigen::Vector2d a(double{line.points[i - 1].x}, double{line.points[i - 1].y});
+      const Eigen::Vector2d way = Eigen::Vector2d(double{line.points[i].x}, double{line.points[i].y}) - a;
+      const double share = std::clamp((at - a).dot(way) / way.squaredNorm(), 0.0, 1.0);
+      nearest = std::min(nearest, (a + share * way - at).norm());
+    }
+  }
+  return nearest;
+}
+
+/// A dashed line along x, beside it a slanting solid one, and a crossing at x = 7: what a box's edge can cut.
+double crossing_and_lines(double x, double y) {
+  if (std::abs(x - 7) < 1.5) return std::abs(y) < 4 && std::fmod(y + 8, 1.0) < 0.5 ? kPaint : kRoad;
+  if (std::abs(y + 0.3) < 0.06 && std::fmod(x + 15, 3) < 1.2) return kPaint;
+  return std::abs(y - 3 - 0.1 * x) < 0.06 ? kPaint : kRoad;
+}
+
+TEST(RoadMarkings, AtTheEdgeOfItsBoxAMessageSaysWhatTheMapSays) {
+  TilePipeline pipeline({}, {});
+  for (const tile::VotedTile& tile : road(crossing_and_lines)) pipeline.set_voted(tile);
+  pipeline.settle();
+  const auto map = all_markings(pipeline, {}, path(), {});
+  int all = 0, of_other_type = 0;
+  for (double x = -6; x <= 6; x += 0.5) {
+    const auto message = NearbyMarkings(4, {}).next(pipeline, {}, {x, 0.0}, path());
+    for (const marking_line_t& line : message.lines) {
+      const auto same_type = [&](const MarkingLine& other) {
+        return static_cast<std::int8_t>(other.type) == line.type;
+      };
+      for (std::size_t i = 0; i < line.x.size(); ++i) {
+        const Eigen::Vector2d at(double{line.x[i]}, double{line.y[i]});
+        EXPECT_LE((at - Eigen::Vector2d(x, 0)).lpNorm<Eigen::Infinity>(), 4.001);
+        EXPECT_LT(distance_to(map, at, [](const MarkingLine&) { return true; }), 0.08) << x << ": " << at.transpose();
+        of_other_type += distance_to(map, at, same_type) > 0.08 ? 1 : 0;
+        ++all;
+      }
+    }
+  }
+  EXPECT_GT(all, 500);
+  EXPECT_LT(of_other_type, all / 50) << "of " << all << ": a line that hardly begins in what is looked at";
+}
+
+TEST(CutLines, EndOnTheBoxsEdgeAndKeepTheirGaps) {
+  MarkingLine line;
+  line.type = MarkingType::kDashed;
+  line.width = 0.12F;
+  for (int i = 0; i <= 10; ++i)
+    line.points.push_back({static_cast<float>(i), 1, 0.1F * static_cast<float>(i), i % 2 == 0});
+  const auto parts = marking_lines::cut_lines({line}, {2.5, 0.0}, {6.25, 5.0});
+  ASSERT_EQ(parts.size(), 1U);
+  EXPECT_EQ(parts[0].type, MarkingType::kDashed);
+  const std::vector<tile::MarkingVertex> expected = {{2.5F, 1, 0.25F, true}, {3, 1, 0.3F, false},
+                                                     {4, 1, 0.4F, true},     {5, 1, 0.5F, false},
+                                                     {6, 1, 0.6F, true},     {6.25F, 1, 0.625F, false}};
+  ASSERT_EQ(parts[0].points.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_FLOAT_EQ(parts[0].points[i].x, expected[i].x);
+    EXPECT_FLOAT_EQ(parts[0].points[i].z, expected[i].z);
+    EXPECT_EQ(parts[0].points[i].painted, expected[i].painted) << i;
+  }
+}
+
+TEST(CutLines, OfALineThatLeavesAndComesBackAreTwoAndOfOneBesideTheBoxNone) {
+  MarkingLine line;
+  for (const auto& [x, y] : {std::pair{0.F, 0.F}, {4.F, 0.F}, {4.F, 2.F}, {0.F, 2.F}})
+    line.points.push_back({x, y, 0, true});
+  EXPECT_EQ(marking_lines::cut_lines({line}, {-1.0, -1.0}, {3.0, 3.0}).size(), 2U);
+  EXPECT_EQ(marking_lines::cut_lines({line}, {-9.0, -9.0}, {9.0, 9.0}), std::vector<MarkingLine>{[&] {
+              MarkingLine whole = line;
+              whole.points.back().painted = false;
+              return whole;
+            }()});
+  EXPECT_TRUE(marking_lines::cut_lines({line}, {-9.0, 0.5}, {3.0, 1.5}).empty());
+  EXPECT_TRUE(marking_lines::cut_lines({MarkingLine{}}, {-9.0, -9.0}, {9.0, 9.0}).empty());
 }
 
 TEST(MarkingLineIds, StayWithTheLineWhileItGrows) {

@@ -4,6 +4,7 @@
 #include <curbstone/lidar_points_t.hpp>
 #include <curbstone/map_points_t.hpp>
 #include <curbstone/map_pose_t.hpp>
+#include <curbstone/marking_lines_t.hpp>
 #include <curbstone/semantic_tile_t.hpp>
 #include <curbstone/service_status_t.hpp>
 #include <string>
@@ -22,8 +23,8 @@ void append(LogWriter& log, const std::string& channel, const Message& message, 
   log.write(channel, bytes.data(), static_cast<int>(bytes.size()), log_utime);
 }
 
-/// A drive of `seconds` along x at 1 m/s, of which all products are in the log: a tile of road each 3 m, a curb, points
-/// of map and LiDAR, a fault at 1 s.
+/// A drive of `seconds` along x at 1 m/s, of which all products are in the log: a tile of road each 3 m, a curb, a
+/// line of paint, points of map and LiDAR, a fault at 1 s.
 inline void write_shown_log(const std::string& path, double seconds) {
   LogWriter log(path);
   const std::int32_t epoch = kLogBegin / 1'000'000;
@@ -77,6 +78,22 @@ inline void write_shown_log(const std::string& path, double seconds) {
     curbs.num_lines = 1;
     curbs.lines = {line};
     append(log, "CURBS", curbs, utime + 5000);
+    marking_line_t paint{};
+    paint.type = marking_line_t::SOLID;
+    paint.width = 0.12F;
+    paint.num_points = 2;
+    paint.x = line.x;
+    paint.y = {-1, -1};
+    paint.z = {0, 0};
+    paint.painted = {1, 0};
+    marking_lines_t markings{};
+    markings.utime = utime;
+    markings.epoch = epoch;
+    markings.box_min[0] = markings.box_min[1] = -100;
+    markings.box_max[0] = markings.box_max[1] = 100;
+    markings.num_lines = 1;
+    markings.lines = {paint};
+    append(log, "MARKINGS", markings, utime + 5500);
     service_status_t status{};
     status.utime = utime;
     status.service = "lidar";

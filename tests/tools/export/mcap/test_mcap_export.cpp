@@ -68,6 +68,7 @@ TEST_F(McapExport, HoldsWhatPanelsShow) {
   EXPECT_EQ(last<::foxglove::Grid>(file, "/map/whole").column_count(), 100U) << "the last state is there: 12 m";
   EXPECT_EQ(last<::foxglove::SceneUpdate>(file, "/path").entities_size(), 1);
   EXPECT_GT(last<::foxglove::SceneUpdate>(file, "/curbs").entities_size(), 0);
+  EXPECT_GT(last<::foxglove::SceneUpdate>(file, "/markings").entities_size(), 0);
   EXPECT_EQ(last<::foxglove::PointCloud>(file, "/map/points").data().size(), 16U * 720);
   EXPECT_EQ(last<::foxglove::PointCloud>(file, "/lidar").frame_id(), "base_link");
   EXPECT_GT(file.of("/lidar").size(), 100U);
@@ -80,11 +81,11 @@ TEST_F(McapExport, HoldsWhatPanelsShow) {
   EXPECT_EQ(line.level(), ::foxglove::Log::ERROR);
 }
 
-TEST_F(McapExport, RepeatsCurbsAndPathAsAWholeForThoseWhoEnterAnywhere) {
+TEST_F(McapExport, RepeatsLinesAndPathAsAWholeForThoseWhoEnterAnywhere) {
   curbstone::testing::write_shown_log(path("log"), 25);
   ASSERT_EQ(run({"--only", "mcap", "--without-raw"}), 0);
   const McapFile file = exported();
-  for (const char* topic : {"/curbs", "/path"}) {
+  for (const char* topic : {"/curbs", "/markings", "/path"}) {
     int wholes = 0;
     for (const std::string& bytes : file.of(topic)) {
       ::foxglove::SceneUpdate scene;
@@ -155,7 +156,8 @@ TEST_F(McapExport, TakesWhateverStandsInALog) {
   {
     LogWriter log(path("log"));
     const std::string noise(300, '\xff');
-    for (const char* channel : {"MAP_POSE", "SEMANTIC_TILE", "CURBS", "MAP_POINTS", "SERVICE_STATUS", "LIDAR_POINTS"})
+    for (const char* channel :
+         {"MAP_POSE", "SEMANTIC_TILE", "CURBS", "MARKINGS", "MAP_POINTS", "SERVICE_STATUS", "LIDAR_POINTS"})
       log.write(channel, noise.data(), 300, curbstone::testing::kLogBegin);
     log.write("LATE", noise.data(), 300, INT64_MAX);
     log.write("EARLY", noise.data(), 300, INT64_MIN);
