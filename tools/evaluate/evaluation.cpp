@@ -10,9 +10,11 @@ namespace curbstone::evaluate {
 
 namespace {
 
-/// Calls visit(class, place in the truth's frame) for every cell that points fell into.
+constexpr double kFirm = 0.02;  // m: twice the error of one range, as the map's own margin
+
+/// Calls visit(class, centre in m in map) for every cell that points fell into.
 template <class Visit>
-void for_each_seen_cell(const std::vector<semantic_map::tile::MapTile>& tiles, const Pose& T_truth_map, Visit visit) {
+void for_each_seen_cell(const std::vector<semantic_map::tile::MapTile>& tiles, Visit visit) {
   for (const semantic_map::tile::MapTile& tile : tiles) {
     for (int i = 0; i < semantic_map::tile::kCellsInTile; ++i) {
       const auto index = static_cast<std::size_t>(i);
@@ -23,8 +25,7 @@ void for_each_seen_cell(const std::vector<semantic_map::tile::MapTile>& tiles, c
       const Eigen::Vector3d centre(tile.key.x * kTileSize + (i % kCellsPerTile + 0.5) * kCellSize,
                                    tile.key.y * kTileSize + (i / kCellsPerTile + 0.5) * kCellSize,
                                    static_cast<double>(tile.z_origin) + z);
-      const Eigen::Vector3d placed = T_truth_map * centre;
-      visit(cell_class, Place{placed.x(), placed.y()});
+      visit(cell_class, centre);
     }
   }
 }
@@ -111,16 +112,23 @@ Evaluation evaluate(const std::vector<semantic_map::tile::MapTile>& tiles,
   const PlaceGrid<Place> near_path(path, radius);
   CurbMap map;
   Confusion confusion;
+  Confusion firm;
   BlockingScore blocking;
-  for_each_seen_cell(tiles, evaluation.T_truth_map, [&](semantic_map::tile::CellClass cell_class, Place place) {
-    const std::uint8_t true_class = truth.classes.at(place.x, place.y);
+  for_each_seen_cell(tiles, [&](semantic_map::tile::CellClass cell_class, const Eigen::Vector3d& centre) {
+    const Eigen::Vector3d placed = evaluation.T_truth_map * centre;
+    const Place place{placed.x(), placed.y()};
+    const std::uint8_t true_class = truth.class_of_cell(evaluation.T_truth_map, centre, kCellSize);
     if (is_blocking(static_cast<semantic_map::tile::CellClass>(true_class)) && near_path.any_near(place.x, place.y))
       blocking.count(cell_class, place);
     if (cell_class == semantic_map::tile::CellClass::kUnknown) return;
     map.seen.push_back(place);
     if (cell_class == semantic_map::tile::CellClass::kCurb) map.cells.push_back({place, is_judged(place)});
-    if (true_class != 0 && true_class < semantic_map::tile::kNumClasses)
-      ++confusion.count[true_class][static_cast<std::size_t>(cell_class)];
+    const auto count_in = [&](Confusion& cells, std::uint8_t id) {
+      if (id != 0 && id < semantic_map::tile::kNumClasses) ++cells.count[id][static_cast<std::size_t>(cell_class)];
+    };
+    count_in(confusion, true_class);
+    if (!truth.fine_classes.empty())
+      count_in(firm, truth.class_of_cell(evaluation.T_truth_map, centre, kCellSize, kFirm));
   });
   for (const semantic_map::tile::CurbLine& line : curbs) {
     const std::vector<CurbFoot> feet = feet_of(line, evaluation.T_truth_map);
@@ -135,6 +143,7 @@ Evaluation evaluate(const std::vector<semantic_map::tile::MapTile>& tiles,
   if (!truth.curbs.empty()) evaluation.curbs = score_curbs(map, truth.curbs, path, radius);
   if (!truth.classes.empty()) {
     evaluation.classes = confusion;
+    if (!truth.fine_classes.empty()) evaluation.firm_classes = firm;
     evaluation.blocking = blocking;
   }
   return evaluation;

@@ -37,10 +37,13 @@ struct BlockingScore {
 
 struct Evaluation {
   truth::TrajectoryErrors trajectory;
-  Pose T_truth_map = Pose::Identity();    ///< what laid the map onto the truth: the alignment of the trajectories
-  std::optional<CurbScore> curbs;         ///< without true curbs: nothing
-  std::optional<Confusion> classes;       ///< without a true class image: nothing
-  std::optional<BlockingScore> blocking;  ///< the same
+  Pose T_truth_map = Pose::Identity();  ///< what laid the map onto the truth: the alignment of the trajectories
+  std::optional<CurbScore> curbs;       ///< without true curbs: nothing
+  std::optional<Confusion> classes;     ///< without a true class image: nothing
+  /// Of these only cells that would be of the same class 2 cm wider and 2 cm narrower on each side: what is beyond
+  /// dispute. Without fine true classes: nothing.
+  std::optional<Confusion> firm_classes;
+  std::optional<BlockingScore> blocking;  ///< as `classes`
   std::optional<RunFigures> run;          ///< without a recording: nothing
 };
 

@@ -110,6 +110,10 @@ std::string to_table(const Evaluation& e) {
   std::string text = trajectory_table(e.trajectory);
   if (e.curbs) text += curb_table(*e.curbs);
   if (e.classes) text += class_table(*e.classes);
+  if (e.firm_classes)
+    text +=
+        fmt::format("             accuracy {:.3f} of the {} cells whose class does not hang on 2 cm at their edges\n",
+                    e.firm_classes->accuracy(), e.firm_classes->total());
   if (e.blocking) text += blocking_table(*e.blocking);
   if (e.run) text += run_table(*e.run);
   return text;
@@ -136,6 +140,10 @@ std::string to_json(const Evaluation& e) {
                           {"spread", e.curbs->lateral_spread_cm}};
   }
   if (e.classes) json["classes"] = {{"accuracy", e.classes->accuracy()}, {"confusion", e.classes->count}};
+  if (e.firm_classes) {
+    json["classes"]["firm_accuracy"] = e.firm_classes->accuracy();
+    json["classes"]["firm_confusion"] = e.firm_classes->count;
+  }
   if (e.blocking) {
     json["blocking"] = {{"recall", e.blocking->recall()},
                         {"blocked", e.blocking->blocked},

@@ -76,6 +76,28 @@ TEST(Evaluation, TellsWhatBlocksAndIsCalledFreeFromWhatIsNotKnown) {
   EXPECT_EQ(e.classes->total(), 623) << "unknown cells are not of the confusion matrix";
 }
 
+TEST(Evaluation, JudgesTheMapsOwnCellsWhereTheTruthIsFine) {
+  Scene scene;
+  truth::TrueClasses& fine = scene.truth.fine_classes;
+  fine.resolution = 0.03;
+  fine.width = fine.height = 2000;
+  fine.pixels.assign(2000 * 2000, 1);
+  // A wall over the last centimetres of the map's first row: no centre of a cell lies in it.
+  for (double x = 0; x < 3; x += 0.01) {
+    for (const double y : {0.09, 0.105}) {
+      const Eigen::Vector3d p = scene.T_truth_map * Eigen::Vector3d(x, y, 0);
+      fine.set(p.x(), p.y(), 4);
+    }
+  }
+  for (std::size_t c = 0; c < 25; ++c) scene.tiles.front().cell_class[c] = semantic_map::tile::CellClass::kWall;
+  const Evaluation e = evaluate(scene.tiles, {}, scene.trajectory, scene.truth, 8);
+  ASSERT_TRUE(e.classes && e.firm_classes);
+  EXPECT_EQ(e.classes->count[4][4], 25);
+  EXPECT_EQ(e.classes->count[1][4], 0) << "by the class at its centre each of them would be a road cell called wall";
+  EXPECT_EQ(e.blocking->blocked, 25);
+  EXPECT_LE(e.firm_classes->total(), e.classes->total());
+}
+
 TEST(Evaluation, RefusesAnotherDrivesTruth) {
   Scene scene;
   for (auto& pose : scene.trajectory) pose.utime += 1'000'000'000;

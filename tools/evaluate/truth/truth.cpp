@@ -86,6 +86,30 @@ bool TrueClasses::known_around(double x, double y) const {
          known_near(x + kSide, y + kSide);
 }
 
+std::uint8_t Truth::class_of_cell(const Pose& T_truth_map, const Eigen::Vector3d& centre, double size,
+                                  double slack) const {
+  const Eigen::Vector3d middle = T_truth_map * centre;
+  if (fine_classes.empty()) return classes.at(middle.x(), middle.y());
+  const auto class_of_square = [&](double side) {
+    constexpr std::uint8_t kRoad = 1;
+    const int samples = std::max(1, static_cast<int>(std::lround(side / fine_classes.resolution)));
+    std::uint8_t highest = 0;
+    bool is_known = true;
+    for (int i = 0; i < samples * samples; ++i) {
+      const Eigen::Vector3d off(side * ((i % samples + 0.5) / samples - 0.5),
+                                side * ((i / samples + 0.5) / samples - 0.5), 0);
+      const Eigen::Vector3d at = middle + T_truth_map.linear() * off;
+      const std::uint8_t found = fine_classes.at(at.x(), at.y());
+      highest = std::max(highest, found);
+      is_known = is_known && found != 0;
+    }
+    return highest == kRoad && !is_known ? std::uint8_t{0} : highest;
+  };
+  if (slack <= 0) return class_of_square(size);
+  const std::uint8_t narrow = class_of_square(size - 2 * slack);
+  return narrow == class_of_square(size + 2 * slack) ? narrow : std::uint8_t{0};
+}
+
 Truth load_truth(const std::string& folder) {
   namespace fs = std::filesystem;
   Truth truth;
@@ -110,15 +134,23 @@ Truth load_truth(const std::string& folder) {
   if (fs::exists(folder + "/classes.png")) {
     const std::string name = folder + "/truth.json";
     std::ifstream in(name);
+    double fine_resolution = 0;
     try {
       const auto json = nlohmann::json::parse(in);
       truth.classes.resolution = json.at("resolution_m").get<double>();
       truth.classes.origin_x = json.at("origin").at(0).get<double>();
       truth.classes.origin_y = json.at("origin").at(1).get<double>();
+      fine_resolution = json.value("fine_resolution_m", 0.0);
     } catch (const nlohmann::json::exception& error) {
       throw std::runtime_error(fmt::format("{}: {}", name, error.what()));
     }
     read_gray_png(folder + "/classes.png", truth.classes);
+    if (fs::exists(folder + "/fine_classes.png")) {
+      if (!(fine_resolution > 0)) throw std::runtime_error(fmt::format("{}: fine_resolution_m is missing", name));
+      truth.fine_classes = truth.classes;
+      truth.fine_classes.resolution = fine_resolution;
+      read_gray_png(folder + "/fine_classes.png", truth.fine_classes);
+    }
   }
   return truth;
 }

@@ -44,7 +44,17 @@ struct TrueClasses {
 struct Truth {
   Trajectory poses;  ///< T_world_base
   TrueClasses classes;
+  /// The same in pixels that are small beside a cell of a map; empty where nobody knows it so well.
+  TrueClasses fine_classes;
   std::vector<TrueCurbPoint> curbs;
+
+  /// What truly is in a cell of a map, `size` m wide, which T_truth_map lays on the truth. By the fine classes it is
+  /// what the map's own rule makes of it: the highest class of all that the cell meets. UNKNOWN, so that neither answer
+  /// is wrong, where a cell `slack` m narrower on each side and one as much wider would be different ones, and where it
+  /// is road that is not known everywhere. Without fine classes it is the class at the cell's centre: then a cell
+  /// beside a wall may be either, as the two grids lie.
+  [[nodiscard]] std::uint8_t class_of_cell(const Pose& T_truth_map, const Eigen::Vector3d& centre, double size,
+                                           double slack = 0) const;
 };
 
 /// Reads a truth folder: truth.json, poses.csv, classes.png, curbs.csv. Throws std::runtime_error with file, line and

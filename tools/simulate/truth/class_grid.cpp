@@ -10,7 +10,7 @@ namespace curbstone::simulate::truth {
 
 namespace {
 
-constexpr int kSamples = 6;              // along one side of a cell
+constexpr double kSampleApart = 0.02;    // m: a curb's face is not missed between two of them
 constexpr float kObstacleHeight = 1.2F;  // m
 constexpr float kBehind = 12.0F;         // m behind a curb: gardens beyond are not told about
 
@@ -18,8 +18,9 @@ std::uint8_t ground_class(const world::Ground& ground, double x, double y, doubl
   const world::GroundVertex middle = ground.at(static_cast<float>(x + 0.5 * size), static_cast<float>(y + 0.5 * size));
   if (middle.distance > kBehind) return semantic_tile_t::UNKNOWN;
   if (std::abs(middle.distance) < 0.3F) {
-    for (int i = 0; i < kSamples * kSamples; ++i) {
-      const double sx = x + size * ((i % kSamples) + 0.5) / kSamples, sy = y + size * ((i / kSamples) + 0.5) / kSamples;
+    const int samples = static_cast<int>(std::ceil(size / kSampleApart - 1e-9));  // along one side of a cell
+    for (int i = 0; i < samples * samples; ++i) {
+      const double sx = x + size * ((i % samples) + 0.5) / samples, sy = y + size * ((i / samples) + 0.5) / samples;
       const world::GroundVertex node = ground.at(static_cast<float>(sx), static_cast<float>(sy));
       if (node.distance < 0 || node.distance > static_cast<float>(ground.profile().face)) continue;
       return node.curb < static_cast<float>(kDroppedBelow) ? semantic_tile_t::UNKNOWN : semantic_tile_t::CURB;
@@ -30,9 +31,18 @@ std::uint8_t ground_class(const world::Ground& ground, double x, double y, doubl
 
 }  // namespace
 
-ClassGrid make_class_grid(const world::Scene& scene, double vehicle_height) {
+double fine_resolution(const world::Scene& scene) {
+  constexpr double kFinest = 0.03;     // m
+  constexpr double kMostPixels = 1e8;  // a town of 300 m x 300 m
+  const world::Ground& ground = scene.ground();
+  const double area = ground.width() * world::Ground::kPitch * ground.height() * world::Ground::kPitch;
+  return area > kFinest * kFinest * kMostPixels ? ClassGrid{}.resolution : kFinest;
+}
+
+ClassGrid make_class_grid(const world::Scene& scene, double vehicle_height, double resolution) {
   const world::Ground& ground = scene.ground();
   ClassGrid grid;
+  grid.resolution = resolution;
   grid.x0 = ground.x_of(0);
   grid.y0 = ground.y_of(0);
   const double size = grid.resolution;

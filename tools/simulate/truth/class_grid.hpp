@@ -17,6 +17,11 @@ struct ClassGrid {
 /// passes through; where it is dropped (< 4 cm) a cell stays unknown: neither answer is wrong there. Obstacles are
 /// lower than 1.2 m; cars and what is higher are wall or vehicle; what hangs above `vehicle_height` does not count, nor
 /// do moving cars.
-[[nodiscard]] ClassGrid make_class_grid(const world::Scene& scene, double vehicle_height);
+[[nodiscard]] ClassGrid make_class_grid(const world::Scene& scene, double vehicle_height,
+                                        double resolution = ClassGrid{}.resolution);
+
+/// m: the pixels from which the class of a map's own cell can be told, whichever way its grid lies: a quarter of a
+/// cell. That of ClassGrid in a town too large for it.
+[[nodiscard]] double fine_resolution(const world::Scene& scene);
 
 }  // namespace curbstone::simulate::truth

@@ -77,6 +77,13 @@ ClassImageInfo write_town_truth(const std::string& folder, const world::Town& to
                                 std::span<const paint::Marking> markings, double vehicle_height) {
   const ClassGrid grid = make_class_grid(*town.scene, vehicle_height);
   write_png(folder + "/classes.png", grid.image);
+  const std::string fine_file = folder + "/fine_classes.png";
+  const double fine = fine_resolution(*town.scene);
+  const bool has_fine = fine < grid.resolution;
+  if (has_fine)
+    write_png(fine_file, make_class_grid(*town.scene, vehicle_height, fine).image);
+  else
+    std::filesystem::remove(fine_file);  // of a smaller town, written here before
   std::string text = "line,x,y,z,height,dropped\n";
   int line = 0;
   for (const auto& curb : trace_curbs(town.scene->ground())) {
@@ -88,7 +95,7 @@ ClassImageInfo write_town_truth(const std::string& folder, const world::Town& to
   }
   write_file(folder, "curbs.csv", text);
   write_markings(folder, town.scene->ground(), markings);
-  return {grid.resolution, grid.x0, grid.y0, grid.image.width, grid.image.height};
+  return {grid.resolution, grid.x0, grid.y0, grid.image.width, grid.image.height, has_fine ? fine : 0};
 }
 
 void write_drive_truth(const std::string& folder, const TruthInfo& info, const motion::Motion& motion,
@@ -102,6 +109,7 @@ void write_drive_truth(const std::string& folder, const TruthInfo& info, const m
     json["origin"] = {classes->x0, classes->y0};
     json["width"] = classes->width;
     json["height"] = classes->height;
+    if (classes->fine_resolution > 0) json["fine_resolution_m"] = classes->fine_resolution;
   } else {
     json["classes"] = nullptr;
   }

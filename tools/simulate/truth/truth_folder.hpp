@@ -11,8 +11,9 @@
 
 namespace curbstone::simulate::truth {
 
-/// The folder that `curbstone evaluate` reads: truth.json, poses.csv, for towns also classes.png, curbs.csv and
-/// markings.csv. All functions throw std::runtime_error with one clear line when something cannot be written.
+/// The folder that `curbstone evaluate` reads: truth.json, poses.csv, for towns also classes.png, curbs.csv,
+/// markings.csv and, unless the town is large, fine_classes.png. All functions throw std::runtime_error with one clear
+/// line when something cannot be written.
 struct TruthInfo {
   std::int64_t start_utime = 0;
   std::uint64_t seed = 0;
@@ -28,11 +29,12 @@ struct ClassImageInfo {
   double y0 = 0;
   int width = 0;
   int height = 0;
+  double fine_resolution = 0;  ///< m a pixel, of the finer image with the same corner; 0: there is none
 };
 
 /// Makes the folder, and finds out now rather than after the drive whether it can be written.
 void prepare_truth_folder(const std::string& folder);
-/// classes.png, curbs.csv and markings.csv: known before the drive.
+/// classes.png, fine_classes.png, curbs.csv and markings.csv: known before the drive.
 ClassImageInfo write_town_truth(const std::string& folder, const world::Town& town,
                                 std::span<const paint::Marking> markings, double vehicle_height);
 /// poses.csv and truth.json: known when the drive has begun. Without `classes` the truth has none, and says so.

@@ -96,6 +96,26 @@ TEST(ClassGrid, NamesTheRoadWallsCarsBinsAndNotWhatHangsAbove) {
   EXPECT_GT(crowns, 10);
 }
 
+TEST(ClassGrid, OfFinePixelsEndsWhereAWallEnds) {
+  truth::ClassGrid fine = truth::make_class_grid(*town().scene, 2.0, truth::fine_resolution(*town().scene));
+  ASSERT_LT(fine.resolution, 0.04);
+  int walls = 0, alone = 0;
+  for (const auto& shape : town().scene->shapes()) {
+    if (shape.surface != world::Surface::kWall) continue;
+    const Eigen::Vector2d along = Eigen::Vector2f(shape.cos_yaw, shape.sin_yaw).cast<double>();
+    const Eigen::Vector2d face = shape.centre.head<2>().cast<double>() + static_cast<double>(shape.half.x()) * along;
+    const auto class_beyond = [&](double off) {
+      const Eigen::Vector2d at = face + off * along;
+      return class_at(fine, at.x(), at.y());
+    };
+    EXPECT_EQ(class_beyond(-fine.resolution), +semantic_tile_t::WALL);
+    ++walls;
+    alone += class_beyond(2 * fine.resolution) != semantic_tile_t::WALL ? 1 : 0;
+  }
+  EXPECT_GT(walls, 20);
+  EXPECT_GT(2 * alone, walls) << "the others join on to something";
+}
+
 TEST(TruthFolder, IsCompleteAndReadable) {
   const testing::TemporaryFolder temporary;
   const std::string folder = temporary / "truth";
@@ -103,13 +123,14 @@ TEST(TruthFolder, IsCompleteAndReadable) {
   const motion::TownMotion motion(town(), {}, motion::SpeedProfile({}, 5));
   truth::prepare_truth_folder(folder);
   truth::write_drive_truth(folder, info, motion, truth::write_town_truth(folder, town(), {}, 2.0));
-  for (const char* name : {"truth.json", "poses.csv", "classes.png", "curbs.csv", "markings.csv"})
+  for (const char* name : {"truth.json", "poses.csv", "classes.png", "fine_classes.png", "curbs.csv", "markings.csv"})
     EXPECT_TRUE(std::filesystem::exists(folder + "/" + name)) << name;
   std::ifstream in(folder + "/truth.json");
   const auto json = nlohmann::json::parse(in);
   EXPECT_EQ(json["start_utime"], 1'750'000'000'000'000);
   EXPECT_EQ(json["latest_packet_s"], 0.004);
   EXPECT_EQ(json["resolution_m"], 0.12);
+  EXPECT_EQ(json["fine_resolution_m"], 0.03);
   EXPECT_GT(json["width"], 1000);
   std::ifstream poses(folder + "/poses.csv");
   EXPECT_EQ(std::count(std::istreambuf_iterator<char>(poses), {}, '\n'), 502) << "heading and 100 a second";

@@ -23,9 +23,13 @@ evaluate::truth::Truth truth_of(const simulate::world::Town& town, double vehicl
       truth.curbs.push_back({line, v.foot.x(), v.foot.y(), v.foot.z(), v.height, v.dropped});
     ++line;
   }
-  simulate::truth::ClassGrid grid = simulate::truth::make_class_grid(*town.scene, vehicle_height);
-  truth.classes = {grid.resolution,  grid.x0,           grid.y0,
-                   grid.image.width, grid.image.height, std::move(grid.image.pixels)};
+  const auto classes = [&](double resolution) {
+    simulate::truth::ClassGrid grid = simulate::truth::make_class_grid(*town.scene, vehicle_height, resolution);
+    return evaluate::truth::TrueClasses{grid.resolution,  grid.x0,           grid.y0,
+                                        grid.image.width, grid.image.height, std::move(grid.image.pixels)};
+  };
+  truth.classes = classes(simulate::truth::ClassGrid{}.resolution);
+  truth.fine_classes = classes(simulate::truth::fine_resolution(*town.scene));
   return truth;
 }
 
