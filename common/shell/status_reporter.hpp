@@ -9,6 +9,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/node.hpp"
 #include "common/shell/fault_lines.hpp"
+#include "common/shell/namesake.hpp"
 #include "common/time/clock.hpp"
 #include "common/time/clock_step.hpp"
 
@@ -22,9 +23,9 @@ struct Clocks {
   std::function<std::int64_t()> steady = steady_clock;
 };
 
-/// Sends SERVICE_STATUS for a process: what its node reports, the facts of the process, and that the clock of the host
-/// was set. Faults that come to stay, or are over, also go to stderr. Call it from the loop that does the work: its
-/// coming says that the loop turns.
+/// Sends SERVICE_STATUS for a process: what its node reports, the facts of the process, that the clock of the host was
+/// set, and that another process has its name. Faults that come to stay, or are over, also go to stderr. Call it from
+/// the loop that does the work: its coming says that the loop turns.
 class StatusReporter {
  public:
   /// `service`: unique on the bus.
@@ -33,6 +34,8 @@ class StatusReporter {
   /// Whether the node's faults are others than were said last, whatever their numbers: who waits for a service need not
   /// wait for the next second.
   [[nodiscard]] bool is_news(const NodeReport& report) const;
+  /// Any SERVICE_STATUS on the bus.
+  void hear(const service_status_t& message) { namesake_.hear(message, status_, clocks_.wall()); }
   void publish(Publisher& bus, const Counters& bus_counters, const NodeReport& report);
 
  private:
@@ -41,6 +44,7 @@ class StatusReporter {
   std::vector<std::string> told_;  // the node's faults, without their numbers
   FaultLines fault_lines_;
   ClockStep clock_step_;
+  Namesake namesake_;
   std::int64_t start_;  // us
 };
 

@@ -4,20 +4,24 @@
 
 namespace curbstone::procman::deputy {
 
+void StartSequence::start(const std::vector<std::string>& stage) {
+  for (auto id = stage.rbegin(); id != stage.rend(); ++id) hands_.start(*id);
+}
+
 bool StartSequence::step(std::int64_t now) {
-  while (!stages_.empty()) {
-    const std::vector<std::string>& stage = stages_.back();
-    if (!begun_) {
-      begun_ = true;
-      since_ = now;
-      for (auto id = stage.rbegin(); id != stage.rend(); ++id) hands_.start(*id);
-    }
-    // The last stage of all has nobody who waits for it.
-    const bool up = stages_.size() == 1 || std::all_of(stage.begin(), stage.end(), hands_.is_up);
-    if (!up && now - since_ < kPatience) return false;
-    stages_.pop_back();
-    begun_ = false;
+  if (stages_.empty()) return true;
+  const auto sources = stages_.begin();
+  if (!begun_) {
+    begun_ = true;
+    since_ = now;
+    for (auto stage = std::prev(stages_.end()); stage != sources; --stage) start(*stage);
   }
+  const bool up = std::all_of(std::next(sources), stages_.end(), [this](const auto& stage) {
+    return std::all_of(stage.begin(), stage.end(), hands_.is_up);
+  });
+  if (!up && now - since_ < kPatience) return false;
+  start(*sources);
+  stages_.clear();
   return true;
 }
 

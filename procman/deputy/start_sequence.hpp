@@ -7,9 +7,10 @@
 
 namespace curbstone::procman::deputy {
 
-/// Starts everything, one stage after the other: from the sink to the source, so that nothing of what a stage says is
-/// missed. A stage begins when all commands of the stage before are up, or kPatience later: one that does not come up
-/// must not keep the others down. Pure: time comes in, us.
+/// Starts everything: the first stage, the sources of the data, last, so that nothing of what they say is missed. The
+/// others begin together, from the sink on: until a source speaks they have nothing to say to each other. The sources
+/// begin when all the others are up, or kPatience later: one that does not come up must not keep them down. Pure: time
+/// comes in, us.
 class StartSequence {
  public:
   static constexpr std::int64_t kPatience = 5'000'000;  ///< us
@@ -20,7 +21,7 @@ class StartSequence {
     std::function<bool(const std::string& id)> is_up;
   };
 
-  /// `stages` in the order of the data: the last one is started first.
+  /// `stages` in the order of the data.
   StartSequence(std::vector<std::vector<std::string>> stages, Hands hands)
       : stages_(std::move(stages)), hands_(std::move(hands)) {}
 
@@ -28,7 +29,9 @@ class StartSequence {
   bool step(std::int64_t now);
 
  private:
-  std::vector<std::vector<std::string>> stages_;  // the last one is next, or being started
+  void start(const std::vector<std::string>& stage);
+
+  std::vector<std::vector<std::string>> stages_;  // none any more when all have been started
   Hands hands_;
   bool begun_ = false;
   std::int64_t since_ = 0;

@@ -67,6 +67,31 @@ TEST_F(StatusOfAService, IsNewsWhenAFaultComesOrGoesAndNotWhenItsNumbersChange) 
   EXPECT_FALSE(is_news({}));
 }
 
+TEST_F(StatusOfAService, TellsOfAnotherProcessOfItsNameWhileThereIsOne) {
+  pass(1'000'000);
+  service_status_t other = heard_;
+  const auto hear_other = [&](std::int64_t ago) {
+    other.utime = wall_ - ago;
+    reporter_.hear(other);
+    reporter_.hear(heard_);
+    pass(1'000'000);
+  };
+  for (int i = 0; i < 3; ++i) hear_other(0);
+  EXPECT_THAT(heard_.fault, IsEmpty()) << "that was itself";
+  other.pid = heard_.pid + 1;
+  hear_other(0);
+  EXPECT_THAT(heard_.fault, IsEmpty()) << "a predecessor's last word";
+  hear_other(0);
+  EXPECT_THAT(heard_.fault, ElementsAre(HasSubstr("another process has this name")));
+  for (int i = 0; i < 4; ++i) pass(1'000'000);
+  EXPECT_THAT(heard_.fault, IsEmpty());
+  for (int i = 0; i < 3; ++i) hear_other(3'600'000'000);
+  EXPECT_THAT(heard_.fault, IsEmpty()) << "a log is played";
+  other.service = "ekf";
+  for (int i = 0; i < 3; ++i) hear_other(0);
+  EXPECT_THAT(heard_.fault, IsEmpty());
+}
+
 TEST_F(StatusOfAService, SaysTheNodesFaultsAndCounters) {
   report_.faults = {"no packets"};
   report_.counters.add("packets", 3);

@@ -17,13 +17,13 @@ struct Started {
                           [this](const std::string& id) { return up.contains(id); }}};
 };
 
-TEST(StartSequence, BeginsWithTheSinkAndWaitsForIt) {
+TEST(StartSequence, BeginsWithTheSinkAndKeepsTheSourcesUntilAllListen) {
   Started s;
   EXPECT_FALSE(s.sequence.step(1));
-  EXPECT_THAT(s.ids, ElementsAre("map"));
+  EXPECT_THAT(s.ids, ElementsAre("map", "ekf")) << "neither waits for the other";
   s.up = {"map"};
   EXPECT_FALSE(s.sequence.step(2));
-  EXPECT_THAT(s.ids, ElementsAre("map", "ekf"));
+  EXPECT_EQ(s.ids.size(), 2U);
   s.up.insert("ekf");
   EXPECT_TRUE(s.sequence.step(3));
   EXPECT_THAT(s.ids, ElementsAre("map", "ekf", "imu", "lidar"));
@@ -33,13 +33,20 @@ TEST(StartSequence, GoesOnWithoutOneThatDoesNotComeUp) {
   Started s;
   EXPECT_FALSE(s.sequence.step(0));
   EXPECT_FALSE(s.sequence.step(StartSequence::kPatience - 1));
-  EXPECT_THAT(s.ids, ElementsAre("map"));
-  EXPECT_FALSE(s.sequence.step(StartSequence::kPatience));
   EXPECT_THAT(s.ids, ElementsAre("map", "ekf"));
-  EXPECT_TRUE(s.sequence.step(2 * StartSequence::kPatience));
+  EXPECT_TRUE(s.sequence.step(StartSequence::kPatience));
   EXPECT_EQ(s.ids.size(), 4U);
   EXPECT_TRUE(s.sequence.step(3 * StartSequence::kPatience));
   EXPECT_EQ(s.ids.size(), 4U) << "once";
+}
+
+TEST(StartSequence, OfOneStageOrNoneIsSoonOver) {
+  std::vector<std::string> ids;
+  const StartSequence::Hands hands{[&](const std::string& id) { ids.push_back(id); },
+                                   [](const auto&) { return false; }};
+  EXPECT_TRUE(StartSequence({{"a", "b"}}, hands).step(1));
+  EXPECT_THAT(ids, ElementsAre("b", "a"));
+  EXPECT_TRUE(StartSequence({}, hands).step(1));
 }
 
 }  // namespace
