@@ -136,14 +136,14 @@ void EncoderNode::on_stamp(std::int64_t now, const Arrived& arrived, const Perio
   // Speeds by the drive's own periods: a correction of the clock's offset is no change of speed.
   const std::int64_t passed = stamp.restarted ? arrived.receive_utime - last_stamped_ : stamp.steps * clock_.period();
   const double elapsed = static_cast<double>(passed) * 1e-6;
-  last_stamped_ = arrived.receive_utime;
+  if (stamp.sure || stamp.steps > 0) last_stamped_ = arrived.receive_utime;
   if (!stamp.sure) {
     counters_.add("withheld.unsure");
     odometer_.pass(elapsed);
     speedometer_.pass(elapsed);
     return;
   }
-  if (stamp.steps > 1) counters_.add("lost.samples", stamp.steps - 1);
+  if (stamp.lost > 0) counters_.add("lost.samples", stamp.lost);
 
   const auto publish_it = [&](wheels_t& message) { output_.publish(message, now); };
   if (stamp.restarted) {

@@ -23,6 +23,7 @@ void PeriodClock::begin(std::int64_t received) {
   running_ = true;
   index_ = 0;
   stamped_ = 0;
+  off_beat_ = 0;
   block_size_ = 0;
   last_stamp_ = offset_.to_host(0, received);
   decided_.push_back({.utime = last_stamp_, .restarted = true});
@@ -35,6 +36,10 @@ const std::vector<PeriodClock::Stamp>& PeriodClock::stamp(std::int64_t received,
   last_received_ = received;
   if (!running_ || gap > kMaxSleep || gap < 0 || on_another_beat()) {
     begin(received);
+    return decided_;
+  }
+  if (comes_off_the_beat(received)) {
+    take_off_the_beat(received, gap);
     return decided_;
   }
   if (waiting_.size() == kMost) give_up_oldest();
@@ -58,6 +63,26 @@ const std::vector<PeriodClock::Stamp>& PeriodClock::stamp(std::int64_t received,
     decide_by_order();
   }
   return decided_;
+}
+
+bool PeriodClock::comes_off_the_beat(std::int64_t received) const {
+  if (stamped_ < kSettle || !waiting_.empty()) return false;
+  return off_beat_ > 0 || received < offset_.offset() + (index_ + 1) * period_ - tolerance();
+}
+
+/// Whatever the period is now: a sample on the beat was taken then, and so many periods have passed.
+void PeriodClock::take_off_the_beat(std::int64_t received, std::int64_t gap) {
+  const std::int64_t since = received - offset_.offset() - index_ * period_;
+  const auto steps = static_cast<int>((since + kEarly) / period_);
+  ++off_beat_;
+  regular_ = std::abs(gap - period_) <= period_ / 8 ? regular_ + 1 : 0;
+  if (off_beat_ > 1 && steps >= 1 && since - steps * period_ <= tolerance()) {
+    stamp_next(received, steps, true, std::max(steps - off_beat_, 0));
+  } else if (regular_ >= kRegular || off_beat_ >= kMost) {
+    begin(received);
+  } else {
+    decided_.push_back({.utime = received, .steps = 0, .sure = false});
+  }
 }
 
 bool PeriodClock::is_early(std::int64_t received) const {
@@ -120,7 +145,7 @@ bool PeriodClock::on_another_beat() const {
 }
 
 void PeriodClock::give_up_oldest() {
-  stamp_next(waiting_.front().received, 1, false);
+  stamp_next(waiting_.front().received, 1, false, 0);
   waiting_.pop_front();
   ++given_up_;
 }
@@ -139,7 +164,8 @@ void PeriodClock::decide(int missing, std::size_t first, std::size_t last, bool 
     } else if (told_by_others && waiting.told && *waiting.told >= so_far && *waiting.told <= missing) {
       before = waiting.told;
     }
-    stamp_next(waiting.received, before ? 1 + *before - so_far : 1, before.has_value());
+    const int lost = before ? *before - so_far : 0;
+    stamp_next(waiting.received, 1 + lost, before.has_value(), lost);
     so_far = before.value_or(so_far);
   }
   for (Waiting& waiting : waiting_) {
@@ -148,7 +174,8 @@ void PeriodClock::decide(int missing, std::size_t first, std::size_t last, bool 
   }
 }
 
-void PeriodClock::stamp_next(std::int64_t received, int steps, bool sure) {
+void PeriodClock::stamp_next(std::int64_t received, int steps, bool sure, int lost) {
+  off_beat_ = regular_ = 0;
   index_ += steps;
   const std::int64_t expected = last_stamp_ + steps * period_;
   if (!sure) {
@@ -158,8 +185,10 @@ void PeriodClock::stamp_next(std::int64_t received, int steps, bool sure) {
   }
   last_stamp_ = offset_.to_host(index_ * period_, received);
   stamped_ = std::min(stamped_ + 1, kSettle);
-  decided_.push_back(
-      {.utime = last_stamp_, .steps = steps, .earlier = std::max<std::int64_t>(expected - last_stamp_, 0)});
+  decided_.push_back({.utime = last_stamp_,
+                      .steps = steps,
+                      .lost = lost,
+                      .earlier = std::max<std::int64_t>(expected - last_stamp_, 0)});
 }
 
 /// A wrong timer unit doubles or halves the period. A pause at a block's end spoils its mean: two blocks must agree.

@@ -21,13 +21,18 @@ namespace curbstone::encoder {
 ///    suffice: it may be corrupt;
 ///  - by kSettle of them in a row, most of which come right on the period: the host's delays have no such order. Those
 ///    before the second one that is on it are unsure.
+/// A sample that comes well before its time is off the beat: sent twice, or the device keeps another period or phase
+/// now. It and those that follow are unsure, until one is on the beat again, or kRegular in a row are a period apart:
+/// then all begins anew. Another period is measured meanwhile.
+///
 /// Where kMost wait, the oldest is given up as unsure. If they keep a beat of their own, or none for long, all begins
 /// anew. Pure; one thread. All times in us.
 class PeriodClock {
  public:
   struct Stamp {
     std::int64_t utime = 0;    ///< us; never after the arrival
-    int steps = 1;             ///< periods since the sample before: steps - 1 were lost
+    int steps = 1;             ///< periods since the sample before; 0: off the beat
+    int lost = 0;              ///< samples that never came since the sample before
     bool sure = true;          ///< false: nobody knows when it was taken; the stamp is a guess
     bool restarted = false;    ///< nothing is known of the time since the sample before
     std::int64_t earlier = 0;  ///< us by which this sample shows those before to have been taken earlier than stamped
@@ -40,6 +45,8 @@ class PeriodClock {
   static constexpr int kSettle = 50;
   /// Samples that wait.
   static constexpr int kMost = 200;
+  /// Samples a period apart that are a beat.
+  static constexpr int kRegular = 5;
   /// us; after a longer silence all begins anew, unless the evidence says that nothing is missing: the host slept, and
   /// what the device sent meanwhile comes in one go.
   static constexpr std::int64_t kMaxGap = 500'000;
@@ -73,10 +80,12 @@ class PeriodClock {
   [[nodiscard]] std::int64_t least_delay() const;
   [[nodiscard]] bool on_another_beat() const;
   void give_up_oldest();
+  [[nodiscard]] bool comes_off_the_beat(std::int64_t received) const;
+  void take_off_the_beat(std::int64_t received, std::int64_t gap);
   void decide_by_evidence();
   void decide_by_order();
   void decide(int missing, std::size_t first, std::size_t last, bool told_by_others = false);
-  void stamp_next(std::int64_t received, int steps, bool sure);
+  void stamp_next(std::int64_t received, int steps, bool sure, int lost);
 
   static constexpr int kBlock = 64;  // samples over which the period is measured
 
@@ -89,6 +98,8 @@ class PeriodClock {
   std::int64_t last_received_ = 0;
   int stamped_ = 0;   // samples since the beginning, up to kSettle
   int given_up_ = 0;  // samples since one was stamped
+  int off_beat_ = 0;  // samples since one was on the beat
+  int regular_ = 0;   // of these, the last in a row that came a period apart
   std::deque<Waiting> waiting_;
   std::vector<Stamp> decided_;
   std::int64_t block_begin_ = 0;  // us, arrival of the block's first sample

@@ -27,6 +27,8 @@ void PacketClock::choose(bool device_is_sane) {
   const bool wanted = mode_ == ClockMode::kDevice || (mode_ == ClockMode::kAuto && device_is_sane);
   if (!decided_) {
     decided_ = true;
+    if (contrary_ == kRestarted && wanted != uses_device_) ++switches_;
+    contrary_ = 0;
     uses_device_ = wanted;
     return;
   }

@@ -34,8 +34,11 @@ class PacketClock {
   Time time_of(std::optional<std::int64_t> stamp, std::int64_t received, std::int64_t duration, bool host_is_right,
                bool in_order);
 
-  /// The device's clock was set, or the device is another one: its offset is to be found anew.
+  /// The device's clock was set, or the device is another one: its offset is to be found anew, and the next packet
+  /// decides whose time is used, for a GPS that was lost may leave the device in the year 2000.
   void restart() {
+    decided_ = false;
+    contrary_ = kRestarted;
     offset_ = make_offset();
     stamped_ = false;
   }
@@ -51,6 +54,7 @@ class PacketClock {
   /// Jumps are found by PacketOrder.
   static ClockOffset make_offset() { return ClockOffset(5'000'000, std::numeric_limits<std::int64_t>::max()); }
   void choose(bool device_is_sane);
+  static constexpr int kRestarted = -1;
 
   ClockMode mode_;
   std::int64_t tolerance_;

@@ -28,10 +28,25 @@ PacketOrder::Mark PacketOrder::mark(const PendingPacket& packet) {
           packet.points.duration * 1e6};
 }
 
+/// A packet begins when the one before it has ended, give or take firmware of other firing times. One that begins in
+/// the middle of another is read in the wrong return mode.
+bool PacketOrder::overlap(const Mark& before, const Mark& packet) {
+  const std::int64_t passed = packet.stamp - before.stamp;
+  const double part = std::abs(static_cast<double>(passed)) / (passed > 0 ? before.duration : packet.duration);
+  return part > 0.2 && part < 0.8;
+}
+
+/// A head is heavy. One that turns at another speed all at once is read in the wrong return mode too.
+bool PacketOrder::other_speed(const Mark& before, const Mark& packet) {
+  const auto [slow, fast] = std::minmax({std::abs(before.rate), std::abs(packet.rate)});
+  return fast > 1.4 * slow;
+}
+
 Refusal PacketOrder::fits(const Mark& before, const Mark& packet) {
   const auto passed = static_cast<double>(packet.stamp - before.stamp);
   const double beside_receipt = std::abs(passed - static_cast<double>(packet.received - before.received));
-  if (passed < -kReorderAtMost) return Refusal::kStamp;
+  if (passed < -kReorderAtMost || overlap(before, packet)) return Refusal::kStamp;
+  if (other_speed(before, packet)) return Refusal::kAzimuth;
   if (passed > kShortGap) return beside_receipt <= kLongGapJitter ? Refusal::kNone : Refusal::kStamp;
   // Times of receipt may be anything while the stamps go on without a gap: a busy host, a network that stood still.
   const bool near = std::abs(passed) <= 4 * before.duration;
@@ -42,7 +57,8 @@ Refusal PacketOrder::fits(const Mark& before, const Mark& packet) {
   const double tolerance = 30 + 0.25 * std::abs(before.rate) * before.duration + 0.02 * std::abs(turned);
   if (off <= tolerance) return Refusal::kNone;
   const double whole = std::round(passed / before.duration) * before.duration;
-  const bool on_time = std::abs(passed - whole) < 0.1 * before.duration && beside_receipt <= kReceiptJitter;
+  const bool goes_on = packet.stamp != before.stamp;
+  const bool on_time = std::abs(passed - whole) < 0.1 * before.duration && beside_receipt <= kReceiptJitter && goes_on;
   return on_time ? Refusal::kAzimuth : Refusal::kStamp;
 }
 

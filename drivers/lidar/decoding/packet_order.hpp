@@ -69,6 +69,8 @@ class PacketOrder {
   };
   [[nodiscard]] static Mark mark(const PendingPacket& packet);
   [[nodiscard]] static Refusal fits(const Mark& before, const Mark& packet);
+  [[nodiscard]] static bool other_speed(const Mark& before, const Mark& packet);
+  [[nodiscard]] static bool overlap(const Mark& before, const Mark& packet);
   [[nodiscard]] Refusal take_without_stamp();
   [[nodiscard]] Refusal doubt(const Mark& packet, Refusal why);
   [[nodiscard]] Refusal twice_or_late(const Mark& packet) const;

@@ -161,5 +161,89 @@ TEST_F(FaultyBus, RandomBitsInFramesNeverMoveAStamp) {
   expect_true_messages(0.6);
 }
 
+/// The drive's position frame of this moment.
+CanFrame positions(const testing::DriveRig& rig, std::int64_t at) {
+  CanFrame frame = CanFrame::make(kPositions, {0, 0, 0, 0, 0, 0, 0, 0});
+  for (int side = 0; side < 2; ++side) {
+    const auto counts = static_cast<std::uint32_t>(rig.raw(at, side));
+    for (int byte = 0; byte < 4; ++byte)
+      frame.data[static_cast<std::size_t>(4 * side + byte)] = static_cast<std::uint8_t>(counts >> (8 * byte));
+  }
+  return frame;
+}
+
+/// A drive that somebody else has set up, which sends its positions each `period` us of a time.
+class AnotherPeriod : public ::testing::Test {
+ protected:
+  AnotherPeriod() : rig_(listening()) {}
+  static EncoderConfig listening() {
+    EncoderConfig config;
+    config.configure = false;
+    return config;
+  }
+  void send(double seconds, double period) {
+    for (const double end = at_ + seconds * 1e6; at_ < end; at_ += period) {
+      const auto now = static_cast<std::int64_t>(at_);
+      if (now - ticked_ >= 20'000) rig_.node.tick(ticked_ = now);
+      rig_.node.on_frame(now + 150 + static_cast<std::int64_t>(random_() % 200), positions(rig_, now));
+    }
+  }
+  void expect_true_messages() {
+    const auto& messages = rig_.messages();
+    for (std::size_t i = 1; i < messages.size(); ++i) {
+      const wheels_t& m = messages[i];
+      ASSERT_GT(m.utime, messages[i - 1].utime);
+      ASSERT_NEAR(m.angle[0], rig_.angle(m.utime) - rig_.angle(messages[0].utime), 0.012) << i;
+      ASSERT_NEAR(m.speed[0], 10, 0.8) << i << " at " << static_cast<double>(m.utime - testing::DriveRig::kStart) * 1e-6
+                                       << " s";
+    }
+  }
+
+  testing::DriveRig rig_;
+  std::mt19937 random_{1};
+  double at_ = static_cast<double>(testing::DriveRig::kStart);
+  std::int64_t ticked_ = 0;
+};
+
+TEST_F(AnotherPeriod, ASyncOfAnotherRateMakesNoSpeedWrongAndIsTold) {
+  for (const double period : {5'000.0, 2'500.0, 20'000.0}) {
+    SCOPED_TRACE(period);
+    send(3, 10'000);
+    const std::size_t before = rig_.messages().size();
+    send(5, period);
+    EXPECT_GE(rig_.messages().size() - before, static_cast<std::size_t>(1.5e6 / period));
+    EXPECT_THAT(rig_.node.report().faults, Contains(HasSubstr("the drive sends every")));
+    expect_true_messages();
+    send(3, 10'000);
+    expect_true_messages();
+    EXPECT_THAT(rig_.node.report().faults, ::testing::Not(Contains(HasSubstr("the drive sends every"))));
+  }
+}
+
+TEST_F(AnotherPeriod, AnotherPhaseCostsAFewSamples) {
+  send(3, 10'000);
+  for (const double earlier : {2'000.0, 4'900.0, 8'000.0}) {
+    const std::size_t before = rig_.messages().size();
+    at_ -= earlier;
+    send(2, 10'000);
+    EXPECT_GE(rig_.messages().size() - before, 194U) << earlier;
+    EXPECT_EQ(rig_.count("lost.samples"), 0);
+    expect_true_messages();
+  }
+}
+
+TEST_F(AnotherPeriod, AWheelThatStandsAloneIsPublishedAsItIs) {
+  send(3, 10'000);
+  for (int i = 0; i < 300; ++i, at_ += 10'000) {
+    CanFrame frame = positions(rig_, static_cast<std::int64_t>(at_));
+    const CanFrame stuck = positions(rig_, static_cast<std::int64_t>(testing::DriveRig::kStart) + 3'000'000);
+    std::copy(stuck.data.begin() + 4, stuck.data.end(), frame.data.begin() + 4);
+    rig_.node.on_frame(static_cast<std::int64_t>(at_) + 200, frame);
+  }
+  EXPECT_NEAR(rig_.messages().back().speed[0], 10, 0.4);
+  EXPECT_EQ(rig_.messages().back().speed[1], 0);
+  EXPECT_EQ(rig_.count("lost.samples"), 0);
+}
+
 }  // namespace
 }  // namespace curbstone::encoder

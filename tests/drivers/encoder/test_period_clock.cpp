@@ -33,7 +33,7 @@ struct Line {
   }
   [[nodiscard]] int lost() const {
     int lost = 0;
-    for (const auto& stamp : stamps) lost += stamp.steps - 1;
+    for (const auto& stamp : stamps) lost += stamp.lost;
     return lost;
   }
   [[nodiscard]] int unsure() const {
