@@ -26,15 +26,18 @@ PoseBelief prior_at(const Pose& pose, int i) {
 }
 
 /// Of two places, the one that explains more of what either sees, ground and upright alike: shares of 0..1. A place
-/// that hides what does not fit from the counts is no better for it.
+/// that hides what does not fit from the counts is no better for it. What does not tell the pose does not tell where it
+/// is better either.
 struct Scores {
   double own, other;
 };
-Scores scores(const PoseFit& own, const PoseFit& other) {
+Scores scores(const PoseFit& own, const PoseFit& other, const TrackingConfig& config) {
   const double uprights = std::max({own.uprights, other.uprights, 1});
   const double grounds = std::max({own.grounds, other.grounds, 1});
   const auto score = [&](const PoseFit& fit) {
-    return 0.5 * fit.uprights_matched / uprights + 0.5 * fit.grounds_matched / grounds;
+    const double upright = config.use_walls ? 0.5 * fit.uprights_matched / uprights : 0;
+    const double ground = config.heights != Heights::kNone ? 0.5 * fit.grounds_matched / grounds : 0;
+    return upright + ground;
   };
   return {score(own), score(other)};
 }
@@ -48,10 +51,10 @@ std::optional<PoseFit> Surroundings::better_than(const PoseFit& own, const std::
     seen_ = std::min(seen_ + 1, kPlaces);
     const PoseFit other = fit_pose(points, prior_at(own.belief.T_map_base, next_), map, config);
     if (other.matched_share() == 0) continue;  // too little is seen there to tell
-    const Scores against_own = scores(own, other);
+    const Scores against_own = scores(own, other, config);
     if (against_own.other <= against_own.own + kClearly) continue;
     if (best) {
-      const Scores against_best = scores(*best, other);
+      const Scores against_best = scores(*best, other, config);
       if (against_best.other <= against_best.own) continue;
     }
     best = other;

@@ -75,12 +75,15 @@ void Tracker::look_around(const std::vector<Eigen::Vector3d>& points, PoseFit& f
 }
 
 /// The map is bent: what tells the pose here also held the vehicle that made the map, and where that is little, the map
-/// drifted as that vehicle's odometry did. Looking on does not take it away: it is what all that is seen has in common.
+/// drifted as that vehicle's odometry did. A map that is told half as well errs twice as much (in variance) at each
+/// place, and takes twice as far to be pulled back: hence the square. Looking on does not take it away: it is what all
+/// that is seen has in common.
 Matrix6 Tracker::published_covariance() const {
-  Matrix6 held = config_.map_independent * told_;
-  held.diagonal().head<3>().array() += 1 / (config_.map_drift_m * config_.map_drift_m);
-  held.diagonal().tail<3>().array() += 1 / (config_.map_drift_rad * config_.map_drift_rad);
-  return belief_.covariance + held.inverse();
+  Vector6 drift;
+  drift << Eigen::Vector3d::Constant(config_.map_drift_m), Eigen::Vector3d::Constant(config_.map_drift_rad);
+  const Matrix6 held = Matrix6::Identity() + config_.map_independent * drift.asDiagonal() * told_ * drift.asDiagonal();
+  const Matrix6 left = held.inverse();  // 1: nothing told it, all of the drift is left
+  return belief_.covariance + drift.asDiagonal() * left * left * drift.asDiagonal();
 }
 
 }  // namespace curbstone::localizer::tracking

@@ -18,7 +18,7 @@ struct TrackingConfig {
   double height_sigma = 0.03;
   double wall_sigma = 0.06;
   double independent = 0.05;
-  double map_independent = 0.12;
+  double map_independent = 0.008;
   double map_drift_m = 0.11;
   double map_drift_rad = 0.011;
   double odometry_m = 0.02;

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "common/config/command_line.hpp"
+#include "common/parallel/parallel_for.hpp"
 #include "common/statistics/quantile.hpp"
 #include "config/sections.hpp"
 #include "services/semantic_map/store/map_store.hpp"
@@ -29,6 +30,7 @@ struct Options {
   std::vector<std::string> assignments;
   int starts = 200, carried = 20;
   int seed = 1;
+  int threads = 2;
 };
 
 struct Run {
@@ -36,6 +38,7 @@ struct Run {
   localizer::LocalizerConfig config;
   std::optional<localise::TrueMapPose> truth;
   std::mt19937_64 random;
+  int threads = 1;
 
   [[nodiscard]] std::int64_t time_between(std::int64_t from, std::int64_t to) {
     return from +
@@ -50,27 +53,43 @@ nlohmann::json spread(const std::vector<double>& values) {
           {"max", values.empty() ? 0 : *std::max_element(values.begin(), values.end())}};
 }
 
-void take_costs(const Trial& trial, std::vector<double>& ms) {
-  for (const Said& said : trial.said()) {
+void take_costs(const std::vector<Said>& all, std::vector<double>& ms) {
+  for (const Said& said : all) {
     if (!said.sure) ms.push_back(said.ms);
   }
 }
 
+/// One begun somewhere along the drive.
+struct Start {
+  std::int64_t from = 0, until = 0;  // us
+  std::vector<Said> said;
+};
+
 /// From places along the drive, nothing known.
+std::vector<Start> tried_starts(Run& run, int count) {
+  const RecordedDrive& drive = run.drive;
+  std::int64_t last = drive.end();
+  while (last > drive.begin() && drive.driven_at(drive.end()) - drive.driven_at(last) < kWithin) last -= kSecond / 10;
+  std::vector<Start> starts(static_cast<std::size_t>(count));
+  for (Start& start : starts) {
+    start.from = start.until = run.time_between(drive.begin(), last);
+    while (start.until < drive.end() && drive.driven_at(start.until) - drive.driven_at(start.from) < kWithin)
+      start.until += kSecond / 20;
+  }
+  parallel_for(starts.size(), 1, run.threads, [&](std::size_t i, std::size_t /*end*/) {
+    Trial trial(run.config, drive, run.true_pose());
+    trial.hear(starts[i].from, starts[i].until);
+    starts[i].said = trial.said();
+  });
+  return starts;
+}
+
 nlohmann::json random_starts(Run& run, int count) {
   int right = 0, wrong = 0, wrong_revolutions = 0;
   std::vector<double> metres, seconds, ms;
   const RecordedDrive& drive = run.drive;
-  std::int64_t last = drive.end();
-  while (last > drive.begin() && drive.driven_at(drive.end()) - drive.driven_at(last) < kWithin) last -= kSecond / 10;
-  for (int i = 0; i < count; ++i) {
-    const std::int64_t from = run.time_between(drive.begin(), last);
-    std::int64_t until = from;
-    while (until < drive.end() && drive.driven_at(until) - drive.driven_at(from) < kWithin) until += kSecond / 20;
-    Trial trial(run.config, drive, run.true_pose());
-    trial.hear(from, until);
-    take_costs(trial, ms);
-    const auto& said = trial.said();
+  for (const auto& [from, until, said] : tried_starts(run, count)) {
+    take_costs(said, ms);
     const auto found = std::find_if(said.begin(), said.end(), [](const Said& s) { return s.right(); });
     const auto bad = std::count_if(said.begin(), said.end(), [](const Said& s) { return s.wrong(); });
     wrong += bad > 0 ? 1 : 0;
@@ -98,25 +117,46 @@ nlohmann::json random_starts(Run& run, int count) {
 }
 
 /// The drive cut, and the vehicle elsewhere on it.
-nlohmann::json carried_away(Run& run, int count) {
-  int told = 0, found = 0, wrong_revolutions = 0, tried = 0;
-  std::vector<double> told_after, found_after, ms;
+struct Carried {
+  std::int64_t cut = 0, there = 0;  // us
+  std::vector<double> start;        // X, Y, YAW, kKnown before the cut
+  std::vector<Said> said;           // from then on
+};
+
+std::vector<Carried> tried_carrying(Run& run, int count) {
   const RecordedDrive& drive = run.drive;
-  for (int i = 0; i < 20 * count && tried < count; ++i) {
-    const std::int64_t cut = run.time_between(drive.begin() + kKnown, drive.end());
-    const std::int64_t there = run.time_between(drive.begin(), drive.end() - kFind);
-    const auto start = run.truth->at(cut - kKnown), before = run.truth->at(cut), after = run.truth->at(there);
+  std::vector<Carried> all;
+  for (int i = 0; i < 20 * count && all.size() < static_cast<std::size_t>(count); ++i) {
+    Carried one;
+    one.cut = run.time_between(drive.begin() + kKnown, drive.end());
+    one.there = run.time_between(drive.begin(), drive.end() - kFind);
+    const auto start = run.truth->at(one.cut - kKnown), before = run.truth->at(one.cut),
+               after = run.truth->at(one.there);
     if (!start || !before || !after || (before->translation() - after->translation()).norm() < kCarried) continue;
-    ++tried;
+    one.start = {start->translation().x(), start->translation().y(), roll_pitch_yaw(start->linear()).z()};
+    all.push_back(std::move(one));
+  }
+  parallel_for(all.size(), 1, run.threads, [&](std::size_t i, std::size_t /*end*/) {
+    Carried& one = all[i];
     localizer::LocalizerConfig config = run.config;
-    config.start = {start->translation().x(), start->translation().y(), roll_pitch_yaw(start->linear()).z()};
+    config.start = one.start;
     Trial trial(config, drive, run.true_pose());
-    trial.hear(cut - kKnown, cut);
-    const std::size_t heard = trial.said().size();
-    trial.hear(there, there + kFind);
-    const std::vector<Said> said(trial.said().begin() + static_cast<std::ptrdiff_t>(heard), trial.said().end());
-    take_costs(trial, ms);
-    const auto after_s = [&](const Said& s) { return static_cast<double>(s.utime - there) * 1e-6; };
+    trial.hear(one.cut - kKnown, one.cut);
+    const auto heard = static_cast<std::ptrdiff_t>(trial.said().size());
+    trial.hear(one.there, one.there + kFind);
+    one.said.assign(trial.said().begin() + heard, trial.said().end());
+  });
+  return all;
+}
+
+nlohmann::json carried_away(Run& run, int count) {
+  int told = 0, found = 0, wrong_revolutions = 0;
+  std::vector<double> told_after, found_after, ms;
+  const auto tried = tried_carrying(run, count);
+  for (const Carried& one : tried) {
+    const std::vector<Said>& said = one.said;
+    take_costs(said, ms);
+    const auto after_s = [&](const Said& s) { return static_cast<double>(s.utime - one.there) * 1e-6; };
     const auto lost = std::find_if(said.begin(), said.end(), [](const Said& s) { return !s.sure; });
     const auto again = std::find_if(lost, said.end(), [](const Said& s) { return s.right(); });
     if (lost != said.end()) told_after.push_back(after_s(*lost));
@@ -124,13 +164,13 @@ nlohmann::json carried_away(Run& run, int count) {
     told += lost != said.end() && after_s(*lost) <= 1 ? 1 : 0;
     found += again != said.end() ? 1 : 0;
     wrong_revolutions += static_cast<int>(std::count_if(lost, said.end(), [](const Said& s) { return s.wrong(); }));
+    const double begun = static_cast<double>(one.there - run.drive.begin()) * 1e-6;
+    if (lost == said.end() || after_s(*lost) > 1) fmt::print("  carried to {:.2f} s: not told within 1 s\n", begun);
+    if (again == said.end()) fmt::print("  carried to {:.2f} s: not found\n", begun);
   }
-  return {{"carried", tried},
-          {"told_within_1_s", told},
-          {"found_within_10_s", found},
-          {"wrong_revolutions_once_told", wrong_revolutions},
-          {"told_s", spread(told_after)},
-          {"found_s", spread(found_after)},
+  return {{"carried", tried.size()},      {"told_within_1_s", told},
+          {"found_within_10_s", found},   {"wrong_revolutions_once_told", wrong_revolutions},
+          {"told_s", spread(told_after)}, {"found_s", spread(found_after)},
           {"lost_ms", spread(ms)}};
 }
 
@@ -161,11 +201,12 @@ int measure(const Options& options) {
   config.map = options.map;
   config.start.clear();
   Run run{RecordedDrive(options.log, ekf), config, std::nullopt,
-          std::mt19937_64(static_cast<std::uint64_t>(options.seed))};
+          std::mt19937_64(static_cast<std::uint64_t>(options.seed)), options.threads};
   if (!options.truth.empty())
     run.truth.emplace(semantic_map::store::MapReader(options.map).trajectory(),
                       evaluate::truth::load_truth(options.map_truth).poses,
                       evaluate::truth::load_truth(options.truth).poses);
+  { const Trial says_what_is_wrong(run.config, run.drive, run.true_pose()); }  // with the map, before threads do
   const nlohmann::json starts = random_starts(run, options.starts);
   const nlohmann::json carried = run.truth ? carried_away(run, options.carried) : nlohmann::json();
   print(starts, carried);
@@ -189,6 +230,7 @@ int run_bench_localisation(int argc, char** argv) {
   line.option("--starts", options.starts, "Places along the drive from which nothing is known");
   line.option("--carried", options.carried, "Times that the vehicle is carried from one place of the drive to another");
   line.option("--seed", options.seed, "Of the places");
+  line.option("--threads", options.threads, "As many places at a time; what is found does not depend on it");
   line.option("--config", options.config, "The vehicle's YAML file");
   line.option("--set", options.assignments, "SECTION.KEY=VALUE, over the file").one_each();
   line.option("--json", options.json, "Write the figures here, for programs");

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/services/localizer/yard.hpp"
 
 namespace curbstone::localizer::tracking {
@@ -53,6 +55,25 @@ TEST(FitPose, ACarWhereTheMapHasNoneDoesNotPull) {
   for (double x = 2; x < 6; x += 0.05) points.emplace_back(x, 1.5, 0.8);
   const PoseFit fit = fit_pose(points, belief(pose_at(0.1, 0, 0.3)), map, {});
   EXPECT_LT(error_between(truth, fit.belief.T_map_base).head<2>().norm(), 0.015);
+}
+
+TEST(FitPose, APacketThatTheBusLostMovesThePoseByAMillimetreAtMost) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  const Pose truth = pose_at(1.2, 0.7, 0.4);
+  const auto points = points_in(yard, truth);
+  const PoseFit whole = fit_pose(points, belief(truth), map, {});
+  constexpr double kPacket = 6.28 / 38;  // rad, of a revolution of an RS-LiDAR-16 at 20 Hz
+  for (double from = -3; from < 2.8; from += 0.5) {
+    auto rest = points;
+    std::erase_if(rest, [&](const Eigen::Vector3d& p) {
+      const double azimuth = std::atan2(p.y(), p.x());
+      return azimuth >= from && azimuth < from + kPacket;
+    });
+    ASSERT_LT(rest.size(), points.size());
+    const PoseFit fit = fit_pose(rest, belief(truth), map, {});
+    EXPECT_LT(error_between(whole.belief.T_map_base, fit.belief.T_map_base).head<2>().norm(), 0.001) << from;
+  }
 }
 
 TEST(FitPose, WithoutPointsStaysWithThePrior) {

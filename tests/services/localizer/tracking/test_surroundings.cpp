@@ -73,5 +73,19 @@ TEST(Surroundings, WhereHardlyAnythingStandsAreNoReasonToLeave) {
   EXPECT_FALSE(surroundings.better_than(own, points, 1000, map, {})) << "all the ground fits";
 }
 
+TEST(Surroundings, AreNotComparedByWhatIsNotToTellThePose) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  const Pose truth = pose_at(-1, 0, 0.2);
+  const auto points = points_in(yard, truth);
+  Pose wrong = truth;
+  wrong.translation() += truth.linear() * Eigen::Vector3d(1, 0, 0);
+  TrackingConfig by_odometry;
+  by_odometry.use_walls = false;
+  by_odometry.heights = Heights::kNone;
+  Surroundings surroundings;
+  EXPECT_FALSE(surroundings.better_than(held_at(wrong, points, map), points, 1000, map, by_odometry));
+}
+
 }  // namespace
 }  // namespace curbstone::localizer::tracking
