@@ -4,6 +4,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include "services/semantic_map/curb_lines/curb_bridges.hpp"
 #include "services/semantic_map/marking_lines/cut_lines.hpp"
 #include "services/semantic_map/semantic_messages.hpp"
 
@@ -17,13 +18,12 @@ constexpr double kBeforeKerb = 0.15;               // m from a curb's foot towar
 constexpr double kKerbstone = 0.45;                // m from it over the stone
 constexpr double kAlongKerb = 0.15;                // m; a line's vertices are 0.2 m apart
 
-/// The stones of curb lines: bright, narrow, and where the kerb is lowered hardly higher than the road.
+/// The stones of curb lines: bright, narrow, and where the kerb is lowered hardly higher than the road, or not at all.
 class Kerbstones {
  public:
   explicit Kerbstones(const std::vector<tile::CurbLine>& curbs) {
-    for (const tile::CurbLine& line : curbs) {
-      for (const tile::CurbVertex& v : line.points) vertices_[square({double{v.x}, double{v.y}})].push_back(&v);
-    }
+    add(curbs);
+    add(curb_lines::flush_kerbs(curbs));
   }
   [[nodiscard]] bool hold(const Eigen::Vector2d& at) const {
     const TileKey centre = square(at);
@@ -31,14 +31,19 @@ class Kerbstones {
       for (std::int32_t y = centre.y - 1; y <= centre.y + 1; ++y) {
         const auto it = vertices_.find({x, y});
         if (it == vertices_.end()) continue;
-        for (const tile::CurbVertex* v : it->second)
-          if (is_on_stone_of(*v, at)) return true;
+        for (const tile::CurbVertex& v : it->second)
+          if (is_on_stone_of(v, at)) return true;
       }
     }
     return false;
   }
 
  private:
+  void add(const std::vector<tile::CurbLine>& lines) {
+    for (const tile::CurbLine& line : lines) {
+      for (const tile::CurbVertex& v : line.points) vertices_[square({double{v.x}, double{v.y}})].push_back(v);
+    }
+  }
   static TileKey square(const Eigen::Vector2d& at) {
     return {static_cast<std::int32_t>(std::floor(at.x() / kSquare)),
             static_cast<std::int32_t>(std::floor(at.y() / kSquare))};
@@ -51,7 +56,7 @@ class Kerbstones {
   }
 
   static constexpr double kSquare = 0.5;  // m
-  std::unordered_map<TileKey, std::vector<const tile::CurbVertex*>, TileKeyHash> vertices_;
+  std::unordered_map<TileKey, std::vector<tile::CurbVertex>, TileKeyHash> vertices_;
 };
 
 std::vector<marking_lines::MapMarkingCell> cells_in(const Eigen::Vector2d& min, const Eigen::Vector2d& max,

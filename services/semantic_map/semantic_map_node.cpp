@@ -249,6 +249,8 @@ void SemanticMapNode::publish_index(std::int64_t now) {
 void SemanticMapNode::publish_curbs(std::int64_t now) {
   last_curbs_ = now;
   curbs_changed_ = false;
+  curbs_from_ = vehicle_;
+  markings_changed_ = config_.markings.enabled;  // what lies on the stones of curbs is no paint
   curb_lines_t message = nearby_curbs_.next(pipeline_, vehicle_, path());
   message.utime = newest_utime_;
   message.epoch = epoch_;
@@ -258,6 +260,7 @@ void SemanticMapNode::publish_curbs(std::int64_t now) {
 void SemanticMapNode::publish_markings(std::int64_t now) {
   last_markings_ = now;
   markings_changed_ = false;
+  markings_from_ = vehicle_;
   marking_lines_t message = nearby_markings_.next(pipeline_, nearby_curbs_.lines(), vehicle_, path());
   message.utime = newest_utime_;
   message.epoch = epoch_;
@@ -290,8 +293,9 @@ void SemanticMapNode::finish() {
   if (settled.markings) markings_changed_ = true;
   schedule_.clear();
   for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(*pipeline_.classes(key), newest_utime_);
-  if (curbs_changed_) publish_curbs(newest_utime_);
-  if (markings_changed_) publish_markings(newest_utime_);
+  // What is said last depends on the map and on where the vehicle came to, not on when it was said before.
+  if (curbs_changed_ || curbs_from_ != vehicle_) publish_curbs(newest_utime_);
+  if (markings_changed_ || (config_.markings.enabled && markings_from_ != vehicle_)) publish_markings(newest_utime_);
   publish_index(newest_utime_);
   const std::vector<tile::CurbLine> curbs = all_curbs(pipeline_);
   const std::vector<tile::MarkingLine> markings = all_markings(pipeline_, curbs, path(), config_.markings);

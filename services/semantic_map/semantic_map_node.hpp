@@ -113,8 +113,10 @@ class SemanticMapNode final : public Node {
   std::map<std::int64_t, Eigen::Vector2d> path_;  // by utime
 
   bool curbs_changed_ = false;
+  Eigen::Vector2d curbs_from_ = Eigen::Vector2d::Zero();  ///< where the vehicle was when CURBS was said last
   std::int64_t last_curbs_ = 0;
   bool markings_changed_ = false;
+  Eigen::Vector2d markings_from_ = Eigen::Vector2d::Zero();  ///< likewise MARKINGS
   std::int64_t last_markings_ = 0;
   bool curbs_unstored_ = false;
   bool markings_unstored_ = false;

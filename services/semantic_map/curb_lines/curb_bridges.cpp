@@ -206,48 +206,79 @@ std::vector<Bridge> find_bridges(const std::vector<LineEnd>& ends, const std::ve
   return bridges;
 }
 
-}  // namespace
-
-void add_bridges(const SeenGround& ground, std::vector<tile::CurbLine>& lines) {
+/// Of all lines the ends that may go on, and what has been measured.
+struct OpenEnds {
   std::vector<LineEnd> ends;
   std::vector<LineEnd> begins;
   std::set<Cell> measured;
-  std::set<std::pair<float, float>> first_places;
-  std::set<std::pair<float, float>> last_places;
-  for (const tile::CurbLine& line : lines) {
-    if (line.points.empty()) continue;
-    first_places.emplace(line.points.front().x, line.points.front().y);
-    last_places.emplace(line.points.back().x, line.points.back().y);
-    for (const tile::CurbVertex& v : line.points) measured.insert(cell_at(place(v)));
-  }
-  // A line that is cut where the kerb is lowered shares a vertex with its neighbour.
-  const auto is_free = [](const std::set<std::pair<float, float>>& others, const tile::CurbVertex& v) {
-    return !others.contains({v.x, v.y});
-  };
-  for (std::size_t k = 0; k < lines.size(); ++k) {
-    const tile::CurbLine& line = lines[k];
-    if (line.points.empty()) continue;
-    const auto take = [&](std::optional<LineEnd> end, std::vector<LineEnd>& all) {
-      if (!end) return;
-      end->line = k;
-      end->is_high = end->is_high && !line.dropped;
-      all.push_back(*end);
+
+  explicit OpenEnds(const std::vector<tile::CurbLine>& lines) {
+    std::set<std::pair<float, float>> first_places;
+    std::set<std::pair<float, float>> last_places;
+    for (const tile::CurbLine& line : lines) {
+      if (line.points.empty()) continue;
+      first_places.emplace(line.points.front().x, line.points.front().y);
+      last_places.emplace(line.points.back().x, line.points.back().y);
+      for (const tile::CurbVertex& v : line.points) measured.insert(cell_at(place(v)));
+    }
+    // A line that is cut where the kerb is lowered shares a vertex with its neighbour.
+    const auto is_free = [](const std::set<std::pair<float, float>>& others, const tile::CurbVertex& v) {
+      return !others.contains({v.x, v.y});
     };
-    if (is_free(first_places, line.points.back())) take(end_of(line.points.rbegin(), line.points.rend()), ends);
-    if (is_free(last_places, line.points.front())) take(end_of(line.points.begin(), line.points.end()), begins);
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      const tile::CurbLine& line = lines[k];
+      if (line.points.empty()) continue;
+      const auto take = [&](std::optional<LineEnd> end, std::vector<LineEnd>& all) {
+        if (!end) return;
+        end->line = k;
+        end->is_high = end->is_high && !line.dropped;
+        all.push_back(*end);
+      };
+      if (is_free(first_places, line.points.back())) take(end_of(line.points.rbegin(), line.points.rend()), ends);
+      if (is_free(last_places, line.points.front())) take(end_of(line.points.begin(), line.points.end()), begins);
+    }
   }
-  std::vector<bool> end_taken(ends.size());
-  std::vector<bool> begin_taken(begins.size());
-  for (const Bridge& bridge : find_bridges(ends, begins)) {
+};
+
+/// Makes of each pair of ends what `make` says: `std::optional<tile::CurbLine> make(from, to)`; none is in two.
+template <class Make>
+std::vector<tile::CurbLine> bridge(const OpenEnds& open, Make make) {
+  std::vector<tile::CurbLine> made;
+  std::vector<bool> end_taken(open.ends.size());
+  std::vector<bool> begin_taken(open.begins.size());
+  for (const Bridge& bridge : find_bridges(open.ends, open.begins)) {
     if (end_taken[bridge.from] || begin_taken[bridge.to]) continue;
-    auto line = line_between(ground, measured, ends[bridge.from], begins[bridge.to]);
+    auto line = make(open.ends[bridge.from], open.begins[bridge.to]);
     if (!line) continue;
     end_taken[bridge.from] = begin_taken[bridge.to] = true;
-    line->id = static_cast<std::int32_t>(lines.size());
-    line->confidence =
-        0.5F * std::min(lines[ends[bridge.from].line].confidence, lines[begins[bridge.to].line].confidence);
-    lines.push_back(std::move(*line));
+    made.push_back(std::move(*line));
   }
+  return made;
+}
+
+}  // namespace
+
+void add_bridges(const SeenGround& ground, std::vector<tile::CurbLine>& lines) {
+  const OpenEnds open(lines);
+  std::vector<tile::CurbLine> bridges = bridge(open, [&](const LineEnd& from, const LineEnd& to) {
+    auto line = line_between(ground, open.measured, from, to);
+    if (line) line->confidence = 0.5F * std::min(lines[from.line].confidence, lines[to.line].confidence);
+    return line;
+  });
+  for (tile::CurbLine& line : bridges) {
+    line.id = static_cast<std::int32_t>(lines.size());
+    lines.push_back(std::move(line));
+  }
+}
+
+std::vector<tile::CurbLine> flush_kerbs(const std::vector<tile::CurbLine>& lines) {
+  const OpenEnds open(lines);
+  return bridge(open, [&](const LineEnd& from, const LineEnd& to) -> std::optional<tile::CurbLine> {
+    tile::CurbLine line;
+    line.points = bridge_between(from, to);
+    if (meets_others(open.measured, line.points)) return std::nullopt;
+    return line;
+  });
 }
 
 }  // namespace curbstone::semantic_map::curb_lines

@@ -13,12 +13,15 @@ constexpr double kVoteSigma = 0.5;      // m, of the vote
 constexpr double kLeastMass = 1.2;      // a row of single cells has 4 at each place, 2 at its ends
 constexpr double kLeastStick = 0.25;    // where lines cross there is none
 constexpr double kAcrossRidge = 0.30;   // m, that belong to a marking's middle
-constexpr double kAlongRidge = 0.15;    // m
+constexpr double kAlongRidge = 0.30;    // m
 constexpr double kRidgeSpacing = 0.10;  // m between ridge points
-constexpr double kRidgeGap = 0.45;      // m from one to the next
-constexpr double kOffTangent = 0.08;    // m off the line, and a share of the distance
+constexpr double kRidgeGap = 0.90;      // m from one to the next
+constexpr double kOffTangent = 0.15;    // m off the line, and a share of the distance
 constexpr double kOffTangentShare = 0.2;
-constexpr double kAlikeTangents = 0.85;  // cosine between tangents
+constexpr double kAlikeTangents = 0.75;  // cosine between tangents
+constexpr double kArm = 0.8;             // m of a chain on either side of a corner
+constexpr double kCorner = 0.7;          // cosine between the two: where lines meet, the vote's tangents turn smoothly
+constexpr double kAboutCorner = 0.3;     // m of a chain that belong to neither
 
 /// The middle of the paint across the line through `at`.
 RidgePoint on_ridge(const MarkingField& field, const Eigen::Vector2d& at, const PlaneVote& vote) {
@@ -140,6 +143,45 @@ class RidgeFollower {
   std::unordered_map<TileKey, std::vector<std::size_t>, TileKeyHash> grid_;
 };
 
+/// How far a chain has come at each of its points, m.
+std::vector<double> lengths_along(const MarkingChain& chain) {
+  std::vector<double> lengths(chain.size());
+  for (std::size_t i = 1; i < chain.size(); ++i) lengths[i] = lengths[i - 1] + (chain[i].at - chain[i - 1].at).norm();
+  return lengths;
+}
+
+/// Puts a chain into `parts`, cut at its corners: there it went over from one line to another.
+void cut_at_corners(const MarkingChain& chain, std::vector<MarkingChain>& parts) {
+  const std::vector<double> lengths = lengths_along(chain);
+  double sharpest = kCorner;
+  double corner = 0;
+  for (std::size_t i = 0; i < chain.size(); ++i) {
+    if (lengths[i] < kArm || lengths.back() - lengths[i] < kArm) continue;
+    const auto index_at = [&](double length) {
+      const auto it = std::lower_bound(lengths.begin(), lengths.end(), length);
+      return std::min(static_cast<std::size_t>(it - lengths.begin()), lengths.size() - 1);
+    };
+    const Eigen::Vector2d before = chain[i].at - chain[index_at(lengths[i] - kArm)].at;
+    const Eigen::Vector2d behind = chain[index_at(lengths[i] + kArm)].at - chain[i].at;
+    const double alike = before.normalized().dot(behind.normalized());
+    if (alike >= sharpest) continue;
+    sharpest = alike;
+    corner = lengths[i];
+  }
+  if (corner == 0) {
+    parts.push_back(chain);
+    return;
+  }
+  MarkingChain first;
+  MarkingChain second;
+  for (std::size_t i = 0; i < chain.size(); ++i) {
+    if (lengths[i] < corner - kAboutCorner) first.push_back(chain[i]);
+    if (lengths[i] > corner + kAboutCorner) second.push_back(chain[i]);
+  }
+  cut_at_corners(first, parts);
+  cut_at_corners(second, parts);
+}
+
 }  // namespace
 
 std::vector<MarkingChain> chain_markings(const MarkingField& field, const ChainOptions& options) {
@@ -155,7 +197,7 @@ std::vector<MarkingChain> chain_markings(const MarkingField& field, const ChainO
   std::vector<MarkingChain> chains;
   RidgeFollower follower(ridge);
   for (std::size_t i = 0; i < ridge.size(); ++i) {
-    if (!follower.is_used(i)) chains.push_back(follower.follow(i));
+    if (!follower.is_used(i)) cut_at_corners(follower.follow(i), chains);
   }
   return chains;
 }

@@ -22,7 +22,8 @@ struct ChainOptions {
 };
 
 /// Strong cells that the vote finds on a line, moved onto its middle, thinned to one each decimetre and linked from one
-/// to the next along it: the uninterrupted pieces of paint. The same cells in the same order give the same chains.
+/// to the next along it, cut where the line turns a corner: the uninterrupted pieces of paint. The same cells in the
+/// same order give the same chains.
 [[nodiscard]] std::vector<MarkingChain> chain_markings(const MarkingField& field, const ChainOptions& options);
 
 }  // namespace curbstone::semantic_map::marking_lines

@@ -50,6 +50,84 @@ TEST_F(SemanticMapNodeTest, SaysWhereTheRoadIsPaintedAndKeepsItInTheMapFile) {
   EXPECT_EQ(kept[0].points.size(), line.x.size());
 }
 
+/// The driveway between two curbs has a bright stripe, where its stones are.
+std::vector<voted_points_t> driveway_pages() {
+  SyntheticCloud cloud;
+  const auto is_curb = [](double x) { return std::abs(x) > 1.9; };
+  cloud.ground(-9, -6, 9, 6, 150, [&](double x, double y) { return y > 1 && is_curb(x) ? 0.12 : 0.0; });
+  cloud.face(-9, 1, -1.9, 1, 0, 0.12, 150);
+  cloud.face(1.9, 1, 9, 1, 0, 0.12, 150);
+  detect::cloud_map::CloudMapOptions options;
+  options.threads = 1;
+  detect::cloud_map::CloudMap counts;
+  std::vector<voted_points_t> pages;
+  for (const tile::VotedTile& tile : detect::cloud_map::vote_tiles(cloud.points, options, counts)) {
+    for (voted_points_t& page : to_pages(tile, 2, 400)) {
+      for (std::size_t i = 0; i < page.intensity.size(); ++i) {
+        const double x = page.tile_x * kTileSize + page.x[i] * kPositionStep;
+        const double y = page.tile_y * kTileSize + page.y[i] * kPositionStep;
+        const bool is_stone = std::abs(x) < 1.7 && y > 1 && y < 1.15;
+        page.intensity[i] = is_stone || std::abs(y + 2) < 0.08 ? 160 : 64;
+      }
+      pages.push_back(std::move(page));
+    }
+  }
+  return pages;
+}
+
+/// What MARKINGS said last, as bytes. Revision and ids say how often and in which order a node has said something.
+std::vector<std::uint8_t> bytes_of(marking_lines_t message) {
+  message.revision = 0;
+  for (marking_line_t& line : message.lines) line.id = 0;
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, message.getEncodedSize());
+  return bytes;
+}
+
+TEST_F(SemanticMapNodeTest, ItsLastMarkingsAreTheSameLiveAndInAReplay) {
+  const std::vector<voted_points_t> pages = driveway_pages();
+  const auto drive = [&](bool is_live) {
+    LocalBus bus;
+    const SemanticMapConfig c = config("");
+    SemanticMapNode node(c, bus);
+    node.connect(bus);
+    std::vector<marking_lines_t> markings;
+    bus.subscribe<marking_lines_t>("MARKINGS", [&](const marking_lines_t& m) { markings.push_back(m); });
+    std::int64_t now = kStart;
+    const auto pass = [&](int ticks) {
+      for (int i = 0; i < ticks; ++i) {
+        now += 20'000;
+        bus.dispatch();
+        node.tick(now);
+        while (is_live && node.idle(now)) {
+        }
+      }
+    };
+    bus.publish("MAP_POSE", pose_at(kStart, 0));
+    bus.publish("MAP_POSE", pose_at(kStart + 50'000, 1));
+    // The curb beyond the driveway comes last: until then nothing tells stone from paint.
+    for (const bool is_last : {false, true}) {
+      for (const voted_points_t& page : pages) {
+        if ((page.tile_x > 0) != is_last) continue;
+        bus.publish("VOTED_POINTS", page);
+        if (is_live) pass(1);
+      }
+      pass(is_live ? 400 : 1);
+    }
+    bus.publish("MAP_POSE", pose_at(kStart + 60'000'000, 3));
+    bus.dispatch();
+    node.finish();
+    bus.dispatch();
+    return markings;
+  };
+  const auto live = drive(true);
+  const auto replay = drive(false);
+  ASSERT_GT(live.size(), replay.size()) << "the two are told in other steps";
+  ASSERT_FALSE(replay.empty());
+  EXPECT_EQ(replay.back().num_lines, 1) << "the line along the street";
+  EXPECT_EQ(bytes_of(live.back()), bytes_of(replay.back()));
+}
+
 TEST_F(SemanticMapNodeTest, MakesTilesCurbsAndAMapFile) {
   LocalBus bus;
   SemanticMapConfig c = config("map.db");

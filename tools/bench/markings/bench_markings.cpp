@@ -72,10 +72,23 @@ detect::cloud_map::CloudMap map_of(const std::vector<VotedTile>& tiles, const Ar
   return map;
 }
 
+/// Streets of one name are one: the cells of all count.
+void add_score(std::vector<StreetFigures>& figures, const std::string& street, const std::string& method,
+               const CellScore& score) {
+  const auto it = std::find_if(figures.begin(), figures.end(),
+                               [&](const StreetFigures& f) { return f.cloud == street && f.method == method; });
+  if (it == figures.end())
+    figures.push_back({street, method, score});
+  else
+    it->score.add(score);
+}
+
 std::vector<StreetFigures> bench_street(const Arguments& arguments) {
   std::vector<StreetFigures> figures;
   const PaintTruth truth = read_street_paint(arguments.data);
+  int number = 0;
   for (const PaintedStreet& street : read_painted_streets(arguments.data)) {
+    ++number;
     for (const bool by_ring : {true, false}) {
       if (!by_ring && !arguments.ablation) continue;
       detect::cloud_map::CloudMap counts;
@@ -84,10 +97,10 @@ std::vector<StreetFigures> bench_street(const Arguments& arguments) {
       for (const MarkingMethod& way : methods(arguments.options.markings, arguments.ablation)) {
         const auto lines = map_of(tiles, arguments, way.parameters).markings;
         const std::string name = (by_ring ? "ring, " : "raw, ") + way.name;
-        figures.push_back({street.name, name, score_cells(cells_of(lines, Pose::Identity()), truth)});
+        add_score(figures, street.name, name, score_cells(cells_of(lines, Pose::Identity()), truth));
         if (!arguments.pictures.empty())
           draw_markings(tiles, truth.painted, lines,
-                        fmt::format("{}/{}_{}.png", arguments.pictures, street.name, name));
+                        fmt::format("{}/{}_{}_{}.png", arguments.pictures, street.name, number, name));
       }
     }
   }

@@ -81,11 +81,15 @@ TileKey cell_of(const Eigen::Vector2d& at) {
           static_cast<std::int32_t>(std::floor(at.y() / kCellSize))};
 }
 
+void CellScore::add(const CellScore& other) {
+  found += other.found;
+  found_right += other.found_right;
+  painted += other.painted;
+  painted_found += other.painted_found;
+}
+
 void LineScore::add(const LineScore& other) {
-  cells.found += other.cells.found;
-  cells.found_right += other.cells.found_right;
-  cells.painted += other.cells.painted;
-  cells.painted_found += other.cells.painted_found;
+  cells.add(other.cells);
   right_metres += other.right_metres;
   false_metres += other.false_metres;
   typed_metres += other.typed_metres;

@@ -44,6 +44,7 @@ struct CellScore {
     const double sum = precision() + recall();
     return sum > 0 ? 2 * precision() * recall() / sum : 0;
   }
+  void add(const CellScore& other);
 };
 
 struct LineScore {

@@ -14,11 +14,11 @@ struct PaintedStreet {
   std::string name;
   std::vector<Eigen::Vector3f> points;
   std::vector<std::uint8_t> raw;      ///< intensities as recorded
-  std::vector<std::uint8_t> by_ring;  ///< each laser's own median of what is near the ground, moved to 64
+  std::vector<std::uint8_t> by_ring;  ///< on the scale that the mapper learns of them
 };
 
-/// SemanticKITTI's, of `folder` (scans/, labels/, reference_poses.txt): all lasers of all scans; one laser in four of
-/// all scans. Throws std::runtime_error with one clear line.
+/// SemanticKITTI's, of `folder` (scans/, labels/, reference_poses.txt): all lasers of all scans; four times one laser
+/// in four. Throws std::runtime_error with one clear line.
 [[nodiscard]] std::vector<PaintedStreet> read_painted_streets(const std::string& folder);
 
 /// What is labelled as lane marking (class 60) within 15 m of a labelled scan, and where anything on the ground is

@@ -269,6 +269,48 @@ TEST(MarkingLineIds, StayWithTheLineWhileItGrows) {
   EXPECT_NE(second[0].id, first[1].id);
 }
 
+/// A curb along x at y = 3 m, its higher side beyond.
+tile::CurbLine curb_between(double from, double to) {
+  tile::CurbLine line;
+  line.confidence = 0.9F;
+  for (int i = 0; i <= static_cast<int>(std::lround((to - from) / 0.2)); ++i)
+    line.points.push_back({static_cast<float>(from + 0.2 * i), 3, 0, 0.12F, 0, 1});
+  std::reverse(line.points.begin(), line.points.end());  // the high side on the right
+  return line;
+}
+
+TEST(RoadMarkings, StonesThatLieFlushBetweenTwoCurbsAreNoPaint) {
+  const auto stones = [](double x, double y) { return std::abs(x) < 2 && y > 3 && y < 3.15 ? 130 : kRoad; };
+  TilePipeline pipeline({}, {});
+  for (const tile::VotedTile& tile : road(stones)) pipeline.set_voted(tile);
+  pipeline.settle();
+  EXPECT_EQ(all_markings(pipeline, {}, path(), {}).size(), 1U) << "nothing tells that it is stone";
+  EXPECT_EQ(all_markings(pipeline, {curb_between(-8, -2.2)}, path(), {}).size(), 1U) << "nor does one curb";
+  EXPECT_EQ(all_markings(pipeline, {curb_between(-8, -6), curb_between(6, 8)}, path(), {}).size(), 1U) << "too far";
+  EXPECT_TRUE(all_markings(pipeline, {curb_between(-8, -2.2), curb_between(2.2, 8)}, path(), {}).empty());
+}
+
+TEST(RoadMarkings, AnEdgeLineDoesNotBendIntoAStopLine) {
+  const auto lines = lines_of(road([](double x, double y) {
+    const bool is_edge = std::abs(y - 2.0) < 0.06 && x < 5.15;
+    const bool is_stop = std::abs(x - 5.0) < 0.15 && y > -2.5 && y < 2.06;
+    return is_edge || is_stop ? kPaint : kRoad;
+  }));
+  ASSERT_EQ(lines.size(), 2U);
+  for (const MarkingLine& line : lines) {
+    const bool is_stop = line.type == MarkingType::kStopLine;
+    EXPECT_EQ(line.type, is_stop ? MarkingType::kStopLine : MarkingType::kSolid);
+    EXPECT_NEAR(painted_length(line), is_stop ? 4.5 : 20, 0.6);
+    for (const tile::MarkingVertex& v : line.points) {
+      if (is_stop)
+        EXPECT_NEAR(v.x, 5, 0.1) << v.y;
+      else
+        EXPECT_NEAR(v.y, 2, 0.1) << v.x;
+    }
+  }
+  EXPECT_NE(lines[0].type, lines[1].type);
+}
+
 TEST(RoadMarkings, LinesOfNoPointsAndOfPointsAtOnePlaceAreNone) {
   EXPECT_TRUE(marking_lines::link_markings({}, {}, {}).empty());
   const std::vector<marking_lines::MapMarkingCell> heap(50, {{1, 1}, 0, 80, true});
