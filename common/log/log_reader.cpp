@@ -2,10 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <limits>
 #include <stdexcept>
 
 namespace curbstone {
+
+namespace {
+
+/// us. A damaged time may be any number; the difference of two that come out of here is one.
+constexpr std::int64_t kFarthest = std::numeric_limits<std::int64_t>::max() / 4;
+
+}  // namespace
 
 LogReader::LogReader(const std::string& file) : file_(file), finder_(file_) {
   if (!finder_.cut_off_at(0) && !finder_.first_from(0))
@@ -20,7 +29,8 @@ std::optional<LogEvent> LogReader::next() {
   const auto data = bytes.subspan(static_cast<std::size_t>(LogRecord::kHeader + record->channel_size));
   previous_ = record;
   at_ = record->end();
-  return LogEvent{record->utime, {channel.begin(), channel.end()}, {data.begin(), data.end()}};
+  return LogEvent{
+      std::clamp(record->utime, -kFarthest, kFarthest), {channel.begin(), channel.end()}, {data.begin(), data.end()}};
 }
 
 std::optional<LogRecord> LogReader::next_record() {

@@ -26,20 +26,24 @@ namespace curbstone {
 
 /// Sorts the events of a log by message time. The logged order differs from it by no more than the sensors' latencies.
 /// So a short window is enough. An event that is later than the window keeps its logged place. Equal times keep their
-/// logged order: the result is a function of the log alone.
+/// logged order: the result is a function of the log alone. A record whose time is wrong, or a logger's clock that was
+/// set back, puts at most what stands within the window out of order.
 class MessageOrder {
  public:
+  static constexpr std::size_t kMostWaiting = 65'536;  ///< where the log's own times stand still
+
   explicit MessageOrder(std::int64_t window_us = 200'000) : window_us_(window_us) {}
 
   void push(LogEvent event) {
+    advance(event.log_utime);
     const std::int64_t time = message_time(event);
-    newest_ = std::max(newest_, event.log_utime);
-    waiting_.push({time, sequence_++, std::move(event)});
+    waiting_.push({time, sequence_++, elapsed_, std::move(event)});
   }
   /// The next event that no later one of the log can precede. With `drain`, the next of those left.
   [[nodiscard]] std::optional<LogEvent> pop(bool drain) {
     if (waiting_.empty()) return std::nullopt;
-    if (!drain && waiting_.top().event.log_utime + window_us_ > newest_) return std::nullopt;
+    const bool may_be_preceded = waiting_.top().elapsed + window_us_ > elapsed_ && waiting_.size() <= kMostWaiting;
+    if (!drain && may_be_preceded) return std::nullopt;
     LogEvent event = waiting_.top().event;
     waiting_.pop();
     return event;
@@ -49,13 +53,26 @@ class MessageOrder {
   struct Waiting {
     std::int64_t time;
     std::uint64_t sequence;
+    std::int64_t elapsed;
     LogEvent event;
     bool operator<(const Waiting& other) const {  // the earliest on top
       return time != other.time ? time > other.time : sequence > other.sequence;
     }
   };
+
+  /// The log's time as it went on: no step is longer than the window, and after a step back by more it goes on from
+  /// there.
+  void advance(std::int64_t log_utime) {
+    if (sequence_ == 0) newest_ = log_utime;
+    const std::int64_t step = log_utime - newest_;
+    if (step < 0 && step >= -window_us_) return;
+    elapsed_ += std::clamp(step, std::int64_t{0}, window_us_);
+    newest_ = log_utime;
+  }
+
   std::int64_t window_us_;
-  std::int64_t newest_ = INT64_MIN;
+  std::int64_t elapsed_ = 0;  // us of the log's time
+  std::int64_t newest_ = 0;   // us
   std::uint64_t sequence_ = 0;
   std::priority_queue<Waiting> waiting_;
 };

@@ -91,6 +91,40 @@ TEST(MessageOrder, SortsByMessageTimeWithinTheWindowAndKeepsTies) {
   EXPECT_EQ(out, (std::vector<std::int64_t>{100, 200, 200, 300, 500}));
 }
 
+/// The message times as they come out, of events that are logged at `logged` ms.
+std::vector<std::int64_t> sorted(const std::vector<std::int64_t>& logged, const std::vector<std::int64_t>& times) {
+  MessageOrder order(100);
+  std::vector<std::int64_t> out;
+  for (std::size_t i = 0; i < logged.size(); ++i) {
+    order.push({logged[i], "IMU", encoded(times[i])});
+    while (const auto event = order.pop(false)) out.push_back(message_time(*event));
+  }
+  while (const auto event = order.pop(true)) out.push_back(message_time(*event));
+  return out;
+}
+
+TEST(MessageOrder, AWrongTimeInTheLogCostsNoOrderBehindIt) {
+  constexpr std::int64_t kWrong = std::int64_t{1} << 60;
+  EXPECT_EQ(sorted({10, kWrong, 30, 40, 50, 60}, {1, 2, 5, 3, 6, 4}), (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(sorted({10, -kWrong, 30, 40, 50, 60}, {1, 2, 5, 3, 6, 4}), (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6}));
+}
+
+TEST(MessageOrder, AClockThatWasSetBackIsFollowed) {
+  EXPECT_EQ(sorted({10'000, 10'010, 500, 510, 520, 530}, {1, 2, 5, 3, 6, 4}),
+            (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6}));
+}
+
+TEST(MessageOrder, WhereTheTimesStandStillTheWaitIsBounded) {
+  MessageOrder order(100);
+  std::size_t waiting = 0;
+  for (std::size_t i = 0; i < MessageOrder::kMostWaiting + 100; ++i) {
+    order.push({7, "IMU", encoded(static_cast<std::int64_t>(i))});
+    ++waiting;
+    while (order.pop(false)) --waiting;
+  }
+  EXPECT_EQ(waiting, MessageOrder::kMostWaiting);
+}
+
 TEST(MessageOrder, ShortMessagesHaveTimeZero) {
   EXPECT_EQ(message_time("abc", 3), 0);
 }
