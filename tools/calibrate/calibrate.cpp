@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 
 #include "common/config/command_line.hpp"
@@ -14,6 +12,7 @@
 #include "config/sections.hpp"
 #include "tools/calibrate/calibration.hpp"
 #include "tools/calibrate/drive_data.hpp"
+#include "tools/output/text_file.hpp"
 
 namespace curbstone::calibrate {
 
@@ -98,12 +97,6 @@ nlohmann::json json(const CalibrationResult& result) {
   return out;
 }
 
-void write(const std::string& file, const std::string& text) {
-  std::ofstream out(file);
-  out << text;
-  if (!out.flush()) throw std::runtime_error(file + ": cannot be written");
-}
-
 }  // namespace
 
 int run_calibrate(int argc, char** argv) {
@@ -131,8 +124,8 @@ int run_calibrate(int argc, char** argv) {
   if (yaml_file.empty())
     fmt::print("\n{}", yaml(result));
   else
-    write(yaml_file, yaml(result));
-  if (!json_file.empty()) write(json_file, json(result).dump(2) + "\n");
+    output::write_text(yaml_file, yaml(result));
+  if (!json_file.empty()) output::write_text(json_file, json(result).dump(2) + "\n");
   return data.log_is_damaged ? 1 : 0;
 }
 

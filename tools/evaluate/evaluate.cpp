@@ -2,10 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-#include <fstream>
-#include <stdexcept>
-
 #include "common/config/command_line.hpp"
 #include "common/config/vehicle.hpp"
 #include "services/semantic_map/picture/png_file.hpp"
@@ -15,24 +11,12 @@
 #include "tools/evaluate/overlay.hpp"
 #include "tools/evaluate/report.hpp"
 #include "tools/evaluate/truth/street_labels.hpp"
+#include "tools/output/text_file.hpp"
 #include "tools/stored_picture/stored_picture.hpp"
 
 namespace curbstone::evaluate {
 
 namespace {
-
-/// The file is there as a whole or not at all.
-void write_file(const std::string& file, const std::string& text) {
-  const std::string part = file + ".part";
-  std::ofstream out(part);
-  out << text;
-  out.close();
-  std::error_code failed;
-  if (out) std::filesystem::rename(part, file, failed);
-  if (out && !failed) return;
-  std::filesystem::remove(part, failed);
-  throw std::runtime_error(fmt::format("{}: cannot be written", file));
-}
 
 /// The drive begins at its first scan, with the lidar where a vehicle has it by default.
 void add_labels(const std::string& folder, truth::Truth& truth) {
@@ -98,7 +82,7 @@ int run_evaluate(int argc, char** argv) {
   Evaluation evaluation = evaluate(picture.tiles, picture.curbs, trajectory, truth, radius);
   if (!log_file.empty()) evaluation.run = read_run_log(log_file);
   fmt::print("{}", to_table(evaluation));
-  if (!json_file.empty()) write_file(json_file, to_json(evaluation));
+  if (!json_file.empty()) output::write_text(json_file, to_json(evaluation));
   semantic_map::picture::PictureOptions drawing;
   drawing.title = fmt::format("{:.0f} m driven", evaluation.trajectory.distance_m);
   if (!picture_file.empty())

@@ -21,8 +21,8 @@
 #include "tools/evaluate/truth/truth.hpp"
 #include "tools/localise/drive_picture.hpp"
 #include "tools/localise/pose_errors.hpp"
-#include "tools/output/new_file.hpp"
 #include "tools/output/ordered_log.hpp"
+#include "tools/output/text_file.hpp"
 #include "tools/output/watched_log.hpp"
 
 namespace curbstone::localise {
@@ -76,15 +76,6 @@ Localised localise(output::WatchedLog& log, const Arguments& arguments, const lo
   bus.dispatch();
   out.report = node.report();
   return out;
-}
-
-void write_text(const std::string& name, const std::string& text) {
-  output::NewFile file(name, true);
-  std::FILE* out = std::fopen(file.part().c_str(), "w");
-  if (out == nullptr) throw std::runtime_error(name + ": cannot be written");
-  const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
-  if (std::fclose(out) != 0 || !written) throw std::runtime_error(name + ": cannot be written");
-  file.commit();
 }
 
 std::string to_csv(const std::vector<map_pose_t>& poses) {
@@ -177,9 +168,9 @@ int run(const Arguments& arguments) {
   }
   if (!arguments.recorded)
     figures["revolution_ms"] = {{"p50", 1e3 * out.report.latency_p50}, {"p99", 1e3 * out.report.latency_p99}};
-  if (!arguments.csv.empty()) write_text(arguments.csv, to_csv(out.poses));
+  if (!arguments.csv.empty()) output::write_text(arguments.csv, to_csv(out.poses));
   if (!arguments.picture.empty()) draw_drive(arguments.map, out.poses, arguments.picture);
-  if (!arguments.json.empty()) write_text(arguments.json, figures.dump(2) + "\n");
+  if (!arguments.json.empty()) output::write_text(arguments.json, figures.dump(2) + "\n");
   return log.damaged() ? 1 : 0;
 }
 

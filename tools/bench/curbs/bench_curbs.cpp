@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 
 #include "common/config/command_line.hpp"
@@ -17,6 +16,7 @@
 #include "tools/bench/curbs/scenes/town_drive.hpp"
 #include "tools/bench/curbs/scores/curb_feet.hpp"
 #include "tools/detect/cloud_map/cloud_map.hpp"
+#include "tools/output/text_file.hpp"
 
 namespace curbstone::bench::curbs {
 
@@ -245,13 +245,6 @@ std::vector<StreetFigures> bench_street(const Arguments& arguments) {
   return figures;
 }
 
-void write_text(const std::string& file, const std::string& text) {
-  std::ofstream out(file);
-  out << text;
-  out.close();
-  if (!out) throw std::runtime_error(file + ": cannot be written");
-}
-
 void bench(const Arguments& arguments) {
   CurbFigures figures;
   if (!arguments.pictures.empty()) std::filesystem::create_directories(arguments.pictures);
@@ -277,7 +270,7 @@ void bench(const Arguments& arguments) {
         [&](std::uint64_t seed) { return scenes::drive_recorded(arguments.data, seed); }, figures.towns);
   if (!figures.towns.empty()) fmt::print("{}", to_table(figures.towns));
   if (arguments.wants("street") && !has_street) fmt::print("no labelled street: {} is not there\n", arguments.data);
-  if (!arguments.json.empty()) write_text(arguments.json, to_json(figures));
+  if (!arguments.json.empty()) output::write_text(arguments.json, to_json(figures));
 }
 
 }  // namespace

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
+
+#include "tools/output/text_file.hpp"
 
 namespace curbstone::bench::drivers {
 
@@ -46,7 +46,7 @@ void write_report(const DriversReport& report, const std::string& file) {
                                {"driver_times_real", r.times_real()},
                                {"memcpy_per_s", r.memcpy_per_s}};
   }
-  if (!(std::ofstream(file) << json.dump(2) << '\n')) throw std::runtime_error(file + ": cannot be written");
+  output::write_text(file, json.dump(2) + '\n');
 }
 
 }  // namespace curbstone::bench::drivers

@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "common/terminal/terminal_table.hpp"
+#include "tools/output/text_file.hpp"
 
 namespace curbstone::bench::faults {
 
@@ -48,7 +47,7 @@ void write_report(const FaultReport& report, const std::string& file) {
                             {"map", row.map},
                             {"emulator_late_s", row.emulator_late_s}});
   }
-  if (!(std::ofstream(file) << json.dump(2) << '\n')) throw std::runtime_error(file + ": cannot be written");
+  output::write_text(file, json.dump(2) + '\n');
 }
 
 }  // namespace curbstone::bench::faults

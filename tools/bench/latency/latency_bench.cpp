@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -12,6 +11,7 @@
 #include "tools/bench/latency/tile_ages.hpp"
 #include "tools/bench/latency/timed_vehicle.hpp"
 #include "tools/output/ordered_log.hpp"
+#include "tools/output/text_file.hpp"
 #include "tools/output/watched_log.hpp"
 
 namespace curbstone::bench::latency {
@@ -93,8 +93,7 @@ int run_bench_latency(int argc, char** argv) {
   if (const auto status = line.read(argc, argv)) return *status;
   try {
     const nlohmann::json json = measure(options);
-    if (!options.json.empty() && !(std::ofstream(options.json) << json.dump(2) << '\n'))
-      throw std::runtime_error(options.json + ": cannot be written");
+    if (!options.json.empty()) output::write_text(options.json, json.dump(2) + '\n');
   } catch (const std::exception& error) {
     fmt::print(stderr, "curbstone bench latency: {}\n", error.what());
     return 1;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
 
@@ -15,6 +14,7 @@
 #include "services/semantic_map/store/map_store.hpp"
 #include "tools/bench/localisation/trial.hpp"
 #include "tools/evaluate/truth/truth.hpp"
+#include "tools/output/text_file.hpp"
 
 namespace curbstone::bench::localisation {
 namespace {
@@ -211,9 +211,7 @@ int measure(const Options& options) {
   const nlohmann::json carried = run.truth ? carried_away(run, options.carried) : nlohmann::json();
   print(starts, carried);
   if (options.json.empty()) return 0;
-  std::ofstream file(options.json);
-  file << nlohmann::json{{"starts", starts}, {"carried", carried}}.dump(2) << "\n";
-  if (!file.flush()) throw std::runtime_error(options.json + ": cannot be written");
+  output::write_text(options.json, nlohmann::json{{"starts", starts}, {"carried", carried}}.dump(2) + "\n");
   return 0;
 }
 

@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
-#include <fstream>
-#include <stdexcept>
+#include "tools/output/text_file.hpp"
 
 namespace curbstone::bench::mapping {
 
@@ -37,17 +35,15 @@ std::string mapping_maps(const std::vector<MappingResult>& results) {
 
 void write_mapping_track(const MappingResult& result, const std::string& folder) {
   const std::string file = fmt::format("{}/{}-{}-{}.csv", folder, result.name, result.method, result.prior);
-  std::ofstream out(file);
-  out << "true_x,true_y,true_z,true_qw,true_qx,true_qy,true_qz,x,y,z,qw,qx,qy,qz\n";
+  std::string rows = "true_x,true_y,true_z,true_qw,true_qx,true_qy,true_qz,x,y,z,qw,qx,qy,qz\n";
   for (std::size_t i = 0; i < result.track.truth.size(); ++i) {
     double p[2][3], q[2][4];
     pose_to_arrays(result.track.truth[i], p[0], q[0]);
     pose_to_arrays(result.track.estimate[i], p[1], q[1]);
-    out << fmt::format("{:.5f},{:.7f},{:.5f},{:.7f}\n", fmt::join(p[0], ","), fmt::join(q[0], ","),
-                       fmt::join(p[1], ","), fmt::join(q[1], ","));
+    rows += fmt::format("{:.5f},{:.7f},{:.5f},{:.7f}\n", fmt::join(p[0], ","), fmt::join(q[0], ","),
+                        fmt::join(p[1], ","), fmt::join(q[1], ","));
   }
-  out.close();
-  if (!out) throw std::runtime_error(fmt::format("{}: cannot be written", file));
+  output::write_text(file, rows);
 }
 
 nlohmann::json mapping_json(const MappingResult& r) {
@@ -74,12 +70,7 @@ nlohmann::json mapping_json(const MappingResult& r) {
 }
 
 void write_runs(const nlohmann::json& runs, const std::string& file) {
-  const std::string part = file + ".part";
-  std::ofstream out(part);
-  out << nlohmann::json{{"runs", runs}}.dump(2) << "\n";
-  out.close();
-  if (!out || std::rename(part.c_str(), file.c_str()) != 0)
-    throw std::runtime_error(fmt::format("--json {}: cannot be written", file));
+  output::write_text(file, nlohmann::json{{"runs", runs}}.dump(2) + "\n");
 }
 
 void write_mapping_json(const std::vector<MappingResult>& results, const std::string& file) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -14,6 +13,7 @@
 #include "tools/bench/markings/painted_street.hpp"
 #include "tools/bench/markings/painted_town.hpp"
 #include "tools/detect/cloud_map/cloud_map.hpp"
+#include "tools/output/text_file.hpp"
 
 namespace curbstone::bench::markings {
 namespace {
@@ -212,11 +212,7 @@ void bench(const Arguments& arguments) {
                  figures.towns);
     fmt::print("{}\n", to_table(figures.towns));
   }
-  if (arguments.json.empty()) return;
-  std::ofstream out(arguments.json);
-  out << to_json(figures);
-  out.close();
-  if (!out) throw std::runtime_error(arguments.json + ": cannot be written");
+  if (!arguments.json.empty()) output::write_text(arguments.json, to_json(figures));
 }
 
 }  // namespace

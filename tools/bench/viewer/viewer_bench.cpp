@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 
 #include "common/config/command_line.hpp"
@@ -12,6 +10,7 @@
 #include "tools/bench/viewer/page_figures.hpp"
 #include "tools/bench/viewer/page_traffic.hpp"
 #include "tools/browser/browser.hpp"
+#include "tools/output/text_file.hpp"
 
 namespace curbstone::bench::viewer {
 namespace {
@@ -90,8 +89,7 @@ int run_bench_viewer(int argc, char** argv) {
   if (const auto status = line.read(argc, argv)) return *status;
   try {
     const nlohmann::json json = measure(log, !only_traffic);
-    if (!json_file.empty() && !(std::ofstream(json_file) << json.dump(2) << '\n'))
-      throw std::runtime_error(json_file + ": cannot be written");
+    if (!json_file.empty()) output::write_text(json_file, json.dump(2) + '\n');
   } catch (const std::exception& error) {
     fmt::print(stderr, "curbstone bench viewer: {}\n", error.what());
     return 1;

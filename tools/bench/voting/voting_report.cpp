@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "tools/bench/voting/inputs/street_cloud.hpp"
+#include "tools/output/text_file.hpp"
 
 namespace curbstone::bench::voting {
 
@@ -138,10 +137,7 @@ void write_report(const VotingReport& report, const std::string& file) {
                     {"growth", growth_json(report)},
                     {"fma_peak_flops_per_s", report.peak.flops_per_s},
                     {"stick_sum", report.stick_sum}};
-  std::ofstream out(file);
-  out << all.dump(2) << '\n';
-  out.close();
-  if (!out) throw std::runtime_error(file + ": cannot write it");
+  output::write_text(file, all.dump(2) + '\n');
 }
 
 }  // namespace curbstone::bench::voting
