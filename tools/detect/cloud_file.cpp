@@ -45,7 +45,7 @@ void check_file(const fs::path& path) {
   if (!std::ifstream(path, std::ios::binary)) throw CloudFileError(fmt::format("{}: cannot be read", path.string()));
 }
 
-std::vector<Eigen::Vector3f> read_kitti(const fs::path& path) {
+std::vector<Eigen::Vector3f> read_kitti(const fs::path& path, const Eigen::Vector3d& origin) {
   constexpr std::size_t kRow = 4 * sizeof(float);
   const std::size_t size = fs::file_size(path);
   if (size % kRow != 0)
@@ -59,7 +59,10 @@ std::vector<Eigen::Vector3f> read_kitti(const fs::path& path) {
     throw CloudFileError(fmt::format("{}: cannot be read", path.string()));
   std::vector<Eigen::Vector3f> points;
   points.reserve(size / kRow);
-  for (std::size_t i = 0; i < values.size(); i += 4) points.emplace_back(values[i], values[i + 1], values[i + 2]);
+  for (std::size_t i = 0; i < values.size(); i += 4) {
+    const Eigen::Vector3d p = Eigen::Vector3f(values[i], values[i + 1], values[i + 2]).cast<double>();
+    points.push_back((p - origin).cast<float>());
+  }
   return points;
 }
 
@@ -90,7 +93,7 @@ bool has_plausible_header(const fs::path& path) {
   return false;
 }
 
-std::vector<Eigen::Vector3f> read_with_pcl(const fs::path& path) {
+std::vector<Eigen::Vector3f> read_with_pcl(const fs::path& path, const Eigen::Vector3d& origin) {
   if (!has_plausible_header(path))
     throw CloudFileError(fmt::format("{}: is not a {} cloud", path.string(), ending(path).substr(1)));
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // it prints; we throw
@@ -114,8 +117,9 @@ std::vector<Eigen::Vector3f> read_with_pcl(const fs::path& path) {
         fmt::format("{}: truncated, or not a {} cloud with x y z", path.string(), ending(path).substr(1)));
   std::vector<Eigen::Vector3f> points(count);
   for (const pcl::PCLPointField& field : blob.fields) {
-    const std::size_t axis = std::string("xyz").find(field.name);
-    if (field.name.size() != 1 || axis == std::string::npos) continue;
+    const std::size_t found = std::string("xyz").find(field.name);
+    if (field.name.size() != 1 || found == std::string::npos) continue;
+    const auto axis = static_cast<Eigen::Index>(found);
     const bool is_double = field.datatype == pcl::PCLPointField::FLOAT64;
     if (field.offset + (is_double ? 8 : 4) > blob.point_step)
       throw CloudFileError(fmt::format("{}: its header contradicts itself", path.string()));
@@ -127,7 +131,7 @@ std::vector<Eigen::Vector3f> read_with_pcl(const fs::path& path) {
         std::memcpy(&value, at, sizeof value);
       else
         std::memcpy(&single, at, sizeof single);
-      points[i](static_cast<Eigen::Index>(axis)) = is_double ? static_cast<float>(value) : single;
+      points[i](axis) = static_cast<float>((is_double ? value : static_cast<double>(single)) - origin(axis));
     }
   }
   return points;
@@ -153,22 +157,23 @@ std::vector<Eigen::Isometry3d> read_poses(const std::string& path) {
 
 }  // namespace
 
-std::vector<Eigen::Vector3f> read_cloud(const std::string& path) {
+std::vector<Eigen::Vector3f> read_cloud(const std::string& path, const Eigen::Vector3d& origin) {
   if (!is_cloud(path)) throw CloudFileError(fmt::format("{}: is not a .pcd, .ply or KITTI .bin file", path));
   check_file(path);
-  std::vector<Eigen::Vector3f> points = ending(path) == ".bin" ? read_kitti(path) : read_with_pcl(path);
+  std::vector<Eigen::Vector3f> points = ending(path) == ".bin" ? read_kitti(path, origin) : read_with_pcl(path, origin);
   if (points.empty()) throw CloudFileError(fmt::format("{}: holds no points", path));
   return points;
 }
 
 std::vector<Eigen::Vector3f> read_cloud_folder(const std::string& folder, const std::string& poses_file,
-                                               double min_range) {
+                                               double min_range, const Eigen::Vector3d& origin) {
   const std::vector<Eigen::Isometry3d> poses = read_poses(poses_file);
   std::vector<fs::path> scans;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.is_regular_file() && is_cloud(entry.path())) scans.push_back(entry.path());
   }
-  std::sort(scans.begin(), scans.end());
+  std::sort(scans.begin(), scans.end(),
+            [](const fs::path& a, const fs::path& b) { return strverscmp(a.c_str(), b.c_str()) < 0; });
   if (scans.empty()) throw CloudFileError(fmt::format("{}: holds no .pcd, .ply or .bin scans", folder));
   if (scans.size() > poses.size())
     throw CloudFileError(
@@ -177,7 +182,7 @@ std::vector<Eigen::Vector3f> read_cloud_folder(const std::string& folder, const 
   for (std::size_t k = 0; k < scans.size(); ++k) {
     for (const Eigen::Vector3f& p : read_cloud(scans[k].string())) {
       if (static_cast<double>(p.norm()) < min_range) continue;  // what is not finite is kept, to be counted
-      points.push_back((poses[k] * p.cast<double>()).cast<float>());
+      points.push_back((poses[k] * p.cast<double>() - origin).cast<float>());
     }
   }
   return points;

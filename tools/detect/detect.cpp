@@ -2,18 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "common/config/command_line.hpp"
 #include "services/semantic_map/picture/map_picture.hpp"
 #include "services/semantic_map/picture/png_file.hpp"
+#include "tools/detect/cloud_check.hpp"
 #include "tools/detect/cloud_file.hpp"
 #include "tools/detect/cloud_map/cloud_map.hpp"
 #include "tools/detect/method_steps.hpp"
 #include "tools/output/output_folder.hpp"
+#include "tools/output/text_file.hpp"
 
 namespace curbstone::detect {
 
@@ -27,6 +26,7 @@ struct Arguments {
   std::string out;
   std::string steps;
   double min_range = 0;
+  std::vector<double> origin;  // X,Y,Z, or none
   std::vector<std::string> assignments;
   cloud_map::CloudMapOptions options;
 };
@@ -41,20 +41,26 @@ struct DetectConfig {
   }
 };
 
-std::vector<Eigen::Vector3f> read_input(const Arguments& arguments) {
-  if (!fs::is_directory(arguments.cloud)) return read_cloud(arguments.cloud);
-  if (arguments.poses.empty())
-    throw CloudFileError(fmt::format("{}: is a folder: give the scans' poses with --poses FILE", arguments.cloud));
-  return read_cloud_folder(arguments.cloud, arguments.poses, arguments.min_range);
+Eigen::Vector3d origin_of(const Arguments& arguments) {
+  return arguments.origin.empty() ? Eigen::Vector3d::Zero() : Eigen::Vector3d(arguments.origin.data());
 }
 
-void write_curbs(const std::vector<cloud_map::CloudCurb>& curbs, const std::string& path) {
-  std::ofstream out(path);
-  out << "x,y,z,height\n";
-  for (const cloud_map::CloudCurb& c : curbs)
-    out << fmt::format("{:.3f},{:.3f},{:.3f},{:.3f}\n", c.foot.x(), c.foot.y(), c.foot.z(), c.height);
-  out.flush();
-  if (!out) throw CloudFileError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+std::vector<Eigen::Vector3f> read_input(const Arguments& arguments) {
+  if (!fs::is_directory(arguments.cloud)) return read_cloud(arguments.cloud, origin_of(arguments));
+  if (arguments.poses.empty())
+    throw CloudFileError(fmt::format("{}: is a folder: give the scans' poses with --poses FILE", arguments.cloud));
+  return read_cloud_folder(arguments.cloud, arguments.poses, arguments.min_range, origin_of(arguments));
+}
+
+/// In the file's own coordinates.
+void write_curbs(const std::vector<cloud_map::CloudCurb>& curbs, const Eigen::Vector3d& origin,
+                 const std::string& path) {
+  std::string rows = "x,y,z,height\n";
+  for (const cloud_map::CloudCurb& c : curbs) {
+    const Eigen::Vector3d foot = c.foot + origin;
+    rows += fmt::format("{:.3f},{:.3f},{:.3f},{:.3f}\n", foot.x(), foot.y(), foot.z(), c.height);
+  }
+  output::write_text(path, rows);
 }
 
 /// What is worth a picture: 40 m around, where a single scan still sees the ground.
@@ -86,17 +92,33 @@ void write_steps(const std::vector<Eigen::Vector3f>& cloud, const Arguments& arg
   outputs.commit();
 }
 
+/// Why no point of a cloud can be used, and what to do.
+std::string why_none(const std::vector<Eigen::Vector3f>& cloud, const cloud_map::CloudMap& map,
+                     const Arguments& arguments) {
+  std::string reason = fmt::format("{}: none of its {} points can be used ({} not finite, {} out of range)",
+                                   arguments.cloud, cloud.size(), map.not_finite, map.out_of_range);
+  if (const auto middle = middle_of(cloud)) {
+    const Eigen::Vector3d there = *middle + origin_of(arguments);
+    reason += fmt::format(
+        "; their middle is {:.0f}, {:.0f}, {:.0f}: if that is in m, --origin {:.0f},{:.0f},{:.0f} looks there",
+        there.x(), there.y(), there.z(), there.x(), there.y(), there.z());
+  }
+  return reason;
+}
+
 int detect(const Arguments& arguments) {
   const std::vector<Eigen::Vector3f> cloud = read_input(arguments);
   const cloud_map::CloudMap map = cloud_map::map_cloud(cloud, arguments.options);
-  if (map.points.empty())
-    throw CloudFileError(fmt::format("{}: none of its {} points can be used ({} not finite, {} out of range)",
-                                     arguments.cloud, cloud.size(), map.not_finite, map.out_of_range));
+  if (map.points.empty()) throw CloudFileError(why_none(cloud, map, arguments));
+  if (seems_upside_down(cloud)) {
+    fmt::print(stderr, "curbstone detect: {}: most points lie high up, as if z pointed down; the method needs z up\n",
+               arguments.cloud);
+  }
   const std::string stem = fs::path(arguments.cloud).lexically_normal().stem().string();
   const std::string name = stem.empty() ? "cloud" : stem;
   output::OutputFolder outputs(arguments.out);
   outputs.add(name + "_labelled.pcd", [&](const std::string& path) { write_labelled_pcd(map.points, path); });
-  outputs.add("curbs.csv", [&](const std::string& path) { write_curbs(map.curbs, path); });
+  outputs.add("curbs.csv", [&](const std::string& path) { write_curbs(map.curbs, origin_of(arguments), path); });
   outputs.add(name + ".png", [&](const std::string& path) {
     semantic_map::picture::write_png(semantic_map::picture::draw_map(picture_of(map, arguments.options.range),
                                                                      {.title = name, .pixels_per_cell = 6}),
@@ -125,6 +147,10 @@ int run_detect(int argc, char** argv) {
               "For a folder: m from the sensor; nearer returns, the recording vehicle's own, are left out")
       .not_negative()
       .shows_default();
+  line.option("--origin", arguments.origin,
+              "X,Y,Z in the coordinates of the file, or of the poses: taken for the origin, as georeferenced clouds "
+              "need it; curbs.csv has the coordinates as they came")
+      .comma_separated();
   line.option("--out", arguments.out, "Folder for the results").shows_default();
   line.option("--steps", arguments.steps, "Folder for one picture a step of the method");
   line.option("--range", arguments.options.range, "m from the origin that are looked at; 0: all")
@@ -135,6 +161,7 @@ int run_detect(int argc, char** argv) {
       .shows_default();
   line.option("--set", arguments.assignments, "KEY=VALUE, as in section semantic_map: curb.min_step=0.05").one_each();
   if (const auto status = line.read(argc, argv)) return *status;
+  if (!arguments.origin.empty() && arguments.origin.size() != 3) return line.refuse("--origin: three numbers, X,Y,Z");
   try {
     for (const std::string& assignment : arguments.assignments) set_config_value(assignment, config);
   } catch (const ConfigError& error) {

@@ -127,6 +127,50 @@ TEST_F(DetectTest, ReadsAsciiPcdAndPly) {
   expect_curb_at_2();
 }
 
+// UTM coordinates, as CloudCompare writes them: a float32 would round them to half a metre.
+TEST_F(DetectTest, AGeoreferencedCloudNeedsAnOriginAndKeepsItsCoordinates) {
+  const Eigen::Vector3d utm(458'000.25, 5'429'000.75, 115.5);
+  std::string rows;
+  const auto points = street();
+  for (const Eigen::Vector3f& point : points) {
+    const Eigen::Vector3d p = point.cast<double>() + utm;
+    rows += std::to_string(p.x()) + ' ' + std::to_string(p.y()) + ' ' + std::to_string(p.z()) + '\n';
+  }
+  const fs::path cloud =
+      write_text("utm.ply", "ply\nformat ascii 1.0\nelement vertex " + std::to_string(points.size()) +
+                                "\nproperty double x\nproperty double y\nproperty double z\nend_header\n" + rows);
+  const Result without = detect({cloud.string()});
+  EXPECT_EQ(without.status, 1);
+  EXPECT_THAT(without.error, ::testing::HasSubstr("--origin 458000,5429000,114"));
+  EXPECT_EQ(num_outputs(), 0U);
+
+  const auto read = read_cloud(cloud.string(), utm);
+  ASSERT_EQ(read.size(), points.size());
+  for (std::size_t i = 0; i < read.size(); i += 100) EXPECT_LT((read[i] - points[i]).norm(), 1e-5F);
+
+  EXPECT_EQ(detect({cloud.string(), "--origin", "458000,5429000,114"}).status, 0);
+  std::ifstream in(folder_ / "out" / "curbs.csv");
+  std::string line;
+  std::getline(in, line);
+  int count = 0;
+  for (double x = 0, y = 0; std::getline(in, line); ++count) {
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf", &x, &y), 2) << line;
+    EXPECT_NEAR(x, utm.x(), 7);
+    EXPECT_NEAR(y, utm.y() + 2, 0.12);
+  }
+  EXPECT_GT(count, 60);
+  EXPECT_EQ(detect({cloud.string(), "--origin", "458000,5429000"}).status, 2);
+}
+
+TEST_F(DetectTest, ACloudThatSeemsUpsideDownIsNamed) {
+  auto cloud = street();
+  for (int i = 0; i < 4000; ++i)
+    cloud.emplace_back(static_cast<float>(i) * 0.003F - 6, 5, static_cast<float>(i % 100) * 0.08F - 1.7F);
+  EXPECT_EQ(detect({write_kitti("up.bin", cloud).string()}).error, "");
+  for (Eigen::Vector3f& p : cloud) p.z() = -p.z();
+  EXPECT_THAT(detect({write_kitti("down.bin", cloud).string()}).error, ::testing::HasSubstr("needs z up"));
+}
+
 TEST_F(DetectTest, PutsAFolderOfScansTogetherByTheirPoses) {
   fs::create_directories(folder_ / "scans");
   auto near = street();
@@ -140,6 +184,29 @@ TEST_F(DetectTest, PutsAFolderOfScansTogetherByTheirPoses) {
   const auto bad = write_text("bad.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 2 3\n");
   EXPECT_THAT(detect({(folder_ / "scans").string(), "--poses", bad.string()}).error, ::testing::HasSubstr("bad.txt:2"));
   EXPECT_THAT(detect({(folder_ / "scans").string()}).error, ::testing::HasSubstr("--poses"));
+}
+
+TEST_F(DetectTest, NumbersInTheNamesOfScansAreCountedNotSpelled) {
+  fs::create_directories(folder_ / "scans");
+  std::string poses;
+  for (int i = 0; i <= 10; ++i) {
+    write_kitti("scans/" + std::to_string(i) + ".bin", {{static_cast<float>(i), 0, 0}});
+    poses += "1 0 0 0 0 1 0 " + std::to_string(100 * i) + " 0 0 1 0\n";
+  }
+  const auto cloud = read_cloud_folder((folder_ / "scans").string(), write_text("poses.txt", poses).string());
+  ASSERT_EQ(cloud.size(), 11U);
+  for (int i = 0; i <= 10; ++i)
+    EXPECT_EQ(cloud[static_cast<std::size_t>(i)].y(), 100.0F * cloud[static_cast<std::size_t>(i)].x());
+}
+
+TEST_F(DetectTest, PosesMayBeGeoreferenced) {
+  fs::create_directories(folder_ / "scans");
+  write_kitti("scans/0.bin", street());
+  const auto poses = write_text("poses.txt", "1 0 0 458000.25 0 1 0 5429000.75 0 0 1 115.5\n");
+  const auto cloud =
+      read_cloud_folder((folder_ / "scans").string(), poses.string(), 0, {458'000.25, 5'429'000.75, 115.5});
+  ASSERT_EQ(cloud.size(), street().size());
+  for (std::size_t i = 0; i < cloud.size(); i += 100) EXPECT_LT((cloud[i] - street()[i]).norm(), 1e-5F);
 }
 
 TEST_F(DetectTest, LeavesOutWhatTheRecordingVehicleSeesOfItself) {
