@@ -23,6 +23,13 @@ Pose upright(double x, double y, double yaw) {
   return T_map_base;
 }
 
+/// Nothing of a vehicle that stood.
+scan::Twist motion_between(const journal::RecordedPose& a, const journal::RecordedPose& b) {
+  const double dt = scan::seconds(a.utime, b.utime);
+  if (!(dt > 0 && dt < kLongestStep)) return {};
+  return scan::twist_of(a.T_map_base.inverse() * b.T_map_base, dt);
+}
+
 }  // namespace
 
 Mapper::Mapper(const config::MapperConfig& config)
@@ -50,6 +57,7 @@ void Mapper::load(const storage::SavedMap& map) {
 
 void Mapper::resume(journal::RecordedDrive drive) {
   left_off_ = drive.poses.back();
+  if (drive.poses.size() > 1) left_off_twist_ = motion_between(*(drive.poses.end() - 2), *left_off_);
   scale_.restore(std::move(drive.rings));
   const auto num_known = static_cast<std::size_t>(drive.num_known);
   for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
@@ -72,21 +80,24 @@ void Mapper::resume(journal::RecordedDrive drive) {
 }
 
 /// Before the first scan after another mapper of this drive died. Where odometry leads from its last pose is about
-/// where the vehicle is, and registration says whether it is there. Without odometry it is sought.
+/// where the vehicle is, and registration says whether it is there. Without that odometry (the filter died, too) the
+/// motion goes on if this scan is the next; else the vehicle is sought.
 void Mapper::take_up(const journal::RecordedPose& last, const scan::Scan& scan, const scan::OdometryHistory& odometry) {
   const double reach = config_.tracker.max_speed * std::abs(scan::seconds(last.utime, scan.start)) + kGuess;
   const Eigen::Vector3d was_at = last.T_map_base.translation();
+  const auto go_on = [&](std::int64_t utime, const Pose& T_map_base, double path) {
+    T_map_odom_ = last.T_map_odom;
+    tracker_.resume(utime, T_map_base, path, left_off_twist_);
+    local_map_.rebuild(T_map_base, last.node);
+    standstill_ = Standstill{last.standing_since, last.utime, last.T_map_base, last.has_moved};
+  };
   if (last.with_odometry && scan.start > last.utime && odometry.covers(scan.start, scan.end)) {
     const Pose T_map_base = normalised(last.T_map_odom * odometry.at(scan.start));
     const double path = (T_map_base.translation() - was_at).norm();
-    if (path < reach) {  // else it is another odom frame: its filter began anew, too
-      T_map_odom_ = last.T_map_odom;
-      tracker_.resume(scan.start, T_map_base, path);
-      local_map_.rebuild(T_map_base, last.node);
-      standstill_ = Standstill{last.standing_since, last.utime, last.T_map_base, last.has_moved};
-      return;
-    }
+    if (path < reach) return go_on(scan.start, T_map_base, path);  // else it is another odom frame
   }
+  const double stride = scan::seconds(last.utime, scan.end);
+  if (stride > 0 && stride < kLongestStep) return go_on(last.utime, last.T_map_base, 0);
   Pose T_map_start = upright(was_at.x(), was_at.y(), roll_pitch_yaw(last.T_map_base.linear()).z());
   T_map_start.translation().z() = was_at.z();
   tracker_.begin_at(T_map_start, reach);

@@ -90,6 +90,8 @@ class Mapper {
   [[nodiscard]] storage::MapSnapshot snapshot(std::int32_t epoch, const storage::MapVersions& on_disk) const;
 
   [[nodiscard]] bool started() const { return tracker_.started(); }
+  /// The next scan is the first of the drive, which no other mapper began.
+  [[nodiscard]] bool begins() const { return !started() && !left_off_; }
   [[nodiscard]] tracking::Fix fix() const { return tracker_.fix(); }
   [[nodiscard]] const pose_graph::Atlas& atlas() const { return atlas_; }
   /// What the scale of the dense map's intensities was made of.
@@ -99,7 +101,7 @@ class Mapper {
   [[nodiscard]] Counters counters() const;
   /// Scans in a row that could not be registered.
   [[nodiscard]] int refused_in_a_row() const { return tracker_.refused_in_a_row(); }
-  /// The drive's poses, in order, one each few centimetres; a closed loop moves them.
+  /// The drive's poses, in order (pose_graph::PoseThinning); a closed loop moves them.
   [[nodiscard]] std::vector<TrajectoryPoint> trajectory() const { return trajectory_.points(atlas_); }
 
  private:
@@ -146,6 +148,7 @@ class Mapper {
   Standstill standstill_;
   std::optional<Earlier> earlier_;                 // unless the map has been rearranged since
   std::optional<journal::RecordedPose> left_off_;  // of the mapper that died, until the first scan
+  scan::Twist left_off_twist_;                     // then
   std::int64_t searched_ = 0;                      // us
   Pose T_map_odom_ = Pose::Identity();
   Counters counters_;

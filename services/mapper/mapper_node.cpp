@@ -181,7 +181,7 @@ void MapperNode::process_due(bool last_call) {
 
 void MapperNode::process(const scan::Scan& scan) {
   odometry_.look_from(scan.end);
-  if (!mapper_.started() && odometry_.reaches(scan.end) && !odometry_.covers(scan.start, scan.end)) {
+  if (mapper_.begins() && odometry_.reaches(scan.end) && !odometry_.covers(scan.start, scan.end)) {
     // The filter runs and does not know its attitude yet: a map begun now would not be level.
     if (scan.end - first_lidar_ <= microseconds(config_.start_wait_s)) {
       counters_.add("skipped.odometry_not_ready");

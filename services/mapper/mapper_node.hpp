@@ -27,7 +27,8 @@ namespace curbstone::mapper {
 /// scan and from tick(); what the map holds does not depend on it.
 class MapperNode final : public Node {
  public:
-  /// Throws MapFolderError if the map that it should go on with cannot be used.
+  /// Throws MapFolderError if the map that it should go on with cannot be used, JournalError if another process keeps
+  /// the journal.
   MapperNode(const config::MapperConfig& config, Publisher& bus);
 
   void connect(Subscriber& bus) override;

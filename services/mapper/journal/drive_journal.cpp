@@ -11,18 +11,16 @@
 namespace curbstone::mapper::journal {
 namespace {
 
-constexpr std::int64_t kRetry = 60'000'000;        // us
-constexpr std::int64_t kSignOfLife = 1'000'000;    // us between two batches, at most
-constexpr std::int64_t kStandingPose = 1'000'000;  // us between two poses of a vehicle that stands
-constexpr double kStands = 0.03;                   // m
-constexpr std::size_t kWorthwhile = 1'000'000;     // bytes
+constexpr std::int64_t kRetry = 60'000'000;      // us
+constexpr std::int64_t kSignOfLife = 1'000'000;  // us between two batches, at most
+constexpr std::size_t kWorthwhile = 1'000'000;   // bytes
 
 }  // namespace
 
 void DriveJournal::start_epoch(std::int32_t epoch, std::vector<RecordedPose> drive) {
   epoch_ = epoch;
   poses_ = std::move(drive);
-  last_ = {};
+  thinning_ = {};
   begins_ = true;
   failed_ = 0;
 }
@@ -34,11 +32,7 @@ bool DriveJournal::wants_anew(std::int64_t now) const {
 
 void DriveJournal::add(const RecordedPose& pose) {
   if (failed_ != 0) return;
-  const bool stands = pose.utime - last_.utime < kStandingPose && pose.has_moved == last_.has_moved &&
-                      (pose.T_map_base.translation() - last_.T_map_base.translation()).norm() < kStands;
-  if (stands) return;
-  last_ = pose;
-  poses_.push_back(pose);
+  if (thinning_.keeps(pose.utime, pose.T_map_base.translation())) poses_.push_back(pose);
 }
 
 void DriveJournal::set_rings(const intensity::RingHistograms& rings) {

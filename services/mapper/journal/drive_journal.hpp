@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "services/mapper/dense_map/dense_map.hpp"
+#include "services/mapper/journal/journal_lock.hpp"
 #include "services/mapper/journal/journal_writer.hpp"
 #include "services/mapper/journal/recorded_drive.hpp"
 #include "services/mapper/pose_graph/atlas.hpp"
+#include "services/mapper/pose_graph/pose_thinning.hpp"
 
 namespace curbstone::mapper::journal {
 
@@ -19,9 +21,9 @@ namespace curbstone::mapper::journal {
 /// that cannot be written is begun anew after a minute. One thread calls.
 class DriveJournal {
  public:
-  /// `config_hash`: who has another is not to go on with it.
+  /// `config_hash`: who has another is not to go on with it. Throws JournalError if another process keeps it.
   DriveJournal(const std::string& path, std::size_t max_bytes, std::string config_hash)
-      : writer_(path, max_bytes), config_hash_(std::move(config_hash)) {}
+      : lock_(path), writer_(path, max_bytes), config_hash_(std::move(config_hash)) {}
 
   /// A new epoch: every tile may be another. `drive`: until now. The journal of the epoch before stays until this one's
   /// tells as much.
@@ -29,7 +31,7 @@ class DriveJournal {
   /// Its writing failed a minute ago, or half of the file is of tiles that are gone: it is begun anew by start_epoch().
   /// `now`: us.
   [[nodiscard]] bool wants_anew(std::int64_t now) const;
-  /// Where the vehicle is, after a revolution that the map has taken. While it stands one a second is kept.
+  /// Where the vehicle is, after a revolution that the map has taken. See PoseThinning.
   void add(const RecordedPose& pose);
   /// The scale of what the tiles take from now on.
   void set_rings(const intensity::RingHistograms& rings);
@@ -54,6 +56,7 @@ class DriveJournal {
   [[nodiscard]] bool is_complete(const pose_graph::Atlas& atlas) const;
   void give_up(std::int64_t now, const std::string& why);
 
+  JournalLock lock_;
   JournalWriter writer_;
   std::string config_hash_;
   std::int32_t epoch_ = 0;
@@ -68,7 +71,7 @@ class DriveJournal {
   bool new_rings_ = false;
   std::vector<TileKey> evicted_;
   // What it has.
-  RecordedPose last_;
+  pose_graph::PoseThinning thinning_;
   int nodes_ = 0;
   std::size_t edges_ = 0;
   std::unordered_map<TileKey, Written, TileKeyHash> tiles_;

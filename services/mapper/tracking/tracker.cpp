@@ -188,8 +188,9 @@ void Tracker::begin_at(const Pose& T_map_base, double doubt) {
   trust_.begin_lost(doubt);
 }
 
-void Tracker::resume(std::int64_t utime, const Pose& T_map_base, double path) {
+void Tracker::resume(std::int64_t utime, const Pose& T_map_base, double path, const scan::Twist& twist) {
   last_ = Last{utime, T_map_base};
+  motion_.set(twist);
   trust_.resume(utime, path);
 }
 

@@ -78,8 +78,8 @@ class Tracker {
   /// The first scan is not where the map begins, but about here in a map that is known. Lost until relocate().
   void begin_at(const Pose& T_map_base, double doubt);
   /// Goes on with the drive of another: the vehicle is at `T_map_base` at `utime`, us, by odometry over `path` m since
-  /// it was last found. Before the first scan.
-  void resume(std::int64_t utime, const Pose& T_map_base, double path);
+  /// it was last found. `twist`: how it moves, for a first scan without odometry. Before the first scan.
+  void resume(std::int64_t utime, const Pose& T_map_base, double path, const scan::Twist& twist = {});
   /// The map for registration is made anew from these nodes, and the vehicle is here in it.
   void rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pose& T_map_base);
   /// A node's surroundings come back into the map for registration.

@@ -74,19 +74,52 @@ TEST_F(KilledMapperTest, IsSucceededByOneThatIsKilledBeforeItsFirstScan) {
   EXPECT_LT(error(), 0.1);
 }
 
-TEST_F(KilledMapperTest, IsSucceededWhereOdometryBeganAnewToo) {
+TEST_F(KilledMapperTest, IsSucceededAtOnceWhereItsFilterWasKilledToo) {
+  start_mapper();
+  drive(60);
+  const std::size_t heard = poses_.size();
+  kill_mapper();
+  start_filter();
+  drive(12);
+  T_odom_start_ = Pose(Eigen::Translation3d(80, -60, 0));
+  start_filter();  // what was said meanwhile is lost
+  start_mapper();
+  drive(40);
+  EXPECT_EQ(counter("resumed"), 1) << "the next scan is where the last motion leads";
+  EXPECT_EQ(counter("resumed.lost"), 0);
+  EXPECT_LT(error(), 0.1);
+  for (std::size_t i = heard + 1; i < poses_.size(); ++i) {
+    EXPECT_EQ(poses_[i].revolution, poses_[i - 1].revolution + 1) << "none is left out";
+    EXPECT_EQ(poses_[i].flags & map_pose_t::LOST, 0);
+  }
+}
+
+TEST_F(KilledMapperTest, IsSucceededWhereOdometryAndTheLidarBeganAnewToo) {
   start_mapper();
   drive(100);
   kill_mapper();
   drive(10);
   T_odom_start_ = Pose(Eigen::Translation3d(80, -60, 0));
   start_filter();
+  start_driver();
   start_mapper();
   drive(60);
   EXPECT_EQ(counter("resumed.lost"), 1);
   EXPECT_EQ(counter("searches.found"), 1) << "sought, and found";
   EXPECT_LT(error(), 0.15);
   EXPECT_EQ(poses_.back().flags & map_pose_t::LOST, 0);
+}
+
+TEST_F(KilledMapperTest, IsNotSucceededWhileItLives) {
+  start_mapper();
+  drive(20);
+  LocalBus bus;
+  try {
+    const MapperNode second(config_, bus);
+    FAIL() << "it goes on with a drive that goes on";
+  } catch (const JournalError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("another mapper keeps it"));
+  }
 }
 
 TEST_F(KilledMapperTest, MapsTheSameAsOneWithoutAJournal) {
