@@ -161,10 +161,29 @@ void Browser::touch(const Finger& one, const Finger& other) {
   call("Input.dispatchTouchEvent", {{"type", "touchEnd"}, {"touchPoints", json::array()}});
 }
 
+void Browser::hold(double x, double y, double seconds) {
+  call("Input.dispatchTouchEvent",
+       {{"type", "touchStart"}, {"touchPoints", json::array({{{"x", x}, {"y", y}, {"id", 0}}})}});
+  pass(seconds);
+  call("Input.dispatchTouchEvent", {{"type", "touchEnd"}, {"touchPoints", json::array()}});
+}
+
 void Browser::press(char key) {
   const std::string text(1, key);
   call("Input.dispatchKeyEvent", {{"type", "keyDown"}, {"key", text}, {"text", text}});
   call("Input.dispatchKeyEvent", {{"type", "keyUp"}, {"key", text}});
+}
+
+void Browser::press(const std::string& key) {
+  call("Input.dispatchKeyEvent", {{"type", "rawKeyDown"}, {"key", key}});
+  call("Input.dispatchKeyEvent", {{"type", "keyUp"}, {"key", key}});
+}
+
+double Browser::memory() {
+  call("HeapProfiler.enable");
+  for (int i = 0; i < 2; ++i) call("HeapProfiler.collectGarbage");  // what held a buffer goes first, then the buffer
+  const json usage = call("Runtime.getHeapUsage");
+  return usage["usedSize"].get<double>() + usage.value("backingStorageSize", 0.0);
 }
 
 void Browser::save_to(const std::string& folder) {

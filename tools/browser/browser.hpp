@@ -41,10 +41,17 @@ class Browser {
     double from_x, from_y, to_x, to_y;
   };
   void touch(const Finger& one, const Finger& other);
+  /// One finger that rests at a place and leaves it again.
+  void hold(double x, double y, double seconds);
   /// What the page saves goes to this folder.
   void save_to(const std::string& folder);
   /// A key that writes a letter or a sign.
   void press(char key);
+  /// One that does not, by its name: "ArrowUp", "Enter".
+  void press(const std::string& key);
+
+  /// Bytes that the page's scripts hold, buffers included, after what is not used any more has been given back.
+  double memory();
 
   [[nodiscard]] Picture picture();
   /// As a file, for people.
