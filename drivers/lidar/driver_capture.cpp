@@ -12,7 +12,10 @@
 namespace curbstone::lidar {
 
 DriverCapture::DriverCapture(const LidarConfig& config, bool repeat)
-    : config_(config), repeat_(repeat), source_(std::make_unique<sources::PcapSource>(config.pcap)) {
+    : config_(config),
+      repeat_(repeat),
+      model_(models::make_model(config.model, {})),
+      source_(std::make_unique<sources::PcapSource>(config.pcap)) {
   if (!config.device_address.empty()) device_ = sources::parse_ipv4(config.device_address, "device_address");
   packet_ = next_in_file();
   if (!packet_) fail_empty();
@@ -40,6 +43,11 @@ bool DriverCapture::is_for_us(const Packet& packet) const {
   return ports_of(config_).contains(packet.port);
 }
 
+bool DriverCapture::is_own(const Packet& packet) const {
+  const models::Sender sender = models::sender_of(packet.bytes);
+  return model_ ? model_->is_own(sender) : sender != models::Sender::kUnknown;
+}
+
 std::optional<DriverCapture::Packet> DriverCapture::next_in_file() {
   while (auto packet = source_->next()) {
     if (!is_for_us(*packet)) continue;
@@ -47,6 +55,7 @@ std::optional<DriverCapture::Packet> DriverCapture::next_in_file() {
       ++foreign_;
       continue;
     }
+    if (!sender_.admits(packet->sender, packet->received, is_own(*packet))) continue;
     if (repeats_ == 0) ++count_;
     return packet;
   }

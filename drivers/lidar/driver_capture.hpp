@@ -3,15 +3,18 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "drivers/lidar/lidar_config.hpp"
+#include "drivers/lidar/models/base/model.hpp"
+#include "drivers/lidar/sources/one_sender.hpp"
 #include "drivers/lidar/sources/pcap_source.hpp"
 
 namespace curbstone::lidar {
 
 /// The packets of a capture that are meant for the driver: to its two ports, or, where both are 0, of a LiDAR to
-/// any port; and of `device_address` where one is set.
+/// any port; and of `device_address` where one is set, else of one sender (OneSender).
 class DriverCapture {
  public:
   using Packet = sources::PcapSource::Packet;
@@ -26,7 +29,10 @@ class DriverCapture {
   /// Throws std::runtime_error where the file is damaged or cut off.
   void advance();
 
-  [[nodiscard]] std::int64_t foreign() const { return foreign_; }  ///< packets to the ports from other senders
+  [[nodiscard]] std::int64_t foreign() const {
+    return foreign_ + sender_.foreign();
+  }  ///< packets to the ports from other senders
+  [[nodiscard]] std::string sender_fault() const { return sender_.fault(); }
   [[nodiscard]] std::int64_t fragments() const { return before_.fragments + source_->skipped().fragments; }
   [[nodiscard]] std::int64_t cut() const { return before_.cut + source_->skipped().cut; }
   [[nodiscard]] std::int64_t repeats() const { return repeats_; }
@@ -34,6 +40,7 @@ class DriverCapture {
  private:
   [[nodiscard]] bool any_port() const;
   [[nodiscard]] bool is_for_us(const Packet& packet) const;
+  [[nodiscard]] bool is_own(const Packet& packet) const;
   [[nodiscard]] std::optional<Packet> next_in_file();
   void begin_anew();
   void shift_packet();
@@ -42,6 +49,8 @@ class DriverCapture {
   LidarConfig config_;
   bool repeat_;
   std::optional<sources::Ipv4> device_;
+  std::unique_ptr<models::Model> model_;  ///< none: auto
+  sources::OneSender sender_;
   std::unique_ptr<sources::PcapSource> source_;
   std::optional<Packet> packet_;
   std::vector<std::uint8_t> shifted_;

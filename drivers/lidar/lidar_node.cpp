@@ -245,6 +245,7 @@ NodeReport LidarNode::report() const {
   }
 
   if (!source_fault_.empty()) report.faults.push_back(source_fault_);
+  if (!sender_fault_.empty()) report.faults.push_back(sender_fault_);
   if (!buffer_fault_.empty()) report.faults.push_back(buffer_fault_);
   for (std::string& fault : health_.faults(model_.get())) report.faults.push_back(std::move(fault));
   if (share_.fault()) report.faults.push_back(*share_.fault());

@@ -44,6 +44,12 @@ class LidarNode final : public Node {
   /// The same from a log.
   void on(const raw_packet_t& packet);
 
+  /// Whether these bytes are of the model; while it is not known, of any LiDAR.
+  [[nodiscard]] bool is_own(std::span<const std::uint8_t> bytes) const {
+    const models::Sender sender = models::sender_of(bytes);
+    return model_ ? model_->is_own(sender) : sender != models::Sender::kUnknown;
+  }
+
   /// Before the first packet: what follows is a capture with but one device information.
   void expect_one_info();
 
@@ -51,6 +57,8 @@ class LidarNode final : public Node {
   void set_dropped(std::int64_t packets) { counters_.set("dropped.socket", packets); }
   /// What is wrong with where the packets come from, in words; empty when nothing is.
   void set_source_fault(const std::string& fault) { source_fault_ = fault; }
+  /// That more than one device sends, in words; empty when none does.
+  void set_sender_fault(const std::string& fault) { sender_fault_ = fault; }
   /// bytes of a socket's receive buffer: what was asked for, and what the kernel granted.
   void set_receive_buffer(int asked, int granted);
 
@@ -98,6 +106,7 @@ class LidarNode final : public Node {
   bool came_since_tick_ = false;
   std::string identity_;
   std::string source_fault_;
+  std::string sender_fault_;
   std::string buffer_fault_;
 };
 

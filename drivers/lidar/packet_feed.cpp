@@ -5,8 +5,10 @@
 #include <set>
 
 #include "common/time/clock.hpp"
+#include "common/time/replay_pace.hpp"
 #include "common/time/retry_pause.hpp"
 #include "drivers/lidar/driver_capture.hpp"
+#include "drivers/lidar/sources/one_sender.hpp"
 
 namespace curbstone::lidar {
 
@@ -50,14 +52,17 @@ class NetworkFeed final : public PacketFeed {
   }
 
   void receive(sources::UdpSource& source) {
-    source.receive([this](auto received, int on_port, auto bytes) { node_.on_packet(received, on_port, bytes); });
-    std::int64_t dropped = 0, foreign = 0;
+    source.receive([&](auto received, int on_port, auto bytes) {
+      if (sender_.admits(source.sender(), received, node_.is_own(bytes))) node_.on_packet(received, on_port, bytes);
+    });
+    std::int64_t dropped = 0, foreign = sender_.foreign();
     for (const auto& each : sources_) {
       dropped += each->dropped();
       foreign += each->foreign();
     }
     node_.set_dropped(dropped);
     if (foreign > 0) node_.set_counter("refused.source", foreign);
+    if (sender_.foreign() > 0) node_.set_sender_fault(sender_.fault());
   }
 
   sources::UdpOptions options_;
@@ -65,6 +70,7 @@ class NetworkFeed final : public PacketFeed {
   LidarNode& node_;
   EventLoop& loop_;
   std::vector<std::unique_ptr<sources::UdpSource>> sources_;
+  sources::OneSender sender_;
   bool open_ = false;
   bool tried_ = false;
   RetryPause retry_;
@@ -73,15 +79,17 @@ class NetworkFeed final : public PacketFeed {
 /// What of a capture did not reach the node.
 void count_refused(const DriverCapture& capture, LidarNode& node) {
   if (capture.foreign() > 0) node.set_counter("refused.source", capture.foreign());
+  node.set_sender_fault(capture.sender_fault());
   if (capture.fragments() > 0) node.set_counter("refused.fragment", capture.fragments());
   if (capture.cut() > 0) node.set_counter("refused.cut_off", capture.cut());
 }
 
+constexpr int kMostAtOnce = 1000;  // packets a millisecond: a capture may have times that nobody waits for
+
 class CaptureFeed final : public PacketFeed {
  public:
   CaptureFeed(const LidarConfig& config, LidarNode& node, EventLoop& loop)
-      : file_(config.pcap), rate_(config.pcap_rate), capture_(config, config.pcap_repeat), node_(node), loop_(loop) {
-    begin_ = capture_.packet()->received;
+      : file_(config.pcap), pace_(config.pcap_rate), capture_(config, config.pcap_repeat), node_(node), loop_(loop) {
     if (has_one_info(config)) node_.expect_one_info();
     loop.every(std::chrono::milliseconds(1), [this] { feed(); });
   }
@@ -89,9 +97,8 @@ class CaptureFeed final : public PacketFeed {
  private:
   void feed() {
     const std::int64_t now = steady_clock();
-    if (!started_) started_ = now;
     const auto& packet = capture_.packet();
-    while (packet && static_cast<double>(packet->received - begin_) <= static_cast<double>(now - *started_) * rate_) {
+    for (int i = 0; i < kMostAtOnce && packet && pace_.due(packet->received, now); ++i) {
       node_.on_packet(packet->received, packet->port, packet->bytes);
       ++count_;
       capture_.advance();
@@ -104,12 +111,10 @@ class CaptureFeed final : public PacketFeed {
   }
 
   std::string file_;
-  double rate_;
+  ReplayPace pace_;
   DriverCapture capture_;
   LidarNode& node_;
   EventLoop& loop_;
-  std::int64_t begin_ = 0;
-  std::optional<std::int64_t> started_;
   std::int64_t count_ = 0;
   bool ended_ = false;
 };

@@ -332,7 +332,7 @@ NodeReport MapperNode::report() const {
   if (saver_ && !saver_->fault().empty()) report.faults.push_back(saver_->fault());
   if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());
   if (!not_resumed_.empty() && last_end_ - first_lidar_ < kToldFor) report.faults.push_back(not_resumed_);
-  if (packets_.newest() == 0) report.faults.push_back("no LIDAR_POINTS");
+  packets_.add_faults(report.faults);
   if (epoch_ != 0 && without_odometry_ >= kOdometryMissing)
     report.faults.push_back("no usable ODOMETRY: assuming constant velocity");
   if (too_late_ != 0 && last_end_ - too_late_ < kToldFor)

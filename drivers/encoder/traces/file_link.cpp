@@ -10,7 +10,7 @@ namespace {
 constexpr int kMostAtOnce = 64;  // frames a millisecond: nobody sends bursts
 }
 
-FileLink::FileLink(const std::string& path, double rate) : file_(path), rate_(rate), next_(file_.next()) {
+FileLink::FileLink(const std::string& path, double rate) : file_(path), pace_(rate), next_(file_.next()) {
   first_utime_ = next_->utime;
 }
 
@@ -23,11 +23,9 @@ void FileLink::attach(EventLoop& loop, Handlers handlers) {
 
 void FileLink::feed() {
   const std::int64_t now = steady_clock();
-  if (!started_) started_ = now;
-  const double played = static_cast<double>(now - *started_) * rate_;
   for (int i = 0; i < kMostAtOnce && next_; ++i) {
-    if (rate_ > 0 && static_cast<double>(next_->utime - first_utime_) > played) return;
-    handlers_.on_frame(next_->utime, next_->frame);
+    if (!pace_.due(next_->utime, now)) return;
+    hand_over(*next_);
     const std::int64_t utime = next_->utime;
     next_ = file_.next();
     for (; refused_ < file_.counters()["refused.trace_line"]; ++refused_)
@@ -36,10 +34,17 @@ void FileLink::feed() {
   if (!next_) loop_->stop();
 }
 
+void FileLink::hand_over(const TraceFile::Frame& frame) {
+  if (time_.take(frame.utime)) return handlers_.on_frame(frame.utime, frame.frame);
+  counters_.add("refused.trace_time");
+  handlers_.on_refused(frame.utime, "refused.trace_time");
+}
+
 void FileLink::report(NodeReport& report) const {
   for (const Counters* counters : {&file_.counters(), &counters_}) {
     for (const auto& [name, value] : counters->values()) report.counters.add(name, value);
   }
+  if (time_.jumps() > 0) report.counters.set("trace.jumps", time_.jumps());
 }
 
 }  // namespace curbstone::encoder::traces

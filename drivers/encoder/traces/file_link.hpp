@@ -3,15 +3,18 @@
 #include <optional>
 #include <string>
 
+#include "common/time/replay_pace.hpp"
 #include "drivers/encoder/can/can_link.hpp"
 #include "drivers/encoder/traces/trace_file.hpp"
+#include "drivers/encoder/traces/trace_time.hpp"
 
 namespace curbstone::encoder::traces {
 
 /// Plays a recording: its frames come with the times that were recorded, spaced as they were. Stops the loop at its
 /// end. Nothing can be sent.
 ///
-/// Counts: those of TraceFile, dropped.no_bus (frames to send).
+/// Counts: those of TraceFile, refused.trace_time (times that lead back or far ahead), trace.jumps (where the recording
+/// goes on elsewhere), dropped.no_bus (frames to send).
 class FileLink final : public can::CanLink {
  public:
   /// `rate` times real time; 0: as fast as it can be read. Throws as TraceFile does.
@@ -23,13 +26,14 @@ class FileLink final : public can::CanLink {
 
  private:
   void feed();
+  void hand_over(const TraceFile::Frame& frame);
 
   TraceFile file_;
-  double rate_;
+  ReplayPace pace_;
+  TraceTime time_;
   std::optional<TraceFile::Frame> next_;
   std::int64_t first_utime_ = 0;
   std::int64_t refused_ = 0;
-  std::optional<std::int64_t> started_;  // us, steady clock
   EventLoop* loop_ = nullptr;
   Handlers handlers_;
   Counters counters_;

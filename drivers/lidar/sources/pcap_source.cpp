@@ -21,6 +21,9 @@ FrameReader reader_of(int link) {
       return udp_in_sll;
     case DLT_LINUX_SLL2:
       return udp_in_sll2;
+    case DLT_NULL:
+    case DLT_LOOP:
+      return udp_in_loopback;
     case DLT_RAW:
     case DLT_IPV4:
       return udp_in_ip;

@@ -11,7 +11,7 @@
 namespace curbstone::lidar::sources {
 
 /// The UDP packets of a capture (.pcap with stamps in us or ns, .pcapng; Ethernet with or without VLAN tags, raw IP,
-/// Linux cooked 1 and 2).
+/// loopback, Linux cooked 1 and 2), of either byte order.
 class PcapSource {
  public:
   struct Packet {

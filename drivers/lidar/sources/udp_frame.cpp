@@ -9,6 +9,7 @@ namespace {
 constexpr int kIpv4 = 0x0800;
 constexpr int kVlan = 0x8100;
 constexpr int kServiceVlan = 0x88A8;
+constexpr int kOldServiceVlan = 0x9100;
 constexpr std::uint8_t kUdp = 17;
 
 using Bytes = std::span<const std::uint8_t>;
@@ -42,7 +43,8 @@ UdpFrame udp_in_ip(Bytes packet) {
 }
 
 UdpFrame udp_after(int ether_type, Bytes rest) {
-  for (int tags = 0; tags < 2 && (ether_type == kVlan || ether_type == kServiceVlan); ++tags) {
+  const auto is_tag = [](int type) { return type == kVlan || type == kServiceVlan || type == kOldServiceVlan; };
+  for (int tags = 0; tags < 2 && is_tag(ether_type); ++tags) {
     if (rest.size() < 4) return none(FrameKind::kCut);
     ether_type = be16(rest, 2);
     rest = rest.subspan(4);
@@ -52,6 +54,13 @@ UdpFrame udp_after(int ether_type, Bytes rest) {
 
 UdpFrame udp_in_ethernet(Bytes frame) {
   return udp_at(frame, 12, 14);
+}
+
+/// The family is 2 for IPv4 everywhere, so one byte of it tells, at whichever end it is.
+UdpFrame udp_in_loopback(Bytes frame) {
+  if (frame.size() < 4) return none(FrameKind::kCut);
+  const bool ipv4 = frame[1] == 0 && frame[2] == 0 && (frame[0] | frame[3]) == 2 && (frame[0] & frame[3]) == 0;
+  return ipv4 ? udp_in_ip(frame.subspan(4)) : none(FrameKind::kNotUdp);
 }
 
 UdpFrame udp_in_sll(Bytes frame) {

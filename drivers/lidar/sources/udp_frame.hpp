@@ -32,6 +32,10 @@ struct UdpFrame {
 /// The same of an Ethernet frame.
 [[nodiscard]] UdpFrame udp_in_ethernet(std::span<const std::uint8_t> frame);
 
+/// The same of a frame of a loopback interface: a family of addresses, in the byte order of the host that captured
+/// (LINKTYPE_NULL) or of the network (LINKTYPE_LOOP), and the packet.
+[[nodiscard]] UdpFrame udp_in_loopback(std::span<const std::uint8_t> frame);
+
 /// The same of a Linux cooked frame (`tcpdump -i any`), version 1 and version 2. Source: LINKTYPE_LINUX_SLL and
 /// LINKTYPE_LINUX_SLL2, tcpdump.org.
 [[nodiscard]] UdpFrame udp_in_sll(std::span<const std::uint8_t> frame);

@@ -24,9 +24,31 @@ bool PacketIntake::is_gap_before(const lidar_points_t& packet) const {
   return step > 1 && step <= kMostPackets && ahead > 0 && ahead <= ResendClient::kMostMissing;
 }
 
+bool PacketIntake::is_of_another(const lidar_points_t& packet) const {
+  constexpr std::int32_t kNearEnd = 0x7FFFFFFF - 1000;  // the numbers begin anew behind it
+  return last_ && packet.packet <= last_->number && last_->number < kNearEnd && packet.utime > last_->utime &&
+         packet.utime - last_->utime < kRestart;
+}
+
+/// A packet that follows the last one, and is later than what waits behind a gap with higher numbers: that was not of
+/// the same driver.
+void PacketIntake::refuse_held_of_another(const lidar_points_t& packet) {
+  if (!last_ || packet.packet <= last_->number || packet.utime <= last_->utime) return;
+  while (!held_.empty() && held_.back().packet > packet.packet && held_.back().utime < packet.utime) {
+    another_ = held_.back().utime;
+    held_.pop_back();
+    counters_.add("refused.second_lidar");
+  }
+}
+
 void PacketIntake::hear(const lidar_points_t& packet, const Handler& hand_on) {
   if (packet.utime <= 0) return hand_on(packet);  // to be refused
   newest_ = packet.utime;
+  if (is_of_another(packet)) {
+    another_ = packet.utime;
+    return counters_.add("refused.second_lidar");
+  }
+  refuse_held_of_another(packet);
   if (is_gap_before(packet) && !client_.is_deaf(packet.utime)) {
     if (held_.empty()) waited_ = 0;
     return hold(packet);
@@ -112,6 +134,12 @@ void PacketIntake::release(const Handler& hand_on) {
     held_.pop_front();
     pass(packet, hand_on);
   }
+}
+
+void PacketIntake::add_faults(std::vector<std::string>& faults) const {
+  if (newest_ == 0) faults.emplace_back("no LIDAR_POINTS");
+  if (another_ != 0 && newest_ - another_ < 1'000'000)
+    faults.emplace_back("two LiDARs send on LIDAR_POINTS, and one is mapped: give the other a `channel` of its own");
 }
 
 std::optional<MissingMessages> PacketIntake::missing() const {

@@ -5,6 +5,8 @@
 #include <deque>
 #include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "common/bus/counters.hpp"
 #include "common/resend/resend_client.hpp"
@@ -17,12 +19,17 @@ namespace curbstone::mapper::scan {
 /// what is handed on is the same whether or not packets were lost, unless they are lost for good. Packets that begin
 /// anew or jump in time are handed on as they come. Pure; one thread.
 ///
-/// Counters: lidar.resent (missing packets that came again), lidar.not_resent (gaps that were given up).
+/// Two drivers on one channel would mix the revolutions of two LiDARs in one place. Their numbers give them away: they
+/// go back while the time goes on, and no driver is started anew within kRestart. One of the two is handed on.
+///
+/// Counters: refused.second_lidar, lidar.resent (missing packets that came again), lidar.not_resent (gaps that were
+/// given up).
 class PacketIntake {
  public:
   using Handler = std::function<void(const lidar_points_t&)>;
-  static constexpr int kPatience = 50;            ///< ticks; of 20 ms
-  static constexpr std::size_t kMostHeld = 3000;  ///< packets, 18 MB; newer ones will be asked for in their turn
+  static constexpr int kPatience = 50;              ///< ticks; of 20 ms
+  static constexpr std::int64_t kRestart = 50'000;  ///< us, from a driver's last packet to its successor's first
+  static constexpr std::size_t kMostHeld = 3000;    ///< packets, 18 MB; newer ones will be asked for in their turn
 
   PacketIntake(Publisher& bus, const std::string& requester, const std::string& channel)
       : client_(bus, requester, channel) {}
@@ -42,6 +49,8 @@ class PacketIntake {
   /// us, stamp of the newest packet heard.
   [[nodiscard]] std::int64_t newest() const { return newest_; }
   [[nodiscard]] std::optional<MissingMessages> missing() const;
+  /// That nothing was heard yet, or that more than one LiDAR sent within the last second of message time.
+  void add_faults(std::vector<std::string>& faults) const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
@@ -49,6 +58,8 @@ class PacketIntake {
     std::int32_t number;
     std::int64_t utime;  // us
   };
+  [[nodiscard]] bool is_of_another(const lidar_points_t& packet) const;
+  void refuse_held_of_another(const lidar_points_t& packet);
   [[nodiscard]] bool is_gap_before(const lidar_points_t& packet) const;
   [[nodiscard]] std::deque<lidar_points_t>::iterator place_of(std::int32_t number);
   [[nodiscard]] bool holds(std::int32_t number);
@@ -62,8 +73,9 @@ class PacketIntake {
   std::optional<Last> last_;                 // handed on
   std::deque<lidar_points_t> held_;          // by number
   std::int64_t newest_ = 0;
-  std::int64_t ticked_ = 0;  // us
-  int waited_ = 0;           // ticks since something missing came last, or the gap was found
+  std::int64_t another_ = 0;  // us, newest of a second LiDAR
+  std::int64_t ticked_ = 0;   // us
+  int waited_ = 0;            // ticks since something missing came last, or the gap was found
   Counters counters_;
 };
 

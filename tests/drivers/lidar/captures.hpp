@@ -46,6 +46,7 @@ inline Bytes frame(const Bytes& payload, int port, int tags = 0, int sender = 20
 }
 
 inline constexpr std::uint32_t kEthernet = 1;
+inline constexpr std::uint32_t kLoopback = 0;  // LINKTYPE_NULL
 inline constexpr std::uint32_t kRawIp = 101;
 inline constexpr std::uint32_t kCooked = 113;
 inline constexpr std::uint32_t kCooked2 = 276;

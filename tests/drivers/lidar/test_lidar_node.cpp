@@ -231,6 +231,8 @@ TEST_F(Recorded, WashingHouseGivesItsAngles) {
     EXPECT_DOUBLE_EQ(result.info.elevations[6], -2.9874);
     EXPECT_DOUBLE_EQ(result.info.elevations[15], 1.0026);
     EXPECT_EQ(result.info.rpm, 600);
+    const int called[] = {5000, 3300, 2500, 1200};  // mV
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(result.status.millivolts[i], called[i], 0.025 * called[i]);
     EXPECT_EQ(result.info.distance_step, 0.005);
     EXPECT_FALSE(result.info.dual_return);
   }

@@ -68,6 +68,11 @@ class Model {
 
   [[nodiscard]] virtual const ModelTable& table() const = 0;
 
+  /// Whether a packet of this sender is one of this model's, for certain.
+  [[nodiscard]] bool is_own(Sender sender) const {
+    return sender != Sender::kUnknown && kind_of(sender) != PacketKind::kForeign;
+  }
+
   /// What a packet of this sender is to the model. Unknown ones are to be taken for points, for decode() tells what is
   /// wrong with them.
   [[nodiscard]] virtual PacketKind kind_of(Sender sender) const = 0;

@@ -43,11 +43,28 @@ double celsius(std::uint16_t raw) {
   return (raw & 0x8000) != 0 ? -size : size;
 }
 
+/// The manual has six voltages here, rs_driver's struct nine. A recorded RS16
+/// (shared/data/rs16/rs16_washing_house.pcap) has six words and then zeros. Their upper four bits count from 0 to 5, as
+/// a converter numbers its channels. The lower twelve are of 5 V: so the last four are 4.95 V (halved), 3.30, 2.56
+/// and 1.21 V. What the two of 12 V are divided by is not known. Another device's words do not count so, and nothing is
+/// told.
+std::array<int, 4> millivolts(const std::array<Be16, 6>& words) {
+  std::array<int, 4> supplies{};
+  for (std::size_t channel = 0; channel < words.size(); ++channel) {
+    const std::uint16_t word = words[channel];
+    if (word >> 12 != static_cast<int>(channel)) return {};
+    constexpr std::size_t kFirst = 2;  // of those whose divider is known
+    if (channel >= kFirst) supplies[channel - kFirst] = (word & 0xFFF) * 5000 / 4096 * (channel == kFirst ? 2 : 1);
+  }
+  return supplies;
+}
+
 DeviceStatus status_of(const DifopPacket& packet) {
   DeviceStatus status;
   status.rpm = static_cast<int>(std::lround(packet.real_rpm / 6.0));  // manual, appendix B
   status.pps_locked = (packet.gps_status & 1) != 0;
   status.gprmc_locked = (packet.gps_status & 2) != 0;
+  status.millivolts = millivolts(packet.voltages);
   std::ranges::transform(packet.temperatures, status.temperatures.begin(), celsius);
   status.identity = fmt::format("serial number {:02X}, firmware {:02X} (top) and {:02X} (bottom)",
                                 fmt::join(packet.serial_number, ""), fmt::join(packet.firmware, ""),

@@ -28,7 +28,9 @@ struct DifopPacket {
   std::uint8_t return_mode;  ///< 0 dual, 1 strongest, 2 last
   std::uint8_t software_version[2];
   robosense::PacketTime time;
-  std::uint8_t reserved_313[44];
+  Be24 currents[2];              ///< uA, bit 23 is the sign
+  std::array<Be16, 6> voltages;  ///< 4 bits of channel, 0 to 5, and 12 of 5 V: see device_info.cpp
+  std::uint8_t reserved_331[26];
   std::uint8_t gps_status;  ///< bit 0 PPS lock, bit 1 GPRMC lock, bit 2 UTC lock
   std::array<Be16, 4> temperatures;
   std::uint8_t reserved_366[7];
@@ -41,8 +43,8 @@ struct DifopPacket {
 static_assert(sizeof(DifopPacket) == robosense::kPacketSize && alignof(DifopPacket) == 1);
 static_assert(offsetof(DifopPacket, fov_start) == 32 && offsetof(DifopPacket, firmware) == 40 &&
               offsetof(DifopPacket, serial_number) == 292 && offsetof(DifopPacket, return_mode) == 300 &&
-              offsetof(DifopPacket, time) == 303 && offsetof(DifopPacket, gps_status) == 357 &&
-              offsetof(DifopPacket, real_rpm) == 373 && offsetof(DifopPacket, elevation) == 1165 &&
-              offsetof(DifopPacket, tail) == 1246);
+              offsetof(DifopPacket, time) == 303 && offsetof(DifopPacket, voltages) == 319 &&
+              offsetof(DifopPacket, gps_status) == 357 && offsetof(DifopPacket, real_rpm) == 373 &&
+              offsetof(DifopPacket, elevation) == 1165 && offsetof(DifopPacket, tail) == 1246);
 
 }  // namespace curbstone::lidar::models::rs16

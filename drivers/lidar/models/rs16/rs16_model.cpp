@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -68,6 +69,11 @@ void Rs16Model::tell(const DeviceInfo& info, const DeviceStatus& status) {
   facts_.values.set("device.pps_locked", status.pps_locked ? 1 : 0);
   facts_.values.set("device.gprmc_locked", status.gprmc_locked ? 1 : 0);
   facts_.values.set("device.dual_return", info.dual_return ? 1 : 0);
+  constexpr std::array<const char*, 4> kSupplies = {"device.supply_5v_mv", "device.supply_3v3_mv",
+                                                    "device.supply_2v5_mv", "device.supply_1v2_mv"};
+  for (std::size_t i = 0; i < kSupplies.size(); ++i) {
+    if (status.millivolts[i] != 0) facts_.values.set(kSupplies[i], status.millivolts[i]);
+  }
   for (std::size_t i = 0; i < status.temperatures.size(); ++i)
     facts_.values.set(fmt::format("device.temperature_{}_mdeg", i + 1), std::lround(status.temperatures[i] * 1000));
   facts_.faults.clear();

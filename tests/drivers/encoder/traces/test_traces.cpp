@@ -9,6 +9,7 @@
 #include "drivers/encoder/traces/file_link.hpp"
 #include "drivers/encoder/traces/pcan_trace.hpp"
 #include "drivers/encoder/traces/trace_file.hpp"
+#include "drivers/encoder/traces/trace_time.hpp"
 #include "tests/drivers/recorder.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -155,6 +156,23 @@ void write_drive(const std::filesystem::path& path) {
     log << text;
     if (i % 10 == 0) log << text.substr(0, text.find("181#")) << "281#2700270000000000\n";
   }
+}
+
+TEST(TraceTimeTest, TimesThatLeadBackOrFarAheadAreRefusedUntilTenAgree) {
+  TraceTime time;
+  std::int64_t at = 1'700'000'000'000'000;
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_TRUE(time.take(at += 1000));
+    EXPECT_FALSE(time.take(at + 3'600'000'000)) << "an hour ahead";
+    EXPECT_TRUE(time.take(at += 1000));
+    EXPECT_FALSE(time.take(at - 500'000)) << "out of order";
+  }
+  EXPECT_EQ(time.jumps(), 0);
+  at -= 50'000'000;  // another recording, or a clock that was set
+  int refused = 0;
+  for (int i = 0; i < 100; ++i) refused += time.take(at += 1000) ? 0 : 1;
+  EXPECT_EQ(refused, TraceTime::kAgreeing - 1);
+  EXPECT_EQ(time.jumps(), 1);
 }
 
 TEST(FileLinkTest, ARecordedDriveBecomesWheelsWithTheRecordedTimes) {

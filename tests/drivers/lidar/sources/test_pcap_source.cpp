@@ -49,8 +49,13 @@ TEST(PcapSource, ReadsEachLinkTypeWithTheSender) {
   cooked2_vlan[1] = 0x00;
   put(cooked2_vlan, {0x00, 0x05, 0x08, 0x00});
   const Bytes ip = ip_packet({7, 8}, 6699, 201);
-  for (const auto& [head, link] :
-       {std::pair{Bytes(), kRawIp}, {cooked, kCooked}, {cooked2, kCooked2}, {cooked2_vlan, kCooked2}}) {
+  const Bytes little_end = {2, 0, 0, 0}, big_end = {0, 0, 0, 2};  // the family of IPv4
+  for (const auto& [head, link] : {std::pair{Bytes(), kRawIp},
+                                   {cooked, kCooked},
+                                   {cooked2, kCooked2},
+                                   {cooked2_vlan, kCooked2},
+                                   {little_end, kLoopback},
+                                   {big_end, kLoopback}}) {
     const Capture capture({head + ip}, link);
     PcapSource source(capture.name());
     const auto packet = source.next();
@@ -112,7 +117,8 @@ TEST(UdpFrame, NeverReachesBeyondTheFrameWhateverComes) {
     for (auto k = random() % 6; k > 0; --k) bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
     bytes.resize(random() % (bytes.size() + 1));
     bytes.shrink_to_fit();
-    for (const UdpFrame& udp : {udp_in_ethernet(bytes), udp_in_sll(bytes), udp_in_sll2(bytes), udp_in_ip(bytes)}) {
+    for (const UdpFrame& udp :
+         {udp_in_ethernet(bytes), udp_in_sll(bytes), udp_in_sll2(bytes), udp_in_ip(bytes), udp_in_loopback(bytes)}) {
       if (udp.kind != FrameKind::kUdp) {
         ASSERT_TRUE(udp.payload.empty());
         continue;

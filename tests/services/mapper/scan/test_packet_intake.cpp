@@ -225,5 +225,35 @@ TEST_F(PacketIntakeTest, AnyNumbersAndStampsAreSurvived) {
   EXPECT_GT(handed_on_.size(), 5000U);
 }
 
+TEST_F(PacketIntakeTest, OfTwoLidarsOnOneChannelOneIsHandedOnAndBothAreNamed) {
+  for (const std::int32_t other : {-1'000, 50'000, 500'000}) {  // how far the second one's numbers are apart
+    PacketIntake intake(bus_, "mapper", "LIDAR_POINTS");
+    std::vector<std::int32_t> from_first, from_second;
+    const auto hand_on = [&](const lidar_points_t& m) {
+      (m.packet % 10'000 < 5'000 ? from_first : from_second).push_back(m.packet);
+    };
+    for (std::int32_t i = 1'000; i < 4'000; ++i) {
+      lidar_points_t m = packet(i);
+      intake.hear(m, hand_on);
+      if (i >= 2'000 && i < 3'000) {
+        m.packet += other + 5'000;
+        m.utime += 400;
+        intake.hear(m, hand_on);
+      }
+      if (i % 15 == 0) intake.tick(kStart + i * kStep, hand_on);
+      std::vector<std::string> faults;
+      intake.add_faults(faults);
+      if (i > 2'100 && i < 3'000) {
+        EXPECT_THAT(faults, SizeIs(1)) << i;
+      }
+    }
+    EXPECT_TRUE(from_first.size() >= 2'990U || from_second.size() >= 900U) << "one of them, whole: " << other;
+    EXPECT_GE(intake.counters()["refused.second_lidar"], 900) << other;
+    std::vector<std::string> faults;
+    intake.add_faults(faults);
+    EXPECT_THAT(faults, IsEmpty()) << "a second later";
+  }
+}
+
 }  // namespace
 }  // namespace curbstone::mapper::scan

@@ -1,5 +1,7 @@
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include <algorithm>
+#include <array>
 #include <random>
 
 #include "drivers/lidar/models/rs16/device_info.hpp"
@@ -64,6 +66,15 @@ TEST(DeviceInfo, BelievesDualReturnOnlyOfABoardThatKnowsIt) {
   EXPECT_TRUE(parse(packet).info.dual_return);
   packet.bottom_firmware = {0x08, 0x02, 0x08, 0, 0};
   EXPECT_FALSE(parse(packet).info.dual_return);
+}
+
+TEST(DeviceInfo, ReadsTheSuppliesWhereTheirChannelsAreNumbered) {
+  DifopPacket packet = info_packet();
+  const std::array<std::uint16_t, 6> recorded = {0x069C, 0x16A0, 0x27EB, 0x3A93, 0x4832, 0x53E1};
+  std::ranges::copy(recorded, packet.voltages.begin());
+  EXPECT_THAT(parse(packet).status.millivolts, ::testing::ElementsAre(4948, 3304, 2561, 1212));
+  packet.voltages[3] = 0x4A93;
+  EXPECT_THAT(parse(packet).status.millivolts, ::testing::ElementsAre(0, 0, 0, 0));
 }
 
 TEST(DeviceInfo, ReadsAFieldOfViewThroughZero) {

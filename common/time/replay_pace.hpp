@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace curbstone {
+
+/// When the items of a recording are due, so that they come spaced as they were recorded. A step of their times that is
+/// longer than kLongest, or leads back, is a damaged time, a clock that was set or a pause: nobody waits for it. All
+/// times in us.
+class ReplayPace {
+ public:
+  static constexpr std::int64_t kLongest = 10'000'000;
+
+  /// `rate` times as fast as recorded; 0: at once.
+  explicit ReplayPace(double rate) : rate_(rate) {}
+
+  /// Whether the item recorded at `recorded`, which comes next, is due at `now` on a steady clock. The first one is.
+  [[nodiscard]] bool due(std::int64_t recorded, std::int64_t now) {
+    if (!began_) began_ = now;
+    if (!asked_ || *asked_ != recorded) {
+      const std::int64_t step = recorded - asked_.value_or(recorded);
+      if (step > 0 && step <= kLongest) at_ += step;
+      asked_ = recorded;
+    }
+    return rate_ <= 0 || static_cast<double>(at_) <= static_cast<double>(now - *began_) * rate_;
+  }
+
+ private:
+  double rate_;
+  std::optional<std::int64_t> began_;
+  std::optional<std::int64_t> asked_;  // recorded time of the item that was asked for last
+  std::int64_t at_ = 0;                // after the first one, without the steps that nobody waits for
+};
+
+}  // namespace curbstone

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "drivers/lidar/sources/ipv4_address.hpp"
+
+namespace curbstone::lidar::sources {
+
+/// Where nobody has said which device is meant: the first one that sends packets of the model is, until it has been
+/// silent for kSilence. So the points and the device information of two that send to the same ports are never mixed.
+/// Pure; times in us.
+class OneSender {
+ public:
+  static constexpr std::int64_t kSilence = 1'000'000;
+
+  /// Whether a packet may be used. `is_own`: it is of the model; others may come from anywhere, and are refused by what
+  /// they are.
+  [[nodiscard]] bool admits(Ipv4 sender, std::int64_t received, bool is_own) {
+    if (!is_own) return true;
+    const bool silent = !sender_ || received - heard_ > kSilence || heard_ - received > kSilence;
+    if (silent) sender_ = sender;
+    if (*sender_ == sender) {
+      heard_ = received;
+      return true;
+    }
+    other_ = sender;
+    other_heard_ = received;
+    ++foreign_;
+    return false;
+  }
+  [[nodiscard]] std::int64_t foreign() const { return foreign_; }
+  /// In words, while another one sends too.
+  [[nodiscard]] std::string fault() const {
+    if (!other_ || !sender_ || heard_ - other_heard_ > kSilence) return "";
+    return "two devices send: " + to_text(*sender_) + " is read, " + to_text(*other_) +
+           " is not; give each a port of its own, or set device_address";
+  }
+
+ private:
+  std::optional<Ipv4> sender_;
+  std::int64_t heard_ = 0;
+  std::optional<Ipv4> other_;
+  std::int64_t other_heard_ = 0;
+  std::int64_t foreign_ = 0;
+};
+
+}  // namespace curbstone::lidar::sources

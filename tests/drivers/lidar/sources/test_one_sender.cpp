@@ -1,0 +1,61 @@
+#include "drivers/lidar/sources/one_sender.hpp"
+
+#include <gtest/gtest.h>
+
+namespace curbstone::lidar::sources {
+namespace {
+
+constexpr Ipv4 kFirst = 0xC0A801C8;   // 192.168.1.200
+constexpr Ipv4 kSecond = 0xC0A801C9;  // 192.168.1.201
+
+class OneSenderTest : public ::testing::Test {
+ protected:
+  bool admits(Ipv4 sender, bool is_own = true) { return sender_.admits(sender, now_, is_own); }
+
+  OneSender sender_;
+  std::int64_t now_ = 1'700'000'000'000'000;  // us
+};
+
+TEST_F(OneSenderTest, OfTwoDevicesTheFirstIsReadAndBothAreNamed) {
+  for (int i = 0; i < 100; ++i, now_ += 1'333) {
+    EXPECT_TRUE(admits(kFirst));
+    EXPECT_FALSE(admits(kSecond));
+  }
+  EXPECT_EQ(sender_.foreign(), 100);
+  EXPECT_EQ(sender_.fault(),
+            "two devices send: 192.168.1.200 is read, 192.168.1.201 is not; give each a port of its own, or set "
+            "device_address");
+}
+
+TEST_F(OneSenderTest, ADeviceThatWasReplacedIsFollowedAfterASecond) {
+  EXPECT_TRUE(admits(kFirst));
+  now_ += OneSender::kSilence / 2;
+  EXPECT_FALSE(admits(kSecond));
+  now_ += OneSender::kSilence / 2 + 1;
+  EXPECT_TRUE(admits(kSecond));
+  EXPECT_FALSE(admits(kFirst));
+}
+
+TEST_F(OneSenderTest, TheFaultIsOverOnceTheOtherIsSilent) {
+  EXPECT_TRUE(admits(kFirst));
+  EXPECT_FALSE(admits(kSecond));
+  EXPECT_NE(sender_.fault(), "");
+  for (int i = 0; i < 1000; ++i, now_ += 1'333) EXPECT_TRUE(admits(kFirst));
+  EXPECT_EQ(sender_.fault(), "");
+}
+
+TEST_F(OneSenderTest, PacketsOfOtherModelsAreNotItsBusiness) {
+  EXPECT_TRUE(admits(kSecond, false)) << "to be refused by what it is";
+  EXPECT_TRUE(admits(kFirst)) << "so it is no first device";
+  EXPECT_EQ(sender_.foreign(), 0);
+}
+
+TEST_F(OneSenderTest, AClockThatWasSetBackIsNoSilenceForEver) {
+  EXPECT_TRUE(admits(kFirst));
+  now_ -= 3'600'000'000;
+  EXPECT_TRUE(admits(kSecond));
+  EXPECT_FALSE(admits(kFirst));
+}
+
+}  // namespace
+}  // namespace curbstone::lidar::sources
