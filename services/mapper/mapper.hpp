@@ -101,7 +101,7 @@ class Mapper {
   [[nodiscard]] Counters counters() const;
   /// Scans in a row that could not be registered.
   [[nodiscard]] int refused_in_a_row() const { return tracker_.refused_in_a_row(); }
-  /// The drive's poses, in order (pose_graph::PoseThinning); a closed loop moves them.
+  /// The drive's poses, in order, one each few centimetres; a closed loop moves them.
   [[nodiscard]] std::vector<TrajectoryPoint> trajectory() const { return trajectory_.points(atlas_); }
 
  private:

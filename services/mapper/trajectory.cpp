@@ -7,6 +7,7 @@ namespace {
 
 constexpr double kContradiction = 0.5;         // m between two accounts of where the vehicle is, and
 constexpr double kContradictionDrift = 0.05;   // more for each m of odometry, that only an error explains
+constexpr float kFootprint = 0.03F;            // m between footprints
 constexpr std::int64_t kWitness = 30'000'000;  // us for which odometry can tell
 
 }  // namespace
@@ -16,7 +17,9 @@ void Trajectory::add(const TrajectoryPoint& point, const std::optional<Pose>& T_
   const Pose T_node_base = atlas.node(point.node).T_map_base.inverse() * point.T_map_base;
   const Footprint footprint{point.utime, point.revolution, point.node, T_node_base.translation().cast<float>(),
                             Eigen::Quaterniond(T_node_base.linear()).cast<float>()};
-  if (thinning_.keeps(point.utime, point.T_map_base.translation())) footprints_.push_back(footprint);
+  const bool stands = !footprints_.empty() && footprints_.back().node == footprint.node &&
+                      (footprints_.back().position - footprint.position).norm() < kFootprint;
+  if (!stands) footprints_.push_back(footprint);
   if (!T_odom_base) return witnesses_.clear();
   witnesses_.push_back({footprint, *T_odom_base});
   while (point.utime - witnesses_.front().footprint.utime > kWitness) witnesses_.pop_front();

@@ -7,7 +7,6 @@
 
 #include "common/geometry/geometry.hpp"
 #include "services/mapper/pose_graph/atlas.hpp"
-#include "services/mapper/pose_graph/pose_thinning.hpp"
 
 namespace curbstone::mapper {
 
@@ -29,7 +28,7 @@ class Trajectory {
   /// Forgets what came after `utime`, and what odometry said.
   void roll_back(std::int64_t utime);
 
-  /// In order: see PoseThinning.
+  /// In order, one each few centimetres.
   [[nodiscard]] std::vector<TrajectoryPoint> points(const pose_graph::Atlas& atlas) const;
   /// The vehicle is at `T_map_base` now. When its trajectory and odometry last agreed on how it came to be here;
   /// nothing if they agree until the last scan, or never did.
@@ -52,9 +51,8 @@ class Trajectory {
   };
   [[nodiscard]] static Pose T_map_of(const Footprint& footprint, const pose_graph::Atlas& atlas);
 
-  pose_graph::PoseThinning thinning_;
-  std::vector<Footprint> footprints_;
-  std::deque<Witness> witnesses_;  // of the last scans, all with odometry
+  std::vector<Footprint> footprints_;  // one each few centimetres
+  std::deque<Witness> witnesses_;      // of the last scans, all with odometry
 };
 
 }  // namespace curbstone::mapper

@@ -10,9 +10,9 @@
 #include "services/mapper/dense_map/dense_map.hpp"
 #include "services/mapper/journal/journal_lock.hpp"
 #include "services/mapper/journal/journal_writer.hpp"
+#include "services/mapper/journal/pose_thinning.hpp"
 #include "services/mapper/journal/recorded_drive.hpp"
 #include "services/mapper/pose_graph/atlas.hpp"
-#include "services/mapper/pose_graph/pose_thinning.hpp"
 
 namespace curbstone::mapper::journal {
 
@@ -71,7 +71,7 @@ class DriveJournal {
   bool new_rings_ = false;
   std::vector<TileKey> evicted_;
   // What it has.
-  pose_graph::PoseThinning thinning_;
+  PoseThinning thinning_;
   int nodes_ = 0;
   std::size_t edges_ = 0;
   std::unordered_map<TileKey, Written, TileKeyHash> tiles_;

@@ -40,7 +40,7 @@ TEST_F(SemanticMapNodeTest, AsksForWhatItMissedAndAnswersWhoMissedSomething) {
   node.tick(kStart + 2'500'000);
   bus.dispatch();
   EXPECT_EQ(requests.size(), 1U) << "it has what it asked for";
-  EXPECT_EQ(sent, 1);
+  EXPECT_EQ(sent, 2) << "with its points, and when its curbs know of them";
 
   tile_request_t request{};
   request.requester = "web";
@@ -54,7 +54,7 @@ TEST_F(SemanticMapNodeTest, AsksForWhatItMissedAndAnswersWhoMissedSomething) {
   bus.dispatch();
   node.tick(kStart + 2'520'000);
   bus.dispatch();
-  EXPECT_EQ(sent, 2);
+  EXPECT_EQ(sent, 3);
 }
 
 /// The step from the first points of a tile to all of them.

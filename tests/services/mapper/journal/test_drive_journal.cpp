@@ -295,6 +295,7 @@ TEST_F(DriveJournalTest, IsGoneWhenTheDriveIsOver) {
 }
 
 TEST_F(DriveJournalTest, ThatCannotBeWrittenIsAFaultAndIsTriedAgainAMinuteLater) {
+  std::filesystem::remove_all(folder_ / "state");
   std::ofstream(folder_ / "state") << "in the way";
   start_epoch(7, {});
   drive(3);

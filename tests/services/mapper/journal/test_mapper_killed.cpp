@@ -226,6 +226,7 @@ TEST_F(KilledMapperTest, IsNotSucceededTheNextDayOrWhereTheClockWasSetBack) {
     EXPECT_EQ(counter("resumed"), 0);
     EXPECT_EQ(counter("journal.old"), 1);
     EXPECT_THAT(node_->report().faults, IsEmpty()) << "that is how most drives begin";
+    kill_mapper();
   }
 }
 

@@ -168,7 +168,7 @@ TEST_F(PacketIntakeTest, HandsOnWhatItHoldsWhenTheDriverBeginsAnew) {
   send_all(0, 100);
   send_all(100, 110, false);
   send_all(110, 120);
-  lidar_points_t first = packet(120);
+  lidar_points_t first = packet(120 + 1 + static_cast<std::int32_t>(PacketIntake::kRestart / kStep));
   first.packet = 0;
   intake_.hear(first, hand_on_);
   EXPECT_THAT(handed_on_, SizeIs(111));

@@ -116,7 +116,7 @@ class DoorTest : public ::testing::Test {
 TEST_F(DoorTest, TellsAClientWhatThereIs) {
   EXPECT_THAT(told(), ElementsAre("serverInfo", "advertise"));
   const json channels = json::parse(last_text_)["channels"];
-  ASSERT_EQ(channels.size(), 9U);
+  ASSERT_EQ(channels.size(), 10U);
   EXPECT_EQ(channels[2]["topic"], "/map/window");
   EXPECT_EQ(channels[2]["schemaName"], "foxglove.Grid");
   EXPECT_GT(channels[2]["schema"].get<std::string>().size(), 500U);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace curbstone::mapper::pose_graph {
+namespace curbstone::mapper::journal {
 
 /// Which poses of a drive are kept: all of them, but only one a second of a vehicle that has stood for a minute. A day
 /// at a loading ramp needs no memory. Pure.
@@ -34,4 +34,4 @@ class PoseThinning {
   std::optional<Place> place_;
 };
 
-}  // namespace curbstone::mapper::pose_graph
+}  // namespace curbstone::mapper::journal
