@@ -186,11 +186,11 @@ TEST_P(LastingFaults, ASpeedThatChangesIsFollowed) {
 }
 
 TEST_P(LastingFaults, AReturnModeThatIsSwitchedInMidDriveGivesNoWrongPoint) {
+  if (kind_.model == models::ModelName::kRs16) GTEST_SKIP() << "the emulated RS16 has one return";
   for (const double rpm : {300.0, 600.0, 1200.0}) {
     for (const bool to_dual : {true, false}) {
       const ReturnMode from = to_dual ? ReturnMode::kStrongest : ReturnMode::kDual;
       const ReturnMode to = to_dual ? ReturnMode::kDual : ReturnMode::kStrongest;
-      if (kind_.model == models::ModelName::kRs16) continue;  // its emulator has one return: see below
       SCOPED_TRACE(std::string(kind_.name) + " at " + std::to_string(rpm) + (to_dual ? " to dual" : " to single"));
       LidarStream stream(device(rpm, from));
       Driver driver(kind_);
