@@ -31,6 +31,8 @@ if(CURBSTONE_WERROR)
 endif()
 if(CURBSTONE_SANITIZE)
   target_compile_options(curbstone_options INTERFACE -fsanitize=${CURBSTONE_SANITIZE} -fno-omit-frame-pointer -O1)
+  # Between a sanitizer's checks g++ 12 no longer sees that a std::optional was asked first; preset ci has the warning on.
+  target_compile_options(curbstone_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(curbstone_options INTERFACE -fsanitize=${CURBSTONE_SANITIZE})
   if(CURBSTONE_SANITIZE MATCHES "thread")
     # GCC's ThreadSanitizer knows no fences; Asio's guard what an executor runs, beside locks that it does know.

@@ -18,7 +18,7 @@ class ReplayPace {
   /// Whether the item recorded at `recorded`, which comes next, is due at `now` on a steady clock. The first one is.
   [[nodiscard]] bool due(std::int64_t recorded, std::int64_t now) {
     if (!began_) began_ = now;
-    if (!asked_ || *asked_ != recorded) {
+    if (asked_ != recorded) {
       const std::int64_t step = recorded - asked_.value_or(recorded);
       if (step > 0 && step <= kLongest) at_ += step;
       asked_ = recorded;
