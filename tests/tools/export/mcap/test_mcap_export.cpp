@@ -4,9 +4,11 @@
 #include <foxglove/scene.pb.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "tests/common/mcap/mcap_reader.hpp"
 #include "tests/temporary_folder.hpp"
@@ -79,6 +81,80 @@ TEST_F(McapExport, HoldsWhatPanelsShow) {
   ASSERT_TRUE(line.ParseFromString(file.of("/log")[1]));
   EXPECT_EQ(line.message(), "no packets");
   EXPECT_EQ(line.level(), ::foxglove::Log::ERROR);
+}
+
+/// The commands of the vehicle, which are the names of its processes on the bus.
+std::vector<std::string> processes_of_the_vehicle() {
+  std::vector<std::string> names;
+  std::ifstream file(CURBSTONE_SOURCE_DIR "/procman/ugv.cfg");
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t begin = line.find("  cmd \"");
+    if (begin == 0) names.push_back(line.substr(7, line.find('"', 7) - 7));
+  }
+  return names;
+}
+
+std::set<std::string> fields_of(const auto& message) {
+  std::set<std::string> names;
+  for (const auto& field : message.fields()) names.insert(field.name());
+  return names;
+}
+
+TEST_F(McapExport, HoldsEachTopicAndFieldThatThePreparedLayoutNames) {
+  curbstone::testing::write_shown_log(path("log"), 2);
+  {
+    LogWriter more(path("log2"));
+    for (const std::string& name : processes_of_the_vehicle()) {
+      service_status_t status{};
+      status.utime = curbstone::testing::kLogBegin + 1'900'000;
+      status.service = name;
+      status.counter_name = {"dropped.queue", "dropped.kernel"};  // as common/bus/lcm_bus counts
+      status.counter_value = {0, 0};
+      status.num_counters = 2;
+      curbstone::testing::append(more, "SERVICE_STATUS", status, status.utime + 7000);
+    }
+  }
+  std::ofstream(path("log"), std::ios::binary | std::ios::app) << std::ifstream(path("log2"), std::ios::binary).rdbuf();
+  ASSERT_EQ(run({"--only", "mcap", "--without-raw"}), 0);
+  const McapFile file = exported();
+
+  const auto layout = nlohmann::json::parse(std::ifstream(CURBSTONE_SOURCE_DIR "/config/foxglove/curbstone.json"));
+  const auto& view = layout["configById"]["3D!curbstone"];
+  std::set<std::string> frames;
+  const auto tree = last<::foxglove::FrameTransforms>(file, "/tf");
+  for (const auto& transform : tree.transforms()) {
+    frames.insert(transform.parent_frame_id());
+    frames.insert(transform.child_frame_id());
+  }
+  EXPECT_THAT(frames, Contains(view["followTf"].get<std::string>()));
+  for (const auto& [frame, settings] : view["transforms"].items())
+    EXPECT_THAT(frames, Contains(frame.substr(frame.find(':') + 1)));
+  for (const auto& [topic, settings] : view["topics"].items()) {
+    EXPECT_FALSE(file.of(topic).empty()) << topic;
+    if (settings.contains("colorField")) {
+      EXPECT_THAT(fields_of(last<::foxglove::PointCloud>(file, topic)), Contains(settings["colorField"])) << topic;
+    }
+    if (settings.value("colorMode", "") == "rgba-fields") {
+      EXPECT_THAT(fields_of(last<::foxglove::Grid>(file, topic)),
+                  ::testing::IsSupersetOf({"red", "green", "blue", "alpha"}));
+    }
+  }
+  EXPECT_FALSE(file.of(layout["configById"]["RosOut!faults"]["topicToRender"].get<std::string>()).empty());
+  int curves = 0;
+  for (const auto& [id, panel] : layout["configById"].items()) {
+    for (const auto& curve : panel.value("paths", nlohmann::json::array())) {
+      const std::string value = curve["value"];  // /status/NAME.FIELD.FIELD
+      const std::size_t dot = value.find('.');
+      const auto messages = file.of(value.substr(0, dot));
+      ASSERT_FALSE(messages.empty()) << value;
+      std::string pointer = value.substr(dot);
+      std::replace(pointer.begin(), pointer.end(), '.', '/');
+      const auto message = nlohmann::json::parse(messages.back());
+      EXPECT_TRUE(message.contains(nlohmann::json::json_pointer(pointer))) << value;
+      ++curves;
+    }
+  }
+  EXPECT_GE(curves, 15);
 }
 
 TEST_F(McapExport, RepeatsLinesAndPathAsAWholeForThoseWhoEnterAnywhere) {
