@@ -227,6 +227,19 @@ TEST_F(ViewerNodeTest, TellsOfTheProcessesAndTheirFaults) {
   EXPECT_EQ(services[0]["faults"][0], "no odometry");
 }
 
+TEST_F(ViewerNodeTest, DoesNotTakeItsOwnStatusForALivingBus) {
+  service_status_t own{};
+  own.service = "viewer";
+  hear("SERVICE_STATUS", own);
+  open();
+  pass(1);
+  EXPECT_TRUE(state()["bus_age"].is_null()) << "nothing has been heard yet";
+  own.service = "lidar";
+  hear("SERVICE_STATUS", own);
+  pass(0.3);
+  EXPECT_LT(state()["bus_age"].get<double>(), 0.5);
+}
+
 TEST_F(ViewerNodeTest, TakesTheLidarsPointsOnlyWhileAPageShowsThem) {
   const auto lidar = [&](int revolution) {
     lidar_points_t points{};
