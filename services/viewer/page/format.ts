@@ -30,6 +30,19 @@ export function byId<T extends HTMLElement>(id: string): T {
   return document.getElementById(id) as T;
 }
 
+export function closeButton(close: () => void): HTMLElement {
+  const button = make("button", "×");
+  button.setAttribute("aria-label", "Close");
+  button.title = "Close (Esc)";
+  button.onclick = close;
+  return button;
+}
+
+/// Writes it there, unless it is there: a screen reader tells each change.
+export function say(element: HTMLElement, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
+}
+
 /// Terms and what they are, in a <dl>.
 export function list(into: HTMLElement, rows: [string, string, boolean?][]): void {
   into.replaceChildren(...rows.flatMap(([term, value, bad]) => [make("dt", term), make("dd", value, bad ? "bad" : "")]));

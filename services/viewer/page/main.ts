@@ -14,7 +14,7 @@ import { kInk } from "./drawing/ink";
 import { css, Rgb } from "./drawing/palette";
 import { TiltedMarks } from "./drawing/tilted_marks";
 import { Tilting } from "./drawing/tilting";
-import { byId, seconds } from "./format";
+import { byId, say, seconds } from "./format";
 import { listen } from "./gestures";
 import { Rewind } from "./past/rewind";
 import { Settings } from "./settings";
@@ -43,7 +43,6 @@ let grey = 0;
 let shown = false;  // whether the view was ever put where the map is
 let verdict: Verdict = { faults: 0, silent: 0, all: 0 };
 let wanted = false;
-let written = 0;
 
 function redraw(): void {
   if (wanted) return;
@@ -61,6 +60,7 @@ function draw(now: number): void {
   const look = settings.look, { layers } = settings;
   const isTilting = tilting.step(now, world, settings.follow ? pose : null);
   if (world.curbsChanged) ground.curbsChanged();
+  if (world.markingsChanged) ground.markingsChanged();
   ground.draw(camera, { ...layers, theme: look, mode: settings.mode, byIntensity: settings.points === "intensity",
     range, now: newestTime(), grey, paper: paper() }, pose);
   const poses: [Pose, string][] = pose ? [[pose, kInk[look].vehicle]] : [], other = localized.poseAt(now);
@@ -73,10 +73,6 @@ function draw(now: number): void {
   byId("needle").style.transformOrigin = "12px 12px";
   connection.drawn();
   if (pace.allows(now, motion.isMoving(now) || isTilting) && !document.hidden) redraw();
-  if (now - written > 1000) {
-    written = now;
-    settings.write(camera);
-  }
 }
 
 /// us, from which the ages of cells count.
@@ -99,8 +95,9 @@ function onFrame(): void {
 
 function showTimeline(): void {
   const { state } = world;
-  if (state?.playback) timeline.show(state.playback);
-  else timeline.show(rewind.playback(), { isSeen: !rewind.isPast, isWell });
+  if (state?.playback) return timeline.show(state.playback);
+  const isAnything = rewind.isPast || world.tiles.size > 0 || !!state?.pose;  // else there is nothing to look back to
+  timeline.show(isAnything ? rewind.playback() : null, { isSeen: !rewind.isPast, isWell });
 }
 
 /// The past is another moment; `leapt`: not the next one.
@@ -151,9 +148,10 @@ function look(): void {
   const judged = isPast ? judgePast(judge(state, true, age), clock(rewind.behind / 1000)) : now;
   const status = byId("status");
   showTimeline();
-  status.textContent = judged.word;
+  settings.write(camera);
+  say(status, judged.word);
   status.className = `chip ${judged.mood}`;
-  byId("curtain").textContent = judged.sentence;
+  say(byId("curtain"), judged.sentence);
   byId("curtain").hidden = !judged.sentence;
   byId("curtain").className = judged.mood;
   byId("source").textContent = state?.title ?? "";
@@ -166,14 +164,21 @@ function look(): void {
   byId("latency").textContent = latency === null ? "" : `${seconds(latency)} from sensor to screen`;
   verdict = showServices(world.services, age);
   if (state) panel.showState(state, motion.speed);
-  showSummary(motion.speed, latency, verdict.faults, verdict.silent);
+  const isFile = state?.source === "map", root = document.documentElement;
+  showSummary(isFile, motion.speed, latency, verdict.faults, verdict.silent);
   const fresh = settings.mode === "height" ? heightRange(world, camera) : range;
   if (Math.abs(fresh[0] - range[0]) + Math.abs(fresh[1] - range[1]) > 0.1) {
     range = fresh;
     panel.refresh(range);
     redraw();
   }
-  byId("health").hidden = state?.source === "map";
+  root.classList.toggle("file", isFile);
+  if (state?.localized) root.classList.add("localized");
+  byId("health").hidden = isFile;
+  const follow = byId<HTMLButtonElement>("follow");
+  follow.disabled = isFile;
+  follow.title = isFile ? "A saved map has no vehicle to follow" : "Follow the vehicle (F)";
+  follow.classList.toggle("idle", !state?.pose);
 }
 
 function showScale(): void {
@@ -189,6 +194,8 @@ function settingsChanged(): void {
   root.dataset.theme = settings.look;
   byId("follow").setAttribute("aria-pressed", String(settings.follow));
   byId("north").setAttribute("aria-pressed", String(settings.headingUp));
+  root.classList.toggle("bare", !settings.panel);
+  byId("aside").setAttribute("aria-expanded", String(settings.panel));
   panel.refresh(range);
   inspector.show(settings.look, settings.mode);
   connection.wantPoints(settings.layers.points);
@@ -196,12 +203,20 @@ function settingsChanged(): void {
   redraw();
 }
 
+/// The panel is shown or hidden; where it is a sheet over the map, it is drawn up by its handle.
+function togglePanel(): void {
+  if (matchMedia(kSheet).matches) return panel.open(!panel.isOpen);
+  settings.panel = !settings.panel;
+  settingsChanged();
+  resize();
+}
+
 function resize(): void {
   const dots = Math.min(2, devicePixelRatio || 1);
   [camera.width, camera.height] = [map.clientWidth, map.clientHeight];
-  const isPhone = camera.width <= 820;
-  camera.offsetX = isPhone ? 0 : -170;
-  camera.offsetY = isPhone ? -10 : 0;
+  const isSheet = matchMedia(kSheet).matches;
+  camera.offsetX = isSheet || !settings.panel ? 0 : -170;
+  camera.offsetY = isSheet ? -10 : 0;
   for (const canvas of [groundCanvas, marksCanvas]) {
     canvas.width = Math.round(camera.width * dots);
     canvas.height = Math.round(camera.height * dots);
@@ -221,6 +236,7 @@ function toggleNorth(): void {
 }
 
 function toggleFollow(): void {
+  if (world.state?.source === "map") return;
   settings.follow = !settings.follow;
   settingsChanged();
 }
@@ -241,6 +257,9 @@ function leave(): void {
   settings.follow = settings.headingUp = false;
   settingsChanged();
 }
+
+/// As in page.css: where the panel is a sheet that is drawn up.
+const kSheet = "(max-width: 900px), (max-height: 500px)";
 
 const kArrows: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
@@ -299,6 +318,7 @@ function wire(): void {
   byId("tilt").onclick = toggleTilt;
   byId("measure").onclick = () => ruler.toggle();
   byId("save").onclick = savePicture;
+  byId("aside").onclick = togglePanel;
   byId("in").onclick = () => zoom(1.5);
   byId("out").onclick = () => zoom(1 / 1.5);
   byId("whole").onclick = showWhole;
@@ -307,7 +327,8 @@ function wire(): void {
     " ": () => {
       if (document.activeElement?.tagName !== "BUTTON" && !byId("timeline").hidden) byId("pause").click();
     },
-    Escape: () => ruler.isOn ? ruler.toggle() : inspector.pick(null),
+    h: togglePanel,
+    Escape: () => panel.isOpen ? panel.open(false) : ruler.isOn ? ruler.toggle() : inspector.pick(null),
   };
   addEventListener("keydown", event => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
@@ -317,7 +338,14 @@ function wire(): void {
     if (arrow) walk(...arrow, event.shiftKey);
     if (event.key === "Enter") touched(camera.width / 2 + camera.offsetX, camera.height / 2 + camera.offsetY);
   });
-  addEventListener("resize", resize);
+  new ResizeObserver(resize).observe(map);  // a window made larger, a phone that is turned
+  addEventListener("resize", resize);       // and one that goes to a screen of finer pixels
+  addEventListener("hashchange", () => {    // another link was pasted, or the browser's Back
+    settings.read(camera);
+    shown ||= settings.hasView;
+    settingsChanged();
+    resize();
+  });
   document.addEventListener("visibilitychange", redraw);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", settingsChanged);
 }

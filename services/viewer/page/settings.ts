@@ -11,7 +11,9 @@ export class Settings {
   headingUp = false;
   points: "height" | "intensity" = "height";  // what colours the LiDAR's points
   layers: Layers = { grid: true, relief: true, curbs: true, markings: true, path: true, points: true, localized: true };
+  panel = true;     // beside the map; on a small screen it is a sheet over it in any case
   hasView = false;  // the address said where to look
+  private written = "";
 
   /// The theme that is in force.
   get look(): Theme {
@@ -19,23 +21,28 @@ export class Settings {
     return matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
   }
 
+  /// What the address does not tell is as at the beginning.
   read(camera: Camera): void {
     const words = new URLSearchParams(location.hash.slice(1));
+    this.hasView = false;
+    camera.tilt = 0;
     const at = (words.get("at") ?? "").split(",").map(Number);
     if (at.length === 4 && at.every(Number.isFinite) && at[2] > 0) {
       [camera.x, camera.y, camera.scale, camera.turn] = at;
       this.hasView = true;
     }
     const mode = words.get("colour");
-    if (mode && ["class", "paper", "height", "cost", "confidence", "age"].includes(mode)) this.mode = mode as Mode;
+    this.mode = mode && ["class", "paper", "height", "cost", "confidence", "age"].includes(mode) ? mode as Mode : "class";
     const theme = words.get("theme");
-    if (theme === "light" || theme === "dark") this.theme = theme;
-    if (words.has("follow")) this.follow = words.get("follow") === "1";
+    this.theme = theme === "light" || theme === "dark" ? theme : "auto";
+    this.follow = !words.has("follow") || words.get("follow") === "1";
     const tilt = Number(words.get("tilt"));
     if (tilt > 0) camera.lean(tilt * Math.PI / 180, 0);
-    if (words.get("points") === "intensity") this.points = "intensity";
+    this.points = words.get("points") === "intensity" ? "intensity" : "height";
+    this.panel = words.get("panel") !== "0";
     this.headingUp = words.get("up") === "heading";
-    for (const name of (words.get("off") ?? "").split(".")) if (name in this.layers) this.layers[name as keyof Layers] = false;
+    const off = (words.get("off") ?? "").split(".");
+    for (const name of Object.keys(this.layers) as (keyof Layers)[]) this.layers[name] = !off.includes(name);
   }
 
   write(camera: Camera): void {
@@ -48,6 +55,10 @@ export class Settings {
     if (camera.isTilted) words.push(`tilt=${(camera.tilt * 180 / Math.PI).toFixed(0)}`);
     if (this.points !== "height") words.push(`points=${this.points}`);
     if (off.length) words.push(`off=${off.join(".")}`);
-    history.replaceState(null, "", "#" + words.join("&"));
+    if (!this.panel) words.push("panel=0");
+    const address = "#" + words.join("&");
+    if (address === this.written) return;  // browsers bear only so many a minute
+    this.written = address;
+    history.replaceState(null, "", address);
   }
 }

@@ -1,14 +1,21 @@
 // The card of the cell, or of the curb, that was clicked.
 import { classColours, css, kClassNames, Mode, Theme } from "../drawing/palette";
-import { byId, list, make, metres, seconds } from "../format";
+import { byId, closeButton, list, make, metres, say, seconds } from "../format";
 import { cellAt, heightOf, kUnknownCost, World } from "../world";
 import { CurbPlace, curbAt, CutCell, cutAcross, drawCut, lengthOf } from "./cross_section";
 
 export class Inspector {
   picked: [number, number] | null = null;  // m in map
   private card = byId("cell");
+  // Frames come ten times a second: what is clicked, focused or read aloud must stay the same element.
+  private key = make("i");
+  private name = make("span");
+  private body = make("div");
 
-  constructor(private world: World, private changed: () => void) {}
+  constructor(private world: World, private changed: () => void) {
+    this.name.setAttribute("role", "status");
+    this.card.append(make("h3", "", "", this.key, this.name, closeButton(() => this.pick(null))), this.body);
+  }
 
   pick(place: [number, number] | null): void {
     this.picked = place && cellAt(this.world, ...place) ? place : null;
@@ -21,12 +28,8 @@ export class Inspector {
     if (!hit || !this.picked) return;
     const { tile, index } = hit, kind = tile.classes[index], height = heightOf(tile, index);
     const colours = classColours(theme, mode), colour = colours[kind];
-    const key = make("i");
-    key.style.setProperty("--key", colour ? css(colour) : "transparent");
-    const close = make("button", "×");
-    close.setAttribute("aria-label", "Close");
-    close.onclick = () => this.pick(null);
-    const facts = make("dl");
+    this.key.style.setProperty("--key", colour ? css(colour) : "transparent");
+    const facts = make("dl", "", "values");
     const cost = tile.costs[index];
     const newest = this.world.state?.pose?.utime ?? tile.utime;
     list(facts, [
@@ -40,8 +43,8 @@ export class Inspector {
       ...this.distance(),
     ]);
     const curb = curbAt(this.world, ...this.picked);
-    this.card.replaceChildren(make("h3", "", "", key, document.createTextNode(kClassNames[kind]), close), facts,
-      ...curb ? this.curb(curb, colours.map(c => c ? css(c) : "transparent")) : []);
+    say(this.name, kClassNames[kind]);
+    this.body.replaceChildren(facts, ...curb ? this.curb(curb, colours.map(c => c ? css(c) : "transparent")) : []);
   }
 
   private curb(curb: CurbPlace, colours: string[]): HTMLElement[] {

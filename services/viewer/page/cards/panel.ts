@@ -1,5 +1,5 @@
 // The controls: colours with their legend, layers, theme, facts of the vehicle.
-import { byId, list, make, metres, seconds } from "../format";
+import { byId, list, make, metres, say, seconds } from "../format";
 import { classColours, css, kClassNames, kModes, Mode, ramp, Theme } from "../drawing/palette";
 import { kInk } from "../drawing/ink";
 import { Layers, Settings } from "../settings";
@@ -14,20 +14,45 @@ const kLineKeys: [keyof Layers, string, string][] =
   [["curbs", "Curb", "none"], ["curbs", "Lowered", "4 3"], ["curbs", "Inferred", "0.5 3.5"], ["path", "Driven", "none"], ["markings", "Road paint", "none"]];
 const kKeys: [string, string][] = [
   ["F", "follow the vehicle"], ["N", "north or heading up"], ["T", "tilt"], ["M", "measure"], ["P", "save a picture"], ["L", "back to what is live"],
-  ["Space", "pause, go on"], ["0", "the whole map"], ["+ −", "zoom"], ["Arrows", "move; with Shift tilt and turn"], ["Enter", "what is in the middle"], ["Esc", "close"],
+  ["Space", "pause, go on"], ["0", "the whole map"], ["H", "hide or show the panel"], ["+ −", "zoom"], ["Arrows", "move; with Shift tilt and turn"], ["Enter", "what is in the middle"], ["Esc", "close"],
   ["Drag", "move; right button: tilt"], ["Two fingers", "zoom; side by side upwards: tilt"], ["Long press", "what is there"]];
+const kDraw = 24;  // pixels that a finger goes to draw the sheet
 const kThemes: ["auto" | Theme, string][] = [["auto", "Auto"], ["light", "Light"], ["dark", "Dark"]];
 
 export class Panel {
   constructor(private settings: Settings, private changed: () => void) {
     segments("colours", kModes, () => settings.mode === "paper" ? "class" : settings.mode, mode => { settings.mode = mode; changed(); });
     segments("themes", kThemes, () => settings.theme, theme => { settings.theme = theme; changed(); });
-    for (const [name, title] of kLayers) byId("layers").append(this.toggle(title, () => settings.layers[name], on => { settings.layers[name] = on; }));
+    for (const [name, title] of kLayers) {
+      const label = this.toggle(title, () => settings.layers[name], on => { settings.layers[name] = on; });
+      label.dataset.layer = name;
+      byId("layers").append(label);
+    }
     byId("layers").append(this.toggle("As in paper", () => settings.mode === "paper", on => { settings.mode = on ? "paper" : "class"; }));
     segments("point-colours", kPointColours, () => settings.points, colour => { settings.points = colour; changed(); });
     list(byId("keys"), kKeys);
-    const panel = byId("panel"), handle = byId("handle");
-    handle.onclick = () => handle.setAttribute("aria-expanded", String(panel.classList.toggle("open")));
+    this.listen(byId("handle"));
+  }
+
+  /// On a small screen: a tap on the handle, or a finger that draws it up or down.
+  private listen(handle: HTMLElement): void {
+    let from = 0, isDrawn = false;
+    handle.onpointerdown = event => { from = event.clientY; isDrawn = false; handle.setPointerCapture(event.pointerId); };
+    handle.onpointerup = event => {
+      isDrawn = Math.abs(event.clientY - from) > kDraw;
+      if (isDrawn) this.open(event.clientY < from);
+    };
+    handle.onclick = () => {
+      if (!isDrawn) this.open(!this.isOpen);
+      isDrawn = false;
+    };
+  }
+
+  get isOpen(): boolean { return byId("panel").classList.contains("open"); }
+
+  open(isOpen: boolean): void {
+    byId("panel").classList.toggle("open", isOpen);
+    byId("handle").setAttribute("aria-expanded", String(isOpen));
   }
 
   private toggle(title: string, get: () => boolean, set: (on: boolean) => void): HTMLElement {
@@ -104,8 +129,21 @@ function segments<T extends string>(id: string, choices: [T, string][], get: () 
     button.onclick = () => set(choice);
     return button;
   });
-  byId(id).append(...buttons);
-  refreshers.push(() => buttons.forEach((button, i) => button.setAttribute("aria-checked", String(choices[i][0] === get()))));
+  const group = byId(id);
+  group.append(...buttons);
+  group.addEventListener("keydown", event => {  // as radio buttons do: Tab comes to the chosen one, arrows choose another
+    const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    const next = (choices.findIndex(([choice]) => choice === get()) + step + choices.length) % choices.length;
+    set(choices[Math.max(0, next)][0]);
+    buttons[Math.max(0, next)].focus();
+  });
+  refreshers.push(() => buttons.forEach((button, i) => {
+    const isChosen = choices[i][0] === get();
+    button.setAttribute("aria-checked", String(isChosen));
+    button.tabIndex = isChosen ? 0 : -1;
+  }));
 }
 
 function keys(theme: Theme, mode: Mode): HTMLElement {
@@ -142,10 +180,10 @@ function scale(mode: Mode, [low, high]: [number, number]): HTMLElement {
 }
 
 /// The line of the folded panel on a phone.
-export function showSummary(speed: number | null, latency: number | null, faults: number, silent: number): void {
-  const left = make("span", speed === null ? "Map and health" : `${speed.toFixed(1)} m/s`);
-  left.style.color = "var(--ink)";
-  const right = faults ? make("span", `${faults} with faults`, "bad") : silent ? make("span", `${silent} silent`, "bad") :
-    make("span", latency === null ? "" : seconds(latency));
-  byId("summary").replaceChildren(left, right);
+export function showSummary(isFile: boolean, speed: number | null, latency: number | null, faults: number, silent: number): void {
+  const [title, news] = byId("summary").children as unknown as [HTMLElement, HTMLElement];
+  say(title, isFile ? "Layers" : "Layers and health");
+  const figures = [speed === null ? "" : `${speed.toFixed(1)} m/s`, latency === null ? "" : `${seconds(latency)} late`];
+  say(news, faults ? `${faults} with faults` : silent ? `${silent} silent` : figures.filter(Boolean).join(" · "));
+  news.className = faults || silent ? "bad" : "";
 }

@@ -1,5 +1,5 @@
 // Two places and what lies between them: distance, height, slope.
-import { byId, list, make, metres } from "../format";
+import { byId, closeButton, list, make, metres } from "../format";
 import { cellAt, heightOf, Place, World } from "../world";
 
 export class Ruler {
@@ -27,10 +27,7 @@ export class Ruler {
     byId("measure").setAttribute("aria-pressed", String(this.isOn));
     this.card.hidden = !this.isOn;
     if (!this.isOn) return;
-    const close = make("button", "×");
-    close.setAttribute("aria-label", "Close");
-    close.onclick = () => this.toggle();
-    this.card.replaceChildren(make("h3", "Measure", "", close), this.facts());
+    this.card.replaceChildren(make("h3", "Measure", "", closeButton(() => this.toggle())), this.facts());
   }
 
   private facts(): HTMLElement {

@@ -35,6 +35,8 @@ export class Blocks {
     return this.of(tile).ground ??= this.ground(tile);
   }
 
+  tileAt(x: number, y: number): Tile | undefined { return this.world.tileAt(x, y); }
+
   private of(tile: Tile): Known {
     let known = this.known.get(tile);
     if (!known || known.revision !== tile.revision) this.known.set(tile, known = { revision: tile.revision, faces: [] });

@@ -2,14 +2,14 @@
 import { Camera } from "./camera";
 import { Painter } from "./painter";
 import { kCellsAside, kPageSize, Page, Pages } from "./pages";
-import { classColours, Mode, pointRamp, ramp, Rgb, Theme } from "./palette";
+import { classColours, kPaint, Mode, pointRamp, ramp, Rgb, Theme } from "./palette";
 import { Program, unit } from "./program";
 import { Relief } from "./relief";
 import { kPageFragment, kPageVertex, kPointFragment, kPointVertex } from "./shaders";
 import { Pose, World } from "../world";
 
 export interface Look {
-  theme: Theme; mode: Mode; grid: boolean; relief: boolean; points: boolean; curbs: boolean;
+  theme: Theme; mode: Mode; grid: boolean; relief: boolean; points: boolean; curbs: boolean; markings: boolean;
   byIntensity: boolean;     // points; else by height
   range: [number, number];  // m, of the height ramp
   now: number;              // us, from which ages count
@@ -42,6 +42,7 @@ export class Ground {
   }
 
   curbsChanged(): void { this.relief.curbsChanged(); }
+  markingsChanged(): void { this.relief.markingsChanged(); }
 
   private setUp(): void {
     const isSlow = drawsInSoftware();
@@ -69,7 +70,8 @@ export class Ground {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     if (camera.isTilted) {
       const curbs = look.curbs ? [...unit(classColours(look.theme, look.mode)[2]!), 1] : null;
-      this.relief.draw(camera, program => this.style(program, look), paint, look.grid, curbs, look.grey);
+      const markings = look.markings ? [...unit(kPaint[look.theme]), 1] : null;
+      this.relief.draw(camera, program => this.style(program, look), paint, look.grid, curbs, markings, look.grey);
     } else if (look.grid) {
       this.drawPages(camera, look, paint);
     }

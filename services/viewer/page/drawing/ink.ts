@@ -1,12 +1,12 @@
 // What the marks over the ground are drawn in, and the ellipse of a pose.
-import { Theme } from "./palette";
+import { css, kPaint, Theme } from "./palette";
 import { Pose } from "../world";
 
 export interface Ink { curb: string; halo: string; paint: string; path: string; vehicle: string; body: string; localized: string }
 
 export const kInk: Record<Theme, Ink> = {
-  light: { curb: "#6b3200", halo: "#ffffffc0", paint: "#ffffff", path: "#14181d", vehicle: "#d6247f", body: "#ffffff", localized: "#00857a" },
-  dark: { curb: "#ffe2ae", halo: "#000000a0", paint: "#d9e2ea", path: "#eef1f4", vehicle: "#ff5fae", body: "#14181d", localized: "#4fe0cf" },
+  light: { curb: "#6b3200", halo: "#ffffffc0", paint: css(kPaint.light), path: "#14181d", vehicle: "#d6247f", body: "#ffffff", localized: "#00857a" },
+  dark: { curb: "#ffe2ae", halo: "#000000a0", paint: css(kPaint.dark), path: "#eef1f4", vehicle: "#ff5fae", body: "#14181d", localized: "#4fe0cf" },
 };
 
 /// 95 % of where the vehicle may be: half axes, m, and the turn of the long one.

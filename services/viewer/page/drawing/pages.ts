@@ -1,5 +1,5 @@
 // The map's cells in textures: of a page each, a square of tiles.
-import { Square, touch } from "./terrain";
+import { Square, touch, touchBeside } from "./terrain";
 import { kCells, kNoHeight, kTileCells, kTileSize, Tile, World } from "../world";
 
 export const kTilesAside = 32;               // of a page: 96 m
@@ -73,11 +73,20 @@ export class Pages {
     };
     page.tiles[row * kTilesAside + column] = isThere ? tile : undefined;
     touch(page, column, row);
+    this.touchPagesBeside(px, py, column, row);
     page.unpainted = around(page.unpainted, column * kCells, row * kCells);
     gl.activeTexture(gl.TEXTURE0);
     put(page.cells, kCells, gl.RGBA_INTEGER, gl.UNSIGNED_BYTE, kBytes);
     put(page.heights, kCells, gl.RED, gl.FLOAT, kHeights);
     put(page.times, 1, gl.RED, gl.FLOAT, new Float32Array([(tile.utime - this.epoch) * 1e-6]));
+  }
+
+  private touchPagesBeside(px: number, py: number, column: number, row: number): void {
+    const last = kTilesAside - 1, beside = (place: number) => place === 0 ? [0, -1] : place === last ? [0, 1] : [0];
+    for (const dx of beside(column)) for (const dy of beside(row)) {
+      const other = dx || dy ? this.all.get(`${px + dx},${py + dy}`) : undefined;
+      if (other) touchBeside(other, column - dx * kTilesAside, row - dy * kTilesAside);
+    }
   }
 
   private newPage(x: number, y: number): Page {

@@ -2,7 +2,7 @@
 // coarser; beyond the reach there is nothing.
 import { Blocks, Boxes, kFaceFloats } from "./blocks";
 import { Camera } from "./camera";
-import { wallsOf } from "./curb_walls";
+import { stripsOf, wallsOf } from "./curb_walls";
 import { kPageSize, kTilesAside, Page, Pages } from "./pages";
 import { Program } from "./program";
 import { kBlockFragment, kBlockVertex, kNetFragment, kNetVertex, kSolidFragment, kSolidVertex } from "./relief_shaders";
@@ -19,6 +19,10 @@ interface Budget { widest: number; faces: number }  // pixels of a square; boxes
 const kWithCard: Budget = { widest: 260, faces: 60_000 };
 const kInSoftware: Budget = { widest: 700, faces: 6_000 };
 
+/// Curbs, or paint. `points`: how many are in the buffer; kOther: of lines that became other.
+interface Solid { buffer: WebGLBuffer; points: number }
+const kOther = -1;
+
 export class Relief {
   private net: Program;
   private block: Program;
@@ -26,8 +30,8 @@ export class Relief {
   private netIndices: WebGLBuffer;
   private faceIndices: WebGLBuffer;
   private numIndices: number;
-  private walls: WebGLBuffer;
-  private numWalls = -1;  // points; -1: of other curbs
+  private walls: Solid;
+  private strips: Solid;
   private blocks: Blocks;
   private budget: Budget;
   private kept = new Set<Square>();
@@ -43,13 +47,15 @@ export class Relief {
     this.numIndices = indices.length;
     this.netIndices = this.buffer(gl.ELEMENT_ARRAY_BUFFER, indices);
     this.faceIndices = this.buffer(gl.ELEMENT_ARRAY_BUFFER, faceIndices());
-    this.walls = gl.createBuffer()!;
+    this.walls = { buffer: gl.createBuffer()!, points: kOther };
+    this.strips = { buffer: gl.createBuffer()!, points: kOther };
   }
 
-  curbsChanged(): void { this.numWalls = -1; }
+  curbsChanged(): void { this.walls.points = kOther; }
+  markingsChanged(): void { this.strips.points = kOther; }
 
-  /// `style` sets the uniforms of kPicture, `paint` brings a page's picture up to date; `curbs`: their colour, or null.
-  draw(camera: Camera, style: (program: Program) => void, paint: (page: Page) => void, cells: boolean, curbs: number[] | null, grey: number): void {
+  /// `style` sets the uniforms of kPicture, `paint` brings a page's picture up to date; `curbs`, `markings`: their colours, or null.
+  draw(camera: Camera, style: (program: Program) => void, paint: (page: Page) => void, cells: boolean, curbs: number[] | null, markings: number[] | null, grey: number): void {
     const { gl } = this, toClip = camera.matrix();
     ++this.picture;
     gl.enable(gl.DEPTH_TEST);
@@ -72,14 +78,12 @@ export class Relief {
       gl.disableVertexAttribArray(1);
       this.forget();
     }
-    if (curbs) {
-      this.solid.use();
-      gl.uniformMatrix4fv(this.solid.at("toClip"), false, toClip);
-      gl.uniform4fv(this.solid.at("ink"), curbs);
-      gl.uniform1f(this.solid.at("reach"), kReach);
-      gl.uniform1f(this.solid.at("grey"), grey);
-      this.drawWalls();
-    }
+    this.solid.use();
+    gl.uniformMatrix4fv(this.solid.at("toClip"), false, toClip);
+    gl.uniform1f(this.solid.at("reach"), kReach);
+    gl.uniform1f(this.solid.at("grey"), grey);
+    if (markings) this.drawSolid(this.strips, markings, () => stripsOf(this.world.markings.values()));
+    if (curbs) this.drawSolid(this.walls, curbs, () => wallsOf(this.world.curbs.values()));
     gl.disable(gl.DEPTH_TEST);
   }
 
@@ -163,17 +167,18 @@ export class Relief {
     return made;
   }
 
-  private drawWalls(): void {
+  private drawSolid(solid: Solid, ink: number[], make: () => Float32Array): void {
     const { gl } = this;
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.walls);
-    if (this.numWalls < 0) {
-      const points = wallsOf(this.world.curbs.values());
+    gl.uniform4fv(this.solid.at("ink"), ink);
+    gl.bindBuffer(gl.ARRAY_BUFFER, solid.buffer);
+    if (solid.points === kOther) {
+      const points = make();
       gl.bufferData(gl.ARRAY_BUFFER, points, gl.DYNAMIC_DRAW);
-      this.numWalls = points.length / 4;
+      solid.points = points.length / 4;
     }
     gl.enableVertexAttribArray(0);
     gl.vertexAttribPointer(0, 4, gl.FLOAT, false, 0, 0);
-    gl.drawArrays(gl.TRIANGLES, 0, this.numWalls);
+    gl.drawArrays(gl.TRIANGLES, 0, solid.points);
   }
 }
 

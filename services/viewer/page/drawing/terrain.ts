@@ -37,6 +37,15 @@ export function touch(page: Page, column: number, row: number): void {
   }
 }
 
+/// Those of the page that end at a tile beyond its edge, which they take heights from.
+export function touchBeside(page: Page, column: number, row: number): void {
+  for (let level = 0; level < kLevels; ++level) {
+    const inside = (place: number) => Math.min(kTilesAside - 1, Math.max(0, place));
+    const known = page.squares.get(squareKey(level, inside(column), inside(row)));
+    if (known) known.stale = true;
+  }
+}
+
 /// The squares of the pages that cover what is in view, the nearest first; none is wider than `widest` pixels, but for
 /// single tiles. `reach`: of the eye's distance.
 export function squaresInView(pages: Iterable<Page>, camera: Camera, widest: number, reach: number): Seen[] {
@@ -112,11 +121,12 @@ function groundAt(page: Page, column: number, row: number, blocks: Blocks): numb
   let sum = 0, n = 0, beside: Tile | undefined;
   for (let i = 0; i < 4; ++i) {
     const [x, y] = [column - (i & 1), row - (i >> 1)];
-    if (x < 0 || y < 0 || x >= kTilesAside * kCells || y >= kTilesAside * kCells) continue;
-    const tile = page.tiles[Math.floor(y / kCells) * kTilesAside + Math.floor(x / kCells)];
+    const [tx, ty] = [Math.floor(x / kCells), Math.floor(y / kCells)];
+    const isBeyond = tx < 0 || ty < 0 || tx >= kTilesAside || ty >= kTilesAside;  // the next page's: both have this corner as high
+    const tile = isBeyond ? blocks.tileAt(page.x * kTilesAside + tx, page.y * kTilesAside + ty) : page.tiles[ty * kTilesAside + tx];
     if (!tile) continue;
-    beside = tile;
-    const at = y % kCells * kCells + x % kCells, kind = tile.classes[at], height = tile.heights[at];
+    beside ??= tile;
+    const at = (y - ty * kCells) * kCells + x - tx * kCells, kind = tile.classes[at], height = tile.heights[at];
     if (height === kNoHeight || kind === 0 || kind > 2) continue;
     sum += tile.zOrigin + height * 0.002;
     ++n;

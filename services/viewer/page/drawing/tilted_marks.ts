@@ -23,31 +23,11 @@ export class TiltedMarks {
     context.setTransform(dots, 0, 0, dots, 0, 0);
     context.filter = grey > 0 ? "grayscale(1) opacity(0.55)" : "none";
     context.lineJoin = context.lineCap = "round";
-    if (layers.markings) this.drawPaint(camera, ink);
     if (layers.path) this.drawPath(camera, ink);
     if (picked) this.drawPicked(camera, picked, ink);
     if (measured.length > 0) this.drawMeasured(camera, measured, ink);
     for (const [pose, colour] of poses) this.drawEllipse(camera, pose, colour);
     for (const [pose, colour] of poses) this.drawVehicle(camera, pose, colour, ink);
-  }
-
-  /// Painted pieces as flat strips.
-  private drawPaint(camera: Camera, ink: Ink): void {
-    const { context } = this, strips = new Path2D();
-    for (const { n, values, painted, width } of this.world.markings.values()) for (let i = 0; i + 1 < n; ++i) {
-      const [x, y, nextX, nextY] = [values[i], values[n + i], values[i + 1], values[n + i + 1]];
-      const length = Math.hypot(nextX - x, nextY - y);
-      if (!painted[i] || !(length > 0) || !isSeen(camera, x, y) || !isSeen(camera, nextX, nextY)) continue;
-      const half = (width || 0.12) / 2 / length, [u, v] = [(y - nextY) * half, (nextX - x) * half];
-      const at = (px: number, py: number, z: number) => camera.toScreen(px, py, z + 0.01);
-      strips.moveTo(...at(x + u, y + v, values[2 * n + i]));
-      strips.lineTo(...at(nextX + u, nextY + v, values[2 * n + i + 1]));
-      strips.lineTo(...at(nextX - u, nextY - v, values[2 * n + i + 1]));
-      strips.lineTo(...at(x - u, y - v, values[2 * n + i]));
-      strips.closePath();
-    }
-    context.fillStyle = ink.paint;
-    context.fill(strips, "nonzero");
   }
 
   private drawPath(camera: Camera, ink: Ink): void {

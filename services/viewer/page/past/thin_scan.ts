@@ -18,7 +18,8 @@ export function thinScan(frame: ArrayBuffer): ArrayBuffer {
       copy(start, length);
     } else {
       const head = to;
-      for (let point = 0; point + kPointBytes <= length; point += kStride * kPointBytes) copy(start + point, kPointBytes);
+      for (let point = 0; point + kPointBytes <= length; point += kStride * kPointBytes)
+        for (let i = 0; i < kPointBytes; ++i) out[to++] = bytes[start + point + i];
       new DataView(out.buffer).setUint32(head - 4, to - head, true);
     }
     at = start + length;

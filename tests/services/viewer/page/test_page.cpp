@@ -313,7 +313,10 @@ TEST_F(Page, NoCardLiesOnAnotherOnAnyScreen) {
                                              {1280, 800, false},
                                              {1000, 700, false},
                                              {900, 700, true},
-                                             {820, 1180, true},
+                                             {834, 1112, true},
+                                             {844, 390, true},
+                                             {667, 375, true},
+                                             {740, 360, true},
                                              {390, 844, true},
                                              {360, 640, true}}) {
     browser->resize(width, height, touch);
@@ -322,9 +325,12 @@ TEST_F(Page, NoCardLiesOnAnotherOnAnyScreen) {
     const auto overlaps = browser->evaluate(R"((() => {
       const boxes = ["bar", "tools", "timeline", "rule", "place", "panel"].map(id => [id, document.getElementById(id).getBoundingClientRect()]);
       return boxes.flatMap(([a, p], i) => boxes.slice(i + 1).filter(([b, q]) =>
-        p.left < q.right && q.left < p.right && p.top < q.bottom && q.top < p.bottom).map(([b]) => a + " " + b));
+        p.left < q.right && q.left < p.right && p.top < q.bottom && q.top < p.bottom).map(([b]) => a + " " + b))
+        .concat(boxes.filter(([id, b]) => b.left < -0.5 || b.top < -0.5 || b.right > innerWidth + 0.5).map(([id]) => id + " leaves the screen"));
     })())");
     EXPECT_EQ(overlaps.size(), 0U) << width << " x " << height << ": " << overlaps;
+    EXPECT_GT(browser->evaluate("document.getElementById('position').clientWidth").get<double>(), 150)
+        << width << " x " << height << ": a finger can place it";
     if (HasFailure()) browser->save_picture(::testing::TempDir() + fmt::format("page_{}.png", width));
   }
 }

@@ -20,6 +20,34 @@ class PageHands : public PageOnABus {
   double camera(const std::string& what) { return browser->evaluate("curbstone.camera." + what); }
 };
 
+/// A page that is opened before anything speaks.
+class PageWaits : public PageHands {
+ protected:
+  void SetUp() override {
+    bus_is_alive = false;
+    PageHands::SetUp();
+  }
+};
+
+TEST_F(PageWaits, AndSaysInWordsForWhat) {
+  browser->resize(640, 520);
+  browser->open(address);
+  service_status_t status{};
+  status.service = "viewer";
+  say("SERVICE_STATUS", status);  // its own, which comes back from the bus
+  EXPECT_TRUE(shows("#curtain", "Nothing has been heard on the bus yet")) << text_of("body");
+  EXPECT_EQ(text_of("#status"), "Waiting");
+  status.service = "lidar";
+  say("SERVICE_STATUS", status);
+  EXPECT_TRUE(shows("#curtain", "No pose has come from the mapper yet")) << text_of("body");
+  EXPECT_EQ(browser->evaluate("document.getElementById('timeline').hidden"), true) << "nothing to look back to";
+  bus_is_alive = true;
+  EXPECT_TRUE(shows("#curtain", "No map has come from semantic_map yet")) << text_of("body");
+  put(tile_of(0, 0, semantic_tile_t::ROAD));
+  EXPECT_TRUE(browser->comes_to("document.getElementById('curtain').hidden"));
+  EXPECT_TRUE(shows("#status", "Live"));
+}
+
 TEST_F(PageHands, AFingerThatRestsAsksWhatIsThereWhileItStillRests) {
   put_a_road();
   browser->resize(390, 844, true);
@@ -51,23 +79,73 @@ TEST_F(PageHands, ArrowKeysMoveTheMapAndEnterAsksWhatIsInTheMiddle) {
   EXPECT_NEAR(camera("x"), 2, 1e-6) << "the bar's arrows are its own";
 }
 
-TEST_F(PageHands, NoCardCoversAnotherOnAnyScreen) {
+TEST_F(PageHands, ASheetIsDrawnUpByItsHandleAndHidesNothingBehindIt) {
   put_a_road();
-  open(fmt::format("{}&colour=height", kView));
+  browser->resize(390, 844, true);
+  open(kView);
   ASSERT_TRUE(browser->comes_to("document.getElementById('timeline').checkVisibility()"));
-  for (const auto& [width, height] : {std::pair{1280, 800}, {1024, 768}, {834, 1112}, {390, 844}, {360, 640}}) {
-    browser->resize(width, height, width < 1100);
-    browser->pass(0.5);
-    const auto overlaps = browser->evaluate(R"((() => {
-      const boxes = ["bar", "tools", "timeline", "scale", "panel"].map(id => [id, document.getElementById(id).getBoundingClientRect()]);
-      const found = [];
-      for (const [a, p] of boxes) for (const [b, q] of boxes)
-        if (a < b && p.left < q.right && q.left < p.right && p.top < q.bottom && q.top < p.bottom) found.push(a + " " + b);
-      for (const [id, box] of boxes) if (box.left < -0.5 || box.right > innerWidth + 0.5) found.push(id + " leaves the screen");
-      return found;
-    })())");
-    EXPECT_TRUE(overlaps.empty()) << width << " x " << height << ": " << overlaps;
-  }
+  const char* kFocusable = "getComputedStyle(document.querySelector('#panel .scroll')).visibility";
+  EXPECT_EQ(browser->evaluate(kFocusable), "hidden") << "Tab does not go where nobody sees it";
+  browser->drag(195, 815, 195, 600);
+  EXPECT_TRUE(browser->comes_to("document.getElementById('handle').getAttribute('aria-expanded') === 'true'"));
+  EXPECT_EQ(browser->evaluate(kFocusable), "visible");
+  EXPECT_EQ(
+      browser->evaluate("(() => { const bar = document.getElementById('timeline').getBoundingClientRect(); return "
+                        "document.getElementById('panel').contains(document.elementFromPoint((bar.left + "
+                        "bar.right) / 2, (bar.top + bar.bottom) / 2)); })()"),
+      true)
+      << "the play bar lies under it";
+  browser->press("Escape");
+  EXPECT_TRUE(browser->comes_to("document.getElementById('handle').getAttribute('aria-expanded') === 'false'"));
+}
+
+TEST_F(PageHands, ALinkThatIsPastedAndTheBrowsersBackShowTheirViews) {
+  put_a_road();
+  open(kView);
+  browser->evaluate("location.hash = 'at=1,2,80,0.5&follow=0&colour=cost&tilt=30&off=curbs&theme=dark'");
+  ASSERT_TRUE(browser->comes_to("curbstone.camera.scale === 80"));
+  EXPECT_EQ(camera("x"), 1);
+  EXPECT_NEAR(camera("tilt"), 0.5236, 1e-3);
+  EXPECT_EQ(browser->evaluate("curbstone.settings.mode"), "cost");
+  EXPECT_EQ(browser->evaluate("curbstone.settings.layers.curbs"), false);
+  EXPECT_EQ(browser->evaluate("document.documentElement.dataset.theme"), "dark");
+  browser->evaluate("history.back()");
+  ASSERT_TRUE(browser->comes_to("curbstone.camera.scale === 40"));
+  EXPECT_EQ(camera("tilt"), 0);
+  EXPECT_EQ(browser->evaluate("curbstone.settings.mode"), "class");
+  EXPECT_EQ(browser->evaluate("curbstone.settings.layers.curbs"), true);
+}
+
+TEST_F(PageHands, EachControlHasANameAndGroupsOfChoicesGoByArrows) {
+  put_a_road();
+  open(kView);
+  const auto nameless = browser->evaluate(
+      "[...document.querySelectorAll('button, input')].filter(e => !(e.ariaLabel || e.innerText.trim() || e.title || "
+      "e.labels?.length)).map(e => e.outerHTML)");
+  EXPECT_TRUE(nameless.empty()) << nameless;
+  browser->evaluate("document.querySelector('#colours [aria-checked=true]').focus()");
+  browser->press("ArrowRight");
+  EXPECT_EQ(browser->evaluate("curbstone.settings.mode"), "height");
+  EXPECT_EQ(browser->evaluate("document.activeElement.innerText"), "Height");
+  EXPECT_EQ(browser->evaluate("document.querySelectorAll('#colours [tabindex=\"0\"]').length"), 1);
+  EXPECT_EQ(camera("x"), 0) << "the map stays";
+}
+
+TEST_F(PageHands, ACardIsClosedByTheMouseWhileNewsCome) {
+  put_a_road();
+  speed = 1;  // the card's ages and distances are other with each frame
+  open(kView);
+  const Spot spot = spot_of(-2, -2);
+  browser->click(spot.x, spot.y);
+  ASSERT_TRUE(shows("#cell", "Road"));
+  browser->evaluate("window.close_button = document.querySelector('#cell button')");
+  browser->pass(0.5);
+  EXPECT_EQ(browser->evaluate("close_button.isConnected"), true) << "a press and its release meet the same button";
+  const auto place = browser->evaluate(
+      "(() => { const b = close_button.getBoundingClientRect(); return [(b.left + b.right) / 2, (b.top + b.bottom) / "
+      "2]; })()");
+  browser->click(place[0], place[1]);
+  EXPECT_TRUE(browser->comes_to("document.getElementById('cell').hidden"));
 }
 
 /// 4 m along y = 0; the higher side is that of larger y.

@@ -13,6 +13,7 @@ class PageMemory : public PageOnABus {
   void SetUp() override {
     config.frame_period = 0.02;
     PageOnABus::SetUp();
+    if (!IsSkipped()) browser->resize(640, 520);
   }
   /// Every tile anew, a curb, a line of paint, the LiDAR's points; `round` makes each other than before.
   void drive_round(int round) {
@@ -23,7 +24,7 @@ class PageMemory : public PageOnABus {
         tile.height[(53 * k + 7 * round + i) % 625] = static_cast<std::int16_t>(round % 50);
       }
       put(tile);
-      if (i % 8 == 7) browser->pass(0.02);
+      if (i % 16 == 15) browser->pass(0.02);
     }
     const float shift = 0.001F * static_cast<float>(round % 100);
     curb_line_t curb{};
