@@ -183,7 +183,7 @@ function scale(mode: Mode, [low, high]: [number, number]): HTMLElement {
 export function showSummary(isFile: boolean, speed: number | null, latency: number | null, faults: number, silent: number): void {
   const [title, news] = byId("summary").children as unknown as [HTMLElement, HTMLElement];
   say(title, isFile ? "Layers" : "Layers and health");
-  const figures = [speed === null ? "" : `${speed.toFixed(1)} m/s`, latency === null ? "" : `${seconds(latency)} late`];
+  const figures = [speed === null ? "" : `${speed.toFixed(1)} m/s`, latency === null ? "" : `${seconds(latency)} delay`];
   say(news, faults ? `${faults} with faults` : silent ? `${silent} silent` : figures.filter(Boolean).join(" · "));
   news.className = faults || silent ? "bad" : "";
 }

@@ -5,6 +5,7 @@ import { kCellsAside, kPageSize, Page, Pages } from "./pages";
 import { classColours, kPaint, Mode, pointRamp, ramp, Rgb, Theme } from "./palette";
 import { Program, unit } from "./program";
 import { Relief } from "./relief";
+import { drawsInSoftware } from "./software";
 import { kPageFragment, kPageVertex, kPointFragment, kPointVertex } from "./shaders";
 import { Pose, World } from "../world";
 
@@ -21,7 +22,8 @@ export class Ground {
   private gl!: WebGL2RenderingContext;
   private pages!: Pages;
   private painter!: Painter;
-  private relief!: Relief;
+  private relief: Relief | null = null;  // made when it is first tilted: shaders take their time
+  private isSlow = false;
   private flat!: Program;
   private point!: Program;
   private points!: WebGLBuffer;
@@ -41,17 +43,17 @@ export class Ground {
     });
   }
 
-  curbsChanged(): void { this.relief.curbsChanged(); }
-  markingsChanged(): void { this.relief.markingsChanged(); }
+  curbsChanged(): void { this.relief?.curbsChanged(); }
+  markingsChanged(): void { this.relief?.markingsChanged(); }
 
   private setUp(): void {
-    const isSlow = drawsInSoftware();
+    const isSlow = this.isSlow = drawsInSoftware();
     const gl = this.canvas.getContext("webgl2", { antialias: !isSlow, premultipliedAlpha: true, preserveDrawingBuffer: false });
     if (!gl) throw new Error("This browser has no WebGL2, which draws the map.");
     this.gl = gl;
     this.pages = new Pages(gl, this.world, isSlow ? gl.LINEAR_MIPMAP_NEAREST : gl.LINEAR_MIPMAP_LINEAR);
     this.painter = new Painter(gl, this.pages);
-    this.relief = new Relief(gl, this.world, this.pages, isSlow);
+    this.relief = null;
     this.flat = new Program(gl, kPageVertex, kPageFragment);
     this.point = new Program(gl, kPointVertex, kPointFragment, ["point"]);
     this.points = gl.createBuffer()!;
@@ -71,6 +73,7 @@ export class Ground {
     if (camera.isTilted) {
       const curbs = look.curbs ? [...unit(classColours(look.theme, look.mode)[2]!), 1] : null;
       const markings = look.markings ? [...unit(kPaint[look.theme]), 1] : null;
+      this.relief ??= new Relief(gl, world, this.pages, this.isSlow);
       this.relief.draw(camera, program => this.style(program, look), paint, look.grid, curbs, markings, look.grey);
     } else if (look.grid) {
       this.drawPages(camera, look, paint);
@@ -151,15 +154,6 @@ export class Ground {
     gl.drawArrays(gl.POINTS, 0, this.numPoints);
     gl.disable(gl.DEPTH_TEST);
   }
-}
-
-/// Without a graphics card smooth edges cost more than they are worth.
-function drawsInSoftware(): boolean {
-  const gl = document.createElement("canvas").getContext("webgl2");
-  const info = gl?.getExtension("WEBGL_debug_renderer_info");
-  const name = String(gl?.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
-  gl?.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|software|basic render/i.test(name);
 }
 
 /// From base_link to map, by columns: yaw, pitch, roll.

@@ -3,6 +3,7 @@ import { Layers } from "../settings";
 import { Camera } from "./camera";
 import { ellipseOf, Ink, kInk } from "./ink";
 import { Theme } from "./palette";
+import { context2d } from "./software";
 import { CurbLine, kCellSize, MarkingLine, Place, Pose, World } from "../world";
 
 const kPaintWidth = 0.12;  // m, where it is not known
@@ -16,7 +17,7 @@ export class Marks {
   private driven = new Path2D();
 
   constructor(private canvas: HTMLCanvasElement, private world: World) {
-    this.context = canvas.getContext("2d")!;
+    this.context = context2d(canvas);
   }
 
   draw(camera: Camera, theme: Theme, layers: Layers, poses: [Pose, string][], picked: [number, number] | null, measured: Place[], grey: number): void {

@@ -3,6 +3,7 @@ import { Layers } from "../settings";
 import { Camera } from "./camera";
 import { ellipseOf, Ink, kInk } from "./ink";
 import { Theme } from "./palette";
+import { context2d } from "./software";
 import { heightAt, kCellSize, Place, Pose, World } from "../world";
 
 type Spot = [number, number];
@@ -13,7 +14,7 @@ export class TiltedMarks {
   private context: CanvasRenderingContext2D;
 
   constructor(private canvas: HTMLCanvasElement, private world: World) {
-    this.context = canvas.getContext("2d")!;
+    this.context = context2d(canvas);
   }
 
   draw(camera: Camera, theme: Theme, layers: Layers, poses: [Pose, string][], picked: Spot | null, measured: Place[], grey: number): void {

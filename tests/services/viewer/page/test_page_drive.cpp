@@ -26,7 +26,7 @@ class PageOfADrive : public PageOnABus {
     bus_is_alive = false;  // the mapper says the poses
     browser->resize(640, 520);
     const std::string command =
-        fmt::format("{}/curbstone simulate --town --seconds 9.5 --set standstill=1 --log {} > {} 2>&1",
+        fmt::format("{}/curbstone simulate --town --seconds 8.5 --set standstill=1 --log {} > {} 2>&1",
                     CURBSTONE_BIN_DIR, (folder_ / "drive.lcmlog").string(), (folder_ / "simulate.txt").string());
     ASSERT_EQ(std::system(command.c_str()), 0);
     vehicle_bus_.tap([this](const std::string& channel, const void* data, int size, std::int64_t) {

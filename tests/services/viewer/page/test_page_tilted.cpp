@@ -69,6 +69,28 @@ TEST_F(PageTilted, ShowsGroundAtItsHeightAndBlocksOverIt) {
   if (HasFailure()) browser->save_picture(::testing::TempDir() + "page_tilted.png");
 }
 
+TEST_F(PageTilted, HasNoGapsWhereTexturesMeetOnASlope) {
+  vehicle_x = 60;
+  for (int y = -3; y < 3; ++y)
+    for (int x = -3; x < 3; ++x) {
+      semantic_tile_t tile = tile_of(x, y, semantic_tile_t::ROAD);
+      tile.z_origin = x < 0 ? 0 : 1;  // a step of 1 m at the border of two textures
+      put(tile);
+    }
+  browser->resize(640, 520);
+  open("at=0,0,40,1.5708&follow=0&theme=light&off=relief.curbs.path.points&tilt=60");  // up the step
+  browser->pass(0.5);
+  const Picture picture = browser->picture();
+  int gaps = 0;
+  for (double y = -2.5; y < 2.5; y += 0.1)
+    for (double z = 0.05; z < 1; z += 0.1) {
+      const Spot spot = spot_at(0, y, z);
+      gaps += is_of(picture.at(spot.x, spot.y), semantic_tile_t::ROAD) ? 0 : 1;
+    }
+  EXPECT_EQ(gaps, 0);
+  if (HasFailure()) browser->save_picture(::testing::TempDir() + "page_gaps.png");
+}
+
 TEST_F(PageTilted, AClickFindsTheCellThatIsSeenThere) {
   put_a_terrace();
   open(fmt::format("{}&tilt=50", kView));
