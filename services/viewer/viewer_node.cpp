@@ -187,9 +187,8 @@ void ViewerNode::take_lines(const Message& message, store::BoxedLines<Message>& 
   if (put != Put::kTaken) counters_.add(put == Put::kRefused ? "refused." + name : "dropped." + name + "_full");
 }
 
-/// What a viewer says of itself comes back to it from the bus and is no sign that anything else lives there.
 void ViewerNode::on(const service_status_t& message) {
-  if (message.service != "viewer" && message.service.rfind("viewer:", 0) != 0) heard();
+  if (message.service.rfind("viewer", 0) != 0) heard();  // its own comes back: no sign that anything else lives
   if (!services_.put(message, now_)) counters_.add("dropped.service");
 }
 

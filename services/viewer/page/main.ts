@@ -3,6 +3,7 @@ import { showServices, Verdict } from "./cards/health";
 import { Inspector } from "./cards/inspector";
 import { Panel, showSummary } from "./cards/panel";
 import { Ruler } from "./cards/ruler";
+import { saveCanvases, showScale } from "./cards/sheet";
 import { clock, Timeline } from "./cards/timeline";
 import { Connection } from "./connection";
 import { Camera } from "./drawing/camera";
@@ -19,7 +20,7 @@ import { listen } from "./gestures";
 import { Rewind } from "./past/rewind";
 import { Settings } from "./settings";
 import { judge, judgePast } from "./staleness";
-import { heightRange, mapBounds, placeUnder } from "./survey";
+import { heightRange, mapBounds, newestTime, placeUnder } from "./survey";
 import { Pose, World } from "./world";
 
 const world = new World();
@@ -62,24 +63,17 @@ function draw(now: number): void {
   if (world.curbsChanged) ground.curbsChanged();
   if (world.markingsChanged) ground.markingsChanged();
   ground.draw(camera, { ...layers, theme: look, mode: settings.mode, byIntensity: settings.points === "intensity",
-    range, now: newestTime(), grey, paper: paper() }, pose);
+    range, now: newestTime(world), grey, paper: paper() }, pose);
   const poses: [Pose, string][] = pose ? [[pose, kInk[look].vehicle]] : [], other = localized.poseAt(now);
   if (other && layers.localized) poses.unshift([other, kInk[look].localized]);
   marks.refresh();
   (camera.isTilted ? tiltedMarks : marks).draw(camera, look, layers, poses, inspector.picked, ruler.places, grey);
-  showScale();
+  showScale(camera.scale);
   byId("tilt").setAttribute("aria-pressed", String(camera.isTilted));
   byId("needle").style.transform = `rotate(${-camera.turn}rad)`;
   byId("needle").style.transformOrigin = "12px 12px";
   connection.drawn();
   if (pace.allows(now, motion.isMoving(now) || isTilting) && !document.hidden) redraw();
-}
-
-/// us, from which the ages of cells count.
-function newestTime(): number {
-  let newest = world.state?.pose?.utime ?? 0;
-  if (newest === 0) for (const tile of world.tiles.values()) newest = Math.max(newest, tile.utime);
-  return newest;
 }
 
 function paper(): Rgb {
@@ -181,14 +175,6 @@ function look(): void {
   follow.classList.toggle("idle", !state?.pose);
 }
 
-function showScale(): void {
-  const steps = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
-  const step = steps.find(s => s * camera.scale > 70) ?? 1000;
-  const rule = byId("rule");
-  rule.textContent = step < 1 ? `${step * 100} cm` : `${step} m`;
-  rule.style.width = `${step * camera.scale}px`;
-}
-
 function settingsChanged(): void {
   const root = document.documentElement;
   root.dataset.theme = settings.look;
@@ -283,22 +269,9 @@ function touched(x: number, y: number): void {
   else inspector.pick(place);
 }
 
-/// The map as it is seen, without the cards, as a file.
 function savePicture(): void {
   draw(performance.now());  // the ground can be read only in the task that drew it
-  const picture = document.createElement("canvas");
-  [picture.width, picture.height] = [groundCanvas.width, groundCanvas.height];
-  const context = picture.getContext("2d")!;
-  context.fillStyle = css(paper());
-  context.fillRect(0, 0, picture.width, picture.height);
-  for (const canvas of [groundCanvas, marksCanvas]) context.drawImage(canvas, 0, 0);
-  picture.toBlob(blob => {
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(blob!);
-    link.download = `curbstone-${new Date().toISOString().slice(0, 19).replace(/:/g, "")}.png`;
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-  });
+  saveCanvases([groundCanvas, marksCanvas], css(paper()));
 }
 
 function wire(): void {

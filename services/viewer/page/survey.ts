@@ -38,3 +38,10 @@ export function placeUnder(world: World, camera: Camera, sx: number, sy: number)
   for (let i = 0; camera.isTilted && i < 4; ++i) place = camera.toMap(sx, sy, heightAt(world, ...place) ?? camera.z);
   return place;
 }
+
+/// us, from which the ages of cells count.
+export function newestTime(world: World): number {
+  let newest = world.state?.pose?.utime ?? 0;
+  if (newest === 0) for (const tile of world.tiles.values()) newest = Math.max(newest, tile.utime);
+  return newest;
+}
