@@ -99,10 +99,11 @@ std::string to_table(const PoseErrors& e) {
       "  longitudinal   RMSE {:.3f} m, 99 % {:.3f} m where not degenerate ({} revolutions are)\n"
       "  yaw            RMSE {:.3f} deg\n"
       "  NEES (3)       mean {:.2f}, {:.1f} % beyond the 95 % bound\n"
+      "                 lateral {:.2f}, longitudinal {:.2f}, yaw {:.2f}: 1 each where its sigma is right\n"
       "  worst          {:.3f} m; {} revolutions wrong by 0.5 m and not lost\n",
       e.judged, e.poses, e.lost, e.lateral_rmse, e.lateral_99, e.lateral_untold_rmse, e.lateral_untold_99,
-      e.longitudinal_rmse, e.longitudinal_99, e.degenerate, e.yaw_rmse, e.nees, 100 * e.beyond_95, e.worst,
-      e.wrong_and_sure);
+      e.longitudinal_rmse, e.longitudinal_99, e.degenerate, e.yaw_rmse, e.nees, 100 * e.beyond_95, e.nees_lateral,
+      e.nees_longitudinal, e.nees_yaw, e.worst, e.wrong_and_sure);
 }
 
 nlohmann::json to_json(const PoseErrors& e) {
@@ -121,6 +122,9 @@ nlohmann::json to_json(const PoseErrors& e) {
           {"degenerate", e.degenerate},
           {"yaw_rmse_deg", e.yaw_rmse},
           {"nees_mean", e.nees},
+          {"nees_lateral", e.nees_lateral},
+          {"nees_longitudinal", e.nees_longitudinal},
+          {"nees_yaw", e.nees_yaw},
           {"nees_beyond_95", e.beyond_95},
           {"worst_m", e.worst},
           {"wrong_and_not_lost", e.wrong_and_sure}};

@@ -1,6 +1,7 @@
 #include "tools/localise/pose_errors.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -21,14 +22,22 @@ double rms(const std::vector<double>& values) {
   return values.empty() ? 0 : std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-/// Of the error in x, y (map) and yaw.
-double nees_of(const map_pose_t& pose, const Eigen::Vector3d& error) {
+/// Of x, y (map) and yaw.
+Eigen::Matrix3d covariance_of(const map_pose_t& pose) {
   constexpr int kRows[3] = {0, 1, 5};
   Eigen::Matrix3d covariance;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) covariance(i, j) = static_cast<double>(pose.covariance[kRows[i] * 6 + kRows[j]]);
   }
-  return error.dot(covariance.ldlt().solve(error));
+  return covariance;
+}
+
+/// Squares of the errors along and across base_link and of yaw, each over its own variance.
+Eigen::Vector3d nees_by_axis(const Eigen::Matrix3d& covariance, const Eigen::Vector3d& error, double heading) {
+  Eigen::Matrix3d to_base = Eigen::Matrix3d::Identity();
+  to_base.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(-heading).toRotationMatrix();
+  const Eigen::Vector3d variances = (to_base * covariance * to_base.transpose()).diagonal();
+  return (to_base * error).cwiseAbs2().cwiseQuotient(variances);
 }
 
 }  // namespace
@@ -71,6 +80,7 @@ PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& tr
   PoseErrors errors;
   std::vector<double> across, across_untold, along, along_all, yaws;
   double nees = 0;
+  Eigen::Vector3d by_axis = Eigen::Vector3d::Zero();
   int beyond = 0;
   for (const map_pose_t& pose : poses) {
     ++errors.poses;
@@ -94,8 +104,11 @@ PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& tr
     } else {
       along.push_back(along_all.back());
     }
-    const double one = nees_of(pose, {off.x(), off.y(), yaw});
+    const Eigen::Vector3d planar(off.x(), off.y(), yaw);
+    const Eigen::Matrix3d covariance = covariance_of(pose);
+    const double one = planar.dot(covariance.ldlt().solve(planar));
     nees += one;
+    by_axis += nees_by_axis(covariance, planar, roll_pitch_yaw(T_map_base->linear()).z());
     if (!(one <= kChi95)) ++beyond;
     errors.worst = std::max(errors.worst, off.head<2>().norm());
     if (off.head<2>().norm() >= kWrong) ++errors.wrong_and_sure;
@@ -110,6 +123,9 @@ PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& tr
   errors.yaw_rmse = rms(yaws);
   if (errors.judged > 0) {
     errors.nees = nees / errors.judged;
+    errors.nees_longitudinal = by_axis.x() / errors.judged;
+    errors.nees_lateral = by_axis.y() / errors.judged;
+    errors.nees_yaw = by_axis.z() / errors.judged;
     errors.beyond_95 = static_cast<double>(beyond) / errors.judged;
   }
   return errors;

@@ -44,9 +44,12 @@ struct PoseErrors {
   int degenerate = 0;              ///< poses that say that the direction of travel is not told
   double yaw_rmse = 0;             ///< deg
   double nees = 0;                 ///< mean of x, y, yaw: 3 when the covariance is right
-  double beyond_95 = 0;            ///< share with a NEES over 7.815
-  double worst = 0;                ///< m, in the plane
-  int wrong_and_sure = 0;          ///< off by 0.5 m or more
+  double nees_lateral = 0;         ///< mean of each by itself: 1 when its sigma is right; below, it is too wide
+  double nees_longitudinal = 0;
+  double nees_yaw = 0;
+  double beyond_95 = 0;    ///< share with a NEES over 7.815
+  double worst = 0;        ///< m, in the plane
+  int wrong_and_sure = 0;  ///< off by 0.5 m or more
 };
 [[nodiscard]] PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& truth);
 

@@ -1,6 +1,7 @@
 #include "services/localizer/tracking/surroundings.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace curbstone::localizer::tracking {
 namespace {
@@ -42,6 +43,17 @@ Scores scores(const PoseFit& own, const PoseFit& other, const TrackingConfig& co
   return {score(own), score(other)};
 }
 
+/// Whether the place tells that the vehicle is there. Along an axis that it leaves to odometry it does not: how much it
+/// explains differs there by chance.
+bool tells_where(const PoseFit& own, const PoseFit& other) {
+  const Pose& there = other.belief.T_map_base;
+  const Eigen::Vector3d off = there.linear().transpose() * (there.translation() - own.belief.T_map_base.translation());
+  for (int axis = 0; axis < 2; ++axis) {
+    if ((other.degenerate & (1 << axis)) != 0 && std::abs(off[axis]) > kSpacing / 2) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<PoseFit> Surroundings::better_than(const PoseFit& own, const std::vector<Eigen::Vector3d>& points,
@@ -52,7 +64,7 @@ std::optional<PoseFit> Surroundings::better_than(const PoseFit& own, const std::
     const PoseFit other = fit_pose(points, prior_at(own.belief.T_map_base, next_), map, config);
     if (other.matched_share() == 0) continue;  // too little is seen there to tell
     const Scores against_own = scores(own, other, config);
-    if (against_own.other <= against_own.own + kClearly) continue;
+    if (against_own.other <= against_own.own + kClearly || !tells_where(own, other)) continue;
     if (best) {
       const Scores against_best = scores(*best, other, config);
       if (against_best.other <= against_best.own) continue;

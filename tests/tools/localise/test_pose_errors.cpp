@@ -82,6 +82,22 @@ TEST_F(PoseErrorsTest, AreToldApartAcrossAndAlongTheVehicle) {
   EXPECT_EQ(errors.beyond_95, 1);
 }
 
+TEST_F(PoseErrorsTest, HaveANeesOfEachAxisOfTheVehicle) {
+  auto poses = poses_with([] { return Eigen::Vector3d(-0.05, 0.03, 0.002); });
+  for (map_pose_t& pose : poses) {  // wide along the vehicle, narrow across it
+    const Eigen::Matrix2d R =
+        pose_from_arrays(pose.map_base_position, pose.map_base_orientation).linear().topLeftCorner<2, 2>();
+    const Eigen::Matrix2d covariance = R * Eigen::Vector2d(0.05 * 0.05, 0.01 * 0.01).asDiagonal() * R.transpose();
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j < 2; ++j) pose.covariance[i * 6 + j] = static_cast<float>(covariance(i, j));
+    }
+  }
+  const PoseErrors errors = errors_of(poses, *truth_);
+  EXPECT_NEAR(errors.nees_longitudinal, 1, 0.01);
+  EXPECT_NEAR(errors.nees_lateral, 9, 0.2);  // the frame differs by the 0.002 rad of the error
+  EXPECT_NEAR(errors.nees_yaw, 4, 1e-3);
+}
+
 TEST_F(PoseErrorsTest, HaveANeesOfThreeWhereTheCovarianceIsRight) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;

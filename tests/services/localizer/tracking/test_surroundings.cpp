@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/services/localizer/yard.hpp"
 
 namespace curbstone::localizer::tracking {
@@ -56,6 +58,26 @@ TEST(Surroundings, BetweenTwoLongWallsAreAllAlike) {
   Surroundings surroundings;
   EXPECT_FALSE(surroundings.better_than(held_at(ahead, points, map), points, 1000, map, {}))
       << "nothing tells; it is degenerate, not wrong";
+}
+
+TEST(Surroundings, AreNotGoneToAlongAnAxisThatTheyDoNotTell) {
+  const Yard street{.ends = false};
+  fields::SavedMap map(map_of(street));
+  const Pose truth = pose_at(0, 0, street.turned);
+  const auto points = points_in(street, truth);
+  TrackingConfig few;  // so few points count that they do not tell the pose along the street
+  few.independent = 0.0001;
+  PoseFit doubted = held_at(truth, points, map);
+  doubted.grounds_matched /= 2;  // as if each place along the street explained more
+  Surroundings surroundings;
+  int gone_to = 0;
+  while (!surroundings.all_seen()) {
+    const auto place = surroundings.better_than(doubted, points, 1, map, few);
+    if (!place) continue;
+    ++gone_to;
+    EXPECT_LT(std::abs((truth.inverse() * place->belief.T_map_base).translation().x()), 0.4);
+  }
+  EXPECT_GT(gone_to, 0) << "the same place";
 }
 
 TEST(Surroundings, WhereHardlyAnythingStandsAreNoReasonToLeave) {
