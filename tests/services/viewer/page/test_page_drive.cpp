@@ -6,6 +6,7 @@
 #include "common/log/log_files.hpp"
 #include "common/log/log_reader.hpp"
 #include "services/semantic_map/store/map_store.hpp"
+#include "tests/paths.hpp"
 #include "tests/services/viewer/page/page_on_a_bus.hpp"
 #include "tools/replay/vehicle.hpp"
 
@@ -25,7 +26,7 @@ class PageOfADrive : public PageOnABus {
     if (IsSkipped()) return;
     bus_is_alive = false;  // the mapper says the poses
     const std::string command =
-        fmt::format("{}/curbstone simulate --town --seconds 14 --log {} > {} 2>&1", CURBSTONE_BIN_DIR,
+        fmt::format("{} simulate --town --seconds 14 --log {} > {} 2>&1", tests::program_path("curbstone"),
                     (folder_ / "drive.lcmlog").string(), (folder_ / "simulate.txt").string());
     ASSERT_EQ(std::system(command.c_str()), 0);
     vehicle_bus_.tap([this](const std::string& channel, const void* data, int size, std::int64_t) {
