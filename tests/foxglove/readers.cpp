@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "tests/paths.hpp"
+
 namespace curbstone::testing {
 namespace {
 
@@ -14,7 +16,7 @@ namespace fs = std::filesystem;
 
 /// Tests may run at the same time: the folder gets its name when it is whole.
 bool install(const fs::path& folder) {
-  const fs::path sources = fs::path(CURBSTONE_SOURCE_DIR) / "tests/foxglove";
+  const fs::path sources = tests::source_path("tests/foxglove");
   const std::string lock = folder.string() + ".lock";
   const std::string command =
       "mkdir -p " + folder.string() + " && flock " + lock + " sh -c 'cd " + folder.string() +
@@ -32,8 +34,8 @@ bool install(const fs::path& folder) {
 std::optional<std::string> foxglove_packages() {
   static const std::optional<std::string> folder = []() -> std::optional<std::string> {
     if (std::system("command -v node >/dev/null && command -v npm >/dev/null") != 0) return std::nullopt;
-    if (!install(CURBSTONE_NODE_DIR)) return std::nullopt;
-    return CURBSTONE_NODE_DIR;
+    if (!install(tests::build_path("tests/foxglove"))) return std::nullopt;
+    return tests::build_path("tests/foxglove");
   }();
   return folder;
 }

@@ -6,13 +6,14 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace curbstone::system_test {
 
 namespace {
 
-const std::string kPath = "PATH=" CURBSTONE_BIN_DIR ":$PATH; ";
+const std::string kPath = "PATH=" + tests::program_path("") + ":$PATH; ";
 
 std::string emptied(const std::string& file) {
   std::ofstream(file, std::ios::trunc).flush();
@@ -42,6 +43,7 @@ ProgramResult run_program(const std::string& command, double seconds) {
 }
 
 BackgroundProgram::BackgroundProgram(const std::string& command, const std::string& output_file)
-    : bench::faults::BackgroundProgram("env PATH=" CURBSTONE_BIN_DIR ":\"$PATH\" " + command, emptied(output_file)) {}
+    : bench::faults::BackgroundProgram("env PATH=" + tests::program_path("") + ":\"$PATH\" " + command,
+                                       emptied(output_file)) {}
 
 }  // namespace curbstone::system_test

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/paths.hpp"
 #include "tests/system/run_program.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -12,10 +13,10 @@ namespace {
 TEST(BenchFaults, MeasuresADriveInWhichAProcessIsKilled) {
   const testing::TemporaryFolder folder;
   const std::string json = folder / "figures.json";
-  const auto run = run_program("curbstone-bench faults --only 'kill -9 semantic_map' --seconds 12 --json " + json +
-                                   " --procman " CURBSTONE_SOURCE_DIR "/procman/demo.cfg --config " CURBSTONE_SOURCE_DIR
-                                   "/config/ugv.yaml",
-                               250);
+  const auto run =
+      run_program("curbstone-bench faults --only 'kill -9 semantic_map' --seconds 12 --json " + json + " --procman " +
+                      tests::source_path("procman/demo.cfg") + " --config " + tests::source_path("config/ugv.yaml"),
+                  250);
   ASSERT_EQ(run.exit_status, 0) << run.err;
   const auto figures = nlohmann::json::parse(std::ifstream(json));
   ASSERT_EQ(figures["rows"].size(), 1U);
@@ -31,8 +32,8 @@ TEST(BenchFaults, KeepsOffABusOnWhichADeputyIs) {
   const testing::TemporaryFolder folder;
   write_file(folder / "test.cfg", "cmd \"a\" { exec = \"sleep 1000\"; deputy = \"d\"; }");
   BackgroundProgram deputy("curbstone-deputy --config " + (folder / "test.cfg").string(), folder / "output");
-  const auto run = run_program("curbstone-bench faults --procman " CURBSTONE_SOURCE_DIR
-                               "/procman/demo.cfg --config " CURBSTONE_SOURCE_DIR "/config/ugv.yaml",
+  const auto run = run_program("curbstone-bench faults --procman " + tests::source_path("procman/demo.cfg") +
+                                   " --config " + tests::source_path("config/ugv.yaml"),
                                60);
   EXPECT_EQ(run.exit_status, 1);
   EXPECT_THAT(run.err, ::testing::HasSubstr("a deputy is on this bus already"));

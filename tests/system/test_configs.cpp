@@ -2,6 +2,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "tests/paths.hpp"
 #include "tests/system/run_program.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -10,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::string kVehicle = CURBSTONE_SOURCE_DIR "/config/ugv.yaml";
+const std::string kVehicle = tests::source_path("config/ugv.yaml");
 
 class EveryProgram : public ::testing::TestWithParam<const char*> {};
 

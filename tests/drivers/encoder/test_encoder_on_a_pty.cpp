@@ -8,6 +8,7 @@
 #include "drivers/encoder/encoder_node.hpp"
 #include "tests/drivers/driver_on_a_pty.hpp"
 #include "tests/drivers/stopped_after.hpp"
+#include "tests/paths.hpp"
 #include "tools/simulate/devices/can_drive_emulator.hpp"
 #include "tools/simulate/devices/slcan_emulator.hpp"
 
@@ -126,7 +127,7 @@ TEST(EncoderProgram, SaysInOneLineWhatIsMissingAndStops) {
        {"device=/dev/null", "interface=socketcan --set device=/dev/can0",
         "interface=modbus_tcp --set modbus.host=nowhere", "interface=modbus_rtu --set baud=128000"}) {
     const std::string command =
-        CURBSTONE_BIN_DIR "/curbstone-encoder --lcm-url memq:// --set " + std::string(what) + " 2>&1 >/dev/null";
+        tests::program_path("curbstone-encoder") + " --lcm-url memq:// --set " + what + " 2>&1 >/dev/null";
     FILE* output = popen(command.c_str(), "r");
     ASSERT_NE(output, nullptr);
     std::string text(2000, '\0');
@@ -141,9 +142,8 @@ TEST(EncoderProgram, ADeviceThatIsMissingAtTheStartIsWaitedFor) {
   for (const char* what : {"interface=slcan --set device=/dev/no_such_tty",
                            "interface=modbus_rtu --set device=/dev/no_such_tty --set baud=115200",
                            "interface=modbus_tcp --set modbus.host=127.0.0.1 --set modbus.port=1"}) {
-    const std::string command = testing::kStoppedAfter +
-                                std::string("1.5 " CURBSTONE_BIN_DIR "/curbstone-encoder --lcm-url memq:// --set ") +
-                                what + " 2>&1";
+    const std::string command = testing::kStoppedAfter + ("1.5 " + tests::program_path("curbstone-encoder")) +
+                                " --lcm-url memq:// --set " + what + " 2>&1";
     FILE* output = popen(command.c_str(), "r");
     ASSERT_NE(output, nullptr);
     std::string text(2000, '\0');

@@ -8,6 +8,7 @@
 #include "drivers/serial/serial_link.hpp"
 #include "tests/drivers/driver_on_a_pty.hpp"
 #include "tests/drivers/stopped_after.hpp"
+#include "tests/paths.hpp"
 #include "tools/simulate/devices/xsens_emulator.hpp"
 
 namespace curbstone::imu {
@@ -86,15 +87,14 @@ int status_of(const std::string& command) {
 }
 
 TEST(ImuProgram, WaitsForADeviceThatIsMissing) {
-  EXPECT_EQ(
-      status_of(testing::kStoppedAfter +
-                std::string("3 " CURBSTONE_BIN_DIR "/curbstone-imu --lcm-url memq:// --set device=/dev/no_such_tty")),
-      0)
+  EXPECT_EQ(status_of(testing::kStoppedAfter + "3 " + tests::program_path("curbstone-imu") +
+                      " --lcm-url memq:// --set device=/dev/no_such_tty"),
+            0)
       << "ended by the signal, cleanly";
 }
 
 TEST(ImuProgram, StopsWhereNoWaitingHelps) {
-  const std::string program = CURBSTONE_BIN_DIR "/curbstone-imu --lcm-url memq:// --set ";
+  const std::string program = tests::program_path("curbstone-imu") + " --lcm-url memq:// --set ";
   EXPECT_EQ(status_of("timeout 60 " + program + "device=/dev/null"), 1);
   EXPECT_EQ(status_of("timeout 60 " + program + "devcie=/dev/ttyUSB0"), 2);
 }

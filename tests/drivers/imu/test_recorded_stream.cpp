@@ -6,6 +6,7 @@
 #include "drivers/imu/imu_node.hpp"
 #include "tests/drivers/byte_stream.hpp"
 #include "tests/drivers/recorder.hpp"
+#include "tests/paths.hpp"
 
 namespace curbstone::imu {
 namespace {
@@ -16,7 +17,7 @@ constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
 class RecordedStream : public ::testing::Test {
  protected:
   void SetUp() override {
-    const std::string file = CURBSTONE_DATA_DIR "/imu_xsens/1.output.bin";
+    const std::string file = tests::data_path("imu_xsens/1.output.bin");
     const testing::Bytes bytes = testing::read_bytes(file);
     if (bytes.empty()) GTEST_SKIP() << file << " is not there";
     for (std::span<const std::uint8_t> rest = bytes; !rest.empty(); rest = rest.subspan(rest[3] + std::size_t{5})) {

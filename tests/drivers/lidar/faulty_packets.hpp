@@ -6,17 +6,19 @@
 #include <filesystem>
 #include <map>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "drivers/lidar/models/robosense/packet_time.hpp"
 #include "tests/drivers/lidar/bench.hpp"
+#include "tests/paths.hpp"
 
 namespace curbstone::lidar {
 
 /// A real RS-LiDAR-16's packets (washing_house), for a test to put faults into.
 class FaultyPackets : public ::testing::Test {
  protected:
-  static constexpr const char* kRecording = CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap";
+  inline static const std::string kRecording = tests::data_path("rs16/rs16_washing_house.pcap");
   static constexpr int kPackets = 3000;  ///< with points
 
   void SetUp() override {

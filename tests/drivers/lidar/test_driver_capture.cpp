@@ -6,6 +6,7 @@
 #include "drivers/lidar/packet_feed.hpp"
 #include "tests/drivers/lidar/captures.hpp"
 #include "tests/drivers/lidar/packets.hpp"
+#include "tests/paths.hpp"
 
 namespace curbstone::lidar {
 namespace {
@@ -100,7 +101,7 @@ TEST(DriverCapture, EndsOnceWithoutRepeat) {
 }
 
 TEST(DriverCapture, DecodesEachPassOfARecordingAlike) {
-  const std::string recorded = CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap";
+  const std::string recorded = tests::data_path("rs16/rs16_washing_house.pcap");
   if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
   LidarConfig config;
   config.pcap = recorded;

@@ -11,6 +11,7 @@
 #include "drivers/lidar/sources/pcap_source.hpp"
 #include "tests/drivers/lidar/bench.hpp"
 #include "tests/drivers/lidar/packets.hpp"
+#include "tests/paths.hpp"
 
 namespace curbstone::lidar {
 namespace {
@@ -183,11 +184,11 @@ class Recorded : public testing::Test {
  protected:
   static LidarConfig capture(const std::string& name) {
     LidarConfig config;
-    config.pcap = CURBSTONE_DATA_DIR "/rs16/" + name;
+    config.pcap = tests::data_path("rs16/") + name;
     return config;
   }
   void SetUp() override {
-    const std::string folder = CURBSTONE_DATA_DIR "/rs16";
+    const std::string folder = tests::data_path("rs16");
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   }
 };
@@ -221,7 +222,7 @@ TEST_F(Recorded, WashingHouseIsReadWhole) {
 }
 
 TEST_F(Recorded, WashingHouseGivesItsAngles) {
-  sources::PcapSource source(CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap");
+  sources::PcapSource source(tests::data_path("rs16/rs16_washing_house.pcap"));
   for (auto packet = source.next(); packet; packet = source.next()) {
     if (packet->port != models::robosense::kDifopPort) continue;
     const models::rs16::DifopResult result = models::rs16::parse_difop(packet->bytes);

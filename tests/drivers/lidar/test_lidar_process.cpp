@@ -17,6 +17,7 @@
 #include "drivers/lidar/sources/udp_source.hpp"
 #include "tests/drivers/lidar/captures.hpp"
 #include "tests/drivers/stopped_after.hpp"
+#include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tools/simulate/devices/make_lidar.hpp"
 
@@ -33,8 +34,8 @@ struct Ended {
 
 /// Runs the program to its end, at most `seconds`, after which it gets SIGTERM.
 Ended lidar(const std::string& arguments, int seconds = 20) {
-  const std::string command = testing::kStoppedAfter + std::to_string(seconds) +
-                              " " CURBSTONE_BIN_DIR "/curbstone-lidar " + arguments + " 2>&1";
+  const std::string command = testing::kStoppedAfter + std::to_string(seconds) + " " +
+                              tests::program_path("curbstone-lidar") + " " + arguments + " 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
   std::string output;
   for (int c = fgetc(pipe); c != EOF; c = fgetc(pipe)) output.push_back(static_cast<char>(c));
@@ -54,7 +55,7 @@ TEST(LidarProcess, SaysThatACaptureIsMissingOrCutOff) {
   EXPECT_EQ(ended.status, 1);
   EXPECT_THAT(ended.output, HasSubstr("/nowhere/drive.pcap: No such file"));
 
-  const std::string recorded = CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap";
+  const std::string recorded = tests::data_path("rs16/rs16_washing_house.pcap");
   if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
   const testing::TemporaryFolder folder;
   const std::string cut = folder / "cut.pcap";
@@ -67,7 +68,7 @@ TEST(LidarProcess, SaysThatACaptureIsMissingOrCutOff) {
 }
 
 TEST(LidarProcess, EndsWithACapture) {
-  const std::string recorded = CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap";
+  const std::string recorded = tests::data_path("rs16/rs16_washing_house.pcap");
   if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
   const Ended ended = lidar("--set pcap=" + recorded + " --set pcap_rate=20");
   EXPECT_EQ(ended.status, 0);
@@ -75,10 +76,11 @@ TEST(LidarProcess, EndsWithACapture) {
 }
 
 TEST(LidarProcess, BeginsACaptureAnewUntilItIsStopped) {
-  const std::string recorded = CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap";
+  const std::string recorded = tests::data_path("rs16/rs16_washing_house.pcap");
   if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
   // The recording lasts 4 s: at 100 times that pace it is through long before the 3 s.
-  const std::string command = "timeout --foreground 3 " CURBSTONE_BIN_DIR "/curbstone-lidar --set pcap=" + recorded +
+  const std::string command = "timeout --foreground 3 " + tests::program_path("curbstone-lidar") +
+                              " --set pcap=" + recorded +
                               " --set pcap_rate=100 --set pcap_repeat=true > /dev/null 2>&1";
   const int status = std::system(command.c_str());
   EXPECT_EQ(WEXITSTATUS(status), 124) << "ended by itself";
@@ -88,7 +90,7 @@ TEST(LidarProcess, BeginsACaptureAnewUntilItIsStopped) {
 class RunningLidar {
  public:
   explicit RunningLidar(std::vector<std::string> words) {
-    words.insert(words.begin(), CURBSTONE_BIN_DIR "/curbstone-lidar");
+    words.insert(words.begin(), tests::program_path("curbstone-lidar"));
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);

@@ -7,6 +7,7 @@
 
 #include "tests/drivers/byte_stream.hpp"
 #include "tests/drivers/pty.hpp"
+#include "tests/paths.hpp"
 
 namespace curbstone::serial {
 namespace {
@@ -75,7 +76,7 @@ TEST(SerialPortTest, APortThatRefusesLowLatencyIsUsedAllTheSame) {
 
 TEST(SerialPortTest, ErrorsSayWhatToDo) {
   EXPECT_THAT(error_of({"/dev/no_such_tty", 115200}), AllOf(HasSubstr("/dev/no_such_tty"), HasSubstr("plugged in")));
-  EXPECT_THAT(error_of({CURBSTONE_SOURCE_DIR "/CMakeLists.txt", 115200}), HasSubstr("is no serial port"));
+  EXPECT_THAT(error_of({tests::source_path("CMakeLists.txt"), 115200}), HasSubstr("is no serial port"));
   EXPECT_THAT(error_of({"/dev/null", 115200}), HasSubstr("is no serial port"));
   EXPECT_THROW(SerialPort({"/dev/null", 115200}), NotASerialPort) << "no waiting helps";
 }

@@ -11,6 +11,7 @@
 
 #include "tests/drivers/lidar/captures.hpp"
 #include "tests/drivers/lidar/packets.hpp"
+#include "tests/paths.hpp"
 
 namespace curbstone::lidar_tool {
 namespace {
@@ -42,7 +43,7 @@ Bytes info_frame() {
 }
 
 TEST(LidarInfo, TellsTheRecordingOfAnRs16) {
-  const std::string recorded = CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap";
+  const std::string recorded = tests::data_path("rs16/rs16_washing_house.pcap");
   if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
   const std::string text = info_of(recorded);
   EXPECT_THAT(text, HasSubstr("capture: 3040 UDP packets of 1 senders"));
@@ -56,7 +57,7 @@ TEST(LidarInfo, TellsTheRecordingOfAnRs16) {
 }
 
 TEST(LidarInfo, NamesTheDeviceOfTheRecordingThatIsNoRs16) {
-  const std::string recorded = CURBSTONE_DATA_DIR "/rs16/helios16p.pcap";
+  const std::string recorded = tests::data_path("rs16/helios16p.pcap");
   if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
   EXPECT_THAT(info_of(recorded), AllOf(HasSubstr("751 UDP packets"), HasSubstr("Helios"), HasSubstr("32"),
                                        HasSubstr("6699: 750 packets of 1248 bytes")));

@@ -10,6 +10,7 @@
 
 #include "tests/drivers/lidar/captures.hpp"
 #include "tests/drivers/lidar/packets.hpp"
+#include "tests/paths.hpp"
 
 namespace curbstone::lidar_tool {
 namespace {
@@ -69,7 +70,7 @@ TEST(LidarPoints, WritesALineForEachPoint) {
 }
 
 TEST(LidarPoints, WritesAllPointsOfTheRecording) {
-  const std::string recorded = CURBSTONE_DATA_DIR "/rs16/rs16_washing_house.pcap";
+  const std::string recorded = tests::data_path("rs16/rs16_washing_house.pcap");
   if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
   const auto packets = packets_from(recorded, {});
   std::ostringstream out;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "tests/drivers/byte_stream.hpp"
+#include "tests/paths.hpp"
 
 namespace curbstone::encoder::can {
 namespace {
@@ -43,7 +44,7 @@ TEST(CandumpTest, WhatIsNoFrameIsTold) {
 }
 
 TEST(CandumpTest, AWholeRaceIsReadAndOnlyItsHeadingIsRefused) {
-  const std::string file = CURBSTONE_DATA_DIR "/can/fsae_candump.log";
+  const std::string file = tests::data_path("can/fsae_candump.log");
   std::ifstream log(file);
   if (!log) GTEST_SKIP() << file << " is not there";
   int frames = 0;

@@ -11,6 +11,7 @@
 #include "drivers/encoder/traces/trace_file.hpp"
 #include "drivers/encoder/traces/trace_time.hpp"
 #include "tests/drivers/recorder.hpp"
+#include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace curbstone::encoder::traces {
@@ -99,7 +100,7 @@ TEST(PcanTraceTest, DamagedLinesOfEveryShapeAreSurvived) {
 }
 
 TEST(TraceFileTest, ARealTraceIsReadWhole) {
-  const std::string path = CURBSTONE_DATA_DIR "/can/pcan2.trc";
+  const std::string path = tests::data_path("can/pcan2.trc");
   if (!std::ifstream(path)) GTEST_SKIP() << path << " is not there";
   TraceFile file(path);
   int frames = 0;
@@ -113,7 +114,7 @@ TEST(TraceFileTest, ARealTraceIsReadWhole) {
 }
 
 TEST(TraceFileTest, ARealCandumpIsReadWhole) {
-  const std::string path = CURBSTONE_DATA_DIR "/can/fsae_candump.log";
+  const std::string path = tests::data_path("can/fsae_candump.log");
   if (!std::ifstream(path)) GTEST_SKIP() << path << " is not there";
   TraceFile file(path);
   int frames = 0;

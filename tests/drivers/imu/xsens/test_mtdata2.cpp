@@ -8,6 +8,7 @@
 #include "common/geometry/geometry.hpp"
 #include "drivers/imu/xsens/xbus_frame.hpp"
 #include "tests/drivers/byte_stream.hpp"
+#include "tests/paths.hpp"
 
 namespace curbstone::imu::xsens {
 namespace {
@@ -110,8 +111,8 @@ TEST(MtData2Test, NumbersThatCannotBeAreRefusedByCause) {
 TEST(MtData2Test, RecordingsInEveryFormatAreDecodedToTheLastItem) {
   for (int i = 1; i <= 5; ++i) {
     const testing::Bytes bytes =
-        testing::read_bytes(std::string(CURBSTONE_DATA_DIR "/imu_xsens/") + std::to_string(i) + ".output.bin");
-    if (bytes.empty()) GTEST_SKIP() << CURBSTONE_DATA_DIR "/imu_xsens/" << i << ".output.bin is not there";
+        testing::read_bytes(tests::data_path("imu_xsens/") + std::to_string(i) + ".output.bin");
+    if (bytes.empty()) GTEST_SKIP() << tests::data_path("imu_xsens/") << i << ".output.bin is not there";
     Counters counters;
     int inertial = 0;
     int oriented = 0;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/drivers/byte_stream.hpp"
+#include "tests/paths.hpp"
 
 namespace curbstone::imu::xsens {
 namespace {
@@ -129,8 +130,8 @@ TEST_F(XbusParserTest, GarbageBeforeAndBetweenFramesIsSkippedAndCounted) {
 TEST_F(XbusParserTest, RecordingsOfRealDevicesParseWithoutARefusal) {
   for (int i = 1; i <= 5; ++i) {
     const testing::Bytes bytes =
-        testing::read_bytes(std::string(CURBSTONE_DATA_DIR "/imu_xsens/") + std::to_string(i) + ".output.bin");
-    if (bytes.empty()) GTEST_SKIP() << CURBSTONE_DATA_DIR "/imu_xsens/" << i << ".output.bin is not there";
+        testing::read_bytes(tests::data_path("imu_xsens/") + std::to_string(i) + ".output.bin");
+    if (bytes.empty()) GTEST_SKIP() << tests::data_path("imu_xsens/") << i << ".output.bin is not there";
     XbusParser parser;
     int mtdata2 = 0;
     parser.parse(0, bytes, [&](const XbusFrame& frame) { mtdata2 += frame.is(Mid::kMtData2); });

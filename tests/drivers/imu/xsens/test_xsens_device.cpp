@@ -7,6 +7,7 @@
 
 #include "common/bytes/big_endian.hpp"
 #include "tests/drivers/byte_stream.hpp"
+#include "tests/paths.hpp"
 
 namespace curbstone::imu::xsens {
 namespace {
@@ -91,7 +92,7 @@ TEST_F(XsensDeviceTest, NoTurnIsNoRate) {
 
 TEST_F(XsensDeviceTest, RecordedIncrementsAgreeWithTheRatesBesideThem) {
   for (int file = 1; file <= 4; ++file) {  // float32, 12.20, 16.32, float64
-    const std::string name = std::string(CURBSTONE_DATA_DIR "/imu_xsens/") + std::to_string(file) + ".output.bin";
+    const std::string name = tests::data_path("imu_xsens/") + std::to_string(file) + ".output.bin";
     const testing::Bytes bytes = testing::read_bytes(name);
     if (bytes.empty()) GTEST_SKIP() << name << " is not there";
     XsensDevice device({.configure = false}, [](auto) {});

@@ -6,6 +6,7 @@
 
 #include "drivers/lidar/sources/udp_frame.hpp"
 #include "tests/drivers/lidar/captures.hpp"
+#include "tests/paths.hpp"
 
 namespace curbstone::lidar::sources {
 namespace {
@@ -88,7 +89,7 @@ TEST(PcapSource, CountsWhatIsNoWholeUdpPacketByCause) {
 TEST(PcapSource, SaysWhatIsWrongWithAFile) {
   EXPECT_THAT([] { PcapSource("/nowhere/drive.pcap"); },
               ThrowsMessage<std::runtime_error>(HasSubstr("/nowhere/drive.pcap: No such file")));
-  EXPECT_THAT([] { PcapSource(CURBSTONE_SOURCE_DIR "/README.md"); },
+  EXPECT_THAT([] { PcapSource(tests::source_path("README.md")); },
               ThrowsMessage<std::runtime_error>(HasSubstr("cannot read the capture")));
   const Capture can({frame({1}, 1)}, 227);
   EXPECT_THAT([&] { PcapSource{can.name()}; }, ThrowsMessage<std::runtime_error>(HasSubstr("link type")));

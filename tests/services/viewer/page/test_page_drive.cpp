@@ -6,6 +6,7 @@
 #include "common/log/log_files.hpp"
 #include "common/log/log_reader.hpp"
 #include "services/semantic_map/store/map_store.hpp"
+#include "tests/paths.hpp"
 #include "tests/services/viewer/page/page_on_a_bus.hpp"
 #include "tools/replay/vehicle.hpp"
 
@@ -25,9 +26,9 @@ class PageOfADrive : public PageOnABus {
     if (IsSkipped()) return;
     bus_is_alive = false;  // the mapper says the poses
     browser->resize(640, 520);
-    const std::string command =
-        fmt::format("{}/curbstone simulate --town --seconds 8.5 --set standstill=1 --log {} > {} 2>&1",
-                    CURBSTONE_BIN_DIR, (folder_ / "drive.lcmlog").string(), (folder_ / "simulate.txt").string());
+    const std::string command = fmt::format("{} simulate --town --seconds 8.5 --set standstill=1 --log {} > {} 2>&1",
+                                            tests::program_path("curbstone"), (folder_ / "drive.lcmlog").string(),
+                                            (folder_ / "simulate.txt").string());
     ASSERT_EQ(std::system(command.c_str()), 0);
     vehicle_bus_.tap([this](const std::string& channel, const void* data, int size, std::int64_t) {
       if (channel != "TILE_REQUEST" && !is_lost()) inject(channel, data, size);

@@ -5,14 +5,15 @@
 #include <string>
 
 #include "services/viewer/page/page_files.hpp"
+#include "tests/paths.hpp"
 
 namespace curbstone::viewer {
 namespace {
 
 TEST(PageTypes, AgreeAsTheTypeScriptCompilerSees) {
   if (access("/usr/bin/tsc", X_OK) != 0) GTEST_SKIP() << "no tsc: scripts/install-deps --tests";
-  const std::string command = "cd " CURBSTONE_SOURCE_DIR
-                              "/services/viewer/page && tsc --noEmit --strict --noUnusedLocals --noUnusedParameters "
+  const std::string command = "cd " + tests::source_path("services/viewer/page") +
+                              " && tsc --noEmit --strict --noUnusedLocals --noUnusedParameters "
                               "--target es2020 --lib es2021,dom,dom.iterable --moduleResolution node main.ts 2>&1";
   FILE* tsc = popen(command.c_str(), "r");
   ASSERT_NE(tsc, nullptr);

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tools/bench/mapping/drives/poor_odometry.hpp"
 #include "tools/bench/mapping/drives/scan_drive.hpp"
@@ -15,7 +16,7 @@
 namespace curbstone::bench::mapping {
 namespace {
 
-const std::string kRecorded = CURBSTONE_DATA_DIR "/kitti0005_rs16";
+const std::string kRecorded = tests::data_path("kitti0005_rs16");
 
 bool has_recorded() {
   return std::filesystem::is_directory(kRecorded);

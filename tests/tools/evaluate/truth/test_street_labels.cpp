@@ -9,6 +9,7 @@
 #include <iterator>
 #include <random>
 
+#include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace curbstone::evaluate::truth {
@@ -143,7 +144,7 @@ TEST(StreetLabels, SayWhatIsWrong) {
 
 /// kitti00: curbs_on_real_scans.md gives the heights of its steps: 2.2, 3.7 and 4.7 cm at 25, 50 and 75 %.
 TEST(StreetLabels, GiveTheStepsOfARecordedStreet) {
-  const std::string folder = CURBSTONE_DATA_DIR "/kitti00";
+  const std::string folder = tests::data_path("kitti00");
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   Pose T_world_first = Pose::Identity();
   T_world_first.translation().z() = 1.73;

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "tests/common/mcap/mcap_reader.hpp"
+#include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/tools/export/mcap/shown_log.hpp"
 #include "tools/export/export.hpp"
@@ -86,7 +87,7 @@ TEST_F(McapExport, HoldsWhatPanelsShow) {
 /// The commands of the vehicle, which are the names of its processes on the bus.
 std::vector<std::string> processes_of_the_vehicle() {
   std::vector<std::string> names;
-  std::ifstream file(CURBSTONE_SOURCE_DIR "/procman/ugv.cfg");
+  std::ifstream file(tests::source_path("procman/ugv.cfg"));
   for (std::string line; std::getline(file, line);) {
     const std::size_t begin = line.find("  cmd \"");
     if (begin == 0) names.push_back(line.substr(7, line.find('"', 7) - 7));
@@ -118,7 +119,7 @@ TEST_F(McapExport, HoldsEachTopicAndFieldThatThePreparedLayoutNames) {
   ASSERT_EQ(run({"--only", "mcap", "--without-raw"}), 0);
   const McapFile file = exported();
 
-  const auto layout = nlohmann::json::parse(std::ifstream(CURBSTONE_SOURCE_DIR "/config/foxglove/curbstone.json"));
+  const auto layout = nlohmann::json::parse(std::ifstream(tests::source_path("config/foxglove/curbstone.json")));
   const auto& view = layout["configById"]["3D!curbstone"];
   std::set<std::string> frames;
   const auto tree = last<::foxglove::FrameTransforms>(file, "/tf");

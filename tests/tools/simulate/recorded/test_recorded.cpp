@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 
+#include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tools/simulate/devices/rs16_emulator.hpp"
 #include "tools/simulate/recorded/laser_scale.hpp"
@@ -195,7 +196,7 @@ TEST_F(MadeUpRecording, WhatIsMissingIsSaid) {
 }
 
 TEST(Kitti, DrivesAreFoundAndSmooth) {
-  const std::string data = CURBSTONE_DATA_DIR;
+  const std::string data = tests::data_path("");
   for (const char* name : {"/kitti00", "/kitti0005_rs16"}) {
     if (!std::filesystem::exists(data + name)) GTEST_SKIP() << data << name << " is not there";
     const recorded::ScanSet scans = recorded::find_scans(data + name, data + name + "/reference_poses.txt", "");

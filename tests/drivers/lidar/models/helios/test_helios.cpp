@@ -9,6 +9,7 @@
 #include "drivers/lidar/models/helios/msop_packet.hpp"
 #include "drivers/lidar/packet_feed.hpp"
 #include "tests/drivers/lidar/bench.hpp"
+#include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace curbstone::lidar::models::helios {
@@ -21,7 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr const char* kRecording = CURBSTONE_DATA_DIR "/rs16/helios16p.pcap";
+const std::string kRecording = tests::data_path("rs16/helios16p.pcap");
 constexpr std::int64_t kUtc = 1'700'000'000'000'000;
 
 /// A point packet without returns, of a 16P by its newer type bytes.
