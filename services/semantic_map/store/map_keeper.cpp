@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::int64_t kLongestBreak = 600'000'000;  // us between two poses of one drive, a restart in between
 constexpr std::int64_t kFirstPose = 1'000'000;       // us: a corrected drive may begin so much later than it did
+constexpr std::int64_t kCorrection = 5'000'000;      // us: MAP_TRAJECTORY comes so soon after its epoch's first pose
 constexpr std::size_t kMaxPoses = 200'000;           // kept while the disk is full: hours
 
 }  // namespace
@@ -32,9 +33,11 @@ void MapKeeper::start(std::int32_t epoch, std::int64_t utime) {
   await_writing();
   const bool goes_on = pending_.trajectory.empty() && store_->last_utime() > 0 && store_->epoch() == epoch &&
                        utime > store_->last_utime() && utime - store_->last_utime() < kLongestBreak;
-  const std::string keep_in = goes_on ? "" : make_room();
+  const std::string keep_in = goes_on ? "" : make_room(utime);
   epoch_ = epoch;
   has_begun_ = true;
+  newest_utime_ = utime;
+  if (goes_on && superseded_.empty()) superseded_ = store_->superseded();
   const bool clear = pending_.clear || !goes_on;
   pending_ = {};
   pending_.clear = clear;
@@ -42,7 +45,7 @@ void MapKeeper::start(std::int32_t epoch, std::int64_t utime) {
 }
 
 /// Where to keep the drive that is stored; empty if none is. What of it is not written yet is written first.
-std::string MapKeeper::make_room() {
+std::string MapKeeper::make_room(std::int64_t utime) {
   if (!keep_earlier_) return {};
   if (has_begun_) {
     begin_writing();
@@ -51,7 +54,7 @@ std::string MapKeeper::make_room() {
   if (!pending_.keep_in.empty()) return pending_.keep_in;  // the disk is full
   if (store_->first_utime() == 0) return {};
   const std::string file = store_->free_name();
-  if (has_begun_) earlier_ = {.file = file, .first_utime = store_->first_utime()};
+  if (has_begun_) earlier_ = {.file = file, .first_utime = store_->first_utime(), .made_room = utime};
   return file;
 }
 
@@ -59,6 +62,7 @@ void MapKeeper::corrected_from(std::int64_t first_utime) {
   if (!earlier_ || std::abs(first_utime - earlier_->first_utime) > kFirstPose) return;
   remove_superseded();
   superseded_ = earlier_->file;
+  pending_.superseded = superseded_;
   earlier_.reset();
 }
 
@@ -83,6 +87,7 @@ void MapKeeper::add(const tile::MapTile& tile) {
 
 void MapKeeper::put(const tile::TrajectoryPose& pose) {
   if (!store_) return;
+  newest_utime_ = std::max(newest_utime_, pose.utime);
   if (pending_.trajectory.size() < kMaxPoses)
     pending_.trajectory.push_back(pose);
   else
@@ -99,8 +104,8 @@ void MapKeeper::put(std::vector<tile::MarkingLine> markings) {
 
 void MapKeeper::write() {
   if (!store_ || busy()) return;
-  const bool is_news =
-      pending_.clear || !pending_.tiles.empty() || !pending_.trajectory.empty() || pending_.curbs || pending_.markings;
+  const bool is_news = pending_.clear || !pending_.tiles.empty() || !pending_.trajectory.empty() || pending_.curbs ||
+                       pending_.markings || pending_.superseded;
   if (is_news) begin_writing();
 }
 
@@ -129,7 +134,8 @@ MapStore::Batch MapKeeper::batch_under_way() const {
                         .epoch = epoch_,
                         .trajectory = under_way_.trajectory,
                         .curbs = under_way_.curbs ? &*under_way_.curbs : nullptr,
-                        .markings = under_way_.markings ? &*under_way_.markings : nullptr};
+                        .markings = under_way_.markings ? &*under_way_.markings : nullptr,
+                        .superseded = under_way_.superseded};
   for (const auto& [key, tile] : under_way_.tiles) batch.tiles.push_back(tile);
   std::sort(batch.tiles.begin(), batch.tiles.end(),
             [](const tile::MapTile& a, const tile::MapTile& b) { return a.key < b.key; });
@@ -158,11 +164,12 @@ void MapKeeper::take_back() {
   for (const tile::TrajectoryPose& pose : under_way_.trajectory) put(pose);
   if (under_way_.curbs) pending_.curbs = std::move(under_way_.curbs);
   if (under_way_.markings) pending_.markings = std::move(under_way_.markings);
+  if (under_way_.superseded) pending_.superseded = std::move(under_way_.superseded);
 }
 
 std::string MapKeeper::fault() const {
   if (!fault_.empty()) return fault_;
-  if (earlier_)
+  if (earlier_ && newest_utime_ - earlier_->made_room > kCorrection)
     return fmt::format("the mapper began a new map in mid-drive; what was mapped before is kept in {}", earlier_->file);
   return {};
 }
@@ -172,6 +179,7 @@ void MapKeeper::finish(std::vector<tile::CurbLine> curbs, std::vector<tile::Mark
   await_writing();
   pending_.curbs = std::move(curbs);
   pending_.markings = std::move(markings);
+  if (!superseded_.empty()) pending_.superseded = "";  // a closed map names none
   begin_writing();
   await_writing();
   if (!fault_.empty()) return;

@@ -32,7 +32,8 @@ class MapKeeper {
   /// service was restarted). Any other makes room, and is kept in a file beside.
   void start(std::int32_t epoch, std::int64_t utime);
   /// The mapper has corrected the drive as a whole, from `first_utime` on: if that is the drive that made room, its
-  /// file beside is removed when the drive is over, or when the next correction makes another.
+  /// file beside is removed when the drive is over, or when the next correction makes another; also by the service's
+  /// successor, if it dies before.
   void corrected_from(std::int64_t first_utime);
   void put(const tile::MapTile& tile);
   void put(const tile::TrajectoryPose& pose);
@@ -44,8 +45,8 @@ class MapKeeper {
   /// Writes the rest, the curbs and the markings, and closes the file in canonical form.
   void finish(std::vector<tile::CurbLine> curbs, std::vector<tile::MarkingLine> markings = {});
 
-  /// What became of the last transaction, in words; or that the map was begun anew in mid-drive. Empty when all is
-  /// well.
+  /// What became of the last transaction, in words; or that the map was begun anew in mid-drive, once the vehicle has
+  /// driven for some seconds (of the poses' times) and no correction was heard. Empty when all is well.
   [[nodiscard]] std::string fault() const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -58,12 +59,13 @@ class MapKeeper {
     std::vector<tile::TrajectoryPose> trajectory;
     std::optional<std::vector<tile::CurbLine>> curbs;
     std::optional<std::vector<tile::MarkingLine>> markings;
+    std::optional<std::string> superseded;
   };
   [[nodiscard]] bool busy();
   void begin_writing();
   void await_writing();
   void take_back();
-  [[nodiscard]] std::string make_room();
+  [[nodiscard]] std::string make_room(std::int64_t utime);
   void remove_superseded();
   void add(const tile::MapTile& tile);
   [[nodiscard]] MapStore::Batch batch_under_way() const;
@@ -73,6 +75,7 @@ class MapKeeper {
   struct Earlier {
     std::string file;
     std::int64_t first_utime = 0;
+    std::int64_t made_room = 0;  // utime
   };
   std::size_t max_pending_;
   bool keep_earlier_;
@@ -80,6 +83,7 @@ class MapKeeper {
   std::optional<Earlier> earlier_;
   std::string superseded_;  // file of this drive, before it was corrected: until all tiles have come again
   std::int32_t epoch_ = 0;
+  std::int64_t newest_utime_ = 0;  // of a pose
   Changes pending_;
   Changes under_way_;                 // not touched while it is written
   std::future<std::string> writing_;  // what went wrong

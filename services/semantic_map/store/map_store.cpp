@@ -117,6 +117,7 @@ MapStore::MapStore(std::string path) : path_(std::move(path)), lock_(std::make_u
     epoch_ = stored_epoch(*db_);
     first_utime_ = integer(*db_, "SELECT min(utime) FROM trajectory");
     last_utime_ = integer(*db_, "SELECT max(utime) FROM trajectory");
+    superseded_ = stored_superseded();
   });
 }
 
@@ -131,6 +132,12 @@ void MapStore::write(const Batch& batch) {
     SQLite::Statement put_epoch(*db_, "UPDATE meta SET value = ? WHERE key = 'epoch'");
     put_epoch.bind(1, batch.epoch);
     run(put_epoch);
+    if (batch.clear || batch.superseded) db_->exec("DELETE FROM meta WHERE key = 'superseded'");
+    if (batch.superseded && !batch.superseded->empty()) {
+      SQLite::Statement put_superseded(*db_, "INSERT INTO meta VALUES('superseded', ?)");
+      put_superseded.bind(1, std::filesystem::path(*batch.superseded).filename().string());
+      run(put_superseded);
+    }
 
     SQLite::Statement put_tile(*db_, "INSERT OR REPLACE INTO tiles VALUES(?, ?, ?, ?, ?)");
     for (const tile::MapTile& tile : batch.tiles) {
@@ -173,10 +180,22 @@ void MapStore::write(const Batch& batch) {
   });
   epoch_ = batch.epoch;
   if (batch.clear) first_utime_ = last_utime_ = 0;
+  if (batch.clear || batch.superseded) superseded_ = batch.superseded.value_or("");
   for (const tile::TrajectoryPose& pose : batch.trajectory) {
     first_utime_ = first_utime_ == 0 ? pose.utime : std::min(first_utime_, pose.utime);
     last_utime_ = std::max(last_utime_, pose.utime);
   }
+}
+
+/// The map may come from anywhere: what it names is removed, so it must be a file that was named here.
+std::string MapStore::stored_superseded() const {
+  SQLite::Statement statement(*db_, "SELECT value FROM meta WHERE key = 'superseded'");
+  if (!statement.executeStep()) return {};
+  const std::filesystem::path file(path_);
+  const std::filesystem::path name(statement.getColumn(0).getString());
+  const bool is_ours = name == name.filename() && name.extension() == file.extension() &&
+                       name.string().starts_with(file.stem().string() + "-");
+  return is_ours ? (file.parent_path() / name).string() : "";
 }
 
 std::string MapStore::free_name() const {

@@ -18,7 +18,7 @@ namespace curbstone::semantic_map::store {
 
 /// The map file: SQLite, application id "CURB", schema version in PRAGMA user_version.
 ///
-///   meta(key, value)                         epoch, tile_size, cell_size
+///   meta(key, value)                         epoch, tile_size, cell_size; superseded, while such a file is beside
 ///   tiles(x, y, utime, z_origin, cells)      cells: zlib of class[625], height[625] (int16, low bytes first, then
 ///                                            high bytes), cost[625],
 ///                                            min(255, 32 hits) - confidence mod 256[625], hits[625]
@@ -83,6 +83,8 @@ class MapStore {
     std::vector<tile::TrajectoryPose> trajectory = {};         ///< appended
     const std::vector<tile::CurbLine>* curbs = nullptr;        ///< replaces all curbs, if given
     const std::vector<tile::MarkingLine>* markings = nullptr;  ///< replaces all markings, if given
+    /// The file beside that this map will replace when it is complete (see superseded()); "": none any more.
+    std::optional<std::string> superseded = {};
   };
   /// Throws MapStoreError (disk full, I/O error): nothing of the batch is in the file then, try again later.
   void write(const Batch& batch);
@@ -95,6 +97,9 @@ class MapStore {
   /// A file that does not exist yet, for a drive that must make room for another: map.db -> map-20261123T165133Z.db,
   /// after its first pose; ...-2.db if that is taken, by a vehicle whose clock begins anew at each start.
   [[nodiscard]] std::string free_name() const;
+  /// The file beside that a writer which died was going to remove, as this map replaces it; empty if none. Never a
+  /// file of another folder or another name than free_name() gives.
+  [[nodiscard]] const std::string& superseded() const { return superseded_; }
   [[nodiscard]] const std::string& path() const { return path_; }
 
   /// The drive is over: rewrites the file in canonical order, so that the same content is the same bytes, and closes
@@ -104,6 +109,7 @@ class MapStore {
  private:
   struct Lock;
   void copy_to(const std::string& path);
+  [[nodiscard]] std::string stored_superseded() const;
 
   std::string path_;
   std::unique_ptr<Lock> lock_;  // outlives db_: SQLite's own locks go when any descriptor of the file is closed
@@ -111,6 +117,7 @@ class MapStore {
   std::int32_t epoch_ = 0;
   std::int64_t first_utime_ = 0;
   std::int64_t last_utime_ = 0;
+  std::string superseded_;
 };
 
 }  // namespace curbstone::semantic_map::store

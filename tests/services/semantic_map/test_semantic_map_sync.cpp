@@ -170,13 +170,13 @@ TEST_F(SemanticMapNodeTest, LosesNoPoseOfAMapperWhoseClockWasSetBack) {
   node.connect(bus);
   node.tick(kStart);
   bus.publish("MAP_POSE", pose_at(kStart, 0, 9));
-  for (int i = 0; i < 60; ++i) bus.publish("MAP_POSE", pose_at(kStart + i * 50'000, i, 2));
+  for (int i = 0; i < 120; ++i) bus.publish("MAP_POSE", pose_at(kStart + i * 50'000, i, 2));
   bus.dispatch();
   node.tick(kStart);
-  EXPECT_EQ(node.report().faults.size(), 2U) << "the clock, and a map begun anew";
+  EXPECT_EQ(node.report().faults.size(), 2U) << "the clock, and a map begun anew six seconds ago";
   node.finish();
   EXPECT_EQ(store::MapReader(config("map.db").map).epoch(), 2);
-  EXPECT_EQ(store::MapReader(config("map.db").map).trajectory().size(), 60U);
+  EXPECT_EQ(store::MapReader(config("map.db").map).trajectory().size(), 120U);
 }
 
 TEST_F(SemanticMapNodeTest, ARestartGoesOnWithTheDrive) {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -130,6 +131,7 @@ TEST_F(MapKeeperTest, AMapBegunAnewInMidDriveLosesNothingAndIsAFault) {
   MapKeeper keeper(path_, 1000);
   drive(keeper, 7, kSecond, 200);  // not written yet when the mapper dies
   drive(keeper, 8, 2 * kSecond, 3);
+  keeper.put(a_pose(8 * kSecond));
   EXPECT_NE(keeper.fault().find("map-19700101T000001Z.db"), std::string::npos) << keeper.fault();
   keeper.finish({});
   EXPECT_EQ(MapReader(path_).tiles().size(), 3U);
@@ -151,6 +153,70 @@ TEST_F(MapKeeperTest, ADriveThatIsCorrectedAsAWholeIsOneMap) {
   keeper.finish({});
   EXPECT_EQ(MapReader(path_).tiles().size(), 190U);
   EXPECT_TRUE(kept().empty());
+}
+
+TEST_F(MapKeeperTest, WaitsForTheCorrectionOfTheDriveBeforeItCallsItsNewEpochAFault) {
+  MapKeeper keeper(path_, 1000);
+  drive(keeper, 7, 100 * kSecond, 20);
+  keeper.put(a_pose(110 * kSecond));
+  drive(keeper, 8, 111 * kSecond, 20);
+  for (int second = 0; second <= 5; ++second) {
+    keeper.put(a_pose((111 + second) * kSecond));
+    EXPECT_EQ(keeper.fault(), "") << second << " s: MAP_TRAJECTORY is on its way";
+  }
+  keeper.put(a_pose(117 * kSecond));
+  EXPECT_NE(keeper.fault().find("mid-drive"), std::string::npos) << "none came: " << keeper.fault();
+  keeper.corrected_from(100 * kSecond);
+  EXPECT_EQ(keeper.fault(), "") << "late, but the same drive";
+}
+
+TEST_F(MapKeeperTest, AFileThatACorrectionSupersededGoesAlsoIfTheServiceWasKilledMeanwhile) {
+  {
+    MapKeeper keeper(path_, 1000);
+    drive(keeper, 7, kSecond, 200);
+    drive(keeper, 8, 10 * kSecond, 190);
+    keeper.corrected_from(kSecond);
+    write_all(keeper);
+  }  // without finish(): killed
+  ASSERT_EQ(kept().size(), 1U);
+  const fs::path file = kept().front();
+  {
+    MapKeeper successor(path_, 1000);
+    drive(successor, 8, 11 * kSecond, 195);
+    write_all(successor);
+    EXPECT_TRUE(fs::exists(file)) << "until all tiles have come again";
+    successor.finish({});
+  }
+  EXPECT_TRUE(kept().empty());
+  EXPECT_EQ(MapReader(path_).tiles().size(), 195U);
+  EXPECT_EQ(MapStore(path_).superseded(), "");
+}
+
+TEST_F(MapKeeperTest, AFileThatWasSupersededStaysIfAnotherDriveBeginsBeforeAllCameAgain) {
+  {
+    MapKeeper keeper(path_, 1000);
+    drive(keeper, 7, kSecond, 200);
+    drive(keeper, 8, 10 * kSecond, 19);
+    keeper.corrected_from(kSecond);
+    write_all(keeper);
+  }
+  MapKeeper tomorrow(path_, 1000);
+  drive(tomorrow, 9, 90'000 * kSecond, 3);
+  tomorrow.finish({});
+  EXPECT_EQ(kept().size(), 2U) << "the whole drive as it was, and what had come of its correction";
+}
+
+TEST_F(MapKeeperTest, RemovesNoFileThatAMapFromElsewhereNames) {
+  const fs::path other = folder_ / "holiday.db";
+  std::ofstream(other) << "photos";
+  {
+    MapStore store(path_);
+    store.write({.epoch = 7, .trajectory = {a_pose(kSecond)}, .superseded = other.string()});
+  }
+  MapKeeper keeper(path_, 1000);
+  drive(keeper, 7, 2 * kSecond, 3);
+  keeper.finish({});
+  EXPECT_TRUE(fs::exists(other));
 }
 
 TEST_F(MapKeeperTest, ReplacesTheEarlierDriveWhereThatIsWanted) {
