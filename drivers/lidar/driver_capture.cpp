@@ -50,6 +50,7 @@ bool DriverCapture::is_own(const Packet& packet) const {
 
 std::optional<DriverCapture::Packet> DriverCapture::next_in_file() {
   while (auto packet = source_->next()) {
+    newest_ = packet->received;
     if (!is_for_us(*packet)) continue;
     if (device_ && packet->sender != *device_) {
       ++foreign_;

@@ -32,7 +32,7 @@ class DriverCapture {
   [[nodiscard]] std::int64_t foreign() const {
     return foreign_ + sender_.foreign();
   }  ///< packets to the ports from other senders
-  [[nodiscard]] std::string sender_fault() const { return sender_.fault(); }
+  [[nodiscard]] std::string sender_fault() const { return sender_.fault(newest_); }
   [[nodiscard]] std::int64_t fragments() const { return before_.fragments + source_->skipped().fragments; }
   [[nodiscard]] std::int64_t cut() const { return before_.cut + source_->skipped().cut; }
   [[nodiscard]] std::int64_t repeats() const { return repeats_; }
@@ -51,6 +51,7 @@ class DriverCapture {
   std::optional<sources::Ipv4> device_;
   std::unique_ptr<models::Model> model_;  ///< none: auto
   sources::OneSender sender_;
+  std::int64_t newest_ = 0;  ///< us, in the file: the packet read last
   std::unique_ptr<sources::PcapSource> source_;
   std::optional<Packet> packet_;
   std::vector<std::uint8_t> shifted_;

@@ -23,6 +23,7 @@ class NetworkFeed final : public PacketFeed {
         loop_(loop) {
     try_to_open();
     if (!open_) loop_.every(std::chrono::milliseconds(50), [this] { try_again(); });
+    loop_.every(std::chrono::milliseconds(100), [this] { node_.set_sender_fault(sender_.fault(wall_clock())); });
   }
 
  private:
@@ -62,7 +63,6 @@ class NetworkFeed final : public PacketFeed {
     }
     node_.set_dropped(dropped);
     if (foreign > 0) node_.set_counter("refused.source", foreign);
-    if (sender_.foreign() > 0) node_.set_sender_fault(sender_.fault());
   }
 
   sources::UdpOptions options_;

@@ -22,7 +22,7 @@ TEST_F(OneSenderTest, OfTwoDevicesTheFirstIsReadAndBothAreNamed) {
     EXPECT_FALSE(admits(kSecond));
   }
   EXPECT_EQ(sender_.foreign(), 100);
-  EXPECT_EQ(sender_.fault(),
+  EXPECT_EQ(sender_.fault(now_),
             "two devices send: 192.168.1.200 is read, 192.168.1.201 is not; give each a port of its own, or set "
             "device_address");
 }
@@ -39,9 +39,22 @@ TEST_F(OneSenderTest, ADeviceThatWasReplacedIsFollowedAfterASecond) {
 TEST_F(OneSenderTest, TheFaultIsOverOnceTheOtherIsSilent) {
   EXPECT_TRUE(admits(kFirst));
   EXPECT_FALSE(admits(kSecond));
-  EXPECT_NE(sender_.fault(), "");
+  EXPECT_NE(sender_.fault(now_), "");
   for (int i = 0; i < 1000; ++i, now_ += 1'333) EXPECT_TRUE(admits(kFirst));
-  EXPECT_EQ(sender_.fault(), "");
+  EXPECT_EQ(sender_.fault(now_), "");
+}
+
+TEST_F(OneSenderTest, TheFaultIsOverOnceBothAreSilent) {
+  EXPECT_TRUE(admits(kFirst));
+  EXPECT_FALSE(admits(kSecond));
+  EXPECT_NE(sender_.fault(now_ + OneSender::kSilence), "");
+  EXPECT_EQ(sender_.fault(now_ + OneSender::kSilence + 1), "");
+}
+
+TEST_F(OneSenderTest, TheFaultIsOverOnceTheClockWasSetBack) {
+  EXPECT_TRUE(admits(kFirst));
+  EXPECT_FALSE(admits(kSecond));
+  EXPECT_EQ(sender_.fault(now_ - 3'600'000'000), "");
 }
 
 TEST_F(OneSenderTest, PacketsOfOtherModelsAreNotItsBusiness) {
