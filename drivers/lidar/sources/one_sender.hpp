@@ -33,7 +33,7 @@ class OneSender {
   [[nodiscard]] std::int64_t foreign() const { return foreign_; }
   /// In words, while another one sends too. `now` on the clock of `received`.
   [[nodiscard]] std::string fault(std::int64_t now) const {
-    if (!other_ || !sender_ || now - other_heard_ > kSilence || other_heard_ - now > kSilence) return "";
+    if (!other_ || other_ == sender_ || now - other_heard_ > kSilence || other_heard_ - now > kSilence) return "";
     return "two devices send: " + to_text(*sender_) + " is read, " + to_text(*other_) +
            " is not; give each a port of its own, or set device_address";
   }

@@ -63,6 +63,19 @@ TEST(DriverCapture, RefusesOtherSendersThanTheDeviceBySource) {
   EXPECT_EQ(node.report().counters["refused.source"], 3);
 }
 
+TEST(DriverCapture, OfTwoSendersTheFirstIsReadAndBothAreNamed) {
+  const auto packets = drive_packets(kBegin, 4);
+  std::vector<Bytes> frames = frames_of(packets);
+  const std::vector<Bytes> others = frames_of(packets, 201);
+  frames.insert(frames.begin() + 2, others.begin(), others.begin() + 3);
+  const Capture capture(frames, kEthernet, Capture::Format::kMicroseconds, 1332);
+  LocalBus bus;
+  LidarNode node(config_for(capture), bus);
+  EXPECT_EQ(feed_whole_capture(config_for(capture), node), 4);
+  EXPECT_EQ(node.report().counters["refused.source"], 3);
+  EXPECT_THAT(node.report().faults, ::testing::Contains(HasSubstr("two devices send: 192.168.1.200 is read")));
+}
+
 TEST(DriverCapture, CountsFragmentsByTheirCause) {
   std::vector<Bytes> frames = frames_of(drive_packets(kBegin, 2));
   Bytes fragment = frames[0];

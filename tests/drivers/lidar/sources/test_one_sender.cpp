@@ -33,6 +33,7 @@ TEST_F(OneSenderTest, ADeviceThatWasReplacedIsFollowedAfterASecond) {
   EXPECT_FALSE(admits(kSecond));
   now_ += OneSender::kSilence / 2 + 1;
   EXPECT_TRUE(admits(kSecond));
+  EXPECT_EQ(sender_.fault(now_), "") << "it is the only one";
   EXPECT_FALSE(admits(kFirst));
 }
 
