@@ -58,6 +58,14 @@ class MapKeeperTest : public ::testing::Test {
     for (int x = 0; x < tiles; ++x) keeper.put(a_tile(x));
     keeper.put(a_pose(utime));
   }
+  /// A service that is killed when `tiles` of a corrected drive have come again.
+  void die_in_a_correction(int tiles) const {
+    MapKeeper keeper(path_, 1000);
+    drive(keeper, 7, kSecond, 200);
+    drive(keeper, 8, 10 * kSecond, tiles);
+    keeper.corrected_from(kSecond);
+    write_all(keeper);
+  }
 
   testing::TemporaryFolder folder_;
   fs::path path_ = folder_ / "map.db";
@@ -171,13 +179,7 @@ TEST_F(MapKeeperTest, WaitsForTheCorrectionOfTheDriveBeforeItCallsItsNewEpochAFa
 }
 
 TEST_F(MapKeeperTest, AFileThatACorrectionSupersededGoesAlsoIfTheServiceWasKilledMeanwhile) {
-  {
-    MapKeeper keeper(path_, 1000);
-    drive(keeper, 7, kSecond, 200);
-    drive(keeper, 8, 10 * kSecond, 190);
-    keeper.corrected_from(kSecond);
-    write_all(keeper);
-  }  // without finish(): killed
+  die_in_a_correction(190);
   ASSERT_EQ(kept().size(), 1U);
   const fs::path file = kept().front();
   {
@@ -193,13 +195,7 @@ TEST_F(MapKeeperTest, AFileThatACorrectionSupersededGoesAlsoIfTheServiceWasKille
 }
 
 TEST_F(MapKeeperTest, AFileThatWasSupersededStaysIfAnotherDriveBeginsBeforeAllCameAgain) {
-  {
-    MapKeeper keeper(path_, 1000);
-    drive(keeper, 7, kSecond, 200);
-    drive(keeper, 8, 10 * kSecond, 19);
-    keeper.corrected_from(kSecond);
-    write_all(keeper);
-  }
+  die_in_a_correction(19);
   MapKeeper tomorrow(path_, 1000);
   drive(tomorrow, 9, 90'000 * kSecond, 3);
   tomorrow.finish({});
