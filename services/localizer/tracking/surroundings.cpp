@@ -43,15 +43,15 @@ Scores scores(const PoseFit& own, const PoseFit& other, const TrackingConfig& co
   return {score(own), score(other)};
 }
 
-/// Whether the place tells that the vehicle is there. Along an axis that it leaves to odometry it does not: how much it
-/// explains differs there by chance.
-bool tells_where(const PoseFit& own, const PoseFit& other) {
+/// Whether the place lies from the pose along an axis in which its fit is degenerate, so that odometry alone put it
+/// there: how much it explains differs along such an axis by chance.
+bool lies_along_degenerate_axis(const PoseFit& own, const PoseFit& other) {
   const Pose& there = other.belief.T_map_base;
   const Eigen::Vector3d off = there.linear().transpose() * (there.translation() - own.belief.T_map_base.translation());
   for (int axis = 0; axis < 2; ++axis) {
-    if ((other.degenerate & (1 << axis)) != 0 && std::abs(off[axis]) > kSpacing / 2) return false;
+    if ((other.degenerate & (1 << axis)) != 0 && std::abs(off[axis]) > kSpacing / 2) return true;
   }
-  return true;
+  return false;
 }
 
 }  // namespace
@@ -64,7 +64,7 @@ std::optional<PoseFit> Surroundings::better_than(const PoseFit& own, const std::
     const PoseFit other = fit_pose(points, prior_at(own.belief.T_map_base, next_), map, config);
     if (other.matched_share() == 0) continue;  // too little is seen there to tell
     const Scores against_own = scores(own, other, config);
-    if (against_own.other <= against_own.own + kClearly || !tells_where(own, other)) continue;
+    if (against_own.other <= against_own.own + kClearly || lies_along_degenerate_axis(own, other)) continue;
     if (best) {
       const Scores against_best = scores(*best, other, config);
       if (against_best.other <= against_best.own) continue;
