@@ -188,7 +188,7 @@ void ViewerNode::take_lines(const Message& message, store::BoxedLines<Message>& 
 }
 
 void ViewerNode::on(const service_status_t& message) {
-  if (message.service.rfind("viewer", 0) != 0) heard();  // its own comes back: no sign that anything else lives
+  if (!message.service.starts_with("viewer")) heard();  // its own comes back: no sign that anything else lives
   if (!services_.put(message, now_)) counters_.add("dropped.service");
 }
 

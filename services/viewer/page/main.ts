@@ -3,7 +3,7 @@ import { showServices, Verdict } from "./cards/health";
 import { Inspector } from "./cards/inspector";
 import { Panel, showSummary } from "./cards/panel";
 import { Ruler } from "./cards/ruler";
-import { saveCanvases, showScale } from "./cards/sheet";
+import { showScale } from "./cards/scale_bar";
 import { clock, Timeline } from "./cards/timeline";
 import { Connection } from "./connection";
 import { Camera } from "./drawing/camera";
@@ -13,6 +13,7 @@ import { Motion } from "./drawing/motion";
 import { Pace } from "./drawing/pace";
 import { kInk } from "./drawing/ink";
 import { css, Rgb } from "./drawing/palette";
+import { saveCanvases } from "./drawing/save_picture";
 import { TiltedMarks } from "./drawing/tilted_marks";
 import { Tilting } from "./drawing/tilting";
 import { byId, say, seconds } from "./format";
@@ -203,9 +204,9 @@ function resize(): void {
   const isSheet = matchMedia(kSheet).matches;
   camera.offsetX = isSheet || !settings.panel ? 0 : -170;
   camera.offsetY = isSheet ? -10 : 0;
-  for (const canvas of [groundCanvas, marksCanvas]) {
-    canvas.width = Math.round(camera.width * dots);
-    canvas.height = Math.round(camera.height * dots);
+  const [width, height] = [camera.width, camera.height].map(pixels => Math.round(pixels * dots));
+  for (const canvas of [groundCanvas, marksCanvas]) {  // a canvas that is given a size, the same too, is empty until it is drawn
+    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
   }
   redraw();
 }

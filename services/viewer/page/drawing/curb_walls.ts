@@ -1,9 +1,7 @@
-// Solid things of the tilted view: a curb is a wall from the foot to the step's top with a narrow kerbstone on it, paint
-// on the road a flat strip.
-import { CurbLine, MarkingLine } from "../world";
+// Curbs for the tilted view: a wall from the foot to the step's top, and a narrow kerbstone on it.
+import { CurbLine } from "../world";
 
 const kStone = 0.1;  // m, wide
-const kPaintWidth = 0.12;  // m, where it is not known
 const kSide = 0.78, kTop = 1.06;  // light
 
 /// Triangles, of x, y, z and light; negative light: a lowered curb, or one that nobody saw.
@@ -21,20 +19,6 @@ export function wallsOf(curbs: Iterable<CurbLine>): Float32Array {
       quad(foot(i), foot(i + 1), top(i), top(i + 1), kSide);
       quad(top(i), top(i + 1), back(i), back(i + 1), kTop);
     }
-  }
-  return new Float32Array(points);
-}
-
-/// The same of the painted pieces.
-export function stripsOf(markings: Iterable<MarkingLine>): Float32Array {
-  const points: number[] = [];
-  for (const { n, values: v, painted, width } of markings) for (let i = 0; i + 1 < n; ++i) {
-    const [x, y, z, nextX, nextY, nextZ] = [v[i], v[n + i], v[2 * n + i], v[i + 1], v[n + i + 1], v[2 * n + i + 1]];
-    const length = Math.hypot(nextX - x, nextY - y);
-    if (!painted[i] || !(length > 0)) continue;
-    const half = (width || kPaintWidth) / 2 / length, [a, b] = [(y - nextY) * half, (nextX - x) * half];
-    const corners = [[x + a, y + b, z], [nextX + a, nextY + b, nextZ], [x - a, y - b, z], [nextX - a, nextY - b, nextZ]];
-    for (const corner of [0, 1, 2, 1, 3, 2]) points.push(...corners[corner], 1);
   }
   return new Float32Array(points);
 }

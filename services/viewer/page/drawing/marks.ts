@@ -2,11 +2,11 @@
 import { Layers } from "../settings";
 import { Camera } from "./camera";
 import { ellipseOf, Ink, kInk } from "./ink";
+import { kPaintWidth } from "./paint_strips";
 import { Theme } from "./palette";
 import { context2d } from "./software";
 import { CurbLine, kCellSize, MarkingLine, Place, Pose, World } from "../world";
 
-const kPaintWidth = 0.12;  // m, where it is not known
 
 interface Shape { line: CurbLine; path: Path2D; ticks: Path2D }
 

@@ -2,8 +2,9 @@
 // coarser; beyond the reach there is nothing.
 import { Blocks, Boxes, kFaceFloats } from "./blocks";
 import { Camera } from "./camera";
-import { stripsOf, wallsOf } from "./curb_walls";
+import { wallsOf } from "./curb_walls";
 import { kPageSize, kTilesAside, Page, Pages } from "./pages";
+import { stripsOf } from "./paint_strips";
 import { Program } from "./program";
 import { kBlockFragment, kBlockVertex, kNetFragment, kNetVertex, kSolidFragment, kSolidVertex } from "./relief_shaders";
 import { netIndices, netPoints, Seen, Square, squaresInView } from "./terrain";

@@ -1,5 +1,5 @@
-// Whether there is a graphics card. Without one smooth edges cost more than they are worth, and a Canvas 2D is drawn three
-// times as soon by the processor as by the card's emulation.
+// Whether there is a graphics card. Without one smooth edges cost more than they are worth, and a Canvas 2D is drawn
+// sooner by the processor than by the emulation of a card.
 let known: boolean | null = null;
 
 export function drawsInSoftware(): boolean {

@@ -1,14 +1,4 @@
-// The map as a sheet: its scale, and itself as a picture.
-import { byId } from "../format";
-
-/// `scale`: pixels a m.
-export function showScale(scale: number): void {
-  const steps = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
-  const step = steps.find(s => s * scale > 70) ?? 1000;
-  const rule = byId("rule");
-  rule.textContent = step < 1 ? `${step * 100} cm` : `${step} m`;
-  rule.style.width = `${step * scale}px`;
-}
+// The map as a picture file.
 
 /// The map as it is seen, without the cards, as a file.
 export function saveCanvases(canvases: HTMLCanvasElement[], paper: string): void {

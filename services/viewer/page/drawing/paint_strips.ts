@@ -1,0 +1,18 @@
+// Paint on the road for the tilted view: a flat strip a painted piece.
+import { MarkingLine } from "../world";
+
+export const kPaintWidth = 0.12;  // m, where it is not known
+
+/// Triangles, of x, y, z and light, as of curb_walls.
+export function stripsOf(markings: Iterable<MarkingLine>): Float32Array {
+  const points: number[] = [];
+  for (const { n, values: v, painted, width } of markings) for (let i = 0; i + 1 < n; ++i) {
+    const [x, y, z, nextX, nextY, nextZ] = [v[i], v[n + i], v[2 * n + i], v[i + 1], v[n + i + 1], v[2 * n + i + 1]];
+    const length = Math.hypot(nextX - x, nextY - y);
+    if (!painted[i] || !(length > 0)) continue;
+    const half = (width || kPaintWidth) / 2 / length, [a, b] = [(y - nextY) * half, (nextX - x) * half];
+    const corners = [[x + a, y + b, z], [nextX + a, nextY + b, nextZ], [x - a, y - b, z], [nextX - a, nextY - b, nextZ]];
+    for (const corner of [0, 1, 2, 1, 3, 2]) points.push(...corners[corner], 1);
+  }
+  return new Float32Array(points);
+}
