@@ -191,6 +191,9 @@ void Browser::save_to(const std::string& folder) {
 }
 
 std::string Browser::png() {
+  // What a page has just drawn is on the screen two of its pictures later: without a graphics card the drawing goes on
+  // in another process.
+  evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))");
   namespace base64 = boost::beast::detail::base64;
   const std::string text = call("Page.captureScreenshot", {{"format", "png"}})["data"];
   std::string bytes(base64::decoded_size(text.size()), '\0');

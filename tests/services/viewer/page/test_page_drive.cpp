@@ -76,14 +76,14 @@ class PageOfADrive : public PageOnABus {
     const auto shown = browser->evaluate(
         "Object.fromEntries([...curbstone.world.tiles].map(([key, t]) => "
         "[key, [[...t.classes], [...t.heights], [...t.costs]].map(values => values.join(' '))]))");
+    const auto words_of = [](const auto& values) {
+      std::string words;
+      for (const auto value : values) words += (words.empty() ? "" : " ") + std::to_string(static_cast<int>(value));
+      return words;
+    };
     int other = 0;
     for (const auto& tile : file.tiles()) {
       const std::string key = fmt::format("{},{}", tile.key.x, tile.key.y);
-      const auto words_of = [](const auto& values) {
-        std::string words;
-        for (const auto value : values) words += (words.empty() ? "" : " ") + std::to_string(static_cast<int>(value));
-        return words;
-      };
       const bool same = shown.contains(key) && shown[key][0] == words_of(tile.cell_class) &&
                         shown[key][1] == words_of(tile.height) && shown[key][2] == words_of(tile.cost);
       other += same ? 0 : 1;
