@@ -107,6 +107,8 @@ TEST_F(PageHands, ACardIsClosedByTheMouseWhileNewsCome) {
   put_a_road();
   speed = 1;  // the card's ages and distances are other with each frame
   open(kView);
+  // After two seconds the bar of the past comes, and lifts the card.
+  ASSERT_TRUE(browser->comes_to("document.getElementById('timeline').checkVisibility()"));
   const Spot spot = spot_of(-2, -2);
   browser->click(spot.x, spot.y);
   ASSERT_TRUE(shows("#cell", "Road"));
