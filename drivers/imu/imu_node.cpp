@@ -69,6 +69,12 @@ void ImuNode::on_sample(const device::ImuSample& sample) {
   sequence_ += 1 + sample.missing;
   last_sample_ = sample.received;
 
+  if (sample.self_test_passed) self_test_failed_ = !*sample.self_test_passed;
+  clips_.add(at.utime, sample.clipping);
+  if (sample.clipping) counters_.add("clipped");
+  verdict_ = plausibility_.judge(at.utime, sample.acceleration, sample.angular_rate);
+  if (verdict_ != Plausibility::Verdict::kGood) return counters_.add(Plausibility::name(verdict_).counter);
+
   imu_t message{};
   message.utime = at.utime;
   message.sequence = sequence_;
@@ -77,12 +83,8 @@ void ImuNode::on_sample(const device::ImuSample& sample) {
   message.has_orientation = sample.orientation.has_value();
   if (sample.orientation) std::ranges::copy(*sample.orientation, message.orientation);
   message.temperature = static_cast<float>(sample.temperature.value_or(std::numeric_limits<double>::quiet_NaN()));
-  if (sample.self_test_passed) self_test_failed_ = !*sample.self_test_passed;
   if (self_test_failed_) message.status |= imu_t::SELF_TEST_FAILED;
-  if (sample.clipping) {
-    message.status |= imu_t::CLIPPING;
-    counters_.add("clipped");
-  }
+  if (sample.clipping) message.status |= imu_t::CLIPPING;
   start_.pass(std::move(message), sample.received, at.earlier, [&](imu_t& m) { publish(m, sample.received); });
 }
 
@@ -148,6 +150,14 @@ void ImuNode::watch_line(std::int64_t now) {
   watched_garbage_ = garbage;
 }
 
+/// What is wrong with the samples that come.
+void ImuNode::report_samples(std::vector<std::string>& faults) const {
+  if (verdict_ != Plausibility::Verdict::kGood) faults.emplace_back(Plausibility::name(verdict_).fault);
+  if (clips_.lasting())
+    faults.emplace_back(
+        "the IMU clips: it has been at the end of its range for more than 1 s; such samples are not used");
+}
+
 NodeReport ImuNode::report() const {
   NodeReport report;
   report.counters = counters_;
@@ -161,6 +171,7 @@ NodeReport ImuNode::report() const {
   const double silent = static_cast<double>(now_ - last_sample_) * 1e-6;
   if (link_fault_.empty() && silent > config_.silence)
     report.faults.push_back(fmt::format("no sample from the IMU for {:.0f} s", silent));
+  if (link_fault_.empty() && silent <= config_.silence) report_samples(report.faults);
   if (const auto difference = arrival_.difference()) report.counters.set("clock.difference_us", *difference);
   if (auto fault = arrival_.fault()) report.faults.push_back(std::move(*fault));
   if (garbled_) report.faults.push_back("garbage from the IMU: wrong baud, or another device");

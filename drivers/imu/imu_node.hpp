@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/bus/node.hpp"
 #include "common/bus/refusal_share.hpp"
@@ -14,8 +15,10 @@
 #include "common/time/arrival_gap.hpp"
 #include "common/time/clock_offset.hpp"
 #include "common/time/settling_start.hpp"
+#include "drivers/imu/clip_watch.hpp"
 #include "drivers/imu/device/imu_device.hpp"
 #include "drivers/imu/imu_config.hpp"
+#include "drivers/imu/plausibility.hpp"
 
 namespace curbstone::imu {
 
@@ -24,7 +27,7 @@ namespace curbstone::imu {
 ///
 /// A sample's stamp is the device's own time, converted to the host's clock by ClockOffset. Of a device that sends no
 /// time it is the time of receipt. Stamps strictly increase, unless the host's clock is set back. Samples of the first
-/// 0.1 s go out at its end: see SettlingStart.
+/// 0.1 s go out at its end: see SettlingStart. Samples that cannot be are withheld: see Plausibility.
 class ImuNode final : public Node {
  public:
   using Send = device::ImuDevice::Send;
@@ -54,6 +57,7 @@ class ImuNode final : public Node {
   void publish(imu_t& message, std::int64_t now);
   void watch_line(std::int64_t now);
   void note_refusals(std::int64_t now);
+  void report_samples(std::vector<std::string>& faults) const;
 
   ImuConfig config_;
   Publisher& bus_;
@@ -75,6 +79,9 @@ class ImuNode final : public Node {
   RefusalShare refusals_;
   Counters noted_;  // the device's, when refusals_ heard of them last
   bool self_test_failed_ = false;
+  ClipWatch clips_;
+  Plausibility plausibility_;
+  Plausibility::Verdict verdict_ = Plausibility::Verdict::kGood;
   std::string link_fault_;
   std::function<void(NodeReport&)> link_report_;
   LatencyWindow latency_;

@@ -53,7 +53,8 @@ void EkfNode::on(const imu_t& message) {
   imu_.refused_in_a_row = 0;
   imu_.heard = message.utime;
   imu_status_ = message.status;
-  if (message.status & imu_t::CLIPPING) counters_.add("imu.clipping");
+  // What an axis at the end of its range measured is unknown: it is as if lost, and the wheels bridge what lasts.
+  if (message.status & imu_t::CLIPPING) return counters_.add("refused.clipping.imu");
   sequencer_.push(sample_of(message));
   run(false);
 }
@@ -142,7 +143,10 @@ NodeReport EkfNode::report() const {
     faults.emplace_back("no odometry yet: waiting to stand still or to see the wheels turn");
   } else if (last_) {
     if (!last_->level) faults.emplace_back("not level yet after a start on the move: the mapper goes by LiDAR alone");
-    if (last_->no_imu) faults.emplace_back("no IMU: odometry coasts on the wheels");
+    const bool clips = (imu_status_ & imu_t::CLIPPING) && last_->utime - imu_.heard <= kSilence;
+    if (last_->no_imu)
+      faults.emplace_back(clips ? "IMU: it clips, odometry coasts on the wheels"
+                                : "no IMU: odometry coasts on the wheels");
     if (last_->no_wheels) faults.emplace_back("no wheels: odometry coasts on the IMU, and drifts");
   }
   return report;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "common/bytes/big_endian.hpp"
@@ -52,6 +53,11 @@ struct Item {
   std::span<const std::uint8_t> data;
 };
 
+/// Smaller than any float32 but zero that is not denormal: no sensor measures that, so it is something else.
+bool is_denormal(double v) {
+  return v != 0 && std::abs(v) < static_cast<double>(std::numeric_limits<float>::min());
+}
+
 /// N finite numbers in the item's precision, each of at most `limit`; empty, and counted, if it is anything else.
 template <std::size_t N>
 std::optional<std::array<double, N>> numbers(const Item& item, double limit, Counters& counters) {
@@ -66,7 +72,7 @@ std::optional<std::array<double, N>> numbers(const Item& item, double limit, Cou
     counters.add("refused.not_finite");
     return {};
   }
-  if (!std::all_of(values.begin(), values.end(), [&](double v) { return std::abs(v) <= limit; })) {
+  if (!std::all_of(values.begin(), values.end(), [&](double v) { return std::abs(v) <= limit && !is_denormal(v); })) {
     counters.add("refused.range");
     return {};
   }

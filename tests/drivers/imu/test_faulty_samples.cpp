@@ -28,8 +28,9 @@ class FaultySamples : public ::testing::Test {
   /// One sample, as `spoil` leaves its values and `garble` its bytes.
   void sample(const std::function<void(simulate::devices::XsensSample&)>& spoil = {}, bool garble = false) {
     simulate::devices::XsensSample sample;
-    sample.acceleration = {0.1, -0.2, 9.8};
-    sample.angular_rate = {0.01, 0.02, 0.03};
+    const double noise = now_ / 10'000 % 2 == 0 ? 1e-7 : 0;  // no sensor is still
+    sample.acceleration = {0.1 + noise, -0.2 + noise, 9.8 - 9 * noise};
+    sample.angular_rate = {0.01 + noise, 0.02 + noise, 0.03 + noise};
     sample.orientation = {1, 0, 0, 0};
     if (spoil) spoil(sample);
     EXPECT_TRUE(device_.measuring(now_));

@@ -15,6 +15,7 @@ namespace {
 
 using testing::Bytes;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -39,8 +40,9 @@ class ImuNodeTest : public ::testing::Test {
       if ((now_ - kStart) % 20'000 == 0) node_->tick(now_);
       if (device_.measuring(now_)) {
         simulate::devices::XsensSample sample;
-        sample.acceleration = {0.1, -0.2, 9.8};
-        sample.angular_rate = {0.01, 0.02, 0.03};
+        const double noise = 1e-9 * static_cast<double>(now_ / 10'000 % 2);  // no sensor is still
+        sample.acceleration = {0.1 + 100 * noise, -0.2 + 100 * noise, 9.8 - 1000 * noise};
+        sample.angular_rate = {0.01 + noise, 0.02 + noise, 0.03 + noise};
         sample.orientation = {1, 0, 0, 0};
         sample.clipping = clipping_;
         deliver(now_ + delay_(), device_.sample(now_, sample));
@@ -208,7 +210,7 @@ TEST_F(ImuNodeTest, MoreThanAFewRefusedMessagesAreAFaultThatNamesTheirCause) {
   run_for(2'000'000);
   const auto damage_each = [&](int n) {
     for (int k = 0; k < 200; ++k, now_ += 10'000) {
-      testing::Bytes bytes = device_.sample(now_, {.acceleration = {0, 0, 9.8}});
+      testing::Bytes bytes = device_.sample(now_, {.acceleration = {k % 2 * 1e-3, k % 2 * 1e-3, 9.8 + k % 2 * 1e-3}});
       if (k % n == 0) bytes[bytes.size() - 2] ^= 0x10;
       deliver(now_, bytes);
       if (k % 2 == 0) node_->tick(now_);
@@ -231,6 +233,31 @@ TEST_F(ImuNodeTest, LossesOnTheWireAreCountedAndSeenInTheSequence) {
   connected_ = true;
   run_for(500'000);
   EXPECT_EQ(count("lost.packets"), 5);
+}
+
+TEST_F(ImuNodeTest, ALastingClipIsAFaultAndAShockIsNone) {
+  make_node();
+  deliver(now_, device_.power_on(now_));
+  run_for(2'000'000);
+  for (int k = 0; k < 10; ++k) {  // kerbs, 0.3 s each
+    clipping_ = 1u << 10;
+    run_for(300'000);
+    EXPECT_THAT(node_->report().faults, IsEmpty());
+    clipping_ = 0;
+    run_for(700'000);
+  }
+  for (int k = 0; k < 15; ++k) {  // a vibration: one sample in ten
+    clipping_ = 1u << 8;
+    run_for(10'000);
+    clipping_ = 0;
+    run_for(90'000);
+  }
+  EXPECT_THAT(node_->report().faults, ElementsAre(HasSubstr("the IMU clips")));
+  run_for(300'000);
+  EXPECT_THAT(node_->report().faults, IsEmpty());
+  clipping_ = 1u << 13;
+  run_for(1'200'000);
+  EXPECT_THAT(node_->report().faults, ElementsAre(HasSubstr("the IMU clips")));
 }
 
 TEST_F(ImuNodeTest, ClippingIsMarked) {

@@ -36,13 +36,15 @@ class ImuOnAPty : public testing::DriverOnAPty<imu_t> {
   void turn_device() {
     const std::int64_t now = steady_clock();
     pty_.write(device_.on_bytes(now, pty_.read()));
-    const auto bytes = device_.sample(now, {.acceleration = {0, 0, 9.81}});
+    tremor_ = 1e-3 - tremor_;  // no sensor is still
+    const auto bytes = device_.sample(now, {.acceleration = {tremor_, tremor_, 9.81 + tremor_}});
     if (!mute_) pty_.write(bytes);
     make_noise(100);
   }
   [[nodiscard]] NodeReport report() const override { return node_.report(); }
 
   simulate::devices::XsensEmulator device_;
+  double tremor_ = 0;  // m/s^2
   ImuNode node_;
   serial::SerialLink link_;
 };

@@ -51,7 +51,8 @@ Error simulate(int rate, std::int64_t timer, std::int64_t phase) {
     for (; timer > 0 && tick < next; tick += timer) {
       if (!held.empty()) node.on_bytes(tick, std::exchange(held, {}));
     }
-    testing::append(held, device.sample(next, {}));
+    const double noise = 1e-3 * static_cast<double>(k % 2);  // no sensor is still
+    testing::append(held, device.sample(next, {.acceleration = {noise, noise, 9.8 + noise}}));
     truth.push_back(next);
     if (timer == 0) node.on_bytes(next, std::exchange(held, {}));
   }
@@ -85,7 +86,8 @@ class LatencyTimerOnAPty : public testing::DriverOnAPty<imu_t> {
                          [this](auto now, bool up, const auto& why) { node_.on_link(now, up, why); }});
     loop_.every(std::chrono::milliseconds(10), [this] {
       const std::int64_t now = wall_clock();
-      const auto bytes = device_.sample(now, {});
+      tremor_ = 1e-3 - tremor_;  // no sensor is still
+      const auto bytes = device_.sample(now, {.acceleration = {tremor_, tremor_, 9.8 + tremor_}});
       if (bytes.empty()) return;
       truth_.push_back(now);
       testing::append(held_, bytes);
@@ -102,6 +104,7 @@ class LatencyTimerOnAPty : public testing::DriverOnAPty<imu_t> {
 
   XsensEmulator device_{{.configured = true}};
   std::vector<std::int64_t> truth_;
+  double tremor_ = 0;  // m/s^2
   testing::Bytes held_;
   ImuNode node_;
   serial::SerialLink link_;

@@ -38,7 +38,7 @@ Soak soak_imu(double hours) {
   device.power_on(kStart - 1'000'000);
   std::int64_t index = 0;
   bus.subscribe<imu_t>("IMU", [&](const imu_t& message) {
-    const auto low = std::llround(message.acceleration[0] * 1024);
+    const auto low = std::llround(message.acceleration[0] * 65536);
     const std::int64_t of = index - ((index - low) % kCycle + kCycle) % kCycle;
     ledger.used(of, message.utime - (kStart + of * kPeriod));
   });
@@ -49,7 +49,8 @@ Soak soak_imu(double hours) {
     const std::int64_t taken = kStart + index * kPeriod;
     if (index % 2 == 0) node.tick(taken);
     simulate::devices::XsensSample sample;
-    sample.acceleration = {static_cast<double>(index % kCycle) / 1024, 0, 9.8};
+    const double tremor = 1e-3 * static_cast<double>(index % 2);  // no sensor is still
+    sample.acceleration = {static_cast<double>(index % kCycle) / 65536, tremor, 9.8 + tremor};
     const std::int64_t received = taken + 200 + static_cast<std::int64_t>(random() % 2000);
     const bool spare = index < 200 || index >= samples - 200;
     const Fate fate = damage.draw(spare);

@@ -10,9 +10,13 @@ namespace curbstone::fuzz {
 namespace {
 
 constexpr int kSamples = 20;
-const simulate::devices::XsensSample kAtRest = {.acceleration = {0.1, 0.2, 9.8},
-                                                .angular_rate = {0.01, 0.02, 0.03},
-                                                .orientation = std::array<double, 4>{1, 0, 0, 0}};
+/// With noise: a sensor without is refused as stuck.
+simulate::devices::XsensSample at_rest(int index) {
+  const double noise = 0.01 * (index % 2);
+  return {.acceleration = {0.1 + noise, 0.2 + noise, 9.8 + noise},
+          .angular_rate = {0.01 + noise, 0.02, 0.03},
+          .orientation = std::array<double, 4>{1, 0, 0, 0}};
+}
 
 void put_timed(Seed& seed, std::int64_t after, std::span<const std::uint8_t> bytes) {
   put(seed, static_cast<std::uint16_t>(after / 10));
@@ -27,7 +31,7 @@ Seed xsens() {
   std::int64_t now = 1'000'000;  // us
   put_timed(seed, 0, device.power_on(now));
   now += 600'000;  // it measures by then, unless somebody answers
-  for (int i = 0; i < kSamples; ++i, now += 10'000) put_timed(seed, 10'000, device.sample(now, kAtRest));
+  for (int i = 0; i < kSamples; ++i, now += 10'000) put_timed(seed, 10'000, device.sample(now, at_rest(i)));
   return seed;
 }
 
@@ -36,7 +40,7 @@ Seed witmotion() {
   Seed seed;
   std::int64_t now = 1'000'000;  // us
   device.power_on(now);
-  for (int i = 0; i < kSamples; ++i, now += 100'000) put_timed(seed, 100'000, device.sample(now, kAtRest));
+  for (int i = 0; i < kSamples; ++i, now += 100'000) put_timed(seed, 100'000, device.sample(now, at_rest(i)));
   return seed;
 }
 

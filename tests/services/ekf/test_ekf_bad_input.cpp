@@ -1,6 +1,8 @@
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <random>
 
@@ -8,6 +10,10 @@
 
 namespace curbstone::ekf {
 namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 TEST_F(EkfNodeTest, GarbageIsCountedAndChangesNothing) {
   Rig clean(config_);
@@ -62,6 +68,80 @@ TEST_F(EkfNodeTest, GarbageIsCountedAndChangesNothing) {
                            "dropped.duplicate.imu", "dropped.stray_stamp.imu", "dropped.duplicate.wheels"}) {
     EXPECT_GT(report.counters[name], 100) << name;
   }
+}
+
+/// A gyro that ends at `range` (rad/s), and says so or does not.
+imu_t clipped(imu_t sample, double range, bool flagged) {
+  for (double& rate : sample.angular_rate) {
+    if (std::abs(rate) > range && flagged) sample.status |= imu_t::CLIPPING;
+    rate = std::clamp(rate, -range, range);
+  }
+  return sample;
+}
+
+TEST_F(EkfNodeTest, SamplesThatClipAreAsIfLost) {
+  Rig clipping(config_);
+  Rig losing(config_);
+  int clips = 0;
+  for (std::size_t i = 0; i < drive_.imu.size(); ++i) {
+    const imu_t imu = clipped(message_of(drive_.imu[i], static_cast<std::int32_t>(i)), 0.2, true);
+    const wheels_t wheels = message_of(drive_.wheels[i], static_cast<std::int32_t>(i));
+    clipping.send("WHEELS", wheels);
+    losing.send("WHEELS", wheels);
+    clipping.send("IMU", imu);
+    clips += imu.status & imu_t::CLIPPING ? 1 : 0;
+    if (!(imu.status & imu_t::CLIPPING)) losing.send("IMU", imu);
+  }
+  clipping.finish();
+  losing.finish();
+  EXPECT_GT(clips, 300);
+  EXPECT_TRUE(clipping.bytes == losing.bytes);
+  EXPECT_EQ(clipping.node.report().counters["refused.clipping.imu"], clips);
+  EXPECT_EQ(clipping.node.report().counters["lost.imu"], 0);
+}
+
+TEST_F(EkfNodeTest, ALastingClipIsBridgedByTheWheelsAndNotBelieved) {
+  const auto worst_yaw = [&](bool flagged) {
+    Rig rig(config_);
+    for (std::size_t i = 0; i < drive_.imu.size(); ++i) {
+      rig.send("WHEELS", message_of(drive_.wheels[i], static_cast<std::int32_t>(i)));
+      rig.send("IMU", clipped(message_of(drive_.imu[i], static_cast<std::int32_t>(i)), 0.2, flagged));
+    }
+    rig.finish();
+    double worst = 0.0;
+    const std::size_t start = drive_.index_of(rig.odometry.front().utime);
+    for (const odometry_t& m : rig.odometry) {
+      const Pose truth = drive_.T_odom_base(drive_.index_of(m.utime), start);
+      const Pose pose = pose_from_arrays(m.position, m.orientation);
+      const double error = roll_pitch_yaw(truth.linear().transpose() * pose.linear()).z();
+      worst = std::max(worst, std::abs(error));
+    }
+    std::printf("[ gyro ends at 0.2 rad/s, %s: yaw at most %.2f deg wrong ]\n", flagged ? "and says so" : "unsaid",
+                worst * 180.0 / M_PI);
+    return worst;
+  };
+  const double refused = worst_yaw(true), used = worst_yaw(false);
+  EXPECT_LT(refused, 2.0 * M_PI / 180.0);
+  EXPECT_GT(used, 2.0 * refused);
+}
+
+TEST_F(EkfNodeTest, AnImuThatClipsIsToldFromOneThatIsMissing) {
+  Rig rig(config_);
+  const std::size_t half = drive_.imu.size() / 2, gone = half + drive_.imu.size() / 10;
+  for (std::size_t i = 0; i < drive_.imu.size(); ++i) {
+    rig.send("WHEELS", message_of(drive_.wheels[i], static_cast<std::int32_t>(i)));
+    imu_t imu = message_of(drive_.imu[i], static_cast<std::int32_t>(i));
+    if (i >= half) imu.status |= imu_t::CLIPPING;
+    if (i < gone) rig.send("IMU", imu);
+    if (i + 1 == half) {
+      EXPECT_THAT(rig.node.report().faults, IsEmpty());
+    }
+    if (i + 1 == gone) {
+      EXPECT_THAT(rig.node.report().faults, ElementsAre("IMU: it clips, odometry coasts on the wheels"));
+    }
+  }
+  rig.finish();
+  EXPECT_THAT(rig.node.report().faults, ElementsAre(HasSubstr("IMU: silent"), "no IMU: odometry coasts on the wheels"));
 }
 
 TEST_F(EkfNodeTest, SurvivesPlausibleNonsenseAndRecovers) {

@@ -26,7 +26,10 @@ std::vector<TimedBytes> sampled(Device& device, std::int64_t period, double seco
   for (std::int64_t i = 0; i < samples; ++i) {
     const std::int64_t taken = kStreamStart + i * period;
     simulate::devices::XsensSample sample;
-    sample.acceleration = {0.1 * std::sin(0.01 * static_cast<double>(i)), 0, 9.8};
+    const double noise =
+        0.01 * static_cast<double>(i % 2);  // without any, an IMU is stuck and its samples are withheld
+    sample.acceleration = {0.1 * std::sin(0.01 * static_cast<double>(i)) + noise, noise, 9.8 + noise};
+    sample.angular_rate = {noise, noise, noise};
     sample.orientation = std::array{1.0, 0.0, 0.0, 0.0};
     stream.push_back({taken + kDelay, device.sample(taken, sample)});
   }

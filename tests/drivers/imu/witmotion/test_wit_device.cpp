@@ -57,7 +57,9 @@ class WitNodeTest : public ::testing::Test {
     for (const std::int64_t end = now_ + us; now_ < end;) {
       now_ += device_.period();
       node_->tick(now_);
-      testing::Bytes bytes = device_.sample(now_, {.acceleration = {0.1, -0.2, 9.8}, .orientation = {{1, 0, 0, 0}}});
+      noise_ = 0.005 - noise_;  // no sensor is still
+      testing::Bytes bytes = device_.sample(
+          now_, {.acceleration = {0.1 + noise_, -0.2 + noise_, 9.8 - noise_}, .orientation = {{1, 0, 0, 0}}});
       if (damage) damage(bytes, group++);
       if (connected_) node_->on_bytes(now_ + 500, bytes);
     }
@@ -69,6 +71,7 @@ class WitNodeTest : public ::testing::Test {
   simulate::devices::WitEmulator device_;
   std::unique_ptr<ImuNode> node_;
   bool connected_ = true;
+  double noise_ = 0;  // m/s^2
   std::int64_t now_ = kStart;
 };
 

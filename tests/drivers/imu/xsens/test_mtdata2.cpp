@@ -63,6 +63,16 @@ TEST(MtData2Test, AllFourPrecisionsGiveTheirNumbers) {
   EXPECT_DOUBLE_EQ(*decode("08 13 08 40 39 00 00 00 00 00 00").temperature, 25.0);
 }
 
+TEST(MtData2Test, DenormalNumbersAreRefusedAndZeroIsNot) {
+  Counters counters;
+  EXPECT_FALSE(decode("40 20 0C 3F 80 00 00 00 00 00 01 41 1C E8 0A", &counters).acceleration);
+  EXPECT_FALSE(decode("80 20 0C 80 7F FF FF 00 00 00 00 00 00 00 00", &counters).angular_rate);
+  EXPECT_FALSE(decode("08 13 08 00 00 00 00 00 00 00 01", &counters).temperature);
+  EXPECT_EQ(counters["refused.range"], 3);
+  EXPECT_TRUE(decode("40 20 0C 80 00 00 00 00 00 00 00 00 80 00 00", &counters).acceleration) << "-0, 0, the least";
+  EXPECT_EQ(counters["refused.range"], 3);
+}
+
 TEST(MtData2Test, CoordinateSystemAndPrecisionBitsAreNoPartOfTheType) {
   const std::string one_two_three = "0C 3F 80 00 00 40 00 00 00 40 40 00 00";
   for (const char* id : {"40 20 ", "40 24 ", "40 28 "}) {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <curbstone/imu_t.hpp>
+#include <functional>
+#include <utility>
 
 #include "drivers/imu/imu_node.hpp"
 #include "tests/drivers/recorder.hpp"
@@ -26,16 +28,26 @@ TEST_P(EmulatedImuOfEitherMake, IsSetUpByItsDriverAndSaysWhatTheVehicleDoes) {
     commands.insert(commands.end(), bytes.begin(), bytes.end());
   });
   node.on_bytes(kStart, device.power_on(kStart));
-  for (std::int64_t now = kStart; now < kStart + 4'000'000; now += 1000) {
-    if ((now - kStart) % 20'000 == 0) node.tick(now);
-    node.on_bytes(now, device.on_bytes(now, std::exchange(commands, {})));
-    node.on_bytes(now, device.run(now, 0.5));  // it stands
-  }
+  std::int64_t now = kStart;
+  /// 15 s in which the vehicle is where it is at `t` of the drive. @return samples published
+  const auto run = [&](const std::function<double()>& t) {
+    const std::size_t before = recorder.messages().size();
+    for (const std::int64_t end = now + 15'000'000; now < end; now += 1000) {
+      if ((now - kStart) % 20'000 == 0) node.tick(now);
+      node.on_bytes(now, device.on_bytes(now, std::exchange(commands, {})));
+      node.on_bytes(now, device.run(now, t()));
+      recorder.messages();
+    }
+    return static_cast<double>(recorder.messages().size() - before);
+  };
+  EXPECT_GT(run([] { return 0.5; }), 1300) << "it stands";
   const auto& messages = recorder.messages();
-  ASSERT_GT(messages.size(), 300u);
   EXPECT_NEAR(messages.back().acceleration[2], 9.8, 0.2);
   EXPECT_TRUE(messages.back().has_orientation);
   EXPECT_NEAR(static_cast<double>(messages.back().utime - messages[messages.size() - 101].utime), 1e6, 2000);
+  EXPECT_NEAR(run([&] { return static_cast<double>(now - kStart) * 1e-6; }), 1500, 2) << "it drives";
+  const Counters counters = node.report().counters;
+  for (const auto& [name, value] : counters.values()) EXPECT_FALSE(name.starts_with("withheld.")) << name << value;
   EXPECT_THAT(node.report().faults, ::testing::IsEmpty());
 }
 INSTANTIATE_TEST_SUITE_P(WitMotion, EmulatedImuOfEitherMake, ::testing::Bool());

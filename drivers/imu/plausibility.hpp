@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace curbstone::imu {
+
+/// Whether what an IMU measures can be: it finds sensors that are stuck, at the end of their range, or wrong in scale.
+/// Pure; frame imu, SI units, times in us on one clock. One thread.
+///
+/// The limits come from data sheets and from what a vehicle can do, not from recordings:
+/// - An accelerometer is never still: an MTi sends its noise in float32; a WitMotion has steps of 4.8 mm/s^2, and the
+///   noise of an MPU-9250 (300 ug/sqrt(Hz), PS-MPU-9250A-01) is 8 mm/s^2 behind the narrowest filter of 5 Hz. A chip
+///   with a quarter of that noise may show the same value for a second. So three axes that are bit for bit the same for
+///   2 s are stuck, and so is one axis after 10 s, or after 3 s in which the others feel motion (1 m/s^2 within each).
+/// - A gyro may be: a WitMotion's steps are 1.07 mrad/s and it sets what is small to zero. It is stuck if an axis shows
+///   the same rate for 3 s, and that rate is one that no bias explains (0.1 rad/s: 5.7 deg/s; an MPU-9250's is at most
+///   5), or if all of it is the same for 3 s in which the accelerometer feels motion. A rate at the end of the range is
+///   the same rate, too.
+/// - The mean specific force of 3 s is within 0.8 and 1.45 g: less is a fall of 9 m, more is a horizontal acceleration
+///   of 1.05 g, beyond what tyres hold.
+class Plausibility {
+ public:
+  enum class Verdict { kGood, kStuckAccelerometer, kStuckGyro, kNotGravity };
+  struct Name {
+    std::string_view counter;
+    std::string_view fault;
+  };
+
+  /// `time` of the sample; one that leads back or leaps by more than kPause begins anew.
+  Verdict judge(std::int64_t time, const std::array<double, 3>& acceleration, const std::array<double, 3>& rate);
+  [[nodiscard]] static Name name(Verdict verdict);
+
+ private:
+  /// Since when, and for how many samples, a value has been the same.
+  struct Held {
+    double value = 0;
+    std::int64_t since = 0;
+    int samples = 0;
+    void add(std::int64_t time, double now);
+    [[nodiscard]] bool lasts(std::int64_t time, std::int64_t us) const;
+  };
+  void begin(std::int64_t time);
+  void end_second(std::int64_t time);
+  /// The accelerometer has felt motion for some seconds.
+  [[nodiscard]] bool moves() const;
+  [[nodiscard]] static bool all_last(const std::array<Held, 3>& axes, std::int64_t time, std::int64_t us);
+  [[nodiscard]] bool accelerometer_stuck(std::int64_t time) const;
+  [[nodiscard]] bool gyro_stuck(std::int64_t time) const;
+
+  std::int64_t last_ = 0;
+  std::array<Held, 3> acceleration_;
+  std::array<Held, 3> rate_;
+
+  std::int64_t second_ = 0;  // when the present one began
+  int samples_ = 0;
+  std::array<double, 3> sum_{}, least_{}, most_{};
+  std::vector<std::array<double, 3>> means_;  // of the last seconds, three at most
+  int moving_ = 0;                            // seconds of motion, one after the other
+  bool gravity_ = true;
+};
+
+}  // namespace curbstone::imu
