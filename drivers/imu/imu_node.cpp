@@ -118,9 +118,9 @@ ImuNode::HostTime ImuNode::to_host(std::int64_t device_time, std::int64_t receiv
   clock_begun_ = true;
   start_.release([&](imu_t& message) { publish(message, receive_utime); });
   start_.begin(receive_utime);
-  if (jumped) {  // the host's clock was set: its times before mean nothing now
+  if (jumped) {
     counters_.add("clock_jumps");
-    last_utime_ = 0;
+    if (receive_utime < last_sample_) last_utime_ = 0;  // the host's clock was set: its times before mean nothing now
   }
   return {utime, 0};
 }
