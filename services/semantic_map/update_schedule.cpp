@@ -14,6 +14,7 @@ constexpr std::int64_t kSavedWork = 50'000;          // us
 constexpr double kLargeShare = 0.3;                  // new points of a tile for which its curbs are looked for at once
 constexpr std::int64_t kNewsPatience = 150'000;      // us after which they are looked for, however few there are
 constexpr std::int64_t kSettlePatience = 1'000'000;  // us that what is stale may wait for news of its own
+constexpr double kSettleShare = 0.10;                // of the work: else news, which never ends, left it stale for ever
 
 }  // namespace
 
@@ -38,9 +39,20 @@ std::optional<TileWork> UpdateSchedule::next_work(const Eigen::Vector2d& vehicle
                                                   std::int64_t now) {
   earn_work(now);
   if (budget_ <= 0) return std::nullopt;
-  if (const auto work = take_news(vehicle, now)) return work;
-  if (!is_settling_due(backlog, now)) return std::nullopt;
+  settles_ = is_settling_due(backlog, now);
+  if (settles_ && settling_owed_ > 0) return TileWork{TileWork::Kind::kOldestStep};
+  if (const auto work = take_news(vehicle, now)) {
+    settles_ = false;
+    return work;
+  }
+  if (!settles_) return std::nullopt;
   return TileWork{TileWork::Kind::kOldestStep};
+}
+
+void UpdateSchedule::spent(double cost) {
+  budget_ -= cost;
+  settling_owed_ = settles_ ? std::max(settling_owed_ - (1 - kSettleShare) * cost, -1.0)
+                            : std::min(settling_owed_ + kSettleShare * cost, 1.0);
 }
 
 /// What may be computed by now: work_per_tick each 20 ms, of which no more is saved up than a revolution's time.

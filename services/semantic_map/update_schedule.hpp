@@ -26,11 +26,11 @@ class UpdateSchedule {
   /// what a vehicle must know first. Where ground and curbs are is left to next_work(). Nothing if all show it.
   std::optional<TileWork> next_to_show();
   /// The work that looks for ground and curbs in one tile where that is due, the nearest to the vehicle (m in map)
-  /// first, or that brings up to date what has long been stale: most of it was before, with points of its own. Nothing
-  /// if nothing is due, or the budget is spent.
+  /// first, or that brings up to date what has long been stale: most of it was before, with points of its own. The
+  /// latter gets a tenth of the work however much news there is. Nothing if nothing is due, or the budget is spent.
   std::optional<TileWork> next_work(const Eigen::Vector2d& vehicle, const Backlog& backlog, std::int64_t now);
   /// The work of next_work() is done, and cost so much.
-  void spent(double cost) { budget_ -= cost; }
+  void spent(double cost);
   void clear() { news_.clear(), unshown_.clear(); }
   /// Tiles whose curbs wait for next_work().
   [[nodiscard]] std::size_t num_waiting() const { return news_.size(); }
@@ -50,7 +50,9 @@ class UpdateSchedule {
   double work_per_tick_;
   std::map<TileKey, News> news_;
   std::deque<TileKey> unshown_;
-  double budget_ = 0;  // of WorkResult::cost
+  double budget_ = 0;         // of WorkResult::cost
+  double settling_owed_ = 0;  // likewise: its share of the work that news took, not yet given
+  bool settles_ = false;      // whether the work that was given last brings up to date what was stale
   std::int64_t earned_at_ = 0;
   std::deque<std::pair<std::int64_t, std::int64_t>> turns_;  // when it was whose turn, of the last second
 };

@@ -97,6 +97,24 @@ TEST(UpdateSchedule, SettlesWhatHasBeenStaleForASecond) {
   EXPECT_FALSE(schedule.next_work(kVehicle, {.turn = 9}, kNow + 1'600'000)) << "nothing is stale";
 }
 
+TEST(UpdateSchedule, WhatIsStaleGetsItsShareThoughNewsNeverEnds) {
+  UpdateSchedule schedule(8);
+  const Backlog stale{.turn = 5, .oldest = 5};
+  double settled = 0;
+  double all = 0;
+  for (std::int64_t now = kNow; now < kNow + 10'000'000; now += kTick) {
+    for (int x = 0; x < 40; ++x) schedule.voted(voted({x, 0}, 500), now);
+    while (const auto work = schedule.next_work(kVehicle, stale, now)) {
+      const double cost = *work == kSettle ? 0.05 : 1.4;
+      schedule.spent(cost);
+      all += cost;
+      if (*work == kSettle) settled += cost;
+    }
+  }
+  EXPECT_GT(settled, 0.08 * all);
+  EXPECT_LT(settled, 0.11 * all) << "nor does it hold back the news";
+}
+
 TEST(UpdateSchedule, ForgetsTheEpochBefore) {
   UpdateSchedule schedule(kPlenty);
   schedule.voted(voted({0, 0}, 500), kNow);
