@@ -1,6 +1,7 @@
 #include "drivers/lidar/lidar_node.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <cmath>
@@ -171,6 +172,7 @@ void LidarNode::send(decoding::PendingPacket& packet) {
   message_.ring.swap(points.ring);
   bus_.publish(config_.channel, message_);
   sent_.keep(message_);
+  lasers_.add(message_.utime, message_.ring);
 
   counters_.add("packets");
   counters_.add("points", message_.num_points);
@@ -254,6 +256,11 @@ NodeReport LidarNode::report() const {
         fmt::format("{} packets were lost in a second: dropped.socket says how many of them this host lost, the rest "
                     "the network",
                     lost_in_second_));
+  if (const std::vector<int> silent = lasers_.silent(); !silent.empty())
+    report.faults.push_back(
+        fmt::format("nothing comes back from laser {} any more (0: the lowest), although it does from those above and "
+                    "below: clean the window, else have it repaired",
+                    fmt::join(silent, ", ")));
   add_clock_faults(report.faults);
   if (model_) {
     for (const std::string& fault : model_->facts().faults) report.faults.push_back(fault);

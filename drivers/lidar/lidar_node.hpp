@@ -20,6 +20,7 @@
 #include "drivers/lidar/lidar_health.hpp"
 #include "drivers/lidar/lost_packets.hpp"
 #include "drivers/lidar/models/model_vote.hpp"
+#include "drivers/lidar/silent_lasers.hpp"
 
 namespace curbstone::lidar {
 
@@ -93,6 +94,7 @@ class LidarNode final : public Node {
   LidarHealth health_;
   RefusalShare share_;
   LostPackets lost_;
+  SilentLasers lasers_;
   Counters counters_;
   LatencyWindow latency_;
   lidar_points_t message_{};

@@ -18,6 +18,7 @@ using simulate::devices::ReturnMode;
 using simulate::devices::Rs16Emulator;
 using simulate::devices::Vlp16Emulator;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -124,6 +125,21 @@ TEST_P(LastingFaults, AHeadThatStandsGivesNoPointUntilItTurnsAgain) {
   driver_.feed(run(stream, 4 * kSecond));
   EXPECT_GE(driver_.points().size(), before + 2 * 750U);
   EXPECT_THAT(driver_.faults(), IsEmpty()) << driver_.counters();
+  stream.expect_true(driver_.points());
+}
+
+TEST_P(LastingFaults, ALaserThatDiesIsNamedAndTheOthersGoOn) {
+  LidarStream stream(device());
+  driver_.feed(run(stream, 12 * kSecond));
+  EXPECT_THAT(driver_.faults(), IsEmpty());
+  stream.kill({5});
+  const std::size_t before = driver_.points().size();
+  driver_.feed(run(stream, 8 * kSecond));
+  EXPECT_THAT(driver_.faults(), ElementsAre(HasSubstr("nothing comes back from laser"))) << driver_.counters();
+  EXPECT_GE(driver_.points().size(), before + 2900U);
+  stream.kill({});
+  driver_.feed(run(stream, 2 * kSecond));
+  EXPECT_THAT(driver_.faults(), IsEmpty());
   stream.expect_true(driver_.points());
 }
 
