@@ -22,10 +22,12 @@ TEST(BenchFaults, MeasuresADriveInWhichAProcessIsKilled) {
   ASSERT_EQ(figures["rows"].size(), 1U);
   const auto& row = figures["rows"][0];
   EXPECT_EQ(row["map"], "ok");
-  EXPECT_GT(figures["undisturbed"][0]["poses"], 200);
-  EXPECT_GT(figures["undisturbed"][0]["cells"], 20000);
-  EXPECT_LT(row["cells_differ"], figures["undisturbed"][0]["cells"].get<int>() / 4)
-      << "what was mapped before is there";
+  const auto& undisturbed = figures["undisturbed"].back();
+  EXPECT_EQ(row["cells_differ"].is_null(), undisturbed["spoiled"].get<bool>());
+  if (undisturbed["spoiled"]) GTEST_SKIP() << "the machine is too busy: " << undisturbed;
+  EXPECT_GT(undisturbed["poses"], 200);
+  EXPECT_GT(undisturbed["cells"], 20000);
+  EXPECT_LT(row["cells_differ"], undisturbed["cells"].get<int>() / 4) << "what was mapped before is there";
 }
 
 TEST(BenchFaults, KeepsOffABusOnWhichADeputyIs) {

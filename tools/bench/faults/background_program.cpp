@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,8 +20,11 @@ int shell_status(int wait_status) {
 BackgroundProgram::BackgroundProgram(const std::string& line, std::string output_file)
     : output_file_(std::move(output_file)) {
   const std::string replaced = "exec " + line;
+  const pid_t parent = getpid();
   pid_ = fork();
   if (pid_ != 0) return;
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (getppid() != parent) _exit(127);  // it died before that
   const int output = open(output_file_.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
   if (output >= 0) {
     dup2(output, STDOUT_FILENO);

@@ -9,7 +9,8 @@ namespace curbstone::bench::faults {
 /// How a process ended, as a shell has it: its exit status, or 128 + n when signal n ended it.
 [[nodiscard]] int shell_status(int wait_status);
 
-/// A program that runs while its owner does other things; it is ended with its owner.
+/// A program that runs while its owner does other things; it is ended with its owner, and gets SIGTERM where the thread
+/// that started it dies before that, by whatever signal.
 class BackgroundProgram {
  public:
   /// `line` is for sh, which replaces itself by the program. Output goes to the end of `output_file`.

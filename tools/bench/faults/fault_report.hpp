@@ -9,13 +9,14 @@ namespace curbstone::bench::faults {
 /// What a fault did to a drive and its map.
 struct FaultRow {
   std::string fault;
-  int cells_differ = 0;           ///< in class, from the replay of an undisturbed drive of the same length
-  int poses_missing = 0;          ///< of that replay's revolutions
-  std::optional<double> back_s;   ///< until all ran and named no fault; empty: not before the end of the drive
-  std::vector<std::string> said;  ///< "service: fault"
-  bool ended_cleanly = false;     ///< all processes, when asked to
-  std::string map;                ///< "ok", or what is wrong with the file
-  double emulator_late_s = 0;     ///< over 0.1 s the machine was busy with other things
+  /// In class, from the replay of an undisturbed drive of the same length; and of that replay's revolutions. Empty:
+  /// that drive was spoiled.
+  std::optional<int> cells_differ{}, poses_missing{};
+  std::optional<double> back_s{};   ///< until all ran and named no fault; empty: not before the end of the drive
+  std::vector<std::string> said{};  ///< "service: fault"
+  bool ended_cleanly = false;       ///< all processes, when asked to
+  std::string map;                  ///< "ok", or what is wrong with the file
+  double emulator_late_s = 0;       ///< over 0.1 s the machine was busy with other things
 };
 
 /// The replay that the rows are compared with.
@@ -23,14 +24,25 @@ struct Undisturbed {
   double seconds = 0;
   int cells = 0;  ///< of known class
   int poses = 0;
+  double emulator_late_s = 0;
+  int revolutions_lost = 0;         ///< between its first and its last pose
+  int live_cells_differ = 0;        ///< in class, of the map of the drive itself
+  int live_poses_missing = 0;       ///< in that map
+  std::vector<std::string> said{};  ///< "service: fault"
+
+  /// The machine was busy with other things: what differs from it says nothing.
+  [[nodiscard]] bool is_spoiled() const { return emulator_late_s > kLate || revolutions_lost > 0; }
+  static constexpr double kLate = 0.1;  // s: a revolution
 };
 
 struct FaultReport {
-  std::vector<Undisturbed> undisturbed;
+  std::vector<Undisturbed> undisturbed;  ///< spoiled ones too
   std::vector<FaultRow> rows;
 };
 
 [[nodiscard]] std::vector<std::string> table_lines(const FaultReport& report);
+/// One line for people: what the drive was like, and whether rows are compared with it.
+[[nodiscard]] std::string to_line(const Undisturbed& drive);
 /// As JSON. Throws std::runtime_error where the file cannot be written.
 void write_report(const FaultReport& report, const std::string& file);
 

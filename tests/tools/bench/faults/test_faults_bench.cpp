@@ -1,12 +1,20 @@
 #include "tools/bench/faults/faults_bench.hpp"
 
 #include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <chrono>
+#include <cstdio>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <thread>
 
 #include "tests/temporary_folder.hpp"
+#include "tools/bench/faults/background_program.hpp"
 #include "tools/bench/faults/fault_report.hpp"
 #include "tools/bench/faults/fault_rows.hpp"
 
@@ -14,6 +22,26 @@ namespace curbstone::bench::faults {
 namespace {
 
 using ::testing::HasSubstr;
+
+TEST(BackgroundProgram, EndsEvenWhereItsOwnerIsKilled) {
+  const testing::TemporaryFolder folder;
+  const std::string output = folder / "output";
+  const pid_t owner = fork();
+  if (owner == 0) {
+    const BackgroundProgram program("sh -c 'echo $$; exec sleep 600'", output);
+    for (;;) pause();
+  }
+  const auto comes_to = [](const std::function<bool()>& condition) {
+    for (int i = 0; i < 3000 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return condition();
+  };
+  pid_t program = 0;
+  ASSERT_TRUE(comes_to([&] { return static_cast<bool>(std::ifstream(output) >> program); }));
+  kill(owner, SIGKILL);
+  waitpid(owner, nullptr, 0);
+  const std::string command = "/proc/" + std::to_string(program) + "/cmdline";  // nobody may collect it: empty then
+  EXPECT_TRUE(comes_to([&] { return std::ifstream(command).get() == EOF; }));
+}
 
 TEST(FaultRows, HaveNamesOfTheirOwnAndBeginWithNoFault) {
   std::set<std::string> names;
@@ -24,7 +52,7 @@ TEST(FaultRows, HaveNamesOfTheirOwnAndBeginWithNoFault) {
 TEST(FaultReport, SaysWhatWasNotBackBeforeTheEnd) {
   const testing::TemporaryFolder folder;
   FaultReport report;
-  report.undisturbed = {{18, 1000, 360}};
+  report.undisturbed = {{.seconds = 18, .cells = 1000, .poses = 360}};
   report.rows = {{"none", 12, 0, 0.0, {}, true, "ok", 0.01},
                  {"kill -9 mapper", 500, 3, std::nullopt, {"ekf: lost", "mapper: lost"}, false, "ok", 0.2}};
   const auto lines = table_lines(report);
@@ -40,6 +68,29 @@ TEST(FaultReport, SaysWhatWasNotBackBeforeTheEnd) {
   EXPECT_EQ(json["rows"][1]["said"], "ekf: lost; mapper: lost");
   EXPECT_EQ(json["undisturbed"][0]["poses"], 360);
   EXPECT_THROW(write_report(report, "/nowhere/figures.json"), std::runtime_error);
+}
+
+TEST(FaultReport, ComparesNothingWithADriveThatTheMachineSpoiled) {
+  Undisturbed drive{.seconds = 18, .cells = 1000, .poses = 360, .emulator_late_s = 0.02, .said = {"ekf: late"}};
+  EXPECT_FALSE(drive.is_spoiled());
+  EXPECT_THAT(to_line(drive), HasSubstr("0.02 s late, 0 revolutions lost"));
+  EXPECT_THAT(to_line(drive), HasSubstr("said: ekf: late"));
+  EXPECT_THAT(to_line(drive), ::testing::Not(HasSubstr("SPOILED")));
+  drive.emulator_late_s = 0.11;
+  EXPECT_TRUE(drive.is_spoiled());
+  EXPECT_THAT(to_line(drive), HasSubstr("SPOILED"));
+  drive.emulator_late_s = 0;
+  drive.revolutions_lost = 1;
+  EXPECT_TRUE(drive.is_spoiled());
+
+  const testing::TemporaryFolder folder;
+  FaultReport report{.undisturbed = {drive}, .rows = {{.fault = "kill -9 mapper", .map = "ok"}}};
+  EXPECT_THAT(table_lines(report)[1], HasSubstr("spoiled"));
+  write_report(report, folder / "figures.json");
+  const auto json = nlohmann::json::parse(std::ifstream(folder / "figures.json"));
+  EXPECT_TRUE(json["undisturbed"][0]["spoiled"]);
+  EXPECT_EQ(json["undisturbed"][0]["revolutions_lost"], 1);
+  EXPECT_TRUE(json["rows"][0]["cells_differ"].is_null());
 }
 
 }  // namespace
