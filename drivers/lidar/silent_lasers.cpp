@@ -5,14 +5,14 @@
 namespace curbstone::lidar {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000;  // us
-constexpr int kMany = 50;                    // returns in a second: a thing that all lasers of its height can see
-constexpr std::size_t kNear = 3;             // rings: of these, one that returns; two neighbours may die together
+constexpr std::int64_t kInterval = 1'000'000;  // us
+constexpr int kMany = 50;                      // returns in a second: a thing that all lasers of its height can see
+constexpr std::size_t kNear = 3;               // rings: of these, one that returns; two neighbours may die together
 
 }  // namespace
 
 void SilentLasers::add(std::int64_t utime, std::span<const std::uint8_t> rings) {
-  const std::int64_t second = utime / kSecond;
+  const std::int64_t second = utime / kInterval;
   if (second_ != second) {
     // What came of a second that a leap of time cut short says nothing.
     if (second_ && second == *second_ + 1) close_second();

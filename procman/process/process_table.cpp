@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
@@ -15,9 +16,17 @@ namespace curbstone::procman::process {
 
 namespace {
 
+/// What can be read of it. A process that ends between the opening and the reading of its file fails the latter
+/// (ESRCH), which read() notes and an iterator would throw.
 std::string read_text(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  std::string text;
+  std::array<char, 4096> part{};
+  do {
+    stream.read(part.data(), part.size());
+    text.append(part.data(), static_cast<std::size_t>(stream.gcount()));
+  } while (stream);
+  return text;
 }
 
 bool carries_mark(pid_t pid, const std::string& mark) {
@@ -57,9 +66,9 @@ std::optional<ProcessInfo> read_process(pid_t pid) {
 
 std::vector<ProcessInfo> read_process_table() {
   std::vector<ProcessInfo> table;
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc", ignored)) {
-    const std::string name = entry.path().filename().string();
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry("/proc", error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
     pid_t pid = 0;
     const auto result = std::from_chars(name.data(), name.data() + name.size(), pid);
     if (result.ec != std::errc() || result.ptr != name.data() + name.size()) continue;

@@ -1,6 +1,9 @@
 #include "procman/process/process_table.hpp"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 namespace curbstone::procman::process {
@@ -32,6 +35,21 @@ TEST(ProcessTable, FindsThisProcess) {
   EXPECT_EQ(self->parent, getppid());
   EXPECT_GT(self->memory_resident, 0);
   EXPECT_FALSE(read_process(0));
+}
+
+TEST(ProcessTable, IsReadWhileProcessesEnd) {
+  const pid_t parent = fork();
+  if (parent == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    for (;;) {
+      const pid_t child = fork();
+      if (child == 0) _exit(0);
+      waitpid(child, nullptr, 0);
+    }
+  }
+  for (int i = 0; i < 1000; ++i) EXPECT_FALSE(read_process_table().empty());
+  kill(parent, SIGKILL);
+  waitpid(parent, nullptr, 0);
 }
 
 TEST(ProcessTable, AFamilyIsTheLeadersSessionAndAllDescendantsInAnyOrder) {

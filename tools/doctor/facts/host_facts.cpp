@@ -25,10 +25,10 @@ std::vector<std::string> clock_programs() {
   // /proc/PID/comm has at most 15 characters.
   constexpr std::array<std::string_view, 5> kKnown = {"chronyd", "ntpd", "phc2sys", "ptp4l", "systemd-timesyn"};
   std::vector<std::string> running;
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc", ignored)) {
-    if (std::isdigit(static_cast<unsigned char>(entry.path().filename().string().front())) == 0) continue;
-    const std::string name = first_word_of(entry.path() / "comm");
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry("/proc", error), end; !error && entry != end; entry.increment(error)) {
+    if (std::isdigit(static_cast<unsigned char>(entry->path().filename().string().front())) == 0) continue;
+    const std::string name = first_word_of(entry->path() / "comm");
     if (std::ranges::find(kKnown, name) != kKnown.end() && std::ranges::find(running, name) == running.end())
       running.push_back(name);
   }
