@@ -149,8 +149,8 @@ void SemanticMapNode::tick(std::int64_t now) {
   std::erase_if(unsent_, [&](TileKey key) { return publish_if_due(key, now); });
   answer_requests();
   if (now - last_request_ >= kRequestPeriod) send_requests(now);
-  if (curbs_changed_ && now - last_curbs_ >= kCurbsPeriod) publish_curbs(now);
-  if (markings_changed_ && now - last_markings_ >= kMarkingsPeriod) publish_markings(now);
+  if (has_points() && curbs_changed_ && now - last_curbs_ >= kCurbsPeriod) publish_curbs(now);
+  if (has_points() && markings_changed_ && now - last_markings_ >= kMarkingsPeriod) publish_markings(now);
   if (now - last_index_ >= kIndexPeriod) publish_index(now);
   if (now - last_write_ >= kWritePeriod) {
     last_write_ = now;
@@ -293,14 +293,18 @@ void SemanticMapNode::finish() {
   if (settled.markings) markings_changed_ = true;
   schedule_.clear();
   for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(*pipeline_.classes(key), newest_utime_);
-  // What is said last depends on the map and on where the vehicle came to, not on when it was said before.
-  if (curbs_changed_ || curbs_from_ != vehicle_) publish_curbs(newest_utime_);
-  if (markings_changed_ || (config_.markings.enabled && markings_from_ != vehicle_)) publish_markings(newest_utime_);
-  publish_index(newest_utime_);
+  if (has_points()) say_last();
   const std::vector<tile::CurbLine> curbs = all_curbs(pipeline_);
   const std::vector<tile::MarkingLine> markings = all_markings(pipeline_, curbs, path(), config_.markings);
   if (drive_started_) keeper_.finish(curbs, markings);
   if (!config_.picture.empty()) draw_picture(curbs, markings);
+}
+
+/// Depends on the map and on where the vehicle came to, not on when it was said before.
+void SemanticMapNode::say_last() {
+  if (curbs_changed_ || curbs_from_ != vehicle_) publish_curbs(newest_utime_);
+  if (markings_changed_ || (config_.markings.enabled && markings_from_ != vehicle_)) publish_markings(newest_utime_);
+  publish_index(newest_utime_);
 }
 
 void SemanticMapNode::draw_picture(const std::vector<tile::CurbLine>& curbs,

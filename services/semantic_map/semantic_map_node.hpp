@@ -79,6 +79,9 @@ class SemanticMapNode final : public Node {
   void publish(const Published& published);
   void answer_requests();
   void publish_index(std::int64_t now);
+  /// Before the first points there is nothing to say of curbs and markings, and no time at which it is so.
+  [[nodiscard]] bool has_points() const { return newest_utime_ > 0; }
+  void say_last();
   void publish_curbs(std::int64_t now);
   void publish_markings(std::int64_t now);
   [[nodiscard]] std::vector<Eigen::Vector2d> path() const;

@@ -48,9 +48,10 @@ void Player::publish_until(std::int64_t position) {
       bus_.publish(next_->channel, EncodedMessage{next_->bytes});
       ++published_;
     }
+    position_ = std::max(position_, next_->log_utime - begin_);
     next_ = files_->next();
   }
-  position_ = position;
+  if (next_) position_ = position;  // at the end there is no further
 }
 
 void Player::set_speed(double speed) {
@@ -65,8 +66,11 @@ void Player::step(std::int64_t us) {
 void Player::seek(std::int64_t us) {
   us = std::max<std::int64_t>(us, 0);
   if (us < position_) open();
-  while (next_ && next_->log_utime - begin_ < us) next_ = files_->next();
-  position_ = us;
+  while (next_ && next_->log_utime - begin_ < us) {
+    position_ = std::max(position_, next_->log_utime - begin_);
+    next_ = files_->next();
+  }
+  if (next_) position_ = us;
 }
 
 }  // namespace curbstone::play

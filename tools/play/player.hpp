@@ -33,7 +33,7 @@ class Player {
   /// Goes on from there, us since the beginning, in either direction. The log is read up to there.
   void seek(std::int64_t us);
 
-  /// us since the first record.
+  /// us since the first record; at the end, of the last one.
   [[nodiscard]] std::int64_t position() const { return position_; }
   /// us since the Unix epoch, the first record.
   [[nodiscard]] std::int64_t begin() const { return begin_; }

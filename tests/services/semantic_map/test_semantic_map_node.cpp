@@ -189,6 +189,23 @@ TEST_F(SemanticMapNodeTest, MakesTilesCurbsAndAMapFile) {
   EXPECT_TRUE(node.report().faults.empty());
 }
 
+TEST_F(SemanticMapNodeTest, SaysNothingOfCurbsAndMarkingsWhileThereAreNoPointsToSayItsTime) {
+  LocalBus bus;
+  SemanticMapNode node(config(""), bus);
+  node.connect(bus);
+  int said = 0;
+  bus.subscribe<curb_lines_t>("CURBS", [&](const curb_lines_t&) { ++said; });
+  bus.subscribe<marking_lines_t>("MARKINGS", [&](const marking_lines_t&) { ++said; });
+  for (int i = 1; i <= 100; ++i) {
+    bus.publish("MAP_POSE", pose_at(kStart + 20'000 * i, 0.1 * i));
+    node.tick(kStart + 20'000 * i);
+    bus.dispatch();
+  }
+  node.finish();
+  bus.dispatch();
+  EXPECT_EQ(said, 0);
+}
+
 TEST_F(SemanticMapNodeTest, ShowsWhatStandsWhereAtOnceAndLooksForCurbsWhileNothingComes) {
   LocalBus bus;
   SemanticMapNode node(config("map.db"), bus);

@@ -102,8 +102,10 @@ TEST_F(PlayTest, EndsAtTheEnd) {
   player.advance(50'000);
   EXPECT_THAT(take(), ElementsAre(299));
   EXPECT_TRUE(player.at_end());
+  player.advance(100'000);
   apply_keys("\x1b[C", player);
   EXPECT_TRUE(player.at_end());
+  EXPECT_EQ(player.position(), 29'900'000) << "however long ago it ended";
   apply_keys("\x1b[D", player);
   EXPECT_FALSE(player.at_end()) << "and back again";
 }
