@@ -5,6 +5,7 @@ import { Panel, showSummary } from "./cards/panel";
 import { Ruler } from "./cards/ruler";
 import { showScale } from "./cards/scale_bar";
 import { clock, Timeline } from "./cards/timeline";
+import { takenBelow, uncover } from "./cards/uncover";
 import { Connection } from "./connection";
 import { Camera } from "./drawing/camera";
 import { Ground } from "./drawing/ground";
@@ -12,12 +13,13 @@ import { Marks } from "./drawing/marks";
 import { Motion } from "./drawing/motion";
 import { Pace } from "./drawing/pace";
 import { kInk } from "./drawing/ink";
-import { css, Rgb } from "./drawing/palette";
+import { css, kBackground } from "./drawing/palette";
 import { saveCanvases } from "./drawing/save_picture";
 import { TiltedMarks } from "./drawing/tilted_marks";
 import { Tilting } from "./drawing/tilting";
 import { byId, say, seconds } from "./format";
 import { listen } from "./gestures";
+import { listenToKeys } from "./keys";
 import { Rewind } from "./past/rewind";
 import { Settings } from "./settings";
 import { judge, judgePast } from "./staleness";
@@ -64,7 +66,7 @@ function draw(now: number): void {
   if (world.curbsChanged) ground.curbsChanged();
   if (world.markingsChanged) ground.markingsChanged();
   ground.draw(camera, { ...layers, theme: look, mode: settings.mode, byIntensity: settings.points === "intensity",
-    range, now: newestTime(world), grey, paper: paper() }, pose);
+    range, now: newestTime(world), grey, paper: kBackground[look] }, pose);
   const poses: [Pose, string][] = pose ? [[pose, kInk[look].vehicle]] : [], other = localized.poseAt(now);
   if (other && layers.localized) poses.unshift([other, kInk[look].localized]);
   marks.refresh();
@@ -75,10 +77,6 @@ function draw(now: number): void {
   byId("needle").style.transformOrigin = "12px 12px";
   connection.drawn();
   if (pace.allows(now, motion.isMoving(now) || isTilting) && !document.hidden) redraw();
-}
-
-function paper(): Rgb {
-  return settings.look === "dark" ? [14, 17, 20] : [243, 244, 241];
 }
 
 /// A frame came.
@@ -203,7 +201,7 @@ function resize(): void {
   [camera.width, camera.height] = [map.clientWidth, map.clientHeight];
   const isSheet = matchMedia(kSheet).matches;
   camera.offsetX = isSheet || !settings.panel ? 0 : -170;
-  camera.offsetY = isSheet ? -10 : 0;
+  camera.offsetY = isSheet ? -10 - takenBelow() / 2 : 0;
   const [width, height] = [camera.width, camera.height].map(pixels => Math.round(pixels * dots));
   for (const canvas of [groundCanvas, marksCanvas]) {  // a canvas that is given a size, the same too, is empty until it is drawn
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
@@ -248,8 +246,6 @@ function leave(): void {
 /// As in page.css: where the panel is a sheet that is drawn up.
 const kSheet = "(max-width: 900px), (max-height: 500px)";
 
-const kArrows: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-
 /// By the arrow keys, a step on the screen; `leans`: turns and tilts.
 function walk(right: number, down: number, leans: boolean): void {
   const step = 80, [x, y] = [camera.width / 2 + camera.offsetX, camera.height / 2 + camera.offsetY];
@@ -270,9 +266,19 @@ function touched(x: number, y: number): void {
   else inspector.pick(place);
 }
 
+/// Another cell was picked, or none: what is looked at stays in the middle of what the card leaves.
+function onPicked(): void {
+  const { x, y } = camera, middle = camera.toScreen(x, y);
+  inspector.show(settings.look, settings.mode);
+  resize();
+  if (settings.follow) return;
+  camera.hold(x, y, ...middle);
+  if (inspector.picked) uncover(camera, ...inspector.picked);
+}
+
 function savePicture(): void {
   draw(performance.now());  // the ground can be read only in the task that drew it
-  saveCanvases([groundCanvas, marksCanvas], css(paper()));
+  saveCanvases([groundCanvas, marksCanvas], css(kBackground[settings.look]));
 }
 
 function wire(): void {
@@ -304,14 +310,7 @@ function wire(): void {
     h: togglePanel,
     Escape: () => panel.isOpen ? panel.open(false) : ruler.isOn ? ruler.toggle() : inspector.pick(null),
   };
-  addEventListener("keydown", event => {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    keys[event.key]?.();
-    if (document.activeElement !== map && document.activeElement !== document.body) return;  // arrows are the slider's, Enter the button's
-    const arrow = kArrows[event.key];
-    if (arrow) walk(...arrow, event.shiftKey);
-    if (event.key === "Enter") touched(camera.width / 2 + camera.offsetX, camera.height / 2 + camera.offsetY);
-  });
+  listenToKeys(map, keys, walk, () => touched(camera.width / 2 + camera.offsetX, camera.height / 2 + camera.offsetY));
   new ResizeObserver(resize).observe(map);  // a window made larger, a phone that is turned
   addEventListener("resize", resize);       // and one that goes to a screen of finer pixels
   addEventListener("hashchange", () => {    // another link was pasted, or the browser's Back
@@ -333,7 +332,7 @@ try {
   ground = new Ground(groundCanvas, world, redraw);
   marks = new Marks(marksCanvas, world);
   tiltedMarks = new TiltedMarks(marksCanvas, world);
-  inspector = new Inspector(world, () => { inspector.show(settings.look, settings.mode); redraw(); });
+  inspector = new Inspector(world, onPicked);
   ruler = new Ruler(world, () => { ruler.show(); redraw(); });
   connection = new Connection(rewind, onFrame);
   timeline = new Timeline(order => world.state?.playback ? connection.order(order) : rewind.order(order), () => rewind.goLive());

@@ -1,7 +1,8 @@
 // The card of the cell, or of the curb, that was clicked.
 import { classColours, css, kClassNames, Mode, Theme } from "../drawing/palette";
 import { byId, closeButton, list, make, metres, say, seconds } from "../format";
-import { cellAt, heightOf, kUnknownCost, World } from "../world";
+import { newestTime } from "../survey";
+import { cellAt, heightOf, kUnknownCost, Tile, World } from "../world";
 import { CurbPlace, curbAt, CutCell, cutAcross, drawCut, lengthOf } from "./cross_section";
 
 export class Inspector {
@@ -31,20 +32,34 @@ export class Inspector {
     this.key.style.setProperty("--key", colour ? css(colour) : "transparent");
     const facts = make("dl", "", "values");
     const cost = tile.costs[index];
-    const newest = this.world.state?.pose?.utime ?? tile.utime;
     list(facts, [
       ["Height", height === null ? "none" : `${height.toFixed(3)} m`],
       ["Cost", cost === kUnknownCost ? "unknown" : cost === 254 ? "254, lethal" : `${cost}`],
       ["Confidence", `${Math.round(tile.confidences[index] / 2.55)} %`],
-      ["Last points", tile.utime ? ago(newest - tile.utime) : "unknown"],
-      ["Curbs known to", tile.curbsUtime ? ago(newest - tile.curbsUtime) : "not yet"],
-      ["Tile", `${tile.x}, ${tile.y}, revision ${tile.revision}`],
+      ...this.ages(tile),
       ["Place", `${this.picked[0].toFixed(2)}, ${this.picked[1].toFixed(2)} m`],
       ...this.distance(),
     ]);
     const curb = curbAt(this.world, ...this.picked);
     say(this.name, kClassNames[kind]);
-    this.body.replaceChildren(facts, ...curb ? this.curb(curb, colours.map(c => c ? css(c) : "transparent")) : []);
+    // What was aimed at comes first: a phone shows no more without scrolling.
+    const above = curb ? [...this.curb(curb, colours.map(c => c ? css(c) : "transparent")), make("h4", "Cell")] : [];
+    this.body.replaceChildren(...above, facts);
+  }
+
+  /// A saved map does not know when its curbs were computed, and has one revision of each tile.
+  private ages(tile: Tile): [string, string][] {
+    const { state } = this.world, name = `${tile.x}, ${tile.y}`;
+    if (state?.source === "map") {
+      const before = newestTime(this.world) - tile.utime;
+      return [["Last points", !tile.utime ? "unknown" : before < 500_000 ? "at the end" : `${seconds(before * 1e-6)} before the end`], ["Tile", name]];
+    }
+    const newest = state?.pose?.utime ?? tile.utime;
+    return [
+      ["Last points", tile.utime ? ago(newest - tile.utime) : "unknown"],
+      ["Curbs known to", tile.curbsUtime ? ago(newest - tile.curbsUtime) : "not yet"],
+      ["Tile", `${name}, revision ${tile.revision}`],
+    ];
   }
 
   private curb(curb: CurbPlace, colours: string[]): HTMLElement[] {

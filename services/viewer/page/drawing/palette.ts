@@ -16,6 +16,9 @@ const kClear: Record<Theme, (Rgb | null)[]> = {
 };
 const kPaper: (Rgb | null)[] = [[0, 70, 30], [150, 150, 150], [0, 190, 0], [0, 0, 0], [200, 20, 20]];
 
+/// Of what is not known; --paper in page.css.
+export const kBackground: Record<Theme, Rgb> = { light: [243, 244, 241], dark: [14, 17, 20] };
+
 /// Paint on the road, as kInk has it.
 export const kPaint: Record<Theme, Rgb> = { light: [255, 255, 255], dark: [217, 226, 234] };
 

@@ -34,6 +34,30 @@ TEST_F(PageHands, AFingerThatRestsAsksWhatIsThereWhileItStillRests) {
   EXPECT_TRUE(shows("#cell", "Road")) << "a tap";
 }
 
+TEST_F(PageHands, OnAPhoneACardLeavesInSightWhatWasAskedAbout) {
+  put_a_road();
+  browser->resize(390, 844, true);
+  open(kView);
+  const double x = camera("x");
+  const Spot low = spot_of(-2, -5);
+  browser->hold(low.x, low.y, 0.05);
+  ASSERT_TRUE(shows("#cell", "Road"));
+  const auto isSeen = [&] {
+    const Spot spot = spot_of(-2, -5);
+    return browser->evaluate(
+        fmt::format("document.getElementById('map').contains(document.elementFromPoint({}, {}))", spot.x, spot.y));
+  };
+  EXPECT_EQ(isSeen(), true);
+  EXPECT_EQ(camera("x"), x) << "up is enough";
+  browser->evaluate("document.querySelector('#cell button').click()");
+  ASSERT_TRUE(browser->comes_to("document.getElementById('cell').hidden"));
+  const Spot spot = spot_of(-2, -5);
+  browser->hold(spot.x, spot.y, 0.05);
+  ASSERT_TRUE(shows("#cell", "Road"));
+  const Spot again = spot_of(-2, -5);
+  EXPECT_NEAR(again.y, spot.y, 1e-6) << "nothing moves where nothing is hidden";
+}
+
 TEST_F(PageHands, ArrowKeysMoveTheMapAndEnterAsksWhatIsInTheMiddle) {
   put_a_road();
   open(kView);
