@@ -14,6 +14,7 @@
 #include "tools/bench/markings/bench_markings.hpp"
 #include "tools/bench/viewer/viewer_bench.hpp"
 #include "tools/bench/voting/voting_bench.hpp"
+#include "tools/command/run_subcommand.hpp"
 
 namespace curbstone::bench {
 
@@ -52,7 +53,8 @@ int run_bench(int argc, char** argv) {
   const std::string_view name = argv[1];
   if (name == "--help" || name == "-h") return usage(stdout);
   for (const auto& benchmark : kBenchmarks) {
-    if (name == benchmark.name) return benchmark.run(argc - 1, argv + 1);
+    if (name == benchmark.name)
+      return command::run_subcommand(fmt::format("bench {}", name), benchmark.run, argc - 1, argv + 1);
   }
   fmt::print(stderr, "curbstone bench: nothing is called '{}'\n", name);
   return usage(stderr);

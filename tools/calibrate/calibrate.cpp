@@ -111,14 +111,8 @@ int run_calibrate(int argc, char** argv) {
   line.option("--json", json_file, "Write everything to this file");
   if (const auto status = line.read(argc, argv)) return *status;
   ConfigOf<VehicleOnly> config;
-  CalibrationData data;
-  try {
-    if (!config_file.empty()) load_config(config_file, "calibrate", kProcessSections, config);
-    data = read_drive(log, config_file, map_anew);
-  } catch (const ConfigError& error) {
-    fmt::print(stderr, "curbstone calibrate: {}\n", error.what());
-    return 2;
-  }
+  if (!config_file.empty()) load_config(config_file, "calibrate", kProcessSections, config);
+  const CalibrationData data = read_drive(log, config_file, map_anew);
   const CalibrationResult result = calibrate(data, config.value.vehicle);
   print(result);
   if (yaml_file.empty())

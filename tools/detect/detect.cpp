@@ -162,20 +162,10 @@ int run_detect(int argc, char** argv) {
   line.option("--set", arguments.assignments, "KEY=VALUE, as in section semantic_map: curb.min_step=0.05").one_each();
   if (const auto status = line.read(argc, argv)) return *status;
   if (!arguments.origin.empty() && arguments.origin.size() != 3) return line.refuse("--origin: three numbers, X,Y,Z");
-  try {
-    for (const std::string& assignment : arguments.assignments) set_config_value(assignment, config);
-  } catch (const ConfigError& error) {
-    fmt::print(stderr, "curbstone detect: {}\n", error.what());
-    return 2;
-  }
+  for (const std::string& assignment : arguments.assignments) set_config_value(assignment, config);
   arguments.options.curb = config.value.curb;
   arguments.options.classes = config.value.classes;
-  try {
-    return detect(arguments);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "curbstone detect: {}\n", error.what());
-    return 1;
-  }
+  return detect(arguments);
 }
 
 }  // namespace curbstone::detect

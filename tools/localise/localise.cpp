@@ -203,12 +203,7 @@ int run_localise(int argc, char** argv) {
     return line.refuse("--truth and --map-truth belong together");
   if (arguments.from_truth && arguments.truth.empty()) return line.refuse("--from-truth needs --truth");
   if (!arguments.start.empty() && arguments.start.size() != 3) return line.refuse("--start: three numbers, X,Y,YAW");
-  try {
-    return run(arguments);
-  } catch (const ConfigError& error) {
-    fmt::print(stderr, "curbstone localise: {}\n", error.what());
-    return 2;
-  }
+  return run(arguments);
 }
 
 }  // namespace curbstone::localise

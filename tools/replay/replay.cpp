@@ -166,31 +166,25 @@ int run_replay(int argc, char** argv) {
   if (const auto status = line.read(argc, argv)) return *status;
 
   output::WatchedLog log(arguments.logs, "replay");
-  try {
-    LogFiles head(arguments.logs);
-    arguments.vehicle.recorded = recorded_config(head);
-    // A replay makes a map; it does not extend one.
-    for (const char* suffix : {"", "-wal", "-shm"}) std::remove((arguments.vehicle.map_file + suffix).c_str());
-    std::optional<LogWriter> recorder;
-    StageLine::Options options{.threads = arguments.threads > 1, .everything = {}};
-    if (!arguments.record.empty()) {
-      recorder.emplace(arguments.record);
-      options.everything = [&](const LineItem& message) {
-        recorder->write(message.channel, message.bytes.data(), static_cast<int>(message.bytes.size()));
-      };
-    }
-    VehicleLine vehicle(arguments.vehicle, options);
-    const std::int64_t start = steady_clock();
-    const Summary summary = drive(log, vehicle);
-    if (summary.messages == 0) throw std::runtime_error(arguments.logs[0] + ": holds no LIDAR_POINTS, IMU or WHEELS");
-    report(summary, vehicle, static_cast<double>(steady_clock() - start) * 1e-6, arguments.vehicle.map_file,
-           config_source(arguments.vehicle));
-    if (log.damaged()) return 1;
-  } catch (const ConfigError& error) {
-    fmt::print(stderr, "curbstone replay: {}\n", error.what());
-    return 2;
+  LogFiles head(arguments.logs);
+  arguments.vehicle.recorded = recorded_config(head);
+  // A replay makes a map; it does not extend one.
+  for (const char* suffix : {"", "-wal", "-shm"}) std::remove((arguments.vehicle.map_file + suffix).c_str());
+  std::optional<LogWriter> recorder;
+  StageLine::Options options{.threads = arguments.threads > 1, .everything = {}};
+  if (!arguments.record.empty()) {
+    recorder.emplace(arguments.record);
+    options.everything = [&](const LineItem& message) {
+      recorder->write(message.channel, message.bytes.data(), static_cast<int>(message.bytes.size()));
+    };
   }
-  return 0;
+  VehicleLine vehicle(arguments.vehicle, options);
+  const std::int64_t start = steady_clock();
+  const Summary summary = drive(log, vehicle);
+  if (summary.messages == 0) throw std::runtime_error(arguments.logs[0] + ": holds no LIDAR_POINTS, IMU or WHEELS");
+  report(summary, vehicle, static_cast<double>(steady_clock() - start) * 1e-6, arguments.vehicle.map_file,
+         config_source(arguments.vehicle));
+  return log.damaged() ? 1 : 0;
 }
 
 }  // namespace curbstone::replay

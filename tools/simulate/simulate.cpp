@@ -244,30 +244,21 @@ int run_simulate(int argc, char** argv) {
   if (const auto status = line.read(argc, argv)) return *status;
   options.seconds_given = line.given("--seconds");
   ConfigOf<rig::SimulateConfig> config;
-  try {
-    if (!options.config.empty()) load_config(options.config, "simulate", kProcessSections, config);
-    for (const auto& assignment : options.set) set_config_value(assignment, config);
-    check(options);
-  } catch (const ConfigError& error) {
-    fmt::print(stderr, "curbstone simulate: {}\n", error.what());
-    return 2;
-  }
-  try {
-    if (!options.truth.empty()) truth::prepare_truth_folder(options.truth);
-    if (!options.devices.empty()) std::filesystem::create_directories(options.devices);
-    const Source source = options.town ? town_source(options, config.value) : recorded_source(options, config.value);
-    const rig::Drive drive{*source.motion, source.make_surroundings, config.value,
-                           source.rpm,     source.azimuth,           options.day != 0 ? options.day : options.seed,
-                           source.seconds, options.start_utime,      options.lidar};
-    options.to_devices.fingerprint = fingerprint(options, config);
-    if (options.live) {
-      simulate_live(options, config.value, source, drive);
-    } else {
-      simulate_to_log(options, config.value, source, drive);
-    }
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "curbstone simulate: {}\n", error.what());
-    return 1;
+  if (!options.config.empty()) load_config(options.config, "simulate", kProcessSections, config);
+  for (const auto& assignment : options.set) set_config_value(assignment, config);
+  check(options);
+
+  if (!options.truth.empty()) truth::prepare_truth_folder(options.truth);
+  if (!options.devices.empty()) std::filesystem::create_directories(options.devices);
+  const Source source = options.town ? town_source(options, config.value) : recorded_source(options, config.value);
+  const rig::Drive drive{*source.motion, source.make_surroundings, config.value,
+                         source.rpm,     source.azimuth,           options.day != 0 ? options.day : options.seed,
+                         source.seconds, options.start_utime,      options.lidar};
+  options.to_devices.fingerprint = fingerprint(options, config);
+  if (options.live) {
+    simulate_live(options, config.value, source, drive);
+  } else {
+    simulate_to_log(options, config.value, source, drive);
   }
   return 0;
 }

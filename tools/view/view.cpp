@@ -113,43 +113,38 @@ int run_view(int argc, char** argv) {
   line.option("--set", options.assignments, "viewer.KEY=VALUE, over the file: viewer.port=8090, say").one_each();
   if (const auto status = line.read(argc, argv)) return *status;
 
-  try {
-    EventLoop loop;  // before the web server's thread
-    auto config = config_of<viewer::ViewerConfig>("viewer", kProcessSections, options.config, options.assignments);
-    // Beside the viewer of a vehicle, which has the first port, and beside others of its own kind.
-    if (!line.given("--config") && config.ports == 1) config.ports = 20;
-    const bool is_map = is_map_file(options.files[0]);
-    if (is_map && options.files.size() > 1) throw std::runtime_error("one map at a time");
+  EventLoop loop;  // before the web server's thread
+  auto config = config_of<viewer::ViewerConfig>("viewer", kProcessSections, options.config, options.assignments);
+  // Beside the viewer of a vehicle, which has the first port, and beside others of its own kind.
+  if (!line.given("--config") && config.ports == 1) config.ports = 20;
+  const bool is_map = is_map_file(options.files[0]);
+  if (is_map && options.files.size() > 1) throw std::runtime_error("one map at a time");
 
-    LocalBus bus;
-    std::unique_ptr<Playing> playing;
-    if (!is_map) playing = std::make_unique<Playing>(options.files, options.speed, bus);
-    viewer::web::WebServer server(viewer::web_settings(config));
-    viewer::ViewerNode::Source source{.kind = is_map ? "map" : "replay", .title = title_of(options.files)};
-    viewer::ViewerNode* shown = nullptr;
-    if (playing) source.on_order = [&](const auto& order) { playing->obey(order, *shown); };
-    viewer::ViewerNode node(config, bus, server, source);
-    shown = &node;
-    node.connect(bus);
-    std::optional<viewer::web::WebServer> door;
-    std::optional<viewer::FoxgloveNode> foxglove;
-    if (config.foxglove_port != 0) {
-      door.emplace(viewer::door_settings(config));
-      foxglove.emplace(config, node, *door, std::to_string(wall_clock()));
-      foxglove->connect(bus);
-      fmt::print("view: for Foxglove: ws://{}:{}\n", config.address, door->port());
-    }
-    node.tick(wall_clock());
-    if (playing && options.from > 0) playing->obey({.pause = {}, .speed = {}, .position = options.from}, node);
-    if (is_map) show_saved_map(options.files[0], wall_clock(), node);
-    fmt::print("view: {}{}\n", viewer::page_address(config, server.port()),
-               playing && playing->drive().makes_map() ? " (the log has no map: it is made from the sensors)" : "");
-    std::fflush(stdout);
-    serve(loop, bus, node, playing.get(), foxglove ? &*foxglove : nullptr);
-  } catch (const ConfigError& error) {
-    fmt::print(stderr, "curbstone view: {}\n", error.what());
-    return 2;
+  LocalBus bus;
+  std::unique_ptr<Playing> playing;
+  if (!is_map) playing = std::make_unique<Playing>(options.files, options.speed, bus);
+  viewer::web::WebServer server(viewer::web_settings(config));
+  viewer::ViewerNode::Source source{.kind = is_map ? "map" : "replay", .title = title_of(options.files)};
+  viewer::ViewerNode* shown = nullptr;
+  if (playing) source.on_order = [&](const auto& order) { playing->obey(order, *shown); };
+  viewer::ViewerNode node(config, bus, server, source);
+  shown = &node;
+  node.connect(bus);
+  std::optional<viewer::web::WebServer> door;
+  std::optional<viewer::FoxgloveNode> foxglove;
+  if (config.foxglove_port != 0) {
+    door.emplace(viewer::door_settings(config));
+    foxglove.emplace(config, node, *door, std::to_string(wall_clock()));
+    foxglove->connect(bus);
+    fmt::print("view: for Foxglove: ws://{}:{}\n", config.address, door->port());
   }
+  node.tick(wall_clock());
+  if (playing && options.from > 0) playing->obey({.pause = {}, .speed = {}, .position = options.from}, node);
+  if (is_map) show_saved_map(options.files[0], wall_clock(), node);
+  fmt::print("view: {}{}\n", viewer::page_address(config, server.port()),
+             playing && playing->drive().makes_map() ? " (the log has no map: it is made from the sensors)" : "");
+  std::fflush(stdout);
+  serve(loop, bus, node, playing.get(), foxglove ? &*foxglove : nullptr);
   return 0;
 }
 

@@ -15,6 +15,7 @@
 #include "tools/bench/voting/pair_count.hpp"
 #include "tools/bench/voting/pcl_normals.hpp"
 #include "tools/bench/voting/voting_bench.hpp"
+#include "tools/command/run_subcommand.hpp"
 
 namespace curbstone::bench {
 namespace {
@@ -114,7 +115,8 @@ class BenchVoting : public ::testing::Test {
     for (std::string& a : arguments) argv.push_back(a.data());
     ::testing::internal::CaptureStdout();
     ::testing::internal::CaptureStderr();
-    const int status = voting::run_bench_voting(static_cast<int>(argv.size()), argv.data());
+    const int status =
+        command::run_subcommand("bench voting", voting::run_bench_voting, static_cast<int>(argv.size()), argv.data());
     table_ = ::testing::internal::GetCapturedStdout();
     error_ = ::testing::internal::GetCapturedStderr();
     return status;

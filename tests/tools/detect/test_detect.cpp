@@ -1,3 +1,4 @@
+#include "tools/command/run_subcommand.hpp"
 #include "tools/detect/detect.hpp"
 
 #include <gmock/gmock.h>
@@ -56,7 +57,7 @@ class DetectTest : public ::testing::Test {
     ::testing::internal::CaptureStdout();
     ::testing::internal::CaptureStderr();
     Result result;
-    result.status = run_detect(static_cast<int>(argv.size()), argv.data());
+    result.status = command::run_subcommand("detect", run_detect, static_cast<int>(argv.size()), argv.data());
     ::testing::internal::GetCapturedStdout();
     result.error = ::testing::internal::GetCapturedStderr();
     return result;

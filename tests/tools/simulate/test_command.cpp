@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/temporary_folder.hpp"
+#include "tools/command/run_subcommand.hpp"
 #include "tools/simulate/simulate.hpp"
 
 namespace curbstone::simulate {
@@ -23,7 +24,7 @@ Outcome run(std::vector<std::string> arguments) {
   for (auto& argument : arguments) argv.push_back(argument.data());
   ::testing::internal::CaptureStderr();
   ::testing::internal::CaptureStdout();
-  const int status = run_simulate(static_cast<int>(argv.size()), argv.data());
+  const int status = command::run_subcommand("simulate", run_simulate, static_cast<int>(argv.size()), argv.data());
   ::testing::internal::GetCapturedStdout();
   return {status, ::testing::internal::GetCapturedStderr()};
 }

@@ -311,20 +311,10 @@ int run_bench_curbs(int argc, char** argv) {
   line.option("--pictures", arguments.pictures, "Folder for pictures of what was found");
   line.option("--json", arguments.json, "Write the figures here, for programs");
   if (const auto status = line.read(argc, argv)) return *status;
-  try {
-    for (const std::string& assignment : arguments.assignments) set_config_value(assignment, config);
-  } catch (const ConfigError& error) {
-    fmt::print(stderr, "curbstone bench curbs: {}\n", error.what());
-    return 2;
-  }
+  for (const std::string& assignment : arguments.assignments) set_config_value(assignment, config);
   arguments.options.curb = config.value.curb;
   arguments.options.classes = config.value.classes;
-  try {
-    bench(arguments);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "curbstone bench curbs: {}\n", error.what());
-    return 1;
-  }
+  bench(arguments);
   return 0;
 }
 

@@ -234,12 +234,7 @@ int run_bench_localisation(int argc, char** argv) {
   line.option("--json", options.json, "Write the figures here, for programs");
   if (const auto status = line.read(argc, argv)) return *status;
   if (options.truth.empty() != options.map_truth.empty()) return line.refuse("--truth and --map-truth belong together");
-  try {
-    return measure(options);
-  } catch (const ConfigError& error) {
-    fmt::print(stderr, "curbstone bench localisation: {}\n", error.what());
-    return 2;
-  }
+  return measure(options);
 }
 
 }  // namespace curbstone::bench::localisation

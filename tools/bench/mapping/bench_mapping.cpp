@@ -179,22 +179,14 @@ int run_bench_mapping(int argc, char** argv) {
     if (std::find(known.begin(), known.end(), method) == known.end())
       return line.refuse(fmt::format("--methods: nothing is called '{}'", method));
   }
-  try {
-    if (options.loop > 0) {
-      run_loops(options);
-      return 0;
-    }
-    const std::vector<MappingResult> results = run_drives(options);
-    fmt::print("\n{}", mapping_maps(results));
-    if (!options.json.empty()) write_mapping_json(results, options.json);
-    return results.empty() ? 1 : 0;
-  } catch (const ConfigError& error) {
-    fmt::print(stderr, "curbstone bench mapping: {}\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "curbstone bench mapping: {}\n", error.what());
-    return 1;
+  if (options.loop > 0) {
+    run_loops(options);
+    return 0;
   }
+  const std::vector<MappingResult> results = run_drives(options);
+  fmt::print("\n{}", mapping_maps(results));
+  if (!options.json.empty()) write_mapping_json(results, options.json);
+  return results.empty() ? 1 : 0;
 }
 
 }  // namespace curbstone::bench::mapping

@@ -236,19 +236,9 @@ int run_bench_markings(int argc, char** argv) {
   line.option("--pictures", arguments.pictures, "Folder for pictures of what was found");
   line.option("--json", arguments.json, "Write the figures here, for programs");
   if (const auto status = line.read(argc, argv)) return *status;
-  try {
-    for (const std::string& assignment : arguments.assignments) set_config_value(assignment, config);
-  } catch (const ConfigError& error) {
-    fmt::print(stderr, "curbstone bench markings: {}\n", error.what());
-    return 2;
-  }
+  for (const std::string& assignment : arguments.assignments) set_config_value(assignment, config);
   arguments.options.markings = config.value.markings;
-  try {
-    bench(arguments);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "curbstone bench markings: {}\n", error.what());
-    return 1;
-  }
+  bench(arguments);
   return 0;
 }
 

@@ -8,6 +8,7 @@
 
 #include "tests/temporary_folder.hpp"
 #include "tools/bench/drivers/driver_rates.hpp"
+#include "tools/command/run_subcommand.hpp"
 
 namespace curbstone::bench::drivers {
 namespace {
@@ -33,7 +34,9 @@ TEST(BenchDrivers, WritesTheFiguresOfEachDevice) {
                                     "--min-time", "0.001",     "--json", json};
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
-  ASSERT_EQ(run_bench_drivers(static_cast<int>(arguments.size()), arguments.data()), 0);
+  ASSERT_EQ(
+      command::run_subcommand("bench drivers", run_bench_drivers, static_cast<int>(arguments.size()), arguments.data()),
+      0);
   const auto figures = nlohmann::json::parse(std::ifstream(json));
   for (const char* name : {"rs16", "vlp16", "helios16p", "helios32"})
     EXPECT_GT(figures["lidar"][name]["decode_times_real"], 1) << name;
@@ -45,7 +48,9 @@ TEST(BenchDrivers, SaysWhatIsWrongWithACapture) {
   std::vector<std::string> words = {"drivers", "--seconds", "0.2", "--rounds", "1", "--capture", "/nowhere.pcap"};
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
-  EXPECT_EQ(run_bench_drivers(static_cast<int>(arguments.size()), arguments.data()), 1);
+  EXPECT_EQ(
+      command::run_subcommand("bench drivers", run_bench_drivers, static_cast<int>(arguments.size()), arguments.data()),
+      1);
 }
 
 }  // namespace

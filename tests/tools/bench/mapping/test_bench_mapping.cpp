@@ -12,6 +12,7 @@
 #include "tools/bench/mapping/drives/scan_drive.hpp"
 #include "tools/bench/mapping/drives/town_drive.hpp"
 #include "tools/bench/mapping/mapping_run.hpp"
+#include "tools/command/run_subcommand.hpp"
 
 namespace curbstone::bench::mapping {
 namespace {
@@ -26,7 +27,7 @@ int bench(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "mapping");
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
-  return run_bench_mapping(static_cast<int>(argv.size()), argv.data());
+  return command::run_subcommand("bench mapping", run_bench_mapping, static_cast<int>(argv.size()), argv.data());
 }
 
 /// 72 m of a real street on ten beams, the LiDAR alone: what the best of the peers reach is a t_rel of 0.23 to 0.31 %

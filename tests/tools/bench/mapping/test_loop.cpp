@@ -7,6 +7,7 @@
 #include "tests/temporary_folder.hpp"
 #include "tools/bench/mapping/bench_mapping.hpp"
 #include "tools/bench/mapping/loop_run.hpp"
+#include "tools/command/run_subcommand.hpp"
 
 namespace curbstone::bench::mapping {
 namespace {
@@ -60,7 +61,7 @@ TEST(LoopCommand, RefusesWrongUse) {
     arguments.insert(arguments.begin(), "mapping");
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
-    return run_bench_mapping(static_cast<int>(argv.size()), argv.data());
+    return command::run_subcommand("bench mapping", run_bench_mapping, static_cast<int>(argv.size()), argv.data());
   };
   EXPECT_EQ(bench({"--opposite"}), 2);
   EXPECT_EQ(bench({"--hours", "1"}), 2);
