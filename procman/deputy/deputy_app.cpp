@@ -173,6 +173,7 @@ void DeputyApp::tick() {
 void DeputyApp::on_status(const service_status_t& status) {
   if (status.host != host_name() || std::abs(wall_clock() - std::max<std::int64_t>(status.utime, 0)) > kOldStatus)
     return;
+  if (status.service == "deputy:" + options_.id) heartbeats_.hear_itself(steady_clock());
   heartbeats_.hear(status.service, status.fault.empty(), steady_clock());
 }
 
@@ -223,6 +224,8 @@ void DeputyApp::publish_status(std::int64_t now) {
   report.counters.set("commands.starts", starts);
   report.counters.set("commands.running", running);
   report.faults = alarms_.faults(supervisor_.commands(), now);
+  if (heartbeats_.is_deaf(now))
+    report.faults.emplace_back("the bus carries nothing: curbstone doctor finds the reason");
   for (const auto& [id, seconds] : heartbeats_.quiet(now)) {
     if (const process::CommandState* state = supervisor_.find(id); state == nullptr || state->stopping) continue;
     report.faults.push_back(

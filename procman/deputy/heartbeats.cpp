@@ -24,8 +24,12 @@ void Heartbeats::hear(const std::string& id, bool faultless, std::int64_t now) {
 }
 
 std::vector<std::string> Heartbeats::take_silent(std::int64_t now) {
-  const std::int64_t pause = looked_ == 0 || now - looked_ < kLooks ? 0 : now - looked_;
+  const bool deaf = is_deaf(now);
+  const bool paused = looked_ != 0 && now - looked_ >= kLooks;
+  const std::int64_t deaf_since = was_deaf_ ? looked_ : itself_;
+  const std::int64_t pause = deaf ? now - deaf_since : paused ? now - looked_ : 0;
   looked_ = now;
+  was_deaf_ = deaf;
   std::vector<std::string> silent;
   for (auto& [id, life] : lives_) {
     life.heard += pause;
@@ -39,6 +43,7 @@ std::vector<std::string> Heartbeats::take_silent(std::int64_t now) {
 
 std::vector<std::pair<std::string, double>> Heartbeats::quiet(std::int64_t now) const {
   std::vector<std::pair<std::string, double>> all;
+  if (is_deaf(now)) return all;
   for (const auto& [id, life] : lives_) {
     if (life.alive && !life.taken && now - life.heard > kQuiet)
       all.emplace_back(id, static_cast<double>(now - life.heard) * 1e-6);

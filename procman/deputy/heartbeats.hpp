@@ -21,12 +21,17 @@ class Heartbeats {
   /// Its status has come.
   void hear(const std::string& id, bool faultless, std::int64_t now);
 
+  /// The deputy hears on the bus what it said itself, once a second. Once it did, the time in which it does not is held
+  /// against nobody: the bus is silent, and not the commands.
+  void hear_itself(std::int64_t now) { itself_ = now; }
+  [[nodiscard]] bool is_deaf(std::int64_t now) const { return itself_ != 0 && now - itself_ > kQuiet; }
+
   /// Ids of commands that have been silent for too long, each once a life. To be called often: the time in which it was
   /// not called, because the deputy itself had no CPU, is not held against them.
   [[nodiscard]] std::vector<std::string> take_silent(std::int64_t now);
 
   /// Those that have spoken in this life and have been silent for longer than kQuiet, and for how long, s. They may be
-  /// stopped, or get no CPU; they are left alone until their patience is over.
+  /// stopped, or get no CPU; they are left alone until their patience is over. None where the deputy is deaf.
   static constexpr std::int64_t kQuiet = 2'500'000;  ///< us; statuses come at 1 Hz
   [[nodiscard]] std::vector<std::pair<std::string, double>> quiet(std::int64_t now) const;
 
@@ -45,6 +50,8 @@ class Heartbeats {
   };
   std::map<std::string, Life> lives_;  // of commands that are watched
   std::int64_t looked_ = 0;            // us
+  std::int64_t itself_ = 0;            // us
+  bool was_deaf_ = false;              // at the last look
 };
 
 }  // namespace curbstone::procman::deputy

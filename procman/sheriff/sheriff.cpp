@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::int64_t kPlayedInfo = 30'000'000;   // us
 constexpr std::int64_t kPlayedOrders = 5'000'000;  // us
+constexpr std::int64_t kSilence = 5'000'000;       // us: what somebody said before is not the present
 constexpr std::int64_t kStands = 1'000'000;        // us that a process lives before its start counts as one
 
 /// Any bytes may stand in a message's time.
@@ -44,7 +45,10 @@ void Sheriff::on(const procman_lcm::deputy_info_t& info, std::int64_t now) {
   for (const auto& status : info.cmds) {
     Known& known = commands_[status.cmd.command_id];
     const std::int32_t before = known.status.pid;
-    if (!known.deputy.empty() && status.pid != 0 && status.pid != before) ++known.restarts;
+    const bool is_anothers = !known.deputy.empty() && known.deputy != info.deputy_id;
+    if (is_anothers && now - known.reported_at < kSilence)
+      twice_[std::minmax(known.deputy, info.deputy_id)][status.cmd.command_id] = now;
+    if (!known.deputy.empty() && !is_anothers && status.pid != 0 && status.pid != before) ++known.restarts;
     if (status.pid != before) {
       known.heard_at = 0;
       known.faults.clear();
@@ -61,10 +65,26 @@ void Sheriff::on(const procman_lcm::deputy_info_t& info, std::int64_t now) {
 }
 
 void Sheriff::on(const service_status_t& status, std::int64_t now) {
+  if (status.service.starts_with("deputy:")) deputies_[status.service] = {status.fault, now};
   const auto found = commands_.find(status.service);
   if (found == commands_.end()) return;
   found->second.heard_at = now;
   found->second.faults = status.fault;
+}
+
+std::vector<std::string> Sheriff::notes(std::int64_t now) const {
+  std::vector<std::string> notes;
+  for (const auto& [deputies, commands] : twice_) {
+    const auto count = std::ranges::count_if(commands, [&](const auto& seen) { return now - seen.second < kSilence; });
+    if (count > 0)
+      notes.push_back(fmt::format("deputies {} and {} both have {} of these commands: two stacks on one bus",
+                                  deputies.first, deputies.second, count));
+  }
+  for (const auto& [deputy, said] : deputies_) {
+    if (now - said.at >= kSilence) continue;
+    for (const std::string& fault : said.faults) notes.push_back(fmt::format("{}: {}", deputy, fault));
+  }
+  return notes;
 }
 
 void Sheriff::on(const procman_lcm::orders_t& orders, std::int64_t now) {

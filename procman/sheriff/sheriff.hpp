@@ -8,6 +8,7 @@
 #include <procman_lcm/deputy_info_t.hpp>
 #include <procman_lcm/orders_t.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace curbstone::procman::sheriff {
@@ -62,6 +63,9 @@ class Sheriff {
 
   /// By id.
   [[nodiscard]] const std::map<std::string, Known>& commands() const { return commands_; }
+  /// What no command says of itself, a line each: the deputies' own faults (a command that hangs, or whose
+  /// configuration is wrong), and how many commands two deputies run under one name.
+  [[nodiscard]] std::vector<std::string> notes(std::int64_t now) const;
   /// Another sheriff that has given orders, or came earlier and will, in its own words; empty if none.
   [[nodiscard]] const std::string& other() const { return other_; }
 
@@ -77,7 +81,14 @@ class Sheriff {
   std::string id_;
   std::int64_t begun_;
   std::string other_;
+  struct Said {
+    std::vector<std::string> faults;
+    std::int64_t at = 0;  // us
+  };
   std::map<std::string, Known> commands_;
+  std::map<std::string, Said> deputies_;  // by service: "deputy:ID"
+  std::map<std::pair<std::string, std::string>, std::map<std::string, std::int64_t>>
+      twice_;  // by two deputies: commands of both, and when they were seen last, us
   std::map<std::string, Wish> wishes_;
 };
 

@@ -97,7 +97,10 @@ int SheriffApp::say_conflict() const {
 }
 
 std::vector<std::string> SheriffApp::picture(const TextStyle& style) const {
-  std::vector<std::string> lines = status_table(sheriff_.commands(), wall_clock(), style);
+  const std::int64_t now = wall_clock();
+  std::vector<std::string> lines = status_table(sheriff_.commands(), now, style);
+  for (const std::string& note : sheriff_.notes(now))
+    lines.push_back(styled_line(printable(note), Colour::kWarning, style));
   if (!sheriff_.other().empty())
     lines.insert(lines.begin(), styled_line("orders come from " + sheriff_.other(), Colour::kWarning, style));
   return lines;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 namespace curbstone::mapper {
@@ -39,11 +38,11 @@ Mapper::Mapper(const config::MapperConfig& config)
       local_map_(atlas_, tracker_),
       closer_(config.loop),
       finder_(config.registration.icp, config.vehicle.T_base_lidar().translation()),
-      dense_(config.dense, config.vehicle.T_base_lidar(), config.threads > 1),
-      start_hold_(config.dense.start_hold_s) {}
+      dense_(std::make_unique<dense_map::DenseWorker>(config.dense, config.vehicle.T_base_lidar(), config.threads > 1)),
+      start_(config.dense, config.vehicle.T_base_lidar(), config.threads > 1) {}
 
 void Mapper::load(const storage::SavedMap& map) {
-  for (const storage::SavedTile& tile : map.tiles) dense_.load(tile.key, tile.z_origin, tile.utime, tile.points);
+  for (const storage::SavedTile& tile : map.tiles) dense_->load(tile.key, tile.z_origin, tile.utime, tile.points);
   for (const scan::Keyframe& node : map.nodes) atlas_.add_known(node);
   for (const pose_graph::PoseEdge& edge : map.edges) atlas_.add_known(edge);
   scale_.restore(map.rings);
@@ -69,8 +68,8 @@ void Mapper::resume(journal::RecordedDrive drive) {
   }
   for (const pose_graph::PoseEdge& edge : drive.edges) atlas_.add_known(edge);
   for (auto& [key, tile] : drive.tiles) {
-    dense_.restore(key, tile.z_origin, std::move(tile.records), std::move(tile.runs),
-                   left_off_->T_map_base.translation());
+    dense_->restore(key, tile.z_origin, std::move(tile.records), std::move(tile.runs),
+                    left_off_->T_map_base.translation());
   }
   for (const journal::RecordedPose& pose : drive.poses) {
     const Pose T_odom_base = pose.T_map_odom.inverse() * pose.T_map_base;
@@ -104,7 +103,7 @@ void Mapper::take_up(const journal::RecordedPose& last, const scan::Scan& scan, 
 }
 
 storage::MapSnapshot Mapper::snapshot(std::int32_t epoch, const storage::MapVersions& on_disk) const {
-  storage::MapSnapshot snapshot = storage::take_snapshot(dense_.map(), atlas_, config_.dense.voxel, epoch, on_disk);
+  storage::MapSnapshot snapshot = storage::take_snapshot(dense_->map(), atlas_, config_.dense.voxel, epoch, on_disk);
   snapshot.map.rings = scale_.basis();
   snapshot.versions.rings = scale_.basis().scans;
   return snapshot;
@@ -142,6 +141,7 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   update.standing_since = standstill_.began;
   update.has_moved = standstill_.has_moved;
   update.rearranged = (relocalised && relocalised->rolled_back) || (mapped && mapped->rearranged);
+  update.start_is_over = mapped && mapped->start_is_over;
   return update;
 }
 
@@ -173,7 +173,8 @@ bool Mapper::roll_back_to_agreement(const Pose& T_map_base, std::int64_t utime,
   if (!good_until) return false;
   counters_.add("rolled_back");
   atlas_.roll_back(*good_until);
-  dense_.roll_back(*good_until);
+  dense_->roll_back(*good_until);
+  start_.end();
   trajectory_.roll_back(*good_until);
   finder_.forget();
   return true;
@@ -200,7 +201,8 @@ Mapper::Mapped Mapper::map(const tracking::Tracked& tracked) {
   local_map_.follow(T_map_base.translation());
   const bool began_anew = drop_removals();
   grow(tracked, T_map_base, anchor, std::move(earlier));
-  return {T_map_base, stands, correction.has_value() || began_anew};
+  const bool start_is_over = dense_began_ != 0 && start_.gives_way(dense_began_, tracked.utime);
+  return {T_map_base, stands, correction.has_value() || began_anew, start_is_over};
 }
 
 /// Back at a place of long ago: the whole drive is put right, and the map with it. How the vehicle moves, T_new_old;
@@ -214,7 +216,8 @@ std::optional<Pose> Mapper::close_loop(const tracking::Tracked& tracked) {
   if (!closer_.matters(*correction, atlas_)) return std::nullopt;
   const Pose& here = correction->T_new_old[static_cast<std::size_t>(atlas_.reference())];
   atlas_.move(correction->T_new_old);
-  dense_.move(correction->T_new_old);
+  dense_->move(correction->T_new_old);
+  start_.end();
   earlier_.reset();
   standstill_ = standstill_.corrected(here);
   local_map_.rebuild(normalised(here * tracked.T_map_base), atlas_.reference());
@@ -223,28 +226,49 @@ std::optional<Pose> Mapper::close_loop(const tracking::Tracked& tracked) {
 
 /// The tiles begin anew, without their records of what has gone, once those are too many. Whether they did.
 bool Mapper::drop_removals() {
-  dense_.wait_grown();
-  if (dense_.num_removals() < kMostRemovals) return false;
-  dense_.move({});
+  dense_->wait_grown();
+  if (dense_->num_removals() < kMostRemovals) return false;
+  dense_->move({});
   return true;
 }
 
-/// What the scan shows goes into the dense map, while the next one is awaited and registered.
+/// What the scan shows goes into the dense map, while the next one is awaited and registered. The first standstill has
+/// a map of its own; beside a map that is known already nobody needs that.
 void Mapper::grow(const tracking::Tracked& tracked, const Pose& T_map_base, int anchor,
                   std::vector<Insertion> earlier) {
-  const bool add_new = scan::seconds(standstill_.since, tracked.utime) < config_.dense.standing_s;
-  std::vector<Insertion> admitted =
-      start_hold_.admit({tracked.points, T_map_base, tracked.utime, anchor, add_new}, standstill_);
+  if (config_.dense.ring_scale) scale_.learn(*tracked.points, T_map_base);
+  const bool at_start = start_.takes(standstill_, tracked.utime);
+  if (at_start && config_.mode != config::MapMode::kMap) return;
+  if (!at_start && !standstill_.has_moved) stay_at_start();
+  const std::int64_t began = at_start ? start_.began() : dense_began_;
+  if (began == 0) earlier_.reset();
+  const std::int64_t stands_since = began == 0 ? tracked.utime : std::max(standstill_.since, began);
+  const bool add_new = scan::seconds(stands_since, tracked.utime) < config_.dense.standing_s;
+
   dense_map::DenseWork work{std::move(earlier), std::nullopt};
-  if (!admitted.empty()) {
-    work.look = look_after(std::exchange(earlier_, Earlier{T_map_base, tracked.utime}), T_map_base, tracked.utime);
-    std::move(admitted.begin(), admitted.end(), std::back_inserter(work.insertions));
-  }
-  if (config_.dense.ring_scale) {  // what was held has the newest scale, too
-    scale_.learn(*tracked.points, T_map_base);
+  work.insertions.push_back({tracked.points, T_map_base, tracked.utime, anchor, add_new});
+  work.look = look_after(std::exchange(earlier_, Earlier{T_map_base, tracked.utime}), T_map_base, tracked.utime);
+  if (config_.dense.ring_scale) {
     for (Insertion& insertion : work.insertions) insertion.scale = scale_.table();
   }
-  if (!work.insertions.empty()) dense_.begin(std::move(work));
+  if (at_start) {
+    start_.map().begin(std::move(work));
+    start_.grew(tracked.utime);
+  } else {
+    dense_->begin(std::move(work));
+    if (dense_began_ == 0) dense_began_ = tracked.utime;
+  }
+}
+
+/// The vehicle has not moved, and what it sees from there is all that there is.
+void Mapper::stay_at_start() {
+  const std::int64_t began = start_.began();
+  std::unique_ptr<dense_map::DenseWorker> map = start_.hand_over();
+  if (!map) return;
+  map->wait_grown();
+  map->note_all_changed();
+  dense_ = std::move(map);
+  dense_began_ = began;
 }
 
 /// What has left is taken out. Only points that are where registration sees their surroundings can be judged.
@@ -262,20 +286,38 @@ std::optional<dense_map::DenseWork::Look> Mapper::look_after(const std::optional
   return look;
 }
 
+void Mapper::use_the_pause() {
+  if (start_.is_there()) start_.map().look();
+  dense_->look();
+}
+
+void Mapper::wait_grown() {
+  if (start_.is_there()) start_.map().wait_grown();
+  dense_->wait_grown();
+}
+
+void Mapper::wait() {
+  if (start_.is_there()) start_.map().wait();
+  dense_->wait();
+}
+
+bool Mapper::show_drive() {
+  if (!standstill_.has_moved) stay_at_start();
+  const bool was_another = start_.is_shown();
+  start_.end();
+  return was_another;
+}
+
 std::vector<TileKey> Mapper::finish() {
-  std::vector<Insertion> held = start_hold_.release();
-  if (config_.dense.ring_scale) {
-    for (Insertion& insertion : held) insertion.scale = scale_.table();
-  }
-  if (!held.empty()) dense_.begin({std::move(held), std::nullopt});
-  std::vector<TileKey> changed = dense_.finish();
-  for (const TileKey& key : dense_.take_changed()) changed.push_back(key);
+  (void)show_drive();
+  std::vector<TileKey> changed = dense_->finish();
+  for (const TileKey& key : dense_->take_changed()) changed.push_back(key);
   return changed;
 }
 
 Counters Mapper::counters() const {
   Counters all = counters_;
-  for (const Counters* part : {&tracker_.counters(), &closer_.counters(), &scale_.counters(), &dense_.counters()}) {
+  for (const Counters* part : {&tracker_.counters(), &closer_.counters(), &scale_.counters(), &dense_->counters()}) {
     for (const auto& [name, value] : part->values()) all.add(name, value);
   }
   return all;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -18,7 +19,7 @@
 #include "services/mapper/scan/odometry_history.hpp"
 #include "services/mapper/scan/scan.hpp"
 #include "services/mapper/standstill.hpp"
-#include "services/mapper/start_hold.hpp"
+#include "services/mapper/start_map.hpp"
 #include "services/mapper/storage/map_snapshot.hpp"
 #include "services/mapper/storage/saved_map.hpp"
 #include "services/mapper/tracking/tracker.hpp"
@@ -40,12 +41,13 @@ struct MapperUpdate {
   std::int64_t standing_since = 0;  ///< us, when the drive's first standstill began,
   bool has_moved = false;           ///< and whether it is over
   bool rearranged = false;          ///< a loop was closed, or the map rolled back: every tile may be another
+  bool start_is_over = false;       ///< so it may be: the first standstill's map gives way to the drive's own
 };
 
 /// The mapper's method: track each scan, relocalise if lost, map what fits. The drive is remembered as a graph of
 /// keyframes whose loops are closed, and as the dense map. A function of the sequence of calls alone. Pure; one thread
 /// calls. With `threads: 2` the dense map is worked on beside it: see DenseWorker. Whoever asks for that map waits for
-/// it first.
+/// it first. Two maps may be worked on: that of the first standstill, which is shown, and the drive's: see StartMap.
 ///
 /// Counters: those of Tracker, LoopCloser, RingScale and DenseMap (these when it was last waited for); searches (for
 /// where the vehicle is, while lost), searches.found, rolled_back, resumed (a drive that another began), resumed.lost
@@ -66,23 +68,35 @@ class Mapper {
   /// measurements: see Tracker::track(). Such changes nothing.
   [[nodiscard]] std::optional<MapperUpdate> process(const scan::Scan& scan, const scan::OdometryHistory& odometry);
   /// Nobody waits for anything: begins to look for what has left the dense map. Else process() does it first.
-  void use_the_pause() { dense_.look(); }
-  /// The drive is over: what still waits goes into the dense map. Tiles that have changed since take_changed().
+  void use_the_pause();
+  /// The drive ends: its own map is shown from now on. True if another was, and every tile may be another.
+  [[nodiscard]] bool show_drive();
+  /// The drive is over: what still waits goes into its map, which is shown. Tiles that have changed since
+  /// take_changed().
   [[nodiscard]] std::vector<TileKey> finish();
 
   /// Waits until the dense map has grown by all scans. What has left may be in it still.
-  void wait_grown() { dense_.wait_grown(); }
+  void wait_grown();
   /// Waits until the dense map is what all scans make of it.
-  void wait() { dense_.wait(); }
-  /// After wait_grown(), wait() or finish(); else std::logic_error.
-  [[nodiscard]] const dense_map::DenseMap& grown() const { return dense_.grown(); }
+  void wait();
+  /// The first standstill, and until the drive's own map is shown.
+  [[nodiscard]] bool is_at_start() const { return start_.is_there(); }
+  /// Whether the map of the first standstill is shown, which the drive's own is not: see shown().
+  [[nodiscard]] bool shows_start() const { return start_.is_shown(); }
+  /// What listeners are told of: grown(), but for the beginning of a drive. After wait_grown(), wait() or finish();
+  /// else std::logic_error.
+  [[nodiscard]] const dense_map::DenseMap& shown() { return shown_map().grown(); }
+  /// The drive's own. After wait_grown(), wait() or finish(); else std::logic_error.
+  [[nodiscard]] const dense_map::DenseMap& grown() const { return dense_->grown(); }
   /// After wait() or finish(); else std::logic_error.
-  [[nodiscard]] const dense_map::DenseMap& dense() const { return dense_.map(); }
-  /// Tiles that have changed since the last call, so far as they have been waited for; each may be there more than
-  /// once.
-  [[nodiscard]] std::vector<TileKey> take_changed() { return dense_.take_changed(); }
+  [[nodiscard]] const dense_map::DenseMap& dense() const { return dense_->map(); }
+  /// Tiles of grown() that have changed since the last call, so far as they have been waited for; each may be there
+  /// more than once.
+  [[nodiscard]] std::vector<TileKey> take_changed() { return dense_->take_changed(); }
+  /// The same of shown(), where that is another map.
+  [[nodiscard]] std::vector<TileKey> take_changed_of_start() { return start_.map().take_changed(); }
   /// Tiles that were given up for memory since the last call. After wait_grown().
-  [[nodiscard]] std::vector<TileKey> take_evicted() { return dense_.take_evicted(); }
+  [[nodiscard]] std::vector<TileKey> take_evicted() { return dense_->take_evicted(); }
 
   /// All that outlives the drive. After wait() or finish().
   [[nodiscard]] storage::SavedMap saved(std::int32_t epoch) const { return snapshot(epoch, {}).map; }
@@ -116,6 +130,7 @@ class Mapper {
     Pose T_map_base;
     bool stands;  ///< where odometry does not say whether it does
     bool rearranged;
+    bool start_is_over = false;
   };
   /// A scan that went into the dense map.
   struct Earlier {
@@ -132,6 +147,8 @@ class Mapper {
   [[nodiscard]] bool drop_removals();
   void grow(const tracking::Tracked& tracked, const Pose& T_map_base, int anchor,
             std::vector<dense_map::DenseWork::Insertion> earlier);
+  void stay_at_start();
+  [[nodiscard]] dense_map::DenseWorker& shown_map() { return start_.is_shown() ? start_.map() : *dense_; }
   [[nodiscard]] std::optional<dense_map::DenseWork::Look> look_after(const std::optional<Earlier>& earlier,
                                                                      const Pose& T_map_base, std::int64_t utime) const;
 
@@ -141,9 +158,10 @@ class Mapper {
   LocalMap local_map_;
   pose_graph::LoopCloser closer_;
   pose_graph::Relocalizer finder_;
-  dense_map::DenseWorker dense_;
+  std::unique_ptr<dense_map::DenseWorker> dense_;  // never null
+  std::int64_t dense_began_ = 0;                   // us, its first scan of this process
   intensity::RingScale scale_;
-  StartHold start_hold_;
+  StartMap start_;
   Trajectory trajectory_;
   Standstill standstill_;
   std::optional<Earlier> earlier_;                 // unless the map has been rearranged since

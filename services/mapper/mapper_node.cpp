@@ -7,24 +7,19 @@
 #include <curbstone/map_pose_t.hpp>
 #include <utility>
 
-#include "common/config/config.hpp"
 #include "common/resend/message_keeper.hpp"
 #include "common/time/clock.hpp"
 #include "common/time/microseconds.hpp"
-#include "services/mapper/journal/journal_file.hpp"
 #include "services/mapper/scan/odometry_intake.hpp"
-#include "services/mapper/storage/map_folder.hpp"
 
 namespace curbstone::mapper {
 namespace {
 
 constexpr std::size_t kMaxPending = 80;  // scans that wait for odometry; 20 Hz: 4 s
 constexpr std::int64_t kIndexPeriod = 1'000'000;
-constexpr std::int64_t kToldFor = 60'000'000;      // us of the drive, that a new map began
-constexpr std::int64_t kSettling = 1'200'000;      // us, until all that was seen has its place in the dense map
-constexpr std::int64_t kOdometryBefore = 100'000;  // us, of the first scan
-constexpr double kNextWait = 0.25;                 // s
-constexpr int kOdometryMissing = 5;                // scans in a row: the last ones of a drive have none to their end
+constexpr std::int64_t kToldFor = 60'000'000;  // us of the drive, that a new map began
+constexpr double kNextWait = 0.25;             // s
+constexpr int kOdometryMissing = 5;            // scans in a row: the last ones of a drive have none to their end
 
 std::vector<journal::RecordedPose> recorded(const std::vector<TrajectoryPoint>& drive) {
   std::vector<journal::RecordedPose> poses;
@@ -53,51 +48,6 @@ MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
       mapper_(config) {
   if (!config_.folder.empty() && config_.mode != config::MapMode::kLocalise) saver_.emplace(config_.folder);
   if (!resume_drive() && config_.mode != config::MapMode::kMap) begin_map();
-}
-
-/// With the map of an earlier drive.
-void MapperNode::begin_map() {
-  const storage::SavedMap map = storage::load_map(config_.folder);
-  if (std::abs(map.voxel - config_.dense.voxel) > 1e-9) {
-    throw storage::MapFolderError(fmt::format("{}: its voxels are {} m, those of the configuration {}", config_.folder,
-                                              map.voxel, config_.dense.voxel));
-  }
-  if (map.nodes.empty()) throw storage::MapFolderError(config_.folder + ": holds no nodes to find the vehicle by");
-  epoch_before_ = map.epoch;
-  mapper_.load(map);
-}
-
-/// Whether there is a drive that a mapper was killed in, a moment ago.
-bool MapperNode::resume_drive() {
-  if (config_.journal.empty()) return false;
-  ConfigOf<config::MapperConfig> config;
-  config.value = config_;
-  const std::string hash = config_hash("mapper", config);
-  const auto max_bytes = static_cast<std::size_t>(config_.journal_mb * 1e6);
-  journal_.emplace(config_.journal, max_bytes, hash);
-  const std::optional<double> age = journal::age_of_journal(config_.journal);
-  if (!age) return false;
-  if (std::abs(*age) > config_.resume_within_s) {
-    counters_.add("journal.old");
-    return false;
-  }
-  try {
-    std::optional<journal::RecordedDrive> drive = journal::read_journal(config_.journal, max_bytes, hash);
-    if (!drive) return false;
-    epoch_before_ = drive->epoch;
-    const std::int64_t settled = drive->poses.back().utime - kSettling;
-    const auto is_later = [&](const journal::RecordedPose& pose) { return pose.utime > settled; };
-    drive->poses.erase(std::find_if(drive->poses.begin() + 1, drive->poses.end(), is_later), drive->poses.end());
-    resumed_drive_ = points_of(drive->poses);
-    packets_.begin_at(drive->poses.back().utime);
-    odometry_.begin_at(drive->poses.back().utime - kOdometryBefore);
-    mapper_.resume(std::move(*drive));
-    return true;
-  } catch (const journal::JournalError& error) {
-    counters_.add("journal.refused");
-    not_resumed_ = fmt::format("a new map begins: {}", error.what());
-    return false;
-  }
 }
 
 void MapperNode::connect(Subscriber& bus) {
@@ -197,30 +147,31 @@ void MapperNode::process(const scan::Scan& scan) {
   if (!odometry_.reaches(scan.end) && missed_.size() < kMaxPending) missed_.push_back(scan.end);
   without_odometry_ = update->with_odometry ? 0 : without_odometry_ + 1;
   position_ = update->T_map_base.translation();
-  if (epoch_ == 0 || update->rearranged) begin_epoch(*update);
+  if (update->rearranged) start_drive_.clear();
+  if (epoch_ == 0 || update->rearranged || update->start_is_over) begin_epoch(update->utime);
   publish_pose(*update);
-  if (journal_) keep_journal(*update);
+  keep_pose(*update);
   has_news_ = true;
   is_pause_ = false;
 }
 
-void MapperNode::begin_epoch(const MapperUpdate& update) {
-  const auto now = static_cast<std::int32_t>(std::clamp<std::int64_t>(update.utime / 1'000'000, 1, 2'147'483'000));
+void MapperNode::begin_epoch(std::int64_t utime) {
+  const auto now = static_cast<std::int32_t>(std::clamp<std::int64_t>(utime / 1'000'000, 1, 2'147'483'000));
   epoch_ = std::max({epoch_ + 1, epoch_before_ + 1, now});
   counters_.add("epochs");
-  std::vector<TrajectoryPoint> drive =
-      resumed_drive_.empty() ? mapper_.trajectory() : std::exchange(resumed_drive_, {});
-  std::erase_if(drive, [&](const auto& point) { return point.utime >= update.utime; });  // MAP_POSE tells of the rest
+  std::vector<journal::RecordedPose> drive = drive_so_far();
+  std::erase_if(drive, [&](const auto& pose) { return pose.utime >= utime; });  // MAP_POSE tells of the rest
   mapper_.wait();
-  sender_.start_epoch(epoch_, mapper_.dense(), position_, drive);
-  if (journal_) journal_->start_epoch(epoch_, recorded(drive));
+  sender_.start_epoch(epoch_, mapper_.shown(), position_, points_of(drive));
+  if (journal_) journal_->start_epoch(epoch_, drive);
+  if (mapper_.is_at_start()) start_drive_ = std::move(drive);
 }
 
-void MapperNode::keep_journal(const MapperUpdate& update) {
-  const int node = mapper_.atlas().reference();
-  if (update.fix != tracking::Fix::kTracking || node == pose_graph::Atlas::kNone) return;
-  journal_->add({update.utime, update.revolution, node, update.T_map_base, update.T_map_odom, update.with_odometry,
-                 update.standing_since, update.has_moved});
+/// All poses of a standstill that the drive began with: the mapper's own trajectory has one each few centimetres.
+std::vector<journal::RecordedPose> MapperNode::drive_so_far() {
+  if (!resumed_drive_.empty()) return std::exchange(resumed_drive_, {});
+  if (!start_drive_.empty()) return std::exchange(start_drive_, {});
+  return recorded(mapper_.trajectory());
 }
 
 void MapperNode::publish_pose(const MapperUpdate& update) {
@@ -247,11 +198,25 @@ void MapperNode::publish_pose(const MapperUpdate& update) {
   sender_.posed({update.utime, update.revolution, update.T_map_base});
 }
 
+/// Poses that the map is sure of.
+void MapperNode::keep_pose(const MapperUpdate& update) {
+  const int node = mapper_.atlas().reference();
+  if (update.fix != tracking::Fix::kTracking || node == pose_graph::Atlas::kNone) return;
+  const journal::RecordedPose pose{update.utime,          update.revolution, node,
+                                   update.T_map_base,     update.T_map_odom, update.with_odometry,
+                                   update.standing_since, update.has_moved};
+  if (journal_) journal_->add(pose);
+  if (mapper_.is_at_start())
+    start_drive_.push_back(pose);
+  else
+    start_drive_.clear();
+}
+
 void MapperNode::take_changes(std::int64_t now) {
   mapper_.wait_grown();
   const std::vector<TileKey> changed = mapper_.take_changed();
   const std::vector<TileKey> evicted = mapper_.take_evicted();
-  sender_.changed(changed);
+  sender_.changed(mapper_.shows_start() ? mapper_.take_changed_of_start() : changed);
   sender_.forget(evicted);
   if (!journal_) return;
   if (journal_->wants_anew(now)) journal_->start_epoch(epoch_, recorded(mapper_.trajectory()));
@@ -262,7 +227,7 @@ void MapperNode::take_changes(std::int64_t now) {
 void MapperNode::send_changes(std::int64_t now) {
   has_news_ = false;
   take_changes(now);
-  sender_.send_changes(mapper_.grown());
+  sender_.send_changes(mapper_.shown());
 }
 
 void MapperNode::send_index(std::int64_t now) {
@@ -281,7 +246,7 @@ void MapperNode::tick(std::int64_t now) {
   if (epoch_ == 0) return;
   sender_.send_trajectory();
   send_changes(now);
-  sender_.send_requested(mapper_.grown());
+  sender_.send_requested(mapper_.shown());
   if (std::abs(now - index_sent_) >= kIndexPeriod) send_index(now);
   keep_map();
   if (std::exchange(is_pause_, true)) mapper_.use_the_pause();  // by now the others are done with the scan
@@ -293,28 +258,12 @@ void MapperNode::finish() {
   process_due(true);
   if (epoch_ == 0) return;
   take_changes(last_end_);
+  if (mapper_.show_drive()) begin_epoch(last_end_ + 1);
   sender_.changed(mapper_.finish());
   sender_.finish(mapper_.dense());
   send_index(last_end_);
   keep_map_at_the_end();
   if (journal_) journal_->remove();
-}
-
-/// Every so often of message time. Only what is new is copied here; another thread writes it.
-void MapperNode::keep_map() {
-  if (!saver_ || config_.save_every <= 0) return;
-  if (kept_ == 0) kept_ = last_end_;
-  if (saver_->busy() || std::abs(last_end_ - kept_) < microseconds(config_.save_every)) return;
-  kept_ = last_end_;
-  mapper_.wait();
-  saver_->begin(mapper_.snapshot(epoch_, saver_->on_disk()));
-}
-
-void MapperNode::keep_map_at_the_end() {
-  if (!saver_) return;
-  saver_->finish();
-  saver_->begin(mapper_.snapshot(epoch_, saver_->on_disk()));
-  saver_->finish();
 }
 
 NodeReport MapperNode::report() const {

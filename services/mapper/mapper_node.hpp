@@ -58,7 +58,8 @@ class MapperNode final : public Node {
   void note_late_odometry();
   void process(const scan::Scan& scan);
   /// A new epoch: the map begins, or has been rearranged as a whole and goes out anew.
-  void begin_epoch(const MapperUpdate& update);
+  void begin_epoch(std::int64_t utime);
+  [[nodiscard]] std::vector<journal::RecordedPose> drive_so_far();
   void publish_pose(const MapperUpdate& update);
   void take_changes(std::int64_t now);
   void send_changes(std::int64_t now);
@@ -67,7 +68,7 @@ class MapperNode final : public Node {
   void keep_map_at_the_end();
   void begin_map();
   [[nodiscard]] bool resume_drive();
-  void keep_journal(const MapperUpdate& update);
+  void keep_pose(const MapperUpdate& update);
 
   config::MapperConfig config_;
   Publisher& bus_;
@@ -86,8 +87,9 @@ class MapperNode final : public Node {
   std::optional<storage::MapSaver> saver_;
   std::int64_t kept_ = 0;  // us, message time
   std::optional<journal::DriveJournal> journal_;
-  std::string not_resumed_;                     // why the drive before was not gone on with
-  std::vector<TrajectoryPoint> resumed_drive_;  // of the mapper before, until it has gone out
+  std::string not_resumed_;                           // why the drive before was not gone on with
+  std::vector<journal::RecordedPose> resumed_drive_;  // of the mapper before, until it has gone out
+  std::vector<journal::RecordedPose> start_drive_;    // of the first standstill, until it is over
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
 
   bool has_news_ = false;  // a scan whose tiles have not gone out

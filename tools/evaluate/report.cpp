@@ -85,6 +85,12 @@ std::string run_table(const RunFigures& run) {
     for (const auto& [channel, stage] : run.stages)
       text += fmt::format("             to {}: p50 {:.0f} ms, p95 {:.0f} ms\n", channel, stage.p50_ms, stage.p95_ms);
   }
+  if (!run.first_after_s.empty()) {
+    text += "start        s after the first LIDAR_POINTS:";
+    for (const auto& [channel, seconds] : run.first_after_s) text += fmt::format(" {} {:.2f}", channel, seconds);
+    if (run.set_off_after_s) text += fmt::format("   set off {:.2f}", *run.set_off_after_s);
+    text += "\n";
+  }
   if (run.cores.empty()) return text;
   double sum = 0;
   std::string cores;
@@ -121,8 +127,8 @@ std::string to_table(const Evaluation& e) {
 
 std::string to_json(const Evaluation& e) {
   nlohmann::json json;
-  for (const char* key :
-       {"curb", "lowered_kerbs", "inferred", "lateral_cm", "classes", "blocking", "dropped", "latency_ms", "cores"})
+  for (const char* key : {"curb", "lowered_kerbs", "inferred", "lateral_cm", "classes", "blocking", "dropped",
+                          "latency_ms", "start_s", "cores"})
     json[key] = nullptr;
   if (e.curbs) {
     json["curb"] = curb_json(*e.curbs);
@@ -169,6 +175,8 @@ std::string to_json(const Evaluation& e) {
       for (const auto& [channel, stage] : e.run->stages)
         json["latency_ms"]["stages"][channel] = {{"p50", stage.p50_ms}, {"p95", stage.p95_ms}};
     }
+    if (!e.run->first_after_s.empty()) json["start_s"] = e.run->first_after_s;
+    if (e.run->set_off_after_s) json["start_s"]["set_off"] = *e.run->set_off_after_s;
     if (!e.run->cores.empty()) json["cores"] = e.run->cores;
   }
   return json.dump(2) + "\n";

@@ -1,5 +1,6 @@
 #include "tools/evaluate/run_log.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <curbstone/imu_t.hpp>
 #include <curbstone/lidar_points_t.hpp>
@@ -23,6 +24,8 @@
 namespace curbstone::evaluate {
 
 namespace {
+
+constexpr double kMoved = 0.05;  // m
 
 bool is_driver(const std::string& service) {
   return service == "lidar" || service == "rslidar" || service == "imu" || service == "encoder";
@@ -94,7 +97,10 @@ class Recording {
     on<imu_t>("IMU", [this](const imu_t& imu, std::int64_t) { gaps["IMU"].see(imu.sequence); });
     on<wheels_t>("WHEELS", [this](const wheels_t& wheels, std::int64_t) { gaps["WHEELS"].see(wheels.sequence); });
     on_stage<odometry_t>("ODOMETRY");
-    on_stage<map_pose_t>("MAP_POSE");
+    on<map_pose_t>("MAP_POSE", [this](const map_pose_t& pose, std::int64_t log_utime) {
+      passed("MAP_POSE", pose.utime, log_utime);
+      posed(pose, log_utime);
+    });
     on_stage<map_points_t>("MAP_POINTS");
     on_stage<voted_points_t>("VOTED_POINTS");
     on<semantic_tile_t>("SEMANTIC_TILE", [this](const auto& tile, std::int64_t log_utime) { shown(tile, log_utime); });
@@ -114,6 +120,8 @@ class Recording {
   std::map<std::string, std::vector<Sent>> stages;  ///< by channel between the sensor and the tile
   std::map<std::string, SequenceGaps> gaps;         ///< by channel that counts its messages
   std::int64_t lidar_end = 0;                       ///< us, when the last LIDAR_POINTS was logged
+  std::map<std::string, std::int64_t> first;        ///< us, when the first message of a stage, or a tile, was logged
+  std::optional<std::int64_t> set_off;              ///< us
 
  private:
   template <class Message>
@@ -130,8 +138,15 @@ class Recording {
   }
   void passed(const char* channel, std::int64_t utime, std::int64_t log_utime) {
     stages[channel].push_back(sent(log_utime, utime));
+    first.emplace(channel, log_utime);
+  }
+  void posed(const map_pose_t& pose, std::int64_t log_utime) {
+    const Eigen::Map<const Eigen::Vector3d> position(pose.map_base_position);
+    if (!began_at_) began_at_ = position;
+    if (!set_off && (position - *began_at_).norm() > kMoved) set_off = log_utime;
   }
   void shown(const semantic_tile_t& tile, std::int64_t log_utime) {
+    first.emplace("SEMANTIC_TILE", log_utime);
     // A tile that is sent again for its neighbours' sake shows nothing that was measured since.
     std::int64_t& newest = newest_shown_[{tile.tile_x, tile.tile_y}];
     if (tile.utime <= newest) return;
@@ -152,8 +167,21 @@ class Recording {
   }
 
   std::map<std::string, std::function<void(const LogEvent&)>> handlers_;
+  std::optional<Eigen::Vector3d> began_at_;       // m, of base_link in map
   std::map<TileKey, std::int64_t> newest_shown_;  // us, the newest measurement that a tile has shown
 };
+
+/// When there was what, after the first packet.
+void add_start(const Recording& recording, RunFigures& figures) {
+  const auto lidar = recording.first.find("LIDAR_POINTS");
+  if (lidar == recording.first.end()) return;
+  const auto after_s = [&](std::int64_t log_utime) { return 1e-6 * static_cast<double>(log_utime - lidar->second); };
+  for (const char* channel : {"MAP_POSE", "MAP_POINTS", "VOTED_POINTS", "SEMANTIC_TILE"}) {
+    if (const auto it = recording.first.find(channel); it != recording.first.end())
+      figures.first_after_s[channel] = after_s(it->second);
+  }
+  if (recording.set_off) figures.set_off_after_s = after_s(*recording.set_off);
+}
 
 }  // namespace
 
@@ -193,6 +221,7 @@ RunFigures read_run_log(const std::string& file) {
   for (const auto& [channel, messages] : recording.stages) {
     if (const auto latency = latency_of(messages, recording.lidar_end)) figures.stages[channel] = *latency;
   }
+  if (figures.latency) add_start(recording, figures);
   return figures;
 }
 

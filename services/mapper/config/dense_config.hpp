@@ -30,7 +30,7 @@ struct DenseConfig {
     v.field("ground_clearance", ground_clearance, {0.05, 5.0}, "m above its column's lowest point: may be moving");
     v.field("persistence_s", persistence_s, {0.0, 60.0}, "s for which what may be moving must have stayed");
     v.field("start_hold_s", start_hold_s, {0.0, 600.0},
-            "s that the first standstill waits; it is dropped if the vehicle moves by then");
+            "s for which the first standstill has a map of its own, which ends when the vehicle moves");
     v.field("standing_s", standing_s, {0.0, 600.0}, "s at one place after which nothing new is added");
     v.field("free_range", free_range, {0.0, 50.0}, "m within which what beams pass through is taken out; 0: never");
     v.field("ring_scale", ring_scale, "intensities of all rings on one scale, learned on the road: its median is 64");

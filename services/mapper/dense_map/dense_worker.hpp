@@ -78,6 +78,8 @@ class DenseWorker {
   [[nodiscard]] const Counters& counters() const { return counters_; }
   /// Tiles that the work waited for has changed since the last call; each may be there more than once.
   [[nodiscard]] std::vector<TileKey> take_changed();
+  /// take_changed() has all tiles. After wait_grown().
+  void note_all_changed() { changed_ = grown().keys(); }
   /// Tiles that were given up for memory. After wait_grown().
   [[nodiscard]] std::vector<TileKey> take_evicted();
 

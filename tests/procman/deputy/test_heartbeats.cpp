@@ -56,6 +56,32 @@ TEST(Heartbeats, WhileTheDeputyItselfSleepsNobodyIsHeldSilent) {
   EXPECT_THAT(look(heartbeats, kStart + 101 * kSecond, kStart + 105 * kSecond), ElementsAre("a"));
 }
 
+TEST(Heartbeats, WhileTheDeputyDoesNotHearItselfTheBusIsSilentAndNotTheCommands) {
+  Heartbeats heartbeats;
+  heartbeats.begin("a", 3, kStart);
+  for (int i = 0; i < 3; ++i) {
+    heartbeats.hear_itself(kStart + i * kSecond);
+    heartbeats.hear("a", true, kStart + i * kSecond);
+    EXPECT_THAT(look(heartbeats, kStart + i * kSecond, kStart + i * kSecond + kSecond / 2), IsEmpty());
+  }
+  EXPECT_THAT(look(heartbeats, kStart + 3 * kSecond, kStart + 60 * kSecond), IsEmpty());
+  EXPECT_TRUE(heartbeats.is_deaf(kStart + 60 * kSecond));
+  EXPECT_THAT(heartbeats.quiet(kStart + 60 * kSecond), IsEmpty());
+
+  heartbeats.hear_itself(kStart + 60 * kSecond);
+  EXPECT_FALSE(heartbeats.is_deaf(kStart + 60 * kSecond));
+  std::vector<std::string> silent;
+  for (int i = 60; i < 70; ++i) {
+    heartbeats.hear_itself(kStart + i * kSecond);
+    for (const std::string& id : look(heartbeats, kStart + i * kSecond, kStart + i * kSecond + kSecond / 2))
+      silent.push_back(id);
+    if (i <= 62) {
+      EXPECT_THAT(silent, IsEmpty()) << "its silence begins when the bus is back";
+    }
+  }
+  EXPECT_THAT(silent, ElementsAre("a")) << "this one does hang";
+}
+
 TEST(Heartbeats, ReadyIsWhoHasSaidThatNothingIsWrong) {
   Heartbeats heartbeats;
   EXPECT_TRUE(heartbeats.ready("nobody")) << "who is not watched need not speak";

@@ -127,6 +127,32 @@ TEST_F(SheriffTest, AProcessIsReadyByItsOwnWordNotByThatOfTheOneBefore) {
   EXPECT_FALSE(sheriff_.commands().at("a").ready());
 }
 
+TEST_F(SheriffTest, TellsWhatADeputySaysOfItsCommands) {
+  hear({command("a", 10, 4)});
+  service_status_t status{};
+  status.service = "deputy:d";
+  status.num_faults = 1;
+  status.fault = {"a has said nothing for 8 s"};
+  EXPECT_TRUE(sheriff_.notes(kNow).empty());
+  sheriff_.on(status, kNow);
+  EXPECT_THAT(sheriff_.notes(kNow), ElementsAre("deputy:d: a has said nothing for 8 s"));
+  EXPECT_TRUE(sheriff_.notes(kNow + 6'000'000).empty()) << "it is gone";
+}
+
+TEST_F(SheriffTest, TwoDeputiesWithTheSameCommandsAreTwoStacks) {
+  for (int i = 0; i < 3; ++i) {
+    sheriff_.on(report({command("a", 10, 4), command("b", 11, 4)}, "one"), kNow + 1'000'000 * i);
+    sheriff_.on(report({command("a", 20, 4), command("b", 21, 4), command("c", 22, 4)}, "two"),
+                kNow + 1'000'000 * i + 300'000);
+  }
+  EXPECT_THAT(sheriff_.notes(kNow + 3'000'000),
+              ElementsAre("deputies one and two both have 2 of these commands: two stacks on one bus"));
+  EXPECT_EQ(sheriff_.commands().at("a").restarts, 0);
+  EXPECT_TRUE(sheriff_.notes(kNow + 9'000'000).empty());
+  sheriff_.on(report({command("a", 30, 1)}, "one"), kNow + 20'000'000);
+  EXPECT_TRUE(sheriff_.notes(kNow + 20'000'000).empty()) << "a command that moved";
+}
+
 TEST_F(SheriffTest, AStartFailsWhenTheCommandDoes) {
   hear({command("a", 0, 0), command("b", 0, 0)});
   sheriff_.start("a");

@@ -165,24 +165,6 @@ TEST(Mapper, SurvivesClocksThatJump) {
   }
 }
 
-TEST(Mapper, TheFirstStandstillIsForgottenOnceTheVehicleMoves) {
-  Drive drive;
-  drive.trajectory = [](double t) { return test::driving(std::max(0.0, t - 1.5)); };
-  for (int i = 0; i < 29; ++i) (void)drive.step();
-  EXPECT_EQ(drive.dense().size(), 0) << "it waits";
-  for (int i = 0; i < 30; ++i) (void)drive.step();
-  EXPECT_GT(drive.dense().size(), 1000);
-}
-
-TEST(Mapper, AVehicleThatNeverMovesHasAMapInTheEnd) {
-  Drive drive;
-  drive.trajectory = [](double) { return test::driving(0); };
-  for (int i = 0; i < 20; ++i) (void)drive.step();
-  EXPECT_EQ(drive.dense().size(), 0);
-  EXPECT_FALSE(drive.mapper->finish().empty());
-  EXPECT_GT(drive.dense().size(), 1000);
-}
-
 TEST(Mapper, StandingStillNeitherDriftsNorGrows) {
   Drive drive;
   drive.config.dense.start_hold_s = 2;

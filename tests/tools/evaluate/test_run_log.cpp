@@ -4,6 +4,7 @@
 
 #include <curbstone/imu_t.hpp>
 #include <curbstone/lidar_points_t.hpp>
+#include <curbstone/map_points_t.hpp>
 #include <curbstone/map_pose_t.hpp>
 #include <curbstone/odometry_t.hpp>
 #include <curbstone/semantic_tile_t.hpp>
@@ -16,6 +17,7 @@
 namespace curbstone::evaluate {
 namespace {
 
+using ::testing::DoubleNear;
 using ::testing::ElementsAre;
 using ::testing::Pair;
 
@@ -75,6 +77,38 @@ TEST(RunLog, SumsLossesLatencyAndCores) {
   EXPECT_NEAR(run.stages.at("ODOMETRY").p50_ms, 2, 1e-9);
   EXPECT_NEAR(run.stages.at("MAP_POSE").p50_ms, 30, 1e-9);
   EXPECT_NEAR(run.cores.at("mapper"), 0.25, 1e-9);
+}
+
+TEST(RunLog, SaysHowLongAfterTheFirstPacketThereWasAMapAndTheVehicleSetOff) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "start.lcmlog";
+  {
+    LogWriter log(file);
+    lidar_points_t lidar{};
+    lidar.utime = 9'999'000;
+    write(log, "LIDAR_POINTS", lidar, 10'000'000);
+    map_pose_t pose{};
+    map_points_t points{};
+    semantic_tile_t tile{};
+    points.utime = tile.utime = 11'200'000;
+    write(log, "MAP_POINTS", points, 11'500'000);
+    write(log, "SEMANTIC_TILE", tile, 11'750'000);
+    for (int i = 0; i < 60; ++i) {
+      pose.utime = 11'000'000 + 50'000 * i;
+      pose.map_base_position[0] = i < 50 ? 0.001 : 0.06;
+      write(log, "MAP_POSE", pose, pose.utime + 20'000);
+    }
+    points.utime = tile.utime = 15'000'000;
+    write(log, "SEMANTIC_TILE", tile, 15'100'000);
+    lidar.packet = 1;
+    write(log, "LIDAR_POINTS", lidar, 20'000'000);
+  }
+  const RunFigures run = read_run_log(file);
+  EXPECT_THAT(run.first_after_s,
+              ElementsAre(Pair("MAP_POINTS", DoubleNear(1.5, 1e-9)), Pair("MAP_POSE", DoubleNear(1.02, 1e-9)),
+                          Pair("SEMANTIC_TILE", DoubleNear(1.75, 1e-9))));
+  ASSERT_TRUE(run.set_off_after_s);
+  EXPECT_NEAR(*run.set_off_after_s, 3.52, 1e-9);
 }
 
 TEST(RunLog, EachProcessReportsTheDatagramsOfItsOwnSocketThatWereDropped) {

@@ -108,12 +108,11 @@ class KilledMapperTest : public ::testing::Test {
       odometry_t m{};
       m.utime = test::utime(odometry_sent_);
       m.flags = odometry_t::INITIALISED;
-      pose_to_arrays(T_odom_start_ * test::driving(0).inverse() * test::driving(odometry_sent_), m.position,
-                     m.orientation);
+      pose_to_arrays(T_odom_start_ * trajectory_(0).inverse() * trajectory_(odometry_sent_), m.position, m.orientation);
       filter_->keep(m);
       if (mapper_bus_) mapper_bus_->publish("ODOMETRY", m);
     }
-    const auto packets = known_street().packets(test::driving, config::MapperConfig{}.vehicle.T_base_lidar(), n,
+    const auto packets = known_street().packets(trajectory_, config::MapperConfig{}.vehicle.T_base_lidar(), n,
                                                 n * test::kPeriod, test::kPeriod);
     for (const lidar_points_t& packet : packets) driver_->keep(packet);
     if (!node_) return;
@@ -128,7 +127,7 @@ class KilledMapperTest : public ::testing::Test {
   [[nodiscard]] double error() const {
     const map_pose_t& m = poses_.back();
     const double t = static_cast<double>(m.utime - test::SyntheticWorld::kEpoch) * 1e-6;
-    const Pose T_start_base = test::driving(test::kPeriod).inverse() * test::driving(t);
+    const Pose T_start_base = trajectory_(test::kPeriod).inverse() * trajectory_(t);
     return (pose_from_arrays(m.map_base_position, m.map_base_orientation).translation() - T_start_base.translation())
         .norm();
   }
@@ -136,6 +135,7 @@ class KilledMapperTest : public ::testing::Test {
 
   testing::TemporaryFolder folder_;
   config::MapperConfig config_;
+  test::SyntheticWorld::Trajectory trajectory_ = test::driving;
   LocalBus bus_;
   std::unique_ptr<LocalBus> mapper_bus_;
   LocalBus sensor_bus_;

@@ -1,0 +1,86 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/config/config.hpp"
+#include "common/time/microseconds.hpp"
+#include "services/mapper/journal/journal_file.hpp"
+#include "services/mapper/mapper_node.hpp"
+#include "services/mapper/storage/map_folder.hpp"
+
+/// @file
+/// MapperNode: the map and the drive on disk.
+
+namespace curbstone::mapper {
+namespace {
+
+constexpr std::int64_t kSettling = 1'200'000;      // us, until all that was seen has its place in the dense map
+constexpr std::int64_t kOdometryBefore = 100'000;  // us, of the first scan
+
+}  // namespace
+
+/// With the map of an earlier drive.
+void MapperNode::begin_map() {
+  const storage::SavedMap map = storage::load_map(config_.folder);
+  if (std::abs(map.voxel - config_.dense.voxel) > 1e-9) {
+    throw storage::MapFolderError(fmt::format("{}: its voxels are {} m, those of the configuration {}", config_.folder,
+                                              map.voxel, config_.dense.voxel));
+  }
+  if (map.nodes.empty()) throw storage::MapFolderError(config_.folder + ": holds no nodes to find the vehicle by");
+  epoch_before_ = map.epoch;
+  mapper_.load(map);
+}
+
+/// Whether there is a drive that a mapper was killed in, a moment ago.
+bool MapperNode::resume_drive() {
+  if (config_.journal.empty()) return false;
+  ConfigOf<config::MapperConfig> config;
+  config.value = config_;
+  const std::string hash = config_hash("mapper", config);
+  const auto max_bytes = static_cast<std::size_t>(config_.journal_mb * 1e6);
+  journal_.emplace(config_.journal, max_bytes, hash);
+  const std::optional<double> age = journal::age_of_journal(config_.journal);
+  if (!age) return false;
+  if (std::abs(*age) > config_.resume_within_s) {
+    counters_.add("journal.old");
+    return false;
+  }
+  try {
+    std::optional<journal::RecordedDrive> drive = journal::read_journal(config_.journal, max_bytes, hash);
+    if (!drive) return false;
+    epoch_before_ = drive->epoch;
+    const std::int64_t settled = drive->poses.back().utime - kSettling;
+    const auto is_later = [&](const journal::RecordedPose& pose) { return pose.utime > settled; };
+    drive->poses.erase(std::find_if(drive->poses.begin() + 1, drive->poses.end(), is_later), drive->poses.end());
+    resumed_drive_ = drive->poses;
+    packets_.begin_at(drive->poses.back().utime);
+    odometry_.begin_at(drive->poses.back().utime - kOdometryBefore);
+    mapper_.resume(std::move(*drive));
+    return true;
+  } catch (const journal::JournalError& error) {
+    counters_.add("journal.refused");
+    not_resumed_ = fmt::format("a new map begins: {}", error.what());
+    return false;
+  }
+}
+
+/// Every so often of message time. Only what is new is copied here; another thread writes it.
+void MapperNode::keep_map() {
+  if (!saver_ || config_.save_every <= 0) return;
+  if (kept_ == 0) kept_ = last_end_;
+  if (saver_->busy() || std::abs(last_end_ - kept_) < microseconds(config_.save_every)) return;
+  kept_ = last_end_;
+  mapper_.wait();
+  saver_->begin(mapper_.snapshot(epoch_, saver_->on_disk()));
+}
+
+void MapperNode::keep_map_at_the_end() {
+  if (!saver_) return;
+  saver_->finish();
+  saver_->begin(mapper_.snapshot(epoch_, saver_->on_disk()));
+  saver_->finish();
+}
+
+}  // namespace curbstone::mapper

@@ -1,0 +1,50 @@
+#include "services/mapper/start_map.hpp"
+
+#include <utility>
+
+#include "services/mapper/scan/scan.hpp"
+
+namespace curbstone::mapper {
+namespace {
+
+constexpr double kShows = 0.5;    // s of standstill: sooner it would be no more than a drive that begins slowly
+constexpr double kSettles = 1.2;  // s of drive, until what was seen has its place in the dense map
+
+}  // namespace
+
+StartMap::StartMap(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside)
+    : config_(config), T_base_lidar_(T_base_lidar), beside_(beside) {}
+
+bool StartMap::takes(const Standstill& standstill, std::int64_t utime) const {
+  return !is_over_ && !standstill.has_moved && scan::seconds(standstill.began, utime) <= config_.start_hold_s;
+}
+
+StartMap::Worker& StartMap::map() {
+  if (!map_) map_ = std::make_unique<Worker>(config_, T_base_lidar_, beside_);
+  return *map_;
+}
+
+void StartMap::grew(std::int64_t utime) {
+  if (began_ == 0) began_ = utime;
+  if (scan::seconds(began_, utime) >= kShows) is_shown_ = true;
+}
+
+bool StartMap::gives_way(std::int64_t began, std::int64_t utime) {
+  if (!map_ || (is_shown_ && scan::seconds(began, utime) < kSettles)) return false;
+  const bool was_shown = is_shown_;
+  end();
+  return was_shown;
+}
+
+void StartMap::end() {
+  (void)hand_over();
+}
+
+std::unique_ptr<StartMap::Worker> StartMap::hand_over() {
+  is_shown_ = false;
+  is_over_ = true;
+  began_ = 0;
+  return std::exchange(map_, nullptr);
+}
+
+}  // namespace curbstone::mapper
