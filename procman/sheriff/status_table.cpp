@@ -7,11 +7,11 @@ namespace curbstone::procman::sheriff {
 namespace {
 
 constexpr double kMegabyte = 1e6;
-constexpr std::int64_t kSilence = 5'000'000;  // us: a deputy reports once a second
+constexpr std::int64_t kDeputySilence = 5'000'000;  // us: a deputy reports once a second
 
 /// What a deputy that is gone said last is not shown as the present.
 std::string state_cell(const Known& known, std::int64_t now) {
-  return now - known.reported_at > kSilence ? "unknown: deputy silent" : describe(known.status);
+  return now - known.reported_at > kDeputySilence ? "unknown: deputy silent" : describe(known.status);
 }
 
 std::string heard_cell(const Known& known, std::int64_t now) {
