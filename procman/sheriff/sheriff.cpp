@@ -65,7 +65,10 @@ void Sheriff::on(const procman_lcm::deputy_info_t& info, std::int64_t now) {
 }
 
 void Sheriff::on(const service_status_t& status, std::int64_t now) {
-  if (status.service.starts_with("deputy:")) deputies_[status.service] = {status.fault, now};
+  if (status.service.starts_with("deputy:")) {
+    std::erase_if(deputies_, [&](const auto& said) { return now - said.second.at >= kSilence; });
+    deputies_[status.service] = {status.fault, now};
+  }
   const auto found = commands_.find(status.service);
   if (found == commands_.end()) return;
   found->second.heard_at = now;

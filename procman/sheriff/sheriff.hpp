@@ -78,13 +78,14 @@ class Sheriff {
   };
   void wish_run(const std::string& id);
 
-  std::string id_;
-  std::int64_t begun_;
-  std::string other_;
   struct Said {
     std::vector<std::string> faults;
     std::int64_t at = 0;  // us
   };
+
+  std::string id_;
+  std::int64_t begun_;
+  std::string other_;
   std::map<std::string, Known> commands_;
   std::map<std::string, Said> deputies_;  // by service: "deputy:ID"
   std::map<std::pair<std::string, std::string>, std::map<std::string, std::int64_t>>
