@@ -4,7 +4,9 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <curbstone/semantic_tile_t.hpp>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -60,6 +62,10 @@ DemoDrive::DemoDrive(const std::string& source, const std::string& deputy_option
   bus.bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& message) {
     pose = message;
     ++revolutions;
+  });
+  bus.bus.subscribe<semantic_tile_t>("SEMANTIC_TILE", [this](const semantic_tile_t&) {
+    const double* p = pose.map_base_position;
+    if (!driven_until_first_tile) driven_until_first_tile = std::hypot(p[0], p[1], p[2]);
   });
   setenv("DEMO_OUT", folder_.path().c_str(), 1);
   setenv("DEMO_SOURCE", source.c_str(), 1);

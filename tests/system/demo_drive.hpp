@@ -2,6 +2,7 @@
 
 #include <curbstone/map_pose_t.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,8 @@ class DemoDrive {
   bench::faults::WatchedBus bus;
   map_pose_t pose{};
   int revolutions = 0;
+  /// m that the vehicle had come from its start when the first SEMANTIC_TILE was heard.
+  std::optional<double> driven_until_first_tile;
 
  private:
   testing::TemporaryFolder folder_;

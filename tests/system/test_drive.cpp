@@ -43,6 +43,7 @@ TEST(Drive, OfTheRealProcessesEndsWithAStreetWithCurbs) {
   EXPECT_EQ(drive.wait_for_end(), 0) << drive.output();
   expect_a_street(drive.map());
   EXPECT_GT(drive.pose.map_base_position[0], 10.0) << "it has driven down the street";
+  EXPECT_LT(drive.driven_until_first_tile.value_or(100), 0.05) << "the map is shown while the vehicle still stands";
   EXPECT_THAT(drive.output(), Not(HasSubstr("killed")));
   const double late = drive.emulator_late();
   if (late > DemoDrive::kEmulatorLate && !drive.losses().empty()) {

@@ -11,9 +11,10 @@
 namespace curbstone::mapper::journal {
 namespace {
 
-constexpr std::int64_t kRetry = 60'000'000;      // us
-constexpr std::int64_t kSignOfLife = 1'000'000;  // us between two batches, at most
-constexpr std::size_t kWorthwhile = 1'000'000;   // bytes
+constexpr std::int64_t kRetry = 60'000'000;         // us
+constexpr std::int64_t kRetryWithRoom = 2'000'000;  // us, after a full disk
+constexpr std::int64_t kSignOfLife = 1'000'000;     // us between two batches, at most
+constexpr std::size_t kWorthwhile = 1'000'000;      // bytes
 
 }  // namespace
 
@@ -26,7 +27,10 @@ void DriveJournal::start_epoch(std::int32_t epoch, std::vector<RecordedPose> dri
 }
 
 bool DriveJournal::wants_anew(std::int64_t now) const {
-  if (failed_ != 0) return !writer_.is_full() && now - failed_ >= kRetry;
+  if (failed_ != 0) {
+    if (writer_.is_full()) return false;
+    return now - failed_ >= kRetry || (now - failed_ >= kRetryWithRoom && writer_.has_room_again());
+  }
   return !begins_ && of_gone_tiles_ > std::max(kWorthwhile, writer_.bytes() / 2);
 }
 

@@ -18,7 +18,7 @@ namespace curbstone::mapper::journal {
 
 /// Keeps what a mapper would need that goes on with this drive. Each call copies some of what the map has and the file
 /// has not, at most kBatchBytes and nothing while the disk is busy; what waits, waits in the map itself. A journal
-/// that cannot be written is begun anew after a minute. One thread calls.
+/// that cannot be written is begun anew after a minute, or when the disk has room again. One thread calls.
 class DriveJournal {
  public:
   /// `config_hash`: who has another is not to go on with it. Throws JournalError if another process keeps it.
@@ -28,8 +28,8 @@ class DriveJournal {
   /// A new epoch: every tile may be another. `drive`: until now. The journal of the epoch before stays until this one's
   /// tells as much.
   void start_epoch(std::int32_t epoch, std::vector<RecordedPose> drive);
-  /// Its writing failed a minute ago, or half of the file is of tiles that are gone: it is begun anew by start_epoch().
-  /// `now`: us.
+  /// Its writing failed a minute ago, or for want of room, which there is again; or half of the file is of tiles that
+  /// are gone: it is begun anew by start_epoch(). `now`: us.
   [[nodiscard]] bool wants_anew(std::int64_t now) const;
   /// Where the vehicle is, after a revolution that the map has taken. See PoseThinning.
   void add(const RecordedPose& pose);

@@ -14,6 +14,7 @@ namespace curbstone::mapper::journal {
 namespace {
 
 constexpr std::int64_t kMostBusy = 60'000'000'000;  // ns
+constexpr std::size_t kSpare = 1'000'000;           // bytes: room for what comes next
 
 }  // namespace
 
@@ -25,7 +26,9 @@ bool JournalWriter::busy() {
   if (!under_way_.valid()) return false;
   if (under_way_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return true;
   std::string error = under_way_.get();
-  if (!error.empty()) fault_ = std::move(error);
+  if (error.empty()) return false;
+  is_out_of_room_ = error.ends_with(std::strerror(ENOSPC));
+  fault_ = std::move(error);
   return false;
 }
 
@@ -33,8 +36,15 @@ bool JournalWriter::is_stuck() const {
   return under_way_.valid() && steady_clock() - began_ > kMostBusy;
 }
 
+bool JournalWriter::has_room_again() const {
+  if (!is_out_of_room_) return false;
+  std::error_code error;
+  const auto space = std::filesystem::space(std::filesystem::path(path_).parent_path(), error);
+  return !error && space.available > bytes_ + bytes_ / 4 + kSpare;
+}
+
 void JournalWriter::begin() {
-  is_open_ = is_in_place_ = is_full_ = false;
+  is_open_ = is_in_place_ = is_full_ = is_out_of_room_ = false;
   bytes_ = 0;
   fault_.clear();
 }

@@ -38,6 +38,8 @@ class JournalWriter {
   [[nodiscard]] const std::string& fault() const { return fault_; }
   /// The fault is that the journal would be larger than allowed: the same map's will be again.
   [[nodiscard]] bool is_full() const { return is_full_; }
+  /// The fault is that the disk was full, and now there is room for as much as the file had.
+  [[nodiscard]] bool has_room_again() const;
 
  private:
   struct Close {
@@ -57,6 +59,7 @@ class JournalWriter {
   std::size_t bytes_ = 0;
   std::string fault_;
   bool is_full_ = false;
+  bool is_out_of_room_ = false;
 };
 
 }  // namespace curbstone::mapper::journal

@@ -119,6 +119,33 @@ struct Drive {
   }
 };
 
+TEST(MapperResend, ManyRevolutionsThatBecomeDueAtOnceAreWorkedOnInTurns) {
+  const Drive whole(0, 0);
+  const Sensors& sensors = Sensors::of_a_drive();
+  LocalBus bus;
+  MapperNode node(config::MapperConfig{}, bus);
+  std::vector<std::array<double, 4>> poses;
+  bus.subscribe<map_pose_t>("MAP_POSE", [&](const map_pose_t& m) {
+    poses.push_back(
+        {static_cast<double>(m.utime), m.map_base_position[0], m.map_base_position[1], m.map_base_position[2]});
+  });
+  for (const odometry_t& m : sensors.odometry) node.on(m);
+  constexpr std::size_t kLost = 500;
+  for (std::size_t i = 0; i < sensors.packets.size(); ++i) {
+    if (i != kLost) node.on(sensors.packets[i]);
+  }
+  bus.dispatch();
+  const std::size_t before = poses.size();
+  EXPECT_LT(before, 20U) << "what lies behind the gap waits";
+  node.on_again(sensors.packets[kLost]);
+  bus.dispatch();
+  EXPECT_LT(poses.size(), static_cast<std::size_t>(kTurns) - 1) << "a status is due each second";
+  for (int i = 0; i < kTurns; ++i) node.tick(test::utime(kTurns * test::kPeriod));
+  node.finish();
+  bus.dispatch();
+  EXPECT_TRUE(poses == whole.poses) << "in order, at the same places";
+}
+
 TEST(MapperResend, AMapperThatHeardNothingForSecondsMakesTheSameMap) {
   const Drive whole(0, 0), stopped(1.0, 2.2);
   ASSERT_EQ(whole.poses.size(), static_cast<std::size_t>(kTurns));

@@ -93,6 +93,15 @@ TEST(VehicleChecks, TheLidarSendsToItsPort) {
   EXPECT_EQ(only(facts).kind, Kind::kFinding);
 }
 
+TEST(VehicleChecks, ALidarThatSendsToAnotherPortIsNamed) {
+  VehicleFacts facts = of_user();
+  facts.lidar = lidar("", 0);
+  facts.lidar->elsewhere = {{"port 2368, from 192.168.1.201", 1500}, {"port 9000, from 192.168.1.7", 3}};
+  EXPECT_EQ(only(facts).what,
+            "no packet on port 6699, but 750 a second of a LiDAR's size to port 2368, from 192.168.1.201");
+  EXPECT_THAT(only(facts).fix, HasSubstr("lidar.msop_port"));
+}
+
 TEST(VehicleChecks, WhereADriverHasThePortItsMessagesCount) {
   VehicleFacts facts = of_user();
   facts.lidar = lidar("", 0);

@@ -46,7 +46,9 @@ std::vector<std::string> table_lines(const FaultReport& report) {
     table.add_row({{row.fault},
                    {cell(row.cells_differ)},
                    {cell(row.poses_missing)},
-                   {row.back_s ? fmt::format("{:.1f}", *row.back_s) : "not"},
+                   {row.is_spoiled() ? "spoiled"
+                    : row.back_s     ? fmt::format("{:.1f}", *row.back_s)
+                                     : "not"},
                    {row.map},
                    {row.ended_cleanly ? "yes" : "NO"},
                    {fmt::format("{:.2f}", row.emulator_late_s)},
@@ -75,7 +77,9 @@ void write_report(const FaultReport& report, const std::string& file) {
                             {"said", fmt::format("{}", fmt::join(row.said, "; "))},
                             {"ended_cleanly", row.ended_cleanly},
                             {"map", row.map},
-                            {"emulator_late_s", row.emulator_late_s}});
+                            {"emulator_late_s", row.emulator_late_s},
+                            {"drives", row.drives},
+                            {"spoiled", row.is_spoiled()}});
   }
   output::write_text(file, json.dump(2) + '\n');
 }

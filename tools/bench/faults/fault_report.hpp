@@ -6,17 +6,23 @@
 
 namespace curbstone::bench::faults {
 
+constexpr double kLate = 0.1;  ///< s, a revolution: an emulator that is later had a machine busy with other things
+
 /// What a fault did to a drive and its map.
 struct FaultRow {
   std::string fault;
   /// In class, from the replay of an undisturbed drive of the same length; and of that replay's revolutions. Empty:
-  /// that drive was spoiled.
+  /// that drive was spoiled, or this one.
   std::optional<int> cells_differ{}, poses_missing{};
   std::optional<double> back_s{};   ///< until all ran and named no fault; empty: not before the end of the drive
   std::vector<std::string> said{};  ///< "service: fault"
   bool ended_cleanly = false;       ///< all processes, when asked to
   std::string map;                  ///< "ok", or what is wrong with the file
-  double emulator_late_s = 0;       ///< over 0.1 s the machine was busy with other things
+  double emulator_late_s = 0;
+  int drives = 1;  ///< of which the last is told of: those before were spoiled
+
+  /// What it came to says nothing of the fault.
+  [[nodiscard]] bool is_spoiled() const { return emulator_late_s > kLate; }
 };
 
 /// The replay that the rows are compared with.
@@ -32,7 +38,6 @@ struct Undisturbed {
 
   /// The machine was busy with other things: what differs from it says nothing.
   [[nodiscard]] bool is_spoiled() const { return emulator_late_s > kLate || revolutions_lost > 0; }
-  static constexpr double kLate = 0.1;  // s: a revolution
 };
 
 struct FaultReport {

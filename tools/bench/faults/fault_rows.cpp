@@ -2,11 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <utility>
+
 namespace curbstone::bench::faults {
 
 namespace {
 
-constexpr double kMidDrive = 8;  // s
+constexpr double kMidDrive = 8;    // s
+constexpr double kLongDrive = 60;  // s
+constexpr std::size_t kPairDrives = 3;
+constexpr std::array kCommands = {"lidar",           "imu",          "encoder", "ekf", "mapper",
+                                  "tensor_voting:1", "semantic_map", "recorder"};
 
 Fault nothing() {
   return {"none", [](StackDrive& drive) {
@@ -25,22 +32,70 @@ Fault killed(const std::string& command) {
 Fault both_killed(const std::string& one, const std::string& other) {
   return {fmt::format("kill -9 {} and {}", one, other), [one, other](StackDrive& drive) {
             drive.go_on_until(kMidDrive);
-            drive.kill_command(one);
-            drive.kill_command(other);
+            drive.kill_commands(one, other);
           }};
 }
 
+/// One deed after the other until the drive is nearly over.
+void every(StackDrive& drive, double seconds, const std::function<void(std::size_t turn)>& deed) {
+  double at = seconds;
+  for (std::size_t turn = 0; !drive.over() && at < kLongDrive - seconds; ++turn, at += seconds) {
+    drive.go_on_until(at);
+    if (!drive.over()) deed(turn);
+  }
+}
+
+std::vector<std::pair<std::string, std::string>> all_pairs() {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (std::size_t i = 0; i < kCommands.size(); ++i) {
+    for (std::size_t k = i + 1; k < kCommands.size(); ++k) pairs.emplace_back(kCommands[i], kCommands[k]);
+  }
+  return pairs;
+}
+
+/// All 28 pairs take three drives.
+Fault pairs_killed(std::size_t part) {
+  return {fmt::format("kill -9 of any two at once, every 5 s, part {} of {} of the pairs", part + 1, kPairDrives),
+          [part](StackDrive& drive) {
+            const auto pairs = all_pairs();
+            every(drive, 5, [&](std::size_t turn) {
+              const std::size_t pair = part + turn * kPairDrives;
+              if (pair < pairs.size()) drive.kill_commands(pairs[pair].first, pairs[pair].second);
+            });
+          },
+          kLongDrive};
+}
+
+Fault killed_again_and_again(const std::string& command) {
+  return {fmt::format("kill -9 {} every 3 s", command),
+          [command](StackDrive& drive) { every(drive, 3, [&](std::size_t) { drive.kill_command(command); }); },
+          kLongDrive};
+}
+
 Fault each_killed_in_turn() {
-  constexpr double kEach = 3;  // s
   return {"kill -9 one after the other, every 3 s",
           [](StackDrive& drive) {
-            double at = kEach;
-            for (std::size_t turn = 0; !drive.over() && at < 60 - kEach; ++turn, at += kEach) {
-              drive.go_on_until(at);
-              if (!drive.over()) drive.kill_command(drive.commands()[turn % drive.commands().size()]);
-            }
+            every(drive, 3,
+                  [&](std::size_t turn) { drive.kill_command(drive.commands()[turn % drive.commands().size()]); });
           },
-          60};
+          kLongDrive};
+}
+
+Fault disk_full() {
+  return {.name = "disk full for 5 s",
+          .happen =
+              [](StackDrive& drive) {
+                drive.go_on_until(kMidDrive);
+                drive.fill_disk(5);
+              },
+          .disk_mb = 600};
+}
+
+Fault interface_down() {
+  return {"loopback interface down for 2 s", [](StackDrive& drive) {
+            drive.go_on_until(kMidDrive);
+            drive.take_interface_down(2);
+          }};
 }
 
 Fault power_lost() {
@@ -77,16 +132,20 @@ Fault silent(const std::string& sensor) {
 
 std::vector<Fault> all_faults() {
   std::vector<Fault> faults = {nothing()};
-  for (const char* command :
-       {"lidar", "imu", "encoder", "ekf", "mapper", "tensor_voting:1", "semantic_map", "recorder", "deputy"})
-    faults.push_back(killed(command));
+  for (const char* command : kCommands) faults.push_back(killed(command));
+  faults.push_back(killed("deputy"));
   faults.push_back(both_killed("ekf", "mapper"));
   faults.push_back(both_killed("tensor_voting:1", "semantic_map"));
   faults.push_back(power_lost());
-  for (const char* command : {"ekf", "mapper", "tensor_voting:1", "semantic_map"}) faults.push_back(frozen(command));
+  for (const char* command : {"lidar", "ekf", "mapper", "tensor_voting:1", "semantic_map", "recorder"})
+    faults.push_back(frozen(command));
   faults.push_back(busy_cpu());
   for (const char* sensor : {"lidar", "imu", "wheels"}) faults.push_back(silent(sensor));
+  faults.push_back(disk_full());
+  faults.push_back(interface_down());
   faults.push_back(each_killed_in_turn());
+  for (std::size_t part = 0; part < kPairDrives; ++part) faults.push_back(pairs_killed(part));
+  for (const char* command : kCommands) faults.push_back(killed_again_and_again(command));
   return faults;
 }
 

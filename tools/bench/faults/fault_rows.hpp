@@ -14,6 +14,7 @@ struct Fault {
   std::function<void(StackDrive&)> happen;  ///< during the drive; may return before its end
   double seconds = 18;                      ///< of driving
   std::string simulate = {};                ///< more options of `curbstone simulate`
+  int disk_mb = 0;                          ///< StackOptions
 };
 
 /// All rows, from none to the worst.

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -26,7 +27,7 @@ namespace fs = std::filesystem;
 using semantic_map::store::MapReader;
 using semantic_map::tile::CellClass;
 
-constexpr int kAttempts = 2;  // of an undisturbed drive that the machine spoils
+constexpr int kAttempts = 2;  // of a drive that the machine spoils
 
 struct FaultsBenchOptions {
   std::string procman_config = "procman/demo.cfg";
@@ -56,6 +57,14 @@ int revolutions_lost(const evaluate::StoredMap& map) {
   return last.revolution - first.revolution + 1 - static_cast<int>(map.trajectory.size());
 }
 
+/// Whether a name contains one of "part|other part".
+bool is_named(const std::string& name, const std::string& parts) {
+  std::istringstream list(parts);
+  bool is_any = parts.empty();
+  for (std::string part; std::getline(list, part, '|');) is_any = is_any || name.find(part) != std::string::npos;
+  return is_any;
+}
+
 /// Drives with faults, and the undisturbed drives that they are compared with.
 class FaultsBench {
  public:
@@ -67,17 +76,13 @@ class FaultsBench {
   void measure(Fault fault) {
     if (options_.seconds > 0) fault.seconds = options_.seconds;
     const evaluate::StoredMap* wanted = undisturbed(fault.seconds);
-    StackDrive drive(stack(fault, fmt::format("row-{}", report_.rows.size())));
-    fault.happen(drive);
-    drive.finish();
-
     FaultRow row;
-    row.fault = fault.name;
-    row.said = drive.faults_said();
-    row.back_s = drive.back_within();
-    row.ended_cleanly = drive.ended_cleanly();
-    row.emulator_late_s = drive.emulator_late();
-    judge(drive.map_file(), wanted, row);
+    for (int attempt = 1; attempt <= kAttempts; ++attempt) {
+      row = drive_with(fault, attempt, wanted);
+      if (!row.is_spoiled()) break;
+      fmt::print(stderr, "bench faults: {}: the emulator was {:.2f} s late: {}\n", fault.name, row.emulator_late_s,
+                 attempt < kAttempts ? "driven once more" : "SPOILED by a busy machine: not compared");
+    }
     report_.rows.push_back(row);
   }
 
@@ -92,8 +97,24 @@ class FaultsBench {
     stack.config = options_.config;
     stack.seconds = fault.seconds;
     stack.simulate = fault.simulate;
-    fs::create_directories(fs::path(stack.folder) / "dev");
+    stack.disk_mb = fault.disk_mb;
+    fs::create_directories(stack.folder);
     return stack;
+  }
+
+  [[nodiscard]] FaultRow drive_with(const Fault& fault, int attempt, const evaluate::StoredMap* wanted) const {
+    StackDrive drive(stack(fault, fmt::format("row-{}-{}", report_.rows.size(), attempt)));
+    fault.happen(drive);
+    drive.finish();
+    FaultRow row;
+    row.fault = fault.name;
+    row.drives = attempt;
+    row.emulator_late_s = drive.emulator_late();
+    row.said = drive.faults_said();
+    row.ended_cleanly = drive.ended_cleanly();
+    if (!row.is_spoiled()) row.back_s = drive.back_within();
+    judge(drive.map_file(), row.is_spoiled() ? nullptr : wanted, row);
+    return row;
   }
 
   /// The replay of a drive in which nothing happened; driven when it is first asked for. Null: the machine spoiled it.
@@ -155,7 +176,7 @@ class FaultsBench {
 int measure_all(const FaultsBenchOptions& options) {
   FaultsBench bench(options);
   for (Fault& fault : all_faults()) {
-    if (fault.name.find(options.only) == std::string::npos) continue;
+    if (!is_named(fault.name, options.only)) continue;
     fmt::print(stderr, "bench faults: {}\n", fault.name);
     bench.measure(fault);
     if (!options.json.empty()) write_report(bench.report(), options.json);  // what there is, if a later one fails
@@ -174,8 +195,9 @@ int run_bench_faults(int argc, char** argv) {
       "What is lost when processes die, hang or starve: a table, a row a fault, each a drive of the demo's processes "
       "in real time. They need a bus of their own: scripts/isolated curbstone bench faults",
       "curbstone bench faults");
-  line.option("--only", options.only, "The rows whose name contains this");
-  line.option("--seconds", options.seconds, "Length of each drive (default: 18, of the last row 60)")
+  line.option("--only", options.only, "The rows whose name contains this, or one of: this|that");
+  line.option("--seconds", options.seconds,
+              "Length of each drive (default: 18, where something happens every few seconds 60)")
       .within(12.0, 600.0);
   line.option("--procman", options.procman_config, "The processes: a config with a script 'stack'").shows_default();
   line.option("--config", options.config, "The vehicle's YAML file").shows_default();

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <curbstone/map_pose_t.hpp>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -23,6 +24,7 @@ namespace curbstone::bench::faults {
 namespace {
 
 constexpr double kPatience = 120;          // s, for what takes seconds on an idle machine
+constexpr double kRendering = 900;         // s, until the emulated packets of a minute are rendered on a busy machine
 constexpr double kSettle = 8;              // s after the drive in which lost messages are asked for again
 constexpr double kBeforeEnd = 0.3;         // s before the end of the drive at which it is no longer watched
 constexpr std::int64_t kSilent = 3000000;  // us: statuses come each second
@@ -36,6 +38,8 @@ double seconds_since(std::int64_t steady) {
 StackDrive::StackDrive(const StackOptions& options) : options_(options) {
   if (bus_.wait_until([&] { return bus_.infos > 0; }, 1.5))
     throw std::runtime_error("a deputy is on this bus already: this needs one of its own, see scripts/isolated");
+  if (options_.disk_mb > 0) disk_ = std::make_unique<SmallDisk>(options_.folder, options_.disk_mb);
+  std::filesystem::create_directories(options_.folder + "/dev");
   const std::string path = command::own_folder().string() + ":" + std::getenv("PATH");
   setenv("PATH", path.c_str(), 1);
   for (const char* unused : {"DEMO_SOURCE", "DEMO_IMU", "DEMO_ENCODER", "DEMO_LIDAR"}) setenv(unused, "", 1);
@@ -53,7 +57,7 @@ StackDrive::StackDrive(const StackOptions& options) : options_(options) {
                   options_.spool, options_.folder),
       options_.folder + "/simulate.out");
   start_deputy();
-  if (!bus_.wait_until([&] { return begin_ != 0 || over(); }, kPatience) || over())
+  if (!bus_.wait_until([&] { return begin_ != 0 || over(); }, kRendering) || over())
     throw std::runtime_error(fmt::format("the drive does not begin: {}{}", simulator_->output(), deputy_->output()));
   for (const auto& status : bus_.deputy.cmds) {
     if (status.pid > 0) commands_.push_back(status.cmd.command_id);
@@ -116,17 +120,49 @@ void StackDrive::deed_done() {
   fault_is_over();
 }
 
+void StackDrive::kill_without_notice(const std::string& command) {
+  const int victim = bus_.pid(command);
+  if (victim <= 0) return;
+  killed_.insert(victim);
+  kill(victim, SIGKILL);
+}
+
 void StackDrive::kill_command(const std::string& command) {
   if (command == "deputy") {
     deputy_->send_signal(SIGKILL);
     deputy_->wait(kPatience);
     for (const std::string& name : commands_) killed_.insert(bus_.pid(name));  // its terminals hang up
     start_deputy();
-  } else if (const int victim = bus_.pid(command); victim > 0) {
-    killed_.insert(victim);
-    kill(victim, SIGKILL);
+  } else {
+    kill_without_notice(command);
   }
   deed_done();
+}
+
+void StackDrive::kill_commands(const std::string& one, const std::string& other) {
+  kill_without_notice(one);
+  kill_without_notice(other);
+  deed_done();
+}
+
+void StackDrive::fill_disk(double seconds) {
+  if (!disk_) throw std::runtime_error("the disk of the machine is not filled");
+  disk_->fill();
+  deed_done();
+  listen(seconds);
+  disk_->free();
+  fault_is_over();
+}
+
+void StackDrive::take_interface_down(double seconds) {
+  const auto run = [](const char* line) {
+    if (std::system(line) != 0) throw std::runtime_error(fmt::format("failed: {}", line));
+  };
+  run("ip link set lo down");
+  deed_done();
+  listen(seconds);
+  run("ip link set lo up && ip link set lo multicast on && ip route replace 239.255.76.67/32 dev lo");
+  fault_is_over();
 }
 
 void StackDrive::freeze(const std::string& command, double seconds) {
@@ -141,12 +177,7 @@ void StackDrive::freeze(const std::string& command, double seconds) {
 
 void StackDrive::lose_power() {
   deputy_->send_signal(SIGKILL);
-  for (const std::string& command : commands_) {
-    if (const int victim = bus_.pid(command); victim > 0) {
-      killed_.insert(victim);
-      kill(victim, SIGKILL);
-    }
-  }
+  for (const std::string& command : commands_) kill_without_notice(command);
   deputy_->wait(kPatience);
   start_deputy();
   deed_done();

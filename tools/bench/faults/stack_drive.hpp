@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tools/bench/faults/background_program.hpp"
+#include "tools/bench/faults/small_disk.hpp"
 #include "tools/bench/faults/watched_bus.hpp"
 
 namespace curbstone::bench::faults {
@@ -22,6 +23,7 @@ struct StackOptions {
   std::string config;          ///< the vehicle's YAML file
   double seconds = 18;         ///< of driving
   std::string simulate;        ///< more options of `curbstone simulate`
+  int disk_mb = 0;             ///< size of the disk that the folder lies on; 0: that of the machine
 };
 
 /// A drive of the demo's processes under their deputy, in real time over UDP, in which things go wrong. The emulated
@@ -46,6 +48,13 @@ class StackDrive {
   void freeze(const std::string& command, double seconds);
   /// All processes at once and without a word, then all again.
   void lose_power();
+  /// Two commands at the same moment.
+  void kill_commands(const std::string& one, const std::string& other);
+  /// Nothing more fits on the disk (StackOptions::disk_mb) for so many seconds.
+  void fill_disk(double seconds);
+  /// The interface that carries the bus and the LiDAR's packets is down for so many seconds. Then it comes up, with the
+  /// route of the bus as the system's unit sets it.
+  void take_interface_down(double seconds);
   /// So many busy loops for so many seconds.
   void keep_cpu_busy(int loops, double seconds);
   /// From here on faults and the way back count: what goes wrong, goes wrong now or until now.
@@ -71,9 +80,11 @@ class StackDrive {
   void listen(double seconds);
   void look();
   [[nodiscard]] bool is_well(const std::string& command) const;
+  void kill_without_notice(const std::string& command);
   void deed_done();
 
   StackOptions options_;
+  std::unique_ptr<SmallDisk> disk_;  // first: nothing else is open on it when it goes
   WatchedBus bus_;
   std::vector<std::string> commands_;
   std::set<int> killed_;          // pids whose last words do not count

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace curbstone::doctor::checks {
 
 namespace {
@@ -80,6 +82,13 @@ Verdict check_lidar(const LidarFacts& lidar) {
   if (!lidar.listened) {
     return unknown("lidar", fmt::format("port {} belongs to a driver, which sends nothing", lidar.port),
                    "run this as root, who may look at the wire beside a driver");
+  }
+  const auto most = std::ranges::max_element(lidar.elsewhere, {}, [](const auto& seen) { return seen.second; });
+  if (most != lidar.elsewhere.end()) {
+    return finding("lidar",
+                   fmt::format("no packet on port {}, but {:.0f} a second of a LiDAR's size to {}", lidar.port,
+                               static_cast<double>(most->second) / lidar.seconds, most->first),
+                   "set lidar.model and lidar.msop_port to the device, or the port in the device");
   }
   return finding(
       "lidar", fmt::format("no packet on port {} in {:.1f} s", lidar.port, lidar.seconds),

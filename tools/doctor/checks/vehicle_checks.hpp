@@ -54,9 +54,10 @@ struct LidarFacts {
   int port = 0;
   bool listened = false;  ///< false: somebody else has the port, and raw sockets are not permitted
   double seconds = 0;
-  std::map<std::string, std::int64_t> packets;  ///< by sender
-  std::string wanted_sender;                    ///< empty: any
-  std::int64_t messages = 0;                    ///< LIDAR_POINTS heard on the bus meanwhile
+  std::map<std::string, std::int64_t> packets;    ///< by sender
+  std::map<std::string, std::int64_t> elsewhere;  ///< of a LiDAR's size, to others: by "port 2368, from 192.168.1.201"
+  std::string wanted_sender;                      ///< empty: any
+  std::int64_t messages = 0;                      ///< LIDAR_POINTS heard on the bus meanwhile
 };
 
 /// What is left of the disk that the recorder writes to.

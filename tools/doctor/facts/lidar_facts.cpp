@@ -1,6 +1,7 @@
 #include "tools/doctor/facts/lidar_facts.hpp"
 
 #include <arpa/inet.h>
+#include <fmt/format.h>
 #include <linux/if_ether.h>
 #include <linux/if_packet.h>
 #include <netinet/in.h>
@@ -11,7 +12,9 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/time/clock.hpp"
@@ -41,10 +44,18 @@ void receive_for(int fd, double seconds, OnPacket on_packet) {
   close(fd);
 }
 
+void count(std::map<std::string, std::int64_t>& packets, const std::string& name) {
+  constexpr std::size_t kMost = 32;
+  if (packets.size() < kMost || packets.contains(name)) ++packets[name];
+}
+
 void count(checks::LidarFacts& facts, lidar::sources::Ipv4 sender) {
-  constexpr std::size_t kMostSenders = 32;
-  const std::string name = lidar::sources::to_text(sender);
-  if (facts.packets.size() < kMostSenders || facts.packets.contains(name)) ++facts.packets[name];
+  count(facts.packets, lidar::sources::to_text(sender));
+}
+
+/// The payload of RoboSense's and Velodyne's points.
+bool is_points_packet(std::size_t bytes) {
+  return bytes == 1248 || bytes == 1206;
 }
 
 int open_port(int port) {
@@ -70,7 +81,11 @@ checks::LidarFacts probe_lidar(int port, double seconds) {
       std::memcpy(&link, &from, sizeof link);
       if (link.sll_pkttype == PACKET_OUTGOING) return;  // on loopback each packet is seen twice
       const auto udp = lidar::sources::udp_in_ip(packet);
-      if (udp.kind == lidar::sources::FrameKind::kUdp && udp.port == port) count(facts, udp.sender);
+      if (udp.kind != lidar::sources::FrameKind::kUdp) return;
+      if (udp.port == port)
+        count(facts, udp.sender);
+      else if (is_points_packet(udp.payload.size()))
+        count(facts.elsewhere, fmt::format("port {}, from {}", udp.port, lidar::sources::to_text(udp.sender)));
     });
   } else if (const int fd = open_port(port); fd >= 0) {
     facts.listened = true;

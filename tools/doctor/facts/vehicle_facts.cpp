@@ -9,8 +9,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string_view>
 
 #include "common/config/config.hpp"
 #include "config/sections.hpp"
@@ -37,12 +39,14 @@ namespace fs = std::filesystem;
 /// Reads section by section, and keeps what is wrong, each thing once.
 class SectionReader {
  public:
-  explicit SectionReader(std::string file) : file_(std::move(file)) {}
+  /// `assignments`: SECTION.KEY=VALUE, of the command lines.
+  SectionReader(std::string file, std::vector<std::string> assignments)
+      : file_(std::move(file)), assignments_(std::move(assignments)) {}
 
   template <class Config>
   Config read(const std::string& section) {
     try {
-      return config_of<Config>(section, kProcessSections, file_, {});
+      return config_of<Config>(section, kProcessSections, file_, assignments_);
     } catch (const ConfigError& error) {
       if (std::ranges::find(errors_, error.what()) == errors_.end()) errors_.emplace_back(error.what());
     }
@@ -57,6 +61,7 @@ class SectionReader {
 
  private:
   std::string file_;
+  std::vector<std::string> assignments_;
   std::vector<std::string> errors_;
 };
 
@@ -111,14 +116,48 @@ std::vector<checks::ProgramFacts> programs_of(const procman::config::Config& con
   return programs;
 }
 
-void read_procman(const std::string& file, checks::VehicleFacts& facts) {
+/// What a command line sets beside the file, as SECTION.KEY=VALUE. `words`: of the command, or of what it has a shell
+/// execute.
+std::vector<std::string> assignments_of(const std::vector<std::string>& words) {
+  constexpr std::string_view kPrefix = "curbstone-";
+  std::vector<std::string> assignments;
+  std::string section;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string name = fs::path(words[i]).filename().string();
+    if (section.empty() && name.starts_with(kPrefix)) {
+      section = name.substr(kPrefix.size());
+      std::ranges::replace(section, '-', '_');
+    } else if (!section.empty() && words[i] == "--set" && i + 1 < words.size()) {
+      assignments.push_back(section + "." + words[++i]);
+    }
+  }
+  return assignments;
+}
+
+std::vector<std::string> assignments_of(const procman::config::Config& config) {
+  std::vector<std::string> all;
+  for (const auto& command : config.commands) {
+    using procman::config::from_environment;
+    auto words = procman::config::parse_exec_line(command.exec, from_environment).argv;
+    const bool is_script = words.size() == 3 && fs::path(words[0]).filename() == "sh" && words[1] == "-c";
+    if (is_script) words = procman::config::parse_exec_line(words[2], from_environment).argv;
+    std::ranges::move(assignments_of(words), std::back_inserter(all));
+  }
+  return all;
+}
+
+/// What it sets for the processes.
+std::vector<std::string> read_procman(const std::string& file, checks::VehicleFacts& facts) {
   try {
-    facts.programs = programs_of(procman::config::load_config_file(file));
+    const auto config = procman::config::load_config_file(file);
+    facts.programs = programs_of(config);
     facts.configs.push_back({file, ""});
+    return assignments_of(config);
   } catch (const std::runtime_error& error) {
     const std::string text = error.what();
     facts.configs.push_back({file, text.substr(0, text.find('\n'))});
   }
+  return {};
 }
 
 void look_for_devices(const imu::ImuConfig& imu, const encoder::EncoderConfig& encoder, checks::VehicleFacts& facts) {
@@ -148,7 +187,7 @@ VehicleWishes read_vehicle(const std::string& config_file, const std::string& pr
   VehicleWishes wishes;
   checks::VehicleFacts& facts = wishes.facts;
   facts.user = user_name();
-  SectionReader reader(config_file);
+  SectionReader reader(config_file, read_procman(procman_file, facts));
   const auto lidar = reader.read<lidar::LidarConfig>("lidar");
   const auto imu = reader.read<imu::ImuConfig>("imu");
   const auto encoder = reader.read<encoder::EncoderConfig>("encoder");
@@ -157,13 +196,13 @@ VehicleWishes read_vehicle(const std::string& config_file, const std::string& pr
   (void)reader.read<tensor_voting::worker::TensorVotingConfig>("tensor_voting");
   const auto map = reader.read<semantic_map::SemanticMapConfig>("semantic_map");
   const auto recorder = reader.read<recorder::RecorderConfig>("recorder");
-  facts.configs = reader.result();
-  read_procman(procman_file, facts);
+  std::ranges::move(reader.result(), std::inserter(facts.configs, facts.configs.begin()));
 
-  wishes.recorder_folder = fs::path(recorder.file).parent_path().string();
+  const bool writes_sessions = recorder.file.empty();
+  wishes.recorder_folder = writes_sessions ? recorder.folder : fs::path(recorder.file).parent_path().string();
   wishes.unrecorded_channel = recorder.skip;
   if (!map.map.empty()) facts.folders.push_back(folder_at("semantic_map.map", fs::path(map.map).parent_path()));
-  facts.folders.push_back(folder_at("recorder.file", wishes.recorder_folder));
+  facts.folders.push_back(folder_at(writes_sessions ? "recorder.folder" : "recorder.file", wishes.recorder_folder));
   if (!ekf.state_file.empty())
     facts.folders.push_back(folder_at("ekf.state_file", fs::path(ekf.state_file).parent_path()));
   if (!mapper.journal.empty())

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <poll.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
@@ -60,6 +61,14 @@ std::unique_ptr<rig::WheelDevice> make_wheels(const rig::Drive& drive, bool modb
   return std::make_unique<rig::EmulatedWheels>(std::move(model));
 }
 
+/// Devices are hardware: they wait for no program. Only where the rights are there; LiveReport::latest says how well it
+/// went.
+void run_before_others() {
+  sched_param priority{};
+  priority.sched_priority = sched_get_priority_min(SCHED_RR);
+  (void)sched_setscheduler(0, SCHED_RR | SCHED_RESET_ON_FORK, &priority);
+}
+
 /// The emulated vehicle on the real clock, one thread.
 class LiveDrive {
  public:
@@ -95,6 +104,7 @@ class LiveDrive {
       return report_;
     }
     spool_ = rendering.get();
+    run_before_others();
     start_ = report_.start_utime = wall_clock() + 100'000 + static_cast<std::int64_t>(options_.head_start * 1e6);
     next_difop_ = start_ - 50'000;
     on_start(start_);

@@ -1,6 +1,8 @@
 #include "services/mapper/journal/drive_journal.hpp"
 
 #include <gmock/gmock.h>
+#include <sched.h>
+#include <sys/mount.h>
 
 #include <algorithm>
 #include <chrono>
@@ -205,6 +207,34 @@ TEST_F(DriveJournalTest, ShowsThatItsMapperLivesWhenThereIsNothingNew) {
   utime_ += 1'500'000;
   wait_until([this] { return *age_of_journal(file_) < 60; });
   EXPECT_TRUE(is_up_to_date());
+}
+
+TEST_F(DriveJournalTest, BeginsAnewWhenAFullDiskHasRoomAgain) {
+  const std::string disk = std::filesystem::path(file_).parent_path();
+  std::filesystem::create_directories(disk);
+  if (unshare(CLONE_NEWNS) != 0 || mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
+      mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=4m") != 0)
+    GTEST_SKIP() << "no right to mount a small disk";
+  start_epoch(7, {});
+  drive(20);
+  settle();
+  const std::string ballast = disk + "/ballast";
+  std::ofstream(ballast) << std::string(8'000'000, 'x') << std::flush;
+  for (int i = 0; i < 3000 && journal_.fault().empty(); ++i) {
+    drive(1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_THAT(journal_.fault(), ::testing::HasSubstr("No space left"));
+  std::ofstream(ballast, std::ios::app) << std::string(8'000'000, 'x') << std::flush;  // the journal's file is gone
+  EXPECT_FALSE(journal_.wants_anew(utime_ + 5'000'000)) << "there is no room yet";
+  std::filesystem::remove(ballast);
+  EXPECT_FALSE(journal_.wants_anew(utime_ + 1'000'000));
+  EXPECT_TRUE(journal_.wants_anew(utime_ + 3'000'000));
+  start_epoch(7, {});
+  drive(5);
+  settle();
+  EXPECT_THAT(journal_.fault(), IsEmpty());
+  umount2(disk.c_str(), MNT_DETACH);
 }
 
 TEST_F(DriveJournalTest, CutAnywhereHoldsThatMuchOfTheDriveOrNothing) {

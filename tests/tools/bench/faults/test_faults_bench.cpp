@@ -7,16 +7,20 @@
 
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
+#include <stdexcept>
 #include <thread>
 
 #include "tests/temporary_folder.hpp"
 #include "tools/bench/faults/background_program.hpp"
 #include "tools/bench/faults/fault_report.hpp"
 #include "tools/bench/faults/fault_rows.hpp"
+#include "tools/bench/faults/small_disk.hpp"
 
 namespace curbstone::bench::faults {
 namespace {
@@ -54,7 +58,7 @@ TEST(FaultReport, SaysWhatWasNotBackBeforeTheEnd) {
   FaultReport report;
   report.undisturbed = {{.seconds = 18, .cells = 1000, .poses = 360}};
   report.rows = {{"none", 12, 0, 0.0, {}, true, "ok", 0.01},
-                 {"kill -9 mapper", 500, 3, std::nullopt, {"ekf: lost", "mapper: lost"}, false, "ok", 0.2}};
+                 {"kill -9 mapper", 500, 3, std::nullopt, {"ekf: lost", "mapper: lost"}, false, "ok", 0.02}};
   const auto lines = table_lines(report);
   ASSERT_EQ(lines.size(), 3U);
   EXPECT_THAT(lines[1], HasSubstr("0.0  ok   yes"));
@@ -91,6 +95,42 @@ TEST(FaultReport, ComparesNothingWithADriveThatTheMachineSpoiled) {
   EXPECT_TRUE(json["undisturbed"][0]["spoiled"]);
   EXPECT_EQ(json["undisturbed"][0]["revolutions_lost"], 1);
   EXPECT_TRUE(json["rows"][0]["cells_differ"].is_null());
+}
+
+TEST(FaultReport, SaysWhichRowsTheMachineSpoiled) {
+  const testing::TemporaryFolder folder;
+  const FaultRow row{.fault = "kill -9 ekf", .ended_cleanly = true, .map = "ok", .emulator_late_s = 0.4, .drives = 2};
+  FaultReport report;
+  report.rows = {row};
+  EXPECT_THAT(table_lines(report)[1], HasSubstr("spoiled        spoiled  spoiled  ok   yes"));
+  write_report(report, folder / "figures.json");
+  const auto json = nlohmann::json::parse(std::ifstream(folder / "figures.json"));
+  EXPECT_TRUE(json["rows"][0]["spoiled"]);
+  EXPECT_EQ(json["rows"][0]["drives"], 2);
+  EXPECT_TRUE(json["rows"][0]["back_s"].is_null());
+}
+
+TEST(SmallDisk, IsFullAndFreeAgainAndNobodyElsesBusiness) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "file";
+  const auto can_write = [&] {
+    std::ofstream stream(file, std::ios::app);
+    stream << std::string(100'000, 'x') << std::flush;
+    return stream.good();
+  };
+  std::optional<SmallDisk> disk;
+  try {
+    disk.emplace(folder.path().string(), 4);
+  } catch (const std::runtime_error& error) {
+    GTEST_SKIP() << error.what();
+  }
+  EXPECT_TRUE(can_write());
+  disk->fill();
+  EXPECT_FALSE(can_write());
+  disk->free();
+  EXPECT_TRUE(can_write());
+  disk.reset();
+  EXPECT_FALSE(std::filesystem::exists(file)) << "what was on it is gone";
 }
 
 }  // namespace
