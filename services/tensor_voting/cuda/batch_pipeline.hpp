@@ -27,6 +27,21 @@ struct BatchCounts {
   double voxel = 0;  ///< m
 };
 
+/// Of every point, in the order of the cloud.
+struct BatchOutput {
+  std::vector<kernels::TensorF> tensors;
+  std::vector<VotedShape> shapes;
+  BatchCounts counts;
+};
+
+/// Votes on one cloud after another. Throws std::runtime_error when the machine fails.
+class CloudBatch {
+ public:
+  virtual ~CloudBatch() = default;
+  /// `xyz`: m, of `num_points`. The memory of `output` is used again.
+  virtual void vote(const double* xyz, std::uint32_t num_points, const BatchRequest& request, BatchOutput& output) = 0;
+};
+
 /// Batch voting on a machine: a GPU (cuda_machine.cuh), or the host in its place (tests). A machine has
 ///   Array<T>                         its memory: data(); allocate<T>(n), upload(from, n), download(array, n, to)
 ///   sort(keys, values, n)            stable, in place
@@ -209,6 +224,24 @@ class BatchPipeline {
   Array<float> weights_;
   Array<kernels::TensorF> tensors_;  // of voters
   Array<VotedShape> shapes_;
+};
+
+template <class Machine>
+class CloudBatchOn : public CloudBatch {
+ public:
+  explicit CloudBatchOn(Machine machine) : machine_(std::move(machine)) {}
+
+  void vote(const double* xyz, std::uint32_t num_points, const BatchRequest& request, BatchOutput& output) override {
+    pipeline_.upload(xyz, num_points);
+    pipeline_.prepare(request);
+    pipeline_.vote();
+    pipeline_.download(output.tensors, output.shapes);
+    output.counts = pipeline_.counts();
+  }
+
+ private:
+  Machine machine_;
+  BatchPipeline<Machine> pipeline_{machine_};
 };
 
 }  // namespace curbstone::tensor_voting::cuda

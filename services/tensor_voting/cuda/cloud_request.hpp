@@ -8,9 +8,10 @@
 
 namespace curbstone::tensor_voting::cuda {
 
-/// Between vote_cloud_cuda() and the back end. Throws std::invalid_argument on parameters that mean nothing.
+/// Between CudaBatchVoter and the back end. Throws std::invalid_argument on parameters that mean nothing.
 [[nodiscard]] BatchRequest request_for(std::span<const Eigen::Vector3d> points,
                                        const voting::VotingParameters& parameters, const voting::BatchOptions& options);
-[[nodiscard]] voting::CloudVotes to_cloud_votes(const BatchOutput& output);
+/// `output` gets the memory of `votes` in return.
+void hand_over(BatchOutput& output, voting::CloudVotes& votes);
 
 }  // namespace curbstone::tensor_voting::cuda

@@ -39,16 +39,8 @@ std::string why_no_device() {
   return {};
 }
 
-BatchOutput vote_on_device(const double* xyz, std::uint32_t num_points, const BatchRequest& request) {
-  CudaMachine machine;
-  BatchPipeline<CudaMachine> pipeline(machine);
-  pipeline.upload(xyz, num_points);
-  pipeline.prepare(request);
-  pipeline.vote();
-  BatchOutput output;
-  pipeline.download(output.tensors, output.shapes);
-  output.counts = pipeline.counts();
-  return output;
+std::unique_ptr<CloudBatch> make_cloud_batch() {
+  return std::make_unique<CloudBatchOn<CudaMachine>>(CudaMachine());
 }
 
 TimedBatch time_on_device(const double* xyz, std::uint32_t num_points, const BatchRequest& request, int repeats) {

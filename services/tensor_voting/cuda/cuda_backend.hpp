@@ -17,13 +17,9 @@ namespace curbstone::tensor_voting::cuda {
 /// Empty if there is a device that can be used.
 [[nodiscard]] std::string why_no_device();
 
-struct BatchOutput {
-  std::vector<kernels::TensorF> tensors;
-  std::vector<VotedShape> shapes;
-  BatchCounts counts;
-};
-/// Throws std::runtime_error with what CUDA has to say.
-[[nodiscard]] BatchOutput vote_on_device(const double* xyz, std::uint32_t num_points, const BatchRequest& request);
+/// Throw std::runtime_error with what CUDA has to say, and so does what they make.
+[[nodiscard]] std::unique_ptr<CloudBatch> make_cloud_batch();
+[[nodiscard]] std::unique_ptr<ResidentVoters> make_resident_voters(const CellGrid& grid, const kernels::Decay& decay);
 
 struct DeviceTimes {
   double upload_ms = 0;
@@ -42,7 +38,5 @@ struct TimedBatch {
 };
 [[nodiscard]] TimedBatch time_on_device(const double* xyz, std::uint32_t num_points, const BatchRequest& request,
                                         int repeats);
-
-[[nodiscard]] std::unique_ptr<ResidentVoters> make_resident_voters(const CellGrid& grid, const kernels::Decay& decay);
 
 }  // namespace curbstone::tensor_voting::cuda

@@ -8,7 +8,7 @@ std::string why_no_device() {
   return "built without CUDA: no nvcc was found, or CURBSTONE_CUDA is off";
 }
 
-BatchOutput vote_on_device(const double*, std::uint32_t, const BatchRequest&) {
+std::unique_ptr<CloudBatch> make_cloud_batch() {
   throw std::runtime_error(why_no_device());
 }
 

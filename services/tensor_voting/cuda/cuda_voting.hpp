@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -21,6 +23,32 @@ namespace curbstone::tensor_voting::cuda {
   return why_no_cuda().empty();
 }
 
+class CloudBatch;
+struct BatchOutput;
+
+/// Votes on one cloud after another on the current device and keeps its memory there and here in between, as
+/// voting::BatchVoter does on the CPU: new memory costs more than most clouds' votes. One thread at a time.
+class CudaBatchVoter {
+ public:
+  /// The device's part. Tests put the host in its place.
+  using MakeBatch = std::function<std::unique_ptr<CloudBatch>()>;
+
+  /// Throws std::runtime_error where there is no device (why_no_cuda()).
+  CudaBatchVoter();
+  explicit CudaBatchVoter(const MakeBatch& make_batch);
+  ~CudaBatchVoter();
+  CudaBatchVoter(CudaBatchVoter&&) noexcept;
+  CudaBatchVoter& operator=(CudaBatchVoter&&) noexcept;
+
+  /// As vote_cloud_cuda(); what was in `votes` goes.
+  void vote(std::span<const Eigen::Vector3d> points, const voting::VotingParameters& parameters,
+            const voting::BatchOptions& options, voting::CloudVotes& votes);
+
+ private:
+  std::unique_ptr<CloudBatch> batch_;
+  std::unique_ptr<BatchOutput> output_;
+};
+
 /// vote_cloud() on the current device: the points go up, 68 bytes a point come down, and less than 300 bytes a point
 /// are needed there. The same device gives the same bits. What counts as too dense to vote (CloudVotes::voxel) differs
 /// a little from vote_cloud(), as other pairs are looked at. Throws std::invalid_argument as vote_cloud() does, and
@@ -39,7 +67,7 @@ struct CudaTimings {
   double vote_ms = 0;      ///< votes and eigen-decomposition: the kernel
   double download_ms = 0;  ///< of tensors and decompositions
   double total_ms = 0;     ///< the median of their sums
-  /// Of vote_cloud_cuda() as its caller sees it: memory taken and given back, results in their vectors.
+  /// Of CudaBatchVoter::vote() as its caller sees it, results in their vectors.
   double call_ms = 0;
 
   std::uint64_t pairs_tested = 0;  ///< of votee and voter, in reach or not

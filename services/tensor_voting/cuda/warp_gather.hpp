@@ -23,8 +23,10 @@ template <class Voter>
 struct GatherMemory {
   static constexpr std::uint32_t kTile = sizeof(Voter) > 16 ? 64 : 128;
   Voter voters[kTile];
-  std::uint32_t begin[CellGrid::kRows];
+  // Lengths are added up in fours: nvcc loads a little beyond their end. There must lie nothing that is written
+  // meanwhile.
   std::uint32_t length[CellGrid::kRows];
+  std::uint32_t begin[CellGrid::kRows];
   std::uint32_t offset[CellGrid::kRows + 1];  // of a row in all rows' voters one after the other
 
   /// The index of the k-th of all voters.

@@ -20,19 +20,8 @@ namespace {
 using testing_clouds::matrix;
 using testing_clouds::street;
 
-voting::CloudVotes vote_in_the_devices_place(std::span<const Eigen::Vector3d> points,
-                                             const voting::VotingParameters& parameters,
-                                             const voting::BatchOptions& options) {
-  const cuda::HostMachine machine;
-  cuda::BatchPipeline<const cuda::HostMachine> pipeline(machine);
-  const cuda::BatchRequest request = cuda::request_for(points, parameters, options);
-  pipeline.upload(points.empty() ? nullptr : points[0].data(), static_cast<std::uint32_t>(points.size()));
-  pipeline.prepare(request);
-  pipeline.vote();
-  cuda::BatchOutput output;
-  pipeline.download(output.tensors, output.shapes);
-  output.counts = pipeline.counts();
-  return cuda::to_cloud_votes(output);
+CudaBatchVoter in_the_devices_place() {
+  return CudaBatchVoter([] { return std::make_unique<CloudBatchOn<HostMachine>>(HostMachine{}); });
 }
 
 class CudaBatch : public ::testing::TestWithParam<const char*> {
@@ -44,8 +33,10 @@ class CudaBatch : public ::testing::TestWithParam<const char*> {
   [[nodiscard]] static voting::CloudVotes vote(std::span<const Eigen::Vector3d> points,
                                                const voting::VotingParameters& parameters,
                                                const voting::BatchOptions& options = {}) {
-    return on_device() ? vote_cloud_cuda(points, parameters, options)
-                       : vote_in_the_devices_place(points, parameters, options);
+    if (on_device()) return vote_cloud_cuda(points, parameters, options);
+    voting::CloudVotes votes;
+    in_the_devices_place().vote(points, parameters, options, votes);
+    return votes;
   }
 
   /// On the same whole steps: a pair at the cut-off must not fall on either side of it by chance.
@@ -172,6 +163,26 @@ TEST_P(CudaBatch, EqualsTheCpuInASecondPassAndWithDensityEqualised) {
   expect_equal_to_the_cpu(points, {.voxel = 0}, {.equalise_density = true}, 1e-5);
   expect_equal_to_the_cpu(points, {.radius = 0.1, .voxel = 0}, {.equalise_density = true}, 1e-5);
   expect_equal_to_the_cpu(points, {.ball = 0.5, .voxel = 0.05}, {.second_pass = true, .equalise_density = true}, 1e-4);
+}
+
+TEST_P(CudaBatch, KeepsItsMemoryAndNothingElse) {
+  CudaBatchVoter voter = on_device() ? CudaBatchVoter() : in_the_devices_place();
+  voting::CloudVotes votes;
+  for (const std::size_t size : {4'000U, 500U, 0U, 2'000U}) {
+    const std::vector<Eigen::Vector3d> cloud = size > 0 ? street(size, 1) : std::vector<Eigen::Vector3d>();
+    for (const bool second_pass : {true, false}) {
+      const voting::VotingParameters parameters{.voxel = second_pass ? 0.1 : 0.0};
+      voter.vote(cloud, parameters, {.second_pass = second_pass}, votes);
+      const voting::CloudVotes alone = vote(cloud, parameters, {.second_pass = second_pass});
+      ASSERT_EQ(votes.tensors.size(), cloud.size());
+      ASSERT_EQ(votes.decompositions.size(), cloud.size());
+      EXPECT_EQ(votes.num_voters, alone.num_voters);
+      for (std::size_t i = 0; i < cloud.size(); ++i) {
+        EXPECT_EQ(matrix(votes.tensors[i]), matrix(alone.tensors[i]));
+        EXPECT_EQ(votes.decompositions[i].normal, alone.decompositions[i].normal);
+      }
+    }
+  }
 }
 
 TEST_P(CudaBatch, OfNothingIsNothing) {
