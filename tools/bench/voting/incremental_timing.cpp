@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <curbstone/map_points_t.hpp>
 #include <curbstone/voted_points_t.hpp>
-#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "common/bus/local_bus.hpp"
 #include "common/statistics/quantile.hpp"
+#include "services/tensor_voting/cuda/cuda_voting.hpp"
 #include "services/tensor_voting/voting/batch_voting.hpp"
 #include "services/tensor_voting/voting/voting_field.hpp"
 #include "services/tensor_voting/worker/point_tiles.hpp"
@@ -29,12 +29,6 @@ double cpu_ms() {
   return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
 }
 
-ScanTimes summarise(const std::vector<double>& ms) {
-  if (ms.empty()) return {};
-  const double sum = std::accumulate(ms.begin(), ms.end(), 0.0);
-  return {sum / static_cast<double>(ms.size()), quantile_or(ms, 0.99, 0), quantile_or(ms, 1, 0)};
-}
-
 tensor_voting::worker::TensorVotingConfig two_scales() {
   tensor_voting::worker::TensorVotingConfig config;
   config.sigma = {0.1, 0.3};
@@ -46,27 +40,44 @@ tensor_voting::worker::TensorVotingConfig two_scales() {
 class FieldTimer {
  public:
   FieldTimer() {
-    for (const tensor_voting::voting::VotingParameters& scale : two_scales().scales()) fields_.emplace_back(scale);
+    const auto scales = two_scales().scales();
+    for (const tensor_voting::voting::VotingParameters& scale : scales) fields_.emplace_back(scale);
+    if (!tensor_voting::cuda::cuda_available()) return;
+    std::vector<tensor_voting::cuda::CudaVotingField> on_gpu;
+    for (const tensor_voting::voting::VotingParameters& scale : scales) on_gpu.emplace_back(scale);
+    cuda_.emplace(std::move(on_gpu));
   }
   void add(const map_points_t& message) {
     const TileKey key{message.tile_x, message.tile_y};
     const tensor_voting::worker::PointTiles::Taken taken = map_.take(message);
     if (taken.outcome != tensor_voting::worker::PointTiles::Outcome::kAdded) return;
     const std::int32_t z_origin = map_.find(key)->z_origin * kStepsPerMetre;
+    const std::span<const TilePoint> points = taken.removed ? std::span(map_.find(key)->points) : taken.added;
     const double begin = cpu_ms();
     for (tensor_voting::voting::VotingField& field : fields_) {
       if (taken.removed) field.remove(key);
-      field.add(key, z_origin, taken.removed ? std::span(map_.find(key)->points) : taken.added);
+      field.add(key, z_origin, points);
     }
     ms_ += cpu_ms() - begin;
+    if (cuda_) cuda_->add(key, z_origin, taken.removed, points);
+  }
+  void end_revolution(bool counts) {
+    if (cuda_) cuda_->end_revolution(counts);
   }
   double take_ms() { return std::exchange(ms_, 0.0); }
+  [[nodiscard]] std::optional<CudaGrowth> cuda_growth() {
+    if (!cuda_) return {};
+    std::vector<TileKey> keys;
+    for (const auto& [key, tile] : map_.tiles()) keys.push_back(key);
+    return cuda_->growth(fields_, keys);
+  }
   [[nodiscard]] const tensor_voting::worker::PointTiles& map() const { return map_; }
   [[nodiscard]] const std::vector<tensor_voting::voting::VotingField>& fields() const { return fields_; }
 
  private:
   tensor_voting::worker::PointTiles map_{{}};
   std::vector<tensor_voting::voting::VotingField> fields_;
+  std::optional<CudaFields> cuda_;
   double ms_ = 0;
 };
 
@@ -173,6 +184,7 @@ IncrementalTiming time_incremental(const inputs::DriveSource& source) {
     if (channel != "MAP_POSE") return;
     const double ms[] = {fields.take_ms(), worker.take_ms()};
     driving = driving || fields.map().num_points() > 0;
+    fields.end_revolution(driving);
     if (!driving) return;
     voting_ms.push_back(ms[0]);
     worker_ms.push_back(ms[1]);
@@ -185,8 +197,9 @@ IncrementalTiming time_incremental(const inputs::DriveSource& source) {
   timing.decomposition_ms = worker.mean_tick_ms(timing.revolutions);
   timing.pacing_p50_ms = quantile_or(worker.pacing_ms, 0.5, 0);
   timing.pacing_p95_ms = quantile_or(worker.pacing_ms, 0.95, 0);
-  timing.voting = summarise(voting_ms);
-  timing.worker = summarise(worker_ms);
+  timing.voting = scan_times(voting_ms);
+  timing.worker = scan_times(worker_ms);
+  timing.cuda = fields.cuda_growth();
   for (const tensor_voting::voting::VotingField& field : fields.fields()) {
     const VotersOfField voters = voters_of(field, fields.map());
     timing.voters += voters.points.size();

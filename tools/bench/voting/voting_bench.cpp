@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/config/command_line.hpp"
+#include "services/tensor_voting/cuda/cuda_voting.hpp"
 #include "services/tensor_voting/kernels/instruction_sets.hpp"
 #include "services/tensor_voting/kernels/vote_kernel.hpp"
 #include "tools/bench/voting/voting_report.hpp"
@@ -27,6 +28,7 @@ struct VotingBenchOptions {
   inputs::DriveSource drive;
   bool no_growth = false;
   bool no_drive = false;
+  bool on_gpu = false;
   std::string json;
 };
 
@@ -50,6 +52,7 @@ void add_options(CommandLine& line, VotingBenchOptions& o) {
   line.option("--pcl-max-points", o.pcl_max_points, "No PCL on larger clouds").shows_default();
   line.flag("--no-growth", o.no_growth, "Do not measure how the cost grows");
   line.flag("--no-drive", o.no_drive, "Do not measure a growing map");
+  line.flag("--on-gpu", o.on_gpu, "Fail where there is no GPU to measure too");
   line.option("--seconds", o.drive.seconds, "s of the demo town's drive for the growing map")
       .within(1.0, 3600.0)
       .shows_default();
@@ -114,6 +117,10 @@ int run_bench_voting(int argc, char** argv) {
       "curbstone bench voting");
   add_options(line, options);
   if (const auto status = line.read(argc, argv)) return *status;
+  if (const std::string why = tensor_voting::cuda::why_no_cuda(); options.on_gpu && !why.empty()) {
+    say(why);
+    return 1;
+  }
   const VotingReport report = measure(options);
   print_report(report);
   if (!options.json.empty()) write_report(report, options.json);

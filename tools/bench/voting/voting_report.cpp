@@ -62,6 +62,11 @@ void print_incremental(const IncrementalTiming& t) {
              t.pacing_p50_ms, t.pacing_p95_ms);
   fmt::print("  largest difference to the batch vote of the same points: {:.1e} of the tensor's norm\n",
              t.max_relative_difference);
+  if (!t.cuda) return;
+  fmt::print("  On the GPU, wall ms a revolution  {:>8} {:>8} {:>8}\n", "mean", "p99", "max");
+  line("its points into both fields", t.cuda->add);
+  line("the changed tiles' votes", t.cuda->votes);
+  fmt::print("  {} of {} voters have other bits than on the CPU\n", t.cuda->different, t.cuda->compared);
 }
 
 json batch_json(const VotingReport& report) {
@@ -99,6 +104,13 @@ json growth_json(const VotingReport& report) {
   return rows;
 }
 
+json cuda_growth_json(const CudaGrowth& t) {
+  return {{"add_mean_ms", t.add.mean_ms},   {"add_p99_ms", t.add.p99_ms},
+          {"add_max_ms", t.add.max_ms},     {"votes_mean_ms", t.votes.mean_ms},
+          {"votes_p99_ms", t.votes.p99_ms}, {"votes_max_ms", t.votes.max_ms},
+          {"voters", t.compared},           {"different_voters", t.different}};
+}
+
 json incremental_json(const IncrementalTiming& t) {
   return {{"mean_ms", t.voting.mean_ms},
           {"p99_ms", t.voting.p99_ms},
@@ -113,7 +125,8 @@ json incremental_json(const IncrementalTiming& t) {
           {"worker_max_ms", t.worker.max_ms},
           {"decomposition_ms", t.decomposition_ms},
           {"pacing_p50_ms", t.pacing_p50_ms},
-          {"pacing_p95_ms", t.pacing_p95_ms}};
+          {"pacing_p95_ms", t.pacing_p95_ms},
+          {"cuda", t.cuda ? cuda_growth_json(*t.cuda) : json(nullptr)}};
 }
 
 }  // namespace
