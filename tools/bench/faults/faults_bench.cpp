@@ -11,6 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "common/config/command_line.hpp"
 #include "services/semantic_map/store/map_store.hpp"
@@ -57,12 +58,20 @@ int revolutions_lost(const evaluate::StoredMap& map) {
   return last.revolution - first.revolution + 1 - static_cast<int>(map.trajectory.size());
 }
 
-/// Whether a name contains one of "part|other part".
-bool is_named(const std::string& name, const std::string& parts) {
-  std::istringstream list(parts);
-  bool is_any = parts.empty();
-  for (std::string part; std::getline(list, part, '|');) is_any = is_any || name.find(part) != std::string::npos;
-  return is_any;
+/// The rows that "part|other part" means: a part that is a row's name means that row alone.
+std::vector<Fault> chosen(const std::vector<Fault>& faults, const std::string& parts) {
+  if (parts.empty()) return faults;
+  std::vector<Fault> found;
+  for (const Fault& fault : faults) {
+    bool is_meant = false;
+    std::istringstream list(parts);
+    for (std::string part; std::getline(list, part, '|');) {
+      const bool is_name = std::ranges::find(faults, part, &Fault::name) != faults.end();
+      is_meant = is_meant || (is_name ? fault.name == part : fault.name.find(part) != std::string::npos);
+    }
+    if (is_meant) found.push_back(fault);
+  }
+  return found;
 }
 
 /// Drives with faults, and the undisturbed drives that they are compared with.
@@ -175,8 +184,7 @@ class FaultsBench {
 
 int measure_all(const FaultsBenchOptions& options) {
   FaultsBench bench(options);
-  for (Fault& fault : all_faults()) {
-    if (!is_named(fault.name, options.only)) continue;
+  for (const Fault& fault : chosen(all_faults(), options.only)) {
     fmt::print(stderr, "bench faults: {}\n", fault.name);
     bench.measure(fault);
     if (!options.json.empty()) write_report(bench.report(), options.json);  // what there is, if a later one fails
@@ -195,7 +203,7 @@ int run_bench_faults(int argc, char** argv) {
       "What is lost when processes die, hang or starve: a table, a row a fault, each a drive of the demo's processes "
       "in real time. They need a bus of their own: scripts/isolated curbstone bench faults",
       "curbstone bench faults");
-  line.option("--only", options.only, "The rows whose name contains this, or one of: this|that");
+  line.option("--only", options.only, "The row of this name, or the rows whose name contains it, or one of: this|that");
   line.option("--seconds", options.seconds,
               "Length of each drive (default: 18, where something happens every few seconds 60)")
       .within(12.0, 600.0);
