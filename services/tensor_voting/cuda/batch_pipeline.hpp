@@ -179,7 +179,8 @@ class BatchPipeline {
 
   template <class Votes>
   void gather(const Votes& votes) {
-    machine_.for_each_window(num_windows(counts_.voters), GatherWindow<Votes>{grid_, sorted(), sorted(), votes});
+    machine_.for_each_window(kParts * num_windows(counts_.voters),
+                             GatherWindow<Votes>{grid_, sorted(), sorted(), votes});
   }
 
   void weigh() {

@@ -133,7 +133,8 @@ struct HandOut {
   }
 };
 
-/// A window of votees gathers from the voters around.
+/// Windows of votees gather from the voters around, each in kParts: the last parts, most of which have nothing to do
+/// and some much, first.
 template <class Votes>
 struct GatherWindow {
   using Memory = GatherMemory<typename Votes::Voter>;
@@ -143,8 +144,9 @@ struct GatherWindow {
   Votes votes;
 
   template <class Warp>
-  CURBSTONE_HD void operator()(Warp& warp, Memory& memory, std::uint32_t window) const {
-    WarpGather<Warp, Votes>(warp, memory, grid, votees, voters, votes).run(window);
+  CURBSTONE_HD void operator()(Warp& warp, Memory& memory, std::uint32_t i) const {
+    const std::uint32_t windows = num_windows(votees.size);
+    WarpGather<Warp, Votes>(warp, memory, grid, votees, voters, votes).run(i % windows, kParts - 1 - i / windows);
   }
 };
 

@@ -191,7 +191,7 @@ class ResidentVotersOn : public ResidentVoters {
     votes.voters = voters;
     votes.received = votees.sums.data();
     votes.changed = changed.data();
-    machine_.for_each_window(num_windows(size),
+    machine_.for_each_window(kParts * num_windows(size),
                              GatherWindow<ExactVotes>{grid_, {keys, size}, {voter_keys, num_voters}, votes});
   }
 

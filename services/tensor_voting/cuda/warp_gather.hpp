@@ -14,7 +14,8 @@ struct SortedKeys {
   const std::uint64_t* keys = nullptr;
   std::uint32_t size = 0;
 };
-[[nodiscard]] inline std::uint32_t num_windows(std::uint32_t size) {
+inline constexpr std::uint32_t kParts = 8;  // warps that share a window
+[[nodiscard]] CURBSTONE_HD inline std::uint32_t num_windows(std::uint32_t size) {
   return (size + kWarp - 1) / kWarp;
 }
 
@@ -59,41 +60,18 @@ class WarpGather {
                           const SortedKeys& voters, const Votes& votes)
       : warp_(warp), memory_(memory), grid_(grid), votees_(votees), voters_(voters), votes_(votes) {}
 
-  /// Votees 32 window .. 32 window + 31.
-  CURBSTONE_HD void run(std::uint32_t window) {
+  /// Of votees 32 window .. 32 window + 31 those that are `part`'s. Each stretch of them looks for voters anew. Sparse
+  /// points make a stretch each, and one warp would be at it long after all others: kParts share them.
+  CURBSTONE_HD void run(std::uint32_t window, std::uint32_t part) {
     const std::uint32_t begin = window * kWarp;
     const std::uint32_t end = smaller(begin + kWarp, votees_.size);
-    typename Warp::template Lanes<typename Votes::Sums> sums;
-    typename Warp::template Lanes<typename Votes::Votee> votee;
+    std::uint32_t turn = 0;
     for (std::uint32_t first = begin; first < end;) {
       const std::uint32_t last = end_of_stretch(first, end);
-      const auto origin = votes_.position(first);
-      const std::uint32_t count = find_voters(first, last);
-      warp_.each([&](std::uint32_t lane) {
-        const std::uint32_t i = begin + lane;
-        if (i >= first && i < last) votee[lane] = votes_.votee(i, origin);
-      });
-      for (std::uint32_t done = 0; done < count; done += Memory::kTile) {
-        const std::uint32_t staged = smaller(Memory::kTile, count - done);
-        warp_.each([&](std::uint32_t lane) {
-          for (std::uint32_t k = lane; k < staged; k += kWarp) {
-            memory_.voters[k] = votes_.voter(memory_.index_of(done + k), origin);
-          }
-        });
-        warp_.sync();
-        warp_.each([&](std::uint32_t lane) {
-          const std::uint32_t i = begin + lane;
-          if (i < first || i >= last) return;
-          for (std::uint32_t k = 0; k < staged; ++k) votes_.add(memory_.voters[k], votee[lane], sums[lane]);
-        });
-        warp_.sync();
-      }
+      if (turn == part) gather(begin, first, last);
+      turn = (turn + 1) % kParts;
       first = last;
     }
-    warp_.each([&](std::uint32_t lane) {
-      const std::uint32_t i = begin + lane;
-      if (i < end) votes_.store(i, sums[lane]);
-    });
   }
 
   /// How many pairs run() looks at.
@@ -110,6 +88,35 @@ class WarpGather {
   }
 
  private:
+  /// Votees first .. last - 1 are one stretch; lane 0's is `begin`.
+  CURBSTONE_HD void gather(std::uint32_t begin, std::uint32_t first, std::uint32_t last) {
+    typename Warp::template Lanes<typename Votes::Sums> sums{};
+    typename Warp::template Lanes<typename Votes::Votee> votee{};
+    const auto is_in = [&](std::uint32_t lane) { return begin + lane >= first && begin + lane < last; };
+    const auto origin = votes_.position(first);
+    const std::uint32_t count = find_voters(first, last);
+    warp_.each([&](std::uint32_t lane) {
+      if (is_in(lane)) votee[lane] = votes_.votee(begin + lane, origin);
+    });
+    for (std::uint32_t done = 0; done < count; done += Memory::kTile) {
+      const std::uint32_t staged = smaller(Memory::kTile, count - done);
+      warp_.each([&](std::uint32_t lane) {
+        for (std::uint32_t k = lane; k < staged; k += kWarp) {
+          memory_.voters[k] = votes_.voter(memory_.index_of(done + k), origin);
+        }
+      });
+      warp_.sync();
+      warp_.each([&](std::uint32_t lane) {
+        if (!is_in(lane)) return;
+        for (std::uint32_t k = 0; k < staged; ++k) votes_.add(memory_.voters[k], votee[lane], sums[lane]);
+      });
+      warp_.sync();
+    }
+    warp_.each([&](std::uint32_t lane) {
+      if (is_in(lane)) votes_.store(begin + lane, sums[lane]);
+    });
+  }
+
   /// Votees that can share their voters: in one row, and not too long a stretch of it.
   CURBSTONE_HD std::uint32_t end_of_stretch(std::uint32_t first, std::uint32_t end) const {
     return lower_bound(votees_.keys, first, end, CellGrid::end_of_stretch(votees_.keys[first]) + 1);
