@@ -42,6 +42,9 @@ void Sheriff::on(const procman_lcm::deputy_info_t& info, std::int64_t now) {
            std::none_of(info.cmds.begin(), info.cmds.end(),
                         [&](const auto& status) { return status.cmd.command_id == entry.first; });
   });
+  for (auto& [deputies, commands] : twice_)
+    std::erase_if(commands, [&](const auto& seen) { return now - seen.second >= kSilence; });
+  std::erase_if(twice_, [](const auto& pair) { return pair.second.empty(); });
   for (const auto& status : info.cmds) {
     Known& known = commands_[status.cmd.command_id];
     const std::int32_t before = known.status.pid;
