@@ -16,7 +16,6 @@
 namespace curbstone::mapper {
 namespace {
 
-constexpr std::int64_t kSettling = 1'200'000;      // us, until all that was seen has its place in the dense map
 constexpr std::int64_t kOdometryBefore = 100'000;  // us, of the first scan
 
 }  // namespace
@@ -51,7 +50,7 @@ bool MapperNode::resume_drive() {
     std::optional<journal::RecordedDrive> drive = journal::read_journal(config_.journal, max_bytes, hash);
     if (!drive) return false;
     epoch_before_ = drive->epoch;
-    const std::int64_t settled = drive->poses.back().utime - kSettling;
+    const std::int64_t settled = drive->poses.back().utime - std::llround(1e6 * config_.dense.settled_after());
     const auto is_later = [&](const journal::RecordedPose& pose) { return pose.utime > settled; };
     drive->poses.erase(std::find_if(drive->poses.begin() + 1, drive->poses.end(), is_later), drive->poses.end());
     resumed_drive_ = drive->poses;

@@ -7,8 +7,7 @@
 namespace curbstone::mapper {
 namespace {
 
-constexpr double kShows = 0.5;    // s of standstill: sooner it would be no more than a drive that begins slowly
-constexpr double kSettles = 1.2;  // s of drive, until what was seen has its place in the dense map
+constexpr double kShows = 0.5;  // s of standstill: sooner it would be no more than a drive that begins slowly
 
 }  // namespace
 
@@ -30,7 +29,7 @@ void StartMap::grew(std::int64_t utime) {
 }
 
 bool StartMap::gives_way(std::int64_t began, std::int64_t utime) {
-  if (!map_ || (is_shown_ && scan::seconds(began, utime) < kSettles)) return false;
+  if (!map_ || (is_shown_ && scan::seconds(began, utime) < config_.settled_after())) return false;
   const bool was_shown = is_shown_;
   end();
   return was_shown;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "common/config/config.hpp"
 
 namespace curbstone::mapper::config {
@@ -19,6 +21,10 @@ struct DenseConfig {
   double free_range = 12.0;
   bool ring_scale = true;
   int max_points = 30'000'000;
+
+  /// s, until all that was seen has its place in the map or none: what must have stayed is looked at every fourth
+  /// revolution.
+  [[nodiscard]] double settled_after() const { return std::max(settle_s, persistence_s) + 0.2; }
 
   void visit(ConfigVisitor& v) {
     v.field("voxel", voxel, {0.02, 0.5}, "m, one point each; a whole number of 2 mm steps that divides 3 m");
