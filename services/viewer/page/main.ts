@@ -115,7 +115,9 @@ function onNews(): void {
   // A saved map comes in several frames: the whole of it is shown, so it must be there.
   const isThere = state?.source !== "map" || world.tiles.size >= state.tiles;
   if (!shown && isThere && world.tiles.size > 0) begin();
+  const wasOpen = !byId("cell").hidden;
   inspector.show(settings.look, settings.mode);
+  if (wasOpen && byId("cell").hidden) inspector.pick(null);  // its map is gone
   redraw();
 }
 

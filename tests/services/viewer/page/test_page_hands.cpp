@@ -58,6 +58,21 @@ TEST_F(PageHands, OnAPhoneACardLeavesInSightWhatWasAskedAbout) {
   EXPECT_NEAR(again.y, spot.y, 1e-6) << "nothing moves where nothing is hidden";
 }
 
+TEST_F(PageHands, OnAPhoneTheMapTakesThePlaceOfACardWhoseMapIsGone) {
+  put_a_road();
+  browser->resize(390, 844, true);
+  open(kView);
+  const double middle = browser->evaluate("curbstone.camera.offsetY").get<double>();
+  const Spot road = spot_of(0, 0);
+  browser->hold(road.x, road.y, 0.05);
+  ASSERT_TRUE(shows("#cell", "Road"));
+  ASSERT_LT(browser->evaluate("curbstone.camera.offsetY").get<double>(), middle - 50);
+  begin_epoch();
+  put(tile_of(50, 50, semantic_tile_t::ROAD));
+  ASSERT_TRUE(browser->comes_to("document.getElementById('cell').hidden"));
+  EXPECT_TRUE(browser->comes_to(fmt::format("curbstone.camera.offsetY === {}", middle)));
+}
+
 TEST_F(PageHands, ArrowKeysMoveTheMapAndEnterAsksWhatIsInTheMiddle) {
   put_a_road();
   open(kView);
