@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/ekf/detection/standing_motion.hpp"
 #include "services/ekf/detection/start_up.hpp"
 
 namespace curbstone::ekf::filter {
@@ -48,6 +49,22 @@ void doubt_standstill(model::Belief& belief, double travel, double track_width) 
   widen(belief, model::kPosition, moved);
   belief.covariance.block<3, 3>(model::kAttitude, model::kAttitude) +=
       turned * turned * yaw_axis * yaw_axis.transpose();
+}
+
+void doubt_wheels_at_rest(model::Belief& belief, double speed) {
+  constexpr double kShare = 0.15;  // of the speed
+  belief.mean.velocity.x() += speed - belief.mean.velocity.x();
+  widen(belief, model::kVelocity, kShare * speed);
+  widen(belief, model::kPosition, 0.5 * speed * detection::StandingMotion::kMemory);
+}
+
+void doubt_pulled(model::Belief& belief, double pull, double since, const base::StartConfig& config) {
+  if (pull <= 0) return;
+  const double acceleration = kGravity * config.level_sigma;  // that its tilt has fooled it with since
+  widen(belief, model::kVelocity, std::hypot(pull, acceleration * since));
+  widen(belief, model::kPosition, std::hypot(pull * since, 0.5 * acceleration * since * since));
+  widen(belief, model::kAttitude, config.level_sigma);
+  widen(belief, model::kAccelerometerBias, config.accelerometer_bias_sigma);
 }
 
 bool is_finite(const model::Belief& belief) {

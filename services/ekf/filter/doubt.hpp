@@ -19,6 +19,13 @@ void doubt_since_killed(model::Belief& belief, double gap);
 /// `travel` m, evenly distributed.
 void doubt_standstill(model::Belief& belief, double travel, double track_width);
 
+/// It has driven off while the wheels showed no travel, at `speed` m/s: that is the speed, and what way it has made
+/// since is not known.
+void doubt_wheels_at_rest(model::Belief& belief, double speed);
+
+/// Faulty wheels have pulled its speed along, by up to `pull` m/s, and its tilt, since `since` s.
+void doubt_pulled(model::Belief& belief, double pull, double since, const base::StartConfig& config);
+
 [[nodiscard]] bool is_finite(const model::Belief& belief);
 
 }  // namespace curbstone::ekf::filter

@@ -12,6 +12,7 @@ namespace curbstone::ekf::filter {
 namespace {
 
 constexpr double kMaxAxleError = 4.0;  // sigma: farther from its configured place it was learnt from nonsense
+constexpr double kUsualTurn = 0.3;     // rad/s, of a vehicle
 
 /// Says nothing, and changes nothing.
 model::Observation no_observation() {
@@ -48,6 +49,7 @@ void Filter::correct_with_wheels(WheelStep step, bool coasting) {
     }
   }
   slip_.reset_detector();
+  watch_.interrupt();
   mechanisation_.window().reset();
 }
 
@@ -59,17 +61,11 @@ void Filter::correct_driving(const inputs::WheelInterval& interval) {
                                 geometry_);
   };
   std::array<model::Observation, 2> rows{observe(0), observe(1)};
-  if (level_.level()) {
-    slip_.judge(interval, {model::distance(belief_, rows[0]), model::distance(belief_, rows[1])}, belief_.mean,
-                mechanisation_.window(), counters_);
-  } else {
-    slip_.reset_detector();  // a tilted filter sees the wheels slip whenever the vehicle accelerates
-  }
-  bool refused = true;
+  const bool doubted = judge_wheels(interval, rows);
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
-    const bool slipping = slip_.slipping(wheel, interval.end);
-    refused = refused && slipping;
-    if (slipping)
+    const bool faulty = watch_.faulty(wheel);
+    if (faulty) counters_.add(wheel == 0 ? "withheld.wheel_left" : "withheld.wheel_right");
+    if (faulty || slip_.slipping(wheel, interval.end))
       rows[wheel] = no_observation();
     else if (!model::soften_beyond(model::kGate1, belief_, rows[wheel]))
       counters_.add(wheel == 0 ? "gated.wheel_left" : "gated.wheel_right");
@@ -83,11 +79,44 @@ void Filter::correct_driving(const inputs::WheelInterval& interval) {
     detection::forget_axle(belief_, config_->wheels);
   }
   const bool absurd = motion.velocity.norm() > config_->wheels.max_speed;
-  if (wheels_refused_.lasts(refused, belief_.utime, config_->slip.patience) || absurd) {
+  if (doubted || absurd) {
     doubt(interval.mean_speed() - motion.velocity.x());
     detection::forget_wheel_scale(belief_, config_->wheels);
     slip_.acquit();
   }
+}
+
+/// Which wheels slip, and which are faulty. True: it is the filter that is wrong, and it has to doubt itself.
+bool Filter::judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows) {
+  if (!level_.level()) {  // a tilted filter sees the wheels slip whenever the vehicle accelerates
+    slip_.reset_detector();
+    watch_.interrupt();
+    return false;
+  }
+  const std::array<double, 2> distances = {model::distance(belief_, rows[0]), model::distance(belief_, rows[1])};
+  const std::array<bool, 2> faulty = {watch_.faulty(0), watch_.faulty(1)};
+  const auto signs = slip_.judge(interval, distances, faulty, belief_.mean, mechanisation_.window(), counters_);
+  detection::WheelWatch::Look look;
+  look.begin = interval.begin;
+  look.end = interval.end;
+  look.turning = signs.turning;
+  look.inertial_speed = mechanisation_.window().inertial_speed();
+  for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+    const double residual = rows[wheel].residual[0];
+    look.speed[wheel] = interval.speed[wheel];
+    look.expected[wheel] = interval.speed[wheel] - residual;
+    look.sigma[wheel] = std::abs(residual) / std::sqrt(std::max(distances[wheel], 1e-12));
+    look.refused[wheel] = slip_.slipping(wheel, interval.end);
+  }
+  const auto finding = watch_.add(look);
+  for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+    if (watch_.faulty(wheel) && !faulty[wheel]) counters_.add(wheel == 0 ? "faults.wheel_left" : "faults.wheel_right");
+    if (!watch_.faulty(wheel) && faulty[wheel])
+      counters_.add(wheel == 0 ? "trusted.wheel_left" : "trusted.wheel_right");
+  }
+  if (finding == detection::WheelWatch::Finding::kWheels)
+    doubt_pulled(belief_, watch_.pull(), config_->slip.patience, config_->start);
+  return finding == detection::WheelWatch::Finding::kFilter;
 }
 
 model::Observation Filter::observe_constraint(const model::BodyMotion& motion) {
@@ -111,16 +140,21 @@ void Filter::doubt(double speed_sigma) {
   doubt_motion(belief_, speed_sigma, config_->start);
 }
 
+/// By the wheels that are trusted: without both, how it turns is not known.
 void Filter::correct_coasting(const inputs::WheelInterval& interval) {
   const model::BodyMotion motion = mechanisation_.window().motion();
-  const auto sigma = [&](std::size_t wheel) {
-    return inputs::wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel);
-  };
-  model::Observation forward =
-      model::observe_forward_speed(belief_.mean, motion, interval.mean_speed(), std::max(sigma(0), sigma(1)));
-  if (!model::soften_beyond(model::kGate1, belief_, forward)) counters_.add("gated.forward");
   model::Observation constraint = observe_constraint(motion);
   constraint.H.middleCols<3>(model::kGyroBias).setZero();  // the rate comes from the wheels
+  if (watch_.all_faulty()) return apply(constraint);
+  double speed = interval.mean_speed();
+  double sigma = 0.0;
+  for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+    sigma = std::max(sigma, inputs::wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel));
+    if (watch_.faulty(1 - wheel)) speed = interval.speed[wheel];
+  }
+  if (watch_.faulty(0) || watch_.faulty(1)) sigma = std::hypot(sigma, 0.5 * geometry_.track_width * kUsualTurn);
+  model::Observation forward = model::observe_forward_speed(belief_.mean, motion, speed, sigma);
+  if (!model::soften_beyond(model::kGate1, belief_, forward)) counters_.add("gated.forward");
   apply(model::stack(forward, constraint));
 }
 
