@@ -2,9 +2,9 @@
 
 namespace curbstone::ekf::detection {
 
-SlipDetector::Signs SlipJudge::judge(const inputs::WheelInterval& interval, const std::array<double, 2>& distances,
-                                     const std::array<bool, 2>& faulty, const model::NavState& state,
-                                     const model::MotionWindow& window, Counters& counters) {
+void SlipJudge::judge(const inputs::WheelInterval& interval, const std::array<double, 2>& distances,
+                      const std::array<bool, 2>& faulty, const model::NavState& state,
+                      const model::MotionWindow& window, Counters& counters) {
   if (faulty != faulty_) detector_.reset();
   faulty_ = faulty;
   const double gyro = window.motion().angular_rate.z();
@@ -22,7 +22,7 @@ SlipDetector::Signs SlipJudge::judge(const inputs::WheelInterval& interval, cons
   }
   if (faulty[0] && faulty[1]) {
     detector_.reset();
-    return {};
+    return;
   }
   const SlipDetector::Signs signs = detector_.add({base::kSecondsPerMicrosecond * static_cast<double>(interval.end),
                                                    speed, yaw_rate, gyro, window.inertial_speed()});
@@ -38,7 +38,6 @@ SlipDetector::Signs SlipJudge::judge(const inputs::WheelInterval& interval, cons
   }
   if (signs.turning) counters.add("slip_signs.turning");
   if (signs.speeding) counters.add("slip_signs.speeding");
-  return signs;
 }
 
 void SlipJudge::accuse(std::int64_t utime) {

@@ -19,11 +19,10 @@ class SlipJudge {
       : config_(config), geometry_(geometry), detector_(config) {}
 
   /// `distances`: squared, of both wheels' speeds from the filter's (see distance()); `window`: the filter's motion
-  /// over the same interval. `faulty` wheels say nothing (WheelWatch). Counts slips.* and slip_signs.*. Returns the
-  /// signs that the SlipDetector saw.
-  SlipDetector::Signs judge(const inputs::WheelInterval& interval, const std::array<double, 2>& distances,
-                            const std::array<bool, 2>& faulty, const model::NavState& state,
-                            const model::MotionWindow& window, Counters& counters);
+  /// over the same interval. `faulty` wheels say nothing (WheelWatch). Counts slips.* and slip_signs.*.
+  void judge(const inputs::WheelInterval& interval, const std::array<double, 2>& distances,
+             const std::array<bool, 2>& faulty, const model::NavState& state, const model::MotionWindow& window,
+             Counters& counters);
   [[nodiscard]] bool slipping(std::size_t wheel, std::int64_t utime) const { return utime < until_[wheel]; }
 
   /// Neither wheel is believed for slip.hold.

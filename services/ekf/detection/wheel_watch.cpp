@@ -10,13 +10,14 @@ namespace curbstone::ekf::detection {
 namespace {
 
 constexpr double kForgiven = 0.5;    // s of refusal that a second without is worth
+constexpr double kOneWrong = 0.05;   // of the speed, by which one wheel is: a flat tyre is less,
+constexpr double kAllWrong = 0.25;   // and by which all are: a wrong radius is less
 constexpr double kLeastSpeed = 0.3;  // m/s: what agrees more slowly proves little,
 constexpr double kSharp = 0.1;       // and so does what is not known to this share
 constexpr double kNear = 3.3;        // sigma, as the chi-square gates have it
 constexpr double kFar = 5.0;         // sigma, that end an agreement
 constexpr double kBefore = 0.5;      // s that a drifting filter takes to be refused
-constexpr double kFit = 0.05;        // m/s, to which either explanation may be wrong
-constexpr double kTurning = 1.0;     // s of another yaw rate than the gyro's
+constexpr double kTransition = 0.5;  // s, in which it is neither as it was nor as it will be
 constexpr double kLeap = 0.5;        // m/s, of the IMU within two intervals and not of the wheels
 constexpr double kStroke = 0.8;      // of the first difference within two intervals: at a stroke
 constexpr double kMoving = 0.1;      // m/s
@@ -24,13 +25,7 @@ constexpr double kFrozen = 0.02;     // of the speed
 
 }  // namespace
 
-void WheelWatch::Wheel::weigh(double speed, double expected, double seconds) {
-  product += speed * expected * seconds;
-  expected2 += expected * expected * seconds;
-}
-
-WheelWatch::Finding WheelWatch::add(const Look& look) {
-  const double seconds = base::seconds_between(look.begin, look.end);
+void WheelWatch::add(const Look& look) {
   remember(look);
   bool any = false;
   bool all_refused = true;
@@ -40,33 +35,45 @@ WheelWatch::Finding WheelWatch::add(const Look& look) {
     all_refused = all_refused && look.refused[i];
   }
   for (std::size_t i = 0; i < 2; ++i) {
-    Wheel& wheel = wheels_[i];
-    if (wheel.faulty || look.refused[i]) wheel.weigh(look.speed[i], look.expected[i], seconds);
-    if (wheel.faulty) {
-      judge_faulty(wheel, i, look);
-    } else if (!all_refused) {
-      judge_alone(wheel, look.refused[i], seconds);
-    }
+    if (wheels_[i].faulty)
+      judge_faulty(wheels_[i], i, look);
+    else if (!all_refused)
+      judge_alone(wheels_[i], i, look);
   }
-  if (any && all_refused) return dispute(look);
-  dispute_.reset();
-  return Finding::kNone;
+  if (any && all_refused)
+    dispute(look);
+  else
+    dispute_.reset();
 }
 
-void WheelWatch::judge_alone(Wheel& wheel, bool refused, double seconds) const {
-  wheel.refused += refused ? seconds : -kForgiven * seconds;
-  if (wheel.refused <= 0) wheel = {};
-  if (wheel.refused >= config_.patience) wheel.faulty = true;
+WheelEvidence::Sample WheelWatch::sample(const Look& look, std::size_t wheel, std::int64_t since) const {
+  return {look.speed[wheel] - look.expected[wheel], look.expected[wheel], track_width_ * look.yaw_rate,
+          base::seconds_between(since, look.end) + kBefore, base::seconds_between(look.begin, look.end)};
+}
+
+void WheelWatch::judge_alone(Wheel& wheel, std::size_t i, const Look& look) const {
+  const double seconds = base::seconds_between(look.begin, look.end);
+  wheel.refused = std::min(wheel.refused + (look.refused[i] ? seconds : -kForgiven * seconds), config_.patience);
+  if (wheel.refused <= 0) {
+    wheel = {};
+    return;
+  }
+  wheel.evidence.fade(seconds);
+  wheel.evidence.add(sample(look, i, look.begin));
+  wheel.faulty = wheel.refused >= config_.patience && wheel.evidence.shows_multiple(kOneWrong);
 }
 
 void WheelWatch::judge_faulty(Wheel& wheel, std::size_t i, const Look& look) const {
+  const double seconds = base::seconds_between(look.begin, look.end);
   const double off = std::abs(look.speed[i] - look.expected[i]);
   const double expected = std::abs(look.expected[i]);
   if (off > kFar * look.sigma[i]) {
     wheel.agreed = 0;
   } else if (off <= kNear * look.sigma[i] && expected > kLeastSpeed && look.sigma[i] < kSharp * expected) {
-    wheel.agreed += base::seconds_between(look.begin, look.end);
+    wheel.agreed += seconds;
   }
+  wheel.evidence.fade(seconds);
+  wheel.evidence.add(sample(look, i, look.begin));
   if (wheel.agreed >= kAgreement) wheel = {};
 }
 
@@ -76,8 +83,9 @@ void WheelWatch::remember(const Look& look) {
   remembered_ = std::min(remembered_ + 1, static_cast<int>(recent_.size()));
 }
 
-WheelWatch::Finding WheelWatch::dispute(const Look& look) {
-  if (!dispute_) {
+void WheelWatch::dispute(const Look& look) {
+  const bool begins = !dispute_;
+  if (begins) {
     dispute_.emplace();
     dispute_->begin = look.begin;
     const double by_wheels = std::abs(recent_.back().wheels - recent_.front().wheels);
@@ -89,43 +97,46 @@ WheelWatch::Finding WheelWatch::dispute(const Look& look) {
   double off = 0;
   double speed = 0;
   int trusted = 0;
+  const double since = base::seconds_between(d.begin, look.end);
+  const auto part = std::min(static_cast<std::size_t>(since / config_.patience * kParts), kParts - 1);
   for (std::size_t i = 0; i < 2; ++i) {
     if (wheels_[i].faulty) continue;
+    if (since > kTransition) d.parts[i][part].add(sample(look, i, d.begin));
     off += look.speed[i] - look.expected[i];
     speed += look.expected[i];
     ++trusted;
   }
-  off /= trusted;
-  speed /= trusted;
-  if (d.intervals == 0) d.first = off;
-  const double t = base::seconds_between(d.begin, look.end) + kBefore;
-  d.dd += off * off;
-  d.dt += off * t;
-  d.tt += t * t;
-  d.dv += off * speed;
-  d.vv += speed * speed;
-  d.speed = speed;
-  ++d.intervals;
-  if (look.turning && trusted == 2) d.turning += base::seconds_between(look.begin, look.end);
-  if (base::seconds_between(d.begin, look.end) < config_.patience) return Finding::kNone;
-  const Finding finding = settle(d);
-  pull_ = d.wheels_leapt > kStroke * std::abs(d.first) ? 0.0 : std::abs(d.first);
-  for (Wheel& wheel : wheels_) {
-    if (finding == Finding::kWheels) wheel.faulty = true;
-    if (finding == Finding::kFilter && !wheel.faulty) wheel = {};
-  }
-  dispute_.reset();
-  return finding;
+  if (begins) d.first = off / trusted;
+  d.speed = speed / trusted;
 }
 
-/// What either explanation leaves unexplained: a speed that is a multiple, or a difference that grows with time.
-WheelWatch::Finding WheelWatch::settle(const Dispute& d) const {
-  if (d.turning >= kTurning) return Finding::kWheels;
-  if (d.imu_leapt) return Finding::kFilter;
-  const double noise = kFit * kFit * d.intervals;
-  const double as_multiple = d.dd - (d.vv > 0 ? d.dv * d.dv / d.vv : 0.0) + noise;
-  const double as_drift = d.dd - d.dt * d.dt / d.tt + noise;
-  return as_multiple < 0.5 * as_drift ? Finding::kWheels : Finding::kFilter;
+WheelWatch::Finding WheelWatch::settle() {
+  const bool wrong = dispute_ && wheels_are_wrong(*dispute_);
+  if (wrong) pull_ = dispute_->wheels_leapt > kStroke * std::abs(dispute_->first) ? 0.0 : std::abs(dispute_->first);
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (wheels_[i].faulty) continue;
+    wheels_[i] = {};
+    if (!wrong) continue;
+    wheels_[i].faulty = true;
+    for (const WheelEvidence& part : dispute_->parts[i]) wheels_[i].evidence += part;
+  }
+  dispute_.reset();
+  return wrong ? Finding::kWheels : Finding::kFilter;
+}
+
+bool WheelWatch::wheels_are_wrong(const Dispute& d) const {
+  if (d.imu_leapt) return false;
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!wheels_[i].faulty && !wrong_throughout(d.parts[i])) return false;
+  }
+  return true;
+}
+
+bool WheelWatch::wrong_throughout(const std::array<WheelEvidence, kParts>& parts) {
+  WheelEvidence all;
+  for (const WheelEvidence& part : parts) all += part;
+  return all.shows_multiple(kAllWrong) && !all.may_be_drift() &&
+         std::all_of(parts.begin(), parts.end(), [&](const WheelEvidence& part) { return all.agrees(part); });
 }
 
 void WheelWatch::interrupt() {

@@ -35,7 +35,7 @@ Filter::Filter(const base::EkfConfig& config)
       odometer_(config.wheels, config.vehicle.wheel_radius, config.timing.max_wheel_gap),
       mechanisation_(config, geometry_),
       slip_(config.slip, geometry_),
-      watch_(config.slip),
+      watch_(config.slip, config.vehicle.track_width),
       spreader_(config.spread),
       recent_(kRecent) {}
 
@@ -52,6 +52,7 @@ void Filter::add(const base::ImuSample& sample, std::vector<model::Estimate>& ou
   const double dt = last ? base::seconds_between(last->utime, sample.utime) : 0.0;
   if (dt > config_->timing.max_imu_gap) {
     counters_.add("gaps.imu");
+    watch_.interrupt();
     leave_standing();
     still_.reset();
   }
@@ -154,6 +155,7 @@ void Filter::restart_clock(std::int64_t utime) {
   slip_.reset_detector();
   slip_.acquit();
   watch_.interrupt();
+  wheels_refused_.reset();
   constraint_refused_.reset();
   standing_ = false;
 }

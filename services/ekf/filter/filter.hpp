@@ -77,7 +77,10 @@ class Filter {
 
   void correct_with_wheels(WheelStep step, bool coasting);
   void correct_driving(const inputs::WheelInterval& interval);
-  [[nodiscard]] bool judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows);
+  void judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows);
+  void count_verdicts(const std::array<bool, 2>& before);
+  [[nodiscard]] bool settle_dispute();
+  [[nodiscard]] double trusted_speed(const inputs::WheelInterval& interval) const;
   void correct_coasting(const inputs::WheelInterval& interval);
   void correct_standing();
   void correct_without_wheels();
@@ -97,6 +100,7 @@ class Filter {
   model::Mechanisation mechanisation_;
   detection::SlipJudge slip_;
   detection::WheelWatch watch_;
+  detection::RefusalTimer wheels_refused_;
   detection::RefusalTimer constraint_refused_;
   OdomSmoother spreader_;
   PoseHistory recent_;  // uncorrected: what the mapper's increments are compared with

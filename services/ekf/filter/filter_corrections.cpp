@@ -61,11 +61,14 @@ void Filter::correct_driving(const inputs::WheelInterval& interval) {
                                 geometry_);
   };
   std::array<model::Observation, 2> rows{observe(0), observe(1)};
-  const bool doubted = judge_wheels(interval, rows);
+  judge_wheels(interval, rows);
+  bool refused = !watch_.all_faulty();
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
     const bool faulty = watch_.faulty(wheel);
+    const bool slipping = slip_.slipping(wheel, interval.end);
+    refused = refused && (faulty || slipping);
     if (faulty) counters_.add(wheel == 0 ? "withheld.wheel_left" : "withheld.wheel_right");
-    if (faulty || slip_.slipping(wheel, interval.end))
+    if (faulty || slipping)
       rows[wheel] = no_observation();
     else if (!model::soften_beyond(model::kGate1, belief_, rows[wheel]))
       counters_.add(wheel == 0 ? "gated.wheel_left" : "gated.wheel_right");
@@ -78,28 +81,30 @@ void Filter::correct_driving(const inputs::WheelInterval& interval) {
     counters_.add("reset.axle");
     detection::forget_axle(belief_, config_->wheels);
   }
+  const bool disputed = wheels_refused_.lasts(refused, belief_.utime, config_->slip.patience);
   const bool absurd = motion.velocity.norm() > config_->wheels.max_speed;
-  if (doubted || absurd) {
-    doubt(interval.mean_speed() - motion.velocity.x());
+  if (disputed && settle_dispute()) return;
+  if (disputed || absurd) {
+    doubt(trusted_speed(interval) - motion.velocity.x());
     detection::forget_wheel_scale(belief_, config_->wheels);
     slip_.acquit();
   }
 }
 
-/// Which wheels slip, and which are faulty. True: it is the filter that is wrong, and it has to doubt itself.
-bool Filter::judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows) {
+/// Which wheels slip, and which are faulty.
+void Filter::judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows) {
   if (!level_.level()) {  // a tilted filter sees the wheels slip whenever the vehicle accelerates
     slip_.reset_detector();
     watch_.interrupt();
-    return false;
+    return;
   }
   const std::array<double, 2> distances = {model::distance(belief_, rows[0]), model::distance(belief_, rows[1])};
   const std::array<bool, 2> faulty = {watch_.faulty(0), watch_.faulty(1)};
-  const auto signs = slip_.judge(interval, distances, faulty, belief_.mean, mechanisation_.window(), counters_);
+  slip_.judge(interval, distances, faulty, belief_.mean, mechanisation_.window(), counters_);
   detection::WheelWatch::Look look;
   look.begin = interval.begin;
   look.end = interval.end;
-  look.turning = signs.turning;
+  look.yaw_rate = mechanisation_.window().motion().angular_rate.z();
   look.inertial_speed = mechanisation_.window().inertial_speed();
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
     const double residual = rows[wheel].residual[0];
@@ -108,15 +113,25 @@ bool Filter::judge_wheels(const inputs::WheelInterval& interval, const std::arra
     look.sigma[wheel] = std::abs(residual) / std::sqrt(std::max(distances[wheel], 1e-12));
     look.refused[wheel] = slip_.slipping(wheel, interval.end);
   }
-  const auto finding = watch_.add(look);
+  watch_.add(look);
+  count_verdicts(faulty);
+}
+
+void Filter::count_verdicts(const std::array<bool, 2>& before) {
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
-    if (watch_.faulty(wheel) && !faulty[wheel]) counters_.add(wheel == 0 ? "faults.wheel_left" : "faults.wheel_right");
-    if (!watch_.faulty(wheel) && faulty[wheel])
+    if (watch_.faulty(wheel) && !before[wheel]) counters_.add(wheel == 0 ? "faults.wheel_left" : "faults.wheel_right");
+    if (!watch_.faulty(wheel) && before[wheel])
       counters_.add(wheel == 0 ? "trusted.wheel_left" : "trusted.wheel_right");
   }
-  if (finding == detection::WheelWatch::Finding::kWheels)
-    doubt_pulled(belief_, watch_.pull(), config_->slip.patience, config_->start);
-  return finding == detection::WheelWatch::Finding::kFilter;
+}
+
+/// True: it is the wheels that are wrong, and not the filter.
+bool Filter::settle_dispute() {
+  const std::array<bool, 2> faulty = {watch_.faulty(0), watch_.faulty(1)};
+  if (watch_.settle() == detection::WheelWatch::Finding::kFilter) return false;
+  count_verdicts(faulty);
+  doubt_pulled(belief_, watch_.pull(), config_->slip.patience, config_->start);
+  return true;
 }
 
 model::Observation Filter::observe_constraint(const model::BodyMotion& motion) {
@@ -140,20 +155,25 @@ void Filter::doubt(double speed_sigma) {
   doubt_motion(belief_, speed_sigma, config_->start);
 }
 
+/// m/s, of the wheels that are trusted.
+double Filter::trusted_speed(const inputs::WheelInterval& interval) const {
+  for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+    if (watch_.faulty(1 - wheel) && !watch_.faulty(wheel)) return interval.speed[wheel];
+  }
+  return interval.mean_speed();
+}
+
 /// By the wheels that are trusted: without both, how it turns is not known.
 void Filter::correct_coasting(const inputs::WheelInterval& interval) {
   const model::BodyMotion motion = mechanisation_.window().motion();
   model::Observation constraint = observe_constraint(motion);
   constraint.H.middleCols<3>(model::kGyroBias).setZero();  // the rate comes from the wheels
   if (watch_.all_faulty()) return apply(constraint);
-  double speed = interval.mean_speed();
   double sigma = 0.0;
-  for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+  for (std::size_t wheel = 0; wheel < 2; ++wheel)
     sigma = std::max(sigma, inputs::wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel));
-    if (watch_.faulty(1 - wheel)) speed = interval.speed[wheel];
-  }
   if (watch_.faulty(0) || watch_.faulty(1)) sigma = std::hypot(sigma, 0.5 * geometry_.track_width * kUsualTurn);
-  model::Observation forward = model::observe_forward_speed(belief_.mean, motion, speed, sigma);
+  model::Observation forward = model::observe_forward_speed(belief_.mean, motion, trusted_speed(interval), sigma);
   if (!model::soften_beyond(model::kGate1, belief_, forward)) counters_.add("gated.forward");
   apply(model::stack(forward, constraint));
 }

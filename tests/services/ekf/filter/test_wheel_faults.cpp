@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 
 #include "tests/services/ekf/drawn_drives.hpp"
-#include "tests/services/ekf/real_robot_drive.hpp"
 #include "tests/services/ekf/town_drive.hpp"
 #include "tests/services/ekf/wheel_faults.hpp"
 
@@ -155,21 +154,6 @@ TEST(WheelFaults, UndisturbedDrivesWithholdNothing) {
     }
   }
   std::printf("[ figure ] of %zu samples none is withheld\n", samples);
-}
-
-TEST(WheelFaults, ARealRobotsDriveWithholdsNothing) {
-  base::EkfConfig config;
-  const auto drive = real_robot_drive(config.vehicle);
-  if (!drive) GTEST_SKIP() << "lcm/botlab_convex.lcmlog is not there";
-  Filter filter(config);
-  const auto out = run(filter, *drive);
-  Counters counters = filter.counters();
-  ASSERT_FALSE(out.empty());
-  std::printf("[ figure ] a real robot, %zu samples of its wheels: %ld withheld, %ld slips\n", drive->wheels.size(),
-              static_cast<long>(counters["withheld.wheel_left"] + counters["withheld.wheel_right"]),
-              static_cast<long>(counters["slips.left"] + counters["slips.right"]));
-  EXPECT_EQ(counters["withheld.wheel_left"] + counters["withheld.wheel_right"], 0);
-  EXPECT_EQ(counters["standstills.moved"], 0);
 }
 
 }  // namespace
