@@ -22,11 +22,13 @@ class WheelEvidence {
   void fade(double seconds);
 
   /// The speed that the wheel shows, as a multiple of the filter's.
-  [[nodiscard]] double ratio() const { return of(kEe) > 0 ? 1.0 + of(kDe) / of(kEe) : 1.0; }
+  [[nodiscard]] double ratio() const { return ratio_beyond(0.0); }
   /// It shows a multiple, at least `least` from 1, and no turning explains it half as well.
   [[nodiscard]] bool shows_multiple(double least) const;
-  /// A part of the same time shows the same multiple.
+  /// A part of the same time shows the same multiple. By a little the filter's speed may have been pulled along before.
   [[nodiscard]] bool agrees(const WheelEvidence& part) const;
+  /// m/s by which it had pulled the filter along, as far as its speeds tell.
+  [[nodiscard]] double pulled() const;
   /// A filter that drifts explains it half as well at least.
   [[nodiscard]] bool may_be_drift() const;
 
@@ -38,9 +40,11 @@ class WheelEvidence {
   [[nodiscard]] double beyond_turning() const;
   [[nodiscard]] double beyond_drift() const;
   [[nodiscard]] double noise() const;
+  [[nodiscard]] double offset() const;
+  [[nodiscard]] double ratio_beyond(double offset) const;
 
   // Sums over time of products: of d difference, e expected, w turn, t since.
-  enum Sum { kDd, kDe, kEe, kDw, kWw, kDt, kTt, kSeconds, kSums };
+  enum Sum { kD, kE, kDd, kDe, kEe, kDw, kWw, kDt, kTt, kSeconds, kSums };
   [[nodiscard]] double of(Sum sum) const { return sums_[sum]; }
   std::array<double, kSums> sums_{};
 };

@@ -17,9 +17,11 @@ constexpr double kSharp = 0.1;       // and so does what is not known to this sh
 constexpr double kNear = 3.3;        // sigma, as the chi-square gates have it
 constexpr double kFar = 5.0;         // sigma, that end an agreement
 constexpr double kBefore = 0.5;      // s that a drifting filter takes to be refused
+constexpr int kUndecided = 2;        // times that it waits for another patience
 constexpr double kTransition = 0.5;  // s, in which it is neither as it was nor as it will be
 constexpr double kLeap = 0.5;        // m/s, of the IMU within two intervals and not of the wheels
 constexpr double kStroke = 0.8;      // of the first difference within two intervals: at a stroke
+constexpr double kMostAstray = 2.0;  // ways, by which it may be astray
 constexpr double kMoving = 0.1;      // m/s
 constexpr double kFrozen = 0.02;     // of the speed
 
@@ -44,6 +46,8 @@ void WheelWatch::add(const Look& look) {
     dispute(look);
   else
     dispute_.reset();
+  if (!dispute_)
+    way_ += 0.5 * std::abs(look.expected[0] + look.expected[1]) * base::seconds_between(look.begin, look.end);
 }
 
 WheelEvidence::Sample WheelWatch::sample(const Look& look, std::size_t wheel, std::int64_t since) const {
@@ -98,7 +102,9 @@ void WheelWatch::dispute(const Look& look) {
   double speed = 0;
   int trusted = 0;
   const double since = base::seconds_between(d.begin, look.end);
-  const auto part = std::min(static_cast<std::size_t>(since / config_.patience * kParts), kParts - 1);
+  const double share = since / config_.patience - d.undecided;
+  const std::size_t parts = d.undecided > 0 ? kParts - 1 : kParts;
+  const auto part = kParts - parts + std::min(static_cast<std::size_t>(share * static_cast<double>(parts)), parts - 1);
   for (std::size_t i = 0; i < 2; ++i) {
     if (wheels_[i].faulty) continue;
     if (since > kTransition) d.parts[i][part].add(sample(look, i, d.begin));
@@ -108,35 +114,71 @@ void WheelWatch::dispute(const Look& look) {
   }
   if (begins) d.first = off / trusted;
   d.speed = speed / trusted;
+  d.end = look.end;
 }
 
 WheelWatch::Finding WheelWatch::settle() {
-  const bool wrong = dispute_ && wheels_are_wrong(*dispute_);
-  if (wrong) pull_ = dispute_->wheels_leapt > kStroke * std::abs(dispute_->first) ? 0.0 : std::abs(dispute_->first);
+  const Finding finding = dispute_ ? judge(*dispute_) : Finding::kFilter;
+  if (finding == Finding::kNone) {
+    await_more(*dispute_);
+    return finding;
+  }
+  const bool wrong = finding == Finding::kWheels;
+  if (wrong) astray_ = astray(*dispute_);
   for (std::size_t i = 0; i < 2; ++i) {
     if (wheels_[i].faulty) continue;
     wheels_[i] = {};
     if (!wrong) continue;
     wheels_[i].faulty = true;
-    for (const WheelEvidence& part : dispute_->parts[i]) wheels_[i].evidence += part;
+    wheels_[i].evidence = sum(dispute_->parts[i]);
   }
   dispute_.reset();
-  return wrong ? Finding::kWheels : Finding::kFilter;
+  return finding;
 }
 
-bool WheelWatch::wheels_are_wrong(const Dispute& d) const {
-  if (d.imu_leapt) return false;
+WheelWatch::Finding WheelWatch::judge(const Dispute& d) const {
+  if (d.imu_leapt) return Finding::kFilter;
+  bool drift = false;
   for (std::size_t i = 0; i < 2; ++i) {
-    if (!wheels_[i].faulty && !wrong_throughout(d.parts[i])) return false;
+    if (wheels_[i].faulty) continue;
+    const WheelEvidence all = sum(d.parts[i]);
+    const bool same = std::all_of(d.parts[i].begin(), d.parts[i].end(), [&](const auto& p) { return all.agrees(p); });
+    if (!same || !all.shows_multiple(kAllWrong)) return Finding::kFilter;
+    drift = drift || all.may_be_drift();
   }
-  return true;
+  if (!drift) return Finding::kWheels;
+  return d.undecided < kUndecided ? Finding::kNone : Finding::kFilter;
 }
 
-bool WheelWatch::wrong_throughout(const std::array<WheelEvidence, kParts>& parts) {
+void WheelWatch::await_more(Dispute& d) {
+  ++d.undecided;
+  for (Parts& parts : d.parts) parts = {sum(parts)};
+}
+
+WheelEvidence WheelWatch::sum(const Parts& parts) {
   WheelEvidence all;
   for (const WheelEvidence& part : parts) all += part;
-  return all.shows_multiple(kAllWrong) && !all.may_be_drift() &&
-         std::all_of(parts.begin(), parts.end(), [&](const WheelEvidence& part) { return all.agrees(part); });
+  return all;
+}
+
+WheelWatch::Astray WheelWatch::astray(const Dispute& d) const {
+  Astray out;
+  out.seconds = base::seconds_between(d.begin, d.end);
+  if (d.wheels_leapt > kStroke * std::abs(d.first)) return out;
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (wheels_[i].faulty) continue;
+    const WheelEvidence all = sum(d.parts[i]);
+    const double share = std::min(std::abs(all.ratio() - 1.0) / std::max(std::abs(all.ratio()), kFrozen), kMostAstray);
+    out.speed = std::max({out.speed, std::abs(d.first), all.pulled()});
+    out.place = std::max(out.place, share * way_);
+  }
+  out.place += out.speed * out.seconds;
+  return out;
+}
+
+void WheelWatch::stand() {
+  interrupt();
+  way_ = 0;
 }
 
 void WheelWatch::interrupt() {

@@ -41,10 +41,12 @@ class WheelWatch {
   void add(const Look& look);
   /// The intervals were interrupted.
   void interrupt();
+  /// It stands: interrupted, and its speed is known.
+  void stand();
 
   /// Whose fault it is that all wheels have been refused for the patience. If it is theirs, they are faulty from now
-  /// on.
-  enum class Finding { kWheels, kFilter };
+  /// on. kNone: either explains it (it speeds up evenly); ask again after another patience.
+  enum class Finding { kNone, kWheels, kFilter };
   Finding settle();
 
   [[nodiscard]] bool faulty(std::size_t wheel) const { return wheels_[wheel].faulty; }
@@ -55,9 +57,14 @@ class WheelWatch {
   /// and one of them does not turn.
   [[nodiscard]] bool hides_motion() const;
 
-  /// m/s by which wheels that were found faulty last may have pulled the filter along before they were refused. Those
-  /// that went astray at a stroke have not.
-  [[nodiscard]] double pull() const { return pull_; }
+  /// How far wheels that were found faulty last, all of them, may have led the filter astray since it stood: they pull
+  /// it along before they are refused. Those that went wrong at a stroke have not.
+  struct Astray {
+    double speed = 0.0;    ///< m/s
+    double place = 0.0;    ///< m
+    double seconds = 0.0;  ///< since they were refused
+  };
+  [[nodiscard]] const Astray& astray() const { return astray_; }
 
   static constexpr double kAgreement = 5.0;  ///< s of driving, after which a wheel is trusted again
 
@@ -70,10 +77,12 @@ class WheelWatch {
     WheelEvidence evidence;  // since it was first refused
   };
   /// All trusted wheels have been refused since `begin`.
+  using Parts = std::array<WheelEvidence, kParts>;
   struct Dispute {
-    std::int64_t begin = 0;                                    // us
-    std::array<std::array<WheelEvidence, kParts>, 2> parts{};  // of the patience, of each wheel
-    double wheels_leapt = 0;                                   // m/s, more than the IMU
+    std::int64_t begin = 0, end = 0;  // us
+    std::array<Parts, 2> parts{};  // of the patience, of each wheel; later, of what was before, and the newest patience
+    int undecided = 0;             // times
+    double wheels_leapt = 0;       // m/s, more than the IMU
     bool imu_leapt = false;
     double first = 0;  // m/s, mean difference from the filter
     double speed = 0;  // m/s, expected, the newest
@@ -87,14 +96,17 @@ class WheelWatch {
   void judge_faulty(Wheel& wheel, std::size_t i, const Look& look) const;
   void dispute(const Look& look);
   void remember(const Look& look);
-  [[nodiscard]] bool wheels_are_wrong(const Dispute& d) const;
-  [[nodiscard]] static bool wrong_throughout(const std::array<WheelEvidence, kParts>& parts);
+  [[nodiscard]] Finding judge(const Dispute& d) const;
+  static void await_more(Dispute& d);
+  [[nodiscard]] Astray astray(const Dispute& d) const;
+  [[nodiscard]] static WheelEvidence sum(const Parts& parts);
 
   base::SlipConfig config_;
   double track_width_;  // m
   std::array<Wheel, 2> wheels_;
   std::optional<Dispute> dispute_;
-  double pull_ = 0;
+  double way_ = 0;  // m, by the filter, since it stood, without disputes
+  Astray astray_;
   std::array<Recent, 3> recent_{};  // newest last
   int remembered_ = 0;
 };

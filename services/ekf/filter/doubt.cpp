@@ -58,11 +58,14 @@ void doubt_wheels_at_rest(model::Belief& belief, double speed) {
   widen(belief, model::kPosition, 0.5 * speed * detection::StandingMotion::kMemory);
 }
 
-void doubt_pulled(model::Belief& belief, double pull, double since, const base::StartConfig& config) {
-  if (pull <= 0) return;
+void doubt_astray(model::Belief& belief, const detection::WheelWatch::Astray& astray, const base::StartConfig& config) {
+  constexpr double kCoastingBias = 0.01;  // m/s^2: what no wheel keeps in check; a milli-g
+  widen(belief, model::kAccelerometerBias, kCoastingBias);
+  if (astray.speed <= 0) return;
   const double acceleration = kGravity * config.level_sigma;  // that its tilt has fooled it with since
-  widen(belief, model::kVelocity, std::hypot(pull, acceleration * since));
-  widen(belief, model::kPosition, std::hypot(pull * since, 0.5 * acceleration * since * since));
+  const double since = astray.seconds;
+  widen(belief, model::kVelocity, std::hypot(astray.speed, acceleration * since));
+  widen(belief, model::kPosition, std::hypot(astray.place, 0.5 * acceleration * since * since));
   widen(belief, model::kAttitude, config.level_sigma);
   widen(belief, model::kAccelerometerBias, config.accelerometer_bias_sigma);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "services/ekf/base/ekf_config.hpp"
+#include "services/ekf/detection/wheel_watch.hpp"
 #include "services/ekf/model/error_state.hpp"
 
 namespace curbstone::ekf::filter {
@@ -23,8 +24,8 @@ void doubt_standstill(model::Belief& belief, double travel, double track_width);
 /// since is not known.
 void doubt_wheels_at_rest(model::Belief& belief, double speed);
 
-/// Faulty wheels have pulled its speed along, by up to `pull` m/s, and its tilt, since `since` s.
-void doubt_pulled(model::Belief& belief, double pull, double since, const base::StartConfig& config);
+/// All wheels have been found faulty: they have led it astray, and from now on it coasts.
+void doubt_astray(model::Belief& belief, const detection::WheelWatch::Astray& astray, const base::StartConfig& config);
 
 [[nodiscard]] bool is_finite(const model::Belief& belief);
 

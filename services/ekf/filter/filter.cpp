@@ -179,7 +179,7 @@ void Filter::serve_pending(const model::TimedInertial* next) {
     if (odometer_.newest() && trusted)
       mechanisation_.set_wheel_yaw_rate(model::wheel_yaw_rate(belief_.mean, odometer_.newest()->speed, geometry_));
     else if (!trusted)
-      mechanisation_.set_wheel_yaw_rate(0.0);
+      mechanisation_.set_wheel_yaw_rate({});
     mechanisation_.advance(belief_, wheels.utime, next, standing_);
     correct_with_wheels(step, next == nullptr);
   }
@@ -203,7 +203,7 @@ void Filter::update_standing(const model::Inertial& imu, double dt) {
   if (still && !standing_) {
     counters_.add("standstills");
     slip_.reset_detector();
-    watch_.interrupt();
+    watch_.stand();
     mechanisation_.window().reset();
     standing_ = true;
   } else if (!still && standing_) {

@@ -79,7 +79,10 @@ class Filter {
   void correct_driving(const inputs::WheelInterval& interval);
   void judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows);
   void count_verdicts(const std::array<bool, 2>& before);
-  [[nodiscard]] bool settle_dispute();
+  [[nodiscard]] detection::WheelWatch::Finding settle_dispute();
+  void keep_heading_lost(const Eigen::Quaterniond& attitude, double variance);
+  void lose_place(double way);
+  [[nodiscard]] double heading_variance() const;
   [[nodiscard]] double trusted_speed(const inputs::WheelInterval& interval) const;
   void correct_coasting(const inputs::WheelInterval& interval);
   void correct_standing();
@@ -108,6 +111,10 @@ class Filter {
 
   bool started_ = false;
   bool standing_ = false;
+  /// It has coasted where nothing told how it turned. No measurement depends on the heading, and where the tilt is
+  /// corrected a large error of it only seems to become small.
+  bool heading_lost_ = false;
+  double lost_way_ = 0.0;  // m, since then, see lose_place
   detection::StandingMotion standing_motion_;
   detection::LevelWatch level_;
   std::optional<model::Belief> predecessor_;

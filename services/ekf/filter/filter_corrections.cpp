@@ -12,7 +12,6 @@ namespace curbstone::ekf::filter {
 namespace {
 
 constexpr double kMaxAxleError = 4.0;  // sigma: farther from its configured place it was learnt from nonsense
-constexpr double kUsualTurn = 0.3;     // rad/s, of a vehicle
 
 /// Says nothing, and changes nothing.
 model::Observation no_observation() {
@@ -62,6 +61,7 @@ void Filter::correct_driving(const inputs::WheelInterval& interval) {
   };
   std::array<model::Observation, 2> rows{observe(0), observe(1)};
   judge_wheels(interval, rows);
+  if (heading_lost_) lose_place(motion.velocity.x() * interval.duration());
   bool refused = !watch_.all_faulty();
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
     const bool faulty = watch_.faulty(wheel);
@@ -83,8 +83,8 @@ void Filter::correct_driving(const inputs::WheelInterval& interval) {
   }
   const bool disputed = wheels_refused_.lasts(refused, belief_.utime, config_->slip.patience);
   const bool absurd = motion.velocity.norm() > config_->wheels.max_speed;
-  if (disputed && settle_dispute()) return;
-  if (disputed || absurd) {
+  const bool doubted = disputed && settle_dispute() == detection::WheelWatch::Finding::kFilter;
+  if (doubted || absurd) {
     doubt(trusted_speed(interval) - motion.velocity.x());
     detection::forget_wheel_scale(belief_, config_->wheels);
     slip_.acquit();
@@ -125,13 +125,12 @@ void Filter::count_verdicts(const std::array<bool, 2>& before) {
   }
 }
 
-/// True: it is the wheels that are wrong, and not the filter.
-bool Filter::settle_dispute() {
+detection::WheelWatch::Finding Filter::settle_dispute() {
   const std::array<bool, 2> faulty = {watch_.faulty(0), watch_.faulty(1)};
-  if (watch_.settle() == detection::WheelWatch::Finding::kFilter) return false;
+  const auto finding = watch_.settle();
   count_verdicts(faulty);
-  doubt_pulled(belief_, watch_.pull(), config_->slip.patience, config_->start);
-  return true;
+  if (finding == detection::WheelWatch::Finding::kWheels) doubt_astray(belief_, watch_.astray(), config_->start);
+  return finding;
 }
 
 model::Observation Filter::observe_constraint(const model::BodyMotion& motion) {
@@ -168,11 +167,14 @@ void Filter::correct_coasting(const inputs::WheelInterval& interval) {
   const model::BodyMotion motion = mechanisation_.window().motion();
   model::Observation constraint = observe_constraint(motion);
   constraint.H.middleCols<3>(model::kGyroBias).setZero();  // the rate comes from the wheels
+  heading_lost_ = heading_lost_ || watch_.faulty(0) || watch_.faulty(1);
+  if (heading_lost_) lose_place(motion.velocity.x() * interval.duration());
   if (watch_.all_faulty()) return apply(constraint);
   double sigma = 0.0;
   for (std::size_t wheel = 0; wheel < 2; ++wheel)
     sigma = std::max(sigma, inputs::wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel));
-  if (watch_.faulty(0) || watch_.faulty(1)) sigma = std::hypot(sigma, 0.5 * geometry_.track_width * kUsualTurn);
+  if (watch_.faulty(0) || watch_.faulty(1))
+    sigma = std::hypot(sigma, 0.5 * geometry_.track_width * model::Mechanisation::kUsualTurn);
   model::Observation forward = model::observe_forward_speed(belief_.mean, motion, trusted_speed(interval), sigma);
   if (!model::soften_beyond(model::kGate1, belief_, forward)) counters_.add("gated.forward");
   apply(model::stack(forward, constraint));
@@ -212,8 +214,34 @@ void Filter::correct_with_map() {
 
 void Filter::apply(const model::Observation& z) {
   const Pose before = model::base_pose(belief_.mean, geometry_);
+  const Eigen::Quaterniond attitude = belief_.mean.attitude;
+  const double heading = heading_variance();
   model::correct(belief_, z, model::guarded_gain(belief_, z));
+  if (heading_lost_) keep_heading_lost(attitude, heading);
   spreader_.corrected(before, model::base_pose(belief_.mean, geometry_));
+}
+
+/// A large error of the heading stays one about the vertical, wherever a correction of the tilt puts that.
+void Filter::keep_heading_lost(const Eigen::Quaterniond& attitude, double variance) {
+  model::ErrorMatrix turn = model::ErrorMatrix::Identity();
+  turn.block<3, 3>(model::kAttitude, model::kAttitude) =
+      (belief_.mean.attitude.conjugate() * attitude).toRotationMatrix();
+  belief_.covariance = (turn * belief_.covariance * turn.transpose()).eval();
+  const Eigen::Vector3d up = belief_.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
+  belief_.covariance.block<3, 3>(model::kAttitude, model::kAttitude) +=
+      std::max(variance - heading_variance(), 0.0) * up * up.transpose();
+}
+
+/// What a large error of the heading does to the way along it, which the covariance, being linear, does not see.
+void Filter::lose_place(double way) {
+  const double before = lost_way_;
+  lost_way_ += 0.5 * std::min(heading_variance(), 1.0) * std::abs(way);
+  belief_.covariance.diagonal().segment<2>(model::kPosition).array() += lost_way_ * lost_way_ - before * before;
+}
+
+double Filter::heading_variance() const {
+  const Eigen::Vector3d up = belief_.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
+  return up.dot(belief_.covariance.block<3, 3>(model::kAttitude, model::kAttitude) * up);
 }
 
 }  // namespace curbstone::ekf::filter

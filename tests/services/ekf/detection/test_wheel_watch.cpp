@@ -107,7 +107,7 @@ TEST(WheelWatchTest, BothThatShowAMultipleOfTheSpeedAreFaulty) {
     EXPECT_TRUE(drive.watch.all_faulty());
     EXPECT_NEAR(drive.watch.ratio(1), k, 0.01);
     EXPECT_EQ(drive.watch.hides_motion(), k == 0.0);
-    EXPECT_EQ(drive.watch.pull(), 0.0) << "they went astray at a stroke";
+    EXPECT_EQ(drive.watch.astray().speed, 0.0) << "they went astray at a stroke";
   }
 }
 

@@ -12,10 +12,13 @@ namespace {
 constexpr double kSeconds = 90.0;
 
 struct Outcome {
-  double position = 0.0;  // m, largest error on the ground from the onset on
-  double yaw = 0.0;       // rad, likewise
-  double sigmas = 0.0;    // largest error on the ground by the covariance, once the fault is recognised
-  int false_stands = 0;   // estimates that say it stands while it drives
+  double position = 0.0;               // m, largest error on the ground from the onset on
+  double yaw = 0.0;                    // rad, likewise
+  double sigmas = 0.0;                 // largest error on the ground by the covariance, once the fault is recognised
+  double yaw_sigmas = 0.0;             // likewise
+  double when_found = 0.0;             // m, error on the ground when both wheels are found faulty
+  double sigmas_without_wheels = 0.0;  // from then on
+  int false_stands = 0;                // estimates that say it stands while it drives
   Counters counters;
   [[nodiscard]] std::int64_t faults(std::size_t wheel) const {
     Counters c = counters;
@@ -38,7 +41,14 @@ Outcome outcome_of(const base::EkfConfig& config, const Drive& drive, double ons
     const double yaw = roll_pitch_yaw(e.T_odom_base.linear()).z() - roll_pitch_yaw(truth.linear()).z();
     outcome.position = std::max(outcome.position, error.norm());
     outcome.yaw = std::max(outcome.yaw, std::abs(std::remainder(yaw, 2 * M_PI)));
-    if (t > recognised) outcome.sigmas = std::max(outcome.sigmas, std::sqrt(error.dot(covariance.ldlt().solve(error))));
+    const double sigmas = std::sqrt(error.dot(covariance.ldlt().solve(error)));
+    if (t > recognised) {
+      outcome.sigmas = std::max(outcome.sigmas, sigmas);
+      outcome.yaw_sigmas =
+          std::max(outcome.yaw_sigmas, std::abs(std::remainder(yaw, 2 * M_PI)) / std::sqrt(e.pose_covariance(5, 5)));
+    }
+    if (e.no_wheels && outcome.sigmas_without_wheels == 0.0) outcome.when_found = error.norm();
+    if (e.no_wheels) outcome.sigmas_without_wheels = std::max(outcome.sigmas_without_wheels, sigmas);
     outcome.false_stands += e.stationary && drive.truth[i].velocity.norm() > 0.5 ? 1 : 0;
   }
   outcome.counters = filter.counters();
@@ -52,6 +62,48 @@ Drive town(unsigned number, double speed = 3.0) {
   options.town = number;
   options.speed = speed;
   return simulate_town_drive(options, base::EkfConfig().vehicle);
+}
+
+/// From its first metre on: the filter has little to go by, and the wheels pull it along.
+TEST(WheelFaults, OfBothFromTheStartAreFoundAndWhatTheyCostIsInTheCovariance) {
+  const base::EkfConfig config;
+  for (const unsigned number : {1U, 2U}) {
+    for (const double speed : {3.0, 5.0}) {
+      const Drive good = town(number, speed);
+      for (const WheelFault& fault : wheel_faults()) {
+        if (!fault.of_both_wheels()) continue;
+        const Outcome o = outcome_of(config, with_fault(good, fault, 1.0), 1.0, 0.0);
+        std::printf(
+            "[ figure ] town %u, %.0f m/s, %s from the start: %.2f m when it is found, at most %.2f m, %.1f sigma\n",
+            number, speed, fault.name.c_str(), o.when_found, o.position, o.sigmas_without_wheels);
+        EXPECT_LT(o.sigmas_without_wheels, 3.5) << fault.name;
+        EXPECT_EQ(o.faults(0), 1) << fault.name;
+        EXPECT_EQ(o.faults(1), 1) << fault.name;
+      }
+    }
+  }
+}
+
+/// Nobody knows then how it turns, and the covariance says so.
+TEST(WheelFaults, WithoutTheImuTheWheelThatIsTrustedCarriesItOn) {
+  const base::EkfConfig config;
+  for (const unsigned number : {1U, 2U}) {
+    for (const WheelFault& fault : wheel_faults()) {
+      if (!fault.of_one_wheel() && !fault.of_both_wheels()) continue;
+      Drive drive = with_fault(town(number), fault, 20.0);
+      const std::int64_t begin = drive.imu.front().utime;
+      std::erase_if(drive.imu, [&](const base::ImuSample& sample) {
+        const double t = base::seconds_between(begin, sample.utime);
+        return t > 50 && t < 55;
+      });
+      const Outcome o = outcome_of(config, drive, 20.0, 50.0);
+      std::printf("[ figure ] town %u, %s and no IMU for 5 s: %.2f m, %.2f deg, %.1f and %.1f sigma\n", number,
+                  fault.name.c_str(), o.position, o.yaw * 180 / M_PI, o.sigmas, o.yaw_sigmas);
+      EXPECT_LT(o.sigmas, 3.5) << fault.name;
+      EXPECT_LT(o.yaw_sigmas, 3.5) << fault.name;
+      EXPECT_LE(o.faults(0) + o.faults(1), fault.of_one_wheel() ? 1 : 2) << fault.name;
+    }
+  }
 }
 
 /// Set on at speed, and while it stands.
