@@ -75,6 +75,25 @@ TEST_F(LastingFaults, PositionsThatStayAwayAreAFaultThoughAllElseComes) {
   EXPECT_THAT(faults(), IsEmpty());
 }
 
+/// The bus is off, or its cable is: nothing comes, nothing gets through.
+TEST_F(LastingFaults, ABusThatIsOffForAMinuteIsAFaultUntilItIsBackAndNoSpeedIsWrong) {
+  rig_.connected = false;
+  rig_.run_for(2'000'000);
+  for (int second = 0; second < 60; ++second) {
+    rig_.run_for(1'000'000);
+    ASSERT_THAT(faults(), Contains(HasSubstr("no positions from the drive for"))) << second;
+  }
+  const std::size_t before = rig_.messages().size();
+  rig_.connected = true;
+  rig_.run_for(5'000'000);
+  EXPECT_THAT(faults(), IsEmpty());
+  EXPECT_GT(rig_.messages().size(), before + 250);
+  for (std::size_t i = before; i < rig_.messages().size(); ++i) {
+    const double speed = rig_.messages()[i].speed[0];
+    EXPECT_TRUE(std::abs(speed - 10) < 0.8 || speed == 0) << speed;  // the first one has none
+  }
+}
+
 TEST_F(LastingFaults, ADriveThatRestartsEachThreeSecondsIsToldAndNoSpeedIsWrong) {
   std::size_t checked = rig_.messages().size();
   for (int restart = 0; restart < 10; ++restart) {
