@@ -18,9 +18,8 @@ namespace curbstone::ekf::detection {
 ///
 /// - One of the trusted wheels is refused for more than a third of the time until that adds up to the patience: the
 ///   filter is held by the others, and the wheel is faulty if it shows such a multiple.
-/// - All of them are refused for the patience without a break: either they are wrong, or the filter is. Who is,
-/// settle()
-///   says by how the two came apart.
+/// - All of them are refused for the patience without a break: either they are wrong, or the filter is. By how the two
+///   came apart settle() says who.
 ///
 /// Pure; one thread.
 class WheelWatch {
@@ -76,8 +75,8 @@ class WheelWatch {
     double agreed = 0.0;     // s, since it was found faulty
     WheelEvidence evidence;  // since it was first refused
   };
-  /// All trusted wheels have been refused since `begin`.
   using Parts = std::array<WheelEvidence, kParts>;
+  /// All trusted wheels have been refused since `begin`.
   struct Dispute {
     std::int64_t begin = 0, end = 0;  // us
     std::array<Parts, 2> parts{};  // of the patience, of each wheel; later, of what was before, and the newest patience
