@@ -90,7 +90,7 @@ void WheelWatch::remember(const Look& look) {
 void WheelWatch::dispute(const Look& look) {
   const bool begins = !dispute_;
   if (begins) {
-    dispute_.emplace();
+    dispute_ = Dispute{};
     dispute_->begin = look.begin;
     const double by_wheels = std::abs(recent_.back().wheels - recent_.front().wheels);
     const double by_imu = std::abs(recent_.back().inertial - recent_.front().inertial);
