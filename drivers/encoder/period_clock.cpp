@@ -203,9 +203,9 @@ void PeriodClock::measure_period(std::int64_t received) {
   gaps_[static_cast<std::size_t>(block_size_ - 2)] = received - std::exchange(block_last_, received);
   if (block_size_ < kBlock) return;
   const std::int64_t mean = (received - block_begin_) / (kBlock - 1);
-  const auto middle = gaps_.begin() + gaps_.size() / 2;
-  std::nth_element(gaps_.begin(), middle, gaps_.end());
-  const bool even = 50 * std::abs(*middle - mean) < mean;
+  constexpr std::size_t kMiddle = (kBlock - 1) / 2;
+  std::nth_element(gaps_.begin(), gaps_.begin() + kMiddle, gaps_.end());
+  const bool even = 50 * std::abs(gaps_[kMiddle] - mean) < mean;
   const std::int64_t share = even && last_even_ ? 20 : 5;
   const auto differs = [&](std::int64_t period) { return share * std::abs(mean - period) > period; };
   const bool confirmed = 20 * std::abs(mean - last_mean_) < mean;
