@@ -13,6 +13,8 @@ namespace curbstone::encoder {
 
 namespace {
 
+constexpr std::int64_t kOldSpeeds = 500'000;  // us
+
 canopen::WheelDrive::Settings drive_settings(const EncoderConfig& config) {
   canopen::WheelDrive::Settings settings;
   settings.node = static_cast<std::uint8_t>(config.node);
@@ -54,10 +56,15 @@ EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
       drive_(drive_settings(config),
              {std::move(send),
               [this](std::int64_t utime, std::array<std::int32_t, 2> counts) { on_counts(utime, counts); },
-              [this] { odometer_.restart(); }, [this] { clock_.restart(); }}),
+              [this] {
+                odometer_.restart();
+                stuck_.restart();
+              },
+              [this] { clock_.restart(); }}),
       signals_(signals_of(config)),
       odometer_(odometer_settings(config)),
       speedometer_(odometer_settings(config)),
+      stuck_(config.counts_per_revolution),
       clock_(std::int64_t{config.period} * 1000),
       output_(bus) {}
 
@@ -95,6 +102,10 @@ void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw&
     return;
   }
   last_counts_ = counts;
+  const canopen::DriveStatus& status = drive_.status();
+  std::optional<StuckCounts::Speeds> speeds;
+  if (status.word_utime != 0 && receive_utime - status.word_utime <= kOldSpeeds) speeds = status.speed;
+  stuck_.add(receive_utime, counts, speeds);
   on_sample(
       receive_utime, [&](int least, int most) { return odometer_.likely_periods(counts, least, most, period); },
       [this, counts](double elapsed) { return odometer_.update(counts, elapsed); });
@@ -125,7 +136,13 @@ void EncoderNode::on_signals(std::int64_t receive_utime, const can::CanFrame& fr
 void EncoderNode::on_sample(std::int64_t receive_utime, const PeriodClock::Evidence& evidence, Update update) {
   last_received_ = receive_utime;
   const auto& status = drive_.status();
-  waiting_.push_back({receive_utime, std::move(update), status.faults, status.enabled(receive_utime)});
+  Arrived arrived{receive_utime, std::move(update), status.faults, status.enabled(receive_utime), stuck_.all_stuck()};
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!stuck_.stuck(i)) continue;
+    arrived.faults[i] |= StuckCounts::kFault;
+    arrived.enabled = false;
+  }
+  waiting_.push_back(std::move(arrived));
   for (const PeriodClock::Stamp& stamp : clock_.stamp(receive_utime, evidence)) {
     on_stamp(receive_utime, waiting_.front(), stamp);
     waiting_.pop_front();
@@ -156,6 +173,7 @@ void EncoderNode::on_stamp(std::int64_t now, const Arrived& arrived, const Perio
     refusal_ = "refused.jump";
     return;
   }
+  if (arrived.stuck) return counters_.add("withheld.stuck");
   wheels_t message = WheelsOutput::message(*sample, stamp.utime);
   for (std::size_t i = 0; i < 2; ++i) message.faults[i] = arrived.faults[i];
   message.enabled = arrived.enabled;
@@ -201,6 +219,9 @@ NodeReport EncoderNode::report() const {
     report.faults.push_back(fmt::format("no positions from the drive for {:.0f} s", silent));
   if (link_fault_.empty() && !signals_) {
     for (std::string& fault : drive_.faults()) report.faults.push_back(std::move(fault));
+  }
+  if (silent <= config_.silence) {
+    for (std::string& fault : stuck_.faults()) report.faults.push_back(std::move(fault));
   }
   if (share_.fault()) report.faults.push_back(*share_.fault());
   add_wheel_faults(report, drive_.status().faults);

@@ -18,6 +18,7 @@
 #include "drivers/encoder/period_clock.hpp"
 #include "drivers/encoder/signals/wheel_signals.hpp"
 #include "drivers/encoder/speed_counter.hpp"
+#include "drivers/encoder/stuck_counts.hpp"
 #include "drivers/encoder/wheel_counter.hpp"
 #include "drivers/encoder/wheels_output.hpp"
 
@@ -65,6 +66,7 @@ class EncoderNode final : public Node {
     Update update;
     std::array<std::uint16_t, 2> faults;
     bool enabled;
+    bool stuck;  // neither count tells anything
   };
   void on_sample(std::int64_t receive_utime, const PeriodClock::Evidence& evidence, Update update);
   void on_stamp(std::int64_t now, const Arrived& arrived, const PeriodClock::Stamp& stamp);
@@ -74,6 +76,7 @@ class EncoderNode final : public Node {
   std::optional<signals::WheelSignals> signals_;  // instead of a CANopen drive
   WheelCounter odometer_;
   SpeedCounter speedometer_;
+  StuckCounts stuck_;
   PeriodClock clock_;
   SettlingStart<wheels_t> start_;
   WheelsOutput output_;

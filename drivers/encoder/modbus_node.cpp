@@ -28,6 +28,7 @@ modbus::ModbusSettings modbus_settings(const EncoderConfig& config) {
 ModbusNode::ModbusNode(const EncoderConfig& config, Publisher& bus)
     : config_(config),
       odometer_({config.counts_per_revolution, {config.invert_left, config.invert_right}, config.max_speed}),
+      stuck_(config.counts_per_revolution),
       output_(bus) {}
 
 void ModbusNode::on_reading(std::int64_t now, const modbus::Reading& reading) {
@@ -37,6 +38,7 @@ void ModbusNode::on_reading(std::int64_t now, const modbus::Reading& reading) {
   if (first) {
     if (reading_.utime != 0) counters_.add("counts_restarted");
     odometer_.restart();
+    stuck_.restart();
     output_.restart(reading.utime);
   }
   reading_ = reading;
@@ -45,11 +47,14 @@ void ModbusNode::on_reading(std::int64_t now, const modbus::Reading& reading) {
   const auto sample = odometer_.update(reading.counts, static_cast<double>(elapsed) * 1e-6);
   if (!sample) return share_.refused(now, "refused.jump");
   share_.used(now);
+  stuck_.add(reading.utime, reading.counts, reading.speeds);
   if (first) return;
+  if (stuck_.all_stuck()) return counters_.add("withheld.stuck");
   wheels_t message = WheelsOutput::message(*sample, reading.utime);
-  for (std::size_t i = 0; i < 2; ++i) message.faults[i] = reading.faults[i];
-  message.enabled = reading.state_utime != 0 && reading.state.enabled && reading.faults_utime != 0 &&
-                    reading.faults[0] == 0 && reading.faults[1] == 0;
+  for (std::size_t i = 0; i < 2; ++i)
+    message.faults[i] = reading.faults[i] | (stuck_.stuck(i) ? std::int32_t{StuckCounts::kFault} : 0);
+  message.enabled = !stuck_.stuck(0) && !stuck_.stuck(1) && reading.state_utime != 0 && reading.state.enabled &&
+                    reading.faults_utime != 0 && reading.faults[0] == 0 && reading.faults[1] == 0;
   output_.publish(message, now);
 }
 
@@ -96,6 +101,9 @@ NodeReport ModbusNode::report() const {
   const double silent = static_cast<double>(now_ - last_heard_) * 1e-6;
   if (link_fault_.empty() && silent > config_.silence)
     report.faults.push_back(fmt::format("no positions from the drive for {:.0f} s", silent));
+  if (silent <= config_.silence) {
+    for (std::string& fault : stuck_.faults()) report.faults.push_back(std::move(fault));
+  }
   if (share_.fault()) report.faults.push_back(*share_.fault());
   add_faults_of_drive(report);
   if (add_report_) add_report_(report);

@@ -9,6 +9,7 @@
 #include "common/shell/latency.hpp"
 #include "drivers/encoder/encoder_config.hpp"
 #include "drivers/encoder/modbus/drive_poll.hpp"
+#include "drivers/encoder/stuck_counts.hpp"
 #include "drivers/encoder/wheel_counter.hpp"
 #include "drivers/encoder/wheels_output.hpp"
 
@@ -41,6 +42,7 @@ class ModbusNode final : public Node {
 
   EncoderConfig config_;
   WheelCounter odometer_;
+  StuckCounts stuck_;
   WheelsOutput output_;
   modbus::Reading reading_;      // the last one
   std::int64_t last_heard_ = 0;  // us, when it came, or the node began

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace curbstone::encoder {
 
@@ -191,20 +192,29 @@ void PeriodClock::stamp_next(std::int64_t received, int steps, bool sure, int lo
                       .earlier = std::max<std::int64_t>(expected - last_stamp_, 0)});
 }
 
-/// A wrong timer unit doubles or halves the period. A pause at a block's end spoils its mean: two blocks must agree.
+/// A wrong timer unit doubles or halves the period, another drive has one of its own. A pause at a block's end spoils
+/// its mean: two blocks must agree. A small difference counts only where samples come evenly: lost ones change the
+/// mean, and bunches the median.
 void PeriodClock::measure_period(std::int64_t received) {
   if (!running_ || block_size_++ == 0) {
-    block_begin_ = received;
+    block_begin_ = block_last_ = received;
     return;
   }
+  gaps_[static_cast<std::size_t>(block_size_ - 2)] = received - std::exchange(block_last_, received);
   if (block_size_ < kBlock) return;
   const std::int64_t mean = (received - block_begin_) / (kBlock - 1);
-  const auto differs = [&](std::int64_t period) { return 5 * std::abs(mean - period) > period; };
+  constexpr std::size_t kMiddle = (kBlock - 1) / 2;
+  std::nth_element(gaps_.begin(), gaps_.begin() + kMiddle, gaps_.end());
+  const bool even = 50 * std::abs(gaps_[kMiddle] - mean) < mean;
+  const std::int64_t share = even && last_even_ ? 20 : 5;
+  const auto differs = [&](std::int64_t period) { return share * std::abs(mean - period) > period; };
   const bool confirmed = 20 * std::abs(mean - last_mean_) < mean;
   last_mean_ = mean;
+  last_even_ = even;
   block_size_ = 0;
   if (!differs(period_) || !confirmed) return;
-  period_ = differs(nominal_) ? std::max<std::int64_t>((mean + 250) / 500 * 500, 500) : nominal_;
+  const std::int64_t step = even ? 100 : 500;
+  period_ = differs(nominal_) ? std::max((mean + step / 2) / step * step, std::int64_t{500}) : nominal_;
   running_ = false;
 }
 

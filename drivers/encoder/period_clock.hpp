@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -102,9 +103,12 @@ class PeriodClock {
   int regular_ = 0;   // of these, the last in a row that came a period apart
   std::deque<Waiting> waiting_;
   std::vector<Stamp> decided_;
-  std::int64_t block_begin_ = 0;  // us, arrival of the block's first sample
+  std::int64_t block_begin_ = 0;                 // us, arrival of the block's first sample
+  std::int64_t block_last_ = 0;                  // us, likewise of the one before
+  std::array<std::int64_t, kBlock - 1> gaps_{};  // us, between the block's samples
   int block_size_ = 0;
   std::int64_t last_mean_ = 0;  // us, period of the block before
+  bool last_even_ = false;      // and whether its samples came evenly
 };
 
 }  // namespace curbstone::encoder

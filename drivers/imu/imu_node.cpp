@@ -63,7 +63,10 @@ void ImuNode::note_refusals(std::int64_t now) {
 }
 
 void ImuNode::on_sample(const device::ImuSample& sample) {
-  if (sample.restarted) restart_clock();
+  if (sample.restarted) {
+    restart_clock();
+    restarts_.add(sample.received);
+  }
   if (!sample.time) counters_.add("stamped_on_receipt");
   const HostTime at = sample.time ? to_host(*sample.time, sample.received) : HostTime{sample.received, 0};
   sequence_ += 1 + sample.missing;
@@ -177,6 +180,8 @@ NodeReport ImuNode::report() const {
   if (garbled_) report.faults.push_back("garbage from the IMU: wrong baud, or another device");
   if (const auto& fault = refusals_.fault()) report.faults.push_back(*fault);
   if (const std::string fault = device_->fault(); !fault.empty()) report.faults.push_back(fault);
+  if (restarts_.often(now_))
+    report.faults.push_back(fmt::format("the IMU has restarted {} times within a minute: its supply?", kManyRestarts));
   if (self_test_failed_) report.faults.push_back("the IMU's self-test has failed");
   return report;
 }

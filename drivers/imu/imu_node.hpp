@@ -14,6 +14,7 @@
 #include "common/shell/latency.hpp"
 #include "common/time/arrival_gap.hpp"
 #include "common/time/clock_offset.hpp"
+#include "common/time/recent_times.hpp"
 #include "common/time/settling_start.hpp"
 #include "drivers/imu/clip_watch.hpp"
 #include "drivers/imu/device/imu_device.hpp"
@@ -66,6 +67,8 @@ class ImuNode final : public Node {
   bool clock_begun_ = false;
   SettlingStart<imu_t> start_;
   ArrivalGap arrival_;
+  static constexpr std::size_t kManyRestarts = 3;  // within a minute
+  RecentTimes restarts_{kManyRestarts, 60'000'000};
   std::int32_t sequence_ = -1;
   std::int64_t last_utime_ = 0;  // published
 

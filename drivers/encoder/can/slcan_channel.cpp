@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kCloseTime = 100'000;   // us; answers to what was pending are not told apart from ours
 constexpr std::int64_t kAnswerTime = 300'000;  // us; some adapters never answer
-constexpr std::int64_t kSilence = 2'000'000;   // us; a bus with a drive is never silent
+constexpr std::int64_t kSilence = 2'000'000;   // us; a bus with a drive is never silent, and one that is off always
 constexpr std::int64_t kRetryPeriod = 1'000'000;
 constexpr int kMaxRefused = 5;
 constexpr std::int64_t kFlagsPeriod = 1'000'000;      // us
@@ -55,17 +55,18 @@ void SlcanChannel::enter(State state, std::int64_t now, const std::string& comma
 void SlcanChannel::start(std::int64_t now) {
   counters_.add("slcan.openings");
   parser_.reset();
-  last_heard_ = now;
   refused_in_a_row_ = 0;
   enter(State::kClosing, now, "\r\rC\r");  // empty lines end what somebody left half-typed
 }
 
 void SlcanChannel::on_bytes(std::int64_t receive_utime, std::span<const std::uint8_t> bytes) {
   parser_.parse(bytes, {[&](const CanFrame& frame) {
-                          last_heard_ = receive_utime;
+                          last_frame_ = receive_utime;
                           refused_in_a_row_ = 0;
-                          if (state_ == State::kOpen) fault_.clear();
-                          if (state_ == State::kOpen) handlers_.on_frame(receive_utime, frame);
+                          if (state_ != State::kOpen) return;
+                          refusal_.clear();
+                          silence_.clear();
+                          handlers_.on_frame(receive_utime, frame);
                         },
                         [&](SlcanParser::Answer answer) { on_answer(receive_utime, answer); },
                         [&](std::uint8_t flags) { on_flags(receive_utime, flags); },
@@ -77,7 +78,7 @@ void SlcanChannel::on_bytes(std::int64_t receive_utime, std::span<const std::uin
 void SlcanChannel::on_answer(std::int64_t now, SlcanParser::Answer answer) {
   if (state_ == State::kOpen && unanswered_ == 0) return;  // to nothing that we sent: noise
   unanswered_ = 0;
-  last_heard_ = now;
+  last_answer_ = now;
   const bool ok = answer == SlcanParser::Answer::kOk;
   refused_in_a_row_ = ok ? 0 : refused_in_a_row_ + 1;
   if (!ok && state_ != State::kClosing) counters_.add("slcan.refused");
@@ -87,12 +88,12 @@ void SlcanChannel::on_answer(std::int64_t now, SlcanParser::Answer answer) {
       break;
     case State::kOpening:
       if (ok) {
-        fault_.clear();
+        refusal_.clear();
         open(now);
       } else {
         state_ = State::kRefused;
         since_ = now;
-        fault_ = "the SLCAN adapter refuses to open its CAN channel";
+        refusal_ = "the SLCAN adapter refuses to open its CAN channel";
       }
       break;
     case State::kOpen:
@@ -105,7 +106,7 @@ void SlcanChannel::on_answer(std::int64_t now, SlcanParser::Answer answer) {
 
 void SlcanChannel::open(std::int64_t now) {
   state_ = State::kOpen;
-  last_heard_ = asked_ = now;
+  last_frame_ = asked_ = now;
   unknown_flags_ = 0;
   if (handlers_.on_open) handlers_.on_open(now);
 }
@@ -136,11 +137,13 @@ void SlcanChannel::tick(std::int64_t now) {
       if (elapsed >= kAnswerTime) open(now);  // on trust; silence will tell
       break;
     case State::kOpen:
-      if (now - last_heard_ < kSilence) {
+      if (now - last_frame_ < kSilence) {
         ask_for_flags(now);
         break;
       }
-      fault_ = "nothing from the SLCAN adapter: no frame and no answer";
+      silence_ = now - last_answer_ < kSilence
+                     ? "the SLCAN adapter answers, and no frame comes: bus-off, cable, or a drive without power?"
+                     : "nothing from the SLCAN adapter: no frame and no answer";
       start(now);
       break;
     case State::kRefused:
@@ -173,7 +176,9 @@ void SlcanChannel::on_flags(std::int64_t now, std::uint8_t flags) {
 
 std::vector<std::string> SlcanChannel::faults() const {
   std::vector<std::string> faults;
-  if (!fault_.empty()) faults.push_back(fault_);
+  for (const std::string& fault : {silence_, refusal_}) {
+    if (!fault.empty()) faults.push_back(fault);
+  }
   if (flags_ == 0 || last_tick_ - flagged_ > kFlagsRemembered) return faults;
   std::string text;
   for (const FlagName& name : kFlagNames) {

@@ -54,11 +54,13 @@ class SlcanChannel {
   Handlers handlers_;
   SlcanParser parser_;
   State state_ = State::kIdle;
-  std::int64_t since_ = 0;       // us, when the state began
-  std::int64_t last_heard_ = 0;  // us, anything from the adapter
-  int unanswered_ = 0;           // frames sent
+  std::int64_t since_ = 0;        // us, when the state began
+  std::int64_t last_frame_ = 0;   // us; or when it was opened
+  std::int64_t last_answer_ = 0;  // us
+  int unanswered_ = 0;            // frames sent
   int refused_in_a_row_ = 0;
-  std::string fault_;
+  std::string refusal_;       // the last fault of the opening,
+  std::string silence_;       // and of the bus, until a frame comes
   std::int64_t asked_ = 0;    // us, when the flags were asked for
   int unknown_flags_ = 0;     // questions in a row without an answer
   std::int64_t flagged_ = 0;  // us, when flags were last found that are errors

@@ -68,6 +68,8 @@ std::vector<std::string> WheelDrive::faults() const {
   std::vector<std::string> faults;
   if (!fault_.empty()) faults.push_back(fault_);
   if (state_ == State::kIdle) return faults;
+  if (boots_.often(last_tick_))
+    faults.push_back(fmt::format("the drive has restarted {} times within a minute: its supply?", kManyBoots));
   const auto check_age = [&](const char* what, std::int64_t utime, std::int64_t most) {
     const std::int64_t age = last_tick_ - (utime != 0 ? utime : began_);
     if (age > most)
@@ -190,6 +192,8 @@ void WheelDrive::on_frame(std::int64_t receive_utime, const can::CanFrame& frame
     if (state_ != State::kRunning) return counters_.add("ignored.unconfigured");
     if (frame.size != 8) return counters_.add("refused.length");
     status_.word = halves(read_little_endian<std::uint32_t>(frame.bytes()));
+    const auto speeds = halves(read_little_endian<std::uint32_t>(frame.bytes().subspan(4)));
+    for (std::size_t i = 0; i < 2; ++i) status_.speed[i] = static_cast<std::int16_t>(speeds[i]);
     status_.word_utime = receive_utime;
   } else if (frame.id == canopen::kSdoReply + settings_.node) {
     sdo_.on_frame(receive_utime, frame);
@@ -209,6 +213,7 @@ void WheelDrive::on_heartbeat(std::int64_t now, const can::CanFrame& frame) {
   nmt_state_ = state;
   if (state == NmtState::kBootUp) {  // all that we had set up is lost
     counters_.add("drive.boots");
+    boots_.add(now);
     handlers_.on_restart();
     status_ = {};
     restart(now);

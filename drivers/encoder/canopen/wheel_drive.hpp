@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/bus/counters.hpp"
+#include "common/time/recent_times.hpp"
 #include "drivers/encoder/can/can_frame.hpp"
 #include "drivers/encoder/canopen/sdo_client.hpp"
 
@@ -17,6 +18,7 @@ namespace curbstone::encoder::canopen {
 struct DriveStatus {
   std::array<std::uint16_t, 2> word{};    ///< CiA 402 status words
   std::int64_t word_utime = 0;            ///< us, when they last came; 0: not since the drive was last set up
+  std::array<std::int16_t, 2> speed{};    ///< 0.1 rpm, came with the status words
   std::array<std::uint16_t, 2> faults{};  ///< 603F: bits; only asked for by who sets the drive up
   std::int64_t faults_utime = 0;          ///< us, when they were last read; 0: not since then
   std::uint16_t emergency = 0;            ///< error code of the last EMCY; 0: none, or it is over
@@ -104,6 +106,8 @@ class WheelDrive {
   NmtState nmt_state_ = NmtState::kOperational;  // by the last heartbeat
   bool poll_now_ = false;
   DriveStatus status_;
+  static constexpr std::size_t kManyBoots = 3;  // within a minute
+  RecentTimes boots_{kManyBoots, 60'000'000};
   std::optional<std::uint32_t> encoder_lines_;
   std::string fault_;
   Counters counters_;

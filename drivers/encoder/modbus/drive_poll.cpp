@@ -142,6 +142,11 @@ bool DrivePoll::read_block(const std::function<void(const Reading&)>& on_reading
   } else {
     reading_.counts = positions(all.first<4>());
   }
+  reading_.speeds.reset();
+  if (level_ < 2) {
+    const auto speeds = all.subspan(level_ == 0 ? 6 : 4, 2);
+    reading_.speeds = {static_cast<std::int16_t>(speeds[0]), static_cast<std::int16_t>(speeds[1])};
+  }
   on_reading(reading_);
   return true;
 }

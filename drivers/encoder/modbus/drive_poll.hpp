@@ -18,8 +18,9 @@ struct Reading {
   std::int64_t utime = 0;       ///< us since the Unix epoch, middle between request and reply
   std::int64_t round_trip = 0;  ///< us; the counts were taken at some time of it: the stamp is right to half of it
   std::array<std::int32_t, 2> counts{};
-  std::array<std::uint16_t, 2> faults{};  ///< bits, as 603F of the CAN drive
-  std::int64_t faults_utime = 0;          ///< us, when they were read; 0 if never
+  std::optional<std::array<std::int16_t, 2>> speeds = std::nullopt;  ///< 0.1 rpm, read with the counts
+  std::array<std::uint16_t, 2> faults{};                             ///< bits, as 603F of the CAN drive
+  std::int64_t faults_utime = 0;                                     ///< us, when they were read; 0 if never
   DriveState state;
   std::int64_t state_utime = 0;     ///< us, when it was read; 0 if never
   std::uint32_t encoder_lines = 0;  ///< 0 if the drive did not say

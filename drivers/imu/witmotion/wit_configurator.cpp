@@ -30,6 +30,7 @@ Rate rate_for(int hz) {
 
 WitConfigurator::WitConfigurator(const Settings& settings, Send send) : settings_(settings), send_(std::move(send)) {
   const Rate rate = rate_for(settings.rate);
+  rate_ = rate.hz;
   const std::uint8_t frames = 0b111;  // time, acceleration, rate of turn
   const std::uint8_t more = settings.orientation ? 0b10 : 0;
   commands_ = {{0xFF, 0xAA, 0x69, 0x88, 0xB5},  // unlock

@@ -32,6 +32,8 @@ class WitConfigurator {
   /// A sample with time, acceleration and rate of turn has come.
   void on_usable_sample(std::int64_t now) { last_usable_ = now; }
   void tick(std::int64_t now);
+  /// Hz that the device is set to.
+  [[nodiscard]] int rate() const { return rate_; }
   /// What cannot be had, in words; empty when nothing is wrong.
   [[nodiscard]] const std::string& fault() const { return fault_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
@@ -40,6 +42,7 @@ class WitConfigurator {
   Settings settings_;
   Send send_;
   std::vector<std::vector<std::uint8_t>> commands_;
+  int rate_ = 0;  // Hz
   bool started_ = false;
   std::size_t next_ = 0;          // command
   std::int64_t sent_ = 0;         // the one before

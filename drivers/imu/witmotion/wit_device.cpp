@@ -1,5 +1,7 @@
 #include "drivers/imu/witmotion/wit_device.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
@@ -15,6 +17,8 @@ namespace {
 constexpr double kAcceleration = 16.0 / 32768 * kGravity;                 // m/s^2
 constexpr double kAngularRate = 2000.0 / 32768 * std::numbers::pi / 180;  // rad/s
 constexpr int kFullScale = 32767;
+constexpr double kRateSlack = 0.2;
+constexpr std::int64_t kRatePatience = 3'000'000;  // us
 constexpr int kUsual =
     3;  // groups with fewer frames, one after the other, after which that is how the device is set up
 
@@ -128,6 +132,7 @@ void WitDevice::use_group(std::int64_t now, const Handler& handler) {
   group_.sample.received = settings_.uart ? now - bits * 1'000'000 / settings_.baud : group_.begun;
   if (!judge_time()) return;
   if (group_.ticks) configurator_.on_usable_sample(now);
+  watch_rate(now);
   handler(group_.sample);
 }
 
@@ -146,6 +151,26 @@ bool WitDevice::judge_time() {
   if (at.missing > 0) counters_.add("lost.packets", at.missing);
   if (group_.sample.restarted) configurator_.start(group_.sample.received);  // it was off, and has forgotten
   return true;
+}
+
+/// Somebody has set it to another rate, or it has forgotten its own without losing power: it is set up again.
+void WitDevice::watch_rate(std::int64_t now) {
+  const double interval = sample_time_.interval();
+  if (!settings_.configure || !group_.ticks || interval <= 0) return;
+  const double rate = 1e6 / interval;
+  if (std::abs(rate - configurator_.rate()) <= kRateSlack * configurator_.rate()) {
+    wrong_rate_since_ = 0;
+    rate_fault_.clear();
+  } else if (wrong_rate_since_ == 0 || now < wrong_rate_since_) {
+    wrong_rate_since_ = now;
+  } else if (now - wrong_rate_since_ > kRatePatience) {
+    wrong_rate_since_ = now;
+    counters_.add("device.reconfigured");
+    configurator_.start(now);
+    rate_fault_ =
+        fmt::format("the IMU sends at {:.0f} Hz, {} Hz was asked for: set by another program, or its line is full",
+                    rate, configurator_.rate());
+  }
 }
 
 void WitDevice::on_link(std::int64_t now, bool up) {

@@ -22,7 +22,7 @@ class WitDevice final : public device::ImuDevice {
   void on_link(std::int64_t now, bool up) override;
   void tick(std::int64_t now) override { configurator_.tick(now); }
   [[nodiscard]] Counters counters() const override;
-  [[nodiscard]] std::string fault() const override { return configurator_.fault(); }
+  [[nodiscard]] std::string fault() const override { return rate_fault_.empty() ? configurator_.fault() : rate_fault_; }
 
  private:
   struct Group {
@@ -41,6 +41,7 @@ class WitDevice final : public device::ImuDevice {
   void end_group(std::int64_t now, const Handler& handler);
   void use_group(std::int64_t now, const Handler& handler);
   bool judge_time();
+  void watch_rate(std::int64_t now);
 
   device::DeviceSettings settings_;
   WitParser parser_;
@@ -50,6 +51,8 @@ class WitDevice final : public device::ImuDevice {
   unsigned expected_ = 0;  // ids of a whole group
   unsigned fewer_ = 0;     // those of the last groups, if they were fewer
   int fewer_times_ = 0;
+  std::int64_t wrong_rate_since_ = 0;  // us; 0: it is right
+  std::string rate_fault_;
   Counters counters_;
 };
 

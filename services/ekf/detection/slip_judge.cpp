@@ -3,15 +3,32 @@
 namespace curbstone::ekf::detection {
 
 void SlipJudge::judge(const inputs::WheelInterval& interval, const std::array<double, 2>& distances,
-                      const model::NavState& state, const model::MotionWindow& window, Counters& counters) {
-  const double left = interval.speed[0] * (1.0 + state.wheel_scale[0]);
-  const double right = interval.speed[1] * (1.0 + state.wheel_scale[1]);
-  const SlipDetector::Signs signs =
-      detector_.add({base::kSecondsPerMicrosecond * static_cast<double>(interval.end), 0.5 * (left + right),
-                     model::wheel_yaw_rate(state, interval.speed, geometry_), window.motion().angular_rate.z(),
-                     window.inertial_speed()});
+                      const std::array<bool, 2>& faulty, const model::NavState& state,
+                      const model::MotionWindow& window, Counters& counters) {
+  if (faulty != faulty_) detector_.reset();
+  faulty_ = faulty;
+  const double gyro = window.motion().angular_rate.z();
+  double speed = 0.0;  // of both wheels, or of the middle by the one that is trusted
+  double yaw_rate = model::wheel_yaw_rate(state, interval.speed, geometry_);
+  for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+    const double arm = (wheel == 0 ? -0.5 : 0.5) * geometry_.track_width * (1.0 + state.wheel_scale[2]);
+    const double of_wheel = interval.speed[wheel] * (1.0 + state.wheel_scale[static_cast<int>(wheel)]);
+    if (faulty[1 - wheel]) {
+      speed = of_wheel - arm * gyro;
+      yaw_rate = gyro;
+    } else if (!faulty[wheel]) {
+      speed += 0.5 * of_wheel;
+    }
+  }
+  if (faulty[0] && faulty[1]) {
+    detector_.reset();
+    return;
+  }
+  const SlipDetector::Signs signs = detector_.add({base::kSecondsPerMicrosecond * static_cast<double>(interval.end),
+                                                   speed, yaw_rate, gyro, window.inertial_speed()});
   const auto hold = static_cast<std::int64_t>(config_.hold / base::kSecondsPerMicrosecond);
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+    if (faulty[wheel]) continue;
     const bool far_off = distances[wheel] > config_.refuse * config_.refuse;
     // Where only the yaw rates disagree, the wheel that is farther off is the one.
     const bool worse = distances[wheel] >= distances[1 - wheel];
@@ -21,6 +38,10 @@ void SlipJudge::judge(const inputs::WheelInterval& interval, const std::array<do
   }
   if (signs.turning) counters.add("slip_signs.turning");
   if (signs.speeding) counters.add("slip_signs.speeding");
+}
+
+void SlipJudge::accuse(std::int64_t utime) {
+  until_.fill(utime + static_cast<std::int64_t>(config_.hold / base::kSecondsPerMicrosecond));
 }
 
 }  // namespace curbstone::ekf::detection

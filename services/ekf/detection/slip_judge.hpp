@@ -19,11 +19,14 @@ class SlipJudge {
       : config_(config), geometry_(geometry), detector_(config) {}
 
   /// `distances`: squared, of both wheels' speeds from the filter's (see distance()); `window`: the filter's motion
-  /// over the same interval. Counts slips.* and slip_signs.*.
+  /// over the same interval. `faulty` wheels say nothing (WheelWatch). Counts slips.* and slip_signs.*.
   void judge(const inputs::WheelInterval& interval, const std::array<double, 2>& distances,
-             const model::NavState& state, const model::MotionWindow& window, Counters& counters);
+             const std::array<bool, 2>& faulty, const model::NavState& state, const model::MotionWindow& window,
+             Counters& counters);
   [[nodiscard]] bool slipping(std::size_t wheel, std::int64_t utime) const { return utime < until_[wheel]; }
 
+  /// Neither wheel is believed for slip.hold.
+  void accuse(std::int64_t utime);
   /// The intervals were interrupted.
   void reset_detector() { detector_.reset(); }
   /// Both wheels are believed again.
@@ -33,6 +36,7 @@ class SlipJudge {
   base::SlipConfig config_;
   model::Geometry geometry_;
   SlipDetector detector_;
+  std::array<bool, 2> faulty_ = {};
   std::array<std::int64_t, 2> until_ = {INT64_MIN, INT64_MIN};  // us
 };
 

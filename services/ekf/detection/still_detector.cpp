@@ -78,9 +78,12 @@ bool StillDetector::still(const Eigen::Vector3d& gyro_bias) const {
   const bool covered = span_of(imu_) >= config_.window && span_of(wheels_) >= 0.9 * config_.window &&
                        base::seconds_between(wheels_.back().utime, imu_.back().utime) <= max_wheel_gap_;
   if (!covered) return false;
+  return wheels_rest() && (mean_rate_ - gyro_bias).cwiseAbs().maxCoeff() <= config_.max_rate;
+}
+
+bool StillDetector::wheels_rest() const {
   const std::array<double, 2> moved = travel();
-  return moved[0] <= config_.travel && moved[1] <= config_.travel &&
-         (mean_rate_ - gyro_bias).cwiseAbs().maxCoeff() <= config_.max_rate;
+  return span_of(wheels_) >= 0.9 * config_.window && moved[0] <= config_.travel && moved[1] <= config_.travel;
 }
 
 bool StillDetector::wheels_turn() const {

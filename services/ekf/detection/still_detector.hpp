@@ -21,6 +21,8 @@ class StillDetector {
 
   /// As of the newest IMU sample. `gyro_bias` (imu frame) tells a quiet turn from a quiet stand.
   [[nodiscard]] bool still(const Eigen::Vector3d& gyro_bias) const;
+  /// Neither wheel travels.
+  [[nodiscard]] bool wheels_rest() const;
   /// Both wheels have travelled by far more than noise.
   [[nodiscard]] bool wheels_turn() const;
 

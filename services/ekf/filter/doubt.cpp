@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/ekf/detection/standing_motion.hpp"
 #include "services/ekf/detection/start_up.hpp"
 
 namespace curbstone::ekf::filter {
@@ -48,6 +49,25 @@ void doubt_standstill(model::Belief& belief, double travel, double track_width) 
   widen(belief, model::kPosition, moved);
   belief.covariance.block<3, 3>(model::kAttitude, model::kAttitude) +=
       turned * turned * yaw_axis * yaw_axis.transpose();
+}
+
+void doubt_wheels_at_rest(model::Belief& belief, double speed) {
+  constexpr double kShare = 0.15;  // of the speed
+  belief.mean.velocity.x() += speed - belief.mean.velocity.x();
+  widen(belief, model::kVelocity, kShare * speed);
+  widen(belief, model::kPosition, 0.5 * speed * detection::StandingMotion::kMemory);
+}
+
+void doubt_astray(model::Belief& belief, const detection::WheelWatch::Astray& astray, const base::StartConfig& config) {
+  constexpr double kCoastingBias = 0.01;  // m/s^2: what no wheel keeps in check; a milli-g
+  widen(belief, model::kAccelerometerBias, kCoastingBias);
+  if (astray.speed <= 0) return;
+  const double acceleration = kGravity * config.level_sigma;  // that its tilt has fooled it with since
+  const double since = astray.seconds;
+  widen(belief, model::kVelocity, std::hypot(astray.speed, acceleration * since));
+  widen(belief, model::kPosition, std::hypot(astray.place, 0.5 * acceleration * since * since));
+  widen(belief, model::kAttitude, config.level_sigma);
+  widen(belief, model::kAccelerometerBias, config.accelerometer_bias_sigma);
 }
 
 bool is_finite(const model::Belief& belief) {

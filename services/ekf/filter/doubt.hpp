@@ -1,6 +1,7 @@
 #pragma once
 
 #include "services/ekf/base/ekf_config.hpp"
+#include "services/ekf/detection/wheel_watch.hpp"
 #include "services/ekf/model/error_state.hpp"
 
 namespace curbstone::ekf::filter {
@@ -18,6 +19,13 @@ void doubt_since_killed(model::Belief& belief, double gap);
 /// The vehicle may have moved and turned a little before the wheels' travel was noticed: each wheel by anything up to
 /// `travel` m, evenly distributed.
 void doubt_standstill(model::Belief& belief, double travel, double track_width);
+
+/// It has driven off while the wheels showed no travel, at `speed` m/s: that is the speed, and what way it has made
+/// since is not known.
+void doubt_wheels_at_rest(model::Belief& belief, double speed);
+
+/// All wheels have been found faulty: they have led it astray, and from now on it coasts.
+void doubt_astray(model::Belief& belief, const detection::WheelWatch::Astray& astray, const base::StartConfig& config);
 
 [[nodiscard]] bool is_finite(const model::Belief& belief);
 

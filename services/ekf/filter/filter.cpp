@@ -35,6 +35,7 @@ Filter::Filter(const base::EkfConfig& config)
       odometer_(config.wheels, config.vehicle.wheel_radius, config.timing.max_wheel_gap),
       mechanisation_(config, geometry_),
       slip_(config.slip, geometry_),
+      watch_(config.slip, config.vehicle.track_width),
       spreader_(config.spread),
       recent_(kRecent) {}
 
@@ -51,6 +52,7 @@ void Filter::add(const base::ImuSample& sample, std::vector<model::Estimate>& ou
   const double dt = last ? base::seconds_between(last->utime, sample.utime) : 0.0;
   if (dt > config_->timing.max_imu_gap) {
     counters_.add("gaps.imu");
+    watch_.interrupt();
     leave_standing();
     still_.reset();
   }
@@ -58,7 +60,7 @@ void Filter::add(const base::ImuSample& sample, std::vector<model::Estimate>& ou
   serve_pending(&next);
   mechanisation_.advance(belief_, sample.utime, &next, standing_);
   mechanisation_.set_last_imu(next);
-  update_standing();
+  update_standing(next.imu, dt);
   if (wheels_missing(sample.utime)) correct_without_wheels();
   restore_if_not_finite();
   update_level();
@@ -152,6 +154,7 @@ void Filter::restart_clock(std::int64_t utime) {
   mechanisation_.reset();
   slip_.reset_detector();
   slip_.acquit();
+  watch_.interrupt();
   wheels_refused_.reset();
   constraint_refused_.reset();
   standing_ = false;
@@ -172,18 +175,35 @@ void Filter::serve_pending(const model::TimedInertial* next) {
   for (; !pending_.empty(); pending_.pop_front()) {
     const base::WheelSample& wheels = pending_.front();
     const WheelStep step = odometer_.add(wheels);
-    if (odometer_.newest())
+    const bool trusted = !watch_.faulty(0) && !watch_.faulty(1);
+    if (odometer_.newest() && trusted)
       mechanisation_.set_wheel_yaw_rate(model::wheel_yaw_rate(belief_.mean, odometer_.newest()->speed, geometry_));
+    else if (!trusted)
+      mechanisation_.set_wheel_yaw_rate({});
     mechanisation_.advance(belief_, wheels.utime, next, standing_);
     correct_with_wheels(step, next == nullptr);
   }
 }
 
-void Filter::update_standing() {
-  const bool still = still_.still(geometry_.R_base_imu.transpose() * belief_.mean.gyro_bias);
+void Filter::update_standing(const model::Inertial& imu, double dt) {
+  const bool accused = slip_.slipping(0, belief_.utime) && slip_.slipping(1, belief_.utime);
+  if (!still_.wheels_rest()) {
+    standing_motion_.begin();
+  } else if (accused || watch_.hides_motion()) {
+    leave_standing();
+  } else if (const auto speed = standing_motion_.add(imu.acceleration, imu.angular_rate - belief_.mean.gyro_bias, dt)) {
+    counters_.add("standstills.moved");
+    leave_standing();
+    doubt_wheels_at_rest(belief_, *speed);
+    slip_.accuse(belief_.utime);
+    return;
+  }
+  const bool still =
+      !accused && !watch_.hides_motion() && still_.still(geometry_.R_base_imu.transpose() * belief_.mean.gyro_bias);
   if (still && !standing_) {
     counters_.add("standstills");
     slip_.reset_detector();
+    watch_.stand();
     mechanisation_.window().reset();
     standing_ = true;
   } else if (!still && standing_) {
@@ -209,7 +229,7 @@ void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vecto
   estimate.stationary = standing_;
   estimate.slipping = slip_.slipping(0, belief_.utime) || slip_.slipping(1, belief_.utime);
   estimate.no_imu = no_imu;
-  estimate.no_wheels = wheels_missing(belief_.utime);
+  estimate.no_wheels = wheels_missing(belief_.utime) || watch_.all_faulty();
   recent_.add(estimate.utime, spreader_.uncorrected(estimate.T_odom_base));
   const double since = std::clamp(base::seconds_between(emitted_, estimate.utime), 0.0, config_->timing.max_imu_gap);
   emitted_ = estimate.utime;

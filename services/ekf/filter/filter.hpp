@@ -9,8 +9,10 @@
 #include "services/ekf/detection/level_watch.hpp"
 #include "services/ekf/detection/refusal_timer.hpp"
 #include "services/ekf/detection/slip_judge.hpp"
+#include "services/ekf/detection/standing_motion.hpp"
 #include "services/ekf/detection/start_up.hpp"
 #include "services/ekf/detection/still_detector.hpp"
+#include "services/ekf/detection/wheel_watch.hpp"
 #include "services/ekf/filter/odom_smoother.hpp"
 #include "services/ekf/filter/pose_history.hpp"
 #include "services/ekf/inputs/map_increment.hpp"
@@ -55,6 +57,8 @@ class Filter {
   [[nodiscard]] bool started() const { return started_; }
   /// Roll and pitch are known to start.level_sigma, or as well as they will be.
   [[nodiscard]] bool level() const { return level_.level(); }
+  /// Which wheels are withheld because they have been wrong for long.
+  [[nodiscard]] const detection::WheelWatch& wheel_watch() const { return watch_; }
   [[nodiscard]] const model::Belief& belief() const { return belief_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -67,12 +71,19 @@ class Filter {
   void restore_if_not_finite();
 
   void serve_pending(const model::TimedInertial* next);
-  void update_standing();
+  void update_standing(const model::Inertial& imu, double dt);
   void leave_standing();
   void update_level();
 
   void correct_with_wheels(WheelStep step, bool coasting);
   void correct_driving(const inputs::WheelInterval& interval);
+  void judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows);
+  void count_verdicts(const std::array<bool, 2>& before);
+  [[nodiscard]] detection::WheelWatch::Finding settle_dispute();
+  void keep_heading_lost(const Eigen::Quaterniond& attitude, double variance);
+  void lose_place(double way);
+  [[nodiscard]] double heading_variance() const;
+  [[nodiscard]] double trusted_speed(const inputs::WheelInterval& interval) const;
   void correct_coasting(const inputs::WheelInterval& interval);
   void correct_standing();
   void correct_without_wheels();
@@ -91,6 +102,7 @@ class Filter {
   inputs::WheelOdometer odometer_;
   model::Mechanisation mechanisation_;
   detection::SlipJudge slip_;
+  detection::WheelWatch watch_;
   detection::RefusalTimer wheels_refused_;
   detection::RefusalTimer constraint_refused_;
   OdomSmoother spreader_;
@@ -99,6 +111,11 @@ class Filter {
 
   bool started_ = false;
   bool standing_ = false;
+  /// It has coasted where nothing told how it turned. No measurement depends on the heading, and where the tilt is
+  /// corrected a large error of it only seems to become small.
+  bool heading_lost_ = false;
+  double lost_way_ = 0.0;  // m, since then, see lose_place
+  detection::StandingMotion standing_motion_;
   detection::LevelWatch level_;
   std::optional<model::Belief> predecessor_;
   model::Belief belief_;

@@ -48,6 +48,7 @@ void Filter::correct_with_wheels(WheelStep step, bool coasting) {
     }
   }
   slip_.reset_detector();
+  watch_.interrupt();
   mechanisation_.window().reset();
 }
 
@@ -59,17 +60,15 @@ void Filter::correct_driving(const inputs::WheelInterval& interval) {
                                 geometry_);
   };
   std::array<model::Observation, 2> rows{observe(0), observe(1)};
-  if (level_.level()) {
-    slip_.judge(interval, {model::distance(belief_, rows[0]), model::distance(belief_, rows[1])}, belief_.mean,
-                mechanisation_.window(), counters_);
-  } else {
-    slip_.reset_detector();  // a tilted filter sees the wheels slip whenever the vehicle accelerates
-  }
-  bool refused = true;
+  judge_wheels(interval, rows);
+  if (heading_lost_) lose_place(motion.velocity.x() * interval.duration());
+  bool refused = !watch_.all_faulty();
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+    const bool faulty = watch_.faulty(wheel);
     const bool slipping = slip_.slipping(wheel, interval.end);
-    refused = refused && slipping;
-    if (slipping)
+    refused = refused && (faulty || slipping);
+    if (faulty) counters_.add(wheel == 0 ? "withheld.wheel_left" : "withheld.wheel_right");
+    if (faulty || slipping)
       rows[wheel] = no_observation();
     else if (!model::soften_beyond(model::kGate1, belief_, rows[wheel]))
       counters_.add(wheel == 0 ? "gated.wheel_left" : "gated.wheel_right");
@@ -82,12 +81,56 @@ void Filter::correct_driving(const inputs::WheelInterval& interval) {
     counters_.add("reset.axle");
     detection::forget_axle(belief_, config_->wheels);
   }
+  const bool disputed = wheels_refused_.lasts(refused, belief_.utime, config_->slip.patience);
   const bool absurd = motion.velocity.norm() > config_->wheels.max_speed;
-  if (wheels_refused_.lasts(refused, belief_.utime, config_->slip.patience) || absurd) {
-    doubt(interval.mean_speed() - motion.velocity.x());
+  const bool doubted = disputed && settle_dispute() == detection::WheelWatch::Finding::kFilter;
+  if (doubted || absurd) {
+    doubt(trusted_speed(interval) - motion.velocity.x());
     detection::forget_wheel_scale(belief_, config_->wheels);
     slip_.acquit();
   }
+}
+
+/// Which wheels slip, and which are faulty.
+void Filter::judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows) {
+  if (!level_.level()) {  // a tilted filter sees the wheels slip whenever the vehicle accelerates
+    slip_.reset_detector();
+    watch_.interrupt();
+    return;
+  }
+  const std::array<double, 2> distances = {model::distance(belief_, rows[0]), model::distance(belief_, rows[1])};
+  const std::array<bool, 2> faulty = {watch_.faulty(0), watch_.faulty(1)};
+  slip_.judge(interval, distances, faulty, belief_.mean, mechanisation_.window(), counters_);
+  detection::WheelWatch::Look look;
+  look.begin = interval.begin;
+  look.end = interval.end;
+  look.yaw_rate = mechanisation_.window().motion().angular_rate.z();
+  look.inertial_speed = mechanisation_.window().inertial_speed();
+  for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+    const double residual = rows[wheel].residual[0];
+    look.speed[wheel] = interval.speed[wheel];
+    look.expected[wheel] = interval.speed[wheel] - residual;
+    look.sigma[wheel] = std::abs(residual) / std::sqrt(std::max(distances[wheel], 1e-12));
+    look.refused[wheel] = slip_.slipping(wheel, interval.end);
+  }
+  watch_.add(look);
+  count_verdicts(faulty);
+}
+
+void Filter::count_verdicts(const std::array<bool, 2>& before) {
+  for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+    if (watch_.faulty(wheel) && !before[wheel]) counters_.add(wheel == 0 ? "faults.wheel_left" : "faults.wheel_right");
+    if (!watch_.faulty(wheel) && before[wheel])
+      counters_.add(wheel == 0 ? "trusted.wheel_left" : "trusted.wheel_right");
+  }
+}
+
+detection::WheelWatch::Finding Filter::settle_dispute() {
+  const std::array<bool, 2> faulty = {watch_.faulty(0), watch_.faulty(1)};
+  const auto finding = watch_.settle();
+  count_verdicts(faulty);
+  if (finding == detection::WheelWatch::Finding::kWheels) doubt_astray(belief_, watch_.astray(), config_->start);
+  return finding;
 }
 
 model::Observation Filter::observe_constraint(const model::BodyMotion& motion) {
@@ -111,16 +154,29 @@ void Filter::doubt(double speed_sigma) {
   doubt_motion(belief_, speed_sigma, config_->start);
 }
 
+/// m/s, of the wheels that are trusted.
+double Filter::trusted_speed(const inputs::WheelInterval& interval) const {
+  for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+    if (watch_.faulty(1 - wheel) && !watch_.faulty(wheel)) return interval.speed[wheel];
+  }
+  return interval.mean_speed();
+}
+
+/// By the wheels that are trusted: without both, how it turns is not known.
 void Filter::correct_coasting(const inputs::WheelInterval& interval) {
   const model::BodyMotion motion = mechanisation_.window().motion();
-  const auto sigma = [&](std::size_t wheel) {
-    return inputs::wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel);
-  };
-  model::Observation forward =
-      model::observe_forward_speed(belief_.mean, motion, interval.mean_speed(), std::max(sigma(0), sigma(1)));
-  if (!model::soften_beyond(model::kGate1, belief_, forward)) counters_.add("gated.forward");
   model::Observation constraint = observe_constraint(motion);
   constraint.H.middleCols<3>(model::kGyroBias).setZero();  // the rate comes from the wheels
+  heading_lost_ = heading_lost_ || watch_.faulty(0) || watch_.faulty(1);
+  if (heading_lost_) lose_place(motion.velocity.x() * interval.duration());
+  if (watch_.all_faulty()) return apply(constraint);
+  double sigma = 0.0;
+  for (std::size_t wheel = 0; wheel < 2; ++wheel)
+    sigma = std::max(sigma, inputs::wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel));
+  if (watch_.faulty(0) || watch_.faulty(1))
+    sigma = std::hypot(sigma, 0.5 * geometry_.track_width * model::Mechanisation::kUsualTurn);
+  model::Observation forward = model::observe_forward_speed(belief_.mean, motion, trusted_speed(interval), sigma);
+  if (!model::soften_beyond(model::kGate1, belief_, forward)) counters_.add("gated.forward");
   apply(model::stack(forward, constraint));
 }
 
@@ -158,8 +214,34 @@ void Filter::correct_with_map() {
 
 void Filter::apply(const model::Observation& z) {
   const Pose before = model::base_pose(belief_.mean, geometry_);
+  const Eigen::Quaterniond attitude = belief_.mean.attitude;
+  const double heading = heading_variance();
   model::correct(belief_, z, model::guarded_gain(belief_, z));
+  if (heading_lost_) keep_heading_lost(attitude, heading);
   spreader_.corrected(before, model::base_pose(belief_.mean, geometry_));
+}
+
+/// A large error of the heading stays one about the vertical, wherever a correction of the tilt puts that.
+void Filter::keep_heading_lost(const Eigen::Quaterniond& attitude, double variance) {
+  model::ErrorMatrix turn = model::ErrorMatrix::Identity();
+  turn.block<3, 3>(model::kAttitude, model::kAttitude) =
+      (belief_.mean.attitude.conjugate() * attitude).toRotationMatrix();
+  belief_.covariance = (turn * belief_.covariance * turn.transpose()).eval();
+  const Eigen::Vector3d up = belief_.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
+  belief_.covariance.block<3, 3>(model::kAttitude, model::kAttitude) +=
+      std::max(variance - heading_variance(), 0.0) * up * up.transpose();
+}
+
+/// What a large error of the heading does to the way along it, which the covariance, being linear, does not see.
+void Filter::lose_place(double way) {
+  const double before = lost_way_;
+  lost_way_ += 0.5 * std::min(heading_variance(), 1.0) * std::abs(way);
+  belief_.covariance.diagonal().segment<2>(model::kPosition).array() += lost_way_ * lost_way_ - before * before;
+}
+
+double Filter::heading_variance() const {
+  const Eigen::Vector3d up = belief_.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
+  return up.dot(belief_.covariance.block<3, 3>(model::kAttitude, model::kAttitude) * up);
 }
 
 }  // namespace curbstone::ekf::filter

@@ -52,8 +52,12 @@ void Mechanisation::step(Belief& belief, const Inertial& imu, double dt, bool st
 }
 
 void Mechanisation::coast(Belief& belief, double dt) {
-  const Eigen::Vector3d rate(0, 0, wheel_yaw_rate_);
-  predict_coasting(belief, wheel_yaw_rate_, dt, config_.noise);
+  const Eigen::Vector3d rate(0, 0, wheel_yaw_rate());
+  predict_coasting(belief, wheel_yaw_rate(), dt, config_.noise);
+  if (!wheel_yaw_rate_) {
+    const Eigen::Vector3d up = belief.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
+    belief.covariance.block<3, 3>(kAttitude, kAttitude) += kUsualTurn * kUsualTurn * dt * up * up.transpose();
+  }
   const Eigen::Vector3d gyro = belief.mean.gyro_bias + rate;
   window_.add(dt, body_motion(belief.mean, gyro, geometry_), gyro, inertial_speed_);
 }

@@ -18,14 +18,17 @@ struct TimedInertial {
 /// the belief went through since the last correction, for the wheels to be compared with.
 class Mechanisation {
  public:
+  /// rad/s, 1 sigma, and rad/s/sqrt(Hz): how a vehicle turns of which nothing is known.
+  static constexpr double kUsualTurn = 0.3;
+
   Mechanisation(const base::EkfConfig& config, const Geometry& geometry) : config_(config), geometry_(geometry) {}
 
   /// To `utime`. `next` is the IMU's sample at or after it; null where none is known yet.
   void advance(Belief& belief, std::int64_t utime, const TimedInertial* next, bool standing);
   /// The IMU's sample at the belief's time: the one to go on from.
   void set_last_imu(const TimedInertial& sample) { last_imu_ = sample; }
-  /// rad/s, to turn with while there is no IMU.
-  void set_wheel_yaw_rate(double rate) { wheel_yaw_rate_ = rate; }
+  /// rad/s, to turn with while there is no IMU; nothing: the wheels do not tell.
+  void set_wheel_yaw_rate(std::optional<double> rate) { wheel_yaw_rate_ = rate; }
   void reset();
 
   /// Whether the IMU's last sample is recent enough, at `utime`, to go on from.
@@ -33,7 +36,7 @@ class Mechanisation {
     return last_imu_ && base::seconds_between(last_imu_->utime, utime) <= config_.timing.max_imu_gap;
   }
   [[nodiscard]] const std::optional<TimedInertial>& last_imu() const { return last_imu_; }
-  [[nodiscard]] double wheel_yaw_rate() const { return wheel_yaw_rate_; }
+  [[nodiscard]] double wheel_yaw_rate() const { return wheel_yaw_rate_.value_or(0.0); }
   [[nodiscard]] MotionWindow& window() { return window_; }
 
  private:
@@ -44,8 +47,8 @@ class Mechanisation {
   Geometry geometry_;
   std::optional<TimedInertial> last_imu_;
   MotionWindow window_;
-  double inertial_speed_ = 0.0;  // m/s, see SlipDetector::Comparison
-  double wheel_yaw_rate_ = 0.0;  // rad/s
+  double inertial_speed_ = 0.0;                 // m/s, see SlipDetector::Comparison
+  std::optional<double> wheel_yaw_rate_ = 0.0;  // rad/s
 };
 
 }  // namespace curbstone::ekf::model

@@ -22,11 +22,15 @@ struct Plan {
   const DriveOptions& o;
   [[nodiscard]] double speed(double t) const {
     const double go = smooth_step(t, o.stand_first, o.stand_first + 3.0);
-    const double stop = smooth_step(t, o.stop_at - 3.0, o.stop_at) - smooth_step(t, o.stop_at + 4.0, o.stop_at + 7.0);
+    const double end = o.stop_at + 4.0 + o.spin_seconds;
+    const double stop = smooth_step(t, o.stop_at - 3.0, o.stop_at) - smooth_step(t, end, end + 3.0);
     return o.speed * (go - stop) * (1.0 + 0.2 * std::sin(0.7 * t));
   }
   [[nodiscard]] double yaw_rate(double t) const {
-    return o.curves * std::sin(0.35 * t) * speed(t) / std::max(0.1, o.speed);
+    const double begin = o.stop_at + 2.0;
+    const double spin =
+        smooth_step(t, begin, begin + 1.0) - smooth_step(t, begin + o.spin_seconds - 1.0, begin + o.spin_seconds);
+    return (o.curves * std::sin(0.35 * t) + o.circle) * speed(t) / std::max(0.1, o.speed) + o.spin * spin * std::sin(t);
   }
   [[nodiscard]] Eigen::Matrix3d attitude(double yaw, double distance) const {
     return rotation_from_rpy(0.6 * o.hills * std::sin(distance / 7.0 + 1.0), o.hills * std::sin(distance / 9.0 + 0.5),

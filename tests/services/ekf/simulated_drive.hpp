@@ -16,6 +16,9 @@ struct DriveOptions {
   double speed = 3.0;                                            ///< m/s
   double stand_first = 2.0;                                      ///< s
   double stop_at = 30.0;                                         ///< s; it stands for 4 s; beyond the end: no stop
+  double spin = 0.0;                                             ///< rad/s, on the spot, while it stands at `stop_at`
+  double spin_seconds = 0.0;                                     ///< that it stands longer for it
+  double circle = 0.0;                                           ///< rad/s at `speed`, all the way to the left
   double hills = 0.05;                                           ///< rad, amplitude of pitch; roll is 0.6 of it
   double curves = 0.3;                                           ///< rad/s, amplitude of the yaw rate
   Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();           ///< rad/s

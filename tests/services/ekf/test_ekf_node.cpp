@@ -145,6 +145,23 @@ TEST_F(EkfNodeTest, AStateFileThatCannotBeWrittenIsAFault) {
   EXPECT_NE(rig.node.report().faults.back().find("/no/such/folder"), std::string::npos);
 }
 
+TEST_F(EkfNodeTest, SaysWhichWheelIsWrongAndHow) {
+  Rig rig(config_);
+  for (std::size_t i = 0; i < drive_.imu.size(); ++i) {
+    base::WheelSample wheels = drive_.wheels[i];
+    if (i > 800) wheels.angle[1] = drive_.wheels[800].angle[1] + 2 * (wheels.angle[1] - drive_.wheels[800].angle[1]);
+    rig.send("WHEELS", message_of(wheels, static_cast<std::int32_t>(i)));
+    rig.send("IMU", message_of(drive_.imu[i], static_cast<std::int32_t>(i)));
+  }
+  const NodeReport report = rig.node.report();
+  EXPECT_EQ(report.counters["faults.wheel_right"], 1);
+  EXPECT_GT(report.counters["withheld.wheel_right"], 100);
+  EXPECT_EQ(report.counters["withheld.wheel_left"], 0);
+  ASSERT_EQ(report.faults.size(), 1U);
+  EXPECT_NE(report.faults[0].find("the right wheel is wrong for long (turns at 2.0"), std::string::npos)
+      << report.faults[0];
+}
+
 TEST_F(EkfNodeTest, PassesOnTheDrivesFaults) {
   Rig rig(config_);
   for (std::size_t i = 0; i < 200; ++i) send(rig, i);

@@ -1,6 +1,7 @@
 #include "tests/services/ekf/town_drive.hpp"
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "tools/simulate/motion/town_motion.hpp"
@@ -32,15 +33,15 @@ class ShiftedMotion final : public simulate::motion::Motion {
   Pose T_axle_base_;
 };
 
-const simulate::world::Town& the_town() {
-  static const simulate::world::Town town({.seed = 1});
-  return town;
+const simulate::world::Town& town_number(unsigned number) {
+  static std::map<unsigned, simulate::world::Town> towns;
+  return towns.try_emplace(number, simulate::world::TownOptions{.seed = number}).first->second;
 }
 
 }  // namespace
 
 Drive simulate_town_drive(const TownDriveOptions& o, const VehicleConfig& vehicle) {
-  const simulate::motion::TownMotion of_axle(the_town(), vehicle,
+  const simulate::motion::TownMotion of_axle(town_number(o.town), vehicle,
                                              simulate::motion::SpeedProfile({.speed = o.speed}, o.seconds));
   const ShiftedMotion motion(of_axle, o);
   simulate::sensors::ImuNoise imu_noise;

@@ -4,13 +4,14 @@
 
 namespace curbstone::ekf {
 
-/// A drive round the block of the simulated town, with the simulator's own sensors, noise and slip events: what
+/// A drive round the block of a simulated town, with the simulator's own sensors, noise and slip events: what
 /// `curbstone simulate --town` records of IMU and WHEELS, less the delays of their serial lines.
 /// The vehicle's file may be as wrong about the vehicle as the options say.
 struct TownDriveOptions {
   double seconds = 60.0;
   double speed = 3.0;                 ///< m/s
-  unsigned seed = 1;                  ///< of the noise; the town is always number 1
+  unsigned seed = 1;                  ///< of the noise
+  unsigned town = 1;                  ///< its number
   bool slip = true;                   ///< with the simulator's slip events
   double scale = 0.0;                 ///< share by which both true wheels are larger than the vehicle's file says
   double track = 0.0;                 ///< likewise the track

@@ -9,6 +9,7 @@
 namespace curbstone::encoder::can {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using testing::from_text;
 using ::testing::HasSubstr;
@@ -120,6 +121,60 @@ TEST_F(SlcanChannelTest, TheErrorFlagsAreAskedForEachSecondAndAreAFaultWhileThey
   EXPECT_EQ(channel_.counters()["slcan.error_passive"], 1);
   EXPECT_EQ(channel_.counters()["slcan.error_warning"], 1);
   EXPECT_EQ(channel_.counters()["slcan.arbitration_lost"], 1);
+}
+
+/// A terminator is missing: the controller is error passive for as long as that lasts, and frames come.
+TEST_F(SlcanChannelTest, ErrorPassiveForAMinuteIsOneFaultForAMinuteAndEachFramePasses) {
+  open();
+  for (int second = 0; second < 80; ++second) {
+    wait(1'000'000);
+    const bool passive = second >= 5 && second < 65;
+    if (sent() == "F\r") answer(passive ? "F20\r" : "F00\r");
+    answer("t1811AA\r");
+    if (passive) {
+      ASSERT_THAT(channel_.faults(), ElementsAre(HasSubstr("reports error passive:"))) << second;
+    }
+    if (second < 5 || second > 68) {
+      ASSERT_THAT(channel_.faults(), IsEmpty()) << second;
+    }
+  }
+  EXPECT_EQ(channel_.counters()["slcan.error_passive"], 60);
+  EXPECT_EQ(channel_.counters()["slcan.openings"], 1);
+  EXPECT_EQ(frames_, 80);
+}
+
+/// A controller that is bus-off hears nothing. Its adapter answers to commands, and may have to be opened to recover.
+TEST_F(SlcanChannelTest, ABusOffForAMinuteIsOneFaultAndTheChannelIsOpenedAgainAndAgain) {
+  open();
+  answer("t1811AA\r");
+  for (int tick = 0; tick < 600; ++tick) {
+    wait(100'000);
+    const std::string command = sent();
+    if (command.find('C') != std::string::npos) answer("\r\r\r");
+    if (command.starts_with("S") || command.starts_with("O")) answer("\r");
+    if (command == "F\r") answer("FA0\r");
+    if (tick % 10 == 0 && channel_.is_open()) {  // the driver asks its drive for something
+      channel_.send(CanFrame::make(0x601, {1}));
+      answer("\r");
+    }
+    if (tick > 25) {
+      ASSERT_THAT(channel_.faults(), Contains(HasSubstr("answers, and no frame comes: bus-off"))) << tick;
+    }
+  }
+  const std::int64_t openings = channel_.counters()["slcan.openings"];
+  EXPECT_GE(openings, 15);
+  EXPECT_LE(openings, 31);  // at most each 2 s
+  EXPECT_EQ(frames_, 1);
+  for (int tick = 0; tick < 50; ++tick) {
+    wait(100'000);
+    const std::string command = sent();
+    if (command.find('C') != std::string::npos || command.starts_with("S") || command.starts_with("O")) answer("\r");
+    if (command == "F\r") answer("F00\r");
+    answer("t1811AA\r");
+  }
+  EXPECT_THAT(channel_.faults(), IsEmpty());
+  EXPECT_LE(channel_.counters()["slcan.openings"], openings + 1);
+  EXPECT_GE(frames_, 40);
 }
 
 TEST_F(SlcanChannelTest, AnAdapterWithoutErrorFlagsIsAskedNoMoreAndThatIsCounted) {

@@ -122,6 +122,31 @@ TEST_F(ModbusNodeTest, EncoderLinesThatDoNotFitAreTold) {
   EXPECT_THAT(node_.report().faults, Contains(HasSubstr("16384 counts a revolution, not 4096")));
 }
 
+/// A gateway that answers from its memory while the vehicle drives.
+TEST_F(ModbusNodeTest, OldRegistersThatTellOfASpeedAreWithheldAndTold) {
+  reading_.speeds = {955, -955};  // 0.1 rpm
+  run(100);
+  const double angle = recorder_.messages().back().angle[0];
+  run(60, 0);
+  const std::size_t before = recorder_.messages().size();
+  const std::int64_t withheld = node_.report().counters["withheld.stuck"];
+  EXPECT_NEAR(static_cast<double>(withheld), 10, 2);  // after a second
+  run(500, 0);
+  EXPECT_EQ(recorder_.messages().size(), before);
+  EXPECT_EQ(recorder_.messages().back().angle[0], angle);
+  EXPECT_EQ(node_.report().counters["withheld.stuck"], withheld + 500);
+  EXPECT_THAT(node_.report().faults, Contains(HasSubstr("the count of the left wheel stands still")));
+  run(100);
+  EXPECT_THAT(node_.report().faults, IsEmpty());
+}
+
+TEST_F(ModbusNodeTest, AVehicleThatStandsIsNotStuck) {
+  reading_.speeds = {10, -15};  // noise
+  run(1000, 0);
+  EXPECT_EQ(recorder_.messages().size(), 999u);
+  EXPECT_THAT(node_.report().faults, IsEmpty());
+}
+
 TEST_F(ModbusNodeTest, ASilentDriveIsAFault) {
   run(10);
   node_.tick(now_ + 5'000'000);

@@ -1,0 +1,78 @@
+// Drives whose wheels are as they should be: none is called faulty, or not for long.
+#include <gtest/gtest.h>
+
+#include "services/ekf/filter/filter.hpp"
+#include "tests/services/ekf/drawn_drives.hpp"
+#include "tests/services/ekf/harmless_drives.hpp"
+#include "tests/services/ekf/real_drives.hpp"
+
+namespace curbstone::ekf::filter {
+namespace {
+
+struct Verdicts {
+  std::int64_t faults = 0, withheld = 0;
+  double trusted_at = 0.0;  // s, when the last wheel was trusted again
+  bool faulty_at_end = false;
+};
+
+Verdicts verdicts_on(const base::EkfConfig& config, const Drive& drive) {
+  Filter filter(config);
+  Verdicts v;
+  std::vector<model::Estimate> out;
+  std::size_t w = 0;
+  bool faulty = false;
+  for (const base::ImuSample& imu : drive.imu) {
+    for (; w < drive.wheels.size() && drive.wheels[w].utime <= imu.utime; ++w) filter.add(drive.wheels[w], out);
+    filter.add(imu, out);
+    const bool before = std::exchange(faulty, filter.wheel_watch().faulty(0) || filter.wheel_watch().faulty(1));
+    if (before && !faulty) v.trusted_at = base::seconds_between(drive.imu.front().utime, imu.utime);
+  }
+  Counters counters = filter.counters();
+  v.faults = counters["faults.wheel_left"] + counters["faults.wheel_right"];
+  v.withheld = counters["withheld.wheel_left"] + counters["withheld.wheel_right"];
+  v.faulty_at_end = faulty;
+  return v;
+}
+
+class HarmlessDrives : public ::testing::TestWithParam<HarmlessDrive> {};
+
+TEST_P(HarmlessDrives, CallNoWheelFaulty) {
+  const Verdicts v = verdicts_on(base::EkfConfig(), GetParam().make());
+  if (GetParam().spin_ends < 0) {
+    EXPECT_EQ(v.faults, 0);
+    EXPECT_EQ(v.withheld, 0);
+    return;
+  }
+  EXPECT_LE(v.faults, 2);  // while it spins nobody can tell
+  EXPECT_LT(v.trusted_at, GetParam().spin_ends + 6.0);
+  EXPECT_FALSE(v.faulty_at_end);
+}
+INSTANTIATE_TEST_SUITE_P(All, HarmlessDrives, ::testing::ValuesIn(harmless_drives()), [](const auto& of) {
+  std::string name;
+  for (const char c : of.param.name) name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  return name;
+});
+
+/// As recorded, with the measures that fit it, and with wrong ones.
+class RealDrives : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(RealDrives, CallNoWheelFaulty) {
+  const auto drive = real_drive(GetParam());
+  if (!drive) GTEST_SKIP() << "the recording is not there";
+  for (const double radius : {0.9, 1.0, 1.1}) {
+    for (const double track : {0.4, 0.8, 1.0, 1.2}) {
+      base::EkfConfig config;
+      config.vehicle = drive->vehicle;
+      config.vehicle.wheel_radius *= radius;
+      config.vehicle.track_width *= track;
+      const Verdicts v = verdicts_on(config, drive->drive);
+      EXPECT_EQ(v.faults, 0) << "radius " << radius << ", track " << track;
+      EXPECT_EQ(v.withheld, 0);
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(All, RealDrives, ::testing::ValuesIn(real_drive_names()),
+                         [](const auto& of) { return of.param; });
+
+}  // namespace
+}  // namespace curbstone::ekf::filter
