@@ -53,7 +53,7 @@ void doubt_standstill(model::Belief& belief, double travel, double track_width) 
 
 void doubt_wheels_at_rest(model::Belief& belief, double speed) {
   constexpr double kShare = 0.15;  // of the speed
-  belief.mean.velocity.x() += speed - belief.mean.velocity.x();
+  belief.mean.velocity.x() = speed;
   widen(belief, model::kVelocity, kShare * speed);
   widen(belief, model::kPosition, 0.5 * speed * detection::StandingMotion::kMemory);
 }
