@@ -177,12 +177,12 @@ NodeReport ImuNode::report() const {
   if (link_fault_.empty() && silent <= config_.silence) report_samples(report.faults);
   if (const auto difference = arrival_.difference()) report.counters.set("clock.difference_us", *difference);
   if (auto fault = arrival_.fault()) report.faults.push_back(std::move(*fault));
-  if (garbled_) report.faults.push_back("garbage from the IMU: wrong baud, or another device");
+  if (garbled_) report.faults.emplace_back("garbage from the IMU: wrong baud, or another device");
   if (const auto& fault = refusals_.fault()) report.faults.push_back(*fault);
   if (const std::string fault = device_->fault(); !fault.empty()) report.faults.push_back(fault);
   if (restarts_.often(now_))
     report.faults.push_back(fmt::format("the IMU has restarted {} times within a minute: its supply?", kManyRestarts));
-  if (self_test_failed_) report.faults.push_back("the IMU's self-test has failed");
+  if (self_test_failed_) report.faults.emplace_back("the IMU's self-test has failed");
   return report;
 }
 
