@@ -16,7 +16,7 @@ namespace curbstone::mapper {
 namespace {
 
 constexpr std::size_t kMaxPending = 80;  // scans that wait for odometry; 20 Hz: 4 s
-constexpr std::int64_t kTurn = 100'000;  // us
+constexpr int kMostInATurn = 5;          // revolutions
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kToldFor = 60'000'000;  // us of the drive, that a new map began
 constexpr double kNextWait = 0.25;             // s
@@ -125,9 +125,8 @@ bool MapperNode::due(const Pending& pending) {
 /// Where many have become due at once (packets behind a gap, odometry that came late) not all in one turn: meanwhile
 /// the process would say nothing, and ask for nothing that it lacks. Those whose odometry is there are the same later.
 void MapperNode::process_due(bool last_call) {
-  const std::int64_t turn_ends = steady_clock() + kTurn;
-  while (!pending_.empty() && (last_call || due(pending_.front()))) {
-    if (!last_call && steady_clock() > turn_ends && odometry_.reaches(pending_.front().scan.end)) return;
+  for (int done = 0; !pending_.empty() && (last_call || due(pending_.front())); ++done) {
+    if (!last_call && done >= kMostInATurn && odometry_.reaches(pending_.front().scan.end)) return;
     const Pending next = std::move(pending_.front());
     pending_.pop_front();
     process(next.scan);
