@@ -14,7 +14,6 @@ namespace {
 constexpr std::int64_t kStatePeriod = 100'000;  // us
 constexpr std::int64_t kSilence = 1'000'000;    // us without a message that is a fault
 constexpr int kGarbageRun = 20;                 // messages refused in a row that are a fault
-constexpr double kFrozen = 0.02;                // of the speed: a wheel that shows less stands still
 constexpr std::int32_t kMaxLoss = 100'000;      // a larger step of a sequence is a restart, not a loss
 
 void describe_wheels(const detection::WheelWatch& watch, std::vector<std::string>& faults) {
@@ -22,8 +21,9 @@ void describe_wheels(const detection::WheelWatch& watch, std::vector<std::string
     if (!watch.faulty(wheel)) continue;
     const double ratio = watch.ratio(wheel);
     std::string what = "stands still";
-    if (ratio < -kFrozen) what = fmt::format("turns backwards, at {:.2f} times the speed", -ratio);
-    if (ratio > kFrozen) what = fmt::format("turns at {:.2f} times the speed", ratio);
+    if (ratio < -detection::WheelWatch::kFrozen)
+      what = fmt::format("turns backwards, at {:.2f} times the speed", -ratio);
+    if (ratio > detection::WheelWatch::kFrozen) what = fmt::format("turns at {:.2f} times the speed", ratio);
     faults.push_back(fmt::format("WHEELS: the {} wheel is wrong for long ({}) and not used: encoder, plug, shaft?",
                                  wheel == 0 ? "left" : "right", what));
   }

@@ -23,7 +23,6 @@ constexpr double kLeap = 0.5;        // m/s, of the IMU within two intervals and
 constexpr double kStroke = 0.8;      // of the first difference within two intervals: at a stroke
 constexpr double kMostAstray = 2.0;  // ways, by which it may be astray
 constexpr double kMoving = 0.1;      // m/s
-constexpr double kFrozen = 0.02;     // of the speed
 
 }  // namespace
 

@@ -66,6 +66,7 @@ class WheelWatch {
   [[nodiscard]] const Astray& astray() const { return astray_; }
 
   static constexpr double kAgreement = 5.0;  ///< s of driving, after which a wheel is trusted again
+  static constexpr double kFrozen = 0.02;    ///< of the speed: a wheel that shows less stands still
 
  private:
   static constexpr std::size_t kParts = 4;
