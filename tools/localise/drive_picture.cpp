@@ -1,10 +1,10 @@
 #include "tools/localise/drive_picture.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "common/linear/decompositions.hpp"
 #include "services/semantic_map/picture/map_picture.hpp"
 #include "services/semantic_map/picture/png_file.hpp"
 #include "services/semantic_map/store/map_store.hpp"
@@ -35,13 +35,13 @@ PictureLine ellipse(const map_pose_t& pose) {
   Eigen::Matrix2d covariance;
   covariance << static_cast<double>(pose.covariance[0]), static_cast<double>(pose.covariance[1]),
       static_cast<double>(pose.covariance[6]), static_cast<double>(pose.covariance[7]);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance);
-  const Eigen::Vector2d sigmas = axes.eigenvalues().cwiseMax(0).cwiseSqrt();
+  const auto [values, axes] = eigen_pairs<2>(covariance);
+  const Eigen::Vector2d sigmas = values.cwiseMax(0).cwiseSqrt();
   PictureLine line{{}, kEllipse, 1.5};
   for (int i = 0; i <= 24; ++i) {
     const double a = 2 * std::numbers::pi * i / 24;
     const Eigen::Vector2d unit(std::cos(a), std::sin(a));
-    line.points.push_back(position(pose) + kTimes * kSigmas * axes.eigenvectors() * sigmas.cwiseProduct(unit));
+    line.points.push_back(position(pose) + kTimes * kSigmas * axes * sigmas.cwiseProduct(unit));
   }
   return line;
 }

@@ -1,12 +1,12 @@
 #include "tools/localise/pose_errors.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
+#include "common/linear/decompositions.hpp"
 #include "common/statistics/quantile.hpp"
 
 namespace curbstone::localise {
@@ -106,7 +106,7 @@ PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& tr
     }
     const Eigen::Vector3d planar(off.x(), off.y(), yaw);
     const Eigen::Matrix3d covariance = covariance_of(pose);
-    const double one = planar.dot(covariance.ldlt().solve(planar));
+    const double one = planar.dot(Ldlt<3>(covariance).solve(planar));
     nees += one;
     by_axis += nees_by_axis(covariance, planar, roll_pitch_yaw(T_map_base->linear()).z());
     if (!(one <= kChi95)) ++beyond;

@@ -32,7 +32,7 @@ Gain guarded_gain(const Belief& belief, const Observation& z) {
 void correct(Belief& belief, const Observation& z, const Gain& K) {
   ErrorMatrix& P = belief.covariance;
   const ErrorMatrix I_KH = ErrorMatrix::Identity() - K * z.H;
-  P = (I_KH * P * I_KH.transpose() + K * z.R * K.transpose()).eval();
+  P = propagated(I_KH, P) + K * z.R * K.transpose();
   P = (0.5 * (P + P.transpose())).eval();
   belief.mean = plus(belief.mean, K * z.residual);
 }

@@ -23,4 +23,11 @@ ErrorVector minus(const NavState& to, const NavState& from) {
   return error;
 }
 
+template <int Rows>
+Eigen::Matrix<double, Rows, Rows> propagated(const Eigen::Matrix<double, Rows, kErrorSize>& J, const ErrorMatrix& P) {
+  return J * P * J.transpose();
+}
+template Eigen::Matrix<double, 6, 6> propagated(const Eigen::Matrix<double, 6, kErrorSize>& J, const ErrorMatrix& P);
+template ErrorMatrix propagated(const ErrorMatrix& J, const ErrorMatrix& P);
+
 }  // namespace curbstone::ekf::model

@@ -54,6 +54,15 @@ using ErrorMatrix = Eigen::Matrix<double, kErrorSize, kErrorSize>;
 /// The error that takes `from` to `to`: plus(from, minus(to, from)) == to.
 [[nodiscard]] ErrorVector minus(const NavState& to, const NavState& from);
 
+/// The covariance of J error: J P J^T. For 6 and kErrorSize rows, compiled once: products of this size are among the
+/// slowest to compile.
+template <int Rows>
+[[nodiscard]] Eigen::Matrix<double, Rows, Rows> propagated(const Eigen::Matrix<double, Rows, kErrorSize>& J,
+                                                           const ErrorMatrix& P);
+extern template Eigen::Matrix<double, 6, 6> propagated(const Eigen::Matrix<double, 6, kErrorSize>& J,
+                                                       const ErrorMatrix& P);
+extern template ErrorMatrix propagated(const ErrorMatrix& J, const ErrorMatrix& P);
+
 /// The estimate at a time with the covariance of its error. A plain value: a copy of it is a check point.
 struct Belief {
   std::int64_t utime = 0;

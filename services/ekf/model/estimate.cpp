@@ -28,14 +28,14 @@ Estimate estimate_base(const Belief& belief, const Inertial& imu, double rate_si
   pose.block<3, 3>(0, kPosition).setIdentity();
   pose.block<3, 3>(0, kAttitude) = -R * skew(geometry.to_base);
   pose.block<3, 3>(3, kAttitude).setIdentity();
-  out.pose_covariance = pose * belief.covariance * pose.transpose();
+  out.pose_covariance = propagated(pose, belief.covariance);
   out.pose_covariance.diagonal() = out.pose_covariance.diagonal().cwiseMax(0.0);  // rounds below it at the origin
 
   Jacobian twist = Jacobian::Zero();
   twist.block<3, 3>(0, kVelocity).setIdentity();
   twist.block<3, 3>(0, kGyroBias) = skew(geometry.to_base);
   twist.block<3, 3>(3, kGyroBias) = -Eigen::Matrix3d::Identity();
-  out.twist_covariance = twist * belief.covariance * twist.transpose();
+  out.twist_covariance = propagated(twist, belief.covariance);
   out.twist_covariance.diagonal().tail<3>().array() += rate_sigma * rate_sigma;
   return out;
 }

@@ -1,8 +1,9 @@
 #include "services/localizer/tracking/pose_fit.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "common/linear/decompositions.hpp"
 
 namespace curbstone::localizer::tracking {
 namespace {
@@ -107,7 +108,7 @@ class PointSums {
 int untold_axes(const Matrix6& information, const Eigen::Matrix3d& R) {
   Matrix6 to_base = Matrix6::Identity();
   to_base.topLeftCorner<3, 3>() = R.transpose();
-  const Matrix6 alone = (information + 1e-3 * Matrix6::Identity()).inverse();
+  const Matrix6 alone = inverse(information + 1e-3 * Matrix6::Identity());
   const Matrix6 covariance = to_base * alone * to_base.transpose();
   int untold = 0;
   for (int i = 0; i < 6; ++i) {
@@ -145,7 +146,7 @@ Vector6 error_between(const Pose& from, const Pose& to) {
 PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& prior, fields::SavedMap& map,
                  const TrackingConfig& config, double news) {
   const double share = config.independent * news;
-  const Matrix6 prior_information = prior.covariance.inverse();
+  const Matrix6 prior_information = inverse(prior.covariance);
   Pose pose = prior.T_map_base;
   std::size_t every = points.size() < kEnoughPoints ? 1 : kCoarsely;
   for (int iteration = 1;; ++iteration) {
@@ -154,7 +155,7 @@ PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& p
     const double weight = share * static_cast<double>(every);
     const Matrix6 information = prior_information + weight * seen.sums.information;
     const Vector6 gradient = prior_information * error_between(prior.T_map_base, pose) + weight * seen.sums.gradient;
-    const Vector6 step = -information.ldlt().solve(gradient);
+    const Vector6 step = -Ldlt<6>(information).solve(gradient);
     pose = normalised(moved_by(pose, step));
     const double moved = step.cwiseAbs().maxCoeff();
     if (every > 1) {  // the way there by some of the points, the last of it by all
@@ -163,7 +164,7 @@ PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& p
     }
     if (moved > kDone && iteration < kMostIterations) continue;
     PoseFit fit = seen.counts;
-    fit.belief = {pose, information.inverse()};
+    fit.belief = {pose, inverse(information)};
     fit.told = seen.sums.information;
     fit.degenerate = untold_axes(config.independent * seen.sums.information, pose.linear());
     fit.iterations = iteration;

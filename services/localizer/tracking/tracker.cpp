@@ -1,8 +1,9 @@
 #include "services/localizer/tracking/tracker.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "common/linear/decompositions.hpp"
 
 namespace curbstone::localizer::tracking {
 namespace {
@@ -23,7 +24,7 @@ void Tracker::judge(const PoseFit& fit) {
   fitting_ = finds ? fitting_ + 1 : 0;
   failing_ = fits ? 0 : failing_ + 1;
   const Eigen::Matrix2d plane = belief_.covariance.topLeftCorner<2, 2>();
-  const double sigma = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(plane).eigenvalues()(1));
+  const double sigma = std::sqrt(eigen_pairs<2>(plane).values(1));
   if (failing_ >= kInARow || !(sigma < config_.max_sigma)) {
     lost_ = true;
     if (!(sigma < config_.max_sigma)) fitting_ = 0;
@@ -82,7 +83,7 @@ Matrix6 Tracker::published_covariance() const {
   Vector6 drift;
   drift << Eigen::Vector3d::Constant(config_.map_drift_m), Eigen::Vector3d::Constant(config_.map_drift_rad);
   const Matrix6 held = Matrix6::Identity() + config_.map_independent * drift.asDiagonal() * told_ * drift.asDiagonal();
-  const Matrix6 left = held.inverse();  // 1: nothing told it, all of the drift is left
+  const Matrix6 left = inverse(held);  // 1: nothing told it, all of the drift is left
   return belief_.covariance + drift.asDiagonal() * left * left * drift.asDiagonal();
 }
 

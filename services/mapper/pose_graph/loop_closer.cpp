@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "common/linear/decompositions.hpp"
+
 namespace curbstone::mapper::pose_graph {
 namespace {
 
@@ -76,7 +78,7 @@ std::optional<LoopCorrection> LoopCloser::solve(const Atlas& atlas, const LoopCl
   const Pose T_base_reference = T_map_base.inverse() * atlas.node(reference).T_map_base;
   LoopCorrection correction;
   correction.loop = {closure.node, reference, closure.T_node_base * T_base_reference,
-                     floored(closure.covariance).inverse(), true};
+                     inverse(floored(closure.covariance)), true};
   std::vector<PoseEdge> edges = atlas.edges();
   edges.push_back(correction.loop);
   const std::vector<Pose> before = atlas.poses();

@@ -2,14 +2,14 @@
 
 #include <ceres/ceres.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
 #include <numeric>
 #include <optional>
+
+#include "common/linear/decompositions.hpp"
 
 namespace curbstone::mapper::pose_graph {
 namespace {
@@ -111,11 +111,10 @@ std::optional<registration::Matrix6> root_of(const registration::Matrix6& inform
   if (!information.allFinite()) return std::nullopt;
   const double size = information.cwiseAbs().maxCoeff();
   if ((information - information.transpose()).cwiseAbs().maxCoeff() > 1e-6 * size) return std::nullopt;
-  const Eigen::LLT<registration::Matrix6> cholesky(information);
-  if (cholesky.info() == Eigen::Success) return registration::Matrix6(cholesky.matrixU());
-  const Eigen::SelfAdjointEigenSolver<registration::Matrix6> solver(information);
-  if (solver.info() != Eigen::Success || solver.eigenvalues()[0] < -1e-6 * size) return std::nullopt;
-  return solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose();
+  if (const auto root = cholesky_root<6>(information)) return root;
+  const auto [values, vectors] = eigen_pairs<6>(information);
+  if (!(values[0] >= -1e-6 * size)) return std::nullopt;
+  return values.cwiseMax(0).cwiseSqrt().asDiagonal() * vectors.transpose();
 }
 
 /// Does every edge hang, through others, on a fixed node?

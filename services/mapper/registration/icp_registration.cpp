@@ -1,9 +1,9 @@
 #include "services/mapper/registration/icp_registration.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "common/linear/decompositions.hpp"
 #include "services/mapper/registration/normal_equations.hpp"
 #include "services/mapper/scan/downsample.hpp"
 
@@ -63,7 +63,7 @@ RegistrationResult IcpRegistration::align(const std::vector<scan::LidarPoint>& p
     const Matrix6 H = kIndependence * seen.P * sum.H * seen.P.transpose() + prior.information;
     const Vector6 b =
         kIndependence * seen.P * sum.b + prior.information * log_of(prior.T_map_base.inverse() * T_matched * moved);
-    const Eigen::LDLT<Matrix6> solver(H);
+    const Ldlt<6> solver(H);
     const Vector6 step = solver.solve(-b);
     if (!step.allFinite()) break;
     moved = moved * exp_of(step);
@@ -73,7 +73,7 @@ RegistrationResult IcpRegistration::align(const std::vector<scan::LidarPoint>& p
     const Vector6 since = log_of(moved);
     stale = since.head<3>().norm() > kRematch || since.tail<3>().norm() > kRematchTurn;
     if (result.converged || result.iterations == config_.max_iterations) {
-      result.covariance = solver.solve(Matrix6::Identity());
+      result.covariance = solver.inverse();
     } else if (stride > 1 && annealing <= settled) {
       stride = 1;
       stale = true;

@@ -1,8 +1,9 @@
 #include "services/mapper/registration/loam_registration.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "common/linear/decompositions.hpp"
 
 namespace curbstone::mapper::registration {
 namespace {
@@ -85,7 +86,7 @@ RegistrationResult LoamRegistration::align(const std::vector<scan::LidarPoint>& 
     annealing = std::clamp(2 * step.head<3>().norm(), 0.5 * annealing, annealing);
     if (settled || result.iterations == config_.max_rounds) {
       const Matrix6 H = kFeatureIndependence * seen.P * matching.sum.H * seen.P.transpose() + prior.information;
-      result.covariance = H.ldlt().solve(Matrix6::Identity());
+      result.covariance = Ldlt<6>(H).inverse();
     }
   }
   const NormalEquations& sum = matching.sum;

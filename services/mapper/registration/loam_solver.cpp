@@ -2,8 +2,9 @@
 
 #include <ceres/tiny_solver.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
+
+#include "common/linear/decompositions.hpp"
 
 namespace curbstone::mapper::registration {
 namespace {
@@ -26,7 +27,7 @@ class LoamResiduals {
   explicit LoamResiduals(const LoamProblem& problem)
       : problem_(problem),
         seen_(problem.seen.transpose()),
-        root_((problem.prior_weight * problem.prior.information).llt().matrixU()),
+        root_(cholesky_root<6>(problem.prior_weight * problem.prior.information).value_or(Matrix6::Zero())),
         T_prior_start_(problem.prior.T_map_base.inverse() * problem.T_map_base) {
     for (const FeatureMatch& match : problem.matches) count_ += match.line ? 2 : 1;
   }

@@ -1,9 +1,9 @@
 #include "services/mapper/registration/normal_equations.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "common/linear/decompositions.hpp"
 #include "services/mapper/scan/deskew.hpp"
 
 namespace curbstone::mapper::registration {
@@ -26,12 +26,12 @@ Observability observability(const NormalEquations& sum, double threshold) {
   Vector6 scale;
   scale << 1, 1, 1, 1 / lever, 1 / lever, 1 / lever;
   const Matrix6 D = scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(D * sum.H * D / sum.weight);
-  if (solver.eigenvalues()[0] >= threshold) return out;
+  const auto [lambda, vectors] = eigen_pairs<6>(D * sum.H * D / sum.weight);
+  if (lambda[0] >= threshold) return out;
   Matrix6 keep = Matrix6::Zero();
   for (int i = 0; i < 6; ++i) {
-    const Vector6 v = solver.eigenvectors().col(i);
-    if (solver.eigenvalues()[i] >= threshold) {
+    const Vector6 v = vectors.col(i);
+    if (lambda[i] >= threshold) {
       keep += v * v.transpose();
       continue;
     }
@@ -39,7 +39,7 @@ Observability observability(const NormalEquations& sum, double threshold) {
       if (std::abs(v[axis]) > 0.5) out.degenerate |= 1 << axis;
     }
   }
-  out.P = D.inverse() * keep * D;  // acts on H from both sides in its own units
+  out.P = inverse(D) * keep * D;  // acts on H from both sides in its own units
   return out;
 }
 

@@ -1,9 +1,10 @@
 #include "services/mapper/registration/shape_map.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "common/linear/decompositions.hpp"
 
 namespace curbstone::mapper::registration {
 ShapeLevel::ShapeLevel(const ShapeLevelOptions& options) : options_(options), inverse_size_(1.0 / options.voxel) {}
@@ -110,14 +111,12 @@ void ShapeLevel::fit(Fitted& fitted, const Eigen::Vector3i& cell) const {
   about_centre << q[0] + 2 * ax[1] + c[0], xy, xz, xy, q[1] + 2 * ay[2] + c[1], yz, xz, yz, q[2] + 2 * az[3] + c[2];
   const Eigen::Matrix3d covariance = about_centre / count - mean * mean.transpose();
 
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(covariance);
-  const Eigen::Vector3d& lambda = solver.eigenvalues();
+  const auto [lambda, axes] = eigen_pairs_direct(covariance);
   const int across = options_.shape == ShapeKind::kPlane ? 0 : 1;
   const double along = lambda[across + 1];
   if (!(along > options_.min_width * options_.min_width && lambda[across] < options_.max_flatness * along)) return;
   fitted.shape.mean = centre_of(cell) + mean;
-  fitted.shape.axis = solver.eigenvectors().col(options_.shape == ShapeKind::kPlane ? 0 : 2).cast<float>();
+  fitted.shape.axis = axes.col(options_.shape == ShapeKind::kPlane ? 0 : 2).cast<float>();
   fitted.shape.variance = static_cast<float>(std::max(lambda[across], 0.0));
   fitted.valid = fitted.shape.axis.allFinite();
   if (options_.shape == ShapeKind::kLine) return;

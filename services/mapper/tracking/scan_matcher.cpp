@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/linear/decompositions.hpp"
 #include "services/mapper/registration/make_registration.hpp"
 
 namespace curbstone::mapper::tracking {
@@ -70,7 +71,7 @@ Fit ScanMatcher::expect(const Departure& from, const scan::Scan& scan, MotionExp
   Fit fit;
   fit.prior.T_map_base = normalised(from.T_map_base * expected.T_last_base);
   const registration::Matrix6 covariance = from.drift + expected.covariance;
-  fit.prior.information = covariance.inverse();
+  fit.prior.information = inverse(covariance);
   fit.prior.reach = 3 * (std::sqrt(covariance(0, 0)) + kLever * std::sqrt(covariance(3, 3)));
   fit.expected = std::move(expected);
   fit.points = in_base(scan, fit.expected.sweep);

@@ -1,12 +1,12 @@
 #include "services/semantic_map/cells/vehicle_outline.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "common/linear/decompositions.hpp"
 #include "services/semantic_map/tile/map_types.hpp"
 
 namespace curbstone::semantic_map::cells {
@@ -49,7 +49,7 @@ Eigen::Matrix2d principal_axes(const std::vector<Eigen::Vector2i>& cells) {
     const Eigen::Vector2d d = at.cast<double>() - mean;
     scatter += d * d.transpose();
   }
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter).eigenvectors();
+  return eigen_pairs<2>(scatter).vectors;
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
 #include "services/semantic_map/curb_lines/lowered_step.hpp"
 
-#include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
 #include <span>
+
+#include "common/linear/decompositions.hpp"
 
 namespace curbstone::semantic_map::curb_lines {
 
@@ -38,8 +39,8 @@ std::optional<LoweredStep> fit(std::span<const Sample> samples) {
     normal += r * r.transpose();
     right += r * s.z;
   }
-  const Eigen::LDLT<Eigen::Matrix<double, kParameters, kParameters>> solver(normal);
-  if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 1e-6)) return std::nullopt;
+  const Ldlt<kParameters> solver(normal);
+  if (!(solver.least_pivot() > 1e-6)) return std::nullopt;
   const Row found = solver.solve(right);
   double rest = 0;
   for (const Sample& s : samples) rest += std::pow(s.z - row(s).dot(found), 2);

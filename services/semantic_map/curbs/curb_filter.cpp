@@ -1,12 +1,12 @@
 #include "services/semantic_map/curbs/curb_filter.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <span>
 #include <tuple>
 
+#include "common/linear/decompositions.hpp"
 #include "services/semantic_map/curbs/curb_support.hpp"
 
 namespace curbstone::semantic_map::curbs {
@@ -106,10 +106,10 @@ LocalLine line_around(const Eigen::Vector2d& at, double radius, const std::vecto
   line.mean /= line.count;
   line.score /= line.count;
   scatter = scatter / line.count - line.mean * line.mean.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(scatter);
-  const double minor = std::sqrt(std::max(0.0, eigen.eigenvalues()(0)));
-  const double major = std::sqrt(std::max(0.0, eigen.eigenvalues()(1)));
-  line.direction = eigen.eigenvectors().col(1);
+  const auto [values, vectors] = eigen_pairs<2>(scatter);
+  const double minor = std::sqrt(std::max(0.0, values(0)));
+  const double major = std::sqrt(std::max(0.0, values(1)));
+  line.direction = vectors.col(1);
   line.linearity = major > 0 ? minor / major : 1;
   line.extent = major * std::sqrt(12.0);  // of an even line
   line.mean += at;

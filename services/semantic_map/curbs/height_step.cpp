@@ -1,6 +1,6 @@
 #include "services/semantic_map/curbs/height_step.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>

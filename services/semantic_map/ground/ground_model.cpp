@@ -1,11 +1,11 @@
 #include "services/semantic_map/ground/ground_model.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "common/linear/decompositions.hpp"
 #include "common/statistics/quantile.hpp"
 
 namespace curbstone::semantic_map::ground {
@@ -171,9 +171,8 @@ Eigen::Vector2d coarse_tilt(const std::vector<PlaneSample>& samples, const Plane
     rise += d * (s.z - mean.z());
   }
   const double least = static_cast<double>(samples.size()) * kMinExtent * kMinExtent;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(scatter, Eigen::EigenvaluesOnly);
-  if (!(eigen.eigenvalues()(0) > least)) return Eigen::Vector2d::Zero();
-  return scatter.ldlt().solve(rise) - rough.slope;
+  if (!(eigen_pairs<2>(scatter).values(0) > least)) return Eigen::Vector2d::Zero();
+  return Ldlt<2>(scatter).solve(rise) - rough.slope;
 }
 
 /// The plane and the normals of the 1 m cell about (x, y).

@@ -1,7 +1,8 @@
 #include "services/semantic_map/ground/robust_plane.hpp"
 
-#include <Eigen/Dense>
 #include <cstddef>
+
+#include "common/linear/decompositions.hpp"
 
 namespace curbstone::semantic_map::ground {
 
@@ -53,7 +54,7 @@ Plane fit_plane(const std::vector<PlaneSample>& samples, const Plane& prior, con
     A << sum.a00 + 1e-9, sum.a10, sum.a20, sum.a10, sum.a11 + stiffness, sum.a21, sum.a20, sum.a21, sum.a22 + stiffness;
     const Eigen::Vector3d b(sum.b0 + 1e-9 * plane.height, sum.b1 + stiffness * prior.slope(0),
                             sum.b2 + stiffness * prior.slope(1));
-    const Eigen::Vector3d solution = A.ldlt().solve(b);
+    const Eigen::Vector3d solution = Ldlt<3>(A).solve(b);
     plane = {solution(0), solution.tail<2>()};
   }
   return plane;

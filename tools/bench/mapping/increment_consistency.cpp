@@ -1,11 +1,11 @@
 #include "tools/bench/mapping/increment_consistency.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cstdlib>
 #include <optional>
 
 #include "common/geometry/pose_covariance.hpp"
+#include "common/linear/decompositions.hpp"
 #include "services/mapper/registration/normal_equations.hpp"
 
 namespace curbstone::bench::mapping {
@@ -53,9 +53,9 @@ void IncrementConsistency::compare(const Claim& begin, const Claim& end) {
   const mapper::registration::Vector6 error =
       mapper::registration::log_of((true_begin->inverse() * *true_end).inverse() * T_begin_end);
   const Eigen::Vector3d shift = error.head<3>(), turn = error.tail<3>();
-  sum_.all += error.dot(P.ldlt().solve(error));
-  sum_.translation += shift.dot(P.topLeftCorner<3, 3>().ldlt().solve(shift));
-  sum_.rotation += turn.dot(P.bottomRightCorner<3, 3>().ldlt().solve(turn));
+  sum_.all += error.dot(Ldlt<6>(P).solve(error));
+  sum_.translation += shift.dot(Ldlt<3>(P.topLeftCorner<3, 3>()).solve(shift));
+  sum_.rotation += turn.dot(Ldlt<3>(P.bottomRightCorner<3, 3>()).solve(turn));
   ++sum_.increments;
 }
 

@@ -1,6 +1,5 @@
 #include "tools/evaluate/truth/street_labels.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "common/linear/decompositions.hpp"
 #include "common/tiles/tile.hpp"
 #include "services/semantic_map/tile/map_types.hpp"
 #include "tools/evaluate/truth/clicked_curbs.hpp"
@@ -128,7 +128,7 @@ std::optional<double> fit_step(const std::vector<SurfacePoint>& points, const Ne
   });
   if (lows < kEnough || highs < kEnough) return std::nullopt;
   A.diagonal().tail<2>().array() += 0.01;  // no slope where the points do not tell
-  return A.ldlt().solve(b)(1);
+  return Ldlt<4>(A).solve(b)(1);
 }
 
 /// Where two surfaces meet, one point a cell of 0.1 m. Borders that are no curbs have height 0.

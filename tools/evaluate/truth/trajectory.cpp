@@ -1,9 +1,10 @@
 #include "tools/evaluate/truth/trajectory.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "common/linear/decompositions.hpp"
 
 namespace curbstone::evaluate::truth {
 
@@ -51,11 +52,8 @@ Pose align(const PosePairs& pairs) {
     constexpr double kLever = 0.5;
     correlation += kLever * kLever * pairs.truth[i].linear() * pairs.estimate[i].linear().transpose() / n;
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity();
-  mirror(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1.0 : 1.0;
   Pose T_truth_estimate = Pose::Identity();
-  T_truth_estimate.linear() = svd.matrixU() * mirror * svd.matrixV().transpose();
+  T_truth_estimate.linear() = nearest_rotation(correlation);
   T_truth_estimate.translation() = mean_truth - T_truth_estimate.linear() * mean_estimate;
   return T_truth_estimate;
 }

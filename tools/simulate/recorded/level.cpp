@@ -1,7 +1,8 @@
 #include "tools/simulate/recorded/level.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
+
+#include "common/linear/decompositions.hpp"
 
 namespace curbstone::simulate::recorded {
 
@@ -26,8 +27,7 @@ Eigen::Vector3d ground_normal(const std::vector<ScanPoint>& points, double heigh
     }
     if (n < 100) break;
     mean /= n;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(squares / n - mean * mean.transpose());
-    normal = solver.eigenvectors().col(0);
+    normal = eigen_pairs<3>(squares / n - mean * mean.transpose()).vectors.col(0);
     if (normal.z() < 0) normal = -normal;
     offset = normal.dot(mean);
   }
@@ -41,7 +41,8 @@ Eigen::Matrix3d level(const ScanSet& scans, double height) {
   const std::size_t step = std::max<std::size_t>(1, scans.files.size() / 8);
   for (std::size_t i = 0; i < scans.files.size(); i += step)
     up += scans.T_first_scan[i].linear() * ground_normal(read_scan(scans.files[i]), height);
-  return Eigen::Quaterniond::FromTwoVectors(up.normalized(), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Vector3d n = up.normalized();  // which the shortest turn takes to z
+  return Eigen::Quaterniond(1.0 + n.z(), n.y(), -n.x(), 0.0).normalized().toRotationMatrix();
 }
 
 }  // namespace curbstone::simulate::recorded

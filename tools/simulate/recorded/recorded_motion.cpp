@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/linear/decompositions.hpp"
+
 namespace curbstone::simulate::recorded {
 
 namespace {
@@ -22,7 +24,10 @@ Eigen::Matrix<double, 6, 1> smoothed(const std::vector<double>& times,
     A += weight * row * row.transpose();
     b += weight * row * states[i].transpose();
   }
-  return A.ldlt().solve(b).row(0).transpose();
+  const Ldlt<3> solver(A);
+  Eigen::Matrix<double, 6, 1> value;
+  for (int i = 0; i < 6; ++i) value[i] = solver.solve(b.col(i))[0];
+  return value;
 }
 
 }  // namespace
