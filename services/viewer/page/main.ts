@@ -1,4 +1,5 @@
 // The page: the world comes from the connection, the user looks at it through the camera.
+import { isThere } from "./arrival";
 import { showServices, Verdict } from "./cards/health";
 import { Inspector } from "./cards/inspector";
 import { Panel, showSummary } from "./cards/panel";
@@ -107,18 +108,16 @@ function onPast(leapt: boolean): void {
 /// What is shown is other than before.
 function onNews(): void {
   const { state } = world;
-  if (state?.pose) motion.add(state.pose, performance.now());
-  if (!state?.pose) motion.clear();
+  state?.pose ? motion.add(state.pose, performance.now()) : motion.clear();
   if (state?.localized?.here) localized.add(state.localized, performance.now());
   else localized.clear();
   showTimeline();
-  // A saved map comes in several frames: the whole of it is shown, so it must be there.
-  const isThere = state?.source !== "map" || world.tiles.size >= state.tiles;
-  if (!shown && isThere && world.tiles.size > 0) begin();
+  const isWhole = isThere(world, shown, performance.now());
+  if (!shown && isWhole && world.tiles.size > 0) begin();
   const wasOpen = !byId("cell").hidden;
   inspector.show(settings.look, settings.mode);
   if (wasOpen && byId("cell").hidden) inspector.pick(null);  // its map is gone
-  redraw();
+  isWhole ? redraw() : connection.drawn();
 }
 
 /// The first tiles are there: look at them, unless the address says where.
@@ -143,6 +142,7 @@ function look(): void {
   const judged = isPast ? judgePast(judge(state, true, age), clock(rewind.behind / 1000)) : now;
   const status = byId("status");
   showTimeline();
+  if (!shown) redraw();
   settings.write(camera);
   say(status, judged.word);
   status.className = `chip ${judged.mood}`;
