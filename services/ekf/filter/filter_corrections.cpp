@@ -101,7 +101,7 @@ void Filter::judge_wheels(const inputs::WheelInterval& interval, const std::arra
   const std::array<double, 2> distances = {model::distance(belief_, rows[0]), model::distance(belief_, rows[1])};
   const std::array<bool, 2> faulty = {watch_.faulty(0), watch_.faulty(1)};
   slip_.judge(interval, distances, faulty, belief_.mean, mechanisation_.window(), counters_);
-  detection::WheelWatch::Look look;
+  detection::WheelLook look;
   look.begin = interval.begin;
   look.end = interval.end;
   look.yaw_rate = mechanisation_.window().motion().angular_rate.z();
