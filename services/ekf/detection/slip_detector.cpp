@@ -4,15 +4,21 @@
 
 namespace curbstone::ekf::detection {
 
+namespace {
+constexpr double kSure = 4.0;  // sigma
+}
+
 SlipDetector::Signs SlipDetector::add(const Comparison& c) {
   Signs signs;
-  signs.turning =
-      std::abs(c.wheel_yaw_rate - c.gyro_yaw_rate) > config_.yaw_rate + config_.yaw_share * std::abs(c.gyro_yaw_rate);
+  const double share = config_.yaw_share + kSure * c.jitter;
+  signs.turning = std::abs(c.wheel_yaw_rate - c.gyro_yaw_rate) > config_.yaw_rate + share * std::abs(c.gyro_yaw_rate);
 
-  differences_.push_back({c.end, c.wheel_speed - c.inertial_speed});
+  differences_.push_back({c.end, c.wheel_speed - c.inertial_speed, std::abs(c.wheel_speed) * c.jitter});
   while (differences_.size() > 2 && c.end - differences_[1].time >= config_.window) differences_.pop_front();
+  const Difference& now = differences_.back();
   for (const Difference& past : differences_) {
-    if (std::abs(differences_.back().speed - past.speed) > config_.speed_change) signs.speeding = true;
+    const double by_jitter = kSure * std::hypot(now.sigma, past.sigma);
+    if (std::abs(now.speed - past.speed) > config_.speed_change + by_jitter) signs.speeding = true;
   }
   return signs;
 }

@@ -20,6 +20,7 @@ class SlipDetector {
     double wheel_yaw_rate = 0.0;  ///< rad/s, calibrated
     double gyro_yaw_rate = 0.0;   ///< rad/s, less bias
     double inertial_speed = 0.0;  ///< m/s, integral of forward acceleration since any start, mean over the interval
+    double jitter = 0.0;          ///< share of what the wheels show, 1 sigma, by which the stamps may have put it off
   };
   struct Signs {
     bool turning = false;   ///< the yaw rates differ: one wheel slips
@@ -32,6 +33,7 @@ class SlipDetector {
   struct Difference {
     double time;   // s
     double speed;  // m/s, wheel less inertial
+    double sigma;  // m/s, by the stamps' jitter
   };
   base::SlipConfig config_;
   std::deque<Difference> differences_;

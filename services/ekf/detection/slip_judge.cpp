@@ -25,7 +25,7 @@ void SlipJudge::judge(const inputs::WheelInterval& interval, const std::array<do
     return;
   }
   const SlipDetector::Signs signs = detector_.add({base::kSecondsPerMicrosecond * static_cast<double>(interval.end),
-                                                   speed, yaw_rate, gyro, window.inertial_speed()});
+                                                   speed, yaw_rate, gyro, window.inertial_speed(), interval.jitter});
   const auto hold = static_cast<std::int64_t>(config_.hold / base::kSecondsPerMicrosecond);
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
     if (faulty[wheel]) continue;

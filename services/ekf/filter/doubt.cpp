@@ -58,7 +58,8 @@ void doubt_wheels_at_rest(model::Belief& belief, double speed) {
   widen(belief, model::kPosition, 0.5 * speed * detection::StandingMotion::kMemory);
 }
 
-void doubt_astray(model::Belief& belief, const detection::WheelWatch::Astray& astray, const base::StartConfig& config) {
+void doubt_astray(model::Belief& belief, const detection::WheelDispute::Astray& astray,
+                  const base::StartConfig& config) {
   constexpr double kCoastingBias = 0.01;  // m/s^2: what no wheel keeps in check; a milli-g
   widen(belief, model::kAccelerometerBias, kCoastingBias);
   if (astray.speed <= 0) return;

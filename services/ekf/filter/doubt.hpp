@@ -1,7 +1,7 @@
 #pragma once
 
 #include "services/ekf/base/ekf_config.hpp"
-#include "services/ekf/detection/wheel_watch.hpp"
+#include "services/ekf/detection/wheel_dispute.hpp"
 #include "services/ekf/model/error_state.hpp"
 
 namespace curbstone::ekf::filter {
@@ -25,7 +25,8 @@ void doubt_standstill(model::Belief& belief, double travel, double track_width);
 void doubt_wheels_at_rest(model::Belief& belief, double speed);
 
 /// All wheels have been found faulty: they have led it astray, and from now on it coasts.
-void doubt_astray(model::Belief& belief, const detection::WheelWatch::Astray& astray, const base::StartConfig& config);
+void doubt_astray(model::Belief& belief, const detection::WheelDispute::Astray& astray,
+                  const base::StartConfig& config);
 
 [[nodiscard]] bool is_finite(const model::Belief& belief);
 

@@ -13,6 +13,7 @@
 #include "services/ekf/detection/start_up.hpp"
 #include "services/ekf/detection/still_detector.hpp"
 #include "services/ekf/detection/wheel_watch.hpp"
+#include "services/ekf/filter/lost_heading.hpp"
 #include "services/ekf/filter/odom_smoother.hpp"
 #include "services/ekf/filter/pose_history.hpp"
 #include "services/ekf/inputs/map_increment.hpp"
@@ -80,9 +81,6 @@ class Filter {
   void judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows);
   void count_verdicts(const std::array<bool, 2>& before);
   [[nodiscard]] detection::WheelWatch::Finding settle_dispute();
-  void keep_heading_lost(const Eigen::Quaterniond& attitude, double variance);
-  void lose_place(double way);
-  [[nodiscard]] double heading_variance() const;
   [[nodiscard]] double trusted_speed(const inputs::WheelInterval& interval) const;
   void correct_coasting(const inputs::WheelInterval& interval);
   void correct_standing();
@@ -111,10 +109,7 @@ class Filter {
 
   bool started_ = false;
   bool standing_ = false;
-  /// It has coasted where nothing told how it turned. No measurement depends on the heading, and where the tilt is
-  /// corrected a large error of it only seems to become small.
-  bool heading_lost_ = false;
-  double lost_way_ = 0.0;  // m, since then, see lose_place
+  LostHeading heading_;
   detection::StandingMotion standing_motion_;
   detection::LevelWatch level_;
   std::optional<model::Belief> predecessor_;

@@ -61,7 +61,7 @@ void Filter::correct_driving(const inputs::WheelInterval& interval) {
   };
   std::array<model::Observation, 2> rows{observe(0), observe(1)};
   judge_wheels(interval, rows);
-  if (heading_lost_) lose_place(motion.velocity.x() * interval.duration());
+  heading_.drive(belief_, motion.velocity.x() * interval.duration());
   bool refused = !watch_.all_faulty();
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
     const bool faulty = watch_.faulty(wheel);
@@ -101,7 +101,7 @@ void Filter::judge_wheels(const inputs::WheelInterval& interval, const std::arra
   const std::array<double, 2> distances = {model::distance(belief_, rows[0]), model::distance(belief_, rows[1])};
   const std::array<bool, 2> faulty = {watch_.faulty(0), watch_.faulty(1)};
   slip_.judge(interval, distances, faulty, belief_.mean, mechanisation_.window(), counters_);
-  detection::WheelWatch::Look look;
+  detection::WheelLook look;
   look.begin = interval.begin;
   look.end = interval.end;
   look.yaw_rate = mechanisation_.window().motion().angular_rate.z();
@@ -167,8 +167,8 @@ void Filter::correct_coasting(const inputs::WheelInterval& interval) {
   const model::BodyMotion motion = mechanisation_.window().motion();
   model::Observation constraint = observe_constraint(motion);
   constraint.H.middleCols<3>(model::kGyroBias).setZero();  // the rate comes from the wheels
-  heading_lost_ = heading_lost_ || watch_.faulty(0) || watch_.faulty(1);
-  if (heading_lost_) lose_place(motion.velocity.x() * interval.duration());
+  if (watch_.faulty(0) || watch_.faulty(1)) heading_.lose();
+  heading_.drive(belief_, motion.velocity.x() * interval.duration());
   if (watch_.all_faulty()) return apply(constraint);
   double sigma = 0.0;
   for (std::size_t wheel = 0; wheel < 2; ++wheel)
@@ -214,34 +214,8 @@ void Filter::correct_with_map() {
 
 void Filter::apply(const model::Observation& z) {
   const Pose before = model::base_pose(belief_.mean, geometry_);
-  const Eigen::Quaterniond attitude = belief_.mean.attitude;
-  const double heading = heading_variance();
-  model::correct(belief_, z, model::guarded_gain(belief_, z));
-  if (heading_lost_) keep_heading_lost(attitude, heading);
+  heading_.correct(belief_, z, model::guarded_gain(belief_, z));
   spreader_.corrected(before, model::base_pose(belief_.mean, geometry_));
-}
-
-/// A large error of the heading stays one about the vertical, wherever a correction of the tilt puts that.
-void Filter::keep_heading_lost(const Eigen::Quaterniond& attitude, double variance) {
-  model::ErrorMatrix turn = model::ErrorMatrix::Identity();
-  turn.block<3, 3>(model::kAttitude, model::kAttitude) =
-      (belief_.mean.attitude.conjugate() * attitude).toRotationMatrix();
-  belief_.covariance = (turn * belief_.covariance * turn.transpose()).eval();
-  const Eigen::Vector3d up = belief_.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
-  belief_.covariance.block<3, 3>(model::kAttitude, model::kAttitude) +=
-      std::max(variance - heading_variance(), 0.0) * up * up.transpose();
-}
-
-/// What a large error of the heading does to the way along it, which the covariance, being linear, does not see.
-void Filter::lose_place(double way) {
-  const double before = lost_way_;
-  lost_way_ += 0.5 * std::min(heading_variance(), 1.0) * std::abs(way);
-  belief_.covariance.diagonal().segment<2>(model::kPosition).array() += lost_way_ * lost_way_ - before * before;
-}
-
-double Filter::heading_variance() const {
-  const Eigen::Vector3d up = belief_.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
-  return up.dot(belief_.covariance.block<3, 3>(model::kAttitude, model::kAttitude) * up);
 }
 
 }  // namespace curbstone::ekf::filter

@@ -1,24 +1,30 @@
 #include "services/ekf/inputs/wheel_odometer.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace curbstone::ekf::inputs {
 
 namespace {
 constexpr double kStampSlack = 0.02;  // s: a late stamp makes the next difference look short, and the wheel fast
-}
+constexpr double kJitters = 40.0;     // sigmas of its stamps that an interval is long at least: 3.5 % of the speed
+constexpr double kLongest = 0.2;      // s, for that: slip lasts not much longer
+}  // namespace
 
 double wheel_sigma(const base::WheelsConfig& config, const WheelInterval& interval, double wheel_radius,
                    std::size_t wheel) {
   const double speed = std::abs(interval.speed[wheel]);
   const double angle = std::sqrt(2.0) * wheel_radius * config.angle_noise / interval.duration();
   const double stamp = std::sqrt(2.0) * speed * config.stamp_noise / interval.duration();
+  const double jitter = speed * interval.jitter;
   const double slip = speed * config.slip_noise;
-  return std::sqrt(config.speed_noise * config.speed_noise + slip * slip + stamp * stamp + angle * angle);
+  return std::sqrt(config.speed_noise * config.speed_noise + slip * slip + stamp * stamp + angle * angle +
+                   jitter * jitter);
 }
 
 WheelInterval WheelOdometer::between(const base::WheelSample& a, const base::WheelSample& b) const {
-  WheelInterval out{a.utime, b.utime, {}};
+  WheelInterval out{a.utime, b.utime, {}, 0.0};
+  out.jitter = std::sqrt(2.0) * jitter_.sigma() / out.duration();
   for (std::size_t i = 0; i < 2; ++i) out.speed[i] = radius_ * (b.angle[i] - a.angle[i]) / out.duration();
   return out;
 }
@@ -27,6 +33,8 @@ WheelOdometer::Step WheelOdometer::add(const base::WheelSample& sample) {
   const auto begin_again = [&](Step step) {
     begin_ = last_ = sample;
     newest_.reset();
+    jitter_.interrupt();
+    jitter_.add(sample);
     return step;
   };
   if (!begin_) return begin_again(Step::kFirst);
@@ -36,17 +44,23 @@ WheelOdometer::Step WheelOdometer::add(const base::WheelSample& sample) {
     const double travel = radius_ * std::abs(sample.angle[i] - last_.angle[i]);
     if (!(travel <= config_.max_speed * (dt + kStampSlack))) return begin_again(Step::kNonsense);
   }
+  jitter_.add(sample);
   newest_ = between(last_, sample);
   last_ = sample;
-  if (base::seconds_between(begin_->utime, sample.utime) < config_.interval) return Step::kOpen;
+  if (base::seconds_between(begin_->utime, sample.utime) < least_duration()) return Step::kOpen;
   interval_ = between(*begin_, sample);
   begin_ = sample;
   return Step::kInterval;
 }
 
+double WheelOdometer::least_duration() const {
+  return std::max(config_.interval, std::min(kJitters * jitter_.sigma(), kLongest));
+}
+
 void WheelOdometer::reset() {
   begin_.reset();
   newest_.reset();
+  jitter_.interrupt();
 }
 
 }  // namespace curbstone::ekf::inputs

@@ -5,6 +5,7 @@
 
 #include "services/ekf/base/ekf_config.hpp"
 #include "services/ekf/base/samples.hpp"
+#include "services/ekf/inputs/stamp_jitter.hpp"
 
 namespace curbstone::ekf::inputs {
 
@@ -13,6 +14,7 @@ struct WheelInterval {
   std::int64_t begin = 0;            ///< us
   std::int64_t end = 0;              ///< us
   std::array<double, 2> speed = {};  ///< m/s, left and right
+  double jitter = 0.0;               ///< 1 sigma of the duration's error, as a share of it, beyond stamp_noise
   [[nodiscard]] double duration() const { return base::seconds_between(begin, end); }
   [[nodiscard]] double mean_speed() const { return 0.5 * (speed[0] + speed[1]); }
 };
@@ -22,12 +24,13 @@ struct WheelInterval {
                                  std::size_t wheel);
 
 /// Wheel angles to speeds: differences of angles over differences of stamps, over intervals long enough that jitter of
-/// the stamps and steps of the counter do not matter (an error of the first is divided by the interval). Intervals
-/// touch and do not overlap, so that their sum is the travel.
+/// the stamps and steps of the counter do not matter (an error of the first is divided by the interval). Where the
+/// stamps jitter by more than that (StampJitter), intervals are longer. They touch and do not overlap, so that their
+/// sum is the travel.
 class WheelOdometer {
  public:
   WheelOdometer(const base::WheelsConfig& config, double wheel_radius, double max_gap)
-      : config_(config), radius_(wheel_radius), max_gap_(max_gap) {}
+      : config_(config), radius_(wheel_radius), max_gap_(max_gap), jitter_(config, wheel_radius) {}
 
   enum class Step {
     kFirst,     ///< an interval begins
@@ -44,10 +47,12 @@ class WheelOdometer {
 
  private:
   [[nodiscard]] WheelInterval between(const base::WheelSample& a, const base::WheelSample& b) const;
+  [[nodiscard]] double least_duration() const;
 
   base::WheelsConfig config_;
   double radius_;   // m
   double max_gap_;  // s
+  StampJitter jitter_;
   std::optional<base::WheelSample> begin_;
   base::WheelSample last_;
   WheelInterval interval_;

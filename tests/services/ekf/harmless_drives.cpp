@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
+#include "tests/services/ekf/late_stamps.hpp"
 #include "tests/services/ekf/town_drive.hpp"
 
 namespace curbstone::ekf {
@@ -21,18 +21,6 @@ Drive town(const std::function<void(TownDriveOptions&)>& change = {}, unsigned n
   options.seed = 3000 + number;
   if (change) change(options);
   return simulate_town_drive(options, VehicleConfig());
-}
-
-/// Each stamp up to `most` s late, and none before the one before it.
-template <class Sample>
-void jitter(std::vector<Sample>& samples, double most, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> late(0.0, most * 1e6);
-  std::int64_t last = 0;
-  for (Sample& sample : samples) {
-    sample.utime = std::max<std::int64_t>(sample.utime + std::llround(late(random)), last + 100);
-    last = sample.utime;
-  }
 }
 
 /// Adds to each wheel what it turns beyond its way: rad/s by the time and the true speed (m/s).
@@ -134,24 +122,24 @@ const std::vector<HarmlessDrive>& harmless_drives() {
       const std::string where = " in town " + std::to_string(number);
       add("wheels stamped up to 20 ms late" + where, [=] {
         Drive drive = town({}, number);
-        jitter(drive.wheels, 0.02, number);
+        make_late(drive.wheels, 0.02, number);
         return drive;
       });
       add("IMU stamped up to 20 ms late" + where, [=] {
         Drive drive = town({}, number);
-        jitter(drive.imu, 0.02, number);
+        make_late(drive.imu, 0.02, number);
         return drive;
       });
       add("both stamped up to 20 ms late" + where, [=] {
         Drive drive = town({}, number);
-        jitter(drive.imu, 0.02, number);
-        jitter(drive.wheels, 0.02, number + 10);
+        make_late(drive.imu, 0.02, number);
+        make_late(drive.wheels, 0.02, number + 10);
         return drive;
       });
       add("both stamped up to 60 ms late" + where, [=] {
         Drive drive = town({}, number);
-        jitter(drive.imu, 0.06, number);
-        jitter(drive.wheels, 0.06, number + 10);
+        make_late(drive.imu, 0.06, number);
+        make_late(drive.wheels, 0.06, number + 10);
         return drive;
       });
     }

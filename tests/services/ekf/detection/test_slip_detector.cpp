@@ -82,6 +82,24 @@ TEST_F(SlipDetectorTest, ASuddenSlipIsASignForAWindowFromItsBeginningAndFromItsE
   EXPECT_EQ(signs, 12);
 }
 
+TEST_F(SlipDetectorTest, WhatTheStampsJitterExplainsIsNoSlip) {
+  const auto speeding = [&](double change, double jitter) {
+    detector_.reset();
+    (void)detector_.add({.end = time_ += kInterval, .wheel_speed = 3.0, .jitter = jitter});
+    return detector_.add({.end = time_ += kInterval, .wheel_speed = 3.0 + change, .jitter = jitter}).speeding;
+  };
+  EXPECT_TRUE(speeding(0.4, 0.0));
+  EXPECT_FALSE(speeding(0.4, 0.03)) << "each speed is known to 0.09 m/s";
+  EXPECT_TRUE(speeding(1.0, 0.03));
+  const auto turning = [&](double wheels, double jitter) {
+    return detector_.add({.end = time_ += kInterval, .wheel_yaw_rate = wheels, .gyro_yaw_rate = 1.0, .jitter = jitter})
+        .turning;
+  };
+  EXPECT_TRUE(turning(1.25, 0.0));
+  EXPECT_FALSE(turning(1.25, 0.03));
+  EXPECT_TRUE(turning(1.4, 0.03));
+}
+
 TEST_F(SlipDetectorTest, AResetForgetsWhatWasBefore) {
   EXPECT_EQ(first_speeding(1, [](double) { return 0.0; }), -1);
   detector_.reset();

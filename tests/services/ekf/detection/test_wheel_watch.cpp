@@ -18,7 +18,7 @@ struct Drive {
   std::int64_t time = 0;
   double yaw_rate = 0;
   void step(std::array<double, 2> speed, double expected) {
-    WheelWatch::Look look;
+    WheelLook look;
     look.begin = time;
     look.end = time += kStep;
     look.speed = speed;

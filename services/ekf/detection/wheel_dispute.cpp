@@ -1,0 +1,90 @@
+#include "services/ekf/detection/wheel_dispute.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/ekf/base/samples.hpp"
+
+namespace curbstone::ekf::detection {
+
+namespace {
+
+constexpr double kAllWrong = 0.25;   // of the speed, by which all are: a wrong radius is less
+constexpr int kMostPatiences = 2;    // that it waits in vain
+constexpr double kTransition = 0.5;  // s, in which it is neither as it was nor as it will be
+constexpr double kStroke = 0.8;      // of the first difference within two intervals: at a stroke
+constexpr double kMostAstray = 2.0;  // ways, by which it may be astray
+
+}  // namespace
+
+void WheelDispute::add(const WheelLook& look, const std::array<bool, 2>& trusted) {
+  trusted_ = trusted;
+  end_ = look.end;
+  const double since = base::seconds_between(begin_, look.end);
+  double difference = 0.0;
+  double expected = 0.0;
+  int wheels = 0;
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!trusted[i]) continue;
+    if (since > kTransition) {
+      parts_[i][part_at(since)].add({look.difference(i), look.expected[i], settings_.track_width * look.yaw_rate,
+                                     since + kBefore, look.seconds()});
+    }
+    difference += look.difference(i);
+    expected += look.expected[i];
+    ++wheels;
+  }
+  if (!first_difference_) first_difference_ = difference / wheels;
+  expected_speed_ = expected / wheels;
+}
+
+/// What was before the newest patience is one part, once there was one in vain.
+std::size_t WheelDispute::part_at(double since) const {
+  const double share = since / settings_.patience - patiences_;
+  const std::size_t parts = patiences_ > 0 ? kParts - 1 : kParts;
+  return kParts - parts + std::min(static_cast<std::size_t>(share * static_cast<double>(parts)), parts - 1);
+}
+
+WheelDispute::Finding WheelDispute::finding() const {
+  if (leap_.imu) return Finding::kFilter;
+  bool drift = false;
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!trusted_[i]) continue;
+    const WheelEvidence all = evidence(i);
+    const bool same =
+        std::all_of(parts_[i].begin(), parts_[i].end(), [&](const auto& part) { return all.agrees(part); });
+    if (!same || !all.shows_multiple(kAllWrong)) return Finding::kFilter;
+    drift = drift || all.may_be_drift();
+  }
+  if (!drift) return Finding::kWheels;
+  return patiences_ < kMostPatiences ? Finding::kNone : Finding::kFilter;
+}
+
+void WheelDispute::await_more() {
+  ++patiences_;
+  for (std::size_t i = 0; i < 2; ++i) parts_[i] = {evidence(i)};
+}
+
+WheelEvidence WheelDispute::evidence(std::size_t wheel) const {
+  WheelEvidence all;
+  for (const WheelEvidence& part : parts_[wheel]) all += part;
+  return all;
+}
+
+WheelDispute::Astray WheelDispute::astray(double way) const {
+  Astray out;
+  out.seconds = base::seconds_between(begin_, end_);
+  const double pulled = std::abs(first_difference_.value_or(0.0));
+  if (leap_.wheels > kStroke * pulled) return out;
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!trusted_[i]) continue;
+    const WheelEvidence all = evidence(i);
+    const double share = std::min(std::abs(all.ratio() - 1.0) / std::max(std::abs(all.ratio()), kFrozen), kMostAstray);
+    out.speed = std::max({out.speed, pulled, all.pulled()});
+    out.place = std::max(out.place, share * way);
+  }
+  out.place += out.speed * out.seconds;
+  return out;
+}
+
+}  // namespace curbstone::ekf::detection

@@ -1,0 +1,44 @@
+#include "services/ekf/filter/lost_heading.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace curbstone::ekf::filter {
+
+namespace {
+
+constexpr double kMostVariance = 1.0;  // rad^2: beyond it, it may have gone anywhere
+
+Eigen::Vector3d up_of(const model::Belief& belief) {
+  return belief.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
+}
+
+double heading_variance(const model::Belief& belief) {
+  const Eigen::Vector3d up = up_of(belief);
+  return up.dot(belief.covariance.block<3, 3>(model::kAttitude, model::kAttitude) * up);
+}
+
+}  // namespace
+
+/// The large error of the heading stays one about the vertical, wherever a correction of the tilt puts that.
+void LostHeading::correct(model::Belief& belief, const model::Observation& z, const model::Gain& gain) const {
+  if (!lost_) return model::correct(belief, z, gain);
+  const Eigen::Quaterniond before = belief.mean.attitude;
+  const double variance = heading_variance(belief);
+  model::correct(belief, z, gain);
+  model::ErrorMatrix turn = model::ErrorMatrix::Identity();
+  turn.block<3, 3>(model::kAttitude, model::kAttitude) = (belief.mean.attitude.conjugate() * before).toRotationMatrix();
+  belief.covariance = (turn * belief.covariance * turn.transpose()).eval();
+  const Eigen::Vector3d up = up_of(belief);
+  belief.covariance.block<3, 3>(model::kAttitude, model::kAttitude) +=
+      std::max(variance - heading_variance(belief), 0.0) * up * up.transpose();
+}
+
+void LostHeading::drive(model::Belief& belief, double way) {
+  if (!lost_) return;
+  const double before = astray_;
+  astray_ += 0.5 * std::min(heading_variance(belief), kMostVariance) * std::abs(way);
+  belief.covariance.diagonal().segment<2>(model::kPosition).array() += astray_ * astray_ - before * before;
+}
+
+}  // namespace curbstone::ekf::filter
