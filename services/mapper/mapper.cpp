@@ -73,8 +73,9 @@ void Mapper::resume(journal::RecordedDrive drive) {
   }
   for (const journal::RecordedPose& pose : drive.poses) {
     const Pose T_odom_base = pose.T_map_odom.inverse() * pose.T_map_base;
-    trajectory_.add({pose.utime, pose.revolution, pose.T_map_base, pose.node},
-                    pose.with_odometry ? std::optional(T_odom_base) : std::nullopt, atlas_);
+    trajectory_.add({pose.utime, pose.revolution, pose.T_map_base, pose.node,
+                     pose.with_odometry ? std::optional(T_odom_base) : std::nullopt},
+                    atlas_);
   }
 }
 
@@ -124,7 +125,7 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   if (T_odom_base) T_map_odom_ = normalised(T_map_base * T_odom_base->inverse());
   const tracking::Fix fix = relocalised ? tracking::Fix::kTentative : tracked->fix;
   if (fix == tracking::Fix::kTracking && atlas_.reference() != pose_graph::Atlas::kNone) {
-    trajectory_.add({scan.end, scan.number, T_map_base, atlas_.reference()}, T_odom_base, atlas_);
+    trajectory_.add({scan.end, scan.number, T_map_base, atlas_.reference(), T_odom_base}, atlas_);
   }
 
   MapperUpdate update;
@@ -284,6 +285,18 @@ std::optional<dense_map::DenseWork::Look> Mapper::look_after(const std::optional
   const auto end_of_known = look.present.begin() + atlas_.num_known();
   look.on_known_map = std::find(look.present.begin(), end_of_known, true) != end_of_known;
   return look;
+}
+
+std::vector<journal::RecordedPose> Mapper::recorded() const {
+  const std::vector<TrajectoryPoint> drive = trajectory();
+  std::vector<journal::RecordedPose> poses;
+  poses.reserve(drive.size());
+  for (const TrajectoryPoint& p : drive) {
+    const Pose T_map_odom = p.T_odom_base ? normalised(p.T_map_base * p.T_odom_base->inverse()) : T_map_odom_;
+    poses.push_back({p.utime, p.revolution, p.node, p.T_map_base, T_map_odom, p.T_odom_base.has_value(),
+                     standstill_.began, standstill_.has_moved});
+  }
+  return poses;
 }
 
 void Mapper::use_the_pause() {

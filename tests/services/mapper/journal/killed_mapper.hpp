@@ -112,8 +112,8 @@ class KilledMapperTest : public ::testing::Test {
       filter_->keep(m);
       if (mapper_bus_) mapper_bus_->publish("ODOMETRY", m);
     }
-    const auto packets = known_street().packets(trajectory_, config::MapperConfig{}.vehicle.T_base_lidar(), n,
-                                                n * test::kPeriod, test::kPeriod);
+    const auto packets =
+        world_.packets(trajectory_, config::MapperConfig{}.vehicle.T_base_lidar(), n, n * test::kPeriod, test::kPeriod);
     for (const lidar_points_t& packet : packets) driver_->keep(packet);
     if (!node_) return;
     for (const lidar_points_t& packet : packets) mapper_bus_->publish("LIDAR_POINTS", packet);
@@ -135,6 +135,7 @@ class KilledMapperTest : public ::testing::Test {
 
   testing::TemporaryFolder folder_;
   config::MapperConfig config_;
+  test::SyntheticWorld world_ = known_street();
   test::SyntheticWorld::Trajectory trajectory_ = test::driving;
   LocalBus bus_;
   std::unique_ptr<LocalBus> mapper_bus_;
