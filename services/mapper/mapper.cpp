@@ -234,12 +234,11 @@ bool Mapper::drop_removals() {
 }
 
 /// What the scan shows goes into the dense map, while the next one is awaited and registered. The first standstill has
-/// a map of its own; beside a map that is known already nobody needs that.
+/// a map of its own, unless the vehicle has been found on a map that is known already: how that lies it knows.
 void Mapper::grow(const tracking::Tracked& tracked, const Pose& T_map_base, int anchor,
                   std::vector<Insertion> earlier) {
   if (config_.dense.ring_scale) scale_.learn(*tracked.points, T_map_base);
-  const bool at_start = start_.takes(standstill_, tracked.utime);
-  if (at_start && config_.mode != config::MapMode::kMap) return;
+  const bool at_start = config_.mode == config::MapMode::kMap && start_.takes(standstill_, tracked.utime);
   if (!at_start && !standstill_.has_moved) stay_at_start();
   const std::int64_t began = at_start ? start_.began() : dense_began_;
   if (began == 0) earlier_.reset();
