@@ -115,8 +115,10 @@ class Mapper {
   [[nodiscard]] Counters counters() const;
   /// Scans in a row that could not be registered.
   [[nodiscard]] int refused_in_a_row() const { return tracker_.refused_in_a_row(); }
-  /// The drive's poses, in order, one each few centimetres; a closed loop moves them.
+  /// The drive's poses, in order, one each few centimetres; a closed loop moves them. See Trajectory::points().
   [[nodiscard]] std::vector<TrajectoryPoint> trajectory() const { return trajectory_.points(atlas_); }
+  /// The same for the journal.
+  [[nodiscard]] std::vector<journal::RecordedPose> recorded() const;
 
  private:
   /// Where a scan was taken that the tracker could not place.
@@ -138,6 +140,8 @@ class Mapper {
     std::int64_t utime;
   };
   void take_up(const journal::RecordedPose& last, const scan::Scan& scan, const scan::OdometryHistory& odometry);
+  [[nodiscard]] std::optional<Pose> rough_guess(const journal::RecordedPose& last, const scan::Scan& scan,
+                                                const scan::OdometryHistory& odometry) const;
   [[nodiscard]] std::optional<Relocalisation> relocalise(const tracking::Tracked& tracked,
                                                          const std::optional<Pose>& T_odom_base);
   [[nodiscard]] bool roll_back_to_agreement(const Pose& T_map_base, std::int64_t utime,

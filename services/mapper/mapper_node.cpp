@@ -22,14 +22,6 @@ constexpr std::int64_t kToldFor = 60'000'000;  // us of the drive, that a new ma
 constexpr double kNextWait = 0.25;             // s
 constexpr int kOdometryMissing = 5;            // scans in a row: the last ones of a drive have none to their end
 
-std::vector<journal::RecordedPose> recorded(const std::vector<TrajectoryPoint>& drive) {
-  std::vector<journal::RecordedPose> poses;
-  poses.reserve(drive.size());
-  for (const TrajectoryPoint& point : drive)
-    poses.push_back({point.utime, point.revolution, point.node, point.T_map_base});
-  return poses;
-}
-
 std::vector<TrajectoryPoint> points_of(const std::vector<journal::RecordedPose>& drive) {
   std::vector<TrajectoryPoint> points;
   points.reserve(drive.size());
@@ -175,7 +167,7 @@ void MapperNode::begin_epoch(std::int64_t utime) {
 std::vector<journal::RecordedPose> MapperNode::drive_so_far() {
   if (!resumed_drive_.empty()) return std::exchange(resumed_drive_, {});
   if (!start_drive_.empty()) return std::exchange(start_drive_, {});
-  return recorded(mapper_.trajectory());
+  return mapper_.recorded();
 }
 
 void MapperNode::publish_pose(const MapperUpdate& update) {
@@ -223,7 +215,7 @@ void MapperNode::take_changes(std::int64_t now) {
   sender_.changed(mapper_.shows_start() ? mapper_.take_changed_of_start() : changed);
   sender_.forget(evicted);
   if (!journal_) return;
-  if (journal_->wants_anew(now)) journal_->start_epoch(epoch_, recorded(mapper_.trajectory()));
+  if (journal_->wants_anew(now)) journal_->start_epoch(epoch_, mapper_.recorded());
   journal_->set_rings(mapper_.rings());
   journal_->write(mapper_.grown(), mapper_.atlas(), changed, evicted, now);
 }

@@ -12,16 +12,15 @@ constexpr std::int64_t kWitness = 30'000'000;  // us for which odometry can tell
 
 }  // namespace
 
-void Trajectory::add(const TrajectoryPoint& point, const std::optional<Pose>& T_odom_base,
-                     const pose_graph::Atlas& atlas) {
+void Trajectory::add(const TrajectoryPoint& point, const pose_graph::Atlas& atlas) {
   const Pose T_node_base = atlas.node(point.node).T_map_base.inverse() * point.T_map_base;
   const Footprint footprint{point.utime, point.revolution, point.node, T_node_base.translation().cast<float>(),
                             Eigen::Quaterniond(T_node_base.linear()).cast<float>()};
   const bool stands = !footprints_.empty() && footprints_.back().node == footprint.node &&
                       (footprints_.back().position - footprint.position).norm() < kFootprint;
   if (!stands) footprints_.push_back(footprint);
-  if (!T_odom_base) return witnesses_.clear();
-  witnesses_.push_back({footprint, *T_odom_base});
+  if (!point.T_odom_base) return witnesses_.clear();
+  witnesses_.push_back({footprint, *point.T_odom_base});
   while (point.utime - witnesses_.front().footprint.utime > kWitness) witnesses_.pop_front();
 }
 
@@ -32,8 +31,17 @@ void Trajectory::roll_back(std::int64_t utime) {
 
 std::vector<TrajectoryPoint> Trajectory::points(const pose_graph::Atlas& atlas) const {
   std::vector<TrajectoryPoint> points;
-  points.reserve(footprints_.size());
-  for (const Footprint& f : footprints_) points.push_back({f.utime, f.revolution, T_map_of(f, atlas), f.node});
+  points.reserve(footprints_.size() + 1);
+  auto witness = witnesses_.begin();
+  for (const Footprint& f : footprints_) {
+    while (witness != witnesses_.end() && witness->footprint.utime < f.utime) ++witness;
+    const bool is_known = witness != witnesses_.end() && witness->footprint.utime == f.utime;
+    points.push_back({f.utime, f.revolution, T_map_of(f, atlas), f.node,
+                      is_known ? std::optional(witness->T_odom_base) : std::nullopt});
+  }
+  if (witnesses_.empty() || witnesses_.front().footprint.utime <= footprints_.back().utime) return points;
+  const auto& [f, T_odom_base] = witnesses_.front();
+  points.push_back({f.utime, f.revolution, T_map_of(f, atlas), f.node, T_odom_base});
   return points;
 }
 

@@ -15,7 +15,8 @@ struct TrajectoryPoint {
   std::int64_t utime;  ///< us
   std::int32_t revolution;
   Pose T_map_base;
-  std::int32_t node = 0;  ///< of the atlas, that the vehicle was at
+  std::int32_t node = 0;                           ///< of the atlas, that the vehicle was at
+  std::optional<Pose> T_odom_base = std::nullopt;  ///< what odometry said of it, so far as that is known
 };
 
 /// The drive's poses, each kept as it is seen from a keyframe: when a loop is closed they move with the keyframes.
@@ -23,12 +24,13 @@ struct TrajectoryPoint {
 /// thread.
 class Trajectory {
  public:
-  /// A scan that was tracked. `T_odom_base` where odometry covers its end.
-  void add(const TrajectoryPoint& point, const std::optional<Pose>& T_odom_base, const pose_graph::Atlas& atlas);
+  /// A scan that was tracked.
+  void add(const TrajectoryPoint& point, const pose_graph::Atlas& atlas);
   /// Forgets what came after `utime`, and what odometry said.
   void roll_back(std::int64_t utime);
 
-  /// In order, one each few centimetres.
+  /// In order, one each few centimetres; those of the last 30 s with odometry, where all scans since had it. Of a
+  /// vehicle that has stood for longer one more.
   [[nodiscard]] std::vector<TrajectoryPoint> points(const pose_graph::Atlas& atlas) const;
   /// The vehicle is at `T_map_base` now. When its trajectory and odometry last agreed on how it came to be here;
   /// nothing if they agree until the last scan, or never did.

@@ -24,6 +24,17 @@ constexpr const char* kProgram = "/usr/bin/chromium-headless-shell";
 constexpr auto kPatience = std::chrono::minutes(1);
 constexpr int kRound = 5;  // ms between two calls of `meanwhile`
 
+/// An order that the browser refused, with the code that it gave.
+class DevToolsError : public std::runtime_error {
+ public:
+  static constexpr int kNotNow = -32000;  ///< the page was left, or has no context for scripts yet
+  DevToolsError(const std::string& what, int code) : std::runtime_error(what), code_(code) {}
+  [[nodiscard]] int code() const { return code_; }
+
+ private:
+  int code_;
+};
+
 /// Chromium reads orders at descriptor 3 and writes answers to 4, each message ended by a zero byte.
 int start(int orders, int answers, const std::string& profile) {
   const std::string user_data = "--user-data-dir=" + profile;
@@ -108,9 +119,8 @@ bool Browser::comes_to(const std::string& expression, double seconds) {
     // A page that is still loading has not all that the expression asks for.
     try {
       if (evaluate("(() => { try { return !!(" + expression + "); } catch { return false; } })()") == true) return true;
-    } catch (const std::runtime_error& error) {  // nor has one that was left meanwhile
-      const std::string why = error.what();
-      if (why.find("navigated") == std::string::npos && why.find("context") == std::string::npos) throw;
+    } catch (const DevToolsError& error) {  // nor has one that was left meanwhile
+      if (error.code() != DevToolsError::kNotNow) throw;
     }
     pass(0.02);
   } while (Clock::now() < end);
@@ -220,7 +230,8 @@ json Browser::call(const std::string& method, json parameters) {
     sent += static_cast<std::size_t>(n);
   }
   const json answer = hear(last_id_);
-  if (answer.contains("error")) throw std::runtime_error(method + ": " + answer["error"].dump());
+  if (answer.contains("error"))
+    throw DevToolsError(method + ": " + answer["error"].dump(), answer["error"].value("code", 0));
   return answer["result"];
 }
 

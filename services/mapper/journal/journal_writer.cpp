@@ -4,7 +4,6 @@
 
 #include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <filesystem>
 #include <utility>
 
@@ -25,10 +24,10 @@ JournalWriter::~JournalWriter() {
 bool JournalWriter::busy() {
   if (!under_way_.valid()) return false;
   if (under_way_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return true;
-  std::string error = under_way_.get();
-  if (error.empty()) return false;
-  is_out_of_room_ = error.ends_with(std::strerror(ENOSPC));
-  fault_ = std::move(error);
+  if (const std::error_code error = under_way_.get()) {
+    error_ = error;
+    fault_ = fmt::format("{}: {}", path_, error.message());
+  }
   return false;
 }
 
@@ -37,15 +36,16 @@ bool JournalWriter::is_stuck() const {
 }
 
 bool JournalWriter::has_room_again() const {
-  if (!is_out_of_room_) return false;
+  if (error_ != std::errc::no_space_on_device) return false;
   std::error_code error;
   const auto space = std::filesystem::space(std::filesystem::path(path_).parent_path(), error);
   return !error && space.available > bytes_ + bytes_ / 4 + kSpare;
 }
 
 void JournalWriter::begin() {
-  is_open_ = is_in_place_ = is_full_ = is_out_of_room_ = false;
+  is_open_ = is_in_place_ = is_full_ = false;
   bytes_ = 0;
+  error_.clear();
   fault_.clear();
 }
 
@@ -57,7 +57,7 @@ void JournalWriter::append(std::string batch, bool is_whole) {
     fault_ = fmt::format("{} would be larger than {} MB", path_, max_bytes_ / 1'000'000);
     under_way_ = std::async(std::launch::async, [this] {
       discard();
-      return std::string();
+      return std::error_code();
     });
     return;
   }
@@ -65,14 +65,15 @@ void JournalWriter::append(std::string batch, bool is_whole) {
   const bool takes_place = is_whole && !is_in_place_;
   is_in_place_ = is_in_place_ || is_whole;
   under_way_ = std::async(std::launch::async, [this, batch = std::move(batch), opens, takes_place] {
-    std::string error = put(batch, opens, takes_place);
-    if (!error.empty()) discard();
+    const std::error_code error = put(batch, opens, takes_place);
+    if (error) discard();
     return error;
   });
 }
 
 /// In the other thread.
-std::string JournalWriter::put(std::string_view batch, bool opens, bool takes_place) {
+std::error_code JournalWriter::put(std::string_view batch, bool opens, bool takes_place) {
+  errno = 0;
   if (opens) {
     std::error_code ignored;  // fopen() will say it
     std::filesystem::create_directories(std::filesystem::path(path_).parent_path(), ignored);
@@ -81,7 +82,7 @@ std::string JournalWriter::put(std::string_view batch, bool opens, bool takes_pl
   const bool is_written = file_ && std::fwrite(batch.data(), 1, batch.size(), file_.get()) == batch.size() &&
                           std::fflush(file_.get()) == 0 &&
                           (!takes_place || std::rename(unfinished().c_str(), path_.c_str()) == 0);
-  return is_written ? std::string() : fmt::format("{}: {}", path_, std::strerror(errno));
+  return is_written ? std::error_code() : std::error_code(errno != 0 ? errno : EIO, std::generic_category());
 }
 
 /// Likewise. A successor must not go on with half a drive.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 namespace curbstone::mapper::journal {
 
@@ -36,6 +37,8 @@ class JournalWriter {
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
   /// Nothing is written until the next begin(). Empty when all is well.
   [[nodiscard]] const std::string& fault() const { return fault_; }
+  /// Of the system, that the fault is of; none where the journal is full.
+  [[nodiscard]] std::error_code error() const { return error_; }
   /// The fault is that the journal would be larger than allowed: the same map's will be again.
   [[nodiscard]] bool is_full() const { return is_full_; }
   /// The fault is that the disk was full, and now there is room for as much as the file had.
@@ -45,21 +48,21 @@ class JournalWriter {
   struct Close {
     void operator()(std::FILE* file) const { (void)std::fclose(file); }
   };
-  [[nodiscard]] std::string put(std::string_view batch, bool opens, bool takes_place);
+  [[nodiscard]] std::error_code put(std::string_view batch, bool opens, bool takes_place);
   void discard();
   [[nodiscard]] std::string unfinished() const { return path_ + ".unfinished"; }
 
   std::string path_;
   std::size_t max_bytes_;
   std::unique_ptr<std::FILE, Close> file_;  // the other thread's, while busy
-  std::future<std::string> under_way_;      // what went wrong
+  std::future<std::error_code> under_way_;  // what went wrong
   std::int64_t began_ = 0;                  // ns, steady clock
   bool is_open_ = false;
   bool is_in_place_ = false;
   std::size_t bytes_ = 0;
   std::string fault_;
+  std::error_code error_;
   bool is_full_ = false;
-  bool is_out_of_room_ = false;
 };
 
 }  // namespace curbstone::mapper::journal

@@ -34,6 +34,25 @@ int points_above(const dense_map::DenseMap& map, double z) {
   return high;
 }
 
+const test::SyntheticWorld::Box kVan{{-4, 1.8, 0}, {-1, 3.2, 2}};
+
+/// Points higher than 0.5 m, of a map whose frame is base_link at the start.
+int points_in_van(const dense_map::DenseMap& map) {
+  int inside = 0;
+  for (const TileKey& key : map.keys()) {
+    const dense_map::DenseTile& tile = *map.tile(key);
+    for (const TilePoint& p : tile.points()) {
+      const Eigen::Vector3d in_world = test::driving(0) * Eigen::Vector3d(key.x * kTileSize + p.x * kPositionStep,
+                                                                          key.y * kTileSize + p.y * kPositionStep,
+                                                                          tile.z_origin() + p.z * kPositionStep);
+      const bool is_in = in_world.x() > kVan.low.x() - 0.1 && in_world.x() < kVan.high.x() + 0.1 &&
+                         in_world.y() > kVan.low.y() - 0.1 && in_world.y() < kVan.high.y() + 0.1;
+      inside += is_in && in_world.z() > 0.5 ? 1 : 0;
+    }
+  }
+  return inside;
+}
+
 TEST(MapperStart, WhatTheStandingVehicleSeesIsShownAndIsNoPartOfTheDrivesMap) {
   Drive drive;
   drive.trajectory = after_standing;
@@ -61,32 +80,51 @@ TEST(MapperStart, WhatTheStandingVehicleSeesIsShownAndIsNoPartOfTheDrivesMap) {
 }
 
 TEST(MapperStart, WhatStoodThereOnlyBeforeTheVehicleSetOffIsNotInTheDrivesMap) {
-  const test::SyntheticWorld::Box van{{-4, 1.8, 0}, {-1, 3.2, 2}};
-  const auto points_in_it = [&](const dense_map::DenseMap& map) {  // map is base_link at the start
-    int inside = 0;
-    for (const TileKey& key : map.keys()) {
-      const dense_map::DenseTile& tile = *map.tile(key);
-      for (const TilePoint& p : tile.points()) {
-        const Eigen::Vector3d in_world = test::driving(0) * Eigen::Vector3d(key.x * kTileSize + p.x * kPositionStep,
-                                                                            key.y * kTileSize + p.y * kPositionStep,
-                                                                            tile.z_origin() + p.z * kPositionStep);
-        const bool is_in = in_world.x() > van.low.x() - 0.1 && in_world.x() < van.high.x() + 0.1 &&
-                           in_world.y() > van.low.y() - 0.1 && in_world.y() < van.high.y() + 0.1;
-        inside += is_in && in_world.z() > 0.5 ? 1 : 0;
-      }
-    }
-    return inside;
-  };
   Drive drive;
   drive.trajectory = after_standing;
-  drive.world.boxes.push_back(van);
+  drive.world.boxes.push_back(kVan);
   for (int i = 0; i < kStandingScans; ++i) (void)drive.step();
   drive.mapper->wait();
-  EXPECT_GT(points_in_it(drive.mapper->shown()), 50);
+  EXPECT_GT(points_in_van(drive.mapper->shown()), 50);
   drive.world.boxes.pop_back();
   for (int i = 0; i < 40; ++i) (void)drive.step();
   (void)drive.mapper->finish();
-  EXPECT_EQ(points_in_it(drive.mapper->shown()), 0);
+  EXPECT_EQ(points_in_van(drive.mapper->shown()), 0);
+}
+
+TEST(MapperStart, OnALoadedMapWhatTheStandingVehicleSeesIsAddedOnceItIsFound) {
+  Drive first;
+  first.trajectory = after_standing;
+  for (int i = 0; i < kStandingScans + 60; ++i) (void)first.step();
+  (void)first.mapper->finish();
+  const storage::SavedMap map = first.mapper->saved(1);
+
+  Drive second;
+  second.config.mode = config::MapMode::kExtend;
+  second.mapper.emplace(second.config);
+  second.mapper->load(map);
+  second.trajectory = [](double) { return test::driving(0); };
+  second.world.boxes.push_back(kVan);
+  int found_at = 0;
+  for (int i = 0; i < 80; ++i) {
+    const auto update = second.step();
+    ASSERT_TRUE(update);
+    second.mapper->wait();
+    EXPECT_FALSE(second.mapper->shows_start()) << "the loaded map is shown";
+    const bool is_found = update->fix == tracking::Fix::kTracking;
+    if (is_found && found_at == 0) found_at = i;
+    if (!is_found) {
+      EXPECT_EQ(points_in_van(second.mapper->shown()), 0) << "nothing of a guess";
+    }
+  }
+  ASSERT_GT(found_at, 0);
+  ASSERT_LT(found_at, 40);
+  EXPECT_GT(points_in_van(second.mapper->shown()), 50);
+  const std::int64_t size = second.mapper->dense().size();
+  for (int i = 0; i < 20; ++i) (void)second.step();
+  second.mapper->wait();
+  EXPECT_LT(second.mapper->dense().size(), size + 50) << "after a while a standing vehicle sees nothing new";
+  EXPECT_LT(second.mapper->dense().size(), first.mapper->dense().size() + 4000) << "nor is what is known thickened";
 }
 
 TEST(MapperStart, OfADriveThatBeginsOnTheMoveNothingIsHeldBack) {

@@ -107,13 +107,13 @@ class KilledMapperTest : public ::testing::Test {
     for (; odometry_sent_ < (n + 1) * test::kPeriod + 0.02; odometry_sent_ += 0.01) {
       odometry_t m{};
       m.utime = test::utime(odometry_sent_);
-      m.flags = odometry_t::INITIALISED;
+      m.flags = odometry_flags_;
       pose_to_arrays(T_odom_start_ * trajectory_(0).inverse() * trajectory_(odometry_sent_), m.position, m.orientation);
       filter_->keep(m);
       if (mapper_bus_) mapper_bus_->publish("ODOMETRY", m);
     }
-    const auto packets = known_street().packets(trajectory_, config::MapperConfig{}.vehicle.T_base_lidar(), n,
-                                                n * test::kPeriod, test::kPeriod);
+    const auto packets =
+        world_.packets(trajectory_, config::MapperConfig{}.vehicle.T_base_lidar(), n, n * test::kPeriod, test::kPeriod);
     for (const lidar_points_t& packet : packets) driver_->keep(packet);
     if (!node_) return;
     for (const lidar_points_t& packet : packets) mapper_bus_->publish("LIDAR_POINTS", packet);
@@ -135,6 +135,7 @@ class KilledMapperTest : public ::testing::Test {
 
   testing::TemporaryFolder folder_;
   config::MapperConfig config_;
+  test::SyntheticWorld world_ = known_street();
   test::SyntheticWorld::Trajectory trajectory_ = test::driving;
   LocalBus bus_;
   std::unique_ptr<LocalBus> mapper_bus_;
@@ -145,6 +146,7 @@ class KilledMapperTest : public ::testing::Test {
   std::vector<map_pose_t> poses_;
   std::vector<map_trajectory_t> pages_;
   Pose T_odom_start_ = Pose::Identity();
+  std::int32_t odometry_flags_ = odometry_t::INITIALISED;
   double odometry_sent_ = -0.1;
   int turn_ = 0;
 };

@@ -6,11 +6,17 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <stdexcept>
 
 namespace curbstone::viewer::web {
+namespace {
+
+constexpr int kPatience = 60'000;  // ms, for what takes none on an idle machine
+
+}  // namespace
 
 RawClient::RawClient(std::uint16_t port) : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
   sockaddr_in address{};
@@ -48,6 +54,44 @@ std::string RawClient::hear(int quiet) {
     if (n <= 0) break;
     heard.append(buffer.data(), static_cast<std::size_t>(n));
   }
+  return heard;
+}
+
+bool RawClient::hear_until(std::string& heard, std::size_t size) {
+  std::array<char, 65536> buffer{};
+  pollfd waits{fd_, POLLIN, 0};
+  while (heard.size() < size) {
+    if (poll(&waits, 1, kPatience) <= 0) return false;
+    const ssize_t n = recv(fd_, buffer.data(), std::min(buffer.size(), size - heard.size()), 0);
+    if (n <= 0) return false;
+    heard.append(buffer.data(), static_cast<std::size_t>(n));
+  }
+  return true;
+}
+
+std::string RawClient::hear_answer(bool with_body) {
+  std::string heard;
+  const auto ends = [&] { return heard.ends_with("\r\n\r\n"); };
+  while (!ends()) {
+    if (!hear_until(heard, heard.size() + 1)) return heard;
+  }
+  const std::string_view says = "\r\nContent-Length: ";
+  const std::size_t length = heard.find(says);
+  if (with_body && length != std::string::npos)
+    hear_until(heard, heard.size() + std::stoul(heard.substr(length + says.size())));
+  return heard;
+}
+
+std::string RawClient::hear_frame() {
+  std::string heard;
+  if (!hear_until(heard, 2)) return heard;
+  const auto byte = [&](std::size_t i) { return std::size_t{static_cast<unsigned char>(heard[i])}; };
+  std::size_t length = byte(1) & 0x7f;
+  const std::size_t head = length == 126 ? 4 : length == 127 ? 10 : 2;
+  if (!hear_until(heard, head)) return heard;
+  if (head > 2) length = 0;
+  for (std::size_t i = 2; i < head; ++i) length = length << 8 | byte(i);
+  hear_until(heard, head + length);
   return heard;
 }
 

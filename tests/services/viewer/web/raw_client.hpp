@@ -18,8 +18,13 @@ class RawClient {
 
   /// False: the server has closed the connection.
   bool say(std::string_view bytes);
-  /// What comes until the server closes the connection, or nothing came for `quiet` ms.
-  std::string hear(int quiet = 300);
+  /// What comes until the server closes the connection, or nothing came for `quiet` ms: for who asks again.
+  std::string hear(int quiet);
+  /// A whole HTTP answer, with as many bytes behind its head as that says; less if the server closes the connection, or
+  /// nothing came for a minute.
+  std::string hear_answer(bool with_body = true);
+  /// A whole WebSocket frame, likewise.
+  std::string hear_frame();
   /// Waits until the server closes, at most `seconds`; what it says meanwhile is dropped.
   bool is_closed_within(double seconds);
   void shrink_receive_buffer();
@@ -35,6 +40,8 @@ class RawClient {
   bool say_message_head(std::uint64_t length);
 
  private:
+  /// Adds what comes to `heard`, until that has `size` bytes. False where it does not come to that.
+  bool hear_until(std::string& heard, std::size_t size);
   bool say_first_byte_and(char first, std::string_view payload);
   int fd_ = -1;
 };

@@ -49,8 +49,7 @@ class HostileClients : public ::testing::Test {
   void expect_frames(int n) {
     for (int i = 0; i < n; ++i) {
       server_->send(id_, std::make_shared<std::vector<std::uint8_t>>(100, static_cast<std::uint8_t>(i)));
-      std::string heard;
-      for (int wait = 0; wait < 200 && heard.size() < 102; ++wait) heard += page_->hear(50);
+      const std::string heard = page_->hear_frame();
       ASSERT_EQ(heard.size(), 102U) << "frame " << i;
       EXPECT_EQ(heard.back(), static_cast<char>(i));
     }
@@ -59,7 +58,7 @@ class HostileClients : public ::testing::Test {
     EXPECT_TRUE(comes_to([&] {
       RawClient visitor(server_->port());
       visitor.say(get("/", host_));
-      return visitor.hear().find("200 OK") != std::string::npos;
+      return visitor.hear_answer().find("200 OK") != std::string::npos;
     }));
   }
 
@@ -131,7 +130,7 @@ TEST_F(HostileClients, NamesThatWereBoundToThisAddress) {
   for (const std::string& name : names) {
     RawClient visitor(server_->port());
     visitor.say(get("/", name));
-    EXPECT_THAT(visitor.hear(), HasSubstr(" 403 ")) << name;
+    EXPECT_THAT(visitor.hear_answer(), HasSubstr(" 403 ")) << name;
     RawClient rebound(server_->port());
     EXPECT_THAT(rebound.upgrade(name, "http://" + name), HasSubstr(" 403 ")) << name;
   }
