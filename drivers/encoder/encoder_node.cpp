@@ -57,14 +57,19 @@ EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
              {std::move(send),
               [this](std::int64_t utime, std::array<std::int32_t, 2> counts) { on_counts(utime, counts); },
               [this] {
+                drop_first();
                 odometer_.restart();
                 stuck_.restart();
               },
-              [this] { clock_.restart(); }}),
+              [this] {
+                drop_first();
+                clock_.restart();
+              }}),
       signals_(signals_of(config)),
       odometer_(odometer_settings(config)),
       speedometer_(odometer_settings(config)),
       stuck_(config.counts_per_revolution),
+      first_period_(std::int64_t{config.period} * 1000),
       clock_(std::int64_t{config.period} * 1000),
       output_(bus) {}
 
@@ -107,7 +112,10 @@ void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw&
   if (status.word_utime != 0 && receive_utime - status.word_utime <= kOldSpeeds) speeds = status.speed;
   stuck_.add(receive_utime, counts, speeds);
   on_sample(
-      receive_utime, [&](int least, int most) { return odometer_.likely_periods(counts, least, most, period); },
+      receive_utime,
+      [this, counts](int least, int most) {
+        return odometer_.likely_periods(counts, least, most, static_cast<double>(clock_.period()) * 1e-6);
+      },
       [this, counts](double elapsed) { return odometer_.update(counts, elapsed); });
 }
 
@@ -127,13 +135,15 @@ void EncoderNode::on_signals(std::int64_t receive_utime, const can::CanFrame& fr
   }
   if (!first) return on_counts(receive_utime, values->counts);
   if (counters_["frames"] > 1) counters_.add("counts_restarted");
+  drop_first();
   odometer_.restart();
   clock_.restart();
   (void)odometer_.update(values->counts, 0);
   last_received_ = last_stamped_ = receive_utime;
 }
 
-void EncoderNode::on_sample(std::int64_t receive_utime, const PeriodClock::Evidence& evidence, Update update) {
+void EncoderNode::on_sample(std::int64_t receive_utime, PeriodClock::Evidence evidence, Update update) {
+  if (!period_known_ && receive_utime - last_received_ > PeriodClock::kMaxGap) drop_first();
   last_received_ = receive_utime;
   const auto& status = drive_.status();
   Arrived arrived{receive_utime, std::move(update), status.faults, status.enabled(receive_utime), stuck_.all_stuck()};
@@ -142,9 +152,31 @@ void EncoderNode::on_sample(std::int64_t receive_utime, const PeriodClock::Evide
     arrived.faults[i] |= StuckCounts::kFault;
     arrived.enabled = false;
   }
+  if (period_known_) return stamp(std::move(arrived), evidence);
+  first_.push_back({std::move(arrived), std::move(evidence)});
+  if (const auto period = first_period_.add(receive_utime)) {
+    clock_.set_period(*period);
+    release_first();
+  }
+}
+
+void EncoderNode::release_first() {
+  period_known_ = true;
+  for (First& first : std::exchange(first_, {})) stamp(std::move(first.arrived), first.evidence);
+}
+
+/// They were interrupted before their period was known: so are their times.
+void EncoderNode::drop_first() {
+  if (!first_.empty()) counters_.add("withheld.unsure", static_cast<std::int64_t>(first_.size()));
+  first_.clear();
+  first_period_.restart();
+}
+
+void EncoderNode::stamp(Arrived arrived, const PeriodClock::Evidence& evidence) {
+  const std::int64_t received = arrived.receive_utime;
   waiting_.push_back(std::move(arrived));
-  for (const PeriodClock::Stamp& stamp : clock_.stamp(receive_utime, evidence)) {
-    on_stamp(receive_utime, waiting_.front(), stamp);
+  for (const PeriodClock::Stamp& stamp : clock_.stamp(received, evidence)) {
+    on_stamp(received, waiting_.front(), stamp);
     waiting_.pop_front();
   }
 }
@@ -181,6 +213,7 @@ void EncoderNode::on_stamp(std::int64_t now, const Arrived& arrived, const Perio
 }
 
 void EncoderNode::finish() {
+  release_first();
   start_.release([this](wheels_t& message) { output_.publish(message, last_received_); });
   if (!waiting_.empty()) counters_.add("withheld.unsure", static_cast<std::int64_t>(waiting_.size()));
   waiting_.clear();

@@ -15,6 +15,7 @@
 #include "drivers/encoder/can/can_frame.hpp"
 #include "drivers/encoder/canopen/wheel_drive.hpp"
 #include "drivers/encoder/encoder_config.hpp"
+#include "drivers/encoder/first_period.hpp"
 #include "drivers/encoder/period_clock.hpp"
 #include "drivers/encoder/signals/wheel_signals.hpp"
 #include "drivers/encoder/speed_counter.hpp"
@@ -33,7 +34,8 @@ namespace curbstone::encoder {
 /// PeriodClock makes the stamps: evenly spaced as the drive samples, not as frames arrive. They strictly increase,
 /// unless the host's clock is set back. A sample waits where its time is not certain yet. With `signals`, the wheels
 /// are read from raw frames and no drive is known: nothing is sent, and `enabled` is false. From a file the time is
-/// that of the frames, whatever tick() says. Samples of the first 0.1 s go out at its end: see SettlingStart.
+/// that of the frames, whatever tick() says. The first samples wait until their period is known (FirstPeriod), and for
+/// 0.1 s at least (SettlingStart).
 class EncoderNode final : public Node {
  public:
   using Send = std::function<void(const can::CanFrame&)>;
@@ -68,7 +70,14 @@ class EncoderNode final : public Node {
     bool enabled;
     bool stuck;  // neither count tells anything
   };
-  void on_sample(std::int64_t receive_utime, const PeriodClock::Evidence& evidence, Update update);
+  struct First {  // what waits for the period
+    Arrived arrived;
+    PeriodClock::Evidence evidence;
+  };
+  void on_sample(std::int64_t receive_utime, PeriodClock::Evidence evidence, Update update);
+  void stamp(Arrived arrived, const PeriodClock::Evidence& evidence);
+  void release_first();
+  void drop_first();
   void on_stamp(std::int64_t now, const Arrived& arrived, const PeriodClock::Stamp& stamp);
 
   EncoderConfig config_;
@@ -77,6 +86,9 @@ class EncoderNode final : public Node {
   WheelCounter odometer_;
   SpeedCounter speedometer_;
   StuckCounts stuck_;
+  FirstPeriod first_period_;
+  bool period_known_ = false;
+  std::vector<First> first_;
   PeriodClock clock_;
   SettlingStart<wheels_t> start_;
   WheelsOutput output_;

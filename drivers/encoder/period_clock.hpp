@@ -60,6 +60,8 @@ class PeriodClock {
   /// now decided; they are valid until the next call.
   const std::vector<Stamp>& stamp(std::int64_t received, const Evidence& evidence);
   void restart() { running_ = false; }
+  /// From now on the device keeps this period, us: see FirstPeriod. Before the first sample.
+  void set_period(std::int64_t period) { period_ = period; }
   /// A sample that arrives now comes well before the next one can have been taken.
   [[nodiscard]] bool is_early(std::int64_t received) const;
 

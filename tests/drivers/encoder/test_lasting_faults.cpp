@@ -1,8 +1,7 @@
 // Faults of a CAN drive that last for the rest of the drive.
 #include <cmath>
-#include <random>
 
-#include "tests/drivers/encoder/drive_rig.hpp"
+#include "tests/drivers/encoder/encoder_on_a_bus.hpp"
 
 namespace curbstone::encoder {
 namespace {
@@ -12,15 +11,8 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr std::uint32_t kPositions = 0x181;
-
-class LastingFaults : public ::testing::Test {
+class LastingFaults : public EncoderOfADrive {
  protected:
-  LastingFaults() {
-    rig_.receive(rig_.now, rig_.drive.power_on(rig_.now));
-    rig_.drive.set_speeds(955, -955);  // 10 rad/s
-    rig_.run_for(3'000'000);
-  }
   /// From now on the count of a wheel (both: 2) is what it was.
   void freeze(int side) {
     std::array<std::uint8_t, 8> at{};
@@ -33,9 +25,6 @@ class LastingFaults : public ::testing::Test {
       if (side != 0) std::copy_n(at.begin() + 4, 4, frame.data.begin() + 4);
     };
   }
-  [[nodiscard]] std::vector<std::string> faults() const { return rig_.node.report().faults; }
-
-  testing::DriveRig rig_;
 };
 
 TEST_F(LastingFaults, ACountThatStandsStillIsFlaggedAndToldAndTheOtherWheelGoesOn) {
@@ -114,40 +103,23 @@ TEST_F(LastingFaults, ADriveThatRestartsEachThreeSecondsIsToldAndNoSpeedIsWrong)
 }
 
 /// Another device than the configuration says, or one whose timer has another unit.
-class AnyPeriod : public ::testing::TestWithParam<int> {};
+class AnyPeriod : public EncoderThatListens, public ::testing::WithParamInterface<int> {};
 
-TEST_P(AnyPeriod, IsFoundAndNothingIsWithheldThen) {
-  EncoderConfig config;
-  config.configure = false;
-  testing::DriveRig rig(config);
-  std::mt19937 random(1);
-  std::int64_t at = testing::DriveRig::kStart;
-  const auto drive = [&](double seconds) {
-    for (const auto end = at + std::llround(seconds * 1e6); at < end; at += GetParam()) {
-      CanFrame frame = CanFrame::make(kPositions, {0, 0, 0, 0, 0, 0, 0, 0});
-      for (int side = 0; side < 2; ++side) {
-        const auto counts = static_cast<std::uint32_t>(rig.raw(at, side));
-        for (int byte = 0; byte < 4; ++byte)
-          frame.data[static_cast<std::size_t>(4 * side + byte)] = static_cast<std::uint8_t>(counts >> (8 * byte));
-      }
-      rig.node.on_frame(at + 150 + static_cast<std::int64_t>(random() % 200), frame);
-      rig.node.tick(at + 400);
-    }
-  };
-  drive(4);
-  const std::size_t before = rig.messages().size();
-  drive(20);
-  EXPECT_GE(rig.messages().size() - before, static_cast<std::size_t>(20e6 / GetParam()) - 3);
-  for (std::size_t i = before; i < rig.messages().size(); ++i) {
-    const wheels_t& m = rig.messages()[i];
-    const wheels_t& first = rig.messages()[before];
-    ASSERT_NEAR(m.angle[0] - first.angle[0], rig.angle(m.utime) - rig.angle(first.utime), 0.012);
-    ASSERT_NEAR(m.speed[0], 10, 0.8);
+TEST_P(AnyPeriod, IsFoundBeforeASampleGoesOutAndNoneIsWithheld) {
+  send(10, GetParam());
+  rig_.node.finish();
+  const auto sent = static_cast<std::size_t>(std::ceil(10e6 / GetParam()));
+  ASSERT_EQ(rig_.messages().size(), sent) << counters();
+  for (std::size_t i = 0; i < sent; ++i) {
+    const std::int64_t taken = testing::DriveRig::kStart + static_cast<std::int64_t>(i) * GetParam();
+    ASSERT_NEAR(static_cast<double>(rig_.messages()[i].utime - taken), 250, 250) << i << "\n" << counters();
   }
-  EXPECT_EQ(rig.count("lost.samples"), 0);
-  EXPECT_THAT(rig.node.report().faults, Contains(HasSubstr("the drive sends every")));
+  expect_true_messages(0.8);
+  EXPECT_EQ(rig_.count("lost.samples"), 0);
+  EXPECT_THAT(faults(), Contains(HasSubstr("the drive sends every")));
 }
-INSTANTIATE_TEST_SUITE_P(Us, AnyPeriod, ::testing::Values(5'000, 8'000, 9'000, 11'000, 12'500, 20'000));
+INSTANTIATE_TEST_SUITE_P(Us, AnyPeriod,
+                         ::testing::Values(2'500, 5'000, 7'000, 8'000, 9'000, 11'000, 12'500, 15'000, 20'000, 50'000));
 
 }  // namespace
 }  // namespace curbstone::encoder
