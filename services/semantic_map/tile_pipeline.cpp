@@ -279,12 +279,13 @@ WorkResult TilePipeline::settle(int threads) {
 
 /// Nothing that a step reads is made by the same step of another tile: many are computed at once, and taken in turn.
 void TilePipeline::settle_step(Step step, int threads) {
-  std::vector<Product> products(kSettledAtOnce);
+  std::vector<Product> products;  // each is large
   std::vector<std::pair<TileKey, Tile*>> tiles;
   while (!stale_[step].empty()) {
     tiles.clear();
     for (auto it = stale_[step].begin(); it != stale_[step].end() && tiles.size() < kSettledAtOnce; ++it)
       tiles.emplace_back(it->second, find(it->second));
+    products.resize(std::max(products.size(), tiles.size()));
     parallel_for(tiles.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) products[i] = compute(step, tiles[i].first, *tiles[i].second);
     });

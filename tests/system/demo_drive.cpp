@@ -59,13 +59,19 @@ double agreement(const std::string& map_file, const std::string& other_map_file)
 }
 
 DemoDrive::DemoDrive(const std::string& source, const std::string& deputy_options) {
-  bus.bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& message) {
+  const auto driven = [](const map_pose_t& m) {
+    return std::hypot(m.map_base_position[0], m.map_base_position[1], m.map_base_position[2]);
+  };
+  bus.bus.subscribe<map_pose_t>("MAP_POSE", [this, driven](const map_pose_t& message) {
     pose = message;
     ++revolutions;
+    if (!driven_until_first_tile) driven_[message.utime] = driven(message);
   });
-  bus.bus.subscribe<semantic_tile_t>("SEMANTIC_TILE", [this](const semantic_tile_t&) {
-    const double* p = pose.map_base_position;
-    if (!driven_until_first_tile) driven_until_first_tile = std::hypot(p[0], p[1], p[2]);
+  bus.bus.subscribe<semantic_tile_t>("SEMANTIC_TILE", [this, driven](const semantic_tile_t& tile) {
+    if (driven_until_first_tile || driven_.empty()) return;
+    driven_until_first_tile = driven(pose);
+    const auto then = driven_.lower_bound(tile.utime);
+    driven_until_seen = then != driven_.end() ? then->second : driven_until_first_tile;
   });
   setenv("DEMO_OUT", folder_.path().c_str(), 1);
   setenv("DEMO_SOURCE", source.c_str(), 1);
@@ -86,6 +92,7 @@ bool DemoDrive::wait_for_scans(int wanted) {
 
 int DemoDrive::wait_for_end() {
   bus.wait_until([&] { return !deputy_->running(); }, kPatience);
+  pressure_share_ = pressure_.share();
   return deputy_->wait(0);
 }
 
@@ -128,9 +135,27 @@ std::vector<std::string> DemoDrive::losses() const {
   return losses;
 }
 
-double DemoDrive::emulator_late() const {
+std::string DemoDrive::spoiled_by() const {
   const auto truth = nlohmann::json::parse(std::ifstream(folder_ / "truth/truth.json"));
-  return truth.at("latest_packet_s").get<double>();
+  const double late = truth.at("latest_packet_s").get<double>();
+  fmt::print("the emulator was at most {:.2f} s late; some program waited for the CPU in {:.0f} % of the time\n", late,
+             100 * pressure_share_);
+  if (late > kEmulatorLate) return fmt::format("the emulator itself came {:.2f} s late", late);
+  if (pressure_share_ > kBusy)
+    return fmt::format("some program waited for the CPU in {:.0f} % of the time", 100 * pressure_share_);
+  return "";
+}
+
+std::map<std::string, std::string> DemoDrive::unwell(const std::vector<std::string>& names) const {
+  std::map<std::string, std::string> unwell;
+  for (const std::string& name : names) {
+    const service_status_t* status = bus.status(name);
+    if (status == nullptr)
+      unwell[name] = "silent";
+    else if (!bus.is_healthy(name))
+      unwell[name] = fmt::format("{}", fmt::join(status->fault, "; "));
+  }
+  return unwell;
 }
 
 }  // namespace curbstone::system_test

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <curbstone/map_pose_t.hpp>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "tests/system/cpu_pressure.hpp"
 #include "tests/system/run_program.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tools/bench/faults/watched_bus.hpp"
@@ -47,18 +49,28 @@ class DemoDrive {
   [[nodiscard]] std::string output() const { return deputy_->output(); }
   /// What the processes lost, by "service counter"; empty when nothing was.
   [[nodiscard]] std::vector<std::string> losses() const;
-  /// s: how late the emulator sent its latest packet. Beyond kEmulatorLate the machine had other things to do, and what
-  /// was lost says nothing about the processes.
-  [[nodiscard]] double emulator_late() const;
-  static constexpr double kEmulatorLate = 0.1;  // s: what the buffers bridge
+  /// That the machine had other things to do, in words, once the drive is over: the emulator sent its latest packet
+  /// later than buffers bridge, or some program waited for the CPU nearly all of the time. What is lost or late then
+  /// says nothing about the processes. Empty: it had not.
+  [[nodiscard]] std::string spoiled_by() const;
+
+  /// The services that are not well, and why; of `names`, which have not all spoken yet.
+  [[nodiscard]] std::map<std::string, std::string> unwell(const std::vector<std::string>& names) const;
 
   bench::faults::WatchedBus bus;
   map_pose_t pose{};
   int revolutions = 0;
-  /// m that the vehicle had come from its start when the first SEMANTIC_TILE was heard.
-  std::optional<double> driven_until_first_tile;
+  /// m that the vehicle had come from its start when the first SEMANTIC_TILE was heard, and when what that shows was
+  /// seen.
+  std::optional<double> driven_until_first_tile, driven_until_seen;
 
  private:
+  static constexpr double kEmulatorLate = 0.1;  // s
+  static constexpr double kBusy = 0.85;         // share of the drive's time
+
+  std::map<std::int64_t, double> driven_;  // m, by utime, until there is a tile
+  CpuPressure pressure_;
+  double pressure_share_ = 0;  // at the drive's end
   testing::TemporaryFolder folder_;
   std::unique_ptr<BackgroundProgram> deputy_;
 };

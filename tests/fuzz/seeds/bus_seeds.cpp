@@ -1,18 +1,20 @@
 // Messages, datagrams, logs, and the first moments of a drive for the services.
-#include <cmath>
-#include <curbstone/imu_t.hpp>
-#include <curbstone/lidar_points_t.hpp>
+#include <curbstone/map_points_t.hpp>
 #include <curbstone/map_pose_t.hpp>
+#include <curbstone/map_trajectory_t.hpp>
 #include <curbstone/odometry_t.hpp>
+#include <curbstone/resend_request_t.hpp>
+#include <curbstone/semantic_tile_t.hpp>
 #include <curbstone/service_status_t.hpp>
 #include <curbstone/tile_index_t.hpp>
 #include <curbstone/tile_request_t.hpp>
-#include <curbstone/wheels_t.hpp>
+#include <curbstone/voted_points_t.hpp>
 #include <procman_lcm/deputy_info_t.hpp>
 #include <procman_lcm/discovery_t.hpp>
 #include <procman_lcm/orders_t.hpp>
 
 #include "common/log/log_writer.hpp"
+#include "tests/fuzz/good_drive.hpp"
 #include "tests/fuzz/seeds/seed_folder.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -32,61 +34,42 @@ std::vector<std::uint8_t> body(const Message& message) {
   return {bytes.begin() + 8, bytes.end()};
 }
 
-imu_t imu_at_rest(int sequence) {
-  imu_t m{};
-  m.sequence = sequence;
-  m.acceleration[2] = 9.81;
-  m.temperature = 25;
-  return m;
-}
-
-wheels_t wheels_at(int sequence) {
-  wheels_t m{};
-  m.sequence = sequence;
-  for (int side = 0; side < 2; ++side) {
-    m.counts[side] = 100 * sequence;
-    m.angle[side] = 0.1 * sequence;
-    m.speed[side] = 5;
-  }
-  m.enabled = true;
-  return m;
-}
-
-/// 24 points on a wall around, of one packet.
-lidar_points_t points_of(int packet) {
-  lidar_points_t m{};
-  m.packet = packet;
-  m.revolution = packet / 38;
-  m.num_points = 24;
-  for (int i = 0; i < m.num_points; ++i) {
-    const double azimuth = 2 * M_PI * (packet % 38 + i / 24.0) / 38;
-    m.x.push_back(static_cast<float>(8 * std::cos(azimuth)));
-    m.y.push_back(static_cast<float>(-8 * std::sin(azimuth)));
-    m.z.push_back(-1.7F + 0.3F * static_cast<float>(i % 8));
-    m.time_offset.push_back(static_cast<float>(i) * 5e-5F);
-    m.intensity.push_back(static_cast<std::int8_t>(20 + i));
-    m.ring.push_back(static_cast<std::int8_t>(i % 16));
-  }
-  return m;
-}
-
-enum NodeChannel : std::uint8_t { kPoints = 0, kImu = 1, kWheels = 2, kTileIndex = 8, kTileRequest = 9 };
-
 void put_message(Seed& seed, std::uint8_t channel, std::int64_t after, std::span<const std::uint8_t> message) {
   put(seed, channel);
   put(seed, static_cast<std::uint16_t>(after / 100));
   put_piece(seed, message);
 }
 
-Seed drive(double seconds) {
+/// For the services (nodes.cpp): a good drive, and then a message on each channel.
+Seed drive(std::uint8_t turns) {
   Seed seed;
-  for (int i = 0; i < static_cast<int>(100 * seconds); ++i) {
-    put_message(seed, kImu, 4000, body(imu_at_rest(i)));
-    if (i % 2 == 0) put_message(seed, kWheels, 500, body(wheels_at(i / 2)));
-    for (int k = 0; k < 7; ++k) put_message(seed, kPoints, 800, body(points_of(7 * i + k)));
-  }
-  put_message(seed, kTileIndex, 1000, body(tile_index_t{}));
-  put_message(seed, kTileRequest, 1000, body(tile_request_t{}));
+  put(seed, std::uint8_t{0xFF});
+  put(seed, turns);
+  const std::vector<std::vector<std::uint8_t>> messages = {body(points_of(turns * kPacketsPerTurn)),
+                                                           body(imu_at_rest(1000)),
+                                                           body(wheels_at(1000)),
+                                                           body(odometry_t{}),
+                                                           body(map_pose_t{}),
+                                                           body(map_points_t{}),
+                                                           body(voted_points_t{}),
+                                                           body(semantic_tile_t{}),
+                                                           body(tile_index_t{}),
+                                                           body(tile_request_t{}),
+                                                           body(map_trajectory_t{}),
+                                                           body(resend_request_t{}),
+                                                           body(points_of(0)),
+                                                           body(odometry_t{})};
+  for (std::size_t channel = 0; channel < messages.size(); ++channel)
+    put_message(seed, static_cast<std::uint8_t>(channel), 1000, messages[channel]);
+  return seed;
+}
+
+/// A turn's begin, packet by packet.
+Seed packets(int count) {
+  Seed seed;
+  put_message(seed, 1, 500, body(imu_at_rest(0)));
+  put_message(seed, 2, 500, body(wheels_at(0)));
+  for (int i = 0; i < count; ++i) put_message(seed, 0, 1300, body(points_of(i)));
   return seed;
 }
 
@@ -156,8 +139,9 @@ void write_bus_seeds(const SeedFolder& folder) {
   folder.write("log", "imu", log());
   const Seed recorded = SeedFolder::read(folder.recording("lcm/botlab_convex.lcmlog"));
   if (!recorded.empty()) folder.write("log", "recorded", recorded);
-  folder.write("nodes", "drive", drive(0.5));
-  folder.write("nodes", "start", drive(0.1));
+  folder.write("nodes", "drive", drive(7));
+  folder.write("nodes", "start", drive(0));
+  folder.write("nodes", "packets", packets(8));
 }
 
 }  // namespace curbstone::fuzz
