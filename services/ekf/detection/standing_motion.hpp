@@ -14,7 +14,7 @@ namespace curbstone::ekf::detection {
 class StandingMotion {
  public:
   static constexpr double kMemory = 1.5;  ///< s
-  static constexpr double kSpeed = 0.3;   ///< m/s
+  static constexpr double kSpeed = 0.3;   ///< m/s, from which on it drives
 
   /// The wheels turn.
   void begin() { *this = StandingMotion(); }
@@ -28,10 +28,15 @@ class StandingMotion {
     if (seconds_ < kFirst || std::abs(speed_) < kSpeed) return {};
     return std::exchange(speed_, 0.0);
   }
+  /// m/s, that it may drive at though that is not sure yet; 0: it seems to stand.
+  [[nodiscard]] double suspected_speed() const {
+    return seconds_ < kFirst || std::abs(speed_) < kSuspicious ? 0.0 : std::abs(speed_);
+  }
 
  private:
-  static constexpr double kFirst = 1.0;  // s, over which what it feels at rest is averaged first,
-  static constexpr double kDrift = 5.0;  // and in which it is learnt anew
+  static constexpr double kSuspicious = 0.05;  // m/s: 10 sigma of an accelerometer's noise
+  static constexpr double kFirst = 1.0;        // s, over which what it feels at rest is averaged first,
+  static constexpr double kDrift = 5.0;        // and in which it is learnt anew
   Eigen::Vector3d at_rest_ = Eigen::Vector3d::Zero();
   double seconds_ = 0.0;
   double speed_ = 0.0;  // m/s, forward

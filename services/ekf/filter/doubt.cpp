@@ -14,6 +14,11 @@ void widen(model::Belief& belief, int index, double sigma) {
   belief.covariance.diagonal().segment<3>(index).array() += sigma * sigma;
 }
 
+/// m, that a vehicle makes which speeds up evenly to `speed` within the memory of what finds it.
+double way_since_standing(double speed) {
+  return 0.5 * speed * detection::StandingMotion::kMemory;
+}
+
 }  // namespace
 
 void doubt_motion(model::Belief& belief, double speed_sigma, const base::StartConfig& config) {
@@ -55,7 +60,13 @@ void doubt_wheels_at_rest(model::Belief& belief, double speed) {
   constexpr double kShare = 0.15;  // of the speed
   belief.mean.velocity.x() = speed;
   widen(belief, model::kVelocity, kShare * speed);
-  widen(belief, model::kPosition, 0.5 * speed * detection::StandingMotion::kMemory);
+  widen(belief, model::kPosition, way_since_standing(speed));
+}
+
+void doubt_standing(model::Estimate& estimate, double speed) {
+  const double way = way_since_standing(speed);
+  estimate.pose_covariance.diagonal().head<2>().array() += way * way;
+  estimate.twist_covariance(0, 0) += speed * speed;
 }
 
 void doubt_astray(model::Belief& belief, const detection::WheelDispute::Astray& astray,

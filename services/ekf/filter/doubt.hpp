@@ -3,6 +3,7 @@
 #include "services/ekf/base/ekf_config.hpp"
 #include "services/ekf/detection/wheel_dispute.hpp"
 #include "services/ekf/model/error_state.hpp"
+#include "services/ekf/model/estimate.hpp"
 
 namespace curbstone::ekf::filter {
 
@@ -23,6 +24,10 @@ void doubt_standstill(model::Belief& belief, double travel, double track_width);
 /// It has driven off while the wheels showed no travel, at `speed` m/s: that is the speed, and what way it has made
 /// since is not known.
 void doubt_wheels_at_rest(model::Belief& belief, double speed);
+
+/// It stands as far as the wheels show, and may have driven off already, at `speed` m/s: until that is found, what is
+/// published covers it.
+void doubt_standing(model::Estimate& estimate, double speed);
 
 /// All wheels have been found faulty: they have led it astray, and from now on it coasts.
 void doubt_astray(model::Belief& belief, const detection::WheelDispute::Astray& astray,

@@ -235,6 +235,7 @@ void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vecto
   emitted_ = estimate.utime;
   if (!standing_) spreader_.moved(estimate.T_odom_base, since * estimate.velocity.norm(), since);
   spreader_.apply(estimate);
+  if (still_.wheels_rest()) doubt_standing(estimate, standing_motion_.suspected_speed());
   out.push_back(estimate);
 }
 

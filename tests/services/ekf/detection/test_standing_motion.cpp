@@ -41,7 +41,28 @@ TEST(StandingMotionTest, BackwardsToo) {
 
 TEST(StandingMotionTest, HoursOfStandingAreNone) {
   Stand stand;
-  EXPECT_EQ(stand.run(3600, 0), -1);
+  for (int second = 0; second < 3600; ++second) {
+    ASSERT_EQ(stand.run(1, 0), -1);
+    ASSERT_EQ(stand.motion.suspected_speed(), 0.0) << second;
+  }
+}
+
+TEST(StandingMotionTest, AStartIsSuspectedBeforeItIsFound) {
+  Stand stand;
+  EXPECT_EQ(stand.run(5, 0), -1);
+  EXPECT_EQ(stand.run(0.3, 0.5), -1);
+  EXPECT_NEAR(stand.motion.suspected_speed(), 0.15, 0.05);
+  EXPECT_GT(stand.run(3, 0.5), 0);
+  EXPECT_EQ(stand.motion.suspected_speed(), 0.0) << "what was found is the filter's";
+}
+
+TEST(StandingMotionTest, ABlowIsForgotten) {
+  Stand stand;
+  EXPECT_EQ(stand.run(5, 0), -1);
+  EXPECT_EQ(stand.run(0.04, 5), -1);
+  EXPECT_GT(stand.motion.suspected_speed(), 0.1);
+  EXPECT_EQ(stand.run(3, 0), -1);
+  EXPECT_EQ(stand.motion.suspected_speed(), 0.0);
 }
 
 /// Somebody climbs on, or it is jacked up: the gyro tells.
