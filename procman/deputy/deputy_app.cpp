@@ -7,12 +7,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <set>
 
 #include "common/time/clock.hpp"
 #include "common/time/microseconds.hpp"
-#include "procman/deputy/command_environment.hpp"
-#include "procman/deputy/drive_mark.hpp"
 #include "procman/deputy/systemd_notify.hpp"
 
 namespace curbstone::procman::deputy {
@@ -25,9 +24,19 @@ constexpr std::size_t kLinesShown = 10;
 constexpr std::size_t kLinesResent = 50;
 constexpr std::int64_t kOldStatus = 5'000'000;  // us: of a log that is being played
 
-// The drivers have their ports by then, and what they receive is looked at too. Again while something is found.
-constexpr std::int64_t kDoctorAfter = 10'000'000;   // us
-constexpr std::int64_t kDoctorAgain = 600'000'000;  // us
+// The drivers have their ports by then, and what they receive is looked at too.
+constexpr std::int64_t kDoctorAfter = 10'000'000;  // us
+constexpr std::int64_t kDoctorAgain =
+    600'000'000;  // us, while it finds something: what was mended is no fault any more
+
+/// Commands are found beside the deputy first, and a vehicle's config is where it is usually installed.
+void prepare_environment() {
+  std::error_code error;
+  const auto own = std::filesystem::read_symlink("/proc/self/exe", error);
+  const char* path = std::getenv("PATH");
+  if (!error) setenv("PATH", (own.parent_path().string() + ":" + (path ? path : "/usr/bin:/bin")).c_str(), 1);
+  setenv("CURBSTONE_CONFIG", "/etc/curbstone/ugv.yaml", 0);
+}
 
 std::string describe_status(int status) {
   if (WIFSIGNALED(status)) {
@@ -63,7 +72,7 @@ DeputyApp::DeputyApp(DeputyAppOptions options)
                   .started = [this](const process::CommandState& state) { on_started(state); },
                   .ended = [this](const process::CommandState& state, std::int64_t lived) { on_ended(state, lived); }}),
       other_signals_(take_signals({SIGHUP, SIGQUIT})) {
-  prepare_command_environment();
+  prepare_environment();
   load_config();
   bus_ = std::make_unique<LcmBus>(options_.lcm_url);
   deputy_ =
@@ -253,21 +262,17 @@ void DeputyApp::begin() {
       say(fmt::format("{}: ${} is not set and stays as written", command.id, name));
     }
   }
-  const bool goes_on = is_of_broken_off_drive(options_.drive_mark);
-  if (goes_on) say(options_.drive_mark + " is of a drive that was broken off: nothing is waited for");
-  const auto start = [this](const std::string& id) { deputy_->start(id); };
   if (options_.start_all) {
-    starting_.emplace(config_.stages(),
-                      StartSequence::Hands{start, [this](const std::string& id) { return is_up(id); }},
-                      goes_on ? StartSequence::Sources::kFirst : StartSequence::Sources::kLast);
+    starting_.emplace(config_.stages(), StartSequence::Hands{[this](const std::string& id) { deputy_->start(id); },
+                                                             [this](const std::string& id) { return is_up(id); }});
   }
   if (!options_.script.empty()) {
     script_.emplace(config_, options_.script,
                     ScriptRunner::Hands{
-                        start, [this](const std::string& id) { supervisor_.stop(id); },
+                        [this](const std::string& id) { deputy_->start(id); },
+                        [this](const std::string& id) { supervisor_.stop(id); },
                         [this](const std::string& id) { supervisor_.restart(id); },
-                        [this](const std::string& id, config::WaitStatus wanted) { return has_come_to(id, wanted); }},
-                    goes_on ? ScriptRunner::Waits::kForTimeOnly : ScriptRunner::Waits::kForStatus);
+                        [this](const std::string& id, config::WaitStatus wanted) { return has_come_to(id, wanted); }});
   }
 }
 

@@ -36,7 +36,6 @@ struct DeputyAppOptions {
   std::string id;           ///< empty: the only deputy that the config names, else the host name
   std::string script;       ///< run it at the start
   bool start_all = false;
-  std::string drive_mark;           ///< a file that is written to while a drive goes on, and removed at its end
   bool allow_any = false;           ///< take orders for commands that are not in the config
   bool allow_empty_orders = false;  ///< an order without commands removes all that are not in the config
   bool doctor = false;              ///< run `curbstone doctor` at the start

@@ -17,10 +17,6 @@ int main(int argc, char** argv) {
   line.option("-i,--id", options.id, "Name as deputy; default: the only one in the config, else the host's");
   const auto script = line.option("--script", options.script, "Run this script of the config at the start");
   line.flag("--start-all", options.start_all, "Start all commands, the last of the file first").excludes(script);
-  line.option(
-      "--drive-mark", options.drive_mark,
-      "A file that is written to during a drive and removed at its end (the mapper's journal): if it is younger "
-      "than 20 s, a drive was broken off, and the first group starts first");
   line.option("--exit-when", options.exit_when, "When this command has ended, stop the others and exit");
   line.option("--settle", options.settle, "s to wait then, while what was lost on the way is asked for again")
       .within(0.0, 3600.0);

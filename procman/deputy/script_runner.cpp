@@ -8,8 +8,8 @@ namespace {
 constexpr std::int64_t kPause = 100'000;  // us
 }
 
-ScriptRunner::ScriptRunner(const config::Config& config, const std::string& script, Hands hands, Waits waits)
-    : hands_(std::move(hands)), waits_(waits) {
+ScriptRunner::ScriptRunner(const config::Config& config, const std::string& script, Hands hands)
+    : hands_(std::move(hands)) {
   if (const config::Script* found = config.find_script(script)) flatten(config, *found);
 }
 
@@ -21,11 +21,11 @@ void ScriptRunner::flatten(const config::Config& config, const config::Script& s
     }
     const auto ids =
         action.kind == config::ActionKind::kWaitTime ? std::vector<std::string>{} : config.resolve(action.target);
-    const bool waits = waits_ == Waits::kForStatus && action.wait_for != config::WaitStatus::kNone;
     if (action.kind != config::ActionKind::kWaitStatus) {
       steps_.push_back({action.kind, ids, config::WaitStatus::kNone, action.wait_ms * 1000});
     }
-    if (waits) steps_.push_back({config::ActionKind::kWaitStatus, ids, action.wait_for, 0});
+    if (action.wait_for != config::WaitStatus::kNone)
+      steps_.push_back({config::ActionKind::kWaitStatus, ids, action.wait_for, 0});
   }
 }
 

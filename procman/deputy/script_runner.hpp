@@ -21,8 +21,7 @@ class ScriptRunner {
     std::function<bool(const std::string& id, config::WaitStatus)> satisfied;
   };
 
-  enum class Waits { kForStatus, kForTimeOnly };
-  ScriptRunner(const config::Config& config, const std::string& script, Hands hands, Waits waits = Waits::kForStatus);
+  ScriptRunner(const config::Config& config, const std::string& script, Hands hands);
 
   /// Does what is due at `now` (us, any origin). After a wait for a status the next action is 0.1 s later than the one
   /// before, as procman's sheriff has it.
@@ -40,7 +39,6 @@ class ScriptRunner {
   void act(const Step& step) const;
 
   Hands hands_;
-  Waits waits_;
   std::vector<Step> steps_;
   std::size_t next_ = 0;
   bool begun_ = false;         // the next step is a wait that has begun

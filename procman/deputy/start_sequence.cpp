@@ -14,12 +14,7 @@ bool StartSequence::step(std::int64_t now) {
   if (!begun_) {
     begun_ = true;
     since_ = now;
-    if (sources_ == Sources::kFirst) start(*sources);
     for (auto stage = std::prev(stages_.end()); stage != sources; --stage) start(*stage);
-  }
-  if (sources_ == Sources::kFirst) {
-    stages_.clear();
-    return true;
   }
   const bool up = std::all_of(std::next(sources), stages_.end(), [this](const auto& stage) {
     return std::all_of(stage.begin(), stage.end(), hands_.is_up);

@@ -9,9 +9,8 @@ namespace curbstone::procman::deputy {
 
 /// Starts everything: the first stage, the sources of the data, last, so that nothing of what they say is missed. The
 /// others begin together, from the sink on: until a source speaks they have nothing to say to each other. The sources
-/// begin when all the others are up, or kPatience later: one that does not come up must not keep them down. Where a
-/// drive goes on that was broken off, what the sources measure meanwhile is lost for good: then they begin first, and
-/// what they said before others listened is asked for again. Pure: time comes in, us.
+/// begin when all the others are up, or kPatience later: one that does not come up must not keep them down. Pure: time
+/// comes in, us.
 class StartSequence {
  public:
   static constexpr std::int64_t kPatience = 5'000'000;  ///< us
@@ -22,10 +21,9 @@ class StartSequence {
     std::function<bool(const std::string& id)> is_up;
   };
 
-  enum class Sources { kLast, kFirst };
   /// `stages` in the order of the data.
-  StartSequence(std::vector<std::vector<std::string>> stages, Hands hands, Sources sources = Sources::kLast)
-      : stages_(std::move(stages)), hands_(std::move(hands)), sources_(sources) {}
+  StartSequence(std::vector<std::vector<std::string>> stages, Hands hands)
+      : stages_(std::move(stages)), hands_(std::move(hands)) {}
 
   /// Does what is due at `now`. True when all have been started.
   bool step(std::int64_t now);
@@ -35,7 +33,6 @@ class StartSequence {
 
   std::vector<std::vector<std::string>> stages_;  // none any more when all have been started
   Hands hands_;
-  Sources sources_;
   bool begun_ = false;
   std::int64_t since_ = 0;
 };

@@ -140,8 +140,6 @@ class Mapper {
     std::int64_t utime;
   };
   void take_up(const journal::RecordedPose& last, const scan::Scan& scan, const scan::OdometryHistory& odometry);
-  [[nodiscard]] std::optional<Pose> rough_guess(const journal::RecordedPose& last, const scan::Scan& scan,
-                                                const scan::OdometryHistory& odometry) const;
   [[nodiscard]] std::optional<Relocalisation> relocalise(const tracking::Tracked& tracked,
                                                          const std::optional<Pose>& T_odom_base);
   [[nodiscard]] bool roll_back_to_agreement(const Pose& T_map_base, std::int64_t utime,

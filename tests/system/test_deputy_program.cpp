@@ -60,16 +60,6 @@ TEST_F(DeputyProgram, RunsAConfigAloneAndStopsItInTheOrderOfTheFile) {
               ::testing::ContainsRegex("Z sink ends\n20[-0-9:.T]+Z -- ended: exit status 0"));
 }
 
-TEST_F(DeputyProgram, OfADriveThatWasBrokenOffStartsTheSourcesFirst) {
-  write_file(folder_ / "drive.journal", "x");
-  auto deputy =
-      start("--config " + config(kPipeline) + " --start-all --drive-mark " + (folder_ / "drive.journal").string());
-  ASSERT_TRUE(wait_for_pid("source") && wait_for_pid("sink")) << deputy->output();
-  const std::string said = deputy->output();
-  EXPECT_LT(said.find("source started"), said.find("sink started")) << said;
-  EXPECT_THAT(said, HasSubstr("drive.journal is of a drive that was broken off"));
-}
-
 TEST_F(DeputyProgram, BringsBackWhatIsKilled) {
   auto deputy =
       start("--config " + config("cmd \"a\" { exec = \"sleep 1000\"; deputy = \"d\"; auto_respawn = \"true\"; }") +

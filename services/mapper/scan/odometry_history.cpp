@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 namespace curbstone::mapper::scan {
 
@@ -83,15 +82,6 @@ Pose OdometryHistory::at(std::int64_t utime) const {
   const OdometrySample& b = samples_[after];
   const double fraction = static_cast<double>(utime - a.utime) / static_cast<double>(b.utime - a.utime);
   return interpolate(a.T_odom_base, b.T_odom_base, fraction);
-}
-
-std::optional<Pose> OdometryHistory::roughly_at(std::int64_t utime) const {
-  const std::size_t known = num_known();
-  if (known == 0) return std::nullopt;
-  const std::size_t after = std::min(lower_bound(utime), known - 1);
-  const auto off = [&](std::size_t i) { return std::abs(samples_[i].utime - utime); };
-  const std::size_t nearest = after > 0 && off(after - 1) < off(after) ? after - 1 : after;
-  return off(nearest) <= kNear ? std::optional(samples_[nearest].T_odom_base) : std::nullopt;
 }
 
 /// From the `last` sample on. Its motion is that of a few, which a correction by the filter does not bend much.

@@ -27,7 +27,6 @@ class OdometryHistory {
   static constexpr std::size_t kCapacity = 8000;         ///< 80 s at 100 Hz
   static constexpr std::int64_t kMaxGap = 200'000;       ///< us between samples that may be interpolated over
   static constexpr std::int64_t kClockJump = 1'000'000;  ///< us backwards that is a new clock, not a late message
-  static constexpr std::int64_t kNear = 50'000;          ///< us
   static constexpr double kGapSteps = 1.6;
 
   enum class Added { kYes, kLate, kClockJump };
@@ -54,9 +53,6 @@ class OdometryHistory {
   /// Pose at a covered time: linear in position, spherical-linear in attitude; beyond the last sample the motion of the
   /// last few goes on.
   [[nodiscard]] Pose at(std::int64_t utime) const;
-  /// What odometry said nearest to a time, within kNear of it and usable or not: for a guess that is checked by other
-  /// means.
-  [[nodiscard]] std::optional<Pose> roughly_at(std::int64_t utime) const;
   /// Whether the filter says, all through a covered stretch, that the vehicle stands.
   [[nodiscard]] bool stationary(std::int64_t from, std::int64_t to) const;
   /// Forgets what is not needed for times from `utime` on.

@@ -14,7 +14,7 @@
 #include <procman_lcm/orders_t.hpp>
 
 #include "common/log/log_writer.hpp"
-#include "tests/fuzz/good_drive.hpp"
+#include "tests/fuzz/seeds/good_drive.hpp"
 #include "tests/fuzz/seeds/seed_folder.hpp"
 #include "tests/temporary_folder.hpp"
 

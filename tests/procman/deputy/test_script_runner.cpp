@@ -11,8 +11,7 @@ using ::testing::ElementsAre;
 
 class Scripts : public ::testing::Test {
  protected:
-  ScriptRunner runner(const std::string& scripts, const std::string& name,
-                      ScriptRunner::Waits waits = ScriptRunner::Waits::kForStatus) {
+  ScriptRunner runner(const std::string& scripts, const std::string& name) {
     config_ = config::parse_config(
         R"(group "g" { cmd "a" { exec = "a"; deputy = "d"; } cmd "b" { exec = "b"; deputy = "d"; } }
                               cmd "c" { exec = "c"; deputy = "d"; })" +
@@ -24,8 +23,7 @@ class Scripts : public ::testing::Test {
             {[this](const std::string& id) { done_.push_back("start " + id); },
              [this](const std::string& id) { done_.push_back("stop " + id); },
              [this](const std::string& id) { done_.push_back("restart " + id); },
-             [this](const std::string& id, config::WaitStatus) { return satisfied_.contains(id); }},
-            waits};
+             [this](const std::string& id, config::WaitStatus) { return satisfied_.contains(id); }}};
   }
   config::Config config_;
   std::vector<std::string> done_;
@@ -47,17 +45,6 @@ TEST_F(Scripts, WaitForTime) {
   EXPECT_THAT(done_, ElementsAre("start a"));
   script.step(1'500'000);
   EXPECT_THAT(done_, ElementsAre("start a", "start b"));
-}
-
-TEST_F(Scripts, OfADriveThatGoesOnWaitForTimeAlone) {
-  auto script = runner(
-      R"(script "s" { start group "g" wait "running"; wait cmd "a" status "ready"; wait ms 50; start cmd "c"; })", "s",
-      ScriptRunner::Waits::kForTimeOnly);
-  script.step(0);
-  EXPECT_THAT(done_, ElementsAre("start a", "start b"));
-  script.step(50'000);
-  EXPECT_TRUE(script.done());
-  EXPECT_THAT(done_, ElementsAre("start a", "start b", "start c"));
 }
 
 TEST_F(Scripts, WaitForAllOfAGroupAndThenATenthOfASecondAfterTheLastAction) {

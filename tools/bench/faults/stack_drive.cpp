@@ -73,9 +73,8 @@ StackDrive::~StackDrive() {
 
 void StackDrive::start_deputy() {
   deputy_ = std::make_unique<BackgroundProgram>(
-      fmt::format("curbstone-deputy --config '{}' --script stack --drive-mark '{}/drive.journal' --quiet --log-dir "
-                  "'{}/logs'",
-                  options_.procman_config, options_.folder, options_.folder),
+      fmt::format("curbstone-deputy --config '{}' --script stack --quiet --log-dir '{}/logs'", options_.procman_config,
+                  options_.folder),
       options_.folder + "/deputy.out");
 }
 

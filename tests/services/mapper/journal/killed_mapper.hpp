@@ -107,7 +107,7 @@ class KilledMapperTest : public ::testing::Test {
     for (; odometry_sent_ < (n + 1) * test::kPeriod + 0.02; odometry_sent_ += 0.01) {
       odometry_t m{};
       m.utime = test::utime(odometry_sent_);
-      m.flags = odometry_flags_;
+      m.flags = odometry_t::INITIALISED;
       pose_to_arrays(T_odom_start_ * trajectory_(0).inverse() * trajectory_(odometry_sent_), m.position, m.orientation);
       filter_->keep(m);
       if (mapper_bus_) mapper_bus_->publish("ODOMETRY", m);
@@ -146,7 +146,6 @@ class KilledMapperTest : public ::testing::Test {
   std::vector<map_pose_t> poses_;
   std::vector<map_trajectory_t> pages_;
   Pose T_odom_start_ = Pose::Identity();
-  std::int32_t odometry_flags_ = odometry_t::INITIALISED;
   double odometry_sent_ = -0.1;
   int turn_ = 0;
 };

@@ -94,43 +94,6 @@ TEST_F(KilledMapperTest, IsSucceededAtOnceWhereItsFilterWasKilledToo) {
   }
 }
 
-TEST_F(KilledMapperTest, IsSucceededAtOnceWhereAllWereKilledAndTheFilterThatGoesOnIsNotLevelYet) {
-  start_mapper();
-  drive(60);
-  const std::size_t heard = poses_.size();
-  kill_mapper();
-  drive(20);
-  start_filter();
-  start_driver();
-  odometry_flags_ = 0;
-  start_mapper();
-  drive(70);
-  EXPECT_EQ(counter("resumed"), 1) << "its odom frame leads on, roughly";
-  EXPECT_EQ(counter("resumed.lost"), 0);
-  ASSERT_GT(poses_.size(), heard);
-  for (std::size_t i = heard; i < poses_.size(); ++i) EXPECT_EQ(poses_[i].flags & map_pose_t::LOST, 0) << i;
-  EXPECT_LT(error(), 0.1);
-  odometry_flags_ = odometry_t::INITIALISED;
-  drive(20);
-  EXPECT_LT(error(), 0.1);
-}
-
-TEST_F(KilledMapperTest, DoesNotBelieveAFilterThatIsNotLevelAndHasAnotherFrame) {
-  start_mapper();
-  drive(100);
-  kill_mapper();
-  drive(20);
-  start_filter();
-  start_driver();
-  odometry_flags_ = 0;
-  T_odom_start_ = Pose(Eigen::Translation3d(12, -9, 0));
-  start_mapper();
-  drive(60);
-  EXPECT_EQ(counter("resumed.lost"), 1);
-  EXPECT_EQ(counter("searches.found"), 1) << "sought, and found";
-  EXPECT_LT(error(), 0.15);
-}
-
 TEST_F(KilledMapperTest, IsSucceededWhereOdometryAndTheLidarBeganAnewToo) {
   start_mapper();
   drive(100);

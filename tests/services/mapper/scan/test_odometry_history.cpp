@@ -45,21 +45,6 @@ TEST(OdometryHistory, GoesOnForALittleWhileBeyondTheLastSample) {
   EXPECT_LT(angle_of(at.inverse() * truth), 1e-6);
 }
 
-TEST(OdometryHistory, SaysRoughlyWhereItWasUsableOrNot) {
-  OdometryHistory history;
-  EXPECT_FALSE(history.roughly_at(kStart));
-  for (int i = 0; i < 20; ++i) (void)history.add(sample(i, false));
-  EXPECT_FALSE(history.covers(kStart, kStart + kPeriod));
-  ASSERT_TRUE(history.roughly_at(kStart + 4'000));
-  EXPECT_EQ(apart(*history.roughly_at(kStart + 4'000), on_a_circle(kStart)), 0);
-  EXPECT_EQ(apart(*history.roughly_at(kStart + 6'000), on_a_circle(kStart + kPeriod)), 0);
-  EXPECT_TRUE(history.roughly_at(kStart - OdometryHistory::kNear));
-  EXPECT_FALSE(history.roughly_at(kStart - OdometryHistory::kNear - 1));
-  EXPECT_FALSE(history.roughly_at(kStart + 19 * kPeriod + OdometryHistory::kNear + 1));
-  history.look_from(kStart + 5 * kPeriod);
-  EXPECT_FALSE(history.roughly_at(kStart + 15 * kPeriod)) << "it does not depend on what has come since";
-}
-
 TEST(OdometryHistory, GoesOnAlsoWhereSamplesAreFarApart) {
   OdometryHistory history;
   for (int i = 0; i <= 40; i += 10) (void)history.add(sample(i));  // 10 Hz
