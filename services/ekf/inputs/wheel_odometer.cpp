@@ -6,9 +6,9 @@
 namespace curbstone::ekf::inputs {
 
 namespace {
-constexpr double kStampSlack = 0.02;  // s: a late stamp makes the next difference look short, and the wheel fast
-constexpr double kJitters = 40.0;     // sigmas of its stamps that an interval is long at least: 3.5 % of the speed
-constexpr double kLongest = 0.2;      // s, for that: slip lasts not much longer
+constexpr double kStampSlack = 0.02;      // s: a late stamp makes the next difference look short, and the wheel fast
+constexpr double kJitters = 40.0;         // sigmas of its stamps that an interval is long at least: 3.5 % of the speed
+constexpr double kLongestInterval = 0.2;  // s, for that: slip lasts not much longer
 }  // namespace
 
 double wheel_sigma(const base::WheelsConfig& config, const WheelInterval& interval, double wheel_radius,
@@ -54,7 +54,7 @@ WheelOdometer::Step WheelOdometer::add(const base::WheelSample& sample) {
 }
 
 double WheelOdometer::least_duration() const {
-  return std::max(config_.interval, std::min(kJitters * jitter_.sigma(), kLongest));
+  return std::max(config_.interval, std::min(kJitters * jitter_.sigma(), kLongestInterval));
 }
 
 void WheelOdometer::reset() {
