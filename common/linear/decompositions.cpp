@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <limits>
 
 namespace curbstone {
 
@@ -43,6 +44,10 @@ std::optional<SquareMatrix<N>> cholesky_root(const SquareMatrix<N>& A) {
 template <int N>
 EigenPairs<N> eigen_pairs(const SquareMatrix<N>& A) {
   const Eigen::SelfAdjointEigenSolver<SmallMatrix> solver(A);
+  if (solver.info() != Eigen::Success) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    return {ColumnVector<N>::Constant(kNone), SquareMatrix<N>::Constant(kNone)};
+  }
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 

@@ -3,13 +3,16 @@
 #include <Eigen/Cholesky>
 #include <optional>
 
-namespace curbstone {
-
+/// @file
 /// Decompositions of small matrices: Eigen's, compiled once and for all sizes alike, for each of their templates costs
 /// the file that uses it seconds to compile. A size that is not listed at the end does not link: add it there and in
 /// the .cpp.
 ///
 /// Pure; any thread; no memory is allocated. What is not finite gives what is not finite.
+
+namespace curbstone {
+
+/// Of up to six rows, what all sizes are decomposed as.
 constexpr int kMostRows = 6;
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostRows, kMostRows>;
 
@@ -42,10 +45,10 @@ struct EigenPairs {
   ColumnVector<N> values;
   SquareMatrix<N> vectors;
 };
-/// By QR steps on the tridiagonal form; only the lower triangle is read.
+/// By QR steps on the tridiagonal form; only the lower triangle is read. Not a number where they do not converge.
 template <int N>
 [[nodiscard]] EigenPairs<N> eigen_pairs(const SquareMatrix<N>& A);
-/// In closed form: several times as fast, and less exact where eigenvalues are alike.
+/// In closed form: quicker, and less exact where eigenvalues are alike.
 [[nodiscard]] EigenPairs<3> eigen_pairs_direct(const Eigen::Matrix3d& A);
 
 /// The inverse of any matrix, by LU with pivots; not finite where there is none.

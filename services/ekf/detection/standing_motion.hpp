@@ -34,7 +34,7 @@ class StandingMotion {
   }
 
  private:
-  static constexpr double kSuspicious = 0.05;  // m/s: 10 sigma of an accelerometer's noise
+  static constexpr double kSuspicious = 0.05;  // m/s: at rest its noise adds up to less
   static constexpr double kFirst = 1.0;        // s, over which what it feels at rest is averaged first,
   static constexpr double kDrift = 5.0;        // and in which it is learnt anew
   Eigen::Vector3d at_rest_ = Eigen::Vector3d::Zero();

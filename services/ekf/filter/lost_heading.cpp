@@ -28,7 +28,7 @@ void LostHeading::correct(model::Belief& belief, const model::Observation& z, co
   model::correct(belief, z, gain);
   model::ErrorMatrix turn = model::ErrorMatrix::Identity();
   turn.block<3, 3>(model::kAttitude, model::kAttitude) = (belief.mean.attitude.conjugate() * before).toRotationMatrix();
-  belief.covariance = (turn * belief.covariance * turn.transpose()).eval();
+  belief.covariance = model::propagated(turn, belief.covariance);
   const Eigen::Vector3d up = up_of(belief);
   belief.covariance.block<3, 3>(model::kAttitude, model::kAttitude) +=
       std::max(variance - heading_variance(belief), 0.0) * up * up.transpose();
