@@ -3,9 +3,10 @@ import { World } from "./world";
 
 const kPatience = 3000;  // ms: a map that grows while it comes may never be whole
 
-/// Whether each frame is to be drawn: the map is whole, or was once. `now`: ms since the page was asked for.
-export function isThere(world: World, wasThere: boolean, now: number): boolean {
+/// Whether each frame is drawn as it comes: the map is whole, or has been `shown` before. `now`: ms since the page was
+/// asked for.
+export function drawsEachFrame(world: World, shown: boolean, now: number): boolean {
   const { state, tiles } = world;
-  if (wasThere || !state || tiles.size >= state.tiles) return true;
+  if (shown || !state || tiles.size >= state.tiles) return true;
   return state.source !== "map" && now > kPatience;  // of a saved one the whole is shown
 }

@@ -1,5 +1,5 @@
 // The page: the world comes from the connection, the user looks at it through the camera.
-import { isThere } from "./arrival";
+import { drawsEachFrame } from "./arrival";
 import { showServices, Verdict } from "./cards/health";
 import { Inspector } from "./cards/inspector";
 import { Panel, showSummary } from "./cards/panel";
@@ -112,12 +112,12 @@ function onNews(): void {
   if (state?.localized?.here) localized.add(state.localized, performance.now());
   else localized.clear();
   showTimeline();
-  const isWhole = isThere(world, shown, performance.now());
-  if (!shown && isWhole && world.tiles.size > 0) begin();
+  const draws = drawsEachFrame(world, shown, performance.now());
+  if (!shown && draws && world.tiles.size > 0) begin();
   const wasOpen = !byId("cell").hidden;
   inspector.show(settings.look, settings.mode);
   if (wasOpen && byId("cell").hidden) inspector.pick(null);  // its map is gone
-  isWhole ? redraw() : connection.drawn();
+  draws ? redraw() : connection.drawn();
 }
 
 /// The first tiles are there: look at them, unless the address says where.
@@ -142,7 +142,7 @@ function look(): void {
   const judged = isPast ? judgePast(judge(state, true, age), clock(rewind.behind / 1000)) : now;
   const status = byId("status");
   showTimeline();
-  if (!shown) redraw();
+  if (!shown && world.tiles.size > 0) redraw();  // what has come of it so far
   settings.write(camera);
   say(status, judged.word);
   status.className = `chip ${judged.mood}`;
