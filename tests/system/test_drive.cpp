@@ -68,9 +68,13 @@ TEST(Drive, OfTheRealProcessesEndsWithAStreetWithCurbs) {
     GTEST_SKIP() << "the recording gives another map, but " << spoiled << ", and lost was "
                  << ::testing::PrintToString(lost);
   EXPECT_EQ(same.exit_status, 0) << "the recording gives the live map, bit for bit, but: " << same.out << same.err;
-  if (!spoiled.empty()) return;
+  const double first_tile = drive.driven_until_first_tile.value_or(100);
+  if (!spoiled.empty() && !(unwell.empty() && first_tile < 0.05 && lost.empty()))
+    GTEST_SKIP() << "the recording gives the live map, but " << spoiled << "; unwell were "
+                 << ::testing::PrintToString(unwell) << ", the first tile was heard after " << first_tile
+                 << " m, and lost was " << ::testing::PrintToString(lost);
   EXPECT_THAT(unwell, ::testing::IsEmpty()) << "a service is silent, or has a fault in good weather";
-  EXPECT_LT(drive.driven_until_first_tile.value_or(100), 0.05) << "the map is shown while the vehicle still stands";
+  EXPECT_LT(first_tile, 0.05) << "the map is shown while the vehicle still stands";
   EXPECT_THAT(lost, ElementsAre());
 }
 
