@@ -20,7 +20,7 @@ target_compile_options(curbstone_options INTERFACE
   # The same bits on every machine: no contraction to fused multiply-add behind our back.
   -ffp-contract=off
   # A name of one file may hide one of another file of its batch. In a batch g++ 12 also warns falsely of what it
-  # has inlined from std::string and std::vector; preset ci, without batches, has these warnings on.
+  # has inlined from std::string and std::vector; preset single, without batches, has these warnings on.
   $<$<BOOL:${CMAKE_UNITY_BUILD}>:-Wno-shadow>
   $<$<AND:$<BOOL:${CMAKE_UNITY_BUILD}>,$<CXX_COMPILER_ID:GNU>>:-Wno-array-bounds;-Wno-stringop-overflow>
   # The compiler collects its garbage beyond 1 GB only: a fifth less time where Eigen, Ceres or Beast fill its memory, which
@@ -31,7 +31,7 @@ if(CURBSTONE_WERROR)
 endif()
 if(CURBSTONE_SANITIZE)
   target_compile_options(curbstone_options INTERFACE -fsanitize=${CURBSTONE_SANITIZE} -fno-omit-frame-pointer -O1)
-  # Between a sanitizer's checks g++ 12 no longer sees that a std::optional was asked first; preset ci has the warning on.
+  # Between a sanitizer's checks g++ 12 no longer sees that a std::optional was asked first; preset single has the warning on.
   target_compile_options(curbstone_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(curbstone_options INTERFACE -fsanitize=${CURBSTONE_SANITIZE})
   if(CURBSTONE_SANITIZE MATCHES "thread")

@@ -1,5 +1,5 @@
-# What most files include, compiled once: Eigen and the standard library, and GoogleTest for the tests. Preset ci does
-# without in the rooms, so that each file includes what it uses.
+# What most files include, compiled once: Eigen and the standard library, and GoogleTest for the tests. Preset single
+# does without in the rooms, so that each file includes what it uses.
 option(CURBSTONE_PCH "Precompile the headers that most files include" OFF)
 set(curbstone_common_headers
   <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <chrono> <cmath> <cstdint> <deque> <functional> <limits> <map>

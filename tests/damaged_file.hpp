@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 /// Writes nonsense over the middle of a file. What falls within a message is no damage that a log shows: write more
 /// bytes than a message has.
@@ -16,4 +16,4 @@ inline void damage_middle(const std::string& file, std::size_t bytes) {
   out << std::string(bytes, 'x');
 }
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

@@ -1,6 +1,6 @@
 #include "tests/paths.hpp"
 
-namespace curbstone::tests {
+namespace curbstone::test {
 namespace {
 
 std::string joined(std::string_view folder, std::string_view file) {
@@ -27,4 +27,4 @@ std::string program_path(std::string_view name) {
   return joined(CURBSTONE_BUILD_DIR "/bin", name);
 }
 
-}  // namespace curbstone::tests
+}  // namespace curbstone::test

@@ -5,7 +5,7 @@
 
 /// Where things lie on this machine. The paths are compiled into one library: in the command line of every test they
 /// would make the compiler's cache (ccache) useless in any other folder.
-namespace curbstone::tests {
+namespace curbstone::test {
 
 /// A file of the source tree, as source_path("config/ugv.yaml").
 std::string source_path(std::string_view file);
@@ -19,4 +19,4 @@ std::string build_path(std::string_view file);
 /// A program as it was built, as program_path("curbstone-lidar"); the folder of all of them for "".
 std::string program_path(std::string_view name);
 
-}  // namespace curbstone::tests
+}  // namespace curbstone::test

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 /// A folder of its owner's own, whatever other tests run at the same time. It goes with its owner, unless the test
 /// failed: then it stays to be looked at, and its name is printed.
@@ -44,4 +44,4 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

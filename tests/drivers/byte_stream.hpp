@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -41,4 +41,4 @@ inline void append(Bytes& bytes, const Bytes& more) {
   bytes.insert(bytes.end(), more.begin(), more.end());
 }
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

@@ -13,7 +13,7 @@
 #include "tests/drivers/pty.hpp"
 #include "tests/drivers/recorder.hpp"
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 /// A driver as its program runs it, which publishes Message, and an emulated device, at the two ends of a
 /// pseudo-terminal, in real time. The fixture that derives from it owns both.
@@ -69,4 +69,4 @@ class DriverOnAPty : public ::testing::Test {
   std::mt19937 random_{1};
 };
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

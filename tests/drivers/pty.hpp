@@ -15,7 +15,7 @@
 
 #include "tests/temporary_folder.hpp"
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 /// A pseudo-terminal whose other end has a name that stays: a device that can be unplugged and plugged in again.
 class Pty {
@@ -66,4 +66,4 @@ class Pty {
   int fd_ = -1;
 };
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

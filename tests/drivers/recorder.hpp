@@ -5,7 +5,7 @@
 
 #include "common/bus/local_bus.hpp"
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 /// A bus that keeps what a node publishes on one channel.
 template <class Message>
@@ -25,4 +25,4 @@ class Recorder {
   std::vector<Message> messages_;
 };
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

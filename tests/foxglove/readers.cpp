@@ -9,14 +9,14 @@
 
 #include "tests/paths.hpp"
 
-namespace curbstone::testing {
+namespace curbstone::test {
 namespace {
 
 namespace fs = std::filesystem;
 
 /// Tests may run at the same time: the folder gets its name when it is whole.
 bool install(const fs::path& folder) {
-  const fs::path sources = tests::source_path("tests/foxglove");
+  const fs::path sources = test::source_path("tests/foxglove");
   const std::string lock = folder.string() + ".lock";
   const std::string command =
       "mkdir -p " + folder.string() + " && flock " + lock + " sh -c 'cd " + folder.string() +
@@ -34,8 +34,8 @@ bool install(const fs::path& folder) {
 std::optional<std::string> foxglove_packages() {
   static const std::optional<std::string> folder = []() -> std::optional<std::string> {
     if (std::system("command -v node >/dev/null && command -v npm >/dev/null") != 0) return std::nullopt;
-    if (!install(tests::build_path("tests/foxglove"))) return std::nullopt;
-    return tests::build_path("tests/foxglove");
+    if (!install(test::build_path("tests/foxglove"))) return std::nullopt;
+    return test::build_path("tests/foxglove");
   }();
   return folder;
 }
@@ -50,4 +50,4 @@ std::string output_of(const std::string& command) {
   return output;
 }
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

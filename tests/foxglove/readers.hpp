@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 /// The folder in which node finds Foxglove's packages; installed there if it can be. Nothing: there is no node, no npm,
 /// or no registry.
@@ -12,4 +12,4 @@ namespace curbstone::testing {
 /// What a program says; what it says on stderr fails the test.
 [[nodiscard]] std::string output_of(const std::string& command);
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

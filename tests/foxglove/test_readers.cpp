@@ -25,14 +25,14 @@ using nlohmann::json;
 class FoxgloveReaders : public ::testing::Test {
  protected:
   void SetUp() override {
-    const auto packages = testing::foxglove_packages();
+    const auto packages = test::foxglove_packages();
     if (!packages) GTEST_SKIP() << "needs node, npm, and once its registry";
     node_ = "cd " + *packages + " && node ";
-    testing::write_shown_log(path("log"), 12);
+    test::write_shown_log(path("log"), 12);
   }
   [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::string node_;
 };
 
@@ -43,7 +43,7 @@ TEST_F(FoxgloveReaders, ReadTheMcapFileByItsIndexAndFindThePublishedSchemas) {
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     ASSERT_EQ(map_export::run_export(static_cast<int>(argv.size()), argv.data()), 0);
-    const json said = json::parse(testing::output_of(node_ + "read_mcap.mjs " + path("out") + "/drive.mcap"));
+    const json said = json::parse(test::output_of(node_ + "read_mcap.mjs " + path("out") + "/drive.mcap"));
     EXPECT_EQ(said["wrong"], json::array());
     const json& topics = said["topics"];
     EXPECT_EQ(topics["/tf"]["count"], 240);
@@ -90,7 +90,7 @@ TEST_F(FoxgloveReaders, ComeInThroughTheDoorByBothNamesOfTheProtocol) {
     std::atomic<bool> is_over = false;
     std::string output;
     std::thread client([&] {
-      output = testing::output_of(
+      output = test::output_of(
           node_ + "talk.mjs ws://127.0.0.1:" + std::to_string(server.port()) + " " + subprotocol +
           " /tf /pose /map/window /map/whole /curbs /markings /path /lidar /map/points /log /status/lidar");
       is_over = true;

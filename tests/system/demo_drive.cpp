@@ -79,8 +79,8 @@ DemoDrive::DemoDrive(const std::string& source, const std::string& deputy_option
   setenv("DEMO_ENCODER", "", 1);
   setenv("DEMO_LIDAR", "", 1);
   setenv("DEMO_VIEWER", "--set port=0", 1);
-  setenv("CURBSTONE_CONFIG", tests::source_path("config/ugv.yaml").c_str(), 1);
-  deputy_ = std::make_unique<BackgroundProgram>("curbstone-deputy --config " + tests::source_path("procman/demo.cfg") +
+  setenv("CURBSTONE_CONFIG", test::source_path("config/ugv.yaml").c_str(), 1);
+  deputy_ = std::make_unique<BackgroundProgram>("curbstone-deputy --config " + test::source_path("procman/demo.cfg") +
                                                     " --script go --exit-when simulate --log-dir " +
                                                     (folder_ / "logs").string() + " " + deputy_options,
                                                 folder_ / "deputy.out");
@@ -110,7 +110,7 @@ bool DemoDrive::kill_and_see_it_come_back(const std::string& command) {
 std::string DemoDrive::replay() const {
   const std::string file = folder_ / "replayed.db";
   const auto result = run_program("curbstone replay " + (folder_ / "run.lcmlog").string() + " --map " + file +
-                                      " --config " + tests::source_path("config/ugv.yaml"),
+                                      " --config " + test::source_path("config/ugv.yaml"),
                                   100);
   if (result.exit_status != 0) throw std::runtime_error(result.err);
   return file;

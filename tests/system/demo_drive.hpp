@@ -71,7 +71,7 @@ class DemoDrive {
   std::map<std::int64_t, double> driven_;  // m, by utime, until there is a tile
   CpuPressure pressure_;
   double pressure_share_ = 0;  // at the drive's end
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::unique_ptr<BackgroundProgram> deputy_;
 };
 

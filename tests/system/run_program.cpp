@@ -13,7 +13,7 @@ namespace curbstone::system_test {
 
 namespace {
 
-const std::string kPath = "PATH=" + tests::program_path("") + ":$PATH; ";
+const std::string kPath = "PATH=" + test::program_path("") + ":$PATH; ";
 
 std::string emptied(const std::string& file) {
   std::ofstream(file, std::ios::trunc).flush();
@@ -32,7 +32,7 @@ void write_file(const std::string& path, const std::string& text) {
 }
 
 ProgramResult run_program(const std::string& command, double seconds) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string line = fmt::format("{}exec timeout -k 2 {} {} >'{}' 2>'{}'", kPath, seconds, command,
                                        (folder / "out").string(), (folder / "err").string());
   ProgramResult result;
@@ -43,7 +43,7 @@ ProgramResult run_program(const std::string& command, double seconds) {
 }
 
 BackgroundProgram::BackgroundProgram(const std::string& command, const std::string& output_file)
-    : bench::faults::BackgroundProgram("env PATH=" + tests::program_path("") + ":\"$PATH\" " + command,
+    : bench::faults::BackgroundProgram("env PATH=" + test::program_path("") + ":\"$PATH\" " + command,
                                        emptied(output_file)) {}
 
 }  // namespace curbstone::system_test

@@ -22,9 +22,9 @@ StreetMapper::StreetMapper(Subscriber& bus, Publisher& publisher) : publisher_(p
 
 void StreetMapper::map_scan(std::int64_t now) {
   x_ += kSpeed * static_cast<double>(kScan) * 1e-6;
-  std::vector<Eigen::Vector3d> points = testing_clouds::street(kPointsPerScan, ++scan_);
+  std::vector<Eigen::Vector3d> points = test_clouds::street(kPointsPerScan, ++scan_);
   for (Eigen::Vector3d& p : points) p.x() += x_;
-  for (const auto& [key, fresh] : testing_clouds::as_tiles(points)) {
+  for (const auto& [key, fresh] : test_clouds::as_tiles(points)) {
     std::vector<TilePoint>& tile = tiles_[key];
     const std::size_t before = tile.size();
     tile.insert(tile.end(), fresh.begin(), fresh.end());

@@ -25,7 +25,7 @@ class StreetMapper {
   void tick(std::int64_t now, bool driving);
 
   /// All that has been mapped.
-  [[nodiscard]] const testing_clouds::Tiles& tiles() const { return tiles_; }
+  [[nodiscard]] const test_clouds::Tiles& tiles() const { return tiles_; }
 
  private:
   void map_scan(std::int64_t now);
@@ -33,7 +33,7 @@ class StreetMapper {
 
   Publisher& publisher_;
   TileCatalog catalog_{"mapper", "MAP_POINTS"};
-  testing_clouds::Tiles tiles_;
+  test_clouds::Tiles tiles_;
   unsigned scan_ = 0;
   double x_ = 0;  // m, of the vehicle
   std::int64_t last_scan_ = 0;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/log/log_writer.hpp"
+#include "tests/stamps.hpp"
 #include "tests/system/run_program.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -20,7 +21,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;
+using test::kStart;
 
 class BadLogs : public ::testing::Test {
  protected:
@@ -39,7 +40,7 @@ class BadLogs : public ::testing::Test {
     return run_program("curbstone replay " + log_ + " --map " + (folder_ / "map.db").string(), 60);
   }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::string log_ = folder_ / "drive.lcmlog";
 };
 

@@ -48,7 +48,7 @@ TEST(BadStarts, AModbusGatewayThatIsNoAddress) {
 
 TEST(BadStarts, AMapThatCannotBeWritten) {
   expect_refused("curbstone-semantic-map --set map=/proc/nowhere/map.db", "/proc/nowhere/map.db");
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   write_file(folder / "map.db", "this is a letter, not a map\n");
   expect_refused("curbstone-semantic-map --set map=" + (folder / "map.db").string(), "map.db");
   EXPECT_EQ(read_file(folder / "map.db"), "this is a letter, not a map\n") << "left as it was";

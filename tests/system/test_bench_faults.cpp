@@ -11,11 +11,11 @@ namespace curbstone::system_test {
 namespace {
 
 TEST(BenchFaults, MeasuresADriveInWhichAProcessIsKilled) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string json = folder / "figures.json";
   const auto run =
       run_program("curbstone-bench faults --only 'kill -9 semantic_map' --seconds 12 --json " + json + " --procman " +
-                      tests::source_path("procman/demo.cfg") + " --config " + tests::source_path("config/ugv.yaml"),
+                      test::source_path("procman/demo.cfg") + " --config " + test::source_path("config/ugv.yaml"),
                   250);
   ASSERT_EQ(run.exit_status, 0) << run.err;
   const auto figures = nlohmann::json::parse(std::ifstream(json));
@@ -31,11 +31,11 @@ TEST(BenchFaults, MeasuresADriveInWhichAProcessIsKilled) {
 }
 
 TEST(BenchFaults, KeepsOffABusOnWhichADeputyIs) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   write_file(folder / "test.cfg", "cmd \"a\" { exec = \"sleep 1000\"; deputy = \"d\"; }");
   BackgroundProgram deputy("curbstone-deputy --config " + (folder / "test.cfg").string(), folder / "output");
-  const auto run = run_program("curbstone-bench faults --procman " + tests::source_path("procman/demo.cfg") +
-                                   " --config " + tests::source_path("config/ugv.yaml"),
+  const auto run = run_program("curbstone-bench faults --procman " + test::source_path("procman/demo.cfg") +
+                                   " --config " + test::source_path("config/ugv.yaml"),
                                60);
   EXPECT_EQ(run.exit_status, 1);
   EXPECT_THAT(run.err, ::testing::HasSubstr("a deputy is on this bus already"));

@@ -11,12 +11,12 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::string kVehicle = tests::source_path("config/ugv.yaml");
+const std::string kVehicle = test::source_path("config/ugv.yaml");
 
 class EveryProgram : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(EveryProgram, LoadsTheVehiclesFileAndDumpsWhatItMakesOfIt) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto result = run_program(std::string("curbstone-") + GetParam() + " --config " + kVehicle + " --dump-config");
   EXPECT_EQ(result.exit_status, 0) << result.err;
   EXPECT_EQ(result.err, "");
@@ -32,7 +32,7 @@ TEST_P(EveryProgram, NeedsNoFileAtAll) {
 }
 
 TEST_P(EveryProgram, NamesFileLineAndTheNearestKeyForAnUnknownOne) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   std::string section = GetParam();
   std::replace(section.begin(), section.end(), '-', '_');
   write_file(folder / "bad.yaml", "# a comment\n" + section + ":\n  no_such_key: 1\n");
@@ -45,7 +45,7 @@ TEST_P(EveryProgram, NamesFileLineAndTheNearestKeyForAnUnknownOne) {
 }
 
 TEST(Services, YieldToOthersWhenToldTo) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   BackgroundProgram program("curbstone-ekf --nice 7", folder / "output");
   for (int i = 0; i < 500 && getpriority(PRIO_PROCESS, static_cast<id_t>(program.pid())) != 7; ++i) usleep(10'000);
   EXPECT_EQ(getpriority(PRIO_PROCESS, static_cast<id_t>(program.pid())), 7) << program.output();

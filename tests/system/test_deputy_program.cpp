@@ -32,7 +32,7 @@ class DeputyProgram : public ::testing::Test {
   bool wait_for_pid(const std::string& id) {
     return bus_.wait_until([&] { return bus_.pid(id) > 0; }, 10);
   }
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   bench::faults::WatchedBus bus_;
 };
 

@@ -40,7 +40,7 @@ script "go" { start group "g" wait "running"; }
     }
     return false;
   }
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::unique_ptr<BackgroundProgram> deputy_;
 };
 

@@ -8,6 +8,7 @@
 #include "services/tensor_voting/worker/tensor_voting_node.hpp"
 #include "tests/services/relay/second_host.hpp"
 #include "tests/services/tensor_voting/voting_world.hpp"
+#include "tests/stamps.hpp"
 #include "tests/system/street_mapper.hpp"
 #include "tests/system/worker_link.hpp"
 #include "tests/temporary_folder.hpp"
@@ -15,20 +16,20 @@
 namespace curbstone::system_test {
 namespace {
 
-using testing_world::Listener;
+using test_world::Listener;
 
-constexpr std::int64_t kSecond = 1'000'000;
+using test::kSecond;
 constexpr std::int64_t kTooLate = 400'000;  // us: a test that comes to its turn so late says nothing about times
 const std::string kOne = "tensor_voting:1";
 const std::string kTwo = "tensor_voting:2";
 
 /// What one worker publishes to which nothing happens, of the whole map at once.
-auto undisturbed(const testing_clouds::Tiles& tiles) {
+auto undisturbed(const test_clouds::Tiles& tiles) {
   LocalBus bus;
   const tensor_voting::worker::TensorVotingConfig config;
   tensor_voting::worker::TensorVotingNode worker(config, kOne, bus);
   worker.connect(bus);
-  testing_world::Listener listener(bus, bus);
+  test_world::Listener listener(bus, bus);
   listener.start_epoch(StreetMapper::kEpoch);
   for (const auto& [key, points] : tiles) {
     map_points_t message{};
@@ -168,10 +169,10 @@ class VotingStreet : private Publisher {
     for (const auto& link : links) link->send(channel, data, size);
   }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   LocalBus local_;
   StreetMapper mapper_;
-  testing_world::Listener listener_;
+  test_world::Listener listener_;
   std::int64_t last_turn_ = 0;
 };
 
@@ -221,7 +222,7 @@ TEST(VotingWorkers, OnAnotherHostConvergeAfterTheCableWasOut) {
   const relay::SecondHost second_host;
   VotingStreet street(1, 0);
   WorkerLink& bus = *street.links.front();
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto command = "curbstone-relay --lcm-url '" + bus.url() + "' --set 'peers=\"192.168.2.1, 192.168.2.2\"'";
   BackgroundProgram relay_here(command, folder / "here.out");
   BackgroundProgram relay_there(second_host.prefix() + command, folder / "there.out");

@@ -28,7 +28,7 @@ struct EncodedMessage {
 
 }  // namespace
 
-WorkerLink::WorkerLink(int port, double loss, unsigned seed, LocalBus& local, const testing::TemporaryFolder& folder)
+WorkerLink::WorkerLink(int port, double loss, unsigned seed, LocalBus& local, const test::TemporaryFolder& folder)
     : url_(fmt::format("udpm://239.255.76.67:{}?ttl=0&recv_buf_size=4194304", port)),
       bus_(url_),
       loss_(loss),

@@ -23,7 +23,7 @@ namespace curbstone::system_test {
 class WorkerLink {
  public:
   /// What the workers say goes to `local`.
-  WorkerLink(int port, double loss, unsigned seed, LocalBus& local, const testing::TemporaryFolder& folder);
+  WorkerLink(int port, double loss, unsigned seed, LocalBus& local, const test::TemporaryFolder& folder);
 
   /// `prefix`: before the command.
   void start(const std::string& worker, const std::string& prefix = "");
@@ -51,7 +51,7 @@ class WorkerLink {
   LcmBus bus_;
   double loss_;
   std::mt19937 random_;
-  const testing::TemporaryFolder& folder_;
+  const test::TemporaryFolder& folder_;
   std::map<std::string, std::unique_ptr<BackgroundProgram>> workers_;
   std::set<std::string> killed_;
 };

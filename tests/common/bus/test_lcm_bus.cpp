@@ -166,7 +166,7 @@ TEST(LcmBus, BadUrlIsOneClearError) {
 }
 
 TEST(LcmBus, ReadsBackALog) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "bus.lcmlog";
   {
     LcmBus out("file://" + file + "?mode=w");

@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <string>
 
+#include "tests/stamps.hpp"
+
 namespace curbstone {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000;
+using test::kSecond;
 
 /// A second of 1000 packets of which `refused` are, in turn for two causes, the second of which is rarer.
 void feed(RefusalShare& share, std::int64_t from, int refused) {

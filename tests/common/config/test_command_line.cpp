@@ -21,7 +21,7 @@ struct Reading {
   std::string err;
 };
 
-Reading read(CommandLine& line, std::vector<const char*> words) {
+Reading read_words(CommandLine& line, std::vector<const char*> words) {
   words.insert(words.begin(), "program");
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();
@@ -32,7 +32,7 @@ Reading read(CommandLine& line, std::vector<const char*> words) {
   return reading;
 }
 
-enum class Colour { kRed, kGreen };
+enum class Paint { kRed, kGreen };
 
 /// A command line with one option of each kind.
 struct CommandLineTest : ::testing::Test {
@@ -51,7 +51,7 @@ struct CommandLineTest : ::testing::Test {
     const auto set_option = line.option("--set", set, "assignments").one_each();
     line.option("--folder", folder, "a folder").existing_folder();
     line.flag("--quiet", quiet, "says less").excludes(set_option);
-    line.choice("--colour", colour, {{"red", Colour::kRed}, {"green", Colour::kGreen}}, "a colour");
+    line.choice("--colour", colour, {{"red", Paint::kRed}, {"green", Paint::kGreen}}, "a colour");
     line.version("1.2.3");
   }
 
@@ -65,25 +65,25 @@ struct CommandLineTest : ::testing::Test {
   std::vector<std::uint64_t> sizes;
   std::vector<double> decays;
   bool quiet = false;
-  Colour colour = Colour::kGreen;
+  Paint colour = Paint::kGreen;
   CommandLine line{"Does something", "curbstone test"};
 };
 
 TEST_F(CommandLineTest, WhatIsNotGivenStaysAsItWas) {
-  EXPECT_EQ(read(line, {"a.log"}).status, std::nullopt);
+  EXPECT_EQ(read_words(line, {"a.log"}).status, std::nullopt);
   EXPECT_EQ(log, "a.log");
   EXPECT_EQ(name, "ekf");
   EXPECT_EQ(port, 80);
   EXPECT_THAT(parts, ElementsAre("scans"));
   EXPECT_FALSE(quiet);
-  EXPECT_EQ(colour, Colour::kGreen);
+  EXPECT_EQ(colour, Paint::kGreen);
   EXPECT_FALSE(line.given("--port"));
 }
 
 TEST_F(CommandLineTest, ValuesOfEveryKindAreRead) {
   const Reading reading =
-      read(line, {"-n", "imu", "--seconds=2.5", "--port", "7", "--utime", "-9223372036854775808", "--seed",
-                  "18446744073709551615", "--range", "0", "--decays", "0.1,1e-3", "--colour", "red", "a.log"});
+      read_words(line, {"-n", "imu", "--seconds=2.5", "--port", "7", "--utime", "-9223372036854775808", "--seed",
+                        "18446744073709551615", "--range", "0", "--decays", "0.1,1e-3", "--colour", "red", "a.log"});
   EXPECT_EQ(reading.status, std::nullopt) << reading.err;
   EXPECT_EQ(name, "imu");
   EXPECT_EQ(seconds, 2.5);
@@ -92,25 +92,25 @@ TEST_F(CommandLineTest, ValuesOfEveryKindAreRead) {
   EXPECT_EQ(seed, std::numeric_limits<std::uint64_t>::max());
   EXPECT_EQ(range, 0);
   EXPECT_THAT(decays, ElementsAre(0.1, 1e-3));
-  EXPECT_EQ(colour, Colour::kRed);
+  EXPECT_EQ(colour, Paint::kRed);
   EXPECT_TRUE(line.given("--port"));
   EXPECT_TRUE(line.given("--name"));
 }
 
 TEST_F(CommandLineTest, ACommaSeparatedListReplacesItsDefault) {
-  EXPECT_EQ(read(line, {"a.log", "--parts", "drives,scans", "--sizes", "1,2,3"}).status, std::nullopt);
+  EXPECT_EQ(read_words(line, {"a.log", "--parts", "drives,scans", "--sizes", "1,2,3"}).status, std::nullopt);
   EXPECT_THAT(parts, ElementsAre("drives", "scans"));
   EXPECT_THAT(sizes, ElementsAre(1, 2, 3));
 }
 
 TEST_F(CommandLineTest, AListOfOneEachLeavesWhatStandsBehindAlone) {
-  EXPECT_EQ(read(line, {"--set", "a=1", "--set", "b=2", "a.log"}).status, std::nullopt);
+  EXPECT_EQ(read_words(line, {"--set", "a=1", "--set", "b=2", "a.log"}).status, std::nullopt);
   EXPECT_THAT(set, ElementsAre("a=1", "b=2"));
   EXPECT_EQ(log, "a.log");
 }
 
 TEST_F(CommandLineTest, HelpAndVersionArePrintedAndEndTheProgramWell) {
-  const Reading help = read(line, {"--help"});
+  const Reading help = read_words(line, {"--help"});
   EXPECT_THAT(help.status, Optional(0));
   EXPECT_THAT(help.out, HasSubstr("Does something"));
   EXPECT_THAT(help.out, HasSubstr("curbstone test [OPTIONS] log"));
@@ -120,7 +120,7 @@ TEST_F(CommandLineTest, HelpAndVersionArePrintedAndEndTheProgramWell) {
   EXPECT_THAT(help.out, HasSubstr("{red,green}"));
   EXPECT_THAT(help.out, HasSubstr("\nMore:\n"));
   EXPECT_THAT(help.err, IsEmpty());
-  const Reading version = read(line, {"--version"});
+  const Reading version = read_words(line, {"--version"});
   EXPECT_THAT(version.status, Optional(0));
   EXPECT_EQ(version.out, "1.2.3\n");
 }
@@ -151,7 +151,7 @@ TEST_F(CommandLineTest, WhatIsWrongIsNamedAndEndsTheProgramWithTwo) {
       {{"a.log", "--set", "a=1", "--quiet"}, "excludes"},
   };
   for (const auto& [words, named] : wrong) {
-    const Reading reading = read(line, words);
+    const Reading reading = read_words(line, words);
     EXPECT_THAT(reading.status, Optional(2)) << named;
     EXPECT_THAT(reading.err, HasSubstr(named));
     EXPECT_THAT(reading.err, HasSubstr("Run with --help for more information."));
@@ -160,7 +160,7 @@ TEST_F(CommandLineTest, WhatIsWrongIsNamedAndEndsTheProgramWithTwo) {
 }
 
 TEST_F(CommandLineTest, WhatTheProgramItselfRefusesReadsTheSame) {
-  ASSERT_EQ(read(line, {"a.log"}).status, std::nullopt);
+  ASSERT_EQ(read_words(line, {"a.log"}).status, std::nullopt);
   ::testing::internal::CaptureStderr();
   EXPECT_EQ(line.refuse("--seed and --utime belong together"), 2);
   EXPECT_EQ(::testing::internal::GetCapturedStderr(),
@@ -169,7 +169,7 @@ TEST_F(CommandLineTest, WhatTheProgramItselfRefusesReadsTheSame) {
 
 TEST(CommandLine, IsCalledAsTheProgramWasUnlessItIsNamed) {
   CommandLine line("Does something");
-  const Reading help = read(line, {"-h"});
+  const Reading help = read_words(line, {"-h"});
   EXPECT_THAT(help.out, HasSubstr("Usage: program [OPTIONS]"));
   EXPECT_THAT(help.out, Not(HasSubstr("--version")));
 }

@@ -87,21 +87,21 @@ TEST(Config, AKeyThatStandsTwiceIsRefusedWithBothLines) {
       << "a node that holds itself ends";
 }
 
-enum class Colour { kRed, kGreen };
+enum class Varnish { kRed, kGreen };
 struct Painted {
-  Colour colour = Colour::kGreen;
+  Varnish colour = Varnish::kGreen;
   void visit(ConfigVisitor& v) {
-    v.choice("colour", colour, {{"red", Colour::kRed}, {"green", Colour::kGreen}}, "of the paint");
+    v.choice("colour", colour, {{"red", Varnish::kRed}, {"green", Varnish::kGreen}}, "of the paint");
   }
 };
 
 TEST(Config, WordsStandForTheValuesOfAnEnumeration) {
   ConfigOf<Painted> config;
   parse_config("ekf: {}", "x", "ekf", kSections, config);
-  EXPECT_EQ(config.value.colour, Colour::kGreen) << "the default stays";
+  EXPECT_EQ(config.value.colour, Varnish::kGreen) << "the default stays";
   EXPECT_THAT(dump_config("ekf", config), HasSubstr("colour: green  # of the paint (red | green)"));
   parse_config("ekf: {colour: red}", "x", "ekf", kSections, config);
-  EXPECT_EQ(config.value.colour, Colour::kRed);
+  EXPECT_EQ(config.value.colour, Varnish::kRed);
   EXPECT_THAT(dump_config("ekf", config), HasSubstr("colour: red  #"));
   try {
     parse_config("ekf: {colour: reed}", "x", "ekf", kSections, config);
@@ -109,7 +109,7 @@ TEST(Config, WordsStandForTheValuesOfAnEnumeration) {
   } catch (const ConfigError& error) {
     EXPECT_STREQ(error.what(), "x:1: ekf.colour: 'reed' is not one of red, green");
   }
-  EXPECT_EQ(config.value.colour, Colour::kRed) << "what is refused changes nothing";
+  EXPECT_EQ(config.value.colour, Varnish::kRed) << "what is refused changes nothing";
 }
 
 struct WithVehicle {

@@ -63,7 +63,7 @@ class DamagedLog : public ::testing::Test {
     return static_cast<int>(after - begins_.begin()) - 1;
   }
 
-  testing::TemporaryFolder folder_ = testing::TemporaryFolder::in_memory();
+  test::TemporaryFolder folder_ = test::TemporaryFolder::in_memory();
   std::string file_ = folder_ / "damaged.lcmlog";
   std::vector<std::int64_t> begins_;
   std::string whole_;

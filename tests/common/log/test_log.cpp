@@ -29,7 +29,7 @@ void write_log(const std::string& file, int events) {
 }
 
 TEST(Log, ReadsBackWhatWasWritten) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   write_log(folder / "whole.lcmlog", 3);
   LogReader reader(folder / "whole.lcmlog");
   for (int i = 0; i < 3; ++i) {
@@ -46,7 +46,7 @@ TEST(Log, ReadsBackWhatWasWritten) {
 }
 
 TEST(Log, SaysWhenItIsCutOff) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "cut.lcmlog";
   write_log(file, 3);
   std::filesystem::resize_file(file, std::filesystem::file_size(file) - 10);
@@ -59,7 +59,7 @@ TEST(Log, SaysWhenItIsCutOff) {
 }
 
 TEST(Log, RefusesWhatIsNoLogInOneLine) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   std::ofstream(folder / "text") << "no log\n";
   for (const std::string path : {folder / "text", folder / "absent", folder.path()}) {
     try {

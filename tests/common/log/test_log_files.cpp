@@ -24,7 +24,7 @@ class LogFilesTest : public ::testing::Test {
     return times;
   }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(LogFilesTest, ASplitDriveIsTheWholeOneEvenIfItsTimesAreNotInOrder) {

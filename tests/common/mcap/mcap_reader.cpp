@@ -8,7 +8,7 @@
 #include <set>
 #include <stdexcept>
 
-namespace curbstone::testing {
+namespace curbstone::test {
 namespace {
 
 const std::string kMagic = "\x89MCAP0\r\n";
@@ -275,4 +275,4 @@ McapFile read_mcap(const std::string& bytes) {
   return file;
 }
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

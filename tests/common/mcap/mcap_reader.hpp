@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 /// Reads a whole MCAP file strictly by https://mcap.dev/spec, and by nothing of the writer. Whatever does not agree, a
 /// checksum, an index, a count, is a line in `errors`.
@@ -42,4 +42,4 @@ struct McapFile {
 
 [[nodiscard]] McapFile read_mcap(const std::string& bytes);
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

@@ -9,10 +9,10 @@
 namespace curbstone {
 namespace {
 
+using test::McapFile;
+using test::read_mcap;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
-using testing::McapFile;
-using testing::read_mcap;
 
 /// One JSON message {} of 7 ns, made by hand from the specification, checksums by Python's zlib.
 constexpr std::string_view kOneMessage =

@@ -2,13 +2,15 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/stamps.hpp"
+
 namespace curbstone {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kSecond = 1'000'000;
+using test::kSecond;
 
 class FaultLinesTest : public ::testing::Test {
  protected:

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/stamps.hpp"
+
 namespace curbstone {
 namespace {
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
+using test::kStart;
 
 /// Samples each 10 ms for `seconds`, whose stamps lie `behind` us before their arrivals; each fifth is 30 ms later.
 std::int64_t feed(ArrivalGap& gap, std::int64_t from, int seconds, std::int64_t behind) {

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/stamps.hpp"
+
 namespace curbstone {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000;
+using test::kSecond;
 constexpr std::int64_t kWall = 1'700'000'000 * kSecond;  // us, when the steady clock stands at 0
 
 /// Reads once a second, as a service does.

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/stamps.hpp"
+
 namespace curbstone {
 namespace {
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
+using test::kStart;
 
 TEST(ReplayPace, SpacesItemsAsTheyWereRecorded) {
   ReplayPace pace(2.0);

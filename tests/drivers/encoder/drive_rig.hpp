@@ -12,7 +12,7 @@
 #include "tests/drivers/recorder.hpp"
 #include "tools/simulate/devices/can_drive_emulator.hpp"
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 /// The driver and an emulated drive on a bus with delays, on a clock that the test turns.
 class DriveRig {
@@ -98,4 +98,4 @@ class DriveRig {
   encoder::EncoderNode node;
 };
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

@@ -39,7 +39,7 @@ class EncoderOnABus : public ::testing::Test {
     }
   }
   [[nodiscard]] static double seconds_of(const wheels_t& m) {
-    return static_cast<double>(m.utime - testing::DriveRig::kStart) * 1e-6;
+    return static_cast<double>(m.utime - test::DriveRig::kStart) * 1e-6;
   }
   /// The drive's position frame of a moment.
   [[nodiscard]] can::CanFrame positions(std::int64_t at) const {
@@ -52,7 +52,7 @@ class EncoderOnABus : public ::testing::Test {
     return frame;
   }
 
-  testing::DriveRig rig_;
+  test::DriveRig rig_;
 };
 
 /// A drive that the driver sets up, and that has run for 2 s.
@@ -78,7 +78,7 @@ class EncoderThatListens : public EncoderOnABus {
   }
 
   std::mt19937 random_{1};
-  double at_ = static_cast<double>(testing::DriveRig::kStart);
+  double at_ = static_cast<double>(test::DriveRig::kStart);
   std::int64_t ticked_ = 0;
 
  private:

@@ -10,13 +10,13 @@
 namespace curbstone::encoder {
 namespace {
 
+using test::DriveRig;
 using ::testing::Contains;
-using testing::DriveRig;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 TEST(EncoderNodeTest, SetsUpADriveAndPublishesWheelsThatGoForward) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.drive.set_enabled(true);
   rig.run_for(3'000'000);
@@ -36,7 +36,7 @@ TEST(EncoderNodeTest, SetsUpADriveAndPublishesWheelsThatGoForward) {
 }
 
 TEST(EncoderNodeTest, CountsAreUnwrappedAcrossInt32) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   rig.first_count = 0x7FFFFFFF - 2000;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(3'000'000);
@@ -46,7 +46,7 @@ TEST(EncoderNodeTest, CountsAreUnwrappedAcrossInt32) {
 }
 
 TEST(EncoderNodeTest, JitterAndBunchesDoNotReachTheStampsOrTheSpeeds) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   std::mt19937 random(5);
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
@@ -72,7 +72,7 @@ TEST(EncoderNodeTest, JitterAndBunchesDoNotReachTheStampsOrTheSpeeds) {
 }
 
 TEST(EncoderNodeTest, LostSamplesAreCountedAndDoNotDoubleTheSpeed) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   std::mt19937 random(6);
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
@@ -90,7 +90,7 @@ TEST(EncoderNodeTest, LostSamplesAreCountedAndDoNotDoubleTheSpeed) {
 }
 
 TEST(EncoderNodeTest, AFrameThatComesTwiceIsUsedOnceAndMovesNoStamp) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   rig.run_for(2'000'000);
   const std::size_t before = rig.messages().size();
   int positions = 0;
@@ -106,7 +106,7 @@ TEST(EncoderNodeTest, AFrameThatComesTwiceIsUsedOnceAndMovesNoStamp) {
 
 TEST(EncoderNodeTest, ABusyHostLosesNothingWhateverTheWheelsDo) {
   for (const double speed : {0.0, 0.5, 10.0}) {
-    testing::DriveRig rig;
+    test::DriveRig rig;
     std::mt19937 random(8);
     rig.speed = speed;
     rig.receive(rig.now, rig.drive.power_on(rig.now));
@@ -125,7 +125,7 @@ TEST(EncoderNodeTest, ABusyHostLosesNothingWhateverTheWheelsDo) {
 }
 
 TEST(EncoderNodeTest, AHostThatIsLateForGoodWhileDrivingLosesNothing) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
   rig.delay = [](const can::CanFrame&) { return std::int64_t{9'500}; };
@@ -134,7 +134,7 @@ TEST(EncoderNodeTest, AHostThatIsLateForGoodWhileDrivingLosesNothing) {
 }
 
 TEST(EncoderNodeTest, AHostThatSleptReadsWhatItMissedAtItsOwnTimes) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
   rig.sleep_for(900'000);
@@ -153,12 +153,12 @@ TEST(EncoderNodeTest, WhatCameInABunchBeforeTheFirstPunctualSampleIsNotLost) {
   for (const std::int64_t busy : {0, 8'000, 25'000, 70'000, 180'000}) {  // us that the host is at first
     EncoderConfig config;
     config.configure = false;
-    testing::Recorder<wheels_t> recorder("WHEELS");
+    test::Recorder<wheels_t> recorder("WHEELS");
     EncoderNode node(config, recorder.bus());
     std::mt19937 random(4);
     for (int i = 0; i < 100; ++i) {
       const std::int64_t late = 200 + static_cast<std::int64_t>(random() % 2'000);
-      const std::int64_t received = testing::DriveRig::kStart + std::max(busy, 10'000 * i + late);
+      const std::int64_t received = test::DriveRig::kStart + std::max(busy, 10'000 * i + late);
       const auto count = static_cast<std::uint16_t>(40 * i);
       const auto low = static_cast<std::uint8_t>(count), high = static_cast<std::uint8_t>(count >> 8);
       node.on_frame(received, can::CanFrame::make(0x181, {low, high, 0, 0, 0, 0, 0, 0}));
@@ -170,14 +170,13 @@ TEST(EncoderNodeTest, WhatCameInABunchBeforeTheFirstPunctualSampleIsNotLost) {
       const wheels_t& m = recorder.messages()[static_cast<std::size_t>(i)];
       EXPECT_EQ(m.sequence, i);
       EXPECT_EQ(m.counts[0], 40 * i);
-      EXPECT_NEAR(static_cast<double>(m.utime - testing::DriveRig::kStart), 10'000.0 * i + 400, 400)
-          << busy << ' ' << i;
+      EXPECT_NEAR(static_cast<double>(m.utime - test::DriveRig::kStart), 10'000.0 * i + 400, 400) << busy << ' ' << i;
     }
   }
 }
 
 TEST(EncoderNodeTest, LossesWhileStandingAreFoundInHindsight) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   rig.speed = 0;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
@@ -193,7 +192,7 @@ TEST(EncoderNodeTest, LossesWhileStandingAreFoundInHindsight) {
 }
 
 TEST(EncoderNodeTest, ADriveThatRestartsIsSetUpAgainAndTheAngleGoesOn) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
   const wheels_t before = rig.messages().back();
@@ -208,7 +207,7 @@ TEST(EncoderNodeTest, ADriveThatRestartsIsSetUpAgainAndTheAngleGoesOn) {
 }
 
 TEST(EncoderNodeTest, ASilentDriveIsAFaultAndIsSetUpWhenItIsBack) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
   rig.connected = false;
@@ -224,7 +223,7 @@ TEST(EncoderNodeTest, ASilentDriveIsAFaultAndIsSetUpWhenItIsBack) {
 }
 
 TEST(EncoderNodeTest, AStopBySomebodyElseIsNoticed) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(2'000'000);
   rig.drive.on_frame(rig.now, canopen::nmt(canopen::NmtCommand::kPreOperational, 0));
@@ -234,7 +233,7 @@ TEST(EncoderNodeTest, AStopBySomebodyElseIsNoticed) {
 }
 
 TEST(EncoderNodeTest, FaultsOfTheDriveAreToldByWheelAndByName) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.drive.set_enabled(true);
   rig.run_for(2'000'000);
@@ -249,7 +248,7 @@ TEST(EncoderNodeTest, FaultsOfTheDriveAreToldByWheelAndByName) {
 }
 
 TEST(EncoderNodeTest, OneCorruptedSampleIsRefusedAndTheNextIsRight) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);
   const double angle = rig.messages().back().angle[0];
@@ -260,7 +259,7 @@ TEST(EncoderNodeTest, OneCorruptedSampleIsRefusedAndTheNextIsRight) {
 }
 
 TEST(EncoderNodeTest, ASampleThatIsAPeriodLateAfterTwoCorruptOnesKeepsItsTime) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   int positions = 0;
   rig.corrupt = [&](can::CanFrame& frame) {
     if (frame.id == 0x181 && (positions == 300 || positions == 301)) frame.data[3] ^= 0x40;
@@ -279,7 +278,7 @@ TEST(EncoderNodeTest, ASampleThatIsAPeriodLateAfterTwoCorruptOnesKeepsItsTime) {
 }
 
 TEST(EncoderNodeTest, ATimerInAnotherUnitIsToldAndTheSpeedsStayRight) {
-  testing::DriveRig rig({}, {.event_timer_unit = 1000});  // by the standard: 20 ms, not 10
+  test::DriveRig rig({}, {.event_timer_unit = 1000});  // by the standard: 20 ms, not 10
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.drive.on_frame(rig.now, {});
   rig.speed = 0;  // standing: only the event timer sends
@@ -290,11 +289,11 @@ TEST(EncoderNodeTest, ATimerInAnotherUnitIsToldAndTheSpeedsStayRight) {
 TEST(EncoderNodeTest, ListensOnlyWhereAnotherMasterIsInCharge) {
   EncoderConfig config;
   config.configure = false;
-  testing::Recorder<wheels_t> recorder("WHEELS");
+  test::Recorder<wheels_t> recorder("WHEELS");
   int sent = 0;
   EncoderNode node(config, recorder.bus(), [&](const can::CanFrame&) { ++sent; });
   for (int i = 0; i < 200; ++i) {
-    const std::int64_t now = testing::DriveRig::kStart + i * 10'000;
+    const std::int64_t now = test::DriveRig::kStart + i * 10'000;
     node.on_frame(now, can::CanFrame::make(0x181, {static_cast<std::uint8_t>(i), 0, 0, 0, 0, 0, 0, 0}));
     node.tick(now);
   }
@@ -303,7 +302,7 @@ TEST(EncoderNodeTest, ListensOnlyWhereAnotherMasterIsInCharge) {
 }
 
 TEST(EncoderNodeTest, ManyRefusedFramesAreAFaultThatNamesTheCause) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(2'000'000);
   for (int i = 0; i < 200; ++i) {
@@ -321,7 +320,7 @@ TEST(EncoderNodeTest, ManyRefusedFramesAreAFaultThatNamesTheCause) {
 }
 
 TEST(EncoderNodeTest, FramesOfEveryShapeAreSurvivedAndTheDriveIsReadOn) {
-  testing::DriveRig rig;
+  test::DriveRig rig;
   std::mt19937 random(9);
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.run_for(1'000'000);

@@ -22,7 +22,7 @@ using ::testing::IsEmpty;
 
 /// The driver as the program runs it, and an emulated drive behind an emulated adapter, at the two ends of a
 /// pseudo-terminal, in real time.
-class EncoderOnAPty : public testing::DriverOnAPty<wheels_t> {
+class EncoderOnAPty : public test::DriverOnAPty<wheels_t> {
  protected:
   EncoderOnAPty()
       : DriverOnAPty("WHEELS"),
@@ -127,7 +127,7 @@ TEST(EncoderProgram, SaysInOneLineWhatIsMissingAndStops) {
        {"device=/dev/null", "interface=socketcan --set device=/dev/can0",
         "interface=modbus_tcp --set modbus.host=nowhere", "interface=modbus_rtu --set baud=128000"}) {
     const std::string command =
-        tests::program_path("curbstone-encoder") + " --lcm-url memq:// --set " + what + " 2>&1 >/dev/null";
+        test::program_path("curbstone-encoder") + " --lcm-url memq:// --set " + what + " 2>&1 >/dev/null";
     FILE* output = popen(command.c_str(), "r");
     ASSERT_NE(output, nullptr);
     std::string text(2000, '\0');
@@ -142,7 +142,7 @@ TEST(EncoderProgram, ADeviceThatIsMissingAtTheStartIsWaitedFor) {
   for (const char* what : {"interface=slcan --set device=/dev/no_such_tty",
                            "interface=modbus_rtu --set device=/dev/no_such_tty --set baud=115200",
                            "interface=modbus_tcp --set modbus.host=127.0.0.1 --set modbus.port=1"}) {
-    const std::string command = testing::kStoppedAfter + ("1.5 " + tests::program_path("curbstone-encoder")) +
+    const std::string command = test::kStoppedAfter + ("1.5 " + test::program_path("curbstone-encoder")) +
                                 " --lcm-url memq:// --set " + what + " 2>&1";
     FILE* output = popen(command.c_str(), "r");
     ASSERT_NE(output, nullptr);

@@ -88,7 +88,7 @@ TEST_F(FaultyBus, CountsThatBeginAnewInMidDriveCostTheirDistanceOnly) {
 
 TEST_F(FaultyBus, CountersWrapBothWays) {
   for (const double speed : {10.0, -10.0}) {
-    testing::DriveRig rig;
+    test::DriveRig rig;
     rig.speed = speed;
     rig.first_count = speed > 0 ? 0x7FFFFFFF - 2000 : -0x7FFFFFFF + 2000;
     rig.receive(rig.now, rig.drive.power_on(rig.now));
@@ -161,7 +161,7 @@ TEST_F(AnotherPeriod, AWheelThatStandsAloneIsPublishedAsItIs) {
   send(3, 10'000);
   for (int i = 0; i < 300; ++i, at_ += 10'000) {
     CanFrame frame = positions(static_cast<std::int64_t>(at_));
-    const CanFrame stuck = positions(static_cast<std::int64_t>(testing::DriveRig::kStart) + 3'000'000);
+    const CanFrame stuck = positions(static_cast<std::int64_t>(test::DriveRig::kStart) + 3'000'000);
     std::copy(stuck.data.begin() + 4, stuck.data.end(), frame.data.begin() + 4);
     rig_.node.on_frame(static_cast<std::int64_t>(at_) + 200, frame);
   }

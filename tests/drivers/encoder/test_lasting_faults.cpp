@@ -111,7 +111,7 @@ TEST_P(AnyPeriod, IsFoundBeforeASampleGoesOutAndNoneIsWithheld) {
   const auto sent = static_cast<std::size_t>(std::ceil(10e6 / GetParam()));
   ASSERT_EQ(rig_.messages().size(), sent) << counters();
   for (std::size_t i = 0; i < sent; ++i) {
-    const std::int64_t taken = testing::DriveRig::kStart + static_cast<std::int64_t>(i) * GetParam();
+    const std::int64_t taken = test::DriveRig::kStart + static_cast<std::int64_t>(i) * GetParam();
     ASSERT_NEAR(static_cast<double>(rig_.messages()[i].utime - taken), 250, 250) << i << "\n" << counters();
   }
   expect_true_messages(0.8);

@@ -27,7 +27,7 @@ class WheelsOutputTest : public ::testing::Test {
     return report;
   }
   std::int64_t now_ = 1'700'000'000'000'000;  // us
-  testing::Recorder<wheels_t> recorder_{"WHEELS"};
+  test::Recorder<wheels_t> recorder_{"WHEELS"};
   WheelsOutput output_{recorder_.bus()};
 };
 

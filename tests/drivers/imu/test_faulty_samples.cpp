@@ -9,6 +9,7 @@
 #include "drivers/imu/imu_node.hpp"
 #include "tests/drivers/byte_stream.hpp"
 #include "tests/drivers/recorder.hpp"
+#include "tests/stamps.hpp"
 #include "tools/simulate/devices/xsens_emulator.hpp"
 
 namespace curbstone::imu {
@@ -17,7 +18,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
+using test::kStart;
 
 class FaultySamples : public ::testing::Test {
  protected:
@@ -34,8 +35,8 @@ class FaultySamples : public ::testing::Test {
     sample.orientation = {1, 0, 0, 0};
     if (spoil) spoil(sample);
     EXPECT_TRUE(device_.measuring(now_));
-    testing::Bytes bytes = device_.sample(now_, sample);
-    if (garble) bytes = testing::random_bytes(random_, bytes.size());
+    test::Bytes bytes = device_.sample(now_, sample);
+    if (garble) bytes = test::random_bytes(random_, bytes.size());
     node_.on_bytes(now_ + 200, bytes);
     node_.tick(now_ + 300);
     now_ += 10'000;
@@ -49,7 +50,7 @@ class FaultySamples : public ::testing::Test {
     }
   }
 
-  testing::Recorder<imu_t> recorder_{"IMU"};
+  test::Recorder<imu_t> recorder_{"IMU"};
   simulate::devices::XsensEmulator device_{{.configured = true}};
   ImuNode node_;
   std::int64_t now_ = kStart;

@@ -8,18 +8,19 @@
 
 #include "tests/drivers/byte_stream.hpp"
 #include "tests/drivers/recorder.hpp"
+#include "tests/stamps.hpp"
 #include "tools/simulate/devices/xsens_emulator.hpp"
 
 namespace curbstone::imu {
 namespace {
 
-using testing::Bytes;
+using test::Bytes;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
+using test::kStart;
 
 /// The driver and an emulated device on a line with delays, on a clock that the test turns.
 class ImuNodeTest : public ::testing::Test {
@@ -30,7 +31,7 @@ class ImuNodeTest : public ::testing::Test {
     });
   }
 
-  void deliver(std::int64_t now, const testing::Bytes& bytes) {
+  void deliver(std::int64_t now, const test::Bytes& bytes) {
     if (connected_ && !bytes.empty()) node_->on_bytes(now, bytes);
   }
 
@@ -47,17 +48,17 @@ class ImuNodeTest : public ::testing::Test {
         sample.clipping = clipping_;
         deliver(now_ + delay_(), device_.sample(now_, sample));
       }
-      const testing::Bytes commands = std::exchange(commands_, {});
+      const test::Bytes commands = std::exchange(commands_, {});
       if (connected_ && !commands.empty()) deliver(now_ + 2000, device_.on_bytes(now_ + 1000, commands));
     }
   }
   const std::vector<imu_t>& messages() { return recorder_.messages(); }
   std::int64_t count(std::string_view name) const { return node_->report().counters[name]; }
 
-  testing::Recorder<imu_t> recorder_{"IMU"};
+  test::Recorder<imu_t> recorder_{"IMU"};
   simulate::devices::XsensEmulator device_;
   std::unique_ptr<ImuNode> node_;
-  testing::Bytes commands_;
+  test::Bytes commands_;
   bool connected_ = true;
   std::uint32_t clipping_ = 0;
   std::function<std::int64_t()> delay_ = [] { return 0; };
@@ -194,7 +195,7 @@ TEST_F(ImuNodeTest, GarbageIsCountedToldAndSurvived) {
   connected_ = false;
   for (int i = 0; i < 150; ++i) {
     run_for(20'000);
-    node_->on_bytes(now_, testing::random_bytes(random, 200));
+    node_->on_bytes(now_, test::random_bytes(random, 200));
   }
   EXPECT_THAT(node_->report().faults, Contains(HasSubstr("garbage from the IMU")));
   const std::size_t before = messages().size();
@@ -210,7 +211,7 @@ TEST_F(ImuNodeTest, MoreThanAFewRefusedMessagesAreAFaultThatNamesTheirCause) {
   run_for(2'000'000);
   const auto damage_each = [&](int n) {
     for (int k = 0; k < 200; ++k, now_ += 10'000) {
-      testing::Bytes bytes = device_.sample(now_, {.acceleration = {k % 2 * 1e-3, k % 2 * 1e-3, 9.8 + k % 2 * 1e-3}});
+      test::Bytes bytes = device_.sample(now_, {.acceleration = {k % 2 * 1e-3, k % 2 * 1e-3, 9.8 + k % 2 * 1e-3}});
       if (k % n == 0) bytes[bytes.size() - 2] ^= 0x10;
       deliver(now_, bytes);
       if (k % 2 == 0) node_->tick(now_);

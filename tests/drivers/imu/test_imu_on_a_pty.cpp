@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 /// The driver as the program runs it, and an emulated device, at the two ends of a pseudo-terminal, in real time.
-class ImuOnAPty : public testing::DriverOnAPty<imu_t> {
+class ImuOnAPty : public test::DriverOnAPty<imu_t> {
  protected:
   ImuOnAPty()
       : DriverOnAPty("IMU"),
@@ -89,14 +89,14 @@ int status_of(const std::string& command) {
 }
 
 TEST(ImuProgram, WaitsForADeviceThatIsMissing) {
-  EXPECT_EQ(status_of(testing::kStoppedAfter + "3 " + tests::program_path("curbstone-imu") +
+  EXPECT_EQ(status_of(test::kStoppedAfter + "3 " + test::program_path("curbstone-imu") +
                       " --lcm-url memq:// --set device=/dev/no_such_tty"),
             0)
       << "ended by the signal, cleanly";
 }
 
 TEST(ImuProgram, StopsWhereNoWaitingHelps) {
-  const std::string program = tests::program_path("curbstone-imu") + " --lcm-url memq:// --set ";
+  const std::string program = test::program_path("curbstone-imu") + " --lcm-url memq:// --set ";
   EXPECT_EQ(status_of("timeout 60 " + program + "device=/dev/null"), 1);
   EXPECT_EQ(status_of("timeout 60 " + program + "devcie=/dev/ttyUSB0"), 2);
 }

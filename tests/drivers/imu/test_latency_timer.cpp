@@ -36,7 +36,7 @@ Error error_of(const std::vector<imu_t>& messages, const std::vector<std::int64_
 
 /// 15 seconds of a device whose clock runs fast by 20 ppm, on a line held to ticks with this phase. All times in us.
 Error simulate(int rate, std::int64_t timer, std::int64_t phase) {
-  testing::Recorder<imu_t> recorder("IMU");
+  test::Recorder<imu_t> recorder("IMU");
   ImuConfig config;
   config.configure = false;
   ImuNode node(config, recorder.bus());
@@ -44,7 +44,7 @@ Error simulate(int rate, std::int64_t timer, std::int64_t phase) {
   const std::int64_t start = 1'700'000'000'000'000;
   device.power_on(start);
   std::vector<std::int64_t> truth;
-  testing::Bytes held;
+  test::Bytes held;
   std::int64_t tick = start + phase, next = 0;
   for (std::int64_t k = rate; k < 15 * rate; ++k) {
     next = start + k * 1'000'000 / rate;
@@ -52,7 +52,7 @@ Error simulate(int rate, std::int64_t timer, std::int64_t phase) {
       if (!held.empty()) node.on_bytes(tick, std::exchange(held, {}));
     }
     const double noise = 1e-3 * static_cast<double>(k % 2);  // no sensor is still
-    testing::append(held, device.sample(next, {.acceleration = {noise, noise, 9.8 + noise}}));
+    test::append(held, device.sample(next, {.acceleration = {noise, noise, 9.8 + noise}}));
     truth.push_back(next);
     if (timer == 0) node.on_bytes(next, std::exchange(held, {}));
   }
@@ -79,7 +79,7 @@ TEST(LatencyTimer, TheErrorOfTheStampsIsTheBeatOfSamplesAndTicks) {
 }
 
 /// The same in real time, through a pseudo-terminal and the port's own code.
-class LatencyTimerOnAPty : public testing::DriverOnAPty<imu_t> {
+class LatencyTimerOnAPty : public test::DriverOnAPty<imu_t> {
  protected:
   LatencyTimerOnAPty() : DriverOnAPty("IMU"), node_(config(), recorder_.bus()), link_({pty_.path(), 115200}) {
     link_.attach(loop_, {[this](auto utime, auto bytes) { node_.on_bytes(utime, bytes); },
@@ -90,7 +90,7 @@ class LatencyTimerOnAPty : public testing::DriverOnAPty<imu_t> {
       const auto bytes = device_.sample(now, {.acceleration = {tremor_, tremor_, 9.8 + tremor_}});
       if (bytes.empty()) return;
       truth_.push_back(now);
-      testing::append(held_, bytes);
+      test::append(held_, bytes);
     });
     loop_.every(std::chrono::milliseconds(16), [this] { pty_.write(std::exchange(held_, {})); });
     device_.power_on(wall_clock());
@@ -105,7 +105,7 @@ class LatencyTimerOnAPty : public testing::DriverOnAPty<imu_t> {
   XsensEmulator device_{{.configured = true}};
   std::vector<std::int64_t> truth_;
   double tremor_ = 0;  // m/s^2
-  testing::Bytes held_;
+  test::Bytes held_;
   ImuNode node_;
   serial::SerialLink link_;
 };

@@ -18,6 +18,7 @@
 #include "tests/drivers/byte_stream.hpp"
 #include "tests/drivers/recorder.hpp"
 #include "tests/paths.hpp"
+#include "tests/stamps.hpp"
 #include "tools/simulate/devices/xsens_emulator.hpp"
 
 namespace curbstone::imu {
@@ -28,7 +29,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
+using test::kStart;
 
 struct LastingFault {
   const char* name;
@@ -56,7 +57,7 @@ class ImplausibleImu : public ::testing::TestWithParam<LastingFault> {
   double noise(double sigma) { return std::normal_distribution<>(0, sigma)(random_); }
   std::size_t published() { return recorder_.messages().size(); }
 
-  testing::Recorder<imu_t> recorder_{"IMU"};
+  test::Recorder<imu_t> recorder_{"IMU"};
   simulate::devices::XsensEmulator device_{{.configured = true}};
   ImuNode node_;
   std::int64_t now_ = kStart;
@@ -156,10 +157,10 @@ class Recorded : public ::testing::TestWithParam<int> {};
 
 /// A second of an MTi that lies still, twenty times on end: each of its formats (file 5 has no inertial data).
 TEST_P(Recorded, XsensIsGood) {
-  const std::string file = tests::data_path("imu_xsens/" + std::to_string(GetParam()) + ".output.bin");
-  const testing::Bytes bytes = testing::read_bytes(file);
+  const std::string file = test::data_path("imu_xsens/" + std::to_string(GetParam()) + ".output.bin");
+  const test::Bytes bytes = test::read_bytes(file);
   if (bytes.empty()) GTEST_SKIP() << file << " is not there";
-  testing::Recorder<imu_t> recorder("IMU");
+  test::Recorder<imu_t> recorder("IMU");
   ImuNode node(ImuConfig{.configure = false}, recorder.bus());
   std::int64_t now = kStart;
   for (std::span<const std::uint8_t> rest = bytes; !rest.empty(); rest = rest.subspan(rest[3] + std::size_t{5})) {
@@ -182,7 +183,7 @@ INSTANTIATE_TEST_SUITE_P(Files, Recorded, ::testing::Range(1, 5));
 
 /// The IMU of a small robot with 16-bit steps (2 g, 250 deg/s), 20 Hz, 69 s: it stands, drives and turns.
 TEST(Plausibility, ARealRobotsDriveIsGood) {
-  const testing::Bytes log = testing::read_bytes(tests::data_path("lcm/botlab_convex.lcmlog"));
+  const test::Bytes log = test::read_bytes(test::data_path("lcm/botlab_convex.lcmlog"));
   if (log.empty()) GTEST_SKIP() << "lcm/botlab_convex.lcmlog is not there";
   const auto at = [&](std::size_t offset) { return std::span(log).subspan(offset); };
   const auto number = [&](std::size_t offset) {

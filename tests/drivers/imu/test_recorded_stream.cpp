@@ -7,18 +7,19 @@
 #include "tests/drivers/byte_stream.hpp"
 #include "tests/drivers/recorder.hpp"
 #include "tests/paths.hpp"
+#include "tests/stamps.hpp"
 
 namespace curbstone::imu {
 namespace {
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
+using test::kStart;
 
 /// A recording of an Xsens with a GNSS receiver, a message at a time, at the pace of the device.
 class RecordedStream : public ::testing::Test {
  protected:
   void SetUp() override {
-    const std::string file = tests::data_path("imu_xsens/1.output.bin");
-    const testing::Bytes bytes = testing::read_bytes(file);
+    const std::string file = test::data_path("imu_xsens/1.output.bin");
+    const test::Bytes bytes = test::read_bytes(file);
     if (bytes.empty()) GTEST_SKIP() << file << " is not there";
     for (std::span<const std::uint8_t> rest = bytes; !rest.empty(); rest = rest.subspan(rest[3] + std::size_t{5})) {
       frames_.emplace_back(rest.begin(), rest.begin() + rest[3] + 5);
@@ -27,9 +28,9 @@ class RecordedStream : public ::testing::Test {
     config.configure = false;
     node_ = std::make_unique<ImuNode>(config, recorder_.bus(), [](std::span<const std::uint8_t>) {});
   }
-  static bool has_inertia(const testing::Bytes& frame) { return frame[4] == 0x10; }  // its first item is the counter
+  static bool has_inertia(const test::Bytes& frame) { return frame[4] == 0x10; }  // its first item is the counter
   /// The bytes of item `id` in a frame.
-  static std::span<std::uint8_t> item(testing::Bytes& frame, unsigned id) {
+  static std::span<std::uint8_t> item(test::Bytes& frame, unsigned id) {
     for (std::size_t at = 4; at + 3 < frame.size(); at += frame[at + 2] + std::size_t{3}) {
       if ((frame[at] << 8 | frame[at + 1]) == static_cast<int>(id))
         return std::span(frame).subspan(at + 3, frame[at + 2]);
@@ -41,16 +42,16 @@ class RecordedStream : public ::testing::Test {
     for (const std::uint8_t& byte : number) value += std::int64_t{byte} << (8 * (&number.back() - &byte));
     for (auto& byte : number) byte = static_cast<std::uint8_t>(value >> (8 * (&number.back() - &byte)));
   }
-  static void seal(testing::Bytes& frame) {
+  static void seal(test::Bytes& frame) {
     std::uint8_t sum = 0;
     for (std::size_t i = 1; i + 1 < frame.size(); ++i) sum = static_cast<std::uint8_t>(sum + frame[i]);
     frame.back() = static_cast<std::uint8_t>(-sum);
   }
   /// The recording `times` times in a row, as one drive: counter and time go on.
-  std::vector<testing::Bytes> drive(int times) {
-    std::vector<testing::Bytes> all;
+  std::vector<test::Bytes> drive(int times) {
+    std::vector<test::Bytes> all;
     for (int k = 0; k < times; ++k) {
-      for (testing::Bytes frame : frames_) {
+      for (test::Bytes frame : frames_) {
         add_to(item(frame, 0x1020), 100 * k);
         add_to(item(frame, 0x1060), 9600 * k);
         seal(frame);
@@ -60,8 +61,8 @@ class RecordedStream : public ::testing::Test {
     return all;
   }
   /// Each message is received when a sample with the right time would have been taken.
-  void play(const std::vector<testing::Bytes>& frames) {
-    for (const testing::Bytes& frame : frames) {
+  void play(const std::vector<test::Bytes>& frames) {
+    for (const test::Bytes& frame : frames) {
       if (has_inertia(frame)) now_ += 10'000;
       node_->on_bytes(now_, frame);
     }
@@ -75,10 +76,10 @@ class RecordedStream : public ::testing::Test {
   const std::vector<imu_t>& messages() { return recorder_.messages(); }
   std::int64_t count(std::string_view name) const { return node_->report().counters[name]; }
 
-  testing::Recorder<imu_t> recorder_{"IMU"};
+  test::Recorder<imu_t> recorder_{"IMU"};
   std::unique_ptr<ImuNode> node_;
   std::int64_t now_ = kStart;
-  std::vector<testing::Bytes> frames_;
+  std::vector<test::Bytes> frames_;
 };
 
 TEST_F(RecordedStream, IsPublishedWhole) {
@@ -111,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(Ticks, GnssMessagesThatAreOld, ::testing::Values(0, 100
 
 TEST_F(RecordedStream, SamplesThatAreLostBesideAGnssMessageAreCounted) {
   auto frames = drive(48);
-  std::vector<testing::Bytes> left;
+  std::vector<test::Bytes> left;
   int removed = 0;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const bool beside = i > 0 && !has_inertia(frames[i - 1]);
@@ -127,7 +128,7 @@ TEST_F(RecordedStream, SamplesThatAreLostBesideAGnssMessageAreCounted) {
 
 TEST_F(RecordedStream, ALostGnssMessageIsNoGapInTheSamples) {
   auto frames = drive(2);
-  std::erase_if(frames, [](const testing::Bytes& frame) { return !has_inertia(frame); });
+  std::erase_if(frames, [](const test::Bytes& frame) { return !has_inertia(frame); });
   play(frames);
   EXPECT_EQ(count("lost.packets"), 8);
   EXPECT_EQ(messages().back().sequence, 2 * 96 - 1);

@@ -95,7 +95,7 @@ class Capture {
   void words(std::initializer_list<std::uint32_t> words) {
     for (const std::uint32_t word : words) file_.write(reinterpret_cast<const char*>(&word), sizeof word);
   }
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::string name_ = folder_ / "capture.pcap";
   std::ofstream file_{name_, std::ios::binary};
 };

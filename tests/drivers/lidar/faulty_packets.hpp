@@ -18,7 +18,7 @@ namespace curbstone::lidar {
 /// A real RS-LiDAR-16's packets (washing_house), for a test to put faults into.
 class FaultyPackets : public ::testing::Test {
  protected:
-  inline static const std::string kRecording = tests::data_path("rs16/rs16_washing_house.pcap");
+  inline static const std::string kRecording = test::data_path("rs16/rs16_washing_house.pcap");
   static constexpr int kPackets = 3000;  ///< with points
 
   void SetUp() override {

@@ -114,7 +114,7 @@ TEST(DriverCapture, EndsOnceWithoutRepeat) {
 }
 
 TEST(DriverCapture, DecodesEachPassOfARecordingAlike) {
-  const std::string recorded = tests::data_path("rs16/rs16_washing_house.pcap");
+  const std::string recorded = test::data_path("rs16/rs16_washing_house.pcap");
   if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
   LidarConfig config;
   config.pcap = recorded;

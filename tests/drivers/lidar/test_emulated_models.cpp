@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "drivers/lidar/models/make_model.hpp"
+#include "tests/stamps.hpp"
 #include "tools/simulate/devices/helios_emulator.hpp"
 #include "tools/simulate/devices/make_lidar.hpp"
 #include "tools/simulate/devices/vlp16_emulator.hpp"
@@ -16,7 +17,7 @@ using simulate::devices::LidarEmulator;
 using simulate::devices::LidarRay;
 using simulate::devices::LidarShot;
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
+using test::kStart;
 
 struct Point {
   Eigen::Vector3d position;

@@ -5,12 +5,13 @@
 
 #include "drivers/lidar/models/rs16/device_info.hpp"
 #include "drivers/lidar/models/rs16/rs16_decoder.hpp"
+#include "tests/stamps.hpp"
 #include "tools/simulate/devices/rs16_emulator.hpp"
 
 namespace curbstone::lidar {
 namespace {
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;
+using test::kStart;
 
 TEST(Rs16Emulator, WritesTheBytesOfTheProtocol) {
   simulate::devices::Rs16Emulator emulator({.rpm = 600});

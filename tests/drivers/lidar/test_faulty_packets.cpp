@@ -13,7 +13,7 @@ namespace curbstone::lidar {
 namespace {
 
 using testing::Contains;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "tests/drivers/lidar/lidar_stream.hpp"
+#include "tests/stamps.hpp"
 #include "tools/simulate/devices/helios_emulator.hpp"
 #include "tools/simulate/devices/rs16_emulator.hpp"
 #include "tools/simulate/devices/vlp16_emulator.hpp"
@@ -22,7 +23,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kSecond = 1'000'000;  // us
+using test::kSecond;
 
 struct Kind {
   const char* name;

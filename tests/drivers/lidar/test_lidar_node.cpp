@@ -12,15 +12,16 @@
 #include "tests/drivers/lidar/bench.hpp"
 #include "tests/drivers/lidar/packets.hpp"
 #include "tests/paths.hpp"
+#include "tests/stamps.hpp"
 
 namespace curbstone::lidar {
 namespace {
 
 using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;
+using test::kStart;
 constexpr std::int64_t kPacket = 1332;
 
 TEST(LidarNode, SendsOneMessageAPacketWithItsTimeAndPlaceInTheSequence) {
@@ -184,11 +185,11 @@ class Recorded : public testing::Test {
  protected:
   static LidarConfig capture(const std::string& name) {
     LidarConfig config;
-    config.pcap = tests::data_path("rs16/") + name;
+    config.pcap = test::data_path("rs16/") + name;
     return config;
   }
   void SetUp() override {
-    const std::string folder = tests::data_path("rs16");
+    const std::string folder = test::data_path("rs16");
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   }
 };
@@ -222,7 +223,7 @@ TEST_F(Recorded, WashingHouseIsReadWhole) {
 }
 
 TEST_F(Recorded, WashingHouseGivesItsAngles) {
-  sources::PcapSource source(tests::data_path("rs16/rs16_washing_house.pcap"));
+  sources::PcapSource source(test::data_path("rs16/rs16_washing_house.pcap"));
   for (auto packet = source.next(); packet; packet = source.next()) {
     if (packet->port != models::robosense::kDifopPort) continue;
     const models::rs16::DifopResult result = models::rs16::parse_difop(packet->bytes);

@@ -34,8 +34,8 @@ struct Ended {
 
 /// Runs the program to its end, at most `seconds`, after which it gets SIGTERM.
 Ended lidar(const std::string& arguments, int seconds = 20) {
-  const std::string command = testing::kStoppedAfter + std::to_string(seconds) + " " +
-                              tests::program_path("curbstone-lidar") + " " + arguments + " 2>&1";
+  const std::string command = test::kStoppedAfter + std::to_string(seconds) + " " +
+                              test::program_path("curbstone-lidar") + " " + arguments + " 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
   std::string output;
   for (int c = fgetc(pipe); c != EOF; c = fgetc(pipe)) output.push_back(static_cast<char>(c));
@@ -55,9 +55,9 @@ TEST(LidarProcess, SaysThatACaptureIsMissingOrCutOff) {
   EXPECT_EQ(ended.status, 1);
   EXPECT_THAT(ended.output, HasSubstr("/nowhere/drive.pcap: No such file"));
 
-  const std::string recorded = tests::data_path("rs16/rs16_washing_house.pcap");
+  const std::string recorded = test::data_path("rs16/rs16_washing_house.pcap");
   if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string cut = folder / "cut.pcap";
   std::filesystem::copy_file(recorded, cut);
   std::filesystem::permissions(cut, std::filesystem::perms::owner_all);
@@ -68,7 +68,7 @@ TEST(LidarProcess, SaysThatACaptureIsMissingOrCutOff) {
 }
 
 TEST(LidarProcess, EndsWithACapture) {
-  const std::string recorded = tests::data_path("rs16/rs16_washing_house.pcap");
+  const std::string recorded = test::data_path("rs16/rs16_washing_house.pcap");
   if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
   const Ended ended = lidar("--set pcap=" + recorded + " --set pcap_rate=20");
   EXPECT_EQ(ended.status, 0);
@@ -76,10 +76,10 @@ TEST(LidarProcess, EndsWithACapture) {
 }
 
 TEST(LidarProcess, BeginsACaptureAnewUntilItIsStopped) {
-  const std::string recorded = tests::data_path("rs16/rs16_washing_house.pcap");
+  const std::string recorded = test::data_path("rs16/rs16_washing_house.pcap");
   if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
   // The recording lasts 4 s: at 100 times that pace it is through long before the 3 s.
-  const std::string command = "timeout --foreground 3 " + tests::program_path("curbstone-lidar") +
+  const std::string command = "timeout --foreground 3 " + test::program_path("curbstone-lidar") +
                               " --set pcap=" + recorded +
                               " --set pcap_rate=100 --set pcap_repeat=true > /dev/null 2>&1";
   const int status = std::system(command.c_str());
@@ -90,7 +90,7 @@ TEST(LidarProcess, BeginsACaptureAnewUntilItIsStopped) {
 class RunningLidar {
  public:
   explicit RunningLidar(std::vector<std::string> words) {
-    words.insert(words.begin(), tests::program_path("curbstone-lidar"));
+    words.insert(words.begin(), test::program_path("curbstone-lidar"));
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
@@ -151,7 +151,7 @@ TEST(LidarProcess, SharesABusWithAnotherLidarOnAChannelOfItsOwn) {
 }
 
 TEST(LidarProcess, NamesTheSectionThatAnOldFileMeans) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "old.yaml";
   std::ofstream(file) << "rslidar:\n  msop_port: 6699\n";
   const Ended ended = lidar("--config " + file);

@@ -6,6 +6,7 @@
 
 #include "tests/drivers/lidar/bench.hpp"
 #include "tests/paths.hpp"
+#include "tests/stamps.hpp"
 
 namespace curbstone::lidar {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
+using test::kStart;
 constexpr int kLasers = 16;
 
 class SilentLasersTest : public ::testing::Test {
@@ -75,7 +76,7 @@ TEST_F(SilentLasersTest, ALeapOfTimeIsNoSilence) {
 
 /// The recording, again and again.
 TEST(SilentLasers, NoLaserOfARealDeviceIsSilent) {
-  const std::string file = tests::data_path("rs16/rs16_washing_house.pcap");
+  const std::string file = test::data_path("rs16/rs16_washing_house.pcap");
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
   Bench bench;
   for (const RecordedPacket& packet : recording(file)) bench.send(packet.bytes, packet.received, packet.port);

@@ -21,8 +21,8 @@ class LowLatencyTest : public ::testing::Test {
   void set_timer(int ms) { std::ofstream(timer_) << ms << "\n"; }
   LowLatency request() { return request_low_latency(pty_.fd(), pty_.path(), sys_.path()); }
 
-  testing::Pty pty_;
-  testing::TemporaryFolder sys_;
+  test::Pty pty_;
+  test::TemporaryFolder sys_;
   std::filesystem::path timer_;
 };
 

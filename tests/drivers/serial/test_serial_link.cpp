@@ -26,14 +26,14 @@ namespace curbstone::serial {
 namespace {
 
 using namespace std::chrono_literals;
-using testing::Bytes;
+using test::Bytes;
 
 TEST(SerialLinkTest, ComesBackByItselfAfterTheDeviceWasUnplugged) {
-  testing::Pty pty;
+  test::Pty pty;
   EventLoop loop;
   SerialLink link({pty.path(), 115200});
   std::vector<std::string> story;
-  testing::Bytes received;
+  test::Bytes received;
   link.attach(loop, {[&](std::int64_t, auto bytes) { received.insert(received.end(), bytes.begin(), bytes.end()); },
                      [&](std::int64_t, bool up, const std::string& why) {
                        if (up || why.find("vanished") != std::string::npos) story.push_back(up ? "up" : "vanished");
@@ -41,11 +41,11 @@ TEST(SerialLinkTest, ComesBackByItselfAfterTheDeviceWasUnplugged) {
   int step = 0;
   loop.every(50ms, [&] {
     ++step;
-    if (step == 1) pty.write(testing::Bytes{1, 2});
+    if (step == 1) pty.write(test::Bytes{1, 2});
     if (step == 3) pty.unplug();
     if (step == 8) pty.plug();
     if (step > 8 && story.size() == 2) {
-      pty.write(testing::Bytes{3});
+      pty.write(test::Bytes{3});
       if (received.size() >= 3) loop.stop();
     }
     if (step == 200) loop.stop();
@@ -55,18 +55,18 @@ TEST(SerialLinkTest, ComesBackByItselfAfterTheDeviceWasUnplugged) {
   ASSERT_GE(received.size(), 3u);
   EXPECT_EQ(received[0], 1);
   EXPECT_EQ(received[2], 3);
-  link.send(testing::Bytes{9});
-  EXPECT_EQ(pty.wait_and_read(), testing::Bytes{9});
+  link.send(test::Bytes{9});
+  EXPECT_EQ(pty.wait_and_read(), test::Bytes{9});
 }
 
 TEST(SerialLinkTest, ADeviceThatIsMissingAtTheStartIsAFaultUntilItComes) {
-  testing::Pty pty;
+  test::Pty pty;
   const std::string path = pty.path();
   pty.unplug();
   EventLoop loop;
   SerialLink link({path, 115200});
   std::vector<std::string> down;
-  testing::Bytes received;
+  test::Bytes received;
   bool up = false;
   link.attach(loop, {[&](std::int64_t, auto bytes) { received.insert(received.end(), bytes.begin(), bytes.end()); },
                      [&](std::int64_t, bool is_up, const std::string& why) {
@@ -75,11 +75,11 @@ TEST(SerialLinkTest, ADeviceThatIsMissingAtTheStartIsAFaultUntilItComes) {
                      }});
   ASSERT_EQ(down.size(), 1u) << "told at once";
   EXPECT_THAT(down[0], ::testing::HasSubstr(path));
-  link.send(testing::Bytes{1});
+  link.send(test::Bytes{1});
   int step = 0;
   loop.every(50ms, [&] {
     if (++step == 8) pty.plug();
-    if (up && received.empty()) pty.write(testing::Bytes{7});
+    if (up && received.empty()) pty.write(test::Bytes{7});
     if (!received.empty() || step == 200) loop.stop();
   });
   loop.run();
@@ -98,7 +98,7 @@ TEST(SerialLinkTest, AFileThatIsNoSerialPortEndsTheStart) {
 }
 
 TEST(SerialLinkTest, WhatTheKernelDoesNotTakeAtOnceIsSentInOrderAndWhole) {
-  testing::Pty pty;
+  test::Pty pty;
   EventLoop loop;
   SerialLink link({pty.path(), 115200});
   link.attach(loop,
@@ -110,10 +110,10 @@ TEST(SerialLinkTest, WhatTheKernelDoesNotTakeAtOnceIsSentInOrderAndWhole) {
     link.report(report);
     return report.counters["dropped.serial_full"];
   };
-  while (dropped() < 3 && sent < 100'000) link.send(testing::Bytes(kSize, static_cast<std::uint8_t>(sent++)));
+  while (dropped() < 3 && sent < 100'000) link.send(test::Bytes(kSize, static_cast<std::uint8_t>(sent++)));
   ASSERT_EQ(dropped(), 3) << "what waits is bounded";
   const std::size_t expected = static_cast<std::size_t>(sent - 3) * kSize;
-  testing::Bytes received;
+  test::Bytes received;
   int step = 0;
   loop.every(1ms, [&] {
     const auto bytes = pty.read();
@@ -123,12 +123,12 @@ TEST(SerialLinkTest, WhatTheKernelDoesNotTakeAtOnceIsSentInOrderAndWhole) {
   loop.run();
   ASSERT_EQ(received.size(), expected);
   for (std::size_t i = 0; i < expected; ++i) ASSERT_EQ(received[i], static_cast<std::uint8_t>(i / kSize)) << i;
-  link.send(testing::Bytes{9});
-  EXPECT_EQ(pty.wait_and_read(), testing::Bytes{9});
+  link.send(test::Bytes{9});
+  EXPECT_EQ(pty.wait_and_read(), test::Bytes{9});
 }
 
 TEST(SerialLinkTest, NothingIsReceivedBeforeItWasSentHoweverBusyTheHost) {
-  testing::Pty pty;
+  test::Pty pty;
   EventLoop loop;
   SerialLink link({pty.path(), 115200});
   std::int64_t sent = 0, received = 0;
@@ -141,15 +141,15 @@ TEST(SerialLinkTest, NothingIsReceivedBeforeItWasSentHoweverBusyTheHost) {
   before_the_next_read = [&] {
     std::this_thread::sleep_for(20ms);
     sent = wall_clock();
-    pty.write(testing::Bytes{2});
+    pty.write(test::Bytes{2});
   };
-  pty.write(testing::Bytes{1});
+  pty.write(test::Bytes{1});
   loop.run();
   EXPECT_GE(received, sent);
 }
 
 TEST(SerialLinkTest, WhatIsSentWhileTheDeviceIsAwayIsLostWithoutHarm) {
-  testing::Pty pty;
+  test::Pty pty;
   EventLoop loop;
   SerialLink link({pty.path(), 115200});
   bool vanished = false, back = false;
@@ -159,19 +159,19 @@ TEST(SerialLinkTest, WhatIsSentWhileTheDeviceIsAwayIsLostWithoutHarm) {
                        if (up) loop.stop();
                      }});
   pty.unplug();
-  link.send(testing::Bytes(100'000, 7));  // the link does not know yet
+  link.send(test::Bytes(100'000, 7));  // the link does not know yet
   int step = 0;
   loop.every(20ms, [&] {
     if (vanished && pty.fd() < 0) {
-      link.send(testing::Bytes(100'000, 7));
+      link.send(test::Bytes(100'000, 7));
       pty.plug();
     }
     if (++step == 500) loop.stop();
   });
   loop.run();
   ASSERT_TRUE(vanished && back);
-  link.send(testing::Bytes{9});
-  EXPECT_EQ(pty.wait_and_read(), testing::Bytes{9}) << "and nothing of what was sent meanwhile";
+  link.send(test::Bytes{9});
+  EXPECT_EQ(pty.wait_and_read(), test::Bytes{9}) << "and nothing of what was sent meanwhile";
 }
 
 }  // namespace

@@ -7,12 +7,18 @@
 #include <optional>
 #include <random>
 #include <utility>
+#include <vector>
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 /// What happened to a packet on its way.
 enum class Fate { kGood, kCorrupt, kCut, kDoubled, kSwapped };
 inline constexpr std::array kFates = {"good", "corrupt", "cut", "doubled", "swapped"};
+
+/// Leaves a packet's first part.
+inline void cut(std::vector<std::uint8_t>& packet, std::mt19937& random) {
+  packet.resize(random() % packet.size());
+}
 
 /// A way that corrupts, cuts, doubles and swaps with its follower one packet in a hundred each.
 template <class Packet>
@@ -54,4 +60,4 @@ class Damage {
   std::optional<Packet> held_;
 };
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

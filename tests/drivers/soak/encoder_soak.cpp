@@ -7,23 +7,24 @@
 #include "common/bus/local_bus.hpp"
 #include "drivers/encoder/encoder_node.hpp"
 #include "tests/drivers/soak/soak.hpp"
+#include "tests/stamps.hpp"
 #include "tools/simulate/devices/can_drive_emulator.hpp"
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 namespace {
 
 using encoder::can::CanFrame;
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
-constexpr double kCountsPerSecond = 6519;               // 10 rad/s
+using test::kStart;
+constexpr double kCountsPerSecond = 6519;  // 10 rad/s
 constexpr std::uint32_t kPositions = 0x181;
 
-void corrupt(CanFrame& frame, std::mt19937& random) {
+void corrupt_frame(CanFrame& frame, std::mt19937& random) {
   frame.data[3] ^= static_cast<std::uint8_t>(1 + random() % 255);
 }
 
-void cut(CanFrame& frame, std::mt19937& random) {
+void cut_frame(CanFrame& frame, std::mt19937& random) {
   frame.size = static_cast<std::uint8_t>(random() % 8);
 }
 
@@ -59,7 +60,7 @@ Soak soak_encoder(double hours) {
     ledger.used(-1, 0);
   });
 
-  Damage<CanFrame> damage(3, {corrupt, cut});
+  Damage<CanFrame> damage(3, {corrupt_frame, cut_frame});
   const auto length = static_cast<std::int64_t>(hours * 3600e6);
   std::int64_t now = kStart;
   const auto receive = [&](std::int64_t at, const std::vector<CanFrame>& frames) {
@@ -101,4 +102,4 @@ Soak soak_encoder(double hours) {
   return soak;
 }
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

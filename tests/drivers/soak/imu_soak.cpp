@@ -6,22 +6,19 @@
 #include "drivers/imu/imu_node.hpp"
 #include "tests/drivers/byte_stream.hpp"
 #include "tests/drivers/soak/soak.hpp"
+#include "tests/stamps.hpp"
 #include "tools/simulate/devices/xsens_emulator.hpp"
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 namespace {
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
-constexpr std::int64_t kPeriod = 10'000;
+using test::kStart;
+constexpr std::int64_t kSamplePeriod = 10'000;
 constexpr std::int64_t kCycle = 65'536;  // samples, told apart by the acceleration that they bear
 
-void corrupt(Bytes& bytes, std::mt19937& random) {
+void flip_bits(Bytes& bytes, std::mt19937& random) {
   bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1 + random() % 255);
-}
-
-void cut(Bytes& bytes, std::mt19937& random) {
-  bytes.resize(random() % bytes.size());
 }
 
 }  // namespace
@@ -40,13 +37,13 @@ Soak soak_imu(double hours) {
   bus.subscribe<imu_t>("IMU", [&](const imu_t& message) {
     const auto low = std::llround(message.acceleration[0] * 65536);
     const std::int64_t of = index - ((index - low) % kCycle + kCycle) % kCycle;
-    ledger.used(of, message.utime - (kStart + of * kPeriod));
+    ledger.used(of, message.utime - (kStart + of * kSamplePeriod));
   });
-  Damage<Bytes> damage(1, {corrupt, cut});
+  Damage<Bytes> damage(1, {flip_bits, cut});
   std::mt19937 random(2);
-  const auto samples = static_cast<std::int64_t>(hours * 3600e6) / kPeriod;
+  const auto samples = static_cast<std::int64_t>(hours * 3600e6) / kSamplePeriod;
   for (; index < samples; ++index) {
-    const std::int64_t taken = kStart + index * kPeriod;
+    const std::int64_t taken = kStart + index * kSamplePeriod;
     if (index % 2 == 0) node.tick(taken);
     simulate::devices::XsensSample sample;
     const double tremor = 1e-3 * static_cast<double>(index % 2);  // no sensor is still
@@ -67,4 +64,4 @@ Soak soak_imu(double hours) {
   return soak;
 }
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

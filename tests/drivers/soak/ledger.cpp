@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <fstream>
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 namespace {
 
@@ -65,4 +65,4 @@ void Ledger::print(const std::string& sensor, double hours, double seconds, cons
   for (const std::string& fault : faults_) fmt::print("  at times: {}\n", fault);
 }
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

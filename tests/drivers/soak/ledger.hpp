@@ -8,7 +8,7 @@
 #include "common/bus/node.hpp"
 #include "tests/drivers/soak/damage.hpp"
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 /// What was sent to a driver, and what came of it.
 class Ledger {
@@ -45,4 +45,4 @@ class Ledger {
   std::set<std::string> faults_;  // their texts without numbers
 };
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

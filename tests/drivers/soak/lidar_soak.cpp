@@ -8,26 +8,23 @@
 #include "drivers/lidar/lidar_node.hpp"
 #include "tests/drivers/byte_stream.hpp"
 #include "tests/drivers/soak/soak.hpp"
+#include "tests/stamps.hpp"
 #include "tools/simulate/devices/rs16_emulator.hpp"
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 namespace {
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
-constexpr std::int64_t kPeriod = 1332;
+using test::kStart;
+constexpr std::int64_t kPacketPeriod = 1332;
 constexpr int kMsopPort = 6699, kDifopPort = 7788;
 
 /// Where a driver can see it: magic, time, flag and azimuth of a block.
-void corrupt(Bytes& bytes, std::mt19937& random) {
+void corrupt_head(Bytes& bytes, std::mt19937& random) {
   const std::size_t block = 42 + 100 * (random() % 12);
   const std::array<std::size_t, 4> places = {random() % 8, 20 + random() % 10, block + random() % 2,
                                              block + 2 + random() % 2};
   bytes[places[random() % places.size()]] ^= static_cast<std::uint8_t>(1 + random() % 255);
-}
-
-void cut(Bytes& bytes, std::mt19937& random) {
-  bytes.resize(random() % bytes.size());
 }
 
 }  // namespace
@@ -43,26 +40,26 @@ Soak soak_lidar(double hours) {
   bus.subscribe<lidar_points_t>("LIDAR_POINTS", [&](const lidar_points_t& message) {
     if (message.num_points < 3) return ledger.used(-1, 0);
     const std::int64_t index = message.intensity[0] | message.intensity[1] << 8 | message.intensity[2] << 16;
-    ledger.used(index, message.utime - (kStart + index * kPeriod));
+    ledger.used(index, message.utime - (kStart + index * kPacketPeriod));
   });
 
   simulate::devices::Rs16Emulator device;
   std::array<simulate::devices::LidarShot, 16> shots;
-  Damage<Bytes> damage(5, {corrupt, cut});
+  Damage<Bytes> damage(5, {corrupt_head, cut});
   std::mt19937 random(6);
-  const auto packets = static_cast<std::int64_t>(hours * 3600e6) / kPeriod;
+  const auto packets = static_cast<std::int64_t>(hours * 3600e6) / kPacketPeriod;
   std::int64_t sequence = 0;
   for (std::int64_t index = 0; index < packets; ++index) {
     shots.fill({10.0F, 100});
     for (std::size_t i = 0; i < 3; ++i) shots[i].intensity = static_cast<std::uint8_t>(index >> (8 * i));
-    auto packet =
-        device.add_sequence(kStart + index * kPeriod, static_cast<double>(sequence) * device.azimuth_step(), shots);
+    auto packet = device.add_sequence(kStart + index * kPacketPeriod,
+                                      static_cast<double>(sequence) * device.azimuth_step(), shots);
     shots.fill({10.0F, 100});
     for (++sequence; !packet; ++sequence) {
       packet = device.add_sequence(kStart + sequence * 111 / 2, static_cast<double>(sequence) * device.azimuth_step(),
                                    shots);
     }
-    const std::int64_t sent = kStart + (index + 1) * kPeriod;
+    const std::int64_t sent = kStart + (index + 1) * kPacketPeriod;
     const std::int64_t received = sent + 60 + static_cast<std::int64_t>(random() % 500);
     if (index % 750 == 0) node.on_packet(received, kDifopPort, device.difop(sent, 1200));
     const bool spare = index < 1500 || index >= packets - 1500;
@@ -82,4 +79,4 @@ Soak soak_lidar(double hours) {
   return soak;
 }
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

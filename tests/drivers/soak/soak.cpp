@@ -7,7 +7,7 @@
 #include <string>
 
 int main(int argc, char** argv) {
-  using namespace curbstone::testing;
+  using namespace curbstone::test;
   const double hours = argc == 3 && std::string(argv[1]) == "--hours" ? std::atof(argv[2]) : argc == 1 ? 1.0 : 0.0;
   if (hours <= 0.01) {
     std::fputs("usage: soak [--hours N]\n", stderr);

@@ -2,7 +2,7 @@
 
 #include "tests/drivers/soak/ledger.hpp"
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 /// What a soak of one driver ended with.
 struct Soak {
@@ -21,4 +21,4 @@ struct Soak {
 /// with a frame of another id that comes within the millisecond, for a bus keeps the order of one id; or late by that.
 [[nodiscard]] Soak soak_encoder(double hours);
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

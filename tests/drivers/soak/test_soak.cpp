@@ -5,7 +5,7 @@
 
 #include "tests/drivers/soak/soak.hpp"
 
-namespace curbstone::testing {
+namespace curbstone::test {
 namespace {
 
 using ::testing::AnyOf;
@@ -71,4 +71,4 @@ TEST(Soak, ALidarOnABadNetwork) {
 }
 
 }  // namespace
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

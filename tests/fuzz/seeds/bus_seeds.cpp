@@ -84,7 +84,7 @@ Seed whole_datagram(std::string_view channel, const std::vector<std::uint8_t>& m
 }
 
 Seed log() {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "seed.lcmlog";
   {
     LogWriter writer(file);

@@ -181,7 +181,7 @@ TEST(ProcmanConfig, ChecksReportAllThatTheGrammarCannotSee) {
 
 TEST(ProcmanConfig, OurOwnFilesAreRight) {
   for (const char* name : {"ugv.cfg", "demo.cfg"}) {
-    const std::string file = tests::source_path("procman/") + name;
+    const std::string file = test::source_path("procman/") + name;
     Config config;
     ASSERT_NO_THROW(config = load_config_file(file)) << file;
     EXPECT_GE(config.commands.size(), 7U);

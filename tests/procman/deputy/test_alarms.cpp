@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/stamps.hpp"
+
 namespace curbstone::procman::deputy {
 namespace {
 
@@ -9,7 +11,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kSecond = 1'000'000;
+using test::kSecond;
 
 struct Vehicle {
   process::CommandState mapper;

@@ -51,7 +51,7 @@ class DoctorRunTest : public ::testing::Test {
     loop.run();
     return result;
   }
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::string path_;
 };
 

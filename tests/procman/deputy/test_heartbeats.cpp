@@ -2,13 +2,15 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/stamps.hpp"
+
 namespace curbstone::procman::deputy {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kSecond = 1'000'000;
+using test::kSecond;
 constexpr std::int64_t kStart = 1000 * kSecond;
 
 /// Looks every half second, as a loop does, until `to`. What was silent is in the order in which it was found.

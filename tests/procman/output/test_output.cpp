@@ -115,7 +115,7 @@ TEST(OutputQueue, RandomBytesAlwaysDecode) {
 
 class OutputFolder : public ::testing::Test {
  protected:
-  testing::TemporaryFolder temporary_;
+  test::TemporaryFolder temporary_;
   std::filesystem::path folder_ = temporary_ / "output";
 };
 

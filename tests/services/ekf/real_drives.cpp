@@ -21,7 +21,7 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kOneDegree = std::numbers::pi / 180;
 constexpr double kGravityOfUnits = 9.80665;  // m/s^2
 
 namespace robot {
@@ -48,7 +48,7 @@ RealDrive read(const std::string& path, bool stamped_by_the_log) {
       for (int k = 0; k < 3; ++k) {
         const auto at = 8 * static_cast<std::size_t>(k);
         sample.acceleration[k] = number(bytes.subspan(16 + at)) / 16384 * kGravityOfUnits;
-        sample.angular_rate[k] = number(bytes.subspan(40 + at)) / 131 * kDegree;
+        sample.angular_rate[k] = number(bytes.subspan(40 + at)) / 131 * kOneDegree;
       }
       out.drive.imu.push_back(sample);
     } else if (event->channel == "MAEBOT_ENCODERS") {
@@ -74,8 +74,8 @@ namespace race_car {
 
 constexpr std::uint32_t kLeftMotor = 0x181, kRightMotor = 0x182, kGyro = 0x4EC, kAccelerometer = 0x4ED;
 constexpr std::uint8_t kSpeedRegister = 0xA8;
-constexpr double kSpeedUnit = 1.22e-3;      // m/s
-constexpr double kRateUnit = kDegree / 80;  // rad/s
+constexpr double kSpeedUnit = 1.22e-3;         // m/s
+constexpr double kRateUnit = kOneDegree / 80;  // rad/s
 constexpr double kForceUnit = 0.01 * kGravityOfUnits;
 
 struct MotorSpeed {
@@ -145,7 +145,7 @@ const std::vector<std::string>& real_drive_names() {
 
 std::optional<RealDrive> real_drive(const std::string& name) {
   const bool car = name == "race_car";
-  const std::string path = tests::data_path(car ? "can/fsae_candump.log" : "lcm/botlab_convex.lcmlog");
+  const std::string path = test::data_path(car ? "can/fsae_candump.log" : "lcm/botlab_convex.lcmlog");
   if (!std::filesystem::exists(path)) return std::nullopt;
   return car ? race_car::read(path) : robot::read(path, name == "robot_by_the_log");
 }

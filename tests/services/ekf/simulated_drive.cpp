@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/stamps.hpp"
+
 namespace curbstone::ekf {
 
 namespace {
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;
+using test::kStart;
 constexpr double kStep = 2e-3;  // s, of the truth
 constexpr int kSteps = 5;       // of the truth per sample
 constexpr int kWheelPhase = 2;  // of the truth, wheels after IMU

@@ -115,7 +115,7 @@ TEST_F(EkfNodeTest, SaysThatItHeardNothing) {
 }
 
 TEST_F(EkfNodeTest, ANodeThatWasKilledIsGoneOnWith) {
-  testing::TemporaryFolder folder;
+  test::TemporaryFolder folder;
   config_.state_file = folder / "ekf.state";
   {
     Rig killed(config_);

@@ -20,8 +20,8 @@
 namespace curbstone::ekf {
 namespace {
 
-constexpr double kPeriod = 0.05;  // s, of a revolution
-constexpr double kSeconds = 17;
+constexpr double kRevolution = 0.05;  // s, of a revolution
+constexpr double kDriven = 17;
 constexpr double kScale = 0.02;  // by which the wheels are larger than the filter believes
 
 test::SyntheticWorld distinct_street() {
@@ -37,7 +37,7 @@ test::SyntheticWorld distinct_street() {
 const Drive& street_drive() {
   static const Drive drive = [] {
     DriveOptions o;
-    o.seconds = kSeconds;
+    o.seconds = kDriven;
     o.stop_at = 1e9;
     o.hills = 0;
     o.curves = 0.03;
@@ -113,11 +113,11 @@ struct Vehicle {
         bus.dispatch();
       }
     };
-    for (int n = 0; scene_at && (n + 1) * kPeriod < kSeconds - 0.1; ++n) {
-      const Scene scene = scene_at(n * kPeriod);
+    for (int n = 0; scene_at && (n + 1) * kRevolution < kDriven - 0.1; ++n) {
+      const Scene scene = scene_at(n * kRevolution);
       if (scene.mapper_dies) mapper.emplace(bus);
       const Pose T_base_lidar = test::default_lidar();
-      for (const auto& packet : scene.world.packets(scene.trajectory, T_base_lidar, n, n * kPeriod, kPeriod)) {
+      for (const auto& packet : scene.world.packets(scene.trajectory, T_base_lidar, n, n * kRevolution, kRevolution)) {
         send_until(packet.utime);
         mapper->hear("LIDAR_POINTS", packet);
         bus.dispatch();
@@ -193,7 +193,7 @@ TEST(FuseMap, PosesThatAreWrongAndAMapThatBeginsAnewDoTheFilterNoHarm) {
   fused.drive([](double t) {
     Scene scene;
     if (t > kStuck && t < kFree) scene.trajectory = [](double) { return T_street_base(kStuck); };
-    scene.mapper_dies = std::abs(t - kFree) < kPeriod / 2;
+    scene.mapper_dies = std::abs(t - kFree) < kRevolution / 2;
     return scene;
   });
   EXPECT_GT(fused.count("gated.map"), 2) << "what wheels and IMU contradict weighs little";

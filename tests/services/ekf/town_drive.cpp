@@ -12,9 +12,9 @@ namespace curbstone::ekf {
 
 namespace {
 
-constexpr std::int64_t kStart = 1'750'000'000'000'000;  // us
-constexpr double kPeriod = 0.01;                        // s, of both sensors
-constexpr double kWheelPhase = 0.004;                   // s, wheels after IMU
+constexpr std::int64_t kSetOff = 1'750'000'000'000'000;  // us
+constexpr double kSampling = 0.01;                       // s, of both sensors
+constexpr double kAfterImu = 0.004;                      // s, wheels after IMU
 
 /// The town's motion is the axle's; base_link is elsewhere along the vehicle, and looks a little elsewhere.
 class ShiftedMotion final : public simulate::motion::Motion {
@@ -55,14 +55,14 @@ Drive simulate_town_drive(const TownDriveOptions& o, const VehicleConfig& vehicl
                                        simulate::numerics::Random(o.seed).fork(12));
 
   Drive drive;
-  const auto utime = [](double t) { return kStart + std::llround(t * 1e6); };
+  const auto utime = [](double t) { return kSetOff + std::llround(t * 1e6); };
   const double radians = 2.0 * std::numbers::pi / wheel_noise.counts_per_revolution;
-  for (double t = kPeriod; t < o.seconds; t += kPeriod) {
+  for (double t = kSampling; t < o.seconds; t += kSampling) {
     const simulate::motion::Inertia inertia = imu.sample(t);
     drive.imu.push_back({utime(t), inertia.angular_rate, inertia.specific_force});
-    const auto counts = wheels.counts(t + kWheelPhase);
+    const auto counts = wheels.counts(t + kAfterImu);
     drive.wheels.push_back(
-        {utime(t + kWheelPhase), {radians * static_cast<double>(counts[0]), radians * static_cast<double>(counts[1])}});
+        {utime(t + kAfterImu), {radians * static_cast<double>(counts[0]), radians * static_cast<double>(counts[1])}});
     const Pose T_world_base = motion.T_world_base(t);
     const Eigen::Vector3d travel =
         motion.T_world_base(t + 1e-3).translation() - motion.T_world_base(t - 1e-3).translation();

@@ -13,7 +13,7 @@
 #include "tests/services/localizer/yard.hpp"
 #include "tests/temporary_folder.hpp"
 
-namespace curbstone::localizer::testing {
+namespace curbstone::localizer::test_yard {
 
 inline constexpr std::int64_t kStart = 1'750'000'000'000'000;  // us
 inline constexpr std::int64_t kRevolution = 50'000;            // us
@@ -94,7 +94,7 @@ class LocalizerOnAYard : public ::testing::Test {
     return (truth.translation().head<2>() - Eigen::Vector2d(p[0], p[1])).norm();
   }
 
-  const curbstone::testing::TemporaryFolder folder_;
+  const curbstone::test::TemporaryFolder folder_;
   Yard yard_;
   LocalizerConfig config_;
   LocalBus bus_;
@@ -108,4 +108,4 @@ class LocalizerOnAYard : public ::testing::Test {
   int seen_ = 0;
 };
 
-}  // namespace curbstone::localizer::testing
+}  // namespace curbstone::localizer::test_yard

@@ -9,11 +9,11 @@ namespace {
 
 using semantic_map::store::MapStore;
 using semantic_map::store::MapStoreError;
+using test_yard::kRevolution;
+using test_yard::kStart;
+using test_yard::LocalizerOnAYard;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using testing::kRevolution;
-using testing::kStart;
-using testing::LocalizerOnAYard;
 
 std::string bytes_of(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
@@ -58,8 +58,8 @@ TEST_F(LocalizerOnAYard, ALongSilenceMakesItLostUntilTheMapHasFittedForAWhile) {
 
 TEST_F(LocalizerOnAYard, OnAMapOfAnotherPlaceItIsLostAndStaysSo) {
   config_.map =
-      map_file("other.db", testing::map_of({.half_length = 8.3, .half_width = 9.4, .turned = -0.5, .curb = 2}));
-  begin_ = testing::pose_at(-8, -1, 0.2);
+      map_file("other.db", test_yard::map_of({.half_length = 8.3, .half_width = 9.4, .turned = -0.5, .curb = 2}));
+  begin_ = test_yard::pose_at(-8, -1, 0.2);
   step_ = 0.12;
   for (const auto& start : {std::vector<double>{}, std::vector<double>{-8, -1, 0.2}}) {
     config_.start = start;
@@ -119,7 +119,7 @@ TEST_F(LocalizerOnAYard, ACovarianceOfOdometryThatIsNoneIsCountedAndDoesNoHarm) 
 
 TEST_F(LocalizerOnAYard, ATileThatIsGoneInMidDriveIsCountedAndTheDriveGoesOn) {
   begin();
-  auto tiles = testing::map_of(yard_);
+  auto tiles = test_yard::map_of(yard_);
   std::erase_if(tiles, [](const auto& tile) { return tile.key == TileKey{1, 1}; });
   MapStore(config_.map).write({.clear = true, .epoch = 7, .tiles = tiles});
   drive_until(40);

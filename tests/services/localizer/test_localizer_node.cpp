@@ -7,11 +7,11 @@
 namespace curbstone::localizer {
 namespace {
 
+using test_yard::kRevolution;
+using test_yard::kStart;
+using test_yard::LocalizerOnAYard;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using testing::kRevolution;
-using testing::kStart;
-using testing::LocalizerOnAYard;
 
 TEST_F(LocalizerOnAYard, SaysAtEachRevolutionsEndWhereItIsInTheSavedMap) {
   begin();
@@ -53,7 +53,7 @@ TEST_F(LocalizerOnAYard, SaysTheSameHoweverTheChannelsInterleave) {
 
 TEST_F(LocalizerOnAYard, FindsItselfWithNothingKnown) {
   in_an_open_yard();
-  begin_ = testing::pose_at(-8, -1, 0.2);
+  begin_ = test_yard::pose_at(-8, -1, 0.2);
   step_ = 0.15;
   begin();
   drive_until(40);
@@ -74,8 +74,8 @@ TEST_F(LocalizerOnAYard, FindsItselfWithNothingKnown) {
 
 TEST_F(LocalizerOnAYard, AtAPlaceThatTheMapHasTwiceItSaysSo) {
   in_an_open_yard();
-  config_.map = map_file("twice.db", testing::twice(testing::map_of(yard_), 40));
-  begin_ = testing::pose_at(-8, -1, 0.2);
+  config_.map = map_file("twice.db", test_yard::twice(test_yard::map_of(yard_), 40));
+  begin_ = test_yard::pose_at(-8, -1, 0.2);
   step_ = 0.15;
   begin();
   drive_until(100);
@@ -89,7 +89,7 @@ TEST_F(LocalizerOnAYard, AtAPlaceThatTheMapHasTwiceItSaysSo) {
 
 TEST_F(LocalizerOnAYard, FindsTheSameLiveAndReplayed) {
   in_an_open_yard();
-  begin_ = testing::pose_at(-8, -1, 0.2);
+  begin_ = test_yard::pose_at(-8, -1, 0.2);
   step_ = 0.15;
   begin();
   drive_until(100);

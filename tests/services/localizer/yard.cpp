@@ -3,7 +3,7 @@
 #include <cmath>
 #include <map>
 
-namespace curbstone::localizer::testing {
+namespace curbstone::localizer::test_yard {
 namespace {
 
 using semantic_map::tile::CellClass;
@@ -118,4 +118,4 @@ Pose pose_at(double x, double y, double yaw) {
   return pose;
 }
 
-}  // namespace curbstone::localizer::testing
+}  // namespace curbstone::localizer::test_yard

@@ -6,7 +6,7 @@
 #include "common/geometry/geometry.hpp"
 #include "services/semantic_map/tile/map_types.hpp"
 
-namespace curbstone::localizer::testing {
+namespace curbstone::localizer::test_yard {
 
 /// A yard with the origin in it: four walls, not along the tiles' axes, two pillars, and a curb of 0.1 m across. Its
 /// map as the semantic map would show it, and what a LiDAR in it would see.
@@ -26,4 +26,4 @@ struct Yard {
 [[nodiscard]] std::vector<Eigen::Vector3d> points_in(const Yard& yard, const Pose& T_map_base);
 [[nodiscard]] Pose pose_at(double x, double y, double yaw);
 
-}  // namespace curbstone::localizer::testing
+}  // namespace curbstone::localizer::test_yard

@@ -8,11 +8,12 @@
 #include <curbstone/tile_index_t.hpp>
 
 #include "common/bus/local_bus.hpp"
+#include "tests/stamps.hpp"
 
 namespace curbstone::mapper {
 namespace {
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;
+using test::kStart;
 
 /// A dense map with so many points in one tile, a layer of 60 x 60 after the other.
 void fill(dense_map::DenseMap& map, TileKey key, int count) {

@@ -50,14 +50,14 @@ struct Listener {
   }
 };
 
-struct Bench {
+struct EpochBench {
   LocalBus bus;
   MapperNode node;
   Listener listener{bus};
   double odometry_sent = -0.1;
   int turn = 0;
 
-  explicit Bench(const config::MapperConfig& config = {}) : node(config, bus) { node.connect(bus); }
+  explicit EpochBench(const config::MapperConfig& config = {}) : node(config, bus) { node.connect(bus); }
   /// One revolution of a world from a place, with the odometry of the true drive.
   void step(const test::SyntheticWorld& world, const test::SyntheticWorld::Trajectory& trajectory) {
     const int n = turn++;
@@ -97,7 +97,7 @@ struct Bench {
 };
 
 TEST(MapperEpochs, AMapThatWasRolledBackGoesOutAnewWithTheDriveSoFar) {
-  Bench bench;
+  EpochBench bench;
   bench.drive(40);
   test::SyntheticWorld frozen = distinct_street();
   frozen.boxes.push_back({{-1, 2.5, 0}, {5, 3.5, 3}});
@@ -132,14 +132,14 @@ TEST(MapperEpochs, AMapIsKeptAndGoneOnWithInAHigherEpoch) {
   std::filesystem::remove_all(folder);
   config::MapperConfig config;
   config.folder = folder.string();
-  Bench first(config);
+  EpochBench first(config);
   first.drive(40);
   first.finish();
   const storage::SavedMap kept = storage::load_map(folder);
   EXPECT_EQ(kept.epoch, first.listener.epoch);
 
   config.mode = config::MapMode::kExtend;
-  Bench second(config);
+  EpochBench second(config);
   second.drive(60);
   second.finish();
   EXPECT_GT(second.listener.epoch, first.listener.epoch);
@@ -149,7 +149,7 @@ TEST(MapperEpochs, AMapIsKeptAndGoneOnWithInAHigherEpoch) {
 
   config.mode = config::MapMode::kLocalise;
   const auto written = std::filesystem::last_write_time(folder / "map.yaml");
-  Bench third(config);
+  EpochBench third(config);
   third.drive(40);
   third.finish();
   third.expect_listener_has_the_map();
@@ -163,8 +163,8 @@ TEST(MapperEpochs, AMapIsKeptWhileDrivingAndNobodyNotices) {
   config::MapperConfig config;
   config.folder = folder.string();
   config.save_every = 0.5;
-  Bench kept(config);
-  Bench plain;
+  EpochBench kept(config);
+  EpochBench plain;
   std::size_t tiles = 0;
   for (int i = 0; i < 4; ++i) {
     kept.drive(20);
@@ -210,7 +210,7 @@ TEST(MapperEpochs, AMapThatCannotBeUsedStopsTheProcessAtOnce) {
 TEST(MapperEpochs, AMapThatCannotBeWrittenIsAFault) {
   config::MapperConfig config;
   config.folder = "/proc/curbstone";
-  Bench bench(config);
+  EpochBench bench(config);
   bench.drive(10);
   bench.finish();
   EXPECT_EQ(bench.node.report().counters["faults.folder"], 1);

@@ -11,7 +11,7 @@ using test::scan_of;
 using test::utime;
 
 /// A street that looks different wherever one is.
-test::SyntheticWorld distinct_street() {
+test::SyntheticWorld street_with_a_kiosk() {
   test::SyntheticWorld world = test::street();
   world.boxes.push_back({{-16, 3, 0}, {-13, 6, 3}});  // a kiosk
   world.boxes.push_back({{2, -8, 0}, {4, -6, 2.2}});  // a container
@@ -25,9 +25,9 @@ test::SyntheticWorld yard() {
   return world;
 }
 
-struct Drive : test::MapperDrive {
-  Drive() {
-    world = distinct_street();
+struct LostDrive : test::MapperDrive {
+  LostDrive() {
+    world = street_with_a_kiosk();
     world.noise = 0.01;
   }
   void with_odometry(double until) { MapperDrive::with_odometry(until); }
@@ -50,7 +50,7 @@ struct Drive : test::MapperDrive {
 };
 
 TEST(MapperLost, AfterSecondsWithoutAnySensorTheVehicleIsSoughtAndNothingIsMappedUntilItIsFound) {
-  Drive drive;
+  LostDrive drive;
   (void)drive.steps(40);
   const std::int64_t points = drive.dense().size();
   drive.turn += 40;  // 2 s, 6 m
@@ -75,7 +75,7 @@ TEST(MapperLost, AfterSecondsWithoutAnySensorTheVehicleIsSoughtAndNothingIsMappe
 }
 
 TEST(MapperLost, AfterSecondsThatItMissedOdometrySaysWhereItIsAndNothingIsSought) {
-  Drive drive;
+  LostDrive drive;
   drive.with_odometry(2.0);
   (void)drive.steps(40);
   drive.with_odometry(5.0, 20.0);
@@ -94,7 +94,7 @@ TEST(MapperLost, AfterSecondsThatItMissedOdometrySaysWhereItIsAndNothingIsSought
 
 TEST(MapperLost, OdometrySaysSoThoughTheLastScanBeforeThoseSecondsOutranIt) {
   for (const double until : {1.96, 1.9}) {  // s; the last scan ends at 2.0
-    Drive drive;
+    LostDrive drive;
     drive.with_odometry(until);
     (void)drive.steps(40);
     drive.with_odometry(5.0, 20.0);
@@ -107,7 +107,7 @@ TEST(MapperLost, OdometrySaysSoThoughTheLastScanBeforeThoseSecondsOutranIt) {
 
 TEST(MapperLost, WhereOdometryBeganAnewInTheSecondsThatItMissedTheVehicleIsSought) {
   for (const double x : {-25.0, -9.0, 4.0, 300.0}) {
-    Drive drive;
+    LostDrive drive;
     drive.with_odometry(2.0);
     (void)drive.steps(40);
     drive.with_odometry(4.0, 20.0, test::pose(x, 3, 0, 0, 0, 0.4));
@@ -126,7 +126,7 @@ TEST(MapperLost, WhereOdometryBeganAnewInTheSecondsThatItMissedTheVehicleIsSough
 }
 
 TEST(MapperLost, AFastVehicleIsSoughtAheadOfWhereItWasSeenLast) {
-  Drive drive;
+  LostDrive drive;
   drive.trajectory = [](double t) { return test::pose(-28 + 8 * t, 0, 0, 0, 0, 0); };
   (void)drive.steps(50);
   drive.turn += 30;  // 1.5 s, 12 m
@@ -139,7 +139,7 @@ TEST(MapperLost, AFastVehicleIsSoughtAheadOfWhereItWasSeenLast) {
 }
 
 TEST(MapperLost, WhoIsCarriedElsewhereIsNotFoundAndTheMapStays) {
-  Drive drive;
+  LostDrive drive;
   (void)drive.steps(40);
   const std::int64_t points = drive.dense().size();
   drive.turn += 40;
@@ -154,7 +154,7 @@ TEST(MapperLost, WhoIsCarriedElsewhereIsNotFoundAndTheMapStays) {
 }
 
 TEST(MapperLost, WhoMayBeAnywhereIsSoughtLessOftenAsThatIsDear) {
-  Drive drive;
+  LostDrive drive;
   (void)drive.steps(40);
   drive.turn += 200;  // 10 s in which nothing was seen
   for (int i = 0; i < 60; ++i) (void)drive.step_in(yard());
@@ -163,7 +163,7 @@ TEST(MapperLost, WhoMayBeAnywhereIsSoughtLessOftenAsThatIsDear) {
 }
 
 TEST(MapperLost, OdometryLeadsItBackToTheMap) {
-  Drive drive;
+  LostDrive drive;
   drive.with_odometry(20);
   (void)drive.steps(40);
   for (int i = 0; i < 60; ++i) (void)drive.step_in(yard());  // a lorry all around, for 3 s
@@ -177,7 +177,7 @@ TEST(MapperLost, OdometryLeadsItBackToTheMap) {
 }
 
 TEST(MapperLost, WhereOdometryHasLedOnToNewGroundTheMapBeginsAnewThere) {
-  Drive drive;
+  LostDrive drive;
   drive.with_odometry(20);
   (void)drive.steps(40);
   const std::int64_t points = drive.dense().size();
@@ -200,11 +200,11 @@ TEST(MapperLost, WhereOdometryHasLedOnToNewGroundTheMapBeginsAnewThere) {
 }
 
 TEST(MapperLost, WhatWasMappedWhereTheVehicleWasNotIsTakenBack) {
-  Drive drive;
+  LostDrive drive;
   drive.with_odometry(20);
   (void)drive.steps(40);
   // For 2 s the scans show a vehicle that stands, with a lorry beside it; odometry and truth drive on.
-  test::SyntheticWorld frozen = distinct_street();
+  test::SyntheticWorld frozen = street_with_a_kiosk();
   frozen.boxes.push_back({{-1, 2.5, 0}, {5, 3.5, 3}});
   const Pose stands = drive.trajectory(40 * test::kPeriod);
   for (int i = 0; i < 40; ++i) {
@@ -236,7 +236,7 @@ TEST(MapperLost, WhatWasMappedWhereTheVehicleWasNotIsTakenBack) {
 }
 
 TEST(MapperLost, ASavedMapIsGoneOnWithFromAboutTheStart) {
-  Drive first;
+  LostDrive first;
   first.with_odometry(20);
   (void)first.steps(60);
   first.mapper->wait();
@@ -245,7 +245,7 @@ TEST(MapperLost, ASavedMapIsGoneOnWithFromAboutTheStart) {
   EXPECT_EQ(map.nodes.size(), static_cast<std::size_t>(first.mapper->atlas().size()));
 
   for (const config::MapMode mode : {config::MapMode::kExtend, config::MapMode::kLocalise}) {
-    Drive second;
+    LostDrive second;
     second.with_odometry(20);
     second.turn = 20;
     const Pose start = first.T_world_map.inverse() * second.trajectory(20 * test::kPeriod);

@@ -9,20 +9,16 @@
 #include <random>
 
 #include "common/bus/local_bus.hpp"
-#include "tests/services/mapper/synthetic_world.hpp"
+#include "tests/services/mapper/mapper_drive.hpp"
 
 namespace curbstone::mapper {
 namespace {
 
-constexpr double kPeriod = 0.05;
-constexpr int kTurns = 25;
+using test::driving;
+using test::kPeriod;
+using test::utime;
 
-std::int64_t utime(double seconds) {
-  return test::SyntheticWorld::kEpoch + std::llround(seconds * 1e6);
-}
-Pose driving(double t) {
-  return test::pose(-10, 0, 0, 0, 0, 0) * scan::move({{3, 0, 0}, {0, 0, 0.05}}, t);
-}
+constexpr int kTurns = 25;
 
 odometry_t odometry_at(double t, std::int32_t flags = odometry_t::INITIALISED) {
   odometry_t m{};

@@ -15,7 +15,7 @@
 namespace curbstone::mapper {
 namespace {
 
-constexpr int kTurns = 80;  // 4 s
+constexpr int kRevolutions = 80;  // 4 s
 
 /// Packets and odometry of a drive in the order in which they are sent.
 struct Sensors {
@@ -28,11 +28,11 @@ struct Sensors {
       test::SyntheticWorld world = test::street();
       world.noise = 0.01;
       const Pose T_base_lidar = config::MapperConfig{}.vehicle.T_base_lidar();
-      for (int i = 0; i < kTurns; ++i) {
+      for (int i = 0; i < kRevolutions; ++i) {
         for (auto& packet : world.packets(test::driving, T_base_lidar, i, i * test::kPeriod, test::kPeriod))
           all.packets.push_back(std::move(packet));
       }
-      for (double t = -0.1; t < kTurns * test::kPeriod + 0.1; t += 0.01) {
+      for (double t = -0.1; t < kRevolutions * test::kPeriod + 0.1; t += 0.01) {
         odometry_t m{};
         m.utime = test::utime(t);
         m.flags = odometry_t::INITIALISED;
@@ -47,12 +47,12 @@ struct Sensors {
 
 /// What a mapper on a bus says of a drive. From `deaf_from` to `deaf_to`, s, it hears nothing, as a process that is
 /// stopped and whose socket is full; and it loses each `loses`th message.
-struct Drive {
+struct ResentDrive {
   std::vector<std::array<double, 4>> poses;  // utime, position
   std::map<std::string, std::vector<std::array<int, 4>>> tiles;
   Counters counters;
 
-  Drive(double deaf_from, double deaf_to, int loses = 0) {
+  ResentDrive(double deaf_from, double deaf_to, int loses = 0) {
     LocalBus bus, lossy;
     MessageKeeper driver(bus, "LIDAR_POINTS"), filter(bus, "ODOMETRY");
     MapperNode node(config::MapperConfig{}, lossy);
@@ -120,7 +120,7 @@ struct Drive {
 };
 
 TEST(MapperResend, ManyRevolutionsThatBecomeDueAtOnceAreWorkedOnInTurns) {
-  const Drive whole(0, 0);
+  const ResentDrive whole(0, 0);
   const Sensors& sensors = Sensors::of_a_drive();
   LocalBus bus;
   MapperNode node(config::MapperConfig{}, bus);
@@ -139,16 +139,16 @@ TEST(MapperResend, ManyRevolutionsThatBecomeDueAtOnceAreWorkedOnInTurns) {
   EXPECT_LT(before, 20U) << "what lies behind the gap waits";
   node.on_again(sensors.packets[kLost]);
   bus.dispatch();
-  EXPECT_LT(poses.size(), static_cast<std::size_t>(kTurns) - 1) << "a status is due each second";
-  for (int i = 0; i < kTurns; ++i) node.tick(test::utime(kTurns * test::kPeriod));
+  EXPECT_LT(poses.size(), static_cast<std::size_t>(kRevolutions) - 1) << "a status is due each second";
+  for (int i = 0; i < kRevolutions; ++i) node.tick(test::utime(kRevolutions * test::kPeriod));
   node.finish();
   bus.dispatch();
   EXPECT_TRUE(poses == whole.poses) << "in order, at the same places";
 }
 
 TEST(MapperResend, AMapperThatHeardNothingForSecondsMakesTheSameMap) {
-  const Drive whole(0, 0), stopped(1.0, 2.2);
-  ASSERT_EQ(whole.poses.size(), static_cast<std::size_t>(kTurns));
+  const ResentDrive whole(0, 0), stopped(1.0, 2.2);
+  ASSERT_EQ(whole.poses.size(), static_cast<std::size_t>(kRevolutions));
   EXPECT_TRUE(stopped.poses == whole.poses) << "in order, at the same places";
   EXPECT_TRUE(stopped.tiles == whole.tiles);
   EXPECT_EQ(stopped.counters["lidar.lost"], 0);
@@ -157,7 +157,7 @@ TEST(MapperResend, AMapperThatHeardNothingForSecondsMakesTheSameMap) {
 }
 
 TEST(MapperResend, ABusThatLosesMessagesMakesTheSameMap) {
-  const Drive whole(0, 0), lossy(0, 0, 23);
+  const ResentDrive whole(0, 0), lossy(0, 0, 23);
   EXPECT_EQ(lossy.counters["lidar.lost"], 0);
   EXPECT_EQ(lossy.counters["odometry.not_resent"], 0);
   EXPECT_EQ(lossy.counters["odometry.too_late"], 0);

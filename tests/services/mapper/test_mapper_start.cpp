@@ -160,7 +160,7 @@ TEST(MapperStart, WhatAVehicleThatNeverMovesSeesIsItsMap) {
 }
 
 /// A mapper's node, and what a listener has of the newest epoch.
-struct Bench {
+struct StartBench {
   LocalBus bus;
   MapperNode node{config::MapperConfig{}, bus};
   test::SyntheticWorld world = test::street();
@@ -170,7 +170,7 @@ struct Bench {
   double odometry_sent = -0.1;
   int turn = 0;
 
-  Bench() {
+  StartBench() {
     world.noise = 0.01;
     node.connect(bus);
     bus.subscribe<map_points_t>("MAP_POINTS", [this](const map_points_t& m) {
@@ -219,7 +219,7 @@ struct Bench {
 };
 
 TEST(MapperStart, ListenersSeeTheMapWhileTheVehicleStandsAndTheDrivesOwnInANewEpoch) {
-  Bench bench;
+  StartBench bench;
   bench.drive(20);
   ASSERT_EQ(bench.tiles.size(), 1U) << "a second after the first scan there are tiles";
   EXPECT_GT(bench.tiles.begin()->second.size(), 10U);
@@ -233,7 +233,7 @@ TEST(MapperStart, ListenersSeeTheMapWhileTheVehicleStandsAndTheDrivesOwnInANewEp
 }
 
 TEST(MapperStart, ADriveThatEndsAsItBeginsHasTheMapOfTheDrive) {
-  Bench bench;
+  StartBench bench;
   bench.drive(kStandingScans + 10);
   EXPECT_EQ(bench.tiles.size(), 1U);
   bench.finish();
@@ -242,7 +242,7 @@ TEST(MapperStart, ADriveThatEndsAsItBeginsHasTheMapOfTheDrive) {
 }
 
 TEST(MapperStart, AMapperThatEndsWhileTheVehicleStandsTellsNoOtherMapThanItShowed) {
-  Bench bench;
+  StartBench bench;
   bench.drive(kStandingScans - 5);
   bench.finish();
   EXPECT_EQ(bench.tiles.size(), 1U);

@@ -38,7 +38,7 @@ class RecorderTest : public ::testing::Test {
   }
   [[nodiscard]] bool exists(const std::string& suffix) const { return std::filesystem::exists(config_.file + suffix); }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   RecorderConfig config_;
   LocalBus bus_;
 };

@@ -61,7 +61,7 @@ class SessionTest : public ::testing::Test {
     return 10'000'000'000 - 1'000'000'000 * std::distance(fs::directory_iterator(folder), fs::directory_iterator());
   }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   RecorderConfig config_;
   LocalBus bus_;
 };

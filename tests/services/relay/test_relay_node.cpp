@@ -17,6 +17,7 @@
 #include "common/bus/lcm_bus.hpp"
 #include "common/time/clock.hpp"
 #include "tests/services/relay/second_host.hpp"
+#include "tests/stamps.hpp"
 
 namespace curbstone::relay {
 namespace {
@@ -24,7 +25,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kSecond = 1'000'000;
+using test::kSecond;
 
 std::unique_ptr<RelayNode> relay_to(const std::string& peers, const BusAddress& address, std::uint64_t run,
                                     const std::string& except = "") {

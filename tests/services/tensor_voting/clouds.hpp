@@ -10,7 +10,7 @@
 #include "services/tensor_voting/kernels/tensor.hpp"
 #include "services/tensor_voting/kernels/vote_kernel.hpp"
 
-namespace curbstone::testing_clouds {
+namespace curbstone::test_clouds {
 
 /// The street on which the peers are compared (docs/benchmarks/voting.md): uniform by area, 1 cm noise. m.
 inline std::vector<Eigen::Vector3d> street(std::size_t count, unsigned seed) {
@@ -70,4 +70,4 @@ double relative_difference(const tensor_voting::kernels::BasicTensor<A>& a,
   return (matrix(a) - matrix(b)).norm() / matrix(b).norm();
 }
 
-}  // namespace curbstone::testing_clouds
+}  // namespace curbstone::test_clouds

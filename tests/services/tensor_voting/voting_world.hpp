@@ -15,9 +15,9 @@
 #include "common/tile_sync/tile_sync.hpp"
 #include "tests/services/tensor_voting/clouds.hpp"
 
-namespace curbstone::testing_world {
+namespace curbstone::test_world {
 
-using testing_clouds::Tiles;
+using test_clouds::Tiles;
 
 /// Between a node and the bus: loses, doubles and delays messages, by a seed.
 class LossyPublisher final : public Publisher {
@@ -55,12 +55,12 @@ class LossyPublisher final : public Publisher {
 /// Publishes a cloud tile by tile as the mapper would, announces it, and answers requests.
 class FakeMapper {
  public:
-  FakeMapper(LocalBus& bus, Publisher& publisher, testing_clouds::Tiles tiles)
+  FakeMapper(LocalBus& bus, Publisher& publisher, test_clouds::Tiles tiles)
       : publisher_(publisher), tiles_(std::move(tiles)), catalog_("mapper", "MAP_POINTS") {
     catalog_.start_epoch(epoch_);
     bus.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { catalog_.request(m); });
   }
-  void start_epoch(std::int32_t epoch, testing_clouds::Tiles tiles) {
+  void start_epoch(std::int32_t epoch, test_clouds::Tiles tiles) {
     epoch_ = epoch;
     tiles_ = std::move(tiles);
     done_.clear();
@@ -88,7 +88,7 @@ class FakeMapper {
     last_index_ = now;
     for (const auto& page : catalog_.make_index(now, 0, 0)) publisher_.publish("TILE_INDEX", page);
   }
-  [[nodiscard]] const testing_clouds::Tiles& tiles() const { return tiles_; }
+  [[nodiscard]] const test_clouds::Tiles& tiles() const { return tiles_; }
   /// Points so far.
   [[nodiscard]] std::size_t mapped() const {
     std::size_t total = 0;
@@ -118,7 +118,7 @@ class FakeMapper {
   }
 
   Publisher& publisher_;
-  testing_clouds::Tiles tiles_;
+  test_clouds::Tiles tiles_;
   std::map<TileKey, std::size_t> done_;
   TileCatalog catalog_;
   std::int32_t epoch_ = 1;
@@ -269,4 +269,4 @@ class Listener {
   std::map<TileKey, VotedTileRecord> complete_;
 };
 
-}  // namespace curbstone::testing_world
+}  // namespace curbstone::test_world

@@ -123,7 +123,7 @@ class BenchVoting : public ::testing::Test {
   }
   nlohmann::json json() const { return nlohmann::json::parse(std::ifstream(file_)); }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   fs::path file_ = folder_ / "figures.json";
   std::string table_;
   std::string error_;

@@ -25,7 +25,7 @@ tensor_voting::cuda::CudaVotingField in_the_devices_place() {
 }
 
 TEST(CudaFields, HaveTheBitsOfTheCpusWhateverARevolutionBrings) {
-  const testing_clouds::Tiles tiles = testing_clouds::as_tiles(testing_clouds::street(3'000, 1));
+  const test_clouds::Tiles tiles = test_clouds::as_tiles(test_clouds::street(3'000, 1));
   std::vector<VotingField> on_the_cpu;
   on_the_cpu.emplace_back(kScale);
   std::vector<tensor_voting::cuda::CudaVotingField> fields;

@@ -78,7 +78,7 @@ class RunCalibrate : public ::testing::Test {
     list(v.imu);
   }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::string log_ = folder_ / "drive.lcmlog";
   std::string config_ = folder_ / "ugv.yaml";
 };
@@ -102,7 +102,7 @@ TEST_F(RunCalibrate, WritesAVehicleSectionThatTheProcessesTakeAndTheSameForProgr
 
 TEST_F(RunCalibrate, OfADamagedLogItCalibratesFromTheRestAndTheExitStatusTellsPrograms) {
   write_log(drive_to_calibrate(town_motion(), 30.0, 1));
-  testing::damage_middle(log_, 1000);
+  test::damage_middle(log_, 1000);
   ::testing::internal::CaptureStderr();
   EXPECT_EQ(run({log_, "--out", folder_ / "new.yaml"}), 1);
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), ::testing::HasSubstr("damaged at 1 place: "));

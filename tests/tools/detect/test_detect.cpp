@@ -85,7 +85,7 @@ class DetectTest : public ::testing::Test {
     }
     EXPECT_GT(count, 60);
   }
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(DetectTest, FindsTheCurbOfAKittiScanAndWritesAllThree) {

@@ -26,7 +26,7 @@ class VehicleFacts : public ::testing::Test {
     const auto it = std::ranges::find(folders, setting, &checks::FolderFacts::setting);
     return it == folders.end() ? "none" : it->folder;
   }
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(VehicleFacts, TheRecorderWritesSessionsOrOneFile) {

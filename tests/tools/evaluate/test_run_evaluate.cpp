@@ -71,7 +71,7 @@ class RunEvaluate : public ::testing::Test {
                                                                              ::testing::Not(HasSubstr("\n")))));
   }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(RunEvaluate, PrintsATableAndWritesJson) {
@@ -142,7 +142,7 @@ TEST_F(RunEvaluate, OfADamagedLogItSaysSoAndTheExitStatusTellsPrograms) {
     for (int i = 0; i < 50; ++i) log.write("IMU", bytes.data(), 100);
   }
   EXPECT_EQ(run({"--log", path("drive.lcmlog")}), 0);
-  testing::damage_middle(path("drive.lcmlog"), 200);
+  test::damage_middle(path("drive.lcmlog"), 200);
   ::testing::internal::CaptureStderr();
   EXPECT_EQ(run({"--log", path("drive.lcmlog"), "--json", path("report.json")}), 1);
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("damaged at 1 place: "));

@@ -40,7 +40,7 @@ service_status_t status(const std::string& service, std::int64_t uptime, std::in
 }
 
 TEST(RunLog, SumsLossesLatencyAndCores) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "run.lcmlog";
   {
     LogWriter log(file);
@@ -80,7 +80,7 @@ TEST(RunLog, SumsLossesLatencyAndCores) {
 }
 
 TEST(RunLog, SaysHowLongAfterTheFirstPacketThereWasAMapAndTheVehicleSetOff) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "start.lcmlog";
   {
     LogWriter log(file);
@@ -112,7 +112,7 @@ TEST(RunLog, SaysHowLongAfterTheFirstPacketThereWasAMapAndTheVehicleSetOff) {
 }
 
 TEST(RunLog, EachProcessReportsTheDatagramsOfItsOwnSocketThatWereDropped) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "full_buffers.lcmlog";
   {
     LogWriter log(file);
@@ -127,7 +127,7 @@ TEST(RunLog, EachProcessReportsTheDatagramsOfItsOwnSocketThatWereDropped) {
 }
 
 TEST(RunLog, WhatAFollowerOfTilesLeavesOutIsNoLoss) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "left_out.lcmlog";
   {
     LogWriter log(file);
@@ -144,7 +144,7 @@ TEST(RunLog, WhatAFollowerOfTilesLeavesOutIsNoLoss) {
 }
 
 TEST(RunLog, SaysNothingOfLatencyInALogThatWasNotRecordedLive) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "replayed.lcmlog";
   {
     LogWriter log(file);
@@ -160,7 +160,7 @@ TEST(RunLog, SaysNothingOfLatencyInALogThatWasNotRecordedLive) {
 }
 
 TEST(RunLog, SeesWhatTheRecorderMissed) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "gaps.lcmlog";
   {
     LogWriter log(file);
@@ -174,7 +174,7 @@ TEST(RunLog, SeesWhatTheRecorderMissed) {
 }
 
 TEST(RunLog, SeesWhatTheRecorderMissedOfTheOtherSensors) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "sensor_gaps.lcmlog";
   {
     LogWriter log(file);

@@ -81,7 +81,7 @@ class ExportedMap : public ::testing::Test {
     return {std::istreambuf_iterator<char>(in), {}};
   }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   mutable std::string said_;
 };
 
@@ -92,7 +92,7 @@ inline bool has_gdal() {
 }
 
 inline std::string output_of(const std::string& command, const std::string& input = "") {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "input";
   std::ofstream(file) << input;
   std::string output;

@@ -119,7 +119,7 @@ TEST_F(Cloud, OfADamagedLogIsWhatCouldBeReadAndTheExitStatusTellsPrograms) {
   std::vector<map_points_t> messages;
   for (int k = 0; k < 20; ++k) messages.push_back(points(k, 1));
   write_log(messages);
-  testing::damage_middle(path("log"), 100);
+  test::damage_middle(path("log"), 100);
   EXPECT_EQ(run({"--only", "cloud", "--log", path("log")}), 1);
   EXPECT_THAT(said_, HasSubstr("damaged at 1 place: "));
   const std::size_t rows = read("cloud.pcd").size();

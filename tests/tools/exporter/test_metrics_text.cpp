@@ -7,12 +7,13 @@
 #include <regex>
 #include <sstream>
 
+#include "tests/stamps.hpp"
 #include "tests/tools/spy/encoded.hpp"
 
 namespace curbstone::exporter {
 namespace {
 
-constexpr std::int64_t kBegin = 1'700'000'000'000'000;  // us
+using test::kStart;
 
 /// A reader of the format of its own: name and labels to value. It fails on a line that is none of the format's, on a
 /// sample that does not follow its TYPE, and on one that stands twice.
@@ -50,7 +51,7 @@ TEST(MetricsText, HasChannelsServicesAndProcesses) {
   for (int k = 0; k <= 100; ++k) {
     imu_t imu{};
     imu.sequence = k;
-    hear(board, "IMU", imu, kBegin + k * 10'000);
+    hear(board, "IMU", imu, kStart + k * 10'000);
   }
   service_status_t status = spy::status_of("ekf", 3'000'000);
   status.cpu_time = 1'500'000;
@@ -58,17 +59,17 @@ TEST(MetricsText, HasChannelsServicesAndProcesses) {
   status.fault = {"no IMU"};
   status.num_faults = 1;
   spy::set_counters(status, {{"refused.late", 7}});
-  hear(board, "SERVICE_STATUS", status, kBegin + 1'000'000);
+  hear(board, "SERVICE_STATUS", status, kStart + 1'000'000);
   procman_lcm::deputy_info_t info{};
-  info.utime = kBegin + 1'020'000;
+  info.utime = kStart + 1'020'000;
   info.deputy_id = "ugv";
   info.ncmds = 1;
   info.cmds.resize(1);
   info.cmds[0].cmd.command_id = "ekf";
   info.cmds[0].pid = 12;
-  hear(board, "PM_INFO", info, kBegin + 1'000'000);
+  hear(board, "PM_INFO", info, kStart + 1'000'000);
 
-  const auto samples = parsed(metrics_text(board, kBegin + 1'000'000));
+  const auto samples = parsed(metrics_text(board, kStart + 1'000'000));
   EXPECT_EQ(samples.at(R"(curbstone_channel_messages_total{channel="IMU"})"), 101);
   EXPECT_DOUBLE_EQ(samples.at(R"(curbstone_channel_rate_hertz{channel="IMU"})"), 100);
   EXPECT_EQ(samples.at(R"(curbstone_channel_lost_total{channel="IMU"})"), 0);
@@ -84,8 +85,8 @@ TEST(MetricsText, HasChannelsServicesAndProcesses) {
 
 TEST(MetricsText, NamesFromTheBusCannotBreakTheFormat) {
   spy::board::BusBoard board("");
-  board.on_message("a\"} 1\n\\x", "", 0, kBegin);
-  const auto samples = parsed(metrics_text(board, kBegin));
+  board.on_message("a\"} 1\n\\x", "", 0, kStart);
+  const auto samples = parsed(metrics_text(board, kStart));
   EXPECT_EQ(samples.at(R"(curbstone_channel_messages_total{channel="a\"} 1?\\x"})"), 1);
 }
 

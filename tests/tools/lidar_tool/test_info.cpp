@@ -12,6 +12,7 @@
 #include "tests/drivers/lidar/captures.hpp"
 #include "tests/drivers/lidar/packets.hpp"
 #include "tests/paths.hpp"
+#include "tests/stamps.hpp"
 
 namespace curbstone::lidar_tool {
 namespace {
@@ -23,7 +24,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::ThrowsMessage;
 
-constexpr std::int64_t kBegin = 1'700'000'000'000'000;  // us
+using test::kStart;
 constexpr int kPort = 46701;
 
 std::string info_of(const std::string& file) {
@@ -32,18 +33,18 @@ std::string info_of(const std::string& file) {
 
 std::vector<Bytes> point_frames(int count, int sender = 200) {
   std::vector<Bytes> frames;
-  for (const auto& each : lidar::drive_packets(kBegin, count))
+  for (const auto& each : lidar::drive_packets(kStart, count))
     frames.push_back(lidar::frame(Bytes(each.begin(), each.end()), 6699, 0, sender));
   return frames;
 }
 
 Bytes info_frame() {
-  const auto info = simulate::devices::Rs16Emulator().difop(kBegin, 1200);
+  const auto info = simulate::devices::Rs16Emulator().difop(kStart, 1200);
   return lidar::frame(Bytes(info.begin(), info.end()), 7788);
 }
 
 TEST(LidarInfo, TellsTheRecordingOfAnRs16) {
-  const std::string recorded = tests::data_path("rs16/rs16_washing_house.pcap");
+  const std::string recorded = test::data_path("rs16/rs16_washing_house.pcap");
   if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
   const std::string text = info_of(recorded);
   EXPECT_THAT(text, HasSubstr("capture: 3040 UDP packets of 1 senders"));
@@ -57,7 +58,7 @@ TEST(LidarInfo, TellsTheRecordingOfAnRs16) {
 }
 
 TEST(LidarInfo, NamesTheDeviceOfTheRecordingThatIsNoRs16) {
-  const std::string recorded = tests::data_path("rs16/helios16p.pcap");
+  const std::string recorded = test::data_path("rs16/helios16p.pcap");
   if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
   EXPECT_THAT(info_of(recorded), AllOf(HasSubstr("751 UDP packets"), HasSubstr("Helios"), HasSubstr("32"),
                                        HasSubstr("6699: 750 packets of 1248 bytes")));
@@ -126,7 +127,7 @@ class Sending {
     to.sin_family = AF_INET;
     to.sin_port = htons(kPort);
     inet_pton(AF_INET, "127.0.0.1", &to.sin_addr);
-    const auto packets = lidar::drive_packets(kBegin, 50);
+    const auto packets = lidar::drive_packets(kStart, 50);
     for (std::size_t i = 0; !stop_; ++i) {
       const auto& packet = packets[i % packets.size()];
       (void)!sendto(fd_, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);

@@ -11,6 +11,7 @@
 #include "tests/drivers/lidar/captures.hpp"
 #include "tests/drivers/lidar/packets.hpp"
 #include "tests/paths.hpp"
+#include "tests/stamps.hpp"
 
 namespace curbstone::lidar_tool {
 namespace {
@@ -21,12 +22,12 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 using ::testing::ThrowsMessage;
 
-constexpr std::int64_t kBegin = 1'700'000'000'000'000;  // us
+using test::kStart;
 
 /// A sphere of 10 m radius about the lens.
 std::vector<Bytes> frames(int count, int sender = 200) {
   std::vector<Bytes> frames;
-  for (const auto& each : lidar::drive_packets(kBegin, count))
+  for (const auto& each : lidar::drive_packets(kStart, count))
     frames.push_back(lidar::frame(Bytes(each.begin(), each.end()), 6699, 0, sender));
   return frames;
 }
@@ -70,7 +71,7 @@ TEST(LidarPoints, WritesALineForEachPoint) {
 }
 
 TEST(LidarPoints, WritesAllPointsOfTheRecording) {
-  const std::string recorded = tests::data_path("rs16/rs16_washing_house.pcap");
+  const std::string recorded = test::data_path("rs16/rs16_washing_house.pcap");
   if (!std::filesystem::exists(recorded)) GTEST_SKIP() << recorded << " is not there";
   const auto packets = packets_from(recorded, {});
   std::ostringstream out;

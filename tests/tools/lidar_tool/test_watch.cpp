@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/drivers/lidar/packets.hpp"
+#include "tests/stamps.hpp"
 
 namespace curbstone::lidar_tool {
 namespace {
@@ -12,7 +13,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kBegin = 1'700'000'000'000'000;  // us
+using test::kStart;
 constexpr lidar::sources::Ipv4 kDevice = 0xC0A801C8;
 
 /// A second and a half of an RS16, received 2 ms after its first shot; a fault at packets 100 to 109.
@@ -20,9 +21,9 @@ enum class Fault { kNone, kLost, kDamaged };
 std::vector<std::string> lines_of(Fault fault) {
   Watch watch;
   std::vector<std::string> lines;
-  const auto packets = lidar::drive_packets(kBegin, 1126);
+  const auto packets = lidar::drive_packets(kStart, 1126);
   for (std::size_t i = 0; i < packets.size(); ++i) {
-    const std::int64_t received = kBegin + static_cast<std::int64_t>(i) * 1332 + 2000;
+    const std::int64_t received = kStart + static_cast<std::int64_t>(i) * 1332 + 2000;
     for (std::string& line : watch.on_time(received)) lines.push_back(std::move(line));
     auto bytes = packets[i];
     const bool hit = i >= 100 && i < 110;
@@ -49,19 +50,19 @@ TEST(LidarWatch, SaysWhatIsRefused) {
 
 TEST(LidarWatch, SaysThatASensorFellSilentOrWasNeverThere) {
   Watch watch;
-  EXPECT_THAT(watch.on_time(kBegin), IsEmpty());
-  EXPECT_THAT(watch.on_time(kBegin + 1'000'000), ElementsAre("nothing comes"));
-  watch.on_packet({kBegin, kDevice, 6699, lidar::drive_packets(kBegin, 1)[0]});
-  EXPECT_THAT(watch.on_time(kBegin + 2'000'000), ElementsAre(HasSubstr("  1 packets")));
-  EXPECT_THAT(watch.on_time(kBegin + 3'000'000), ElementsAre(HasSubstr("SILENT")));
+  EXPECT_THAT(watch.on_time(kStart), IsEmpty());
+  EXPECT_THAT(watch.on_time(kStart + 1'000'000), ElementsAre("nothing comes"));
+  watch.on_packet({kStart, kDevice, 6699, lidar::drive_packets(kStart, 1)[0]});
+  EXPECT_THAT(watch.on_time(kStart + 2'000'000), ElementsAre(HasSubstr("  1 packets")));
+  EXPECT_THAT(watch.on_time(kStart + 3'000'000), ElementsAre(HasSubstr("SILENT")));
 }
 
 TEST(LidarWatch, NamesWhoSendsSomethingElse) {
   Watch watch;
-  (void)watch.on_time(kBegin);
+  (void)watch.on_time(kStart);
   const std::vector<std::uint8_t> noise(100);
-  watch.on_packet({kBegin, kDevice, 6699, noise});
-  EXPECT_THAT(watch.on_time(kBegin + 1'000'000), ElementsAre("192.168.1.200  an unknown device  1 packets: not read"));
+  watch.on_packet({kStart, kDevice, 6699, noise});
+  EXPECT_THAT(watch.on_time(kStart + 1'000'000), ElementsAre("192.168.1.200  an unknown device  1 packets: not read"));
 }
 
 }  // namespace

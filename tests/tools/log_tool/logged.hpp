@@ -58,7 +58,7 @@ class LogToolTest : public ::testing::Test {
     return {std::istreambuf_iterator<char>(in), {}};
   }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::string out_;
   std::string err_;
 };

@@ -12,7 +12,7 @@ namespace curbstone::output {
 namespace {
 
 TEST(NewFileTest, HasItsNameOnlyWhenItIsWhole) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   NewFile file(folder / "a.csv", false);
   std::ofstream(file.part()) << "x";
   EXPECT_FALSE(std::filesystem::exists(folder / "a.csv"));
@@ -22,7 +22,7 @@ TEST(NewFileTest, HasItsNameOnlyWhenItIsWhole) {
 }
 
 TEST(NewFileTest, LeavesNothingOfAWorkThatWasGivenUp) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   {
     const NewFile file(folder / "a.csv", false);
     std::ofstream(file.part()) << "x";
@@ -31,7 +31,7 @@ TEST(NewFileTest, LeavesNothingOfAWorkThatWasGivenUp) {
 }
 
 TEST(NewFileTest, ReplacesAFileOnlyByForce) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   std::ofstream(folder / "a.csv") << "old";
   EXPECT_THROW(NewFile(folder / "a.csv", false), std::runtime_error);
   EXPECT_NO_THROW(NewFile(folder / "a.csv", true));

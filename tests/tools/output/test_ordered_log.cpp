@@ -21,7 +21,7 @@ void write(LogWriter& log, const std::string& channel, std::int64_t utime, std::
 }
 
 TEST(OrderedLogTest, GivesTheWantedChannelsInTheOrderOfMessageTime) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "a.lcmlog";
   {
     LogWriter log(file);

@@ -19,7 +19,7 @@ class OutputFolderTest : public ::testing::Test {
     for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) names.insert(entry.path().filename());
     return names;
   }
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(OutputFolderTest, FilesGetTheirNamesTogetherInTheOrderOfAdding) {

@@ -20,7 +20,7 @@ std::string content(const std::filesystem::path& file) {
 }
 
 TEST(TextFileTest, ReplacesAFileAndLeavesNothingBesideIt) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   write_text(folder / "a.json", "a longer text");
   write_text(folder / "a.json", "short");
   EXPECT_EQ(content(folder / "a.json"), "short");
@@ -42,7 +42,7 @@ TEST(TextFileTest, AFullDiskIsAnError) {
 }
 
 TEST(TextFileTest, APipeIsWrittenToAndStaysAPipe) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::filesystem::path pipe = folder / "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   std::string read;

@@ -9,6 +9,7 @@
 #include "common/bus/local_bus.hpp"
 #include "common/log/log_writer.hpp"
 #include "common/time/clock.hpp"
+#include "tests/stamps.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tools/command/run_subcommand.hpp"
 #include "tools/play/keys.hpp"
@@ -20,7 +21,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr std::int64_t kBegin = 1'700'000'000'000'000;  // us, long ago
+using test::kStart;
 
 class PlayTest : public ::testing::Test {
  protected:
@@ -29,7 +30,7 @@ class PlayTest : public ::testing::Test {
     LogWriter log(file_);
     for (int i = 0; i < 300; ++i) {
       imu_t message{};
-      message.utime = kBegin + i * 100'000;
+      message.utime = kStart + i * 100'000;
       message.sequence = i;
       std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
       message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
@@ -40,7 +41,7 @@ class PlayTest : public ::testing::Test {
       imu_t message;
       ASSERT_EQ(channel, "IMU");
       ASSERT_TRUE(decode(data, size, message));
-      EXPECT_EQ(message.utime, kBegin + message.sequence * 100'000) << "the times stay";
+      EXPECT_EQ(message.utime, kStart + message.sequence * 100'000) << "the times stay";
       heard_.push_back(message.sequence);
     });
   }
@@ -49,7 +50,7 @@ class PlayTest : public ::testing::Test {
   }
   std::vector<int> take() { return std::exchange(heard_, {}); }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::string file_ = folder_ / "drive.lcmlog";
   LocalBus bus_;
   std::vector<int> heard_;

@@ -59,7 +59,7 @@ class ReplayOnThreads : public ::testing::Test {
     }
   }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::string log_ = folder_ / "drive.lcmlog";
 };
 

@@ -31,7 +31,7 @@ Outcome run(std::vector<std::string> arguments) {
 
 class SimulateCommand : public ::testing::Test {
  protected:
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::string log_ = folder_ / "command.lcmlog";
 };
 

@@ -36,7 +36,7 @@ void decode(const LogEvent& event, std::vector<Message>& into, Messages& all) {
   into.push_back(message);
 }
 
-Messages read(const std::string& file) {
+Messages read_log(const std::string& file) {
   Messages all;
   LogReader log(file);
   while (const auto event = log.next()) {
@@ -60,12 +60,12 @@ void record(const std::string& file, std::uint64_t seed, const motion::Motion& m
 class LogRecorder : public ::testing::Test {
  protected:
   LogRecorder() { record(log_, 1, test_motion()); }
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::string log_ = folder_ / "simulated.lcmlog";
 };
 
 TEST_F(LogRecorder, LogsWhatEveryDriverSaysInOrderOfTime) {
-  const Messages all = read(log_);
+  const Messages all = read_log(log_);
   EXPECT_NEAR(static_cast<double>(all.lidar.size()), 6.0 / 0.001332, 2);
   EXPECT_NEAR(static_cast<double>(all.imu.size()), 600, 2);
   EXPECT_NEAR(static_cast<double>(all.wheels.size()), 600, 2);
@@ -75,7 +75,7 @@ TEST_F(LogRecorder, LogsWhatEveryDriverSaysInOrderOfTime) {
 }
 
 TEST_F(LogRecorder, GivesEveryMessageAPlausibleDelay) {
-  for (const auto& [channel, delays] : read(log_).delays) {
+  for (const auto& [channel, delays] : read_log(log_).delays) {
     for (const auto delay : delays) {
       ASSERT_GE(delay, -100) << channel;
       ASSERT_LT(delay, 8'000) << channel;
@@ -84,14 +84,14 @@ TEST_F(LogRecorder, GivesEveryMessageAPlausibleDelay) {
 }
 
 TEST_F(LogRecorder, LosesNothingOnTheWay) {
-  const Messages all = read(log_);
+  const Messages all = read_log(log_);
   for (std::size_t i = 1; i < all.lidar.size(); ++i) ASSERT_EQ(all.lidar[i].packet, all.lidar[i - 1].packet + 1);
   for (std::size_t i = 1; i < all.imu.size(); ++i) ASSERT_EQ(all.imu[i].sequence, all.imu[i - 1].sequence + 1);
   for (std::size_t i = 1; i < all.wheels.size(); ++i) ASSERT_EQ(all.wheels[i].sequence, all.wheels[i - 1].sequence + 1);
 }
 
 TEST_F(LogRecorder, StampsAreThoseOfTheMeasurements) {
-  const Messages all = read(log_);
+  const Messages all = read_log(log_);
   // Every sample of the gyro against the true turn at its stamp would not tell microseconds; the wheels do: the stamp
   // of a count is right where the true way at that stamp is what was counted.
   const VehicleConfig vehicle;
@@ -126,7 +126,7 @@ TEST(LogRecorderOfLidars, MakesAMessageOfEachPacketOfEveryDevice) {
                                                            {devices::LidarName::kHelios16p, 1333.44e-6},
                                                            {devices::LidarName::kHelios32, 666.72e-6}};
   for (const auto& [name, period] : devices) {
-    const testing::TemporaryFolder folder;
+    const test::TemporaryFolder folder;
     const std::string log = folder / "simulated.lcmlog";
     const rig::SimulateConfig config;
     const rig::Drive drive{
@@ -137,7 +137,7 @@ TEST(LogRecorderOfLidars, MakesAMessageOfEachPacketOfEveryDevice) {
         .start_utime = kStart,
         .lidar = name};
     (void)record_drive(drive, log);
-    const Messages all = read(log);
+    const Messages all = read_log(log);
     EXPECT_NEAR(static_cast<double>(all.lidar.size()), 1.0 / period, 4) << period;
     ASSERT_FALSE(all.lidar.empty());
     EXPECT_NEAR(static_cast<double>(all.lidar.front().utime - kStart), 0, 3 * period * 1e6);

@@ -50,7 +50,7 @@ TEST(Spy, HearsABusAndDecodesAMessage) {
 }
 
 TEST(Spy, WritesATraceOfTheBus) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "trace.json";
   std::atomic<bool> stop = false;
   std::thread sender([&] {

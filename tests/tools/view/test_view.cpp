@@ -59,7 +59,7 @@ std::string bytes_of(const std::string& file) {
 class SavedMapTest : public ::testing::TestWithParam<std::int64_t> {};
 
 TEST_P(SavedMapTest, IsShownWithItsCurbsAndItsPathAndStaysAsItIs) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "map.db";
   write_map(file, static_cast<std::int32_t>((kBegin + GetParam()) / 1'000'000));
   const std::string before = bytes_of(file);
@@ -116,7 +116,7 @@ class DriveTest : public ::testing::Test {
     shown_.dispatch();
   }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::string file_ = folder_ / "drive.lcmlog";
   LocalBus shown_;
   std::vector<int> heard_;

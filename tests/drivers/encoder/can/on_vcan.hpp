@@ -152,7 +152,7 @@ class EncoderOnSocketCan : public SocketCanTest {
   std::int64_t start_ = 0;
   bool watching_ = false;
   std::function<void()> done_;
-  testing::Recorder<wheels_t> recorder_{"WHEELS"};
+  test::Recorder<wheels_t> recorder_{"WHEELS"};
   std::optional<SocketCanLink> link_;
   std::optional<EncoderNode> node_;
 };

@@ -44,7 +44,7 @@ TEST(CandumpTest, WhatIsNoFrameIsTold) {
 }
 
 TEST(CandumpTest, AWholeRaceIsReadAndOnlyItsHeadingIsRefused) {
-  const std::string file = tests::data_path("can/fsae_candump.log");
+  const std::string file = test::data_path("can/fsae_candump.log");
   std::ifstream log(file);
   if (!log) GTEST_SKIP() << file << " is not there";
   int frames = 0;

@@ -8,10 +8,10 @@
 namespace curbstone::encoder::can {
 namespace {
 
-using testing::Bytes;
-using testing::from_text;
+using test::Bytes;
+using test::from_text;
 
-CanFrame frame(std::uint32_t id, bool extended, bool remote, const testing::Bytes& data) {
+CanFrame frame(std::uint32_t id, bool extended, bool remote, const test::Bytes& data) {
   CanFrame f;
   f.id = id;
   f.extended = extended;
@@ -22,10 +22,10 @@ CanFrame frame(std::uint32_t id, bool extended, bool remote, const testing::Byte
 }
 
 TEST(SlcanFrameTest, LinesAreThoseOfTheManual) {
-  EXPECT_EQ(encode_slcan(frame(0x100, false, false, {0x11, 0x22, 0x33})), testing::from_text("t1003112233\r"));
-  EXPECT_EQ(encode_slcan(frame(0x123, true, false, {0xAB})), testing::from_text("T000001231AB\r"));
-  EXPECT_EQ(encode_slcan(frame(0x7FF, false, true, {0, 0})), testing::from_text("r7FF2\r"));
-  EXPECT_EQ(encode_slcan(frame(0x1FFFFFFF, true, true, {})), testing::from_text("R1FFFFFFF0\r"));
+  EXPECT_EQ(encode_slcan(frame(0x100, false, false, {0x11, 0x22, 0x33})), test::from_text("t1003112233\r"));
+  EXPECT_EQ(encode_slcan(frame(0x123, true, false, {0xAB})), test::from_text("T000001231AB\r"));
+  EXPECT_EQ(encode_slcan(frame(0x7FF, false, true, {0, 0})), test::from_text("r7FF2\r"));
+  EXPECT_EQ(encode_slcan(frame(0x1FFFFFFF, true, true, {})), test::from_text("R1FFFFFFF0\r"));
 }
 
 TEST(SlcanFrameTest, ReadsAllFourKindsAndToleratesATimeStamp) {
@@ -59,8 +59,8 @@ struct Collector {
 TEST(SlcanParserTest, TellsFramesAnswersAndGarbageApart) {
   SlcanParser parser;
   Collector got;
-  parser.parse(testing::from_text("\r\at1811AA\rz\rZ\rV1013\rF00\rrubbish\r1811AA\rt7011"), got.handlers());
-  parser.parse(testing::from_text("05\r"), got.handlers());
+  parser.parse(test::from_text("\r\at1811AA\rz\rZ\rV1013\rF00\rrubbish\r1811AA\rt7011"), got.handlers());
+  parser.parse(test::from_text("05\r"), got.handlers());
   EXPECT_THAT(got.frames, ::testing::ElementsAre(frame(0x181, false, false, {0xAA}), frame(0x701, false, false, {5})));
   EXPECT_EQ(got.ok, 3);
   EXPECT_EQ(got.refused, 1);
@@ -70,7 +70,7 @@ TEST(SlcanParserTest, TellsFramesAnswersAndGarbageApart) {
 TEST(SlcanParserTest, AFrameAtTheEndOfASpoiltLineIsRead) {
   SlcanParser parser;
   Collector got;
-  parser.parse(testing::from_text("t1818112233t1811AA\r\x80\xfft18108\r"),
+  parser.parse(test::from_text("t1818112233t1811AA\r\x80\xfft18108\r"),
                got.handlers());  // bytes were lost: and a CR
   EXPECT_THAT(got.frames, ::testing::ElementsAre(frame(0x181, false, false, {0xAA})));
   EXPECT_EQ(parser.counters()["refused.slcan_line"], 2);
@@ -79,8 +79,8 @@ TEST(SlcanParserTest, AFrameAtTheEndOfASpoiltLineIsRead) {
 TEST(SlcanParserTest, AnEndlessLineIsBoundedAndTheNextOneIsRead) {
   SlcanParser parser;
   Collector got;
-  for (int i = 0; i < 1000; ++i) parser.parse(testing::Bytes(100, 't'), got.handlers());
-  parser.parse(testing::from_text("\rt1811AA\r"), got.handlers());
+  for (int i = 0; i < 1000; ++i) parser.parse(test::Bytes(100, 't'), got.handlers());
+  parser.parse(test::from_text("\rt1811AA\r"), got.handlers());
   EXPECT_EQ(got.frames.size(), 1u);
   EXPECT_EQ(parser.counters()["refused.slcan_overlong"], 1);
 }
@@ -93,12 +93,12 @@ TEST(SlcanParserTest, SurvivesNoiseAndReadsEveryGoodLineAfterACarriageReturn) {
   const std::string alphabet = "tTrR0123456789ABCDEFabcdef\r\azZ";
   std::int64_t found = 0;
   for (int i = 0; i < 5000; ++i) {
-    testing::Bytes noise = testing::random_bytes(random, random() % 40);
+    test::Bytes noise = test::random_bytes(random, random() % 40);
     if (random() % 2 == 0) {
       for (auto& byte : noise) byte = static_cast<std::uint8_t>(alphabet[byte % alphabet.size()]);
     }
     noise.push_back('\r');
-    testing::append(noise, encode_slcan(good));
+    test::append(noise, encode_slcan(good));
     got.frames.clear();
     parser.parse(noise, got.handlers());
     ASSERT_FALSE(got.frames.empty());
@@ -114,13 +114,13 @@ TEST(SlcanParserTest, SurvivesNoiseAndReadsEveryGoodLineAfterACarriageReturn) {
 TEST(SlcanEmulatorTest, OpensOnlyWithASpeedAndPassesFramesBothWaysWhileOpen) {
   simulate::devices::SlcanEmulator adapter;
   const CanFrame one = frame(0x181, false, false, {0xAA});
-  EXPECT_EQ(adapter.on_bytes(testing::from_text("O\r")).to_host, testing::from_text("\a"));
-  EXPECT_EQ(adapter.on_bytes(testing::from_text("S6\rO\r")).to_host, testing::from_text("\r\r"));
-  EXPECT_EQ(adapter.on_frame(one), testing::from_text("t1811AA\r"));
-  const auto sent = adapter.on_bytes(testing::from_text("t601840641000"));
+  EXPECT_EQ(adapter.on_bytes(test::from_text("O\r")).to_host, test::from_text("\a"));
+  EXPECT_EQ(adapter.on_bytes(test::from_text("S6\rO\r")).to_host, test::from_text("\r\r"));
+  EXPECT_EQ(adapter.on_frame(one), test::from_text("t1811AA\r"));
+  const auto sent = adapter.on_bytes(test::from_text("t601840641000"));
   EXPECT_TRUE(sent.to_bus.empty());
-  EXPECT_EQ(adapter.on_bytes(testing::from_text("00000000\r")).to_bus.size(), 1u);
-  EXPECT_EQ(adapter.on_bytes(testing::from_text("C\r")).to_host, testing::from_text("\r"));
+  EXPECT_EQ(adapter.on_bytes(test::from_text("00000000\r")).to_bus.size(), 1u);
+  EXPECT_EQ(adapter.on_bytes(test::from_text("C\r")).to_host, test::from_text("\r"));
   EXPECT_TRUE(adapter.on_frame(one).empty());
 }
 

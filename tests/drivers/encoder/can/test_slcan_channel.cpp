@@ -9,9 +9,9 @@
 namespace curbstone::encoder::can {
 namespace {
 
+using test::from_text;
 using ::testing::Contains;
 using ::testing::ElementsAre;
-using testing::from_text;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -19,7 +19,7 @@ class SlcanChannelTest : public ::testing::Test {
  protected:
   /// What was sent since the last call.
   std::string sent() { return std::exchange(sent_, ""); }
-  void answer(std::string_view text) { channel_.on_bytes(now_, testing::from_text(text)); }
+  void answer(std::string_view text) { channel_.on_bytes(now_, test::from_text(text)); }
   void wait(std::int64_t us) { channel_.tick(now_ += us); }
   void open() {
     wait(0);

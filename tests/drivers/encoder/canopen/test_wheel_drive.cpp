@@ -272,7 +272,7 @@ std::optional<can::CanFrame> parse_trace_line(const std::string& line) {
 }
 
 TEST_F(WheelDriveTest, ARealCanopenBusWithOtherDevicesIsListenedToWithoutHarm) {
-  const std::string file = tests::data_path("can/pcan2.trc");
+  const std::string file = test::data_path("can/pcan2.trc");
   std::ifstream trace(file);
   if (!trace) GTEST_SKIP() << file << " is not there";
   int frames = 0;

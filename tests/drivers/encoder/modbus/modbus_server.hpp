@@ -18,7 +18,7 @@
 
 #include "common/time/clock.hpp"
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 /// A ZLAC8015D as libmodbus serves it, on a line that the test gives it or on a TCP port of its own, in a thread of its
 /// own. It misbehaves as told.
@@ -229,4 +229,4 @@ class ModbusServer {
   std::thread thread_;
 };
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

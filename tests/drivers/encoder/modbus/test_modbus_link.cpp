@@ -16,18 +16,18 @@ namespace curbstone::encoder {
 namespace {
 
 using namespace std::chrono_literals;
+using test::ModbusServer;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::IsSupersetOf;
-using testing::ModbusServer;
 
 constexpr bool kRtu = false;
 constexpr bool kTcp = true;
 
 /// The driver as the program runs it, and a drive that libmodbus serves, in real time: over TCP, or at the two ends of
 /// a pseudo-terminal.
-class ModbusDriver : public testing::DriverOnAPty<wheels_t> {
+class ModbusDriver : public test::DriverOnAPty<wheels_t> {
  protected:
   ModbusDriver() : DriverOnAPty("WHEELS") {
     loop_.every(20ms, [this] {

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "tests/drivers/recorder.hpp"
+#include "tests/stamps.hpp"
 
 namespace curbstone::encoder {
 namespace {
@@ -14,7 +15,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
+using test::kStart;
 constexpr std::int64_t kPeriod = 20'000;
 
 class ModbusNodeTest : public ::testing::Test {
@@ -37,7 +38,7 @@ class ModbusNodeTest : public ::testing::Test {
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(counts));
   }
 
-  testing::Recorder<wheels_t> recorder_{"WHEELS"};
+  test::Recorder<wheels_t> recorder_{"WHEELS"};
   ModbusNode node_{EncoderConfig{}, recorder_.bus()};
   modbus::Reading reading_{.state = {true, false, false}};
   std::int64_t now_ = kStart;

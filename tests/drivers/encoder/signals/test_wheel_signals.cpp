@@ -64,7 +64,7 @@ class SignalNode : public ::testing::Test {
     node_->tick(now_);
     now_ += 10'000;
   }
-  testing::Recorder<wheels_t> recorder_{"WHEELS"};
+  test::Recorder<wheels_t> recorder_{"WHEELS"};
   std::optional<EncoderNode> node_;
   std::int64_t now_ = 1'700'000'000'000'000;
   int sent_ = 0;

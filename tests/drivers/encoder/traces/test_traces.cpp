@@ -100,7 +100,7 @@ TEST(PcanTraceTest, DamagedLinesOfEveryShapeAreSurvived) {
 }
 
 TEST(TraceFileTest, ARealTraceIsReadWhole) {
-  const std::string path = tests::data_path("can/pcan2.trc");
+  const std::string path = test::data_path("can/pcan2.trc");
   if (!std::ifstream(path)) GTEST_SKIP() << path << " is not there";
   TraceFile file(path);
   int frames = 0;
@@ -114,7 +114,7 @@ TEST(TraceFileTest, ARealTraceIsReadWhole) {
 }
 
 TEST(TraceFileTest, ARealCandumpIsReadWhole) {
-  const std::string path = tests::data_path("can/fsae_candump.log");
+  const std::string path = test::data_path("can/fsae_candump.log");
   if (!std::ifstream(path)) GTEST_SKIP() << path << " is not there";
   TraceFile file(path);
   int frames = 0;
@@ -123,7 +123,7 @@ TEST(TraceFileTest, ARealCandumpIsReadWhole) {
 }
 
 TEST(TraceFileTest, OnlyTheFirstBusIsRead) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   std::ofstream(folder / "x.log") << "(1.000000) can0 181#00\n(1.000001) can1 181#00\n(1.000002) can0 182#00\n";
   TraceFile file(folder / "x.log");
   EXPECT_EQ(file.next()->frame.id, 0x181u);
@@ -133,7 +133,7 @@ TEST(TraceFileTest, OnlyTheFirstBusIsRead) {
 }
 
 TEST(TraceFileTest, WhatIsNoRecordingIsToldInALine) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   EXPECT_THAT(why(folder / "none"), HasSubstr("No such file"));
   std::ofstream(folder / "letter") << "Dear Sir,\nthis is no recording.\n";
   EXPECT_THAT(why(folder / "letter"), HasSubstr("no CAN frames"));
@@ -177,12 +177,12 @@ TEST(TraceTimeTest, TimesThatLeadBackOrFarAheadAreRefusedUntilTenAgree) {
 }
 
 TEST(FileLinkTest, ARecordedDriveBecomesWheelsWithTheRecordedTimes) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   write_drive(folder / "drive.log");
   for (const double rate : {0.0, 4.0}) {
     EncoderConfig config;
     config.interface = Interface::kFile;
-    testing::Recorder<wheels_t> recorder("WHEELS");
+    test::Recorder<wheels_t> recorder("WHEELS");
     EventLoop loop;
     FileLink link(folder / "drive.log", rate);
     EncoderNode node(config, recorder.bus(), [&](const can::CanFrame& frame) { link.send(frame); });

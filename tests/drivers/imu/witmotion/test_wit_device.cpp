@@ -9,25 +9,26 @@
 #include "drivers/imu/imu_node.hpp"
 #include "tests/drivers/byte_stream.hpp"
 #include "tests/drivers/recorder.hpp"
+#include "tests/stamps.hpp"
 #include "tools/simulate/devices/wit_emulator.hpp"
 
 namespace curbstone::imu::witmotion {
 namespace {
 
-using testing::Bytes;
+using test::Bytes;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
+using test::kStart;
 
 TEST(WitDevice, TheWorkedFramesGiveTheirValues) {
   WitDevice device({.configure = false}, [](auto) {});
-  testing::Bytes bytes;
+  test::Bytes bytes;
   for (int i = 0; i < 2; ++i) {
     for (const char* frame : {"55 51 00 00 00 00 00 08 CA 09 81", "55 52 00 00 00 00 9A F9 CA 09 0D",
                               "55 53 00 20 00 F0 00 40 00 00 F8", "55 59 FF 7F 00 00 00 00 00 00 2C"}) {
-      testing::append(bytes, testing::from_hex(frame));
+      test::append(bytes, test::from_hex(frame));
     }
   }
   std::vector<device::ImuSample> samples;
@@ -52,13 +53,13 @@ class WitNodeTest : public ::testing::Test {
     device_.power_on(now_);
   }
   /// A group of frames at a time; `damage` may change it.
-  void run_for(std::int64_t us, const std::function<void(testing::Bytes&, int)>& damage = nullptr) {
+  void run_for(std::int64_t us, const std::function<void(test::Bytes&, int)>& damage = nullptr) {
     int group = 0;
     for (const std::int64_t end = now_ + us; now_ < end;) {
       now_ += device_.period();
       node_->tick(now_);
       noise_ = 0.005 - noise_;  // no sensor is still
-      testing::Bytes bytes = device_.sample(
+      test::Bytes bytes = device_.sample(
           now_, {.acceleration = {0.1 + noise_, -0.2 + noise_, 9.8 - noise_}, .orientation = {{1, 0, 0, 0}}});
       if (damage) damage(bytes, group++);
       if (connected_) node_->on_bytes(now_ + 500, bytes);
@@ -67,7 +68,7 @@ class WitNodeTest : public ::testing::Test {
   const std::vector<imu_t>& messages() { return recorder_.messages(); }
   std::int64_t count(std::string_view name) const { return node_->report().counters[name]; }
 
-  testing::Recorder<imu_t> recorder_{"IMU"};
+  test::Recorder<imu_t> recorder_{"IMU"};
   simulate::devices::WitEmulator device_;
   std::unique_ptr<ImuNode> node_;
   bool connected_ = true;
@@ -105,7 +106,7 @@ TEST_F(WitNodeTest, ADamagedFrameCostsItsSampleAndItsFollowersKeepTheirTimes) {
   const std::size_t before = messages().size();
   const std::int64_t refused = count("refused.checksum");
   int damaged = 0;
-  run_for(10'000'000, [&](testing::Bytes& bytes, int group) {
+  run_for(10'000'000, [&](test::Bytes& bytes, int group) {
     if (group % 20 != 10) return;
     bytes[static_cast<std::size_t>(group / 20 % 4) * 11 + 5] ^= 0x08;
     ++damaged;
@@ -124,7 +125,7 @@ TEST_F(WitNodeTest, AFrameThatIsMissingMixesNoSamples) {
   run_for(2'000'000);
   const std::size_t before = messages().size();
   const std::int64_t refused = count("refused.group");  // while it was set up
-  run_for(4'000'000, [&](testing::Bytes& bytes, int group) {
+  run_for(4'000'000, [&](test::Bytes& bytes, int group) {
     if (group % 40 != 20) return;
     const auto begin = bytes.begin() + (group / 40 % 4) * 11;
     bytes.erase(begin, begin + 11);
@@ -171,7 +172,7 @@ TEST_F(WitNodeTest, NoBytesHarmIt) {
   make_node();
   run_for(2'000'000);
   for (int round = 0; round < 5000; ++round) {
-    testing::Bytes bytes = testing::random_bytes(random, random() % 60);
+    test::Bytes bytes = test::random_bytes(random, random() % 60);
     for (auto& byte : bytes) byte = random() % 3 == 0 ? static_cast<std::uint8_t>(0x50 + random() % 11) : byte;
     node_->on_bytes(now_ += 1000, bytes);
     if (random() % 3 == 0) node_->on_bytes(now_, device_.sample(now_, {.acceleration = {0, 0, 9.8}}));

@@ -7,14 +7,14 @@
 namespace curbstone::imu::witmotion {
 namespace {
 
-using testing::append;
-using testing::Bytes;
+using test::append;
+using test::Bytes;
+using test::from_hex;
 using ::testing::ElementsAre;
-using testing::from_hex;
 
 class WitParserTest : public ::testing::Test {
  protected:
-  std::vector<int> parse(const testing::Bytes& bytes) {
+  std::vector<int> parse(const test::Bytes& bytes) {
     std::vector<int> ids;
     parser_.parse(bytes, [&](const WitFrame& frame) { ids.push_back(frame.id); });
     return ids;
@@ -22,15 +22,15 @@ class WitParserTest : public ::testing::Test {
   std::int64_t count(std::string_view name) const { return parser_.counters()[name]; }
 
   WitParser parser_;
-  const testing::Bytes acceleration_ = testing::from_hex("55 51 00 00 00 00 00 08 CA 09 81");
-  const testing::Bytes rate_ = testing::from_hex("55 52 00 00 00 00 66 06 CA 09 E6");
-  const testing::Bytes angle_ = testing::from_hex("55 53 00 20 00 F0 00 40 00 00 F8");
-  const testing::Bytes quaternion_ = testing::from_hex("55 59 FF 7F 00 00 00 00 00 00 2C");
+  const test::Bytes acceleration_ = test::from_hex("55 51 00 00 00 00 00 08 CA 09 81");
+  const test::Bytes rate_ = test::from_hex("55 52 00 00 00 00 66 06 CA 09 E6");
+  const test::Bytes angle_ = test::from_hex("55 53 00 20 00 F0 00 40 00 00 F8");
+  const test::Bytes quaternion_ = test::from_hex("55 59 FF 7F 00 00 00 00 00 00 2C");
 };
 
 TEST_F(WitParserTest, ReadsTheWorkedFramesAndTheirWords) {
-  testing::Bytes bytes;
-  for (const auto& frame : {acceleration_, rate_, angle_, quaternion_}) testing::append(bytes, frame);
+  test::Bytes bytes;
+  for (const auto& frame : {acceleration_, rate_, angle_, quaternion_}) test::append(bytes, frame);
   std::vector<std::vector<int>> words;
   parser_.parse(bytes, [&](const WitFrame& frame) {
     words.push_back({frame.id, frame.word(0), frame.word(1), frame.word(2), frame.word(3)});
@@ -45,8 +45,8 @@ TEST_F(WitParserTest, EncodesWhatItReads) {
 }
 
 TEST_F(WitParserTest, CuttingTheStreamChangesNothing) {
-  testing::Bytes bytes = testing::from_hex("55 55 51 07");
-  for (const auto& frame : {acceleration_, rate_, angle_, quaternion_}) testing::append(bytes, frame);
+  test::Bytes bytes = test::from_hex("55 55 51 07");
+  for (const auto& frame : {acceleration_, rate_, angle_, quaternion_}) test::append(bytes, frame);
   std::vector<int> ids;
   for (const std::uint8_t byte : bytes) {
     for (const int id : parse({byte})) ids.push_back(id);
@@ -61,11 +61,11 @@ TEST_F(WitParserTest, TheFirstFrameCountsOnlyIfAnotherFollowsAtOnce) {
 }
 
 TEST_F(WitParserTest, ADamagedFrameCostsItselfAndIsSeenAsAGap) {
-  testing::Bytes damaged = rate_;
+  test::Bytes damaged = rate_;
   damaged[4] ^= 0x40;
-  testing::Bytes bytes;
-  for (const auto& frame : {angle_, quaternion_, acceleration_, damaged, angle_}) testing::append(bytes, frame);
-  testing::append(bytes, quaternion_);
+  test::Bytes bytes;
+  for (const auto& frame : {angle_, quaternion_, acceleration_, damaged, angle_}) test::append(bytes, frame);
+  test::append(bytes, quaternion_);
   std::vector<int> ids, gaps;
   parser_.parse(bytes, [&](const WitFrame& frame) {
     ids.push_back(frame.id);
@@ -82,9 +82,9 @@ TEST_F(WitParserTest, GoodFramesSurviveNoiseAndNoiseMakesNone) {
   int found = 0, wrong = 0;
   constexpr int kRounds = 5000;
   for (int round = 0; round < kRounds; ++round) {
-    testing::Bytes bytes = testing::random_bytes(random, random() % 30);
+    test::Bytes bytes = test::random_bytes(random, random() % 30);
     for (auto& byte : bytes) byte = random() % 4 == 0 ? 0x55 : byte;
-    for (const auto& frame : {acceleration_, rate_, angle_, quaternion_}) testing::append(bytes, frame);
+    for (const auto& frame : {acceleration_, rate_, angle_, quaternion_}) test::append(bytes, frame);
     parser_.parse(bytes, [&](const WitFrame& frame) {
       const bool known = frame.id == 0x51 || frame.id == 0x52 || frame.id == 0x53 || frame.id == 0x59;
       found += known ? 1 : 0;

@@ -9,6 +9,7 @@
 #include "drivers/imu/imu_node.hpp"
 #include "tests/drivers/byte_stream.hpp"
 #include "tests/drivers/recorder.hpp"
+#include "tests/stamps.hpp"
 #include "tools/simulate/devices/wit_emulator.hpp"
 
 namespace curbstone::imu {
@@ -19,7 +20,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
+using test::kStart;
 
 /// On a vehicle that drives, over the wire, in the device's own steps.
 class WitLastingFaults : public ::testing::Test {
@@ -37,7 +38,7 @@ class WitLastingFaults : public ::testing::Test {
     return config;
   }
   void drive(double seconds, const std::function<void(XsensSample&)>& spoil = {},
-             const std::function<void(testing::Bytes&)>& garble = {}) {
+             const std::function<void(test::Bytes&)>& garble = {}) {
     for (const std::int64_t end = now_ + std::llround(seconds * 1e6); now_ < end;) {
       now_ += device_.period();
       const double t = static_cast<double>(now_ - kStart) * 1e-6;
@@ -46,7 +47,7 @@ class WitLastingFaults : public ::testing::Test {
       sample.angular_rate = {noise(0.01), noise(0.01), 0.4 * std::sin(0.7 * t) + noise(0.01)};
       sample.orientation = {{1, 0, 0, 0}};
       if (spoil) spoil(sample);
-      testing::Bytes bytes = device_.sample(now_, sample);
+      test::Bytes bytes = device_.sample(now_, sample);
       if (garble) garble(bytes);
       node_.on_bytes(now_ + 500, bytes);
       node_.tick(now_ + 600);
@@ -65,7 +66,7 @@ class WitLastingFaults : public ::testing::Test {
     EXPECT_THAT(faults(), IsEmpty());
   }
 
-  testing::Recorder<imu_t> recorder_{"IMU"};
+  test::Recorder<imu_t> recorder_{"IMU"};
   simulate::devices::WitEmulator device_;
   bool obeys_ = true;  // it takes commands
   ImuNode node_;
@@ -99,8 +100,8 @@ TEST_F(WitLastingFaults, AGyroThatIsDeadIsWithheldAndNamed) {
 
 /// The same bytes, its time too: a bridge or a program that repeats what it had.
 TEST_F(WitLastingFaults, OneSampleWithItsTimeOverAndOverIsRefused) {
-  testing::Bytes last;
-  const auto repeat = [&](testing::Bytes& bytes) { last.empty() ? void(last = bytes) : void(bytes = last); };
+  test::Bytes last;
+  const auto repeat = [&](test::Bytes& bytes) { last.empty() ? void(last = bytes) : void(bytes = last); };
   drive(0.1, {}, repeat);
   const std::size_t before = published();
   drive(60, {}, repeat);
@@ -137,7 +138,7 @@ TEST_F(WitLastingFaults, AnAxisAtTheEndOfItsRangeIsFlaggedAtOnceAndWithheldIfItS
 
 TEST_F(WitLastingFaults, MinutesOfAWrongBaudPublishNothingAndAreTold) {
   const std::size_t before = published();
-  drive(180, {}, [&](testing::Bytes& bytes) { bytes = testing::random_bytes(random_, bytes.size() + random_() % 20); });
+  drive(180, {}, [&](test::Bytes& bytes) { bytes = test::random_bytes(random_, bytes.size() + random_() % 20); });
   EXPECT_LE(published(), before + 1);  // a checksum is a byte
   EXPECT_THAT(faults(), Contains(HasSubstr("garbage from the IMU: wrong baud")));
   expect_recovery();

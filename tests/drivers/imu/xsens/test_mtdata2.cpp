@@ -13,19 +13,19 @@
 namespace curbstone::imu::xsens {
 namespace {
 
-using testing::append;
-using testing::Bytes;
+using test::append;
+using test::Bytes;
+using test::from_hex;
 using ::testing::DoubleNear;
 using ::testing::ElementsAre;
-using testing::from_hex;
 
 MtData2 decode(const std::string& hex, Counters* counters = nullptr) {
   Counters ignored;
-  return decode_mtdata2(testing::from_hex(hex), counters != nullptr ? *counters : ignored);
+  return decode_mtdata2(test::from_hex(hex), counters != nullptr ? *counters : ignored);
 }
 
 TEST(MtData2Test, ARealFrameGivesTheValuesThatItsRecordersSaw) {
-  const testing::Bytes wire = testing::from_hex(
+  const test::Bytes wire = test::from_hex(
       "FA FF 36 62 10 20 02 A9 86 10 60 04 03 14 ED 53 10 10 0C 07 44 0B E0 07 E3 01 14 0D 2F 18 37 E0 20 04 01 80 00 "
       "07 "
       "40 20 0C BC 8E 54 66 C0 E8 2F 10 BF 9A D2 9E 40 10 0C B9 35 26 9F BD 94 99 30 BC 46 23 46 80 20 0C BB 42 5C 34 "
@@ -120,9 +120,8 @@ TEST(MtData2Test, NumbersThatCannotBeAreRefusedByCause) {
 
 TEST(MtData2Test, RecordingsInEveryFormatAreDecodedToTheLastItem) {
   for (int i = 1; i <= 5; ++i) {
-    const testing::Bytes bytes =
-        testing::read_bytes(tests::data_path("imu_xsens/") + std::to_string(i) + ".output.bin");
-    if (bytes.empty()) GTEST_SKIP() << tests::data_path("imu_xsens/") << i << ".output.bin is not there";
+    const test::Bytes bytes = test::read_bytes(test::data_path("imu_xsens/") + std::to_string(i) + ".output.bin");
+    if (bytes.empty()) GTEST_SKIP() << test::data_path("imu_xsens/") << i << ".output.bin is not there";
     Counters counters;
     int inertial = 0;
     int oriented = 0;
@@ -150,15 +149,15 @@ TEST(MtData2Test, RecordingsInEveryFormatAreDecodedToTheLastItem) {
 
 TEST(MtData2Test, NoPayloadReadsBeyondItsEndOrGivesNumbersThatCannotBe) {
   std::mt19937 random(5);
-  const testing::Bytes ids = testing::from_hex("08 10 10 20 10 60 20 10 20 30 40 20 80 20 E0 10 E0 20");
+  const test::Bytes ids = test::from_hex("08 10 10 20 10 60 20 10 20 30 40 20 80 20 E0 10 E0 20");
   for (int round = 0; round < 20'000; ++round) {
-    testing::Bytes payload;
+    test::Bytes payload;
     for (auto items = random() % 5; items > 0; --items) {
       const std::size_t k = random() % (ids.size() / 2);
-      const testing::Bytes data = testing::random_bytes(random, random() % 34);
-      testing::append(payload, {ids[2 * k], static_cast<std::uint8_t>(ids[2 * k + 1] | random() % 4)});
+      const test::Bytes data = test::random_bytes(random, random() % 34);
+      test::append(payload, {ids[2 * k], static_cast<std::uint8_t>(ids[2 * k + 1] | random() % 4)});
       payload.push_back(static_cast<std::uint8_t>(random() % 8 == 0 ? random() : data.size()));
-      testing::append(payload, data);
+      test::append(payload, data);
     }
     const std::vector<std::uint8_t> exact(payload.begin(), payload.end());  // so that ASan sees its end
     Counters counters;

@@ -8,22 +8,23 @@
 #include "common/bytes/big_endian.hpp"
 #include "tests/drivers/byte_stream.hpp"
 #include "tests/paths.hpp"
+#include "tests/stamps.hpp"
 
 namespace curbstone::imu::xsens {
 namespace {
 
 using device::ImuSample;
-using testing::Bytes;
+using test::Bytes;
 using ::testing::DoubleNear;
 using ::testing::ElementsAre;
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
+using test::kStart;
 
 class XsensDeviceTest : public ::testing::Test {
  protected:
   /// The increments of a device that turns and accelerates evenly, as float64; `n` samples after the first.
-  testing::Bytes increments(int n, double hz) const {
-    testing::Bytes payload;
+  test::Bytes increments(int n, double hz) const {
+    test::Bytes payload;
     const auto item = [&](std::uint16_t id, std::size_t size) {
       append_big_endian(payload, id);
       payload.push_back(static_cast<std::uint8_t>(size));
@@ -92,8 +93,8 @@ TEST_F(XsensDeviceTest, NoTurnIsNoRate) {
 
 TEST_F(XsensDeviceTest, RecordedIncrementsAgreeWithTheRatesBesideThem) {
   for (int file = 1; file <= 4; ++file) {  // float32, 12.20, 16.32, float64
-    const std::string name = tests::data_path("imu_xsens/") + std::to_string(file) + ".output.bin";
-    const testing::Bytes bytes = testing::read_bytes(name);
+    const std::string name = test::data_path("imu_xsens/") + std::to_string(file) + ".output.bin";
+    const test::Bytes bytes = test::read_bytes(name);
     if (bytes.empty()) GTEST_SKIP() << name << " is not there";
     XsensDevice device({.configure = false}, [](auto) {});
     std::int64_t now = kStart;

@@ -89,7 +89,7 @@ TEST(PcapSource, CountsWhatIsNoWholeUdpPacketByCause) {
 TEST(PcapSource, SaysWhatIsWrongWithAFile) {
   EXPECT_THAT([] { PcapSource("/nowhere/drive.pcap"); },
               ThrowsMessage<std::runtime_error>(HasSubstr("/nowhere/drive.pcap: No such file")));
-  EXPECT_THAT([] { PcapSource(tests::source_path("README.md")); },
+  EXPECT_THAT([] { PcapSource(test::source_path("README.md")); },
               ThrowsMessage<std::runtime_error>(HasSubstr("cannot read the capture")));
   const Capture can({frame({1}, 1)}, 227);
   EXPECT_THAT([&] { PcapSource{can.name()}; }, ThrowsMessage<std::runtime_error>(HasSubstr("link type")));

@@ -14,7 +14,7 @@
 namespace curbstone::lidar::sources {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 using testing::ThrowsMessage;
 
 constexpr int kPort = 46699;

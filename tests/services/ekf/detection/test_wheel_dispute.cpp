@@ -11,9 +11,9 @@ namespace {
 
 using Finding = WheelDispute::Finding;
 
-constexpr std::int64_t kStep = 50'000;  // us
-constexpr double kTrack = 0.6;          // m
-constexpr double kPatience = 5.0;       // s
+constexpr std::int64_t kSampling = 50'000;  // us
+constexpr double kTrack = 0.6;              // m
+constexpr double kPatience = 5.0;           // s
 constexpr std::array<bool, 2> kBoth = {true, true};
 
 /// Wheels and a filter that have come apart.
@@ -22,7 +22,7 @@ struct Dispute {
   void step(std::array<double, 2> speed, double expected, std::array<bool, 2> trusted = kBoth) {
     WheelLook look;
     look.begin = now;
-    look.end = now += kStep;
+    look.end = now += kSampling;
     look.speed = speed;
     look.expected = {expected, expected};
     of.add(look, trusted);

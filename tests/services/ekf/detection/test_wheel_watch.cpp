@@ -9,20 +9,20 @@ namespace {
 
 using Finding = WheelWatch::Finding;
 
-constexpr std::int64_t kStep = 50'000;  // us
-constexpr double kTrack = 0.6;          // m
+constexpr std::int64_t kWatchPeriod = 50'000;  // us
+constexpr double kTrackWidth = 0.6;            // m
 
 /// Wheels against a filter that believes to drive at `expected`.
 struct Drive {
-  WheelWatch watch{base::SlipConfig(), kTrack};
+  WheelWatch watch{base::SlipConfig(), kTrackWidth};
   std::int64_t time = 0;
   double yaw_rate = 0;
   void step(std::array<double, 2> speed, double expected) {
     WheelLook look;
     look.begin = time;
-    look.end = time += kStep;
+    look.end = time += kWatchPeriod;
     look.speed = speed;
-    look.expected = {expected - 0.5 * kTrack * yaw_rate, expected + 0.5 * kTrack * yaw_rate};
+    look.expected = {expected - 0.5 * kTrackWidth * yaw_rate, expected + 0.5 * kTrackWidth * yaw_rate};
     look.sigma = {0.03, 0.03};
     for (std::size_t i = 0; i < 2; ++i) look.refused[i] = std::abs(speed[i] - look.expected[i]) > 8 * 0.03;
     look.yaw_rate = yaw_rate;
@@ -80,8 +80,8 @@ TEST(WheelWatchTest, AWheelThatIsOffInTurnsOnlyIsNotFaulty) {
     Drive drive;
     for (int i = 0; i < 1200; ++i) {
       drive.yaw_rate = i % 300 < 200 ? 1.0 : -1.0;
-      const double off = skid * kTrack * drive.yaw_rate;
-      drive.step({0.8 - 0.5 * kTrack * drive.yaw_rate - off, 0.8 + 0.5 * kTrack * drive.yaw_rate}, 0.8);
+      const double off = skid * kTrackWidth * drive.yaw_rate;
+      drive.step({0.8 - 0.5 * kTrackWidth * drive.yaw_rate - off, 0.8 + 0.5 * kTrackWidth * drive.yaw_rate}, 0.8);
     }
     EXPECT_FALSE(drive.watch.faulty(0) || drive.watch.faulty(1)) << skid;
   }
@@ -90,7 +90,7 @@ TEST(WheelWatchTest, AWheelThatIsOffInTurnsOnlyIsNotFaulty) {
 TEST(WheelWatchTest, AWheelThatStandsStillInATurnIsFaultyOnceItGoesStraightOn) {
   Drive drive;
   drive.yaw_rate = 0.5;
-  drive.run(20, {0, 3 + 0.5 * kTrack * 0.5}, 3);
+  drive.run(20, {0, 3 + 0.5 * kTrackWidth * 0.5}, 3);
   drive.yaw_rate = 0.0;
   drive.run(5, {0, 3}, 3);
   EXPECT_TRUE(drive.watch.faulty(0));

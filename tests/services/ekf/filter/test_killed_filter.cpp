@@ -16,7 +16,7 @@
 namespace curbstone::ekf::filter {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
+constexpr double kOneDegree = M_PI / 180.0;
 constexpr double kSetOff = 2.0;  // s
 constexpr double kDown = 0.4;    // s until the deputy has started the next one
 
@@ -69,7 +69,7 @@ Worst worst_of(const std::vector<model::Estimate>& estimates, const Drive& drive
 
 class KilledFilterTest : public ::testing::Test {
  protected:
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::string file_ = folder_ / "ekf.state";
   base::EkfConfig config_;
   Drive drive_ = setting_off();
@@ -88,7 +88,7 @@ TEST_F(KilledFilterTest, TheNextOneGoesOnWhereverItsPredecessorWasKilled) {
     EXPECT_EQ(next.counters()["starts.inherited"], 1);
     const Worst worst = worst_of(estimates, drive_, kill + kDown);
     EXPECT_LT(worst.usable_after, 2.0) << kill;
-    EXPECT_LT(worst.tilt, 0.7 * kDegree) << kill;
+    EXPECT_LT(worst.tilt, 0.7 * kOneDegree) << kill;
     EXPECT_LT(worst.speed, 0.15) << kill;
   }
 }
@@ -101,7 +101,7 @@ TEST_F(KilledFilterTest, OneThatStartsOnTheMoveIsNotUsedUntilItIsLevel) {
     EXPECT_EQ(next.counters()["starts.moving"], 1) << kill;
     EXPECT_FALSE(estimates.front().level) << kill;
     const Worst worst = worst_of(estimates, drive_, kill + kDown);
-    EXPECT_LT(worst.swing, 0.3 * kDegree) << kill;
+    EXPECT_LT(worst.swing, 0.3 * kOneDegree) << kill;
     EXPECT_LT(worst.usable_after, 10.1) << kill;
   }
 }

@@ -27,7 +27,7 @@ bool comes_true(const std::function<bool()>& condition) {
 }
 
 TEST(StateKeeper, WritesTheLastBeliefBeforeItGoes) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   {
     StateKeeper keeper(folder / "ekf.state");
     for (std::int64_t i = 1; i <= 1000; ++i) keeper.keep(belief_at(i));
@@ -38,7 +38,7 @@ TEST(StateKeeper, WritesTheLastBeliefBeforeItGoes) {
 }
 
 TEST(StateKeeper, NeverWaitsForAFileSystemThatBlocks) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string unfinished = folder / "ekf.state.unfinished";
   ASSERT_EQ(mkfifo(unfinished.c_str(), 0600), 0) << "nobody reads it yet: to open it for writing blocks";
   std::string written;
@@ -52,7 +52,7 @@ TEST(StateKeeper, NeverWaitsForAFileSystemThatBlocks) {
 }
 
 TEST(StateKeeper, FailsUntilTheFolderIsThere) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   StateKeeper keeper(folder / "run/ekf.state");
   keeper.keep(belief_at(1));
   ASSERT_TRUE(comes_true([&] { return keeper.failing(); }));

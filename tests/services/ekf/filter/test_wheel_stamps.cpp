@@ -10,17 +10,17 @@
 namespace curbstone::ekf::filter {
 namespace {
 
-struct Outcome {
+struct StampOutcome {
   double position = 0.0;  // m, largest error on the ground
   double sigmas = 0.0;    // by the covariance, at the end
   Counters counters;
 };
 
-Outcome outcome_of(const Drive& drive) {
+StampOutcome outcome_of(const Drive& drive) {
   Filter filter{base::EkfConfig()};
   const auto out = run(filter, drive);
   const std::size_t start = drive.index_of(out.front().utime);
-  Outcome outcome;
+  StampOutcome outcome;
   for (const model::Estimate& e : out) {
     const std::size_t i = std::min(drive.index_of(e.utime), drive.truth.size() - 1);
     const Eigen::Vector2d error = (e.T_odom_base.translation() - drive.T_odom_base(i, start).translation()).head<2>();
@@ -31,7 +31,7 @@ Outcome outcome_of(const Drive& drive) {
   return outcome;
 }
 
-Drive town(unsigned number, double speed) {
+Drive drive_through_town(unsigned number, double speed) {
   TownDriveOptions options;
   options.seconds = 80.0;
   options.town = number;
@@ -45,14 +45,15 @@ class LateWheelStamps : public ::testing::TestWithParam<unsigned> {};
 /// Believed, stamps up to 20 ms late cost 2 to 100 m at 10 to 50 sigma.
 TEST_P(LateWheelStamps, CostLittleAndTheCovarianceCoversIt) {
   for (const double speed : {0.7, 3.0, 5.0}) {
-    const Drive good = town(GetParam(), speed);
-    const Outcome undisturbed = outcome_of(good);
+    const Drive good = drive_through_town(GetParam(), speed);
+    const StampOutcome undisturbed = outcome_of(good);
     for (const double late : {0.002, 0.005, 0.01, 0.02, 0.06}) {
       Drive drive = good;
       make_late(drive.wheels, late, GetParam());
-      Outcome o = outcome_of(drive);
-      std::printf("[ figure ] town %u, %.1f m/s, up to %.0f ms late: %.2f m (undisturbed %.2f), %.1f sigma\n",
-                  GetParam(), speed, 1e3 * late, o.position, undisturbed.position, o.sigmas);
+      StampOutcome o = outcome_of(drive);
+      std::printf(
+          "[ figure ] drive_through_town %u, %.1f m/s, up to %.0f ms late: %.2f m (undisturbed %.2f), %.1f sigma\n",
+          GetParam(), speed, 1e3 * late, o.position, undisturbed.position, o.sigmas);
       EXPECT_LT(o.position, undisturbed.position + (late > 0.02 ? 1.5 : 0.5)) << late;
       EXPECT_LT(o.sigmas, 2.5) << late;
       EXPECT_EQ(o.counters["reset.doubt"], 0) << late;

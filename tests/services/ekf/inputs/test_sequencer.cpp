@@ -5,10 +5,12 @@
 #include <array>
 #include <string>
 
+#include "tests/stamps.hpp"
+
 namespace curbstone::ekf::inputs {
 namespace {
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;
+using test::kStart;
 constexpr std::int64_t kMillisecond = 1'000;
 
 class SequencerTest : public ::testing::Test {

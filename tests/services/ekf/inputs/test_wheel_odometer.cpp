@@ -11,9 +11,9 @@ namespace {
 
 using Step = WheelOdometer::Step;
 
-constexpr double kRadius = 0.1;  // m
-constexpr double kMaxGap = 0.2;  // s
-constexpr std::int64_t kStart = 1'000'000;
+constexpr double kWheelRadius = 0.1;  // m
+constexpr double kMaxGap = 0.2;       // s
+constexpr std::int64_t kFirst = 1'000'000;
 constexpr std::int64_t kPeriod = 12'000;  // us between samples
 
 class WheelOdometerTest : public ::testing::Test {
@@ -21,10 +21,10 @@ class WheelOdometerTest : public ::testing::Test {
   /// Both wheels' angles at a time of an even drive.
   static base::WheelSample rolling(std::int64_t since_start, double left, double right) {
     const double t = base::seconds_between(0, since_start);
-    return {kStart + since_start, {3.0 + left / kRadius * t, -7.0 + right / kRadius * t}};
+    return {kFirst + since_start, {3.0 + left / kWheelRadius * t, -7.0 + right / kWheelRadius * t}};
   }
   base::WheelsConfig config_;  // an interval is 0.05 s
-  WheelOdometer odometer_{config_, kRadius, kMaxGap};
+  WheelOdometer odometer_{config_, kWheelRadius, kMaxGap};
 };
 
 TEST_F(WheelOdometerTest, AnIntervalIsCompleteOnceItIsAsLongAsConfigured) {
@@ -39,19 +39,19 @@ TEST_F(WheelOdometerTest, AnIntervalIsCompleteOnceItIsAsLongAsConfigured) {
 TEST_F(WheelOdometerTest, AnEvenDriveHasTheSpeedOfItsRims) {
   for (int i = 0; i <= 5; ++i) (void)odometer_.add(rolling(i * kPeriod, 1.5, -0.5));
   const WheelInterval& interval = odometer_.interval();
-  EXPECT_EQ(interval.begin, kStart);
-  EXPECT_EQ(interval.end, kStart + 5 * kPeriod);
+  EXPECT_EQ(interval.begin, kFirst);
+  EXPECT_EQ(interval.end, kFirst + 5 * kPeriod);
   EXPECT_NEAR(interval.speed[0], 1.5, 1e-9);
   EXPECT_NEAR(interval.speed[1], -0.5, 1e-9);
   EXPECT_NEAR(interval.mean_speed(), 0.5, 1e-9);
   ASSERT_TRUE(odometer_.newest());
-  EXPECT_EQ(odometer_.newest()->begin, kStart + 4 * kPeriod);
+  EXPECT_EQ(odometer_.newest()->begin, kFirst + 4 * kPeriod);
   EXPECT_NEAR(odometer_.newest()->speed[0], 1.5, 1e-9);
 }
 
 TEST_F(WheelOdometerTest, IntervalsTouchSoThatTheirSumIsTheTravelHoweverUnevenlyItIsSampled) {
   std::mt19937 random(1);
-  std::int64_t utime = kStart, end = kStart;
+  std::int64_t utime = kFirst, end = kFirst;
   double angle = 0, travel = 0;
   int intervals = 0;
   for (int i = 0; i < 5000; ++i) {
@@ -60,7 +60,7 @@ TEST_F(WheelOdometerTest, IntervalsTouchSoThatTheirSumIsTheTravelHoweverUnevenly
       EXPECT_EQ(odometer_.interval().begin, end);
       end = odometer_.interval().end;
       travel += odometer_.interval().speed[0] * odometer_.interval().duration();
-      EXPECT_NEAR(travel, kRadius * angle, 1e-9);
+      EXPECT_NEAR(travel, kWheelRadius * angle, 1e-9);
       ++intervals;
     }
     utime += 2'000 + static_cast<std::int64_t>(random() % 30'000);
@@ -76,7 +76,7 @@ TEST_F(WheelOdometerTest, AfterAGapAnIntervalBeginsAnew) {
   EXPECT_FALSE(odometer_.newest());
   for (int i = 1; i < 5; ++i) EXPECT_EQ(odometer_.add(rolling(after + i * kPeriod, 1, 1)), Step::kOpen);
   EXPECT_EQ(odometer_.add(rolling(after + 5 * kPeriod, 1, 1)), Step::kInterval);
-  EXPECT_EQ(odometer_.interval().begin, kStart + after);
+  EXPECT_EQ(odometer_.interval().begin, kFirst + after);
 }
 
 TEST_F(WheelOdometerTest, AStampThatDoesNotGrowIsAGapToo) {
@@ -97,13 +97,13 @@ TEST_F(WheelOdometerTest, ACounterThatRestartsIsNonsenseOnceAndIsFollowedFromThe
     sample.utime += kPeriod;
     sample.angle[wheel] += 1;
     EXPECT_EQ(odometer_.add(sample), Step::kOpen);
-    EXPECT_NEAR(odometer_.newest()->speed[wheel], kRadius * 1 / 0.012, 1e-9);
+    EXPECT_NEAR(odometer_.newest()->speed[wheel], kWheelRadius * 1 / 0.012, 1e-9);
   }
 }
 
 TEST_F(WheelOdometerTest, AnAngleThatIsNoNumberIsNonsense) {
   (void)odometer_.add(rolling(0, 1, 1));
-  EXPECT_EQ(odometer_.add({kStart + kPeriod, {std::nan(""), 0}}), Step::kNonsense);
+  EXPECT_EQ(odometer_.add({kFirst + kPeriod, {std::nan(""), 0}}), Step::kNonsense);
 }
 
 TEST_F(WheelOdometerTest, ALateStampBeforeItDoesNotMakeAFastWheelNonsense) {
@@ -121,10 +121,10 @@ double measured_sigma(const base::WheelsConfig& config, double speed) {
   constexpr int kTries = 4000;
   double sum = 0, squares = 0;
   for (int i = 0; i < kTries; ++i) {
-    WheelOdometer odometer(config, kRadius, kMaxGap);
+    WheelOdometer odometer(config, kWheelRadius, kMaxGap);
     for (const std::int64_t t : {std::int64_t{0}, std::int64_t{60'000}}) {
-      const double angle = speed / kRadius * 1e-6 * static_cast<double>(t) + config.angle_noise * unit(random);
-      const std::int64_t stamp = kStart + t + std::llround(1e6 * config.stamp_noise * unit(random));
+      const double angle = speed / kWheelRadius * 1e-6 * static_cast<double>(t) + config.angle_noise * unit(random);
+      const std::int64_t stamp = kFirst + t + std::llround(1e6 * config.stamp_noise * unit(random));
       (void)odometer.add({stamp, {angle, angle}});
     }
     sum += odometer.interval().speed[0];
@@ -137,9 +137,9 @@ TEST_F(WheelOdometerTest, SigmaIsThatOfSpeedsMeasuredWithNoisyStampsAndAngles) {
   config_.speed_noise = config_.slip_noise = 0;
   const WheelInterval fast{0, 60'000, {5.0, 5.0}}, slow{0, 60'000, {0.5, 0.5}};
   config_.angle_noise = 0;
-  EXPECT_NEAR(measured_sigma(config_, 5.0) / wheel_sigma(config_, fast, kRadius, 0), 1.0, 0.05);
+  EXPECT_NEAR(measured_sigma(config_, 5.0) / wheel_sigma(config_, fast, kWheelRadius, 0), 1.0, 0.05);
   config_.angle_noise = 2e-3;
-  EXPECT_NEAR(measured_sigma(config_, 0.5) / wheel_sigma(config_, slow, kRadius, 0), 1.0, 0.05);
+  EXPECT_NEAR(measured_sigma(config_, 0.5) / wheel_sigma(config_, slow, kWheelRadius, 0), 1.0, 0.05);
 }
 
 /// A speed is wrong by as much as the duration is.
@@ -150,13 +150,13 @@ TEST_F(WheelOdometerTest, WhereStampsJitterIntervalsAreLongerAndTheirSigmaSaysBy
   double squares = 0.0;
   double shortest = INFINITY;
   for (int i = 0; i < 6000; ++i) {
-    const std::int64_t utime = kStart + 20'000 * i;
-    const double angle = 5.0 / kRadius * 1e-6 * static_cast<double>(utime);
+    const std::int64_t utime = kFirst + 20'000 * i;
+    const double angle = 5.0 / kWheelRadius * 1e-6 * static_cast<double>(utime);
     const auto step = odometer_.add({utime + std::llround(jitter(random)), {angle, angle}});
     if (step != Step::kInterval || i < 100) continue;
     const WheelInterval& interval = odometer_.interval();
     ++intervals;
-    squares += std::pow((interval.speed[0] - 5.0) / wheel_sigma(config_, interval, kRadius, 0), 2);
+    squares += std::pow((interval.speed[0] - 5.0) / wheel_sigma(config_, interval, kWheelRadius, 0), 2);
     shortest = std::min(shortest, interval.duration());
   }
   EXPECT_GT(shortest, 0.08);
@@ -167,8 +167,9 @@ TEST_F(WheelOdometerTest, WhereStampsJitterIntervalsAreLongerAndTheirSigmaSaysBy
 TEST_F(WheelOdometerTest, SigmaOfAWheelOnItsOwnGrowsWithItsSlipOnly) {
   config_.angle_noise = config_.stamp_noise = 0;
   const WheelInterval turning{0, 50'000, {0.0, -2.0}};
-  EXPECT_DOUBLE_EQ(wheel_sigma(config_, turning, kRadius, 0), config_.speed_noise);
-  EXPECT_DOUBLE_EQ(wheel_sigma(config_, turning, kRadius, 1), std::hypot(config_.speed_noise, 2 * config_.slip_noise));
+  EXPECT_DOUBLE_EQ(wheel_sigma(config_, turning, kWheelRadius, 0), config_.speed_noise);
+  EXPECT_DOUBLE_EQ(wheel_sigma(config_, turning, kWheelRadius, 1),
+                   std::hypot(config_.speed_noise, 2 * config_.slip_noise));
 }
 
 }  // namespace

@@ -12,8 +12,8 @@
 namespace curbstone::localizer::fields {
 namespace {
 
-using testing::map_of;
-using testing::Yard;
+using test_yard::map_of;
+using test_yard::Yard;
 
 TEST(SavedMap, HasNoJumpAtTheBordersOfTiles) {
   SavedMap map(map_of(Yard{}));

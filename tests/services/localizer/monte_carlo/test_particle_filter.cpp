@@ -7,10 +7,10 @@
 namespace curbstone::localizer::monte_carlo {
 namespace {
 
-using testing::map_of;
-using testing::points_in;
-using testing::pose_at;
-using testing::Yard;
+using test_yard::map_of;
+using test_yard::points_in;
+using test_yard::pose_at;
+using test_yard::Yard;
 
 tracking::PoseBelief start(const Pose& pose, double sigma = 0.3) {
   tracking::Vector6 sigmas;

@@ -7,10 +7,10 @@
 namespace curbstone::localizer::search {
 namespace {
 
-using testing::map_of;
-using testing::points_in;
-using testing::pose_at;
-using testing::Yard;
+using test_yard::map_of;
+using test_yard::points_in;
+using test_yard::pose_at;
+using test_yard::Yard;
 
 /// 0.15 m a revolution through the yard, on a gentle bend; odometry has an origin of its own.
 struct DriveThrough {
@@ -47,7 +47,7 @@ TEST(Finder, FindsAVehicleThatDrivesInAYard) {
 }
 
 TEST(Finder, AtAPlaceThatTheMapHasTwiceItIsNeverSure) {
-  DriveThrough drive{{.open = true}, fields::SavedMap(testing::twice(map_of(Yard{.open = true}), 40))};
+  DriveThrough drive{{.open = true}, fields::SavedMap(test_yard::twice(map_of(Yard{.open = true}), 40))};
   EXPECT_FALSE(drive.revolutions(100));
   EXPECT_TRUE(drive.was_ambiguous);
   ASSERT_NE(drive.finder.best(), nullptr);

@@ -9,9 +9,9 @@
 namespace curbstone::localizer::search {
 namespace {
 
-using testing::points_in;
-using testing::pose_at;
-using testing::Yard;
+using test_yard::points_in;
+using test_yard::pose_at;
+using test_yard::Yard;
 
 TEST(LocalScan, ShowsWhatStandsAndNotTheGround) {
   const Yard yard{.turned = 0};

@@ -10,10 +10,10 @@
 namespace curbstone::localizer::search {
 namespace {
 
-using testing::map_of;
-using testing::points_in;
-using testing::pose_at;
-using testing::Yard;
+using test_yard::map_of;
+using test_yard::points_in;
+using test_yard::pose_at;
+using test_yard::Yard;
 
 std::vector<Eigen::Vector2d> plan_from(const Yard& yard, const Pose& T_map_base) {
   LocalScan scan;
@@ -99,7 +99,7 @@ TEST(MapSearch, DoesALittleOfTheWorkAtATime) {
 
 TEST(MapSearch, FindsBothOfTwoPlacesThatAreAlike) {
   const Yard yard;
-  fields::SavedMap map(testing::twice(map_of(yard), 40));  // 120 m on
+  fields::SavedMap map(test_yard::twice(map_of(yard), 40));  // 120 m on
   MapSearch search(plan_from(yard, pose_at(-3, 1, 0.2)), map);
   const auto found = candidates_of(search, 1'000'000);
   ASSERT_GE(found.size(), 2U);

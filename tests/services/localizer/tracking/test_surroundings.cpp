@@ -9,10 +9,10 @@
 namespace curbstone::localizer::tracking {
 namespace {
 
-using testing::map_of;
-using testing::points_in;
-using testing::pose_at;
-using testing::Yard;
+using test_yard::map_of;
+using test_yard::points_in;
+using test_yard::pose_at;
+using test_yard::Yard;
 
 /// A wrong pose that is held, as a street holds it: the prior is trusted more than the points.
 PoseFit held_at(const Pose& pose, const std::vector<Eigen::Vector3d>& points, fields::SavedMap& map) {

@@ -7,10 +7,10 @@
 namespace curbstone::localizer::tracking {
 namespace {
 
-using testing::map_of;
-using testing::points_in;
-using testing::pose_at;
-using testing::Yard;
+using test_yard::map_of;
+using test_yard::points_in;
+using test_yard::pose_at;
+using test_yard::Yard;
 
 PoseBelief start(const Pose& pose) {
   Vector6 sigma;

@@ -4,10 +4,11 @@
 #include <vector>
 
 #include "services/mapper/dense_map/dense_map.hpp"
+#include "tests/stamps.hpp"
 
 namespace curbstone::mapper::dense_map {
 
-inline constexpr std::int64_t kStart = 1'700'000'000'000'000;
+using test::kStart;
 inline constexpr std::int64_t kPeriod = 50'000;
 
 /// Ground in a patch around (x, y), as points in base_link, one in the middle of each voxel; the vehicle is at the

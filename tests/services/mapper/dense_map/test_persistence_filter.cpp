@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/stamps.hpp"
+
 namespace curbstone::mapper::dense_map {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000;
+using test::kSecond;
 const Eigen::Vector3d kSpot(10.1, -3.1, 0.9);
 
 TEST(PersistenceFilter, StayAfterASecondWithoutABreak) {

@@ -133,7 +133,7 @@ class KilledMapperTest : public ::testing::Test {
   }
   [[nodiscard]] std::int64_t counter(const std::string& name) const { return node_->report().counters[name]; }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   config::MapperConfig config_;
   test::SyntheticWorld world_ = known_street();
   test::SyntheticWorld::Trajectory trajectory_ = test::driving;

@@ -126,7 +126,7 @@ class DriveJournalTest : public ::testing::Test {
     EXPECT_TRUE(last.has_moved);
   }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::string file_ = folder_ / "state/drive.journal";
   dense_map::DenseMap map_{config::DenseConfig{}};
   pose_graph::Atlas atlas_{config::AtlasConfig{}};

@@ -20,7 +20,7 @@ class JournalWriterTest : public ::testing::Test {
     writer_.append(batch, true);
     while (writer_.busy()) std::this_thread::yield();
   }
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   const std::string file_ = folder_ / "drive.journal";
   JournalWriter writer_{file_, 1'000'000};
 };

@@ -192,7 +192,7 @@ TEST(VerifyPlace, SurvivesInputThatIsNone) {
 }
 
 TEST(VerifyPlace, FindsRecordedScansOnTheirStreetAndRefusesThoseFromFurtherOn) {
-  const std::string folder = tests::data_path("kitti0005_rs16");
+  const std::string folder = test::data_path("kitti0005_rs16");
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   const bench::mapping::drives::ScanDrive drive(folder, folder + "/reference_poses.txt", folder + "/times.txt");
   const evaluate::truth::Trajectory& truth = drive.truth();

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/stamps.hpp"
+
 namespace curbstone::mapper::pose_graph {
 namespace {
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;
+using test::kStart;
 
 Pose at(double x, double y, double z = 0) {
   return Pose(Eigen::Translation3d(x, y, z));

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/stamps.hpp"
+
 namespace curbstone::mapper::scan {
 namespace {
 
 constexpr std::int64_t kPeriod = 10'000;
-constexpr std::int64_t kStart = 1'700'000'000'000'000;
+using test::kStart;
 
 /// 5 m/s, turning left at 0.5 rad/s.
 Pose on_a_circle(std::int64_t utime) {

@@ -5,16 +5,17 @@
 #include "common/bus/local_bus.hpp"
 #include "common/resend/message_keeper.hpp"
 #include "services/mapper/scan/odometry_intake.hpp"
+#include "tests/stamps.hpp"
 
 namespace curbstone::mapper::scan {
 namespace {
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;
-constexpr std::int64_t kStep = 10'000;  // us
+using test::kStart;
+constexpr std::int64_t kOdometryPeriod = 10'000;  // us
 
-odometry_t sample(int i) {
+odometry_t odometry_at(int i) {
   odometry_t message{};
-  message.utime = kStart + kStep * i;
+  message.utime = kStart + kOdometryPeriod * i;
   message.flags = odometry_t::INITIALISED;
   message.orientation[0] = 1;
   message.position[0] = 0.03 * i + (i == 50 ? 0.02 : 0);
@@ -23,7 +24,7 @@ odometry_t sample(int i) {
 
 Scan scan_at(int begin) {
   Scan scan;
-  scan.start = kStart + kStep * begin;
+  scan.start = kStart + kOdometryPeriod * begin;
   scan.end = scan.start + 50'000;
   return scan;
 }
@@ -39,8 +40,8 @@ class OdometryResendTest : public ::testing::Test {
   }
   void send(int from, int to, bool are_heard = true) {
     for (int i = from; i < to; ++i) {
-      keeper_.keep(sample(i));
-      if (are_heard) (void)take_odometry(sample(i), history_, counters_);
+      keeper_.keep(odometry_at(i));
+      if (are_heard) (void)take_odometry(odometry_at(i), history_, counters_);
     }
   }
   void tick() {
@@ -74,7 +75,7 @@ TEST_F(OdometryResendTest, ASampleThatWasLostComesAgainAndTheScanWaitsForIt) {
   EXPECT_TRUE(resend_.is_waited_for(scan_at(48)));
   tick();
   EXPECT_FALSE(resend_.is_waited_for(scan_at(48)));
-  EXPECT_NEAR(history_.at(sample(50).utime).translation().x(), 1.52, 1e-9);
+  EXPECT_NEAR(history_.at(odometry_at(50).utime).translation().x(), 1.52, 1e-9);
 }
 
 TEST_F(OdometryResendTest, SecondsThatWereLostComeAgain) {
@@ -113,7 +114,7 @@ TEST_F(OdometryResendTest, AStepThatIsShortIsNotWaitedForLong) {
 
 TEST_F(OdometryResendTest, ASuccessorAsksForWhatWasSentBeforeItsTime) {
   send(0, 300, false);
-  history_.begin_at(kStart + 100 * kStep);
+  history_.begin_at(kStart + 100 * kOdometryPeriod);
   send(300, 310);
   EXPECT_TRUE(resend_.is_waited_for(scan_at(110)));
   for (int i = 0; i < 8; ++i) tick();

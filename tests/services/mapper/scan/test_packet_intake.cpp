@@ -8,6 +8,7 @@
 
 #include "common/bus/local_bus.hpp"
 #include "common/resend/message_keeper.hpp"
+#include "tests/stamps.hpp"
 
 namespace curbstone::mapper::scan {
 namespace {
@@ -16,7 +17,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;
+using test::kStart;
 constexpr std::int64_t kStep = 1333;  // us
 
 lidar_points_t packet(std::int32_t number) {

@@ -4,13 +4,15 @@
 
 #include <limits>
 
+#include "tests/stamps.hpp"
+
 namespace curbstone::mapper::scan {
 namespace {
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;
+using test::kStart;
 
 /// Packet `number` of a stream of 10 packets a revolution, 5 ms a packet, with `points` returns.
-lidar_points_t packet(std::int32_t number, int points = 4) {
+lidar_points_t packet_of(std::int32_t number, int points = 4) {
   lidar_points_t m;
   m.utime = kStart + 5000 * static_cast<std::int64_t>(number);
   m.packet = number;
@@ -29,8 +31,8 @@ lidar_points_t packet(std::int32_t number, int points = 4) {
 
 TEST(ScanAssembler, GivesAScanWhenTheNextBegins) {
   ScanAssembler assembler;
-  for (int i = 0; i < 10; ++i) EXPECT_FALSE(assembler.add(packet(i)));
-  const auto revolution = assembler.add(packet(10));
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(assembler.add(packet_of(i)));
+  const auto revolution = assembler.add(packet_of(10));
   ASSERT_TRUE(revolution);
   EXPECT_EQ(revolution->number, 0);
   EXPECT_EQ(revolution->packets, 10);
@@ -42,7 +44,7 @@ TEST(ScanAssembler, GivesAScanWhenTheNextBegins) {
 
 TEST(ScanAssembler, CountsWhatWasLost) {
   ScanAssembler assembler;
-  for (const int i : {0, 1, 4, 5, 9}) (void)assembler.add(packet(i));
+  for (const int i : {0, 1, 4, 5, 9}) (void)assembler.add(packet_of(i));
   const auto revolution = assembler.flush();
   ASSERT_TRUE(revolution);
   EXPECT_EQ(revolution->lost, 5);
@@ -51,7 +53,7 @@ TEST(ScanAssembler, CountsWhatWasLost) {
 
 TEST(ScanAssembler, CountsWithNumbersAsFarApartAsTheyCanBe) {
   ScanAssembler assembler;
-  lidar_points_t message = packet(0);
+  lidar_points_t message = packet_of(0);
   message.packet = std::numeric_limits<std::int32_t>::min();
   (void)assembler.add(message);
   message.utime += 1000;
@@ -62,7 +64,7 @@ TEST(ScanAssembler, CountsWithNumbersAsFarApartAsTheyCanBe) {
 
 TEST(ScanAssembler, TakesALatePacketOfTheRunningScanAndNoDuplicate) {
   ScanAssembler assembler;
-  for (const int i : {0, 2, 1, 1, 2, 3}) (void)assembler.add(packet(i));
+  for (const int i : {0, 2, 1, 1, 2, 3}) (void)assembler.add(packet_of(i));
   const auto revolution = assembler.flush();
   EXPECT_EQ(revolution->packets, 4);
   EXPECT_EQ(revolution->lost, 0);
@@ -72,16 +74,16 @@ TEST(ScanAssembler, TakesALatePacketOfTheRunningScanAndNoDuplicate) {
 
 TEST(ScanAssembler, DropsWhatBelongsToAnOlderScan) {
   ScanAssembler assembler;
-  for (const int i : {8, 10, 11}) (void)assembler.add(packet(i));
-  EXPECT_FALSE(assembler.add(packet(9)));
+  for (const int i : {8, 10, 11}) (void)assembler.add(packet_of(i));
+  EXPECT_FALSE(assembler.add(packet_of(9)));
   EXPECT_EQ(assembler.counters()["dropped.late"], 1);
   EXPECT_EQ(assembler.flush()->packets, 2);
 }
 
 TEST(ScanAssembler, BeginsAgainWhenTheClockJumps) {
   ScanAssembler assembler;
-  (void)assembler.add(packet(0));
-  lidar_points_t jumped = packet(1);
+  (void)assembler.add(packet_of(0));
+  lidar_points_t jumped = packet_of(1);
   jumped.utime -= 3600LL * 1'000'000;
   ASSERT_TRUE(assembler.add(jumped));
   EXPECT_EQ(assembler.counters()["lidar.clock_jumps"], 1);
@@ -90,16 +92,16 @@ TEST(ScanAssembler, BeginsAgainWhenTheClockJumps) {
 
 TEST(ScanAssembler, BeginsAgainWhenTheDriverDoes) {
   ScanAssembler assembler;
-  (void)assembler.add(packet(57));
-  lidar_points_t again = packet(0);
-  again.utime = packet(80).utime;
+  (void)assembler.add(packet_of(57));
+  lidar_points_t again = packet_of(0);
+  again.utime = packet_of(80).utime;
   ASSERT_TRUE(assembler.add(again));
   EXPECT_EQ(assembler.counters()["lidar.restarts"], 1);
 }
 
 TEST(ScanAssembler, LeavesOutWhatIsNoPoint) {
   ScanAssembler assembler;
-  lidar_points_t m = packet(0, 6);
+  lidar_points_t m = packet_of(0, 6);
   m.x[0] = std::numeric_limits<float>::quiet_NaN();
   m.y[1] = std::numeric_limits<float>::infinity();
   m.x[2] = m.y[2] = m.z[2] = 0;
@@ -113,7 +115,7 @@ TEST(ScanAssembler, LeavesOutWhatIsNoPoint) {
 
 TEST(ScanAssembler, RefusesAMessageWhoseArraysDisagree) {
   ScanAssembler assembler;
-  lidar_points_t m = packet(0);
+  lidar_points_t m = packet_of(0);
   m.ring.pop_back();
   EXPECT_FALSE(assembler.add(m));
   EXPECT_FALSE(assembler.flush());
@@ -124,7 +126,7 @@ TEST(ScanAssembler, CutsAScanThatNeverEnds) {
   ScanAssembler assembler;
   std::size_t largest = 0;
   for (int i = 0; i < 1000; ++i) {
-    lidar_points_t m = packet(i);
+    lidar_points_t m = packet_of(i);
     m.revolution = 0;
     if (const auto revolution = assembler.add(m)) largest = std::max(largest, revolution->points.size());
   }

@@ -26,7 +26,7 @@ std::vector<std::string> names_in(const fs::path& folder) {
 }
 
 TEST(MapFolder, LoadsWhatWasSavedBitForBit) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   const SavedMap map = random_map(1, 50, 20);
   save_map(map, scratch / "town");
   EXPECT_TRUE(equal(load_map(scratch / "town"), map));
@@ -36,7 +36,7 @@ TEST(MapFolder, LoadsWhatWasSavedBitForBit) {
 }
 
 TEST(MapFolder, OfAnEarlierVersionHasNoScaleOfIntensities) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   SavedMap map = random_map(1, 4, 2);
   save_map(map, scratch / "town");
   std::string head = bytes_of(scratch / "town/map.yaml");
@@ -49,7 +49,7 @@ TEST(MapFolder, OfAnEarlierVersionHasNoScaleOfIntensities) {
 }
 
 TEST(MapFolder, AnEmptyMapIsAMap) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   SavedMap map;
   map.tiles.push_back({.key = {3, -4}, .z_origin = 2, .utime = 0, .points = {}});  // seen, but nothing settled yet
   save_map(map, scratch / "empty");
@@ -57,7 +57,7 @@ TEST(MapFolder, AnEmptyMapIsAMap) {
 }
 
 TEST(MapFolder, EveryStepOfTheLatticeSurvivesFloat32UpTo32Kilometres) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   for (const int key : {0, 1, -1, 5461, 10'921, -10'921}) {
     SavedMap map;
     SavedTile tile{.key = {key, -key}, .z_origin = 32'700, .utime = 5, .points = {}};
@@ -74,7 +74,7 @@ TEST(MapFolder, EveryStepOfTheLatticeSurvivesFloat32UpTo32Kilometres) {
 }
 
 TEST(MapFolder, ReplacesAnOldMapAndLeavesNothingOfIt) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   const SavedMap before = random_map(1, 30, 5), after = random_map(2, 4, 2);
   save_map(before, scratch / "town");
   save_map(after, scratch / "town/");  // a slash at the end is the same folder
@@ -84,7 +84,7 @@ TEST(MapFolder, ReplacesAnOldMapAndLeavesNothingOfIt) {
 }
 
 TEST(MapFolder, ALinkToAMapStaysALink) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   save_map(random_map(1, 3, 1), scratch / "2026-11-21");
   fs::create_directory_symlink("2026-11-21", scratch / "latest");
   const SavedMap map = random_map(2, 2, 2);
@@ -94,7 +94,7 @@ TEST(MapFolder, ALinkToAMapStaysALink) {
 }
 
 TEST(MapFolder, AFolderOfSomeoneElseIsLeftAlone) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   const SavedMap map = random_map(1, 2, 2);
   for (const std::string name :
        {"home/thesis.odt", "nav2/map.pgm", "mine/tiles/bathroom.png", "town.partial/thesis.odt"}) {
@@ -112,7 +112,7 @@ TEST(MapFolder, AFolderOfSomeoneElseIsLeftAlone) {
 }
 
 TEST(MapFolder, WhatCannotBeWrittenIsSaidAndTheOldMapStays) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   const SavedMap map = random_map(1, 2, 2);
   save_map(map, scratch / "town");
   put_bytes(scratch / "file", "");
@@ -130,7 +130,7 @@ TEST(MapFolder, WhatCannotBeWrittenIsSaidAndTheOldMapStays) {
 }
 
 TEST(MapFolder, RefusesToSaveWhatItWouldNotLoad) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   const auto refused = [&](const char* why, auto&& spoil) {
     SavedMap map = random_map(1, 3, 3);
     spoil(map);
@@ -157,7 +157,7 @@ TEST(MapFolder, RefusesToSaveWhatItWouldNotLoad) {
 }
 
 TEST(MapFolder, KilledAtAnyMomentOneOfTheTwoMapsIsWhole) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   const SavedMap maps[] = {random_map(1, 60, 10), random_map(2, 40, 20)};
   const fs::path folder = scratch / "town";
   save_map(maps[0], folder);
@@ -212,7 +212,7 @@ SavedMap news_of(int times) {
 }
 
 TEST(MapFolder, OnlyWhatIsNewIsWritten) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   save_map(grown(0), scratch / "town");
   const SavedMap news = news_of(1);
   EXPECT_GE(news.nodes_on_disk, 12U);
@@ -226,13 +226,13 @@ TEST(MapFolder, OnlyWhatIsNewIsWritten) {
 }
 
 TEST(MapFolder, WhatIsSaidToBeThereAndIsNotIsAnErrorAndTheOldMapStays) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   EXPECT_THROW(save_map(news_of(1), scratch / "town"), MapFolderError);
   EXPECT_FALSE(fs::exists(scratch / "town"));
 }
 
 TEST(MapFolder, KilledAtAnyMomentWhileItGrowsTheLastWholeOneIsThere) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   const fs::path folder = scratch / "town";
   std::mt19937 random(5);
   int last = 0;

@@ -59,7 +59,7 @@ class BadMapFolder : public ::testing::Test {
     return said;
   }
 
-  testing::TemporaryFolder scratch_ = testing::TemporaryFolder::in_memory();
+  test::TemporaryFolder scratch_ = test::TemporaryFolder::in_memory();
   SavedMap map_;
   fs::path folder_;
   std::vector<fs::path> files_;

@@ -11,7 +11,7 @@ namespace curbstone::mapper::storage {
 namespace {
 
 TEST(MapFolderAndPcl, PclReadsATileAsPointsInMap) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   const SavedMap map = random_map(1, 3, 1);
   save_map(map, scratch / "town");
   for (const SavedTile& tile : map.tiles) {
@@ -29,7 +29,7 @@ TEST(MapFolderAndPcl, PclReadsATileAsPointsInMap) {
 }
 
 TEST(MapFolderAndPcl, PclReadsANodeAndWhereItWasTaken) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   const SavedMap map = random_map(2, 1, 2);
   save_map(map, scratch / "town");
   pcl::PointCloud<pcl::PointXYZ> cloud;
@@ -42,7 +42,7 @@ TEST(MapFolderAndPcl, PclReadsANodeAndWhereItWasTaken) {
 }
 
 TEST(MapFolderAndPcl, ATileThatPclWroteLoads) {
-  const auto scratch = testing::TemporaryFolder::in_memory();
+  const auto scratch = test::TemporaryFolder::in_memory();
   SavedMap map = random_map(3, 1, 0);
   save_map(map, scratch / "town");
   const std::string file = (scratch / "town" / map_tile_file(map.tiles[0].key)).string();

@@ -10,13 +10,13 @@
 namespace curbstone::mapper::tracking {
 namespace {
 
-constexpr double kStride = 0.1;         // s
-constexpr double kAge = 0.5 * kStride;  // s: points all through the revolution
+constexpr double kScanPeriod = 0.1;         // s
+constexpr double kAge = 0.5 * kScanPeriod;  // s: points all through the revolution
 const scan::Twist kBend{{8, 0, 0}, {0, 0, 0.4}};
 
 /// What registration finds of a revolution that was de-skewed with `assumed`: the middle is where it was.
 MotionFilter::Found found_by(const Pose& T_last_middle, const scan::Twist& assumed) {
-  return {T_last_middle * scan::move(assumed, kAge), assumed, kAge, kStride};
+  return {T_last_middle * scan::move(assumed, kAge), assumed, kAge, kScanPeriod};
 }
 
 /// How far along x each end is found off, m, when the motion is steady within each revolution and the first end is
@@ -28,8 +28,8 @@ std::vector<double> errors(const std::vector<scan::Twist>& twists, double first 
   Pose thought = test::pose(first, 0, 0, 0, 0, 0);
   std::vector<double> out;
   for (const scan::Twist& twist : twists) {
-    const Pose middle = truth * scan::move(twist, kStride - kAge);
-    truth = truth * scan::move(twist, kStride);
+    const Pose middle = truth * scan::move(twist, kScanPeriod - kAge);
+    truth = truth * scan::move(twist, kScanPeriod);
     thought = normalised(thought * filter.take(found_by(thought.inverse() * middle, filter.twist())));
     out.push_back((truth.inverse() * thought).translation().x());
   }
@@ -53,13 +53,13 @@ TEST(MotionFilter, IsLittleBehindAMotionThatChanges) {
   constexpr double kChange = 0.3;  // m/s each revolution: 3 m/s^2
   std::vector<scan::Twist> twists;
   for (int i = 0; i < 40; ++i) twists.push_back({{2 + kChange * i, 0, 0}, {0, 0, 0}});
-  const double behind = (1 - MotionFilter::kShare) / (4 * MotionFilter::kShare) * kChange * kStride;
+  const double behind = (1 - MotionFilter::kShare) / (4 * MotionFilter::kShare) * kChange * kScanPeriod;
   EXPECT_NEAR(errors(twists).back(), -behind, 1e-6);
   EXPECT_LT(behind, 0.006);
 }
 
 TEST(MotionFilter, DoesNotMindWhatWasAssumed) {
-  const Pose T_last_middle = scan::move(kBend, kStride - kAge);
+  const Pose T_last_middle = scan::move(kBend, kScanPeriod - kAge);
   MotionFilter right, wrong;
   for (MotionFilter* filter : {&right, &wrong}) filter->set({{6, 0, 0}, {0, 0, 0.2}});
   const Pose a = right.take(found_by(T_last_middle, kBend));
@@ -71,8 +71,8 @@ TEST(MotionFilter, DoesNotMindWhatWasAssumed) {
 TEST(MotionFilter, TakesAScanOfOneMomentAsItIs) {
   MotionFilter filter;
   filter.set({{6, 0, 0}, {0, 0, 0}});
-  const Pose found = scan::move(kBend, kStride);
-  EXPECT_TRUE(filter.take({found, {}, 0, kStride}).isApprox(found, 1e-12));
+  const Pose found = scan::move(kBend, kScanPeriod);
+  EXPECT_TRUE(filter.take({found, {}, 0, kScanPeriod}).isApprox(found, 1e-12));
   EXPECT_NEAR(filter.twist().linear.x(), 6 + MotionFilter::kShare * 2, 0.05);
 }
 

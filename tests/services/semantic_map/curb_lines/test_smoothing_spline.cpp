@@ -11,7 +11,7 @@ namespace {
 
 using Values = SmoothingSpline::Values;
 using Samples = std::vector<SmoothingSpline::Sample>;
-using Curve = std::function<Values(double s)>;
+using Course = std::function<Values(double s)>;
 
 constexpr double kSpacing = 0.12;  // m: a curb point a cell
 
@@ -26,7 +26,7 @@ Values cubic(double s) {
   return {s, 0.002 * s * s * s - 0.03 * s * s, 0.1 * s, 0.12};
 }
 
-Samples sampled(const Curve& curve, double from, double to, double sigma = 0) {
+Samples sampled(const Course& curve, double from, double to, double sigma = 0) {
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0, 1);
   Samples samples;
@@ -37,7 +37,7 @@ Samples sampled(const Curve& curve, double from, double to, double sigma = 0) {
   return samples;
 }
 /// Root mean square of x and y off the curve.
-double rms_off(const SmoothingSpline& spline, const Curve& curve) {
+double rms_off(const SmoothingSpline& spline, const Course& curve) {
   double sum = 0;
   int count = 0;
   for (double s = spline.begin(); s < spline.end(); s += 0.05, ++count)
@@ -86,7 +86,7 @@ TEST(SmoothingSpline, TheDerivativeIsThatOfTheValues) {
 
 TEST(SmoothingSpline, ManyPointsAreMorePreciseThanOne) {
   constexpr double kSigma = 0.01;  // of x and y: a single point is off by 1.4 cm
-  for (const Curve& curve : {Curve(line), Curve(circle)})
+  for (const Course& curve : {Course(line), Course(circle)})
     EXPECT_LT(rms_off(SmoothingSpline(sampled(curve, 0, 20, kSigma)), curve), 0.5 * std::sqrt(2) * kSigma);
 }
 

@@ -55,7 +55,7 @@ class MapStoreTest : public ::testing::Test {
     return "no error";
   }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   std::filesystem::path path_ = folder_ / "map.db";
 };
 

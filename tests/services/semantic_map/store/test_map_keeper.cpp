@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/stamps.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace curbstone::semantic_map::store {
@@ -19,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kSecond = 1'000'000;
+using test::kSecond;
 
 tile::MapTile a_tile(std::int32_t x, tile::CellClass cell_class = tile::CellClass::kRoad, unsigned noise = 0) {
   tile::MapTile tile;
@@ -67,7 +68,7 @@ class MapKeeperTest : public ::testing::Test {
     write_all(keeper);
   }
 
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   fs::path path_ = folder_ / "map.db";
 };
 

@@ -17,10 +17,10 @@
 namespace curbstone::tensor_voting::cuda {
 namespace {
 
-using testing_clouds::matrix;
-using testing_clouds::street;
+using test_clouds::matrix;
+using test_clouds::street;
 
-CudaBatchVoter in_the_devices_place() {
+CudaBatchVoter voter_in_the_devices_place() {
   return CudaBatchVoter([] { return std::make_unique<CloudBatchOn<HostMachine>>(HostMachine{}); });
 }
 
@@ -35,7 +35,7 @@ class CudaBatch : public ::testing::TestWithParam<const char*> {
                                                const voting::BatchOptions& options = {}) {
     if (on_device()) return vote_cloud_cuda(points, parameters, options);
     voting::CloudVotes votes;
-    in_the_devices_place().vote(points, parameters, options, votes);
+    voter_in_the_devices_place().vote(points, parameters, options, votes);
     return votes;
   }
 
@@ -53,8 +53,8 @@ class CudaBatch : public ::testing::TestWithParam<const char*> {
     const voting::CloudVotes votes = vote(points, parameters);
     ASSERT_EQ(votes.tensors.size(), points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
-      EXPECT_LE((testing_clouds::matrix(votes.tensors[i]) - testing_clouds::matrix(expected[i])).norm(),
-                1e-5 * testing_clouds::matrix(expected[i]).norm())
+      EXPECT_LE((test_clouds::matrix(votes.tensors[i]) - test_clouds::matrix(expected[i])).norm(),
+                1e-5 * test_clouds::matrix(expected[i]).norm())
           << i;
       EXPECT_NEAR(votes.tensors[i].mass, expected[i].mass, 1e-5 * expected[i].mass);
       const kernels::Decomposition d = kernels::decompose(expected[i]);
@@ -77,8 +77,8 @@ class CudaBatch : public ::testing::TestWithParam<const char*> {
     EXPECT_EQ(votes.too_far, expected.too_far);
     EXPECT_EQ(votes.voxel, expected.voxel);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      EXPECT_LE((testing_clouds::matrix(votes.tensors[i]) - testing_clouds::matrix(expected.tensors[i])).norm(),
-                tolerance * testing_clouds::matrix(expected.tensors[i]).norm())
+      EXPECT_LE((test_clouds::matrix(votes.tensors[i]) - test_clouds::matrix(expected.tensors[i])).norm(),
+                tolerance * test_clouds::matrix(expected.tensors[i]).norm())
           << i;
     }
   }
@@ -93,7 +93,7 @@ TEST_P(CudaBatch, OfLatticesIsExact) {
       const voting::CloudVotes votes = vote(points, wide);
       const kernels::TensorF& t = votes.tensors[points.size() / 2];
       EXPECT_NEAR(t.mass, w, 1e-5 * w);
-      EXPECT_LE((testing_clouds::matrix(t) - w * diagonal.asDiagonal().toDenseMatrix()).norm(), 1e-5 * w);
+      EXPECT_LE((test_clouds::matrix(t) - w * diagonal.asDiagonal().toDenseMatrix()).norm(), 1e-5 * w);
     };
     const double sigmas = std::sqrt(std::numbers::pi) * 0.3 / 0.1;
     std::vector<Eigen::Vector3d> line;
@@ -115,10 +115,10 @@ TEST_P(CudaBatch, OfLatticesIsExact) {
 }
 
 TEST_P(CudaBatch, EqualsBruteForceOnStreetRandomAndDegenerateClouds) {
-  expect_equal_to_brute_force(testing_clouds::street(3'000, 1), {});
-  expect_equal_to_brute_force(testing_clouds::street(3'000, 2), {.sigma = 0.1, .radius = 0.3, .ball = 0.5});
-  expect_equal_to_brute_force(testing_clouds::street(1'000, 2), {.sigma = 0.3, .radius = 0.1});
-  expect_equal_to_brute_force(testing_clouds::street(1'000, 3), {.sigma = 0.5, .radius = 3});
+  expect_equal_to_brute_force(test_clouds::street(3'000, 1), {});
+  expect_equal_to_brute_force(test_clouds::street(3'000, 2), {.sigma = 0.1, .radius = 0.3, .ball = 0.5});
+  expect_equal_to_brute_force(test_clouds::street(1'000, 2), {.sigma = 0.3, .radius = 0.1});
+  expect_equal_to_brute_force(test_clouds::street(1'000, 3), {.sigma = 0.5, .radius = 3});
   std::mt19937 random(1);
   std::uniform_real_distribution<double> unit(-1, 1);
   std::vector<Eigen::Vector3d> cube(2000);
@@ -140,16 +140,16 @@ TEST_P(CudaBatch, EqualsBruteForceOnStreetRandomAndDegenerateClouds) {
 }
 
 TEST_P(CudaBatch, ARadiusBeyondAllDecayChangesNothing) {
-  const auto points = testing_clouds::street(500, 3);
+  const auto points = test_clouds::street(500, 3);
   const voting::CloudVotes far = vote(points, {.sigma = 0.2, .radius = 1e9});
   const voting::CloudVotes near = vote(points, {.sigma = 0.2, .radius = 12 * 0.2});
   for (std::size_t i = 0; i < points.size(); ++i)
-    EXPECT_EQ(testing_clouds::matrix(far.tensors[i]), testing_clouds::matrix(near.tensors[i]));
+    EXPECT_EQ(test_clouds::matrix(far.tensors[i]), test_clouds::matrix(near.tensors[i]));
 }
 
 TEST_P(CudaBatch, EqualsTheCpuThinnedOutToo) {
   for (const double voxel : {0.0, 0.05, 0.1, 0.3})
-    expect_equal_to_the_cpu(testing_clouds::street(6'000, 5), {.voxel = voxel}, {}, 1e-5);
+    expect_equal_to_the_cpu(test_clouds::street(6'000, 5), {.voxel = voxel}, {}, 1e-5);
   std::vector<Eigen::Vector3d> lattice;  // points on the faces of voxels
   for (int x = -20; x <= 20; ++x) {
     for (int y = -20; y <= 20; ++y) lattice.emplace_back(0.05 * x, 0.05 * y, 0.1);
@@ -158,7 +158,7 @@ TEST_P(CudaBatch, EqualsTheCpuThinnedOutToo) {
 }
 
 TEST_P(CudaBatch, EqualsTheCpuInASecondPassAndWithDensityEqualised) {
-  const auto points = testing_clouds::street(3'000, 6);
+  const auto points = test_clouds::street(3'000, 6);
   expect_equal_to_the_cpu(points, {.voxel = 0}, {.second_pass = true}, 1e-4);
   expect_equal_to_the_cpu(points, {.voxel = 0}, {.equalise_density = true}, 1e-5);
   expect_equal_to_the_cpu(points, {.radius = 0.1, .voxel = 0}, {.equalise_density = true}, 1e-5);
@@ -166,7 +166,7 @@ TEST_P(CudaBatch, EqualsTheCpuInASecondPassAndWithDensityEqualised) {
 }
 
 TEST_P(CudaBatch, KeepsItsMemoryAndNothingElse) {
-  CudaBatchVoter voter = on_device() ? CudaBatchVoter() : in_the_devices_place();
+  CudaBatchVoter voter = on_device() ? CudaBatchVoter() : voter_in_the_devices_place();
   voting::CloudVotes votes;
   for (const std::size_t size : {4'000U, 500U, 0U, 2'000U}) {
     const std::vector<Eigen::Vector3d> cloud = size > 0 ? street(size, 1) : std::vector<Eigen::Vector3d>();
@@ -210,22 +210,22 @@ TEST_P(CudaBatch, SkipsAndCountsWhatIsNoPoint) {
 }
 
 TEST_P(CudaBatch, AtAMillionMetresLosesNothing) {
-  const auto near = testing_clouds::street(2'000, 3);
+  const auto near = test_clouds::street(2'000, 3);
   std::vector<Eigen::Vector3d> far;
   for (const auto& p : near) far.emplace_back(p + Eigen::Vector3d(1e6, -1e6, 1e3));
   expect_equal_to_brute_force(far, {});
 }
 
 TEST_P(CudaBatch, TurnsWithTheCloud) {
-  const auto points = testing_clouds::street(2'000, 4);
+  const auto points = test_clouds::street(2'000, 4);
   const Eigen::Matrix3d Q = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, -2, 1).normalized()).toRotationMatrix();
   std::vector<Eigen::Vector3d> turned;
   for (const auto& p : points) turned.emplace_back(Q * p);
   const voting::CloudVotes a = vote(points, {.voxel = 0});
   const voting::CloudVotes b = vote(turned, {.voxel = 0});
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Matrix3d expected = Q * testing_clouds::matrix(a.tensors[i]) * Q.transpose();
-    EXPECT_LE((testing_clouds::matrix(b.tensors[i]) - expected).norm(), 1e-4 * expected.norm() + 3e-4);
+    const Eigen::Matrix3d expected = Q * test_clouds::matrix(a.tensors[i]) * Q.transpose();
+    EXPECT_LE((test_clouds::matrix(b.tensors[i]) - expected).norm(), 1e-4 * expected.norm() + 3e-4);
   }
 }
 
@@ -245,7 +245,7 @@ TEST_P(CudaBatch, TellsWhereItsTimeGoes) {
     EXPECT_FALSE(time_cuda_voting({}, {}).has_value());
     return;
   }
-  const auto timings = time_cuda_voting(testing_clouds::street(50'000, 1), {.voxel = 0}, 3);
+  const auto timings = time_cuda_voting(test_clouds::street(50'000, 1), {.voxel = 0}, 3);
   ASSERT_TRUE(timings.has_value());
   EXPECT_GT(timings->pairs_tested, timings->pair_votes);
   EXPECT_GT(timings->vote_ms, timings->flops_floor_ms) << "no device is faster than its peak";

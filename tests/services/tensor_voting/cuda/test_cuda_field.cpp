@@ -16,7 +16,7 @@
 namespace curbstone::tensor_voting::cuda {
 namespace {
 
-using testing_clouds::Tiles;
+using test_clouds::Tiles;
 
 CudaVotingField::MakeVoters in_the_devices_place(std::size_t most_elements = 0) {
   return [most_elements](const cuda::CellGrid& grid, const kernels::Decay& decay) {
@@ -48,7 +48,7 @@ const std::vector<voting::VotingParameters>& scales() {
 }
 
 /// Sums, voters and versions have the bits of the CPU's.
-void expect_same(CudaVotingField& field, const voting::VotingField& expected, const testing_clouds::Tiles& tiles) {
+void expect_same(CudaVotingField& field, const voting::VotingField& expected, const test_clouds::Tiles& tiles) {
   ASSERT_EQ(field.num_tiles(), expected.num_tiles());
   for (const auto& [key, points] : tiles) {
     ASSERT_EQ(field.contains(key), expected.contains(key));
@@ -61,14 +61,14 @@ void expect_same(CudaVotingField& field, const voting::VotingField& expected, co
   }
 }
 
-voting::VotingField on_the_cpu(const voting::VotingParameters& parameters, const testing_clouds::Tiles& tiles) {
+voting::VotingField on_the_cpu(const voting::VotingParameters& parameters, const test_clouds::Tiles& tiles) {
   voting::VotingField field(parameters);
   for (const auto& [key, points] : tiles) field.add(key, 0, points);
   return field;
 }
 
 /// Adds the tiles' points in batches of random pieces of random tiles.
-void add_shuffled(CudaVotingField& field, const testing_clouds::Tiles& tiles, unsigned seed) {
+void add_shuffled(CudaVotingField& field, const test_clouds::Tiles& tiles, unsigned seed) {
   std::mt19937 random(seed);
   std::map<TileKey, std::size_t> next;
   std::vector<TileKey> open;
@@ -89,7 +89,7 @@ void add_shuffled(CudaVotingField& field, const testing_clouds::Tiles& tiles, un
 }
 
 TEST_P(CudaField, InAnyOrderHasTheBitsOfTheCpus) {
-  const testing_clouds::Tiles tiles = testing_clouds::as_tiles(testing_clouds::street(4'000, 1));
+  const test_clouds::Tiles tiles = test_clouds::as_tiles(test_clouds::street(4'000, 1));
   for (const voting::VotingParameters& parameters : scales()) {
     const voting::VotingField expected = on_the_cpu(parameters, tiles);
     for (unsigned seed = 1; seed <= 2; ++seed) {
@@ -101,7 +101,7 @@ TEST_P(CudaField, InAnyOrderHasTheBitsOfTheCpus) {
 }
 
 TEST_P(CudaField, AllAtOnceAndManyTilesInOneDownload) {
-  const testing_clouds::Tiles tiles = testing_clouds::as_tiles(testing_clouds::street(4'000, 7));
+  const test_clouds::Tiles tiles = test_clouds::as_tiles(test_clouds::street(4'000, 7));
   std::vector<CudaVotingField::Addition> all;
   std::vector<TileKey> keys{{1000, 1000}};  // not there
   for (const auto& [key, points] : tiles) {
@@ -119,11 +119,11 @@ TEST_P(CudaField, AllAtOnceAndManyTilesInOneDownload) {
 }
 
 TEST_P(CudaField, RemovalLeavesTheBitsOfWhatRemains) {
-  const testing_clouds::Tiles tiles = testing_clouds::as_tiles(testing_clouds::street(4'000, 2));
+  const test_clouds::Tiles tiles = test_clouds::as_tiles(test_clouds::street(4'000, 2));
   for (const voting::VotingParameters& parameters : scales()) {
     CudaVotingField changing = field(parameters);
     add_shuffled(changing, tiles, 1);
-    testing_clouds::Tiles kept;
+    test_clouds::Tiles kept;
     std::vector<TileKey> removed;
     for (const auto& [key, points] : tiles) {
       if ((key.x + key.y) % 3 != 0) {
@@ -146,7 +146,7 @@ TEST_P(CudaField, RemovalLeavesTheBitsOfWhatRemains) {
 }
 
 TEST_P(CudaField, NamesTheTilesWhoseTensorsChange) {
-  const testing_clouds::Tiles tiles = testing_clouds::as_tiles(testing_clouds::street(3'000, 4));
+  const test_clouds::Tiles tiles = test_clouds::as_tiles(test_clouds::street(3'000, 4));
   CudaVotingField ours = field({});
   voting::VotingField expected({});
   for (const auto& [key, points] : tiles) {
@@ -165,9 +165,9 @@ TEST_P(CudaField, NamesTheTilesWhoseTensorsChange) {
 }
 
 TEST_P(CudaField, FarTilesAreAsGoodAsNearOnes) {
-  const testing_clouds::Tiles tiles = testing_clouds::as_tiles(testing_clouds::street(2'000, 6));
+  const test_clouds::Tiles tiles = test_clouds::as_tiles(test_clouds::street(2'000, 6));
   const TileKey far{1'431'000, -1'431'655};  // 4300 km: positions wrap
-  testing_clouds::Tiles moved;
+  test_clouds::Tiles moved;
   for (const auto& [key, points] : tiles) moved[{key.x + far.x, key.y + far.y}] = points;
   CudaVotingField there = field({});
   add_shuffled(there, moved, 1);

@@ -17,7 +17,7 @@
 namespace curbstone::tensor_voting::cuda {
 namespace {
 
-using testing_clouds::matrix;
+using test_clouds::matrix;
 
 TEST(CudaCellGrid, NoVoterWithinReachIsOutsideTheRanges) {
   std::mt19937 random(1);
@@ -92,8 +92,8 @@ TEST_P(CudaPair, BallVoteIsTheReferences) {
     kernels::Tensor expected;
     const Eigen::Vector3d d(points[1].x - 10, points[1].y + 20, points[1].z - 30);
     voting::add_ball_vote(d, parameters, expected);
-    EXPECT_LE((testing_clouds::matrix(tensor) - testing_clouds::matrix(expected)).norm(),
-              2e-6 * testing_clouds::matrix(expected).norm())
+    EXPECT_LE((test_clouds::matrix(tensor) - test_clouds::matrix(expected)).norm(),
+              2e-6 * test_clouds::matrix(expected).norm())
         << d.transpose();
     EXPECT_EQ(shape.mass, tensor.mass);
   }
@@ -126,7 +126,7 @@ TEST(CudaPair, OrientedVoteIsTheReferences) {
     votes.add(votes.voter(0, {0, 0, 0}), {0, 0, 0}, sums);
     kernels::Tensor expected;
     voting::add_oriented_vote(d.cast<double>(), voter, parameters, expected);
-    EXPECT_LE((testing_clouds::matrix(sums) - testing_clouds::matrix(expected)).norm(), 5e-6 * expected.mass)
+    EXPECT_LE((test_clouds::matrix(sums) - test_clouds::matrix(expected)).norm(), 5e-6 * expected.mass)
         << d.transpose();
     EXPECT_NEAR(sums.mass, expected.mass, 2e-6 * expected.mass);
   }
@@ -175,7 +175,7 @@ TEST(CudaEigen, AgreesWithTheDecompositionInDouble) {
     EXPECT_NEAR(s.stick, d.stick, 2e-6);
     EXPECT_NEAR(s.plate, d.plate, 2e-6);
     EXPECT_NEAR(s.ball, d.ball, 2e-6);
-    const Eigen::Matrix3d m = testing_clouds::matrix(wide) / testing_clouds::matrix(wide).trace();
+    const Eigen::Matrix3d m = test_clouds::matrix(wide) / test_clouds::matrix(wide).trace();
     const double l1 = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(m).eigenvalues()[2];
     const Eigen::Vector3d n = vector_of(s.normal);
     const Eigen::Vector3d e3 = vector_of(s.tangent);

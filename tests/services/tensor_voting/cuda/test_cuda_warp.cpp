@@ -63,7 +63,7 @@ std::vector<kernels::TensorF> vote(const std::vector<Eigen::Vector3d>& points, c
 }
 
 TEST(CudaWarp, OfThreadsGivesTheBitsOfOneThread) {
-  auto points = testing_clouds::street(300, 1);
+  auto points = test_clouds::street(300, 1);
   for (Eigen::Vector3d& p : points) p *= 0.3;  // several tiles of voters for each window
   for (const bool all : {false, true}) {
     const BatchRequest request{

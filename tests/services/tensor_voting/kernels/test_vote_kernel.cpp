@@ -112,7 +112,7 @@ TEST_P(Kernel, AVoteIsTheReferenceVoteAtEveryDistance) {
     const Tensor vote = to_tensor(sums, 1);
     EXPECT_NEAR(vote.mass, expected.mass, 1e-6 * expected.mass + kVoteUnit) << p.x << " " << p.y << " " << p.z;
     if (expected.mass > 0) {
-      EXPECT_LE((testing_clouds::matrix(vote) - testing_clouds::matrix(expected)).norm(),
+      EXPECT_LE((test_clouds::matrix(vote) - test_clouds::matrix(expected)).norm(),
                 1e-6 * expected.mass + 2 * kVoteUnit);
     } else {
       EXPECT_EQ(sums, VoteSums{});

@@ -12,8 +12,8 @@
 namespace curbstone::tensor_voting::voting {
 namespace {
 
-using testing_clouds::matrix;
-using testing_clouds::relative_difference;
+using test_clouds::matrix;
+using test_clouds::relative_difference;
 constexpr double kPi = std::numbers::pi;
 
 /// The tensor at the origin of a lattice of spacing h; `keep` chooses its nodes.
@@ -31,8 +31,8 @@ kernels::Tensor lattice(double h, int n, const VotingParameters& parameters, Kee
 }
 
 void expect_near(const kernels::Tensor& t, const Eigen::Matrix3d& expected, double relative) {
-  EXPECT_LE((testing_clouds::matrix(t) - expected).norm(), relative * expected.norm())
-      << testing_clouds::matrix(t) << "\nexpected\n"
+  EXPECT_LE((test_clouds::matrix(t) - expected).norm(), relative * expected.norm())
+      << test_clouds::matrix(t) << "\nexpected\n"
       << expected;
 }
 
@@ -90,14 +90,14 @@ TEST_P(BallVote, CutOffAtThreeSigmaLosesTheKnownMass) {
 }
 
 TEST_P(BallVote, TraceIsMassTimesThreeMinusA) {
-  const auto points = testing_clouds::street(300, 5);
+  const auto points = test_clouds::street(300, 5);
   for (const kernels::Tensor& t : vote_brute_force(points, {.ball = a})) {
-    EXPECT_NEAR(testing_clouds::matrix(t).trace(), (3 - a) * t.mass, 1e-12 * (1 + t.mass));
+    EXPECT_NEAR(test_clouds::matrix(t).trace(), (3 - a) * t.mass, 1e-12 * (1 + t.mass));
   }
 }
 
 TEST_P(BallVote, IsInvariantUnderMotionScaleAndOrder) {
-  const auto points = testing_clouds::street(300, 7);
+  const auto points = test_clouds::street(300, 7);
   const VotingParameters parameters{.ball = a};
   const auto tensors = vote_brute_force(points, parameters);
   const Eigen::Matrix3d Q = Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
@@ -109,17 +109,17 @@ TEST_P(BallVote, IsInvariantUnderMotionScaleAndOrder) {
   scaled.radius *= 5;
   const auto again = vote_brute_force(moved, scaled);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Matrix3d expected = Q * testing_clouds::matrix(tensors[i]) * Q.transpose();
-    EXPECT_LE((testing_clouds::matrix(again[points.size() - 1 - i]) - expected).norm(), 1e-10 * (1 + expected.norm()));
+    const Eigen::Matrix3d expected = Q * test_clouds::matrix(tensors[i]) * Q.transpose();
+    EXPECT_LE((test_clouds::matrix(again[points.size() - 1 - i]) - expected).norm(), 1e-10 * (1 + expected.norm()));
   }
 }
 
 TEST(BallVoteReference, StreetGivesTheSaliencyOfUnrelatedCodes) {
   // 10,000 points, sigma 0.3: sum of (l1 - l2) = 22779.8 for one draw; the spread over draws is below one per cent.
-  const auto points = testing_clouds::street(10'000, 1);
+  const auto points = test_clouds::street(10'000, 1);
   double sum = 0;
   for (const kernels::Tensor& t : vote_brute_force(points, {})) {
-    const Eigen::Vector3d l = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(testing_clouds::matrix(t)).eigenvalues();
+    const Eigen::Vector3d l = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(test_clouds::matrix(t)).eigenvalues();
     sum += l[2] - l[1];
   }
   EXPECT_NEAR(sum, 22779.8, 0.02 * 22779.8);

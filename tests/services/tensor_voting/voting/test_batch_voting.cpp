@@ -17,8 +17,8 @@
 namespace curbstone::tensor_voting::voting {
 namespace {
 
-using testing_clouds::matrix;
-using testing_clouds::relative_difference;
+using test_clouds::matrix;
+using test_clouds::relative_difference;
 
 /// On the same whole steps: a pair at the cut-off must not fall on either side of it by chance.
 void expect_equal_to_brute_force(const std::vector<Eigen::Vector3d>& points, VotingParameters parameters) {
@@ -32,8 +32,8 @@ void expect_equal_to_brute_force(const std::vector<Eigen::Vector3d>& points, Vot
   const auto expected = vote_brute_force(in_steps, scaled);
   const auto votes = vote_cloud(points, parameters, 2);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    EXPECT_LE((testing_clouds::matrix(votes.tensors[i]) - testing_clouds::matrix(expected[i])).norm(),
-              1e-5 * testing_clouds::matrix(expected[i]).norm())
+    EXPECT_LE((test_clouds::matrix(votes.tensors[i]) - test_clouds::matrix(expected[i])).norm(),
+              1e-5 * test_clouds::matrix(expected[i]).norm())
         << i;
     EXPECT_NEAR(votes.tensors[i].mass, expected[i].mass, 1e-5 * expected[i].mass);
   }
@@ -48,13 +48,12 @@ TEST(BatchVoting, OfAPlaneLatticeIsExact) {
   const kernels::TensorF& t = votes.tensors[24 * 49 + 24];
   const double w = std::numbers::pi * 0.09 / 0.01 - 1;
   EXPECT_NEAR(t.mass, w, 1e-5 * w);
-  EXPECT_LE((testing_clouds::matrix(t) - w * Eigen::Vector3d(0.5, 0.5, 1).asDiagonal().toDenseMatrix()).norm(),
-            1e-5 * w);
+  EXPECT_LE((test_clouds::matrix(t) - w * Eigen::Vector3d(0.5, 0.5, 1).asDiagonal().toDenseMatrix()).norm(), 1e-5 * w);
 }
 
 TEST(BatchVoting, EqualsBruteForceOnStreetRandomAndDegenerateClouds) {
-  expect_equal_to_brute_force(testing_clouds::street(3'000, 1), {});
-  expect_equal_to_brute_force(testing_clouds::street(3'000, 2), {.sigma = 0.1, .radius = 0.3, .ball = 0.5});
+  expect_equal_to_brute_force(test_clouds::street(3'000, 1), {});
+  expect_equal_to_brute_force(test_clouds::street(3'000, 2), {.sigma = 0.1, .radius = 0.3, .ball = 0.5});
   std::mt19937 random(1);
   std::uniform_real_distribution<double> unit(-1, 1);
   std::vector<Eigen::Vector3d> cube(2000);
@@ -87,52 +86,52 @@ TEST(BatchVoting, SkipsAndCountsWhatIsNoPoint) {
 }
 
 TEST(BatchVoting, AtAMillionMetresLosesNothing) {
-  const auto near = testing_clouds::street(2'000, 3);
+  const auto near = test_clouds::street(2'000, 3);
   std::vector<Eigen::Vector3d> far;
   for (const auto& p : near) far.emplace_back(p + Eigen::Vector3d(1e6, -1e6, 1e3));
   const auto a = vote_cloud(near, {.voxel = 0});
   const auto b = vote_cloud(far, {.voxel = 0});
   for (std::size_t i = 0; i < near.size(); ++i) {
-    EXPECT_LE((testing_clouds::matrix(a.tensors[i]) - testing_clouds::matrix(b.tensors[i])).norm(),
-              1e-4 * testing_clouds::matrix(a.tensors[i]).norm() + 3e-4);
+    EXPECT_LE((test_clouds::matrix(a.tensors[i]) - test_clouds::matrix(b.tensors[i])).norm(),
+              1e-4 * test_clouds::matrix(a.tensors[i]).norm() + 3e-4);
   }
 }
 
 TEST(BatchVoting, TurnsWithTheCloud) {
-  const auto points = testing_clouds::street(2'000, 4);
+  const auto points = test_clouds::street(2'000, 4);
   const Eigen::Matrix3d Q = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, -2, 1).normalized()).toRotationMatrix();
   std::vector<Eigen::Vector3d> turned;
   for (const auto& p : points) turned.emplace_back(Q * p);
   const auto a = vote_cloud(points, {.voxel = 0});
   const auto b = vote_cloud(turned, {.voxel = 0});
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Matrix3d expected = Q * testing_clouds::matrix(a.tensors[i]) * Q.transpose();
-    EXPECT_LE((testing_clouds::matrix(b.tensors[i]) - expected).norm(), 1e-4 * expected.norm() + 3e-4);
+    const Eigen::Matrix3d expected = Q * test_clouds::matrix(a.tensors[i]) * Q.transpose();
+    EXPECT_LE((test_clouds::matrix(b.tensors[i]) - expected).norm(), 1e-4 * expected.norm() + 3e-4);
   }
 }
 
 TEST(BatchVoting, GrowsWithTheCloud) {
-  auto points = testing_clouds::street(2'000, 5);
+  auto points = test_clouds::street(2'000, 5);
   const auto a = vote_cloud(points, {.voxel = 0});
   for (auto& p : points) p *= 2;
   const auto b = vote_cloud(points, {.sigma = 0.6, .radius = 1.8, .voxel = 0});
   for (std::size_t i = 0; i < points.size(); ++i)
-    EXPECT_LE(testing_clouds::relative_difference(b.tensors[i], a.tensors[i]), 1e-5);
+    EXPECT_LE(test_clouds::relative_difference(b.tensors[i], a.tensors[i]), 1e-5);
 }
 
 TEST(BatchVoting, DoesNotMindTheOrderOfThePoints) {
-  auto points = testing_clouds::street(5'000, 6);
+  auto points = test_clouds::street(5'000, 6);
   const auto a = vote_cloud(points, {.voxel = 0});
   std::reverse(points.begin(), points.end());
   const auto b = vote_cloud(points, {.voxel = 0});
   for (std::size_t i = 0; i < points.size(); ++i) {
     // Close pairs: their direction is that of a difference of floats.
-    EXPECT_LE(testing_clouds::relative_difference(b.tensors[points.size() - 1 - i], a.tensors[i]), 3e-5);
+    EXPECT_LE(test_clouds::relative_difference(b.tensors[points.size() - 1 - i], a.tensors[i]), 3e-5);
   }
 }
 
 TEST(BatchVoting, HasTheSameBitsForAnyNumberOfThreads) {
-  const auto points = testing_clouds::street(20'000, 7);
+  const auto points = test_clouds::street(20'000, 7);
   const BatchOptions everything{.second_pass = true, .equalise_density = true};
   for (const double voxel : {0.0, 0.1}) {
     const auto one = vote_cloud(points, {.voxel = voxel}, 1, everything);
@@ -146,10 +145,10 @@ TEST(BatchVoting, HasTheSameBitsForAnyNumberOfThreads) {
 TEST(BatchVoting, KeepsItsMemoryAndNothingElse) {
   BatchVoter voter;
   CloudVotes votes;
-  auto with_nonsense = testing_clouds::street(2'000, 10);
+  auto with_nonsense = test_clouds::street(2'000, 10);
   with_nonsense[7].x() = std::numeric_limits<double>::quiet_NaN();
-  for (const auto& [points, voxel] : {std::pair{testing_clouds::street(6'000, 8), 0.1}, std::pair{with_nonsense, 0.0},
-                                      std::pair{testing_clouds::street(4'000, 9), 0.0}}) {
+  for (const auto& [points, voxel] : {std::pair{test_clouds::street(6'000, 8), 0.1}, std::pair{with_nonsense, 0.0},
+                                      std::pair{test_clouds::street(4'000, 9), 0.0}}) {
     voter.vote(points, {.voxel = voxel}, 2, {}, votes);
     const auto expected = vote_cloud(points, {.voxel = voxel});
     EXPECT_EQ(votes.num_voters, expected.num_voters);
@@ -161,18 +160,18 @@ TEST(BatchVoting, KeepsItsMemoryAndNothingElse) {
 }
 
 TEST(BatchVoting, IsTheSameOnEveryInstructionSetThatTheMachineHas) {
-  const auto points = testing_clouds::street(3'000, 11);
+  const auto points = test_clouds::street(3'000, 11);
   const auto expected = vote_cloud(points, {.voxel = 0}, 1, {.kernel = "baseline"});
   for (const kernels::BatchKernel& kernel : kernels::batch_kernels()) {
     const auto votes = vote_cloud(points, {.voxel = 0}, 1, {.kernel = kernel.name});
     for (std::size_t i = 0; i < points.size(); ++i)
-      EXPECT_LE(testing_clouds::relative_difference(votes.tensors[i], expected.tensors[i]), 1e-5) << kernel.name;
+      EXPECT_LE(test_clouds::relative_difference(votes.tensors[i], expected.tensors[i]), 1e-5) << kernel.name;
   }
   EXPECT_THROW((void)vote_cloud(points, {}, 1, {.kernel = "abacus"}), std::invalid_argument);
 }
 
 TEST(BatchVoting, TakesEveryTensorApart) {
-  const auto points = testing_clouds::street(5'000, 8);
+  const auto points = test_clouds::street(5'000, 8);
   const auto votes = vote_cloud(points, {.voxel = 0}, 2);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const kernels::TensorF& t = votes.tensors[i];
@@ -184,7 +183,7 @@ TEST(BatchVoting, TakesEveryTensorApart) {
 }
 
 TEST(BatchVoting, AtSeveralScalesIsVotingAtEach) {
-  const auto points = testing_clouds::street(3'000, 9);
+  const auto points = test_clouds::street(3'000, 9);
   const std::vector<VotingParameters> scales{{.voxel = 0}, {.sigma = 0.1, .radius = 0.3, .voxel = 0}};
   const auto both = vote_scales(points, scales, 2);
   ASSERT_EQ(both.size(), 2U);
@@ -227,7 +226,7 @@ TEST(BatchVoting, ThinsAHeapByItselfAndSaysSo) {
   EXPECT_DOUBLE_EQ(votes.voxel, 0.3 / 8);
   EXPECT_LT(votes.num_voters, 600U);
   EXPECT_GT(votes.tensors[999'999].mass, 0);
-  EXPECT_EQ(vote_cloud(testing_clouds::street(100, 1), {.voxel = 0}).voxel, 0) << "not where there is no need";
+  EXPECT_EQ(vote_cloud(test_clouds::street(100, 1), {.voxel = 0}).voxel, 0) << "not where there is no need";
 }
 
 TEST(BatchVoting, ThinningBoundsTheTimeOfAHeap) {

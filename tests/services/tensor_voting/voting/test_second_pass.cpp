@@ -15,8 +15,8 @@
 namespace curbstone::tensor_voting::voting {
 namespace {
 
-using testing_clouds::matrix;
-using testing_clouds::street;
+using test_clouds::matrix;
+using test_clouds::street;
 
 Eigen::Vector3d random_direction(std::mt19937& random) {
   std::normal_distribution<double> normal;
@@ -51,8 +51,7 @@ TEST(ProjectorVote, OfABallIsTheExactCosineSquaredField) {
   const Eigen::Vector3d d(0.1, -0.2, 0.05);
   kernels::Tensor ball;
   add_ball_vote(d, {.sigma = 0.3, .radius = 0.9, .ball = 0.5}, ball);
-  EXPECT_LE((projector_vote(d, Eigen::Matrix3d::Identity(), 3, 0.3) - 0.8 * testing_clouds::matrix(ball)).norm(),
-            1e-15);
+  EXPECT_LE((projector_vote(d, Eigen::Matrix3d::Identity(), 3, 0.3) - 0.8 * test_clouds::matrix(ball)).norm(), 1e-15);
 }
 
 TEST(SecondPass, OfAPlaneIsAllStickAndOfALineAllPlate) {
@@ -65,7 +64,7 @@ TEST(SecondPass, OfAPlaneIsAllStickAndOfALineAllPlate) {
   const double w = std::numbers::pi * 0.09 / 0.01 - 1;
   const std::size_t middle = 48 * 97 + 48;
   EXPECT_LE(
-      (testing_clouds::matrix(flat.tensors[middle]) - Eigen::Vector3d(0, 0, w / 2).asDiagonal().toDenseMatrix()).norm(),
+      (test_clouds::matrix(flat.tensors[middle]) - Eigen::Vector3d(0, 0, w / 2).asDiagonal().toDenseMatrix()).norm(),
       1e-5 * w);
   EXPECT_NEAR(flat.decompositions[middle].stick, 1, 1e-5);
   EXPECT_NEAR(flat.decompositions[middle].mass, w / 2, 1e-5 * w);
@@ -74,7 +73,7 @@ TEST(SecondPass, OfAPlaneIsAllStickAndOfALineAllPlate) {
   for (int x = -60; x <= 60; ++x) line.emplace_back(0.1 * x, 0, 0);
   const CloudVotes thin = vote_cloud(line, {.radius = 2.4, .voxel = 0}, 1, {.second_pass = true});
   const double l = std::sqrt(std::numbers::pi) * 0.3 / 0.1 - 1;
-  EXPECT_LE((testing_clouds::matrix(thin.tensors[60]) - Eigen::Vector3d(0, l, l).asDiagonal().toDenseMatrix()).norm(),
+  EXPECT_LE((test_clouds::matrix(thin.tensors[60]) - Eigen::Vector3d(0, l, l).asDiagonal().toDenseMatrix()).norm(),
             1e-5 * l);
   EXPECT_NEAR(thin.decompositions[60].plate, 1, 1e-5);
 }
@@ -82,7 +81,7 @@ TEST(SecondPass, OfAPlaneIsAllStickAndOfALineAllPlate) {
 TEST(SecondPass, EqualsTheDoubleBruteForce) {
   for (const VotingParameters& p :
        {VotingParameters{.voxel = 0}, VotingParameters{.sigma = 0.5, .radius = 2.5, .voxel = 0}}) {
-    const auto points = testing_clouds::street(2'000, 7);
+    const auto points = test_clouds::street(2'000, 7);
     const CloudVotes first = vote_cloud(points, p, 2);
     const CloudVotes second = vote_cloud(points, p, 2, {.second_pass = true});
     std::vector<kernels::Decomposition> voters;
@@ -93,15 +92,15 @@ TEST(SecondPass, EqualsTheDoubleBruteForce) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       // A pair at the very cut-off may be rounded to either side of it.
       const double at_cut_off = 2 * std::exp(-p.radius * p.radius / (p.sigma * p.sigma));
-      EXPECT_LE((testing_clouds::matrix(second.tensors[i]) - testing_clouds::matrix(expected[i])).norm(),
-                2e-5 * testing_clouds::matrix(expected[i]).norm() + at_cut_off);
+      EXPECT_LE((test_clouds::matrix(second.tensors[i]) - test_clouds::matrix(expected[i])).norm(),
+                2e-5 * test_clouds::matrix(expected[i]).norm() + at_cut_off);
       EXPECT_NEAR(second.tensors[i].mass, expected[i].mass, 2e-5 * expected[i].mass + at_cut_off);
     }
   }
 }
 
 TEST(SecondPass, SharpensTheStreet) {
-  const auto points = testing_clouds::street(60'000, 8);
+  const auto points = test_clouds::street(60'000, 8);
   const CloudVotes first = vote_cloud(points, {.sigma = 0.3, .voxel = 0}, 2);
   const CloudVotes second = vote_cloud(points, {.sigma = 0.3, .voxel = 0}, 2, {.second_pass = true});
   double road_before = 0;

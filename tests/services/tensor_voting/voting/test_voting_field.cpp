@@ -13,11 +13,11 @@
 namespace curbstone::tensor_voting::voting {
 namespace {
 
-using testing_clouds::Tiles;
+using test_clouds::Tiles;
 using SumsOfTiles = std::map<TileKey, std::vector<kernels::VoteSums>>;
 
 /// The sums of every point, tile by tile.
-SumsOfTiles contents(const VotingField& field, const testing_clouds::Tiles& tiles) {
+SumsOfTiles contents(const VotingField& field, const test_clouds::Tiles& tiles) {
   SumsOfTiles result;
   for (const auto& [key, points] : tiles) {
     if (!field.contains(key)) continue;
@@ -28,14 +28,14 @@ SumsOfTiles contents(const VotingField& field, const testing_clouds::Tiles& tile
 }
 
 /// Tile by tile, each at once.
-SumsOfTiles in_order_of_tiles(const testing_clouds::Tiles& tiles, const VotingParameters& parameters) {
+SumsOfTiles in_order_of_tiles(const test_clouds::Tiles& tiles, const VotingParameters& parameters) {
   VotingField field(parameters);
   for (const auto& [key, points] : tiles) field.add(key, 0, points);
   return contents(field, tiles);
 }
 
 /// Adds the tiles' points in random pieces, tile after tile in random order.
-void add_shuffled(VotingField& field, const testing_clouds::Tiles& tiles, unsigned seed) {
+void add_shuffled(VotingField& field, const test_clouds::Tiles& tiles, unsigned seed) {
   std::mt19937 random(seed);
   std::map<TileKey, std::size_t> next;
   std::vector<TileKey> open;
@@ -59,7 +59,7 @@ INSTANTIATE_TEST_SUITE_P(Scales, Field,
                                            VotingParameters{.sigma = 1, .radius = 3, .ball = 0.6, .voxel = 0.3}));
 
 TEST_P(Field, InAnyOrderHasTheSameBits) {
-  const testing_clouds::Tiles tiles = testing_clouds::as_tiles(testing_clouds::street(20'000, 1));
+  const test_clouds::Tiles tiles = test_clouds::as_tiles(test_clouds::street(20'000, 1));
   const SumsOfTiles expected = in_order_of_tiles(tiles, GetParam());
   for (unsigned seed = 1; seed <= 3; ++seed) {
     VotingField field(GetParam());
@@ -69,11 +69,11 @@ TEST_P(Field, InAnyOrderHasTheSameBits) {
 }
 
 TEST_P(Field, RemovalLeavesTheBitsOfWhatRemains) {
-  testing_clouds::Tiles tiles = testing_clouds::as_tiles(testing_clouds::street(20'000, 2));
+  test_clouds::Tiles tiles = test_clouds::as_tiles(test_clouds::street(20'000, 2));
   VotingField field(GetParam());
   add_shuffled(field, tiles, 1);
   VotingField never(GetParam());
-  testing_clouds::Tiles kept;
+  test_clouds::Tiles kept;
   for (const auto& [key, points] : tiles) {
     if ((key.x + key.y) % 3 != 0) kept[key] = points;
   }
@@ -92,11 +92,11 @@ TEST_P(Field, RemovalLeavesTheBitsOfWhatRemains) {
 TEST_P(Field, EqualsTheBatch) {
   VotingParameters parameters = GetParam();
   parameters.radius *= 0.99999;  // no pair of whole steps lies at the very cut-off, where rounding would decide
-  const testing_clouds::Tiles tiles = testing_clouds::as_tiles(testing_clouds::street(20'000, 5));
+  const test_clouds::Tiles tiles = test_clouds::as_tiles(test_clouds::street(20'000, 5));
   std::vector<Eigen::Vector3d> cloud;
   for (const auto& [key, points] : tiles) {
     for (const TilePoint& p : points) {
-      const kernels::StepPoint in_map = testing_clouds::in_map(key, p);
+      const kernels::StepPoint in_map = test_clouds::in_map(key, p);
       cloud.push_back(Eigen::Vector3d(in_map.x, in_map.y, in_map.z) * kPositionStep);
     }
   }
@@ -104,8 +104,8 @@ TEST_P(Field, EqualsTheBatch) {
   std::size_t i = 0;
   for (const auto& [key, of_tile] : in_order_of_tiles(tiles, parameters)) {
     for (const kernels::VoteSums& sums : of_tile) {
-      const Eigen::Matrix3d field = testing_clouds::matrix(kernels::to_tensor(sums, parameters.ball));
-      const Eigen::Matrix3d batch = testing_clouds::matrix(votes.tensors[i++]);
+      const Eigen::Matrix3d field = test_clouds::matrix(kernels::to_tensor(sums, parameters.ball));
+      const Eigen::Matrix3d batch = test_clouds::matrix(votes.tensors[i++]);
       EXPECT_LE((field - batch).norm(), 3e-5 * batch.norm() + 2 * kernels::kVoteUnit);
     }
   }
@@ -113,7 +113,7 @@ TEST_P(Field, EqualsTheBatch) {
 
 TEST_P(Field, EqualsTheDoubleBruteForce) {
   const VotingParameters parameters = GetParam();
-  const testing_clouds::Tiles tiles = testing_clouds::as_tiles(testing_clouds::street(3'000, 3));
+  const test_clouds::Tiles tiles = test_clouds::as_tiles(test_clouds::street(3'000, 3));
   VotingField field(parameters);
   std::vector<Eigen::Vector3d> voters;  // in steps
   std::vector<kernels::VoteSums> sums;
@@ -124,7 +124,7 @@ TEST_P(Field, EqualsTheDoubleBruteForce) {
     std::size_t next = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (of_points[i] != next) continue;
-      const kernels::StepPoint p = testing_clouds::in_map(key, points[i]);
+      const kernels::StepPoint p = test_clouds::in_map(key, points[i]);
       voters.emplace_back(p.x, p.y, p.z);
       sums.push_back(of_voters[next++]);
     }
@@ -140,15 +140,15 @@ TEST_P(Field, EqualsTheDoubleBruteForce) {
       EXPECT_EQ(t.mass, 0);
     } else {
       // kernels::kVoteUnit: more than 1e-5 of the very weakest votes only.
-      const double norm = testing_clouds::matrix(expected[i]).norm();
-      EXPECT_LE(testing_clouds::relative_difference(t, expected[i]), 1e-5 + 2 * kernels::kVoteUnit / norm) << i;
+      const double norm = test_clouds::matrix(expected[i]).norm();
+      EXPECT_LE(test_clouds::relative_difference(t, expected[i]), 1e-5 + 2 * kernels::kVoteUnit / norm) << i;
       EXPECT_NEAR(t.mass, expected[i].mass, 1e-5 * expected[i].mass + 2 * kernels::kVoteUnit);
     }
   }
 }
 
 TEST_P(Field, NamesTheTilesWhoseTensorsChange) {
-  const testing_clouds::Tiles tiles = testing_clouds::as_tiles(testing_clouds::street(6'000, 4));
+  const test_clouds::Tiles tiles = test_clouds::as_tiles(test_clouds::street(6'000, 4));
   VotingField field(GetParam());
   add_shuffled(field, tiles, 1);
   EXPECT_EQ(field.take_changed().size(), tiles.size());
@@ -171,7 +171,7 @@ TEST_P(Field, NamesTheTilesWhoseTensorsChange) {
 }
 
 TEST_P(Field, ShowsEveryVoterWhoseSumsHaveChanged) {
-  const testing_clouds::Tiles tiles = testing_clouds::as_tiles(testing_clouds::street(6'000, 4));
+  const test_clouds::Tiles tiles = test_clouds::as_tiles(test_clouds::street(6'000, 4));
   VotingField field(GetParam());
   add_shuffled(field, tiles, 1);
   const auto shown_since = [&](TileKey key, std::int64_t since) {
@@ -234,11 +234,11 @@ TEST(VotingField, AMillionPointsInOneVoxelAreOneVoter) {
 }
 
 TEST(VotingField, FarTilesAreAsGoodAsNearOnes) {
-  const testing_clouds::Tiles tiles = testing_clouds::as_tiles(testing_clouds::street(3'000, 6));
+  const test_clouds::Tiles tiles = test_clouds::as_tiles(test_clouds::street(3'000, 6));
   VotingField here({});
   VotingField there({});
   const TileKey far{1'431'000, -1'431'655};  // 4300 km: positions wrap
-  testing_clouds::Tiles moved;
+  test_clouds::Tiles moved;
   for (const auto& [key, points] : tiles) moved[{key.x + far.x, key.y + far.y}] = points;
   add_shuffled(here, tiles, 1);
   add_shuffled(there, moved, 1);

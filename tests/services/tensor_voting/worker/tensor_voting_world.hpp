@@ -7,15 +7,16 @@
 
 #include "services/tensor_voting/worker/tensor_voting_node.hpp"
 #include "tests/services/tensor_voting/voting_world.hpp"
+#include "tests/stamps.hpp"
 
 namespace curbstone::tensor_voting::worker {
 
-inline constexpr std::int64_t kSecond = 1'000'000;
+using test::kSecond;
 inline constexpr std::int64_t kTick = 20'000;
 
 /// Mapper, workers and listener on one bus, with message time of its own.
 struct World {
-  explicit World(testing_clouds::Tiles tiles, double trouble = 0, unsigned seed = 1, TensorVotingConfig used = {})
+  explicit World(test_clouds::Tiles tiles, double trouble = 0, unsigned seed = 1, TensorVotingConfig used = {})
       : config(used),
         publisher(bus, trouble, seed),
         mapper(bus, publisher, std::move(tiles)),
@@ -49,16 +50,16 @@ struct World {
 
   LocalBus bus;
   TensorVotingConfig config;
-  testing_world::LossyPublisher publisher;
-  testing_world::FakeMapper mapper;
-  testing_world::Listener listener;
+  test_world::LossyPublisher publisher;
+  test_world::FakeMapper mapper;
+  test_world::Listener listener;
   std::map<std::string, std::unique_ptr<TensorVotingNode>> nodes;
   std::map<std::string, bool> alive;
   std::int64_t now = 1'000'000 * kSecond;
 };
 
-inline testing_clouds::Tiles street() {
-  return testing_clouds::as_tiles(testing_clouds::street(20'000, 1));
+inline test_clouds::Tiles street() {
+  return test_clouds::as_tiles(test_clouds::street(20'000, 1));
 }
 
 /// One worker, nothing lost, everything at once.

@@ -5,10 +5,12 @@
 #include <set>
 #include <vector>
 
+#include "tests/stamps.hpp"
+
 namespace curbstone::tensor_voting::worker {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000;
+using test::kSecond;
 
 std::set<TileKey> owned(const RendezvousOwners& workers, int half = 40) {
   std::set<TileKey> tiles;

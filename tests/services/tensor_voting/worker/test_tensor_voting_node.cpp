@@ -70,7 +70,7 @@ TEST(TensorVotingNode, WhoeverComesLateGetsWholeTilesAndGoesOnFromThere) {
   World world(street());
   world.start("tensor_voting:1");
   world.run(2, 0.02);
-  testing_world::Listener late(world.bus, world.publisher);
+  test_world::Listener late(world.bus, world.publisher);
   for (int i = 0; i < 200; ++i) {
     world.run(0.02, i < 100 ? 0.01 : 0);
     late.tick(world.now);
@@ -105,7 +105,7 @@ TEST(TensorVotingNode, ConvergesBitForBitThroughLossDoublesAndDisorder) {
 }
 
 TEST(TensorVotingNode, ANewEpochForgetsTheOldMap) {
-  World world(testing_clouds::as_tiles(testing_clouds::street(5'000, 9)));
+  World world(test_clouds::as_tiles(test_clouds::street(5'000, 9)));
   world.start("tensor_voting:1");
   world.run(1, 0.3);
   world.mapper.start_epoch(2, street());

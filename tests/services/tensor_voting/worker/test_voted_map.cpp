@@ -7,16 +7,16 @@
 namespace curbstone::tensor_voting::worker {
 namespace {
 
-using testing_clouds::Tiles;
+using test_clouds::Tiles;
 
 const std::vector<voting::VotingParameters> kScales = {{.sigma = 0.3, .radius = 0.9, .voxel = 0.1},
                                                        {.sigma = 0.1, .radius = 0.3, .voxel = 0.05}};
 
-testing_clouds::Tiles street() {
-  return testing_clouds::as_tiles(testing_clouds::street(6000, 2));
+test_clouds::Tiles street() {
+  return test_clouds::as_tiles(test_clouds::street(6000, 2));
 }
 
-map_points_t part(const testing_clouds::Tiles& tiles, TileKey key, std::size_t first, std::size_t last) {
+map_points_t part(const test_clouds::Tiles& tiles, TileKey key, std::size_t first, std::size_t last) {
   map_points_t message{};
   message.tile_x = key.x;
   message.tile_y = key.y;
@@ -33,7 +33,7 @@ map_points_t part(const testing_clouds::Tiles& tiles, TileKey key, std::size_t f
 }
 
 /// What everybody votes on, at once.
-VotedMap complete(const testing_clouds::Tiles& tiles) {
+VotedMap complete(const test_clouds::Tiles& tiles) {
   VotedMap map({}, kScales);
   for (const auto& [key, points] : tiles) map.take(part(tiles, key, 0, points.size()), true);
   return map;
@@ -50,7 +50,7 @@ void expect_equal(const VotedMap& map, const VotedMap& expected) {
 }
 
 TEST(VotedMapTest, TilesTakenOverPieceByPieceComeToTheSame) {
-  const testing_clouds::Tiles tiles = street();
+  const test_clouds::Tiles tiles = street();
   VotedMap map({}, kScales);
   for (const auto& [key, points] : tiles) map.take(part(tiles, key, 0, points.size()), false);
   EXPECT_EQ(map.num_pairs(), 0) << "nothing of it matters";
@@ -63,7 +63,7 @@ TEST(VotedMapTest, TilesTakenOverPieceByPieceComeToTheSame) {
 }
 
 TEST(VotedMapTest, TheNearestTilesAreTakenOverFirst) {
-  const testing_clouds::Tiles tiles = street();
+  const test_clouds::Tiles tiles = street();
   VotedMap map({}, kScales);
   for (const auto& [key, points] : tiles) map.take(part(tiles, key, 0, points.size()), false);
   map.reassign([](TileKey) { return true; }, 1.5, 1.5);
@@ -74,7 +74,7 @@ TEST(VotedMapTest, TheNearestTilesAreTakenOverFirst) {
 }
 
 TEST(VotedMapTest, PointsThatArriveMeanwhileAreVotedOnOnce) {
-  const testing_clouds::Tiles tiles = street();
+  const test_clouds::Tiles tiles = street();
   VotedMap map({}, kScales);
   for (const auto& [key, points] : tiles) map.take(part(tiles, key, 0, points.size() / 2), false);
   map.reassign([](TileKey) { return true; }, 0, 0);
@@ -85,7 +85,7 @@ TEST(VotedMapTest, PointsThatArriveMeanwhileAreVotedOnOnce) {
 }
 
 TEST(VotedMapTest, TilesThatGoAndComeBackLeaveNoTrace) {
-  const testing_clouds::Tiles tiles = street();
+  const test_clouds::Tiles tiles = street();
   VotedMap map({}, kScales);
   for (const auto& [key, points] : tiles) map.take(part(tiles, key, 0, points.size() / 2), true);
   const auto left = [](TileKey key) { return key.x < 0; };
@@ -101,11 +101,11 @@ TEST(VotedMapTest, TilesThatGoAndComeBackLeaveNoTrace) {
 }
 
 TEST(VotedMapTest, WhatMattersNoMoreIsTakenOut) {
-  const testing_clouds::Tiles tiles = street();
+  const test_clouds::Tiles tiles = street();
   VotedMap map = complete(tiles);
   map.reassign([](TileKey key) { return key.x < 0; }, 0, 0);
   while (map.is_moving()) map.move(1000);
-  testing_clouds::Tiles kept = tiles;
+  test_clouds::Tiles kept = tiles;
   std::erase_if(kept, [](const auto& tile) { return tile.first.x >= 0; });
   const VotedMap expected = complete(kept);
   for (const auto& [key, points] : kept) {
@@ -116,7 +116,7 @@ TEST(VotedMapTest, WhatMattersNoMoreIsTakenOut) {
 }
 
 TEST(VotedMapTest, ATileLetGoWhileItWaitsIsNoMatter) {
-  const testing_clouds::Tiles tiles = street();
+  const test_clouds::Tiles tiles = street();
   VotedMap map({}, kScales);
   for (const auto& [key, points] : tiles) map.take(part(tiles, key, 0, points.size()), false);
   map.reassign([](TileKey) { return true; }, 0, 0);
@@ -127,7 +127,7 @@ TEST(VotedMapTest, ATileLetGoWhileItWaitsIsNoMatter) {
 }
 
 /// Every third point of a tile is taken out again, by records that follow it.
-testing_clouds::Tiles with_removals(testing_clouds::Tiles tiles, TileKey key) {
+test_clouds::Tiles with_removals(test_clouds::Tiles tiles, TileKey key) {
   std::vector<TilePoint>& records = tiles.at(key);
   const std::size_t count = records.size();
   for (std::size_t i = 0; i < count; i += 3) records.push_back(removal_of(records[i]));
@@ -136,9 +136,9 @@ testing_clouds::Tiles with_removals(testing_clouds::Tiles tiles, TileKey key) {
 
 TEST(VotedMapTest, WhatIsTakenOutLeavesTheVotesOfTheRest) {
   const TileKey key{0, 0};
-  const testing_clouds::Tiles tiles = street();
-  const testing_clouds::Tiles records = with_removals(tiles, key);
-  testing_clouds::Tiles rest = tiles;
+  const test_clouds::Tiles tiles = street();
+  const test_clouds::Tiles records = with_removals(tiles, key);
+  test_clouds::Tiles rest = tiles;
   std::vector<TilePoint>& kept = rest.at(key);
   for (std::size_t i = 0, at = 0; i < tiles.at(key).size(); ++i)
     i % 3 == 0 ? (void)kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(at)) : (void)++at;
@@ -165,7 +165,7 @@ TEST(VotedMapTest, WhatIsTakenOutLeavesTheVotesOfTheRest) {
 
 TEST(VotedMapTest, ATileThatWaitsForItsTurnLosesPointsToo) {
   const TileKey key{0, 0};
-  const testing_clouds::Tiles records = with_removals(street(), key);
+  const test_clouds::Tiles records = with_removals(street(), key);
   VotedMap map({}, kScales);
   for (const auto& [k, all] : records) map.take(part(records, k, 0, all.size() / 2), false);
   map.reassign([](TileKey) { return true; }, 0, 0);
@@ -177,7 +177,7 @@ TEST(VotedMapTest, ATileThatWaitsForItsTurnLosesPointsToo) {
 
 TEST(VotedMapTest, WhatIsNotThereCannotBeTakenOut) {
   const TileKey key{0, 0};
-  testing_clouds::Tiles tiles = street();
+  test_clouds::Tiles tiles = street();
   VotedMap map = complete(tiles);
   const std::size_t count = tiles.at(key).size();
   tiles.at(key).push_back(removal_of(tiles.at(key).front()));

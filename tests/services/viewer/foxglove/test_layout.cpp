@@ -26,7 +26,7 @@ std::vector<std::string> panels_in(const json& layout) {
 /// config/foxglove/curbstone.json
 class LayoutTest : public ::testing::Test {
  protected:
-  LayoutTest() : layout_(json::parse(std::ifstream(tests::source_path("config/foxglove/curbstone.json")))) {
+  LayoutTest() : layout_(json::parse(std::ifstream(test::source_path("config/foxglove/curbstone.json")))) {
     for (const Channel& channel : fixed_channels()) topics_.insert(channel.topic);
   }
   json layout_;

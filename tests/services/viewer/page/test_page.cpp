@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr const char* kPlain = "follow=0&theme=light&off=relief.curbs.path.points";
+constexpr const char* kPlainMap = "follow=0&theme=light&off=relief.curbs.path.points";
 constexpr const char* kPressed = "document.getElementById('follow').getAttribute('aria-pressed')";
 
 class Page : public PageOnABus {
@@ -74,17 +74,17 @@ class Page : public PageOnABus {
 
 TEST_F(Page, PaintsEachCellInTheColourOfItsClass) {
   put_a_motley_map();
-  open(fmt::format("at=0,0,40,0&{}", kPlain));
+  open(fmt::format("at=0,0,40,0&{}", kPlainMap));
   EXPECT_EQ(wrong_cells_of_all(), 0);
 
   // Turned; and away from the bar, which is as wide as its words.
-  open(fmt::format("at=0.4,-0.3,36,0.7&{}", kPlain));
+  open(fmt::format("at=0.4,-0.3,36,0.7&{}", kPlainMap));
   EXPECT_EQ(wrong_cells_of_all(), 0);
 }
 
 TEST_F(Page, ShowsNewsOfACellAtOnce) {
   put_a_motley_map();
-  open(fmt::format("at=0,0,40,0&{}", kPlain));
+  open(fmt::format("at=0,0,40,0&{}", kPlainMap));
   semantic_tile_t tile = tiles[{-1, -1}];
   for (auto& cell : tile.cell_class) cell = static_cast<std::uint8_t>(1 + cell % 4);
   put(tile);
@@ -99,7 +99,7 @@ TEST_F(Page, HasNoSeamsWhereTexturesMeet) {
   for (int y = -8; y < 8; ++y)
     for (int x = -8; x < 8; ++x) put(tile_of(x, y, semantic_tile_t::ROAD));
   for (const double scale : {3.0, 5.3, 7.7}) {  // several cells in a pixel
-    open(fmt::format("at=0.13,0.07,{},0&{}", scale, kPlain));
+    open(fmt::format("at=0.13,0.07,{},0&{}", scale, kPlainMap));
     browser->pass(0.3);
     const Picture picture = browser->picture();
     const Spot corner = spot_of(-10, 10), end = spot_of(10, -10);
@@ -150,7 +150,7 @@ TEST_F(Page, AClickedCellTellsItsValues) {
   tile.cost[cell] = 254;
   tile.confidence[cell] = 255;
   put(tile);
-  open(fmt::format("at=0,0,40,0&{}", kPlain));
+  open(fmt::format("at=0,0,40,0&{}", kPlainMap));
   const Spot spot = spot_of(-3 + 5.5 * kCell, -3 + 12.5 * kCell);
   browser->click(spot.x, spot.y);
   ASSERT_TRUE(shows("#cell", "Obstacle"));
@@ -197,7 +197,7 @@ TEST_F(Page, PaintOnTheRoadIsDrawnWithItsGapsAndWithItsWidth) {
   markings.num_lines = 1;
   markings.lines = {line};
   say("MARKINGS", markings);
-  open(fmt::format("at=-1.5,-1.5,80,0&{}", kPlain));
+  open(fmt::format("at=-1.5,-1.5,80,0&{}", kPlainMap));
   ASSERT_TRUE(browser->comes_to("curbstone.world.markings.size === 1"));
   const Rgb white = {255, 255, 255}, road = colour_of(semantic_tile_t::ROAD);
   const auto is_drawn = [&](double x, double y, const Rgb& colour) {
@@ -255,8 +255,8 @@ TEST_F(Page, MeasuresBetweenTwoPlaces) {
 
 TEST_F(Page, SavesWhatIsSeenAsAPicture) {
   put_a_motley_map();
-  open(fmt::format("at=0,0,40,0&{}", kPlain));
-  const curbstone::testing::TemporaryFolder folder;
+  open(fmt::format("at=0,0,40,0&{}", kPlainMap));
+  const curbstone::test::TemporaryFolder folder;
   browser->save_to(folder.path().string());
   browser->evaluate("document.getElementById('save').click()");
   std::string file;

@@ -27,7 +27,7 @@ class PageOfADrive : public PageOnABus {
     bus_is_alive = false;  // the mapper says the poses
     browser->resize(640, 520);
     const std::string command = fmt::format("{} simulate --town --seconds 8.5 --set standstill=1 --log {} > {} 2>&1",
-                                            tests::program_path("curbstone"), (folder_ / "drive.lcmlog").string(),
+                                            test::program_path("curbstone"), (folder_ / "drive.lcmlog").string(),
                                             (folder_ / "simulate.txt").string());
     ASSERT_EQ(std::system(command.c_str()), 0);
     vehicle_bus_.tap([this](const std::string& channel, const void* data, int size, std::int64_t) {
@@ -91,7 +91,7 @@ class PageOfADrive : public PageOnABus {
     return other;
   }
 
-  curbstone::testing::TemporaryFolder folder_;
+  curbstone::test::TemporaryFolder folder_;
   LocalBus vehicle_bus_;
   std::optional<replay::ReplayVehicle> vehicle_;
   std::int64_t begin_ = 0;  // us of message time

@@ -5,7 +5,7 @@
 namespace curbstone::viewer {
 namespace {
 
-constexpr const char* kPlain = "at=0,0,40,0&follow=0&theme=light&off=relief.curbs.path.points";
+constexpr const char* kStraightDown = "at=0,0,40,0&follow=0&theme=light&off=relief.curbs.path.points";
 
 /// A tile that is obstacle at first and road from some time on, while the vehicle drives and tiles go on coming.
 class PageRewind : public PageOnABus {
@@ -14,7 +14,7 @@ class PageRewind : public PageOnABus {
     vehicle_x = 8;
     speed = 1;
     put(tile_of(-1, -1, semantic_tile_t::OBSTACLE));
-    open(kPlain);
+    open(kStraightDown);
     browser->pass(1.5);
     changed_at_ = browser->evaluate("performance.now()");
     put(tile_of(-1, -1, semantic_tile_t::ROAD));
@@ -112,7 +112,7 @@ TEST_F(PageRewind, GoesOnThoughTheViewerDiesAndSaysSo) {
 
 TEST_F(PageRewind, KeepsNoMoreBytesThanItMay) {
   bus_is_alive = false;  // it is about what is kept, not about what is drawn
-  open(kPlain);
+  open(kStraightDown);
   // A frame of 7 kB with points, ten times a second for an hour, into a history of 0.5 MB.
   const auto kept = browser->evaluate(R"((() => {
     const { rewind, world } = curbstone, history = new rewind.history.constructor(5e5);

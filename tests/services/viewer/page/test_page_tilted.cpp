@@ -8,7 +8,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr const char* kView = "at=0,0,40,0&follow=0&theme=light&off=relief.curbs.path.points";
+constexpr const char* kPlainView = "at=0,0,40,0&follow=0&theme=light&off=relief.curbs.path.points";
 
 class PageTilted : public PageOnABus {
  protected:
@@ -48,7 +48,7 @@ class PageTilted : public PageOnABus {
 
 TEST_F(PageTilted, ShowsGroundAtItsHeightAndBlocksOverIt) {
   put_a_terrace();
-  open(fmt::format("{}&tilt=50", kView));
+  open(fmt::format("{}&tilt=50", kPlainView));
   ASSERT_TRUE(
       browser->comes_to("Math.abs(curbstone.camera.z - 2) < 0.001"));  // turns about the ground under its middle
   browser->pass(0.5);
@@ -93,7 +93,7 @@ TEST_F(PageTilted, HasNoGapsWhereTexturesMeetOnASlope) {
 
 TEST_F(PageTilted, AClickFindsTheCellThatIsSeenThere) {
   put_a_terrace();
-  open(fmt::format("{}&tilt=50", kView));
+  open(fmt::format("{}&tilt=50", kPlainView));
   ASSERT_TRUE(browser->comes_to("Math.abs(curbstone.camera.z - 2) < 0.001"));
   const Spot upper = spot_at(1.5, 4.5, 2);
   browser->click(upper.x, upper.y);
@@ -103,7 +103,7 @@ TEST_F(PageTilted, AClickFindsTheCellThatIsSeenThere) {
 
 TEST_F(PageTilted, TiltsByKeyButtonRightDragAndTwoFingers) {
   put_a_terrace();
-  open(kView);
+  open(kPlainView);
   EXPECT_EQ(tilt(), 0);
   browser->press('t');
   EXPECT_TRUE(browser->comes_to("curbstone.camera.tilt > 0.9"));
@@ -146,7 +146,7 @@ TEST_F(PageTilted, WhatIsDraggedStaysUnderTheMouse) {
 
 TEST_F(PageTilted, ALostLocalizerSaysSoInWords) {
   put_a_terrace();
-  open(fmt::format("{}&tilt=40", kView));
+  open(fmt::format("{}&tilt=40", kPlainView));
   map_pose_t pose{};
   pose.map_base_position[0] = 4.25;
   pose.map_base_orientation[0] = pose.map_odom_orientation[0] = 1;

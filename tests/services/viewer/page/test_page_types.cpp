@@ -12,7 +12,7 @@ namespace {
 
 TEST(PageTypes, AgreeAsTheTypeScriptCompilerSees) {
   if (access("/usr/bin/tsc", X_OK) != 0) GTEST_SKIP() << "no tsc: scripts/install-deps --tests";
-  const std::string command = "cd " + tests::source_path("services/viewer/page") +
+  const std::string command = "cd " + test::source_path("services/viewer/page") +
                               " && tsc --noEmit --strict --noUnusedLocals --noUnusedParameters "
                               "--target es2020 --lib es2021,dom,dom.iterable --moduleResolution node main.ts 2>&1";
   FILE* tsc = popen(command.c_str(), "r");

@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::SizeIs;
-using Put = CurbLines::Put;
+using CurbPut = CurbLines::Put;
 
 /// From x = first to last, a vertex each metre, at y.
 curb_line_t line_at(int first, int last, float y = 0) {
@@ -27,7 +27,7 @@ curb_line_t line_at(int first, int last, float y = 0) {
   return line;
 }
 
-curb_lines_t message_of(float x_min, float x_max, std::vector<curb_line_t> lines) {
+curb_lines_t curbs_of(float x_min, float x_max, std::vector<curb_line_t> lines) {
   curb_lines_t message{};
   message.box_min[0] = x_min;
   message.box_max[0] = x_max;
@@ -46,30 +46,30 @@ std::vector<std::vector<float>> all_x(const CurbLines& curbs) {
 
 TEST(CurbLinesTest, AMessageReplacesWhatLiesInItsBoxAndCutsWhatLeavesIt) {
   CurbLines curbs;
-  ASSERT_EQ(curbs.put(message_of(0, 10, {line_at(0, 10)})), Put::kTaken);
-  ASSERT_EQ(curbs.put(message_of(6, 16, {line_at(7, 16, 1)})), Put::kTaken);
+  ASSERT_EQ(curbs.put(curbs_of(0, 10, {line_at(0, 10)})), CurbPut::kTaken);
+  ASSERT_EQ(curbs.put(curbs_of(6, 16, {line_at(7, 16, 1)})), CurbPut::kTaken);
   EXPECT_THAT(all_x(curbs), ::testing::UnorderedElementsAre(ElementsAre(0, 1, 2, 3, 4, 5, 6),
                                                             ElementsAre(7, 8, 9, 10, 11, 12, 13, 14, 15, 16)))
       << "one vertex inside stays, so that the parts touch";
-  ASSERT_EQ(curbs.put(message_of(-5, 20, {})), Put::kTaken);
+  ASSERT_EQ(curbs.put(curbs_of(-5, 20, {})), CurbPut::kTaken);
   EXPECT_THAT(all_x(curbs), SizeIs(0));
 }
 
 TEST(CurbLinesTest, WhatIsSaidAgainIsNoNews) {
   CurbLines curbs;
-  curbs.put(message_of(0, 10, {line_at(0, 10)}));
-  curbs.put(message_of(5, 15, {line_at(6, 15, 2)}));
+  curbs.put(curbs_of(0, 10, {line_at(0, 10)}));
+  curbs.put(curbs_of(5, 15, {line_at(6, 15, 2)}));
   const std::uint32_t number = curbs.number();
-  curbs.put(message_of(5, 15, {line_at(6, 15, 2)}));
+  curbs.put(curbs_of(5, 15, {line_at(6, 15, 2)}));
   EXPECT_EQ(curbs.number(), number);
 }
 
 TEST(CurbLinesTest, TellsWhoHasANumberWhatCameAndWhatWent) {
   CurbLines curbs;
-  curbs.put(message_of(0, 10, {line_at(0, 4), line_at(6, 10)}));
+  curbs.put(curbs_of(0, 10, {line_at(0, 4), line_at(6, 10)}));
   const auto first = curbs.above(0);
   EXPECT_TRUE(first.everything);
-  curbs.put(message_of(0, 10, {line_at(0, 4), line_at(6, 9)}));
+  curbs.put(curbs_of(0, 10, {line_at(0, 4), line_at(6, 9)}));
   const auto news = curbs.above(first.number);
   EXPECT_FALSE(news.everything);
   ASSERT_THAT(news.gone, ElementsAre(first.added[1].name));
@@ -91,7 +91,7 @@ TEST(CurbLinesTest, AnyListenerComesToTheSameLines) {
     std::vector<curb_line_t> lines;
     for (int n = std::rand() % 4; n > 0; --n)
       lines.push_back(line_at(at + std::rand() % 5, at + 6 + std::rand() % 4, static_cast<float>(n)));
-    curbs.put(message_of(static_cast<float>(at), static_cast<float>(at + 10), std::move(lines)));
+    curbs.put(curbs_of(static_cast<float>(at), static_cast<float>(at + 10), std::move(lines)));
     if (round == 200) curbs.clear();
     for (Listener& listener : listeners) {
       if (std::rand() % 5 != 0 && round < 299) continue;
@@ -112,12 +112,12 @@ TEST(CurbLinesTest, RefusesWhatCannotBeDrawn) {
   CurbLines curbs;
   curb_line_t bad = line_at(0, 3);
   bad.y[2] = NAN;
-  EXPECT_EQ(curbs.put(message_of(0, 10, {bad})), Put::kRefused);
+  EXPECT_EQ(curbs.put(curbs_of(0, 10, {bad})), CurbPut::kRefused);
   bad = line_at(0, 3);
   bad.height.pop_back();
-  EXPECT_EQ(curbs.put(message_of(0, 10, {bad})), Put::kRefused);
-  EXPECT_EQ(curbs.put(message_of(0, NAN, {})), Put::kRefused);
-  EXPECT_EQ(curbs.put(message_of(10, 0, {})), Put::kRefused);
+  EXPECT_EQ(curbs.put(curbs_of(0, 10, {bad})), CurbPut::kRefused);
+  EXPECT_EQ(curbs.put(curbs_of(0, NAN, {})), CurbPut::kRefused);
+  EXPECT_EQ(curbs.put(curbs_of(10, 0, {})), CurbPut::kRefused);
   EXPECT_EQ(curbs.number(), 0U);
 }
 
@@ -125,7 +125,7 @@ TEST(CurbLinesTest, HasAnEnd) {
   CurbLines curbs;
   std::vector<curb_line_t> lines(CurbLines::kMaxVertices / 1000 + 1, line_at(0, 999));
   for (std::size_t i = 0; i < lines.size(); ++i) lines[i].z.assign(1000, static_cast<float>(i));
-  EXPECT_EQ(curbs.put(message_of(0, 1, std::move(lines))), Put::kFull);
+  EXPECT_EQ(curbs.put(curbs_of(0, 1, std::move(lines))), CurbPut::kFull);
   EXPECT_THAT(curbs.above(0).added, SizeIs(CurbLines::kMaxVertices / 1000));
 }
 

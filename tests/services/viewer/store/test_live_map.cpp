@@ -6,15 +6,15 @@
 namespace curbstone::viewer::store {
 namespace {
 
-using Put = LiveMap::Put;
+using TilePut = LiveMap::Put;
 
 TEST(LiveMapTest, NumbersEachChangeAndKeepsTheLastNumberOfATile) {
   std::mt19937 random(1);
   LiveMap map;
-  EXPECT_EQ(map.put({1, 2}, draw_cells(random, 1)), Put::kTaken);
-  EXPECT_EQ(map.put({3, 4}, draw_cells(random, 1)), Put::kTaken);
+  EXPECT_EQ(map.put({1, 2}, draw_cells(random, 1)), TilePut::kTaken);
+  EXPECT_EQ(map.put({3, 4}, draw_cells(random, 1)), TilePut::kTaken);
   const TileCells last = draw_cells(random, 2);
-  EXPECT_EQ(map.put({1, 2}, last), Put::kTaken);
+  EXPECT_EQ(map.put({1, 2}, last), TilePut::kTaken);
   EXPECT_EQ(map.number(), 3U);
   const auto changes = map.above(0, 10);
   ASSERT_EQ(changes.size(), 2U);
@@ -31,8 +31,8 @@ TEST(LiveMapTest, LeavesATileThatIsNotNewer) {
   LiveMap map;
   const TileCells tile = draw_cells(random, 5);
   map.put({0, 0}, tile);
-  EXPECT_EQ(map.put({0, 0}, draw_cells(random, 5)), Put::kKnown);
-  EXPECT_EQ(map.put({0, 0}, draw_cells(random, 4)), Put::kKnown);
+  EXPECT_EQ(map.put({0, 0}, draw_cells(random, 5)), TilePut::kKnown);
+  EXPECT_EQ(map.put({0, 0}, draw_cells(random, 4)), TilePut::kKnown);
   EXPECT_EQ(*map.at({0, 0}), tile);
   EXPECT_EQ(map.number(), 1U);
 }

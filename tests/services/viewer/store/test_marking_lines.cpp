@@ -9,7 +9,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::SizeIs;
-using Put = MarkingLines::Put;
+using MarkingPut = MarkingLines::Put;
 
 /// Dashes of a metre along x, a vertex each metre from `first` to `last`.
 marking_line_t dashes(int first, int last) {
@@ -26,7 +26,7 @@ marking_line_t dashes(int first, int last) {
   return line;
 }
 
-marking_lines_t message_of(float x_min, float x_max, std::vector<marking_line_t> lines) {
+marking_lines_t markings_of(float x_min, float x_max, std::vector<marking_line_t> lines) {
   marking_lines_t message{};
   message.box_min[0] = x_min;
   message.box_max[0] = x_max;
@@ -39,8 +39,8 @@ marking_lines_t message_of(float x_min, float x_max, std::vector<marking_line_t>
 
 TEST(MarkingLinesTest, WhatIsCutKeepsItsGapsAndItsWidth) {
   MarkingLines markings;
-  ASSERT_EQ(markings.put(message_of(0, 10, {dashes(0, 10)})), Put::kTaken);
-  ASSERT_EQ(markings.put(message_of(5, 20, {})), Put::kTaken);
+  ASSERT_EQ(markings.put(markings_of(0, 10, {dashes(0, 10)})), MarkingPut::kTaken);
+  ASSERT_EQ(markings.put(markings_of(5, 20, {})), MarkingPut::kTaken);
   const auto left = markings.above(0).added;
   ASSERT_THAT(left, SizeIs(1));
   EXPECT_THAT(left[0].line->x, ElementsAre(0, 1, 2, 3, 4, 5));
@@ -58,19 +58,19 @@ TEST(MarkingLinesTest, RefusesWhatCannotBeDrawn) {
   marking_line_t endless = dashes(0, 4);
   endless.width = INFINITY;
   for (const auto& bad : {short_list, nowhere, endless})
-    EXPECT_EQ(markings.put(message_of(0, 10, {bad})), Put::kRefused);
+    EXPECT_EQ(markings.put(markings_of(0, 10, {bad})), MarkingPut::kRefused);
   EXPECT_THAT(markings.above(0).added, SizeIs(0));
 }
 
 TEST(MarkingLinesTest, APieceThatIsPaintedNowIsNews) {
   MarkingLines markings;
-  markings.put(message_of(0, 10, {dashes(0, 10)}));
+  markings.put(markings_of(0, 10, {dashes(0, 10)}));
   const auto number = markings.number();
-  markings.put(message_of(0, 10, {dashes(0, 10)}));
+  markings.put(markings_of(0, 10, {dashes(0, 10)}));
   EXPECT_EQ(markings.number(), number) << "the same said again";
   marking_line_t more = dashes(0, 10);
   more.painted[1] = 1;
-  markings.put(message_of(0, 10, {more}));
+  markings.put(markings_of(0, 10, {more}));
   EXPECT_THAT(markings.above(number).added, SizeIs(1));
 }
 

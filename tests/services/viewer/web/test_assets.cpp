@@ -36,7 +36,7 @@ TEST(AssetsTest, AreNamesAndNoPaths) {
 }
 
 TEST(AssetsTest, CanComeFromAFolder) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   std::ofstream(folder / "page.js") << "let a;";
   EXPECT_EQ(find_asset("/page.js", folder.path().string())->bytes, "let a;");
   EXPECT_FALSE(find_asset("/page.css", folder.path().string()).has_value());

@@ -28,7 +28,7 @@ TEST(EncoderStream, HasAPositionEach10Ms) {
 }
 
 TEST(BenchDrivers, WritesTheFiguresOfEachDevice) {
-  testing::TemporaryFolder folder;
+  test::TemporaryFolder folder;
   const std::string json = folder / "figures.json";
   std::vector<std::string> words = {"drivers",    "--seconds", "0.2",    "--rounds", "1",
                                     "--min-time", "0.001",     "--json", json};

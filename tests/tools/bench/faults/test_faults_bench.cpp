@@ -28,7 +28,7 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(BackgroundProgram, EndsEvenWhereItsOwnerIsKilled) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string output = folder / "output";
   const pid_t owner = fork();
   if (owner == 0) {
@@ -54,7 +54,7 @@ TEST(FaultRows, HaveNamesOfTheirOwnAndBeginWithNoFault) {
 }
 
 TEST(FaultReport, SaysWhatWasNotBackBeforeTheEnd) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   FaultReport report;
   report.undisturbed = {{.seconds = 18, .cells = 1000, .poses = 360}};
   report.rows = {{"none", 12, 0, 0.0, {}, true, "ok", 0.01},
@@ -87,7 +87,7 @@ TEST(FaultReport, ComparesNothingWithADriveThatTheMachineSpoiled) {
   drive.revolutions_lost = 1;
   EXPECT_TRUE(drive.is_spoiled());
 
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   FaultReport report{.undisturbed = {drive}, .rows = {{.fault = "kill -9 mapper", .map = "ok"}}};
   EXPECT_THAT(table_lines(report)[1], HasSubstr("spoiled"));
   write_report(report, folder / "figures.json");
@@ -98,7 +98,7 @@ TEST(FaultReport, ComparesNothingWithADriveThatTheMachineSpoiled) {
 }
 
 TEST(FaultReport, SaysWhichRowsTheMachineSpoiled) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const FaultRow row{.fault = "kill -9 ekf", .ended_cleanly = true, .map = "ok", .emulator_late_s = 0.4, .drives = 2};
   FaultReport report;
   report.rows = {row};
@@ -111,7 +111,7 @@ TEST(FaultReport, SaysWhichRowsTheMachineSpoiled) {
 }
 
 TEST(SmallDisk, IsFullAndFreeAgainAndNobodyElsesBusiness) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "file";
   const auto can_write = [&] {
     std::ofstream stream(file, std::ios::app);

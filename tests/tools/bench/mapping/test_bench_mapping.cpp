@@ -17,7 +17,7 @@
 namespace curbstone::bench::mapping {
 namespace {
 
-const std::string kRecorded = tests::data_path("kitti0005_rs16");
+const std::string kRecorded = test::data_path("kitti0005_rs16");
 
 bool has_recorded() {
   return std::filesystem::is_directory(kRecorded);
@@ -111,7 +111,7 @@ TEST(BenchMapping, FollowsATownAtTwelveMetresASecondByALidarThatIsSwitchedOnLate
 
 TEST(BenchMapping, WritesTheFiguresOfEachRun) {
   if (!has_recorded()) GTEST_SKIP() << kRecorded << " is not there";
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "bench_mapping.json";
   ASSERT_EQ(bench({"--scans", kRecorded, "--poses", kRecorded + "/reference_poses.txt", "--most", "12", "--methods",
                    "icp", "--json", file}),

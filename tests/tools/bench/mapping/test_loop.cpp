@@ -37,7 +37,7 @@ TEST(LoopRun, FollowsTheBeginningOfALoop) {
   EXPECT_GT(result.mapping_cpu_s, 0.1);
   EXPECT_TRUE(result.laps.empty());
 
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "bench_loop.json";
   write_loop_json({result}, file);
   std::ifstream in(file);

@@ -58,7 +58,7 @@ TEST(MarkingScore, TheMiddleOfADoubleLineIsAsGoodAsEither) {
 /// The floor of what 64 beams at rest in a recorded street give; `curbstone bench markings --parts street` says what
 /// they are.
 TEST(PaintedStreet, MarkingsOfARecordedStreetAreFound) {
-  const std::string folder = tests::data_path("kitti00");
+  const std::string folder = test::data_path("kitti00");
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   const PaintTruth truth = read_street_paint(folder);
   EXPECT_GT(truth.painted.size(), 300U);

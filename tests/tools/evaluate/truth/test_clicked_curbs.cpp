@@ -11,7 +11,7 @@ namespace curbstone::evaluate::truth {
 namespace {
 
 StreetLabels clicked(const std::string& rows, const Pose& T_world_first = Pose::Identity()) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   std::ofstream(folder.path() / "curbs.csv") << rows;
   return read_clicked_curbs(folder.path().string(), T_world_first);
 }

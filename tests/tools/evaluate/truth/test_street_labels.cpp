@@ -41,7 +41,7 @@ void write_street(const std::string& folder, Step step) {
 
 template <class Step>
 StreetLabels labels_of_street(Step step, const Pose& T_world_first = Pose::Identity()) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   write_street(folder.path(), step);
   return read_street_labels(folder.path(), T_world_first);
 }
@@ -82,7 +82,7 @@ void relabel(const std::string& folder) {
 }
 
 TEST(StreetLabels, AnotherDataSetsLabelsAreNamedInATable) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   write_street(folder.path(), [](double) { return 0.10; });
   relabel(folder.path());
   EXPECT_TRUE(read_street_labels(folder.path(), Pose::Identity()).curbs.empty());
@@ -91,7 +91,7 @@ TEST(StreetLabels, AnotherDataSetsLabelsAreNamedInATable) {
 }
 
 TEST(StreetLabels, ATableThatMakesNoSenseIsNamedWithItsLine) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   write_street(folder.path(), [](double) { return 0.10; });
   for (const std::string row : {"140,street", "x,road", "140", "70000,road"}) {
     std::ofstream(folder.path() / "labels.csv") << "label,surface\n" << row << "\n";
@@ -105,7 +105,7 @@ TEST(StreetLabels, ATableThatMakesNoSenseIsNamedWithItsLine) {
 }
 
 TEST(StreetLabels, OneScanAloneNeedsNoPoseAndMayHaveAnyName) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   write_street(folder.path(), [](double) { return 0.10; });
   std::filesystem::remove(folder.path() / "reference_poses.txt");
   std::filesystem::rename(folder.path() / "scans/000000.bin", folder.path() / "scans/mine.bin");
@@ -133,7 +133,7 @@ TEST(StreetLabels, LieInTheTruthsFrame) {
 
 TEST(StreetLabels, SayWhatIsWrong) {
   EXPECT_THROW((void)read_street_labels("/nowhere", Pose::Identity()), std::runtime_error);
-  const testing::TemporaryFolder temporary;
+  const test::TemporaryFolder temporary;
   const std::string folder = temporary.path();
   write_street(folder, [](double) { return 0.1; });
   std::filesystem::resize_file(folder + "/labels/000000.label", 400);
@@ -144,7 +144,7 @@ TEST(StreetLabels, SayWhatIsWrong) {
 
 /// kitti00: curbs_on_real_scans.md gives the heights of its steps: 2.2, 3.7 and 4.7 cm at 25, 50 and 75 %.
 TEST(StreetLabels, GiveTheStepsOfARecordedStreet) {
-  const std::string folder = tests::data_path("kitti00");
+  const std::string folder = test::data_path("kitti00");
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   Pose T_world_first = Pose::Identity();
   T_world_first.translation().z() = 1.73;

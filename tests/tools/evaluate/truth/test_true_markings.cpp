@@ -12,7 +12,7 @@ namespace {
 
 /// The complaint about a file of one row.
 std::string complaint_about(const std::string& row) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   std::ofstream(folder / "markings.csv") << "line,piece,type,width,x,y,z\n" << row << "\n";
   try {
     (void)read_markings(folder.path());
@@ -23,7 +23,7 @@ std::string complaint_about(const std::string& row) {
 }
 
 TEST(TrueMarkings, AreLinesOfPieces) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   std::ofstream(folder / "markings.csv") << "line,piece,type,width,x,y,z\n"
                                             "0,0,dashed,0.120,0,0,1\n0,0,dashed,0.120,3,0,1\n"
                                             "0,1,dashed,0.120,9,0,1\n0,1,dashed,0.120,12,0,1\n"
@@ -38,7 +38,7 @@ TEST(TrueMarkings, AreLinesOfPieces) {
 }
 
 TEST(TrueMarkings, AreNoneWhereNobodySaysWhatIsPainted) {
-  EXPECT_TRUE(read_markings(testing::TemporaryFolder().path()).empty());
+  EXPECT_TRUE(read_markings(test::TemporaryFolder().path()).empty());
 }
 
 TEST(TrueMarkings, SayWhichRowIsWrong) {

@@ -18,7 +18,7 @@ class TruthOf {
   [[nodiscard]] std::string folder() const { return folder_.path(); }
 
  private:
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST(Truth, ReadsWhatTheSimulatorWrites) {

@@ -12,7 +12,7 @@
 
 #include "common/log/log_writer.hpp"
 
-namespace curbstone::testing {
+namespace curbstone::test {
 
 inline constexpr std::int64_t kLogBegin = 1'700'000'000'000'000;  ///< us
 
@@ -107,4 +107,4 @@ inline void write_shown_log(const std::string& path, double seconds) {
   }
 }
 
-}  // namespace curbstone::testing
+}  // namespace curbstone::test

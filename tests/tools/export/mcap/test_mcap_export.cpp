@@ -20,7 +20,7 @@
 namespace curbstone::map_export {
 namespace {
 
-using curbstone::testing::McapFile;
+using curbstone::test::McapFile;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -37,7 +37,7 @@ class McapExport : public ::testing::Test {
     said_ = ::testing::internal::GetCapturedStdout() + ::testing::internal::GetCapturedStderr();
     return status;
   }
-  [[nodiscard]] McapFile exported() const { return curbstone::testing::read_mcap(bytes()); }
+  [[nodiscard]] McapFile exported() const { return curbstone::test::read_mcap(bytes()); }
   [[nodiscard]] std::string bytes() const {
     std::ifstream in(path("out") + "/drive.mcap", std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
@@ -52,12 +52,12 @@ class McapExport : public ::testing::Test {
     return message;
   }
 
-  curbstone::testing::TemporaryFolder folder_;
+  curbstone::test::TemporaryFolder folder_;
   std::string said_;
 };
 
 TEST_F(McapExport, HoldsWhatPanelsShow) {
-  curbstone::testing::write_shown_log(path("log"), 12);
+  curbstone::test::write_shown_log(path("log"), 12);
   ASSERT_EQ(run({"--only", "mcap"}), 0);
   const McapFile file = exported();
   EXPECT_THAT(file.errors, IsEmpty());
@@ -87,7 +87,7 @@ TEST_F(McapExport, HoldsWhatPanelsShow) {
 /// The commands of the vehicle, which are the names of its processes on the bus.
 std::vector<std::string> processes_of_the_vehicle() {
   std::vector<std::string> names;
-  std::ifstream file(tests::source_path("procman/ugv.cfg"));
+  std::ifstream file(test::source_path("procman/ugv.cfg"));
   for (std::string line; std::getline(file, line);) {
     const std::size_t begin = line.find("  cmd \"");
     if (begin == 0) names.push_back(line.substr(7, line.find('"', 7) - 7));
@@ -102,24 +102,24 @@ std::set<std::string> fields_of(const auto& message) {
 }
 
 TEST_F(McapExport, HoldsEachTopicAndFieldThatThePreparedLayoutNames) {
-  curbstone::testing::write_shown_log(path("log"), 2);
+  curbstone::test::write_shown_log(path("log"), 2);
   {
     LogWriter more(path("log2"));
     for (const std::string& name : processes_of_the_vehicle()) {
       service_status_t status{};
-      status.utime = curbstone::testing::kLogBegin + 1'900'000;
+      status.utime = curbstone::test::kLogBegin + 1'900'000;
       status.service = name;
       status.counter_name = {"dropped.queue", "dropped.kernel"};  // as common/bus/lcm_bus counts
       status.counter_value = {0, 0};
       status.num_counters = 2;
-      curbstone::testing::append(more, "SERVICE_STATUS", status, status.utime + 7000);
+      curbstone::test::append(more, "SERVICE_STATUS", status, status.utime + 7000);
     }
   }
   std::ofstream(path("log"), std::ios::binary | std::ios::app) << std::ifstream(path("log2"), std::ios::binary).rdbuf();
   ASSERT_EQ(run({"--only", "mcap", "--without-raw"}), 0);
   const McapFile file = exported();
 
-  const auto layout = nlohmann::json::parse(std::ifstream(tests::source_path("config/foxglove/curbstone.json")));
+  const auto layout = nlohmann::json::parse(std::ifstream(test::source_path("config/foxglove/curbstone.json")));
   const auto& view = layout["configById"]["3D!curbstone"];
   std::set<std::string> frames;
   const auto tree = last<::foxglove::FrameTransforms>(file, "/tf");
@@ -159,7 +159,7 @@ TEST_F(McapExport, HoldsEachTopicAndFieldThatThePreparedLayoutNames) {
 }
 
 TEST_F(McapExport, RepeatsLinesAndPathAsAWholeForThoseWhoEnterAnywhere) {
-  curbstone::testing::write_shown_log(path("log"), 25);
+  curbstone::test::write_shown_log(path("log"), 25);
   ASSERT_EQ(run({"--only", "mcap", "--without-raw"}), 0);
   const McapFile file = exported();
   for (const char* topic : {"/curbs", "/markings", "/path"}) {
@@ -176,11 +176,11 @@ TEST_F(McapExport, RepeatsLinesAndPathAsAWholeForThoseWhoEnterAnywhere) {
 }
 
 TEST_F(McapExport, HoldsTheMessagesOfTheLogWithTheirTypes) {
-  curbstone::testing::write_shown_log(path("log"), 2);
+  curbstone::test::write_shown_log(path("log"), 2);
   {
     LogWriter more(path("log2"));
-    more.write("OURS_NOT", "0123456789abcdef", 16, curbstone::testing::kLogBegin);
-    more.write("SHORT", "01", 2, curbstone::testing::kLogBegin);
+    more.write("OURS_NOT", "0123456789abcdef", 16, curbstone::test::kLogBegin);
+    more.write("SHORT", "01", 2, curbstone::test::kLogBegin);
   }
   std::ofstream(path("log"), std::ios::binary | std::ios::app) << std::ifstream(path("log2"), std::ios::binary).rdbuf();
   ASSERT_EQ(run({"--only", "mcap", "--compression", "none"}), 0);
@@ -191,7 +191,7 @@ TEST_F(McapExport, HoldsTheMessagesOfTheLogWithTheirTypes) {
   map_pose_t pose{};
   const std::string first = file.of("MAP_POSE").front();
   ASSERT_GE(pose.decode(first.data(), 0, static_cast<int>(first.size())), 0);
-  EXPECT_EQ(pose.utime, curbstone::testing::kLogBegin);
+  EXPECT_EQ(pose.utime, curbstone::test::kLogBegin);
   for (const auto& message : file.messages) {
     const auto& channel = file.channels.at(message.channel);
     if (channel.topic != "MAP_POSE") continue;
@@ -208,14 +208,14 @@ TEST_F(McapExport, HoldsTheMessagesOfTheLogWithTheirTypes) {
 }
 
 TEST_F(McapExport, IsSmallerWithoutTheLogsOwnMessages) {
-  curbstone::testing::write_shown_log(path("log"), 2);
+  curbstone::test::write_shown_log(path("log"), 2);
   ASSERT_EQ(run({"--only", "mcap", "--without-raw"}), 0);
   EXPECT_THAT(exported().of("MAP_POSE"), IsEmpty());
   EXPECT_EQ(exported().of("/pose").size(), 40U);
 }
 
 TEST_F(McapExport, IsAFunctionOfTheLogAlone) {
-  curbstone::testing::write_shown_log(path("log"), 3);
+  curbstone::test::write_shown_log(path("log"), 3);
   ASSERT_EQ(run({"--only", "mcap"}), 0);
   const std::string first = bytes();
   ASSERT_EQ(run({"--only", "mcap"}), 0);
@@ -223,7 +223,7 @@ TEST_F(McapExport, IsAFunctionOfTheLogAlone) {
 }
 
 TEST_F(McapExport, OfSensorsAloneSaysHowToAddTheMap) {
-  LogWriter(path("log")).write("IMU", std::array<std::uint8_t, 32>{}.data(), 32, curbstone::testing::kLogBegin);
+  LogWriter(path("log")).write("IMU", std::array<std::uint8_t, 32>{}.data(), 32, curbstone::test::kLogBegin);
   ASSERT_EQ(run({"--only", "mcap"}), 0);
   EXPECT_THAT(said_, HasSubstr("holds no map: 'curbstone replay"));
   EXPECT_EQ(exported().of("IMU").size(), 1U);
@@ -235,7 +235,7 @@ TEST_F(McapExport, TakesWhateverStandsInALog) {
     const std::string noise(300, '\xff');
     for (const char* channel :
          {"MAP_POSE", "SEMANTIC_TILE", "CURBS", "MARKINGS", "MAP_POINTS", "SERVICE_STATUS", "LIDAR_POINTS"})
-      log.write(channel, noise.data(), 300, curbstone::testing::kLogBegin);
+      log.write(channel, noise.data(), 300, curbstone::test::kLogBegin);
     log.write("LATE", noise.data(), 300, INT64_MAX);
     log.write("EARLY", noise.data(), 300, INT64_MIN);
     log.write("", noise.data(), 0, 1);

@@ -27,7 +27,7 @@ Bytes packet_of(Vlp16Emulator& emulator, std::int64_t utime, double azimuth, con
   }
 }
 
-Bytes part(const Bytes& bytes, std::size_t at, std::size_t count) {
+Bytes slice(const Bytes& bytes, std::size_t at, std::size_t count) {
   return {bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.begin() + static_cast<std::ptrdiff_t>(at + count)};
 }
 
@@ -36,25 +36,25 @@ TEST(Vlp16Emulator, WritesTheBytesOfTheManualsLayout) {
   const Bytes packet =
       packet_of(emulator, 3'600'000'000LL * 400'000 + 140'554'572, 358.7, shots(10, 100), shots(20, 9));
   ASSERT_EQ(packet.size(), 1206U);
-  EXPECT_EQ(part(packet, 300, 7), (Bytes{0xFF, 0xEE, 0x96, 0x8C, 0x88, 0x13, 0x64})) << "359.90 deg, 10.000 m, 100";
-  EXPECT_EQ(part(packet, 300 + 4 + 93, 3), (Bytes{0x88, 0x13, 0x64})) << "the last record of the second firing";
-  EXPECT_EQ(part(packet, 400, 4), (Bytes{0xFF, 0xEE, 0x1E, 0x00})) << "0.30 deg";
-  EXPECT_EQ(part(packet, 1200, 6), (Bytes{0x4C, 0xB1, 0x60, 0x08, 0x37, 0x22}));
+  EXPECT_EQ(slice(packet, 300, 7), (Bytes{0xFF, 0xEE, 0x96, 0x8C, 0x88, 0x13, 0x64})) << "359.90 deg, 10.000 m, 100";
+  EXPECT_EQ(slice(packet, 300 + 4 + 93, 3), (Bytes{0x88, 0x13, 0x64})) << "the last record of the second firing";
+  EXPECT_EQ(slice(packet, 400, 4), (Bytes{0xFF, 0xEE, 0x1E, 0x00})) << "0.30 deg";
+  EXPECT_EQ(slice(packet, 1200, 6), (Bytes{0x4C, 0xB1, 0x60, 0x08, 0x37, 0x22}));
 }
 
 TEST(Vlp16Emulator, ReportsTheLastEchoFirstInADualPacket) {
   Vlp16Emulator emulator({.rpm = kRpm, .mode = ReturnMode::kDual});
   const Bytes packet = packet_of(emulator, 0, 10.0, shots(0.02F, 5), shots(0.04F, 7));
-  EXPECT_EQ(part(packet, 0, 7), (Bytes{0xFF, 0xEE, 0xE8, 0x03, 20, 0, 7})) << "even block: last";
-  EXPECT_EQ(part(packet, 100, 7), (Bytes{0xFF, 0xEE, 0xE8, 0x03, 10, 0, 5})) << "odd block: strongest";
-  EXPECT_EQ(part(packet, 200, 4), (Bytes{0xFF, 0xEE, 0x10, 0x04})) << "the next pair, two firings on";
+  EXPECT_EQ(slice(packet, 0, 7), (Bytes{0xFF, 0xEE, 0xE8, 0x03, 20, 0, 7})) << "even block: last";
+  EXPECT_EQ(slice(packet, 100, 7), (Bytes{0xFF, 0xEE, 0xE8, 0x03, 10, 0, 5})) << "odd block: strongest";
+  EXPECT_EQ(slice(packet, 200, 4), (Bytes{0xFF, 0xEE, 0x10, 0x04})) << "the next pair, two firings on";
   EXPECT_EQ(packet[1204], 0x39);
 }
 
 TEST(Vlp16Emulator, ReportsTheEchoOfItsMode) {
   Vlp16Emulator emulator({.rpm = kRpm, .mode = ReturnMode::kLast});
   const Bytes packet = packet_of(emulator, 0, 10.0, shots(0.02F, 5), shots(0.04F, 7));
-  EXPECT_EQ(part(packet, 4, 3), (Bytes{20, 0, 7}));
+  EXPECT_EQ(slice(packet, 4, 3), (Bytes{20, 0, 7}));
   EXPECT_EQ(packet[1204], 0x38);
 }
 
@@ -64,7 +64,7 @@ TEST(Vlp16Emulator, SendsNoReturnForRangesItCannotSay) {
   some[1].range_m = 131.08F;
   some[2].range_m = 131.07F;
   const Bytes packet = packet_of(emulator, 0, 0, some, some);
-  EXPECT_EQ(part(packet, 4, 9), (Bytes{0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 9}));
+  EXPECT_EQ(slice(packet, 4, 9), (Bytes{0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 9}));
 }
 
 TEST(Vlp16Emulator, LooksWhereTheManualSays) {
@@ -85,7 +85,7 @@ TEST(Vlp16Emulator, TellsItsTimeAndTheGpsSentenceInThePositionPacket) {
   // 2021-10-01 01:02:03.273546 UTC.
   const Bytes packet = Vlp16Emulator().info(1'633'050'123'273'546);
   ASSERT_EQ(packet.size(), 512U);
-  EXPECT_EQ(part(packet, 198, 5), (Bytes{0x4A, 0x01, 0x59, 0x07, 2})) << "123.273546 s past the hour; PPS locked";
+  EXPECT_EQ(slice(packet, 198, 5), (Bytes{0x4A, 0x01, 0x59, 0x07, 2})) << "123.273546 s past the hour; PPS locked";
   const std::string text(packet.begin() + 206, packet.end());
   EXPECT_EQ(text.substr(0, text.find('\0')), "$GPRMC,010203,A,5231.2000,N,01324.3000,E,000.0,000.0,011021,,,A*73\r\n");
 }

@@ -121,7 +121,7 @@ class Host {
 };
 
 TEST(LiveDrive, IsHeardByTheDriversInRealTime) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   live::LiveOptions options;
   options.imu_link = folder / "imu-port";
   options.can_link = folder / "can-port";
@@ -161,7 +161,7 @@ TEST(LiveDrive, IsHeardByTheDriversInRealTime) {
 }
 
 TEST(LiveDrive, FallsSilentAsTold) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   live::LiveOptions options;
   options.imu_link = folder / "imu-port";
   options.can_link = folder / "can-port";

@@ -114,7 +114,7 @@ class MadeUpRecording : public ::testing::Test {
     }
     return out;
   }
-  testing::TemporaryFolder temporary_;
+  test::TemporaryFolder temporary_;
   std::string folder_ = temporary_ / "scans";
 };
 
@@ -196,7 +196,7 @@ TEST_F(MadeUpRecording, WhatIsMissingIsSaid) {
 }
 
 TEST(Kitti, DrivesAreFoundAndSmooth) {
-  const std::string data = tests::data_path("");
+  const std::string data = test::data_path("");
   for (const char* name : {"/kitti00", "/kitti0005_rs16"}) {
     if (!std::filesystem::exists(data + name)) GTEST_SKIP() << data << name << " is not there";
     const recorded::ScanSet scans = recorded::find_scans(data + name, data + name + "/reference_poses.txt", "");

@@ -8,19 +8,20 @@
 
 #include "drivers/imu/imu_node.hpp"
 #include "tests/drivers/recorder.hpp"
+#include "tests/stamps.hpp"
 #include "tests/tools/simulate/drives.hpp"
 
 namespace curbstone::simulate::rig {
 namespace {
 
-constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
+using test::kStart;
 
 class EmulatedImuOfEitherMake : public ::testing::TestWithParam<bool> {};
 
 TEST_P(EmulatedImuOfEitherMake, IsSetUpByItsDriverAndSaysWhatTheVehicleDoes) {
   const bool witmotion = GetParam();
   EmulatedImu device(sensors::ImuModel({}, {}, test_motion(), numerics::Random(4)), witmotion);
-  curbstone::testing::Recorder<imu_t> recorder("IMU");
+  curbstone::test::Recorder<imu_t> recorder("IMU");
   imu::ImuConfig config;
   config.model = witmotion ? imu::Model::kWitMotion : imu::Model::kXsens;
   std::vector<std::uint8_t> commands;

@@ -11,7 +11,7 @@
 namespace curbstone::simulate::rig {
 namespace {
 
-constexpr std::int64_t kStart = 1'750'000'000'000'000;
+constexpr std::int64_t kBegin = 1'750'000'000'000'000;
 const rig::SimulateConfig kConfig;
 const std::atomic<bool> kGoOn{false};
 
@@ -23,7 +23,7 @@ rig::Drive drive() {
           0,
           1,
           0.5,
-          kStart};
+          kBegin};
 }
 
 TEST(PacketSpool, HoldsThePacketsOfTheModelWhateverTheNumberOfThreads) {
@@ -31,17 +31,17 @@ TEST(PacketSpool, HoldsThePacketsOfTheModelWhateverTheNumberOfThreads) {
   const rig::PacketSpool one(d, "", 7, 1, kGoOn), three(d, "", 7, 3, kGoOn);
   ASSERT_EQ(one.size(), 376);
   TownSurroundings town(test_town(), {});
-  sensors::LidarModel lidar({.rpm = 1200, .seed = 1, .start_utime = kStart}, {}, test_motion(), town);
+  sensors::LidarModel lidar({.rpm = 1200, .seed = 1, .start_utime = kBegin}, {}, test_motion(), town);
   for (std::int64_t i = 0; i < one.size(); ++i) {
     const auto expected = lidar.next();
-    const std::int64_t utime = kStart + i * 1332;
+    const std::int64_t utime = kBegin + i * 1332;
     ASSERT_EQ(one.packet(i, utime), expected.bytes) << i;
     ASSERT_EQ(three.packet(i, utime), expected.bytes) << i;
   }
 }
 
 TEST(PacketSpool, IsTakenAgainOnlyForTheSameDrive) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder / "packets.spool";
   const rig::Drive d = drive();
   EXPECT_FALSE(rig::PacketSpool(d, file, 7, 1, kGoOn).reused());

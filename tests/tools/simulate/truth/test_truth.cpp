@@ -117,7 +117,7 @@ TEST(ClassGrid, OfFinePixelsEndsWhereAWallEnds) {
 }
 
 TEST(TruthFolder, IsCompleteAndReadable) {
-  const testing::TemporaryFolder temporary;
+  const test::TemporaryFolder temporary;
   const std::string folder = temporary / "truth";
   const truth::TruthInfo info{1'750'000'000'000'000, 2, "town", 5.0, 0.004};
   const motion::TownMotion motion(town(), {}, motion::SpeedProfile({}, 5));

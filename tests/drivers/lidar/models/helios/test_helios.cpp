@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Bytes = std::vector<std::uint8_t>;
 
-const std::string kRecording = tests::data_path("rs16/helios16p.pcap");
+const std::string kRecording = test::data_path("rs16/helios16p.pcap");
 constexpr std::int64_t kUtc = 1'700'000'000'000'000;
 
 /// A point packet without returns, of a 16P by its newer type bytes.
@@ -173,7 +173,7 @@ TEST(HeliosNode, SendsNothingBeforeItsAnglesAreKnownAndSaysSo) {
 }
 
 TEST(HeliosNode, TakesItsAnglesFromAFileInstead) {
-  const testing::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   LidarConfig config = config_for(ModelName::kHelios16p);
   config.angles_file = folder / "angles.csv";
   std::ofstream file(config.angles_file);

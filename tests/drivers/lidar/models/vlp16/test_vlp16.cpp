@@ -11,7 +11,7 @@ namespace {
 
 using decoding::DecodedPacket;
 using decoding::Refusal;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr std::int64_t kReceived = 1'700'000'000'000'000;

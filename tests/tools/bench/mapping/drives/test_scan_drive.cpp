@@ -41,7 +41,7 @@ class ScanFolder : public ::testing::Test {
   [[nodiscard]] ScanDrive drive() const {
     return {folder_.path().string(), (folder_ / "poses.txt").string(), (folder_ / "times.txt").string()};
   }
-  testing::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(ScanFolder, ASweepBeginsBehindAndItsStampIsInTheMiddle) {
