@@ -1,6 +1,7 @@
 #include "common/tile_sync/tile_sync.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <tuple>
 #include <utility>
 
@@ -35,17 +36,23 @@ std::vector<tile_index_t> TileCatalog::make_index(std::int64_t utime, double x, 
   for (const auto& [key, version] : versions_) {
     entries.push_back({{changed_.contains(key) ? 0 : 1, squared_distance(key, x, y)}, key, version});
   }
-  std::sort(entries.begin(), entries.end(),
-            [](const Entry& a, const Entry& b) { return std::tie(a.rank, a.key) < std::tie(b.rank, b.key); });
+  const auto by_rank = [](const Entry& a, const Entry& b) { return std::tie(a.rank, a.key) < std::tie(b.rank, b.key); };
   if (entries.size() > max_tiles && max_tiles > 1) {
-    // Half of the round for the front of the list, half for the others in turn, so that every tile is announced
-    // sometime.
-    const std::size_t front = max_tiles / 2;
-    const std::size_t others = entries.size() - front;
-    std::vector<Entry> chosen(entries.begin(), entries.begin() + static_cast<std::ptrdiff_t>(front));
-    for (std::size_t i = 0; i < max_tiles - front; ++i) chosen.push_back(entries[front + (turn_ + i) % others]);
-    turn_ = (turn_ + max_tiles - front) % others;
-    entries = std::move(chosen);
+    // Half of the round for the changed and the near, half for the others in turn, so that every tile is announced
+    // sometime. Only what is chosen is sorted.
+    const auto front = entries.begin() + static_cast<std::ptrdiff_t>(max_tiles / 2);
+    const auto end = entries.begin() + static_cast<std::ptrdiff_t>(max_tiles);
+    std::nth_element(entries.begin(), front, entries.end(), by_rank);
+    const auto in_turn = [turn = turn_](const Entry& a, const Entry& b) {
+      return std::pair(a.key <= turn, a.key) < std::pair(b.key <= turn, b.key);
+    };
+    std::nth_element(front, end - 1, entries.end(), in_turn);
+    turn_ = std::prev(end)->key;
+    std::sort(entries.begin(), front, by_rank);
+    std::sort(front, end, in_turn);
+    entries.erase(end, entries.end());
+  } else {
+    std::sort(entries.begin(), entries.end(), by_rank);
   }
   changed_.clear();
 

@@ -53,7 +53,7 @@ class TileCatalog {
   std::unordered_set<TileKey, TileKeyHash> changed_;
   std::deque<TileKey> waiting_;
   std::unordered_map<TileKey, std::int32_t, TileKeyHash> waiting_have_;
-  std::size_t turn_ = 0;
+  TileKey turn_;  ///< the last that was announced in turn
 };
 
 /// The listener's side: compares the versions that it has with those announced. Makes TILE_REQUESTs for what is

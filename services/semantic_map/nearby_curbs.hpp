@@ -5,12 +5,10 @@
 #include <vector>
 
 #include "services/semantic_map/curb_lines/curb_lines.hpp"
+#include "services/semantic_map/tile/driven_path.hpp"
 #include "services/semantic_map/tile_pipeline.hpp"
 
 namespace curbstone::semantic_map {
-
-/// The curb lines of the whole map.
-[[nodiscard]] std::vector<tile::CurbLine> all_curbs(const TilePipeline& pipeline);
 
 /// What CURBS says of the lines about the vehicle. A line that is still there keeps its id from message to message.
 class NearbyCurbs {
@@ -20,7 +18,7 @@ class NearbyCurbs {
 
   /// `vehicle`, `path`: m in map; the rise of a line is told by the path. The caller fills in utime and epoch.
   [[nodiscard]] curb_lines_t next(const TilePipeline& pipeline, const Eigen::Vector2d& vehicle,
-                                  const std::vector<Eigen::Vector2d>& path);
+                                  const tile::DrivenPath& path);
   /// What the last message told of.
   [[nodiscard]] const std::vector<tile::CurbLine>& lines() const { return lines_; }
 

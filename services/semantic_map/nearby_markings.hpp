@@ -5,15 +5,10 @@
 #include <vector>
 
 #include "services/semantic_map/marking_lines/marking_lines.hpp"
+#include "services/semantic_map/tile/driven_path.hpp"
 #include "services/semantic_map/tile_pipeline.hpp"
 
 namespace curbstone::semantic_map {
-
-/// The markings of the whole map. `curbs`: its curb lines, whose stones are no paint. `path`: driven, m in map.
-[[nodiscard]] std::vector<tile::MarkingLine> all_markings(const TilePipeline& pipeline,
-                                                          const std::vector<tile::CurbLine>& curbs,
-                                                          const std::vector<Eigen::Vector2d>& path,
-                                                          const markings::MarkingParameters& parameters);
 
 /// What MARKINGS says of the lines about the vehicle. A line that is still there keeps its id from message to message.
 class NearbyMarkings {
@@ -24,7 +19,7 @@ class NearbyMarkings {
 
   /// `curbs`: the curb lines about the vehicle; `vehicle`, `path`: m in map. The caller fills in utime and epoch.
   [[nodiscard]] marking_lines_t next(const TilePipeline& pipeline, const std::vector<tile::CurbLine>& curbs,
-                                     const Eigen::Vector2d& vehicle, const std::vector<Eigen::Vector2d>& path);
+                                     const Eigen::Vector2d& vehicle, const tile::DrivenPath& path);
 
  private:
   double range_;

@@ -35,8 +35,7 @@ void SemanticMapNode::take(const map_pose_t& message) {
   last_pose_utime_ = message.utime;
   const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
   vehicle_ = T_map_base.translation().head<2>();
-  if (path_.empty() || (path_.rbegin()->second - vehicle_).norm() > kPathSpacing)
-    path_.emplace(message.utime, vehicle_);
+  if (path_.empty() || (path_.last() - vehicle_).norm() > kPathSpacing) path_.add(message.utime, vehicle_);
   keeper_.put(tile::TrajectoryPose{message.utime, message.revolution, T_map_base});
   drive_.add(message.utime);
 }
@@ -56,7 +55,7 @@ void SemanticMapNode::take(const map_trajectory_t& message) {
       continue;
     }
     begin_drive(utime);
-    path_.emplace(utime, T_map_base.translation().head<2>());
+    path_.add(utime, T_map_base.translation().head<2>());
     keeper_.put(tile::TrajectoryPose{utime, message.revolutions[i], T_map_base});
     drive_.add(utime);
   }
@@ -75,7 +74,7 @@ void SemanticMapNode::take_again(const map_trajectory_t& message) {
     }
     if (!drive_.add(utime)) continue;
     counters_.add("poses_again");
-    path_.emplace(utime, T_map_base.translation().head<2>());
+    path_.add(utime, T_map_base.translation().head<2>());
     keeper_.put(tile::TrajectoryPose{utime, message.revolutions[i], T_map_base});
   }
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "services/semantic_map/map_lines.hpp"
 #include "services/semantic_map/picture/map_picture.hpp"
 #include "services/semantic_map/picture/png_file.hpp"
 #include "services/semantic_map/semantic_messages.hpp"
@@ -17,8 +18,8 @@ constexpr std::int64_t kCurbsPeriod = 500'000;  // us
 constexpr std::int64_t kMarkingsPeriod = 1'000'000;
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kWritePeriod = 1'000'000;
-constexpr std::int64_t kStoreCurbsPeriod = 5'000'000;      // all of them each time
-constexpr std::int64_t kStoreMarkingsPeriod = 10'000'000;  // likewise
+constexpr std::int64_t kStoreLinesPeriod = 5'000'000;  // all of them each time
+constexpr std::int64_t kStoreLinesShare = 20;  // but no more than a twentieth of a core, however large the map is
 constexpr std::int64_t kRequestPeriod = 100'000;
 constexpr int kShownAtOnce = 32;            // tiles, about 10 ms: then the messages that came meanwhile
 constexpr QueueLimit kVotedQueue = {3000};  // two seconds of them, 20 MB: a starved process catches up
@@ -88,8 +89,8 @@ void SemanticMapNode::enter_epoch(std::int32_t epoch) {
   voted_.start_epoch(epoch);
   drive_.start_epoch(epoch);
   catalog_.start_epoch(epoch);
-  curbs_changed_ = curbs_unstored_ = true;
-  markings_changed_ = markings_unstored_ = config_.markings.enabled;
+  curbs_changed_ = lines_unstored_ = true;
+  markings_changed_ = config_.markings.enabled;
   for (const HeldDrive::Message& held : held_.take(epoch))
     std::visit([this](const auto& message) { take(message); }, held);
 }
@@ -185,7 +186,7 @@ std::optional<std::set<TileKey>> SemanticMapNode::work_on_one(std::int64_t now) 
   if (!work) return std::nullopt;
   WorkResult result = pipeline_.run(*work);
   schedule_.spent(result.cost);
-  if (result.markings) markings_changed_ = markings_unstored_ = true;
+  if (result.markings) markings_changed_ = lines_unstored_ = true;
   return std::move(result.changed);
 }
 
@@ -205,32 +206,32 @@ void SemanticMapNode::publish_changed(const std::set<TileKey>& changed, std::int
 /// often.
 bool SemanticMapNode::publish_if_due(TileKey key, std::int64_t now) {
   const auto it = published_.find(key);
-  const tile::MapTile& tile = *pipeline_.classes(key);
-  const bool is_news =
-      it == published_.end() || tile.utime > it->second.tile.utime || tile.curbs_utime > it->second.tile.curbs_utime;
+  const auto tile = pipeline_.classes(key);
+  const bool is_news = it == published_.end() || tile->utime > it->second.tile->utime ||
+                       tile->curbs_utime > it->second.tile->curbs_utime;
   if (!is_news && std::abs(now - it->second.at) < kTilePeriod) return false;
   publish_tile(tile, now);
   return true;
 }
 
-void SemanticMapNode::publish_tile(const tile::MapTile& tile, std::int64_t now) {
-  Published& published = published_[tile.key];
-  if (published.revision > 0 && published.tile == tile) return;  // became another, and what it was again
-  const bool is_news = tile.utime > published.tile.utime;
+void SemanticMapNode::publish_tile(const std::shared_ptr<const tile::MapTile>& tile, std::int64_t now) {
+  Published& published = published_[tile->key];
+  if (published.tile && *published.tile == *tile) return;  // became another, and what it was again
+  const bool is_news = !published.tile || tile->utime > published.tile->utime;
   published.at = now;
   published.tile = tile;
   published.revision = std::max(published.revision + 1, revision_at(now, epoch_));
-  catalog_.set_version(tile.key, published.revision);
-  keeper_.put(tile);
+  catalog_.set_version(tile->key, published.revision);
+  keeper_.put(*tile);
   publish(published);
-  curbs_changed_ = curbs_unstored_ = true;
+  curbs_changed_ = lines_unstored_ = true;
   counters_.add("tiles_updated");
-  if (is_news && now > tile.utime && now - tile.utime < 60'000'000)
-    latency_.add(static_cast<double>(now - tile.utime) * 1e-6);
+  if (is_news && now > tile->utime && now - tile->utime < 60'000'000)
+    latency_.add(static_cast<double>(now - tile->utime) * 1e-6);
 }
 
 void SemanticMapNode::publish(const Published& published) {
-  bus_.publish("SEMANTIC_TILE", to_message(published.tile, epoch_, published.revision));
+  bus_.publish("SEMANTIC_TILE", to_message(*published.tile, epoch_, published.revision));
 }
 
 void SemanticMapNode::answer_requests() {
@@ -251,7 +252,7 @@ void SemanticMapNode::publish_curbs(std::int64_t now) {
   curbs_changed_ = false;
   curbs_from_ = vehicle_;
   markings_changed_ = config_.markings.enabled;  // what lies on the stones of curbs is no paint
-  curb_lines_t message = nearby_curbs_.next(pipeline_, vehicle_, path());
+  curb_lines_t message = nearby_curbs_.next(pipeline_, vehicle_, path_);
   message.utime = newest_utime_;
   message.epoch = epoch_;
   bus_.publish("CURBS", message);
@@ -261,28 +262,18 @@ void SemanticMapNode::publish_markings(std::int64_t now) {
   last_markings_ = now;
   markings_changed_ = false;
   markings_from_ = vehicle_;
-  marking_lines_t message = nearby_markings_.next(pipeline_, nearby_curbs_.lines(), vehicle_, path());
+  marking_lines_t message = nearby_markings_.next(pipeline_, nearby_curbs_.lines(), vehicle_, path_);
   message.utime = newest_utime_;
   message.epoch = epoch_;
   bus_.publish("MARKINGS", message);
 }
 
-std::vector<Eigen::Vector2d> SemanticMapNode::path() const {
-  std::vector<Eigen::Vector2d> path;
-  for (const auto& [utime, place] : path_) path.push_back(place);
-  return path;
-}
-
 void SemanticMapNode::store(std::int64_t now) {
-  if (curbs_unstored_ && now - last_curbs_stored_ >= kStoreCurbsPeriod) {
-    last_curbs_stored_ = now;
-    curbs_unstored_ = false;
-    keeper_.put(all_curbs(pipeline_));
-  }
-  if (markings_unstored_ && now - last_markings_stored_ >= kStoreMarkingsPeriod) {
-    last_markings_stored_ = now;
-    markings_unstored_ = false;
-    keeper_.put(all_markings(pipeline_, all_curbs(pipeline_), path(), config_.markings));
+  if (lines_unstored_ && keeper_.keeps() &&
+      now - last_lines_stored_ >= std::max(kStoreLinesPeriod, kStoreLinesShare * keeper_.linking_took())) {
+    last_lines_stored_ = now;
+    lines_unstored_ = false;
+    keeper_.put([sources = line_sources(pipeline_, path_, config_.markings)] { return link(sources); });
   }
   keeper_.write();
 }
@@ -292,12 +283,11 @@ void SemanticMapNode::finish() {
   unsent_.merge(settled.changed);
   if (settled.markings) markings_changed_ = true;
   schedule_.clear();
-  for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(*pipeline_.classes(key), newest_utime_);
+  for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(pipeline_.classes(key), newest_utime_);
   if (has_points()) say_last();
-  const std::vector<tile::CurbLine> curbs = all_curbs(pipeline_);
-  const std::vector<tile::MarkingLine> markings = all_markings(pipeline_, curbs, path(), config_.markings);
-  if (drive_started_) keeper_.finish(curbs, markings);
-  if (!config_.picture.empty()) draw_picture(curbs, markings);
+  const tile::MapLines lines = link(line_sources(pipeline_, path_, config_.markings));
+  if (drive_started_) keeper_.finish(lines);
+  if (!config_.picture.empty()) draw_picture(lines);
 }
 
 /// Depends on the map and on where the vehicle came to, not on when it was said before.
@@ -307,16 +297,15 @@ void SemanticMapNode::say_last() {
   publish_index(newest_utime_);
 }
 
-void SemanticMapNode::draw_picture(const std::vector<tile::CurbLine>& curbs,
-                                   const std::vector<tile::MarkingLine>& markings) {
+void SemanticMapNode::draw_picture(const tile::MapLines& lines) {
   picture::MapPicture picture;
   for (const TileKey& key : pipeline_.keys()) {
     const auto it = published_.find(key);
-    if (it != published_.end()) picture.tiles.push_back(it->second.tile);
+    if (it != published_.end()) picture.tiles.push_back(*it->second.tile);
   }
-  picture.curbs = curbs;
-  picture.markings = markings;
-  picture.path = path();
+  picture.curbs = lines.curbs;
+  picture.markings = lines.markings;
+  picture.path = path_.places();
   try {
     picture::write_png(picture::draw_map(picture, {}), config_.picture);
   } catch (const picture::PictureError& error) {

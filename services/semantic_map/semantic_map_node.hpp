@@ -6,7 +6,7 @@
 #include <curbstone/tile_index_t.hpp>
 #include <curbstone/tile_request_t.hpp>
 #include <curbstone/voted_points_t.hpp>
-#include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <unordered_map>
@@ -23,6 +23,7 @@
 #include "services/semantic_map/nearby_markings.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
 #include "services/semantic_map/store/map_keeper.hpp"
+#include "services/semantic_map/tile/driven_path.hpp"
 #include "services/semantic_map/tile/voted_tile_assembler.hpp"
 #include "services/semantic_map/tile_pipeline.hpp"
 #include "services/semantic_map/update_schedule.hpp"
@@ -51,7 +52,7 @@ class SemanticMapNode final : public Node {
 
  private:
   struct Published {
-    tile::MapTile tile;
+    std::shared_ptr<const tile::MapTile> tile;
     std::int32_t revision = 0;
     std::int64_t at = 0;  // us, when it went out
   };
@@ -75,7 +76,7 @@ class SemanticMapNode final : public Node {
   std::set<TileKey> work_on_all(std::int64_t now);
   void publish_changed(const std::set<TileKey>& changed, std::int64_t now);
   bool publish_if_due(TileKey key, std::int64_t now);
-  void publish_tile(const tile::MapTile& tile, std::int64_t now);
+  void publish_tile(const std::shared_ptr<const tile::MapTile>& tile, std::int64_t now);
   void publish(const Published& published);
   void answer_requests();
   void publish_index(std::int64_t now);
@@ -84,9 +85,8 @@ class SemanticMapNode final : public Node {
   void say_last();
   void publish_curbs(std::int64_t now);
   void publish_markings(std::int64_t now);
-  [[nodiscard]] std::vector<Eigen::Vector2d> path() const;
   void store(std::int64_t now);
-  void draw_picture(const std::vector<tile::CurbLine>& curbs, const std::vector<tile::MarkingLine>& markings);
+  void draw_picture(const tile::MapLines& lines);
 
   SemanticMapConfig config_;
   Publisher& bus_;
@@ -113,7 +113,7 @@ class SemanticMapNode final : public Node {
   std::int64_t last_pose_utime_ = 0;
   std::int64_t newest_utime_ = 0;  // of anything that came
   Eigen::Vector2d vehicle_ = Eigen::Vector2d::Zero();
-  std::map<std::int64_t, Eigen::Vector2d> path_;  // by utime
+  tile::DrivenPath path_;
 
   bool curbs_changed_ = false;
   Eigen::Vector2d curbs_from_ = Eigen::Vector2d::Zero();  ///< where the vehicle was when CURBS was said last
@@ -121,10 +121,8 @@ class SemanticMapNode final : public Node {
   bool markings_changed_ = false;
   Eigen::Vector2d markings_from_ = Eigen::Vector2d::Zero();  ///< likewise MARKINGS
   std::int64_t last_markings_ = 0;
-  bool curbs_unstored_ = false;
-  bool markings_unstored_ = false;
-  std::int64_t last_curbs_stored_ = 0;
-  std::int64_t last_markings_stored_ = 0;
+  bool lines_unstored_ = false;
+  std::int64_t last_lines_stored_ = 0;
   std::int64_t last_index_ = 0;
   std::int64_t last_write_ = 0;
   std::int64_t last_request_ = 0;

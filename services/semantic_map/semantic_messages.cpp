@@ -2,7 +2,7 @@
 
 namespace curbstone::semantic_map {
 
-curb_line_t to_message(const tile::CurbLine& line, const std::vector<Eigen::Vector2d>& path) {
+curb_line_t to_message(const tile::CurbLine& line, const tile::DrivenPath& path) {
   curb_line_t m;
   m.id = line.id;
   m.confidence = line.confidence;

@@ -15,7 +15,7 @@
 namespace curbstone::semantic_map {
 
 /// `path`: where the vehicle drove, m in map, by which the rise is told.
-[[nodiscard]] curb_line_t to_message(const tile::CurbLine& line, const std::vector<Eigen::Vector2d>& path);
+[[nodiscard]] curb_line_t to_message(const tile::CurbLine& line, const tile::DrivenPath& path);
 [[nodiscard]] marking_line_t to_message(const tile::MarkingLine& line);
 [[nodiscard]] semantic_tile_t to_message(const tile::MapTile& tile, std::int32_t epoch, std::int32_t revision);
 /// One pose of a page of the drive; what is in it may be anything.

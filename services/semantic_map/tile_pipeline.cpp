@@ -138,10 +138,10 @@ TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& 
     case kPaint:
       return markings::lay_paint(tile.voted, ground::GroundSurface(models()));
     case kMarkings:
-      return markings::find_marking_cells({around<markings::PaintLayer>(key, [](Tile& t) { return &t.paint; }),
-                                           around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return &t.curbs; }),
-                                           tile.classes ? &*tile.classes : nullptr},
-                                          markings_);
+      return markings::find_marking_cells(
+          {around<markings::PaintLayer>(key, [](Tile& t) { return &t.paint; }),
+           around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return &t.curbs; }), tile.classes.get()},
+          markings_);
     case kColumns:  // measured on, from what was measured before
     case kNumSteps:
       break;
@@ -204,9 +204,9 @@ void TilePipeline::take(TileKey key, Tile& tile, std::vector<curbs::CurbPoint> c
 }
 
 void TilePipeline::take(TileKey key, Tile& tile, const tile::MapTile& classes) {
-  if (tile.classes == classes) return;
+  if (tile.classes && *tile.classes == classes) return;
   if (!tile.classes || tile.classes->cell_class != classes.cell_class) mark(kMarkings, key, tile);
-  tile.classes = classes;
+  tile.classes = std::make_shared<const tile::MapTile>(classes);
   result_.changed.insert(key);
 }
 
@@ -302,35 +302,6 @@ Backlog TilePipeline::backlog() const {
   Backlog backlog{.turn = turn_};
   for (const auto& step : stale_) backlog.oldest = std::min(backlog.oldest, first_turn(step));
   return backlog;
-}
-
-const tile::MapTile* TilePipeline::classes(TileKey key) const {
-  const auto it = tiles_.find(key);
-  return it == tiles_.end() || !it->second.classes ? nullptr : &*it->second.classes;
-}
-
-const std::vector<curbs::CurbPoint>* TilePipeline::curbs(TileKey key) const {
-  const auto it = tiles_.find(key);
-  return it == tiles_.end() ? nullptr : &it->second.curbs;
-}
-
-const std::vector<markings::MarkingCell>* TilePipeline::markings(TileKey key) const {
-  const auto it = tiles_.find(key);
-  return it == tiles_.end() ? nullptr : &it->second.markings;
-}
-
-std::vector<TileKey> TilePipeline::keys() const {
-  std::vector<TileKey> keys;
-  keys.reserve(tiles_.size());
-  for (const auto& [key, tile] : tiles_) keys.push_back(key);
-  std::sort(keys.begin(), keys.end());
-  return keys;
-}
-
-std::size_t TilePipeline::num_stale() const {
-  std::size_t count = 0;
-  for (const auto& step : stale_) count += step.size();
-  return count;
 }
 
 }  // namespace curbstone::semantic_map

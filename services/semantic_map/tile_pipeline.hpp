@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <unordered_map>
@@ -51,13 +52,15 @@ class TilePipeline {
   WorkResult settle(int threads = 0);
   [[nodiscard]] Backlog backlog() const;
 
-  /// The tile as it was computed last; nullptr if it never was.
-  [[nodiscard]] const tile::MapTile* classes(TileKey key) const;
+  /// The tile as it was computed last; nullptr if it never was. It is never changed, only replaced.
+  [[nodiscard]] std::shared_ptr<const tile::MapTile> classes(TileKey key) const;
   /// The curb points of a tile as they were computed last; frame: the tile's corner.
   [[nodiscard]] const std::vector<curbs::CurbPoint>* curbs(TileKey key) const;
   /// The cells of paint of a tile as they were computed last; frame: the tile's corner.
   [[nodiscard]] const std::vector<markings::MarkingCell>* markings(TileKey key) const;
   [[nodiscard]] std::vector<TileKey> keys() const;  ///< sorted
+  /// Of the tiles that meet a box, m in map; sorted.
+  [[nodiscard]] std::vector<TileKey> keys_in(const Eigen::Vector2d& min, const Eigen::Vector2d& max) const;
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
   /// Steps of tiles that are stale.
   [[nodiscard]] std::size_t num_stale() const;
@@ -79,7 +82,7 @@ class TilePipeline {
     cells::CellColumns columns;
     std::vector<curbs::CurbPoint> curbs;
     std::int64_t curbs_utime = 0;  ///< us, of the evidence
-    std::optional<tile::MapTile> classes;
+    std::shared_ptr<const tile::MapTile> classes;
     markings::PaintLayer paint;
     std::vector<markings::MarkingCell> markings;
     std::array<std::int64_t, kNumSteps> stale{};  ///< its turn in stale_, or kFresh

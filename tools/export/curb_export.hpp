@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "services/semantic_map/curb_lines/curb_rise.hpp"
+#include "services/semantic_map/tile/driven_path.hpp"
 #include "services/semantic_map/tile/map_types.hpp"
 
 namespace curbstone::map_export {
@@ -21,8 +22,8 @@ inline constexpr float kFarthestCurb = 1e5F;  ///< m from the map's origin: fart
 
 /// What curbs are looked at with.
 struct CurbView {
-  double high_curb = kHighCurb;            ///< m
-  std::vector<Eigen::Vector2d> path = {};  ///< driven, m in map: a curb rises or falls for whoever comes from there
+  double high_curb = kHighCurb;              ///< m
+  semantic_map::tile::DrivenPath path = {};  ///< a curb rises or falls for whoever comes from there
 };
 
 [[nodiscard]] CurbSummary summarise(const semantic_map::tile::CurbLine& line, const CurbView& view);

@@ -97,7 +97,7 @@ void add_curbs(const semantic_map::store::MapReader& map, double high_curb,
   if (curbs.empty()) fmt::print("the map holds no curb lines\n");
   CurbView view{high_curb};
   for (const semantic_map::tile::TrajectoryPose& pose : map.trajectory())
-    view.path.emplace_back(pose.T_map_base.translation().head<2>());
+    view.path.add(pose.utime, pose.T_map_base.translation().head<2>());
   out.add_bytes("curbs.osm", lanelet2_osm(curbs, view, plane));
   if (plane) {
     out.add_bytes("curbs.geojson", curbs_geojson(curbs, view, *plane));

@@ -1,15 +1,14 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
-#include <vector>
 
+#include "services/semantic_map/tile/driven_path.hpp"
 #include "services/semantic_map/tile/map_types.hpp"
 
 namespace curbstone::semantic_map::curb_lines {
 
 /// Whether somebody on the path who goes towards the curb steps up or down there. The values of curb_line_t.
 enum class CurbRise : std::int8_t { kUnknown = 0, kUp = 1, kDown = -1 };
-[[nodiscard]] CurbRise seen_from(const tile::CurbLine& line, const std::vector<Eigen::Vector2d>& path);
+[[nodiscard]] CurbRise seen_from(const tile::CurbLine& line, const tile::DrivenPath& path);
 
 }  // namespace curbstone::semantic_map::curb_lines

@@ -24,8 +24,7 @@ TileKey place_of(const tile::MarkingVertex& v) {
 
 }  // namespace
 
-std::vector<tile::MarkingLine> link_markings(const std::vector<MapMarkingCell>& cells,
-                                             const std::vector<Eigen::Vector2d>& path,
+std::vector<tile::MarkingLine> link_markings(const std::vector<MapMarkingCell>& cells, const tile::DrivenPath& path,
                                              const markings::MarkingParameters& parameters) {
   const MarkingField field(cells);
   std::vector<MarkingPiece> pieces;

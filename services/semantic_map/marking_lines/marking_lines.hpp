@@ -5,6 +5,7 @@
 
 #include "services/semantic_map/marking_lines/marking_field.hpp"
 #include "services/semantic_map/markings/marking_parameters.hpp"
+#include "services/semantic_map/tile/driven_path.hpp"
 #include "services/semantic_map/tile/map_types.hpp"
 
 namespace curbstone::semantic_map::marking_lines {
@@ -14,7 +15,7 @@ namespace curbstone::semantic_map::marking_lines {
 /// nothing goes on are left out. `path`: driven, m in map. Ids count from 0. The same cells in the same order give the
 /// same lines.
 [[nodiscard]] std::vector<tile::MarkingLine> link_markings(const std::vector<MapMarkingCell>& cells,
-                                                           const std::vector<Eigen::Vector2d>& path,
+                                                           const tile::DrivenPath& path,
                                                            const markings::MarkingParameters& parameters);
 
 /// Gives lines the ids that the lines near them had before, and new ones new ids.

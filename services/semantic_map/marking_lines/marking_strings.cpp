@@ -90,21 +90,14 @@ bool is_uniform(const std::vector<double>& values) {
   return 3 * static_cast<std::size_t>(alike) >= 2 * values.size();
 }
 
-bool lies_across(const MarkingPiece& piece, const std::vector<Eigen::Vector2d>& path) {
-  double nearest = kStopReach;
-  Eigen::Vector2d way = Eigen::Vector2d::Zero();
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    const double distance = (path[i] - piece.middle()).norm();
-    if (distance >= nearest || path[i] == path[i - 1]) continue;
-    nearest = distance;
-    way = (path[i] - path[i - 1]).normalized();
-  }
-  return way.norm() > 0 && std::abs(way.dot(piece.direction())) < kStopAcross;
+bool lies_across(const MarkingPiece& piece, const tile::DrivenPath& path) {
+  const auto way = path.direction_near(piece.middle(), kStopReach);
+  return way && std::abs(way->dot(piece.direction())) < kStopAcross;
 }
 
 /// What a string of pieces is, from lengths and gaps (m).
 MarkingType type_of(const MarkingString& string, const std::vector<double>& dashes, const std::vector<double>& gaps,
-                    const std::vector<Eigen::Vector2d>& path) {
+                    const tile::DrivenPath& path) {
   const MarkingPiece& piece = string.front();
   double painted = 0;
   double open = 0;
@@ -211,7 +204,7 @@ std::vector<MarkingString> join_pieces(std::vector<MarkingPiece> pieces) {
   return strings;
 }
 
-tile::MarkingLine line_of(const MarkingString& string, const std::vector<Eigen::Vector2d>& path) {
+tile::MarkingLine line_of(const MarkingString& string, const tile::DrivenPath& path) {
   std::vector<SmoothingSpline::Sample> samples;
   struct Painted {
     double begin, end;

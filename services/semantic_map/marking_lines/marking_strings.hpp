@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "services/semantic_map/marking_lines/marking_pieces.hpp"
+#include "services/semantic_map/tile/driven_path.hpp"
 #include "services/semantic_map/tile/map_types.hpp"
 
 namespace curbstone::semantic_map::marking_lines {
@@ -15,7 +16,7 @@ using MarkingString = std::vector<MarkingPiece>;
 [[nodiscard]] std::vector<MarkingString> join_pieces(std::vector<MarkingPiece> pieces);
 
 /// One spline through all its pieces; typed by its dashes and gaps. `path`: driven, m in map; a stop line lies across.
-[[nodiscard]] tile::MarkingLine line_of(const MarkingString& string, const std::vector<Eigen::Vector2d>& path);
+[[nodiscard]] tile::MarkingLine line_of(const MarkingString& string, const tile::DrivenPath& path);
 
 [[nodiscard]] double median_of(std::vector<double> values);  ///< 0 of none
 [[nodiscard]] tile::MarkingVertex vertex(const Eigen::Vector2d& at, double z, bool painted);

@@ -94,18 +94,14 @@ void MapKeeper::put(const tile::TrajectoryPose& pose) {
     counters_.add("dropped.unstored_poses");
 }
 
-void MapKeeper::put(std::vector<tile::CurbLine> curbs) {
-  if (store_) pending_.curbs = std::move(curbs);
-}
-
-void MapKeeper::put(std::vector<tile::MarkingLine> markings) {
-  if (store_) pending_.markings = std::move(markings);
+void MapKeeper::put(LinkLines lines) {
+  if (store_) pending_.link_lines = std::move(lines);
 }
 
 void MapKeeper::write() {
   if (!store_ || busy()) return;
-  const bool is_news = pending_.clear || !pending_.tiles.empty() || !pending_.trajectory.empty() || pending_.curbs ||
-                       pending_.markings || pending_.superseded;
+  const bool is_news = pending_.clear || !pending_.tiles.empty() || !pending_.trajectory.empty() || pending_.lines ||
+                       pending_.link_lines || pending_.superseded;
   if (is_news) begin_writing();
 }
 
@@ -120,6 +116,7 @@ void MapKeeper::begin_writing() {
   under_way_ = std::exchange(pending_, {});
   writing_ = std::async(std::launch::async, [this]() -> std::string {
     try {
+      link_under_way();
       store_->write(batch_under_way());
       return {};
     } catch (const MapStoreError& error) {
@@ -128,13 +125,21 @@ void MapKeeper::begin_writing() {
   });
 }
 
+void MapKeeper::link_under_way() {
+  if (!under_way_.link_lines) return;
+  const auto begin = std::chrono::steady_clock::now();
+  under_way_.lines = std::exchange(under_way_.link_lines, nullptr)();
+  const auto took = std::chrono::steady_clock::now() - begin;
+  under_way_.linking_took = std::chrono::duration_cast<std::chrono::microseconds>(took).count();
+}
+
 MapStore::Batch MapKeeper::batch_under_way() const {
   MapStore::Batch batch{.clear = under_way_.clear,
                         .keep_in = under_way_.keep_in,
                         .epoch = epoch_,
                         .trajectory = under_way_.trajectory,
-                        .curbs = under_way_.curbs ? &*under_way_.curbs : nullptr,
-                        .markings = under_way_.markings ? &*under_way_.markings : nullptr,
+                        .curbs = under_way_.lines ? &under_way_.lines->curbs : nullptr,
+                        .markings = under_way_.lines ? &under_way_.lines->markings : nullptr,
                         .superseded = under_way_.superseded};
   for (const auto& [key, tile] : under_way_.tiles) batch.tiles.push_back(tile);
   std::sort(batch.tiles.begin(), batch.tiles.end(),
@@ -145,6 +150,7 @@ MapStore::Batch MapKeeper::batch_under_way() const {
 void MapKeeper::await_writing() {
   if (!writing_.valid()) return;
   const std::string error = writing_.get();
+  if (under_way_.linking_took > 0) linking_took_ = under_way_.linking_took;
   if (error.empty()) {
     counters_.add("store.transactions");
     counters_.add("store.tiles", static_cast<std::int64_t>(under_way_.tiles.size()));
@@ -162,8 +168,8 @@ void MapKeeper::take_back() {
   std::swap(pending_, under_way_);
   for (const auto& [key, tile] : under_way_.tiles) add(tile);
   for (const tile::TrajectoryPose& pose : under_way_.trajectory) put(pose);
-  if (under_way_.curbs) pending_.curbs = std::move(under_way_.curbs);
-  if (under_way_.markings) pending_.markings = std::move(under_way_.markings);
+  if (under_way_.link_lines) pending_.link_lines = std::move(under_way_.link_lines);
+  if (under_way_.lines) pending_.lines = std::move(under_way_.lines);
   if (under_way_.superseded) pending_.superseded = std::move(under_way_.superseded);
 }
 
@@ -174,11 +180,11 @@ std::string MapKeeper::fault() const {
   return {};
 }
 
-void MapKeeper::finish(std::vector<tile::CurbLine> curbs, std::vector<tile::MarkingLine> markings) {
+void MapKeeper::finish(tile::MapLines lines) {
   if (!store_) return;
   await_writing();
-  pending_.curbs = std::move(curbs);
-  pending_.markings = std::move(markings);
+  pending_.link_lines = nullptr;
+  pending_.lines = std::move(lines);
   if (!superseded_.empty()) pending_.superseded = "";  // a closed map names none
   begin_writing();
   await_writing();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <future>
 #include <memory>
 #include <optional>
@@ -28,6 +29,8 @@ class MapKeeper {
   MapKeeper(const MapKeeper&) = delete;
   MapKeeper& operator=(const MapKeeper&) = delete;
 
+  /// Whether there is a file to keep the map in.
+  [[nodiscard]] bool keeps() const { return store_ != nullptr; }
   /// A drive begins (first pose, or a new epoch of the map). An earlier map of the same drive is gone on with (the
   /// service was restarted). Any other makes room, and is kept in a file beside.
   void start(std::int32_t epoch, std::int64_t utime);
@@ -37,13 +40,15 @@ class MapKeeper {
   void corrected_from(std::int64_t first_utime);
   void put(const tile::MapTile& tile);
   void put(const tile::TrajectoryPose& pose);
-  /// All curbs of the map as they are now; they go with the next batch.
-  void put(std::vector<tile::CurbLine> curbs);
-  void put(std::vector<tile::MarkingLine> markings);  ///< likewise
+  /// Links all lines of the map as they are now. They go with the next batch; it is called in the thread that writes.
+  using LinkLines = std::function<tile::MapLines()>;
+  void put(LinkLines lines);
+  /// How long that took at last, us; 0: not yet.
+  [[nodiscard]] std::int64_t linking_took() const { return linking_took_; }
   /// Begins to write what is pending, unless the last transaction is still under way.
   void write();
-  /// Writes the rest, the curbs and the markings, and closes the file in canonical form.
-  void finish(std::vector<tile::CurbLine> curbs, std::vector<tile::MarkingLine> markings = {});
+  /// Writes the rest and the lines, and closes the file in canonical form.
+  void finish(tile::MapLines lines);
 
   /// What became of the last transaction, in words; or that the map was begun anew in mid-drive, once the vehicle has
   /// driven for some seconds (of the poses' times) and no correction was heard. Empty when all is well.
@@ -57,12 +62,14 @@ class MapKeeper {
     std::string keep_in;  // but in this file
     std::unordered_map<TileKey, tile::MapTile, TileKeyHash> tiles;
     std::vector<tile::TrajectoryPose> trajectory;
-    std::optional<std::vector<tile::CurbLine>> curbs;
-    std::optional<std::vector<tile::MarkingLine>> markings;
+    LinkLines link_lines;
+    std::optional<tile::MapLines> lines;
+    std::int64_t linking_took = 0;  // us
     std::optional<std::string> superseded;
   };
   [[nodiscard]] bool busy();
   void begin_writing();
+  void link_under_way();
   void await_writing();
   void take_back();
   [[nodiscard]] std::string make_room(std::int64_t utime);
@@ -88,6 +95,7 @@ class MapKeeper {
   Changes under_way_;                 // not touched while it is written
   std::future<std::string> writing_;  // what went wrong
   std::string fault_;
+  std::int64_t linking_took_ = 0;
   Counters counters_;
 };
 

@@ -82,6 +82,12 @@ struct MarkingLine {
   bool operator==(const MarkingLine&) const = default;
 };
 
+/// All lines of a map.
+struct MapLines {
+  std::vector<CurbLine> curbs;
+  std::vector<MarkingLine> markings;
+};
+
 /// Where the vehicle was at the end of a revolution.
 struct TrajectoryPose {
   std::int64_t utime = 0;

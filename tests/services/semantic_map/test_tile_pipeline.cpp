@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "services/semantic_map/update_schedule.hpp"
@@ -61,6 +62,23 @@ class PipelineOfAStreet : public testing::Test {
     EXPECT_EQ(pipeline.num_stale(), 0U);
   }
 };
+
+TEST_F(PipelineOfAStreet, TilesThatMeetABoxAreFoundInOrderHoweverLargeTheBox) {
+  const std::vector<TileKey> keys = at_once().keys();
+  ASSERT_GT(keys.size(), 20U);
+  for (const double half : {0.0, 0.5, 1.5, 3.0, 4.0, 100.0, 1e300}) {
+    for (const double x : {-7.0, -3.0, 0.0, 0.3, 50.0}) {
+      const Eigen::Vector2d min(x - half, -half);
+      const Eigen::Vector2d max(x + half, half);
+      std::vector<TileKey> expected;
+      std::copy_if(keys.begin(), keys.end(), std::back_inserter(expected), [&](TileKey key) {
+        const Eigen::Array2d corner(key.x * kTileSize, key.y * kTileSize);
+        return (corner + kTileSize >= min.array()).all() && (corner <= max.array()).all();
+      });
+      EXPECT_EQ(at_once().keys_in(min, max), expected) << half << " about " << x;
+    }
+  }
+}
 
 TEST_F(PipelineOfAStreet, DoesNotDependOnTheOrderOfTilesNorOnWhoLooksWhen) {
   TilePipeline backward({}, {});

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "common/config/command_line.hpp"
 #include "common/config/config.hpp"
+#include "tools/bench/latency/drive_parts.hpp"
 #include "tools/bench/latency/tile_ages.hpp"
 #include "tools/bench/latency/timed_vehicle.hpp"
 #include "tools/output/ordered_log.hpp"
@@ -20,6 +22,7 @@ namespace {
 
 struct LatencyBenchOptions {
   std::string log, json;
+  double every = 0;  // s; 0: the whole drive at once
   TimedVehicleOptions vehicle;
 };
 
@@ -63,7 +66,11 @@ nlohmann::json report(const TimedVehicle& vehicle, const TileAges& ages, double 
 nlohmann::json measure(const LatencyBenchOptions& options) {
   output::WatchedLog reader(options.log, "bench latency");
   TileAges ages;
-  TimedVehicle vehicle(options.vehicle, [&](const TimedMessage& message) { ages.hear(message); });
+  std::optional<DriveParts> parts;
+  TimedVehicle vehicle(options.vehicle,
+                       [&](const TimedMessage& message) { parts ? parts->hear(message) : ages.hear(message); });
+  if (options.every > 0) parts.emplace(vehicle, options.every);
+  nlohmann::json rows = nlohmann::json::array();
   std::int64_t first = 0;
   std::int64_t last = 0;
   while (const auto event = reader.next()) {
@@ -71,8 +78,14 @@ nlohmann::json measure(const LatencyBenchOptions& options) {
     if (first == 0) first = event->log_utime;
     last = std::max(last, event->log_utime);
     vehicle.sense(*event);
+    if (const auto part = parts ? parts->reach(last) : std::nullopt) {
+      fmt::print("{}{}", rows.empty() ? parts_heading(*part) : "", part_line(*part));
+      std::fflush(stdout);
+      rows.push_back(to_json(*part));
+    }
   }
   if (first == last) throw std::runtime_error(options.log + ": holds no LIDAR_POINTS, IMU or WHEELS");
+  if (parts) return {{"parts", rows}};
   return report(vehicle, ages, static_cast<double>(last - first) * 1e-6);
 }
 
@@ -89,6 +102,8 @@ int run_bench_latency(int argc, char** argv) {
   line.option("--set", options.vehicle.assignments, "SECTION.KEY=VALUE, over the file").one_each();
   line.option("--map", options.vehicle.map_file, "Keep the map in this file (default: in memory only)");
   line.option("--cores", options.vehicle.cores, "That the services share").within(1, 64).shows_default();
+  line.option("--every", options.every, "s: a row for each part of the drive instead, to see what grows with the map")
+      .within(1, 36000);
   line.option("--json", options.json, "Write the figures to this file too");
   if (const auto status = line.read(argc, argv)) return *status;
   const nlohmann::json json = measure(options);

@@ -10,11 +10,6 @@ namespace curbstone::bench::latency {
 
 namespace {
 
-template <class Message>
-bool read(const TimedMessage& message, Message& out) {
-  return out.decode(message.bytes->data(), 0, static_cast<int>(message.bytes->size())) >= 0;
-}
-
 AgeFigures figures(std::vector<double> values) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
@@ -30,19 +25,19 @@ void TileAges::hear(const TimedMessage& message) {
   channels_[message.channel].bytes += message.bytes->size();
   if (message.channel == "MAP_POSE") {
     map_pose_t m;
-    if (read(message, m)) sent_tile(message.channel, {}, m.utime, message.at);
+    if (message.decode(m)) sent_tile(message.channel, {}, m.utime, message.at);
   } else if (message.channel == "MAP_POINTS") {
     map_points_t m;
-    if (!read(message, m)) return;
+    if (!message.decode(m)) return;
     sent_tile(message.channel, {m.tile_x, m.tile_y}, m.utime, message.at);
     for (News* news : {&tiles_, &curbs_}) news->waiting[{m.tile_x, m.tile_y}].push_back(m.utime);
   } else if (message.channel == "VOTED_POINTS") {
     voted_points_t m;
-    if (read(message, m) && m.page + 1 == m.num_pages)
+    if (message.decode(m) && m.page + 1 == m.num_pages)
       sent_tile(message.channel, {m.tile_x, m.tile_y}, m.utime, message.at);
   } else if (message.channel == "SEMANTIC_TILE") {
     semantic_tile_t m;
-    if (!read(message, m)) return;
+    if (!message.decode(m)) return;
     sent_tile(message.channel, {m.tile_x, m.tile_y}, m.utime, message.at);
     tiles_.out({m.tile_x, m.tile_y}, m.utime, message.at);
     curbs_.out({m.tile_x, m.tile_y}, m.curbs_utime, message.at);

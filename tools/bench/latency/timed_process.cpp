@@ -50,6 +50,7 @@ std::int64_t TimedProcess::work(std::int64_t at) {
   }
   const std::int64_t took = spent();
   cpu_ += took;
+  longest_ = std::max(longest_, took);
   free_ = begun_ + took;
   return free_;
 }

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/bus/bus.hpp"
@@ -17,6 +18,12 @@ struct TimedMessage {
   std::int64_t at = 0;  ///< us, when it was sent
   std::string channel;
   std::shared_ptr<const std::vector<std::uint8_t>> bytes;
+
+  /// False if the bytes are no `Message`.
+  template <class Message>
+  [[nodiscard]] bool decode(Message& out) const {
+    return out.decode(bytes->data(), 0, static_cast<int>(bytes->size())) >= 0;
+  }
 };
 
 /// A node as the process that it is on the vehicle, but on a clock of its own, which goes on by the CPU time that the
@@ -40,6 +47,8 @@ class TimedProcess final : public Publisher, public Subscriber {
 
   [[nodiscard]] const Node& node() const { return *node_; }
   [[nodiscard]] std::int64_t cpu_us() const { return cpu_; }
+  /// CPU time of the longest piece of work since this was asked for last, us.
+  std::int64_t take_longest_us() { return std::exchange(longest_, 0); }
   [[nodiscard]] Counters counters() const override { return counters_; }
 
  protected:
@@ -59,6 +68,7 @@ class TimedProcess final : public Publisher, public Subscriber {
   std::int64_t begun_ = 0;                           // us, the piece of work under way
   double cpu_begun_ = 0;
   std::int64_t cpu_ = 0;
+  std::int64_t longest_ = 0;
   Counters counters_;
 };
 

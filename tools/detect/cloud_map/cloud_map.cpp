@@ -6,8 +6,7 @@
 #include <tuple>
 #include <unordered_set>
 
-#include "services/semantic_map/nearby_curbs.hpp"
-#include "services/semantic_map/nearby_markings.hpp"
+#include "services/semantic_map/map_lines.hpp"
 #include "services/tensor_voting/kernels/decomposition.hpp"
 #include "services/tensor_voting/voting/batch_voting.hpp"
 

@@ -6,9 +6,9 @@
 #include <map>
 #include <random>
 
+#include "services/semantic_map/map_lines.hpp"
 #include "services/semantic_map/marking_lines/cut_lines.hpp"
 #include "services/semantic_map/marking_lines/marking_lines.hpp"
-#include "services/semantic_map/nearby_curbs.hpp"
 #include "services/semantic_map/nearby_markings.hpp"
 #include "services/semantic_map/tile_pipeline.hpp"
 
@@ -156,6 +156,20 @@ TEST(RoadMarkings, DoNotDependOnTheOrderOfTilesNorOnWhoLooksWhen) {
   while (backward.num_stale() > 0) backward.run({TileWork::Kind::kOldestStep});
   EXPECT_EQ(all_markings(backward, all_curbs(backward), path(), {}), lines_of(tiles));
   EXPECT_FALSE(lines_of(tiles).empty());
+}
+
+TEST(RoadMarkings, AreTheSameOfACopyOfTheirSources) {
+  const auto tiles = road([](double x, double y) { return std::abs(y - 0.1 * x) < 0.06 ? kPaint : kRoad; });
+  TilePipeline pipeline({}, {});
+  for (const tile::VotedTile& tile : tiles) pipeline.set_voted(tile);
+  pipeline.settle();
+  const MapLineSources sources = line_sources(pipeline, path(), {});
+  const tile::MapLines then{all_curbs(pipeline), all_markings(pipeline, all_curbs(pipeline), path(), {})};
+  ASSERT_FALSE(then.markings.empty());
+  pipeline.clear();
+  const tile::MapLines lines = link(sources);
+  EXPECT_EQ(lines.curbs, then.curbs);
+  EXPECT_EQ(lines.markings, then.markings);
 }
 
 TEST(RoadMarkings, AreLookedForOnlyWhereThatIsAskedFor) {

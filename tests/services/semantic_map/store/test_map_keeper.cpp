@@ -7,9 +7,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/stamps.hpp"
@@ -102,6 +105,27 @@ TEST_F(MapKeeperTest, WhatComesWhileItWritesIsInTheNextTransaction) {
   ASSERT_EQ(tiles.size(), 40U);
   for (const tile::MapTile& tile : tiles) EXPECT_EQ(tile.cell_class[0], tile::CellClass::kCurb) << "the newest";
   EXPECT_EQ(map.trajectory().size(), 20U);
+}
+
+/// The larger the map is the longer it takes: no tile should wait for it.
+TEST_F(MapKeeperTest, LinesAreLinkedInTheThreadThatWrites) {
+  MapKeeper keeper(path_, 100);
+  keeper.start(7, kSecond);
+  keeper.put(a_pose(kSecond));
+  std::thread::id linked_in;
+  keeper.put([&] {
+    linked_in = std::this_thread::get_id();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    return tile::MapLines{{tile::CurbLine{.points = {{1, 2, 3, 0.1F, 0, 1}, {2, 2, 3, 0.1F, 0, 1}}}}, {}};
+  });
+  write_all(keeper);
+  EXPECT_NE(linked_in, std::thread::id());
+  EXPECT_NE(linked_in, std::this_thread::get_id());
+  EXPECT_GE(keeper.linking_took(), 2'000);
+  ASSERT_EQ(MapReader(path_).curbs().size(), 1U);
+  keeper.put([]() -> tile::MapLines { throw std::logic_error("the lines that finish() is given count"); });
+  keeper.finish({});
+  EXPECT_TRUE(MapReader(path_).curbs().empty());
 }
 
 TEST_F(MapKeeperTest, AnotherDriveMakesTheEarlierOneAFileBeside) {

@@ -1,0 +1,107 @@
+#include "services/semantic_map/map_lines.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "services/semantic_map/curb_lines/curb_bridges.hpp"
+#include "services/semantic_map/curb_lines/curb_lines.hpp"
+#include "services/semantic_map/marking_lines/marking_lines.hpp"
+
+namespace curbstone::semantic_map {
+namespace {
+
+MapBox everything() {
+  constexpr double kAll = std::numeric_limits<double>::max();
+  return {Eigen::Vector2d::Constant(-kAll), Eigen::Vector2d::Constant(kAll)};
+}
+
+Eigen::Vector2d corner_of(TileKey key) {
+  return {key.x * kTileSize, key.y * kTileSize};
+}
+
+/// Where a cell shows ground.
+std::optional<double> ground_at(const TileLookup& tiles, const Eigen::Vector2d& at) {
+  const auto key = tile_at(at.x(), at.y());
+  const auto tile = key ? tiles(*key) : nullptr;
+  if (tile == nullptr) return std::nullopt;
+  const auto cell_of = [](double x, std::int32_t tile_x) {
+    return std::clamp(static_cast<int>((x - tile_x * kTileSize) / kCellSize), 0, kCellsPerTile - 1);
+  };
+  const auto i = static_cast<std::size_t>(cell_of(at.y(), key->y) * kCellsPerTile + cell_of(at.x(), key->x));
+  const bool is_ground = tile->cell_class[i] == tile::CellClass::kRoad || tile->cell_class[i] == tile::CellClass::kCurb;
+  if (!is_ground || tile->height[i] == tile::MapTile::kNoHeight) return std::nullopt;
+  return double{tile->z_origin} + kPositionStep * tile->height[i];
+}
+
+}  // namespace
+
+std::vector<curb_lines::MapCurbPoint> curb_points_in(const MapBox& box, const TilePipeline& pipeline) {
+  std::vector<curb_lines::MapCurbPoint> points;
+  for (const TileKey& key : pipeline.keys_in(box.min(), box.max())) {
+    for (const curbs::CurbPoint& p : *pipeline.curbs(key)) {
+      const Eigen::Vector2d foot = p.foot + corner_of(key);
+      if (box.contains(foot)) points.push_back({foot, p.up, p.z, p.height, p.confidence, p.weak, p.reach});
+    }
+  }
+  return points;
+}
+
+std::vector<marking_lines::MapMarkingCell> marking_cells_in(const MapBox& box, const TilePipeline& pipeline) {
+  std::vector<marking_lines::MapMarkingCell> cells;
+  for (const TileKey& key : pipeline.keys_in(box.min(), box.max())) {
+    for (const markings::MarkingCell& cell : *pipeline.markings(key)) {
+      const Eigen::Vector2d at = corner_of(key) + Eigen::Vector2d(double{cell.x}, double{cell.y});
+      if (box.contains(at)) cells.push_back({at, double{cell.z}, double{cell.contrast}, cell.is_strong});
+    }
+  }
+  return cells;
+}
+
+std::vector<tile::CurbLine> link_curbs(const std::vector<curb_lines::MapCurbPoint>& points, const TileLookup& tiles) {
+  std::vector<tile::CurbLine> lines = curb_lines::link_curbs(points);
+  curb_lines::add_bridges([&](const Eigen::Vector2d& at) { return ground_at(tiles, at); }, lines);
+  return lines;
+}
+
+std::vector<tile::MarkingLine> link_markings(std::vector<marking_lines::MapMarkingCell> cells, const Kerbstones& kerbs,
+                                             const tile::DrivenPath& path,
+                                             const markings::MarkingParameters& parameters) {
+  std::erase_if(cells, [&](const marking_lines::MapMarkingCell& cell) { return kerbs.hold(cell.at); });
+  return marking_lines::link_markings(cells, path, parameters);
+}
+
+std::vector<tile::CurbLine> all_curbs(const TilePipeline& pipeline) {
+  return link_curbs(curb_points_in(everything(), pipeline), [&](TileKey key) { return pipeline.classes(key); });
+}
+
+std::vector<tile::MarkingLine> all_markings(const TilePipeline& pipeline, const std::vector<tile::CurbLine>& curbs,
+                                            const tile::DrivenPath& path,
+                                            const markings::MarkingParameters& parameters) {
+  return link_markings(marking_cells_in(everything(), pipeline), Kerbstones(curbs), path, parameters);
+}
+
+MapLineSources line_sources(const TilePipeline& pipeline, const tile::DrivenPath& path,
+                            const markings::MarkingParameters& parameters) {
+  MapLineSources sources;
+  sources.curb_points = curb_points_in(everything(), pipeline);
+  sources.marking_cells = marking_cells_in(everything(), pipeline);
+  for (const TileKey& key : pipeline.keys()) sources.tiles.emplace(key, pipeline.classes(key));
+  sources.path = path.places();
+  sources.markings = parameters;
+  return sources;
+}
+
+tile::MapLines link(const MapLineSources& sources) {
+  tile::MapLines lines;
+  lines.curbs = link_curbs(sources.curb_points, [&](TileKey key) {
+    const auto it = sources.tiles.find(key);
+    return it == sources.tiles.end() ? nullptr : it->second;
+  });
+  lines.markings =
+      link_markings(sources.marking_cells, Kerbstones(lines.curbs), tile::DrivenPath(sources.path), sources.markings);
+  return lines;
+}
+
+}  // namespace curbstone::semantic_map

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "services/semantic_map/curb_lines/curb_linker.hpp"
+#include "services/semantic_map/kerbstones.hpp"
+#include "services/semantic_map/marking_lines/marking_field.hpp"
+#include "services/semantic_map/markings/marking_parameters.hpp"
+#include "services/semantic_map/tile/driven_path.hpp"
+#include "services/semantic_map/tile_pipeline.hpp"
+
+/// @file
+/// Lines from the points and cells of many tiles: those about the vehicle for the bus, those of the whole map for its
+/// file.
+
+namespace curbstone::semantic_map {
+
+using MapBox = Eigen::AlignedBox2d;  ///< m in map
+
+/// The curb points in a box.
+[[nodiscard]] std::vector<curb_lines::MapCurbPoint> curb_points_in(const MapBox& box, const TilePipeline& pipeline);
+/// The cells of paint in a box, those on kerbstones too.
+[[nodiscard]] std::vector<marking_lines::MapMarkingCell> marking_cells_in(const MapBox& box,
+                                                                          const TilePipeline& pipeline);
+
+/// Gives a tile by its key; nullptr for none.
+using TileLookup = std::function<std::shared_ptr<const tile::MapTile>(TileKey key)>;
+/// Linked, with bridges over ground that the tiles show (curb_lines::add_bridges()).
+[[nodiscard]] std::vector<tile::CurbLine> link_curbs(const std::vector<curb_lines::MapCurbPoint>& points,
+                                                     const TileLookup& tiles);
+/// Of the cells that are not on the stones of kerbs.
+[[nodiscard]] std::vector<tile::MarkingLine> link_markings(std::vector<marking_lines::MapMarkingCell> cells,
+                                                           const Kerbstones& kerbs, const tile::DrivenPath& path,
+                                                           const markings::MarkingParameters& parameters);
+
+/// The curb lines of the whole map.
+[[nodiscard]] std::vector<tile::CurbLine> all_curbs(const TilePipeline& pipeline);
+/// The markings of the whole map. `curbs`: its curb lines. `path`: driven.
+[[nodiscard]] std::vector<tile::MarkingLine> all_markings(const TilePipeline& pipeline,
+                                                          const std::vector<tile::CurbLine>& curbs,
+                                                          const tile::DrivenPath& path,
+                                                          const markings::MarkingParameters& parameters);
+
+/// What the lines of the whole map are linked from, as it was at one time. To link takes longer the larger the map is;
+/// this can be done in another thread.
+struct MapLineSources {
+  std::vector<curb_lines::MapCurbPoint> curb_points;
+  std::vector<marking_lines::MapMarkingCell> marking_cells;
+  std::unordered_map<TileKey, std::shared_ptr<const tile::MapTile>, TileKeyHash> tiles;
+  std::vector<Eigen::Vector2d> path;  ///< m in map, in the order of time
+  markings::MarkingParameters markings;
+};
+[[nodiscard]] MapLineSources line_sources(const TilePipeline& pipeline, const tile::DrivenPath& path,
+                                          const markings::MarkingParameters& parameters);
+/// The same as all_curbs() and all_markings() then.
+[[nodiscard]] tile::MapLines link(const MapLineSources& sources);
+
+}  // namespace curbstone::semantic_map

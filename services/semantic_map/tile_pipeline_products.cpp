@@ -1,0 +1,64 @@
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "services/semantic_map/tile_pipeline.hpp"
+
+/// @file
+/// TilePipeline: what it has made.
+
+namespace curbstone::semantic_map {
+
+std::shared_ptr<const tile::MapTile> TilePipeline::classes(TileKey key) const {
+  const auto it = tiles_.find(key);
+  return it == tiles_.end() ? nullptr : it->second.classes;
+}
+
+const std::vector<curbs::CurbPoint>* TilePipeline::curbs(TileKey key) const {
+  const auto it = tiles_.find(key);
+  return it == tiles_.end() ? nullptr : &it->second.curbs;
+}
+
+const std::vector<markings::MarkingCell>* TilePipeline::markings(TileKey key) const {
+  const auto it = tiles_.find(key);
+  return it == tiles_.end() ? nullptr : &it->second.markings;
+}
+
+std::vector<TileKey> TilePipeline::keys() const {
+  std::vector<TileKey> keys;
+  keys.reserve(tiles_.size());
+  for (const auto& [key, tile] : tiles_) keys.push_back(key);
+  std::sort(keys.begin(), keys.end());
+  return keys;
+}
+
+std::vector<TileKey> TilePipeline::keys_in(const Eigen::Vector2d& min, const Eigen::Vector2d& max) const {
+  const Eigen::Array2d first = (min.array() / kTileSize - 1).ceil();
+  const Eigen::Array2d last = (max.array() / kTileSize).floor();
+  const Eigen::Array2d span = last - first + 1;
+  std::vector<TileKey> keys;
+  if (!(span.prod() < static_cast<double>(tiles_.size()))) {
+    keys = this->keys();
+    std::erase_if(keys, [&](TileKey key) {
+      return key.x < first.x() || key.x > last.x() || key.y < first.y() || key.y > last.y();
+    });
+    return keys;
+  }
+  constexpr double kMin = std::numeric_limits<std::int32_t>::min();
+  constexpr double kMax = std::numeric_limits<std::int32_t>::max();
+  for (double x = std::max(first.x(), kMin); x <= std::min(last.x(), kMax); ++x) {
+    for (double y = std::max(first.y(), kMin); y <= std::min(last.y(), kMax); ++y) {
+      const TileKey key{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+      if (tiles_.contains(key)) keys.push_back(key);
+    }
+  }
+  return keys;
+}
+
+std::size_t TilePipeline::num_stale() const {
+  std::size_t count = 0;
+  for (const auto& step : stale_) count += step.size();
+  return count;
+}
+
+}  // namespace curbstone::semantic_map
