@@ -79,6 +79,8 @@ class TileFollower {
   [[nodiscard]] tile_request_t make_request(std::int64_t now, std::size_t max_tiles = 200,
                                             std::int64_t patience = 300'000, double x = 0, double y = 0);
 
+  /// Whether a tile is announced and not yet had.
+  [[nodiscard]] bool is_behind(TileKey key) const { return behind_.contains(key); }
   /// Tiles announced and not yet had.
   [[nodiscard]] std::size_t behind() const { return behind_.size(); }
   /// Whether one of them, announced at `until` (message time, us) or before and not had since, is nearer than `radius`

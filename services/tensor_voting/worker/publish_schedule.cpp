@@ -28,12 +28,14 @@ void PublishSchedule::published(TileKey key, std::int32_t revision, std::int64_t
 
 void PublishSchedule::forget_far(double x, double y, double radius) {
   if (published_.size() <= kMaxRemembered) return;
+  has_forgotten_ = true;
   std::erase_if(published_, [&](const auto& tile) { return squared_distance(tile.first, x, y) > radius * radius; });
 }
 
 void PublishSchedule::clear() {
   pending_.clear();
   published_.clear();
+  has_forgotten_ = false;
 }
 
 double PublishSchedule::freshness(const Pending& tile, std::int64_t now) const {

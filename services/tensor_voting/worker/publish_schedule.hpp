@@ -33,7 +33,9 @@ class PublishSchedule {
   /// Forgets what has been published of tiles farther than `radius` from (x, y), m in map, if that is more than
   /// kMaxRemembered tiles: should they change again, they are published again, changed or not.
   void forget_far(double x, double y, double radius);
-  static constexpr std::size_t kMaxRemembered = 100'000;
+  static constexpr std::size_t kMaxRemembered = 200'000;  ///< as many tiles as semantic_map takes
+  /// Whether that happened: what it does not know of may have been published.
+  [[nodiscard]] bool has_forgotten() const { return has_forgotten_; }
   void clear();
 
   /// The tile to publish now, seen from (x, y), m in map.
@@ -66,6 +68,7 @@ class PublishSchedule {
   Config config_;
   std::map<TileKey, Pending> pending_;
   std::map<TileKey, Published> published_;
+  bool has_forgotten_ = false;
 };
 
 }  // namespace curbstone::tensor_voting::worker

@@ -13,16 +13,15 @@ namespace {
 
 constexpr const char* kMapPoints = "MAP_POINTS";
 constexpr const char* kVotedPoints = "VOTED_POINTS";
-constexpr std::int64_t kSecond = 1'000'000;           // us
-constexpr std::int64_t kRequestInterval = 100'000;    // us
-constexpr std::int64_t kRequestPatience = 300'000;    // us
-constexpr std::size_t kTilesPerRequest = 100;         // a few hundred kB of answers
-constexpr std::size_t kMaxBehind = 20'000;            // tiles that we lack and know of
-constexpr double kUnpublishedMargin = 2 * kTileSize;  // m: tiles at the rim may lack neighbours that were let go
-constexpr double kBurst = 50'000;                     // us: what may be saved up, of the bandwidth: a revolution's
-constexpr std::size_t kMovesPerTick = 8000;           // points taken over: 10 to 20 ms of work
-constexpr std::int64_t kListen = 1'500'000;           // us: in which every other worker has said that it lives
-constexpr double kJoinRadius = 40.0;                  // m: what a worker must have around the vehicle before it joins
+constexpr std::int64_t kSecond = 1'000'000;         // us
+constexpr std::int64_t kRequestInterval = 100'000;  // us
+constexpr std::int64_t kRequestPatience = 300'000;  // us
+constexpr std::size_t kTilesPerRequest = 100;       // a few hundred kB of answers
+constexpr std::size_t kMaxBehind = 20'000;          // tiles that we lack and know of
+constexpr double kBurst = 50'000;                   // us: what may be saved up, of the bandwidth: a revolution's
+constexpr std::size_t kMovesPerTick = 8000;         // points taken over: 10 to 20 ms of work
+constexpr std::int64_t kListen = 1'500'000;         // us: in which every other worker has said that it lives
+constexpr double kJoinRadius = 40.0;                // m: what a worker must have around the vehicle before it joins
 
 /// Another one for each worker and each start of it.
 std::int64_t begin_chain(const std::string& worker, std::int64_t now) {
@@ -52,9 +51,11 @@ void TensorVotingNode::on(const map_points_t& message) {
   if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return;
   mapper_heard_ = now_;
   const TileKey key{message.tile_x, message.tile_y};
-  if (!(distance(key) <= config_.keep_radius)) {
-    counters_.add("dropped.far");
-    return;
+  if (!is_near(key)) {
+    // Only what the mapper has announced: a damaged message may name any tile.
+    const bool is_announced = follower_.is_behind(key) || map_.points().find(key) != nullptr;
+    if (!is_announced || !is_unpublished(key)) return counters_.add("dropped.far");
+    far_heard_[key] = now_;
   }
   const PointTiles::Taken taken = map_.take(message, votes_here(key));
   switch (taken.outcome) {
@@ -97,7 +98,7 @@ void TensorVotingNode::on(const tile_index_t& message) {
     // What another worker has published need not be published again when its tiles become ours.
     for (std::size_t i = 0; i < message.version.size(); ++i) {
       const TileKey key{message.tile_x[i], message.tile_y[i]};
-      if (distance(key) <= config_.keep_radius) schedule_.published(key, message.version[i], 0);
+      schedule_.published(key, message.version[i], 0);
     }
   } else if (message.channel == kMapPoints) {
     if (!follow_epoch(message.epoch, EpochFollower::Source::kMapper)) return;
@@ -105,7 +106,8 @@ void TensorVotingNode::on(const tile_index_t& message) {
     tile_index_t near = message;
     near.tile_x.clear(), near.tile_y.clear(), near.version.clear();
     for (std::size_t i = 0; i < message.version.size() && follower_.behind() < kMaxBehind; ++i) {
-      if (!(distance({message.tile_x[i], message.tile_y[i]}) <= config_.keep_radius)) continue;
+      const TileKey key{message.tile_x[i], message.tile_y[i]};
+      if (!is_near(key) && !is_unpublished(key)) continue;
       near.tile_x.push_back(message.tile_x[i]);
       near.tile_y.push_back(message.tile_y[i]);
       near.version.push_back(message.version[i]);
@@ -144,10 +146,7 @@ void TensorVotingNode::start_epoch(std::int32_t epoch) {
   schedule_.clear();
   pages_.clear();
   bases_.clear();
-}
-
-double TensorVotingNode::distance(TileKey key) const {
-  return std::sqrt(squared_distance(key, x_, y_));
+  far_heard_.clear();
 }
 
 bool TensorVotingNode::owns(TileKey key) const {
@@ -161,7 +160,7 @@ bool TensorVotingNode::votes_here(TileKey key) const {
 }
 
 bool TensorVotingNode::publishes(TileKey key) const {
-  return owns(key) && distance(key) <= config_.keep_radius - kUnpublishedMargin;
+  return owns(key) && (distance(key) <= config_.keep_radius - kRim || has_neighbours(key));
 }
 
 /// Puts a tile's revision before the schedule, if it is for us to publish.
@@ -198,28 +197,6 @@ void TensorVotingNode::reassign() {
 
 void TensorVotingNode::collect_changes() {
   for (const TileKey key : map_.take_changed()) review(key);
-}
-
-/// Lets go of what has fallen behind; takes up what has come near again.
-void TensorVotingNode::follow_vehicle() {
-  std::vector<TileKey> far;
-  for (const auto& [key, tile] : map_.points().tiles()) {
-    if (distance(key) <= config_.keep_radius) {
-      if (distance(key) > config_.keep_radius - 2 * kUnpublishedMargin) review(key);
-      continue;
-    }
-    bool waits = false;
-    for_each_around(key, [&](TileKey around) { waits = waits || schedule_.is_pending(around); });
-    if (!waits) far.push_back(key);
-  }
-  for (const TileKey key : far) {
-    map_.erase(key);
-    follower_.forget(key);
-    catalog_.remove(key);
-    bases_.erase(key);
-    counters_.add("tiles_let_go");
-  }
-  schedule_.forget_far(x_, y_, config_.keep_radius);
 }
 
 void TensorVotingNode::announce() {

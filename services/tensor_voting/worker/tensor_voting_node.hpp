@@ -50,6 +50,8 @@ class TensorVotingNode final : public Node {
   [[nodiscard]] NodeReport report() const override;
 
  private:
+  static constexpr double kRim =
+      2 * kTileSize;  ///< m, of keep_radius: tiles there may lack neighbours that were let go
   void on(const map_points_t& message);
   void on(const map_pose_t& message);
   void on(const tile_index_t& message);
@@ -62,6 +64,13 @@ class TensorVotingNode final : public Node {
   /// Whether a tile's points matter to a tile that we own.
   [[nodiscard]] bool votes_here(TileKey key) const;
   [[nodiscard]] bool publishes(TileKey key) const;
+  [[nodiscard]] bool is_near(TileKey key) const { return distance(key) <= config_.keep_radius; }
+  /// Far from the vehicle, and yet of use: nobody has published it, or a tile about it, of which there are points. So
+  /// it is with most of a drive that begins anew in another epoch.
+  [[nodiscard]] bool is_unpublished(TileKey key) const;
+  /// A far tile has what it is voted with: of the tiles about it that somebody has published none was let go.
+  [[nodiscard]] bool has_neighbours(TileKey key) const;
+  [[nodiscard]] bool may_let_go(TileKey key) const;
 
   void advance(std::int64_t now);
   void review(TileKey key);
@@ -82,8 +91,9 @@ class TensorVotingNode final : public Node {
   TileFollower follower_;
   TileCatalog catalog_;
   PublishSchedule schedule_;
-  std::deque<voted_points_t> pages_;                           // of the tile that is being sent
-  std::unordered_map<TileKey, VotedBase, TileKeyHash> bases_;  // of what is out, from us
+  std::deque<voted_points_t> pages_;                                  // of the tile that is being sent
+  std::unordered_map<TileKey, VotedBase, TileKeyHash> bases_;         // of what is out, from us
+  std::unordered_map<TileKey, std::int64_t, TileKeyHash> far_heard_;  // of far tiles: us, when points came last
   std::int64_t chain_ = 0;
 
   EpochFollower epochs_;

@@ -78,6 +78,7 @@ class FakeMapper {
     map_pose_t pose{};
     pose.utime = now;
     pose.epoch = epoch_;
+    pose.map_base_position[0] = vehicle_x;
     publisher_.publish("MAP_POSE", pose);
   }
   void tick(std::int64_t now) {
@@ -89,6 +90,7 @@ class FakeMapper {
     for (const auto& page : catalog_.make_index(now, 0, 0)) publisher_.publish("TILE_INDEX", page);
   }
   [[nodiscard]] const test_clouds::Tiles& tiles() const { return tiles_; }
+  double vehicle_x = 0;  ///< m, said with the points
   /// Points so far.
   [[nodiscard]] std::size_t mapped() const {
     std::size_t total = 0;

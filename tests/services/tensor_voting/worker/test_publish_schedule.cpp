@@ -122,7 +122,9 @@ TEST(PublishScheduleTest, WhatItRemembersIsBounded) {
   PublishSchedule s = schedule();
   const auto count = static_cast<std::int32_t>(PublishSchedule::kMaxRemembered) + 1;
   for (std::int32_t i = 0; i < count; ++i) s.published({i, 0}, 1, kNow);
+  EXPECT_FALSE(s.has_forgotten());
   s.forget_far(0, 0, 300);
+  EXPECT_TRUE(s.has_forgotten());
   EXPECT_EQ(s.published_revision({50, 0}), 1);
   EXPECT_EQ(s.published_revision({200, 0}), 0);
 }

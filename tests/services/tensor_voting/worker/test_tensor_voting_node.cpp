@@ -194,6 +194,55 @@ TEST(TensorVotingNode, LetsGoOfTilesFarBehindAndTakesThemUpAgain) {
   EXPECT_EQ(world.listener.messages, before) << "nothing has changed: nothing is published again";
 }
 
+/// As after a loop has been closed: the drive begins anew in another epoch, and most of it is far from the vehicle.
+TEST(TensorVotingNode, WhatNobodyHasPublishedYetIsVotedHoweverFarAndThenLetGo) {
+  TensorVotingConfig config;
+  config.keep_radius = 50;
+  for (const double trouble : {0.0, 0.1}) {
+    World world(street(), trouble, 3, config);
+    TensorVotingNode& node = world.start("tensor_voting:1");
+    world.mapper.vehicle_x = 200;
+    world.run(3, 0.05);
+    world.run(20);
+    EXPECT_EQ(world.listener.contents(), lossless()) << trouble;
+    EXPECT_EQ(node.report().counters["tiles_let_go"], static_cast<std::int64_t>(lossless().size())) << trouble;
+  }
+}
+
+TEST(TensorVotingNode, AFarTileIsVotedWithItsNeighboursThoughTheseAreOut) {
+  TensorVotingConfig config;
+  config.keep_radius = 50;
+  World world(street(), 0, 1, config);
+  TensorVotingNode& node = world.start("tensor_voting:2");
+  world.mapper.vehicle_x = 200;
+  world.run(0.1);
+  const TileKey key = std::next(lossless().begin(), 20)->first;
+  tile_index_t published{};  // all but one, by a worker that is heard no more
+  published.owner = "tensor_voting:1";
+  published.channel = "VOTED_POINTS";
+  published.epoch = 1;
+  published.num_pages = 1;
+  for (const auto& [known, content] : lossless()) {
+    if (known == key) continue;
+    published.tile_x.push_back(known.x);
+    published.tile_y.push_back(known.y);
+    published.version.push_back(2'000'000'000);
+  }
+  published.num_tiles = static_cast<std::int32_t>(published.version.size());
+  map_pose_t pose{};
+  pose.epoch = 1;
+  pose.map_base_position[0] = 200;
+  world.bus.publish("MAP_POSE", pose);
+  world.bus.publish("TILE_INDEX", published);
+  world.run(1, 0.2);
+  world.run(25);
+  const auto contents = world.listener.contents();
+  ASSERT_EQ(contents.size(), 1U);
+  EXPECT_EQ(contents.begin()->first, key);
+  EXPECT_EQ(contents.begin()->second, lossless().at(key));
+  EXPECT_EQ(node.report().counters["tiles_let_go"], 9);
+}
+
 TEST(TensorVotingNode, SaysThatItLivesAndThatTheMapperIsSilent) {
   World world({});
   TensorVotingNode& node = world.start("tensor_voting:1");

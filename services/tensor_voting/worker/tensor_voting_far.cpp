@@ -1,0 +1,72 @@
+#include <cmath>
+
+#include "services/tensor_voting/worker/tensor_voting_node.hpp"
+
+/// @file
+/// TensorVotingNode: what is far from the vehicle.
+
+namespace curbstone::tensor_voting::worker {
+
+namespace {
+
+constexpr std::int64_t kFarPatience = 5'000'000;  // us: more of a far tile may be on its way
+
+}  // namespace
+
+double TensorVotingNode::distance(TileKey key) const {
+  return std::sqrt(squared_distance(key, x_, y_));
+}
+
+bool TensorVotingNode::is_unpublished(TileKey key) const {
+  if (schedule_.has_forgotten()) return false;
+  if (schedule_.published_revision(key) == 0 || map_.points().find(key) != nullptr) return true;
+  bool any = false;
+  for_each_around(key, [&](TileKey around) {
+    any = any || (map_.points().find(around) != nullptr && schedule_.published_revision(around) == 0);
+  });
+  return any;
+}
+
+bool TensorVotingNode::has_neighbours(TileKey key) const {
+  bool all = true;
+  for_each_around(key, [&](TileKey around) {
+    all = all && (map_.points().find(around) != nullptr || schedule_.published_revision(around) == 0);
+  });
+  return all;
+}
+
+/// Nothing of it, nor of those about it, is still to be published, and no more of it is on its way.
+bool TensorVotingNode::may_let_go(TileKey key) const {
+  const auto heard = far_heard_.find(key);
+  if (heard != far_heard_.end() && (now_ - heard->second < kFarPatience || follower_.is_behind(key))) return false;
+  bool waits = false;
+  for_each_around(key, [&](TileKey around) {
+    const bool is_new = map_.points().find(around) != nullptr && schedule_.published_revision(around) == 0;
+    waits = waits || is_new || schedule_.is_pending(around);
+  });
+  return !waits;
+}
+
+/// Lets go of what has fallen behind; takes up what has come near again.
+void TensorVotingNode::follow_vehicle() {
+  std::vector<TileKey> far;
+  for (const auto& [key, tile] : map_.points().tiles()) {
+    if (is_near(key)) {
+      if (distance(key) > config_.keep_radius - 2 * kRim) review(key);
+      continue;
+    }
+    review(key);
+    if (may_let_go(key)) far.push_back(key);
+  }
+  for (const TileKey key : far) {
+    map_.erase(key);
+    follower_.forget(key);
+    catalog_.remove(key);
+    bases_.erase(key);
+    far_heard_.erase(key);
+    counters_.add("tiles_let_go");
+  }
+  schedule_.forget_far(x_, y_, config_.keep_radius);
+}
+
+}  // namespace curbstone::tensor_voting::worker
