@@ -35,6 +35,28 @@ std::optional<double> ground_at(const TileLookup& tiles, const Eigen::Vector2d& 
   return double{tile->z_origin} + kPositionStep * tile->height[i];
 }
 
+/// Behind `lines` the parts of `before` for which `keeps(tile)`.
+template <class Line, class Keeps>
+void keep_parts(const std::vector<Line>& before, Keeps keeps, std::vector<Line>& lines) {
+  for (const Line& line : before) {
+    Line part = line;
+    part.points.clear();
+    const auto end_part = [&] {
+      part.id = static_cast<std::int32_t>(lines.size());
+      if (part.points.size() > 1) lines.push_back(part);
+      part.points.clear();
+    };
+    for (const auto& vertex : line.points) {
+      const auto key = tile_at(double{vertex.x}, double{vertex.y});
+      if (key && keeps(*key))
+        part.points.push_back(vertex);
+      else
+        end_part();
+    }
+    end_part();
+  }
+}
+
 }  // namespace
 
 std::vector<curb_lines::MapCurbPoint> curb_points_in(const MapBox& box, const TilePipeline& pipeline) {
@@ -101,6 +123,13 @@ tile::MapLines link(const MapLineSources& sources) {
   });
   lines.markings =
       link_markings(sources.marking_cells, Kerbstones(lines.curbs), tile::DrivenPath(sources.path), sources.markings);
+  if (sources.before) {
+    const auto only_before = [&](TileKey key) {
+      return sources.before->tiles.contains(key) && !sources.tiles.contains(key);
+    };
+    keep_parts(sources.before->lines.curbs, only_before, lines.curbs);
+    keep_parts(sources.before->lines.markings, only_before, lines.markings);
+  }
   return lines;
 }
 

@@ -9,6 +9,7 @@
 #include "services/semantic_map/kerbstones.hpp"
 #include "services/semantic_map/marking_lines/marking_field.hpp"
 #include "services/semantic_map/markings/marking_parameters.hpp"
+#include "services/semantic_map/store/map_keeper.hpp"
 #include "services/semantic_map/tile/driven_path.hpp"
 #include "services/semantic_map/tile_pipeline.hpp"
 
@@ -52,10 +53,12 @@ struct MapLineSources {
   std::unordered_map<TileKey, std::shared_ptr<const tile::MapTile>, TileKeyHash> tiles;
   std::vector<Eigen::Vector2d> path;  ///< m in map, in the order of time
   markings::MarkingParameters markings;
+  std::shared_ptr<const store::StoredLines> before;  ///< of a predecessor, whose tiles need not all be known any more
 };
 [[nodiscard]] MapLineSources line_sources(const TilePipeline& pipeline, const tile::DrivenPath& path,
                                           const markings::MarkingParameters& parameters);
-/// The same as all_curbs() and all_markings() then.
+/// The same as all_curbs() and all_markings() then, and those parts of the lines before that lie in tiles that only
+/// the predecessor had.
 [[nodiscard]] tile::MapLines link(const MapLineSources& sources);
 
 }  // namespace curbstone::semantic_map

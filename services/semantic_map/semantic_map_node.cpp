@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "services/semantic_map/map_lines.hpp"
 #include "services/semantic_map/picture/map_picture.hpp"
 #include "services/semantic_map/picture/png_file.hpp"
 #include "services/semantic_map/semantic_messages.hpp"
@@ -273,9 +272,15 @@ void SemanticMapNode::store(std::int64_t now) {
       now - last_lines_stored_ >= std::max(kStoreLinesPeriod, kStoreLinesShare * keeper_.linking_took())) {
     last_lines_stored_ = now;
     lines_unstored_ = false;
-    keeper_.put([sources = line_sources(pipeline_, path_, config_.markings)] { return link(sources); });
+    keeper_.put([sources = sources_of_lines()] { return link(sources); });
   }
   keeper_.write();
+}
+
+MapLineSources SemanticMapNode::sources_of_lines() const {
+  MapLineSources sources = line_sources(pipeline_, path_, config_.markings);
+  sources.before = keeper_.lines_before();
+  return sources;
 }
 
 void SemanticMapNode::finish() {
@@ -285,7 +290,7 @@ void SemanticMapNode::finish() {
   schedule_.clear();
   for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(pipeline_.classes(key), newest_utime_);
   if (has_points()) say_last();
-  const tile::MapLines lines = link(line_sources(pipeline_, path_, config_.markings));
+  const tile::MapLines lines = link(sources_of_lines());
   if (drive_started_) keeper_.finish(lines);
   if (!config_.picture.empty()) draw_picture(lines);
 }

@@ -19,6 +19,7 @@
 #include "common/tile_sync/epoch_follower.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/semantic_map/held_drive.hpp"
+#include "services/semantic_map/map_lines.hpp"
 #include "services/semantic_map/nearby_curbs.hpp"
 #include "services/semantic_map/nearby_markings.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
@@ -86,6 +87,7 @@ class SemanticMapNode final : public Node {
   void publish_curbs(std::int64_t now);
   void publish_markings(std::int64_t now);
   void store(std::int64_t now);
+  [[nodiscard]] MapLineSources sources_of_lines() const;
   void draw_picture(const tile::MapLines& lines);
 
   SemanticMapConfig config_;

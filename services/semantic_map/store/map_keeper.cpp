@@ -20,7 +20,7 @@ constexpr std::size_t kMaxPoses = 200'000;           // kept while the disk is f
 }  // namespace
 
 MapKeeper::MapKeeper(const std::string& path, std::size_t max_pending_tiles, bool keep_earlier)
-    : max_pending_(max_pending_tiles), keep_earlier_(keep_earlier) {
+    : path_(path), max_pending_(max_pending_tiles), keep_earlier_(keep_earlier) {
   if (!path.empty()) store_ = std::make_unique<MapStore>(path);
 }
 
@@ -34,6 +34,7 @@ void MapKeeper::start(std::int32_t epoch, std::int64_t utime) {
   const bool goes_on = pending_.trajectory.empty() && store_->last_utime() > 0 && store_->epoch() == epoch &&
                        utime > store_->last_utime() && utime - store_->last_utime() < kLongestBreak;
   const std::string keep_in = goes_on ? "" : make_room(utime);
+  lines_before_ = goes_on ? read_lines() : nullptr;
   epoch_ = epoch;
   has_begun_ = true;
   newest_utime_ = utime;
@@ -42,6 +43,16 @@ void MapKeeper::start(std::int32_t epoch, std::int64_t utime) {
   pending_ = {};
   pending_.clear = clear;
   pending_.keep_in = keep_in;
+}
+
+std::shared_ptr<const StoredLines> MapKeeper::read_lines() const {
+  try {
+    const MapReader map(path_);
+    const std::vector<TileKey> keys = map.tile_keys();
+    return std::make_shared<const StoredLines>(StoredLines{{map.curbs(), map.markings()}, {keys.begin(), keys.end()}});
+  } catch (const MapStoreError&) {
+    return nullptr;  // a damaged file is a fault when it is written to
+  }
 }
 
 /// Where to keep the drive that is stored; empty if none is. What of it is not written yet is written first.

@@ -6,12 +6,19 @@
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "common/bus/counters.hpp"
 #include "services/semantic_map/store/map_store.hpp"
 
 namespace curbstone::semantic_map::store {
+
+/// What a map file held.
+struct StoredLines {
+  tile::MapLines lines;
+  std::unordered_set<TileKey, TileKeyHash> tiles;
+};
 
 /// Writes what changes to the map file, a transaction at a time, in another thread: the disk takes tens of ms, for
 /// which no tile should wait. While the disk is full (or fails) it keeps the newest state of each tile in memory, up to
@@ -43,6 +50,8 @@ class MapKeeper {
   /// Links all lines of the map as they are now. They go with the next batch; it is called in the thread that writes.
   using LinkLines = std::function<tile::MapLines()>;
   void put(LinkLines lines);
+  /// Of the file, when this process went on with its drive (start()): its predecessor's. Else nullptr.
+  [[nodiscard]] std::shared_ptr<const StoredLines> lines_before() const { return lines_before_; }
   /// How long that took at last, us; 0: not yet.
   [[nodiscard]] std::int64_t linking_took() const { return linking_took_; }
   /// Begins to write what is pending, unless the last transaction is still under way.
@@ -72,12 +81,15 @@ class MapKeeper {
   void link_under_way();
   void await_writing();
   void take_back();
+  [[nodiscard]] std::shared_ptr<const StoredLines> read_lines() const;
   [[nodiscard]] std::string make_room(std::int64_t utime);
   void remove_superseded();
   void add(const tile::MapTile& tile);
   [[nodiscard]] MapStore::Batch batch_under_way() const;
 
+  std::string path_;
   std::unique_ptr<MapStore> store_;
+  std::shared_ptr<const StoredLines> lines_before_;
   /// The drive that made room, while this process ran.
   struct Earlier {
     std::string file;

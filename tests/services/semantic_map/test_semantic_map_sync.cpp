@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "common/bus/local_bus.hpp"
 #include "tests/services/semantic_map/semantic_map_node_test.hpp"
 
@@ -200,6 +202,38 @@ TEST_F(SemanticMapNodeTest, ARestartGoesOnWithTheDrive) {
     node.finish();
   }
   EXPECT_EQ(store::MapReader(config("map.db").map).tiles().size(), 0U);
+}
+
+/// The workers have let go of what lies far from the vehicle: it does not come again.
+TEST_F(SemanticMapNodeTest, ARestartKeepsTheLinesOfTilesThatDoNotComeAgain) {
+  double length[2] = {};
+  const auto length_of = [](const std::vector<tile::CurbLine>& lines, bool beyond) {
+    double sum = 0;
+    for (const tile::CurbLine& line : lines) {
+      for (std::size_t i = 1; i < line.points.size(); ++i) {
+        const auto &a = line.points[i - 1], &b = line.points[i];
+        if ((a.x > 0) == beyond && (b.x > 0) == beyond) sum += std::hypot(double{b.x - a.x}, double{b.y - a.y});
+      }
+    }
+    return sum;
+  };
+  for (int run = 0; run < 3; ++run) {
+    LocalBus bus;
+    SemanticMapNode node(config("map.db"), bus);
+    node.connect(bus);
+    bus.publish("MAP_POSE", pose_at(kStart + run * 9'000'000, 0));
+    for (const tile::VotedTile& tile : street()) {
+      if (run > 0 && tile.key.x < 0) continue;
+      for (const auto& page : to_pages(tile, 2, 400)) bus.publish("VOTED_POINTS", page);
+    }
+    bus.dispatch();
+    for (int i = 1; i <= 400; ++i) node.tick(kStart + run * 9'000'000 + 20'000 * i);  // then it is killed
+    const auto curbs = store::MapReader(config("map.db").map).curbs();
+    if (run == 0) length[0] = length_of(curbs, false), length[1] = length_of(curbs, true);
+    EXPECT_GT(length[0], 4);
+    EXPECT_NEAR(length_of(curbs, false), length[0], 0.5) << run;
+    EXPECT_NEAR(length_of(curbs, true), length[1], 0.5) << run;
+  }
 }
 
 }  // namespace
