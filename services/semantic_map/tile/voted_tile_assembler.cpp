@@ -56,11 +56,21 @@ VotedTensor tensor_of(const voted_points_t& page, std::size_t i) {
   return t;
 }
 
+/// Room for `more`, and a quarter of what there is: twice of it, as a vector makes, would be most of this process's
+/// memory.
+template <class T>
+void make_room(std::size_t more, std::vector<T>& values) {
+  if (values.size() + more > values.capacity()) values.reserve(values.size() + std::max(more, values.size() / 4));
+}
+
 /// The points that the tile does not have yet.
 void append_points(const voted_points_t& page, std::size_t scale, VotedTile& tile) {
   const auto first = static_cast<std::size_t>(page.first);
   const auto count = static_cast<std::size_t>(page.num_points);
   const auto step = static_cast<float>(kPositionStep);
+  make_room(count, tile.points);
+  make_room(count, tile.voters);
+  make_room(count, tile.intensity);
   for (std::size_t i = tile.points.size() - std::min(first, tile.points.size()); i < count; ++i) {
     VotedPoint p;
     p.x = page.x[i] * step;
