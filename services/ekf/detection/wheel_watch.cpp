@@ -30,7 +30,7 @@ void WheelWatch::add(const WheelLook& look) {
   if (any_trusted && all_refused)
     dispute(look);
   else
-    dispute_.reset();
+    forget_dispute();
   if (!dispute_) way_ += 0.5 * std::abs(look.expected[0] + look.expected[1]) * look.seconds();
 }
 
@@ -75,14 +75,24 @@ WheelWatch::Finding WheelWatch::settle() {
     dispute_->await_more();
     return finding;
   }
-  if (finding == Finding::kWheels) astray_ = dispute_->astray(way_);
+  if (finding == Finding::kWheels) astray_ = restored_ ? WheelDispute::Astray{} : dispute_->astray(way_);
   for (std::size_t i = 0; i < 2; ++i) {
     if (faulty(i)) continue;
     wheels_[i] = {};
     if (finding == Finding::kWheels) wheels_[i] = {.faulty = true, .evidence = dispute_->evidence(i)};
   }
-  dispute_.reset();
+  forget_dispute();
   return finding;
+}
+
+void WheelWatch::forget_dispute() {
+  dispute_.reset();
+  restored_ = false;
+}
+
+void WheelWatch::restored() {
+  interrupt();
+  restored_ = true;
 }
 
 void WheelWatch::stand() {
@@ -91,7 +101,7 @@ void WheelWatch::stand() {
 }
 
 void WheelWatch::interrupt() {
-  dispute_.reset();
+  forget_dispute();
   recent_.interrupt();
 }
 

@@ -31,6 +31,8 @@ class WheelWatch {
   void add(const WheelLook& look);
   /// The intervals were interrupted.
   void interrupt();
+  /// The filter has gone back to what it believed without the wheels: interrupted, and they have not led it astray.
+  void restored();
   /// It stands: interrupted, and its speed is known.
   void stand();
 
@@ -63,13 +65,15 @@ class WheelWatch {
   void judge_faulty(Wheel& wheel, std::size_t i, const WheelLook& look) const;
   void collect(Wheel& wheel, std::size_t i, const WheelLook& look) const;
   void dispute(const WheelLook& look);
+  void forget_dispute();
 
   base::SlipConfig config_;
   double track_width_;  // m
   std::array<Wheel, 2> wheels_;
   std::optional<WheelDispute> dispute_;
   RecentSpeeds recent_;
-  double way_ = 0;  // m, by the filter, since it stood, without disputes
+  double way_ = 0;         // m, by the filter, since it stood, without disputes
+  bool restored_ = false;  // since the wheels agreed last
   WheelDispute::Astray astray_;
 };
 

@@ -71,7 +71,7 @@ void doubt_standing(model::Estimate& estimate, double speed) {
 
 void doubt_astray(model::Belief& belief, const detection::WheelDispute::Astray& astray,
                   const base::StartConfig& config) {
-  constexpr double kCoastingBias = 0.01;  // m/s^2: what no wheel keeps in check; a milli-g
+  constexpr double kCoastingBias = 0.015;  // m/s^2: what no wheel keeps in check; 1.5 milli-g
   widen(belief, model::kAccelerometerBias, kCoastingBias);
   if (astray.speed <= 0) return;
   const double acceleration = kGravity * config.level_sigma;  // that its tilt has fooled it with since

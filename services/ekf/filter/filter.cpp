@@ -59,7 +59,9 @@ void Filter::add(const base::ImuSample& sample, std::vector<model::Estimate>& ou
   still_.add(sample);
   serve_pending(&next);
   mechanisation_.advance(belief_, sample.utime, &next, standing_);
+  advance_launch(sample.utime, &next);
   mechanisation_.set_last_imu(next);
+  if (launch_) launch_->set_last_imu(next);
   update_standing(next.imu, dt);
   if (wheels_missing(sample.utime)) correct_without_wheels();
   restore_if_not_finite();
@@ -157,6 +159,7 @@ void Filter::restart_clock(std::int64_t utime) {
   watch_.interrupt();
   wheels_refused_.reset();
   constraint_refused_.reset();
+  forget_launch();
   standing_ = false;
 }
 
@@ -181,6 +184,7 @@ void Filter::serve_pending(const model::TimedInertial* next) {
     else if (!trusted)
       mechanisation_.set_wheel_yaw_rate({});
     mechanisation_.advance(belief_, wheels.utime, next, standing_);
+    advance_launch(wheels.utime, next);
     correct_with_wheels(step, next == nullptr);
   }
 }
@@ -205,10 +209,27 @@ void Filter::update_standing(const model::Inertial& imu, double dt) {
     slip_.reset_detector();
     watch_.stand();
     mechanisation_.window().reset();
+    forget_launch();
     standing_ = true;
   } else if (!still && standing_) {
     leave_standing();
+    drive_off();
   }
+}
+
+void Filter::drive_off() {
+  const auto& last = mechanisation_.last_imu();
+  const bool known = last && !watch_.faulty(0) && !watch_.faulty(1) && !heading_.lost();
+  if (known) launch_.emplace(*config_, geometry_, belief_, *last);
+}
+
+void Filter::advance_launch(std::int64_t utime, const model::TimedInertial* next) {
+  if (launch_ && !launch_->advance(utime, next)) launch_.reset();
+}
+
+void Filter::forget_launch() {
+  launch_.reset();
+  disowned_ = false;
 }
 
 void Filter::leave_standing() {
@@ -235,6 +256,7 @@ void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vecto
   emitted_ = estimate.utime;
   if (!standing_) spreader_.moved(estimate.T_odom_base, since * estimate.velocity.norm(), since);
   spreader_.apply(estimate);
+  if (launch_) launch_->doubt(estimate, belief_);
   if (still_.wheels_rest()) doubt_standing(estimate, standing_motion_.suspected_speed());
   out.push_back(estimate);
 }

@@ -13,6 +13,7 @@
 #include "services/ekf/detection/start_up.hpp"
 #include "services/ekf/detection/still_detector.hpp"
 #include "services/ekf/detection/wheel_watch.hpp"
+#include "services/ekf/filter/launch.hpp"
 #include "services/ekf/filter/lost_heading.hpp"
 #include "services/ekf/filter/odom_smoother.hpp"
 #include "services/ekf/filter/pose_history.hpp"
@@ -74,10 +75,14 @@ class Filter {
   void serve_pending(const model::TimedInertial* next);
   void update_standing(const model::Inertial& imu, double dt);
   void leave_standing();
+  void drive_off();
+  void forget_launch();
+  void advance_launch(std::int64_t utime, const model::TimedInertial* next);
   void update_level();
 
   void correct_with_wheels(WheelStep step, bool coasting);
   void correct_driving(const inputs::WheelInterval& interval);
+  void judge_launch(const inputs::WheelInterval& interval);
   void judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows);
   void count_verdicts(const std::array<bool, 2>& before);
   [[nodiscard]] detection::WheelWatch::Finding settle_dispute();
@@ -111,6 +116,8 @@ class Filter {
   bool standing_ = false;
   LostHeading heading_;
   detection::StandingMotion standing_motion_;
+  std::optional<Launch> launch_;
+  bool disowned_ = false;  // the wheels, since a launch
   detection::LevelWatch level_;
   std::optional<model::Belief> predecessor_;
   model::Belief belief_;

@@ -44,15 +44,41 @@ void Filter::correct_with_wheels(WheelStep step, bool coasting) {
       else if (covered)
         correct_driving(interval);
       mechanisation_.window().reset();
+      if (launch_) launch_->begin_interval();
       return;
     }
   }
   slip_.reset_detector();
   watch_.interrupt();
   mechanisation_.window().reset();
+  if (launch_) launch_->begin_interval();
+}
+
+/// Wheels that a launch disowns are refused, until they agree or are found faulty.
+void Filter::judge_launch(const inputs::WheelInterval& interval) {
+  if (!launch_ && !disowned_) return;
+  std::array<double, 2> sigma{};
+  for (std::size_t wheel = 0; wheel < 2; ++wheel)
+    sigma[wheel] = inputs::wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel);
+  if (launch_ && launch_->disowns(interval, sigma)) {
+    counters_.add("launches.disowned");
+    const Pose before = model::base_pose(belief_.mean, geometry_);
+    belief_ = launch_->belief();
+    mechanisation_ = launch_->mechanisation();
+    spreader_.corrected(before, model::base_pose(belief_.mean, geometry_));
+    slip_.reset_detector();
+    watch_.restored();
+    launch_.reset();
+    disowned_ = true;
+  } else if (disowned_) {
+    disowned_ = !watch_.faulty(0) && !watch_.faulty(1) &&
+                !Launch::agrees(belief_, mechanisation_.window().motion(), interval, sigma, geometry_);
+  }
+  if (disowned_) slip_.accuse(interval.end);
 }
 
 void Filter::correct_driving(const inputs::WheelInterval& interval) {
+  judge_launch(interval);
   const model::BodyMotion motion = mechanisation_.window().motion();
   const auto observe = [&](std::size_t wheel) {
     return model::observe_wheel(belief_.mean, motion, static_cast<model::Wheel>(wheel), interval.speed[wheel],
@@ -151,6 +177,7 @@ model::Observation Filter::observe_constraint(const model::BodyMotion& motion) {
 
 void Filter::doubt(double speed_sigma) {
   counters_.add("reset.doubt");
+  forget_launch();
   doubt_motion(belief_, speed_sigma, config_->start);
 }
 

@@ -1,0 +1,95 @@
+#include "services/ekf/filter/launch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace curbstone::ekf::filter {
+
+namespace {
+
+constexpr double kWrong = 0.25;  // of the speed, by which the wheels are off: a wrong radius is less
+constexpr double kSure = 4.0;    // sigma, beyond that
+constexpr int kIntervals = 3;    // without a break
+constexpr double kNearly = 0.1;  // of the speed, to which they agree,
+constexpr double kLikely = 2.0;  // and sigma
+constexpr double kJolt = 0.25;   // m/s within two intervals, by which the IMU leaps: so no vehicle drives off,
+constexpr double kOwn = 0.05;    // and of which the wheels show less by that
+
+/// How far one measurement of the wheels is off, in terms of the two limits.
+struct Comparison {
+  double off = 0.0;    // m/s, of the wheels from the belief
+  double speed = 0.0;  // m/s, by the belief
+  double sigma = 0.0;  // m/s, of their difference
+  [[nodiscard]] bool beyond(double share, double sigmas) const { return off > share * speed + sigmas * sigma; }
+};
+
+Comparison comparison(const model::Belief& belief, const model::Observation& z, double measured) {
+  const double off = std::abs(z.residual[0]);
+  return {off, std::abs(measured - z.residual[0]), off / std::sqrt(std::max(model::distance(belief, z), 1e-12))};
+}
+
+/// The middle's speed, which no track width changes, and each wheel's: all three are beyond.
+bool all_beyond(double share, double sigmas, const model::Belief& belief, const model::BodyMotion& motion,
+                const inputs::WheelInterval& interval, const std::array<double, 2>& sigma,
+                const model::Geometry& geometry) {
+  const double middle = interval.mean_speed();
+  const auto z = model::observe_forward_speed(belief.mean, motion, middle, std::max(sigma[0], sigma[1]));
+  if (!comparison(belief, z, middle).beyond(share, sigmas)) return false;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double speed = interval.speed[i];
+    const auto of_wheel =
+        model::observe_wheel(belief.mean, motion, static_cast<model::Wheel>(i), speed, sigma[i], geometry);
+    if (!comparison(belief, of_wheel, speed).beyond(share, sigmas)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Launch::Launch(const base::EkfConfig& config, const model::Geometry& geometry, const model::Belief& belief,
+               const model::TimedInertial& last)
+    : geometry_(geometry), belief_(belief), mechanisation_(config, geometry), begin_(belief.utime) {
+  mechanisation_.set_last_imu(last);
+}
+
+bool Launch::advance(std::int64_t utime, const model::TimedInertial* next) {
+  if (next == nullptr || !mechanisation_.imu_at_hand(next->utime)) return false;
+  if (jolted_ || base::seconds_between(begin_, utime) > kLongest) return false;
+  mechanisation_.advance(belief_, utime, next, false);
+  return true;
+}
+
+bool Launch::leaps(const Speeds& now) {
+  std::rotate(recent_.begin(), recent_.begin() + 1, recent_.end());
+  recent_.back() = now;
+  const double of_wheels = now.wheels - recent_.front().wheels;
+  const double of_imu = now.imu - recent_.front().imu;
+  return std::abs(of_imu - of_wheels) > kJolt && std::abs(of_imu) > std::abs(of_wheels) + kOwn;
+}
+
+bool Launch::disowns(const inputs::WheelInterval& interval, const std::array<double, 2>& sigma) {
+  model::MotionWindow& window = mechanisation_.window();
+  if (window.duration() <= 0.5 * interval.duration()) return false;
+  jolted_ = jolted_ || leaps({interval.mean_speed(), window.motion().velocity.x()});
+  const auto beyond = [&](double share, double sigmas) {
+    return all_beyond(share, sigmas, belief_, window.motion(), interval, sigma, geometry_);
+  };
+  suspicious_ = !jolted_ && beyond(kNearly, kLikely);
+  disagreed_ = suspicious_ && beyond(kWrong, kSure) ? disagreed_ + 1 : 0;
+  return disagreed_ >= kIntervals;
+}
+
+bool Launch::agrees(const model::Belief& belief, const model::BodyMotion& motion, const inputs::WheelInterval& interval,
+                    const std::array<double, 2>& sigma, const model::Geometry& geometry) {
+  return !all_beyond(kNearly, kLikely, belief, motion, interval, sigma, geometry);
+}
+
+void Launch::doubt(model::Estimate& estimate, const model::Belief& of_filter) const {
+  if (!suspicious_) return;
+  const Eigen::Vector3d astray = of_filter.mean.position - belief_.mean.position;
+  const double faster = of_filter.mean.velocity.x() - belief_.mean.velocity.x();
+  estimate.pose_covariance.topLeftCorner<3, 3>() += astray * astray.transpose();
+  estimate.twist_covariance(0, 0) += faster * faster;
+}
+
+}  // namespace curbstone::ekf::filter

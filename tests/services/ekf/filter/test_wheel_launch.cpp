@@ -1,0 +1,148 @@
+// Driving off from a standstill, the IMU alone knows the speed for some seconds: wheels that are wrong from the first
+// metre on show then.
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+
+#include "tests/services/ekf/drawn_drives.hpp"
+#include "tests/services/ekf/town_drive.hpp"
+#include "tests/services/ekf/wheel_faults.hpp"
+
+namespace curbstone::ekf::filter {
+namespace {
+
+struct LaunchOutcome {
+  double position = 0.0;  // m, largest error on the ground
+  double sigmas = 0.0;    // by the covariance, wherever it is more than 3 cm
+  double found = 0.0;     // s, when both wheels are faulty; 0: never
+  Counters counters;
+};
+
+LaunchOutcome launch_outcome(const Drive& drive) {
+  Filter filter{base::EkfConfig()};
+  const auto out = run(filter, drive);
+  const std::size_t start = drive.index_of(out.front().utime);
+  LaunchOutcome outcome;
+  for (const model::Estimate& e : out) {
+    const Pose truth = drive.T_odom_base(drive.index_of(e.utime), start);
+    const Eigen::Vector2d error = (e.T_odom_base.translation() - truth.translation()).head<2>();
+    outcome.position = std::max(outcome.position, error.norm());
+    if (error.norm() > 0.03) {
+      const double squared = error.dot(e.pose_covariance.topLeftCorner<2, 2>().ldlt().solve(error));
+      outcome.sigmas = std::max(outcome.sigmas, std::sqrt(squared));
+    }
+    if (e.no_wheels && outcome.found == 0.0) outcome.found = base::seconds_between(drive.imu.front().utime, e.utime);
+  }
+  outcome.counters = filter.counters();
+  return outcome;
+}
+
+/// It drives off at 4 s.
+Drive launch_in_town(unsigned number, double speed) {
+  TownDriveOptions options;
+  options.seconds = 50.0;
+  options.town = number;
+  options.seed = 2000 + number;
+  options.speed = speed;
+  return simulate_town_drive(options, base::EkfConfig().vehicle);
+}
+
+/// Its wheels turn (1 + share) times as fast as its way from the start on, for `seconds`.
+Drive spinning_at_launch(Drive drive, std::array<double, 2> share, double seconds) {
+  const double radius = base::EkfConfig().vehicle.wheel_radius;
+  std::array<double, 2> added{};
+  for (std::size_t i = 1; i < drive.wheels.size(); ++i) {
+    const double t = base::seconds_between(drive.wheels.front().utime, drive.wheels[i].utime);
+    const double dt = base::seconds_between(drive.wheels[i - 1].utime, drive.wheels[i].utime);
+    const double grip = std::clamp((4.0 + seconds - t) / 0.2, 0.0, 1.0);
+    for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+      added[wheel] += grip * share[wheel] * drive.truth[std::min(i, drive.truth.size() - 1)].velocity.x() / radius * dt;
+      drive.wheels[i].angle[wheel] += added[wheel];
+    }
+  }
+  return drive;
+}
+
+class WheelLaunch : public ::testing::TestWithParam<unsigned> {};
+
+/// Without it the wheels pull the filter along: 3 to 70 sigma, and both halved at 0.7 m/s are found after 39 s or
+/// never.
+TEST_P(WheelLaunch, BothWheelsThatAreWrongFromTheFirstMetreOnAreFoundAndCovered) {
+  for (const double speed : {0.7, 3.0, 5.0}) {
+    const Drive good = launch_in_town(GetParam(), speed);
+    for (const double gain : {0.5, -1.0, 2.0}) {
+      LaunchOutcome o = launch_outcome(with_fault(good, {"both", {gain, gain}}, 1.0));
+      std::printf("[ figure ] town %u, %.1f m/s, both times %.1f: found at %.1f s, at most %.2f m and %.1f sigma\n",
+                  GetParam(), speed, gain, o.found, o.position, o.sigmas);
+      EXPECT_EQ(o.counters["faults.wheel_left"], 1) << gain;
+      EXPECT_EQ(o.counters["faults.wheel_right"], 1) << gain;
+      EXPECT_GT(o.found, 4.0) << gain;
+      EXPECT_LT(o.found, 11.0) << gain;
+      EXPECT_LT(o.sigmas, 4.0) << gain;
+    }
+  }
+}
+
+TEST_P(WheelLaunch, WheelsThatSpinOnIceAreForgivenAsSoonAsTheyHaveGrip) {
+  for (const double speed : {0.7, 3.0, 5.0}) {
+    const Drive good = launch_in_town(GetParam(), speed);
+    const double undisturbed = launch_outcome(good).position;
+    for (const std::array<double, 2> share : {std::array{0.5, 0.5}, {3.0, 3.0}, {0.4, 1.5}, {-0.5, -0.5}}) {
+      for (const double seconds : {2.5, 4.5}) {
+        LaunchOutcome o = launch_outcome(spinning_at_launch(good, share, seconds));
+        EXPECT_EQ(o.counters["faults.wheel_left"] + o.counters["faults.wheel_right"], 0) << speed << ", " << share[0];
+        EXPECT_LT(o.position, undisturbed + 0.5) << speed << ", " << share[0];
+        EXPECT_LT(o.sigmas, 4.0) << speed << ", " << share[0];
+      }
+    }
+  }
+}
+
+TEST_P(WheelLaunch, AGoodLaunchDisownsNoWheels) {
+  for (const double speed : {0.7, 3.0, 5.0}) {
+    LaunchOutcome o = launch_outcome(launch_in_town(GetParam(), speed));
+    EXPECT_EQ(o.counters["launches.disowned"], 0) << speed;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Town, WheelLaunch, ::testing::Values(1U, 2U));
+
+TEST(Launch, OnSteepWavesOfTheGroundItDisownsNoWheels) {
+  for (const double hills : {0.1, 0.3}) {
+    for (const double speed : {0.7, 3.0}) {
+      DriveOptions options;
+      options.hills = hills;
+      options.speed = speed;
+      options.stop_at = 20.0;
+      options.seconds = 40.0;
+      options.accelerometer_bias = {0.05, -0.03, 0.02};
+      options.gyro_bias = {0.004, -0.003, 0.005};
+      LaunchOutcome o = launch_outcome(simulate_drive(options, base::EkfConfig().vehicle));
+      EXPECT_EQ(o.counters["launches.disowned"], 0) << hills << ", " << speed;
+    }
+  }
+}
+
+TEST(Launch, AJoltOfTheImuDisownsNoWheels) {
+  for (const double jolt : {-1.0, -0.3, 0.3, 1.0}) {  // m/s within 50 ms
+    for (const double speed : {0.7, 3.0}) {
+      Drive drive = launch_in_town(1, speed);
+      for (std::size_t i = 470; i < 475; ++i) drive.imu[i].acceleration.x() += jolt / 0.05;
+      LaunchOutcome o = launch_outcome(drive);
+      EXPECT_EQ(o.counters["launches.disowned"], 0) << jolt << ", " << speed;
+    }
+  }
+}
+
+TEST(Launch, WithoutTheImuNothingIsDisowned) {
+  Drive drive = launch_in_town(1, 3.0);
+  const std::int64_t begin = drive.imu.front().utime;
+  std::erase_if(drive.imu, [&](const base::ImuSample& sample) {
+    const double t = base::seconds_between(begin, sample.utime);
+    return t > 4.2 && t < 6.0;
+  });
+  LaunchOutcome o = launch_outcome(drive);
+  EXPECT_EQ(o.counters["launches.disowned"], 0);
+}
+
+}  // namespace
+}  // namespace curbstone::ekf::filter
