@@ -1,5 +1,6 @@
 // The page: the world comes from the connection, the user looks at it through the camera.
-import { drawsEachFrame } from "./arrival";
+import { Arrival } from "./arrival";
+import { showTurn } from "./cards/compass";
 import { showServices, Verdict } from "./cards/health";
 import { Inspector } from "./cards/inspector";
 import { Panel, showSummary } from "./cards/panel";
@@ -16,6 +17,7 @@ import { Pace } from "./drawing/pace";
 import { kInk } from "./drawing/ink";
 import { css, kBackground } from "./drawing/palette";
 import { saveCanvases } from "./drawing/save_picture";
+import { Sheet } from "./drawing/sheet";
 import { TiltedMarks } from "./drawing/tilted_marks";
 import { Tilting } from "./drawing/tilting";
 import { byId, say, seconds } from "./format";
@@ -27,7 +29,7 @@ import { judge, judgePast } from "./staleness";
 import { heightRange, mapBounds, newestTime, placeUnder } from "./survey";
 import { Pose, World } from "./world";
 
-const world = new World();
+const world = new World(), arrival = new Arrival(world);
 const camera = new Camera();
 const settings = new Settings();
 const map = byId("map"), groundCanvas = byId<HTMLCanvasElement>("ground"), marksCanvas = byId<HTMLCanvasElement>("marks");
@@ -45,7 +47,6 @@ let rewind: Rewind;
 let isWell = true;  // what is live, whatever is shown
 let range: [number, number] = [-1, 3];
 let grey = 0;
-let shown = false;  // whether the view was ever put where the map is
 let verdict: Verdict = { faults: 0, silent: 0, all: 0 };
 let wanted = false;
 
@@ -73,10 +74,9 @@ function draw(now: number): void {
   marks.refresh();
   (camera.isTilted ? tiltedMarks : marks).draw(camera, look, layers, poses, inspector.picked, ruler.places, grey);
   showScale(camera.scale);
-  byId("tilt").setAttribute("aria-pressed", String(camera.isTilted));
-  byId("needle").style.transform = `rotate(${-camera.turn}rad)`;
-  byId("needle").style.transformOrigin = "12px 12px";
+  showTurn(camera);
   connection.drawn();
+  arrival.drew(now);
   if (pace.allows(now, motion.isMoving(now) || isTilting) && !document.hidden) redraw();
 }
 
@@ -112,8 +112,8 @@ function onNews(): void {
   if (state?.localized?.here) localized.add(state.localized, performance.now());
   else localized.clear();
   showTimeline();
-  const draws = drawsEachFrame(world, shown, performance.now());
-  if (!shown && draws && world.tiles.size > 0) begin();
+  const draws = arrival.drawsEachFrame(performance.now());
+  if (!arrival.shown && draws && world.tiles.size > 0) begin();
   const wasOpen = !byId("cell").hidden;
   inspector.show(settings.look, settings.mode);
   if (wasOpen && byId("cell").hidden) inspector.pick(null);  // its map is gone
@@ -122,7 +122,7 @@ function onNews(): void {
 
 /// The first tiles are there: look at them, unless the address says where.
 function begin(): void {
-  shown = true;
+  arrival.shown = true;
   if (settings.hasView && !settings.follow) return;
   if (world.state?.source === "map" && !settings.hasView) showWhole();
 }
@@ -142,7 +142,7 @@ function look(): void {
   const judged = isPast ? judgePast(judge(state, true, age), clock(rewind.behind / 1000)) : now;
   const status = byId("status");
   showTimeline();
-  if (!shown && world.tiles.size > 0) redraw();  // what has come of it so far
+  if (arrival.asksForPart()) redraw();  // what has come of it so far
   settings.write(camera);
   say(status, judged.word);
   status.className = `chip ${judged.mood}`;
@@ -317,7 +317,7 @@ function wire(): void {
   addEventListener("resize", resize);       // and one that goes to a screen of finer pixels
   addEventListener("hashchange", () => {    // another link was pasted, or the browser's Back
     settings.read(camera);
-    shown ||= settings.hasView;
+    arrival.shown ||= settings.hasView;
     settingsChanged();
     resize();
   });
@@ -327,13 +327,13 @@ function wire(): void {
 
 // For the browser's console, and for tests/services/viewer/page.
 rewind = new Rewind(world, onPast);
-Object.assign(window, { curbstone: { world, camera, settings, rewind, redraw } });
+Object.assign(window, { curbstone: { world, camera, settings, rewind, arrival, redraw } });
 
 settings.read(camera);
 try {
   ground = new Ground(groundCanvas, world, redraw);
-  marks = new Marks(marksCanvas, world);
-  tiltedMarks = new TiltedMarks(marksCanvas, world);
+  const sheet = new Sheet(marksCanvas);
+  [marks, tiltedMarks] = [new Marks(sheet, world), new TiltedMarks(sheet, world)];
   inspector = new Inspector(world, onPicked);
   ruler = new Ruler(world, () => { ruler.show(); redraw(); });
   connection = new Connection(rewind, onFrame);

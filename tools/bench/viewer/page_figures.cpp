@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -15,6 +16,7 @@ namespace curbstone::bench::viewer {
 namespace {
 
 constexpr int kAside = 139;                   // tiles: 12.1 million cells
+constexpr int kOpened = 5;                    // times that a page is opened for the first picture's median
 constexpr std::int64_t kTilePeriod = 50'000;  // us
 constexpr double kWatched = 12;               // s of tiles, whose last 64 frames the viewer keeps
 constexpr std::pair<const char*, const char*> kViews[] = {
@@ -24,15 +26,29 @@ std::string has_drawn(std::size_t tiles) {
   return fmt::format("curbstone.world.tiles.size >= {} && curbstone.world.changed.size === 0", tiles);
 }
 
+/// ms from the request for the page until the whole map is drawn: the answer to readPixels comes after all that was to
+/// be drawn before it.
+double first_picture(LivePage& page, std::size_t tiles) {
+  page.open("follow=0&theme=light");
+  // performance.now() counts from the request on.
+  return page.evaluate(fmt::format(
+      "new Promise(done => {{ const look = () => {{ if (typeof curbstone !== 'object' || !({})) return "
+      "setTimeout(look, "
+      "2); const gl = document.getElementById('ground').getContext('webgl2'); "
+      "gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); done(performance.now()); }}; look(); "
+      "}})",
+      has_drawn(tiles)));
+}
+
 void measure_map(const std::vector<semantic_tile_t>& map, nlohmann::json& figures) {
   LivePage page;
   for (const semantic_tile_t& tile : map) page.put(tile);
-  page.open("follow=0&theme=light");
-  // performance.now() counts from the request on.
-  figures["first_picture_ms"] = page.evaluate(fmt::format(
-      "new Promise(done => {{ const look = () => typeof curbstone === 'object' && {} ? done(performance.now()) : "
-      "setTimeout(look, 2); look(); }})",
-      has_drawn(map.size())));
+  // The first page of a browser waits for the browser, too: for its processes, and the first context of WebGL.
+  figures["first_picture_cold_ms"] = first_picture(page, map.size());
+  std::vector<double> pictures(kOpened);
+  for (double& picture : pictures) picture = first_picture(page, map.size());
+  std::nth_element(pictures.begin(), pictures.begin() + kOpened / 2, pictures.end());
+  figures["first_picture_warm_ms"] = pictures[kOpened / 2];
   std::int64_t said = 0;
   std::size_t next = 0;
   page.meanwhile = [&] {

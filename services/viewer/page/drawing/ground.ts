@@ -6,8 +6,8 @@ import { classColours, kPaint, Mode, pointRamp, ramp, Rgb, Theme } from "./palet
 import { Program, unit } from "./program";
 import { Relief } from "./relief";
 import { drawsInSoftware } from "./software";
-import { kPageFragment, kPageVertex, kPointFragment, kPointVertex } from "./shaders";
-import { Pose, World } from "../world";
+import { kFarFragment, kNearFragment, kPageFragment, kPageVertex, kPointFragment, kPointVertex } from "./shaders";
+import { kCellSize, Pose, World } from "../world";
 
 export interface Look {
   theme: Theme; mode: Mode; grid: boolean; relief: boolean; points: boolean; curbs: boolean; markings: boolean;
@@ -24,7 +24,7 @@ export class Ground {
   private painter!: Painter;
   private relief: Relief | null = null;  // made when it is first tilted: shaders take their time
   private isSlow = false;
-  private flat!: Program;
+  private flat!: { any: Program; far: Program; near: Program };  // of every look, and those that are drawn sooner
   private point!: Program;
   private points!: WebGLBuffer;
   private numPoints = 0;
@@ -54,7 +54,8 @@ export class Ground {
     this.pages = new Pages(gl, this.world, isSlow ? gl.LINEAR_MIPMAP_NEAREST : gl.LINEAR_MIPMAP_LINEAR);
     this.painter = new Painter(gl, this.pages);
     this.relief = null;
-    this.flat = new Program(gl, kPageVertex, kPageFragment);
+    const [any, far, near] = [kPageFragment, kFarFragment, kNearFragment].map(fragment => new Program(gl, kPageVertex, fragment));
+    this.flat = { any, far: far.prepare(), near: near.prepare() };
     this.point = new Program(gl, kPointVertex, kPointFragment, ["point"]);
     this.points = gl.createBuffer()!;
     gl.enable(gl.BLEND);
@@ -93,7 +94,7 @@ export class Ground {
   private painting(camera: Camera, look: Look): (page: Page) => void {
     const { gl } = this, { theme, mode, relief, range } = look;
     const name = [theme, mode, relief, ...mode === "height" ? range : []].join(" ");
-    const isSmall = camera.isTilted || camera.scale * 0.12 * this.canvas.width / camera.width < 1.5;
+    const isSmall = camera.isTilted || this.cellWidth(camera) < 1.5;
     const style = (program: Program) => {
       gl.uniform1i(program.at("cells"), 0);
       gl.uniform1i(program.at("heights"), 1);
@@ -122,20 +123,29 @@ export class Ground {
     gl.uniform1f(program.at("cellsAside"), kCellsAside);
   }
 
+  /// Pixels of the screen.
+  private cellWidth(camera: Camera): number {
+    return camera.scale * kCellSize * this.canvas.width / camera.width;
+  }
+
   private drawPages(camera: Camera, look: Look, paint: (page: Page) => void): void {
-    const { gl, flat } = this;
+    const { gl } = this;
+    const flat = look.grey > 0 || look.mode === "age" ? this.flat.any : this.cellWidth(camera) < 1 ? this.flat.far : this.flat.near;
     const seen = [...this.pages.all.values()].filter(page => isSeen(camera, page.x, page.y));
+    if (seen.length === 0) return;
     seen.forEach(paint);
     flat.use();
     this.style(flat, look);
     gl.uniform1f(flat.at("side"), kPageSize);
     gl.uniformMatrix4fv(flat.at("toClip"), false, camera.matrix());
     gl.disableVertexAttribArray(0);
+    gl.disable(gl.BLEND);
     for (const page of seen) {
       this.pages.bind(page);
       gl.uniform2f(flat.at("corner"), page.x * kPageSize, page.y * kPageSize);
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
     }
+    gl.enable(gl.BLEND);
   }
 
   private drawPoints(camera: Camera, look: Look, pose: Pose): void {

@@ -4,9 +4,8 @@ import { Camera } from "./camera";
 import { ellipseOf, Ink, kInk } from "./ink";
 import { kPaintWidth } from "./paint_strips";
 import { Theme } from "./palette";
-import { context2d } from "./software";
+import { Sheet } from "./sheet";
 import { CurbLine, kCellSize, MarkingLine, Place, Pose, World } from "../world";
-
 
 interface Shape { line: CurbLine; path: Path2D; ticks: Path2D }
 
@@ -16,15 +15,14 @@ export class Marks {
   private paint: [MarkingLine, Path2D][] = [];
   private driven = new Path2D();
 
-  constructor(private canvas: HTMLCanvasElement, private world: World) {
-    this.context = context2d(canvas);
+  constructor(private sheet: Sheet, private world: World) {
+    this.context = sheet.context;
   }
 
   draw(camera: Camera, theme: Theme, layers: Layers, poses: [Pose, string][], picked: [number, number] | null, measured: Place[], grey: number): void {
-    const { context, canvas } = this;
+    const { context } = this;
     const ink = kInk[theme];
-    context.setTransform(1, 0, 0, 1, 0, 0);
-    context.clearRect(0, 0, canvas.width, canvas.height);
+    this.sheet.begin();
     context.filter = grey > 0 ? "grayscale(1) opacity(0.55)" : "none";
     this.toMap(camera);
     const pixel = 1 / camera.scale;
@@ -36,11 +34,12 @@ export class Marks {
     if (measured.length > 0) this.drawMeasured(measured, ink, pixel);
     for (const [pose, colour] of poses) this.drawEllipse(pose, colour, pixel);
     for (const [pose, colour] of poses) this.drawVehicle(pose, colour, ink, pixel);
+    this.sheet.show();
   }
 
   /// From here on the canvas takes m in map.
   private toMap(camera: Camera): void {
-    const dots = this.canvas.width / camera.width;
+    const dots = this.sheet.width / camera.width;
     const k = camera.scale * dots;
     const [c, s] = [Math.cos(camera.turn) * k, Math.sin(camera.turn) * k];
     const [x, y] = camera.toScreen(0, 0);

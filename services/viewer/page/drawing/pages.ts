@@ -6,17 +6,19 @@ export const kTilesAside = 32;               // of a page: 96 m
 export const kCellsAside = kTilesAside * kCells;
 export const kPageSize = kTilesAside * kTileSize;  // m
 const kSizes = 1 + Math.floor(Math.log2(kCellsAside));  // of a picture, each half of the one before
-const kNone = -1e9;                          // height where none is known
+const kNone = 0;                             // height where none is known: what a new texture is full of
+const kZero = 1e-6;                          // m, for a height of 0
 
 /// From column, row on, up to column, row, which are not in it.
 export interface Area { left: number; low: number; right: number; high: number }
 
-/// `cells`: class, cost, confidence, 255 where a tile is. `heights`: m. `times`: of each tile's newest points, s.
-/// `picture`: the cells' colours (Painter), which lacks what became other in `unpainted`. `tiles`: by row and column, and
-/// `squares` of them by squareKey(): what the tilted view draws.
+/// `cells`: class, cost, confidence, 255 where a tile is. `heights`: m, kNone. `times`: of each tile's newest points, s.
+/// `seconds`: what `times` is to hold, which it does not if `aged`. `picture`: the cells' colours (Painter), which lacks
+/// what became other in `unpainted`. `tiles`: by row and column, and `squares` of them by squareKey(): what the tilted
+/// view draws.
 export interface Page {
   x: number; y: number; cells: WebGLTexture; heights: WebGLTexture; times: WebGLTexture; picture: WebGLTexture;
-  unpainted: Area | null; paintedAs: string; hasSmaller: boolean;
+  seconds: Float32Array; aged: boolean; unpainted: Area | null; paintedAs: string; hasSmaller: boolean;
   tiles: (Tile | undefined)[]; squares: Map<number, Square>;
 }
 
@@ -40,6 +42,7 @@ export class Pages {
     }
     for (const tile of world.gone) this.uploadTile(tile, false);
     for (const tile of world.changed) this.uploadTile(tile, true);
+    for (const page of this.all.values()) if (page.aged) this.uploadTimes(page);
     world.gone.clear();
     world.changed.clear();
   }
@@ -63,22 +66,30 @@ export class Pages {
       kBytes[4 * i + 1] = tile.costs[i];
       kBytes[4 * i + 2] = tile.confidences[i];
       kBytes[4 * i + 3] = isThere ? 255 : 0;
-      kHeights[i] = !isThere || tile.heights[i] === kNoHeight ? kNone : tile.zOrigin + tile.heights[i] * 0.002;
+      kHeights[i] = !isThere || tile.heights[i] === kNoHeight ? kNone : tile.zOrigin + tile.heights[i] * 0.002 || kZero;
     }
     if (this.epoch === 0) this.epoch = tile.utime;
     const [column, row] = [tile.x - px * kTilesAside, tile.y - py * kTilesAside];
-    const put = (texture: WebGLTexture, side: number, format: number, type: number, values: ArrayBufferView) => {
+    const put = (texture: WebGLTexture, format: number, type: number, values: ArrayBufferView) => {
       gl.bindTexture(gl.TEXTURE_2D, texture);
-      gl.texSubImage2D(gl.TEXTURE_2D, 0, column * side, row * side, side, side, format, type, values);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, column * kCells, row * kCells, kCells, kCells, format, type, values);
     };
     page.tiles[row * kTilesAside + column] = isThere ? tile : undefined;
     touch(page, column, row);
     this.touchPagesBeside(px, py, column, row);
     page.unpainted = around(page.unpainted, column * kCells, row * kCells);
     gl.activeTexture(gl.TEXTURE0);
-    put(page.cells, kCells, gl.RGBA_INTEGER, gl.UNSIGNED_BYTE, kBytes);
-    put(page.heights, kCells, gl.RED, gl.FLOAT, kHeights);
-    put(page.times, 1, gl.RED, gl.FLOAT, new Float32Array([(tile.utime - this.epoch) * 1e-6]));
+    put(page.cells, gl.RGBA_INTEGER, gl.UNSIGNED_BYTE, kBytes);
+    put(page.heights, gl.RED, gl.FLOAT, kHeights);
+    page.seconds[row * kTilesAside + column] = (tile.utime - this.epoch) * 1e-6;
+    page.aged = true;
+  }
+
+  private uploadTimes(page: Page): void {
+    const { gl } = this;
+    gl.bindTexture(gl.TEXTURE_2D, page.times);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, kTilesAside, kTilesAside, gl.RED, gl.FLOAT, page.seconds);
+    page.aged = false;
   }
 
   private touchPagesBeside(px: number, py: number, column: number, row: number): void {
@@ -104,10 +115,8 @@ export class Pages {
     };
     const picture = texture(gl.RGBA8, kCellsAside, kSizes);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, this.smooth);
-    const page: Page = { x, y, picture, cells: texture(gl.RGBA8UI, kCellsAside), times: texture(gl.R32F, kTilesAside),
-      heights: texture(gl.R32F, kCellsAside), unpainted: null, paintedAs: "", hasSmaller: false, tiles: [], squares: new Map() };
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, kCellsAside, kCellsAside, gl.RED, gl.FLOAT, new Float32Array(kCellsAside * kCellsAside).fill(kNone));
-    return page;
+    return { x, y, picture, cells: texture(gl.RGBA8UI, kCellsAside), times: texture(gl.R32F, kTilesAside),
+      heights: texture(gl.R32F, kCellsAside), seconds: new Float32Array(kTilesAside * kTilesAside), aged: false, unpainted: null, paintedAs: "", hasSmaller: false, tiles: [], squares: new Map() };
   }
 }
 

@@ -9,7 +9,7 @@ export class Painter {
   private canvas: WebGLFramebuffer;
 
   constructor(private gl: WebGL2RenderingContext, private pages: Pages) {
-    this.program = new Program(gl, kPaintVertex, kPaintFragment);
+    this.program = new Program(gl, kPaintVertex, kPaintFragment).prepare();
     this.canvas = gl.createFramebuffer()!;
   }
 

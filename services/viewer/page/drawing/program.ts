@@ -3,11 +3,18 @@ import { Rgb } from "./palette";
 
 /// Compiled when it is first used: without a graphics card that takes a second, and a view uses few of them.
 export class Program {
+  private begun: { program: WebGLProgram; shaders: WebGLShader[] } | null = null;
   private made: WebGLProgram | null = null;
   private places = new Map<string, WebGLUniformLocation | null>();
 
   /// `attributes`: by place, from 0.
   constructor(private gl: WebGL2RenderingContext, private vertex: string, private fragment: string, private attributes: string[] = []) {}
+
+  /// Lets the browser compile it beside the page's script, as it will be wanted soon.
+  prepare(): this {
+    this.begun ??= this.begin();
+    return this;
+  }
 
   /// Throws where a shader does not compile.
   use(): void { this.gl.useProgram(this.made ??= this.make()); }
@@ -18,7 +25,7 @@ export class Program {
     return place;
   }
 
-  private make(): WebGLProgram {
+  private begin(): { program: WebGLProgram; shaders: WebGLShader[] } {
     const { gl } = this, program = gl.createProgram()!;
     const shaders = ([[gl.VERTEX_SHADER, this.vertex], [gl.FRAGMENT_SHADER, this.fragment]] as const).map(([kind, source]) => {
       const shader = gl.createShader(kind)!;
@@ -29,6 +36,11 @@ export class Program {
     });
     this.attributes.forEach((name, place) => gl.bindAttribLocation(program, place, name));
     gl.linkProgram(program);
+    return { program, shaders };
+  }
+
+  private make(): WebGLProgram {
+    const { gl } = this, { program, shaders } = this.begun ?? this.begin();
     if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
       throw new Error(shaders.map(shader => gl.getShaderInfoLog(shader)).join("") || "a shader does not compile");
     return program;

@@ -15,8 +15,8 @@ void main() {
   gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0, 0, 1);
 }`;
 
-/// The colour of a cell. The page's textures: `cells` has class, cost, confidence, 255 where a tile is; `heights` m, very
-/// low where none is known. By age only which cells are known: their colours change all the time.
+/// The colour of a cell. The page's textures: `cells` has class, cost, confidence, 255 where a tile is; `heights` m, 0
+/// where none is known. By age only which cells are known: their colours change all the time.
 export const kPaintFragment = `#version 300 es
 precision highp float;
 precision highp usampler2D;
@@ -28,15 +28,13 @@ uniform vec2 range;          // m: the ends of the ramp
 uniform float relief;        // how strong
 out vec4 colour;
 ${kRamp}
-const float kNone = -1e8;
-
 float heightAt(ivec2 at) {
   return texelFetch(heights, clamp(at, ivec2(0), textureSize(heights, 0) - 1), 0).r;
 }
 float shade(ivec2 at, float h) {
   float e = heightAt(at + ivec2(1, 0)), w = heightAt(at - ivec2(1, 0));
   float n = heightAt(at + ivec2(0, 1)), s = heightAt(at - ivec2(0, 1));
-  vec2 slope = vec2((e < kNone ? h : e) - (w < kNone ? h : w), (n < kNone ? h : n) - (s < kNone ? h : s)) / 0.24;
+  vec2 slope = vec2((e == 0.0 ? h : e) - (w == 0.0 ? h : w), (n == 0.0 ? h : n) - (s == 0.0 ? h : s)) / 0.24;
   return clamp(dot(slope, vec2(0.45, -0.65)) * 0.9, -0.28, 0.22);  // light from the north-west
 }
 void main() {
@@ -46,11 +44,11 @@ void main() {
   vec4 c = vec4(0);
   if (values.a > 0u) {
     if (mode == 0) c = classes[values.r];
-    if (mode == 1 && h > kNone) c = vec4(onRamp((h - range.x) / (range.y - range.x)), 1);
+    if (mode == 1 && h != 0.0) c = vec4(onRamp((h - range.x) / (range.y - range.x)), 1);
     if (mode == 2 && values.g < 255u) c = vec4(onRamp(float(values.g) / 254.0), 1);
     if (mode == 3 && values.r > 0u) c = vec4(onRamp(float(values.b) / 255.0), 1);
     if (mode == 4 && values.r > 0u) c = vec4(1);
-    if (c.a > 0.0 && relief > 0.0 && h > kNone) c.rgb *= 1.0 + relief * shade(at, h);
+    if (c.a > 0.0 && relief > 0.0 && h != 0.0) c.rgb *= 1.0 + relief * shade(at, h);
   }
   colour = vec4(c.rgb * c.a, c.a);
 }`;
@@ -100,12 +98,34 @@ void main() {
   gl_Position = vec4((toClip * vec4(corner + unit * side, 0, 1)).xy, 0, 1);
 }`;
 
-export const kPageFragment = `${kPicture}${kColourOf}
+/// As it is laid on the paper, so that nothing below need be read: without a graphics card that counts.
+const kOnPaper = `vec4 onPaper(vec4 c) { return vec4(c.rgb + paper * (1.0 - c.a), 1); }
+`;
+
+/// In every look.
+export const kPageFragment = `${kPicture}${kColourOf}${kOnPaper}
 in highp vec2 cell;
 out vec4 colour;
 void main() {
-  colour = greyed(colourOf(cell));
+  colour = onPaper(greyed(colourOf(cell)));
 }`;
+
+/// The picture as it is: neither by age nor grey. `look`: into it.
+const asItIs = (look: string) => `#version 300 es
+precision highp float;
+precision highp sampler2D;
+uniform sampler2D picture;
+uniform vec3 paper;
+uniform float cellsAside;
+${kOnPaper}
+in highp vec2 cell;
+out vec4 colour;
+void main() {
+  colour = onPaper(${look});
+}`;
+/// Where cells are smaller than pixels, and where none is: there a pixel has one cell's colour.
+export const kFarFragment = asItIs("texture(picture, cell / cellsAside, -0.4)");
+export const kNearFragment = asItIs("texelFetch(picture, ivec2(min(cell, cellsAside - 1.0)), 0)");
 
 export const kPointVertex = `#version 300 es
 uniform mat4 toClip;     // from m in map

@@ -6,11 +6,6 @@ export function drawsInSoftware(): boolean {
   return known ??= look();
 }
 
-/// The context of a canvas that takes paths and marks.
-export function context2d(canvas: HTMLCanvasElement): CanvasRenderingContext2D {
-  return canvas.getContext("2d", { willReadFrequently: drawsInSoftware() })!;
-}
-
 function look(): boolean {
   const gl = document.createElement("canvas").getContext("webgl2");
   const info = gl?.getExtension("WEBGL_debug_renderer_info");

@@ -3,7 +3,7 @@ import { Layers } from "../settings";
 import { Camera } from "./camera";
 import { ellipseOf, Ink, kInk } from "./ink";
 import { Theme } from "./palette";
-import { context2d } from "./software";
+import { Sheet } from "./sheet";
 import { heightAt, kCellSize, Place, Pose, World } from "../world";
 
 type Spot = [number, number];
@@ -13,14 +13,13 @@ const kArrow: Spot[] = [[1, 0], [-0.8, 0.72], [-0.45, 0], [-0.8, -0.72]];
 export class TiltedMarks {
   private context: CanvasRenderingContext2D;
 
-  constructor(private canvas: HTMLCanvasElement, private world: World) {
-    this.context = context2d(canvas);
+  constructor(private sheet: Sheet, private world: World) {
+    this.context = sheet.context;
   }
 
   draw(camera: Camera, theme: Theme, layers: Layers, poses: [Pose, string][], picked: Spot | null, measured: Place[], grey: number): void {
-    const { context, canvas } = this, ink = kInk[theme], dots = canvas.width / camera.width;
-    context.setTransform(1, 0, 0, 1, 0, 0);
-    context.clearRect(0, 0, canvas.width, canvas.height);
+    const { context, sheet } = this, ink = kInk[theme], dots = sheet.width / camera.width;
+    sheet.begin();
     context.setTransform(dots, 0, 0, dots, 0, 0);
     context.filter = grey > 0 ? "grayscale(1) opacity(0.55)" : "none";
     context.lineJoin = context.lineCap = "round";
@@ -29,6 +28,7 @@ export class TiltedMarks {
     if (measured.length > 0) this.drawMeasured(camera, measured, ink);
     for (const [pose, colour] of poses) this.drawEllipse(camera, pose, colour);
     for (const [pose, colour] of poses) this.drawVehicle(camera, pose, colour, ink);
+    sheet.show();
   }
 
   private drawPath(camera: Camera, ink: Ink): void {

@@ -1,3 +1,4 @@
+#include "services/viewer/frames/page_feed.hpp"
 #include "tests/services/viewer/page/page_on_a_bus.hpp"
 
 namespace curbstone::viewer {
@@ -29,6 +30,20 @@ TEST_F(PageWaits, AndSaysInWordsForWhat) {
   put(tile_of(0, 0, semantic_tile_t::ROAD));
   EXPECT_TRUE(browser->comes_to("document.getElementById('curtain').hidden"));
   EXPECT_TRUE(shows("#status", "Live"));
+}
+
+/// A page that is opened when the map is there.
+class PageArrives : public PageOnABus {};
+
+TEST_F(PageArrives, AndDrawsItsFirstPictureOnceThoughTheMapComesInTenFrames) {
+  constexpr int kTiles = 640;
+  static_assert(kTiles >= 10 * static_cast<int>(frames::PageFeed::kMaxWholeTiles));
+  for (int i = 0; i < kTiles; ++i) put(tile_of(i % 32, i / 32, semantic_tile_t::ROAD));
+  open("follow=0&theme=light");
+  ASSERT_TRUE(browser->comes_to("curbstone.arrival.shown"));
+  // Twice a second it draws what has come, whoever waits so long; and once more at its beginning, when its size is
+  // told.
+  EXPECT_LE(browser->evaluate("curbstone.arrival.parts - curbstone.arrival.asked").get<int>(), 1);
 }
 
 }  // namespace
