@@ -35,6 +35,22 @@ std::optional<double> ground_at(const TileLookup& tiles, const Eigen::Vector2d& 
   return double{tile->z_origin} + kPositionStep * tile->height[i];
 }
 
+void append_curb_points(TileKey key, const MapBox& box, const TilePipeline& pipeline,
+                        std::vector<curb_lines::MapCurbPoint>& points) {
+  for (const curbs::CurbPoint& p : *pipeline.curbs(key)) {
+    const Eigen::Vector2d foot = p.foot + corner_of(key);
+    if (box.contains(foot)) points.push_back({foot, p.up, p.z, p.height, p.confidence, p.weak, p.reach});
+  }
+}
+
+void append_marking_cells(TileKey key, const MapBox& box, const TilePipeline& pipeline,
+                          std::vector<marking_lines::MapMarkingCell>& cells) {
+  for (const markings::MarkingCell& cell : *pipeline.markings(key)) {
+    const Eigen::Vector2d at = corner_of(key) + Eigen::Vector2d(double{cell.x}, double{cell.y});
+    if (box.contains(at)) cells.push_back({at, double{cell.z}, double{cell.contrast}, cell.is_strong});
+  }
+}
+
 /// Behind `lines` the parts of `before` for which `keeps(tile)`.
 template <class Line, class Keeps>
 void keep_parts(const std::vector<Line>& before, Keeps keeps, std::vector<Line>& lines) {
@@ -61,23 +77,13 @@ void keep_parts(const std::vector<Line>& before, Keeps keeps, std::vector<Line>&
 
 std::vector<curb_lines::MapCurbPoint> curb_points_in(const MapBox& box, const TilePipeline& pipeline) {
   std::vector<curb_lines::MapCurbPoint> points;
-  for (const TileKey& key : pipeline.keys_in(box.min(), box.max())) {
-    for (const curbs::CurbPoint& p : *pipeline.curbs(key)) {
-      const Eigen::Vector2d foot = p.foot + corner_of(key);
-      if (box.contains(foot)) points.push_back({foot, p.up, p.z, p.height, p.confidence, p.weak, p.reach});
-    }
-  }
+  for (const TileKey& key : pipeline.keys_in(box.min(), box.max())) append_curb_points(key, box, pipeline, points);
   return points;
 }
 
 std::vector<marking_lines::MapMarkingCell> marking_cells_in(const MapBox& box, const TilePipeline& pipeline) {
   std::vector<marking_lines::MapMarkingCell> cells;
-  for (const TileKey& key : pipeline.keys_in(box.min(), box.max())) {
-    for (const markings::MarkingCell& cell : *pipeline.markings(key)) {
-      const Eigen::Vector2d at = corner_of(key) + Eigen::Vector2d(double{cell.x}, double{cell.y});
-      if (box.contains(at)) cells.push_back({at, double{cell.z}, double{cell.contrast}, cell.is_strong});
-    }
-  }
+  for (const TileKey& key : pipeline.keys_in(box.min(), box.max())) append_marking_cells(key, box, pipeline, cells);
   return cells;
 }
 
@@ -107,9 +113,13 @@ std::vector<tile::MarkingLine> all_markings(const TilePipeline& pipeline, const 
 MapLineSources line_sources(const TilePipeline& pipeline, const tile::DrivenPath& path,
                             const markings::MarkingParameters& parameters) {
   MapLineSources sources;
-  sources.curb_points = curb_points_in(everything(), pipeline);
-  sources.marking_cells = marking_cells_in(everything(), pipeline);
-  for (const TileKey& key : pipeline.keys()) sources.tiles.emplace(key, pipeline.classes(key));
+  const std::vector<TileKey> keys = pipeline.keys();
+  sources.tiles.reserve(keys.size());
+  for (const TileKey& key : keys) {
+    append_curb_points(key, everything(), pipeline, sources.curb_points);
+    append_marking_cells(key, everything(), pipeline, sources.marking_cells);
+    sources.tiles.emplace(key, pipeline.classes(key));
+  }
   sources.path = path.places();
   sources.markings = parameters;
   return sources;
