@@ -32,7 +32,7 @@ Reading read_words(CommandLine& line, std::vector<const char*> words) {
   return reading;
 }
 
-enum class Paint { kRed, kGreen };
+enum class ColourChoice { kRed, kGreen };
 
 /// A command line with one option of each kind.
 struct CommandLineTest : ::testing::Test {
@@ -51,7 +51,7 @@ struct CommandLineTest : ::testing::Test {
     const auto set_option = line.option("--set", set, "assignments").one_each();
     line.option("--folder", folder, "a folder").existing_folder();
     line.flag("--quiet", quiet, "says less").excludes(set_option);
-    line.choice("--colour", colour, {{"red", Paint::kRed}, {"green", Paint::kGreen}}, "a colour");
+    line.choice("--colour", colour, {{"red", ColourChoice::kRed}, {"green", ColourChoice::kGreen}}, "a colour");
     line.version("1.2.3");
   }
 
@@ -65,7 +65,7 @@ struct CommandLineTest : ::testing::Test {
   std::vector<std::uint64_t> sizes;
   std::vector<double> decays;
   bool quiet = false;
-  Paint colour = Paint::kGreen;
+  ColourChoice colour = ColourChoice::kGreen;
   CommandLine line{"Does something", "curbstone test"};
 };
 
@@ -76,7 +76,7 @@ TEST_F(CommandLineTest, WhatIsNotGivenStaysAsItWas) {
   EXPECT_EQ(port, 80);
   EXPECT_THAT(parts, ElementsAre("scans"));
   EXPECT_FALSE(quiet);
-  EXPECT_EQ(colour, Paint::kGreen);
+  EXPECT_EQ(colour, ColourChoice::kGreen);
   EXPECT_FALSE(line.given("--port"));
 }
 
@@ -92,7 +92,7 @@ TEST_F(CommandLineTest, ValuesOfEveryKindAreRead) {
   EXPECT_EQ(seed, std::numeric_limits<std::uint64_t>::max());
   EXPECT_EQ(range, 0);
   EXPECT_THAT(decays, ElementsAre(0.1, 1e-3));
-  EXPECT_EQ(colour, Paint::kRed);
+  EXPECT_EQ(colour, ColourChoice::kRed);
   EXPECT_TRUE(line.given("--port"));
   EXPECT_TRUE(line.given("--name"));
 }

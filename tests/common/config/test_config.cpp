@@ -87,21 +87,21 @@ TEST(Config, AKeyThatStandsTwiceIsRefusedWithBothLines) {
       << "a node that holds itself ends";
 }
 
-enum class Varnish { kRed, kGreen };
+enum class PaintColour { kRed, kGreen };
 struct Painted {
-  Varnish colour = Varnish::kGreen;
+  PaintColour colour = PaintColour::kGreen;
   void visit(ConfigVisitor& v) {
-    v.choice("colour", colour, {{"red", Varnish::kRed}, {"green", Varnish::kGreen}}, "of the paint");
+    v.choice("colour", colour, {{"red", PaintColour::kRed}, {"green", PaintColour::kGreen}}, "of the paint");
   }
 };
 
 TEST(Config, WordsStandForTheValuesOfAnEnumeration) {
   ConfigOf<Painted> config;
   parse_config("ekf: {}", "x", "ekf", kSections, config);
-  EXPECT_EQ(config.value.colour, Varnish::kGreen) << "the default stays";
+  EXPECT_EQ(config.value.colour, PaintColour::kGreen) << "the default stays";
   EXPECT_THAT(dump_config("ekf", config), HasSubstr("colour: green  # of the paint (red | green)"));
   parse_config("ekf: {colour: red}", "x", "ekf", kSections, config);
-  EXPECT_EQ(config.value.colour, Varnish::kRed);
+  EXPECT_EQ(config.value.colour, PaintColour::kRed);
   EXPECT_THAT(dump_config("ekf", config), HasSubstr("colour: red  #"));
   try {
     parse_config("ekf: {colour: reed}", "x", "ekf", kSections, config);
@@ -109,7 +109,7 @@ TEST(Config, WordsStandForTheValuesOfAnEnumeration) {
   } catch (const ConfigError& error) {
     EXPECT_STREQ(error.what(), "x:1: ekf.colour: 'reed' is not one of red, green");
   }
-  EXPECT_EQ(config.value.colour, Varnish::kRed) << "what is refused changes nothing";
+  EXPECT_EQ(config.value.colour, PaintColour::kRed) << "what is refused changes nothing";
 }
 
 struct WithVehicle {

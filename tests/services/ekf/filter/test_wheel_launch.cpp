@@ -2,9 +2,8 @@
 // metre on show then.
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-
 #include "tests/services/ekf/drawn_drives.hpp"
+#include "tests/services/ekf/ground_error.hpp"
 #include "tests/services/ekf/town_drive.hpp"
 #include "tests/services/ekf/wheel_faults.hpp"
 
@@ -24,13 +23,9 @@ LaunchOutcome launch_outcome(const Drive& drive) {
   const std::size_t start = drive.index_of(out.front().utime);
   LaunchOutcome outcome;
   for (const model::Estimate& e : out) {
-    const Pose truth = drive.T_odom_base(drive.index_of(e.utime), start);
-    const Eigen::Vector2d error = (e.T_odom_base.translation() - truth.translation()).head<2>();
-    outcome.position = std::max(outcome.position, error.norm());
-    if (error.norm() > 0.03) {
-      const double squared = error.dot(e.pose_covariance.topLeftCorner<2, 2>().ldlt().solve(error));
-      outcome.sigmas = std::max(outcome.sigmas, std::sqrt(squared));
-    }
+    const GroundError error = ground_error(drive, start, e);
+    outcome.position = std::max(outcome.position, error.metres);
+    if (error.metres > 0.03) outcome.sigmas = std::max(outcome.sigmas, error.sigmas);
     if (e.no_wheels && outcome.found == 0.0) outcome.found = base::seconds_between(drive.imu.front().utime, e.utime);
   }
   outcome.counters = filter.counters();

@@ -1,9 +1,8 @@
 // Wheels whose stamps a busy host made.
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-
 #include "tests/services/ekf/drawn_drives.hpp"
+#include "tests/services/ekf/ground_error.hpp"
 #include "tests/services/ekf/late_stamps.hpp"
 #include "tests/services/ekf/town_drive.hpp"
 
@@ -22,10 +21,9 @@ StampOutcome outcome_of(const Drive& drive) {
   const std::size_t start = drive.index_of(out.front().utime);
   StampOutcome outcome;
   for (const model::Estimate& e : out) {
-    const std::size_t i = std::min(drive.index_of(e.utime), drive.truth.size() - 1);
-    const Eigen::Vector2d error = (e.T_odom_base.translation() - drive.T_odom_base(i, start).translation()).head<2>();
-    outcome.position = std::max(outcome.position, error.norm());
-    outcome.sigmas = std::sqrt(error.dot(e.pose_covariance.topLeftCorner<2, 2>().ldlt().solve(error)));
+    const GroundError error = ground_error(drive, start, e);
+    outcome.position = std::max(outcome.position, error.metres);
+    outcome.sigmas = error.sigmas;
   }
   outcome.counters = filter.counters();
   return outcome;
@@ -51,9 +49,8 @@ TEST_P(LateWheelStamps, CostLittleAndTheCovarianceCoversIt) {
       Drive drive = good;
       make_late(drive.wheels, late, GetParam());
       StampOutcome o = outcome_of(drive);
-      std::printf(
-          "[ figure ] drive_through_town %u, %.1f m/s, up to %.0f ms late: %.2f m (undisturbed %.2f), %.1f sigma\n",
-          GetParam(), speed, 1e3 * late, o.position, undisturbed.position, o.sigmas);
+      std::printf("[ figure ] town %u, %.1f m/s, up to %.0f ms late: %.2f m (undisturbed %.2f), %.1f sigma\n",
+                  GetParam(), speed, 1e3 * late, o.position, undisturbed.position, o.sigmas);
       EXPECT_LT(o.position, undisturbed.position + (late > 0.02 ? 1.5 : 0.5)) << late;
       EXPECT_LT(o.sigmas, 2.5) << late;
       EXPECT_EQ(o.counters["reset.doubt"], 0) << late;
