@@ -66,24 +66,58 @@ bool TilePipeline::unmark(Step step, Tile& tile) {
   return true;
 }
 
+void TilePipeline::wake(TileKey key, Tile& tile) {
+  if (tile.layers.asleep()) {
+    tile.layers.wake();
+    awakened_.push_back(key);
+  }
+  uses_.used(key, num_voted_);
+}
+
+/// What compute() reads.
+void TilePipeline::wake_for(Step step, TileKey key, Tile& tile) {
+  switch (step) {
+    case kCurbs:  // evidence does not sleep
+      return;
+    case kSamples:
+    case kColumns:
+    case kPaint:
+      wake(key, tile);
+      return;
+    default:
+      for_around(key, [this](TileKey k, Tile& t) { wake(k, t); });
+  }
+}
+
+void TilePipeline::sleep(TileKey key) {
+  uses_.erase(key);
+  if (Tile* const tile = find(key)) tile->layers.sleep();
+}
+
 std::optional<VotedChange> TilePipeline::apply(const tile::VotedStep& step) {
+  awakened_.clear();
+  if (const auto unused = uses_.take_unused(num_voted_ - kAwake)) sleep(*unused);
   Tile* const known = find(step.key);
-  if (!tile::goes_on_from(step, known == nullptr ? nullptr : &known->voted)) return std::nullopt;
+  if (known != nullptr) wake(step.key, *known);
+  if (!tile::goes_on_from(step, known == nullptr ? nullptr : &known->layers->voted)) return std::nullopt;
   Tile& tile = known == nullptr ? tiles_[step.key] : *known;
-  const std::size_t points_before = tile.voted.points.size();
-  tile::take_step(step, tile.voted);
+  tile::VotedTile& voted = tile.layers->voted;
+  const std::size_t points_before = voted.points.size();
+  tile::take_step(step, voted);
   voted_changed(step.key, tile, known == nullptr, step.base > 0);
-  return VotedChange{step.key, tile.voted.revision, tile.voted.utime, points_before, tile.voted.points.size()};
+  return VotedChange{step.key, voted.revision, voted.utime, points_before, voted.points.size()};
 }
 
 void TilePipeline::set_voted(tile::VotedTile voted, bool has_grown) {
   const TileKey key = voted.key;
   const auto [it, is_new] = tiles_.try_emplace(key);
-  it->second.voted = std::move(voted);
+  wake(key, it->second);
+  it->second.layers->voted = std::move(voted);
   voted_changed(key, it->second, is_new, has_grown);
 }
 
 void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_grown) {
+  uses_.used(key, ++num_voted_);
   if (!has_grown) meters_.erase(key);
   if (is_new) {
     for (const Step step : kUrgentSteps) mark(step, key, tile);
@@ -97,6 +131,7 @@ void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_
 
 void TilePipeline::clear() {
   tiles_.clear();
+  uses_.clear();
   meters_.clear();
   for (auto& step : stale_) step.clear();
 }
@@ -105,6 +140,7 @@ void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
   // In units of the evidence. Those of the two steps of paint are upper bounds.
   constexpr std::array kCost = {0.05, 0.2, 1.0, 0.05, 0.05, 0.05, 0.05, 0.05};
   if (!unmark(step, tile)) return;
+  wake_for(step, key, tile);
   result_.cost += kCost[step];
   num_evidence_ += step == kEvidence ? 1 : 0;
   std::visit([&](auto&& product) { take(key, tile, std::forward<decltype(product)>(product)); },
@@ -115,11 +151,12 @@ TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& 
   const auto models = [&] { return around<ground::GroundModel>(key, [](Tile& t) { return &t.ground; }); };
   switch (step) {
     case kSamples:
-      return ground::sample_ground(tile.voted, curb_);
+      return ground::sample_ground(tile.layers->voted, curb_);
     case kGround:
-      return ground::model_ground(around<ground::GroundSamples>(key, [](Tile& t) { return &t.samples; }), curb_);
+      return ground::model_ground(around<ground::GroundSamples>(key, [](Tile& t) { return &t.layers->samples; }),
+                                  curb_);
     case kEvidence:
-      return curbs::find_curb_evidence(around<tile::VotedTile>(key, [](Tile& t) { return &t.voted; }),
+      return curbs::find_curb_evidence(around<tile::VotedTile>(key, [](Tile& t) { return &t.layers->voted; }),
                                        ground::GroundSurface(models()), curb_);
     case kCurbs:
       return curbs::filter_curbs(around<std::vector<curbs::CurbCandidate>>(key, [](Tile& t) { return &t.evidence; }),
@@ -127,19 +164,19 @@ TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& 
     case kClasses: {
       tile::MapTile result;
       result.key = key;
-      result.utime = tile.voted.utime;
+      result.utime = tile.layers->voted.utime;
       result.curbs_utime = tile.curbs_utime;
-      result.z_origin = tile.voted.z_origin;
-      cells::classify_cells(around<cells::CellColumns>(key, [](Tile& t) { return &t.columns; }),
+      result.z_origin = tile.layers->voted.z_origin;
+      cells::classify_cells(around<cells::CellColumns>(key, [](Tile& t) { return &t.layers->columns; }),
                             around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return &t.curbs; }), classes_,
                             result);
       return result;
     }
     case kPaint:
-      return markings::lay_paint(tile.voted, ground::GroundSurface(models()));
+      return markings::lay_paint(tile.layers->voted, ground::GroundSurface(models()));
     case kMarkings:
       return markings::find_marking_cells(
-          {around<markings::PaintLayer>(key, [](Tile& t) { return &t.paint; }),
+          {around<markings::PaintLayer>(key, [](Tile& t) { return &t.layers->paint; }),
            around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return &t.curbs; }), tile.classes.get()},
           markings_);
     case kColumns:  // measured on, from what was measured before
@@ -154,8 +191,8 @@ void TilePipeline::take(TileKey key, Tile& tile, std::monostate /*columns*/) {
 }
 
 void TilePipeline::take(TileKey key, Tile& tile, const ground::GroundSamples& samples) {
-  if (samples == tile.samples) return;
-  tile.samples = samples;
+  if (samples == tile.layers->samples) return;
+  tile.layers->samples = samples;
   mark_around(kGround, key);
 }
 
@@ -171,7 +208,7 @@ void TilePipeline::take(TileKey key, Tile& tile, const ground::GroundModel& grou
 }
 
 void TilePipeline::take(TileKey key, Tile& tile, std::vector<curbs::CurbCandidate> evidence) {
-  if (std::exchange(tile.evidence_utime, tile.voted.utime) != tile.voted.utime) mark(kCurbs, key, tile);
+  if (std::exchange(tile.evidence_utime, tile.layers->voted.utime) != tile.layers->voted.utime) mark(kCurbs, key, tile);
   if (evidence == tile.evidence) return;
   tile.evidence = std::move(evidence);
   mark_around(kCurbs, key);
@@ -191,8 +228,8 @@ void TilePipeline::measure_columns(TileKey key, Tile& tile) {
     at = meters_.try_emplace(key, GroundedMeter{cells::ColumnMeter(ground, classes_)}).first;
   }
   cells::ColumnMeter& meter = at->second.meter;
-  meter.add(std::span(tile.voted.points).subspan(meter.num_points()));
-  if (meter.read(tile.columns)) mark_around(kClasses, key);
+  meter.add(std::span(tile.layers->voted.points).subspan(meter.num_points()));
+  if (meter.read(tile.layers->columns)) mark_around(kClasses, key);
 }
 
 void TilePipeline::take(TileKey key, Tile& tile, std::vector<curbs::CurbPoint> curbs) {
@@ -211,8 +248,8 @@ void TilePipeline::take(TileKey key, Tile& tile, const tile::MapTile& classes) {
 }
 
 void TilePipeline::take(TileKey key, Tile& tile, markings::PaintLayer paint) {
-  if (paint == tile.paint) return;
-  tile.paint = std::move(paint);
+  if (paint == tile.layers->paint) return;
+  tile.layers->paint = std::move(paint);
   mark_around(kMarkings, key);
 }
 
@@ -231,6 +268,7 @@ void TilePipeline::update(TileKey key) {
 void TilePipeline::update_columns(TileKey key) {
   Tile* const tile = find(key);
   if (tile == nullptr) return;
+  wake(key, *tile);
   if (!tile->classes) {
     for (const Step step : {kSamples, kGround}) refresh(step, key, *tile);
   }
@@ -254,6 +292,7 @@ void TilePipeline::settle_oldest() {
 
 WorkResult TilePipeline::run(const TileWork& work) {
   result_ = {};
+  awakened_.clear();
   switch (work.kind) {
     case TileWork::Kind::kUpdate:
       update(work.key);
@@ -285,6 +324,8 @@ void TilePipeline::settle_step(Step step, int threads) {
     tiles.clear();
     for (auto it = stale_[step].begin(); it != stale_[step].end() && tiles.size() < kSettledAtOnce; ++it)
       tiles.emplace_back(it->second, find(it->second));
+    awakened_.clear();
+    for (const auto& [key, tile] : tiles) wake_for(step, key, *tile);
     products.resize(std::max(products.size(), tiles.size()));
     parallel_for(tiles.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) products[i] = compute(step, tiles[i].first, *tiles[i].second);
@@ -295,6 +336,7 @@ void TilePipeline::settle_step(Step step, int threads) {
       unmark(step, *tile);
       std::visit([&, k = key, t = tile](auto& product) { take(k, *t, std::move(product)); }, products[i]);
     }
+    for (const TileKey key : awakened_) sleep(key);
   }
 }
 

@@ -11,12 +11,14 @@
 #include <variant>
 #include <vector>
 
+#include "common/tiles/use_order.hpp"
 #include "services/semantic_map/cells/cell_classes.hpp"
 #include "services/semantic_map/curbs/curb_evidence.hpp"
 #include "services/semantic_map/curbs/curb_filter.hpp"
 #include "services/semantic_map/ground/ground_model.hpp"
 #include "services/semantic_map/markings/marking_cells.hpp"
 #include "services/semantic_map/tile/voted_tile_assembler.hpp"
+#include "services/semantic_map/tile_layers.hpp"
 #include "services/semantic_map/tile_work.hpp"
 
 namespace curbstone::semantic_map {
@@ -31,6 +33,9 @@ namespace curbstone::semantic_map {
 /// of those has become another since it was computed; a result that came out equal makes nothing stale. Whoever is in
 /// a hurry updates one tile with what its neighbours have by now. Once everything is settled, the map is a function of
 /// the voted points alone: not of the order in which they came, nor of how often somebody looked.
+///
+/// Tiles that no step has looked at while kAwake voted steps came sleep (SleepingLayers). Whatever needs them wakes
+/// them.
 class TilePipeline {
  public:
   TilePipeline(const tile::CurbParameters& curb, const cells::ClassParameters& classes,
@@ -62,6 +67,8 @@ class TilePipeline {
   /// Of the tiles that meet a box, m in map; sorted.
   [[nodiscard]] std::vector<TileKey> keys_in(const Eigen::Vector2d& min, const Eigen::Vector2d& max) const;
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
+  [[nodiscard]] std::size_t num_asleep() const { return tiles_.size() - uses_.size(); }
+  static constexpr std::int64_t kAwake = 20'000;  ///< voted steps: some ten seconds of a drive
   /// Steps of tiles that are stale.
   [[nodiscard]] std::size_t num_stale() const;
   /// How often tiles' evidence has been computed.
@@ -74,20 +81,21 @@ class TilePipeline {
   static constexpr std::array kPatientSteps = {kPaint, kMarkings};
   static constexpr std::int64_t kFresh = 0;
   struct Tile {
-    tile::VotedTile voted;
-    ground::GroundSamples samples;
+    SleepingLayers layers;
     ground::GroundModel ground;
     std::vector<curbs::CurbCandidate> evidence;
     std::int64_t evidence_utime = 0;  ///< us, of the newest points that it was looked for in
-    cells::CellColumns columns;
     std::vector<curbs::CurbPoint> curbs;
     std::int64_t curbs_utime = 0;  ///< us, of the evidence
     std::shared_ptr<const tile::MapTile> classes;
-    markings::PaintLayer paint;
     std::vector<markings::MarkingCell> markings;
     std::array<std::int64_t, kNumSteps> stale{};  ///< its turn in stale_, or kFresh
   };
   [[nodiscard]] Tile* find(TileKey key);
+  /// Whoever reads or writes a tile's layers wakes it before.
+  void wake(TileKey key, Tile& tile);
+  void wake_for(Step step, TileKey key, Tile& tile);
+  void sleep(TileKey key);
   template <class T, class Get>
   tile::Around<T> around(TileKey key, Get get);
   template <class Visit>
@@ -131,7 +139,10 @@ class TilePipeline {
     bool ground_moved = false;  ///< since it was made
   };
   std::unordered_map<TileKey, GroundedMeter, TileKeyHash> meters_;
-  WorkResult result_;  ///< of the work in hand
+  UseOrder uses_;                  ///< of the tiles that are awake, by num_voted_
+  std::int64_t num_voted_ = 0;     ///< voted steps that have come
+  std::vector<TileKey> awakened_;  ///< by the work in hand
+  WorkResult result_;              ///< of the work in hand
   std::int64_t num_evidence_ = 0;
 };
 

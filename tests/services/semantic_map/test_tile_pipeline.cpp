@@ -220,6 +220,41 @@ tile::VotedStep step_of(std::int32_t base, std::int32_t first, std::int32_t poin
   return {.key = {0, 0}, .chain = 7, .base = base, .revision = base + 1, .pages = {page}};
 }
 
+/// So many steps of a tile far from the others that these fall asleep.
+void drive_on(TilePipeline& pipeline) {
+  tile::VotedStep elsewhere = step_of(0, 0, 1);
+  elsewhere.key = {1000, 1000};
+  for (std::size_t i = 0; i < TilePipeline::kAwake + pipeline.num_tiles() + 1; ++i) (void)pipeline.apply(elsewhere);
+}
+
+TEST_F(PipelineOfAStreet, WhatSleptComesOutAsWhatDidNot) {
+  TilePipeline pipeline({}, {});
+  for (tile::VotedTile tile : tiles()) {
+    tile.points.resize(tile.points.size() / 2);
+    pipeline.set_voted(tile);
+    if (tile.key.x % 3 == 0) update(pipeline, tile.key);
+  }
+  drive_on(pipeline);
+  EXPECT_EQ(pipeline.num_asleep(), tiles().size());
+  for (const tile::VotedTile& tile : tiles()) {
+    if (tile.key.y % 2 == 0) pipeline.set_voted(tile, true);
+    if (tile.key.x % 2 == 0) update_columns(pipeline, tile.key);
+  }
+  drive_on(pipeline);
+  for (const tile::VotedTile& tile : tiles()) pipeline.set_voted(tile, true);
+  pipeline.settle();
+  expect_as_at_once(pipeline);
+}
+
+TEST_F(PipelineOfAStreet, WhatWokeToBeSettledSleepsAgain) {
+  TilePipeline pipeline({}, {});
+  for (const tile::VotedTile& tile : tiles()) pipeline.set_voted(tile);
+  drive_on(pipeline);
+  pipeline.settle();
+  EXPECT_EQ(pipeline.num_asleep(), tiles().size());
+  expect_as_at_once(pipeline);
+}
+
 TEST(TilePipeline, TellsWhatAStepMadeOfItsTile) {
   TilePipeline pipeline({}, {});
   const auto begun = pipeline.apply(step_of(0, 0, 10));

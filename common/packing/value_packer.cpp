@@ -1,0 +1,68 @@
+#include "common/packing/value_packer.hpp"
+
+#include <zstd.h>
+
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
+
+namespace curbstone {
+namespace {
+
+constexpr int kLevel = 1;  // the fastest: what is put away on the way may be wanted again soon
+
+struct FreeContext {
+  void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+  void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
+};
+
+}  // namespace
+
+void ValuePacker::put_planes(const std::byte* values, std::size_t count, std::size_t size) {
+  const std::size_t begin = bytes_.size();
+  bytes_.resize(begin + count * size);
+  for (std::size_t plane = 0; plane < size; ++plane) {
+    std::byte* const to = bytes_.data() + begin + plane * count;
+    for (std::size_t i = 0; i < count; ++i) to[i] = values[i * size + plane];
+  }
+}
+
+PackedValues ValuePacker::pack() const {
+  thread_local const std::unique_ptr<ZSTD_CCtx, FreeContext> context(ZSTD_createCCtx());
+  if (!context) throw std::bad_alloc();
+  std::vector<std::byte> room(ZSTD_compressBound(bytes_.size()));
+  const std::size_t size =
+      ZSTD_compressCCtx(context.get(), room.data(), room.size(), bytes_.data(), bytes_.size(), kLevel);
+  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // there is room enough, so that nothing else can be wrong
+  return {room.begin(), room.begin() + static_cast<std::ptrdiff_t>(size)};
+}
+
+ValueUnpacker::ValueUnpacker(std::span<const std::byte> packed) {
+  thread_local const std::unique_ptr<ZSTD_DCtx, FreeContext> context(ZSTD_createDCtx());
+  if (!context) throw std::bad_alloc();
+  const unsigned long long size = ZSTD_getFrameContentSize(packed.data(), packed.size());
+  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN)
+    throw std::runtime_error("these are no packed values");
+  bytes_.resize(size);
+  const std::size_t got =
+      ZSTD_decompressDCtx(context.get(), bytes_.data(), bytes_.size(), packed.data(), packed.size());
+  if (ZSTD_isError(got) != 0) throw std::runtime_error(std::string("packed values: ") + ZSTD_getErrorName(got));
+}
+
+std::size_t ValueUnpacker::take_count(std::size_t size) {
+  const auto count = take<std::uint64_t>();
+  if (count > (bytes_.size() - at_) / size) throw std::runtime_error("packed values: more is asked for than there is");
+  return count;
+}
+
+void ValueUnpacker::take_planes(std::byte* values, std::size_t count, std::size_t size) {
+  if (count * size > bytes_.size() - at_) throw std::runtime_error("packed values: more is asked for than there is");
+  for (std::size_t plane = 0; plane < size; ++plane) {
+    const std::byte* const from = bytes_.data() + at_ + plane * count;
+    for (std::size_t i = 0; i < count; ++i) values[i * size + plane] = from[i];
+  }
+  at_ += count * size;
+}
+
+}  // namespace curbstone

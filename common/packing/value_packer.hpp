@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+namespace curbstone {
+
+/// Values that are put away, compressed.
+using PackedValues = std::vector<std::byte>;
+
+/// Compresses values that a process keeps and does not look at for now; ValueUnpacker brings every bit back. No format
+/// of a file: only the program that packed them reads them.
+class ValuePacker {
+ public:
+  template <class T>
+  void put(const T& value) {
+    put_all(std::span<const T>(&value, 1));
+  }
+  /// Without their number. They go in as planes: the first bytes of all values, then the second ones. So the high bytes
+  /// of numbers that are alike lie together, and hardly take room.
+  template <class T>
+  void put_all(std::span<const T> values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    put_planes(reinterpret_cast<const std::byte*>(values.data()), values.size(), sizeof(T));
+  }
+  template <class T>
+  void put(const std::vector<T>& values) {
+    put(static_cast<std::uint64_t>(values.size()));
+    put_all(std::span<const T>(values));
+  }
+
+  /// Of all that was put. Throws std::bad_alloc.
+  [[nodiscard]] PackedValues pack() const;
+
+ private:
+  void put_planes(const std::byte* values, std::size_t count, std::size_t size);
+  std::vector<std::byte> bytes_;
+};
+
+/// Takes values in the order in which they were put.
+class ValueUnpacker {
+ public:
+  /// Throws std::runtime_error if these are no packed values.
+  explicit ValueUnpacker(std::span<const std::byte> packed);
+
+  template <class T>
+  [[nodiscard]] T take() {
+    T value{};
+    take_all(std::span<T>(&value, 1));
+    return value;
+  }
+  /// As many as there is room for.
+  template <class T>
+  void take_all(std::span<T> values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    take_planes(reinterpret_cast<std::byte*>(values.data()), values.size(), sizeof(T));
+  }
+  template <class T>
+  void take(std::vector<T>& values) {
+    values.resize(take_count(sizeof(T)));
+    take_all(std::span<T>(values));
+  }
+
+ private:
+  [[nodiscard]] std::size_t take_count(std::size_t size);
+  void take_planes(std::byte* values, std::size_t count, std::size_t size);
+  std::vector<std::byte> bytes_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace curbstone

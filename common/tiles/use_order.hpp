@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <unordered_map>
+
+#include "common/tiles/tile.hpp"
+
+namespace curbstone {
+
+/// Which tiles nobody has used for longest. Times in any unit, as long as they grow; of several uses at one time the
+/// first counts.
+class UseOrder {
+ public:
+  void used(TileKey key, std::int64_t now) {
+    Turn& turn = turns_[key];
+    if (turn.number > 0 && turn.at == now) return;
+    uses_.erase(turn.number);
+    turn = {++turn_, now};
+    uses_.emplace_hint(uses_.end(), turn.number, key);
+  }
+  /// The tile that was used least lately, if that was before `since`; it is in the order no more.
+  std::optional<TileKey> take_unused(std::int64_t since) {
+    if (uses_.empty()) return std::nullopt;
+    const TileKey key = uses_.begin()->second;
+    if (turns_.at(key).at >= since) return std::nullopt;
+    erase(key);
+    return key;
+  }
+  void erase(TileKey key) {
+    const auto it = turns_.find(key);
+    if (it == turns_.end()) return;
+    uses_.erase(it->second.number);
+    turns_.erase(it);
+  }
+  void clear() { uses_.clear(), turns_.clear(); }
+  [[nodiscard]] std::size_t size() const { return turns_.size(); }
+
+ private:
+  struct Turn {
+    std::int64_t number = 0;
+    std::int64_t at = 0;
+  };
+  std::map<std::int64_t, TileKey> uses_;  // by turn: the oldest first
+  std::unordered_map<TileKey, Turn, TileKeyHash> turns_;
+  std::int64_t turn_ = 0;
+};
+
+}  // namespace curbstone

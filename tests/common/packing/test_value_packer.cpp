@@ -1,0 +1,70 @@
+#include "common/packing/value_packer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace curbstone {
+namespace {
+
+struct Sample {
+  float height = 0;
+  std::int16_t count = 0;
+  bool operator==(const Sample&) const = default;
+};
+
+TEST(ValuePacker, BringsBackWhatWasPutInTheSameOrder) {
+  std::mt19937 random(1);
+  std::vector<Sample> samples(1000);
+  for (Sample& s : samples) s = {static_cast<float>(random()) * 1e-6F, static_cast<std::int16_t>(random())};
+  ValuePacker packer;
+  packer.put(42.5);
+  packer.put(samples);
+  packer.put(std::vector<std::uint8_t>{});
+  packer.put(std::uint16_t{7});
+  const PackedValues packed = packer.pack();
+
+  ValueUnpacker unpacker(packed);
+  EXPECT_EQ(unpacker.take<double>(), 42.5);
+  std::vector<Sample> again;
+  unpacker.take(again);
+  EXPECT_EQ(again, samples);
+  std::vector<std::uint8_t> none{1, 2};
+  unpacker.take(none);
+  EXPECT_TRUE(none.empty());
+  EXPECT_EQ(unpacker.take<std::uint16_t>(), 7);
+}
+
+TEST(ValuePacker, BringsBackEveryBitOfNumbersThatAreNone) {
+  const std::vector<float> odd{std::nanf("3"), -0.0F, INFINITY};
+  ValuePacker packer;
+  packer.put(odd);
+  const PackedValues packed = packer.pack();
+  std::vector<float> again;
+  ValueUnpacker(packed).take(again);
+  ASSERT_EQ(again.size(), odd.size());
+  EXPECT_EQ(std::memcmp(again.data(), odd.data(), sizeof(float) * odd.size()), 0);
+}
+
+TEST(ValuePacker, TakesLittleRoomForNumbersThatAreAlike) {
+  std::vector<std::int32_t> heights;
+  for (int i = 0; i < 10'000; ++i) heights.push_back(1'000'000 + i % 50);
+  ValuePacker packer;
+  packer.put(heights);
+  EXPECT_LT(packer.pack().size(), heights.size());  // a fourth
+}
+
+TEST(ValuePacker, SaysWhenSomethingElseIsUnpacked) {
+  ValuePacker packer;
+  packer.put(std::uint32_t{1});
+  PackedValues packed = packer.pack();
+  EXPECT_THROW((void)ValueUnpacker(packed).take<std::uint64_t>(), std::runtime_error);
+  std::vector<int> values;
+  EXPECT_THROW(ValueUnpacker(packed).take(values), std::runtime_error);
+  packed.resize(3);
+  EXPECT_THROW(ValueUnpacker{packed}, std::runtime_error);
+}
+
+}  // namespace
+}  // namespace curbstone
