@@ -14,6 +14,9 @@ namespace curbstone::tensor_voting::voting {
 
 /// The voters of a tile in blocks; a block's are of one cell. The blocks of one column of cells are chained, apart from
 /// the blocks themselves: a walk along a chain must not wait for each of them to come from memory.
+///
+/// A tile that nobody is near may sleep: then it has of each voter where it is and what it has received, in a fourth of
+/// the room.
 struct VoterTile {
   struct Block {
     kernels::VoterBlock voters;
@@ -44,6 +47,12 @@ struct VoterTile {
   std::vector<std::unique_ptr<Chunk>> chunks;                      ///< blocks stay where they are
   VoxelTable voxels;
   std::int64_t num_votes = 0;
+  struct Sleeper {
+    kernels::StepPoint at;
+    kernels::VoteSums sums;
+  };
+  std::vector<Sleeper> sleepers;  ///< of each voter; empty unless asleep
+  bool asleep = false;
 
   [[nodiscard]] Block& block(std::size_t i) const { return (*chunks[i / kBlocksPerChunk])[i % kBlocksPerChunk]; }
 
@@ -63,10 +72,54 @@ struct VoterTile {
     return static_cast<std::uint32_t>(made);
   }
 
+  /// Gives back what only votes need: blocks, of which many lanes are empty, and the voxels.
+  void sleep() {
+    if (asleep) return;
+    asleep = true;
+    sleepers.reserve(seats.size());
+    for (const Seat& seat : seats) {
+      const Block& from = block(seat.block);
+      sleepers.push_back({from.voters.at(seat.lane), kernels::sums_of(from.voters, from.settled, seat.lane)});
+    }
+    give_back(chunks);
+    give_back(voters);
+    voxels = VoxelTable();
+    voter_of_point.shrink_to_fit();
+    seats.shrink_to_fit();
+    point_of_voter.shrink_to_fit();
+    links.shrink_to_fit();
+    changed.shrink_to_fit();
+  }
+  /// The same bits; what the blocks have received lately has settled. voxel_of(place): the voxel of a voter there.
+  template <class VoxelOf>
+  void wake(const VoxelOf& voxel_of) {
+    if (!asleep) return;
+    asleep = false;
+    chunks.resize((links.size() + kBlocksPerChunk - 1) / kBlocksPerChunk);
+    for (std::unique_ptr<Chunk>& chunk : chunks) chunk = std::make_unique<Chunk>();
+    voters.resize(links.size());
+    for (std::uint32_t i = 0; i < sleepers.size(); ++i) {  // in each block, too, who came first has the first lane
+      const Sleeper& from = sleepers[i];
+      Block& to = block(seats[i].block);
+      const std::size_t lane = to.voters.push_back(from.at);
+      for (std::size_t c = 0; c < kernels::VoteSums::kCount; ++c) to.settled.value[c][lane] = from.sums.value[c];
+      voters[seats[i].block][lane] = i;
+      voxels.find_or_insert(voxel_of(from.at), i);
+    }
+    give_back(sleepers);
+  }
+
+  template <class T>
+  static void give_back(std::vector<T>& memory) {
+    std::vector<T>().swap(memory);
+  }
+
   /// What each voter has received.
   [[nodiscard]] std::vector<kernels::VoteSums> sums() const {
     std::vector<kernels::VoteSums> result;
     result.reserve(seats.size());
+    for (const Sleeper& sleeper : sleepers) result.push_back(sleeper.sums);
+    if (asleep) return result;
     for (const Seat& seat : seats) {
       const Block& at = block(seat.block);
       result.push_back(kernels::sums_of(at.voters, at.settled, seat.lane));

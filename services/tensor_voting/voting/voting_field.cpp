@@ -7,6 +7,10 @@
 
 namespace curbstone::tensor_voting::voting {
 
+namespace {
+constexpr std::int64_t kUsesAtOnce = 256;  // changes: order within them does not matter, and costs
+}  // namespace
+
 /// A point that is the first in its voxel.
 struct VotingField::NewVoter {
   std::uint32_t index;
@@ -36,16 +40,31 @@ VotingField::~VotingField() = default;
 VotingField::VotingField(VotingField&&) noexcept = default;
 VotingField& VotingField::operator=(VotingField&&) noexcept = default;
 
+/// All of them awake.
 VotingField::Neighbourhood VotingField::around(TileKey key) const {
   Neighbourhood result{.centre = key};
   for (int i = 0; i < 9; ++i) {
-    const auto it = tiles_.find(result.key(i));
-    result.tiles[static_cast<std::size_t>(i)] = it == tiles_.end() ? nullptr : it->second.get();
+    VoterTile* const tile = find(result.key(i));
+    if (tile != nullptr) wake(result.key(i), *tile);
+    result.tiles[static_cast<std::size_t>(i)] = tile;
   }
   return result;
 }
 
-const VoterTile* VotingField::find(TileKey key) const {
+void VotingField::wake(TileKey key, VoterTile& tile) const {
+  tile.wake([&](const kernels::StepPoint& at) {
+    return grid_.thins() ? grid_.voxel_of(FieldPlace(key, at)) : std::uint64_t{0};
+  });
+  uses_.used(key, change_ / kUsesAtOnce);
+}
+
+/// One at most: what a drive leaves behind falls asleep without a stop.
+void VotingField::sleep_unused() {
+  const auto key = uses_.take_unused((change_ - kAwake) / kUsesAtOnce);
+  if (key) find(*key)->sleep();
+}
+
+VoterTile* VotingField::find(TileKey key) const {
   const auto it = tiles_.find(key);
   return it == tiles_.end() ? nullptr : it->second.get();
 }
@@ -116,6 +135,7 @@ std::vector<VotingField::NewVoter> VotingField::admit(TileKey key, VoterTile& ti
 void VotingField::add(TileKey key, std::int32_t z_origin, std::span<const TilePoint> points) {
   if (points.empty()) return;
   ++change_;
+  sleep_unused();
   std::unique_ptr<VoterTile>& tile = tiles_[key];
   if (!tile) tile = std::make_unique<VoterTile>(z_origin, grid_.columns_per_tile());
   Neighbourhood around = this->around(key);
@@ -165,6 +185,7 @@ void VotingField::remove(TileKey key) {
   }
   around.changed[Neighbourhood::kCentre] = true;
   note_changes(around);
+  uses_.erase(key);
   tiles_.erase(it);
 }
 
@@ -176,7 +197,13 @@ void VotingField::note_changes(const Neighbourhood& around) {
 
 void VotingField::clear() {
   tiles_.clear();
+  uses_.clear();
   changed_.clear();
+}
+
+bool VotingField::is_asleep(TileKey key) const {
+  const VoterTile* const tile = find(key);
+  return tile != nullptr && tile->asleep;
 }
 
 std::size_t VotingField::num_points(TileKey key) const {
@@ -211,8 +238,9 @@ std::vector<kernels::VoteSums> VotingField::sums(TileKey key) const {
 
 void VotingField::for_each_changed(TileKey key, std::int64_t since,
                                    const std::function<void(const ReceivedBlock&)>& visit) const {
-  const VoterTile* const tile = find(key);
+  VoterTile* const tile = find(key);
   if (tile == nullptr) return;
+  wake(key, *tile);
   ReceivedBlock received;
   for (std::uint32_t i = 0; i < tile->changed.size(); ++i) {
     if (tile->changed[i] <= since) continue;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/tiles/tile.hpp"
+#include "common/tiles/use_order.hpp"
 #include "services/tensor_voting/kernels/tensor.hpp"
 #include "services/tensor_voting/kernels/vote_kernel.hpp"
 #include "services/tensor_voting/voting/field_grid.hpp"
@@ -38,7 +39,10 @@ struct ReceivedBlock {
 /// them gives the same to 1e-5.
 ///
 /// Which points vote is decided inside each tile by the order of its own points: the first one in a voxel votes. Points
-/// that are thinned out take the tensor of their voxel's voter. One thread at a time.
+/// that are thinned out take the tensor of their voxel's voter.
+///
+/// Tiles that nothing was added to, or beside, for kAwake changes sleep in a fourth of their memory; what comes wakes
+/// them. One thread at a time, readers too.
 class VotingField {
  public:
   /// Throws std::invalid_argument as FieldGrid does.
@@ -78,6 +82,9 @@ class VotingField {
   [[nodiscard]] std::vector<TileKey> take_changed();
 
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
+  [[nodiscard]] bool is_asleep(TileKey key) const;
+  [[nodiscard]] std::size_t num_asleep() const { return tiles_.size() - uses_.size(); }
+  static constexpr std::int64_t kAwake = 20'000;  ///< changes: some ten seconds of a drive
   /// Pair votes computed so far, pairs out of reach not counted.
   [[nodiscard]] std::int64_t num_pairs() const { return num_pairs_; }
 
@@ -86,6 +93,8 @@ class VotingField {
   struct NewVoter;
 
   [[nodiscard]] Neighbourhood around(TileKey key) const;
+  void wake(TileKey key, VoterTile& tile) const;
+  void sleep_unused();
   /// The points of `points` that are the first in their voxel; all of them are entered in the tile's lists.
   std::vector<NewVoter> admit(TileKey key, VoterTile& tile, std::span<const TilePoint> points) const;
   /// Fills near_ with the blocks of voters in the cells within reach of a cell of the centre tile.
@@ -96,14 +105,15 @@ class VotingField {
   void book(Neighbourhood& around, std::int64_t sign);
   void note_changes(const Neighbourhood& around);
 
-  /// The tile; nullptr if there is none.
-  [[nodiscard]] const VoterTile* find(TileKey key) const;
+  /// The tile, asleep or not; nullptr if there is none.
+  [[nodiscard]] VoterTile* find(TileKey key) const;
 
   VotingParameters parameters_;
   FieldGrid grid_;
   kernels::VoteKernel kernel_;
   kernels::Decay decay_;
   std::unordered_map<TileKey, std::unique_ptr<VoterTile>, TileKeyHash> tiles_;
+  mutable UseOrder uses_;  // of the tiles that are awake, by change_ / kUsesAtOnce
   std::set<TileKey> changed_;
   std::int64_t num_pairs_ = 0;
   std::int64_t change_ = 0;

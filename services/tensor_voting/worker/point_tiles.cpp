@@ -6,6 +6,15 @@
 
 namespace curbstone::tensor_voting::worker {
 
+namespace {
+
+/// Room for `more`, and a quarter of what there is: all points of the map are here, and twice of it is too much.
+void make_room(std::size_t more, std::vector<TilePoint>& points) {
+  if (points.size() + more > points.capacity()) points.reserve(points.size() + std::max(more, points.size() / 4));
+}
+
+}  // namespace
+
 bool PointTiles::plausible(const map_points_t& m) const {
   if (std::abs(static_cast<double>(m.tile_x)) > limits_.key || std::abs(static_cast<double>(m.tile_y)) > limits_.key) {
     return false;
@@ -49,6 +58,7 @@ PointTiles::Taken PointTiles::take(const map_points_t& message) {
   tile.z_origin = static_cast<std::int32_t>(message.z_origin);
   tile.utime = std::max(tile.utime, message.utime);
   const std::size_t num_before = tile.points.size();
+  make_room(num_new, tile.points);
   for (std::size_t i = have - first; i < count; ++i) {
     const TilePoint record{message.x[i], message.y[i], message.z[i], message.intensity[i]};
     ++tile.records;

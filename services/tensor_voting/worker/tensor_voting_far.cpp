@@ -47,10 +47,17 @@ bool TensorVotingNode::may_let_go(TileKey key) const {
   return !waits;
 }
 
+/// Of what is out of a tile that sleeps, the sums: should it wake, its next step brings all tensors again.
+void TensorVotingNode::forget_sums(TileKey key) {
+  const auto base = bases_.find(key);
+  if (base != bases_.end()) std::vector<VotedBase::Scale>().swap(base->second.scales);
+}
+
 /// Lets go of what has fallen behind; takes up what has come near again.
 void TensorVotingNode::follow_vehicle() {
   std::vector<TileKey> far;
   for (const auto& [key, tile] : map_.points().tiles()) {
+    if (map_.is_asleep(key)) forget_sums(key);
     if (is_near(key)) {
       if (distance(key) > config_.keep_radius - 2 * kRim) review(key);
       continue;

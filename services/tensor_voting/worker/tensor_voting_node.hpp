@@ -77,6 +77,7 @@ class TensorVotingNode final : public Node {
   [[nodiscard]] bool may_join() const;
   void reassign();
   void collect_changes();
+  void forget_sums(TileKey key);
   void follow_vehicle();
   void announce();
   void publish_paced();

@@ -106,6 +106,11 @@ bool VotedMap::is_current(TileKey key) const {
   return current;
 }
 
+bool VotedMap::is_asleep(TileKey key) const {
+  return std::all_of(fields_.begin(), fields_.end(),
+                     [&](const voting::VotingField& field) { return field.is_asleep(key); });
+}
+
 std::int32_t VotedMap::revision(TileKey key) const {
   const PointTile* const tile = points_.find(key);
   if (tile == nullptr) return 0;

@@ -37,6 +37,8 @@ class VotedMap {
   [[nodiscard]] std::span<const voting::VotingField> fields() const { return fields_; }
   /// All points of the tile and of those around it have voted: what its tensors say is what the map says.
   [[nodiscard]] bool is_current(TileKey key) const;
+  /// The tile sleeps in all fields.
+  [[nodiscard]] bool is_asleep(TileKey key) const;
   /// The number of the tile's points and of the votes that they have received, and enough for each point about that has
   /// been taken out; 0 without a tile. Grows with every change and depends on nothing but the records that have come.
   [[nodiscard]] std::int32_t revision(TileKey key) const;

@@ -21,7 +21,7 @@ struct VotedBase {
   };
   std::int32_t revision = 0;
   std::size_t num_points = 0;
-  std::vector<Scale> scales;
+  std::vector<Scale> scales;  ///< empty: not known any more; then all sums are others
 };
 
 /// The step from `base` to a tile as it is, as VOTED_POINTS messages of at most kMaxPageBytes: its new points, in the
