@@ -66,9 +66,12 @@ void EkfNode::on(const imu_t& message) {
   imu_.refused_in_a_row = 0;
   imu_.heard = message.utime;
   imu_status_ = message.status;
+  base::ImuSample sample = sample_of(message);
+  sample.utime = imu_stamps_.add(message.utime, message.sequence);
+  if (sample.utime != message.utime) counters_.add("straightened.imu");
   // What an axis at the end of its range measured is unknown: it is as if lost, and the wheels bridge what lasts.
   if (message.status & imu_t::CLIPPING) return counters_.add("refused.clipping.imu");
-  sequencer_.push(sample_of(message));
+  sequencer_.push(sample);
   run(false);
 }
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "tests/services/ekf/ekf_node_test.hpp"
+#include "tests/services/ekf/late_stamps.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace curbstone::ekf {
@@ -169,6 +170,20 @@ TEST_F(EkfNodeTest, PassesOnTheDrivesFaults) {
   m.faults[1] = 0x2310;
   rig.send("WHEELS", m);
   EXPECT_THAT(rig.node.report().faults, ::testing::ElementsAre("WHEELS: right drive reports fault 0x2310"));
+}
+
+TEST_F(EkfNodeTest, LateStampsOfTheImuAreStraightenedAndRegularOnesKept) {
+  Rig rig(config_);
+  for (std::size_t i = 0; i < drive_.imu.size(); ++i) send(rig, i);
+  rig.finish();
+  EXPECT_EQ(rig.node.report().counters["straightened.imu"], 0);
+  const std::vector<base::ImuSample> taken = drive_.imu;
+  make_late(drive_.imu, 0.02, 1);
+  Rig late(config_);
+  for (std::size_t i = 0; i < drive_.imu.size(); ++i) send(late, i);
+  late.finish();
+  EXPECT_GT(late.node.report().counters["straightened.imu"], 1000);
+  EXPECT_NEAR(static_cast<double>(late.odometry.back().utime), static_cast<double>(taken.back().utime), 2e3);
 }
 
 }  // namespace

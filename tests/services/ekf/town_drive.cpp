@@ -57,9 +57,13 @@ Drive simulate_town_drive(const TownDriveOptions& o, const VehicleConfig& vehicl
   Drive drive;
   const auto utime = [](double t) { return kSetOff + std::llround(t * 1e6); };
   const double radians = 2.0 * std::numbers::pi / wheel_noise.counts_per_revolution;
+  const int parts = o.imu_rate / 100;
   for (double t = kSampling; t < o.seconds; t += kSampling) {
-    const simulate::motion::Inertia inertia = imu.sample(t);
-    drive.imu.push_back({utime(t), inertia.angular_rate, inertia.specific_force});
+    for (int part = parts - 1; part >= 0; --part) {
+      const double at = t - part * kSampling / parts;
+      const simulate::motion::Inertia inertia = imu.sample(at);
+      drive.imu.push_back({utime(at), inertia.angular_rate, inertia.specific_force});
+    }
     const auto counts = wheels.counts(t + kAfterImu);
     drive.wheels.push_back(
         {utime(t + kAfterImu), {radians * static_cast<double>(counts[0]), radians * static_cast<double>(counts[1])}});

@@ -12,6 +12,7 @@ struct TownDriveOptions {
   double speed = 3.0;                 ///< m/s
   unsigned seed = 1;                  ///< of the noise
   unsigned town = 1;                  ///< its number
+  int imu_rate = 100;                 ///< Hz, a multiple of 100
   bool slip = true;                   ///< with the simulator's slip events
   double scale = 0.0;                 ///< share by which both true wheels are larger than the vehicle's file says
   double track = 0.0;                 ///< likewise the track

@@ -1,0 +1,112 @@
+#include "services/ekf/inputs/stamp_straightener.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace curbstone::ekf::inputs {
+
+namespace {
+
+constexpr std::size_t kRecent = 256;         // samples, of which the least late one gives the line's height
+constexpr std::size_t kEnough = kRecent;     // samples: fewer prove nothing yet
+constexpr std::int64_t kEach = 16;           // samples from one look to the next
+constexpr std::int64_t kMostLate = 80'000;   // us: what is later is a gap, or another rate
+constexpr std::int64_t kJump = 1'000'000;    // us: the clock, or one wild stamp
+constexpr int kConfirmations = 3;            // of a clock that jumped
+constexpr std::int32_t kMostLost = 20;       // samples in a row
+constexpr double kSmoothing = 0.1;           // of what a look says of the period
+constexpr double kStop = 0.5;                // of kJitter, below which stamps are good again
+constexpr double kStray = 1.3;               // times as far after 64 samples as after 8: a random walk makes 2.8,
+constexpr double kGone = 1.6;                // and where stamps are being changed
+constexpr std::size_t kNear = 8, kFar = 64;  // samples
+
+}  // namespace
+
+std::int64_t StampStraightener::add(std::int64_t stamp, std::int32_t sequence) {
+  const std::int64_t step = stamp - last_stamp_;
+  if (!points_.empty() && std::abs(step) > kJump && ++astray_ < kConfirmations) return stamp;
+  const std::int64_t ahead = std::int64_t{sequence} - sequence_;
+  if (!points_.empty() && step == 0 && ahead != 1) return last_out_;  // the same sample again
+  if (!points_.empty() && step < 0 && step > -kJump) return stamp;    // out of order: it has its own time
+  astray_ = 0;
+  std::int64_t number = ahead > 1 && ahead <= kMostLost ? ahead : 1;
+  sequence_ = sequence;
+  last_stamp_ = stamp;
+  if (!points_.empty()) {
+    const double expected = period_ > 0 ? period_ * static_cast<double>(number) : 0.0;
+    if (step < 0 || static_cast<double>(step) > expected + kMostLate) restart();
+  }
+  if (!points_.empty()) number += points_.back().number;
+  points_.push_back({number, stamp});
+  if (points_.size() > kMemory) points_.pop_front();
+  if (points_.size() >= kEnough && number - learnt_at_ >= kEach) learn();
+  if (!active_) return last_out_ = stamp;
+  const double late = height(points_.back()) - least_height(kRecent);
+  if (late > kMostLate) {
+    restart();
+    return last_out_ = stamp;
+  }
+  const auto straight = stamp - std::llround(std::max(late, 0.0));
+  const std::int64_t least = last_out_ + std::llround(0.5 * period_);
+  return last_out_ = std::min(stamp, std::max<std::int64_t>(straight, least));
+}
+
+void StampStraightener::restart() {
+  points_.clear();
+  learnt_at_ = 0;
+  period_ = 0.0;
+  active_ = false;
+}
+
+void StampStraightener::learn() {
+  learnt_at_ = points_.back().number;
+  const double now = slope();
+  period_ = active_ ? period_ + kSmoothing * (now - period_) : now;
+  const double least = least_height(points_.size());
+  double mean = 0.0;
+  for (const Point& point : points_) mean += (height(point) - least) / static_cast<double>(points_.size());
+  active_ = mean > (active_ ? kStop * kJitter : kJitter) && mean < kMostLate && stays_near();
+}
+
+double StampStraightener::height(const Point& point) const {
+  const Point& first = points_.front();
+  return static_cast<double>(point.stamp - first.stamp) - period_ * static_cast<double>(point.number - first.number);
+}
+
+double StampStraightener::least_height(std::size_t samples) const {
+  double least = INFINITY;
+  for (std::size_t i = points_.size() - std::min(samples, points_.size()); i < points_.size(); ++i)
+    least = std::min(least, height(points_[i]));
+  return least;
+}
+
+/// Of the edge of the lower convex hull that spans the middle: no line below all points is nearer to them.
+double StampStraightener::slope() const {
+  std::vector<const Point*> hull;
+  const auto turns_down = [](const Point& a, const Point& b, const Point& c) {
+    return static_cast<double>(b.stamp - a.stamp) * static_cast<double>(c.number - a.number) >=
+           static_cast<double>(c.stamp - a.stamp) * static_cast<double>(b.number - a.number);
+  };
+  for (const Point& point : points_) {
+    while (hull.size() > 1 && turns_down(*hull[hull.size() - 2], *hull.back(), point)) hull.pop_back();
+    hull.push_back(&point);
+  }
+  const std::int64_t middle = (points_.front().number + points_.back().number) / 2;
+  std::size_t k = 1;
+  while (k + 1 < hull.size() && hull[k]->number < middle) ++k;
+  return static_cast<double>(hull[k]->stamp - hull[k - 1]->stamp) /
+         static_cast<double>(hull[k]->number - hull[k - 1]->number);
+}
+
+/// What jitters comes back to the line at once; what strays from it is farther off the longer one waits.
+bool StampStraightener::stays_near() const {
+  const auto change = [&](std::size_t lag) {
+    double sum = 0.0;
+    for (std::size_t i = lag; i < points_.size(); ++i) sum += std::abs(height(points_[i]) - height(points_[i - lag]));
+    return sum / static_cast<double>(points_.size() - lag);
+  };
+  return change(kFar) < (active_ ? kGone : kStray) * change(kNear);
+}
+
+}  // namespace curbstone::ekf::inputs
