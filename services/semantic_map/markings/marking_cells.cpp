@@ -65,7 +65,9 @@ class Patch {
 
 /// How bright the ground around a block of cells is, from the lower half of what is there: paint is brighter, and of a
 /// crossing half is paint. Not from its end: tar is darker. For a normal distribution the 45 % quantile lies 0.126 and
-/// the 25 % quantile 0.674 sigma below the middle.
+/// the 25 % quantile 0.674 sigma below the middle. A middle that is brighter than any road is pavement's, or neither
+/// road's nor pavement's: beside it slabs a little brighter than others would look like paint. There the darker part is
+/// the road.
 std::optional<double> level_around(const Patch& patch, int column0, int row0) {
   std::array<int, 256> histogram{};
   int known = 0;
@@ -91,6 +93,7 @@ std::optional<double> level_around(const Patch& patch, int column0, int row0) {
   const double middle = quantile(0.45);
   const double low = quantile(0.25);
   if (low > kBrightestRoad) return std::nullopt;
+  if (middle > kBrightestRoad) return std::max(kDarkestRoad, low);
   const double spread = std::min(kMostSpread, (middle - low) / (0.674 - 0.126));
   return std::max(kDarkestRoad, middle + 0.126 * spread);
 }

@@ -121,6 +121,15 @@ TEST(RoadMarkings, JointsTarPatchesAndPavementAreNoPaint) {
   EXPECT_TRUE(lines_of(road([](double x, double y) { return x > 0 && x < 4 && y > 0 ? 85.0 : kRoad; })).empty());
 }
 
+TEST(RoadMarkings, ABrightSlabOfPavementBesideTheRoadIsNoPaint) {
+  for (const double slab : {1.3, 1.55, 1.8})
+    EXPECT_TRUE(lines_of(road([&](double x, double y) {
+                  if (y < 1) return kRoad;
+                  return std::abs(y - slab) < 0.15 && std::abs(x) < 1.5 ? 150.0 : 130.0;
+                })).empty())
+        << slab;
+}
+
 TEST(RoadMarkings, TheStoneOfALoweredKerbIsNoPaint) {
   TilePipeline pipeline({}, {});
   for (const tile::VotedTile& tile : road([](double, double y) { return std::abs(y - 2.1) < 0.1 ? kPaint : kRoad; }))
