@@ -6,8 +6,9 @@ import { Inspector } from "./cards/inspector";
 import { Panel, showSummary } from "./cards/panel";
 import { Ruler } from "./cards/ruler";
 import { showScale } from "./cards/scale_bar";
+import { showSource } from "./cards/source";
 import { clock, Timeline } from "./cards/timeline";
-import { takenBelow, uncover } from "./cards/uncover";
+import { fit, uncover } from "./cards/uncover";
 import { Connection } from "./connection";
 import { Camera } from "./drawing/camera";
 import { Ground } from "./drawing/ground";
@@ -123,6 +124,7 @@ function onNews(): void {
 /// The first tiles are there: look at them, unless the address says where.
 function begin(): void {
   arrival.shown = true;
+  if (showSource(world.state)) resize();
   if (settings.hasView && !settings.follow) return;
   if (world.state?.source === "map" && !settings.hasView) showWhole();
 }
@@ -149,7 +151,6 @@ function look(): void {
   say(byId("curtain"), judged.sentence);
   byId("curtain").hidden = !judged.sentence;
   byId("curtain").className = judged.mood;
-  byId("source").textContent = state?.title ?? "";
   document.title = now.mood === "bad" ? `${now.word} – Curbstone` : "Curbstone";
   if (grey !== judged.grey) {
     grey = judged.grey;
@@ -159,21 +160,14 @@ function look(): void {
   byId("latency").textContent = latency === null ? "" : `${seconds(latency)} from sensor to screen`;
   verdict = showServices(world.services, age);
   if (state) panel.showState(state, motion.speed);
-  const isFile = state?.source === "map", root = document.documentElement;
-  showSummary(isFile, motion.speed, latency, verdict.faults, verdict.silent);
+  if (showSource(state)) resize();
+  showSummary(state?.source === "map", motion.speed, latency, verdict.faults, verdict.silent);
   const fresh = settings.mode === "height" ? heightRange(world, camera) : range;
   if (Math.abs(fresh[0] - range[0]) + Math.abs(fresh[1] - range[1]) > 0.1) {
     range = fresh;
     panel.refresh(range);
     redraw();
   }
-  root.classList.toggle("file", isFile);
-  if (state?.localized) root.classList.add("localized");
-  byId("health").hidden = isFile;
-  const follow = byId<HTMLButtonElement>("follow");
-  follow.disabled = isFile;
-  follow.title = isFile ? "A saved map has no vehicle to follow" : "Follow the vehicle (F)";
-  follow.classList.toggle("idle", !state?.pose);
 }
 
 function settingsChanged(): void {
@@ -200,10 +194,7 @@ function togglePanel(): void {
 
 function resize(): void {
   const dots = Math.min(2, devicePixelRatio || 1);
-  [camera.width, camera.height] = [map.clientWidth, map.clientHeight];
-  const isSheet = matchMedia(kSheet).matches;
-  camera.offsetX = isSheet || !settings.panel ? 0 : -170;
-  camera.offsetY = isSheet ? -10 - takenBelow() / 2 : 0;
+  fit(camera, map);
   const [width, height] = [camera.width, camera.height].map(pixels => Math.round(pixels * dots));
   for (const canvas of [groundCanvas, marksCanvas]) {  // a canvas that is given a size, the same too, is empty until it is drawn
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
@@ -278,6 +269,13 @@ function onPicked(): void {
   if (inspector.picked) uncover(camera, ...inspector.picked);
 }
 
+/// Another place is measured, or none: what lies between two is seen beside the card, which grows by the second.
+function onMeasured(): void {
+  ruler.show();
+  if (!settings.follow && ruler.places.length === 2) for (const { x, y } of ruler.places) uncover(camera, x, y, "ruler");
+  redraw();
+}
+
 function savePicture(): void {
   draw(performance.now());  // the ground can be read only in the task that drew it
   saveCanvases([groundCanvas, marksCanvas], css(kBackground[settings.look]));
@@ -327,7 +325,7 @@ function wire(): void {
 
 // For the browser's console, and for tests/services/viewer/page.
 rewind = new Rewind(world, onPast);
-Object.assign(window, { curbstone: { world, camera, settings, rewind, arrival, redraw } });
+Object.assign(window, { curbstone: { world, camera, settings, rewind, arrival, redraw, get ruler() { return ruler; } } });
 
 settings.read(camera);
 try {
@@ -335,13 +333,13 @@ try {
   const sheet = new Sheet(marksCanvas);
   [marks, tiltedMarks] = [new Marks(sheet, world), new TiltedMarks(sheet, world)];
   inspector = new Inspector(world, onPicked);
-  ruler = new Ruler(world, () => { ruler.show(); redraw(); });
+  ruler = new Ruler(world, onMeasured);
   connection = new Connection(rewind, onFrame);
   timeline = new Timeline(order => world.state?.playback ? connection.order(order) : rewind.order(order), () => rewind.goLive());
   panel = new Panel(settings, settingsChanged);
   wire();
-  resize();
   settingsChanged();
+  resize();
   look();
   setInterval(look, 500);
 } catch (error) {

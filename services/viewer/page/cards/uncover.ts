@@ -1,4 +1,4 @@
-// What was asked about is seen beside its card.
+// The map between the cards: where its middle is, and that what was asked about is seen beside its card.
 import { Camera } from "../drawing/camera";
 import { byId } from "../format";
 
@@ -8,16 +8,27 @@ const kMargin = 24;  // pixels about the place
 const kPhone = "(max-width: 600px) and (min-height: 501px)";
 
 /// Pixels at the bottom of the screen that the card takes from the map.
-export function takenBelow(): number {
+function takenBelow(): number {
   const card = byId("cell");
   return card.hidden || !matchMedia(kPhone).matches ? 0 : innerHeight - card.getBoundingClientRect().top;
 }
 
-/// Moves the map so that the place, m in map, is not behind the card.
-export function uncover(camera: Camera, x: number, y: number): void {
-  const element = byId("cell"), card = element.getBoundingClientRect(), [sx, sy] = camera.toScreen(x, y);
+/// Gives the camera the size of the map, and what of it no card takes: page.css says how much the standing ones do.
+export function fit(camera: Camera, map: HTMLElement): void {
+  const style = getComputedStyle(document.documentElement);
+  const [above, beside, below, air] = ["above", "beside", "below", "air"].map(edge => parseFloat(style.getPropertyValue(`--${edge}`)) || 0);
+  const low = Math.max(below, takenBelow());
+  [camera.width, camera.height] = [map.clientWidth, map.clientHeight];
+  [camera.offsetX, camera.offsetY] = [-beside / 2, (above - low) / 2];
+  [camera.roomWidth, camera.roomHeight] = [camera.width - beside - 2 * air, camera.height - above - low - 2 * air];
+}
+
+/// Moves the map so that the place, m in map, is not behind the card that tells of it.
+export function uncover(camera: Camera, x: number, y: number, id: "cell" | "ruler" = "cell"): void {
+  const element = byId(id), card = element.getBoundingClientRect(), [sx, sy] = camera.toScreen(x, y);
   const isBeside = sx < card.left - kMargin || sx > card.right + kMargin || sy < card.top - kMargin || sy > card.bottom + kMargin;
   if (element.hidden || isBeside) return;
-  if (takenBelow() > 0) camera.hold(x, y, sx, (byId("bar").getBoundingClientRect().bottom + card.top) / 2);
-  else camera.hold(x, y, card.right + 2 * kMargin, sy);
+  if (!matchMedia(kPhone).matches) camera.hold(x, y, card.right + 2 * kMargin, sy);
+  else if (id === "ruler") camera.hold(x, y, sx, card.bottom + 2 * kMargin);
+  else camera.hold(x, y, sx, (byId("bar").getBoundingClientRect().bottom + card.top) / 2);
 }

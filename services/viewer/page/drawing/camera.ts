@@ -23,6 +23,9 @@ export class Camera implements View {
   // The middle of what no card hides, from the middle of the screen, CSS pixels.
   offsetX = 0;
   offsetY = 0;
+  // As wide and high as that is.
+  roomWidth = 1;
+  roomHeight = 1;
 
   get isTilted(): boolean { return this.tilt > 0.005; }
   /// m, from the eye to the point looked at.
@@ -91,14 +94,13 @@ export class Camera implements View {
     this.turn = Math.atan2(Math.sin(this.turn + turn), Math.cos(this.turn + turn));
   }
 
-  /// Shows this part of the map as a whole.
+  /// Shows this part of the map as a whole, where no card is.
   show(minX: number, minY: number, maxX: number, maxY: number): void {
     this.x = (minX + maxX) / 2;
     this.y = (minY + maxY) / 2;
     const [c, s] = [Math.abs(Math.cos(this.turn)), Math.abs(Math.sin(this.turn))];
     const wide = c * (maxX - minX) + s * (maxY - minY), high = s * (maxX - minX) + c * (maxY - minY);
-    const room = Math.min((this.width - 2 * Math.abs(this.offsetX) - 60) / wide,
-      (this.height - 2 * Math.abs(this.offsetY) - 120) / high);
+    const room = Math.min(this.roomWidth / wide, this.roomHeight / high);
     this.scale = Math.min(60, Math.max(kMinScale, room));
   }
 }

@@ -75,7 +75,7 @@ export class Ground {
       const curbs = look.curbs ? [...unit(classColours(look.theme, look.mode)[2]!), 1] : null;
       const markings = look.markings ? [...unit(kPaint[look.theme]), 1] : null;
       this.relief ??= new Relief(gl, world, this.pages, this.isSlow);
-      this.relief.draw(camera, program => this.style(program, look), paint, look.grid, curbs, markings, look.grey);
+      this.relief.draw(camera, program => this.style(program, look), paint, look.grid, isPlain(look), curbs, markings, look.grey);
     } else if (look.grid) {
       this.drawPages(camera, look, paint);
     }
@@ -130,7 +130,7 @@ export class Ground {
 
   private drawPages(camera: Camera, look: Look, paint: (page: Page) => void): void {
     const { gl } = this;
-    const flat = look.grey > 0 || look.mode === "age" ? this.flat.any : this.cellWidth(camera) < 1 ? this.flat.far : this.flat.near;
+    const flat = !isPlain(look) ? this.flat.any : this.cellWidth(camera) < 1 ? this.flat.far : this.flat.near;
     const seen = [...this.pages.all.values()].filter(page => isSeen(camera, page.x, page.y));
     if (seen.length === 0) return;
     seen.forEach(paint);
@@ -164,6 +164,11 @@ export class Ground {
     gl.drawArrays(gl.POINTS, 0, this.numPoints);
     gl.disable(gl.DEPTH_TEST);
   }
+}
+
+/// The pictures of the pages are shown as they are.
+function isPlain(look: Look): boolean {
+  return look.grey === 0 && look.mode !== "age";
 }
 
 /// From base_link to map, by columns: yaw, pitch, roll.

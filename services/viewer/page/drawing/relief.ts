@@ -6,7 +6,7 @@ import { wallsOf } from "./curb_walls";
 import { kPageSize, kTilesAside, Page, Pages } from "./pages";
 import { stripsOf } from "./paint_strips";
 import { Program } from "./program";
-import { kBlockFragment, kBlockVertex, kNetFragment, kNetVertex, kSolidFragment, kSolidVertex } from "./relief_shaders";
+import { kBlockFragment, kBlockVertex, kNetFragment, kNetVertex, kPlainNetFragment, kSolidFragment, kSolidVertex } from "./relief_shaders";
 import { netIndices, netPoints, Seen, Square, squaresInView } from "./terrain";
 import { World } from "../world";
 
@@ -25,7 +25,7 @@ interface Solid { buffer: WebGLBuffer; points: number }
 const kOther = -1;
 
 export class Relief {
-  private net: Program;
+  private net: { any: Program; plain: Program };  // of every look, and the one that is drawn sooner
   private block: Program;
   private solid: Program;
   private netIndices: WebGLBuffer;
@@ -41,7 +41,8 @@ export class Relief {
   constructor(private gl: WebGL2RenderingContext, private world: World, private pages: Pages, isSlow: boolean) {
     this.blocks = new Blocks(world);
     this.budget = isSlow ? kInSoftware : kWithCard;
-    this.net = new Program(gl, kNetVertex, kNetFragment, ["point"]);
+    const net = (fragment: string) => new Program(gl, kNetVertex, fragment, ["point"]);
+    this.net = { any: net(kNetFragment), plain: net(kPlainNetFragment) };
     this.block = new Program(gl, kBlockVertex, kBlockFragment, ["point", "place"]);
     this.solid = new Program(gl, kSolidVertex, kSolidFragment, ["point"]);
     const indices = netIndices();
@@ -55,8 +56,9 @@ export class Relief {
   curbsChanged(): void { this.walls.points = kOther; }
   markingsChanged(): void { this.strips.points = kOther; }
 
-  /// `style` sets the uniforms of kPicture, `paint` brings a page's picture up to date; `curbs`, `markings`: their colours, or null.
-  draw(camera: Camera, style: (program: Program) => void, paint: (page: Page) => void, cells: boolean, curbs: number[] | null, markings: number[] | null, grey: number): void {
+  /// `style` sets the uniforms of kPicture, `paint` brings a page's picture up to date; `isPlain`: what is seen is neither coloured
+  /// by age nor grey; `curbs`, `markings`: their colours, or null.
+  draw(camera: Camera, style: (program: Program) => void, paint: (page: Page) => void, cells: boolean, isPlain: boolean, curbs: number[] | null, markings: number[] | null, grey: number): void {
     const { gl } = this, toClip = camera.matrix();
     ++this.picture;
     gl.enable(gl.DEPTH_TEST);
@@ -69,8 +71,9 @@ export class Relief {
         gl.uniformMatrix4fv(program.at("toClip"), false, toClip);
         gl.uniform1f(program.at("reach"), kReach);
       };
-      use(this.net);
-      this.eachPage(this.net, seen, ({ square }) => this.drawNet(square));
+      const net = isPlain ? this.net.plain : this.net.any;
+      use(net);
+      this.eachPage(net, seen, ({ square }) => this.drawNet(square));
       use(this.block);
       gl.enable(gl.CULL_FACE);
       let left = this.budget.faces;

@@ -1,0 +1,18 @@
+// Where the map comes from: a vehicle, its log, or a file. What a saved map does not have is not offered.
+import { byId } from "../format";
+import { State } from "../world";
+
+/// True: a saved map is seen now and none was before, or the other way about. Then other cards lie on the map.
+export function showSource(state: State | null): boolean {
+  const isFile = state?.source === "map", { classList } = document.documentElement;
+  const isOther = classList.contains("file") !== isFile;
+  classList.toggle("file", isFile);
+  if (state?.localized) classList.add("localized");
+  byId("source").textContent = state?.title ?? "";
+  byId("health").hidden = isFile;
+  const follow = byId<HTMLButtonElement>("follow");
+  follow.disabled = isFile;
+  follow.title = isFile ? "A saved map has no vehicle to follow" : "Follow the vehicle (F)";
+  follow.classList.toggle("idle", !state?.pose);
+  return isOther;
+}
