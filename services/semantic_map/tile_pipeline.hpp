@@ -16,9 +16,9 @@
 #include "services/semantic_map/curbs/curb_evidence.hpp"
 #include "services/semantic_map/curbs/curb_filter.hpp"
 #include "services/semantic_map/ground/ground_model.hpp"
+#include "services/semantic_map/layers/tile_layers.hpp"
 #include "services/semantic_map/markings/marking_cells.hpp"
 #include "services/semantic_map/tile/voted_tile_assembler.hpp"
-#include "services/semantic_map/tile_layers.hpp"
 #include "services/semantic_map/tile_work.hpp"
 
 namespace curbstone::semantic_map {
@@ -34,8 +34,8 @@ namespace curbstone::semantic_map {
 /// a hurry updates one tile with what its neighbours have by now. Once everything is settled, the map is a function of
 /// the voted points alone: not of the order in which they came, nor of how often somebody looked.
 ///
-/// Tiles that no step has looked at while kAwake voted steps came sleep (SleepingLayers). Whatever needs them wakes
-/// them.
+/// Tiles that no step has looked at while kAwake voted steps came sleep (layers::SleepingLayers). Whatever needs them
+/// wakes them.
 class TilePipeline {
  public:
   TilePipeline(const tile::CurbParameters& curb, const cells::ClassParameters& classes,
@@ -81,7 +81,7 @@ class TilePipeline {
   static constexpr std::array kPatientSteps = {kPaint, kMarkings};
   static constexpr std::int64_t kFresh = 0;
   struct Tile {
-    SleepingLayers layers;
+    layers::SleepingLayers layers;
     ground::GroundModel ground;
     std::vector<curbs::CurbCandidate> evidence;
     std::int64_t evidence_utime = 0;  ///< us, of the newest points that it was looked for in

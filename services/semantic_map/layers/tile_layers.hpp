@@ -8,7 +8,7 @@
 #include "services/semantic_map/markings/paint_layer.hpp"
 #include "services/semantic_map/tile/voted_tile.hpp"
 
-namespace curbstone::semantic_map {
+namespace curbstone::semantic_map::layers {
 
 /// What of a tile nobody but the steps of it and of its neighbours reads.
 struct TileLayers {
@@ -42,4 +42,4 @@ class SleepingLayers {
   PackedValues packed_;
 };
 
-}  // namespace curbstone::semantic_map
+}  // namespace curbstone::semantic_map::layers

@@ -1,8 +1,8 @@
-#include "services/semantic_map/tile_layers.hpp"
+#include "services/semantic_map/layers/tile_layers.hpp"
 
 #include "services/semantic_map/tile/voted_tile_packing.hpp"
 
-namespace curbstone::semantic_map {
+namespace curbstone::semantic_map::layers {
 
 void SleepingLayers::sleep() {
   if (!awake_) return;
@@ -37,4 +37,4 @@ void SleepingLayers::wake() {
   PackedValues().swap(packed_);
 }
 
-}  // namespace curbstone::semantic_map
+}  // namespace curbstone::semantic_map::layers
