@@ -2,7 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
+#include <ranges>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -18,6 +18,7 @@ class ValuePacker {
  public:
   template <class T>
   void put(const T& value) {
+    static_assert(!std::ranges::range<T>, "a span would be packed as a pointer; put_all() packs what it shows");
     put_all(std::span<const T>(&value, 1));
   }
   /// Without their number. They go in as planes: the first bytes of all values, then the second ones. So the high bytes

@@ -6,6 +6,8 @@
 #include <unordered_set>
 #include <utility>
 
+#include "common/tiles/vector_memory.hpp"
+
 namespace curbstone::mapper::dense_map {
 namespace {
 
@@ -15,12 +17,6 @@ constexpr std::uint32_t kMark = 1U << 31;
 std::uint64_t place_key(const TilePoint& point) {
   return (static_cast<std::uint64_t>(static_cast<std::uint16_t>(point.x)) << 32) |
          (static_cast<std::uint64_t>(static_cast<std::uint16_t>(point.y)) << 16) | static_cast<std::uint16_t>(point.z);
-}
-
-/// `= {}` would keep the memory, as clear() does.
-template <class T>
-void give_back(std::vector<T>& values) {
-  values = std::vector<T>();
 }
 
 template <class T>

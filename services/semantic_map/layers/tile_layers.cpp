@@ -1,5 +1,6 @@
 #include "services/semantic_map/layers/tile_layers.hpp"
 
+#include "common/tiles/vector_memory.hpp"
 #include "services/semantic_map/tile/voted_tile_packing.hpp"
 
 namespace curbstone::semantic_map::layers {
@@ -34,7 +35,7 @@ void SleepingLayers::wake() {
   columns.ground = unpacker.take<cells::Extent>();
   unpacker.take(layers->paint.cells);
   awake_ = std::move(layers);
-  PackedValues().swap(packed_);
+  give_back(packed_);
 }
 
 }  // namespace curbstone::semantic_map::layers

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/tiles/vector_memory.hpp"
+
 namespace curbstone::semantic_map::tile {
 
 namespace {
@@ -54,13 +56,6 @@ VotedTensor tensor_of(const voted_points_t& page, std::size_t i) {
   t.plate = page.plate[i] / 255.0F;
   t.mass = page.mass[i];
   return t;
-}
-
-/// Room for `more`, and a quarter of what there is: twice of it, as a vector makes, would be most of this process's
-/// memory.
-template <class T>
-void make_room(std::size_t more, std::vector<T>& values) {
-  if (values.size() + more > values.capacity()) values.reserve(values.size() + std::max(more, values.size() / 4));
 }
 
 /// The points that the tile does not have yet.

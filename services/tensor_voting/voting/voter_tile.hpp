@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/tiles/vector_memory.hpp"
 #include "services/tensor_voting/kernels/tensor.hpp"
 #include "services/tensor_voting/kernels/vote_kernel.hpp"
 #include "services/tensor_voting/voting/voxel_table.hpp"
@@ -107,11 +108,6 @@ struct VoterTile {
       voxels.find_or_insert(voxel_of(from.at), i);
     }
     give_back(sleepers);
-  }
-
-  template <class T>
-  static void give_back(std::vector<T>& memory) {
-    std::vector<T>().swap(memory);
   }
 
   /// What each voter has received.

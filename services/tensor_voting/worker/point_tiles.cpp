@@ -4,16 +4,9 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "common/tiles/vector_memory.hpp"
+
 namespace curbstone::tensor_voting::worker {
-
-namespace {
-
-/// Room for `more`, and a quarter of what there is: all points of the map are here, and twice of it is too much.
-void make_room(std::size_t more, std::vector<TilePoint>& points) {
-  if (points.size() + more > points.capacity()) points.reserve(points.size() + std::max(more, points.size() / 4));
-}
-
-}  // namespace
 
 bool PointTiles::plausible(const map_points_t& m) const {
   if (std::abs(static_cast<double>(m.tile_x)) > limits_.key || std::abs(static_cast<double>(m.tile_y)) > limits_.key) {

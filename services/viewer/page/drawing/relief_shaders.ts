@@ -39,7 +39,7 @@ void main() {
   colour = greyed(c) * shown;
 }`;
 
-/// The same for the picture as it is, neither by age nor grey: without a graphics card it takes half the time.
+/// The same for the picture as it is, neither by age nor grey: without a graphics card it is drawn sooner.
 export const kPlainNetFragment = `#version 300 es
 precision highp float;
 precision highp sampler2D;
