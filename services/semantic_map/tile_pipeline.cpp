@@ -91,6 +91,7 @@ void TilePipeline::wake_for(Step step, TileKey key, Tile& tile) {
 
 void TilePipeline::sleep(TileKey key) {
   uses_.erase(key);
+  meters_.erase(key);
   if (Tile* const tile = find(key)) tile->layers.sleep();
 }
 

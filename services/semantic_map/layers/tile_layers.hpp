@@ -18,8 +18,8 @@ struct TileLayers {
   markings::PaintLayer paint;
 };
 
-/// The layers of a tile, which may sleep: nearly all of its memory, packed into a fifth until somebody looks at them
-/// again. What wakes has every bit that it had.
+/// The layers of a tile, which are nearly all of its memory and may sleep: packed until somebody looks at them again.
+/// What wakes has every bit that it had.
 class SleepingLayers {
  public:
   SleepingLayers() = default;

@@ -5,7 +5,7 @@
 
 namespace curbstone::semantic_map::tile {
 
-/// Puts away a voted tile in about a fifth of its room: positions as the whole steps that they were sent in, and of
+/// Puts away a voted tile: positions as the whole steps that they were sent in, and of
 /// points that share a tensor only the voter's.
 void pack(const VotedTile& tile, ValuePacker& packer);
 /// Every bit of it.

@@ -16,8 +16,7 @@ namespace curbstone::tensor_voting::voting {
 /// The voters of a tile in blocks; a block's are of one cell. The blocks of one column of cells are chained, apart from
 /// the blocks themselves: a walk along a chain must not wait for each of them to come from memory.
 ///
-/// A tile that nobody is near may sleep: then it has of each voter where it is and what it has received, in a fourth of
-/// the room.
+/// A tile that nobody is near may sleep: then it has of each voter where it is and what it has received, and no blocks.
 struct VoterTile {
   struct Block {
     kernels::VoterBlock voters;

@@ -41,8 +41,8 @@ struct ReceivedBlock {
 /// Which points vote is decided inside each tile by the order of its own points: the first one in a voxel votes. Points
 /// that are thinned out take the tensor of their voxel's voter.
 ///
-/// Tiles that nothing was added to, or beside, for kAwake changes sleep in a fourth of their memory; what comes wakes
-/// them. One thread at a time, readers too.
+/// Tiles that nothing was added to, or beside, for kAwake changes sleep, which saves memory; what comes wakes them. One
+/// thread at a time, readers too.
 class VotingField {
  public:
   /// Throws std::invalid_argument as FieldGrid does.
