@@ -57,7 +57,13 @@ class Page : public PageOnABus {
     curbs.lines = {line};
     say("CURBS", curbs);
   }
+  /// With the cards out of the way: on a busy machine a notice comes and goes between the picture and the question of
+  /// what it covers.
   int wrong_cells_of_all() {
+    browser->evaluate(R"(
+        const hide = new CSSStyleSheet();
+        hide.replaceSync("body > :not(#map) { visibility: hidden !important; }");
+        document.adoptedStyleSheets = [hide];)");
     const Picture picture = browser->picture();
     int wrong = 0, all = 0;
     for (const auto& [key, tile] : tiles) {
@@ -65,7 +71,7 @@ class Page : public PageOnABus {
       wrong += wrong_cells(tile, picture, &seen);
       all += seen;
     }
-    EXPECT_GT(all, 6000);
+    EXPECT_GT(all, 7900);
     return wrong;
   }
 
@@ -77,7 +83,7 @@ TEST_F(Page, PaintsEachCellInTheColourOfItsClass) {
   open(fmt::format("at=0,0,40,0&{}", kPlainMap));
   EXPECT_EQ(wrong_cells_of_all(), 0);
 
-  // Turned; and away from the bar, which is as wide as its words.
+  // Turned.
   open(fmt::format("at=0.4,-0.3,36,0.7&{}", kPlainMap));
   EXPECT_EQ(wrong_cells_of_all(), 0);
 }
