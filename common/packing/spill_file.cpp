@@ -1,0 +1,232 @@
+#include "common/packing/spill_file.hpp"
+
+#include <fcntl.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <condition_variable>
+#include <cstdlib>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "common/packing/free_pages.hpp"
+
+namespace curbstone {
+namespace {
+
+constexpr std::uint64_t kPage = 4096;
+constexpr std::chrono::seconds kPatience{5};  // after a disk has refused
+
+std::string in_words(int error) {
+  return std::generic_category().message(error);
+}
+
+}  // namespace
+
+/// Where the values are: in `bytes` until the file has them.
+struct SpillFile::Values::Place {
+  Place(PackedValues values, std::shared_ptr<File> of);
+  Place(const Place&) = delete;
+  Place& operator=(const Place&) = delete;
+  ~Place();
+  [[nodiscard]] std::uint64_t num_pages() const { return (size + kPage - 1) / kPage; }
+
+  PackedValues bytes;
+  std::size_t size;
+  std::optional<std::uint64_t> page;  // the first one in the file
+  std::shared_ptr<File> file;
+};
+
+/// Its lock is for all that it has and for where places are. The file's contents need none: whoever reads or writes a
+/// place holds it.
+class SpillFile::File {
+ public:
+  using Place = Values::Place;
+  File(const std::string& folder, std::uint64_t leave_free) : leave_free_(leave_free) { open(folder); }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  ~File() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
+
+  void put(const std::shared_ptr<Place>& place) {
+    const std::lock_guard lock(mutex_);
+    if (!is_open()) return;
+    waiting_.push_back(place);
+    news_.notify_all();
+  }
+  void entered(const Place& place) {
+    const std::lock_guard lock(mutex_);
+    in_memory_ += place.size;
+  }
+  void left(const Place& place) {
+    const std::lock_guard lock(mutex_);
+    (place.page ? in_file_ : in_memory_) -= place.size;
+    if (place.page) free_.give_back(*place.page, place.num_pages());
+  }
+  [[nodiscard]] PackedValues read(const Place& place) const {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!place.page) return place.bytes;
+    }
+    PackedValues bytes(place.size);
+    for (std::size_t done = 0; done < bytes.size();) {
+      const ssize_t got = ::pread(descriptor_, bytes.data() + done, bytes.size() - done,
+                                  static_cast<off_t>(*place.page * kPage + done));
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0)
+        throw std::runtime_error("spilled values: " + (got < 0 ? in_words(errno) : "the file is too short"));
+      done += static_cast<std::size_t>(got);
+    }
+    return bytes;
+  }
+
+  /// Writes what waits until stop().
+  void run() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+      news_.wait(lock, [this] { return stopped_ || !waiting_.empty(); });
+      if (stopped_) return;
+      std::shared_ptr<Place> place = waiting_.front().lock();
+      waiting_.pop_front();
+      if (place) write(*place, lock);
+      if (place && !place->page) waiting_.push_front(place);
+      lock.unlock();  // a place that nobody else has goes with it
+      place.reset();
+      lock.lock();
+      news_.notify_all();
+      if (!fault_.empty()) news_.wait_for(lock, kPatience, [this] { return stopped_; });
+    }
+  }
+  void stop() {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+    news_.notify_all();
+  }
+  void flush() {
+    std::unique_lock lock(mutex_);
+    news_.wait(lock, [this] { return (waiting_.empty() && !writing_) || !fault_.empty(); });
+  }
+
+  [[nodiscard]] std::size_t in_memory() const {
+    const std::lock_guard lock(mutex_);
+    return in_memory_;
+  }
+  [[nodiscard]] std::size_t in_file() const {
+    const std::lock_guard lock(mutex_);
+    return in_file_;
+  }
+  [[nodiscard]] std::string fault() const {
+    const std::lock_guard lock(mutex_);
+    return fault_;
+  }
+
+ private:
+  void open(const std::string& folder) {
+    if (folder.empty()) return;
+    std::string name = folder + "/.curbstone-spill-XXXXXX";
+    descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
+    if (descriptor_ < 0) {
+      fault_ = folder + ": " + in_words(errno);
+    } else {
+      ::unlink(name.c_str());
+    }
+  }
+  /// Without the lock while the disk works. Afterwards it has its place, or there is a fault.
+  void write(Place& place, std::unique_lock<std::mutex>& lock) {
+    const std::uint64_t page = free_.take(place.num_pages());
+    writing_ = true;
+    lock.unlock();
+    std::string fault = write_at(page, place.bytes);
+    lock.lock();
+    writing_ = false;
+    fault_ = std::move(fault);
+    if (!fault_.empty()) return free_.give_back(page, place.num_pages());
+    place.page = page;
+    in_memory_ -= place.size;
+    in_file_ += place.size;
+    place.bytes = PackedValues();
+  }
+  /// What went wrong.
+  [[nodiscard]] std::string write_at(std::uint64_t page, const PackedValues& bytes) const {
+    struct statvfs disk {};
+    if (::fstatvfs(descriptor_, &disk) == 0 && disk.f_bavail * disk.f_frsize < leave_free_ + bytes.size())
+      return "the disk is nearly full";
+    for (std::size_t done = 0; done < bytes.size();) {
+      const ssize_t put =
+          ::pwrite(descriptor_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(page * kPage + done));
+      if (put < 0 && errno == EINTR) continue;
+      if (put <= 0) return in_words(put < 0 ? errno : ENOSPC);
+      done += static_cast<std::size_t>(put);
+    }
+    return {};
+  }
+
+  std::uint64_t leave_free_;
+  int descriptor_ = -1;
+  mutable std::mutex mutex_;
+  std::condition_variable news_;
+  std::deque<std::weak_ptr<Place>> waiting_;
+  bool writing_ = false;
+  bool stopped_ = false;
+  FreePages free_;
+  std::size_t in_memory_ = 0;  // bytes
+  std::size_t in_file_ = 0;    // bytes
+  std::string fault_;
+};
+
+SpillFile::Values::Place::Place(PackedValues values, std::shared_ptr<File> of)
+    : bytes(std::move(values)), size(bytes.size()), file(std::move(of)) {
+  file->entered(*this);
+}
+
+SpillFile::Values::Place::~Place() {
+  file->left(*this);
+}
+
+PackedValues SpillFile::Values::read() const {
+  return place_ ? place_->file->read(*place_) : PackedValues();
+}
+
+SpillFile::SpillFile(const std::string& folder, std::uint64_t leave_free)
+    : file_(std::make_shared<File>(folder, leave_free)) {
+  if (file_->is_open()) writer_ = std::thread([file = file_.get()] { file->run(); });
+}
+
+SpillFile::~SpillFile() {
+  file_->stop();
+  if (writer_.joinable()) writer_.join();
+}
+
+SpillFile::Values SpillFile::put(PackedValues values) {
+  Values result;
+  result.place_ = std::make_shared<Values::Place>(std::move(values), file_);
+  file_->put(result.place_);
+  return result;
+}
+
+std::size_t SpillFile::bytes_in_memory() const {
+  return file_->in_memory();
+}
+
+std::size_t SpillFile::bytes_in_file() const {
+  return file_->in_file();
+}
+
+std::string SpillFile::fault() const {
+  return file_->fault();
+}
+
+void SpillFile::flush() {
+  file_->flush();
+}
+
+}  // namespace curbstone
