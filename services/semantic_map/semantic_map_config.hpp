@@ -18,6 +18,7 @@ struct SemanticMapConfig {
   int work_per_tick = 8;            ///< tiles whose ground and curbs are looked for each 20 ms
   double curb_range = 20.0;         ///< m around the vehicle that CURBS and MARKINGS speak of
   int max_pending_tiles = 20'000;   ///< kept in memory while the disk is full
+  double keep_free = 1;             ///< GB of the disk that what far tiles need no memory for leaves free
   tile::CurbParameters curb;
   cells::ClassParameters classes;
   markings::MarkingParameters markings;
@@ -31,6 +32,8 @@ struct SemanticMapConfig {
     v.field("work_per_tick", work_per_tick, {1, 1000}, "tiles whose ground and curbs are looked for each 20 ms");
     v.field("curb_range", curb_range, {3, 100}, "m around the vehicle that CURBS and MARKINGS speak of");
     v.field("max_pending_tiles", max_pending_tiles, {100, 1e6}, "tiles kept in memory while the disk is full");
+    v.field("keep_free", keep_free, {0, 1e6},
+            "GB of the map's disk that layers of far tiles leave free; then they stay in memory");
     v.section("curb", curb, "how curbs are found");
     v.section("classes", classes, "what blocks and what does not");
     v.section("markings", markings, "how the paint on the road is found");

@@ -1,10 +1,12 @@
 #include <utility>
 
+#include "services/semantic_map/picture/map_picture.hpp"
+#include "services/semantic_map/picture/png_file.hpp"
 #include "services/semantic_map/semantic_map_node.hpp"
 #include "services/semantic_map/semantic_messages.hpp"
 
 /// @file
-/// SemanticMapNode: what it hears of the drive.
+/// SemanticMapNode: what it hears of the drive, and what it does at its end.
 
 namespace curbstone::semantic_map {
 
@@ -82,6 +84,42 @@ void SemanticMapNode::take_again(const map_trajectory_t& message) {
 void SemanticMapNode::begin_drive(std::int64_t utime) {
   if (!drive_started_) keeper_.start(epoch_, utime);
   drive_started_ = true;
+}
+
+void SemanticMapNode::finish() {
+  WorkResult settled = pipeline_.settle();
+  unsent_.merge(settled.changed);
+  if (settled.markings) markings_changed_ = true;
+  schedule_.clear();
+  for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(pipeline_.classes(key), newest_utime_);
+  if (has_points()) say_last();
+  const tile::MapLines lines = link(sources_of_lines());
+  if (drive_started_) keeper_.finish(lines);
+  if (!config_.picture.empty()) draw_picture(lines);
+}
+
+/// Depends on the map and on where the vehicle came to, not on when it was said before.
+void SemanticMapNode::say_last() {
+  if (curbs_changed_ || curbs_from_ != vehicle_) publish_curbs(newest_utime_);
+  if (markings_changed_ || (config_.markings.enabled && markings_from_ != vehicle_)) publish_markings(newest_utime_);
+  publish_index(newest_utime_);
+}
+
+void SemanticMapNode::draw_picture(const tile::MapLines& lines) {
+  picture::MapPicture picture;
+  for (const TileKey& key : pipeline_.keys()) {
+    const auto it = published_.find(key);
+    if (it != published_.end()) picture.tiles.push_back(*it->second.tile);
+  }
+  picture.curbs = lines.curbs;
+  picture.markings = lines.markings;
+  picture.path = path_.places();
+  try {
+    picture::write_png(picture::draw_map(picture, {}), config_.picture);
+  } catch (const picture::PictureError& error) {
+    counters_.add("faults.picture");
+    picture_fault_ = error.what();
+  }
 }
 
 }  // namespace curbstone::semantic_map

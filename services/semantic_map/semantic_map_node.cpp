@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
-#include "services/semantic_map/picture/map_picture.hpp"
-#include "services/semantic_map/picture/png_file.hpp"
 #include "services/semantic_map/semantic_messages.hpp"
 
 namespace curbstone::semantic_map {
@@ -30,6 +29,14 @@ cells::ClassParameters with_vehicle(cells::ClassParameters classes, const Vehicl
   return classes;
 }
 
+/// Beside the map. Without a file for the map: in memory.
+std::shared_ptr<SpillFile> file_for_far(const SemanticMapConfig& config) {
+  if (config.map.empty()) return std::make_shared<SpillFile>();
+  const std::filesystem::path folder = std::filesystem::path(config.map).parent_path();
+  return std::make_shared<SpillFile>(folder.empty() ? "." : folder.string(),
+                                     static_cast<std::uint64_t>(config.keep_free * 1e9));
+}
+
 /// Grows by itself since the epoch began (it is named after the second in which it did), faster than a tile is sent: a
 /// service that was restarted goes on above the revisions it sent before. An epoch may last for a year.
 std::int32_t revision_at(std::int64_t now, std::int32_t epoch) {
@@ -43,7 +50,8 @@ std::int32_t revision_at(std::int64_t now, std::int32_t epoch) {
 SemanticMapNode::SemanticMapNode(const SemanticMapConfig& config, Publisher& bus)
     : config_(config),
       bus_(bus),
-      pipeline_(config.curb, with_vehicle(config.classes, config.vehicle), config.markings),
+      far_(file_for_far(config)),
+      pipeline_(config.curb, with_vehicle(config.classes, config.vehicle), config.markings, far_),
       schedule_(config.work_per_tick),
       keeper_(config.map, static_cast<std::size_t>(config.max_pending_tiles), config.keep_earlier_drives),
       nearby_curbs_(config.curb_range),
@@ -158,8 +166,18 @@ void SemanticMapNode::tick(std::int64_t now) {
   }
 }
 
+void SemanticMapNode::ask_for_lost() {
+  for (const TileKey key : pipeline_.take_lost()) {
+    counters_.add("faults.far_tiles");
+    const auto revision = revisions_.extract(key);
+    voted_.forget(key);
+    if (!revision.empty()) voted_.lacks(key, revision.mapped());
+  }
+}
+
 void SemanticMapNode::send_requests(std::int64_t now) {
   last_request_ = now;
+  ask_for_lost();
   const tile_request_t tiles = voted_.make_request(now);
   if (tiles.num_tiles > 0) bus_.publish("TILE_REQUEST", tiles);
   if (!drive_started_) return;
@@ -283,42 +301,6 @@ MapLineSources SemanticMapNode::sources_of_lines() const {
   return sources;
 }
 
-void SemanticMapNode::finish() {
-  WorkResult settled = pipeline_.settle();
-  unsent_.merge(settled.changed);
-  if (settled.markings) markings_changed_ = true;
-  schedule_.clear();
-  for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(pipeline_.classes(key), newest_utime_);
-  if (has_points()) say_last();
-  const tile::MapLines lines = link(sources_of_lines());
-  if (drive_started_) keeper_.finish(lines);
-  if (!config_.picture.empty()) draw_picture(lines);
-}
-
-/// Depends on the map and on where the vehicle came to, not on when it was said before.
-void SemanticMapNode::say_last() {
-  if (curbs_changed_ || curbs_from_ != vehicle_) publish_curbs(newest_utime_);
-  if (markings_changed_ || (config_.markings.enabled && markings_from_ != vehicle_)) publish_markings(newest_utime_);
-  publish_index(newest_utime_);
-}
-
-void SemanticMapNode::draw_picture(const tile::MapLines& lines) {
-  picture::MapPicture picture;
-  for (const TileKey& key : pipeline_.keys()) {
-    const auto it = published_.find(key);
-    if (it != published_.end()) picture.tiles.push_back(*it->second.tile);
-  }
-  picture.curbs = lines.curbs;
-  picture.markings = lines.markings;
-  picture.path = path_.places();
-  try {
-    picture::write_png(picture::draw_map(picture, {}), config_.picture);
-  } catch (const picture::PictureError& error) {
-    counters_.add("faults.picture");
-    picture_fault_ = error.what();
-  }
-}
-
 NodeReport SemanticMapNode::report() const {
   NodeReport report;
   report.counters = counters_;
@@ -329,6 +311,9 @@ NodeReport SemanticMapNode::report() const {
   report.counters.set("evidence_computed", pipeline_.num_evidence());
   if (const auto fault = epochs_.fault(now_)) report.faults.push_back(*fault);
   if (const auto fault = drive_.fault(); fault && drive_started_) report.faults.push_back(*fault);
+  report.counters.set("far.memory_kb", static_cast<std::int64_t>(far_->bytes_in_memory() / 1024));
+  report.counters.set("far.disk_kb", static_cast<std::int64_t>(far_->bytes_in_file() / 1024));
+  if (!far_->fault().empty()) report.faults.push_back("far tiles stay in memory: " + far_->fault());
   if (!keeper_.fault().empty()) report.faults.push_back(keeper_.fault());
   if (!picture_fault_.empty()) report.faults.push_back(picture_fault_);
   report.latency_p50 = latency_.percentile(0.5);

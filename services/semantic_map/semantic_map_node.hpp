@@ -68,6 +68,7 @@ class SemanticMapNode final : public Node {
   void take_again(const map_trajectory_t& message);
   void begin_drive(std::int64_t utime);
   void send_requests(std::int64_t now);
+  void ask_for_lost();
   /// Brings what stands where up to date in tiles with new points, some at a time, and sends it.
   void show_news(std::int64_t now);
   /// In one of them; false if all show it.
@@ -93,6 +94,7 @@ class SemanticMapNode final : public Node {
   SemanticMapConfig config_;
   Publisher& bus_;
   tile::VotedTileAssembler assembler_;
+  std::shared_ptr<SpillFile> far_;  // layers of far tiles
   TilePipeline pipeline_;
   UpdateSchedule schedule_;
   store::MapKeeper keeper_;

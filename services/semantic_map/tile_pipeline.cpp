@@ -66,14 +66,6 @@ bool TilePipeline::unmark(Step step, Tile& tile) {
   return true;
 }
 
-void TilePipeline::wake(TileKey key, Tile& tile) {
-  if (tile.layers.asleep()) {
-    tile.layers.wake();
-    awakened_.push_back(key);
-  }
-  uses_.used(key, num_voted_);
-}
-
 /// What compute() reads.
 void TilePipeline::wake_for(Step step, TileKey key, Tile& tile) {
   switch (step) {
@@ -87,12 +79,6 @@ void TilePipeline::wake_for(Step step, TileKey key, Tile& tile) {
     default:
       for_around(key, [this](TileKey k, Tile& t) { wake(k, t); });
   }
-}
-
-void TilePipeline::sleep(TileKey key) {
-  uses_.erase(key);
-  meters_.erase(key);
-  if (Tile* const tile = find(key)) tile->layers.sleep();
 }
 
 std::optional<VotedChange> TilePipeline::apply(const tile::VotedStep& step) {

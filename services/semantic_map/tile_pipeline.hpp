@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <unordered_map>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -34,13 +35,14 @@ namespace curbstone::semantic_map {
 /// a hurry updates one tile with what its neighbours have by now. Once everything is settled, the map is a function of
 /// the voted points alone: not of the order in which they came, nor of how often somebody looked.
 ///
-/// Tiles that no step has looked at while kAwake voted steps came sleep (layers::SleepingLayers). Whatever needs them
-/// wakes them.
+/// Tiles that no step has looked at while kAwake voted steps came sleep (layers::SleepingLayers), in a file if there is
+/// one. Whatever needs them wakes them.
 class TilePipeline {
  public:
   TilePipeline(const tile::CurbParameters& curb, const cells::ClassParameters& classes,
-               const markings::MarkingParameters& markings = {})
-      : curb_(curb), classes_(classes), markings_(markings) {}
+               const markings::MarkingParameters& markings = {},
+               std::shared_ptr<SpillFile> far = std::make_shared<SpillFile>())
+      : curb_(curb), classes_(classes), markings_(markings), far_(std::move(far)) {}
 
   /// Takes a tile to the step's revision. Nothing if the step does not go on from what the tile is.
   std::optional<VotedChange> apply(const tile::VotedStep& step);
@@ -68,6 +70,8 @@ class TilePipeline {
   [[nodiscard]] std::vector<TileKey> keys_in(const Eigen::Vector2d& min, const Eigen::Vector2d& max) const;
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
   [[nodiscard]] std::size_t num_asleep() const { return tiles_.size() - uses_.size(); }
+  /// Tiles whose layers the file could not bring back since the last call: they must come again as a whole.
+  [[nodiscard]] std::vector<TileKey> take_lost() { return std::exchange(lost_, {}); }
   static constexpr std::int64_t kAwake = 20'000;  ///< voted steps: some ten seconds of a drive
   /// Steps of tiles that are stale.
   [[nodiscard]] std::size_t num_stale() const;
@@ -142,7 +146,9 @@ class TilePipeline {
   UseOrder uses_;                  ///< of the tiles that are awake, by num_voted_
   std::int64_t num_voted_ = 0;     ///< voted steps that have come
   std::vector<TileKey> awakened_;  ///< by the work in hand
-  WorkResult result_;              ///< of the work in hand
+  std::vector<TileKey> lost_;
+  std::shared_ptr<SpillFile> far_;  ///< what sleeps
+  WorkResult result_;               ///< of the work in hand
   std::int64_t num_evidence_ = 0;
 };
 

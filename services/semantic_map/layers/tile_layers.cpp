@@ -1,29 +1,32 @@
 #include "services/semantic_map/layers/tile_layers.hpp"
 
-#include "common/tiles/vector_memory.hpp"
+#include <span>
+#include <stdexcept>
+#include <utility>
+
 #include "services/semantic_map/tile/voted_tile_packing.hpp"
 
 namespace curbstone::semantic_map::layers {
 
-void SleepingLayers::sleep() {
-  if (!awake_) return;
+namespace {
+
+PackedValues pack(const TileLayers& layers) {
   ValuePacker packer;
-  tile::pack(awake_->voted, packer);
-  packer.put_all(std::span<const ground::GroundSample>(awake_->samples.cells));
-  const cells::CellColumns& columns = awake_->columns;
+  tile::pack(layers.voted, packer);
+  packer.put_all(std::span<const ground::GroundSample>(layers.samples.cells));
+  const cells::CellColumns& columns = layers.columns;
   packer.put_all(std::span<const cells::CellColumn>(columns.cells));
   packer.put(columns.standing);
   packer.put(columns.blocked);
   packer.put(columns.high);
   packer.put(columns.ground);
-  packer.put(awake_->paint.cells);
-  packed_ = packer.pack();
-  awake_.reset();
+  packer.put(layers.paint.cells);
+  return packer.pack();
 }
 
-void SleepingLayers::wake() {
-  if (awake_) return;
-  ValueUnpacker unpacker(packed_);
+/// Throws std::runtime_error if these are no packed layers.
+std::unique_ptr<TileLayers> unpack(const PackedValues& packed) {
+  ValueUnpacker unpacker(packed);
   auto layers = std::make_unique<TileLayers>();
   layers->voted = tile::unpack_voted_tile(unpacker);
   unpacker.take_all(std::span<ground::GroundSample>(layers->samples.cells));
@@ -34,8 +37,26 @@ void SleepingLayers::wake() {
   columns.high = unpacker.take<decltype(columns.high)>();
   columns.ground = unpacker.take<cells::Extent>();
   unpacker.take(layers->paint.cells);
-  awake_ = std::move(layers);
-  give_back(packed_);
+  return layers;
+}
+
+}  // namespace
+
+void SleepingLayers::sleep(SpillFile& file) {
+  if (!awake_) return;
+  away_ = file.put(pack(*awake_));
+  awake_.reset();
+}
+
+bool SleepingLayers::wake() {
+  if (awake_) return true;
+  try {
+    awake_ = unpack(std::exchange(away_, {}).read());
+  } catch (const std::runtime_error&) {
+    awake_ = std::make_unique<TileLayers>();
+    return false;
+  }
+  return true;
 }
 
 }  // namespace curbstone::semantic_map::layers

@@ -7,9 +7,11 @@
 #include <limits>
 #include <optional>
 #include <random>
+#include <stdexcept>
 #include <vector>
 
 #include "tests/temporary_folder.hpp"
+#include "tests/truncated_spill_files.hpp"
 
 namespace curbstone {
 namespace {
@@ -84,6 +86,15 @@ TEST(SpillFile, LeavesTheLastOfTheDiskToOthers) {
   EXPECT_EQ(file.fault(), "the disk is nearly full");
   EXPECT_EQ(file.bytes_in_memory(), 1000U);
   EXPECT_EQ(away.read(), values_of(1000, 1));
+}
+
+TEST(SpillFile, SaysThatItCannotRead) {
+  const test::TemporaryFolder folder;
+  SpillFile file(folder.path().string(), 0);
+  const SpillFile::Values away = file.put(values_of(1000, 1));
+  file.flush();
+  test::truncate_spill_files();
+  EXPECT_THROW((void)away.read(), std::runtime_error);
 }
 
 TEST(SpillFile, ItsValuesMayOutliveIt) {

@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <iterator>
+#include <memory>
 #include <set>
+#include <vector>
 
 #include "services/semantic_map/update_schedule.hpp"
 #include "tests/services/semantic_map/synthetic_ground.hpp"
+#include "tests/temporary_folder.hpp"
+#include "tests/truncated_spill_files.hpp"
 
 namespace curbstone::semantic_map {
 namespace {
@@ -252,6 +256,40 @@ TEST_F(PipelineOfAStreet, WhatWokeToBeSettledSleepsAgain) {
   drive_on(pipeline);
   pipeline.settle();
   EXPECT_EQ(pipeline.num_asleep(), tiles().size());
+  expect_as_at_once(pipeline);
+}
+
+TEST_F(PipelineOfAStreet, WhatSleptInAFileComesOutAsWhatDidNot) {
+  const test::TemporaryFolder folder;
+  const auto file = std::make_shared<SpillFile>(folder.path().string(), 0);
+  TilePipeline pipeline({}, {}, {}, file);
+  for (tile::VotedTile tile : tiles()) {
+    tile.points.resize(tile.points.size() / 2);
+    pipeline.set_voted(tile);
+    if (tile.key.x % 3 == 0) update(pipeline, tile.key);
+  }
+  drive_on(pipeline);
+  file->flush();
+  EXPECT_EQ(file->bytes_in_memory(), 0U);
+  EXPECT_GT(file->bytes_in_file(), 1000 * tiles().size());
+  for (const tile::VotedTile& tile : tiles()) pipeline.set_voted(tile, true);
+  pipeline.settle();
+  expect_as_at_once(pipeline);
+  EXPECT_TRUE(pipeline.take_lost().empty());
+}
+
+TEST_F(PipelineOfAStreet, WhatTheFileCannotBringBackIsToldAndMayComeAgain) {
+  const test::TemporaryFolder folder;
+  const auto file = std::make_shared<SpillFile>(folder.path().string(), 0);
+  TilePipeline pipeline({}, {}, {}, file);
+  for (const tile::VotedTile& tile : tiles()) pipeline.set_voted(tile);
+  drive_on(pipeline);
+  file->flush();
+  test::truncate_spill_files();
+  pipeline.settle();
+  EXPECT_EQ(pipeline.take_lost().size(), tiles().size());
+  for (const tile::VotedTile& tile : tiles()) pipeline.set_voted(tile);
+  pipeline.settle();
   expect_as_at_once(pipeline);
 }
 
