@@ -8,9 +8,11 @@ namespace curbstone::mapper {
 namespace {
 
 constexpr std::int32_t kPointsPerMessage = 3000;  // 7 bytes each: 21 kB, well under 48 kB
-constexpr int kMessagesAtOnce = 150;              // every 20 ms, and after each revolution
-constexpr int kPointsAtOnce = 5000;               // 35 kB: 1.7 MB/s, the map of a vehicle at 3 m/s makes 0.25
-constexpr std::size_t kRequestsAtOnce = 1;        // tiles, of some 8000 points at most
+constexpr std::int64_t kTurn = 20'000;            // us; and a turn after each revolution
+constexpr std::int64_t kMostTurns = 13;           // at once: of a replay, which looks each 0.25 s
+constexpr int kMessagesInATurn = 150;
+constexpr int kPointsInATurn = 5000;         // 35 kB: 1.7 MB/s, the map of a vehicle at 3 m/s makes 0.25
+constexpr std::size_t kRequestsInATurn = 1;  // tiles, of some 8000 points at most
 
 std::deque<map_trajectory_t> make_trajectory_pages(const std::vector<TrajectoryPoint>& points, std::int32_t epoch) {
   std::deque<map_trajectory_t> pages;
@@ -83,9 +85,11 @@ std::int32_t MapSender::send_points(const dense_map::DenseMap& map, TileKey key,
   return last;
 }
 
-void MapSender::send_changes(const dense_map::DenseMap& map) {
-  int messages = kMessagesAtOnce;
-  int points = kPointsAtOnce;
+void MapSender::send_changes(const dense_map::DenseMap& map, std::int64_t now) {
+  turns_ = static_cast<int>(std::clamp<std::int64_t>((now - sent_at_) / kTurn, 1, kMostTurns));
+  sent_at_ = now;
+  int messages = kMessagesInATurn * turns_;
+  int points = kPointsInATurn * turns_;
   for (std::size_t looks = changed_.size(); looks > 0 && messages > 0 && points > 0; --looks) {
     const TileKey key = changed_.front();
     changed_.pop_front();
@@ -109,7 +113,7 @@ void MapSender::send_changes(const dense_map::DenseMap& map) {
 }
 
 void MapSender::send_requested(const dense_map::DenseMap& map) {
-  for (const auto& [key, have] : catalog_.take_requests(kRequestsAtOnce)) {
+  for (const auto& [key, have] : catalog_.take_requests(kRequestsInATurn * static_cast<std::size_t>(turns_))) {
     const auto it = sent_.find(key);
     if (it == sent_.end()) continue;
     for (std::int32_t first = std::max(have, 0); first < it->second;) first = send_points(map, key, first);

@@ -223,7 +223,7 @@ void MapperNode::take_changes(std::int64_t now) {
 void MapperNode::send_changes(std::int64_t now) {
   has_news_ = false;
   take_changes(now);
-  sender_.send_changes(mapper_.shown());
+  sender_.send_changes(mapper_.shown(), now);
 }
 
 void MapperNode::send_index(std::int64_t now) {

@@ -33,9 +33,11 @@ class MapSenderTest : public testing::Test {
     bus.subscribe<tile_index_t>("TILE_INDEX", [this](const tile_index_t& m) { index = m; });
   }
   /// What goes out at once.
-  std::vector<map_points_t> sent_at_once() {
+  std::vector<map_points_t> sent_at_once() { return sent_after(20'000); }
+  /// What goes out so many us after the last time.
+  std::vector<map_points_t> sent_after(std::int64_t us) {
     sent.clear();
-    sender.send_changes(map);
+    sender.send_changes(map, now += us);
     bus.dispatch();
     return sent;
   }
@@ -44,6 +46,7 @@ class MapSenderTest : public testing::Test {
   dense_map::DenseMap map{config::DenseConfig{}};
   LocalBus bus;
   MapSender sender{bus};
+  std::int64_t now = kStart;
   std::vector<map_points_t> sent;
   std::vector<map_trajectory_t> pages;
   tile_index_t index{};
@@ -82,6 +85,24 @@ TEST_F(MapSenderTest, ALargeTileGoesOutInPartsAndLetsOthersInBetween) {
     }
   }
   EXPECT_EQ(first, (std::vector{0, 3000, 6000, 9000}));
+}
+
+/// A replay looks each quarter of a second: what has been mapped must not wait longer and longer.
+TEST_F(MapSenderTest, SendsMoreAfterALongerTimeButNoFlood) {
+  const auto points_after = [&](std::int64_t us) {
+    map = dense_map::DenseMap(config::DenseConfig{});
+    for (int x = 0; x < 100; ++x) fill(map, {x, 0}, 1000);
+    sender.start_epoch(1, map, Eigen::Vector3d::Zero(), {});
+    int points = 0;
+    for (const map_points_t& m : sent_after(us)) points += m.num_points;
+    return points;
+  };
+  (void)points_after(20'000);
+  EXPECT_EQ(points_after(0), 5000) << "after a revolution";
+  EXPECT_EQ(points_after(20'000), 5000);
+  EXPECT_EQ(points_after(250'000), 60'000);
+  EXPECT_EQ(points_after(3'000'000), 65'000);
+  EXPECT_EQ(points_after(-1'000'000), 5000) << "a clock that was set back";
 }
 
 TEST_F(MapSenderTest, ANewEpochSendsAllOfTheMapNearestFirstAndTheDriveInPages) {
