@@ -18,7 +18,7 @@ struct TensorVotingConfig {
   double ball = 1.0;                  ///< the ball vote's coefficient
   double bandwidth = 24.0;            ///< MB/s of VOTED_POINTS at most
   double min_interval = 0.03;         ///< s between two revisions of a tile
-  double keep_radius = 400.0;         ///< m: tiles farther from the vehicle are let go
+  double keep_radius = 150.0;         ///< m: tiles farther from the vehicle are let go
   int max_points = 16'000'000;        ///< of the map, in memory
   double worker_timeout = 2.5;        ///< s: a worker not heard for so long is gone
 
