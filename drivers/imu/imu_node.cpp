@@ -41,11 +41,12 @@ std::unique_ptr<device::ImuDevice> make_device(const ImuConfig& config, ImuNode:
 }  // namespace
 
 ImuNode::ImuNode(const ImuConfig& config, Publisher& bus, Send send)
-    : config_(config), bus_(bus), device_(make_device(config, std::move(send))) {}
+    : config_(config), bus_(bus), device_(make_device(config, std::move(send))), receipt_stamps_(config.rate) {}
 
 void ImuNode::on_bytes(std::int64_t receive_utime, std::span<const std::uint8_t> bytes) {
   counters_.add("bytes", static_cast<std::int64_t>(bytes.size()));
   device_->on_bytes(receive_utime, bytes, [this](const device::ImuSample& sample) { on_sample(sample); });
+  stamp_untimed(receive_utime);
   note_refusals(receive_utime);
 }
 
@@ -67,8 +68,24 @@ void ImuNode::on_sample(const device::ImuSample& sample) {
     restart_clock();
     restarts_.add(sample.received);
   }
-  if (!sample.time) counters_.add("stamped_on_receipt");
-  const HostTime at = sample.time ? to_host(*sample.time, sample.received) : HostTime{sample.received, 0};
+  if (!sample.time) return untimed_.push_back(sample);
+  stamp_untimed(sample.received);
+  use(sample, to_host(*sample.time, sample.received));
+}
+
+/// What the read brought that tells no time.
+void ImuNode::stamp_untimed(std::int64_t receive_utime) {
+  std::vector<std::int64_t> times;
+  for (const device::ImuSample& sample : untimed_) times.push_back(sample.received);
+  receipt_stamps_.spread(receive_utime, last_utime_, times);
+  for (std::size_t i = 0; i < untimed_.size(); ++i) {
+    counters_.add("stamped_on_receipt");
+    use(untimed_[i], {times[i], 0});
+  }
+  untimed_.clear();
+}
+
+void ImuNode::use(const device::ImuSample& sample, HostTime at) {
   sequence_ += 1 + sample.missing;
   last_sample_ = sample.received;
 

@@ -20,6 +20,7 @@
 #include "drivers/imu/device/imu_device.hpp"
 #include "drivers/imu/imu_config.hpp"
 #include "drivers/imu/plausibility.hpp"
+#include "drivers/imu/receipt_stamps.hpp"
 
 namespace curbstone::imu {
 
@@ -27,8 +28,9 @@ namespace curbstone::imu {
 /// Unix epoch), and commands to the device leave through `send`. One thread.
 ///
 /// A sample's stamp is the device's own time, converted to the host's clock by ClockOffset. Of a device that sends no
-/// time it is the time of receipt. Stamps strictly increase, unless the host's clock is set back. Samples of the first
-/// 0.1 s go out at its end: see SettlingStart. Samples that cannot be are withheld: see Plausibility.
+/// time it is the time of receipt, spread over what one read brought: see ReceiptStamps. Stamps strictly increase,
+/// unless the host's clock is set back. Samples of the first 0.1 s go out at its end: see SettlingStart. Samples that
+/// cannot be are withheld: see Plausibility.
 class ImuNode final : public Node {
  public:
   using Send = device::ImuDevice::Send;
@@ -48,11 +50,13 @@ class ImuNode final : public Node {
 
  private:
   void on_sample(const device::ImuSample& sample);
+  void stamp_untimed(std::int64_t receive_utime);
   /// A sample's time on the host's clock, us, and by how much its coming puts those before earlier.
   struct HostTime {
     std::int64_t utime;
     std::int64_t earlier;
   };
+  void use(const device::ImuSample& sample, HostTime at);
   HostTime to_host(std::int64_t device_time, std::int64_t receive_utime);
   void restart_clock();
   void publish(imu_t& message, std::int64_t now);
@@ -67,6 +71,8 @@ class ImuNode final : public Node {
   bool clock_begun_ = false;
   SettlingStart<imu_t> start_;
   ArrivalGap arrival_;
+  ReceiptStamps receipt_stamps_;
+  std::vector<device::ImuSample> untimed_;         // of this read
   static constexpr std::size_t kManyRestarts = 3;  // within a minute
   RecentTimes restarts_{kManyRestarts, 60'000'000};
   std::int32_t sequence_ = -1;

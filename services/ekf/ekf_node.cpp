@@ -29,6 +29,15 @@ void describe_wheels(const detection::WheelWatch& watch, std::vector<std::string
   }
 }
 
+void describe_axes(const filter::LostAxes& axes, std::vector<std::string>& faults) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!axes.lost(axis)) continue;
+    faults.push_back(fmt::format("IMU: the gyro's {} axis is stuck at {:.4f} rad/s and not used: switch it off and on",
+                                 "xyz"[axis], axes.shown()[axis]));
+  }
+  if (axes.turn_is_lost()) faults.emplace_back("no gyro about the vertical: the wheels tell how it turns, and slip");
+}
+
 }  // namespace
 
 EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
@@ -49,7 +58,7 @@ void EkfNode::tick(std::int64_t now) {
   if (!state_keeper_ || !filter_.filter().started()) return;
   if (now >= state_kept_ && now - state_kept_ < kStatePeriod) return;
   state_kept_ = now;
-  state_keeper_->keep(filter_.filter().belief());
+  state_keeper_->keep(filter_.filter().axes().with_biases(filter_.filter().belief()));
 }
 
 void EkfNode::connect(Subscriber& bus) {
@@ -163,6 +172,7 @@ NodeReport EkfNode::report() const {
     if (last_->no_imu)
       faults.emplace_back(clips ? "IMU: it clips, odometry coasts on the wheels"
                                 : "no IMU: odometry coasts on the wheels");
+    describe_axes(filter_.filter().axes(), faults);
     describe_wheels(filter_.filter().wheel_watch(), faults);
     if (last_->no_wheels) faults.emplace_back("no wheels: odometry coasts on the IMU, and drifts");
   }

@@ -20,6 +20,7 @@ void SlipJudge::judge(const inputs::WheelInterval& interval, const std::array<do
       speed += 0.5 * of_wheel;
     }
   }
+  if (turn_is_lost_) yaw_rate = gyro;
   if (faulty[0] && faulty[1]) {
     detector_.reset();
     return;

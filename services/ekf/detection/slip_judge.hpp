@@ -25,6 +25,11 @@ class SlipJudge {
              Counters& counters);
   [[nodiscard]] bool slipping(std::size_t wheel, std::int64_t utime) const { return utime < until_[wheel]; }
 
+  /// Whether the gyro does not tell how it turns: then its turn cannot show slip.
+  void turn_is_lost(bool lost) {
+    turn_is_lost_ = lost;
+    detector_.reset();
+  }
   /// Neither wheel is believed for slip.hold.
   void accuse(std::int64_t utime);
   /// The intervals were interrupted.
@@ -36,6 +41,7 @@ class SlipJudge {
   base::SlipConfig config_;
   model::Geometry geometry_;
   SlipDetector detector_;
+  bool turn_is_lost_ = false;
   std::array<bool, 2> faulty_ = {};
   std::array<std::int64_t, 2> until_ = {INT64_MIN, INT64_MIN};  // us
 };

@@ -37,17 +37,23 @@ Filter::Filter(const base::EkfConfig& config)
       slip_(config.slip, geometry_),
       watch_(config.slip, config.vehicle.track_width),
       spreader_(config.spread),
-      recent_(kRecent) {}
+      recent_(kRecent),
+      axes_(config, geometry_) {}
 
-void Filter::add(const base::ImuSample& sample, std::vector<model::Estimate>& out) {
+model::TimedInertial Filter::in_body(const base::ImuSample& sample) const {
+  return {sample.utime, {geometry_.R_base_imu * sample.angular_rate, geometry_.R_base_imu * sample.acceleration}};
+}
+
+void Filter::add(const base::ImuSample& measured, std::vector<model::Estimate>& out) {
+  const base::ImuSample sample = axes_.add(measured);
   if (!started_) {
     start(sample);
     if (!started_) return;
   }
-  const model::TimedInertial next{
-      sample.utime, {geometry_.R_base_imu * sample.angular_rate, geometry_.R_base_imu * sample.acceleration}};
+  const model::TimedInertial next = in_body(sample);
   const double gap = base::seconds_between(belief_.utime, sample.utime);
   if (gap < 0.0 || gap > config_->timing.max_jump) restart_clock(sample.utime);
+  follow_axes();
   const auto& last = mechanisation_.last_imu();
   const double dt = last ? base::seconds_between(last->utime, sample.utime) : 0.0;
   if (dt > config_->timing.max_imu_gap) {
@@ -143,6 +149,19 @@ void Filter::update_level() {
   if (level_.look(sigma, standing_, belief_.utime, config_->start)) counters_.add("level.lost");
 }
 
+/// What the belief says of a gyro's axis that has got stuck, or lives again, is not what it was.
+void Filter::follow_axes() {
+  const Pose before = model::base_pose(belief_.mean, geometry_);
+  if (!axes_.follow(belief_, mechanisation_.wheel_yaw_rate(), standing_, counters_)) return;
+  spreader_.corrected(before, model::base_pose(belief_.mean, geometry_));
+  if (mechanisation_.last_imu()) mechanisation_.set_last_imu(in_body(axes_.before()));
+  mechanisation_.window().reset();
+  slip_.turn_is_lost(axes_.turn_is_lost());
+  slip_.acquit();
+  watch_.interrupt();
+  forget_launch();
+}
+
 void Filter::restart_clock(std::int64_t utime) {
   counters_.add("reset.clock");
   doubt_since_gap(belief_, base::seconds_between(belief_.utime, utime), config_->start);
@@ -219,7 +238,7 @@ void Filter::update_standing(const model::Inertial& imu, double dt) {
 
 void Filter::drive_off() {
   const auto& last = mechanisation_.last_imu();
-  const bool known = last && !watch_.faulty(0) && !watch_.faulty(1) && !heading_.lost();
+  const bool known = last && !watch_.faulty(0) && !watch_.faulty(1) && !heading_.lost() && !axes_.any();
   if (known) launch_.emplace(*config_, geometry_, belief_, *last);
 }
 
@@ -246,6 +265,7 @@ bool Filter::wheels_missing(std::int64_t utime) const {
 void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vector<model::Estimate>& out) {
   const double rate_sigma = no_imu ? config_->noise.coasting_rate : config_->noise.gyro / std::sqrt(std::max(dt, 1e-3));
   model::Estimate estimate = model::estimate_base(belief_, imu, rate_sigma, geometry_);
+  axes_.tell_biases(estimate);
   estimate.level = level_.level();
   estimate.stationary = standing_;
   estimate.slipping = slip_.slipping(0, belief_.utime) || slip_.slipping(1, belief_.utime);

@@ -14,6 +14,7 @@
 #include "services/ekf/detection/still_detector.hpp"
 #include "services/ekf/detection/wheel_watch.hpp"
 #include "services/ekf/filter/launch.hpp"
+#include "services/ekf/filter/lost_axes.hpp"
 #include "services/ekf/filter/lost_heading.hpp"
 #include "services/ekf/filter/odom_smoother.hpp"
 #include "services/ekf/filter/pose_history.hpp"
@@ -32,7 +33,8 @@ namespace curbstone::ekf::filter {
 /// - every interval of the wheels corrects: driving, by both wheels' speeds and the non-holonomic constraint; standing,
 ///   by zero velocity and zero rate. A wheel that slips is left out (SlipJudge);
 /// - the mapper's increments, if given, correct speed, gyro bias and with them the wheels' calibration;
-/// - without IMU it coasts on the wheels, without wheels on the IMU and the constraint; both heal by themselves.
+/// - without IMU it coasts on the wheels, without wheels on the IMU and the constraint; both heal by themselves;
+/// - an axis of the gyro that is stuck is done without (LostAxes).
 ///
 /// What a correction moves position or heading by is spread over the way that follows (OdomSmoother).
 ///
@@ -50,7 +52,7 @@ class Filter {
   static constexpr double kInheritance = 2.0;  ///< s
 
   /// Appends to `out` one estimate at the sample's stamp, once started.
-  void add(const base::ImuSample& sample, std::vector<model::Estimate>& out);
+  void add(const base::ImuSample& measured, std::vector<model::Estimate>& out);
   /// Appends estimates only while there is no IMU: at the wheels' stamps.
   void add(const base::WheelSample& sample, std::vector<model::Estimate>& out);
   /// Takes effect with the first IMU sample that is not before its end.
@@ -61,6 +63,9 @@ class Filter {
   [[nodiscard]] bool level() const { return level_.level(); }
   /// Which wheels are withheld because they have been wrong for long.
   [[nodiscard]] const detection::WheelWatch& wheel_watch() const { return watch_; }
+  /// Which axes of the gyro are done without because they are stuck. In the belief the bias of such an axis stands for
+  /// the rate; for another filter to inherit, take axes().with_biases(belief()).
+  [[nodiscard]] const LostAxes& axes() const { return axes_; }
   [[nodiscard]] const model::Belief& belief() const { return belief_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -70,6 +75,8 @@ class Filter {
   void start(const base::ImuSample& sample);
   [[nodiscard]] bool go_on(const base::ImuSample& sample);
   void restart_clock(std::int64_t utime);
+  void follow_axes();
+  [[nodiscard]] model::TimedInertial in_body(const base::ImuSample& sample) const;
   void restore_if_not_finite();
 
   void serve_pending(const model::TimedInertial* next);
@@ -114,6 +121,7 @@ class Filter {
 
   bool started_ = false;
   bool standing_ = false;
+  LostAxes axes_;
   LostHeading heading_;
   detection::StandingMotion standing_motion_;
   std::optional<Launch> launch_;

@@ -87,6 +87,7 @@ void Filter::correct_driving(const inputs::WheelInterval& interval) {
   };
   std::array<model::Observation, 2> rows{observe(0), observe(1)};
   judge_wheels(interval, rows);
+  if (axes_.turn_is_lost() && (watch_.faulty(0) || watch_.faulty(1))) heading_.lose();
   heading_.drive(belief_, motion.velocity.x() * interval.duration());
   bool refused = !watch_.all_faulty();
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
@@ -221,6 +222,7 @@ void Filter::correct_standing() {
 void Filter::correct_without_wheels() {
   model::MotionWindow& window = mechanisation_.window();
   if (window.duration() < config_->wheels.interval) return;
+  if (axes_.turn_is_lost()) heading_.lose();
   apply(observe_constraint(window.motion()));
   window.reset();
 }
@@ -229,7 +231,7 @@ void Filter::correct_with_map() {
   const inputs::MapIncrement increment = *std::exchange(pending_increment_, std::nullopt);
   const auto begin = recent_.at(increment.begin);
   const auto end = recent_.at(increment.utime);
-  if (standing_ || !begin || !end) return;
+  if (standing_ || !begin || !end || axes_.any()) return;  // a lost axis's rate is not steady as a bias is
   const Pose believed = begin->inverse() * *end;
   const double dt = base::seconds_between(increment.begin, increment.utime);
   const model::BodyMotion mean{believed.translation() / dt, so3_log(Eigen::Quaterniond(believed.linear())) / dt};

@@ -14,6 +14,7 @@ constexpr double kNearly = 0.1;  // of the speed, to which they agree,
 constexpr double kLikely = 2.0;  // and sigma
 constexpr double kJolt = 0.25;   // m/s within two intervals, by which the IMU leaps: so no vehicle drives off,
 constexpr double kOwn = 0.05;    // and of which the wheels show less by that
+constexpr double kAtOnce = 0.6;  // of what they differ by now: more than that within two intervals is a leap
 
 /// How far one measurement of the wheels is off, in terms of the two limits.
 struct Comparison {
@@ -59,23 +60,27 @@ bool Launch::advance(std::int64_t utime, const model::TimedInertial* next) {
   return true;
 }
 
-bool Launch::leaps(const Speeds& now) {
+void Launch::note_leap(const Speeds& now) {
   std::rotate(recent_.begin(), recent_.begin() + 1, recent_.end());
   recent_.back() = now;
   const double of_wheels = now.wheels - recent_.front().wheels;
   const double of_imu = now.imu - recent_.front().imu;
-  return std::abs(of_imu - of_wheels) > kJolt && std::abs(of_imu) > std::abs(of_wheels) + kOwn;
+  const double leap = std::abs(of_imu - of_wheels);
+  largest_leap_ = std::max(largest_leap_, leap);
+  jolted_ = jolted_ || (leap > kJolt && std::abs(of_imu) > std::abs(of_wheels) + kOwn);
 }
 
 bool Launch::disowns(const inputs::WheelInterval& interval, const std::array<double, 2>& sigma) {
   model::MotionWindow& window = mechanisation_.window();
   if (window.duration() <= 0.5 * interval.duration()) return false;
-  jolted_ = jolted_ || leaps({interval.mean_speed(), window.motion().velocity.x()});
+  const Speeds now{interval.mean_speed(), window.motion().velocity.x()};
+  note_leap(now);
   const auto beyond = [&](double share, double sigmas) {
     return all_beyond(share, sigmas, belief_, window.motion(), interval, sigma, geometry_);
   };
   suspicious_ = !jolted_ && beyond(kNearly, kLikely);
-  disagreed_ = suspicious_ && beyond(kWrong, kSure) ? disagreed_ + 1 : 0;
+  const bool grown = largest_leap_ < kAtOnce * std::abs(now.imu - now.wheels);
+  disagreed_ = suspicious_ && grown && beyond(kWrong, kSure) ? disagreed_ + 1 : 0;
   return disagreed_ >= kIntervals;
 }
 

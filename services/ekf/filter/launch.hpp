@@ -15,9 +15,10 @@ namespace curbstone::ekf::filter {
 /// makes it, and than the IMU may err by:
 ///     |u - v| > kWrong |v| + kSure sqrt(H P H^T + R)
 /// with P of the unaided belief, which has not seen the wheels. That must hold of their mean, which no track width
-/// changes, and of each: of one wheel alone the gyro tells. What is off by less is left to the filter. A belief that
-/// the wheels have pulled along meanwhile is worthless then, and the unaided one takes its place. Wheels that spin on
-/// ice are disowned likewise, and owned again as soon as they agree.
+/// changes, and of each: of one wheel alone the gyro tells. And the difference must have grown as it sped up: one that
+/// came at once is a leap of the IMU, or of the wheels (SlipJudge). What is off by less is left to the filter. A belief
+/// that the wheels have pulled along meanwhile is worthless then, and the unaided one takes its place. Wheels that spin
+/// on ice are disowned likewise, and owned again as soon as they agree.
 ///
 /// Pure; one thread.
 class Launch {
@@ -52,7 +53,7 @@ class Launch {
   struct Speeds {
     double wheels = 0.0, imu = 0.0;  // m/s
   };
-  [[nodiscard]] bool leaps(const Speeds& now);
+  void note_leap(const Speeds& now);
 
   model::Geometry geometry_;
   model::Belief belief_;
@@ -60,7 +61,8 @@ class Launch {
   std::int64_t begin_;  // us
   int disagreed_ = 0;   // intervals without a break
   bool suspicious_ = false;
-  bool jolted_ = false;             // the IMU's speed has leapt
+  bool jolted_ = false;             // the IMU's speed has leapt so far that it says nothing any more
+  double largest_leap_ = 0.0;       // m/s, of the wheels against the IMU within two intervals
   std::array<Speeds, 3> recent_{};  // of the last intervals, newest last
 };
 

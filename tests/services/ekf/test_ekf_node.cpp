@@ -163,6 +163,22 @@ TEST_F(EkfNodeTest, SaysWhichWheelIsWrongAndHow) {
       << report.faults[0];
 }
 
+TEST_F(EkfNodeTest, SaysWhichAxisOfTheGyroIsStuckAndThatItLives) {
+  Rig rig(config_);
+  for (std::size_t i = 0; i < 1500; ++i) {
+    if (i >= 800 && i < 1000) drive_.imu[i].angular_rate.z() = 0.0203;
+    send(rig, i);
+    if (i != 900) continue;
+    EXPECT_THAT(rig.node.report().faults,
+                ::testing::ElementsAre(::testing::HasSubstr("the gyro's z axis is stuck at 0.0203 rad/s"),
+                                       ::testing::HasSubstr("the wheels tell how it turns")));
+  }
+  const NodeReport report = rig.node.report();
+  EXPECT_TRUE(report.faults.empty());
+  EXPECT_EQ(report.counters["faults.gyro_z"], 1);
+  EXPECT_EQ(report.counters["trusted.gyro_z"], 1);
+}
+
 TEST_F(EkfNodeTest, PassesOnTheDrivesFaults) {
   Rig rig(config_);
   for (std::size_t i = 0; i < 200; ++i) send(rig, i);

@@ -1,0 +1,79 @@
+#include "services/ekf/detection/gyro_watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace curbstone::ekf::detection {
+
+namespace {
+
+constexpr std::int64_t kPause = 1'000'000;  // us, after which nothing is known of a run
+constexpr int kOften = 15;                  // changes by fine steps that are no coincidence
+constexpr int kBlock = 300;                 // changes over which a coarse step is learnt
+constexpr int kLongRun = 5;                 // repeats: an axis that does so is not believed again yet
+constexpr double kMostly = 0.8;             // of the samples in which another axis changes, in which both do
+constexpr std::int64_t kLeast = 250'000;    // us, of a run: what a gyro filters to 5 Hz is new by then
+
+}  // namespace
+
+void GyroWatch::add(std::int64_t utime, const Eigen::Vector3d& rate) {
+  const bool begins = last_utime_ == 0 || utime < last_utime_ || utime - last_utime_ > kPause;
+  const Eigen::Vector3d change = (rate - last_).cwiseAbs();
+  last_ = rate;
+  last_utime_ = utime;
+  if (begins) {
+    for (Axis& axis : axes_) axis = {.stuck = axis.stuck, .since = utime, .moved = utime};
+    return;
+  }
+  learn_steps(change);
+  for (std::size_t i = 0; i < axes_.size(); ++i) judge(i, utime, change);
+}
+
+void GyroWatch::learn_steps(const Eigen::Vector3d& change) {
+  if (fine_changes_ >= kOften) return;
+  for (const double c : change) {
+    if (c <= 0) continue;
+    if (c <= kFine) ++fine_changes_;
+    block_step_ = changes_ > 0 ? std::min(block_step_, c) : c;
+    if (++changes_ < kBlock) continue;
+    step_ = block_step_;
+    changes_ = 0;
+  }
+}
+
+void GyroWatch::judge(std::size_t i, std::int64_t utime, const Eigen::Vector3d& change) {
+  Axis& axis = axes_[i];
+  if (change[static_cast<Eigen::Index>(i)] > 0) {
+    if (axis.repeats >= kLongRun) axis.moved = utime;
+    if (axis.stuck && axis.repeats < kLongRun && utime - axis.moved >= kTrust) axis.stuck = false;
+    axis.since = utime;
+    axis.repeats = 0;
+    axis.moving = axis.alone = 0;
+    axis.shaking = 0.0;
+    return;
+  }
+  double least = INFINITY;
+  double most = 0.0;
+  for (std::size_t k = 0; k < axes_.size(); ++k) {
+    if (k == i || axes_[k].stuck) continue;
+    least = std::min(least, change[static_cast<Eigen::Index>(k)]);
+    most = std::max(most, change[static_cast<Eigen::Index>(k)]);
+  }
+  axis.repeats = std::min(axis.repeats + 1, kLongRun);
+  if (most > 0) ++axis.moving;
+  if (most > 0 && least > 0) {
+    ++axis.alone;
+    axis.shaking += least;
+  }
+  axis.stuck = axis.stuck || proven(axis, utime);
+}
+
+bool GyroWatch::proven(const Axis& axis, std::int64_t utime) const {
+  if (axis.alone < kRun || static_cast<double>(axis.alone) < kMostly * static_cast<double>(axis.moving) ||
+      utime - axis.since < kLeast)
+    return false;
+  if (fine_changes_ >= kOften) return true;
+  return step_ > 0 && utime - axis.since >= kLong && axis.shaking >= kShaking * step_ * static_cast<double>(axis.alone);
+}
+
+}  // namespace curbstone::ekf::detection
