@@ -35,6 +35,7 @@ class UseOrder {
     turns_.erase(it);
   }
   void clear() { uses_.clear(), turns_.clear(); }
+  [[nodiscard]] bool contains(TileKey key) const { return turns_.contains(key); }
   [[nodiscard]] std::size_t size() const { return turns_.size(); }
 
  private:

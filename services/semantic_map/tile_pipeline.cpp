@@ -83,7 +83,7 @@ void TilePipeline::wake_for(Step step, TileKey key, Tile& tile) {
 
 std::optional<VotedChange> TilePipeline::apply(const tile::VotedStep& step) {
   awakened_.clear();
-  if (const auto unused = uses_.take_unused(num_voted_ - kAwake)) sleep(*unused);
+  let_sleep();
   Tile* const known = find(step.key);
   if (known != nullptr) wake(step.key, *known);
   if (!tile::goes_on_from(step, known == nullptr ? nullptr : &known->layers->voted)) return std::nullopt;
@@ -119,6 +119,7 @@ void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_
 void TilePipeline::clear() {
   tiles_.clear();
   uses_.clear();
+  visits_.clear();
   meters_.clear();
   for (auto& step : stale_) step.clear();
 }
@@ -288,7 +289,9 @@ WorkResult TilePipeline::run(const TileWork& work) {
       update_columns(work.key);
       break;
     case TileWork::Kind::kOldestStep:
+      does_old_step_ = true;
       settle_oldest();
+      does_old_step_ = false;
       break;
   }
   return std::exchange(result_, {});

@@ -36,7 +36,7 @@ namespace curbstone::semantic_map {
 /// the voted points alone: not of the order in which they came, nor of how often somebody looked.
 ///
 /// Tiles that no step has looked at while kAwake voted steps came sleep (layers::SleepingLayers), in a file if there is
-/// one. Whatever needs them wakes them.
+/// one. Whatever needs them wakes them; what only an old step wakes sleeps again after kAwakeForOldStep.
 class TilePipeline {
  public:
   TilePipeline(const tile::CurbParameters& curb, const cells::ClassParameters& classes,
@@ -69,10 +69,11 @@ class TilePipeline {
   /// Of the tiles that meet a box, m in map; sorted.
   [[nodiscard]] std::vector<TileKey> keys_in(const Eigen::Vector2d& min, const Eigen::Vector2d& max) const;
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
-  [[nodiscard]] std::size_t num_asleep() const { return tiles_.size() - uses_.size(); }
+  [[nodiscard]] std::size_t num_asleep() const { return tiles_.size() - uses_.size() - visits_.size(); }
   /// Tiles whose layers the file could not bring back since the last call: they must come again as a whole.
   [[nodiscard]] std::vector<TileKey> take_lost() { return std::exchange(lost_, {}); }
-  static constexpr std::int64_t kAwake = 20'000;  ///< voted steps: some ten seconds of a drive
+  static constexpr std::int64_t kAwake = 20'000;           ///< voted steps: some ten seconds of a drive
+  static constexpr std::int64_t kAwakeForOldStep = 3'000;  ///< voted steps
   /// Steps of tiles that are stale.
   [[nodiscard]] std::size_t num_stale() const;
   /// How often tiles' evidence has been computed.
@@ -100,6 +101,7 @@ class TilePipeline {
   void wake(TileKey key, Tile& tile);
   void wake_for(Step step, TileKey key, Tile& tile);
   void sleep(TileKey key);
+  void let_sleep();
   template <class T, class Get>
   tile::Around<T> around(TileKey key, Get get);
   template <class Visit>
@@ -144,6 +146,8 @@ class TilePipeline {
   };
   std::unordered_map<TileKey, GroundedMeter, TileKeyHash> meters_;
   UseOrder uses_;                  ///< of the tiles that are awake, by num_voted_
+  UseOrder visits_;                ///< likewise, of those that only old steps have woken
+  bool does_old_step_ = false;     ///< the work in hand
   std::int64_t num_voted_ = 0;     ///< voted steps that have come
   std::vector<TileKey> awakened_;  ///< by the work in hand
   std::vector<TileKey> lost_;

@@ -6,17 +6,27 @@
 namespace curbstone::semantic_map {
 
 void TilePipeline::wake(TileKey key, Tile& tile) {
-  if (tile.layers.asleep()) {
+  const bool slept = tile.layers.asleep();
+  if (slept) {
     if (!tile.layers.wake()) lost_.push_back(key);
     awakened_.push_back(key);
   }
+  if (does_old_step_ && (slept || visits_.contains(key))) return visits_.used(key, num_voted_);
+  visits_.erase(key);
   uses_.used(key, num_voted_);
 }
 
 void TilePipeline::sleep(TileKey key) {
   uses_.erase(key);
+  visits_.erase(key);
   meters_.erase(key);
   if (Tile* const tile = find(key)) tile->layers.sleep(*far_);
+}
+
+/// One of each at most: what a drive leaves behind falls asleep without a stop.
+void TilePipeline::let_sleep() {
+  if (const auto unused = uses_.take_unused(num_voted_ - kAwake)) sleep(*unused);
+  if (const auto unused = visits_.take_unused(num_voted_ - kAwakeForOldStep)) sleep(*unused);
 }
 
 }  // namespace curbstone::semantic_map

@@ -25,6 +25,8 @@ TEST(UseOrder, KnowsNothingOfATileThatWasErased) {
   order.used({2, 0}, 10);
   order.erase({1, 0});
   order.erase({7, 7});
+  EXPECT_FALSE(order.contains({1, 0}));
+  EXPECT_TRUE(order.contains({2, 0}));
   EXPECT_EQ(order.take_unused(11), (TileKey{2, 0}));
   order.used({1, 0}, 12);
   order.clear();

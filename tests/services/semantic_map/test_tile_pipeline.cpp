@@ -259,6 +259,18 @@ TEST_F(PipelineOfAStreet, WhatWokeToBeSettledSleepsAgain) {
   expect_as_at_once(pipeline);
 }
 
+TEST_F(PipelineOfAStreet, WhatAnOldStepWokeSleepsSooner) {
+  TilePipeline pipeline({}, {});
+  for (const tile::VotedTile& tile : tiles()) pipeline.set_voted(tile);
+  drive_on(pipeline);
+  settle_oldest(pipeline);
+  EXPECT_LT(pipeline.num_asleep(), tiles().size());
+  tile::VotedStep elsewhere = step_of(0, 0, 1);
+  elsewhere.key = {1000, 1000};
+  for (std::int64_t i = 0; i <= TilePipeline::kAwakeForOldStep + 9; ++i) (void)pipeline.apply(elsewhere);
+  EXPECT_EQ(pipeline.num_asleep(), tiles().size());
+}
+
 TEST_F(PipelineOfAStreet, WhatSleptInAFileComesOutAsWhatDidNot) {
   const test::TemporaryFolder folder;
   const auto file = std::make_shared<SpillFile>(folder.path().string(), 0);
