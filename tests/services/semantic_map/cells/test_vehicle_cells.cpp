@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <bitset>
+#include <cstddef>
 #include <memory>
 
 namespace curbstone::semantic_map::cells {
