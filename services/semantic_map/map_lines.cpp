@@ -35,17 +35,17 @@ std::optional<double> ground_at(const TileLookup& tiles, const Eigen::Vector2d& 
   return double{tile->z_origin} + kPositionStep * tile->height[i];
 }
 
-void append_curb_points(TileKey key, const MapBox& box, const TilePipeline& pipeline,
+void append_curb_points(TileKey key, const MapBox& box, const std::vector<curbs::CurbPoint>& of_tile,
                         std::vector<curb_lines::MapCurbPoint>& points) {
-  for (const curbs::CurbPoint& p : *pipeline.curbs(key)) {
+  for (const curbs::CurbPoint& p : of_tile) {
     const Eigen::Vector2d foot = p.foot + corner_of(key);
     if (box.contains(foot)) points.push_back({foot, p.up, p.z, p.height, p.confidence, p.weak, p.reach});
   }
 }
 
-void append_marking_cells(TileKey key, const MapBox& box, const TilePipeline& pipeline,
+void append_marking_cells(TileKey key, const MapBox& box, const std::vector<markings::MarkingCell>& of_tile,
                           std::vector<marking_lines::MapMarkingCell>& cells) {
-  for (const markings::MarkingCell& cell : *pipeline.markings(key)) {
+  for (const markings::MarkingCell& cell : of_tile) {
     const Eigen::Vector2d at = corner_of(key) + Eigen::Vector2d(double{cell.x}, double{cell.y});
     if (box.contains(at)) cells.push_back({at, double{cell.z}, double{cell.contrast}, cell.is_strong});
   }
@@ -77,13 +77,15 @@ void keep_parts(const std::vector<Line>& before, Keeps keeps, std::vector<Line>&
 
 std::vector<curb_lines::MapCurbPoint> curb_points_in(const MapBox& box, const TilePipeline& pipeline) {
   std::vector<curb_lines::MapCurbPoint> points;
-  for (const TileKey& key : pipeline.keys_in(box.min(), box.max())) append_curb_points(key, box, pipeline, points);
+  for (const TileKey& key : pipeline.keys_in(box.min(), box.max()))
+    append_curb_points(key, box, *pipeline.curbs(key), points);
   return points;
 }
 
 std::vector<marking_lines::MapMarkingCell> marking_cells_in(const MapBox& box, const TilePipeline& pipeline) {
   std::vector<marking_lines::MapMarkingCell> cells;
-  for (const TileKey& key : pipeline.keys_in(box.min(), box.max())) append_marking_cells(key, box, pipeline, cells);
+  for (const TileKey& key : pipeline.keys_in(box.min(), box.max()))
+    append_marking_cells(key, box, *pipeline.markings(key), cells);
   return cells;
 }
 
@@ -110,29 +112,37 @@ std::vector<tile::MarkingLine> all_markings(const TilePipeline& pipeline, const 
   return link_markings(marking_cells_in(everything(), pipeline), Kerbstones(curbs), path, parameters);
 }
 
+LineTile line_tile(TileKey key, const TilePipeline& pipeline) {
+  return {pipeline.curbs(key), pipeline.markings(key), pipeline.classes(key)};
+}
+
 MapLineSources line_sources(const TilePipeline& pipeline, const tile::DrivenPath& path,
                             const markings::MarkingParameters& parameters) {
   MapLineSources sources;
-  const std::vector<TileKey> keys = pipeline.keys();
-  sources.tiles.reserve(keys.size());
-  for (const TileKey& key : keys) {
-    append_curb_points(key, everything(), pipeline, sources.curb_points);
-    append_marking_cells(key, everything(), pipeline, sources.marking_cells);
-    sources.tiles.emplace(key, pipeline.classes(key));
-  }
-  sources.path = path.places();
+  for (const TileKey& key : pipeline.keys()) sources.tiles.emplace(key, line_tile(key, pipeline));
+  sources.path = path;
   sources.markings = parameters;
   return sources;
 }
 
 tile::MapLines link(const MapLineSources& sources) {
+  std::vector<TileKey> keys;  // sorted: what lines are does not depend on the order of tiles, but how they are told
+  keys.reserve(sources.tiles.size());
+  for (const auto& [key, tile] : sources.tiles) keys.push_back(key);
+  std::sort(keys.begin(), keys.end());
+  std::vector<curb_lines::MapCurbPoint> points;
+  std::vector<marking_lines::MapMarkingCell> cells;
+  for (const TileKey& key : keys) {
+    const LineTile& tile = sources.tiles.at(key);
+    append_curb_points(key, everything(), *tile.curbs, points);
+    append_marking_cells(key, everything(), *tile.markings, cells);
+  }
   tile::MapLines lines;
-  lines.curbs = link_curbs(sources.curb_points, [&](TileKey key) {
+  lines.curbs = link_curbs(points, [&](TileKey key) {
     const auto it = sources.tiles.find(key);
-    return it == sources.tiles.end() ? nullptr : it->second;
+    return it == sources.tiles.end() ? nullptr : it->second.classes;
   });
-  lines.markings =
-      link_markings(sources.marking_cells, Kerbstones(lines.curbs), tile::DrivenPath(sources.path), sources.markings);
+  lines.markings = link_markings(std::move(cells), Kerbstones(lines.curbs), sources.path, sources.markings);
   if (sources.before) {
     const auto only_before = [&](TileKey key) {
       return sources.before->tiles.contains(key) && !sources.tiles.contains(key);

@@ -46,13 +46,20 @@ using TileLookup = std::function<std::shared_ptr<const tile::MapTile>(TileKey ke
                                                           const tile::DrivenPath& path,
                                                           const markings::MarkingParameters& parameters);
 
+/// Of one tile, what lines are linked from, as it was at one time. It is shared with the pipeline, and never changed.
+struct LineTile {
+  std::shared_ptr<const std::vector<curbs::CurbPoint>> curbs;
+  std::shared_ptr<const std::vector<markings::MarkingCell>> markings;
+  std::shared_ptr<const tile::MapTile> classes;  ///< nullptr: not known yet
+};
+/// Of a tile that the pipeline has.
+[[nodiscard]] LineTile line_tile(TileKey key, const TilePipeline& pipeline);
+
 /// What the lines of the whole map are linked from, as it was at one time. To link takes longer the larger the map is;
 /// this can be done in another thread.
 struct MapLineSources {
-  std::vector<curb_lines::MapCurbPoint> curb_points;
-  std::vector<marking_lines::MapMarkingCell> marking_cells;
-  std::unordered_map<TileKey, std::shared_ptr<const tile::MapTile>, TileKeyHash> tiles;
-  std::vector<Eigen::Vector2d> path;  ///< m in map, in the order of time
+  std::unordered_map<TileKey, LineTile, TileKeyHash> tiles;
+  tile::DrivenPath path;
   markings::MarkingParameters markings;
   std::shared_ptr<const store::StoredLines> before;  ///< of a predecessor, whose tiles need not all be known any more
 };

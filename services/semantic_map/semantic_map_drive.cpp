@@ -37,7 +37,7 @@ void SemanticMapNode::take(const map_pose_t& message) {
   last_pose_utime_ = message.utime;
   const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
   vehicle_ = T_map_base.translation().head<2>();
-  if (path_.empty() || (path_.last() - vehicle_).norm() > kPathSpacing) path_.add(message.utime, vehicle_);
+  if (path_.empty() || (path_.last() - vehicle_).norm() > kPathSpacing) add_to_path(message.utime, vehicle_);
   keeper_.put(tile::TrajectoryPose{message.utime, message.revolution, T_map_base});
   drive_.add(message.utime);
 }
@@ -57,7 +57,7 @@ void SemanticMapNode::take(const map_trajectory_t& message) {
       continue;
     }
     begin_drive(utime);
-    path_.add(utime, T_map_base.translation().head<2>());
+    add_to_path(utime, T_map_base.translation().head<2>());
     keeper_.put(tile::TrajectoryPose{utime, message.revolutions[i], T_map_base});
     drive_.add(utime);
   }
@@ -76,9 +76,14 @@ void SemanticMapNode::take_again(const map_trajectory_t& message) {
     }
     if (!drive_.add(utime)) continue;
     counters_.add("poses_again");
-    path_.add(utime, T_map_base.translation().head<2>());
+    add_to_path(utime, T_map_base.translation().head<2>());
     keeper_.put(tile::TrajectoryPose{utime, message.revolutions[i], T_map_base});
   }
+}
+
+void SemanticMapNode::add_to_path(std::int64_t utime, const Eigen::Vector2d& place) {
+  path_.add(utime, place);
+  if (keeper_.keeps()) linker_.drove(utime, place);
 }
 
 void SemanticMapNode::begin_drive(std::int64_t utime) {
@@ -93,7 +98,9 @@ void SemanticMapNode::finish() {
   schedule_.clear();
   for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(pipeline_.classes(key), newest_utime_);
   if (has_points()) say_last();
-  const tile::MapLines lines = link(sources_of_lines());
+  MapLineSources sources = line_sources(pipeline_, path_, config_.markings);
+  sources.before = keeper_.lines_before();
+  const tile::MapLines lines = link(sources);
   if (drive_started_) keeper_.finish(lines);
   if (!config_.picture.empty()) draw_picture(lines);
 }

@@ -54,6 +54,7 @@ SemanticMapNode::SemanticMapNode(const SemanticMapConfig& config, Publisher& bus
       pipeline_(config.curb, with_vehicle(config.classes, config.vehicle), config.markings, far_),
       schedule_(config.work_per_tick),
       keeper_(config.map, static_cast<std::size_t>(config.max_pending_tiles), config.keep_earlier_drives),
+      linker_(config.markings),
       nearby_curbs_(config.curb_range),
       nearby_markings_(config.curb_range, config.markings) {}
 
@@ -93,6 +94,7 @@ void SemanticMapNode::enter_epoch(std::int32_t epoch) {
   published_.clear();
   revisions_.clear();
   path_.clear();
+  linker_.clear();
   voted_.start_epoch(epoch);
   drive_.start_epoch(epoch);
   catalog_.start_epoch(epoch);
@@ -286,19 +288,14 @@ void SemanticMapNode::publish_markings(std::int64_t now) {
 }
 
 void SemanticMapNode::store(std::int64_t now) {
-  if (lines_unstored_ && keeper_.keeps() &&
+  // While it writes, lines may be linked: by the same linker not twice at a time.
+  if (lines_unstored_ && keeper_.keeps() && !keeper_.busy() &&
       now - last_lines_stored_ >= std::max(kStoreLinesPeriod, kStoreLinesShare * keeper_.linking_took())) {
     last_lines_stored_ = now;
     lines_unstored_ = false;
-    keeper_.put([sources = sources_of_lines()] { return link(sources); });
+    keeper_.put(linker_.link_as_is(pipeline_, keeper_.lines_before()));
   }
   keeper_.write();
-}
-
-MapLineSources SemanticMapNode::sources_of_lines() const {
-  MapLineSources sources = line_sources(pipeline_, path_, config_.markings);
-  sources.before = keeper_.lines_before();
-  return sources;
 }
 
 NodeReport SemanticMapNode::report() const {

@@ -20,6 +20,7 @@
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/semantic_map/held_drive.hpp"
 #include "services/semantic_map/map_lines.hpp"
+#include "services/semantic_map/map_linker.hpp"
 #include "services/semantic_map/nearby_curbs.hpp"
 #include "services/semantic_map/nearby_markings.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
@@ -67,6 +68,7 @@ class SemanticMapNode final : public Node {
   /// Poses that this process did not hear when they were said.
   void take_again(const map_trajectory_t& message);
   void begin_drive(std::int64_t utime);
+  void add_to_path(std::int64_t utime, const Eigen::Vector2d& place);
   void send_requests(std::int64_t now);
   void ask_for_lost();
   /// Brings what stands where up to date in tiles with new points, some at a time, and sends it.
@@ -88,7 +90,6 @@ class SemanticMapNode final : public Node {
   void publish_curbs(std::int64_t now);
   void publish_markings(std::int64_t now);
   void store(std::int64_t now);
-  [[nodiscard]] MapLineSources sources_of_lines() const;
   void draw_picture(const tile::MapLines& lines);
 
   SemanticMapConfig config_;
@@ -98,6 +99,7 @@ class SemanticMapNode final : public Node {
   TilePipeline pipeline_;
   UpdateSchedule schedule_;
   store::MapKeeper keeper_;
+  MapLinker linker_;
   NearbyCurbs nearby_curbs_;
   NearbyMarkings nearby_markings_;
   TileFollower voted_{"semantic_map", "VOTED_POINTS"};

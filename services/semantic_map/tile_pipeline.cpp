@@ -15,11 +15,11 @@ constexpr std::size_t kSettledAtOnce = 256;  // tiles, before their products are
 constexpr unsigned kMostThreads = 8;
 constexpr std::size_t kMostMeters = 512;  // 40 kB each; tiles in sight of the vehicle are fewer
 
-std::int64_t first_turn(const std::map<std::int64_t, TileKey>& stale) {
+}  // namespace
+
+std::int64_t TilePipeline::first_turn(const std::map<std::int64_t, TileKey>& stale) {
   return stale.empty() ? std::numeric_limits<std::int64_t>::max() : stale.begin()->first;
 }
-
-}  // namespace
 
 TilePipeline::Tile* TilePipeline::find(TileKey key) {
   const auto it = tiles_.find(key);
@@ -107,6 +107,7 @@ void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_
   uses_.used(key, ++num_voted_);
   if (!has_grown) meters_.erase(key);
   if (is_new) {
+    note_change(key, tile);
     for (const Step step : kUrgentSteps) mark(step, key, tile);
   }
   mark(kSamples, key, tile);
@@ -118,6 +119,7 @@ void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_
 
 void TilePipeline::clear() {
   tiles_.clear();
+  changed_.clear();
   uses_.clear();
   visits_.clear();
   meters_.clear();
@@ -156,7 +158,7 @@ TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& 
       result.curbs_utime = tile.curbs_utime;
       result.z_origin = tile.layers->voted.z_origin;
       cells::classify_cells(around<cells::CellColumns>(key, [](Tile& t) { return &t.layers->columns; }),
-                            around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return &t.curbs; }), classes_,
+                            around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return t.curbs.get(); }), classes_,
                             result);
       return result;
     }
@@ -165,7 +167,7 @@ TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& 
     case kMarkings:
       return markings::find_marking_cells(
           {around<markings::PaintLayer>(key, [](Tile& t) { return &t.layers->paint; }),
-           around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return &t.curbs; }), tile.classes.get()},
+           around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return t.curbs.get(); }), tile.classes.get()},
           markings_);
     case kColumns:  // measured on, from what was measured before
     case kNumSteps:
@@ -222,8 +224,9 @@ void TilePipeline::measure_columns(TileKey key, Tile& tile) {
 
 void TilePipeline::take(TileKey key, Tile& tile, std::vector<curbs::CurbPoint> curbs) {
   if (std::exchange(tile.curbs_utime, tile.evidence_utime) != tile.evidence_utime) mark(kClasses, key, tile);
-  if (curbs == tile.curbs) return;
-  tile.curbs = std::move(curbs);
+  if (curbs == *tile.curbs) return;
+  tile.curbs = std::make_shared<const std::vector<curbs::CurbPoint>>(std::move(curbs));
+  note_change(key, tile);
   mark_around(kClasses, key);
   mark_around(kMarkings, key);
 }
@@ -232,6 +235,7 @@ void TilePipeline::take(TileKey key, Tile& tile, const tile::MapTile& classes) {
   if (tile.classes && *tile.classes == classes) return;
   if (!tile.classes || tile.classes->cell_class != classes.cell_class) mark(kMarkings, key, tile);
   tile.classes = std::make_shared<const tile::MapTile>(classes);
+  note_change(key, tile);
   result_.changed.insert(key);
 }
 
@@ -241,9 +245,10 @@ void TilePipeline::take(TileKey key, Tile& tile, markings::PaintLayer paint) {
   mark_around(kMarkings, key);
 }
 
-void TilePipeline::take(TileKey /*key*/, Tile& tile, std::vector<markings::MarkingCell> markings) {
-  if (markings == tile.markings) return;
-  tile.markings = std::move(markings);
+void TilePipeline::take(TileKey key, Tile& tile, std::vector<markings::MarkingCell> markings) {
+  if (markings == *tile.markings) return;
+  tile.markings = std::make_shared<const std::vector<markings::MarkingCell>>(std::move(markings));
+  note_change(key, tile);
   result_.markings = true;
 }
 
@@ -328,12 +333,6 @@ void TilePipeline::settle_step(Step step, int threads) {
     }
     for (const TileKey key : awakened_) sleep(key);
   }
-}
-
-Backlog TilePipeline::backlog() const {
-  Backlog backlog{.turn = turn_};
-  for (const auto& step : stale_) backlog.oldest = std::min(backlog.oldest, first_turn(step));
-  return backlog;
 }
 
 }  // namespace curbstone::semantic_map

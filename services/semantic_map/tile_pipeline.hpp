@@ -61,10 +61,12 @@ class TilePipeline {
 
   /// The tile as it was computed last; nullptr if it never was. It is never changed, only replaced.
   [[nodiscard]] std::shared_ptr<const tile::MapTile> classes(TileKey key) const;
-  /// The curb points of a tile as they were computed last; frame: the tile's corner.
-  [[nodiscard]] const std::vector<curbs::CurbPoint>* curbs(TileKey key) const;
-  /// The cells of paint of a tile as they were computed last; frame: the tile's corner.
-  [[nodiscard]] const std::vector<markings::MarkingCell>* markings(TileKey key) const;
+  /// The curb points of a tile as they were computed last; frame: the tile's corner. Never changed, only replaced.
+  [[nodiscard]] std::shared_ptr<const std::vector<curbs::CurbPoint>> curbs(TileKey key) const;
+  /// The cells of paint of a tile as they were computed last; frame: the tile's corner. Never changed, only replaced.
+  [[nodiscard]] std::shared_ptr<const std::vector<markings::MarkingCell>> markings(TileKey key) const;
+  /// The tiles that are new, or whose classes, curbs or markings were replaced, since this was asked last; each once.
+  [[nodiscard]] std::vector<TileKey> take_changed();
   [[nodiscard]] std::vector<TileKey> keys() const;  ///< sorted
   /// Of the tiles that meet a box, m in map; sorted.
   [[nodiscard]] std::vector<TileKey> keys_in(const Eigen::Vector2d& min, const Eigen::Vector2d& max) const;
@@ -90,10 +92,12 @@ class TilePipeline {
     ground::GroundModel ground;
     std::vector<curbs::CurbCandidate> evidence;
     std::int64_t evidence_utime = 0;  ///< us, of the newest points that it was looked for in
-    std::vector<curbs::CurbPoint> curbs;
+    std::shared_ptr<const std::vector<curbs::CurbPoint>> curbs = std::make_shared<std::vector<curbs::CurbPoint>>();
     std::int64_t curbs_utime = 0;  ///< us, of the evidence
     std::shared_ptr<const tile::MapTile> classes;
-    std::vector<markings::MarkingCell> markings;
+    std::shared_ptr<const std::vector<markings::MarkingCell>> markings =
+        std::make_shared<std::vector<markings::MarkingCell>>();
+    bool is_in_changed = false;
     std::array<std::int64_t, kNumSteps> stale{};  ///< its turn in stale_, or kFresh
   };
   [[nodiscard]] Tile* find(TileKey key);
@@ -107,8 +111,10 @@ class TilePipeline {
   template <class Visit>
   void for_around(TileKey key, Visit visit);
 
+  void note_change(TileKey key, Tile& tile);
   void mark(Step step, TileKey key, Tile& tile);
   void mark_around(Step step, TileKey key);
+  [[nodiscard]] static std::int64_t first_turn(const std::map<std::int64_t, TileKey>& stale);
   /// False if it was fresh; afterwards it is.
   bool unmark(Step step, Tile& tile);
   void voted_changed(TileKey key, Tile& tile, bool is_new, bool has_grown);
@@ -153,6 +159,7 @@ class TilePipeline {
   std::vector<TileKey> lost_;
   std::shared_ptr<SpillFile> far_;  ///< what sleeps
   WorkResult result_;               ///< of the work in hand
+  std::vector<TileKey> changed_;    ///< for take_changed()
   std::int64_t num_evidence_ = 0;
 };
 

@@ -14,14 +14,23 @@ std::shared_ptr<const tile::MapTile> TilePipeline::classes(TileKey key) const {
   return it == tiles_.end() ? nullptr : it->second.classes;
 }
 
-const std::vector<curbs::CurbPoint>* TilePipeline::curbs(TileKey key) const {
+std::shared_ptr<const std::vector<curbs::CurbPoint>> TilePipeline::curbs(TileKey key) const {
   const auto it = tiles_.find(key);
-  return it == tiles_.end() ? nullptr : &it->second.curbs;
+  return it == tiles_.end() ? nullptr : it->second.curbs;
 }
 
-const std::vector<markings::MarkingCell>* TilePipeline::markings(TileKey key) const {
+std::shared_ptr<const std::vector<markings::MarkingCell>> TilePipeline::markings(TileKey key) const {
   const auto it = tiles_.find(key);
-  return it == tiles_.end() ? nullptr : &it->second.markings;
+  return it == tiles_.end() ? nullptr : it->second.markings;
+}
+
+void TilePipeline::note_change(TileKey key, Tile& tile) {
+  if (!std::exchange(tile.is_in_changed, true)) changed_.push_back(key);
+}
+
+std::vector<TileKey> TilePipeline::take_changed() {
+  for (const TileKey& key : changed_) tiles_.at(key).is_in_changed = false;
+  return std::exchange(changed_, {});
 }
 
 std::vector<TileKey> TilePipeline::keys() const {
@@ -53,6 +62,12 @@ std::vector<TileKey> TilePipeline::keys_in(const Eigen::Vector2d& min, const Eig
     }
   }
   return keys;
+}
+
+Backlog TilePipeline::backlog() const {
+  Backlog backlog{.turn = turn_};
+  for (const auto& step : stale_) backlog.oldest = std::min(backlog.oldest, first_turn(step));
+  return backlog;
 }
 
 std::size_t TilePipeline::num_stale() const {

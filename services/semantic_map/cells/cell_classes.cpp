@@ -31,13 +31,12 @@ class ColumnWindow {
       }
     }
   }
-  /// m: how far apart the heights of ground are that ground_beyond() can find.
-  [[nodiscard]] double relief() const {
-    Extent ground;
-    for (const CellColumn* cell : cells_) {
-      if (cell != nullptr && cell->shows_ground()) ground.take(cell->ground_z);
+  /// Whether heights of ground that ground_beyond() can find are more than `limit`, m, apart. `known`: of some of them.
+  [[nodiscard]] bool has_relief(double limit, Extent known) const {
+    for (std::size_t i = 0; i < cells_.size() && known.size() <= limit; ++i) {
+      if (cells_[i] != nullptr && cells_[i]->shows_ground()) known.take(cells_[i]->ground_z);
     }
-    return ground.size();
+    return known.size() > limit;
   }
   /// nullptr where no tile is. Up to kReach cells beyond the tile.
   [[nodiscard]] const CellColumn* at(int column, int row) const { return cells_[index(column, row)]; }
@@ -257,7 +256,8 @@ void classify_cells(const tile::Around<CellColumns>& columns, const tile::Around
   const ColumnWindow window(columns);
   Extent ground;
   columns.for_each([&](const CellColumns& beside, double, double) { ground.take(beside.ground); });
-  const bool is_flat = ground.size() <= drop_of(parameters) || window.relief() <= drop_of(parameters);
+  const double drop = drop_of(parameters);
+  const bool is_flat = ground.size() <= drop || !window.has_relief(drop, columns.centre()->ground);
   const TileView view{window, find_vehicles(columns), find_near_standing(columns), is_flat};
   for (int row = 0; row < kCellsPerTile; ++row) {
     for (int column = 0; column < kCellsPerTile; ++column) {

@@ -1,6 +1,10 @@
 #include "services/semantic_map/cells/vehicle_cells.hpp"
 
+#include <array>
+#include <bitset>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "services/semantic_map/cells/vehicle_outline.hpp"
@@ -66,13 +70,8 @@ class StandingCells {
   std::vector<CellPlace> places_;
 };
 
-}  // namespace
-
-VehicleCells find_vehicles(const tile::Around<CellColumns>& columns) {
+VehicleCells find_among(const tile::Around<CellColumns>& columns) {
   VehicleCells vehicles;
-  std::size_t num_high = 0;
-  columns.for_each([&](const CellColumns& tile, double, double) { num_high += tile.high.count(); });
-  if (num_high < kHighCells) return vehicles;
   StandingCells standing(columns);
   const auto in_tile = [](CellPlace at) {
     return static_cast<std::size_t>((at.y() - kCellsPerTile) * kCellsPerTile + at.x() - kCellsPerTile);
@@ -90,6 +89,59 @@ VehicleCells find_vehicles(const tile::Around<CellColumns>& columns) {
     }
   }
   return vehicles;
+}
+
+/// All that vehicles follow from: of each tile around, what stands in it and what is high.
+using StandingAround = std::array<std::bitset<tile::kCellsInTile>, 18>;
+
+StandingAround standing_around(const tile::Around<CellColumns>& columns) {
+  StandingAround around;
+  std::size_t i = 0;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx, i += 2) {
+      const CellColumns* const tile = columns.at(dx, dy);
+      if (tile == nullptr) continue;
+      around[i] = tile->blocked;
+      around[i + 1] = tile->high;
+    }
+  }
+  return around;
+}
+
+std::size_t hash_of(const StandingAround& around) {
+  std::size_t hash = 0;
+  for (const auto& cells : around) hash = hash * 31 + std::hash<std::bitset<tile::kCellsInTile>>{}(cells);
+  return hash;
+}
+
+/// Vehicles that were found before. A tile is looked at some ten times as often as anything comes to stand in it or
+/// about it.
+class FoundVehicles {
+ public:
+  VehicleCells find(const tile::Around<CellColumns>& columns) {
+    const StandingAround around = standing_around(columns);
+    Found& found = found_[hash_of(around) % found_.size()];
+    if (!found.is_known || found.around != around) found = {true, around, find_among(columns)};
+    return found.vehicles;
+  }
+
+ private:
+  struct Found {
+    bool is_known = false;
+    StandingAround around;
+    VehicleCells vehicles;
+  };
+  std::vector<Found> found_ = std::vector<Found>(256);  // 1.6 kB each; tiles with vehicles in sight are fewer
+};
+
+}  // namespace
+
+VehicleCells find_vehicles(const tile::Around<CellColumns>& columns) {
+  std::size_t num_high = 0;
+  columns.for_each([&](const CellColumns& tile, double, double) { num_high += tile.high.count(); });
+  if (num_high < kHighCells) return {};
+  thread_local FoundVehicles found;
+  return found.find(columns);
 }
 
 }  // namespace curbstone::semantic_map::cells

@@ -17,6 +17,10 @@ constexpr double kDirection = 0.20;      // rad a candidate's direction may be o
 constexpr double kTurn = 0.20;           // rad the angle between two of them may be off
 constexpr double kMinAlike = 0.5;        // cosine
 static_assert(kBins * kPlaceBin > 2 * kReach);
+// m: beyond this no place can be on an arc, neither along nor across; rounded up.
+constexpr double kFarthest = 2.06;
+static_assert(kFarthest * kFarthest >
+              kReach * kReach + (kBeside + kDirection * kReach) * (kBeside + kDirection * kReach));
 
 /// How well `b` lies on an arc along `a`, 0..1, and how far along.
 struct OnArc {
@@ -26,13 +30,14 @@ struct OnArc {
 
 OnArc on_arc(const PlacedCandidate& a, const PlacedCandidate& b) {
   const Eigen::Vector2d& up = a.candidate->up;
-  const Eigen::Vector2d& other_up = b.candidate->up;
   const Eigen::Vector2d d = b.at - a.at;
   const double along = d.y() * up.x() - d.x() * up.y();
-  if (std::abs(along) >= kReach || up.dot(other_up) < kMinAlike) return {};
   const double across = d.dot(up);
-  const double beside = across / (kBeside + kDirection * std::abs(along));
-  if (std::abs(beside) >= 1) return {};
+  const double most_across = kBeside + kDirection * std::abs(along);
+  // What is told from the places alone comes first: most are not on the line.
+  if (std::abs(along) >= kReach || std::abs(across) >= most_across || up.dot(b.candidate->up) < kMinAlike) return {};
+  const Eigen::Vector2d& other_up = b.candidate->up;
+  const double beside = across / most_across;
   // On a circle the direction turns by twice the angle at which the other place is seen: up is to the right of along.
   const double seen_at = std::abs(along) > kPlaceBin ? across / along : 0.0;
   const double turned = up.x() * other_up.y() - up.y() * other_up.x();
@@ -48,6 +53,7 @@ OnArc on_arc(const PlacedCandidate& a, const PlacedCandidate& b) {
 double pool_along_line(const PlacedCandidate& candidate, std::span<const PlacedCandidate> others) {
   std::array<double, kBins> best{};
   for (const PlacedCandidate& other : others) {
+    if (std::abs(other.at.y() - candidate.at.y()) > kFarthest) continue;
     const OnArc arc = on_arc(candidate, other);
     double& bin = best[static_cast<std::size_t>((arc.along + kReach) / kPlaceBin)];
     bin = std::max(bin, arc.weight * other.candidate->score);

@@ -69,7 +69,7 @@ constexpr double place(int k) {
 struct Strips {
   int half = 0;
   std::vector<int> of_point;         ///< strip of each point that may carry a side, else -1
-  std::vector<std::uint32_t> order;  ///< those points
+  std::vector<std::uint32_t> order;  ///< those points, once they are summed up
   std::vector<int> points_before;    ///< of them, in all strips before each
   std::vector<int> covered_before;   ///< strips with points, before each
   std::vector<Moments> moments;      ///< of each strip
@@ -102,18 +102,12 @@ void find_strips(const double* u, const double* t, const double* unfit, std::siz
 void Strips::sort(const StepWindow& points, int num_half) {
   half = num_half;
   const std::size_t n = points.size();
-  of_point.resize(n);
-  order.resize(n);
+  if (n > of_point.size()) of_point.resize(n);
   find_strips(points.u.data(), points.t.data(), points.unfit.data(), n, points.half_length, half, of_point.data());
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    order[kept] = static_cast<std::uint32_t>(i);
-    kept += of_point[i] >= 0 ? 1U : 0U;
-  }
-  order.resize(kept);
   points_before.assign(static_cast<std::size_t>(2 * half) + 1, 0);
-  covered_before.assign(points_before.size(), 0);
-  for (const std::uint32_t i : order) ++points_before[static_cast<std::size_t>(of_point[i]) + 1];
+  covered_before.resize(points_before.size());
+  for (std::size_t i = 0; i < n; ++i) ++points_before[static_cast<std::size_t>(of_point[i] + 1)];
+  points_before[0] = covered_before[0] = 0;  // those that are in no strip
   for (std::size_t b = 1; b < points_before.size(); ++b) {
     covered_before[b] = covered_before[b - 1] + (points_before[b] > 0 ? 1 : 0);
     points_before[b] += points_before[b - 1];
@@ -125,9 +119,16 @@ void Strips::sum(const StepWindow& points) {
   const double* const u = points.u.data();
   const double* const t = points.t.data();
   const double* const z = points.z.data();
+  order.resize(static_cast<std::size_t>(points_before.back()) + 1);  // one more, to be written over
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    order[kept] = static_cast<std::uint32_t>(i);
+    kept += of_point[i] >= 0 ? 1U : 0U;
+  }
+  order.resize(kept);
   for (const std::uint32_t i : order) moments[static_cast<std::size_t>(of_point[i])].add(u[i], t[i], z[i]);
-  sums.assign(kMoments * stride(), 0);
   const std::size_t apart = stride();
+  if (sums.size() != kMoments * apart) sums.assign(kMoments * apart, 0);
   for (std::size_t b = 0; b < moments.size(); ++b) {
     const Moments& m = moments[b];
     const double of_strip[kMoments] = {m.u,        m.t_z(0),   m.t_z(1),   m.uu_ut(0), m.uu_ut(1),
@@ -236,8 +237,10 @@ HeightStep step_of(const StepFits& fits, std::size_t k) {
 /// A real step parts the heights of its two sides. Where scan lines lie in layers, one of which ends, both layers are
 /// found on one side.
 double clear_height(const StepWindow& points, const HeightStep& step, double half_window) {
-  std::vector<double> low;
-  std::vector<double> high;
+  thread_local std::vector<double> low;  // for the sake of their memory
+  thread_local std::vector<double> high;
+  low.clear();
+  high.clear();
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double u = points.u[i] - step.at;
     if (!points.may_carry_a_side(i) || std::abs(u) > half_window || std::abs(u) < kFaceBins * kBin) continue;
@@ -261,17 +264,18 @@ int count_face_above(const StepWindow& points, const HeightStep& step) {
 }  // namespace
 
 void StepWindow::resize(std::size_t n) {
-  u.resize(n);
-  t.resize(n);
-  z.resize(n);
-  unfit.resize(n);
+  num_points = n;
+  if (n <= u.size()) return;
+  for (std::vector<double>* column : {&u, &t, &z, &unfit}) column->resize(n);
 }
 
 void StepWindow::add(double at_u, double at_t, double at_z, bool is_ground) {
-  u.push_back(at_u);
-  t.push_back(at_t);
-  z.push_back(at_z);
-  unfit.push_back(is_ground ? 0 : kUnfit);
+  const std::size_t i = num_points;
+  resize(i + 1);
+  u[i] = at_u;
+  t[i] = at_t;
+  z[i] = at_z;
+  unfit[i] = is_ground ? 0 : kUnfit;
 }
 
 bool HeightStep::falls() const {

@@ -9,14 +9,16 @@
 
 namespace curbstone::semantic_map::curbs {
 
-/// Points in the frame of a suspected step: u across it, towards the higher side, t along it, z up; m. By columns.
+/// Points in the frame of a suspected step: u across it, towards the higher side, t along it, z up; m. By columns, of
+/// which only the first size() numbers mean anything: a window that is used again does not clear its memory.
 struct StepWindow {
   static constexpr double kUnfit = 1e9;
   std::vector<double> u, t, z;
   std::vector<double> unfit;  ///< 0: may carry a side; kUnfit: only says where the face stands
   double half_length = 1e8;   ///< points with a larger |t| do not count
+  std::size_t num_points = 0;
 
-  [[nodiscard]] std::size_t size() const { return u.size(); }
+  [[nodiscard]] std::size_t size() const { return num_points; }
   [[nodiscard]] bool has(std::size_t i) const { return std::abs(t[i]) <= half_length; }
   [[nodiscard]] bool may_carry_a_side(std::size_t i) const { return std::abs(t[i]) + unfit[i] <= half_length; }
   void resize(std::size_t n);

@@ -104,7 +104,7 @@ void fill_window(const NearGroundPoints& points, const StepRectangle& r, bool ex
     runs[num_runs++] = {begin, n, num};
     n += num;
   }
-  window.resize(n + NearGroundPoints::kPadding);
+  window.resize(n + NearGroundPoints::kPadding);  // room for what is taken beyond the end
   turn_points(points.x(), points.y(), points.z(), points.unfit(), runs.data(), num_runs, r, window.u.data(),
               window.t.data(), window.z.data(), window.unfit.data());
   window.resize(n);
@@ -113,7 +113,7 @@ void fill_window(const NearGroundPoints& points, const StepRectangle& r, bool ex
 
 std::size_t count_points(const StepWindow& window) {
   std::size_t n = 0;
-  for (const double t : window.t) n += std::abs(t) <= window.half_length ? 1U : 0U;
+  for (std::size_t i = 0; i < window.size(); ++i) n += window.has(i) ? 1U : 0U;
   return n;
 }
 

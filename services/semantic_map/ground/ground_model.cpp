@@ -262,8 +262,9 @@ template <class Visit>
 double GroundSurface::blend(double x, double y, Visit visit) const {
   const double column = (x + kTileSize) / GroundModel::kCell - 0.5;
   const double row = (y + kTileSize) / GroundModel::kCell - 0.5;
-  const int c0 = std::clamp(static_cast<int>(std::floor(column)), 0, kNodes - 2);
-  const int r0 = std::clamp(static_cast<int>(std::floor(row)), 0, kNodes - 2);
+  // Truncated: as rounded down, for what is below 0 is clamped.
+  const int c0 = std::clamp(static_cast<int>(column), 0, kNodes - 2);
+  const int r0 = std::clamp(static_cast<int>(row), 0, kNodes - 2);
   const double fx = std::clamp(column - c0, 0.0, 1.0);
   const double fy = std::clamp(row - r0, 0.0, 1.0);
   double sum = 0;

@@ -56,6 +56,8 @@ class MapKeeper {
   [[nodiscard]] std::int64_t linking_took() const { return linking_took_; }
   /// Begins to write what is pending, unless the last transaction is still under way.
   void write();
+  /// Whether it is, lines that are linked for it included.
+  [[nodiscard]] bool busy();
   /// Writes the rest and the lines, and closes the file in canonical form.
   void finish(tile::MapLines lines);
 
@@ -76,7 +78,6 @@ class MapKeeper {
     std::int64_t linking_took = 0;  // us
     std::optional<std::string> superseded;
   };
-  [[nodiscard]] bool busy();
   void begin_writing();
   void link_under_way();
   void await_writing();
