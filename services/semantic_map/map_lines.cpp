@@ -75,14 +75,14 @@ void keep_parts(const std::vector<Line>& before, Keeps keeps, std::vector<Line>&
 
 }  // namespace
 
-std::vector<curb_lines::MapCurbPoint> curb_points_in(const MapBox& box, const TilePipeline& pipeline) {
+std::vector<curb_lines::MapCurbPoint> curb_points_in(const MapBox& box, const pipeline::TilePipeline& pipeline) {
   std::vector<curb_lines::MapCurbPoint> points;
   for (const TileKey& key : pipeline.keys_in(box.min(), box.max()))
     append_curb_points(key, box, *pipeline.curbs(key), points);
   return points;
 }
 
-std::vector<marking_lines::MapMarkingCell> marking_cells_in(const MapBox& box, const TilePipeline& pipeline) {
+std::vector<marking_lines::MapMarkingCell> marking_cells_in(const MapBox& box, const pipeline::TilePipeline& pipeline) {
   std::vector<marking_lines::MapMarkingCell> cells;
   for (const TileKey& key : pipeline.keys_in(box.min(), box.max()))
     append_marking_cells(key, box, *pipeline.markings(key), cells);
@@ -102,21 +102,21 @@ std::vector<tile::MarkingLine> link_markings(std::vector<marking_lines::MapMarki
   return marking_lines::link_markings(cells, path, parameters);
 }
 
-std::vector<tile::CurbLine> all_curbs(const TilePipeline& pipeline) {
+std::vector<tile::CurbLine> all_curbs(const pipeline::TilePipeline& pipeline) {
   return link_curbs(curb_points_in(everything(), pipeline), [&](TileKey key) { return pipeline.classes(key); });
 }
 
-std::vector<tile::MarkingLine> all_markings(const TilePipeline& pipeline, const std::vector<tile::CurbLine>& curbs,
-                                            const tile::DrivenPath& path,
+std::vector<tile::MarkingLine> all_markings(const pipeline::TilePipeline& pipeline,
+                                            const std::vector<tile::CurbLine>& curbs, const tile::DrivenPath& path,
                                             const markings::MarkingParameters& parameters) {
   return link_markings(marking_cells_in(everything(), pipeline), Kerbstones(curbs), path, parameters);
 }
 
-LineTile line_tile(TileKey key, const TilePipeline& pipeline) {
+LineTile line_tile(TileKey key, const pipeline::TilePipeline& pipeline) {
   return {pipeline.curbs(key), pipeline.markings(key), pipeline.classes(key)};
 }
 
-MapLineSources line_sources(const TilePipeline& pipeline, const tile::DrivenPath& path,
+MapLineSources line_sources(const pipeline::TilePipeline& pipeline, const tile::DrivenPath& path,
                             const markings::MarkingParameters& parameters) {
   MapLineSources sources;
   for (const TileKey& key : pipeline.keys()) sources.tiles.emplace(key, line_tile(key, pipeline));

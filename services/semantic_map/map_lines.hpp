@@ -10,9 +10,9 @@
 #include "services/semantic_map/kerbstones.hpp"
 #include "services/semantic_map/marking_lines/marking_field.hpp"
 #include "services/semantic_map/markings/marking_parameters.hpp"
+#include "services/semantic_map/pipeline/tile_pipeline.hpp"
 #include "services/semantic_map/store/map_keeper.hpp"
 #include "services/semantic_map/tile/driven_path.hpp"
-#include "services/semantic_map/tile_pipeline.hpp"
 
 /// @file
 /// Lines from the points and cells of many tiles: those about the vehicle for the bus, those of the whole map for its
@@ -23,10 +23,11 @@ namespace curbstone::semantic_map {
 using MapBox = Eigen::AlignedBox2d;  ///< m in map
 
 /// The curb points in a box.
-[[nodiscard]] std::vector<curb_lines::MapCurbPoint> curb_points_in(const MapBox& box, const TilePipeline& pipeline);
+[[nodiscard]] std::vector<curb_lines::MapCurbPoint> curb_points_in(const MapBox& box,
+                                                                   const pipeline::TilePipeline& pipeline);
 /// The cells of paint in a box, those on kerbstones too.
 [[nodiscard]] std::vector<marking_lines::MapMarkingCell> marking_cells_in(const MapBox& box,
-                                                                          const TilePipeline& pipeline);
+                                                                          const pipeline::TilePipeline& pipeline);
 
 /// Gives a tile by its key; nullptr for none.
 using TileLookup = std::function<std::shared_ptr<const tile::MapTile>(TileKey key)>;
@@ -39,9 +40,9 @@ using TileLookup = std::function<std::shared_ptr<const tile::MapTile>(TileKey ke
                                                            const markings::MarkingParameters& parameters);
 
 /// The curb lines of the whole map.
-[[nodiscard]] std::vector<tile::CurbLine> all_curbs(const TilePipeline& pipeline);
+[[nodiscard]] std::vector<tile::CurbLine> all_curbs(const pipeline::TilePipeline& pipeline);
 /// The markings of the whole map. `curbs`: its curb lines. `path`: driven.
-[[nodiscard]] std::vector<tile::MarkingLine> all_markings(const TilePipeline& pipeline,
+[[nodiscard]] std::vector<tile::MarkingLine> all_markings(const pipeline::TilePipeline& pipeline,
                                                           const std::vector<tile::CurbLine>& curbs,
                                                           const tile::DrivenPath& path,
                                                           const markings::MarkingParameters& parameters);
@@ -53,7 +54,7 @@ struct LineTile {
   std::shared_ptr<const tile::MapTile> classes;  ///< nullptr: not known yet
 };
 /// Of a tile that the pipeline has.
-[[nodiscard]] LineTile line_tile(TileKey key, const TilePipeline& pipeline);
+[[nodiscard]] LineTile line_tile(TileKey key, const pipeline::TilePipeline& pipeline);
 
 /// What the lines of the whole map are linked from, as it was at one time. To link takes longer the larger the map is;
 /// this can be done in another thread.
@@ -63,7 +64,7 @@ struct MapLineSources {
   markings::MarkingParameters markings;
   std::shared_ptr<const store::StoredLines> before;  ///< of a predecessor, whose tiles need not all be known any more
 };
-[[nodiscard]] MapLineSources line_sources(const TilePipeline& pipeline, const tile::DrivenPath& path,
+[[nodiscard]] MapLineSources line_sources(const pipeline::TilePipeline& pipeline, const tile::DrivenPath& path,
                                           const markings::MarkingParameters& parameters);
 /// The same as all_curbs() and all_markings() then, and those parts of the lines before that lie in tiles that only
 /// the predecessor had.

@@ -10,7 +10,7 @@ void MapLinker::clear() {
   sources_->markings = parameters_;
 }
 
-store::MapKeeper::LinkLines MapLinker::link_as_is(TilePipeline& pipeline,
+store::MapKeeper::LinkLines MapLinker::link_as_is(pipeline::TilePipeline& pipeline,
                                                   std::shared_ptr<const store::StoredLines> before) {
   std::vector<std::pair<TileKey, LineTile>> changed;
   for (const TileKey& key : pipeline.take_changed()) changed.emplace_back(key, line_tile(key, pipeline));

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "services/semantic_map/map_lines.hpp"
+#include "services/semantic_map/pipeline/tile_pipeline.hpp"
 #include "services/semantic_map/store/map_keeper.hpp"
-#include "services/semantic_map/tile_pipeline.hpp"
 
 namespace curbstone::semantic_map {
 
@@ -26,7 +26,7 @@ class MapLinker {
   void clear();
   /// What links the lines as they are now; the same as link(line_sources()). To be called once, in any thread, and to
   /// have returned before this is asked for again.
-  [[nodiscard]] store::MapKeeper::LinkLines link_as_is(TilePipeline& pipeline,
+  [[nodiscard]] store::MapKeeper::LinkLines link_as_is(pipeline::TilePipeline& pipeline,
                                                        std::shared_ptr<const store::StoredLines> before);
 
  private:

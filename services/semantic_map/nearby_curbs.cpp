@@ -19,7 +19,7 @@ std::size_t num_vertices(const std::vector<tile::CurbLine>& lines) {
 
 }  // namespace
 
-curb_lines_t NearbyCurbs::next(const TilePipeline& pipeline, const Eigen::Vector2d& vehicle,
+curb_lines_t NearbyCurbs::next(const pipeline::TilePipeline& pipeline, const Eigen::Vector2d& vehicle,
                                const tile::DrivenPath& path) {
   double range = range_;
   const auto box_of = [&] { return MapBox(vehicle.array() - range, vehicle.array() + range); };

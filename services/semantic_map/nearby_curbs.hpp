@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "services/semantic_map/curb_lines/curb_lines.hpp"
+#include "services/semantic_map/pipeline/tile_pipeline.hpp"
 #include "services/semantic_map/tile/driven_path.hpp"
-#include "services/semantic_map/tile_pipeline.hpp"
 
 namespace curbstone::semantic_map {
 
@@ -17,7 +17,7 @@ class NearbyCurbs {
   explicit NearbyCurbs(double range) : range_(range) {}
 
   /// `vehicle`, `path`: m in map; the rise of a line is told by the path. The caller fills in utime and epoch.
-  [[nodiscard]] curb_lines_t next(const TilePipeline& pipeline, const Eigen::Vector2d& vehicle,
+  [[nodiscard]] curb_lines_t next(const pipeline::TilePipeline& pipeline, const Eigen::Vector2d& vehicle,
                                   const tile::DrivenPath& path);
   /// What the last message told of.
   [[nodiscard]] const std::vector<tile::CurbLine>& lines() const { return lines_; }

@@ -20,7 +20,7 @@ std::size_t message_size(const std::vector<tile::MarkingLine>& lines) {
 
 }  // namespace
 
-marking_lines_t NearbyMarkings::next(const TilePipeline& pipeline, const std::vector<tile::CurbLine>& curbs,
+marking_lines_t NearbyMarkings::next(const pipeline::TilePipeline& pipeline, const std::vector<tile::CurbLine>& curbs,
                                      const Eigen::Vector2d& vehicle, const tile::DrivenPath& path) {
   const Kerbstones kerbs(curbs);
   double range = range_;

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "services/semantic_map/marking_lines/marking_lines.hpp"
+#include "services/semantic_map/pipeline/tile_pipeline.hpp"
 #include "services/semantic_map/tile/driven_path.hpp"
-#include "services/semantic_map/tile_pipeline.hpp"
 
 namespace curbstone::semantic_map {
 
@@ -18,7 +18,7 @@ class NearbyMarkings {
       : range_(range), parameters_(parameters) {}
 
   /// `curbs`: the curb lines about the vehicle; `vehicle`, `path`: m in map. The caller fills in utime and epoch.
-  [[nodiscard]] marking_lines_t next(const TilePipeline& pipeline, const std::vector<tile::CurbLine>& curbs,
+  [[nodiscard]] marking_lines_t next(const pipeline::TilePipeline& pipeline, const std::vector<tile::CurbLine>& curbs,
                                      const Eigen::Vector2d& vehicle, const tile::DrivenPath& path);
 
  private:

@@ -92,7 +92,7 @@ void SemanticMapNode::begin_drive(std::int64_t utime) {
 }
 
 void SemanticMapNode::finish() {
-  WorkResult settled = pipeline_.settle();
+  pipeline::WorkResult settled = pipeline_.settle();
   unsent_.merge(settled.changed);
   if (settled.markings) markings_changed_ = true;
   schedule_.clear();

@@ -203,7 +203,7 @@ bool SemanticMapNode::show_next(std::int64_t now) {
 std::optional<std::set<TileKey>> SemanticMapNode::work_on_one(std::int64_t now) {
   const auto work = schedule_.next_work(vehicle_, pipeline_.backlog(), now);
   if (!work) return std::nullopt;
-  WorkResult result = pipeline_.run(*work);
+  pipeline::WorkResult result = pipeline_.run(*work);
   schedule_.spent(result.cost);
   if (result.markings) markings_changed_ = lines_unstored_ = true;
   return std::move(result.changed);

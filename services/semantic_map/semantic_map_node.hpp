@@ -23,12 +23,12 @@
 #include "services/semantic_map/map_linker.hpp"
 #include "services/semantic_map/nearby_curbs.hpp"
 #include "services/semantic_map/nearby_markings.hpp"
+#include "services/semantic_map/pipeline/tile_pipeline.hpp"
+#include "services/semantic_map/pipeline/update_schedule.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
 #include "services/semantic_map/store/map_keeper.hpp"
 #include "services/semantic_map/tile/driven_path.hpp"
 #include "services/semantic_map/tile/voted_tile_assembler.hpp"
-#include "services/semantic_map/tile_pipeline.hpp"
-#include "services/semantic_map/update_schedule.hpp"
 
 namespace curbstone::semantic_map {
 
@@ -96,8 +96,8 @@ class SemanticMapNode final : public Node {
   Publisher& bus_;
   tile::VotedTileAssembler assembler_;
   std::shared_ptr<SpillFile> far_;  // layers of far tiles
-  TilePipeline pipeline_;
-  UpdateSchedule schedule_;
+  pipeline::TilePipeline pipeline_;
+  pipeline::UpdateSchedule schedule_;
   store::MapKeeper keeper_;
   MapLinker linker_;
   NearbyCurbs nearby_curbs_;

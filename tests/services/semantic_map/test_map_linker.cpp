@@ -47,7 +47,7 @@ struct LinkedStreet : testing::Test {
   [[nodiscard]] tile::MapLines at_once() const { return link(line_sources(pipeline, path, {})); }
 
   std::vector<tile::VotedTile> tiles = street();
-  TilePipeline pipeline{{}, {}};
+  pipeline::TilePipeline pipeline{{}, {}};
   tile::DrivenPath path;
   MapLinker linker{{}};
 };
@@ -81,7 +81,7 @@ TEST_F(LinkedStreet, IsLinkedWithoutThePipelineThatMadeIt) {
   store::MapKeeper::LinkLines lines;
   tile::MapLines then;
   {
-    TilePipeline passing({}, {});
+    pipeline::TilePipeline passing({}, {});
     for (const tile::VotedTile& tile : tiles) passing.set_voted(tile);
     passing.settle();
     drive(0);

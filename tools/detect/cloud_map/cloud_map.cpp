@@ -108,7 +108,7 @@ std::vector<semantic_map::tile::VotedTile> vote_tiles(std::span<const Eigen::Vec
 }
 
 void map_tiles(const std::vector<semantic_map::tile::VotedTile>& tiles, const CloudMapOptions& options, CloudMap& map) {
-  semantic_map::TilePipeline pipeline(options.curb, options.classes, options.markings);
+  semantic_map::pipeline::TilePipeline pipeline(options.curb, options.classes, options.markings);
   for (const semantic_map::tile::VotedTile& tile : tiles) pipeline.set_voted(tile);
   pipeline.settle();
   for (const semantic_map::tile::VotedTile& tile : tiles) {

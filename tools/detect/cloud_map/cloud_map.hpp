@@ -7,9 +7,9 @@
 
 #include "services/semantic_map/cells/cell_classes.hpp"
 #include "services/semantic_map/markings/marking_parameters.hpp"
+#include "services/semantic_map/pipeline/tile_pipeline.hpp"
 #include "services/semantic_map/tile/curb_parameters.hpp"
 #include "services/semantic_map/tile/map_types.hpp"
-#include "services/semantic_map/tile_pipeline.hpp"
 #include "services/tensor_voting/voting/voting_parameters.hpp"
 
 namespace curbstone::detect::cloud_map {

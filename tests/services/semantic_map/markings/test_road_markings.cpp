@@ -10,7 +10,7 @@
 #include "services/semantic_map/marking_lines/cut_lines.hpp"
 #include "services/semantic_map/marking_lines/marking_lines.hpp"
 #include "services/semantic_map/nearby_markings.hpp"
-#include "services/semantic_map/tile_pipeline.hpp"
+#include "services/semantic_map/pipeline/tile_pipeline.hpp"
 
 namespace curbstone::semantic_map {
 namespace {
@@ -53,7 +53,7 @@ std::vector<Eigen::Vector2d> path() {
 }
 
 std::vector<MarkingLine> lines_of(const std::vector<tile::VotedTile>& tiles) {
-  TilePipeline pipeline({}, {});
+  pipeline::TilePipeline pipeline({}, {});
   for (const tile::VotedTile& tile : tiles) pipeline.set_voted(tile);
   pipeline.settle();
   return all_markings(pipeline, all_curbs(pipeline), path(), {});
@@ -131,7 +131,7 @@ TEST(RoadMarkings, ABrightSlabOfPavementBesideTheRoadIsNoPaint) {
 }
 
 TEST(RoadMarkings, TheStoneOfALoweredKerbIsNoPaint) {
-  TilePipeline pipeline({}, {});
+  pipeline::TilePipeline pipeline({}, {});
   for (const tile::VotedTile& tile : road([](double, double y) { return std::abs(y - 2.1) < 0.1 ? kPaint : kRoad; }))
     pipeline.set_voted(tile);
   pipeline.settle();
@@ -156,20 +156,20 @@ TEST(RoadMarkings, WhereNoIntensityIsKnownThereIsNone) {
 
 TEST(RoadMarkings, DoNotDependOnTheOrderOfTilesNorOnWhoLooksWhen) {
   const auto tiles = road([](double x, double y) { return std::abs(y - 0.1 * x) < 0.06 ? kPaint : kRoad; });
-  TilePipeline backward({}, {});
+  pipeline::TilePipeline backward({}, {});
   for (auto it = tiles.rbegin(); it != tiles.rend(); ++it) {
     backward.set_voted(*it);
-    backward.run({TileWork::Kind::kUpdate, it->key});
-    for (int i = 0; i < 5; ++i) backward.run({TileWork::Kind::kOldestStep});
+    backward.run({pipeline::TileWork::Kind::kUpdate, it->key});
+    for (int i = 0; i < 5; ++i) backward.run({pipeline::TileWork::Kind::kOldestStep});
   }
-  while (backward.num_stale() > 0) backward.run({TileWork::Kind::kOldestStep});
+  while (backward.num_stale() > 0) backward.run({pipeline::TileWork::Kind::kOldestStep});
   EXPECT_EQ(all_markings(backward, all_curbs(backward), path(), {}), lines_of(tiles));
   EXPECT_FALSE(lines_of(tiles).empty());
 }
 
 TEST(RoadMarkings, AreTheSameOfACopyOfTheirSources) {
   const auto tiles = road([](double x, double y) { return std::abs(y - 0.1 * x) < 0.06 ? kPaint : kRoad; });
-  TilePipeline pipeline({}, {});
+  pipeline::TilePipeline pipeline({}, {});
   for (const tile::VotedTile& tile : tiles) pipeline.set_voted(tile);
   pipeline.settle();
   const MapLineSources sources = line_sources(pipeline, path(), {});
@@ -185,7 +185,7 @@ TEST(RoadMarkings, AreLookedForOnlyWhereThatIsAskedFor) {
   const auto tiles = road([](double, double y) { return std::abs(y) < 0.06 ? kPaint : kRoad; });
   markings::MarkingParameters off;
   off.enabled = false;
-  TilePipeline pipeline({}, {}, off);
+  pipeline::TilePipeline pipeline({}, {}, off);
   for (const tile::VotedTile& tile : tiles) pipeline.set_voted(tile);
   pipeline.settle();
   EXPECT_EQ(pipeline.num_stale(), 0U);
@@ -216,7 +216,7 @@ double crossing_and_lines(double x, double y) {
 }
 
 TEST(RoadMarkings, AtTheEdgeOfItsBoxAMessageSaysWhatTheMapSays) {
-  TilePipeline pipeline({}, {});
+  pipeline::TilePipeline pipeline({}, {});
   for (const tile::VotedTile& tile : road(crossing_and_lines)) pipeline.set_voted(tile);
   pipeline.settle();
   const auto map = all_markings(pipeline, {}, path(), {});
@@ -304,7 +304,7 @@ tile::CurbLine curb_between(double from, double to) {
 
 TEST(RoadMarkings, StonesThatLieFlushBetweenTwoCurbsAreNoPaint) {
   const auto stones = [](double x, double y) { return std::abs(x) < 2 && y > 3 && y < 3.15 ? 130 : kRoad; };
-  TilePipeline pipeline({}, {});
+  pipeline::TilePipeline pipeline({}, {});
   for (const tile::VotedTile& tile : road(stones)) pipeline.set_voted(tile);
   pipeline.settle();
   EXPECT_EQ(all_markings(pipeline, {}, path(), {}).size(), 1U) << "nothing tells that it is stone";

@@ -1,4 +1,4 @@
-#include "services/semantic_map/tile_pipeline.hpp"
+#include "services/semantic_map/pipeline/tile_pipeline.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -8,7 +8,7 @@
 
 #include "common/parallel/parallel_for.hpp"
 
-namespace curbstone::semantic_map {
+namespace curbstone::semantic_map::pipeline {
 namespace {
 
 constexpr std::size_t kSettledAtOnce = 256;  // tiles, before their products are taken
@@ -335,4 +335,4 @@ void TilePipeline::settle_step(Step step, int threads) {
   }
 }
 
-}  // namespace curbstone::semantic_map
+}  // namespace curbstone::semantic_map::pipeline

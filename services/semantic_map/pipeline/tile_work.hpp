@@ -6,7 +6,7 @@
 
 #include "common/tiles/tile.hpp"
 
-namespace curbstone::semantic_map {
+namespace curbstone::semantic_map::pipeline {
 
 /// What a step of VOTED_POINTS made of its tile.
 struct VotedChange {
@@ -47,4 +47,4 @@ struct Backlog {
   std::int64_t oldest = std::numeric_limits<std::int64_t>::max();  ///< turn of what is stale for longest
 };
 
-}  // namespace curbstone::semantic_map
+}  // namespace curbstone::semantic_map::pipeline

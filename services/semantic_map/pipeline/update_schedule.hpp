@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "common/tiles/tile.hpp"
-#include "services/semantic_map/tile_work.hpp"
+#include "services/semantic_map/pipeline/tile_work.hpp"
 
-namespace curbstone::semantic_map {
+namespace curbstone::semantic_map::pipeline {
 
 /// Says what of the map is computed when, so that what was just seen is shown at once and a core is never busy for
 /// long. It is told what was voted and what the work cost, and does nothing itself. What the map finally is does not
@@ -57,4 +57,4 @@ class UpdateSchedule {
   std::deque<std::pair<std::int64_t, std::int64_t>> turns_;  // when it was whose turn, of the last second
 };
 
-}  // namespace curbstone::semantic_map
+}  // namespace curbstone::semantic_map::pipeline

@@ -2,12 +2,12 @@
 #include <limits>
 #include <utility>
 
-#include "services/semantic_map/tile_pipeline.hpp"
+#include "services/semantic_map/pipeline/tile_pipeline.hpp"
 
 /// @file
 /// TilePipeline: what it has made.
 
-namespace curbstone::semantic_map {
+namespace curbstone::semantic_map::pipeline {
 
 std::shared_ptr<const tile::MapTile> TilePipeline::classes(TileKey key) const {
   const auto it = tiles_.find(key);
@@ -76,4 +76,4 @@ std::size_t TilePipeline::num_stale() const {
   return count;
 }
 
-}  // namespace curbstone::semantic_map
+}  // namespace curbstone::semantic_map::pipeline

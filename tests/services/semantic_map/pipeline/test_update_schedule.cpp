@@ -1,8 +1,8 @@
-#include "services/semantic_map/update_schedule.hpp"
+#include "services/semantic_map/pipeline/update_schedule.hpp"
 
 #include <gtest/gtest.h>
 
-namespace curbstone::semantic_map {
+namespace curbstone::semantic_map::pipeline {
 namespace {
 
 constexpr std::int64_t kNow = 1'700'000'000'000'000;
@@ -125,4 +125,4 @@ TEST(UpdateSchedule, ForgetsTheEpochBefore) {
 }
 
 }  // namespace
-}  // namespace curbstone::semantic_map
+}  // namespace curbstone::semantic_map::pipeline

@@ -1,4 +1,4 @@
-#include "services/semantic_map/tile_pipeline.hpp"
+#include "services/semantic_map/pipeline/tile_pipeline.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,12 +8,12 @@
 #include <set>
 #include <vector>
 
-#include "services/semantic_map/update_schedule.hpp"
+#include "services/semantic_map/pipeline/update_schedule.hpp"
 #include "tests/services/semantic_map/synthetic_ground.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/truncated_spill_files.hpp"
 
-namespace curbstone::semantic_map {
+namespace curbstone::semantic_map::pipeline {
 namespace {
 
 WorkResult update(TilePipeline& pipeline, TileKey key) {
@@ -342,4 +342,4 @@ TEST(TilePipeline, HasNoJumpsAtTilesOffTheEndOfInt32) {
 }
 
 }  // namespace
-}  // namespace curbstone::semantic_map
+}  // namespace curbstone::semantic_map::pipeline

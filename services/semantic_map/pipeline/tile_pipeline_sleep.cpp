@@ -1,9 +1,9 @@
-#include "services/semantic_map/tile_pipeline.hpp"
+#include "services/semantic_map/pipeline/tile_pipeline.hpp"
 
 /// @file
 /// TilePipeline: tiles that fall asleep, and wake.
 
-namespace curbstone::semantic_map {
+namespace curbstone::semantic_map::pipeline {
 
 void TilePipeline::wake(TileKey key, Tile& tile) {
   const bool slept = tile.layers.asleep();
@@ -29,4 +29,4 @@ void TilePipeline::let_sleep() {
   if (const auto unused = visits_.take_unused(num_voted_ - kAwakeForOldStep)) sleep(*unused);
 }
 
-}  // namespace curbstone::semantic_map
+}  // namespace curbstone::semantic_map::pipeline

@@ -19,10 +19,10 @@
 #include "services/semantic_map/ground/ground_model.hpp"
 #include "services/semantic_map/layers/tile_layers.hpp"
 #include "services/semantic_map/markings/marking_cells.hpp"
+#include "services/semantic_map/pipeline/tile_work.hpp"
 #include "services/semantic_map/tile/voted_tile_assembler.hpp"
-#include "services/semantic_map/tile_work.hpp"
 
-namespace curbstone::semantic_map {
+namespace curbstone::semantic_map::pipeline {
 
 /// From voted points to the semantic map, tile by tile:
 ///
@@ -163,4 +163,4 @@ class TilePipeline {
   std::int64_t num_evidence_ = 0;
 };
 
-}  // namespace curbstone::semantic_map
+}  // namespace curbstone::semantic_map::pipeline

@@ -1,11 +1,11 @@
-#include "services/semantic_map/update_schedule.hpp"
+#include "services/semantic_map/pipeline/update_schedule.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 #include <utility>
 
-namespace curbstone::semantic_map {
+namespace curbstone::semantic_map::pipeline {
 
 namespace {
 
@@ -89,4 +89,4 @@ bool UpdateSchedule::is_settling_due(const Backlog& backlog, std::int64_t now) {
   return now - turns_.front().first >= kSettlePatience && backlog.oldest <= turns_.front().second;
 }
 
-}  // namespace curbstone::semantic_map
+}  // namespace curbstone::semantic_map::pipeline
