@@ -8,7 +8,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdlib>
-#include <deque>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -40,6 +40,7 @@ struct SpillFile::Values::Place {
 
   PackedValues bytes;
   std::size_t size;
+  std::uint64_t turn = 0;             // to be written
   std::optional<std::uint64_t> page;  // the first one in the file
   std::shared_ptr<File> file;
 };
@@ -60,7 +61,8 @@ class SpillFile::File {
   void put(const std::shared_ptr<Place>& place) {
     const std::lock_guard lock(mutex_);
     if (!is_open()) return;
-    waiting_.push_back(place);
+    place->turn = ++turn_;
+    waiting_.emplace(place->turn, place);
     news_.notify_all();
   }
   void entered(const Place& place) {
@@ -70,6 +72,7 @@ class SpillFile::File {
   void left(const Place& place) {
     const std::lock_guard lock(mutex_);
     (place.page ? in_file_ : in_memory_) -= place.size;
+    waiting_.erase(place.turn);
     if (place.page) free_.give_back(*place.page, place.num_pages());
   }
   [[nodiscard]] PackedValues read(const Place& place) const {
@@ -95,10 +98,10 @@ class SpillFile::File {
     while (true) {
       news_.wait(lock, [this] { return stopped_ || !waiting_.empty(); });
       if (stopped_) return;
-      std::shared_ptr<Place> place = waiting_.front().lock();
-      waiting_.pop_front();
+      std::shared_ptr<Place> place = waiting_.begin()->second.lock();
+      waiting_.erase(waiting_.begin());
       if (place) write(*place, lock);
-      if (place && !place->page) waiting_.push_front(place);
+      if (place && !place->page) waiting_.emplace(place->turn, place);
       lock.unlock();  // a place that nobody else has goes with it
       place.reset();
       lock.lock();
@@ -174,7 +177,8 @@ class SpillFile::File {
   int descriptor_ = -1;
   mutable std::mutex mutex_;
   std::condition_variable news_;
-  std::deque<std::weak_ptr<Place>> waiting_;
+  std::map<std::uint64_t, std::weak_ptr<Place>> waiting_;  // by turn
+  std::uint64_t turn_ = 0;
   bool writing_ = false;
   bool stopped_ = false;
   FreePages free_;
