@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "common/bus/local_bus.hpp"
 #include "tests/services/semantic_map/semantic_map_node_test.hpp"
+#include "tests/truncated_spill_files.hpp"
 
 namespace curbstone::semantic_map {
 namespace {
@@ -112,6 +115,47 @@ TEST_F(SemanticMapNodeTest, FollowsATileInStepsAndAsksWhenOneIsMissing) {
   voted_points_t answer = all;
   answer.revision = 4;
   EXPECT_EQ(map_of("skipped.db", {first, later, answer}, 1), whole);
+}
+
+TEST_F(SemanticMapNodeTest, AsksForAFarTileThatTheDiskHasLost) {
+  const voted_points_t all = to_pages(full_tile(), 3, 100'000).front();
+  tile::VotedTile half = full_tile();
+  half.points.resize(half.points.size() / 2);
+  tile::VotedTile elsewhere = full_tile();
+  elsewhere.key = {500, 500};
+  elsewhere.points.resize(1);
+  SemanticMapConfig with_room = config("lost.db");
+  with_room.keep_free = 0;
+  LocalBus bus;
+  SemanticMapNode node(with_room, bus);
+  node.connect(bus);
+  std::vector<tile_request_t> requests;
+  bus.subscribe<tile_request_t>("TILE_REQUEST", [&](const tile_request_t& m) { requests.push_back(m); });
+  const auto vote = [&](const voted_points_t& m) {
+    bus.publish("VOTED_POINTS", m);
+    bus.dispatch();
+  };
+  bus.publish("MAP_POSE", pose_at(kStart, 0));
+  vote(to_pages(half, 2, 100'000).front());
+  node.caught_up(kStart);
+  node.tick(kStart + 200'000);
+  for (std::int32_t i = 0; i < pipeline::TilePipeline::kAwake + 2; ++i)
+    vote(to_pages(elsewhere, i + 1, 100'000).front());
+  for (int i = 0; i < 500 && node.report().counters["far.disk_kb"] == 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_GT(node.report().counters["far.disk_kb"], 0);
+  test::truncate_spill_files();
+
+  vote(step_from(2, all, half.points.size()));
+  node.tick(kStart + 400'000);
+  bus.dispatch();
+  EXPECT_EQ(node.report().counters["faults.far_tiles"], 1);
+  ASSERT_EQ(requests.size(), 1U);
+  EXPECT_EQ(requests[0].tile_x, (std::vector<std::int32_t>{all.tile_x}));
+  EXPECT_EQ(requests[0].have, (std::vector<std::int32_t>{0})) << "the whole tile";
+  vote(all);
+  EXPECT_EQ(node.report().counters["dropped.gap"], 1);
+  EXPECT_EQ(node.report().counters["voted_tiles"], pipeline::TilePipeline::kAwake + 2 + 2);
 }
 
 TEST_F(SemanticMapNodeTest, ANewEpochForgetsTheOldOne) {
