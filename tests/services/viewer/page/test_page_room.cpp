@@ -8,7 +8,7 @@
 namespace curbstone::viewer {
 namespace {
 
-/// What the cards leave of the map on a phone and on a tablet.
+/// What the cards leave of the map.
 class PageRoom : public PageOnABus {
  protected:
   static constexpr std::array kScreens{std::tuple{390, 844}, std::tuple{360, 640},  std::tuple{844, 390},
@@ -63,6 +63,23 @@ TEST_F(PageRoom, NoCardHidesAPartOfTheWholeMap) {
     const double room = std::min(width - 120, height - 220);
     EXPECT_GT(std::max(right.x - left.x, bottom.y - top.y), 0.8 * room) << "and it is no smaller than it must be";
     if (HasFailure()) browser->save_picture(::testing::TempDir() + fmt::format("page_room_{}.png", width));
+  }
+}
+
+TEST_F(PageRoom, TheToolsOfADesktopHideNoPartOfAWideMap) {
+  for (int x = -20; x < 20; ++x)
+    for (int y = -4; y < 8; ++y) put(tile_of(x, y, semantic_tile_t::ROAD));
+  open("at=0,0,40,0&follow=0&theme=light");
+  for (const auto& [width, height] : {std::pair{1280, 800}, {1000, 700}}) {
+    show_on(width, height);
+    browser->evaluate("document.getElementById('whole').click()");
+    const auto hidden = browser->evaluate(R"(Array.from({ length: 36 }, (_, i) => {
+      const found = document.elementFromPoint(...curbstone.camera.toScreen(59.9, i - 11.5));
+      return document.getElementById("map").contains(found) ? "" : `${i - 11.5}: ${found?.id}`;
+    }).filter(found => found))");
+    EXPECT_EQ(hidden.size(), 0U) << width << " x " << height << ": " << hidden;
+    EXPECT_GT(spot_of(60, 0).x - spot_of(-60, 0).x, 0.8 * (width - 416)) << "and it is no smaller than it must be";
+    if (HasFailure()) browser->save_picture(::testing::TempDir() + fmt::format("page_wide_{}.png", width));
   }
 }
 
