@@ -250,7 +250,10 @@ Border StreetLabels::border_at(double x, double y, double up_x, double up_y) con
   constexpr std::array kOff = {0.12, 0.24, 0.36, 0.48};  // m
   const auto side = [&](double sign) {
     std::array<int, kNumSurfaces> votes{};
-    for (const double off : kOff) ++votes[surfaces.at(x + sign * off * up_x, y + sign * off * up_y) % kNumSurfaces];
+    for (const double off : kOff) {
+      const auto surface = static_cast<std::size_t>(surfaces.at(x + sign * off * up_x, y + sign * off * up_y));
+      ++votes[surface % kNumSurfaces];
+    }
     votes[0] = 0;
     const auto most = std::max_element(votes.begin(), votes.end());
     return *most > 0 ? static_cast<Surface>(most - votes.begin()) : Surface::kNone;
