@@ -96,6 +96,7 @@ class SpillFile::File {
   void run() {
     std::unique_lock lock(mutex_);
     while (true) {
+      if (waiting_.empty()) fault_.clear();  // nothing is in memory that should not be
       news_.wait(lock, [this] { return stopped_ || !waiting_.empty(); });
       if (stopped_) return;
       std::shared_ptr<Place> place = waiting_.begin()->second.lock();

@@ -41,7 +41,8 @@ class MapSender {
   void send_changes(const dense_map::DenseMap& map, std::int64_t now);
   /// A page of the drive, if it goes out anew.
   void send_trajectory();
-  /// Tiles that somebody lacks, as many as may go since the last but one send_changes(), and a page of the drive.
+  /// Tiles that somebody lacks, as many as the time allows that the last send_changes() covered, and a page of the
+  /// drive.
   void send_requested(const dense_map::DenseMap& map);
   /// `position`: of the vehicle, m in map.
   void send_index(std::int64_t now, const Eigen::Vector3d& position);
@@ -56,7 +57,7 @@ class MapSender {
   TileCatalog catalog_{"mapper", "MAP_POINTS"};
   std::int32_t epoch_ = 0;
   std::int64_t sent_at_ = 0;                                     // us
-  int turns_ = 1;                                                // for which send_changes() was the last time
+  int turns_ = 1;                                                // of kTurn, that the last send_changes() covered
   std::unordered_map<TileKey, std::int32_t, TileKeyHash> sent_;  // records that went out
   std::deque<TileKey> changed_;                                  // in the order in which they will be sent
   std::unordered_set<TileKey, TileKeyHash> is_changed_;

@@ -93,6 +93,7 @@ void SemanticMapNode::begin_drive(std::int64_t utime) {
 
 void SemanticMapNode::finish() {
   pipeline::WorkResult settled = pipeline_.settle();
+  ask_for_lost();  // nobody answers any more, but they are counted
   unsent_.merge(settled.changed);
   if (settled.markings) markings_changed_ = true;
   schedule_.clear();

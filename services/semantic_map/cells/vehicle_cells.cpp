@@ -114,8 +114,7 @@ std::size_t hash_of(const StandingAround& around) {
   return hash;
 }
 
-/// Vehicles that were found before. A tile is looked at some ten times as often as anything comes to stand in it or
-/// about it.
+/// Vehicles that were found before: most often a tile is looked at, nothing has come to stand in it or about it since.
 class FoundVehicles {
  public:
   VehicleCells find(const tile::Around<CellColumns>& columns) {

@@ -120,6 +120,7 @@ void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_
 void TilePipeline::clear() {
   tiles_.clear();
   changed_.clear();
+  lost_.clear();
   uses_.clear();
   visits_.clear();
   meters_.clear();
