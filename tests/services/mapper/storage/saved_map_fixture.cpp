@@ -89,7 +89,7 @@ SavedMap random_map(unsigned seed, int tiles, int nodes) {
     map.edges.push_back(edge);
   }
   map.rings.scans = 640;
-  for (int ring = 0; ring < nodes; ++ring) {
+  for (int ring = 0; ring < std::min(nodes, 256); ++ring) {  // of a LiDAR of 256 rings at most
     map.rings.rings.emplace_back();
     for (std::uint32_t& count : map.rings.rings.back()) count = static_cast<std::uint32_t>(random() % 9000);
   }
