@@ -117,8 +117,9 @@ std::vector<CurbCandidate> find_curb_evidence(const tile::Around<tile::VotedTile
                                               const ground::GroundSurface& ground,
                                               const tile::CurbParameters& parameters) {
   std::vector<CurbCandidate> candidates;
-  const NearGroundPoints points(tiles, ground, parameters);
-  StepWindow window;  // one for all, for the sake of its memory
+  thread_local NearGroundPoints points;  // for the sake of their memory
+  thread_local StepWindow window;
+  points.gather(tiles, ground, parameters);
   for (int row = 0; row < kCellsPerTile; ++row) {
     for (int column = 0; column < kCellsPerTile; ++column) {
       const TiltedCell cell = gather_tilt(points, ground, column, row, parameters);

@@ -55,6 +55,7 @@ double pool_along_line(const PlacedCandidate& candidate, std::span<const PlacedC
   for (const PlacedCandidate& other : others) {
     if (std::abs(other.at.y() - candidate.at.y()) > kFarthest) continue;
     const OnArc arc = on_arc(candidate, other);
+    if (arc.weight <= 0) continue;
     double& bin = best[static_cast<std::size_t>((arc.along + kReach) / kPlaceBin)];
     bin = std::max(bin, arc.weight * other.candidate->score);
   }

@@ -20,19 +20,20 @@ struct NearGround {
 };
 
 /// Section VI: what is less than `max_step` (the paper: 0.5 m) above the ground, of a tile and 1.2 m around it, sorted
-/// into cells of 0.12 m so that a row of cells is one range.
+/// into cells of 0.12 m so that a row of cells is one range. One object for many tiles, one after the other: it keeps
+/// its memory.
 class NearGroundPoints {
  public:
   static constexpr int kMarginCells = 10;
   static constexpr int kSide = kCellsPerTile + 2 * kMarginCells;  ///< cells
-  NearGroundPoints(const tile::Around<tile::VotedTile>& tiles, const ground::GroundSurface& ground,
-                   const tile::CurbParameters& parameters);
+  void gather(const tile::Around<tile::VotedTile>& tiles, const ground::GroundSurface& ground,
+              const tile::CurbParameters& parameters);
 
-  /// visit(point) for all points in a cell of the tile.
+  /// visit(point) for all points in a cell of the tile itself.
   template <class Visit>
   void for_cell(int column, int row, Visit visit) const {
     const auto [begin, end] = range(column, column, row);
-    for (std::size_t i = begin; i < end; ++i) visit(points_[i]);
+    for (std::size_t i = begin; i < end; ++i) visit(described_[i]);
   }
   /// First and behind the last of the points in a row's cells, columns inclusive, of the tile; empty if there are none.
   [[nodiscard]] std::pair<std::size_t, std::size_t> range(int column0, int column1, int row) const {
@@ -43,7 +44,7 @@ class NearGroundPoints {
     return {static_cast<std::size_t>(start_[static_cast<std::size_t>(row * kSide + column0)]),
             static_cast<std::size_t>(start_[static_cast<std::size_t>(row * kSide + column1) + 1])};
   }
-  // The same points by columns, as a StepWindow has them; kPadding numbers more than there are points.
+  // All points by columns, as a StepWindow has them; kPadding numbers more than there are points.
   static constexpr std::size_t kPadding = 8;
   [[nodiscard]] const double* x() const { return x_.data(); }
   [[nodiscard]] const double* y() const { return y_.data(); }
@@ -51,9 +52,16 @@ class NearGroundPoints {
   [[nodiscard]] const double* unfit() const { return unfit_.data(); }
 
  private:
-  std::vector<NearGround> points_;
+  struct Gathered {
+    NearGround point;  // where it is, and what it is; its tilt only in the tile itself
+    int cell = 0;
+  };
+  void sort();
+  std::vector<Gathered> gathered_;
+  std::vector<NearGround> described_;  // those of the tile itself; what is at others' indices means nothing
   std::vector<double> x_, y_, z_, unfit_;
   std::vector<int> start_;
+  std::vector<int> next_;
 };
 
 }  // namespace curbstone::semantic_map::curbs
