@@ -11,9 +11,10 @@ namespace curbstone::semantic_map::curbs {
 namespace {
 
 constexpr double kMinCoarseTilt = 0.008;
-constexpr int kMinTilted = 1;    // points in a cell
-constexpr double kSparse = 2.0;  // times the length of the window, where points are few
-constexpr double kThin = 4.0;    // and where there are only single scan lines
+constexpr int kMinTilted = 1;       // points in a cell
+constexpr double kSparse = 2.0;     // times the length of the window, where points are few
+constexpr double kThin = 4.0;       // and where there are only single scan lines
+constexpr double kPromising = 0.1;  // of a certain step, straight ahead: with less, what is found aslant is noise
 
 /// A cell whose normals tilt: where, and which way up.
 struct TiltedCell {
@@ -68,7 +69,8 @@ std::vector<FoundStep> find_steps(const NearGroundPoints& points, const TiltedCe
     search.look(directions.back(), kSparse * length);
   }
   for (const Eigen::Vector2d& direction : directions) {
-    for (const double turn : {0.0, -0.12, 0.12, -0.24, 0.24})
+    if (search.look(direction, kThin * length) < kPromising) continue;
+    for (const double turn : {-0.12, 0.12, -0.24, 0.24})
       search.look(Eigen::Rotation2Dd(turn) * direction, kThin * length);
   }
   return search.found();

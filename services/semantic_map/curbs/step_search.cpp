@@ -117,11 +117,11 @@ std::size_t count_points(const StepWindow& window) {
   return n;
 }
 
-/// Whether a step is one: against its own uncertainty, against the noise of its surroundings...
-bool is_certain(const HeightStep& step, double noise, const tile::CurbParameters& parameters) {
+/// A step against its own uncertainty and the noise of its surroundings: from 1 on it is one...
+double certainty(const HeightStep& step, double noise, const tile::CurbParameters& parameters) {
   const double sigma = step.sigma * std::max(1.0, noise / step.roughness);
-  return step.height <= parameters.max_step && step.height >= parameters.min_weak_step &&
-         step.height >= parameters.step_sigmas * sigma && step.height >= parameters.layer_sigmas * noise;
+  return step.height /
+         std::max({parameters.min_weak_step, parameters.step_sigmas * sigma, parameters.layer_sigmas * noise});
 }
 
 /// ... and on both sides.
@@ -140,24 +140,27 @@ bool StepSearch::look_close(const Eigen::Vector2d& up, double half_length) {
   return count_points(window_) > kEnoughPoints;
 }
 
-void StepSearch::look_in(const Eigen::Vector2d& up, double half_length, bool exactly) {
+double StepSearch::look_in(const Eigen::Vector2d& up, double half_length, bool exactly) {
   fill_window(points_, {at_, up, parameters_.half_window + kSearch, half_length}, exactly, window_);
   const auto step = find_height_step(window_, noise_, parameters_);
   // What is quickly told comes first.
-  if (!step || !is_certain(*step, noise_, parameters_)) return;
+  if (!step) return 0;
+  const double certain = certainty(*step, noise_, parameters_);
+  if (!(certain >= 1) || step->height > parameters_.max_step) return certain;
   FoundStep* rival = nullptr;
   for (FoundStep& other : found_) {
     if (other.up.dot(up) > kSameDirection && (rival == nullptr || is_more_certain(other.step, rival->step)))
       rival = &other;
   }
-  if (rival != nullptr && !is_more_certain(*step, rival->step)) return;
+  if (rival != nullptr && !is_more_certain(*step, rival->step)) return certain;
   const StepSides sides = look_at_sides(window_, *step, parameters_);
-  if (!parts_its_sides(sides, *step, parameters_)) return;
+  if (!parts_its_sides(sides, *step, parameters_)) return certain;
   const FoundStep found{*step, find_curb_face(window_, *step), up, half_length};
   if (rival != nullptr)
     *rival = found;
   else
     found_.push_back(found);
+  return certain;
 }
 
 }  // namespace curbstone::semantic_map::curbs

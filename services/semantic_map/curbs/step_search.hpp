@@ -30,11 +30,12 @@ class StepSearch {
 
   /// Returns whether many points are around: looking farther would not make it clearer.
   bool look_close(const Eigen::Vector2d& up, double half_length);
-  void look(const Eigen::Vector2d& up, double half_length) { look_in(up, half_length, true); }
+  /// Returns how near it came to a step that is certain: from 1 on there is one.
+  double look(const Eigen::Vector2d& up, double half_length) { return look_in(up, half_length, true); }
   [[nodiscard]] const std::vector<FoundStep>& found() const { return found_; }
 
  private:
-  void look_in(const Eigen::Vector2d& up, double half_length, bool exactly);
+  double look_in(const Eigen::Vector2d& up, double half_length, bool exactly);
   const NearGroundPoints& points_;
   Eigen::Vector2d at_;
   double noise_;
