@@ -47,7 +47,7 @@ double outside(const Eigen::Vector2d& at) {
 std::vector<Placed> place_all(const tile::Around<std::vector<CurbCandidate>>& tiles) {
   std::vector<PlacedCandidate> candidates;
   tiles.for_each([&](const std::vector<CurbCandidate>& of_tile, double dx, double dy) {
-    for (const CurbCandidate& c : of_tile) candidates.push_back({c.at + Eigen::Vector2d(dx, dy), &c});
+    for (const CurbCandidate& c : of_tile) candidates.push_back({c.at + Eigen::Vector2d(dx, dy), c.up, &c});
   });
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const auto& a, const auto& b) { return a.at.x() < b.at.x(); });
@@ -69,8 +69,8 @@ bool is_ghost(const Placed& p, const std::vector<Placed>& all) {
   return std::any_of(rivals.begin(), rivals.end(), [&](const Placed& other) {
     if (!outranks(other, p)) return false;
     const Eigen::Vector2d d = p.at - other.at;
-    const double across = std::abs(d.dot(other.candidate->up));
-    const double along = std::abs(d.x() * other.candidate->up.y() - d.y() * other.candidate->up.x());
+    const double across = std::abs(d.dot(other.up));
+    const double along = std::abs(d.x() * other.up.y() - d.y() * other.up.x());
     return across > kSameLine && across < kAcross && along < kAlong;
   });
 }
@@ -117,30 +117,30 @@ LocalLine line_around(const Eigen::Vector2d& at, double radius, const std::vecto
 }
 
 bool is_on_line(const Placed& p, const std::vector<Placed>& strong, const tile::CurbParameters& parameters) {
-  const auto alike = [&](const Placed& o) { return std::abs(o.candidate->up.dot(p.candidate->up)) > 0.6; };
+  const auto alike = [&](const Placed& o) { return std::abs(o.up.dot(p.up)) > 0.6; };
   const double radius = std::min(kLongest, std::max(parameters.linearity_radius, kReaches * p.candidate->reach));
   const LocalLine line = line_around(p.at, radius, strong, alike);
   return line.count > parameters.min_neighbours && line.linearity < parameters.max_linearity &&
-         line.extent > kMinExtent && std::abs(line.direction.dot(p.candidate->up)) < 0.6;
+         line.extent > kMinExtent && std::abs(line.direction.dot(p.up)) < 0.6;
 }
 
 /// The steps along a line bear each other out: a short line must be of certain steps, a long one may be of less
 /// certain.
 bool is_supported(const Placed& p, const std::vector<Placed>& kept, const tile::CurbParameters& parameters) {
   if (!parameters.use_step) return true;  // a tilt alone has no certainty
-  const auto alike = [&](const Placed& o) { return std::abs(o.candidate->up.dot(p.candidate->up)) > 0.6; };
+  const auto alike = [&](const Placed& o) { return std::abs(o.up.dot(p.up)) > 0.6; };
   const LocalLine line = line_around(p.at, kLongest, kept, alike);
   return line.score * std::sqrt(line.extent) >= parameters.line_sigmas;
 }
 
 bool continues_line(const Placed& p, const std::vector<Placed>& confirmed, const tile::CurbParameters& parameters) {
   if (p.certainty < kWeakSupport * parameters.line_sigmas) return false;
-  const auto alike = [&](const Placed& o) { return o.candidate->up.dot(p.candidate->up) > 0.8; };
+  const auto alike = [&](const Placed& o) { return o.up.dot(p.up) > 0.8; };
   const LocalLine line = line_around(p.at, kWeakReach, confirmed, alike);
   if (line.count < 4 || line.linearity > 0.2 || line.extent < kMinExtent) return false;
   const Eigen::Vector2d d = p.at - line.mean;
   const double lateral = std::abs(d.x() * line.direction.y() - d.y() * line.direction.x());
-  return lateral < kWeakLateral && std::abs(line.direction.dot(p.candidate->up)) < 0.4;
+  return lateral < kWeakLateral && std::abs(line.direction.dot(p.up)) < 0.4;
 }
 
 /// Low steps are taken in where they continue a line, and then those that continue them: a lowered kerb is followed
@@ -193,9 +193,9 @@ std::vector<CurbPoint> filter_curbs(const tile::Around<std::vector<CurbCandidate
   for (const auto& [cell, p] : best) {
     const double confidence = p.candidate->weak ? 0.5 : std::min(1.0, 0.5 + p.candidate->score / 60);
     const double lean = lean_along_line(p, near_x(of_lines, p.at.x(), kLineReach));
-    const Eigen::Vector2d foot = p.at - 0.5 * p.candidate->height * lean * p.candidate->up;
-    points.push_back({foot, p.candidate->up, p.candidate->z, p.candidate->height, confidence, p.candidate->weak,
-                      p.candidate->reach});
+    const Eigen::Vector2d foot = p.at - 0.5 * p.candidate->height * lean * p.up;
+    points.push_back(
+        {foot, p.up, p.candidate->z, p.candidate->height, confidence, p.candidate->weak, p.candidate->reach});
   }
   return points;
 }

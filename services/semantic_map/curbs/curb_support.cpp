@@ -29,14 +29,14 @@ struct OnArc {
 };
 
 OnArc on_arc(const PlacedCandidate& a, const PlacedCandidate& b) {
-  const Eigen::Vector2d& up = a.candidate->up;
+  const Eigen::Vector2d& up = a.up;
   const Eigen::Vector2d d = b.at - a.at;
   const double along = d.y() * up.x() - d.x() * up.y();
   const double across = d.dot(up);
   const double most_across = kBeside + kDirection * std::abs(along);
   // What is told from the places alone comes first: most are not on the line.
-  if (std::abs(along) >= kReach || std::abs(across) >= most_across || up.dot(b.candidate->up) < kMinAlike) return {};
-  const Eigen::Vector2d& other_up = b.candidate->up;
+  if (std::abs(along) >= kReach || std::abs(across) >= most_across || up.dot(b.up) < kMinAlike) return {};
+  const Eigen::Vector2d& other_up = b.up;
   const double beside = across / most_across;
   // On a circle the direction turns by twice the angle at which the other place is seen: up is to the right of along.
   const double seen_at = std::abs(along) > kPlaceBin ? across / along : 0.0;

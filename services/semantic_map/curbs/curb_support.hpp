@@ -10,6 +10,7 @@ namespace curbstone::semantic_map::curbs {
 /// A candidate with its place in the frame of the centre tile.
 struct PlacedCandidate {
   Eigen::Vector2d at = Eigen::Vector2d::Zero();  ///< m
+  Eigen::Vector2d up = Eigen::Vector2d::Zero();  ///< the candidate's: all pairs are asked for it
   const CurbCandidate* candidate = nullptr;
 };
 

@@ -20,7 +20,7 @@ CurbCandidate step_at(double x, double y, double direction_of_up, double score) 
 
 std::vector<double> pooled(const std::vector<CurbCandidate>& candidates) {
   std::vector<PlacedCandidate> placed;
-  for (const CurbCandidate& c : candidates) placed.push_back({c.at, &c});
+  for (const CurbCandidate& c : candidates) placed.push_back({c.at, c.up, &c});
   std::vector<double> result;
   for (const PlacedCandidate& c : placed) result.push_back(pool_along_line(c, placed));
   return result;
@@ -75,7 +75,7 @@ TEST(CurbSupport, FacesAlongALinePoolHowFarTheyLeanBack) {
   line.push_back(step_at(0.3, 0.4, kUpwards, 10));
   line.back().lean = {.uz = 10, .zz = 1};  // beside: of another line
   std::vector<PlacedCandidate> placed;
-  for (const CurbCandidate& c : line) placed.push_back({c.at, &c});
+  for (const CurbCandidate& c : line) placed.push_back({c.at, c.up, &c});
   EXPECT_LT(line[10].lean.slope(), 0.25) << "of few points rather upright";
   EXPECT_NEAR(lean_along_line(placed[10], placed), 0.45, 0.04) << "with the evidence of the whole line";
 }
