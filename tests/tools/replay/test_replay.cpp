@@ -30,8 +30,10 @@ std::string bytes_of(const std::string& file) {
 
 class ReplayOnThreads : public ::testing::Test {
  protected:
-  void make_town(const std::string& seconds) {
-    ASSERT_EQ(run(simulate::run_simulate, {"simulate", "--town", "--seconds", seconds, "--log", log_}), 0);
+  void make_town(const std::string& seconds, const std::string& speed = "3") {
+    ASSERT_EQ(run(simulate::run_simulate,
+                  {"simulate", "--town", "--seconds", seconds, "--set", "speed=" + speed, "--log", log_}),
+              0);
   }
   /// The map, and every message that was said.
   std::pair<std::string, std::string> replay(const std::string& threads,
@@ -80,6 +82,15 @@ TEST_F(ReplayOnThreads, MakesTheSameMapOfADamagedDrive) {
   EXPECT_GT(one.first.size(), 20'000U);
   EXPECT_TRUE(one.first == many.first);
   EXPECT_TRUE(one.second == many.second);
+}
+
+/// What the mapper sends later than the vehicle has it, or a worker lets go too early, is missing in one of them.
+TEST_F(ReplayOnThreads, MakesTheSameMapHoweverSoonTilesBehindTheVehicleAreLetGo) {
+  make_town("25", "12");
+  const auto kept = replay("4", "tensor_voting.keep_radius=1000000");
+  const auto let_go = replay("4", "tensor_voting.keep_radius=40");
+  EXPECT_GT(kept.first.size(), 100'000U);
+  EXPECT_TRUE(kept.first == let_go.first);
 }
 
 TEST_F(ReplayOnThreads, EndsWithoutAMapThatCannotBeWritten) {
