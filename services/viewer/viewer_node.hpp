@@ -107,7 +107,7 @@ class ViewerNode final : public Node {
   frames::TileSteps steps_;
   store::CurbLines curbs_;
   store::MarkingLines markings_;
-  store::DrivenPath path_;
+  store::ThinnedPath path_;
   store::Services services_;
   Scan scan_;
   bool scan_subscribed_ = false;

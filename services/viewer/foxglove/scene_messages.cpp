@@ -186,7 +186,7 @@ std::string markings_message(const store::MarkingLines::News& news, std::int64_t
   return scene.SerializeAsString();
 }
 
-std::string path_message(const store::DrivenPath& path, std::size_t first, bool everything, std::int64_t utime) {
+std::string path_message(const store::ThinnedPath& path, std::size_t first, bool everything, std::int64_t utime) {
   ::foxglove::SceneUpdate scene;
   if (everything) delete_all(scene, utime);
   const auto& points = path.points();

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "services/viewer/store/curb_lines.hpp"
-#include "services/viewer/store/driven_path.hpp"
 #include "services/viewer/store/marking_lines.hpp"
+#include "services/viewer/store/thinned_path.hpp"
 
 namespace curbstone::viewer::foxglove {
 
@@ -23,7 +23,7 @@ namespace curbstone::viewer::foxglove {
 /// Points of the path in an entity; the next one begins with its last point.
 inline constexpr std::size_t kPathPiece = 200;
 /// The pieces in which points from `first` on stand. `everything`: what was sent before is void.
-[[nodiscard]] std::string path_message(const store::DrivenPath& path, std::size_t first, bool everything,
+[[nodiscard]] std::string path_message(const store::ThinnedPath& path, std::size_t first, bool everything,
                                        std::int64_t utime);
 
 }  // namespace curbstone::viewer::foxglove

@@ -18,7 +18,7 @@ struct World {
   const TileSteps& steps;  ///< closed
   const store::CurbLines& curbs;
   const store::MarkingLines& markings;
-  const store::DrivenPath& path;
+  const store::ThinnedPath& path;
   const std::vector<ScanPoint>& scan;
   std::uint64_t scan_number = 0;  ///< grows with each scan
   std::string_view services;      ///< JSON

@@ -100,7 +100,7 @@ std::uint32_t write_markings(ByteWriter& out, const store::MarkingLines& marking
   return write_lines(out, kMarkings, markings, number);
 }
 
-void write_path(ByteWriter& out, const store::DrivenPath& path, std::size_t first, bool everything) {
+void write_path(ByteWriter& out, const store::ThinnedPath& path, std::size_t first, bool everything) {
   if (first >= path.points().size() && !everything) return;
   const Section section(out, kPath);
   out.u8(everything ? 1 : 0);

@@ -6,9 +6,9 @@
 #include "services/viewer/frames/byte_writer.hpp"
 #include "services/viewer/frames/tile_steps.hpp"
 #include "services/viewer/store/curb_lines.hpp"
-#include "services/viewer/store/driven_path.hpp"
 #include "services/viewer/store/live_map.hpp"
 #include "services/viewer/store/marking_lines.hpp"
+#include "services/viewer/store/thinned_path.hpp"
 
 namespace curbstone::viewer::frames {
 
@@ -31,7 +31,7 @@ std::uint32_t write_curbs(ByteWriter& out, const store::CurbLines& curbs, std::u
 /// The same of road markings.
 std::uint32_t write_markings(ByteWriter& out, const store::MarkingLines& markings, std::uint32_t number);
 /// The points of the path from index `first` on. `everything`: the page forgets those it has.
-void write_path(ByteWriter& out, const store::DrivenPath& path, std::size_t first, bool everything);
+void write_path(ByteWriter& out, const store::ThinnedPath& path, std::size_t first, bool everything);
 void write_points(ByteWriter& out, const std::vector<ScanPoint>& points);
 void write_state(ByteWriter& out, std::string_view json);
 void write_services(ByteWriter& out, std::string_view json);

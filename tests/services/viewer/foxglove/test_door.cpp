@@ -101,7 +101,7 @@ class DoorTest : public ::testing::Test {
   frames::TileSteps steps_;
   store::CurbLines curbs_;
   store::MarkingLines markings_;
-  store::DrivenPath path_;
+  store::ThinnedPath path_;
   std::vector<frames::ScanPoint> scan_;
   std::uint64_t scan_number_ = 0;
   std::optional<map_pose_t> pose_;

@@ -207,7 +207,7 @@ TEST(MarkingsMessageTest, TellsFirstOfEverythingAndThenOfWhatChanged) {
 }
 
 TEST(PathMessageTest, SendsThePiecesThatChanged) {
-  store::DrivenPath path;
+  store::ThinnedPath path;
   const auto drive = [&](std::size_t points) {
     while (path.points().size() < points) {
       const auto k = static_cast<std::int64_t>(path.points().size());

@@ -68,7 +68,7 @@ class PageFeedTest : public ::testing::Test {
   TileSteps steps_;
   store::CurbLines curbs_;
   store::MarkingLines markings_;
-  store::DrivenPath path_;
+  store::ThinnedPath path_;
   std::vector<ScanPoint> scan_;
   std::uint64_t scan_number_ = 0;
   std::int64_t newest_utime_ = 0;

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 
 #include "services/viewer/state_json.hpp"
-#include "services/viewer/store/driven_path.hpp"
 #include "services/viewer/store/services.hpp"
+#include "services/viewer/store/thinned_path.hpp"
 
 namespace curbstone::viewer::store {
 namespace {
@@ -69,8 +69,8 @@ TEST(ServicesTest, WhateverBytesANameHasTheJsonIsUtf8) {
   EXPECT_THAT(json, HasSubstr(R"("latency":[null,)"));
 }
 
-TEST(DrivenPathTest, KeepsAPointEachQuarterOfAMetreInOrderOfTime) {
-  DrivenPath path;
+TEST(ThinnedPathTest, KeepsAPointEachQuarterOfAMetreInOrderOfTime) {
+  ThinnedPath path;
   for (int i = 0; i <= 100; ++i) path.put({.utime = i, .x = static_cast<float>(i) * 0.0625F});
   EXPECT_THAT(path.points(), SizeIs(26));
   const std::uint32_t round = path.round();
@@ -85,11 +85,11 @@ TEST(DrivenPathTest, KeepsAPointEachQuarterOfAMetreInOrderOfTime) {
   EXPECT_THAT(path.points(), SizeIs(0));
 }
 
-TEST(DrivenPathTest, HasAnEnd) {
-  DrivenPath path;
-  for (std::size_t i = 0; i < DrivenPath::kMaxPoints + 5; ++i)
+TEST(ThinnedPathTest, HasAnEnd) {
+  ThinnedPath path;
+  for (std::size_t i = 0; i < ThinnedPath::kMaxPoints + 5; ++i)
     path.put({.utime = static_cast<std::int64_t>(i), .x = static_cast<float>(i)});
-  EXPECT_THAT(path.points(), SizeIs(DrivenPath::kMaxPoints));
+  EXPECT_THAT(path.points(), SizeIs(ThinnedPath::kMaxPoints));
 }
 
 }  // namespace

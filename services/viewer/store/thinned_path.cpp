@@ -1,4 +1,4 @@
-#include "services/viewer/store/driven_path.hpp"
+#include "services/viewer/store/thinned_path.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,13 +6,13 @@
 namespace curbstone::viewer::store {
 namespace {
 
-bool are_near(const DrivenPath::Point& a, const DrivenPath::Point& b) {
-  return std::hypot(a.x - b.x, a.y - b.y) < DrivenPath::kSpacing;
+bool are_near(const ThinnedPath::Point& a, const ThinnedPath::Point& b) {
+  return std::hypot(a.x - b.x, a.y - b.y) < ThinnedPath::kSpacing;
 }
 
 }  // namespace
 
-void DrivenPath::put(const Point& point) {
+void ThinnedPath::put(const Point& point) {
   if (points_.size() >= kMaxPoints) return;
   if (points_.empty() || points_.back().utime < point.utime) {
     if (points_.empty() || !are_near(points_.back(), point)) points_.push_back(point);
@@ -25,7 +25,7 @@ void DrivenPath::put(const Point& point) {
   ++round_;
 }
 
-void DrivenPath::clear() {
+void ThinnedPath::clear() {
   points_.clear();
   ++round_;
 }

@@ -7,7 +7,7 @@
 namespace curbstone::viewer::store {
 
 /// Where the vehicle drove, in the present epoch. Pure; one thread.
-class DrivenPath {
+class ThinnedPath {
  public:
   static constexpr float kSpacing = 0.25F;            ///< m
   static constexpr std::size_t kMaxPoints = 200'000;  ///< 50 km; what comes after is left out
