@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <curbstone/imu_t.hpp>
 #include <functional>
@@ -30,7 +31,7 @@ namespace curbstone::imu {
 /// A sample's stamp is the device's own time, converted to the host's clock by ClockOffset. Of a device that sends no
 /// time it is the time of receipt, spread over what one read brought: see ReceiptStamps. Stamps strictly increase,
 /// unless the host's clock is set back. Samples of the first 0.1 s go out at its end: see SettlingStart. Samples that
-/// cannot be are withheld: see Plausibility.
+/// cannot be are withheld, and stuck axes of the gyro are named in the status: see Plausibility.
 class ImuNode final : public Node {
  public:
   using Send = device::ImuDevice::Send;
@@ -59,6 +60,7 @@ class ImuNode final : public Node {
   void use(const device::ImuSample& sample, HostTime at);
   HostTime to_host(std::int64_t device_time, std::int64_t receive_utime);
   void restart_clock();
+  [[nodiscard]] std::int32_t status_of(const device::ImuSample& sample) const;
   void publish(imu_t& message, std::int64_t now);
   void watch_line(std::int64_t now);
   void note_refusals(std::int64_t now);
@@ -91,6 +93,7 @@ class ImuNode final : public Node {
   ClipWatch clips_;
   Plausibility plausibility_;
   Plausibility::Verdict verdict_ = Plausibility::Verdict::kGood;
+  std::array<double, 3> rate_{};  // rad/s, of the last sample
   std::string link_fault_;
   std::function<void(NodeReport&)> link_report_;
   LatencyWindow latency_;
