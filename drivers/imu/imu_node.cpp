@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <utility>
 
@@ -18,6 +19,7 @@ namespace curbstone::imu {
 namespace {
 
 constexpr std::int64_t kWatchPeriod = 1'000'000;  // us
+constexpr std::int64_t kSetBack = 100'000;        // us: by less, samples wait until the host's clock has caught up
 
 constexpr std::array<std::int32_t, 3> kStuckBits = {imu_t::GYRO_X_STUCK, imu_t::GYRO_Y_STUCK, imu_t::GYRO_Z_STUCK};
 constexpr std::array kStuckCounters = {"stuck.gyro_x", "stuck.gyro_y", "stuck.gyro_z"};
@@ -49,6 +51,8 @@ ImuNode::ImuNode(const ImuConfig& config, Publisher& bus, Send send)
 
 void ImuNode::on_bytes(std::int64_t receive_utime, std::span<const std::uint8_t> bytes) {
   counters_.add("bytes", static_cast<std::int64_t>(bytes.size()));
+  if (receive_utime < received_ - kSetBack) follow_host(receive_utime);
+  received_ = receive_utime;
   device_->on_bytes(receive_utime, bytes, [this](const device::ImuSample& sample) { on_sample(sample); });
   stamp_untimed(receive_utime);
   note_refusals(receive_utime);
@@ -151,6 +155,23 @@ void ImuNode::restart_clock() {
   clock_begun_ = false;
 }
 
+/// The host's clock was set: its times before mean nothing now. Forward it shows only as a delay, which the clock's
+/// window would believe for seconds.
+void ImuNode::clock_was_set(std::int64_t by) {
+  if (by <= 0) return;  // bytes that come before those before tell
+  counters_.add("clock_jumps");
+  clock_ = ClockOffset();
+  clock_begun_ = false;
+}
+
+void ImuNode::follow_host(std::int64_t receive_utime) {
+  start_.release([&](imu_t& message) { publish(message, receive_utime); });
+  counters_.add("clock_jumps");
+  clock_ = ClockOffset();
+  clock_begun_ = false;
+  last_utime_ = 0;
+}
+
 ImuNode::HostTime ImuNode::to_host(std::int64_t device_time, std::int64_t receive_utime) {
   const std::int64_t jumps = clock_.jumps(), before = clock_.offset();
   const std::int64_t utime = clock_.to_host(device_time, receive_utime);
@@ -182,7 +203,7 @@ void ImuNode::tick(std::int64_t now) {
 
 /// More garbage than frames within a second is a fault; a byte now and then is not.
 void ImuNode::watch_line(std::int64_t now) {
-  if (now - watched_ < kWatchPeriod) return;
+  if (std::abs(now - watched_) < kWatchPeriod) return;
   const std::int64_t bytes = counters_["bytes"];
   const std::int64_t garbage = device_->counters()["garbage_bytes"];
   garbled_ = garbage - watched_garbage_ > (bytes - watched_bytes_) / 2;

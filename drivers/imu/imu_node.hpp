@@ -45,6 +45,7 @@ class ImuNode final : public Node {
   void on_link(std::int64_t now, bool up, const std::string& why);
   /// What else belongs into the report: the link's counters and faults.
   void add_report(std::function<void(NodeReport&)> report) { link_report_ = std::move(report); }
+  void clock_was_set(std::int64_t by) override;
   void tick(std::int64_t now) override;
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
@@ -60,6 +61,7 @@ class ImuNode final : public Node {
   void use(const device::ImuSample& sample, HostTime at);
   HostTime to_host(std::int64_t device_time, std::int64_t receive_utime);
   void restart_clock();
+  void follow_host(std::int64_t receive_utime);
   [[nodiscard]] std::int32_t status_of(const device::ImuSample& sample) const;
   void publish(imu_t& message, std::int64_t now);
   void watch_line(std::int64_t now);
@@ -79,6 +81,8 @@ class ImuNode final : public Node {
   RecentTimes restarts_{kManyRestarts, 60'000'000};
   std::int32_t sequence_ = -1;
   std::int64_t last_utime_ = 0;  // published
+
+  std::int64_t received_ = 0;  // bytes, last
 
   // for faults, on the clock of tick()
   std::int64_t now_ = 0;
