@@ -75,13 +75,15 @@ void run_watch(const Options& options) {
   });
 }
 
-void run_points(const Options& options) {
+/// Returns whether the capture is damaged: then there may be more points than these.
+bool run_points(const Options& options) {
   if (!options.out.empty()) output::refuse_to_overwrite({options.where}, options.out);
   const auto packets = packets_from(options.where, options.listen);
   const PointSource source = point_source(*packets, options.device, options.model);
   Output output(options.out);
   output.finish(options.what == "csv" ? write_csv(*packets, source, output.stream())
                                       : write_pcd(*packets, source, options.scan, output.stream()));
+  return packets->damaged();
 }
 
 }  // namespace
@@ -113,7 +115,7 @@ int run_lidar(int argc, char** argv) {
   } else if (options.what == "watch") {
     run_watch(options);
   } else {
-    run_points(options);
+    return run_points(options) ? 1 : 0;
   }
   return 0;
 }

@@ -155,5 +155,18 @@ TEST(LidarPoints, AreNotWrittenOverTheirCapture) {
   std::filesystem::remove(capture.name() + ".csv");
 }
 
+/// As `curbstone log csv` of a damaged log does.
+TEST(LidarPoints, OfACaptureThatIsCutOffAreWrittenAndItIsSaidOnce) {
+  const Capture capture(frames(5), lidar::kEthernet, Capture::Format::kMicroseconds, 1332);
+  capture.cut(100);
+  const std::string out = capture.name() + ".csv";
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(run({"lidar", "csv", capture.name(), "--out", out}), 1);
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+  EXPECT_GT(std::filesystem::file_size(out), 4U * 384 * 40);
+  std::filesystem::remove(out);
+}
+
 }  // namespace
 }  // namespace curbstone::lidar_tool
