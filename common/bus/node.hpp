@@ -32,6 +32,10 @@ class Node {
   /// replay `now` is message time. What is published when may depend on it. The final state may not.
   virtual void tick(std::int64_t now) { (void)now; }
 
+  /// The host's clock was set by `by` us, forward if positive, since the last tick(): measurements that came meanwhile
+  /// may bear either time. Called live only, before tick(), for nodes whose stamps hang on the host's clock.
+  virtual void clock_was_set(std::int64_t by) { (void)by; }
+
   /// All messages that had come have been handled: their results may go out without waiting for the next tick. Called
   /// live only, not in a replay. So the final state may not depend on it.
   virtual void caught_up(std::int64_t now) { (void)now; }

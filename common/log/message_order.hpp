@@ -27,7 +27,8 @@ namespace curbstone {
 /// Sorts the events of a log by message time. The logged order differs from it by no more than the sensors' latencies.
 /// So a short window is enough. An event that is later than the window keeps its logged place. Equal times keep their
 /// logged order: the result is a function of the log alone. A record whose time is wrong, or a logger's clock that was
-/// set back, puts at most what stands within the window out of order.
+/// set back, puts at most what stands within the window out of order. Where message time goes back by more than the
+/// window, the clock of the vehicle was set: what was logged before comes before what was logged after.
 class MessageOrder {
  public:
   static constexpr std::size_t kMostWaiting = 65'536;  ///< where the log's own times stand still
@@ -37,12 +38,15 @@ class MessageOrder {
   void push(LogEvent event) {
     advance(event.log_utime);
     const std::int64_t time = message_time(event);
-    waiting_.push({time, sequence_++, elapsed_, std::move(event)});
+    if (sequence_ > 0 && time < last_ - window_us_) ++clock_;
+    last_ = time;
+    waiting_.push({clock_, time, sequence_++, elapsed_, std::move(event)});
   }
   /// The next event that no later one of the log can precede. With `drain`, the next of those left.
   [[nodiscard]] std::optional<LogEvent> pop(bool drain) {
     if (waiting_.empty()) return std::nullopt;
-    const bool may_be_preceded = waiting_.top().elapsed + window_us_ > elapsed_ && waiting_.size() <= kMostWaiting;
+    const bool may_be_preceded = waiting_.top().clock == clock_ && waiting_.top().elapsed + window_us_ > elapsed_ &&
+                                 waiting_.size() <= kMostWaiting;
     if (!drain && may_be_preceded) return std::nullopt;
     LogEvent event = waiting_.top().event;
     waiting_.pop();
@@ -51,11 +55,13 @@ class MessageOrder {
 
  private:
   struct Waiting {
+    std::int64_t clock;
     std::int64_t time;
     std::uint64_t sequence;
     std::int64_t elapsed;
     LogEvent event;
     bool operator<(const Waiting& other) const {  // the earliest on top
+      if (clock != other.clock) return clock > other.clock;
       return time != other.time ? time > other.time : sequence > other.sequence;
     }
   };
@@ -72,6 +78,8 @@ class MessageOrder {
 
   std::int64_t window_us_;
   std::int64_t elapsed_ = 0;  // us of the log's time
+  std::int64_t clock_ = 0;    // how often message time has gone back
+  std::int64_t last_ = 0;     // us, message time of the event before
   std::int64_t newest_ = 0;   // us
   std::uint64_t sequence_ = 0;
   std::priority_queue<Waiting> waiting_;

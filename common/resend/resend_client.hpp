@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -27,6 +28,15 @@ class ResendClient {
 
   ResendClient(Publisher& bus, std::string requester, std::string channel)
       : bus_(bus), requester_(std::move(requester)), channel_(std::move(channel)) {}
+
+  /// How much longer something has been waited for, us, by the `now` of this tick and of the one before (0: none). Who
+  /// has been stopped hears seconds between two ticks, and the answer may be among what it has not heard yet: a tick
+  /// counts for kMostATick at most. In a replay ticks are far apart in message time.
+  [[nodiscard]] static std::int64_t waited(std::int64_t now, std::int64_t before) {
+    return before == 0 ? kTick : std::clamp(now - before, kTick, kMostATick);
+  }
+  static constexpr std::int64_t kTick = 20'000;        ///< us: where the clock stands still, too
+  static constexpr std::int64_t kMostATick = 500'000;  ///< us
 
   /// Each tick, with what is missing now. `now`, us, only paces.
   void ask(std::int64_t now, const std::optional<MissingMessages>& missing);

@@ -12,6 +12,7 @@
 #include "common/shell/status_reporter.hpp"
 #include "common/shell/version.hpp"
 #include "common/time/clock.hpp"
+#include "common/time/clock_step.hpp"
 
 namespace curbstone {
 
@@ -62,7 +63,13 @@ void run(service_config_t config, const std::string& url, const std::string& has
     node->caught_up(wall_clock());
   });
   loop.when_idle([&] { return node->idle(wall_clock()); });
-  loop.every(std::chrono::milliseconds(20), [&] { node->tick(wall_clock()); });
+  ClockStep clock;
+  loop.every(std::chrono::milliseconds(20), [&] {
+    const std::int64_t before = steady_clock(), now = wall_clock(), steps = clock.steps();
+    clock.read(before, now, steady_clock());
+    if (clock.steps() != steps) node->clock_was_set(clock.recent().value_or(0));
+    node->tick(now);
+  });
   const auto publish_status = [&] { status.publish(bus, bus.counters(), node->report()); };
   loop.every(std::chrono::milliseconds(1000), publish_status);
   loop.every(kLookPeriod, [&] {

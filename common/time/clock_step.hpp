@@ -8,7 +8,8 @@ namespace curbstone {
 
 /// Whether the host's clock was set. The wall clock, by which measurements are stamped, is compared with the steady
 /// one: the difference of the two changes slowly while the clock is slewed, and at once when it is set (or when the
-/// host slept). Pure; all times in us. To be fed about once a second.
+/// host slept). Pure; all times in us. To be fed once a second or
+/// more often.
 class ClockStep {
  public:
   static constexpr std::int64_t kLeast = 50'000;           ///< us between two readings; less is no step

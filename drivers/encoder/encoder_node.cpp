@@ -183,7 +183,8 @@ void EncoderNode::stamp(Arrived arrived, const PeriodClock::Evidence& evidence) 
 
 void EncoderNode::on_stamp(std::int64_t now, const Arrived& arrived, const PeriodClock::Stamp& stamp) {
   // Speeds by the drive's own periods: a correction of the clock's offset is no change of speed.
-  const std::int64_t passed = stamp.restarted ? arrived.receive_utime - last_stamped_ : stamp.steps * clock_.period();
+  std::int64_t passed = stamp.restarted ? arrived.receive_utime - last_stamped_ : stamp.steps * clock_.period();
+  if (passed < 0) passed = clock_.period();  // the host's clock was set back
   const double elapsed = static_cast<double>(passed) * 1e-6;
   if (stamp.sure || stamp.steps > 0) last_stamped_ = arrived.receive_utime;
   if (!stamp.sure) {
@@ -224,6 +225,14 @@ void EncoderNode::on_link(std::int64_t now, bool up, const std::string& why) {
   if (!up && link_fault_.empty() && counters_["frames"] > 0) counters_.add("link.lost");
   link_fault_ = up ? "" : why;
   if (up && !signals_) drive_.start(now);
+}
+
+/// Forward it shows only as a delay, which the clock's window would believe for seconds.
+void EncoderNode::clock_was_set(std::int64_t by) {
+  if (by <= 0) return;  // frames that come before those before tell
+  counters_.add("clock_jumps");
+  drop_first();
+  clock_.restart();
 }
 
 void EncoderNode::tick(std::int64_t now) {

@@ -51,6 +51,7 @@ class EncoderNode final : public Node {
   void on_link(std::int64_t now, bool up, const std::string& why);
   /// The link refused a line or a frame; `cause` as the counter has it.
   void on_refused(std::int64_t now, const char* cause) { share_.refused(now, cause); }
+  void clock_was_set(std::int64_t by) override;
   void tick(std::int64_t now) override;
   void finish() override;
   [[nodiscard]] NodeReport report() const override;

@@ -4,6 +4,10 @@
 
 namespace curbstone::encoder {
 
+namespace {
+constexpr std::int64_t kSetBack = 100'000;  // us: by less, samples wait until the host's clock has caught up
+}
+
 wheels_t WheelsOutput::message(const WheelCounter::Sample& sample, std::int64_t utime) {
   wheels_t message{};
   message.utime = utime;
@@ -29,7 +33,7 @@ void WheelsOutput::publish(wheels_t& message, std::int64_t now) {
 }
 
 void WheelsOutput::restart(std::int64_t utime) {
-  if (utime >= last_utime_) return;
+  if (utime >= last_utime_ - kSetBack) return;
   counters_.add("clock_jumps");
   last_utime_ = 0;
 }

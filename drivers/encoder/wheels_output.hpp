@@ -22,7 +22,7 @@ class WheelsOutput {
   [[nodiscard]] static wheels_t message(const WheelCounter::Sample& sample, std::int64_t utime);
   /// `now`, us since the Unix epoch: when it was received, for the latency.
   void publish(wheels_t& message, std::int64_t now);
-  /// The stamps begin anew with one at `utime`: if that is earlier, the host's clock was set.
+  /// The stamps begin anew with one at `utime`: if that is earlier by 0.1 s, the host's clock was set.
   void restart(std::int64_t utime);
   /// Adds counters, latencies, and a fault if the stamps are not of the host's clock.
   void report(NodeReport& report) const;

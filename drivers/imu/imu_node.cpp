@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <utility>
 
@@ -17,6 +19,10 @@ namespace curbstone::imu {
 namespace {
 
 constexpr std::int64_t kWatchPeriod = 1'000'000;  // us
+constexpr std::int64_t kSetBack = 100'000;        // us: by less, samples wait until the host's clock has caught up
+
+constexpr std::array<std::int32_t, 3> kStuckBits = {imu_t::GYRO_X_STUCK, imu_t::GYRO_Y_STUCK, imu_t::GYRO_Z_STUCK};
+constexpr std::array kStuckCounters = {"stuck.gyro_x", "stuck.gyro_y", "stuck.gyro_z"};
 
 std::unique_ptr<device::ImuDevice> make_device(const ImuConfig& config, ImuNode::Send send) {
   const device::DeviceSettings settings{
@@ -45,6 +51,8 @@ ImuNode::ImuNode(const ImuConfig& config, Publisher& bus, Send send)
 
 void ImuNode::on_bytes(std::int64_t receive_utime, std::span<const std::uint8_t> bytes) {
   counters_.add("bytes", static_cast<std::int64_t>(bytes.size()));
+  if (receive_utime < received_ - kSetBack) follow_host(receive_utime);
+  received_ = receive_utime;
   device_->on_bytes(receive_utime, bytes, [this](const device::ImuSample& sample) { on_sample(sample); });
   stamp_untimed(receive_utime);
   note_refusals(receive_utime);
@@ -90,12 +98,18 @@ void ImuNode::use(const device::ImuSample& sample, HostTime at) {
   last_sample_ = sample.received;
 
   if (sample.self_test_passed) self_test_failed_ = !*sample.self_test_passed;
-  clips_.add(at.utime, sample.clipping);
-  if (sample.clipping) counters_.add("clipped");
   verdict_ = plausibility_.judge(at.utime, sample.acceleration, sample.angular_rate);
+  imu_t message{};
+  message.status = status_of(sample);
+  const bool clips = (message.status & imu_t::CLIPPING) != 0;
+  clips_.add(at.utime, clips);
+  if (clips) counters_.add("clipped");
   if (verdict_ != Plausibility::Verdict::kGood) return counters_.add(Plausibility::name(verdict_).counter);
 
-  imu_t message{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (plausibility_.stuck_axes()[i]) counters_.add(kStuckCounters[i]);
+  }
+  rate_ = sample.angular_rate;
   message.utime = at.utime;
   message.sequence = sequence_;
   std::ranges::copy(sample.acceleration, message.acceleration);
@@ -103,9 +117,20 @@ void ImuNode::use(const device::ImuSample& sample, HostTime at) {
   message.has_orientation = sample.orientation.has_value();
   if (sample.orientation) std::ranges::copy(*sample.orientation, message.orientation);
   message.temperature = static_cast<float>(sample.temperature.value_or(std::numeric_limits<double>::quiet_NaN()));
-  if (self_test_failed_) message.status |= imu_t::SELF_TEST_FAILED;
-  if (sample.clipping) message.status |= imu_t::CLIPPING;
   start_.pass(std::move(message), sample.received, at.earlier, [&](imu_t& m) { publish(m, sample.received); });
+}
+
+/// An axis that is stuck at the end of its range makes no clipping: it is not used in any case.
+std::int32_t ImuNode::status_of(const device::ImuSample& sample) const {
+  std::int32_t status = self_test_failed_ ? imu_t::SELF_TEST_FAILED : 0;
+  if (sample.force_clips) status |= imu_t::CLIPPING;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (plausibility_.stuck_axes()[i])
+      status |= kStuckBits[i];
+    else if (sample.rate_clips[i])
+      status |= imu_t::CLIPPING;
+  }
+  return status;
 }
 
 void ImuNode::publish(imu_t& message, std::int64_t now) {
@@ -128,6 +153,23 @@ void ImuNode::restart_clock() {
   counters_.add("clock_restarts");
   clock_ = ClockOffset();
   clock_begun_ = false;
+}
+
+/// The host's clock was set: its times before mean nothing now. Forward it shows only as a delay, which the clock's
+/// window would believe for seconds.
+void ImuNode::clock_was_set(std::int64_t by) {
+  if (by <= 0) return;  // bytes that come before those before tell
+  counters_.add("clock_jumps");
+  clock_ = ClockOffset();
+  clock_begun_ = false;
+}
+
+void ImuNode::follow_host(std::int64_t receive_utime) {
+  start_.release([&](imu_t& message) { publish(message, receive_utime); });
+  counters_.add("clock_jumps");
+  clock_ = ClockOffset();
+  clock_begun_ = false;
+  last_utime_ = 0;
 }
 
 ImuNode::HostTime ImuNode::to_host(std::int64_t device_time, std::int64_t receive_utime) {
@@ -161,7 +203,7 @@ void ImuNode::tick(std::int64_t now) {
 
 /// More garbage than frames within a second is a fault; a byte now and then is not.
 void ImuNode::watch_line(std::int64_t now) {
-  if (now - watched_ < kWatchPeriod) return;
+  if (std::abs(now - watched_) < kWatchPeriod) return;
   const std::int64_t bytes = counters_["bytes"];
   const std::int64_t garbage = device_->counters()["garbage_bytes"];
   garbled_ = garbage - watched_garbage_ > (bytes - watched_bytes_) / 2;
@@ -173,6 +215,13 @@ void ImuNode::watch_line(std::int64_t now) {
 /// What is wrong with the samples that come.
 void ImuNode::report_samples(std::vector<std::string>& faults) const {
   if (verdict_ != Plausibility::Verdict::kGood) faults.emplace_back(Plausibility::name(verdict_).fault);
+  for (std::size_t i = 0; i < 3 && verdict_ == Plausibility::Verdict::kGood; ++i) {
+    if (!plausibility_.stuck_axes()[i]) continue;
+    faults.push_back(
+        fmt::format("the IMU's gyro is stuck or at the end of its range about {}, at {:.4f} rad/s: the filter does "
+                    "without that axis",
+                    "xyz"[i], rate_[i]));
+  }
   if (clips_.lasting())
     faults.emplace_back(
         "the IMU clips: it has been at the end of its range for more than 1 s; such samples are not used");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <curbstone/imu_t.hpp>
 #include <functional>
@@ -30,7 +31,7 @@ namespace curbstone::imu {
 /// A sample's stamp is the device's own time, converted to the host's clock by ClockOffset. Of a device that sends no
 /// time it is the time of receipt, spread over what one read brought: see ReceiptStamps. Stamps strictly increase,
 /// unless the host's clock is set back. Samples of the first 0.1 s go out at its end: see SettlingStart. Samples that
-/// cannot be are withheld: see Plausibility.
+/// cannot be are withheld, and stuck axes of the gyro are named in the status: see Plausibility.
 class ImuNode final : public Node {
  public:
   using Send = device::ImuDevice::Send;
@@ -44,6 +45,7 @@ class ImuNode final : public Node {
   void on_link(std::int64_t now, bool up, const std::string& why);
   /// What else belongs into the report: the link's counters and faults.
   void add_report(std::function<void(NodeReport&)> report) { link_report_ = std::move(report); }
+  void clock_was_set(std::int64_t by) override;
   void tick(std::int64_t now) override;
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
@@ -59,6 +61,8 @@ class ImuNode final : public Node {
   void use(const device::ImuSample& sample, HostTime at);
   HostTime to_host(std::int64_t device_time, std::int64_t receive_utime);
   void restart_clock();
+  void follow_host(std::int64_t receive_utime);
+  [[nodiscard]] std::int32_t status_of(const device::ImuSample& sample) const;
   void publish(imu_t& message, std::int64_t now);
   void watch_line(std::int64_t now);
   void note_refusals(std::int64_t now);
@@ -78,6 +82,8 @@ class ImuNode final : public Node {
   std::int32_t sequence_ = -1;
   std::int64_t last_utime_ = 0;  // published
 
+  std::int64_t received_ = 0;  // bytes, last
+
   // for faults, on the clock of tick()
   std::int64_t now_ = 0;
   std::int64_t last_sample_ = 0;
@@ -91,6 +97,7 @@ class ImuNode final : public Node {
   ClipWatch clips_;
   Plausibility plausibility_;
   Plausibility::Verdict verdict_ = Plausibility::Verdict::kGood;
+  std::array<double, 3> rate_{};  // rad/s, of the last sample
   std::string link_fault_;
   std::function<void(NodeReport&)> link_report_;
   LatencyWindow latency_;

@@ -16,6 +16,7 @@ constexpr int kLeast = 20;                   // samples that are the same: a slo
 constexpr std::int64_t kAllAxes = 2 * kSecond;
 constexpr std::int64_t kOneAxis = 10 * kSecond;
 constexpr std::int64_t kInMotion = 3 * kSecond;
+constexpr std::int64_t kTurning = kSecond / 2;
 constexpr double kNoBias = 0.1;   // rad/s
 constexpr double kMotion = 1.0;   // m/s^2, between the least and the most of a second
 constexpr std::size_t kMean = 3;  // s
@@ -83,6 +84,8 @@ Plausibility::Verdict Plausibility::judge(std::int64_t time, const std::array<do
     most_[i] = samples_ == 0 ? acceleration[i] : std::max(most_[i], acceleration[i]);
   }
   ++samples_;
+  for (std::size_t i = 0; i < 3; ++i)
+    stuck_axes_[i] = std::abs(rate_[i].value) >= kNoBias && rate_[i].lasts(time, kTurning);
   if (accelerometer_stuck(time)) return Verdict::kStuckAccelerometer;
   if (gyro_stuck(time)) return Verdict::kStuckGyro;
   return gravity_ ? Verdict::kGood : Verdict::kNotGravity;
@@ -103,8 +106,8 @@ bool Plausibility::accelerometer_stuck(std::int64_t time) const {
 }
 
 bool Plausibility::gyro_stuck(std::int64_t time) const {
-  const auto stays = [&](const Held& axis) { return std::abs(axis.value) >= kNoBias && axis.lasts(time, kInMotion); };
-  return (moves() && all_last(rate_, time, kInMotion)) || std::ranges::any_of(rate_, stays);
+  const bool each = std::ranges::all_of(stuck_axes_, [](bool stuck) { return stuck; });
+  return each || (moves() && all_last(rate_, time, kInMotion));
 }
 
 Plausibility::Name Plausibility::name(Verdict verdict) {
@@ -114,8 +117,8 @@ Plausibility::Name Plausibility::name(Verdict verdict) {
               "the IMU's accelerometer is stuck: an axis shows the same value all the time; its samples are withheld"};
     case Verdict::kStuckGyro:
       return {"withheld.stuck_gyro",
-              "the IMU's gyro is stuck or at the end of its range: it shows the same rate all the time; its samples "
-              "are withheld"};
+              "the IMU's gyro is stuck or at the end of its range: its axes show the same rates all the time; its "
+              "samples are withheld"};
     case Verdict::kNotGravity:
       return {"withheld.not_gravity",
               "the IMU's mean acceleration is not gravity: wrong range or unit, or a dead axis; its samples are "

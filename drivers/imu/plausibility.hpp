@@ -15,10 +15,10 @@ namespace curbstone::imu {
 ///   noise of an MPU-9250 (300 ug/sqrt(Hz), PS-MPU-9250A-01) is 8 mm/s^2 behind the narrowest filter of 5 Hz. A chip
 ///   with a quarter of that noise may show the same value for a second. So three axes that are bit for bit the same for
 ///   2 s are stuck, and so is one axis after 10 s, or after 3 s in which the others feel motion (1 m/s^2 within each).
-/// - A gyro may be: a WitMotion's steps are 1.07 mrad/s and it sets what is small to zero. It is stuck if an axis shows
-///   the same rate for 3 s, and that rate is one that no bias explains (0.1 rad/s: 5.7 deg/s; an MPU-9250's is at most
-///   5), or if all of it is the same for 3 s in which the accelerometer feels motion. A rate at the end of the range is
-///   the same rate, too.
+/// - A gyro may be: a WitMotion's steps are 1.07 mrad/s and it sets what is small to zero. An axis is stuck if it shows
+///   the same rate for 0.5 s, and that rate is one that no bias explains (0.1 rad/s: 5.7 deg/s; an MPU-9250's is at
+///   most 5): no vehicle keeps its turn to a hundredth for that long. The gyro is, if all its axes are, or are the same
+///   for 3 s in which the accelerometer feels motion. A rate at the end of the range is the same rate, too.
 /// - The mean specific force of 3 s is within 0.8 and 1.45 g: less is a fall of 9 m, more is a horizontal acceleration
 ///   of 1.05 g, beyond what tyres hold.
 class Plausibility {
@@ -32,6 +32,8 @@ class Plausibility {
   /// `time` of the sample; one that leads back or leaps by more than kPause begins anew.
   Verdict judge(std::int64_t time, const std::array<double, 3>& acceleration, const std::array<double, 3>& rate);
   [[nodiscard]] static Name name(Verdict verdict);
+  /// Which axes of the gyro are stuck by the last sample, where not all of it is: the others are good.
+  [[nodiscard]] const std::array<bool, 3>& stuck_axes() const { return stuck_axes_; }
 
  private:
   /// Since when, and for how many samples, a value has been the same.
@@ -53,6 +55,7 @@ class Plausibility {
   std::int64_t last_ = 0;
   std::array<Held, 3> acceleration_;
   std::array<Held, 3> rate_;
+  std::array<bool, 3> stuck_axes_{};
 
   std::int64_t second_ = 0;  // when the present one began
   int samples_ = 0;

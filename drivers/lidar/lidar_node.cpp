@@ -209,6 +209,13 @@ void LidarNode::set_receive_buffer(int asked, int granted) {
         granted / 1024, asked / 1024, asked, asked);
 }
 
+/// Forward it shows only as a delay, which the clock's window would believe for seconds.
+void LidarNode::clock_was_set(std::int64_t by) {
+  if (by <= 0) return;  // packets that come before those before tell
+  counters_.add("clock.host_set");
+  clock_.forget_offset();
+}
+
 void LidarNode::tick(std::int64_t now) {
   now_ = now;
   sent_.tick();

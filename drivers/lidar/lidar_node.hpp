@@ -66,6 +66,7 @@ class LidarNode final : public Node {
   /// A count that is kept where the packets come from: "refused.source".
   void set_counter(std::string_view name, std::int64_t count) { counters_.set(name, count); }
 
+  void clock_was_set(std::int64_t by) override;
   void tick(std::int64_t now) override;
   void finish() override;
   [[nodiscard]] NodeReport report() const override;

@@ -49,7 +49,11 @@ const char* why_refused(const wheels_t& message) {
 }
 
 base::ImuSample sample_of(const imu_t& message) {
-  return {message.utime, vector(message.angular_rate), vector(message.acceleration)};
+  const auto says = [&](std::int32_t bit) { return (message.status & bit) != 0; };
+  return {message.utime,
+          vector(message.angular_rate),
+          vector(message.acceleration),
+          {says(imu_t::GYRO_X_STUCK), says(imu_t::GYRO_Y_STUCK), says(imu_t::GYRO_Z_STUCK)}};
 }
 
 base::WheelSample sample_of(const wheels_t& message) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "common/time/microseconds.hpp"
 #include "services/ekf/ekf_messages.hpp"
 #include "services/ekf/filter/state_file.hpp"
 
@@ -44,6 +45,7 @@ EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
     : config_(config),
       publisher_(publisher),
       sent_(publisher, "ODOMETRY"),
+      clock_(microseconds(config.timing.max_jump)),
       sequencer_(config),
       increments_(config.map),
       filter_(config) {
@@ -58,7 +60,9 @@ void EkfNode::tick(std::int64_t now) {
   if (!state_keeper_ || !filter_.filter().started()) return;
   if (now >= state_kept_ && now - state_kept_ < kStatePeriod) return;
   state_kept_ = now;
-  state_keeper_->keep(filter_.filter().axes().with_biases(filter_.filter().belief()));
+  model::Belief belief = filter_.filter().axes().with_biases(filter_.filter().belief());
+  belief.utime += clock_.set_by();
+  state_keeper_->keep(belief);
 }
 
 void EkfNode::connect(Subscriber& bus) {
@@ -75,9 +79,15 @@ void EkfNode::on(const imu_t& message) {
   imu_.refused_in_a_row = 0;
   imu_.heard = message.utime;
   imu_status_ = message.status;
+  const std::int64_t set_before = clock_.set_by();
+  const std::optional<std::int64_t> utime =
+      clock_.add(inputs::RunningClock::Sensor::kImu, message.utime, message.sequence);
+  if (!utime) return;
+  if (clock_.set_by() != set_before) increments_.interrupt();
+  if (clock_.set_by() > set_before) sequencer_.forget_wheels_after(*utime + inputs::RunningClock::kLeast);
   base::ImuSample sample = sample_of(message);
-  sample.utime = imu_stamps_.add(message.utime, message.sequence);
-  if (sample.utime != message.utime) counters_.add("straightened.imu");
+  sample.utime = imu_stamps_.add(*utime, message.sequence);
+  if (sample.utime != *utime) counters_.add("straightened.imu");
   // What an axis at the end of its range measured is unknown: it is as if lost, and the wheels bridge what lasts.
   if (message.status & imu_t::CLIPPING) return counters_.add("refused.clipping.imu");
   sequencer_.push(sample);
@@ -91,13 +101,20 @@ void EkfNode::on(const wheels_t& message) {
   wheels_.refused_in_a_row = 0;
   wheels_.heard = message.utime;
   last_wheels_ = message;
-  sequencer_.push(sample_of(message));
+  const std::optional<std::int64_t> utime =
+      clock_.add(inputs::RunningClock::Sensor::kWheels, message.utime, message.sequence);
+  if (!utime) return;
+  base::WheelSample sample = sample_of(message);
+  sample.utime = *utime;
+  sequencer_.push(sample);
   run(false);
 }
 
 void EkfNode::on(const map_pose_t& message) {
   counters_.add("messages.map");
-  if (const std::optional<inputs::MapIncrement> increment = increments_.add(message)) sequencer_.push(*increment);
+  map_pose_t pose = message;
+  pose.utime -= clock_.set_by();
+  if (const std::optional<inputs::MapIncrement> increment = increments_.add(pose)) sequencer_.push(*increment);
 }
 
 void EkfNode::run(bool drain) {
@@ -111,10 +128,13 @@ void EkfNode::run(bool drain) {
 void EkfNode::publish(const model::Estimate& estimate) {
   latency_.add(base::seconds_between(estimate.utime, sequencer_.newest()));
   last_ = estimate;
-  const odometry_t odometry = odometry_message(estimate);
+  odometry_t odometry = odometry_message(estimate);
+  odometry.utime += clock_.set_by();
   publisher_.publish("ODOMETRY", odometry);
   sent_.keep(odometry);
-  publisher_.publish("POSE", pose_message(estimate));
+  pose_t pose = pose_message(estimate);
+  pose.utime = odometry.utime;
+  publisher_.publish("POSE", pose);
   counters_.add("published.odometry");
 }
 
@@ -145,7 +165,7 @@ NodeReport EkfNode::report() const {
   NodeReport report;
   report.counters = counters_;
   const Counters filtering = filter_.counters();
-  for (const Counters* part : {&increments_.counters(), &sequencer_.counters(), &filtering})
+  for (const Counters* part : {&clock_.counters(), &increments_.counters(), &sequencer_.counters(), &filtering})
     for (const auto& [name, value] : part->values()) report.counters.add(name, value);
   if (sent_.resent() > 0) report.counters.add("resent.odometry", sent_.resent());
   if (state_keeper_) report.counters.add("faults.state_file", state_keeper_->failures());
@@ -168,7 +188,7 @@ NodeReport EkfNode::report() const {
     faults.emplace_back("no odometry yet: waiting to stand still or to see the wheels turn");
   } else if (last_) {
     if (!last_->level) faults.emplace_back("not level yet after a start on the move: the mapper goes by LiDAR alone");
-    const bool clips = (imu_status_ & imu_t::CLIPPING) && last_->utime - imu_.heard <= kSilence;
+    const bool clips = (imu_status_ & imu_t::CLIPPING) && last_->utime + clock_.set_by() - imu_.heard <= kSilence;
     if (last_->no_imu)
       faults.emplace_back(clips ? "IMU: it clips, odometry coasts on the wheels"
                                 : "no IMU: odometry coasts on the wheels");

@@ -12,17 +12,19 @@
 #include "services/ekf/filter/rewinding_filter.hpp"
 #include "services/ekf/filter/state_keeper.hpp"
 #include "services/ekf/inputs/map_increment.hpp"
+#include "services/ekf/inputs/running_clock.hpp"
 #include "services/ekf/inputs/sequencer.hpp"
 #include "services/ekf/inputs/stamp_straightener.hpp"
 
 namespace curbstone::ekf {
 
 /// IMU and WHEELS in, ODOMETRY and POSE out: one of each for every IMU sample, at its stamp (a late one is put right,
-/// see StampStraightener); while there is no IMU, for every wheel sample. With `fuse_map`, MAP_POSE in as well.
-/// Products are a function of the channels' sequences (see Sequencer) as long as none lags by more than its hold; what
-/// comes later still counts (see RewindingFilter). tick() only notices silence, for the faults, and sends ODOMETRY
-/// again that somebody lost. Latency is in message time: how far the sensors are ahead when an estimate is sent. With
-/// `state_file` it has what it believes saved (tick), and goes on from there when it was killed.
+/// see StampStraightener; of a clock that was set, it is that of the new clock, see RunningClock); while there is no
+/// IMU, for every wheel sample. With `fuse_map`, MAP_POSE in as well. Products are a function of the channels'
+/// sequences (see Sequencer) as long as none lags by more than its hold; what comes later still counts (see
+/// RewindingFilter). tick() only notices silence, for the faults, and sends ODOMETRY again that somebody lost. Latency
+/// is in message time: how far the sensors are ahead when an estimate is sent. With `state_file` it has what it
+/// believes saved (tick), and goes on from there when it was killed.
 class EkfNode final : public Node {
  public:
   EkfNode(const base::EkfConfig& config, Publisher& publisher);
@@ -54,6 +56,7 @@ class EkfNode final : public Node {
   base::EkfConfig config_;
   Publisher& publisher_;
   MessageKeeper sent_;  // ODOMETRY
+  inputs::RunningClock clock_;
   inputs::StampStraightener imu_stamps_;
   inputs::Sequencer sequencer_;
   inputs::MapIncrements increments_;

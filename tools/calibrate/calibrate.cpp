@@ -12,6 +12,7 @@
 #include "config/sections.hpp"
 #include "tools/calibrate/calibration.hpp"
 #include "tools/calibrate/drive_data.hpp"
+#include "tools/output/inputs.hpp"
 #include "tools/output/text_file.hpp"
 
 namespace curbstone::calibrate {
@@ -110,6 +111,7 @@ int run_calibrate(int argc, char** argv) {
   line.option("--out", yaml_file, "Write the vehicle: section to this file instead of standard output");
   line.option("--json", json_file, "Write everything to this file");
   if (const auto status = line.read(argc, argv)) return *status;
+  for (const std::string& file : {yaml_file, json_file}) output::refuse_to_overwrite({log, config_file}, file);
   ConfigOf<VehicleOnly> config;
   if (!config_file.empty()) load_config(config_file, "calibrate", kProcessSections, config);
   const CalibrationData data = read_drive(log, config_file, map_anew);

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <optional>
 #include <stdexcept>
 
 #include "common/config/command_line.hpp"
@@ -13,6 +14,8 @@
 #include "tools/lidar_tool/packets.hpp"
 #include "tools/lidar_tool/points.hpp"
 #include "tools/lidar_tool/watch.hpp"
+#include "tools/output/inputs.hpp"
+#include "tools/output/new_file.hpp"
 
 namespace curbstone::lidar_tool {
 
@@ -33,18 +36,23 @@ class Output {
  public:
   explicit Output(const std::string& file) : name_(file) {
     if (file.empty()) return;
-    file_.open(file, std::ios::binary);
+    whole_.emplace(file, true);
+    file_.open(whole_->part(), std::ios::binary);
     if (!file_) throw std::runtime_error(fmt::format("{}: cannot be written", file));
   }
   [[nodiscard]] std::ostream& stream() { return name_.empty() ? std::cout : file_; }
   void finish(std::int64_t points) {
     stream().flush();
     if (!stream()) throw std::runtime_error(fmt::format("{}: not written whole: is the disk full?", name_));
-    if (!name_.empty()) fmt::print("{}: {} points\n", name_, points);
+    if (name_.empty()) return;
+    file_.close();
+    whole_->commit();
+    fmt::print("{}: {} points\n", name_, points);
   }
 
  private:
   std::string name_;
+  std::optional<output::NewFile> whole_;
   std::ofstream file_;
 };
 
@@ -67,12 +75,15 @@ void run_watch(const Options& options) {
   });
 }
 
-void run_points(const Options& options) {
+/// Returns whether the capture is damaged: then there may be more points than these.
+bool run_points(const Options& options) {
+  if (!options.out.empty()) output::refuse_to_overwrite({options.where}, options.out);
   const auto packets = packets_from(options.where, options.listen);
   const PointSource source = point_source(*packets, options.device, options.model);
   Output output(options.out);
   output.finish(options.what == "csv" ? write_csv(*packets, source, output.stream())
                                       : write_pcd(*packets, source, options.scan, output.stream()));
+  return packets->damaged();
 }
 
 }  // namespace
@@ -104,7 +115,7 @@ int run_lidar(int argc, char** argv) {
   } else if (options.what == "watch") {
     run_watch(options);
   } else {
-    run_points(options);
+    return run_points(options) ? 1 : 0;
   }
   return 0;
 }

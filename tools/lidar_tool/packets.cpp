@@ -28,12 +28,15 @@ class CapturedPackets final : public Packets {
       while (const auto packet = source.next())
         handler({packet->received, packet->sender, packet->port, packet->bytes});
     } catch (const std::runtime_error& cut_off) {
-      fmt::print(stderr, "curbstone lidar: {}\n", cut_off.what());
+      if (!damaged_) fmt::print(stderr, "curbstone lidar: {}\n", cut_off.what());
+      damaged_ = true;
     }
   }
+  [[nodiscard]] bool damaged() const override { return damaged_; }
 
  private:
   std::string file_;
+  mutable bool damaged_ = false;  // and said so
 };
 
 class ListenedPackets final : public Packets {

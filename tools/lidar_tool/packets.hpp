@@ -25,6 +25,8 @@ class Packets {
   virtual ~Packets() = default;
   /// All of them in order. The bytes are valid inside the handler. A file that is cut off has what it has.
   virtual void for_each(const Handler& handler) const = 0;
+  /// What was gone through did not end where it should.
+  [[nodiscard]] virtual bool damaged() const { return false; }
 };
 
 /// Where to listen, and how long.

@@ -5,8 +5,9 @@
 
 namespace curbstone::output {
 
-/// A file that a command writes under another name, and that gets its own when it is whole. Everything throws
-/// std::runtime_error with one line that names the file.
+/// A file that a command writes under another name, and that gets its own when it is whole. A device or a pipe
+/// (/dev/null, say) is written to as it is, and stays. Everything throws std::runtime_error with one line that names
+/// the file.
 class NewFile {
  public:
   /// Without `force` a file of that name is not replaced.
@@ -22,7 +23,7 @@ class NewFile {
 
  private:
   std::filesystem::path file_;
-  std::filesystem::path part_;
+  std::filesystem::path part_;  // the file itself, where it is no regular one
 };
 
 }  // namespace curbstone::output

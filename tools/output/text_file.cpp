@@ -24,7 +24,6 @@ void write(const std::filesystem::path& file, const std::string& where, std::str
 }  // namespace
 
 void write_text(const std::filesystem::path& file, std::string_view text) {
-  if (std::filesystem::exists(file) && !std::filesystem::is_regular_file(file)) return write(file, file.string(), text);
   NewFile whole(file, true);
   write(file, whole.part(), text);
   whole.commit();

@@ -6,9 +6,12 @@
 #include <array>
 #include <cstdio>
 #include <curbstone/service_config_t.hpp>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -19,6 +22,7 @@
 #include "common/log/message_order.hpp"
 #include "common/shell/version.hpp"
 #include "common/time/clock.hpp"
+#include "tools/output/inputs.hpp"
 #include "tools/output/watched_log.hpp"
 #include "tools/replay/recorded_config.hpp"
 #include "tools/replay/vehicle_line.hpp"
@@ -144,6 +148,22 @@ void report(const Summary& summary, const VehicleLine& vehicle, double wall_seco
   }
 }
 
+/// A replay makes a map; it does not extend one. What is no map is not replaced: it may be somebody's only recording.
+void make_room_for_map(const std::string& file) {
+  std::error_code ignored;
+  if (const auto there = std::filesystem::status(file, ignored); std::filesystem::exists(there)) {
+    if (!std::filesystem::is_regular_file(there))
+      throw std::runtime_error(fmt::format("--map {}: a map must be a file", file));
+    constexpr std::string_view kMagic = "SQLite format 3";
+    std::string begin(kMagic.size(), ' ');
+    std::ifstream in(file, std::ios::binary);
+    in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+    if (in.gcount() > 0 && begin != kMagic)
+      throw std::runtime_error(fmt::format("--map {}: is there, and is no map: it is not replaced", file));
+  }
+  for (const char* suffix : {"", "-wal", "-shm"}) std::remove((file + suffix).c_str());
+}
+
 }  // namespace
 
 int run_replay(int argc, char** argv) {
@@ -155,7 +175,7 @@ int run_replay(int argc, char** argv) {
       "curbstone replay");
   line.option("log", arguments.logs, "Logs of lcm-logger with LIDAR_POINTS, IMU and WHEELS, or a session's folder")
       .required();
-  line.option("--map", arguments.vehicle.map_file, "The map to write; an existing file is replaced").shows_default();
+  line.option("--map", arguments.vehicle.map_file, "The map to write; an existing map is replaced").shows_default();
   line.option("--config", arguments.vehicle.config_file,
               "The vehicle's YAML file, instead of what the log was recorded with");
   line.option("--set", arguments.vehicle.assignments, "SECTION.KEY=VALUE, over the file").one_each();
@@ -168,8 +188,8 @@ int run_replay(int argc, char** argv) {
   output::WatchedLog log(arguments.logs, "replay");
   LogFiles head(arguments.logs);
   arguments.vehicle.recorded = recorded_config(head);
-  // A replay makes a map; it does not extend one.
-  for (const char* suffix : {"", "-wal", "-shm"}) std::remove((arguments.vehicle.map_file + suffix).c_str());
+  output::refuse_to_overwrite(head.names(), arguments.record);
+  make_room_for_map(arguments.vehicle.map_file);
   std::optional<LogWriter> recorder;
   StageLine::Options options{.threads = arguments.threads > 1, .everything = {}};
   if (!arguments.record.empty()) {

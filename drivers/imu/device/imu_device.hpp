@@ -21,7 +21,8 @@ struct ImuSample {
   std::array<double, 3> angular_rate{};  ///< rad/s
   std::optional<std::array<double, 4>> orientation;  ///< w x y z, unit, sensor to the device's local frame
   std::optional<double> temperature;                 ///< deg C
-  bool clipping = false;                             ///< an axis is at the end of its range
+  bool force_clips = false;                          ///< an axis of the accelerometer is at the end of its range
+  std::array<bool, 3> rate_clips{};                  ///< axes of the gyro that are
   std::optional<bool> self_test_passed;
 };
 

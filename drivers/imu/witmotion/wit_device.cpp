@@ -33,9 +33,8 @@ std::array<double, 3> vector(const WitFrame& frame, double scale) {
   return {scale * frame.word(0), scale * frame.word(1), scale * frame.word(2)};
 }
 
-bool clips(const WitFrame& frame) {
-  return std::abs(frame.word(0)) >= kFullScale || std::abs(frame.word(1)) >= kFullScale ||
-         std::abs(frame.word(2)) >= kFullScale;
+bool clips(const WitFrame& frame, std::size_t axis) {
+  return std::abs(frame.word(axis)) >= kFullScale;
 }
 
 /// w first, as most take it; the maker does not say.
@@ -93,11 +92,11 @@ void WitDevice::take(const WitFrame& frame) {
     case WitId::kAcceleration:
       group_.sample.acceleration = vector(frame, kAcceleration);
       group_.sample.temperature = frame.word(3) / 100.0;
-      group_.sample.clipping = group_.sample.clipping || clips(frame);
+      group_.sample.force_clips = clips(frame, 0) || clips(frame, 1) || clips(frame, 2);
       break;
     case WitId::kAngularRate:
       group_.sample.angular_rate = vector(frame, kAngularRate);
-      group_.sample.clipping = group_.sample.clipping || clips(frame);
+      for (std::size_t i = 0; i < 3; ++i) group_.sample.rate_clips[i] = clips(frame, i);
       break;
     case WitId::kQuaternion:
       group_.sample.orientation = quaternion(frame);

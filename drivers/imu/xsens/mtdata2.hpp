@@ -23,7 +23,8 @@ struct MtData2 {
   std::optional<std::uint32_t> status;                  ///< bits of the status word; the status byte is its lowest
 
   static constexpr std::uint32_t kSelfTestPassed = 1u << 0;
-  static constexpr std::uint32_t kClipping = 0x3Fu << 8;  ///< of the accelerometer (8..10) or the gyroscope (11..13)
+  static constexpr std::uint32_t kForceClips = 0x7u << 8;  ///< of the accelerometer's axes
+  static constexpr std::uint32_t kRateClips = 1u << 11;    ///< of the gyroscope's x axis; y and z follow
 };
 
 /// Decodes the payload of an MTData2 message: float32, float64 and both fixed-point formats. Unknown items are skipped

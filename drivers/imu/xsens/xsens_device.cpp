@@ -48,7 +48,8 @@ void XsensDevice::on_frame(std::int64_t now, const XbusFrame& frame, const Handl
   sample.temperature = data.temperature;
   if (data.status) {
     sample.self_test_passed = (*data.status & MtData2::kSelfTestPassed) != 0;
-    sample.clipping = (*data.status & MtData2::kClipping) != 0;
+    sample.force_clips = (*data.status & MtData2::kForceClips) != 0;
+    for (std::size_t i = 0; i < 3; ++i) sample.rate_clips[i] = (*data.status & MtData2::kRateClips << i) != 0;
   }
   sample.restarted = std::exchange(restarted_, false);
   handler(sample);

@@ -39,6 +39,11 @@ class PacketClock {
   void restart() {
     decided_ = false;
     contrary_ = kRestarted;
+    forget_offset();
+  }
+
+  /// The host's clock was set: only the offset is to be found anew.
+  void forget_offset() {
     offset_ = make_offset();
     stamped_ = false;
   }

@@ -11,6 +11,7 @@ struct ImuSample {
   std::int64_t utime = 0;                                  ///< us, when it was taken
   Eigen::Vector3d angular_rate = Eigen::Vector3d::Zero();  ///< rad/s
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< specific force, m/s^2
+  std::array<bool, 3> stuck = {};                          ///< axes of the gyro that are, as its driver says
 };
 
 /// Both wheels at one instant: left, right; positive is forward.

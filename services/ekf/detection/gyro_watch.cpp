@@ -16,17 +16,18 @@ constexpr std::int64_t kLeast = 250'000;    // us, of a run: what a gyro filters
 
 }  // namespace
 
-void GyroWatch::add(std::int64_t utime, const Eigen::Vector3d& rate) {
+void GyroWatch::add(std::int64_t utime, const Eigen::Vector3d& rate, const std::array<bool, 3>& told) {
   const bool begins = last_utime_ == 0 || utime < last_utime_ || utime - last_utime_ > kPause;
   const Eigen::Vector3d change = (rate - last_).cwiseAbs();
   last_ = rate;
   last_utime_ = utime;
   if (begins) {
     for (Axis& axis : axes_) axis = {.stuck = axis.stuck, .since = utime, .moved = utime};
-    return;
+  } else {
+    learn_steps(change);
+    for (std::size_t i = 0; i < axes_.size(); ++i) judge(i, utime, change);
   }
-  learn_steps(change);
-  for (std::size_t i = 0; i < axes_.size(); ++i) judge(i, utime, change);
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].stuck = axes_[i].stuck || told[i];
 }
 
 void GyroWatch::learn_steps(const Eigen::Vector3d& change) {

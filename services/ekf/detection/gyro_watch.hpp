@@ -15,7 +15,9 @@ namespace curbstone::ekf::detection {
 /// sample, for kLong: no vehicle that shakes like that does not turn by one step.
 ///
 /// Where the others repeat as well nothing is said: it stands, or sends each sample twice, or has no such axis. So of
-/// two axes that get stuck in the same moment neither is found.
+/// two axes that get stuck in the same moment neither is found here.
+///
+/// The driver finds axes that show a rate which no bias explains for 0.5 s, of any gyro: what it says is believed.
 ///
 /// A value type; one thread. Frame imu, rad/s, us.
 class GyroWatch {
@@ -26,8 +28,9 @@ class GyroWatch {
   static constexpr std::int64_t kLong = 10'000'000;  ///< us
   static constexpr std::int64_t kTrust = 2'000'000;  ///< us of changes after which an axis is believed again
 
-  /// The next sample. After a pause of more than a second, or where the stamps go back, runs begin anew.
-  void add(std::int64_t utime, const Eigen::Vector3d& rate);
+  /// The next sample, and which axes its driver calls stuck. After a pause of more than a second, or where the stamps
+  /// go back, runs begin anew.
+  void add(std::int64_t utime, const Eigen::Vector3d& rate, const std::array<bool, 3>& told = {});
   [[nodiscard]] bool stuck(int axis) const { return axes_[static_cast<std::size_t>(axis)].stuck; }
   /// us, since when an axis has shown the same rate.
   [[nodiscard]] std::int64_t since(int axis) const { return axes_[static_cast<std::size_t>(axis)].since; }

@@ -4,16 +4,19 @@
 #include <cmath>
 #include <string>
 
+#include "common/geometry/gravity.hpp"
+#include "services/ekf/detection/start_up.hpp"
 #include "services/ekf/model/mechanisation.hpp"
 
 namespace curbstone::ekf::filter {
 
 namespace {
 
-constexpr double kTilting = 0.03;  // rad/s, 1 sigma: how waves of the ground roll and pitch a vehicle
-constexpr double kMemory = 1.0;    // s, for which it goes on turning alike
-constexpr double kUpright = 0.7;   // of an axis's direction, from which on it tells how the vehicle turns
-constexpr double kUnsure = 0.3;    // 1 sigma, of what is put back
+constexpr double kTilting = 0.03;   // rad/s, 1 sigma: how waves of the ground roll and pitch a vehicle
+constexpr double kMemory = 1.0;     // s, for which it goes on turning alike
+constexpr double kUpright = 0.7;    // of an axis's direction, from which on it tells how the vehicle turns
+constexpr double kLevelling = 1.0;  // s, in which the accelerometer puts back little of a wrong tilt
+constexpr double kUnsure = 0.3;     // 1 sigma, of what is put back
 
 /// rad/s, 1 sigma, about an axis.
 double usual_rate(const Eigen::Vector3d& direction) {
@@ -52,7 +55,7 @@ base::ImuSample LostAxes::without_lost(base::ImuSample sample) const {
 base::ImuSample LostAxes::add(const base::ImuSample& sample) {
   before_ = sample_;
   sample_ = sample;
-  watch_.add(sample.utime, sample.angular_rate);
+  watch_.add(sample.utime, sample.angular_rate, sample.stuck);
   return without_lost(sample);
 }
 
@@ -103,8 +106,13 @@ void LostAxes::lose(int axis, model::Belief& belief, double wheel_yaw_rate) {
   const bool upright = std::abs(d.z()) > kUpright;
   const double seconds = base::seconds_between(watch_.since(axis), sample_.utime);
   Astray& astray = astray_[static_cast<std::size_t>(axis)];
-  if (!upright &&
-      std::abs(astray.turn) > config_.start.moving_tilt_sigma) {  // the accelerometer has put most of it back
+  if (!upright && std::abs(astray.turn) > config_.start.moving_tilt_sigma) {  // gravity was taken for acceleration
+    belief.covariance.diagonal().segment<3>(model::kVelocity).array() +=
+        std::pow(0.5 * kGravity * astray.turn * std::min(seconds, kLevelling), 2);
+    detection::forget_accelerometer_bias(belief, config_.start);
+  }
+  const bool levelled = !upright && seconds > kLevelling;  // the accelerometer has put most of it back
+  if (levelled && std::abs(astray.turn) > config_.start.moving_tilt_sigma) {
     astray.place *= config_.start.moving_tilt_sigma / std::abs(astray.turn);
     astray.turn = std::copysign(config_.start.moving_tilt_sigma, astray.turn);
   }

@@ -32,6 +32,8 @@ class MapIncrements {
   explicit MapIncrements(const base::MapFusionConfig& config) : config_(config) {}
   /// The increment that ends with this pose, if one does.
   [[nodiscard]] std::optional<MapIncrement> add(const map_pose_t& message);
+  /// The next pose begins anew.
+  void interrupt() { last_.reset(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:

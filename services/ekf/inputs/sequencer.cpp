@@ -67,6 +67,14 @@ void Sequencer::push(const MapIncrement& increment) {
   }
 }
 
+void Sequencer::forget_wheels_after(std::int64_t utime) {
+  if (wheels_.newest <= utime) return;
+  const auto later = std::erase_if(wheels_.queue, [&](const auto& turn) { return turn.utime > utime; });
+  counters_.add("dropped.clock_set.wheels", static_cast<std::int64_t>(later));
+  wheels_.newest = utime;
+  wheels_.guard.reset();
+}
+
 /// Whatever waits belongs to the old time, and the other sensor's next stamp may be of either.
 template <class T, class Other>
 void Sequencer::turn_clock_back(Channel<T>& own, Channel<Other>& other) {

@@ -37,6 +37,8 @@ class Sequencer {
   void push(const base::ImuSample& sample);
   void push(const base::WheelSample& sample);
   void push(const MapIncrement& increment);
+  /// Wheel samples that wait with later stamps are of another clock: they go.
+  void forget_wheels_after(std::int64_t utime);
   /// The next sample whose turn it is; with `drain` without waiting for what may never come.
   [[nodiscard]] std::optional<Sample> pop(bool drain = false);
 

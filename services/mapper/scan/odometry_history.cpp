@@ -14,11 +14,17 @@ constexpr std::int64_t kShortestGap = 4'000;  // us: at 400 Hz one sample
 
 OdometryHistory::Added OdometryHistory::add(const OdometrySample& sample) {
   if (!samples_.empty() && sample.utime <= samples_.back().utime) {
-    if (samples_.back().utime - sample.utime < kClockJump) return Added::kLate;
+    const std::int64_t back = samples_.back().utime - sample.utime;
+    const bool goes_on = late_ != 0 && sample.utime > late_ && sample.utime - late_ <= kMaxGap;
+    agreeing_ = goes_on ? agreeing_ + 1 : 1;
+    late_ = sample.utime;
+    if (back < kClockJump && (back < kSetBack || agreeing_ < kAgreeing)) return Added::kLate;
     samples_.clear();
     samples_.push_back(sample);
+    late_ = 0;
     return Added::kClockJump;
   }
+  late_ = 0;
   samples_.push_back(sample);
   if (samples_.size() > kCapacity) samples_.pop_front();
   return Added::kYes;

@@ -26,7 +26,9 @@ class OdometryHistory {
   static constexpr std::int64_t kLead = 20'000;          ///< us: at 2 m/s^2, 0.4 mm
   static constexpr std::size_t kCapacity = 8000;         ///< 80 s at 100 Hz
   static constexpr std::int64_t kMaxGap = 200'000;       ///< us between samples that may be interpolated over
-  static constexpr std::int64_t kClockJump = 1'000'000;  ///< us backwards that is a new clock, not a late message
+  static constexpr std::int64_t kClockJump = 1'000'000;  ///< us backwards that is a new clock, not a late message,
+  static constexpr std::int64_t kSetBack = 100'000;      ///< or this, of kAgreeing in a row that go on from each other
+  static constexpr int kAgreeing = 5;
   static constexpr double kGapSteps = 1.6;
 
   enum class Added { kYes, kLate, kClockJump };
@@ -65,6 +67,8 @@ class OdometryHistory {
   [[nodiscard]] std::size_t num_known() const;
   [[nodiscard]] Pose beyond(std::size_t last, std::int64_t utime) const;
   std::deque<OdometrySample> samples_;
+  std::int64_t late_ = 0;  // us, the last sample that was, since one that was not
+  int agreeing_ = 0;       // of these, in a row
   std::int64_t begin_ = 0;
   std::int64_t horizon_ = std::numeric_limits<std::int64_t>::max();
 };

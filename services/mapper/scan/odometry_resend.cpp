@@ -19,7 +19,8 @@ void OdometryResend::hear_again(const odometry_t& message) {
 }
 
 void OdometryResend::tick(std::int64_t now) {
-  ++waited_;
+  waited_ += ResendClient::waited(now, ticked_);
+  ticked_ = now;
   client_.ask(now, history_.gap(from_));
 }
 

@@ -12,13 +12,14 @@
 namespace curbstone::mapper::scan {
 
 /// Odometry that is missing from a history, for it was lost on the bus, is asked for, and a scan that needs it waits:
-/// kPatience ticks without any of it, or kShortPatience where interpolation makes up for it. Pure; one thread.
+/// kPatience without any of it, or kShortPatience where interpolation makes up for it, as ResendClient counts it. Pure;
+/// one thread.
 ///
 /// Counters: odometry.resent (samples that came again), odometry.not_resent (gaps that were given up).
 class OdometryResend {
  public:
-  static constexpr int kPatience = 50;       ///< ticks; of 20 ms
-  static constexpr int kShortPatience = 15;  ///< ticks
+  static constexpr std::int64_t kPatience = 1'000'000;     ///< us
+  static constexpr std::int64_t kShortPatience = 300'000;  ///< us
 
   /// `history` must outlive this.
   OdometryResend(Publisher& bus, const std::string& requester, OdometryHistory& history)
@@ -38,7 +39,8 @@ class OdometryResend {
   OdometryHistory& history_;
   std::int64_t from_ = 0;      // us: gaps before this no longer matter
   std::int64_t gap_from_ = 0;  // us: where the gap that is waited for begins
-  int waited_ = 0;             // ticks, for it
+  std::int64_t waited_ = 0;    // us, for it
+  std::int64_t ticked_ = 0;    // us
   Counters counters_;
 };
 

@@ -113,7 +113,10 @@ void PacketIntake::pass_held(const Handler& hand_on) {
 }
 
 void PacketIntake::tick(std::int64_t now, const Handler& hand_on) {
-  if (!held_.empty() && waited_++ >= kPatience) give_up(hand_on);
+  if (!held_.empty()) {
+    if (waited_ >= kPatience) give_up(hand_on);
+    waited_ += ResendClient::waited(now, ticked_);
+  }
   client_.ask(ticked_ = now, missing());
 }
 

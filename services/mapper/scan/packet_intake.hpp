@@ -14,9 +14,9 @@
 namespace curbstone::mapper::scan {
 
 /// Hands on the packets of LIDAR_POINTS in the order of their numbers. One that is missing was lost on the bus, for the
-/// driver counts what it sends. It is asked for, and those behind it wait until it has come or kPatience ticks
-/// have passed without any that was missing: not a time, for who has been stopped hears seconds between two ticks. So
-/// what is handed on is the same whether or not packets were lost, unless they are lost for good. Packets that begin
+/// driver counts what it sends. It is asked for, and those behind it wait until it has come or kPatience has passed
+/// without any that was missing, as ResendClient counts it: in less than what kMostHeld packets last, in a replay too.
+/// So what is handed on is the same whether or not packets were lost, unless they are lost for good. Packets that begin
 /// anew or jump in time are handed on as they come. Pure; one thread.
 ///
 /// Two drivers on one channel would mix the revolutions of two LiDARs in one place. Their numbers give them away: they
@@ -27,9 +27,9 @@ namespace curbstone::mapper::scan {
 class PacketIntake {
  public:
   using Handler = std::function<void(const lidar_points_t&)>;
-  static constexpr int kPatience = 50;              ///< ticks; of 20 ms
-  static constexpr std::int64_t kRestart = 50'000;  ///< us, from a driver's last packet to its successor's first
-  static constexpr std::size_t kMostHeld = 3000;    ///< packets, 18 MB; newer ones will be asked for in their turn
+  static constexpr std::int64_t kPatience = 1'000'000;  ///< us
+  static constexpr std::int64_t kRestart = 50'000;      ///< us, from a driver's last packet to its successor's first
+  static constexpr std::size_t kMostHeld = 3000;        ///< packets, 18 MB; newer ones will be asked for in their turn
 
   PacketIntake(Publisher& bus, const std::string& requester, const std::string& channel)
       : client_(bus, requester, channel) {}
@@ -43,7 +43,7 @@ class PacketIntake {
   void hear_again(const lidar_points_t& packet, const Handler& hand_on);
   /// What waits will wait no longer: the drive is over.
   void release(const Handler& hand_on);
-  /// Each 20 ms: asks for what is missing, or gives it up. `now`, us, only paces.
+  /// Each 20 ms: asks for what is missing, or gives it up. `now`, us, only paces; in a replay it is message time.
   void tick(std::int64_t now, const Handler& hand_on);
 
   /// us, stamp of the newest packet heard.
@@ -75,7 +75,7 @@ class PacketIntake {
   std::int64_t newest_ = 0;
   std::int64_t another_ = 0;  // us, newest of a second LiDAR
   std::int64_t ticked_ = 0;   // us
-  int waited_ = 0;            // ticks since something missing came last, or the gap was found
+  std::int64_t waited_ = 0;   // us, since something missing came last, or the gap was found
   Counters counters_;
 };
 

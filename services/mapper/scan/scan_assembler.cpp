@@ -26,7 +26,9 @@ std::optional<Scan> ScanAssembler::add(const lidar_points_t& packet) {
   if (!current_) return restart_with(packet);
 
   const std::int64_t ahead = packet.utime - newest_utime_;
-  if (std::abs(ahead) > limits_.clock_jump) {
+  // A packet that is later by its number and earlier by its time was not overtaken: the clock was set back.
+  const bool set_back = packet.packet == newest_packet_ + 1 && ahead < -limits_.set_back;
+  if (std::abs(ahead) > limits_.clock_jump || set_back) {
     counters_.add("lidar.clock_jumps");
     return restart_with(packet);
   }

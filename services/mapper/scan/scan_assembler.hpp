@@ -17,6 +17,7 @@ struct AssemblyLimits {
   std::size_t max_points = 80'000;      ///< of a scan; at 5 Hz an RS16 sends 58,000
   std::int64_t max_span = 400'000;      ///< us, of a scan
   std::int64_t clock_jump = 1'000'000;  ///< us between packets that is no longer a gap
+  std::int64_t set_back = 10'000;       ///< us back from one packet to the next one: the clock was set
 };
 
 /// Puts the packets of a scan together again. Lost packets are counted, late ones of the running scan are

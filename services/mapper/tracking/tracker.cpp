@@ -11,7 +11,7 @@ namespace curbstone::mapper::tracking {
 namespace {
 
 constexpr std::int64_t kLongestSweep = 1'000'000;  // us
-constexpr std::int64_t kClockJump = 1'000'000;     // us backwards that is a new clock, not a late scan
+constexpr std::int64_t kClockJump = 100'000;       // us backwards that is a new clock, not a late scan
 constexpr int kFirstInsertions = 10;               // scans that go into the map even when the vehicle stands
 constexpr int kMostFromAfar = 3;                   // refused in a row that are sought with other motions
 

@@ -30,7 +30,11 @@ class DriveRig {
   void run_for(std::int64_t us) {
     for (const std::int64_t end = now + us; now < end; now += 1000) {
       const bool awake = now >= asleep_until_;
-      if (awake && (now - kStart) % 20'000 == 0) node.tick(now);
+      if (awake && (now - kStart) % 20'000 == 0) {
+        if (told_ != host_set_by) node.clock_was_set(host_set_by - told_);
+        told_ = host_set_by;
+        node.tick(now + host_set_by);
+      }
       while (!on_bus_.empty()) {
         const encoder::can::CanFrame frame = on_bus_.front();
         on_bus_.pop_front();
@@ -64,7 +68,8 @@ class DriveRig {
   [[nodiscard]] std::int64_t count(std::string_view name) const { return node.report().counters[name]; }
 
   std::int64_t now = kStart;
-  double speed = 10;  // rad/s
+  std::int64_t host_set_by = 0;  // us: its clock against this
+  double speed = 10;             // rad/s
   std::int64_t first_count = 0;
   bool connected = true;
   std::function<std::int64_t(const encoder::can::CanFrame&)> delay = [](const encoder::can::CanFrame&) {
@@ -85,7 +90,7 @@ class DriveRig {
       const Late late = late_.front();
       late_.pop_front();
       arrived_ = std::max({arrived_, late.at, asleep_until_});
-      node.on_frame(arrived_, late.frame);
+      node.on_frame(arrived_ + host_set_by, late.frame);
     }
   }
   Recorder<wheels_t> recorder_{"WHEELS"};
@@ -93,6 +98,7 @@ class DriveRig {
   std::deque<Late> late_;
   std::int64_t arrived_ = 0;
   std::int64_t asleep_until_ = 0;
+  std::int64_t told_ = 0;
 
  public:
   encoder::EncoderNode node;

@@ -44,12 +44,19 @@ class EncoderOnAPty : public test::DriverOnAPty<wheels_t> {
   }
   void turn_devices() {
     const std::int64_t now = steady_clock();
-    const auto counts = static_cast<std::int32_t>((now - start_) / 100);  // 10,000 counts/s
-    drive_.set_counts(counts, -counts);
+    const auto turn_wheels = [this](std::int64_t at) {
+      const auto counts = static_cast<std::int32_t>((at - start_) / 100);  // 10,000 counts/s
+      drive_.set_counts(counts, -counts);
+    };
+    turn_wheels(now);
     const auto result = adapter_.on_bytes(pty_.read());
     pty_.write(result.to_host);
     for (const can::CanFrame& frame : result.to_bus) to_host(drive_.on_frame(now, frame));
-    to_host(drive_.tick(now));
+    // A busy host comes late to what is due, by as many samples as it likes: each has the counts of its own time.
+    for (auto due = drive_.next_due(); due && *due <= now; due = drive_.next_due()) {
+      turn_wheels(*due);
+      to_host(drive_.tick(*due));
+    }
     make_noise(20);
   }
   [[nodiscard]] NodeReport report() const override { return node_.report(); }

@@ -40,9 +40,9 @@ struct LastingFault {
 };
 
 /// An MTi on a vehicle that drives, over the wire, with its noise.
-class ImplausibleImu : public ::testing::TestWithParam<LastingFault> {
+class DrivenImu : public ::testing::Test {
  protected:
-  ImplausibleImu() : node_(ImuConfig{.configure = false}, recorder_.bus()) { device_.power_on(kStart - 5'000'000); }
+  DrivenImu() : node_(ImuConfig{.configure = false}, recorder_.bus()) { device_.power_on(kStart - 5'000'000); }
   void drive(double seconds, const std::function<void(XsensSample&)>& spoil = {}) {
     for (const std::int64_t end = now_ + std::llround(seconds * 1e6); now_ < end; now_ += 10'000) {
       const double t = static_cast<double>(now_ - kStart) * 1e-6;
@@ -63,6 +63,8 @@ class ImplausibleImu : public ::testing::TestWithParam<LastingFault> {
   std::int64_t now_ = kStart;
   std::mt19937 random_{1};
 };
+
+class ImplausibleImu : public DrivenImu, public ::testing::WithParamInterface<LastingFault> {};
 
 TEST_P(ImplausibleImu, IsNamedWithheldAndUsedAgain) {
   drive(10);
@@ -115,9 +117,44 @@ INSTANTIATE_TEST_SUITE_P(
                                    [](auto& s) {
                                      s.angular_rate = {0, 0, 0};
                                    }},
-                      LastingFault{"GyroAtItsRange", "withheld.stuck_gyro", "end of its range", 3.1,
-                                   [](auto& s) { s.angular_rate[2] = 34.9; }}),
+                      LastingFault{"GyroStuckInABend", "withheld.stuck_gyro", "gyro is stuck", 0.6,
+                                   [](auto& s) {
+                                     s.angular_rate = {0.2, -0.3, 0.4};
+                                   }}),
     [](const auto& test) { return test.param.name; });
+
+/// The others are good, and the filter needs them.
+TEST_F(DrivenImu, AxesOfTheGyroThatAreStuckAreNamedAndTheOthersGoOn) {
+  drive(10);
+  for (const unsigned stuck : {1u, 2u, 4u, 3u, 6u}) {
+    for (const double rate : {0.12, -34.9}) {
+      const auto spoil = [&](XsensSample& s) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          if ((stuck >> i & 1u) == 0) continue;
+          s.angular_rate[i] = rate;
+          if (rate < -30) s.clipping |= 1u << (11 + i);
+        }
+      };
+      const std::size_t before = published();
+      drive(0.6, spoil);
+      const std::size_t named = published();
+      drive(10, spoil);
+      EXPECT_EQ(published() - before, 1060U) << "none is withheld";
+      for (std::size_t i = named; i < published(); ++i)
+        ASSERT_EQ(recorder_.messages()[i].status, static_cast<std::int32_t>(stuck << 2)) << rate;
+      const NodeReport report = node_.report();
+      EXPECT_EQ(report.faults.size(), static_cast<std::size_t>(std::popcount(stuck))) << stuck;
+      for (const std::string& fault : report.faults) EXPECT_THAT(fault, HasSubstr("stuck or at the end of its range"));
+      drive(2);
+      EXPECT_EQ(recorder_.messages().back().status, 0);
+      EXPECT_THAT(node_.report().faults, IsEmpty());
+    }
+  }
+  NodeReport report = node_.report();
+  EXPECT_GT(report.counters["stuck.gyro_x"], 4000);
+  EXPECT_GT(report.counters["stuck.gyro_z"], 4000);
+  EXPECT_EQ(report.counters["withheld.stuck_gyro"], 0);
+}
 
 /// Samples of a device whose values have steps, straight into the judge. @return how many it withholds.
 int withheld(int rate, double seconds, const std::function<std::array<double, 3>(double)>& acceleration,

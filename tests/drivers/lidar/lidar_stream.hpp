@@ -67,6 +67,13 @@ class LidarStream {
     }
   }
 
+  [[nodiscard]] bool is_true(const lidar_points_t& m, double tolerance = 0.03) const {
+    for (std::size_t i = 0; i < m.x.size(); i += 61) {
+      if (error(m, i) >= tolerance) return false;
+    }
+    return true;
+  }
+
  private:
   static constexpr std::int64_t kDelay = 150;  // us, from the last shot to receipt
   struct Firing {

@@ -112,7 +112,9 @@ TEST(EmulatedModels, AreReadBackWithBothReturns) {
   simulate::devices::Vlp16Emulator vlp16({.rpm = 600, .mode = ReturnMode::kDual});
   HeliosEmulator helios16({.lasers = 16, .rpm = 600, .mode = ReturnMode::kDual, .angles = {}});
   HeliosEmulator helios32({.lasers = 32, .rpm = 600, .mode = ReturnMode::kDual, .angles = {}});
-  const std::pair<LidarEmulator*, models::ModelName> devices[] = {{&vlp16, models::ModelName::kVlp16},
+  simulate::devices::Rs16Emulator rs16({.rpm = 600, .mode = ReturnMode::kDual});
+  const std::pair<LidarEmulator*, models::ModelName> devices[] = {{&rs16, models::ModelName::kRs16},
+                                                                  {&vlp16, models::ModelName::kVlp16},
                                                                   {&helios16, models::ModelName::kHelios16p},
                                                                   {&helios32, models::ModelName::kHelios32}};
   for (const auto& [device, name] : devices) {
@@ -131,6 +133,10 @@ TEST(EmulatedModels, GiveAReturnThatIsBothTheStrongestAndTheLastOnce) {
   Drive drive(vlp16, models::ModelName::kVlp16);
   drive.packet(0);
   drive.expect_truth();
+  simulate::devices::Rs16Emulator rs16({.rpm = 600, .mode = simulate::devices::ReturnMode::kDual});
+  Drive rs16_drive(rs16, models::ModelName::kRs16);
+  rs16_drive.packet(0);
+  rs16_drive.expect_truth();
 }
 
 }  // namespace

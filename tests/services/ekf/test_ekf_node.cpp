@@ -202,5 +202,33 @@ TEST_F(EkfNodeTest, LateStampsOfTheImuAreStraightenedAndRegularOnesKept) {
   EXPECT_NEAR(static_cast<double>(late.odometry.back().utime), static_cast<double>(taken.back().utime), 2e3);
 }
 
+/// Half a second at 3 m/s was 1.5 m, and a turn. What is said is as if nothing had been, with stamps of the new clock.
+TEST_F(EkfNodeTest, AClockThatIsSetByLessThanASecondMovesNothing) {
+  Rig good(config_);
+  for (std::size_t i = 0; i < drive_.imu.size(); ++i) send(good, i);
+  good.finish();
+  for (const std::int64_t step : {-900'000, -500'000, -150'000, 150'000, 500'000, 900'000}) {
+    Rig rig(config_);
+    for (std::size_t i = 0; i < drive_.imu.size(); ++i) {
+      base::WheelSample wheels = drive_.wheels[i];
+      base::ImuSample imu = drive_.imu[i];
+      if (i >= 1000) imu.utime += step;
+      if (i >= (step < 0 ? 998 : 1002)) wheels.utime += step;
+      rig.send("WHEELS", message_of(wheels, static_cast<std::int32_t>(i)));
+      rig.send("IMU", message_of(imu, static_cast<std::int32_t>(i)));
+    }
+    rig.finish();
+    ASSERT_NEAR(static_cast<double>(rig.odometry.size()), static_cast<double>(good.odometry.size()), 2) << step;
+    const odometry_t& end = rig.odometry.back();
+    const odometry_t& expected = good.odometry.back();
+    EXPECT_NEAR(static_cast<double>(end.utime), static_cast<double>(expected.utime + step), 1'000);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(end.position[k], expected.position[k], 0.01) << step;
+    for (int k = 0; k < 4; ++k) EXPECT_NEAR(end.orientation[k], expected.orientation[k], 1e-3) << step;
+    const NodeReport report = rig.node.report();
+    EXPECT_EQ(report.counters["clock_set.imu"], 1);
+    EXPECT_EQ(report.counters["reset.clock"], 0);
+  }
+}
+
 }  // namespace
 }  // namespace curbstone::ekf

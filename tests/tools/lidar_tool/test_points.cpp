@@ -12,6 +12,7 @@
 #include "tests/drivers/lidar/packets.hpp"
 #include "tests/paths.hpp"
 #include "tests/stamps.hpp"
+#include "tools/lidar_tool/lidar_tool.hpp"
 
 namespace curbstone::lidar_tool {
 namespace {
@@ -131,6 +132,40 @@ TEST(LidarPoints, SaysThatThereIsNoLidar) {
   const auto packets = packets_from(capture.name(), {});
   EXPECT_THAT([&] { (void)point_source(*packets, "", ""); },
               ThrowsMessage<std::runtime_error>(HasSubstr("no LiDAR that this program reads")));
+}
+
+int run(std::vector<std::string> words) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  return run_lidar(static_cast<int>(argv.size()), argv.data());
+}
+
+TEST(LidarPoints, AreNotWrittenOverTheirCapture) {
+  const Capture capture(frames(5), lidar::kEthernet, Capture::Format::kMicroseconds, 1332);
+  const auto size = std::filesystem::file_size(capture.name());
+  for (const char* what : {"csv", "pcd"})
+    EXPECT_THAT(
+        [&] {
+          run({"lidar", what, capture.name(), "--out", capture.name()});
+        },
+        ThrowsMessage<std::runtime_error>(HasSubstr("is read from")));
+  EXPECT_EQ(std::filesystem::file_size(capture.name()), size);
+  EXPECT_EQ(run({"lidar", "csv", capture.name(), "--out", capture.name() + ".csv"}), 0);
+  EXPECT_GT(std::filesystem::file_size(capture.name() + ".csv"), 5U * 384 * 40);
+  std::filesystem::remove(capture.name() + ".csv");
+}
+
+/// As `curbstone log csv` of a damaged log does.
+TEST(LidarPoints, OfACaptureThatIsCutOffAreWrittenAndItIsSaidOnce) {
+  const Capture capture(frames(5), lidar::kEthernet, Capture::Format::kMicroseconds, 1332);
+  capture.cut(100);
+  const std::string out = capture.name() + ".csv";
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(run({"lidar", "csv", capture.name(), "--out", out}), 1);
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+  EXPECT_GT(std::filesystem::file_size(out), 4U * 384 * 40);
+  std::filesystem::remove(out);
 }
 
 }  // namespace

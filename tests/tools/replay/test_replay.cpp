@@ -1,7 +1,9 @@
 #include "tools/replay/replay.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -106,6 +108,28 @@ TEST_F(ReplayOnThreads, EndsWhenTheRecordCannotBeWritten) {
         run(run_replay, {"replay", log_, "--map", folder_ / "map.db", "--threads", threads, "--record", "/dev/full"}),
         1);
   }
+}
+
+/// A slip of the fingers cost the recording: it was deleted before it was read, or emptied while it was.
+TEST_F(ReplayOnThreads, DestroysNeitherItsLogNorWhatIsNoMap) {
+  make_town("1");
+  const std::string log = bytes_of(log_);
+  std::filesystem::create_symlink(log_, folder_ / "link");
+  const std::string notes = folder_ / "notes.txt";
+  std::ofstream(notes) << "what was driven today";
+  const std::string map = folder_ / "map.db";
+  const std::string pipe = folder_ / "pipe";  // as /dev/null is none
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(run(run_replay, {"replay", log_, "--map", log_}), 1);
+  EXPECT_EQ(run(run_replay, {"replay", log_, "--map", map, "--record", log_}), 1);
+  EXPECT_EQ(run(run_replay, {"replay", log_, "--map", map, "--record", folder_ / "link"}), 1);
+  EXPECT_EQ(run(run_replay, {"replay", log_, "--map", notes}), 1);
+  EXPECT_EQ(run(run_replay, {"replay", log_, "--map", pipe}), 1);
+  EXPECT_TRUE(bytes_of(log_) == log);
+  EXPECT_EQ(bytes_of(notes), "what was driven today");
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  std::ofstream(map).flush();  // empty: an earlier replay was killed before it wrote
+  for (int again = 0; again < 2; ++again) EXPECT_EQ(run(run_replay, {"replay", log_, "--map", map}), 0);
 }
 
 }  // namespace

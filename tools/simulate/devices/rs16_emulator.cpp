@@ -17,26 +17,24 @@ namespace {
 constexpr double kRadiansADegree = std::numbers::pi / 180.0;
 constexpr double kDistanceStep = 0.005;  // m
 
+/// Two returns take both halves of a block.
+LidarTable table_of(ReturnMode mode) {
+  using namespace lidar::models::rs16;
+  const int sequences = mode == ReturnMode::kDual ? kSequencesPerPacket / kSequencesPerBlock : kSequencesPerPacket;
+  return {"rs16", kLasers, kSequencePeriod, sequences, lidar::models::robosense::kPacketSize, kLensOffset,
+          6699,   7788,    1'000'000};
+}
+
 }  // namespace
 
 Rs16Emulator::Rs16Emulator(const Rs16EmulatorConfig& config)
-    : elevations_(config.elevations), rate_(config.rpm / 60.0 * 360.0) {
+    : elevations_(config.elevations),
+      rate_(config.rpm / 60.0 * 360.0),
+      mode_(config.mode),
+      table_(table_of(config.mode)) {
   for (std::size_t i = 0; i < lidar::models::rs16::kLasers; ++i) {
     by_laser_[i] = {std::cos(elevations_[i] * kRadiansADegree), std::sin(elevations_[i] * kRadiansADegree)};
   }
-}
-
-const LidarTable& Rs16Emulator::table() const {
-  static constexpr LidarTable kTable = {"rs16",
-                                        lidar::models::rs16::kLasers,
-                                        lidar::models::rs16::kSequencePeriod,
-                                        lidar::models::rs16::kSequencesPerPacket,
-                                        lidar::models::robosense::kPacketSize,
-                                        lidar::models::rs16::kLensOffset,
-                                        6699,
-                                        7788,
-                                        1'000'000};
-  return kTable;
 }
 
 std::vector<double> Rs16Emulator::elevations_deg() const {
@@ -48,8 +46,12 @@ void Rs16Emulator::beams(double azimuth_deg, std::span<LidarRay> by_laser) const
 }
 
 std::optional<LidarEmulator::Bytes> Rs16Emulator::add_firing(std::int64_t utime, double azimuth_deg, Shots strongest,
-                                                             Shots /*last*/) {
-  const auto packet = add_sequence(utime, azimuth_deg, strongest.first<lidar::models::rs16::kLasers>());
+                                                             Shots last) {
+  constexpr std::size_t kLasers = lidar::models::rs16::kLasers;
+  const auto packet =
+      mode_ == ReturnMode::kDual
+          ? add_dual(utime, azimuth_deg, strongest.first<kLasers>(), last.first<kLasers>())
+          : add_sequence(utime, azimuth_deg, (mode_ == ReturnMode::kLast ? last : strongest).first<kLasers>());
   if (!packet) return std::nullopt;
   return Bytes(packet->begin(), packet->end());
 }
@@ -76,26 +78,45 @@ std::array<LidarRay, lidar::models::rs16::kLasers> Rs16Emulator::rays(double azi
   return rays;
 }
 
-std::optional<lidar::models::rs16::Rs16Packet> Rs16Emulator::add_sequence(
-    std::int64_t utime, double azimuth_deg, std::span<const LidarShot, lidar::models::rs16::kLasers> by_laser) {
-  if (sequences_ == 0) {
-    packet_ = lidar::models::rs16::MsopPacket{};
-    packet_.magic = lidar::models::robosense::kMsopMagic;
-    packet_.time = lidar::models::robosense::packet_time_from(utime);
-    packet_.tail = {0x00, 0xFF};
-  }
-  lidar::models::rs16::MsopBlock& block = packet_.blocks[sequences_ / lidar::models::rs16::kSequencesPerBlock];
-  const int half = sequences_ % lidar::models::rs16::kSequencesPerBlock;
-  if (half == 0) {
-    block.flag = lidar::models::rs16::MsopBlock::kFlag;
-    block.azimuth = azimuth_steps(azimuth_deg);
-  }
-  lidar::models::rs16::MsopRecord* records = block.records + half * lidar::models::rs16::kLasers;
+void Rs16Emulator::begin_packet(std::int64_t utime) {
+  packet_ = lidar::models::rs16::MsopPacket{};
+  packet_.magic = lidar::models::robosense::kMsopMagic;
+  packet_.time = lidar::models::robosense::packet_time_from(utime);
+  packet_.tail = {0x00, 0xFF};
+}
+
+void Rs16Emulator::put(std::size_t block, std::size_t half, Laser16 by_laser) {
+  lidar::models::rs16::MsopRecord* records = packet_.blocks[block].records + half * lidar::models::rs16::kLasers;
   for (std::size_t i = 0; i < lidar::models::rs16::kLasers; ++i) {
     records[i].distance = range_steps(by_laser[i].range_m, kDistanceStep);
     records[i].intensity = records[i].distance != 0 ? by_laser[i].intensity : std::uint8_t{0};
   }
+}
+
+std::optional<lidar::models::rs16::Rs16Packet> Rs16Emulator::add_sequence(
+    std::int64_t utime, double azimuth_deg, std::span<const LidarShot, lidar::models::rs16::kLasers> by_laser) {
+  if (sequences_ == 0) begin_packet(utime);
+  const auto block = static_cast<std::size_t>(sequences_ / lidar::models::rs16::kSequencesPerBlock);
+  const auto half = static_cast<std::size_t>(sequences_ % lidar::models::rs16::kSequencesPerBlock);
+  if (half == 0) {
+    packet_.blocks[block].flag = lidar::models::rs16::MsopBlock::kFlag;
+    packet_.blocks[block].azimuth = azimuth_steps(azimuth_deg);
+  }
+  put(block, half, by_laser);
   if (++sequences_ < lidar::models::rs16::kSequencesPerPacket) return std::nullopt;
+  sequences_ = 0;
+  return std::bit_cast<lidar::models::rs16::Rs16Packet>(packet_);
+}
+
+std::optional<lidar::models::rs16::Rs16Packet> Rs16Emulator::add_dual(std::int64_t utime, double azimuth_deg,
+                                                                      Laser16 strongest, Laser16 last) {
+  if (sequences_ == 0) begin_packet(utime);
+  const auto block = static_cast<std::size_t>(sequences_);
+  packet_.blocks[block].flag = lidar::models::rs16::MsopBlock::kFlag;
+  packet_.blocks[block].azimuth = azimuth_steps(azimuth_deg);
+  put(block, 0, strongest);
+  put(block, 1, last);
+  if (++sequences_ < static_cast<int>(std::size(packet_.blocks))) return std::nullopt;
   sequences_ = 0;
   return std::bit_cast<lidar::models::rs16::Rs16Packet>(packet_);
 }
@@ -107,7 +128,7 @@ lidar::models::rs16::Rs16Packet Rs16Emulator::difop(std::int64_t utime, int rpm)
   packet.fov_end = 36000;
   packet.firmware = {0x06, 0x23, 0x06, 0x06, 0xA0};
   packet.bottom_firmware = {0x09, 0x00, 0x0C, 0x02, 0xA0};
-  packet.return_mode = 1;
+  packet.return_mode = mode_ == ReturnMode::kDual ? 0 : mode_ == ReturnMode::kStrongest ? 1 : 2;
   packet.time = lidar::models::robosense::packet_time_from(utime);
   for (std::size_t i = 0; i < lidar::models::rs16::kLasers; ++i) {
     packet.elevation[i] = static_cast<std::uint32_t>(std::lround(std::abs(elevations_[i]) * 1e4));

@@ -13,14 +13,15 @@ namespace curbstone::simulate::devices {
 
 struct Rs16EmulatorConfig {
   double rpm = 1200;
+  ReturnMode mode = ReturnMode::kStrongest;
   /// deg, by laser in firing order: a device's own, slightly off the nominal table, so that DIFOP matters.
   lidar::models::rs16::ElevationTable elevations = {-15.0031, -12.9874, -11.0212, -8.9956, -7.0103, -4.9891,
                                                     -3.0067,  -0.9985,  14.9860,  12.9630, 11.0127, 8.9934,
                                                     7.0088,   4.9912,   3.0145,   1.0133};
 };
 
-/// Builds the packets of an RS-LiDAR-16 (single return, 5 mm, current firmware) from what its lasers measured. Pure:
-/// whoever simulates casts the rays, keeps the time and sends the packets.
+/// Builds the packets of an RS-LiDAR-16 (single or dual return, 5 mm, current firmware) from what its lasers measured.
+/// Pure: whoever simulates casts the rays, keeps the time and sends the packets.
 ///
 /// The sequences come every kSequencePeriod; the head turns `360 * rpm / 60 * kSequencePeriod` deg meanwhile. A packet
 /// carries the time and the azimuths (0.01 deg) of its blocks' first shots only: a decoder interpolates the rest, which
@@ -31,7 +32,7 @@ class Rs16Emulator final : public LidarEmulator {
 
   /// deg the head turns from one sequence to the next.
   [[nodiscard]] double azimuth_step() const override { return rate_ * lidar::models::rs16::kSequencePeriod; }
-  [[nodiscard]] const LidarTable& table() const override;
+  [[nodiscard]] const LidarTable& table() const override { return table_; }
   [[nodiscard]] std::vector<double> elevations_deg() const override;
   void beams(double azimuth_deg, std::span<LidarRay> by_laser) const override;
   using LidarEmulator::add_firing;
@@ -42,7 +43,8 @@ class Rs16Emulator final : public LidarEmulator {
   /// Beams of the sequence that starts at `azimuth_deg` (clockwise from above; 0 is x), by laser in firing order.
   [[nodiscard]] std::array<LidarRay, lidar::models::rs16::kLasers> rays(double azimuth_deg) const;
 
-  /// Adds the sequence whose first shot is at `utime`. A packet comes out with the 24th.
+  /// Adds the sequence whose first shot is at `utime`, of a device with single return. A packet comes out with the
+  /// 24th.
   std::optional<lidar::models::rs16::Rs16Packet> add_sequence(
       std::int64_t utime, double azimuth_deg, std::span<const LidarShot, lidar::models::rs16::kLasers> by_laser);
 
@@ -55,8 +57,16 @@ class Rs16Emulator final : public LidarEmulator {
     double sin = 0;
   };
   lidar::models::rs16::ElevationTable elevations_;
+  using Laser16 = std::span<const LidarShot, lidar::models::rs16::kLasers>;
+  std::optional<lidar::models::rs16::Rs16Packet> add_dual(std::int64_t utime, double azimuth_deg, Laser16 strongest,
+                                                          Laser16 last);
+  void begin_packet(std::int64_t utime);
+  void put(std::size_t block, std::size_t half, Laser16 by_laser);
+
   std::array<Direction, lidar::models::rs16::kLasers> by_laser_;
   double rate_;  ///< deg/s
+  ReturnMode mode_;
+  LidarTable table_;
   lidar::models::rs16::MsopPacket packet_{};
   int sequences_ = 0;
 };

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace curbstone::lidar::models::rs16 {
 
@@ -33,11 +35,24 @@ PacketKind Rs16Model::kind_of(Sender sender) const {
 
 Refusal Rs16Model::decode(std::int64_t received, std::span<const std::uint8_t> bytes, decoding::DecodedPacket& packet) {
   (void)received;
-  if (settings_.wait_for_info && !facts_.angles_known) {
-    const Refusal refusal = decoder_.decode(bytes, packet);
-    return refusal == Refusal::kNone ? Refusal::kNoAngles : refusal;
-  }
-  return decoder_.decode(bytes, packet);
+  const Refusal refusal = decoder_.decode(bytes, packet);
+  if (refusal != Refusal::kNone) return refusal;
+  if (settings_.wait_for_info && !facts_.angles_known) return Refusal::kNoAngles;
+  return has_two_returns(packet) ? Refusal::kMode : Refusal::kNone;
+}
+
+/// A packet does not say how many returns it has, and the device says it once a second. But in half the time of a
+/// packet with one return its head turns as far as in the whole. Until the device has said so, none is right.
+bool Rs16Model::has_two_returns(const decoding::DecodedPacket& packet) {
+  constexpr int kSure = 2;
+  if (decoder_.device().dual_return || !packet.stamp) return false;
+  const double took = static_cast<double>(*packet.stamp - std::exchange(stamp_, *packet.stamp)) * 1e-6;
+  const int turned = (packet.azimuth - std::exchange(azimuth_, packet.azimuth) + 36000) % 36000;
+  const bool half = std::abs(took - 0.5 * packet.duration) < 0.1 * packet.duration;
+  const double whole = packet.rate * packet.duration;
+  const bool as_far = std::abs(turned - whole) < 0.2 * whole;
+  halves_ = half && as_far ? std::min(halves_ + 1, kSure) : 0;
+  return halves_ == kSure;
 }
 
 Refusal Rs16Model::read_info(std::int64_t received, std::span<const std::uint8_t> bytes) {

@@ -25,11 +25,15 @@ class Rs16Model final : public Model {
  private:
   [[nodiscard]] DeviceInfo with_settings(DeviceInfo info) const;
   void tell(const DeviceInfo& info, const DeviceStatus& status);
+  [[nodiscard]] bool has_two_returns(const decoding::DecodedPacket& packet);
 
   ModelSettings settings_;
   Rs16Decoder decoder_;
   Agreed<DeviceInfo> info_;
   DeviceFacts facts_;
+  std::int64_t stamp_ = 0;  // us, of the packet before
+  int azimuth_ = 0;         // 0.01 deg, likewise
+  int halves_ = 0;          // packets in a row that took half the time of one return's
 };
 
 }  // namespace curbstone::lidar::models::rs16

@@ -38,7 +38,8 @@ TEST(WitDevice, TheWorkedFramesGiveTheirValues) {
   EXPECT_NEAR(samples[0].angular_rate[2], -99.976 * std::numbers::pi / 180, 1e-4);
   EXPECT_NEAR(*samples[0].temperature, 25.06, 1e-9);
   EXPECT_NEAR((*samples[0].orientation)[0], 1, 1e-9);
-  EXPECT_FALSE(samples[0].clipping);
+  EXPECT_FALSE(samples[0].force_clips);
+  EXPECT_EQ(samples[0].rate_clips, (std::array<bool, 3>{}));
   EXPECT_FALSE(samples[0].time);
 }
 

@@ -17,6 +17,7 @@ namespace {
 
 using simulate::devices::XsensSample;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -112,28 +113,33 @@ TEST_F(WitLastingFaults, OneSampleWithItsTimeOverAndOverIsRefused) {
   expect_recovery();
 }
 
-TEST_F(WitLastingFaults, AnAxisAtTheEndOfItsRangeIsFlaggedAtOnceAndWithheldIfItStays) {
-  struct Case {
-    const char* counter;
-    const char* fault;
-    std::function<void(XsensSample&)> spoil;
-  };
-  const std::vector<Case> cases = {
-      {"withheld.stuck_accelerometer", "accelerometer is stuck", [](XsensSample& s) { s.acceleration[0] = 50 * 9.81; }},
-      {"withheld.stuck_gyro", "end of its range", [](XsensSample& s) { s.angular_rate[2] = 40; }},  // 2292 deg/s
-  };
-  for (const Case& c : cases) {
-    const std::size_t before = published();
-    drive(4.2, c.spoil);
-    for (std::size_t i = before; i < published(); ++i) EXPECT_NE(recorder_.messages()[i].status & imu_t::CLIPPING, 0);
-    const std::size_t withheld = published();
-    drive(30, c.spoil);
-    EXPECT_EQ(published(), withheld);
-    EXPECT_GE(count(c.counter), 2900);
-    EXPECT_THAT(faults(), Contains(HasSubstr(c.fault)));
-    EXPECT_THAT(faults(), Contains(HasSubstr("clips")));
-    expect_recovery();
-  }
+TEST_F(WitLastingFaults, AForceAtTheEndOfItsRangeIsFlaggedAtOnceAndWithheldIfItStays) {
+  const auto spoil = [](XsensSample& s) { s.acceleration[0] = 50 * 9.81; };
+  const std::size_t before = published();
+  drive(4.2, spoil);
+  for (std::size_t i = before; i < published(); ++i) EXPECT_NE(recorder_.messages()[i].status & imu_t::CLIPPING, 0);
+  const std::size_t withheld = published();
+  drive(30, spoil);
+  EXPECT_EQ(published(), withheld);
+  EXPECT_GE(count("withheld.stuck_accelerometer"), 2900);
+  EXPECT_THAT(faults(), Contains(HasSubstr("accelerometer is stuck")));
+  EXPECT_THAT(faults(), Contains(HasSubstr("clips")));
+  expect_recovery();
+}
+
+TEST_F(WitLastingFaults, ARateAtTheEndOfItsRangeIsFlaggedAtOnceAndItsAxisNamedIfItStays) {
+  const auto spoil = [](XsensSample& s) { s.angular_rate[2] = 40; };  // 2292 deg/s
+  const std::size_t before = published();
+  drive(0.4, spoil);
+  for (std::size_t i = before; i < published(); ++i) EXPECT_EQ(recorder_.messages()[i].status, imu_t::CLIPPING);
+  drive(0.2, spoil);
+  const std::size_t named = published();
+  drive(30, spoil);
+  EXPECT_NEAR(static_cast<double>(published() - named), 3000, 2);
+  for (std::size_t i = named; i < published(); ++i) EXPECT_EQ(recorder_.messages()[i].status, imu_t::GYRO_Z_STUCK);
+  EXPECT_GE(count("stuck.gyro_z"), 2990);
+  EXPECT_THAT(faults(), ElementsAre(HasSubstr("the end of its range about z")));
+  expect_recovery();
 }
 
 TEST_F(WitLastingFaults, MinutesOfAWrongBaudPublishNothingAndAreTold) {

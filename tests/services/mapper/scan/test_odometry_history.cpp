@@ -94,6 +94,18 @@ TEST(OdometryHistory, LeavesOutWhatIsLateAndBeginsAnewWhenTheClockJumps) {
   EXPECT_TRUE(history.covers(kStart + 10 * kPeriod, kStart + 10 * kPeriod));
 }
 
+/// Half a second back: what the filter says goes on from there. A message that comes twice, on two ways, does not.
+TEST(OdometryHistory, BeginsAnewWhereTheClockWasSetBackALittle) {
+  OdometryHistory history = history_of(300);
+  for (int i = 250; i < 254; ++i) EXPECT_EQ(history.add(sample(i)), OdometryHistory::Added::kLate) << i;
+  EXPECT_EQ(history.add(sample(254)), OdometryHistory::Added::kClockJump);
+  EXPECT_EQ(history.add(sample(255)), OdometryHistory::Added::kYes);
+  for (int i = 256; i < 400; ++i) {
+    EXPECT_EQ(history.add(sample(i)), OdometryHistory::Added::kYes);
+    EXPECT_NE(history.add(sample(i - 50)), OdometryHistory::Added::kClockJump);
+  }
+}
+
 TEST(OdometryHistory, ForgetsWhatIsNotNeeded) {
   OdometryHistory history = history_of(100);
   history.forget_before(kStart + 505'000);

@@ -72,6 +72,22 @@ class PacketIntakeTest : public ::testing::Test {
   PacketIntake::Handler hand_on_ = [this](const lidar_points_t& m) { handed_on_.push_back(m.packet); };
 };
 
+/// A replay ticks each 0.25 s of message time, or each second, and nobody answers: 50 such ticks were 12 s, of which
+/// all but 4 s went without a word.
+TEST_F(PacketIntakeTest, LosesNothingButWhatIsLostWhereTicksAreFarApart) {
+  for (const int each : {188, 750}) {  // packets of 1/750 s
+    PacketIntake intake(bus_, "mapper", "LIDAR_POINTS");
+    handed_on_.clear();
+    for (int i = 0; i < 30'000; ++i) {
+      if (i != 7'000) intake.hear(packet(i), hand_on_);
+      if (i % each == 0) intake.tick(packet(i).utime, hand_on_);
+    }
+    intake.release(hand_on_);
+    EXPECT_EQ(handed_on_.size(), 29'999U) << each;
+    EXPECT_EQ(intake.counters().values().at("lidar.not_resent"), 1);
+  }
+}
+
 TEST_F(PacketIntakeTest, HandsOnAtOnceWhatIsInOrder) {
   for (int i = 0; i < 100; ++i) {
     send(i);

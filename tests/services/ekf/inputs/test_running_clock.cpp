@@ -1,0 +1,113 @@
+#include "services/ekf/inputs/running_clock.hpp"
+
+#include <gtest/gtest.h>
+
+#include <tuple>
+
+#include "tests/stamps.hpp"
+
+namespace curbstone::ekf::inputs {
+namespace {
+
+using test::kStart;
+using Sensor = RunningClock::Sensor;
+
+constexpr std::int64_t kPeriod = 10'000;
+
+class RunningClockTest : public ::testing::Test {
+ protected:
+  /// Both sensors for `seconds`, with stamps of a clock that is `set_by` off.
+  void drive(double seconds, std::int64_t imu_set_by, std::int64_t wheels_set_by) {
+    for (const int end = i_ + static_cast<int>(seconds * 100); i_ < end; ++i_) {
+      add(Sensor::kWheels, i_ * kPeriod + 4'000, wheels_set_by);
+      add(Sensor::kImu, i_ * kPeriod, imu_set_by);
+    }
+  }
+  void add(Sensor sensor, std::int64_t at, std::int64_t set_by) {
+    const auto utime = clock_.add(sensor, kStart + at + set_by, i_);
+    if (!utime) ++dropped_;
+    const bool ahead = sensor == Sensor::kWheels && set_by > clock_.set_by() + 1'000;  // the node lets them go
+    if (ahead) {
+      ++ahead_;
+    } else if (utime) {
+      EXPECT_NEAR(static_cast<double>(*utime), static_cast<double>(kStart + at), 1'000) << i_;
+    }
+  }
+
+  RunningClock clock_{1'000'000};
+  int i_ = 0;
+  int dropped_ = 0;
+  int ahead_ = 0;
+};
+
+TEST_F(RunningClockTest, LeavesWhatRunsOnAsItIs) {
+  drive(5, 0, 0);
+  i_ += 70;  // both were silent, or lost
+  drive(5, 0, 0);
+  EXPECT_EQ(dropped_, 0);
+  EXPECT_EQ(clock_.set_by(), 0);
+}
+
+TEST_F(RunningClockTest, TakesOutStepsBackAndForthWhicheverSensorIsSetFirst) {
+  std::int64_t set = 0;
+  for (const std::int64_t step : {-500'000, 900'000, 150'000, -990'000, 500'000, -120'000}) {
+    drive(3, set, set);
+    if (step < 0) {
+      drive(0.02, set, set + step);
+    } else {
+      drive(0.02, set + step, set);
+    }
+    set += step;
+    drive(3, set, set);
+    EXPECT_NEAR(static_cast<double>(clock_.set_by()), static_cast<double>(set), 10) << step;
+  }
+  EXPECT_EQ(clock_.counters().values().at("clock_set.imu"), 6);
+  EXPECT_EQ(clock_.counters().values().at("clock_set.wheels"), 3) << "forward they go with the IMU";
+  EXPECT_LE(dropped_, 24);
+  EXPECT_LE(ahead_, 3);
+}
+
+/// Their numbers are those of messages.
+TEST_F(RunningClockTest, WheelsThatWereSilentAreNotSetForward) {
+  for (int i = 0; i < 600; ++i) {
+    const bool silent = i >= 300 && i < 370;
+    EXPECT_EQ(clock_.add(Sensor::kImu, kStart + i * kPeriod, i), kStart + i * kPeriod);
+    if (silent) continue;
+    EXPECT_EQ(clock_.add(Sensor::kWheels, kStart + i * kPeriod, i < 300 ? i : i - 70), kStart + i * kPeriod);
+  }
+}
+
+/// One wild stamp, a message that was overtaken, a block that was, and a driver that began again.
+TEST_F(RunningClockTest, IsNotFooled) {
+  for (int i = 0; i < 2000; ++i) {
+    std::int64_t utime = kStart + i * kPeriod;
+    if (i == 200 || i == 201) utime += i == 200 ? -700'000 : 700'000;
+    const auto out = clock_.add(Sensor::kImu, utime, i);
+    if (i != 200 && i != 201) {
+      ASSERT_EQ(out, utime) << i;
+    }
+    if (i == 400) std::ignore = clock_.add(Sensor::kImu, kStart + 350 * kPeriod, 350);
+    if (i != 600) continue;
+    for (int late = 540; late < 560; ++late)
+      EXPECT_EQ(clock_.add(Sensor::kImu, kStart + late * kPeriod, late), kStart + late * kPeriod);
+  }
+  for (int i = 0; i < 500; ++i) {
+    const std::int64_t utime = kStart + (2060 + i) * kPeriod;
+    ASSERT_EQ(clock_.add(Sensor::kImu, utime, i), utime);
+  }
+  EXPECT_EQ(clock_.set_by(), 0);
+}
+
+/// StampGuard has those.
+TEST_F(RunningClockTest, LeavesLargeStepsAsTheyAre) {
+  for (const std::int64_t hour : {3'600'000'000, -3'600'000'000}) {
+    RunningClock clock(1'000'000);
+    for (int i = 0; i < 200; ++i) {
+      const std::int64_t utime = kStart + i * kPeriod + (i < 100 ? 0 : hour);
+      EXPECT_EQ(clock.add(Sensor::kImu, utime, i), utime);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace curbstone::ekf::inputs
