@@ -10,13 +10,16 @@
 
 namespace curbstone::semantic_map::markings {
 
-/// A cell that is brighter than the ground around it.
+/// A cell that is brighter than the ground around it, or lies beside one.
 struct MarkingCell {
   std::uint8_t column = 0, row = 0;
-  bool is_strong = false;  ///< by itself a piece of paint; the others tell where its edges are
+  bool is_strong = false;  ///< by itself a piece of paint
+  bool is_bright = false;  ///< tells where paint's edges are; the others, what is beside it
+  std::uint8_t count = 0;  ///< points that tell its contrast; 255: or more
   float x = 0, y = 0;      ///< m from the tile's corner, centroid of what is brighter
   float z = 0;             ///< m in map
-  float contrast = 0;      ///< over the ground around, 0..255
+  float contrast = 0;      ///< over the ground around, -255..255
+  float level = 0;         ///< of that ground, 0..255
   bool operator==(const MarkingCell&) const = default;
 };
 

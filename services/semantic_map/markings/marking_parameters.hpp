@@ -9,7 +9,7 @@ struct MarkingParameters {
   bool enabled = true;
   double min_contrast = 20;  ///< brighter than the ground around
   double min_sigmas = 1.5;   ///< and that many times its own uncertainty
-  double side_share = 0.6;   ///< of the contrast, that both sides must lie below
+  double side_share = 0.4;   ///< of the contrast, that both sides must lie below, all along
   bool local = true;         ///< against the ground around; off: against `level` everywhere (ablation)
   double level = 64;         ///< what the road is, where `local` is off
   bool two_sided = true;     ///< off: one side is enough (ablation)
