@@ -30,10 +30,10 @@ struct MarkingSurroundings {
   const tile::MapTile* classes = nullptr;  ///< of the centre tile
 };
 
-/// Evidence of paint, cell by cell, in order: contrast to the ground within 1.2 m, of which paint and tar may be a
-/// part; strong if it is brighter than both sides at 0.3 to 0.5 m across, stands out of its own uncertainty, and is no
-/// less than 0.25 m from a curb nor beyond one, on its higher side. Only on ground where a vehicle may drive, and that
-/// is not half as bright again as the road's median: grass.
+/// Evidence of paint, cell by cell, in order, with all cells within 0.6 m of what is bright: contrast to the ground
+/// within 1.2 m, of which paint and tar may be a part; strong if it is brighter than both sides at 0.3 to 0.5 m across,
+/// stands out of its own uncertainty, and is no less than 0.25 m from a curb nor beyond one, on its higher side. Bright
+/// only on ground where a vehicle may drive, and that is not half as bright again as the road's median: grass.
 [[nodiscard]] std::vector<MarkingCell> find_marking_cells(const MarkingSurroundings& around,
                                                           const MarkingParameters& parameters);
 

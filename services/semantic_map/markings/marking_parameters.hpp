@@ -19,7 +19,8 @@ struct MarkingParameters {
     v.field("enabled", enabled, "look for road markings");
     v.field("min_contrast", min_contrast, {1, 255}, "brighter than the ground around, at least; its median is 64");
     v.field("min_sigmas", min_sigmas, {0, 100}, "the contrast in units of its own uncertainty, at least");
-    v.field("side_share", side_share, {0, 1}, "of the contrast, that both sides of a marking must lie below");
+    v.field("side_share", side_share, {0, 1},
+            "of a marking's contrast, that both its sides must lie below, along all of it");
     v.field("local", local, "against the ground around (off: against `level` everywhere)");
     v.field("level", level, {0, 255}, "intensity of the road, where `local` is off");
     v.field("two_sided", two_sided, "brighter than both sides (off: than one)");
