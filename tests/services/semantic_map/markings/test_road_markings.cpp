@@ -3,72 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
-#include <optional>
-#include <random>
 
 #include "services/semantic_map/map_lines.hpp"
 #include "services/semantic_map/marking_lines/cut_lines.hpp"
 #include "services/semantic_map/marking_lines/marking_lines.hpp"
-#include "services/semantic_map/marking_lines/marking_pieces.hpp"
 #include "services/semantic_map/nearby_markings.hpp"
 #include "services/semantic_map/pipeline/tile_pipeline.hpp"
+#include "tests/services/semantic_map/markings/painted_road.hpp"
 
 namespace curbstone::semantic_map {
 namespace {
 
 using tile::MarkingLine;
 using tile::MarkingType;
-
-constexpr double kRoad = 64;
-constexpr double kPaint = 160;
-
-/// A flat road from -15 to 15 m along x, -6 to 6 m across, 300 points/m^2, with noise of 12 of 255.
-std::vector<tile::VotedTile> road(const std::function<double(double, double)>& intensity) {
-  std::mt19937 random(7);
-  std::uniform_real_distribution<double> along(-15, 15), across(-6, 6);
-  std::normal_distribution<double> noise(0, 12), height(0, 0.005);
-  std::map<TileKey, tile::VotedTile> tiles;
-  for (int i = 0; i < 30 * 12 * 300; ++i) {
-    const double x = along(random);
-    const double y = across(random);
-    const TileKey key = *tile_at(x, y);
-    tile::VotedTile& tile = tiles[key];
-    tile.key = key;
-    tile.revision = 1;
-    tile.points.push_back({{Eigen::Vector3f::UnitZ(), 0.9F, 0.05F, 5.0F},
-                           static_cast<float>(x - key.x * kTileSize),
-                           static_cast<float>(y - key.y * kTileSize),
-                           static_cast<float>(height(random))});
-    tile.intensity.push_back(static_cast<std::uint8_t>(std::clamp(intensity(x, y) + noise(random), 1.0, 255.0)));
-  }
-  std::vector<tile::VotedTile> result;
-  for (auto& [key, tile] : tiles) result.push_back(std::move(tile));
-  return result;
-}
-
-/// Driven along x, at y = -1.5 m.
-std::vector<Eigen::Vector2d> path() {
-  std::vector<Eigen::Vector2d> path;
-  for (double x = -15; x <= 15; x += 0.5) path.emplace_back(x, -1.5);
-  return path;
-}
-
-std::vector<MarkingLine> lines_of(const std::vector<tile::VotedTile>& tiles) {
-  pipeline::TilePipeline pipeline({}, {});
-  for (const tile::VotedTile& tile : tiles) pipeline.set_voted(tile);
-  pipeline.settle();
-  return all_markings(pipeline, all_curbs(pipeline), path(), {});
-}
-
-double painted_length(const MarkingLine& line) {
-  double length = 0;
-  for (std::size_t i = 1; i < line.points.size(); ++i) {
-    const auto &a = line.points[i - 1], &b = line.points[i];
-    if (a.painted) length += std::hypot(double{b.x} - double{a.x}, double{b.y} - double{a.y});
-  }
-  return length;
-}
 
 TEST(RoadMarkings, ASolidLineIsFoundWhereItIs) {
   const auto lines = lines_of(road([](double, double y) { return std::abs(y - 0.37) < 0.06 ? kPaint : kRoad; }));
@@ -130,78 +77,6 @@ TEST(RoadMarkings, ABrightSlabOfPavementBesideTheRoadIsNoPaint) {
                   return std::abs(y - slab) < 0.15 && std::abs(x) < 1.5 ? 150.0 : 130.0;
                 })).empty())
         << slab;
-}
-
-TEST(RoadMarkings, AStoneBetweenRoadAndPavementIsNoPaint) {
-  for (const double pavement : {120.0, 132.0, 150.0})
-    EXPECT_TRUE(lines_of(road([&](double x, double y) {
-                  if (y < 2 || std::abs(x) > 2.5) return kRoad;  // as where a driveway's kerb is lowered
-                  return y < 2.14 ? 197.0 : pavement;
-                })).empty())
-        << pavement;
-}
-
-TEST(RoadMarkings, ThePatchBesideATarredSeamIsNoPaint) {
-  for (const double patch : {80.0, 90.0, 100.0})
-    EXPECT_TRUE(lines_of(road([&](double x, double y) {
-                  const double outside = std::max(std::abs(x) - 4, std::abs(y) - 1);
-                  return std::abs(outside) < 0.03 ? 5.0 : outside < 0 ? patch : kRoad;
-                })).empty())
-        << patch;
-}
-
-TEST(RoadMarkings, WornPaintOnTheEdgeOfAPatchIsPaint) {
-  const auto lines = lines_of(road([](double, double y) {
-    if (std::abs(y - 0.37) < 0.06) return kRoad + 60;
-    return y > 0.43 ? kRoad + 10 : kRoad;
-  }));
-  ASSERT_EQ(lines.size(), 1U);
-  EXPECT_EQ(lines[0].type, MarkingType::kSolid);
-  EXPECT_NEAR(painted_length(lines[0]), 30, 1);
-}
-
-TEST(RoadMarkings, APieceIsPaintIfBothItsSidesAreDarker) {
-  marking_lines::MarkingPiece piece;
-  piece.width = 0.12;
-  piece.contrast = 100;
-  piece.left = 5;
-  piece.right = -20;
-  EXPECT_TRUE(marking_lines::is_paint(piece, {}));
-  for (auto side : {&marking_lines::MarkingPiece::left, &marking_lines::MarkingPiece::right}) {
-    marking_lines::MarkingPiece edge = piece;
-    edge.*side = 60;
-    EXPECT_FALSE(marking_lines::is_paint(edge, {}));
-    edge.*side = std::nullopt;
-    EXPECT_TRUE(marking_lines::is_paint(edge, {})) << "nobody sees that side";
-  }
-}
-
-TEST(RoadMarkings, ABroadPieceIsPaintOnlyIfItIsBrighterThanAFaintLine) {
-  marking_lines::MarkingPiece piece;
-  piece.contrast = 23;
-  piece.left = piece.right = 0;
-  for (const double width : {0.05, 0.12, 0.3}) {
-    piece.width = width;
-    EXPECT_TRUE(marking_lines::is_paint(piece, {})) << width;
-  }
-  for (const double width : {0.5, 0.7}) {
-    piece.width = width;
-    EXPECT_FALSE(marking_lines::is_paint(piece, {})) << width;
-  }
-  piece.contrast = 40;
-  EXPECT_TRUE(marking_lines::is_paint(piece, {}));
-}
-
-TEST(RoadMarkings, ALineLongerThanADashIsSolidAndSoIsOneWithHoles) {
-  const auto type = [](const std::function<bool(double)>& is_painted) {
-    const auto lines =
-        lines_of(road([&](double x, double y) { return std::abs(y) < 0.06 && is_painted(x) ? kPaint : kRoad; }));
-    return lines.size() == 1 ? lines[0].type : MarkingType::kOther;
-  };
-  EXPECT_EQ(type([](double x) { return std::abs(x) < 2.5; }), MarkingType::kSolid);
-  EXPECT_EQ(type([](double x) { return std::abs(x) < 1.5; }), MarkingType::kUnknown) << "it may be a dash";
-  EXPECT_EQ(type([](double x) { return std::abs(x) < 12 && std::fmod(x + 12, 5.0) > 1.4; }), MarkingType::kSolid);
-  EXPECT_EQ(type([](double x) { return std::abs(x) < 12 && std::fmod(x + 12, 5.0) > 2.0; }), MarkingType::kDashed);
 }
 
 TEST(RoadMarkings, TheStoneOfALoweredKerbIsNoPaint) {
