@@ -47,7 +47,9 @@ void append_marking_cells(TileKey key, const MapBox& box, const std::vector<mark
                           std::vector<marking_lines::MapMarkingCell>& cells) {
   for (const markings::MarkingCell& cell : of_tile) {
     const Eigen::Vector2d at = corner_of(key) + Eigen::Vector2d(double{cell.x}, double{cell.y});
-    if (box.contains(at)) cells.push_back({at, double{cell.z}, double{cell.contrast}, cell.is_strong});
+    if (box.contains(at))
+      cells.push_back({at, double{cell.z}, double{cell.contrast}, cell.is_strong, cell.is_bright,
+                       static_cast<double>(cell.count), double{cell.level}});
   }
 }
 
@@ -98,7 +100,9 @@ std::vector<tile::CurbLine> link_curbs(const std::vector<curb_lines::MapCurbPoin
 std::vector<tile::MarkingLine> link_markings(std::vector<marking_lines::MapMarkingCell> cells, const Kerbstones& kerbs,
                                              const tile::DrivenPath& path,
                                              const markings::MarkingParameters& parameters) {
-  std::erase_if(cells, [&](const marking_lines::MapMarkingCell& cell) { return kerbs.hold(cell.at); });
+  for (marking_lines::MapMarkingCell& cell : cells) {
+    if (cell.is_bright && kerbs.hold(cell.at)) cell.is_bright = cell.is_strong = false;
+  }
   return marking_lines::link_markings(cells, path, parameters);
 }
 

@@ -10,32 +10,50 @@
 
 namespace curbstone::semantic_map::marking_lines {
 
-/// A cell of paint in the map frame.
+/// A cell of paint, or of what lies beside it, in the map frame.
 struct MapMarkingCell {
   Eigen::Vector2d at = Eigen::Vector2d::Zero();  ///< m
   double z = 0;
-  double contrast = 0;  ///< 0..255 over the ground around
+  double contrast = 0;  ///< -255..255 over the ground around
   bool is_strong = false;
+  bool is_bright = true;  ///< off: bare ground
+  double count = 1;       ///< points that tell its contrast
+  double level = 0;       ///< 0..255, of the ground around
 };
 
-/// The cells of paint, to be found by place.
+/// The cells, to be found by place.
 class MarkingField {
  public:
   explicit MarkingField(const std::vector<MapMarkingCell>& cells) : cells_(cells) {
-    for (std::size_t i = 0; i < cells.size(); ++i) grid_[square(cells[i].at)].push_back(i);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      all_[square(cells[i].at)].push_back(i);
+      if (cells[i].is_bright) bright_[square(cells[i].at)].push_back(i);
+    }
   }
   [[nodiscard]] const std::vector<MapMarkingCell>& cells() const { return cells_; }
 
-  /// visit(index, offset from `at`) of all cells within a square of 2 `reach` about `at`, in an order that depends on
-  /// the cells alone.
+  /// visit(index, offset from `at`) of all bright cells within a square of 2 `reach` about `at`, in an order that
+  /// depends on the cells alone.
   template <class Visit>
   void within(const Eigen::Vector2d& at, double reach, Visit visit) const {
+    within(bright_, at, reach, visit);
+  }
+  /// Those of bare ground, too.
+  template <class Visit>
+  void all_within(const Eigen::Vector2d& at, double reach, Visit visit) const {
+    within(all_, at, reach, visit);
+  }
+
+ private:
+  using Grid = std::unordered_map<TileKey, std::vector<std::size_t>, TileKeyHash>;
+  template <class Visit>
+  void within(const Grid& grid, const Eigen::Vector2d& at, double reach, Visit& visit) const {
     const TileKey low = square(at.array() - reach);
     const TileKey high = square(at.array() + reach);
     for (std::int32_t x = low.x; x <= high.x; ++x) {
       for (std::int32_t y = low.y; y <= high.y; ++y) {
-        const auto it = grid_.find({x, y});
-        if (it == grid_.end()) continue;
+        const auto it = grid.find({x, y});
+        if (it == grid.end()) continue;
         for (const std::size_t i : it->second) {
           const Eigen::Vector2d d = cells_[i].at - at;
           if (std::abs(d.x()) <= reach && std::abs(d.y()) <= reach) visit(i, d);
@@ -44,14 +62,13 @@ class MarkingField {
     }
   }
 
- private:
   static constexpr double kSquare = 0.5;  // m
   static TileKey square(const Eigen::Vector2d& at) {
     return {static_cast<std::int32_t>(std::floor(at.x() / kSquare)),
             static_cast<std::int32_t>(std::floor(at.y() / kSquare))};
   }
   const std::vector<MapMarkingCell>& cells_;
-  std::unordered_map<TileKey, std::vector<std::size_t>, TileKeyHash> grid_;
+  Grid all_, bright_;
 };
 
 }  // namespace curbstone::semantic_map::marking_lines

@@ -29,7 +29,8 @@ std::vector<tile::MarkingLine> link_markings(const std::vector<MapMarkingCell>& 
   const MarkingField field(cells);
   std::vector<MarkingPiece> pieces;
   for (const MarkingChain& chain : chain_markings(field, {parameters.vote})) {
-    if (auto piece = measure_piece(field, chain)) pieces.push_back(std::move(*piece));
+    auto piece = measure_piece(field, chain);
+    if (piece && is_paint(*piece, parameters)) pieces.push_back(std::move(*piece));
   }
   std::vector<tile::MarkingLine> lines = take_crossings(pieces);
   for (const MarkingString& string : join_pieces(std::move(pieces))) {

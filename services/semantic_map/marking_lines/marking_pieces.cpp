@@ -11,18 +11,27 @@ using curb_lines::SmoothingSpline;
 constexpr std::size_t kFewestPoints = 3;
 constexpr double kShortestPiece = 0.30;  // m
 constexpr double kPieceWidth = 0.35;     // m: paint of this piece
-constexpr double kCore = 0.08;           // m: where it is whole
-constexpr double kEndReach = 0.25;       // m beyond the last sample that paint may go on
-constexpr double kEndInside = 0.30;      // m before it, from where what is painted is counted
-constexpr double kHalfCell = 0.06;       // m
-constexpr double kEndLength = 1.0;       // m that say where a piece points
+constexpr double kNarrowest = 0.1;  // m: as wide, at least and at most, a piece is taken where its sides are looked at
+constexpr double kBroadest = 0.5;
+constexpr double kLineWidth = 0.36;   // m: what is broader must be brighter, for mended asphalt is broad
+constexpr double kBesideFrom = 0.10;  // m from its edge, where its sides begin: its cells' own paint ends before
+constexpr double kBesideTo = 0.46;    // the next bar of a crossing begins behind
+constexpr double kSides = kBroadest / 2 + kBesideTo;  // m across that are looked at
+constexpr double kCore = 0.08;                        // m: where it is whole
+constexpr double kEndReach = 0.25;                    // m beyond the last sample that paint may go on
+constexpr double kEndInside = 0.30;                   // m before it, from where what is painted is counted
+constexpr double kHalfCell = 0.06;                    // m
+constexpr double kEndLength = 1.0;                    // m that say where a piece points
 constexpr double kCellArea = kCellSize * kCellSize;
 
-/// A cell of paint seen along a piece.
+/// A cell seen along a piece.
 struct AlongCell {
   double s = 0;
   double across = 0;
   double contrast = 0;
+  double count = 0;
+  double level = 0;
+  bool is_bright = false;
 };
 
 std::vector<SmoothingSpline::Sample> lay_out(const MarkingChain& chain) {
@@ -40,7 +49,7 @@ std::vector<SmoothingSpline::Sample> lay_out(const MarkingChain& chain) {
 }
 
 /// The cells about a piece, by the nearest place of the spline among steps of 0.1 m; its ends are prolonged.
-std::vector<AlongCell> cells_along(const MarkingField& field, const SmoothingSpline& spline) {
+std::vector<AlongCell> cells_along(const MarkingField& field, const SmoothingSpline& spline, double reach) {
   constexpr double kStep = 0.1;
   std::vector<AlongCell> cells;
   const int steps = std::max(1, static_cast<int>(std::lround((spline.end() - spline.begin()) / kStep)));
@@ -53,14 +62,37 @@ std::vector<AlongCell> cells_along(const MarkingField& field, const SmoothingSpl
     along.normalize();
     const double before = k == 0 ? kEndReach : step / 2;
     const double behind = k == steps ? kEndReach : step / 2;
-    field.within(at, kPieceWidth + kEndReach, [&](std::size_t i, const Eigen::Vector2d& d) {
+    field.all_within(at, reach + kEndReach, [&](std::size_t i, const Eigen::Vector2d& d) {
       const double ahead = d.dot(along);
       const double across = along.x() * d.y() - along.y() * d.x();
-      if (ahead < -before || ahead >= behind || std::abs(across) > kPieceWidth) return;
-      cells.push_back({s + ahead, across, field.cells()[i].contrast});
+      if (ahead < -before || ahead >= behind || std::abs(across) > reach) return;
+      const MapMarkingCell& cell = field.cells()[i];
+      cells.push_back({s + ahead, across, cell.contrast, cell.count, cell.level, cell.is_bright});
     });
   }
   return cells;
+}
+
+/// How bright the ground beside a piece is, `sense` 1 to its left, -1 to its right: within a patch the ground around is
+/// the patch, so all is told over the piece's own `level`. Another line may lie there, so the darkest quarter of the
+/// points counts. Nothing where none is seen.
+std::optional<double> ground_beside(const std::vector<AlongCell>& cells, double last, double half_width, double sense,
+                                    double level) {
+  std::vector<std::pair<double, double>> seen;  // contrast and points
+  double all = 0;
+  for (const AlongCell& cell : cells) {
+    const double beside = sense * cell.across - half_width;
+    if (cell.s < 0 || cell.s > last || beside < kBesideFrom || beside > kBesideTo) continue;
+    seen.emplace_back(cell.contrast + cell.level - level, cell.count);
+    all += cell.count;
+  }
+  std::sort(seen.begin(), seen.end());
+  double below = 0;
+  for (const auto& [contrast, count] : seen) {
+    below += count;
+    if (below >= all / 4) return contrast;
+  }
+  return std::nullopt;
 }
 
 double quantile_of(std::vector<double> values, double share) {
@@ -79,15 +111,24 @@ std::optional<MarkingPiece> measure_piece(const MarkingField& field, const Marki
   const double last = piece.samples.back().s;
   if (last < kShortestPiece) return std::nullopt;
   const SmoothingSpline spline(piece.samples);
-  const std::vector<AlongCell> cells = cells_along(field, spline);
+  const std::vector<AlongCell> around = cells_along(field, spline, kSides);
+  std::vector<AlongCell> cells;
+  for (const AlongCell& cell : around) {
+    if (cell.is_bright && std::abs(cell.across) <= kPieceWidth) cells.push_back(cell);
+  }
   std::vector<double> core;
+  double level = 0;    // of the ground around it
   double painted = 0;  // contrast times cells, well inside
   const double margin = std::min(kEndInside, last / 4);
   for (const AlongCell& cell : cells) {
-    if (std::abs(cell.across) <= kCore) core.push_back(cell.contrast);
+    if (std::abs(cell.across) <= kCore) {
+      level += cell.level;
+      core.push_back(cell.contrast);
+    }
     if (cell.s >= margin && cell.s < last - margin) painted += cell.contrast;
   }
   piece.contrast = quantile_of(core, 0.7);
+  level /= static_cast<double>(std::max<std::size_t>(core.size(), 1));
   const double per_metre = painted / (last - 2 * margin);
   if (piece.contrast <= 0 || per_metre <= 0) return std::nullopt;
   piece.width = per_metre * kCellArea / piece.contrast;
@@ -99,6 +140,9 @@ std::optional<MarkingPiece> measure_piece(const MarkingField& field, const Marki
   }
   piece.begin = std::clamp(margin - before / per_metre, -kEndReach, kHalfCell);
   piece.end = std::clamp(last - margin + behind / per_metre, last - kHalfCell, last + kEndReach);
+  const double half_width = std::clamp(piece.width, kNarrowest, kBroadest) / 2;
+  piece.left = ground_beside(around, last, half_width, 1, level);
+  piece.right = ground_beside(around, last, half_width, -1, level);
   const auto direction = [&](double from, double to) {
     return (spline.at(to) - spline.at(from)).head<2>().normalized();
   };
@@ -111,6 +155,15 @@ std::optional<MarkingPiece> measure_piece(const MarkingField& field, const Marki
   for (const auto& sample : piece.samples) squares += (sample.values - spline.at(sample.s)).head<2>().squaredNorm();
   piece.straight = std::sqrt(squares / static_cast<double>(piece.samples.size()));
   return piece;
+}
+
+bool is_paint(const MarkingPiece& piece, const markings::MarkingParameters& parameters) {
+  const double broad = std::clamp(piece.width / kLineWidth, 1.0, kBroadest / kLineWidth);
+  if (piece.contrast < broad * parameters.min_contrast) return false;
+  const double most = parameters.side_share * piece.contrast;
+  const bool is_above_left = piece.left.value_or(0) <= most;
+  const bool is_above_right = piece.right.value_or(0) <= most;
+  return parameters.two_sided ? is_above_left && is_above_right : is_above_left || is_above_right;
 }
 
 }  // namespace curbstone::semantic_map::marking_lines

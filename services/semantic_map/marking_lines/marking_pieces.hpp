@@ -6,6 +6,7 @@
 
 #include "services/semantic_map/curb_lines/smoothing_spline.hpp"
 #include "services/semantic_map/marking_lines/marking_chains.hpp"
+#include "services/semantic_map/markings/marking_parameters.hpp"
 
 namespace curbstone::semantic_map::marking_lines {
 
@@ -20,6 +21,8 @@ struct MarkingPiece {
   double contrast = 0;  ///< 0..255, of the paint
   double straight = 0;  ///< m, how far its samples lie off its spline, RMS
 
+  std::optional<double> left, right;  ///< as `contrast`, of what lies 0.10 to 0.46 m from its edges, if seen
+
   [[nodiscard]] double length() const { return end - begin; }
   [[nodiscard]] Eigen::Vector2d middle() const { return 0.5 * (begin_at + end_at); }
   [[nodiscard]] Eigen::Vector2d direction() const { return (end_at - begin_at).normalized(); }
@@ -28,5 +31,10 @@ struct MarkingPiece {
 /// Nothing if the chain is too short to be anything. Where paint ends, and how wide it is, is told by how much of it
 /// there is: finer than a cell.
 [[nodiscard]] std::optional<MarkingPiece> measure_piece(const MarkingField& field, const MarkingChain& chain);
+
+/// Whether a piece is brighter, along all of it, than the ground on both its sides. The edge of a patch or of a
+/// pavement has one dark side, and so has the stone of a kerb. A broad piece must be brighter than a line. A side that
+/// is not seen says nothing.
+[[nodiscard]] bool is_paint(const MarkingPiece& piece, const markings::MarkingParameters& parameters);
 
 }  // namespace curbstone::semantic_map::marking_lines

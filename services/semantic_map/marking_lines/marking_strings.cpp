@@ -24,11 +24,12 @@ constexpr double kAlikeEnds = 0.94;  // cosine between an end's direction and th
 constexpr double kWidthAlike = 2.2;
 constexpr double kVertexSpacing = 0.20;  // m between vertices
 constexpr double kGapSpacing = 1.0;      // m between vertices where there is no paint
-constexpr double kSolid = 6.0;           // m: a single piece that is longer is no dash
+constexpr double kSolid = 4.2;           // m: a single piece that is longer is no dash
 constexpr double kShortSolid = 3.0;      // m: a line of pieces with holes
 constexpr double kHole = 0.6;            // m: in a line that is worn
 constexpr double kWornShare = 0.8;       // painted, of a line that is worn
 constexpr double kDashUneven = 0.4;      // of the median
+constexpr double kDashOfGap = 2.2;       // dashes are no longer than so many times their gaps: else those are holes
 constexpr double kLongestDash = 6.5;     // m
 constexpr double kStopWidth = 0.24;      // m
 constexpr double kShortestStop = 1.5;    // m
@@ -113,13 +114,14 @@ MarkingType type_of(const MarkingString& string, const std::vector<double>& dash
       lies_across(piece, path))
     return MarkingType::kStopLine;
   if (is_whole && length >= (string.size() > 1 ? kShortSolid : kSolid)) return MarkingType::kSolid;
-  if (string.size() > 1 && longest <= kLongestDash) {
+  const bool has_holes = string.size() > 1 && median_of(dashes) > kDashOfGap * median_of(gaps);
+  if (string.size() > 1 && longest <= kLongestDash && !has_holes) {
     // The ends of a line may be cut off.
     const std::vector<double> inner =
         dashes.size() > 3 ? std::vector<double>(dashes.begin() + 1, dashes.end() - 1) : dashes;
     if (is_uniform(inner) && is_uniform(gaps)) return MarkingType::kDashed;
   }
-  if (painted >= 0.6 * length && longest >= kSolid) return MarkingType::kSolid;
+  if (painted >= 0.6 * length && length >= kShortSolid && (longest >= kSolid || has_holes)) return MarkingType::kSolid;
   if (string.size() == 1 && piece.length() < kBlobLength && piece.width > kBlobWidth) return MarkingType::kOther;
   return MarkingType::kUnknown;
 }

@@ -22,6 +22,8 @@ constexpr double kWeakShare = 0.35;  // of the least contrast: where paint's edg
 constexpr double kFromCurb = 0.25;   // m
 constexpr double kPavement = 6.0;    // m beyond a curb that are no road
 constexpr double kLeastSpread = 4;   // of a point's intensity: no sensor is better
+constexpr double kSideShare = 0.6;   // of a cell's contrast, that its sides lie below: cell by cell that is noisy
+constexpr int kBeside = 5;           // cells about what is bright that are told of
 
 /// What a cell's brightness is, where that is known.
 struct Brightness {
@@ -174,22 +176,80 @@ double point_variance(const PaintLayer& layer) {
   return std::max(kLeastSpread * kLeastSpread, n > 0 ? squares / n : 0);
 }
 
-/// Where the brighter part of a cell is: its points weigh as they are brighter than the ground around.
-MarkingCell place(const PaintCell& cell, int column, int row, double level, double contrast) {
-  const double weight = static_cast<double>(cell.sum) - level * static_cast<double>(cell.count);
+/// Where the brighter part of a cell is: its points weigh as they are brighter than the ground around. Of a cell that
+/// is not bright, the middle of its points.
+MarkingCell place(const PaintCell& cell, int column, int row, double level, double contrast, bool is_bright) {
+  const auto points = static_cast<double>(cell.count);
   const auto centroid = [&](std::uint32_t by, std::uint32_t sum) {
-    const double at = (static_cast<double>(by) - level * static_cast<double>(sum)) / weight * kPositionStep;
-    return std::clamp(at, 0.0, kCellSize);
+    const double at = is_bright ? (static_cast<double>(by) - level * static_cast<double>(sum)) /
+                                      (static_cast<double>(cell.sum) - level * points)
+                                : static_cast<double>(sum) / points;
+    return std::clamp(at * kPositionStep, 0.0, kCellSize);
   };
   MarkingCell mark;
   mark.column = static_cast<std::uint8_t>(column);
   mark.row = static_cast<std::uint8_t>(row);
+  mark.is_bright = is_bright;
+  mark.count = static_cast<std::uint8_t>(std::min(cell.count, 255U));
   mark.x = static_cast<float>(column * kCellSize + centroid(cell.by_x, cell.x));
   mark.y = static_cast<float>(row * kCellSize + centroid(cell.by_y, cell.y));
   mark.z = cell.z;
   mark.contrast = static_cast<float>(contrast);
+  mark.level = static_cast<float>(level);
   return mark;
 }
+
+/// What the ground about each cell is, block by block; beyond the tile, as at its edge.
+class Levels {
+ public:
+  Levels(const Patch& patch, const MarkingParameters& parameters) {
+    for (int i = 0; i < kBlocks * kBlocks; ++i) {
+      auto& level = levels_[static_cast<std::size_t>(i)];
+      level = level_around(patch, i % kBlocks * kBlock, i / kBlocks * kBlock);
+      if (level && !parameters.local) level = parameters.level;
+    }
+  }
+  [[nodiscard]] const std::optional<double>& at(int column, int row) const {
+    const auto block = [](int i) { return std::clamp(i, 0, kCellsPerTile - 1) / kBlock; };
+    return levels_[static_cast<std::size_t>(block(row) * kBlocks + block(column))];
+  }
+
+ private:
+  static constexpr int kBlocks = kCellsPerTile / kBlock;
+  std::array<std::optional<double>, static_cast<std::size_t>(kBlocks* kBlocks)> levels_;
+};
+
+/// Which cells may be paint by their brightness alone, and what is near one, also beyond the tile.
+class NearBright {
+ public:
+  NearBright(const Patch& patch, const Levels& levels, double scatter, const MarkingParameters& parameters) {
+    for (int row = -kBeside; row < kCellsPerTile + kBeside; ++row) {
+      for (int column = -kBeside; column < kCellsPerTile + kBeside; ++column) {
+        const Brightness& b = patch.at(column, row);
+        const auto& level = levels.at(column, row);
+        if (b.count == 0 || !level) continue;
+        const double contrast = double{b.mean} - *level;
+        if (contrast < parameters.min_contrast) continue;
+        if (contrast < parameters.min_sigmas * std::sqrt(scatter / double{b.count})) continue;
+        if (!stands_out(patch, column, row, *level + kSideShare * contrast, parameters.two_sided)) continue;
+        note(column, row);
+      }
+    }
+  }
+  [[nodiscard]] bool holds(int column, int row) const { return bright_[index(column, row)]; }
+  [[nodiscard]] bool is_near(int column, int row) const { return near_[index(column, row)]; }
+
+ private:
+  static std::size_t index(int column, int row) { return static_cast<std::size_t>(row * kCellsPerTile + column); }
+  void note(int column, int row) {
+    const auto within = [](int i) { return std::clamp(i, 0, kCellsPerTile - 1); };
+    if (within(column) == column && within(row) == row) bright_[index(column, row)] = true;
+    for (int r = within(row - kBeside); r <= within(row + kBeside); ++r) {
+      for (int c = within(column - kBeside); c <= within(column + kBeside); ++c) near_[index(c, r)] = true;
+    }
+  }
+  std::array<bool, tile::kCellsInTile> bright_{}, near_{};
+};
 
 }  // namespace
 
@@ -198,25 +258,21 @@ std::vector<MarkingCell> find_marking_cells(const MarkingSurroundings& around, c
   const PaintLayer* layer = around.paint.centre();
   if (layer == nullptr || layer->cells.empty() || around.classes == nullptr) return marks;
   const Patch patch(around.paint);
-  constexpr int kBlocks = kCellsPerTile / kBlock;
-  std::array<std::optional<double>, static_cast<std::size_t>(kBlocks * kBlocks)> grounds;
-  for (int i = 0; i < kBlocks * kBlocks; ++i)
-    grounds[static_cast<std::size_t>(i)] = level_around(patch, i % kBlocks * kBlock, i / kBlocks * kBlock);
+  const Levels levels(patch, parameters);
   const double scatter = point_variance(*layer);
+  const NearBright bright(patch, levels, scatter, parameters);
   for (int row = 0; row < kCellsPerTile; ++row) {
     for (int column = 0; column < kCellsPerTile; ++column) {
       const auto k = static_cast<std::size_t>(row * kCellsPerTile + column);
       const PaintCell& cell = layer->cells[k];
-      const auto& ground = grounds[static_cast<std::size_t>(row / kBlock * kBlocks + column / kBlock)];
-      if (cell.count == 0 || !ground || around.classes->cell_class[k] != tile::CellClass::kRoad) continue;
-      const double level = parameters.local ? *ground : parameters.level;
-      const double contrast = static_cast<double>(cell.sum) / static_cast<double>(cell.count) - level;
-      if (contrast < kWeakShare * parameters.min_contrast) continue;
-      MarkingCell mark = place(cell, column, row, level, contrast);
-      const double sigma = std::sqrt(scatter / static_cast<double>(cell.count));
-      mark.is_strong = contrast >= parameters.min_contrast && contrast >= parameters.min_sigmas * sigma &&
-                       stands_out(patch, column, row, level + parameters.side_share * contrast, parameters.two_sided) &&
-                       !is_off_road(around.curbs, double{mark.x}, double{mark.y});
+      const auto& level = levels.at(column, row);
+      if (cell.count == 0 || !level || !bright.is_near(column, row)) continue;
+      const double contrast = static_cast<double>(cell.sum) / static_cast<double>(cell.count) - *level;
+      const bool is_road = around.classes->cell_class[k] == tile::CellClass::kRoad;
+      const bool is_bright = is_road && contrast >= kWeakShare * parameters.min_contrast;
+      MarkingCell mark = place(cell, column, row, *level, contrast, is_bright);
+      mark.is_strong =
+          is_bright && bright.holds(column, row) && !is_off_road(around.curbs, double{mark.x}, double{mark.y});
       marks.push_back(mark);
     }
   }

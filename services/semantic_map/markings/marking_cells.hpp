@@ -10,13 +10,16 @@
 
 namespace curbstone::semantic_map::markings {
 
-/// A cell that is brighter than the ground around it.
+/// A cell that is brighter than the ground around it, or lies beside one.
 struct MarkingCell {
   std::uint8_t column = 0, row = 0;
-  bool is_strong = false;  ///< by itself a piece of paint; the others tell where its edges are
+  bool is_strong = false;  ///< by itself a piece of paint
+  bool is_bright = false;  ///< tells where paint's edges are; the others, what is beside it
+  std::uint8_t count = 0;  ///< points that tell its contrast; 255: or more
   float x = 0, y = 0;      ///< m from the tile's corner, centroid of what is brighter
   float z = 0;             ///< m in map
-  float contrast = 0;      ///< over the ground around, 0..255
+  float contrast = 0;      ///< over the ground around, -255..255
+  float level = 0;         ///< of that ground, 0..255
   bool operator==(const MarkingCell&) const = default;
 };
 
@@ -27,10 +30,10 @@ struct MarkingSurroundings {
   const tile::MapTile* classes = nullptr;  ///< of the centre tile
 };
 
-/// Evidence of paint, cell by cell, in order: contrast to the ground within 1.2 m, of which paint and tar may be a
-/// part; strong if it is brighter than both sides at 0.3 to 0.5 m across, stands out of its own uncertainty, and is no
-/// less than 0.25 m from a curb nor beyond one, on its higher side. Only on ground where a vehicle may drive, and that
-/// is not half as bright again as the road's median: grass.
+/// Evidence of paint, cell by cell, in order, with all cells within 0.6 m of what is bright: contrast to the ground
+/// within 1.2 m, of which paint and tar may be a part; strong if it is brighter than both sides at 0.3 to 0.5 m across,
+/// stands out of its own uncertainty, and is no less than 0.25 m from a curb nor beyond one, on its higher side. Bright
+/// only on ground where a vehicle may drive, and that is not half as bright again as the road's median: grass.
 [[nodiscard]] std::vector<MarkingCell> find_marking_cells(const MarkingSurroundings& around,
                                                           const MarkingParameters& parameters);
 

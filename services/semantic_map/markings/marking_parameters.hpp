@@ -9,7 +9,7 @@ struct MarkingParameters {
   bool enabled = true;
   double min_contrast = 20;  ///< brighter than the ground around
   double min_sigmas = 1.5;   ///< and that many times its own uncertainty
-  double side_share = 0.6;   ///< of the contrast, that both sides must lie below
+  double side_share = 0.4;   ///< of the contrast, that both sides must lie below, all along
   bool local = true;         ///< against the ground around; off: against `level` everywhere (ablation)
   double level = 64;         ///< what the road is, where `local` is off
   bool two_sided = true;     ///< off: one side is enough (ablation)
@@ -19,7 +19,8 @@ struct MarkingParameters {
     v.field("enabled", enabled, "look for road markings");
     v.field("min_contrast", min_contrast, {1, 255}, "brighter than the ground around, at least; its median is 64");
     v.field("min_sigmas", min_sigmas, {0, 100}, "the contrast in units of its own uncertainty, at least");
-    v.field("side_share", side_share, {0, 1}, "of the contrast, that both sides of a marking must lie below");
+    v.field("side_share", side_share, {0, 1},
+            "of a marking's contrast, that both its sides must lie below, along all of it");
     v.field("local", local, "against the ground around (off: against `level` everywhere)");
     v.field("level", level, {0, 255}, "intensity of the road, where `local` is off");
     v.field("two_sided", two_sided, "brighter than both sides (off: than one)");
