@@ -17,33 +17,38 @@ std::optional<std::int64_t> RunningClock::add(Sensor sensor, std::int64_t utime,
   const std::int64_t behind = std::int64_t{own.sequence} - sequence;
   if (!own.last || behind < 0 || behind > kRestart) own.sequence = sequence;
   const std::int64_t step = own.last ? utime - *own.last : 0;
-  const bool goes_on =
-      own.first && consecutive && utime > *own.newest && utime - *own.newest <= kLeast && (step < 0 || step > kLeast);
-  const bool leapt = std::abs(step) <= max_jump_ &&
-                     (goes_on || (consecutive && std::abs(step) > kLeast && leaps(own, other, step, is_imu)));
-  if (leapt) return doubt(own, other, utime, goes_on);
+  const bool is_set = consecutive && std::abs(step) <= max_jump_ && (step < -kLeast || step > kLeast + own.period);
+  if (is_set && step > 0) own.leap = step - own.period, own.leapt_to = utime;
+  const bool goes_on = own.first && consecutive && utime > *own.newest && utime - *own.newest <= kLeast &&
+                       std::abs(step) <= max_jump_ && (step < 0 || step > kLeast);
+  // Wheels' numbers are those of messages: forward they go where the IMU does.
+  if (goes_on || (is_set && (is_imu || step < 0))) return doubt(own, other, utime, goes_on);
   own.first.reset();
   if (consecutive && step > 0 && step < kLeast) own.period = step;
   if (!own.last || step > 0 || std::abs(step) > max_jump_) own.last = utime;
   return utime - own.set_by;
 }
 
-bool RunningClock::leaps(const Channel& own, const Channel& other, std::int64_t step, bool is_imu) const {
-  if (step < 0) return true;
-  if (step <= kLeast + own.period) return false;
-  return is_imu || std::abs(step - own.period - (other.set_by - own.set_by)) < kSame;
+bool RunningClock::have_both_leapt(const Channel& own, const Channel& other, std::int64_t leap) {
+  return std::abs(other.leap - leap) < kSame && std::abs(other.leapt_to - *own.first) < kLeast;
 }
 
-std::optional<std::int64_t> RunningClock::doubt(Channel& own, Channel& other, std::int64_t utime, bool consecutive) {
-  const bool agrees = own.first && consecutive && utime > *own.newest && utime - *own.newest <= kLeast;
-  if (!agrees) own.first = utime;
-  own.agreeing = agrees ? own.agreeing + 1 : 1;
+std::optional<std::int64_t> RunningClock::doubt(Channel& own, Channel& other, std::int64_t utime, bool goes_on) {
+  if (!goes_on) own.first = utime;
+  own.agreeing = goes_on ? own.agreeing + 1 : 1;
   own.newest = utime;
-  if (own.agreeing < kConfirmations) {
+  const std::int64_t leap = *own.first - *own.last - own.period;
+  const bool confirmed = own.agreeing >= kConfirmations && (leap < 0 || have_both_leapt(own, other, leap));
+  if (!confirmed && leap > 0 && utime - *own.first > kPatience) {  // it was silent
+    own.last = utime;
+    own.first.reset();
+    return utime - own.set_by;
+  }
+  if (!confirmed) {
     counters_.add(std::string("dropped.clock_set.") + own.name);
     return std::nullopt;
   }
-  const std::int64_t told = own.set_by + *own.first - *own.last - own.period;
+  const std::int64_t told = own.set_by + leap;
   own.set_by = std::abs(other.set_by - told) < kSame ? other.set_by : told;
   if (other.last && *other.last - *own.last > kLeast && own.set_by > other.set_by) other.set_by = own.set_by;
   set_by_ = own.set_by;

@@ -11,11 +11,11 @@ namespace curbstone::ekf::inputs {
 /// Takes steps of the host's clock out of the stamps, so that the filter never hears of them: by half a second it would
 /// predict, or mix what was measured before with what was measured after. What comes out runs on as the sensors do.
 ///
-/// A sample whose sequence number continues the last one's and whose stamp goes back by more than kLeast, or forward by
-/// that much more than the samples' period, came from a clock that was set. kConfirmations in a row that agree are
-/// believed; until then they are not taken. Only an IMU's numbers count samples; wheels' are those of messages, and say
-/// nothing where samples were lost, so wheels go forward only where the IMU did. Steps of more than `max_jump` are left
-/// to StampGuard.
+/// A sample whose sequence number continues the last one's and whose stamp goes back by more than kLeast came from a
+/// clock that was set; kConfirmations in a row that agree are believed, and until then are not taken. Forward it may as
+/// well come from a sensor that was silent, and whose driver goes on counting. So there both sensors must leap, by the
+/// same and at the same time; what the IMU says after its leap waits kPatience for the wheels'. Steps of more than
+/// `max_jump` are left to StampGuard.
 ///
 /// A function of the two channels' sequences. Pure; one thread; us.
 class RunningClock {
@@ -23,6 +23,7 @@ class RunningClock {
   enum class Sensor { kImu, kWheels };
   static constexpr std::int64_t kLeast = 100'000;
   static constexpr int kConfirmations = 3;
+  static constexpr std::int64_t kPatience = 100'000;
 
   explicit RunningClock(std::int64_t max_jump) : max_jump_(max_jump) {}
 
@@ -40,10 +41,11 @@ class RunningClock {
     std::int32_t sequence = 0;
     std::int64_t period = 0;
     std::int64_t set_by = 0;
+    std::int64_t leap = 0, leapt_to = 0;                  // forward, between samples whose numbers follow each other
     std::optional<std::int64_t> first = {}, newest = {};  // of those that may have a new clock
     int agreeing = 0;
   };
-  [[nodiscard]] bool leaps(const Channel& own, const Channel& other, std::int64_t step, bool is_imu) const;
+  [[nodiscard]] static bool have_both_leapt(const Channel& own, const Channel& other, std::int64_t leap);
   std::optional<std::int64_t> doubt(Channel& own, Channel& other, std::int64_t utime, bool goes_on);
 
   static constexpr std::int64_t kSame = 50'000;  // us between what two sensors tell of one step

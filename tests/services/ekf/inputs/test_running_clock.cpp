@@ -77,6 +77,34 @@ TEST_F(RunningClockTest, WheelsThatWereSilentAreNotSetForward) {
   }
 }
 
+/// A cable that is out for half a second, and a driver that goes on counting.
+TEST_F(RunningClockTest, AnImuThatWasSilentIsNotSetForward) {
+  for (const int silent_until : {315, 350, 390}) {
+    RunningClock clock(1'000'000);
+    int dropped = 0;
+    for (int i = 0; i < 600; ++i) {
+      EXPECT_EQ(clock.add(Sensor::kWheels, kStart + i * kPeriod - 4'000, i), kStart + i * kPeriod - 4'000);
+      if (i >= 300 && i < silent_until) continue;
+      const auto out = clock.add(Sensor::kImu, kStart + i * kPeriod, i < 300 ? i : i - silent_until + 300);
+      dropped += out ? 0 : 1;
+      EXPECT_EQ(out.value_or(kStart + i * kPeriod), kStart + i * kPeriod);
+    }
+    EXPECT_LE(dropped, 11);
+    EXPECT_EQ(clock.set_by(), 0);
+    EXPECT_FALSE(clock.counters().values().contains("clock_set.imu"));
+  }
+}
+
+/// Nobody says that it was the clock.
+TEST_F(RunningClockTest, AnImuAloneIsNotSetForward) {
+  for (int i = 0; i < 600; ++i) {
+    const std::int64_t utime = kStart + i * kPeriod + (i < 300 ? 0 : 500'000);
+    const auto out = clock_.add(Sensor::kImu, utime, i);
+    EXPECT_EQ(out.value_or(utime), utime);
+    EXPECT_EQ(out.has_value(), i < 300 || i > 310) << i;
+  }
+}
+
 /// One wild stamp, a message that was overtaken, a block that was, and a driver that began again.
 TEST_F(RunningClockTest, IsNotFooled) {
   for (int i = 0; i < 2000; ++i) {
