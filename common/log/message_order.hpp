@@ -6,6 +6,9 @@
 #include <optional>
 #include <queue>
 #include <span>
+#include <string>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "common/bytes/big_endian.hpp"
@@ -27,8 +30,9 @@ namespace curbstone {
 /// Sorts the events of a log by message time. The logged order differs from it by no more than the sensors' latencies.
 /// So a short window is enough. An event that is later than the window keeps its logged place. Equal times keep their
 /// logged order: the result is a function of the log alone. A record whose time is wrong, or a logger's clock that was
-/// set back, puts at most what stands within the window out of order. Where message time goes back by more than the
-/// window, the clock of the vehicle was set: what was logged before comes before what was logged after.
+/// set back, puts at most what stands within the window out of order. Where the time of a channel's messages
+/// goes back by more than the window, the clock of the vehicle was set: what was logged before comes before what was
+/// logged after.
 class MessageOrder {
  public:
   static constexpr std::size_t kMostWaiting = 65'536;  ///< where the log's own times stand still
@@ -38,8 +42,8 @@ class MessageOrder {
   void push(LogEvent event) {
     advance(event.log_utime);
     const std::int64_t time = message_time(event);
-    if (sequence_ > 0 && time < last_ - window_us_) ++clock_;
-    last_ = time;
+    const auto [last, is_first] = last_.try_emplace(event.channel, time);
+    if (!is_first && time < std::exchange(last->second, time) - window_us_) ++clock_;
     waiting_.push({clock_, time, sequence_++, elapsed_, std::move(event)});
   }
   /// The next event that no later one of the log can precede. With `drain`, the next of those left.
@@ -77,10 +81,10 @@ class MessageOrder {
   }
 
   std::int64_t window_us_;
-  std::int64_t elapsed_ = 0;  // us of the log's time
-  std::int64_t clock_ = 0;    // how often message time has gone back
-  std::int64_t last_ = 0;     // us, message time of the event before
-  std::int64_t newest_ = 0;   // us
+  std::int64_t elapsed_ = 0;                            // us of the log's time
+  std::int64_t clock_ = 0;                              // how often the time of a channel has gone back
+  std::unordered_map<std::string, std::int64_t> last_;  // us, message time of the channel's event before
+  std::int64_t newest_ = 0;                             // us
   std::uint64_t sequence_ = 0;
   std::priority_queue<Waiting> waiting_;
 };

@@ -15,10 +15,19 @@ class Kerbstones {
   explicit Kerbstones(const std::vector<tile::CurbLine>& curbs);
   /// Whether a place, m in map, is on one of them.
   [[nodiscard]] bool hold(const Eigen::Vector2d& at) const;
+  /// Whether one of them lies between a road and a place, m in map: of those on the straight way the nearest to the
+  /// place rises towards it. (Over a traffic island the way goes up and down again.) Lowered and inferred ones do not
+  /// count: there may be a road beyond.
+  [[nodiscard]] bool part(const Eigen::Vector2d& road, const Eigen::Vector2d& at) const;
 
  private:
-  void add(const std::vector<tile::CurbLine>& lines);
-  std::unordered_map<TileKey, std::vector<tile::CurbVertex>, TileKeyHash> vertices_;  // by square
+  struct Vertex : tile::CurbVertex {
+    bool is_raised = false;
+  };
+  void add(const std::vector<tile::CurbLine>& lines, bool are_flush);
+  template <class Visit>
+  void for_near(const Eigen::Vector2d& at, Visit visit) const;
+  std::unordered_map<TileKey, std::vector<Vertex>, TileKeyHash> vertices_;  // by square
 };
 
 }  // namespace curbstone::semantic_map

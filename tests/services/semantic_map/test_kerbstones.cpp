@@ -1,0 +1,56 @@
+#include "services/semantic_map/kerbstones.hpp"
+
+#include <gtest/gtest.h>
+
+namespace curbstone::semantic_map {
+namespace {
+
+/// Along x at `y`, from 0 to 10 m; the high side is towards larger y if `rises`, else towards smaller.
+tile::CurbLine kerb(float y, bool rises = true) {
+  tile::CurbLine line;
+  for (int i = 0; i <= 50; ++i)
+    line.points.push_back(
+        {.x = 0.2F * static_cast<float>(i), .y = y, .height = 0.12F, .high_side_y = rises ? 1.F : -1.F});
+  return line;
+}
+
+TEST(Kerbstones, PartThePavementFromTheRoadAndNotTheRoadFromItself) {
+  const Kerbstones kerbs({kerb(3), kerb(-3, false)});
+  for (const double x : {0.5, 3.31, 5.0, 7.77}) {
+    EXPECT_TRUE(kerbs.part({x, 0}, {x + 1, 4}));
+    EXPECT_TRUE(kerbs.part({x, 0}, {x + 1, -6}));
+    EXPECT_FALSE(kerbs.part({x, 0}, {x + 1, 2.5}));
+    EXPECT_FALSE(kerbs.part({x, 0}, {x, -2.5}));
+  }
+  EXPECT_FALSE(kerbs.part({12, 0}, {12, 6})) << "beyond its end";
+  EXPECT_FALSE(kerbs.part({5, 1}, {5, 1})) << "no way at all";
+}
+
+TEST(Kerbstones, DoNotPartTheOtherCarriagewayBeyondAnIsland) {
+  const Kerbstones kerbs({kerb(3), kerb(5, false)});
+  EXPECT_TRUE(kerbs.part({5, 0}, {5, 4})) << "on the island";
+  EXPECT_FALSE(kerbs.part({5, 0}, {5, 7}));
+}
+
+TEST(Kerbstones, LoweredAndInferredOnesPartNothing) {
+  tile::CurbLine lowered = kerb(3);
+  lowered.dropped = true;
+  tile::CurbLine inferred = kerb(3);
+  inferred.inferred = true;
+  EXPECT_FALSE(Kerbstones({lowered}).part({5, 0}, {5, 4}));
+  EXPECT_FALSE(Kerbstones({inferred}).part({5, 0}, {5, 4}));
+  EXPECT_TRUE(Kerbstones({lowered}).hold({5, 3.2})) << "but they are stones";
+}
+
+TEST(Kerbstones, NoWayIsTooSlantedToBeParted) {
+  const Kerbstones kerbs({kerb(3)});
+  for (int degrees = 10; degrees <= 170; ++degrees) {
+    const double turn = degrees * M_PI / 180;
+    const Eigen::Vector2d crossing(5.07, 3);
+    const Eigen::Vector2d way(std::cos(turn), std::sin(turn));
+    EXPECT_TRUE(kerbs.part(crossing - 2 * way, crossing + 2 * way)) << degrees;
+  }
+}
+
+}  // namespace
+}  // namespace curbstone::semantic_map
