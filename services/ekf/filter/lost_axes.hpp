@@ -3,6 +3,7 @@
 #include <array>
 
 #include "common/bus/counters.hpp"
+#include "services/ekf/base/samples.hpp"
 #include "services/ekf/detection/gyro_watch.hpp"
 #include "services/ekf/model/estimate.hpp"
 
