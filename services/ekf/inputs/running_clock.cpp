@@ -17,20 +17,21 @@ std::optional<std::int64_t> RunningClock::add(Sensor sensor, std::int64_t utime,
   const std::int64_t behind = std::int64_t{own.sequence} - sequence;
   if (!own.last || behind < 0 || behind > kRestart) own.sequence = sequence;
   const std::int64_t step = own.last ? utime - *own.last : 0;
-  const bool is_set = consecutive && std::abs(step) <= max_jump_ && (step < -kLeast || step > kLeast + own.period);
+  const bool is_set =
+      consecutive && own.period > 0 && std::abs(step) <= max_jump_ && (step < -kLeast || step > kLeast + own.period);
   if (is_set && step > 0) own.leap = step - own.period, own.leapt_to = utime;
-  const bool goes_on = own.first && consecutive && utime > *own.newest && utime - *own.newest <= kLeast &&
+  const bool goes_on = own.first && consecutive && utime > *own.newest && utime - *own.newest <= kLeast + own.period &&
                        std::abs(step) <= max_jump_ && (step < 0 || step > kLeast);
   // Wheels' numbers are those of messages: forward they go where the IMU does.
   if (goes_on || (is_set && (is_imu || step < 0))) return doubt(own, other, utime, goes_on);
   own.first.reset();
-  if (consecutive && step > 0 && step < kLeast) own.period = step;
+  if (consecutive && step > 0 && step <= max_jump_) own.period = step;
   if (!own.last || step > 0 || std::abs(step) > max_jump_) own.last = utime;
   return utime - own.set_by;
 }
 
 bool RunningClock::have_both_leapt(const Channel& own, const Channel& other, std::int64_t leap) {
-  return std::abs(other.leap - leap) < kSame && std::abs(other.leapt_to - *own.first) < kLeast;
+  return std::abs(other.leap - leap) < kSame && std::abs(other.leapt_to - *own.first) < kLeast + own.period;
 }
 
 std::optional<std::int64_t> RunningClock::doubt(Channel& own, Channel& other, std::int64_t utime, bool goes_on) {

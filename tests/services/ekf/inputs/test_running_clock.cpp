@@ -95,6 +95,18 @@ TEST_F(RunningClockTest, AnImuThatWasSilentIsNotSetForward) {
   }
 }
 
+/// As a WitMotion that nobody has set up does.
+TEST_F(RunningClockTest, SlowSensorsAreTakenAsTheyAre) {
+  for (const std::int64_t period : {100'000, 200'000}) {
+    RunningClock clock(1'000'000);
+    for (int i = 0; i < 300; ++i) {
+      const std::int64_t utime = kStart + i * period + i % 7 * 5'000;
+      EXPECT_EQ(clock.add(Sensor::kImu, utime, i), utime);
+      EXPECT_EQ(clock.add(Sensor::kWheels, utime + 3'000, i), utime + 3'000);
+    }
+  }
+}
+
 /// Nobody says that it was the clock.
 TEST_F(RunningClockTest, AnImuAloneIsNotSetForward) {
   for (int i = 0; i < 600; ++i) {
