@@ -13,8 +13,8 @@ constexpr int kLeastSamples = 3;       // of the IMU, in an interval
 constexpr double kFirstGravity = 2.0;  // s, after which it is judged
 
 constexpr double kLeastTurn = 0.05;  // rad^2/s, that speed does not explain: 9 deg/s for 2 s
-constexpr double kMostTurn = 1.0;    // that count: so the last turns decide
-constexpr double kTurnsAlike = 0.5;  // share of the wheels' square that must be explained
+constexpr int kWindows = 2;          // of so much turning
+constexpr double kTurnsAlike = 0.7;  // share of the wheels' square, less what goes with the speed, that it explains
 
 constexpr double kSlow = 3.0;         // s: what changes more slowly is tilt and bias
 constexpr double kLeastMotion = 2.0;  // m^2/s^3: 1 m/s^2 for 2 s
@@ -69,17 +69,19 @@ void MountingWatch::judge(const Interval& interval) {
   before_ = interval;
 }
 
+/// Slip looks like anything for a while: kWindows in a row must say so.
 void MountingWatch::judge_turn(const Interval& interval) {
   const Eigen::Vector3d rates(interval.gyro_rate, interval.speed, interval.wheel_rate);
   rates_ += interval.seconds * rates * rates.transpose();
-  if (rates_(0, 0) > kMostTurn) rates_ *= 0.5;
   const double speeds = std::max(rates_(1, 1), 1e-9);
   const double turn = rates_(0, 0) - rates_(0, 1) * rates_(0, 1) / speeds;
   if (turn < kLeastTurn) return;
   const double gain = (rates_(0, 2) - rates_(0, 1) * rates_(1, 2) / speeds) / turn;
-  const double explained = gain * gain * turn + rates_(1, 2) * rates_(1, 2) / speeds;
-  if (explained < kTurnsAlike * rates_(2, 2) || std::abs(gain) < kLeastGain || std::abs(gain) > kMostGain) return;
-  opposite_ = gain < 0;
+  const double wheels = rates_(2, 2) - rates_(1, 2) * rates_(1, 2) / speeds;
+  rates_.setZero();
+  if (gain * gain * turn < kTurnsAlike * wheels || std::abs(gain) < kLeastGain || std::abs(gain) > kMostGain) return;
+  against_ = gain < 0 ? against_ + 1 : 0;
+  opposite_ = against_ >= kWindows || (opposite_ && gain < 0);
 }
 
 /// The change of speed between the middles of two intervals belongs to the mean force of both.

@@ -69,7 +69,8 @@ class MountingWatch {
   double rate_sum_ = 0.0;
   std::optional<Interval> before_;
 
-  Eigen::Matrix3d rates_ = Eigen::Matrix3d::Zero();  // integral of the products: gyro's, speed, wheels'
+  Eigen::Matrix3d rates_ = Eigen::Matrix3d::Zero();  // integral of the products in a window: gyro's, speed, wheels'
+  int against_ = 0;                                  // windows in a row in which they turned opposite ways
   bool opposite_ = false;
 
   double mean_seconds_ = 0.0;
