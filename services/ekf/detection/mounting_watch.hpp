@@ -13,10 +13,10 @@ namespace curbstone::ekf::detection {
 /// alone, for a filter that is told the wrong thing believes nonsense, and finds wheels to slip, or itself to drift.
 ///
 /// - Gravity: over kGravityMemory the specific force points up. No vehicle drives tilted by kMaxTilt, nor in bends.
-/// - Turn: the changes of the wheels' yaw rate are those of the gyro's, and of the speed, if one wheel is not as large
-/// as
-///   configured, stuck or backwards: least squares. Where the gyro's come with the other sign, left and right are
-///   swapped, both wheels count backwards, or the gyro's sign is wrong.
+/// - Turn: the wheels' yaw rate is a multiple of the gyro's, plus one of the speed where a wheel is not as large as
+///   configured, stuck or backwards: least squares. Where the first is about -1 in two windows of turning in a row, and
+///   explains what the speed does not, left and right are swapped, both wheels count backwards, or the gyro's sign is
+///   wrong.
 /// - Forward: the changes of horizontal specific force are those of the wheels' speed (ahead) and of speed times yaw
 ///   rate (to the left), turned by what vehicle.imu's yaw lacks: least squares of complex numbers. Believed where it
 ///   explains most of the force, with a plausible gain.
