@@ -18,7 +18,8 @@ constexpr std::size_t kReadAtOnce = 1 << 20;
 
 }  // namespace
 
-FileWindow::FileWindow(const std::string& file) : fd_(open(file.c_str(), O_RDONLY | O_CLOEXEC)) {
+/// O_NONBLOCK: to open a named pipe would wait for who writes into it, before it can be refused.
+FileWindow::FileWindow(const std::string& file) : fd_(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
   const auto refuse = [&](const char* why) {
     if (fd_ >= 0) close(fd_);
     throw std::runtime_error(fmt::format("{}: cannot be read: {}", file, why));

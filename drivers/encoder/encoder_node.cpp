@@ -69,6 +69,7 @@ EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
       odometer_(odometer_settings(config)),
       speedometer_(odometer_settings(config)),
       stuck_(config.counts_per_revolution),
+      senders_(config.counts_per_revolution, config.max_speed),
       first_period_(std::int64_t{config.period} * 1000),
       clock_(std::int64_t{config.period} * 1000),
       output_(bus) {}
@@ -91,7 +92,20 @@ void EncoderNode::on_frame(std::int64_t receive_utime, const can::CanFrame& fram
   }
 }
 
+void EncoderNode::begin_anew() {
+  drop_first();
+  odometer_.restart();
+  stuck_.restart();
+  clock_.restart();
+}
+
 void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw& counts) {
+  const bool were_two = senders_.two();
+  if (senders_.add(counts)) {
+    last_received_ = receive_utime;
+    return counters_.add("withheld.two_senders");
+  }
+  if (were_two) begin_anew();
   // A sample that is none would put the clock, which counts them, a period wrong.
   const double period = static_cast<double>(clock_.period()) * 1e-6;
   const bool at_once = receive_utime - last_received_ < clock_.period() / 4;
@@ -266,6 +280,11 @@ NodeReport EncoderNode::report() const {
     for (std::string& fault : stuck_.faults()) report.faults.push_back(std::move(fault));
   }
   if (share_.fault()) report.faults.push_back(*share_.fault());
+  if (senders_.two()) {
+    report.faults.push_back(fmt::format(
+        "two nodes send positions as one, none is used: {}",
+        signals_ ? "two senders of one CAN id?" : fmt::format("another drive with CAN node id {}?", config_.node)));
+  }
   add_wheel_faults(report, drive_.status().faults);
   if (clock_.period() != std::int64_t{config_.period} * 1000) {
     report.faults.push_back(fmt::format("the drive sends every {:.1f} ms, {} ms was asked for: check event_timer_unit",

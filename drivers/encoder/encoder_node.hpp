@@ -20,6 +20,7 @@
 #include "drivers/encoder/signals/wheel_signals.hpp"
 #include "drivers/encoder/speed_counter.hpp"
 #include "drivers/encoder/stuck_counts.hpp"
+#include "drivers/encoder/two_senders.hpp"
 #include "drivers/encoder/wheel_counter.hpp"
 #include "drivers/encoder/wheels_output.hpp"
 
@@ -79,6 +80,7 @@ class EncoderNode final : public Node {
   void stamp(Arrived arrived, const PeriodClock::Evidence& evidence);
   void release_first();
   void drop_first();
+  void begin_anew();
   void on_stamp(std::int64_t now, const Arrived& arrived, const PeriodClock::Stamp& stamp);
 
   EncoderConfig config_;
@@ -87,6 +89,7 @@ class EncoderNode final : public Node {
   WheelCounter odometer_;
   SpeedCounter speedometer_;
   StuckCounts stuck_;
+  TwoSenders senders_;
   FirstPeriod first_period_;
   bool period_known_ = false;
   std::vector<First> first_;

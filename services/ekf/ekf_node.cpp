@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
+#include <variant>
 
 #include "common/time/microseconds.hpp"
 #include "services/ekf/ekf_messages.hpp"
@@ -39,6 +41,34 @@ void describe_axes(const filter::LostAxes& axes, std::vector<std::string>& fault
   if (axes.turn_is_lost()) faults.emplace_back("no gyro about the vertical: the wheels tell how it turns, and slip");
 }
 
+/// "+x" .. "-z": the axis that is nearest to a direction.
+std::string axis_along(const Eigen::Vector3d& direction) {
+  Eigen::Index axis = 0;
+  direction.cwiseAbs().maxCoeff(&axis);
+  return fmt::format("{}{}", direction[axis] < 0 ? '-' : '+', "xyz"[axis]);
+}
+
+void describe_mounting(const detection::MountingWatch& mounting, const VehicleConfig& vehicle,
+                       std::vector<std::string>& faults) {
+  if (const auto up = mounting.wrong_up()) {
+    faults.push_back(
+        fmt::format("IMU: by gravity its {} axis points up, by vehicle.imu its {}: correct its roll, pitch",
+                    axis_along(*up), axis_along(vehicle.T_base_imu().linear().transpose().col(2))));
+  }
+  const std::optional<double> yaw = mounting.missing_yaw();
+  const bool backwards = yaw && std::abs(*yaw) > 0.75 * std::numbers::pi;  // else about a right angle
+  if (backwards && mounting.turns_opposite()) {
+    faults.emplace_back("WHEELS: both count backwards: correct invert_left and invert_right");
+    return;
+  }
+  if (mounting.turns_opposite())
+    faults.emplace_back("WHEELS and gyro turn opposite ways: left and right swapped? Else the gyro's sign is wrong");
+  if (yaw) {
+    faults.push_back(fmt::format("IMU: its forward is not the wheels': add about {:.0f} deg to the yaw of vehicle.imu",
+                                 backwards ? 180.0 : *yaw * 180 / std::numbers::pi));
+  }
+}
+
 }  // namespace
 
 EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
@@ -48,7 +78,8 @@ EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
       clock_(microseconds(config.timing.max_jump)),
       sequencer_(config),
       increments_(config.map),
-      filter_(config) {
+      filter_(config),
+      mounting_(config.vehicle) {
   if (config_.state_file.empty()) return;
   if (const auto state = filter::load_state(config_.state_file)) filter_.inherit(*state);
   state_keeper_.emplace(config_.state_file);
@@ -120,8 +151,25 @@ void EkfNode::on(const map_pose_t& message) {
 void EkfNode::run(bool drain) {
   while (const std::optional<inputs::Sequencer::Sample> sample = sequencer_.pop(drain)) {
     estimates_.clear();
+    watch_mounting(*sample);
     filter_.add(*sample, estimates_);
     for (const model::Estimate& estimate : estimates_) publish(estimate);
+  }
+}
+
+void EkfNode::watch_mounting(const inputs::Sequencer::Sample& sample) {
+  const auto wrong = [this] {
+    return std::array{mounting_.wrong_up().has_value(), mounting_.turns_opposite(),
+                      mounting_.missing_yaw().has_value()};
+  };
+  const auto before = wrong();
+  if (const auto* wheels = std::get_if<base::WheelSample>(&sample)) mounting_.add(*wheels);
+  const auto* imu = std::get_if<base::ImuSample>(&sample);
+  if (imu != nullptr && !filter_.filter().axes().any()) mounting_.add(*imu);
+  const auto now = wrong();
+  constexpr std::array kNames = {"faults.mounting.up", "faults.mounting.turn", "faults.mounting.forward"};
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (now[i] && !before[i]) counters_.add(kNames[i]);
   }
 }
 
@@ -184,6 +232,7 @@ NodeReport EkfNode::report() const {
   if (state_keeper_ && state_keeper_->failing())
     faults.push_back(fmt::format("{} cannot be written: if this process dies, the next one starts on the move (mkdir?)",
                                  state_keeper_->path()));
+  describe_mounting(mounting_, config_.vehicle, faults);
   if (!filter_.filter().started()) {
     faults.emplace_back("no odometry yet: waiting to stand still or to see the wheels turn");
   } else if (last_) {

@@ -9,6 +9,7 @@
 #include "common/bus/node.hpp"
 #include "common/resend/message_keeper.hpp"
 #include "common/shell/latency.hpp"
+#include "services/ekf/detection/mounting_watch.hpp"
 #include "services/ekf/filter/rewinding_filter.hpp"
 #include "services/ekf/filter/state_keeper.hpp"
 #include "services/ekf/inputs/map_increment.hpp"
@@ -48,6 +49,7 @@ class EkfNode final : public Node {
   };
 
   void run(bool drain);
+  void watch_mounting(const inputs::Sequencer::Sample& sample);
   void publish(const model::Estimate& estimate);
   void note_sequence(Input& input, std::int32_t sequence);
   void refuse(Input& input, const char* cause);
@@ -61,6 +63,7 @@ class EkfNode final : public Node {
   inputs::Sequencer sequencer_;
   inputs::MapIncrements increments_;
   filter::RewindingFilter filter_;
+  detection::MountingWatch mounting_;
   Counters counters_;
   LatencyWindow latency_;
   Input imu_{"IMU", 0, {}, 0};

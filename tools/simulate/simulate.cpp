@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "common/config/command_line.hpp"
+#include "common/log/log_reader.hpp"
 #include "common/time/clock.hpp"
 #include "config/sections.hpp"
+#include "tools/output/new_file.hpp"
 #include "tools/simulate/live/live_drive.hpp"
 #include "tools/simulate/log_recorder.hpp"
 #include "tools/simulate/recorded/level.hpp"
@@ -27,6 +29,7 @@ struct Options {
   bool town = false;
   bool live = false;
   bool seconds_given = false;
+  bool force = false;
   double loop = 0, straight = 0;
   bool opposite = false;
   std::uint64_t seed = 1;
@@ -129,11 +132,27 @@ double way_of(const Source& source, double seconds) {
   return way;
 }
 
+/// Whether the file is a log of an emulated drive that begins then, or of nothing: it can be made again. A recorded
+/// drive cannot.
+bool can_be_made_again(const std::string& file, std::int64_t start_utime) {
+  constexpr std::int64_t kFirst = 10'000'000;  // us, within which a drive sends something
+  std::error_code not_there;
+  if (std::filesystem::file_size(file, not_there) == 0) return true;
+  try {
+    const auto first = LogReader(file).next();
+    return first && first->log_utime >= start_utime && first->log_utime < start_utime + kFirst;
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+}
+
 void simulate_to_log(const Options& options, const rig::SimulateConfig& config, const Source& source,
                      const rig::Drive& drive) {
   const auto begin = steady_clock();
+  output::NewFile log(options.log, options.force || can_be_made_again(options.log, options.start_utime));
   TruthWriter(options, config, source).finish(options.start_utime, drive.seconds);
-  const Recorded recorded = record_drive(drive, options.log);
+  const Recorded recorded = record_drive(drive, log.part());
+  log.commit();
   const double took = static_cast<double>(steady_clock() - begin) * 1e-6;
   fmt::print(
       "simulate: {:.1f} s, {:.1f} m: {} LiDAR packets; {} LIDAR_POINTS, {} IMU, {} WHEELS in {} ({:.1f} x real time)\n",
@@ -182,6 +201,7 @@ void add_options(CommandLine& line, Options& options) {
   line.option("--set", options.set, "KEY=VALUE of section simulate, e.g. speed=2");
   line.heading("To a log");
   line.option("--log", options.log, "Write an LCM log, as fast as it goes");
+  line.flag("--force", options.force, "Replace a file that is there and is no emulated drive of that beginning");
   line.option("--start-utime", options.start_utime, "us since the epoch, of the beginning").shows_default();
   live::LiveOptions& live = options.to_devices;
   line.heading("Live, as devices");

@@ -13,7 +13,8 @@ class PictureError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Writes a PNG; the file is there as a whole or not at all. Throws PictureError.
+/// Writes a PNG; the file is there as a whole or not at all. A device or a pipe (/dev/null, say) is written to as it
+/// is, and stays. Throws PictureError.
 void write_png(const Canvas& canvas, const std::string& path);
 
 }  // namespace curbstone::semantic_map::picture

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -52,6 +53,13 @@ TEST_F(LogFilesTest, FilesOfTheSameTimeAreMergedAndThatIsSaid) {
   EXPECT_EQ(read(files), (std::vector<int>{1000, 2000, 3000, 4000, 5000, 6000}));
   ASSERT_EQ(files.notes().size(), 1U);
   EXPECT_EQ(files.notes()[0], b + " overlaps " + a);
+}
+
+/// `curbstone log info PIPE` waited for ever for somebody to write.
+TEST_F(LogFilesTest, ANamedPipeIsRefusedAtOnce) {
+  const std::string pipe = folder_ / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(LogFiles({pipe}), std::runtime_error);
 }
 
 TEST_F(LogFilesTest, AFolderGivesItsLogsAndNothingElse) {

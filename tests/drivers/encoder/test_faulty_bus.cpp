@@ -14,6 +14,15 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
+CanFrame counts_frame(std::int32_t left, std::int32_t right) {
+  CanFrame frame = CanFrame::make(kPositions, {0, 0, 0, 0, 0, 0, 0, 0});
+  for (std::size_t byte = 0; byte < 4; ++byte) {
+    frame.data[byte] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(left) >> (8 * byte));
+    frame.data[4 + byte] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(right) >> (8 * byte));
+  }
+  return frame;
+}
+
 class FaultyBus : public EncoderOfADrive {};
 
 TEST_F(FaultyBus, FramesOfAnotherLengthAreRefusedAndTheirSamplesCountAsLost) {
@@ -62,6 +71,41 @@ TEST_F(FaultyBus, ASecondNodeWithOurIdIsRefusedAndMovesNoStamp) {
   EXPECT_EQ(rig_.count("counts_restarted"), 0);
   EXPECT_THAT(faults(), Contains(HasSubstr("most of them refused.jump")));
   expect_true_messages();
+}
+
+/// Two drives that are switched on together count alike at first: the counts of both can be, by turns, and 5 to 55
+/// rad/s were made of them. Nobody knows which is ours.
+TEST(TwoDrivesWithOneId, AreNamedAndNeitherIsUsedUntilOneIsOff) {
+  for (const std::int64_t after : {100, 2000, 5000, 8000, 9900}) {
+    for (const std::int64_t apart : {0, 100, -300}) {
+      SCOPED_TRACE(std::to_string(after) + " us after, counts apart: " + std::to_string(apart));
+      test::DriveRig rig;
+      rig.speed = 1.0;
+      rig.receive(rig.now, rig.drive.power_on(rig.now));
+      rig.run_for(1'000'000);
+      const auto both = [&](int rounds) {
+        for (int i = 0; i < rounds; ++i) {
+          rig.run_for(after);
+          rig.node.on_frame(rig.now, counts_frame(static_cast<std::int32_t>(apart), static_cast<std::int32_t>(apart)));
+          rig.run_for(10'000 - after);
+        }
+      };
+      rig.first_count -= rig.raw(rig.now, 0);  // ours counts from here; the other one stands
+      rig.run_for(100'000);
+      rig.first_count -= rig.raw(rig.now, 0);
+      const std::size_t before = rig.messages().size();
+      both(300);
+      EXPECT_LE(rig.messages().size() - before, 6U);
+      EXPECT_THAT(rig.node.report().faults, Contains(HasSubstr("another drive with CAN node id 1")));
+      EXPECT_GT(rig.count("withheld.two_senders"), 580);
+      const wheels_t last = rig.messages().back();
+      rig.run_for(1'000'000);  // the other one is unplugged
+      EXPECT_THAT(rig.node.report().faults, IsEmpty());
+      EXPECT_GT(rig.messages().back().utime, last.utime + 3'900'000);
+      EXPECT_NEAR(rig.messages().back().speed[0], 1.0, 0.2);
+      EXPECT_NEAR(rig.messages().back().angle[0] - last.angle[0], 0.5, 0.6);  // what it drove meanwhile is not known
+    }
+  }
 }
 
 TEST_F(FaultyBus, PositionsThatAreSentTwiceMoveNoAngle) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -66,6 +67,27 @@ TEST_F(SimulateCommand, WritesLogAndTruth) {
   EXPECT_EQ(run({"--town", "--seed", "4", "--seconds", "0.5", "--log", log_, "--truth", truth}).status, 0);
   EXPECT_GT(std::filesystem::file_size(log_), 100'000U);
   EXPECT_TRUE(std::filesystem::exists(truth + "/truth.json"));
+}
+
+/// `--log drive.lcmlog` replaced a recorded drive, or anything else, without a word.
+TEST_F(SimulateCommand, ReplacesOnlyWhatItCanMakeAgain) {
+  const std::vector<std::string> made = {"--town", "--seconds", "0.2", "--log", log_};
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = made;
+    all.insert(all.end(), more.begin(), more.end());
+    return run(all);
+  };
+  std::ofstream(log_) << "something else";
+  EXPECT_EQ(run(made).status, 1);
+  EXPECT_EQ(std::filesystem::file_size(log_), 14U);
+  EXPECT_EQ(with({"--force"}).status, 0);
+  std::filesystem::resize_file(log_, 0);
+  EXPECT_EQ(run(made).status, 0) << "nothing";
+  EXPECT_EQ(run(made).status, 0) << "an emulated drive";
+  const Outcome recorded = with({"--start-utime", "1760000000000000"});
+  EXPECT_EQ(recorded.status, 1) << "as if the one that is there were a recorded drive";
+  EXPECT_NE(recorded.errors.find("--force"), std::string::npos) << recorded.errors;
+  EXPECT_FALSE(std::filesystem::exists(log_ + ".part"));
 }
 
 }  // namespace

@@ -100,6 +100,35 @@ TEST(WheelFaults, OfBothThatStandStillFromTheStartAreInTheCovarianceBeforeTheyAr
   }
 }
 
+/// As a drive that restarts in mid-drive makes it, where its counts are few enough to be believed by the encoder's
+/// driver (up to 1.1 rad at 100 Hz, 18 rad at 10 Hz), or a lost half turn.
+TEST(WheelFaults, ALeapOfTheCountsIsNoTravel) {
+  const base::EkfConfig config;
+  for (const int thinned : {1, 10}) {
+    Drive good = town(1);
+    std::vector<base::WheelSample> kept;
+    for (std::size_t i = 0; i < good.wheels.size(); i += static_cast<std::size_t>(thinned))
+      kept.push_back(good.wheels[i]);
+    good.wheels = kept;
+    const Outcome undisturbed = outcome_of(config, good, 0.5, 0.5);
+    for (const double at : {1.5, 20.0, 47.0}) {  // at rest, straight ahead, in a bend
+      for (const auto& leap :
+           std::vector<std::array<double, 2>>{{M_PI, 0}, {0, -M_PI}, {-1.1, -1.1}, {-18, -18}, {6, 6}}) {
+        Drive drive = good;
+        for (base::WheelSample& sample : drive.wheels) {
+          if (base::seconds_between(good.wheels.front().utime, sample.utime) < at) continue;
+          for (std::size_t i = 0; i < 2; ++i) sample.angle[i] += leap[i];
+        }
+        const Outcome o = outcome_of(config, drive, 0.5, 0.5);
+        std::printf("[ figure ] %d Hz, %.1f and %.1f rad at %.1f s: %.2f m, %.1f sigma (undisturbed %.2f m)\n",
+                    100 / thinned, leap[0], leap[1], at, o.position, o.sigmas, undisturbed.position);
+        EXPECT_LT(o.position, undisturbed.position + 0.2);
+        EXPECT_EQ(o.faults(0) + o.faults(1), 0);
+      }
+    }
+  }
+}
+
 /// Nobody knows then how it turns, and the covariance says so.
 TEST(WheelFaults, WithoutTheImuTheWheelThatIsTrustedCarriesItOn) {
   const base::EkfConfig config;

@@ -1,12 +1,16 @@
 #include "services/semantic_map/picture/canvas.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 
 #include "services/semantic_map/picture/map_picture.hpp"
 #include "services/semantic_map/picture/png_file.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone::semantic_map::picture {
 namespace {
@@ -105,6 +109,26 @@ TEST(PngFile, SaysWhyItCannotBeWritten) {
   EXPECT_GT(std::filesystem::file_size(path), 60U);
   EXPECT_FALSE(std::filesystem::exists(path + ".part"));
   std::filesystem::remove_all(folder);
+}
+
+/// As root `--picture /dev/null` put a picture in the device's place, for the whole machine.
+TEST(PngFile, LeavesWhatIsNoRegularFileInItsPlace) {
+  const test::TemporaryFolder folder;
+  const std::string pipe = folder / "pipe";
+  const std::string link = folder / "link";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::filesystem::create_symlink(pipe, link);
+  const int reader = open(pipe.c_str(), O_RDWR | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  for (const std::string& path : {pipe, link}) {
+    write_png(Canvas(4, 4, kDark), path);
+    std::array<char, 4096> bytes{};
+    EXPECT_GT(read(reader, bytes.data(), bytes.size()), 60);
+    EXPECT_EQ(std::string(bytes.data() + 1, 3), "PNG");
+  }
+  close(reader);
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
 }
 
 }  // namespace

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+
+namespace curbstone::encoder {
+
+/// Whether two nodes send counts under one id: they come by turns from here and from there, which no wheel does. Where
+/// they are far apart WheelCounter stays with the node that it knows, and refuses the other's as jumps. Two that have
+/// been switched on together count alike at first, and every count can be: then nobody knows which node is ours.
+///
+/// A change is one way, then the other: by kLeastCounts and kLeastAngle at least, and by no more than wheels can turn
+/// in kNear s the first kBegin times. kBegin turns in a row are two nodes; kEnd counts in a row without one end it.
+/// Single counts that are corrupt make two turns. Pure; one thread.
+class TwoSenders {
+ public:
+  static constexpr double kLeastCounts = 8;
+  static constexpr double kLeastAngle = 0.01;  ///< rad
+  static constexpr double kNear = 0.03;        ///< s
+  static constexpr int kBegin = 5;
+  static constexpr int kEnd = 32;
+
+  TwoSenders(double counts_per_revolution, double max_speed)
+      : least_(std::max(kLeastCounts, kLeastAngle * counts_per_revolution / (2 * std::numbers::pi))),
+        most_(kNear * max_speed * counts_per_revolution / (2 * std::numbers::pi)) {}
+
+  /// Raw counts in the order of receipt. Returns whether there are two.
+  bool add(const std::array<std::int32_t, 2>& counts) {
+    bool turned = false;
+    for (std::size_t wheel = 0; wheel < 2 && last_; ++wheel) {
+      const double change = static_cast<std::int32_t>(static_cast<std::uint32_t>(counts[wheel]) -
+                                                      static_cast<std::uint32_t>((*last_)[wheel]));
+      const double least = std::min(std::abs(change), std::abs(changes_[wheel]));
+      const double most = std::max(std::abs(change), std::abs(changes_[wheel]));
+      turned |= change * changes_[wheel] < 0 && least >= least_ && (two_ || most <= most_);
+      changes_[wheel] = change;
+    }
+    last_ = counts;
+    turns_ = turned ? turns_ + 1 : 0;
+    steady_ = turned ? 0 : steady_ + 1;
+    if (turns_ >= kBegin) two_ = true;
+    if (steady_ >= kEnd) two_ = false;
+    return two_;
+  }
+  [[nodiscard]] bool two() const { return two_; }
+
+ private:
+  double least_, most_;  // counts
+  std::optional<std::array<std::int32_t, 2>> last_;
+  std::array<double, 2> changes_{};  // counts, the last ones
+  int turns_ = 0;                    // in a row
+  int steady_ = 0;                   // counts in a row without one
+  bool two_ = false;
+};
+
+}  // namespace curbstone::encoder

@@ -1,0 +1,124 @@
+#include "services/ekf/detection/mounting_watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace curbstone::ekf::detection {
+
+namespace {
+
+constexpr double kInterval = 0.2;      // s: steps of the counter are small against what a vehicle does in it
+constexpr double kLongest = 0.5;       // s, of an interval: longer, samples are missing
+constexpr int kLeastSamples = 3;       // of the IMU, in an interval
+constexpr double kFirstGravity = 2.0;  // s, after which it is judged
+
+constexpr double kLeastTurn = 0.05;  // rad^2/s, that speed does not explain: 9 deg/s for 2 s
+constexpr int kWindows = 2;          // of so much turning
+constexpr double kTurnsAlike = 0.7;  // share of the wheels' square, less what goes with the speed, that it explains
+
+constexpr double kSlow = 3.0;         // s: what changes more slowly is tilt and bias
+constexpr double kLeastMotion = 2.0;  // m^2/s^3: 1 m/s^2 for 2 s
+constexpr double kMostMotion = 20.0;  // that count
+constexpr double kExplained = 0.5;    // share of the force's square
+constexpr double kLeastGain = 0.5, kMostGain = 2.0;
+
+}  // namespace
+
+MountingWatch::MountingWatch(const VehicleConfig& vehicle)
+    : R_base_imu_(vehicle.T_base_imu().linear()), radius_(vehicle.wheel_radius), track_(vehicle.track_width) {}
+
+void MountingWatch::add(const base::ImuSample& sample) {
+  const double dt = last_imu_ ? base::seconds_between(last_imu_->utime, sample.utime) : 0.0;
+  if (dt < 0.0 && dt > -1.0) return;  // late: it is not worth going back for
+  last_imu_ = sample;
+  const Eigen::Vector3d force = R_base_imu_ * sample.acceleration;
+  ++imu_samples_;
+  force_sum_ += force;
+  rate_sum_ += R_base_imu_.row(2).dot(sample.angular_rate);
+  if (dt <= 0.0 || dt > kLongest) return;
+  gravity_seconds_ = std::min(gravity_seconds_ + dt, kGravityMemory);
+  gravity_ += dt / gravity_seconds_ * (force - gravity_);
+  if (gravity_seconds_ >= kFirstGravity) tilted_ = gravity_.z() < std::cos(kMaxTilt) * gravity_.norm();
+}
+
+void MountingWatch::begin_again(const base::WheelSample& sample) {
+  begin_ = sample;
+  imu_samples_ = 0;
+  force_sum_.setZero();
+  rate_sum_ = 0.0;
+}
+
+void MountingWatch::add(const base::WheelSample& sample) {
+  const double seconds = begin_ ? base::seconds_between(begin_->utime, sample.utime) : -kLongest;
+  if (seconds < 0.0 && seconds > -kLongest) return;
+  if (seconds >= 0.0 && seconds < kInterval) return;
+  if (seconds < 0.0 || seconds > kLongest || imu_samples_ < kLeastSamples) {
+    before_.reset();
+    return begin_again(sample);
+  }
+  const double left = radius_ * (sample.angle[0] - begin_->angle[0]) / seconds;
+  const double right = radius_ * (sample.angle[1] - begin_->angle[1]) / seconds;
+  const Eigen::Vector3d force = force_sum_ / imu_samples_;
+  judge({seconds, 0.5 * (left + right), (right - left) / track_, rate_sum_ / imu_samples_, force.head<2>()});
+  begin_again(sample);
+}
+
+void MountingWatch::judge(const Interval& interval) {
+  judge_turn(interval);
+  if (before_) judge_forward(*before_, interval);
+  before_ = interval;
+}
+
+/// Slip looks like anything for a while: kWindows in a row must say so.
+void MountingWatch::judge_turn(const Interval& interval) {
+  const Eigen::Vector3d rates(interval.gyro_rate, interval.speed, interval.wheel_rate);
+  rates_ += interval.seconds * rates * rates.transpose();
+  const double speeds = std::max(rates_(1, 1), 1e-9);
+  const double turn = rates_(0, 0) - rates_(0, 1) * rates_(0, 1) / speeds;
+  if (turn < kLeastTurn) return;
+  const double gain = (rates_(0, 2) - rates_(0, 1) * rates_(1, 2) / speeds) / turn;
+  const double wheels = rates_(2, 2) - rates_(1, 2) * rates_(1, 2) / speeds;
+  rates_.setZero();
+  if (gain * gain * turn < kTurnsAlike * wheels || std::abs(gain) < kLeastGain || std::abs(gain) > kMostGain) return;
+  against_ = gain < 0 ? against_ + 1 : 0;
+  opposite_ = against_ >= kWindows || (opposite_ && gain < 0);
+}
+
+/// The change of speed between the middles of two intervals belongs to the mean force of both.
+void MountingWatch::judge_forward(const Interval& before, const Interval& interval) {
+  const double seconds = 0.5 * (before.seconds + interval.seconds);
+  const Eigen::Vector2d mean = 0.5 * (before.force + interval.force);
+  const double sideways = 0.5 * (before.speed * before.gyro_rate + interval.speed * interval.gyro_rate);
+  const Complex force(mean.x(), mean.y());
+  const Complex motion((interval.speed - before.speed) / seconds, sideways);
+  mean_seconds_ = std::min(mean_seconds_ + seconds, kSlow);
+  mean_force_ += seconds / mean_seconds_ * (force - mean_force_);
+  mean_motion_ += seconds / mean_seconds_ * (motion - mean_motion_);
+  const Complex quick_force = force - mean_force_;
+  const Complex quick_motion = motion - mean_motion_;
+  force_square_ += seconds * std::norm(quick_force);
+  motion_square_ += seconds * std::norm(quick_motion);
+  product_ += seconds * quick_force * std::conj(quick_motion);
+  if (motion_square_ > kMostMotion) {
+    force_square_ *= 0.5;
+    motion_square_ *= 0.5;
+    product_ *= 0.5;
+  }
+  if (motion_square_ < kLeastMotion) return;
+  const double gain = std::abs(product_) / motion_square_;
+  const bool explained = std::norm(product_) > kExplained * force_square_ * motion_square_;
+  if (!explained || gain < kLeastGain || gain > kMostGain) return;
+  turned_ = std::abs(std::arg(product_)) > (turned_ ? 0.5 : 1.0) * kMaxYaw;
+}
+
+std::optional<Eigen::Vector3d> MountingWatch::wrong_up() const {
+  if (!tilted_) return {};
+  return R_base_imu_.transpose() * gravity_.normalized();
+}
+
+std::optional<double> MountingWatch::missing_yaw() const {
+  if (!turned_ || tilted_) return {};
+  return -std::arg(product_);
+}
+
+}  // namespace curbstone::ekf::detection

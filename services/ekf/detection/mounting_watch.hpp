@@ -1,0 +1,83 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <optional>
+
+#include "common/config/vehicle.hpp"
+#include "services/ekf/base/samples.hpp"
+
+namespace curbstone::ekf::detection {
+
+/// Whether IMU and wheels are on the vehicle as its file says: the usual mistakes on a new one. It asks the sensors
+/// alone, for a filter that is told the wrong thing believes nonsense, and finds wheels to slip, or itself to drift.
+///
+/// - Gravity: over kGravityMemory the specific force points up. No vehicle drives tilted by kMaxTilt, nor in bends.
+/// - Turn: the wheels' yaw rate is a multiple of the gyro's, plus one of the speed where a wheel is not as large as
+///   configured, stuck or backwards: least squares. Where the first is about -1 in two windows of turning in a row, and
+///   explains what the speed does not, left and right are swapped, both wheels count backwards, or the gyro's sign is
+///   wrong.
+/// - Forward: the changes of horizontal specific force are those of the wheels' speed (ahead) and of speed times yaw
+///   rate (to the left), turned by what vehicle.imu's yaw lacks: least squares of complex numbers. Believed where it
+///   explains most of the force, with a plausible gain.
+///
+/// A value type; one thread. Samples in the order of their stamps, base_link's axes as configured.
+class MountingWatch {
+ public:
+  static constexpr double kGravityMemory = 5.0;  ///< s
+  static constexpr double kMaxTilt = 0.8;        ///< rad; bends of 0.8 g look like 0.68
+  static constexpr double kMaxYaw = 1.05;        ///< rad
+
+  explicit MountingWatch(const VehicleConfig& vehicle);
+
+  /// Not those of a gyro that is stuck.
+  void add(const base::ImuSample& sample);
+  void add(const base::WheelSample& sample);
+
+  /// The axis of the IMU that points up, 1 of length, imu frame, where that is another one than configured.
+  [[nodiscard]] std::optional<Eigen::Vector3d> wrong_up() const;
+  /// Wheels and gyro turn opposite ways. Said only where gravity is as configured, as is the next.
+  [[nodiscard]] bool turns_opposite() const { return opposite_ && !tilted_; }
+  /// rad, what vehicle.imu's yaw lacks; about pi where both wheels count backwards.
+  [[nodiscard]] std::optional<double> missing_yaw() const;
+
+ private:
+  using Complex = std::complex<double>;  // ahead, to the left
+  struct Interval {
+    double seconds = 0.0;
+    double speed = 0.0;                               // m/s, mean of both wheels
+    double wheel_rate = 0.0;                          // rad/s, by the wheels
+    double gyro_rate = 0.0;                           // rad/s
+    Eigen::Vector2d force = Eigen::Vector2d::Zero();  // m/s^2
+  };
+  void begin_again(const base::WheelSample& sample);
+  void judge(const Interval& interval);
+  void judge_turn(const Interval& interval);
+  void judge_forward(const Interval& before, const Interval& interval);
+
+  Eigen::Matrix3d R_base_imu_;
+  double radius_, track_;  // m
+
+  std::optional<base::ImuSample> last_imu_;
+  double gravity_seconds_ = 0.0;
+  Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();  // m/s^2, base_link: mean specific force
+  bool tilted_ = false;
+
+  std::optional<base::WheelSample> begin_;
+  int imu_samples_ = 0;  // of the present interval, with their sums
+  Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
+  double rate_sum_ = 0.0;
+  std::optional<Interval> before_;
+
+  Eigen::Matrix3d rates_ = Eigen::Matrix3d::Zero();  // integral of the products in a window: gyro's, speed, wheels'
+  int against_ = 0;                                  // windows in a row in which they turned opposite ways
+  bool opposite_ = false;
+
+  double mean_seconds_ = 0.0;
+  Complex mean_force_, mean_motion_;                 // what is slow: tilt, bias
+  double force_square_ = 0.0, motion_square_ = 0.0;  // integrals, m^2/s^3
+  Complex product_;
+  bool turned_ = false;
+};
+
+}  // namespace curbstone::ekf::detection
