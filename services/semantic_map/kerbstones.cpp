@@ -35,7 +35,7 @@ Kerbstones::Kerbstones(const std::vector<tile::CurbLine>& curbs) {
 
 void Kerbstones::add(const std::vector<tile::CurbLine>& lines, bool are_flush) {
   for (const tile::CurbLine& line : lines) {
-    const bool is_raised = !are_flush && !line.dropped && !line.inferred;
+    const bool is_raised = !are_flush && !line.dropped;
     for (const tile::CurbVertex& v : line.points)
       vertices_[square_of({double{v.x}, double{v.y}})].push_back({v, is_raised});
   }

@@ -16,8 +16,8 @@ class Kerbstones {
   /// Whether a place, m in map, is on one of them.
   [[nodiscard]] bool hold(const Eigen::Vector2d& at) const;
   /// Whether one of them lies between a road and a place, m in map: of those on the straight way the nearest to the
-  /// place rises towards it. (Over a traffic island the way goes up and down again.) Lowered and inferred ones do not
-  /// count: there may be a road beyond.
+  /// place rises towards it. (Over a traffic island the way goes up and down again.) Lowered ones do not count: there
+  /// may be a road beyond.
   [[nodiscard]] bool part(const Eigen::Vector2d& road, const Eigen::Vector2d& at) const;
 
  private:
