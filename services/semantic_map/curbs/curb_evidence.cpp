@@ -1,7 +1,9 @@
 #include "services/semantic_map/curbs/curb_evidence.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "services/semantic_map/curbs/near_ground_points.hpp"
 #include "services/semantic_map/curbs/step_search.hpp"
@@ -57,19 +59,19 @@ std::vector<FoundStep> find_steps(const NearGroundPoints& points, const TiltedCe
                                   const ground::GroundAt& ground, const tile::CurbParameters& parameters,
                                   StepWindow& window) {
   StepSearch search(points, cell.at, ground.layer_noise, parameters, window);
-  std::vector<Eigen::Vector2d> directions;
+  std::vector<std::pair<Eigen::Vector2d, double>> directions;  // how promising each is, straight ahead
   const double length = parameters.half_length;
   if (!cell.is_thin) {
-    directions.push_back(cell.tilt.normalized());
-    if (search.look_close(directions.back(), length)) return search.found();
-    search.look(directions.back(), kSparse * length);
+    const Eigen::Vector2d up = cell.tilt.normalized();
+    if (search.look_close(up, length)) return search.found();
+    directions.emplace_back(up, search.look(up, kSparse * length));
   }
   if (ground.coarse_tilt.norm() > kMinCoarseTilt) {
-    directions.push_back(ground.coarse_tilt.normalized());
-    search.look(directions.back(), kSparse * length);
+    const Eigen::Vector2d up = ground.coarse_tilt.normalized();
+    directions.emplace_back(up, search.look(up, kSparse * length));
   }
-  for (const Eigen::Vector2d& direction : directions) {
-    if (search.look(direction, kThin * length) < kPromising) continue;
+  for (const auto& [direction, promise] : directions) {
+    if (std::max(search.look(direction, kThin * length), promise) < kPromising) continue;
     for (const double turn : {-0.12, 0.12, -0.24, 0.24})
       search.look(Eigen::Rotation2Dd(turn) * direction, kThin * length);
   }
