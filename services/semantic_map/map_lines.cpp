@@ -53,15 +53,16 @@ void append_marking_cells(TileKey key, const MapBox& box, const std::vector<mark
   }
 }
 
-/// What is bright behind a kerb is no paint of the road: two of its ends and its middle are.
-bool is_off_road(const tile::MarkingLine& line, const Kerbstones& kerbs, const tile::DrivenPath& path) {
-  int off = 0;
+/// Whether a kerb lies between the driven path and a line, as seen from two of three places of it: its ends, its
+/// middle.
+bool is_beyond_kerb(const tile::MarkingLine& line, const Kerbstones& kerbs, const tile::DrivenPath& path) {
+  int beyond = 0;
   for (const std::size_t i : {std::size_t{0}, line.points.size() / 2, line.points.size() - 1}) {
     const Eigen::Vector2d at(double{line.points[i].x}, double{line.points[i].y});
     const auto road = path.nearest(at);
-    off += road && kerbs.part(*road, at) ? 1 : 0;
+    beyond += road && kerbs.part(*road, at) ? 1 : 0;
   }
-  return off > 1;
+  return beyond > 1;
 }
 
 /// Behind `lines` the parts of `before` for which `keeps(tile)`.
@@ -115,7 +116,7 @@ std::vector<tile::MarkingLine> link_markings(std::vector<marking_lines::MapMarki
     if (cell.is_bright && kerbs.hold(cell.at)) cell.is_bright = cell.is_strong = false;
   }
   std::vector<tile::MarkingLine> lines = marking_lines::link_markings(cells, path, parameters);
-  std::erase_if(lines, [&](const tile::MarkingLine& line) { return is_off_road(line, kerbs, path); });
+  std::erase_if(lines, [&](const tile::MarkingLine& line) { return is_beyond_kerb(line, kerbs, path); });
   for (std::size_t i = 0; i < lines.size(); ++i) lines[i].id = static_cast<std::int32_t>(i);
   return lines;
 }

@@ -30,7 +30,8 @@ class StepSearch {
 
   /// Returns whether many points are around: looking farther would not make it clearer.
   bool look_close(const Eigen::Vector2d& up, double half_length);
-  /// Returns how near it came to a step that is certain: from 1 on there is one.
+  /// Returns how near the best fit comes to a step that is certain, which has 1; 0 where nothing can be fitted, less
+  /// where the ground falls.
   double look(const Eigen::Vector2d& up, double half_length) { return look_in(up, half_length, true); }
   [[nodiscard]] const std::vector<FoundStep>& found() const { return found_; }
 
