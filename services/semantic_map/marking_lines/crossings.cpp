@@ -17,6 +17,8 @@ constexpr double kNearest = 0.5;       // m from middle to middle, across
 constexpr double kFarthest = 1.7;      // m
 constexpr double kShift = 0.8;         // m along each other
 constexpr double kUneven = 0.35;       // of the median distance
+constexpr double kBeyond = 0.3;        // m that paint may go on beyond the ends of the bars beside it
+constexpr double kWhole = 0.6;         // of the crossing's width, of a bar that is seen as a whole
 constexpr std::size_t kFewestBars = 3;
 
 bool is_bar(const MarkingPiece& piece) {
@@ -33,13 +35,73 @@ bool are_side_by_side(const MarkingPiece& a, const MarkingPiece& b) {
          std::min(a.length(), b.length()) > 0.6 * std::max(a.length(), b.length());
 }
 
+/// Where the bars of a crossing lie: `across` them from bar to bar, each from `begin` to `end` along.
+struct Crossing {
+  Eigen::Vector2d along = Eigen::Vector2d::UnitX();
+  Eigen::Vector2d across = Eigen::Vector2d::UnitY();
+  double begin = 0, end = 0;   ///< m along, the median of its bars
+  double apart = 0;            ///< m from bar to bar, the median
+  std::vector<double> places;  ///< m across, of each bar, sorted
+
+  explicit Crossing(const std::vector<const MarkingPiece*>& bars)
+      : along(bars.front()->direction()), across(-along.y(), along.x()) {
+    std::vector<double> begins;
+    std::vector<double> ends;
+    for (const MarkingPiece* bar : bars) {
+      const auto [from, to] = std::minmax({bar->begin_at.dot(along), bar->end_at.dot(along)});
+      begins.push_back(from);
+      ends.push_back(to);
+      places.push_back(bar->middle().dot(across));
+    }
+    std::sort(places.begin(), places.end());
+    std::vector<double> gaps;
+    for (std::size_t i = 1; i < places.size(); ++i) gaps.push_back(places[i] - places[i - 1]);
+    begin = median_of(begins);
+    end = median_of(ends);
+    apart = median_of(gaps);
+  }
+
+  [[nodiscard]] bool is_even() const {
+    std::size_t even = 0;
+    for (std::size_t i = 1; i < places.size(); ++i) even += has_pace(places[i] - places[i - 1]) ? 1U : 0U;
+    return 3 * even >= 2 * (places.size() - 1);
+  }
+  [[nodiscard]] bool has_pace(double gap) const { return std::abs(gap - apart) <= kUneven * apart; }
+
+  /// All of it neither before nor behind its bars, but for `slack`, m.
+  [[nodiscard]] bool is_between_ends(const MarkingPiece& piece, double slack) const {
+    const auto [from, to] = std::minmax({piece.begin_at.dot(along), piece.end_at.dot(along)});
+    return from >= begin - slack && to <= end + slack;
+  }
+  /// The next bar, or one that was missed, of which only a part is seen.
+  [[nodiscard]] bool goes_on_with(const MarkingPiece& piece) const {
+    if (piece.width < kNarrowestBar || std::abs(piece.direction().dot(along)) < kAlike ||
+        !is_between_ends(piece, kBeyond))
+      return false;
+    const double place = piece.middle().dot(across);
+    const auto next = std::lower_bound(places.begin(), places.end(), place);
+    const bool fits_behind = next == places.begin() || has_pace(place - *(next - 1));
+    const bool fits_before = next == places.end() || has_pace(*next - place);
+    return fits_behind && fits_before;
+  }
+  void add(const MarkingPiece& bar) {
+    const double place = bar.middle().dot(across);
+    places.insert(std::lower_bound(places.begin(), places.end(), place), place);
+  }
+  /// Another part of one of its bars, or what is linked of their paint across them: nothing else is painted there.
+  [[nodiscard]] bool holds(const MarkingPiece& piece) const {
+    const auto [left, right] = std::minmax({piece.begin_at.dot(across), piece.end_at.dot(across)});
+    return is_between_ends(piece, 0) && left >= places.front() - apart / 2 && right <= places.back() + apart / 2;
+  }
+};
+
 /// Bars in order across them.
 tile::MarkingLine line_of(std::vector<const MarkingPiece*> bars) {
-  const Eigen::Vector2d along = bars.front()->direction();
-  const Eigen::Vector2d across(-along.y(), along.x());
-  std::sort(bars.begin(), bars.end(), [&](const MarkingPiece* a, const MarkingPiece* b) {
-    return a->middle().dot(across) < b->middle().dot(across);
-  });
+  const Crossing crossing(bars);
+  const auto place = [&](const MarkingPiece* bar) { return bar->middle().dot(crossing.across); };
+  std::sort(bars.begin(), bars.end(),
+            [&](const MarkingPiece* a, const MarkingPiece* b) { return place(a) < place(b); });
+  const double middle = (crossing.begin + crossing.end) / 2;
   std::vector<double> lengths;
   std::vector<double> widths;
   std::vector<double> gaps;
@@ -51,14 +113,14 @@ tile::MarkingLine line_of(std::vector<const MarkingPiece*> bars) {
     lengths.push_back(bar.length());
     widths.push_back(bar.width);
     contrast += bar.contrast / static_cast<double>(bars.size());
-    if (i > 0) {
-      const double apart = std::abs((bar.middle() - bars[i - 1]->middle()).dot(across));
-      gaps.push_back(apart - (bar.width + bars[i - 1]->width) / 2);
-    }
+    if (i > 0) gaps.push_back(place(&bar) - place(bars[i - 1]) - (bar.width + bars[i - 1]->width) / 2);
     const double z = bar.samples[bar.samples.size() / 2].values.z();
-    const Eigen::Vector2d half = 0.5 * bar.width * across;
-    line.points.push_back(vertex(bar.middle() - half, z, true));
-    line.points.push_back(vertex(bar.middle() + half, z, false));
+    // Of a bar of which only a part is seen the middle is not its own.
+    const bool is_whole = bar.length() > kWhole * (crossing.end - crossing.begin);
+    const Eigen::Vector2d at = is_whole ? bar.middle() : middle * crossing.along + place(&bar) * crossing.across;
+    const Eigen::Vector2d half = 0.5 * bar.width * crossing.across;
+    line.points.push_back(vertex(at - half, z, true));
+    line.points.push_back(vertex(at + half, z, false));
   }
   line.width = static_cast<float>(median_of(lengths));
   line.dash = static_cast<float>(median_of(widths));
@@ -67,23 +129,8 @@ tile::MarkingLine line_of(std::vector<const MarkingPiece*> bars) {
   return line;
 }
 
-bool is_even(const std::vector<const MarkingPiece*>& bars) {
-  const Eigen::Vector2d along = bars.front()->direction();
-  const Eigen::Vector2d across(-along.y(), along.x());
-  std::vector<double> places;
-  for (const MarkingPiece* bar : bars) places.push_back(bar->middle().dot(across));
-  std::sort(places.begin(), places.end());
-  std::vector<double> apart;
-  for (std::size_t i = 1; i < places.size(); ++i) apart.push_back(places[i] - places[i - 1]);
-  const double median = median_of(apart);
-  const auto even =
-      std::count_if(apart.begin(), apart.end(), [&](double d) { return std::abs(d - median) <= kUneven * median; });
-  return 3 * static_cast<std::size_t>(even) >= 2 * apart.size();
-}
-
-}  // namespace
-
-std::vector<tile::MarkingLine> take_crossings(std::vector<MarkingPiece>& pieces) {
+/// Groups of bars side by side, by their places among the pieces.
+std::vector<std::vector<std::size_t>> group_bars(const std::vector<MarkingPiece>& pieces) {
   std::vector<std::size_t> group(pieces.size());
   std::iota(group.begin(), group.end(), 0);
   const auto first_of = [&](std::size_t i) {
@@ -100,20 +147,33 @@ std::vector<tile::MarkingLine> take_crossings(std::vector<MarkingPiece>& pieces)
       group[std::max(a, b)] = std::min(a, b);
     }
   }
+  std::vector<std::vector<std::size_t>> groups(pieces.size());
+  for (std::size_t i = 0; i < pieces.size(); ++i) groups[first_of(i)].push_back(i);
+  std::erase_if(groups, [](const auto& members) { return members.size() < kFewestBars; });
+  return groups;
+}
+
+}  // namespace
+
+std::vector<tile::MarkingLine> take_crossings(std::vector<MarkingPiece>& pieces) {
   std::vector<tile::MarkingLine> lines;
   std::vector<bool> taken(pieces.size());
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    if (group[i] != i) continue;
+  for (const std::vector<std::size_t>& members : group_bars(pieces)) {
     std::vector<const MarkingPiece*> bars;
-    std::vector<std::size_t> members;
-    for (std::size_t j = i; j < pieces.size(); ++j) {
-      if (first_of(j) != i) continue;
-      bars.push_back(&pieces[j]);
-      members.push_back(j);
+    for (const std::size_t i : members) bars.push_back(&pieces[i]);
+    Crossing crossing(bars);
+    if (!crossing.is_even()) continue;
+    for (const std::size_t i : members) taken[i] = true;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      if (taken[i]) continue;
+      if (crossing.goes_on_with(pieces[i])) {
+        crossing.add(pieces[i]);
+        bars.push_back(&pieces[i]);
+        taken[i] = true;
+      }
+      if (crossing.holds(pieces[i])) taken[i] = true;
     }
-    if (bars.size() < kFewestBars || !is_even(bars)) continue;
     lines.push_back(line_of(bars));
-    for (const std::size_t j : members) taken[j] = true;
   }
   std::vector<MarkingPiece> rest;
   for (std::size_t i = 0; i < pieces.size(); ++i) {

@@ -121,7 +121,8 @@ MarkingType type_of(const MarkingString& string, const std::vector<double>& dash
         dashes.size() > 3 ? std::vector<double>(dashes.begin() + 1, dashes.end() - 1) : dashes;
     if (is_uniform(inner) && is_uniform(gaps)) return MarkingType::kDashed;
   }
-  if (painted >= 0.6 * length && length >= kShortSolid && (longest >= kSolid || has_holes)) return MarkingType::kSolid;
+  if (longest >= kSolid) return MarkingType::kSolid;  // no dash, however much of the line is hidden
+  if (painted >= 0.6 * length && length >= kShortSolid && has_holes) return MarkingType::kSolid;
   if (string.size() == 1 && piece.length() < kBlobLength && piece.width > kBlobWidth) return MarkingType::kOther;
   return MarkingType::kUnknown;
 }

@@ -40,6 +40,14 @@ TEST(RoadMarkings, DashesAreOneLineWithTheirLengthsAndGaps) {
   EXPECT_FALSE(lines[0].points.back().painted);
 }
 
+TEST(RoadMarkings, ALineOfWhichALongPartIsHiddenIsStillSolid) {
+  const auto lines = lines_of(road([](double x, double y) {
+    return std::abs(y) < 0.06 && ((x > -12 && x < -6) || (x > 1 && x < 3.8)) ? kPaint : kRoad;
+  }));
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].type, MarkingType::kSolid) << "no dash is as long as its first part, and unlike the next";
+}
+
 TEST(RoadMarkings, AStopLineLiesAcrossTheWay) {
   const auto lines =
       lines_of(road([](double x, double y) { return std::abs(x - 2) < 0.2 && y > -4 && y < -0.5 ? kPaint : kRoad; }));

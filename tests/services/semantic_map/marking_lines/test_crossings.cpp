@@ -1,0 +1,88 @@
+#include "services/semantic_map/marking_lines/crossings.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace curbstone::semantic_map::marking_lines {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+MarkingPiece straight(const Eigen::Vector2d& begin, const Eigen::Vector2d& end, double width) {
+  MarkingPiece piece;
+  piece.begin_at = begin;
+  piece.end_at = end;
+  piece.end = (end - begin).norm();
+  piece.end_direction = (end - begin).normalized();
+  piece.begin_direction = -piece.end_direction;
+  piece.width = width;
+  piece.contrast = 60;
+  for (const double share : {0.0, 0.5, 1.0}) {
+    const Eigen::Vector2d at = begin + share * (end - begin);
+    piece.samples.push_back({share * piece.end, {at.x(), at.y(), 0, 60}, 1});
+  }
+  return piece;
+}
+
+/// Bars of 4 m along x, a metre apart.
+std::vector<MarkingPiece> bars(int count) {
+  std::vector<MarkingPiece> pieces;
+  for (int i = 0; i < count; ++i) pieces.push_back(straight({-2, 1.0 * i}, {2, 1.0 * i}, 0.5));
+  return pieces;
+}
+
+std::vector<float> places_of(const tile::MarkingLine& crossing) {
+  std::vector<float> places;
+  for (std::size_t i = 0; i + 1 < crossing.points.size(); i += 2)
+    places.push_back((crossing.points[i].y + crossing.points[i + 1].y) / 2);
+  return places;
+}
+
+TEST(Crossings, AreBarsSideBySide) {
+  auto pieces = bars(4);
+  const auto crossings = take_crossings(pieces);
+  ASSERT_THAT(crossings, SizeIs(1));
+  EXPECT_THAT(places_of(crossings[0]), ElementsAre(0, 1, 2, 3));
+  EXPECT_FLOAT_EQ(crossings[0].width, 4);
+  EXPECT_THAT(pieces, IsEmpty());
+}
+
+TEST(Crossings, AreNotTwoBars) {
+  auto pieces = bars(2);
+  EXPECT_THAT(take_crossings(pieces), IsEmpty());
+  EXPECT_THAT(pieces, SizeIs(2));
+}
+
+TEST(Crossings, HaveTheBarsOfWhichOnlyAPartIsSeen) {
+  auto pieces = bars(3);
+  pieces.push_back(straight({0.8, 3}, {2, 3}, 0.5));    // the next one
+  pieces.push_back(straight({-2, -1}, {-1, -1}, 0.5));  // and one on the other side, in two parts
+  pieces.push_back(straight({0.2, -1}, {1.5, -1}, 0.5));
+  const auto crossings = take_crossings(pieces);
+  ASSERT_THAT(crossings, SizeIs(1));
+  EXPECT_THAT(places_of(crossings[0]), ElementsAre(-1, 0, 1, 2, 3));
+  for (const tile::MarkingVertex& v : crossings[0].points) EXPECT_NEAR(v.x, 0, 1e-6) << "in the middle of the way";
+  EXPECT_FLOAT_EQ(crossings[0].width, 4);
+  EXPECT_THAT(pieces, IsEmpty());
+}
+
+TEST(Crossings, HaveNothingAcrossTheirBars) {
+  auto pieces = bars(5);
+  pieces.push_back(straight({-1.5, 0.8}, {-1.5, 2.2}, 0.25));
+  EXPECT_THAT(take_crossings(pieces), SizeIs(1));
+  EXPECT_THAT(pieces, IsEmpty());
+}
+
+TEST(Crossings, LeaveTheStopLineBeforeThemAndTheLinesThatEndThere) {
+  auto pieces = bars(5);
+  pieces.push_back(straight({-3, 0}, {-3, 4}, 0.4));
+  pieces.push_back(straight({1.9, 2}, {12, 2}, 0.15));
+  pieces.push_back(straight({-2, 5.9}, {2, 5.9}, 0.15));  // an edge line as long as they are: too narrow for a bar
+  EXPECT_THAT(take_crossings(pieces), SizeIs(1));
+  EXPECT_THAT(pieces, SizeIs(3));
+}
+
+}  // namespace
+}  // namespace curbstone::semantic_map::marking_lines
