@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "common/bus/decode.hpp"
+#include "common/bus/harmless_counters.hpp"
 #include "common/log/log_reader.hpp"
 #include "common/statistics/quantile.hpp"
 #include "common/tiles/tile.hpp"
@@ -33,13 +34,8 @@ bool is_driver(const std::string& service) {
 
 /// A driver refuses what the sensor sent: that is lost. A service refuses an answer (a revolution that does not
 /// register, say): nothing was lost on the way, and it says so elsewhere; but a message that does not decode is.
-/// What a follower of tiles leaves out because it has it, or will hear it again.
-bool is_not_needed(const std::string& counter) {
-  return counter == "dropped.known" || counter == "dropped.superseded" || counter == "dropped.other_epoch";
-}
-
 bool is_loss(const std::string& service, const std::string& counter) {
-  if (is_not_needed(counter)) return false;
+  if (is_harmless(counter)) return false;
   if (counter.starts_with("dropped.") || counter.starts_with("lost.")) return true;
   return is_driver(service) ? counter.starts_with("refused.") : counter == "refused.undecodable";
 }

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/bus/harmless_counters.hpp"
 #include "common/config/command_line.hpp"
 #include "common/config/config.hpp"
 #include "common/log/log_writer.hpp"
@@ -142,7 +143,7 @@ void report(const Summary& summary, const VehicleLine& vehicle, double wall_seco
     const NodeReport report = stage.node->report();
     for (const auto& [name, value] : report.counters.values()) {
       const bool loss = name.starts_with("dropped.") || name.starts_with("refused.") || name.starts_with("lost.");
-      if (loss && value != 0) fmt::print("  {}: {} {}\n", stage.name, name, value);
+      if (loss && !is_harmless(name) && value != 0) fmt::print("  {}: {} {}\n", stage.name, name, value);
     }
     for (const std::string& fault : report.faults) fmt::print("  {}: {}\n", stage.name, fault);
   }

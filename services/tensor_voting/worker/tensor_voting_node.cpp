@@ -60,7 +60,7 @@ void TensorVotingNode::on(const map_points_t& message) {
   const PointTiles::Taken taken = map_.take(message, votes_here(key));
   switch (taken.outcome) {
     case PointTiles::Outcome::kDuplicate:
-      counters_.add("dropped.duplicate");
+      counters_.add("dropped.known");
       return;
     case PointTiles::Outcome::kGap:
       counters_.add("dropped.gap");
