@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/config/command_line.hpp"
+#include "tools/bench/curbs/scenes/town_drive.hpp"
 #include "tools/bench/markings/marking_picture.hpp"
 #include "tools/bench/markings/marking_tables.hpp"
 #include "tools/bench/markings/painted_street.hpp"
@@ -22,7 +23,7 @@ using semantic_map::markings::MarkingParameters;
 using semantic_map::tile::VotedTile;
 
 struct Arguments {
-  std::vector<std::string> parts = {"street", "town"};
+  std::vector<std::string> parts = {"street", "driven", "town"};
   std::vector<std::string> paints = {"fresh", "worn", "none"};
   std::string data = "../shared/data/kitti00";
   std::string json;
@@ -107,6 +108,31 @@ std::vector<StreetFigures> bench_street(const Arguments& arguments) {
   return figures;
 }
 
+detect::cloud_map::CloudMap map_of(const curbs::scenes::DriveTiles& made, Arguments arguments,
+                                   const MarkingParameters& parameters) {
+  for (const auto& pose : made.trajectory) arguments.options.path.emplace_back(pose.pose.translation().head<2>());
+  return map_of(made.tiles, arguments, parameters);
+}
+
+Pose align(const evaluate::truth::Trajectory& truth, const curbs::scenes::DriveTiles& made) {
+  return evaluate::truth::align(evaluate::truth::pair_up(truth, made.trajectory));
+}
+
+/// The street through the emulated RS16, which sees of it what a vehicle would.
+std::vector<StreetFigures> bench_driven(const Arguments& arguments) {
+  std::vector<StreetFigures> figures;
+  const PaintTruth truth = read_street_paint(arguments.data);
+  for (int seed = arguments.first_seed; seed < arguments.first_seed + arguments.seeds; ++seed) {
+    const auto drive = curbs::scenes::drive_recorded(arguments.data, static_cast<std::uint64_t>(seed));
+    const Pose T_first_map = drive.T_world_first.inverse() * align(drive.truth.poses, drive.made);
+    for (const MarkingMethod& way : methods(arguments.options.markings, arguments.ablation)) {
+      const auto lines = map_of(drive.made, arguments, way.parameters).markings;
+      add_score(figures, "RS16, driven", way.name, score_cells(cells_of(lines, T_first_map), truth));
+    }
+  }
+  return figures;
+}
+
 /// Places that a map shows as ground, no farther than 8 m from where the vehicle drove.
 class JudgedPlaces {
  public:
@@ -176,13 +202,9 @@ void bench_town(const Arguments& arguments, const std::string& paint_name, simul
   for (int seed = arguments.first_seed; seed < arguments.first_seed + arguments.seeds; ++seed) {
     const PaintedTown town =
         drive_painted_town(static_cast<std::uint64_t>(seed), arguments.seconds, paint, !arguments.no_gains);
-    const Pose T_truth_map = evaluate::truth::align(evaluate::truth::pair_up(town.poses, town.made.trajectory));
-    std::vector<Eigen::Vector2d> path;
-    for (const auto& pose : town.made.trajectory) path.emplace_back(pose.pose.translation().head<2>());
+    const Pose T_truth_map = align(town.poses, town.made);
     for (std::size_t k = 0; k < ways.size(); ++k) {
-      Arguments with_path = arguments;
-      with_path.options.path = path;
-      const auto map = map_of(town.made.tiles, with_path, ways[k].parameters);
+      const auto map = map_of(town.made, arguments, ways[k].parameters);
       const JudgedPlaces judged(map, town.poses, T_truth_map.inverse());
       LineScore score = score_lines(map.markings, T_truth_map, town.lines, std::cref(judged));
       score.driven = length_of(town.poses);
@@ -197,12 +219,16 @@ void bench_town(const Arguments& arguments, const std::string& paint_name, simul
 void bench(const Arguments& arguments) {
   MarkingFigures figures;
   if (!arguments.pictures.empty()) std::filesystem::create_directories(arguments.pictures);
-  const bool has_street = std::filesystem::exists(arguments.data);
-  if (arguments.wants("street") && has_street) {
-    figures.street = bench_street(arguments);
+  const bool wants_street = arguments.wants("street") || arguments.wants("driven");
+  if (wants_street && std::filesystem::exists(arguments.data)) {
+    if (arguments.wants("street")) figures.street = bench_street(arguments);
+    if (arguments.wants("driven")) {
+      for (const StreetFigures& driven : bench_driven(arguments)) figures.street.push_back(driven);
+    }
     fmt::print("{}\n", to_table(figures.street));
+  } else if (wants_street) {
+    fmt::print("no labelled street: {} is not there\n", arguments.data);
   }
-  if (arguments.wants("street") && !has_street) fmt::print("no labelled street: {} is not there\n", arguments.data);
   if (arguments.wants("town")) {
     for (const std::string& paint : arguments.paints)
       bench_town(arguments, paint,
@@ -222,12 +248,14 @@ int run_bench_markings(int argc, char** argv) {
   arguments.options.range = 30;
   ConfigOf<MarkingBenchConfig> config;
   CommandLine line("Precision, recall, lateral error and types of the road markings", "curbstone bench markings");
-  line.option("--parts", arguments.parts, "Of street, town").comma_separated().one_of({"street", "town"});
+  line.option("--parts", arguments.parts, "Of street, driven, town")
+      .comma_separated()
+      .one_of({"street", "driven", "town"});
   line.option("--paint", arguments.paints, "Of fresh, worn, none: the towns'")
       .comma_separated()
       .one_of({"fresh", "worn", "none"});
-  line.option("--seeds", arguments.seeds, "Towns").within(1, 100).shows_default();
-  line.option("--first-seed", arguments.first_seed, "Of the towns").within(1, 1000).shows_default();
+  line.option("--seeds", arguments.seeds, "Towns, and drives through the street").within(1, 100).shows_default();
+  line.option("--first-seed", arguments.first_seed, "Of the towns and drives").within(1, 1000).shows_default();
   line.option("--seconds", arguments.seconds, "Of each town's drive").within(5, 3600).shows_default();
   line.flag("--ablation", arguments.ablation, "One-sided, without the vote, one level everywhere; raw intensities too");
   line.flag("--one-scale", arguments.no_gains, "The towns' lasers have one scale of intensity");

@@ -20,9 +20,9 @@ double false_in_200_m(const LineScore& score) {
 
 std::string to_table(const std::vector<StreetFigures>& figures) {
   std::string text =
-      fmt::format("{:<12}{:<34}{:>7}{:>7}{:>7}{:>8}{:>8}\n", "street", "method", "P", "R", "F1", "found", "truth");
+      fmt::format("{:<14}{:<34}{:>7}{:>7}{:>7}{:>8}{:>8}\n", "street", "method", "P", "R", "F1", "found", "truth");
   for (const StreetFigures& f : figures)
-    text += fmt::format("{:<12}{:<34}{:>7.3f}{:>7.3f}{:>7.3f}{:>8.0f}{:>8.0f}\n", f.cloud, f.method,
+    text += fmt::format("{:<14}{:<34}{:>7.3f}{:>7.3f}{:>7.3f}{:>8.0f}{:>8.0f}\n", f.cloud, f.method,
                         f.score.precision(), f.score.recall(), f.score.f1(), f.score.found, f.score.painted);
   return text;
 }

@@ -66,9 +66,9 @@ JudgedDrive drive_recorded(const std::string& folder, std::uint64_t seed) {
       .seed = seed,
       .seconds = playback.drive_time(scans.times.back()),
       .start_utime = kStart};
-  JudgedDrive result{.made = drive_tiles(drive), .truth = {}};
+  JudgedDrive result{.made = drive_tiles(drive), .truth = {}, .T_world_first = motion.T_world_first()};
   result.truth.poses = true_trajectory(drive);
-  evaluate::truth::StreetLabels labels = evaluate::truth::read_street_labels(folder, motion.T_world_first());
+  evaluate::truth::StreetLabels labels = evaluate::truth::read_street_labels(folder, result.T_world_first);
   result.truth.curbs = std::move(labels.curbs);
   result.truth.classes = std::move(labels.classes);
   return result;

@@ -11,6 +11,7 @@ namespace curbstone::bench::curbs::scenes {
 struct JudgedDrive {
   DriveTiles made;
   evaluate::truth::Truth truth;
+  Pose T_world_first = Pose::Identity();  ///< of a recording's first scan
 };
 /// The demo: round a block of a town made from the seed.
 [[nodiscard]] JudgedDrive drive_town(std::uint64_t seed, double seconds);
