@@ -72,6 +72,18 @@ std::string blocking_table(const BlockingScore& b) {
       b.recall(), b.free(), b.unknown, b.blocked + b.free() + b.unknown);
 }
 
+/// A line: the sum, and what each process has of it. Nothing of none.
+std::string of_processes(const char* all, const char* each, const std::map<std::string, double>& values) {
+  if (values.empty()) return "";
+  double sum = 0;
+  std::string text;
+  for (const auto& [service, value] : values) {
+    text += fmt::format(fmt::runtime(each), service, value);
+    sum += value;
+  }
+  return fmt::format(fmt::runtime(all), sum) + text + "\n";
+}
+
 std::string run_table(const RunFigures& run) {
   std::string text = run.processes == 0
                          ? "losses       not known: no SERVICE_STATUS in the recording\n"
@@ -91,14 +103,9 @@ std::string run_table(const RunFigures& run) {
     if (run.set_off_after_s) text += fmt::format("   set off {:.2f}", *run.set_off_after_s);
     text += "\n";
   }
-  if (run.cores.empty()) return text;
-  double sum = 0;
-  std::string cores;
-  for (const auto& [service, share] : run.cores) {
-    cores += fmt::format("   {} {:.2f}", service, share);
-    sum += share;
-  }
-  return text + fmt::format("cores        {:.2f} in all:{}\n", sum, cores);
+  text += of_processes("cores        {:.2f} in all:", "   {} {:.2f}", run.cores);
+  text += of_processes("memory       {:.0f} MB in all:", "   {} {:.0f}", run.memory_mb);
+  return text;
 }
 
 nlohmann::json curb_json(const CurbScore& c) {
@@ -128,7 +135,7 @@ std::string to_table(const Evaluation& e) {
 std::string to_json(const Evaluation& e) {
   nlohmann::json json;
   for (const char* key : {"curb", "lowered_kerbs", "inferred", "lateral_cm", "classes", "blocking", "dropped",
-                          "latency_ms", "start_s", "cores"})
+                          "latency_ms", "start_s", "cores", "processes"})
     json[key] = nullptr;
   if (e.curbs) {
     json["curb"] = curb_json(*e.curbs);
@@ -178,6 +185,8 @@ std::string to_json(const Evaluation& e) {
     if (!e.run->first_after_s.empty()) json["start_s"] = e.run->first_after_s;
     if (e.run->set_off_after_s) json["start_s"]["set_off"] = *e.run->set_off_after_s;
     if (!e.run->cores.empty()) json["cores"] = e.run->cores;
+    for (const auto& [process, share] : e.run->cores)
+      json["processes"].push_back({{"name", process}, {"cores", share}, {"memory_mb", e.run->memory_mb.at(process)}});
   }
   return json.dump(2) + "\n";
 }

@@ -192,6 +192,7 @@ RunFigures read_run_log(const std::string& file) {
   for (const auto& [id, span] : recording.processes) {
     const std::string& service = id.first;
     const auto uptime = static_cast<double>(span.last.uptime - span.first.uptime);
+    figures.memory_mb[service] = 1e-6 * static_cast<double>(span.last.memory);
     if (uptime > 0) figures.cores[service] = static_cast<double>(span.last.cpu_time - span.first.cpu_time) / uptime;
     for (std::size_t i = 0; i < span.last.counter_name.size(); ++i) {
       const std::string& name = span.last.counter_name[i];

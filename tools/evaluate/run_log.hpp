@@ -31,6 +31,7 @@ struct RunFigures {
   std::map<std::string, double> first_after_s;
   std::optional<double> set_off_after_s;       ///< likewise, to the first MAP_POSE that is 5 cm from the first
   std::map<std::string, double> cores;         ///< CPU seconds a second, by service; empty without SERVICE_STATUS
+  std::map<std::string, double> memory_mb;     ///< resident at the end, by service, MB of 10^6 bytes; likewise
   std::map<std::string, std::int64_t> losses;  ///< "lidar lost.packets": whatever is not zero
   bool log_is_damaged = false;                 ///< parts of the recording could not be read
 };
