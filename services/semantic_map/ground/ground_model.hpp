@@ -43,8 +43,7 @@ struct GroundModel {
 }
 
 /// Of a tile, from the samples of it and its neighbours.
-[[nodiscard]] GroundModel model_ground(const tile::Around<GroundSamples>& samples,
-                                       const tile::CurbParameters& parameters);
+[[nodiscard]] GroundModel model_ground(const tile::Around<GroundSamples>& samples);
 
 /// The ground at a place.
 struct GroundAt {
