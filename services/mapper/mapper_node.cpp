@@ -16,7 +16,7 @@ namespace curbstone::mapper {
 namespace {
 
 constexpr std::size_t kMaxPending = 80;  // scans that wait for odometry; 20 Hz: 4 s
-constexpr int kMostInATurn = 5;          // revolutions
+constexpr int kMostInATurn = 5;          // scans
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kToldFor = 60'000'000;  // us of the drive, that a new map began
 constexpr double kNextWait = 0.25;             // s

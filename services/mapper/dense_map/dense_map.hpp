@@ -32,11 +32,11 @@ class DenseMap {
  public:
   explicit DenseMap(const config::DenseConfig& config);
 
-  /// Takes a registered revolution; `points` in base_link. `add_new` false: only what is already waiting profits.
+  /// Takes a registered scan; `points` in base_link. `add_new` false: only what is already waiting profits.
   /// Returns the tiles that grew, in order.
   std::vector<TileKey> insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, std::int64_t utime,
                               bool add_new = true);
-  /// Takes out what the same revolution's beams passed through, now and before: see FreeSpace. `motion`: of base_link
+  /// Takes out what the same scan's beams passed through, now and before: see FreeSpace. `motion`: of base_link
   /// during it; `in_place`: whether an anchor's points are where they are seen, or may be displaced by drift. Looks at
   /// a part of the surroundings each time. Returns the tiles that changed, in order.
   std::vector<TileKey> look_through(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base,
@@ -76,7 +76,7 @@ class DenseMap {
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
-  /// A point of the running revolution.
+  /// A point of the running scan.
   struct Seen {
     Eigen::Vector3d position;  // m, map
     TileKey key;
@@ -121,7 +121,7 @@ class DenseMap {
   std::vector<Seen> in_range_;                      // scratch
   Eigen::Vector3d base_ = Eigen::Vector3d::Zero();  // position of base_link in map
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();   // its z axis
-  std::int64_t round_ = 0;                          // revolutions inserted
+  std::int64_t round_ = 0;                          // scans inserted
   std::int64_t size_ = 0;                           // points
   std::int64_t num_removals_ = 0;
   std::int32_t anchor_ = kFixed;

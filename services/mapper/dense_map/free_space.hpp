@@ -21,7 +21,7 @@ class FreeSpace {
   /// `ground_clearance`: m above the lowest point of its column, from where on a point stands clear of the ground.
   explicit FreeSpace(double ground_clearance);
 
-  /// From where a revolution is looked at.
+  /// From where a scan is looked at.
   struct View {
     const SweepImage& image;
     Pose T_lidar_map;

@@ -37,7 +37,7 @@ class ShapeLevel {
 
   /// `ray`: unit vector from the lidar to the point, in map.
   void insert(const Eigen::Vector3d& point, const Eigen::Vector3f& ray);
-  /// Call after the points of a revolution: what was fitted before it may now be stale.
+  /// Call after the points of a scan: what was fitted before it may now be stale.
   void end_insertion() { ++version_; }
 
   /// The shape of the voxel that holds the point, or of the nearest one beside it; nullptr if there is none.
