@@ -56,6 +56,7 @@ class ShapeLevel {
     Eigen::Array4f rest = Eigen::Array4f::Zero();     // sums of xz yz; of the rays' x y
     float rays_z = 0;
   };
+  struct Neighbourhood;
   struct Fitted {
     MapShape shape;
     std::int32_t version = -1;  // at which the shape was fitted
