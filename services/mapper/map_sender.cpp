@@ -8,7 +8,7 @@ namespace curbstone::mapper {
 namespace {
 
 constexpr std::int32_t kPointsPerMessage = 3000;  // 7 bytes each: 21 kB, well under 48 kB
-constexpr std::int64_t kTurn = 20'000;            // us; and a turn after each revolution
+constexpr std::int64_t kTurn = 20'000;            // us; and a turn after each scan
 constexpr std::int64_t kMostTurns = 13;           // at once: of a replay, which looks each 0.25 s
 constexpr int kMessagesInATurn = 150;
 constexpr int kPointsInATurn = 5000;         // 35 kB: 1.7 MB/s, the map of a vehicle at 3 m/s makes 0.25

@@ -37,7 +37,7 @@ Mapper::Mapper(const config::MapperConfig& config)
       atlas_(config.atlas),
       local_map_(atlas_, tracker_),
       closer_(config.loop),
-      finder_(config.registration.icp, config.vehicle.T_base_lidar().translation()),
+      relocalizer_(config.registration.icp, config.vehicle.T_base_lidar().translation()),
       dense_(std::make_unique<dense_map::DenseWorker>(config.dense, config.vehicle.T_base_lidar(), config.threads > 1)),
       start_(config.dense, config.vehicle.T_base_lidar(), config.threads > 1) {}
 
@@ -153,7 +153,7 @@ std::optional<Mapper::Relocalisation> Mapper::relocalise(const tracking::Tracked
   if (atlas_.size() == 0 || std::abs(tracked.utime - searched_) < period) return std::nullopt;
   searched_ = tracked.utime;
   counters_.add("searches");
-  const auto found = finder_.find(atlas_, *tracked.points, tracked.T_map_base, tracker_.doubt());
+  const auto found = relocalizer_.find(atlas_, *tracked.points, tracked.T_map_base, tracker_.doubt());
   if (!found) return std::nullopt;
   counters_.add("searches.found");
   earlier_.reset();
@@ -177,7 +177,7 @@ bool Mapper::roll_back_to_agreement(const Pose& T_map_base, std::int64_t utime,
   dense_->roll_back(*good_until);
   start_.end();
   trajectory_.roll_back(*good_until);
-  finder_.forget();
+  relocalizer_.forget();
   return true;
 }
 
@@ -209,7 +209,7 @@ Mapper::Mapped Mapper::map(const tracking::Tracked& tracked) {
 /// Back at a place of long ago: the whole drive is put right, and the map with it. How the vehicle moves, T_new_old;
 /// nothing if all stays where it is.
 std::optional<Pose> Mapper::close_loop(const tracking::Tracked& tracked) {
-  const auto closure = closer_.look(atlas_, finder_, *tracked.points, tracked.T_map_base);
+  const auto closure = closer_.look(atlas_, relocalizer_, *tracked.points, tracked.T_map_base);
   if (!closure) return std::nullopt;
   const auto correction = closer_.solve(atlas_, *closure, tracked.T_map_base);
   if (!correction) return std::nullopt;

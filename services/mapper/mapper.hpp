@@ -159,7 +159,7 @@ class Mapper {
   pose_graph::Atlas atlas_;
   LocalMap local_map_;
   pose_graph::LoopCloser closer_;
-  pose_graph::Relocalizer finder_;
+  pose_graph::Relocalizer relocalizer_;
   std::unique_ptr<dense_map::DenseWorker> dense_;  // never null
   std::int64_t dense_began_ = 0;                   // us, its first scan of this process
   intensity::RingScale scale_;

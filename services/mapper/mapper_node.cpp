@@ -16,7 +16,7 @@ namespace curbstone::mapper {
 namespace {
 
 constexpr std::size_t kMaxPending = 80;  // scans that wait for odometry; 20 Hz: 4 s
-constexpr int kMostInATurn = 5;          // revolutions
+constexpr int kMostInATurn = 5;          // scans
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kToldFor = 60'000'000;  // us of the drive, that a new map began
 constexpr double kNextWait = 0.25;             // s
@@ -147,7 +147,7 @@ void MapperNode::process(const scan::Scan& scan) {
   if (epoch_ == 0 || update->rearranged || update->start_is_over) begin_epoch(update->utime);
   publish_pose(*update);
   keep_pose(*update);
-  has_news_ = true;
+  has_unsent_ = true;
   is_pause_ = false;
 }
 
@@ -221,7 +221,7 @@ void MapperNode::take_changes(std::int64_t now) {
 }
 
 void MapperNode::send_changes(std::int64_t now) {
-  has_news_ = false;
+  has_unsent_ = false;
   take_changes(now);
   sender_.send_changes(mapper_.shown(), now);
 }
@@ -232,7 +232,7 @@ void MapperNode::send_index(std::int64_t now) {
 }
 
 void MapperNode::caught_up(std::int64_t now) {
-  if (has_news_ && epoch_ != 0) send_changes(now);
+  if (has_unsent_ && epoch_ != 0) send_changes(now);
 }
 
 void MapperNode::tick(std::int64_t now) {

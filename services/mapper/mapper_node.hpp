@@ -92,8 +92,8 @@ class MapperNode final : public Node {
   std::vector<journal::RecordedPose> start_drive_;    // of the first standstill, until it is over
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
 
-  bool has_news_ = false;  // a scan whose tiles have not gone out
-  bool is_pause_ = false;  // a tick has passed since it was processed
+  bool has_unsent_ = false;  // a scan whose tiles have not gone out
+  bool is_pause_ = false;    // a tick has passed since it was processed
   std::int64_t index_sent_ = 0;
   int without_odometry_ = 0;         // scans in a row
   std::deque<std::int64_t> missed_;  // us, ends of scans for which odometry had not come

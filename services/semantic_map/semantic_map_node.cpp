@@ -139,7 +139,7 @@ void SemanticMapNode::on(const tile_request_t& message) {
 void SemanticMapNode::caught_up(std::int64_t now) {
   if (schedule_.num_waiting() == 0) return;
   now_ = now;
-  show_news(now);
+  show_new_points(now);
 }
 
 bool SemanticMapNode::idle(std::int64_t now) {
@@ -154,7 +154,7 @@ bool SemanticMapNode::idle(std::int64_t now) {
 
 void SemanticMapNode::tick(std::int64_t now) {
   now_ = now;
-  show_news(now);
+  show_new_points(now);
   if (!idles_) publish_changed(work_on_all(now), now);
   std::erase_if(unsent_, [&](TileKey key) { return publish_if_due(key, now); });
   answer_requests();
@@ -188,7 +188,7 @@ void SemanticMapNode::send_requests(std::int64_t now) {
 }
 
 /// Not all at once: what waits longer takes in more messages, and a process that gets little of the CPU loses none.
-void SemanticMapNode::show_news(std::int64_t now) {
+void SemanticMapNode::show_new_points(std::int64_t now) {
   for (int i = 0; i < kShownAtOnce && show_next(now); ++i) {
   }
 }
@@ -226,9 +226,9 @@ void SemanticMapNode::publish_changed(const std::set<TileKey>& changed, std::int
 bool SemanticMapNode::publish_if_due(TileKey key, std::int64_t now) {
   const auto it = published_.find(key);
   const auto tile = pipeline_.classes(key);
-  const bool is_news = it == published_.end() || tile->utime > it->second.tile->utime ||
-                       tile->curbs_utime > it->second.tile->curbs_utime;
-  if (!is_news && std::abs(now - it->second.at) < kTilePeriod) return false;
+  const bool is_newer = it == published_.end() || tile->utime > it->second.tile->utime ||
+                        tile->curbs_utime > it->second.tile->curbs_utime;
+  if (!is_newer && std::abs(now - it->second.at) < kTilePeriod) return false;
   publish_tile(tile, now);
   return true;
 }
@@ -236,7 +236,7 @@ bool SemanticMapNode::publish_if_due(TileKey key, std::int64_t now) {
 void SemanticMapNode::publish_tile(const std::shared_ptr<const tile::MapTile>& tile, std::int64_t now) {
   Published& published = published_[tile->key];
   if (published.tile && *published.tile == *tile) return;  // became another, and what it was again
-  const bool is_news = !published.tile || tile->utime > published.tile->utime;
+  const bool is_newer = !published.tile || tile->utime > published.tile->utime;
   published.at = now;
   published.tile = tile;
   published.revision = std::max(published.revision + 1, revision_at(now, epoch_));
@@ -245,7 +245,7 @@ void SemanticMapNode::publish_tile(const std::shared_ptr<const tile::MapTile>& t
   publish(published);
   curbs_changed_ = lines_unstored_ = true;
   counters_.add("tiles_updated");
-  if (is_news && now > tile->utime && now - tile->utime < 60'000'000)
+  if (is_newer && now > tile->utime && now - tile->utime < 60'000'000)
     latency_.add(static_cast<double>(now - tile->utime) * 1e-6);
 }
 

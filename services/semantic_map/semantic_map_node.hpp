@@ -71,9 +71,9 @@ class SemanticMapNode final : public Node {
   void add_to_path(std::int64_t utime, const Eigen::Vector2d& place);
   void send_requests(std::int64_t now);
   void ask_for_lost();
-  /// Brings what stands where up to date in tiles with new points, some at a time, and sends it.
-  void show_news(std::int64_t now);
-  /// In one of them; false if all show it.
+  /// Columns and classes of tiles with new points, some at a time, and sends them.
+  void show_new_points(std::int64_t now);
+  /// Of one of them; false if none waits.
   bool show_next(std::int64_t now);
   /// Does the piece of work that is due, and tells which tiles became others. Nothing if none is due.
   std::optional<std::set<TileKey>> work_on_one(std::int64_t now);

@@ -17,9 +17,6 @@ struct Playback {
   double speed = 1;     ///< times the pace of the drive
   bool paused = false;
   bool ended = false;
-
-  /// Nothing is to be expected: silence means nothing.
-  [[nodiscard]] bool rests() const { return paused || ended; }
 };
 
 /// What the pages show of the present moment. Ages are in s since something came; NaN: it never did.

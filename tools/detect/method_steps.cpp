@@ -99,7 +99,7 @@ MethodProducts run_steps(const std::vector<semantic_map::tile::VotedTile>& tiles
   std::vector<double> heights;
   bool first = true;
   for (const auto& [key, tile] : products.voted) {
-    products.ground[key] = semantic_map::ground::model_ground(around(samples, key), parameters);
+    products.ground[key] = semantic_map::ground::model_ground(around(samples, key));
     for (const semantic_map::ground::GroundNode& node : products.ground[key].nodes) {
       if (node.valid) heights.push_back(node.plane.height);
     }

@@ -23,7 +23,7 @@ struct DenseConfig {
   int max_points = 30'000'000;
 
   /// s, until all that was seen has its place in the map or none: what must have stayed is looked at every fourth
-  /// revolution.
+  /// scan.
   [[nodiscard]] double settled_after() const { return std::max(settle_s, persistence_s) + 0.2; }
 
   void visit(ConfigVisitor& v) {

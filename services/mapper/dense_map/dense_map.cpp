@@ -9,10 +9,10 @@ namespace {
 
 constexpr std::int64_t kGiveUp = 3'000'000;       // us without a hit: what waits is forgotten
 constexpr double kGroundSlope = 0.05;             // by which unseen ground may rise above the vehicle's plane
-constexpr std::int64_t kHousekeeping = 64;        // revolutions between
-constexpr std::uint32_t kHeldEvery = 4;           // revolutions between looks at what is held
+constexpr std::int64_t kHousekeeping = 64;        // scans between
+constexpr std::uint32_t kHeldEvery = 4;           // scans between looks at what is held
 constexpr double kAwake = 40.0;                   // m beyond the range: tiles that keep their voxel sets
-constexpr int kLookEvery = 4;                     // revolutions between looks through a tile
+constexpr int kLookEvery = 4;                     // scans between looks through a tile
 constexpr std::int64_t kRemoveEvery = 1'000'000;  // us: whoever votes counts such a tile anew
 constexpr double kWorldEdge = 90'000;             // m from the start, in either axis
 constexpr std::size_t kAhead = 12;                // points that memory is asked for what they need before their turn
@@ -119,7 +119,7 @@ std::vector<TileKey> DenseMap::look_through(const std::vector<scan::LidarPoint>&
   return changed;
 }
 
-/// First look at the whole revolution: the lowest point of each column, then what stands above it.
+/// First look at the whole scan: the lowest point of each column, then what stands above it.
 void DenseMap::learn(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, std::int64_t utime) {
   in_range_.clear();
   for (const scan::LidarPoint& point : points) {

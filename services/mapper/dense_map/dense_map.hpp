@@ -19,12 +19,12 @@
 
 namespace curbstone::mapper::dense_map {
 
-/// The dense map in tiles. A voxel gives one point: the mean of its first hits. What stands clear of the ground waits
-/// until its place has been seen occupied for a while, so that moving objects do not leave their ghosts; so do low
-/// points under such a thing. What has left is taken out again. On ground that is known from an earlier visit a point
-/// goes in only where nothing is known beside it: noise makes a surface thicker with each visit, without end. The
-/// intensity of a point is the mean over those hits that had one, on the scale of set_scale(); 0: none had. A function
-/// of the calls alone. Pure; one thread.
+/// The dense map in tiles. A voxel gives one point: the mean of its first hits. Points clear of the ground wait until
+/// their place has been seen occupied for a while, so that moving objects leave no trail, and so do low points under
+/// them. Points that beams later pass through are removed. In a tile that is known from an earlier visit a point goes
+/// in only where nothing is known beside it; else noise would make surfaces thicker with each visit. The intensity of a
+/// point is the mean over those hits that had one, on the scale of set_scale(); 0: none had. A function of the calls
+/// alone. Pure; one thread.
 ///
 /// Counters: dense.points, dense.transient (voxels given up: nothing stayed there), dense.removed (points: seen through
 /// since), dense.evicted_tiles, dense.without_intensity (points).
@@ -32,11 +32,11 @@ class DenseMap {
  public:
   explicit DenseMap(const config::DenseConfig& config);
 
-  /// Takes a registered revolution; `points` in base_link. `add_new` false: only what is already waiting profits.
-  /// Returns the tiles that grew, in order.
+  /// Takes a registered scan; `points` in base_link. `add_new` false: hits count only in voxels that are waiting
+  /// already. Returns the tiles that grew, in order.
   std::vector<TileKey> insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, std::int64_t utime,
                               bool add_new = true);
-  /// Takes out what the same revolution's beams passed through, now and before: see FreeSpace. `motion`: of base_link
+  /// Takes out what the same scan's beams passed through, now and before: see FreeSpace. `motion`: of base_link
   /// during it; `in_place`: whether an anchor's points are where they are seen, or may be displaced by drift. Looks at
   /// a part of the surroundings each time. Returns the tiles that changed, in order.
   std::vector<TileKey> look_through(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base,
@@ -76,7 +76,7 @@ class DenseMap {
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
-  /// A point of the running revolution.
+  /// A point of the running scan.
   struct Seen {
     Eigen::Vector3d position;  // m, map
     TileKey key;
@@ -121,7 +121,7 @@ class DenseMap {
   std::vector<Seen> in_range_;                      // scratch
   Eigen::Vector3d base_ = Eigen::Vector3d::Zero();  // position of base_link in map
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();   // its z axis
-  std::int64_t round_ = 0;                          // revolutions inserted
+  std::int64_t round_ = 0;                          // scans inserted
   std::int64_t size_ = 0;                           // points
   std::int64_t num_removals_ = 0;
   std::int32_t anchor_ = kFixed;

@@ -54,7 +54,7 @@ class DenseTile {
   /// Whether the voxel is occupied, and was when the tile woke: by a visit before this one.
   [[nodiscard]] bool knew(std::uint32_t voxel) const { return has_slept_ && occupied_.is_marked(voxel); }
   [[nodiscard]] bool has_slept() const { return has_slept_; }
-  /// The point's voxel must not be occupied. `utime`: of the revolution that settled the point; `anchor`: the node of
+  /// The point's voxel must not be occupied. `utime`: of the scan that settled the point; `anchor`: the node of
   /// the drive that the vehicle was at.
   void append(const TilePoint& point, std::int64_t utime, std::int32_t anchor);
   /// Takes points out, by the numbers of their records, of which each must be there().

@@ -14,7 +14,7 @@ constexpr int kLayers = 60;                          // cells, half of them belo
 constexpr int kLayer = kAcross * kAcross;            // cells in one
 constexpr int kBelowAll = 400;                       // cells: below every int16
 constexpr auto kRecordStep = static_cast<float>(kPositionStep);
-constexpr std::uint8_t kOften = 2;                  // revolutions whose beams passed through: free
+constexpr std::uint8_t kOften = 2;                  // scans whose beams passed through: free
 constexpr std::uint8_t kMost = 4;                   // that are counted
 constexpr float kLowClearance = 0.06F;              // m above the column's lowest point, under what has gone
 constexpr SweepImage::Margins kHigh{0.30F, 0.50F};  // m: an obstacle's own depth, and what is clearly beyond

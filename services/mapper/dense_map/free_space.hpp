@@ -10,23 +10,23 @@
 
 namespace curbstone::mapper::dense_map {
 
-/// Finds what is no longer there: points of the dense map that beams pass through. Only what stands clear of the ground
-/// is asked about, and what is low under such a thing that has gone: ground, seen at its grazing angle, never is.
+/// Finds points of the dense map that beams pass through: they are no longer there. Points clear of the ground are
+/// tested, and low ones where what stood above them has gone; never ground, which is seen at a grazing angle.
 ///
 /// A cell of 0.2 m is free once beams have passed through half of its points, through each often enough (kOften), and
-/// nothing has been met in it or beside it since: what a beam can miss or pass (a pole, a fence, leaves, the edge of a
-/// wall) is met again before that. Pure; one thread.
+/// no beam has ended in it or beside it since: what beams can miss or pass (a pole, a fence, leaves, the edge of a
+/// wall) is hit again before that. Pure; one thread.
 class FreeSpace {
  public:
   /// `ground_clearance`: m above the lowest point of its column, from where on a point stands clear of the ground.
   explicit FreeSpace(double ground_clearance);
 
-  /// From where a revolution is looked at.
+  /// From where a scan is looked at.
   struct View {
     const SweepImage& image;
     Pose T_lidar_map;
     double reach;                                       ///< m from the lidar: what is farther is not judged
-    const std::function<bool(std::int32_t)>& in_place;  ///< whether an anchor's points are where they are seen
+    const std::function<bool(std::int32_t)>& in_place;  ///< whether an anchor's points may be tested
   };
   /// Looks at a tile whose corner is at `corner` (m, map), and returns the records of points that are gone.
   [[nodiscard]] std::vector<std::uint32_t> look(DenseTile& tile, const Eigen::Vector3d& corner, const View& view);

@@ -9,18 +9,18 @@
 
 namespace curbstone::mapper::dense_map {
 
-/// What a revolution says about a place.
+/// What a scan says about a place.
 enum class Sighting {
   kNothing,  ///< no beam went there, or something nearer hides it
   kThere,    ///< a beam ended about there
   kThrough,  ///< beams went through it and ended well beyond
 };
 
-/// The beams of one revolution by ring and azimuth: how far each went. Knows that the lidar moved meanwhile, so that
+/// The beams of one scan by ring and azimuth: how far each went. Knows that the lidar moved meanwhile, so that
 /// what is near is looked at from where the beam was fired. Pure.
 class SweepImage {
  public:
-  /// `points` as they are in base_link at the revolution's end; `motion`: of base_link during it.
+  /// `points` as they are in base_link at the scan's end; `motion`: of base_link during it.
   SweepImage(const std::vector<scan::LidarPoint>& points, const Pose& T_base_lidar, const scan::Twist& motion);
 
   /// How near in range a beam must end to have met the place, and how far beyond it to have gone through; m.
@@ -28,7 +28,7 @@ class SweepImage {
     float there;
     float through;
   };
-  /// A place in the lidar's axes at the revolution's end. Through it went only what passed below a place lower than the
+  /// A place in the lidar's axes at the scan's end. Through it went only what passed below a place lower than the
   /// lidar (above a higher one): what passes on its other side may have missed the edge or the top of a thing. And
   /// beside such a beam none may have ended sooner: a beam that grazes a wall does.
   [[nodiscard]] Sighting look(const Eigen::Vector3f& place, const Margins& margins) const;

@@ -31,7 +31,7 @@ class DriveJournal {
   /// Its writing failed a minute ago, or for want of room, which there is again; or half of the file is of tiles that
   /// are gone: it is begun anew by start_epoch(). `now`: us.
   [[nodiscard]] bool wants_anew(std::int64_t now) const;
-  /// Where the vehicle is, after a revolution that the map has taken. See PoseThinning.
+  /// Where the vehicle is, after a scan that the map has taken. See PoseThinning.
   void add(const RecordedPose& pose);
   /// The scale of what the tiles take from now on.
   void set_rings(const intensity::RingHistograms& rings);

@@ -15,14 +15,14 @@
 
 namespace curbstone::mapper::journal {
 
-/// Where the vehicle was at the end of a revolution.
+/// Where the vehicle was at the end of a scan.
 struct RecordedPose {
   std::int64_t utime = 0;  ///< us
   std::int32_t revolution = 0;
   std::int32_t node = 0;  ///< of the atlas, that it was at
   Pose T_map_base = Pose::Identity();
   Pose T_map_odom = Pose::Identity();
-  bool with_odometry = false;       ///< T_map_odom is of this revolution
+  bool with_odometry = false;       ///< T_map_odom is of this scan
   std::int64_t standing_since = 0;  ///< us, when the drive's first standstill began
   bool has_moved = false;           ///< since then
 };

@@ -14,7 +14,7 @@ constexpr double kBeyond = 25.0;          // m from where the vehicle may be: no
 constexpr double kMostReach = 50.0;       // m
 constexpr std::size_t kMostNodes = 30;    // that are taken into account
 constexpr double kNodesApart = 1.5;       // m: nearer to another, a node shows nothing new
-constexpr std::size_t kSightNodes = 3;    // from which the revolution is looked at
+constexpr std::size_t kSightNodes = 3;    // from which the scan is looked at
 constexpr double kThinned = 0.3;          // m: of what stands, one point counts in such a cube
 constexpr float kScanReach = 60.0F;       // m, of the scans of nodes
 constexpr float kGroundReach = 20.0F;     // m: ground that is near enough to tell the height
@@ -134,7 +134,7 @@ CandidateSearch::CandidateSearch(const std::vector<const scan::Keyframe*>& nodes
   const Cloud points = points_about(nodes_, guess_.T_map_base.translation());
   for (const Eigen::Vector3f& p : points) lowest_.add(p);
   standing_ = one_a_cube(upright(points, lowest_));
-  pyramid_.emplace(standing_, lattice_reach(guess_.reach));
+  grids_.emplace(standing_, lattice_reach(guess_.reach));
 }
 
 std::vector<PlaceHypothesis> CandidateSearch::hypotheses(const std::vector<scan::LidarPoint>& points, int most) const {
@@ -146,7 +146,7 @@ std::vector<PlaceHypothesis> CandidateSearch::hypotheses(const std::vector<scan:
   if (standing.size() < kMinStanding) return {};
   const SearchWindow range{guess_.reach, roll_pitch_yaw(guess_.T_map_base.linear()).z(), guess_.turn};
   std::vector<PlaceHypothesis> out;
-  for (const PlanarPose& found : branch_and_bound(*pyramid_, standing, range, most)) {
+  for (const PlanarPose& found : branch_and_bound(*grids_, standing, range, most)) {
     Pose T_local_level = from({found.x, found.y, 0}) * Eigen::AngleAxisd(found.yaw, Eigen::Vector3d::UnitZ());
     const std::optional<double> up = rise(level, ground, T_local_level, lowest_);
     if (!up) continue;
@@ -188,11 +188,11 @@ PlaceMatch CandidateSearch::refine(const std::vector<scan::LidarPoint>& points, 
 
 double CandidateSearch::score_at(const Cloud& standing, const Pose& T_local_level) const {
   double sum = 0;
-  for (const Eigen::Vector3f& p : transformed(T_local_level, standing, kAsIs)) sum += pyramid_->at(p);
+  for (const Eigen::Vector3f& p : transformed(T_local_level, standing, kAsIs)) sum += grids_->at(p);
   return sum / static_cast<double>(std::max<std::size_t>(standing.size(), 1));
 }
 
-/// What stands in the map, seen from the revolution, and what stands in the revolution, seen from the nearest nodes.
+/// What stands in the map, seen from the scan, and what stands in the scan, seen from the nearest nodes.
 double CandidateSearch::conflict_at(const std::vector<scan::LidarPoint>& points, const Cloud& standing,
                                     const Pose& T_map_base) const {
   const Pose T_lidar_base = from(-lidar_);

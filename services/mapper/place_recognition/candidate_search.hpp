@@ -13,7 +13,7 @@
 
 namespace curbstone::mapper::place_recognition {
 
-/// Where a revolution may have been taken.
+/// Where a scan may have been taken.
 struct PlaceGuess {
   Pose T_map_base = Pose::Identity();  ///< its roll and pitch must be good to a degree or two
   double reach = 5;                    ///< m, that x and y may be off by; 50 at most
@@ -23,22 +23,22 @@ struct PlaceGuess {
 /// A pose worth registering from.
 struct PlaceHypothesis {
   Pose T_map_base = Pose::Identity();
-  double score = 0;  ///< 0..1: how well what stands upright in the revolution falls on what does in the map
+  double score = 0;  ///< 0..1: how well what stands upright in the scan falls on what does in the map
 };
 
-/// Where a revolution was taken, and what speaks for it.
+/// Where a scan was taken, and what speaks for it.
 struct PlaceMatch {
   registration::RegistrationResult registration;  ///< pose and covariance are here
   double score = 0;                               ///< as of PlaceHypothesis, at that pose
   double conflict = 0;   ///< 0..1: of what stands in one scan within the sight of another, the share it looked through
-  double rise = 0;       ///< m by which the ground of the revolution is under the map's
+  double rise = 0;       ///< m by which the ground of the scan is under the map's
   double runner_up = 0;  ///< score of the best that is another place; 0 where none came near
 };
 
 /// What nodes of the map show of the surroundings of a guess, ready to be searched. Pure; one thread; deterministic.
 class CandidateSearch {
  public:
-  /// Of the nodes, those within 25 m of where the vehicle may be count, the nearest 40 at most. They may be given in
+  /// Of the nodes, those within 25 m of where the vehicle may be count, the nearest 30 at most. They may be given in
   /// any number; they must live as long as the search. `lidar`: where it is in base_link, m.
   CandidateSearch(const std::vector<const scan::Keyframe*>& nodes, const PlaceGuess& guess,
                   const config::IcpConfig& config, const Eigen::Vector3d& lidar);
@@ -47,7 +47,7 @@ class CandidateSearch {
   /// base_link. None where nothing upright is seen, or no nodes are near.
   [[nodiscard]] std::vector<PlaceHypothesis> hypotheses(const std::vector<scan::LidarPoint>& points, int most) const;
 
-  /// Registers the revolution from a hypothesis; whatever comes of it.
+  /// Registers the scan from a hypothesis; whatever comes of it.
   [[nodiscard]] PlaceMatch refine(const std::vector<scan::LidarPoint>& points, const PlaceHypothesis& hypothesis);
 
  private:
@@ -61,7 +61,7 @@ class CandidateSearch {
   std::vector<const scan::Keyframe*> nodes_;  // nearest first
   LowestPoints lowest_;                       // in map, from the guess's position on
   std::vector<Eigen::Vector3f> standing_;
-  std::optional<PrecomputationGrids> pyramid_;
+  std::optional<PrecomputationGrids> grids_;
   std::unique_ptr<registration::IcpRegistration> registration_;  // made when it is needed
 };
 

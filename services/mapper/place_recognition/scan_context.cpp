@@ -60,7 +60,7 @@ ScanContext::RingKey ScanContext::key_of(const Heights& heights) {
   return key;
 }
 
-/// One less the mean cosine between sectors (equation 6 there), at the best turn; sectors where either shows nothing
+/// One less the mean cosine between sectors (equation 6 there), at the best turn; sectors where neither shows anything
 /// are left out.
 std::array<ScanContext::Match, 2> ScanContext::compare(const Heights& scan, const Heights& node) {
   using Sectors = Eigen::Matrix<float, kRings, kSectors>;

@@ -7,7 +7,7 @@
 namespace curbstone::mapper::place_recognition {
 namespace {
 
-// Measured with bench_places: where they were taken, revolutions of towns and of KITTI score 0.91 to 0.99 with a
+// Measured with bench_places: where they were taken, scans of towns and of KITTI score 0.91 to 0.99 with a
 // conflict of 0.07 to 0.28; elsewhere 0.66 at best, with 0.38 at least. Between plain walls a wrong pose can score
 // 0.91, though, but then hardly less a metre further along.
 constexpr double kMinScore = 0.80;

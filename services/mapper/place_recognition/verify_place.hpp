@@ -8,7 +8,7 @@
 
 namespace curbstone::mapper::place_recognition {
 
-/// The place of a revolution that was taken about where the guess says; nothing unless the figures are firm and no
+/// The place of a scan that was taken about where the guess says; nothing unless the figures are firm and no
 /// other pose within the guess comes near them. A street that looks the same further along, a tunnel, an open square,
 /// another place: nothing. Some 50 ms for 5 m and 0.2 rad.
 [[nodiscard]] std::optional<PlaceMatch> verify_place(const std::vector<scan::LidarPoint>& points,

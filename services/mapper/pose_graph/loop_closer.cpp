@@ -36,7 +36,7 @@ int LoopCloser::candidate(const Atlas& atlas, const Eigen::Vector3d& position) c
   return Atlas::kNone;
 }
 
-std::optional<LoopClosure> LoopCloser::look(const Atlas& atlas, const Relocalizer& finder,
+std::optional<LoopClosure> LoopCloser::look(const Atlas& atlas, const Relocalizer& relocalizer,
                                             const std::vector<scan::LidarPoint>& points, const Pose& T_map_base) {
   const Eigen::Vector3d position = T_map_base.translation();
   if (last_position_) travelled_ += (position - *last_position_).norm();
@@ -48,7 +48,7 @@ std::optional<LoopClosure> LoopCloser::look(const Atlas& atlas, const Relocalize
   counters_.add("loops.looked");
   const double since = std::abs(atlas.driven(atlas.reference()) - atlas.driven(node));
   const double radius = std::min(config_.search + config_.search_drift * since, config_.max_search);
-  const auto match = finder.find_at(atlas, node, points, T_map_base, radius, kTurn);
+  const auto match = relocalizer.find_at(atlas, node, points, T_map_base, radius, kTurn);
   if (!match) return std::nullopt;
   counters_.add("loops.seen");
   const Pose correction = match->T_map_base * T_map_base.inverse();

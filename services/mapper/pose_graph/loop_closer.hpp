@@ -32,8 +32,8 @@ class LoopCloser {
  public:
   explicit LoopCloser(const config::LoopConfig& config) : config_(config) {}
 
-  /// `points`: a revolution in base_link, taken at T_map_base.
-  [[nodiscard]] std::optional<LoopClosure> look(const Atlas& atlas, const Relocalizer& finder,
+  /// `points`: a scan in base_link, taken at T_map_base.
+  [[nodiscard]] std::optional<LoopClosure> look(const Atlas& atlas, const Relocalizer& relocalizer,
                                                 const std::vector<scan::LidarPoint>& points, const Pose& T_map_base);
   /// Solves the atlas's graph with the closure in it; the vehicle is at T_map_base. Nothing if the closure contradicts
   /// the drive.

@@ -10,14 +10,14 @@
 
 namespace curbstone::mapper::pose_graph {
 
-/// Where a revolution was taken.
+/// Where a scan was taken.
 struct FoundPlace {
   Pose T_map_base = Pose::Identity();
   registration::Matrix6 covariance = registration::Matrix6::Zero();  ///< in base_link axes
   int node = 0;  ///< of the atlas, whose surroundings it was found in
 };
 
-/// Finds out where a revolution was taken, by what the atlas remembers. Says nothing rather than guess. Pure; one
+/// Finds out where a scan was taken, by what the atlas remembers. Says nothing rather than guess. Pure; one
 /// thread.
 class Relocalizer {
  public:

@@ -16,6 +16,27 @@ constexpr double kIndependence = 1.0 / 25;
 constexpr std::size_t kCoarseStride = 4;  // one point in so many finds the way; all of them say where it ends
 constexpr double kRematch = 0.01;         // m, moved by so much since points were matched, they are matched again
 constexpr double kRematchTurn = 0.001;    // rad, likewise
+constexpr double kSettledBounds = 5;      // of the kernel's bound: once steps are smaller all points are used
+constexpr double kLastStep = 5e-4;        // m, of a step that ends the iteration,
+constexpr double kLastTurn = 1e-4;        // and rad
+
+/// H d = -b for the step d: the matches without the directions that they do not fix, and the prior.
+struct StepEquations {
+  Ldlt<6> H;
+  Vector6 b;
+
+  /// `off_prior`: the pose seen from the prior's.
+  StepEquations(const NormalEquations& sum, const Matrix6& P, const PosePrior& prior, const Pose& off_prior)
+      : H(kIndependence * P * sum.H * P.transpose() + prior.information),
+        b(kIndependence * P * sum.b + prior.information * log_of(off_prior)) {}
+};
+
+/// How far the step's matches say that the scan lies on the map, of `sought` points.
+void describe(const NormalEquations& sum, double sought, RegistrationResult& result) {
+  result.overlap = sum.found / std::max(sought, 1.0);
+  result.inlier_ratio = static_cast<double>(sum.inliers) / std::max(sum.found, 1);
+  result.residual = sum.inliers > 0 ? std::sqrt(sum.squared_error / sum.inliers) : 0;
+}
 
 }  // namespace
 
@@ -40,12 +61,14 @@ void IcpRegistration::match(const std::vector<scan::LidarPoint>& source, std::si
   }
 }
 
+/// Match, solve, move, until the steps are small: first with few of the points and a wide kernel, then with all of them
+/// and a narrow one.
 RegistrationResult IcpRegistration::align(const std::vector<scan::LidarPoint>& points, const PosePrior& prior) {
   const std::vector<scan::LidarPoint> source = scan::downsample(points, config_.source_voxel, config_.max_range);
-  const double settled = 5 * config_.kernel;
-  double annealing = std::clamp(prior.reach, settled, std::max(config_.search, settled));
-  Pose T_matched = prior.T_map_base;  // where points were matched
-  Pose moved = Pose::Identity();      // since then
+  const double settled = kSettledBounds * config_.kernel;
+  double annealing = std::clamp(prior.reach, settled, std::max(config_.search, settled));  // m, still to go
+  Pose T_matched = prior.T_map_base;                                                       // where points were matched
+  Pose moved = Pose::Identity();                                                           // since then
   std::size_t stride = kCoarseStride;
   bool stale = true;
   RegistrationResult result;
@@ -60,30 +83,25 @@ RegistrationResult IcpRegistration::align(const std::vector<scan::LidarPoint>& p
     }
     sum = matches_.at(moved, kernel);
     const Observability seen = observability(sum, config_.degenerate_below);
-    const Matrix6 H = kIndependence * seen.P * sum.H * seen.P.transpose() + prior.information;
-    const Vector6 b =
-        kIndependence * seen.P * sum.b + prior.information * log_of(prior.T_map_base.inverse() * T_matched * moved);
-    const Ldlt<6> solver(H);
-    const Vector6 step = solver.solve(-b);
+    const StepEquations equations(sum, seen.P, prior, prior.T_map_base.inverse() * T_matched * moved);
+    const Vector6 step = equations.H.solve(-equations.b);
     if (!step.allFinite()) break;
     moved = moved * exp_of(step);
     result.degenerate = seen.degenerate;
-    result.converged = stride == 1 && step.head<3>().norm() < 5e-4 && step.tail<3>().norm() < 1e-4;
+    result.converged = stride == 1 && step.head<3>().norm() < kLastStep && step.tail<3>().norm() < kLastTurn;
+    if (result.converged || result.iterations == config_.max_iterations) result.covariance = equations.H.inverse();
+
     annealing = std::clamp(2 * step.head<3>().norm(), 0.5 * annealing, annealing);
     const Vector6 since = log_of(moved);
     stale = since.head<3>().norm() > kRematch || since.tail<3>().norm() > kRematchTurn;
-    if (result.converged || result.iterations == config_.max_iterations) {
-      result.covariance = solver.inverse();
-    } else if (stride > 1 && annealing <= settled) {
+    const bool goes_on = !result.converged && result.iterations < config_.max_iterations;
+    if (goes_on && stride > 1 && annealing <= settled) {
       stride = 1;
       stale = true;
     }
   }
-  const auto sought = static_cast<double>((source.size() + stride - 1) / stride);
   result.T_map_base = normalised(T_matched * moved);
-  result.overlap = sum.found / std::max(sought, 1.0);
-  result.inlier_ratio = static_cast<double>(sum.inliers) / std::max(sum.found, 1);
-  result.residual = sum.inliers > 0 ? std::sqrt(sum.squared_error / sum.inliers) : 0;
+  describe(sum, static_cast<double>((source.size() + stride - 1) / stride), result);
   return result;
 }
 

@@ -11,8 +11,8 @@ namespace curbstone::mapper::registration {
 
 /// Point-to-plane ICP on a voxel map of planes: Gauss-Newton over SE(3) with a Huber kernel, a Gaussian prior, and
 /// directions that the surroundings do not fix left to the prior (solution remapping, Zhang, Kaess, Singh, ICRA 2016).
-/// Steps are cheap once points are matched, matching is not: it is done anew only when the pose has moved, and with few
-/// of the points until the pose has settled.
+/// Steps are cheap and matching is not: points are matched anew only when the pose has moved, and few of them until it
+/// has settled.
 class IcpRegistration final : public Registration {
  public:
   /// `lidar`: where it is in base_link, m.

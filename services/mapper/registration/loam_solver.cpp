@@ -39,34 +39,17 @@ class LoamResiduals {
     const Vector6 d = seen_ * x;  // what the features see of it
     const Pose T = problem_.T_map_base * exp_of(d);
     const Eigen::Matrix3d to_base = T.linear().transpose();
-    Eigen::Map<Eigen::VectorXd> r(residuals, NumResiduals());
+    Residuals r(residuals, NumResiduals());
     Rows* J = jacobian != nullptr ? &rows_ : nullptr;
     if (J != nullptr) J->resize(6, NumResiduals());
     Eigen::Index at = 0;
     for (const FeatureMatch& match : problem_.matches) {
       const Eigen::Vector3d off = match.weight * (T * match.point - match.mean);
-      if (match.line) {
-        const Eigen::Vector3d across = off - match.axis.dot(off) * match.axis;
-        const Eigen::Vector3d u = match.axis.unitOrthogonal(), v = match.axis.cross(u);
-        const Loss loss = robust(across.norm());
-        r[at] = loss.factor * u.dot(off);
-        r[at + 1] = loss.factor * v.dot(off);
-        if (J != nullptr) {  // the loss bends along the distance, not across it
-          const Eigen::Vector3d along = across.norm() > 0 ? Eigen::Vector3d(across.normalized()) : u;
-          for (const Eigen::Vector3d& n : {u, v}) {
-            const Eigen::Vector3d bent = loss.factor * n + (loss.slope - loss.factor) * n.dot(along) * along;
-            set_row(*J, at++, match, to_base * bent);
-          }
-        } else {
-          at += 2;
-        }
-      } else {
-        const double distance = match.axis.dot(off);
-        const Loss loss = robust(std::abs(distance));
-        r[at] = loss.factor * distance;
-        if (J != nullptr) set_row(*J, at, match, loss.slope * (to_base * match.axis));
-        ++at;
-      }
+      if (match.line)
+        add_line(match, off, to_base, at, r, J);
+      else
+        add_plane(match, off, to_base, at, r, J);
+      at += match.line ? 2 : 1;
     }
     // The prior sees the whole change, also where the features say nothing.
     const Vector6 off = log_of(T_prior_start_ * exp_of(x));
@@ -83,6 +66,7 @@ class LoamResiduals {
   }
 
  private:
+  using Residuals = Eigen::Map<Eigen::VectorXd>;
   using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
   /// Huber's: what a distance is multiplied by, and what its product grows by with it.
@@ -94,6 +78,33 @@ class LoamResiduals {
     if (s <= a) return {};
     const double root = std::sqrt(2 * a * s - a * a);
     return {root / s, a / root};
+  }
+
+  /// The distance from a plane. `off`: weighted offset of the point from the shape's mean, in map; `to_base` turns it
+  /// into base_link's axes.
+  void add_plane(const FeatureMatch& match, const Eigen::Vector3d& off, const Eigen::Matrix3d& to_base, Eigen::Index at,
+                 Residuals& r, Rows* J) const {
+    const double distance = match.axis.dot(off);
+    const Loss loss = robust(std::abs(distance));
+    r[at] = loss.factor * distance;
+    if (J != nullptr) set_row(*J, at, match, loss.slope * (to_base * match.axis));
+  }
+
+  /// The distance from a line, along two directions across it.
+  void add_line(const FeatureMatch& match, const Eigen::Vector3d& off, const Eigen::Matrix3d& to_base, Eigen::Index at,
+                Residuals& r, Rows* J) const {
+    const Eigen::Vector3d across = off - match.axis.dot(off) * match.axis;
+    const Eigen::Vector3d u = match.axis.unitOrthogonal(), v = match.axis.cross(u);
+    const Loss loss = robust(across.norm());
+    r[at] = loss.factor * u.dot(off);
+    r[at + 1] = loss.factor * v.dot(off);
+    if (J == nullptr) return;
+    // The loss bends along the distance, not across it.
+    const Eigen::Vector3d along = across.norm() > 0 ? Eigen::Vector3d(across.normalized()) : u;
+    for (const Eigen::Vector3d& n : {u, v}) {
+      const Eigen::Vector3d bent = loss.factor * n + (loss.slope - loss.factor) * n.dot(along) * along;
+      set_row(*J, at++, match, to_base * bent);
+    }
   }
 
   /// The derivative by the pose of what `n` (base_link axes) says of the match's weighted offset.

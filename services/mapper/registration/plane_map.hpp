@@ -23,7 +23,7 @@ class PlaneMap {
   /// The finest plane within reach of the point (map, m); where none is, one that is out of reach; nullptr if there is
   /// none. The pointer lives until the next insert().
   [[nodiscard]] const MapShape* plane_at(const Eigen::Vector3d& point, double reach);
-  /// Adds the points of a revolution, in base_link, seen by the lidar (there too).
+  /// Adds the points of a scan, in base_link, seen by the lidar (there too).
   void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, const Eigen::Vector3f& lidar);
   /// Forgets what is farther than `radius` (in any axis) from `centre`.
   void keep_around(const Eigen::Vector3d& centre, double radius);

@@ -9,7 +9,7 @@
 
 namespace curbstone::mapper::registration {
 
-/// How a distance weighs in one step.
+/// How much a distance counts in one step.
 struct RobustKernel {
   double reach;  ///< m: what is farther from its plane does not count
   double bound;  ///< m: Huber's, at least a sigma of the match

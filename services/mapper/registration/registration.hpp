@@ -24,7 +24,7 @@ struct PosePrior {
   double reach = 1e9;  ///< m: nothing is farther from where this pose puts it: surfaces need not be sought beyond
 };
 
-/// What came of registering one revolution.
+/// What came of registering one scan.
 struct RegistrationResult {
   Pose T_map_base = Pose::Identity();
   /// In base_link axes: of the step's equations, a point among many counted as one, with the prior. It knows the
@@ -33,24 +33,24 @@ struct RegistrationResult {
   Matrix6 covariance = Matrix6::Zero();
   double residual = 0;      ///< m, robust RMS distance of the inliers
   double inlier_ratio = 0;  ///< of the points for which the map had a surface, those that lie on it
-  double overlap = 0;       ///< 0..1: share of the revolution's points for which the map had a surface
+  double overlap = 0;       ///< 0..1: share of the scan's points for which the map had a surface
   int iterations = 0;
   int degenerate = 0;  ///< bit i: axis i of base_link was left to the prior
   bool converged = false;
 };
 
-/// A way to register revolutions to the map that it keeps of them. `icp` and `loam` are two, by make_registration().
+/// A way to register scans to the map that it keeps of them. `icp` and `loam` are two, by make_registration().
 /// Deterministic: the same calls give the same bits.
 class Registration {
  public:
   virtual ~Registration() = default;
 
-  /// Finds the pose of a de-skewed revolution (points in base_link). Leaves the map as it is.
+  /// Finds the pose of a de-skewed scan (points in base_link). Leaves the map as it is.
   [[nodiscard]] virtual RegistrationResult align(const std::vector<scan::LidarPoint>& points,
                                                  const PosePrior& prior) = 0;
-  /// Adds the revolution to the map.
+  /// Adds the scan to the map.
   virtual void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base) = 0;
-  /// Adds what a node of the drive remembers, with less detail than insert() of its revolution had.
+  /// Adds what a node of the drive remembers, with less detail than insert() of its scan had.
   virtual void recall(const scan::Keyframe& node) = 0;
   /// Bounds the map: whatever is farther than window() from `centre` in any axis is forgotten. Now and then: true when
   /// it was.

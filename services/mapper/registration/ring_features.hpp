@@ -8,7 +8,7 @@
 
 namespace curbstone::mapper::registration {
 
-/// Points of a revolution that tell where it was taken, after LOAM (Zhang, Singh, RSS 2014, section V.A).
+/// Points of a scan that tell where it was taken, after LOAM (Zhang, Singh, RSS 2014, section V.A).
 struct RingFeatures {
   std::vector<scan::LidarPoint> edges;   ///< the most bent of each sector
   std::vector<scan::LidarPoint> planes;  ///< the least bent of each sector

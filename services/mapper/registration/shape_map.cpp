@@ -68,15 +68,16 @@ const MapShape* ShapeLevel::up_to_date(std::uint32_t voxel, const Eigen::Vector3
   return fitted.valid ? &fitted.shape : nullptr;
 }
 
-void ShapeLevel::fit(Fitted& fitted, const Eigen::Vector3i& cell) const {
-  // Each voxel's moments are about its own centre, a voxel's side away in each axis or not at all: what moving them to
-  // the middle one takes is the difference of the sums on either side, and the counts there.
+/// Sums over the 3 x 3 x 3 voxels of a neighbourhood. Each voxel's moments are about its own centre, a voxel's side
+/// away in each axis or not at all: what moving them to the middle one takes is the difference of the sums on either
+/// side, and the counts there.
+struct ShapeLevel::Neighbourhood {
   Eigen::Array4f first = Eigen::Array4f::Zero(), squares = first, rest = first;
   Eigen::Array4f along_x = first, along_y = first, along_z = first;
   Eigen::Array4f counts = first, mixed_counts = first;
   float rays_z = 0;
-  index_.around(cell, [&](std::uint32_t voxel, int dx, int dy, int dz) {
-    const Moments& m = moments_[voxel];
+
+  void add(const Moments& m, int dx, int dy, int dz) {
     const auto x = static_cast<float>(dx), y = static_cast<float>(dy), z = static_cast<float>(dz);
     first += m.first;
     squares += m.squares;
@@ -87,30 +88,44 @@ void ShapeLevel::fit(Fitted& fitted, const Eigen::Vector3i& cell) const {
     along_z += z * m.first;
     counts += m.first[0] * Eigen::Array4f(x * x, y * y, z * z, x * y);
     mixed_counts += m.first[0] * Eigen::Array4f(x * z, y * z, 0, 0);
-  });
-  const double h = options_.voxel, h2 = h * h;
-  const double count = static_cast<double>(first[0]);
+  }
+
+  struct Distribution {
+    Eigen::Vector3d mean;  ///< m from the middle voxel's centre
+    Eigen::Matrix3d covariance;
+  };
+  /// `h`: m, side of a voxel.
+  [[nodiscard]] Distribution distribution(double h) const {
+    const double h2 = h * h;
+    const double count = static_cast<double>(first[0]);
+    const Eigen::Array4d n = first.cast<double>(), q = squares.cast<double>(), r = rest.cast<double>();
+    const Eigen::Array4d ax = h * along_x.cast<double>(), ay = h * along_y.cast<double>(),
+                         az = h * along_z.cast<double>();
+    const Eigen::Array4d c = h2 * counts.cast<double>(), cm = h2 * mixed_counts.cast<double>();
+    const Eigen::Vector3d mean = Eigen::Vector3d(n[1] + ax[0], n[2] + ay[0], n[3] + az[0]) / count;
+    const double xy = q[3] + ax[2] + ay[1] + c[3];
+    const double xz = r[0] + ax[3] + az[1] + cm[0];
+    const double yz = r[1] + ay[3] + az[2] + cm[1];
+    Eigen::Matrix3d about_centre;
+    about_centre << q[0] + 2 * ax[1] + c[0], xy, xz, xy, q[1] + 2 * ay[2] + c[1], yz, xz, yz, q[2] + 2 * az[3] + c[2];
+    return {mean, about_centre / count - mean * mean.transpose()};
+  }
+};
+
+void ShapeLevel::fit(Fitted& fitted, const Eigen::Vector3i& cell) const {
+  Neighbourhood sum;
+  index_.around(cell, [&](std::uint32_t voxel, int dx, int dy, int dz) { sum.add(moments_[voxel], dx, dy, dz); });
+  const double count = static_cast<double>(sum.first[0]);
 
   // A neighbourhood that hardly grew is left alone for longer and longer.
   const bool settled = count < 1.1 * static_cast<double>(fitted.count);
   fitted.patience = static_cast<std::int16_t>(settled ? std::min(2 * fitted.patience, 32) : 2);
   fitted.version = version_;
-  fitted.count = first[0];
+  fitted.count = sum.first[0];
   fitted.valid = false;
   if (count < options_.min_points) return;
 
-  const Eigen::Array4d n = first.cast<double>(), q = squares.cast<double>(), r = rest.cast<double>();
-  const Eigen::Array4d ax = h * along_x.cast<double>(), ay = h * along_y.cast<double>(),
-                       az = h * along_z.cast<double>();
-  const Eigen::Array4d c = h2 * counts.cast<double>(), cm = h2 * mixed_counts.cast<double>();
-  const Eigen::Vector3d mean = Eigen::Vector3d(n[1] + ax[0], n[2] + ay[0], n[3] + az[0]) / count;
-  const double xy = q[3] + ax[2] + ay[1] + c[3];
-  const double xz = r[0] + ax[3] + az[1] + cm[0];
-  const double yz = r[1] + ay[3] + az[2] + cm[1];
-  Eigen::Matrix3d about_centre;
-  about_centre << q[0] + 2 * ax[1] + c[0], xy, xz, xy, q[1] + 2 * ay[2] + c[1], yz, xz, yz, q[2] + 2 * az[3] + c[2];
-  const Eigen::Matrix3d covariance = about_centre / count - mean * mean.transpose();
-
+  const auto [mean, covariance] = sum.distribution(options_.voxel);
   const auto [lambda, axes] = eigen_pairs_direct(covariance);
   const int across = options_.shape == ShapeKind::kPlane ? 0 : 1;
   const double along = lambda[across + 1];
@@ -121,8 +136,9 @@ void ShapeLevel::fit(Fitted& fitted, const Eigen::Vector3i& cell) const {
   fitted.valid = fitted.shape.axis.allFinite();
   if (options_.shape == ShapeKind::kLine) return;
   // Where one ring passes through foliage, or grazes, its returns scatter along the rays: they lie in a plane, and a
-  // thin one, but it is the ring's own. Held to it, a vehicle can no longer pitch.
-  const float grazing = std::abs(fitted.shape.axis.dot(Eigen::Vector3f(rest[2], rest[3], rays_z))) / first[0];
+  // thin one, but it is the ring's own. As a constraint it would freeze the pitch.
+  const Eigen::Vector3f rays(sum.rest[2], sum.rest[3], sum.rays_z);
+  const float grazing = std::abs(fitted.shape.axis.dot(rays)) / sum.first[0];
   fitted.valid = fitted.valid && grazing > static_cast<float>(options_.min_grazing);
 }
 

@@ -37,7 +37,7 @@ class ShapeLevel {
 
   /// `ray`: unit vector from the lidar to the point, in map.
   void insert(const Eigen::Vector3d& point, const Eigen::Vector3f& ray);
-  /// Call after the points of a revolution: what was fitted before it may now be stale.
+  /// Call after the points of a scan: what was fitted before it may now be stale.
   void end_insertion() { ++version_; }
 
   /// The shape of the voxel that holds the point, or of the nearest one beside it; nullptr if there is none.
@@ -56,6 +56,7 @@ class ShapeLevel {
     Eigen::Array4f rest = Eigen::Array4f::Zero();     // sums of xz yz; of the rays' x y
     float rays_z = 0;
   };
+  struct Neighbourhood;
   struct Fitted {
     MapShape shape;
     std::int32_t version = -1;  // at which the shape was fitted

@@ -40,11 +40,11 @@ struct KeyframePoint {
   return unpacked;
 }
 
-/// A place on the drive from which the surroundings are remembered: one thinned revolution and where it was taken.
+/// A place on the drive from which the surroundings are remembered: one thinned scan and where it was taken.
 /// Whatever must be built anew (the map for registration after a loop was closed, after a rollback, from a saved map)
 /// is built from these; the pose graph moves them.
 struct Keyframe {
-  std::int64_t utime = 0;  ///< us, end of its revolution
+  std::int64_t utime = 0;  ///< us, end of its scan
   Pose T_map_base = Pose::Identity();
   std::vector<KeyframePoint> points;  ///< de-skewed, in base_link
 };

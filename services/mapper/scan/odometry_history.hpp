@@ -20,7 +20,7 @@ struct OdometrySample {
 };
 
 /// A bounded stretch of odometry in order of time, for poses at any time in between, and kLead beyond: in so short a
-/// time a vehicle's motion hardly changes, and who waits for the next sample is later by as much. Pure; one thread.
+/// time a vehicle's motion hardly changes, and a scan need not wait for the next sample. Pure; one thread.
 class OdometryHistory {
  public:
   static constexpr std::int64_t kLead = 20'000;          ///< us: at 2 m/s^2, 0.4 mm

@@ -19,7 +19,7 @@ namespace curbstone::mapper::scan {
 /// So what is handed on is the same whether or not packets were lost, unless they are lost for good. Packets that begin
 /// anew or jump in time are handed on as they come. Pure; one thread.
 ///
-/// Two drivers on one channel would mix the revolutions of two LiDARs in one place. Their numbers give them away: they
+/// Two drivers on one channel would mix the scans of two LiDARs in one place. Their numbers give them away: they
 /// go back while the time goes on, and no driver is started anew within kRestart. One of the two is handed on.
 ///
 /// Counters: refused.second_lidar, lidar.resent (missing packets that came again), lidar.not_resent (gaps that were

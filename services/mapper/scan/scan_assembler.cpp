@@ -32,20 +32,12 @@ std::optional<Scan> ScanAssembler::add(const lidar_points_t& packet) {
     counters_.add("lidar.clock_jumps");
     return restart_with(packet);
   }
+  if (packet.packet <= newest_packet_ && ahead > 0) {  // newer, yet counted lower: the driver began again
+    counters_.add("lidar.restarts");
+    return restart_with(packet);
+  }
   if (packet.packet <= newest_packet_) {
-    if (ahead > 0) {  // newer, yet counted lower: the driver began again
-      counters_.add("lidar.restarts");
-      return restart_with(packet);
-    }
-    if (std::find(seen_.begin(), seen_.end(), packet.packet) != seen_.end()) {
-      counters_.add("dropped.duplicate");
-    } else if (packet.revolution != current_->number || packet.utime < current_->start) {
-      counters_.add("dropped.late");
-    } else {
-      counters_.add("lidar.reordered");
-      --current_->lost;
-      append(packet);
-    }
+    take_late(packet);
     return std::nullopt;
   }
 
@@ -60,6 +52,14 @@ std::optional<Scan> ScanAssembler::add(const lidar_points_t& packet) {
   }
   append(packet);
   return std::nullopt;
+}
+
+void ScanAssembler::take_late(const lidar_points_t& packet) {
+  if (std::find(seen_.begin(), seen_.end(), packet.packet) != seen_.end()) return counters_.add("dropped.duplicate");
+  if (packet.revolution != current_->number || packet.utime < current_->start) return counters_.add("dropped.late");
+  counters_.add("lidar.reordered");
+  --current_->lost;
+  append(packet);
 }
 
 std::optional<Scan> ScanAssembler::flush() {

@@ -39,6 +39,8 @@ class ScanAssembler {
 
  private:
   void append(const lidar_points_t& packet);
+  /// One that others have overtaken.
+  void take_late(const lidar_points_t& packet);
   [[nodiscard]] std::optional<Scan> restart_with(const lidar_points_t& packet);
 
   AssemblyLimits limits_;

@@ -23,7 +23,7 @@ scan::SharedPoints share(std::vector<scan::LidarPoint> points) {
 
 Tracker::Tracker(const config::TrackerConfig& config, const config::RegistrationConfig& registration,
                  const VehicleConfig& vehicle, bool keeps_map)
-    : config_(config), keeps_map_(keeps_map), fitter_(registration, vehicle, config.max_speed) {}
+    : config_(config), keeps_map_(keeps_map), matcher_(registration, vehicle, config.max_speed) {}
 
 std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
   counters_.add("revolutions");
@@ -69,37 +69,51 @@ void Tracker::note_odometry(const Last& before, const scan::OdometryHistory& odo
   }
 }
 
-/// Where the scan is, by all that may tell.
+/// Where the scan is, by all that may tell: from where odometry, or a steady motion, expects it; if that fails, from
+/// other motions.
 Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
   MotionExpectation expected = expect_motion(config_, recent(), scan, odometry);
   if (expected.incredible) counters_.add("odometry.not_believed");
   const Departure from = departure();
-  if (expected.blind && first_) {  // too far apart to tell of each other: the drive begins with this one
-    return {fitter_.expect(from, scan, std::move(expected)), {}, false};
+  if (expected.blind) {
+    // Too far apart to tell of each other: the drive begins with this one.
+    if (first_) return {matcher_.expect(from, scan, std::move(expected)), {}, false};
+    if (auto bridged = attempt_across(from, scan, odometry)) return std::move(*bridged);
+    trust_.go_blind(counters_);
   }
-  if (expected.blind && trust_.tracking() && last_->T_odom_base) {
-    const auto across = expect_across(config_, recent(), *last_->T_odom_base, scan, odometry);
-    Attempt bridged = across ? judged(fitter_.fit(from, scan, *across, motion_), true) : Attempt{};
-    if (bridged.believed) {
-      counters_.add("bridged");
-      return bridged;
-    }
-  }
-  if (expected.blind) trust_.go_blind(counters_);
-  if (trust_.groundless()) return {fitter_.expect(from, scan, std::move(expected)), {}, false};
+  if (trust_.groundless()) return {matcher_.expect(from, scan, std::move(expected)), {}, false};
   const bool guided = expected.with_odometry;
-  if (first_ && !guided) return judged(fitter_.fit_second(from, *first_, scan));
-  Attempt first = judged(fitter_.fit(from, scan, std::move(expected), motion_));
+  if (first_ && !guided) return judged(matcher_.fit_second(from, *first_, scan));
+  Attempt first = judged(matcher_.fit(from, scan, std::move(expected), motion_));
   if (first.believed) return first;
-  if (guided) {  // perhaps it is odometry that jumped
-    Attempt second = judged(fitter_.fit(from, scan, expect_steady(recent(), scan), motion_));
-    if (!second.believed) return first;
-    counters_.add("odometry.not_believed");
-    return second;
-  }
-  if (!trust_.tracking() || trust_.refused_in_a_row() >= kMostFromAfar) return first;
-  Attempt second = judged(fitter_.fit_from_afar(from, scan, motion_));
+  Attempt second = guided ? attempt_without_odometry(from, scan) : attempt_from_afar(from, scan);
   return second.believed ? second : first;
+}
+
+/// Seconds of messages were missed: by what odometry said before and says now. Nothing if the LiDAR does not clearly
+/// agree.
+std::optional<Tracker::Attempt> Tracker::attempt_across(const Departure& from, const scan::Scan& scan,
+                                                        const scan::OdometryHistory& odometry) {
+  if (!trust_.tracking() || !last_->T_odom_base) return std::nullopt;
+  const auto across = expect_across(config_, recent(), *last_->T_odom_base, scan, odometry);
+  if (!across) return std::nullopt;
+  Attempt bridged = judged(matcher_.fit(from, scan, *across, motion_), true);
+  if (!bridged.believed) return std::nullopt;
+  counters_.add("bridged");
+  return bridged;
+}
+
+/// Perhaps it is odometry that jumped.
+Tracker::Attempt Tracker::attempt_without_odometry(const Departure& from, const scan::Scan& scan) {
+  Attempt attempt = judged(matcher_.fit(from, scan, expect_steady(recent(), scan), motion_));
+  if (attempt.believed) counters_.add("odometry.not_believed");
+  return attempt;
+}
+
+/// Perhaps the motion has changed. Costly, so not for long.
+Tracker::Attempt Tracker::attempt_from_afar(const Departure& from, const scan::Scan& scan) {
+  if (!trust_.tracking() || trust_.refused_in_a_row() >= kMostFromAfar) return {};
+  return judged(matcher_.fit_from_afar(from, scan, motion_));
 }
 
 /// Whether a scan comes after the last one, as time goes. What is late or comes once more does not. After a
@@ -144,7 +158,7 @@ Tracked Tracker::conclude(std::int64_t utime, Attempt found) {
   tracked.anew = trust_.judge({utime, stride, expected.T_last_base.translation().norm(), expected.with_odometry,
                                found.believed, expected.covariance},
                               counters_);
-  if (tracked.anew) fitter_.clear_map();
+  if (tracked.anew) matcher_.clear_map();
   tracked.fix = trust_.fix();
   tracked.registered = found.believed || tracked.anew;
   tracked.maps = tracked.registered && trust_.tracking();
@@ -176,9 +190,9 @@ void Tracker::relocate(const Pose& T_map_base) {
 }
 
 void Tracker::rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pose& T_map_base) {
-  fitter_.clear_map();
-  for (const scan::Keyframe* node : nodes) fitter_.map().recall(*node);
-  (void)fitter_.map().keep_around(T_map_base.translation());
+  matcher_.clear_map();
+  for (const scan::Keyframe* node : nodes) matcher_.map().recall(*node);
+  (void)matcher_.map().keep_around(T_map_base.translation());
   last_->T_map_base = T_map_base;
   T_map_keyframe_ = T_map_base;
 }
@@ -195,7 +209,7 @@ void Tracker::resume(std::int64_t utime, const Pose& T_map_base, double path, co
 }
 
 bool Tracker::forget_far() {
-  return fitter_.map().keep_around(last_->T_map_base.translation());
+  return matcher_.map().keep_around(last_->T_map_base.translation());
 }
 
 Tracked Tracker::start(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
@@ -218,12 +232,12 @@ Tracked Tracker::start(const scan::Scan& scan, const scan::OdometryHistory& odom
   T_map_keyframe_ = tracked.T_map_base;
   if (tracked.registered && !tracked.with_odometry) {
     first_ = scan;
-    first_points_ = fitter_.in_base(scan, sweep);
-    fitter_.map().insert(first_points_, tracked.T_map_base);
+    first_points_ = matcher_.in_base(scan, sweep);
+    matcher_.map().insert(first_points_, tracked.T_map_base);
     tracked.points = share({});
     return tracked;
   }
-  tracked.points = share(fitter_.in_base(scan, sweep));
+  tracked.points = share(matcher_.in_base(scan, sweep));
   tracked.maps = tracked.registered;
   if (tracked.maps) insert(*tracked.points, tracked.T_map_base);
   return tracked;
@@ -238,7 +252,7 @@ std::optional<Tracked::Earlier> Tracker::prove_start(const Fit& second) {
 }
 
 void Tracker::forget_start() {
-  fitter_.clear_map();
+  matcher_.clear_map();
   last_.reset();
   trust_.forget_drift();
   twist_ = {};
@@ -263,7 +277,7 @@ void Tracker::insert(const std::vector<scan::LidarPoint>& points, const Pose& T_
   }
   counters_.add("keyframes");
   T_map_keyframe_ = T_map_base;
-  fitter_.map().insert(points, T_map_base);
+  matcher_.map().insert(points, T_map_base);
 }
 
 }  // namespace curbstone::mapper::tracking

@@ -83,14 +83,14 @@ class Tracker {
   /// The map for registration is made anew from these nodes, and the vehicle is here in it.
   void rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pose& T_map_base);
   /// A node's surroundings come back into the map for registration.
-  void recall(const scan::Keyframe& node) { fitter_.map().recall(node); }
+  void recall(const scan::Keyframe& node) { matcher_.map().recall(node); }
   /// Bounds the map for registration once the vehicle has gone far enough: true when what is farther than the window
   /// has been forgotten.
   bool forget_far();
-  [[nodiscard]] double window() const { return fitter_.map().window(); }
+  [[nodiscard]] double window() const { return matcher_.map().window(); }
 
   /// Voxels of the map that registration keeps; bounded by its window.
-  [[nodiscard]] std::size_t registration_size() const { return fitter_.map().size(); }
+  [[nodiscard]] std::size_t registration_size() const { return matcher_.map().size(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
   /// Scans in a row that could not be registered.
   [[nodiscard]] int refused_in_a_row() const { return trust_.refused_in_a_row(); }
@@ -113,6 +113,10 @@ class Tracker {
   [[nodiscard]] RecentMotion recent() const { return {last_->end, motion_.twist(), stride_}; }
   [[nodiscard]] Departure departure() const { return {last_->end, last_->T_map_base, trust_.drift()}; }
   [[nodiscard]] Attempt attempt(const scan::Scan& scan, const scan::OdometryHistory& odometry);
+  [[nodiscard]] std::optional<Attempt> attempt_across(const Departure& from, const scan::Scan& scan,
+                                                      const scan::OdometryHistory& odometry);
+  [[nodiscard]] Attempt attempt_without_odometry(const Departure& from, const scan::Scan& scan);
+  [[nodiscard]] Attempt attempt_from_afar(const Departure& from, const scan::Scan& scan);
   /// `firmly`: more must fit, where the guess is not sure to be near.
   [[nodiscard]] Attempt judged(Fit fit, bool firmly = false) const;
   [[nodiscard]] Tracked start(const scan::Scan& scan, const scan::OdometryHistory& odometry);
@@ -125,7 +129,7 @@ class Tracker {
 
   config::TrackerConfig config_;
   bool keeps_map_;
-  ScanMatcher fitter_;
+  ScanMatcher matcher_;
   std::optional<Last> last_;
   std::optional<Pose> known_start_;
   std::optional<std::int64_t> broken_;          // us, the end of a scan that did not follow the one before

@@ -126,7 +126,7 @@ std::vector<tile::CurbVertex> bridge_between(const LineEnd& from, const LineEnd&
   return bridge;
 }
 
-/// Of the ground that was seen on one side of a place, 0.15 to 0.45 m off.
+/// Height of the ground that was seen on one side of a place, 0.18 to 0.42 m off.
 std::optional<double> seen_beside(const SeenGround& ground, const Eigen::Vector2d& at, const Eigen::Vector2d& side) {
   double sum = 0;
   int n = 0;

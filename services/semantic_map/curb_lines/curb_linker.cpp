@@ -4,36 +4,58 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <tuple>
 #include <utility>
+
+#include "services/semantic_map/curb_lines/joints.hpp"
 
 namespace curbstone::semantic_map::curb_lines {
 
 namespace {
 
-constexpr double kGap = 0.80;           // m that a line may bridge in any case
-constexpr double kFarSideways = 0.10;   // of a longer bridge, that its ends may be off each other's line
-constexpr double kSideways = 0.12;      // m that the next point may lie off, and a share of its distance
-constexpr double kGrid = 2.0;           // m: the longest bridge from point to point
-constexpr double kJoin = 2.5;           // m: the longest from chain to chain
-constexpr double kEnd = 1.5;            // m of a chain that say where it goes on
-constexpr double kJoinSideways = 0.04;  // m off, and a share of the gap
+constexpr double kGap = 0.80;            // m that a line may bridge in any case
+constexpr double kFarSideways = 0.10;    // of a longer bridge, that its ends may be off each other's line
+constexpr double kSideways = 0.12;       // m that the next point may lie off,
+constexpr double kSidewaysShare = 0.25;  // and a share of its distance
+constexpr double kAlike = 0.7;           // cosine between the directions of two points
+constexpr double kGrid = 2.0;            // m: the longest bridge from point to point
+constexpr double kJoin = 2.5;            // m: the longest from chain to chain
+constexpr double kEnd = 1.5;             // m of a chain that say where it goes on
+constexpr double kJoinSideways = 0.04;   // m off, and a share of the gap
 constexpr double kJoinShare = 0.04;
 constexpr double kJoinAlike = 0.97;   // cosine between the ends' directions
 constexpr double kJoinHeight = 0.03;  // m, or a third
 
-using Cell = std::pair<std::int64_t, std::int64_t>;
+/// Numbers of things, to be found by place.
+class PlaceGrid {
+ public:
+  void put(const Eigen::Vector2d& at, std::size_t number) { cells_[cell_of(at)].push_back(number); }
+  /// visit(number) of all in the cells up to `reach` cells from that of `at`.
+  template <class Visit>
+  void around(const Eigen::Vector2d& at, std::int64_t reach, Visit visit) const {
+    const Cell centre = cell_of(at);
+    for (std::int64_t x = centre.first - reach; x <= centre.first + reach; ++x) {
+      for (std::int64_t y = centre.second - reach; y <= centre.second + reach; ++y) {
+        const auto it = cells_.find({x, y});
+        if (it == cells_.end()) continue;
+        for (const std::size_t number : it->second) visit(number);
+      }
+    }
+  }
 
-Cell cell_at(double x, double y) {
-  return {static_cast<std::int64_t>(std::floor(x / kGrid)), static_cast<std::int64_t>(std::floor(y / kGrid))};
-}
+ private:
+  using Cell = std::pair<std::int64_t, std::int64_t>;
+  static Cell cell_of(const Eigen::Vector2d& at) {
+    return {static_cast<std::int64_t>(std::floor(at.x() / kGrid)),
+            static_cast<std::int64_t>(std::floor(at.y() / kGrid))};
+  }
+  std::map<Cell, std::vector<std::size_t>> cells_;
+};
 
 /// Follows curb points from one to the next.
 class Linker {
  public:
   explicit Linker(const std::vector<MapCurbPoint>& points) : points_(points), used_(points.size()) {
-    for (std::size_t i = 0; i < points.size(); ++i)
-      cells_[cell_at(points[i].foot.x(), points[i].foot.y())].push_back(i);
+    for (std::size_t i = 0; i < points.size(); ++i) grid_.put(points[i].foot, i);
   }
 
   /// Indices along the line through `seed`, which must be unused; marks them used.
@@ -61,36 +83,33 @@ class Linker {
     const double off = std::max(std::abs(d.dot(a.up)), std::abs(d.dot(b.up)));
     return d.norm() < a.reach + b.reach && off < kSideways + kFarSideways * d.norm();
   }
+  /// How far `b` lies `ahead` of `a` (m, plus what it lies to the side), if it may be the next point.
+  static std::optional<double> step_to(const MapCurbPoint& a, const MapCurbPoint& b, const Eigen::Vector2d& ahead) {
+    if (b.up.dot(a.up) < kAlike) return std::nullopt;
+    const Eigen::Vector2d d = b.foot - a.foot;
+    const double sideways = std::abs(d.dot(a.up));
+    if (d.dot(ahead) <= 0 || sideways > kSideways + kSidewaysShare * d.norm()) return std::nullopt;
+    if (d.norm() > kGap && !bridges(a, b)) return std::nullopt;
+    return d.norm() + sideways;
+  }
   /// points_.size() if there is none.
   std::size_t nearest_ahead(std::size_t from, int sense) {
     const MapCurbPoint& p = points_[from];
     const Eigen::Vector2d ahead = sense * Eigen::Vector2d(-p.up.y(), p.up.x());
     std::size_t best = points_.size();
-    double best_distance = kGrid;
-    const Cell centre = cell_at(p.foot.x(), p.foot.y());
-    for (std::int64_t x = centre.first - 1; x <= centre.first + 1; ++x) {
-      for (std::int64_t y = centre.second - 1; y <= centre.second + 1; ++y) {
-        const auto it = cells_.find({x, y});
-        if (it == cells_.end()) continue;
-        for (const std::size_t i : it->second) {
-          if (used_[i] || points_[i].up.dot(p.up) < 0.7) continue;
-          const Eigen::Vector2d d = points_[i].foot - p.foot;
-          const double sideways = std::abs(d.dot(p.up));
-          if (d.dot(ahead) <= 0 || sideways > kSideways + 0.25 * d.norm()) continue;
-          if (d.norm() > kGap && !bridges(p, points_[i])) continue;
-          if (d.norm() + sideways < best_distance) {
-            best = i;
-            best_distance = d.norm() + sideways;
-          }
-        }
-      }
-    }
+    double shortest = kGrid;
+    grid_.around(p.foot, 1, [&](std::size_t i) {
+      const auto step = used_[i] ? std::nullopt : step_to(p, points_[i], ahead);
+      if (!step || *step >= shortest) return;
+      best = i;
+      shortest = *step;
+    });
     return best;
   }
 
   const std::vector<MapCurbPoint>& points_;
   std::vector<bool> used_;
-  std::map<Cell, std::vector<std::size_t>> cells_;
+  PlaceGrid grid_;
 };
 
 /// One end of a chain: the straight line through its last metres.
@@ -143,56 +162,35 @@ std::optional<double> gap_between(const ChainEnd& from, const ChainEnd& to, doub
   return gap;
 }
 
-/// Joins what goes on behind a gap, the shortest gaps first.
-void join_chains(const std::vector<MapCurbPoint>& points, std::vector<CurbChain>& chains) {
-  struct Joint {
-    double gap;
-    std::size_t from, to;
-  };
-  std::map<Cell, std::vector<std::size_t>> begins;
-  const auto cell_of = [&](std::size_t i) { return cell_at(points[i].foot.x(), points[i].foot.y()); };
-  for (std::size_t k = 0; k < chains.size(); ++k) begins[cell_of(chains[k].front())].push_back(k);
+/// From the end of one chain to the beginning of another.
+std::vector<Joint> find_joints(const std::vector<MapCurbPoint>& points, const std::vector<CurbChain>& chains) {
+  PlaceGrid begins;
+  for (std::size_t k = 0; k < chains.size(); ++k) begins.put(points[chains[k].front()].foot, k);
   std::vector<Joint> joints;
   for (std::size_t a = 0; a < chains.size(); ++a) {
     const ChainEnd from = end_of(points, chains[a].rbegin(), chains[a].rend());
-    const Cell centre = cell_of(chains[a].back());
-    for (std::int64_t x = centre.first - 2; x <= centre.first + 2; ++x) {
-      for (std::int64_t y = centre.second - 2; y <= centre.second + 2; ++y) {
-        const auto it = begins.find({x, y});
-        if (it == begins.end()) continue;
-        for (const std::size_t b : it->second) {
-          if (a == b) continue;
-          const double shorter = std::min(length(points, chains[a]), length(points, chains[b]));
-          const auto gap = gap_between(from, end_of(points, chains[b].begin(), chains[b].end()), shorter);
-          if (gap) joints.push_back({*gap, a, b});
-        }
-      }
-    }
+    begins.around(points[chains[a].back()].foot, 2, [&](std::size_t b) {
+      if (a == b) return;
+      const double shorter = std::min(length(points, chains[a]), length(points, chains[b]));
+      const auto gap = gap_between(from, end_of(points, chains[b].begin(), chains[b].end()), shorter);
+      if (gap) joints.push_back({*gap, last_end(a), first_end(b)});
+    });
   }
-  std::sort(joints.begin(), joints.end(), [](const Joint& a, const Joint& b) {
-    return std::tie(a.gap, a.from, a.to) < std::tie(b.gap, b.from, b.to);
-  });
-  constexpr std::size_t kNone = ~std::size_t{0};
-  std::vector<std::size_t> next(chains.size(), kNone);
-  std::vector<std::size_t> previous(chains.size(), kNone);
-  const auto first_of = [&](std::size_t k) {
-    while (previous[k] != kNone) k = previous[k];
-    return k;
-  };
-  for (const Joint& joint : joints) {
-    if (next[joint.from] != kNone || previous[joint.to] != kNone || first_of(joint.from) == joint.to) continue;
-    next[joint.from] = joint.to;
-    previous[joint.to] = joint.from;
-  }
+  return joints;
+}
+
+/// Joins chains that go on behind a gap.
+std::vector<CurbChain> join_chains(const std::vector<MapCurbPoint>& points, std::vector<CurbChain> chains) {
+  const std::vector<std::size_t> partner = join_shortest_first(chains.size(), find_joints(points, chains));
   std::vector<CurbChain> joined;
   for (std::size_t k = 0; k < chains.size(); ++k) {
-    if (previous[k] != kNone) continue;
+    if (partner[first_end(k)] != kFree) continue;  // it continues another chain
     CurbChain chain = std::move(chains[k]);
-    for (std::size_t n = next[k]; n != kNone; n = next[n])
-      chain.insert(chain.end(), chains[n].begin(), chains[n].end());
+    for (std::size_t next = partner[last_end(k)]; next != kFree; next = partner[last_end(piece_of(next))])
+      chain.insert(chain.end(), chains[piece_of(next)].begin(), chains[piece_of(next)].end());
     joined.push_back(std::move(chain));
   }
-  chains = std::move(joined);
+  return joined;
 }
 
 }  // namespace
@@ -203,8 +201,7 @@ std::vector<CurbChain> chain_curbs(const std::vector<MapCurbPoint>& points) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!linker.is_used(i)) chains.push_back(linker.follow(i));
   }
-  join_chains(points, chains);
-  return chains;
+  return join_chains(points, std::move(chains));
 }
 
 }  // namespace curbstone::semantic_map::curb_lines

@@ -23,7 +23,7 @@ struct LoweredStep {
 ///
 ///   z = c_0 + c_1 t + c_2 t^2 + b_low u [u < 0] + b_high u [u > 0] + h [u > 0]
 ///
-/// over the ground 0.12 to 0.6 m off the line (u across it, towards the higher side, t along it). Each side has its
+/// over the ground 0.14 to 0.50 m off the line (u across it, towards the higher side, t along it). Each side has its
 /// own slope: a road falls towards a lowered kerb, and a ramp rises behind it. Nothing where less than three fifths of
 /// the line were seen on both sides, or where either half of it does not step up by half as much as the whole.
 [[nodiscard]] std::optional<LoweredStep> find_lowered_step(const SeenGround& ground,

@@ -12,7 +12,7 @@ constexpr double kKnots = 0.5;      // m between knots
 constexpr double kStiffness = 2.0;  // of the penalty, against samples of weight 1
 constexpr double kStraight = 1e-3;  // the same of second differences: between few points the line is straight
 constexpr double kOutlier = 0.03;   // m off the line: weighs half
-constexpr int kReweightings = 3;
+constexpr int kFits = 3;
 constexpr int kBand = 3;  // a sample touches four coefficients, a third difference too
 
 /// The four cubic B-splines that are not zero at u in [0, 1) of a span, and their derivatives by u.
@@ -76,12 +76,13 @@ SmoothingSpline::SmoothingSpline(const std::vector<Sample>& samples)
   coefficients_.resize(static_cast<std::size_t>(std::max(1.0, std::ceil((end_ - begin_) / kKnots))) + 3);
   std::vector<double> weights;
   for (const Sample& sample : samples) weights.push_back(sample.weight);
-  for (int round = 0; round < kReweightings; ++round) {
-    fit(samples, weights);
+  fit(samples, weights);
+  for (int round = 1; round < kFits; ++round) {
     for (std::size_t i = 0; i < samples.size(); ++i) {
       const double off = (samples[i].values - at(samples[i].s)).head<2>().norm() / kOutlier;
       weights[i] = samples[i].weight / (1 + off * off);
     }
+    fit(samples, weights);
   }
 }
 

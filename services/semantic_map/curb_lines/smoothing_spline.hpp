@@ -7,7 +7,8 @@ namespace curbstone::semantic_map::curb_lines {
 
 /// A smoothing spline through points that were measured along a line: cubic B-splines on even knots, weighted least
 /// squares with a penalty on the third differences of the coefficients (P-splines: Eilers and Marx 1996, eq. 4), which
-/// leaves straight lines and even bends as they are. Outliers count less (Cauchy weights, two rounds).
+/// leaves straight lines and even bends as they are (and a slight one on the second differences). Outliers count less
+/// (Cauchy weights, two rounds).
 class SmoothingSpline {
  public:
   /// What is measured: x, y, z in m, height of the step in m.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <span>
 #include <tuple>
@@ -157,30 +158,34 @@ void grow_lowered(std::vector<Placed> weak, const tile::CurbParameters& paramete
   }
 }
 
-}  // namespace
-
-std::vector<CurbPoint> filter_curbs(const tile::Around<std::vector<CurbCandidate>>& candidates,
-                                    const tile::CurbParameters& parameters) {
+/// Those that no rival suppresses, in the order of x: steps as high as a curb, and lower ones.
+struct Survivors {
   std::vector<Placed> strong;
   std::vector<Placed> weak;
-  const std::vector<Placed> all = place_all(candidates);
+};
+
+Survivors suppress_ghosts(const std::vector<Placed>& all) {
+  Survivors survivors;
   for (const Placed& p : all) {
-    // What falls is only somebody's rival: where noise is the best explanation there is no curb. Low steps need a line
+    // What falls only suppresses others: where noise is the best explanation there is no curb. Low steps need a line
     // that they go on from, and a lowered kerb is a lip at the foot of a ramp.
     if (p.candidate->falls && !p.candidate->weak) continue;
-    if (!is_ghost(p, all)) (p.candidate->weak ? weak : strong).push_back(p);
+    if (!is_ghost(p, all)) (p.candidate->weak ? survivors.weak : survivors.strong).push_back(p);
   }
-  std::vector<Placed> on_line;
-  for (const Placed& p : strong) {
-    if (is_on_line(p, strong, parameters)) on_line.push_back(p);
-  }
-  std::vector<Placed> kept;
-  for (const Placed& p : on_line) {
-    if (is_supported(p, on_line, parameters)) kept.push_back(p);
-  }
-  grow_lowered(std::move(weak), parameters, kept);
+  return survivors;
+}
 
-  std::map<int, Placed> best;  // by cell
+/// Those of which `accept(p)`.
+template <class Accept>
+std::vector<Placed> those(const std::vector<Placed>& candidates, Accept accept) {
+  std::vector<Placed> accepted;
+  std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(accepted), accept);
+  return accepted;
+}
+
+/// The surest one of each cell of the tile, by cell.
+std::map<int, Placed> surest_by_cell(const std::vector<Placed>& kept) {
+  std::map<int, Placed> best;
   for (const Placed& p : kept) {
     if ((p.at.array() < 0).any() || (p.at.array() >= kTileSize).any()) continue;
     const int column = std::min(kCellsPerTile - 1, static_cast<int>(p.at.x() / kCellSize));
@@ -188,15 +193,31 @@ std::vector<CurbPoint> filter_curbs(const tile::Around<std::vector<CurbCandidate
     const auto [it, inserted] = best.try_emplace(row * kCellsPerTile + column, p);
     if (!inserted && is_surer(p, it->second)) it->second = p;
   }
+  return best;
+}
+
+/// The foot lies in front of the face's middle, by half the height times the lean of the face along the line.
+CurbPoint curb_point(const Placed& p, const std::vector<PlacedCandidate>& kept) {
+  const CurbCandidate& c = *p.candidate;
+  const double confidence = c.weak ? 0.5 : std::min(1.0, 0.5 + c.score / 60);
+  const double lean = lean_along_line(p, near_x(kept, p.at.x(), kLineReach));
+  const Eigen::Vector2d foot = p.at - 0.5 * c.height * lean * p.up;
+  return {foot, p.up, c.z, c.height, confidence, c.weak, c.reach};
+}
+
+}  // namespace
+
+std::vector<CurbPoint> filter_curbs(const tile::Around<std::vector<CurbCandidate>>& candidates,
+                                    const tile::CurbParameters& parameters) {
+  Survivors survivors = suppress_ghosts(place_all(candidates));
+  const std::vector<Placed>& strong = survivors.strong;
+  const std::vector<Placed> on_line = those(strong, [&](const Placed& p) { return is_on_line(p, strong, parameters); });
+  std::vector<Placed> kept = those(on_line, [&](const Placed& p) { return is_supported(p, on_line, parameters); });
+  grow_lowered(std::move(survivors.weak), parameters, kept);
+
   const std::vector<PlacedCandidate> of_lines(kept.begin(), kept.end());
   std::vector<CurbPoint> points;
-  for (const auto& [cell, p] : best) {
-    const double confidence = p.candidate->weak ? 0.5 : std::min(1.0, 0.5 + p.candidate->score / 60);
-    const double lean = lean_along_line(p, near_x(of_lines, p.at.x(), kLineReach));
-    const Eigen::Vector2d foot = p.at - 0.5 * p.candidate->height * lean * p.up;
-    points.push_back(
-        {foot, p.up, p.candidate->z, p.candidate->height, confidence, p.candidate->weak, p.candidate->reach});
-  }
+  for (const auto& [cell, p] : surest_by_cell(kept)) points.push_back(curb_point(p, of_lines));
   return points;
 }
 

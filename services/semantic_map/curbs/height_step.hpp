@@ -29,15 +29,15 @@ struct StepWindow {
 /// hills are no steps), fitted to the points.
 struct HeightStep {
   double at = 0;                                    ///< m in u: where the step is
-  double height = 0;                                ///< m, at least: what sides that hardly lean ask for
+  double height = 0;                                ///< m, of the fit, whose prior keeps the slope small
   double level = 0;                                 ///< m, by which the two sides' means differ: with no slope at all
-  double full_height = 0;                           ///< m, most likely: one to two times that
+  double full_height = 0;                           ///< m, with what the prior took from it: one to two times `height`
   double sigma = 0;                                 ///< m, of `height`, from the residual noise of the data
   double roughness = 0;                             ///< m, residual RMS of the points about their half-planes
   double low_z = 0;                                 ///< m, of the low side at (at, t = 0)
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< of both sides, in u and t
 
-  /// Whether most of it is there only because both sides are taken to fall.
+  /// Whether most of it is there only because both sides are fitted as falling.
   [[nodiscard]] bool falls() const;
 };
 
@@ -47,11 +47,11 @@ struct StepSides {
   int face_above = 0;  ///< points that stand on the step and go on above it: a wall's
 };
 
-/// Finds the step that explains the points best. `noise` m is what heights are known to scatter by around. Nothing
-/// where a side is too thin to say.
+/// The step that is most certain, of all places within 0.18 m of u = 0. `noise`: m, by which heights around scatter.
+/// Nothing where no place has two sides with enough points.
 [[nodiscard]] std::optional<HeightStep> find_height_step(const StepWindow& points, double noise,
                                                          const tile::CurbParameters& parameters);
-/// Costs as much again: for steps that are worth it.
+/// Takes as long as find_height_step(): for steps that have passed every other test.
 [[nodiscard]] StepSides look_at_sides(const StepWindow& points, const HeightStep& step,
                                       const tile::CurbParameters& parameters);
 

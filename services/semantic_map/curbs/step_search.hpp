@@ -17,10 +17,11 @@ struct FoundStep {
   double half_length = 0;  ///< m
 };
 
-/// Looks for height steps at a place, in windows of several directions and lengths. Of those in about one direction the
-/// most certain is kept; that also chooses between a long window, which sees more of a straight curb, and a short one,
-/// which a bend fits into. Between directions it does not choose: where scan lines are far apart, a step that is put
-/// aslant between two of them can be the more certain one. Who goes on along it tells (pool_along_lines()).
+/// Searches height steps at a place, in windows of several directions and lengths. Of the steps in about one direction
+/// the most certain is kept; that also chooses between a long window, which sees more of a straight curb, and a short
+/// one, which a bend fits into. Steps in different directions are all kept: where scan lines are far apart, an oblique
+/// step between two of them can be more certain than the true one. Which is right, the steps along it show
+/// (pool_along_line()).
 class StepSearch {
  public:
   /// `noise`: m, how far heights scatter around. `window` is scratch memory.
@@ -28,10 +29,10 @@ class StepSearch {
              const tile::CurbParameters& parameters, StepWindow& window)
       : points_(points), at_(at), noise_(noise), parameters_(parameters), window_(window) {}
 
-  /// Returns whether many points are around: looking farther would not make it clearer.
+  /// Returns whether many points are around: a longer window would not make it clearer.
   bool look_close(const Eigen::Vector2d& up, double half_length);
-  /// Returns how near the best fit comes to a step that is certain, which has 1; 0 where nothing can be fitted, less
-  /// where the ground falls.
+  /// Returns the certainty of the best fit: 1 and more is a step; 0 where nothing can be fitted, less where the ground
+  /// falls.
   double look(const Eigen::Vector2d& up, double half_length) { return look_in(up, half_length, true); }
   [[nodiscard]] const std::vector<FoundStep>& found() const { return found_; }
 

@@ -92,11 +92,28 @@ std::vector<double> lowest_samples(const SampleGrid& grid, const Plane& rough) {
   return low;
 }
 
+/// Whether a 0.5 m cell stands above the lower quarter of the cells within two of it. `around`: scratch.
+bool stands_above_neighbours(const std::vector<double>& low, int column, int row, std::vector<double>& around) {
+  constexpr double kMaxAboveNeighbours = 0.30;  // m
+  constexpr int kReach = 2;                     // cells
+  const double here = low[road_index(column, row)];
+  double lowest = here;
+  around.clear();
+  for (int r = std::max(0, row - kReach); r <= std::min(kRoadCells - 1, row + kReach); ++r) {
+    for (int c = std::max(0, column - kReach); c <= std::min(kRoadCells - 1, column + kReach); ++c) {
+      const double height = low[road_index(c, r)];
+      if (std::isnan(height)) continue;
+      around.push_back(height);
+      lowest = std::min(lowest, height);
+    }
+  }
+  // Most are not even above the lowest.
+  return here > lowest + kMaxAboveNeighbours && here > quantile_in_place(around, 0.25) + kMaxAboveNeighbours;
+}
+
 /// The road's height in each 0.5 m cell (NaN: none) that a node of the centre tile looks at, without what stands above
 /// its neighbours.
 std::vector<double> road_heights(const SampleGrid& grid, const Plane& rough) {
-  constexpr double kMaxAboveNeighbours = 0.30;
-  constexpr int kReach = 2;  // cells
   const std::vector<double> low = lowest_samples(grid, rough);
   std::vector<double> road = low;
   std::vector<double> around;
@@ -104,20 +121,7 @@ std::vector<double> road_heights(const SampleGrid& grid, const Plane& rough) {
   const int last = samples_about(kTileSize, kNormalReach).last / 2;
   for (int row = first; row <= last; ++row) {
     for (int column = first; column <= last; ++column) {
-      const double here = low[road_index(column, row)];
-      if (std::isnan(here)) continue;
-      around.clear();
-      double lowest = here;
-      for (int r = std::max(0, row - kReach); r <= std::min(kRoadCells - 1, row + kReach); ++r) {
-        for (int c = std::max(0, column - kReach); c <= std::min(kRoadCells - 1, column + kReach); ++c) {
-          const double height = low[road_index(c, r)];
-          if (std::isnan(height)) continue;
-          around.push_back(height);
-          lowest = std::min(lowest, height);
-        }
-      }
-      // Most are not even above the lowest.
-      if (here > lowest + kMaxAboveNeighbours && here > quantile_in_place(around, 0.25) + kMaxAboveNeighbours)
+      if (!std::isnan(low[road_index(column, row)]) && stands_above_neighbours(low, column, row, around))
         road[road_index(column, row)] = std::numeric_limits<double>::quiet_NaN();
     }
   }
@@ -175,16 +179,18 @@ Eigen::Vector2d coarse_tilt(const std::vector<PlaneSample>& samples, const Plane
   return Ldlt<2>(scatter).solve(rise) - rough.slope;
 }
 
-/// The plane and the normals of the 1 m cell about (x, y).
-GroundNode refine(const SampleGrid& grid, const std::vector<double>& road, const Plane& rough, double x, double y) {
-  constexpr double kReach = 1.0;          // m, of the plane
-  constexpr double kMaxAboveRoad = 0.30;  // m
-  constexpr std::size_t kMinSamples = 4;
-
-  std::vector<PlaneSample> samples;
-  std::vector<double> slopes_x;
-  std::vector<double> slopes_y;
+/// The samples of the road within kNormalReach of a node, m from it, and what their normals say.
+struct NodeSamples {
   std::vector<PlaneSample> all;
+  std::vector<PlaneSample> near;  ///< within 1 m: what the plane is fitted to
+  std::vector<double> slopes_x;   ///< of `all`
+  std::vector<double> slopes_y;
+};
+
+NodeSamples samples_of_road(const SampleGrid& grid, const std::vector<double>& road, double x, double y) {
+  constexpr double kPlaneReach = 1.0;     // m
+  constexpr double kMaxAboveRoad = 0.30;  // m
+  NodeSamples samples;
   const CellSpan rows = samples_about(y, kNormalReach);
   const CellSpan columns = samples_about(x, kNormalReach);
   for (int row = rows.first; row <= rows.last; ++row) {
@@ -194,35 +200,52 @@ GroundNode refine(const SampleGrid& grid, const std::vector<double>& road, const
       PlaneSample p = plane_sample(*s, column, row);
       p.x -= x;
       p.y -= y;
-      if (std::max(std::abs(p.x), std::abs(p.y)) > kNormalReach) continue;
-      const double height = road[road_index(column / 2, row / 2)];
-      if (!(p.z <= height + kMaxAboveRoad)) continue;
-      all.push_back(p);
-      slopes_x.push_back(double{s->slope_x});
-      slopes_y.push_back(double{s->slope_y});
-      if (std::max(std::abs(p.x), std::abs(p.y)) <= kReach) samples.push_back(p);
+      const double away = std::max(std::abs(p.x), std::abs(p.y));
+      if (away > kNormalReach) continue;
+      if (!(p.z <= road[road_index(column / 2, row / 2)] + kMaxAboveRoad)) continue;
+      samples.all.push_back(p);
+      samples.slopes_x.push_back(double{s->slope_x});
+      samples.slopes_y.push_back(double{s->slope_y});
+      if (away <= kPlaneReach) samples.near.push_back(p);
     }
   }
-  GroundNode node;
-  if (samples.size() < kMinSamples) return node;
-  node.valid = true;
+  return samples;
+}
+
+/// The median of what the normals say, and the spread about it (1 sigma, from the median deviation).
+void judge_normals(std::vector<double>& slopes_x, std::vector<double>& slopes_y, GroundNode& node) {
   node.normal_slope = {quantile_in_place(slopes_x, 0.5), quantile_in_place(slopes_y, 0.5)};
   for (double& s : slopes_x) s = std::abs(s - node.normal_slope.x());
   for (double& s : slopes_y) s = std::abs(s - node.normal_slope.y());
   node.normal_noise = 1.4826 * std::max(quantile_in_place(slopes_x, 0.5), quantile_in_place(slopes_y, 0.5));
-  node.layer_noise = layer_noise(grid, rough, x, y);
-  node.coarse_tilt = coarse_tilt(all, rough);
+}
+
+/// A robust plane that begins at the median height and leans as the rough ground does.
+Plane fit_ground(const std::vector<PlaneSample>& samples, const Plane& rough) {
   std::vector<double> heights;
   for (const PlaneSample& s : samples) heights.push_back(s.z - rough.slope.x() * s.x - rough.slope.y() * s.y);
   const Plane start{quantile_in_place(heights, 0.5), rough.slope};
-  node.plane =
-      fit_plane(samples, start, {.scale_above = 0.05, .scale_below = 0.05, .slope_sigma = 0.05, .sample_sigma = 0.05});
+  return fit_plane(samples, start,
+                   {.scale_above = 0.05, .scale_below = 0.05, .slope_sigma = 0.05, .sample_sigma = 0.05});
+}
+
+/// The plane and the normals of the 1 m cell about (x, y).
+GroundNode refine(const SampleGrid& grid, const std::vector<double>& road, const Plane& rough, double x, double y) {
+  constexpr std::size_t kMinSamples = 4;
+  NodeSamples samples = samples_of_road(grid, road, x, y);
+  GroundNode node;
+  if (samples.near.size() < kMinSamples) return node;
+  node.valid = true;
+  node.plane = fit_ground(samples.near, rough);
+  judge_normals(samples.slopes_x, samples.slopes_y, node);
+  node.layer_noise = layer_noise(grid, rough, x, y);
+  node.coarse_tilt = coarse_tilt(samples.all, rough);
   return node;
 }
 
 }  // namespace
 
-GroundModel model_ground(const tile::Around<GroundSamples>& samples, const tile::CurbParameters& /*parameters*/) {
+GroundModel model_ground(const tile::Around<GroundSamples>& samples) {
   GroundModel model;
   const SampleGrid grid = sample_grid(samples);
   model.road.fill(std::numeric_limits<float>::quiet_NaN());

@@ -14,9 +14,9 @@ namespace curbstone::semantic_map::ground {
 struct GroundNode {
   bool valid = false;
   Plane plane;                                             ///< about the node: m in map
-  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();  ///< what the normals around say, median
-  double normal_noise = 0;  ///< spread of what they say (1 sigma, from the median deviation)
-  double layer_noise = 0;   ///< m, 1 sigma of the ground's height from scan line to scan line around
+  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();  ///< slope by the normals around, median
+  double normal_noise = 0;                                 ///< its spread (1 sigma, from the median deviation)
+  double layer_noise = 0;  ///< m, 1 sigma of the ground's height from scan line to scan line around
   Eigen::Vector2d coarse_tilt =
       Eigen::Vector2d::Zero();  ///< slope of all ground within 1.5 m against the rough ground's
   bool operator==(const GroundNode&) const = default;
@@ -43,8 +43,7 @@ struct GroundModel {
 }
 
 /// Of a tile, from the samples of it and its neighbours.
-[[nodiscard]] GroundModel model_ground(const tile::Around<GroundSamples>& samples,
-                                       const tile::CurbParameters& parameters);
+[[nodiscard]] GroundModel model_ground(const tile::Around<GroundSamples>& samples);
 
 /// The ground at a place.
 struct GroundAt {
@@ -55,7 +54,7 @@ struct GroundAt {
   Eigen::Vector2d coarse_tilt = Eigen::Vector2d::Zero();
 };
 
-/// What a point is held against.
+/// The part of GroundAt that is needed for every point.
 struct GroundBelow {
   double height = 0;  ///< m in map
   Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();
@@ -68,7 +67,7 @@ class GroundSurface {
   explicit GroundSurface(const tile::Around<GroundModel>& models);
   /// x, y: m from the centre tile's corner. Nothing where no ground has been seen around.
   [[nodiscard]] std::optional<GroundAt> at(double x, double y) const;
-  /// Of that only what every point is asked for.
+  /// The same, less what only some places need.
   [[nodiscard]] std::optional<GroundBelow> below(double x, double y) const;
   [[nodiscard]] std::optional<double> height(double x, double y) const;
   /// Falls back to the rough ground of the centre tile: for walls that stand where the ground is hidden.

@@ -33,7 +33,7 @@ std::vector<tile::MarkingLine> link_markings(const std::vector<MapMarkingCell>& 
     if (piece && is_paint(*piece, parameters)) pieces.push_back(std::move(*piece));
   }
   std::vector<tile::MarkingLine> lines = take_crossings(pieces);
-  for (const MarkingString& string : join_pieces(std::move(pieces))) {
+  for (const MarkingString& string : join_pieces(pieces)) {
     if (string.size() == 1 && string.front().length() < kShortestAlone) continue;
     lines.push_back(line_of(string, path));
   }

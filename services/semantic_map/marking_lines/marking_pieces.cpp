@@ -102,6 +102,55 @@ double quantile_of(std::vector<double> values, double share) {
   return *at;
 }
 
+/// How bright a piece's paint is, and how much of it there is.
+struct PaintAmount {
+  double contrast = 0;   ///< 0..255, of its core
+  double level = 0;      ///< 0..255, of the ground around the core
+  double margin = 0;     ///< m at either end that is not counted here
+  double per_metre = 0;  ///< contrast times cells, between the margins
+};
+
+PaintAmount measure_paint(const std::vector<AlongCell>& cells, double last) {
+  PaintAmount paint;
+  paint.margin = std::min(kEndInside, last / 4);
+  std::vector<double> core;
+  double painted = 0;
+  for (const AlongCell& cell : cells) {
+    if (std::abs(cell.across) <= kCore) {
+      paint.level += cell.level;
+      core.push_back(cell.contrast);
+    }
+    if (cell.s >= paint.margin && cell.s < last - paint.margin) painted += cell.contrast;
+  }
+  paint.contrast = quantile_of(core, 0.7);
+  paint.level /= static_cast<double>(std::max<std::size_t>(core.size(), 1));
+  paint.per_metre = painted / (last - 2 * paint.margin);
+  return paint;
+}
+
+/// Paint ends where as much of it as lies in the margin would end, at the piece's own amount: finer than a cell.
+void find_ends(const std::vector<AlongCell>& cells, const PaintAmount& paint, double last, MarkingPiece& piece) {
+  double before = 0;
+  double behind = 0;
+  for (const AlongCell& cell : cells) {
+    if (cell.s < paint.margin) before += cell.contrast;
+    if (cell.s >= last - paint.margin) behind += cell.contrast;
+  }
+  piece.begin = std::clamp(paint.margin - before / paint.per_metre, -kEndReach, kHalfCell);
+  piece.end = std::clamp(last - paint.margin + behind / paint.per_metre, last - kHalfCell, last + kEndReach);
+}
+
+void place_ends(const SmoothingSpline& spline, double last, MarkingPiece& piece) {
+  const auto direction = [&](double from, double to) {
+    return (spline.at(to) - spline.at(from)).head<2>().normalized();
+  };
+  const double inside = std::min(kEndLength, last);
+  piece.begin_direction = direction(inside, 0);
+  piece.end_direction = direction(last - inside, last);
+  piece.begin_at = spline.at(0).head<2>() - piece.begin * piece.begin_direction;  // begin is negative outside
+  piece.end_at = spline.at(last).head<2>() + (piece.end - last) * piece.end_direction;
+}
+
 }  // namespace
 
 std::optional<MarkingPiece> measure_piece(const MarkingField& field, const MarkingChain& chain) {
@@ -116,44 +165,15 @@ std::optional<MarkingPiece> measure_piece(const MarkingField& field, const Marki
   for (const AlongCell& cell : around) {
     if (cell.is_bright && std::abs(cell.across) <= kPieceWidth) cells.push_back(cell);
   }
-  std::vector<double> core;
-  double level = 0;    // of the ground around it
-  double painted = 0;  // contrast times cells, well inside
-  const double margin = std::min(kEndInside, last / 4);
-  for (const AlongCell& cell : cells) {
-    if (std::abs(cell.across) <= kCore) {
-      level += cell.level;
-      core.push_back(cell.contrast);
-    }
-    if (cell.s >= margin && cell.s < last - margin) painted += cell.contrast;
-  }
-  piece.contrast = quantile_of(core, 0.7);
-  level /= static_cast<double>(std::max<std::size_t>(core.size(), 1));
-  const double per_metre = painted / (last - 2 * margin);
-  if (piece.contrast <= 0 || per_metre <= 0) return std::nullopt;
-  piece.width = per_metre * kCellArea / piece.contrast;
-  double before = 0;
-  double behind = 0;
-  for (const AlongCell& cell : cells) {
-    if (cell.s < margin) before += cell.contrast;
-    if (cell.s >= last - margin) behind += cell.contrast;
-  }
-  piece.begin = std::clamp(margin - before / per_metre, -kEndReach, kHalfCell);
-  piece.end = std::clamp(last - margin + behind / per_metre, last - kHalfCell, last + kEndReach);
+  const PaintAmount paint = measure_paint(cells, last);
+  if (paint.contrast <= 0 || paint.per_metre <= 0) return std::nullopt;
+  piece.contrast = paint.contrast;
+  piece.width = paint.per_metre * kCellArea / paint.contrast;
+  find_ends(cells, paint, last, piece);
+  place_ends(spline, last, piece);
   const double half_width = std::clamp(piece.width, kNarrowest, kBroadest) / 2;
-  piece.left = ground_beside(around, last, half_width, 1, level);
-  piece.right = ground_beside(around, last, half_width, -1, level);
-  const auto direction = [&](double from, double to) {
-    return (spline.at(to) - spline.at(from)).head<2>().normalized();
-  };
-  const double inside = std::min(kEndLength, last);
-  piece.begin_direction = direction(inside, 0);
-  piece.end_direction = direction(last - inside, last);
-  piece.begin_at = spline.at(0).head<2>() - piece.begin * piece.begin_direction;  // begin is negative outside
-  piece.end_at = spline.at(last).head<2>() + (piece.end - last) * piece.end_direction;
-  double squares = 0;
-  for (const auto& sample : piece.samples) squares += (sample.values - spline.at(sample.s)).head<2>().squaredNorm();
-  piece.straight = std::sqrt(squares / static_cast<double>(piece.samples.size()));
+  piece.left = ground_beside(around, last, half_width, 1, paint.level);
+  piece.right = ground_beside(around, last, half_width, -1, paint.level);
   return piece;
 }
 

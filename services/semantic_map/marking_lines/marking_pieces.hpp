@@ -19,7 +19,6 @@ struct MarkingPiece {
   Eigen::Vector2d end_direction = Eigen::Vector2d::UnitX();
   double width = 0;     ///< m
   double contrast = 0;  ///< 0..255, of the paint
-  double straight = 0;  ///< m, how far its samples lie off its spline, RMS
 
   std::optional<double> left, right;  ///< as `contrast`, of what lies 0.10 to 0.46 m from its edges, if seen
 

@@ -9,10 +9,13 @@
 #include <utility>
 
 #include "common/tiles/tile.hpp"
+#include "services/semantic_map/curb_lines/joints.hpp"
 
 namespace curbstone::semantic_map::marking_lines {
 namespace {
 
+using curb_lines::Joint;
+using curb_lines::kFree;
 using curb_lines::SmoothingSpline;
 using tile::MarkingType;
 
@@ -39,24 +42,25 @@ constexpr double kStopAcross = 0.5;      // cosine to the path
 constexpr double kBlobLength = 1.5;      // m: shorter and as wide as that is an arrow or a letter
 constexpr double kBlobWidth = 0.3;       // m
 
-/// One of the two ends of a piece.
-struct End {
-  std::size_t piece = 0;
-  bool is_begin = false;
-};
-
-const Eigen::Vector2d& at(const std::vector<MarkingPiece>& pieces, const End& end) {
-  return end.is_begin ? pieces[end.piece].begin_at : pieces[end.piece].end_at;
+// Ends of pieces are numbered as in joints.hpp.
+bool is_first(std::size_t end) {
+  return end == curb_lines::first_end(curb_lines::piece_of(end));
 }
-const Eigen::Vector2d& out(const std::vector<MarkingPiece>& pieces, const End& end) {
-  return end.is_begin ? pieces[end.piece].begin_direction : pieces[end.piece].end_direction;
+const MarkingPiece& piece_at(const std::vector<MarkingPiece>& pieces, std::size_t end) {
+  return pieces[curb_lines::piece_of(end)];
+}
+const Eigen::Vector2d& at(const std::vector<MarkingPiece>& pieces, std::size_t end) {
+  return is_first(end) ? piece_at(pieces, end).begin_at : piece_at(pieces, end).end_at;
+}
+const Eigen::Vector2d& out(const std::vector<MarkingPiece>& pieces, std::size_t end) {
+  return is_first(end) ? piece_at(pieces, end).begin_direction : piece_at(pieces, end).end_direction;
 }
 
 /// How far apart two ends are, if each points at the other; else nothing better than infinity.
-double gap_between(const std::vector<MarkingPiece>& pieces, const End& a, const End& b) {
+double gap_between(const std::vector<MarkingPiece>& pieces, std::size_t a, std::size_t b) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
-  const MarkingPiece& p = pieces[a.piece];
-  const MarkingPiece& q = pieces[b.piece];
+  const MarkingPiece& p = piece_at(pieces, a);
+  const MarkingPiece& q = piece_at(pieces, b);
   const Eigen::Vector2d d = at(pieces, b) - at(pieces, a);
   const double gap = d.norm();
   if (gap > std::min(kLongestGap, kGapOfLength * std::min(p.length(), q.length()))) return kNone;
@@ -127,6 +131,90 @@ MarkingType type_of(const MarkingString& string, const std::vector<double>& dash
   return MarkingType::kUnknown;
 }
 
+/// Every two ends that point at each other.
+std::vector<Joint> find_joints(const std::vector<MarkingPiece>& pieces) {
+  const auto square = [&](std::size_t end) {
+    const Eigen::Vector2d& p = at(pieces, end);
+    return TileKey{static_cast<std::int32_t>(std::floor(p.x() / kLongestGap)),
+                   static_cast<std::int32_t>(std::floor(p.y() / kLongestGap))};
+  };
+  std::unordered_map<TileKey, std::vector<std::size_t>, TileKeyHash> grid;
+  for (std::size_t end = 0; end < 2 * pieces.size(); ++end) grid[square(end)].push_back(end);
+  std::vector<Joint> joints;
+  const auto try_square = [&](std::size_t a, TileKey key) {
+    const auto it = grid.find(key);
+    if (it == grid.end()) return;
+    for (const std::size_t b : it->second) {
+      if (b <= a || curb_lines::piece_of(a) == curb_lines::piece_of(b)) continue;
+      const double gap = gap_between(pieces, a, b);
+      if (std::isfinite(gap)) joints.push_back({gap, a, b});
+    }
+  };
+  for (std::size_t a = 0; a < 2 * pieces.size(); ++a) {
+    const TileKey centre = square(a);
+    for (std::int32_t x = centre.x - 1; x <= centre.x + 1; ++x) {
+      for (std::int32_t y = centre.y - 1; y <= centre.y + 1; ++y) try_square(a, {x, y});
+    }
+  }
+  return joints;
+}
+
+/// From a free end on, from piece to piece, each in the sense in which it is entered.
+MarkingString follow(std::size_t end, const std::vector<MarkingPiece>& pieces,
+                     const std::vector<std::size_t>& partner) {
+  MarkingString string;
+  for (; end != kFree; end = partner[curb_lines::opposite(end)])
+    string.push_back(is_first(end) ? piece_at(pieces, end) : reversed(piece_at(pieces, end)));
+  return string;
+}
+
+/// Where a string's paint begins and ends along it, m, piece by piece, and the samples of all of them.
+struct LaidOutString {
+  struct Painted {
+    double begin, end;
+  };
+  std::vector<Painted> painted;
+  std::vector<SmoothingSpline::Sample> samples;
+};
+
+LaidOutString lay_out(const MarkingString& string) {
+  LaidOutString laid;
+  double offset = 0;
+  for (std::size_t k = 0; k < string.size(); ++k) {
+    const MarkingPiece& piece = string[k];
+    if (k > 0) offset = laid.painted.back().end + (piece.begin_at - string[k - 1].end_at).norm() - piece.begin;
+    laid.painted.push_back({offset + piece.begin, offset + piece.end});
+    for (SmoothingSpline::Sample sample : piece.samples) {
+      sample.s += offset;
+      laid.samples.push_back(sample);
+    }
+  }
+  return laid;
+}
+
+/// Along the spline: close together on paint, farther apart where there is none.
+std::vector<tile::MarkingVertex> vertices_of(const SmoothingSpline& spline,
+                                             const std::vector<LaidOutString::Painted>& painted) {
+  std::vector<tile::MarkingVertex> vertices;
+  const auto add = [&](double s, bool is_painted) {
+    // Beyond the samples a line goes straight on.
+    const double inside = std::clamp(s, spline.begin(), spline.end());
+    const SmoothingSpline::Values values = spline.at(inside);
+    const Eigen::Vector2d along = spline.derivative(inside).head<2>().normalized();
+    vertices.push_back(vertex(values.head<2>() + (s - inside) * along, values.z(), is_painted));
+  };
+  const auto add_between = [&](double from, double to, double spacing, bool is_painted, bool with_end) {
+    const int steps = std::max(1, static_cast<int>(std::ceil((to - from) / spacing - 1e-9)));
+    for (int i = 0; i < steps + (with_end ? 1 : 0); ++i) add(from + (to - from) * i / steps, is_painted && i < steps);
+  };
+  for (std::size_t k = 0; k < painted.size(); ++k) {
+    const bool is_last = k + 1 == painted.size();
+    add_between(painted[k].begin, painted[k].end, kVertexSpacing, true, is_last);
+    if (!is_last) add_between(painted[k].end, painted[k + 1].begin, kGapSpacing, false, false);
+  }
+  return vertices;
+}
+
 }  // namespace
 
 double median_of(std::vector<double> values) {
@@ -146,111 +234,35 @@ float confidence_of(double contrast, float length) {
   return static_cast<float>(squared / (squared + kHalf * kHalf) * (1 - std::exp(-double{length})));
 }
 
-std::vector<MarkingString> join_pieces(std::vector<MarkingPiece> pieces) {
-  struct Joint {
-    double gap;
-    std::size_t a, b;  // 2 piece + 1 for the begin
-  };
-  const auto end = [](std::size_t i) { return End{i / 2, i % 2 == 1}; };
-  const auto square = [&](std::size_t i) {
-    const Eigen::Vector2d& p = at(pieces, end(i));
-    return TileKey{static_cast<std::int32_t>(std::floor(p.x() / kLongestGap)),
-                   static_cast<std::int32_t>(std::floor(p.y() / kLongestGap))};
-  };
-  std::unordered_map<TileKey, std::vector<std::size_t>, TileKeyHash> grid;
-  for (std::size_t i = 0; i < 2 * pieces.size(); ++i) grid[square(i)].push_back(i);
-  std::vector<Joint> joints;
-  for (std::size_t a = 0; a < 2 * pieces.size(); ++a) {
-    const TileKey centre = square(a);
-    for (std::int32_t x = centre.x - 1; x <= centre.x + 1; ++x) {
-      for (std::int32_t y = centre.y - 1; y <= centre.y + 1; ++y) {
-        const auto it = grid.find({x, y});
-        if (it == grid.end()) continue;
-        for (const std::size_t b : it->second) {
-          if (b <= a || a / 2 == b / 2) continue;
-          const double gap = gap_between(pieces, end(a), end(b));
-          if (std::isfinite(gap)) joints.push_back({gap, a, b});
-        }
-      }
-    }
-  }
-  std::sort(joints.begin(), joints.end(),
-            [](const Joint& a, const Joint& b) { return std::tie(a.gap, a.a, a.b) < std::tie(b.gap, b.a, b.b); });
-  constexpr std::size_t kNone = ~std::size_t{0};
-  std::vector<std::size_t> partner(2 * pieces.size(), kNone);
-  const auto other = [](std::size_t i) { return i ^ 1U; };
-  /// The end at which a string's other end is, seen from one of its free ends.
-  const auto far_end = [&](std::size_t i) {
-    for (i = other(i); partner[i] != kNone; i = other(partner[i])) {
-    }
-    return i;
-  };
-  for (const Joint& joint : joints) {
-    if (partner[joint.a] != kNone || partner[joint.b] != kNone || far_end(joint.a) == joint.b) continue;
-    partner[joint.a] = joint.b;
-    partner[joint.b] = joint.a;
-  }
+std::vector<MarkingString> join_pieces(const std::vector<MarkingPiece>& pieces) {
+  const std::vector<std::size_t> partner = curb_lines::join_shortest_first(pieces.size(), find_joints(pieces));
   std::vector<MarkingString> strings;
-  std::vector<bool> used(pieces.size());
-  for (std::size_t i = 0; i < 2 * pieces.size(); ++i) {
-    if (partner[i] != kNone || used[i / 2]) continue;
-    MarkingString string;
-    for (std::size_t from = i;;) {  // the end by which a piece is entered
-      used[from / 2] = true;
-      string.push_back(end(from).is_begin ? pieces[from / 2] : reversed(pieces[from / 2]));
-      const std::size_t next = partner[other(from)];
-      if (next == kNone) break;
-      from = next;
-    }
-    strings.push_back(std::move(string));
+  std::vector<bool> is_used(pieces.size());
+  for (std::size_t end = 0; end < 2 * pieces.size(); ++end) {
+    if (partner[end] != kFree || is_used[curb_lines::piece_of(end)]) continue;
+    for (std::size_t on = end; on != kFree; on = partner[curb_lines::opposite(on)])
+      is_used[curb_lines::piece_of(on)] = true;
+    strings.push_back(follow(end, pieces, partner));
   }
   return strings;
 }
 
 tile::MarkingLine line_of(const MarkingString& string, const tile::DrivenPath& path) {
-  std::vector<SmoothingSpline::Sample> samples;
-  struct Painted {
-    double begin, end;
-  };
-  std::vector<Painted> painted;
-  double offset = 0;
-  for (std::size_t k = 0; k < string.size(); ++k) {
-    const MarkingPiece& piece = string[k];
-    if (k > 0) offset = painted.back().end + (piece.begin_at - string[k - 1].end_at).norm() - piece.begin;
-    painted.push_back({offset + piece.begin, offset + piece.end});
-    for (SmoothingSpline::Sample sample : piece.samples) {
-      sample.s += offset;
-      samples.push_back(sample);
-    }
-  }
-  const SmoothingSpline spline(samples);
+  const auto [painted, samples] = lay_out(string);
   std::vector<double> dashes;
   std::vector<double> gaps;
   std::vector<double> widths;
   double contrast = 0;
   double length = 0;
-  tile::MarkingLine line;
-  const auto add = [&](double s, bool is_painted) {
-    // Beyond the samples a line goes straight on.
-    const double inside = std::clamp(s, spline.begin(), spline.end());
-    const SmoothingSpline::Values values = spline.at(inside);
-    const Eigen::Vector2d along = spline.derivative(inside).head<2>().normalized();
-    line.points.push_back(vertex(values.head<2>() + (s - inside) * along, values.z(), is_painted));
-  };
-  const auto add_between = [&](double from, double to, double spacing, bool is_painted, bool with_end) {
-    const int steps = std::max(1, static_cast<int>(std::ceil((to - from) / spacing - 1e-9)));
-    for (int i = 0; i < steps + (with_end ? 1 : 0); ++i) add(from + (to - from) * i / steps, is_painted && i < steps);
-  };
   for (std::size_t k = 0; k < string.size(); ++k) {
-    const bool is_last = k + 1 == string.size();
-    add_between(painted[k].begin, painted[k].end, kVertexSpacing, true, is_last);
-    if (!is_last) add_between(painted[k].end, painted[k + 1].begin, kGapSpacing, false, false);
     dashes.push_back(painted[k].end - painted[k].begin);
-    if (!is_last) gaps.push_back(painted[k + 1].begin - painted[k].end);
+    if (k + 1 < string.size()) gaps.push_back(painted[k + 1].begin - painted[k].end);
     widths.push_back(string[k].width);
     contrast += string[k].contrast * string[k].length();
     length += string[k].length();
   }
+  tile::MarkingLine line;
+  line.points = vertices_of(SmoothingSpline(samples), painted);
   line.type = type_of(string, dashes, gaps, path);
   line.width = static_cast<float>(median_of(widths));
   if (line.type == MarkingType::kDashed) {

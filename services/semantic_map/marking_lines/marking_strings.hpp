@@ -13,7 +13,7 @@ namespace curbstone::semantic_map::marking_lines {
 using MarkingString = std::vector<MarkingPiece>;
 
 /// Joins pieces where both ends point across a gap, of up to 9 m, the shortest gaps first.
-[[nodiscard]] std::vector<MarkingString> join_pieces(std::vector<MarkingPiece> pieces);
+[[nodiscard]] std::vector<MarkingString> join_pieces(const std::vector<MarkingPiece>& pieces);
 
 /// One spline through all its pieces; typed by its dashes and gaps. `path`: driven, m in map; a stop line lies across.
 [[nodiscard]] tile::MarkingLine line_of(const MarkingString& string, const tile::DrivenPath& path);

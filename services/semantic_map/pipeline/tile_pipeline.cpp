@@ -144,8 +144,7 @@ TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& 
     case kSamples:
       return ground::sample_ground(tile.layers->voted, curb_);
     case kGround:
-      return ground::model_ground(around<ground::GroundSamples>(key, [](Tile& t) { return &t.layers->samples; }),
-                                  curb_);
+      return ground::model_ground(around<ground::GroundSamples>(key, [](Tile& t) { return &t.layers->samples; }));
     case kEvidence:
       return curbs::find_curb_evidence(around<tile::VotedTile>(key, [](Tile& t) { return &t.layers->voted; }),
                                        ground::GroundSurface(models()), curb_);

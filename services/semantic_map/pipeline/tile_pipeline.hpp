@@ -30,13 +30,13 @@ namespace curbstone::semantic_map::pipeline {
 ///                                                       \-> columns --------------------------/
 ///                                          [3x3] ground -> paint -> [3x3] marking cells <- [3x3] curbs, classes
 ///
-/// Each step of a tile is a pure function of the step before of it and its eight neighbours. A step is stale when one
-/// of those has become another since it was computed; a result that came out equal makes nothing stale. Whoever is in
-/// a hurry updates one tile with what its neighbours have by now. Once everything is settled, the map is a function of
-/// the voted points alone: not of the order in which they came, nor of how often somebody looked.
+/// Each step of a tile is a pure function of the steps before it, of the tile and its eight neighbours (compute()). A
+/// step is stale when one of its inputs has changed since it was computed; a result that comes out equal makes nothing
+/// stale. One tile can be updated early, with what its neighbours have by now. Once everything is settled, the map is a
+/// function of the voted points alone: not of the order in which they came, nor of when work was done.
 ///
-/// Tiles that no step has looked at while kAwake voted steps came sleep (layers::SleepingLayers), in a file if there is
-/// one. Whatever needs them wakes them; what only an old step wakes sleeps again after kAwakeForOldStep.
+/// Tiles that no step has read while kAwake voted steps came sleep (layers::SleepingLayers), in a file if there is one.
+/// A step wakes the tiles that it reads; a tile that only an old step has woken sleeps again after kAwakeForOldStep.
 class TilePipeline {
  public:
   TilePipeline(const tile::CurbParameters& curb, const cells::ClassParameters& classes,
@@ -83,7 +83,7 @@ class TilePipeline {
 
  private:
   enum Step { kSamples, kGround, kEvidence, kColumns, kCurbs, kClasses, kPaint, kMarkings, kNumSteps };
-  /// What a tile with news is taken through; paint may wait until what is stale is settled.
+  /// Computed for a tile with new points; paint is computed as a stale step.
   static constexpr std::array kUrgentSteps = {kSamples, kGround, kEvidence, kColumns, kCurbs, kClasses};
   static constexpr std::array kPatientSteps = {kPaint, kMarkings};
   static constexpr std::int64_t kFresh = 0;
@@ -122,7 +122,7 @@ class TilePipeline {
   void update_columns(TileKey key);
   void settle_oldest();
   void refresh(Step step, TileKey key, Tile& tile);
-  /// What becomes of a step of a tile: reads what the steps before have made, and changes nothing.
+  /// The result of a step of a tile: compute() reads what the steps before have made, and changes nothing.
   using Product = std::variant<std::monostate, ground::GroundSamples, ground::GroundModel,
                                std::vector<curbs::CurbCandidate>, std::vector<curbs::CurbPoint>, tile::MapTile,
                                markings::PaintLayer, std::vector<markings::MarkingCell>>;

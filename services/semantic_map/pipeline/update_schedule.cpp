@@ -11,25 +11,25 @@ namespace {
 
 constexpr std::int64_t kTick = 20'000;               // us: what work_per_tick is of
 constexpr std::int64_t kSavedWork = 50'000;          // us
-constexpr double kLargeShare = 0.3;                  // new points of a tile for which its curbs are looked for at once
-constexpr std::int64_t kNewsPatience = 150'000;      // us after which they are looked for, however few there are
-constexpr std::int64_t kSettlePatience = 1'000'000;  // us that what is stale may wait for news of its own
-constexpr double kSettleShare = 0.10;                // of the work: else news, which never ends, left it stale for ever
+constexpr double kLargeShare = 0.3;                  // new points of a tile, from which its curbs are searched at once
+constexpr std::int64_t kPatience = 150'000;          // us after which they are searched, however few there are
+constexpr std::int64_t kSettlePatience = 1'000'000;  // us that a stale step may wait for new points of its tile
+constexpr double kSettleShare = 0.10;                // of the work: tiles with new points never end
 
 }  // namespace
 
 void UpdateSchedule::voted(const VotedChange& change, std::int64_t now) {
-  News& news = news_.try_emplace(change.key, News{now, change.points_before, 0, true}).first->second;
-  news.points = change.points;
-  if (std::exchange(news.is_shown, false)) unshown_.push_back(change.key);
+  Pending& pending = pending_.try_emplace(change.key, Pending{now, change.points_before, 0, true}).first->second;
+  pending.points = change.points;
+  if (std::exchange(pending.is_shown, false)) unshown_.push_back(change.key);
 }
 
 std::optional<TileWork> UpdateSchedule::next_to_show() {
   while (!unshown_.empty()) {
     const TileKey key = unshown_.front();
     unshown_.pop_front();
-    const auto news = news_.find(key);
-    if (news == news_.end() || std::exchange(news->second.is_shown, true)) continue;  // was brought up to date
+    const auto pending = pending_.find(key);
+    if (pending == pending_.end() || std::exchange(pending->second.is_shown, true)) continue;  // was brought up to date
     return TileWork{TileWork::Kind::kUpdateColumns, key};
   }
   return std::nullopt;
@@ -41,7 +41,7 @@ std::optional<TileWork> UpdateSchedule::next_work(const Eigen::Vector2d& vehicle
   if (budget_ <= 0) return std::nullopt;
   settles_ = is_settling_due(backlog, now);
   if (settles_ && settling_owed_ > 0) return TileWork{TileWork::Kind::kOldestStep};
-  if (const auto work = take_news(vehicle, now)) {
+  if (const auto work = take_pending(vehicle, now)) {
     settles_ = false;
     return work;
   }
@@ -65,19 +65,20 @@ void UpdateSchedule::earn_work(std::int64_t now) {
 
 /// A tile with points of its own that are new: the nearest of those that are new to a good part, or else the one that
 /// has waited for longest.
-std::optional<TileWork> UpdateSchedule::take_news(const Eigen::Vector2d& vehicle, std::int64_t now) {
+std::optional<TileWork> UpdateSchedule::take_pending(const Eigen::Vector2d& vehicle, std::int64_t now) {
   std::optional<std::tuple<bool, double, TileKey>> first;
-  for (const auto& [key, news] : news_) {
-    const auto before = static_cast<double>(news.points_before);
-    const bool is_large = static_cast<double>(news.points) * (1 - kLargeShare) >= before;
-    if (!is_large && std::abs(now - news.since) < kNewsPatience) continue;
-    const double order = is_large ? squared_distance(key, vehicle.x(), vehicle.y()) : static_cast<double>(news.since);
+  for (const auto& [key, pending] : pending_) {
+    const auto before = static_cast<double>(pending.points_before);
+    const bool is_large = static_cast<double>(pending.points) * (1 - kLargeShare) >= before;
+    if (!is_large && std::abs(now - pending.since) < kPatience) continue;
+    const double order =
+        is_large ? squared_distance(key, vehicle.x(), vehicle.y()) : static_cast<double>(pending.since);
     const std::tuple due(!is_large, order, key);
     if (!first || due < *first) first = due;
   }
   if (!first) return std::nullopt;
   const TileKey key = std::get<TileKey>(*first);
-  news_.erase(key);
+  pending_.erase(key);
   return TileWork{TileWork::Kind::kUpdate, key};
 }
 

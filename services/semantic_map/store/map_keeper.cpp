@@ -111,9 +111,9 @@ void MapKeeper::put(LinkLines lines) {
 
 void MapKeeper::write() {
   if (!store_ || busy()) return;
-  const bool is_news = pending_.clear || !pending_.tiles.empty() || !pending_.trajectory.empty() || pending_.lines ||
-                       pending_.link_lines || pending_.superseded;
-  if (is_news) begin_writing();
+  const bool has_changed = pending_.clear || !pending_.tiles.empty() || !pending_.trajectory.empty() ||
+                           pending_.lines || pending_.link_lines || pending_.superseded;
+  if (has_changed) begin_writing();
 }
 
 bool MapKeeper::busy() {

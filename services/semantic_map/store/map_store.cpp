@@ -84,6 +84,62 @@ int open_in_its_folder(const std::string& path) {
   return open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
 }
 
+void put_meta(SQLite::Database& db, const MapStore::Batch& batch) {
+  SQLite::Statement put_epoch(db, "UPDATE meta SET value = ? WHERE key = 'epoch'");
+  put_epoch.bind(1, batch.epoch);
+  run(put_epoch);
+  if (batch.clear || batch.superseded) db.exec("DELETE FROM meta WHERE key = 'superseded'");
+  if (!batch.superseded || batch.superseded->empty()) return;
+  SQLite::Statement put_superseded(db, "INSERT INTO meta VALUES('superseded', ?)");
+  put_superseded.bind(1, std::filesystem::path(*batch.superseded).filename().string());
+  run(put_superseded);
+}
+
+void put_tiles(SQLite::Database& db, const std::vector<tile::MapTile>& tiles) {
+  SQLite::Statement put(db, "INSERT OR REPLACE INTO tiles VALUES(?, ?, ?, ?, ?)");
+  for (const tile::MapTile& tile : tiles) {
+    const std::vector<std::uint8_t> cells = pack_cells(tile);
+    SQLite::bind(put, tile.key.x, tile.key.y, tile.utime, double{tile.z_origin});
+    bind(put, 5, cells);
+    run(put);
+  }
+}
+
+void put_poses(SQLite::Database& db, const std::vector<tile::TrajectoryPose>& poses) {
+  SQLite::Statement put(db, "INSERT OR REPLACE INTO trajectory VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  for (const tile::TrajectoryPose& pose : poses) {
+    double p[3];
+    double q[4];
+    pose_to_arrays(pose.T_map_base, p, q);
+    SQLite::bind(put, pose.utime, pose.revolution, p[0], p[1], p[2], q[0], q[1], q[2], q[3]);
+    run(put);
+  }
+}
+
+void replace_curbs(SQLite::Database& db, const std::vector<tile::CurbLine>& lines) {
+  db.exec("DELETE FROM curbs");
+  SQLite::Statement put(db, "INSERT INTO curbs VALUES(?, ?, ?, ?, ?)");
+  for (const tile::CurbLine& line : lines) {
+    const std::vector<std::uint8_t> points = pack_vertices(line.points);
+    SQLite::bind(put, line.id, std::int64_t{line.dropped}, double{line.confidence});
+    bind(put, 4, points);
+    put.bind(5, std::int64_t{line.inferred});
+    run(put);
+  }
+}
+
+void replace_markings(SQLite::Database& db, const std::vector<tile::MarkingLine>& lines) {
+  db.exec("DELETE FROM markings");
+  SQLite::Statement put(db, "INSERT INTO markings VALUES(?, ?, ?, ?, ?, ?, ?)");
+  for (const tile::MarkingLine& line : lines) {
+    const std::vector<std::uint8_t> points = pack_vertices(line.points);
+    SQLite::bind(put, line.id, static_cast<std::int32_t>(line.type), double{line.confidence}, double{line.width},
+                 double{line.dash}, double{line.gap});
+    bind(put, 7, points);
+    run(put);
+  }
+}
+
 }  // namespace
 
 /// flock() on the map itself. (Not SQLite's exclusive mode: readers are welcome.)
@@ -129,53 +185,11 @@ void MapStore::write(const Batch& batch) {
   for_file(path_, [&] {
     SQLite::Transaction transaction(*db_, SQLite::TransactionBehavior::IMMEDIATE);
     if (batch.clear) db_->exec("DELETE FROM tiles; DELETE FROM curbs; DELETE FROM markings; DELETE FROM trajectory");
-    SQLite::Statement put_epoch(*db_, "UPDATE meta SET value = ? WHERE key = 'epoch'");
-    put_epoch.bind(1, batch.epoch);
-    run(put_epoch);
-    if (batch.clear || batch.superseded) db_->exec("DELETE FROM meta WHERE key = 'superseded'");
-    if (batch.superseded && !batch.superseded->empty()) {
-      SQLite::Statement put_superseded(*db_, "INSERT INTO meta VALUES('superseded', ?)");
-      put_superseded.bind(1, std::filesystem::path(*batch.superseded).filename().string());
-      run(put_superseded);
-    }
-
-    SQLite::Statement put_tile(*db_, "INSERT OR REPLACE INTO tiles VALUES(?, ?, ?, ?, ?)");
-    for (const tile::MapTile& tile : batch.tiles) {
-      const std::vector<std::uint8_t> cells = pack_cells(tile);
-      SQLite::bind(put_tile, tile.key.x, tile.key.y, tile.utime, double{tile.z_origin});
-      bind(put_tile, 5, cells);
-      run(put_tile);
-    }
-    SQLite::Statement put_pose(*db_, "INSERT OR REPLACE INTO trajectory VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)");
-    for (const tile::TrajectoryPose& pose : batch.trajectory) {
-      double p[3];
-      double q[4];
-      pose_to_arrays(pose.T_map_base, p, q);
-      SQLite::bind(put_pose, pose.utime, pose.revolution, p[0], p[1], p[2], q[0], q[1], q[2], q[3]);
-      run(put_pose);
-    }
-    if (batch.curbs != nullptr) {
-      db_->exec("DELETE FROM curbs");
-      SQLite::Statement put_curb(*db_, "INSERT INTO curbs VALUES(?, ?, ?, ?, ?)");
-      for (const tile::CurbLine& line : *batch.curbs) {
-        const std::vector<std::uint8_t> points = pack_vertices(line.points);
-        SQLite::bind(put_curb, line.id, std::int64_t{line.dropped}, double{line.confidence});
-        bind(put_curb, 4, points);
-        put_curb.bind(5, std::int64_t{line.inferred});
-        run(put_curb);
-      }
-    }
-    if (batch.markings != nullptr) {
-      db_->exec("DELETE FROM markings");
-      SQLite::Statement put_marking(*db_, "INSERT INTO markings VALUES(?, ?, ?, ?, ?, ?, ?)");
-      for (const tile::MarkingLine& line : *batch.markings) {
-        const std::vector<std::uint8_t> points = pack_vertices(line.points);
-        SQLite::bind(put_marking, line.id, static_cast<std::int32_t>(line.type), double{line.confidence},
-                     double{line.width}, double{line.dash}, double{line.gap});
-        bind(put_marking, 7, points);
-        run(put_marking);
-      }
-    }
+    put_meta(*db_, batch);
+    put_tiles(*db_, batch.tiles);
+    put_poses(*db_, batch.trajectory);
+    if (batch.curbs != nullptr) replace_curbs(*db_, *batch.curbs);
+    if (batch.markings != nullptr) replace_markings(*db_, *batch.markings);
     transaction.commit();
   });
   epoch_ = batch.epoch;

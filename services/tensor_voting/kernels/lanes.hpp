@@ -146,19 +146,6 @@ CURBSTONE_INLINE Ints rounded(Floats a) {
 #endif
 }
 
-/// About 1 / a: to 12 bits at least. Differs between machines.
-CURBSTONE_INLINE Floats rough_reciprocal(Floats a) {
-#if defined(__AVX512F__)
-  return __builtin_bit_cast(Floats, _mm512_rcp14_ps(__builtin_bit_cast(__m512, a)));
-#elif defined(__AVX2__)
-  return __builtin_bit_cast(Floats, _mm256_rcp_ps(__builtin_bit_cast(__m256, a)));
-#elif defined(__x86_64__)
-  return __builtin_bit_cast(Floats, _mm_rcp_ps(__builtin_bit_cast(__m128, a)));
-#else
-  return 1.0F / a;
-#endif
-}
-
 #if defined(__AVX2__) && !defined(__AVX512F__)
 /// For each set of lanes: the lanes that are in it, side by side.
 struct PackedLanes {

@@ -50,10 +50,10 @@ std::optional<TileKey> PublishSchedule::next(std::int64_t now, double x, double 
     const auto it = published_.find(key);
     const Published out = it == published_.end() ? Published{0, 0} : it->second;
     if (it != published_.end() && now - out.at < config_.min_interval) continue;
-    const double news = tile.wanted ? 1.0 : 1.0 - static_cast<double>(out.revision) / tile.revision;
+    const double changed = tile.wanted ? 1.0 : 1.0 - static_cast<double>(out.revision) / tile.revision;
     const double waited = static_cast<double>(now - tile.since) / static_cast<double>(config_.patience);
     const double nearness = 1 / (1 + squared_distance(key, x, y) / (config_.near * config_.near));
-    const double score = (freshness(tile, now) * news + waited) * nearness;
+    const double score = (freshness(tile, now) * changed + waited) * nearness;
     if (score > best_score) {
       best_score = score;
       best = key;

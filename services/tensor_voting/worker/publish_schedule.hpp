@@ -8,17 +8,16 @@
 
 namespace curbstone::tensor_voting::worker {
 
-/// Which changed tile to publish next, each at most every `min_interval`. While all can go, all go. When not, the
-/// largest share of news goes first, discounted by the age of the newest points: those whose news is still fresh, and
-/// the others when fresh news comes to them. But waiting counts too, so that everybody's turn comes; and all of it
-/// counts less with distance.
+/// Which changed tile to publish next, each at most every `min_interval`. While all can go, all go. Otherwise the tile
+/// with the highest score goes first: its share of changes, which counts less with the age of its newest points, plus
+/// the time for which it has waited, so that every tile's turn comes; all of that counts less with distance.
 class PublishSchedule {
  public:
   struct Config {
     std::int64_t min_interval = 30'000;  ///< us
-    std::int64_t patience = 1'000'000;   ///< us: who has waited for so long counts as one that is all news
+    std::int64_t patience = 1'000'000;   ///< us: a wait that counts as much as a tile that is all new
     double near = 10;                    ///< m: at this distance a tile counts half
-    std::int64_t fresh = 30'000;         ///< us: at this age news counts half
+    std::int64_t fresh = 30'000;         ///< us: at this age of the newest points changes count half
   };
   explicit PublishSchedule(Config config) : config_(config) {}
 

@@ -21,7 +21,7 @@ GroundAt ground_of(const SyntheticCloud& cloud) {
     s = sample_ground(tile, {});
     around.set(tile.key.x - 1, tile.key.y - 1, &s);
   }
-  const GroundModel model = model_ground(around, {});
+  const GroundModel model = model_ground(around);
   tile::Around<GroundModel> models;
   models.set(0, 0, &model);
   return GroundSurface(models).at(1.5, 1.5).value_or(GroundAt{});
