@@ -101,7 +101,8 @@ RegistrationResult IcpRegistration::align(const std::vector<scan::LidarPoint>& p
     }
   }
   result.T_map_base = normalised(T_matched * moved);
-  describe(sum, static_cast<double>((source.size() + stride - 1) / stride), result);
+  const std::size_t sought = (source.size() + stride - 1) / stride;
+  describe(sum, static_cast<double>(sought), result);
   return result;
 }
 

@@ -97,7 +97,7 @@ struct ShapeLevel::Neighbourhood {
   /// `h`: m, side of a voxel.
   [[nodiscard]] Distribution distribution(double h) const {
     const double h2 = h * h;
-    const double count = static_cast<double>(first[0]);
+    const auto count = static_cast<double>(first[0]);
     const Eigen::Array4d n = first.cast<double>(), q = squares.cast<double>(), r = rest.cast<double>();
     const Eigen::Array4d ax = h * along_x.cast<double>(), ay = h * along_y.cast<double>(),
                          az = h * along_z.cast<double>();
@@ -115,7 +115,7 @@ struct ShapeLevel::Neighbourhood {
 void ShapeLevel::fit(Fitted& fitted, const Eigen::Vector3i& cell) const {
   Neighbourhood sum;
   index_.around(cell, [&](std::uint32_t voxel, int dx, int dy, int dz) { sum.add(moments_[voxel], dx, dy, dz); });
-  const double count = static_cast<double>(sum.first[0]);
+  const auto count = static_cast<double>(sum.first[0]);
 
   // A neighbourhood that hardly grew is left alone for longer and longer.
   const bool settled = count < 1.1 * static_cast<double>(fitted.count);

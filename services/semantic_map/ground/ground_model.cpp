@@ -223,6 +223,7 @@ void judge_normals(std::vector<double>& slopes_x, std::vector<double>& slopes_y,
 /// A robust plane that begins at the median height and leans as the rough ground does.
 Plane fit_ground(const std::vector<PlaneSample>& samples, const Plane& rough) {
   std::vector<double> heights;
+  heights.reserve(samples.size());
   for (const PlaneSample& s : samples) heights.push_back(s.z - rough.slope.x() * s.x - rough.slope.y() * s.y);
   const Plane start{quantile_in_place(heights, 0.5), rough.slope};
   return fit_plane(samples, start,

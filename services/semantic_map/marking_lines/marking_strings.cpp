@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
@@ -95,6 +96,13 @@ bool is_uniform(const std::vector<double>& values) {
   return 3 * static_cast<std::size_t>(alike) >= 2 * values.size();
 }
 
+/// Dashes and gaps repeat. Of many dashes the first and last do not count: the ends of a line may be cut off.
+bool are_periodic(const std::vector<double>& dashes, const std::vector<double>& gaps) {
+  const std::vector<double> inner =
+      dashes.size() > 3 ? std::vector<double>(dashes.begin() + 1, dashes.end() - 1) : dashes;
+  return is_uniform(inner) && is_uniform(gaps);
+}
+
 bool lies_across(const MarkingPiece& piece, const tile::DrivenPath& path) {
   const auto way = path.direction_near(piece.middle(), kStopReach);
   return way && std::abs(way->dot(piece.direction())) < kStopAcross;
@@ -104,27 +112,21 @@ bool lies_across(const MarkingPiece& piece, const tile::DrivenPath& path) {
 MarkingType type_of(const MarkingString& string, const std::vector<double>& dashes, const std::vector<double>& gaps,
                     const tile::DrivenPath& path) {
   const MarkingPiece& piece = string.front();
-  double painted = 0;
-  double open = 0;
-  for (const double d : dashes) painted += d;
-  for (const double g : gaps) open += g;
+  const double painted = std::accumulate(dashes.begin(), dashes.end(), 0.0);
+  const double open = std::accumulate(gaps.begin(), gaps.end(), 0.0);
+  const double length = painted + open;
   const double longest = *std::max_element(dashes.begin(), dashes.end());
   const double longest_gap = gaps.empty() ? 0 : *std::max_element(gaps.begin(), gaps.end());
-  const bool is_whole = painted >= kWornShare * (painted + open) || longest_gap <= kHole;
+  const bool is_whole = painted >= kWornShare * length || longest_gap <= kHole;
   std::vector<double> widths;
   for (const MarkingPiece& p : string) widths.push_back(p.width);
-  const double length = painted + open;
   if (is_whole && median_of(widths) >= kStopWidth && length >= kShortestStop && length <= kLongestStop &&
       lies_across(piece, path))
     return MarkingType::kStopLine;
   if (is_whole && length >= (string.size() > 1 ? kShortSolid : kSolid)) return MarkingType::kSolid;
   const bool has_holes = string.size() > 1 && median_of(dashes) > kDashOfGap * median_of(gaps);
-  if (string.size() > 1 && longest <= kLongestDash && !has_holes) {
-    // The ends of a line may be cut off.
-    const std::vector<double> inner =
-        dashes.size() > 3 ? std::vector<double>(dashes.begin() + 1, dashes.end() - 1) : dashes;
-    if (is_uniform(inner) && is_uniform(gaps)) return MarkingType::kDashed;
-  }
+  if (string.size() > 1 && longest <= kLongestDash && !has_holes && are_periodic(dashes, gaps))
+    return MarkingType::kDashed;
   if (longest >= kSolid) return MarkingType::kSolid;  // no dash, however much of the line is hidden
   if (painted >= 0.6 * length && length >= kShortSolid && has_holes) return MarkingType::kSolid;
   if (string.size() == 1 && piece.length() < kBlobLength && piece.width > kBlobWidth) return MarkingType::kOther;
