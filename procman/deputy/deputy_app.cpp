@@ -223,6 +223,7 @@ void DeputyApp::publish_status(std::int64_t now) {
   }
   report.counters.set("commands.starts", starts);
   report.counters.set("commands.running", running);
+  report.counters.set("output.unwritten", keeper_.write_failures());
   report.faults = alarms_.faults(supervisor_.commands(), now);
   if (heartbeats_.is_deaf(now))
     report.faults.emplace_back("the bus carries nothing: curbstone doctor finds the reason");
@@ -231,6 +232,7 @@ void DeputyApp::publish_status(std::int64_t now) {
     report.faults.push_back(
         fmt::format("{} has said nothing for {:.0f} s: it is stopped, hangs, or gets no CPU", id, seconds));
   }
+  if (const auto fault = keeper_.fault()) report.faults.push_back(*fault);
   for (const std::string& finding : findings_) report.faults.push_back("doctor: " + finding);
   reporter_->publish(*bus_, bus_->counters(), report);
 }
@@ -330,20 +332,15 @@ void DeputyApp::print_line(const std::string& id, std::string_view line) const {
 /// Of a command that failed, when its output was not printed as it came.
 void DeputyApp::show_last_lines(const std::string& id) {
   if (!options_.quiet) return;
-  const auto& lines = keeper_.last_lines(id);
-  for (std::size_t i = lines.size() - std::min(lines.size(), kLinesShown); i < lines.size(); ++i) {
-    fmt::print("  {}\n", named_line(id, lines[i]));
-  }
+  for (const std::string& line : keeper_.last_lines(id, kLinesShown)) fmt::print("  {}\n", named_line(id, line));
   std::fflush(stdout);
 }
 
 /// A sheriff that comes late still sees what the commands last printed.
 void DeputyApp::resend_last_lines() {
   for (const process::CommandState* state : supervisor_.commands()) {
-    const auto& lines = keeper_.last_lines(state->command.id);
-    for (std::size_t i = lines.size() - std::min(lines.size(), kLinesResent); i < lines.size(); ++i) {
-      deputy_->output(state->command.id, lines[i] + "\r\n");
-    }
+    const std::string& id = state->command.id;
+    for (const std::string& line : keeper_.last_lines(id, kLinesResent)) deputy_->output(id, line + "\r\n");
   }
 }
 

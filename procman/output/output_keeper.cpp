@@ -3,7 +3,10 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <stdexcept>
 
@@ -78,6 +81,7 @@ void OutputKeeper::write(Kept& kept, std::string_view text) {
   if (!kept.file) open(kept);
   const bool written = kept.file && std::fwrite(line.data(), 1, line.size(), kept.file.get()) == line.size() &&
                        std::fputc('\n', kept.file.get()) != EOF && std::fflush(kept.file.get()) == 0;
+  kept.failure = written ? "" : std::strerror(errno);
   if (written) {
     kept.file_size += line.size() + 1;
   } else {
@@ -86,12 +90,25 @@ void OutputKeeper::write(Kept& kept, std::string_view text) {
   }
 }
 
+std::optional<std::string> OutputKeeper::fault() const {
+  for (const auto& [id, kept] : kept_) {
+    if (kept.failure.empty()) continue;
+    return fmt::format("{}: {}: what the command prints is kept in memory only", kept.path, kept.failure);
+  }
+  return std::nullopt;
+}
+
 void OutputKeeper::note(const std::string& id, std::string_view line) {
   write(of(id), line);
 }
 
 const std::deque<std::string>& OutputKeeper::last_lines(const std::string& id) {
   return of(id).lines;
+}
+
+std::vector<std::string> OutputKeeper::last_lines(const std::string& id, std::size_t most) {
+  const std::deque<std::string>& lines = last_lines(id);
+  return {lines.end() - static_cast<std::ptrdiff_t>(std::min(lines.size(), most)), lines.end()};
 }
 
 }  // namespace curbstone::procman::output

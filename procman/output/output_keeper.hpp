@@ -6,8 +6,10 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/time/clock.hpp"
 #include "procman/output/line_splitter.hpp"
@@ -23,7 +25,7 @@ struct KeepLimits {
 
 /// Keeps the last lines of each command in memory. With a folder it also writes all output to a bounded, rotated log
 /// file for each command; a line of it begins with the time in UTC, "2026-11-23T08:15:02.250Z ". If the disk is full or
-/// gone, only the files suffer: failures are counted.
+/// gone, only the files suffer: what they lack is counted, and a fault as long as it lasts.
 class OutputKeeper {
  public:
   /// `folder` empty: memory only. Creates the folder; throws std::runtime_error with one clear line when it cannot.
@@ -47,8 +49,13 @@ class OutputKeeper {
   void note(const std::string& id, std::string_view line);
 
   [[nodiscard]] const std::deque<std::string>& last_lines(const std::string& id);
+  /// No more than `most` of them.
+  [[nodiscard]] std::vector<std::string> last_lines(const std::string& id, std::size_t most);
   void forget(const std::string& id) { kept_.erase(id); }
+  /// Lines that no file has.
   [[nodiscard]] std::int64_t write_failures() const { return write_failures_; }
+  /// A file that could not be written the last time, and why.
+  [[nodiscard]] std::optional<std::string> fault() const;
 
  private:
   struct CloseFile {
@@ -60,6 +67,7 @@ class OutputKeeper {
     std::string path;
     std::unique_ptr<std::FILE, CloseFile> file;
     std::size_t file_size = 0;
+    std::string failure;  // of the last write, in words
   };
 
   template <class OnLine>

@@ -162,6 +162,30 @@ TEST_F(OutputFolder, AFullDiskCostsTheFilesOnly) {
   EXPECT_THAT(keeper.last_lines("a"), ElementsAre("one", "two"));
 }
 
+TEST_F(OutputFolder, AFullDiskIsAFaultUntilThereIsRoom) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  OutputKeeper keeper(folder_);
+  std::filesystem::create_symlink("/dev/full", folder_ / "a.log");
+  keeper.note("b", "well");
+  EXPECT_FALSE(keeper.fault());
+  keeper.note("a", "one");
+  ASSERT_TRUE(keeper.fault());
+  EXPECT_EQ(*keeper.fault(),
+            (folder_ / "a.log").string() + ": No space left on device: what the command prints is kept in memory only");
+  std::filesystem::remove(folder_ / "a.log");
+  keeper.forget("a");  // a file is opened for a command once
+  keeper.note("a", "two");
+  EXPECT_FALSE(keeper.fault());
+}
+
+TEST(OutputKeeper, HasTheLastLinesOrAsManyAsAreAskedFor) {
+  OutputKeeper keeper("");
+  keeper.add("a", "one\ntwo\nthree\n", [](std::string_view) {});
+  EXPECT_THAT(keeper.last_lines("a", 2), ElementsAre("two", "three"));
+  EXPECT_THAT(keeper.last_lines("a", 9), ElementsAre("one", "two", "three"));
+  EXPECT_THAT(keeper.last_lines("b", 9), ElementsAre());
+}
+
 TEST(OutputKeeper, AFolderThatCannotBeMadeIsOneClearError) {
   EXPECT_THROW(OutputKeeper("/proc/nowhere/logs"), std::runtime_error);
 }
