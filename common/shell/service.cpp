@@ -73,7 +73,7 @@ void run(service_config_t config, const std::string& url, const std::string& has
   const auto publish_status = [&] { status.publish(bus, bus.counters(), node->report()); };
   loop.every(std::chrono::milliseconds(1000), publish_status);
   loop.every(kLookPeriod, [&] {
-    if (status.is_news(node->report())) publish_status();
+    if (status.faults_changed(node->report())) publish_status();
   });
   loop.every(kConfigPeriod, publish_config);
   publish_status();

@@ -52,7 +52,7 @@ StatusReporter::StatusReporter(std::string service, std::string config_hash, Clo
   status_.config_hash = std::move(config_hash);
 }
 
-bool StatusReporter::is_news(const NodeReport& report) const {
+bool StatusReporter::faults_changed(const NodeReport& report) const {
   return kinds_of(report.faults) != told_;
 }
 

@@ -33,7 +33,7 @@ class StatusReporter {
 
   /// Whether the node's faults are others than were said last, whatever their numbers: who waits for a service need not
   /// wait for the next second.
-  [[nodiscard]] bool is_news(const NodeReport& report) const;
+  [[nodiscard]] bool faults_changed(const NodeReport& report) const;
   /// Any SERVICE_STATUS on the bus.
   void hear(const service_status_t& message) { namesake_.hear(message, status_, clocks_.wall()); }
   void publish(Publisher& bus, const Counters& bus_counters, const NodeReport& report);

@@ -36,7 +36,7 @@ Filter::Filter(const base::EkfConfig& config)
       mechanisation_(config, geometry_),
       slip_(config.slip, geometry_),
       watch_(config.slip, config.vehicle.track_width),
-      spreader_(config.spread),
+      smoother_(config.spread),
       recent_(kRecent),
       axes_(config, geometry_) {}
 
@@ -153,7 +153,7 @@ void Filter::update_level() {
 void Filter::follow_axes() {
   const Pose before = model::base_pose(belief_.mean, geometry_);
   if (!axes_.follow(belief_, mechanisation_.wheel_yaw_rate(), standing_, counters_)) return;
-  spreader_.corrected(before, model::base_pose(belief_.mean, geometry_));
+  smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
   if (mechanisation_.last_imu()) mechanisation_.set_last_imu(in_body(axes_.before()));
   mechanisation_.window().reset();
   slip_.turn_is_lost(axes_.turn_is_lost());
@@ -271,11 +271,11 @@ void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vecto
   estimate.slipping = slip_.slipping(0, belief_.utime) || slip_.slipping(1, belief_.utime);
   estimate.no_imu = no_imu;
   estimate.no_wheels = wheels_missing(belief_.utime) || watch_.all_faulty();
-  recent_.add(estimate.utime, spreader_.uncorrected(estimate.T_odom_base));
+  recent_.add(estimate.utime, smoother_.uncorrected(estimate.T_odom_base));
   const double since = std::clamp(base::seconds_between(emitted_, estimate.utime), 0.0, config_->timing.max_imu_gap);
   emitted_ = estimate.utime;
-  if (!standing_) spreader_.moved(estimate.T_odom_base, since * estimate.velocity.norm(), since);
-  spreader_.apply(estimate);
+  if (!standing_) smoother_.moved(estimate.T_odom_base, since * estimate.velocity.norm(), since);
+  smoother_.apply(estimate);
   if (launch_) launch_->doubt(estimate, belief_);
   if (still_.wheels_rest()) doubt_standing(estimate, standing_motion_.suspected_speed());
   out.push_back(estimate);

@@ -115,7 +115,7 @@ class Filter {
   detection::WheelWatch watch_;
   detection::RefusalTimer wheels_refused_;
   detection::RefusalTimer constraint_refused_;
-  OdomSmoother spreader_;
+  OdomSmoother smoother_;
   PoseHistory recent_;  // uncorrected: what the mapper's increments are compared with
   Counters counters_;
 

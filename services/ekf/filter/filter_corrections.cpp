@@ -65,7 +65,7 @@ void Filter::judge_launch(const inputs::WheelInterval& interval) {
     const Pose before = model::base_pose(belief_.mean, geometry_);
     belief_ = launch_->belief();
     mechanisation_ = launch_->mechanisation();
-    spreader_.corrected(before, model::base_pose(belief_.mean, geometry_));
+    smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
     slip_.reset_detector();
     watch_.restored();
     launch_.reset();
@@ -244,7 +244,7 @@ void Filter::correct_with_map() {
 void Filter::apply(const model::Observation& z) {
   const Pose before = model::base_pose(belief_.mean, geometry_);
   heading_.correct(belief_, z, model::guarded_gain(belief_, z));
-  spreader_.corrected(before, model::base_pose(belief_.mean, geometry_));
+  smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
 }
 
 }  // namespace curbstone::ekf::filter

@@ -144,8 +144,8 @@ Vector6 error_between(const Pose& from, const Pose& to) {
 }
 
 PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& prior, fields::SavedMap& map,
-                 const TrackingConfig& config, double news) {
-  const double share = config.independent * news;
+                 const TrackingConfig& config, double new_share) {
+  const double share = config.independent * new_share;
   const Matrix6 prior_information = inverse(prior.covariance);
   Pose pose = prior.T_map_base;
   std::size_t every = points.size() < kEnoughPoints ? 1 : kCoarsely;

@@ -40,10 +40,10 @@ struct PoseFit {
 
 /// The pose that fits prior and revolution best: Gauss-Newton with a kernel that lets go of what does not fit (Geman,
 /// McClure). Ground: height over the map's. Upright: distance from the nearest upright piece, along its normal if it
-/// has one. `points`: thinned, in base_link. `news`: 0..1, how much of the revolution was not said before.
+/// has one. `points`: thinned, in base_link. `new_share`: 0..1, how much of the revolution was not said before.
 /// Deterministic.
 [[nodiscard]] PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& prior,
-                               fields::SavedMap& map, const TrackingConfig& config, double news = 1);
+                               fields::SavedMap& map, const TrackingConfig& config, double new_share = 1);
 
 /// A pose moved by a small error, and the error between two poses, in the order of Vector6.
 [[nodiscard]] Pose moved_by(const Pose& pose, const Vector6& error);

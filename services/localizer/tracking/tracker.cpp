@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kBlindFor = 0.5;  // s: after that, where it is must be confirmed again
 constexpr int kFirstLooks = 3;     // at a place where it begins: all that they say is new
-constexpr double kNewsStanding = 0.05;
+constexpr double kNewStanding = 0.05;
 constexpr double kNewYaw = 0.02;    // rad, by which the points come to lie in other cells
 constexpr int kPlacesWhenLost = 5;  // looked at in a revolution,
 constexpr int kRevolutions = 4;     // or one place in so many
@@ -37,7 +37,7 @@ void Tracker::judge(const PoseFit& fit) {
 double Tracker::news_of(const Motion& motion) const {
   if (looks_ < kFirstLooks) return 1;
   const double cells = motion.T_last_base.translation().norm() / kCellSize;
-  return std::min(1.0, kNewsStanding + cells + angle_of(motion.T_last_base) / kNewYaw);
+  return std::min(1.0, kNewStanding + cells + angle_of(motion.T_last_base) / kNewYaw);
 }
 
 PoseFit Tracker::track(const std::vector<Eigen::Vector3d>& points, const Motion& motion, fields::SavedMap& map) {

@@ -67,7 +67,7 @@ void DriveJournal::write(const dense_map::DenseMap& map, const pose_graph::Atlas
     begin(items, map, atlas);
   }
   if (!writer_.fault().empty()) return give_up(now, writer_.fault());
-  items += news(map, atlas);
+  items += new_items(map, atlas);
   if (items.empty() && now - appended_ < kSignOfLife && now >= appended_) return;
   appended_ = now;
   writer_.append(make_batch(items), is_complete(atlas));
@@ -89,7 +89,7 @@ void DriveJournal::begin(std::string& items, const dense_map::DenseMap& map, con
 }
 
 /// Nodes first: tiles and poses speak of them. The poses last: what led to them is in the file then.
-std::string DriveJournal::news(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas) {
+std::string DriveJournal::new_items(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas) {
   std::string items;
   if (std::exchange(new_rings_, false)) append_rings(items, rings_);
   for (; nodes_ < atlas.size() && items.size() < kBatchBytes; ++nodes_)

@@ -72,10 +72,10 @@ void Door::hear(web::PageId id, Client& client, const std::string& text) {
 
 /// Tells of processes that were heard for the first time since.
 void Door::introduce(web::PageId id, Client& client, const StatusBook& status) {
-  std::vector<Channel> news;
+  std::vector<Channel> new_channels;
   for (; client.services < status.services().size(); ++client.services)
-    news.push_back(status_channel(client.services, status.services()[client.services].topic));
-  if (!news.empty()) clients_.say(id, advertise(news));
+    new_channels.push_back(status_channel(client.services, status.services()[client.services].topic));
+  if (!new_channels.empty()) clients_.say(id, advertise(new_channels));
 }
 
 bool Door::is_known(std::uint32_t channel, const Client& client) {

@@ -93,11 +93,11 @@ void Feed::send_lines(Topic topic, const Lines& lines, const Message& message_of
   if (sent == nullptr) return;
   const bool whole = is_whole_due(*sent, now);
   if (!whole && sent->number == lines.number()) return;
-  const auto news = lines.above(whole ? 0 : static_cast<std::uint32_t>(sent->number));
-  out.push_back({topic, utime, message_of(news, utime)});
+  const auto changes = lines.above(whole ? 0 : static_cast<std::uint32_t>(sent->number));
+  out.push_back({topic, utime, message_of(changes, utime)});
   if (whole) sent->whole = now;
   sent->at = now;
-  sent->number = news.number;
+  sent->number = changes.number;
 }
 
 void Feed::send_path(const World& world, std::int64_t now, Sink& out) {

@@ -68,10 +68,10 @@ std::string id_of(const char* kind, std::uint32_t name) {
 }
 
 /// What went since the listener heard last; all, where it knows nothing yet.
-template <class News>
-void add_deletions(::foxglove::SceneUpdate& scene, const News& news, const char* kind, std::int64_t utime) {
-  if (news.everything) delete_all(scene, utime);
-  for (const std::uint32_t name : news.gone) {
+template <class Changes>
+void add_deletions(::foxglove::SceneUpdate& scene, const Changes& changes, const char* kind, std::int64_t utime) {
+  if (changes.everything) delete_all(scene, utime);
+  for (const std::uint32_t name : changes.gone) {
     auto& deletion = *scene.add_deletions();
     set_time(*deletion.mutable_timestamp(), utime);
     deletion.set_id(id_of(kind, name));
@@ -85,7 +85,7 @@ float middle_of(std::vector<float> values) {
   return *middle;
 }
 
-void add_curb(::foxglove::SceneUpdate& scene, const store::CurbLines::News::Added& added, std::int64_t utime) {
+void add_curb(::foxglove::SceneUpdate& scene, const store::CurbLines::Changes::Added& added, std::int64_t utime) {
   const curb_line_t& curb = *added.line;
   auto& entity = add_entity(scene, id_of("curb", added.name), utime);
   const auto& colour = curb.inferred != 0 ? kInferredColour : curb.dropped != 0 ? kLoweredColour : kCurbColour;
@@ -149,7 +149,7 @@ void add_strip(::foxglove::TriangleListPrimitive& paint, const marking_line_t& l
   }
 }
 
-void add_marking(::foxglove::SceneUpdate& scene, const store::MarkingLines::News::Added& added, std::int64_t utime) {
+void add_marking(::foxglove::SceneUpdate& scene, const store::MarkingLines::Changes::Added& added, std::int64_t utime) {
   const marking_line_t& line = *added.line;
   auto& entity = add_entity(scene, id_of("marking", added.name), utime);
   auto& paint = *entity.add_triangles();
@@ -172,17 +172,17 @@ void add_marking(::foxglove::SceneUpdate& scene, const store::MarkingLines::News
 
 }  // namespace
 
-std::string curbs_message(const store::CurbLines::News& news, std::int64_t utime) {
+std::string curbs_message(const store::CurbLines::Changes& changes, std::int64_t utime) {
   ::foxglove::SceneUpdate scene;
-  add_deletions(scene, news, "curb", utime);
-  for (const auto& added : news.added) add_curb(scene, added, utime);
+  add_deletions(scene, changes, "curb", utime);
+  for (const auto& added : changes.added) add_curb(scene, added, utime);
   return scene.SerializeAsString();
 }
 
-std::string markings_message(const store::MarkingLines::News& news, std::int64_t utime) {
+std::string markings_message(const store::MarkingLines::Changes& changes, std::int64_t utime) {
   ::foxglove::SceneUpdate scene;
-  add_deletions(scene, news, "marking", utime);
-  for (const auto& added : news.added) add_marking(scene, added, utime);
+  add_deletions(scene, changes, "marking", utime);
+  for (const auto& added : changes.added) add_marking(scene, added, utime);
   return scene.SerializeAsString();
 }
 

@@ -14,11 +14,11 @@ namespace curbstone::viewer::foxglove {
 
 /// An entity a curb line: one line along its foot and one along its upper edge; lowered ones are orange, inferred ones
 /// grey and half transparent. Metadata: height, rise, confidence, lowered, inferred. `utime`: us since the Unix epoch.
-[[nodiscard]] std::string curbs_message(const store::CurbLines::News& news, std::int64_t utime);
+[[nodiscard]] std::string curbs_message(const store::CurbLines::Changes& changes, std::int64_t utime);
 
 /// An entity a road marking: its painted pieces as flat strips, as wide as the paint, just over the road. Metadata:
 /// type, width, dash, gap, confidence. `utime`: us since the Unix epoch.
-[[nodiscard]] std::string markings_message(const store::MarkingLines::News& news, std::int64_t utime);
+[[nodiscard]] std::string markings_message(const store::MarkingLines::Changes& changes, std::int64_t utime);
 
 /// Points of the path in an entity; the next one begins with its last point.
 inline constexpr std::size_t kPathPiece = 200;

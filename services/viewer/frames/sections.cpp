@@ -55,15 +55,15 @@ void write_line(ByteWriter& out, std::uint32_t name, const marking_line_t& line)
 template <class Lines>
 std::uint32_t write_lines(ByteWriter& out, Kind kind, const Lines& lines, std::uint32_t number) {
   if (number == lines.number()) return number;
-  const auto news = lines.above(number);
+  const auto changes = lines.above(number);
   const Section section(out, kind);
-  out.u32(news.number);
-  out.u8(news.everything ? 1 : 0);
-  out.u32(static_cast<std::uint32_t>(news.gone.size()));
-  for (const std::uint32_t name : news.gone) out.u32(name);
-  out.u32(static_cast<std::uint32_t>(news.added.size()));
-  for (const auto& added : news.added) write_line(out, added.name, *added.line);
-  return news.number;
+  out.u32(changes.number);
+  out.u8(changes.everything ? 1 : 0);
+  out.u32(static_cast<std::uint32_t>(changes.gone.size()));
+  for (const std::uint32_t name : changes.gone) out.u32(name);
+  out.u32(static_cast<std::uint32_t>(changes.added.size()));
+  for (const auto& added : changes.added) write_line(out, added.name, *added.line);
+  return changes.number;
 }
 
 }  // namespace

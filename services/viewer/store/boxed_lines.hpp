@@ -37,7 +37,7 @@ class BoxedLines {
   void clear();
 
   /// What happened after a number.
-  struct News {
+  struct Changes {
     std::uint32_t number = 0;         ///< of the last event
     bool everything = false;          ///< what the listener has is void: `added` is all there is
     std::vector<std::uint32_t> gone;  ///< names
@@ -48,15 +48,15 @@ class BoxedLines {
     std::vector<Added> added;
   };
   /// 0: from the beginning.
-  [[nodiscard]] News above(std::uint32_t number) const;
+  [[nodiscard]] Changes above(std::uint32_t number) const;
   [[nodiscard]] std::uint32_t number() const { return number_; }
 
  private:
   using Lines = std::map<std::uint32_t, Line>;
   typename Lines::iterator remove(typename Lines::iterator line);
   void add(Line line);
-  /// Takes out what lies in the message's box, but for lines that the message repeats, which go from `news`.
-  void make_room(const Message& message, std::vector<Line>& news);
+  /// Takes out what lies in the message's box, but for lines that the message repeats, which go from `added`.
+  void make_room(const Message& message, std::vector<Line>& added);
 
   static bool is_inside(const Message& box, float x, float y) {
     return x >= box.box_min[0] && x <= box.box_max[0] && y >= box.box_min[1] && y <= box.box_max[1];
@@ -82,10 +82,10 @@ typename BoxedLines<Message>::Put BoxedLines<Message>::put(const Message& messag
   if (!has_box ||
       !std::all_of(message.lines.begin(), message.lines.end(), [](const Line& line) { return is_sound(line); }))
     return Put::kRefused;
-  std::vector<Line> news = message.lines;
-  make_room(message, news);
+  std::vector<Line> added = message.lines;
+  make_room(message, added);
   Put result = Put::kTaken;
-  for (Line& line : news) {
+  for (Line& line : added) {
     if (vertices_ + line.x.size() <= kMaxVertices)
       add(std::move(line));
     else
@@ -95,16 +95,16 @@ typename BoxedLines<Message>::Put BoxedLines<Message>::put(const Message& messag
 }
 
 template <class Message>
-void BoxedLines<Message>::make_room(const Message& message, std::vector<Line>& news) {
+void BoxedLines<Message>::make_room(const Message& message, std::vector<Line>& added) {
   std::vector<Line> left;
   for (auto it = lines_.begin(); it != lines_.end();) {
     const Line& line = it->second;
-    const auto again = std::find_if(news.begin(), news.end(), [&](const Line& n) { return is_same(n, line); });
+    const auto again = std::find_if(added.begin(), added.end(), [&](const Line& n) { return is_same(n, line); });
     const auto inside = [&](std::size_t i) { return is_inside(message, line.x[i], line.y[i]); };
     bool touches = false;
     for (std::size_t i = 0; i < line.x.size() && !touches; ++i) touches = inside(i);
-    if (again != news.end()) {
-      news.erase(again);
+    if (again != added.end()) {
+      added.erase(again);
       ++it;
       continue;
     }
@@ -150,18 +150,18 @@ void BoxedLines<Message>::clear() {
 }
 
 template <class Message>
-typename BoxedLines<Message>::News BoxedLines<Message>::above(std::uint32_t number) const {
-  News news;
-  news.number = number_;
-  news.everything = number < forgotten_ || number == 0 || number > number_;
-  const std::uint32_t from = news.everything ? 0 : number;
-  for (auto it = lines_.upper_bound(from); it != lines_.end(); ++it) news.added.push_back({it->first, &it->second});
-  if (news.everything) return news;
+typename BoxedLines<Message>::Changes BoxedLines<Message>::above(std::uint32_t number) const {
+  Changes changes;
+  changes.number = number_;
+  changes.everything = number < forgotten_ || number == 0 || number > number_;
+  const std::uint32_t from = changes.everything ? 0 : number;
+  for (auto it = lines_.upper_bound(from); it != lines_.end(); ++it) changes.added.push_back({it->first, &it->second});
+  if (changes.everything) return changes;
   // Names of lines that came after `number` mean nothing to the listener.
   for (const Gone& gone : gone_) {
-    if (gone.number > number && gone.name <= number) news.gone.push_back(gone.name);
+    if (gone.number > number && gone.name <= number) changes.gone.push_back(gone.name);
   }
-  return news;
+  return changes;
 }
 
 template <class Message>

@@ -51,20 +51,20 @@ TEST_F(StatusOfAService, AClockThatIsSlewedIsNoFault) {
   EXPECT_THAT(heard_.fault, IsEmpty());
 }
 
-TEST_F(StatusOfAService, IsNewsWhenAFaultComesOrGoesAndNotWhenItsNumbersChange) {
-  const auto is_news = [&](std::vector<std::string> faults) {
+TEST_F(StatusOfAService, HasOtherFaultsWhenAFaultComesOrGoesAndNotWhenItsNumbersChange) {
+  const auto faults_changed = [&](std::vector<std::string> faults) {
     report_.faults = std::move(faults);
-    return reporter_.is_news(report_);
+    return reporter_.faults_changed(report_);
   };
   report_.faults = {"IMU: nothing heard yet"};
   pass(1'000'000);
-  EXPECT_FALSE(is_news({"IMU: nothing heard yet"}));
-  EXPECT_TRUE(is_news({"IMU: silent for 1.2 s"}));
+  EXPECT_FALSE(faults_changed({"IMU: nothing heard yet"}));
+  EXPECT_TRUE(faults_changed({"IMU: silent for 1.2 s"}));
   pass(200'000);
-  EXPECT_FALSE(is_news({"IMU: silent for 1.4 s"}));
-  EXPECT_TRUE(is_news({})) << "ready";
+  EXPECT_FALSE(faults_changed({"IMU: silent for 1.4 s"}));
+  EXPECT_TRUE(faults_changed({})) << "ready";
   pass(200'000);
-  EXPECT_FALSE(is_news({}));
+  EXPECT_FALSE(faults_changed({}));
 }
 
 TEST_F(StatusOfAService, TellsOfAnotherProcessOfItsNameWhileThereIsOne) {

@@ -23,20 +23,20 @@ class OdomSmootherTest : public ::testing::Test {
  protected:
   [[nodiscard]] Pose published() const {
     model::Estimate e = at(believed_);
-    spreader_.apply(e);
+    smoother_.apply(e);
     return e.T_odom_base;
   }
   void correct_to(const Pose& T) {
-    spreader_.corrected(believed_, T);
+    smoother_.corrected(believed_, T);
     believed_ = T;
   }
   void drive(double metres, double seconds) {
     believed_ = believed_ * Eigen::Translation3d(metres, 0, 0);
-    spreader_.moved(believed_, metres, seconds);
+    smoother_.moved(believed_, metres, seconds);
   }
 
   base::SpreadConfig config_{.share = 0.05, .turning = 0.01};
-  OdomSmoother spreader_{config_};
+  OdomSmoother smoother_{config_};
   Pose believed_ = pose(10, 5, 0.5, 0.3);
 };
 
@@ -75,7 +75,7 @@ TEST_F(OdomSmootherTest, ItIsMadeUpForAtTheConfiguredPaceAndThenAllOfIt) {
 TEST_F(OdomSmootherTest, StandingItMakesUpForNothing) {
   correct_to(pose(12, 4, 0.3, 0.4));
   const Pose before = published();
-  spreader_.moved(believed_, 0.0, 10.0);
+  smoother_.moved(believed_, 0.0, 10.0);
   EXPECT_TRUE(published().isApprox(before, 1e-12));
 }
 
@@ -83,18 +83,18 @@ TEST_F(OdomSmootherTest, TheCovarianceCoversWhatIsHeldBack) {
   const Pose before = believed_;
   correct_to(pose(13, 5, 0.5, 0.5));
   model::Estimate e = at(believed_);
-  spreader_.apply(e);
+  smoother_.apply(e);
   const Eigen::Vector3d far = before.translation() - believed_.translation();
   EXPECT_NEAR(e.pose_covariance(0, 0), 1.0 + far.x() * far.x(), 1e-9);
   EXPECT_NEAR(e.pose_covariance(5, 5), 1.0 + 0.2 * 0.2, 1e-3);
 }
 
 TEST_F(OdomSmootherTest, TheUncorrectedPathKnowsNeitherOfCorrectionsNorOfMakingUp) {
-  const Pose begin = spreader_.uncorrected(believed_);
+  const Pose begin = smoother_.uncorrected(believed_);
   drive(1.0, 0.4);
   correct_to(pose(12, 4, 0.3, 0.4));
   drive(1.0, 0.4);
-  const Pose moved = begin.inverse() * spreader_.uncorrected(believed_);
+  const Pose moved = begin.inverse() * smoother_.uncorrected(believed_);
   EXPECT_NEAR(moved.translation().x(), 2.0, 2e-3);
   EXPECT_LT(moved.translation().tail<2>().norm(), 0.02);  // the tilt that the correction left in place
 }

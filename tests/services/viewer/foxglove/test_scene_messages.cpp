@@ -65,11 +65,11 @@ TEST(CurbsMessageTest, TellsFirstOfEverythingAndThenOfWhatChanged) {
   curb_lines_t moved = curb_at(10, true);
   moved.lines[0].x[1] = 0.9F;
   curbs.put(moved);
-  const auto news = scene_of(curbs_message(curbs.above(first.number), 8));
-  ASSERT_EQ(news.deletions_size(), 1);
-  EXPECT_EQ(news.deletions(0).type(), ::foxglove::SceneEntityDeletion::MATCHING_ID);
-  EXPECT_EQ(news.deletions(0).id(), "curb 2");
-  EXPECT_EQ(news.entities_size(), 1);
+  const auto changes = scene_of(curbs_message(curbs.above(first.number), 8));
+  ASSERT_EQ(changes.deletions_size(), 1);
+  EXPECT_EQ(changes.deletions(0).type(), ::foxglove::SceneEntityDeletion::MATCHING_ID);
+  EXPECT_EQ(changes.deletions(0).id(), "curb 2");
+  EXPECT_EQ(changes.entities_size(), 1);
 }
 
 TEST(CurbsMessageTest, DrawsFootAndEdgeAndTellsLoweredOnesApart) {
@@ -199,11 +199,11 @@ TEST(MarkingsMessageTest, TellsFirstOfEverythingAndThenOfWhatChanged) {
   EXPECT_EQ(value_of(all.entities(1), "type"), "unknown") << "of a later version";
 
   markings.put(marking_at(10, marking_line_t::CROSSING, {1, 0}));
-  const auto news = scene_of(markings_message(markings.above(first.number), 8));
-  ASSERT_EQ(news.deletions_size(), 1);
-  EXPECT_EQ(news.deletions(0).id(), "marking 2");
-  ASSERT_EQ(news.entities_size(), 1);
-  EXPECT_EQ(value_of(news.entities(0), "type"), "crossing");
+  const auto changes = scene_of(markings_message(markings.above(first.number), 8));
+  ASSERT_EQ(changes.deletions_size(), 1);
+  EXPECT_EQ(changes.deletions(0).id(), "marking 2");
+  ASSERT_EQ(changes.entities_size(), 1);
+  EXPECT_EQ(value_of(changes.entities(0), "type"), "crossing");
 }
 
 TEST(PathMessageTest, SendsThePiecesThatChanged) {
