@@ -1,6 +1,5 @@
 #include "services/mapper/detection/ground_below.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 

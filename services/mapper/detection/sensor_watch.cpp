@@ -13,16 +13,26 @@ void SensorWatch::clean(scan::Scan& scan) {
 void SensorWatch::add(const FittedScan& scan) {
   position_ = scan.T_map_base.translation();
   mounting_.add(scan);
+  if (scan.T_odom_base)
+    turns_.add(scan.utime, scan.T_map_base, *scan.T_odom_base);
+  else
+    turns_.interrupt();
+}
+
+void SensorWatch::interrupt() {
+  mounting_.interrupt();
+  turns_.interrupt();
 }
 
 void SensorWatch::add_faults(std::vector<std::string>& faults) const {
   lasers_.add_faults(faults);
   strays_.add_faults(faults);
   mounting_.add_faults(faults);
+  turns_.add_faults(faults);
 }
 
 void SensorWatch::add_counters(Counters& counters) const {
-  for (const Counters* part : {&strays_.counters(), &lasers_.counters(), &mounting_.counters()}) {
+  for (const Counters* part : {&strays_.counters(), &lasers_.counters(), &mounting_.counters(), &turns_.counters()}) {
     for (const auto& [name, value] : part->values()) counters.add(name, value);
   }
 }

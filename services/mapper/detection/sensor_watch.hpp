@@ -7,6 +7,7 @@
 #include "services/mapper/detection/laser_elevations.hpp"
 #include "services/mapper/detection/lidar_mounting.hpp"
 #include "services/mapper/detection/stray_returns.hpp"
+#include "services/mapper/detection/turn_agreement.hpp"
 #include "services/mapper/scan/scan.hpp"
 
 namespace curbstone::mapper::detection {
@@ -22,7 +23,7 @@ class SensorWatch {
   /// It fitted the map.
   void add(const FittedScan& scan);
   /// It did not, or the map was rearranged.
-  void interrupt() { mounting_.interrupt(); }
+  void interrupt();
 
   void add_faults(std::vector<std::string>& faults) const;
   void add_counters(Counters& counters) const;
@@ -31,6 +32,7 @@ class SensorWatch {
   StrayReturns strays_;
   LaserElevations lasers_;
   LidarMounting mounting_;
+  TurnAgreement turns_;
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m, map: of the last revolution that fitted,
   Eigen::Vector3d looked_ = Eigen::Vector3d::Zero();    // and when the lasers were last looked at on the move
 };
