@@ -103,8 +103,9 @@ void LidarMounting::add_faults(std::vector<std::string>& faults) const {
   }
   if (wrong_.size)
     faults.push_back(
-        fmt::format("WHEELS: odometry's way is {:.1f} % {} than the LiDAR's: vehicle.wheel_radius is about {:.3f} m",
-                    100 * std::abs(straight_.longer), straight_.longer > 0 ? "longer" : "shorter", wheel_radius()));
+        fmt::format("WHEELS: odometry's way is {:.1f} % {} than the LiDAR's: vehicle.wheel_radius is {:.3f} m or {}",
+                    100 * std::abs(straight_.longer), straight_.longer > 0 ? "longer" : "shorter", wheel_radius(),
+                    straight_.longer > 0 ? "less" : "more"));
 }
 
 }  // namespace curbstone::mapper::detection

@@ -54,6 +54,7 @@ class LidarMounting {
   [[nodiscard]] const Wrong& wrong() const { return wrong_; }
   /// x y z m, roll pitch yaw rad: vehicle.lidar as ground and way have it.
   [[nodiscard]] std::vector<double> lidar() const;
+  /// The filter has learnt a part of what is wrong: this is the rest.
   [[nodiscard]] double wheel_radius() const { return vehicle_.wheel_radius / (1 + straight_.longer); }  ///< m
   void add_faults(std::vector<std::string>& faults) const;
   [[nodiscard]] const Counters& counters() const { return counters_; }

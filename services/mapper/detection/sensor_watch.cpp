@@ -3,9 +3,10 @@
 namespace curbstone::mapper::detection {
 
 void SensorWatch::clean(scan::Scan& scan) {
-  strays_.filter(scan);
   const bool moved = (position_ - looked_).norm() >= LaserElevations::kStep;
   if (moved) looked_ = position_;
+  if (moved) sectors_.look(scan);
+  strays_.filter(scan);
   lasers_.look(scan, moved);
   if (lasers_.any_wrong()) lasers_.withhold(scan);
 }
@@ -29,10 +30,12 @@ void SensorWatch::add_faults(std::vector<std::string>& faults) const {
   strays_.add_faults(faults);
   mounting_.add_faults(faults);
   turns_.add_faults(faults);
+  sectors_.add_faults(faults);
 }
 
 void SensorWatch::add_counters(Counters& counters) const {
-  for (const Counters* part : {&strays_.counters(), &lasers_.counters(), &mounting_.counters(), &turns_.counters()}) {
+  for (const Counters* part :
+       {&strays_.counters(), &lasers_.counters(), &mounting_.counters(), &turns_.counters(), &sectors_.counters()}) {
     for (const auto& [name, value] : part->values()) counters.add(name, value);
   }
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/bus/counters.hpp"
+#include "services/mapper/detection/blind_sectors.hpp"
 #include "services/mapper/detection/laser_elevations.hpp"
 #include "services/mapper/detection/lidar_mounting.hpp"
 #include "services/mapper/detection/stray_returns.hpp"
@@ -33,6 +34,7 @@ class SensorWatch {
   LaserElevations lasers_;
   LidarMounting mounting_;
   TurnAgreement turns_;
+  BlindSectors sectors_;
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m, map: of the last revolution that fitted,
   Eigen::Vector3d looked_ = Eigen::Vector3d::Zero();    // and when the lasers were last looked at on the move
 };

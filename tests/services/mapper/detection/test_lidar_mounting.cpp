@@ -118,7 +118,7 @@ TEST_F(LidarMountingTest, WheelsOfAnotherSizeAreTold) {
   EXPECT_TRUE(mounting_.wrong().size);
   EXPECT_NEAR(mounting_.wheel_radius(), 0.17 / 1.06, 0.001);
   EXPECT_THAT(fault(),
-              HasSubstr("odometry's way is 6.0 % longer than the LiDAR's: vehicle.wheel_radius is about 0.160 m"));
+              HasSubstr("odometry's way is 6.0 % longer than the LiDAR's: vehicle.wheel_radius is 0.160 m or less"));
 }
 
 TEST_F(LidarMountingTest, WhatOnlyOdometryTellsSaysNothingOfTheWheels) {
