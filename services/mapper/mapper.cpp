@@ -143,6 +143,7 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   update.has_moved = standstill_.has_moved;
   update.rearranged = (relocalised && relocalised->rolled_back) || (mapped && mapped->rearranged);
   update.start_is_over = mapped && mapped->start_is_over;
+  update.points = tracked->points;
   return update;
 }
 

@@ -42,6 +42,7 @@ struct MapperUpdate {
   bool has_moved = false;           ///< and whether it is over
   bool rearranged = false;          ///< a loop was closed, or the map rolled back: every tile may be another
   bool start_is_over = false;       ///< so it may be: the first standstill's map gives way to the drive's own
+  scan::SharedPoints points;        ///< the scan's, de-skewed, in base_link; never null
 };
 
 /// The mapper's method: track each scan, relocalise if lost, map what fits. The drive is remembered as a graph of

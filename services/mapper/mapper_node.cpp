@@ -38,7 +38,8 @@ MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
       sender_(bus),
       packets_(bus, "mapper", "LIDAR_POINTS"),
       odometry_resend_(bus, "mapper", odometry_),
-      mapper_(config) {
+      mapper_(config),
+      watch_(config.vehicle) {
   if (!config_.folder.empty() && config_.mode != config::MapMode::kLocalise) saver_.emplace(config_.folder);
   if (!resume_drive() && config_.mode != config::MapMode::kMap) begin_map();
 }
@@ -119,13 +120,13 @@ bool MapperNode::due(const Pending& pending) {
 void MapperNode::process_due(bool last_call) {
   for (int done = 0; !pending_.empty() && (last_call || due(pending_.front())); ++done) {
     if (!last_call && done >= kMostInATurn && odometry_.reaches(pending_.front().scan.end)) return;
-    const Pending next = std::move(pending_.front());
+    Pending next = std::move(pending_.front());
     pending_.pop_front();
-    process(next.scan);
+    process(std::move(next.scan));
   }
 }
 
-void MapperNode::process(const scan::Scan& scan) {
+void MapperNode::process(scan::Scan scan) {
   odometry_.look_from(scan.end);
   if (mapper_.begins() && odometry_.reaches(scan.end) && !odometry_.covers(scan.start, scan.end)) {
     // The filter runs and does not know its attitude yet: a map begun now would not be level.
@@ -135,6 +136,7 @@ void MapperNode::process(const scan::Scan& scan) {
     }
   }
   const std::int64_t begin = steady_clock();
+  watch_.clean(scan);
   const std::optional<MapperUpdate> update = mapper_.process(scan, odometry_);
   latency_.add(static_cast<double>(steady_clock() - begin) * 1e-6);
   odometry_.forget_before(scan.start - 100'000);
@@ -143,12 +145,21 @@ void MapperNode::process(const scan::Scan& scan) {
   if (!odometry_.reaches(scan.end) && missed_.size() < kMaxPending) missed_.push_back(scan.end);
   without_odometry_ = update->with_odometry ? 0 : without_odometry_ + 1;
   position_ = update->T_map_base.translation();
+  watch_sensors(*update);
   if (update->rearranged) start_drive_.clear();
   if (epoch_ == 0 || update->rearranged || update->start_is_over) begin_epoch(update->utime);
   publish_pose(*update);
   keep_pose(*update);
   has_unsent_ = true;
   is_pause_ = false;
+}
+
+void MapperNode::watch_sensors(const MapperUpdate& update) {
+  if (update.rearranged || !update.registered || update.fix != tracking::Fix::kTracking) return watch_.interrupt();
+  const bool in_every_direction = (update.registration.degenerate & registration::kPlanarAxes) == 0;
+  const std::optional<Pose> T_odom_base =
+      update.with_odometry ? std::optional(update.T_map_odom.inverse() * update.T_map_base) : std::nullopt;
+  watch_.add({update.utime, update.points.get(), update.T_map_base, T_odom_base, in_every_direction});
 }
 
 void MapperNode::begin_epoch(std::int64_t utime) {
@@ -269,6 +280,7 @@ NodeReport MapperNode::report() const {
   for (const Counters* part : {&packets_.counters(), &odometry_resend_.counters(), &assembler_.counters(), &method}) {
     for (const auto& [name, value] : part->values()) report.counters.add(name, value);
   }
+  watch_.add_counters(report.counters);
   if (saver_) {
     for (const auto& [name, value] : saver_->counters().values()) report.counters.add(name, value);
   }
@@ -278,6 +290,7 @@ NodeReport MapperNode::report() const {
   if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());
   if (!not_resumed_.empty() && last_end_ - first_lidar_ < kToldFor) report.faults.push_back(not_resumed_);
   packets_.add_faults(report.faults);
+  watch_.add_faults(report.faults);
   if (epoch_ != 0 && without_odometry_ >= kOdometryMissing)
     report.faults.push_back("no usable ODOMETRY: assuming constant velocity");
   if (too_late_ != 0 && last_end_ - too_late_ < kToldFor)

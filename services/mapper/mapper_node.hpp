@@ -8,6 +8,7 @@
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
 #include "services/mapper/config/mapper_config.hpp"
+#include "services/mapper/detection/sensor_watch.hpp"
 #include "services/mapper/journal/drive_journal.hpp"
 #include "services/mapper/map_sender.hpp"
 #include "services/mapper/mapper.hpp"
@@ -56,7 +57,8 @@ class MapperNode final : public Node {
   void process_due(bool last_call);
   [[nodiscard]] bool due(const Pending& pending);
   void note_late_odometry();
-  void process(const scan::Scan& scan);
+  void process(scan::Scan scan);
+  void watch_sensors(const MapperUpdate& update);
   /// A new epoch: the map begins, or has been rearranged as a whole and goes out anew.
   void begin_epoch(std::int64_t utime);
   [[nodiscard]] std::vector<journal::RecordedPose> drive_so_far();
@@ -78,6 +80,7 @@ class MapperNode final : public Node {
   scan::OdometryHistory odometry_;
   scan::OdometryResend odometry_resend_;
   Mapper mapper_;
+  detection::SensorWatch watch_;
   std::deque<Pending> pending_;
   std::int64_t first_lidar_ = 0;   // us, start of the first scan
   std::int64_t first_heard_ = 0;   // us, lidar time then

@@ -1,0 +1,43 @@
+#include "services/mapper/detection/sensor_watch.hpp"
+
+namespace curbstone::mapper::detection {
+
+void SensorWatch::clean(scan::Scan& scan) {
+  const bool moved = (position_ - looked_).norm() >= LaserElevations::kStep;
+  if (moved) looked_ = position_;
+  if (moved) sectors_.look(scan);
+  strays_.filter(scan);
+  lasers_.look(scan, moved);
+  if (lasers_.any_wrong()) lasers_.withhold(scan);
+}
+
+void SensorWatch::add(const FittedScan& scan) {
+  position_ = scan.T_map_base.translation();
+  mounting_.add(scan);
+  if (scan.T_odom_base)
+    turns_.add(scan.utime, scan.T_map_base, *scan.T_odom_base);
+  else
+    turns_.interrupt();
+}
+
+void SensorWatch::interrupt() {
+  mounting_.interrupt();
+  turns_.interrupt();
+}
+
+void SensorWatch::add_faults(std::vector<std::string>& faults) const {
+  lasers_.add_faults(faults);
+  strays_.add_faults(faults);
+  mounting_.add_faults(faults);
+  turns_.add_faults(faults);
+  sectors_.add_faults(faults);
+}
+
+void SensorWatch::add_counters(Counters& counters) const {
+  for (const Counters* part :
+       {&strays_.counters(), &lasers_.counters(), &mounting_.counters(), &turns_.counters(), &sectors_.counters()}) {
+    for (const auto& [name, value] : part->values()) counters.add(name, value);
+  }
+}
+
+}  // namespace curbstone::mapper::detection

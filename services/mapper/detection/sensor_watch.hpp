@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/bus/counters.hpp"
+#include "services/mapper/detection/blind_sectors.hpp"
+#include "services/mapper/detection/laser_elevations.hpp"
+#include "services/mapper/detection/lidar_mounting.hpp"
+#include "services/mapper/detection/stray_returns.hpp"
+#include "services/mapper/detection/turn_agreement.hpp"
+#include "services/mapper/scan/scan.hpp"
+
+namespace curbstone::mapper::detection {
+
+/// What the revolutions say of the sensors that made them. What is wrong is taken out of a revolution before anything
+/// is made of it; where nothing is, each keeps every point.
+class SensorWatch {
+ public:
+  explicit SensorWatch(const VehicleConfig& vehicle) : mounting_(vehicle) {}
+
+  /// The next revolution, in lidar.
+  void clean(scan::Scan& scan);
+  /// It fitted the map.
+  void add(const FittedScan& scan);
+  /// It did not, or the map was rearranged.
+  void interrupt();
+
+  void add_faults(std::vector<std::string>& faults) const;
+  void add_counters(Counters& counters) const;
+
+ private:
+  StrayReturns strays_;
+  LaserElevations lasers_;
+  LidarMounting mounting_;
+  TurnAgreement turns_;
+  BlindSectors sectors_;
+  Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m, map: of the last revolution that fitted,
+  Eigen::Vector3d looked_ = Eigen::Vector3d::Zero();    // and when the lasers were last looked at on the move
+};
+
+}  // namespace curbstone::mapper::detection

@@ -1,0 +1,55 @@
+#include "services/mapper/detection/turn_agreement.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace curbstone::mapper::detection {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+}  // namespace
+
+void TurnAgreement::add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base) {
+  if (!places_.empty() && (utime <= places_.back().utime || utime - places_.back().utime > kSpan)) interrupt();
+  utime_ = utime;
+  places_.push_back({utime, T_map_base, T_odom_base});
+  while (utime - places_.front().utime > kSpan) places_.pop_front();
+  const Place& before = places_.front();
+  const Pose by_map = before.T_map_base.inverse() * T_map_base;
+  const Pose by_odometry = before.T_odom_base.inverse() * T_odom_base;
+  const Eigen::Vector3d apart = so3_log(Eigen::Quaterniond(by_odometry.linear().transpose() * by_map.linear()));
+  note(turn_, std::abs(apart.z()), kTurn, "faults.apart.turn");
+  note(tilt_, apart.head<2>().norm(), kTilt, "faults.apart.tilt");
+}
+
+void TurnAgreement::note(Apart& apart, double by, double limit, const char* counter) {
+  if (by < limit) return;
+  if (!is_told(apart)) {
+    apart.most = 0;
+    counters_.add(counter);
+  }
+  apart.most = std::max(apart.most, by);
+  apart.since = utime_;
+}
+
+void TurnAgreement::add_faults(std::vector<std::string>& faults) const {
+  const auto seconds_ago = [&](const Apart& apart) { return static_cast<double>(utime_ - apart.since) * 1e-6; };
+  if (is_told(tilt_))
+    faults.push_back(
+        fmt::format("LiDAR: it has tilted by {:.1f} deg against odometry within a second, {:.0f} s ago: has its mount "
+                    "slipped? The map "
+                    "may lean from there on",
+                    kDegrees * tilt_.most, seconds_ago(tilt_)));
+  if (is_told(turn_))
+    faults.push_back(fmt::format(
+        "LiDAR and odometry differ by {:.1f} deg in how it turned within a second, {:.0f} s ago: did "
+        "something large drive along beside it, has the LiDAR slipped, or is the gyro wrong? The map may be "
+        "bent from there on",
+        kDegrees * turn_.most, seconds_ago(turn_)));
+}
+
+}  // namespace curbstone::mapper::detection

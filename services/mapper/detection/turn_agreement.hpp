@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/bus/counters.hpp"
+#include "common/geometry/geometry.hpp"
+
+namespace curbstone::mapper::detection {
+
+/// Compares how the vehicle turned by the LiDAR with how it did by odometry, over the last second. A gyro is off by
+/// tenths of a degree in so short a time, and so is a registration that slides. What is beyond is a LiDAR that follows
+/// something large that drives along beside it, whose mount slips, or a gyro that is wrong: from there on the map is
+/// bent, though every revolution fits it.
+///
+/// Pure; one thread. Counters: faults.apart.turn, .tilt (times that it began).
+class TurnAgreement {
+ public:
+  static constexpr std::int64_t kSpan = 1'000'000;      ///< us
+  static constexpr std::int64_t kToldFor = 60'000'000;  ///< us after it was last so
+  static constexpr double kTurn = 0.0175;               ///< rad
+  static constexpr double kTilt = 0.026;                ///< rad
+
+  /// The next revolution, which fitted the map.
+  void add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base);
+  /// What comes now has nothing to do with what came before.
+  void interrupt() { places_.clear(); }
+  void add_faults(std::vector<std::string>& faults) const;
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  struct Place {
+    std::int64_t utime;
+    Pose T_map_base, T_odom_base;
+  };
+  struct Apart {
+    double most = 0;         // rad, since it began
+    std::int64_t since = 0;  // us, when it was so last; 0: never
+  };
+  void note(Apart& apart, double by, double limit, const char* counter);
+  [[nodiscard]] bool is_told(const Apart& apart) const { return apart.since != 0 && utime_ - apart.since < kToldFor; }
+
+  std::deque<Place> places_;
+  std::int64_t utime_ = 0;
+  Apart turn_, tilt_;
+  Counters counters_;
+};
+
+}  // namespace curbstone::mapper::detection

@@ -1,0 +1,74 @@
+#include "services/mapper/detection/sensor_watch.hpp"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "common/bus/local_bus.hpp"
+#include "services/mapper/mapper_node.hpp"
+#include "tests/drivers/lidar/bench.hpp"
+#include "tests/paths.hpp"
+#include "tests/services/mapper/detection/detection_scans.hpp"
+
+namespace curbstone::mapper::detection {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+std::vector<std::string> faults_of(const SensorWatch& watch) {
+  std::vector<std::string> faults;
+  watch.add_faults(faults);
+  return faults;
+}
+
+TEST(SensorWatch, ALaserThatIsWrongWhileTheVehicleStandsNeverReachesTheDrivesMap) {
+  LocalBus bus;
+  MapperNode node({}, bus);
+  node.connect(bus);
+  test::DetectionScans drive;
+  for (int i = 0; i < 60; ++i) {
+    for (lidar_points_t& packet :
+         drive.world.packets(drive.trajectory, drive.T_base_lidar, i, i * test::kPeriod, test::kPeriod)) {
+      for (std::size_t k = 0; k < packet.x.size(); ++k) {
+        if (packet.ring[k] == 2) packet.z[k] += 0.08F;
+      }
+      bus.publish("LIDAR_POINTS", packet);
+      bus.dispatch();
+    }
+  }
+  EXPECT_THAT(node.report().faults, Contains(HasSubstr("laser 2 (0: the lowest) looks")));
+  EXPECT_GT(node.report().counters["withheld.laser"], 0);
+}
+
+/// Indoors, by a real device that stands: whatever is about it.
+TEST(SensorWatch, NothingIsWrongWithARecordedLidar) {
+  const std::string file = test::data_path("rs16/rs16_washing_house.pcap");
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
+  lidar::Bench bench;
+  for (const lidar::RecordedPacket& packet : lidar::recording(file))
+    bench.send(packet.bytes, packet.received, packet.port);
+  bench.finish();
+  SensorWatch watch{VehicleConfig{}};
+  scan::ScanAssembler assembler;
+  int scans = 0;
+  for (int turn = 0; turn < 3; ++turn) {
+    for (lidar_points_t m : bench.points) {
+      m.revolution += turn * 1000;
+      m.packet += turn * 100'000;
+      m.utime += turn * 5'000'000LL;
+      std::optional<scan::Scan> scan = assembler.add(m);
+      if (!scan) continue;
+      const std::size_t points = scan->points.size();
+      watch.clean(*scan);
+      ASSERT_EQ(scan->points.size(), points);
+      ++scans;
+    }
+  }
+  EXPECT_GT(scans, 100);
+  EXPECT_THAT(faults_of(watch), IsEmpty());
+}
+
+}  // namespace
+}  // namespace curbstone::mapper::detection
