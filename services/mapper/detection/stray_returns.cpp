@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -21,21 +20,19 @@ float alike(float range) {
   return kSame + kSameShare * range;
 }
 
-/// The returns of each laser, in the order in which they were taken.
-struct Rings {
-  std::vector<float> range;  // m, by the point's index
-  std::array<std::vector<std::uint32_t>, 256> of;
+}  // namespace
 
-  explicit Rings(const std::vector<scan::LidarPoint>& points) : range(points.size()) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      range[i] = points[i].position.norm();
-      of[points[i].ring].push_back(static_cast<std::uint32_t>(i));
-    }
+void StrayReturns::Rings::sort(const std::vector<scan::LidarPoint>& points) {
+  range.resize(points.size());
+  for (std::vector<std::uint32_t>& ring : of) ring.clear();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    range[i] = points[i].position.norm();
+    of[points[i].ring].push_back(static_cast<std::uint32_t>(i));
   }
-};
+}
 
 /// Looks at the returns in order, and for each at those beside it.
-class Neighbours {
+class StrayReturns::Neighbours {
  public:
   Neighbours(const std::vector<scan::LidarPoint>& points, const Rings& rings, std::size_t ring)
       : points_(points), rings_(rings), ring_(ring) {}
@@ -87,17 +84,15 @@ class Neighbours {
   std::size_t at_below_ = 0, at_above_ = 0;
 };
 
-}  // namespace
-
 void StrayReturns::filter(scan::Scan& scan) {
-  const Rings rings(scan.points);
+  rings_.sort(scan.points);
   std::vector<bool> alone(scan.points.size());
   std::size_t returns = 0, strays = 0;
-  for (std::size_t ring = 0; ring < rings.of.size(); ++ring) {
-    Neighbours beside(scan.points, rings, ring);
-    for (std::size_t k = 0; k < rings.of[ring].size(); ++k) {
-      const std::uint32_t point = rings.of[ring][k];
-      if (!(rings.range[point] <= kReach)) continue;
+  for (std::size_t ring = 0; ring < rings_.of.size(); ++ring) {
+    Neighbours beside(scan.points, rings_, ring);
+    for (std::size_t k = 0; k < rings_.of[ring].size(); ++k) {
+      const std::uint32_t point = rings_.of[ring][k];
+      if (!(rings_.range[point] <= kReach)) continue;
       ++returns;
       if (beside.has_beside(k) || beside.has_above_or_below(k)) continue;
       alone[point] = true;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -35,8 +36,17 @@ class StrayReturns {
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
+  /// The returns of each laser, in the order in which they were taken. Kept for the sake of its memory.
+  struct Rings {
+    std::vector<float> range;  // m, by the point's index
+    std::array<std::vector<std::uint32_t>, 256> of;
+
+    void sort(const std::vector<scan::LidarPoint>& points);
+  };
+  class Neighbours;
   void judge();
 
+  Rings rings_;
   double share_ = 0;
   int looks_ = 0;  // in a row that say the other thing
   bool filters_ = false;
