@@ -3,15 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/local_bus.hpp"
+#include "common/config/assignments.hpp"
 #include "common/config/command_line.hpp"
 #include "common/config/config.hpp"
 #include "config/sections.hpp"
@@ -27,6 +30,8 @@
 
 namespace curbstone::localise {
 namespace {
+
+constexpr std::array<std::string_view, 2> kSections = {"ekf", "localizer"};
 
 struct Arguments {
   std::string map;
@@ -199,6 +204,7 @@ int run_localise(int argc, char** argv) {
   line.option("--picture", arguments.picture, "Draw the drive on the map: a PNG");
   line.option("--json", arguments.json, "Write the figures here, for programs");
   if (const auto status = line.read(argc, argv)) return *status;
+  arguments.assignments = assignments_for(kSections, arguments.assignments);
   if (arguments.truth.empty() != arguments.map_truth.empty())
     return line.refuse("--truth and --map-truth belong together");
   if (arguments.from_truth && arguments.truth.empty()) return line.refuse("--from-truth needs --truth");

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cstdlib>
 
+#include "common/config/assignments.hpp"
 #include "common/config/config.hpp"
 #include "config/sections.hpp"
 #include "services/ekf/base/ekf_config.hpp"
@@ -18,6 +20,8 @@
 namespace curbstone::replay {
 
 namespace {
+
+constexpr std::array<std::string_view, 4> kSections = {"ekf", "mapper", "tensor_voting", "semantic_map"};
 
 /// One process's configuration, and its text.
 template <class Config>
@@ -43,8 +47,10 @@ Config configured(const std::string& section, const ReplayOptions& options, std:
 
 }  // namespace
 
-std::vector<Stage> make_stages(const ReplayOptions& options,
+std::vector<Stage> make_stages(const ReplayOptions& given,
                                const std::function<Publisher&(const std::string& name)>& bus_of) {
+  ReplayOptions options = given;
+  options.assignments = assignments_for(kSections, given.assignments);
   std::string semantic_text;
   auto semantic = configured<semantic_map::SemanticMapConfig>("semantic_map", options, semantic_text);
   if (!options.map_file.empty()) semantic.map = options.map_file;

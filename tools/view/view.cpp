@@ -3,16 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "common/bus/local_bus.hpp"
+#include "common/config/assignments.hpp"
 #include "common/config/command_line.hpp"
 #include "common/config/config.hpp"
 #include "common/shell/event_loop.hpp"
@@ -26,6 +29,8 @@
 
 namespace curbstone::view {
 namespace {
+
+constexpr std::array<std::string_view, 1> kSections = {"viewer"};
 
 struct ViewOptions {
   std::vector<std::string> files;
@@ -112,6 +117,7 @@ int run_view(int argc, char** argv) {
   line.option("--config", options.config, "The vehicle's YAML file, of which 'viewer' is read");
   line.option("--set", options.assignments, "viewer.KEY=VALUE, over the file: viewer.port=8090, say").one_each();
   if (const auto status = line.read(argc, argv)) return *status;
+  options.assignments = assignments_for(kSections, options.assignments);
 
   EventLoop loop;  // before the web server's thread
   auto config = config_of<viewer::ViewerConfig>("viewer", kProcessSections, options.config, options.assignments);

@@ -98,6 +98,13 @@ TEST_F(ReplayOnThreads, MakesTheSameMapHoweverSoonTilesBehindTheVehicleAreLetGo)
   EXPECT_TRUE(kept.first == let_go.first);
 }
 
+TEST_F(ReplayOnThreads, RefusesToSetWhatNobodyReads) {
+  make_town("1");
+  EXPECT_EQ(run(run_replay, {"replay", log_, "--map", folder_ / "map.db", "--set", "vehicle.tyres=4"}), 2);
+  EXPECT_EQ(run(run_replay, {"replay", log_, "--map", folder_ / "map.db", "--set", "maper.method=loam"}), 2);
+  EXPECT_EQ(run(run_replay, {"replay", log_, "--map", folder_ / "map.db", "--set", "vehicle.track_width=0.9"}), 0);
+}
+
 TEST_F(ReplayOnThreads, EndsWithoutAMapThatCannotBeWritten) {
   make_town("0.5");
   for (const std::string threads : {"1", "4"})

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 
+#include "common/config/assignments.hpp"
 #include "common/config/command_line.hpp"
 #include "common/config/config.hpp"
 #include "tools/bench/latency/drive_parts.hpp"
@@ -19,6 +22,8 @@
 namespace curbstone::bench::latency {
 
 namespace {
+
+constexpr std::array<std::string_view, 4> kSections = {"ekf", "mapper", "tensor_voting", "semantic_map"};
 
 struct LatencyBenchOptions {
   std::string log, json;
@@ -106,6 +111,7 @@ int run_bench_latency(int argc, char** argv) {
       .within(1, 36000);
   line.option("--json", options.json, "Write the figures to this file too");
   if (const auto status = line.read(argc, argv)) return *status;
+  options.vehicle.assignments = assignments_for(kSections, options.vehicle.assignments);
   const nlohmann::json json = measure(options);
   if (!options.json.empty()) output::write_text(options.json, json.dump(2) + '\n');
   return 0;

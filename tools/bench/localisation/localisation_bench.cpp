@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "common/config/assignments.hpp"
 #include "common/config/command_line.hpp"
 #include "common/parallel/parallel_for.hpp"
 #include "common/statistics/quantile.hpp"
@@ -18,6 +20,8 @@
 
 namespace curbstone::bench::localisation {
 namespace {
+
+constexpr std::array<std::string_view, 2> kSections = {"ekf", "localizer"};
 
 constexpr double kWithin = 20.0;   // m driven, in which a vehicle is to be found
 constexpr double kCarried = 15.0;  // m, at least, from where it was to where it is then
@@ -233,6 +237,7 @@ int run_bench_localisation(int argc, char** argv) {
   line.option("--set", options.assignments, "SECTION.KEY=VALUE, over the file").one_each();
   line.option("--json", options.json, "Write the figures here, for programs");
   if (const auto status = line.read(argc, argv)) return *status;
+  options.assignments = assignments_for(kSections, options.assignments);
   if (options.truth.empty() != options.map_truth.empty()) return line.refuse("--truth and --map-truth belong together");
   return measure(options);
 }
