@@ -42,6 +42,7 @@ class MessageKeeper {
     const int size = message.getEncodedSize();
     if (size <= 0 || !make_room(message.utime, static_cast<std::size_t>(size))) return;
     Encoded kept{message.utime, std::move(spare_)};
+    kept.bytes.reserve(static_cast<std::size_t>(size));  // so much and no more: resize() doubles what is too small
     kept.bytes.resize(static_cast<std::size_t>(size));
     if (message.encode(kept.bytes.data(), 0, size) == size) add(std::move(kept));
   }

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
 
+#include <cstring>
 #include <curbstone/odometry_t.hpp>
 #include <vector>
 
@@ -111,6 +113,25 @@ TEST_F(ResendTest, OnlyTheNewestSecondsAndBytesAreKept) {
   bus_.dispatch();
   EXPECT_GE(came_.front(), 898);
   EXPECT_EQ(came_.back(), 999);
+}
+
+/// Of a LiDAR: no two packets are alike in size.
+struct Packet {
+  std::int64_t utime;
+  [[nodiscard]] int getEncodedSize() const { return 5000 + static_cast<int>(utime / kStep * 37 % 1000); }
+  int encode(void* to, int /*offset*/, int size) const {
+    std::memset(to, 1, static_cast<std::size_t>(size));
+    return size;
+  }
+};
+
+TEST(MessageKeeper, TakesHardlyMoreMemoryThanItsMessages) {
+  constexpr std::size_t kBytes = 4'000'000;
+  LocalBus bus;
+  MessageKeeper keeper(bus, "LIDAR_POINTS", {std::int64_t{1} << 60, kBytes});
+  const std::size_t before = mallinfo2().uordblks;
+  for (int i = 0; i < 20'000; ++i) keeper.keep(Packet{kBegin + i * kStep});
+  EXPECT_LT(mallinfo2().uordblks - before, kBytes + kBytes / 4);
 }
 
 TEST_F(ResendTest, AClockThatIsSetBackBeginsAnew) {
