@@ -190,6 +190,7 @@ int run_replay(int argc, char** argv) {
   LogFiles head(arguments.logs);
   arguments.vehicle.recorded = recorded_config(head);
   output::refuse_to_overwrite(head.names(), arguments.record);
+  check_configuration(arguments.vehicle);  // before a map is removed that is there
   make_room_for_map(arguments.vehicle.map_file);
   std::optional<LogWriter> recorder;
   StageLine::Options options{.threads = arguments.threads > 1, .everything = {}};

@@ -23,9 +23,15 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kSections = {"ekf", "mapper", "tensor_voting", "semantic_map"};
 
-/// One process's configuration, and its text.
+/// One process's configuration, and its section with all values, as YAML.
 template <class Config>
-Config configured(const std::string& section, const ReplayOptions& options, std::string& text) {
+struct Section {
+  Config value;
+  std::string text;
+};
+
+template <class Config>
+Section<Config> section_of(const std::string& section, const ReplayOptions& options) {
   ConfigOf<Config> config;
   const auto recorded = options.recorded.sections.find(section);
   if (!options.config_file.empty()) {
@@ -41,37 +47,52 @@ Config configured(const std::string& section, const ReplayOptions& options, std:
   for (const std::string& assignment : options.assignments) {
     if (assignment.starts_with(section + ".")) set_config_value(assignment.substr(section.size() + 1), config);
   }
-  text = dump_config(section, config);
-  return config.value;
+  return {config.value, dump_config(section, config)};
+}
+
+struct Configuration {
+  Section<ekf::base::EkfConfig> ekf;
+  Section<mapper::config::MapperConfig> mapper;
+  Section<tensor_voting::worker::TensorVotingConfig> voting;
+  Section<semantic_map::SemanticMapConfig> semantic;
+};
+
+/// What the processes had, but for what another vehicle, or another time, left on the disk.
+Configuration configure(const ReplayOptions& given) {
+  ReplayOptions options = given;
+  options.assignments = assignments_for(kSections, given.assignments);
+  Configuration all{section_of<ekf::base::EkfConfig>("ekf", options),
+                    section_of<mapper::config::MapperConfig>("mapper", options),
+                    section_of<tensor_voting::worker::TensorVotingConfig>("tensor_voting", options),
+                    section_of<semantic_map::SemanticMapConfig>("semantic_map", options)};
+  all.ekf.value.state_file.clear();
+  all.mapper.value.journal.clear();
+  semantic_map::SemanticMapConfig& semantic = all.semantic.value;
+  if (!options.map_file.empty()) semantic.map = options.map_file;
+  semantic.keep_earlier_drives = false;  // the user says which file is to be made
+  if (options.config_file.empty() && options.recorded.sections.contains("semantic_map")) semantic.picture.clear();
+  return all;
 }
 
 }  // namespace
 
-std::vector<Stage> make_stages(const ReplayOptions& given,
+void check_configuration(const ReplayOptions& options) {
+  (void)configure(options);
+}
+
+std::vector<Stage> make_stages(const ReplayOptions& options,
                                const std::function<Publisher&(const std::string& name)>& bus_of) {
-  ReplayOptions options = given;
-  options.assignments = assignments_for(kSections, given.assignments);
-  std::string semantic_text;
-  auto semantic = configured<semantic_map::SemanticMapConfig>("semantic_map", options, semantic_text);
-  if (!options.map_file.empty()) semantic.map = options.map_file;
-  semantic.keep_earlier_drives = false;  // the user says which file is to be made
-  if (options.config_file.empty() && options.recorded.sections.contains("semantic_map")) semantic.picture.clear();
-  std::string ekf_text;
-  auto ekf = configured<ekf::base::EkfConfig>("ekf", options, ekf_text);
-  ekf.state_file.clear();  // another vehicle's, or of another time
-  std::string mapper_text;
-  auto mapper = configured<mapper::config::MapperConfig>("mapper", options, mapper_text);
-  mapper.journal.clear();  // likewise
-  std::string voting_text;
-  const auto voting = configured<tensor_voting::worker::TensorVotingConfig>("tensor_voting", options, voting_text);
+  const Configuration with = configure(options);
+  using semantic_map::SemanticMapNode;
   using tensor_voting::worker::TensorVotingNode;
   std::vector<Stage> stages;
-  stages.push_back({"ekf", ekf_text, std::make_unique<ekf::EkfNode>(ekf, bus_of("ekf"))});
-  stages.push_back({"mapper", mapper_text, std::make_unique<mapper::MapperNode>(mapper, bus_of("mapper"))});
-  stages.push_back({"tensor_voting", voting_text,
-                    std::make_unique<TensorVotingNode>(voting, "tensor_voting:1", bus_of("tensor_voting"))});
-  stages.push_back({"semantic_map", semantic_text,
-                    std::make_unique<semantic_map::SemanticMapNode>(semantic, bus_of("semantic_map"))});
+  stages.push_back({"ekf", with.ekf.text, std::make_unique<ekf::EkfNode>(with.ekf.value, bus_of("ekf"))});
+  stages.push_back(
+      {"mapper", with.mapper.text, std::make_unique<mapper::MapperNode>(with.mapper.value, bus_of("mapper"))});
+  stages.push_back({"tensor_voting", with.voting.text,
+                    std::make_unique<TensorVotingNode>(with.voting.value, "tensor_voting:1", bus_of("tensor_voting"))});
+  stages.push_back({"semantic_map", with.semantic.text,
+                    std::make_unique<SemanticMapNode>(with.semantic.value, bus_of("semantic_map"))});
   return stages;
 }
 

@@ -30,6 +30,8 @@ struct Stage {
   std::unique_ptr<Node> node;
 };
 
+/// Throws ConfigError where make_stages() would. Nothing is made.
+void check_configuration(const ReplayOptions& options);
 /// ekf, mapper, one tensor-voting worker, semantic_map; not connected yet. `bus_of`: where a stage, by its name,
 /// publishes. Throws ConfigError, or std::runtime_error when the map cannot be written.
 [[nodiscard]] std::vector<Stage> make_stages(const ReplayOptions& options,

@@ -98,11 +98,17 @@ TEST_F(ReplayOnThreads, MakesTheSameMapHoweverSoonTilesBehindTheVehicleAreLetGo)
   EXPECT_TRUE(kept.first == let_go.first);
 }
 
-TEST_F(ReplayOnThreads, RefusesToSetWhatNobodyReads) {
+TEST_F(ReplayOnThreads, RefusesToSetWhatNobodyReadsAndLeavesTheMapThatIsThere) {
   make_town("1");
-  EXPECT_EQ(run(run_replay, {"replay", log_, "--map", folder_ / "map.db", "--set", "vehicle.tyres=4"}), 2);
-  EXPECT_EQ(run(run_replay, {"replay", log_, "--map", folder_ / "map.db", "--set", "maper.method=loam"}), 2);
-  EXPECT_EQ(run(run_replay, {"replay", log_, "--map", folder_ / "map.db", "--set", "vehicle.track_width=0.9"}), 0);
+  const std::string map = folder_ / "map.db";
+  const auto set = [&](const std::string& assignment) {
+    return run(run_replay, {"replay", log_, "--map", map, "--set", assignment});
+  };
+  EXPECT_EQ(set("vehicle.track_width=0.9"), 0);
+  const std::string before = bytes_of(map);
+  EXPECT_FALSE(before.empty());
+  for (const char* const wrong : {"vehicle.tyres=4", "maper.method=loam", "ekf.nonsense=1"}) EXPECT_EQ(set(wrong), 2);
+  EXPECT_TRUE(bytes_of(map) == before);
 }
 
 TEST_F(ReplayOnThreads, EndsWithoutAMapThatCannotBeWritten) {
