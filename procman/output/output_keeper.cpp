@@ -58,6 +58,7 @@ OutputKeeper::Kept& OutputKeeper::of(const std::string& id) {
 
 void OutputKeeper::open(Kept& kept) const {
   kept.file.reset(std::fopen(kept.path.c_str(), "ae"));
+  kept.failure = kept.file ? "" : std::strerror(errno);
   std::error_code error;
   const auto size = std::filesystem::file_size(kept.path, error);
   kept.file_size = error ? 0 : static_cast<std::size_t>(size);
@@ -81,7 +82,7 @@ void OutputKeeper::write(Kept& kept, std::string_view text) {
   if (!kept.file) open(kept);
   const bool written = kept.file && std::fwrite(line.data(), 1, line.size(), kept.file.get()) == line.size() &&
                        std::fputc('\n', kept.file.get()) != EOF && std::fflush(kept.file.get()) == 0;
-  kept.failure = written ? "" : std::strerror(errno);
+  if (kept.file) kept.failure = written ? "" : std::strerror(errno);
   if (written) {
     kept.file_size += line.size() + 1;
   } else {

@@ -27,7 +27,7 @@ class LaserElevations {
  public:
   static constexpr int kLooks = 40;            ///< revolutions
   static constexpr double kStep = 0.2;         ///< m
-  static constexpr double kWrong = 0.0036;     ///< rad, 0.2 deg: 0.3 costs a sixth of the curbs
+  static constexpr double kWrong = 0.0036;     ///< rad, 0.2 deg
   static constexpr double kRight = 0.0020;     ///< rad
   static constexpr std::size_t kLasers = 128;  ///< rings beyond are not judged
 

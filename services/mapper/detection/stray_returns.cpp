@@ -9,12 +9,13 @@
 namespace curbstone::mapper::detection {
 namespace {
 
-constexpr float kBeside = 2.5e-4F;   // s between shots that look nearly the same way
-constexpr std::size_t kBesides = 2;  // shots of the same laser to either side
-constexpr float kSame = 0.1F;        // m between ranges of one surface,
-constexpr float kSameShare = 0.06F;  // and of the range
-constexpr float kApart = 3.0F;       // times that, between ranges of two
-constexpr std::size_t kLeast = 500;  // returns that a share is of
+constexpr float kBeside = 2.5e-4F;     // s between shots that look nearly the same way
+constexpr std::size_t kBesides = 2;    // shots of the same laser to either side
+constexpr std::size_t kMostNear = 64;  // returns of another laser; some 20 are, but not where all have one time
+constexpr float kSame = 0.1F;          // m between ranges of one surface,
+constexpr float kSameShare = 0.06F;    // and of the range
+constexpr float kApart = 3.0F;         // times that, between ranges of two
+constexpr std::size_t kLeast = 500;    // returns that a share is of
 
 float alike(float range) {
   return kSame + kSameShare * range;
@@ -72,7 +73,8 @@ class StrayReturns::Neighbours {
   [[nodiscard]] bool has_in(std::size_t other, std::size_t& at, std::uint32_t point) const {
     const std::vector<std::uint32_t>& its = rings_.of[other];
     while (at < its.size() && points_[its[at]].time < points_[point].time - kBeside) ++at;
-    for (std::size_t j = at; j < its.size() && points_[its[j]].time <= points_[point].time + kBeside; ++j) {
+    const std::size_t end = std::min(its.size(), at + kMostNear);
+    for (std::size_t j = at; j < end && points_[its[j]].time <= points_[point].time + kBeside; ++j) {
       if (is_alike(point, its[j])) return true;
     }
     return false;

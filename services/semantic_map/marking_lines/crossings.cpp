@@ -96,8 +96,7 @@ struct Crossing {
 };
 
 /// Bars in order across them.
-tile::MarkingLine line_of(std::vector<const MarkingPiece*> bars) {
-  const Crossing crossing(bars);
+tile::MarkingLine line_of(std::vector<const MarkingPiece*> bars, const Crossing& crossing) {
   const auto place = [&](const MarkingPiece* bar) { return bar->middle().dot(crossing.across); };
   std::sort(bars.begin(), bars.end(),
             [&](const MarkingPiece* a, const MarkingPiece* b) { return place(a) < place(b); });
@@ -110,13 +109,13 @@ tile::MarkingLine line_of(std::vector<const MarkingPiece*> bars) {
   double contrast = 0;
   for (std::size_t i = 0; i < bars.size(); ++i) {
     const MarkingPiece& bar = *bars[i];
-    lengths.push_back(bar.length());
     widths.push_back(bar.width);
     contrast += bar.contrast / static_cast<double>(bars.size());
     if (i > 0) gaps.push_back(place(&bar) - place(bars[i - 1]) - (bar.width + bars[i - 1]->width) / 2);
     const double z = bar.samples[bar.samples.size() / 2].values.z();
     // Of a bar of which only a part is seen the middle is not its own.
     const bool is_whole = bar.length() > kWhole * (crossing.end - crossing.begin);
+    if (is_whole) lengths.push_back(bar.length());
     const Eigen::Vector2d at = is_whole ? bar.middle() : middle * crossing.along + place(&bar) * crossing.across;
     const Eigen::Vector2d half = 0.5 * bar.width * crossing.across;
     line.points.push_back(vertex(at - half, z, true));
@@ -173,7 +172,7 @@ std::vector<tile::MarkingLine> take_crossings(std::vector<MarkingPiece>& pieces)
       }
       if (crossing.holds(pieces[i])) taken[i] = true;
     }
-    lines.push_back(line_of(bars));
+    lines.push_back(line_of(bars, crossing));
   }
   std::vector<MarkingPiece> rest;
   for (std::size_t i = 0; i < pieces.size(); ++i) {

@@ -178,6 +178,14 @@ TEST_F(OutputFolder, AFullDiskIsAFaultUntilThereIsRoom) {
   EXPECT_FALSE(keeper.fault());
 }
 
+TEST_F(OutputFolder, AFileThatCannotBeOpenedIsAFaultThatSaysWhy) {
+  OutputKeeper keeper(folder_);
+  std::filesystem::create_directory(folder_ / "a.log");
+  keeper.note("a", "one");
+  ASSERT_TRUE(keeper.fault());
+  EXPECT_THAT(*keeper.fault(), ::testing::HasSubstr("Is a directory"));
+}
+
 TEST(OutputKeeper, HasTheLastLinesOrAsManyAsAreAskedFor) {
   OutputKeeper keeper("");
   keeper.add("a", "one\ntwo\nthree\n", [](std::string_view) {});

@@ -68,6 +68,15 @@ TEST(Crossings, HaveTheBarsOfWhichOnlyAPartIsSeen) {
   EXPECT_THAT(pieces, IsEmpty());
 }
 
+TEST(Crossings, AreAsWideAsTheBarsThatAreWhole) {
+  auto pieces = bars(3);
+  for (const double y : {3.0, 4.0, 5.0, 6.0}) pieces.push_back(straight({1, y}, {2, y}, 0.5));
+  const auto crossings = take_crossings(pieces);
+  ASSERT_THAT(crossings, SizeIs(1));
+  EXPECT_THAT(places_of(crossings[0]), SizeIs(7));
+  EXPECT_FLOAT_EQ(crossings[0].width, 4);
+}
+
 TEST(Crossings, HaveNothingAcrossTheirBars) {
   auto pieces = bars(5);
   pieces.push_back(straight({-1.5, 0.8}, {-1.5, 2.2}, 0.25));
