@@ -118,7 +118,9 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   const auto T_odom_base = odometry.covers(scan.end, scan.end) ? std::optional(odometry.at(scan.end)) : std::nullopt;
   if (tracked->began) standstill_ = Standstill::at(tracked->utime, tracked->T_map_base);
 
-  const auto relocalised = tracked->fix == tracking::Fix::kLost ? relocalise(*tracked, T_odom_base) : std::nullopt;
+  // What drives along beside the vehicle looks the same elsewhere.
+  const bool is_sought = tracked->fix == tracking::Fix::kLost && !tracker_.turns_otherwise();
+  const auto relocalised = is_sought ? relocalise(*tracked, T_odom_base) : std::nullopt;
   const auto mapped = tracked->maps ? std::optional(map(*tracked)) : std::nullopt;
 
   const Pose T_map_base = relocalised ? relocalised->T_map_base : mapped ? mapped->T_map_base : tracked->T_map_base;

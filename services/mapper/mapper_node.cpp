@@ -297,6 +297,10 @@ NodeReport MapperNode::report() const {
     report.faults.push_back(
         fmt::format("{} revolutions went without odometry that came too late: a replay makes another map",
                     counters_["odometry.too_late"]));
+  if (mapper_.turns_otherwise())
+    report.faults.push_back(
+        "LiDAR: it turns otherwise than wheels and gyro: does something large drive along beside it? Odometry alone is "
+        "believed meanwhile");
   if (epoch_ != 0 && mapper_.fix() != tracking::Fix::kTracking) {
     report.faults.push_back("lost: looking for where the vehicle is; nothing is mapped");
   } else if (mapper_.refused_in_a_row() >= 10) {

@@ -107,6 +107,14 @@ bool OdometryHistory::stationary(std::int64_t from, std::int64_t to) const {
   return true;
 }
 
+bool OdometryHistory::confirmed(std::int64_t from, std::int64_t to) const {
+  const std::size_t known = num_known();
+  for (std::size_t i = lower_bound(from); i < known && samples_[i].utime <= to; ++i) {
+    if (!samples_[i].confirmed) return false;
+  }
+  return true;
+}
+
 void OdometryHistory::forget_before(std::int64_t utime) {
   while (samples_.size() > 1 && samples_[1].utime <= utime) samples_.pop_front();
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "services/mapper/tracking/acceptance.hpp"
@@ -13,7 +14,9 @@ namespace {
 constexpr std::int64_t kLongestSweep = 1'000'000;  // us
 constexpr std::int64_t kClockJump = 100'000;       // us backwards that is a new clock, not a late scan
 constexpr int kFirstInsertions = 10;               // scans that go into the map even when the vehicle stands
-constexpr int kMostFromAfar = 3;                   // refused in a row that are sought with other motions
+constexpr double kLeap = 0.03;                     // rad from scan to scan that no vehicle's turning changes by
+constexpr std::string_view kTurn = "refused.turn";
+constexpr int kMostFromAfar = 3;  // refused in a row that are sought with other motions
 
 scan::SharedPoints share(std::vector<scan::LidarPoint> points) {
   return std::make_shared<const std::vector<scan::LidarPoint>>(std::move(points));
@@ -44,6 +47,7 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   Attempt found = attempt(scan, odometry);
   if (!found.fit.expected.with_odometry) counters_.add("without_odometry");
   if (!found.refusal.empty()) counters_.add(found.refusal);
+  turns_otherwise_ = found.refusal == kTurn || (turns_otherwise_ && !found.believed && !turns_.gives_up(scan.end));
   if (first_ && !found.believed) {  // neither proves the other: the first is forgotten, the drive begins with this one
     forget_start();
     return start(scan, odometry);
@@ -52,6 +56,7 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   const Last before = *last_;
   Tracked tracked = conclude(scan.end, std::move(found));
   note_odometry(before, odometry);
+  note_turn(tracked, odometry);
   tracked.first = std::move(first);
   if (tracked.maps) insert(*tracked.points, tracked.T_map_base);
   return tracked;
@@ -66,6 +71,16 @@ void Tracker::note_odometry(const Last& before, const scan::OdometryHistory& odo
   } else if (before.T_odom_base && last_->end - before.odometry_told <= scan::OdometryHistory::kMaxGap) {
     last_->T_odom_base = *before.T_odom_base * before.T_map_base.inverse() * last_->T_map_base;
     last_->odometry_told = before.odometry_told;
+  }
+}
+
+void Tracker::note_turn(const Tracked& tracked, const scan::OdometryHistory& odometry) {
+  if (turns_otherwise_) return;
+  if (!tracked.with_odometry || !odometry.covers(tracked.utime, tracked.utime) ||
+      !odometry.confirmed(tracked.utime, tracked.utime)) {
+    turns_.clear();
+  } else if (tracked.registered) {
+    turns_.add(tracked.utime, tracked.T_map_base, odometry.at(tracked.utime));
   }
 }
 
@@ -84,9 +99,9 @@ Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHi
   if (trust_.groundless()) return {matcher_.expect(from, scan, std::move(expected)), {}, false};
   const bool guided = expected.with_odometry;
   if (first_ && !guided) return judged(matcher_.fit_second(from, *first_, scan));
-  Attempt first = judged(matcher_.fit(from, scan, std::move(expected), motion_));
-  if (first.believed) return first;
-  Attempt second = guided ? attempt_without_odometry(from, scan) : attempt_from_afar(from, scan);
+  Attempt first = checked(judged(matcher_.fit(from, scan, std::move(expected), motion_)), scan, odometry);
+  if (first.believed || first.refusal == kTurn) return first;
+  Attempt second = guided ? attempt_without_odometry(from, scan, odometry) : attempt_from_afar(from, scan);
   return second.believed ? second : first;
 }
 
@@ -104,10 +119,28 @@ std::optional<Tracker::Attempt> Tracker::attempt_across(const Departure& from, c
 }
 
 /// Perhaps it is odometry that jumped.
-Tracker::Attempt Tracker::attempt_without_odometry(const Departure& from, const scan::Scan& scan) {
-  Attempt attempt = judged(matcher_.fit(from, scan, expect_steady(recent(), scan), motion_));
+Tracker::Attempt Tracker::attempt_without_odometry(const Departure& from, const scan::Scan& scan,
+                                                   const scan::OdometryHistory& odometry) {
+  Attempt attempt = checked(judged(matcher_.fit(from, scan, expect_steady(recent(), scan), motion_)), scan, odometry);
   if (attempt.believed) counters_.add("odometry.not_believed");
   return attempt;
+}
+
+/// Two sensors that agree outvote a registration: the vehicle is where they have led from before it began to slide.
+/// Odometry that leaps is no witness.
+Tracker::Attempt Tracker::checked(Attempt found, const scan::Scan& scan, const scan::OdometryHistory& odometry) const {
+  if (!found.believed || !last_->T_odom_base || !odometry.covers(last_->end, scan.end) ||
+      !odometry.confirmed(last_->end, scan.end)) {
+    return found;
+  }
+  const Pose T_odom_base = odometry.at(scan.end);
+  const scan::Twist turning = scan::twist_of(last_->T_odom_base->inverse() * T_odom_base, stride_);
+  if ((turning.angular - twist_.angular).norm() * stride_ > kLeap) return found;
+  if (!turns_.contradicts(scan.end, found.fit.result.T_map_base, T_odom_base)) return found;
+  found.believed = false;
+  found.refusal = kTurn;
+  found.fit.prior.T_map_base = normalised(turns_.by_odometry(T_odom_base));
+  return found;
 }
 
 /// Perhaps the motion has changed. Costly, so not for long.
@@ -158,12 +191,19 @@ Tracked Tracker::conclude(std::int64_t utime, Attempt found) {
   tracked.anew = trust_.judge({utime, stride, expected.T_last_base.translation().norm(), expected.with_odometry,
                                found.believed, expected.covariance},
                               counters_);
-  if (tracked.anew) matcher_.clear_map();
+  if (tracked.anew) begin_anew();
   tracked.fix = trust_.fix();
   tracked.registered = found.believed || tracked.anew;
   tracked.maps = tracked.registered && trust_.tracking();
   tracked.points = share(std::move(found.fit.points));
   return tracked;
+}
+
+/// On odometry alone.
+void Tracker::begin_anew() {
+  matcher_.clear_map();
+  turns_.clear();
+  turns_otherwise_ = false;
 }
 
 /// What the scan tells of the motion: the vehicle moved so in `stride` s.
@@ -186,6 +226,7 @@ void Tracker::learn_motion(const Attempt& found, const Pose& moved, double strid
 void Tracker::relocate(const Pose& T_map_base) {
   last_->T_map_base = T_map_base;
   steady_ = 0;
+  turns_.clear();
   trust_.relocate();
 }
 
@@ -194,6 +235,7 @@ void Tracker::rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pos
   for (const scan::Keyframe* node : nodes) matcher_.map().recall(*node);
   (void)matcher_.map().keep_around(T_map_base.translation());
   last_->T_map_base = T_map_base;
+  turns_.clear();
   T_map_keyframe_ = T_map_base;
 }
 
@@ -254,6 +296,7 @@ std::optional<Tracked::Earlier> Tracker::prove_start(const Fit& second) {
 void Tracker::forget_start() {
   matcher_.clear_map();
   last_.reset();
+  turns_.clear();
   trust_.forget_drift();
   twist_ = {};
   motion_.set({});

@@ -20,6 +20,7 @@
 #include "services/mapper/tracking/motion_jitter_covariance.hpp"
 #include "services/mapper/tracking/pose_trust.hpp"
 #include "services/mapper/tracking/scan_matcher.hpp"
+#include "services/mapper/tracking/turn_check.hpp"
 
 namespace curbstone::mapper::tracking {
 
@@ -50,10 +51,10 @@ struct Tracked {
 /// of the sequence of calls alone. Pure; one thread.
 ///
 /// Counters: revolutions, keyframes, refused.sparse, refused.time, refused.not_converged, refused.overlap,
-/// refused.inliers, refused.residual, refused.jump, odometry.not_believed, without_odometry, lost.blind (no sensor told
-/// of the motion for too long), bridged (nor did any, but odometry says the same
-/// as the LiDAR of where the vehicle is now), lost.refused (nothing fitted for too long), found, began_anew (on
-/// odometry alone).
+/// refused.inliers, refused.residual, refused.jump, refused.turn (wheels and gyro say otherwise),
+/// odometry.not_believed, without_odometry, lost.blind (no sensor told of the motion for too long), bridged (nor did
+/// any, but odometry says the same as the LiDAR of where the vehicle is now), lost.refused (nothing fitted for too
+/// long), found, began_anew (on odometry alone).
 class Tracker {
  public:
   /// `keeps_map` false: the registration map is an earlier drive's, and takes no scans.
@@ -92,6 +93,8 @@ class Tracker {
   /// Voxels of the map that registration keeps; bounded by its window.
   [[nodiscard]] std::size_t registration_size() const { return matcher_.map().size(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
+  /// Whether a scan was refused because it turned otherwise than wheels and gyro, and none was believed since.
+  [[nodiscard]] bool turns_otherwise() const { return turns_otherwise_; }
   /// Scans in a row that could not be registered.
   [[nodiscard]] int refused_in_a_row() const { return trust_.refused_in_a_row(); }
 
@@ -115,7 +118,9 @@ class Tracker {
   [[nodiscard]] Attempt attempt(const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] std::optional<Attempt> attempt_across(const Departure& from, const scan::Scan& scan,
                                                       const scan::OdometryHistory& odometry);
-  [[nodiscard]] Attempt attempt_without_odometry(const Departure& from, const scan::Scan& scan);
+  [[nodiscard]] Attempt attempt_without_odometry(const Departure& from, const scan::Scan& scan,
+                                                 const scan::OdometryHistory& odometry);
+  [[nodiscard]] Attempt checked(Attempt found, const scan::Scan& scan, const scan::OdometryHistory& odometry) const;
   [[nodiscard]] Attempt attempt_from_afar(const Departure& from, const scan::Scan& scan);
   /// `firmly`: more must fit, where the guess is not sure to be near.
   [[nodiscard]] Attempt judged(Fit fit, bool firmly = false) const;
@@ -124,6 +129,8 @@ class Tracker {
   void forget_start();
   [[nodiscard]] Tracked conclude(std::int64_t utime, Attempt found);
   void learn_motion(const Attempt& found, const Pose& moved, double stride);
+  void begin_anew();
+  void note_turn(const Tracked& tracked, const scan::OdometryHistory& odometry);
   void note_odometry(const Last& before, const scan::OdometryHistory& odometry);
   void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base);
 
@@ -136,10 +143,12 @@ class Tracker {
   std::optional<scan::Scan> first_;             // until its motion is known, where there is no odometry
   std::vector<scan::LidarPoint> first_points_;  // of it, de-skewed
   PoseTrust trust_;
-  scan::Twist twist_;     // over the last scan
-  MotionFilter motion_;   // until now
-  double stride_ = 0.05;  // s from scan to scan
-  int steady_ = 0;        // scans in a row that fitted and tell of the motion between them
+  TurnCheck turns_;
+  bool turns_otherwise_ = false;  // a scan did, against odometry, and none was believed since
+  scan::Twist twist_;             // over the last scan
+  MotionFilter motion_;           // until now
+  double stride_ = 0.05;          // s from scan to scan
+  int steady_ = 0;                // scans in a row that fitted and tell of the motion between them
   MotionJitterCovariance motion_jitter_;
   Pose T_map_keyframe_ = Pose::Identity();  // when the registration map last took a scan
   Counters counters_;

@@ -67,6 +67,52 @@ TEST(Mapper, MakesTheSameMapWithASecondThreadAsWithoutAndWheneverThereIsAPause) 
   }
 }
 
+/// From 2 s to 3.5 s the street comes along through the bend: as between two lorries.
+class MapperInABendTest : public ::testing::Test {
+ protected:
+  /// `confirmed`: wheels and gyro agree.
+  void drive(bool confirmed) {
+    for (double t = -0.05; t < 6; t += 0.01)
+      drive_.odometry.add({utime(t), driving(0).inverse() * driving(t), true, false, confirmed});
+    for (int i = 0; i < 100; ++i) {
+      const bool along = i >= 40 && i < 70;
+      drive_.trajectory = along ? [](double t) { return driving(2) * scan::move({{3, 0, 0}, {0, 0, -0.1}}, t - 2); }
+                                : test::SyntheticWorld::Trajectory(driving);
+      const scan::Scan scan = drive_.next();
+      drive_.trajectory = driving;
+      update_ = drive_.step(scan);
+      ASSERT_TRUE(update_) << i;
+      if (i == 69) {
+        error_ = drive_.error(*update_);
+        turns_otherwise_ = drive_.mapper->turns_otherwise();
+      }
+    }
+  }
+  [[nodiscard]] std::int64_t counter(const char* name) const { return drive_.mapper->counters()[name]; }
+
+  Drive drive_;
+  std::optional<MapperUpdate> update_;
+  double error_ = 0;  // m, at the end of the bend
+  bool turns_otherwise_ = false;
+};
+
+TEST_F(MapperInABendTest, WheelsAndGyroAreBelievedRatherThanWhatComesAlong) {
+  drive(true);
+  EXPECT_TRUE(turns_otherwise_);
+  EXPECT_LT(error_, 0.05);
+  EXPECT_GE(counter("refused.turn"), 10);
+  EXPECT_TRUE(update_->registered);
+  EXPECT_FALSE(drive_.mapper->turns_otherwise());
+  EXPECT_LT(drive_.error(*update_), 0.05);
+}
+
+TEST_F(MapperInABendTest, WhereOnlyOneOfThemTellsTheScansAreBelieved) {
+  drive(false);
+  EXPECT_FALSE(turns_otherwise_);
+  EXPECT_GT(error_, 0.2);
+  EXPECT_EQ(counter("refused.turn"), 0);
+}
+
 TEST(Mapper, LevelsTheMapByOdometry) {
   Drive drive;
   const Pose tilted = test::pose(0, 0, 0, 0.03, -0.02, 0.8);
