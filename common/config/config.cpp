@@ -292,6 +292,13 @@ void set_config_value(std::string_view assignment, AnyConfig& config) {
   }
 }
 
+void set_section_values(const std::string& section, const std::vector<std::string>& assignments, AnyConfig& config) {
+  const std::string prefix = section + ".";
+  for (const std::string& assignment : assignments) {
+    if (assignment.starts_with(prefix)) set_config_value(std::string_view(assignment).substr(prefix.size()), config);
+  }
+}
+
 std::string dump_config(const std::string& section, AnyConfig& config) {
   Dumper dumper;
   dumper.begin_section(section.c_str(), "effective configuration");

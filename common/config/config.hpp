@@ -100,6 +100,8 @@ void parse_config(std::string_view text, const std::string& name, const std::str
                   AnyConfig& config);
 /// Sets one value by its dotted key as text: "icp.iterations=20".
 void set_config_value(std::string_view assignment, AnyConfig& config);
+/// Sets, in this order, those of the assignments SECTION.KEY=VALUE that are of `section`; leaves out all others.
+void set_section_values(const std::string& section, const std::vector<std::string>& assignments, AnyConfig& config);
 /// The effective configuration as commented YAML that load_config() takes back.
 [[nodiscard]] std::string dump_config(const std::string& section, AnyConfig& config);
 /// 16 hexadecimal digits over the dump (FNV-1a, 64 bit).
@@ -112,9 +114,7 @@ template <class Config>
                                const std::vector<std::string>& assignments) {
   ConfigOf<Config> config;
   if (!file.empty()) load_config(file, section, sections, config);
-  for (const std::string& assignment : assignments) {
-    if (assignment.starts_with(section + ".")) set_config_value(assignment.substr(section.size() + 1), config);
-  }
+  set_section_values(section, assignments, config);
   return config.value;
 }
 

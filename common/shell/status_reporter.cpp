@@ -53,7 +53,7 @@ StatusReporter::StatusReporter(std::string service, std::string config_hash, Clo
 }
 
 bool StatusReporter::faults_changed(const NodeReport& report) const {
-  return kinds_of(report.faults) != told_;
+  return kinds_of(report.faults) != reported_;
 }
 
 void StatusReporter::publish(Publisher& bus, const Counters& bus_counters, const NodeReport& report) {
@@ -83,7 +83,7 @@ void StatusReporter::publish(Publisher& bus, const Counters& bus_counters, const
   if (const auto namesake = namesake_.fault(status_.utime)) status_.fault.push_back(*namesake);
   status_.num_faults = static_cast<std::int32_t>(status_.fault.size());
   bus.publish("SERVICE_STATUS", status_);
-  told_ = kinds_of(report.faults);
+  reported_ = kinds_of(report.faults);
   for (const std::string& line : fault_lines_.update(status_.fault, clocks_.steady()))
     fmt::print(stderr, "{}: {}\n", status_.service, line);
 }

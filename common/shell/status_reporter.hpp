@@ -41,7 +41,7 @@ class StatusReporter {
  private:
   Clocks clocks_;
   service_status_t status_{};
-  std::vector<std::string> told_;  // the node's faults, without their numbers
+  std::vector<std::string> reported_;  // the node's faults, without their numbers
   FaultLines fault_lines_;
   ClockStep clock_step_;
   Namesake namesake_;

@@ -103,7 +103,8 @@ std::vector<marking_lines::MapMarkingCell> marking_cells_in(const MapBox& box, c
   return cells;
 }
 
-std::vector<tile::CurbLine> link_curbs(const std::vector<curb_lines::MapCurbPoint>& points, const TileLookup& tiles) {
+std::vector<tile::CurbLine> link_and_bridge_curbs(const std::vector<curb_lines::MapCurbPoint>& points,
+                                                  const TileLookup& tiles) {
   std::vector<tile::CurbLine> lines = curb_lines::link_curbs(points);
   curb_lines::add_bridges([&](const Eigen::Vector2d& at) { return ground_at(tiles, at); }, lines);
   return lines;
@@ -122,7 +123,8 @@ std::vector<tile::MarkingLine> link_markings(std::vector<marking_lines::MapMarki
 }
 
 std::vector<tile::CurbLine> all_curbs(const pipeline::TilePipeline& pipeline) {
-  return link_curbs(curb_points_in(everything(), pipeline), [&](TileKey key) { return pipeline.classes(key); });
+  return link_and_bridge_curbs(curb_points_in(everything(), pipeline),
+                               [&](TileKey key) { return pipeline.classes(key); });
 }
 
 std::vector<tile::MarkingLine> all_markings(const pipeline::TilePipeline& pipeline,
@@ -157,7 +159,7 @@ tile::MapLines link(const MapLineSources& sources) {
     append_marking_cells(key, everything(), *tile.markings, cells);
   }
   tile::MapLines lines;
-  lines.curbs = link_curbs(points, [&](TileKey key) {
+  lines.curbs = link_and_bridge_curbs(points, [&](TileKey key) {
     const auto it = sources.tiles.find(key);
     return it == sources.tiles.end() ? nullptr : it->second.classes;
   });

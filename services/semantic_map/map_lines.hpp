@@ -32,8 +32,8 @@ using MapBox = Eigen::AlignedBox2d;  ///< m in map
 /// Gives a tile by its key; nullptr for none.
 using TileLookup = std::function<std::shared_ptr<const tile::MapTile>(TileKey key)>;
 /// Linked, with bridges over ground that the tiles show (curb_lines::add_bridges()).
-[[nodiscard]] std::vector<tile::CurbLine> link_curbs(const std::vector<curb_lines::MapCurbPoint>& points,
-                                                     const TileLookup& tiles);
+[[nodiscard]] std::vector<tile::CurbLine> link_and_bridge_curbs(const std::vector<curb_lines::MapCurbPoint>& points,
+                                                                const TileLookup& tiles);
 /// Of the cells that are not on the stones of kerbs; without lines that lie beyond a raised kerb, seen from the path:
 /// yards and lawns have bright strips, too.
 [[nodiscard]] std::vector<tile::MarkingLine> link_markings(std::vector<marking_lines::MapMarkingCell> cells,

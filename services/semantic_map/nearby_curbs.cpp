@@ -24,7 +24,7 @@ curb_lines_t NearbyCurbs::next(const pipeline::TilePipeline& pipeline, const Eig
   double range = range_;
   const auto box_of = [&] { return MapBox(vehicle.array() - range, vehicle.array() + range); };
   const auto lines_in = [&](const MapBox& box) {
-    return link_curbs(curb_points_in(box, pipeline), [&](TileKey key) { return pipeline.classes(key); });
+    return link_and_bridge_curbs(curb_points_in(box, pipeline), [&](TileKey key) { return pipeline.classes(key); });
   };
   MapBox box = box_of();
   std::vector<tile::CurbLine> lines = lines_in(box);

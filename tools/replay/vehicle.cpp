@@ -44,9 +44,7 @@ Section<Config> section_of(const std::string& section, const ReplayOptions& opti
                                     options.recorded.version));
     }
   }
-  for (const std::string& assignment : options.assignments) {
-    if (assignment.starts_with(section + ".")) set_config_value(assignment.substr(section.size() + 1), config);
-  }
+  set_section_values(section, options.assignments, config);
   return {config.value, dump_config(section, config)};
 }
 

@@ -18,13 +18,13 @@ bool same(const Gap& a, const Gap& b) {
 }  // namespace
 
 void BlindZone::set_field_of_view(int start, int end) {
-  told_.reset();
+  reported_.reset();
   const int fires = ((end - start) % kFullTurn + kFullTurn) % kFullTurn;
-  if (fires != 0) told_ = Gap{end % kFullTurn, kFullTurn - fires};
+  if (fires != 0) reported_ = Gap{end % kFullTurn, kFullTurn - fires};
 }
 
 bool BlindZone::is(const Gap& gap) const {
-  return (told_ && same(*told_, gap)) || (learnt_ && same(*learnt_, gap));
+  return (reported_ && same(*reported_, gap)) || (learnt_ && same(*learnt_, gap));
 }
 
 void BlindZone::suspect(const Gap& gap, std::int64_t stamp, double without, double with) {

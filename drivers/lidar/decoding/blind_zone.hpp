@@ -20,7 +20,7 @@ class BlindZone {
   void set_field_of_view(int start, int end);
 
   /// deg that the device fires in.
-  [[nodiscard]] double field_of_view() const { return told_ ? 360.0 - told_->width * 0.01 : 360.0; }
+  [[nodiscard]] double field_of_view() const { return reported_ ? 360.0 - reported_->width * 0.01 : 360.0; }
 
   [[nodiscard]] bool is(const Gap& gap) const;
 
@@ -37,7 +37,7 @@ class BlindZone {
     double without = 0;
     double with = 0;
   };
-  std::optional<Gap> told_;
+  std::optional<Gap> reported_;
   std::optional<Gap> learnt_;
   std::optional<Gap> seen_once_;
   std::optional<Suspect> suspect_;

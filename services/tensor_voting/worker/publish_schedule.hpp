@@ -47,7 +47,6 @@ class PublishSchedule {
   [[nodiscard]] bool is_pending(TileKey key) const { return pending_.contains(key); }
   /// Somebody lacks it.
   [[nodiscard]] bool is_wanted(TileKey key) const;
-  [[nodiscard]] std::size_t num_pending() const { return pending_.size(); }
   /// When a tile that waits was first changed, or asked for, since it was published, us; nothing if it does not wait.
   [[nodiscard]] std::optional<std::int64_t> waiting_since(TileKey key) const;
 

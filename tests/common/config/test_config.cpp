@@ -163,6 +163,15 @@ TEST(Config, SetReachesNestedKeys) {
   EXPECT_THROW(set_config_value("nonsense", config), ConfigError);
 }
 
+TEST(Config, ASectionTakesItsOwnAssignmentsInTheirOrder) {
+  ConfigOf<Example> config;
+  set_section_values(
+      "ekf", {"ekf.inner.iterations=7", "ekf_other.device=/x", "mapper.nonsense", "ekf.inner.iterations=8"}, config);
+  EXPECT_EQ(config.value.inner.iterations, 8);
+  EXPECT_EQ(config.value.device, ConfigOf<Example>().value.device);
+  EXPECT_THROW(set_section_values("ekf", {"ekf.inner.iteratons=7"}, config), ConfigError);
+}
+
 TEST(Config, ATextMayBeEmpty) {
   for (const char* assignment : {"device=", "device=\"\"", "device=''"}) {
     ConfigOf<Example> config;

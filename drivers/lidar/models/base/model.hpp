@@ -46,18 +46,18 @@ struct ModelSettings {
   decoding::ReturnLimits limits;
   std::optional<double> distance_step;  ///< m; nothing: the device's own
   std::vector<LaserAngles> angles;      ///< from a file, by laser in firing order; empty: the device's own
-  bool wait_for_info = false;           ///< no points before the device has told its angles
+  bool wait_for_info = false;           ///< no points before the device has reported its angles
   bool only_info = false;               ///< but one device information will come: it counts if it is plausible
 };
 
 /// What a device says of itself, as far as the driver has it.
 struct DeviceFacts {
-  bool told = false;                ///< the device has said something, twice the same
+  bool reported = false;            ///< the device has said something, twice the same
   double field_of_view = 360;       ///< deg that it fires in
   bool angles_known = false;        ///< of this very device: by itself or from a file. Else nominal, or no points
   Counters values;                  ///< for SERVICE_STATUS: "device.rpm"
   std::vector<std::string> faults;  ///< what the device says is wrong, in words
-  std::string identity;             ///< "serial number 33C1160BAAA, firmware ..."; empty where it tells none
+  std::string identity;             ///< "serial number 33C1160BAAA, firmware ..."; empty where it reports none
 };
 
 /// One model of LiDAR: its packets to points. What it gives is a function of the packets and their times of receipt.

@@ -65,11 +65,11 @@ Refusal HeliosModel::read_info(std::int64_t received, std::span<const std::uint8
   if (result.refusal != Refusal::kNone) return result.refusal;
   const bool fits = result.info.lasers == static_cast<int>(variant_.lasers);
   if (!fits && (result.info.lasers != 0 || settings_.angles.empty())) return Refusal::kDifopAngles;
-  const bool alone = settings_.only_info && !facts_.told;
+  const bool alone = settings_.only_info && !facts_.reported;
   if (alone && settings_.angles.empty() && !is_plausible(result.info, result.status)) return Refusal::kDifopAngles;
   const bool agreed = info_.offer(result.info);
   if (agreed || alone) use(result.info);
-  if (info_.value() || facts_.told || alone) tell(info_.value().value_or(result.info), result.status);
+  if (info_.value() || facts_.reported || alone) tell(info_.value().value_or(result.info), result.status);
   return Refusal::kNone;
 }
 
@@ -80,7 +80,7 @@ void HeliosModel::use(DeviceInfo info) {
 }
 
 void HeliosModel::tell(const DeviceInfo& info, const DeviceStatus& status) {
-  facts_.told = true;
+  facts_.reported = true;
   const int fires = ((info.fov_end - info.fov_start) % 36000 + 36000) % 36000;
   facts_.field_of_view = fires == 0 ? 360.0 : fires * 0.01;
   facts_.values.set("device.rpm_set", info.rpm);

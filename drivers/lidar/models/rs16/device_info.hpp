@@ -27,10 +27,10 @@ struct DeviceInfo {
 
 /// How the device is, for people. Not in agreement from packet to packet: temperatures and speeds vary.
 struct DeviceStatus {
-  int rpm = 0;                           ///< as it turns; 0 = not told
+  int rpm = 0;                           ///< as it turns; 0 = not reported
   bool pps_locked = false;               ///< its clock follows a pulse a second
   bool gprmc_locked = false;             ///< and a GPS's text
-  std::array<int, 4> millivolts{};       ///< of the supplies of 5, 3.3, 2.5 and 1.2 V; 0: not told
+  std::array<int, 4> millivolts{};       ///< of the supplies of 5, 3.3, 2.5 and 1.2 V; 0: not reported
   std::array<double, 4> temperatures{};  ///< deg C; which is where the manual does not say
   std::string identity;                  ///< serial number and firmware
 };

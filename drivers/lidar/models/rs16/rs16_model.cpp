@@ -75,7 +75,7 @@ DeviceInfo Rs16Model::with_settings(DeviceInfo info) const {
 }
 
 void Rs16Model::tell(const DeviceInfo& info, const DeviceStatus& status) {
-  facts_.told = true;
+  facts_.reported = true;
   const int fires = ((info.fov_end - info.fov_start) % 36000 + 36000) % 36000;
   facts_.field_of_view = fires == 0 ? 360.0 : fires * 0.01;
   facts_.angles_known = info.calibrated || !settings_.angles.empty();

@@ -56,7 +56,7 @@ Refusal Vlp16Model::read_info(std::int64_t received, std::span<const std::uint8_
   const int pps = bytes[kPps];
   if (pps > kPpsError) return Refusal::kPosition;
   const std::string_view text(reinterpret_cast<const char*>(bytes.data() + kNmea), kPositionSize - kNmea);
-  facts_.told = true;
+  facts_.reported = true;
   facts_.values.set("device.pps", pps);
   facts_.values.set("device.pps_locked", pps == kPpsLocked ? 1 : 0);
   facts_.values.set("device.dual_return", decoder_.dual_return() ? 1 : 0);

@@ -24,7 +24,7 @@ TEST(PublishScheduleTest, TheNearestOfThoseWithNewsGoesFirst) {
   EXPECT_EQ(s.next(kNow, 0, 0), kThere);
   s.published(kThere, 100, kNow);
   EXPECT_EQ(s.next(kNow, 0, 0), std::nullopt);
-  EXPECT_EQ(s.num_pending(), 0U);
+  EXPECT_EQ(s.any(), std::nullopt) << "none waits for its interval either";
 }
 
 TEST(PublishScheduleTest, TheLargestShareOfNewsGoesFirst) {
