@@ -126,10 +126,10 @@ Tracker::Attempt Tracker::attempt_without_odometry(const Departure& from, const 
   return attempt;
 }
 
-/// Two sensors that agree outvote a registration: the vehicle is where they have led from before it began to slide.
-/// Odometry that leaps is no witness.
+/// Where the gyro is known to be right, it and the wheels outvote a registration: the vehicle is where they have led
+/// from before it began to slide. Odometry that leaps is no witness.
 Tracker::Attempt Tracker::checked(Attempt found, const scan::Scan& scan, const scan::OdometryHistory& odometry) const {
-  if (!found.believed || !last_->T_odom_base || !odometry.covers(last_->end, scan.end) ||
+  if (!config_.turn_by_odometry || !found.believed || !last_->T_odom_base || !odometry.covers(last_->end, scan.end) ||
       !odometry.confirmed(last_->end, scan.end)) {
     return found;
   }

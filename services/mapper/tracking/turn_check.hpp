@@ -7,8 +7,8 @@
 
 namespace curbstone::mapper::tracking {
 
-/// Compares how a scan says that the vehicle has turned over the last second with how odometry does. Gyro and wheels
-/// together are off by tenths of a degree in so short a time. A registration that is off by more follows something
+/// Compares how a scan says that the vehicle has turned over the last second with how odometry does. A gyro whose scale
+/// is right is off by tenths of a degree in so short a time. A registration that is off by more follows something
 /// large that drives along beside the vehicle: most of the scan's points stand still in base_link.
 ///
 /// Pure; one thread.

@@ -71,7 +71,9 @@ TEST(Mapper, MakesTheSameMapWithASecondThreadAsWithoutAndWheneverThereIsAPause) 
 class MapperInABendTest : public ::testing::Test {
  protected:
   /// `confirmed`: wheels and gyro agree.
-  void drive(bool confirmed) {
+  void drive(bool turn_by_odometry, bool confirmed = true) {
+    drive_.config.tracker.turn_by_odometry = turn_by_odometry;
+    drive_.mapper.emplace(drive_.config);
     for (double t = -0.05; t < 6; t += 0.01)
       drive_.odometry.add({utime(t), driving(0).inverse() * driving(t), true, false, confirmed});
     for (int i = 0; i < 100; ++i) {
@@ -96,7 +98,7 @@ class MapperInABendTest : public ::testing::Test {
   bool turns_otherwise_ = false;
 };
 
-TEST_F(MapperInABendTest, WheelsAndGyroAreBelievedRatherThanWhatComesAlong) {
+TEST_F(MapperInABendTest, WheelsAndGyroAreBelievedRatherThanWhatComesAlongIfTheVehiclesFileSaysSo) {
   drive(true);
   EXPECT_TRUE(turns_otherwise_);
   EXPECT_LT(error_, 0.05);
@@ -106,8 +108,15 @@ TEST_F(MapperInABendTest, WheelsAndGyroAreBelievedRatherThanWhatComesAlong) {
   EXPECT_LT(drive_.error(*update_), 0.05);
 }
 
-TEST_F(MapperInABendTest, WhereOnlyOneOfThemTellsTheScansAreBelieved) {
+TEST_F(MapperInABendTest, ElseTheScansAreBelievedForItMayBeTheGyroThatIsWrong) {
   drive(false);
+  EXPECT_FALSE(turns_otherwise_);
+  EXPECT_GT(error_, 0.2);
+  EXPECT_EQ(counter("refused.turn"), 0);
+}
+
+TEST_F(MapperInABendTest, WhereOnlyOneOfThemTellsTheScansAreBelieved) {
+  drive(true, false);
   EXPECT_FALSE(turns_otherwise_);
   EXPECT_GT(error_, 0.2);
   EXPECT_EQ(counter("refused.turn"), 0);

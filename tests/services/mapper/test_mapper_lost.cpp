@@ -201,9 +201,7 @@ TEST(MapperLost, WhereOdometryHasLedOnToNewGroundTheMapBeginsAnewThere) {
 
 TEST(MapperLost, WhatWasMappedWhereTheVehicleWasNotIsTakenBack) {
   LostDrive drive;
-  // By one sensor alone: two that agree are believed rather than scans, and there would be nothing to take back.
-  for (double t = -0.05; t < 20; t += 0.01)
-    drive.odometry.add({utime(t), test::driving(0).inverse() * test::driving(t), true, false, false});
+  drive.with_odometry(20);
   (void)drive.steps(40);
   // For 2 s the scans show a vehicle that stands, with a lorry beside it; odometry and truth drive on.
   test::SyntheticWorld frozen = street_with_a_kiosk();
