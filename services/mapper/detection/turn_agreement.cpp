@@ -14,15 +14,11 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 }  // namespace
 
 void TurnAgreement::add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base) {
-  if (!places_.empty() && (utime <= places_.back().utime || utime - places_.back().utime > kSpan)) interrupt();
+  if (!pairs_.empty() && utime - pairs_.newest() > scan::PosePairs::kSpan) interrupt();
   utime_ = utime;
-  places_.push_back({utime, T_map_base, T_odom_base});
-  while (utime - places_.front().utime > kSpan) places_.pop_front();
-  const Place& before = places_.front();
-  const Pose by_map = before.T_map_base.inverse() * T_map_base;
-  const Pose by_odometry = before.T_odom_base.inverse() * T_odom_base;
-  const Eigen::Vector3d apart = so3_log(Eigen::Quaterniond(by_odometry.linear().transpose() * by_map.linear()));
-  note(turn_, std::abs(apart.z()), kTurn, "faults.apart.turn");
+  pairs_.add(utime, T_map_base, T_odom_base);
+  const Eigen::Vector3d apart = pairs_.turned_apart(T_map_base, T_odom_base);
+  note(turn_, std::abs(apart.z()), scan::PosePairs::kMostTurn, "faults.apart.turn");
   note(tilt_, apart.head<2>().norm(), kTilt, "faults.apart.tilt");
 }
 

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/bus/counters.hpp"
 #include "common/geometry/geometry.hpp"
+#include "services/mapper/scan/pose_pairs.hpp"
 
 namespace curbstone::mapper::detection {
 
@@ -19,23 +19,17 @@ namespace curbstone::mapper::detection {
 /// Pure; one thread. Counters: faults.apart.turn, .tilt (times that it began).
 class TurnAgreement {
  public:
-  static constexpr std::int64_t kSpan = 1'000'000;      ///< us
   static constexpr std::int64_t kToldFor = 60'000'000;  ///< us after it was last so
-  static constexpr double kTurn = 0.0175;               ///< rad
   static constexpr double kTilt = 0.026;                ///< rad
 
   /// The next revolution, which fitted the map.
   void add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base);
   /// What comes now has nothing to do with what came before.
-  void interrupt() { places_.clear(); }
+  void interrupt() { pairs_.clear(); }
   void add_faults(std::vector<std::string>& faults) const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
-  struct Place {
-    std::int64_t utime;
-    Pose T_map_base, T_odom_base;
-  };
   struct Apart {
     double most = 0;         // rad, since it began
     std::int64_t since = 0;  // us, when it was so last; 0: never
@@ -43,7 +37,7 @@ class TurnAgreement {
   void note(Apart& apart, double by, double limit, const char* counter);
   [[nodiscard]] bool is_told(const Apart& apart) const { return apart.since != 0 && utime_ - apart.since < kToldFor; }
 
-  std::deque<Place> places_;
+  scan::PosePairs pairs_;
   std::int64_t utime_ = 0;
   Apart turn_, tilt_;
   Counters counters_;

@@ -4,15 +4,15 @@ namespace curbstone::mapper::scan {
 
 namespace {
 
-/// Wheels and gyro differ, or one of them is silent.
-constexpr std::int32_t kOneSensor = +odometry_t::SLIPPING | +odometry_t::NO_IMU | +odometry_t::NO_WHEELS;
+/// A wheel slips, or one of wheels and gyro is silent.
+constexpr std::int32_t kUnconfirmed = +odometry_t::SLIPPING | +odometry_t::NO_IMU | +odometry_t::NO_WHEELS;
 
 }  // namespace
 
 std::optional<OdometrySample> sample_of(const odometry_t& message) {
   const OdometrySample sample{message.utime, pose_from_arrays(message.position, message.orientation),
                               (message.flags & odometry_t::INITIALISED) != 0,
-                              (message.flags & odometry_t::STATIONARY) != 0, (message.flags & kOneSensor) == 0};
+                              (message.flags & odometry_t::STATIONARY) != 0, (message.flags & kUnconfirmed) == 0};
   return is_finite(sample.T_odom_base) && message.utime > 0 ? std::optional(sample) : std::nullopt;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 #include <utility>
 
 #include "services/mapper/tracking/acceptance.hpp"
@@ -15,8 +14,7 @@ constexpr std::int64_t kLongestSweep = 1'000'000;  // us
 constexpr std::int64_t kClockJump = 100'000;       // us backwards that is a new clock, not a late scan
 constexpr int kFirstInsertions = 10;               // scans that go into the map even when the vehicle stands
 constexpr double kLeap = 0.03;                     // rad from scan to scan that no vehicle's turning changes by
-constexpr std::string_view kTurn = "refused.turn";
-constexpr int kMostFromAfar = 3;  // refused in a row that are sought with other motions
+constexpr int kMostFromAfar = 3;                   // refused in a row that are sought with other motions
 
 scan::SharedPoints share(std::vector<scan::LidarPoint> points) {
   return std::make_shared<const std::vector<scan::LidarPoint>>(std::move(points));
@@ -45,9 +43,11 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   }
 
   Attempt found = attempt(scan, odometry);
+  const bool turns_otherwise = contradicts_odometry(found, scan, odometry);
+  if (turns_otherwise) found = by_odometry(scan, odometry);
+  turns_otherwise_ = turns_otherwise || (turns_otherwise_ && !found.believed && !turns_.gives_up(scan.end));
   if (!found.fit.expected.with_odometry) counters_.add("without_odometry");
   if (!found.refusal.empty()) counters_.add(found.refusal);
-  turns_otherwise_ = found.refusal == kTurn || (turns_otherwise_ && !found.believed && !turns_.gives_up(scan.end));
   if (first_ && !found.believed) {  // neither proves the other: the first is forgotten, the drive begins with this one
     forget_start();
     return start(scan, odometry);
@@ -99,9 +99,9 @@ Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHi
   if (trust_.groundless()) return {matcher_.expect(from, scan, std::move(expected)), {}, false};
   const bool guided = expected.with_odometry;
   if (first_ && !guided) return judged(matcher_.fit_second(from, *first_, scan));
-  Attempt first = checked(judged(matcher_.fit(from, scan, std::move(expected), motion_)), scan, odometry);
-  if (first.believed || first.refusal == kTurn) return first;
-  Attempt second = guided ? attempt_without_odometry(from, scan, odometry) : attempt_from_afar(from, scan);
+  Attempt first = judged(matcher_.fit(from, scan, std::move(expected), motion_));
+  if (first.believed) return first;
+  Attempt second = guided ? attempt_without_odometry(from, scan) : attempt_from_afar(from, scan);
   return second.believed ? second : first;
 }
 
@@ -119,28 +119,30 @@ std::optional<Tracker::Attempt> Tracker::attempt_across(const Departure& from, c
 }
 
 /// Perhaps it is odometry that jumped.
-Tracker::Attempt Tracker::attempt_without_odometry(const Departure& from, const scan::Scan& scan,
-                                                   const scan::OdometryHistory& odometry) {
-  Attempt attempt = checked(judged(matcher_.fit(from, scan, expect_steady(recent(), scan), motion_)), scan, odometry);
+Tracker::Attempt Tracker::attempt_without_odometry(const Departure& from, const scan::Scan& scan) {
+  Attempt attempt = judged(matcher_.fit(from, scan, expect_steady(recent(), scan), motion_));
   if (attempt.believed) counters_.add("odometry.not_believed");
   return attempt;
 }
 
-/// Where the gyro is known to be right, it and the wheels outvote a registration: the vehicle is where they have led
-/// from before it began to slide. Odometry that leaps is no witness.
-Tracker::Attempt Tracker::checked(Attempt found, const scan::Scan& scan, const scan::OdometryHistory& odometry) const {
+/// Where the gyro is known to be right, it and the wheels outvote a registration. Odometry that leaps is no witness.
+bool Tracker::contradicts_odometry(const Attempt& found, const scan::Scan& scan,
+                                   const scan::OdometryHistory& odometry) const {
   if (!config_.turn_by_odometry || !found.believed || !last_->T_odom_base || !odometry.covers(last_->end, scan.end) ||
       !odometry.confirmed(last_->end, scan.end)) {
-    return found;
+    return false;
   }
   const Pose T_odom_base = odometry.at(scan.end);
-  const scan::Twist turning = scan::twist_of(last_->T_odom_base->inverse() * T_odom_base, stride_);
-  if ((turning.angular - twist_.angular).norm() * stride_ > kLeap) return found;
-  if (!turns_.contradicts(scan.end, found.fit.result.T_map_base, T_odom_base)) return found;
-  found.believed = false;
-  found.refusal = kTurn;
-  found.fit.prior.T_map_base = normalised(turns_.by_odometry(T_odom_base));
-  return found;
+  const scan::Twist by_odometry = scan::twist_of(last_->T_odom_base->inverse() * T_odom_base, stride_);
+  const double leap = (by_odometry.angular - twist_.angular).norm() * stride_;
+  return leap < kLeap && turns_.contradicts(scan.end, found.fit.result.T_map_base, T_odom_base);
+}
+
+/// The vehicle is where odometry has led to from before the registration began to slide.
+Tracker::Attempt Tracker::by_odometry(const scan::Scan& scan, const scan::OdometryHistory& odometry) const {
+  Attempt refused{matcher_.expect(departure(), scan, expect_motion(config_, recent(), scan, odometry)), "refused.turn"};
+  refused.fit.prior.T_map_base = normalised(turns_.by_odometry(odometry.at(scan.end)));
+  return refused;
 }
 
 /// Perhaps the motion has changed. Costly, so not for long.

@@ -108,7 +108,7 @@ class Tracker {
   /// A scan in the map, and whether that is so.
   struct Attempt {
     Fit fit;
-    std::string refusal;  // the counter of why it is not believed; empty if it is
+    std::string refusal{};  // the counter of why it is not believed; empty if it is
     bool believed = false;
   };
 
@@ -118,10 +118,11 @@ class Tracker {
   [[nodiscard]] Attempt attempt(const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] std::optional<Attempt> attempt_across(const Departure& from, const scan::Scan& scan,
                                                       const scan::OdometryHistory& odometry);
-  [[nodiscard]] Attempt attempt_without_odometry(const Departure& from, const scan::Scan& scan,
-                                                 const scan::OdometryHistory& odometry);
-  [[nodiscard]] Attempt checked(Attempt found, const scan::Scan& scan, const scan::OdometryHistory& odometry) const;
+  [[nodiscard]] Attempt attempt_without_odometry(const Departure& from, const scan::Scan& scan);
   [[nodiscard]] Attempt attempt_from_afar(const Departure& from, const scan::Scan& scan);
+  [[nodiscard]] bool contradicts_odometry(const Attempt& found, const scan::Scan& scan,
+                                          const scan::OdometryHistory& odometry) const;
+  [[nodiscard]] Attempt by_odometry(const scan::Scan& scan, const scan::OdometryHistory& odometry) const;
   /// `firmly`: more must fit, where the guess is not sure to be near.
   [[nodiscard]] Attempt judged(Fit fit, bool firmly = false) const;
   [[nodiscard]] Tracked start(const scan::Scan& scan, const scan::OdometryHistory& odometry);

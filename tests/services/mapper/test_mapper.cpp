@@ -67,24 +67,30 @@ TEST(Mapper, MakesTheSameMapWithASecondThreadAsWithoutAndWheneverThereIsAPause) 
   }
 }
 
-/// From 2 s to 3.5 s the street comes along through the bend: as between two lorries.
+/// From 2 s on the street comes along through the bend, for a while: as between two lorries.
 class MapperInABendTest : public ::testing::Test {
  protected:
-  /// `confirmed`: wheels and gyro agree.
-  void drive(bool turn_by_odometry, bool confirmed = true) {
+  struct Drives {
+    bool turn_by_odometry = true;
+    bool confirmed = true;  // wheels and gyro are both in odometry
+    int along = 30;         // scans
+  };
+  void drive(const Drives& how) {
+    const auto& [turn_by_odometry, confirmed, num_along] = how;
     drive_.config.tracker.turn_by_odometry = turn_by_odometry;
     drive_.mapper.emplace(drive_.config);
-    for (double t = -0.05; t < 6; t += 0.01)
+    const int end = 40 + num_along + 30;
+    for (double t = -0.05; t < end * kPeriod + 1; t += 0.01)
       drive_.odometry.add({utime(t), driving(0).inverse() * driving(t), true, false, confirmed});
-    for (int i = 0; i < 100; ++i) {
-      const bool along = i >= 40 && i < 70;
+    for (int i = 0; i < end; ++i) {
+      const bool along = i >= 40 && i < 40 + num_along;
       drive_.trajectory = along ? [](double t) { return driving(2) * scan::move({{3, 0, 0}, {0, 0, -0.1}}, t - 2); }
                                 : test::SyntheticWorld::Trajectory(driving);
       const scan::Scan scan = drive_.next();
       drive_.trajectory = driving;
       update_ = drive_.step(scan);
       ASSERT_TRUE(update_) << i;
-      if (i == 69) {
+      if (i == 40 + num_along - 1) {
         error_ = drive_.error(*update_);
         turns_otherwise_ = drive_.mapper->turns_otherwise();
       }
@@ -99,7 +105,7 @@ class MapperInABendTest : public ::testing::Test {
 };
 
 TEST_F(MapperInABendTest, WheelsAndGyroAreBelievedRatherThanWhatComesAlongIfTheVehiclesFileSaysSo) {
-  drive(true);
+  drive({});
   EXPECT_TRUE(turns_otherwise_);
   EXPECT_LT(error_, 0.05);
   EXPECT_GE(counter("refused.turn"), 10);
@@ -108,15 +114,21 @@ TEST_F(MapperInABendTest, WheelsAndGyroAreBelievedRatherThanWhatComesAlongIfTheV
   EXPECT_LT(drive_.error(*update_), 0.05);
 }
 
+TEST_F(MapperInABendTest, AfterSixSecondsTheMapBeginsAnewWhereOdometryHasLed) {
+  drive({.along = 160});  // 8 s, 24 m
+  EXPECT_EQ(counter("began_anew"), 1);
+  EXPECT_LT(error_, 0.3) << "while the street came along for 24 m";
+}
+
 TEST_F(MapperInABendTest, ElseTheScansAreBelievedForItMayBeTheGyroThatIsWrong) {
-  drive(false);
+  drive({.turn_by_odometry = false});
   EXPECT_FALSE(turns_otherwise_);
   EXPECT_GT(error_, 0.2);
   EXPECT_EQ(counter("refused.turn"), 0);
 }
 
 TEST_F(MapperInABendTest, WhereOnlyOneOfThemTellsTheScansAreBelieved) {
-  drive(true, false);
+  drive({.confirmed = false});
   EXPECT_FALSE(turns_otherwise_);
   EXPECT_GT(error_, 0.2);
   EXPECT_EQ(counter("refused.turn"), 0);
