@@ -75,6 +75,7 @@ odometry_t odometry_message(const model::Estimate& estimate) {
   if (estimate.slipping) out.flags |= odometry_t::SLIPPING;
   if (estimate.no_imu) out.flags |= odometry_t::NO_IMU;
   if (estimate.no_wheels) out.flags |= odometry_t::NO_WHEELS;
+  if (estimate.turn_confirmed) out.flags |= odometry_t::TURN_CONFIRMED;
   return out;
 }
 

@@ -48,7 +48,7 @@ std::string axis_along(const Eigen::Vector3d& direction) {
   return fmt::format("{}{}", direction[axis] < 0 ? '-' : '+', "xyz"[axis]);
 }
 
-void describe_mounting(const detection::MountingWatch& mounting, const VehicleConfig& vehicle,
+void describe_mounting(const mounting::MountingWatch& mounting, const VehicleConfig& vehicle,
                        std::vector<std::string>& faults) {
   if (const auto up = mounting.wrong_up()) {
     faults.push_back(
@@ -63,6 +63,11 @@ void describe_mounting(const detection::MountingWatch& mounting, const VehicleCo
   }
   if (mounting.turns_opposite())
     faults.emplace_back("WHEELS and gyro turn opposite ways: left and right swapped? Else the gyro's sign is wrong");
+  if (const auto scale = mounting.wrong_turn_scale()) {
+    faults.push_back(fmt::format(
+        "WHEELS turn {:.2f} times as far as the gyro: is vehicle.track_width {:.2f} m, or the gyro's scale wrong?",
+        *scale, *scale * vehicle.track_width));
+  }
   if (yaw) {
     faults.push_back(fmt::format("IMU: its forward is not the wheels': add about {:.0f} deg to the yaw of vehicle.imu",
                                  backwards ? 180.0 : *yaw * 180 / std::numbers::pi));
@@ -159,15 +164,16 @@ void EkfNode::run(bool drain) {
 
 void EkfNode::watch_mounting(const inputs::Sequencer::Sample& sample) {
   const auto wrong = [this] {
-    return std::array{mounting_.wrong_up().has_value(), mounting_.turns_opposite(),
-                      mounting_.missing_yaw().has_value()};
+    return std::array{mounting_.wrong_up().has_value(), mounting_.turns_opposite(), mounting_.missing_yaw().has_value(),
+                      mounting_.wrong_turn_scale().has_value()};
   };
   const auto before = wrong();
   if (const auto* wheels = std::get_if<base::WheelSample>(&sample)) mounting_.add(*wheels);
   const auto* imu = std::get_if<base::ImuSample>(&sample);
   if (imu != nullptr && !filter_.filter().axes().any()) mounting_.add(*imu);
   const auto now = wrong();
-  constexpr std::array kNames = {"faults.mounting.up", "faults.mounting.turn", "faults.mounting.forward"};
+  constexpr std::array kNames = {"faults.mounting.up", "faults.mounting.turn", "faults.mounting.forward",
+                                 "faults.mounting.turn_scale"};
   for (std::size_t i = 0; i < now.size(); ++i) {
     if (now[i] && !before[i]) counters_.add(kNames[i]);
   }

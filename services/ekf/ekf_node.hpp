@@ -9,13 +9,13 @@
 #include "common/bus/node.hpp"
 #include "common/resend/message_keeper.hpp"
 #include "common/shell/latency.hpp"
-#include "services/ekf/detection/mounting_watch.hpp"
 #include "services/ekf/filter/rewinding_filter.hpp"
 #include "services/ekf/filter/state_keeper.hpp"
 #include "services/ekf/inputs/map_increment.hpp"
 #include "services/ekf/inputs/running_clock.hpp"
 #include "services/ekf/inputs/sequencer.hpp"
 #include "services/ekf/inputs/stamp_straightener.hpp"
+#include "services/ekf/mounting/mounting_watch.hpp"
 
 namespace curbstone::ekf {
 
@@ -63,7 +63,7 @@ class EkfNode final : public Node {
   inputs::Sequencer sequencer_;
   inputs::MapIncrements increments_;
   filter::RewindingFilter filter_;
-  detection::MountingWatch mounting_;
+  mounting::MountingWatch mounting_;
   Counters counters_;
   LatencyWindow latency_;
   Input imu_{"IMU", 0, {}, 0};

@@ -59,6 +59,7 @@ void Filter::add(const base::ImuSample& measured, std::vector<model::Estimate>& 
   if (dt > config_->timing.max_imu_gap) {
     counters_.add("gaps.imu");
     watch_.interrupt();
+    turn_.interrupt();
     leave_standing();
     still_.reset();
   }
@@ -159,6 +160,7 @@ void Filter::follow_axes() {
   slip_.turn_is_lost(axes_.turn_is_lost());
   slip_.acquit();
   watch_.interrupt();
+  turn_.interrupt();
   forget_launch();
 }
 
@@ -176,6 +178,7 @@ void Filter::restart_clock(std::int64_t utime) {
   slip_.reset_detector();
   slip_.acquit();
   watch_.interrupt();
+  turn_.interrupt();
   wheels_refused_.reset();
   constraint_refused_.reset();
   forget_launch();
@@ -262,6 +265,11 @@ bool Filter::wheels_missing(std::int64_t utime) const {
   return !last_wheels_ || base::seconds_between(*last_wheels_, utime) > config_->timing.max_wheel_gap;
 }
 
+bool Filter::turn_confirmed(const model::Estimate& estimate) const {
+  const bool both = !estimate.no_imu && !estimate.no_wheels && !watch_.faulty(0) && !watch_.faulty(1) && !axes_.any();
+  return both && !estimate.slipping && turn_.confirmed();
+}
+
 void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vector<model::Estimate>& out) {
   const double rate_sigma = no_imu ? config_->noise.coasting_rate : config_->noise.gyro / std::sqrt(std::max(dt, 1e-3));
   model::Estimate estimate = model::estimate_base(belief_, imu, rate_sigma, geometry_);
@@ -271,6 +279,7 @@ void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vecto
   estimate.slipping = slip_.slipping(0, belief_.utime) || slip_.slipping(1, belief_.utime);
   estimate.no_imu = no_imu;
   estimate.no_wheels = wheels_missing(belief_.utime) || watch_.all_faulty();
+  estimate.turn_confirmed = turn_confirmed(estimate);
   recent_.add(estimate.utime, smoother_.uncorrected(estimate.T_odom_base));
   const double since = std::clamp(base::seconds_between(emitted_, estimate.utime), 0.0, config_->timing.max_imu_gap);
   emitted_ = estimate.utime;

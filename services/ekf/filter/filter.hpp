@@ -12,6 +12,7 @@
 #include "services/ekf/detection/standing_motion.hpp"
 #include "services/ekf/detection/start_up.hpp"
 #include "services/ekf/detection/still_detector.hpp"
+#include "services/ekf/detection/turn_confirmation.hpp"
 #include "services/ekf/detection/wheel_watch.hpp"
 #include "services/ekf/filter/launch.hpp"
 #include "services/ekf/filter/lost_axes.hpp"
@@ -89,6 +90,7 @@ class Filter {
 
   void correct_with_wheels(WheelStep step, bool coasting);
   void correct_driving(const inputs::WheelInterval& interval);
+  void compare_turns(const inputs::WheelInterval& interval);
   void judge_launch(const inputs::WheelInterval& interval);
   void judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows);
   void count_verdicts(const std::array<bool, 2>& before);
@@ -104,6 +106,7 @@ class Filter {
 
   void emit(const model::Inertial& imu, double dt, bool no_imu, std::vector<model::Estimate>& out);
   [[nodiscard]] bool wheels_missing(std::int64_t utime) const;
+  [[nodiscard]] bool turn_confirmed(const model::Estimate& estimate) const;
 
   std::shared_ptr<const base::EkfConfig> config_;  // never changes: check points share it
   model::Geometry geometry_;
@@ -113,6 +116,7 @@ class Filter {
   model::Mechanisation mechanisation_;
   detection::SlipJudge slip_;
   detection::WheelWatch watch_;
+  detection::TurnConfirmation turn_;
   detection::RefusalTimer wheels_refused_;
   detection::RefusalTimer constraint_refused_;
   OdomSmoother smoother_;

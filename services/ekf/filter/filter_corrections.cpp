@@ -37,6 +37,10 @@ void Filter::correct_with_wheels(WheelStep step, bool coasting) {
     case WheelStep::kInterval: {
       const inputs::WheelInterval& interval = odometer_.interval();
       const bool covered = mechanisation_.window().duration() > 0.5 * interval.duration();
+      if (covered && !coasting)
+        compare_turns(interval);
+      else
+        turn_.interrupt();
       if (covered && standing_)
         correct_standing();
       else if (covered && coasting)
@@ -50,8 +54,14 @@ void Filter::correct_with_wheels(WheelStep step, bool coasting) {
   }
   slip_.reset_detector();
   watch_.interrupt();
+  turn_.interrupt();
   mechanisation_.window().reset();
   if (launch_) launch_->begin_interval();
+}
+
+void Filter::compare_turns(const inputs::WheelInterval& interval) {
+  turn_.add(interval.duration(), model::wheel_yaw_rate(belief_.mean, interval.speed, geometry_),
+            mechanisation_.window().motion().angular_rate.z());
 }
 
 /// Wheels that a launch disowns are refused, until they agree or are found faulty.

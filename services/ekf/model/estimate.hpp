@@ -18,8 +18,9 @@ struct Estimate {
   bool level = true;  ///< roll and pitch are known well enough: they will not swing by degrees in the next moment
   bool stationary = false;
   bool slipping = false;
-  bool no_imu = false;     ///< coasting on wheels alone
-  bool no_wheels = false;  ///< coasting on the IMU alone
+  bool no_imu = false;          ///< coasting on wheels alone
+  bool no_wheels = false;       ///< coasting on the IMU alone
+  bool turn_confirmed = false;  ///< wheels and gyro have shown the same turn over the last second
 };
 
 /// T_odom_base of a state.

@@ -18,7 +18,7 @@ struct TrackerConfig {
   double max_jump_rad = 0.15;
   double max_speed = 40.0;
   double max_turn = 6.0;
-  bool turn_by_odometry = false;
+  bool turn_by_odometry = true;
   double keyframe_m = 0.05;
   double keyframe_rad = 0.01;
 
@@ -36,8 +36,8 @@ struct TrackerConfig {
     v.field("max_speed", max_speed, {1.0, 1000.0}, "m/s, odometry that claims more is not believed");
     v.field("max_turn", max_turn, {0.1, 100.0}, "rad/s, odometry that claims more is not believed");
     v.field("turn_by_odometry", turn_by_odometry,
-            "a revolution that turns by 1 deg within a second otherwise than odometry is refused: for traffic between "
-            "lorries, with a gyro whose scale is right");
+            "a revolution that turns by 1 deg within a second otherwise than wheels and gyro, which agree, is refused: "
+            "it follows what drives along, as lorries on both sides");
     v.field("keyframe_m", keyframe_m, {0.0, 10.0}, "m moved until the registration map takes a revolution");
     v.field("keyframe_rad", keyframe_rad, {0.0, 3.0}, "rad turned until it does");
   }

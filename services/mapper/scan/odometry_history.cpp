@@ -107,10 +107,10 @@ bool OdometryHistory::stationary(std::int64_t from, std::int64_t to) const {
   return true;
 }
 
-bool OdometryHistory::confirmed(std::int64_t from, std::int64_t to) const {
+bool OdometryHistory::turn_confirmed(std::int64_t from, std::int64_t to) const {
   const std::size_t known = num_known();
   for (std::size_t i = lower_bound(from); i < known && samples_[i].utime <= to; ++i) {
-    if (!samples_[i].confirmed) return false;
+    if (!samples_[i].turn_confirmed) return false;
   }
   return true;
 }

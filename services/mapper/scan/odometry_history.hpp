@@ -17,7 +17,7 @@ struct OdometrySample {
   Pose T_odom_base = Pose::Identity();
   bool usable = true;  ///< the filter says that it is initialised
   bool stationary = false;
-  bool confirmed = true;  ///< wheels and gyro are both in it, and no wheel slips
+  bool turn_confirmed = true;  ///< wheels and gyro have shown the same turn over the last second
 };
 
 /// A bounded stretch of odometry in order of time, for poses at any time in between, and kLead beyond: in so short a
@@ -58,8 +58,8 @@ class OdometryHistory {
   [[nodiscard]] Pose at(std::int64_t utime) const;
   /// Whether the filter says, all through a covered stretch, that the vehicle stands.
   [[nodiscard]] bool stationary(std::int64_t from, std::int64_t to) const;
-  /// Whether wheels and gyro are both in it and no wheel slips, all through a covered stretch.
-  [[nodiscard]] bool confirmed(std::int64_t from, std::int64_t to) const;
+  /// Whether wheels and gyro showed the same turn, all through a covered stretch.
+  [[nodiscard]] bool turn_confirmed(std::int64_t from, std::int64_t to) const;
   /// Forgets what is not needed for times from `utime` on.
   void forget_before(std::int64_t utime);
 

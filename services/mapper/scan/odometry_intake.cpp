@@ -2,17 +2,11 @@
 
 namespace curbstone::mapper::scan {
 
-namespace {
-
-/// A wheel slips, or one of wheels and gyro is silent.
-constexpr std::int32_t kUnconfirmed = +odometry_t::SLIPPING | +odometry_t::NO_IMU | +odometry_t::NO_WHEELS;
-
-}  // namespace
-
 std::optional<OdometrySample> sample_of(const odometry_t& message) {
+  const auto says = [&](std::int32_t flag) { return (message.flags & flag) != 0; };
   const OdometrySample sample{message.utime, pose_from_arrays(message.position, message.orientation),
-                              (message.flags & odometry_t::INITIALISED) != 0,
-                              (message.flags & odometry_t::STATIONARY) != 0, (message.flags & kUnconfirmed) == 0};
+                              says(odometry_t::INITIALISED), says(odometry_t::STATIONARY),
+                              says(odometry_t::TURN_CONFIRMED)};
   return is_finite(sample.T_odom_base) && message.utime > 0 ? std::optional(sample) : std::nullopt;
 }
 

@@ -76,8 +76,7 @@ void Tracker::note_odometry(const Last& before, const scan::OdometryHistory& odo
 
 void Tracker::note_turn(const Tracked& tracked, const scan::OdometryHistory& odometry) {
   if (turns_otherwise_) return;
-  if (!tracked.with_odometry || !odometry.covers(tracked.utime, tracked.utime) ||
-      !odometry.confirmed(tracked.utime, tracked.utime)) {
+  if (!tracked.with_odometry || !odometry.covers(tracked.utime, tracked.utime)) {
     turns_.clear();
   } else if (tracked.registered) {
     turns_.add(tracked.utime, tracked.T_map_base, odometry.at(tracked.utime));
@@ -125,11 +124,11 @@ Tracker::Attempt Tracker::attempt_without_odometry(const Departure& from, const 
   return attempt;
 }
 
-/// Where the gyro is known to be right, it and the wheels outvote a registration. Odometry that leaps is no witness.
+/// Wheels and gyro, if they agree, outvote a registration. Odometry that leaps is no witness.
 bool Tracker::contradicts_odometry(const Attempt& found, const scan::Scan& scan,
                                    const scan::OdometryHistory& odometry) const {
   if (!config_.turn_by_odometry || !found.believed || !last_->T_odom_base || !odometry.covers(last_->end, scan.end) ||
-      !odometry.confirmed(last_->end, scan.end)) {
+      !odometry.turn_confirmed(last_->end, scan.end)) {
     return false;
   }
   const Pose T_odom_base = odometry.at(scan.end);

@@ -67,30 +67,31 @@ TEST(Mapper, MakesTheSameMapWithASecondThreadAsWithoutAndWheneverThereIsAPause) 
   }
 }
 
-/// From 2 s on the street comes along through the bend, for a while: as between two lorries.
+/// After 12 s the street comes along through the bend, for a while: as between two lorries.
 class MapperInABendTest : public ::testing::Test {
  protected:
   struct Drives {
     bool turn_by_odometry = true;
-    bool confirmed = true;  // wheels and gyro are both in odometry
+    bool confirmed = true;  // wheels and gyro turn alike
     int along = 30;         // scans
   };
   void drive(const Drives& how) {
     const auto& [turn_by_odometry, confirmed, num_along] = how;
     drive_.config.tracker.turn_by_odometry = turn_by_odometry;
     drive_.mapper.emplace(drive_.config);
-    const int end = 40 + num_along + 30;
+    constexpr int kBegin = 240;
+    const int end = kBegin + num_along + 30;
     for (double t = -0.05; t < end * kPeriod + 1; t += 0.01)
       drive_.odometry.add({utime(t), driving(0).inverse() * driving(t), true, false, confirmed});
     for (int i = 0; i < end; ++i) {
-      const bool along = i >= 40 && i < 40 + num_along;
-      drive_.trajectory = along ? [](double t) { return driving(2) * scan::move({{3, 0, 0}, {0, 0, -0.1}}, t - 2); }
+      const bool along = i >= kBegin && i < kBegin + num_along;
+      drive_.trajectory = along ? [](double t) { return driving(12) * scan::move({{3, 0, 0}, {0, 0, -0.1}}, t - 12); }
                                 : test::SyntheticWorld::Trajectory(driving);
       const scan::Scan scan = drive_.next();
       drive_.trajectory = driving;
       update_ = drive_.step(scan);
       ASSERT_TRUE(update_) << i;
-      if (i == 40 + num_along - 1) {
+      if (i == kBegin + num_along - 1) {
         error_ = drive_.error(*update_);
         turns_otherwise_ = drive_.mapper->turns_otherwise();
       }
@@ -104,7 +105,7 @@ class MapperInABendTest : public ::testing::Test {
   bool turns_otherwise_ = false;
 };
 
-TEST_F(MapperInABendTest, WheelsAndGyroAreBelievedRatherThanWhatComesAlongIfTheVehiclesFileSaysSo) {
+TEST_F(MapperInABendTest, WheelsAndGyroAreBelievedRatherThanWhatComesAlong) {
   drive({});
   EXPECT_TRUE(turns_otherwise_);
   EXPECT_LT(error_, 0.05);
@@ -120,14 +121,14 @@ TEST_F(MapperInABendTest, AfterSixSecondsTheMapBeginsAnewWhereOdometryHasLed) {
   EXPECT_LT(error_, 0.3) << "while the street came along for 24 m";
 }
 
-TEST_F(MapperInABendTest, ElseTheScansAreBelievedForItMayBeTheGyroThatIsWrong) {
+TEST_F(MapperInABendTest, WithoutTheKeyTheScansAreBelieved) {
   drive({.turn_by_odometry = false});
   EXPECT_FALSE(turns_otherwise_);
   EXPECT_GT(error_, 0.2);
   EXPECT_EQ(counter("refused.turn"), 0);
 }
 
-TEST_F(MapperInABendTest, WhereOnlyOneOfThemTellsTheScansAreBelieved) {
+TEST_F(MapperInABendTest, WhereTheyDoNotAgreeTheScansAreBelieved) {
   drive({.confirmed = false});
   EXPECT_FALSE(turns_otherwise_);
   EXPECT_GT(error_, 0.2);

@@ -14,7 +14,7 @@ using Step = WheelOdometer::Step;
 constexpr double kWheelRadius = 0.1;  // m
 constexpr double kMaxGap = 0.2;       // s
 constexpr std::int64_t kFirst = 1'000'000;
-constexpr std::int64_t kPeriod = 12'000;  // us between samples
+constexpr std::int64_t kSamplePeriod = 12'000;  // us between samples
 
 class WheelOdometerTest : public ::testing::Test {
  protected:
@@ -29,7 +29,7 @@ class WheelOdometerTest : public ::testing::Test {
 
 TEST_F(WheelOdometerTest, AnIntervalIsCompleteOnceItIsAsLongAsConfigured) {
   std::vector<Step> steps;
-  for (int i = 0; i <= 10; ++i) steps.push_back(odometer_.add(rolling(i * kPeriod, 1, 1)));
+  for (int i = 0; i <= 10; ++i) steps.push_back(odometer_.add(rolling(i * kSamplePeriod, 1, 1)));
   const std::vector<Step> expected = {Step::kFirst, Step::kOpen,     Step::kOpen,    Step::kOpen,
                                       Step::kOpen,  Step::kInterval, Step::kOpen,    Step::kOpen,
                                       Step::kOpen,  Step::kOpen,     Step::kInterval};
@@ -37,15 +37,15 @@ TEST_F(WheelOdometerTest, AnIntervalIsCompleteOnceItIsAsLongAsConfigured) {
 }
 
 TEST_F(WheelOdometerTest, AnEvenDriveHasTheSpeedOfItsRims) {
-  for (int i = 0; i <= 5; ++i) (void)odometer_.add(rolling(i * kPeriod, 1.5, -0.5));
+  for (int i = 0; i <= 5; ++i) (void)odometer_.add(rolling(i * kSamplePeriod, 1.5, -0.5));
   const WheelInterval& interval = odometer_.interval();
   EXPECT_EQ(interval.begin, kFirst);
-  EXPECT_EQ(interval.end, kFirst + 5 * kPeriod);
+  EXPECT_EQ(interval.end, kFirst + 5 * kSamplePeriod);
   EXPECT_NEAR(interval.speed[0], 1.5, 1e-9);
   EXPECT_NEAR(interval.speed[1], -0.5, 1e-9);
   EXPECT_NEAR(interval.mean_speed(), 0.5, 1e-9);
   ASSERT_TRUE(odometer_.newest());
-  EXPECT_EQ(odometer_.newest()->begin, kFirst + 4 * kPeriod);
+  EXPECT_EQ(odometer_.newest()->begin, kFirst + 4 * kSamplePeriod);
   EXPECT_NEAR(odometer_.newest()->speed[0], 1.5, 1e-9);
 }
 
@@ -70,31 +70,31 @@ TEST_F(WheelOdometerTest, IntervalsTouchSoThatTheirSumIsTheTravelHoweverUnevenly
 }
 
 TEST_F(WheelOdometerTest, AfterAGapAnIntervalBeginsAnew) {
-  for (int i = 0; i < 3; ++i) (void)odometer_.add(rolling(i * kPeriod, 1, 1));
-  const std::int64_t after = 2 * kPeriod + 200'001;
+  for (int i = 0; i < 3; ++i) (void)odometer_.add(rolling(i * kSamplePeriod, 1, 1));
+  const std::int64_t after = 2 * kSamplePeriod + 200'001;
   EXPECT_EQ(odometer_.add(rolling(after, 1, 1)), Step::kGap);
   EXPECT_FALSE(odometer_.newest());
-  for (int i = 1; i < 5; ++i) EXPECT_EQ(odometer_.add(rolling(after + i * kPeriod, 1, 1)), Step::kOpen);
-  EXPECT_EQ(odometer_.add(rolling(after + 5 * kPeriod, 1, 1)), Step::kInterval);
+  for (int i = 1; i < 5; ++i) EXPECT_EQ(odometer_.add(rolling(after + i * kSamplePeriod, 1, 1)), Step::kOpen);
+  EXPECT_EQ(odometer_.add(rolling(after + 5 * kSamplePeriod, 1, 1)), Step::kInterval);
   EXPECT_EQ(odometer_.interval().begin, kFirst + after);
 }
 
 TEST_F(WheelOdometerTest, AStampThatDoesNotGrowIsAGapToo) {
-  (void)odometer_.add(rolling(kPeriod, 1, 1));
-  EXPECT_EQ(odometer_.add(rolling(kPeriod, 1, 1)), Step::kGap);
+  (void)odometer_.add(rolling(kSamplePeriod, 1, 1));
+  EXPECT_EQ(odometer_.add(rolling(kSamplePeriod, 1, 1)), Step::kGap);
   EXPECT_EQ(odometer_.add(rolling(0, 1, 1)), Step::kGap);
-  EXPECT_EQ(odometer_.add(rolling(kPeriod, 1, 1)), Step::kOpen);
+  EXPECT_EQ(odometer_.add(rolling(kSamplePeriod, 1, 1)), Step::kOpen);
 }
 
 TEST_F(WheelOdometerTest, ACounterThatRestartsIsNonsenseOnceAndIsFollowedFromThere) {
   for (const std::size_t wheel : {0U, 1U}) {
     odometer_.reset();
-    for (int i = 0; i < 3; ++i) (void)odometer_.add(rolling(i * kPeriod, 1, 1));
-    base::WheelSample sample = rolling(3 * kPeriod, 1, 1);
+    for (int i = 0; i < 3; ++i) (void)odometer_.add(rolling(i * kSamplePeriod, 1, 1));
+    base::WheelSample sample = rolling(3 * kSamplePeriod, 1, 1);
     sample.angle[wheel] = 1000;
     EXPECT_EQ(odometer_.add(sample), Step::kNonsense);
     EXPECT_FALSE(odometer_.newest());
-    sample.utime += kPeriod;
+    sample.utime += kSamplePeriod;
     sample.angle[wheel] += 1;
     EXPECT_EQ(odometer_.add(sample), Step::kOpen);
     EXPECT_NEAR(odometer_.newest()->speed[wheel], kWheelRadius * 1 / 0.012, 1e-9);
@@ -103,7 +103,7 @@ TEST_F(WheelOdometerTest, ACounterThatRestartsIsNonsenseOnceAndIsFollowedFromThe
 
 TEST_F(WheelOdometerTest, AnAngleThatIsNoNumberIsNonsense) {
   (void)odometer_.add(rolling(0, 1, 1));
-  EXPECT_EQ(odometer_.add({kFirst + kPeriod, {std::nan(""), 0}}), Step::kNonsense);
+  EXPECT_EQ(odometer_.add({kFirst + kSamplePeriod, {std::nan(""), 0}}), Step::kNonsense);
 }
 
 TEST_F(WheelOdometerTest, ALateStampBeforeItDoesNotMakeAFastWheelNonsense) {
@@ -111,7 +111,7 @@ TEST_F(WheelOdometerTest, ALateStampBeforeItDoesNotMakeAFastWheelNonsense) {
   base::WheelSample late = rolling(0, 35, 35);
   late.utime += 9'000;
   (void)odometer_.add(late);
-  EXPECT_EQ(odometer_.add(rolling(kPeriod, 35, 35)), Step::kOpen);
+  EXPECT_EQ(odometer_.add(rolling(kSamplePeriod, 35, 35)), Step::kOpen);
 }
 
 /// The standard deviation of the speed that an odometer measures of an even drive, from what disturbs it.

@@ -114,25 +114,23 @@ TEST(OdometryHistory, ForgetsWhatIsNotNeeded) {
   EXPECT_TRUE(history.covers(kStart + 505'000, kStart + 600'000));
 }
 
-TEST(OdometryHistory, IsConfirmedWhileWheelsAndGyroBothTellTheSame) {
+TEST(OdometryHistory, TurnIsConfirmedWhereTheFilterSaysSoAllThrough) {
   OdometryHistory history;
   for (int i = 0; i < 30; ++i) {
     odometry_t message{};
     message.utime = 1'700'000'000'000'000 + 10'000 * i;
     message.orientation[0] = 1;
     message.flags = odometry_t::INITIALISED;
-    if (i == 10) message.flags |= +odometry_t::SLIPPING;
-    if (i == 15) message.flags |= +odometry_t::NO_IMU;
-    if (i == 20) message.flags |= +odometry_t::NO_WHEELS;
+    if (i != 10 && i != 20) message.flags |= +odometry_t::TURN_CONFIRMED;
     const auto sample = sample_of(message);
     ASSERT_TRUE(sample);
     (void)history.add(*sample);
   }
   const auto confirmed = [&](int from, int to) {
-    return history.confirmed(1'700'000'000'000'000 + 10'000 * from, 1'700'000'000'000'000 + 10'000 * to);
+    return history.turn_confirmed(1'700'000'000'000'000 + 10'000 * from, 1'700'000'000'000'000 + 10'000 * to);
   };
   EXPECT_TRUE(confirmed(0, 9));
-  for (const int i : {10, 15, 20}) EXPECT_FALSE(confirmed(i - 2, i + 2)) << i;
+  for (const int i : {10, 20}) EXPECT_FALSE(confirmed(i - 2, i + 2)) << i;
   EXPECT_TRUE(confirmed(21, 29));
 }
 

@@ -44,7 +44,7 @@ TEST_F(TurnCheckTest, DriftIsNoContradiction) {
 }
 
 TEST_F(TurnCheckTest, AScanThatStaysBehindInTheBendIsOne) {
-  drive(5);
+  drive(12);
   drive(0.05, -0.15);
   drive(0.05, -0.15);
   EXPECT_TRUE(next_contradicts(-0.15));
@@ -58,8 +58,28 @@ TEST_F(TurnCheckTest, OdometryLeadsFromBeforeItBegan) {
   EXPECT_TRUE(turns_.by_odometry(T_odom_base_).isApprox(T_map_odom * T_odom_base_, 1e-9));
 }
 
+TEST_F(TurnCheckTest, OdometryThatHasAlwaysTurnedOtherwiseContradictsNothing) {
+  drive(20, 0.02);
+  EXPECT_FALSE(next_contradicts(0.02));
+  EXPECT_FALSE(next_contradicts(-0.5));
+}
+
+TEST_F(TurnCheckTest, OdometryIsOnProbationAfterItTurnedOtherwise) {
+  drive(12);
+  drive(2, 0.02);  // it was not confirmed: the scans were believed
+  drive(9);
+  EXPECT_FALSE(next_contradicts(-0.4));
+}
+
+TEST_F(TurnCheckTest, OdometryIsBelievedAgainAfterIt) {
+  drive(12);
+  drive(2, 0.02);
+  drive(12);
+  EXPECT_TRUE(next_contradicts(-0.4));
+}
+
 TEST_F(TurnCheckTest, AfterTenSecondsTheScansAreBelievedAgain) {
-  drive(5);
+  drive(12);
   T_map_base_ = T_map_base_ * test::pose(0, 0, 0, 0, 0, 0.1);
   for (int i = 0; i < 199; ++i) ASSERT_TRUE(next_contradicts(0)) << i;
   for (int i = 0; i < 3; ++i) step(0);
@@ -67,7 +87,7 @@ TEST_F(TurnCheckTest, AfterTenSecondsTheScansAreBelievedAgain) {
 }
 
 TEST_F(TurnCheckTest, AClockThatWasSetBackBeginsAnew) {
-  drive(5);
+  drive(12);
   t_ -= 3;
   T_map_base_ = T_map_base_ * test::pose(0, 0, 0, 0, 0, 0.1);
   EXPECT_FALSE(next_contradicts(0));

@@ -1,9 +1,10 @@
-#include "services/ekf/detection/mounting_watch.hpp"
+#include "services/ekf/mounting/mounting_watch.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::mounting {
 
 namespace {
 
@@ -13,7 +14,7 @@ constexpr int kLeastSamples = 3;       // of the IMU, in an interval
 constexpr double kFirstGravity = 2.0;  // s, after which it is judged
 
 constexpr double kLeastTurn = 0.05;  // rad^2/s, that speed does not explain: 9 deg/s for 2 s
-constexpr int kWindows = 2;          // of so much turning
+constexpr int kStretches = 2;        // of so much turning
 constexpr double kTurnsAlike = 0.7;  // share of the wheels' square, less what goes with the speed, that it explains
 
 constexpr double kSlow = 3.0;         // s: what changes more slowly is tilt and bias
@@ -69,19 +70,16 @@ void MountingWatch::judge(const Interval& interval) {
   before_ = interval;
 }
 
-/// Slip looks like anything for a while: kWindows in a row must say so.
+/// Slip looks like anything for a while: kStretches in a row must say so.
 void MountingWatch::judge_turn(const Interval& interval) {
-  const Eigen::Vector3d rates(interval.gyro_rate, interval.speed, interval.wheel_rate);
-  rates_ += interval.seconds * rates * rates.transpose();
-  const double speeds = std::max(rates_(1, 1), 1e-9);
-  const double turn = rates_(0, 0) - rates_(0, 1) * rates_(0, 1) / speeds;
-  if (turn < kLeastTurn) return;
-  const double gain = (rates_(0, 2) - rates_(0, 1) * rates_(1, 2) / speeds) / turn;
-  const double wheels = rates_(2, 2) - rates_(1, 2) * rates_(1, 2) / speeds;
-  rates_.setZero();
-  if (gain * gain * turn < kTurnsAlike * wheels || std::abs(gain) < kLeastGain || std::abs(gain) > kMostGain) return;
+  turn_scale_.add(interval.seconds, interval.speed, interval.wheel_rate, interval.gyro_rate);
+  turn_.add(interval.seconds, interval.speed, interval.wheel_rate, interval.gyro_rate);
+  if (turn_.turn() < kLeastTurn) return;
+  const TurnFit turn = std::exchange(turn_, {});
+  const double gain = turn.gain();
+  if (turn.explained() < kTurnsAlike || std::abs(gain) < kLeastGain || std::abs(gain) > kMostGain) return;
   against_ = gain < 0 ? against_ + 1 : 0;
-  opposite_ = against_ >= kWindows || (opposite_ && gain < 0);
+  opposite_ = against_ >= kStretches || (opposite_ && gain < 0);
 }
 
 /// The change of speed between the middles of two intervals belongs to the mean force of both.
@@ -116,9 +114,13 @@ std::optional<Eigen::Vector3d> MountingWatch::wrong_up() const {
   return R_base_imu_.transpose() * gravity_.normalized();
 }
 
+std::optional<double> MountingWatch::wrong_turn_scale() const {
+  return tilted_ || opposite_ ? std::nullopt : turn_scale_.wrong();
+}
+
 std::optional<double> MountingWatch::missing_yaw() const {
   if (!turned_ || tilted_) return {};
   return -std::arg(product_);
 }
 
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::mounting

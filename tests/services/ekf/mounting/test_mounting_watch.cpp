@@ -1,6 +1,6 @@
 // The mistakes that are made when a vehicle is built: told within a drive of a minute with turns, and never of a
 // vehicle that is as its file says, whatever else is wrong.
-#include "services/ekf/detection/mounting_watch.hpp"
+#include "services/ekf/mounting/mounting_watch.hpp"
 
 #include <array>
 #include <numbers>
@@ -13,7 +13,7 @@
 #include "tests/services/ekf/town_drive.hpp"
 #include "tests/services/ekf/wheel_faults.hpp"
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::mounting {
 namespace {
 
 using ::testing::HasSubstr;
@@ -49,7 +49,7 @@ Drive with_swapped_wheels(Drive drive) {
 }
 
 struct Verdicts {
-  bool up = false, turn = false, forward = false;  // it was said some time
+  bool up = false, turn = false, forward = false, turn_scale = false;  // it was said some time
   [[nodiscard]] bool any() const { return up || turn || forward; }
 };
 
@@ -69,6 +69,7 @@ Verdicts watch(MountingWatch& watch, const Drive& drive) {
     v.up |= watch.wrong_up().has_value();
     v.turn |= watch.turns_opposite();
     v.forward |= watch.missing_yaw().has_value();
+    v.turn_scale |= watch.wrong_turn_scale().has_value();
   });
   return v;
 }
@@ -154,9 +155,34 @@ TEST(MountingWatchTest, OtherFaultsOfAWheelAreNone) {
 
 TEST(MountingWatchTest, NothingIsSaidOfAVehicleThatIsAsItsFileSays) {
   for (const unsigned number : {1U, 2U, 3U, 4U, 5U}) {
-    for (const double speed : {0.7, 3.0, 5.0}) EXPECT_FALSE(watch(town(number, speed)).any()) << number << ' ' << speed;
+    for (const double speed : {0.7, 3.0, 5.0}) {
+      const Verdicts v = watch(town(number, speed));
+      EXPECT_FALSE(v.any() || v.turn_scale) << number << ' ' << speed;
+    }
   }
-  for (const HarmlessDrive& harmless : harmless_drives()) EXPECT_FALSE(watch(harmless.make()).any()) << harmless.name;
+  for (const HarmlessDrive& harmless : harmless_drives()) {
+    const Verdicts v = watch(harmless.make());
+    EXPECT_FALSE(v.any()) << harmless.name;
+    const bool other_track = harmless.name.starts_with("skid steer") || harmless.name.ends_with("track 0.600000");
+    EXPECT_TRUE(other_track || !v.turn_scale) << harmless.name;
+  }
+}
+
+/// The track is not the vehicle's, or the gyro's scale is wrong: which of them the sensors do not tell.
+TEST(MountingWatchTest, AWrongTrackAndAGyrosWrongScaleAreTold) {
+  const auto scale_of = [](double track, double gyro) {
+    Drive drive = simulate_town_drive({.seconds = 220, .speed = 5, .seed = 7001, .track = track}, VehicleConfig());
+    for (base::ImuSample& sample : drive.imu) sample.angular_rate.z() *= gyro;
+    MountingWatch of{VehicleConfig()};
+    (void)watch(of, drive);
+    return of.wrong_turn_scale();
+  };
+  for (const auto& [track, gyro] : {std::pair(-0.2, 1.0), {0.5, 1.0}, {0.0, 0.7}, {0.0, 0.8}, {0.0, 1.2}, {0.0, 2.0}}) {
+    const std::optional<double> scale = scale_of(track, gyro);
+    ASSERT_TRUE(scale) << track << ' ' << gyro;
+    EXPECT_NEAR(*scale, (1 + track) / gyro, 0.05);
+  }
+  for (const double track : {-0.05, 0.05}) EXPECT_FALSE(scale_of(track, 1)) << track;
 }
 
 /// One or both wheels slip by up to twice the speed for up to 10 s, radii and track are wrong, biases are large. With
@@ -177,7 +203,9 @@ TEST(MountingWatchTest, NothingIsSaidOfWheelsThatSlipForSeconds) {
     o.slip_end = o.slip_begin + between(0.5, 10.0);
     o.slip_left = between(-0.5, 2.0);
     o.slip_right = between(-0.5, 2.0);
-    EXPECT_FALSE(watch(simulate_drive(o, VehicleConfig())).any()) << seed;
+    MountingWatch of{VehicleConfig()};
+    EXPECT_FALSE(watch(of, simulate_drive(o, VehicleConfig())).any()) << seed;
+    EXPECT_NEAR(of.wrong_turn_scale().value_or(1 + o.wheel_scale[2]), 1 + o.wheel_scale[2], 0.1) << seed;
   }
 }
 
@@ -185,7 +213,8 @@ TEST(MountingWatchTest, NothingIsSaidOfRecordedVehiclesAndSwappedWheelsOfThemAre
   for (const std::string& name : real_drive_names()) {
     const auto drive = real_drive(name);
     if (!drive) GTEST_SKIP() << "the recording is not there";
-    EXPECT_FALSE(watch(drive->drive, drive->vehicle).any()) << name;
+    const Verdicts v = watch(drive->drive, drive->vehicle);
+    EXPECT_FALSE(v.any() || v.turn_scale) << name;
     EXPECT_TRUE(watch(with_swapped_wheels(drive->drive), drive->vehicle).turn) << name;
     EXPECT_TRUE(watch(mounted(drive->drive, {kPi, 0, 0}), drive->vehicle).up) << name;
   }
@@ -209,7 +238,9 @@ TEST(MountingFaults, SayWhatToCorrect) {
   EXPECT_THAT(faults(mounted(good, {0, 0, kPi / 2}), "faults.mounting.forward"), HasSubstr("deg to the yaw"));
   EXPECT_THAT(faults(with_swapped_wheels(good), "faults.mounting.turn"), HasSubstr("left and right swapped"));
   EXPECT_THAT(faults(with_fault(good, {"", {-1, -1}}, 1.0), "faults.mounting.turn"), HasSubstr("both count backwards"));
+  const Drive narrow = simulate_town_drive({.seconds = 120, .speed = 5, .track = -0.2}, VehicleConfig());
+  EXPECT_THAT(faults(narrow, "faults.mounting.turn_scale"), HasSubstr("is vehicle.track_width 0.64 m"));
 }
 
 }  // namespace
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::mounting

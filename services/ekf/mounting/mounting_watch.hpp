@@ -6,17 +6,17 @@
 
 #include "common/config/vehicle.hpp"
 #include "services/ekf/base/samples.hpp"
+#include "services/ekf/mounting/turn_scale.hpp"
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::mounting {
 
 /// Whether IMU and wheels are on the vehicle as its file says: the usual mistakes on a new one. It asks the sensors
 /// alone, for a filter that is told the wrong thing believes nonsense, and finds wheels to slip, or itself to drift.
 ///
 /// - Gravity: over kGravityMemory the specific force points up. No vehicle drives tilted by kMaxTilt, nor in bends.
-/// - Turn: the wheels' yaw rate is a multiple of the gyro's, plus one of the speed where a wheel is not as large as
-///   configured, stuck or backwards: least squares. Where the first is about -1 in two windows of turning in a row, and
-///   explains what the speed does not, left and right are swapped, both wheels count backwards, or the gyro's sign is
-///   wrong.
+/// - Turn: the wheels' yaw rate is a multiple of the gyro's (TurnFit). Where it is about -1 in two stretches of turning
+///   in a row, and explains what the speed does not, left and right are swapped, both wheels count backwards, or the
+///   gyro's sign is wrong. Where it stays another one than 1, the track width is wrong or the gyro's scale (TurnScale).
 /// - Forward: the changes of horizontal specific force are those of the wheels' speed (ahead) and of speed times yaw
 ///   rate (to the left), turned by what vehicle.imu's yaw lacks: least squares of complex numbers. Believed where it
 ///   explains most of the force, with a plausible gain.
@@ -38,6 +38,8 @@ class MountingWatch {
   [[nodiscard]] std::optional<Eigen::Vector3d> wrong_up() const;
   /// Wheels and gyro turn opposite ways. Said only where gravity is as configured, as is the next.
   [[nodiscard]] bool turns_opposite() const { return opposite_ && !tilted_; }
+  /// How many times as far as the gyro the wheels turn, where that is wrong.
+  [[nodiscard]] std::optional<double> wrong_turn_scale() const;
   /// rad, what vehicle.imu's yaw lacks; about pi where both wheels count backwards.
   [[nodiscard]] std::optional<double> missing_yaw() const;
 
@@ -69,9 +71,10 @@ class MountingWatch {
   double rate_sum_ = 0.0;
   std::optional<Interval> before_;
 
-  Eigen::Matrix3d rates_ = Eigen::Matrix3d::Zero();  // integral of the products in a window: gyro's, speed, wheels'
-  int against_ = 0;                                  // windows in a row in which they turned opposite ways
+  TurnFit turn_;
+  int against_ = 0;  // stretches in a row in which they turned opposite ways
   bool opposite_ = false;
+  TurnScale turn_scale_;
 
   double mean_seconds_ = 0.0;
   Complex mean_force_, mean_motion_;                 // what is slow: tilt, bias
@@ -80,4 +83,4 @@ class MountingWatch {
   bool turned_ = false;
 };
 
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::mounting

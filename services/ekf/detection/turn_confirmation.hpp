@@ -1,0 +1,49 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace curbstone::ekf::detection {
+
+/// Whether wheels and gyro have shown the same turn over the last second: two sensors of which neither knows the other.
+/// A gyro whose scale or bias is wrong, a wrong track width or radius and a wheel that slips make them differ.
+/// Consecutive intervals of the wheels go in. A value type; one thread.
+class TurnConfirmation {
+ public:
+  static constexpr double kMostApart = 0.009;  ///< rad in that second: 0.5 deg
+
+  /// An interval's mean yaw rates, rad/s: by the wheels, and by the gyro less its bias.
+  void add(double seconds, double by_wheels, double by_gyro) {
+    open_.seconds += seconds;
+    open_.apart += seconds * (by_wheels - by_gyro);
+    if (open_.seconds < kSpan / kParts) return;
+    std::rotate(parts_.begin(), parts_.begin() + 1, parts_.end());
+    parts_.back() = open_;
+    open_ = {};
+    known_ = std::min(known_ + 1, kParts);
+  }
+  /// Intervals are missing.
+  void interrupt() {
+    open_ = {};
+    known_ = 0;
+  }
+  [[nodiscard]] bool confirmed() const {
+    double apart = open_.apart;
+    for (const Part& part : parts_) apart += part.apart;
+    return known_ == kParts && std::abs(apart) < kMostApart;
+  }
+
+ private:
+  static constexpr double kSpan = 1.0;  // s, at least
+  static constexpr int kParts = 10;
+  struct Part {
+    double seconds = 0.0;
+    double apart = 0.0;  // rad, by which the wheels turned more than the gyro
+  };
+  std::array<Part, kParts> parts_{};  // newest last
+  int known_ = 0;
+  Part open_;
+};
+
+}  // namespace curbstone::ekf::detection

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace curbstone::ekf::mounting {
+
+/// The wheels' yaw rate as a multiple of the gyro's, plus one of the speed where a wheel is not as large as configured,
+/// stuck or backwards: least squares over a stretch of the drive. A value type; one thread.
+class TurnFit {
+ public:
+  /// A mean over an interval: m/s, rad/s.
+  void add(double seconds, double speed, double wheel_rate, double gyro_rate) {
+    const Eigen::Vector3d rates(gyro_rate, speed, wheel_rate);
+    products_ += seconds * rates * rates.transpose();
+    seconds_ += seconds;
+  }
+  [[nodiscard]] double seconds() const { return seconds_; }
+  /// rad^2/s, integral of the gyro's square, less what goes with the speed.
+  [[nodiscard]] double turn() const { return products_(0, 0) - products_(0, 1) * products_(0, 1) / speeds(); }
+  /// The multiple of the gyro's rate. There must be some turn.
+  [[nodiscard]] double gain() const {
+    return (products_(0, 2) - products_(0, 1) * products_(1, 2) / speeds()) / turn();
+  }
+  /// Share of the wheels' square, less what goes with the speed, that the gyro's rate explains.
+  [[nodiscard]] double explained() const {
+    const double wheels = products_(2, 2) - products_(1, 2) * products_(1, 2) / speeds();
+    return gain() * gain() * turn() / std::max(wheels, 1e-12);
+  }
+
+ private:
+  [[nodiscard]] double speeds() const { return std::max(products_(1, 1), 1e-9); }
+
+  Eigen::Matrix3d products_ = Eigen::Matrix3d::Zero();  // gyro's rate, speed, wheels' rate
+  double seconds_ = 0.0;
+};
+
+/// Whether the wheels turn by another multiple than 1 of the gyro's turn, in all but one of the last stretches of
+/// turning: the track width is not the vehicle's, as that of a skid steer is not the distance of its wheels, or the
+/// gyro's scale is wrong. The sensors do not tell which. A value type; one thread.
+class TurnScale {
+ public:
+  static constexpr double kMostWrong = 0.12;  ///< what slip, and a track width measured by hand, may cause
+
+  /// As TurnFit::add().
+  void add(double seconds, double speed, double wheel_rate, double gyro_rate) {
+    fit_.add(seconds, speed, wheel_rate, gyro_rate);
+    if (fit_.turn() < kLeastTurn || fit_.seconds() < kLeastSeconds) return;
+    if (fit_.explained() > kExplained) note(fit_.gain());
+    fit_ = {};
+  }
+  /// The multiple where it is wrong.
+  [[nodiscard]] std::optional<double> wrong() const {
+    if (known_ < kStretches) return {};
+    std::array<double, kStretches> sorted = gains_;
+    std::sort(sorted.begin(), sorted.end());
+    const double least = sorted[1] - 1.0, most = sorted[kStretches - 2] - 1.0;  // of all but one
+    if (least < kMostWrong && most > -kMostWrong) return {};
+    return sorted[kStretches / 2];
+  }
+
+ private:
+  static constexpr double kLeastTurn = 0.05;    // rad^2/s: 9 deg/s for 2 s
+  static constexpr double kLeastSeconds = 2.0;  // s: slip is shorter than most of the stretches together
+  static constexpr double kExplained = 0.9;
+  static constexpr std::size_t kStretches = 5;
+  void note(double gain) {
+    std::rotate(gains_.begin(), gains_.begin() + 1, gains_.end());
+    gains_.back() = gain;
+    known_ = std::min(known_ + 1, kStretches);
+  }
+
+  TurnFit fit_;
+  std::array<double, kStretches> gains_{};
+  std::size_t known_ = 0;
+};
+
+}  // namespace curbstone::ekf::mounting
