@@ -125,6 +125,16 @@ Summary drive(output::WatchedLog& log, VehicleLine& vehicle) {
   return summary;
 }
 
+/// Whether the file has all of the map: the disk may have been full.
+bool is_map_whole(const VehicleLine& vehicle) {
+  for (const auto& stage : vehicle.stages()) {
+    const Counters counters = stage.node->report().counters;
+    for (const char* name : {"store.failing", "dropped.unstored_tiles", "dropped.unstored_poses"})
+      if (counters[name] != 0) return false;
+  }
+  return true;
+}
+
 std::string config_source(const ReplayOptions& options) {
   std::string source = options.config_file;
   if (source.empty())
@@ -206,6 +216,8 @@ int run_replay(int argc, char** argv) {
   if (summary.messages == 0) throw std::runtime_error(arguments.logs[0] + ": holds no LIDAR_POINTS, IMU or WHEELS");
   report(summary, vehicle, static_cast<double>(steady_clock() - start) * 1e-6, arguments.vehicle.map_file,
          config_source(arguments.vehicle));
+  if (!is_map_whole(vehicle))
+    throw std::runtime_error(arguments.vehicle.map_file + ": the map is not written whole: is the disk full?");
   return log.damaged() ? 1 : 0;
 }
 

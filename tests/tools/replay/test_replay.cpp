@@ -1,8 +1,10 @@
 #include "tools/replay/replay.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -115,6 +117,21 @@ TEST_F(ReplayOnThreads, EndsWithoutAMapThatCannotBeWritten) {
   make_town("0.5");
   for (const std::string threads : {"1", "4"})
     EXPECT_NE(run(run_replay, {"replay", log_, "--map", "/dev/null/map.db", "--threads", threads}), 0);
+}
+
+TEST_F(ReplayOnThreads, FailsWhereTheDiskIsFullBeforeTheMapIsWhole) {
+  make_town("4");
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit full{50'000, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &full);
+  testing::internal::CaptureStderr();
+  const int status = run(run_replay, {"replay", log_, "--map", folder_ / "map.db"});
+  const std::string said = testing::internal::GetCapturedStderr();
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_EQ(status, 1);
+  EXPECT_NE(said.find("map.db: the map is not written whole"), std::string::npos) << said;
 }
 
 TEST_F(ReplayOnThreads, EndsWhenTheRecordCannotBeWritten) {
