@@ -229,16 +229,28 @@ void load_node(const YAML::Node& node, const std::string& file, const std::strin
   loader.leave();
 }
 
+/// `line` from 0; negative where the parser does not know it.
+bool is_indented_by_tab(std::string_view text, int line) {
+  for (; line > 0; --line) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  return text.substr(0, text.find_first_not_of(" \t")).find('\t') != std::string_view::npos;
+}
+
 }  // namespace
 
 void parse_config(std::string_view text, const std::string& name, const std::string& section, SectionNames sections,
                   AnyConfig& config) {
   YAML::Node root;
   try {
-    root = YAML::Load(std::string(text));
+    const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(text));
+    if (!documents.empty()) root = documents[0];
+    for (std::size_t i = 1; i < documents.size(); ++i)
+      if (!documents[i].IsNull())
+        throw ConfigError(fmt::format("{}:{}: a second YAML document (after ---), which nobody would read", name,
+                                      documents[i].Mark().line + 1));
     refuse_duplicate_keys(std::string(text), name);
   } catch (const YAML::ParserException& error) {
-    throw ConfigError(fmt::format("{}:{}: {}", name, error.mark.line + 1, error.msg));
+    throw ConfigError(fmt::format("{}:{}: {}{}", name, error.mark.line + 1, error.msg,
+                                  is_indented_by_tab(text, error.mark.line) ? ": indent by spaces, not by a tab" : ""));
   }
   if (root.IsNull()) return;
   if (!root.IsMap()) throw ConfigError(fmt::format("{}:1: expected a map with a section for each process", name));
@@ -268,6 +280,8 @@ void parse_config(std::string_view text, const std::string& name, const std::str
 void load_config(const std::string& file, const std::string& section, SectionNames sections, AnyConfig& config) {
   std::ifstream in(file);
   std::stringstream text;
+  if (in && in.peek() == std::ifstream::traits_type::eof() && !in.bad())
+    throw ConfigError(fmt::format("{}: is empty", file));
   if (!in || !(text << in.rdbuf())) throw ConfigError(fmt::format("{}: cannot be read", file));
   parse_config(text.str(), file, section, sections, config);
 }

@@ -302,6 +302,7 @@ NodeReport SemanticMapNode::report() const {
   NodeReport report;
   report.counters = counters_;
   for (const auto& [name, value] : keeper_.counters().values()) report.counters.set(name, value);
+  report.counters.set("store.failing", keeper_.failing() ? 1 : 0);
   report.counters.set("tiles", static_cast<std::int64_t>(pipeline_.num_tiles()));
   report.counters.set("tiles_waiting", static_cast<std::int64_t>(schedule_.num_waiting() + unsent_.size()));
   report.counters.set("steps_stale", static_cast<std::int64_t>(pipeline_.num_stale()));

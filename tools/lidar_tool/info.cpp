@@ -134,7 +134,8 @@ std::string info_text(const Packets& packets, const std::string& name) {
   const std::vector<Device> devices = devices_in(packets);
   std::int64_t count = 0;
   for (const Device& device : devices) count += device.packets();
-  std::string text = fmt::format("{}: {} UDP packets of {} senders\n", name, count, devices.size());
+  std::string text =
+      fmt::format("{}: {} UDP packets of {} senders{}\n", name, count, devices.size(), packets.skipped());
   for (std::size_t i = 0; i < std::min(devices.size(), kMostDevices); ++i) text += device_text(packets, devices[i]);
   if (devices.size() > kMostDevices) text += fmt::format("\n{} more senders\n", devices.size() - kMostDevices);
   return text;

@@ -111,7 +111,9 @@ int run_lidar(int argc, char** argv) {
   if (options.what == "watch" && !seconds_given) options.listen.seconds = 1e9;
   spdlog::set_level(spdlog::level::err);  // the driver's node tells on its own what is told here
   if (options.what == "info") {
-    fmt::print("{}", info_text(*packets_from(options.where, options.listen), options.where));
+    const auto packets = packets_from(options.where, options.listen);
+    fmt::print("{}", info_text(*packets, options.where));
+    return packets->damaged() ? 1 : 0;
   } else if (options.what == "watch") {
     run_watch(options);
   } else {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/time/clock.hpp"
+#include "drivers/lidar/sources/capture_contents.hpp"
 #include "drivers/lidar/sources/pcap_source.hpp"
 #include "drivers/lidar/sources/udp_source.hpp"
 
@@ -31,12 +32,15 @@ class CapturedPackets final : public Packets {
       if (!damaged_) fmt::print(stderr, "curbstone lidar: {}\n", cut_off.what());
       damaged_ = true;
     }
+    skipped_ = lidar::sources::to_text(source.skipped());
   }
   [[nodiscard]] bool damaged() const override { return damaged_; }
+  [[nodiscard]] std::string skipped() const override { return skipped_; }
 
  private:
   std::string file_;
   mutable bool damaged_ = false;  // and said so
+  mutable std::string skipped_;
 };
 
 class ListenedPackets final : public Packets {

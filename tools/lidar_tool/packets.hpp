@@ -27,6 +27,8 @@ class Packets {
   virtual void for_each(const Handler& handler) const = 0;
   /// What was gone through did not end where it should.
   [[nodiscard]] virtual bool damaged() const { return false; }
+  /// What was no whole UDP packet: "; 12 IP fragments". Known when all was gone through.
+  [[nodiscard]] virtual std::string skipped() const { return ""; }
 };
 
 /// Where to listen, and how long.

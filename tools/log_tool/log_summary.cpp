@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <curbstone/service_config_t.hpp>
+#include <iterator>
 
 #include "common/bus/decode.hpp"
 #include "common/bytes/big_endian.hpp"
@@ -28,15 +29,14 @@ double ChannelSummary::hz() const {
 
 void LogSummary::take(const LogEvent& event) {
   const std::int64_t utime = event.log_utime;
-  if (messages_++ == 0) begin_ = end_ = previous_ = utime;
-  if (utime - previous_ >= kGap && gaps_.size() < kMostGaps)
-    gaps_.push_back(fmt::format("{:.1f} .. {:.1f} s", to_seconds(previous_ - begin_), to_seconds(utime - begin_)));
+  if (messages_++ == 0) begin_ = end_ = utime;
   begin_ = std::min(begin_, utime);
   end_ = std::max(end_, utime);
-  previous_ = utime;
+  cover(utime);
 
   ChannelSummary& channel = channels_[event.channel];
   if (channel.messages++ == 0) channel.first_utime = channel.last_utime = utime;
+  channel.first_utime = std::min(channel.first_utime, utime);
   channel.bytes += static_cast<std::int64_t>(event.bytes.size());
   channel.longest_gap = std::max(channel.longest_gap, utime - channel.last_utime);
   channel.last_utime = std::max(channel.last_utime, utime);
@@ -47,6 +47,32 @@ void LogSummary::take(const LogEvent& event) {
   if (event.channel == "CONFIG" && configs_.size() < kMostConfigs &&
       decode(event.bytes.data(), static_cast<int>(event.bytes.size()), config))
     configs_.insert(fmt::format("{} on {}, version {}", config.service, config.host, config.version));
+}
+
+void LogSummary::cover(std::int64_t utime) {
+  const auto after = spans_.upper_bound(utime);
+  const auto before = after == spans_.begin() ? spans_.end() : std::prev(after);
+  const bool joins_before = before != spans_.end() && utime - before->second < kGap;
+  const bool joins_after = after != spans_.end() && after->first - utime < kGap;
+  if (joins_before) {
+    before->second = std::max(before->second, joins_after ? after->second : utime);
+    if (joins_after) spans_.erase(after);
+  } else if (joins_after) {
+    const std::int64_t to = after->second;
+    spans_.emplace_hint(spans_.erase(after), utime, to);
+  } else if (spans_.size() < kMostSpans) {
+    spans_.emplace_hint(after, utime, utime);
+  }
+}
+
+std::vector<std::string> LogSummary::gaps() const {
+  std::vector<std::string> gaps;
+  for (auto span = spans_.begin(); span != spans_.end() && gaps.size() < kMostGaps; ++span) {
+    if (const auto next = std::next(span); next != spans_.end())
+      gaps.push_back(
+          fmt::format("{:.1f} .. {:.1f} s", to_seconds(span->second - begin_), to_seconds(next->first - begin_)));
+  }
+  return gaps;
 }
 
 }  // namespace curbstone::log_tool

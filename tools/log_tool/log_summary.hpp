@@ -32,20 +32,21 @@ class LogSummary {
   [[nodiscard]] std::int64_t begin() const { return begin_; }  ///< us, the earliest record
   [[nodiscard]] std::int64_t end() const { return end_; }
   [[nodiscard]] std::int64_t messages() const { return messages_; }
-  /// Where nothing at all was recorded for a second or more: "0.5 .. 12.1 s".
-  [[nodiscard]] const std::vector<std::string>& gaps() const { return gaps_; }
+  /// Where nothing at all was recorded for a second or more, whatever order the records are in: "0.5 .. 12.1 s".
+  [[nodiscard]] std::vector<std::string> gaps() const;
   /// "ekf on ugv, version 0.2.0", of those that said their configuration.
   [[nodiscard]] const std::set<std::string>& configs() const { return configs_; }
 
  private:
   static constexpr std::size_t kMostGaps = 100;
+  static constexpr std::size_t kMostSpans = 10'000;  // with wild times there is one a record
+  void cover(std::int64_t utime);
 
   std::map<std::string, ChannelSummary> channels_;
   std::int64_t begin_ = 0;
   std::int64_t end_ = 0;
-  std::int64_t previous_ = 0;
   std::int64_t messages_ = 0;
-  std::vector<std::string> gaps_;
+  std::map<std::int64_t, std::int64_t> spans_;  // us, from and to: records less than a gap apart
   std::set<std::string> configs_;
 };
 

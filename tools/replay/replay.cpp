@@ -24,7 +24,9 @@
 #include "common/shell/version.hpp"
 #include "common/time/clock.hpp"
 #include "tools/output/inputs.hpp"
+#include "tools/output/new_file.hpp"
 #include "tools/output/watched_log.hpp"
+#include "tools/replay/new_map.hpp"
 #include "tools/replay/recorded_config.hpp"
 #include "tools/replay/vehicle_line.hpp"
 
@@ -125,6 +127,16 @@ Summary drive(output::WatchedLog& log, VehicleLine& vehicle) {
   return summary;
 }
 
+/// Whether the file has all of the map: the disk may have been full.
+bool is_map_whole(const VehicleLine& vehicle) {
+  for (const auto& stage : vehicle.stages()) {
+    const Counters counters = stage.node->report().counters;
+    for (const char* name : {"store.failing", "dropped.unstored_tiles", "dropped.unstored_poses"})
+      if (counters[name] != 0) return false;
+  }
+  return true;
+}
+
 std::string config_source(const ReplayOptions& options) {
   std::string source = options.config_file;
   if (source.empty())
@@ -149,20 +161,28 @@ void report(const Summary& summary, const VehicleLine& vehicle, double wall_seco
   }
 }
 
-/// A replay makes a map; it does not extend one. What is no map is not replaced: it may be somebody's only recording.
-void make_room_for_map(const std::string& file) {
-  std::error_code ignored;
-  if (const auto there = std::filesystem::status(file, ignored); std::filesystem::exists(there)) {
-    if (!std::filesystem::is_regular_file(there))
-      throw std::runtime_error(fmt::format("--map {}: a map must be a file", file));
-    constexpr std::string_view kMagic = "SQLite format 3";
-    std::string begin(kMagic.size(), ' ');
-    std::ifstream in(file, std::ios::binary);
-    in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-    if (in.gcount() > 0 && begin != kMagic)
-      throw std::runtime_error(fmt::format("--map {}: is there, and is no map: it is not replaced", file));
+/// Returns whether the logs are damaged.
+bool make_map(const Arguments& arguments, output::WatchedLog& log, const std::string& map_file) {
+  std::optional<output::NewFile> record;
+  std::optional<LogWriter> recorder;
+  StageLine::Options options{.threads = arguments.threads > 1, .everything = {}};
+  if (!arguments.record.empty()) {
+    record.emplace(arguments.record, true);
+    recorder.emplace(record->part());
+    options.everything = [&](const LineItem& message) {
+      recorder->write(message.channel, message.bytes.data(), static_cast<int>(message.bytes.size()));
+    };
   }
-  for (const char* suffix : {"", "-wal", "-shm"}) std::remove((file + suffix).c_str());
+  VehicleLine vehicle(arguments.vehicle, options);
+  const std::int64_t start = steady_clock();
+  const Summary summary = drive(log, vehicle);
+  if (summary.messages == 0) throw std::runtime_error(arguments.logs[0] + ": holds no LIDAR_POINTS, IMU or WHEELS");
+  if (recorder) recorder->flush();
+  report(summary, vehicle, static_cast<double>(steady_clock() - start) * 1e-6, map_file,
+         config_source(arguments.vehicle));
+  if (!is_map_whole(vehicle)) throw std::runtime_error(map_file + ": the map is not written whole: is the disk full?");
+  if (record) record->commit();
+  return log.damaged();
 }
 
 }  // namespace
@@ -190,23 +210,13 @@ int run_replay(int argc, char** argv) {
   LogFiles head(arguments.logs);
   arguments.vehicle.recorded = recorded_config(head);
   output::refuse_to_overwrite(head.names(), arguments.record);
-  check_configuration(arguments.vehicle);  // before a map is removed that is there
-  make_room_for_map(arguments.vehicle.map_file);
-  std::optional<LogWriter> recorder;
-  StageLine::Options options{.threads = arguments.threads > 1, .everything = {}};
-  if (!arguments.record.empty()) {
-    recorder.emplace(arguments.record);
-    options.everything = [&](const LineItem& message) {
-      recorder->write(message.channel, message.bytes.data(), static_cast<int>(message.bytes.size()));
-    };
-  }
-  VehicleLine vehicle(arguments.vehicle, options);
-  const std::int64_t start = steady_clock();
-  const Summary summary = drive(log, vehicle);
-  if (summary.messages == 0) throw std::runtime_error(arguments.logs[0] + ": holds no LIDAR_POINTS, IMU or WHEELS");
-  report(summary, vehicle, static_cast<double>(steady_clock() - start) * 1e-6, arguments.vehicle.map_file,
-         config_source(arguments.vehicle));
-  return log.damaged() ? 1 : 0;
+  check_configuration(arguments.vehicle);  // before anything is written
+  const std::string map_file = arguments.vehicle.map_file;
+  NewMap map(map_file);
+  arguments.vehicle.map_file = map.part();
+  const bool damaged = make_map(arguments, log, map_file);
+  map.commit();
+  return damaged ? 1 : 0;
 }
 
 }  // namespace curbstone::replay

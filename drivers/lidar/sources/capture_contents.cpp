@@ -44,6 +44,14 @@ CaptureContents contents_of(const std::string& file) {
   return contents;
 }
 
+std::string to_text(const PcapSource::Skipped& skipped) {
+  std::string text;
+  if (skipped.fragments > 0) text += fmt::format("; {} IP fragments", skipped.fragments);
+  if (skipped.cut > 0) text += fmt::format("; {} frames cut off", skipped.cut);
+  if (skipped.not_udp > 0) text += fmt::format("; {} frames that are not UDP over IPv4", skipped.not_udp);
+  return text;
+}
+
 std::string to_text(const CaptureContents& contents, std::size_t ports) {
   std::string text;
   for (const PortContents& port : contents.ports) {
@@ -53,11 +61,7 @@ std::string to_text(const CaptureContents& contents, std::size_t ports) {
   if (text.empty()) text = "no UDP packet at all";
   const std::size_t listed = static_cast<std::size_t>(std::ranges::count(text, ';')) + 1;
   if (contents.ports.size() > listed) text += fmt::format("; {} other ports", contents.ports.size() - listed);
-  const PcapSource::Skipped& skipped = contents.skipped;
-  if (skipped.fragments > 0) text += fmt::format("; {} IP fragments", skipped.fragments);
-  if (skipped.cut > 0) text += fmt::format("; {} frames cut off", skipped.cut);
-  if (skipped.not_udp > 0) text += fmt::format("; {} frames that are not UDP", skipped.not_udp);
-  return text;
+  return text + to_text(contents.skipped);
 }
 
 }  // namespace curbstone::lidar::sources

@@ -26,6 +26,9 @@ struct CaptureContents {
 /// Reads the whole file, which may be cut off at its end. Throws std::runtime_error, one line, if it cannot be opened.
 [[nodiscard]] CaptureContents contents_of(const std::string& file);
 
+/// "; 12 IP fragments; 3 frames cut off; 7 frames that are not UDP over IPv4": what there is of them.
+[[nodiscard]] std::string to_text(const PcapSource::Skipped& skipped);
+
 /// "port 2368 from 192.168.1.201: 453 packets of 1206 bytes; port 8308 ...": at most `ports` of them, the rest counted.
 [[nodiscard]] std::string to_text(const CaptureContents& contents, std::size_t ports = 6);
 

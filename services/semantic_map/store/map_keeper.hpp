@@ -64,6 +64,8 @@ class MapKeeper {
   /// What became of the last transaction, in words; or that the map was begun anew in mid-drive, once the vehicle has
   /// driven for some seconds (of the poses' times) and no correction was heard. Empty when all is well.
   [[nodiscard]] std::string fault() const;
+  /// Whether the file lacks what is in memory, because it could not be written; after finish(): for good.
+  [[nodiscard]] bool failing() const { return !fault_.empty(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:

@@ -1,7 +1,10 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "services/semantic_map/store/map_file.hpp"
@@ -35,6 +38,9 @@ bool is_sane(const tile::TrajectoryPose& pose) {
 
 MapReader::MapReader(const std::string& path) : path_(path) {
   if (!std::filesystem::exists(path)) throw MapStoreError(fmt::format("{}: no such file", path));
+  if (std::filesystem::is_directory(path)) throw MapStoreError(fmt::format("{}: is a folder, not a map", path));
+  if (access(path.c_str(), R_OK) != 0)
+    throw MapStoreError(fmt::format("{}: cannot be read: {}", path, std::generic_category().message(errno)));
   for_file(path, [&] {
     db_ = std::make_unique<SQLite::Database>(path, SQLite::OPEN_READONLY, kBusyTimeout);
     check_identity(*db_, path);

@@ -55,6 +55,18 @@ TEST(Config, FileOverridesDefaults) {
   EXPECT_EQ(config.value.device, "/dev/ttyUSB0");
 }
 
+TEST(Config, ASecondDocumentIsAnError) {
+  EXPECT_EQ(error_of("ekf:\n  enabled: true\n---\nekf:\n  enabled: false\n"),
+            "ugv.yaml:4: a second YAML document (after ---), which nobody would read");
+  EXPECT_EQ(error_of("---\nekf:\n  enabled: true\n---\n"), "");
+  EXPECT_EQ(error_of(""), "");
+}
+
+TEST(Config, ATabIsNamed) {
+  EXPECT_EQ(error_of("ekf:\n\tenabled: true\n"), "ugv.yaml:2: illegal map value: indent by spaces, not by a tab");
+  EXPECT_EQ(error_of("ekf: {enabled: true"), "ugv.yaml:1: end of map flow not found");
+}
+
 TEST(Config, UnknownKeySaysFileLineAndNearestKey) {
   EXPECT_EQ(error_of("ekf:\n  enabled: true\n  trak_width: 1\n"),
             "ugv.yaml:3: ekf.trak_width: unknown key; did you mean track_width?");
@@ -137,6 +149,7 @@ TEST(Config, VehicleSectionIsSharedByThoseWhoKnowIt) {
 TEST(Config, MissingFileIsAnError) {
   ConfigOf<Example> config;
   EXPECT_THROW(load_config("/nonexistent/ugv.yaml", "ekf", kSections, config), ConfigError);
+  EXPECT_THROW(load_config("/tmp", "ekf", kSections, config), ConfigError);
 }
 
 TEST(Config, DumpIsTakenBack) {

@@ -102,6 +102,19 @@ TEST(LidarInfo, ReadsWhatThereIsOfACaptureThatIsCutOff) {
   EXPECT_THAT(info_of(capture.name()), HasSubstr("19 UDP packets"));
 }
 
+TEST(LidarInfo, SaysWhatACaptureHasInsteadOfPackets) {
+  Bytes fragment = lidar::frame(Bytes(600), 6699);
+  fragment[14 + 6] = 0x20;
+  Bytes ipv6 = fragment;
+  ipv6[12] = 0x86;
+  ipv6[13] = 0xDD;
+  Bytes cut = lidar::frame(Bytes(600), 6699);
+  cut.resize(96);
+  const Capture capture({fragment, fragment, ipv6, cut});
+  EXPECT_THAT(info_of(capture.name()), HasSubstr("capture: 0 UDP packets of 0 senders; 2 IP fragments; 1 frames cut "
+                                                 "off; 1 frames that are not UDP over IPv4\n"));
+}
+
 TEST(LidarInfo, SurvivesNoise) {
   const Capture capture({{},
                          {1, 2, 3},

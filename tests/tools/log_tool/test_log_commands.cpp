@@ -88,6 +88,23 @@ TEST_F(LogCommands, InfoSaysWhereNothingWasRecorded) {
   EXPECT_THAT(out_, HasSubstr("gap of 6.1 s before " + path("b.lcmlog")));
 }
 
+TEST_F(LogCommands, InfoFindsNoGapWhereRecordsAreOutOfOrder) {
+  {  // as `curbstone replay --record` writes it: one stage is ahead of the other
+    LogWriter log(path("mixed.lcmlog"));
+    const auto say = [&](int from, int to, const char* channel) {
+      for (int i = from; i < to; ++i) log.write(channel, "12345678abcd", 12, kBegin + i * 100'000);
+    };
+    say(20, 50, "SLOW");
+    say(0, 40, "FAST");
+    say(50, 60, "SLOW");
+    say(40, 60, "FAST");
+    say(90, 95, "FAST");
+  }
+  EXPECT_EQ(run({"info", path("mixed.lcmlog")}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("nothing recorded: 5.9 .. 9.0 s"));
+  EXPECT_EQ(out_.find("nothing recorded"), out_.rfind("nothing recorded")) << out_;
+}
+
 TEST_F(LogCommands, ATimeThatIsNoneIsAClearError) {
   for (const char* time : {"noon", "2026-11-23", "12s", "nan", "2026-11-23T20:52:00.xZ"}) {
     EXPECT_EQ(run({"cut", drive("whole.lcmlog"), "--from", time, "--out", path("a.lcmlog")}), 1) << time;

@@ -1,8 +1,11 @@
 #include "tools/replay/replay.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -117,9 +120,35 @@ TEST_F(ReplayOnThreads, EndsWithoutAMapThatCannotBeWritten) {
     EXPECT_NE(run(run_replay, {"replay", log_, "--map", "/dev/null/map.db", "--threads", threads}), 0);
 }
 
+TEST_F(ReplayOnThreads, FailsWhereTheDiskIsFullAndLeavesTheMapThatIsThere) {
+  make_town("4");
+  const std::string map = folder_ / "map.db";
+  ASSERT_EQ(run(run_replay, {"replay", log_, "--map", map}), 0);
+  const std::string whole = bytes_of(map);
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit full{50'000, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &full);
+  testing::internal::CaptureStderr();
+  const int status = run(run_replay, {"replay", log_, "--map", map});
+  const std::string said = testing::internal::GetCapturedStderr();
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_EQ(status, 1);
+  EXPECT_NE(said.find("map.db: the map is not written whole"), std::string::npos) << said;
+  EXPECT_TRUE(bytes_of(map) == whole);
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(map).parent_path()))
+    names.push_back(entry.path().filename());
+  EXPECT_THAT(names, testing::UnorderedElementsAre("drive.lcmlog", "map.db")) << "no part of the other";
+}
+
 TEST_F(ReplayOnThreads, EndsWhenTheRecordCannotBeWritten) {
   make_town("2");
   for (const std::string threads : {"1", "4"}) {
+    std::ofstream(folder_ / "kept.lcmlog") << "an earlier record";
+    EXPECT_NE(run(run_replay, {"replay", log_, "--map", "/dev/null/map.db", "--record", folder_ / "kept.lcmlog"}), 0);
+    EXPECT_EQ(bytes_of(folder_ / "kept.lcmlog"), "an earlier record");
     EXPECT_EQ(
         run(run_replay, {"replay", log_, "--map", folder_ / "map.db", "--threads", threads, "--record", "/dev/full"}),
         1);

@@ -198,6 +198,7 @@ TEST_F(MapStoreTest, ReadsSchemaOneAndMakesItTheNewestOnceItIsWritten) {
 TEST_F(MapStoreTest, SaysWhatIsMissing) {
   EXPECT_THAT(error_of([&] { MapReader map(path_); }), ::testing::HasSubstr("no such file"));
   EXPECT_FALSE(fs::exists(path_));
+  EXPECT_THAT(error_of([&] { MapReader map("/tmp"); }), ::testing::HasSubstr("/tmp: is a folder, not a map"));
   EXPECT_THAT(error_of([&] { MapStore store("/proc/no/map.db"); }), ::testing::HasSubstr("No such file or directory"));
 }
 
