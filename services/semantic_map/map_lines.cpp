@@ -147,7 +147,7 @@ MapLineSources line_sources(const pipeline::TilePipeline& pipeline, const tile::
 }
 
 tile::MapLines link(const MapLineSources& sources) {
-  std::vector<TileKey> keys;  // sorted: what lines are does not depend on the order of tiles, but how they are told
+  std::vector<TileKey> keys;  // sorted: what lines are does not depend on the order of tiles, but their order does
   keys.reserve(sources.tiles.size());
   for (const auto& [key, tile] : sources.tiles) keys.push_back(key);
   std::sort(keys.begin(), keys.end());

@@ -10,7 +10,7 @@
 namespace curbstone::ekf::detection {
 
 /// Whether IMU and wheels are on the vehicle as its file says: the usual mistakes on a new one. It asks the sensors
-/// alone, for a filter that is told the wrong thing believes nonsense, and finds wheels to slip, or itself to drift.
+/// alone, for a filter with a wrong configuration believes nonsense, and finds wheels to slip, or itself to drift.
 ///
 /// - Gravity: over kGravityMemory the specific force points up. No vehicle drives tilted by kMaxTilt, nor in bends.
 /// - Turn: the wheels' yaw rate is a multiple of the gyro's, plus one of the speed where a wheel is not as large as
