@@ -13,9 +13,9 @@ namespace curbstone {
 ///
 /// Over `udpm://` LCM sends, and a receiver thread of our own moves messages from the socket into bounded queues (see
 /// BusSocket for why). The counters tell what was lost: `dropped.queue` (handled too slowly) and `dropped.kernel` (this
-/// socket's buffer full); `refused.datagram` is what was no whole message, told by who taps the bus. Channels that
-/// nobody here subscribed to are turned away by the kernel, unless the bus is tapped. Handlers run in the thread that
-/// calls handle(), in order of arrival. All public functions are for that one thread.
+/// socket's buffer full); `refused.datagram` is what was no whole message, reported by whoever taps the bus. Channels
+/// that nobody here subscribed to are turned away by the kernel, unless the bus is tapped. Handlers run in the thread
+/// that calls handle(), in order of arrival. All public functions are for that one thread.
 class LcmBus final : public Publisher, public Subscriber, public Tappable {
  public:
   /// An empty URL means $LCM_DEFAULT_URL, else kDefaultUrl. Throws std::runtime_error with the URL and what to check.

@@ -60,39 +60,56 @@ void EventLoop::run() {
   while (running_) {
     fds.assign(1, {signal_fd_, POLLIN, 0});
     for (const Watch& watch : watches_) fds.push_back({watch.fd, watch.events, 0});
-    std::int64_t due = steady_clock() + 1'000'000;
-    for (const Timer& timer : timers_) due = std::min(due, timer.due_us);
-    const std::int64_t wait_us = may_idle && idle_ ? 0 : std::max<std::int64_t>(0, due - steady_clock());
-    if (poll(fds.data(), fds.size(), static_cast<int>((wait_us + 999) / 1000)) < 0 && errno != EINTR) {
+    const std::int64_t longest_us = may_idle && idle_ ? 0 : until_next_timer();
+    if (poll(fds.data(), fds.size(), static_cast<int>((longest_us + 999) / 1000)) < 0 && errno != EINTR) {
       throw std::system_error(errno, std::generic_category(), "poll");
     }
-    if (fds[0].revents != 0) {
-      signalfd_siginfo taken{};  // so that a second run() waits for a second signal
-      (void)!read(signal_fd_, &taken, sizeof taken);
-      break;
-    }
+    if (fds[0].revents != 0) return take_signal();
     bool was_idle = true;
     for (std::size_t i = 1; i < fds.size(); ++i) {
       if (fds[i].revents == 0) continue;
       was_idle = false;
-      // By value and looked up anew: a handler may watch and unwatch.
-      const auto it = std::find_if(watches_.begin(), watches_.end(), [&](const Watch& watch) {
-        return watch.fd == fds[i].fd && watch.events == fds[i].events;
-      });
-      if (it == watches_.end()) continue;
-      const auto handler = it->handler;
-      handler();
+      call_handler(fds[i].fd, fds[i].events);
     }
-    const std::int64_t now = steady_clock();
-    for (std::size_t i = 0; i < timers_.size(); ++i) {
-      if (timers_[i].due_us > now) continue;
-      was_idle = false;
-      timers_[i].due_us = std::max(timers_[i].due_us + timers_[i].period_us, now);  // late once, not a burst
-      const auto task = timers_[i].task;
-      task();
-    }
+    if (run_due_timers()) was_idle = false;
     may_idle = !was_idle || (may_idle && idle_ && idle_());
   }
+}
+
+/// us, a second at most.
+std::int64_t EventLoop::until_next_timer() const {
+  std::int64_t due = steady_clock() + 1'000'000;
+  for (const Timer& timer : timers_) due = std::min(due, timer.due_us);
+  return std::max<std::int64_t>(0, due - steady_clock());
+}
+
+/// So that a second run() waits for a second signal.
+void EventLoop::take_signal() const {
+  signalfd_siginfo taken{};
+  (void)!read(signal_fd_, &taken, sizeof taken);
+}
+
+/// By value and looked up anew: a handler may watch and unwatch.
+void EventLoop::call_handler(int fd, short events) {
+  const auto it = std::find_if(watches_.begin(), watches_.end(),
+                               [&](const Watch& watch) { return watch.fd == fd && watch.events == events; });
+  if (it == watches_.end()) return;
+  const auto handler = it->handler;
+  handler();
+}
+
+/// By index, for a task may add a timer. Returns whether any was due.
+bool EventLoop::run_due_timers() {
+  bool was_due = false;
+  const std::int64_t now = steady_clock();
+  for (std::size_t i = 0; i < timers_.size(); ++i) {
+    if (timers_[i].due_us > now) continue;
+    was_due = true;
+    timers_[i].due_us = std::max(timers_[i].due_us + timers_[i].period_us, now);  // late once, not a burst
+    const auto task = timers_[i].task;
+    task();
+  }
+  return was_due;
 }
 
 }  // namespace curbstone

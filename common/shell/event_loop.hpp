@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <utility>
 #include <vector>
@@ -42,6 +43,10 @@ class EventLoop {
     std::function<void()> handler;
   };
   void unwatch(int fd, short events);
+  [[nodiscard]] std::int64_t until_next_timer() const;
+  void take_signal() const;
+  void call_handler(int fd, short events);
+  bool run_due_timers();
   struct Timer {
     std::int64_t period_us;
     std::int64_t due_us;

@@ -7,6 +7,56 @@
 
 namespace curbstone {
 
+namespace {
+
+/// A tile that may be announced.
+struct Entry {
+  std::pair<int, double> rank;  // changed first, then near
+  TileKey key;
+  std::int32_t version;
+};
+
+bool by_rank(const Entry& a, const Entry& b) {
+  return std::tie(a.rank, a.key) < std::tie(b.rank, b.key);
+}
+
+/// Leaves `max_tiles` of the round: half are the changed and the near, half the others in turn, from behind `turn` on,
+/// so that every tile is announced sometime. Only what is chosen is sorted. Returns the last in turn.
+TileKey limit_round(std::size_t max_tiles, TileKey turn, std::vector<Entry>& round) {
+  const auto in_turn = [turn](const Entry& a, const Entry& b) {
+    return std::pair(a.key <= turn, a.key) < std::pair(b.key <= turn, b.key);
+  };
+  const auto front = round.begin() + static_cast<std::ptrdiff_t>(max_tiles / 2);
+  const auto end = round.begin() + static_cast<std::ptrdiff_t>(max_tiles);
+  std::nth_element(round.begin(), front, round.end(), by_rank);
+  std::nth_element(front, end - 1, round.end(), in_turn);
+  const TileKey last = std::prev(end)->key;
+  std::sort(round.begin(), front, by_rank);
+  std::sort(front, end, in_turn);
+  round.erase(end, round.end());
+  return last;
+}
+
+/// The round in pages, one even when it is empty. `head`: what all pages have in common.
+std::vector<tile_index_t> to_pages(const std::vector<Entry>& round, const tile_index_t& head) {
+  constexpr std::size_t kPerPage = TileCatalog::kTilesPerPage;
+  std::vector<tile_index_t> pages(std::max<std::size_t>(1, (round.size() + kPerPage - 1) / kPerPage), head);
+  for (std::size_t p = 0; p < pages.size(); ++p) {
+    tile_index_t& page = pages[p];
+    page.page = static_cast<std::int32_t>(p);
+    page.num_pages = static_cast<std::int32_t>(pages.size());
+    for (std::size_t i = p * kPerPage; i < std::min(round.size(), (p + 1) * kPerPage); ++i) {
+      page.tile_x.push_back(round[i].key.x);
+      page.tile_y.push_back(round[i].key.y);
+      page.version.push_back(round[i].version);
+    }
+    page.num_tiles = static_cast<std::int32_t>(page.tile_x.size());
+  }
+  return pages;
+}
+
+}  // namespace
+
 void TileCatalog::start_epoch(std::int32_t epoch) {
   epoch_ = epoch;
   versions_.clear();
@@ -26,54 +76,23 @@ void TileCatalog::remove(TileKey key) {
 }
 
 std::vector<tile_index_t> TileCatalog::make_index(std::int64_t utime, double x, double y, std::size_t max_tiles) {
-  struct Entry {
-    std::pair<int, double> rank;  // changed first, then near
-    TileKey key;
-    std::int32_t version;
-  };
-  std::vector<Entry> entries;
-  entries.reserve(versions_.size());
+  std::vector<Entry> round;
+  round.reserve(versions_.size());
   for (const auto& [key, version] : versions_) {
-    entries.push_back({{changed_.contains(key) ? 0 : 1, squared_distance(key, x, y)}, key, version});
+    round.push_back({{changed_.contains(key) ? 0 : 1, squared_distance(key, x, y)}, key, version});
   }
-  const auto by_rank = [](const Entry& a, const Entry& b) { return std::tie(a.rank, a.key) < std::tie(b.rank, b.key); };
-  if (entries.size() > max_tiles && max_tiles > 1) {
-    // Half of the round for the changed and the near, half for the others in turn, so that every tile is announced
-    // sometime. Only what is chosen is sorted.
-    const auto front = entries.begin() + static_cast<std::ptrdiff_t>(max_tiles / 2);
-    const auto end = entries.begin() + static_cast<std::ptrdiff_t>(max_tiles);
-    std::nth_element(entries.begin(), front, entries.end(), by_rank);
-    const auto in_turn = [turn = turn_](const Entry& a, const Entry& b) {
-      return std::pair(a.key <= turn, a.key) < std::pair(b.key <= turn, b.key);
-    };
-    std::nth_element(front, end - 1, entries.end(), in_turn);
-    turn_ = std::prev(end)->key;
-    std::sort(entries.begin(), front, by_rank);
-    std::sort(front, end, in_turn);
-    entries.erase(end, entries.end());
-  } else {
-    std::sort(entries.begin(), entries.end(), by_rank);
-  }
+  if (round.size() > max_tiles && max_tiles > 1)
+    turn_ = limit_round(max_tiles, turn_, round);
+  else
+    std::sort(round.begin(), round.end(), by_rank);
   changed_.clear();
 
-  const std::size_t num_pages = std::max<std::size_t>(1, (entries.size() + kTilesPerPage - 1) / kTilesPerPage);
-  std::vector<tile_index_t> pages(num_pages);
-  for (std::size_t p = 0; p < num_pages; ++p) {
-    tile_index_t& page = pages[p];
-    page.utime = utime;
-    page.owner = owner_;
-    page.channel = channel_;
-    page.epoch = epoch_;
-    page.page = static_cast<std::int32_t>(p);
-    page.num_pages = static_cast<std::int32_t>(num_pages);
-    for (std::size_t i = p * kTilesPerPage; i < std::min(entries.size(), (p + 1) * kTilesPerPage); ++i) {
-      page.tile_x.push_back(entries[i].key.x);
-      page.tile_y.push_back(entries[i].key.y);
-      page.version.push_back(entries[i].version);
-    }
-    page.num_tiles = static_cast<std::int32_t>(page.tile_x.size());
-  }
-  return pages;
+  tile_index_t head{};
+  head.utime = utime;
+  head.owner = owner_;
+  head.channel = channel_;
+  head.epoch = epoch_;
+  return to_pages(round, head);
 }
 
 void TileCatalog::request(const tile_request_t& message) {

@@ -69,8 +69,8 @@ class TileFollower {
   /// Takes an index page. Returns false for another channel's or an older epoch's. A newer epoch is for the caller to
   /// start (start_epoch) before.
   bool announced(const tile_index_t& message);
-  /// A message of the tile told of `version`, and could not be used because something before it is missing. The tile is
-  /// asked for in the next request, without patience.
+  /// A message of the tile announced `version`, and could not be used because something before it is missing. The tile
+  /// is asked for in the next request, without patience.
   void lacks(TileKey key, std::int32_t version);
 
   /// A request for at most `max_tiles` tiles whose announced version has been above ours for `patience` us: one that

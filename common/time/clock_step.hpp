@@ -13,7 +13,7 @@ namespace curbstone {
 class ClockStep {
  public:
   static constexpr std::int64_t kLeast = 50'000;           ///< us between two readings; less is no step
-  static constexpr std::int64_t kRemembered = 60'000'000;  ///< us that a step is told of
+  static constexpr std::int64_t kRemembered = 60'000'000;  ///< us that a step is reported
 
   /// The wall clock, and the steady one before and after it was read: in between the process may have had to wait. A
   /// reading that took longer than kWorst is not used.

@@ -10,9 +10,9 @@ namespace curbstone::encoder {
 /// would stamp them wrong by up to 0.3 s, until it had measured.
 ///
 /// It is the nominal one if that explains kFew gaps in a row to half of it, so that a host that is late by a few ms and
-/// a period that is off by 5 % are told apart. Another one is measured over kMany gaps. If all come in bunches, kMost
-/// samples are awaited; then the nominal one is believed unless the mean is off by more than 20 %. Pure; one thread.
-/// All times in us.
+/// a period that is off by 5 % are distinguished. Another one is measured over kMany gaps. If all come in bunches,
+/// kMost samples are awaited; then the nominal one is believed unless the mean is off by more than 20 %. Pure; one
+/// thread. All times in us.
 class FirstPeriod {
  public:
   static constexpr std::size_t kFew = 12;

@@ -47,16 +47,16 @@ const std::vector<PeriodClock::Stamp>& PeriodClock::stamp(std::int64_t received,
   const int least = static_cast<int>(waiting_.size()) + 1;  // periods since the last stamped sample
   const std::int64_t delay = received - (offset_.offset() + (index_ + least) * period_);
   const int most = most_missing(delay);
-  std::optional<int> told = 0;
+  std::optional<int> missing = 0;
   if (most > 0) {
-    told = evidence(least, least + most);
-    if (told) *told = std::clamp(*told - least, 0, most);
+    missing = evidence(least, least + most);
+    if (missing) *missing = std::clamp(*missing - least, 0, most);
   }
-  if (gap > kMaxGap && told != 0) {
+  if (gap > kMaxGap && missing != 0) {
     begin(received);
     return decided_;
   }
-  waiting_.push_back({received, delay, told});
+  waiting_.push_back({received, delay, missing});
   if (most == 0) {
     decide(0, 0, waiting_.size() - 1);
   } else {
@@ -102,12 +102,12 @@ int PeriodClock::most_missing(std::int64_t delay) const {
 }
 
 void PeriodClock::decide_by_evidence() {
-  const std::optional<int> told = waiting_.back().told;
-  if (!told) return;
-  const auto agrees = [&](const Waiting& waiting) { return waiting.told == told; };
+  const std::optional<int> missing = waiting_.back().missing;
+  if (!missing) return;
+  const auto agrees = [&](const Waiting& waiting) { return waiting.missing == missing; };
   const auto first = std::find_if(waiting_.begin(), waiting_.end(), agrees);
   const auto position = static_cast<std::size_t>(first - waiting_.begin());
-  if (position + 1 < waiting_.size()) decide(*told, position, waiting_.size() - 1, true);
+  if (position + 1 < waiting_.size()) decide(*missing, position, waiting_.size() - 1, true);
 }
 
 /// How many of the last kSettle that wait came within kPunctual of `delay`.
@@ -151,9 +151,9 @@ void PeriodClock::give_up_oldest() {
   ++given_up_;
 }
 
-/// Before `first` so many are missing, and before `last` no more: the number never falls. Where two later ones told the
-/// number, those before `first` are believed if what they tell fits.
-void PeriodClock::decide(int missing, std::size_t first, std::size_t last, bool told_by_others) {
+/// Before `first` so many are missing, and before `last` no more: the number never falls. `by_evidence`: two
+/// later ones agree on the number, and those before `first` are believed if theirs fits.
+void PeriodClock::decide(int missing, std::size_t first, std::size_t last, bool by_evidence) {
   given_up_ = 0;
   int so_far = 0;
   for (std::size_t i = 0; i <= last; ++i) {
@@ -162,8 +162,8 @@ void PeriodClock::decide(int missing, std::size_t first, std::size_t last, bool 
     std::optional<int> before;
     if (missing == 0 || i >= first) {
       before = missing;
-    } else if (told_by_others && waiting.told && *waiting.told >= so_far && *waiting.told <= missing) {
-      before = waiting.told;
+    } else if (by_evidence && waiting.missing && *waiting.missing >= so_far && *waiting.missing <= missing) {
+      before = waiting.missing;
     }
     const int lost = before ? *before - so_far : 0;
     stamp_next(waiting.received, 1 + lost, before.has_value(), lost);
@@ -171,7 +171,7 @@ void PeriodClock::decide(int missing, std::size_t first, std::size_t last, bool 
   }
   for (Waiting& waiting : waiting_) {
     waiting.delay -= missing * period_;
-    if (waiting.told) *waiting.told = std::max(*waiting.told - missing, 0);
+    if (waiting.missing) *waiting.missing = std::max(*waiting.missing - missing, 0);
   }
 }
 

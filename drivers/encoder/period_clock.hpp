@@ -39,7 +39,7 @@ class PeriodClock {
     std::int64_t earlier = 0;  ///< us by which this sample shows those before to have been taken earlier than stamped
   };
   /// How many periods, least..most, have passed since the last sample that was stamped; nothing where that cannot be
-  /// told.
+  /// decided.
   using Evidence = std::function<std::optional<int>(int least, int most)>;
 
   /// Samples in a row.
@@ -71,8 +71,8 @@ class PeriodClock {
  private:
   struct Waiting {
     std::int64_t received;
-    std::int64_t delay;       // us, if none before it is missing
-    std::optional<int> told;  // missing before it, by the evidence
+    std::int64_t delay;          // us, if none before it is missing
+    std::optional<int> missing;  // before it, by the evidence
   };
   void begin(std::int64_t received);
   void measure_period(std::int64_t received);
@@ -87,7 +87,7 @@ class PeriodClock {
   void take_off_the_beat(std::int64_t received, std::int64_t gap);
   void decide_by_evidence();
   void decide_by_order();
-  void decide(int missing, std::size_t first, std::size_t last, bool told_by_others = false);
+  void decide(int missing, std::size_t first, std::size_t last, bool by_evidence = false);
   void stamp_next(std::int64_t received, int steps, bool sure, int lost);
 
   static constexpr int kBlock = 64;  // samples over which the period is measured

@@ -100,7 +100,7 @@ struct LidarConfig {
     v.field("end_angle", end_angle, {0.0, 360.0}, "... to before here go out, through 0 where it is the smaller");
     v.field("angles_file", angles_file,
             "CSV with a line a laser in firing order: elevation[,azimuth] in deg; empty = the device's own");
-    v.field("wait_for_difop", wait_for_difop, "no points before the device has told its angles");
+    v.field("wait_for_difop", wait_for_difop, "no points before the device has sent its angles");
     v.field("most_lost", most_lost, {1, 1'000'000}, "packets a second; more lost than this is a fault");
     v.field("channel", channel, "of the points: another one for each further device on the bus");
     v.field("raw_channel", raw_channel, "of the packets as received");

@@ -19,9 +19,9 @@ std::string remedy(decoding::Refusal why, const models::ModelTable& model) {
     case Refusal::kMagic:
       return fmt::format("not {} packets; is another device sending to this port?", model.title);
     case Refusal::kMode:
-      return "the device is set to a return mode that it does not know, or has not told: let it send its information";
+      return "the device is set to a return mode that is not known, or has not sent it: let it send its information";
     case Refusal::kNoAngles:
-      return "the device has not told its lasers' angles; give them in angles_file, or let it send its information";
+      return "the device has not sent its lasers' angles; give them in angles_file, or let it send its information";
     case Refusal::kStamp:
       return "the device's stamps do not go on evenly";
     case Refusal::kAzimuth:

@@ -17,7 +17,7 @@ struct SpawnedProcess {
 };
 
 /// Starts `line` with this process's environment and `line.environment` over it. `mark` is put into the environment as
-/// kMarkVariable, so that descendants can be told from strangers. Throws std::system_error when it cannot be executed.
+/// kMarkVariable, so that descendants can be recognised. Throws std::system_error when it cannot be executed.
 [[nodiscard]] SpawnedProcess spawn(const config::ExecLine& line, const std::string& mark);
 
 inline constexpr const char* kMarkVariable = "CURBSTONE_DEPUTY_MARK";

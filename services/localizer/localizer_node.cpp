@@ -34,7 +34,7 @@ LocalizerNode::LocalizerNode(const LocalizerConfig& config, Publisher& bus)
   if (!config_.start.empty() && config_.start.size() != 3)
     throw ConfigError(fmt::format("localizer.start: expected X, Y, YAW or none, got {} numbers", config_.start.size()));
   if (config_.method == Method::kMonteCarlo && config_.start.empty())
-    throw ConfigError("localizer.start: method mcl must be told where the drive begins");
+    throw ConfigError("localizer.start: method mcl needs the place where the drive begins");
   epoch_ = file_.epoch();
   const auto keys = file_.tile_keys();
   map_.emplace(keys, [this](TileKey key) { return read(key); });

@@ -84,7 +84,7 @@ class Mapper {
   [[nodiscard]] bool is_at_start() const { return start_.is_there(); }
   /// Whether the map of the first standstill is shown, which the drive's own is not: see shown().
   [[nodiscard]] bool shows_start() const { return start_.is_shown(); }
-  /// What listeners are told of: grown(), but for the beginning of a drive. After wait_grown(), wait() or finish();
+  /// What listeners see: grown(), but for the beginning of a drive. After wait_grown(), wait() or finish();
   /// else std::logic_error.
   [[nodiscard]] const dense_map::DenseMap& shown() { return shown_map().grown(); }
   /// The drive's own. After wait_grown(), wait() or finish(); else std::logic_error.

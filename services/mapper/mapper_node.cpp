@@ -18,9 +18,9 @@ namespace {
 constexpr std::size_t kMaxPending = 80;  // scans that wait for odometry; 20 Hz: 4 s
 constexpr int kMostInATurn = 5;          // scans
 constexpr std::int64_t kIndexPeriod = 1'000'000;
-constexpr std::int64_t kToldFor = 60'000'000;  // us of the drive, that a new map began
-constexpr double kNextWait = 0.25;             // s
-constexpr int kOdometryMissing = 5;            // scans in a row: the last ones of a drive have none to their end
+constexpr std::int64_t kReportedFor = 60'000'000;  // us of the drive, that a new map began
+constexpr double kNextWait = 0.25;                 // s
+constexpr int kOdometryMissing = 5;                // scans in a row: the last ones of a drive have none to their end
 
 std::vector<TrajectoryPoint> points_of(const std::vector<journal::RecordedPose>& drive) {
   std::vector<TrajectoryPoint> points;
@@ -288,12 +288,12 @@ NodeReport MapperNode::report() const {
   report.latency_p99 = latency_.percentile(0.99);
   if (saver_ && !saver_->fault().empty()) report.faults.push_back(saver_->fault());
   if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());
-  if (!not_resumed_.empty() && last_end_ - first_lidar_ < kToldFor) report.faults.push_back(not_resumed_);
+  if (!not_resumed_.empty() && last_end_ - first_lidar_ < kReportedFor) report.faults.push_back(not_resumed_);
   packets_.add_faults(report.faults);
   watch_.add_faults(report.faults);
   if (epoch_ != 0 && without_odometry_ >= kOdometryMissing)
     report.faults.push_back("no usable ODOMETRY: assuming constant velocity");
-  if (too_late_ != 0 && last_end_ - too_late_ < kToldFor)
+  if (too_late_ != 0 && last_end_ - too_late_ < kReportedFor)
     report.faults.push_back(
         fmt::format("{} revolutions went without odometry that came too late: a replay makes another map",
                     counters_["odometry.too_late"]));

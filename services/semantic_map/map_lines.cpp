@@ -110,13 +110,13 @@ std::vector<tile::CurbLine> link_and_bridge_curbs(const std::vector<curb_lines::
   return lines;
 }
 
-std::vector<tile::MarkingLine> link_markings(std::vector<marking_lines::MapMarkingCell> cells, const Kerbstones& kerbs,
-                                             const tile::DrivenPath& path,
-                                             const markings::MarkingParameters& parameters) {
+std::vector<tile::MarkingLine> link_road_markings(std::vector<marking_lines::MapMarkingCell> cells,
+                                                  const Kerbstones& kerbs, const tile::DrivenPath& path,
+                                                  const markings::MarkingParameters& parameters) {
   for (marking_lines::MapMarkingCell& cell : cells) {
     if (cell.is_bright && kerbs.hold(cell.at)) cell.is_bright = cell.is_strong = false;
   }
-  std::vector<tile::MarkingLine> lines = marking_lines::link_markings(cells, path, parameters);
+  std::vector<tile::MarkingLine> lines = marking_lines::link_marking_cells(cells, path, parameters);
   std::erase_if(lines, [&](const tile::MarkingLine& line) { return is_beyond_kerb(line, kerbs, path); });
   for (std::size_t i = 0; i < lines.size(); ++i) lines[i].id = static_cast<std::int32_t>(i);
   return lines;
@@ -130,7 +130,7 @@ std::vector<tile::CurbLine> all_curbs(const pipeline::TilePipeline& pipeline) {
 std::vector<tile::MarkingLine> all_markings(const pipeline::TilePipeline& pipeline,
                                             const std::vector<tile::CurbLine>& curbs, const tile::DrivenPath& path,
                                             const markings::MarkingParameters& parameters) {
-  return link_markings(marking_cells_in(everything(), pipeline), Kerbstones(curbs), path, parameters);
+  return link_road_markings(marking_cells_in(everything(), pipeline), Kerbstones(curbs), path, parameters);
 }
 
 LineTile line_tile(TileKey key, const pipeline::TilePipeline& pipeline) {
@@ -147,7 +147,7 @@ MapLineSources line_sources(const pipeline::TilePipeline& pipeline, const tile::
 }
 
 tile::MapLines link(const MapLineSources& sources) {
-  std::vector<TileKey> keys;  // sorted: what lines are does not depend on the order of tiles, but how they are told
+  std::vector<TileKey> keys;  // sorted: what lines are does not depend on the order of tiles, but their order does
   keys.reserve(sources.tiles.size());
   for (const auto& [key, tile] : sources.tiles) keys.push_back(key);
   std::sort(keys.begin(), keys.end());
@@ -163,7 +163,7 @@ tile::MapLines link(const MapLineSources& sources) {
     const auto it = sources.tiles.find(key);
     return it == sources.tiles.end() ? nullptr : it->second.classes;
   });
-  lines.markings = link_markings(std::move(cells), Kerbstones(lines.curbs), sources.path, sources.markings);
+  lines.markings = link_road_markings(std::move(cells), Kerbstones(lines.curbs), sources.path, sources.markings);
   if (sources.before) {
     const auto only_before = [&](TileKey key) {
       return sources.before->tiles.contains(key) && !sources.tiles.contains(key);

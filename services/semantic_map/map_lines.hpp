@@ -34,11 +34,11 @@ using TileLookup = std::function<std::shared_ptr<const tile::MapTile>(TileKey ke
 /// Linked, with bridges over ground that the tiles show (curb_lines::add_bridges()).
 [[nodiscard]] std::vector<tile::CurbLine> link_and_bridge_curbs(const std::vector<curb_lines::MapCurbPoint>& points,
                                                                 const TileLookup& tiles);
-/// Of the cells that are not on the stones of kerbs; without lines that lie beyond a raised kerb, seen from the path:
-/// yards and lawns have bright strips, too.
-[[nodiscard]] std::vector<tile::MarkingLine> link_markings(std::vector<marking_lines::MapMarkingCell> cells,
-                                                           const Kerbstones& kerbs, const tile::DrivenPath& path,
-                                                           const markings::MarkingParameters& parameters);
+/// The markings of the road, of the cells that are not on the stones of kerbs (marking_lines::link_marking_cells()).
+/// Lines beyond a raised kerb, seen from the path, are left out: yards and lawns have bright strips, too.
+[[nodiscard]] std::vector<tile::MarkingLine> link_road_markings(std::vector<marking_lines::MapMarkingCell> cells,
+                                                                const Kerbstones& kerbs, const tile::DrivenPath& path,
+                                                                const markings::MarkingParameters& parameters);
 
 /// The curb lines of the whole map.
 [[nodiscard]] std::vector<tile::CurbLine> all_curbs(const pipeline::TilePipeline& pipeline);

@@ -14,8 +14,8 @@
 namespace curbstone::semantic_map {
 
 /// Has the lines of the whole map linked in another thread, from what the map is at one time. That thread keeps what it
-/// linked from, and is told only what became another since: to tell it takes as long as that is much, however large the
-/// map has grown.
+/// linked from, and is given only what has changed since: that takes as long as much has changed, however large the map
+/// has grown.
 class MapLinker {
  public:
   explicit MapLinker(const markings::MarkingParameters& parameters) : parameters_(parameters) { clear(); }

@@ -16,10 +16,10 @@ class NearbyCurbs {
   /// `range`: m, half of the box's side; less where there is more than a message holds.
   explicit NearbyCurbs(double range) : range_(range) {}
 
-  /// `vehicle`, `path`: m in map; the rise of a line is told by the path. The caller fills in utime and epoch.
+  /// `vehicle`, `path`: m in map; the path decides which way a line rises. The caller fills in utime and epoch.
   [[nodiscard]] curb_lines_t next(const pipeline::TilePipeline& pipeline, const Eigen::Vector2d& vehicle,
                                   const tile::DrivenPath& path);
-  /// What the last message told of.
+  /// The lines of the last message.
   [[nodiscard]] const std::vector<tile::CurbLine>& lines() const { return lines_; }
 
  private:

@@ -14,7 +14,7 @@
 
 namespace curbstone::semantic_map {
 
-/// `path`: where the vehicle drove, m in map, by which the rise is told.
+/// `path`: where the vehicle drove, m in map, which decides the sign of the rise.
 [[nodiscard]] curb_line_t to_message(const tile::CurbLine& line, const tile::DrivenPath& path);
 [[nodiscard]] marking_line_t to_message(const tile::MarkingLine& line);
 [[nodiscard]] semantic_tile_t to_message(const tile::MapTile& tile, std::int32_t epoch, std::int32_t revision);

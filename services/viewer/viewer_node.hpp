@@ -51,7 +51,7 @@ class ViewerNode final : public Node {
   void tick(std::int64_t now) override;
   [[nodiscard]] NodeReport report() const override;
 
-  /// Forgets all that it was told, as if it were started again; the pages stay.
+  /// Forgets all that it received, as if it were started again; the pages stay.
   void begin_again();
   /// Of the log that is played, for the pages.
   void set_playback(const Playback& playback) { playback_ = playback; }

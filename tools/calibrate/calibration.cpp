@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kPiece = 0.5;  // s
 constexpr std::size_t kMinSegments = 20;
-constexpr double kShare = 0.9;  // of what is known, told by the drive: observed
+constexpr double kShare = 0.9;  // of what is known, by the drive: observed
 constexpr double kOpen = 0.5;   // of the prior's variance left: the drive says nothing in that direction
 
 struct Described {

@@ -20,8 +20,8 @@ struct CalibratedValue {
   double configured = 0.0;  ///< what the vehicle's file said
   double value = 0.0;       ///< `configured` where the drive says nothing
   double sigma = 0.0;       ///< 1 standard deviation, the prior included
-  double share = 0.0;       ///< 0..1 of what is known now that the drive told: 1 - sigma^2 / prior^2
-  bool observed = false;    ///< the drive told nearly all of it, and well enough to be of use
+  double share = 0.0;       ///< 0..1 of what is known now that the drive showed: 1 - sigma^2 / prior^2
+  bool observed = false;    ///< the drive showed nearly all of it, and well enough to be of use
 };
 
 /// A direction that the drive left open: a unit-free combination of parameters of which only the prior speaks.

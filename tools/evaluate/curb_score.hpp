@@ -45,7 +45,7 @@ struct Score {
   [[nodiscard]] double f1() const { return precision + recall > 0 ? 2 * precision * recall / (precision + recall) : 0; }
 };
 
-/// Steps are told apart by their height: up to 6, 8, 10, 12 cm, and higher.
+/// Steps are grouped by their height: up to 6, 8, 10, 12 cm, and higher.
 inline constexpr std::array kStepBounds = {0.06, 0.08, 0.10, 0.12};  ///< m
 
 struct CurbScore {

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <string>
+#include <utility>
+
 #include "common/config/command_line.hpp"
 #include "common/config/vehicle.hpp"
 #include "services/semantic_map/picture/png_file.hpp"
@@ -18,6 +21,39 @@ namespace curbstone::evaluate {
 
 namespace {
 
+struct Arguments {
+  std::string map;
+  std::string truth;
+  std::string other_map;
+  std::string log;
+  std::string labels;
+  std::string picture;
+  std::string overlay;
+  std::string json;
+  double radius = 8.0;
+};
+
+void add_options(CommandLine& line, Arguments& arguments) {
+  line.option("--map", arguments.map, "The map").required();
+  const auto truth =
+      line.option("--truth", arguments.truth, "Truth folder: truth.json, poses.csv, classes.png, curbs.csv");
+  line.option("--against", arguments.other_map,
+              "Instead of the truth, another map of the drive, as of its replay: exit status 3 if they differ")
+      .excludes(truth);
+  line.option("--log", arguments.log, "Recording of the run: adds losses, latency and CPU");
+  line.option("--radius", arguments.radius, "Curbs count within this many m of the path")
+      .within(0.5, 100.0)
+      .shows_default();
+  line.option("--labels", arguments.labels,
+              "Labelled scans of a recorded drive (SemanticKITTI: scans/, labels/, reference_poses.txt): its true "
+              "curbs and classes");
+  line.option("--picture", arguments.picture, "Draw the map (PNG)");
+  line.option("--overlay", arguments.overlay,
+              "Draw the map, the truth over it and dots where it errs (PNG): yellow for curbs it misses, cyan for such "
+              "that are none, orange for obstacles called free");
+  line.option("--json", arguments.json, "Write the figures here, for programs");
+}
+
 /// The drive begins at its first scan, with the lidar where a vehicle has it by default.
 void add_labels(const std::string& folder, truth::Truth& truth) {
   truth::StreetLabels labels =
@@ -26,7 +62,7 @@ void add_labels(const std::string& folder, truth::Truth& truth) {
   truth.classes = std::move(labels.classes);
 }
 
-int compare(const std::string& file, const std::string& other_file) {
+int compare_maps(const std::string& file, const std::string& other_file) {
   const auto load = [](const std::string& name) {
     const semantic_map::store::MapReader reader(name);
     return StoredMap{reader.tiles(), reader.curbs(), reader.trajectory()};
@@ -36,64 +72,55 @@ int compare(const std::string& file, const std::string& other_file) {
   return d.none() ? 0 : 3;
 }
 
+truth::Truth load_truth(const Arguments& arguments) {
+  truth::Truth truth = truth::load_truth(arguments.truth);
+  if (!arguments.labels.empty()) add_labels(arguments.labels, truth);
+  return truth;
+}
+
+truth::Trajectory driven_path(const semantic_map::store::MapReader& map) {
+  truth::Trajectory path;
+  for (const semantic_map::tile::TrajectoryPose& pose : map.trajectory()) path.push_back({pose.utime, pose.T_map_base});
+  return path;
+}
+
+/// `picture`: the map as it is; the overlay goes on top.
+void draw(semantic_map::picture::MapPicture picture, const Evaluation& evaluation, const truth::Truth& truth,
+          const Arguments& arguments) {
+  semantic_map::picture::PictureOptions drawing;
+  drawing.title = fmt::format("{:.0f} m driven", evaluation.trajectory.distance_m);
+  if (!arguments.picture.empty())
+    semantic_map::picture::write_png(semantic_map::picture::draw_map(picture, drawing), arguments.picture);
+  if (arguments.overlay.empty()) return;
+  picture.overlays = truth_lines(truth, evaluation.T_truth_map);
+  const auto errors = error_dots(evaluation);
+  picture.overlays.insert(picture.overlays.end(), errors.begin(), errors.end());
+  semantic_map::picture::write_png(semantic_map::picture::draw_map(picture, drawing), arguments.overlay);
+}
+
+int compare_with_truth(const Arguments& arguments) {
+  const truth::Truth truth = load_truth(arguments);
+  const semantic_map::store::MapReader map(arguments.map);
+  semantic_map::picture::MapPicture picture = output::stored_picture(map);
+  Evaluation evaluation = evaluate(picture.tiles, picture.curbs, driven_path(map), truth, arguments.radius);
+  if (!arguments.log.empty()) evaluation.run = read_run_log(arguments.log);
+  fmt::print("{}", to_table(evaluation));
+  if (!arguments.json.empty()) output::write_text(arguments.json, to_json(evaluation));
+  draw(std::move(picture), evaluation, truth, arguments);
+  return evaluation.run && evaluation.run->log_is_damaged ? 1 : 0;
+}
+
 }  // namespace
 
 int run_evaluate(int argc, char** argv) {
-  std::string map_file;
-  std::string truth_folder;
-  std::string log_file;
-  std::string json_file;
-  std::string label_folder;
-  std::string picture_file;
-  std::string overlay_file;
-  std::string other_file;
-  double radius = 8.0;
+  Arguments arguments;
   CommandLine line("Compares a map with the truth that `curbstone simulate` wrote", "curbstone evaluate");
-  line.option("--map", map_file, "The map").required();
-  const auto truth_option =
-      line.option("--truth", truth_folder, "Truth folder: truth.json, poses.csv, classes.png, curbs.csv");
-  line.option("--against", other_file,
-              "Instead of the truth, another map of the drive, as of its replay: exit status 3 if they differ")
-      .excludes(truth_option);
-  line.option("--log", log_file, "Recording of the run: adds losses, latency and CPU");
-  line.option("--radius", radius, "Curbs count within this many m of the path").within(0.5, 100.0).shows_default();
-  line.option("--labels", label_folder,
-              "Labelled scans of a recorded drive (SemanticKITTI: scans/, labels/, reference_poses.txt): its true "
-              "curbs and classes");
-  line.option("--picture", picture_file, "Draw the map (PNG)");
-  line.option("--overlay", overlay_file,
-              "Draw the map, the truth over it and dots where it errs (PNG): yellow for curbs it misses, cyan for such "
-              "that are none, orange for obstacles called free");
-  line.option("--json", json_file, "Write the figures here, for programs");
+  add_options(line, arguments);
   if (const auto status = line.read(argc, argv)) return *status;
-
-  if (!other_file.empty()) return compare(map_file, other_file);
-  if (truth_folder.empty()) {
-    fmt::print(stderr, "curbstone evaluate: --truth or --against is needed; see --help\n");
-    return 2;
-  }
-  truth::Truth truth = truth::load_truth(truth_folder);
-  if (!label_folder.empty()) add_labels(label_folder, truth);
-  const semantic_map::store::MapReader map(map_file);
-  truth::Trajectory trajectory;
-  semantic_map::picture::MapPicture picture = output::stored_picture(map);
-  for (const semantic_map::tile::TrajectoryPose& pose : map.trajectory())
-    trajectory.push_back({pose.utime, pose.T_map_base});
-  Evaluation evaluation = evaluate(picture.tiles, picture.curbs, trajectory, truth, radius);
-  if (!log_file.empty()) evaluation.run = read_run_log(log_file);
-  fmt::print("{}", to_table(evaluation));
-  if (!json_file.empty()) output::write_text(json_file, to_json(evaluation));
-  semantic_map::picture::PictureOptions drawing;
-  drawing.title = fmt::format("{:.0f} m driven", evaluation.trajectory.distance_m);
-  if (!picture_file.empty())
-    semantic_map::picture::write_png(semantic_map::picture::draw_map(picture, drawing), picture_file);
-  if (!overlay_file.empty()) {
-    picture.overlays = truth_lines(truth, evaluation.T_truth_map);
-    const auto errors = error_dots(evaluation);
-    picture.overlays.insert(picture.overlays.end(), errors.begin(), errors.end());
-    semantic_map::picture::write_png(semantic_map::picture::draw_map(picture, drawing), overlay_file);
-  }
-  return evaluation.run && evaluation.run->log_is_damaged ? 1 : 0;
+  if (!arguments.other_map.empty()) return compare_maps(arguments.map, arguments.other_map);
+  if (!arguments.truth.empty()) return compare_with_truth(arguments);
+  fmt::print(stderr, "curbstone evaluate: --truth or --against is needed; see --help\n");
+  return 2;
 }
 
 }  // namespace curbstone::evaluate

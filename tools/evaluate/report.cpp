@@ -117,6 +117,57 @@ nlohmann::json curb_json(const CurbScore& c) {
   return json;
 }
 
+void add_curbs(const CurbScore& c, nlohmann::json& json) {
+  json["curb"] = curb_json(c);
+  json["lowered_kerbs"] = {{"true_points", c.lowered_points},
+                           {"found", c.lowered_found},
+                           {"marked_points", c.lowered_feet},
+                           {"wrong", c.lowered_wrong}};
+  json["inferred"] = {{"length_m", c.inferred_m},
+                      {"right", c.inferred_right},
+                      {"missed_points", c.missed.size()},
+                      {"found", c.inferred_found}};
+  json["lateral_cm"] = {{"median", c.lateral_median_cm},
+                        {"p95", c.lateral_p95_cm},
+                        {"bias", c.lateral_bias_cm},
+                        {"spread", c.lateral_spread_cm}};
+}
+
+nlohmann::json blocking_json(const BlockingScore& b) {
+  return {{"recall", b.recall()}, {"blocked", b.blocked}, {"free", b.free()}, {"unknown", b.unknown}};
+}
+
+nlohmann::json trajectory_json(const truth::TrajectoryErrors& t) {
+  return {{"distance_m", t.distance_m},
+          {"ate_m", t.ate_m},
+          {"rpe_percent", t.rpe_percent},
+          {"rpe_deg_per_m", t.rpe_deg_per_m},
+          {"end_percent", t.end_percent}};
+}
+
+nlohmann::json dropped_json(const RunFigures& run) {
+  std::int64_t by_recorder = 0;
+  for (const auto& [channel, missing] : run.lost_by_recorder) by_recorder += missing;
+  return {{"packets", run.lost_packets},
+          {"messages", run.lost_messages},
+          {"by_recorder", by_recorder},
+          {"by_recorder_channels", run.lost_by_recorder}};
+}
+
+void add_run(const RunFigures& run, nlohmann::json& json) {
+  if (run.processes > 0) json["dropped"] = dropped_json(run);
+  if (run.latency) {
+    json["latency_ms"] = {{"p50", run.latency->p50_ms}, {"p95", run.latency->p95_ms}};
+    for (const auto& [channel, stage] : run.stages)
+      json["latency_ms"]["stages"][channel] = {{"p50", stage.p50_ms}, {"p95", stage.p95_ms}};
+  }
+  if (!run.first_after_s.empty()) json["start_s"] = run.first_after_s;
+  if (run.set_off_after_s) json["start_s"]["set_off"] = *run.set_off_after_s;
+  if (!run.cores.empty()) json["cores"] = run.cores;
+  for (const auto& [process, share] : run.cores)
+    json["processes"].push_back({{"name", process}, {"cores", share}, {"memory_mb", run.memory_mb.at(process)}});
+}
+
 }  // namespace
 
 std::string to_table(const Evaluation& e) {
@@ -137,57 +188,15 @@ std::string to_json(const Evaluation& e) {
   for (const char* key : {"curb", "lowered_kerbs", "inferred", "lateral_cm", "classes", "blocking", "dropped",
                           "latency_ms", "start_s", "cores", "processes"})
     json[key] = nullptr;
-  if (e.curbs) {
-    json["curb"] = curb_json(*e.curbs);
-    json["lowered_kerbs"] = {{"true_points", e.curbs->lowered_points},
-                             {"found", e.curbs->lowered_found},
-                             {"marked_points", e.curbs->lowered_feet},
-                             {"wrong", e.curbs->lowered_wrong}};
-    json["inferred"] = {{"length_m", e.curbs->inferred_m},
-                        {"right", e.curbs->inferred_right},
-                        {"missed_points", e.curbs->missed.size()},
-                        {"found", e.curbs->inferred_found}};
-    json["lateral_cm"] = {{"median", e.curbs->lateral_median_cm},
-                          {"p95", e.curbs->lateral_p95_cm},
-                          {"bias", e.curbs->lateral_bias_cm},
-                          {"spread", e.curbs->lateral_spread_cm}};
-  }
+  if (e.curbs) add_curbs(*e.curbs, json);
   if (e.classes) json["classes"] = {{"accuracy", e.classes->accuracy()}, {"confusion", e.classes->count}};
   if (e.firm_classes) {
     json["classes"]["firm_accuracy"] = e.firm_classes->accuracy();
     json["classes"]["firm_confusion"] = e.firm_classes->count;
   }
-  if (e.blocking) {
-    json["blocking"] = {{"recall", e.blocking->recall()},
-                        {"blocked", e.blocking->blocked},
-                        {"free", e.blocking->free()},
-                        {"unknown", e.blocking->unknown}};
-  }
-  json["trajectory"] = {{"distance_m", e.trajectory.distance_m},
-                        {"ate_m", e.trajectory.ate_m},
-                        {"rpe_percent", e.trajectory.rpe_percent},
-                        {"rpe_deg_per_m", e.trajectory.rpe_deg_per_m},
-                        {"end_percent", e.trajectory.end_percent}};
-  if (e.run) {
-    if (e.run->processes > 0) {
-      std::int64_t by_recorder = 0;
-      for (const auto& [channel, missing] : e.run->lost_by_recorder) by_recorder += missing;
-      json["dropped"] = {{"packets", e.run->lost_packets},
-                         {"messages", e.run->lost_messages},
-                         {"by_recorder", by_recorder},
-                         {"by_recorder_channels", e.run->lost_by_recorder}};
-    }
-    if (e.run->latency) {
-      json["latency_ms"] = {{"p50", e.run->latency->p50_ms}, {"p95", e.run->latency->p95_ms}};
-      for (const auto& [channel, stage] : e.run->stages)
-        json["latency_ms"]["stages"][channel] = {{"p50", stage.p50_ms}, {"p95", stage.p95_ms}};
-    }
-    if (!e.run->first_after_s.empty()) json["start_s"] = e.run->first_after_s;
-    if (e.run->set_off_after_s) json["start_s"]["set_off"] = *e.run->set_off_after_s;
-    if (!e.run->cores.empty()) json["cores"] = e.run->cores;
-    for (const auto& [process, share] : e.run->cores)
-      json["processes"].push_back({{"name", process}, {"cores", share}, {"memory_mb", e.run->memory_mb.at(process)}});
-  }
+  if (e.blocking) json["blocking"] = blocking_json(*e.blocking);
+  json["trajectory"] = trajectory_json(e.trajectory);
+  if (e.run) add_run(*e.run, json);
   return json.dump(2) + "\n";
 }
 

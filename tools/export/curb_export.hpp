@@ -17,7 +17,7 @@ struct CurbSummary {
   semantic_map::curb_lines::CurbRise rise = semantic_map::curb_lines::CurbRise::kUnknown;
 };
 
-inline constexpr double kHighCurb = 0.05;     ///< m: from here on a curb is `high` unless told otherwise
+inline constexpr double kHighCurb = 0.05;     ///< m: from here on a curb is `high` unless given otherwise
 inline constexpr float kFarthestCurb = 1e5F;  ///< m from the map's origin: farther is no drive
 
 /// What curbs are looked at with.

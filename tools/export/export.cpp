@@ -179,13 +179,7 @@ bool export_map(const ExportArguments& arguments, const std::optional<geo::Tange
   return is_damaged;
 }
 
-}  // namespace
-
-int run_export(int argc, char** argv) {
-  ExportArguments arguments;
-  CommandLine line(
-      "Writes a map file in the formats of others: nav2, QGIS and GDAL, Lanelet2, GeoJSON, PCD, PLY; or a log as MCAP",
-      "curbstone export");
+void add_options(CommandLine& line, ExportArguments& arguments) {
   line.argument("map", arguments.map, "The map file; with --only mcap, a log or the folder of a session").required();
   line.option("--out", arguments.out, "Folder for the results").shows_default();
   line.option("--only", arguments.only, "What to write; default: everything but mcap")
@@ -214,6 +208,31 @@ int run_export(int argc, char** argv) {
               {{"zstd", McapCompression::kZstd}, {"none", McapCompression::kNone}}, "mcap: zstd (the default) or none");
   line.flag("--without-raw", arguments.without_raw,
             "mcap: leaves out the log's own messages, which only our tools read");
+}
+
+/// What is wrong with the arguments together; nothing if they fit.
+std::optional<std::string> contradiction_in(const ExportArguments& arguments) {
+  if (!arguments.log.empty()) return std::nullopt;
+  if (!arguments.only.empty() && arguments.wants("cloud"))
+    return "--only: cloud needs --log: a map file keeps no points";
+  if (arguments.names("mcap") && !arguments.only_mcap())
+    return "--only: mcap is made of a log: give it with --log, or ask for mcap alone";
+  return std::nullopt;
+}
+
+bool is_unknown_free(const std::string& config) {
+  return config_of<semantic_map::SemanticMapConfig>("semantic_map", kProcessSections, config, {})
+      .classes.unknown_is_free;
+}
+
+}  // namespace
+
+int run_export(int argc, char** argv) {
+  ExportArguments arguments;
+  CommandLine line(
+      "Writes a map file in the formats of others: nav2, QGIS and GDAL, Lanelet2, GeoJSON, PCD, PLY; or a log as MCAP",
+      "curbstone export");
+  add_options(line, arguments);
   if (const auto status = line.read(argc, argv)) return *status;
   std::optional<geo::TangentPlane> plane;
   if (!arguments.datum.empty()) {
@@ -221,15 +240,11 @@ int run_export(int argc, char** argv) {
     if (!datum) return line.refuse("--datum: " + arguments.datum + " is not LAT,LON[,ALT[,HEADING]] on the Earth");
     plane.emplace(*datum);
   }
-  if (arguments.log.empty() && !arguments.only.empty() && arguments.wants("cloud"))
-    return line.refuse("--only: cloud needs --log: a map file keeps no points");
-  if (arguments.log.empty() && arguments.names("mcap") && !arguments.only_mcap())
-    return line.refuse("--only: mcap is made of a log: give it with --log, or ask for mcap alone");
+  if (const auto contradiction = contradiction_in(arguments)) return line.refuse(*contradiction);
   arguments.mcap.raw = !arguments.without_raw;
   if (arguments.only_mcap()) return export_log(arguments) ? 1 : 0;
-  const auto semantic_map =
-      config_of<semantic_map::SemanticMapConfig>("semantic_map", kProcessSections, arguments.config, {});
-  if (!line.given("--unknown") && semantic_map.classes.unknown_is_free) arguments.nav2.unknown = UnknownCells::kFree;
+  const bool unknown_is_free = is_unknown_free(arguments.config);
+  if (!line.given("--unknown") && unknown_is_free) arguments.nav2.unknown = UnknownCells::kFree;
   return export_map(arguments, plane) ? 1 : 0;
 }
 

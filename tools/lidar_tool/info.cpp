@@ -106,10 +106,10 @@ std::string sensor_text(const Packets& packets, const Device& device) {
                                                 counters["no_return"], counters["out_of_range"]));
   text += line("lost", fmt::format("{} packets", counters["lost.packets"]));
   text += line("refused", refusals_text(counters));
-  text += line("returns", sensor.return_mode().empty() ? "not told" : sensor.return_mode());
+  text += line("returns", sensor.return_mode().empty() ? "not sent" : sensor.return_mode());
   text += line("speed", rpm_text(sensor));
-  text += line("identity", facts.identity.empty() ? "not told" : facts.identity);
-  text += line("angles", facts.angles_known ? "the device's own" : "nominal: the device has not told its own");
+  text += line("identity", facts.identity.empty() ? "not sent" : facts.identity);
+  text += line("angles", facts.angles_known ? "the device's own" : "nominal: the device has not sent its own");
   text += line("clock", clock_text(sensor));
   for (const auto& [name, value] : facts.values.values()) text += line("", fmt::format("{} = {}", name, value));
   for (const std::string& fault : facts.faults) text += line("fault", fault);

@@ -109,7 +109,7 @@ int run_lidar(int argc, char** argv) {
   if (const auto status = line.read(argc, argv)) return *status;
   seconds_given = line.given("--seconds");
   if (options.what == "watch" && !seconds_given) options.listen.seconds = 1e9;
-  spdlog::set_level(spdlog::level::err);  // the driver's node tells on its own what is told here
+  spdlog::set_level(spdlog::level::err);  // the driver's node would say a second time what is said here
   if (options.what == "info") {
     const auto packets = packets_from(options.where, options.listen);
     fmt::print("{}", info_text(*packets, options.where));

@@ -32,7 +32,7 @@ class Sensor {
   [[nodiscard]] Counters counters() const { return node_.report().counters; }
   /// All "refused.*" together.
   [[nodiscard]] std::int64_t refused() const;
-  /// "strongest", "last", "dual", "first"; empty until the device has told.
+  /// "strongest", "last", "dual", "first"; empty until the device has sent it.
   [[nodiscard]] const std::string& return_mode() const { return return_mode_; }
   /// rpm, by the azimuths of the last packets; 0 until known.
   [[nodiscard]] double rpm() const { return rpm_; }

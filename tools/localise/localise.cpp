@@ -100,29 +100,31 @@ std::string to_table(const PoseErrors& e) {
   return fmt::format(
       "  not lost and with a truth    {} of {} revolutions, {} lost\n"
       "  lateral        RMSE {:.3f} m, 99 % {:.3f} m\n"
-      "                 RMSE {:.3f} m, 99 % {:.3f} m where the longitudinal pose is not told\n"
+      "                 RMSE {:.3f} m, 99 % {:.3f} m where the longitudinal pose is degenerate\n"
       "  longitudinal   RMSE {:.3f} m, 99 % {:.3f} m where not degenerate ({} revolutions are)\n"
       "  yaw            RMSE {:.3f} deg\n"
       "  NEES (3)       mean {:.2f}, {:.1f} % beyond the 95 % bound\n"
       "                 lateral {:.2f}, longitudinal {:.2f}, yaw {:.2f}: 1 each where its sigma is right\n"
       "  worst          {:.3f} m; {} revolutions wrong by 0.5 m and not lost\n",
-      e.judged, e.poses, e.lost, e.lateral_rmse, e.lateral_99, e.lateral_untold_rmse, e.lateral_untold_99,
+      e.judged, e.poses, e.lost, e.lateral_rmse, e.lateral_99, e.lateral_degenerate_rmse, e.lateral_degenerate_99,
       e.longitudinal_rmse, e.longitudinal_99, e.degenerate, e.yaw_rmse, e.nees, 100 * e.beyond_95, e.nees_lateral,
       e.nees_longitudinal, e.nees_yaw, e.worst, e.wrong_and_sure);
 }
 
 nlohmann::json to_json(const PoseErrors& e) {
-  // Not 0 where no revolution tells it: there is none to be the error of.
-  const auto told = [&](double value) { return e.judged > e.degenerate ? nlohmann::json(value) : nlohmann::json(); };
+  // Not 0 where it is degenerate in every revolution: there is none to be the error of.
+  const auto where_observable = [&](double value) {
+    return e.judged > e.degenerate ? nlohmann::json(value) : nlohmann::json();
+  };
   return {{"revolutions", e.poses},
           {"lost", e.lost},
           {"judged", e.judged},
           {"lateral_rmse_m", e.lateral_rmse},
           {"lateral_99_m", e.lateral_99},
-          {"lateral_untold_rmse_m", e.lateral_untold_rmse},
-          {"lateral_untold_99_m", e.lateral_untold_99},
-          {"longitudinal_rmse_m", told(e.longitudinal_rmse)},
-          {"longitudinal_99_m", told(e.longitudinal_99)},
+          {"lateral_degenerate_rmse_m", e.lateral_degenerate_rmse},
+          {"lateral_degenerate_99_m", e.lateral_degenerate_99},
+          {"longitudinal_rmse_m", where_observable(e.longitudinal_rmse)},
+          {"longitudinal_99_m", where_observable(e.longitudinal_99)},
           {"longitudinal_all_rmse_m", e.longitudinal_all},
           {"degenerate", e.degenerate},
           {"yaw_rmse_deg", e.yaw_rmse},

@@ -78,7 +78,7 @@ std::optional<Pose> TrueMapPose::at(std::int64_t utime) const {
 
 PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& truth) {
   PoseErrors errors;
-  std::vector<double> across, across_untold, along, along_all, yaws;
+  std::vector<double> across, across_degenerate, along, along_all, yaws;
   double nees = 0;
   Eigen::Vector3d by_axis = Eigen::Vector3d::Zero();
   int beyond = 0;
@@ -100,7 +100,7 @@ PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& tr
     along_all.push_back(std::abs(error.translation().x()));
     if (pose.degenerate & 1) {
       ++errors.degenerate;
-      across_untold.push_back(across.back());
+      across_degenerate.push_back(across.back());
     } else {
       along.push_back(along_all.back());
     }
@@ -115,8 +115,8 @@ PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& tr
   }
   errors.lateral_rmse = rms(across);
   errors.lateral_99 = quantile_or(across, 0.99, 0);
-  errors.lateral_untold_rmse = rms(across_untold);
-  errors.lateral_untold_99 = quantile_or(across_untold, 0.99, 0);
+  errors.lateral_degenerate_rmse = rms(across_degenerate);
+  errors.lateral_degenerate_99 = quantile_or(across_degenerate, 0.99, 0);
   errors.longitudinal_rmse = rms(along);
   errors.longitudinal_99 = quantile_or(along, 0.99, 0);
   errors.longitudinal_all = rms(along_all);

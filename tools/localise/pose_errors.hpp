@@ -31,20 +31,20 @@ class TrueMapPose {
 
 /// Errors of the poses that do not say LOST.
 struct PoseErrors {
-  int poses = 0;                   ///< all
-  int lost = 0;                    ///< of them, that say so
-  int judged = 0;                  ///< of the others, those with a truth
-  double lateral_rmse = 0;         ///< m, across base_link
-  double lateral_99 = 0;           ///< m
-  double lateral_untold_rmse = 0;  ///< m, of the revolutions that do not tell the longitudinal pose
-  double lateral_untold_99 = 0;    ///< m
-  double longitudinal_rmse = 0;    ///< m, along base_link, where that is not said to be degenerate
-  double longitudinal_99 = 0;      ///< m
-  double longitudinal_all = 0;     ///< m, RMSE along base_link of all that are judged
-  int degenerate = 0;              ///< poses that say that the direction of travel is not told
-  double yaw_rmse = 0;             ///< deg
-  double nees = 0;                 ///< mean of x, y, yaw: 3 when the covariance is right
-  double nees_lateral = 0;         ///< mean of each by itself: 1 when its sigma is right; below, it is too wide
+  int poses = 0;                       ///< all
+  int lost = 0;                        ///< of them, that say so
+  int judged = 0;                      ///< of the others, those with a truth
+  double lateral_rmse = 0;             ///< m, across base_link
+  double lateral_99 = 0;               ///< m
+  double lateral_degenerate_rmse = 0;  ///< m, of the revolutions that do not constrain the longitudinal pose
+  double lateral_degenerate_99 = 0;    ///< m
+  double longitudinal_rmse = 0;        ///< m, along base_link, where that is not said to be degenerate
+  double longitudinal_99 = 0;          ///< m
+  double longitudinal_all = 0;         ///< m, RMSE along base_link of all that are judged
+  int degenerate = 0;                  ///< poses that say that the direction of travel is not constrained
+  double yaw_rmse = 0;                 ///< deg
+  double nees = 0;                     ///< mean of x, y, yaw: 3 when the covariance is right
+  double nees_lateral = 0;             ///< mean of each by itself: 1 when its sigma is right; below, it is too wide
   double nees_longitudinal = 0;
   double nees_yaw = 0;
   double beyond_95 = 0;    ///< share with a NEES over 7.815

@@ -10,7 +10,7 @@
 
 namespace curbstone::log_tool {
 
-/// What every command that writes a log is told.
+/// The options of every command that writes a log.
 struct CopyOptions {
   std::vector<std::string> logs;
   std::string out;

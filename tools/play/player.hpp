@@ -13,7 +13,7 @@
 namespace curbstone::play {
 
 /// Says the messages of logs on a bus, at the pace of their records. The messages stay as they are, their times too.
-/// Knows no clock: advance() is told how late it is. One thread.
+/// Knows no clock: the time is an argument of advance(). One thread.
 class Player {
  public:
   using Wanted = std::function<bool(const std::string& channel)>;

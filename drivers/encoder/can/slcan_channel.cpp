@@ -10,7 +10,7 @@ namespace curbstone::encoder::can {
 
 namespace {
 
-constexpr std::int64_t kCloseTime = 100'000;   // us; answers to what was pending are not told apart from ours
+constexpr std::int64_t kCloseTime = 100'000;   // us; answers to what was pending look like those to ours
 constexpr std::int64_t kAnswerTime = 300'000;  // us; some adapters never answer
 constexpr std::int64_t kSilence = 2'000'000;   // us; a bus with a drive is never silent, and one that is off always
 constexpr std::int64_t kRetryPeriod = 1'000'000;

@@ -16,7 +16,7 @@ constexpr std::int64_t kLeast = 250'000;    // us, of a run: what a gyro filters
 
 }  // namespace
 
-void GyroWatch::add(std::int64_t utime, const Eigen::Vector3d& rate, const std::array<bool, 3>& told) {
+void GyroWatch::add(std::int64_t utime, const Eigen::Vector3d& rate, const std::array<bool, 3>& stuck_by_driver) {
   const bool begins = last_utime_ == 0 || utime < last_utime_ || utime - last_utime_ > kPause;
   const Eigen::Vector3d change = (rate - last_).cwiseAbs();
   last_ = rate;
@@ -27,7 +27,7 @@ void GyroWatch::add(std::int64_t utime, const Eigen::Vector3d& rate, const std::
     learn_steps(change);
     for (std::size_t i = 0; i < axes_.size(); ++i) judge(i, utime, change);
   }
-  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].stuck = axes_[i].stuck || told[i];
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].stuck = axes_[i].stuck || stuck_by_driver[i];
 }
 
 void GyroWatch::learn_steps(const Eigen::Vector3d& change) {

@@ -30,7 +30,7 @@ class GyroWatch {
 
   /// The next sample, and which axes its driver calls stuck. After a pause of more than a second, or where the stamps
   /// go back, runs begin anew.
-  void add(std::int64_t utime, const Eigen::Vector3d& rate, const std::array<bool, 3>& told = {});
+  void add(std::int64_t utime, const Eigen::Vector3d& rate, const std::array<bool, 3>& stuck_by_driver = {});
   [[nodiscard]] bool stuck(int axis) const { return axes_[static_cast<std::size_t>(axis)].stuck; }
   /// us, since when an axis has shown the same rate.
   [[nodiscard]] std::int64_t since(int axis) const { return axes_[static_cast<std::size_t>(axis)].since; }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -93,6 +94,11 @@ class Filter {
   void compare_turns(const inputs::WheelInterval& interval);
   void judge_launch(const inputs::WheelInterval& interval);
   void judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows);
+  [[nodiscard]] std::array<model::Observation, 2> observe_wheels(const inputs::WheelInterval& interval,
+                                                                 const model::BodyMotion& motion) const;
+  [[nodiscard]] bool gate_wheels(const inputs::WheelInterval& interval, std::array<model::Observation, 2>& rows);
+  void reset_strayed_axle();
+  [[nodiscard]] bool refutes_motion(const model::BodyMotion& motion, bool refused);
   void count_verdicts(const std::array<bool, 2>& before);
   [[nodiscard]] detection::WheelWatch::Finding settle_dispute();
   [[nodiscard]] double trusted_speed(const inputs::WheelInterval& interval) const;

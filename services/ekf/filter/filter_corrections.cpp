@@ -87,18 +87,37 @@ void Filter::judge_launch(const inputs::WheelInterval& interval) {
   if (disowned_) slip_.accuse(interval.end);
 }
 
+/// Both wheels' speeds and the non-holonomic constraint, in one update.
 void Filter::correct_driving(const inputs::WheelInterval& interval) {
   judge_launch(interval);
   const model::BodyMotion motion = mechanisation_.window().motion();
+  std::array<model::Observation, 2> rows = observe_wheels(interval, motion);
+  judge_wheels(interval, rows);
+  if (axes_.turn_is_lost() && (watch_.faulty(0) || watch_.faulty(1))) heading_.lose();
+  heading_.drive(belief_, motion.velocity.x() * interval.duration());
+  const bool refused = gate_wheels(interval, rows);
+  apply(model::stack(model::stack(rows[0], rows[1]), observe_constraint(motion)));
+  reset_strayed_axle();
+  if (refutes_motion(motion, refused)) {
+    doubt(trusted_speed(interval) - motion.velocity.x());
+    detection::forget_wheel_scale(belief_, config_->wheels);
+    slip_.acquit();
+  }
+}
+
+std::array<model::Observation, 2> Filter::observe_wheels(const inputs::WheelInterval& interval,
+                                                         const model::BodyMotion& motion) const {
   const auto observe = [&](std::size_t wheel) {
     return model::observe_wheel(belief_.mean, motion, static_cast<model::Wheel>(wheel), interval.speed[wheel],
                                 inputs::wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel),
                                 geometry_);
   };
-  std::array<model::Observation, 2> rows{observe(0), observe(1)};
-  judge_wheels(interval, rows);
-  if (axes_.turn_is_lost() && (watch_.faulty(0) || watch_.faulty(1))) heading_.lose();
-  heading_.drive(belief_, motion.velocity.x() * interval.duration());
+  return {observe(0), observe(1)};
+}
+
+/// A wheel that is faulty or slips is left out, one beyond the gate is softened. True if no wheel is left, though not
+/// both are faulty.
+bool Filter::gate_wheels(const inputs::WheelInterval& interval, std::array<model::Observation, 2>& rows) {
   bool refused = !watch_.all_faulty();
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
     const bool faulty = watch_.faulty(wheel);
@@ -110,22 +129,25 @@ void Filter::correct_driving(const inputs::WheelInterval& interval) {
     else if (!model::soften_beyond(model::kGate1, belief_, rows[wheel]))
       counters_.add(wheel == 0 ? "gated.wheel_left" : "gated.wheel_right");
   }
-  apply(model::stack(model::stack(rows[0], rows[1]), observe_constraint(motion)));
+  return refused;
+}
+
+void Filter::reset_strayed_axle() {
   const bool strayed =
       std::abs(belief_.mean.axle - config_->wheels.axle) > kMaxAxleError * config_->wheels.axle_sigma ||
       belief_.mean.course.cwiseAbs().maxCoeff() > kMaxAxleError * config_->wheels.course_sigma;
-  if (strayed) {
-    counters_.add("reset.axle");
-    detection::forget_axle(belief_, config_->wheels);
-  }
+  if (!strayed) return;
+  counters_.add("reset.axle");
+  detection::forget_axle(belief_, config_->wheels);
+}
+
+/// Whether the filter's motion is wrong: the wheels have been refused for long and are not the ones at fault, or no
+/// vehicle is so fast.
+bool Filter::refutes_motion(const model::BodyMotion& motion, bool refused) {
   const bool disputed = wheels_refused_.lasts(refused, belief_.utime, config_->slip.patience);
   const bool absurd = motion.velocity.norm() > config_->wheels.max_speed;
   const bool doubted = disputed && settle_dispute() == detection::WheelWatch::Finding::kFilter;
-  if (doubted || absurd) {
-    doubt(trusted_speed(interval) - motion.velocity.x());
-    detection::forget_wheel_scale(belief_, config_->wheels);
-    slip_.acquit();
-  }
+  return doubted || absurd;
 }
 
 /// Which wheels slip, and which are faulty.

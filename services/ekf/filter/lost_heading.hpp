@@ -5,7 +5,7 @@
 
 namespace curbstone::ekf::filter {
 
-/// A heading that nobody knows any more: the vehicle has coasted where nothing told how it turned.
+/// A heading that nobody knows any more: the vehicle has coasted where nothing measured how it turned.
 ///
 /// No measurement depends on the heading. But where the tilt is corrected, a large error of the heading only seems to
 /// become small; and the covariance, being linear, does not see what it does to the way along it. Here both are kept

@@ -49,8 +49,8 @@ std::optional<std::int64_t> RunningClock::doubt(Channel& own, Channel& other, st
     counters_.add(std::string("dropped.clock_set.") + own.name);
     return std::nullopt;
   }
-  const std::int64_t told = own.set_by + leap;
-  own.set_by = std::abs(other.set_by - told) < kSame ? other.set_by : told;
+  const std::int64_t set_by = own.set_by + leap;
+  own.set_by = std::abs(other.set_by - set_by) < kSame ? other.set_by : set_by;
   if (other.last && *other.last - *own.last > kLeast && own.set_by > other.set_by) other.set_by = own.set_by;
   set_by_ = own.set_by;
   counters_.add(std::string("clock_set.") + own.name);

@@ -13,7 +13,7 @@ constexpr int kFew = 8;  // samples prove nothing yet
 const double kSigmaByMean = std::sqrt(M_PI / 2) / std::sqrt(20.0 / 9.0);
 constexpr double kEven = 0.5;       // of the longest step at least is a step's travel
 constexpr double kParabola = 0.25;  // of a step, by its change's square: how far a constant acceleration is none
-constexpr double kLeast = 3e-4;     // s: less is not told from what wheels do,
+constexpr double kLeast = 3e-4;     // s: less cannot be distinguished from what wheels do,
 constexpr double kUnsure = 2e-3;    // nor is anything where they alone may do that much
 
 }  // namespace

@@ -23,7 +23,7 @@ class StampJitter {
   void interrupt() { known_ = 0; }
 
   /// s, 1 sigma of a stamp, as far as it has shown within the last kMemory samples; 0 where the stamps are as good as
-  /// can be told.
+  /// can be measured.
   [[nodiscard]] double sigma() const;
 
   static constexpr int kMemory = 50;  ///< samples

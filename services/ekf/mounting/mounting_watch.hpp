@@ -11,7 +11,7 @@
 namespace curbstone::ekf::mounting {
 
 /// Whether IMU and wheels are on the vehicle as its file says: the usual mistakes on a new one. It asks the sensors
-/// alone, for a filter that is told the wrong thing believes nonsense, and finds wheels to slip, or itself to drift.
+/// alone, for a filter with a wrong configuration believes nonsense, and finds wheels to slip, or itself to drift.
 ///
 /// - Gravity: over kGravityMemory the specific force points up. No vehicle drives tilted by kMaxTilt, nor in bends.
 /// - Turn: the wheels' yaw rate is a multiple of the gyro's (TurnFit). Where it is about -1 in two stretches of turning

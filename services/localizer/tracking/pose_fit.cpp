@@ -13,15 +13,15 @@ constexpr double kDone = 1e-3;        // m or rad of a step: what is left of the
 constexpr double kNearlyDone = 3e-3;  // m or rad
 constexpr std::size_t kCoarsely = 3;  // of so many points one, before all
 constexpr std::size_t kEnoughPoints = 600;
-constexpr double kGroundBand = 0.22;     // m about the map's ground: a point of it
-constexpr double kLeastUpright = 0.4;    // m above it: a point on something upright,
-constexpr double kMostUpright = 1.9;     // m: as high as the map's classes look
-constexpr double kLevel = 0.1;           // slope between cells
-constexpr double kGroundMatched = 0.06;  // m
-constexpr double kWallMatched = 0.10;    // m
-constexpr int kFewPoints = 40;           // of either kind: says nothing of whether the map fits
-constexpr double kToldPosition = 0.10;   // m, 1 sigma by the revolution alone, beyond which an axis is not told
-constexpr double kToldRotation = 0.01;   // rad
+constexpr double kGroundBand = 0.22;          // m about the map's ground: a point of it
+constexpr double kLeastUpright = 0.4;         // m above it: a point on something upright,
+constexpr double kMostUpright = 1.9;          // m: as high as the map's classes look
+constexpr double kLevel = 0.1;                // slope between cells
+constexpr double kGroundMatched = 0.06;       // m
+constexpr double kWallMatched = 0.10;         // m
+constexpr int kFewPoints = 40;                // of either kind: says nothing of whether the map fits
+constexpr double kObservablePosition = 0.10;  // m, 1 sigma by the revolution alone, below which an axis is observable
+constexpr double kObservableRotation = 0.01;  // rad
 
 /// What the points say about the pose: their part of the normal equations.
 struct NormalSums {
@@ -104,18 +104,18 @@ class PointSums {
   const TrackingConfig& config_;
 };
 
-/// Which axes of base_link the revolution alone does not tell.
-int untold_axes(const Matrix6& information, const Eigen::Matrix3d& R) {
+/// The axes of base_link along which the revolution alone does not constrain the pose: bit i, axis i.
+int unobservable_axes(const Matrix6& information, const Eigen::Matrix3d& R) {
   Matrix6 to_base = Matrix6::Identity();
   to_base.topLeftCorner<3, 3>() = R.transpose();
   const Matrix6 alone = inverse(information + 1e-3 * Matrix6::Identity());
   const Matrix6 covariance = to_base * alone * to_base.transpose();
-  int untold = 0;
+  int unobservable = 0;
   for (int i = 0; i < 6; ++i) {
-    const double most = i < 3 ? kToldPosition : kToldRotation;
-    if (!(covariance(i, i) < most * most)) untold |= 1 << i;
+    const double most = i < 3 ? kObservablePosition : kObservableRotation;
+    if (!(covariance(i, i) < most * most)) unobservable |= 1 << i;
   }
-  return untold;
+  return unobservable;
 }
 
 }  // namespace
@@ -165,8 +165,8 @@ PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& p
     if (moved > kDone && iteration < kMostIterations) continue;
     PoseFit fit = seen.counts;
     fit.belief = {pose, inverse(information)};
-    fit.told = seen.sums.information;
-    fit.degenerate = untold_axes(config.independent * seen.sums.information, pose.linear());
+    fit.information = seen.sums.information;
+    fit.degenerate = unobservable_axes(config.independent * seen.sums.information, pose.linear());
     fit.iterations = iteration;
     fit.residual = seen.sums.matched > 0 ? std::sqrt(seen.sums.squares / seen.sums.matched) : 0;
     return fit;

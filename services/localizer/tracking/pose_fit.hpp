@@ -21,9 +21,9 @@ struct PoseBelief {
 
 /// What a revolution says of the pose.
 struct PoseFit {
-  PoseBelief belief;               ///< prior and revolution together
-  Matrix6 told = Matrix6::Zero();  ///< information of the revolution alone, were all its points independent
-  int degenerate = 0;              ///< bit i: axis i of base_link is not told by the revolution; see map_pose_t
+  PoseBelief belief;                      ///< prior and revolution together
+  Matrix6 information = Matrix6::Zero();  ///< of the revolution alone, were all its points independent
+  int degenerate = 0;  ///< bit i: the revolution does not constrain axis i of base_link; see map_pose_t
   int iterations = 0;
   double residual = 0;       ///< m, RMS of what lies where the map has it
   int uprights = 0;          ///< points on something upright, where the map knows the ground about

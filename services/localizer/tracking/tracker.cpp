@@ -49,11 +49,11 @@ PoseFit Tracker::track(const std::vector<Eigen::Vector3d>& points, const Motion&
   }
   PoseFit fit = fit_pose(points, prior, map, config_, news_of(motion));
   const bool usable = is_finite(fit.belief.T_map_base) && fit.belief.covariance.allFinite();
-  // What does not fit tells nothing: the pose goes on with odometry, and is known worse and worse.
+  // What does not fit has no information: the pose goes on with odometry, and is known worse and worse.
   const bool is_used = usable && (lost_ ? fit.matched_share() : fit.held_share()) >= config_.min_match;
   if (is_used) {
     belief_ = fit.belief;
-    told_ = fit.told;
+    information_ = fit.information;
   }
   looks_ = is_used ? looks_ + 1 : 0;
   fit.belief = belief_;
@@ -75,15 +75,16 @@ void Tracker::look_around(const std::vector<Eigen::Vector3d>& points, PoseFit& f
   looks_ = 0;
 }
 
-/// The map is bent: what tells the pose here also held the vehicle that made the map, and where that is little, the map
-/// drifted as that vehicle's odometry did. A map that is told half as well errs twice as much (in variance) at each
-/// place, and takes twice as far to be pulled back: hence the square. Looking on does not take it away: it is what all
-/// that is seen has in common.
+/// The map is bent: what constrains the pose here also constrained the vehicle that made the map, and where that is
+/// little, the map drifted as that vehicle's odometry did. With half the information a map errs twice as much (in
+/// variance) at each place, and takes twice as far to be pulled back: hence the square. Looking on does not take it
+/// away: it is what all that is seen has in common.
 Matrix6 Tracker::published_covariance() const {
   Vector6 drift;
   drift << Eigen::Vector3d::Constant(config_.map_drift_m), Eigen::Vector3d::Constant(config_.map_drift_rad);
-  const Matrix6 held = Matrix6::Identity() + config_.map_independent * drift.asDiagonal() * told_ * drift.asDiagonal();
-  const Matrix6 left = inverse(held);  // 1: nothing told it, all of the drift is left
+  const Matrix6 held =
+      Matrix6::Identity() + config_.map_independent * drift.asDiagonal() * information_ * drift.asDiagonal();
+  const Matrix6 left = inverse(held);  // 1: nothing constrains it, all of the drift is left
   return belief_.covariance + drift.asDiagonal() * left * left * drift.asDiagonal();
 }
 

@@ -32,9 +32,9 @@ class Tracker final : public PoseTracker {
 
   TrackingConfig config_;
   PoseBelief belief_;
-  Matrix6 told_ = Matrix6::Zero();  // of the last revolution that told the pose
+  Matrix6 information_ = Matrix6::Zero();  // of the last revolution that corrected the pose
   Surroundings surroundings_;
-  int looks_ = 0;       // revolutions in a row that told the pose
+  int looks_ = 0;       // revolutions in a row that corrected the pose
   int revolution_ = 0;  // of those between two looks around
   bool lost_ = true;
   bool was_found_ = false;

@@ -106,7 +106,7 @@ std::vector<TileKey> DenseMap::look_through(const std::vector<scan::LidarPoint>&
       DenseTile* const tile = tiles_.wake({x, y});
       if (tile == nullptr) continue;
       std::vector<std::uint32_t> gone = free_space_.look(*tile, corner_of({x, y}, *tile), view);
-      if (gone.size() == tile->num_points() && !gone.empty()) gone.pop_back();  // a tile that was told of stays one
+      if (gone.size() == tile->num_points() && !gone.empty()) gone.pop_back();  // a tile that was announced stays one
       if (gone.empty() || utime - tile->removed_at() < kRemoveEvery) continue;
       tile->remove(gone, utime);
       const auto count = static_cast<std::int64_t>(gone.size());

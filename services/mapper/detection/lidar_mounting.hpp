@@ -19,7 +19,7 @@ struct FittedScan {
   std::int64_t utime = 0;                            ///< us, its end
   const std::vector<scan::LidarPoint>* points = {};  ///< de-skewed, in base_link
   Pose T_map_base = Pose::Identity();
-  std::optional<Pose> T_odom_base;  ///< where odometry told how it moved
+  std::optional<Pose> T_odom_base;  ///< where odometry says how it moved
   bool in_every_direction = false;  ///< not left to odometry in any of the plane's
 };
 

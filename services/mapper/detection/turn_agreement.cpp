@@ -24,7 +24,7 @@ void TurnAgreement::add(std::int64_t utime, const Pose& T_map_base, const Pose& 
 
 void TurnAgreement::note(Apart& apart, double by, double limit, const char* counter) {
   if (by < limit) return;
-  if (!is_told(apart)) {
+  if (!is_reported(apart)) {
     apart.most = 0;
     counters_.add(counter);
   }
@@ -34,13 +34,13 @@ void TurnAgreement::note(Apart& apart, double by, double limit, const char* coun
 
 void TurnAgreement::add_faults(std::vector<std::string>& faults) const {
   const auto seconds_ago = [&](const Apart& apart) { return static_cast<double>(utime_ - apart.since) * 1e-6; };
-  if (is_told(tilt_))
+  if (is_reported(tilt_))
     faults.push_back(
         fmt::format("LiDAR: it has tilted by {:.1f} deg against odometry within a second, {:.0f} s ago: has its mount "
                     "slipped? The map "
                     "may lean from there on",
                     kDegrees * tilt_.most, seconds_ago(tilt_)));
-  if (is_told(turn_))
+  if (is_reported(turn_))
     faults.push_back(fmt::format(
         "LiDAR and odometry differ by {:.1f} deg in how it turned within a second, {:.0f} s ago: did "
         "something large drive along beside it, has the LiDAR slipped, or is the gyro wrong? The map may be "

@@ -19,8 +19,8 @@ namespace curbstone::mapper::detection {
 /// Pure; one thread. Counters: faults.apart.turn, .tilt (times that it began).
 class TurnAgreement {
  public:
-  static constexpr std::int64_t kToldFor = 60'000'000;  ///< us after it was last so
-  static constexpr double kTilt = 0.026;                ///< rad
+  static constexpr std::int64_t kReportedFor = 60'000'000;  ///< us after it was last so
+  static constexpr double kTilt = 0.026;                    ///< rad
 
   /// The next revolution, which fitted the map.
   void add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base);
@@ -35,7 +35,9 @@ class TurnAgreement {
     std::int64_t since = 0;  // us, when it was so last; 0: never
   };
   void note(Apart& apart, double by, double limit, const char* counter);
-  [[nodiscard]] bool is_told(const Apart& apart) const { return apart.since != 0 && utime_ - apart.since < kToldFor; }
+  [[nodiscard]] bool is_reported(const Apart& apart) const {
+    return apart.since != 0 && utime_ - apart.since < kReportedFor;
+  }
 
   scan::PosePairs pairs_;
   std::int64_t utime_ = 0;

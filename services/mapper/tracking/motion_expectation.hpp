@@ -14,7 +14,7 @@ namespace curbstone::mapper::tracking {
 
 inline constexpr double kLongestStride = 0.5;  ///< s from end to end: after that, a constant velocity is a mere guess
 
-/// How the vehicle moved until now, as scans told.
+/// How the vehicle moved until now, by its scans.
 struct RecentMotion {
   std::int64_t end = 0;  ///< us, of the last scan
   scan::Twist twist;     ///< over it

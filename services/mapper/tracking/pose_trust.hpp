@@ -24,7 +24,7 @@ class PoseTrust {
     std::int64_t utime = 0;                                            ///< us, its end
     double stride = 0;                                                 ///< s since the end of the scan before
     double went = 0;                                                   ///< m since then, as expected
-    bool with_odometry = false;                                        ///< which told `went`
+    bool with_odometry = false;                                        ///< of which `went` is
     bool fits = false;                                                 ///< the map
     registration::Matrix6 covariance = registration::Matrix6::Zero();  ///< of what was expected, in base_link axes
   };

@@ -30,7 +30,7 @@ struct Fit {
   registration::RegistrationResult result;  ///< where it is
   std::vector<scan::LidarPoint> points;     ///< de-skewed, in base_link
   MotionFilter motion;                      ///< without odometry: what it has learnt of the motion
-  /// Of the scan before, where this one told how that was distorted: see ScanMatcher::fit_second().
+  /// Of the scan before, where this one shows how that was distorted: see ScanMatcher::fit_second().
   std::vector<scan::LidarPoint> first_points;
   /// 0..1: share of the scan's points that lie on a surface of the map.
   [[nodiscard]] double agreement() const { return result.overlap * result.inlier_ratio; }
@@ -49,7 +49,7 @@ class ScanMatcher {
 
   /// The scan as it is expected to lie, not registered.
   [[nodiscard]] Fit expect(const Departure& from, const scan::Scan& scan, MotionExpectation expected) const;
-  /// Registers it. `motion`: how the vehicle moved until now, as far as scans told.
+  /// Registers it. `motion`: how the vehicle moved until now, as far as scans show.
   [[nodiscard]] Fit fit(const Departure& from, const scan::Scan& scan, MotionExpectation expected,
                         const MotionFilter& motion);
   /// Where the expectation has failed and there is no odometry: begins from other motions too, and gives the answer

@@ -67,10 +67,10 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
 void Tracker::note_odometry(const Last& before, const scan::OdometryHistory& odometry) {
   if (odometry.covers(last_->end, last_->end)) {
     last_->T_odom_base = odometry.at(last_->end);
-    last_->odometry_told = last_->end;
-  } else if (before.T_odom_base && last_->end - before.odometry_told <= scan::OdometryHistory::kMaxGap) {
+    last_->odometry_utime = last_->end;
+  } else if (before.T_odom_base && last_->end - before.odometry_utime <= scan::OdometryHistory::kMaxGap) {
     last_->T_odom_base = *before.T_odom_base * before.T_map_base.inverse() * last_->T_map_base;
-    last_->odometry_told = before.odometry_told;
+    last_->odometry_utime = before.odometry_utime;
   }
 }
 

@@ -52,7 +52,7 @@ struct Tracked {
 ///
 /// Counters: revolutions, keyframes, refused.sparse, refused.time, refused.not_converged, refused.overlap,
 /// refused.inliers, refused.residual, refused.jump, refused.turn (wheels and gyro say otherwise),
-/// odometry.not_believed, without_odometry, lost.blind (no sensor told of the motion for too long), bridged (nor did
+/// odometry.not_believed, without_odometry, lost.blind (no sensor measured the motion for too long), bridged (nor did
 /// any, but odometry says the same as the LiDAR of where the vehicle is now), lost.refused (nothing fitted for too
 /// long), found, began_anew (on odometry alone).
 class Tracker {
@@ -103,7 +103,7 @@ class Tracker {
     std::int64_t end = 0;
     Pose T_map_base = Pose::Identity();
     std::optional<Pose> T_odom_base = std::nullopt;  // as odometry had it, or had it last
-    std::int64_t odometry_told = 0;                  // us, when that was
+    std::int64_t odometry_utime = 0;                 // us, when that was
   };
   /// A scan in the map, and whether that is so.
   struct Attempt {

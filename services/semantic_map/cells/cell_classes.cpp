@@ -4,8 +4,6 @@
 #include <bitset>
 #include <cmath>
 
-#include "services/semantic_map/cells/vehicle_cells.hpp"
-
 namespace curbstone::semantic_map::cells {
 
 namespace {
@@ -165,8 +163,8 @@ bool hides_a_drop(const ColumnWindow& cells, int column, int row, const ClassPar
 
 /// What the classes of a tile's cells follow from.
 struct TileView {
-  ColumnWindow cells;
-  VehicleCells vehicles;
+  const ColumnWindow& cells;
+  const VehicleCells& vehicles;
   std::bitset<tile::kCellsInTile> near_standing;
   bool is_flat;  // no drop can hide
 };
@@ -252,13 +250,13 @@ std::uint8_t traversal_cost(tile::CellClass cell_class, double curb_height, cons
 }
 
 void classify_cells(const tile::Around<CellColumns>& columns, const tile::Around<std::vector<curbs::CurbPoint>>& curbs,
-                    const ClassParameters& parameters, tile::MapTile& tile) {
+                    const VehicleCells& vehicles, const ClassParameters& parameters, tile::MapTile& tile) {
   const ColumnWindow window(columns);
   Extent ground;
   columns.for_each([&](const CellColumns& beside, double, double) { ground.take(beside.ground); });
   const double drop = drop_of(parameters);
   const bool is_flat = ground.size() <= drop || !window.has_relief(drop, columns.centre()->ground);
-  const TileView view{window, find_vehicles(columns), find_near_standing(columns), is_flat};
+  const TileView view{window, vehicles, find_near_standing(columns), is_flat};
   for (int row = 0; row < kCellsPerTile; ++row) {
     for (int column = 0; column < kCellsPerTile; ++column) {
       const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);

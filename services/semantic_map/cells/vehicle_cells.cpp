@@ -1,7 +1,5 @@
 #include "services/semantic_map/cells/vehicle_cells.hpp"
 
-#include <array>
-#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -91,9 +89,6 @@ VehicleCells find_among(const tile::Around<CellColumns>& columns) {
   return vehicles;
 }
 
-/// All that vehicles follow from: of each tile around, what stands in it and what is high.
-using StandingAround = std::array<std::bitset<tile::kCellsInTile>, 18>;
-
 StandingAround standing_around(const tile::Around<CellColumns>& columns) {
   StandingAround around;
   std::size_t i = 0;
@@ -114,33 +109,25 @@ std::size_t hash_of(const StandingAround& around) {
   return hash;
 }
 
-/// Vehicles that were found before: most often a tile is looked at, nothing has come to stand in it or about it since.
-class FoundVehicles {
- public:
-  VehicleCells find(const tile::Around<CellColumns>& columns) {
-    const StandingAround around = standing_around(columns);
-    Found& found = found_[hash_of(around) % found_.size()];
-    if (!found.is_known || found.around != around) found = {true, around, find_among(columns)};
-    return found.vehicles;
-  }
-
- private:
-  struct Found {
-    bool is_known = false;
-    StandingAround around;
-    VehicleCells vehicles;
-  };
-  std::vector<Found> found_ = std::vector<Found>(256);  // 1.6 kB each; tiles with vehicles in sight are fewer
-};
+/// Most tiles have nothing as high as a vehicle about them.
+bool may_hold_vehicles(const tile::Around<CellColumns>& columns) {
+  std::size_t num_high = 0;
+  columns.for_each([&](const CellColumns& tile, double, double) { num_high += tile.high.count(); });
+  return num_high >= kHighCells;
+}
 
 }  // namespace
 
 VehicleCells find_vehicles(const tile::Around<CellColumns>& columns) {
-  std::size_t num_high = 0;
-  columns.for_each([&](const CellColumns& tile, double, double) { num_high += tile.high.count(); });
-  if (num_high < kHighCells) return {};
-  thread_local FoundVehicles found;
-  return found.find(columns);
+  return may_hold_vehicles(columns) ? find_among(columns) : VehicleCells{};
+}
+
+VehicleCells VehicleMemo::find(const tile::Around<CellColumns>& columns) {
+  if (!may_hold_vehicles(columns)) return {};
+  const StandingAround around = standing_around(columns);
+  Found& found = found_[hash_of(around) % found_.size()];
+  if (!found.is_known || found.around != around) found = {true, around, find_among(columns)};
+  return found.vehicles;
 }
 
 }  // namespace curbstone::semantic_map::cells

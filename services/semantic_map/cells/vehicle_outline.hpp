@@ -6,8 +6,8 @@
 
 namespace curbstone::semantic_map::cells {
 
-/// The ground that a vehicle takes up, told from the cells of it that were seen standing. Who passes a parked car sees
-/// two of its sides first: where such meet at a right angle, the vehicle is the rectangle that they span (as in
+/// The ground that a vehicle takes up, estimated from the cells of it that were seen standing. Who passes a parked car
+/// sees two of its sides first: where such meet at a right angle, the vehicle is the rectangle that they span (as in
 /// L-shape fitting: Zhang, Xu, Dong, Dolan, "Efficient L-Shape Fitting for Vehicle Detection Using Laser Scanners",
 /// IV 2017, whose directions here are those of the hull's edges). Else it is their convex hull. Pure.
 class VehicleOutline {

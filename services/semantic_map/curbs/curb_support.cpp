@@ -34,7 +34,7 @@ OnArc on_arc(const PlacedCandidate& a, const PlacedCandidate& b) {
   const double along = d.y() * up.x() - d.x() * up.y();
   const double across = d.dot(up);
   const double most_across = kBeside + kDirection * std::abs(along);
-  // What is told from the places alone comes first: most are not on the line.
+  // What follows from the places alone comes first: most are not on the line.
   if (std::abs(along) >= kReach || std::abs(across) >= most_across || up.dot(b.up) < kMinAlike) return {};
   const Eigen::Vector2d& other_up = b.up;
   const double beside = across / most_across;

@@ -143,7 +143,7 @@ bool StepSearch::look_close(const Eigen::Vector2d& up, double half_length) {
 double StepSearch::look_in(const Eigen::Vector2d& up, double half_length, bool exactly) {
   fill_window(points_, {at_, up, parameters_.half_window + kSearch, half_length}, exactly, window_);
   const auto step = find_height_step(window_, noise_, parameters_);
-  // What is quickly told comes first.
+  // What is cheap to check comes first.
   if (!step) return 0;
   const double certain = certainty(*step, noise_, parameters_);
   if (!(certain >= 1) || step->height > parameters_.max_step) return certain;

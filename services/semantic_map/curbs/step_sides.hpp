@@ -35,7 +35,7 @@ struct Sides {
 };
 
 /// Fills `sides` with the sums over the points of a window on both sides of each place. False if there are two sides at
-/// no place: that is told by counting, which is cheap.
+/// no place: counting shows that, and is cheap.
 [[nodiscard]] bool measure_sides(const StepWindow& points, const tile::CurbParameters& parameters, Sides& sides);
 
 }  // namespace curbstone::semantic_map::curbs

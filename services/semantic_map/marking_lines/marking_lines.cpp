@@ -24,8 +24,9 @@ TileKey place_of(const tile::MarkingVertex& v) {
 
 }  // namespace
 
-std::vector<tile::MarkingLine> link_markings(const std::vector<MapMarkingCell>& cells, const tile::DrivenPath& path,
-                                             const markings::MarkingParameters& parameters) {
+std::vector<tile::MarkingLine> link_marking_cells(const std::vector<MapMarkingCell>& cells,
+                                                  const tile::DrivenPath& path,
+                                                  const markings::MarkingParameters& parameters) {
   const MarkingField field(cells);
   std::vector<MarkingPiece> pieces;
   for (const MarkingChain& chain : chain_markings(field, {parameters.vote})) {

@@ -14,9 +14,9 @@ namespace curbstone::semantic_map::marking_lines {
 /// crossings taken out, the rest joined across gaps, a smoothing spline through each. Pieces shorter than 0.8 m that
 /// nothing goes on are left out. `path`: driven, m in map. Ids count from 0. The same cells in the same order give the
 /// same lines.
-[[nodiscard]] std::vector<tile::MarkingLine> link_markings(const std::vector<MapMarkingCell>& cells,
-                                                           const tile::DrivenPath& path,
-                                                           const markings::MarkingParameters& parameters);
+[[nodiscard]] std::vector<tile::MarkingLine> link_marking_cells(const std::vector<MapMarkingCell>& cells,
+                                                                const tile::DrivenPath& path,
+                                                                const markings::MarkingParameters& parameters);
 
 /// Gives lines the ids that the lines near them had before, and new ones new ids.
 class MarkingLineIds {

@@ -74,8 +74,8 @@ std::vector<AlongCell> cells_along(const MarkingField& field, const SmoothingSpl
 }
 
 /// How bright the ground beside a piece is, `sense` 1 to its left, -1 to its right: within a patch the ground around is
-/// the patch, so all is told over the piece's own `level`. Another line may lie there, so the darkest quarter of the
-/// points counts. Nothing where none is seen.
+/// the patch, so all is measured over the piece's own `level`. Another line may lie there, so the darkest quarter of
+/// the points counts. Nothing where none is seen.
 std::optional<double> ground_beside(const std::vector<AlongCell>& cells, double last, double half_width, double sense,
                                     double level) {
   std::vector<std::pair<double, double>> seen;  // contrast and points

@@ -27,7 +27,7 @@ struct MarkingPiece {
   [[nodiscard]] Eigen::Vector2d direction() const { return (end_at - begin_at).normalized(); }
 };
 
-/// Nothing if the chain is too short to be anything. Where paint ends, and how wide it is, is told by how much of it
+/// Nothing if the chain is too short to be anything. Where paint ends, and how wide it is, follows from how much of it
 /// there is: finer than a cell.
 [[nodiscard]] std::optional<MarkingPiece> measure_piece(const MarkingField& field, const MarkingChain& chain);
 

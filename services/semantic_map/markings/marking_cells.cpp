@@ -23,7 +23,7 @@ constexpr double kFromCurb = 0.25;   // m
 constexpr double kPavement = 6.0;    // m beyond a curb that are no road
 constexpr double kLeastSpread = 4;   // of a point's intensity: no sensor is better
 constexpr double kSideShare = 0.6;   // of a cell's contrast, that its sides lie below: cell by cell that is noisy
-constexpr int kBeside = 5;           // cells about what is bright that are told of
+constexpr int kBeside = 5;           // cells about what is bright that are kept
 
 /// What a cell's brightness is, where that is known.
 struct Brightness {

@@ -135,10 +135,10 @@ void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
   result_.cost += kCost[step];
   num_evidence_ += step == kEvidence ? 1 : 0;
   std::visit([&](auto&& product) { take(key, tile, std::forward<decltype(product)>(product)); },
-             compute(step, key, tile));
+             compute(step, key, tile, &vehicles_));
 }
 
-TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& tile) {
+TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& tile, cells::VehicleMemo* vehicles) {
   const auto models = [&] { return around<ground::GroundModel>(key, [](Tile& t) { return &t.ground; }); };
   switch (step) {
     case kSamples:
@@ -151,17 +151,8 @@ TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& 
     case kCurbs:
       return curbs::filter_curbs(around<std::vector<curbs::CurbCandidate>>(key, [](Tile& t) { return &t.evidence; }),
                                  curb_);
-    case kClasses: {
-      tile::MapTile result;
-      result.key = key;
-      result.utime = tile.layers->voted.utime;
-      result.curbs_utime = tile.curbs_utime;
-      result.z_origin = tile.layers->voted.z_origin;
-      cells::classify_cells(around<cells::CellColumns>(key, [](Tile& t) { return &t.layers->columns; }),
-                            around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return t.curbs.get(); }), classes_,
-                            result);
-      return result;
-    }
+    case kClasses:
+      return classify(key, tile, vehicles);
     case kPaint:
       return markings::lay_paint(tile.layers->voted, ground::GroundSurface(models()));
     case kMarkings:
@@ -174,6 +165,19 @@ TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& 
       break;
   }
   return std::monostate{};
+}
+
+tile::MapTile TilePipeline::classify(TileKey key, const Tile& tile, cells::VehicleMemo* vehicles) {
+  tile::MapTile result;
+  result.key = key;
+  result.utime = tile.layers->voted.utime;
+  result.curbs_utime = tile.curbs_utime;
+  result.z_origin = tile.layers->voted.z_origin;
+  const auto columns = around<cells::CellColumns>(key, [](Tile& t) { return &t.layers->columns; });
+  cells::classify_cells(columns, around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return t.curbs.get(); }),
+                        vehicles != nullptr ? vehicles->find(columns) : cells::find_vehicles(columns), classes_,
+                        result);
+  return result;
 }
 
 void TilePipeline::take(TileKey key, Tile& tile, std::monostate /*columns*/) {
@@ -323,7 +327,7 @@ void TilePipeline::settle_step(Step step, int threads) {
     for (const auto& [key, tile] : tiles) wake_for(step, key, *tile);
     products.resize(std::max(products.size(), tiles.size()));
     parallel_for(tiles.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) products[i] = compute(step, tiles[i].first, *tiles[i].second);
+      for (std::size_t i = begin; i < end; ++i) products[i] = compute(step, tiles[i].first, *tiles[i].second, nullptr);
     });
     num_evidence_ += step == kEvidence ? static_cast<std::int64_t>(tiles.size()) : 0;
     for (std::size_t i = 0; i < tiles.size(); ++i) {

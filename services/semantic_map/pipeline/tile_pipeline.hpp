@@ -126,7 +126,9 @@ class TilePipeline {
   using Product = std::variant<std::monostate, ground::GroundSamples, ground::GroundModel,
                                std::vector<curbs::CurbCandidate>, std::vector<curbs::CurbPoint>, tile::MapTile,
                                markings::PaintLayer, std::vector<markings::MarkingCell>>;
-  [[nodiscard]] Product compute(Step step, TileKey key, const Tile& tile);
+  /// `vehicles`: of this thread alone; nullptr: nothing is remembered.
+  [[nodiscard]] Product compute(Step step, TileKey key, const Tile& tile, cells::VehicleMemo* vehicles);
+  [[nodiscard]] tile::MapTile classify(TileKey key, const Tile& tile, cells::VehicleMemo* vehicles);
   void take(TileKey key, Tile& tile, std::monostate columns);
   void take(TileKey key, Tile& tile, const ground::GroundSamples& samples);
   void take(TileKey key, Tile& tile, const ground::GroundModel& ground);
@@ -151,6 +153,7 @@ class TilePipeline {
     bool ground_moved = false;  ///< since it was made
   };
   std::unordered_map<TileKey, GroundedMeter, TileKeyHash> meters_;
+  cells::VehicleMemo vehicles_;    ///< of the tiles that are computed one by one
   UseOrder uses_;                  ///< of the tiles that are awake, by num_voted_
   UseOrder visits_;                ///< likewise, of those that only old steps have woken
   bool does_old_step_ = false;     ///< the work in hand

@@ -160,7 +160,7 @@ CURBSTONE_INLINE void exchange_blocks(const Decay& decay, const StepPoint& at, f
   }
 }
 
-/// First which blocks have a voter within reach, then the votes: whether the next one has cannot be foretold, and a
+/// First which blocks have a voter within reach, then the votes: whether the next one has cannot be predicted, and a
 /// wrong guess costs as much as a block of votes.
 std::int64_t exchange(const Decay& decay, const StepPoint& at, float sign, NearBlock* near, std::size_t num_near,
                       std::int64_t* sums) {

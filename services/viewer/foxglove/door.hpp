@@ -36,7 +36,7 @@ class Door {
   struct Client {
     Feed feed{Feed::For::kClient};
     std::map<std::uint32_t, std::uint32_t> subscriptions;  // by channel: the client's id
-    std::size_t services = 0;                              // that it was told of
+    std::size_t services = 0;                              // announced to it
     std::int64_t large_sent = 0;                           // us
     std::int64_t large_pause = 0;                          // us from then on
   };

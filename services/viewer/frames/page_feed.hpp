@@ -56,7 +56,7 @@ class PageFeed {
   /// The next frame; may_send() must be true.
   [[nodiscard]] std::vector<std::uint8_t> make(const World& world, std::string_view state);
 
-  /// The page has drawn frame `frame`, and with it those before. Returns the newest utime that those told of for the
+  /// The page has drawn frame `frame`, and with it those before. Returns the newest utime that those showed for the
   /// first time, us; 0 if none did. Nothing: no such frame is out.
   std::optional<std::int64_t> drawn(std::uint32_t frame);
 

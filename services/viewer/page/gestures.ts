@@ -10,7 +10,7 @@ export interface GestureEvents {
 }
 
 const kLean = 0.006, kTurn = 0.005;  // rad a pixel
-const kDecide = 10;                  // pixels that two fingers go until it is told what they do
+const kDecide = 10;                  // pixels that two fingers go until it is decided what they do
 const kStill = 4, kStillFinger = 10; // pixels that are no drag yet
 const kLong = 500;                   // ms that a finger rests: it asks what is there
 

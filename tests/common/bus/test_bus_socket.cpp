@@ -38,7 +38,7 @@ class BusSocketTest : public ::testing::Test {
   BusAddress address_;
 };
 
-TEST_F(BusSocketTest, HearsNothingUntilItIsTold) {
+TEST_F(BusSocketTest, HearsNothingUntilItSubscribes) {
   BusSocket socket(address_);
   BusSocket witness(address_);
   witness.pass_all();

@@ -37,7 +37,7 @@ TEST(ClockStep, AClockThatRunsOnHasNone) {
   EXPECT_FALSE(host.clock.recent());
 }
 
-TEST(ClockStep, AClockThatIsSetIsToldOfForAMinute) {
+TEST(ClockStep, AClockThatIsSetIsReportedForAMinute) {
   Host host;
   host.run(3);
   host.set_by(-312'000);

@@ -31,8 +31,8 @@ class DriveRig {
     for (const std::int64_t end = now + us; now < end; now += 1000) {
       const bool awake = now >= asleep_until_;
       if (awake && (now - kStart) % 20'000 == 0) {
-        if (told_ != host_set_by) node.clock_was_set(host_set_by - told_);
-        told_ = host_set_by;
+        if (notified_ != host_set_by) node.clock_was_set(host_set_by - notified_);
+        notified_ = host_set_by;
         node.tick(now + host_set_by);
       }
       while (!on_bus_.empty()) {
@@ -98,7 +98,7 @@ class DriveRig {
   std::deque<Late> late_;
   std::int64_t arrived_ = 0;
   std::int64_t asleep_until_ = 0;
-  std::int64_t told_ = 0;
+  std::int64_t notified_ = 0;
 
  public:
   encoder::EncoderNode node;

@@ -232,7 +232,7 @@ TEST(EncoderNodeTest, AStopBySomebodyElseIsNoticed) {
   EXPECT_GT(rig.messages().size(), before + 50);
 }
 
-TEST(EncoderNodeTest, FaultsOfTheDriveAreToldByWheelAndByName) {
+TEST(EncoderNodeTest, FaultsOfTheDriveAreReportedByWheelAndByName) {
   test::DriveRig rig;
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.drive.set_enabled(true);
@@ -277,7 +277,7 @@ TEST(EncoderNodeTest, ASampleThatIsAPeriodLateAfterTwoCorruptOnesKeepsItsTime) {
   }
 }
 
-TEST(EncoderNodeTest, ATimerInAnotherUnitIsToldAndTheSpeedsStayRight) {
+TEST(EncoderNodeTest, ATimerInAnotherUnitIsReportedAndTheSpeedsStayRight) {
   test::DriveRig rig({}, {.event_timer_unit = 1000});  // by the standard: 20 ms, not 10
   rig.receive(rig.now, rig.drive.power_on(rig.now));
   rig.drive.on_frame(rig.now, {});

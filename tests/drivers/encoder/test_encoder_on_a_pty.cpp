@@ -99,7 +99,7 @@ TEST_F(EncoderOnAPty, AnAdapterThatForgotItsChannelIsOpenedAgain) {
   EXPECT_TRUE(run_until_healthy());
 }
 
-TEST_F(EncoderOnAPty, ADriveThatLosesPowerIsToldAndSetUpAgain) {
+TEST_F(EncoderOnAPty, ADriveThatLosesPowerIsReportedAndSetUpAgain) {
   ASSERT_TRUE(run_until_more_samples(20));
   mute_ = true;
   ASSERT_TRUE(run_until_fault("no positions from the drive"));

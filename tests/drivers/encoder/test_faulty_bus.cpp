@@ -164,7 +164,7 @@ TEST_F(FaultyBus, RandomBitsInFramesNeverMoveAStamp) {
 
 class AnotherPeriod : public EncoderThatListens {};
 
-TEST_F(AnotherPeriod, ASyncOfAnotherRateMakesNoSpeedWrongAndIsTold) {
+TEST_F(AnotherPeriod, ASyncOfAnotherRateMakesNoSpeedWrongAndIsReported) {
   for (const double period : {5'000.0, 2'500.0, 20'000.0}) {
     SCOPED_TRACE(period);
     send(3, 10'000);

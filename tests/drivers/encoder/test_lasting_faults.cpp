@@ -27,7 +27,7 @@ class LastingFaults : public EncoderOfADrive {
   }
 };
 
-TEST_F(LastingFaults, ACountThatStandsStillIsFlaggedAndToldAndTheOtherWheelGoesOn) {
+TEST_F(LastingFaults, ACountThatStandsStillIsFlaggedAndReportedAndTheOtherWheelGoesOn) {
   EXPECT_THAT(faults(), IsEmpty());
   freeze(1);
   rig_.run_for(30'000'000);
@@ -83,7 +83,7 @@ TEST_F(LastingFaults, ABusThatIsOffForAMinuteIsAFaultUntilItIsBackAndNoSpeedIsWr
   }
 }
 
-TEST_F(LastingFaults, ADriveThatRestartsEachThreeSecondsIsToldAndNoSpeedIsWrong) {
+TEST_F(LastingFaults, ADriveThatRestartsEachThreeSecondsIsReportedAndNoSpeedIsWrong) {
   std::size_t checked = rig_.messages().size();
   for (int restart = 0; restart < 10; ++restart) {
     rig_.first_count -= rig_.raw(rig_.now, 0);

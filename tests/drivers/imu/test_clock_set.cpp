@@ -39,8 +39,8 @@ class ImuOnASetClock : public ::testing::TestWithParam<SetClock> {
           .angular_rate = {0.1 * std::sin(t), 0.1 * std::cos(t), 0.2 * std::sin(5 * t)}};
       node_->on_bytes(now_ + set_by_ + 300,
                       GetParam().tells_time ? xsens_.sample(now_, sample) : wit_.sample(now_, sample));
-      if (told_ != set_by_) node_->clock_was_set(set_by_ - told_);
-      told_ = set_by_;
+      if (notified_ != set_by_) node_->clock_was_set(set_by_ - notified_);
+      notified_ = set_by_;
       node_->tick(now_ + set_by_ + 400);
     }
   }
@@ -52,7 +52,7 @@ class ImuOnASetClock : public ::testing::TestWithParam<SetClock> {
   std::unique_ptr<ImuNode> node_;
   std::int64_t now_ = kStart;
   std::int64_t set_by_ = 0;
-  std::int64_t told_ = 0;
+  std::int64_t notified_ = 0;
 };
 
 TEST_P(ImuOnASetClock, LosesAMomentAndFollows) {

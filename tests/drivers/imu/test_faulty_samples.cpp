@@ -72,7 +72,7 @@ TEST_F(FaultySamples, NumbersThatAreNoneAreNotPublished) {
   expect_true_messages();
 }
 
-TEST_F(FaultySamples, ABaudThatChangesInMidStreamIsToldAndItsSamplesAreLost) {
+TEST_F(FaultySamples, ABaudThatChangesInMidStreamIsReportedAndItsSamplesAreLost) {
   for (int i = 0; i < 100; ++i) sample();
   const std::size_t before = recorder_.messages().size();
   for (int i = 0; i < 300; ++i) sample({}, true);

@@ -187,7 +187,7 @@ TEST_F(ImuNodeTest, LeavesADeviceAloneThatSomebodyElseSetUp) {
   EXPECT_GT(messages().size(), 140u);
 }
 
-TEST_F(ImuNodeTest, GarbageIsCountedToldAndSurvived) {
+TEST_F(ImuNodeTest, GarbageIsCountedReportedAndSurvived) {
   std::mt19937 random(3);
   make_node();
   deliver(now_, device_.power_on(now_));

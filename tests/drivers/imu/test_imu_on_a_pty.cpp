@@ -66,7 +66,7 @@ TEST_F(ImuOnAPty, IsReadAgainAfterItWasUnplugged) {
   EXPECT_EQ(node_.report().counters["link.reopened"], 1);
 }
 
-TEST_F(ImuOnAPty, SilenceIsToldAndEndsByItself) {
+TEST_F(ImuOnAPty, SilenceIsReportedAndEndsByItself) {
   ASSERT_TRUE(run_until_more_samples(20));
   mute_ = true;
   ASSERT_TRUE(run_until_fault("no sample from the IMU"));

@@ -20,7 +20,7 @@ TEST_P(LidarOnASetClock, LosesAMomentAndFollows) {
   stream.run_for(16'000'000, packets);
   const std::int64_t begin = packets.front().received;
   const auto step = std::llround(GetParam() * 1e6);
-  bool told = false;
+  bool notified = false;
   std::int64_t ticked = 0;
   std::vector<std::int64_t> off;  // us, by which stamps are off, of packets after the step
   for (const RecordedPacket& packet : packets) {
@@ -30,8 +30,8 @@ TEST_P(LidarOnASetClock, LosesAMomentAndFollows) {
     bench.send(packet.bytes, now, packet.port);
     if (packet.received - ticked >= 20'000) {
       ticked = packet.received;
-      if (after && !told) bench.node.clock_was_set(step);
-      told = after;
+      if (after && !notified) bench.node.clock_was_set(step);
+      notified = after;
       bench.node.tick(now);
     }
     if (after && bench.points.size() > before) off.push_back(bench.points.back().utime + 1'333 + 150 - now);

@@ -73,7 +73,7 @@ TEST(SerialLinkTest, ADeviceThatIsMissingAtTheStartIsAFaultUntilItComes) {
                        up = is_up;
                        if (!is_up) down.push_back(why);
                      }});
-  ASSERT_EQ(down.size(), 1u) << "told at once";
+  ASSERT_EQ(down.size(), 1u) << "reported at once";
   EXPECT_THAT(down[0], ::testing::HasSubstr(path));
   link.send(test::Bytes{1});
   int step = 0;
@@ -85,7 +85,7 @@ TEST(SerialLinkTest, ADeviceThatIsMissingAtTheStartIsAFaultUntilItComes) {
   loop.run();
   EXPECT_TRUE(up);
   ASSERT_FALSE(received.empty());
-  EXPECT_GT(down.size(), 1u) << "told again with each try";
+  EXPECT_GT(down.size(), 1u) << "reported again with each try";
   NodeReport report;
   link.report(report);
   EXPECT_EQ(report.counters["dropped.serial_away"], 1);

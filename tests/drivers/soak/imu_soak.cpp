@@ -15,7 +15,7 @@ namespace {
 
 using test::kStart;
 constexpr std::int64_t kSamplePeriod = 10'000;
-constexpr std::int64_t kCycle = 65'536;  // samples, told apart by the acceleration that they bear
+constexpr std::int64_t kCycle = 65'536;  // samples, distinguished by their acceleration
 
 void flip_bits(Bytes& bytes, std::mt19937& random) {
   bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1 + random() % 255);

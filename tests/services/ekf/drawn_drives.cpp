@@ -5,7 +5,7 @@
 
 namespace curbstone::ekf {
 
-base::EkfConfig told() {
+base::EkfConfig true_config() {
   base::EkfConfig config;
   config.noise.gyro = 3e-4;
   config.noise.accelerometer = 3e-3;
@@ -42,7 +42,7 @@ DriveOptions drawn(const base::EkfConfig& config, unsigned seed) {
   const double common = config.wheels.scale_sigma * normal(random);
   o.wheel_scale << common + config.wheels.mismatch_sigma * normal(random),
       common + config.wheels.mismatch_sigma * normal(random), config.wheels.track_sigma * normal(random);
-  o.wheel_noise_interval = 0.01;  // white, as the filter is told: sigma over its intervals
+  o.wheel_noise_interval = 0.01;  // white, as the filter is configured: sigma over its intervals
   o.wheel_speed_noise = config.wheels.speed_noise * std::sqrt(config.wheels.interval / o.wheel_noise_interval);
   o.counts_per_turn = 65536.0;
   return o;

@@ -11,9 +11,9 @@ namespace curbstone::ekf {
 inline constexpr int kRuns = 50;
 inline constexpr double kLow6 = 226.0 / kRuns, kHigh6 = 387.0 / kRuns;
 
-/// A filter that is told what drawn() draws from.
-[[nodiscard]] base::EkfConfig told();
-/// A drive whose errors are drawn from the distributions that the filter is told of.
+/// A filter whose configuration is what drawn() draws from.
+[[nodiscard]] base::EkfConfig true_config();
+/// A drive whose errors are drawn from the distributions that the filter is configured with.
 [[nodiscard]] DriveOptions drawn(const base::EkfConfig& config, unsigned seed);
 
 /// Normalised error squared of a pose; odom began at `start`, an index into the truth.

@@ -10,7 +10,7 @@
 namespace curbstone::ekf {
 
 /// A drive whose truth is known: a vehicle on hilly ground that curves, stops and goes on, with an IMU and wheels as
-/// bad as told. Deterministic by seed.
+/// bad as given. Deterministic by seed.
 struct DriveOptions {
   double seconds = 60.0;
   double speed = 3.0;                                            ///< m/s

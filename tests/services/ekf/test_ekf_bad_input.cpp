@@ -125,7 +125,7 @@ TEST_F(EkfNodeTest, ALastingClipIsBridgedByTheWheelsAndNotBelieved) {
   EXPECT_GT(used, 2.0 * refused);
 }
 
-TEST_F(EkfNodeTest, AnImuThatClipsIsToldFromOneThatIsMissing) {
+TEST_F(EkfNodeTest, AnImuThatClipsIsDistinguishedFromOneThatIsMissing) {
   Rig rig(config_);
   const std::size_t half = drive_.imu.size() / 2, gone = half + drive_.imu.size() / 10;
   for (std::size_t i = 0; i < drive_.imu.size(); ++i) {

@@ -33,7 +33,7 @@ test::SyntheticWorld distinct_street() {
   return world;
 }
 
-/// 2 s of standing, then 40 m down the street with its wheels larger than told.
+/// 2 s of standing, then 40 m down the street with its wheels larger than configured.
 const Drive& street_drive() {
   static const Drive drive = [] {
     DriveOptions o;

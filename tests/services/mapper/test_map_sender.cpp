@@ -143,7 +143,7 @@ TEST_F(MapSenderTest, AnswersARequestFromWhatTheAskerHasAndNoMoreThanHasGoneOut)
   EXPECT_EQ(sent.back().first + sent.back().num_points, 4000);
 }
 
-TEST_F(MapSenderTest, WhatTheMapHasGivenUpIsNotToldOfAnyMore) {
+TEST_F(MapSenderTest, WhatTheMapHasGivenUpIsNotAnnouncedAnyMore) {
   fill(map, {0, 0}, 5);
   fill(map, {1, 0}, 5);
   sender.changed({{0, 0}, {1, 0}, {9, 9}});  // the last was given up while it waited

@@ -122,7 +122,7 @@ TEST_F(SemanticMapNodeTest, ItsLastMarkingsAreTheSameLiveAndInAReplay) {
   };
   const auto live = drive(true);
   const auto replay = drive(false);
-  ASSERT_GT(live.size(), replay.size()) << "the two are told in other steps";
+  ASSERT_GT(live.size(), replay.size()) << "the two are sent in other steps";
   ASSERT_FALSE(replay.empty());
   EXPECT_EQ(replay.back().num_lines, 1) << "the line along the street";
   EXPECT_EQ(bytes_of(live.back()), bytes_of(replay.back()));

@@ -146,7 +146,7 @@ TEST_F(RunEvaluate, OfADamagedLogItSaysSoAndTheExitStatusTellsPrograms) {
   ::testing::internal::CaptureStderr();
   EXPECT_EQ(run({"--log", path("drive.lcmlog"), "--json", path("report.json")}), 1);
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("damaged at 1 place: "));
-  EXPECT_TRUE(fs::exists(path("report.json"))) << "what could be read is told";
+  EXPECT_TRUE(fs::exists(path("report.json"))) << "what could be read is reported";
 }
 
 TEST_F(RunEvaluate, KnowsUsage) {

@@ -71,7 +71,7 @@ TEST_F(PoseErrorsTest, AreZeroForTheTruth) {
   EXPECT_LT(errors.nees, 1e-6);
 }
 
-TEST_F(PoseErrorsTest, AreToldApartAcrossAndAlongTheVehicle) {
+TEST_F(PoseErrorsTest, AreSplitAcrossAndAlongTheVehicle) {
   const PoseErrors errors = errors_of(poses_with([] { return Eigen::Vector3d(-0.05, 0.03, 0.002); }), *truth_);
   EXPECT_NEAR(errors.lateral_rmse, 0.03, 1e-6);
   EXPECT_NEAR(errors.lateral_99, 0.03, 1e-6);

@@ -19,7 +19,7 @@ struct FaultRow {
   bool ended_cleanly = false;       ///< all processes, when asked to
   std::string map;                  ///< "ok", or what is wrong with the file
   double emulator_late_s = 0;
-  int drives = 1;  ///< of which the last is told of: those before were spoiled
+  int drives = 1;  ///< of which the last is reported: those before were spoiled
 
   /// What it came to says nothing of the fault.
   [[nodiscard]] bool is_spoiled() const { return emulator_late_s > kLate; }

@@ -154,8 +154,8 @@ std::vector<Carried> tried_carrying(Run& run, int count) {
 }
 
 nlohmann::json carried_away(Run& run, int count) {
-  int told = 0, found = 0, wrong_revolutions = 0;
-  std::vector<double> told_after, found_after, ms;
+  int noticed = 0, found = 0, wrong_revolutions = 0;
+  std::vector<double> lost_after, found_after, ms;
   const auto tried = tried_carrying(run, count);
   for (const Carried& one : tried) {
     const std::vector<Said>& said = one.said;
@@ -163,18 +163,18 @@ nlohmann::json carried_away(Run& run, int count) {
     const auto after_s = [&](const Said& s) { return static_cast<double>(s.utime - one.there) * 1e-6; };
     const auto lost = std::find_if(said.begin(), said.end(), [](const Said& s) { return !s.sure; });
     const auto again = std::find_if(lost, said.end(), [](const Said& s) { return s.right(); });
-    if (lost != said.end()) told_after.push_back(after_s(*lost));
+    if (lost != said.end()) lost_after.push_back(after_s(*lost));
     if (again != said.end()) found_after.push_back(after_s(*again));
-    told += lost != said.end() && after_s(*lost) <= 1 ? 1 : 0;
+    noticed += lost != said.end() && after_s(*lost) <= 1 ? 1 : 0;
     found += again != said.end() ? 1 : 0;
     wrong_revolutions += static_cast<int>(std::count_if(lost, said.end(), [](const Said& s) { return s.wrong(); }));
     const double begun = static_cast<double>(one.there - run.drive.begin()) * 1e-6;
-    if (lost == said.end() || after_s(*lost) > 1) fmt::print("  carried to {:.2f} s: not told within 1 s\n", begun);
+    if (lost == said.end() || after_s(*lost) > 1) fmt::print("  carried to {:.2f} s: not LOST within 1 s\n", begun);
     if (again == said.end()) fmt::print("  carried to {:.2f} s: not found\n", begun);
   }
-  return {{"carried", tried.size()},      {"told_within_1_s", told},
-          {"found_within_10_s", found},   {"wrong_revolutions_once_told", wrong_revolutions},
-          {"told_s", spread(told_after)}, {"found_s", spread(found_after)},
+  return {{"carried", tried.size()},      {"lost_within_1_s", noticed},
+          {"found_within_10_s", found},   {"wrong_revolutions_once_lost", wrong_revolutions},
+          {"lost_s", spread(lost_after)}, {"found_s", spread(found_after)},
           {"lost_ms", spread(ms)}};
 }
 
@@ -189,12 +189,12 @@ void print(const nlohmann::json& starts, const nlohmann::json& carried) {
              of(starts, "lost_ms", "p95"), of(starts, "lost_ms", "max"));
   if (carried.is_null()) return;
   fmt::print(
-      "{} times carried away: {} told within 1 s ({:.2f} s at most), {} found within 10 s ({:.1f} s p50), {} "
+      "{} times carried away: {} LOST within 1 s ({:.2f} s at most), {} found within 10 s ({:.1f} s p50), {} "
       "revolutions sure "
-      "and wrong once told\n",
-      carried["carried"].get<int>(), carried["told_within_1_s"].get<int>(), of(carried, "told_s", "max"),
+      "and wrong after that\n",
+      carried["carried"].get<int>(), carried["lost_within_1_s"].get<int>(), of(carried, "lost_s", "max"),
       carried["found_within_10_s"].get<int>(), of(carried, "found_s", "p50"),
-      carried["wrong_revolutions_once_told"].get<int>());
+      carried["wrong_revolutions_once_lost"].get<int>());
 }
 
 int measure(const Options& options) {

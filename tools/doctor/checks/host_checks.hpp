@@ -19,7 +19,7 @@ struct ClockFacts {
 
 struct ProcessorFacts {
   int cores = 0;         ///< that this process may use
-  std::string governor;  ///< of the first; empty: not told (a virtual machine)
+  std::string governor;  ///< of the first; empty: not known (a virtual machine)
   std::string driver;    ///< of its frequency: "intel_pstate"
 };
 

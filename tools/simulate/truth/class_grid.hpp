@@ -20,7 +20,7 @@ struct ClassGrid {
 [[nodiscard]] ClassGrid make_class_grid(const world::Scene& scene, double vehicle_height,
                                         double resolution = ClassGrid{}.resolution);
 
-/// m: the pixels from which the class of a map's own cell can be told, whichever way its grid lies: a quarter of a
+/// m: the pixels from which the class of a map's own cell can be derived, whichever way its grid lies: a quarter of a
 /// cell. That of ClassGrid in a town too large for it.
 [[nodiscard]] double fine_resolution(const world::Scene& scene);
 

@@ -9,7 +9,7 @@ namespace curbstone::simulate::world {
 namespace {
 
 constexpr double kMargin = 40.0;       // m of ground around the streets
-constexpr double kFar = 16.0;          // m: beyond, the distance to a curb is no longer told apart
+constexpr double kFar = 16.0;          // m: beyond, the distance to a curb is no longer distinguished
 constexpr double kCornerRadius = 6.0;  // m, of the curb where streets meet
 
 /// Rolling ground: a few long waves, no steeper than 4 % together.

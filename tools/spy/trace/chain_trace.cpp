@@ -14,29 +14,29 @@ namespace curbstone::spy::trace {
 
 namespace {
 
-/// Of which measurement a message tells.
-struct Told {
+/// The measurement that a message is about.
+struct Measurement {
   std::int64_t key = 0;    // the same of all messages of a span
   std::int64_t utime = 0;  // us
 };
 
-std::optional<Told> told_by(const std::string& channel, const void* data, std::size_t size) {
+std::optional<Measurement> measurement_of(const std::string& channel, const void* data, std::size_t size) {
   const MessageType* const type = TypeTable::built_in().type_of(data, size);
   if (type == nullptr || type->fields.empty() || type->fields.front().name != "utime" || size < 16) return std::nullopt;
   const auto utime = static_cast<std::int64_t>(
       read_big_endian<std::uint64_t>({static_cast<const std::uint8_t*>(data) + 8, sizeof(std::uint64_t)}));
-  if (channel != "LIDAR_POINTS") return Told{utime, utime};  // a packet is one of many of a revolution
+  if (channel != "LIDAR_POINTS") return Measurement{utime, utime};  // a packet is one of many of a revolution
   lidar_points_t points{};
   if (!decode(data, static_cast<int>(size), points)) return std::nullopt;
-  return Told{points.revolution, utime};
+  return Measurement{points.revolution, utime};
 }
 
 }  // namespace
 
 void ChainTrace::on_message(const std::string& channel, const void* data, std::size_t size, std::int64_t arrival) {
-  const std::optional<Told> told = told_by(channel, data, size);
+  const std::optional<Measurement> measurement = measurement_of(channel, data, size);
   // A stamp may be anything: compared before it is subtracted.
-  if (!told || told->utime < arrival - kOldest || told->utime > arrival - kEarliest) {
+  if (!measurement || measurement->utime < arrival - kOldest || measurement->utime > arrival - kEarliest) {
     ++left_out_;
     return;
   }
@@ -50,17 +50,17 @@ void ChainTrace::on_message(const std::string& channel, const void* data, std::s
   }
   if (channel == "SEMANTIC_TILE" && !shows_news(data, size)) return;
   const auto known = channels_.find(channel);
-  const bool is_new = known == channels_.end() || !known->second.contains(told->key);
+  const bool is_new = known == channels_.end() || !known->second.contains(measurement->key);
   if (is_new && (num_spans_ >= kMostSpans || (known == channels_.end() && channels_.size() >= kMostChannels))) {
     ++left_out_;
     return;
   }
-  Span& span = channels_[channel][told->key];
+  Span& span = channels_[channel][measurement->key];
   if (is_new) {
     ++num_spans_;
-    span = {.measured = told->utime, .first_arrival = arrival, .last_arrival = arrival};
+    span = {.measured = measurement->utime, .first_arrival = arrival, .last_arrival = arrival};
   }
-  span.measured = std::min(span.measured, told->utime);
+  span.measured = std::min(span.measured, measurement->utime);
   span.last_arrival = std::max(span.last_arrival, arrival);
   ++span.messages;
   span.bytes += static_cast<std::int64_t>(size);

@@ -10,7 +10,7 @@
 
 namespace curbstone::spy::trace {
 
-/// What a channel told of one measurement. Times in us since the Unix epoch.
+/// The messages of one measurement on a channel. Times in us since the Unix epoch.
 struct Span {
   std::int64_t measured = 0;  ///< of a revolution of the LiDAR: its first shot
   std::int64_t first_arrival = 0;

@@ -47,7 +47,7 @@ double celsius(std::uint16_t raw) {
 /// (shared/data/rs16/rs16_washing_house.pcap) has six words and then zeros. Their upper four bits count from 0 to 5, as
 /// a converter numbers its channels. The lower twelve are of 5 V: so the last four are 4.95 V (halved), 3.30, 2.56
 /// and 1.21 V. What the two of 12 V are divided by is not known. Another device's words do not count so, and nothing is
-/// told.
+/// reported.
 std::array<int, 4> millivolts(const std::array<Be16, 6>& words) {
   std::array<int, 4> supplies{};
   for (std::size_t channel = 0; channel < words.size(); ++channel) {

@@ -33,7 +33,7 @@ TEST(CandumpTest, ReadsExtendedRemoteAndEmptyFrames) {
   EXPECT_EQ(empty->frame.size, 0);
 }
 
-TEST(CandumpTest, WhatIsNoFrameIsTold) {
+TEST(CandumpTest, WhatIsNoFrameIsReported) {
   for (const char* line :
        {"", "   *** EAGLE-TRT", "(1608055974.318981)", "(1608055974.318981) can0", "(1608055974.31898) can0 202#90",
         "(-1.000000) can0 202#90", "(1.000000) can0 802#90", "(1.000000) can0 202#9", "(1.000000) can0 202#9G",

@@ -73,7 +73,7 @@ TEST_F(SlcanChannelTest, AnAdapterThatNeverAnswersIsUsedOnTrust) {
   EXPECT_TRUE(channel_.is_open());
 }
 
-TEST_F(SlcanChannelTest, ARefusalIsToldAndTriedAgain) {
+TEST_F(SlcanChannelTest, ARefusalIsReportedAndTriedAgain) {
   wait(0);
   wait(100'000);
   answer("\a\a");
@@ -83,7 +83,7 @@ TEST_F(SlcanChannelTest, ARefusalIsToldAndTriedAgain) {
   EXPECT_EQ(sent(), "\r\rC\r");
 }
 
-TEST_F(SlcanChannelTest, ASilentAdapterIsToldAndOpenedAgain) {
+TEST_F(SlcanChannelTest, ASilentAdapterIsReportedAndOpenedAgain) {
   open();
   wait(900'000);
   EXPECT_EQ(sent(), "");

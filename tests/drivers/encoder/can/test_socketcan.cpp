@@ -84,7 +84,7 @@ TEST_F(SocketCanTest, TheKernelSaysWhyAnInterfaceCannotBeRestarted) {
   EXPECT_THAT(restart_can("no_can9"), HasSubstr("no such interface"));
 }
 
-TEST_F(SocketCanTest, AnInterfaceThatIsDownIsToldWithTheCommandThatMendsIt) {
+TEST_F(SocketCanTest, AnInterfaceThatIsDownIsReportedWithTheCommandThatMendsIt) {
   set_up(false);
   EXPECT_THAT(error_of(kInterface), HasSubstr("it is down; `ip link set vcan0 up"));
   set_up(true);

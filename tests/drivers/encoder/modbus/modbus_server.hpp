@@ -21,7 +21,7 @@
 namespace curbstone::test {
 
 /// A ZLAC8015D as libmodbus serves it, on a line that the test gives it or on a TCP port of its own, in a thread of its
-/// own. It misbehaves as told.
+/// own. It misbehaves as set.
 class ModbusServer {
  public:
   enum class Mood {

@@ -14,7 +14,7 @@ using ::testing::IsEmpty;
 
 constexpr std::uint16_t kFaultBits = 0x0404;
 
-/// Answers each request as told, else well.
+/// Answers each request as set, else well.
 struct Line {
   Reply read(const Block& block, std::span<std::uint16_t> registers) {
     asked.push_back(block.count);

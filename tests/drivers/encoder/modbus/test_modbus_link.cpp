@@ -131,7 +131,7 @@ TEST_P(ModbusAnyway, TheWheelsAreReadByFunction03Alone) {
   EXPECT_LT(count("stamp.uncertainty_us"), 60'000);
 }
 
-TEST_P(ModbusAnyway, FaultsOfTheDriveAreTold) {
+TEST_P(ModbusAnyway, FaultsOfTheDriveAreReported) {
   ASSERT_TRUE(run_until_more_samples(10));
   server_->set(0x20A5, 0x0001);
   server_->set(0x20A2, 0xC141);

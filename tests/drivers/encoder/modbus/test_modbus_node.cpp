@@ -92,7 +92,7 @@ TEST_F(ModbusNodeTest, OneReadingThatCannotBeIsRefused) {
   EXPECT_NEAR(recorder_.messages().back().angle[0] - angle, 0.2, 0.01);
 }
 
-TEST_F(ModbusNodeTest, FaultsOfTheDriveAreToldByWheelAndByName) {
+TEST_F(ModbusNodeTest, FaultsOfTheDriveAreReportedByWheelAndByName) {
   reading_.faults = {0, 0x0404};
   reading_.state = {false, true, true};
   run(10);
@@ -111,20 +111,20 @@ TEST_F(ModbusNodeTest, FaultsAndStatusThatAreNotKnownAreAFault) {
   EXPECT_FALSE(recorder_.messages().back().enabled);
 }
 
-TEST_F(ModbusNodeTest, TheUncertaintyOfTheStampsIsTold) {
+TEST_F(ModbusNodeTest, TheUncertaintyOfTheStampsIsReported) {
   run(100);
   EXPECT_EQ(node_.report().counters["modbus.round_trip_us"], 4'000);
   EXPECT_EQ(node_.report().counters["stamp.uncertainty_us"], 2'000);
 }
 
-TEST_F(ModbusNodeTest, EncoderLinesThatDoNotFitAreTold) {
+TEST_F(ModbusNodeTest, EncoderLinesThatDoNotFitAreReported) {
   reading_.encoder_lines = 4096;
   run(2);
   EXPECT_THAT(node_.report().faults, Contains(HasSubstr("16384 counts a revolution, not 4096")));
 }
 
 /// A gateway that answers from its memory while the vehicle drives.
-TEST_F(ModbusNodeTest, OldRegistersThatTellOfASpeedAreWithheldAndTold) {
+TEST_F(ModbusNodeTest, OldRegistersThatTellOfASpeedAreWithheldAndReported) {
   reading_.speeds = {955, -955};  // 0.1 rpm
   run(100);
   const double angle = recorder_.messages().back().angle[0];

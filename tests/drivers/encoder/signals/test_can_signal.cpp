@@ -66,7 +66,7 @@ TEST(CanSignalTest, IdsOfElevenAndOf29BitsAreNeverMixed) {
   EXPECT_TRUE(extended.is_in(frame));
 }
 
-TEST(CanSignalTest, WhatIsNoSignalIsToldInALine) {
+TEST(CanSignalTest, WhatIsNoSignalIsReportedInALine) {
   EXPECT_THAT(why("800 0|8@1+"), HasSubstr("up to 7FF"));
   EXPECT_THAT(why("2FFFFFFF 0|8@1+"), HasSubstr("up to 1FFFFFFF"));
   EXPECT_THAT(why("0181 0|8@1+"), HasSubstr("the id has"));

@@ -114,7 +114,7 @@ TEST_F(SignalNode, ASpeedThatNoWheelHasIsRefused) {
   EXPECT_THAT(node_->report().faults, Contains(HasSubstr("most of them refused.jump")));
 }
 
-TEST_F(SignalNode, SignalsThatAreNoneAreToldWithTheirKey) {
+TEST_F(SignalNode, SignalsThatAreNoneAreReportedWithTheirKey) {
   EncoderConfig wrong = config(SignalKind::kCounts);
   wrong.signals.right = "100 60|16@1-";
   try {

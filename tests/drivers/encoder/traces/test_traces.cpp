@@ -132,7 +132,7 @@ TEST(TraceFileTest, OnlyTheFirstBusIsRead) {
   EXPECT_EQ(file.counters()["ignored.other_bus"], 1);
 }
 
-TEST(TraceFileTest, WhatIsNoRecordingIsToldInALine) {
+TEST(TraceFileTest, WhatIsNoRecordingIsReportedInALine) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(why(folder / "none"), HasSubstr("No such file"));
   std::ofstream(folder / "letter") << "Dear Sir,\nthis is no recording.\n";

@@ -151,7 +151,7 @@ TEST_F(WitNodeTest, ADeviceThatWasOffIsSetUpAgain) {
   EXPECT_THAT(node_->report().faults, IsEmpty());
 }
 
-TEST_F(WitNodeTest, ARateThatTheDeviceDoesNotHaveIsTold) {
+TEST_F(WitNodeTest, ARateThatTheDeviceDoesNotHaveIsReported) {
   ImuConfig config;
   config.model = Model::kWitMotion;
   config.rate = 400;

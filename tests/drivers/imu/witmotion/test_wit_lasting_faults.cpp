@@ -142,7 +142,7 @@ TEST_F(WitLastingFaults, ARateAtTheEndOfItsRangeIsFlaggedAtOnceAndItsAxisNamedIf
   expect_recovery();
 }
 
-TEST_F(WitLastingFaults, MinutesOfAWrongBaudPublishNothingAndAreTold) {
+TEST_F(WitLastingFaults, MinutesOfAWrongBaudPublishNothingAndAreReported) {
   const std::size_t before = published();
   drive(180, {}, [&](test::Bytes& bytes) { bytes = test::random_bytes(random_, bytes.size() + random_() % 20); });
   EXPECT_LE(published(), before + 1);  // a checksum is a byte
@@ -150,7 +150,7 @@ TEST_F(WitLastingFaults, MinutesOfAWrongBaudPublishNothingAndAreTold) {
   expect_recovery();
 }
 
-TEST_F(WitLastingFaults, ARateThatSomebodyElseSetsIsToldAndSetRight) {
+TEST_F(WitLastingFaults, ARateThatSomebodyElseSetsIsReportedAndSetRight) {
   for (const std::uint8_t rate : {std::uint8_t{8}, std::uint8_t{11}, std::uint8_t{7}}) {  // 50, 200, 20 Hz
     device_.on_bytes(std::vector<std::uint8_t>{0xFF, 0xAA, 0x69, 0x88, 0xB5, 0xFF, 0xAA, 0x03, rate, 0x00});
     const std::int64_t period = device_.period();
@@ -163,12 +163,12 @@ TEST_F(WitLastingFaults, ARateThatSomebodyElseSetsIsToldAndSetRight) {
       EXPECT_NEAR(static_cast<double>(recorder_.messages()[i].utime - recorder_.messages()[i - 1].utime),
                   static_cast<double>(period), 200);
     const std::int64_t set_up = count("device.reconfigured");
-    bool told = false;
-    for (int i = 0; i < 80 && !told; ++i) {
+    bool reported = false;
+    for (int i = 0; i < 80 && !reported; ++i) {
       drive(0.05);
-      told = ::testing::Matches(Contains(HasSubstr("Hz, 100 Hz was asked for")))(faults());
+      reported = ::testing::Matches(Contains(HasSubstr("Hz, 100 Hz was asked for")))(faults());
     }
-    EXPECT_TRUE(told);
+    EXPECT_TRUE(reported);
     EXPECT_EQ(count("device.reconfigured"), set_up + 1);
     expect_recovery();
   }
@@ -188,7 +188,7 @@ TEST_F(WitLastingFaults, ARateThatCannotBeSetStaysAFaultAndItsSamplesAreUsed) {
   expect_recovery();
 }
 
-TEST_F(WitLastingFaults, AUnitThatRestartsEachThreeSecondsIsToldAndNoStampIsWrong) {
+TEST_F(WitLastingFaults, AUnitThatRestartsEachThreeSecondsIsReportedAndNoStampIsWrong) {
   std::size_t checked = published();
   for (int restart = 0; restart < 15; ++restart) {
     device_.power_on(now_);

@@ -139,7 +139,7 @@ TEST_F(XbusParserTest, RecordingsOfRealDevicesParseWithoutARefusal) {
   }
 }
 
-TEST_F(XbusParserTest, NoBytesAreToldAsFramesUnlessTheChecksumHoldsAndGoodFramesSurviveNoise) {
+TEST_F(XbusParserTest, NoBytesAreReturnedAsFramesUnlessTheChecksumHoldsAndGoodFramesSurviveNoise) {
   std::mt19937 random(7);
   int good = 0;
   int found = 0;

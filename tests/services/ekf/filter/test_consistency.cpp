@@ -10,8 +10,8 @@ namespace curbstone::ekf::filter {
 namespace {
 
 // Is the covariance honest? Over many drives, whose errors are drawn from the very distributions that the filter is
-// told of, the normalised estimation error squared e^T P^-1 e of n quantities is chi-square with n degrees of freedom
-// (Bar-Shalom, Estimation with Applications to Tracking and Navigation, 5.4).
+// configured with, the normalised estimation error squared e^T P^-1 e of n quantities is chi-square with n degrees of
+// freedom (Bar-Shalom, Estimation with Applications to Tracking and Navigation, 5.4).
 
 constexpr double kLook[] = {8.0, 16.0, 24.0, 34.0, 45.0};  // s; at 34 it has just stood
 
@@ -31,7 +31,7 @@ double bias_nees(const model::Estimate& e, const model::Belief& belief, const Dr
 constexpr double kLow3 = 99.4 / kRuns, kHigh3 = 213.0 / kRuns;
 
 TEST(Consistency, ErrorsAreAsLargeAsTheCovarianceSays) {
-  const base::EkfConfig config = told();
+  const base::EkfConfig config = true_config();
   std::array<double, std::size(kLook)> pose = {}, biases = {};
   for (unsigned run = 0; run < kRuns; ++run) {
     const Drive drive = simulate_drive(drawn(config, run), config.vehicle);
@@ -105,7 +105,7 @@ TEST(Consistency, WheelsAndImuAloneStayWithinOnePercentInTheTownWithSlips) {
 }
 
 TEST(Consistency, ABaseLinkThatIsNotOverTheAxleIsFoundOut) {
-  // KITTI's car with base_link below the LiDAR, and nobody told the filter: bends would throw it out sideways.
+  // KITTI's car with base_link below the LiDAR, and the filter does not know: bends would throw it out sideways.
   const base::EkfConfig config;
   TownDriveOptions options;
   options.axle = -0.76;

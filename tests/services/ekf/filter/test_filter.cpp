@@ -91,7 +91,7 @@ TEST(Filter, FollowsADriveOverHillsWithinOnePercent) {
   EXPECT_LT(errors.yaw, 0.5 * kDegree);
 }
 
-TEST(Filter, LearnsBiasesThatItWasNotTold) {
+TEST(Filter, LearnsBiasesThatAreNotConfigured) {
   base::EkfConfig config;
   config.start.accelerometer_bias_sigma = 0.1;
   DriveOptions options = typical();

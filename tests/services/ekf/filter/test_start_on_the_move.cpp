@@ -29,7 +29,7 @@ Drive without_beginning(Drive drive, double seconds) {
 
 TEST(StartOnTheMove, ItIsHonestBeforeAndAfterItKnowsTheGyrosBias) {
   constexpr double kTimes[] = {5.0, 15.0, 23.0, 31.0, 39.0};  // s; at 31 it has just stood
-  const base::EkfConfig config = told();
+  const base::EkfConfig config = true_config();
   std::array<double, std::size(kTimes)> pose = {};
   for (unsigned run = 0; run < kRuns; ++run) {
     DriveOptions options = drawn(config, run);

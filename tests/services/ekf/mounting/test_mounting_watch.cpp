@@ -1,4 +1,4 @@
-// The mistakes that are made when a vehicle is built: told within a drive of a minute with turns, and never of a
+// The mistakes that are made when a vehicle is built: reported within a drive of a minute with turns, and never of a
 // vehicle that is as its file says, whatever else is wrong.
 #include "services/ekf/mounting/mounting_watch.hpp"
 
@@ -102,7 +102,7 @@ TEST(MountingWatchTest, ATurnedImuThatIsDeclaredDrivesAsALevelOne) {
 }
 
 /// Believed it cost 2 to 240 m in 138 m, and of the upside-down one nothing was said in the first 50 s.
-TEST(MountingWatchTest, ATurnedImuThatIsNotDeclaredIsTold) {
+TEST(MountingWatchTest, ATurnedImuThatIsNotDeclaredIsReported) {
   const Drive level = town();
   for (const Angles& rpy : kMountings) {
     MountingWatch of{VehicleConfig()};
@@ -123,7 +123,7 @@ TEST(MountingWatchTest, ATurnedImuThatIsNotDeclaredIsTold) {
 }
 
 /// It cost 74 m in 138 m (the gyro's sign), and a wheel that was right was called wrong (swapped wheels).
-TEST(MountingWatchTest, SwappedWheelsAndTheGyrosSignAreTold) {
+TEST(MountingWatchTest, SwappedWheelsAndTheGyrosSignAreReported) {
   for (const unsigned number : {1U, 2U, 3U}) {
     const Drive good = town(number, 3.0, kTwoBends);
     EXPECT_TRUE(watch(with_swapped_wheels(good)).turn) << number;
@@ -134,7 +134,7 @@ TEST(MountingWatchTest, SwappedWheelsAndTheGyrosSignAreTold) {
   }
 }
 
-TEST(MountingWatchTest, BothWheelsBackwardsAreTold) {
+TEST(MountingWatchTest, BothWheelsBackwardsAreReported) {
   MountingWatch of{VehicleConfig()};
   const Verdicts v = watch(of, with_fault(town(1, 3.0, kTwoBends), {"", {-1, -1}}, 1.0));
   EXPECT_FALSE(v.up);

@@ -67,7 +67,7 @@ TEST_P(WorkOnTheMap, NothingIsUnderWayAtFirstAndWaitingTwiceIsNothing) {
   EXPECT_EQ(worker_.num_removals(), 0);
 }
 
-TEST_P(WorkOnTheMap, EveryTileThatChangesIsTold) {
+TEST_P(WorkOnTheMap, EveryTileThatChangesIsReported) {
   grow(5);
   grow(5, 11);
   worker_.wait();

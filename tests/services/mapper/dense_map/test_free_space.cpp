@@ -93,14 +93,14 @@ TEST(FreeSpace, WhatHasLeftIsTakenOutTheSameWayWheneverThereIsTimeToLook) {
   }
 }
 
-TEST(FreeSpace, AtTheEndOfTheDriveNothingThatWasTakenOutIsLeftUntold) {
+TEST(FreeSpace, AtTheEndOfTheDriveNothingThatWasTakenOutIsLeftUnreported) {
   const auto parked = [](double t) { return t < 2 ? car(-1, -3.2) : std::vector<Box>{}; };
   ChangingStreet watched(parked), drive(parked);
   const auto one_more = [](ChangingStreet& street) { street.until((street.turn + 0.5) * test::kPeriod); };
   while (watched.removed() < 100) one_more(watched);
-  std::map<TileKey, std::size_t> told;
+  std::map<TileKey, std::size_t> reported;
   const auto tell = [&](const std::vector<TileKey>& changed) {
-    for (const TileKey& key : changed) told[key] = drive.mapper->grown().tile(key)->records().size();
+    for (const TileKey& key : changed) reported[key] = drive.mapper->grown().tile(key)->records().size();
   };
   while (drive.turn < watched.turn) {
     one_more(drive);
@@ -110,7 +110,7 @@ TEST(FreeSpace, AtTheEndOfTheDriveNothingThatWasTakenOutIsLeftUntold) {
   tell(drive.mapper->finish());
   EXPECT_EQ(drive.removed(), watched.removed()) << "by the last look";
   const DenseMap& dense = drive.dense();
-  for (const TileKey& key : dense.keys()) EXPECT_EQ(told[key], dense.tile(key)->records().size());
+  for (const TileKey& key : dense.keys()) EXPECT_EQ(reported[key], dense.tile(key)->records().size());
 }
 
 TEST(FreeSpace, AParkedCarThatLeavesFadesAndItsPlaceIsGround) {

@@ -39,7 +39,7 @@ class BlindSectorsTest : public ::testing::Test {
   BlindSectors sectors_;
 };
 
-TEST_F(BlindSectorsTest, MudIsToldUntilTheWindowIsClean) {
+TEST_F(BlindSectorsTest, MudIsReportedUntilTheWindowIsClean) {
   for (const float mud : {0.0F, 0.5F}) {
     look(BlindSectors::kSteady);
     EXPECT_THAT(faults(), IsEmpty());

@@ -66,7 +66,7 @@ TEST_F(LaserElevationsTest, OneThatIsWrongIsNamedAndWithheldAfterTwoSeconds) {
   EXPECT_THAT(faults[0], HasSubstr("laser 3 (0: the lowest) looks 0.5"));
 }
 
-TEST_F(LaserElevationsTest, TheLowestAndTheNextAreToldFromEachOther) {
+TEST_F(LaserElevationsTest, TheLowestAndTheNextAreDistinguished) {
   look(50, raised(0, -0.6));
   EXPECT_THAT(wrong(), ElementsAre(0));
   lasers_ = {};

@@ -58,7 +58,7 @@ TEST_F(LidarMountingTest, AsTheFileSaysIsNoFault) {
   EXPECT_THAT(fault(), IsEmpty());
 }
 
-TEST_F(LidarMountingTest, OneThatLeansIsToldWithTheAnglesThatPutItRight) {
+TEST_F(LidarMountingTest, OneThatLeansIsReportedWithTheAnglesThatPutItRight) {
   mount(1.73, 0, 0.052, 0);  // 3 deg down
   drive(5);
   EXPECT_THAT(fault(), IsEmpty()) << "not yet";
@@ -70,7 +70,7 @@ TEST_F(LidarMountingTest, OneThatLeansIsToldWithTheAnglesThatPutItRight) {
   EXPECT_EQ(mounting_.counters()["faults.lidar.tilted"], 1);
 }
 
-TEST_F(LidarMountingTest, RollHeightAndYawAreToldTogether) {
+TEST_F(LidarMountingTest, RollHeightAndYawAreReportedTogether) {
   mount(1.53, 0.06, 0, -0.05);
   drive(25);
   EXPECT_NEAR(mounting_.lidar()[2], 1.53, 0.03);
@@ -79,7 +79,7 @@ TEST_F(LidarMountingTest, RollHeightAndYawAreToldTogether) {
   EXPECT_THAT(fault(), ::testing::ContainsRegex("leans by 3.. deg, looks 2.9 deg aside, is 0.20 m too low"));
 }
 
-TEST_F(LidarMountingTest, AQuarterAndHalfATurnAreTold) {
+TEST_F(LidarMountingTest, AQuarterAndHalfATurnAreReported) {
   for (const double yaw : {1.571, 3.142}) {
     mounting_ = LidarMounting(VehicleConfig{});
     mount(1.73, 0, 0, yaw);
@@ -89,7 +89,7 @@ TEST_F(LidarMountingTest, AQuarterAndHalfATurnAreTold) {
   }
 }
 
-TEST_F(LidarMountingTest, OneThatSlipsOnTheWayIsTold) {
+TEST_F(LidarMountingTest, OneThatSlipsOnTheWayIsReported) {
   drive(40);
   ASSERT_THAT(fault(), IsEmpty());
   mount(1.73, 0, 0.06, 0);
@@ -112,7 +112,7 @@ TEST_F(LidarMountingTest, UpsideDownTurnsTheOtherWay) {
   EXPECT_THAT(fault(), HasSubstr("a roll of 3.1416 in vehicle.lidar"));
 }
 
-TEST_F(LidarMountingTest, WheelsOfAnotherSizeAreTold) {
+TEST_F(LidarMountingTest, WheelsOfAnotherSizeAreReported) {
   odometry_scale_ = 1.06;
   drive(25);
   EXPECT_TRUE(mounting_.wrong().size);

@@ -36,7 +36,7 @@ TEST_F(TurnAgreementTest, DriftIsNoFault) {
   EXPECT_THAT(faults(), IsEmpty());
 }
 
-TEST_F(TurnAgreementTest, ALidarThatFollowsSomethingElseIsToldForAMinute) {
+TEST_F(TurnAgreementTest, ALidarThatFollowsSomethingElseIsReportedForAMinute) {
   drive(5);
   drive(3, -0.08);
   ASSERT_EQ(faults().size(), 1U);
@@ -48,7 +48,7 @@ TEST_F(TurnAgreementTest, ALidarThatFollowsSomethingElseIsToldForAMinute) {
   EXPECT_EQ(turns_.counters()["faults.apart.turn"], 1);
 }
 
-TEST_F(TurnAgreementTest, AMountThatSlipsIsToldAtOnce) {
+TEST_F(TurnAgreementTest, AMountThatSlipsIsReportedAtOnce) {
   drive(5);
   drive(0.05, 0, 1.2);  // 3.4 deg from one revolution to the next
   ASSERT_EQ(faults().size(), 1U);

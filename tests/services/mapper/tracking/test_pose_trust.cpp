@@ -62,7 +62,7 @@ TEST_F(TrustOfADrive, BeginsAnewOnNewGroundIfOdometryLedThere) {
   EXPECT_EQ(counters_["began_anew"], 1);
 }
 
-TEST_F(TrustOfADrive, NeverBeginsAnewWhenNothingToldOfTheMotion) {
+TEST_F(TrustOfADrive, NeverBeginsAnewWhenNothingMeasuredTheMotion) {
   drive(10, true);
   trust_.go_blind(counters_);
   EXPECT_TRUE(trust_.groundless());

@@ -27,14 +27,23 @@ std::unique_ptr<CellColumns> standing_in(const TileCells& cells) {
   return columns;
 }
 
-TileCells beneath(const CellColumns& columns, const CellColumns* east = nullptr) {
-  tile::Around<CellColumns> around;
-  around.set(0, 0, &columns);
-  around.set(1, 0, east);
-  return find_vehicles(around).beneath;
-}
+/// Asks one memo again and again: it must say what find_vehicles() says.
+class VehicleCellsTest : public ::testing::Test {
+ protected:
+  TileCells beneath(const CellColumns& columns, const CellColumns* east = nullptr) {
+    tile::Around<CellColumns> around;
+    around.set(0, 0, &columns);
+    around.set(1, 0, east);
+    const TileCells found = find_vehicles(around).beneath;
+    EXPECT_EQ(memo_.find(around).beneath, found);
+    return found;
+  }
 
-TEST(VehicleCells, AreThoseOfWhatStandsNowWhateverWasAskedBefore) {
+ private:
+  VehicleMemo memo_;
+};
+
+TEST_F(VehicleCellsTest, AreThoseOfWhatStandsNowWhateverWasAskedBefore) {
   for (int again = 0; again < 2; ++again) {
     for (int columns = 16; columns < 22; ++columns) {
       for (int column = 0; column < 4; ++column) {
@@ -47,7 +56,7 @@ TEST(VehicleCells, AreThoseOfWhatStandsNowWhateverWasAskedBefore) {
   }
 }
 
-TEST(VehicleCells, AreAskedForAnewWhenSomethingComesToStandBeside) {
+TEST_F(VehicleCellsTest, AreAskedForAnewWhenSomethingComesToStandBeside) {
   const auto here = standing_in(cell_rectangle(15, 5, 10, 11));
   const auto rest = standing_in(cell_rectangle(0, 5, 10, 11));
   const auto wall = standing_in(cell_rectangle(0, 0, 25, 25));
@@ -56,7 +65,7 @@ TEST(VehicleCells, AreAskedForAnewWhenSomethingComesToStandBeside) {
   EXPECT_EQ(beneath(*here, rest.get()), here->blocked);
 }
 
-TEST(VehicleCells, AreAskedForAnewWhenWhatStandsTurnsOutHigh) {
+TEST_F(VehicleCellsTest, AreAskedForAnewWhenWhatStandsTurnsOutHigh) {
   const auto low = standing_in(cell_rectangle(2, 5, 20, 11));
   low->high.reset();
   for (std::size_t i = 0; i < 10; ++i) low->high.set(static_cast<std::size_t>(5 * kCellsPerTile + 2) + i);

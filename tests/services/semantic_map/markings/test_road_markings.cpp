@@ -292,9 +292,9 @@ TEST(RoadMarkings, AnEdgeLineDoesNotBendIntoAStopLine) {
 }
 
 TEST(RoadMarkings, LinesOfNoPointsAndOfPointsAtOnePlaceAreNone) {
-  EXPECT_TRUE(marking_lines::link_markings({}, {}, {}).empty());
+  EXPECT_TRUE(marking_lines::link_marking_cells({}, {}, {}).empty());
   const std::vector<marking_lines::MapMarkingCell> heap(50, {{1, 1}, 0, 80, true});
-  EXPECT_TRUE(marking_lines::link_markings(heap, {}, {}).empty());
+  EXPECT_TRUE(marking_lines::link_marking_cells(heap, {}, {}).empty());
 }
 
 }  // namespace

@@ -290,7 +290,7 @@ TEST_F(PipelineOfAStreet, WhatSleptInAFileComesOutAsWhatDidNot) {
   EXPECT_TRUE(pipeline.take_lost().empty());
 }
 
-TEST_F(PipelineOfAStreet, WhatTheFileCannotBringBackIsToldAndMayComeAgain) {
+TEST_F(PipelineOfAStreet, WhatTheFileCannotBringBackIsReportedAndMayComeAgain) {
   const test::TemporaryFolder folder;
   const auto file = std::make_shared<SpillFile>(folder.path().string(), 0);
   TilePipeline pipeline({}, {}, {}, file);

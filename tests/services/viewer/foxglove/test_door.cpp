@@ -86,7 +86,7 @@ class DoorTest : public ::testing::Test {
     audience_.sent.clear();
     return ids;
   }
-  std::vector<std::string> told() {
+  std::vector<std::string> received() {
     std::vector<std::string> ops;
     for (const auto& [page, text] : audience_.said) ops.push_back(json::parse(text)["op"]);
     last_text_ = audience_.said.empty() ? "" : audience_.said.back().second;
@@ -114,7 +114,7 @@ class DoorTest : public ::testing::Test {
 };
 
 TEST_F(DoorTest, TellsAClientWhatThereIs) {
-  EXPECT_THAT(told(), ElementsAre("serverInfo", "advertise"));
+  EXPECT_THAT(received(), ElementsAre("serverInfo", "advertise"));
   const json channels = json::parse(last_text_)["channels"];
   ASSERT_EQ(channels.size(), 10U);
   EXPECT_EQ(channels[2]["topic"], "/map/window");
@@ -124,12 +124,12 @@ TEST_F(DoorTest, TellsAClientWhatThereIs) {
 }
 
 TEST_F(DoorTest, TellsOfAProcessThatIsHeardLater) {
-  told();
+  received();
   service_status_t message{};
   message.service = "lidar";
   status_.put(message);
   tick(1);
-  EXPECT_THAT(told(), ElementsAre("advertise"));
+  EXPECT_THAT(received(), ElementsAre("advertise"));
   EXPECT_EQ(json::parse(last_text_)["channels"][0]["topic"], "/status/lidar");
   subscribe(8, kFirstStatus);
   tick(2);
@@ -237,13 +237,13 @@ TEST_F(DoorTest, StopsWhenToldTo) {
 }
 
 TEST_F(DoorTest, AnswersNonsenseWithAWordAndGoesOn) {
-  told();
+  received();
   for (const char* text :
        {"hello", R"({"op":"setParameters"})", R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":77}]})"})
     say(text);
   say(json({{"op", "subscribe"}, {"subscriptions", {{{"id", 1}, {"channelId", kFirstStatus}}}}}).dump());
   tick(1);
-  EXPECT_THAT(told(), ElementsAre("status", "status", "status", "status"));
+  EXPECT_THAT(received(), ElementsAre("status", "status", "status", "status"));
   EXPECT_EQ(door_.counters()["refused.foxglove"], 4);
   subscribe(2, kPose);
   tick(2);

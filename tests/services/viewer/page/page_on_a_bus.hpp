@@ -39,7 +39,7 @@ class PageOnABus : public ::testing::Test {
   void open(const std::string& fragment);
   void start_viewer(int port = 0);
   void stop_viewer();
-  /// What there is to hear again is told to a new viewer, as TILE_INDEX and requests do on the bus.
+  /// What there is to hear again is sent to a new viewer, as TILE_INDEX and requests do on the bus.
   void repeat_tiles();
 
   /// The mapper has started anew: what is said from here on is of another map.

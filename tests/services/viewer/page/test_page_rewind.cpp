@@ -83,7 +83,7 @@ TEST_F(PageRewind, PlaysFromThereAndFasterUpToNow) {
   drag_before_the_change();
   const double then = shown_x();
   EXPECT_EQ(wrong_cells_now(tile_of(-1, -1, semantic_tile_t::OBSTACLE)), 0);
-  EXPECT_EQ(shown_x(), then) << "it stands until it is told to play";
+  EXPECT_EQ(shown_x(), then) << "it stands until somebody plays it";
   browser->press(' ');
   EXPECT_TRUE(browser->comes_to(fmt::format("curbstone.world.state.pose.x > {}", then + 1)));
   EXPECT_TRUE(browser->comes_to("curbstone.world.tileAt(-1, -1).classes[0] === 1"));

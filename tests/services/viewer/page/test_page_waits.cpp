@@ -42,7 +42,7 @@ TEST_F(PageArrives, AndDrawsItsFirstPictureOnceThoughTheMapComesInTenFrames) {
   open("follow=0&theme=light");
   ASSERT_TRUE(browser->comes_to("curbstone.arrival.shown"));
   // Twice a second it draws what has come, whoever waits so long; and once more at its beginning, when its size is
-  // told.
+  // known.
   EXPECT_LE(browser->evaluate("curbstone.arrival.parts - curbstone.arrival.asked").get<int>(), 1);
 }
 

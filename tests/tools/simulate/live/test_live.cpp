@@ -160,7 +160,7 @@ TEST(LiveDrive, IsHeardByTheDriversInRealTime) {
   EXPECT_FALSE(std::filesystem::exists(std::filesystem::symlink_status(options.imu_link))) << "nothing stays behind";
 }
 
-TEST(LiveDrive, FallsSilentAsTold) {
+TEST(LiveDrive, FallsSilentWhenConfigured) {
   const test::TemporaryFolder folder;
   live::LiveOptions options;
   options.imu_link = folder / "imu-port";

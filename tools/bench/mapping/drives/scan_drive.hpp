@@ -9,7 +9,7 @@
 namespace curbstone::bench::mapping::drives {
 
 /// A folder of scans in KITTI's layout. A sweep begins behind and turns clockwise (seen from above); a scan's stamp is
-/// when it looks forward, and its pose is the one then. Scans that were put right for the motion already (unless told:
+/// when it looks forward, and its pose is the one then. Scans that were put right for the motion already (unless given:
 /// those without a folder of rings) count as taken at once. Base_link is the lidar.
 class ScanDrive final : public MappingDrive {
  public:
@@ -25,8 +25,8 @@ class ScanDrive final : public MappingDrive {
   ScanDrive(const std::string& folder, const std::string& poses_file, const std::string& times_file)
       : ScanDrive(folder, poses_file, times_file, Selection{}) {}
   void set_swept(bool swept) { scans_.swept = swept; }
-  /// How long the head takes for a scan. Unless told: as long as scans are apart, but at most 0.1 s, for where they are
-  /// farther apart some were left out.
+  /// How long the head takes for a scan. Unless given: as long as scans are apart, but at most 0.1 s, for where they
+  /// are farther apart some were left out.
   void set_sweep(double seconds) { sweep_ = std::llround(seconds * 1e6); }
 
   void play(const Take& take) const override;
