@@ -41,6 +41,17 @@ void describe_axes(const filter::LostAxes& axes, std::vector<std::string>& fault
   if (axes.turn_is_lost()) faults.emplace_back("no gyro about the vertical: the wheels tell how it turns, and slip");
 }
 
+void describe_leap(const filter::Filter& filter, std::vector<std::string>& faults) {
+  constexpr double kMention = 60.0;  // s
+  const auto& leapt = filter.gyro_leapt();
+  const double ago = leapt ? base::seconds_between(leapt->utime, filter.belief().utime) : kMention;
+  if (ago >= kMention) return;
+  faults.push_back(fmt::format(
+      "IMU: the gyro's bias about the vertical leapt by {:.1f} deg/s, {:.0f} s ago, and is taken out: is the "
+      "IMU loose, or its supply disturbed?",
+      leapt->rate * 180 / std::numbers::pi, ago));
+}
+
 /// "+x" .. "-z": the axis that is nearest to a direction.
 std::string axis_along(const Eigen::Vector3d& direction) {
   Eigen::Index axis = 0;
@@ -248,6 +259,7 @@ NodeReport EkfNode::report() const {
       faults.emplace_back(clips ? "IMU: it clips, odometry coasts on the wheels"
                                 : "no IMU: odometry coasts on the wheels");
     describe_axes(filter_.filter().axes(), faults);
+    describe_leap(filter_.filter(), faults);
     describe_wheels(filter_.filter().wheel_watch(), faults);
     if (last_->no_wheels) faults.emplace_back("no wheels: odometry coasts on the IMU, and drifts");
   }

@@ -59,7 +59,7 @@ void Filter::add(const base::ImuSample& measured, std::vector<model::Estimate>& 
   if (dt > config_->timing.max_imu_gap) {
     counters_.add("gaps.imu");
     watch_.interrupt();
-    turn_.interrupt();
+    interrupt_turns();
     leave_standing();
     still_.reset();
   }
@@ -160,7 +160,7 @@ void Filter::follow_axes() {
   slip_.turn_is_lost(axes_.turn_is_lost());
   slip_.acquit();
   watch_.interrupt();
-  turn_.interrupt();
+  interrupt_turns();
   forget_launch();
 }
 
@@ -178,7 +178,7 @@ void Filter::restart_clock(std::int64_t utime) {
   slip_.reset_detector();
   slip_.acquit();
   watch_.interrupt();
-  turn_.interrupt();
+  interrupt_turns();
   wheels_refused_.reset();
   constraint_refused_.reset();
   forget_launch();

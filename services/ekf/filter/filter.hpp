@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/bus/counters.hpp"
+#include "services/ekf/detection/gyro_leap.hpp"
 #include "services/ekf/detection/level_watch.hpp"
 #include "services/ekf/detection/refusal_timer.hpp"
 #include "services/ekf/detection/slip_judge.hpp"
@@ -68,6 +69,12 @@ class Filter {
   /// Which axes of the gyro are done without because they are stuck. In the belief the bias of such an axis stands for
   /// the rate; for another filter to inherit, take axes().with_biases(belief()).
   [[nodiscard]] const LostAxes& axes() const { return axes_; }
+  struct LeaptGyro {
+    std::int64_t utime = 0;  ///< us, when it was found
+    double rate = 0.0;       ///< rad/s
+  };
+  /// The last leap of the gyro's bias about the vertical.
+  [[nodiscard]] const std::optional<LeaptGyro>& gyro_leapt() const { return gyro_leapt_; }
   [[nodiscard]] const model::Belief& belief() const { return belief_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -92,6 +99,8 @@ class Filter {
   void correct_with_wheels(WheelStep step, bool coasting);
   void correct_driving(const inputs::WheelInterval& interval);
   void compare_turns(const inputs::WheelInterval& interval);
+  void follow_gyro(const detection::GyroLeap::Leap& leap);
+  void interrupt_turns();
   void judge_launch(const inputs::WheelInterval& interval);
   void judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows);
   [[nodiscard]] std::array<model::Observation, 2> observe_wheels(const inputs::WheelInterval& interval,
@@ -123,6 +132,8 @@ class Filter {
   detection::SlipJudge slip_;
   detection::WheelWatch watch_;
   detection::TurnConfirmation turn_;
+  detection::GyroLeap gyro_leap_;
+  std::optional<LeaptGyro> gyro_leapt_;
   detection::RefusalTimer wheels_refused_;
   detection::RefusalTimer constraint_refused_;
   OdomSmoother smoother_;

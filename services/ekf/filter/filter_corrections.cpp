@@ -40,7 +40,7 @@ void Filter::correct_with_wheels(WheelStep step, bool coasting) {
       if (covered && !coasting)
         compare_turns(interval);
       else
-        turn_.interrupt();
+        interrupt_turns();
       if (covered && standing_)
         correct_standing();
       else if (covered && coasting)
@@ -54,14 +54,38 @@ void Filter::correct_with_wheels(WheelStep step, bool coasting) {
   }
   slip_.reset_detector();
   watch_.interrupt();
-  turn_.interrupt();
+  interrupt_turns();
   mechanisation_.window().reset();
   if (launch_) launch_->begin_interval();
 }
 
 void Filter::compare_turns(const inputs::WheelInterval& interval) {
-  turn_.add(interval.duration(), model::wheel_yaw_rate(belief_.mean, interval.speed, geometry_),
-            mechanisation_.window().motion().angular_rate.z());
+  const double by_wheels = model::wheel_yaw_rate(belief_.mean, interval.speed, geometry_);
+  const double by_gyro = mechanisation_.window().motion().angular_rate.z();
+  turn_.add(interval.duration(), by_wheels, by_gyro);
+  if (axes_.any() || watch_.faulty(0) || watch_.faulty(1)) return gyro_leap_.interrupt();
+  const auto leap = gyro_leap_.add(interval.duration(), model::wheel_yaw_rate({}, interval.speed, geometry_),
+                                   mechanisation_.window().gyro().z(), belief_.mean);
+  if (leap) follow_gyro(*leap);
+}
+
+/// The gyro's bias has leapt: what it has turned the heading and led the place astray by since then is put back.
+void Filter::follow_gyro(const detection::GyroLeap::Leap& leap) {
+  counters_.add("gyro_leaps");
+  gyro_leapt_ = {belief_.utime, leap.rate};
+  const Pose before = model::base_pose(belief_.mean, geometry_);
+  take_out(belief_, leap);
+  smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
+  slip_.reset_detector();
+  slip_.acquit();
+  watch_.interrupt();
+  interrupt_turns();
+  forget_launch();
+}
+
+void Filter::interrupt_turns() {
+  turn_.interrupt();
+  gyro_leap_.interrupt();
 }
 
 /// Wheels that a launch disowns are refused, until they agree or are found faulty.

@@ -14,18 +14,13 @@ namespace curbstone::ekf::filter {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kLeapsAt = 10.0;  // s
 
 Drive round_the_block(unsigned number, double speed = 3.0) {
   return simulate_town_drive({.seconds = 80, .speed = speed, .seed = 7000 + number, .town = number}, VehicleConfig());
 }
 
-Drive with_gyro(Drive drive, double scale, double leap = 0.0) {
-  for (base::ImuSample& sample : drive.imu) {
-    const double t = base::seconds_between(drive.imu.front().utime, sample.utime);
-    sample.angular_rate.z() *= scale;
-    if (t > kLeapsAt) sample.angular_rate.z() += leap;
-  }
+Drive with_gyro(Drive drive, double scale) {
+  for (base::ImuSample& sample : drive.imu) sample.angular_rate.z() *= scale;
   return drive;
 }
 
@@ -96,16 +91,6 @@ TEST(TurnConfirmation, IsNotSaidInTheBendsOfAGyroWhoseScaleIsWrong) {
       EXPECT_LT(said(with_gyro(drive, scale)).bends, 0.5) << number << ' ' << scale;
     for (const double scale : {0.5, 1.5})
       EXPECT_LT(said(with_gyro(drive, scale)).bends, 0.01) << number << ' ' << scale;
-  }
-}
-
-/// Later the filter has learnt to explain it by the wheels' radii. The mapper then knows: the scans told it before.
-TEST(TurnConfirmation, IsNotSaidAfterAGyrosBiasHasLeapt) {
-  for (const unsigned number : {1U, 2U, 3U}) {
-    for (const double leap : {2.0, -5.0}) {
-      const Drive drive = with_gyro(round_the_block(number), 1.0, leap * kDegree);
-      EXPECT_EQ(said(drive, kLeapsAt + 0.4, kLeapsAt + 5).share, 0) << number << ' ' << leap;
-    }
   }
 }
 

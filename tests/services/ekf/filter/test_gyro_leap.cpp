@@ -1,0 +1,99 @@
+// A gyro whose bias about the vertical leaps in mid-drive.
+#include "services/ekf/detection/gyro_leap.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/services/ekf/drawn_drives.hpp"
+#include "tests/services/ekf/ground_error.hpp"
+#include "tests/services/ekf/gyro_faults.hpp"
+#include "tests/services/ekf/harmless_drives.hpp"
+#include "tests/services/ekf/real_drives.hpp"
+#include "tests/services/ekf/town_drive.hpp"
+#include "tests/services/ekf/wheel_faults.hpp"
+
+namespace curbstone::ekf::filter {
+namespace {
+
+constexpr double kDegreeASecond = std::numbers::pi / 180;
+
+struct LeapOutcome {
+  std::int64_t leaps = 0;
+  double position = 0.0;  // m, largest error on the ground
+  double square = 0.0;    // of the sigmas, on average; 2 is expected
+};
+
+LeapOutcome leap_outcome(const Drive& drive, const VehicleConfig& vehicle = VehicleConfig()) {
+  base::EkfConfig config;
+  config.vehicle = vehicle;
+  Filter filter(config);
+  const std::vector<model::Estimate> out = run(filter, drive);
+  LeapOutcome outcome{filter.counters()["gyro_leaps"]};
+  if (out.empty() || drive.truth.empty()) return outcome;
+  const std::size_t start = drive.index_of(out.front().utime);
+  int looks = 0;
+  for (std::size_t i = 100; i + 20 < out.size(); i += 10, ++looks) {
+    const GroundError error = ground_error(drive, start, out[i]);
+    outcome.position = std::max(outcome.position, error.metres);
+    outcome.square += error.sigmas * error.sigmas;
+  }
+  outcome.square /= std::max(looks, 1);
+  return outcome;
+}
+
+Drive round_a_block(unsigned number, double speed = 3.0) {
+  return simulate_town_drive({.seconds = 80, .speed = speed, .seed = 7000 + number, .town = number}, VehicleConfig());
+}
+
+Drive with_leap(Drive drive, double at, double rate, double until = 1e9) {
+  for (base::ImuSample& sample : drive.imu) {
+    const double t = base::seconds_between(drive.imu.front().utime, sample.utime);
+    if (t > at && t < until) sample.angular_rate.z() += rate;
+  }
+  return drive;
+}
+
+TEST(GyroLeap, IsTakenOutOfTheBiasAndTheHeading) {
+  for (const unsigned number : {1U, 2U, 3U}) {
+    const Drive drive = round_a_block(number);
+    const LeapOutcome healthy = leap_outcome(drive);
+    for (const double rate : {-2.0, 5.0, -20.0}) {
+      for (const double at : {2.0, 10.0, middle_of_bend(drive, 20, 70)}) {
+        const LeapOutcome leapt = leap_outcome(with_leap(drive, at, rate * kDegreeASecond));
+        EXPECT_EQ(leapt.leaps, 1) << number << ' ' << rate << ' ' << at;
+        EXPECT_LT(leapt.position, healthy.position + (std::abs(rate) > 10 ? 7 : 1))
+            << number << ' ' << rate << ' ' << at;
+        EXPECT_LT(leapt.square, 8) << number << ' ' << rate << ' ' << at;
+      }
+    }
+  }
+}
+
+TEST(GyroLeap, ThereAndBackAreTwo) {
+  const Drive drive = round_a_block(1);
+  const LeapOutcome leapt = leap_outcome(with_leap(drive, 10, 5 * kDegreeASecond, 25));
+  EXPECT_EQ(leapt.leaps, 2);
+  EXPECT_LT(leapt.position, leap_outcome(drive).position + 1);
+}
+
+TEST(GyroLeap, IsNoneWhereWheelsAreWrongOrAllIsWell) {
+  for (const unsigned number : {1U, 2U, 3U, 4U, 5U}) {
+    for (const double speed : {0.7, 3.0, 5.0})
+      EXPECT_EQ(leap_outcome(round_a_block(number, speed)).leaps, 0) << number << ' ' << speed;
+  }
+  for (const WheelFault& fault : wheel_faults()) {
+    for (const double onset : {1.0, 20.0, 45.0})
+      EXPECT_EQ(leap_outcome(with_fault(round_a_block(1), fault, onset)).leaps, 0) << fault.name << ' ' << onset;
+  }
+  for (const HarmlessDrive& harmless : harmless_drives())
+    EXPECT_EQ(leap_outcome(harmless.make()).leaps, 0) << harmless.name;
+  for (const std::string& name : real_drive_names()) {
+    const auto drive = real_drive(name);
+    EXPECT_EQ(drive ? leap_outcome(drive->drive, drive->vehicle).leaps : 0, 0) << name;
+  }
+}
+
+}  // namespace
+}  // namespace curbstone::ekf::filter
