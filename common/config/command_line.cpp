@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdlib>
 #include <type_traits>
 
@@ -21,6 +22,13 @@ std::string misfit(const std::string& text) {
     if (text.find('-') != std::string::npos) errno = ERANGE;
   }
   return errno == ERANGE ? "Value " + text + " out of range" : "";
+}
+
+/// No option of ours means anything by nan or inf, and bounds let nan through.
+std::string not_finite(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  return *end == '\0' && !std::isfinite(value) ? "Value " + text + " is no number" : "";
 }
 
 }  // namespace
@@ -90,6 +98,7 @@ CommandOption CommandLine::option(const std::string& names, T& value, const std:
   if constexpr (std::same_as<T, std::int64_t>) option->check(misfit<std::int64_t>);
   if constexpr (std::same_as<T, std::uint64_t> || std::same_as<T, std::vector<std::uint64_t>>)
     option->check(misfit<std::uint64_t>);
+  if constexpr (std::same_as<T, double> || std::same_as<T, std::vector<double>>) option->check(not_finite);
   return listed(option);
 }
 

@@ -217,7 +217,7 @@ void EncoderNode::on_stamp(std::int64_t now, const Arrived& arrived, const Perio
   }
   const Sample sample = arrived.update(elapsed);
   if (!sample) {
-    refusal_ = "refused.jump";
+    refusal_ = config_.signals.kind == SignalKind::kSpeeds ? "refused.jump" : odometer_.refusal();
     return;
   }
   if (arrived.stuck) return counters_.add("withheld.stuck");

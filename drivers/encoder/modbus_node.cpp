@@ -45,7 +45,7 @@ void ModbusNode::on_reading(std::int64_t now, const modbus::Reading& reading) {
   last_heard_ = now;
   round_trips_.add(static_cast<double>(reading.round_trip));
   const auto sample = odometer_.update(reading.counts, static_cast<double>(elapsed) * 1e-6);
-  if (!sample) return share_.refused(now, "refused.jump");
+  if (!sample) return share_.refused(now, odometer_.refusal());
   share_.used(now);
   stuck_.add(reading.utime, reading.counts, reading.speeds);
   if (first) return;

@@ -35,11 +35,14 @@ std::optional<WheelCounter::Sample> WheelCounter::update(const Raw& raw, double 
     suspects_ = agrees ? suspects_ + 1 : 1;
     suspect_ = raw;
     if (suspects_ < kMaxSuspects) {
-      counters_.add("refused.jump");
+      counters_.add(refusal_ = "refused.jump");
       return {};
     }
     counters_.add("counts_restarted");
     moved = {};
+  } else if (is_old(moved)) {
+    counters_.add(refusal_ = "refused.old_counts");
+    return {};
   }
   const double time = since_accepted_;
   last_ = raw;
@@ -56,6 +59,13 @@ std::optional<WheelCounter::Sample> WheelCounter::update(const Raw& raw, double 
 bool WheelCounter::possible(const std::array<double, 2>& moved, double time) const {
   const double limit = settings_.max_speed * settings_.counts_per_revolution / (2 * std::numbers::pi);
   return std::abs(moved[0]) <= limit * time && std::abs(moved[1]) <= limit * time;
+}
+
+bool WheelCounter::is_old(const std::array<double, 2>& moved) const {
+  constexpr double kBraking = 60;  // rad/s^2, of a wheel: 10 m/s^2 at 0.17 m
+  const double radians = 2 * std::numbers::pi / settings_.counts_per_revolution;
+  const double rate = std::max(std::abs(rate_[0]), std::abs(rate_[1]));
+  return moved[0] == 0 && moved[1] == 0 && turns_fast(since_accepted_) && since_accepted_ < rate * radians / kBraking;
 }
 
 bool WheelCounter::can_be(const Raw& raw, double elapsed) const {

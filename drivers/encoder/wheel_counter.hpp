@@ -11,8 +11,9 @@ namespace curbstone::encoder {
 /// Turns the drive's raw int32 counts into angles (rad) and speeds (rad/s), positive forward for either wheel. Index 0
 /// is the left wheel, 1 the right. Raw counts may wrap. Pure; one thread.
 ///
-/// Counts: refused.jump (more than the wheels can turn; one corrupted frame), counts_restarted (a jump that stays: the
-/// drive counts anew; the distance meanwhile is lost).
+/// Counts: refused.jump (more than the wheels can turn; one corrupted frame), refused.old_counts (neither has changed,
+/// and from so fast they cannot have stopped; the distance is in the next sample), counts_restarted (a jump that stays:
+/// the drive counts anew; the distance meanwhile is lost).
 class WheelCounter {
  public:
   using Raw = std::array<std::int32_t, 2>;
@@ -31,6 +32,8 @@ class WheelCounter {
 
   /// `elapsed` s since the last update() call. Empty if the counts cannot be.
   std::optional<Sample> update(const Raw& raw, double elapsed);
+  /// The counter of the last update() that was empty.
+  [[nodiscard]] const char* refusal() const { return refusal_; }
   /// The drive's counts begin anew with the next sample.
   void restart() { last_.reset(); }
 
@@ -52,6 +55,7 @@ class WheelCounter {
  private:
   [[nodiscard]] static std::array<double, 2> difference(const Raw& from, const Raw& to);
   [[nodiscard]] bool possible(const std::array<double, 2>& moved, double time) const;
+  [[nodiscard]] bool is_old(const std::array<double, 2>& moved) const;
   [[nodiscard]] Sample sample(const std::array<double, 2>& moved, double elapsed) const;
 
   Settings settings_;
@@ -62,6 +66,7 @@ class WheelCounter {
   double since_accepted_ = 0;            // s
   std::optional<Raw> suspect_;           // the last sample that was refused
   int suspects_ = 0;
+  const char* refusal_ = "refused.jump";
   Counters counters_;
 };
 

@@ -1,5 +1,6 @@
 #include <limits>
 #include <optional>
+#include <stdexcept>
 
 #include "tools/log_tool/commands.hpp"
 #include "tools/log_tool/log_copy.hpp"
@@ -21,7 +22,11 @@ int run_cut(int argc, char** argv) {
   const auto last = to.empty() ? std::nullopt : std::optional(LogTime(to, "--to"));
   std::optional<std::int64_t> begin;
   const auto wanted = [&](const LogEvent& event) {
-    if (!begin) begin = event.log_utime;
+    if (!begin) {
+      begin = event.log_utime;
+      if (first && last && first->in_log(*begin) >= last->in_log(*begin))
+        throw std::runtime_error("--from " + from + " is not before --to " + to);
+    }
     return (!first || event.log_utime >= first->in_log(*begin)) && (!last || event.log_utime < last->in_log(*begin));
   };
   return copy_log(options, "cut", wanted).damaged() ? 1 : 0;

@@ -137,6 +137,8 @@ TEST_F(CommandLineTest, WhatIsWrongIsNamedAndEndsTheProgramWithTwo) {
       {{"a.log", "--name"}, "--name"},
       {{"a.log", "--seconds", "0.4"}, "0.5"},
       {{"a.log", "--seconds", "fast"}, "--seconds"},
+      {{"a.log", "--seconds", "nan"}, "nan is no number"},
+      {{"a.log", "--decays", "0.1,-inf"}, "-inf is no number"},
       {{"a.log", "--port", "65536"}, "65535"},
       {{"a.log", "--port", "1.5"}, "--port"},
       {{"a.log", "--seed", "-1"}, "--seed"},

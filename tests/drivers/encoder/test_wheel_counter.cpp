@@ -42,6 +42,34 @@ TEST(WheelCounterTest, AJumpIsRefusedOnceAndBelievedWhenItStays) {
   EXPECT_EQ(odometer.counters()["counts_restarted"], 1);
 }
 
+TEST(WheelCounterTest, CountsThatStandStillAtSpeedAreOldAndTheirDistanceIsInTheNextSample) {
+  WheelCounter odometer({});
+  odometer.update({0, 0}, 0);
+  odometer.update({100, -100}, 0.01);
+  for (int i = 0; i < 9; ++i) EXPECT_FALSE(odometer.update({100, -100}, 0.01));
+  EXPECT_STREQ(odometer.refusal(), "refused.old_counts");
+  const auto sample = odometer.update({1100, -1100}, 0.01);
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->counts[0], 1100);
+  EXPECT_DOUBLE_EQ(sample->speed[0], 100 * kRadians / 0.01);
+  EXPECT_EQ(odometer.counters()["refused.old_counts"], 9);
+  EXPECT_EQ(odometer.counters()["refused.jump"], 0);
+}
+
+TEST(WheelCounterTest, WheelsThatMayHaveStoppedHaveStopped) {
+  WheelCounter odometer({});
+  odometer.update({0, 0}, 0);
+  odometer.update({100, -100}, 0.01);  // 15.3 rad/s: 0.26 s of hard braking
+  int refused = 0;
+  while (!odometer.update({100, -100}, 0.01)) ++refused;
+  EXPECT_EQ(refused, 25);
+  EXPECT_TRUE(odometer.update({100, -100}, 0.01));
+  odometer.update({105, -105}, 0.01);
+  EXPECT_TRUE(odometer.update({105, -105}, 0.01)) << "slowly they stop at once";
+  odometer.update({205, -205}, 0.01);
+  EXPECT_TRUE(odometer.update({205, -206}, 0.01)) << "one wheel has moved";
+}
+
 TEST(WheelCounterTest, TheCountsTellHowManyPeriodsHavePassed) {
   WheelCounter odometer({});
   odometer.update({0, 0}, 0);

@@ -112,6 +112,14 @@ TEST_F(LogCommands, ATimeThatIsNoneIsAClearError) {
   }
 }
 
+TEST_F(LogCommands, TimesTheWrongWayRoundAreAnError) {
+  const std::string whole = drive("whole.lcmlog");
+  EXPECT_EQ(run({"cut", whole, "--from", "5", "--to", "2", "--out", path("a.lcmlog")}), 1);
+  EXPECT_THAT(err_, HasSubstr("--from 5 is not before --to 2"));
+  EXPECT_FALSE(std::ifstream(path("a.lcmlog")));
+  EXPECT_EQ(run({"cut", whole, "--from", "2026-11-23T20:52:07.5Z", "--to", "7", "--out", path("a.lcmlog")}), 1);
+}
+
 TEST_F(LogCommands, WrongUsageIsStatusTwo) {
   EXPECT_EQ(run({}), 2);
   EXPECT_EQ(run({"info"}), 2);

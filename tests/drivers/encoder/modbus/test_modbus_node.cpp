@@ -92,6 +92,23 @@ TEST_F(ModbusNodeTest, OneReadingThatCannotBeIsRefused) {
   EXPECT_NEAR(recorder_.messages().back().angle[0] - angle, 0.2, 0.01);
 }
 
+TEST_F(ModbusNodeTest, AGatewayThatRenewsItsCountsMoreRarelyThanItIsAskedMakesNoWrongSpeed) {
+  run(2);
+  for (int i = 0; i < 100; ++i) {
+    run(1);
+    for (int old = 0; old < 4; ++old) {
+      reading_.utime = now_ += kPeriod;
+      angle_ += 10e-6 * kPeriod;
+      node_.on_reading(now_, reading_);
+      node_.tick(now_);
+    }
+  }
+  for (const wheels_t& message : recorder_.messages()) EXPECT_NEAR(message.speed[0], 10, 0.1);
+  EXPECT_NEAR(recorder_.messages().back().angle[0], 10e-6 * kPeriod * 497, 0.01);
+  EXPECT_EQ(node_.report().counters["refused.old_counts"], 400);
+  EXPECT_THAT(node_.report().faults, Contains(HasSubstr("refused.old_counts")));
+}
+
 TEST_F(ModbusNodeTest, FaultsOfTheDriveAreReportedByWheelAndByName) {
   reading_.faults = {0, 0x0404};
   reading_.state = {false, true, true};
