@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "common/bus/levels.hpp"
 #include "common/time/microseconds.hpp"
 #include "drivers/encoder/drive_faults.hpp"
 
@@ -94,8 +95,8 @@ NodeReport ModbusNode::report() const {
   for (const auto& [name, value] : odometer_.counters().values()) report.counters.add(name, value);
   output_.report(report);
   if (reading_.utime != 0) {
-    report.counters.set("modbus.round_trip_us", std::llround(round_trips_.percentile(0.5)));
-    report.counters.set("stamp.uncertainty_us", std::llround(0.5 * round_trips_.percentile(0.99)));
+    set_level(report.counters, "modbus.round_trip_us", std::llround(round_trips_.percentile(0.5)));
+    set_level(report.counters, "stamp.uncertainty_us", std::llround(0.5 * round_trips_.percentile(0.99)));
   }
   if (!link_fault_.empty()) report.faults.push_back(link_fault_);
   const double silent = static_cast<double>(now_ - last_heard_) * 1e-6;

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "common/bus/levels.hpp"
+
 namespace curbstone::encoder {
 
 namespace {
@@ -42,7 +44,7 @@ void WheelsOutput::report(NodeReport& report) const {
   for (const auto& [name, value] : counters_.values()) report.counters.add(name, value);
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
-  if (const auto difference = arrival_.difference()) report.counters.set("clock.difference_us", *difference);
+  if (const auto difference = arrival_.difference()) set_level(report.counters, "clock.difference_us", *difference);
   if (auto fault = arrival_.fault()) report.faults.push_back(std::move(*fault));
 }
 

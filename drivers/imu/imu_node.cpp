@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/bus/levels.hpp"
 #include "common/time/microseconds.hpp"
 #include "drivers/imu/auto_device.hpp"
 #include "drivers/imu/witmotion/wit_device.hpp"
@@ -241,7 +242,7 @@ NodeReport ImuNode::report() const {
   if (link_fault_.empty() && silent > config_.silence)
     report.faults.push_back(fmt::format("no sample from the IMU for {:.0f} s", silent));
   if (link_fault_.empty() && silent <= config_.silence) report_samples(report.faults);
-  if (const auto difference = arrival_.difference()) report.counters.set("clock.difference_us", *difference);
+  if (const auto difference = arrival_.difference()) set_level(report.counters, "clock.difference_us", *difference);
   if (auto fault = arrival_.fault()) report.faults.push_back(std::move(*fault));
   if (garbled_) report.faults.emplace_back("garbage from the IMU: wrong baud, or another device");
   if (const auto& fault = refusals_.fault()) report.faults.push_back(*fault);

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/bus/levels.hpp"
 #include "common/time/microseconds.hpp"
 #include "drivers/lidar/angles_file.hpp"
 
@@ -244,11 +245,11 @@ NodeReport LidarNode::report() const {
   report.counters.set("revolutions", message_.packet < 0 ? 0 : message_.revolution + 1);
   report.counters.set("lost.packets", lost_.total());
   if (sent_.resent() > 0) report.counters.set("resent.packets", sent_.resent());
-  report.counters.set("clock.device", clock_.uses_device() ? 1 : 0);
+  set_level(report.counters, "clock.device", clock_.uses_device() ? 1 : 0);
   report.counters.set("clock.switches", clock_.switches());
   report.counters.set("clock.jumps", order_.jumps());
-  if (const auto difference = clock_.difference()) report.counters.set("clock.difference_us", *difference);
-  if (host_is_right_) report.counters.set("clock.host_synchronised", *host_is_right_ ? 1 : 0);
+  if (const auto difference = clock_.difference()) set_level(report.counters, "clock.difference_us", *difference);
+  if (host_is_right_) set_level(report.counters, "clock.host_synchronised", *host_is_right_ ? 1 : 0);
   if (model_) {
     for (const auto& [name, value] : model_->facts().values.values()) report.counters.set(name, value);
   }

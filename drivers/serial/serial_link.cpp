@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/bus/levels.hpp"
 #include "common/time/clock.hpp"
 
 namespace curbstone::serial {
@@ -29,12 +30,12 @@ SerialLink::SerialLink(SerialSettings settings) : settings_(std::move(settings))
 void SerialLink::open() {
   port_.emplace(settings_);
   why_.clear();
-  counters_.set("serial.baud", port_->baud());
+  set_level(counters_, "serial.baud", port_->baud());
   if (!settings_.low_latency) return;
   const LowLatency& granted = port_->low_latency();
-  counters_.set("serial.low_latency", granted.granted ? 1 : 0);
+  set_level(counters_, "serial.low_latency", granted.granted ? 1 : 0);
   if (!granted.granted) counters_.add("serial.low_latency_refused");
-  if (granted.timer_ms) counters_.set("serial.latency_timer_ms", *granted.timer_ms);
+  if (granted.timer_ms) set_level(counters_, "serial.latency_timer_ms", *granted.timer_ms);
 }
 
 void SerialLink::attach(EventLoop& loop, Handlers handlers) {

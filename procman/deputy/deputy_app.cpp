@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <set>
 
+#include "common/bus/levels.hpp"
 #include "common/time/clock.hpp"
 #include "common/time/microseconds.hpp"
 #include "procman/deputy/systemd_notify.hpp"
@@ -222,7 +223,7 @@ void DeputyApp::publish_status(std::int64_t now) {
     running += state->pid != 0 ? 1 : 0;
   }
   report.counters.set("commands.starts", starts);
-  report.counters.set("commands.running", running);
+  set_level(report.counters, "commands.running", running);
   report.counters.set("output.unwritten", keeper_.write_failures());
   report.faults = alarms_.faults(supervisor_.commands(), now);
   if (heartbeats_.is_deaf(now))

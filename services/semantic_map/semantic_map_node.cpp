@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "common/bus/levels.hpp"
 #include "services/semantic_map/semantic_messages.hpp"
 
 namespace curbstone::semantic_map {
@@ -302,15 +303,15 @@ NodeReport SemanticMapNode::report() const {
   NodeReport report;
   report.counters = counters_;
   for (const auto& [name, value] : keeper_.counters().values()) report.counters.set(name, value);
-  report.counters.set("store.failing", keeper_.failing() ? 1 : 0);
-  report.counters.set("tiles", static_cast<std::int64_t>(pipeline_.num_tiles()));
-  report.counters.set("tiles_waiting", static_cast<std::int64_t>(schedule_.num_waiting() + unsent_.size()));
-  report.counters.set("steps_stale", static_cast<std::int64_t>(pipeline_.num_stale()));
+  set_level(report.counters, "store.failing", keeper_.failing() ? 1 : 0);
+  set_level(report.counters, "tiles", static_cast<std::int64_t>(pipeline_.num_tiles()));
+  set_level(report.counters, "tiles_waiting", static_cast<std::int64_t>(schedule_.num_waiting() + unsent_.size()));
+  set_level(report.counters, "steps_stale", static_cast<std::int64_t>(pipeline_.num_stale()));
   report.counters.set("evidence_computed", pipeline_.num_evidence());
   if (const auto fault = epochs_.fault(now_)) report.faults.push_back(*fault);
   if (const auto fault = drive_.fault(); fault && drive_started_) report.faults.push_back(*fault);
-  report.counters.set("far.memory_kb", static_cast<std::int64_t>(far_->bytes_in_memory() / 1024));
-  report.counters.set("far.disk_kb", static_cast<std::int64_t>(far_->bytes_in_file() / 1024));
+  set_level(report.counters, "far.memory_kb", static_cast<std::int64_t>(far_->bytes_in_memory() / 1024));
+  set_level(report.counters, "far.disk_kb", static_cast<std::int64_t>(far_->bytes_in_file() / 1024));
   if (!far_->fault().empty()) report.faults.push_back("far tiles stay in memory: " + far_->fault());
   if (!keeper_.fault().empty()) report.faults.push_back(keeper_.fault());
   if (!picture_fault_.empty()) report.faults.push_back(picture_fault_);

@@ -8,6 +8,7 @@
 #include <random>
 #include <utility>
 
+#include "common/bus/levels.hpp"
 #include "common/geometry/geometry.hpp"
 
 namespace curbstone::viewer {
@@ -108,7 +109,7 @@ void ViewerNode::enter_epoch(std::int32_t epoch) {
 }
 
 void ViewerNode::on(const semantic_tile_t& message) {
-  counters_.add("tiles");
+  counters_.add("tiles_received");
   if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return;
   const auto cells = store::cells_of(message);
   if (!cells) return counters_.add("refused.tile");
@@ -335,12 +336,11 @@ State ViewerNode::state_for(const Page& page) const {
 }
 
 NodeReport ViewerNode::report() const {
-  NodeReport report;
-  report.counters = counters_;
+  NodeReport report{.counters = counters_, .faults = {}};
   const Counters of_pages = audience_.counters();
   for (const auto& [name, value] : of_pages.values()) report.counters.set(name, value);
-  report.counters.set("pages", static_cast<std::int64_t>(pages_.size()));
-  report.counters.set("tiles_behind", static_cast<std::int64_t>(tiles_.behind()));
+  set_level(report.counters, "pages", static_cast<std::int64_t>(pages_.size()));
+  set_level(report.counters, "tiles_behind", static_cast<std::int64_t>(tiles_.behind()));
   if (const auto fault = epochs_.fault(now_)) report.faults.push_back(*fault);
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/bus/levels.hpp"
 #include "common/terminal/terminal_table.hpp"
 
 namespace curbstone::exporter {
@@ -79,6 +80,19 @@ Labels labels_of(const ServiceState& service) {
   return {{"service", service.status.service}, {"host", service.status.host}};
 }
 
+/// Of all services those counters that are levels, or those that are not.
+void write_counters(const BusBoard& board, bool levels, MetricsWriter& out) {
+  for (const auto& [key, service] : board.services().services()) {
+    for (std::size_t k = 0; k < service.status.counter_name.size(); ++k) {
+      const std::string& name = service.status.counter_name[k];
+      if (is_level(name) != levels) continue;
+      Labels labels = labels_of(service);
+      labels.emplace_back("name", name);
+      out.sample(labels, static_cast<double>(service.status.counter_value[k]));
+    }
+  }
+}
+
 void write_services(const BusBoard& board, std::int64_t now, MetricsWriter& out) {
   const auto all = [&](const std::function<double(const ServiceState&)>& value) {
     for (const auto& [key, service] : board.services().services()) out.sample(labels_of(service), value(service));
@@ -97,14 +111,10 @@ void write_services(const BusBoard& board, std::int64_t now, MetricsWriter& out)
   all([](const ServiceState& s) { return static_cast<double>(s.status.latency_p50); });
   out.metric("curbstone_service_latency_p99_seconds", "gauge", "The same, of the slowest of a hundred.");
   all([](const ServiceState& s) { return static_cast<double>(s.status.latency_p99); });
-  out.metric("curbstone_service_counter", "untyped", "Its own counters; most only grow, some are levels.");
-  for (const auto& [key, service] : board.services().services()) {
-    for (std::size_t k = 0; k < service.status.counter_name.size(); ++k) {
-      Labels labels = labels_of(service);
-      labels.emplace_back("name", service.status.counter_name[k]);
-      out.sample(labels, static_cast<double>(service.status.counter_value[k]));
-    }
-  }
+  out.metric("curbstone_service_counter_total", "counter", "Its own counters, since its start.");
+  write_counters(board, false, out);
+  out.metric("curbstone_service_level", "gauge", "Those of its counters that are present values.");
+  write_counters(board, true, out);
 }
 
 void write_deputies(const BusBoard& board, MetricsWriter& out) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "common/bus/levels.hpp"
 #include "services/viewer/foxglove/wire.hpp"
 
 namespace curbstone::viewer::foxglove {
@@ -90,7 +91,7 @@ bool Door::wants(Topic topic) const {
 
 Counters Door::counters() const {
   Counters counters = counters_;
-  counters.set("foxglove.clients", static_cast<std::int64_t>(known_.size()));
+  set_level(counters, "foxglove.clients", static_cast<std::int64_t>(known_.size()));
   const Counters connections = clients_.counters();
   for (const auto& [name, value] : connections.values()) counters.add(name, value);
   return counters;

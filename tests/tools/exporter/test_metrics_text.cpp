@@ -19,7 +19,7 @@ using test::kStart;
 /// sample that does not follow its TYPE, and on one that stands twice.
 std::map<std::string, double> parsed(const std::string& text) {
   static const std::regex kSample(R"re(([a-zA-Z_:][a-zA-Z0-9_:]*)(\{([a-z]+="([^"\\]|\\.)*",?)*\}) (\S+))re");
-  static const std::regex kType(R"(# TYPE (\S+) (counter|gauge|untyped))");
+  static const std::regex kType(R"(# TYPE (\S+) (counter|gauge))");
   std::map<std::string, double> samples;
   std::istringstream lines(text);
   std::string metric;
@@ -58,7 +58,7 @@ TEST(MetricsText, HasChannelsServicesAndProcesses) {
   status.latency_p50 = std::nanf("");
   status.fault = {"no IMU"};
   status.num_faults = 1;
-  spy::set_counters(status, {{"refused.late", 7}});
+  spy::set_counters(status, {{"refused.late", 7}, {"tiles_waiting", 3}});
   hear(board, "SERVICE_STATUS", status, kStart + 1'000'000);
   procman_lcm::deputy_info_t info{};
   info.utime = kStart + 1'020'000;
@@ -77,7 +77,9 @@ TEST(MetricsText, HasChannelsServicesAndProcesses) {
   EXPECT_EQ(samples.at(R"(curbstone_service_up{service="ekf",host="ugv"})"), 1);
   EXPECT_EQ(samples.at(R"(curbstone_service_faults{service="ekf",host="ugv"})"), 1);
   EXPECT_EQ(samples.at(R"(curbstone_service_cpu_seconds_total{service="ekf",host="ugv"})"), 1.5);
-  EXPECT_EQ(samples.at(R"(curbstone_service_counter{service="ekf",host="ugv",name="refused.late"})"), 7);
+  EXPECT_EQ(samples.at(R"(curbstone_service_counter_total{service="ekf",host="ugv",name="refused.late"})"), 7);
+  EXPECT_EQ(samples.at(R"(curbstone_service_level{service="ekf",host="ugv",name="tiles_waiting"})"), 3);
+  EXPECT_EQ(samples.count(R"(curbstone_service_counter_total{service="ekf",host="ugv",name="tiles_waiting"})"), 0U);
   EXPECT_EQ(samples.count(R"(curbstone_service_latency_median_seconds{service="ekf",host="ugv"})"), 0U) << "NaN";
   EXPECT_DOUBLE_EQ(samples.at(R"(curbstone_deputy_clock_seconds{deputy="ugv"})"), 0.02);
   EXPECT_EQ(samples.at(R"(curbstone_command_running{deputy="ugv",command="ekf"})"), 1);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "common/bus/levels.hpp"
 #include "drivers/lidar/models/robosense/magic.hpp"
 
 namespace curbstone::lidar::models::helios {
@@ -83,13 +84,13 @@ void HeliosModel::tell(const DeviceInfo& info, const DeviceStatus& status) {
   facts_.reported = true;
   const int fires = ((info.fov_end - info.fov_start) % 36000 + 36000) % 36000;
   facts_.field_of_view = fires == 0 ? 360.0 : fires * 0.01;
-  facts_.values.set("device.rpm_set", info.rpm);
-  facts_.values.set("device.rpm", status.rpm);
-  facts_.values.set("device.pps_locked", status.pps_locked ? 1 : 0);
-  facts_.values.set("device.gprmc_locked", status.gprmc_locked ? 1 : 0);
-  facts_.values.set("device.sync_mode", status.sync_mode);
-  facts_.values.set("device.sync_status", status.sync_status);
-  facts_.values.set("device.dual_return", info.dual_return ? 1 : 0);
+  set_level(facts_.values, "device.rpm_set", info.rpm);
+  set_level(facts_.values, "device.rpm", status.rpm);
+  set_level(facts_.values, "device.pps_locked", status.pps_locked ? 1 : 0);
+  set_level(facts_.values, "device.gprmc_locked", status.gprmc_locked ? 1 : 0);
+  set_level(facts_.values, "device.sync_mode", status.sync_mode);
+  set_level(facts_.values, "device.sync_status", status.sync_status);
+  set_level(facts_.values, "device.dual_return", info.dual_return ? 1 : 0);
   facts_.faults.clear();
   if (status.rpm != 0 && info.rpm != 0 && std::abs(status.rpm - info.rpm) > kSpeedTolerance * info.rpm)
     facts_.faults.push_back(fmt::format(

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/bus/levels.hpp"
+
 namespace curbstone::lidar::models::rs16 {
 
 using decoding::Refusal;
@@ -79,18 +81,20 @@ void Rs16Model::tell(const DeviceInfo& info, const DeviceStatus& status) {
   const int fires = ((info.fov_end - info.fov_start) % 36000 + 36000) % 36000;
   facts_.field_of_view = fires == 0 ? 360.0 : fires * 0.01;
   facts_.angles_known = info.calibrated || !settings_.angles.empty();
-  facts_.values.set("device.rpm_set", info.rpm);
-  facts_.values.set("device.rpm", status.rpm);
-  facts_.values.set("device.pps_locked", status.pps_locked ? 1 : 0);
-  facts_.values.set("device.gprmc_locked", status.gprmc_locked ? 1 : 0);
-  facts_.values.set("device.dual_return", info.dual_return ? 1 : 0);
-  constexpr std::array<const char*, 4> kSupplies = {"device.supply_5v_mv", "device.supply_3v3_mv",
-                                                    "device.supply_2v5_mv", "device.supply_1v2_mv"};
+  set_level(facts_.values, "device.rpm_set", info.rpm);
+  set_level(facts_.values, "device.rpm", status.rpm);
+  set_level(facts_.values, "device.pps_locked", status.pps_locked ? 1 : 0);
+  set_level(facts_.values, "device.gprmc_locked", status.gprmc_locked ? 1 : 0);
+  set_level(facts_.values, "device.dual_return", info.dual_return ? 1 : 0);
+  constexpr std::array<LevelName, 4> kSupplies = {"device.supply_5v_mv", "device.supply_3v3_mv", "device.supply_2v5_mv",
+                                                  "device.supply_1v2_mv"};
   for (std::size_t i = 0; i < kSupplies.size(); ++i) {
-    if (status.millivolts[i] != 0) facts_.values.set(kSupplies[i], status.millivolts[i]);
+    if (status.millivolts[i] != 0) set_level(facts_.values, kSupplies[i], status.millivolts[i]);
   }
-  for (std::size_t i = 0; i < status.temperatures.size(); ++i)
-    facts_.values.set(fmt::format("device.temperature_{}_mdeg", i + 1), std::lround(status.temperatures[i] * 1000));
+  constexpr std::array<LevelName, 4> kTemperatures = {"device.temperature_1_mdeg", "device.temperature_2_mdeg",
+                                                      "device.temperature_3_mdeg", "device.temperature_4_mdeg"};
+  for (std::size_t i = 0; i < kTemperatures.size(); ++i)
+    set_level(facts_.values, kTemperatures[i], std::lround(status.temperatures[i] * 1000));
   facts_.faults.clear();
   // A real speed of 0 is an old firmware that does not tell it.
   if (status.rpm != 0 && info.rpm != 0 && std::abs(status.rpm - info.rpm) > kSpeedTolerance * info.rpm)

@@ -4,6 +4,8 @@
 
 #include <stdexcept>
 
+#include "common/bus/levels.hpp"
+
 namespace curbstone::lidar::models::vlp16 {
 
 using decoding::Refusal;
@@ -57,10 +59,10 @@ Refusal Vlp16Model::read_info(std::int64_t received, std::span<const std::uint8_
   if (pps > kPpsError) return Refusal::kPosition;
   const std::string_view text(reinterpret_cast<const char*>(bytes.data() + kNmea), kPositionSize - kNmea);
   facts_.reported = true;
-  facts_.values.set("device.pps", pps);
-  facts_.values.set("device.pps_locked", pps == kPpsLocked ? 1 : 0);
-  facts_.values.set("device.dual_return", decoder_.dual_return() ? 1 : 0);
-  facts_.values.set("device.gprmc_locked", is_valid_gprmc(text) ? 1 : 0);
+  set_level(facts_.values, "device.pps", pps);
+  set_level(facts_.values, "device.pps_locked", pps == kPpsLocked ? 1 : 0);
+  set_level(facts_.values, "device.dual_return", decoder_.dual_return() ? 1 : 0);
+  set_level(facts_.values, "device.gprmc_locked", is_valid_gprmc(text) ? 1 : 0);
   facts_.faults.clear();
   if (pps == kPpsError)
     facts_.faults.emplace_back("the device reports an error of its PPS input: is the GPS's pulse there?");

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <stdexcept>
+#include <string_view>
+
+#include "common/bus/counters.hpp"
+
+namespace curbstone {
+
+/// The counters of SERVICE_STATUS that are levels: present values, which rise and fall. All others only grow from the
+/// start of the process. The message does not say which is which, so a name is a level in every process or in none. The
+/// READMEs mark them (level); tests/docs/check_counters compares the marks with this list. Sorted.
+inline constexpr auto kLevels = std::to_array<std::string_view>({
+    "clock.device",
+    "clock.difference_us",
+    "clock.host_synchronised",
+    "commands.running",
+    "device.dual_return",
+    "device.gprmc_locked",
+    "device.pps",
+    "device.pps_locked",
+    "device.rpm",
+    "device.rpm_set",
+    "device.supply_1v2_mv",
+    "device.supply_2v5_mv",
+    "device.supply_3v3_mv",
+    "device.supply_5v_mv",
+    "device.sync_mode",
+    "device.sync_status",
+    "device.temperature_1_mdeg",
+    "device.temperature_2_mdeg",
+    "device.temperature_3_mdeg",
+    "device.temperature_4_mdeg",
+    "far.disk_kb",
+    "far.memory_kb",
+    "foxglove.clients",
+    "modbus.round_trip_us",
+    "pages",
+    "serial.baud",
+    "serial.latency_timer_ms",
+    "serial.low_latency",
+    "stamp.uncertainty_us",
+    "steps_stale",
+    "store.failing",
+    "tiles",
+    "tiles_behind",
+    "tiles_waiting",
+});
+static_assert(std::is_sorted(kLevels.begin(), kLevels.end()));
+
+[[nodiscard]] constexpr bool is_level(std::string_view name) {
+  return std::binary_search(kLevels.begin(), kLevels.end(), name);
+}
+
+/// One of kLevels. Any other name does not compile.
+class LevelName {
+ public:
+  consteval LevelName(const char* name) : name_(name) {  // NOLINT(google-explicit-constructor): stands for the name
+    if (!is_level(name_)) throw std::invalid_argument("not in kLevels");
+  }
+  [[nodiscard]] constexpr std::string_view text() const { return name_; }
+
+ private:
+  std::string_view name_;
+};
+
+/// Sets a counter that is a level to its present value.
+inline void set_level(Counters& counters, LevelName name, std::int64_t value) {
+  counters.set(name.text(), value);
+}
+
+}  // namespace curbstone
