@@ -9,6 +9,8 @@ namespace curbstone::encoder {
 namespace {
 constexpr int kMaxSuspects = 3;       // samples in a row that agree with each other: they are right
 constexpr double kAcceleration = 20;  // rad/s^2, of a wheel
+// Counts a period: to stop at once from there takes 20 m/s^2 at 4096 counts, 0.17 m and 100 Hz.
+constexpr double kTooFast = 8;
 }  // namespace
 
 /// Modulo 2^32: right across the wrap.
@@ -64,8 +66,10 @@ bool WheelCounter::possible(const std::array<double, 2>& moved, double time) con
 bool WheelCounter::is_old(const std::array<double, 2>& moved) const {
   constexpr double kBraking = 60;  // rad/s^2, of a wheel: 10 m/s^2 at 0.17 m
   const double radians = 2 * std::numbers::pi / settings_.counts_per_revolution;
-  const double rate = std::max(std::abs(rate_[0]), std::abs(rate_[1]));
-  return moved[0] == 0 && moved[1] == 0 && turns_fast(since_accepted_) && since_accepted_ < rate * radians / kBraking;
+  const auto has_no_time_to_stop = [&](double rate) {
+    return std::abs(rate) * since_accepted_ >= kTooFast && since_accepted_ < std::abs(rate) * radians / kBraking;
+  };
+  return (moved[0] == 0 && has_no_time_to_stop(rate_[0])) || (moved[1] == 0 && has_no_time_to_stop(rate_[1]));
 }
 
 bool WheelCounter::can_be(const Raw& raw, double elapsed) const {
@@ -107,8 +111,6 @@ std::optional<int> WheelCounter::likely_periods(const Raw& raw, int least, int m
 }
 
 bool WheelCounter::turns_fast(double period) const {
-  constexpr double kTooFast =
-      8;  // counts a period: to stop at once from there takes 20 m/s^2 at 4096 counts and 0.17 m
   return std::max(std::abs(rate_[0]), std::abs(rate_[1])) * period >= kTooFast;
 }
 

@@ -11,8 +11,8 @@ namespace curbstone::encoder {
 /// Turns the drive's raw int32 counts into angles (rad) and speeds (rad/s), positive forward for either wheel. Index 0
 /// is the left wheel, 1 the right. Raw counts may wrap. Pure; one thread.
 ///
-/// Counts: refused.jump (more than the wheels can turn; one corrupted frame), refused.old_counts (neither has changed,
-/// and from so fast they cannot have stopped; the distance is in the next sample), counts_restarted (a jump that stays:
+/// Counts: refused.jump (more than the wheels can turn; one corrupted frame), refused.old_counts (one has not changed,
+/// and from so fast it cannot have stopped; the distance is in the next sample), counts_restarted (a jump that stays:
 /// the drive counts anew; the distance meanwhile is lost).
 class WheelCounter {
  public:

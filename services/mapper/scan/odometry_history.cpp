@@ -75,8 +75,23 @@ bool OdometryHistory::covers(std::int64_t from, std::int64_t to) const {
   for (std::size_t i = first;; ++i) {
     if (!samples_[i].usable) return false;
     if (samples_[i].utime >= to || i + 1 == known) return true;
-    if (samples_[i + 1].utime - samples_[i].utime > kMaxGap) return false;
+    if (samples_[i + 1].utime - samples_[i].utime > kMaxGap && !is_clock_step(i, known)) return false;
   }
+}
+
+bool OdometryHistory::is_clock_step(std::size_t i, std::size_t known) const {
+  constexpr double kStands = 0.01;  // m
+  const double gap = seconds(samples_[i].utime, samples_[i + 1].utime);
+  if (samples_[i + 1].utime - samples_[i].utime >= kClockJump) return false;
+  const auto moved = [this](std::size_t j) {
+    return (samples_[j + 1].T_odom_base.translation() - samples_[j].T_odom_base.translation()).norm();
+  };
+  for (const std::size_t beside : {i - 1, i + 1}) {  // i - 1 of 0 is none, too
+    if (beside >= known - 1 || samples_[beside + 1].utime - samples_[beside].utime > kMaxGap) continue;
+    const double speed = moved(beside) / seconds(samples_[beside].utime, samples_[beside + 1].utime);
+    return moved(i) <= 0.5 * speed * gap + kStands;
+  }
+  return false;
 }
 
 Pose OdometryHistory::at(std::int64_t utime) const {

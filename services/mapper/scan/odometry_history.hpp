@@ -68,6 +68,8 @@ class OdometryHistory {
   [[nodiscard]] std::size_t lower_bound(std::int64_t utime) const;
   /// How many samples may be looked at.
   [[nodiscard]] std::size_t num_known() const;
+  /// Whether in the gap behind sample `i` the host's clock was set forward: the stamps jump, and the vehicle does not.
+  [[nodiscard]] bool is_clock_step(std::size_t i, std::size_t known) const;
   [[nodiscard]] Pose beyond(std::size_t last, std::int64_t utime) const;
   std::deque<OdometrySample> samples_;
   std::int64_t late_ = 0;  // us, the last sample that was, since one that was not

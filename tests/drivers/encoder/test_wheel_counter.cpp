@@ -66,8 +66,19 @@ TEST(WheelCounterTest, WheelsThatMayHaveStoppedHaveStopped) {
   EXPECT_TRUE(odometer.update({100, -100}, 0.01));
   odometer.update({105, -105}, 0.01);
   EXPECT_TRUE(odometer.update({105, -105}, 0.01)) << "slowly they stop at once";
-  odometer.update({205, -205}, 0.01);
-  EXPECT_TRUE(odometer.update({205, -206}, 0.01)) << "one wheel has moved";
+}
+
+/// As of two controllers, each with a cycle of its own.
+TEST(WheelCounterTest, CountsThatAreRenewedByTurnsAreTakenTogether) {
+  WheelCounter odometer({});
+  odometer.update({0, 0}, 0);
+  odometer.update({100, -100}, 0.01);
+  for (int i = 2; i < 100; i += 2) {
+    EXPECT_FALSE(odometer.update({50 * i, -50 * (i + 2)}, 0.01));
+    const auto sample = odometer.update({50 * (i + 2), -50 * (i + 2)}, 0.01);
+    ASSERT_TRUE(sample);
+    for (const double speed : sample->speed) EXPECT_NEAR(speed, 50 * kRadians / 0.01, 1e-9);
+  }
 }
 
 TEST(WheelCounterTest, TheCountsTellHowManyPeriodsHavePassed) {

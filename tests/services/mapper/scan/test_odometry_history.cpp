@@ -86,6 +86,28 @@ TEST(OdometryHistory, DoesNotCoverAGapNorWhatIsNotUsable) {
   EXPECT_FALSE(OdometryHistory{}.covers(kStart, kStart));
 }
 
+/// The host's clock was set forward by 0.3 s in mid-drive: nothing was driven meanwhile.
+TEST(OdometryHistory, CoversAStepOfTheClock) {
+  const auto stepped = [](int i) {
+    OdometrySample later = sample(i);
+    later.utime += 300'000;
+    return later;
+  };
+  OdometryHistory history = history_of(10);
+  for (int i = 13; i < 20; ++i) (void)history.add(stepped(i));  // the filter takes three samples to be sure
+  EXPECT_TRUE(history.covers(kStart + 60'000, kStart + 470'000));
+  EXPECT_LT(apart(history.at(kStart + 90'000), on_a_circle(kStart + 90'000)), 1e-9);
+  EXPECT_LT(apart(history.at(kStart + 450'000), on_a_circle(kStart + 150'000)), 1e-9);
+  OdometryHistory at_the_edge;
+  for (int i : {9}) (void)at_the_edge.add(sample(i));
+  for (int i = 13; i < 20; ++i) (void)at_the_edge.add(stepped(i));
+  EXPECT_TRUE(at_the_edge.covers(kStart + 90'000, kStart + 470'000));
+  OdometryHistory stands;
+  for (int i = 0; i < 100; ++i)
+    if (i < 20 || i > 60) (void)stands.add({kStart + i * kPeriod, Pose::Identity(), true, true});
+  EXPECT_TRUE(stands.covers(kStart, kStart + 990'000));
+}
+
 TEST(OdometryHistory, LeavesOutWhatIsLateAndBeginsAnewWhenTheClockJumps) {
   OdometryHistory history = history_of(300);
   EXPECT_EQ(history.add(sample(299)), OdometryHistory::Added::kLate);
