@@ -74,7 +74,14 @@ void describe_mounting(const mounting::MountingWatch& mounting, const VehicleCon
   }
   if (mounting.turns_opposite())
     faults.emplace_back("WHEELS and gyro turn opposite ways: left and right swapped? Else the gyro's sign is wrong");
-  if (const auto scale = mounting.wrong_turn_scale()) {
+  if (const auto force = mounting.wrong_gravity())
+    faults.push_back(
+        fmt::format("IMU: its mean acceleration is {:.2f} m/s^2, which is not gravity, and it is not used: "
+                    "another unit?",
+                    *force));
+  if (mounting.gyro_is_wrong()) {
+    faults.emplace_back("IMU: its gyro does not turn as the wheels do, and is not used: in deg/s, or another axis up?");
+  } else if (const auto scale = mounting.wrong_turn_scale()) {
     faults.push_back(fmt::format(
         "WHEELS turn {:.2f} times as far as the gyro: is vehicle.track_width {:.2f} m, or the gyro's scale wrong?",
         *scale, *scale * vehicle.track_width));
@@ -165,12 +172,26 @@ void EkfNode::on(const map_pose_t& message) {
 }
 
 void EkfNode::run(bool drain) {
-  while (const std::optional<inputs::Sequencer::Sample> sample = sequencer_.pop(drain)) {
+  while (std::optional<inputs::Sequencer::Sample> sample = sequencer_.pop(drain)) {
     estimates_.clear();
     watch_mounting(*sample);
+    if (!believe(*sample)) continue;
     filter_.add(*sample, estimates_);
     for (const model::Estimate& estimate : estimates_) publish(estimate);
   }
+}
+
+/// An accelerometer that does not measure gravity makes the IMU useless, and a gyro that does not measure turns is done
+/// without.
+bool EkfNode::believe(inputs::Sequencer::Sample& sample) {
+  auto* imu = std::get_if<base::ImuSample>(&sample);
+  if (imu == nullptr) return true;
+  if (mounting_.wrong_gravity()) {
+    counters_.add("refused.gravity.imu");
+    return false;
+  }
+  if (mounting_.gyro_is_wrong()) imu->stuck.fill(true);
+  return true;
 }
 
 void EkfNode::watch_mounting(const inputs::Sequencer::Sample& sample) {
@@ -258,7 +279,7 @@ NodeReport EkfNode::report() const {
     if (last_->no_imu)
       faults.emplace_back(clips ? "IMU: it clips, odometry coasts on the wheels"
                                 : "no IMU: odometry coasts on the wheels");
-    describe_axes(filter_.filter().axes(), faults);
+    if (!mounting_.gyro_is_wrong()) describe_axes(filter_.filter().axes(), faults);
     describe_leap(filter_.filter(), faults);
     describe_wheels(filter_.filter().wheel_watch(), faults);
     if (last_->no_wheels) faults.emplace_back("no wheels: odometry coasts on the IMU, and drifts");

@@ -12,6 +12,10 @@ constexpr double kInterval = 0.2;      // s: steps of the counter are small agai
 constexpr double kLongest = 0.5;       // s, of an interval: longer, samples are missing
 constexpr int kLeastSamples = 3;       // of the IMU, in an interval
 constexpr double kFirstGravity = 2.0;  // s, after which it is judged
+constexpr double kFirstForce = 0.5;    // s, likewise how large it is: before the filter starts
+constexpr double kLeastForce = 7.0;    // m/s^2: no road takes off more for seconds,
+constexpr double kMostForce = 14.0;    // nor adds it, with a scale that is a little wrong
+constexpr double kMostScale = 5.0;     // that a track width may explain
 
 constexpr double kLeastTurn = 0.05;  // rad^2/s, that speed does not explain: 9 deg/s for 2 s
 constexpr int kStretches = 2;        // of so much turning
@@ -112,6 +116,17 @@ void MountingWatch::judge_forward(const Interval& before, const Interval& interv
 std::optional<Eigen::Vector3d> MountingWatch::wrong_up() const {
   if (!tilted_) return {};
   return R_base_imu_.transpose() * gravity_.normalized();
+}
+
+std::optional<double> MountingWatch::wrong_gravity() const {
+  const double force = gravity_.norm();
+  if (gravity_seconds_ < kFirstForce || (force > kLeastForce && force < kMostForce)) return {};
+  return force;
+}
+
+bool MountingWatch::gyro_is_wrong() const {
+  const auto scale = wrong_turn_scale();
+  return scale && (std::abs(*scale) < 1 / kMostScale || std::abs(*scale) > kMostScale);
 }
 
 std::optional<double> MountingWatch::wrong_turn_scale() const {

@@ -21,15 +21,14 @@ class TurnFit {
   [[nodiscard]] double seconds() const { return seconds_; }
   /// rad^2/s, integral of the gyro's square, less what goes with the speed.
   [[nodiscard]] double turn() const { return products_(0, 0) - products_(0, 1) * products_(0, 1) / speeds(); }
+  /// Likewise of the wheels.
+  [[nodiscard]] double wheel_turn() const { return products_(2, 2) - products_(1, 2) * products_(1, 2) / speeds(); }
   /// The multiple of the gyro's rate. There must be some turn.
   [[nodiscard]] double gain() const {
     return (products_(0, 2) - products_(0, 1) * products_(1, 2) / speeds()) / turn();
   }
   /// Share of the wheels' square, less what goes with the speed, that the gyro's rate explains.
-  [[nodiscard]] double explained() const {
-    const double wheels = products_(2, 2) - products_(1, 2) * products_(1, 2) / speeds();
-    return gain() * gain() * turn() / std::max(wheels, 1e-12);
-  }
+  [[nodiscard]] double explained() const { return gain() * gain() * turn() / std::max(wheel_turn(), 1e-12); }
 
  private:
   [[nodiscard]] double speeds() const { return std::max(products_(1, 1), 1e-9); }
@@ -40,16 +39,30 @@ class TurnFit {
 
 /// Whether the wheels turn by another multiple than 1 of the gyro's turn, in all but one of the last stretches of
 /// turning: the track width is not the vehicle's, as that of a skid steer is not the distance of its wheels, or the
-/// gyro's scale is wrong. The sensors do not tell which. A value type; one thread.
+/// gyro's scale is wrong. The sensors do not tell which. Where the gyro does not turn at all the multiple is kNoTurn. A
+/// value type; one thread.
 class TurnScale {
  public:
   static constexpr double kMostWrong = 0.12;  ///< what slip, and a track width measured by hand, may cause
+  static constexpr double kNoTurn = 100.0;
 
   /// As TurnFit::add().
   void add(double seconds, double speed, double wheel_rate, double gyro_rate) {
+    const bool runs_away = std::abs(speed) > kDriving && std::abs(gyro_rate) > kRunsAway + 5.0 * std::abs(wheel_rate);
+    away_ = runs_away && !gyro_turns_ ? away_ + seconds : 0.0;
+    if (away_ > kLongAway) {  // another unit: one look is enough
+      gains_.fill(0.0);
+      known_ = kStretches;
+    }
     fit_.add(seconds, speed, wheel_rate, gyro_rate);
-    if (fit_.turn() < kLeastTurn || fit_.seconds() < kLeastSeconds) return;
-    if (fit_.explained() > kExplained) note(fit_.gain());
+    if (std::max(fit_.turn(), fit_.wheel_turn()) < kLeastTurn || fit_.seconds() < kLeastSeconds) return;
+    if (!gyro_turns_ && fit_.turn() < kStill * fit_.wheel_turn())
+      note(kNoTurn);
+    else if (fit_.turn() < kLeastTurn)
+      return;
+    else if (fit_.explained() > kExplained)
+      note(fit_.gain());
+    gyro_turns_ = gyro_turns_ || (fit_.turn() > kLeastTurn && fit_.explained() > kExplained);
     fit_ = {};
   }
   /// The multiple where it is wrong.
@@ -66,7 +79,11 @@ class TurnScale {
   static constexpr double kLeastTurn = 0.05;    // rad^2/s: 9 deg/s for 2 s
   static constexpr double kLeastSeconds = 2.0;  // s: slip is shorter than most of the stretches together
   static constexpr double kExplained = 0.9;
+  static constexpr double kStill = 0.02;  // of the wheels' square
   static constexpr std::size_t kStretches = 5;
+  static constexpr double kRunsAway = 1.0;  // rad/s, that no driving vehicle turns against its wheels,
+  static constexpr double kLongAway = 1.0;  // s, so long
+  static constexpr double kDriving = 0.3;   // m/s
   void note(double gain) {
     std::rotate(gains_.begin(), gains_.begin() + 1, gains_.end());
     gains_.back() = gain;
@@ -76,6 +93,8 @@ class TurnScale {
   TurnFit fit_;
   std::array<double, kStretches> gains_{};
   std::size_t known_ = 0;
+  double away_ = 0.0;        // s
+  bool gyro_turns_ = false;  // it has, as the wheels: if they turn without it later, they slip
 };
 
 }  // namespace curbstone::ekf::mounting

@@ -1,0 +1,65 @@
+// An IMU that speaks in other units, or has another axis up for its gyro only: it is named, and odometry does without.
+#include <algorithm>
+#include <functional>
+
+#include "tests/services/ekf/ekf_node_test.hpp"
+#include "tests/services/ekf/town_drive.hpp"
+
+namespace curbstone::ekf::mounting {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr double kSeconds = 150.0;
+
+struct Driven {
+  std::vector<std::string> faults;
+  Counters counters;
+  std::size_t published = 0;
+};
+
+Driven driven(const std::function<void(base::ImuSample&)>& spoil) {
+  Drive drive = simulate_town_drive({.seconds = kSeconds, .speed = 5, .slip = false}, VehicleConfig());
+  for (base::ImuSample& sample : drive.imu) spoil(sample);
+  LocalBus bus;
+  EkfNode node(base::EkfConfig(), bus);
+  std::vector<odometry_t> odometry;
+  bus.subscribe<odometry_t>("ODOMETRY", [&](const odometry_t& m) { odometry.push_back(m); });
+  for (std::size_t i = 0; i < drive.imu.size(); ++i) {
+    node.on(message_of(drive.wheels[i], static_cast<std::int32_t>(i)));
+    node.on(message_of(drive.imu[i], static_cast<std::int32_t>(i)));
+    bus.dispatch();
+  }
+  const NodeReport report = node.report();
+  return {report.faults, report.counters, odometry.size()};
+}
+
+TEST(WrongImu, AnAccelerometerInGIsNotUsed) {
+  const Driven g = driven([](base::ImuSample& sample) { sample.acceleration /= 9.80665; });
+  EXPECT_THAT(g.faults, Contains(HasSubstr("its mean acceleration is 1.00 m/s^2, which is not gravity")));
+  EXPECT_GT(g.counters["refused.gravity.imu"], 13'000);
+  EXPECT_EQ(g.published, 0);
+}
+
+TEST(WrongImu, AGyroInDegreesIsNotUsed) {
+  const Driven degrees = driven([](base::ImuSample& sample) { sample.angular_rate *= 57.29578; });
+  EXPECT_THAT(degrees.faults, Contains(HasSubstr("its gyro does not turn as the wheels do, and is not used")));
+  EXPECT_EQ(degrees.counters["faults.gyro_z"], 1);
+}
+
+TEST(WrongImu, AGyroWithAnotherAxisUpIsNotUsed) {
+  const Driven swapped =
+      driven([](base::ImuSample& sample) { std::swap(sample.angular_rate.x(), sample.angular_rate.z()); });
+  EXPECT_THAT(swapped.faults, Contains(HasSubstr("its gyro does not turn as the wheels do, and is not used")));
+  EXPECT_EQ(swapped.counters["faults.gyro_z"], 1);
+}
+
+TEST(WrongImu, OneThatIsRightIsUsed) {
+  const Driven right = driven([](base::ImuSample&) {});
+  EXPECT_TRUE(right.faults.empty());
+  EXPECT_EQ(right.counters["faults.gyro_z"], 0);
+}
+
+}  // namespace
+}  // namespace curbstone::ekf::mounting
