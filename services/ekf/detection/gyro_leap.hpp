@@ -37,8 +37,8 @@ class GyroLeap {
     const Interval& last = intervals_[kSide - 1];
     const Interval& first = intervals_[kSide + 1];
     const bool steady = std::max(before.variance, after.variance) < std::pow(kSteady * size, 2);
-    const bool by_the_gyro = std::abs(first.by_gyro - last.by_gyro - leap.rate) < kAlike * size;
-    const bool wheels_too = std::abs(first.by_wheels - last.by_wheels) > kAlike * size;
+    const bool by_the_gyro = std::abs(first.by_gyro - last.by_gyro - leap.rate) < kSudden * size;
+    const bool wheels_too = std::abs(first.by_wheels - last.by_wheels) > kQuiet * size;
     if (size < kLeast || !steady || !by_the_gyro || wheels_too) return {};
     leap.seconds += 0.5 * intervals_[kSide].seconds;
     interrupt();
@@ -51,8 +51,9 @@ class GyroLeap {
   static constexpr std::size_t kSide = 10;  // intervals before, and after
   static constexpr std::size_t kIntervals = 2 * kSide + 1;
   static constexpr double kSteady = 0.25;  // of the leap: 1 sigma of an interval
-  static constexpr double kAlike =
-      0.4;  // of the leap: what the gyro changes more or less from before to after, or the wheels
+  // Of the leap: how much more or less the gyro may change from the one to the other side, and the wheels at all. A
+  // gyro that shows up to 2.8 times the turn does not leap at the beginning of a bend by that.
+  static constexpr double kSudden = 0.3, kQuiet = 0.25;
   struct Interval {
     double seconds, by_wheels, by_gyro;
     model::NavState state;

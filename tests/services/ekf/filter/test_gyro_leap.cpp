@@ -83,6 +83,13 @@ TEST(GyroLeap, IsNoneWhereWheelsAreWrongOrAllIsWell) {
     for (const double speed : {0.7, 3.0, 5.0})
       EXPECT_EQ(leap_outcome(round_a_block(number, speed)).leaps, 0) << number << ' ' << speed;
   }
+  for (const unsigned number : {1U, 2U, 3U}) {
+    for (const double scale : {0.5, 1.5, 2.0}) {
+      Drive drive = round_a_block(number);
+      for (base::ImuSample& sample : drive.imu) sample.angular_rate.z() *= scale;
+      EXPECT_EQ(leap_outcome(drive).leaps, 0) << number << ' ' << scale;
+    }
+  }
   for (const WheelFault& fault : wheel_faults()) {
     for (const double onset : {1.0, 20.0, 45.0})
       EXPECT_EQ(leap_outcome(with_fault(round_a_block(1), fault, onset)).leaps, 0) << fault.name << ' ' << onset;
