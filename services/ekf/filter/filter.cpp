@@ -155,6 +155,10 @@ void Filter::follow_axes() {
   const Pose before = model::base_pose(belief_.mean, geometry_);
   if (!axes_.follow(belief_, mechanisation_.wheel_yaw_rate(), standing_, counters_)) return;
   smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
+  if (axes_.declared_stuck()) {  // it has shown nonsense for long, and the wheels were learnt from it
+    detection::forget_wheel_scale(belief_, config_->wheels);
+    detection::forget_axle(belief_, config_->wheels);
+  }
   if (mechanisation_.last_imu()) mechanisation_.set_last_imu(in_body(axes_.before()));
   mechanisation_.window().reset();
   slip_.turn_is_lost(axes_.turn_is_lost());

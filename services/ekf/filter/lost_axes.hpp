@@ -34,6 +34,8 @@ class LostAxes {
 
   [[nodiscard]] bool lost(int axis) const { return lost_[static_cast<std::size_t>(axis)]; }
   [[nodiscard]] bool any() const { return lost(0) || lost(1) || lost(2); }
+  /// An axis is lost by another's word, not because it repeats itself.
+  [[nodiscard]] bool declared_stuck() const { return sample_.stuck[0] || sample_.stuck[1] || sample_.stuck[2]; }
   /// No axis tells how it turns about the vertical.
   [[nodiscard]] bool turn_is_lost() const;
   /// rad/s, imu frame: what the gyro shows.

@@ -81,7 +81,7 @@ class TurnScale {
   static constexpr double kExplained = 0.9;
   static constexpr double kStill = 0.02;  // of the wheels' square
   static constexpr std::size_t kStretches = 5;
-  static constexpr double kRunsAway = 1.0;  // rad/s, that no driving vehicle turns against its wheels,
+  static constexpr double kRunsAway = 0.4;  // rad/s, that no driving vehicle turns against its wheels,
   static constexpr double kLongAway = 1.0;  // s, so long
   static constexpr double kDriving = 0.3;   // m/s
   void note(double gain) {
