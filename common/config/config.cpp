@@ -231,7 +231,11 @@ void load_node(const YAML::Node& node, const std::string& file, const std::strin
 
 /// `line` from 0; negative where the parser does not know it.
 bool is_indented_by_tab(std::string_view text, int line) {
-  for (; line > 0; --line) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  for (; line > 0; --line) {
+    const std::size_t end = text.find('\n');
+    if (end == std::string_view::npos) return false;
+    text.remove_prefix(end + 1);
+  }
   return text.substr(0, text.find_first_not_of(" \t")).find('\t') != std::string_view::npos;
 }
 

@@ -66,6 +66,10 @@ void describe_mounting(const mounting::MountingWatch& mounting, const VehicleCon
         fmt::format("IMU: by gravity its {} axis points up, by vehicle.imu its {}: correct its roll, pitch",
                     axis_along(*up), axis_along(vehicle.T_base_imu().linear().transpose().col(2))));
   }
+  if (const auto force = mounting.wrong_gravity()) {
+    faults.push_back(fmt::format(
+        "IMU: its mean acceleration is {:.2f} m/s^2, which is not gravity, and it is not used: another unit?", *force));
+  }
   const std::optional<double> yaw = mounting.missing_yaw();
   const bool backwards = yaw && std::abs(*yaw) > 0.75 * std::numbers::pi;  // else about a right angle
   if (backwards && mounting.turns_opposite()) {
@@ -74,11 +78,6 @@ void describe_mounting(const mounting::MountingWatch& mounting, const VehicleCon
   }
   if (mounting.turns_opposite())
     faults.emplace_back("WHEELS and gyro turn opposite ways: left and right swapped? Else the gyro's sign is wrong");
-  if (const auto force = mounting.wrong_gravity())
-    faults.push_back(
-        fmt::format("IMU: its mean acceleration is {:.2f} m/s^2, which is not gravity, and it is not used: "
-                    "another unit?",
-                    *force));
   if (mounting.gyro_is_wrong()) {
     faults.emplace_back("IMU: its gyro does not turn as the wheels do, and is not used: in deg/s, or another axis up?");
   } else if (const auto scale = mounting.wrong_turn_scale()) {
@@ -172,26 +171,26 @@ void EkfNode::on(const map_pose_t& message) {
 }
 
 void EkfNode::run(bool drain) {
-  while (std::optional<inputs::Sequencer::Sample> sample = sequencer_.pop(drain)) {
+  while (const std::optional<inputs::Sequencer::Sample> sample = sequencer_.pop(drain)) {
     estimates_.clear();
     watch_mounting(*sample);
-    if (!believe(*sample)) continue;
-    filter_.add(*sample, estimates_);
+    if (const auto usable = usable_of(*sample)) filter_.add(*usable, estimates_);
     for (const model::Estimate& estimate : estimates_) publish(estimate);
   }
 }
 
-/// An accelerometer that does not measure gravity makes the IMU useless, and a gyro that does not measure turns is done
-/// without.
-bool EkfNode::believe(inputs::Sequencer::Sample& sample) {
-  auto* imu = std::get_if<base::ImuSample>(&sample);
-  if (imu == nullptr) return true;
+/// Of an IMU whose accelerometer does not measure gravity nothing is used; a gyro that does not measure turns is
+/// marked.
+std::optional<inputs::Sequencer::Sample> EkfNode::usable_of(const inputs::Sequencer::Sample& sample) {
+  const auto* measured = std::get_if<base::ImuSample>(&sample);
+  if (measured == nullptr) return sample;
   if (mounting_.wrong_gravity()) {
     counters_.add("refused.gravity.imu");
-    return false;
+    return {};
   }
-  if (mounting_.gyro_is_wrong()) imu->stuck.fill(true);
-  return true;
+  base::ImuSample imu = *measured;
+  if (mounting_.gyro_is_wrong()) imu.stuck.fill(true);
+  return imu;
 }
 
 void EkfNode::watch_mounting(const inputs::Sequencer::Sample& sample) {

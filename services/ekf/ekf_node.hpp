@@ -50,7 +50,7 @@ class EkfNode final : public Node {
 
   void run(bool drain);
   void watch_mounting(const inputs::Sequencer::Sample& sample);
-  [[nodiscard]] bool believe(inputs::Sequencer::Sample& sample);
+  [[nodiscard]] std::optional<inputs::Sequencer::Sample> usable_of(const inputs::Sequencer::Sample& sample);
   void publish(const model::Estimate& estimate);
   void note_sequence(Input& input, std::int32_t sequence);
   void refuse(Input& input, const char* cause);

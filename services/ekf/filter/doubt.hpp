@@ -1,7 +1,6 @@
 #pragma once
 
 #include "services/ekf/base/ekf_config.hpp"
-#include "services/ekf/detection/gyro_leap.hpp"
 #include "services/ekf/detection/wheel_dispute.hpp"
 #include "services/ekf/model/error_state.hpp"
 #include "services/ekf/model/estimate.hpp"
@@ -29,10 +28,6 @@ void doubt_wheels_at_rest(model::Belief& belief, double speed);
 /// It stands as far as the wheels show, and may have driven off already, at `speed` m/s: until that is found, what is
 /// published covers it.
 void doubt_standing(model::Estimate& estimate, double speed);
-
-/// The gyro's bias about the vertical has leapt: the heading and the place are put back to where they would be, as well
-/// as the leap is known.
-void take_out(model::Belief& belief, const detection::GyroLeap::Leap& leap);
 
 /// All wheels have been found faulty: they have led it astray, and from now on it coasts.
 void doubt_astray(model::Belief& belief, const detection::WheelDispute::Astray& astray,

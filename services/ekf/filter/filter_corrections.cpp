@@ -6,6 +6,7 @@
 
 #include "services/ekf/filter/doubt.hpp"
 #include "services/ekf/filter/filter.hpp"
+#include "services/ekf/filter/leap_correction.hpp"
 
 namespace curbstone::ekf::filter {
 
@@ -74,7 +75,7 @@ void Filter::follow_gyro(const detection::GyroLeap::Leap& leap) {
   counters_.add("gyro_leaps");
   gyro_leapt_ = {belief_.utime, leap.rate};
   const Pose before = model::base_pose(belief_.mean, geometry_);
-  take_out(belief_, leap);
+  belief_ = without_leap(belief_, leap);
   smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
   slip_.reset_detector();
   slip_.acquit();

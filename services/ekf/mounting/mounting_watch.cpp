@@ -15,7 +15,6 @@ constexpr double kFirstGravity = 2.0;  // s, after which it is judged
 constexpr double kFirstForce = 0.5;    // s, likewise how large it is: before the filter starts
 constexpr double kLeastForce = 7.0;    // m/s^2: no road takes off more for seconds,
 constexpr double kMostForce = 14.0;    // nor adds it, with a scale that is a little wrong
-constexpr double kMostScale = 5.0;     // that a track width may explain
 
 constexpr double kLeastTurn = 0.05;  // rad^2/s, that speed does not explain: 9 deg/s for 2 s
 constexpr int kStretches = 2;        // of so much turning
@@ -126,7 +125,7 @@ std::optional<double> MountingWatch::wrong_gravity() const {
 
 bool MountingWatch::gyro_is_wrong() const {
   const auto scale = wrong_turn_scale();
-  return scale && (std::abs(*scale) < 1 / kMostScale || std::abs(*scale) > kMostScale);
+  return scale && !TurnScale::is_plausible(*scale);
 }
 
 std::optional<double> MountingWatch::wrong_turn_scale() const {

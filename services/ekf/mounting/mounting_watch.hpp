@@ -13,8 +13,8 @@ namespace curbstone::ekf::mounting {
 /// Whether IMU and wheels are on the vehicle as its file says: the usual mistakes on a new one. It asks the sensors
 /// alone, for a filter with a wrong configuration believes nonsense, and finds wheels to slip, or itself to drift.
 ///
-/// - Gravity: over kGravityMemory the specific force points up, and is as large as gravity. No vehicle drives tilted by
-/// kMaxTilt, nor in bends.
+/// - Gravity: over kGravityMemory the specific force points up, and is as large as gravity. No vehicle drives tilted
+///   by kMaxTilt, nor do bends look so.
 /// - Turn: the wheels' yaw rate is a multiple of the gyro's (TurnFit). Where it is about -1 in two stretches of turning
 ///   in a row, and explains what the speed does not, left and right are swapped, both wheels count backwards, or the
 ///   gyro's sign is wrong. Where it stays another one than 1, the track width is wrong or the gyro's scale (TurnScale).
@@ -37,13 +37,16 @@ class MountingWatch {
 
   /// The axis of the IMU that points up, 1 of length, imu frame, where that is another one than configured.
   [[nodiscard]] std::optional<Eigen::Vector3d> wrong_up() const;
-  /// Wheels and gyro turn opposite ways. Said only where gravity is as configured, as is the next.
-  [[nodiscard]] bool turns_opposite() const { return opposite_ && !tilted_; }
   /// m/s^2, the mean of the specific force where that is not gravity: another unit, or a broken accelerometer.
   [[nodiscard]] std::optional<double> wrong_gravity() const;
-  /// How many times as far as the gyro the wheels turn, where that is wrong.
+
+  // The others are said only where gravity points up as configured.
+
+  /// Wheels and gyro turn opposite ways.
+  [[nodiscard]] bool turns_opposite() const { return opposite_ && !tilted_; }
+  /// How many times as far as the gyro the wheels turn, where that is wrong. Not where they turn opposite ways.
   [[nodiscard]] std::optional<double> wrong_turn_scale() const;
-  /// The gyro's rate has nothing to do with how the vehicle turns: another unit, or another axis.
+  /// That multiple is beyond any track width: the gyro's rate has nothing to do with how the vehicle turns.
   [[nodiscard]] bool gyro_is_wrong() const;
   /// rad, what vehicle.imu's yaw lacks; about pi where both wheels count backwards.
   [[nodiscard]] std::optional<double> missing_yaw() const;

@@ -48,22 +48,10 @@ class TurnScale {
 
   /// As TurnFit::add().
   void add(double seconds, double speed, double wheel_rate, double gyro_rate) {
-    const bool runs_away = std::abs(speed) > kDriving && std::abs(gyro_rate) > kRunsAway + 5.0 * std::abs(wheel_rate);
-    away_ = runs_away && !gyro_turns_ ? away_ + seconds : 0.0;
-    if (away_ > kLongAway) {  // another unit: one look is enough
-      gains_.fill(0.0);
-      known_ = kStretches;
-    }
+    note_run_away(seconds, speed, wheel_rate, gyro_rate);
     fit_.add(seconds, speed, wheel_rate, gyro_rate);
-    if (std::max(fit_.turn(), fit_.wheel_turn()) < kLeastTurn || fit_.seconds() < kLeastSeconds) return;
-    if (!gyro_turns_ && fit_.turn() < kStill * fit_.wheel_turn())
-      note(kNoTurn);
-    else if (fit_.turn() < kLeastTurn)
-      return;
-    else if (fit_.explained() > kExplained)
-      note(fit_.gain());
-    gyro_turns_ = gyro_turns_ || (fit_.turn() > kLeastTurn && fit_.explained() > kExplained);
-    fit_ = {};
+    const bool turns = std::max(fit_.turn(), fit_.wheel_turn()) >= kLeastTurn;
+    if (turns && fit_.seconds() >= kLeastSeconds) judge_stretch();
   }
   /// The multiple where it is wrong.
   [[nodiscard]] std::optional<double> wrong() const {
@@ -74,6 +62,10 @@ class TurnScale {
     if (least < kMostWrong && most > -kMostWrong) return {};
     return sorted[kStretches / 2];
   }
+  /// Whether a track width may explain the multiple.
+  [[nodiscard]] static bool is_plausible(double multiple) {
+    return std::abs(multiple) > 1 / kMostScale && std::abs(multiple) < kMostScale;
+  }
 
  private:
   static constexpr double kLeastTurn = 0.05;    // rad^2/s: 9 deg/s for 2 s
@@ -81,9 +73,31 @@ class TurnScale {
   static constexpr double kExplained = 0.9;
   static constexpr double kStill = 0.02;  // of the wheels' square
   static constexpr std::size_t kStretches = 5;
+  static constexpr double kMostScale = 5.0;
   static constexpr double kRunsAway = 0.4;  // rad/s, that no driving vehicle turns against its wheels,
   static constexpr double kLongAway = 1.0;  // s, so long
   static constexpr double kDriving = 0.3;   // m/s
+  /// A gyro in another unit runs away from the wheels: one look is enough.
+  void note_run_away(double seconds, double speed, double wheel_rate, double gyro_rate) {
+    const bool away = std::abs(gyro_rate) > kRunsAway + kMostScale * std::abs(wheel_rate);
+    away_ = away && std::abs(speed) > kDriving && !gyro_turns_ ? away_ + seconds : 0.0;
+    if (away_ <= kLongAway) return;
+    gains_.fill(0.0);
+    known_ = kStretches;
+  }
+  void judge_stretch() {
+    const bool gyro_turned = fit_.turn() >= kLeastTurn;
+    const bool by_wheels_alone = fit_.turn() < kStill * fit_.wheel_turn();
+    if (by_wheels_alone && !gyro_turns_) {
+      note(kNoTurn);
+    } else if (!gyro_turned) {
+      return;  // the stretch goes on
+    } else if (fit_.explained() > kExplained) {
+      note(fit_.gain());
+      gyro_turns_ = gyro_turns_ || is_plausible(fit_.gain());
+    }
+    fit_ = {};
+  }
   void note(double gain) {
     std::rotate(gains_.begin(), gains_.begin() + 1, gains_.end());
     gains_.back() = gain;

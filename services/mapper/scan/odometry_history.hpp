@@ -51,7 +51,8 @@ class OdometryHistory {
   /// From now on only what was known when odometry first reached `utime` is looked at: what is said does not depend on
   /// whether more was there in time.
   void look_from(std::int64_t utime) { horizon_ = utime; }
-  /// Whether `from`..`to` lies between usable samples without a gap, or no farther than kLead beyond the last.
+  /// Whether `from`..`to` lies between usable samples without a gap, or no farther than kLead beyond the last. A step
+  /// of the host's clock is no gap.
   [[nodiscard]] bool covers(std::int64_t from, std::int64_t to) const;
   /// Pose at a covered time: linear in position, spherical-linear in attitude; beyond the last sample the motion of the
   /// last few goes on.

@@ -169,7 +169,7 @@ TEST(MountingWatchTest, NothingIsSaidOfAVehicleThatIsAsItsFileSays) {
 }
 
 /// The track is not the vehicle's, or the gyro's scale is wrong: which of them the sensors do not tell.
-TEST(MountingWatchTest, AWrongTrackAndAGyrosWrongScaleAreTold) {
+TEST(MountingWatchTest, AWrongTrackAndAGyrosWrongScaleAreReported) {
   const auto scale_of = [](double track, double gyro) {
     Drive drive = simulate_town_drive({.seconds = 220, .speed = 5, .seed = 7001, .track = track}, VehicleConfig());
     for (base::ImuSample& sample : drive.imu) sample.angular_rate.z() *= gyro;

@@ -17,6 +17,7 @@ struct Driven {
   std::vector<std::string> faults;
   Counters counters;
   std::size_t published = 0;
+  std::size_t found = 0;  // s after the start, when the gyro was found wrong; 0: never
 };
 
 Driven driven(const std::function<void(base::ImuSample&)>& spoil) {
@@ -26,13 +27,15 @@ Driven driven(const std::function<void(base::ImuSample&)>& spoil) {
   EkfNode node(base::EkfConfig(), bus);
   std::vector<odometry_t> odometry;
   bus.subscribe<odometry_t>("ODOMETRY", [&](const odometry_t& m) { odometry.push_back(m); });
+  std::size_t found = 0;
   for (std::size_t i = 0; i < drive.imu.size(); ++i) {
     node.on(message_of(drive.wheels[i], static_cast<std::int32_t>(i)));
     node.on(message_of(drive.imu[i], static_cast<std::int32_t>(i)));
     bus.dispatch();
+    if (found == 0 && i % 100 == 0 && node.report().counters["faults.gyro_z"] > 0) found = i / 100;
   }
   const NodeReport report = node.report();
-  return {report.faults, report.counters, odometry.size()};
+  return {report.faults, report.counters, odometry.size(), found};
 }
 
 TEST(WrongImu, AnAccelerometerInGIsNotUsed) {
@@ -46,6 +49,7 @@ TEST(WrongImu, AGyroInDegreesIsNotUsed) {
   const Driven degrees = driven([](base::ImuSample& sample) { sample.angular_rate *= 57.29578; });
   EXPECT_THAT(degrees.faults, Contains(HasSubstr("its gyro does not turn as the wheels do, and is not used")));
   EXPECT_EQ(degrees.counters["faults.gyro_z"], 1);
+  EXPECT_LT(degrees.found, 15) << "while it sets off";
 }
 
 TEST(WrongImu, AGyroWithAnotherAxisUpIsNotUsed) {
@@ -53,6 +57,7 @@ TEST(WrongImu, AGyroWithAnotherAxisUpIsNotUsed) {
       driven([](base::ImuSample& sample) { std::swap(sample.angular_rate.x(), sample.angular_rate.z()); });
   EXPECT_THAT(swapped.faults, Contains(HasSubstr("its gyro does not turn as the wheels do, and is not used")));
   EXPECT_EQ(swapped.counters["faults.gyro_z"], 1);
+  EXPECT_LT(swapped.found, 110);
 }
 
 TEST(WrongImu, OneThatIsRightIsUsed) {
