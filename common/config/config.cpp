@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "common/config/duplicate_keys.hpp"
+#include "common/config/second_document.hpp"
 
 namespace curbstone {
 
@@ -245,12 +246,8 @@ void parse_config(std::string_view text, const std::string& name, const std::str
                   AnyConfig& config) {
   YAML::Node root;
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(text));
-    if (!documents.empty()) root = documents[0];
-    for (std::size_t i = 1; i < documents.size(); ++i)
-      if (!documents[i].IsNull())
-        throw ConfigError(fmt::format("{}:{}: a second YAML document (after ---), which nobody would read", name,
-                                      documents[i].Mark().line + 1));
+    root = YAML::Load(std::string(text));
+    refuse_second_document(std::string(text), name);
     refuse_duplicate_keys(std::string(text), name);
   } catch (const YAML::ParserException& error) {
     throw ConfigError(fmt::format("{}:{}: {}{}", name, error.mark.line + 1, error.msg,

@@ -57,9 +57,18 @@ TEST(Config, FileOverridesDefaults) {
 
 TEST(Config, ASecondDocumentIsAnError) {
   EXPECT_EQ(error_of("ekf:\n  enabled: true\n---\nekf:\n  enabled: false\n"),
-            "ugv.yaml:4: a second YAML document (after ---), which nobody would read");
+            "ugv.yaml:3: a second YAML document (after ---), which nobody would read");
   EXPECT_EQ(error_of("---\nekf:\n  enabled: true\n---\n"), "");
   EXPECT_EQ(error_of(""), "");
+}
+
+TEST(Config, EmptyDocumentsBehindTheFirstAreNone) {
+  EXPECT_EQ(error_of("ekf:\n  enabled: true\n...\n...\n---\n# end\n---\n"), "");
+}
+
+TEST(Config, AStrayCommaIsAnErrorAndNotDocumentsWithoutEnd) {
+  EXPECT_EQ(error_of(", 1]"), "ugv.yaml:1: no YAML from here on");
+  EXPECT_EQ(error_of("--- !t ,"), "ugv.yaml:1: no YAML from here on");
 }
 
 TEST(Config, ATabIsNamed) {
