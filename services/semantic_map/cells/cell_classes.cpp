@@ -265,7 +265,7 @@ void classify_cells(const tile::Around<CellColumns>& columns, const tile::Around
       tile.cost[i] = traversal_cost(tile.cell_class[i], 0, parameters);
       tile.height[i] = cell.points > 0 ? height_steps(cell.ground_z, tile.z_origin) : tile::MapTile::kNoHeight;
       const int support = cell.ground_points + cell.blocking_points + cell.drop_points;
-      tile.hits[i] = static_cast<std::uint8_t>(std::min(255, cell.points));
+      tile.hits[i] = static_cast<std::uint8_t>(std::min<int>(255, cell.points));
       tile.confidence[i] = tile.cell_class[i] == tile::CellClass::kUnknown
                                ? std::uint8_t{0}
                                : static_cast<std::uint8_t>(std::min(255, 32 * support));

@@ -19,15 +19,16 @@ ColumnMeter::ColumnMeter(const ground::GroundSurface& ground, const ClassParamet
   }
 }
 
-void ColumnMeter::add(std::span<const tile::VotedPoint> points) {
+void ColumnMeter::add(std::span<const tile::VotedPoints::Place> points) {
   const double drop = std::max(parameters_.min_obstacle, parameters_.max_step);
-  for (const tile::VotedPoint& p : points) {
+  for (const tile::VotedPoints::Place& p : points) {
     const int column = std::clamp(static_cast<int>(double{p.x} / kCellSize), 0, kCellsPerTile - 1);
     const int row = std::clamp(static_cast<int>(double{p.y} / kCellSize), 0, kCellsPerTile - 1);
     const auto index = static_cast<std::size_t>(row * kCellsPerTile + column);
-    unread_.set(index);
     Cell& at = cells_[index];
     CellColumn& cell = at.column;
+    if (cell.points == CellColumn::kMostPoints) continue;
+    unread_.set(index);
     ++cell.points;
     at.lowest = std::min(at.lowest, p.z);
     const float above = p.z - at.ground;
@@ -82,7 +83,7 @@ bool ColumnMeter::read(CellColumns& columns) {
 CellColumns measure_columns(const tile::VotedTile& tile, const ground::GroundSurface& ground,
                             const ClassParameters& parameters) {
   ColumnMeter meter(ground, parameters);
-  meter.add(tile.points);
+  meter.add(tile.points.places());
   CellColumns columns;
   meter.read(columns);
   return columns;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bitset>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -36,16 +37,17 @@ struct ClassParameters {
   }
 };
 
-/// The points of one 0.12 m cell, by height above the ground.
+/// The points of one 0.12 m cell, by height above the ground; of more than kMostPoints, the first ones.
 struct CellColumn {
-  int points = 0;  ///< all of them, those too that are neither on the ground nor in the way
-  int ground_points = 0;
-  float ground_z = 0;       ///< m in map, mean of the ground points; without any: of the lowest point
-  int blocking_points = 0;  ///< between min_obstacle and the vehicle's height
-  float top = 0;            ///< m above ground, of the blocking points (the second highest: one may be a stray)
-  int drop_points = 0;      ///< as far below the ground as is in the way above it, and more than may be climbed
+  static constexpr int kMostPoints = 60'000;
+  std::uint16_t points = 0;  ///< all of them, those too that are neither on the ground nor in the way
+  std::uint16_t ground_points = 0;
+  float ground_z = 0;                 ///< m in map, mean of the ground points; without any: of the lowest point
+  std::uint16_t blocking_points = 0;  ///< between min_obstacle and the vehicle's height
+  std::uint16_t drop_points = 0;  ///< as far below the ground as is in the way above it, and more than may be climbed
+  float top = 0;                  ///< m above ground, of the blocking points (the second highest: one may be a stray)
   /// Blocking points within the margin of the cell's edges: towards -x, +x, -y, +y.
-  std::array<int, 4> at_edge{};
+  std::array<std::uint16_t, 4> at_edge{};
   [[nodiscard]] bool blocks(const ClassParameters& parameters) const {
     return blocking_points >= parameters.min_points;
   }
@@ -85,7 +87,7 @@ class ColumnMeter {
  public:
   ColumnMeter(const ground::GroundSurface& ground, const ClassParameters& parameters);
 
-  void add(std::span<const tile::VotedPoint> points);
+  void add(std::span<const tile::VotedPoints::Place> points);
   [[nodiscard]] std::size_t num_points() const { return num_points_; }
   /// Brings columns that this meter has read before up to date (at first, any): the same as if all points so far had
   /// come at once. Whether they have become others.

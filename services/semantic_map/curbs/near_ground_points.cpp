@@ -14,7 +14,7 @@ constexpr float kThinMass = 10;       // of the vote; even ground at sigma 0.3 m
 constexpr double kMinNormalZ = 0.35;  // steeper is no curb at this scale, it is a wall
 
 /// Its tilt against the ground.
-void describe(const tile::VotedPoint& p, const ground::GroundBelow& g, const tile::CurbParameters& parameters,
+void describe(const tile::VotedTensor& p, const ground::GroundBelow& g, const tile::CurbParameters& parameters,
               NearGround& n) {
   n.is_line = ground::is_scan_line(p) || p.mass < kThinMass;
   const auto nz = static_cast<double>(p.normal.z());
@@ -35,25 +35,26 @@ void NearGroundPoints::gather(const tile::Around<tile::VotedTile>& tiles, const 
   const auto is_in_tile = [](int cell) { return cell >= kMarginCells && cell < kMarginCells + kCellsPerTile; };
   gathered_.clear();
   tiles.for_each([&](const tile::VotedTile& tile, double dx, double dy) {
-    for (const tile::VotedPoint& p : tile.points) {
+    for (const tile::VotedPoints::Place& p : tile.points.places()) {
       const double x = double{p.x} + dx;
       const double y = double{p.y} + dy;
       if (x < -kWindowMargin || y < -kWindowMargin || x >= kTileSize + kWindowMargin || y >= kTileSize + kWindowMargin)
         continue;
       const int column = cell(x);
       const int row = cell(y);
+      const tile::VotedTensor& tensor = tile.points.tensors()[p.tensor];
       NearGround n{.x = static_cast<float>(x), .y = static_cast<float>(y)};
       const auto put = [&](double height) {
         const double above = double{p.z} - height;
         if (above < -kBelowGround || above > parameters.max_step) return false;
         n.z = static_cast<float>(above);
-        n.is_ground = ground::may_be_ground(p, parameters);
+        n.is_ground = ground::may_be_ground(tensor, parameters);
         return true;
       };
       if (is_in_tile(column) && is_in_tile(row)) {
         const auto g = ground.below(x, y);
         if (!g || !put(g->height)) continue;
-        describe(p, *g, parameters, n);
+        describe(tensor, *g, parameters, n);
       } else {
         const auto height = ground.height(x, y);
         if (!height || !put(*height)) continue;

@@ -21,7 +21,7 @@ struct Candidate {
   std::uint32_t point;  // of the tile
 };
 
-GroundSample lowest_layer(std::span<Candidate> candidates, const std::vector<tile::VotedPoint>& points) {
+GroundSample lowest_layer(std::span<Candidate> candidates, const tile::VotedPoints& points) {
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.z < b.z; });
   const float low = candidates[static_cast<std::size_t>(kOutlierShare * static_cast<float>(candidates.size()))].z;
   const auto begin =
@@ -30,7 +30,7 @@ GroundSample lowest_layer(std::span<Candidate> candidates, const std::vector<til
   const auto count = static_cast<int>(end - begin);
   double sums[5] = {};
   for (auto at = begin; at != end; ++at) {
-    const tile::VotedPoint& p = points[at->point];
+    const tile::VotedPoint p = points[at->point];
     const auto nz = static_cast<double>(p.normal.z());
     const double values[5] = {double{p.x}, double{p.y}, double{p.z}, -double{p.normal.x()} / nz,
                               -double{p.normal.y()} / nz};
@@ -40,7 +40,7 @@ GroundSample lowest_layer(std::span<Candidate> candidates, const std::vector<til
   double squares = 0;
   const float x = mean(0), y = mean(1), z = mean(2), slope_x = mean(3), slope_y = mean(4);
   for (auto at = begin; at != end; ++at) {
-    const tile::VotedPoint& p = points[at->point];
+    const tile::VotedPoints::Place& p = points.places()[at->point];
     const float off = p.z - z - slope_x * (p.x - x) - slope_y * (p.y - y);
     squares += double{off} * double{off};
   }
@@ -53,11 +53,13 @@ GroundSample lowest_layer(std::span<Candidate> candidates, const std::vector<til
 GroundSamples sample_ground(const tile::VotedTile& tile, const tile::CurbParameters& parameters) {
   constexpr int n = GroundSamples::kPerSide;
   constexpr std::uint8_t kNone = n * n;
-  std::vector<std::uint8_t> cell_of(tile.points.size(), kNone);
+  const auto places = tile.points.places();
+  const auto tensors = tile.points.tensors();
+  std::vector<std::uint8_t> cell_of(places.size(), kNone);
   std::array<std::uint32_t, n * n + 1> begin{};  // of each cell's candidates
-  for (std::size_t i = 0; i < tile.points.size(); ++i) {
-    const tile::VotedPoint& p = tile.points[i];
-    if (!may_be_ground(p, parameters)) continue;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const tile::VotedPoints::Place& p = places[i];
+    if (!may_be_ground(tensors[p.tensor], parameters)) continue;
     const int column = std::clamp(static_cast<int>(double{p.x} / GroundSamples::kCell), 0, n - 1);
     const int row = std::clamp(static_cast<int>(double{p.y} / GroundSamples::kCell), 0, n - 1);
     cell_of[i] = static_cast<std::uint8_t>(row * n + column);
@@ -66,8 +68,8 @@ GroundSamples sample_ground(const tile::VotedTile& tile, const tile::CurbParamet
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<Candidate> candidates(begin.back());
   auto next = begin;
-  for (std::size_t i = 0; i < tile.points.size(); ++i) {
-    if (cell_of[i] != kNone) candidates[next[cell_of[i]]++] = {tile.points[i].z, static_cast<std::uint32_t>(i)};
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (cell_of[i] != kNone) candidates[next[cell_of[i]]++] = {places[i].z, static_cast<std::uint32_t>(i)};
   }
   GroundSamples samples;
   for (std::size_t c = 0; c < samples.cells.size(); ++c) {

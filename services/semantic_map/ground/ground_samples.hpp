@@ -33,11 +33,11 @@ struct GroundSamples {
 [[nodiscard]] GroundSamples sample_ground(const tile::VotedTile& tile, const tile::CurbParameters& parameters);
 
 /// The vote saw a single scan line: it knows of no surface, and nothing against one (tensor_voting.md, section 6).
-[[nodiscard]] inline bool is_scan_line(const tile::VotedPoint& point) {
+[[nodiscard]] inline bool is_scan_line(const tile::VotedTensor& point) {
   return point.plate > 0.5F;
 }
 
-[[nodiscard]] inline bool may_be_ground(const tile::VotedPoint& point, const tile::CurbParameters& parameters) {
+[[nodiscard]] inline bool may_be_ground(const tile::VotedTensor& point, const tile::CurbParameters& parameters) {
   return point.mass > 0 && static_cast<double>(point.normal.z()) >= parameters.min_normal_z &&
          (static_cast<double>(point.stick) >= parameters.min_stick || is_scan_line(point));
 }

@@ -22,7 +22,7 @@ PaintLayer lay_paint(const tile::VotedTile& tile, const ground::GroundSurface& g
   for (std::size_t i = 0; i < tile.points.size(); ++i) {
     const std::uint32_t intensity = tile.intensity[i];
     if (intensity == 0) continue;
-    const tile::VotedPoint& p = tile.points[i];
+    const tile::VotedPoints::Place& p = tile.points.places()[i];
     const int x = std::clamp(static_cast<int>(std::lround(double{p.x} / kPositionStep)), 0, kStepsPerTile - 1);
     const int y = std::clamp(static_cast<int>(std::lround(double{p.y} / kPositionStep)), 0, kStepsPerTile - 1);
     const int column = x / kSteps;

@@ -222,7 +222,7 @@ void TilePipeline::measure_columns(TileKey key, Tile& tile) {
     at = meters_.try_emplace(key, GroundedMeter{cells::ColumnMeter(ground, classes_)}).first;
   }
   cells::ColumnMeter& meter = at->second.meter;
-  meter.add(std::span(tile.layers->voted.points).subspan(meter.num_points()));
+  meter.add(tile.layers->voted.points.places().subspan(meter.num_points()));
   if (meter.read(tile.layers->columns)) mark_around(kClasses, key);
 }
 

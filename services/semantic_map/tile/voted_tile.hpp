@@ -1,28 +1,13 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <vector>
 
 #include "common/tiles/tile.hpp"
+#include "services/semantic_map/tile/voted_points.hpp"
 
 namespace curbstone::semantic_map::tile {
-
-/// What the vote says of a place, at the coarse scale (0.3 m).
-struct VotedTensor {
-  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< e1, z >= 0
-  float stick = 0;                                    ///< (l1 - l2) / l1: how much of a surface
-  float plate = 0;                                    ///< (l2 - l3) / l1: how much of a crease
-  float mass = 0;  ///< sum of the votes' weights; 0: nobody voted, the rest means nothing
-};
-
-/// A point of the dense map with what the vote says about it.
-struct VotedPoint : VotedTensor {
-  float x = 0;  ///< m from the tile's corner, 0 .. kTileSize
-  float y = 0;
-  float z = 0;  ///< m in map
-};
 
 /// A complete revision of a tile of VOTED_POINTS.
 struct VotedTile {
@@ -30,8 +15,7 @@ struct VotedTile {
   std::int64_t utime = 0;
   std::int32_t revision = 0;
   float z_origin = 0;
-  std::vector<VotedPoint> points;
-  std::vector<std::uint32_t> voters;  ///< of each point, the one whose tensor it takes; where that is not known: empty
+  VotedPoints points;
   /// Of each point, on one scale for all beams: the road's median is 64, 0 is not known; empty: of none is known.
   std::vector<std::uint8_t> intensity;
   std::int64_t chain = 0;  ///< of the worker that it came from

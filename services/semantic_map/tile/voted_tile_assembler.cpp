@@ -63,8 +63,7 @@ void append_points(const voted_points_t& page, std::size_t scale, VotedTile& til
   const auto first = static_cast<std::size_t>(page.first);
   const auto count = static_cast<std::size_t>(page.num_points);
   const auto step = static_cast<float>(kPositionStep);
-  make_room(count, tile.points);
-  make_room(count, tile.voters);
+  tile.points.make_room(count);
   make_room(count, tile.intensity);
   for (std::size_t i = tile.points.size() - std::min(first, tile.points.size()); i < count; ++i) {
     VotedPoint p;
@@ -72,9 +71,11 @@ void append_points(const voted_points_t& page, std::size_t scale, VotedTile& til
     p.y = page.y[i] * step;
     p.z = page.z_origin + page.z[i] * step;
     const auto voter = static_cast<std::uint32_t>(page.voter[scale * count + i]);
-    if (voter < tile.points.size()) static_cast<VotedTensor&>(p) = tile.points[voter];
-    tile.points.push_back(p);
-    tile.voters.push_back(voter);
+    if (voter < tile.points.size()) {
+      tile.points.append(VotedPoints::Place{p.x, p.y, p.z, tile.points.places()[voter].tensor});
+    } else {
+      tile.points.push_back(p);
+    }
     tile.intensity.push_back(page.intensity[i]);
   }
 }
@@ -100,8 +101,7 @@ bool goes_on_from(const VotedStep& step, const VotedTile* tile) {
   const voted_points_t& head = step.pages.front();
   return tile != nullptr && tile->chain == step.chain && tile->revision >= step.base &&
          tile->z_origin == head.z_origin && static_cast<std::int32_t>(tile->points.size()) >= head.first &&
-         static_cast<std::int32_t>(tile->points.size()) <= head.total && tile->voters.size() == tile->points.size() &&
-         tile->intensity.size() == tile->points.size();
+         static_cast<std::int32_t>(tile->points.size()) <= head.total && tile->intensity.size() == tile->points.size();
 }
 
 void take_step(const VotedStep& step, VotedTile& tile) {
@@ -110,19 +110,13 @@ void take_step(const VotedStep& step, VotedTile& tile) {
   tile.key = step.key;
   tile.z_origin = head.z_origin;
   const std::size_t scale = coarse_scale(head);
-  std::vector<std::int32_t> tensor_of_voter(static_cast<std::size_t>(head.total), -1);
-  std::vector<VotedTensor> tensors;
+  for (const voted_points_t& page : step.pages) append_points(page, scale, tile);
   for (const voted_points_t& page : step.pages) {
-    append_points(page, scale, tile);
     for (std::size_t i = 0; i < page.point.size(); ++i) {
       if (page.scale[i] != scale) continue;
-      tensor_of_voter[static_cast<std::size_t>(page.point[i])] = static_cast<std::int32_t>(tensors.size());
-      tensors.push_back(tensor_of(page, i));
+      const auto voter = static_cast<std::size_t>(page.point[i]);
+      tile.points.set_tensor(tile.points.places()[voter].tensor, tensor_of(page, i));
     }
-  }
-  for (std::size_t i = 0; i < tile.points.size(); ++i) {
-    const std::int32_t at = tensor_of_voter[tile.voters[i]];
-    if (at >= 0) static_cast<VotedTensor&>(tile.points[i]) = tensors[static_cast<std::size_t>(at)];
   }
   tile.chain = step.chain;
   tile.revision = step.revision;

@@ -5,8 +5,7 @@
 
 namespace curbstone::semantic_map::tile {
 
-/// Puts away a voted tile: positions as the whole steps that they were sent in, and of
-/// points that share a tensor only the voter's.
+/// Puts away a voted tile: positions as the whole steps that they were sent in.
 void pack(const VotedTile& tile, ValuePacker& packer);
 /// Every bit of it.
 [[nodiscard]] VotedTile unpack_voted_tile(ValueUnpacker& unpacker);

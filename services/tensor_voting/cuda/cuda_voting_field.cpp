@@ -120,7 +120,7 @@ void CudaVotingField::append(const Addition& addition, Fresh& fresh) {
     std::uint32_t voter = tile->num_voters;
     if (voxel_ > 0) {
       voter = tile->voxels.find_or_insert(
-          voting::VoxelTable::key(p.x / voxel_, p.y / voxel_, CellGrid::floor_div(z, voxel_)), tile->num_voters);
+          voting::VoxelTable::key(p.x / voxel_, p.y / voxel_, CellGrid::floor_div(z, voxel_)));
     }
     tile->voter_of_point.push_back(voter);
     if (voter != tile->num_voters) continue;

@@ -22,8 +22,7 @@ Thinning first_in_voxel(const StepCloud& cloud, double voxel) {
   for (std::uint32_t i = 0; i < cloud.points.size(); ++i) {
     const WidePoint& p = cloud.points[i];
     const auto next = static_cast<std::uint32_t>(result.voters.size());
-    const std::uint32_t voter =
-        voxels.find_or_insert(VoxelTable::key(index(p.x, 0), index(p.y, 1), index(p.z, 2)), next);
+    const std::uint32_t voter = voxels.find_or_insert(VoxelTable::key(index(p.x, 0), index(p.y, 1), index(p.z, 2)));
     if (voter == next) result.voters.push_back(i);
     result.voter_of_point.push_back(voter);
   }

@@ -104,7 +104,7 @@ struct VoterTile {
       const std::size_t lane = to.voters.push_back(from.at);
       for (std::size_t c = 0; c < kernels::VoteSums::kCount; ++c) to.settled.value[c][lane] = from.sums.value[c];
       voters[seats[i].block][lane] = i;
-      voxels.find_or_insert(voxel_of(from.at), i);
+      voxels.find_or_insert(voxel_of(from.at));
     }
     give_back(sleepers);
   }

@@ -119,10 +119,11 @@ std::vector<VotingField::NewVoter> VotingField::admit(TileKey key, VoterTile& ti
                                                       std::span<const TilePoint> points) const {
   std::vector<NewVoter> admitted;
   admitted.reserve(points.size());
+  make_room(points.size(), tile.voter_of_point);
   for (const TilePoint& point : points) {
     const FieldPlace place(key, tile.z_origin, point);
     const auto next = static_cast<std::uint32_t>(tile.seats.size());
-    const std::uint32_t voter = grid_.thins() ? tile.voxels.find_or_insert(grid_.voxel_of(place), next) : next;
+    const std::uint32_t voter = grid_.thins() ? tile.voxels.find_or_insert(grid_.voxel_of(place)) : next;
     tile.voter_of_point.push_back(voter);
     if (voter != next) continue;
     tile.point_of_voter.push_back(static_cast<std::uint32_t>(tile.voter_of_point.size() - 1));

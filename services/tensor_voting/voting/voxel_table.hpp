@@ -2,12 +2,14 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
+
+#include "common/tiles/vector_memory.hpp"
 
 namespace curbstone::tensor_voting::voting {
 
-/// Who came first to each voxel: an open-addressing hash from voxel to index. No removal; 12 bytes a slot.
+/// Numbers voxels in the order in which they come first: an open-addressing hash from voxel to number. No removal; 16
+/// to 22 bytes a voxel.
 class VoxelTable {
  public:
   /// A voxel in a place of its own lattice; each coordinate within 21 bits.
@@ -16,16 +18,16 @@ class VoxelTable {
     return bits(x) << 42 | bits(y) << 21 | bits(z);
   }
 
-  /// The index that holds voxel `key`; if there is none yet, `index` takes it.
-  std::uint32_t find_or_insert(std::uint64_t key, std::uint32_t index) {
-    if (2 * (size_ + 1) > keys_.size()) grow();
-    const std::size_t slot = slot_of(key);
-    if (indices_[slot] == kFree) {
-      keys_[slot] = key;
-      indices_[slot] = index;
-      ++size_;
+  /// The voxel's number; if it is new: how many there were before.
+  std::uint32_t find_or_insert(std::uint64_t key) {
+    if (2 * (keys_.size() + 1) > slots_.size()) grow();
+    std::uint32_t& slot = slots_[slot_of(key)];
+    if (slot == kFree) {
+      slot = static_cast<std::uint32_t>(keys_.size());
+      make_room(1, keys_);
+      keys_.push_back(key);
     }
-    return indices_[slot];
+    return slot;
   }
 
  private:
@@ -34,28 +36,21 @@ class VoxelTable {
   [[nodiscard]] std::size_t slot_of(std::uint64_t key) const {
     std::uint64_t h = key * 0x9e3779b97f4a7c15ULL;
     h ^= h >> 32;
-    const std::size_t mask = keys_.size() - 1;
+    const std::size_t mask = slots_.size() - 1;
     std::size_t slot = h & mask;
-    while (indices_[slot] != kFree && keys_[slot] != key) slot = (slot + 1) & mask;
+    while (slots_[slot] != kFree && keys_[slots_[slot]] != key) slot = (slot + 1) & mask;
     return slot;
   }
 
   void grow() {
-    const std::vector<std::uint64_t> keys = std::exchange(keys_, {});
-    const std::vector<std::uint32_t> indices = std::exchange(indices_, {});
-    keys_.resize(keys.empty() ? 32 : 2 * keys.size());
-    indices_.assign(keys_.size(), kFree);
-    for (std::size_t i = 0; i < keys.size(); ++i) {
-      if (indices[i] == kFree) continue;
-      const std::size_t slot = slot_of(keys[i]);
-      keys_[slot] = keys[i];
-      indices_[slot] = indices[i];
-    }
+    const std::size_t size = slots_.empty() ? 32 : 2 * slots_.size();
+    give_back(slots_);
+    slots_.assign(size, kFree);
+    for (std::uint32_t i = 0; i < keys_.size(); ++i) slots_[slot_of(keys_[i])] = i;
   }
 
-  std::vector<std::uint64_t> keys_;
-  std::vector<std::uint32_t> indices_;
-  std::size_t size_ = 0;
+  std::vector<std::uint64_t> keys_;   // of each voxel, by number
+  std::vector<std::uint32_t> slots_;  // numbers
 };
 
 }  // namespace curbstone::tensor_voting::voting

@@ -262,7 +262,7 @@ TEST_F(SemanticMapNodeTest, TheMapFileDoesNotDependOnTheOrderOfMessagesNorOnTick
       // An older revision of everything, twice; then all pages of both, shuffled.
       for (const tile::VotedTile& tile : street()) {
         tile::VotedTile thin = tile;
-        thin.points.resize(thin.points.size() / 2);
+        thin.points.shorten(thin.points.size() / 2);
         for (const auto& page : to_pages(thin, 1, 300)) pages.insert(pages.end(), 2, page);
       }
       std::shuffle(pages.begin(), pages.end(), std::mt19937(seed));

@@ -79,7 +79,7 @@ voted_points_t step_from(std::int32_t base, const voted_points_t& all, std::size
 TEST_F(SemanticMapNodeTest, FollowsATileInStepsAndAsksWhenOneIsMissing) {
   const voted_points_t all = to_pages(full_tile(), 3, 100'000).front();
   tile::VotedTile half = full_tile();
-  half.points.resize(half.points.size() / 2);
+  half.points.shorten(half.points.size() / 2);
   const voted_points_t first = to_pages(half, 2, 100'000).front();
   const voted_points_t step = step_from(2, all, half.points.size());
   const auto map_of = [&](const std::string& name, const std::vector<voted_points_t>& messages, int asked) {
@@ -120,10 +120,10 @@ TEST_F(SemanticMapNodeTest, FollowsATileInStepsAndAsksWhenOneIsMissing) {
 TEST_F(SemanticMapNodeTest, AsksForAFarTileThatTheDiskHasLost) {
   const voted_points_t all = to_pages(full_tile(), 3, 100'000).front();
   tile::VotedTile half = full_tile();
-  half.points.resize(half.points.size() / 2);
+  half.points.shorten(half.points.size() / 2);
   tile::VotedTile elsewhere = full_tile();
   elsewhere.key = {500, 500};
-  elsewhere.points.resize(1);
+  elsewhere.points.shorten(1);
   SemanticMapConfig with_room = config("lost.db");
   with_room.keep_free = 0;
   LocalBus bus;

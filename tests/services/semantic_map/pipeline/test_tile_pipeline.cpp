@@ -55,7 +55,7 @@ class PipelineOfAStreet : public testing::Test {
     return *std::find_if(tiles().begin(), tiles().end(), [&](const tile::VotedTile& t) { return t.key == key; });
   }
   static tile::VotedTile thinner(tile::VotedTile tile) {
-    tile.points.resize(tile.points.size() / 2);
+    tile.points.shorten(tile.points.size() / 2);
     return tile;
   }
   static void expect_as_at_once(const TilePipeline& pipeline) {
@@ -127,7 +127,7 @@ TEST_F(PipelineOfAStreet, WhatGrowsBitByBitComesOutAsWhatCameAtOnce) {
   TilePipeline pipeline({}, {});
   for (const unsigned parts : {7U, 3U, 2U, 1U}) {
     for (tile::VotedTile tile : tiles()) {
-      tile.points.resize(tile.points.size() / parts);
+      tile.points.shorten(tile.points.size() / parts);
       pipeline.set_voted(tile, parts != 7U);
       update_columns(pipeline, tile.key);
       if (tile.key.x % 3 == 0) update(pipeline, tile.key);
@@ -141,8 +141,13 @@ TEST_F(PipelineOfAStreet, ShowsWhatIsNewOnTheGroundOfBeforeAndTheRestWhenItsTurn
   TilePipeline pipeline = at_once();
   tile::VotedTile tile = tiles()[tiles().size() / 2];
   update_columns(pipeline, tile.key);
-  tile::VotedTile beside = tile_at({tile.key.x + 1, tile.key.y});
-  for (tile::VotedPoint& p : beside.points) p.z += 0.15F;
+  const tile::VotedTile lower = tile_at({tile.key.x + 1, tile.key.y});
+  tile::VotedTile beside = lower;
+  beside.points = {};
+  for (tile::VotedPoint p : lower.points) {
+    p.z += 0.15F;
+    beside.points.push_back(p);
+  }
   pipeline.set_voted(beside);
   update(pipeline, beside.key);  // the ground between the two rises
   tile::VotedPoint low;          // just high enough to be in the way, on the ground of before
@@ -150,7 +155,7 @@ TEST_F(PipelineOfAStreet, ShowsWhatIsNewOnTheGroundOfBeforeAndTheRestWhenItsTurn
   low.y = 1.5F;
   const double x = tile.key.x * kTileSize + 2.82, y = tile.key.y * kTileSize + 1.5;
   low.z = static_cast<float>(0.02 * x + (y > 1 ? 0.1 : 0.0) + 0.24);
-  tile.points.insert(tile.points.end(), 3, low);
+  for (int i = 0; i < 3; ++i) tile.points.push_back(low);
   pipeline.set_voted(tile, true);
   constexpr std::size_t kCell = 12 * kCellsPerTile + 23;
   update_columns(pipeline, tile.key);
@@ -234,7 +239,7 @@ void drive_on(TilePipeline& pipeline) {
 TEST_F(PipelineOfAStreet, WhatSleptComesOutAsWhatDidNot) {
   TilePipeline pipeline({}, {});
   for (tile::VotedTile tile : tiles()) {
-    tile.points.resize(tile.points.size() / 2);
+    tile.points.shorten(tile.points.size() / 2);
     pipeline.set_voted(tile);
     if (tile.key.x % 3 == 0) update(pipeline, tile.key);
   }
@@ -276,7 +281,7 @@ TEST_F(PipelineOfAStreet, WhatSleptInAFileComesOutAsWhatDidNot) {
   const auto file = std::make_shared<SpillFile>(folder.path().string(), 0);
   TilePipeline pipeline({}, {}, {}, file);
   for (tile::VotedTile tile : tiles()) {
-    tile.points.resize(tile.points.size() / 2);
+    tile.points.shorten(tile.points.size() / 2);
     pipeline.set_voted(tile);
     if (tile.key.x % 3 == 0) update(pipeline, tile.key);
   }
@@ -334,7 +339,7 @@ TEST(TilePipeline, HasNoJumpsAtTilesOffTheEndOfInt32) {
   TilePipeline pipeline({}, {});
   tile::VotedTile tile;
   tile.key = {2147483647, -2147483647 - 1};
-  tile.points.resize(10);
+  for (int i = 0; i < 10; ++i) tile.points.push_back({});
   pipeline.set_voted(tile);
   EXPECT_EQ(update(pipeline, tile.key).changed.size(), 1U);
   pipeline.settle();

@@ -14,20 +14,12 @@ VotedTile street_tile() {
   std::mt19937 random(3);
   std::uniform_int_distribution<int> step(0, kStepsPerTile - 1);
   std::normal_distribution<float> noise(0, 0.02F);
-  VotedTile tile{.key = {-3, 70},
-                 .utime = 1234567,
-                 .revision = 98,
-                 .z_origin = -12,
-                 .points = {},
-                 .voters = {},
-                 .intensity = {},
-                 .chain = -77};
+  VotedTile tile{
+      .key = {-3, 70}, .utime = 1234567, .revision = 98, .z_origin = -12, .points = {}, .intensity = {}, .chain = -77};
   for (std::uint32_t i = 0; i < 4000; ++i) {
     VotedPoint p;
-    const std::uint32_t voter = i - i % 4;
-    if (voter < i) {
-      p = tile.points[voter];
-    } else {
+    const bool votes = i % 4 == 0;
+    if (votes) {
       p.normal = Eigen::Vector3f(noise(random), noise(random), 1).normalized();
       p.stick = 0.5F + noise(random);
       p.plate = 0.1F;
@@ -36,8 +28,11 @@ VotedTile street_tile() {
     p.x = static_cast<float>(step(random)) * static_cast<float>(kPositionStep);
     p.y = static_cast<float>(step(random)) * static_cast<float>(kPositionStep);
     p.z = tile.z_origin + std::round(50 * noise(random)) * static_cast<float>(kPositionStep);
-    tile.points.push_back(p);
-    tile.voters.push_back(voter);
+    if (votes) {
+      tile.points.push_back(p);
+    } else {
+      tile.points.append(VotedPoints::Place{p.x, p.y, p.z, i / 4});
+    }
     tile.intensity.push_back(static_cast<std::uint8_t>(60 + i % 9));
   }
   return tile;
@@ -58,9 +53,9 @@ void expect_every_bit_back(const VotedTile& tile) {
   EXPECT_EQ(again.revision, tile.revision);
   EXPECT_EQ(again.z_origin, tile.z_origin);
   EXPECT_EQ(again.chain, tile.chain);
-  EXPECT_EQ(again.voters, tile.voters);
   EXPECT_EQ(again.intensity, tile.intensity);
   ASSERT_EQ(again.points.size(), tile.points.size());
+  EXPECT_EQ(again.points.tensors().size(), tile.points.tensors().size());
   for (std::size_t i = 0; i < tile.points.size(); ++i) {
     const auto values = [](const VotedPoint& p) {
       return std::array{p.x, p.y, p.z, p.normal.x(), p.normal.y(), p.normal.z(), p.stick, p.plate, p.mass};
@@ -79,24 +74,22 @@ TEST(VotedTilePacking, BringsBackEveryBitFromAFourthOfTheRoom) {
 
 TEST(VotedTilePacking, BringsBackPointsThatLieOnNoSteps) {
   VotedTile tile = street_tile();
-  tile.points[7].x += 1e-4F;
-  tile.points[9].z = std::nanf("1");
-  tile.points[11].y = -0.0F;
-  tile.points[13].z = 1e30F;
+  tile.points.append(VotedPoints::Place{1.0001F, 1, tile.z_origin, 7});
+  tile.points.append(VotedPoints::Place{1, -0.0F, std::nanf("1"), 0});
+  tile.points.push_back(VotedPoint{{}, 1, 1, 1e30F});
   expect_every_bit_back(tile);
 }
 
-TEST(VotedTilePacking, BringsBackTensorsThatAreNotTheirVoters) {
+TEST(VotedTilePacking, BringsBackTensorsThatAreNoNumbers) {
   VotedTile tile = street_tile();
-  tile.points[6].plate = 0.7F;
-  expect_every_bit_back(tile);
-  tile.points[6].mass = std::nanf("5");
+  VotedTensor odd = tile.points[6];
+  odd.mass = std::nanf("5");
+  tile.points.set_tensor(tile.points.places()[6].tensor, odd);
   expect_every_bit_back(tile);
 }
 
-TEST(VotedTilePacking, BringsBackATileWhoseVotersAreNotKnown) {
+TEST(VotedTilePacking, BringsBackATileWithoutIntensitiesAndAnEmptyOne) {
   VotedTile tile = street_tile();
-  tile.voters.clear();
   tile.intensity.clear();
   expect_every_bit_back(tile);
   expect_every_bit_back({});
