@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "services/ekf/base/ekf_config.hpp"
 #include "services/ekf/base/samples.hpp"
@@ -14,22 +15,32 @@ class LevelWatch {
  public:
   void begin(bool level, std::int64_t utime) {
     level_ = level;
+    levelled_.reset();
     since_ = utime;
   }
   /// `sigma`: the larger of roll's and pitch's, rad. Returns whether the level was lost with this look.
   bool look(double sigma, bool standing, std::int64_t utime, const base::StartConfig& config) {
-    if (utime < since_) since_ = utime;  // the clock was set back
+    if (utime < since_) begin(level_, utime);  // the clock was set back
     const bool lost = level_ && !standing && sigma > kLost * config.level_sigma;
     if (lost) begin(false, utime);
-    if (sigma <= config.level_sigma || base::seconds_between(since_, utime) > config.level_patience) level_ = true;
+    if (sigma <= config.level_sigma || base::seconds_between(since_, utime) > config.level_patience) {
+      if (!level_) levelled_ = utime;
+      level_ = true;
+    }
     return lost;
   }
   [[nodiscard]] bool level() const { return level_; }
+  /// It was open until less than kFresh ago: that roll and pitch are known rests on few measurements.
+  [[nodiscard]] bool is_fresh(std::int64_t utime) const {
+    return levelled_ && base::seconds_between(*levelled_, utime) < kFresh;
+  }
 
  private:
-  static constexpr double kLost = 4.0;  // times level_sigma: so far out, they are open again
+  static constexpr double kFresh = 2.0;  // s
+  static constexpr double kLost = 4.0;   // times level_sigma: so far out, they are open again
   bool level_ = false;
-  std::int64_t since_ = 0;  // us, of the last change for the worse
+  std::optional<std::int64_t> levelled_;  // us, when it was open before
+  std::int64_t since_ = 0;                // us, of the last change for the worse
 };
 
 }  // namespace curbstone::ekf::detection

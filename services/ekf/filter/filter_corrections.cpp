@@ -13,6 +13,7 @@ namespace curbstone::ekf::filter {
 namespace {
 
 constexpr double kMaxAxleError = 4.0;  // sigma: farther from its configured place it was learnt from nonsense
+constexpr double kFreshDispute = 0.5;  // s that wheels may be refused by a filter that has just been levelled
 
 /// Says nothing, and changes nothing.
 model::Observation no_observation() {
@@ -167,11 +168,12 @@ void Filter::reset_strayed_axle() {
 }
 
 /// Whether the filter's motion is wrong: the wheels have been refused for long and are not the ones at fault, or no
-/// vehicle is so fast.
+/// vehicle is so fast. Wheels that are refused as soon as it is level are not at fault: it was levelled wrong.
 bool Filter::refutes_motion(const model::BodyMotion& motion, bool refused) {
-  const bool disputed = wheels_refused_.lasts(refused, belief_.utime, config_->slip.patience);
+  const bool fresh = level_.is_fresh(belief_.utime);
+  const bool disputed = wheels_refused_.lasts(refused, belief_.utime, fresh ? kFreshDispute : config_->slip.patience);
   const bool absurd = motion.velocity.norm() > config_->wheels.max_speed;
-  const bool doubted = disputed && settle_dispute() == detection::WheelWatch::Finding::kFilter;
+  const bool doubted = disputed && (fresh || settle_dispute() == detection::WheelWatch::Finding::kFilter);
   return doubted || absurd;
 }
 

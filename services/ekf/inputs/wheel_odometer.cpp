@@ -6,9 +6,11 @@
 namespace curbstone::ekf::inputs {
 
 namespace {
-constexpr double kStampSlack = 0.02;      // s: a late stamp makes the next difference look short, and the wheel fast
-constexpr double kJitters = 40.0;         // sigmas of its stamps that an interval is long at least: 3.5 % of the speed
-constexpr double kLongestInterval = 0.2;  // s, for that: slip lasts not much longer
+constexpr double kStampSlack = 0.02;  // s: a late stamp makes the next difference look short, and the wheel fast
+constexpr double kJitters = 40.0;     // sigmas of its stamps that an interval is long at least: 3.5 % of the speed
+constexpr double kMostAcceleration = 15.0;  // m/s^2, of a wheel on the ground
+constexpr double kFits = 4.0;               // sigmas by which two speeds in a row may differ beyond that
+constexpr double kLongestInterval = 0.2;    // s, for that: slip lasts not much longer
 }  // namespace
 
 double wheel_sigma(const base::WheelsConfig& config, const WheelInterval& interval, double wheel_radius,
@@ -32,6 +34,7 @@ WheelInterval WheelOdometer::between(const base::WheelSample& a, const base::Whe
 WheelOdometer::Step WheelOdometer::add(const base::WheelSample& sample) {
   const auto begin_again = [&](Step step) {
     begin_ = last_ = sample;
+    samples_ = 1;
     newest_.reset();
     jitter_.interrupt();
     jitter_.add(sample);
@@ -45,12 +48,24 @@ WheelOdometer::Step WheelOdometer::add(const base::WheelSample& sample) {
     if (!(travel <= config_.max_speed * (dt + kStampSlack))) return begin_again(Step::kNonsense);
   }
   jitter_.add(sample);
+  if (samples_ < kChecked && ++samples_ == kChecked && !fits_first(sample)) begin_ = last_;
   newest_ = between(last_, sample);
   last_ = sample;
   if (base::seconds_between(begin_->utime, sample.utime) < least_duration()) return Step::kOpen;
   interval_ = between(*begin_, sample);
   begin_ = sample;
   return Step::kInterval;
+}
+
+/// Whether a wheel can change its speed so much, from the first two samples to the last two of three.
+bool WheelOdometer::fits_first(const base::WheelSample& third) const {
+  const WheelInterval before = *newest_;
+  const WheelInterval after = between(last_, third);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double sigma = std::hypot(wheel_sigma(config_, before, radius_, i), wheel_sigma(config_, after, radius_, i));
+    if (std::abs(after.speed[i] - before.speed[i]) > kMostAcceleration * after.duration() + kFits * sigma) return false;
+  }
+  return true;
 }
 
 double WheelOdometer::least_duration() const {

@@ -26,7 +26,8 @@ struct WheelInterval {
 /// Wheel angles to speeds: differences of angles over differences of stamps, over intervals long enough that jitter of
 /// the stamps and steps of the counter do not matter (an error of the first is divided by the interval). Where the
 /// stamps jitter by more than that (StampJitter), intervals are longer. They touch and do not overlap, so that their
-/// sum is the travel.
+/// sum is the travel. A first sample that does not fit the next two is left out: a sensor that has just been started
+/// is often not on its beat yet.
 class WheelOdometer {
  public:
   WheelOdometer(const base::WheelsConfig& config, double wheel_radius, double max_gap)
@@ -46,6 +47,7 @@ class WheelOdometer {
   void reset();
 
  private:
+  [[nodiscard]] bool fits_first(const base::WheelSample& third) const;
   [[nodiscard]] WheelInterval between(const base::WheelSample& a, const base::WheelSample& b) const;
   [[nodiscard]] double least_duration() const;
 
@@ -57,6 +59,8 @@ class WheelOdometer {
   base::WheelSample last_;
   WheelInterval interval_;
   std::optional<WheelInterval> newest_;
+  int samples_ = 0;  // since the first one, up to kChecked
+  static constexpr int kChecked = 3;
 };
 
 }  // namespace curbstone::ekf::inputs

@@ -106,6 +106,64 @@ TEST_F(KilledFilterTest, OneThatStartsOnTheMoveIsNotUsedUntilItIsLevel) {
   }
 }
 
+/// The encoder was killed too, and is a period wrong about when its first sample was taken.
+TEST_F(KilledFilterTest, AFirstWheelSampleThatIsStampedWrongDoesNotLeadItAstray) {
+  constexpr double kFirst = 8.0;  // s, in mid-drive
+  std::vector<model::Estimate> estimates;
+  Filter killed(config_);
+  drive_on(killed, drive_, 0.0, kFirst - kDown, estimates);
+  for (const double periods : {0.2, 0.5, 1.0, 2.0}) {
+    for (const bool goes_on : {false, true}) {
+      Drive drive = drive_;
+      const auto first = std::find_if(drive.wheels.begin(), drive.wheels.end(), [&](const base::WheelSample& w) {
+        return base::seconds_between(drive.imu.front().utime, w.utime) >= kFirst;
+      });
+      const std::array<double, 2> next = std::next(first)->angle;
+      for (std::size_t i = 0; i < 2; ++i) first->angle[i] -= periods * (next[i] - first->angle[i]);
+      estimates.clear();
+      Filter filter(config_);
+      if (goes_on) filter.inherit(killed.belief());
+      drive_on(filter, drive, kFirst, 14.0, estimates);
+      const Worst worst = worst_of(estimates, drive, kFirst);
+      EXPECT_LT(worst.usable_after, 5.0) << periods << goes_on;
+      EXPECT_LT(worst.tilt, 2.0 * kOneDegree) << periods << goes_on;
+      EXPECT_LT(worst.speed, 0.3) << periods << goes_on;
+    }
+  }
+}
+
+/// They spin while it is levelled by them.
+TEST_F(KilledFilterTest, OneThatWasLevelledByWheelsThatSpanFindsItWithinTwoSeconds) {
+  constexpr double kFirst = 8.0, kSpun = 0.7;  // s
+  std::vector<model::Estimate> estimates;
+  Filter killed(config_);
+  drive_on(killed, drive_, 0.0, kFirst - kDown, estimates);
+  for (const double share : {0.2, 0.3, 0.5}) {
+    Drive drive = drive_;
+    std::array<double, 2> before = {};
+    std::array<double, 2> more = {};
+    for (base::WheelSample& w : drive.wheels) {
+      const double t = base::seconds_between(drive.imu.front().utime, w.utime);
+      for (std::size_t i = 0; i < 2; ++i) {
+        if (t > kFirst && t < kFirst + kSpun) more[i] += share * (w.angle[i] - before[i]);
+        before[i] = w.angle[i];
+        w.angle[i] += more[i];
+      }
+    }
+    estimates.clear();
+    Filter filter(config_);
+    filter.inherit(killed.belief());
+    drive_on(filter, drive, kFirst, 14.0, estimates);
+    std::erase_if(estimates, [&](const model::Estimate& e) {
+      return base::seconds_between(drive.imu.front().utime, e.utime) < kFirst + kSpun + 2.0;
+    });
+    const Worst worst = worst_of(estimates, drive, kFirst);
+    EXPECT_LT(worst.usable_after, 5.0) << share;
+    EXPECT_LT(worst.speed, 0.15) << share;
+    EXPECT_LT(worst.tilt, 1.0 * kOneDegree) << share;
+  }
+}
+
 TEST_F(KilledFilterTest, WhatIsTooOldOrDoesNotFitIsNotInherited) {
   std::vector<model::Estimate> estimates;
   Filter killed(config_);

@@ -36,6 +36,26 @@ TEST_F(WheelOdometerTest, AnIntervalIsCompleteOnceItIsAsLongAsConfigured) {
   EXPECT_EQ(steps, expected);
 }
 
+TEST_F(WheelOdometerTest, AFirstSampleThatIsOffTheBeatIsLeftOut) {
+  for (const double periods : {-0.8, -0.4, 1.0, 2.0}) {
+    odometer_.reset();
+    base::WheelSample first = rolling(0, 3, 3);
+    for (double& angle : first.angle) angle -= periods * 3 / kWheelRadius * 1e-6 * kSamplePeriod;
+    EXPECT_EQ(odometer_.add(first), Step::kFirst);
+    int i = 1;
+    while (odometer_.add(rolling(i * kSamplePeriod, 3, 3)) != Step::kInterval) ++i;
+    EXPECT_EQ(odometer_.interval().begin, kFirst + kSamplePeriod) << periods;
+    EXPECT_NEAR(odometer_.interval().mean_speed(), 3, 1e-9) << periods;
+  }
+}
+
+TEST_F(WheelOdometerTest, AFirstSampleFromWhichTheWheelsSpeedUpIsNot) {
+  const auto at = [](double t) { return base::WheelSample{kFirst + std::llround(t * 1e6), {50 * t * t, 50 * t * t}}; };
+  double t = 0;
+  while (odometer_.add(at(t)) != Step::kInterval) t += 0.012;  // 10 m/s^2
+  EXPECT_EQ(odometer_.interval().begin, kFirst);
+}
+
 TEST_F(WheelOdometerTest, AnEvenDriveHasTheSpeedOfItsRims) {
   for (int i = 0; i <= 5; ++i) (void)odometer_.add(rolling(i * kSamplePeriod, 1.5, -0.5));
   const WheelInterval& interval = odometer_.interval();
