@@ -173,6 +173,11 @@ void EkfNode::on(const map_pose_t& message) {
 void EkfNode::run(bool drain) {
   while (const std::optional<inputs::Sequencer::Sample> sample = sequencer_.pop(drain)) {
     estimates_.clear();
+    const auto* wheels = std::get_if<base::WheelSample>(&*sample);
+    if (wheels != nullptr && old_counts_.is_old(*wheels)) {
+      counters_.add("refused.old_counts");
+      continue;
+    }
     watch_mounting(*sample);
     if (const auto usable = usable_of(*sample)) filter_.add(*usable, estimates_);
     for (const model::Estimate& estimate : estimates_) publish(estimate);
