@@ -41,7 +41,13 @@ std::optional<signals::WheelSignals> signals_of(const EncoderConfig& config) {
       throw std::runtime_error(fmt::format("encoder.signals.{}: {}", key, error.what()));
     }
   };
-  return signals::WheelSignals(parse("left", config.signals.left), parse("right", config.signals.right));
+  const auto left = parse("left", config.signals.left);
+  const auto right = parse("right", config.signals.right);
+  if (left.overlaps(right)) {
+    throw std::runtime_error(fmt::format("encoder.signals.right: \"{}\": it has bits of encoder.signals.left, \"{}\"",
+                                         config.signals.right, config.signals.left));
+  }
+  return signals::WheelSignals(left, right);
 }
 
 }  // namespace

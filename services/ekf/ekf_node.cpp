@@ -20,6 +20,12 @@ constexpr int kGarbageRun = 20;                 // messages refused in a row tha
 constexpr std::int32_t kMaxLoss = 100'000;      // a larger step of a sequence is a restart, not a loss
 
 void describe_wheels(const detection::WheelWatch& watch, std::vector<std::string>& faults) {
+  if (watch.made_up()) {
+    faults.emplace_back(
+        "WHEELS: both turn on evenly while the IMU feels another speed, and are not used: does a drive or gateway "
+        "repeat an old speed?");
+    return;
+  }
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
     if (!watch.faulty(wheel)) continue;
     const double ratio = watch.ratio(wheel);
@@ -173,6 +179,11 @@ void EkfNode::on(const map_pose_t& message) {
 void EkfNode::run(bool drain) {
   while (const std::optional<inputs::Sequencer::Sample> sample = sequencer_.pop(drain)) {
     estimates_.clear();
+    const auto* wheels = std::get_if<base::WheelSample>(&*sample);
+    if (wheels != nullptr && old_counts_.is_old(*wheels)) {
+      counters_.add("refused.old_counts");
+      continue;
+    }
     watch_mounting(*sample);
     if (const auto usable = usable_of(*sample)) filter_.add(*usable, estimates_);
     for (const model::Estimate& estimate : estimates_) publish(estimate);

@@ -12,6 +12,7 @@
 #include "services/ekf/filter/rewinding_filter.hpp"
 #include "services/ekf/filter/state_keeper.hpp"
 #include "services/ekf/inputs/map_increment.hpp"
+#include "services/ekf/inputs/old_counts.hpp"
 #include "services/ekf/inputs/running_clock.hpp"
 #include "services/ekf/inputs/sequencer.hpp"
 #include "services/ekf/inputs/stamp_straightener.hpp"
@@ -62,6 +63,7 @@ class EkfNode final : public Node {
   inputs::RunningClock clock_;
   inputs::StampStraightener imu_stamps_;
   inputs::Sequencer sequencer_;
+  inputs::OldCounts old_counts_;
   inputs::MapIncrements increments_;
   filter::RewindingFilter filter_;
   mounting::MountingWatch mounting_;

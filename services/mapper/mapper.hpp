@@ -117,6 +117,7 @@ class Mapper {
   /// Scans in a row that could not be registered.
   [[nodiscard]] int refused_in_a_row() const { return tracker_.refused_in_a_row(); }
   [[nodiscard]] bool turns_otherwise() const { return tracker_.turns_otherwise(); }
+  [[nodiscard]] std::int64_t turned_otherwise() const { return tracker_.turned_otherwise(); }
   /// The drive's poses, in order, one each few centimetres; a closed loop moves them. See Trajectory::points().
   [[nodiscard]] std::vector<TrajectoryPoint> trajectory() const { return trajectory_.points(atlas_); }
   /// The same for the journal.

@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kMaxPending = 80;  // scans that wait for odometry; 20 Hz: 4 s
 constexpr int kMostInATurn = 5;          // scans
 constexpr std::int64_t kIndexPeriod = 1'000'000;
-constexpr std::int64_t kReportedFor = 60'000'000;  // us of the drive, that a new map began
+constexpr std::int64_t kReportedFor = 60'000'000;  // us of the drive, that something happened
 constexpr double kNextWait = 0.25;                 // s
 constexpr int kOdometryMissing = 5;                // scans in a row: the last ones of a drive have none to their end
 
@@ -297,10 +297,17 @@ NodeReport MapperNode::report() const {
     report.faults.push_back(
         fmt::format("{} revolutions went without odometry that came too late: a replay makes another map",
                     counters_["odometry.too_late"]));
-  if (mapper_.turns_otherwise())
+  if (mapper_.turns_otherwise()) {
     report.faults.push_back(
-        "LiDAR: it turns otherwise than wheels and gyro: does something large drive along beside it? Odometry alone is "
-        "believed meanwhile");
+        "LiDAR: it turns otherwise than wheels and gyro: does something large drive along beside it, or are its stamps "
+        "late or early? Odometry alone is believed meanwhile");
+  } else if (const std::int64_t ago = last_end_ - mapper_.turned_otherwise();
+             mapper_.turned_otherwise() != 0 && ago >= 0 && ago < kReportedFor) {
+    report.faults.push_back(
+        fmt::format("LiDAR: it turned otherwise than wheels and gyro, {:.0f} s ago: did something large drive along "
+                    "beside it, or are its stamps late or early? Where that was, the map has gaps or is bent",
+                    static_cast<double>(ago) * 1e-6));
+  }
   if (epoch_ != 0 && mapper_.fix() != tracking::Fix::kTracking) {
     report.faults.push_back("lost: looking for where the vehicle is; nothing is mapped");
   } else if (mapper_.refused_in_a_row() >= 10) {

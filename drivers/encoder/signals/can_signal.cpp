@@ -57,6 +57,17 @@ int from_front(int bit) {
   return bit / 8 * 8 + 7 - bit % 8;
 }
 
+/// Bit k of the result is bit k of the frame, numbered as in a DBC file.
+std::uint64_t bits_of(const CanSignal& signal) {
+  std::uint64_t bits = 0;
+  for (int i = 0; i < signal.length; ++i) {
+    // from_front() is its own inverse.
+    const int bit = signal.big_endian ? from_front(from_front(signal.start) + i) : signal.start + i;
+    bits |= std::uint64_t{1} << bit;
+  }
+  return bits;
+}
+
 /// One past the last bit, counted so that eight are a byte.
 int end_bit(const CanSignal& signal) {
   return (signal.big_endian ? from_front(signal.start) : signal.start) + signal.length;
@@ -114,6 +125,10 @@ std::optional<std::int64_t> CanSignal::raw(const can::CanFrame& frame) const {
   bits <<= above;
   const int below = kBits - length;
   return is_signed ? static_cast<std::int64_t>(bits) >> below : static_cast<std::int64_t>(bits >> below);
+}
+
+bool CanSignal::overlaps(const CanSignal& other) const {
+  return id == other.id && extended == other.extended && (bits_of(*this) & bits_of(other)) != 0;
 }
 
 double CanSignal::value(std::int64_t number) const {

@@ -30,6 +30,8 @@ struct CanSignal {
   /// Extended to 64 bits by its sign; nothing if the frame is too short, or remote. The frame must be the signal's.
   [[nodiscard]] std::optional<std::int64_t> raw(const can::CanFrame& frame) const;
   [[nodiscard]] double value(std::int64_t raw) const;
+  /// Whether a bit of the same frame belongs to both.
+  [[nodiscard]] bool overlaps(const CanSignal& other) const;
 };
 
 }  // namespace curbstone::encoder::signals

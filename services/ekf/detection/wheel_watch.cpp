@@ -34,6 +34,16 @@ void WheelWatch::add(const WheelLook& look) {
   if (!dispute_) way_ += 0.5 * std::abs(look.expected[0] + look.expected[1]) * look.seconds();
 }
 
+bool WheelWatch::finds_made_up(const inputs::WheelInterval& interval, double inertial_speed) {
+  even_.add(interval, inertial_speed);
+  made_up_ = made_up_ && all_faulty();
+  if (!even_.made_up() || made_up_) return false;
+  made_up_ = true;
+  for (Wheel& wheel : wheels_) wheel = {.faulty = true, .evidence = {}};
+  forget_dispute();
+  return true;
+}
+
 void WheelWatch::judge_trusted(Wheel& wheel, std::size_t i, const WheelLook& look) const {
   const double seconds = look.refused[i] ? look.seconds() : -kForgiven * look.seconds();
   wheel.refused = std::min(wheel.refused + seconds, config_.patience);
@@ -49,7 +59,7 @@ void WheelWatch::judge_faulty(Wheel& wheel, std::size_t i, const WheelLook& look
   const double off = std::abs(look.difference(i));
   const double expected = std::abs(look.expected[i]);
   const bool proves = expected > kLeastSpeed && look.sigma[i] < kSharp * expected;
-  if (off > kFar * look.sigma[i])
+  if (off > kFar * look.sigma[i] || (made_up_ && even_.even()))
     wheel.agreed = 0;
   else if (off <= kNear * look.sigma[i] && proves)
     wheel.agreed += look.seconds();

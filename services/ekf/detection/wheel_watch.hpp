@@ -9,6 +9,7 @@
 #include "services/ekf/detection/wheel_dispute.hpp"
 #include "services/ekf/detection/wheel_evidence.hpp"
 #include "services/ekf/detection/wheel_look.hpp"
+#include "services/ekf/inputs/even_wheels.hpp"
 
 namespace curbstone::ekf::detection {
 
@@ -22,6 +23,8 @@ namespace curbstone::ekf::detection {
 /// - One of the trusted wheels is refused for more than a third of the time until that adds up to the patience: the
 ///   filter is held by the others, and the wheel is faulty if it shows such a multiple.
 /// - All of them are refused for the patience without a break: either they are wrong, or the filter is (WheelDispute).
+/// - Both turn on evenly while the IMU has felt another speed (EvenWheels): both are faulty at once, and are
+///   for as long as they turn so.
 ///
 /// Pure; one thread.
 class WheelWatch {
@@ -29,6 +32,9 @@ class WheelWatch {
   WheelWatch(const base::SlipConfig& config, double track_width) : config_(config), track_width_(track_width) {}
 
   void add(const WheelLook& look);
+  /// Every interval of the wheels, also where the filter's belief is too poor for add(). `inertial_speed`: m/s, by the
+  /// IMU alone since any start. True where both are found to be made up with it.
+  [[nodiscard]] bool finds_made_up(const inputs::WheelInterval& interval, double inertial_speed);
   /// The intervals were interrupted.
   void interrupt();
   /// The filter has gone back to what it believed without the wheels: interrupted, and they have not led it astray.
@@ -43,6 +49,10 @@ class WheelWatch {
 
   [[nodiscard]] bool faulty(std::size_t wheel) const { return wheels_[wheel].faulty; }
   [[nodiscard]] bool all_faulty() const { return faulty(0) && faulty(1); }
+  /// Both are faulty because they turn on evenly, whatever the vehicle does.
+  [[nodiscard]] bool made_up() const { return made_up_; }
+  /// m/s, by which the IMU says that the vehicle has changed its speed while they were.
+  [[nodiscard]] double hidden_change() const { return even_.change(); }
   /// The speed that a faulty wheel shows, as a multiple of the true one.
   [[nodiscard]] double ratio(std::size_t wheel) const { return wheels_[wheel].evidence.ratio(); }
   /// Wheels without travel prove nothing: all that are trusted are refused while the filter moves, or all are faulty
@@ -71,6 +81,8 @@ class WheelWatch {
   double track_width_;  // m
   std::array<Wheel, 2> wheels_;
   std::optional<WheelDispute> dispute_;
+  inputs::EvenWheels even_;
+  bool made_up_ = false;
   RecentSpeeds recent_;
   double way_ = 0;         // m, by the filter, since it stood, without disputes
   bool restored_ = false;  // since the wheels agreed last

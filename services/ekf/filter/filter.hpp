@@ -108,6 +108,7 @@ class Filter {
   [[nodiscard]] bool gate_wheels(const inputs::WheelInterval& interval, std::array<model::Observation, 2>& rows);
   void reset_strayed_axle();
   [[nodiscard]] bool refutes_motion(const model::BodyMotion& motion, bool refused);
+  void forsake_made_up_wheels(const inputs::WheelInterval& interval);
   void count_verdicts(const std::array<bool, 2>& before);
   [[nodiscard]] detection::WheelWatch::Finding settle_dispute();
   [[nodiscard]] double trusted_speed(const inputs::WheelInterval& interval) const;

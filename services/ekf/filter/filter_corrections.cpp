@@ -179,6 +179,11 @@ bool Filter::refutes_motion(const model::BodyMotion& motion, bool refused) {
 
 /// Which wheels slip, and which are faulty.
 void Filter::judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows) {
+  const std::array<bool, 2> before = {watch_.faulty(0), watch_.faulty(1)};
+  if (watch_.finds_made_up(interval, mechanisation_.window().inertial_speed())) {
+    count_verdicts(before);
+    forsake_made_up_wheels(interval);
+  }
   if (!level_.level()) {  // a tilted filter sees the wheels slip whenever the vehicle accelerates
     slip_.reset_detector();
     watch_.interrupt();
@@ -201,6 +206,16 @@ void Filter::judge_wheels(const inputs::WheelInterval& interval, const std::arra
   }
   watch_.add(look);
   count_verdicts(faulty);
+}
+
+/// The filter may have followed them, or doubted itself for them: the speed is theirs of before, and what the IMU has
+/// felt since.
+void Filter::forsake_made_up_wheels(const inputs::WheelInterval& interval) {
+  constexpr double kSeconds = 3.0;  // that it may have followed them
+  counters_.add("faults.wheels_made_up");
+  const double change = watch_.hidden_change();
+  belief_.mean.velocity.x() += interval.mean_speed() + change - mechanisation_.window().motion().velocity.x();
+  doubt_astray(belief_, {.speed = 0.3, .place = kSeconds * std::abs(change), .seconds = kSeconds}, config_->start);
 }
 
 void Filter::count_verdicts(const std::array<bool, 2>& before) {

@@ -44,7 +44,10 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
 
   Attempt found = attempt(scan, odometry);
   const bool turns_otherwise = contradicts_odometry(found, scan, odometry);
-  if (turns_otherwise) found = by_odometry(scan, odometry);
+  if (turns_otherwise) {
+    found = by_odometry(scan, odometry);
+    turned_otherwise_ = scan.end;
+  }
   turns_otherwise_ = turns_otherwise || (turns_otherwise_ && !found.believed && !turns_.gives_up(scan.end));
   if (!found.fit.expected.with_odometry) counters_.add("without_odometry");
   if (!found.refusal.empty()) counters_.add(found.refusal);

@@ -95,6 +95,8 @@ class Tracker {
   [[nodiscard]] const Counters& counters() const { return counters_; }
   /// Whether a scan was refused because it turned otherwise than wheels and gyro, and none was believed since.
   [[nodiscard]] bool turns_otherwise() const { return turns_otherwise_; }
+  /// us, when one was refused so last; 0: none was.
+  [[nodiscard]] std::int64_t turned_otherwise() const { return turned_otherwise_; }
   /// Scans in a row that could not be registered.
   [[nodiscard]] int refused_in_a_row() const { return trust_.refused_in_a_row(); }
 
@@ -146,10 +148,11 @@ class Tracker {
   PoseTrust trust_;
   TurnCheck turns_;
   bool turns_otherwise_ = false;  // a scan did, against odometry, and none was believed since
-  scan::Twist twist_;             // over the last scan
-  MotionFilter motion_;           // until now
-  double stride_ = 0.05;          // s from scan to scan
-  int steady_ = 0;                // scans in a row that fitted and tell of the motion between them
+  std::int64_t turned_otherwise_ = 0;
+  scan::Twist twist_;     // over the last scan
+  MotionFilter motion_;   // until now
+  double stride_ = 0.05;  // s from scan to scan
+  int steady_ = 0;        // scans in a row that fitted and tell of the motion between them
   MotionJitterCovariance motion_jitter_;
   Pose T_map_keyframe_ = Pose::Identity();  // when the registration map last took a scan
   Counters counters_;

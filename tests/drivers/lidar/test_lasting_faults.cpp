@@ -252,6 +252,38 @@ TEST(Rs16ReturnMode, ThatIsNotKnownYetOrSwitchedCostsAtMostTwoPackets) {
   }
 }
 
+/// The other way: a shot of one return that is read as two is put half a block beside where it was, and at another
+/// time.
+TEST(Rs16ReturnMode, ThatIsSwitchedToOneReturnOrToldWronglyCostsAtMostTwoPackets) {
+  const Kind kind = kinds()[0];
+  for (const double rpm : {300.0, 600.0, 1200.0}) {
+    for (const bool told_wrongly : {false, true}) {
+      const auto device = [&](ReturnMode mode) {
+        simulate::devices::Rs16EmulatorConfig config;
+        config.rpm = rpm;
+        config.mode = mode;
+        return std::make_unique<Rs16Emulator>(config);
+      };
+      LidarStream stream(device(told_wrongly ? ReturnMode::kStrongest : ReturnMode::kDual));
+      Driver driver(kind);
+      std::vector<RecordedPacket> packets;
+      stream.run_for(4 * kSecond, packets);
+      if (!told_wrongly) stream.become(device(ReturnMode::kStrongest));
+      stream.run_for(4 * kSecond, packets);
+      if (told_wrongly) {
+        for (RecordedPacket& packet : packets)
+          if (packet.port == stream.device().table().info_port)
+            packet.bytes = device(ReturnMode::kDual)->info(packet.received);
+      }
+      driver.feed(packets);
+      EXPECT_GE(driver.points().size(), told_wrongly ? 0U : 6700U) << driver.counters();
+      std::size_t wrong = 0;
+      for (const lidar_points_t& m : driver.points()) wrong += stream.is_true(m) ? 0U : 1U;
+      EXPECT_LE(wrong, 2U) << rpm << (told_wrongly ? " told wrongly" : " switched") << "\n" << driver.counters();
+    }
+  }
+}
+
 TEST_P(LastingFaults, AClockThatLosesItsGpsAndFindsItAgainIsNeverPublishedWrong) {
   LidarStream stream(device());
   driver_.feed(run(stream, 4 * kSecond));

@@ -112,6 +112,8 @@ TEST_F(MapperInABendTest, WheelsAndGyroAreBelievedRatherThanWhatComesAlong) {
   EXPECT_GE(counter("refused.turn"), 10);
   EXPECT_TRUE(update_->registered);
   EXPECT_FALSE(drive_.mapper->turns_otherwise());
+  EXPECT_GT(drive_.mapper->turned_otherwise(), update_->utime - 2'500'000) << "it stays known when that was";
+  EXPECT_LT(drive_.mapper->turned_otherwise(), update_->utime - 1'000'000);
   EXPECT_LT(drive_.error(*update_), 0.05);
 }
 

@@ -85,6 +85,25 @@ TEST(CanSignalTest, WhatIsNoSignalIsReportedInALine) {
   EXPECT_THAT(why(""), HasSubstr("expected e.g. \"181 0|32@1- (1,0)\""));
 }
 
+TEST(CanSignalTest, OverlapWhereTheyShareABitOfAFrame) {
+  const auto overlap = [](const char* a, const char* b) {
+    const bool found = CanSignal::parse(a).overlaps(CanSignal::parse(b));
+    EXPECT_EQ(found, CanSignal::parse(b).overlaps(CanSignal::parse(a))) << a << ", " << b;
+    return found;
+  };
+  EXPECT_TRUE(overlap("181 0|32@1-", "181 0|32@1-"));
+  EXPECT_FALSE(overlap("181 0|32@1-", "182 0|32@1-"));
+  EXPECT_FALSE(overlap("181 0|32@1-", "00000181 0|32@1-"));
+  EXPECT_FALSE(overlap("181 0|32@1-", "181 32|32@1-"));
+  EXPECT_TRUE(overlap("181 0|32@1-", "181 31|32@1-"));
+  EXPECT_FALSE(overlap("1A0 7|16@0+", "1A0 23|16@0+"));
+  EXPECT_TRUE(overlap("1A0 7|16@0+", "1A0 15|16@0+"));
+  EXPECT_TRUE(overlap("1A0 7|16@0+", "1A0 0|16@1+")) << "the same two bytes, one of them with the wrong order";
+  EXPECT_FALSE(overlap("1A0 7|12@0+", "1A0 8|4@1+"));
+  EXPECT_TRUE(overlap("1A0 7|12@0+", "1A0 12|4@1+"));
+  EXPECT_TRUE(overlap("1A0 7|64@0+", "1A0 63|1@1+"));
+}
+
 TEST(CanSignalTest, TextOfEveryShapeIsAcceptedOrRefusedAndWhatIsAcceptedCanBeRead) {
   std::mt19937 random(2);
   static constexpr std::string_view kLetters = "018F|@+-(,). e";

@@ -125,6 +125,14 @@ TEST_F(SignalNode, SignalsThatAreNoneAreReportedWithTheirKey) {
   }
   wrong.signals.right = "100 16|16@1- (2,0)";
   EXPECT_THROW(node_.emplace(wrong, recorder_.bus()), std::runtime_error);
+  wrong.signals.right =
+      wrong.signals.left;  // copied, and never corrected: by its wheels the vehicle drives straight on
+  try {
+    node_.emplace(wrong, recorder_.bus());
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("encoder.signals.right: \"" + wrong.signals.left + "\": it has bits of"));
+  }
 }
 
 }  // namespace

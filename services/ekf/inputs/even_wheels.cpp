@@ -1,0 +1,76 @@
+#include "services/ekf/inputs/even_wheels.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace curbstone::ekf::inputs {
+
+namespace {
+
+constexpr std::size_t kLeastOfPoints = 6;
+constexpr double kOneLeap = 0.5;     // of the change, within two intervals: a leap of the IMU
+constexpr double kSteadyTime = 0.5;  // s, at either end, over which its acceleration is compared
+
+}  // namespace
+
+void EvenWheels::add(const WheelInterval& interval, double inertial_speed) {
+  if (interval.begin != end_) points_.clear();
+  end_ = interval.end;
+  Point next;
+  if (!points_.empty()) next = points_.back();
+  next.seconds += interval.duration();
+  for (std::size_t i = 0; i < 2; ++i) next.way[i] += interval.speed[i] * interval.duration();
+  next.inertial_speed = inertial_speed;
+  points_.push_back(next);
+  while (duration() > kMost) points_.pop_front();
+  // What no longer lies on one line: the newer half may.
+  while (points_.size() > 2 && !rolls_evenly())
+    points_.erase(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(points_.size() / 2));
+  even_ = points_.size() >= kLeastOfPoints && duration() >= kLeast;
+  made_up_ = false;
+  change_ = 0.0;
+  for (const double span : {kMost / 4, kMost / 2, kMost}) {
+    std::size_t from = 0;
+    while (next.seconds - points_[from].seconds > span) ++from;
+    if (!even_ || made_up_ || next.seconds - points_[from].seconds < kLeast || !felt_another_speed(from)) continue;
+    made_up_ = true;
+    change_ = next.inertial_speed - points_.front().inertial_speed;
+  }
+}
+
+bool EvenWheels::rolls_evenly() const {
+  const Point& from = points_.front();
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double speed = (points_.back().way[i] - from.way[i]) / duration();
+    if (std::abs(speed) < kSpeed) return false;
+    for (const Point& point : points_) {
+      if (std::abs(point.way[i] - from.way[i] - speed * (point.seconds - from.seconds)) > kWay) return false;
+    }
+  }
+  return true;
+}
+
+double EvenWheels::acceleration(std::size_t from, std::size_t to) const {
+  return (points_[to].inertial_speed - points_[from].inertial_speed) / (points_[to].seconds - points_[from].seconds);
+}
+
+/// Since then, not by one leap, and goes on as it did at first.
+bool EvenWheels::felt_another_speed(std::size_t from) const {
+  const std::size_t last = points_.size() - 1;
+  std::size_t first_end = from + 1;
+  while (first_end < last && points_[first_end].seconds - points_[from].seconds < kSteadyTime) ++first_end;
+  std::size_t last_begin = last - 1;
+  while (last_begin > from && points_[last].seconds - points_[last_begin].seconds < kSteadyTime) --last_begin;
+  const double at_first = acceleration(from, first_end);
+  const auto changed = [&](std::size_t a, std::size_t b) {  // m/s, beyond what it did at first
+    return std::abs(points_[b].inertial_speed - points_[a].inertial_speed -
+                    at_first * (points_[b].seconds - points_[a].seconds));
+  };
+  double leap = 0.0;
+  for (std::size_t i = from + 2; i <= last; ++i) leap = std::max(leap, changed(i - 2, i));
+  const double change = changed(from, last);
+  const double limit = kChange + kDrift * (points_[last].seconds - points_[from].seconds);
+  return change > limit && leap < kOneLeap * change && std::abs(acceleration(last_begin, last) - at_first) < kSettled;
+}
+
+}  // namespace curbstone::ekf::inputs
