@@ -28,7 +28,7 @@ export class Panel {
       label.dataset.layer = name;
       byId("layers").append(label);
     }
-    const paper = this.toggle("As in the paper", () => settings.mode === "paper", on => { settings.mode = on ? "paper" : "class"; });
+    const paper = this.toggle("As in paper", () => settings.mode === "paper", on => { settings.mode = on ? "paper" : "class"; });
     paper.title = "Cells by class, in the colours of the paper's figures";
     byId("layers").append(paper);
     segments("point-colours", kPointColours, () => settings.points, colour => { settings.points = colour; changed(); });
