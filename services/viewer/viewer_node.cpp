@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <utility>
 
@@ -205,52 +204,18 @@ void ViewerNode::hear(const web::Audience::Event& event) {
   if (event.kind == Kind::kSaid && page != pages_.end()) hear(page->second, event);
 }
 
-/// frames/README.md: what a page says.
 void ViewerNode::hear(Page& page, const web::Audience::Event& event) {
-  const nlohmann::json said = nlohmann::json::parse(event.text, nullptr, false);
-  const auto number_in = [](const nlohmann::json& object, const char* name) {
-    const auto it = object.find(name);
-    return it != object.end() && it->is_number() ? it->get<double>() : -1.0;
-  };
-  const auto is_whole = [](double value, double most) { return value >= 0 && value <= most; };
-  if (!said.is_object()) return counters_.add("refused.nonsense");
-  if (const auto resume = said.find("resume"); resume != said.end()) {
-    std::optional<frames::PageFeed::Resume> has;
-    if (resume->is_object()) {
-      const double epoch = number_in(*resume, "epoch");
-      const double number = number_in(*resume, "number");
-      if (is_whole(epoch, std::numeric_limits<std::int32_t>::max()) && is_whole(number, 1e15))
-        has = {.run = number_in(*resume, "run"),
-               .epoch = static_cast<std::int32_t>(epoch),
-               .number = static_cast<std::uint64_t>(number)};
-    }
-    page.feed.emplace(has);
+  const PageWords said = read_page_words(event.text);
+  if (said.resumes) {
+    page.feed.emplace(said.has);
     page.sent = 0;
     return;
   }
   if (!page.feed) return counters_.add("refused.nonsense");
-  const double frame = number_in(said, "ack");
-  if (is_whole(frame, std::numeric_limits<std::uint32_t>::max()))
-    return drawn(page, static_cast<std::uint32_t>(frame), event.at);
-  if (const auto order = said.find("play"); order != said.end() && obey(*order)) return;
-  const auto points = said.find("points");
-  if (points != said.end() && points->is_boolean()) return page.feed->want_points(points->get<bool>());
+  if (said.drawn) return drawn(page, *said.drawn, event.at);
+  if (said.play && source_.on_order) return source_.on_order(*said.play);
+  if (said.points) return page.feed->want_points(*said.points);
   counters_.add("refused.nonsense");
-}
-
-bool ViewerNode::obey(const nlohmann::json& order) {
-  if (!source_.on_order || !order.is_object()) return false;
-  const auto number = [&](const char* name) -> std::optional<double> {
-    const auto it = order.find(name);
-    if (it == order.end() || !it->is_number()) return std::nullopt;
-    return it->get<double>();
-  };
-  PlayOrder wanted{.pause = std::nullopt, .speed = number("speed"), .position = number("position")};
-  if (const auto it = order.find("pause"); it != order.end() && it->is_boolean()) wanted.pause = it->get<bool>();
-  if (wanted.speed && !(*wanted.speed > 0)) return false;
-  if (wanted.position && !(*wanted.position >= 0)) return false;
-  source_.on_order(wanted);
-  return true;
 }
 
 void ViewerNode::drawn(Page& page, std::uint32_t frame, std::int64_t at) {

@@ -10,7 +10,6 @@
 #include <curbstone/tile_index_t.hpp>
 #include <functional>
 #include <map>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +19,7 @@
 #include "common/tile_sync/epoch_follower.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/viewer/frames/page_feed.hpp"
+#include "services/viewer/page_words.hpp"
 #include "services/viewer/scan.hpp"
 #include "services/viewer/state_json.hpp"
 #include "services/viewer/store/services.hpp"
@@ -33,12 +33,7 @@ namespace curbstone::viewer {
 /// so unlike other nodes it goes by when things came.
 class ViewerNode final : public Node {
  public:
-  /// What a page wants of a log that is played; all are optional.
-  struct PlayOrder {
-    std::optional<bool> pause;
-    std::optional<double> speed;     ///< times the pace of the drive; any positive number
-    std::optional<double> position;  ///< s since the first record; any number that is not negative
-  };
+  using PlayOrder = viewer::PlayOrder;
   /// What it shows, for the pages.
   struct Source {
     std::string kind = "live";  ///< or "map", which is never stale, or "replay"
@@ -87,7 +82,6 @@ class ViewerNode final : public Node {
   void take_lines(const Message& message, store::BoxedLines<Message>& lines, const std::string& name);
   void hear(const web::Audience::Event& event);
   void hear(Page& page, const web::Audience::Event& event);
-  [[nodiscard]] bool obey(const nlohmann::json& order);
   void drawn(Page& page, std::uint32_t frame, std::int64_t at);
   void watch_scan();
   void send_frames();

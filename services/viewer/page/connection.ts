@@ -28,6 +28,7 @@ export class Connection {
     if (this.undrawn === null) return;
     this.say({ ack: this.undrawn });
     this.undrawn = null;
+    this.lastFrame = performance.now();  // however long it was drawn: the next one could not come before
   }
 
   wantPoints(wanted: boolean): void {

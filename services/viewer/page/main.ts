@@ -12,6 +12,7 @@ import { fit, uncover } from "./cards/uncover";
 import { Connection } from "./connection";
 import { Camera } from "./drawing/camera";
 import { Ground } from "./drawing/ground";
+import { Haste } from "./drawing/haste";
 import { Marks } from "./drawing/marks";
 import { Motion } from "./drawing/motion";
 import { Pace } from "./drawing/pace";
@@ -34,7 +35,7 @@ const world = new World(), arrival = new Arrival(world);
 const camera = new Camera();
 const settings = new Settings();
 const map = byId("map"), groundCanvas = byId<HTMLCanvasElement>("ground"), marksCanvas = byId<HTMLCanvasElement>("marks");
-const pace = new Pace();
+const pace = new Pace(), haste = new Haste(camera, [groundCanvas, marksCanvas], redraw);
 const motion = new Motion(), localized = new Motion(), tilting = new Tilting(camera);
 let ground: Ground;
 let marks: Marks;
@@ -59,17 +60,19 @@ function redraw(): void {
 
 function draw(now: number): void {
   wanted = false;
+  const hasty = haste.begin(now);
   const pose = motion.poseAt(now);
   if (settings.follow && pose) {
     [camera.x, camera.y] = [pose.x, pose.y];
     if (settings.headingUp) camera.turn = Math.PI / 2 - pose.yaw;
   }
+  haste.follow();
   const look = settings.look, { layers } = settings;
   const isTilting = tilting.step(now, world, settings.follow ? pose : null);
   if (world.curbsChanged) ground.curbsChanged();
   if (world.markingsChanged) ground.markingsChanged();
   ground.draw(camera, { ...layers, theme: look, mode: settings.mode, byIntensity: settings.points === "intensity",
-    range, now: newestTime(world), grey, paper: kBackground[look] }, pose);
+    range, now: newestTime(world), grey, hasty, paper: kBackground[look] }, pose);
   const poses: [Pose, string][] = pose ? [[pose, kInk[look].vehicle]] : [], other = localized.poseAt(now);
   if (other && layers.localized) poses.unshift([other, kInk[look].localized]);
   marks.refresh();
@@ -193,12 +196,7 @@ function togglePanel(): void {
 }
 
 function resize(): void {
-  const dots = Math.min(2, devicePixelRatio || 1);
   fit(camera, map);
-  const [width, height] = [camera.width, camera.height].map(pixels => Math.round(pixels * dots));
-  for (const canvas of [groundCanvas, marksCanvas]) {  // a canvas that is given a size, the same too, is empty until it is drawn
-    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
-  }
   redraw();
 }
 
@@ -277,6 +275,7 @@ function onMeasured(): void {
 }
 
 function savePicture(): void {
+  haste.end();
   draw(performance.now());  // the ground can be read only in the task that drew it
   saveCanvases([groundCanvas, marksCanvas], css(kBackground[settings.look]));
 }

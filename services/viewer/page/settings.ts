@@ -29,6 +29,7 @@ export class Settings {
     const at = (words.get("at") ?? "").split(",").map(Number);
     if (at.length === 4 && at.every(Number.isFinite) && at[2] > 0) {
       [camera.x, camera.y, camera.scale, camera.turn] = at;
+      camera.scale = camera.bounded(camera.scale);
       this.hasView = true;
     }
     const mode = words.get("colour");

@@ -28,7 +28,9 @@ export class Panel {
       label.dataset.layer = name;
       byId("layers").append(label);
     }
-    byId("layers").append(this.toggle("As in paper", () => settings.mode === "paper", on => { settings.mode = on ? "paper" : "class"; }));
+    const paper = this.toggle("As in paper", () => settings.mode === "paper", on => { settings.mode = on ? "paper" : "class"; });
+    paper.title = "Cells by class, in the colours of the paper's figures";
+    byId("layers").append(paper);
     segments("point-colours", kPointColours, () => settings.points, colour => { settings.points = colour; changed(); });
     list(byId("keys"), kKeys);
     this.listen(byId("handle"));
@@ -80,7 +82,7 @@ export class Panel {
     list(byId("facts"), [
       ["Speed", speed === null ? "–" : `${speed.toFixed(1)} m/s`],
       ["Position", `${pose.x.toFixed(2)}, ${pose.y.toFixed(2)}, ${pose.z.toFixed(2)} m`],
-      ["Heading", `${degrees(pose.yaw)} °`],
+      ["Heading", `${degrees(pose.yaw)}°`],
       ["Uncertainty", uncertainty(pose)],
       ["Registration", registration(pose), pose.lost || !pose.registered],
       ["Residual, inliers", `${metres(pose.residual)}, ${Math.round(100 * pose.inliers)} %`],
@@ -102,7 +104,7 @@ function registration(pose: NonNullable<State["pose"]>): string {
 /// 1 sigma of the worst direction, and of the heading.
 function uncertainty({ covariance: [xx, xy, yy, turn] }: Pose): string {
   const worst = Math.sqrt(Math.max(0, (xx + yy) / 2 + Math.hypot((xx - yy) / 2, xy)));
-  return `${metres(worst)}, ${(Math.sqrt(Math.max(0, turn)) * 180 / Math.PI).toFixed(2)} °`;
+  return `${metres(worst)}, ${(Math.sqrt(Math.max(0, turn)) * 180 / Math.PI).toFixed(2)}°`;
 }
 
 /// What the localizer says, if there is one.

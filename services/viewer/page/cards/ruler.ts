@@ -39,7 +39,7 @@ export class Ruler {
     list(facts, [
       ["Distance", metres(flat)],
       ["Height", up === null ? "not known" : signed(up)],
-      ["Slope", up === null || flat < 0.1 ? "–" : `${(100 * up / flat).toFixed(1)} %`],
+      ["Slope", up === null || flat < 0.1 ? "–" : `${up < 0 ? "−" : "+"}${Math.abs(100 * up / flat).toFixed(1)} %`],
       ["x, y", `${signed(dx)}, ${signed(dy)}`],
     ]);
     return facts;

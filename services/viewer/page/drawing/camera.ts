@@ -82,9 +82,12 @@ export class Camera implements View {
     this.y += y - nowY;
   }
 
+  /// A scale at which there is something to see.
+  bounded(scale: number): number { return Math.min(kMaxScale, Math.max(kMinScale, scale)); }
+
   zoom(factor: number, sx: number, sy: number): void {
     const [x, y] = this.toMap(sx, sy);
-    this.scale = Math.min(kMaxScale, Math.max(kMinScale, this.scale * factor));
+    this.scale = this.bounded(this.scale * factor);
     this.hold(x, y, sx, sy);
   }
 

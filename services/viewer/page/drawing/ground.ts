@@ -15,6 +15,7 @@ export interface Look {
   range: [number, number];  // m, of the height ramp
   now: number;              // us, from which ages count
   grey: number;             // 0 .. 1: old
+  hasty: boolean;           // the tilted view coarser, but sooner
   paper: Rgb;
 }
 
@@ -75,7 +76,7 @@ export class Ground {
       const curbs = look.curbs ? [...unit(classColours(look.theme, look.mode)[2]!), 1] : null;
       const markings = look.markings ? [...unit(kPaint[look.theme]), 1] : null;
       this.relief ??= new Relief(gl, world, this.pages, this.isSlow);
-      this.relief.draw(camera, program => this.style(program, look), paint, look.grid, isPlain(look), curbs, markings, look.grey);
+      this.relief.draw(camera, program => this.style(program, look), paint, look.grid, isPlain(look), curbs, markings, look.grey, look.hasty);
     } else if (look.grid) {
       this.drawPages(camera, look, paint);
     }

@@ -13,12 +13,15 @@ import { World } from "../world";
 const kReach = 6;             // of the eye's distance
 const kMostNets = 600;        // that are kept
 const kMostFaces = 16_383;    // of one square, by 16 bit indices
+const kCoarseNet = 5;         // in haste, each fifth point of a net
 const kFineCell = 1, kCoarseCell = 0.5;  // pixels that a cell must be wide for boxes
 
 /// What a machine draws between two pictures.
 interface Budget { widest: number; faces: number }  // pixels of a square; boxes' faces
 const kWithCard: Budget = { widest: 260, faces: 60_000 };
 const kInSoftware: Budget = { widest: 700, faces: 6_000 };
+
+interface Indices { buffer: WebGLBuffer; n: number }
 
 /// Curbs, or paint. `points`: how many are in the buffer; kOther: of lines that became other.
 interface Solid { buffer: WebGLBuffer; points: number }
@@ -28,9 +31,8 @@ export class Relief {
   private net: { any: Program; plain: Program };  // of every look, and the one that is drawn sooner
   private block: Program;
   private solid: Program;
-  private netIndices: WebGLBuffer;
+  private nets: { fine: Indices; coarse: Indices };
   private faceIndices: WebGLBuffer;
-  private numIndices: number;
   private walls: Solid;
   private strips: Solid;
   private blocks: Blocks;
@@ -45,9 +47,8 @@ export class Relief {
     this.net = { any: net(kNetFragment), plain: net(kPlainNetFragment) };
     this.block = new Program(gl, kBlockVertex, kBlockFragment, ["point", "place"]);
     this.solid = new Program(gl, kSolidVertex, kSolidFragment, ["point"]);
-    const indices = netIndices();
-    this.numIndices = indices.length;
-    this.netIndices = this.buffer(gl.ELEMENT_ARRAY_BUFFER, indices);
+    const indices = (step: number) => ({ buffer: this.buffer(gl.ELEMENT_ARRAY_BUFFER, netIndices(step)), n: netIndices(step).length });
+    this.nets = { fine: indices(1), coarse: indices(kCoarseNet) };
     this.faceIndices = this.buffer(gl.ELEMENT_ARRAY_BUFFER, faceIndices());
     this.walls = { buffer: gl.createBuffer()!, points: kOther };
     this.strips = { buffer: gl.createBuffer()!, points: kOther };
@@ -57,8 +58,8 @@ export class Relief {
   markingsChanged(): void { this.strips.points = kOther; }
 
   /// `style` sets the uniforms of kPicture, `paint` brings a page's picture up to date; `isPlain`: what is seen is neither coloured
-  /// by age nor grey; `curbs`, `markings`: their colours, or null.
-  draw(camera: Camera, style: (program: Program) => void, paint: (page: Page) => void, cells: boolean, isPlain: boolean, curbs: number[] | null, markings: number[] | null, grey: number): void {
+  /// by age nor grey; `curbs`, `markings`: their colours, or null; `isHasty`: coarser.
+  draw(camera: Camera, style: (program: Program) => void, paint: (page: Page) => void, cells: boolean, isPlain: boolean, curbs: number[] | null, markings: number[] | null, grey: number, isHasty: boolean): void {
     const { gl } = this, toClip = camera.matrix();
     ++this.picture;
     gl.enable(gl.DEPTH_TEST);
@@ -73,7 +74,7 @@ export class Relief {
       };
       const net = isPlain ? this.net.plain : this.net.any;
       use(net);
-      this.eachPage(net, seen, ({ square }) => this.drawNet(square));
+      this.eachPage(net, seen, ({ square }) => this.drawNet(square, isHasty ? this.nets.coarse : this.nets.fine));
       use(this.block);
       gl.enable(gl.CULL_FACE);
       let left = this.budget.faces;
@@ -101,13 +102,13 @@ export class Relief {
     }
   }
 
-  private drawNet(square: Square): void {
+  private drawNet(square: Square, indices: Indices): void {
     const { gl } = this;
     this.renew(square);
     gl.bindBuffer(gl.ARRAY_BUFFER, square.net ??= this.buffer(gl.ARRAY_BUFFER, netPoints(square, this.blocks)));
     gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.netIndices);
-    gl.drawElements(gl.TRIANGLES, this.numIndices, gl.UNSIGNED_SHORT, 0);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, indices.buffer);
+    gl.drawElements(gl.TRIANGLES, indices.n, gl.UNSIGNED_SHORT, 0);
   }
 
   /// Fine boxes where there is room for them; returns how many faces were drawn.

@@ -91,17 +91,17 @@ export function netPoints({ page, level, column, row }: Square, blocks: Blocks):
   return points;
 }
 
-/// Triangles of every net.
-export function netIndices(): Uint16Array {
-  const indices: number[] = [], edge = edgeOf(kAside);
-  for (let y = 0; y < kCells; ++y) for (let x = 0; x < kCells; ++x) {
+/// Triangles of every net, of each `step`th of its points, which divides kCells.
+export function netIndices(step: number): Uint16Array {
+  const indices: number[] = [], edge = edgeOf(kAside), row = step * kAside, low = kAside * kAside;
+  for (let y = 0; y < kCells; y += step) for (let x = 0; x < kCells; x += step) {
     const at = y * kAside + x;
-    indices.push(at, at + 1, at + kAside, at + 1, at + kAside + 1, at + kAside);
+    indices.push(at, at + step, at + row, at + step, at + row + step, at + row);
   }
-  edge.forEach((from, n) => {
-    const next = (n + 1) % edge.length, low = kAside * kAside;
-    indices.push(from, edge[next], low + n, edge[next], low + next, low + n);
-  });
+  for (let n = 0; n < edge.length; n += step) {
+    const next = (n + step) % edge.length;
+    indices.push(edge[n], edge[next], low + n, edge[next], low + next, low + n);
+  }
   return new Uint16Array(indices);
 }
 

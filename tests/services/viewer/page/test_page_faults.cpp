@@ -100,5 +100,21 @@ TEST_F(PageFaults, APageThatDoesNotReadGetsTheMapAsItIsWhenItWakes) {
   EXPECT_TRUE(shows("#status", "Live"));
 }
 
+/// As when a shader is compiled in software: no frame comes while one is drawn.
+TEST_F(PageFaults, APageThatWasLongInDrawingHasNotLostItsConnection) {
+  put(tile_of(0, 0, semantic_tile_t::ROAD));
+  open("at=0,0,14,0&follow=0&theme=light");
+  ASSERT_TRUE(shows("#status", "Live"));
+  browser->evaluate(
+      "(() => { window.words = []; const status = document.getElementById('status');"
+      " new MutationObserver(() => words.push(status.textContent)).observe(status, { childList: true });"
+      " const gl = document.getElementById('ground').getContext('webgl2'), clear = gl.clear.bind(gl); window.long = 3;"
+      " gl.clear = what => { clear(what); const end = performance.now() + 3000;"
+      " while (long > 0 && performance.now() < end); --long; }; return 0; })()");
+  ASSERT_TRUE(browser->comes_to("long <= 0"));
+  browser->pass(1);
+  EXPECT_EQ(browser->evaluate("words.join()").get<std::string>(), "");
+}
+
 }  // namespace
 }  // namespace curbstone::viewer

@@ -127,6 +127,48 @@ TEST_F(PageHands, ALinkThatIsPastedAndTheBrowsersBackShowTheirViews) {
   EXPECT_EQ(browser->evaluate("curbstone.settings.layers.curbs"), true);
 }
 
+/// WCAG AA: 4.5 for words, whatever the theme.
+TEST_F(PageHands, WordsStandOutFromWhatTheyStandOn) {
+  put_a_road();
+  open(kView);
+  ASSERT_TRUE(shows("#status", "Live"));
+  for (const char* theme : {"light", "dark"}) {
+    browser->evaluate(fmt::format("location.hash = 'at=0,0,40,0&follow=0&theme={}'", theme));
+    ASSERT_TRUE(browser->comes_to(fmt::format("document.documentElement.dataset.theme === '{}'", theme)));
+    browser->pass(0.5);
+    const std::string faint = browser->evaluate(R"JS((() => {
+      const channels = text => text.match(/[\d.]+/g).map(Number);
+      const light = colour => colour.slice(0, 3).map(v => v / 255)
+        .map(v => v < 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+        .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
+      const under = element => {
+        for (; element; element = element.parentElement) {
+          const colour = channels(getComputedStyle(element).backgroundColor);
+          if (colour.length < 4 || colour[3] > 0.9) return colour;
+        }
+        return [255, 255, 255];
+      };
+      return [...document.querySelectorAll("body *")].filter(element => {
+        const says = [...element.childNodes].some(node => node.nodeType === 3 && node.data.trim());
+        if (!says || !element.offsetParent || element.disabled) return false;
+        const [a, b] = [light(channels(getComputedStyle(element).color)), light(under(element))];
+        return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05) < 4.5;
+      }).map(element => element.textContent).join("; ");
+    })())JS");
+    EXPECT_EQ(faint, "") << theme;
+  }
+}
+
+TEST_F(PageHands, ALinkThatSomebodyMarredShowsSomething) {
+  put_a_road();
+  open("at=0,0,1e-9,0&follow=0&colour=sepia&theme=pink&tilt=400&off=all");
+  EXPECT_NEAR(camera("scale"), 0.2, 1e-9);
+  EXPECT_LT(camera("tilt"), 1.2);
+  EXPECT_EQ(browser->evaluate("curbstone.settings.mode"), "class");
+  browser->evaluate("location.hash = 'at=0,0,1e9,0&follow=0'");
+  EXPECT_TRUE(browser->comes_to("curbstone.camera.scale === 800"));
+}
+
 TEST_F(PageHands, EachControlHasANameAndGroupsOfChoicesGoByArrows) {
   put_a_road();
   open(kView);

@@ -144,6 +144,26 @@ TEST_F(PageTilted, WhatIsDraggedStaysUnderTheMouse) {
   EXPECT_NEAR(back.y, 400, 0.5);
 }
 
+TEST_F(PageTilted, IsCoarserOnlyWhileTheUserMovesTheView) {
+  put_a_terrace();
+  open(fmt::format("{}&tilt=50", kPlainView));
+  const std::string is_fine = "document.getElementById('ground').width === innerWidth";
+  ASSERT_TRUE(browser->comes_to(is_fine));
+  // The page's own callback for the next picture comes before this one.
+  const std::string in_a_picture = "curbstone.redraw(); requestAnimationFrame(() => done(" + is_fine + ")); })";
+  EXPECT_FALSE(browser->evaluate("new Promise(done => { curbstone.camera.turn += 0.1; " + in_a_picture).get<bool>());
+  EXPECT_TRUE(browser->comes_to(is_fine));
+  // To follow the vehicle is no haste: that goes on for hours.
+  speed = 3;
+  browser->evaluate("document.getElementById('follow').click()");
+  EXPECT_TRUE(browser->comes_to("curbstone.settings.follow && curbstone.camera.x > 59"));
+  browser->pass(0.5);
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_TRUE(browser->evaluate("new Promise(done => { " + in_a_picture).get<bool>());
+    browser->pass(0.1);
+  }
+}
+
 TEST_F(PageTilted, ALostLocalizerSaysSoInWords) {
   put_a_terrace();
   open(fmt::format("{}&tilt=40", kPlainView));
