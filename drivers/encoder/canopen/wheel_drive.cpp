@@ -167,6 +167,7 @@ void WheelDrive::next_write(std::int64_t now) {
 
 void WheelDrive::run(std::int64_t now) {
   state_ = State::kRunning;
+  answers_start_ = settings_.configure;
   since_ = last_counts_ = now;
   fault_.clear();
 }
@@ -185,6 +186,7 @@ void WheelDrive::on_frame(std::int64_t receive_utime, const can::CanFrame& frame
     if (state_ != State::kRunning) return counters_.add("ignored.unconfigured");
     if (frame.size != 8) return counters_.add("refused.length");
     last_counts_ = receive_utime;
+    if (std::exchange(answers_start_, false)) return counters_.add("ignored.first");
     const auto left = read_little_endian<std::uint32_t>(frame.bytes());
     const auto right = read_little_endian<std::uint32_t>(frame.bytes().subspan(4));
     handlers_.on_counts(receive_utime, {static_cast<std::int32_t>(left), static_cast<std::int32_t>(right)});

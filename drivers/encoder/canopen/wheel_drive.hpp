@@ -35,8 +35,9 @@ struct DriveStatus {
 /// not known is not good. Pure: time comes in (us), frames go in and out. TPDO1 carries both positions, TPDO2 status
 /// and speeds. Source: CiA 301, CiA 402; ZLAC8015D CANopen manual.
 ///
-/// Counts: drive.setups, drive.boots, drive.silences, drive.stops (left operational without us), drive.emergencies,
-/// ignored.frames, ignored.unconfigured, refused.length, and those of SdoClient.
+/// The positions that come first after it has started the drive are left out: they answer the start, and the event
+/// timer begins later. Counts: drive.setups, drive.boots, drive.silences, drive.stops (left operational without us),
+/// drive.emergencies, ignored.frames, ignored.unconfigured, ignored.first, refused.length, and those of SdoClient.
 class WheelDrive {
  public:
   struct Settings {
@@ -98,6 +99,7 @@ class WheelDrive {
   std::vector<Write> sequence_;
   std::size_t step_ = 0;
   std::int64_t since_ = 0;        // when the state began
+  bool answers_start_ = false;    // the positions that come next
   std::int64_t last_counts_ = 0;  // when positions last came, or the drive was started
   std::int64_t last_poll_ = 0;
   std::int64_t last_tick_ = 0;

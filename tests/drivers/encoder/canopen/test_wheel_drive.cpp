@@ -79,7 +79,28 @@ TEST_F(WheelDriveTest, PositionsAreTwoLittleEndianInt32OnceTheDriveIsSetUp) {
   EXPECT_TRUE(counts_.empty());
   accept_everything(1000);
   drive_.on_frame(2000, positions);
+  drive_.on_frame(3000, positions);
   EXPECT_THAT(counts_, ElementsAre(std::array<std::int32_t, 2>{-1234, 5678}));
+}
+
+TEST_F(WheelDriveTest, ThePositionsThatAnswerTheStartAreNotOnTheBeatAndLeftOut) {
+  drive_.tick(0);
+  accept_everything(1000);
+  const auto positions = [&](std::int64_t utime, std::uint8_t count) {
+    drive_.on_frame(utime, can::CanFrame::make(0x181, {count, 0, 0, 0, 0, 0, 0, 0}));
+  };
+  positions(1100, 1);
+  EXPECT_THAT(counts_, IsEmpty());
+  EXPECT_EQ(drive_.counters()["ignored.first"], 1);
+  positions(29'000, 2);
+  positions(49'000, 3);
+  EXPECT_EQ(counts_.size(), 2u);
+  for (std::int64_t now = 100'000; now < 700'000; now += 100'000) drive_.tick(now);  // silence: it is set up again
+  accept_everything(700'000);
+  positions(700'100, 4);
+  positions(729'000, 5);
+  EXPECT_EQ(counts_.size(), 3u);
+  EXPECT_EQ(drive_.counters()["ignored.first"], 2);
 }
 
 TEST_F(WheelDriveTest, ARefusedObjectIsNamedWithItsAbortCodeAndTriedAgainLater) {
