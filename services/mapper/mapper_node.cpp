@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t kMaxPending = 80;  // scans that wait for odometry; 20 Hz: 4 s
 constexpr int kMostInATurn = 5;          // scans
 constexpr std::int64_t kIndexPeriod = 1'000'000;
+constexpr std::int64_t kKeptOdometry = 100'000;    // us, before the newest scan
 constexpr std::int64_t kReportedFor = 60'000'000;  // us of the drive, that something happened
 constexpr double kNextWait = 0.25;                 // s
 constexpr int kOdometryMissing = 5;                // scans in a row: the last ones of a drive have none to their end
@@ -139,7 +140,7 @@ void MapperNode::process(scan::Scan scan) {
   watch_.clean(scan);
   const std::optional<MapperUpdate> update = mapper_.process(scan, odometry_);
   latency_.add(static_cast<double>(steady_clock() - begin) * 1e-6);
-  odometry_.forget_before(scan.start - 100'000);
+  odometry_.forget_before(scan.start - kKeptOdometry);
   if (!update) return;
   last_end_ = scan.end;
   if (!odometry_.reaches(scan.end) && missed_.size() < kMaxPending) missed_.push_back(scan.end);
@@ -154,11 +155,13 @@ void MapperNode::process(scan::Scan scan) {
   is_pause_ = false;
 }
 
+/// Where odometry coasts on the wheels, its turn is no measure of the LiDAR's.
 void MapperNode::watch_sensors(const MapperUpdate& update) {
   if (update.rearranged || !update.registered || update.fix != tracking::Fix::kTracking) return watch_.interrupt();
   const bool in_every_direction = (update.registration.degenerate & registration::kPlanarAxes) == 0;
+  const bool is_measure = update.with_odometry && odometry_.with_gyro(update.utime - kKeptOdometry, update.utime);
   const std::optional<Pose> T_odom_base =
-      update.with_odometry ? std::optional(update.T_map_odom.inverse() * update.T_map_base) : std::nullopt;
+      is_measure ? std::optional(update.T_map_odom.inverse() * update.T_map_base) : std::nullopt;
   watch_.add({update.utime, update.points.get(), update.T_map_base, T_odom_base, in_every_direction});
 }
 

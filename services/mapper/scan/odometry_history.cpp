@@ -114,20 +114,24 @@ Pose OdometryHistory::beyond(std::size_t last, std::int64_t utime) const {
   return end.T_odom_base * move(twist_of(motion, seconds(begin.utime, end.utime)), seconds(end.utime, utime));
 }
 
-bool OdometryHistory::stationary(std::int64_t from, std::int64_t to) const {
+bool OdometryHistory::all(std::int64_t from, std::int64_t to, bool OdometrySample::*says) const {
   const std::size_t known = num_known();
   for (std::size_t i = lower_bound(from); i < known && samples_[i].utime <= to; ++i) {
-    if (!samples_[i].stationary) return false;
+    if (!(samples_[i].*says)) return false;
   }
   return true;
 }
 
+bool OdometryHistory::stationary(std::int64_t from, std::int64_t to) const {
+  return all(from, to, &OdometrySample::stationary);
+}
+
 bool OdometryHistory::turn_confirmed(std::int64_t from, std::int64_t to) const {
-  const std::size_t known = num_known();
-  for (std::size_t i = lower_bound(from); i < known && samples_[i].utime <= to; ++i) {
-    if (!samples_[i].turn_confirmed) return false;
-  }
-  return true;
+  return all(from, to, &OdometrySample::turn_confirmed);
+}
+
+bool OdometryHistory::with_gyro(std::int64_t from, std::int64_t to) const {
+  return all(from, to, &OdometrySample::with_gyro);
 }
 
 void OdometryHistory::forget_before(std::int64_t utime) {

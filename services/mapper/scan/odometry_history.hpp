@@ -18,6 +18,7 @@ struct OdometrySample {
   bool usable = true;  ///< the filter says that it is initialised
   bool stationary = false;
   bool turn_confirmed = true;  ///< wheels and gyro have shown the same turn over the last second
+  bool with_gyro = true;       ///< false: it coasts on the wheels, which turn it by tenths of a degree a second
 };
 
 /// A bounded stretch of odometry in order of time, for poses at any time in between, and kLead beyond: in so short a
@@ -61,12 +62,15 @@ class OdometryHistory {
   [[nodiscard]] bool stationary(std::int64_t from, std::int64_t to) const;
   /// Whether wheels and gyro showed the same turn, all through a covered stretch.
   [[nodiscard]] bool turn_confirmed(std::int64_t from, std::int64_t to) const;
+  /// Whether a gyro showed how the vehicle turned, all through a covered stretch.
+  [[nodiscard]] bool with_gyro(std::int64_t from, std::int64_t to) const;
   /// Forgets what is not needed for times from `utime` on.
   void forget_before(std::int64_t utime);
 
  private:
   /// Index of the first sample at or after `utime`; size() if there is none.
   [[nodiscard]] std::size_t lower_bound(std::int64_t utime) const;
+  [[nodiscard]] bool all(std::int64_t from, std::int64_t to, bool OdometrySample::*says) const;
   /// How many samples may be looked at.
   [[nodiscard]] std::size_t num_known() const;
   /// Whether in the gap behind sample `i` the host's clock was set forward: the stamps jump, and the vehicle does not.

@@ -4,9 +4,12 @@ namespace curbstone::mapper::scan {
 
 std::optional<OdometrySample> sample_of(const odometry_t& message) {
   const auto says = [&](std::int32_t flag) { return (message.flags & flag) != 0; };
-  const OdometrySample sample{message.utime, pose_from_arrays(message.position, message.orientation),
-                              says(odometry_t::INITIALISED), says(odometry_t::STATIONARY),
-                              says(odometry_t::TURN_CONFIRMED)};
+  const OdometrySample sample{message.utime,
+                              pose_from_arrays(message.position, message.orientation),
+                              says(odometry_t::INITIALISED),
+                              says(odometry_t::STATIONARY),
+                              says(odometry_t::TURN_CONFIRMED),
+                              !says(odometry_t::NO_IMU)};
   return is_finite(sample.T_odom_base) && message.utime > 0 ? std::optional(sample) : std::nullopt;
 }
 

@@ -55,6 +55,21 @@ TEST(OdometryHistory, GoesOnAlsoWhereSamplesAreFarApart) {
   EXPECT_LT(apart(history.at(utime), on_a_circle(utime)), 1e-6);
 }
 
+TEST(OdometryHistory, SaysWhereItCoastedOnTheWheels) {
+  OdometryHistory history;
+  for (int i = 0; i < 20; ++i) {
+    odometry_t message{};
+    const OdometrySample s = sample(i);
+    message.utime = s.utime;
+    pose_to_arrays(s.T_odom_base, message.position, message.orientation);
+    message.flags = odometry_t::INITIALISED | (i == 9 ? odometry_t::NO_IMU : 0);
+    EXPECT_EQ(history.add(sample_of(message).value()), OdometryHistory::Added::kYes);
+  }
+  EXPECT_TRUE(history.with_gyro(kStart, kStart + 8 * kPeriod));
+  EXPECT_FALSE(history.with_gyro(kStart, kStart + 10 * kPeriod));
+  EXPECT_TRUE(history.with_gyro(kStart + 10 * kPeriod, kStart + 19 * kPeriod));
+}
+
 TEST(OdometryHistory, WithOneSampleTheVehicleIsThere) {
   const OdometryHistory history = history_of(1);
   EXPECT_TRUE(history.covers(kStart, kStart + 10'000));
