@@ -27,7 +27,7 @@ struct VotedPoint : VotedTensor {
 };
 
 /// The points of a tile. Those that the vote thinned out, some two of three, take the tensor of their voxel's voter: it
-/// is kept once for all of them, which halves the memory of the map around the vehicle.
+/// is kept once for all of them.
 class VotedPoints {
  public:
   struct Place {

@@ -113,8 +113,8 @@ void take_step(const VotedStep& step, VotedTile& tile) {
   for (const voted_points_t& page : step.pages) append_points(page, scale, tile);
   for (const voted_points_t& page : step.pages) {
     for (std::size_t i = 0; i < page.point.size(); ++i) {
-      if (page.scale[i] != scale) continue;
       const auto voter = static_cast<std::size_t>(page.point[i]);
+      if (page.scale[i] != scale || voter >= tile.points.size()) continue;  // a step may bring no points and name some
       tile.points.set_tensor(tile.points.places()[voter].tensor, tensor_of(page, i));
     }
   }

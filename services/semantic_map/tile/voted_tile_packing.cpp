@@ -67,8 +67,8 @@ void pack(const VotedTile& tile, ValuePacker& packer) {
   }
   packer.put(positions);
 
-  std::vector<std::uint32_t>
-      back;  // 0: the point is the first that takes its tensor; else how many tensors ago that was
+  // Of each point, how many tensors ago its own came first; 0: it is the first that takes it.
+  std::vector<std::uint32_t> back;
   back.reserve(tile.points.size());
   std::vector<TensorValues> tensors;
   for (const VotedPoints::Place& p : tile.points.places()) {
