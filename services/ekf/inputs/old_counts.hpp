@@ -14,8 +14,7 @@ namespace curbstone::ekf::inputs {
 /// An angle is old if it has not changed since the last sample that was used, and
 /// - the wheel turned so fast that it cannot have stopped since, or
 /// - its angles have come renewed at one period, three times in a row, and that is not over yet. This holds at any
-/// speed,
-///   and ends where the wheel stops: after one period without a change the angle is believed.
+///   speed, and ends where the wheel stops: after one period without a change the angle is believed.
 ///
 /// Wheels whose angles change from sample to sample are never old. Pure; one thread.
 class OldCounts {

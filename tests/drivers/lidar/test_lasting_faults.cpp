@@ -221,18 +221,25 @@ TEST_P(LastingFaults, AReturnModeThatIsSwitchedInMidDriveGivesNoWrongPoint) {
   }
 }
 
+std::unique_ptr<Rs16Emulator> rs16(double rpm, ReturnMode mode) {
+  simulate::devices::Rs16EmulatorConfig config;
+  config.rpm = rpm;
+  config.mode = mode;
+  return std::make_unique<Rs16Emulator>(config);
+}
+
+std::size_t num_wrong(const LidarStream& stream, const std::vector<lidar_points_t>& published) {
+  return static_cast<std::size_t>(
+      std::count_if(published.begin(), published.end(), [&](const lidar_points_t& m) { return !stream.is_true(m); }));
+}
+
 /// An RS16's packets do not tell its return mode. Read in the wrong one, 6 to 11 packets went out with points up to 0.2
 /// m off at 16 m, until its device information had been heard twice.
 TEST(Rs16ReturnMode, ThatIsNotKnownYetOrSwitchedCostsAtMostTwoPackets) {
   const Kind kind = kinds()[0];
   for (const double rpm : {600.0, 1200.0}) {
     for (const bool switched : {false, true}) {
-      const auto device = [&](ReturnMode mode) {
-        simulate::devices::Rs16EmulatorConfig config;
-        config.rpm = rpm;
-        config.mode = mode;
-        return std::make_unique<Rs16Emulator>(config);
-      };
+      const auto device = [&](ReturnMode mode) { return rs16(rpm, mode); };
       LidarStream stream(device(switched ? ReturnMode::kStrongest : ReturnMode::kDual));
       Driver driver(kind);
       std::vector<RecordedPacket> packets;
@@ -245,9 +252,8 @@ TEST(Rs16ReturnMode, ThatIsNotKnownYetOrSwitchedCostsAtMostTwoPackets) {
         driver.feed(packets);
       }
       EXPECT_GE(driver.points().size(), switched ? 6000U : 3000U) << driver.counters();
-      std::size_t wrong = 0;
-      for (const lidar_points_t& m : driver.points()) wrong += stream.is_true(m) ? 0U : 1U;
-      EXPECT_LE(wrong, 2U) << rpm << (switched ? " switched" : "") << "\n" << driver.counters();
+      EXPECT_LE(num_wrong(stream, driver.points()), 2U) << rpm << (switched ? " switched" : "") << "\n"
+                                                        << driver.counters();
     }
   }
 }
@@ -258,12 +264,7 @@ TEST(Rs16ReturnMode, ThatIsSwitchedToOneReturnOrToldWronglyCostsAtMostTwoPackets
   const Kind kind = kinds()[0];
   for (const double rpm : {300.0, 600.0, 1200.0}) {
     for (const bool told_wrongly : {false, true}) {
-      const auto device = [&](ReturnMode mode) {
-        simulate::devices::Rs16EmulatorConfig config;
-        config.rpm = rpm;
-        config.mode = mode;
-        return std::make_unique<Rs16Emulator>(config);
-      };
+      const auto device = [&](ReturnMode mode) { return rs16(rpm, mode); };
       LidarStream stream(device(told_wrongly ? ReturnMode::kStrongest : ReturnMode::kDual));
       Driver driver(kind);
       std::vector<RecordedPacket> packets;
@@ -276,10 +277,11 @@ TEST(Rs16ReturnMode, ThatIsSwitchedToOneReturnOrToldWronglyCostsAtMostTwoPackets
             packet.bytes = device(ReturnMode::kDual)->info(packet.received);
       }
       driver.feed(packets);
-      EXPECT_GE(driver.points().size(), told_wrongly ? 0U : 6700U) << driver.counters();
-      std::size_t wrong = 0;
-      for (const lidar_points_t& m : driver.points()) wrong += stream.is_true(m) ? 0U : 1U;
-      EXPECT_LE(wrong, 2U) << rpm << (told_wrongly ? " told wrongly" : " switched") << "\n" << driver.counters();
+      if (!told_wrongly) {
+        EXPECT_GE(driver.points().size(), 6700U) << driver.counters();
+      }
+      EXPECT_LE(num_wrong(stream, driver.points()), 2U) << rpm << (told_wrongly ? " told wrongly" : " switched") << "\n"
+                                                        << driver.counters();
     }
   }
 }
