@@ -39,7 +39,7 @@ class LevelWatch {
   static constexpr double kFresh = 2.0;  // s
   static constexpr double kLost = 4.0;   // times level_sigma: so far out, they are open again
   bool level_ = false;
-  std::optional<std::int64_t> levelled_;  // us, when it was open before
+  std::optional<std::int64_t> levelled_;  // us, since when it is level, if it was open before
   std::int64_t since_ = 0;                // us, of the last change for the worse
 };
 

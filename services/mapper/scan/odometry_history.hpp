@@ -70,6 +70,7 @@ class OdometryHistory {
  private:
   /// Index of the first sample at or after `utime`; size() if there is none.
   [[nodiscard]] std::size_t lower_bound(std::int64_t utime) const;
+  /// Whether every sample of a covered stretch says so.
   [[nodiscard]] bool all(std::int64_t from, std::int64_t to, bool OdometrySample::*says) const;
   /// How many samples may be looked at.
   [[nodiscard]] std::size_t num_known() const;

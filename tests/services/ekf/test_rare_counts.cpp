@@ -29,7 +29,6 @@ class RareCounts : public EkfNodeTest {
     rig.finish();
     faults_ = rig.node.report().faults;
     old_ = rig.node.report().counters["refused.old_counts"];
-    for (auto& f : faults_) std::puts(f.c_str());
     if (rig.odometry.empty()) return 1e9;
     const odometry_t& last = rig.odometry.back();
     const Pose truth = drive.T_odom_base(drive.index_of(last.utime), drive.index_of(rig.odometry.front().utime));
