@@ -117,29 +117,30 @@ void feed_log(const std::string& file, bool with_odometry, LocalBus& bus, mapper
   fmt::print("CPU of it all: {:.1f} s\n", (cpu_ms() - begin) * 1e-3);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  if (argc < 2) return 2;
-  const std::string file = argv[1];
-  std::string truth_file, png;
+struct Options {
+  std::string file, truth, png;
   bool with_odometry = true;
   ConfigOf<mapper::config::MapperConfig> config;
+};
+
+Options read_options(int argc, char** argv) {
+  Options options;
+  options.file = argv[1];
   for (int i = 2; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument.starts_with("truth="))
-      truth_file = argument.substr(6);
+      options.truth = argument.substr(6);
     else if (argument.starts_with("png="))
-      png = argument.substr(4);
+      options.png = argument.substr(4);
     else if (argument == "odometry=0")
-      with_odometry = false;
+      options.with_odometry = false;
     else
-      set_config_value(argument, config);
+      set_config_value(argument, options.config);
   }
-  LocalBus bus;
-  mapper::MapperNode node(config.value, bus);
-  node.connect(bus);
-  Result result;
+  return options;
+}
+
+void collect(LocalBus& bus, Result& result) {
   bus.subscribe<map_pose_t>("MAP_POSE", [&](const map_pose_t& m) { result.poses.push_back(m); });
   bus.subscribe<odometry_t>("ODOMETRY", [&](const odometry_t& m) {
     if (m.flags & odometry_t::INITIALISED)
@@ -148,17 +149,17 @@ int main(int argc, char** argv) {
   bus.subscribe<map_points_t>("MAP_POINTS", [&](const map_points_t& m) {
     result.largest = std::max(result.largest, static_cast<std::size_t>(m.getEncodedSize()));
   });
-  if (file.ends_with(".pcap")) {
-    lidar::LidarConfig lidar;
-    lidar.pcap = file;
-    lidar::LidarNode driver(lidar, bus);
-    fmt::print("{} packets\n", lidar::feed_whole_capture(lidar, driver));
-    bus.dispatch();
-  } else {
-    feed_log(file, with_odometry, bus, node, result);
-  }
-  node.finish();
+}
+
+void feed_capture(const std::string& file, LocalBus& bus) {
+  lidar::LidarConfig lidar;
+  lidar.pcap = file;
+  lidar::LidarNode driver(lidar, bus);
+  fmt::print("{} packets\n", lidar::feed_whole_capture(lidar, driver));
   bus.dispatch();
+}
+
+void take_points(const mapper::MapperNode& node, Result& result) {
   for (const TileKey& key : node.mapper().dense().keys()) {
     const mapper::dense_map::DenseTile& tile = *node.mapper().dense().tile(key);
     for (const TilePoint& p : tile.points()) {
@@ -166,36 +167,66 @@ int main(int argc, char** argv) {
                                tile.z_origin() + p.z * kPositionStep});
     }
   }
+}
 
-  std::sort(result.ms.begin(), result.ms.end());
+evaluate::truth::Trajectory print_poses(const std::vector<map_pose_t>& poses) {
   double residual = 0, inliers = 0, iterations = 0;
   int registered = 0, degenerate = 0, stationary = 0, without = 0;
   evaluate::truth::Trajectory track;
-  for (const map_pose_t& m : result.poses) {
+  for (const map_pose_t& m : poses) {
     track.push_back({m.utime, pose_from_arrays(m.map_base_position, m.map_base_orientation)});
-    residual += static_cast<double>(m.residual), inliers += static_cast<double>(m.inlier_ratio),
-        iterations += m.iterations;
-    registered += (m.flags & map_pose_t::REGISTERED) != 0, stationary += (m.flags & map_pose_t::STATIONARY) != 0;
-    without += (m.flags & map_pose_t::NO_ODOMETRY) != 0, degenerate += m.degenerate != 0;
+    residual += static_cast<double>(m.residual);
+    inliers += static_cast<double>(m.inlier_ratio);
+    iterations += m.iterations;
+    registered += (m.flags & map_pose_t::REGISTERED) != 0;
+    stationary += (m.flags & map_pose_t::STATIONARY) != 0;
+    without += (m.flags & map_pose_t::NO_ODOMETRY) != 0;
+    degenerate += m.degenerate != 0;
   }
-  const double n = static_cast<double>(result.poses.size());
+  const auto n = static_cast<double>(poses.size());
   fmt::print(
       "{} poses: {} registered, {} stationary, {} without odometry, {} degenerate; residual {:.3f} inliers {:.2f} "
       "iterations {:.1f}\n",
-      result.poses.size(), registered, stationary, without, degenerate, residual / n, inliers / n, iterations / n);
-  if (!result.ms.empty()) {
-    fmt::print("ms CPU a revolution (with all its messages): median {:.1f} p95 {:.1f} max {:.1f}\n",
-               result.ms[result.ms.size() / 2], result.ms[result.ms.size() * 95 / 100], result.ms.back());
-  }
+      poses.size(), registered, stationary, without, degenerate, residual / n, inliers / n, iterations / n);
+  return track;
+}
+
+void print_times(std::vector<double> ms) {
+  if (ms.empty()) return;
+  std::sort(ms.begin(), ms.end());
+  fmt::print("ms CPU a revolution (with all its messages): median {:.1f} p95 {:.1f} max {:.1f}\n", ms[ms.size() / 2],
+             ms[ms.size() * 95 / 100], ms.back());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) return 2;
+  const Options options = read_options(argc, argv);
+  LocalBus bus;
+  mapper::MapperNode node(options.config.value, bus);
+  node.connect(bus);
+  Result result;
+  collect(bus, result);
+  if (options.file.ends_with(".pcap"))
+    feed_capture(options.file, bus);
+  else
+    feed_log(options.file, options.with_odometry, bus, node, result);
+  node.finish();
+  bus.dispatch();
+  take_points(node, result);
+
+  const evaluate::truth::Trajectory track = print_poses(result.poses);
+  print_times(result.ms);
   fmt::print("{} points, largest message {} bytes\n", result.points.size(), result.largest);
   const NodeReport summary = node.report();
   for (const auto& [name, value] : summary.counters.values()) fmt::print("{} {}  ", name, value);
   fmt::print("\n");
-  if (!truth_file.empty()) {
-    const auto truth = read_truth(truth_file);
+  if (!options.truth.empty()) {
+    const auto truth = read_truth(options.truth);
     report("mapper", track, truth);
-    if (with_odometry) report("ekf   ", result.odometry, truth);
+    if (options.with_odometry) report("ekf   ", result.odometry, truth);
   }
-  if (!png.empty()) draw(png, result);
+  if (!options.png.empty()) draw(options.png, result);
   return 0;
 }
