@@ -57,6 +57,46 @@ std::vector<OpenDirection> open_directions(const Eigen::MatrixXd& covariance, co
   return out;
 }
 
+using Values = std::array<double, kCalibratedCount>;
+
+Values configured_values(const VehicleConfig& vehicle) {
+  Values values = {vehicle.wheel_radius, vehicle.wheel_radius, vehicle.track_width};
+  std::copy_n(vehicle.lidar.begin(), 6, values.begin() + 3);
+  std::copy_n(vehicle.imu.begin(), 6, values.begin() + 9);
+  return values;
+}
+
+/// Each value with its sigma, and whether the drive says it well enough. The result has its covariance by then.
+void describe_values(const CalibrationSolver& solver, const Values& configured, CalibrationResult& result) {
+  const auto found = solver.values();
+  const auto prior = solver.prior_sigma();
+  for (std::size_t i = 0; i < kCalibratedCount; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    CalibratedValue& v = result.values[i];
+    v.name = kDescribed[i].name;
+    v.unit = kDescribed[i].unit;
+    v.configured = configured[i];
+    v.value = found[i];
+    v.sigma = std::sqrt(result.covariance(k, k));
+    v.share = 1.0 - v.sigma * v.sigma / (prior[i] * prior[i]);
+    v.observed = v.share > kShare && v.sigma < kDescribed[i].useful * (i < 3 ? configured[i] : 1.0);
+  }
+}
+
+/// The vehicle with what was observed in place of what was configured.
+VehicleConfig with_observed(VehicleConfig vehicle, const CalibrationResult& result) {
+  const CalibratedValue& left = result[Calibrated::kRadiusLeft];
+  const CalibratedValue& right = result[Calibrated::kRadiusRight];
+  const CalibratedValue& track = result[Calibrated::kTrack];
+  if (left.observed && right.observed) vehicle.wheel_radius = 0.5 * (left.value + right.value);
+  if (track.observed) vehicle.track_width = track.value;
+  for (std::size_t i = 0; i < 6; ++i) {
+    if (result.values[3 + i].observed) vehicle.lidar[i] = result.values[3 + i].value;
+    if (result.values[9 + i].observed) vehicle.imu[i] = result.values[9 + i].value;
+  }
+  return vehicle;
+}
+
 }  // namespace
 
 CalibrationResult calibrate(const CalibrationData& data, const VehicleConfig& vehicle) {
@@ -69,45 +109,21 @@ CalibrationResult calibrate(const CalibrationData& data, const VehicleConfig& ve
   CalibrationSolver solver(segments, vehicle);
   solver.solve();
 
-  constexpr auto n = static_cast<Eigen::Index>(kCalibratedCount);
-  const Eigen::MatrixXd all = solver.information().inverse();
   CalibrationResult result;
-  result.covariance = all.topLeftCorner(n, n);
-  result.vehicle = vehicle;
   result.segments = static_cast<int>(segments.size());
   for (const CalibrationSegment& s : segments) {
     result.distance += s.T_begin_end().translation().norm();
     result.turned += angle_of(s.T_begin_end());
   }
   result.noise = {solver.noise()[kAlong], solver.noise()[kGyro], solver.noise()[kSpeed]};
-
-  std::array<double, kCalibratedCount> configured = {vehicle.wheel_radius, vehicle.wheel_radius, vehicle.track_width};
-  std::copy_n(vehicle.lidar.begin(), 6, configured.begin() + 3);
-  std::copy_n(vehicle.imu.begin(), 6, configured.begin() + 9);
-  const auto found = solver.values();
+  constexpr auto n = static_cast<Eigen::Index>(kCalibratedCount);
+  const Eigen::MatrixXd all = solver.information().inverse();
+  result.covariance = all.topLeftCorner(n, n);
+  describe_values(solver, configured_values(vehicle), result);
   Eigen::VectorXd prior(n);
-  for (std::size_t i = 0; i < kCalibratedCount; ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    prior[k] = solver.prior_sigma()[i];
-    CalibratedValue& v = result.values[i];
-    v.name = kDescribed[i].name;
-    v.unit = kDescribed[i].unit;
-    v.configured = configured[i];
-    v.value = found[i];
-    v.sigma = std::sqrt(result.covariance(k, k));
-    v.share = 1.0 - v.sigma * v.sigma / (prior[k] * prior[k]);
-    v.observed = v.share > kShare && v.sigma < kDescribed[i].useful * (i < 3 ? configured[i] : 1.0);
-  }
+  std::copy_n(solver.prior_sigma().begin(), kCalibratedCount, prior.begin());
   result.open = open_directions(result.covariance, prior);
-
-  const auto& left = result[Calibrated::kRadiusLeft];
-  const auto& right = result[Calibrated::kRadiusRight];
-  if (left.observed && right.observed) result.vehicle.wheel_radius = 0.5 * (left.value + right.value);
-  if (result[Calibrated::kTrack].observed) result.vehicle.track_width = result[Calibrated::kTrack].value;
-  for (std::size_t i = 0; i < 6; ++i) {
-    if (result.values[3 + i].observed) result.vehicle.lidar[i] = result.values[3 + i].value;
-    if (result.values[9 + i].observed) result.vehicle.imu[i] = result.values[9 + i].value;
-  }
+  result.vehicle = with_observed(vehicle, result);
   return result;
 }
 

@@ -40,6 +40,67 @@ Eigen::Vector3d nees_by_axis(const Eigen::Matrix3d& covariance, const Eigen::Vec
   return (to_base * error).cwiseAbs2().cwiseQuotient(variances);
 }
 
+/// The errors of the poses that have a truth.
+class Judged {
+ public:
+  void add(const map_pose_t& pose, const Pose& T_map_base) {
+    const Pose estimate = pose_from_arrays(pose.map_base_position, pose.map_base_orientation);
+    const Pose error = T_map_base.inverse() * estimate;
+    const Eigen::Vector3d off = estimate.translation() - T_map_base.translation();
+    const double yaw = roll_pitch_yaw(error.linear()).z();
+    across_.push_back(std::abs(error.translation().y()));
+    along_.push_back(std::abs(error.translation().x()));
+    yaws_.push_back(yaw * 180 / std::numbers::pi);
+    if (pose.degenerate & 1)
+      across_degenerate_.push_back(across_.back());
+    else
+      along_constrained_.push_back(along_.back());
+    add_consistency(covariance_of(pose), {off.x(), off.y(), yaw}, roll_pitch_yaw(T_map_base.linear()).z());
+    const double distance = off.head<2>().norm();
+    worst_ = std::max(worst_, distance);
+    wrong_ += distance >= kWrong ? 1 : 0;
+  }
+
+  void report(PoseErrors& errors) {
+    errors.judged = static_cast<int>(across_.size());
+    errors.degenerate = static_cast<int>(across_degenerate_.size());
+    errors.lateral_rmse = rms(across_);
+    errors.lateral_99 = quantile_or(across_, 0.99, 0);
+    errors.lateral_degenerate_rmse = rms(across_degenerate_);
+    errors.lateral_degenerate_99 = quantile_or(across_degenerate_, 0.99, 0);
+    errors.longitudinal_rmse = rms(along_constrained_);
+    errors.longitudinal_99 = quantile_or(along_constrained_, 0.99, 0);
+    errors.longitudinal_all = rms(along_);
+    errors.yaw_rmse = rms(yaws_);
+    errors.worst = worst_;
+    errors.wrong_and_sure = wrong_;
+    if (errors.judged == 0) return;
+    errors.nees = nees_ / errors.judged;
+    errors.nees_longitudinal = nees_by_axis_.x() / errors.judged;
+    errors.nees_lateral = nees_by_axis_.y() / errors.judged;
+    errors.nees_yaw = nees_by_axis_.z() / errors.judged;
+    errors.beyond_95 = static_cast<double>(beyond_) / errors.judged;
+  }
+
+ private:
+  /// `error`: x, y (map) and yaw.
+  void add_consistency(const Eigen::Matrix3d& covariance, const Eigen::Vector3d& error, double heading) {
+    const double nees = error.dot(Ldlt<3>(covariance).solve(error));
+    nees_ += nees;
+    nees_by_axis_ += nees_by_axis(covariance, error, heading);
+    beyond_ += nees <= kChi95 ? 0 : 1;
+  }
+
+  std::vector<double> across_, across_degenerate_;  // m
+  std::vector<double> along_, along_constrained_;   // m
+  std::vector<double> yaws_;                        // deg
+  double nees_ = 0;                                 // sum
+  Eigen::Vector3d nees_by_axis_ = Eigen::Vector3d::Zero();
+  int beyond_ = 0;
+  double worst_ = 0;  // m
+  int wrong_ = 0;
+};
+
 }  // namespace
 
 TrueMapPose::TrueMapPose(const std::vector<semantic_map::tile::TrajectoryPose>& map_drive,
@@ -78,56 +139,16 @@ std::optional<Pose> TrueMapPose::at(std::int64_t utime) const {
 
 PoseErrors errors_of(const std::vector<map_pose_t>& poses, const TrueMapPose& truth) {
   PoseErrors errors;
-  std::vector<double> across, across_degenerate, along, along_all, yaws;
-  double nees = 0;
-  Eigen::Vector3d by_axis = Eigen::Vector3d::Zero();
-  int beyond = 0;
+  Judged judged;
   for (const map_pose_t& pose : poses) {
     ++errors.poses;
     if (pose.flags & map_pose_t::LOST) {
       ++errors.lost;
-      continue;
+    } else if (const auto T_map_base = truth.at(pose.utime)) {
+      judged.add(pose, *T_map_base);
     }
-    const auto T_map_base = truth.at(pose.utime);
-    if (!T_map_base) continue;
-    ++errors.judged;
-    const Pose estimate = pose_from_arrays(pose.map_base_position, pose.map_base_orientation);
-    const Pose error = T_map_base->inverse() * estimate;
-    const Eigen::Vector3d off = estimate.translation() - T_map_base->translation();
-    const double yaw = roll_pitch_yaw(error.linear()).z();
-    across.push_back(std::abs(error.translation().y()));
-    yaws.push_back(yaw * 180 / std::numbers::pi);
-    along_all.push_back(std::abs(error.translation().x()));
-    if (pose.degenerate & 1) {
-      ++errors.degenerate;
-      across_degenerate.push_back(across.back());
-    } else {
-      along.push_back(along_all.back());
-    }
-    const Eigen::Vector3d planar(off.x(), off.y(), yaw);
-    const Eigen::Matrix3d covariance = covariance_of(pose);
-    const double one = planar.dot(Ldlt<3>(covariance).solve(planar));
-    nees += one;
-    by_axis += nees_by_axis(covariance, planar, roll_pitch_yaw(T_map_base->linear()).z());
-    if (!(one <= kChi95)) ++beyond;
-    errors.worst = std::max(errors.worst, off.head<2>().norm());
-    if (off.head<2>().norm() >= kWrong) ++errors.wrong_and_sure;
   }
-  errors.lateral_rmse = rms(across);
-  errors.lateral_99 = quantile_or(across, 0.99, 0);
-  errors.lateral_degenerate_rmse = rms(across_degenerate);
-  errors.lateral_degenerate_99 = quantile_or(across_degenerate, 0.99, 0);
-  errors.longitudinal_rmse = rms(along);
-  errors.longitudinal_99 = quantile_or(along, 0.99, 0);
-  errors.longitudinal_all = rms(along_all);
-  errors.yaw_rmse = rms(yaws);
-  if (errors.judged > 0) {
-    errors.nees = nees / errors.judged;
-    errors.nees_longitudinal = by_axis.x() / errors.judged;
-    errors.nees_lateral = by_axis.y() / errors.judged;
-    errors.nees_yaw = by_axis.z() / errors.judged;
-    errors.beyond_95 = static_cast<double>(beyond) / errors.judged;
-  }
+  judged.report(errors);
   return errors;
 }
 
