@@ -19,7 +19,7 @@ constexpr std::int64_t kSilence = 1'000'000;    // us without a message that is 
 constexpr int kGarbageRun = 20;                 // messages refused in a row that are a fault
 constexpr std::int32_t kMaxLoss = 100'000;      // a larger step of a sequence is a restart, not a loss
 
-void describe_wheels(const detection::WheelWatch& watch, std::vector<std::string>& faults) {
+void describe_wheels(const wheel_faults::WheelWatch& watch, std::vector<std::string>& faults) {
   if (watch.made_up()) {
     faults.emplace_back(
         "WHEELS: both turn on evenly while the IMU feels another speed, and are not used: does a drive or gateway "
@@ -30,9 +30,9 @@ void describe_wheels(const detection::WheelWatch& watch, std::vector<std::string
     if (!watch.faulty(wheel)) continue;
     const double ratio = watch.ratio(wheel);
     std::string what = "stands still";
-    if (ratio < -detection::WheelWatch::kFrozen)
+    if (ratio < -wheel_faults::WheelWatch::kFrozen)
       what = fmt::format("turns backwards, at {:.2f} times the speed", -ratio);
-    if (ratio > detection::WheelWatch::kFrozen) what = fmt::format("turns at {:.2f} times the speed", ratio);
+    if (ratio > wheel_faults::WheelWatch::kFrozen) what = fmt::format("turns at {:.2f} times the speed", ratio);
     faults.push_back(fmt::format("WHEELS: the {} wheel is wrong for long ({}) and not used: encoder, plug, shaft?",
                                  wheel == 0 ? "left" : "right", what));
   }

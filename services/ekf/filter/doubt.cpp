@@ -69,7 +69,7 @@ void doubt_standing(model::Estimate& estimate, double speed) {
   estimate.twist_covariance(0, 0) += speed * speed;
 }
 
-void doubt_astray(model::Belief& belief, const detection::WheelDispute::Astray& astray,
+void doubt_astray(model::Belief& belief, const wheel_faults::WheelDispute::Astray& astray,
                   const base::StartConfig& config) {
   constexpr double kCoastingBias = 0.015;  // m/s^2: what no wheel keeps in check; 1.5 milli-g
   widen(belief, model::kAccelerometerBias, kCoastingBias);

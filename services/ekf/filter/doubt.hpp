@@ -1,9 +1,9 @@
 #pragma once
 
 #include "services/ekf/base/ekf_config.hpp"
-#include "services/ekf/detection/wheel_dispute.hpp"
 #include "services/ekf/model/error_state.hpp"
 #include "services/ekf/model/estimate.hpp"
+#include "services/ekf/wheel_faults/wheel_dispute.hpp"
 
 namespace curbstone::ekf::filter {
 
@@ -30,7 +30,7 @@ void doubt_wheels_at_rest(model::Belief& belief, double speed);
 void doubt_standing(model::Estimate& estimate, double speed);
 
 /// All wheels have been found faulty: they have led it astray, and from now on it coasts.
-void doubt_astray(model::Belief& belief, const detection::WheelDispute::Astray& astray,
+void doubt_astray(model::Belief& belief, const wheel_faults::WheelDispute::Astray& astray,
                   const base::StartConfig& config);
 
 [[nodiscard]] bool is_finite(const model::Belief& belief);

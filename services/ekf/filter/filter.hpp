@@ -10,12 +10,10 @@
 #include "services/ekf/detection/gyro_leap.hpp"
 #include "services/ekf/detection/level_watch.hpp"
 #include "services/ekf/detection/refusal_timer.hpp"
-#include "services/ekf/detection/slip_judge.hpp"
 #include "services/ekf/detection/standing_motion.hpp"
 #include "services/ekf/detection/start_up.hpp"
 #include "services/ekf/detection/still_detector.hpp"
 #include "services/ekf/detection/turn_confirmation.hpp"
-#include "services/ekf/detection/wheel_watch.hpp"
 #include "services/ekf/filter/launch.hpp"
 #include "services/ekf/filter/lost_axes.hpp"
 #include "services/ekf/filter/lost_heading.hpp"
@@ -25,6 +23,8 @@
 #include "services/ekf/inputs/wheel_odometer.hpp"
 #include "services/ekf/model/estimate.hpp"
 #include "services/ekf/model/mechanisation.hpp"
+#include "services/ekf/wheel_faults/slip_judge.hpp"
+#include "services/ekf/wheel_faults/wheel_watch.hpp"
 
 namespace curbstone::ekf::filter {
 
@@ -65,7 +65,7 @@ class Filter {
   /// Roll and pitch are known to start.level_sigma, or as well as they will be.
   [[nodiscard]] bool level() const { return level_.level(); }
   /// Which wheels are withheld because they have been wrong for long.
-  [[nodiscard]] const detection::WheelWatch& wheel_watch() const { return watch_; }
+  [[nodiscard]] const wheel_faults::WheelWatch& wheel_watch() const { return watch_; }
   /// Which axes of the gyro are done without because they are stuck. In the belief the bias of such an axis stands for
   /// the rate; for another filter to inherit, take axes().with_biases(belief()).
   [[nodiscard]] const LostAxes& axes() const { return axes_; }
@@ -110,7 +110,7 @@ class Filter {
   [[nodiscard]] bool refutes_motion(const model::BodyMotion& motion, bool refused);
   void forsake_made_up_wheels(const inputs::WheelInterval& interval);
   void count_verdicts(const std::array<bool, 2>& before);
-  [[nodiscard]] detection::WheelWatch::Finding settle_dispute();
+  [[nodiscard]] wheel_faults::WheelWatch::Finding settle_dispute();
   [[nodiscard]] double trusted_speed(const inputs::WheelInterval& interval) const;
   void correct_coasting(const inputs::WheelInterval& interval);
   void correct_standing();
@@ -130,8 +130,8 @@ class Filter {
   detection::StillDetector still_;
   inputs::WheelOdometer odometer_;
   model::Mechanisation mechanisation_;
-  detection::SlipJudge slip_;
-  detection::WheelWatch watch_;
+  wheel_faults::SlipJudge slip_;
+  wheel_faults::WheelWatch watch_;
   detection::TurnConfirmation turn_;
   detection::GyroLeap gyro_leap_;
   std::optional<LeaptGyro> gyro_leapt_;

@@ -173,7 +173,7 @@ bool Filter::refutes_motion(const model::BodyMotion& motion, bool refused) {
   const bool fresh = level_.is_fresh(belief_.utime);
   const bool disputed = wheels_refused_.lasts(refused, belief_.utime, fresh ? kFreshDispute : config_->slip.patience);
   const bool absurd = motion.velocity.norm() > config_->wheels.max_speed;
-  const bool doubted = disputed && (fresh || settle_dispute() == detection::WheelWatch::Finding::kFilter);
+  const bool doubted = disputed && (fresh || settle_dispute() == wheel_faults::WheelWatch::Finding::kFilter);
   return doubted || absurd;
 }
 
@@ -192,7 +192,7 @@ void Filter::judge_wheels(const inputs::WheelInterval& interval, const std::arra
   const std::array<double, 2> distances = {model::distance(belief_, rows[0]), model::distance(belief_, rows[1])};
   const std::array<bool, 2> faulty = {watch_.faulty(0), watch_.faulty(1)};
   slip_.judge(interval, distances, faulty, belief_.mean, mechanisation_.window(), counters_);
-  detection::WheelLook look;
+  wheel_faults::WheelLook look;
   look.begin = interval.begin;
   look.end = interval.end;
   look.yaw_rate = mechanisation_.window().motion().angular_rate.z();
@@ -226,11 +226,11 @@ void Filter::count_verdicts(const std::array<bool, 2>& before) {
   }
 }
 
-detection::WheelWatch::Finding Filter::settle_dispute() {
+wheel_faults::WheelWatch::Finding Filter::settle_dispute() {
   const std::array<bool, 2> faulty = {watch_.faulty(0), watch_.faulty(1)};
   const auto finding = watch_.settle();
   count_verdicts(faulty);
-  if (finding == detection::WheelWatch::Finding::kWheels) doubt_astray(belief_, watch_.astray(), config_->start);
+  if (finding == wheel_faults::WheelWatch::Finding::kWheels) doubt_astray(belief_, watch_.astray(), config_->start);
   return finding;
 }
 

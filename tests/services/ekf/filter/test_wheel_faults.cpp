@@ -4,7 +4,7 @@
 
 #include "tests/services/ekf/drawn_drives.hpp"
 #include "tests/services/ekf/town_drive.hpp"
-#include "tests/services/ekf/wheel_faults.hpp"
+#include "tests/services/ekf/wheel_fault.hpp"
 
 namespace curbstone::ekf::filter {
 namespace {
@@ -73,7 +73,7 @@ TEST(WheelFaults, OfBothFromTheStartAreFoundAndWhatTheyCostIsInTheCovariance) {
   for (const unsigned number : {1U, 2U}) {
     for (const double speed : {3.0, 5.0}) {
       const Drive good = town(number, speed);
-      for (const WheelFault& fault : wheel_faults()) {
+      for (const WheelFault& fault : tried_wheel_faults()) {
         if (!fault.of_both_wheels()) continue;
         const Outcome o = outcome_of(config, with_fault(good, fault, 1.0), 1.0, 0.0);
         std::printf(
@@ -133,7 +133,7 @@ TEST(WheelFaults, ALeapOfTheCountsIsNoTravel) {
 TEST(WheelFaults, WithoutTheImuTheWheelThatIsTrustedCarriesItOn) {
   const base::EkfConfig config;
   for (const unsigned number : {1U, 2U}) {
-    for (const WheelFault& fault : wheel_faults()) {
+    for (const WheelFault& fault : tried_wheel_faults()) {
       if (!fault.of_one_wheel() && !fault.of_both_wheels()) continue;
       Drive drive = with_fault(town(number), fault, 20.0);
       const std::int64_t begin = drive.imu.front().utime;
@@ -159,7 +159,7 @@ TEST_P(LastingWheelFault, OfOneWheelCostsNothingAndIsNamed) {
   for (const unsigned number : {1U, 2U}) {
     const Drive good = town(number);
     const Outcome undisturbed = outcome_of(config, good, GetParam(), GetParam());
-    for (const WheelFault& fault : wheel_faults()) {
+    for (const WheelFault& fault : tried_wheel_faults()) {
       if (!fault.of_one_wheel()) continue;
       const Outcome o = outcome_of(config, with_fault(good, fault, GetParam()), GetParam(), GetParam() + 8);
       std::printf("[ figure ] town %u, %s: %.2f m (undisturbed %.2f), %.2f deg, %.1f sigma\n", number,
@@ -177,7 +177,7 @@ TEST_P(LastingWheelFault, OfBothWheelsLeavesTheImuAndAnHonestCovariance) {
   const base::EkfConfig config;
   for (const unsigned number : {1U, 2U}) {
     const Drive good = town(number);
-    for (const WheelFault& fault : wheel_faults()) {
+    for (const WheelFault& fault : tried_wheel_faults()) {
       if (!fault.of_both_wheels()) continue;
       const Outcome o = outcome_of(config, with_fault(good, fault, GetParam()), GetParam(), GetParam() + 12);
       std::printf("[ figure ] town %u, %s: %.2f m, %.2f deg, %.1f sigma\n", number, fault.name.c_str(), o.position,

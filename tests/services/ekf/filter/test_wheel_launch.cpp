@@ -5,7 +5,7 @@
 #include "tests/services/ekf/drawn_drives.hpp"
 #include "tests/services/ekf/ground_error.hpp"
 #include "tests/services/ekf/town_drive.hpp"
-#include "tests/services/ekf/wheel_faults.hpp"
+#include "tests/services/ekf/wheel_fault.hpp"
 
 namespace curbstone::ekf::filter {
 namespace {

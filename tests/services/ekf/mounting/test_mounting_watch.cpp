@@ -11,7 +11,7 @@
 #include "tests/services/ekf/harmless_drives.hpp"
 #include "tests/services/ekf/real_drives.hpp"
 #include "tests/services/ekf/town_drive.hpp"
-#include "tests/services/ekf/wheel_faults.hpp"
+#include "tests/services/ekf/wheel_fault.hpp"
 
 namespace curbstone::ekf::mounting {
 namespace {
@@ -146,7 +146,7 @@ TEST(MountingWatchTest, BothWheelsBackwardsAreReported) {
 TEST(MountingWatchTest, OtherFaultsOfAWheelAreNone) {
   for (const unsigned number : {1U, 2U}) {
     const Drive good = town(number);
-    for (const WheelFault& fault : wheel_faults()) {
+    for (const WheelFault& fault : tried_wheel_faults()) {
       if (fault.gain[0] < 0 && fault.gain[1] < 0) continue;
       for (const double onset : {1.0, 20.0}) EXPECT_FALSE(watch(with_fault(good, fault, onset)).any()) << fault.name;
     }

@@ -1,11 +1,11 @@
-#include "services/ekf/detection/wheel_dispute.hpp"
+#include "services/ekf/wheel_faults/wheel_dispute.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "services/ekf/base/samples.hpp"
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::wheel_faults {
 
 namespace {
 
@@ -87,4 +87,4 @@ WheelDispute::Astray WheelDispute::astray(double way) const {
   return out;
 }
 
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::wheel_faults

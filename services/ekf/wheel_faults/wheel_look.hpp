@@ -6,7 +6,7 @@
 
 #include "services/ekf/base/samples.hpp"
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::wheel_faults {
 
 /// An interval of the wheels while the vehicle drives, and what the filter expected of it. Left and right.
 struct WheelLook {
@@ -24,4 +24,4 @@ struct WheelLook {
   [[nodiscard]] double difference(std::size_t wheel) const { return speed[wheel] - expected[wheel]; }
 };
 
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::wheel_faults

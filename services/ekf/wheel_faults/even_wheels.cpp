@@ -1,9 +1,9 @@
-#include "services/ekf/inputs/even_wheels.hpp"
+#include "services/ekf/wheel_faults/even_wheels.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace curbstone::ekf::inputs {
+namespace curbstone::ekf::wheel_faults {
 
 namespace {
 
@@ -13,7 +13,7 @@ constexpr double kSteadyTime = 0.5;  // s, at either end, over which its acceler
 
 }  // namespace
 
-void EvenWheels::add(const WheelInterval& interval, double inertial_speed) {
+void EvenWheels::add(const inputs::WheelInterval& interval, double inertial_speed) {
   if (interval.begin != end_) points_.clear();
   end_ = interval.end;
   Point next;
@@ -73,4 +73,4 @@ bool EvenWheels::felt_another_speed(std::size_t from) const {
   return change > limit && leap < kOneLeap * change && std::abs(acceleration(last_begin, last) - at_first) < kSettled;
 }
 
-}  // namespace curbstone::ekf::inputs
+}  // namespace curbstone::ekf::wheel_faults

@@ -1,4 +1,4 @@
-#include "services/ekf/detection/wheel_dispute.hpp"
+#include "services/ekf/wheel_faults/wheel_dispute.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::wheel_faults {
 namespace {
 
 using Finding = WheelDispute::Finding;
@@ -163,4 +163,4 @@ TEST(RecentSpeedsTest, AfterAnInterruptionNoImuHasLeapt) {
 }
 
 }  // namespace
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::wheel_faults

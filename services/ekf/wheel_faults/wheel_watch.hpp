@@ -5,13 +5,13 @@
 #include <optional>
 
 #include "services/ekf/base/ekf_config.hpp"
-#include "services/ekf/detection/recent_speeds.hpp"
-#include "services/ekf/detection/wheel_dispute.hpp"
-#include "services/ekf/detection/wheel_evidence.hpp"
-#include "services/ekf/detection/wheel_look.hpp"
-#include "services/ekf/inputs/even_wheels.hpp"
+#include "services/ekf/wheel_faults/even_wheels.hpp"
+#include "services/ekf/wheel_faults/recent_speeds.hpp"
+#include "services/ekf/wheel_faults/wheel_dispute.hpp"
+#include "services/ekf/wheel_faults/wheel_evidence.hpp"
+#include "services/ekf/wheel_faults/wheel_look.hpp"
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::wheel_faults {
 
 /// Wheels that disagree for good: a shaft that is broken, an encoder that is unplugged or counts in other steps. Slip
 /// ends (SlipJudge); these do not, so a wheel that is found faulty is withheld until it has agreed for kAgreement.
@@ -81,7 +81,7 @@ class WheelWatch {
   double track_width_;  // m
   std::array<Wheel, 2> wheels_;
   std::optional<WheelDispute> dispute_;
-  inputs::EvenWheels even_;
+  EvenWheels even_;
   bool made_up_ = false;
   RecentSpeeds recent_;
   double way_ = 0;         // m, by the filter, since it stood, without disputes
@@ -89,4 +89,4 @@ class WheelWatch {
   WheelDispute::Astray astray_;
 };
 
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::wheel_faults

@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::wheel_faults {
 
 /// How a wheel's speed has differed from the filter's, and what would explain it: least squares of the difference
 /// against the filter's speed (the wheel shows a multiple of it), the yaw rate (the track width is not the configured
@@ -49,4 +49,4 @@ class WheelEvidence {
   std::array<double, kSums> sums_{};
 };
 
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::wheel_faults

@@ -1,8 +1,8 @@
-#include "services/ekf/detection/slip_detector.hpp"
+#include "services/ekf/wheel_faults/slip_detector.hpp"
 
 #include <cmath>
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::wheel_faults {
 
 namespace {
 constexpr double kSure = 4.0;  // sigma
@@ -23,4 +23,4 @@ SlipDetector::Signs SlipDetector::add(const Comparison& c) {
   return signs;
 }
 
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::wheel_faults

@@ -21,7 +21,7 @@ struct WheelFault {
 };
 
 /// All that are tried.
-[[nodiscard]] const std::vector<WheelFault>& wheel_faults();
+[[nodiscard]] const std::vector<WheelFault>& tried_wheel_faults();
 
 /// The drive with the fault from `onset` s on.
 [[nodiscard]] Drive with_fault(Drive drive, const WheelFault& fault, double onset);

@@ -4,12 +4,12 @@
 #include <cstdint>
 
 #include "common/bus/counters.hpp"
-#include "services/ekf/detection/slip_detector.hpp"
 #include "services/ekf/inputs/wheel_odometer.hpp"
 #include "services/ekf/model/measurement_model.hpp"
 #include "services/ekf/model/motion_window.hpp"
+#include "services/ekf/wheel_faults/slip_detector.hpp"
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::wheel_faults {
 
 /// Which wheel slips, from interval to interval of the wheels: the one that the filter finds far off (a sudden slip),
 /// or that the SlipDetector shows (one that grows). It is left out for slip.hold after the last sign.
@@ -46,4 +46,4 @@ class SlipJudge {
   std::array<std::int64_t, 2> until_ = {INT64_MIN, INT64_MIN};  // us
 };
 
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::wheel_faults

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "services/ekf/detection/wheel_look.hpp"
+#include "services/ekf/wheel_faults/wheel_look.hpp"
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::wheel_faults {
 
 /// The speed by the wheels and by the IMU within the last two intervals, and whose has leapt. Pure; one thread.
 class RecentSpeeds {
@@ -38,4 +38,4 @@ class RecentSpeeds {
   int known_ = 0;
 };
 
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::wheel_faults

@@ -1,9 +1,9 @@
-#include "services/ekf/detection/wheel_evidence.hpp"
+#include "services/ekf/wheel_faults/wheel_evidence.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::wheel_faults {
 
 namespace {
 
@@ -92,4 +92,4 @@ bool WheelEvidence::may_be_drift() const {
   return beyond_multiple() >= 0.5 * beyond_drift();
 }
 
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::wheel_faults

@@ -4,7 +4,7 @@
 
 #include "services/ekf/base/ekf_config.hpp"
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::wheel_faults {
 
 /// Wheels that say something else than the IMU. A sudden slip is seen by the filter's gate already; this finds slip
 /// that grows slowly enough to pull the filter along: over some tenths of a second an IMU knows turns and changes of
@@ -39,4 +39,4 @@ class SlipDetector {
   std::deque<Difference> differences_;
 };
 
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::wheel_faults

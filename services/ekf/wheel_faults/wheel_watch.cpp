@@ -1,9 +1,9 @@
-#include "services/ekf/detection/wheel_watch.hpp"
+#include "services/ekf/wheel_faults/wheel_watch.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::wheel_faults {
 
 namespace {
 
@@ -120,4 +120,4 @@ bool WheelWatch::hides_motion() const {
   return all_faulty() && (std::abs(ratio(0)) < kFrozen || std::abs(ratio(1)) < kFrozen);
 }
 
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::wheel_faults

@@ -1,10 +1,10 @@
-#include "tests/services/ekf/wheel_faults.hpp"
+#include "tests/services/ekf/wheel_fault.hpp"
 
 #include <cmath>
 
 namespace curbstone::ekf {
 
-const std::vector<WheelFault>& wheel_faults() {
+const std::vector<WheelFault>& tried_wheel_faults() {
   static const std::vector<WheelFault> faults = {
       {"left frozen", {0, 1}},
       {"right frozen", {1, 0}},

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <optional>
 
-#include "services/ekf/detection/recent_speeds.hpp"
-#include "services/ekf/detection/wheel_evidence.hpp"
-#include "services/ekf/detection/wheel_look.hpp"
+#include "services/ekf/wheel_faults/recent_speeds.hpp"
+#include "services/ekf/wheel_faults/wheel_evidence.hpp"
+#include "services/ekf/wheel_faults/wheel_look.hpp"
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::wheel_faults {
 
 /// All trusted wheels are refused without a break: either they are wrong, or the filter is. By how the two came apart
 /// it finds whose fault it is.
@@ -69,4 +69,4 @@ class WheelDispute {
   double expected_speed_ = 0.0;             // m/s
 };
 
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::wheel_faults

@@ -1,10 +1,10 @@
-#include "services/ekf/detection/wheel_watch.hpp"
+#include "services/ekf/wheel_faults/wheel_watch.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::wheel_faults {
 namespace {
 
 using Finding = WheelWatch::Finding;
@@ -178,4 +178,4 @@ TEST(WheelWatchTest, WheelsThatAreWrongEachInItsWayAreBothFaulty) {
 }
 
 }  // namespace
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::wheel_faults

@@ -1,11 +1,11 @@
-#include "services/ekf/detection/slip_detector.hpp"
+#include "services/ekf/wheel_faults/slip_detector.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::wheel_faults {
 namespace {
 
 constexpr double kInterval = 0.05;  // s, of the wheels
@@ -107,4 +107,4 @@ TEST_F(SlipDetectorTest, AResetForgetsWhatWasBefore) {
 }
 
 }  // namespace
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::wheel_faults

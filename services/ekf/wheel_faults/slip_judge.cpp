@@ -1,6 +1,6 @@
-#include "services/ekf/detection/slip_judge.hpp"
+#include "services/ekf/wheel_faults/slip_judge.hpp"
 
-namespace curbstone::ekf::detection {
+namespace curbstone::ekf::wheel_faults {
 
 void SlipJudge::judge(const inputs::WheelInterval& interval, const std::array<double, 2>& distances,
                       const std::array<bool, 2>& faulty, const model::NavState& state,
@@ -45,4 +45,4 @@ void SlipJudge::accuse(std::int64_t utime) {
   until_.fill(utime + static_cast<std::int64_t>(config_.hold / base::kSecondsPerMicrosecond));
 }
 
-}  // namespace curbstone::ekf::detection
+}  // namespace curbstone::ekf::wheel_faults

@@ -7,7 +7,7 @@
 
 #include "services/ekf/inputs/wheel_odometer.hpp"
 
-namespace curbstone::ekf::inputs {
+namespace curbstone::ekf::wheel_faults {
 
 /// Whether the wheels' counts are made up: both turn on evenly, to fractions of a millimetre, while the IMU speeds up
 /// or slows down and then goes on evenly too. So does a gateway that repeats the speed of before, or a drive that
@@ -27,7 +27,7 @@ class EvenWheels {
 
   /// The next interval. Where it does not begin at the last one's end, all begins anew. `inertial_speed`: m/s, by the
   /// IMU alone since any start, mean over it.
-  void add(const WheelInterval& interval, double inertial_speed);
+  void add(const inputs::WheelInterval& interval, double inertial_speed);
   /// Both turn evenly.
   [[nodiscard]] bool even() const { return even_; }
   /// And the IMU has felt another speed, not by one leap, and does no longer: they are made up.
@@ -53,4 +53,4 @@ class EvenWheels {
   double change_ = 0.0;
 };
 
-}  // namespace curbstone::ekf::inputs
+}  // namespace curbstone::ekf::wheel_faults
