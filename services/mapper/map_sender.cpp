@@ -38,7 +38,7 @@ void MapSender::start_epoch(std::int32_t epoch, const dense_map::DenseMap& map, 
   catalog_.start_epoch(epoch);
   sent_.clear();
   changed_.clear();
-  is_changed_.clear();
+  changed_.look_from(nearest_first.x(), nearest_first.y());
   std::vector<TileKey> keys = map.keys();
   const auto distance = [&](TileKey key) { return squared_distance(key, nearest_first.x(), nearest_first.y()); };
   std::stable_sort(keys.begin(), keys.end(), [&](TileKey a, TileKey b) { return distance(a) < distance(b); });
@@ -48,9 +48,7 @@ void MapSender::start_epoch(std::int32_t epoch, const dense_map::DenseMap& map, 
 }
 
 void MapSender::changed(const std::vector<TileKey>& tiles) {
-  for (const TileKey& key : tiles) {
-    if (is_changed_.insert(key).second) changed_.push_back(key);
-  }
+  for (const TileKey& key : tiles) changed_.push(key);
 }
 
 void MapSender::forget(const std::vector<TileKey>& tiles) {
@@ -90,26 +88,21 @@ void MapSender::send_changes(const dense_map::DenseMap& map, std::int64_t now) {
   sent_at_ = now;
   int messages = kMessagesInATurn * turns_;
   int points = kPointsInATurn * turns_;
-  for (std::size_t looks = changed_.size(); looks > 0 && messages > 0 && points > 0; --looks) {
-    const TileKey key = changed_.front();
-    changed_.pop_front();
-    const dense_map::DenseTile* tile = map.tile(key);
-    if (tile == nullptr) {  // given up meanwhile
-      is_changed_.erase(key);
-      continue;
-    }
-    std::int32_t& sent = sent_[key];
+  std::vector<TileKey> unfinished;  // a large tile goes out in parts, and lets others in between
+  while (messages > 0 && points > 0) {
+    const std::optional<TileKey> key = changed_.pop();
+    if (!key) break;
+    const dense_map::DenseTile* tile = map.tile(*key);
+    if (tile == nullptr) continue;  // given up meanwhile
+    std::int32_t& sent = sent_[*key];
     const std::int32_t before = sent;
-    sent = send_points(map, key, before);
+    sent = send_points(map, *key, before);
     --messages;
     points -= sent - before;
-    catalog_.set_version(key, sent);
-    if (sent < static_cast<std::int32_t>(tile->records().size())) {
-      changed_.push_back(key);
-    } else {
-      is_changed_.erase(key);
-    }
+    catalog_.set_version(*key, sent);
+    if (sent < static_cast<std::int32_t>(tile->records().size())) unfinished.push_back(*key);
   }
+  changed(unfinished);
 }
 
 void MapSender::send_requested(const dense_map::DenseMap& map) {
@@ -128,6 +121,7 @@ void MapSender::send_trajectory() {
 }
 
 void MapSender::send_index(std::int64_t now, const Eigen::Vector3d& position) {
+  changed_.look_from(position.x(), position.y());
   for (const tile_index_t& page : drive_.make_index(now)) bus_.publish("TILE_INDEX", page);
   for (const tile_index_t& page : catalog_.make_index(now, position.x(), position.y()))
     bus_.publish("TILE_INDEX", page);
@@ -135,16 +129,13 @@ void MapSender::send_index(std::int64_t now, const Eigen::Vector3d& position) {
 
 void MapSender::finish(const dense_map::DenseMap& map) {
   while (!trajectory_.empty()) send_trajectory();
-  while (!changed_.empty()) {
-    const TileKey key = changed_.front();
-    changed_.pop_front();
-    std::int32_t& sent = sent_[key];
-    const dense_map::DenseTile* tile = map.tile(key);
+  while (const std::optional<TileKey> key = changed_.pop()) {
+    const dense_map::DenseTile* tile = map.tile(*key);
     if (tile == nullptr) continue;
-    while (sent < static_cast<std::int32_t>(tile->records().size())) sent = send_points(map, key, sent);
-    catalog_.set_version(key, sent);
+    std::int32_t& sent = sent_[*key];
+    while (sent < static_cast<std::int32_t>(tile->records().size())) sent = send_points(map, *key, sent);
+    catalog_.set_version(*key, sent);
   }
-  is_changed_.clear();
 }
 
 }  // namespace curbstone::mapper

@@ -5,13 +5,13 @@
 #include <curbstone/tile_request_t.hpp>
 #include <deque>
 #include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
 #include "common/bus/node.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/mapper/dense_map/dense_map.hpp"
 #include "services/mapper/drive_log.hpp"
+#include "services/mapper/send_queue.hpp"
 #include "services/mapper/trajectory.hpp"
 
 namespace curbstone::mapper {
@@ -26,7 +26,7 @@ class MapSender {
   /// Everything of the epoch before is void: all of the map goes out anew, and with it the drive until now.
   void start_epoch(std::int32_t epoch, const dense_map::DenseMap& map, const Eigen::Vector3d& nearest_first,
                    const std::vector<TrajectoryPoint>& drive);
-  /// These have grown; they go out in this order.
+  /// These have grown; they go out in this order, those near the vehicle first.
   void changed(const std::vector<TileKey>& tiles);
   /// The map has given these up.
   void forget(const std::vector<TileKey>& tiles);
@@ -59,8 +59,7 @@ class MapSender {
   std::int64_t sent_at_ = 0;                                     // us
   int turns_ = 1;                                                // of kTurn, that the last send_changes() covered
   std::unordered_map<TileKey, std::int32_t, TileKeyHash> sent_;  // records that went out
-  std::deque<TileKey> changed_;                                  // in the order in which they will be sent
-  std::unordered_set<TileKey, TileKeyHash> is_changed_;
+  SendQueue changed_;
   std::deque<map_trajectory_t> trajectory_;  // pages that will be sent
   DriveLog drive_;
 };

@@ -210,8 +210,10 @@ Mapper::Mapped Mapper::map(const tracking::Tracked& tracked) {
 }
 
 /// Back at a place of long ago: the whole drive is put right, and the map with it. How the vehicle moves, T_new_old;
-/// nothing if all stays where it is.
+/// nothing if all stays where it is. While the map still moves by an earlier loop, the next one waits.
 std::optional<Pose> Mapper::close_loop(const tracking::Tracked& tracked) {
+  dense_->wait_grown();
+  if (dense_->is_moving()) return std::nullopt;
   const auto closure = closer_.look(atlas_, relocalizer_, *tracked.points, tracked.T_map_base);
   if (!closure) return std::nullopt;
   const auto correction = closer_.solve(atlas_, *closure, tracked.T_map_base);
@@ -231,7 +233,7 @@ std::optional<Pose> Mapper::close_loop(const tracking::Tracked& tracked) {
 /// The tiles begin anew, without their records of what has gone, once those are too many. Whether they did.
 bool Mapper::drop_removals() {
   dense_->wait_grown();
-  if (dense_->num_removals() < kMostRemovals) return false;
+  if (dense_->is_moving() || dense_->num_removals() < kMostRemovals) return false;
   dense_->move({});
   return true;
 }

@@ -70,6 +70,7 @@ void MapperNode::keep_map() {
   if (!saver_ || config_.save_every <= 0) return;
   if (kept_ == 0) kept_ = last_end_;
   if (saver_->busy() || std::abs(last_end_ - kept_) < microseconds(config_.save_every)) return;
+  if (mapper_.grown().is_moving()) return;  // not all of the map is there
   kept_ = last_end_;
   mapper_.wait();
   saver_->begin(mapper_.snapshot(epoch_, saver_->on_disk()));

@@ -17,6 +17,8 @@ constexpr std::int64_t kRemoveEvery = 1'000'000;  // us: whoever votes counts su
 constexpr double kWorldEdge = 90'000;             // m from the start, in either axis
 constexpr std::size_t kAhead = 12;                // points that memory is asked for what they need before their turn
 constexpr int kHighestStep = 32000;               // of a point above its tile's origin, either way
+constexpr std::size_t kMovedAtOnce = 300'000;     // points, in the time that a pose may be late,
+constexpr std::size_t kMovedByScan = 100'000;     // and within the time of a scan
 
 /// tile_at() of what can be mapped.
 std::optional<TileKey> mapped_tile_at(const Eigen::Vector3d& p) {
@@ -34,21 +36,9 @@ std::optional<TilePoint> point_in_tile(const Eigen::Vector3d& offset, std::uint8
                    intensity};
 }
 
-/// What a node's correction makes of what was seen from it.
-Pose correction_of(const DenseTile::Run& run, const std::vector<Pose>& corrections) {
-  const bool moves = run.anchor >= 0 && static_cast<std::size_t>(run.anchor) < corrections.size();
-  return moves ? corrections[static_cast<std::size_t>(run.anchor)] : Pose::Identity();
-}
-
-/// m that a point of a tile goes, at most.
-double farthest_move(TileKey key, const DenseTile& tile, const std::vector<Pose>& corrections) {
-  const Eigen::Vector3d corner = corner_of(key, tile);
-  double farthest = 0;
-  for (const DenseTile::Run& run : tile.runs()) {
-    const Pose T = correction_of(run, corrections);
-    farthest = std::max(farthest, (T * corner - corner).norm() + angle_of(T) * 2 * kTileSize);
-  }
-  return farthest;
+void sort_and_unite(std::vector<TileKey>& keys) {
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
 /// Names a waiting voxel in the index of all of them. Not a lattice cell, but as unique.
@@ -78,6 +68,10 @@ std::vector<TileKey> DenseMap::insert(const std::vector<scan::LidarPoint>& point
     hit(in_range_[i], utime, add_new);
   }
   std::vector<TileKey> grown = settle_all(utime, false);
+  if (is_moving()) {
+    move_some(kMovedByScan, grown);
+    sort_and_unite(grown);
+  }
   if (round_ % kHousekeeping == 0) {
     places_.forget_before(utime - 2 * kGiveUp);  // what waits below one is given up before
     bound_memory();
@@ -86,7 +80,12 @@ std::vector<TileKey> DenseMap::insert(const std::vector<scan::LidarPoint>& point
 }
 
 std::vector<TileKey> DenseMap::finish() {
-  return settle_all(0, true);
+  std::vector<TileKey> changed;
+  move_rest(changed);
+  const std::vector<TileKey> settled = settle_all(0, true);
+  changed.insert(changed.end(), settled.begin(), settled.end());
+  sort_and_unite(changed);
+  return changed;
 }
 
 std::vector<TileKey> DenseMap::look_through(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base,
@@ -233,8 +232,7 @@ std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, bool last_call) {
     free_.push_back(static_cast<std::uint32_t>(i));
   }
   if (size_ != before) counters_.add("dense.points", size_ - before);
-  std::sort(grown.begin(), grown.end());
-  grown.erase(std::unique(grown.begin(), grown.end()), grown.end());
+  sort_and_unite(grown);
   return grown;
 }
 
@@ -257,53 +255,44 @@ void DenseMap::forget_waiting() {
   places_.clear();
 }
 
-/// Goes from west to east: behind it, where nothing comes in any more, what is far from the vehicle falls asleep at
-/// once, so that the whole map is never awake.
 void DenseMap::move(const std::vector<Pose>& corrections) {
-  TileGrid before = std::exchange(tiles_, TileGrid(voxel_steps_));
+  std::vector<TileKey> moved;  // all tiles are other ones, and whoever asks for keys() gets them
+  move_rest(moved);            // of an earlier correction
+  mover_ = TileMover(std::exchange(tiles_, TileGrid(voxel_steps_)), corrections, base_);
   forget_waiting();
   size_ = num_removals_ = 0;
-  const std::vector<TileKey> keys = before.keys();
-  double farthest = 0;
-  for (const TileKey& key : keys) farthest = std::max(farthest, farthest_move(key, *before.find(key), corrections));
-  const int reach = static_cast<int>(std::min(std::ceil(farthest / kTileSize), kWorldEdge / kTileSize)) + 1;  // tiles
-  for (std::size_t k = 0; k < keys.size(); ++k) {
-    const TileKey key = keys[k];
-    if (k > 0 && key.x != keys[k - 1].x) tiles_.sleep_west_of(key.x - reach, base_, config_.max_range + kAwake);
-    const DenseTile& tile = *before.find(key);
-    const std::vector<bool> there = tile.standing();
-    const Eigen::Vector3d corner = corner_of(key, tile);
-    for (std::size_t r = 0; r < tile.runs().size(); ++r) {
-      const DenseTile::Run& run = tile.runs()[r];
-      const std::size_t end = tile.end_of(r);
-      const Pose T = correction_of(run, corrections);
-      for (auto i = static_cast<std::size_t>(run.first); i < end; ++i) {
-        if (!there[i]) continue;
-        const TilePoint& p = tile.records()[i];
-        const Eigen::Vector3d half(0.5, 0.5, 0.5);  // a point stands for its step's middle
-        const Eigen::Vector3d was = corner + kPositionStep * (Eigen::Vector3d(p.x, p.y, p.z) + half);
-        put(T * was, tile.z_origin(), p.intensity, run);
-      }
-    }
-    before.erase(key);
-  }
+  move_some(kMovedAtOnce, moved);
 }
 
-/// A point that was settled once, at its new place.
-void DenseMap::put(const Eigen::Vector3d& point, std::int32_t z_origin, std::uint8_t intensity,
-                   const DenseTile::Run& run) {
-  const auto key = mapped_tile_at(point);
-  if (!key) return;
-  DenseTile& tile = tiles_.wake_or_make(*key, z_origin);
-  const auto in_tile = point_in_tile(point - corner_of(*key, tile), intensity);
-  if (!in_tile || tile.occupied(tile.voxel_number(*in_tile))) return;
-  tile.append(*in_tile, run.utime, run.anchor);
+void DenseMap::move_some(std::size_t most, std::vector<TileKey>& grown) {
+  mover_.move(most, [&](const MovedPoint& point) {
+    const auto key = put(point);
+    if (key && (grown.empty() || grown.back() != *key)) grown.push_back(*key);
+  });
+  (void)tiles_.sleep_beyond(base_, config_.max_range + kAwake);  // so that the whole map is never awake
+}
+
+void DenseMap::move_rest(std::vector<TileKey>& grown) {
+  while (is_moving()) move_some(kMovedAtOnce, grown);
+}
+
+/// Returns the tile that has taken it; nothing if there is no room for it in its voxel.
+std::optional<TileKey> DenseMap::put(const MovedPoint& point) {
+  const auto key = mapped_tile_at(point.position);
+  if (!key) return std::nullopt;
+  DenseTile& tile = tiles_.wake_or_make(*key, point.z_origin);
+  const auto in_tile = point_in_tile(point.position - corner_of(*key, tile), point.intensity);
+  if (!in_tile || tile.occupied(tile.voxel_number(*in_tile))) return std::nullopt;
+  tile.append(*in_tile, point.utime, point.anchor);
   ++size_;
   float& lowest = tile.lowest_at(*in_tile);
-  lowest = std::min(lowest, static_cast<float>(point.z()));
+  lowest = std::min(lowest, static_cast<float>(point.position.z()));
+  return key;
 }
 
 void DenseMap::roll_back(std::int64_t utime) {
+  std::vector<TileKey> moved;
+  move_rest(moved);
   forget_waiting();
   size_ = num_removals_ = 0;
   tiles_.for_each([&](DenseTile& tile) {

@@ -13,6 +13,7 @@
 #include "services/mapper/dense_map/free_space.hpp"
 #include "services/mapper/dense_map/persistence_filter.hpp"
 #include "services/mapper/dense_map/tile_grid.hpp"
+#include "services/mapper/dense_map/tile_mover.hpp"
 #include "services/mapper/intensity/ring_table.hpp"
 #include "services/mapper/scan/scan.hpp"
 #include "services/mapper/voxels/flat_index.hpp"
@@ -49,8 +50,11 @@ class DenseMap {
   static constexpr std::int32_t kFixed = -1;  ///< an anchor that never moves
 
   /// The nodes have been moved: every point goes where its anchor's correction, T_new_old by number, takes it. Where
-  /// two come into one voxel, one stays. What still waited is forgotten. All tiles are other ones now.
+  /// two come into one voxel, one stays. What still waited is forgotten. All tiles are other ones now: those about the
+  /// vehicle at once, the others with the scans that follow, whose insert() tells of them.
   void move(const std::vector<Pose>& corrections);
+  /// Points are still to be moved: in no tile are they meanwhile. finish() and roll_back() move them first.
+  [[nodiscard]] bool is_moving() const { return !mover_.is_done(); }
   /// Forgets what was settled after `utime`, to about a second, and what waits; what was taken out since is there
   /// again.
   void roll_back(std::int64_t utime);
@@ -105,13 +109,16 @@ class DenseMap {
   [[nodiscard]] bool settle(Waiting& waiting, std::int64_t utime, bool last_call);
   std::vector<TileKey> settle_all(std::int64_t utime, bool last_call);
   void forget_waiting();
-  void put(const Eigen::Vector3d& point, std::int32_t z_origin, std::uint8_t intensity, const DenseTile::Run& run);
+  void move_some(std::size_t most, std::vector<TileKey>& grown);
+  void move_rest(std::vector<TileKey>& grown);
+  std::optional<TileKey> put(const MovedPoint& point);
   void bound_memory();
 
   config::DenseConfig config_;
   int voxel_steps_;
   std::int64_t settle_us_;
   TileGrid tiles_;
+  TileMover mover_;  // of what is still to be moved into them
   std::vector<Waiting> waiting_;
   voxels::FlatIndex waiting_index_;
   std::vector<std::uint32_t> free_;  // of waiting_

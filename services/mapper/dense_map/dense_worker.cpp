@@ -57,7 +57,7 @@ void DenseWorker::start(const Work& to_look, const Work& to_grow) {
     if (to_look) look_through(map_, *to_look, T_base_lidar_, result.changed);
     if (to_grow) {
       grow(map_, *to_grow, result.changed);
-      result.num_removals = map_.num_removals();
+      result.grown = {map_.num_removals(), map_.is_moving()};
     }
     return result;
   });
@@ -67,7 +67,7 @@ void DenseWorker::wait_grown() {
   if (!under_way_.valid()) return;
   const Result result = under_way_.get();
   append(changed_, result.changed);
-  num_removals_ = result.num_removals.value_or(num_removals_);
+  grown_ = result.grown.value_or(grown_);
   counters_ = map_.counters();
 }
 
@@ -109,7 +109,7 @@ std::vector<TileKey> DenseWorker::finish() {
 }
 
 void DenseWorker::note_change() {
-  num_removals_ = map_.num_removals();
+  grown_ = {map_.num_removals(), map_.is_moving()};
   counters_ = map_.counters();
 }
 

@@ -73,7 +73,9 @@ class DenseWorker {
   [[nodiscard]] const DenseMap& grown() const;
 
   /// DenseMap::num_removals() when the map had last grown, or was last changed.
-  [[nodiscard]] std::int64_t num_removals() const { return num_removals_; }
+  [[nodiscard]] std::int64_t num_removals() const { return grown_.num_removals; }
+  /// DenseMap::is_moving(), likewise.
+  [[nodiscard]] bool is_moving() const { return grown_.is_moving; }
   /// Those of the map when it was last waited for.
   [[nodiscard]] const Counters& counters() const { return counters_; }
   /// Tiles that the work waited for has changed since the last call; each may be there more than once.
@@ -85,9 +87,14 @@ class DenseWorker {
 
  private:
   using Work = std::shared_ptr<const DenseWork>;
+  /// What is known of the map once it has grown.
+  struct Grown {
+    std::int64_t num_removals = 0;
+    bool is_moving = false;
+  };
   struct Result {
     std::vector<TileKey> changed;
-    std::optional<std::int64_t> num_removals;  // nothing: it has not grown
+    std::optional<Grown> grown;  // nothing: it has not
   };
   void start(const Work& to_look, const Work& to_grow);
   void note_change();
@@ -98,7 +105,7 @@ class DenseWorker {
   std::future<Result> under_way_;
   Work to_look_;  // whose look is still to begin
   std::vector<TileKey> changed_;
-  std::int64_t num_removals_ = 0;
+  Grown grown_;
   Counters counters_;
 };
 

@@ -94,13 +94,6 @@ std::vector<TileKey> TileGrid::sleep_beyond(const Eigen::Vector3d& place, double
   return keys;
 }
 
-void TileGrid::sleep_west_of(std::int32_t x, const Eigen::Vector3d& place, double distance) {
-  recent_.fill({});
-  for (auto& [key, tile] : tiles_) {
-    if (key.x < x && distance_of(key, place) >= distance) tile.sleep();
-  }
-}
-
 double TileGrid::lowest_about(const Eigen::Vector3d& point) {
   double lowest = std::numeric_limits<double>::infinity();
   const int west = voxels::floor_to_int(point.x() * DenseTile::kColumnsPerMetre - 0.5);

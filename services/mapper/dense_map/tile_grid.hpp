@@ -44,8 +44,6 @@ class TileGrid {
   void sleep(TileKey key);
   /// Puts those to sleep whose middle is `distance` m from a place (map) and more. They, the nearest first.
   std::vector<TileKey> sleep_beyond(const Eigen::Vector3d& place, double distance);
-  /// Of those west of `x` (of a key): puts to sleep whose middle is `distance` m from a place (map) and more.
-  void sleep_west_of(std::int32_t x, const Eigen::Vector3d& place, double distance);
   /// visit(tile), of every tile, asleep or not.
   template <class Visit>
   void for_each(Visit visit) {

@@ -70,7 +70,7 @@ void DriveJournal::write(const dense_map::DenseMap& map, const pose_graph::Atlas
   items += new_items(map, atlas);
   if (items.empty() && now - appended_ < kSignOfLife && now >= appended_) return;
   appended_ = now;
-  writer_.append(make_batch(items), is_complete(atlas));
+  writer_.append(make_batch(items), is_complete(map, atlas));
 }
 
 void DriveJournal::begin(std::string& items, const dense_map::DenseMap& map, const pose_graph::Atlas& atlas) {
@@ -108,13 +108,13 @@ std::string DriveJournal::new_items(const dense_map::DenseMap& map, const pose_g
     append_tile(items, key, *tile, written.records, written.runs);
     written = {tile->records().size(), tile->runs().size(), written.bytes + items.size() - before};
   }
-  if (!is_complete(atlas)) return items;
+  if (!is_complete(map, atlas)) return items;
   for (const RecordedPose& pose : std::exchange(poses_, {})) append_pose(items, pose);
   return items;
 }
 
-bool DriveJournal::is_complete(const pose_graph::Atlas& atlas) const {
-  return nodes_ == atlas.size() && edges_ == atlas.edges().size() && changed_.empty();
+bool DriveJournal::is_complete(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas) const {
+  return !map.is_moving() && nodes_ == atlas.size() && edges_ == atlas.edges().size() && changed_.empty();
 }
 
 void DriveJournal::give_up(std::int64_t now, const std::string& why) {

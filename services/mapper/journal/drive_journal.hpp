@@ -53,7 +53,7 @@ class DriveJournal {
   };
   void begin(std::string& items, const dense_map::DenseMap& map, const pose_graph::Atlas& atlas);
   [[nodiscard]] std::string new_items(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas);
-  [[nodiscard]] bool is_complete(const pose_graph::Atlas& atlas) const;
+  [[nodiscard]] bool is_complete(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas) const;
   void give_up(std::int64_t now, const std::string& why);
 
   JournalLock lock_;

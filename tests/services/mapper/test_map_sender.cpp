@@ -124,6 +124,32 @@ TEST_F(MapSenderTest, ANewEpochSendsAllOfTheMapNearestFirstAndTheDriveInPages) {
   EXPECT_EQ(pages[1].revolutions.back(), 999);
 }
 
+TEST_F(MapSenderTest, WhatIsSeenForTheFirstTimeDoesNotWaitBehindAMapThatGoesOutAnew) {
+  for (int x = 20; x < 200; ++x) fill(map, {x, 0}, 1000);
+  sender.start_epoch(1, map, Eigen::Vector3d::Zero(), {});
+  (void)sent_at_once();
+  fill(map, {2, 0}, 10);
+  sender.changed({{2, 0}});
+  const auto now_sent = sent_at_once();
+  ASSERT_FALSE(now_sent.empty());
+  EXPECT_EQ(key_of(now_sent.front()), (TileKey{2, 0}));
+  EXPECT_EQ(now_sent.size(), 6U) << "the rest goes out behind it";
+}
+
+TEST_F(MapSenderTest, WhatTheVehicleComesNearToGoesBeforeTheRest) {
+  (void)sent_at_once();
+  for (int x = 20; x < 200; ++x) fill(map, {x, 0}, 1000);
+  sender.start_epoch(1, map, Eigen::Vector3d::Zero(), {});
+  sender.send_index(now, {540, 0, 0});
+  std::vector<TileKey> order;
+  for (const map_points_t& m : sent_at_once()) order.push_back(key_of(m));
+  ASSERT_EQ(order.size(), 5U);
+  for (const TileKey& key : order) EXPECT_NEAR(3 * key.x, 540, 45);
+  std::size_t all = order.size();
+  for (int turn = 0; turn < 40; ++turn) all += sent_at_once().size();
+  EXPECT_EQ(all, 180U) << "each goes out once";
+}
+
 TEST_F(MapSenderTest, AnswersARequestFromWhatTheAskerHasAndNoMoreThanHasGoneOut) {
   fill(map, {2, 3}, 4000);
   sender.changed({{2, 3}});

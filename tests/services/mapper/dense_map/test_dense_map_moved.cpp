@@ -66,6 +66,62 @@ TEST(DenseMap, WhatLiesFarFromTheVehicleSleepsWhenTheNodesHaveMoved) {
   }
 }
 
+/// A street to the east, `tiles` long, of 2000 points a tile: each tile with a node of its own.
+DenseMap street(int tiles) {
+  DenseMap map{config::DenseConfig{}};
+  for (int x = 0; x < tiles; ++x) {
+    std::vector<TilePoint> records;
+    for (int i = 0; i < 2000; ++i) {
+      records.push_back(
+          {static_cast<std::int16_t>(12 + 25 * (i % 50)), static_cast<std::int16_t>(12 + 25 * (i / 50)), 0, 1});
+    }
+    map.restore({x, 0}, 0, std::move(records), {{x, 0, kStart + x}}, Eigen::Vector3d::Zero());
+  }
+  return map;
+}
+
+TEST(DenseMap, ALongDriveMovesBitByBitThoseTilesFirstThatAreNearTheVehicle) {
+  DenseMap map = street(400);
+  const std::int64_t size = map.size();
+  map.move(std::vector<Pose>(400, Pose(Eigen::Translation3d(0, 0, 1))));
+  ASSERT_TRUE(map.is_moving());
+  EXPECT_GT(map.size(), 250'000) << "what the vehicle needs next is there";
+  EXPECT_LT(map.size(), 400'000) << "and no pose waits for the rest";
+  EXPECT_NE(map.tile({100, 0}), nullptr);
+  EXPECT_EQ(map.tile({399, 0}), nullptr);
+  std::vector<TileKey> told = map.keys();
+  for (int scan = 0; map.is_moving(); ++scan) {
+    ASSERT_LT(scan, 10);
+    for (const TileKey& key : map.insert({}, Pose::Identity(), kStart + kPeriod * scan)) told.push_back(key);
+  }
+  EXPECT_EQ(map.size(), size);
+  EXPECT_EQ(told, map.keys()) << "nearest first, and each tile was told of once it was there";
+  for (const TileKey& key : map.keys()) {
+    ASSERT_EQ(map.tile(key)->num_points(), 2000U);
+    EXPECT_EQ(map.tile(key)->records().front().z, 500) << "1 m";
+  }
+}
+
+TEST(DenseMap, FinishesWhatStillMoves) {
+  DenseMap map = street(400);
+  const std::int64_t size = map.size();
+  map.move(std::vector<Pose>(400, Pose::Identity()));
+  const std::vector<TileKey> told = map.finish();
+  EXPECT_FALSE(map.is_moving());
+  EXPECT_EQ(map.size(), size);
+  EXPECT_NE(std::find(told.begin(), told.end(), TileKey{399, 0}), told.end());
+}
+
+TEST(DenseMap, ASecondCorrectionMovesEveryPointByBoth) {
+  DenseMap map = street(400);
+  const std::vector<Pose> up(400, Pose(Eigen::Translation3d(0, 0, 1)));
+  map.move(up);
+  map.move(up);
+  (void)map.finish();
+  EXPECT_EQ(map.size(), 800'000);
+  for (const TileKey& key : map.keys()) EXPECT_EQ(map.tile(key)->records().front().z, 1000) << key.x;
+}
+
 TEST(DenseMap, WhereTwoPassesComeTogetherAVoxelKeepsOnePoint) {
   DenseMap map = anchored_drive();
   const std::int64_t one = map.size() / 4;

@@ -67,6 +67,9 @@ class KilledMapperTest : public ::testing::Test {
   /// busy.
   void kill_mapper() {
     if (!config_.journal.empty()) await_journal();
+    kill_mapper_at_once();
+  }
+  void kill_mapper_at_once() {
     node_.reset();
     mapper_bus_.reset();
   }

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <unordered_map>
+
+#include "common/tiles/tile.hpp"
+
+namespace curbstone::mapper {
+
+/// Tiles that wait to be sent: those about the vehicle before all others, each group in the order in which they came.
+/// After a loop the whole map waits, for a minute or more; what the vehicle sees for the first time does not wait
+/// behind it. Each tile waits once.
+class SendQueue {
+ public:
+  static constexpr double kNear = 40;  ///< m from the vehicle to a tile's middle: twice as far as is mapped
+
+  /// The vehicle is there, m in map: what has come near it goes before the rest.
+  void look_from(double x, double y) {
+    x_ = x;
+    y_ = y;
+    for (const TileKey& key : far_) {
+      const auto waits = is_near_.find(key);
+      if (waits == is_near_.end() || waits->second || !is_near(key)) continue;
+      waits->second = true;
+      near_.push_back(key);
+    }
+  }
+  void push(TileKey key) {
+    const auto [waits, is_new] = is_near_.try_emplace(key, is_near(key));
+    if (is_new) {
+      (waits->second ? near_ : far_).push_back(key);
+    } else if (!waits->second && is_near(key)) {
+      waits->second = true;
+      near_.push_back(key);
+    }
+  }
+  /// The next one, which waits no more; nothing if none does.
+  [[nodiscard]] std::optional<TileKey> pop() {
+    for (std::deque<TileKey>* queue : {&near_, &far_}) {
+      while (!queue->empty()) {
+        const TileKey key = queue->front();
+        queue->pop_front();
+        const auto waits = is_near_.find(key);
+        if (waits == is_near_.end() || waits->second != (queue == &near_)) continue;  // has gone to the other group
+        is_near_.erase(waits);
+        return key;
+      }
+    }
+    return std::nullopt;
+  }
+  void clear() {
+    near_.clear();
+    far_.clear();
+    is_near_.clear();
+  }
+
+ private:
+  [[nodiscard]] bool is_near(TileKey key) const { return squared_distance(key, x_, y_) < kNear * kNear; }
+
+  double x_ = 0;
+  double y_ = 0;
+  std::deque<TileKey> near_;
+  std::deque<TileKey> far_;
+  std::unordered_map<TileKey, bool, TileKeyHash> is_near_;  // of all that wait: in which group
+};
+
+}  // namespace curbstone::mapper
