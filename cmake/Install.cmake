@@ -14,11 +14,12 @@ endif()
 # keep the page open at the end, it builds what it runs more.
 add_custom_target(demo DEPENDS curbstone curbstone-deputy curbstone-lidar curbstone-imu curbstone-encoder
   curbstone-ekf curbstone-mapper curbstone-tensor-voting curbstone-semantic-map curbstone-recorder curbstone-viewer)
-# Those that link PCL, and half of a desktop with it.
-set(tools curbstone-bench curbstone-detect curbstone-export)
-list(REMOVE_ITEM programs ${tools})
+if(NOT CURBSTONE_VEHICLE_ONLY)
+  set(tools curbstone-bench curbstone-detect curbstone-export)
+  list(REMOVE_ITEM programs ${tools})
+  install(TARGETS ${tools} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
+endif()
 install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT vehicle)
-install(TARGETS ${tools} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
 install(PROGRAMS scripts/lcm-spy DESTINATION ${CMAKE_INSTALL_BINDIR} RENAME curbstone-lcm-spy COMPONENT tools)
 
 install(DIRECTORY ${PROJECT_BINARY_DIR}/lcmtypes/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})

@@ -1,7 +1,11 @@
 # How every target of the project is compiled: link `curbstone_options` (PRIVATE), nothing is global.
 option(CURBSTONE_WERROR "Warnings are errors" OFF)
+option(CURBSTONE_VEHICLE_ONLY "What runs on a vehicle or in the demo: no tests, and nothing that links PCL" OFF)
 set(CURBSTONE_SANITIZE "" CACHE STRING "Sanitizers, as for -fsanitize=")
 
+if(CURBSTONE_VEHICLE_ONLY)
+  set(BUILD_TESTING OFF)
+endif()
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
 endif()
