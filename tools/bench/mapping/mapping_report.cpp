@@ -56,6 +56,7 @@ nlohmann::json mapping_json(const MappingResult& r) {
                          {"end_percent", r.errors.end_percent},
                          {"ms_median", r.ms_median},
                          {"ms_p95", r.ms_p95},
+                         {"ms_max", r.ms_max},
                          {"memory_mb", r.memory_mb},
                          {"poses", r.poses},
                          {"revolutions", r.revolutions},

@@ -66,6 +66,7 @@ MappingResult run_mapping(const drives::MappingDrive& drive, const std::string& 
   result.errors = evaluate::truth::trajectory_errors(result.track);
   result.ms_median = quantile_or(wall, 0.5, 0);
   result.ms_p95 = quantile_or(wall, 0.95, 0);
+  result.ms_max = quantile_or(wall, 1.0, 0);
   result.cpu_ms_median = quantile_or(cpu, 0.5, 0);
   result.cpu_ms_p95 = quantile_or(cpu, 0.95, 0);
   return result;

@@ -17,6 +17,7 @@ struct MappingResult {
   evaluate::truth::TrajectoryErrors errors;
   Nees nees;  ///< of increments over half a second, as a filter takes them; none of a method that claims nothing
   double ms_median = 0, ms_p95 = 0;          ///< of a revolution, by the clock on the wall
+  double ms_max = 0;                         ///< likewise: where a loop is closed, or a drive begins
   double cpu_ms_median = 0, cpu_ms_p95 = 0;  ///< CPU of the whole process meanwhile: the machine may be shared
   double memory_mb = 0;                      ///< most that the heap had grown by since the method was made (glibc only)
   int revolutions = 0;                       ///< played
