@@ -29,7 +29,7 @@ struct Decay {
 
 inline constexpr int kLanes = 16;
 
-/// A block's 32-bit sums hold the votes of so many others; then they must settle.
+/// A block's recent sums hold the votes of so many others; then they must settle.
 inline constexpr int kMaxRecent = 15;
 
 [[nodiscard]] inline std::int32_t nowhere_near(std::int32_t x) {
@@ -63,15 +63,30 @@ struct alignas(64) VoterBlock {
   [[nodiscard]] StepPoint at(std::size_t lane) const { return {x[lane], y[lane], z[lane]}; }
 };
 
-/// What a block has received before that.
+/// What a block has received before that, in whole units of 2^kSettledBits: 32 bits do. What is less than such a unit
+/// stays among the recent sums, beside which kMaxRecent votes still fit.
 struct alignas(64) SettledSums {
-  std::array<std::array<std::int64_t, kLanes>, VoteSums::kCount> value{};
+  std::array<std::array<std::int32_t, kLanes>, VoteSums::kCount> value{};
 };
+inline constexpr int kSettledBits = 24;
+inline constexpr std::int32_t kLessThanSettled = (1 << kSettledBits) - 1;
+static_assert(kMaxRecent * std::int64_t{1 << 27} + kLessThanSettled <= INT32_MAX);
 
+[[nodiscard]] inline std::int64_t sum_of(std::int32_t settled, std::int32_t recent) {
+  return (std::int64_t{settled} << kSettledBits) + recent;
+}
 [[nodiscard]] inline VoteSums sums_of(const VoterBlock& block, const SettledSums& settled, std::size_t lane) {
   VoteSums result;
-  for (std::size_t c = 0; c < VoteSums::kCount; ++c) result.value[c] = settled.value[c][lane] + block.recent[c][lane];
+  for (std::size_t c = 0; c < VoteSums::kCount; ++c)
+    result.value[c] = sum_of(settled.value[c][lane], block.recent[c][lane]);
   return result;
+}
+/// Of a lane that has received nothing.
+inline void set_sums(const VoteSums& sums, VoterBlock& block, SettledSums& settled, std::size_t lane) {
+  for (std::size_t c = 0; c < VoteSums::kCount; ++c) {
+    settled.value[c][lane] = static_cast<std::int32_t>(sums.value[c] >> kSettledBits);
+    block.recent[c][lane] = static_cast<std::int32_t>(sums.value[c]) & kLessThanSettled;
+  }
 }
 
 inline constexpr std::size_t kTensorFloats = 7 * kLanes;

@@ -62,23 +62,14 @@ CURBSTONE_INLINE Votes votes_at(const Offsets& d, const Weights& weights) {
   return votes;
 }
 
-/// Adds 32-bit sums to 64-bit ones.
-CURBSTONE_INLINE void add_wide(std::int64_t* to, Ints recent) {
-  HalfInts half[2];
-  __builtin_memcpy(half, &recent, sizeof recent);
-  for (int i = 0; i < 2; ++i) {
-    std::int64_t* const at = to + i * (kWidth / 2);
-    store(at, load<Longs>(at) + __builtin_convertvector(half[i], Longs));
-  }
-}
-
-/// Moves what a block has received lately to its sums.
+/// Moves what a block has received lately to its sums, rounding down.
 void settle(VoterBlock* block, SettledSums* settled) {
   auto* const recent = reinterpret_cast<std::int32_t*>(&block->recent);
-  auto* const sums = reinterpret_cast<std::int64_t*>(settled);
+  auto* const sums = reinterpret_cast<std::int32_t*>(settled);
   for (int i = 0; i < VoteSums::kCount * kLanes; i += kWidth) {
-    add_wide(sums + i, load<Ints>(recent + i));
-    store(recent + i, Ints{});
+    const auto received = load<Ints>(recent + i);
+    store(sums + i, load<Ints>(sums + i) + (received >> kSettledBits));
+    store(recent + i, received & kLessThanSettled);
   }
   block->num_recent = 0;
 }
