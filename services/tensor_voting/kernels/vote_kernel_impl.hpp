@@ -99,13 +99,19 @@ struct OwnSums {
   }
 };
 
+/// From `at` to voters of a block, along an axis. Their first one's place and `at` may be on either side of a wrap.
+CURBSTONE_INLINE Floats along(const std::int16_t* from_first, std::int32_t first, std::int32_t at) {
+  const auto to_first = static_cast<std::int32_t>(static_cast<std::uint32_t>(first) - static_cast<std::uint32_t>(at));
+  return __builtin_convertvector(__builtin_convertvector(load<Shorts>(from_first), Ints) + to_first, Floats);
+}
+
 /// From the voter to some of a block's.
 CURBSTONE_INLINE Offsets offsets_to(const VoterBlock* block, int lane, const StepPoint& at) {
-  const auto* const x = reinterpret_cast<const std::int32_t*>(block) + lane;
+  const auto* const x = reinterpret_cast<const std::int16_t*>(block) + lane;
   Offsets d;
-  d.x = difference(load<Ints>(x), at.x);
-  d.y = difference(load<Ints>(x + kLanes), at.y);
-  d.z = difference(load<Ints>(x + 2 * kLanes), at.z);
+  d.x = along(x, block->first.x, at.x);
+  d.y = along(x + kLanes, block->first.y, at.y);
+  d.z = along(x + 2 * kLanes, block->first.z, at.z);
   d.squared = d.x * d.x + d.y * d.y + d.z * d.z;
   return d;
 }

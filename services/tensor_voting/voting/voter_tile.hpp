@@ -35,7 +35,7 @@ struct VoterTile {
     [[nodiscard]] std::uint32_t block() const { return number / kernels::kLanes; }
     [[nodiscard]] std::uint32_t lane() const { return number % kernels::kLanes; }
   };
-  static constexpr std::size_t kBlocksPerChunk = 8;
+  static constexpr std::size_t kBlocksPerChunk = 4;
   using Chunk = std::array<Block, kBlocksPerChunk>;
 
   VoterTile(std::int32_t z, std::size_t num_columns) : z_origin(z), columns(num_columns, -1) {}

@@ -91,7 +91,7 @@ void VotingField::find_near(const Neighbourhood& around, const FieldCell& cell, 
         const auto number = static_cast<std::uint32_t>(i);
         i = link.next;
         if (away2 + gap2(link.layer - cell.z) >= reach2) continue;
-        for (const auto* line : {&block.voters.x, &block.voters.y, &block.voters.z}) __builtin_prefetch(line);
+        for (const auto* line : {&block.voters.x, &block.voters.z}) __builtin_prefetch(line);
         near_.push_back({&block.voters, &block.settled, 0});
         near_places_.push_back({static_cast<std::uint32_t>(t), number});
       }
