@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <curbstone/resend_request_t.hpp>
 
-#include "common/resend/message_keeper.hpp"
+#include "common/resend/recent_messages.hpp"
 
 namespace curbstone {
 

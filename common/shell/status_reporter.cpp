@@ -8,6 +8,7 @@
 #include <fstream>
 #include <utility>
 
+#include "common/bus/levels.hpp"
 #include "common/shell/version.hpp"
 
 namespace curbstone {
@@ -27,12 +28,17 @@ std::int64_t cpu_time() {
   return us(usage.ru_utime) + us(usage.ru_stime);
 }
 
-std::int64_t resident_memory() {
-  std::ifstream statm("/proc/self/statm");
-  std::int64_t total = 0;
+/// What of the process lies in memory, bytes.
+struct Memory {
   std::int64_t resident = 0;
-  statm >> total >> resident;
-  return resident * sysconf(_SC_PAGESIZE);
+  std::int64_t own = 0;  // of it: not pages of files, which processes that run the same programs and libraries share
+};
+Memory memory() {
+  std::ifstream statm("/proc/self/statm");
+  std::int64_t total = 0, resident = 0, of_files = 0;
+  statm >> total >> resident >> of_files;
+  const std::int64_t page = sysconf(_SC_PAGESIZE);
+  return {resident * page, (resident - of_files) * page};
 }
 
 }  // namespace
@@ -62,14 +68,16 @@ void StatusReporter::publish(Publisher& bus, const Counters& bus_counters, const
   clock_step_.read(before, status_.utime, clocks_.steady());
   status_.uptime = clocks_.steady() - start_;
   status_.cpu_time = cpu_time();
-  status_.memory = resident_memory();
+  const Memory lies_in_memory = memory();
+  status_.memory = lies_in_memory.resident;
   status_.latency_p50 = static_cast<float>(report.latency_p50);
   status_.latency_p99 = static_cast<float>(report.latency_p99);
   status_.counter_name.clear();
   status_.counter_value.clear();
-  Counters clock_counters;
-  if (clock_step_.steps() > 0) clock_counters.set("clock.steps", clock_step_.steps());
-  for (const Counters* counters : {&report.counters, &bus_counters, &std::as_const(clock_counters)}) {
+  Counters of_process;
+  set_level(of_process, "memory.own_kb", lies_in_memory.own / 1000);
+  if (clock_step_.steps() > 0) of_process.set("clock.steps", clock_step_.steps());
+  for (const Counters* counters : {&report.counters, &bus_counters, &std::as_const(of_process)}) {
     for (const auto& [name, value] : counters->values()) {
       status_.counter_name.push_back(name);
       status_.counter_value.push_back(value);

@@ -9,11 +9,11 @@ namespace curbstone {
 /// @file
 /// The memory of vectors of which a map has thousands.
 
-/// Room for `more`, and a quarter of what there is: twice of it, as a vector makes by itself, is memory that most of
+/// Room for `more`, and an eighth of what there is: twice of it, as a vector makes by itself, is memory that most of
 /// them never use.
 template <class T>
 void make_room(std::size_t more, std::vector<T>& values) {
-  if (values.size() + more > values.capacity()) values.reserve(values.size() + std::max(more, values.size() / 4));
+  if (values.size() + more > values.capacity()) values.reserve(values.size() + std::max(more, values.size() / 8));
 }
 
 /// Empties it. `= {}` would keep the memory, as clear() does.

@@ -172,7 +172,7 @@ void LidarNode::send(decoding::PendingPacket& packet) {
   message_.intensity.swap(points.intensity);
   message_.ring.swap(points.ring);
   bus_.publish(config_.channel, message_);
-  sent_.keep(message_);
+  sent_.add({message_.utime, message_.packet, message_.revolution, points.fired});
   lasers_.add(message_.utime, message_.ring);
 
   counters_.add("packets");

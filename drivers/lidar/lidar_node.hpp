@@ -10,7 +10,7 @@
 
 #include "common/bus/node.hpp"
 #include "common/bus/refusal_share.hpp"
-#include "common/resend/message_keeper.hpp"
+#include "common/resend/recent_messages.hpp"
 #include "common/shell/latency.hpp"
 #include "drivers/lidar/decoding/head_tracker.hpp"
 #include "drivers/lidar/decoding/packet_clock.hpp"
@@ -20,6 +20,7 @@
 #include "drivers/lidar/lidar_health.hpp"
 #include "drivers/lidar/lost_packets.hpp"
 #include "drivers/lidar/models/model_vote.hpp"
+#include "drivers/lidar/sent_packet.hpp"
 #include "drivers/lidar/silent_lasers.hpp"
 
 namespace curbstone::lidar {
@@ -84,7 +85,7 @@ class LidarNode final : public Node {
 
   LidarConfig config_;
   Publisher& bus_;
-  MessageKeeper sent_;
+  RecentMessages<SentPacket> sent_;
   HostClockCheck host_clock_;
   models::ModelSettings settings_;
   models::ModelVote vote_;

@@ -104,7 +104,10 @@ std::string run_table(const RunFigures& run) {
     text += "\n";
   }
   text += of_processes("cores        {:.2f} in all:", "   {} {:.2f}", run.cores);
-  text += of_processes("memory       {:.0f} MB in all:", "   {} {:.0f}", run.memory_mb);
+  text +=
+      of_processes("memory       {:.0f} MB resident in all, files that several share counted in each:", "   {} {:.0f}",
+                   run.memory_mb);
+  text += of_processes("             {:.0f} MB without files:", "   {} {:.0f}", run.own_memory_mb);
   return text;
 }
 
@@ -164,8 +167,12 @@ void add_run(const RunFigures& run, nlohmann::json& json) {
   if (!run.first_after_s.empty()) json["start_s"] = run.first_after_s;
   if (run.set_off_after_s) json["start_s"]["set_off"] = *run.set_off_after_s;
   if (!run.cores.empty()) json["cores"] = run.cores;
-  for (const auto& [process, share] : run.cores)
-    json["processes"].push_back({{"name", process}, {"cores", share}, {"memory_mb", run.memory_mb.at(process)}});
+  for (const auto& [process, share] : run.cores) {
+    nlohmann::json of_process = {{"name", process}, {"cores", share}, {"memory_mb", run.memory_mb.at(process)}};
+    if (const auto own = run.own_memory_mb.find(process); own != run.own_memory_mb.end())
+      of_process["own_memory_mb"] = own->second;
+    json["processes"].push_back(std::move(of_process));
+  }
 }
 
 }  // namespace

@@ -13,7 +13,8 @@ namespace curbstone::evaluate {
 /// "spread"}, "classes": {"accuracy", "confusion"}, "trajectory": {"distance_m", "ate_m", "rpe_percent", ...},
 /// "dropped": {"packets", "messages", "by_recorder", "by_recorder_channels"}, "latency_ms": {"p50", "p95",
 /// "stages": {"<channel>": {"p50", "p95"}}}, "start_s": {"<channel>": x, "set_off"}, "cores": {"<process>": x},
-/// "processes": [{"name", "cores", "memory_mb"}]}. Rows of the confusion are the truth. What is not known is null.
+/// "processes": [{"name", "cores", "memory_mb", "own_memory_mb"}]}. Rows of the confusion are the truth. What is not
+/// known is null.
 [[nodiscard]] std::string to_json(const Evaluation& evaluation);
 
 }  // namespace curbstone::evaluate

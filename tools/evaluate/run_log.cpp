@@ -44,7 +44,15 @@ bool is_loss(const std::string& service, const std::string& counter) {
 struct ProcessSpan {
   service_status_t first;
   service_status_t last;
+  std::int64_t own_kb = 0;  ///< its memory.own_kb at the drive's end
 };
+
+std::int64_t counter_of(const service_status_t& status, const char* name) {
+  const auto at = std::find(status.counter_name.begin(), status.counter_name.end(), name);
+  return at == status.counter_name.end()
+             ? 0
+             : status.counter_value[static_cast<std::size_t>(at - status.counter_name.begin())];
+}
 
 /// Counts the gaps in what counts up by one a message sent: lidar_points_t.packet, imu_t.sequence, wheels_t.sequence.
 class SequenceGaps {
@@ -156,6 +164,7 @@ class Recording {
     const bool driving = lidar_end == 0 || log_utime - lidar_end < 1'500'000;
     if (driving) {
       it->second.last = status;
+      it->second.own_kb = counter_of(status, "memory.own_kb");
     } else {
       it->second.last.counter_name = status.counter_name;
       it->second.last.counter_value = status.counter_value;
@@ -193,6 +202,7 @@ RunFigures read_run_log(const std::string& file) {
     const std::string& service = id.first;
     const auto uptime = static_cast<double>(span.last.uptime - span.first.uptime);
     figures.memory_mb[service] = 1e-6 * static_cast<double>(span.last.memory);
+    if (span.own_kb > 0) figures.own_memory_mb[service] = 1e-3 * static_cast<double>(span.own_kb);
     if (uptime > 0) figures.cores[service] = static_cast<double>(span.last.cpu_time - span.first.cpu_time) / uptime;
     for (std::size_t i = 0; i < span.last.counter_name.size(); ++i) {
       const std::string& name = span.last.counter_name[i];

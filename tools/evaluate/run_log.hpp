@@ -29,9 +29,11 @@ struct RunFigures {
   /// s from the first LIDAR_POINTS on the bus to the first message of a channel: MAP_POSE, MAP_POINTS, VOTED_POINTS,
   /// SEMANTIC_TILE where recorded. Empty where the log was not recorded live.
   std::map<std::string, double> first_after_s;
-  std::optional<double> set_off_after_s;       ///< likewise, to the first MAP_POSE that is 5 cm from the first
-  std::map<std::string, double> cores;         ///< CPU seconds a second, by service; empty without SERVICE_STATUS
-  std::map<std::string, double> memory_mb;     ///< resident at the end, by service, MB of 10^6 bytes; likewise
+  std::optional<double> set_off_after_s;    ///< likewise, to the first MAP_POSE that is 5 cm from the first
+  std::map<std::string, double> cores;      ///< CPU seconds a second, by service; empty without SERVICE_STATUS
+  std::map<std::string, double> memory_mb;  ///< resident at the end, by service, MB of 10^6 bytes; likewise
+  /// Of it without pages of files, which processes share; without what has no such figure.
+  std::map<std::string, double> own_memory_mb;
   std::map<std::string, std::int64_t> losses;  ///< "lidar lost.packets": whatever is not zero
   bool log_is_damaged = false;                 ///< parts of the recording could not be read
 };

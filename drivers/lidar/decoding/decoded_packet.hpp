@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "drivers/lidar/decoding/blind_zone.hpp"
+#include "drivers/lidar/decoding/fired_packet.hpp"
 
 namespace curbstone::lidar::decoding {
 
@@ -23,6 +24,8 @@ struct DecodedPacket {
   std::vector<float> time_offset;  ///< s after the first shot
   std::vector<std::uint8_t> intensity;
   std::vector<std::uint8_t> ring;  ///< rank by elevation, 0 = lowest
+
+  FiredPacket fired;  ///< what the points were made of
 
   /// Begins a new packet. The vectors stay as they are: who fills them overwrites them.
   void begin() {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "drivers/lidar/decoding/direction.hpp"
 #include "drivers/lidar/decoding/vector_width.hpp"
@@ -102,22 +103,24 @@ void resize_to_most(std::vector<Value>& values) {
 
 }  // namespace
 
-PointWriter::PointWriter(const ReturnLimits& limits, const DistanceUnit& unit, const ShotTable& shots,
-                         double lens_offset, DecodedPacket& packet)
-    : limits_(limits),
-      whole_turn_(std::fmod(limits.end_angle - limits.start_angle, 360.0) == 0.0),
-      unit_(unit),
-      least_(std::max(1U, steps_from(limits.min_range, unit.step))),
-      most_(std::min(unit.no_return == 0 ? 0xFFFFU : unit.no_return - 1U, steps_to(limits.max_range, unit.step))),
-      shots_(shots),
-      lens_offset_(lens_offset),
+PointWriter::PointWriter(std::shared_ptr<const PointRules> rules, DecodedPacket& packet)
+    : rules_(*rules),
+      whole_turn_(std::fmod(rules_.limits.end_angle - rules_.limits.start_angle, 360.0) == 0.0),
+      least_(std::max(1U, steps_from(rules_.limits.min_range, rules_.unit.step))),
+      most_(std::min(rules_.unit.no_return == 0 ? 0xFFFFU : rules_.unit.no_return - 1U,
+                     steps_to(rules_.limits.max_range, rules_.unit.step))),
       packet_(packet) {
+  packet.fired.rules = std::move(rules);
+  packet.fired.places.clear();
+  packet.fired.records.clear();
   for (auto* values : {&packet.x, &packet.y, &packet.z, &packet.time_offset}) resize_to_most(*values);
   for (auto* values : {&packet.intensity, &packet.ring}) resize_to_most(*values);
 }
 
 void PointWriter::add(const BlockPlace& place, std::span<const BlockRecords> returns) {
   const std::size_t records = returns.size() * kRecordsPerBlock;
+  packet_.fired.places.push_back(place);
+  packet_.fired.records.insert(packet_.fired.records.end(), returns.begin(), returns.end());
   place_all(place, returns);
   choose(returns);
   if (!whole_turn_) leave_out_sector(place, records);
@@ -131,19 +134,19 @@ void PointWriter::add(const BlockPlace& place, std::span<const BlockRecords> ret
 }
 
 void PointWriter::place_all(const BlockPlace& place, std::span<const BlockRecords> returns) {
-  const HeadOfBlock head = {direction_of(place.azimuth), place.turned_a_second, place.start, lens_offset_};
+  const HeadOfBlock head = {direction_of(place.azimuth), place.turned_a_second, place.start, rules_.lens_offset};
   for (std::size_t i = 0; i < returns.size(); ++i) {
     const std::size_t first = i * kRecordsPerBlock;
-    place_block(head, shots_, returns[i].distance.data(), unit_.step, &x_[first], &y_[first], &z_[first],
+    place_block(head, rules_.shots, returns[i].distance.data(), rules_.unit.step, &x_[first], &y_[first], &z_[first],
                 &time_[first]);
-    mark(shots_, returns[i].intensity.data(), &mark_[first]);
+    mark(rules_.shots, returns[i].intensity.data(), &mark_[first]);
   }
 }
 
 void PointWriter::choose(std::span<const BlockRecords> returns) {
   for (std::size_t i = 0; i < returns.size(); ++i) {
     std::uint8_t* goes_out = &goes_out_[i * kRecordsPerBlock];
-    const int none = choose_by_distance(returns[i].distance.data(), unit_.no_return, least_, most_, goes_out);
+    const int none = choose_by_distance(returns[i].distance.data(), rules_.unit.no_return, least_, most_, goes_out);
     const int out = std::accumulate(goes_out, goes_out + kRecordsPerBlock, 0);
     packet_.no_return += none - returns[i].repeats;
     packet_.out_of_range += static_cast<int>(kRecordsPerBlock) - out - none;
@@ -153,7 +156,8 @@ void PointWriter::choose(std::span<const BlockRecords> returns) {
 void PointWriter::leave_out_sector(const BlockPlace& place, std::size_t records) {
   for (std::size_t i = 0; i < records; ++i) {
     const std::size_t record = i % kRecordsPerBlock;
-    const double azimuth = 0.01 * place.azimuth + place.turned_a_second * shots_.time[record] + shots_.azimuth[record];
+    const double azimuth =
+        0.01 * place.azimuth + place.turned_a_second * rules_.shots.time[record] + rules_.shots.azimuth[record];
     if (!in_sector(azimuth)) goes_out_[i] = 0;
   }
 }
@@ -172,10 +176,19 @@ void PointWriter::finish() {
 
 bool PointWriter::in_sector(double azimuth_deg) const {
   const auto turned = [&](double angle) {
-    const double from_start = std::fmod(angle - limits_.start_angle, 360.0);
+    const double from_start = std::fmod(angle - rules_.limits.start_angle, 360.0);
     return from_start < 0 ? from_start + 360.0 : from_start;
   };
-  return turned(azimuth_deg) < turned(limits_.end_angle);
+  return turned(azimuth_deg) < turned(rules_.limits.end_angle);
+}
+
+void make_points(const FiredPacket& fired, DecodedPacket& packet) {
+  packet.begin();
+  PointWriter writer(fired.rules, packet);
+  const std::size_t returns = fired.places.empty() ? 0 : fired.records.size() / fired.places.size();
+  for (std::size_t i = 0; i < fired.places.size(); ++i)
+    writer.add(fired.places[i], std::span(fired.records).subspan(i * returns, returns));
+  writer.finish();
 }
 
 }  // namespace curbstone::lidar::decoding

@@ -91,12 +91,14 @@ void DenseTile::append_record(const TilePoint& record, std::int64_t utime, std::
     runs_.push_back({anchor, static_cast<std::int32_t>(records_.size()), utime});
   }
   utime_ = std::max(utime_, utime);
+  make_room(1, records_);
   records_.push_back(record);
 }
 
 void DenseTile::append(const TilePoint& point, std::int64_t utime, std::int32_t anchor) {
   append_record(point, utime, anchor);
   occupied_.insert(voxel_number(point));
+  make_room(1, seen_through_);
   seen_through_.push_back(0);
 }
 

@@ -25,6 +25,7 @@ constexpr int kWidth = 4;
 
 using Floats = float __attribute__((vector_size(4 * kWidth)));
 using Ints = std::int32_t __attribute__((vector_size(4 * kWidth)));
+using Shorts = std::int16_t __attribute__((vector_size(2 * kWidth)));
 using Words = std::uint32_t __attribute__((vector_size(4 * kWidth)));
 using HalfInts = std::int32_t __attribute__((vector_size(2 * kWidth)));
 using HalfFloats = float __attribute__((vector_size(2 * kWidth)));

@@ -23,8 +23,8 @@ using TensorF = BasicTensor<float>;  ///< of a cloud's many points
 /// Sums of votes in fixed point. Sums of integers do not depend on their order, so that neither arrival, nor the number
 /// of threads or workers, nor what was added and taken away in between leaves a trace in them.
 ///
-/// One vote is at most 1, that is 2^27 units; 2^36 voters fit. A vote is rounded to the nearest unit: 3e-5 of the
-/// weakest vote there is (w(3 sigma) = 1.2e-4), 1e-9 of a usual sum.
+/// One vote is at most 1, that is 2^27 units; 2^28 voters fit (SettledSums). A vote is rounded to the nearest unit:
+/// 3e-5 of the weakest vote there is (w(3 sigma) = 1.2e-4), 1e-9 of a usual sum.
 struct VoteSums {
   enum Component { kMass, kXX, kXY, kXZ, kYY, kYZ, kCount };  ///< of sum w and of sum w u u^T; zz = mass - xx - yy
   std::array<std::int64_t, kCount> value{};

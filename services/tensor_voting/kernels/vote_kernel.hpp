@@ -29,49 +29,72 @@ struct Decay {
 
 inline constexpr int kLanes = 16;
 
-/// A block's 32-bit sums hold the votes of so many others; then they must settle.
+/// A block's recent sums hold the votes of so many others; then they must settle.
 inline constexpr int kMaxRecent = 15;
 
-[[nodiscard]] inline std::int32_t nowhere_near(std::int32_t x) {
-  return x ^ (1 << 30);
+/// b - a of coordinates, which may wrap.
+[[nodiscard]] inline std::int32_t steps_between(std::int32_t a, std::int32_t b) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(b) - static_cast<std::uint32_t>(a));
 }
 
-/// Sixteen voters side by side, and the votes that they have received lately. A lane in use for nobody holds
-/// nowhere_near() of its neighbours: too far away to give or to receive a vote. What every exchange touches lies
-/// together.
+/// Sixteen voters side by side, and the votes that they have received lately. They stand within 2^13 steps of the
+/// first, and whom the block is shown to does. A lane in use for nobody holds kNowhereNear, which is too far away to
+/// give or to receive a vote. What every exchange touches lies together.
 struct alignas(64) VoterBlock {
-  std::array<std::int32_t, kLanes> x;
-  std::array<std::int32_t, kLanes> y;
-  std::array<std::int32_t, kLanes> z;
-  std::array<std::array<std::int32_t, kLanes>, VoteSums::kCount> recent{};
+  static constexpr std::int16_t kNowhereNear = 0x7fff;
+  std::array<std::int16_t, kLanes> x;  ///< from the first voter
+  std::array<std::int16_t, kLanes> y;
+  std::array<std::int16_t, kLanes> z;
+  StepPoint first;
   std::int32_t num_recent = 0;
   std::int32_t num_voters = 0;
+  alignas(64) std::array<std::array<std::int32_t, kLanes>, VoteSums::kCount> recent{};
 
   /// Takes one voter more; there must be a lane left. Returns its lane.
   std::size_t push_back(const StepPoint& at) {
     const auto lane = static_cast<std::size_t>(num_voters++);
     if (lane == 0) {
-      x.fill(nowhere_near(at.x));
-      y.fill(at.y);
-      z.fill(at.z);
+      first = at;
+      x.fill(kNowhereNear);
+      y.fill(0);
+      z.fill(0);
     }
-    x[lane] = at.x;
-    y[lane] = at.y;
-    z[lane] = at.z;
+    x[lane] = static_cast<std::int16_t>(steps_between(first.x, at.x));
+    y[lane] = static_cast<std::int16_t>(steps_between(first.y, at.y));
+    z[lane] = static_cast<std::int16_t>(steps_between(first.z, at.z));
     return lane;
   }
-  [[nodiscard]] StepPoint at(std::size_t lane) const { return {x[lane], y[lane], z[lane]}; }
+  [[nodiscard]] StepPoint at(std::size_t lane) const {
+    return {steps_between(-x[lane], first.x), steps_between(-y[lane], first.y), steps_between(-z[lane], first.z)};
+  }
 };
 
-/// What a block has received before that.
+static_assert(sizeof(VoterBlock) == 512);
+
+/// What a block has received before that, in whole units of 2^kSettledBits: 32 bits do. What is less than such a unit
+/// stays among the recent sums, beside which kMaxRecent votes still fit.
 struct alignas(64) SettledSums {
-  std::array<std::array<std::int64_t, kLanes>, VoteSums::kCount> value{};
+  std::array<std::array<std::int32_t, kLanes>, VoteSums::kCount> value{};
 };
+inline constexpr int kSettledBits = 24;
+inline constexpr std::int32_t kLessThanSettled = (1 << kSettledBits) - 1;
+static_assert(kMaxRecent * std::int64_t{1 << 27} + kLessThanSettled <= INT32_MAX);
 
+[[nodiscard]] inline std::int64_t sum_of(std::int32_t settled, std::int32_t recent) {
+  return (std::int64_t{settled} << kSettledBits) + recent;
+}
 [[nodiscard]] inline VoteSums sums_of(const VoterBlock& block, const SettledSums& settled, std::size_t lane) {
   VoteSums result;
-  for (std::size_t c = 0; c < VoteSums::kCount; ++c) result.value[c] = settled.value[c][lane] + block.recent[c][lane];
+  for (std::size_t c = 0; c < VoteSums::kCount; ++c)
+    result.value[c] = sum_of(settled.value[c][lane], block.recent[c][lane]);
   return result;
+}
+/// Of a lane that has received nothing.
+inline void set_sums(const VoteSums& sums, VoterBlock& block, SettledSums& settled, std::size_t lane) {
+  for (std::size_t c = 0; c < VoteSums::kCount; ++c) {
+    settled.value[c][lane] = static_cast<std::int32_t>(sums.value[c] >> kSettledBits);
+    block.recent[c][lane] = static_cast<std::int32_t>(sums.value[c]) & kLessThanSettled;
+  }
 }
 
 inline constexpr std::size_t kTensorFloats = 7 * kLanes;

@@ -62,23 +62,14 @@ CURBSTONE_INLINE Votes votes_at(const Offsets& d, const Weights& weights) {
   return votes;
 }
 
-/// Adds 32-bit sums to 64-bit ones.
-CURBSTONE_INLINE void add_wide(std::int64_t* to, Ints recent) {
-  HalfInts half[2];
-  __builtin_memcpy(half, &recent, sizeof recent);
-  for (int i = 0; i < 2; ++i) {
-    std::int64_t* const at = to + i * (kWidth / 2);
-    store(at, load<Longs>(at) + __builtin_convertvector(half[i], Longs));
-  }
-}
-
-/// Moves what a block has received lately to its sums.
+/// Moves what a block has received lately to its sums, rounding down.
 void settle(VoterBlock* block, SettledSums* settled) {
   auto* const recent = reinterpret_cast<std::int32_t*>(&block->recent);
-  auto* const sums = reinterpret_cast<std::int64_t*>(settled);
+  auto* const sums = reinterpret_cast<std::int32_t*>(settled);
   for (int i = 0; i < VoteSums::kCount * kLanes; i += kWidth) {
-    add_wide(sums + i, load<Ints>(recent + i));
-    store(recent + i, Ints{});
+    const auto received = load<Ints>(recent + i);
+    store(sums + i, load<Ints>(sums + i) + (received >> kSettledBits));
+    store(recent + i, received & kLessThanSettled);
   }
   block->num_recent = 0;
 }
@@ -108,13 +99,19 @@ struct OwnSums {
   }
 };
 
+/// From `at` to voters of a block, along an axis. Their first one's place and `at` may be on either side of a wrap.
+CURBSTONE_INLINE Floats along(const std::int16_t* from_first, std::int32_t first, std::int32_t at) {
+  const auto to_first = static_cast<std::int32_t>(static_cast<std::uint32_t>(first) - static_cast<std::uint32_t>(at));
+  return __builtin_convertvector(__builtin_convertvector(load<Shorts>(from_first), Ints) + to_first, Floats);
+}
+
 /// From the voter to some of a block's.
 CURBSTONE_INLINE Offsets offsets_to(const VoterBlock* block, int lane, const StepPoint& at) {
-  const auto* const x = reinterpret_cast<const std::int32_t*>(block) + lane;
+  const auto* const x = reinterpret_cast<const std::int16_t*>(block) + lane;
   Offsets d;
-  d.x = difference(load<Ints>(x), at.x);
-  d.y = difference(load<Ints>(x + kLanes), at.y);
-  d.z = difference(load<Ints>(x + 2 * kLanes), at.z);
+  d.x = along(x, block->first.x, at.x);
+  d.y = along(x + kLanes, block->first.y, at.y);
+  d.z = along(x + 2 * kLanes, block->first.z, at.z);
   d.squared = d.x * d.x + d.y * d.y + d.z * d.z;
   return d;
 }

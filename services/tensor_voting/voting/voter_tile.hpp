@@ -28,10 +28,14 @@ struct VoterTile {
   };
   /// Where a voter stands.
   struct Seat {
-    std::uint32_t block;
-    std::uint32_t lane;
+    std::uint32_t number;  ///< counted lane by lane, block by block
+    static Seat at(std::uint32_t block, std::size_t lane) {
+      return {block * kernels::kLanes + static_cast<std::uint32_t>(lane)};
+    }
+    [[nodiscard]] std::uint32_t block() const { return number / kernels::kLanes; }
+    [[nodiscard]] std::uint32_t lane() const { return number % kernels::kLanes; }
   };
-  static constexpr std::size_t kBlocksPerChunk = 8;
+  static constexpr std::size_t kBlocksPerChunk = 4;
   using Chunk = std::array<Block, kBlocksPerChunk>;
 
   VoterTile(std::int32_t z, std::size_t num_columns) : z_origin(z), columns(num_columns, -1) {}
@@ -65,8 +69,11 @@ struct VoterTile {
     }
     const std::size_t made = links.size();
     if (made % kBlocksPerChunk == 0) chunks.push_back(std::make_unique<Chunk>());
+    make_room(1, links);
     links.push_back({z, columns[column]});
+    make_room(1, changed);
     changed.push_back(0);
+    make_room(1, voters);
     voters.emplace_back();
     columns[column] = static_cast<std::int32_t>(made);
     return static_cast<std::uint32_t>(made);
@@ -78,8 +85,8 @@ struct VoterTile {
     asleep = true;
     sleepers.reserve(seats.size());
     for (const Seat& seat : seats) {
-      const Block& from = block(seat.block);
-      sleepers.push_back({from.voters.at(seat.lane), kernels::sums_of(from.voters, from.settled, seat.lane)});
+      const Block& from = block(seat.block());
+      sleepers.push_back({from.voters.at(seat.lane()), kernels::sums_of(from.voters, from.settled, seat.lane())});
     }
     give_back(chunks);
     give_back(voters);
@@ -90,7 +97,7 @@ struct VoterTile {
     links.shrink_to_fit();
     changed.shrink_to_fit();
   }
-  /// The same bits; what the blocks have received lately has settled. voxel_of(place): the voxel of a voter there.
+  /// The same bits. voxel_of(place): the voxel of a voter there.
   template <class VoxelOf>
   void wake(const VoxelOf& voxel_of) {
     if (!asleep) return;
@@ -100,10 +107,10 @@ struct VoterTile {
     voters.resize(links.size());
     for (std::uint32_t i = 0; i < sleepers.size(); ++i) {  // in each block, too, who came first has the first lane
       const Sleeper& from = sleepers[i];
-      Block& to = block(seats[i].block);
+      Block& to = block(seats[i].block());
       const std::size_t lane = to.voters.push_back(from.at);
-      for (std::size_t c = 0; c < kernels::VoteSums::kCount; ++c) to.settled.value[c][lane] = from.sums.value[c];
-      voters[seats[i].block][lane] = i;
+      kernels::set_sums(from.sums, to.voters, to.settled, lane);
+      voters[seats[i].block()][lane] = i;
       voxels.find_or_insert(voxel_of(from.at));
     }
     give_back(sleepers);
@@ -116,8 +123,8 @@ struct VoterTile {
     for (const Sleeper& sleeper : sleepers) result.push_back(sleeper.sums);
     if (asleep) return result;
     for (const Seat& seat : seats) {
-      const Block& at = block(seat.block);
-      result.push_back(kernels::sums_of(at.voters, at.settled, seat.lane));
+      const Block& at = block(seat.block());
+      result.push_back(kernels::sums_of(at.voters, at.settled, seat.lane()));
     }
     return result;
   }

@@ -91,7 +91,7 @@ void VotingField::find_near(const Neighbourhood& around, const FieldCell& cell, 
         const auto number = static_cast<std::uint32_t>(i);
         i = link.next;
         if (away2 + gap2(link.layer - cell.z) >= reach2) continue;
-        for (const auto* line : {&block.voters.x, &block.voters.y, &block.voters.z}) __builtin_prefetch(line);
+        for (const auto* line : {&block.voters.x, &block.voters.z}) __builtin_prefetch(line);
         near_.push_back({&block.voters, &block.settled, 0});
         near_places_.push_back({static_cast<std::uint32_t>(t), number});
       }
@@ -126,7 +126,9 @@ std::vector<VotingField::NewVoter> VotingField::admit(TileKey key, VoterTile& ti
     const std::uint32_t voter = grid_.thins() ? tile.voxels.find_or_insert(grid_.voxel_of(place)) : next;
     tile.voter_of_point.push_back(voter);
     if (voter != next) continue;
+    make_room(1, tile.point_of_voter);
     tile.point_of_voter.push_back(static_cast<std::uint32_t>(tile.voter_of_point.size() - 1));
+    make_room(1, tile.seats);
     tile.seats.emplace_back();
     admitted.push_back({voter, grid_.cell_of(place), place});
   }
@@ -157,8 +159,8 @@ void VotingField::add(TileKey key, std::int32_t z_origin, std::span<const TilePo
       const std::size_t lane = block.voters.push_back(voter->place.in_map);
       tile->changed[index] = change_;
       tile->voters[index][lane] = voter->index;
-      for (std::size_t c = 0; c < kernels::VoteSums::kCount; ++c) block.settled.value[c][lane] = sums.value[c];
-      tile->seats[voter->index] = {index, static_cast<std::uint32_t>(lane)};
+      kernels::set_sums(sums, block.voters, block.settled, lane);
+      tile->seats[voter->index] = VoterTile::Seat::at(index, lane);
       if (lane == 0) {
         near_.push_back({&block.voters, &block.settled, 0});
         near_places_.push_back({Neighbourhood::kCentre, index});
@@ -250,7 +252,7 @@ void VotingField::for_each_changed(TileKey key, std::int64_t since,
     received.voters = std::span(tile->voters[i]).first(static_cast<std::size_t>(block.voters.num_voters));
     for (std::size_t c = 0; c < received.sums.size(); ++c) {
       for (std::size_t lane = 0; lane < kernels::kLanes; ++lane) {
-        received.sums[c][lane] = block.settled.value[c][lane] + block.voters.recent[c][lane];
+        received.sums[c][lane] = kernels::sum_of(block.settled.value[c][lane], block.voters.recent[c][lane]);
       }
     }
     visit(received);

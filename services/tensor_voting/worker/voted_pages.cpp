@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "common/tiles/vector_memory.hpp"
 #include "services/tensor_voting/kernels/tensor_block.hpp"
 
 namespace curbstone::tensor_voting::worker {
@@ -93,7 +94,10 @@ std::uint64_t digest_of(const kernels::VoteSums& sums) {
 VotersInOrder take_changed_voters(const voting::VotingField& field, TileKey key, VotedBase::Scale& out) {
   VotersInOrder changed(field.num_voters(key));
   field.for_each_changed(key, out.change, [&](const voting::ReceivedBlock& received) {
-    if (out.digests.size() <= received.number) out.digests.resize(received.number + 1, {kNothingOut});
+    if (out.digests.size() <= received.number) {
+      make_room(received.number + 1 - out.digests.size(), out.digests);
+      out.digests.resize(received.number + 1, {kNothingOut});
+    }
     auto& digests = out.digests[received.number];
     for (std::size_t lane = 0; lane < received.voters.size(); ++lane) {
       const kernels::VoteSums sums = received.of(lane);

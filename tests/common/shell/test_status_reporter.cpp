@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "common/bus/local_bus.hpp"
 
@@ -44,6 +46,19 @@ TEST_F(StatusOfAService, TellsOfAHostClockThatWasSetByMoreThan50MsForAMinute) {
     for (int i = 0; i < 3; ++i) pass(1'000'000);
     EXPECT_THAT(heard_.fault, IsEmpty());
   }
+}
+
+TEST_F(StatusOfAService, TellsWhatOfItsMemoryIsItsOwn) {
+  const auto own = [this] {
+    pass(1'000'000);
+    const auto at = std::ranges::find(heard_.counter_name, "memory.own_kb");
+    return at == heard_.counter_name.end() ? 0 : heard_.counter_value.at(std::size_t(at - heard_.counter_name.begin()));
+  };
+  const std::int64_t before = own();
+  EXPECT_GT(before, 0);
+  EXPECT_LT(before * 1000, heard_.memory) << "pages of files are not";
+  const std::vector<char> more(50'000'000, 1);
+  EXPECT_NEAR(static_cast<double>(own() - before), 50'000, 3'000) << more.size();
 }
 
 TEST_F(StatusOfAService, AClockThatIsSlewedIsNoFault) {
@@ -97,8 +112,8 @@ TEST_F(StatusOfAService, SaysTheNodesFaultsAndCounters) {
   report_.counters.add("packets", 3);
   pass(1'000'000);
   EXPECT_THAT(heard_.fault, ElementsAre("no packets"));
-  EXPECT_THAT(heard_.counter_name, ElementsAre("packets"));
-  EXPECT_THAT(heard_.counter_value, ElementsAre(3));
+  EXPECT_THAT(heard_.counter_name, ElementsAre("packets", "memory.own_kb"));
+  EXPECT_THAT(heard_.counter_value, ElementsAre(3, testing::Gt(0)));
   EXPECT_EQ(heard_.uptime, 1'000'000);
 }
 

@@ -34,9 +34,9 @@ service_status_t status(const std::string& service, std::int64_t uptime, std::in
   s.uptime = uptime;
   s.cpu_time = cpu;
   s.memory = 30'000'000 + 3'000'000 * dropped;
-  s.num_counters = 2;
-  s.counter_name = {"dropped.queue", "refused.jump"};  // what a service thinks of an answer is no loss
-  s.counter_value = {dropped, 7};
+  s.num_counters = 3;
+  s.counter_name = {"dropped.queue", "refused.jump", "memory.own_kb"};  // what a service thinks of an answer is no loss
+  s.counter_value = {dropped, 7, 25'000 + 3'000 * dropped};
   return s;
 }
 
@@ -79,6 +79,7 @@ TEST(RunLog, SumsLossesLatencyAndCores) {
   EXPECT_NEAR(run.stages.at("MAP_POSE").p50_ms, 30, 1e-9);
   EXPECT_NEAR(run.cores.at("mapper"), 0.25, 1e-9);
   EXPECT_NEAR(run.memory_mb.at("mapper"), 39, 1e-9) << "the last that it said in the drive";
+  EXPECT_NEAR(run.own_memory_mb.at("mapper"), 34, 1e-9);
 }
 
 TEST(RunLog, SaysHowLongAfterTheFirstPacketThereWasAMapAndTheVehicleSetOff) {

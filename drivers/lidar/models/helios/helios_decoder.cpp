@@ -54,7 +54,7 @@ void leave_out_repeats(const decoding::BlockRecords& first, decoding::BlockRecor
 
 HeliosDecoder::HeliosDecoder(const Variant& variant, const decoding::ReturnLimits& limits,
                              std::optional<double> distance_step)
-    : variant_(variant), limits_(limits), distance_step_(distance_step) {}
+    : variant_(variant), distance_step_(distance_step), next_rules_{limits, {0, kNoReturn}, kLensOffset, {}} {}
 
 void HeliosDecoder::set_device(const DeviceInfo& device) {
   blind_zone_.set_field_of_view(device.fov_start, device.fov_end);
@@ -66,8 +66,9 @@ void HeliosDecoder::set_device(const DeviceInfo& device) {
     const double time = variant_.times[laser] + static_cast<double>(sequence) * kSequencePeriod;
     const double elevation = angles[laser].elevation;
     const auto lower = std::ranges::count_if(angles, [&](const auto& a) { return a.elevation < elevation; });
-    shots_.set(i, time, {elevation, angles[laser].azimuth, 0.0, static_cast<std::uint8_t>(lower)});
+    next_rules_.shots.set(i, time, {elevation, angles[laser].azimuth, 0.0, static_cast<std::uint8_t>(lower)});
   }
+  rules_.reset();
 }
 
 bool HeliosDecoder::unit_is_credible(std::uint8_t unit) {
@@ -76,6 +77,14 @@ bool HeliosDecoder::unit_is_credible(std::uint8_t unit) {
   other_units_ = unit == *unit_ ? 0 : other_units_ + 1;
   if (other_units_ >= kUnitChangesAfter) unit_ = unit;
   return unit == *unit_;
+}
+
+const std::shared_ptr<const decoding::PointRules>& HeliosDecoder::rules_in(double distance_step) {
+  if (!rules_ || rules_->unit.step != distance_step) {
+    next_rules_.unit.step = distance_step;
+    rules_ = std::make_shared<decoding::PointRules>(next_rules_);
+  }
+  return rules_;
 }
 
 Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::DecodedPacket& packet) {
@@ -113,7 +122,7 @@ Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::Dec
   packet.azimuth = azimuths[0];
   packet.rate = steps.mean / period;
   packet.duration = spans[firings - 1].start + period;
-  decoding::PointWriter writer(limits_, {distance_step, kNoReturn}, shots_, kLensOffset, packet);
+  decoding::PointWriter writer(rules_in(distance_step), packet);
   for (std::size_t f = 0; f < firings; ++f) {
     std::array<decoding::BlockRecords, 2> returns;
     for (std::size_t i = 0; i < blocks_a_firing; ++i) returns[i] = records_of(msop.blocks[f * blocks_a_firing + i]);

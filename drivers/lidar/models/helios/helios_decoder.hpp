@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -28,13 +29,15 @@ class HeliosDecoder {
 
  private:
   [[nodiscard]] bool unit_is_credible(std::uint8_t unit);
+  /// `distance_step`: m.
+  [[nodiscard]] const std::shared_ptr<const decoding::PointRules>& rules_in(double distance_step);
 
   const Variant& variant_;
-  decoding::ReturnLimits limits_;
   std::optional<double> distance_step_;  ///< m, as the user says
   decoding::BlindZone blind_zone_;
   bool dual_return_ = false;
-  decoding::ShotTable shots_;
+  decoding::PointRules next_rules_;                    ///< but for the unit of the distances
+  std::shared_ptr<const decoding::PointRules> rules_;  ///< of the last packet; null: those are new
   std::optional<std::uint8_t> unit_;
   int other_units_ = 0;  ///< packets in a row with another one
 };

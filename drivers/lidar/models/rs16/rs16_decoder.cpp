@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "drivers/lidar/decoding/block_steps.hpp"
 #include "drivers/lidar/decoding/record_bytes.hpp"
@@ -53,6 +54,8 @@ void Rs16Decoder::set_device(const DeviceInfo& device) {
   blind_zone_.set_field_of_view(device.fov_start, device.fov_end);
   const int sequences = device.dual_return ? 1 : kSequencesPerBlock;
   block_period_ = sequences * device.times.sequence;
+  auto rules = std::make_shared<decoding::PointRules>(
+      decoding::PointRules{limits_, {device.distance_step, kNoReturn}, kLensOffset, {}});
   for (std::size_t i = 0; i < decoding::kRecordsPerBlock; ++i) {
     const std::size_t sequence = device.dual_return ? 0 : i / kLasers;
     const std::size_t laser = i % kLasers;
@@ -60,8 +63,9 @@ void Rs16Decoder::set_device(const DeviceInfo& device) {
         static_cast<double>(sequence) * device.times.sequence + static_cast<double>(laser) * device.times.laser;
     const double elevation = device.elevations[laser];
     const auto lower = std::ranges::count_if(device.elevations, [&](double e) { return e < elevation; });
-    shots_.set(i, time, {elevation, device.azimuths[laser], 0.0, static_cast<std::uint8_t>(lower)});
+    rules->shots.set(i, time, {elevation, device.azimuths[laser], 0.0, static_cast<std::uint8_t>(lower)});
   }
+  rules_ = std::move(rules);
 }
 
 Refusal Rs16Decoder::decode(std::span<const std::uint8_t> bytes, decoding::DecodedPacket& packet) {
@@ -88,8 +92,7 @@ Refusal Rs16Decoder::decode(std::span<const std::uint8_t> bytes, decoding::Decod
   packet.azimuth = azimuths[0];
   packet.rate = steps.mean / block_period_;
   packet.duration = spans.back().start + block_period_;
-  const decoding::DistanceUnit unit = {device_.distance_step, kNoReturn};
-  decoding::PointWriter writer(limits_, unit, shots_, kLensOffset, packet);
+  decoding::PointWriter writer(rules_, packet);
   for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
     decoding::BlockRecords records = records_of(msop.blocks[b]);
     if (device_.dual_return) leave_out_repeats(records);

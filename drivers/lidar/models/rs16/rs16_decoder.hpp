@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "drivers/lidar/decoding/blind_zone.hpp"
@@ -33,7 +34,7 @@ class Rs16Decoder {
   DeviceInfo device_;
   decoding::BlindZone blind_zone_;
   double block_period_ = kBlockPeriod;  ///< s
-  decoding::ShotTable shots_;
+  std::shared_ptr<const decoding::PointRules> rules_;
 };
 
 }  // namespace curbstone::lidar::models::rs16

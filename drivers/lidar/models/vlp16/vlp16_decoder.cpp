@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "drivers/lidar/decoding/block_steps.hpp"
 
@@ -41,8 +42,8 @@ std::int64_t nearest(std::int64_t past_hour, std::int64_t reference) {
 
 }  // namespace
 
-Vlp16Decoder::Vlp16Decoder(const decoding::ReturnLimits& limits, const std::vector<LaserAngles>& angles)
-    : limits_(limits) {
+Vlp16Decoder::Vlp16Decoder(const decoding::ReturnLimits& limits, const std::vector<LaserAngles>& angles) {
+  auto rules = std::make_shared<decoding::PointRules>(decoding::PointRules{limits, {kDistanceStep}, 0.0, {}});
   std::array<LaserAngles, kLasers> all;
   for (std::size_t i = 0; i < kLasers; ++i) all[i] = angles.empty() ? LaserAngles{kElevations[i], 0.0} : angles[i];
   for (std::size_t i = 0; i < decoding::kRecordsPerBlock; ++i) {
@@ -50,8 +51,9 @@ Vlp16Decoder::Vlp16Decoder(const decoding::ReturnLimits& limits, const std::vect
     const double time = static_cast<double>(i / kLasers) * kSequencePeriod + static_cast<double>(laser) * kLaserPeriod;
     const auto& [elevation, azimuth] = all[laser];
     const auto lower = std::ranges::count_if(all, [&](const auto& a) { return a.elevation < all[laser].elevation; });
-    shots_.set(i, time, {elevation, azimuth, kHeights[laser], static_cast<std::uint8_t>(lower)});
+    rules->shots.set(i, time, {elevation, azimuth, kHeights[laser], static_cast<std::uint8_t>(lower)});
   }
+  rules_ = std::move(rules);
 }
 
 Refusal Vlp16Decoder::decode(std::int64_t received, std::span<const std::uint8_t> bytes,
@@ -91,7 +93,7 @@ Refusal Vlp16Decoder::decode(std::int64_t received, std::span<const std::uint8_t
   packet.azimuth = azimuths[0];
   packet.rate = steps.mean / kBlockPeriod;
   packet.duration = spans[firings - 1].start + kBlockPeriod;
-  decoding::PointWriter writer(limits_, {kDistanceStep}, shots_, 0.0, packet);
+  decoding::PointWriter writer(rules_, packet);
   for (std::size_t f = 0; f < firings; ++f) {
     std::array<decoding::BlockRecords, 2> returns;
     for (std::size_t i = 0; i < blocks_a_firing; ++i)

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -37,9 +38,8 @@ class Vlp16Decoder {
  private:
   [[nodiscard]] std::int64_t resolve(std::int64_t past_hour, std::int64_t received);
 
-  decoding::ReturnLimits limits_;
   decoding::BlindZone blind_zone_;
-  decoding::ShotTable shots_;
+  std::shared_ptr<const decoding::PointRules> rules_;
   bool dual_return_ = false;
   std::optional<std::int64_t> last_stamp_;
   std::int64_t last_received_ = 0;

@@ -22,6 +22,10 @@ ShotTable helios_like_table() {
   return shots;
 }
 
+std::shared_ptr<const PointRules> rules_of(const ReturnLimits& limits, const DistanceUnit& unit, double lens = 0) {
+  return std::make_shared<PointRules>(PointRules{limits, unit, lens, helios_like_table()});
+}
+
 struct Expected {
   std::vector<double> x, y, z, time;
   std::vector<std::uint8_t> intensity, ring;
@@ -67,14 +71,25 @@ class PointWriterTest : public ::testing::Test {
     }
     return records;
   }
+  /// Bit for bit.
+  static void expect_the_same_again(const DecodedPacket& packet) {
+    DecodedPacket again;
+    make_points(packet.fired, again);
+    EXPECT_EQ(again.x, packet.x);
+    EXPECT_EQ(again.y, packet.y);
+    EXPECT_EQ(again.z, packet.z);
+    EXPECT_EQ(again.time_offset, packet.time_offset);
+    EXPECT_EQ(again.intensity, packet.intensity);
+    EXPECT_EQ(again.ring, packet.ring);
+    EXPECT_EQ(again.no_return, packet.no_return);
+  }
   /// A packet of `returns` blocks at each place, against the formulas.
   void expect_packets(const ReturnLimits& limits, std::size_t returns) {
-    const ShotTable shots = helios_like_table();
     DecodedPacket packet;
     for (int i = 0; i < 50; ++i) {
       packet.begin();
       Expected expected;
-      PointWriter writer(limits, {kStep, 0xFFFF}, shots, kLens, packet);
+      PointWriter writer(rules_of(limits, {kStep, 0xFFFF}, kLens), packet);
       for (std::size_t block = 0; block < 12 / returns; ++block) {
         const BlockPlace place = {static_cast<int>(random_() % 36000), 7200.0, 1e-4 * static_cast<double>(block)};
         std::vector<BlockRecords> records;
@@ -98,6 +113,7 @@ class PointWriterTest : public ::testing::Test {
       EXPECT_EQ(packet.ring, expected.ring);
       EXPECT_EQ(packet.no_return, expected.none);
       EXPECT_EQ(packet.out_of_range, expected.out_of_range);
+      expect_the_same_again(packet);
     }
   }
   std::mt19937 random_{7};
@@ -117,11 +133,10 @@ TEST_F(PointWriterTest, LeavesOutWhatIsNotInTheSector) {
 }
 
 TEST_F(PointWriterTest, TakesTheLimitsThemselvesIn) {
-  const ShotTable shots = helios_like_table();
   DecodedPacket packet;
   packet.begin();
   // 0.4 m are 160 steps, and as a double a little more; the product decides, as it did for each return.
-  PointWriter writer({.min_range = 160 * kStep, .max_range = 4000 * kStep}, {kStep, 0xFFFF}, shots, 0, packet);
+  PointWriter writer(rules_of({.min_range = 160 * kStep, .max_range = 4000 * kStep}, {kStep, 0xFFFF}), packet);
   BlockRecords records;
   records.distance[0] = 159;
   records.distance[1] = 160;
@@ -135,10 +150,9 @@ TEST_F(PointWriterTest, TakesTheLimitsThemselvesIn) {
 }
 
 TEST_F(PointWriterTest, TakesEverythingWithoutLimits) {
-  const ShotTable shots = helios_like_table();
   DecodedPacket packet;
   packet.begin();
-  PointWriter writer({.min_range = 0, .max_range = 400}, {kStep, 0}, shots, 0, packet);
+  PointWriter writer(rules_of({.min_range = 0, .max_range = 400}, {kStep, 0}), packet);
   BlockRecords records;
   records.distance.fill(0xFFFF);
   records.distance[5] = 1;

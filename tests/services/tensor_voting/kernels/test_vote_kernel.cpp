@@ -94,6 +94,30 @@ TEST_P(Kernel, BothEndsOfAPairReceiveTheSameVote) {
   EXPECT_EQ(voters.sums(0), VoteSums{});
 }
 
+TEST_P(Kernel, WhatIsTakenBackLeavesNothingHoweverOftenItSettled) {
+  Voters voters = random_voters(64, {0, 0, 0}, 4);
+  VoteSums sums;
+  for (const float sign : {-1.0F, 1.0F, 1.0F, -1.0F}) {  // the sums go below zero, too
+    for (int i = 0; i < 1000; ++i) exchange(GetParam(), {i % 30, 7, i % 11}, sign, voters, sums);
+  }
+  EXPECT_EQ(sums, VoteSums{});
+  for (const VoteSums& of_voter : received(voters)) EXPECT_EQ(of_voter, VoteSums{});
+}
+
+TEST(SettledSums, HoldWhatTheyAreSetTo) {
+  VoterBlock block;
+  SettledSums settled;
+  const VoteSums sums{{(std::int64_t{1} << 54) + 12345, -1, 0, 1, -(std::int64_t{1} << 54), kLessThanSettled}};
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    set_sums(sums, block, settled, lane);
+    EXPECT_EQ(sums_of(block, settled, lane), sums);
+    for (const auto& recent : block.recent) {
+      EXPECT_GE(recent[lane], 0);
+      EXPECT_LE(recent[lane], kLessThanSettled) << "kMaxRecent votes fit beside it";
+    }
+  }
+}
+
 TEST_P(Kernel, AVoteIsTheReferenceVoteAtEveryDistance) {
   std::mt19937 random(11);
   std::uniform_int_distribution<int> offset(-300, 300);
