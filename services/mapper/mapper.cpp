@@ -135,6 +135,7 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   update.revolution = scan.number;
   update.T_map_base = T_map_base;
   update.T_map_odom = T_map_odom_;
+  update.T_map_base_by_scan = tracked->T_map_base_by_scan;
   update.registration = tracked->registration;
   if (relocalised) update.registration.covariance = relocalised->covariance;
   update.fix = fix;

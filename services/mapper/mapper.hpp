@@ -33,6 +33,7 @@ struct MapperUpdate {
   std::int32_t revolution = 0;
   Pose T_map_base = Pose::Identity();
   Pose T_map_odom = Pose::Identity();             ///< the last known, where odometry is missing
+  std::optional<Pose> T_map_base_by_scan;         ///< by registration, though odometry may be believed rather
   registration::RegistrationResult registration;  ///< covariance still in base_link axes
   tracking::Fix fix = tracking::Fix::kTracking;
   bool registered = false;

@@ -43,6 +43,7 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   }
 
   Attempt found = attempt(scan, odometry);
+  const auto by_scan = found.believed ? std::optional(found.fit.result.T_map_base) : std::nullopt;
   const bool turns_otherwise = contradicts_odometry(found, scan, odometry);
   if (turns_otherwise) {
     found = by_odometry(scan, odometry);
@@ -61,6 +62,7 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   note_odometry(before, odometry);
   note_turn(tracked, odometry);
   tracked.first = std::move(first);
+  tracked.T_map_base_by_scan = by_scan;
   if (tracked.maps) insert(*tracked.points, tracked.T_map_base);
   return tracked;
 }

@@ -28,6 +28,7 @@ namespace curbstone::mapper::tracking {
 struct Tracked {
   std::int64_t utime = 0;  ///< us, its end
   Pose T_map_base = Pose::Identity();
+  std::optional<Pose> T_map_base_by_scan;  ///< as registration has it, though odometry may be believed rather
   registration::RegistrationResult
       registration;  ///< covariance in base_link axes, with that of the motion where it was a guess
   Fix fix = Fix::kTracking;
