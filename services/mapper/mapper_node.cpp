@@ -298,6 +298,7 @@ NodeReport MapperNode::report() const {
   if (!not_resumed_.empty() && last_end_ - first_lidar_ < kReportedFor) report.faults.push_back(not_resumed_);
   packets_.add_faults(report.faults);
   watch_.add_faults(report.faults);
+  mapper_.add_faults(report.faults);
   if (epoch_ != 0 && without_odometry_ >= kOdometryMissing)
     report.faults.push_back("no usable ODOMETRY: assuming constant velocity");
   if (too_late_ != 0 && last_end_ - too_late_ < kReportedFor)
