@@ -37,6 +37,7 @@ inline constexpr auto kLevels = std::to_array<std::string_view>({
     "far.disk_kb",
     "far.memory_kb",
     "foxglove.clients",
+    "lidar.lag_ms",
     "memory.own_kb",
     "modbus.round_trip_us",
     "pages",

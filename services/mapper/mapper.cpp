@@ -115,7 +115,9 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   const std::optional<tracking::Tracked> tracked = tracker_.track(scan, odometry);
   if (!tracked) return std::nullopt;
   if (std::exchange(left_off_, std::nullopt)) counters_.add(tracked->began ? "resumed.lost" : "resumed");
-  const auto T_odom_base = odometry.covers(scan.end, scan.end) ? std::optional(odometry.at(scan.end)) : std::nullopt;
+  const bool is_known = odometry.covers(scan.end, scan.end);
+  const bool is_witness = is_known && !tracker_.way().denied();
+  const auto T_odom_base = is_witness ? std::optional(odometry.at(scan.end)) : std::nullopt;
   if (tracked->began) standstill_ = Standstill::at(tracked->utime, tracked->T_map_base);
 
   // What drives along beside the vehicle looks the same elsewhere.
@@ -124,7 +126,7 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   const auto mapped = tracked->maps ? std::optional(map(*tracked)) : std::nullopt;
 
   const Pose T_map_base = relocalised ? relocalised->T_map_base : mapped ? mapped->T_map_base : tracked->T_map_base;
-  if (T_odom_base) T_map_odom_ = normalised(T_map_base * T_odom_base->inverse());
+  if (is_known) T_map_odom_ = normalised(T_map_base * odometry.at(scan.end).inverse());
   const tracking::Fix fix = relocalised ? tracking::Fix::kTentative : tracked->fix;
   if (fix == tracking::Fix::kTracking && atlas_.reference() != pose_graph::Atlas::kNone) {
     trajectory_.add({scan.end, scan.number, T_map_base, atlas_.reference(), T_odom_base}, atlas_);
@@ -135,6 +137,7 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   update.revolution = scan.number;
   update.T_map_base = T_map_base;
   update.T_map_odom = T_map_odom_;
+  update.T_map_base_by_scan = tracked->T_map_base_by_scan;
   update.registration = tracked->registration;
   if (relocalised) update.registration.covariance = relocalised->covariance;
   update.fix = fix;
@@ -334,7 +337,8 @@ std::vector<TileKey> Mapper::finish() {
 
 Counters Mapper::counters() const {
   Counters all = counters_;
-  for (const Counters* part : {&tracker_.counters(), &closer_.counters(), &scale_.counters(), &dense_->counters()}) {
+  for (const Counters* part : {&tracker_.counters(), &tracker_.way().counters(), &closer_.counters(),
+                               &scale_.counters(), &dense_->counters()}) {
     for (const auto& [name, value] : part->values()) all.add(name, value);
   }
   return all;

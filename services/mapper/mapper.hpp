@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/bus/counters.hpp"
@@ -33,6 +34,7 @@ struct MapperUpdate {
   std::int32_t revolution = 0;
   Pose T_map_base = Pose::Identity();
   Pose T_map_odom = Pose::Identity();             ///< the last known, where odometry is missing
+  std::optional<Pose> T_map_base_by_scan;         ///< by registration, though odometry may be believed rather
   registration::RegistrationResult registration;  ///< covariance still in base_link axes
   tracking::Fix fix = tracking::Fix::kTracking;
   bool registered = false;
@@ -116,6 +118,7 @@ class Mapper {
   [[nodiscard]] Counters counters() const;
   /// Scans in a row that could not be registered.
   [[nodiscard]] int refused_in_a_row() const { return tracker_.refused_in_a_row(); }
+  void add_faults(std::vector<std::string>& faults) const { tracker_.add_faults(faults); }
   [[nodiscard]] bool turns_otherwise() const { return tracker_.turns_otherwise(); }
   [[nodiscard]] std::int64_t turned_otherwise() const { return tracker_.turned_otherwise(); }
   /// The drive's poses, in order, one each few centimetres; a closed loop moves them. See Trajectory::points().

@@ -157,11 +157,15 @@ void MapperNode::process(scan::Scan scan) {
 
 /// Where odometry coasts on the wheels, its turn is no measure of the LiDAR's.
 void MapperNode::watch_sensors(const MapperUpdate& update) {
-  if (update.rearranged || !update.registered || update.fix != tracking::Fix::kTracking) return watch_.interrupt();
-  const bool in_every_direction = (update.registration.degenerate & registration::kPlanarAxes) == 0;
   const bool is_measure = update.with_odometry && odometry_.with_gyro(update.utime - kKeptOdometry, update.utime);
   const std::optional<Pose> T_odom_base =
       is_measure ? std::optional(update.T_map_odom.inverse() * update.T_map_base) : std::nullopt;
+  const std::optional<Pose>& by_scan = update.T_map_base_by_scan;
+  const bool goes_on = !update.rearranged && (by_scan || !update.registered);
+  if (!goes_on) watch_.begin_map();
+  if (goes_on && by_scan && T_odom_base) watch_.compare(update.utime, *by_scan, *T_odom_base);
+  if (update.rearranged || !update.registered || update.fix != tracking::Fix::kTracking) return watch_.interrupt();
+  const bool in_every_direction = (update.registration.degenerate & registration::kPlanarAxes) == 0;
   watch_.add({update.utime, update.points.get(), update.T_map_base, T_odom_base, in_every_direction});
 }
 
@@ -294,6 +298,7 @@ NodeReport MapperNode::report() const {
   if (!not_resumed_.empty() && last_end_ - first_lidar_ < kReportedFor) report.faults.push_back(not_resumed_);
   packets_.add_faults(report.faults);
   watch_.add_faults(report.faults);
+  mapper_.add_faults(report.faults);
   if (epoch_ != 0 && without_odometry_ >= kOdometryMissing)
     report.faults.push_back("no usable ODOMETRY: assuming constant velocity");
   if (too_late_ != 0 && last_end_ - too_late_ < kReportedFor)

@@ -25,17 +25,22 @@ void SensorWatch::interrupt() {
   turns_.interrupt();
 }
 
+void SensorWatch::compare(std::int64_t utime, const Pose& T_map_base_by_scan, const Pose& T_odom_base) {
+  lag_.add(utime, T_map_base_by_scan, T_odom_base);
+}
+
 void SensorWatch::add_faults(std::vector<std::string>& faults) const {
   lasers_.add_faults(faults);
   strays_.add_faults(faults);
   mounting_.add_faults(faults);
   turns_.add_faults(faults);
+  lag_.add_faults(faults);
   sectors_.add_faults(faults);
 }
 
 void SensorWatch::add_counters(Counters& counters) const {
-  for (const Counters* part :
-       {&strays_.counters(), &lasers_.counters(), &mounting_.counters(), &turns_.counters(), &sectors_.counters()}) {
+  for (const Counters* part : {&strays_.counters(), &lasers_.counters(), &mounting_.counters(), &turns_.counters(),
+                               &lag_.counters(), &sectors_.counters()}) {
     for (const auto& [name, value] : part->values()) counters.add(name, value);
   }
 }

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "common/bus/counters.hpp"
 #include "services/mapper/detection/blind_sectors.hpp"
 #include "services/mapper/detection/laser_elevations.hpp"
+#include "services/mapper/detection/lidar_lag.hpp"
 #include "services/mapper/detection/lidar_mounting.hpp"
 #include "services/mapper/detection/stray_returns.hpp"
 #include "services/mapper/detection/turn_agreement.hpp"
@@ -25,6 +27,10 @@ class SensorWatch {
   void add(const FittedScan& scan);
   /// It did not, or the map was rearranged.
   void interrupt();
+  /// Where registration has the next revolution, believed or not, and odometry.
+  void compare(std::int64_t utime, const Pose& T_map_base_by_scan, const Pose& T_odom_base);
+  /// What is compared from now on is in another map.
+  void begin_map() { lag_.interrupt(); }
 
   void add_faults(std::vector<std::string>& faults) const;
   void add_counters(Counters& counters) const;
@@ -34,6 +40,7 @@ class SensorWatch {
   LaserElevations lasers_;
   LidarMounting mounting_;
   TurnAgreement turns_;
+  LidarLag lag_;
   BlindSectors sectors_;
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m, map: of the last revolution that fitted,
   Eigen::Vector3d looked_ = Eigen::Vector3d::Zero();    // and when the lasers were last looked at on the move

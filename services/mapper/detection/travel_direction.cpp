@@ -4,7 +4,7 @@
 #include <numbers>
 #include <vector>
 
-#include "common/statistics/quantile.hpp"
+#include "services/mapper/detection/agreed.hpp"
 
 namespace curbstone::mapper::detection {
 namespace {
@@ -20,13 +20,6 @@ template <class Values>
 void keep(Values& values, typename Values::value_type value) {
   values.push_back(value);
   if (values.size() > TravelDirection::kMost) values.pop_front();
-}
-
-/// The median of values whose middle half spans `spread` at most to either side.
-std::optional<double> agreed(std::vector<double> values, double spread) {
-  if (values.size() < TravelDirection::kLeast) return std::nullopt;
-  if (quantile_in_place(values, 0.75) - quantile_in_place(values, 0.25) > 2 * spread) return std::nullopt;
-  return quantile_in_place(values, 0.5);
 }
 
 }  // namespace
@@ -57,14 +50,14 @@ std::optional<TravelDirection::Straight> TravelDirection::straight() const {
     aslant.push_back(straights_.front().aslant + std::remainder(from_first, 2 * std::numbers::pi));
     longer.push_back(stretch.longer);
   }
-  const auto direction = agreed(std::move(aslant), kSpread);
-  const auto length = agreed(std::move(longer), kSpread);
+  const auto direction = agreed(std::move(aslant), kSpread, kLeast);
+  const auto length = agreed(std::move(longer), kSpread, kLeast);
   if (!direction || !length) return std::nullopt;
   return Straight{std::remainder(*direction, 2 * std::numbers::pi), *length};
 }
 
 std::optional<double> TravelDirection::turning() const {
-  return agreed({turns_.begin(), turns_.end()}, kTurnSpread);
+  return agreed({turns_.begin(), turns_.end()}, kTurnSpread, kLeast);
 }
 
 }  // namespace curbstone::mapper::detection

@@ -13,7 +13,6 @@ namespace {
 constexpr std::int64_t kLongestSweep = 1'000'000;  // us
 constexpr std::int64_t kClockJump = 100'000;       // us backwards that is a new clock, not a late scan
 constexpr int kFirstInsertions = 10;               // scans that go into the map even when the vehicle stands
-constexpr double kLeap = 0.03;                     // rad from scan to scan that no vehicle's turning changes by
 constexpr int kMostFromAfar = 3;                   // refused in a row that are sought with other motions
 
 scan::SharedPoints share(std::vector<scan::LidarPoint> points) {
@@ -24,7 +23,11 @@ scan::SharedPoints share(std::vector<scan::LidarPoint> points) {
 
 Tracker::Tracker(const config::TrackerConfig& config, const config::RegistrationConfig& registration,
                  const VehicleConfig& vehicle, bool keeps_map)
-    : config_(config), keeps_map_(keeps_map), matcher_(registration, vehicle, config.max_speed) {}
+    : config_(config),
+      keeps_map_(keeps_map),
+      matcher_(registration, vehicle, config.max_speed),
+      pairs_(registration, vehicle.T_base_lidar().translation()),
+      lidar_yaw_(roll_pitch_yaw(vehicle.T_base_lidar().linear()).z()) {}
 
 std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
   counters_.add("revolutions");
@@ -42,8 +45,10 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
     return std::nullopt;
   }
 
-  Attempt found = attempt(scan, odometry);
-  const bool turns_otherwise = contradicts_odometry(found, scan, odometry);
+  const scan::OdometryHistory& believed = way_.denied() ? no_odometry_ : odometry;
+  Attempt found = attempt(scan, believed);
+  const auto by_scan = found.believed ? std::optional(found.fit.result.T_map_base) : std::nullopt;
+  const bool turns_otherwise = contradicts_odometry(found, scan, believed);
   if (turns_otherwise) {
     found = by_odometry(scan, odometry);
     turned_otherwise_ = scan.end;
@@ -59,31 +64,12 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   const Last before = *last_;
   Tracked tracked = conclude(scan.end, std::move(found));
   note_odometry(before, odometry);
-  note_turn(tracked, odometry);
+  note_turn(tracked, believed);
   tracked.first = std::move(first);
+  tracked.T_map_base_by_scan = by_scan;
   if (tracked.maps) insert(*tracked.points, tracked.T_map_base);
+  check_way(tracked, odometry);
   return tracked;
-}
-
-/// Where odometry has the vehicle now. The last scan before a gap may outrun its odometry: then what it moved itself
-/// goes on from where odometry had it a moment ago.
-void Tracker::note_odometry(const Last& before, const scan::OdometryHistory& odometry) {
-  if (odometry.covers(last_->end, last_->end)) {
-    last_->T_odom_base = odometry.at(last_->end);
-    last_->odometry_utime = last_->end;
-  } else if (before.T_odom_base && last_->end - before.odometry_utime <= scan::OdometryHistory::kMaxGap) {
-    last_->T_odom_base = *before.T_odom_base * before.T_map_base.inverse() * last_->T_map_base;
-    last_->odometry_utime = before.odometry_utime;
-  }
-}
-
-void Tracker::note_turn(const Tracked& tracked, const scan::OdometryHistory& odometry) {
-  if (turns_otherwise_) return;
-  if (!tracked.with_odometry || !odometry.covers(tracked.utime, tracked.utime)) {
-    turns_.clear();
-  } else if (tracked.registered) {
-    turns_.add(tracked.utime, tracked.T_map_base, odometry.at(tracked.utime));
-  }
 }
 
 /// Where the scan is, by all that may tell: from where odometry, or a steady motion, expects it; if that fails, from
@@ -125,26 +111,6 @@ Tracker::Attempt Tracker::attempt_without_odometry(const Departure& from, const 
   Attempt attempt = judged(matcher_.fit(from, scan, expect_steady(recent(), scan), motion_));
   if (attempt.believed) counters_.add("odometry.not_believed");
   return attempt;
-}
-
-/// Wheels and gyro, if they agree, outvote a registration. Odometry that leaps is no witness.
-bool Tracker::contradicts_odometry(const Attempt& found, const scan::Scan& scan,
-                                   const scan::OdometryHistory& odometry) const {
-  if (!config_.turn_by_odometry || !found.believed || !last_->T_odom_base || !odometry.covers(last_->end, scan.end) ||
-      !odometry.turn_confirmed(last_->end, scan.end)) {
-    return false;
-  }
-  const Pose T_odom_base = odometry.at(scan.end);
-  const scan::Twist by_odometry = scan::twist_of(last_->T_odom_base->inverse() * T_odom_base, stride_);
-  const double leap = (by_odometry.angular - twist_.angular).norm() * stride_;
-  return leap < kLeap && turns_.contradicts(scan.end, found.fit.result.T_map_base, T_odom_base);
-}
-
-/// The vehicle is where odometry has led to from before the registration began to slide.
-Tracker::Attempt Tracker::by_odometry(const scan::Scan& scan, const scan::OdometryHistory& odometry) const {
-  Attempt refused{matcher_.expect(departure(), scan, expect_motion(config_, recent(), scan, odometry)), "refused.turn"};
-  refused.fit.prior.T_map_base = normalised(turns_.by_odometry(odometry.at(scan.end)));
-  return refused;
 }
 
 /// Perhaps the motion has changed. Costly, so not for long.
@@ -231,6 +197,7 @@ void Tracker::relocate(const Pose& T_map_base) {
   last_->T_map_base = T_map_base;
   steady_ = 0;
   turns_.clear();
+  agreed_.reset();
   trust_.relocate();
 }
 
@@ -241,6 +208,7 @@ void Tracker::rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pos
   last_->T_map_base = T_map_base;
   turns_.clear();
   T_map_keyframe_ = T_map_base;
+  agreed_.reset();
 }
 
 void Tracker::begin_at(const Pose& T_map_base, double doubt) {

@@ -18,9 +18,11 @@
 #include "services/mapper/tracking/motion_expectation.hpp"
 #include "services/mapper/tracking/motion_filter.hpp"
 #include "services/mapper/tracking/motion_jitter_covariance.hpp"
+#include "services/mapper/tracking/pair_motion.hpp"
 #include "services/mapper/tracking/pose_trust.hpp"
 #include "services/mapper/tracking/scan_matcher.hpp"
 #include "services/mapper/tracking/turn_check.hpp"
+#include "services/mapper/tracking/way_check.hpp"
 
 namespace curbstone::mapper::tracking {
 
@@ -28,6 +30,7 @@ namespace curbstone::mapper::tracking {
 struct Tracked {
   std::int64_t utime = 0;  ///< us, its end
   Pose T_map_base = Pose::Identity();
+  std::optional<Pose> T_map_base_by_scan;  ///< as registration has it, though odometry may be believed rather
   registration::RegistrationResult
       registration;  ///< covariance in base_link axes, with that of the motion where it was a guess
   Fix fix = Fix::kTracking;
@@ -93,6 +96,8 @@ class Tracker {
   /// Voxels of the map that registration keeps; bounded by its window.
   [[nodiscard]] std::size_t registration_size() const { return matcher_.map().size(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
+  [[nodiscard]] const WayCheck& way() const { return way_; }
+  void add_faults(std::vector<std::string>& faults) const { way_.add_faults(faults, lidar_yaw_); }
   /// Whether a scan was refused because it turned otherwise than wheels and gyro, and none was believed since.
   [[nodiscard]] bool turns_otherwise() const { return turns_otherwise_; }
   /// us, when one was refused so last; 0: none was.
@@ -133,6 +138,8 @@ class Tracker {
   [[nodiscard]] Tracked conclude(std::int64_t utime, Attempt found);
   void learn_motion(const Attempt& found, const Pose& moved, double stride);
   void begin_anew();
+  void check_way(const Tracked& tracked, const scan::OdometryHistory& odometry);
+  void go_by_scans(const WayCheck::Pair& pair, const Pose& T_odom_base);
   void note_turn(const Tracked& tracked, const scan::OdometryHistory& odometry);
   void note_odometry(const Last& before, const scan::OdometryHistory& odometry);
   void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base);
@@ -147,6 +154,11 @@ class Tracker {
   std::vector<scan::LidarPoint> first_points_;  // of it, de-skewed
   PoseTrust trust_;
   TurnCheck turns_;
+  PairMotion pairs_;
+  WayCheck way_;
+  std::optional<Last> agreed_;               // when odometry last went where the scans do, in this map
+  const scan::OdometryHistory no_odometry_;  // where it is denied
+  double lidar_yaw_;
   bool turns_otherwise_ = false;  // a scan did, against odometry, and none was believed since
   std::int64_t turned_otherwise_ = 0;
   scan::Twist twist_;     // over the last scan

@@ -1,0 +1,83 @@
+#include "services/mapper/tracking/pair_motion.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "services/mapper/registration/make_registration.hpp"
+
+namespace curbstone::mapper::tracking {
+namespace {
+
+constexpr std::int64_t kLongestPair = 300'000;  // us
+constexpr double kNear = 0.05;                  // m off odometry's: the ways are not told apart by what agrees
+
+constexpr double kBetter = 1.02;  // agreement that makes a less likely way the better answer
+
+/// A guess that is off by `way` m in the plane, and by little else.
+registration::PosePrior around(const Pose& guess, double way, double turn) {
+  registration::Vector6 sigma;
+  sigma << way, way, 0.02, turn, turn, turn;
+  registration::PosePrior prior;
+  prior.T_map_base = guess;
+  prior.information = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
+  prior.reach = PairMotion::kFar;
+  return prior;
+}
+
+/// 1 sigma of the direction in the plane that is known worst.
+double worst_of(const registration::Matrix6& covariance) {
+  const Eigen::Matrix2d plane = covariance.topLeftCorner<2, 2>();
+  return std::sqrt(0.5 * plane.trace() + std::hypot(0.5 * (plane(0, 0) - plane(1, 1)), plane(0, 1)));
+}
+
+double agreement(const registration::RegistrationResult& found) {
+  return found.overlap * found.inlier_ratio;
+}
+
+}  // namespace
+
+std::optional<WayCheck::Pair> PairMotion::take(std::int64_t utime, const std::vector<scan::LidarPoint>& points,
+                                               const Pose& T_odom_base, bool soon, bool from_afar) {
+  if (first_ && (utime <= first_->utime || utime - first_->utime > kLongestPair)) first_.reset();
+  if (first_) {
+    if (utime - first_->utime < kApart) return std::nullopt;
+    auto pair = measure(points, first_->T_odom_base.inverse() * T_odom_base, from_afar);
+    if (pair) pair->seconds = scan::seconds(first_->utime, utime);
+    if (pair) pair->utime = utime;
+    first_.reset();
+    measured_ = utime;
+    return pair;
+  }
+  if (std::abs(utime - measured_) < (soon ? kSoon : kEach)) return std::nullopt;
+  first_ = First{utime, T_odom_base, registration::make_registration(config_, lidar_)};
+  first_->map->insert(points, Pose::Identity());
+  return std::nullopt;
+}
+
+std::optional<WayCheck::Pair> PairMotion::measure(const std::vector<scan::LidarPoint>& points, const Pose& by_odometry,
+                                                  bool from_afar) const {
+  std::vector<Pose> guesses = {by_odometry};
+  if (from_afar) {
+    guesses.push_back(by_odometry);
+    guesses.back().translation().setZero();
+    guesses.push_back(by_odometry);
+    guesses.back().translation() *= -1;
+  }
+  std::optional<registration::RegistrationResult> best;
+  for (const Pose& guess : guesses) {
+    const registration::RegistrationResult found = first_->map->align(points, around(guess, kFar, 0.005));
+    if (!found.converged || (found.degenerate & registration::kPlanarAxes) != 0) continue;
+    if (!best || agreement(found) > kBetter * agreement(*best)) best = found;
+  }
+  if (!best) return std::nullopt;
+  WayCheck::Pair pair;
+  pair.by_odometry = by_odometry.translation().head<2>();
+  pair.by_scans = best->T_map_base.translation().head<2>();
+  pair.sigma = worst_of(best->covariance);
+  pair.agreement = agreement(*best);
+  const bool near = (pair.by_scans - pair.by_odometry).norm() < kNear;
+  pair.agreement_with_odometry = agreement(near ? *best : first_->map->align(points, around(by_odometry, 1e-4, 1e-3)));
+  return pair;
+}
+
+}  // namespace curbstone::mapper::tracking
