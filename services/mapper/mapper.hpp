@@ -118,6 +118,7 @@ class Mapper {
   [[nodiscard]] Counters counters() const;
   /// Scans in a row that could not be registered.
   [[nodiscard]] int refused_in_a_row() const { return tracker_.refused_in_a_row(); }
+  /// Where odometry does not go where the LiDAR does: see WayCheck.
   void add_faults(std::vector<std::string>& faults) const { tracker_.add_faults(faults); }
   [[nodiscard]] bool turns_otherwise() const { return tracker_.turns_otherwise(); }
   [[nodiscard]] std::int64_t turned_otherwise() const { return tracker_.turned_otherwise(); }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/bus/levels.hpp"
 #include "services/mapper/detection/agreed.hpp"

@@ -96,7 +96,9 @@ class Tracker {
   /// Voxels of the map that registration keeps; bounded by its window.
   [[nodiscard]] std::size_t registration_size() const { return matcher_.map().size(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
+  /// Whether odometry goes where the scans do. While it is denied the tracker goes by scans alone.
   [[nodiscard]] const WayCheck& way() const { return way_; }
+  /// Of it.
   void add_faults(std::vector<std::string>& faults) const { way_.add_faults(faults, lidar_yaw_); }
   /// Whether a scan was refused because it turned otherwise than wheels and gyro, and none was believed since.
   [[nodiscard]] bool turns_otherwise() const { return turns_otherwise_; }
