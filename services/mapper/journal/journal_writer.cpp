@@ -64,9 +64,12 @@ void JournalWriter::append(std::string batch, bool is_whole) {
   const bool opens = !std::exchange(is_open_, true);
   const bool takes_place = is_whole && !is_in_place_;
   is_in_place_ = is_in_place_ || is_whole;
-  under_way_ = std::async(std::launch::async, [this, batch = std::move(batch), opens, takes_place] {
+  under_way_ = std::async(std::launch::async, [this, batch = std::move(batch), opens, takes_place, is_whole] {
     const std::error_code error = put(batch, opens, takes_place);
-    if (error) discard();
+    if (error)
+      discard();
+    else if (!is_whole)
+      keep_alive();
     return error;
   });
 }
@@ -83,6 +86,13 @@ std::error_code JournalWriter::put(std::string_view batch, bool opens, bool take
                           std::fflush(file_.get()) == 0 &&
                           (!takes_place || std::rename(unfinished().c_str(), path_.c_str()) == 0);
   return is_written ? std::error_code() : std::error_code(errno != 0 ? errno : EIO, std::generic_category());
+}
+
+/// Likewise. Until the new file is whole the one before is what a successor has, and its age is for how long nobody has
+/// written.
+void JournalWriter::keep_alive() const {
+  std::error_code there_is_none;
+  std::filesystem::last_write_time(path_, std::filesystem::file_time_type::clock::now(), there_is_none);
 }
 
 /// Likewise. A successor must not go on with half a drive.

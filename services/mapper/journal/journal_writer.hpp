@@ -49,6 +49,7 @@ class JournalWriter {
     void operator()(std::FILE* file) const { (void)std::fclose(file); }
   };
   [[nodiscard]] std::error_code put(std::string_view batch, bool opens, bool takes_place);
+  void keep_alive() const;
   void discard();
   [[nodiscard]] std::string unfinished() const { return path_ + ".unfinished"; }
 

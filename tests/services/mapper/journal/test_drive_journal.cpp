@@ -79,6 +79,10 @@ TEST_F(DriveJournalTest, OfAMapThatStillMovesTakesNobodysPlace) {
   }
   EXPECT_EQ(read()->epoch, 6);
   EXPECT_GT(read()->tiles.size(), 400U) << "all that a successor needs";
+  std::filesystem::last_write_time(file_, std::filesystem::file_time_type::clock::now() - std::chrono::hours(1));
+  utime_ += 1'500'000;
+  wait_until([this] { return *age_of_journal(file_) < 60; });
+  EXPECT_EQ(read()->epoch, 6) << "and it is not too old for him";
   drive(20);
   ASSERT_FALSE(map_.is_moving());
   settle();
