@@ -161,6 +161,7 @@ void MapperNode::watch_sensors(const MapperUpdate& update) {
   const std::optional<Pose> T_odom_base =
       is_measure ? std::optional(update.T_map_odom.inverse() * update.T_map_base) : std::nullopt;
   const std::optional<Pose>& by_scan = update.T_map_base_by_scan;
+  // Registered, and not by the tracker: it was lost, and has been found elsewhere.
   const bool goes_on = !update.rearranged && (by_scan || !update.registered);
   if (!goes_on) watch_.begin_map();
   if (goes_on && by_scan && T_odom_base) watch_.compare(update.utime, *by_scan, *T_odom_base);

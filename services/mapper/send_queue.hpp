@@ -13,7 +13,7 @@ namespace curbstone::mapper {
 /// behind it. Each tile waits once.
 class SendQueue {
  public:
-  static constexpr double kNear = 40;  ///< m from the vehicle to a tile's middle: twice as far as is mapped
+  static constexpr double kNear = 40;  ///< m from the vehicle to a tile's middle: twice dense.max_range's default
 
   /// The vehicle is there, m in map: what has come near it goes before the rest.
   void look_from(double x, double y) {

@@ -64,11 +64,13 @@ void JournalWriter::append(std::string batch, bool is_whole) {
   const bool opens = !std::exchange(is_open_, true);
   const bool takes_place = is_whole && !is_in_place_;
   is_in_place_ = is_in_place_ || is_whole;
-  under_way_ = std::async(std::launch::async, [this, batch = std::move(batch), opens, takes_place, is_whole] {
+  was_in_place_ = was_in_place_ || is_whole;
+  const bool waits_beside = was_in_place_ && !is_in_place_;
+  under_way_ = std::async(std::launch::async, [this, batch = std::move(batch), opens, takes_place, waits_beside] {
     const std::error_code error = put(batch, opens, takes_place);
     if (error)
       discard();
-    else if (!is_whole)
+    else if (waits_beside)
       keep_alive();
     return error;
   });
@@ -88,8 +90,8 @@ std::error_code JournalWriter::put(std::string_view batch, bool opens, bool take
   return is_written ? std::error_code() : std::error_code(errno != 0 ? errno : EIO, std::generic_category());
 }
 
-/// Likewise. Until the new file is whole the one before is what a successor has, and its age is for how long nobody has
-/// written.
+/// Likewise. Until the new file is whole, the one of this drive that it will replace is what a successor has. Its age
+/// says for how long nobody has written. What lies there of another drive stays as old as it is.
 void JournalWriter::keep_alive() const {
   std::error_code there_is_none;
   std::filesystem::last_write_time(path_, std::filesystem::file_time_type::clock::now(), there_is_none);

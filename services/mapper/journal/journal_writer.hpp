@@ -59,6 +59,7 @@ class JournalWriter {
   std::future<std::error_code> under_way_;  // what went wrong
   std::int64_t began_ = 0;                  // ns, steady clock
   bool is_open_ = false;
+  bool was_in_place_ = false;  // a file of this writer
   bool is_in_place_ = false;
   std::size_t bytes_ = 0;
   std::string fault_;

@@ -1,7 +1,9 @@
-// What the tracker believes of odometry.
 #include <utility>
 
 #include "services/mapper/tracking/tracker.hpp"
+
+/// @file
+/// Tracker: what it believes of odometry.
 
 namespace curbstone::mapper::tracking {
 namespace {

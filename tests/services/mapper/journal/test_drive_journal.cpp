@@ -8,9 +8,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <sstream>
-#include <stdexcept>
 #include <thread>
 #include <utility>
 

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -16,8 +17,8 @@ using ::testing::IsEmpty;
 
 class JournalWriterTest : public ::testing::Test {
  protected:
-  void write(const std::string& batch) {
-    writer_.append(batch, true);
+  void write(const std::string& batch, bool is_whole = true) {
+    writer_.append(batch, is_whole);
     while (writer_.busy()) std::this_thread::yield();
   }
   test::TemporaryFolder folder_;
@@ -55,6 +56,27 @@ TEST_F(JournalWriterTest, HasNoErrorOfTheSystemWhereTheJournalIsFull) {
   EXPECT_TRUE(writer_.is_full());
   EXPECT_FALSE(writer_.error());
   EXPECT_FALSE(writer_.has_room_again());
+}
+
+TEST_F(JournalWriterTest, KeepsItsOwnFileYoungWhileAnotherIsBegunAndNobodyElses) {
+  const auto age = [&] {
+    return std::filesystem::file_time_type::clock::now() - std::filesystem::last_write_time(file_);
+  };
+  const auto make_old = [&] {
+    std::filesystem::last_write_time(file_, std::filesystem::file_time_type::clock::now() - std::chrono::hours(1));
+  };
+  std::ofstream(file_) << "of a drive of yesterday";
+  make_old();
+  writer_.begin();
+  write("a part", false);
+  EXPECT_GT(age(), std::chrono::minutes(59));
+  write("the rest");
+  EXPECT_LT(age(), std::chrono::minutes(1));
+  make_old();
+  writer_.begin();
+  write("a part of the next", false);
+  EXPECT_LT(age(), std::chrono::minutes(1));
+  EXPECT_EQ(std::filesystem::file_size(file_), 14U) << "it is still the one before";
 }
 
 }  // namespace

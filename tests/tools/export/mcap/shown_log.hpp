@@ -74,6 +74,19 @@ inline map_points_t shown_cloud(const ShownMoment& now) {
   return cloud;
 }
 
+/// Lines of one kind, of which there is one.
+template <class Lines, class Line>
+Lines shown_lines(const ShownMoment& now, const Line& line) {
+  Lines lines{};
+  lines.utime = now.utime;
+  lines.epoch = now.epoch;
+  lines.box_min[0] = lines.box_min[1] = -100;
+  lines.box_max[0] = lines.box_max[1] = 100;
+  lines.num_lines = 1;
+  lines.lines = {line};
+  return lines;
+}
+
 inline curb_lines_t shown_curbs(const ShownMoment& now) {
   curb_line_t line{};
   line.num_points = 2;
@@ -81,14 +94,7 @@ inline curb_lines_t shown_curbs(const ShownMoment& now) {
   line.y = {2, 2};
   line.z = line.high_side_x = line.high_side_y = {0, 0};
   line.height = {0.1F, 0.1F};
-  curb_lines_t curbs{};
-  curbs.utime = now.utime;
-  curbs.epoch = now.epoch;
-  curbs.box_min[0] = curbs.box_min[1] = -100;
-  curbs.box_max[0] = curbs.box_max[1] = 100;
-  curbs.num_lines = 1;
-  curbs.lines = {line};
-  return curbs;
+  return shown_lines<curb_lines_t>(now, line);
 }
 
 inline marking_lines_t shown_markings(const ShownMoment& now) {
@@ -100,14 +106,7 @@ inline marking_lines_t shown_markings(const ShownMoment& now) {
   paint.y = {-1, -1};
   paint.z = {0, 0};
   paint.painted = {1, 0};
-  marking_lines_t markings{};
-  markings.utime = now.utime;
-  markings.epoch = now.epoch;
-  markings.box_min[0] = markings.box_min[1] = -100;
-  markings.box_max[0] = markings.box_max[1] = 100;
-  markings.num_lines = 1;
-  markings.lines = {paint};
-  return markings;
+  return shown_lines<marking_lines_t>(now, paint);
 }
 
 /// With a fault at 1 s.
