@@ -4,6 +4,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
@@ -85,8 +86,11 @@ class SpillFile::File {
       const ssize_t got = ::pread(descriptor_, bytes.data() + done, bytes.size() - done,
                                   static_cast<off_t>(*place.page * kPage + done));
       if (got < 0 && errno == EINTR) continue;
-      if (got <= 0)
-        throw std::runtime_error("spilled values: " + (got < 0 ? in_words(errno) : "the file is too short"));
+      if (got <= 0) {
+        const std::string why = got < 0 ? in_words(errno) : "the file is too short";
+        ++failed_reads_;
+        throw std::runtime_error("spilled values: " + why);
+      }
       done += static_cast<std::size_t>(got);
     }
     return bytes;
@@ -128,6 +132,7 @@ class SpillFile::File {
     const std::lock_guard lock(mutex_);
     return in_file_;
   }
+  [[nodiscard]] std::int64_t failed_reads() const { return failed_reads_; }
   [[nodiscard]] std::string fault() const {
     const std::lock_guard lock(mutex_);
     return fault_;
@@ -185,6 +190,7 @@ class SpillFile::File {
   FreePages free_;
   std::size_t in_memory_ = 0;  // bytes
   std::size_t in_file_ = 0;    // bytes
+  mutable std::atomic<std::int64_t> failed_reads_ = 0;
   std::string fault_;
 };
 
@@ -224,6 +230,10 @@ std::size_t SpillFile::bytes_in_memory() const {
 
 std::size_t SpillFile::bytes_in_file() const {
   return file_->in_file();
+}
+
+std::int64_t SpillFile::failed_reads() const {
+  return file_->failed_reads();
 }
 
 std::string SpillFile::fault() const {

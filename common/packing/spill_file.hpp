@@ -26,7 +26,9 @@ class SpillFile {
   /// Values that were put away. Copies share them; the last one gives their room back. Any thread.
   class Values {
    public:
-    /// As they were. Throws std::runtime_error if the file cannot be read.
+    /// Nothing has been put away here.
+    [[nodiscard]] bool empty() const { return place_ == nullptr; }
+    /// As they were; of those that are empty, none. Throws std::runtime_error if the file cannot be read.
     [[nodiscard]] PackedValues read() const;
 
    private:
@@ -38,6 +40,8 @@ class SpillFile {
 
   [[nodiscard]] std::size_t bytes_in_memory() const;
   [[nodiscard]] std::size_t bytes_in_file() const;
+  /// How often it could not be read.
+  [[nodiscard]] std::int64_t failed_reads() const;
   /// Why values stay in memory though there is a folder; empty: they do not.
   [[nodiscard]] std::string fault() const;
   /// Waits until nothing is left to be written, or cannot be for now.

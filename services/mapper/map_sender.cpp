@@ -30,6 +30,10 @@ std::deque<map_trajectory_t> make_trajectory_pages(const std::vector<TrajectoryP
   return pages;
 }
 
+std::int32_t size_of(const dense_map::TileRecords& content) {
+  return static_cast<std::int32_t>(content.records.size());
+}
+
 }  // namespace
 
 void MapSender::start_epoch(std::int32_t epoch, const dense_map::DenseMap& map, const Eigen::Vector3d& nearest_first,
@@ -58,22 +62,20 @@ void MapSender::forget(const std::vector<TileKey>& tiles) {
   }
 }
 
-std::int32_t MapSender::send_points(const dense_map::DenseMap& map, TileKey key, std::int32_t first) {
-  const dense_map::DenseTile* tile = map.tile(key);
-  if (tile == nullptr) return first;
-  const auto total = static_cast<std::int32_t>(tile->records().size());
-  const std::int32_t last = std::min(total, first + kPointsPerMessage);
+std::int32_t MapSender::send_records(TileKey key, const dense_map::DenseTile& tile,
+                                     const dense_map::TileRecords& content, std::int32_t first, std::int32_t last) {
+  last = std::min(last, first + kPointsPerMessage);
   if (last <= first) return first;
   map_points_t message;
-  message.utime = tile->utime();
+  message.utime = tile.utime();
   message.epoch = epoch_;
   message.tile_x = key.x;
   message.tile_y = key.y;
-  message.z_origin = static_cast<float>(tile->z_origin());
+  message.z_origin = static_cast<float>(tile.z_origin());
   message.first = first;
   message.num_points = last - first;
   for (std::int32_t i = first; i < last; ++i) {
-    const TilePoint& point = tile->records()[static_cast<std::size_t>(i)];
+    const TilePoint& point = content.records[static_cast<std::size_t>(i)];
     message.x.push_back(point.x);
     message.y.push_back(point.y);
     message.z.push_back(point.z);
@@ -94,13 +96,16 @@ void MapSender::send_changes(const dense_map::DenseMap& map, std::int64_t now) {
     if (!key) break;
     const dense_map::DenseTile* tile = map.tile(*key);
     if (tile == nullptr) continue;  // given up meanwhile
+    const auto content = tile->read();
+    --messages;
+    if (!content) continue;  // the disk does not give it back
     std::int32_t& sent = sent_[*key];
     const std::int32_t before = sent;
-    sent = send_points(map, *key, before);
-    --messages;
+    const std::int32_t total = size_of(*content);
+    sent = send_records(*key, *tile, *content, before, total);
     points -= sent - before;
     catalog_.set_version(*key, sent);
-    if (sent < static_cast<std::int32_t>(tile->records().size())) unfinished.push_back(*key);
+    if (sent < total) unfinished.push_back(*key);
   }
   changed(unfinished);
 }
@@ -109,7 +114,12 @@ void MapSender::send_requested(const dense_map::DenseMap& map) {
   for (const auto& [key, have] : catalog_.take_requests(kRequestsInATurn * static_cast<std::size_t>(turns_))) {
     const auto it = sent_.find(key);
     if (it == sent_.end()) continue;
-    for (std::int32_t first = std::max(have, 0); first < it->second;) first = send_points(map, key, first);
+    const dense_map::DenseTile* tile = map.tile(key);
+    const auto content = tile == nullptr ? nullptr : tile->read();
+    if (!content) continue;
+    const std::int32_t end = std::min(it->second, size_of(*content));
+    for (std::int32_t first = std::max(have, 0); first < end;)
+      first = send_records(key, *tile, *content, first, size_of(*content));
   }
   if (const auto page = drive_.take_requested()) bus_.publish("MAP_TRAJECTORY", *page);
 }
@@ -132,8 +142,10 @@ void MapSender::finish(const dense_map::DenseMap& map) {
   while (const std::optional<TileKey> key = changed_.pop()) {
     const dense_map::DenseTile* tile = map.tile(*key);
     if (tile == nullptr) continue;
+    const auto content = tile->read();
+    if (!content) continue;
     std::int32_t& sent = sent_[*key];
-    while (sent < static_cast<std::int32_t>(tile->records().size())) sent = send_points(map, *key, sent);
+    while (sent < size_of(*content)) sent = send_records(*key, *tile, *content, sent, size_of(*content));
     catalog_.set_version(*key, sent);
   }
 }

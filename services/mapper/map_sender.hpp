@@ -50,8 +50,10 @@ class MapSender {
   void finish(const dense_map::DenseMap& map);
 
  private:
-  /// Sends points of a tile from `first` on, at most one message's worth. Returns the index after the last sent.
-  std::int32_t send_points(const dense_map::DenseMap& map, TileKey key, std::int32_t first);
+  /// Sends records of a tile from `first` to `last`, at most one message's worth. Returns the index after the last
+  /// sent.
+  std::int32_t send_records(TileKey key, const dense_map::DenseTile& tile, const dense_map::TileRecords& content,
+                            std::int32_t first, std::int32_t last);
 
   Publisher& bus_;
   TileCatalog catalog_{"mapper", "MAP_POINTS"};

@@ -10,105 +10,22 @@ namespace {
 using Insertion = dense_map::DenseWork::Insertion;
 
 constexpr std::int64_t kMostRemovals = 400'000;      // records of what has gone, until the tiles begin anew
-constexpr double kLongestStep = 0.3;                 // s between scans that tell how the vehicle moved
 constexpr double kStandsStill = 0.5;                 // s without a motion, from which a vehicle without odometry stands
 constexpr std::int64_t kSearchPeriod = 500'000;      // us between two searches for where the vehicle is,
 constexpr std::int64_t kSearchAnywhere = 2'000'000;  // and where it may be anywhere: that takes most of a second
-constexpr double kGuess = 1.0;                       // m that a guess from the speed alone may be off, at least
-
-Pose upright(double x, double y, double yaw) {
-  Pose T_map_base(Eigen::Translation3d(x, y, 0));
-  T_map_base.rotate(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
-  return T_map_base;
-}
-
-/// Nothing of a vehicle that stood.
-scan::Twist motion_between(const journal::RecordedPose& a, const journal::RecordedPose& b) {
-  const double dt = scan::seconds(a.utime, b.utime);
-  if (!(dt > 0 && dt < kLongestStep)) return {};
-  return scan::twist_of(a.T_map_base.inverse() * b.T_map_base, dt);
-}
 
 }  // namespace
 
-Mapper::Mapper(const config::MapperConfig& config)
+Mapper::Mapper(const config::MapperConfig& config, std::shared_ptr<SpillFile> far)
     : config_(config),
       tracker_(config.tracker, config.registration, config.vehicle, config.mode != config::MapMode::kLocalise),
       atlas_(config.atlas),
       local_map_(atlas_, tracker_),
       closer_(config.loop),
       relocalizer_(config.registration.icp, config.vehicle.T_base_lidar().translation()),
-      dense_(std::make_unique<dense_map::DenseWorker>(config.dense, config.vehicle.T_base_lidar(), config.threads > 1)),
-      start_(config.dense, config.vehicle.T_base_lidar(), config.threads > 1) {}
-
-void Mapper::load(const storage::SavedMap& map) {
-  for (const storage::SavedTile& tile : map.tiles) dense_->load(tile.key, tile.z_origin, tile.utime, tile.points);
-  for (const scan::Keyframe& node : map.nodes) atlas_.add_known(node);
-  for (const pose_graph::PoseEdge& edge : map.edges) atlas_.add_known(edge);
-  scale_.restore(map.rings);
-  Pose T_map_start = upright(config_.start_x, config_.start_y, config_.start_yaw);
-  const int nearest = atlas_.nearest(T_map_start.translation());
-  if (nearest != pose_graph::Atlas::kNone) {
-    T_map_start.translation().z() = atlas_.node(nearest).T_map_base.translation().z();
-  }
-  tracker_.begin_at(T_map_start, config_.start_radius);
-}
-
-void Mapper::resume(journal::RecordedDrive drive) {
-  left_off_ = drive.poses.back();
-  if (drive.poses.size() > 1) left_off_twist_ = motion_between(*(drive.poses.end() - 2), *left_off_);
-  scale_.restore(std::move(drive.rings));
-  const auto num_known = static_cast<std::size_t>(drive.num_known);
-  for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
-    journal::RecordedNode& node = drive.nodes[i];
-    if (i < num_known)
-      atlas_.add_known(std::move(node.kept));
-    else
-      atlas_.restore(std::move(node.kept), node.driven);
-  }
-  for (const pose_graph::PoseEdge& edge : drive.edges) atlas_.add_known(edge);
-  for (auto& [key, tile] : drive.tiles) {
-    dense_->restore(key, tile.z_origin, std::move(tile.records), std::move(tile.runs),
-                    left_off_->T_map_base.translation());
-  }
-  for (const journal::RecordedPose& pose : drive.poses) {
-    const Pose T_odom_base = pose.T_map_odom.inverse() * pose.T_map_base;
-    trajectory_.add({pose.utime, pose.revolution, pose.T_map_base, pose.node,
-                     pose.with_odometry ? std::optional(T_odom_base) : std::nullopt},
-                    atlas_);
-  }
-}
-
-/// Before the first scan after another mapper of this drive died. Where odometry leads from its last pose is about
-/// where the vehicle is, and registration says whether it is there. Without that odometry (the filter died, too) the
-/// motion goes on if this scan is the next; else the vehicle is sought.
-void Mapper::take_up(const journal::RecordedPose& last, const scan::Scan& scan, const scan::OdometryHistory& odometry) {
-  const double reach = config_.tracker.max_speed * std::abs(scan::seconds(last.utime, scan.start)) + kGuess;
-  const Eigen::Vector3d was_at = last.T_map_base.translation();
-  const auto go_on = [&](std::int64_t utime, const Pose& T_map_base, double path) {
-    T_map_odom_ = last.T_map_odom;
-    tracker_.resume(utime, T_map_base, path, left_off_twist_);
-    local_map_.rebuild(T_map_base, last.node);
-    standstill_ = Standstill{last.standing_since, last.utime, last.T_map_base, last.has_moved};
-  };
-  if (last.with_odometry && scan.start > last.utime && odometry.covers(scan.start, scan.end)) {
-    const Pose T_map_base = normalised(last.T_map_odom * odometry.at(scan.start));
-    const double path = (T_map_base.translation() - was_at).norm();
-    if (path < reach) return go_on(scan.start, T_map_base, path);  // else it is another odom frame
-  }
-  const double stride = scan::seconds(last.utime, scan.end);
-  if (stride > 0 && stride < kLongestStep) return go_on(last.utime, last.T_map_base, 0);
-  Pose T_map_start = upright(was_at.x(), was_at.y(), roll_pitch_yaw(last.T_map_base.linear()).z());
-  T_map_start.translation().z() = was_at.z();
-  tracker_.begin_at(T_map_start, reach);
-}
-
-storage::MapSnapshot Mapper::snapshot(std::int32_t epoch, const storage::MapVersions& on_disk) const {
-  storage::MapSnapshot snapshot = storage::take_snapshot(dense_->map(), atlas_, config_.dense.voxel, epoch, on_disk);
-  snapshot.map.rings = scale_.basis();
-  snapshot.versions.rings = scale_.basis().scans;
-  return snapshot;
-}
+      dense_(std::make_unique<dense_map::DenseWorker>(config.dense, config.vehicle.T_base_lidar(), config.threads > 1,
+                                                      far)),
+      start_(config.dense, config.vehicle.T_base_lidar(), config.threads > 1, far) {}
 
 std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
   if (left_off_) take_up(*left_off_, scan, odometry);
@@ -292,18 +209,6 @@ std::optional<dense_map::DenseWork::Look> Mapper::look_after(const std::optional
   const auto end_of_known = look.present.begin() + atlas_.num_known();
   look.on_known_map = std::find(look.present.begin(), end_of_known, true) != end_of_known;
   return look;
-}
-
-std::vector<journal::RecordedPose> Mapper::recorded() const {
-  const std::vector<TrajectoryPoint> drive = trajectory();
-  std::vector<journal::RecordedPose> poses;
-  poses.reserve(drive.size());
-  for (const TrajectoryPoint& p : drive) {
-    const Pose T_map_odom = p.T_odom_base ? normalised(p.T_map_base * p.T_odom_base->inverse()) : T_map_odom_;
-    poses.push_back({p.utime, p.revolution, p.node, p.T_map_base, T_map_odom, p.T_odom_base.has_value(),
-                     standstill_.began, standstill_.has_moved});
-  }
-  return poses;
 }
 
 void Mapper::use_the_pause() {

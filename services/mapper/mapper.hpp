@@ -8,6 +8,7 @@
 
 #include "common/bus/counters.hpp"
 #include "common/geometry/geometry.hpp"
+#include "common/packing/spill_file.hpp"
 #include "services/mapper/config/mapper_config.hpp"
 #include "services/mapper/dense_map/dense_worker.hpp"
 #include "services/mapper/intensity/ring_scale.hpp"
@@ -47,6 +48,9 @@ struct MapperUpdate {
   scan::SharedPoints points;        ///< the scan's, de-skewed, in base_link; never null
 };
 
+/// Where what is far from the vehicle lies: a file of its own in the folder that the configuration names.
+[[nodiscard]] std::shared_ptr<SpillFile> file_for_far(const config::MapperConfig& config);
+
 /// The mapper's method: track each scan, relocalise if lost, map what fits. The drive is remembered as a graph of
 /// keyframes whose loops are closed, and as the dense map. A function of the sequence of calls alone. Pure; one thread
 /// calls. With `threads: 2` the dense map is worked on beside it: see DenseWorker. Whoever asks for that map waits for
@@ -57,7 +61,8 @@ struct MapperUpdate {
 /// (the same, without odometry from its last pose).
 class Mapper {
  public:
-  explicit Mapper(const config::MapperConfig& config);
+  /// `far`: what is far from the vehicle lies there; without a folder in memory, packed. See file_for_far().
+  explicit Mapper(const config::MapperConfig& config, std::shared_ptr<SpillFile> far = std::make_shared<SpillFile>());
 
   /// Before the first scan: a map of an earlier drive, which stands fast. The drive begins about at the start
   /// that the configuration gives.
@@ -101,9 +106,10 @@ class Mapper {
   /// Tiles that were given up for memory since the last call. After wait_grown().
   [[nodiscard]] std::vector<TileKey> take_evicted() { return dense_->take_evicted(); }
 
-  /// All that outlives the drive. After wait() or finish().
-  [[nodiscard]] storage::SavedMap saved(std::int32_t epoch) const { return snapshot(epoch, {}).map; }
-  /// The same, less what a folder holds already.
+  /// All that outlives the drive, in memory. After wait() or finish(). Throws std::runtime_error if the file does not
+  /// give back what is far.
+  [[nodiscard]] storage::SavedMap saved(std::int32_t epoch) const;
+  /// The same, less what a folder holds already; what is far stays away until it is saved.
   [[nodiscard]] storage::MapSnapshot snapshot(std::int32_t epoch, const storage::MapVersions& on_disk) const;
 
   [[nodiscard]] bool started() const { return tracker_.started(); }
@@ -160,6 +166,8 @@ class Mapper {
   [[nodiscard]] dense_map::DenseWorker& shown_map() { return start_.is_shown() ? start_.map() : *dense_; }
   [[nodiscard]] std::optional<dense_map::DenseWork::Look> look_after(const std::optional<Earlier>& earlier,
                                                                      const Pose& T_map_base, std::int64_t utime) const;
+
+  static constexpr double kLongestStep = 0.3;  // s between scans that tell how the vehicle moved
 
   config::MapperConfig config_;
   tracking::Tracker tracker_;

@@ -7,6 +7,7 @@
 #include <curbstone/map_pose_t.hpp>
 #include <utility>
 
+#include "common/bus/levels.hpp"
 #include "common/resend/message_keeper.hpp"
 #include "common/time/clock.hpp"
 #include "common/time/microseconds.hpp"
@@ -39,7 +40,8 @@ MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
       sender_(bus),
       packets_(bus, "mapper", "LIDAR_POINTS"),
       odometry_resend_(bus, "mapper", odometry_),
-      mapper_(config),
+      far_(file_for_far(config)),
+      mapper_(config, far_),
       watch_(config.vehicle) {
   if (!config_.folder.empty() && config_.mode != config::MapMode::kLocalise) saver_.emplace(config_.folder);
   if (!resume_drive() && config_.mode != config::MapMode::kMap) begin_map();
@@ -292,8 +294,12 @@ NodeReport MapperNode::report() const {
   if (saver_) {
     for (const auto& [name, value] : saver_->counters().values()) report.counters.add(name, value);
   }
+  set_level(report.counters, "far.memory_kb", static_cast<std::int64_t>(far_->bytes_in_memory() / 1024));
+  set_level(report.counters, "far.disk_kb", static_cast<std::int64_t>(far_->bytes_in_file() / 1024));
+  report.counters.add("faults.far_tiles", far_->failed_reads());
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
+  if (!far_->fault().empty()) report.faults.push_back("far tiles stay in memory: " + far_->fault());
   if (saver_ && !saver_->fault().empty()) report.faults.push_back(saver_->fault());
   if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());
   if (!not_resumed_.empty() && last_end_ - first_lidar_ < kReportedFor) report.faults.push_back(not_resumed_);

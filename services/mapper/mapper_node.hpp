@@ -79,6 +79,7 @@ class MapperNode final : public Node {
   scan::ScanAssembler assembler_;
   scan::OdometryHistory odometry_;
   scan::OdometryResend odometry_resend_;
+  std::shared_ptr<SpillFile> far_;  // what is far from the vehicle
   Mapper mapper_;
   detection::SensorWatch watch_;
   std::deque<Pending> pending_;

@@ -11,15 +11,16 @@ constexpr double kShows = 0.5;  // s of standstill: sooner it would be no more t
 
 }  // namespace
 
-StartMap::StartMap(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside)
-    : config_(config), T_base_lidar_(T_base_lidar), beside_(beside) {}
+StartMap::StartMap(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside,
+                   std::shared_ptr<SpillFile> far)
+    : config_(config), T_base_lidar_(T_base_lidar), beside_(beside), far_(std::move(far)) {}
 
 bool StartMap::takes(const Standstill& standstill, std::int64_t utime) const {
   return !is_over_ && !standstill.has_moved && scan::seconds(standstill.began, utime) <= config_.start_hold_s;
 }
 
 StartMap::Worker& StartMap::map() {
-  if (!map_) map_ = std::make_unique<Worker>(config_, T_base_lidar_, beside_);
+  if (!map_) map_ = std::make_unique<Worker>(config_, T_base_lidar_, beside_, far_);
   return *map_;
 }
 

@@ -19,7 +19,7 @@ class StartMap {
   using Worker = dense_map::DenseWorker;
 
   /// `seconds`: after which a vehicle that has not moved is mapped all the same. The rest as for DenseWorker.
-  StartMap(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside);
+  StartMap(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside, std::shared_ptr<SpillFile> far);
 
   /// Whether the scan that ended at `utime` belongs to the first standstill.
   [[nodiscard]] bool takes(const Standstill& standstill, std::int64_t utime) const;
@@ -45,6 +45,7 @@ class StartMap {
   config::DenseConfig config_;
   Pose T_base_lidar_;
   bool beside_;
+  std::shared_ptr<SpillFile> far_;
   std::unique_ptr<Worker> map_;
   std::int64_t began_ = 0;  // us
   bool is_shown_ = false;

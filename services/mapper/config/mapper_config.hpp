@@ -23,6 +23,8 @@ struct MapperConfig {
   std::string journal;
   double journal_mb = 1000.0;
   double resume_within_s = 20.0;
+  std::string far_folder = "/var/tmp";
+  double keep_free = 1.0;
   double start_x = 0;
   double start_y = 0;
   double start_yaw = 0;
@@ -46,6 +48,9 @@ struct MapperConfig {
             "a file from which the next mapper goes on with the drive if this one is killed; empty: none");
     v.field("journal_mb", journal_mb, {1.0, 100000.0}, "MB that it may have: a town takes 0.17 a metre of new ground");
     v.field("resume_within_s", resume_within_s, {1.0, 600.0}, "s after which nobody goes on with it");
+    v.field("far_folder", far_folder,
+            "on a disk: a file there, without a name, holds what is far from the vehicle; empty: memory does, packed");
+    v.field("keep_free", keep_free, {0.0, 1e6}, "GB of that disk that it leaves free; then memory holds the rest");
     v.field("start_x", start_x, {-1e6, 1e6}, "m in that map, where the drive begins");
     v.field("start_y", start_y, {-1e6, 1e6}, "m");
     v.field("start_yaw", start_yaw, {-7.0, 7.0}, "rad");

@@ -11,7 +11,7 @@ constexpr std::int64_t kGiveUp = 3'000'000;       // us without a hit: what wait
 constexpr double kGroundSlope = 0.05;             // by which unseen ground may rise above the vehicle's plane
 constexpr std::int64_t kHousekeeping = 64;        // scans between
 constexpr std::uint32_t kHeldEvery = 4;           // scans between looks at what is held
-constexpr double kAwake = 40.0;                   // m beyond the range: tiles that keep their voxel sets
+constexpr std::size_t kShareByScan = 16;          // of the tiles that sleep, one in so many is put away
 constexpr int kLookEvery = 4;                     // scans between looks through a tile
 constexpr std::int64_t kRemoveEvery = 1'000'000;  // us: whoever votes counts such a tile anew
 constexpr double kWorldEdge = 90'000;             // m from the start, in either axis
@@ -49,11 +49,12 @@ voxels::VoxelKey waiting_key(TileKey tile, std::uint32_t voxel) {
 
 }  // namespace
 
-DenseMap::DenseMap(const config::DenseConfig& config)
+DenseMap::DenseMap(const config::DenseConfig& config, std::shared_ptr<SpillFile> far)
     : config_(config),
       voxel_steps_(static_cast<int>(std::lround(config.voxel / kPositionStep))),
       settle_us_(std::llround(1e6 * config.settle_s)),
-      tiles_(voxel_steps_),
+      far_(std::move(far)),
+      tiles_(voxel_steps_, far_),
       places_(std::llround(1e6 * config.persistence_s)),
       free_space_(config.ground_clearance) {}
 
@@ -76,6 +77,8 @@ std::vector<TileKey> DenseMap::insert(const std::vector<scan::LidarPoint>& point
     places_.forget_before(utime - 2 * kGiveUp);  // what waits below one is given up before
     bound_memory();
   }
+  tiles_.put_away(kShareByScan);
+  note_lost();
   return grown;
 }
 
@@ -115,6 +118,7 @@ std::vector<TileKey> DenseMap::look_through(const std::vector<scan::LidarPoint>&
       changed.push_back({x, y});
     }
   }
+  note_lost();
   return changed;
 }
 
@@ -236,18 +240,6 @@ std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, bool last_call) {
   return grown;
 }
 
-void DenseMap::bound_memory() {
-  std::vector<TileKey> far = tiles_.sleep_beyond(base_, config_.max_range + kAwake);
-  for (; size_ + 2 * num_removals_ > config_.max_points && !far.empty(); far.pop_back()) {
-    const DenseTile& tile = *tiles_.find(far.back());
-    size_ -= static_cast<std::int64_t>(tile.num_points());
-    num_removals_ -= static_cast<std::int64_t>(tile.num_removals());
-    tiles_.erase(far.back());
-    evicted_.push_back(far.back());
-    counters_.add("dense.evicted_tiles");
-  }
-}
-
 void DenseMap::forget_waiting() {
   waiting_.clear();
   free_.clear();
@@ -258,7 +250,7 @@ void DenseMap::forget_waiting() {
 void DenseMap::move(const std::vector<Pose>& corrections) {
   std::vector<TileKey> moved;  // all tiles are other ones, and whoever asks for keys() gets them
   move_rest(moved);            // of an earlier correction
-  mover_ = TileMover(std::exchange(tiles_, TileGrid(voxel_steps_)), corrections, base_);
+  mover_ = TileMover(std::exchange(tiles_, TileGrid(voxel_steps_, far_)), corrections, base_);
   forget_waiting();
   size_ = num_removals_ = 0;
   move_some(kMovedAtOnce, moved);
@@ -273,7 +265,10 @@ void DenseMap::move_some(std::size_t most, std::vector<TileKey>& grown) {
 }
 
 void DenseMap::move_rest(std::vector<TileKey>& grown) {
-  while (is_moving()) move_some(kMovedAtOnce, grown);
+  while (is_moving()) {
+    move_some(kMovedAtOnce, grown);
+    tiles_.put_away(kAllAtOnce);
+  }
 }
 
 /// Returns the tile that has taken it; nothing if there is no room for it in its voxel.
@@ -288,45 +283,6 @@ std::optional<TileKey> DenseMap::put(const MovedPoint& point) {
   float& lowest = tile.lowest_at(*in_tile);
   lowest = std::min(lowest, static_cast<float>(point.position.z()));
   return key;
-}
-
-void DenseMap::roll_back(std::int64_t utime) {
-  std::vector<TileKey> moved;
-  move_rest(moved);
-  forget_waiting();
-  size_ = num_removals_ = 0;
-  tiles_.for_each([&](DenseTile& tile) {
-    tile.cut_after(utime);
-    size_ += static_cast<std::int64_t>(tile.num_points());
-    num_removals_ += static_cast<std::int64_t>(tile.num_removals());
-  });
-}
-
-void DenseMap::load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points) {
-  DenseTile& tile = tiles_.wake_or_make(key, z_origin);
-  for (const TilePoint& p : points) {
-    if (tile.occupied(tile.voxel_number(p))) continue;
-    tile.append(p, utime, kFixed);
-    ++size_;
-  }
-  tiles_.sleep(key);
-}
-
-/// What was far from the vehicle, or is of an earlier drive, was asleep.
-void DenseMap::restore(TileKey key, std::int32_t z_origin, std::vector<TilePoint> records,
-                       std::vector<DenseTile::Run> runs, const Eigen::Vector3d& at) {
-  const bool is_near = distance_of(key, at) < config_.max_range + kAwake;
-  const bool is_fixed = !runs.empty() && runs.front().anchor == kFixed;
-  DenseTile& tile = tiles_.wake_or_make(key, z_origin);
-  const bool is_awake = is_near && !is_fixed;
-  tile.restore(std::move(records), std::move(runs), is_awake);
-  if (!is_awake) tiles_.sleep(key);  // the grid has just seen it awake
-  size_ += static_cast<std::int64_t>(tile.num_points());
-  num_removals_ += static_cast<std::int64_t>(tile.num_removals());
-}
-
-std::vector<TileKey> DenseMap::take_evicted() {
-  return std::exchange(evicted_, {});
 }
 
 }  // namespace curbstone::mapper::dense_map

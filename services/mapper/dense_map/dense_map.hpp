@@ -25,13 +25,18 @@ namespace curbstone::mapper::dense_map {
 /// them. Points that beams later pass through are removed. In a tile that is known from an earlier visit a point goes
 /// in only where nothing is known beside it; else noise would make surfaces thicker with each visit. The intensity of a
 /// point is the mean over those hits that had one, on the scale of set_scale(); 0: none had. A function of the calls
-/// alone. Pure; one thread.
+/// alone; one thread.
+///
+/// Tiles far from the vehicle sleep, and the records of those that have slept for longest lie in a file: see
+/// DenseTile::read(). So memory does not grow with the drive, but for some hundred bytes a tile. A tile that the file
+/// does not give back when it wakes is given up, as take_evicted() tells.
 ///
 /// Counters: dense.points, dense.transient (voxels given up: nothing stayed there), dense.removed (points: seen through
 /// since), dense.evicted_tiles, dense.without_intensity (points).
 class DenseMap {
  public:
-  explicit DenseMap(const config::DenseConfig& config);
+  /// `far`: the file; one without a folder keeps them in memory, packed.
+  explicit DenseMap(const config::DenseConfig& config, std::shared_ptr<SpillFile> far = std::make_shared<SpillFile>());
 
   /// Takes a registered scan; `points` in base_link. `add_new` false: hits count only in voxels that are waiting
   /// already. Returns the tiles that grew, in order.
@@ -62,8 +67,7 @@ class DenseMap {
   void load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points);
   /// Takes a tile of this drive from who mapped it before; the vehicle is `at` a place (map). The key must be new, the
   /// records and runs must be those of a tile.
-  void restore(TileKey key, std::int32_t z_origin, std::vector<TilePoint> records, std::vector<DenseTile::Run> runs,
-               const Eigen::Vector3d& at);
+  void restore(TileKey key, std::int32_t z_origin, TileRecords records, const Eigen::Vector3d& at);
 
   /// What is still waiting for more hits goes in as it is; what must prove that it stays, does not.
   std::vector<TileKey> finish();
@@ -75,6 +79,8 @@ class DenseMap {
   /// Tiles that were given up for memory since the last call.
   [[nodiscard]] std::vector<TileKey> take_evicted();
   [[nodiscard]] std::int64_t size() const { return size_; }
+  /// Memory of all tiles, but for what is away.
+  [[nodiscard]] std::size_t bytes() const;
   /// Points that were taken out and that the tiles still tell of; move() makes them lists of points alone.
   [[nodiscard]] std::int64_t num_removals() const { return num_removals_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
@@ -113,10 +119,14 @@ class DenseMap {
   void move_rest(std::vector<TileKey>& grown);
   std::optional<TileKey> put(const MovedPoint& point);
   void bound_memory();
+  void note_lost();
+  static constexpr double kAwake = 40.0;        // m beyond the range: tiles that keep their voxel sets
+  static constexpr std::size_t kAllAtOnce = 1;  // share of the tiles that are put away, where nobody waits
 
   config::DenseConfig config_;
   int voxel_steps_;
   std::int64_t settle_us_;
+  std::shared_ptr<SpillFile> far_;
   TileGrid tiles_;
   TileMover mover_;  // of what is still to be moved into them
   std::vector<Waiting> waiting_;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <limits>
-#include <unordered_map>
+#include <stdexcept>
 #include <unordered_set>
 #include <utility>
 
@@ -87,12 +87,14 @@ std::uint32_t DenseTile::voxel_number(const TilePoint& point) const {
 
 void DenseTile::append_record(const TilePoint& record, std::int64_t utime, std::int32_t anchor) {
   constexpr std::int64_t kLongestRun = 1'000'000;  // us: what cut_after() can tell apart
-  if (runs_.empty() || runs_.back().anchor != anchor || std::abs(utime - runs_.back().utime) > kLongestRun) {
-    runs_.push_back({anchor, static_cast<std::int32_t>(records_.size()), utime});
+  std::vector<Run>& runs = content_.runs;
+  if (runs.empty() || runs.back().anchor != anchor || std::abs(utime - runs.back().utime) > kLongestRun) {
+    runs.push_back({anchor, static_cast<std::int32_t>(content_.records.size()), utime});
+    newest_run_ = std::max(newest_run_, utime);
   }
   utime_ = std::max(utime_, utime);
-  make_room(1, records_);
-  records_.push_back(record);
+  make_room(1, content_.records);
+  content_.records.push_back(record);
 }
 
 void DenseTile::append(const TilePoint& point, std::int64_t utime, std::int32_t anchor) {
@@ -104,8 +106,8 @@ void DenseTile::append(const TilePoint& point, std::int64_t utime, std::int32_t 
 
 void DenseTile::remove(const std::vector<std::uint32_t>& records, std::int64_t utime) {
   for (const std::uint32_t record : records) {
-    const TilePoint point = records_[record];
-    append_record(removal_of(point), utime, runs_.back().anchor);
+    const TilePoint point = content_.records[record];
+    append_record(removal_of(point), utime, content_.runs.back().anchor);
     occupied_.erase(voxel_number(point));
     seen_through_[record] = kGone;
     seen_through_.push_back(kGone);
@@ -114,29 +116,13 @@ void DenseTile::remove(const std::vector<std::uint32_t>& records, std::int64_t u
   removed_at_ = utime;
 }
 
-std::vector<bool> DenseTile::standing() const {
-  std::vector<bool> there(records_.size(), true);
-  if (num_removals_ == 0) return there;
-  std::unordered_map<std::uint64_t, std::size_t> at;
-  for (std::size_t i = 0; i < records_.size(); ++i) {
-    if (!is_removal(records_[i])) {
-      at[place_key(records_[i])] = i;
-      continue;
-    }
-    there[i] = false;
-    there[at.at(place_key(removal_of(records_[i])))] = false;
+std::shared_ptr<const TileRecords> DenseTile::read() const {
+  if (!is_away_) return {std::shared_ptr<const void>(), &content_};
+  try {
+    return std::make_shared<const TileRecords>(packed_.read());
+  } catch (const std::runtime_error&) {
+    return nullptr;
   }
-  return there;
-}
-
-std::vector<TilePoint> DenseTile::points() const {
-  const std::vector<bool> there = standing();
-  std::vector<TilePoint> points;
-  points.reserve(num_points());
-  for (std::size_t i = 0; i < records_.size(); ++i) {
-    if (there[i]) points.push_back(records_[i]);
-  }
-  return points;
 }
 
 void DenseTile::set_vacated(int column) {
@@ -144,43 +130,48 @@ void DenseTile::set_vacated(int column) {
   vacated_[static_cast<std::size_t>(column)] = true;
 }
 
-void DenseTile::cut_after(std::int64_t utime) {
-  std::vector<TilePoint> records;
-  std::vector<Run> runs;
-  records.swap(records_);
-  runs.swap(runs_);
+bool DenseTile::cut_after(std::int64_t utime) {
+  if (newest_run_ <= utime) {
+    utime_ = newest_run_;
+    give_back(vacated_);
+    if (!asleep_) index_points();
+    return true;
+  }
+  if (!bring_back()) return false;
+  packed_ = {};
+  const TileRecords old = std::exchange(content_, {});
   utime_ = 0;
+  newest_run_ = 0;
   num_removals_ = 0;
   std::unordered_set<std::uint64_t> there;
-  for (std::size_t r = 0; r < runs.size(); ++r) {
-    if (runs[r].utime > utime) continue;
-    runs_.push_back({runs[r].anchor, static_cast<std::int32_t>(records_.size()), runs[r].utime});
-    utime_ = std::max(utime_, runs[r].utime);
-    const std::size_t end = r + 1 < runs.size() ? static_cast<std::size_t>(runs[r + 1].first) : records.size();
-    for (auto i = static_cast<std::size_t>(runs[r].first); i < end; ++i) {
-      const TilePoint& record = records[i];
+  for (std::size_t r = 0; r < old.runs.size(); ++r) {
+    const Run& run = old.runs[r];
+    if (run.utime > utime) continue;
+    content_.runs.push_back({run.anchor, static_cast<std::int32_t>(content_.records.size()), run.utime});
+    newest_run_ = utime_ = std::max(utime_, run.utime);
+    const std::size_t end = old.end_of(r);
+    for (auto i = static_cast<std::size_t>(run.first); i < end; ++i) {
+      const TilePoint& record = old.records[i];
       if (is_removal(record)) {  // after a jump of the clock, of something that came "later"
         if (there.erase(place_key(removal_of(record))) == 0) continue;
         ++num_removals_;
       } else {
         there.insert(place_key(record));
       }
-      records_.push_back(record);
+      content_.records.push_back(record);
     }
   }
   give_back(vacated_);
   if (!asleep_) index_points();
+  return true;
 }
 
-void DenseTile::restore(std::vector<TilePoint> records, std::vector<Run> runs, bool awake) {
-  records_ = std::move(records);
-  runs_ = std::move(runs);
-  for (const Run& run : runs_) utime_ = std::max(utime_, run.utime);
-  num_removals_ = static_cast<std::size_t>(std::count_if(records_.begin(), records_.end(), is_removal));
-  if (awake)
-    index_points();
-  else
-    sleep();
+void DenseTile::restore(TileRecords records) {
+  content_ = std::move(records);
+  for (const Run& run : content_.runs) newest_run_ = std::max(newest_run_, run.utime);
+  utime_ = std::max(utime_, newest_run_);
+  num_removals_ = static_cast<std::size_t>(std::count_if(content_.records.begin(), content_.records.end(), is_removal));
+  if (!asleep_) index_points();
 }
 
 float& DenseTile::lowest(int column, int row) {
@@ -190,34 +181,59 @@ float& DenseTile::lowest(int column, int row) {
 void DenseTile::sleep() {
   if (asleep_) return;
   asleep_ = true;
-  records_.shrink_to_fit();
-  runs_.shrink_to_fit();
+  content_.records.shrink_to_fit();
+  content_.runs.shrink_to_fit();
   occupied_ = NumberSet();
   give_back(lowest_);
   give_back(seen_through_);
   give_back(vacated_);
 }
 
-std::size_t DenseTile::bytes() const {
-  return bytes_of(records_) + bytes_of(runs_) + occupied_.bytes() + bytes_of(lowest_) + bytes_of(seen_through_) +
-         vacated_.capacity() / 8;
+/// What has got nothing new since it was read is still in the file.
+bool DenseTile::put_away(SpillFile& file) {
+  if (!asleep_ || is_away_ || content_.records.empty()) return false;
+  if (packed_.empty() || num_packed_ != content_.records.size()) {
+    packed_ = PackedRecords(content_, file);
+    num_packed_ = content_.records.size();
+  }
+  content_ = {};
+  is_away_ = true;
+  return true;
 }
 
-void DenseTile::wake() {
-  if (!asleep_) return;
+bool DenseTile::bring_back() {
+  if (!is_away_) return true;
+  try {
+    content_ = packed_.read();
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+  is_away_ = false;
+  return true;
+}
+
+std::size_t DenseTile::bytes() const {
+  return bytes_of(content_.records) + bytes_of(content_.runs) + occupied_.bytes() + bytes_of(lowest_) +
+         bytes_of(seen_through_) + vacated_.capacity() / 8;
+}
+
+bool DenseTile::wake() {
+  if (!asleep_) return true;
+  if (!bring_back()) return false;
   asleep_ = false;
   has_slept_ = true;
   index_points();
+  return true;
 }
 
 void DenseTile::index_points() {
   occupied_ = NumberSet();
   lowest_.assign(kColumns * kColumns, std::numeric_limits<float>::infinity());
-  const std::vector<bool> there = standing();
-  seen_through_.assign(records_.size(), kGone);
-  for (std::size_t i = 0; i < records_.size(); ++i) {
-    if (!there[i]) continue;
-    const TilePoint& point = records_[i];
+  const std::vector<bool> there = num_removals_ > 0 ? content_.standing() : std::vector<bool>();
+  seen_through_.assign(content_.records.size(), kGone);
+  for (std::size_t i = 0; i < content_.records.size(); ++i) {
+    if (num_removals_ > 0 && !there[i]) continue;
+    const TilePoint& point = content_.records[i];
     seen_through_[i] = 0;
     occupied_.insert(voxel_number(point), has_slept_);
     float& low = lowest(point.x * kColumns / kStepsPerTile, point.y * kColumns / kStepsPerTile);

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "common/tiles/tile.hpp"
+#include "services/mapper/dense_map/tile_records.hpp"
 
 namespace curbstone::mapper::dense_map {
 
@@ -29,21 +31,25 @@ class NumberSet {
   std::size_t size_ = 0;
 };
 
-/// One tile of the dense map: at most one point a voxel. What it keeps is the list of records that goes out as
-/// MAP_POINTS (see common/tiles/tile.hpp): points, and what took some of them out again. It is only ever appended to.
+/// One tile of the dense map: at most one point a voxel. What it keeps are its TileRecords, which are only ever
+/// appended to. Awake it has indexes beside them, by which points are added and taken out. Asleep it has the records
+/// alone, and those may be put away, out of memory: whoever looks at them calls read().
 class DenseTile {
  public:
+  using Run = TileRecords::Run;
+
   /// `voxel_steps`: a voxel's side in kPositionStep; must divide kStepsPerTile.
   DenseTile(std::int32_t z_origin, int voxel_steps);
 
   /// m in map; a whole number.
   [[nodiscard]] std::int32_t z_origin() const { return z_origin_; }
-  [[nodiscard]] const std::vector<TilePoint>& records() const { return records_; }
-  /// What is there: the records that are points and have not been taken out, in order.
-  [[nodiscard]] std::vector<TilePoint> points() const;
-  /// Of each record whether it is one of those.
-  [[nodiscard]] std::vector<bool> standing() const;
-  [[nodiscard]] std::size_t num_points() const { return records_.size() - 2 * num_removals_; }
+  /// For a look at its records. Where they are in memory these are they, until the tile changes. Of a tile that is away
+  /// they are read from the file and unpacked, anew with each call: a fraction of a millisecond, and the copy is the
+  /// caller's. Null if the file does not give them back.
+  [[nodiscard]] std::shared_ptr<const TileRecords> read() const;
+  [[nodiscard]] std::size_t num_records() const { return is_away_ ? num_packed_ : content_.records.size(); }
+  /// What is there: the records that are points and have not been taken out.
+  [[nodiscard]] std::size_t num_points() const { return num_records() - 2 * num_removals_; }
   [[nodiscard]] std::size_t num_removals() const { return num_removals_; }
 
   /// Names the point's voxel within the tile.
@@ -59,21 +65,11 @@ class DenseTile {
   void append(const TilePoint& point, std::int64_t utime, std::int32_t anchor);
   /// Takes points out, by the numbers of their records, of which each must be there().
   void remove(const std::vector<std::uint32_t>& records, std::int64_t utime);
-  /// Records from `first` on, up to the next run, came from `utime` on with one anchor.
-  struct Run {
-    std::int32_t anchor;
-    std::int32_t first;
-    std::int64_t utime;
-  };
-  [[nodiscard]] const std::vector<Run>& runs() const { return runs_; }
-  /// The number of the record after a run's last.
-  [[nodiscard]] std::size_t end_of(std::size_t run) const {
-    return run + 1 < runs_.size() ? static_cast<std::size_t>(runs_[run + 1].first) : records_.size();
-  }
-  /// Takes the records of a tile that was, as they are; for a tile that has none. Not `awake`: it sleeps.
-  void restore(std::vector<TilePoint> records, std::vector<Run> runs, bool awake);
-  /// Forgets the runs that began after `utime`: what they took out is there again.
-  void cut_after(std::int64_t utime);
+  /// Takes the records of a tile that was, as they are; for a tile that has none, awake or asleep.
+  void restore(TileRecords records);
+  /// Forgets the runs that began after `utime`: what they took out is there again. A tile that is away is read only if
+  /// it has such runs, and is in memory then. False if the file does not give it back.
+  [[nodiscard]] bool cut_after(std::int64_t utime);
   /// When the newest point came, us. A fact of the content: whenever and in how many messages it is sent.
   [[nodiscard]] std::int64_t utime() const { return utime_; }
 
@@ -101,9 +97,16 @@ class DenseTile {
 
   /// Gives back the memory that only adding points needs; it is made again from the points when wanted.
   void sleep();
-  void wake();
   [[nodiscard]] bool asleep() const { return asleep_; }
-  /// Memory that it has asked for, beside its own size.
+  /// Takes the records of a tile that sleeps out of memory. False if there is nothing to take: it is awake, away or
+  /// empty.
+  bool put_away(SpillFile& file);
+  [[nodiscard]] bool is_away() const { return is_away_; }
+  /// With its records. False if the file does not give them back: then it is away as before.
+  [[nodiscard]] bool wake();
+  /// PackedRecords of a tile that is away.
+  [[nodiscard]] const PackedRecords& packed() const { return packed_; }
+  /// Memory that it has asked for, beside its own size and what is away.
   [[nodiscard]] std::size_t bytes() const;
 
  private:
@@ -111,13 +114,17 @@ class DenseTile {
   int voxel_steps_;
   bool asleep_ = false;
   bool has_slept_ = false;
+  bool is_away_ = false;
   std::int64_t utime_ = 0;
+  std::int64_t newest_run_ = 0;  // us
   void index_points();
   void append_record(const TilePoint& record, std::int64_t utime, std::int32_t anchor);
+  [[nodiscard]] bool bring_back();
   std::int64_t removed_at_ = 0;
   std::size_t num_removals_ = 0;
-  std::vector<TilePoint> records_;
-  std::vector<Run> runs_;
+  TileRecords content_;         // empty while it is away
+  PackedRecords packed_;        // its first records, if not empty: all of them while it is away
+  std::size_t num_packed_ = 0;  // records
   NumberSet occupied_;
   std::vector<float> lowest_;
   std::vector<std::uint8_t> seen_through_;

@@ -33,8 +33,11 @@ void look_through(DenseMap& map, const DenseWork& work, const Pose& T_base_lidar
 
 }  // namespace
 
-DenseWorker::DenseWorker(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside)
-    : map_(config), T_base_lidar_(T_base_lidar), policy_(beside ? std::launch::async : std::launch::deferred) {}
+DenseWorker::DenseWorker(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside,
+                         std::shared_ptr<SpillFile> far)
+    : map_(config, std::move(far)),
+      T_base_lidar_(T_base_lidar),
+      policy_(beside ? std::launch::async : std::launch::deferred) {}
 
 DenseWorker::~DenseWorker() {
   if (under_way_.valid()) under_way_.wait();
@@ -82,10 +85,9 @@ void DenseWorker::load(TileKey key, std::int32_t z_origin, std::int64_t utime, c
   note_change();
 }
 
-void DenseWorker::restore(TileKey key, std::int32_t z_origin, std::vector<TilePoint> records,
-                          std::vector<DenseTile::Run> runs, const Eigen::Vector3d& at) {
+void DenseWorker::restore(TileKey key, std::int32_t z_origin, TileRecords records, const Eigen::Vector3d& at) {
   wait();
-  map_.restore(key, z_origin, std::move(records), std::move(runs), at);
+  map_.restore(key, z_origin, std::move(records), at);
   note_change();
 }
 

@@ -44,8 +44,9 @@ struct DenseWork {
 /// something that is still being worked on.
 class DenseWorker {
  public:
-  /// `beside`: in a thread of its own; else within the wait for it.
-  DenseWorker(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside);
+  /// `beside`: in a thread of its own; else within the wait for it. `far`: as for DenseMap.
+  DenseWorker(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside,
+              std::shared_ptr<SpillFile> far = std::make_shared<SpillFile>());
   ~DenseWorker();
   DenseWorker(const DenseWorker&) = delete;
   DenseWorker& operator=(const DenseWorker&) = delete;
@@ -61,8 +62,7 @@ class DenseWorker {
 
   /// Each of these changes the map as DenseMap's own do. Waits until all is done first.
   void load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points);
-  void restore(TileKey key, std::int32_t z_origin, std::vector<TilePoint> records, std::vector<DenseTile::Run> runs,
-               const Eigen::Vector3d& at);
+  void restore(TileKey key, std::int32_t z_origin, TileRecords records, const Eigen::Vector3d& at);
   void move(const std::vector<Pose>& corrections);
   void roll_back(std::int64_t utime);
   [[nodiscard]] std::vector<TileKey> finish();

@@ -34,12 +34,13 @@ void FreeSpace::gather(DenseTile& tile, const Eigen::Vector3d& corner, const Vie
   const Eigen::Vector3f offset = (view.T_lidar_map * corner).cast<float>();
   const auto z_origin = static_cast<float>(tile.z_origin());
   const auto reach2 = static_cast<float>(view.reach * view.reach);
-  for (std::size_t run = 0; run < tile.runs().size(); ++run) {
-    if (!view.in_place(tile.runs()[run].anchor)) continue;
-    const std::size_t end = tile.end_of(run);
-    for (auto i = static_cast<std::size_t>(tile.runs()[run].first); i < end; ++i) {
+  const std::shared_ptr<const TileRecords> content = tile.read();  // it is awake
+  for (std::size_t run = 0; run < content->runs.size(); ++run) {
+    if (!view.in_place(content->runs[run].anchor)) continue;
+    const std::size_t end = content->end_of(run);
+    for (auto i = static_cast<std::size_t>(content->runs[run].first); i < end; ++i) {
       if (!tile.there(i)) continue;
-      const TilePoint& p = tile.records()[i];
+      const TilePoint& p = content->records[i];
       const float above = z_origin + kRecordStep * static_cast<float>(p.z) - tile.lowest_at(p);
       const int column = p.y / kCellSteps * kAcross + p.x / kCellSteps;
       const bool high = above > ground_clearance_;

@@ -9,6 +9,7 @@
 namespace curbstone::mapper::dense_map {
 namespace {
 
+constexpr std::size_t kKeptHere = 200;  // tiles that sleep with their records: some 5 MB
 constexpr int kStepsPerMetre = 500;
 static_assert(kStepsPerMetre * kTileSize == kStepsPerTile);
 
@@ -56,7 +57,10 @@ DenseTile* TileGrid::wake(TileKey key) {
   if (recent.tile != nullptr && recent.key == key) return recent.tile;
   const auto it = tiles_.find(key);
   if (it == tiles_.end()) return nullptr;
-  it->second.wake();
+  if (!it->second.wake()) {
+    (void)give_up(it);
+    return nullptr;
+  }
   recent = {key, &it->second};
   return recent.tile;
 }
@@ -75,7 +79,40 @@ void TileGrid::erase(TileKey key) {
 void TileGrid::sleep(TileKey key) {
   recent_.fill({});
   const auto it = tiles_.find(key);
-  if (it != tiles_.end()) it->second.sleep();
+  if (it != tiles_.end()) fall_asleep(key, it->second);
+}
+
+void TileGrid::fall_asleep(TileKey key, DenseTile& tile) {
+  if (tile.asleep()) return;
+  tile.sleep();
+  here_.push_back(key);
+}
+
+void TileGrid::put_away(std::size_t share) {
+  if (here_.size() <= kKeptHere) return;
+  for (std::size_t left = 1 + (here_.size() - kKeptHere - 1) / share; left > 0; --left) {
+    const auto it = tiles_.find(here_.front());
+    here_.pop_front();
+    if (it != tiles_.end()) it->second.put_away(*far_);
+  }
+}
+
+TileGrid::Tiles::iterator TileGrid::give_up(Tiles::iterator tile) {
+  lost_.push_back({tile->first, tile->second.num_points(), tile->second.num_removals()});
+  return tiles_.erase(tile);
+}
+
+void TileGrid::cut_after(std::int64_t utime) {
+  recent_.fill({});
+  for (auto it = tiles_.begin(); it != tiles_.end();) {
+    const bool was_away = it->second.is_away();
+    if (!it->second.cut_after(utime)) {
+      it = give_up(it);
+      continue;
+    }
+    if (was_away && !it->second.is_away()) here_.push_back(it->first);
+    ++it;
+  }
 }
 
 std::vector<TileKey> TileGrid::sleep_beyond(const Eigen::Vector3d& place, double distance) {
@@ -84,7 +121,7 @@ std::vector<TileKey> TileGrid::sleep_beyond(const Eigen::Vector3d& place, double
   for (auto& [key, tile] : tiles_) {
     const double d = distance_of(key, place);
     if (d < distance) continue;
-    tile.sleep();
+    fall_asleep(key, tile);
     far.emplace_back(d, key);
   }
   std::sort(far.begin(), far.end());

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
+#include <deque>
+#include <memory>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -23,12 +25,13 @@ namespace curbstone::mapper::dense_map {
   return std::hypot((key.x + 0.5) * kTileSize - place.x(), (key.y + 0.5) * kTileSize - place.y());
 }
 
-/// The tiles of the dense map, and what lies across their borders. Those far from the vehicle sleep; whoever asks for
-/// one to change it wakes it. Pure; one thread.
+/// The tiles of the dense map, and what lies across their borders. Those far from the vehicle sleep, and the records of
+/// those that have slept for longest are away, in a file: see put_away(). Whoever asks for one to change it wakes it. A
+/// tile that the file does not give back is given up: see take_lost(). One thread.
 class TileGrid {
  public:
-  /// `voxel_steps`: as of DenseTile.
-  explicit TileGrid(int voxel_steps) : voxel_steps_(voxel_steps) {}
+  /// `voxel_steps`: as of DenseTile; `far`: where records are put away.
+  TileGrid(int voxel_steps, std::shared_ptr<SpillFile> far) : voxel_steps_(voxel_steps), far_(std::move(far)) {}
 
   /// As it is; nullptr if there is none.
   [[nodiscard]] const DenseTile* find(TileKey key) const;
@@ -46,9 +49,23 @@ class TileGrid {
   std::vector<TileKey> sleep_beyond(const Eigen::Vector3d& place, double distance);
   /// visit(tile), of every tile, asleep or not.
   template <class Visit>
-  void for_each(Visit visit) {
-    for (auto& [key, tile] : tiles_) visit(tile);
+  void for_each(Visit visit) const {
+    for (const auto& [key, tile] : tiles_) visit(tile);
   }
+  /// DenseTile::cut_after(), of every tile.
+  void cut_after(std::int64_t utime);
+
+  /// Puts records away of tiles that have slept for longest, which saves most of their memory: one in `share` of those
+  /// that sleep with their records, but never of the newest ones, so what comes and goes at the rim costs nothing.
+  void put_away(std::size_t share);
+  /// A tile that is no more, as the file has not given its records back.
+  struct Lost {
+    TileKey key;
+    std::size_t num_points;
+    std::size_t num_removals;
+  };
+  /// Since the last call.
+  [[nodiscard]] std::vector<Lost> take_lost() { return std::exchange(lost_, {}); }
 
   /// The lowest height known in the four columns about a point (m, map); +infinity where nothing is.
   [[nodiscard]] double lowest_about(const Eigen::Vector3d& point);
@@ -62,9 +79,15 @@ class TileGrid {
     DenseTile* tile = nullptr;
   };
   static constexpr int kRecentSide = 16;
+  using Tiles = std::unordered_map<TileKey, DenseTile, TileKeyHash>;
+  void fall_asleep(TileKey key, DenseTile& tile);
+  Tiles::iterator give_up(Tiles::iterator tile);
 
   int voxel_steps_;
-  std::unordered_map<TileKey, DenseTile, TileKeyHash> tiles_;
+  std::shared_ptr<SpillFile> far_;
+  Tiles tiles_;
+  std::deque<TileKey> here_;  // that sleep with their records, the longest first; some have woken or are gone since
+  std::vector<Lost> lost_;
   std::array<Recent, std::size_t{kRecentSide} * kRecentSide> recent_;
 };
 

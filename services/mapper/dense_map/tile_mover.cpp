@@ -1,6 +1,7 @@
 #include "services/mapper/dense_map/tile_mover.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <tuple>
 #include <utility>
 
@@ -25,16 +26,21 @@ Pose TileMover::correction_of(const DenseTile::Run& run) const {
 
 std::size_t TileMover::move_tile(TileKey key, const std::function<void(const MovedPoint&)>& put) {
   const DenseTile& tile = *before_.find(key);
-  const std::vector<bool> there = tile.standing();
+  const std::shared_ptr<const TileRecords> content = tile.read();
+  if (!content) {
+    before_.erase(key);
+    return 0;
+  }
+  const std::vector<bool> there = content->standing();
   const Eigen::Vector3d corner = corner_of(key, tile);
   const Eigen::Vector3d half(0.5, 0.5, 0.5);  // a point stands for its step's middle
-  for (std::size_t r = 0; r < tile.runs().size(); ++r) {
-    const DenseTile::Run& run = tile.runs()[r];
+  for (std::size_t r = 0; r < content->runs.size(); ++r) {
+    const DenseTile::Run& run = content->runs[r];
     const Pose T_new_old = correction_of(run);
-    const std::size_t end = tile.end_of(r);
+    const std::size_t end = content->end_of(r);
     for (auto i = static_cast<std::size_t>(run.first); i < end; ++i) {
       if (!there[i]) continue;
-      const TilePoint& p = tile.records()[i];
+      const TilePoint& p = content->records[i];
       const Eigen::Vector3d was = corner + kPositionStep * (Eigen::Vector3d(p.x, p.y, p.z) + half);
       put({T_new_old * was, tile.z_origin(), p.intensity, run.utime, run.anchor});
     }

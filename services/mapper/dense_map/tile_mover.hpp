@@ -21,8 +21,8 @@ struct MovedPoint {
 };
 
 /// Takes the points of a map to where the corrections of its nodes move them, tile by tile, those nearest to the
-/// vehicle first. The map of a long drive takes seconds. So it is moved bit by bit, and no pose waits for it. Pure; one
-/// thread.
+/// vehicle first. The map of a long drive takes seconds. So it is moved bit by bit, and no pose waits for it. Of tiles
+/// whose records are away one at a time is in memory. One thread.
 class TileMover {
  public:
   TileMover() = default;  ///< nothing is left
@@ -37,7 +37,7 @@ class TileMover {
   std::size_t move_tile(TileKey key, const std::function<void(const MovedPoint&)>& put);
   [[nodiscard]] Pose correction_of(const DenseTile::Run& run) const;
 
-  TileGrid before_{1};
+  TileGrid before_{1, nullptr};
   std::vector<Pose> corrections_;
   std::vector<TileKey> left_;  // the nearest last
 };

@@ -103,10 +103,12 @@ std::string DriveJournal::new_items(const dense_map::DenseMap& map, const pose_g
     const dense_map::DenseTile* tile = map.tile(key);
     if (tile == nullptr) continue;
     Written& written = tiles_[key];
-    if (tile->records().size() <= written.records) continue;
+    if (tile->num_records() <= written.records) continue;
+    const auto content = tile->read();
+    if (!content) continue;  // the disk does not give it back
     const std::size_t before = items.size();
-    append_tile(items, key, *tile, written.records, written.runs);
-    written = {tile->records().size(), tile->runs().size(), written.bytes + items.size() - before};
+    append_tile(items, key, tile->z_origin(), *content, written.records, written.runs);
+    written = {content->records.size(), content->runs.size(), written.bytes + items.size() - before};
   }
   if (!is_complete(map, atlas)) return items;
   for (const RecordedPose& pose : std::exchange(poses_, {})) append_pose(items, pose);

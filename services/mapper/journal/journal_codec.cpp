@@ -118,7 +118,7 @@ void take_tile(ItemBytes& bytes, RecordedDrive& drive) {
   const TileKey key = bytes.take_key();
   RecordedTile& tile = drive.tiles[key];
   tile.z_origin = bytes.take<std::int32_t>();
-  require(bytes.take<std::uint32_t>() == tile.records.size(), "leaves out records of a tile");
+  require(bytes.take<std::uint32_t>() == tile.content.records.size(), "leaves out records of a tile");
   const std::size_t records = bytes.take_count(kRecordBytes);
   for (std::size_t i = 0; i < records; ++i) {
     TilePoint p;
@@ -126,15 +126,15 @@ void take_tile(ItemBytes& bytes, RecordedDrive& drive) {
     p.y = bytes.take<std::int16_t>();
     p.z = bytes.take<std::int16_t>();
     p.intensity = bytes.take<std::uint8_t>();
-    tile.records.push_back(p);
+    tile.content.records.push_back(p);
   }
   const std::size_t runs = bytes.take_count(kRunBytes);
   for (std::size_t i = 0; i < runs; ++i) {
-    dense_map::DenseTile::Run run{};
+    dense_map::TileRecords::Run run{};
     run.anchor = bytes.take<std::int32_t>();
     run.first = bytes.take<std::int32_t>();
     run.utime = bytes.take<std::int64_t>();
-    tile.runs.push_back(run);
+    tile.content.runs.push_back(run);
   }
 }
 
@@ -168,7 +168,7 @@ void check_removals(const std::vector<TilePoint>& records) {
   }
 }
 
-void check_tile(const RecordedTile& tile, std::int32_t num_nodes) {
+void check_tile(const dense_map::TileRecords& tile, std::int32_t num_nodes) {
   for (const TilePoint& record : tile.records) {
     const TilePoint point = is_removal(record) ? removal_of(record) : record;
     require(point.x >= 0 && point.x < kStepsPerTile && point.y >= 0 && point.y < kStepsPerTile,
@@ -177,7 +177,7 @@ void check_tile(const RecordedTile& tile, std::int32_t num_nodes) {
   check_removals(tile.records);
   require(!tile.runs.empty() && tile.runs.front().first == 0, "holds points that nobody made");
   for (std::size_t i = 0; i < tile.runs.size(); ++i) {
-    const dense_map::DenseTile::Run& run = tile.runs[i];
+    const dense_map::TileRecords::Run& run = tile.runs[i];
     require(run.anchor >= -1 && run.anchor < num_nodes, "holds points of a keyframe that is not there");
     const bool in_order = i == 0 || run.first > tile.runs[i - 1].first;
     require(in_order && static_cast<std::size_t>(run.first) < tile.records.size(), "holds runs out of order");
@@ -228,20 +228,20 @@ void append_pose(std::string& out, const RecordedPose& pose) {
   put(out, static_cast<std::uint8_t>(pose.has_moved));
 }
 
-void append_tile(std::string& out, TileKey key, const dense_map::DenseTile& tile, std::size_t records,
-                 std::size_t runs) {
+void append_tile(std::string& out, TileKey key, std::int32_t z_origin, const dense_map::TileRecords& tile,
+                 std::size_t records, std::size_t runs) {
   put(out, Item::kTile);
   put(out, key.x);
   put(out, key.y);
-  put(out, tile.z_origin());
+  put(out, z_origin);
   put(out, static_cast<std::uint32_t>(records));
-  put(out, static_cast<std::uint32_t>(tile.records().size() - records));
-  for (std::size_t i = records; i < tile.records().size(); ++i) put(out, tile.records()[i]);
-  put(out, static_cast<std::uint32_t>(tile.runs().size() - runs));
-  for (std::size_t i = runs; i < tile.runs().size(); ++i) {
-    put(out, tile.runs()[i].anchor);
-    put(out, tile.runs()[i].first);
-    put(out, tile.runs()[i].utime);
+  put(out, static_cast<std::uint32_t>(tile.records.size() - records));
+  for (std::size_t i = records; i < tile.records.size(); ++i) put(out, tile.records[i]);
+  put(out, static_cast<std::uint32_t>(tile.runs.size() - runs));
+  for (std::size_t i = runs; i < tile.runs.size(); ++i) {
+    put(out, tile.runs[i].anchor);
+    put(out, tile.runs[i].first);
+    put(out, tile.runs[i].utime);
   }
 }
 
@@ -306,7 +306,7 @@ void check_drive(const RecordedDrive& drive) {
             "holds an edge to nowhere");
     require(edge.information.allFinite(), "holds an edge that is not finite");
   }
-  for (const auto& [key, tile] : drive.tiles) check_tile(tile, num_nodes);
+  for (const auto& [key, tile] : drive.tiles) check_tile(tile.content, num_nodes);
 }
 
 }  // namespace curbstone::mapper::journal

@@ -15,8 +15,8 @@ void append_node(std::string& out, const scan::Keyframe& node, double driven);
 void append_edge(std::string& out, const pose_graph::PoseEdge& edge);
 void append_pose(std::string& out, const RecordedPose& pose);
 /// What a tile has more than `records` records in `runs` runs.
-void append_tile(std::string& out, TileKey key, const dense_map::DenseTile& tile, std::size_t records,
-                 std::size_t runs);
+void append_tile(std::string& out, TileKey key, std::int32_t z_origin, const dense_map::TileRecords& tile,
+                 std::size_t records, std::size_t runs);
 void append_eviction(std::string& out, TileKey key);
 void append_rings(std::string& out, const intensity::RingHistograms& rings);
 

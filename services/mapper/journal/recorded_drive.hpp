@@ -8,7 +8,7 @@
 
 #include "common/geometry/geometry.hpp"
 #include "common/tiles/tile.hpp"
-#include "services/mapper/dense_map/dense_tile.hpp"
+#include "services/mapper/dense_map/tile_records.hpp"
 #include "services/mapper/intensity/ring_histograms.hpp"
 #include "services/mapper/pose_graph/pose_graph.hpp"
 #include "services/mapper/scan/keyframe.hpp"
@@ -32,11 +32,10 @@ struct RecordedNode {
   double driven = 0;  ///< m, as Atlas::driven()
 };
 
-/// A tile of the dense map as it stood: its records, and who made which of them.
+/// A tile of the dense map as it stood.
 struct RecordedTile {
   std::int32_t z_origin = 0;  ///< m in map
-  std::vector<TilePoint> records;
-  std::vector<dense_map::DenseTile::Run> runs;
+  dense_map::TileRecords content;
 };
 
 /// What a mapper needs to go on with the drive of another that died.

@@ -2,6 +2,7 @@
 
 #include <iterator>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,16 @@ void keep_file(const fs::path& name, const AtomicFolder& target) {
   if (error) fail_map(target.folder() / name, error.message());
 }
 
+SavedTile with_points(SavedTile tile, const fs::path& file) {
+  if (tile.away.empty()) return tile;
+  try {
+    tile.points = tile.away.read().points();
+  } catch (const std::runtime_error& error) {
+    fail_map(file, error.what());
+  }
+  return tile;
+}
+
 void write_tiles(const SavedMap& map, int voxel_steps, const AtomicFolder& target) {
   const fs::path& folder = target.partial();
   std::string table = std::string(Rules::kTilesHeader) + "\n";
@@ -49,9 +60,10 @@ void write_tiles(const SavedMap& map, int voxel_steps, const AtomicFolder& targe
       keep_file(map_tile_file(tile.key), target);
       continue;
     }
-    check_map_tile(tile, voxel_steps, file);
+    const SavedTile here = with_points(tile, file);
+    check_map_tile(here, voxel_steps, file);
     values.clear();
-    for (const TilePoint& p : tile.points) {
+    for (const TilePoint& p : here.points) {
       values.insert(values.end(),
                     {pcd_coordinate(tile.key.x * kTileSize, p.x), pcd_coordinate(tile.key.y * kTileSize, p.y),
                      pcd_coordinate(tile.z_origin, p.z), static_cast<float>(p.intensity)});

@@ -1,5 +1,7 @@
 #include "services/mapper/storage/map_snapshot.hpp"
 
+#include <utility>
+
 #include "services/mapper/dense_map/dense_tile.hpp"
 #include "services/mapper/scan/keyframe.hpp"
 
@@ -14,11 +16,15 @@ MapSnapshot take_snapshot(const dense_map::DenseMap& dense, const pose_graph::At
   for (const TileKey& key : dense.keys()) {
     const dense_map::DenseTile& tile = *dense.tile(key);
     if (tile.num_points() == 0) continue;
-    const MapVersions::Tile version{tile.utime(), tile.removed_at(), tile.records().size()};
+    const MapVersions::Tile version{tile.utime(), tile.removed_at(), tile.num_records()};
     const auto known = on_disk.tiles.find(key);
     const bool kept = comparable && known != on_disk.tiles.end() && known->second == version;
-    out.map.tiles.push_back({key, tile.z_origin(), tile.utime(), {}, kept});
-    if (!kept) out.map.tiles.back().points = tile.points();
+    SavedTile saved{key, tile.z_origin(), tile.utime(), {}, kept};
+    if (!kept && tile.is_away())
+      saved.away = tile.packed();
+    else if (!kept)
+      saved.points = tile.read()->points();
+    out.map.tiles.push_back(std::move(saved));
     out.versions.tiles.emplace(key, version);
   }
   for (int id = 0; id < atlas.size(); ++id) {

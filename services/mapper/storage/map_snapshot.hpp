@@ -39,7 +39,7 @@ struct MapSnapshot {
   MapVersions versions;
 };
 
-/// All of the map but what a folder holds already. `voxel`: m, of the dense map.
+/// All of the map but what a folder holds already. Tiles that are away stay there. `voxel`: m, of the dense map.
 [[nodiscard]] MapSnapshot take_snapshot(const dense_map::DenseMap& dense, const pose_graph::Atlas& atlas, double voxel,
                                         std::int32_t epoch, const MapVersions& on_disk);
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/tiles/tile.hpp"
+#include "services/mapper/dense_map/tile_records.hpp"
 #include "services/mapper/intensity/ring_histograms.hpp"
 #include "services/mapper/pose_graph/pose_graph.hpp"
 #include "services/mapper/scan/keyframe.hpp"
@@ -18,7 +19,8 @@ struct SavedTile {
   std::int32_t z_origin = 0;  ///< m in map
   std::int64_t utime = 0;     ///< us, when the newest point came
   std::vector<TilePoint> points;
-  bool on_disk = false;  ///< the folder that it will be saved to holds this very tile: `points` is empty
+  bool on_disk = false;                ///< the folder that it will be saved to holds this very tile: `points` is empty
+  dense_map::PackedRecords away = {};  ///< if not empty: `points` is, and these are read when the tile is saved
 };
 
 /// All that outlives a drive: the dense map, the nodes from which the map for registration is built anew, and the

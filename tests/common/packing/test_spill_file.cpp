@@ -99,7 +99,9 @@ TEST(SpillFile, SaysThatItCannotRead) {
   const SpillFile::Values away = file.put(values_of(1000, 1));
   file.flush();
   test::truncate_spill_files();
+  EXPECT_EQ(file.failed_reads(), 0);
   EXPECT_THROW((void)away.read(), std::runtime_error);
+  EXPECT_EQ(file.failed_reads(), 1);
 }
 
 TEST(SpillFile, ItsValuesMayOutliveIt) {
@@ -113,6 +115,8 @@ TEST(SpillFile, ItsValuesMayOutliveIt) {
   }
   EXPECT_EQ(written.read(), values_of(1000, 1));
   EXPECT_EQ(waiting.read(), values_of(1000, 2));
+  EXPECT_FALSE(written.empty());
+  EXPECT_TRUE(SpillFile::Values().empty());
 }
 
 }  // namespace

@@ -162,7 +162,7 @@ void feed_capture(const std::string& file, LocalBus& bus) {
 void take_points(const mapper::MapperNode& node, Result& result) {
   for (const TileKey& key : node.mapper().dense().keys()) {
     const mapper::dense_map::DenseTile& tile = *node.mapper().dense().tile(key);
-    for (const TilePoint& p : tile.points()) {
+    for (const TilePoint& p : tile.read()->points()) {
       result.points.push_back({key.x * kTileSize + p.x * kPositionStep, key.y * kTileSize + p.y * kPositionStep,
                                tile.z_origin() + p.z * kPositionStep});
     }

@@ -62,7 +62,7 @@ TEST(Mapper, MakesTheSameMapWithASecondThreadAsWithoutAndWheneverThereIsAPause) 
   ASSERT_GT(a.size(), 10'000);
   ASSERT_EQ(a.keys(), b.keys());
   for (const TileKey& key : a.keys()) {
-    EXPECT_TRUE(a.tile(key)->records() == b.tile(key)->records()) << key.x << " " << key.y;
+    EXPECT_TRUE(a.tile(key)->read()->records == b.tile(key)->read()->records) << key.x << " " << key.y;
     EXPECT_EQ(a.tile(key)->utime(), b.tile(key)->utime());
   }
 }
@@ -279,7 +279,7 @@ TEST(Mapper, TheVehicleIsNoPartOfTheMap) {
     for (int y = -1; y <= 0; ++y) {
       const dense_map::DenseTile* tile = drive.dense().tile({x, y});
       if (tile == nullptr) continue;
-      for (const TilePoint& p : tile->points()) {
+      for (const TilePoint& p : tile->read()->points()) {
         const double px = x * kTileSize + p.x * kPositionStep, py = y * kTileSize + p.y * kPositionStep;
         EXPECT_FALSE(std::abs(px) < 0.9 && std::abs(py) < 0.6 && p.z > 100);
       }

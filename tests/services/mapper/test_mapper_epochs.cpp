@@ -89,7 +89,7 @@ struct EpochBench {
     for (const auto& [key, heard] : listener.tiles) {
       const dense_map::DenseTile* tile = node.mapper().dense().tile(key);
       ASSERT_TRUE(tile != nullptr) << key.x << ' ' << key.y;
-      ASSERT_EQ(heard.size(), tile->points().size());
+      ASSERT_EQ(heard.size(), tile->num_points());
       points += heard.size();
     }
     EXPECT_EQ(static_cast<std::int64_t>(points), node.mapper().dense().size());

@@ -225,7 +225,7 @@ TEST(MapperLost, WhatWasMappedWhereTheVehicleWasNotIsTakenBack) {
   const Pose T_map_world = drive.T_world_map.inverse();
   for (const TileKey& key : drive.dense().keys()) {
     const dense_map::DenseTile& tile = *drive.dense().tile(key);
-    for (const TilePoint& p : tile.points()) {
+    for (const TilePoint& p : tile.read()->points()) {
       const Eigen::Vector3d in_map(key.x * kTileSize + p.x * kPositionStep, key.y * kTileSize + p.y * kPositionStep,
                                    tile.z_origin() + p.z * kPositionStep);
       const Eigen::Vector3d q = T_map_world.inverse() * in_map;

@@ -143,7 +143,7 @@ TEST(MapperNode, SendsWhatTheMapHoldsInSmallMessages) {
   for (const auto& [key, points] : bench.follower.tiles) {
     const dense_map::DenseTile* tile = bench.node.mapper().dense().tile(key);
     ASSERT_NE(tile, nullptr);
-    EXPECT_EQ(points.size(), tile->points().size());
+    EXPECT_EQ(points.size(), tile->num_points());
     EXPECT_EQ(bench.follower.announced[key], static_cast<std::int32_t>(points.size()));
     total += static_cast<std::int64_t>(points.size());
   }

@@ -29,7 +29,7 @@ int points_above(const dense_map::DenseMap& map, double z) {
   int high = 0;
   for (const TileKey& key : map.keys()) {
     const dense_map::DenseTile& tile = *map.tile(key);
-    for (const TilePoint& point : tile.points()) high += tile.z_origin() + point.z * kPositionStep > z ? 1 : 0;
+    for (const TilePoint& point : tile.read()->points()) high += tile.z_origin() + point.z * kPositionStep > z ? 1 : 0;
   }
   return high;
 }
@@ -41,7 +41,7 @@ int points_in_van(const dense_map::DenseMap& map) {
   int inside = 0;
   for (const TileKey& key : map.keys()) {
     const dense_map::DenseTile& tile = *map.tile(key);
-    for (const TilePoint& p : tile.points()) {
+    for (const TilePoint& p : tile.read()->points()) {
       const Eigen::Vector3d in_world = test::driving(0) * Eigen::Vector3d(key.x * kTileSize + p.x * kPositionStep,
                                                                           key.y * kTileSize + p.y * kPositionStep,
                                                                           tile.z_origin() + p.z * kPositionStep);

@@ -30,7 +30,7 @@ inline std::vector<Eigen::Vector3d> all_points(const DenseMap& map) {
     for (int y = -10; y < 10; ++y) {
       const DenseTile* tile = map.tile({x, y});
       if (tile == nullptr) continue;
-      for (const TilePoint& p : tile->points()) {
+      for (const TilePoint& p : tile->read()->points()) {
         out.emplace_back(x * kTileSize + p.x * kPositionStep, y * kTileSize + p.y * kPositionStep,
                          tile->z_origin() + p.z * kPositionStep);
       }

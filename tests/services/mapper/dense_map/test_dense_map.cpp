@@ -50,7 +50,7 @@ TEST(DenseMap, TakesIntensitiesOnTheScaleGivenAndNoneForNothing) {
       {point(4.01F, 30, 0), point(4.21F, 30, 1)}};
   std::int64_t utime = kStart;
   for (const auto& points : scans) map.insert(points, Pose::Identity(), utime += kPeriod);
-  const std::vector<TilePoint> points = map.tile(*tile_at(4.01, 1.01))->points();
+  const std::vector<TilePoint> points = map.tile(*tile_at(4.01, 1.01))->read()->points();
   ASSERT_EQ(points.size(), 2U);
   EXPECT_EQ(points[0].intensity, 64) << "the mean of the hits that had one";
   EXPECT_EQ(points[1].intensity, 0);
@@ -86,7 +86,7 @@ TEST(DenseMap, APointIsTheMeanOfItsHits) {
   const auto points = all_points(map);
   ASSERT_EQ(points.size(), 1u);
   EXPECT_NEAR(points[0].z(), 0.022, 0.002);
-  EXPECT_EQ(map.tile(*tile_at(4.0, 4.0))->points()[0].intensity, 60);
+  EXPECT_EQ(map.tile(*tile_at(4.0, 4.0))->read()->points()[0].intensity, 60);
 }
 
 TEST(DenseMap, AVoxelHitOnceGoesInAfterAWhile) {
@@ -107,9 +107,9 @@ TEST(DenseMap, OnlyEverAppendsAndRepetitionChangesNothing) {
   for (int i = 0; i < 40; ++i) EXPECT_TRUE(map.insert(patch(5, 5, 0), Pose::Identity(), t += kPeriod).empty());
   EXPECT_EQ(all_points(map), before);
   const TileKey key = *tile_at(5, 5);
-  const std::vector<TilePoint> tile = map.tile(key)->points();
+  const std::vector<TilePoint> tile = map.tile(key)->read()->points();
   for (int i = 0; i < 4; ++i) (void)map.insert(patch(5.2, 5.1, 0), Pose::Identity(), t += kPeriod);
-  const std::vector<TilePoint>& grown = map.tile(key)->points();
+  const std::vector<TilePoint>& grown = map.tile(key)->read()->points();
   ASSERT_GT(grown.size(), tile.size());
   for (std::size_t i = 0; i < tile.size(); ++i) {
     EXPECT_EQ(grown[i].x, tile[i].x);
@@ -213,10 +213,10 @@ TEST(DenseMap, ATileThatSleptKnowsItsVoxelsWhenItWakes) {
   const TilePoint a{10, 20, -30, 1}, b{1499, 1499, 32000, 2}, c{0, 0, -32000, 3};
   for (const TilePoint& p : {a, b, c}) tile.append(p, kStart, 0);
   tile.sleep();
-  tile.wake();
+  ASSERT_TRUE(tile.wake());
   for (const TilePoint& p : {a, b, c}) EXPECT_TRUE(tile.occupied(tile.voxel_number(p)));
   EXPECT_FALSE(tile.occupied(tile.voxel_number({10, 20, 30, 1})));
-  EXPECT_EQ(tile.points().size(), 3u);
+  EXPECT_EQ(tile.read()->points().size(), 3u);
 }
 
 /// A vehicle that is far away for a while.

@@ -75,7 +75,7 @@ DenseMap street(int tiles) {
       records.push_back(
           {static_cast<std::int16_t>(12 + 25 * (i % 50)), static_cast<std::int16_t>(12 + 25 * (i / 50)), 0, 1});
     }
-    map.restore({x, 0}, 0, std::move(records), {{x, 0, kStart + x}}, Eigen::Vector3d::Zero());
+    map.restore({x, 0}, 0, {std::move(records), {{x, 0, kStart + x}}}, Eigen::Vector3d::Zero());
   }
   return map;
 }
@@ -98,7 +98,7 @@ TEST(DenseMap, ALongDriveMovesBitByBitThoseTilesFirstThatAreNearTheVehicle) {
   EXPECT_EQ(told, map.keys()) << "nearest first, and each tile was told of once it was there";
   for (const TileKey& key : map.keys()) {
     ASSERT_EQ(map.tile(key)->num_points(), 2000U);
-    EXPECT_EQ(map.tile(key)->records().front().z, 500) << "1 m";
+    EXPECT_EQ(map.tile(key)->read()->records.front().z, 500) << "1 m";
   }
 }
 
@@ -119,7 +119,7 @@ TEST(DenseMap, ASecondCorrectionMovesEveryPointByBoth) {
   map.move(up);
   (void)map.finish();
   EXPECT_EQ(map.size(), 800'000);
-  for (const TileKey& key : map.keys()) EXPECT_EQ(map.tile(key)->records().front().z, 1000) << key.x;
+  for (const TileKey& key : map.keys()) EXPECT_EQ(map.tile(key)->read()->records.front().z, 1000) << key.x;
 }
 
 TEST(DenseMap, WhereTwoPassesComeTogetherAVoxelKeepsOnePoint) {
@@ -159,7 +159,7 @@ TEST(DenseMap, ALoadedTileIsThereAndMovesNoMore) {
   DenseMap other = anchored_drive();
   for (const TileKey& key : other.keys()) {
     const DenseTile& tile = *other.tile(key);
-    map.load(key, tile.z_origin(), tile.utime(), tile.points());
+    map.load(key, tile.z_origin(), tile.utime(), tile.read()->points());
   }
   EXPECT_EQ(all_points(map), all_points(other));
   Pose away = Pose::Identity();

@@ -112,7 +112,8 @@ TEST(DenseWorker, MakesTheSameMapWithAThreadAndWithoutAndWheneverItIsLookedThrou
   EXPECT_EQ(beside.num_removals(), within.num_removals());
   ASSERT_EQ(beside.map().keys(), within.map().keys());
   for (const TileKey& key : beside.map().keys()) {
-    EXPECT_TRUE(beside.map().tile(key)->records() == within.map().tile(key)->records()) << key.x << " " << key.y;
+    EXPECT_TRUE(beside.map().tile(key)->read()->records == within.map().tile(key)->read()->records)
+        << key.x << " " << key.y;
   }
 }
 

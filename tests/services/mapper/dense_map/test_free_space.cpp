@@ -31,7 +31,7 @@ int points_in(const DenseMap& dense, const Pose& T_world_map, const Box& box) {
   int count = 0;
   for (const TileKey& key : dense.keys()) {
     const DenseTile& tile = *dense.tile(key);
-    for (const TilePoint& p : tile.points()) {
+    for (const TilePoint& p : tile.read()->points()) {
       const Eigen::Vector3d in_map(key.x * kTileSize + p.x * kPositionStep, key.y * kTileSize + p.y * kPositionStep,
                                    tile.z_origin() + p.z * kPositionStep);
       const Eigen::Vector3d q = T_world_map * in_map;
@@ -89,7 +89,7 @@ TEST(FreeSpace, WhatHasLeftIsTakenOutTheSameWayWheneverThereIsTimeToLook) {
   const DenseMap& b = idle.dense();
   ASSERT_EQ(a.keys(), b.keys());
   for (const TileKey& key : a.keys()) {
-    EXPECT_TRUE(a.tile(key)->records() == b.tile(key)->records()) << key.x << " " << key.y;
+    EXPECT_TRUE(a.tile(key)->read()->records == b.tile(key)->read()->records) << key.x << " " << key.y;
   }
 }
 
@@ -100,7 +100,7 @@ TEST(FreeSpace, AtTheEndOfTheDriveNothingThatWasTakenOutIsLeftUnreported) {
   while (watched.removed() < 100) one_more(watched);
   std::map<TileKey, std::size_t> reported;
   const auto tell = [&](const std::vector<TileKey>& changed) {
-    for (const TileKey& key : changed) reported[key] = drive.mapper->grown().tile(key)->records().size();
+    for (const TileKey& key : changed) reported[key] = drive.mapper->grown().tile(key)->num_records();
   };
   while (drive.turn < watched.turn) {
     one_more(drive);
@@ -110,7 +110,7 @@ TEST(FreeSpace, AtTheEndOfTheDriveNothingThatWasTakenOutIsLeftUnreported) {
   tell(drive.mapper->finish());
   EXPECT_EQ(drive.removed(), watched.removed()) << "by the last look";
   const DenseMap& dense = drive.dense();
-  for (const TileKey& key : dense.keys()) EXPECT_EQ(reported[key], dense.tile(key)->records().size());
+  for (const TileKey& key : dense.keys()) EXPECT_EQ(reported[key], dense.tile(key)->num_records());
 }
 
 TEST(FreeSpace, AParkedCarThatLeavesFadesAndItsPlaceIsGround) {
@@ -156,7 +156,7 @@ TEST(FreeSpace, RollingBackBringsBackWhatWasTakenOutAndMovingTheMapForgetsIt) {
   begun_anew.move({});
   EXPECT_EQ(begun_anew.num_removals(), 0);
   for (const TileKey& key : begun_anew.keys()) {
-    EXPECT_EQ(begun_anew.tile(key)->records().size(), begun_anew.tile(key)->num_points());
+    EXPECT_EQ(begun_anew.tile(key)->num_records(), begun_anew.tile(key)->num_points());
   }
 }
 
@@ -187,23 +187,23 @@ TEST(DenseTile, IsTheSameAfterSleepAndGivesBackWhatIsCut) {
   const TilePoint a{10, 20, -30, 1}, b{100, 100, 300, 2}, c{700, 700, 900, 3};
   for (const TilePoint& p : {a, b, c}) tile.append(p, 1'000'000, 0);
   tile.remove({1}, 5'000'000);
-  EXPECT_EQ(tile.records().size(), 4u);
-  EXPECT_TRUE(is_removal(tile.records()[3]));
-  EXPECT_TRUE(at_one_place(removal_of(tile.records()[3]), b));
+  EXPECT_EQ(tile.num_records(), 4u);
+  EXPECT_TRUE(is_removal(tile.read()->records[3]));
+  EXPECT_TRUE(at_one_place(removal_of(tile.read()->records[3]), b));
   EXPECT_FALSE(tile.occupied(tile.voxel_number(b)));
   tile.append(b, 6'000'000, 0);
   for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(tile.read()->points().size(), 3u);
     EXPECT_EQ(tile.num_points(), 3u);
-    EXPECT_EQ(tile.points().size(), 3u);
     EXPECT_FALSE(tile.there(1));
     EXPECT_TRUE(tile.there(4));
     EXPECT_TRUE(tile.occupied(tile.voxel_number(b)));
     tile.sleep();
-    tile.wake();
+    ASSERT_TRUE(tile.wake());
   }
-  tile.cut_after(4'500'000);
-  tile.wake();
-  EXPECT_EQ(tile.records().size(), 3u);
+  ASSERT_TRUE(tile.cut_after(4'500'000));
+  ASSERT_TRUE(tile.wake());
+  EXPECT_EQ(tile.num_records(), 3u);
   EXPECT_TRUE(tile.there(1));
 }
 

@@ -64,7 +64,7 @@ TEST_F(DriveJournalTest, OfAMapThatStillMovesTakesNobodysPlace) {
     std::vector<TilePoint> records;
     for (int i = 0; i < 2000; ++i)
       records.push_back({static_cast<std::int16_t>(25 * (i % 50)), static_cast<std::int16_t>(25 * (i / 50)), 0, 1});
-    map_.restore({x, 5}, 0, std::move(records), {{0, 0, kStart}}, Eigen::Vector3d::Zero());
+    map_.restore({x, 5}, 0, {std::move(records), {{0, 0, kStart}}}, Eigen::Vector3d::Zero());
     changed_.push_back({x, 5});
   }
   settle();

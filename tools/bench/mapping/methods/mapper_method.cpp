@@ -37,7 +37,7 @@ MapContent MapperMethod::content() const {
   std::int64_t cells = 0;
   for (const TileKey& key : mapper_.dense().keys()) {
     std::set<std::pair<int, int>> seen;
-    for (const TilePoint& p : mapper_.dense().tile(key)->points()) {
+    for (const TilePoint& p : mapper_.dense().tile(key)->read()->points()) {
       seen.emplace(p.x * kCellsPerTile / kStepsPerTile, p.y * kCellsPerTile / kStepsPerTile);
     }
     cells += static_cast<std::int64_t>(seen.size());

@@ -1,0 +1,78 @@
+#include <utility>
+
+#include "services/mapper/dense_map/dense_map.hpp"
+
+/// @file
+/// DenseMap: tiles that come from elsewhere, tiles that go, and what they take of memory.
+
+namespace curbstone::mapper::dense_map {
+
+void DenseMap::bound_memory() {
+  std::vector<TileKey> far = tiles_.sleep_beyond(base_, config_.max_range + kAwake);
+  for (; size_ + 2 * num_removals_ > config_.max_points && !far.empty(); far.pop_back()) {
+    const DenseTile& tile = *tiles_.find(far.back());
+    size_ -= static_cast<std::int64_t>(tile.num_points());
+    num_removals_ -= static_cast<std::int64_t>(tile.num_removals());
+    tiles_.erase(far.back());
+    evicted_.push_back(far.back());
+    counters_.add("dense.evicted_tiles");
+  }
+}
+
+/// The disk has not given them back: they are no more.
+void DenseMap::note_lost() {
+  for (const TileGrid::Lost& lost : tiles_.take_lost()) {
+    size_ -= static_cast<std::int64_t>(lost.num_points);
+    num_removals_ -= static_cast<std::int64_t>(lost.num_removals);
+    evicted_.push_back(lost.key);
+  }
+}
+
+std::size_t DenseMap::bytes() const {
+  std::size_t bytes = 0;
+  tiles_.for_each([&](const DenseTile& tile) { bytes += sizeof tile + tile.bytes(); });
+  return bytes;
+}
+
+void DenseMap::roll_back(std::int64_t utime) {
+  std::vector<TileKey> moved;
+  move_rest(moved);
+  forget_waiting();
+  size_ = num_removals_ = 0;
+  tiles_.cut_after(utime);
+  (void)tiles_.take_lost();  // all tiles are told of anew
+  tiles_.for_each([&](const DenseTile& tile) {
+    size_ += static_cast<std::int64_t>(tile.num_points());
+    num_removals_ += static_cast<std::int64_t>(tile.num_removals());
+  });
+}
+
+void DenseMap::load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points) {
+  DenseTile& tile = tiles_.wake_or_make(key, z_origin);
+  for (const TilePoint& p : points) {
+    if (tile.occupied(tile.voxel_number(p))) continue;
+    tile.append(p, utime, kFixed);
+    ++size_;
+  }
+  tiles_.sleep(key);
+  tiles_.put_away(kAllAtOnce);
+}
+
+/// What was far from the vehicle, or is of an earlier drive, was asleep.
+void DenseMap::restore(TileKey key, std::int32_t z_origin, TileRecords records, const Eigen::Vector3d& at) {
+  const bool is_near = distance_of(key, at) < config_.max_range + kAwake;
+  const bool is_fixed = !records.runs.empty() && records.runs.front().anchor == kFixed;
+  DenseTile& tile = tiles_.wake_or_make(key, z_origin);
+  const bool is_awake = is_near && !is_fixed;
+  if (!is_awake) tiles_.sleep(key);
+  tile.restore(std::move(records));
+  size_ += static_cast<std::int64_t>(tile.num_points());
+  num_removals_ += static_cast<std::int64_t>(tile.num_removals());
+  tiles_.put_away(kAllAtOnce);
+}
+
+std::vector<TileKey> DenseMap::take_evicted() {
+  return std::exchange(evicted_, {});
+}
+
+}  // namespace curbstone::mapper::dense_map

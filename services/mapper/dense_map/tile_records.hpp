@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "common/packing/spill_file.hpp"
+#include "common/tiles/tile.hpp"
+
+namespace curbstone::mapper::dense_map {
+
+/// What a tile is made of: the list of records that goes out as MAP_POINTS (see common/tiles/tile.hpp), and who made
+/// which of them.
+struct TileRecords {
+  /// Records from `first` on, up to the next run, came from `utime` on with one anchor.
+  struct Run {
+    std::int32_t anchor;
+    std::int32_t first;
+    std::int64_t utime;
+    bool operator==(const Run&) const = default;
+  };
+  std::vector<TilePoint> records;
+  std::vector<Run> runs;
+
+  /// The number of the record after a run's last.
+  [[nodiscard]] std::size_t end_of(std::size_t run) const {
+    return run + 1 < runs.size() ? static_cast<std::size_t>(runs[run + 1].first) : records.size();
+  }
+  /// Of each record whether it is a point and has not been taken out.
+  [[nodiscard]] std::vector<bool> standing() const;
+  /// Those, in order.
+  [[nodiscard]] std::vector<TilePoint> points() const;
+  bool operator==(const TileRecords&) const = default;
+};
+
+/// A tile's records that have been put away: packed, and in a file where there is one. Copies are of the same ones, and
+/// may be read in any thread.
+class PackedRecords {
+ public:
+  PackedRecords() = default;  ///< of no tile
+  PackedRecords(const TileRecords& records, SpillFile& file);
+
+  [[nodiscard]] bool empty() const { return values_.empty(); }
+  /// As they were: a fraction of a millisecond. Throws std::runtime_error if the file cannot be read.
+  [[nodiscard]] TileRecords read() const;
+
+ private:
+  SpillFile::Values values_;
+};
+
+}  // namespace curbstone::mapper::dense_map
