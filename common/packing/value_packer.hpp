@@ -34,6 +34,22 @@ class ValuePacker {
     put_all(std::span<const T>(values));
   }
 
+  /// One field of all values, with their number: as the steps from each to the next, which hardly take room where
+  /// neighbours are alike.
+  template <class T, class Field>
+  void put_steps(const std::vector<T>& values, Field T::*field) {
+    using Step = std::make_unsigned_t<Field>;
+    std::vector<Step> steps;
+    steps.reserve(values.size());
+    Step last = 0;
+    for (const T& value : values) {
+      const auto now = static_cast<Step>(value.*field);
+      steps.push_back(static_cast<Step>(now - last));
+      last = now;
+    }
+    put(steps);
+  }
+
   /// Of all that was put. Throws std::bad_alloc.
   [[nodiscard]] PackedValues pack() const;
 
@@ -64,6 +80,19 @@ class ValueUnpacker {
   void take(std::vector<T>& values) {
     values.resize(take_count(sizeof(T)));
     take_all(std::span<T>(values));
+  }
+  /// What put_steps() put, into as many values.
+  template <class T, class Field>
+  void take_steps(std::vector<T>& values, Field T::*field) {
+    using Step = std::make_unsigned_t<Field>;
+    std::vector<Step> steps;
+    take(steps);
+    values.resize(steps.size());
+    Step now = 0;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      now = static_cast<Step>(now + steps[i]);
+      values[i].*field = static_cast<Field>(now);
+    }
   }
 
  private:

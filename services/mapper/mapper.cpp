@@ -19,7 +19,7 @@ constexpr std::int64_t kSearchAnywhere = 2'000'000;  // and where it may be anyw
 Mapper::Mapper(const config::MapperConfig& config, std::shared_ptr<SpillFile> far)
     : config_(config),
       tracker_(config.tracker, config.registration, config.vehicle, config.mode != config::MapMode::kLocalise),
-      atlas_(config.atlas),
+      atlas_(config.atlas, far),
       local_map_(atlas_, tracker_),
       closer_(config.loop),
       relocalizer_(config.registration.icp, config.vehicle.T_base_lidar().translation()),

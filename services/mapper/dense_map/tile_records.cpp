@@ -1,6 +1,5 @@
 #include "services/mapper/dense_map/tile_records.hpp"
 
-#include <type_traits>
 #include <unordered_map>
 
 #include "common/packing/value_packer.hpp"
@@ -14,34 +13,6 @@ using Run = TileRecords::Run;
 std::uint64_t place_key_of(const TilePoint& point) {
   return (static_cast<std::uint64_t>(static_cast<std::uint16_t>(point.x)) << 32) |
          (static_cast<std::uint64_t>(static_cast<std::uint16_t>(point.y)) << 16) | static_cast<std::uint16_t>(point.z);
-}
-
-/// Packs one field of all values: as the steps from each to the next, which are small. Unsigned, as some may be large.
-template <class Value, class Field>
-void pack_field(const std::vector<Value>& values, Field Value::*field, ValuePacker& packer) {
-  using Step = std::make_unsigned_t<Field>;
-  std::vector<Step> steps;
-  steps.reserve(values.size());
-  Step last = 0;
-  for (const Value& value : values) {
-    const auto now = static_cast<Step>(value.*field);
-    steps.push_back(static_cast<Step>(now - last));
-    last = now;
-  }
-  packer.put(steps);
-}
-
-template <class Value, class Field>
-void unpack_field(ValueUnpacker& unpacker, Field Value::*field, std::vector<Value>& values) {
-  using Step = std::make_unsigned_t<Field>;
-  std::vector<Step> steps;
-  unpacker.take(steps);
-  values.resize(steps.size());
-  Step now = 0;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    now = static_cast<Step>(now + steps[i]);
-    values[i].*field = static_cast<Field>(now);
-  }
 }
 
 }  // namespace
@@ -72,13 +43,13 @@ std::vector<TilePoint> TileRecords::points() const {
 
 PackedRecords::PackedRecords(const TileRecords& records, SpillFile& file) {
   ValuePacker packer;
-  pack_field(records.records, &TilePoint::x, packer);
-  pack_field(records.records, &TilePoint::y, packer);
-  pack_field(records.records, &TilePoint::z, packer);
-  pack_field(records.records, &TilePoint::intensity, packer);
-  pack_field(records.runs, &Run::anchor, packer);
-  pack_field(records.runs, &Run::first, packer);
-  pack_field(records.runs, &Run::utime, packer);
+  packer.put_steps(records.records, &TilePoint::x);
+  packer.put_steps(records.records, &TilePoint::y);
+  packer.put_steps(records.records, &TilePoint::z);
+  packer.put_steps(records.records, &TilePoint::intensity);
+  packer.put_steps(records.runs, &Run::anchor);
+  packer.put_steps(records.runs, &Run::first);
+  packer.put_steps(records.runs, &Run::utime);
   values_ = file.put(packer.pack());
 }
 
@@ -86,13 +57,13 @@ TileRecords PackedRecords::read() const {
   TileRecords records;
   if (empty()) return records;
   ValueUnpacker unpacker(values_.read());
-  unpack_field(unpacker, &TilePoint::x, records.records);
-  unpack_field(unpacker, &TilePoint::y, records.records);
-  unpack_field(unpacker, &TilePoint::z, records.records);
-  unpack_field(unpacker, &TilePoint::intensity, records.records);
-  unpack_field(unpacker, &Run::anchor, records.runs);
-  unpack_field(unpacker, &Run::first, records.runs);
-  unpack_field(unpacker, &Run::utime, records.runs);
+  unpacker.take_steps(records.records, &TilePoint::x);
+  unpacker.take_steps(records.records, &TilePoint::y);
+  unpacker.take_steps(records.records, &TilePoint::z);
+  unpacker.take_steps(records.records, &TilePoint::intensity);
+  unpacker.take_steps(records.runs, &Run::anchor);
+  unpacker.take_steps(records.runs, &Run::first);
+  unpacker.take_steps(records.runs, &Run::utime);
   return records;
 }
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <type_traits>
 #include <unordered_set>
+#include <utility>
 
 namespace curbstone::mapper::journal {
 namespace {
@@ -82,12 +83,13 @@ RecordedNode take_node(ItemBytes& bytes) {
   node.kept.utime = bytes.take<std::int64_t>();
   node.kept.T_map_base = bytes.take_pose();
   node.driven = bytes.take<double>();
-  node.kept.points.resize(bytes.take_count(kNodePointBytes));
-  for (scan::KeyframePoint& p : node.kept.points) {
+  std::vector<scan::KeyframePoint> points(bytes.take_count(kNodePointBytes));
+  for (scan::KeyframePoint& p : points) {
     p.x = bytes.take<std::int16_t>();
     p.y = bytes.take<std::int16_t>();
     p.z = bytes.take<std::int16_t>();
   }
+  node.kept.points = std::move(points);
   return node;
 }
 
@@ -199,8 +201,9 @@ void append_node(std::string& out, const scan::Keyframe& node, double driven) {
   put(out, node.utime);
   put(out, node.T_map_base);
   put(out, driven);
-  put(out, static_cast<std::uint32_t>(node.points.size()));
-  for (const scan::KeyframePoint& p : node.points) {
+  const auto points = node.points.read();
+  put(out, static_cast<std::uint32_t>(points->size()));
+  for (const scan::KeyframePoint& p : *points) {
     put(out, p.x);
     put(out, p.y);
     put(out, p.z);

@@ -70,7 +70,7 @@ PlaceGuess bounded(PlaceGuess guess) {
   return guess;
 }
 
-std::vector<const scan::Keyframe*> near(const std::vector<const scan::Keyframe*>& nodes, const PlaceGuess& guess) {
+std::vector<scan::Keyframe> near(const std::vector<const scan::Keyframe*>& nodes, const PlaceGuess& guess) {
   std::vector<std::pair<double, const scan::Keyframe*>> found;
   for (const scan::Keyframe* node : nodes) {
     const Eigen::Vector3d off = node->T_map_base.translation() - guess.T_map_base.translation();
@@ -79,22 +79,22 @@ std::vector<const scan::Keyframe*> near(const std::vector<const scan::Keyframe*>
       found.emplace_back(distance, node);
   }
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<const scan::Keyframe*> out;
+  std::vector<scan::Keyframe> out;
   for (const auto& [distance, node] : found) {
     if (out.size() == kMostNodes) break;
-    const bool new_to_us = std::all_of(out.begin(), out.end(), [&, n = node](const scan::Keyframe* other) {
-      return (other->T_map_base.translation() - n->T_map_base.translation()).norm() > kNodesApart;
+    const bool new_to_us = std::all_of(out.begin(), out.end(), [&, n = node](const scan::Keyframe& other) {
+      return (other.T_map_base.translation() - n->T_map_base.translation()).norm() > kNodesApart;
     });
-    if (new_to_us) out.push_back(node);
+    if (new_to_us) out.push_back({node->utime, node->T_map_base, node->points.in_memory()});
   }
   return out;
 }
 
 /// Their points in map, from the guess's position on: float has digits enough there.
-Cloud points_about(const std::vector<const scan::Keyframe*>& nodes, const Eigen::Vector3d& position) {
+Cloud points_about(const std::vector<scan::Keyframe>& nodes, const Eigen::Vector3d& position) {
   Cloud out;
-  for (const scan::Keyframe* node : nodes) {
-    const Cloud here = transformed(from(-position) * node->T_map_base, node->points, kOfNode);
+  for (const scan::Keyframe& node : nodes) {
+    const Cloud here = transformed(from(-position) * node.T_map_base, *node.points.read(), kOfNode);
     out.insert(out.end(), here.begin(), here.end());
   }
   return out;
@@ -159,7 +159,7 @@ std::vector<PlaceHypothesis> CandidateSearch::hypotheses(const std::vector<scan:
 PlaceMatch CandidateSearch::refine(const std::vector<scan::LidarPoint>& points, const PlaceHypothesis& hypothesis) {
   if (!registration_) {
     registration_ = std::make_unique<registration::IcpRegistration>(config_, lidar_);
-    for (const scan::Keyframe* node : nodes_) registration_->recall(*node);
+    for (const scan::Keyframe& node : nodes_) registration_->recall(node);
   }
   registration::PosePrior prior;
   prior.T_map_base = hypothesis.T_map_base;
@@ -200,15 +200,15 @@ double CandidateSearch::conflict_at(const std::vector<scan::LidarPoint>& points,
   const Pose T_lidar_local = T_lidar_base * T_map_base.inverse() * from(guess_.T_map_base.translation());
   VisibilityCount count =
       VisibilityCheck(transformed(T_lidar_base, points, kOfScan)).check(transformed(T_lidar_local, standing_, kAsIs));
-  std::vector<const scan::Keyframe*> nearest = nodes_;
-  std::stable_sort(nearest.begin(), nearest.end(), [&](const scan::Keyframe* a, const scan::Keyframe* b) {
-    return (a->T_map_base.translation() - position).squaredNorm() <
-           (b->T_map_base.translation() - position).squaredNorm();
+  std::vector<scan::Keyframe> nearest = nodes_;
+  std::stable_sort(nearest.begin(), nearest.end(), [&](const scan::Keyframe& a, const scan::Keyframe& b) {
+    return (a.T_map_base.translation() - position).squaredNorm() <
+           (b.T_map_base.translation() - position).squaredNorm();
   });
   nearest.resize(std::min(nearest.size(), kSightNodes));
-  for (const scan::Keyframe* node : nearest) {
-    const Pose T_node_map = T_lidar_base * node->T_map_base.inverse();
-    count += VisibilityCheck(transformed(T_lidar_base, node->points, kOfNode))
+  for (const scan::Keyframe& node : nearest) {
+    const Pose T_node_map = T_lidar_base * node.T_map_base.inverse();
+    count += VisibilityCheck(transformed(T_lidar_base, *node.points.read(), kOfNode))
                  .check(transformed(T_node_map, standing, kAsIs));
   }
   const int sighted = count.agree + count.conflict;

@@ -39,7 +39,7 @@ struct PlaceMatch {
 class CandidateSearch {
  public:
   /// Of the nodes, those within 25 m of where the vehicle may be count, the nearest 30 at most. They may be given in
-  /// any number; they must live as long as the search. `lidar`: where it is in base_link, m.
+  /// any number; of those that count, points that are away are read. `lidar`: where it is in base_link, m.
   CandidateSearch(const std::vector<const scan::Keyframe*>& nodes, const PlaceGuess& guess,
                   const config::IcpConfig& config, const Eigen::Vector3d& lidar);
 
@@ -58,8 +58,8 @@ class CandidateSearch {
   PlaceGuess guess_;
   config::IcpConfig config_;
   Eigen::Vector3d lidar_;
-  std::vector<const scan::Keyframe*> nodes_;  // nearest first
-  LowestPoints lowest_;                       // in map, from the guess's position on
+  std::vector<scan::Keyframe> nodes_;  // nearest first, in memory
+  LowestPoints lowest_;                // in map, from the guess's position on
   std::vector<Eigen::Vector3f> standing_;
   std::optional<PrecomputationGrids> grids_;
   std::unique_ptr<registration::IcpRegistration> registration_;  // made when it is needed

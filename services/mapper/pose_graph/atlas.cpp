@@ -21,6 +21,7 @@ std::vector<scan::KeyframePoint> node_points(const std::vector<scan::LidarPoint>
   return kept;
 }
 
+constexpr int kKeptHere = 20;            // nodes, the newest: what is written of them need not be read again
 constexpr double kOdometryDrift = 0.02;  // m a metre, of odometry alone
 
 double far_in_any_axis(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -42,6 +43,7 @@ int Atlas::visit(std::int64_t utime, const Pose& T_map_base, const std::vector<s
   if (reference_ != kNone) driven_ += (node(reference_).T_map_base.inverse() * T_map_base).translation().norm();
   nodes_.push_back({{utime, T_map_base, node_points(points, config_)}, driven_, true, {}});
   present_.insert(made);
+  if (made >= kKeptHere) put_away(made - kKeptHere);
   if (reference_ != kNone) connect(step(reference_, made, node(reference_).T_map_base.inverse() * T_map_base));
   reference_ = made;
   left_ = false;
@@ -62,6 +64,7 @@ void Atlas::follow(const Pose& T_map_base) {
 int Atlas::add_known(scan::Keyframe node) {
   nodes_.push_back({std::move(node), driven_, false, {}});
   num_known_ = size();
+  put_away(num_known_ - 1);
   return num_known_ - 1;
 }
 
@@ -72,6 +75,11 @@ void Atlas::add_known(const PoseEdge& edge) {
 void Atlas::restore(scan::Keyframe node, double driven) {
   driven_ = driven;
   nodes_.push_back({std::move(node), driven, false, {}});
+  put_away(size() - 1);
+}
+
+void Atlas::put_away(int id) {
+  nodes_[static_cast<std::size_t>(id)].kept.points.put_away(*far_);
 }
 
 std::vector<Pose> Atlas::poses() const {
@@ -236,7 +244,7 @@ void Atlas::bound_memory(const Eigen::Vector3d& centre) {
     distance = d;
     farthest = &node;
   }
-  if (farthest != nullptr) farthest->kept.points = std::vector<scan::KeyframePoint>();  // `{}` would keep the memory
+  if (farthest != nullptr) farthest->kept.points = {};
 }
 
 }  // namespace curbstone::mapper::pose_graph

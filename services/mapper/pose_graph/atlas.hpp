@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "common/geometry/geometry.hpp"
+#include "common/packing/spill_file.hpp"
 #include "services/mapper/config/atlas_config.hpp"
 #include "services/mapper/pose_graph/pose_graph.hpp"
 #include "services/mapper/scan/keyframe.hpp"
@@ -22,7 +25,9 @@ class Atlas {
  public:
   static constexpr int kNone = -1;
 
-  explicit Atlas(const config::AtlasConfig& config) : config_(config) {}
+  /// `far`: where the scans of all but the newest nodes are put away; without a folder in memory, packed.
+  explicit Atlas(const config::AtlasConfig& config, std::shared_ptr<SpillFile> far = std::make_shared<SpillFile>())
+      : config_(config), far_(std::move(far)) {}
 
   /// The vehicle was registered here: the node it is at, made if there is none within `spacing`.
   int visit(std::int64_t utime, const Pose& T_map_base, const std::vector<scan::LidarPoint>& points);
@@ -84,8 +89,10 @@ class Atlas {
   [[nodiscard]] double length_of(const PoseEdge& edge) const;
   [[nodiscard]] bool linked(int a, int b) const;
   void bound_memory(const Eigen::Vector3d& centre);
+  void put_away(int id);
 
   config::AtlasConfig config_;
+  std::shared_ptr<SpillFile> far_;
   std::vector<Node> nodes_;
   std::vector<PoseEdge> edges_;
   std::set<int> present_;

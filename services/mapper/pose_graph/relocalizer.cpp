@@ -48,7 +48,7 @@ void Relocalizer::forget() {
 
 std::optional<FoundPlace> Relocalizer::find_anywhere(const Atlas& atlas, const std::vector<scan::LidarPoint>& points,
                                                      const Pose& guess) {
-  for (; indexed_ < atlas.size(); ++indexed_) index_.add(indexed_, atlas.node(indexed_).points);
+  for (; indexed_ < atlas.size(); ++indexed_) index_.add(indexed_, *atlas.node(indexed_).points.read());
   std::vector<const scan::Keyframe*> nodes;
   for (int id = 0; id < atlas.size(); ++id) nodes.push_back(&atlas.node(id));
   const auto match = place_recognition::verify_place(points, guess, index_, nodes, config_, lidar_);

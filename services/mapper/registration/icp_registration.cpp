@@ -111,7 +111,7 @@ void IcpRegistration::insert(const std::vector<scan::LidarPoint>& points, const 
 }
 
 void IcpRegistration::recall(const scan::Keyframe& node) {
-  map_.insert(scan::unpack(node.points), node.T_map_base, lidar_);
+  map_.insert(scan::unpack(*node.points.read()), node.T_map_base, lidar_);
 }
 
 bool IcpRegistration::keep_around(const Eigen::Vector3d& centre) {

@@ -110,7 +110,7 @@ void LoamRegistration::insert(const std::vector<scan::LidarPoint>& points, const
 
 /// As planes only: a thinned scan has no rings to see edges in.
 void LoamRegistration::recall(const scan::Keyframe& node) {
-  planes_.insert(scan::unpack(node.points), node.T_map_base, lidar_);
+  planes_.insert(scan::unpack(*node.points.read()), node.T_map_base, lidar_);
 }
 
 bool LoamRegistration::keep_around(const Eigen::Vector3d& centre) {

@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/geometry/geometry.hpp"
+#include "common/packing/spill_file.hpp"
 #include "common/tiles/tile.hpp"
 #include "services/mapper/scan/scan.hpp"
 
@@ -40,13 +43,39 @@ struct KeyframePoint {
   return unpacked;
 }
 
+/// The points of a kept scan, which may be put away, out of memory. They do not change, and copies share them.
+class KeyframePoints {
+ public:
+  using Points = std::vector<KeyframePoint>;
+  KeyframePoints() = default;
+  KeyframePoints(Points points)  // NOLINT(google-explicit-constructor): they are what it is
+      : here_(std::make_shared<const Points>(std::move(points))), size_(here_->size()) {}
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  /// To look at. Of points that are away they are read from the file and unpacked, anew with each call: a tenth of a
+  /// millisecond. None if the file does not give them back. Never null.
+  [[nodiscard]] std::shared_ptr<const Points> read() const;
+  /// As read() gives them: for several looks.
+  [[nodiscard]] KeyframePoints in_memory() const;
+  /// Nothing if they are away, or none.
+  void put_away(SpillFile& file);
+  [[nodiscard]] bool is_away() const { return !away_.empty(); }
+  bool operator==(const KeyframePoints& other) const { return size_ == other.size_ && *read() == *other.read(); }
+
+ private:
+  std::shared_ptr<const Points> here_;  // null: none, or away
+  SpillFile::Values away_;
+  std::size_t size_ = 0;
+};
+
 /// A place on the drive from which the surroundings are remembered: one thinned scan and where it was taken.
 /// Whatever must be built anew (the map for registration after a loop was closed, after a rollback, from a saved map)
 /// is built from these; the pose graph moves them.
 struct Keyframe {
   std::int64_t utime = 0;  ///< us, end of its scan
   Pose T_map_base = Pose::Identity();
-  std::vector<KeyframePoint> points;  ///< de-skewed, in base_link
+  KeyframePoints points;  ///< de-skewed, in base_link
 };
 
 }  // namespace curbstone::mapper::scan

@@ -87,7 +87,9 @@ void write_nodes(const SavedMap& map, const AtomicFolder& target) {
       continue;
     }
     values.clear();
-    for (const scan::KeyframePoint& p : node.points)
+    const auto points = node.points.read();
+    if (points->size() != node.points.size()) fail_map(folder / keyframe_file(i), "the disk does not give it back");
+    for (const scan::KeyframePoint& p : *points)
       values.insert(values.end(), {pcd_coordinate(0.0, p.x), pcd_coordinate(0.0, p.y), pcd_coordinate(0.0, p.z)});
     write_pcd(folder / keyframe_file(i), Rules::kNodeFields, values, node.T_map_base);
   }

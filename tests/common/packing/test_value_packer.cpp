@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <limits>
 #include <random>
+#include <vector>
 
 namespace curbstone {
 namespace {
@@ -65,6 +68,47 @@ TEST(ValuePacker, SaysWhenSomethingElseIsUnpacked) {
   EXPECT_THROW(ValueUnpacker(packed).take(values), std::runtime_error);
   packed.resize(3);
   EXPECT_THROW(ValueUnpacker{packed}, std::runtime_error);
+}
+
+TEST(ValuePacker, StepsBringBackEveryBitOfAField) {
+  struct Sample {
+    std::int64_t when;
+    std::int16_t what;
+    std::uint8_t how;
+  };
+  using Limits = std::numeric_limits<std::int64_t>;
+  const std::vector<Sample> samples{
+      {Limits::max(), -32768, 255}, {Limits::min(), 32767, 0}, {0, -1, 128}, {Limits::max(), 0, 127}};
+  ValuePacker packer;
+  packer.put_steps(samples, &Sample::when);
+  packer.put_steps(samples, &Sample::what);
+  packer.put_steps(samples, &Sample::how);
+  packer.put_steps(std::vector<Sample>(), &Sample::how);
+  const PackedValues packed = packer.pack();
+  ValueUnpacker unpacker(packed);
+  std::vector<Sample> back, none(3);
+  unpacker.take_steps(back, &Sample::when);
+  unpacker.take_steps(back, &Sample::what);
+  unpacker.take_steps(back, &Sample::how);
+  unpacker.take_steps(none, &Sample::how);
+  ASSERT_EQ(back.size(), samples.size());
+  EXPECT_TRUE(none.empty());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    EXPECT_EQ(back[i].when, samples[i].when);
+    EXPECT_EQ(back[i].what, samples[i].what);
+    EXPECT_EQ(back[i].how, samples[i].how);
+  }
+}
+
+TEST(ValuePacker, StepsOfNeighboursThatAreAlikeTakeLittle) {
+  struct Sample {
+    std::int64_t when;
+  };
+  std::vector<Sample> samples;
+  for (int i = 0; i < 10'000; ++i) samples.push_back({1'700'000'000'000'000 + 50'000 * i});
+  ValuePacker packer;
+  packer.put_steps(samples, &Sample::when);
+  EXPECT_LT(packer.pack().size(), 1000U);
 }
 
 }  // namespace

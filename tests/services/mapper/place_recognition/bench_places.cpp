@@ -126,7 +126,7 @@ void seek_everywhere(const std::vector<Places>& all) {
   for (const Places& places : all) {
     mapper::place_recognition::ScanContext index;
     const auto nodes = nodes_about(places, {}, 0);
-    for (std::size_t i = 0; i < nodes.size(); ++i) index.add(static_cast<int>(i), nodes[i]->points);
+    for (std::size_t i = 0; i < nodes.size(); ++i) index.add(static_cast<int>(i), *nodes[i]->points.read());
     const auto ask = [&](const std::vector<View>& views, bool known) {
       Tally tally;
       for (const View& view : views) {

@@ -20,9 +20,11 @@ constexpr double kPi = std::numbers::pi;
 mapper::scan::Keyframe node_of(const View& view) {
   mapper::scan::Keyframe node;
   node.T_map_base = view.T_map_base;
+  std::vector<mapper::scan::KeyframePoint> kept;
   for (const mapper::scan::LidarPoint& p : mapper::scan::downsample(view.points, 0.2, 60.0)) {
-    if (const auto packed = mapper::scan::pack(p.position)) node.points.push_back(*packed);
+    if (const auto packed = mapper::scan::pack(p.position)) kept.push_back(*packed);
   }
+  node.points = std::move(kept);
   return node;
 }
 

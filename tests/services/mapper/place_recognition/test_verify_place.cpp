@@ -24,9 +24,11 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 scan::Keyframe node_of(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base) {
   scan::Keyframe node;
   node.T_map_base = T_map_base;
+  std::vector<scan::KeyframePoint> kept;
   for (const scan::LidarPoint& p : scan::downsample(points, 0.2, 60)) {
-    if (const auto packed = scan::pack(p.position)) node.points.push_back(*packed);
+    if (const auto packed = scan::pack(p.position)) kept.push_back(*packed);
   }
+  node.points = std::move(kept);
   return node;
 }
 
@@ -55,7 +57,7 @@ struct Remembered {
   }
   [[nodiscard]] std::optional<PlaceMatch> find_anywhere(const std::vector<scan::LidarPoint>& points) const {
     ScanContext index;
-    for (std::size_t i = 0; i < nodes.size(); ++i) index.add(static_cast<int>(i), nodes[i].points);
+    for (std::size_t i = 0; i < nodes.size(); ++i) index.add(static_cast<int>(i), *nodes[i].points.read());
     return verify_place(points, Pose::Identity(), index, all(), config::IcpConfig{}, lidar);
   }
 };

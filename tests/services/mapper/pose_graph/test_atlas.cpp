@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "tests/stamps.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone::mapper::pose_graph {
 namespace {
@@ -126,10 +127,30 @@ TEST_F(AnAtlas, KeepsAtMostSoManyScansTheNearest) {
   EXPECT_EQ(atlas.near({0, 0, 0}, 10).size(), 0U) << "what has no scan cannot be recognised";
 }
 
+TEST_F(AnAtlas, ScansOfAllButTheNewestNodesLieInAFile) {
+  const test::TemporaryFolder folder;
+  const auto file = std::make_shared<SpillFile>(folder.path().string(), 0);
+  Atlas atlas(config::AtlasConfig{}, file);
+  for (double x = 0; x < 100; x += 0.5) {
+    atlas.visit(1, at(x, 0), surroundings());
+    atlas_.visit(1, at(x, 0), surroundings());
+  }
+  int away = 0;
+  ASSERT_EQ(atlas.size(), atlas_.size());
+  for (int id = 0; id < atlas.size(); ++id) {
+    away += atlas.node(id).points.is_away() ? 1 : 0;
+    EXPECT_EQ(atlas.node(id).points, atlas_.node(id).points);
+  }
+  EXPECT_EQ(away, atlas.size() - 20);
+  file->flush();
+  EXPECT_EQ(file->bytes_in_memory(), 0U);
+  EXPECT_GT(file->bytes_in_file(), 0U);
+}
+
 TEST_F(AnAtlas, KnownNodesFixTheirPlaceAndAreFollowed) {
   scan::Keyframe known;
   known.T_map_base = at(3, 0);
-  known.points.resize(5);
+  known.points = std::vector<scan::KeyframePoint>(5);
   const int id = atlas_.add_known(known);
   EXPECT_EQ(atlas_.num_known(), 1);
   EXPECT_FALSE(atlas_.present(id));

@@ -75,10 +75,12 @@ SavedMap random_map(unsigned seed, int tiles, int nodes) {
     scan::Keyframe node;
     node.utime = 1'750'000'000'000'000 + 1'000'000 * i;
     node.T_map_base = random_pose(random);
+    std::vector<scan::KeyframePoint> points;
     for (int k = 0; k < 40; ++k) {
       const auto any = [&] { return static_cast<std::int16_t>(random()); };
-      node.points.push_back({any(), any(), any()});
+      points.push_back({any(), any(), any()});
     }
+    node.points = std::move(points);
     map.nodes.push_back(std::move(node));
   }
   for (int i = 1; i < nodes; ++i) {

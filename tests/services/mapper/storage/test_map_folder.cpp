@@ -206,7 +206,7 @@ SavedMap news_of(int times) {
   };
   while (map.nodes_on_disk < before.nodes.size() &&
          same(map.nodes[map.nodes_on_disk], before.nodes[map.nodes_on_disk])) {
-    map.nodes[map.nodes_on_disk++].points.clear();
+    map.nodes[map.nodes_on_disk++].points = {};
   }
   return map;
 }

@@ -35,7 +35,7 @@ TEST(MapFolderAndPcl, PclReadsANodeAndWhereItWasTaken) {
   pcl::PointCloud<pcl::PointXYZ> cloud;
   ASSERT_EQ(pcl::io::loadPCDFile((scratch / "town" / keyframe_file(1)).string(), cloud), 0);
   ASSERT_EQ(cloud.size(), map.nodes[1].points.size());
-  EXPECT_TRUE(cloud[5].getVector3fMap().isApprox(scan::unpack(map.nodes[1].points[5])));
+  EXPECT_TRUE(cloud[5].getVector3fMap().isApprox(scan::unpack((*map.nodes[1].points.read())[5])));
   const Pose& pose = map.nodes[1].T_map_base;
   EXPECT_TRUE(cloud.sensor_origin_.head<3>().isApprox(pose.translation().cast<float>()));
   EXPECT_TRUE(cloud.sensor_orientation_.toRotationMatrix().isApprox(pose.linear().cast<float>(), 1e-5F));
