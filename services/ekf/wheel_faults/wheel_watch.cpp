@@ -76,6 +76,7 @@ void WheelWatch::collect(Wheel& wheel, std::size_t i, const WheelLook& look) con
 void WheelWatch::dispute(const WheelLook& look) {
   if (!dispute_) dispute_.emplace(WheelDispute::Settings{config_.patience, track_width_}, look.begin, recent_.leap());
   dispute_->add(look, {!faulty(0), !faulty(1)});
+  dispute_->note(recent_.leap());
 }
 
 WheelWatch::Finding WheelWatch::settle() {
