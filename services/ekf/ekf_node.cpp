@@ -6,6 +6,7 @@
 #include <numbers>
 #include <variant>
 
+#include "common/bus/levels.hpp"
 #include "common/time/microseconds.hpp"
 #include "services/ekf/ekf_messages.hpp"
 #include "services/ekf/filter/state_file.hpp"
@@ -45,6 +46,21 @@ void describe_axes(const filter::LostAxes& axes, std::vector<std::string>& fault
                                  "xyz"[axis], axes.shown()[axis]));
   }
   if (axes.turn_is_lost()) faults.emplace_back("no gyro about the vertical: the wheels tell how it turns, and slip");
+}
+
+/// What the filter takes into account is no fault yet.
+void describe_noise(const inputs::ImuNoise& noise, const base::NoiseConfig& configured,
+                    std::vector<std::string>& faults) {
+  constexpr double kMuch = 10.0;  // times
+  const auto describe = [&](const char* part, double measured, double expected) {
+    if (measured < kMuch * expected) return;
+    faults.push_back(
+        fmt::format("IMU: its {0} is {1:.0f} times as noisy as ekf.noise.{0} says, and is believed less: "
+                    "mount it softer, or set that to {2:.2g}",
+                    part, measured / expected, measured));
+  };
+  describe("gyro", noise.gyro(), configured.gyro);
+  describe("accelerometer", noise.accelerometer(), configured.accelerometer);
 }
 
 void describe_leap(const filter::Filter& filter, std::vector<std::string>& faults) {
@@ -263,6 +279,10 @@ NodeReport EkfNode::report() const {
   const Counters filtering = filter_.counters();
   for (const Counters* part : {&clock_.counters(), &increments_.counters(), &sequencer_.counters(), &filtering})
     for (const auto& [name, value] : part->values()) report.counters.add(name, value);
+  const inputs::ImuNoise& noise = filter_.filter().imu_noise();
+  set_level(report.counters, "imu.gyro_noise_percent", std::lround(100.0 * noise.gyro() / config_.noise.gyro));
+  set_level(report.counters, "imu.accelerometer_noise_percent",
+            std::lround(100.0 * noise.accelerometer() / config_.noise.accelerometer));
   if (sent_.resent() > 0) report.counters.add("resent.odometry", sent_.resent());
   if (state_keeper_) report.counters.add("faults.state_file", state_keeper_->failures());
   report.latency_p50 = latency_.percentile(0.5);
@@ -291,6 +311,7 @@ NodeReport EkfNode::report() const {
                                 : "no IMU: odometry coasts on the wheels");
     if (!mounting_.gyro_is_wrong()) describe_axes(filter_.filter().axes(), faults);
     describe_leap(filter_.filter(), faults);
+    describe_noise(filter_.filter().imu_noise(), config_.noise, faults);
     describe_wheels(filter_.filter().wheel_watch(), faults);
     if (last_->no_wheels) faults.emplace_back("no wheels: odometry coasts on the IMU, and drifts");
   }
