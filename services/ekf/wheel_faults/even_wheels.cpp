@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::size_t kLeastOfPoints = 6;
 constexpr double kOneLeap = 0.5;     // of the change, within two intervals: a leap of the IMU
+constexpr double kLevel = 0.3;       // m/s^2 at first: more, beside wheels that turn evenly, is a tilt or a bias
 constexpr double kNoSpeed = 5.0;     // sigma of its noise: less is no other speed
 constexpr double kSteadyTime = 0.5;  // s, at either end, over which its acceleration is compared
 
@@ -64,6 +65,7 @@ bool EvenWheels::felt_another_speed(std::size_t from) const {
   std::size_t last_begin = last - 1;
   while (last_begin > from && points_[last].seconds - points_[last_begin].seconds < kSteadyTime) --last_begin;
   const double at_first = acceleration(from, first_end);
+  if (std::abs(at_first) > kLevel) return false;
   const auto changed = [&](std::size_t a, std::size_t b) {  // m/s, beyond what it did at first
     return std::abs(points_[b].inertial_speed - points_[a].inertial_speed -
                     at_first * (points_[b].seconds - points_[a].seconds));
