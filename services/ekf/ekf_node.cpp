@@ -100,7 +100,17 @@ void describe_mounting(const mounting::MountingWatch& mounting, const VehicleCon
   }
   if (mounting.turns_opposite())
     faults.emplace_back("WHEELS and gyro turn opposite ways: left and right swapped? Else the gyro's sign is wrong");
-  if (mounting.gyro_is_wrong()) {
+  if (const auto ahead = mounting.mirrored()) {
+    const bool swapped = std::abs(ahead->y()) > std::abs(ahead->x());
+    faults.push_back(fmt::format(
+        "IMU: its axes are not right-handed: {}. No vehicle.imu is so: correct what the device sends",
+        swapped ? "x and y are swapped" : fmt::format("{} has the wrong sign", ahead->x() > 0 ? 'y' : 'x')));
+  }
+  if (const auto up = mounting.lying_gyro()) {
+    faults.push_back(fmt::format(
+        "IMU: its gyro does not turn as the wheels do, and is not used: its {} axis points up, by gravity the {}",
+        axis_along(*up), axis_along(vehicle.T_base_imu().linear().transpose().col(2))));
+  } else if (mounting.gyro_is_wrong()) {
     faults.emplace_back("IMU: its gyro does not turn as the wheels do, and is not used: in deg/s, or another axis up?");
   } else if (const auto scale = mounting.wrong_turn_scale()) {
     faults.push_back(fmt::format(
@@ -223,7 +233,7 @@ std::optional<inputs::Sequencer::Sample> EkfNode::usable_of(const inputs::Sequen
 void EkfNode::watch_mounting(const inputs::Sequencer::Sample& sample) {
   const auto wrong = [this] {
     return std::array{mounting_.wrong_up().has_value(), mounting_.turns_opposite(), mounting_.missing_yaw().has_value(),
-                      mounting_.wrong_turn_scale().has_value()};
+                      mounting_.wrong_turn_scale().has_value(), mounting_.mirrored().has_value()};
   };
   const auto before = wrong();
   if (const auto* wheels = std::get_if<base::WheelSample>(&sample)) mounting_.add(*wheels);
@@ -231,7 +241,7 @@ void EkfNode::watch_mounting(const inputs::Sequencer::Sample& sample) {
   if (imu != nullptr && !filter_.filter().axes().any()) mounting_.add(*imu);
   const auto now = wrong();
   constexpr std::array kNames = {"faults.mounting.up", "faults.mounting.turn", "faults.mounting.forward",
-                                 "faults.mounting.turn_scale"};
+                                 "faults.mounting.turn_scale", "faults.mounting.hand"};
   for (std::size_t i = 0; i < now.size(); ++i) {
     if (now[i] && !before[i]) counters_.add(kNames[i]);
   }
