@@ -37,6 +37,8 @@ inline constexpr auto kLevels = std::to_array<std::string_view>({
     "far.disk_kb",
     "far.memory_kb",
     "foxglove.clients",
+    "imu.accelerometer_noise_percent",
+    "imu.gyro_noise_percent",
     "lidar.lag_ms",
     "memory.own_kb",
     "modbus.round_trip_us",

@@ -69,8 +69,8 @@ struct EncoderConfig {
   bool check_encoder_lines = true;      ///< compare counts_per_revolution with what the drive says
   bool invert_left = false;             ///< the wheel counts down when the vehicle drives forward
   bool invert_right = true;
-  double max_speed = 60;  ///< rad/s of a wheel: more is a corrupted frame
-  double silence = 0.5;   ///< s without positions after which it is a fault, and the drive is set up again
+  double max_speed = 150;  ///< rad/s of a wheel, 25 m/s at 0.17 m: more is a corrupted frame
+  double silence = 0.5;    ///< s without positions after which it is a fault, and the drive is set up again
   ModbusConfig modbus;
   SignalsConfig signals;
   std::string file;      ///< candump log or PCAN trace, for file

@@ -20,7 +20,7 @@ class WheelCounter {
   struct Settings {
     double counts_per_revolution = 4096;
     std::array<bool, 2> inverted = {false, true};
-    double max_speed = 60;  ///< rad/s, of a wheel
+    double max_speed = 150;  ///< rad/s, of a wheel
   };
   struct Sample {
     std::array<std::int64_t, 2> counts{};  ///< since the first sample

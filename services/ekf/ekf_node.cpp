@@ -6,6 +6,7 @@
 #include <numbers>
 #include <variant>
 
+#include "common/bus/levels.hpp"
 #include "common/time/microseconds.hpp"
 #include "services/ekf/ekf_messages.hpp"
 #include "services/ekf/filter/state_file.hpp"
@@ -47,6 +48,21 @@ void describe_axes(const filter::LostAxes& axes, std::vector<std::string>& fault
   if (axes.turn_is_lost()) faults.emplace_back("no gyro about the vertical: the wheels tell how it turns, and slip");
 }
 
+/// What the filter takes into account is no fault yet.
+void describe_noise(const inputs::ImuNoise& noise, const base::NoiseConfig& configured,
+                    std::vector<std::string>& faults) {
+  constexpr double kMuch = 10.0;  // times
+  const auto describe = [&](const char* part, double measured, double expected) {
+    if (measured < kMuch * expected) return;
+    faults.push_back(
+        fmt::format("IMU: its {0} is {1:.0f} times as noisy as ekf.noise.{0} says, and is believed less: "
+                    "mount it softer, or set that to {2:.2g}",
+                    part, measured / expected, measured));
+  };
+  describe("gyro", noise.gyro(), configured.gyro);
+  describe("accelerometer", noise.accelerometer(), configured.accelerometer);
+}
+
 void describe_leap(const filter::Filter& filter, std::vector<std::string>& faults) {
   constexpr double kMention = 60.0;  // s
   const auto& leapt = filter.gyro_leapt();
@@ -84,7 +100,17 @@ void describe_mounting(const mounting::MountingWatch& mounting, const VehicleCon
   }
   if (mounting.turns_opposite())
     faults.emplace_back("WHEELS and gyro turn opposite ways: left and right swapped? Else the gyro's sign is wrong");
-  if (mounting.gyro_is_wrong()) {
+  if (const auto ahead = mounting.mirrored()) {
+    const bool swapped = std::abs(ahead->y()) > std::abs(ahead->x());
+    faults.push_back(fmt::format(
+        "IMU: its axes are not right-handed: {}. No vehicle.imu is so: correct what the device sends",
+        swapped ? "x and y are swapped" : fmt::format("{} has the wrong sign", ahead->x() > 0 ? 'y' : 'x')));
+  }
+  if (const auto up = mounting.lying_gyro()) {
+    faults.push_back(fmt::format(
+        "IMU: its gyro does not turn as the wheels do, and is not used: its {} axis points up, by gravity the {}",
+        axis_along(*up), axis_along(vehicle.T_base_imu().linear().transpose().col(2))));
+  } else if (mounting.gyro_is_wrong()) {
     faults.emplace_back("IMU: its gyro does not turn as the wheels do, and is not used: in deg/s, or another axis up?");
   } else if (const auto scale = mounting.wrong_turn_scale()) {
     faults.push_back(fmt::format(
@@ -207,7 +233,7 @@ std::optional<inputs::Sequencer::Sample> EkfNode::usable_of(const inputs::Sequen
 void EkfNode::watch_mounting(const inputs::Sequencer::Sample& sample) {
   const auto wrong = [this] {
     return std::array{mounting_.wrong_up().has_value(), mounting_.turns_opposite(), mounting_.missing_yaw().has_value(),
-                      mounting_.wrong_turn_scale().has_value()};
+                      mounting_.wrong_turn_scale().has_value(), mounting_.mirrored().has_value()};
   };
   const auto before = wrong();
   if (const auto* wheels = std::get_if<base::WheelSample>(&sample)) mounting_.add(*wheels);
@@ -215,7 +241,7 @@ void EkfNode::watch_mounting(const inputs::Sequencer::Sample& sample) {
   if (imu != nullptr && !filter_.filter().axes().any()) mounting_.add(*imu);
   const auto now = wrong();
   constexpr std::array kNames = {"faults.mounting.up", "faults.mounting.turn", "faults.mounting.forward",
-                                 "faults.mounting.turn_scale"};
+                                 "faults.mounting.turn_scale", "faults.mounting.hand"};
   for (std::size_t i = 0; i < now.size(); ++i) {
     if (now[i] && !before[i]) counters_.add(kNames[i]);
   }
@@ -263,6 +289,10 @@ NodeReport EkfNode::report() const {
   const Counters filtering = filter_.counters();
   for (const Counters* part : {&clock_.counters(), &increments_.counters(), &sequencer_.counters(), &filtering})
     for (const auto& [name, value] : part->values()) report.counters.add(name, value);
+  const inputs::ImuNoise& noise = filter_.filter().imu_noise();
+  set_level(report.counters, "imu.gyro_noise_percent", std::lround(100.0 * noise.gyro() / config_.noise.gyro));
+  set_level(report.counters, "imu.accelerometer_noise_percent",
+            std::lround(100.0 * noise.accelerometer() / config_.noise.accelerometer));
   if (sent_.resent() > 0) report.counters.add("resent.odometry", sent_.resent());
   if (state_keeper_) report.counters.add("faults.state_file", state_keeper_->failures());
   report.latency_p50 = latency_.percentile(0.5);
@@ -291,6 +321,7 @@ NodeReport EkfNode::report() const {
                                 : "no IMU: odometry coasts on the wheels");
     if (!mounting_.gyro_is_wrong()) describe_axes(filter_.filter().axes(), faults);
     describe_leap(filter_.filter(), faults);
+    describe_noise(filter_.filter().imu_noise(), config_.noise, faults);
     describe_wheels(filter_.filter().wheel_watch(), faults);
     if (last_->no_wheels) faults.emplace_back("no wheels: odometry coasts on the IMU, and drifts");
   }

@@ -74,6 +74,12 @@ void StartUp::add(const base::WheelSample& sample) {
   moving_window_.add(sample);
 }
 
+void StartUp::set_noise(const base::NoiseConfig& noise, double gyro, double accelerometer) {
+  config_.noise = noise;
+  standing_window_.set_noise(gyro, accelerometer);
+  moving_window_.set_noise(gyro, accelerometer);
+}
+
 void StartUp::reset() {
   standing_window_.reset();
   moving_window_.reset();

@@ -27,6 +27,8 @@ class StartUp {
   explicit StartUp(const base::EkfConfig& config);
 
   void add(const base::WheelSample& sample);
+  /// How noisy the IMU is: what disturbs the prediction, and 1 sigma of its samples as of StillDetector::set_noise().
+  void set_noise(const base::NoiseConfig& noise, double gyro, double accelerometer);
   /// A belief at the sample's time once enough is known.
   [[nodiscard]] std::optional<model::Belief> add(const base::ImuSample& sample);
   /// How it went, once started.

@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::size_t kMaxStillSamples = 4096;  // bound, whatever the stamps say
 constexpr double kManyTravels = 20.0;
+constexpr double kOfNoise = 1.3;  // of its standard deviation: a window's own differs
 
 /// Keeps what is needed to cover `window` seconds up to the newest: one sample may be older.
 template <class Sample>
@@ -41,10 +42,12 @@ void StillDetector::add(const base::ImuSample& sample) {
     acceleration_variance += (s.acceleration - mean_acceleration_).array().square() / n;
   }
   // A single sample far off ends the standstill before the variance has noticed.
-  const bool jerked = (sample.angular_rate - mean_rate_).cwiseAbs().maxCoeff() > 5.0 * config_.gyro_std ||
-                      (sample.acceleration - mean_acceleration_).cwiseAbs().maxCoeff() > 5.0 * config_.acceleration_std;
-  quiet_ = !jerked && rate_variance.sqrt().maxCoeff() <= config_.gyro_std &&
-           acceleration_variance.sqrt().maxCoeff() <= config_.acceleration_std;
+  const double gyro_std = std::max(config_.gyro_std, kOfNoise * noise_[0]);
+  const double acceleration_std = std::max(config_.acceleration_std, kOfNoise * noise_[1]);
+  const bool jerked = (sample.angular_rate - mean_rate_).cwiseAbs().maxCoeff() > 5.0 * gyro_std ||
+                      (sample.acceleration - mean_acceleration_).cwiseAbs().maxCoeff() > 5.0 * acceleration_std;
+  quiet_ = !jerked && rate_variance.sqrt().maxCoeff() <= gyro_std &&
+           acceleration_variance.sqrt().maxCoeff() <= acceleration_std;
 }
 
 void StillDetector::add(const base::WheelSample& sample) {

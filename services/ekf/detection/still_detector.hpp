@@ -17,6 +17,8 @@ class StillDetector {
 
   void add(const base::ImuSample& sample);
   void add(const base::WheelSample& sample);
+  /// 1 sigma of the IMU's samples (rad/s, m/s^2) where it is noisier than usual: so much is quiet for it.
+  void set_noise(double gyro, double accelerometer) { noise_ = {gyro, accelerometer}; }
   void reset();
 
   /// As of the newest IMU sample. `gyro_bias` (imu frame) tells a quiet turn from a quiet stand.
@@ -40,6 +42,7 @@ class StillDetector {
   double max_wheel_gap_;  // s
   std::deque<base::ImuSample> imu_;
   std::deque<base::WheelSample> wheels_;
+  std::array<double, 2> noise_ = {};
   Eigen::Vector3d mean_rate_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d mean_acceleration_ = Eigen::Vector3d::Zero();
   bool quiet_ = false;

@@ -30,6 +30,7 @@ const char* name_of(detection::StartUp::Kind kind) {
 Filter::Filter(const base::EkfConfig& config)
     : config_(std::make_shared<const base::EkfConfig>(config)),
       geometry_(config.vehicle),
+      noise_(config.noise),
       start_up_(config),
       still_(config.standstill, config.vehicle.wheel_radius, config.timing.max_wheel_gap),
       odometer_(config.wheels, config.vehicle.wheel_radius, config.timing.max_wheel_gap),
@@ -45,6 +46,7 @@ model::TimedInertial Filter::in_body(const base::ImuSample& sample) const {
 }
 
 void Filter::add(const base::ImuSample& measured, std::vector<model::Estimate>& out) {
+  follow_noise(measured);
   const base::ImuSample sample = axes_.add(measured);
   if (!started_) {
     start(sample);
@@ -75,6 +77,20 @@ void Filter::add(const base::ImuSample& measured, std::vector<model::Estimate>& 
   update_level();
   emit(next.imu, dt, false, out);
   if (pending_increment_ && pending_increment_->utime <= sample.utime) correct_with_map();
+}
+
+/// An IMU that is noisier than configured is believed less by all that compares it with the wheels.
+void Filter::follow_noise(const base::ImuSample& sample) {
+  imu_noise_.add(sample);
+  noise_ = imu_noise_.applied_to(config_->noise);
+  excess_ = imu_noise_.beyond(config_->noise);
+  const double gyro = excess_.gyro * excess_.per_sample;  // 1 sigma of a sample
+  const double accelerometer = excess_.accelerometer * excess_.per_sample;
+  mechanisation_.set_noise(noise_);
+  if (launch_) launch_->set_noise(noise_);
+  start_up_.set_noise(noise_, gyro, accelerometer);
+  still_.set_noise(gyro, accelerometer);
+  slip_.set_noise(excess_.gyro, excess_.accelerometer);
 }
 
 void Filter::add(const base::WheelSample& sample, std::vector<model::Estimate>& out) {
@@ -246,7 +262,9 @@ void Filter::update_standing(const model::Inertial& imu, double dt) {
 void Filter::drive_off() {
   const auto& last = mechanisation_.last_imu();
   const bool known = last && !watch_.faulty(0) && !watch_.faulty(1) && !heading_.lost() && !axes_.any();
-  if (known) launch_.emplace(*config_, geometry_, belief_, *last);
+  if (!known) return;
+  launch_.emplace(*config_, geometry_, belief_, *last);
+  launch_->set_noise(noise_);
 }
 
 void Filter::advance_launch(std::int64_t utime, const model::TimedInertial* next) {
@@ -275,7 +293,7 @@ bool Filter::turn_confirmed(const model::Estimate& estimate) const {
 }
 
 void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vector<model::Estimate>& out) {
-  const double rate_sigma = no_imu ? config_->noise.coasting_rate : config_->noise.gyro / std::sqrt(std::max(dt, 1e-3));
+  const double rate_sigma = no_imu ? config_->noise.coasting_rate : noise_.gyro / std::sqrt(std::max(dt, 1e-3));
   model::Estimate estimate = model::estimate_base(belief_, imu, rate_sigma, geometry_);
   axes_.tell_biases(estimate);
   estimate.level = level_.level();

@@ -19,6 +19,7 @@
 #include "services/ekf/filter/lost_heading.hpp"
 #include "services/ekf/filter/odom_smoother.hpp"
 #include "services/ekf/filter/pose_history.hpp"
+#include "services/ekf/inputs/imu_noise.hpp"
 #include "services/ekf/inputs/map_increment.hpp"
 #include "services/ekf/inputs/wheel_odometer.hpp"
 #include "services/ekf/model/estimate.hpp"
@@ -75,12 +76,15 @@ class Filter {
   };
   /// The last leap of the gyro's bias about the vertical.
   [[nodiscard]] const std::optional<LeaptGyro>& gyro_leapt() const { return gyro_leapt_; }
+  /// How noisy the IMU is.
+  [[nodiscard]] const inputs::ImuNoise& imu_noise() const { return imu_noise_; }
   [[nodiscard]] const model::Belief& belief() const { return belief_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
   using WheelStep = inputs::WheelOdometer::Step;
 
+  void follow_noise(const base::ImuSample& sample);
   void start(const base::ImuSample& sample);
   [[nodiscard]] bool go_on(const base::ImuSample& sample);
   void restart_clock(std::int64_t utime);
@@ -126,6 +130,9 @@ class Filter {
 
   std::shared_ptr<const base::EkfConfig> config_;  // never changes: check points share it
   model::Geometry geometry_;
+  inputs::ImuNoise imu_noise_;
+  base::NoiseConfig noise_;  // as configured, or as the IMU is
+  inputs::ImuNoise::Excess excess_;
   detection::StartUp start_up_;
   detection::StillDetector still_;
   inputs::WheelOdometer odometer_;

@@ -180,7 +180,7 @@ bool Filter::refutes_motion(const model::BodyMotion& motion, bool refused) {
 /// Which wheels slip, and which are faulty.
 void Filter::judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows) {
   const std::array<bool, 2> before = {watch_.faulty(0), watch_.faulty(1)};
-  if (watch_.finds_made_up(interval, mechanisation_.window().inertial_speed())) {
+  if (watch_.finds_made_up(interval, mechanisation_.window().inertial_speed(), excess_.accelerometer)) {
     count_verdicts(before);
     forsake_made_up_wheels(interval);
   }
@@ -284,7 +284,7 @@ void Filter::correct_coasting(const inputs::WheelInterval& interval) {
 
 void Filter::correct_standing() {
   const model::MotionWindow& window = mechanisation_.window();
-  const double rate_density = std::hypot(config_->noise.gyro, config_->standstill.rate_noise);
+  const double rate_density = std::hypot(noise_.gyro, config_->standstill.rate_noise);
   model::Observation velocity = model::observe_standing_velocity(belief_.mean, config_->standstill.speed_noise);
   model::Observation rate =
       model::observe_standing_rate(belief_.mean, window.gyro(), rate_density / std::sqrt(window.duration()));

@@ -34,6 +34,8 @@ class Launch {
   [[nodiscard]] bool advance(std::int64_t utime, const model::TimedInertial* next);
   void set_last_imu(const model::TimedInertial& sample) { mechanisation_.set_last_imu(sample); }
 
+  void set_noise(const base::NoiseConfig& noise) { mechanisation_.set_noise(noise); }
+
   /// The next interval of the wheels; `sigma`: m/s, of their speeds. Says whether they are disowned.
   [[nodiscard]] bool disowns(const inputs::WheelInterval& interval, const std::array<double, 2>& sigma);
   /// The next interval begins.

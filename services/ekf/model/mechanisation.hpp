@@ -29,6 +29,8 @@ class Mechanisation {
   void set_last_imu(const TimedInertial& sample) { last_imu_ = sample; }
   /// rad/s, to turn with while there is no IMU; nothing: the wheels do not tell.
   void set_wheel_yaw_rate(std::optional<double> rate) { wheel_yaw_rate_ = rate; }
+  /// What disturbs the prediction from now on.
+  void set_noise(const base::NoiseConfig& noise) { config_.noise = noise; }
   void reset();
 
   /// Whether the IMU's last sample is recent enough, at `utime`, to go on from.

@@ -24,6 +24,15 @@ constexpr double kSlow = 3.0;         // s: what changes more slowly is tilt and
 constexpr double kLeastMotion = 2.0;  // m^2/s^3: 1 m/s^2 for 2 s
 constexpr double kMostMotion = 20.0;  // that count
 constexpr double kExplained = 0.5;    // share of the force's square
+constexpr double kApart = 0.2;        // of shares, by which the mirror image must explain it better,
+constexpr double kHandLong = 10.0;    // s without a break: wheels that slip for as long look like anything,
+constexpr double kHandMotion = 1.5;   // m^2/s^3 of motion in them
+constexpr double kBend = 8.0;         // s that a bend takes
+constexpr double kTurning = 0.1;      // rad/s by the wheels,
+constexpr double kTurningLong = 2.0;  // s of it: a wheel's jolt is one interval, which anything explains,
+constexpr double kLongTurn = 0.1;     // rad^2/s
+constexpr double kLying = 0.8;        // share of the wheels' turn that the rate about a level axis explains,
+constexpr double kUpright = 0.2;      // and that the rate about z may be of it
 constexpr double kLeastGain = 0.5, kMostGain = 2.0;
 
 }  // namespace
@@ -38,7 +47,7 @@ void MountingWatch::add(const base::ImuSample& sample) {
   const Eigen::Vector3d force = R_base_imu_ * sample.acceleration;
   ++imu_samples_;
   force_sum_ += force;
-  rate_sum_ += R_base_imu_.row(2).dot(sample.angular_rate);
+  rate_sum_ += R_base_imu_ * sample.angular_rate;
   if (dt <= 0.0 || dt > kLongest) return;
   gravity_seconds_ = std::min(gravity_seconds_ + dt, kGravityMemory);
   gravity_ += dt / gravity_seconds_ * (force - gravity_);
@@ -49,7 +58,7 @@ void MountingWatch::begin_again(const base::WheelSample& sample) {
   begin_ = sample;
   imu_samples_ = 0;
   force_sum_.setZero();
-  rate_sum_ = 0.0;
+  rate_sum_.setZero();
 }
 
 void MountingWatch::add(const base::WheelSample& sample) {
@@ -63,12 +72,14 @@ void MountingWatch::add(const base::WheelSample& sample) {
   const double left = radius_ * (sample.angle[0] - begin_->angle[0]) / seconds;
   const double right = radius_ * (sample.angle[1] - begin_->angle[1]) / seconds;
   const Eigen::Vector3d force = force_sum_ / imu_samples_;
-  judge({seconds, 0.5 * (left + right), (right - left) / track_, rate_sum_ / imu_samples_, force.head<2>()});
+  const Eigen::Vector3d rate = rate_sum_ / imu_samples_;
+  judge({seconds, 0.5 * (left + right), (right - left) / track_, rate.z(), rate.head<2>(), force.head<2>()});
   begin_again(sample);
 }
 
 void MountingWatch::judge(const Interval& interval) {
   judge_turn(interval);
+  judge_lying(interval);
   if (before_) judge_forward(*before_, interval);
   before_ = interval;
 }
@@ -83,6 +94,24 @@ void MountingWatch::judge_turn(const Interval& interval) {
   if (turn.explained() < kTurnsAlike || std::abs(gain) < kLeastGain || std::abs(gain) > kMostGain) return;
   against_ = gain < 0 ? against_ + 1 : 0;
   opposite_ = against_ >= kStretches || (opposite_ && gain < 0);
+}
+
+/// By what was within kBend, not less what goes with the speed, as an even bend does: no slip shows in a rate about a
+/// level axis, so one bend is enough.
+void MountingWatch::judge_lying(const Interval& interval) {
+  const double kept = std::max(1.0 - interval.seconds / kBend, 0.0);
+  upright_.fade(kept);
+  upright_.add(interval.seconds, 0.0, interval.wheel_rate, interval.gyro_rate);
+  turning_ = kept * turning_ + (std::abs(interval.wheel_rate) > kTurning ? interval.seconds : 0.0);
+  const double turn = upright_.wheel_turn();
+  const bool enough = turn >= kLongTurn && turning_ >= kTurningLong && upright_.turn() < kUpright * turn;
+  for (int i = 0; i < 2; ++i) {
+    TurnFit& fit = level_[static_cast<std::size_t>(i)];
+    fit.fade(kept);
+    fit.add(interval.seconds, 0.0, interval.wheel_rate, interval.level_rate[i]);
+    const bool as_far = fit.turn() > turn / (kMostGain * kMostGain) && fit.turn() < turn / (kLeastGain * kLeastGain);
+    if (enough && as_far && fit.explained() > kLying) lying_ = Eigen::Vector2d::Unit(i) * (fit.gain() < 0 ? -1.0 : 1.0);
+  }
 }
 
 /// The change of speed between the middles of two intervals belongs to the mean force of both.
@@ -100,16 +129,36 @@ void MountingWatch::judge_forward(const Interval& before, const Interval& interv
   force_square_ += seconds * std::norm(quick_force);
   motion_square_ += seconds * std::norm(quick_motion);
   product_ += seconds * quick_force * std::conj(quick_motion);
+  mirror_product_ += seconds * quick_force * quick_motion;
   if (motion_square_ > kMostMotion) {
     force_square_ *= 0.5;
     motion_square_ *= 0.5;
     product_ *= 0.5;
+    mirror_product_ *= 0.5;
   }
   if (motion_square_ < kLeastMotion) return;
+  judge_hand(seconds, seconds * std::norm(quick_motion));
   const double gain = std::abs(product_) / motion_square_;
   const bool explained = std::norm(product_) > kExplained * force_square_ * motion_square_;
   if (!explained || gain < kLeastGain || gain > kMostGain) return;
   turned_ = std::abs(std::arg(product_)) > (turned_ ? 0.5 : 1.0) * kMaxYaw;
+}
+
+/// What slips looks like anything: it must last, and be said by more of the motion.
+void MountingWatch::judge_hand(double seconds, double motion) {
+  const double all = force_square_ * motion_square_;
+  const double as_it_is = std::norm(product_) / all;
+  const double mirrored = std::norm(mirror_product_) / all;
+  const double gain = std::abs(mirror_product_) / motion_square_;
+  const bool says_so = mirrored > std::max(kExplained, as_it_is + kApart) && gain > kLeastGain && gain < kMostGain;
+  if (!says_so) {
+    hand_seconds_ = hand_motion_ = 0.0;
+    mirrored_ = mirrored_ && as_it_is < std::max(kExplained, mirrored + kApart);
+    return;
+  }
+  hand_seconds_ += seconds;
+  hand_motion_ += motion;
+  mirrored_ = mirrored_ || (hand_seconds_ > kHandLong && hand_motion_ > kHandMotion);
 }
 
 std::optional<Eigen::Vector3d> MountingWatch::wrong_up() const {
@@ -125,6 +174,7 @@ std::optional<double> MountingWatch::wrong_gravity() const {
 
 bool MountingWatch::gyro_is_wrong() const {
   const auto scale = wrong_turn_scale();
+  if (lying_gyro()) return true;
   return scale && !TurnScale::is_plausible(*scale);
 }
 
@@ -132,8 +182,19 @@ std::optional<double> MountingWatch::wrong_turn_scale() const {
   return tilted_ || opposite_ ? std::nullopt : turn_scale_.wrong();
 }
 
+std::optional<Eigen::Vector3d> MountingWatch::lying_gyro() const {
+  if (lying_.isZero() || tilted_) return {};
+  return R_base_imu_.transpose() * Eigen::Vector3d(lying_.x(), lying_.y(), 0.0);
+}
+
+std::optional<Eigen::Vector2d> MountingWatch::mirrored() const {
+  if (!mirrored_ || tilted_) return {};
+  const Complex ahead = mirror_product_ / std::abs(mirror_product_);  // where what is ahead shows
+  return Eigen::Vector2d(ahead.real(), ahead.imag());
+}
+
 std::optional<double> MountingWatch::missing_yaw() const {
-  if (!turned_ || tilted_) return {};
+  if (!turned_ || tilted_ || mirrored_) return {};
   return -std::arg(product_);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <complex>
 #include <optional>
 
@@ -21,6 +22,10 @@ namespace curbstone::ekf::mounting {
 /// - Forward: the changes of horizontal specific force are those of the wheels' speed (ahead) and of speed times yaw
 ///   rate (to the left), turned by what vehicle.imu's yaw lacks: least squares of complex numbers. Believed where it
 ///   explains most of the force, with a plausible gain.
+/// - Hand: where it is their mirror image, turned somehow, that explains most, and the motion itself clearly less (it
+///   takes bends: ahead alone both do as well), two axes of the IMU are swapped, or one has the wrong sign.
+/// - Lying gyro: it is the rate about a level axis that goes with the wheels' yaw rate, and that about the vertical
+///   does not: another axis of the gyro is up than the file says.
 ///
 /// A value type; one thread. Samples in the order of their stamps, base_link's axes as configured.
 class MountingWatch {
@@ -46,8 +51,13 @@ class MountingWatch {
   [[nodiscard]] bool turns_opposite() const { return opposite_ && !tilted_; }
   /// How many times as far as the gyro the wheels turn, where that is wrong. Not where they turn opposite ways.
   [[nodiscard]] std::optional<double> wrong_turn_scale() const;
-  /// That multiple is beyond any track width: the gyro's rate has nothing to do with how the vehicle turns.
+  /// That multiple is beyond any track width, or the gyro lies: its rate has nothing to do with how the vehicle turns.
   [[nodiscard]] bool gyro_is_wrong() const;
+  /// The axis of the gyro, 1 of length, imu frame, that points up, where that is another one than the accelerometer's.
+  [[nodiscard]] std::optional<Eigen::Vector3d> lying_gyro() const;
+  /// As what the IMU measures ahead (x) and to the left (y), where that is mirrored: (0, 1) means that its x is the
+  /// vehicle's left. No rotation in vehicle.imu mends that.
+  [[nodiscard]] std::optional<Eigen::Vector2d> mirrored() const;
   /// rad, what vehicle.imu's yaw lacks; about pi where both wheels count backwards.
   [[nodiscard]] std::optional<double> missing_yaw() const;
 
@@ -55,14 +65,17 @@ class MountingWatch {
   using Complex = std::complex<double>;  // ahead, to the left
   struct Interval {
     double seconds = 0.0;
-    double speed = 0.0;                               // m/s, mean of both wheels
-    double wheel_rate = 0.0;                          // rad/s, by the wheels
-    double gyro_rate = 0.0;                           // rad/s
-    Eigen::Vector2d force = Eigen::Vector2d::Zero();  // m/s^2
+    double speed = 0.0;                                    // m/s, mean of both wheels
+    double wheel_rate = 0.0;                               // rad/s, by the wheels
+    double gyro_rate = 0.0;                                // rad/s
+    Eigen::Vector2d level_rate = Eigen::Vector2d::Zero();  // rad/s, about x and y
+    Eigen::Vector2d force = Eigen::Vector2d::Zero();       // m/s^2
   };
   void begin_again(const base::WheelSample& sample);
   void judge(const Interval& interval);
   void judge_turn(const Interval& interval);
+  void judge_lying(const Interval& interval);
+  void judge_hand(double seconds, double motion);
   void judge_forward(const Interval& before, const Interval& interval);
 
   Eigen::Matrix3d R_base_imu_;
@@ -76,19 +89,25 @@ class MountingWatch {
   std::optional<base::WheelSample> begin_;
   int imu_samples_ = 0;  // of the present interval, with their sums
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
-  double rate_sum_ = 0.0;
+  Eigen::Vector3d rate_sum_ = Eigen::Vector3d::Zero();
   std::optional<Interval> before_;
 
   TurnFit turn_;
   int against_ = 0;  // stretches in a row in which they turned opposite ways
   bool opposite_ = false;
   TurnScale turn_scale_;
+  TurnFit upright_;                                  // of the rate about z,
+  std::array<TurnFit, 2> level_;                     // x, y, of late
+  double turning_ = 0.0;                             // s, of late
+  Eigen::Vector2d lying_ = Eigen::Vector2d::Zero();  // its axis
 
   double mean_seconds_ = 0.0;
   Complex mean_force_, mean_motion_;                 // what is slow: tilt, bias
   double force_square_ = 0.0, motion_square_ = 0.0;  // integrals, m^2/s^3
-  Complex product_;
+  Complex product_, mirror_product_;                 // of the force with the motion, and with its mirror image
   bool turned_ = false;
+  double hand_seconds_ = 0.0, hand_motion_ = 0.0;  // without a break, in which the mirror image explains it
+  bool mirrored_ = false;
 };
 
 }  // namespace curbstone::ekf::mounting

@@ -18,6 +18,11 @@ class TurnFit {
     products_ += seconds * rates * rates.transpose();
     seconds_ += seconds;
   }
+  /// What was until now counts less.
+  void fade(double share) {
+    products_ *= share;
+    seconds_ *= share;
+  }
   [[nodiscard]] double seconds() const { return seconds_; }
   /// rad^2/s, integral of the gyro's square, less what goes with the speed.
   [[nodiscard]] double turn() const { return products_(0, 0) - products_(0, 1) * products_(0, 1) / speeds(); }

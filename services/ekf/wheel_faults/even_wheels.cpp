@@ -9,11 +9,13 @@ namespace {
 
 constexpr std::size_t kLeastOfPoints = 6;
 constexpr double kOneLeap = 0.5;     // of the change, within two intervals: a leap of the IMU
+constexpr double kLevel = 0.3;       // m/s^2 at first: more, beside wheels that turn evenly, is a tilt or a bias
+constexpr double kNoSpeed = 5.0;     // sigma of its noise: less is no other speed
 constexpr double kSteadyTime = 0.5;  // s, at either end, over which its acceleration is compared
 
 }  // namespace
 
-void EvenWheels::add(const inputs::WheelInterval& interval, double inertial_speed) {
+void EvenWheels::add(const inputs::WheelInterval& interval, double inertial_speed, double noise) {
   if (interval.begin != end_) points_.clear();
   end_ = interval.end;
   Point next;
@@ -21,6 +23,7 @@ void EvenWheels::add(const inputs::WheelInterval& interval, double inertial_spee
   next.seconds += interval.duration();
   for (std::size_t i = 0; i < 2; ++i) next.way[i] += interval.speed[i] * interval.duration();
   next.inertial_speed = inertial_speed;
+  next.variance += noise * noise * interval.duration();
   points_.push_back(next);
   while (duration() > kMost) points_.pop_front();
   // What no longer lies on one line: the newer half may.
@@ -62,6 +65,7 @@ bool EvenWheels::felt_another_speed(std::size_t from) const {
   std::size_t last_begin = last - 1;
   while (last_begin > from && points_[last].seconds - points_[last_begin].seconds < kSteadyTime) --last_begin;
   const double at_first = acceleration(from, first_end);
+  if (std::abs(at_first) > kLevel) return false;
   const auto changed = [&](std::size_t a, std::size_t b) {  // m/s, beyond what it did at first
     return std::abs(points_[b].inertial_speed - points_[a].inertial_speed -
                     at_first * (points_[b].seconds - points_[a].seconds));
@@ -69,7 +73,8 @@ bool EvenWheels::felt_another_speed(std::size_t from) const {
   double leap = 0.0;
   for (std::size_t i = from + 2; i <= last; ++i) leap = std::max(leap, changed(i - 2, i));
   const double change = changed(from, last);
-  const double limit = kChange + kDrift * (points_[last].seconds - points_[from].seconds);
+  const double noise = std::sqrt(points_[last].variance - points_[from].variance);
+  const double limit = kChange + kDrift * (points_[last].seconds - points_[from].seconds) + kNoSpeed * noise;
   return change > limit && leap < kOneLeap * change && std::abs(acceleration(last_begin, last) - at_first) < kSettled;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "services/ekf/wheel_faults/wheel_look.hpp"
 
@@ -13,7 +14,7 @@ class RecentSpeeds {
  public:
   void add(const WheelLook& look) {
     std::rotate(speeds_.begin(), speeds_.begin() + 1, speeds_.end());
-    speeds_.back() = {0.5 * (look.speed[0] + look.speed[1]), look.inertial_speed};
+    speeds_.back() = {look.end, 0.5 * (look.speed[0] + look.speed[1]), look.inertial_speed};
     known_ = std::min(known_ + 1, static_cast<int>(speeds_.size()));
   }
   /// The intervals were interrupted.
@@ -22,16 +23,21 @@ class RecentSpeeds {
   struct Leap {
     double wheels = 0.0;  ///< m/s, by which the wheels' speed has changed more than the IMU's
     bool imu = false;     ///< the IMU's has changed, and the wheels' has not
+    double apart = 0.0;   ///< m/s, by which the wheels have come away from the IMU because the IMU's has changed
   };
   [[nodiscard]] Leap leap() const {
-    const double wheels = std::abs(speeds_.back().wheels - speeds_.front().wheels);
-    const double imu = std::abs(speeds_.back().imu - speeds_.front().imu);
-    return {wheels - imu, known_ == static_cast<int>(speeds_.size()) && imu > wheels + kLeap};
+    const double of_wheels = speeds_.back().wheels - speeds_.front().wheels;
+    const double of_imu = speeds_.back().imu - speeds_.front().imu;
+    const double more = known_ == static_cast<int>(speeds_.size()) ? std::abs(of_imu) - std::abs(of_wheels) : 0.0;
+    const double step = kStep * base::seconds_between(speeds_.front().end, speeds_.back().end);
+    return {std::abs(of_wheels) - std::abs(of_imu), more > kLeap, more > step ? of_wheels - of_imu : 0.0};
   }
 
  private:
   static constexpr double kLeap = 0.5;  // m/s
+  static constexpr double kStep = 1.0;  // m/s^2: as a vehicle drives off, wheels that do not turn lag by less
   struct Speeds {
+    std::int64_t end = 0;            // us
     double wheels = 0.0, imu = 0.0;  // m/s
   };
   std::array<Speeds, 3> speeds_{};  // newest last

@@ -21,6 +21,8 @@ class SlipDetector {
     double gyro_yaw_rate = 0.0;   ///< rad/s, less bias
     double inertial_speed = 0.0;  ///< m/s, integral of forward acceleration since any start, mean over the interval
     double jitter = 0.0;          ///< share of what the wheels show, 1 sigma, by which the stamps may have put it off
+    double gyro_noise = 0.0;      ///< rad/s, 1 sigma of gyro_yaw_rate, where the IMU is noisier than usual
+    double speed_noise = 0.0;     ///< m/s/sqrt(s), by which inertial_speed walks at random, likewise
   };
   struct Signs {
     bool turning = false;   ///< the yaw rates differ: one wheel slips

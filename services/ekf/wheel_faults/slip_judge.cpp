@@ -1,5 +1,7 @@
 #include "services/ekf/wheel_faults/slip_judge.hpp"
 
+#include <cmath>
+
 namespace curbstone::ekf::wheel_faults {
 
 void SlipJudge::judge(const inputs::WheelInterval& interval, const std::array<double, 2>& distances,
@@ -25,8 +27,9 @@ void SlipJudge::judge(const inputs::WheelInterval& interval, const std::array<do
     detector_.reset();
     return;
   }
-  const SlipDetector::Signs signs = detector_.add({base::kSecondsPerMicrosecond * static_cast<double>(interval.end),
-                                                   speed, yaw_rate, gyro, window.inertial_speed(), interval.jitter});
+  const SlipDetector::Signs signs =
+      detector_.add({base::kSecondsPerMicrosecond * static_cast<double>(interval.end), speed, yaw_rate, gyro,
+                     window.inertial_speed(), interval.jitter, noise_[0] / std::sqrt(interval.duration()), noise_[1]});
   const auto hold = static_cast<std::int64_t>(config_.hold / base::kSecondsPerMicrosecond);
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
     if (faulty[wheel]) continue;

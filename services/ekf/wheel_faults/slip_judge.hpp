@@ -25,6 +25,8 @@ class SlipJudge {
              Counters& counters);
   [[nodiscard]] bool slipping(std::size_t wheel, std::int64_t utime) const { return utime < until_[wheel]; }
 
+  /// Densities (rad/s, m/s^2, /sqrt(Hz)) of an IMU that is noisier than usual; else 0.
+  void set_noise(double gyro, double accelerometer) { noise_ = {gyro, accelerometer}; }
   /// Whether the gyro does not tell how it turns: then its turn cannot show slip.
   void turn_is_lost(bool lost) {
     turn_is_lost_ = lost;
@@ -41,6 +43,7 @@ class SlipJudge {
   base::SlipConfig config_;
   model::Geometry geometry_;
   SlipDetector detector_;
+  std::array<double, 2> noise_ = {};
   bool turn_is_lost_ = false;
   std::array<bool, 2> faulty_ = {};
   std::array<std::int64_t, 2> until_ = {INT64_MIN, INT64_MIN};  // us

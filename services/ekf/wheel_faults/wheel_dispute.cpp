@@ -13,6 +13,7 @@ constexpr double kAllWrong = 0.25;   // of the speed, by which all are: a wrong 
 constexpr int kMostPatiences = 2;    // that it waits in vain
 constexpr double kTransition = 0.5;  // s, in which it is neither as it was nor as it will be
 constexpr double kStroke = 0.8;      // of the first difference within two intervals: at a stroke
+constexpr double kAtOnce = 0.6;  // of what they differ by since: a leap; wheels that are wrong grow apart with speed
 constexpr double kMostAstray = 2.0;  // ways, by which it may be astray
 
 }  // namespace
@@ -38,6 +39,23 @@ void WheelDispute::add(const WheelLook& look, const std::array<bool, 2>& trusted
   expected_speed_ = expected / wheels;
 }
 
+void WheelDispute::note(const RecentSpeeds::Leap& leap) {
+  if (base::seconds_between(begin_, end_) > kTransition) return;
+  if (std::abs(leap.apart) > std::abs(leap_.apart)) leap_.apart = leap.apart;
+}
+
+bool WheelDispute::imu_leapt() const {
+  if (leap_.imu) return true;
+  double difference = 0.0;  // m/s, of the wheels on average
+  int wheels = 0;
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!trusted_[i]) continue;
+    difference += evidence(i).mean_difference();
+    ++wheels;
+  }
+  return wheels > 0 && leap_.apart * difference > 0 && std::abs(leap_.apart) > kAtOnce * std::abs(difference / wheels);
+}
+
 /// What was before the newest patience is one part, once there was one in vain.
 std::size_t WheelDispute::part_at(double since) const {
   const double share = since / settings_.patience - patiences_;
@@ -46,7 +64,7 @@ std::size_t WheelDispute::part_at(double since) const {
 }
 
 WheelDispute::Finding WheelDispute::finding() const {
-  if (leap_.imu) return Finding::kFilter;
+  if (imu_leapt()) return Finding::kFilter;
   bool drift = false;
   for (std::size_t i = 0; i < 2; ++i) {
     if (!trusted_[i]) continue;

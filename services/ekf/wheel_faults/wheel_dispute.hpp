@@ -15,7 +15,8 @@ namespace curbstone::ekf::wheel_faults {
 /// it finds whose fault it is.
 ///
 /// It is the wheels' if each of them shows the same multiple of the filter's speed in every part of the time, one that
-/// no wrong radius explains, and the IMU did not leap. Else it is the filter's. Where a filter that drifts explains the
+/// no wrong radius explains, and the IMU did not leap: neither far, nor by most of what they have differed by since,
+/// which at an even speed looks like a multiple. Else it is the filter's. Where a filter that drifts explains the
 /// wheels as well (it speeds up evenly), it waits for more. Pure; one thread.
 class WheelDispute {
  public:
@@ -23,12 +24,15 @@ class WheelDispute {
     double patience;     ///< s, after which finding() is asked for
     double track_width;  ///< m
   };
-  /// `begin`: us, from when on they are refused; `leap`: what the speeds did then.
+  /// `begin`: us, from when on they are refused; `leap`: what the speeds did by its first interval's end.
   WheelDispute(const Settings& settings, std::int64_t begin, const RecentSpeeds::Leap& leap)
       : settings_(settings), leap_(leap), begin_(begin), end_(begin) {}
 
   /// The next interval in which all wheels that are `trusted` (one at least) are refused.
   void add(const WheelLook& look, const std::array<bool, 2>& trusted);
+
+  /// What the speeds did by the newest interval's end: a leap may take some of them.
+  void note(const RecentSpeeds::Leap& leap);
 
   /// Whose fault it is; kNone: either explains it.
   enum class Finding { kNone, kWheels, kFilter };
@@ -58,6 +62,7 @@ class WheelDispute {
   static constexpr std::size_t kParts = 4;
   using Parts = std::array<WheelEvidence, kParts>;
   [[nodiscard]] std::size_t part_at(double since) const;
+  [[nodiscard]] bool imu_leapt() const;
 
   Settings settings_;
   RecentSpeeds::Leap leap_;

@@ -23,6 +23,8 @@ class WheelEvidence {
 
   /// The speed that the wheel shows, as a multiple of the filter's.
   [[nodiscard]] double ratio() const { return ratio_beyond(0.0); }
+  /// m/s, of the wheel from the filter.
+  [[nodiscard]] double mean_difference() const { return of(kSeconds) > 0 ? of(kD) / of(kSeconds) : 0.0; }
   /// It shows a multiple, at least `least` from 1, and no turning explains it half as well.
   [[nodiscard]] bool shows_multiple(double least) const;
   /// A part of the same time shows the same multiple. By a little the filter's speed may have been pulled along before.

@@ -34,8 +34,8 @@ void WheelWatch::add(const WheelLook& look) {
   if (!dispute_) way_ += 0.5 * std::abs(look.expected[0] + look.expected[1]) * look.seconds();
 }
 
-bool WheelWatch::finds_made_up(const inputs::WheelInterval& interval, double inertial_speed) {
-  even_.add(interval, inertial_speed);
+bool WheelWatch::finds_made_up(const inputs::WheelInterval& interval, double inertial_speed, double noise) {
+  even_.add(interval, inertial_speed, noise);
   made_up_ = made_up_ && all_faulty();
   if (!even_.made_up() || made_up_) return false;
   made_up_ = true;
@@ -76,6 +76,7 @@ void WheelWatch::collect(Wheel& wheel, std::size_t i, const WheelLook& look) con
 void WheelWatch::dispute(const WheelLook& look) {
   if (!dispute_) dispute_.emplace(WheelDispute::Settings{config_.patience, track_width_}, look.begin, recent_.leap());
   dispute_->add(look, {!faulty(0), !faulty(1)});
+  dispute_->note(recent_.leap());
 }
 
 WheelWatch::Finding WheelWatch::settle() {

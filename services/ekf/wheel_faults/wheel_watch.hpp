@@ -32,9 +32,9 @@ class WheelWatch {
   WheelWatch(const base::SlipConfig& config, double track_width) : config_(config), track_width_(track_width) {}
 
   void add(const WheelLook& look);
-  /// Every interval of the wheels, also where the filter's belief is too poor for add(). `inertial_speed`: m/s, by the
-  /// IMU alone since any start. True where both are found to be made up with it.
-  [[nodiscard]] bool finds_made_up(const inputs::WheelInterval& interval, double inertial_speed);
+  /// Every interval of the wheels, also where the filter's belief is too poor for add(). `inertial_speed` and
+  /// `noise`: as of EvenWheels. True where both are found to be made up with it.
+  [[nodiscard]] bool finds_made_up(const inputs::WheelInterval& interval, double inertial_speed, double noise);
   /// The intervals were interrupted.
   void interrupt();
   /// The filter has gone back to what it believed without the wheels: interrupted, and they have not led it astray.

@@ -6,6 +6,7 @@ void SensorWatch::clean(scan::Scan& scan) {
   const bool moved = (position_ - looked_).norm() >= LaserElevations::kStep;
   if (moved) looked_ = position_;
   if (moved) sectors_.look(scan);
+  ground_.look(scan, moved);
   strays_.filter(scan);
   lasers_.look(scan, moved);
   if (lasers_.any_wrong()) lasers_.withhold(scan);
@@ -36,11 +37,12 @@ void SensorWatch::add_faults(std::vector<std::string>& faults) const {
   turns_.add_faults(faults);
   lag_.add_faults(faults);
   sectors_.add_faults(faults);
+  ground_.add_faults(faults);
 }
 
 void SensorWatch::add_counters(Counters& counters) const {
   for (const Counters* part : {&strays_.counters(), &lasers_.counters(), &mounting_.counters(), &turns_.counters(),
-                               &lag_.counters(), &sectors_.counters()}) {
+                               &lag_.counters(), &sectors_.counters(), &ground_.counters()}) {
     for (const auto& [name, value] : part->values()) counters.add(name, value);
   }
 }

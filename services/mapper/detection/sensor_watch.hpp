@@ -6,6 +6,7 @@
 
 #include "common/bus/counters.hpp"
 #include "services/mapper/detection/blind_sectors.hpp"
+#include "services/mapper/detection/ground_in_sight.hpp"
 #include "services/mapper/detection/laser_elevations.hpp"
 #include "services/mapper/detection/lidar_lag.hpp"
 #include "services/mapper/detection/lidar_mounting.hpp"
@@ -19,7 +20,7 @@ namespace curbstone::mapper::detection {
 /// is made of it; where nothing is, each keeps every point.
 class SensorWatch {
  public:
-  explicit SensorWatch(const VehicleConfig& vehicle) : mounting_(vehicle) {}
+  explicit SensorWatch(const VehicleConfig& vehicle) : mounting_(vehicle), ground_(vehicle.T_base_lidar()) {}
 
   /// The next revolution, in lidar.
   void clean(scan::Scan& scan);
@@ -42,6 +43,7 @@ class SensorWatch {
   TurnAgreement turns_;
   LidarLag lag_;
   BlindSectors sectors_;
+  GroundInSight ground_;
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m, map: of the last revolution that fitted,
   Eigen::Vector3d looked_ = Eigen::Vector3d::Zero();    // and when the lasers were last looked at on the move
 };

@@ -14,7 +14,7 @@ namespace curbstone::mapper::scan {
 struct AssemblyLimits {
   double min_range = 0.4;               ///< m, from the lidar
   double max_range = 120.0;             ///< m
-  std::size_t max_points = 80'000;      ///< of a scan; at 5 Hz an RS16 sends 58,000
+  std::size_t max_points = 400'000;     ///< of a scan; at 5 Hz 32 lasers with two returns send 230,000
   std::int64_t max_span = 400'000;      ///< us, of a scan
   std::int64_t clock_jump = 1'000'000;  ///< us between packets that is no longer a gap
   std::int64_t set_back = 10'000;       ///< us back from one packet to the next one: the clock was set

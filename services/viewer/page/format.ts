@@ -8,9 +8,14 @@ export function seconds(s: number | null): string {
   return s < 5400 ? `${Math.round(s / 60)} min` : `${(s / 3600).toFixed(1)} h`;
 }
 
+/// As toFixed(), with a minus sign in place of the hyphen.
+export function fixed(value: number, digits: number): string {
+  return value.toFixed(digits).replace("-", "−");
+}
+
 export function metres(m: number): string {
-  if (Math.abs(m) < 0.9995) return `${(m * 100).toFixed(m < 0.0995 ? 1 : 0)} cm`;
-  return `${m.toFixed(2)} m`;
+  if (Math.abs(m) < 0.9995) return `${fixed(m * 100, Math.abs(m) < 0.0995 ? 1 : 0)} cm`;
+  return `${fixed(m, 2)} m`;
 }
 
 export function bytes(n: number): string {

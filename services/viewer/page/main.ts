@@ -22,7 +22,7 @@ import { saveCanvases } from "./drawing/save_picture";
 import { Sheet } from "./drawing/sheet";
 import { TiltedMarks } from "./drawing/tilted_marks";
 import { Tilting } from "./drawing/tilting";
-import { byId, say, seconds } from "./format";
+import { byId, fixed, say, seconds } from "./format";
 import { listen } from "./gestures";
 import { listenToKeys } from "./keys";
 import { Rewind } from "./past/rewind";
@@ -289,7 +289,7 @@ function wire(): void {
     },
     picked: touched,
     hovered: (x, y) => {
-      byId("place").textContent = placeUnder(world, camera, x, y).map(m => m.toFixed(1)).join(", ") + " m";
+      byId("place").textContent = placeUnder(world, camera, x, y).map(m => fixed(m, 1)).join(", ") + " m";
     },
   });
   byId("follow").onclick = toggleFollow;

@@ -45,6 +45,8 @@ Drive simulate_town_drive(const TownDriveOptions& o, const VehicleConfig& vehicl
                                              simulate::motion::SpeedProfile({.speed = o.speed}, o.seconds));
   const ShiftedMotion motion(of_axle, o);
   simulate::sensors::ImuNoise imu_noise;
+  imu_noise.gyro_sigma = o.gyro_noise;
+  imu_noise.vibration = o.vibration;
   simulate::sensors::WheelNoise wheel_noise;
   if (!o.slip) wheel_noise.slips_per_minute = 0;
   VehicleConfig true_vehicle = vehicle;

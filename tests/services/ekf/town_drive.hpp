@@ -13,6 +13,8 @@ struct TownDriveOptions {
   unsigned seed = 1;                  ///< of the noise
   unsigned town = 1;                  ///< its number
   int imu_rate = 100;                 ///< Hz, a multiple of 100
+  double gyro_noise = 0.0012;         ///< rad/s, 1 sigma of a sample
+  double vibration = 0.12;            ///< m/s^2, likewise, while it rolls at 3 m/s
   bool slip = true;                   ///< with the simulator's slip events
   double scale = 0.0;                 ///< share by which both true wheels are larger than the vehicle's file says
   double track = 0.0;                 ///< likewise the track

@@ -13,8 +13,9 @@ SpeedProfile::SpeedProfile(const Options& options, double seconds) : cruise_(opt
     // Starting and braking are half as fast on average: a leg covers what it would at full speed without its end's
     // ramp.
     const double rest = (options.distance - distance) / options.speed;
-    const bool last = rest < options.drive + 2.0 * ramp;  // rather one longer leg than a last one that is too short
-    const double drive = last ? std::max(ramp, rest) : options.drive;
+    const double leg = std::max(ramp, options.drive);  // it brakes once it is as fast as it shall be
+    const bool last = rest < leg + 2.0 * ramp;         // rather one longer leg than a last one that is too short
+    const double drive = last ? std::max(ramp, rest) : leg;
     distance += options.speed * (drive - 0.5 * ramp);
     t += drive;
     ramps_.push_back({t, ramp, options.speed, 0.0, distance});

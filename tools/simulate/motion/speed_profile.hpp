@@ -10,11 +10,11 @@ namespace curbstone::simulate::motion {
 class SpeedProfile {
  public:
   struct Options {
-    double speed = 3.0;                                         ///< m/s
-    double standstill = 4.0;                                    ///< s at the start, for the levelling of the IMU
-    double acceleration = 0.9;                                  ///< m/s^2, at most
-    double drive = 26.0;                                        ///< s from one start to the next braking
-    double stop = 2.5;                                          ///< s that a stop in between lasts
+    double speed = 3.0;         ///< m/s
+    double standstill = 4.0;    ///< s at the start, for the levelling of the IMU
+    double acceleration = 0.9;  ///< m/s^2, at most
+    double drive = 26.0;        ///< s from a start to the next braking; longer where it speeds up for longer
+    double stop = 2.5;          ///< s that a stop in between lasts
     double distance = std::numeric_limits<double>::infinity();  ///< m after which it stands for good
   };
   SpeedProfile(const Options& options, double seconds);

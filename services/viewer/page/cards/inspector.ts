@@ -1,6 +1,6 @@
 // The card of the cell, or of the curb, that was clicked.
 import { classColours, css, kClassNames, Mode, Theme } from "../drawing/palette";
-import { byId, closeButton, list, make, metres, say, seconds } from "../format";
+import { byId, closeButton, fixed, list, make, metres, say, seconds } from "../format";
 import { newestTime } from "../survey";
 import { cellAt, heightOf, kUnknownCost, Tile, World } from "../world";
 import { CurbPlace, curbAt, CutCell, cutAcross, drawCut, lengthOf } from "./cross_section";
@@ -33,11 +33,11 @@ export class Inspector {
     const facts = make("dl", "", "values");
     const cost = tile.costs[index];
     list(facts, [
-      ["Height", height === null ? "none" : `${height.toFixed(3)} m`],
+      ["Height", height === null ? "none" : `${fixed(height, 3)} m`],
       ["Cost", cost === kUnknownCost ? "unknown" : cost === 254 ? "254, lethal" : `${cost}`],
       ["Confidence", `${Math.round(tile.confidences[index] / 2.55)} %`],
       ...this.ages(tile),
-      ["Place", `${this.picked[0].toFixed(2)}, ${this.picked[1].toFixed(2)} m`],
+      ["Place", `${fixed(this.picked[0], 2)}, ${fixed(this.picked[1], 2)} m`],
       ...this.distance(),
     ]);
     const curb = curbAt(this.world, ...this.picked);
@@ -66,7 +66,7 @@ export class Inspector {
     const { line } = curb, facts = make("dl");
     list(facts, [
       [line.inferred ? "Step, inferred" : "Step", `${metres(curb.height)}${line.rise > 0 ? ", up from the path" : line.rise < 0 ? ", down from the path" : ""}`],
-      ["Foot", `${curb.foot.toFixed(3)} m`],
+      ["Foot", `${fixed(curb.foot, 3)} m`],
       ["Confidence", `${Math.round(100 * line.confidence)} %`],
       ["Line", metres(lengthOf(line))],
     ]);

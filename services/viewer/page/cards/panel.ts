@@ -1,5 +1,5 @@
 // The controls: colours with their legend, layers, theme, facts of the vehicle.
-import { byId, list, make, metres, say, seconds } from "../format";
+import { byId, fixed, list, make, metres, say, seconds } from "../format";
 import { classColours, css, kClassNames, kModes, Mode, ramp, Theme } from "../drawing/palette";
 import { kInk } from "../drawing/ink";
 import { Layers, Settings } from "../settings";
@@ -81,7 +81,7 @@ export class Panel {
     if (!pose) return;
     list(byId("facts"), [
       ["Speed", speed === null ? "–" : `${speed.toFixed(1)} m/s`],
-      ["Position", `${pose.x.toFixed(2)}, ${pose.y.toFixed(2)}, ${pose.z.toFixed(2)} m`],
+      ["Position", `${[pose.x, pose.y, pose.z].map(m => fixed(m, 2)).join(", ")} m`],
       ["Heading", `${degrees(pose.yaw)}°`],
       ["Uncertainty", uncertainty(pose)],
       ["Registration", registration(pose), pose.lost || !pose.registered],
@@ -111,7 +111,7 @@ function uncertainty({ covariance: [xx, xy, yy, turn] }: Pose): string {
 function localization({ localized, pose }: State): [string, string, boolean?][] {
   if (!localized) return [];
   if (localized.age > 1.5) return [["Localizer", `silent for ${seconds(localized.age)}`, true]];
-  const where = `${localized.x.toFixed(2)}, ${localized.y.toFixed(2)} m`;
+  const where = `${fixed(localized.x, 2)}, ${fixed(localized.y, 2)} m`;
   const apart = localized.here && pose ? metres(Math.hypot(localized.x - pose.x, localized.y - pose.y)) : "in another map";
   return [
     ["Localizer", localized.lost ? "LOST: its pose is a guess" : where, localized.lost],
@@ -127,6 +127,7 @@ function degrees(rad: number): string {
 function segments<T extends string>(id: string, choices: [T, string][], get: () => T, set: (choice: T) => void): void {
   const buttons = choices.map(([choice, title]) => {
     const button = make("button", title);
+    button.dataset.title = title;
     button.setAttribute("role", "radio");
     button.onclick = () => set(choice);
     return button;
@@ -176,8 +177,8 @@ function lineKey(theme: Theme, layer: keyof Layers, title: string, dashes: strin
 function scale(mode: Mode, [low, high]: [number, number]): HTMLElement {
   const bar = make("div", "", "ramp");
   bar.style.setProperty("--ramp", ramp(mode).map(css).join(","));
-  const [from, to] = mode === "height" ? [`${low.toFixed(1)} m`, `${high.toFixed(1)} m`] :
-    mode === "cost" ? ["free", "lethal"] : mode === "age" ? ["now", "10 min ago"] : ["no trust", "full trust"];
+  const [from, to] = mode === "height" ? [`${fixed(low, 1)} m`, `${fixed(high, 1)} m`] :
+    mode === "cost" ? ["free", "lethal"] : mode === "age" ? ["now", "10 min ago"] : ["none", "full"];
   return make("div", "", "", bar, make("div", "", "ends", make("span", from), make("span", to)));
 }
 

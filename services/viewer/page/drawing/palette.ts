@@ -6,7 +6,7 @@ export type Theme = "light" | "dark";
 export type Mode = "class" | "paper" | "height" | "cost" | "confidence" | "age";
 
 export const kModes: [Mode, string][] =
-  [["class", "Class"], ["height", "Height"], ["cost", "Cost"], ["confidence", "Trust"], ["age", "Age"]];
+  [["class", "Class"], ["height", "Height"], ["cost", "Cost"], ["confidence", "Confidence"], ["age", "Age"]];
 
 export const kClassNames = ["Unknown", "Road", "Curb", "Obstacle", "Wall or vehicle"];
 

@@ -123,8 +123,9 @@ TEST(Filter, StartsAnywayWhenTheImuIsNeverQuietAndNoWheelTurns) {
   DriveOptions options = typical();
   options.seconds = 8.0;
   options.stand_first = 100.0;
-  options.gyro_noise = 5e-3;  // 0.05 rad/s a sample
-  const Drive drive = simulate_drive(options, config.vehicle);
+  Drive drive = simulate_drive(options, config.vehicle);
+  for (base::ImuSample& sample : drive.imu)  // it is rocked
+    sample.angular_rate.y() += 0.05 * std::sin(9.0 * seconds_in(drive, sample.utime));
   const Result result = run(config, drive);
   ASSERT_FALSE(result.estimates.empty());
   EXPECT_EQ(result.counters["starts.impatient"], 1);

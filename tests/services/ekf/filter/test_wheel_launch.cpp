@@ -99,6 +99,19 @@ TEST_P(WheelLaunch, AGoodLaunchDisownsNoWheels) {
     EXPECT_EQ(o.counters["launches.disowned"], 0) << speed;
   }
 }
+
+/// A vehicle that nods as it sets off turns its IMU, which the filter must not take for speed.
+TEST_P(WheelLaunch, ASlowLaunchDisownsNoWheels) {
+  for (const double speed : {0.1, 0.2, 0.3, 0.5}) {
+    LaunchOutcome o = launch_outcome(launch_in_town(GetParam(), speed));
+    std::printf("[ figure ] town %u, driving off at %.1f m/s: at most %.2f m and %.1f sigma\n", GetParam(), speed,
+                o.position, o.sigmas);
+    EXPECT_EQ(o.counters["launches.disowned"], 0) << speed;
+    EXPECT_EQ(o.counters["faults.wheel_left"] + o.counters["faults.wheel_right"], 0) << speed;
+    EXPECT_LT(o.position, 0.3) << speed;
+    EXPECT_LT(o.sigmas, 3.0) << speed;
+  }
+}
 INSTANTIATE_TEST_SUITE_P(Town, WheelLaunch, ::testing::Values(1U, 2U));
 
 TEST(Launch, OnSteepWavesOfTheGroundItDisownsNoWheels) {
@@ -148,7 +161,7 @@ TEST(Launch, ASmallLeapOfTheImuAtWalkingPaceDisownsNoWheels) {
     }
     std::printf("[ figure ] leaps of %.2f m/s as it drives off at 0.7 m/s: at most %.2f m and %.1f sigma\n", leap,
                 worst.position, worst.sigmas);
-    EXPECT_LT(worst.position, leap > 0.2 ? 6.0 : 1.6);
+    EXPECT_LT(worst.position, leap > 0.2 ? 2.0 : 1.6);
   }
 }
 

@@ -50,7 +50,8 @@ Drive with_swapped_wheels(Drive drive) {
 
 struct Verdicts {
   bool up = false, turn = false, forward = false, turn_scale = false;  // it was said some time
-  [[nodiscard]] bool any() const { return up || turn || forward; }
+  bool hand = false, lying = false;
+  [[nodiscard]] bool any() const { return up || turn || forward || hand || lying; }
 };
 
 template <class Sink>
@@ -70,6 +71,8 @@ Verdicts watch(MountingWatch& watch, const Drive& drive) {
     v.turn |= watch.turns_opposite();
     v.forward |= watch.missing_yaw().has_value();
     v.turn_scale |= watch.wrong_turn_scale().has_value();
+    v.hand |= watch.mirrored().has_value();
+    v.lying |= watch.lying_gyro().has_value();
   });
   return v;
 }
@@ -131,6 +134,71 @@ TEST(MountingWatchTest, SwappedWheelsAndTheGyrosSignAreReported) {
     Drive sign = good;
     for (base::ImuSample& sample : sign.imu) sample.angular_rate.z() *= -1;
     EXPECT_TRUE(watch(sign).turn) << number;
+  }
+}
+
+/// As an IMU sends whose level axes are swapped, or one of them turned round.
+Drive mirrored(Drive drive, const Eigen::Vector2i& signs, bool swapped) {
+  for (base::ImuSample& sample : drive.imu) {
+    for (Eigen::Vector3d* v : {&sample.acceleration, &sample.angular_rate}) {
+      v->head<2>() = v->head<2>().cwiseProduct(signs.cast<double>()).eval();
+      if (swapped) std::swap(v->x(), v->y());
+    }
+  }
+  return drive;
+}
+
+TEST(MountingWatchTest, AnImuWhoseAxesAreNotRightHandedIsReported) {
+  struct Case {
+    Eigen::Vector2i signs;
+    bool swapped;
+    Eigen::Vector2d ahead;
+  };
+  const std::vector<Case> cases = {
+      {{1, 1}, true, {0, 1}}, {{-1, -1}, true, {0, -1}}, {{1, -1}, false, {1, 0}}, {{-1, 1}, false, {-1, 0}}};
+  for (const unsigned number : {1U, 2U, 3U}) {
+    const Drive good = town(number, 3.0, kTwoBends);
+    for (const Case& c : cases) {
+      const Drive drive = mirrored(good, c.signs, c.swapped);
+      MountingWatch of{VehicleConfig()};
+      double found = 0.0;
+      feed(drive, [&](const auto& sample) {
+        of.add(sample);
+        if (found == 0.0 && of.mirrored()) found = base::seconds_between(drive.imu.front().utime, sample.utime);
+      });
+      std::printf("[ figure ] town %u at 3 m/s: mirrored axes found after %.0f s\n", number, found);
+      ASSERT_TRUE(of.mirrored()) << number;
+      EXPECT_LT(found, 90) << "in the first bend, and what follows";
+      EXPECT_LT((*of.mirrored() - c.ahead).norm(), 0.3) << number;
+      EXPECT_FALSE(of.missing_yaw()) << number;
+      EXPECT_FALSE(of.turns_opposite()) << number;
+    }
+  }
+}
+
+TEST(MountingWatchTest, AGyroThatLiesIsReportedInTheFirstBend) {
+  for (const unsigned number : {1U, 2U, 3U}) {
+    const Drive good = town(number, 3.0, kTwoBends);
+    for (const int axis : {0, 1}) {
+      for (const double sign : {1.0, -1.0}) {
+        Drive drive = good;
+        for (base::ImuSample& sample : drive.imu) {
+          std::swap(sample.angular_rate[axis], sample.angular_rate.z());
+          sample.angular_rate *= sign;
+        }
+        MountingWatch of{VehicleConfig()};
+        double found = 0.0;
+        feed(drive, [&](const auto& sample) {
+          of.add(sample);
+          if (found == 0.0 && of.lying_gyro()) found = base::seconds_between(drive.imu.front().utime, sample.utime);
+        });
+        std::printf("[ figure ] town %u at 3 m/s: a lying gyro found after %.0f s\n", number, found);
+        ASSERT_TRUE(of.lying_gyro()) << number << ' ' << axis;
+        EXPECT_LT((*of.lying_gyro() - sign * Eigen::Vector3d::Unit(axis)).norm(), 1e-9);
+        EXPECT_TRUE(of.gyro_is_wrong());
+        EXPECT_LT(found, 60);
+      }
+    }
   }
 }
 
@@ -236,6 +304,8 @@ TEST(MountingFaults, SayWhatToCorrect) {
   const Drive good = town(1, 3.0, kTwoBends);
   EXPECT_THAT(faults(mounted(good, {kPi, 0, 0}), "faults.mounting.up"), HasSubstr("its -z axis points up"));
   EXPECT_THAT(faults(mounted(good, {0, 0, kPi / 2}), "faults.mounting.forward"), HasSubstr("deg to the yaw"));
+  EXPECT_THAT(faults(mirrored(good, {1, 1}, true), "faults.mounting.hand"), HasSubstr("x and y are swapped"));
+  EXPECT_THAT(faults(mirrored(good, {1, -1}, false), "faults.mounting.hand"), HasSubstr("y has the wrong sign"));
   EXPECT_THAT(faults(with_swapped_wheels(good), "faults.mounting.turn"), HasSubstr("left and right swapped"));
   EXPECT_THAT(faults(with_fault(good, {"", {-1, -1}}, 1.0), "faults.mounting.turn"), HasSubstr("both count backwards"));
   const Drive narrow = simulate_town_drive({.seconds = 120, .speed = 5, .track = -0.2}, VehicleConfig());

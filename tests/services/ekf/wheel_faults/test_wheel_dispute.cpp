@@ -83,6 +83,36 @@ TEST(WheelDisputeTest, AnImuThatLeaptIsTheFiltersFaultWhateverTheWheelsShow) {
   EXPECT_EQ(dispute.of.finding(), Finding::kFilter);
 }
 
+/// At an even speed it looks like a multiple. At walking pace a leap by .25 m/s looks like wheels that are wrong by a
+/// quarter.
+TEST(WheelDisputeTest, ALeapOfTheImuByMostOfWhatTheyDifferByIsTheFiltersFault) {
+  Dispute leapt({.apart = -0.2});
+  leapt.run(5.2, {0.7, 0.7}, 0.95);
+  EXPECT_EQ(leapt.of.finding(), Finding::kFilter);
+  Dispute one_wheel({.apart = -0.2});
+  one_wheel.run(5.2, {0.0, 0.7}, 0.95, {false, true});
+  EXPECT_EQ(one_wheel.of.finding(), Finding::kFilter);
+  Dispute other_way({.apart = 0.2});
+  other_way.run(5.2, {0.7, 0.7}, 0.95);
+  EXPECT_EQ(other_way.of.finding(), Finding::kWheels);
+  Dispute half({.apart = -0.15});
+  half.run(5.2, {0.35, 0.35}, 0.7);
+  EXPECT_EQ(half.of.finding(), Finding::kWheels) << "as it speeds up, the wheels lag";
+}
+
+TEST(WheelDisputeTest, ALeapThatTakesSomeIntervalsIsKnownByThem) {
+  Dispute dispute;
+  dispute.step({0.7, 0.7}, 0.8);
+  dispute.of.note({.apart = -0.2});
+  dispute.run(5.2, {0.7, 0.7}, 0.95);
+  EXPECT_EQ(dispute.of.finding(), Finding::kFilter);
+  Dispute late;
+  late.run(1.0, {0.7, 0.7}, 0.95);
+  late.of.note({.apart = -0.2});
+  late.run(4.2, {0.7, 0.7}, 0.95);
+  EXPECT_EQ(late.of.finding(), Finding::kWheels) << "it did not begin with it";
+}
+
 /// The wheels are off by what a drifting filter would be off by, and by a multiple too: only what follows tells.
 TEST(WheelDisputeTest, WhereEitherExplainsItMoreIsAwaitedThreeTimes) {
   Dispute dispute;
@@ -132,8 +162,9 @@ TEST(WheelDisputeTest, WheelsThatStandStillLeadItAstrayByNoMoreThanTwiceItsWay) 
   EXPECT_NEAR(dispute.of.astray(10.0).place, 20.0 + 3 * 5.2, 1e-6);
 }
 
-WheelLook speeds(double wheels, double imu) {
+WheelLook speeds(double wheels, double imu, std::int64_t end = 0) {
   WheelLook look;
+  look.end = end;
   look.speed = {wheels, wheels};
   look.inertial_speed = imu;
   return look;
@@ -149,6 +180,23 @@ TEST(RecentSpeedsTest, TellWhoseSpeedHasLeapt) {
   for (int i = 0; i < 5; ++i) recent.add(speeds(3, 17));
   recent.add(speeds(3, 20));
   EXPECT_TRUE(recent.leap().imu);
+}
+
+TEST(RecentSpeedsTest, TellHowFarTheImuHasComeAwayFromTheWheels) {
+  RecentSpeeds recent;
+  std::int64_t now = 0;
+  const auto after_a_second = [&](double wheels, double imu) {
+    for (int i = 0; i < 20; ++i) recent.add(speeds(wheels, imu, now += kSampling));
+  };
+  after_a_second(0.7, 3);
+  recent.add(speeds(0.72, 3.2, now += kSampling));
+  EXPECT_NEAR(recent.leap().apart, -0.18, 1e-9);
+  EXPECT_FALSE(recent.leap().imu);
+  after_a_second(0.0, 3);
+  recent.add(speeds(0.0, 3.09, now += kSampling));
+  EXPECT_EQ(recent.leap().apart, 0.0) << "as it drives off, and the wheels do not turn";
+  recent.add(speeds(0.7, 3.1, now += kSampling));
+  EXPECT_EQ(recent.leap().apart, 0.0) << "the wheels' leap";
 }
 
 TEST(RecentSpeedsTest, AfterAnInterruptionNoImuHasLeapt) {

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "common/bus/local_bus.hpp"
@@ -40,6 +42,30 @@ TEST(SensorWatch, ALaserThatIsWrongWhileTheVehicleStandsNeverReachesTheDrivesMap
   }
   EXPECT_THAT(node.report().faults, Contains(HasSubstr("laser 2 (0: the lowest) looks")));
   EXPECT_GT(node.report().counters["withheld.laser"], 0);
+}
+
+TEST(SensorWatch, AStandingVehicleThatSeesNoGroundIsAFaultOfTheMapper) {
+  for (const bool sees : {true, false}) {
+    LocalBus bus;
+    MapperNode node({}, bus);
+    node.connect(bus);
+    test::DetectionScans drive;
+    for (int i = 0; i < 120; ++i) {
+      for (lidar_points_t& packet :
+           drive.world.packets(drive.trajectory, drive.T_base_lidar, i, i * test::kPeriod, test::kPeriod)) {
+        for (std::size_t k = 0; k < packet.x.size(); ++k) {
+          if (!sees && packet.z[k] < -1.6F && std::hypot(packet.x[k], packet.y[k]) > 6.0F) packet.x[k] = NAN;
+        }
+        bus.publish("LIDAR_POINTS", packet);
+        bus.dispatch();
+      }
+    }
+    const NodeReport report = node.report();
+    const auto named = HasSubstr("no ground in sight beyond 6 m");
+    EXPECT_EQ(std::count_if(report.faults.begin(), report.faults.end(),
+                            [&](const std::string& fault) { return ::testing::Matches(named)(fault); }),
+              sees ? 0 : 1);
+  }
 }
 
 /// Indoors, by a real device that stands: whatever is about it.

@@ -135,5 +135,20 @@ TEST(ScanAssembler, CutsAScanThatNeverEnds) {
   EXPECT_GT(assembler.counters()["refused.endless_scan"], 5);
 }
 
+TEST(ScanAssembler, TakesAScanOf32LasersWithTwoReturnsAt5HzWhole) {
+  ScanAssembler assembler;
+  for (int i = 0; i < 600; ++i) {
+    lidar_points_t packet = packet_of(i, 384);
+    packet.utime = kStart + 333 * static_cast<std::int64_t>(i);
+    packet.revolution = 0;
+    packet.time_offset.assign(384, 0.0F);
+    EXPECT_FALSE(assembler.add(packet));
+  }
+  const auto scan = assembler.flush();
+  ASSERT_TRUE(scan);
+  EXPECT_GT(scan->points.size() + static_cast<std::size_t>(assembler.counters()["points.out_of_range"]), 230'000u);
+  EXPECT_EQ(assembler.counters()["refused.endless_scan"], 0);
+}
+
 }  // namespace
 }  // namespace curbstone::mapper::scan

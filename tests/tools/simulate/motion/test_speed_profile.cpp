@@ -15,18 +15,29 @@ TEST(SpeedProfile, StandsThenDrivesThenStopsAndDrivesOn) {
   EXPECT_DOUBLE_EQ(profile.speed(50), 3.0);
 }
 
-TEST(SpeedProfile, DistanceIsTheIntegralOfSpeedAndSpeedThatOfAcceleration) {
-  const motion::SpeedProfile profile({}, 60);
+void expect_integrals(const motion::SpeedProfile::Options& options) {
+  const motion::SpeedProfile profile(options, 100);
   double way = 0, speed = 0;
   constexpr double kStep = 1e-3;
-  for (int i = 0; i < 60'000; ++i) {
+  for (int i = 0; i < 100'000; ++i) {
     const double t = (i + 0.5) * kStep;
     way += profile.speed(t) * kStep;
     speed += profile.acceleration(t) * kStep;
     ASSERT_NEAR(profile.speed((i + 1) * kStep), speed, 1e-5);
     ASSERT_NEAR(profile.distance((i + 1) * kStep), way, 1e-4);
-    ASSERT_LE(std::abs(profile.acceleration(t)), 0.9 + 1e-9);
+    ASSERT_LE(std::abs(profile.acceleration(t)), options.acceleration + 1e-9);
   }
+}
+
+TEST(SpeedProfile, DistanceIsTheIntegralOfSpeedAndSpeedThatOfAcceleration) {
+  expect_integrals({});
+}
+
+TEST(SpeedProfile, ABrakingBeginsOnlyOnceItIsAsFastAsItShallBe) {
+  motion::SpeedProfile::Options gentle;
+  gentle.speed = 10;
+  gentle.acceleration = 0.3;
+  expect_integrals(gentle);
 }
 
 TEST(SpeedProfile, StandsForGoodAfterItsDistance) {

@@ -1,0 +1,60 @@
+#include "services/ekf/inputs/imu_noise.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace curbstone::ekf::inputs {
+
+namespace {
+
+constexpr double kUneven = 0.5;  // of a step, by which the next one may differ from it
+
+/// What is measured, if it is twice the configured density or more: from there on it counts more and more.
+double applied(double measured, double configured) {
+  return std::max(configured, std::sqrt(std::max(0.0, measured * measured - 3.0 * configured * configured)));
+}
+
+}  // namespace
+
+void ImuNoise::add(const base::ImuSample& sample) {
+  const double step = base::seconds_between(last_.utime, sample.utime);
+  const double step_before = base::seconds_between(before_.utime, last_.utime);
+  if (known_ == 2 && step > 0.0 && std::abs(step - step_before) < kUneven * step_before) {
+    step_ = 0.5 * (step + step_before);
+    if (learnt_ < kLeast) ++learnt_;
+    const double share = std::max(1.0 / learnt_, std::min(step_ / kMemory, 1.0));
+    const bool bounded = learnt_ == kLeast;
+    learn(gyro_, before_.angular_rate - 2.0 * last_.angular_rate + sample.angular_rate, share, bounded);
+    learn(accelerometer_, before_.acceleration - 2.0 * last_.acceleration + sample.acceleration, share, bounded);
+  }
+  known_ = step > 0.0 ? std::min(known_ + 1, 2) : 1;
+  before_ = last_;
+  last_ = sample;
+}
+
+void ImuNoise::learn(Axes& axes, const Eigen::Vector3d& second_difference, double share, bool bounded) {
+  Eigen::Array3d square = second_difference.array().square() / 6.0;
+  // An axis that has been still so far has no noise to be bounded by.
+  if (bounded) square = square.min((kMost * kMost * axes.square).max(1e-2 * square));
+  axes.square += share * (square - axes.square);
+}
+
+double ImuNoise::density_of(const Axes& axes) const {
+  return learnt_ < kLeast ? 0.0 : std::sqrt(axes.square.mean() * step_);
+}
+
+base::NoiseConfig ImuNoise::applied_to(const base::NoiseConfig& configured) const {
+  base::NoiseConfig noise = configured;
+  noise.gyro = applied(gyro(), configured.gyro);
+  noise.accelerometer = applied(accelerometer(), configured.accelerometer);
+  return noise;
+}
+
+ImuNoise::Excess ImuNoise::beyond(const base::NoiseConfig& configured) const {
+  const base::NoiseConfig noise = applied_to(configured);
+  return {noise.gyro > configured.gyro ? noise.gyro : 0.0,
+          noise.accelerometer > configured.accelerometer ? noise.accelerometer : 0.0,
+          step_ > 0.0 ? std::sqrt(1.0 / step_) : 0.0};
+}
+
+}  // namespace curbstone::ekf::inputs
