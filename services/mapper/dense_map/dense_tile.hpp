@@ -44,8 +44,8 @@ class DenseTile {
   /// m in map; a whole number.
   [[nodiscard]] std::int32_t z_origin() const { return z_origin_; }
   /// For a look at its records. Where they are in memory these are they, until the tile changes. Of a tile that is away
-  /// they are read from the file and unpacked, anew with each call: a fraction of a millisecond, and the copy is the
-  /// caller's. Null if the file does not give them back.
+  /// they are read from the file and unpacked, anew with each call, and the copy is the caller's. Null if the file does
+  /// not give them back.
   [[nodiscard]] std::shared_ptr<const TileRecords> read() const;
   [[nodiscard]] std::size_t num_records() const { return is_away_ ? num_packed_ : content_.records.size(); }
   /// What is there: the records that are points and have not been taken out.

@@ -41,7 +41,7 @@ class PackedRecords {
   PackedRecords(const TileRecords& records, SpillFile& file);
 
   [[nodiscard]] bool empty() const { return values_.empty(); }
-  /// As they were: a fraction of a millisecond. Throws std::runtime_error if the file cannot be read.
+  /// As they were. Throws std::runtime_error if the file cannot be read.
   [[nodiscard]] TileRecords read() const;
 
  private:

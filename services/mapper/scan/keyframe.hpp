@@ -53,8 +53,8 @@ class KeyframePoints {
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
-  /// To look at. Of points that are away they are read from the file and unpacked, anew with each call: a tenth of a
-  /// millisecond. None if the file does not give them back. Never null.
+  /// To look at. Of points that are away they are read from the file and unpacked, anew with each call. None if the
+  /// file does not give them back. Never null.
   [[nodiscard]] std::shared_ptr<const Points> read() const;
   /// As read() gives them: for several looks.
   [[nodiscard]] KeyframePoints in_memory() const;
