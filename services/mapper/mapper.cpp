@@ -16,7 +16,7 @@ constexpr std::int64_t kSearchAnywhere = 2'000'000;  // and where it may be anyw
 
 }  // namespace
 
-Mapper::Mapper(const config::MapperConfig& config, std::shared_ptr<SpillFile> far)
+Mapper::Mapper(const config::MapperConfig& config, const std::shared_ptr<SpillFile>& far)
     : config_(config),
       tracker_(config.tracker, config.registration, config.vehicle, config.mode != config::MapMode::kLocalise),
       atlas_(config.atlas, far),

@@ -62,7 +62,8 @@ struct MapperUpdate {
 class Mapper {
  public:
   /// `far`: what is far from the vehicle lies there; without a folder in memory, packed. See file_for_far().
-  explicit Mapper(const config::MapperConfig& config, std::shared_ptr<SpillFile> far = std::make_shared<SpillFile>());
+  explicit Mapper(const config::MapperConfig& config,
+                  const std::shared_ptr<SpillFile>& far = std::make_shared<SpillFile>());
 
   /// Before the first scan: a map of an earlier drive, which stands fast. The drive begins about at the start
   /// that the configuration gives.
