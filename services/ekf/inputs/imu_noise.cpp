@@ -7,6 +7,7 @@ namespace curbstone::ekf::inputs {
 
 namespace {
 
+constexpr double kFloor = 1e-4;  // rad/s, m/s^2: of an axis that has had no noise yet, so that it can learn of some
 constexpr double kUneven = 0.5;  // of a step, by which the next one may differ from it
 
 /// What is measured, if it is twice the configured density or more: from there on it counts more and more.
@@ -34,8 +35,7 @@ void ImuNoise::add(const base::ImuSample& sample) {
 
 void ImuNoise::learn(Axes& axes, const Eigen::Vector3d& second_difference, double share, bool bounded) {
   Eigen::Array3d square = second_difference.array().square() / 6.0;
-  // An axis that has been still so far has no noise to be bounded by.
-  if (bounded) square = square.min((kMost * kMost * axes.square).max(1e-2 * square));
+  if (bounded) square = square.min(kMost * kMost * axes.square.max(kFloor * kFloor));
   axes.square += share * (square - axes.square);
 }
 

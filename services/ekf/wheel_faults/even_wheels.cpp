@@ -9,7 +9,6 @@ namespace {
 
 constexpr std::size_t kLeastOfPoints = 6;
 constexpr double kOneLeap = 0.5;     // of the change, within two intervals: a leap of the IMU
-constexpr double kLevel = 0.3;       // m/s^2 at first: more, beside wheels that turn evenly, is a tilt or a bias
 constexpr double kNoSpeed = 5.0;     // sigma of its noise: less is no other speed
 constexpr double kSteadyTime = 0.5;  // s, at either end, over which its acceleration is compared
 
@@ -65,7 +64,6 @@ bool EvenWheels::felt_another_speed(std::size_t from) const {
   std::size_t last_begin = last - 1;
   while (last_begin > from && points_[last].seconds - points_[last_begin].seconds < kSteadyTime) --last_begin;
   const double at_first = acceleration(from, first_end);
-  if (std::abs(at_first) > kLevel) return false;
   const auto changed = [&](std::size_t a, std::size_t b) {  // m/s, beyond what it did at first
     return std::abs(points_[b].inertial_speed - points_[a].inertial_speed -
                     at_first * (points_[b].seconds - points_[a].seconds));
@@ -73,8 +71,12 @@ bool EvenWheels::felt_another_speed(std::size_t from) const {
   double leap = 0.0;
   for (std::size_t i = from + 2; i <= last; ++i) leap = std::max(leap, changed(i - 2, i));
   const double change = changed(from, last);
-  const double noise = std::sqrt(points_[last].variance - points_[from].variance);
-  const double limit = kChange + kDrift * (points_[last].seconds - points_[from].seconds) + kNoSpeed * noise;
+  const double span = points_[last].seconds - points_[from].seconds;
+  // What it did at first is known as well as its noise lets half a second tell, and is drawn out over the span.
+  const double first = points_[first_end].seconds - points_[from].seconds;
+  const double of_first = std::sqrt(points_[first_end].variance - points_[from].variance) * span / first;
+  const double noise = std::hypot(std::sqrt(points_[last].variance - points_[from].variance), of_first);
+  const double limit = kChange + kDrift * span + kNoSpeed * noise;
   return change > limit && leap < kOneLeap * change && std::abs(acceleration(last_begin, last) - at_first) < kSettled;
 }
 

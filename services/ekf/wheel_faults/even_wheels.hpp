@@ -28,7 +28,7 @@ class EvenWheels {
 
   /// The next interval. Where it does not begin at the last one's end, all begins anew. `inertial_speed`: m/s, by the
   /// IMU alone since any start, mean over it; `noise`: m/s^2/sqrt(Hz), of that beyond what any IMU has.
-  void add(const inputs::WheelInterval& interval, double inertial_speed, double noise = 0.0);
+  void add(const inputs::WheelInterval& interval, double inertial_speed, double noise);
   /// Both turn evenly.
   [[nodiscard]] bool even() const { return even_; }
   /// And the IMU has felt another speed, not by one leap, and does no longer: they are made up.

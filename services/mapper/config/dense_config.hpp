@@ -40,8 +40,7 @@ struct DenseConfig {
     v.field("standing_s", standing_s, {0.0, 600.0}, "s at one place after which nothing new is added");
     v.field("free_range", free_range, {0.0, 50.0}, "m within which what beams pass through is taken out; 0: never");
     v.field("ring_scale", ring_scale, "intensities of all rings on one scale, learned on the road: its median is 64");
-    v.field("max_points", max_points, {100'000, 500'000'000},
-            "of the whole map, 8 bytes each; the farthest tiles go first");
+    v.field("max_points", max_points, {100'000, 500'000'000}, "of the whole map; the farthest tiles go first");
   }
 };
 

@@ -13,12 +13,6 @@ namespace {
 
 constexpr std::uint32_t kMark = 1U << 31;
 
-/// Names a place in a tile.
-std::uint64_t place_key(const TilePoint& point) {
-  return (static_cast<std::uint64_t>(static_cast<std::uint16_t>(point.x)) << 32) |
-         (static_cast<std::uint64_t>(static_cast<std::uint16_t>(point.y)) << 16) | static_cast<std::uint16_t>(point.z);
-}
-
 template <class T>
 std::size_t bytes_of(const std::vector<T>& values) {
   return values.capacity() * sizeof(T);

@@ -9,10 +9,16 @@ namespace {
 
 using Run = TileRecords::Run;
 
-/// Names a place in a tile.
-std::uint64_t place_key_of(const TilePoint& point) {
-  return (static_cast<std::uint64_t>(static_cast<std::uint16_t>(point.x)) << 32) |
-         (static_cast<std::uint64_t>(static_cast<std::uint16_t>(point.y)) << 16) | static_cast<std::uint16_t>(point.z);
+/// Every field of points and runs, in the order in which they are packed.
+template <class Records, class Visit>
+void visit_fields(Records& records, const Visit& visit) {
+  visit(records.records, &TilePoint::x);
+  visit(records.records, &TilePoint::y);
+  visit(records.records, &TilePoint::z);
+  visit(records.records, &TilePoint::intensity);
+  visit(records.runs, &Run::anchor);
+  visit(records.runs, &Run::first);
+  visit(records.runs, &Run::utime);
 }
 
 }  // namespace
@@ -22,11 +28,11 @@ std::vector<bool> TileRecords::standing() const {
   std::unordered_map<std::uint64_t, std::size_t> at;
   for (std::size_t i = 0; i < records.size(); ++i) {
     if (!is_removal(records[i])) {
-      at[place_key_of(records[i])] = i;
+      at[place_key(records[i])] = i;
       continue;
     }
     there[i] = false;
-    there[at.at(place_key_of(removal_of(records[i])))] = false;
+    there[at.at(place_key(removal_of(records[i])))] = false;
   }
   return there;
 }
@@ -43,13 +49,7 @@ std::vector<TilePoint> TileRecords::points() const {
 
 PackedRecords::PackedRecords(const TileRecords& records, SpillFile& file) {
   ValuePacker packer;
-  packer.put_steps(records.records, &TilePoint::x);
-  packer.put_steps(records.records, &TilePoint::y);
-  packer.put_steps(records.records, &TilePoint::z);
-  packer.put_steps(records.records, &TilePoint::intensity);
-  packer.put_steps(records.runs, &Run::anchor);
-  packer.put_steps(records.runs, &Run::first);
-  packer.put_steps(records.runs, &Run::utime);
+  visit_fields(records, [&](const auto& values, auto field) { packer.put_steps(values, field); });
   values_ = file.put(packer.pack());
 }
 
@@ -57,13 +57,7 @@ TileRecords PackedRecords::read() const {
   TileRecords records;
   if (empty()) return records;
   ValueUnpacker unpacker(values_.read());
-  unpacker.take_steps(records.records, &TilePoint::x);
-  unpacker.take_steps(records.records, &TilePoint::y);
-  unpacker.take_steps(records.records, &TilePoint::z);
-  unpacker.take_steps(records.records, &TilePoint::intensity);
-  unpacker.take_steps(records.runs, &Run::anchor);
-  unpacker.take_steps(records.runs, &Run::first);
-  unpacker.take_steps(records.runs, &Run::utime);
+  visit_fields(records, [&](auto& values, auto field) { unpacker.take_steps(values, field); });
   return records;
 }
 

@@ -9,6 +9,12 @@
 
 namespace curbstone::mapper::dense_map {
 
+/// Names a place in a tile.
+[[nodiscard]] inline std::uint64_t place_key(const TilePoint& point) {
+  return (static_cast<std::uint64_t>(static_cast<std::uint16_t>(point.x)) << 32) |
+         (static_cast<std::uint64_t>(static_cast<std::uint16_t>(point.y)) << 16) | static_cast<std::uint16_t>(point.z);
+}
+
 /// What a tile is made of: the list of records that goes out as MAP_POINTS (see common/tiles/tile.hpp), and who made
 /// which of them.
 struct TileRecords {

@@ -88,8 +88,7 @@ void GroundInSight::add_faults(std::vector<std::string>& faults) const {
   const Sight& sight = about_.missing ? about_ : ahead_;
   faults.push_back(
       fmt::format("LiDAR: no ground in sight beyond {:.0f} m in {:.0f} % of the open directions {}, so no curbs are "
-                  "found there: is "
-                  "it tilted up, the lower half of its window dirty, the road wet or under snow?",
+                  "found there: is it tilted up, the lower half of its window dirty, the road wet or under snow?",
                   kNear, 100 * (1 - sight.share()), about_.missing ? "about it" : "ahead"));
 }
 

@@ -28,6 +28,14 @@ TEST(WheelCounterTest, UnwrapsInBothDirections) {
   EXPECT_EQ(odometer.update({0x7FFFFFF0, -0x7FFFFFF0}, 0.01)->counts[1], 0);
 }
 
+TEST(WheelCounterTest, ASmallWheelOfAFastVehicleIsBelieved) {
+  WheelCounter odometer({});
+  const int step = 800;  // 123 rad/s: 9.8 m/s at 0.08 m
+  odometer.update({0, 0}, 0);
+  for (int i = 1; i <= 100; ++i) ASSERT_TRUE(odometer.update({step * i, -step * i}, 0.01)) << i;
+  EXPECT_EQ(odometer.counters()["refused.jump"], 0);
+}
+
 TEST(WheelCounterTest, AJumpIsRefusedOnceAndBelievedWhenItStays) {
   WheelCounter odometer({});
   odometer.update({0, 0}, 0);

@@ -43,7 +43,7 @@ class Imu {
 };
 
 void run(ImuNoise& noise, Imu imu, double from, double to, double step = kStep) {
-  for (double t = from; t < to; t += step) noise.add(imu.at(t));
+  for (int i = 0; i < std::lround((to - from) / step); ++i) noise.add(imu.at(from + i * step));
 }
 
 TEST(ImuNoise, IsTheDensityOfWhiteNoiseAtAnyRate) {
