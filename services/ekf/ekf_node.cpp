@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 #include <variant>
 
 #include "common/bus/levels.hpp"
 #include "common/time/microseconds.hpp"
+#include "services/ekf/ekf_faults.hpp"
 #include "services/ekf/ekf_messages.hpp"
 #include "services/ekf/filter/state_file.hpp"
 
@@ -20,109 +20,6 @@ constexpr std::int64_t kSilence = 1'000'000;    // us without a message that is 
 constexpr int kGarbageRun = 20;                 // messages refused in a row that are a fault
 constexpr std::int32_t kMaxLoss = 100'000;      // a larger step of a sequence is a restart, not a loss
 
-void describe_wheels(const wheel_faults::WheelWatch& watch, std::vector<std::string>& faults) {
-  if (watch.made_up()) {
-    faults.emplace_back(
-        "WHEELS: both turn on evenly while the IMU feels another speed, and are not used: does a drive or gateway "
-        "repeat an old speed?");
-    return;
-  }
-  for (std::size_t wheel = 0; wheel < 2; ++wheel) {
-    if (!watch.faulty(wheel)) continue;
-    const double ratio = watch.ratio(wheel);
-    std::string what = "stands still";
-    if (ratio < -wheel_faults::WheelWatch::kFrozen)
-      what = fmt::format("turns backwards, at {:.2f} times the speed", -ratio);
-    if (ratio > wheel_faults::WheelWatch::kFrozen) what = fmt::format("turns at {:.2f} times the speed", ratio);
-    faults.push_back(fmt::format("WHEELS: the {} wheel is wrong for long ({}) and not used: encoder, plug, shaft?",
-                                 wheel == 0 ? "left" : "right", what));
-  }
-}
-
-void describe_axes(const filter::LostAxes& axes, std::vector<std::string>& faults) {
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!axes.lost(axis)) continue;
-    faults.push_back(fmt::format("IMU: the gyro's {} axis is stuck at {:.4f} rad/s and not used: switch it off and on",
-                                 "xyz"[axis], axes.shown()[axis]));
-  }
-  if (axes.turn_is_lost()) faults.emplace_back("no gyro about the vertical: the wheels tell how it turns, and slip");
-}
-
-/// What the filter takes into account is no fault yet.
-void describe_noise(const inputs::ImuNoise& noise, const base::NoiseConfig& configured,
-                    std::vector<std::string>& faults) {
-  constexpr double kMuch = 10.0;  // times
-  const auto describe = [&](const char* part, double measured, double expected) {
-    if (measured < kMuch * expected) return;
-    faults.push_back(
-        fmt::format("IMU: its {0} is {1:.0f} times as noisy as ekf.noise.{0} says, and is believed less: "
-                    "mount it softer, or set that to {2:.2g}",
-                    part, measured / expected, measured));
-  };
-  describe("gyro", noise.gyro(), configured.gyro);
-  describe("accelerometer", noise.accelerometer(), configured.accelerometer);
-}
-
-void describe_leap(const filter::Filter& filter, std::vector<std::string>& faults) {
-  constexpr double kMention = 60.0;  // s
-  const auto& leapt = filter.gyro_leapt();
-  const double ago = leapt ? base::seconds_between(leapt->utime, filter.belief().utime) : kMention;
-  if (ago >= kMention) return;
-  faults.push_back(fmt::format(
-      "IMU: the gyro's bias about the vertical leapt by {:.1f} deg/s, {:.0f} s ago, and is taken out: is the "
-      "IMU loose, or its supply disturbed?",
-      leapt->rate * 180 / std::numbers::pi, ago));
-}
-
-/// "+x" .. "-z": the axis that is nearest to a direction.
-std::string axis_along(const Eigen::Vector3d& direction) {
-  Eigen::Index axis = 0;
-  direction.cwiseAbs().maxCoeff(&axis);
-  return fmt::format("{}{}", direction[axis] < 0 ? '-' : '+', "xyz"[axis]);
-}
-
-void describe_mounting(const mounting::MountingWatch& mounting, const VehicleConfig& vehicle,
-                       std::vector<std::string>& faults) {
-  if (const auto up = mounting.wrong_up()) {
-    faults.push_back(
-        fmt::format("IMU: by gravity its {} axis points up, by vehicle.imu its {}: correct its roll, pitch",
-                    axis_along(*up), axis_along(vehicle.T_base_imu().linear().transpose().col(2))));
-  }
-  if (const auto force = mounting.wrong_gravity()) {
-    faults.push_back(fmt::format(
-        "IMU: its mean acceleration is {:.2f} m/s^2, which is not gravity, and it is not used: another unit?", *force));
-  }
-  const std::optional<double> yaw = mounting.missing_yaw();
-  const bool backwards = yaw && std::abs(*yaw) > 0.75 * std::numbers::pi;  // else about a right angle
-  if (backwards && mounting.turns_opposite()) {
-    faults.emplace_back("WHEELS: both count backwards: correct invert_left and invert_right");
-    return;
-  }
-  if (mounting.turns_opposite())
-    faults.emplace_back("WHEELS and gyro turn opposite ways: left and right swapped? Else the gyro's sign is wrong");
-  if (const auto ahead = mounting.mirrored()) {
-    const bool swapped = std::abs(ahead->y()) > std::abs(ahead->x());
-    faults.push_back(fmt::format(
-        "IMU: its axes are not right-handed: {}. No vehicle.imu is so: correct what the device sends",
-        swapped ? "x and y are swapped" : fmt::format("{} has the wrong sign", ahead->x() > 0 ? 'y' : 'x')));
-  }
-  if (const auto up = mounting.lying_gyro()) {
-    faults.push_back(fmt::format(
-        "IMU: its gyro does not turn as the wheels do, and is not used: its {} axis points up, by gravity the {}",
-        axis_along(*up), axis_along(vehicle.T_base_imu().linear().transpose().col(2))));
-  } else if (mounting.gyro_is_wrong()) {
-    faults.emplace_back("IMU: its gyro does not turn as the wheels do, and is not used: in deg/s, or another axis up?");
-  } else if (const auto scale = mounting.wrong_turn_scale()) {
-    faults.push_back(fmt::format(
-        "WHEELS turn {:.2f} times as far as the gyro: is vehicle.track_width {:.2f} m, or the gyro's scale wrong?",
-        *scale, *scale * vehicle.track_width));
-  }
-  if (yaw) {
-    faults.push_back(fmt::format("IMU: its forward is not the wheels': add about {:.0f} deg to the yaw of vehicle.imu",
-                                 backwards ? 180.0 : *yaw * 180 / std::numbers::pi));
-  }
-}
-
 }  // namespace
 
 EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
@@ -132,6 +29,7 @@ EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
       clock_(microseconds(config.timing.max_jump)),
       sequencer_(config),
       increments_(config.map),
+      accelerometer_(config.vehicle.wheel_radius),
       filter_(config),
       mounting_(config.vehicle) {
   if (config_.state_file.empty()) return;
@@ -175,7 +73,9 @@ void EkfNode::on(const imu_t& message) {
   if (sample.utime != *utime) counters_.add("straightened.imu");
   // What an axis at the end of its range measured is unknown: it is as if lost, and the wheels bridge what lasts.
   if (message.status & imu_t::CLIPPING) return counters_.add("refused.clipping.imu");
-  sequencer_.push(sample);
+  const std::int64_t lone_before = lone_samples_.refused();
+  for (const base::ImuSample& usable : lone_samples_.add(sample)) sequencer_.push(usable);
+  if (lone_samples_.refused() > lone_before) counters_.add("refused.lone.imu", lone_samples_.refused() - lone_before);
   run(false);
 }
 
@@ -208,6 +108,12 @@ void EkfNode::run(bool drain) {
     const auto* wheels = std::get_if<base::WheelSample>(&*sample);
     if (wheels != nullptr && old_counts_.is_old(*wheels)) {
       counters_.add("refused.old_counts");
+      continue;
+    }
+    if (wheels != nullptr) accelerometer_.add(*wheels);
+    const auto* imu = std::get_if<base::ImuSample>(&*sample);
+    if (imu != nullptr && accelerometer_.add(*imu)) {
+      counters_.add("refused.stuck.imu");
       continue;
     }
     watch_mounting(*sample);
@@ -311,6 +217,8 @@ NodeReport EkfNode::report() const {
     faults.push_back(fmt::format("{} cannot be written: if this process dies, the next one starts on the move (mkdir?)",
                                  state_keeper_->path()));
   describe_mounting(mounting_, config_.vehicle, faults);
+  describe_lone_samples(lone_samples_, faults);
+  describe_accelerometer(accelerometer_, faults);
   if (!filter_.filter().started()) {
     faults.emplace_back("no odometry yet: waiting to stand still or to see the wheels turn");
   } else if (last_) {

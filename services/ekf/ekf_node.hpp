@@ -11,11 +11,13 @@
 #include "common/shell/latency.hpp"
 #include "services/ekf/filter/rewinding_filter.hpp"
 #include "services/ekf/filter/state_keeper.hpp"
+#include "services/ekf/inputs/lone_samples.hpp"
 #include "services/ekf/inputs/map_increment.hpp"
 #include "services/ekf/inputs/old_counts.hpp"
 #include "services/ekf/inputs/running_clock.hpp"
 #include "services/ekf/inputs/sequencer.hpp"
 #include "services/ekf/inputs/stamp_straightener.hpp"
+#include "services/ekf/inputs/stuck_accelerometer.hpp"
 #include "services/ekf/mounting/mounting_watch.hpp"
 
 namespace curbstone::ekf {
@@ -63,8 +65,10 @@ class EkfNode final : public Node {
   inputs::RunningClock clock_;
   inputs::StampStraightener imu_stamps_;
   inputs::Sequencer sequencer_;
+  inputs::LoneSamples lone_samples_;
   inputs::OldCounts old_counts_;
   inputs::MapIncrements increments_;
+  inputs::StuckAccelerometer accelerometer_;
   filter::RewindingFilter filter_;
   mounting::MountingWatch mounting_;
   Counters counters_;

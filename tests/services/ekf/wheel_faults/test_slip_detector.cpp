@@ -8,26 +8,26 @@
 namespace curbstone::ekf::wheel_faults {
 namespace {
 
-constexpr double kInterval = 0.05;  // s, of the wheels
+constexpr double kSlipInterval = 0.05;  // s, of the wheels
 
 class SlipDetectorTest : public ::testing::Test {
  protected:
   /// Intervals from now on, with the wheels' speed off the inertial one by `off(t)`; the time of the first sign, or -1.
   double first_speeding(double seconds, const std::function<double(double)>& off) {
     const double begin = time_;
-    const int intervals = static_cast<int>(std::lround(seconds / kInterval));
+    const int intervals = static_cast<int>(std::lround(seconds / kSlipInterval));
     for (int i = 0; i <= intervals; ++i) {
-      const double t = kInterval * i;
+      const double t = kSlipInterval * i;
       time_ = begin + t;
       const double inertial = 2 * std::sin(t);  // the vehicle speeds up and slows down
       if (detector_.add({.end = time_, .wheel_speed = inertial + off(t), .inertial_speed = inertial}).speeding)
         return t;
     }
-    time_ += kInterval;
+    time_ += kSlipInterval;
     return -1;
   }
   bool turning(double wheels, double gyro) {
-    return detector_.add({.end = time_ += kInterval, .wheel_yaw_rate = wheels, .gyro_yaw_rate = gyro}).turning;
+    return detector_.add({.end = time_ += kSlipInterval, .wheel_yaw_rate = wheels, .gyro_yaw_rate = gyro}).turning;
   }
   base::SlipConfig config_;
   SlipDetector detector_{config_};
@@ -73,7 +73,7 @@ TEST_F(SlipDetectorTest, ASuddenSlipIsASignForAWindowFromItsBeginningAndFromItsE
   const auto spin = [](double t) { return t > 0.99 && t < 1.99 ? 1.0 : 0.0; };
   int signs = 0;
   for (int i = 0; i < 100; ++i) {
-    const double t = kInterval * i;
+    const double t = kSlipInterval * i;
     const bool sign = detector_.add({.end = t, .wheel_speed = spin(t)}).speeding;
     const bool expected = (t > 0.99 && t < 1.29) || (t > 1.99 && t < 2.29);
     EXPECT_EQ(sign, expected) << t;
@@ -85,14 +85,15 @@ TEST_F(SlipDetectorTest, ASuddenSlipIsASignForAWindowFromItsBeginningAndFromItsE
 TEST_F(SlipDetectorTest, WhatTheStampsJitterExplainsIsNoSlip) {
   const auto speeding = [&](double change, double jitter) {
     detector_.reset();
-    (void)detector_.add({.end = time_ += kInterval, .wheel_speed = 3.0, .jitter = jitter});
-    return detector_.add({.end = time_ += kInterval, .wheel_speed = 3.0 + change, .jitter = jitter}).speeding;
+    (void)detector_.add({.end = time_ += kSlipInterval, .wheel_speed = 3.0, .jitter = jitter});
+    return detector_.add({.end = time_ += kSlipInterval, .wheel_speed = 3.0 + change, .jitter = jitter}).speeding;
   };
   EXPECT_TRUE(speeding(0.4, 0.0));
   EXPECT_FALSE(speeding(0.4, 0.03)) << "each speed is known to 0.09 m/s";
   EXPECT_TRUE(speeding(1.0, 0.03));
   const auto turning = [&](double wheels, double jitter) {
-    return detector_.add({.end = time_ += kInterval, .wheel_yaw_rate = wheels, .gyro_yaw_rate = 1.0, .jitter = jitter})
+    return detector_
+        .add({.end = time_ += kSlipInterval, .wheel_yaw_rate = wheels, .gyro_yaw_rate = 1.0, .jitter = jitter})
         .turning;
   };
   EXPECT_TRUE(turning(1.25, 0.0));

@@ -1,0 +1,134 @@
+#include "services/ekf/ekf_faults.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace curbstone::ekf {
+
+namespace {
+
+/// "+x" .. "-z": the axis that is nearest to a direction.
+std::string axis_along(const Eigen::Vector3d& direction) {
+  Eigen::Index axis = 0;
+  direction.cwiseAbs().maxCoeff(&axis);
+  return fmt::format("{}{}", direction[axis] < 0 ? '-' : '+', "xyz"[axis]);
+}
+
+}  // namespace
+
+void describe_wheels(const wheel_faults::WheelWatch& watch, std::vector<std::string>& faults) {
+  if (watch.made_up()) {
+    faults.emplace_back(
+        "WHEELS: both turn on evenly while the IMU feels another speed, and are not used: does a drive or gateway "
+        "repeat an old speed?");
+    return;
+  }
+  for (std::size_t wheel = 0; wheel < 2; ++wheel) {
+    if (!watch.faulty(wheel)) continue;
+    const double ratio = watch.ratio(wheel);
+    std::string what = "stands still";
+    if (ratio < -wheel_faults::WheelWatch::kFrozen)
+      what = fmt::format("turns backwards, at {:.2f} times the speed", -ratio);
+    if (ratio > wheel_faults::WheelWatch::kFrozen) what = fmt::format("turns at {:.2f} times the speed", ratio);
+    faults.push_back(fmt::format("WHEELS: the {} wheel is wrong for long ({}) and not used: encoder, plug, shaft?",
+                                 wheel == 0 ? "left" : "right", what));
+  }
+}
+
+void describe_axes(const filter::LostAxes& axes, std::vector<std::string>& faults) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!axes.lost(axis)) continue;
+    faults.push_back(fmt::format("IMU: the gyro's {} axis is stuck at {:.4f} rad/s and not used: switch it off and on",
+                                 "xyz"[axis], axes.shown()[axis]));
+  }
+  if (axes.turn_is_lost()) faults.emplace_back("no gyro about the vertical: the wheels tell how it turns, and slip");
+}
+
+void describe_noise(const inputs::ImuNoise& noise, const base::NoiseConfig& configured,
+                    std::vector<std::string>& faults) {
+  constexpr double kMuch = 10.0;  // times
+  const auto describe = [&](const char* part, double measured, double expected) {
+    if (measured < kMuch * expected) return;
+    faults.push_back(
+        fmt::format("IMU: its {0} is {1:.0f} times as noisy as ekf.noise.{0} says, and is believed less: "
+                    "mount it softer, or set that to {2:.2g}",
+                    part, measured / expected, measured));
+  };
+  describe("gyro", noise.gyro(), configured.gyro);
+  describe("accelerometer", noise.accelerometer(), configured.accelerometer);
+}
+
+void describe_leap(const filter::Filter& filter, std::vector<std::string>& faults) {
+  constexpr double kMention = 60.0;  // s
+  const auto& leapt = filter.gyro_leapt();
+  const double ago = leapt ? base::seconds_between(leapt->utime, filter.belief().utime) : kMention;
+  if (ago >= kMention) return;
+  faults.push_back(fmt::format(
+      "IMU: the gyro's bias about the vertical leapt by {:.1f} deg/s, {:.0f} s ago, and is taken out: is the "
+      "IMU loose, or its supply disturbed?",
+      leapt->rate * 180 / std::numbers::pi, ago));
+}
+
+void describe_mounting(const mounting::MountingWatch& mounting, const VehicleConfig& vehicle,
+                       std::vector<std::string>& faults) {
+  if (const auto up = mounting.wrong_up()) {
+    faults.push_back(
+        fmt::format("IMU: by gravity its {} axis points up, by vehicle.imu its {}: correct its roll, pitch",
+                    axis_along(*up), axis_along(vehicle.T_base_imu().linear().transpose().col(2))));
+  }
+  if (const auto force = mounting.wrong_gravity()) {
+    faults.push_back(fmt::format(
+        "IMU: its mean acceleration is {:.2f} m/s^2, which is not gravity, and it is not used: another unit?", *force));
+  }
+  const std::optional<double> yaw = mounting.missing_yaw();
+  const bool backwards = yaw && std::abs(*yaw) > 0.75 * std::numbers::pi;  // else about a right angle
+  if (backwards && mounting.turns_opposite()) {
+    faults.emplace_back("WHEELS: both count backwards: correct invert_left and invert_right");
+    return;
+  }
+  if (mounting.turns_opposite())
+    faults.emplace_back("WHEELS and gyro turn opposite ways: left and right swapped? Else the gyro's sign is wrong");
+  if (const auto ahead = mounting.mirrored()) {
+    const bool swapped = std::abs(ahead->y()) > std::abs(ahead->x());
+    faults.push_back(fmt::format(
+        "IMU: its axes are not right-handed: {}. No vehicle.imu is so: correct what the device sends",
+        swapped ? "x and y are swapped" : fmt::format("{} has the wrong sign", ahead->x() > 0 ? 'y' : 'x')));
+  }
+  if (const auto up = mounting.lying_gyro()) {
+    faults.push_back(fmt::format(
+        "IMU: its gyro does not turn as the wheels do, and is not used: its {} axis points up, by gravity the {}",
+        axis_along(*up), axis_along(vehicle.T_base_imu().linear().transpose().col(2))));
+  } else if (mounting.gyro_is_wrong()) {
+    faults.emplace_back("IMU: its gyro does not turn as the wheels do, and is not used: in deg/s, or another axis up?");
+  } else if (const auto scale = mounting.wrong_turn_scale()) {
+    faults.push_back(fmt::format(
+        "WHEELS turn {:.2f} times as far as the gyro: is vehicle.track_width {:.2f} m, or the gyro's scale wrong?",
+        *scale, *scale * vehicle.track_width));
+  }
+  if (yaw) {
+    faults.push_back(fmt::format("IMU: its forward is not the wheels': add about {:.0f} deg to the yaw of vehicle.imu",
+                                 backwards ? 180.0 : *yaw * 180 / std::numbers::pi));
+  }
+}
+
+void describe_lone_samples(const inputs::LoneSamples& samples, std::vector<std::string>& faults) {
+  constexpr std::size_t kMany = 20;  // a minute: a jolt or two are none
+  if (samples.lately() < kMany) return;
+  faults.push_back(fmt::format(
+      "IMU: {} samples within a minute leapt away from those before and after, and are not used: plug, cable, supply?",
+      samples.lately()));
+}
+
+void describe_accelerometer(const inputs::StuckAccelerometer& accelerometer, std::vector<std::string>& faults) {
+  if (!accelerometer.stuck()) return;
+  std::string axes;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (accelerometer.axes()[i]) axes += axes.empty() ? std::string(1, "xyz"[i]) : fmt::format(", {}", "xyz"[i]);
+  }
+  faults.push_back(
+      fmt::format("IMU: its accelerometer is stuck ({}), and the IMU is not used: switch it off and on", axes));
+}
+
+}  // namespace curbstone::ekf

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/config/vehicle.hpp"
+#include "services/ekf/base/ekf_config.hpp"
+#include "services/ekf/filter/filter.hpp"
+#include "services/ekf/inputs/lone_samples.hpp"
+#include "services/ekf/inputs/stuck_accelerometer.hpp"
+#include "services/ekf/mounting/mounting_watch.hpp"
+
+/// What is wrong with IMU and wheels, in an operator's words: each appends to `faults` what is wrong now, if anything.
+namespace curbstone::ekf {
+
+void describe_wheels(const wheel_faults::WheelWatch& watch, std::vector<std::string>& faults);
+void describe_axes(const filter::LostAxes& axes, std::vector<std::string>& faults);
+/// What the filter takes into account is no fault yet.
+void describe_noise(const inputs::ImuNoise& noise, const base::NoiseConfig& configured,
+                    std::vector<std::string>& faults);
+void describe_leap(const filter::Filter& filter, std::vector<std::string>& faults);
+void describe_mounting(const mounting::MountingWatch& mounting, const VehicleConfig& vehicle,
+                       std::vector<std::string>& faults);
+void describe_lone_samples(const inputs::LoneSamples& samples, std::vector<std::string>& faults);
+void describe_accelerometer(const inputs::StuckAccelerometer& accelerometer, std::vector<std::string>& faults);
+
+}  // namespace curbstone::ekf

@@ -1,0 +1,83 @@
+#include "services/ekf/inputs/lone_samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace curbstone::ekf::inputs {
+
+namespace {
+
+constexpr std::int64_t kMinute = 60'000'000;   // us
+constexpr std::int64_t kClockSet = 1'000'000;  // us, back
+constexpr std::size_t kMostLately = 1'000;     // of the last minute, that are counted
+constexpr double kMostUsual = 3.0;             // times what is usual, that a change counts as at most
+
+double limit(double least, double usual_square) {
+  return std::max(least, LoneSamples::kLeaps * std::sqrt(usual_square));
+}
+
+/// Mean square about a second, in which no leap counts as more than what is nearly usual.
+void follow(double& usual_square, double least, double change, double share) {
+  const double most = std::max(least * least / (LoneSamples::kLeaps * LoneSamples::kLeaps), usual_square);
+  usual_square += share * (std::min(change * change, kMostUsual * kMostUsual * most) - usual_square);
+}
+
+double change_of(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  return (to - from).cwiseAbs().maxCoeff();
+}
+
+}  // namespace
+
+const std::vector<base::ImuSample>& LoneSamples::add(const base::ImuSample& sample) {
+  passed_.clear();
+  const base::ImuSample* newest = !kept_.empty() ? &kept_.back() : last_ ? &*last_ : nullptr;
+  const std::int64_t gap = newest != nullptr ? sample.utime - newest->utime : kMostGap + 1;
+  if (gap <= 0 && gap > -kClockSet) {  // a late one
+    passed_.push_back(sample);
+  } else if (gap <= 0 || gap > kMostGap) {  // nothing says whether what was kept back stands alone
+    refuse_kept();
+    pass(sample);
+  } else if (!leaps(*last_, sample)) {
+    refuse_kept();
+    learn(*last_, sample);
+    pass(sample);
+  } else if (kept_.size() < kMost) {
+    kept_.push_back(sample);
+  } else {
+    for (const base::ImuSample& kept : kept_) {
+      learn(*last_, kept);
+      pass(kept);
+    }
+    kept_.clear();
+    learn(*last_, sample);
+    pass(sample);
+  }
+  return passed_;
+}
+
+bool LoneSamples::leaps(const base::ImuSample& from, const base::ImuSample& to) const {
+  return change_of(from.angular_rate, to.angular_rate) > limit(kLeastTurn, turn_) ||
+         change_of(from.acceleration, to.acceleration) > limit(kLeastForce, force_);
+}
+
+void LoneSamples::learn(const base::ImuSample& from, const base::ImuSample& to) {
+  const double share = std::min(base::seconds_between(from.utime, to.utime) / kMemory, 1.0);
+  follow(turn_, kLeastTurn, change_of(from.angular_rate, to.angular_rate), share);
+  follow(force_, kLeastForce, change_of(from.acceleration, to.acceleration), share);
+}
+
+void LoneSamples::refuse_kept() {
+  for (const base::ImuSample& kept : kept_) {
+    ++refused_;
+    if (lately_.size() < kMostLately) lately_.push_back(kept.utime);
+  }
+  kept_.clear();
+}
+
+void LoneSamples::pass(const base::ImuSample& sample) {
+  last_ = sample;
+  passed_.push_back(sample);
+  std::erase_if(lately_, [&](std::int64_t utime) { return std::abs(sample.utime - utime) > kMinute; });
+}
+
+}  // namespace curbstone::ekf::inputs
