@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <tuple>
 
 #include "drivers/encoder/encoder_node.hpp"
 #include "tests/drivers/recorder.hpp"
