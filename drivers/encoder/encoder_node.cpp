@@ -141,7 +141,7 @@ void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw&
 
 void EncoderNode::on_signals(std::int64_t receive_utime, const can::CanFrame& frame) {
   const std::int64_t refused = signals_->counters()["refused.length"];
-  const auto values = signals_->on_frame(frame);
+  const auto values = signals_->on_frame(receive_utime, frame);
   if (signals_->counters()["refused.length"] != refused) refusal_ = "refused.length";
   if (!values) return;
   // Nothing tells that who counts has lost power: after a silence it may count from 0. The first sample has no speed
@@ -154,7 +154,7 @@ void EncoderNode::on_signals(std::int64_t receive_utime, const can::CanFrame& fr
         [this, speeds = values->values](double elapsed) { return speedometer_.update(speeds, elapsed); });
   }
   if (!first) return on_counts(receive_utime, values->counts);
-  if (counters_["frames"] > 1) counters_.add("counts_restarted");
+  if (last_received_ != 0) counters_.add("counts_restarted");
   drop_first();
   odometer_.restart();
   clock_.restart();

@@ -26,7 +26,7 @@ std::unique_ptr<encoder::can::CanLink> open_can(const EncoderConfig& config) {
     return std::make_unique<encoder::can::SocketCanLink>(config.device, encoder::can_ids(config));
   }
   if (config.interface == Interface::kFile)
-    return std::make_unique<encoder::traces::FileLink>(config.file, config.file_rate);
+    return std::make_unique<encoder::traces::FileLink>(config.file, config.file_rate, encoder::can_ids(config));
   return std::make_unique<encoder::can::SlcanLink>(serial::SerialSettings{config.device, config.baud}, config.bitrate);
 }
 

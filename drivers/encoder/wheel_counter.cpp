@@ -11,6 +11,8 @@ constexpr int kMaxSuspects = 3;       // samples in a row that agree with each o
 constexpr double kAcceleration = 20;  // rad/s^2, of a wheel
 // Counts a period: to stop at once from there takes 20 m/s^2 at 4096 counts, 0.17 m and 100 Hz.
 constexpr double kTooFast = 8;
+constexpr double kUnexplained = 0.5;  // rad, of a wheel that slips for a sample
+constexpr double kAtZero = 4;         // counts
 }  // namespace
 
 /// Modulo 2^32: right across the wrap.
@@ -32,7 +34,7 @@ std::optional<WheelCounter::Sample> WheelCounter::update(const Raw& raw, double 
   }
   since_accepted_ += elapsed;
   std::array<double, 2> moved = difference(*last_, raw);
-  if (!possible(moved, since_accepted_)) {
+  if (!possible(moved, since_accepted_) || begins_at_zero(raw, moved)) {
     const bool agrees = suspects_ > 0 && possible(difference(*suspect_, raw), elapsed);
     suspects_ = agrees ? suspects_ + 1 : 1;
     suspect_ = raw;
@@ -61,6 +63,29 @@ std::optional<WheelCounter::Sample> WheelCounter::update(const Raw& raw, double 
 bool WheelCounter::possible(const std::array<double, 2>& moved, double time) const {
   const double limit = settings_.max_speed * settings_.counts_per_revolution / (2 * std::numbers::pi);
   return std::abs(moved[0]) <= limit * time && std::abs(moved[1]) <= limit * time;
+}
+
+double WheelCounter::accelerated(double time) const {
+  return kAcceleration * time * time / 2 * settings_.counts_per_revolution / (2 * std::numbers::pi);
+}
+
+/// The rate may be wrong by as much as it is: stamps jitter.
+bool WheelCounter::explained(std::size_t wheel, double moved, double time) const {
+  const double doubt = accelerated(time) + kUnexplained * settings_.counts_per_revolution / (2 * std::numbers::pi);
+  return std::abs(moved - rate_[wheel] * time) <= doubt + std::abs(rate_[wheel]) * time;
+}
+
+/// Both counts are what wheels can have turned since the last sample from zero on, and one has leapt there: the drive
+/// has lost its supply, or somebody has set its counts.
+bool WheelCounter::begins_at_zero(const Raw& raw, const std::array<double, 2>& moved) const {
+  bool leapt = false;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double now = std::abs(static_cast<double>(raw[i]));
+    const double before = std::abs(static_cast<double>((*last_)[i]));
+    if (now > std::abs(rate_[i]) * since_accepted_ + accelerated(since_accepted_) + kAtZero) return false;
+    leapt = leapt || (now < before && !explained(i, moved[i], since_accepted_));
+  }
+  return leapt;
 }
 
 bool WheelCounter::is_old(const std::array<double, 2>& moved) const {

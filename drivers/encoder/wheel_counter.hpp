@@ -11,9 +11,9 @@ namespace curbstone::encoder {
 /// Turns the drive's raw int32 counts into angles (rad) and speeds (rad/s), positive forward for either wheel. Index 0
 /// is the left wheel, 1 the right. Raw counts may wrap. Pure; one thread.
 ///
-/// Counts: refused.jump (more than the wheels can turn; one corrupted frame), refused.old_counts (one has not changed,
-/// and from so fast it cannot have stopped; the distance is in the next sample), counts_restarted (a jump that stays:
-/// the drive counts anew; the distance meanwhile is lost).
+/// Counts: refused.jump (more than the wheels can turn, or back to zero at once; one corrupted frame),
+/// refused.old_counts (one has not changed, and from so fast it cannot have stopped; the distance is in the next
+/// sample), counts_restarted (a jump that stays: the drive counts anew; the distance meanwhile is lost).
 class WheelCounter {
  public:
   using Raw = std::array<std::int32_t, 2>;
@@ -55,6 +55,11 @@ class WheelCounter {
  private:
   [[nodiscard]] static std::array<double, 2> difference(const Raw& from, const Raw& to);
   [[nodiscard]] bool possible(const std::array<double, 2>& moved, double time) const;
+  /// How far wheels can turn more than by their rate, counts.
+  [[nodiscard]] double accelerated(double time) const;
+  /// By the rate, and by no more acceleration than vehicles have.
+  [[nodiscard]] bool explained(std::size_t wheel, double moved, double time) const;
+  [[nodiscard]] bool begins_at_zero(const Raw& raw, const std::array<double, 2>& moved) const;
   [[nodiscard]] bool is_old(const std::array<double, 2>& moved) const;
   [[nodiscard]] Sample sample(const std::array<double, 2>& moved, double elapsed) const;
 

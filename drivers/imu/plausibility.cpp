@@ -14,6 +14,7 @@ constexpr std::int64_t kSecond = 1'000'000;  // us
 constexpr std::int64_t kPause = kSecond;     // us without a sample after which nothing is known
 constexpr int kLeast = 20;                   // samples that are the same: a slow device needs more time
 constexpr std::int64_t kAllAxes = 2 * kSecond;
+constexpr std::int64_t kTwoAxes = 3 * kSecond;
 constexpr std::int64_t kOneAxis = 10 * kSecond;
 constexpr std::int64_t kInMotion = 3 * kSecond;
 constexpr std::int64_t kTurning = kSecond / 2;
@@ -101,8 +102,10 @@ bool Plausibility::all_last(const std::array<Held, 3>& axes, std::int64_t time, 
 
 bool Plausibility::accelerometer_stuck(std::int64_t time) const {
   const std::int64_t one = moves() ? kInMotion : kOneAxis;
-  return all_last(acceleration_, time, kAllAxes) ||
-         std::ranges::any_of(acceleration_, [&](const Held& axis) { return axis.lasts(time, one); });
+  const auto lasting = [&](std::int64_t us) {
+    return std::ranges::count_if(acceleration_, [&](const Held& axis) { return axis.lasts(time, us); });
+  };
+  return lasting(kAllAxes) == 3 || lasting(kTwoAxes) >= 2 || lasting(one) >= 1;
 }
 
 bool Plausibility::gyro_stuck(std::int64_t time) const {

@@ -14,7 +14,8 @@ namespace curbstone::imu {
 /// - An accelerometer is never still: an MTi sends its noise in float32; a WitMotion has steps of 4.8 mm/s^2, and the
 ///   noise of an MPU-9250 (300 ug/sqrt(Hz), PS-MPU-9250A-01) is 8 mm/s^2 behind the narrowest filter of 5 Hz. A chip
 ///   with a quarter of that noise may show the same value for a second. So three axes that are bit for bit the same for
-///   2 s are stuck, and so is one axis after 10 s, or after 3 s in which the others feel motion (1 m/s^2 within each).
+///   2 s are stuck, two for 3 s, and so is one axis after 10 s, or after 3 s in which the others feel motion (1 m/s^2
+///   within each).
 /// - A gyro may be: a WitMotion's steps are 1.07 mrad/s and it sets what is small to zero. An axis is stuck if it shows
 ///   the same rate for 0.5 s, and that rate is one that no bias explains (0.1 rad/s: 5.7 deg/s; an MPU-9250's is at
 ///   most 5): no vehicle keeps its turn to a hundredth for that long. The gyro is, if all its axes are, or are the same

@@ -1,5 +1,6 @@
 #include "drivers/encoder/can/candump.hpp"
 
+#include <array>
 #include <charconv>
 
 #include "drivers/encoder/can/hex.hpp"
@@ -25,6 +26,30 @@ std::optional<std::int64_t> parse_stamp(std::string_view text) {
   return *seconds * 1'000'000 + *micros;
 }
 
+/// "202##1AABB": flags, data; "20000088#00": an error, which bit 29 tells
+bool is_other(std::string_view text) {
+  constexpr std::uint32_t kError = 0x20000000;
+  constexpr std::size_t kMostData = 64;
+  const std::size_t hash = text.find('#');
+  if (hash != 3 && hash != 8) return false;
+  const auto id = parse_hex(text.substr(0, hash));
+  const bool error = hash == 8 && id && (*id & ~kMaxExtendedId) == kError;
+  if (!id || (!error && *id > (hash == 8 ? kMaxExtendedId : kMaxStandardId))) return false;
+  std::string_view payload = text.substr(hash + 1);
+  const bool fd = !error && payload.starts_with('#') && payload.size() >= 2 && parse_hex(payload.substr(1, 1));
+  if (fd) payload.remove_prefix(2);
+  std::array<std::uint8_t, kMostData> data;
+  return (fd || error) && parse_hex_bytes(payload, data);
+}
+
+/// "1122334455667788_E", "R8_9": eight bytes whose length code is above 8 (candump -8).
+void drop_length_code(std::string_view& payload) {
+  if (payload.size() < 2 || payload[payload.size() - 2] != '_') return;
+  const auto code = parse_hex(payload.substr(payload.size() - 1));
+  const std::string_view rest = payload.substr(0, payload.size() - 2);
+  if (code && *code > 8 && (rest.size() == 16 || rest == "R8")) payload = rest;
+}
+
 /// "202#903C", "00000123#", "123#R", "123#R4"
 std::optional<CanFrame> parse_frame(std::string_view text) {
   const std::size_t hash = text.find('#');
@@ -32,9 +57,10 @@ std::optional<CanFrame> parse_frame(std::string_view text) {
   CanFrame frame;
   frame.extended = hash == 8;
   const auto id = parse_hex(text.substr(0, hash));
-  if (!id || *id > (frame.extended ? kMaxExtendedId : kMaxStandardId)) return {};  // error frames have bit 29 set
+  if (!id || *id > (frame.extended ? kMaxExtendedId : kMaxStandardId)) return {};
   frame.id = *id;
   std::string_view payload = text.substr(hash + 1);
+  drop_length_code(payload);
   if (!payload.empty() && payload[0] == 'R') {
     frame.remote = true;
     if (payload.size() > 2) return {};
@@ -69,8 +95,10 @@ std::optional<CandumpLine> parse_candump_line(std::string_view line) {
   const std::string_view direction = next_word(line);  // newer candump adds T or R
   if (!direction.empty() && direction != "T" && direction != "R") return {};
   const auto utime = parse_stamp(stamp.substr(1, stamp.size() - 2));
+  if (!utime) return {};
+  if (is_other(frame_text)) return CandumpLine{*utime, std::string(interface), {}, true};
   const auto frame = parse_frame(frame_text);
-  if (!utime || !frame) return {};
+  if (!frame) return {};
   return CandumpLine{*utime, std::string(interface), *frame};
 }
 

@@ -14,9 +14,10 @@ struct CandumpLine {
   std::int64_t utime = 0;  ///< us
   std::string interface;
   CanFrame frame;
+  bool other = false;  ///< an error frame, or CAN FD ("##"): `frame` is empty
 };
 
-/// Empty for whatever is no classical CAN frame: headings, error frames, CAN FD ("##"), broken lines.
+/// Empty for whatever is no line of a log: headings, broken lines.
 [[nodiscard]] std::optional<CandumpLine> parse_candump_line(std::string_view line);
 
 }  // namespace curbstone::encoder::can

@@ -10,7 +10,8 @@ namespace {
 constexpr int kMostAtOnce = 64;  // frames a millisecond: nobody sends bursts
 }
 
-FileLink::FileLink(const std::string& path, double rate) : file_(path), pace_(rate), next_(file_.next()) {
+FileLink::FileLink(const std::string& path, double rate, std::vector<std::uint32_t> ours)
+    : file_(path, std::move(ours)), pace_(rate), next_(file_.next()) {
   first_utime_ = next_->utime;
 }
 

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/time/replay_pace.hpp"
 #include "drivers/encoder/can/can_link.hpp"
@@ -17,8 +18,8 @@ namespace curbstone::encoder::traces {
 /// goes on elsewhere), dropped.no_bus (frames to send).
 class FileLink final : public can::CanLink {
  public:
-  /// `rate` times real time; 0: as fast as it can be read. Throws as TraceFile does.
-  FileLink(const std::string& path, double rate);
+  /// `rate` times real time; 0: as fast as it can be read. Throws as TraceFile does, and `ours` are its ids.
+  FileLink(const std::string& path, double rate, std::vector<std::uint32_t> ours = {});
 
   void attach(EventLoop& loop, Handlers handlers) override;
   void send(const can::CanFrame&) override { counters_.add("dropped.no_bus"); }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -16,7 +17,8 @@ constexpr int kHeading = 1000;             // lines
 constexpr std::size_t kLongestLine = 512;  // characters
 }  // namespace
 
-TraceFile::TraceFile(std::string path) : path_(std::move(path)), file_(path_, std::ios::binary) {
+TraceFile::TraceFile(std::string path, std::vector<std::uint32_t> ours)
+    : path_(std::move(path)), file_(path_, std::ios::binary), ours_(std::move(ours)) {
   const auto fail = [this](const std::string& why) { throw std::runtime_error(fmt::format("{}: {}", path_, why)); };
   if (!file_) fail(std::strerror(errno));
   std::string text;
@@ -52,16 +54,22 @@ std::optional<TraceFile::Frame> TraceFile::parse(const std::string& text) {
   } else {
     const auto line = can::parse_candump_line(text);
     if (!line && text.find_first_not_of(" \t\r") != std::string::npos) counters_.add("refused.trace_line");
-    if (!line) return {};
+    if (line && line->other) counters_.add("ignored.trace_line");
+    if (!line || line->other) return {};
     frame = {line->utime, line->frame};
     bus = line->interface;
   }
-  if (!bus_) bus_ = bus;
-  if (bus != *bus_) {
+  if (!bus_ && is_ours(frame.frame)) bus_ = bus;
+  if (bus_ && bus != *bus_) {
     counters_.add("ignored.other_bus");
     return {};
   }
   return frame;
+}
+
+bool TraceFile::is_ours(const can::CanFrame& frame) const {
+  const std::uint32_t id = frame.id | (frame.extended ? 0x8000'0000u : 0u);
+  return ours_.empty() || std::ranges::find(ours_, id) != ours_.end();
 }
 
 std::optional<TraceFile::Frame> TraceFile::next() {

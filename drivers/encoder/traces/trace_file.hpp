@@ -4,6 +4,7 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/bus/counters.hpp"
 #include "drivers/encoder/can/can_frame.hpp"
@@ -11,7 +12,8 @@
 
 namespace curbstone::encoder::traces {
 
-/// The frames of a recording, whichever of the two kinds it is. Of several buses only the first is read.
+/// The frames of a recording, whichever of the two kinds it is. Of several buses one is read: that on which a frame of
+/// ours comes first, or where nothing is known of ours, the first. Until it is known the frames of all come.
 ///
 /// Counts: refused.trace_line, ignored.trace_line (no classical frames), ignored.other_bus.
 class TraceFile {
@@ -22,8 +24,8 @@ class TraceFile {
   };
 
   /// Throws std::runtime_error, with one clear line, if the file cannot be read, has no frame among its first 1000
-  /// lines or is of a version that is not known.
-  explicit TraceFile(std::string path);
+  /// lines or is of a version that is not known. `ours`: CAN ids, bit 31 marks one of 29 bits.
+  explicit TraceFile(std::string path, std::vector<std::uint32_t> ours = {});
 
   /// The next frame; nothing at the end.
   std::optional<Frame> next();
@@ -32,11 +34,13 @@ class TraceFile {
  private:
   bool read_line(std::string& text);
   std::optional<Frame> parse(const std::string& text);
+  [[nodiscard]] bool is_ours(const can::CanFrame& frame) const;
 
   std::string path_;
   std::ifstream file_;
   bool pcan_ = false;
   PcanTrace trace_;
+  std::vector<std::uint32_t> ours_;
   std::optional<std::string> bus_;
   std::optional<Frame> first_;
   Counters counters_;

@@ -73,13 +73,13 @@ void WitDevice::on_frame(std::int64_t now, const WitFrame& frame, const Handler&
   if (frame.id > 0x5A || (kGrouped & 1u << (frame.id - 0x50u)) == 0) return counters_.add("skipped.frames");
   if (group_.ids != 0 && frame.id <= group_.last) end_group(now, handler);
   if (group_.ids == 0) group_.begun = now;
+  group_.ended = now;
   group_.broken = group_.broken || (frame.after_gap && group_.ids != 0);
   group_.ids |= 1u << (frame.id - 0x50u);
   group_.last = frame.id;
   ++group_.frames;
   take(frame);
-  if (expected_ != 0 && (group_.ids & expected_) == expected_ && !group_.done && !group_.broken)
-    use_group(now, handler);
+  if (expected_ != 0 && (group_.ids & expected_) == expected_ && !group_.done && !group_.broken) use_group(handler);
 }
 
 void WitDevice::take(const WitFrame& frame) {
@@ -110,7 +110,7 @@ void WitDevice::take(const WitFrame& frame) {
 /// Another group begins. The first shows by its end what a whole one is.
 void WitDevice::end_group(std::int64_t now, const Handler& handler) {
   const bool whole = (group_.ids & expected_) == expected_ && !group_.broken;
-  if (whole && !group_.done) use_group(group_.begun, handler);
+  if (whole && !group_.done) use_group(handler);
   if (!whole && !group_.done) counters_.add("refused.group");
   if (whole) {
     expected_ = group_.ids;
@@ -124,14 +124,14 @@ void WitDevice::end_group(std::int64_t now, const Handler& handler) {
   group_.begun = now;
 }
 
-void WitDevice::use_group(std::int64_t now, const Handler& handler) {
+void WitDevice::use_group(const Handler& handler) {
   group_.done = true;
   if ((group_.ids & kInertia) != kInertia) return counters_.add("skipped.incomplete");
   const std::int64_t bits = group_.frames * static_cast<std::int64_t>(WitFrame::kSize) * 10;
-  group_.sample.received = settings_.uart ? now - bits * 1'000'000 / settings_.baud : group_.begun;
+  group_.sample.received = settings_.uart ? group_.ended - bits * 1'000'000 / settings_.baud : group_.begun;
   if (!judge_time()) return;
-  if (group_.ticks) configurator_.on_usable_sample(now);
-  watch_rate(now);
+  if (group_.ticks) configurator_.on_usable_sample(group_.ended);
+  watch_rate(group_.ended);
   handler(group_.sample);
 }
 

@@ -28,9 +28,10 @@ class WitDevice final : public device::ImuDevice {
   struct Group {
     unsigned ids = 0;  // bit k: frame 0x50 + k has come
     std::uint8_t last = 0;
-    bool broken = false;  // something was lost inside it
-    bool done = false;    // used or counted
-    std::int64_t begun = 0;
+    bool broken = false;     // something was lost inside it
+    bool done = false;       // used or counted
+    std::int64_t begun = 0;  // us, receipt of the first frame
+    std::int64_t ended = 0;  // and of the last
     int frames = 0;
     std::optional<std::uint32_t> ticks;  // of 0.1 ms since midnight
     device::ImuSample sample;
@@ -39,7 +40,7 @@ class WitDevice final : public device::ImuDevice {
   void on_frame(std::int64_t now, const WitFrame& frame, const Handler& handler);
   void take(const WitFrame& frame);
   void end_group(std::int64_t now, const Handler& handler);
-  void use_group(std::int64_t now, const Handler& handler);
+  void use_group(const Handler& handler);
   bool judge_time();
   void watch_rate(std::int64_t now);
 

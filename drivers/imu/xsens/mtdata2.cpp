@@ -156,6 +156,7 @@ MtData2 decode_mtdata2(std::span<const std::uint8_t> payload, Counters& counters
   while (!payload.empty()) {
     if (payload.size() < kHeader || payload.size() - kHeader < payload[2]) {
       counters.add("refused.truncated");
+      result.truncated = true;
       break;
     }
     decode_item({read_big_endian<std::uint16_t>(payload), payload.subspan(kHeader, payload[2])}, result, counters);

@@ -21,6 +21,7 @@ struct MtData2 {
   std::optional<std::array<double, 4>> orientation;     ///< w x y z, unit, sensor to the device's local frame
   std::optional<double> temperature;                    ///< deg C
   std::optional<std::uint32_t> status;                  ///< bits of the status word; the status byte is its lowest
+  bool truncated = false;                               ///< an item runs over the end: it is no message of a device
 
   static constexpr std::uint32_t kSelfTestPassed = 1u << 0;
   static constexpr std::uint32_t kForceClips = 0x7u << 8;  ///< of the accelerometer's axes
@@ -28,9 +29,9 @@ struct MtData2 {
 };
 
 /// Decodes the payload of an MTData2 message: float32, float64 and both fixed-point formats. Unknown items are skipped
-/// by their size. Counts into `counters`: skipped.items, refused.truncated (an item runs over the end; what came before
-/// it stands), refused.item_size, refused.not_finite, refused.range (more than any such device can measure). Source:
-/// Xsens MT Low Level Communication Protocol (MT0101P), MTData2.
+/// by their size. Counts into `counters`: skipped.items, refused.truncated, refused.item_size, refused.not_finite,
+/// refused.range (more than any such device can measure). Source: Xsens MT Low Level Communication Protocol (MT0101P),
+/// MTData2.
 [[nodiscard]] MtData2 decode_mtdata2(std::span<const std::uint8_t> payload, Counters& counters);
 
 }  // namespace curbstone::imu::xsens

@@ -93,8 +93,14 @@ XbusParser::Candidate XbusParser::examine(std::span<const std::uint8_t> bytes, X
   return candidate;
 }
 
+/// A device sends the same message over and over. So the header that this one has, inside it, is the next one's, whose
+/// rest has not come yet.
 bool XbusParser::swallows_another(std::span<const std::uint8_t> bytes, std::size_t size) {
-  if (bytes.size() == size || bytes[size] == kPreamble) return false;
+  constexpr std::size_t kHeader = 4;
+  const std::span<const std::uint8_t> inside = bytes.first(size).subspan(kHeader);
+  if (bytes.size() > size && bytes[size] == kPreamble) return false;
+  const std::span<const std::uint8_t> own = bytes.first(kHeader);
+  if (std::search(inside.begin(), inside.end(), own.begin(), own.end()) != inside.end()) return true;
   for (std::size_t i = 1; i < size; ++i) {
     XbusFrame other;
     const char* cause = nullptr;

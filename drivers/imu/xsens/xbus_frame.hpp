@@ -42,8 +42,8 @@ struct XbusFrame {
 /// Cuts a byte stream into frames. FA also occurs inside payloads, and garbage looks like headers. So a candidate
 /// counts only if its checksum is right. If not, the search goes on from its second byte, and a good frame inside it is
 /// found. A frame that was cut takes what it lacks from its follower, and one in 256 such has the right sum: so a
-/// candidate that no preamble follows, though bytes do, and inside which a good frame begins, is refused. Holds at most
-/// kMaxFrame bytes. One thread.
+/// candidate that no preamble follows, and inside which a good frame or one with the same header begins, is refused.
+/// Holds at most kMaxFrame bytes. One thread.
 ///
 /// Counts: frames, refused.checksum, refused.header (bus id, id or length that no device sends), refused.incomplete (a
 /// candidate whose rest did not come within kPatience), refused.overlap, garbage_bytes.

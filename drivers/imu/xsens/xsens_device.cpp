@@ -33,6 +33,7 @@ void XsensDevice::on_frame(std::int64_t now, const XbusFrame& frame, const Handl
   }
   if (!frame.is(Mid::kMtData2)) return;
   const MtData2 data = decode_mtdata2(frame.data, counters_);
+  if (data.truncated) return;
   if (!(data.acceleration && data.angular_rate) && !(data.delta_velocity && data.delta_rotation)) {
     counters_.add("skipped.incomplete");
     if (data.packet_counter) packet_counter_.other(*data.packet_counter);

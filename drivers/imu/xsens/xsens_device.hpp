@@ -11,7 +11,8 @@ namespace curbstone::imu::xsens {
 
 /// An Xsens MTi: Xbus frames, MTData2 messages. Its time is SampleTimeFine. Messages without inertial data (of its GNSS
 /// receiver, say, which bear the time of the fix) touch neither clock nor sequence. Velocity and rotation increments go
-/// before acceleration and rate of turn where they come.
+/// before acceleration and rate of turn where they come. A message whose items do not come out even is none: a frame
+/// that lost bytes and took others from its follower has the right sum once in 256 times.
 ///
 /// Counts, besides those of XbusParser, decode_mtdata2() and MtConfigurator: skipped.incomplete (messages without
 /// inertial data), skipped.no_interval (increments before the sample interval is known), refused.time, refused.repeated

@@ -19,13 +19,15 @@ constexpr std::int64_t kLeast = 250'000;    // us, of a run: what a gyro filters
 void GyroWatch::add(std::int64_t utime, const Eigen::Vector3d& rate, const std::array<bool, 3>& stuck_by_driver) {
   const bool begins = last_utime_ == 0 || utime < last_utime_ || utime - last_utime_ > kPause;
   const Eigen::Vector3d change = (rate - last_).cwiseAbs();
+  for (const double r : rate.cwiseAbs()) least_ = r > 0 ? std::min(least_, r) : least_;
   last_ = rate;
   last_utime_ = utime;
   if (begins) {
-    for (Axis& axis : axes_) axis = {.stuck = axis.stuck, .since = utime, .moved = utime};
+    for (Axis& axis : axes_) axis = {.stuck = axis.stuck, .since = utime, .moved = utime, .lived = axis.lived};
   } else {
     learn_steps(change);
     for (std::size_t i = 0; i < axes_.size(); ++i) judge(i, utime, change);
+    for (std::size_t i = 0; i < axes_.size(); ++i) judge_others(i, utime, change);
   }
   for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].stuck = axes_[i].stuck || stuck_by_driver[i];
 }
@@ -47,6 +49,7 @@ void GyroWatch::judge(std::size_t i, std::int64_t utime, const Eigen::Vector3d& 
   if (change[static_cast<Eigen::Index>(i)] > 0) {
     if (axis.repeats >= kLongRun) axis.moved = utime;
     if (axis.stuck && axis.repeats < kLongRun && utime - axis.moved >= kTrust) axis.stuck = false;
+    axis.lived = std::min(axis.lived + 1, kLived);
     axis.since = utime;
     axis.repeats = 0;
     axis.moving = axis.alone = 0;
@@ -67,6 +70,26 @@ void GyroWatch::judge(std::size_t i, std::int64_t utime, const Eigen::Vector3d& 
     axis.shaking += least;
   }
   axis.stuck = axis.stuck || proven(axis, utime);
+}
+
+/// While the third axis goes on: whether the two others have got stuck together.
+void GyroWatch::judge_others(std::size_t third, std::int64_t utime, const Eigen::Vector3d& change) {
+  Axis& axis = axes_[third];
+  Axis& one = axes_[(third + 1) % 3];
+  Axis& other = axes_[(third + 2) % 3];
+  const auto shown = [&](std::size_t i) { return std::abs(last_[static_cast<Eigen::Index>(i)]); };
+  if (one.repeats == 0 || other.repeats == 0) {
+    axis.goes_on = axis.others_repeat = 0;
+    return;
+  }
+  ++axis.others_repeat;
+  if (change[static_cast<Eigen::Index>(third)] > 0) ++axis.goes_on;
+  const bool zeros = shown((third + 1) % 3) == 0 || shown((third + 2) % 3) == 0;
+  const bool fine = fine_changes_ >= kOften || (step_ > 0 && step_ <= kFine);
+  if (!fine || one.lived < kLived || other.lived < kLived || (zeros && least_ > kFine)) return;
+  const bool proven_so =
+      axis.goes_on >= kRun && static_cast<double>(axis.goes_on) >= kMostly * static_cast<double>(axis.others_repeat);
+  if (proven_so && utime - std::max(one.since, other.since) >= kPair) one.stuck = other.stuck = true;
 }
 
 bool GyroWatch::proven(const Axis& axis, std::int64_t utime) const {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 namespace curbstone::ekf::detection {
@@ -14,8 +15,10 @@ namespace curbstone::ekf::detection {
 /// for minutes on a smooth floor. So the others must show that it shakes, by kShaking of its steps from sample to
 /// sample, for kLong: no vehicle that shakes like that does not turn by one step.
 ///
-/// Where the others repeat as well nothing is said: it stands, or sends each sample twice, or has no such axis. So of
-/// two axes that get stuck in the same moment neither is found here.
+/// Two axes that get stuck in the same moment are found where the third changes for kPair, if the steps are fine and
+/// both have changed kLived times before: so it is no gyro about one axis. Of a device that sets to zero what is small
+/// two axes may be zero for as long as they like; so zeros count only where less than kFine has been shown before.
+/// Where all repeat nothing is said: it stands, or sends each sample twice.
 ///
 /// The driver finds axes that show a rate which no bias explains for 0.5 s, of any gyro: what it says is believed.
 ///
@@ -26,6 +29,8 @@ class GyroWatch {
   static constexpr int kRun = 25;                    ///< samples in which both others have changed
   static constexpr double kShaking = 8.0;            ///< steps
   static constexpr std::int64_t kLong = 10'000'000;  ///< us
+  static constexpr std::int64_t kPair = 1'000'000;   ///< us
+  static constexpr int kLived = 100;                 ///< samples
   static constexpr std::int64_t kTrust = 2'000'000;  ///< us of changes after which an axis is believed again
 
   /// The next sample, and which axes its driver calls stuck. After a pause of more than a second, or where the stamps
@@ -38,21 +43,26 @@ class GyroWatch {
  private:
   struct Axis {
     bool stuck = false;
-    std::int64_t since = 0;   // us
-    int repeats = 0;          // samples in a row
-    std::int64_t moving = 0;  // of these, in which another one has changed
-    std::int64_t alone = 0;   // of these, in which both have
-    double shaking = 0.0;     // rad/s, sum over these of the smaller change of the two
-    std::int64_t moved = 0;   // us, since when it has changed without a long run
+    std::int64_t since = 0;          // us
+    int repeats = 0;                 // samples in a row
+    std::int64_t moving = 0;         // of these, in which another one has changed
+    std::int64_t alone = 0;          // of these, in which both have
+    double shaking = 0.0;            // rad/s, sum over these of the smaller change of the two
+    std::int64_t moved = 0;          // us, since when it has changed without a long run
+    int lived = 0;                   // changes, kLived at most
+    std::int64_t others_repeat = 0;  // samples in a row in which both others have shown the same
+    std::int64_t goes_on = 0;        // of these, in which this one has changed
   };
   void learn_steps(const Eigen::Vector3d& change);
   void judge(std::size_t axis, std::int64_t utime, const Eigen::Vector3d& change);
   [[nodiscard]] bool proven(const Axis& axis, std::int64_t utime) const;
+  void judge_others(std::size_t third, std::int64_t utime, const Eigen::Vector3d& change);
 
   std::array<Axis, 3> axes_;
   Eigen::Vector3d last_ = Eigen::Vector3d::Zero();
   std::int64_t last_utime_ = 0;
   int fine_changes_ = 0;     // by kFine at most, of all axes
+  double least_ = INFINITY;  // rad/s, that an axis has shown and is not zero
   int changes_ = 0;          // of the present block, of all axes
   double block_step_ = 0.0;  // rad/s, the least of them
   double step_ = 0.0;        // rad/s, the least of the block before; 0: not known yet

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <tuple>
 
 namespace curbstone::encoder {
 namespace {
@@ -48,6 +51,58 @@ TEST(WheelCounterTest, AJumpIsRefusedOnceAndBelievedWhenItStays) {
   EXPECT_EQ(odometer.update({5'000'200, -600}, 0.01)->counts[0], 300);  // from here on anew
   EXPECT_EQ(odometer.update({5'000'300, -700}, 0.01)->counts[0], 400);
   EXPECT_EQ(odometer.counters()["counts_restarted"], 1);
+}
+
+/// How far a drive had gone, rad, how fast its wheels turn, rad/s, and for how long it says nothing, s.
+class CountsThatBeginAtZero : public ::testing::TestWithParam<std::tuple<double, double, double>> {
+ protected:
+  static WheelCounter::Raw counts(double angle) {
+    const auto count = static_cast<std::int32_t>(std::floor(angle / kRadians));
+    return {count, -count};
+  }
+};
+
+TEST_P(CountsThatBeginAtZero, AreNoWayBack) {
+  const auto [travelled, speed, silence] = GetParam();
+  for (const double period : {0.01, 0.02}) {
+    WheelCounter odometer({});
+    odometer.update(counts(travelled - speed * period), 0);
+    odometer.update(counts(travelled), period);
+    double angle = 0, since = silence;
+    double least = 0, fastest = 0;
+    for (int i = 0; i < 50; ++i) {
+      angle += speed * (since + period);
+      const auto sample = odometer.update(counts(angle - speed * (silence + period)), since + period);
+      since = 0;
+      if (!sample) continue;
+      least = std::min(least, sample->angle[0]);
+      fastest = std::max(fastest, std::abs(sample->speed[0]));
+    }
+    EXPECT_EQ(odometer.counters()["counts_restarted"], 1) << period;
+    EXPECT_EQ(least, 0) << period;
+    EXPECT_LT(fastest, speed + 1) << period;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Drives, CountsThatBeginAtZero,
+                         ::testing::Combine(::testing::Values(5.0, 12.0, 30.0), ::testing::Values(0.0, 2.0, 10.0),
+                                            ::testing::Values(0.0, 0.1, 0.4)));
+
+TEST(WheelCounterTest, OneReadingOfZeroCostsItself) {
+  WheelCounter odometer({});
+  odometer.update({800, -800}, 0);
+  odometer.update({800, -800}, 0.02);
+  EXPECT_FALSE(odometer.update({0, 0}, 0.02));
+  const auto sample = odometer.update({810, -810}, 0.02);
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->counts[0], 10);
+  EXPECT_EQ(odometer.counters()["counts_restarted"], 0);
+}
+
+TEST(WheelCounterTest, AWayBackThroughZeroIsOne) {
+  WheelCounter odometer({});
+  odometer.update({1000, -1000}, 0);
+  for (int count = 990; count > -1000; count -= 10) ASSERT_TRUE(odometer.update({count, -count}, 0.02)) << count;
+  for (int count = -600; count < 1000; count += 100) ASSERT_TRUE(odometer.update({count, -count}, 0.1)) << count;
 }
 
 TEST(WheelCounterTest, CountsThatStandStillAtSpeedAreOldAndTheirDistanceIsInTheNextSample) {

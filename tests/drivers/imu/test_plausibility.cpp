@@ -99,6 +99,11 @@ INSTANTIATE_TEST_SUITE_P(
                                    }},
                       LastingFault{"DeadHorizontalAxis", "withheld.stuck_accelerometer", "accelerometer is stuck", 3.1,
                                    [](auto& s) { s.acceleration[1] = 0; }},
+                      LastingFault{"TwoFrozenAxes", "withheld.stuck_accelerometer", "accelerometer is stuck", 3.1,
+                                   [](auto& s) {
+                                     s.acceleration[0] = 0.1;
+                                     s.acceleration[1] = -0.2;
+                                   }},
                       LastingFault{"NoisyDeadVerticalAxis", "withheld.not_gravity", "not gravity", 4.1,
                                    [](auto& s) { s.acceleration[2] -= 9.81; }},
                       LastingFault{"HalfTheScale", "withheld.not_gravity", "not gravity", 4.1,
@@ -154,6 +159,26 @@ TEST_F(DrivenImu, AxesOfTheGyroThatAreStuckAreNamedAndTheOthersGoOn) {
   EXPECT_GT(report.counters["stuck.gyro_x"], 4000);
   EXPECT_GT(report.counters["stuck.gyro_z"], 4000);
   EXPECT_EQ(report.counters["withheld.stuck_gyro"], 0);
+}
+
+/// Standing, where nothing is felt: two axes of three tell as much in 3 s as three in 2 s.
+TEST_F(DrivenImu, TwoAxesOfTheAccelerometerThatAreStuckAreFoundWithoutMotion) {
+  const auto stand = [&](XsensSample& s) {
+    s.acceleration = {0.1 + noise(0.02), -0.2 + noise(0.02), 9.81 + noise(0.02)};
+  };
+  const auto stuck = [&](XsensSample& s) {
+    stand(s);
+    s.acceleration[1] = -0.2;
+    s.acceleration[2] = 9.81;
+  };
+  drive(10, stand);
+  drive(3.1, stuck);
+  const std::size_t before = published();
+  drive(20, stuck);
+  EXPECT_EQ(published(), before);
+  EXPECT_THAT(node_.report().faults, ElementsAre(HasSubstr("accelerometer is stuck")));
+  drive(2, stand);
+  EXPECT_THAT(node_.report().faults, IsEmpty());
 }
 
 /// Samples of a device whose values have steps, straight into the judge. @return how many it withholds.

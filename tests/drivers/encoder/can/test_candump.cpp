@@ -37,10 +37,32 @@ TEST(CandumpTest, WhatIsNoFrameIsReported) {
   for (const char* line :
        {"", "   *** EAGLE-TRT", "(1608055974.318981)", "(1608055974.318981) can0", "(1608055974.31898) can0 202#90",
         "(-1.000000) can0 202#90", "(1.000000) can0 802#90", "(1.000000) can0 202#9", "(1.000000) can0 202#9G",
-        "(1.000000) can0 202#112233445566778899", "(1.000000) can0 202##1AABB", "(1.000000) can0 20000088#00",
-        "1.000000 can0 202#90", "(1.000000) can0 202#90 nonsense", "(1.000000) can0 202#R9"}) {
+        "(1.000000) can0 202#112233445566778899", "(1.000000) can0 802##1AABB", "(1.000000) can0 202##1AAB",
+        "(1.000000) can0 202##", "1.000000 can0 202#90", "(1.000000) can0 202#1122334455667788_8",
+        "(1.000000) can0 202#11223344556677_9", "(1.000000) can0 202#1122334455667788_G",
+        "(1.000000) can0 202#90 nonsense", "(1.000000) can0 202#R9"}) {
     EXPECT_FALSE(parse_candump_line(line)) << line;
   }
+}
+
+TEST(CandumpTest, FramesThatAreNotClassicalAreNoDamage) {
+  for (const char* text : {"(1.000000) can0 202##1AABB", "(1.000000) can0 0000012A##0", "(1.000000) can0 20000088#00",
+                           "(1.000000) can0 20000004#0004000000000000"}) {
+    const auto line = parse_candump_line(text);
+    ASSERT_TRUE(line) << text;
+    EXPECT_TRUE(line->other) << text;
+  }
+}
+
+/// candump -8: a length code above 8 of a frame of 8 bytes.
+TEST(CandumpTest, ALengthCodeAboveEightIsEightBytes) {
+  const auto data = parse_candump_line("(1.000000) can0 202#1122334455667788_E R");
+  ASSERT_TRUE(data);
+  EXPECT_EQ(data->frame, CanFrame::make(0x202, {0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88}));
+  const auto remote = parse_candump_line("(1.000000) can0 202#R8_F");
+  ASSERT_TRUE(remote);
+  EXPECT_TRUE(remote->frame.remote);
+  EXPECT_EQ(remote->frame.size, 8);
 }
 
 TEST(CandumpTest, AWholeRaceIsReadAndOnlyItsHeadingIsRefused) {

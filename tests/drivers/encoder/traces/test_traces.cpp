@@ -122,6 +122,32 @@ TEST(TraceFileTest, ARealCandumpIsReadWhole) {
   EXPECT_EQ(frames, 82'661);
 }
 
+/// Others may share the bus.
+TEST(TraceFileTest, CanFdAndErrorFramesAreIgnoredAndNotRefused) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "x.log") << "(1.000000) can0 181##1AABB\n(1.000001) can0 181#00\n"
+                                     "(1.000002) can0 20000088#0000000000000000\n(1.000003) can0 18\n";
+  TraceFile file(folder / "x.log");
+  EXPECT_EQ(file.next()->frame.id, 0x181u);
+  EXPECT_FALSE(file.next());
+  EXPECT_EQ(file.counters()["ignored.trace_line"], 2);
+  EXPECT_EQ(file.counters()["refused.trace_line"], 1);
+}
+
+/// candump of two interfaces: which one comes first is chance.
+TEST(TraceFileTest, TheBusIsThatOnWhichAFrameOfOursComesFirst) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "x.log") << "(1.000000) can0 300#00\n(1.000001) can1 00000181#00\n(1.000002) can1 181#00\n"
+                                     "(1.000003) can0 181#00\n(1.000004) can1 182#00\n";
+  TraceFile file(folder / "x.log", {0x181, 0x281});
+  EXPECT_EQ(file.next()->frame.id, 0x300u) << "nobody knows yet";
+  EXPECT_TRUE(file.next()->frame.extended);
+  EXPECT_EQ(file.next()->utime, 1'000'002);
+  EXPECT_EQ(file.next()->utime, 1'000'004);
+  EXPECT_FALSE(file.next());
+  EXPECT_EQ(file.counters()["ignored.other_bus"], 1);
+}
+
 TEST(TraceFileTest, OnlyTheFirstBusIsRead) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "x.log") << "(1.000000) can0 181#00\n(1.000001) can1 181#00\n(1.000002) can0 182#00\n";

@@ -43,6 +43,30 @@ TEST(WitDevice, TheWorkedFramesGiveTheirValues) {
   EXPECT_FALSE(samples[0].time);
 }
 
+/// The first group shows by its end, when the next begins, what a whole one is: its stamp is of its own bytes all the
+/// same. One that came out too early would be believed for seconds (ClockOffset).
+TEST(WitDevice, OnAUartTheFirstGroupIsStampedAsTheOthersAre) {
+  for (const int baud : {9600, 115200}) {
+    WitDevice device({.configure = false, .baud = baud, .uart = true}, [](auto) {});
+    simulate::devices::WitEmulator emulator;
+    emulator.power_on(kStart);
+    std::vector<device::ImuSample> samples;
+    for (int i = 0; i < 5; ++i) {
+      const std::int64_t begin = kStart + i * 100'000;
+      const Bytes bytes = emulator.sample(begin, {.acceleration = {0, 0, 9.8}});
+      for (std::size_t k = 0; k < bytes.size(); ++k) {
+        const auto sent = static_cast<std::int64_t>(k + 1) * 10'000'000 / baud;
+        device.on_bytes(begin + sent, std::span(bytes).subspan(k, 1),
+                        [&](const device::ImuSample& sample) { samples.push_back(sample); });
+      }
+    }
+    ASSERT_EQ(samples.size(), 5u);
+    for (int i = 0; i < 5; ++i)
+      EXPECT_NEAR(static_cast<double>(samples[static_cast<std::size_t>(i)].received), kStart + i * 100'000, 100)
+          << i << ", " << baud;
+  }
+}
+
 /// The node and an emulated device.
 class WitNodeTest : public ::testing::Test {
  protected:

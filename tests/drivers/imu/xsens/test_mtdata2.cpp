@@ -102,6 +102,7 @@ TEST(MtData2Test, ATruncatedItemIsCountedAndWhatCameBeforeItStands) {
     const MtData2 data = decode(std::string("10 20 02 00 07 ") + tail, &counters);
     EXPECT_EQ(data.packet_counter, 7);
     EXPECT_FALSE(data.acceleration);
+    EXPECT_TRUE(data.truncated);
     EXPECT_EQ(counters["refused.truncated"], 1) << tail;
   }
 }

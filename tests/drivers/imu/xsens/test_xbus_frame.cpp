@@ -84,6 +84,24 @@ TEST_F(XbusParserTest, AFrameInsideAFailedCandidateIsFound) {
   EXPECT_EQ(count("garbage_bytes"), 4);
 }
 
+/// A stream of messages of one kind: the header of the next one inside tells it, though no more has come yet.
+TEST_F(XbusParserTest, ACutFrameThatIsCompletedByTheBeginningOfItsLikeIsRefusedByteByByte) {
+  const test::Bytes payload = test::from_hex("10 20 02 00 07 E0 20 04 00 00 00 01");
+  const test::Bytes next = encode_xbus(Mid::kMtData2, payload);
+  for (int tail = 0; tail < 256; ++tail) {  // for one of them the sum is right
+    parser_.reset();
+    test::Bytes bytes = test::from_hex("FA FF 36 0C 10 20 02 00 06");
+    bytes.push_back(static_cast<std::uint8_t>(tail));
+    test::append(bytes, next);
+    std::vector<Parsed> frames;
+    for (const std::uint8_t byte : bytes) {
+      for (const Parsed& frame : parse({byte})) frames.push_back(frame);
+    }
+    EXPECT_THAT(frames, ::testing::ElementsAre(Parsed{0x36, payload})) << tail;
+  }
+  EXPECT_EQ(count("refused.overlap"), 1);
+}
+
 TEST_F(XbusParserTest, ACutFrameThatIsCompletedByItsFollowerWithTheRightSumIsRefused) {
   for (int tail = 0; tail < 256; ++tail) {  // for one of them the sum is right
     parser_.reset();

@@ -115,6 +115,18 @@ TEST_P(GyroWatchOf, AnAxisThatIsStuckOnRoughGroundIsFound) {
   }
 }
 
+/// What shakes about one axis alone, as on a turntable, proves nothing about the two others.
+TEST_P(GyroWatchOf, NoAxesAreStuckWhereItShakesAboutOne) {
+  for (const double sigma : {0.003, 0.03, 0.3}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      watch_ = {};
+      Shaking shaking;
+      shaking.sigma[static_cast<std::size_t>(axis)] = sigma;
+      EXPECT_EQ(run(shaking, 1200), 0.0) << sigma << ", " << axis;
+    }
+  }
+}
+
 TEST_P(GyroWatchOf, AnAxisThatIsStuckFromTheStartIsFoundAtRestWhereStepsAreFine) {
   for (int axis = 0; axis < 3; ++axis) {
     watch_ = {};
@@ -172,6 +184,39 @@ TEST_F(GyroWatchTest, AnAxisThatMovesNowAndThenIsNotTrusted) {
 TEST_F(GyroWatchTest, OfTwoAxesThatShowNothingNoneIsCalledStuck) {
   add(60, {true, true, false});  // a gyro about the vertical alone
   EXPECT_FALSE(watch_.stuck(0) || watch_.stuck(1) || watch_.stuck(2));
+}
+
+TEST_F(GyroWatchTest, TwoAxesThatHaveLivedAndGetStuckInOneMomentAreFound) {
+  for (const std::array<bool, 3>& frozen :
+       {std::array{true, true, false}, std::array{true, false, true}, std::array{false, true, true}}) {
+    watch_ = {};
+    add(3);
+    add(0.9, frozen);
+    EXPECT_FALSE(watch_.stuck(0) || watch_.stuck(1) || watch_.stuck(2));
+    add(0.3, frozen);
+    for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(watch_.stuck(axis), frozen[static_cast<std::size_t>(axis)]) << axis;
+    add(2.5);
+    EXPECT_FALSE(watch_.stuck(0) || watch_.stuck(1) || watch_.stuck(2));
+  }
+}
+
+/// What is small is 0 there: about two axes it may be for as long as it turns about the third.
+TEST_F(GyroWatchTest, OfADeviceWithADeadZoneNoTwoAxesAreStuckAtZero) {
+  const auto turn = [&](double seconds, const Eigen::Vector3d& level) {
+    for (int i = 0; i < 100 * seconds; ++i) {
+      Eigen::Vector3d rate = gyro_.next() + level;
+      for (double& r : rate) r = std::abs(r) < 0.01 ? 0 : r;
+      watch_.add(utime_ += 10'000, rate);
+    }
+  };
+  turn(5, {0.1, 0.1, 0.1});
+  turn(60, {0, 0, 0.1});
+  EXPECT_FALSE(watch_.stuck(0) || watch_.stuck(1) || watch_.stuck(2));
+  shown_.setZero();
+  watch_ = {};
+  add(5);
+  add(1.2, {true, true, false});
+  EXPECT_TRUE(watch_.stuck(0) && watch_.stuck(1)) << "it has shown less before, so it has no such zone";
 }
 
 TEST_F(GyroWatchTest, ASecondAxisIsFoundAfterTheFirst) {
@@ -233,6 +278,16 @@ TEST_P(GyroWatchOnRealDrives, NoAxisIsCalledStuckUnlessItIs) {
       found = found || watch.stuck(axis);
     }
     EXPECT_TRUE(found) << axis;
+    GyroWatch of_two;
+    bool both = false;
+    for (std::size_t i = 0; i < drive->drive.imu.size(); ++i) {
+      Eigen::Vector3d rate = drive->drive.imu[i].angular_rate;
+      if (i > drive->drive.imu.size() / 2) rate[axis] = rate[(axis + 1) % 3] = 0.01;
+      of_two.add(drive->drive.imu[i].utime, rate);
+      both = both || (of_two.stuck(axis) && of_two.stuck((axis + 1) % 3));
+      EXPECT_FALSE(of_two.stuck((axis + 2) % 3));
+    }
+    EXPECT_TRUE(both) << axis;
   }
 }
 INSTANTIATE_TEST_SUITE_P(All, GyroWatchOnRealDrives, ::testing::ValuesIn(real_drive_names()),

@@ -106,6 +106,27 @@ TEST_P(StuckGyro, IsDoneWithout) {
   }
 }
 
+/// The other axis of the two is the next one.
+TEST_P(StuckGyro, OfTwoAxesThatGetStuckInOneMomentIsDoneWithout) {
+  const int axis = GetParam(), other = (axis + 1) % 3;
+  for (const StuckDrive& good : stuck_drives(1)) {
+    const StuckOutcome healthy = stuck_outcome(good.drive);
+    for (const double begin : {20.0, middle_of_bend(good.drive, 15.0, 60.0)}) {
+      for (const double rate : {0.0, 0.02, 0.09}) {
+        const Drive one = with_stuck_axis(good.drive, axis, rate, begin);
+        StuckOutcome o = stuck_outcome(with_stuck_axis(one, other, -rate, begin));
+        std::printf(
+            "[ figure ] %s, %s and %s stuck at %.2f rad/s from %.1f s on: %.2f m, %.1f sigma, mean square %.1f\n",
+            good.name.c_str(), gyro_axis(axis), gyro_axis(other), rate, begin, o.position, o.sigmas, o.square);
+        EXPECT_EQ(o.counters[std::string("faults.gyro_") + gyro_axis(axis)], 1);
+        EXPECT_EQ(o.counters[std::string("faults.gyro_") + gyro_axis(other)], 1);
+        EXPECT_LT(o.position, healthy.position + (axis != 0 ? 0.12 * good.drive.distance : 2.0));
+        EXPECT_LT(o.sigmas, 5.0);
+      }
+    }
+  }
+}
+
 /// What a coarse gyro's driver makes of the drive: it withholds samples that cannot be, and names stuck axes.
 Drive as_its_driver_says(Drive drive, bool withholds_the_stuck) {
   constexpr double kStep = 2000.0 / 32768 * std::numbers::pi / 180;  // rad/s, a WitMotion's
