@@ -11,9 +11,9 @@
 #include "common/packing/spill_file.hpp"
 #include "services/mapper/dense_map/dense_map.hpp"
 #include "services/mapper/dense_map/tile_records.hpp"
+#include "tests/damaged_spill_files.hpp"
 #include "tests/services/mapper/dense_map/ground_patch.hpp"
 #include "tests/temporary_folder.hpp"
-#include "tests/truncated_spill_files.hpp"
 
 namespace curbstone::mapper::dense_map {
 namespace {
