@@ -54,7 +54,7 @@ DenseMap::DenseMap(const config::DenseConfig& config, std::shared_ptr<SpillFile>
       voxel_steps_(static_cast<int>(std::lround(config.voxel / kPositionStep))),
       settle_us_(std::llround(1e6 * config.settle_s)),
       far_(std::move(far)),
-      tiles_(voxel_steps_, far_),
+      tiles_(no_tiles()),
       places_(std::llround(1e6 * config.persistence_s)),
       free_space_(config.ground_clearance) {}
 
@@ -250,7 +250,7 @@ void DenseMap::forget_waiting() {
 void DenseMap::move(const std::vector<Pose>& corrections) {
   std::vector<TileKey> moved;  // all tiles are other ones, and whoever asks for keys() gets them
   move_rest(moved);            // of an earlier correction
-  mover_ = TileMover(std::exchange(tiles_, TileGrid(voxel_steps_, far_)), corrections, base_);
+  mover_ = TileMover(std::exchange(tiles_, no_tiles()), corrections, base_);
   forget_waiting();
   size_ = num_removals_ = 0;
   move_some(kMovedAtOnce, moved);
@@ -261,7 +261,7 @@ void DenseMap::move_some(std::size_t most, std::vector<TileKey>& grown) {
     const auto key = put(point);
     if (key && (grown.empty() || grown.back() != *key)) grown.push_back(*key);
   });
-  (void)tiles_.sleep_beyond(base_, config_.max_range + kAwake);  // so that the whole map is never awake
+  (void)tiles_.sleep_beyond(base_, config_.max_range + config_.awake);  // so that the whole map is never awake
 }
 
 void DenseMap::move_rest(std::vector<TileKey>& grown) {

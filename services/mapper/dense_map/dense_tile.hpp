@@ -102,6 +102,8 @@ class DenseTile {
   /// empty.
   bool put_away(SpillFile& file);
   [[nodiscard]] bool is_away() const { return is_away_; }
+  /// Away, and not in memory in any form.
+  [[nodiscard]] bool is_in_file() const { return is_away_ && packed_.is_in_file(); }
   /// With its records. False if the file does not give them back: then it is away as before.
   [[nodiscard]] bool wake();
   /// PackedRecords of a tile that is away.

@@ -9,7 +9,6 @@
 namespace curbstone::mapper::dense_map {
 namespace {
 
-constexpr std::size_t kKeptHere = 200;  // tiles that sleep with their records: some 5 MB
 constexpr int kStepsPerMetre = 500;
 static_assert(kStepsPerMetre * kTileSize == kStepsPerTile);
 
@@ -89,8 +88,8 @@ void TileGrid::fall_asleep(TileKey key, DenseTile& tile) {
 }
 
 void TileGrid::put_away(std::size_t share) {
-  if (here_.size() <= kKeptHere) return;
-  for (std::size_t left = 1 + (here_.size() - kKeptHere - 1) / share; left > 0; --left) {
+  if (here_.size() <= most_here_) return;
+  for (std::size_t left = 1 + (here_.size() - most_here_ - 1) / share; left > 0; --left) {
     const auto it = tiles_.find(here_.front());
     here_.pop_front();
     if (it != tiles_.end()) it->second.put_away(*far_);

@@ -30,8 +30,9 @@ namespace curbstone::mapper::dense_map {
 /// tile that the file does not give back is given up: see take_lost(). One thread.
 class TileGrid {
  public:
-  /// `voxel_steps`: as of DenseTile; `far`: where records are put away.
-  TileGrid(int voxel_steps, std::shared_ptr<SpillFile> far) : voxel_steps_(voxel_steps), far_(std::move(far)) {}
+  /// `voxel_steps`: as of DenseTile; `far`: where records are put away; `most_here`: tiles that sleep with theirs.
+  TileGrid(int voxel_steps, std::shared_ptr<SpillFile> far, std::size_t most_here)
+      : voxel_steps_(voxel_steps), far_(std::move(far)), most_here_(most_here) {}
 
   /// As it is; nullptr if there is none.
   [[nodiscard]] const DenseTile* find(TileKey key) const;
@@ -85,6 +86,7 @@ class TileGrid {
 
   int voxel_steps_;
   std::shared_ptr<SpillFile> far_;
+  std::size_t most_here_;
   Tiles tiles_;
   std::deque<TileKey> here_;  // that sleep with their records, the longest first; some have woken or are gone since
   std::vector<Lost> lost_;
