@@ -302,7 +302,7 @@ NodeReport MapperNode::report() const {
   report.latency_p99 = latency_.percentile(0.99);
   if (!far_->read_fault().empty())
     report.faults.push_back(
-        fmt::format("far tiles: {} looks at what is far failed, so parts of the map are missing: {}",
+        fmt::format("far tiles: {} looks at what is far failed, so parts of the map cannot be sent, saved or grow: {}",
                     far_->failed_reads(), far_->read_fault()));
   if (!far_->fault().empty()) report.faults.push_back("far tiles stay in memory: " + far_->fault());
   if (saver_ && !saver_->fault().empty()) report.faults.push_back(saver_->fault());

@@ -29,15 +29,6 @@ void DenseMap::bound_memory() {
   }
 }
 
-/// The disk has not given them back: they are no more.
-void DenseMap::note_lost() {
-  for (const TileGrid::Lost& lost : tiles_.take_lost()) {
-    size_ -= static_cast<std::int64_t>(lost.num_points);
-    num_removals_ -= static_cast<std::int64_t>(lost.num_removals);
-    evicted_.push_back(lost.key);
-  }
-}
-
 std::size_t DenseMap::bytes() const {
   std::size_t bytes = 0;
   tiles_.for_each([&](const DenseTile& tile) { bytes += sizeof tile + tile.bytes(); });
@@ -50,7 +41,6 @@ void DenseMap::roll_back(std::int64_t utime) {
   forget_waiting();
   size_ = num_removals_ = 0;
   tiles_.cut_after(utime);
-  (void)tiles_.take_lost();  // all tiles are told of anew
   tiles_.for_each([&](const DenseTile& tile) {
     size_ += static_cast<std::int64_t>(tile.num_points());
     num_removals_ += static_cast<std::int64_t>(tile.num_removals());
@@ -58,7 +48,7 @@ void DenseMap::roll_back(std::int64_t utime) {
 }
 
 void DenseMap::load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points) {
-  DenseTile& tile = tiles_.wake_or_make(key, z_origin);
+  DenseTile& tile = *tiles_.wake_or_make(key, z_origin);
   for (const TilePoint& p : points) {
     if (tile.occupied(tile.voxel_number(p))) continue;
     tile.append(p, utime, kFixed);
@@ -73,7 +63,7 @@ void DenseMap::load(TileKey key, std::int32_t z_origin, std::int64_t utime, cons
 void DenseMap::restore(TileKey key, std::int32_t z_origin, TileRecords records, const Eigen::Vector3d& at) {
   const bool is_near = distance_of(key, at) < config_.max_range + config_.awake;
   const bool is_fixed = !records.runs.empty() && records.runs.front().anchor == kFixed;
-  DenseTile& tile = tiles_.wake_or_make(key, z_origin);
+  DenseTile& tile = *tiles_.wake_or_make(key, z_origin);
   const bool is_awake = is_near && !is_fixed;
   if (!is_awake) tiles_.sleep(key);
   tile.restore(std::move(records));

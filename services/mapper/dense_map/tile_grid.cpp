@@ -55,19 +55,15 @@ DenseTile* TileGrid::wake(TileKey key) {
       recent_[(static_cast<unsigned>(key.x) & kMask) * kRecentSide + (static_cast<unsigned>(key.y) & kMask)];
   if (recent.tile != nullptr && recent.key == key) return recent.tile;
   const auto it = tiles_.find(key);
-  if (it == tiles_.end()) return nullptr;
-  if (!it->second.wake()) {
-    (void)give_up(it);
-    return nullptr;
-  }
+  if (it == tiles_.end() || !it->second.wake()) return nullptr;
   recent = {key, &it->second};
   return recent.tile;
 }
 
-DenseTile& TileGrid::wake_or_make(TileKey key, std::int32_t z_origin) {
-  if (DenseTile* tile = wake(key)) return *tile;
+DenseTile* TileGrid::wake_or_make(TileKey key, std::int32_t z_origin) {
+  if (DenseTile* tile = wake(key)) return tile;
   tiles_.try_emplace(key, z_origin, voxel_steps_);
-  return *wake(key);
+  return wake(key);
 }
 
 void TileGrid::erase(TileKey key) {
@@ -96,17 +92,12 @@ void TileGrid::put_away(std::size_t share) {
   }
 }
 
-TileGrid::Tiles::iterator TileGrid::give_up(Tiles::iterator tile) {
-  lost_.push_back({tile->first, tile->second.num_points(), tile->second.num_removals()});
-  return tiles_.erase(tile);
-}
-
 void TileGrid::cut_after(std::int64_t utime) {
   recent_.fill({});
   for (auto it = tiles_.begin(); it != tiles_.end();) {
     const bool was_away = it->second.is_away();
     if (!it->second.cut_after(utime)) {
-      it = give_up(it);
+      it = tiles_.erase(it);
       continue;
     }
     if (was_away && !it->second.is_away()) here_.push_back(it->first);
@@ -118,6 +109,7 @@ std::vector<TileKey> TileGrid::sleep_beyond(const Eigen::Vector3d& place, double
   recent_.fill({});
   std::vector<std::pair<double, TileKey>> far;
   for (auto& [key, tile] : tiles_) {
+    tile.try_again();
     const double d = distance_of(key, place);
     if (d < distance) continue;
     fall_asleep(key, tile);
