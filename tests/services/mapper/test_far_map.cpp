@@ -1,13 +1,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <curbstone/lidar_points_t.hpp>
 #include <curbstone/map_points_t.hpp>
+#include <curbstone/odometry_t.hpp>
 #include <curbstone/tile_index_t.hpp>
 #include <curbstone/tile_request_t.hpp>
-#include <functional>
 #include <map>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,7 +21,6 @@
 #include "tests/damaged_spill_files.hpp"
 #include "tests/services/mapper/round_street.hpp"
 #include "tests/services/mapper/storage/saved_map_fixture.hpp"
-#include "tests/stamps.hpp"
 #include "tests/temporary_folder.hpp"
 
 /// @file

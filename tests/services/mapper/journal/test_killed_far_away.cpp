@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <map>
+#include <utility>
 
 #include "tests/services/mapper/journal/killed_mapper.hpp"
 #include "tests/services/mapper/round_street.hpp"

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
-#include <vector>
+#include <utility>
 
 #include "services/mapper/storage/map_folder.hpp"
 #include "tests/damaged_spill_files.hpp"
