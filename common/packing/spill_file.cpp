@@ -3,7 +3,9 @@
 #include <fcntl.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
+#include <zlib.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -24,6 +26,12 @@ namespace {
 
 constexpr std::uint64_t kPage = 4096;
 constexpr std::chrono::seconds kPatience{5};  // after a disk has refused
+constexpr std::size_t kMuch = 8'000'000;      // bytes
+constexpr std::uint64_t kWorthwhile = 256;    // pages, that a disk gets back
+
+std::uint32_t checksum_of(const PackedValues& bytes) {
+  return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
 
 std::string in_words(int error) {
   return std::generic_category().message(error);
@@ -43,6 +51,7 @@ struct SpillFile::Values::Place {
   std::size_t size;
   std::uint64_t turn = 0;             // to be written
   std::optional<std::uint64_t> page;  // the first one in the file
+  std::uint32_t checksum = 0;         // of what is there: memory, unlike a disk, is believed
   std::shared_ptr<File> file;
 };
 
@@ -51,7 +60,7 @@ struct SpillFile::Values::Place {
 class SpillFile::File {
  public:
   using Place = Values::Place;
-  File(const std::string& folder, std::uint64_t leave_free) : leave_free_(leave_free) { open(folder); }
+  File(const std::string& folder, std::uint64_t leave_free) : folder_(folder), leave_free_(leave_free) { open(folder); }
   File(const File&) = delete;
   File& operator=(const File&) = delete;
   ~File() {
@@ -74,7 +83,9 @@ class SpillFile::File {
     const std::lock_guard lock(mutex_);
     (place.page ? in_file_ : in_memory_) -= place.size;
     waiting_.erase(place.turn);
-    if (place.page) free_.give_back(*place.page, place.num_pages());
+    if (!place.page) return;
+    free_.give_back(*place.page, place.num_pages());
+    if (has_free_end()) news_.notify_all();
   }
   [[nodiscard]] PackedValues read(const Place& place) const {
     {
@@ -86,13 +97,10 @@ class SpillFile::File {
       const ssize_t got = ::pread(descriptor_, bytes.data() + done, bytes.size() - done,
                                   static_cast<off_t>(*place.page * kPage + done));
       if (got < 0 && errno == EINTR) continue;
-      if (got <= 0) {
-        const std::string why = got < 0 ? in_words(errno) : "the file is too short";
-        ++failed_reads_;
-        throw std::runtime_error("spilled values: " + why);
-      }
+      if (got <= 0) fail_to_read(got < 0 ? in_words(errno) : "the file is too short");
       done += static_cast<std::size_t>(got);
     }
+    if (checksum_of(bytes) != place.checksum) fail_to_read("a checksum is wrong");
     return bytes;
   }
 
@@ -100,9 +108,13 @@ class SpillFile::File {
   void run() {
     std::unique_lock lock(mutex_);
     while (true) {
-      if (waiting_.empty()) fault_.clear();  // nothing is in memory that should not be
-      news_.wait(lock, [this] { return stopped_ || !waiting_.empty(); });
+      if (waiting_.empty()) {
+        fault_.clear();  // nothing is in memory that should not be
+        give_back_the_end(lock);
+      }
+      news_.wait(lock, [this] { return stopped_ || !waiting_.empty() || has_free_end(); });
       if (stopped_) return;
+      if (waiting_.empty()) continue;
       std::shared_ptr<Place> place = waiting_.begin()->second.lock();
       waiting_.erase(waiting_.begin());
       if (place) write(*place, lock);
@@ -124,6 +136,14 @@ class SpillFile::File {
     news_.wait(lock, [this] { return (waiting_.empty() && !writing_) || !fault_.empty(); });
   }
 
+  [[nodiscard]] bool is_there(const Place& place) const {
+    const std::lock_guard lock(mutex_);
+    return place.page.has_value();
+  }
+  [[nodiscard]] bool takes() const {
+    const std::lock_guard lock(mutex_);
+    return is_open() && fault_.empty();
+  }
   [[nodiscard]] std::size_t in_memory() const {
     const std::lock_guard lock(mutex_);
     return in_memory_;
@@ -133,12 +153,22 @@ class SpillFile::File {
     return in_file_;
   }
   [[nodiscard]] std::int64_t failed_reads() const { return failed_reads_; }
+  [[nodiscard]] std::string read_fault() const {
+    const std::lock_guard lock(mutex_);
+    return read_fault_;
+  }
   [[nodiscard]] std::string fault() const {
     const std::lock_guard lock(mutex_);
     return fault_;
   }
 
  private:
+  [[noreturn]] void fail_to_read(const std::string& why) const {
+    ++failed_reads_;
+    const std::lock_guard lock(mutex_);
+    read_fault_ = folder_ + ": " + why;
+    throw std::runtime_error("spilled values: " + read_fault_);
+  }
   void open(const std::string& folder) {
     if (folder.empty()) return;
     std::string name = folder + "/.curbstone-spill-XXXXXX";
@@ -149,25 +179,40 @@ class SpillFile::File {
       ::unlink(name.c_str());
     }
   }
+  /// Worth a call of the system.
+  [[nodiscard]] bool has_free_end() const { return free_.num_pages() + kWorthwhile <= has_pages_; }
+  /// Without the lock while the disk works: nobody else takes pages.
+  void give_back_the_end(std::unique_lock<std::mutex>& lock) {
+    if (!has_free_end()) return;
+    const std::uint64_t end = free_.num_pages();
+    lock.unlock();
+    (void)!::ftruncate(descriptor_, static_cast<off_t>(end * kPage));
+    lock.lock();
+    has_pages_ = end;
+  }
   /// Without the lock while the disk works. Afterwards it has its place, or there is a fault.
   void write(Place& place, std::unique_lock<std::mutex>& lock) {
     const std::uint64_t page = free_.take(place.num_pages());
+    const bool needs_room = page + place.num_pages() > has_pages_;
     writing_ = true;
     lock.unlock();
-    std::string fault = write_at(page, place.bytes);
+    std::string fault = write_at(page, place.bytes, needs_room);
+    const std::uint32_t checksum = checksum_of(place.bytes);
     lock.lock();
     writing_ = false;
     fault_ = std::move(fault);
     if (!fault_.empty()) return free_.give_back(page, place.num_pages());
+    has_pages_ = std::max(has_pages_, page + place.num_pages());
     place.page = page;
+    place.checksum = checksum;
     in_memory_ -= place.size;
     in_file_ += place.size;
     place.bytes = PackedValues();
   }
   /// What went wrong.
-  [[nodiscard]] std::string write_at(std::uint64_t page, const PackedValues& bytes) const {
+  [[nodiscard]] std::string write_at(std::uint64_t page, const PackedValues& bytes, bool needs_room) const {
     struct statvfs disk {};
-    if (::fstatvfs(descriptor_, &disk) == 0 && disk.f_bavail * disk.f_frsize < leave_free_ + bytes.size())
+    if (needs_room && ::fstatvfs(descriptor_, &disk) == 0 && disk.f_bavail * disk.f_frsize < leave_free_ + bytes.size())
       return "the disk is nearly full";
     for (std::size_t done = 0; done < bytes.size();) {
       const ssize_t put =
@@ -179,6 +224,7 @@ class SpillFile::File {
     return {};
   }
 
+  std::string folder_;
   std::uint64_t leave_free_;
   int descriptor_ = -1;
   mutable std::mutex mutex_;
@@ -188,10 +234,12 @@ class SpillFile::File {
   bool writing_ = false;
   bool stopped_ = false;
   FreePages free_;
-  std::size_t in_memory_ = 0;  // bytes
-  std::size_t in_file_ = 0;    // bytes
+  std::uint64_t has_pages_ = 0;  // of the file, on the disk: some of them may be free
+  std::size_t in_memory_ = 0;    // bytes
+  std::size_t in_file_ = 0;      // bytes
   mutable std::atomic<std::int64_t> failed_reads_ = 0;
   std::string fault_;
+  mutable std::string read_fault_;
 };
 
 SpillFile::Values::Place::Place(PackedValues values, std::shared_ptr<File> of)
@@ -201,6 +249,10 @@ SpillFile::Values::Place::Place(PackedValues values, std::shared_ptr<File> of)
 
 SpillFile::Values::Place::~Place() {
   file->left(*this);
+}
+
+bool SpillFile::Values::is_in_file() const {
+  return place_ && place_->file->is_there(*place_);
 }
 
 PackedValues SpillFile::Values::read() const {
@@ -236,12 +288,24 @@ std::int64_t SpillFile::failed_reads() const {
   return file_->failed_reads();
 }
 
+std::string SpillFile::read_fault() const {
+  return file_->read_fault();
+}
+
 std::string SpillFile::fault() const {
   return file_->fault();
 }
 
+bool SpillFile::takes() const {
+  return file_->takes();
+}
+
 void SpillFile::flush() {
   file_->flush();
+}
+
+void SpillFile::flush_much() {
+  if (bytes_in_memory() > kMuch) flush();
 }
 
 }  // namespace curbstone

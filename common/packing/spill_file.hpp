@@ -28,7 +28,10 @@ class SpillFile {
    public:
     /// Nothing has been put away here.
     [[nodiscard]] bool empty() const { return place_ == nullptr; }
-    /// As they were; of those that are empty, none. Throws std::runtime_error if the file cannot be read.
+    /// Not in memory any more.
+    [[nodiscard]] bool is_in_file() const;
+    /// As they were; of those that are empty, none. Throws std::runtime_error if the file cannot be read, or holds
+    /// something else by now.
     [[nodiscard]] PackedValues read() const;
 
    private:
@@ -40,12 +43,18 @@ class SpillFile {
 
   [[nodiscard]] std::size_t bytes_in_memory() const;
   [[nodiscard]] std::size_t bytes_in_file() const;
-  /// How often it could not be read.
+  /// How often it could not be read, or what was read was not what had been written.
   [[nodiscard]] std::int64_t failed_reads() const;
+  /// Why, the last time; empty: it never was so.
+  [[nodiscard]] std::string read_fault() const;
   /// Why values stay in memory though there is a folder; empty: they do not.
   [[nodiscard]] std::string fault() const;
+  /// Whether what is put away leaves the memory, soon if it has not yet.
+  [[nodiscard]] bool takes() const;
   /// Waits until nothing is left to be written, or cannot be for now.
   void flush();
+  /// Likewise, if much waits: for who puts a lot away at once and must not fill the memory with it.
+  void flush_much();
 
  private:
   class File;

@@ -3,9 +3,12 @@
 #include <zstd.h>
 
 #include <memory>
+#include <mutex>
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace curbstone {
 namespace {
@@ -15,6 +18,42 @@ constexpr int kLevel = 1;  // the fastest: what is put away on the way may be wa
 struct FreeContext {
   void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
   void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
+};
+
+/// What zstd works with takes half a megabyte. It is kept for who packs next: a thread that does may live for one task.
+template <class Context>
+class ContextPool {
+ public:
+  /// One of them, until its end.
+  class Loan {
+   public:
+    Loan(ContextPool& pool, Context* (*make)()) : pool_(pool) {
+      {
+        const std::lock_guard lock(pool_.mutex_);
+        if (!pool_.idle_.empty()) {
+          context_ = std::move(pool_.idle_.back());
+          pool_.idle_.pop_back();
+        }
+      }
+      if (!context_) context_.reset(make());
+      if (!context_) throw std::bad_alloc();
+    }
+    ~Loan() {
+      const std::lock_guard lock(pool_.mutex_);
+      pool_.idle_.push_back(std::move(context_));
+    }
+    Loan(const Loan&) = delete;
+    Loan& operator=(const Loan&) = delete;
+    [[nodiscard]] Context* get() const { return context_.get(); }
+
+   private:
+    ContextPool& pool_;
+    std::unique_ptr<Context, FreeContext> context_;
+  };
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Context, FreeContext>> idle_;
 };
 
 }  // namespace
@@ -29,8 +68,8 @@ void ValuePacker::put_planes(const std::byte* values, std::size_t count, std::si
 }
 
 PackedValues ValuePacker::pack() const {
-  thread_local const std::unique_ptr<ZSTD_CCtx, FreeContext> context(ZSTD_createCCtx());
-  if (!context) throw std::bad_alloc();
+  static ContextPool<ZSTD_CCtx> pool;
+  const ContextPool<ZSTD_CCtx>::Loan context(pool, ZSTD_createCCtx);
   std::vector<std::byte> room(ZSTD_compressBound(bytes_.size()));
   const std::size_t size =
       ZSTD_compressCCtx(context.get(), room.data(), room.size(), bytes_.data(), bytes_.size(), kLevel);
@@ -39,8 +78,8 @@ PackedValues ValuePacker::pack() const {
 }
 
 ValueUnpacker::ValueUnpacker(std::span<const std::byte> packed) {
-  thread_local const std::unique_ptr<ZSTD_DCtx, FreeContext> context(ZSTD_createDCtx());
-  if (!context) throw std::bad_alloc();
+  static ContextPool<ZSTD_DCtx> pool;
+  const ContextPool<ZSTD_DCtx>::Loan context(pool, ZSTD_createDCtx);
   const unsigned long long size = ZSTD_getFrameContentSize(packed.data(), packed.size());
   if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN)
     throw std::runtime_error("these are no packed values");

@@ -68,6 +68,9 @@ class Mapper {
   /// Before the first scan: a map of an earlier drive, which stands fast. The drive begins about at the start
   /// that the configuration gives.
   void load(const storage::SavedMap& map);
+  /// Before that: parts of it, which need not be in it.
+  void load(const storage::SavedTile& tile);
+  void load(scan::Keyframe node);
 
   /// Before the first scan: the drive of a mapper that died. The next scan goes on with it: in its frame, about where
   /// odometry leads from its last pose; where that is not so the place is sought.

@@ -1,4 +1,6 @@
 #include <cmath>
+#include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "services/mapper/mapper.hpp"
@@ -24,15 +26,33 @@ scan::Twist motion_between(const journal::RecordedPose& a, const journal::Record
   return scan::twist_of(a.T_map_base.inverse() * b.T_map_base, dt);
 }
 
+/// Nothing if the file of far tiles does not give it back.
+std::optional<dense_map::TileRecords> content_of(journal::RecordedTile tile) {
+  if (tile.away.empty()) return std::move(tile.content);
+  try {
+    return tile.away.read();
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 std::shared_ptr<SpillFile> file_for_far(const config::MapperConfig& config) {
   return std::make_shared<SpillFile>(config.far_folder, static_cast<std::uint64_t>(config.keep_free * 1e9));
 }
 
+void Mapper::load(const storage::SavedTile& tile) {
+  dense_->load(tile.key, tile.z_origin, tile.utime, tile.points);
+}
+
+void Mapper::load(scan::Keyframe node) {
+  atlas_.add_known(std::move(node));
+}
+
 void Mapper::load(const storage::SavedMap& map) {
-  for (const storage::SavedTile& tile : map.tiles) dense_->load(tile.key, tile.z_origin, tile.utime, tile.points);
-  for (const scan::Keyframe& node : map.nodes) atlas_.add_known(node);
+  for (const storage::SavedTile& tile : map.tiles) load(tile);
+  for (const scan::Keyframe& node : map.nodes) load(node);
   for (const pose_graph::PoseEdge& edge : map.edges) atlas_.add_known(edge);
   scale_.restore(map.rings);
   Pose T_map_start = upright(config_.start_x, config_.start_y, config_.start_yaw);
@@ -57,7 +77,9 @@ void Mapper::resume(journal::RecordedDrive drive) {
   }
   for (const pose_graph::PoseEdge& edge : drive.edges) atlas_.add_known(edge);
   for (auto& [key, tile] : drive.tiles) {
-    dense_->restore(key, tile.z_origin, std::move(tile.content), left_off_->T_map_base.translation());
+    const std::int32_t z_origin = tile.z_origin;
+    auto content = content_of(std::exchange(tile, {}));  // it is in memory, or in the file, once
+    if (content) dense_->restore(key, z_origin, std::move(*content), left_off_->T_map_base.translation());
   }
   for (const journal::RecordedPose& pose : drive.poses) {
     const Pose T_odom_base = pose.T_map_odom.inverse() * pose.T_map_base;

@@ -176,6 +176,7 @@ void MapperNode::begin_epoch(std::int64_t utime) {
   const auto now = static_cast<std::int32_t>(std::clamp<std::int64_t>(utime / 1'000'000, 1, 2'147'483'000));
   epoch_ = std::max({epoch_ + 1, epoch_before_ + 1, now});
   counters_.add("epochs");
+  note_loaded();
   std::vector<journal::RecordedPose> drive = drive_so_far();
   std::erase_if(drive, [&](const auto& pose) { return pose.utime >= utime; });  // MAP_POSE tells of the rest
   mapper_.wait();
@@ -299,6 +300,10 @@ NodeReport MapperNode::report() const {
   report.counters.add("faults.far_tiles", far_->failed_reads());
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
+  if (!far_->read_fault().empty())
+    report.faults.push_back(
+        fmt::format("far tiles: {} looks at what is far failed, so parts of the map cannot be sent, saved or grow: {}",
+                    far_->failed_reads(), far_->read_fault()));
   if (!far_->fault().empty()) report.faults.push_back("far tiles stay in memory: " + far_->fault());
   if (saver_ && !saver_->fault().empty()) report.faults.push_back(saver_->fault());
   if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());

@@ -69,6 +69,7 @@ class MapperNode final : public Node {
   void keep_map();
   void keep_map_at_the_end();
   void begin_map();
+  void note_loaded();
   [[nodiscard]] bool resume_drive();
   void keep_pose(const MapperUpdate& update);
 
@@ -89,7 +90,8 @@ class MapperNode final : public Node {
   std::int32_t epoch_ = 0;         // 0: no map yet
   std::int32_t epoch_before_ = 0;  // of the map on disk
   std::optional<storage::MapSaver> saver_;
-  std::int64_t kept_ = 0;  // us, message time
+  std::optional<storage::MapVersions> loaded_;  // from its folder, until the first epoch, of which they are then
+  std::int64_t kept_ = 0;                       // us, message time
   std::optional<journal::DriveJournal> journal_;
   std::string not_resumed_;                           // why the drive before was not gone on with
   std::vector<journal::RecordedPose> resumed_drive_;  // of the mapper before, until it has gone out

@@ -22,14 +22,25 @@ constexpr std::int64_t kOdometryBefore = 100'000;  // us, of the first scan
 
 /// With the map of an earlier drive.
 void MapperNode::begin_map() {
-  const storage::SavedMap map = storage::load_map(config_.folder);
+  const storage::SavedMap map =
+      storage::load_map(config_.folder, {[this](const storage::SavedTile& tile) { mapper_.load(tile); },
+                                         [this](scan::Keyframe node) { mapper_.load(std::move(node)); }});
   if (std::abs(map.voxel - config_.dense.voxel) > 1e-9) {
     throw storage::MapFolderError(fmt::format("{}: its voxels are {} m, those of the configuration {}", config_.folder,
                                               map.voxel, config_.dense.voxel));
   }
-  if (map.nodes.empty()) throw storage::MapFolderError(config_.folder + ": holds no nodes to find the vehicle by");
+  if (mapper_.atlas().size() == 0)
+    throw storage::MapFolderError(config_.folder + ": holds no nodes to find the vehicle by");
   epoch_before_ = map.epoch;
   mapper_.load(map);
+  if (saver_) loaded_ = mapper_.snapshot(map.epoch, {}).versions;
+}
+
+/// A loaded map stands fast: what is in its folder need not be written again.
+void MapperNode::note_loaded() {
+  if (!loaded_) return;
+  loaded_->epoch = epoch_;
+  saver_->holds(*std::exchange(loaded_, std::nullopt));
 }
 
 /// Whether there is a drive that a mapper was killed in, a moment ago.
@@ -47,7 +58,7 @@ bool MapperNode::resume_drive() {
     return false;
   }
   try {
-    std::optional<journal::RecordedDrive> drive = journal::read_journal(config_.journal, max_bytes, hash);
+    std::optional<journal::RecordedDrive> drive = journal::read_journal(config_.journal, max_bytes, hash, far_.get());
     if (!drive) return false;
     epoch_before_ = drive->epoch;
     const std::int64_t settled = drive->poses.back().utime - std::llround(1e6 * config_.dense.settled_after());

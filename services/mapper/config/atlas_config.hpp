@@ -29,7 +29,8 @@ struct AtlasConfig {
             "m along the graph, within which drift does not matter to registration");
     v.field("step_m", step_m, {1e-4, 1.0}, "m, 1 sigma of an edge of one metre; grows with the root of the length");
     v.field("step_rad", step_rad, {1e-6, 0.1}, "rad, 1 sigma of an edge of one metre, likewise");
-    v.field("max_nodes", max_nodes, {100, 1'000'000}, "that keep their scan; beyond, the farthest lose theirs");
+    v.field("max_nodes", max_nodes, {100, 1'000'000},
+            "that keep their scan while no disk takes it; beyond, the farthest lose theirs");
   }
 };
 

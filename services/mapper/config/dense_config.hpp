@@ -20,6 +20,8 @@ struct DenseConfig {
   double standing_s = 1.5;
   double free_range = 12.0;
   bool ring_scale = true;
+  double awake = 40.0;
+  int asleep_here = 200;
   int max_points = 30'000'000;
 
   /// s, until all that was seen has its place in the map or none: what must have stayed is looked at every fourth
@@ -40,7 +42,12 @@ struct DenseConfig {
     v.field("standing_s", standing_s, {0.0, 600.0}, "s at one place after which nothing new is added");
     v.field("free_range", free_range, {0.0, 50.0}, "m within which what beams pass through is taken out; 0: never");
     v.field("ring_scale", ring_scale, "intensities of all rings on one scale, learned on the road: its median is 64");
-    v.field("max_points", max_points, {100'000, 500'000'000}, "of the whole map; the farthest tiles go first");
+    v.field("awake", awake, {0.0, 1000.0},
+            "m beyond max_range; tiles farther off sleep: they keep nothing but records");
+    v.field("asleep_here", asleep_here, {0, 1'000'000},
+            "tiles that sleep in memory; the others' records are packed away");
+    v.field("max_points", max_points, {100'000, 500'000'000},
+            "of those that memory holds while no disk takes far ones; beyond, the farthest tiles are given up");
   }
 };
 

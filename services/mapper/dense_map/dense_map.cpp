@@ -54,7 +54,7 @@ DenseMap::DenseMap(const config::DenseConfig& config, std::shared_ptr<SpillFile>
       voxel_steps_(static_cast<int>(std::lround(config.voxel / kPositionStep))),
       settle_us_(std::llround(1e6 * config.settle_s)),
       far_(std::move(far)),
-      tiles_(voxel_steps_, far_),
+      tiles_(no_tiles()),
       places_(std::llround(1e6 * config.persistence_s)),
       free_space_(config.ground_clearance) {}
 
@@ -78,7 +78,6 @@ std::vector<TileKey> DenseMap::insert(const std::vector<scan::LidarPoint>& point
     bound_memory();
   }
   tiles_.put_away(kShareByScan);
-  note_lost();
   return grown;
 }
 
@@ -118,7 +117,6 @@ std::vector<TileKey> DenseMap::look_through(const std::vector<scan::LidarPoint>&
       changed.push_back({x, y});
     }
   }
-  note_lost();
   return changed;
 }
 
@@ -132,7 +130,9 @@ void DenseMap::learn(const std::vector<scan::LidarPoint>& points, const Pose& T_
     const Eigen::Vector3d in_map = T_map_base * p;
     const auto key = mapped_tile_at(in_map);
     if (!key) continue;
-    DenseTile& tile = tiles_.wake_or_make(*key, static_cast<std::int32_t>(std::lround(base_.z())));
+    DenseTile* const at_key = tiles_.wake_or_make(*key, static_cast<std::int32_t>(std::lround(base_.z())));
+    if (at_key == nullptr) continue;
+    DenseTile& tile = *at_key;
     const std::uint8_t intensity = scale_ ? scale_->of(point.ring, point.intensity) : point.intensity;
     const auto in_tile = point_in_tile(in_map - corner_of(*key, tile), intensity);
     in_range_.push_back({in_map, *key, &tile, in_tile, in_tile ? tile.voxel_number(*in_tile) : 0});
@@ -250,7 +250,7 @@ void DenseMap::forget_waiting() {
 void DenseMap::move(const std::vector<Pose>& corrections) {
   std::vector<TileKey> moved;  // all tiles are other ones, and whoever asks for keys() gets them
   move_rest(moved);            // of an earlier correction
-  mover_ = TileMover(std::exchange(tiles_, TileGrid(voxel_steps_, far_)), corrections, base_);
+  mover_ = TileMover(std::exchange(tiles_, no_tiles()), corrections, base_);
   forget_waiting();
   size_ = num_removals_ = 0;
   move_some(kMovedAtOnce, moved);
@@ -261,7 +261,7 @@ void DenseMap::move_some(std::size_t most, std::vector<TileKey>& grown) {
     const auto key = put(point);
     if (key && (grown.empty() || grown.back() != *key)) grown.push_back(*key);
   });
-  (void)tiles_.sleep_beyond(base_, config_.max_range + kAwake);  // so that the whole map is never awake
+  (void)tiles_.sleep_beyond(base_, config_.max_range + config_.awake);  // so that the whole map is never awake
 }
 
 void DenseMap::move_rest(std::vector<TileKey>& grown) {
@@ -275,7 +275,9 @@ void DenseMap::move_rest(std::vector<TileKey>& grown) {
 std::optional<TileKey> DenseMap::put(const MovedPoint& point) {
   const auto key = mapped_tile_at(point.position);
   if (!key) return std::nullopt;
-  DenseTile& tile = tiles_.wake_or_make(*key, point.z_origin);
+  DenseTile* const at_key = tiles_.wake_or_make(*key, point.z_origin);
+  if (at_key == nullptr) return std::nullopt;
+  DenseTile& tile = *at_key;
   const auto in_tile = point_in_tile(point.position - corner_of(*key, tile), point.intensity);
   if (!in_tile || tile.occupied(tile.voxel_number(*in_tile))) return std::nullopt;
   tile.append(*in_tile, point.utime, point.anchor);

@@ -28,8 +28,10 @@ namespace curbstone::mapper::dense_map {
 /// alone; one thread.
 ///
 /// Tiles far from the vehicle sleep, and the records of those that have slept for longest lie in a file: see
-/// DenseTile::read(). So memory does not grow with the drive, but for some hundred bytes a tile. A tile that the file
-/// does not give back when it wakes is given up, as take_evicted() tells.
+/// DenseTile::read(). So memory does not grow with the drive, but for some hundred bytes a tile. Where no file takes
+/// them, `max_points` bounds what memory holds, and the farthest tiles are given up, as take_evicted() tells. To
+/// a tile that the file does not give back nothing is added, and nothing taken out: who was sent it has it still, and
+/// other records in the same tile would contradict those. move() and roll_back() are the end of it.
 ///
 /// Counters: dense.points, dense.transient (voxels given up: nothing stayed there), dense.removed (points: seen through
 /// since), dense.evicted_tiles, dense.without_intensity (points).
@@ -118,9 +120,10 @@ class DenseMap {
   void move_some(std::size_t most, std::vector<TileKey>& grown);
   void move_rest(std::vector<TileKey>& grown);
   std::optional<TileKey> put(const MovedPoint& point);
+  [[nodiscard]] TileGrid no_tiles() const {
+    return {voxel_steps_, far_, static_cast<std::size_t>(config_.asleep_here)};
+  }
   void bound_memory();
-  void note_lost();
-  static constexpr double kAwake = 40.0;        // m beyond the range: tiles that keep their voxel sets
   static constexpr std::size_t kAllAtOnce = 1;  // share of the tiles that are put away, where nobody waits
 
   config::DenseConfig config_;

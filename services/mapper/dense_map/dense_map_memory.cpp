@@ -7,24 +7,25 @@
 
 namespace curbstone::mapper::dense_map {
 
+/// What is in the file needs no bound, as the disk has its own; what waits for it only waits.
 void DenseMap::bound_memory() {
-  std::vector<TileKey> far = tiles_.sleep_beyond(base_, config_.max_range + kAwake);
-  for (; size_ + 2 * num_removals_ > config_.max_points && !far.empty(); far.pop_back()) {
+  std::vector<TileKey> far = tiles_.sleep_beyond(base_, config_.max_range + config_.awake);
+  std::int64_t here = size_ + 2 * num_removals_;
+  if (here <= config_.max_points || far_->takes()) return;
+  std::erase_if(far, [&](TileKey key) {
+    const DenseTile& tile = *tiles_.find(key);
+    if (!tile.is_in_file()) return false;
+    here -= static_cast<std::int64_t>(tile.num_records());
+    return true;
+  });
+  for (; here > config_.max_points && !far.empty(); far.pop_back()) {
     const DenseTile& tile = *tiles_.find(far.back());
+    here -= static_cast<std::int64_t>(tile.num_records());
     size_ -= static_cast<std::int64_t>(tile.num_points());
     num_removals_ -= static_cast<std::int64_t>(tile.num_removals());
     tiles_.erase(far.back());
     evicted_.push_back(far.back());
     counters_.add("dense.evicted_tiles");
-  }
-}
-
-/// The disk has not given them back: they are no more.
-void DenseMap::note_lost() {
-  for (const TileGrid::Lost& lost : tiles_.take_lost()) {
-    size_ -= static_cast<std::int64_t>(lost.num_points);
-    num_removals_ -= static_cast<std::int64_t>(lost.num_removals);
-    evicted_.push_back(lost.key);
   }
 }
 
@@ -40,7 +41,6 @@ void DenseMap::roll_back(std::int64_t utime) {
   forget_waiting();
   size_ = num_removals_ = 0;
   tiles_.cut_after(utime);
-  (void)tiles_.take_lost();  // all tiles are told of anew
   tiles_.for_each([&](const DenseTile& tile) {
     size_ += static_cast<std::int64_t>(tile.num_points());
     num_removals_ += static_cast<std::int64_t>(tile.num_removals());
@@ -48,7 +48,7 @@ void DenseMap::roll_back(std::int64_t utime) {
 }
 
 void DenseMap::load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points) {
-  DenseTile& tile = tiles_.wake_or_make(key, z_origin);
+  DenseTile& tile = *tiles_.wake_or_make(key, z_origin);
   for (const TilePoint& p : points) {
     if (tile.occupied(tile.voxel_number(p))) continue;
     tile.append(p, utime, kFixed);
@@ -56,19 +56,21 @@ void DenseMap::load(TileKey key, std::int32_t z_origin, std::int64_t utime, cons
   }
   tiles_.sleep(key);
   tiles_.put_away(kAllAtOnce);
+  far_->flush_much();
 }
 
 /// What was far from the vehicle, or is of an earlier drive, was asleep.
 void DenseMap::restore(TileKey key, std::int32_t z_origin, TileRecords records, const Eigen::Vector3d& at) {
-  const bool is_near = distance_of(key, at) < config_.max_range + kAwake;
+  const bool is_near = distance_of(key, at) < config_.max_range + config_.awake;
   const bool is_fixed = !records.runs.empty() && records.runs.front().anchor == kFixed;
-  DenseTile& tile = tiles_.wake_or_make(key, z_origin);
+  DenseTile& tile = *tiles_.wake_or_make(key, z_origin);
   const bool is_awake = is_near && !is_fixed;
   if (!is_awake) tiles_.sleep(key);
   tile.restore(std::move(records));
   size_ += static_cast<std::int64_t>(tile.num_points());
   num_removals_ += static_cast<std::int64_t>(tile.num_removals());
   tiles_.put_away(kAllAtOnce);
+  far_->flush_much();
 }
 
 std::vector<TileKey> DenseMap::take_evicted() {

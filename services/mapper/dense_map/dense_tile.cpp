@@ -213,7 +213,8 @@ std::size_t DenseTile::bytes() const {
 
 bool DenseTile::wake() {
   if (!asleep_) return true;
-  if (!bring_back()) return false;
+  is_refused_ = is_refused_ || !bring_back();
+  if (is_refused_) return false;
   asleep_ = false;
   has_slept_ = true;
   index_points();

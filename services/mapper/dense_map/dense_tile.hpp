@@ -102,8 +102,12 @@ class DenseTile {
   /// empty.
   bool put_away(SpillFile& file);
   [[nodiscard]] bool is_away() const { return is_away_; }
-  /// With its records. False if the file does not give them back: then it is away as before.
+  /// Away, and not in memory in any form.
+  [[nodiscard]] bool is_in_file() const { return is_away_ && packed_.is_in_file(); }
+  /// With its records. False if the file does not give them back: then it is away as before, and is not tried again
+  /// before try_again().
   [[nodiscard]] bool wake();
+  void try_again() { is_refused_ = false; }
   /// PackedRecords of a tile that is away.
   [[nodiscard]] const PackedRecords& packed() const { return packed_; }
   /// Memory that it has asked for, beside its own size and what is away.
@@ -115,6 +119,7 @@ class DenseTile {
   bool asleep_ = false;
   bool has_slept_ = false;
   bool is_away_ = false;
+  bool is_refused_ = false;  // by the file
   std::int64_t utime_ = 0;
   std::int64_t newest_run_ = 0;  // us
   void index_points();

@@ -9,7 +9,6 @@
 namespace curbstone::mapper::dense_map {
 namespace {
 
-constexpr std::size_t kKeptHere = 200;  // tiles that sleep with their records: some 5 MB
 constexpr int kStepsPerMetre = 500;
 static_assert(kStepsPerMetre * kTileSize == kStepsPerTile);
 
@@ -56,19 +55,15 @@ DenseTile* TileGrid::wake(TileKey key) {
       recent_[(static_cast<unsigned>(key.x) & kMask) * kRecentSide + (static_cast<unsigned>(key.y) & kMask)];
   if (recent.tile != nullptr && recent.key == key) return recent.tile;
   const auto it = tiles_.find(key);
-  if (it == tiles_.end()) return nullptr;
-  if (!it->second.wake()) {
-    (void)give_up(it);
-    return nullptr;
-  }
+  if (it == tiles_.end() || !it->second.wake()) return nullptr;
   recent = {key, &it->second};
   return recent.tile;
 }
 
-DenseTile& TileGrid::wake_or_make(TileKey key, std::int32_t z_origin) {
-  if (DenseTile* tile = wake(key)) return *tile;
+DenseTile* TileGrid::wake_or_make(TileKey key, std::int32_t z_origin) {
+  if (DenseTile* tile = wake(key)) return tile;
   tiles_.try_emplace(key, z_origin, voxel_steps_);
-  return *wake(key);
+  return wake(key);
 }
 
 void TileGrid::erase(TileKey key) {
@@ -89,17 +84,12 @@ void TileGrid::fall_asleep(TileKey key, DenseTile& tile) {
 }
 
 void TileGrid::put_away(std::size_t share) {
-  if (here_.size() <= kKeptHere) return;
-  for (std::size_t left = 1 + (here_.size() - kKeptHere - 1) / share; left > 0; --left) {
+  if (here_.size() <= most_here_) return;
+  for (std::size_t left = 1 + (here_.size() - most_here_ - 1) / share; left > 0; --left) {
     const auto it = tiles_.find(here_.front());
     here_.pop_front();
     if (it != tiles_.end()) it->second.put_away(*far_);
   }
-}
-
-TileGrid::Tiles::iterator TileGrid::give_up(Tiles::iterator tile) {
-  lost_.push_back({tile->first, tile->second.num_points(), tile->second.num_removals()});
-  return tiles_.erase(tile);
 }
 
 void TileGrid::cut_after(std::int64_t utime) {
@@ -107,7 +97,7 @@ void TileGrid::cut_after(std::int64_t utime) {
   for (auto it = tiles_.begin(); it != tiles_.end();) {
     const bool was_away = it->second.is_away();
     if (!it->second.cut_after(utime)) {
-      it = give_up(it);
+      it = tiles_.erase(it);
       continue;
     }
     if (was_away && !it->second.is_away()) here_.push_back(it->first);
@@ -119,6 +109,7 @@ std::vector<TileKey> TileGrid::sleep_beyond(const Eigen::Vector3d& place, double
   recent_.fill({});
   std::vector<std::pair<double, TileKey>> far;
   for (auto& [key, tile] : tiles_) {
+    tile.try_again();
     const double d = distance_of(key, place);
     if (d < distance) continue;
     fall_asleep(key, tile);

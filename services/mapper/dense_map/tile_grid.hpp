@@ -27,21 +27,22 @@ namespace curbstone::mapper::dense_map {
 
 /// The tiles of the dense map, and what lies across their borders. Those far from the vehicle sleep, and the records of
 /// those that have slept for longest are away, in a file: see put_away(). Whoever asks for one to change it wakes it. A
-/// tile that the file does not give back is given up: see take_lost(). One thread.
+/// tile that the file does not give back cannot be changed; sleep_beyond() lets it be tried again. One thread.
 class TileGrid {
  public:
-  /// `voxel_steps`: as of DenseTile; `far`: where records are put away.
-  TileGrid(int voxel_steps, std::shared_ptr<SpillFile> far) : voxel_steps_(voxel_steps), far_(std::move(far)) {}
+  /// `voxel_steps`: as of DenseTile; `far`: where records are put away; `most_here`: tiles that sleep with theirs.
+  TileGrid(int voxel_steps, std::shared_ptr<SpillFile> far, std::size_t most_here)
+      : voxel_steps_(voxel_steps), far_(std::move(far)), most_here_(most_here) {}
 
   /// As it is; nullptr if there is none.
   [[nodiscard]] const DenseTile* find(TileKey key) const;
   /// Of all tiles, in order.
   [[nodiscard]] std::vector<TileKey> keys() const;
 
-  /// Awake; nullptr if there is none.
+  /// Awake; nullptr if there is none, or if the file does not give it back.
   [[nodiscard]] DenseTile* wake(TileKey key);
-  /// Made if there is none: with this z_origin.
-  [[nodiscard]] DenseTile& wake_or_make(TileKey key, std::int32_t z_origin);
+  /// Made if there is none: with this z_origin. nullptr if the file does not give it back.
+  [[nodiscard]] DenseTile* wake_or_make(TileKey key, std::int32_t z_origin);
   void erase(TileKey key);
   /// Nothing if there is none.
   void sleep(TileKey key);
@@ -52,20 +53,12 @@ class TileGrid {
   void for_each(Visit visit) const {
     for (const auto& [key, tile] : tiles_) visit(tile);
   }
-  /// DenseTile::cut_after(), of every tile.
+  /// DenseTile::cut_after(), of every tile. Those that the file does not give back are no more.
   void cut_after(std::int64_t utime);
 
   /// Puts records away of tiles that have slept for longest, which saves most of their memory: one in `share` of those
   /// that sleep with their records, but never of the newest ones, so what comes and goes at the rim costs nothing.
   void put_away(std::size_t share);
-  /// A tile that is no more, as the file has not given its records back.
-  struct Lost {
-    TileKey key;
-    std::size_t num_points;
-    std::size_t num_removals;
-  };
-  /// Since the last call.
-  [[nodiscard]] std::vector<Lost> take_lost() { return std::exchange(lost_, {}); }
 
   /// The lowest height known in the four columns about a point (m, map); +infinity where nothing is.
   [[nodiscard]] double lowest_about(const Eigen::Vector3d& point);
@@ -81,13 +74,12 @@ class TileGrid {
   static constexpr int kRecentSide = 16;
   using Tiles = std::unordered_map<TileKey, DenseTile, TileKeyHash>;
   void fall_asleep(TileKey key, DenseTile& tile);
-  Tiles::iterator give_up(Tiles::iterator tile);
 
   int voxel_steps_;
   std::shared_ptr<SpillFile> far_;
+  std::size_t most_here_;
   Tiles tiles_;
   std::deque<TileKey> here_;  // that sleep with their records, the longest first; some have woken or are gone since
-  std::vector<Lost> lost_;
   std::array<Recent, std::size_t{kRecentSide} * kRecentSide> recent_;
 };
 

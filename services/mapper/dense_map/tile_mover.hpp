@@ -37,7 +37,7 @@ class TileMover {
   std::size_t move_tile(TileKey key, const std::function<void(const MovedPoint&)>& put);
   [[nodiscard]] Pose correction_of(const DenseTile::Run& run) const;
 
-  TileGrid before_{1, nullptr};
+  TileGrid before_{1, nullptr, 0};
   std::vector<Pose> corrections_;
   std::vector<TileKey> left_;  // the nearest last
 };

@@ -47,6 +47,8 @@ class PackedRecords {
   PackedRecords(const TileRecords& records, SpillFile& file);
 
   [[nodiscard]] bool empty() const { return values_.empty(); }
+  /// Not in memory any more.
+  [[nodiscard]] bool is_in_file() const { return values_.is_in_file(); }
   /// As they were. Throws std::runtime_error if the file cannot be read.
   [[nodiscard]] TileRecords read() const;
 

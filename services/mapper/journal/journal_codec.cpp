@@ -116,9 +116,11 @@ RecordedPose take_pose(ItemBytes& bytes) {
   return pose;
 }
 
-void take_tile(ItemBytes& bytes, RecordedDrive& drive) {
+void take_tile(ItemBytes& bytes, RecordedDrive& drive, std::size_t batch) {
   const TileKey key = bytes.take_key();
   RecordedTile& tile = drive.tiles[key];
+  tile.touched = batch;
+  if (!tile.away.empty()) tile.content = std::exchange(tile.away, {}).read();
   tile.z_origin = bytes.take<std::int32_t>();
   require(bytes.take<std::uint32_t>() == tile.content.records.size(), "leaves out records of a tile");
   const std::size_t records = bytes.take_count(kRecordBytes);
@@ -261,7 +263,7 @@ void append_rings(std::string& out, const intensity::RingHistograms& rings) {
   for (const auto& counts : rings.rings) put(out, counts);
 }
 
-void apply_items(std::string_view items, RecordedDrive& drive) {
+void apply_items(std::string_view items, RecordedDrive& drive, std::size_t batch) {
   ItemBytes bytes(items);
   while (!bytes.empty()) {
     const auto item = bytes.take<Item>();
@@ -283,7 +285,7 @@ void apply_items(std::string_view items, RecordedDrive& drive) {
         drive.poses.push_back(take_pose(bytes));
         break;
       case Item::kTile:
-        take_tile(bytes, drive);
+        take_tile(bytes, drive, batch);
         break;
       case Item::kEviction:
         drive.tiles.erase(bytes.take_key());
@@ -309,7 +311,8 @@ void check_drive(const RecordedDrive& drive) {
             "holds an edge to nowhere");
     require(edge.information.allFinite(), "holds an edge that is not finite");
   }
-  for (const auto& [key, tile] : drive.tiles) check_tile(tile.content, num_nodes);
+  for (const auto& [key, tile] : drive.tiles)
+    check_tile(tile.away.empty() ? tile.content : tile.away.read(), num_nodes);
 }
 
 }  // namespace curbstone::mapper::journal

@@ -20,9 +20,9 @@ void append_tile(std::string& out, TileKey key, std::int32_t z_origin, const den
 void append_eviction(std::string& out, TileKey key);
 void append_rings(std::string& out, const intensity::RingHistograms& rings);
 
-/// Adds what a batch of items says to the drive. Throws std::runtime_error where it says what cannot be: the drive is
-/// then of no use.
-void apply_items(std::string_view items, RecordedDrive& drive);
+/// Adds what a batch of items says to the drive, whose tiles grow in batch number `batch` then. Throws
+/// std::runtime_error where it says what cannot be: the drive is then of no use.
+void apply_items(std::string_view items, RecordedDrive& drive, std::size_t batch);
 
 /// Throws std::runtime_error where tiles, edges or poses speak of what is not there.
 void check_drive(const RecordedDrive& drive);

@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <utility>
+#include <vector>
 
 #include "services/mapper/journal/journal_codec.hpp"
 
@@ -16,6 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kMuch = 4'000'000;           // bytes that are read before some are put away
+constexpr std::size_t kMostRecords = 400'000;      // that stay: 3 MB
 constexpr std::uint32_t kBatchMagic = 0x314c4a43;  // "CJL1"
 
 struct BatchHead {
@@ -29,9 +34,40 @@ std::uint32_t checksum_of(std::uint64_t size, std::string_view items) {
   return static_cast<std::uint32_t>(crc32_z(seed, reinterpret_cast<const Bytef*>(items.data()), items.size()));
 }
 
+/// Puts away what a drive has read of itself.
+class PuttingAway {
+ public:
+  explicit PuttingAway(SpillFile& far) : far_(far) {}
+  /// All but so many records, of those tiles that have grown last: the vehicle has left the others.
+  void put_away(RecordedDrive& drive, std::size_t most_records) {
+    for (; nodes_ < drive.nodes.size(); ++nodes_) drive.nodes[nodes_].kept.points.put_away(far_);
+    std::vector<std::pair<std::size_t, RecordedTile*>> here;
+    std::size_t records = 0;
+    for (auto& [key, tile] : drive.tiles) {
+      if (tile.content.records.empty()) continue;
+      here.emplace_back(tile.touched, &tile);
+      records += tile.content.records.size();
+    }
+    std::sort(here.begin(), here.end());
+    for (std::size_t i = 0; i < here.size() && records > most_records; ++i) {
+      RecordedTile& tile = *here[i].second;
+      records -= tile.content.records.size();
+      tile.away = dense_map::PackedRecords(std::exchange(tile.content, {}), far_);
+    }
+    far_.flush_much();
+  }
+
+ private:
+  SpillFile& far_;
+  std::size_t nodes_ = 0;
+};
+
 /// The file may end in a batch that was not written any more.
-std::optional<RecordedDrive> read_batches(std::ifstream& file, std::uintmax_t bytes) {
+std::optional<RecordedDrive> read_batches(std::ifstream& file, std::uintmax_t bytes, SpillFile* far) {
   RecordedDrive drive;
+  std::optional<PuttingAway> putting_away;
+  if (far != nullptr) putting_away.emplace(*far);
+  std::size_t batch = 0, read = 0;
   std::string items;
   BatchHead head;
   while (bytes >= sizeof head) {
@@ -43,8 +79,14 @@ std::optional<RecordedDrive> read_batches(std::ifstream& file, std::uintmax_t by
     if (!file.read(items.data(), static_cast<std::streamsize>(head.size))) throw std::runtime_error("cannot be read");
     bytes -= head.size;
     if (head.checksum != checksum_of(head.size, items)) throw std::runtime_error("is damaged: a checksum is wrong");
-    apply_items(items, drive);
+    apply_items(items, drive, ++batch);
+    read += items.size();
+    if (putting_away && read > kMuch) {
+      putting_away->put_away(drive, kMostRecords);
+      read = 0;
+    }
   }
+  if (putting_away) putting_away->put_away(drive, 0);
   if (drive.epoch == 0 || drive.poses.empty()) return std::nullopt;
   check_drive(drive);
   return drive;
@@ -69,15 +111,18 @@ std::optional<double> age_of_journal(const std::string& path) {
 }
 
 std::optional<RecordedDrive> read_journal(const std::string& path, std::size_t max_bytes,
-                                          const std::string& config_hash) {
+                                          const std::string& config_hash, SpillFile* far) {
+  const std::int64_t failed_before = far != nullptr ? far->failed_reads() : 0;
   try {
     const std::uintmax_t size = fs::file_size(path);
     if (size > max_bytes) throw std::runtime_error(fmt::format("is larger than {} MB", max_bytes / 1'000'000));
     std::ifstream file(path, std::ios::binary);
-    std::optional<RecordedDrive> drive = read_batches(file, size);
+    std::optional<RecordedDrive> drive = read_batches(file, size, far);
     if (drive && drive->config_hash != config_hash) throw std::runtime_error("is of a mapper with other settings");
     return drive;
   } catch (const std::exception& problem) {
+    // Then it is not the journal that is damaged.
+    if (far != nullptr && far->failed_reads() != failed_before) return read_journal(path, max_bytes, config_hash);
     throw JournalError(fmt::format("{}: {}", path, problem.what()));
   }
 }

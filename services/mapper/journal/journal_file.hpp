@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/packing/spill_file.hpp"
 #include "services/mapper/journal/recorded_drive.hpp"
 
 namespace curbstone::mapper::journal {
@@ -20,8 +21,9 @@ namespace curbstone::mapper::journal {
 [[nodiscard]] std::optional<double> age_of_journal(const std::string& path);
 
 /// The drive that somebody with the same `config_hash` was killed in. Nothing if it holds nothing yet. Throws
-/// JournalError: of a mapper with other settings, larger than `max_bytes`, damaged, or cannot be read.
+/// JournalError: of a mapper with other settings, larger than `max_bytes`, damaged, or cannot be read. `far`: where
+/// most of it is put away as it is read, so that the whole of it is never in memory; null: it is.
 [[nodiscard]] std::optional<RecordedDrive> read_journal(const std::string& path, std::size_t max_bytes,
-                                                        const std::string& config_hash);
+                                                        const std::string& config_hash, SpillFile* far = nullptr);
 
 }  // namespace curbstone::mapper::journal

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -36,6 +37,8 @@ struct RecordedNode {
 struct RecordedTile {
   std::int32_t z_origin = 0;  ///< m in map
   dense_map::TileRecords content;
+  dense_map::PackedRecords away = {};  ///< if not empty: `content` is, and these are it
+  std::size_t touched = 0;             ///< while it is read: in which batch it grew last
 };
 
 /// What a mapper needs to go on with the drive of another that died.

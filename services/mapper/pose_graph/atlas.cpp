@@ -65,6 +65,7 @@ int Atlas::add_known(scan::Keyframe node) {
   nodes_.push_back({std::move(node), driven_, false, {}});
   num_known_ = size();
   put_away(num_known_ - 1);
+  far_->flush_much();
   return num_known_ - 1;
 }
 
@@ -76,6 +77,7 @@ void Atlas::restore(scan::Keyframe node, double driven) {
   driven_ = driven;
   nodes_.push_back({std::move(node), driven, false, {}});
   put_away(size() - 1);
+  far_->flush_much();
 }
 
 void Atlas::put_away(int id) {
@@ -233,14 +235,14 @@ bool Atlas::linked(int a, int b) const {
   });
 }
 
-/// The farthest nodes keep their place in the graph and lose their scan.
+/// The farthest nodes keep their place in the graph and lose their scan, unless it lies in the file.
 void Atlas::bound_memory(const Eigen::Vector3d& centre) {
-  if (size() <= config_.max_nodes) return;
+  if (size() <= config_.max_nodes || far_->takes()) return;
   Node* farthest = nullptr;
   double distance = 0;
   for (Node& node : nodes_) {
     const double d = (node.kept.T_map_base.translation() - centre).norm();
-    if (node.kept.points.empty() || d < distance) continue;
+    if (node.kept.points.empty() || node.kept.points.is_in_file() || d < distance) continue;
     distance = d;
     farthest = &node;
   }

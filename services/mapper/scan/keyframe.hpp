@@ -61,6 +61,8 @@ class KeyframePoints {
   /// Nothing if they are away, or none.
   void put_away(SpillFile& file);
   [[nodiscard]] bool is_away() const { return !away_.empty(); }
+  /// Away, and not in memory in any form.
+  [[nodiscard]] bool is_in_file() const { return away_.is_in_file(); }
   bool operator==(const KeyframePoints& other) const { return size_ == other.size_ && *read() == *other.read(); }
 
  private:

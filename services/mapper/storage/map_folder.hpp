@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
+#include <vector>
 
 #include "services/mapper/storage/saved_map.hpp"
 
@@ -21,16 +24,34 @@ namespace curbstone::mapper::storage {
 /// apart up to 32 km from the map's origin; other numbers are written with all their digits.
 inline constexpr int kMapFormat = 1;
 
+/// What a saved map lacks.
+struct LeftOut {
+  std::vector<TileKey> gone;           ///< tiles
+  std::vector<TileKey> earlier;        ///< tiles of which it has SavedTile::earlier
+  std::vector<std::size_t> keyframes;  ///< that have lost their scan
+  [[nodiscard]] std::size_t size() const { return gone.size() + earlier.size() + keyframes.size(); }
+};
+
+/// Takes parts of a map as they are read, so that the whole of it is never in memory.
+struct MapTaker {
+  std::function<void(SavedTile)> tile;
+  std::function<void(scan::Keyframe)> node;
+};
+
 /// Replaces the map in `folder`, if there is one, in one step once the new one is complete and on the disk: a crash at
 /// any time leaves the old or the new. Until then the new one grows in `folder`.partial; one process at a time.
 /// What is on_disk stays the file that it is (a hard link): only what is new is written.
+/// What the file of far tiles does not give back is left out, and all else is saved.
 /// Throws MapFolderError: what cannot be written, or is not on the disk, a map that load_map() would refuse, or a
 /// folder that holds anything but a map (which is left alone).
-void save_map(const SavedMap& map, const std::filesystem::path& folder);
+LeftOut save_map(const SavedMap& map, const std::filesystem::path& folder);
 
 /// Throws MapFolderError: a file that is missing, truncated, too large, or of a newer format; a point that is not
 /// finite, outside its tile, off the 2 mm steps or in another's voxel; a pose that is none; an edge to nowhere.
 /// Memory stays within a small multiple of what lies on the disk.
 [[nodiscard]] SavedMap load_map(const std::filesystem::path& folder);
+/// Likewise, but tiles and nodes go to the taker, one after the other, and are not in what it returns. When it throws,
+/// some have gone there.
+[[nodiscard]] SavedMap load_map(const std::filesystem::path& folder, const MapTaker& taker);
 
 }  // namespace curbstone::mapper::storage

@@ -126,7 +126,7 @@ std::vector<scan::KeyframePoint> read_node_points(const fs::path& file) {
   return points;
 }
 
-void read_tiles(MapHead& head, int voxel_steps, const fs::path& folder) {
+void read_tiles(const MapHead& head, int voxel_steps, const fs::path& folder, const MapTaker& taker) {
   const fs::path table = folder / "tiles.csv";
   const std::vector<std::string> rows = read_map_rows(table, Rules::kTilesHeader, head.tiles);
   std::set<TileKey> seen;
@@ -142,11 +142,11 @@ void read_tiles(MapHead& head, int voxel_steps, const fs::path& folder) {
     const fs::path file = folder / map_tile_file(tile.key);
     tile.points = read_tile_points(tile, file);
     check_map_tile(tile, voxel_steps, file);
-    head.map.tiles.push_back(std::move(tile));
+    taker.tile(std::move(tile));
   }
 }
 
-void read_nodes(MapHead& head, const fs::path& folder) {
+void read_nodes(const MapHead& head, const fs::path& folder, const MapTaker& taker) {
   const fs::path table = folder / "nodes.csv";
   const std::vector<std::string> rows = read_map_rows(table, Rules::kNodesHeader, head.nodes);
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -157,7 +157,7 @@ void read_nodes(MapHead& head, const fs::path& folder) {
     row.end();
     node.points = read_node_points(folder / keyframe_file(i));
     check_keyframe(node, table, i);
-    head.map.nodes.push_back(std::move(node));
+    taker.node(std::move(node));
   }
 }
 
@@ -173,7 +173,7 @@ void read_graph(MapHead& head, const fs::path& folder) {
     edge.T_from_to = read_pose(row);
     for (int k = 0; k < 36; ++k) edge.information(k / 6, k % 6) = row.number();
     row.end();
-    check_map_edge(edge, head.map.nodes.size(), table, i);
+    check_map_edge(edge, head.nodes, table, i);
     head.map.edges.push_back(edge);
   }
 }
@@ -195,12 +195,22 @@ void read_rings(MapHead& head, const fs::path& folder) {
 }  // namespace
 
 SavedMap load_map(const fs::path& folder) {
+  std::vector<SavedTile> tiles;
+  std::vector<scan::Keyframe> nodes;
+  SavedMap map = load_map(folder, {[&](SavedTile tile) { tiles.push_back(std::move(tile)); },
+                                   [&](scan::Keyframe node) { nodes.push_back(std::move(node)); }});
+  map.tiles = std::move(tiles);
+  map.nodes = std::move(nodes);
+  return map;
+}
+
+SavedMap load_map(const fs::path& folder, const MapTaker& taker) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) fail_map(folder, "no such folder");
   MapHead head = read_head(folder);
   const int voxel_steps = check_map_head(head.map, folder / "map.yaml");
-  read_tiles(head, voxel_steps, folder);
-  read_nodes(head, folder);
+  read_tiles(head, voxel_steps, folder, taker);
+  read_nodes(head, folder, taker);
   read_graph(head, folder);
   read_rings(head, folder);
   return std::move(head.map);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -37,17 +38,18 @@ void keep_file(const fs::path& name, const AtomicFolder& target) {
   if (error) fail_map(target.folder() / name, error.message());
 }
 
-SavedTile with_points(SavedTile tile, const fs::path& file) {
+/// Nothing if it is away and not given back.
+std::optional<SavedTile> with_points(SavedTile tile) {
   if (tile.away.empty()) return tile;
   try {
     tile.points = tile.away.read().points();
-  } catch (const std::runtime_error& error) {
-    fail_map(file, error.what());
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
   }
   return tile;
 }
 
-void write_tiles(const SavedMap& map, int voxel_steps, const AtomicFolder& target) {
+void write_tiles(const SavedMap& map, int voxel_steps, const AtomicFolder& target, LeftOut& left_out) {
   const fs::path& folder = target.partial();
   std::string table = std::string(Rules::kTilesHeader) + "\n";
   std::set<TileKey> seen;
@@ -55,15 +57,18 @@ void write_tiles(const SavedMap& map, int voxel_steps, const AtomicFolder& targe
   for (const SavedTile& tile : map.tiles) {
     const fs::path file = folder / map_tile_file(tile.key);
     if (!seen.insert(tile.key).second) fail_map(file, "is there twice");
-    fmt::format_to(std::back_inserter(table), "{},{},{},{}\n", tile.key.x, tile.key.y, tile.z_origin, tile.utime);
-    if (tile.on_disk) {
+    const std::optional<SavedTile> here = tile.on_disk ? tile : with_points(tile);
+    if (!here) (tile.earlier ? left_out.earlier : left_out.gone).push_back(tile.key);
+    if (!here && !tile.earlier) continue;
+    fmt::format_to(std::back_inserter(table), "{},{},{},{}\n", tile.key.x, tile.key.y, tile.z_origin,
+                   here ? tile.utime : *tile.earlier);
+    if (!here || tile.on_disk) {
       keep_file(map_tile_file(tile.key), target);
       continue;
     }
-    const SavedTile here = with_points(tile, file);
-    check_map_tile(here, voxel_steps, file);
+    check_map_tile(*here, voxel_steps, file);
     values.clear();
-    for (const TilePoint& p : here.points) {
+    for (const TilePoint& p : here->points) {
       values.insert(values.end(),
                     {pcd_coordinate(tile.key.x * kTileSize, p.x), pcd_coordinate(tile.key.y * kTileSize, p.y),
                      pcd_coordinate(tile.z_origin, p.z), static_cast<float>(p.intensity)});
@@ -73,7 +78,7 @@ void write_tiles(const SavedMap& map, int voxel_steps, const AtomicFolder& targe
   write_map_file(folder / "tiles.csv", table);
 }
 
-void write_nodes(const SavedMap& map, const AtomicFolder& target) {
+void write_nodes(const SavedMap& map, const AtomicFolder& target, LeftOut& left_out) {
   const fs::path& folder = target.partial();
   const fs::path file = folder / "nodes.csv";
   std::string table = std::string(Rules::kNodesHeader) + "\n";
@@ -88,7 +93,7 @@ void write_nodes(const SavedMap& map, const AtomicFolder& target) {
     }
     values.clear();
     const auto points = node.points.read();
-    if (points->size() != node.points.size()) fail_map(folder / keyframe_file(i), "the disk does not give it back");
+    if (points->size() != node.points.size()) left_out.keyframes.push_back(i);
     for (const scan::KeyframePoint& p : *points)
       values.insert(values.end(), {pcd_coordinate(0.0, p.x), pcd_coordinate(0.0, p.y), pcd_coordinate(0.0, p.z)});
     write_pcd(folder / keyframe_file(i), Rules::kNodeFields, values, node.T_map_base);
@@ -117,14 +122,14 @@ void write_rings(const SavedMap& map, const fs::path& folder) {
   write_map_file(folder / "rings.csv", table);
 }
 
-void write_head(const SavedMap& map, const fs::path& folder) {
+void write_head(const SavedMap& map, std::size_t num_tiles, const fs::path& folder) {
   write_map_file(
       folder / "map.yaml",
       fmt::format("# A map of curbstone's mapper: services/mapper/storage/map_folder.hpp says what lies here.\n"
                   "format: {}\ntile_size: {}  # m\nposition_step: {}  # m\nvoxel: {}  # m\nepoch: {}\n"
                   "rings: {}\nring_scans: {}\ntiles: {}\nnodes: {}\nedges: {}\n",
                   kMapFormat, kTileSize, kPositionStep, map.voxel, map.epoch, map.rings.rings.size(), map.rings.scans,
-                  map.tiles.size(), map.nodes.size(), map.edges.size()));
+                  num_tiles, map.nodes.size(), map.edges.size()));
 }
 
 /// Whether there is nothing in it that save_map() has not made.
@@ -152,7 +157,7 @@ bool is_map_folder(const fs::path& folder) {
 
 }  // namespace
 
-void save_map(const SavedMap& map, const fs::path& folder) {
+LeftOut save_map(const SavedMap& map, const fs::path& folder) {
   const int voxel_steps = check_map_head(map, folder);
   AtomicFolder target(folder, is_map_folder);
   for (const char* name : {"tiles", "nodes"}) {
@@ -160,12 +165,14 @@ void save_map(const SavedMap& map, const fs::path& folder) {
     fs::create_directory(target.partial() / name, error);
     if (error) fail_map(target.partial() / name, error.message());
   }
-  write_tiles(map, voxel_steps, target);
-  write_nodes(map, target);
+  LeftOut left_out;
+  write_tiles(map, voxel_steps, target, left_out);
+  write_nodes(map, target, left_out);
   write_graph(map, target.partial());
   write_rings(map, target.partial());
-  write_head(map, target.partial());
+  write_head(map, map.tiles.size() - left_out.gone.size(), target.partial());
   target.commit();
+  return left_out;
 }
 
 }  // namespace curbstone::mapper::storage

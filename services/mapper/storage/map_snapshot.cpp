@@ -16,14 +16,17 @@ MapSnapshot take_snapshot(const dense_map::DenseMap& dense, const pose_graph::At
   for (const TileKey& key : dense.keys()) {
     const dense_map::DenseTile& tile = *dense.tile(key);
     if (tile.num_points() == 0) continue;
-    const MapVersions::Tile version{tile.utime(), tile.removed_at(), tile.num_records()};
+    const MapVersions::Tile version{tile.utime(), tile.removed_at(), tile.num_records(), tile.z_origin()};
     const auto known = on_disk.tiles.find(key);
-    const bool kept = comparable && known != on_disk.tiles.end() && known->second == version;
+    const bool is_known = comparable && known != on_disk.tiles.end();
+    const bool kept = is_known && known->second == version;
     SavedTile saved{key, tile.z_origin(), tile.utime(), {}, kept};
-    if (!kept && tile.is_away())
+    if (!kept && tile.is_away()) {
       saved.away = tile.packed();
-    else if (!kept)
+      if (is_known && known->second.z_origin == version.z_origin) saved.earlier = known->second.utime;
+    } else if (!kept) {
       saved.points = tile.read()->points();
+    }
     out.map.tiles.push_back(std::move(saved));
     out.versions.tiles.emplace(key, version);
   }

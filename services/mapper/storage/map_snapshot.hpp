@@ -17,6 +17,7 @@ struct MapVersions {
     std::int64_t utime;    ///< us, of the newest point
     std::int64_t removed;  ///< us, when points were taken out last
     std::size_t records;
+    std::int32_t z_origin;  ///< m in map
     bool operator==(const Tile&) const = default;
   };
   struct Node {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct SavedTile {
   std::vector<TilePoint> points;
   bool on_disk = false;                ///< the folder that it will be saved to holds this very tile: `points` is empty
   dense_map::PackedRecords away = {};  ///< if not empty: `points` is, and these are read when the tile is saved
+  std::optional<std::int64_t> earlier = {};  ///< us, the `utime` of an earlier version of it that the folder holds
 };
 
 /// All that outlives a drive: the dense map, the nodes from which the map for registration is built anew, and the

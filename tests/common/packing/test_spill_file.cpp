@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
 
 #include <chrono>
 #include <filesystem>
@@ -9,11 +11,12 @@
 #include <optional>
 #include <random>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
+#include "tests/damaged_spill_files.hpp"
 #include "tests/temporary_folder.hpp"
-#include "tests/truncated_spill_files.hpp"
 
 namespace curbstone {
 namespace {
@@ -93,6 +96,70 @@ TEST(SpillFile, LeavesTheLastOfTheDiskToOthers) {
   EXPECT_EQ(file.fault(), "") << "nothing is left to be written";
 }
 
+/// A disk of 1 MB. False if there is no right to mount one.
+bool mount_small_disk(const std::string& folder, unsigned long flags = 0) {
+  return unshare(CLONE_NEWNS) == 0 && mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+         mount("tmpfs", folder.c_str(), "tmpfs", flags, "size=1m") == 0;
+}
+
+TEST(SpillFile, OnADiskThatFillsUpKeepsTheRestInMemoryUntilThereIsRoomAgain) {
+  const test::TemporaryFolder folder;
+  const std::string disk = folder.path().string();
+  if (!mount_small_disk(disk)) GTEST_SKIP() << "no right to mount a small disk";
+  {
+    SpillFile file(disk, 0);
+    std::vector<SpillFile::Values> away;
+    for (unsigned i = 0; i < 40; ++i) away.push_back(file.put(values_of(50'000, i)));
+    file.flush();
+    EXPECT_NE(file.fault(), "");
+    EXPECT_GT(file.bytes_in_file(), 800'000U);
+    EXPECT_GT(file.bytes_in_memory(), 900'000U);
+    for (unsigned i = 0; i < 40; ++i) EXPECT_EQ(away[i].read(), values_of(50'000, i)) << i;
+    away.erase(away.begin(), away.begin() + 30);
+    for (int i = 0; i < 2000 && file.bytes_in_memory() > 0; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_EQ(file.fault(), "");
+    EXPECT_EQ(file.bytes_in_file(), 500'000U);
+    for (unsigned i = 0; i < 10; ++i) EXPECT_EQ(away[i].read(), values_of(50'000, 30 + i)) << i;
+    EXPECT_EQ(file.failed_reads(), 0);
+  }
+  umount2(disk.c_str(), MNT_DETACH);
+}
+
+TEST(SpillFile, GivesTheDiskBackWhatIsFreeAtItsEnd) {
+  const test::TemporaryFolder folder;
+  SpillFile file(folder.path().string(), 0);
+  std::vector<SpillFile::Values> away;
+  for (unsigned i = 0; i < 100; ++i) away.push_back(file.put(values_of(50'000, i)));
+  file.flush();
+  const auto size = [] {
+    off_t bytes = 0;
+    test::for_each_spill_file([&](int descriptor) { bytes = ::lseek(descriptor, 0, SEEK_END); });
+    return bytes;
+  };
+  EXPECT_GT(size(), 5'000'000);
+  away.erase(away.begin() + 10, away.end());
+  for (int i = 0; i < 2000 && size() > 1'000'000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_LT(size(), 1'000'000);
+  away.push_back(file.put(values_of(2'000'000, 200)));
+  file.flush();
+  for (unsigned i = 0; i < 10; ++i) EXPECT_EQ(away[i].read(), values_of(50'000, i)) << i;
+  EXPECT_EQ(away.back().read(), values_of(2'000'000, 200));
+}
+
+TEST(SpillFile, OnADiskThatMayOnlyBeReadIsAFault) {
+  const test::TemporaryFolder folder;
+  if (!mount_small_disk(folder.path().string(), MS_RDONLY)) GTEST_SKIP() << "no right to mount a small disk";
+  {
+    SpillFile file(folder.path().string(), 0);
+    const SpillFile::Values away = file.put(values_of(1000, 1));
+    file.flush();
+    EXPECT_THAT(file.fault(), testing::HasSubstr("Read-only file system"));
+    EXPECT_EQ(away.read(), values_of(1000, 1));
+  }
+  umount2(folder.path().c_str(), MNT_DETACH);
+}
+
 TEST(SpillFile, SaysThatItCannotRead) {
   const test::TemporaryFolder folder;
   SpillFile file(folder.path().string(), 0);
@@ -102,6 +169,21 @@ TEST(SpillFile, SaysThatItCannotRead) {
   EXPECT_EQ(file.failed_reads(), 0);
   EXPECT_THROW((void)away.read(), std::runtime_error);
   EXPECT_EQ(file.failed_reads(), 1);
+}
+
+TEST(SpillFile, ReturnsNothingThatIsNotWhatWasPutAway) {
+  const test::TemporaryFolder folder;
+  SpillFile file(folder.path().string(), 0);
+  const SpillFile::Values away = file.put(values_of(1000, 1)), large = file.put(values_of(100'000, 2));
+  file.flush();
+  EXPECT_EQ(file.read_fault(), "");
+  test::flip_a_bit_of_each_spilled_page();
+  EXPECT_THROW((void)away.read(), std::runtime_error);
+  EXPECT_THROW((void)large.read(), std::runtime_error);
+  EXPECT_EQ(file.failed_reads(), 2);
+  EXPECT_EQ(file.read_fault(), folder.path().string() + ": a checksum is wrong");
+  test::flip_a_bit_of_each_spilled_page();
+  EXPECT_EQ(large.read(), values_of(100'000, 2)) << "the disk has come to its senses";
 }
 
 TEST(SpillFile, ItsValuesMayOutliveIt) {

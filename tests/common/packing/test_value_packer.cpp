@@ -71,26 +71,26 @@ TEST(ValuePacker, SaysWhenSomethingElseIsUnpacked) {
 }
 
 TEST(ValuePacker, StepsBringBackEveryBitOfAField) {
-  struct Sample {
+  struct Fields {
     std::int64_t when;
     std::int16_t what;
     std::uint8_t how;
   };
   using Limits = std::numeric_limits<std::int64_t>;
-  const std::vector<Sample> samples{
+  const std::vector<Fields> samples{
       {Limits::max(), -32768, 255}, {Limits::min(), 32767, 0}, {0, -1, 128}, {Limits::max(), 0, 127}};
   ValuePacker packer;
-  packer.put_steps(samples, &Sample::when);
-  packer.put_steps(samples, &Sample::what);
-  packer.put_steps(samples, &Sample::how);
-  packer.put_steps(std::vector<Sample>(), &Sample::how);
+  packer.put_steps(samples, &Fields::when);
+  packer.put_steps(samples, &Fields::what);
+  packer.put_steps(samples, &Fields::how);
+  packer.put_steps(std::vector<Fields>(), &Fields::how);
   const PackedValues packed = packer.pack();
   ValueUnpacker unpacker(packed);
-  std::vector<Sample> back, none(3);
-  unpacker.take_steps(back, &Sample::when);
-  unpacker.take_steps(back, &Sample::what);
-  unpacker.take_steps(back, &Sample::how);
-  unpacker.take_steps(none, &Sample::how);
+  std::vector<Fields> back, none(3);
+  unpacker.take_steps(back, &Fields::when);
+  unpacker.take_steps(back, &Fields::what);
+  unpacker.take_steps(back, &Fields::how);
+  unpacker.take_steps(none, &Fields::how);
   ASSERT_EQ(back.size(), samples.size());
   EXPECT_TRUE(none.empty());
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -101,13 +101,13 @@ TEST(ValuePacker, StepsBringBackEveryBitOfAField) {
 }
 
 TEST(ValuePacker, StepsOfNeighboursThatAreAlikeTakeLittle) {
-  struct Sample {
+  struct Fields {
     std::int64_t when;
   };
-  std::vector<Sample> samples;
+  std::vector<Fields> samples;
   for (int i = 0; i < 10'000; ++i) samples.push_back({1'700'000'000'000'000 + 50'000 * i});
   ValuePacker packer;
-  packer.put_steps(samples, &Sample::when);
+  packer.put_steps(samples, &Fields::when);
   EXPECT_LT(packer.pack().size(), 1000U);
 }
 

@@ -5,8 +5,8 @@
 #include <thread>
 
 #include "common/bus/local_bus.hpp"
+#include "tests/damaged_spill_files.hpp"
 #include "tests/services/semantic_map/semantic_map_node_test.hpp"
-#include "tests/truncated_spill_files.hpp"
 
 namespace curbstone::semantic_map {
 namespace {

@@ -42,11 +42,14 @@ class ReplayOnThreads : public ::testing::Test {
   }
   /// The map, and every message that was said.
   std::pair<std::string, std::string> replay(const std::string& threads,
-                                             const std::string& setting = "ekf.fuse_map=false") {
+                                             const std::string& setting = "ekf.fuse_map=false",
+                                             const std::vector<std::string>& more = {}) {
     const std::string map = folder_ / ("map" + threads + ".db");
     const std::string all = folder_ / ("all" + threads + ".lcmlog");
-    EXPECT_EQ(run(run_replay, {"replay", log_, "--map", map, "--threads", threads, "--record", all, "--set", setting}),
-              0);
+    std::vector<std::string> words = {"replay", log_,       "--map", map,     "--threads",
+                                      threads,  "--record", all,     "--set", setting};
+    for (const std::string& s : more) words.insert(words.end(), {"--set", s});
+    EXPECT_EQ(run(run_replay, words), 0);
     return {bytes_of(map), bytes_of(all)};
   }
   /// Without all sensors for a while, without the IMU for another, and with packets whose clock is off.
@@ -99,6 +102,15 @@ TEST_F(ReplayOnThreads, MakesTheSameMapHoweverSoonTilesBehindTheVehicleAreLetGo)
   const auto let_go = replay("4", "tensor_voting.keep_radius=40");
   EXPECT_GT(kept.first.size(), 100'000U);
   EXPECT_TRUE(kept.first == let_go.first);
+}
+
+TEST_F(ReplayOnThreads, MakesTheSameMapWhereverFarTilesLie) {
+  make_town("20", "12");
+  const std::vector<std::string> few = {"mapper.dense.awake=5", "mapper.dense.asleep_here=0", "mapper.keep_free=0"};
+  const auto in_memory = replay("4", "mapper.far_folder=", few);
+  const auto in_a_file = replay("4", "mapper.far_folder=" + folder_.path().string(), few);
+  EXPECT_GT(in_memory.first.size(), 100'000U);
+  EXPECT_TRUE(in_memory.first == in_a_file.first) << "curbs, classes and all";
 }
 
 TEST_F(ReplayOnThreads, RefusesToSetWhatNobodyReadsAndLeavesTheMapThatIsThere) {

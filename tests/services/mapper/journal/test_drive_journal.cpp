@@ -220,6 +220,27 @@ TEST_F(DriveJournalTest, BegunAnewIsNoLargerThanWhatTheMapStillHolds) {
   expect_all(*read());
 }
 
+TEST_F(DriveJournalTest, IsReadIntoAFileAndNotIntoMemory) {
+  start_epoch(7, {});
+  drive(700, 6);
+  settle();
+  const std::optional<RecordedDrive> here = read();
+  SpillFile far(folder_.path().string(), 0);
+  std::optional<RecordedDrive> drive = read_journal(file_, kMost, "settings", &far);
+  ASSERT_TRUE(here && drive);
+  far.flush();
+  ASSERT_EQ(drive->tiles.size(), here->tiles.size());
+  for (auto& [key, tile] : drive->tiles) {
+    EXPECT_TRUE(tile.content.records.empty());
+    EXPECT_TRUE(tile.away.is_in_file());
+    tile.content = tile.away.read();
+    EXPECT_EQ(tile.content, here->tiles.at(key).content);
+  }
+  ASSERT_EQ(drive->nodes.size(), here->nodes.size());
+  EXPECT_TRUE(drive->nodes.front().kept.points.is_in_file());
+  expect_all(*drive);
+}
+
 TEST_F(DriveJournalTest, OfAMapperWithOtherSettingsIsRefused) {
   start_epoch(7, {});
   drive(10);

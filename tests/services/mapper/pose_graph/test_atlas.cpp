@@ -127,6 +127,15 @@ TEST_F(AnAtlas, KeepsAtMostSoManyScansTheNearest) {
   EXPECT_EQ(atlas.near({0, 0, 0}, 10).size(), 0U) << "what has no scan cannot be recognised";
 }
 
+TEST_F(AnAtlas, KeepsAllScansThatADiskTakes) {
+  const test::TemporaryFolder folder;
+  config::AtlasConfig config;
+  config.max_nodes = 30;
+  Atlas atlas(config, std::make_shared<SpillFile>(folder.path().string(), 0));
+  for (double x = 0; x < 100; x += 0.5) atlas.visit(1, at(x, 0), surroundings());
+  for (int id = 0; id < atlas.size(); ++id) EXPECT_FALSE(atlas.node(id).points.read()->empty());
+}
+
 TEST_F(AnAtlas, ScansOfAllButTheNewestNodesLieInAFile) {
   const test::TemporaryFolder folder;
   const auto file = std::make_shared<SpillFile>(folder.path().string(), 0);

@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "tests/damaged_spill_files.hpp"
 #include "tests/temporary_folder.hpp"
-#include "tests/truncated_spill_files.hpp"
 
 namespace curbstone::mapper::scan {
 namespace {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "services/semantic_map/pipeline/update_schedule.hpp"
+#include "tests/damaged_spill_files.hpp"
 #include "tests/services/semantic_map/synthetic_ground.hpp"
 #include "tests/temporary_folder.hpp"
-#include "tests/truncated_spill_files.hpp"
 
 namespace curbstone::semantic_map::pipeline {
 namespace {
