@@ -48,7 +48,9 @@ void DenseMap::roll_back(std::int64_t utime) {
 }
 
 void DenseMap::load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points) {
-  DenseTile& tile = *tiles_.wake_or_make(key, z_origin);
+  DenseTile* const at_key = tiles_.wake_or_make(key, z_origin);
+  if (at_key == nullptr) return;
+  DenseTile& tile = *at_key;
   for (const TilePoint& p : points) {
     if (tile.occupied(tile.voxel_number(p))) continue;
     tile.append(p, utime, kFixed);
@@ -63,7 +65,9 @@ void DenseMap::load(TileKey key, std::int32_t z_origin, std::int64_t utime, cons
 void DenseMap::restore(TileKey key, std::int32_t z_origin, TileRecords records, const Eigen::Vector3d& at) {
   const bool is_near = distance_of(key, at) < config_.max_range + config_.awake;
   const bool is_fixed = !records.runs.empty() && records.runs.front().anchor == kFixed;
-  DenseTile& tile = *tiles_.wake_or_make(key, z_origin);
+  DenseTile* const at_key = tiles_.wake_or_make(key, z_origin);
+  if (at_key == nullptr) return;
+  DenseTile& tile = *at_key;
   const bool is_awake = is_near && !is_fixed;
   if (!is_awake) tiles_.sleep(key);
   tile.restore(std::move(records));

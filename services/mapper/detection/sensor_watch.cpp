@@ -15,15 +15,19 @@ void SensorWatch::clean(scan::Scan& scan) {
 void SensorWatch::add(const FittedScan& scan) {
   position_ = scan.T_map_base.translation();
   mounting_.add(scan);
-  if (scan.T_odom_base)
-    turns_.add(scan.utime, scan.T_map_base, *scan.T_odom_base);
-  else
+  if (!scan.T_odom_base) {
     turns_.interrupt();
+    lean_.interrupt();
+    return;
+  }
+  turns_.add(scan.utime, scan.T_map_base, *scan.T_odom_base);
+  lean_.add(scan.utime, scan.T_map_base, *scan.T_odom_base);
 }
 
 void SensorWatch::interrupt() {
   mounting_.interrupt();
   turns_.interrupt();
+  lean_.interrupt();
 }
 
 void SensorWatch::compare(std::int64_t utime, const Pose& T_map_base_by_scan, const Pose& T_odom_base) {
@@ -35,6 +39,7 @@ void SensorWatch::add_faults(std::vector<std::string>& faults) const {
   strays_.add_faults(faults);
   mounting_.add_faults(faults);
   turns_.add_faults(faults);
+  lean_.add_faults(faults);
   lag_.add_faults(faults);
   sectors_.add_faults(faults);
   ground_.add_faults(faults);
@@ -42,7 +47,7 @@ void SensorWatch::add_faults(std::vector<std::string>& faults) const {
 
 void SensorWatch::add_counters(Counters& counters) const {
   for (const Counters* part : {&strays_.counters(), &lasers_.counters(), &mounting_.counters(), &turns_.counters(),
-                               &lag_.counters(), &sectors_.counters(), &ground_.counters()}) {
+                               &lean_.counters(), &lag_.counters(), &sectors_.counters(), &ground_.counters()}) {
     for (const auto& [name, value] : part->values()) counters.add(name, value);
   }
 }

@@ -10,6 +10,7 @@
 #include "services/mapper/detection/laser_elevations.hpp"
 #include "services/mapper/detection/lidar_lag.hpp"
 #include "services/mapper/detection/lidar_mounting.hpp"
+#include "services/mapper/detection/map_lean.hpp"
 #include "services/mapper/detection/stray_returns.hpp"
 #include "services/mapper/detection/turn_agreement.hpp"
 #include "services/mapper/scan/scan.hpp"
@@ -41,6 +42,7 @@ class SensorWatch {
   LaserElevations lasers_;
   LidarMounting mounting_;
   TurnAgreement turns_;
+  MapLean lean_;
   LidarLag lag_;
   BlindSectors sectors_;
   GroundInSight ground_;
