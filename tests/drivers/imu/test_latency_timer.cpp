@@ -83,8 +83,12 @@ class LatencyTimerOnAPty : public test::DriverOnAPty<imu_t> {
  protected:
   LatencyTimerOnAPty() : DriverOnAPty("IMU"), node_(config(), recorder_.bus()), link_({pty_.path(), 115200}) {
     link_.attach(loop_, {[this](auto utime, auto bytes) { node_.on_bytes(utime, bytes); },
-                         [this](auto now, bool up, const auto& why) { node_.on_link(now, up, why); }});
+                         [this](auto now, bool up, const auto& why) {
+                           is_open_ = up;
+                           node_.on_link(now, up, why);
+                         }});
     loop_.every(std::chrono::milliseconds(10), [this] {
+      if (!is_open_) return;  // what is sent before is lost, and samples are known by their number
       const std::int64_t now = wall_clock();
       tremor_ = 1e-3 - tremor_;  // no sensor is still
       const auto bytes = device_.sample(now, {.acceleration = {tremor_, tremor_, 9.8 + tremor_}});
@@ -105,6 +109,7 @@ class LatencyTimerOnAPty : public test::DriverOnAPty<imu_t> {
   XsensEmulator device_{{.configured = true}};
   std::vector<std::int64_t> truth_;
   double tremor_ = 0;  // m/s^2
+  bool is_open_ = false;
   test::Bytes held_;
   ImuNode node_;
   serial::SerialLink link_;
