@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace curbstone::mapper::detection {
 namespace {
@@ -66,6 +67,7 @@ void GroundInSight::look(const scan::Scan& scan, bool moved) {
     if (p.z() > ground + kTall && p.z() < kOverhead) sector.tall = std::min(sector.tall, range);
     if (std::abs(p.z()) < ground && range > kNear && range < far_) sector.ground.push_back(range);
   }
+  if (due) judge_upside_down(scan);
   int open = 0, seeing = 0, open_ahead = 0, seeing_ahead = 0;
   for (int i = 0; i < kSectors; ++i) {
     const Sector& sector = sectors[static_cast<std::size_t>(i)];
@@ -83,7 +85,41 @@ void GroundInSight::look(const scan::Scan& scan, bool moved) {
   if (lost || lost_ahead) counters_.add("faults.no_ground");
 }
 
+/// Returns of the ground that nothing tall stands before, as if the LiDAR hung the other way round if `upside_down`.
+std::ptrdiff_t GroundInSight::count_ground(const scan::Scan& scan, bool upside_down) const {
+  const float lidar = T_base_lidar_.translation().z();
+  std::array<float, kSectors> tall;
+  tall.fill(std::numeric_limits<float>::infinity());
+  std::vector<std::pair<std::size_t, float>> ground;  // sector, m
+  for (const scan::LidarPoint& point : scan.points) {
+    if (!point.position.allFinite() || !(point.position.squaredNorm() > kOwn * kOwn)) continue;
+    const Eigen::Vector3f p = T_base_lidar_ * point.position;
+    const float z = upside_down ? 2.0F * lidar - p.z() : p.z();
+    const float range = p.head<2>().norm();
+    const float uneven = kUneven + kSlope * range;
+    const std::size_t sector = sector_of(p);
+    if (z > uneven + kTall && z < kOverhead) tall[sector] = std::min(tall[sector], range);
+    if (std::abs(z) < uneven) ground.emplace_back(sector, range);
+  }
+  return std::ranges::count_if(ground, [&](const auto& seen) { return seen.second < tall[seen.first] - kBefore; });
+}
+
+void GroundInSight::judge_upside_down(const scan::Scan& scan) {
+  const auto above = static_cast<double>(count_ground(scan, true));
+  const bool is_so = above > kManyAbove * static_cast<double>(scan.points.size()) &&
+                     static_cast<double>(count_ground(scan, false)) < kFewBelow * above;
+  looks_upside_down_ = std::clamp(looks_upside_down_ + (is_so ? 1 : -1), 0, kLooks);
+  if (!is_upside_down_ && looks_upside_down_ == kLooks) counters_.add("faults.lidar.upside_down");
+  is_upside_down_ = looks_upside_down_ == kLooks || (is_upside_down_ && looks_upside_down_ > 0);
+}
+
 void GroundInSight::add_faults(std::vector<std::string>& faults) const {
+  if (is_upside_down_) {
+    faults.emplace_back(
+        "LiDAR: it hangs upside down, or does not as vehicle.lidar says: the ground is above it. Add 3.1416 to its "
+        "roll");
+    return;
+  }
   if (!about_.missing && !ahead_.missing) return;
   const Sight& sight = about_.missing ? about_ : ahead_;
   faults.push_back(

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -21,16 +22,22 @@ namespace curbstone::mapper::detection {
 /// and houses stand about it closely nothing is said. Nor of a LiDAR below kLowest, between whose beams the ground is
 /// farther apart than that.
 ///
-/// Status only. A function of the calls. Pure; one thread. Counters: faults.no_ground (times that it began).
+/// A LiDAR that hangs upside down, unlike what its vehicle's file says, shows the ground as high above itself as it
+/// should lie below: kManyAbove of its returns, and next to none where the ground is. A ceiling has a floor below it.
+///
+/// Status only. A function of the calls. Pure; one thread. Counters: faults.no_ground, faults.lidar.upside_down (times
+/// that it began).
 class GroundInSight {
  public:
   static constexpr int kSectors = 36;
-  static constexpr int kEvery = 4;        ///< revolutions: one of them is looked at
-  static constexpr int kLooks = 25;       ///< before anything is said; the memory of what was seen
-  static constexpr double kFew = 0.15;    ///< of the open sectors: fewer are a fault,
-  static constexpr double kEnough = 0.3;  ///< until it is that many
-  static constexpr float kNear = 6.0F;    ///< m
-  static constexpr double kLowest = 0.6;  ///< m above the ground
+  static constexpr int kEvery = 4;           ///< revolutions: one of them is looked at
+  static constexpr int kLooks = 25;          ///< before anything is said; the memory of what was seen
+  static constexpr double kFew = 0.15;       ///< of the open sectors: fewer are a fault,
+  static constexpr double kEnough = 0.3;     ///< until it is that many
+  static constexpr float kNear = 6.0F;       ///< m
+  static constexpr double kLowest = 0.6;     ///< m above the ground
+  static constexpr double kManyAbove = 0.1;  ///< of the returns
+  static constexpr double kFewBelow = 0.2;   ///< of those above
 
   explicit GroundInSight(const Pose& T_base_lidar);
 
@@ -39,6 +46,7 @@ class GroundInSight {
   /// Of the open sectors, those that showed the ground of late. 1 before anything was seen.
   [[nodiscard]] double share() const { return about_.share(); }
   [[nodiscard]] double share_ahead() const { return ahead_.share(); }
+  [[nodiscard]] bool is_upside_down() const { return is_upside_down_; }
   void add_faults(std::vector<std::string>& faults) const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -52,11 +60,16 @@ class GroundInSight {
     [[nodiscard]] bool loses(int now_open, int now_seeing);
   };
 
+  [[nodiscard]] std::ptrdiff_t count_ground(const scan::Scan& scan, bool upside_down) const;
+  void judge_upside_down(const scan::Scan& scan);
+
   Eigen::Isometry3f T_base_lidar_;
   float open_until_;  // m
   float far_;         // m
   int revolution_ = 0;
   Sight about_, ahead_;
+  int looks_upside_down_ = 0;  // more than the other way round, of late
+  bool is_upside_down_ = false;
   Counters counters_;
 };
 

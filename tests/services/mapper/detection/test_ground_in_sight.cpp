@@ -44,6 +44,33 @@ TEST(GroundInSight, AStreetShowsItsGround) {
   EXPECT_THAT(sight.faults(), IsEmpty());
 }
 
+TEST(GroundInSight, ALidarThatHangsUpsideDownSeesItAboveItself) {
+  Sight sight;
+  sight.drive.T_base_lidar = test::default_lidar() * test::pose(0, 0, 0, M_PI, 0, 0);
+  sight.look(kSoon - GroundInSight::kEvery);
+  EXPECT_THAT(sight.faults(), IsEmpty()) << "not yet";
+  sight.look(GroundInSight::kEvery);
+  ASSERT_EQ(sight.faults().size(), 1U);
+  EXPECT_THAT(sight.faults()[0], HasSubstr("the ground is above it"));
+  EXPECT_EQ(sight.ground.counters()["faults.lidar.upside_down"], 1);
+  sight.drive.T_base_lidar = test::default_lidar();
+  sight.look(kSoon);
+  EXPECT_FALSE(sight.ground.is_upside_down());
+}
+
+TEST(GroundInSight, UnderACeilingItHasAFloor) {
+  Sight sight;
+  scan::Scan scan = sight.drive.next();
+  const std::size_t points = scan.points.size();
+  for (std::size_t i = 0; i < points; ++i) {
+    scan::LidarPoint mirrored = scan.points[i];
+    mirrored.position.z() = -mirrored.position.z();
+    scan.points.push_back(mirrored);
+  }
+  for (int i = 0; i < 2 * kSoon; ++i) sight.ground.look(scan, false);
+  EXPECT_FALSE(sight.ground.is_upside_down());
+}
+
 TEST(GroundInSight, ADirtyWindowOrAWetRoadIsAFaultUntilTheGroundIsBack) {
   Sight sight;
   sight.look(kSoon - GroundInSight::kEvery, 6.0);
