@@ -116,8 +116,7 @@ void GroundInSight::judge_upside_down(const scan::Scan& scan) {
 void GroundInSight::add_faults(std::vector<std::string>& faults) const {
   if (is_upside_down_) {
     faults.emplace_back(
-        "LiDAR: it hangs upside down, or does not as vehicle.lidar says: the ground is above it. Add 3.1416 to its "
-        "roll");
+        "LiDAR: it is upside down by what vehicle.lidar says, for the ground is above it: add 3.1416 to its roll");
     return;
   }
   if (!about_.missing && !ahead_.missing) return;
