@@ -16,7 +16,8 @@ double limit(double least, double usual_square) {
   return std::max(least, LoneSamples::kLeaps * std::sqrt(usual_square));
 }
 
-/// Mean square about a second, in which no leap counts as more than what is nearly usual.
+/// Mean square over about kMemory. A change counts as kMostUsual times what is usual at most, so that leaps do not
+/// become usual, and on a rough track the limit grows within a second.
 void follow(double& usual_square, double least, double change, double share) {
   const double most = std::max(least * least / (LoneSamples::kLeaps * LoneSamples::kLeaps), usual_square);
   usual_square += share * (std::min(change * change, kMostUsual * kMostUsual * most) - usual_square);
