@@ -38,7 +38,7 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   if (tracked->began) standstill_ = Standstill::at(tracked->utime, tracked->T_map_base);
 
   // What drives along beside the vehicle looks the same elsewhere.
-  const bool is_sought = tracked->fix == tracking::Fix::kLost && !tracker_.turns_otherwise();
+  const bool is_sought = tracked->fix == tracking::Fix::kLost && !tracked->sparse && !tracker_.turns_otherwise();
   const auto relocalised = is_sought ? relocalise(*tracked, T_odom_base) : std::nullopt;
   const auto mapped = tracked->maps ? std::optional(map(*tracked)) : std::nullopt;
 

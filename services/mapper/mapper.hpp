@@ -36,7 +36,7 @@ struct MapperUpdate {
   Pose T_map_base = Pose::Identity();
   Pose T_map_odom = Pose::Identity();             ///< the last known, where odometry is missing
   std::optional<Pose> T_map_base_by_scan;         ///< by registration, though odometry may be believed rather
-  registration::RegistrationResult registration;  ///< covariance still in base_link axes
+  registration::RegistrationResult registration;  ///< covariance still in base_link axes; see Tracked
   tracking::Fix fix = tracking::Fix::kTracking;
   bool registered = false;
   bool with_odometry = false;
@@ -76,8 +76,8 @@ class Mapper {
   /// odometry leads from its last pose; where that is not so the place is sought.
   void resume(journal::RecordedDrive drive);
 
-  /// Takes the next scan; nothing when it cannot be placed in time or holds too few points that can be
-  /// measurements: see Tracker::track(). Such changes nothing.
+  /// Takes the next scan; nothing when it cannot be placed in time, or holds too few points and odometry does not lead
+  /// on: see Tracker::track(). Such changes nothing.
   [[nodiscard]] std::optional<MapperUpdate> process(const scan::Scan& scan, const scan::OdometryHistory& odometry);
   /// Nobody waits for anything: begins to look for what has left the dense map. Else process() does it first.
   void use_the_pause();

@@ -8,13 +8,15 @@ constexpr int kConfirmed = 10;                  // scans in a row that must fit 
 constexpr double kDoubtSpeed = 3.0;             // m/s, how doubt grows while lost or when nothing tells of the motion,
 constexpr double kGuidedDoubt = 0.05;           // and m a metre when odometry does
 constexpr double kGuidedTurn = 0.005;           // rad, of its attitude, after a metre
+constexpr double kMostDoubt = 0.5;              // m that odometry may have led on by where nothing can be seen
 constexpr std::int64_t kNewGround = 6'000'000;  // us, by when it has been sought everywhere, and
 constexpr double kNewGroundPath = 10.0;         // m by odometry, without a fit: these surroundings are new
 
 }  // namespace
 
 bool PoseTrust::judge(const Evidence& scan, Counters& counters) {
-  grow_doubt(scan);
+  since_fitted_m_ += scan.went;
+  doubt_ = doubt_after(scan);
   if (scan.fits) {
     take_fit(scan, counters);
     return false;
@@ -28,10 +30,16 @@ bool PoseTrust::judge(const Evidence& scan, Counters& counters) {
   return true;
 }
 
-void PoseTrust::grow_doubt(const Evidence& scan) {
-  since_fitted_m_ += scan.went;
+double PoseTrust::doubt_after(const Evidence& scan) const {
   const bool guided = scan.with_odometry && fix_ != Fix::kLost;
-  doubt_ += guided ? kGuidedDoubt * scan.went : kDoubtSpeed * scan.stride;
+  return doubt_ + (guided ? kGuidedDoubt * scan.went : kDoubtSpeed * scan.stride);
+}
+
+registration::Matrix6 PoseTrust::covariance_without(const Evidence& scan) const {
+  registration::Matrix6 covariance = drift_ + scan.covariance;
+  const double doubt = doubt_after(scan);
+  covariance.topLeftCorner<3, 3>().diagonal().array() += doubt * doubt;
+  return covariance;
 }
 
 void PoseTrust::take_fit(const Evidence& scan, Counters& counters) {
@@ -49,9 +57,10 @@ void PoseTrust::take_fit(const Evidence& scan, Counters& counters) {
 }
 
 void PoseTrust::take_refusal(const Evidence& scan, Counters& counters) {
-  ++refused_in_a_row_;
+  if (!scan.sparse) ++refused_in_a_row_;
   drift_ += scan.covariance;
   if (fix_ == Fix::kTentative) fix_ = Fix::kLost;
+  if (scan.sparse && scan.with_odometry && doubt_ < kMostDoubt) return;
   if (fix_ == Fix::kTracking && scan.utime - fitted_ > kPatience) {
     counters.add("lost.refused");
     fix_ = Fix::kLost;
@@ -62,7 +71,7 @@ void PoseTrust::take_refusal(const Evidence& scan, Counters& counters) {
 /// Lost, but odometry held all the while and the vehicle has driven on: what it sees is new, not displaced. Who was
 /// lifted and put down elsewhere has not driven.
 bool PoseTrust::sees_new_ground(const Evidence& scan) const {
-  return fix_ == Fix::kLost && !blind_ && scan.with_odometry && scan.utime - fitted_ > kNewGround &&
+  return fix_ == Fix::kLost && !blind_ && scan.with_odometry && !scan.sparse && scan.utime - fitted_ > kNewGround &&
          since_fitted_m_ > kNewGroundPath;
 }
 

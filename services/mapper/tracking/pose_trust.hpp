@@ -27,6 +27,7 @@ class PoseTrust {
     bool with_odometry = false;                                        ///< of which `went` is
     bool fits = false;                                                 ///< the map
     registration::Matrix6 covariance = registration::Matrix6::Zero();  ///< of what was expected, in base_link axes
+    bool sparse = false;  ///< too few points to fit anything, which contradicts nothing
   };
 
   [[nodiscard]] Fix fix() const { return fix_; }
@@ -43,6 +44,8 @@ class PoseTrust {
 
   /// The first scan of a drive, or of a new clock, ended at `utime`.
   void start(std::int64_t utime) { fitted_ = utime; }
+  /// Covariance of the pose at the end of the next scan if that does not fit, in base_link axes.
+  [[nodiscard]] registration::Matrix6 covariance_without(const Evidence& scan) const;
   /// Takes the next scan. True where the map for registration is to begin anew with it.
   [[nodiscard]] bool judge(const Evidence& scan, Counters& counters);
   /// No sensor tells how the vehicle moved.
@@ -57,7 +60,7 @@ class PoseTrust {
   void forget_drift() { drift_.setZero(); }
 
  private:
-  void grow_doubt(const Evidence& scan);
+  [[nodiscard]] double doubt_after(const Evidence& scan) const;
   void take_fit(const Evidence& scan, Counters& counters);
   void take_refusal(const Evidence& scan, Counters& counters);
   [[nodiscard]] bool sees_new_ground(const Evidence& scan) const;

@@ -19,6 +19,10 @@ scan::SharedPoints share(std::vector<scan::LidarPoint> points) {
   return std::make_shared<const std::vector<scan::LidarPoint>>(std::move(points));
 }
 
+bool is_sweep(const scan::Scan& scan) {
+  return scan.end >= scan.start && scan.end - scan.start <= kLongestSweep;
+}
+
 }  // namespace
 
 Tracker::Tracker(const config::TrackerConfig& config, const config::RegistrationConfig& registration,
@@ -33,9 +37,11 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   counters_.add("revolutions");
   if (std::count_if(scan.points.begin(), scan.points.end(), scan::measured) < config_.min_points) {
     counters_.add("refused.sparse");
-    return std::nullopt;
+    ++sparse_in_a_row_;
+    return is_sweep(scan) ? pass_over(scan, odometry) : std::nullopt;
   }
-  if (scan.end < scan.start || scan.end - scan.start > kLongestSweep) {
+  sparse_in_a_row_ = 0;
+  if (!is_sweep(scan)) {
     counters_.add("refused.time");
     return std::nullopt;
   }
@@ -158,11 +164,18 @@ Tracked Tracker::conclude(std::int64_t utime, Attempt found) {
         expected.with_odometry ? expected.deskew_covariance : motion_jitter_.covariance();
   }
   last_ = Last{utime, tracked.T_map_base};
-  tracked.anew = trust_.judge({utime, stride, expected.T_last_base.translation().norm(), expected.with_odometry,
-                               found.believed, expected.covariance},
-                              counters_);
+  const PoseTrust::Evidence evidence{utime,
+                                     stride,
+                                     expected.T_last_base.translation().norm(),
+                                     expected.with_odometry,
+                                     found.believed,
+                                     expected.covariance,
+                                     found.sparse};
+  if (!found.believed) tracked.registration.covariance = trust_.covariance_without(evidence);
+  tracked.anew = trust_.judge(evidence, counters_);
   if (tracked.anew) begin_anew();
   tracked.fix = trust_.fix();
+  tracked.sparse = found.sparse;
   tracked.registered = found.believed || tracked.anew;
   tracked.maps = tracked.registered && trust_.tracking();
   tracked.points = share(std::move(found.fit.points));

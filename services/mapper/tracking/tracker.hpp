@@ -31,14 +31,16 @@ struct Tracked {
   std::int64_t utime = 0;  ///< us, its end
   Pose T_map_base = Pose::Identity();
   std::optional<Pose> T_map_base_by_scan;  ///< as registration has it, though odometry may be believed rather
-  registration::RegistrationResult
-      registration;  ///< covariance in base_link axes, with that of the motion where it was a guess
+  /// Covariance in base_link axes: with that of the motion where it was a guess; of what led here where the scan did
+  /// not fit.
+  registration::RegistrationResult registration;
   Fix fix = Fix::kTracking;
   bool registered = false;
   bool with_odometry = false;
   bool stationary = false;
   bool began = false;         ///< with this scan, or anew
   bool anew = false;          ///< the map for registration is empty: odometry alone led here
+  bool sparse = false;        ///< too few points to be placed by: odometry led here
   bool maps = false;          ///< the map may take it
   scan::SharedPoints points;  ///< de-skewed, in base_link; never null
   /// Without odometry a scan has its motion from the next: the very first, when the second has proved it.
@@ -65,8 +67,8 @@ class Tracker {
           const VehicleConfig& vehicle, bool keeps_map);
 
   /// Takes the next scan; nothing when it cannot be placed in time (once more, late, longer than a second, ended
-  /// before it began, the first after a gap or a jump of the clock) or holds too few points that can be measurements.
-  /// Such changes nothing.
+  /// before it began, the first after a gap or a jump of the clock) or holds too few points that can be measurements
+  /// and odometry does not lead on. Such changes nothing.
   [[nodiscard]] std::optional<Tracked> track(const scan::Scan& scan, const scan::OdometryHistory& odometry);
 
   [[nodiscard]] bool started() const { return last_.has_value(); }
@@ -98,8 +100,8 @@ class Tracker {
   [[nodiscard]] const Counters& counters() const { return counters_; }
   /// Whether odometry goes where the scans do. While it is denied the tracker goes by scans alone.
   [[nodiscard]] const WayCheck& way() const { return way_; }
-  /// Of it.
-  void add_faults(std::vector<std::string>& faults) const { way_.add_faults(faults, lidar_yaw_); }
+  /// Of it, and of scans that show too little.
+  void add_faults(std::vector<std::string>& faults) const;
   /// Whether a scan was refused because it turned otherwise than wheels and gyro, and none was believed since.
   [[nodiscard]] bool turns_otherwise() const { return turns_otherwise_; }
   /// us, when one was refused so last; 0: none was.
@@ -119,11 +121,13 @@ class Tracker {
     Fit fit;
     std::string refusal{};  // the counter of why it is not believed; empty if it is
     bool believed = false;
+    bool sparse = false;  // too few points to try
   };
 
   [[nodiscard]] bool follows(const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] RecentMotion recent() const { return {last_->end, motion_.twist(), stride_}; }
   [[nodiscard]] Departure departure() const { return {last_->end, last_->T_map_base, trust_.drift()}; }
+  [[nodiscard]] std::optional<Tracked> pass_over(const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] Attempt attempt(const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] std::optional<Attempt> attempt_across(const Departure& from, const scan::Scan& scan,
                                                       const scan::OdometryHistory& odometry);
@@ -163,6 +167,7 @@ class Tracker {
   double lidar_yaw_;
   bool turns_otherwise_ = false;  // a scan did, against odometry, and none was believed since
   std::int64_t turned_otherwise_ = 0;
+  int sparse_in_a_row_ = 0;
   scan::Twist twist_;     // over the last scan
   MotionFilter motion_;   // until now
   double stride_ = 0.05;  // s from scan to scan

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "services/mapper/tracking/tracker.hpp"
@@ -9,6 +11,7 @@ namespace curbstone::mapper::tracking {
 namespace {
 
 constexpr double kLeap = 0.03;       // rad from scan to scan that no vehicle's turning changes by
+constexpr int kSparse = 10;          // scans in a row
 constexpr double kLongestAlone = 5;  // s that a speed is taken for steady
 
 }  // namespace
@@ -23,6 +26,22 @@ void Tracker::note_odometry(const Last& before, const scan::OdometryHistory& odo
     last_->T_odom_base = *before.T_odom_base * before.T_map_base.inverse() * last_->T_map_base;
     last_->odometry_utime = before.odometry_utime;
   }
+}
+
+/// Hardly anything came back: fog, dust, an open field, a covered window. That is no reason to doubt odometry, which
+/// leads on. Nothing if it cannot: then the scan changes nothing.
+std::optional<Tracked> Tracker::pass_over(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
+  if (!last_ || first_ || way_.denied() || scan.end <= last_->end) return std::nullopt;
+  MotionExpectation expected = expect_motion(config_, recent(), scan, odometry);
+  if (!expected.with_odometry) return std::nullopt;
+  Attempt none{matcher_.expect(departure(), scan, std::move(expected))};
+  none.sparse = true;
+  broken_.reset();
+  pairs_.interrupt();
+  const Last before = *last_;
+  Tracked tracked = conclude(scan.end, std::move(none));
+  note_odometry(before, odometry);
+  return tracked;
 }
 
 /// Now and then: whether odometry goes where two scans alone say.
@@ -79,6 +98,15 @@ Tracker::Attempt Tracker::by_odometry(const scan::Scan& scan, const scan::Odomet
   Attempt refused{matcher_.expect(departure(), scan, expect_motion(config_, recent(), scan, odometry)), "refused.turn"};
   refused.fit.prior.T_map_base = normalised(turns_.by_odometry(odometry.at(scan.end)));
   return refused;
+}
+
+void Tracker::add_faults(std::vector<std::string>& faults) const {
+  way_.add_faults(faults, lidar_yaw_);
+  if (sparse_in_a_row_ >= kSparse)
+    faults.push_back(
+        fmt::format("LiDAR: fewer than {} returns in each of the last {} revolutions: nothing is mapped, and odometry "
+                    "alone tells of the way. Fog, dust, an open field, or a covered window?",
+                    config_.min_points, sparse_in_a_row_));
 }
 
 }  // namespace curbstone::mapper::tracking

@@ -176,6 +176,72 @@ TEST(MapperLost, OdometryLeadsItBackToTheMap) {
   EXPECT_EQ(drive.counter("began_anew"), 0);
 }
 
+TEST(MapperLost, WhereNextToNothingIsSeenOdometryLeadsOnAndSaysHowFarOffItMayBe) {
+  LostDrive drive;
+  drive.with_odometry(20);
+  (void)drive.steps(40);
+  const std::int64_t points = drive.dense().size();
+  double doubt = 0;
+  for (std::size_t i = 0; i < 60; ++i) {  // fog for 3 s, 9 m
+    scan::Scan fog = drive.next();
+    fog.points.resize(i % 3 * 150);
+    const auto update = drive.step(fog);
+    ASSERT_TRUE(update && !update->registered) << i;
+    EXPECT_LT(drive.error(*update), 0.05) << i;
+    EXPECT_EQ(update->fix, tracking::Fix::kTracking) << "nothing contradicts odometry";
+    const double sigma = std::sqrt(update->registration.covariance(0, 0));
+    EXPECT_GT(sigma, doubt) << i;
+    doubt = sigma;
+  }
+  EXPECT_GT(doubt, 0.3);
+  EXPECT_LT(doubt, 0.8);
+  EXPECT_EQ(drive.dense().size(), points);
+  const auto update = drive.step();
+  ASSERT_TRUE(update && update->registered);
+  EXPECT_LT(drive.error(*update), 0.05);
+  EXPECT_EQ(drive.counter("searches"), 0);
+}
+
+TEST(MapperLost, AfterALongWayWithNothingInSightItIsLostAndTheMapGoesOnWhereOdometryHasLed) {
+  LostDrive drive;
+  drive.with_odometry(20);
+  (void)drive.steps(40);
+  std::optional<MapperUpdate> update;
+  for (int i = 0; i < 140; ++i) {  // 21 m
+    scan::Scan fog = drive.next();
+    fog.points.clear();
+    update = drive.step(fog);
+    ASSERT_TRUE(update && !update->registered) << i;
+    EXPECT_LT(drive.error(*update), 0.1) << i;
+  }
+  EXPECT_EQ(drive.mapper->fix(), tracking::Fix::kLost);
+  EXPECT_EQ(drive.counter("lost.refused"), 1);
+  EXPECT_EQ(drive.counter("began_anew"), 0) << "nothing to begin with";
+  update = drive.steps(20);
+  EXPECT_EQ(drive.mapper->fix(), tracking::Fix::kTracking);
+  EXPECT_LT(drive.error(*update), 0.1);
+}
+
+TEST(MapperLost, WithoutOdometryAScanThatShowsNothingTellsNothing) {
+  LostDrive drive;
+  (void)drive.steps(40);
+  scan::Scan fog = drive.next();
+  fog.points.clear();
+  EXPECT_FALSE(drive.step(fog));
+  std::vector<std::string> faults;
+  drive.mapper->add_faults(faults);
+  EXPECT_TRUE(faults.empty());
+  for (int i = 0; i < 10; ++i) {
+    fog = drive.next();
+    fog.points.clear();
+    (void)drive.step(fog);
+  }
+  drive.mapper->add_faults(faults);
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_NE(faults[0].find("fewer than 400 returns in each of the last 11 revolutions"), std::string::npos)
+      << faults[0];
+}
+
 TEST(MapperLost, WhereOdometryHasLedOnToNewGroundTheMapBeginsAnewThere) {
   LostDrive drive;
   drive.with_odometry(20);

@@ -9,11 +9,11 @@ namespace {
 class TrustOfADrive : public ::testing::Test {
  protected:
   /// Scans in a row, and whether the map for registration begins anew with the last of them.
-  bool drive(int scans, bool fits, bool with_odometry = true) {
+  bool drive(int scans, bool fits, bool with_odometry = true, bool sparse = false) {
     bool anew = false;
     for (int i = 0; i < scans && !anew; ++i) {
       utime_ += 50'000;
-      const PoseTrust::Evidence scan{utime_, 0.05, 1.0, with_odometry, fits, registration::Matrix6::Identity()};
+      const PoseTrust::Evidence scan{utime_, 0.05, 1.0, with_odometry, fits, registration::Matrix6::Identity(), sparse};
       anew = trust_.judge(scan, counters_);
     }
     return anew;
@@ -30,10 +30,29 @@ TEST_F(TrustOfADrive, IsKeptThroughASecondWithoutAFitAndThenLost) {
   EXPECT_EQ(trust_.fix(), Fix::kTracking);
   EXPECT_DOUBLE_EQ(trust_.doubt(), 20 * 0.05);  // a twentieth of the way
   EXPECT_DOUBLE_EQ(trust_.drift()(0, 0), 20);
+  const PoseTrust::Evidence next{utime_ + 50'000, 0.05, 1.0, true, false, registration::Matrix6::Identity()};
+  EXPECT_DOUBLE_EQ(trust_.covariance_without(next)(0, 0), 21 + 1.05 * 1.05);
+  EXPECT_DOUBLE_EQ(trust_.covariance_without(next)(5, 5), 21);
   drive(1, false);
   EXPECT_EQ(trust_.fix(), Fix::kLost);
   EXPECT_FALSE(trust_.groundless()) << "odometry tells how far";
   EXPECT_EQ(counters_["lost.refused"], 1);
+}
+
+TEST_F(TrustOfADrive, IsKeptWhileOdometryIsGoodToHalfAMetreWhereNothingIsSeen) {
+  drive(10, true);
+  drive(9, false, true, true);
+  EXPECT_EQ(trust_.fix(), Fix::kTracking);
+  EXPECT_EQ(trust_.refused_in_a_row(), 0) << "nothing was tried";
+  EXPECT_DOUBLE_EQ(trust_.doubt(), 9 * 0.05);
+  drive(20, false, true, true);
+  EXPECT_EQ(trust_.fix(), Fix::kLost) << "and longer than a second";
+}
+
+TEST_F(TrustOfADrive, DoesNotBeginAnewWithAScanThatShowsNothing) {
+  drive(10, true);
+  EXPECT_FALSE(drive(300, false, true, true));
+  EXPECT_TRUE(drive(1, false));
 }
 
 TEST_F(TrustOfADrive, ComesBackWhenTenScansInARowFit) {
