@@ -1,6 +1,6 @@
 // What blocks, as boxes. The map knows the class of a cell and not its height: an obstacle is lower than the vehicle, a
 // wall is not; so the boxes are symbols of the class, of one height each. From far, five by five cells are one box.
-import { kTilesAside } from "./pages";
+import { kTilesAside } from "./page";
 import { heightOf, kCells, kNoHeight, kTileCells, Tile, World } from "../world";
 
 const kObstacle = 3, kWall = 4;
@@ -13,9 +13,6 @@ export const kFaceFloats = 4 * 6;  // of four points each: column and row in the
 const kSides: [number, number, number, number, number, number, number][] =
   [[1, 0, 1, 1, 1, 0, 0.76], [0, 1, 0, 0, -1, 0, 0.94], [1, 1, 0, 1, 0, 1, 0.94], [0, 0, 1, 0, 0, -1, 0.76]];
 const kTop = 1.08, kFoot = 0.84;  // light; of a side, at its foot
-
-/// Of some tiles. `buffer` holds `faces` faces.
-export interface Boxes { buffer: WebGLBuffer; faces: number }
 
 interface Known { revision: number; ground?: number; faces: (Float32Array | undefined)[] }
 

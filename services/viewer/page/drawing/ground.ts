@@ -1,7 +1,8 @@
 // The map's cells and the LiDAR's points, drawn by WebGL2: from above here, tilted by Relief.
 import { Camera } from "./camera";
 import { Painter } from "./painter";
-import { kCellsAside, kPageSize, Page, Pages } from "./pages";
+import { kCellsAside, kPageSize, Page } from "./page";
+import { Pages } from "./pages";
 import { classColours, kPaint, Mode, pointRamp, ramp, Rgb, Theme } from "./palette";
 import { Program, unit } from "./program";
 import { Relief } from "./relief";

@@ -1,26 +1,11 @@
 // The map's cells in textures: of a page each, a square of tiles.
-import { Square, touch, touchBeside } from "./terrain";
-import { kCells, kNoHeight, kTileCells, kTileSize, Tile, World } from "../world";
+import { Area, kCellsAside, kTilesAside, Page } from "./page";
+import { touch, touchBeside } from "./terrain";
+import { kCells, kNoHeight, kTileCells, Tile, World } from "../world";
 
-export const kTilesAside = 32;               // of a page: 96 m
-export const kCellsAside = kTilesAside * kCells;
-export const kPageSize = kTilesAside * kTileSize;  // m
 const kSizes = 1 + Math.floor(Math.log2(kCellsAside));  // of a picture, each half of the one before
 const kNone = 0;                             // height where none is known: what a new texture is full of
 const kZero = 1e-6;                          // m, for a height of 0
-
-/// From column, row on, up to column, row, which are not in it.
-export interface Area { left: number; low: number; right: number; high: number }
-
-/// `cells`: class, cost, confidence, 255 where a tile is. `heights`: m, kNone. `times`: of each tile's newest points, s.
-/// `seconds`: what `times` is to hold, which it does not if `aged`. `picture`: the cells' colours (Painter), which lacks
-/// what became other in `unpainted`. `tiles`: by row and column, and `squares` of them by squareKey(): what the tilted
-/// view draws.
-export interface Page {
-  x: number; y: number; cells: WebGLTexture; heights: WebGLTexture; times: WebGLTexture; picture: WebGLTexture;
-  seconds: Float32Array; aged: boolean; unpainted: Area | null; paintedAs: string; hasSmaller: boolean;
-  tiles: (Tile | undefined)[]; squares: Map<number, Square>;
-}
 
 export class Pages {
   readonly all = new Map<string, Page>();

@@ -1,6 +1,7 @@
 // The cells' colours as a picture of each page. A cell is painted when it or the look becomes other; then to draw a page
 // costs one look into its picture a pixel, which machines without a graphics card can do too.
-import { kCellsAside, Page, Pages } from "./pages";
+import { kCellsAside, Page } from "./page";
+import { Pages } from "./pages";
 import { Program } from "./program";
 import { kPaintFragment, kPaintVertex } from "./shaders";
 

@@ -1,13 +1,14 @@
 // The tilted view by WebGL2: the ground as nets, boxes on what blocks, curbs as walls of their height. What is far is
 // coarser; beyond the reach there is nothing.
-import { Blocks, Boxes, kFaceFloats } from "./blocks";
+import { Blocks, kFaceFloats } from "./blocks";
 import { Camera } from "./camera";
 import { wallsOf } from "./curb_walls";
-import { kPageSize, kTilesAside, Page, Pages } from "./pages";
+import { Boxes, kPageSize, kTilesAside, Page, Square } from "./page";
+import { Pages } from "./pages";
 import { stripsOf } from "./paint_strips";
 import { Program } from "./program";
 import { kBlockFragment, kBlockVertex, kNetFragment, kNetVertex, kPlainNetFragment, kSolidFragment, kSolidVertex } from "./relief_shaders";
-import { netIndices, netPoints, Seen, Square, squaresInView } from "./terrain";
+import { netIndices, netPoints, Seen, squaresInView } from "./terrain";
 import { World } from "../world";
 
 const kReach = 6;             // of the eye's distance

@@ -1,24 +1,15 @@
 // The ground of a page as a tree of nets: a square of 2^k tiles aside has 25 squares aside, whatever its size. What is
 // near is drawn by small squares and what is far by large ones, so that a picture has as many triangles as the screen
 // is worth and not as many as the map has cells. A net's edge hangs down a little, which closes the gap to a coarser one.
-import { Blocks, Boxes } from "./blocks";
+import { Blocks } from "./blocks";
 import { Camera } from "./camera";
-import { kTilesAside, Page } from "./pages";
+import { kTilesAside, Page, Square } from "./page";
 import { kCells, kNoHeight, kTileSize, Tile } from "../world";
 
 export const kLevels = 6;           // of squares: 1, 2 .. 32 tiles aside
 const kAside = kCells + 1;          // points of a net
 const kHill = 5;                    // m, that ground may be higher or lower than where the camera looks
 const kFloats = 3;                  // of a point: column and row in the page, m
-
-/// A square of tiles. `net`: its points; `stale`: a tile became other since they were made.
-export interface Square {
-  page: Page; level: number; column: number; row: number;  // tiles in the page
-  stale: boolean;
-  net: WebGLBuffer | null;
-  boxes: (Boxes | null)[];  // fine, coarse
-  used: number;             // when it was drawn last
-}
 
 /// As it is seen: pixels that it is wide.
 export interface Seen { square: Square; width: number; w: number }
