@@ -1,6 +1,7 @@
 #include "services/mapper/registration/icp_registration.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/linear/decompositions.hpp"
@@ -14,6 +15,7 @@ namespace {
 constexpr double kIndependence = 1.0 / 25;
 
 constexpr std::size_t kCoarseStride = 4;  // one point in so many finds the way; all of them say where it ends
+constexpr std::size_t kAhead = 8;         // points
 constexpr double kRematch = 0.01;         // m, moved by so much since points were matched, they are matched again
 constexpr double kRematchTurn = 0.001;    // rad, likewise
 constexpr double kSettledBounds = 5;      // of the kernel's bound: once steps are smaller all points are used
@@ -50,10 +52,24 @@ void IcpRegistration::match(const std::vector<scan::LidarPoint>& source, std::si
   matches_.clear();
   const Eigen::Matrix3d R = T_map_base.linear();
   const double sensor_variance = config_.sensor_sigma * config_.sensor_sigma;
+  // The map is larger than the caches: what some points ahead will need is on the way meanwhile.
+  struct Sought {
+    Eigen::Vector3d p;
+    ShapeLevel::Place place;
+  };
+  std::array<Sought, kAhead> ahead;
+  const auto look_ahead = [&](std::size_t i) {
+    if (i >= source.size()) return;
+    Sought& sought = ahead[i / stride % kAhead];
+    sought.p = T_map_base * source[i].position.cast<double>();
+    sought.place = map_.place_of(sought.p);
+  };
+  for (std::size_t i = 0; i < kAhead * stride; i += stride) look_ahead(i);
   for (std::size_t i = 0; i < source.size(); i += stride) {
     const scan::LidarPoint& point = source[i];
-    const Eigen::Vector3d p = T_map_base * point.position.cast<double>();
-    const MapShape* plane = map_.plane_at(p, reach);
+    const auto [p, place] = ahead[i / stride % kAhead];
+    look_ahead(i + kAhead * stride);
+    const MapShape* plane = map_.plane_at(p, place, reach);
     if (plane == nullptr) continue;
     const Eigen::Vector3d n = plane->axis.cast<double>();
     matches_.add(point.position, (R.transpose() * n).cast<float>(), n.dot(p - plane->mean),

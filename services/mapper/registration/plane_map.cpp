@@ -12,8 +12,8 @@ PlaneMap::PlaneMap(const Options& options)
                .min_width = 0.3 * options.coarse_voxel,
                .min_grazing = options.min_grazing}) {}
 
-const MapShape* PlaneMap::plane_at(const Eigen::Vector3d& point, double reach) {
-  const MapShape* fine = fine_.shape_at(point);
+const MapShape* PlaneMap::plane_at(const Eigen::Vector3d& point, const ShapeLevel::Place& place, double reach) {
+  const MapShape* fine = fine_.shape_at(point, place);
   if (fine != nullptr && std::abs(fine->axis.cast<double>().dot(point - fine->mean)) < reach) return fine;
   const MapShape* coarse = coarse_.shape_at(point);
   return coarse != nullptr ? coarse : fine;

@@ -39,13 +39,20 @@ void ShapeLevel::insert(const Eigen::Vector3d& point, const Eigen::Vector3f& ray
   m.rays_z += ray.z();
 }
 
-const MapShape* ShapeLevel::shape_at(const Eigen::Vector3d& point) {
-  const Eigen::Vector3i cell = voxels::voxel_of(point, inverse_size_);
-  voxels::BlockIndex::Finder find(index_);
-  const std::uint32_t own = find(cell);
-  if (own != voxels::BlockIndex::kNone) return up_to_date(own, cell);
+ShapeLevel::Place ShapeLevel::place_of(const Eigen::Vector3d& point) const {
+  Place place;
+  place.cell = voxels::voxel_of(point, inverse_size_);
+  place.voxel = index_.find(place.cell);
+  if (place.voxel != voxels::BlockIndex::kNone) __builtin_prefetch(&fitted_[place.voxel]);
+  return place;
+}
+
+const MapShape* ShapeLevel::shape_at(const Eigen::Vector3d& point, const Place& place) {
+  const Eigen::Vector3i& cell = place.cell;
+  if (place.voxel != voxels::BlockIndex::kNone) return up_to_date(place.voxel, cell);
 
   // Beside a surface, not on it: take the neighbour on the nearer side along one axis, nearest first.
+  voxels::BlockIndex::Finder find(index_);
   const Eigen::Vector3d d = point - centre_of(cell);
   std::array<int, 3> axes{0, 1, 2};
   const auto order = [&](std::size_t a, std::size_t b) {

@@ -40,9 +40,18 @@ class ShapeLevel {
   /// Call after the points of a scan: what was fitted before it may now be stale.
   void end_insertion() { ++version_; }
 
+  /// The voxel that holds a point.
+  struct Place {
+    Eigen::Vector3i cell = Eigen::Vector3i::Zero();
+    std::uint32_t voxel = voxels::BlockIndex::kNone;  // none there yet
+  };
+  /// Its shape is on the way from memory: to be asked for some points later.
+  [[nodiscard]] Place place_of(const Eigen::Vector3d& point) const;
+
   /// The shape of the voxel that holds the point, or of the nearest one beside it; nullptr if there is none.
   /// The pointer lives until the next insert().
-  [[nodiscard]] const MapShape* shape_at(const Eigen::Vector3d& point);
+  [[nodiscard]] const MapShape* shape_at(const Eigen::Vector3d& point) { return shape_at(point, place_of(point)); }
+  [[nodiscard]] const MapShape* shape_at(const Eigen::Vector3d& point, const Place& place);
 
   /// Forgets voxels farther than `radius` (in any axis) from `centre`, to within 2 voxels.
   void keep_around(const Eigen::Vector3d& centre, double radius);
@@ -57,7 +66,7 @@ class ShapeLevel {
     float rays_z = 0;
   };
   struct Neighbourhood;
-  struct Fitted {
+  struct alignas(64) Fitted {
     MapShape shape;
     std::int32_t version = -1;  // at which the shape was fitted
     std::int16_t patience = 1;  // versions until it is looked at again
