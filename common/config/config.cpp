@@ -10,40 +10,19 @@
 #include <type_traits>
 
 #include "common/config/duplicate_keys.hpp"
+#include "common/config/known_keys.hpp"
 #include "common/config/second_document.hpp"
 
 namespace curbstone {
 
 namespace {
 
-int edit_distance(std::string_view a, std::string_view b) {
-  std::vector<int> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = static_cast<int>(j);
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    int diagonal = row[0];
-    row[0] = static_cast<int>(i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const int substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
-    }
-  }
-  return row[b.size()];
-}
-
-std::string unknown_key(const std::string& key, const std::vector<std::string>& known) {
-  const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-    return edit_distance(key, a) < edit_distance(key, b);
-  });
-  std::string text = "unknown key";
-  if (nearest != known.end()) text += fmt::format("; did you mean {}?", *nearest);
-  return text;
-}
-
 /// Shared by the visitors that put values into the struct.
 class Loader final : public ConfigVisitor {
  public:
-  Loader(const YAML::Node& root, std::string file, std::string path) : file_(std::move(file)) {
+  /// `config`: what is loaded, to say where else a key may belong.
+  Loader(const YAML::Node& root, std::string file, std::string path, AnyConfig& config)
+      : file_(std::move(file)), path_(path), config_(config) {
     enter(root, std::move(path));
   }
 
@@ -77,7 +56,7 @@ class Loader final : public ConfigVisitor {
         if (!entry.first.IsScalar()) fail_at(entry.first, level.path + "?", "expected a key that is a word");
         const auto key = entry.first.as<std::string>();
         if (std::find(level.known.begin(), level.known.end(), key) == level.known.end()) {
-          fail_at(entry.first, level.path + key, unknown_key(key, level.known));
+          fail_at(entry.first, level.path + key, unknown_key(key, level.known, path_, config_));
         }
       }
     }
@@ -139,6 +118,8 @@ class Loader final : public ConfigVisitor {
   }
 
   std::string file_;
+  std::string path_;
+  AnyConfig& config_;
   std::vector<Level> levels_;
 };
 
@@ -225,7 +206,7 @@ bool has_section(AnyConfig& config, const std::string& name) {
 
 /// Loads a node whose root map holds exactly the struct's keys.
 void load_node(const YAML::Node& node, const std::string& file, const std::string& path, AnyConfig& config) {
-  Loader loader(node, file, path);
+  Loader loader(node, file, path, config);
   config.visit(loader);
   loader.leave();
 }

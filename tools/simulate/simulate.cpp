@@ -177,10 +177,10 @@ void simulate_live(const Options& options, const rig::SimulateConfig& config, co
 
 void add_options(CommandLine& line, Options& options) {
   line.flag("--town", options.town, "Drive round the block in a town made from the seed");
-  line.option("--loop", options.loop, "m round several blocks instead, until it has come back (or --seconds)")
+  line.option("--loop", options.loop, "m round several blocks of the town, until it has come back (or --seconds)")
       .within(600.0, 4000.0);
   line.option("--straight", options.straight,
-              "m of a straight street instead, with nothing but curbs along its middle half")
+              "m of a straight street of the town, with nothing but curbs along its middle half")
       .within(200.0, 2000.0);
   line.flag("--opposite", options.opposite, "With --loop: comes back to its first street the other way");
   line.option("--scans", options.scans, "Drive a recording again: folder of KITTI scans (*.bin), with --poses");
@@ -198,7 +198,7 @@ void add_options(CommandLine& line, Options& options) {
               "The LiDAR on the roof");
   line.option("--truth", options.truth, "Folder for the true poses, classes and curbs");
   line.option("--config", options.config, "The vehicle's YAML file (sections simulate and vehicle)");
-  line.option("--set", options.set, "KEY=VALUE of section simulate, e.g. speed=2");
+  line.option("--set", options.set, "KEY=VALUE of section simulate, e.g. speed=2 or lidar.range_sigma=0.03");
   line.heading("To a log");
   line.option("--log", options.log, "Write an LCM log, as fast as it goes");
   line.flag("--force", options.force, "Replace a file that is there and is no emulated drive of that beginning");
@@ -233,11 +233,10 @@ std::uint64_t fingerprint(const Options& options, AnyConfig& config) {
 
 /// Throws ConfigError for what is wrong in what the user wrote.
 void check(Options& options) {
+  options.town = options.town || options.loop > 0 || options.straight > 0;
   if (options.town == !options.scans.empty())
-    throw ConfigError("what to drive through: --town, or --scans DIR --poses FILE");
-  if (options.loop > 0 && !options.town) throw ConfigError("--loop belongs to --town");
-  if (options.straight > 0 && (!options.town || options.loop > 0))
-    throw ConfigError("--straight belongs to --town, and not to --loop");
+    throw ConfigError("what to drive through: a town (--town, --loop M or --straight M), or --scans DIR --poses FILE");
+  if (options.straight > 0 && options.loop > 0) throw ConfigError("a street is a --loop, or it is --straight");
   if (options.day != 0 && !options.town) throw ConfigError("--day belongs to --town");
   if (options.opposite && options.loop == 0) throw ConfigError("--opposite belongs to --loop");
   if (options.scans.empty() != options.poses.empty()) throw ConfigError("--scans and --poses belong together");

@@ -86,6 +86,28 @@ TEST(Config, UnknownKeySaysFileLineAndNearestKey) {
   EXPECT_THAT(error_of("recorder: {}\n"), HasSubstr("ugv.yaml:1: recorder: unknown key; did you mean "));
 }
 
+TEST(Config, AKeyOfAnotherSectionSaysWhereItBelongs) {
+  EXPECT_EQ(error_of("ekf:\n  iterations: 3\n"),
+            "ugv.yaml:2: ekf.iterations: unknown key; did you mean ekf.inner.iterations?");
+  EXPECT_EQ(error_of("ekf:\n  inner: {track_width: 3}\n"),
+            "ugv.yaml:2: ekf.inner.track_width: unknown key; did you mean ekf.track_width?");
+  struct Wheels {
+    double wheel_radius = 0.17;
+    void visit(ConfigVisitor& v) { v.field("wheel_radius", wheel_radius, {0.01, 2}, "m"); }
+  };
+  struct OnAVehicle {
+    Wheels vehicle;
+    void visit(ConfigVisitor& v) { v.section("vehicle", vehicle, "stands once for all processes"); }
+  };
+  ConfigOf<OnAVehicle> config;
+  try {
+    parse_config("ekf: {wheel_radius: 0.2}", "ugv.yaml", "ekf", kSections, config);
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_STREQ(error.what(), "ugv.yaml:1: ekf.wheel_radius: unknown key; did you mean vehicle.wheel_radius?");
+  }
+}
+
 TEST(Config, WrongValuesSayWhatWasExpected) {
   EXPECT_THAT(error_of("ekf: {track_width: wide}"), HasSubstr("ugv.yaml:1: ekf.track_width: expected a number"));
   EXPECT_THAT(error_of("ekf: {track_width: -1}"), HasSubstr("-1 is not within 0.01 .. 10"));

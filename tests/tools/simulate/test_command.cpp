@@ -46,6 +46,7 @@ TEST_F(SimulateCommand, WrongUsageIsTwo) {
   EXPECT_EQ(run({"--scans", folder_.path(), "--log", log_}).status, 2) << "no poses";
   EXPECT_EQ(run({"--town", "--log", log_, "--set", "speeed=2"}).status, 2);
   EXPECT_EQ(run({"--town", "--log", log_, "--loop", "50"}).status, 2);
+  EXPECT_EQ(run({"--loop", "800", "--scans", folder_.path(), "--poses", "x", "--log", log_}).status, 2);
   EXPECT_EQ(run({"--town", "--log", log_, "--opposite"}).status, 2);
   EXPECT_EQ(run({"--town", "--log", log_, "--straight", "400", "--loop", "800"}).status, 2);
 }
