@@ -3,7 +3,7 @@
 namespace curbstone::mapper::detection {
 
 void SensorWatch::clean(scan::Scan& scan) {
-  const bool moved = (position_ - looked_).norm() >= LaserElevations::kStep;
+  const bool moved = (position_ - looked_).norm() >= returns::LaserElevations::kStep;
   if (moved) looked_ = position_;
   if (moved) sectors_.look(scan);
   ground_.look(scan, moved);
@@ -12,7 +12,7 @@ void SensorWatch::clean(scan::Scan& scan) {
   if (lasers_.any_wrong()) lasers_.withhold(scan);
 }
 
-void SensorWatch::add(const FittedScan& scan) {
+void SensorWatch::add(const mounting::FittedScan& scan) {
   position_ = scan.T_map_base.translation();
   mounting_.add(scan);
   if (!scan.T_odom_base) {

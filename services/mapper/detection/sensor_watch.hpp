@@ -5,14 +5,14 @@
 #include <vector>
 
 #include "common/bus/counters.hpp"
-#include "services/mapper/detection/blind_sectors.hpp"
-#include "services/mapper/detection/ground_in_sight.hpp"
-#include "services/mapper/detection/laser_elevations.hpp"
-#include "services/mapper/detection/lidar_lag.hpp"
-#include "services/mapper/detection/lidar_mounting.hpp"
-#include "services/mapper/detection/map_lean.hpp"
-#include "services/mapper/detection/stray_returns.hpp"
-#include "services/mapper/detection/turn_agreement.hpp"
+#include "services/mapper/mounting/lidar_lag.hpp"
+#include "services/mapper/mounting/lidar_mounting.hpp"
+#include "services/mapper/mounting/map_lean.hpp"
+#include "services/mapper/mounting/turn_agreement.hpp"
+#include "services/mapper/returns/blind_sectors.hpp"
+#include "services/mapper/returns/ground_in_sight.hpp"
+#include "services/mapper/returns/laser_elevations.hpp"
+#include "services/mapper/returns/stray_returns.hpp"
 #include "services/mapper/scan/scan.hpp"
 
 namespace curbstone::mapper::detection {
@@ -26,7 +26,7 @@ class SensorWatch {
   /// The next revolution, in lidar.
   void clean(scan::Scan& scan);
   /// It fitted the map.
-  void add(const FittedScan& scan);
+  void add(const mounting::FittedScan& scan);
   /// It did not, or the map was rearranged.
   void interrupt();
   /// Where registration has the next revolution, believed or not, and odometry.
@@ -38,14 +38,14 @@ class SensorWatch {
   void add_counters(Counters& counters) const;
 
  private:
-  StrayReturns strays_;
-  LaserElevations lasers_;
-  LidarMounting mounting_;
-  TurnAgreement turns_;
-  MapLean lean_;
-  LidarLag lag_;
-  BlindSectors sectors_;
-  GroundInSight ground_;
+  returns::StrayReturns strays_;
+  returns::LaserElevations lasers_;
+  mounting::LidarMounting mounting_;
+  mounting::TurnAgreement turns_;
+  mounting::MapLean lean_;
+  mounting::LidarLag lag_;
+  returns::BlindSectors sectors_;
+  returns::GroundInSight ground_;
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m, map: of the last revolution that fitted,
   Eigen::Vector3d looked_ = Eigen::Vector3d::Zero();    // and when the lasers were last looked at on the move
 };

@@ -10,7 +10,7 @@
 #include "services/mapper/mapper_node.hpp"
 #include "tests/drivers/lidar/bench.hpp"
 #include "tests/paths.hpp"
-#include "tests/services/mapper/detection/detection_scans.hpp"
+#include "tests/services/mapper/detection_scans.hpp"
 
 namespace curbstone::mapper::detection {
 namespace {

@@ -1,0 +1,111 @@
+#include "services/mapper/mounting/lidar_mounting.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+namespace curbstone::mapper::mounting {
+namespace {
+
+constexpr double kLongestStep = 0.3;   // s between revolutions that tell how the vehicle moves
+constexpr double kLookEach = 0.5;      // m
+constexpr double kMostSideways = 0.5;  // m/s^2: in a bend a vehicle leans
+constexpr double kMirrored = -0.5;     // LiDAR's turns by odometry's
+
+bool beyond(double value, double limit, bool was) {
+  return std::abs(value) > (was ? LidarMounting::kSettled : 1.0) * limit;
+}
+
+double degrees(double rad) {
+  return rad * 180 / std::numbers::pi;
+}
+
+}  // namespace
+
+void LidarMounting::interrupt() {
+  travel_.interrupt();
+  utime_ = 0;
+  looked_.setConstant(1e9);
+}
+
+void LidarMounting::add(const FittedScan& scan) {
+  const double seconds = scan::seconds(utime_, scan.utime);
+  const Pose moved = T_map_base_.inverse() * scan.T_map_base;
+  const bool goes_on = seconds > 0 && seconds < kLongestStep;
+  utime_ = scan.utime;
+  T_map_base_ = scan.T_map_base;
+  if (scan.T_odom_base && scan.in_every_direction)
+    travel_.add(scan.T_map_base, *scan.T_odom_base);
+  else
+    travel_.interrupt();
+  const double sideways = goes_on ? moved.translation().norm() * angle_of(moved) / (seconds * seconds) : 1e9;
+  if ((scan.T_map_base.translation() - looked_).norm() < kLookEach || sideways > kMostSideways) return;
+  looked_ = scan.T_map_base.translation();
+  ground_.look(*scan.points);
+  judge();
+}
+
+void LidarMounting::judge() {
+  const Wrong before = wrong_;
+  if (const auto turning = travel_.turning()) wrong_.mirrored = *turning < kMirrored;
+  if (const auto straight = travel_.straight()) {
+    straight_ = *straight;
+    wrong_.yaw = beyond(straight->aslant, kYaw, before.yaw);
+    wrong_.size = beyond(straight->longer, kLength, before.size);
+  }
+  if (const auto plane = ground_.plane()) {
+    plane_ = *plane;
+    wrong_.tilt = beyond(plane->along, kPitch, before.tilt) || beyond(plane->across, kRoll, before.tilt);
+    wrong_.height = beyond(plane->height, kHeight, before.height);
+  }
+  if (wrong_.tilt && !before.tilt) counters_.add("faults.lidar.tilted");
+  if (wrong_.height && !before.height) counters_.add("faults.lidar.height");
+  if (wrong_.yaw && !before.yaw) counters_.add("faults.lidar.turned");
+  if (wrong_.mirrored && !before.mirrored) counters_.add("faults.lidar.mirrored");
+  if (wrong_.size && !before.size) counters_.add("faults.wheels.size");
+}
+
+std::vector<double> LidarMounting::lidar() const {
+  const Pose T_base_lidar = vehicle_.T_base_lidar();
+  const Eigen::Vector3d up = Eigen::Vector3d(-plane_.along, -plane_.across, 1.0).normalized();
+  const Eigen::Matrix3d level = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Matrix3d R =
+      Eigen::AngleAxisd(-straight_.aslant, Eigen::Vector3d::UnitZ()) * level * T_base_lidar.linear();
+  const Eigen::Vector3d rpy = roll_pitch_yaw(R);
+  const Eigen::Vector3d& at = T_base_lidar.translation();
+  const double above = (at.z() - plane_.height - plane_.along * at.x() - plane_.across * at.y()) * up.z();
+  const auto rounded = [](double rad) { return std::round(rad * 1000) / 1000 + 0.0; };  // no -0.000
+  return {at.x(), at.y(), std::round(above * 100) / 100, rounded(rpy.x()), rounded(rpy.y()), rounded(rpy.z())};
+}
+
+void LidarMounting::add_faults(std::vector<std::string>& faults) const {
+  if (wrong_.mirrored) {
+    faults.emplace_back(
+        "LiDAR: it turns the other way than odometry: upside down is a roll of 3.1416 in vehicle.lidar; else are its "
+        "axes mirrored, or the IMU's turned?");
+    return;
+  }
+  if (wrong_.tilt || wrong_.height || wrong_.yaw) {
+    std::string what;
+    if (wrong_.tilt)
+      what += fmt::format(", leans by {:.1f} deg", degrees(std::atan(std::hypot(plane_.along, plane_.across))));
+    if (wrong_.yaw) what += fmt::format(", looks {:.1f} deg aside", degrees(std::abs(straight_.aslant)));
+    if (wrong_.height)
+      what += fmt::format(", is {:.2f} m too {}", std::abs(plane_.height), plane_.height > 0 ? "low" : "high");
+    const std::vector<double> is = lidar();
+    faults.push_back(
+        fmt::format("LiDAR: not where vehicle.lidar says, by the ground and the way driven: it{}: straighten it, or "
+                    "set vehicle.lidar: "
+                    "[{:.2f}, {:.2f}, {:.2f}, {:.3f}, {:.3f}, {:.3f}]",
+                    what.substr(1), is[0], is[1], is[2], is[3], is[4], is[5]));
+  }
+  if (wrong_.size)
+    faults.push_back(
+        fmt::format("WHEELS: odometry's way is {:.1f} % {} than the LiDAR's: vehicle.wheel_radius is {:.3f} m or {}",
+                    100 * std::abs(straight_.longer), straight_.longer > 0 ? "longer" : "shorter", wheel_radius(),
+                    straight_.longer > 0 ? "less" : "more"));
+}
+
+}  // namespace curbstone::mapper::mounting

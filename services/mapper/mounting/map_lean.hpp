@@ -1,0 +1,62 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "common/bus/counters.hpp"
+#include "common/geometry/geometry.hpp"
+
+namespace curbstone::mapper::mounting {
+
+/// Whether the map's vertical is still that of odometry, which knows gravity. A registration that slides in pitch or
+/// roll, because too few lasers return, or a mount that gives way slowly fits every revolution to the map, and the map
+/// dives into the ground or climbs out of it.
+///
+/// Pure; one thread. Counter: faults.apart.lean (times that it began).
+class MapLean {
+ public:
+  static constexpr double kMost = 0.087;           ///< rad: 5 deg. Odometry is right to one, also when it brakes
+  static constexpr std::int64_t kFor = 3'000'000;  ///< us, without a break
+
+  /// The next revolution, which fitted the map.
+  void add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base) {
+    const double alike = T_map_base.linear().row(2).dot(T_odom_base.linear().row(2));  // of z, in base_link
+    lean_ = std::acos(std::clamp(alike, -1.0, 1.0));
+    if (lean_ < kMost || utime < since_) {
+      since_ = 0;
+      leans_ = false;
+    } else if (since_ == 0) {
+      since_ = utime;
+    } else if (!leans_ && utime - since_ >= kFor) {
+      leans_ = true;
+      counters_.add("faults.apart.lean");
+    }
+  }
+  /// What comes now has nothing to do with what came before.
+  void interrupt() {
+    since_ = 0;
+    leans_ = false;
+  }
+  void add_faults(std::vector<std::string>& faults) const {
+    if (!leans_) return;
+    faults.push_back(
+        fmt::format("LiDAR: the map leans by {:.0f} deg against gravity: do most of its lasers return, does its mount "
+                    "give way? The map is wrong from where that began",
+                    lean_ * 180 / std::numbers::pi));
+  }
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  double lean_ = 0.0;       // rad
+  std::int64_t since_ = 0;  // us, more than kMost; 0: it is not
+  bool leans_ = false;
+  Counters counters_;
+};
+
+}  // namespace curbstone::mapper::mounting

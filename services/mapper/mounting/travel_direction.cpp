@@ -1,0 +1,63 @@
+#include "services/mapper/mounting/travel_direction.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "services/mapper/mounting/agreed.hpp"
+
+namespace curbstone::mapper::mounting {
+namespace {
+
+constexpr double kSpread = 0.015;  // rad, or share: half of what the middle half of the stretches span
+constexpr double kTurnSpread = 0.2;
+
+double yaw_of(const Pose& motion) {
+  return std::atan2(motion.linear()(1, 0), motion.linear()(0, 0));
+}
+
+template <class Values>
+void keep(Values& values, typename Values::value_type value) {
+  values.push_back(value);
+  if (values.size() > TravelDirection::kMost) values.pop_front();
+}
+
+}  // namespace
+
+void TravelDirection::add(const Pose& T_map_base, const Pose& T_odom_base) {
+  if (!begin_) begin_ = Place{T_map_base, T_odom_base};
+  const Pose moved = begin_->T_map_base.inverse() * T_map_base;
+  const Pose odometry = begin_->T_odom_base.inverse() * T_odom_base;
+  const double way = moved.translation().head<2>().norm();
+  if (const double turn = yaw_of(odometry); std::abs(turn) > kTurn) {
+    keep(turns_, yaw_of(moved) / turn);
+  } else if (way >= kStretch) {
+    const Eigen::Vector3d& a = odometry.translation();
+    const Eigen::Vector3d& b = moved.translation();
+    // Between the two ways, not from x: a vehicle that reverses says the same.
+    const double aslant = std::atan2(a.x() * b.y() - a.y() * b.x(), a.head<2>().dot(b.head<2>()));
+    keep(straights_, {aslant, a.head<2>().norm() / way - 1});
+  } else {
+    return;
+  }
+  begin_ = Place{T_map_base, T_odom_base};
+}
+
+std::optional<TravelDirection::Straight> TravelDirection::straight() const {
+  std::vector<double> aslant, longer;
+  for (const Straight& stretch : straights_) {
+    const double from_first = stretch.aslant - straights_.front().aslant;  // about half a turn it is +pi and -pi
+    aslant.push_back(straights_.front().aslant + std::remainder(from_first, 2 * std::numbers::pi));
+    longer.push_back(stretch.longer);
+  }
+  const auto direction = agreed(std::move(aslant), kSpread, kLeast);
+  const auto length = agreed(std::move(longer), kSpread, kLeast);
+  if (!direction || !length) return std::nullopt;
+  return Straight{std::remainder(*direction, 2 * std::numbers::pi), *length};
+}
+
+std::optional<double> TravelDirection::turning() const {
+  return agreed({turns_.begin(), turns_.end()}, kTurnSpread, kLeast);
+}
+
+}  // namespace curbstone::mapper::mounting
