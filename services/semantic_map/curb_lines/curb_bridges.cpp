@@ -213,21 +213,21 @@ class OpenEnds {
   std::vector<LineEnd> begins;
   std::set<Cell> measured;
 
-  /// `through_cuts`: where a line is shorter than the sight, those that share its other end say where it points, too.
-  OpenEnds(const std::vector<tile::CurbLine>& lines, bool through_cuts) : lines_(lines) {
+  /// `flush`: for what is no curb. Where a line is shorter than the sight, those that share its other end say where it
+  /// points, too; and a line that is too short to point anywhere may be what is seen of the stones between two others.
+  OpenEnds(const std::vector<tile::CurbLine>& lines, bool flush) : lines_(lines) {
     for (std::size_t k = 0; k < lines.size(); ++k) {
       if (lines[k].points.empty()) continue;
       first_places_.emplace(key_of(lines[k].points.front()), k);
       last_places_.emplace(key_of(lines[k].points.back()), k);
+      if (flush && (place(lines[k].points.back()) - place(lines[k].points.front())).norm() < kMinSure) continue;
       for (const tile::CurbVertex& v : lines[k].points) measured.insert(cell_at(place(v)));
     }
     // A line that is cut where the kerb is lowered shares a vertex with its neighbour.
     for (std::size_t k = 0; k < lines.size(); ++k) {
       if (lines[k].points.empty()) continue;
-      if (!first_places_.contains(key_of(lines[k].points.back())))
-        take(end_of(inwards<true>(k, through_cuts)), k, ends);
-      if (!last_places_.contains(key_of(lines[k].points.front())))
-        take(end_of(inwards<false>(k, through_cuts)), k, begins);
+      if (!first_places_.contains(key_of(lines[k].points.back()))) take(end_of(inwards<true>(k, flush)), k, ends);
+      if (!last_places_.contains(key_of(lines[k].points.front()))) take(end_of(inwards<false>(k, flush)), k, begins);
     }
   }
 

@@ -143,6 +143,14 @@ TEST(FlushKerbs, LieWhereTwoCurbsPointAtEachOther) {
   EXPECT_TRUE(flush_kerbs({curb(0, 5), curb(8, 8.8)}).empty()) << "too short to say";
 }
 
+TEST(FlushKerbs, AShortPieceBetweenTwoCurbsIsOneOfTheStones) {
+  const auto found = flush_kerbs({curb(0, 5), curb(6, 6.6, 0.03F), curb(9, 14)});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].points.front().x, 5.0F);
+  EXPECT_EQ(found[0].points.back().x, 9.0F);
+  EXPECT_TRUE(flush_kerbs({curb(0, 5), curb(6, 8, 0.12F, 0.4), curb(9, 14)}).empty()) << "a curb of another course";
+}
+
 TEST(FlushKerbs, ACurbThatIsCutWhereItIsLoweredPointsOnLikeAWholeOne) {
   tile::CurbLine lowered = curb(8, 9, 0.03F);
   lowered.dropped = true;
