@@ -61,14 +61,15 @@ bool Kerbstones::hold(const Eigen::Vector2d& at) const {
   return holds;
 }
 
-bool Kerbstones::part(const Eigen::Vector2d& road, const Eigen::Vector2d& at) const {
+bool Kerbstones::part(const Eigen::Vector2d& road, const Eigen::Vector2d& at, Which which) const {
   const Eigen::Vector2d way = road - at;
   const double length = way.norm();
   for (double walked = 0; walked < length; walked += kStep) {
     const Eigen::Vector2d here = at + way * (walked / length);
     const Vertex* crossed = nullptr;
     for_near(here, [&](const Vertex& v) {
-      const bool is_here = v.is_raised && std::hypot(double{v.x} - here.x(), double{v.y} - here.y()) < kCrossed;
+      const bool is_here = (v.is_raised || which == Which::kAll) &&
+                           std::hypot(double{v.x} - here.x(), double{v.y} - here.y()) < kCrossed;
       if (is_here) crossed = &v;
       return is_here;
     });

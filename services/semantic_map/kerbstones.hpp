@@ -15,10 +15,11 @@ class Kerbstones {
   explicit Kerbstones(const std::vector<tile::CurbLine>& curbs);
   /// Whether a place, m in map, is on one of them.
   [[nodiscard]] bool hold(const Eigen::Vector2d& at) const;
+  enum class Which { kRaised, kAll };  ///< kAll: lowered ones and those that lie flush, too
   /// Whether one of them lies between a road and a place, m in map: of those on the straight way the nearest to the
-  /// place rises towards it. (Over a traffic island the way goes up and down again.) Lowered ones do not count: there
-  /// may be a road beyond.
-  [[nodiscard]] bool part(const Eigen::Vector2d& road, const Eigen::Vector2d& at) const;
+  /// place rises towards it. (Over a traffic island the way goes up and down again.) Beyond those that are not raised
+  /// there may be a road.
+  [[nodiscard]] bool part(const Eigen::Vector2d& road, const Eigen::Vector2d& at, Which which = Which::kRaised) const;
 
  private:
   struct Vertex : tile::CurbVertex {

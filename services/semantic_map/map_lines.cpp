@@ -1,6 +1,7 @@
 #include "services/semantic_map/map_lines.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -11,6 +12,8 @@
 
 namespace curbstone::semantic_map {
 namespace {
+
+constexpr double kSureLength = 5.0;  // m painted: a bright strip of a lawn is shorter
 
 MapBox everything() {
   constexpr double kAll = std::numeric_limits<double>::max();
@@ -53,14 +56,28 @@ void append_marking_cells(TileKey key, const MapBox& box, const std::vector<mark
   }
 }
 
+double painted_length(const tile::MarkingLine& line) {
+  double length = 0;
+  for (std::size_t i = 1; i < line.points.size(); ++i) {
+    const tile::MarkingVertex& a = line.points[i - 1];
+    const tile::MarkingVertex& b = line.points[i];
+    if (a.painted) length += std::hypot(double{b.x} - double{a.x}, double{b.y} - double{a.y});
+  }
+  return length;
+}
+
 /// Whether a kerb lies between the driven path and a line, as seen from two of three places of it: its ends, its
-/// middle.
+/// middle. Beyond a lowered one there are driveways and yards, or a road: a line that is as long as no bright strip of
+/// a lawn, and a crossing, may be there.
 bool is_beyond_kerb(const tile::MarkingLine& line, const Kerbstones& kerbs, const tile::DrivenPath& path) {
+  const bool is_sure = line.type == tile::MarkingType::kCrossing || painted_length(line) >= kSureLength;
+  const auto which = is_sure ? Kerbstones::Which::kRaised : Kerbstones::Which::kAll;
   int beyond = 0;
   for (const std::size_t i : {std::size_t{0}, line.points.size() / 2, line.points.size() - 1}) {
     const Eigen::Vector2d at(double{line.points[i].x}, double{line.points[i].y});
     const auto road = path.nearest(at);
-    beyond += road && kerbs.part(*road, at) ? 1 : 0;
+    const bool is_beyond = road && (kerbs.part(*road, at) || kerbs.part(*road, at, which));
+    beyond += is_beyond ? 1 : 0;
   }
   return beyond > 1;
 }

@@ -35,7 +35,8 @@ using TileLookup = std::function<std::shared_ptr<const tile::MapTile>(TileKey ke
 [[nodiscard]] std::vector<tile::CurbLine> link_and_bridge_curbs(const std::vector<curb_lines::MapCurbPoint>& points,
                                                                 const TileLookup& tiles);
 /// The markings of the road, of the cells that are not on the stones of kerbs (marking_lines::link_marking_cells()).
-/// Lines beyond a raised kerb, seen from the path, are left out: yards and lawns have bright strips, too.
+/// Lines beyond a raised kerb, seen from the path, are left out: yards and lawns have bright strips, too. Beyond one
+/// that is lowered or lies flush only long lines and crossings are kept.
 [[nodiscard]] std::vector<tile::MarkingLine> link_road_markings(std::vector<marking_lines::MapMarkingCell> cells,
                                                                 const Kerbstones& kerbs, const tile::DrivenPath& path,
                                                                 const markings::MarkingParameters& parameters);

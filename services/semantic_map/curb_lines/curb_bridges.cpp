@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numeric>
 #include <set>
 #include <tuple>
@@ -54,26 +55,25 @@ struct LineEnd {
 };
 
 /// From the tip inwards; nothing of a line that is too short to say.
-template <class Iterator>
-std::optional<LineEnd> end_of(Iterator tip, Iterator inmost) {
-  LineEnd end{.tip = *tip, .at = place(*tip)};
+std::optional<LineEnd> end_of(const std::vector<tile::CurbVertex>& inwards) {
+  LineEnd end{.tip = inwards.front(), .at = place(inwards.front())};
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   Eigen::Vector2d up = Eigen::Vector2d::Zero();
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
   double longest = 0;
   double n = 0;
-  for (auto it = tip; it != inmost && (place(*it) - end.at).norm() <= kSight; ++it) {
-    const Eigen::Vector2d d = place(*it) - end.at;
+  for (const tile::CurbVertex& v : inwards) {
+    const Eigen::Vector2d d = place(v) - end.at;
     longest = d.norm();
     mean += d;
     scatter += d * d.transpose();
-    up += Eigen::Vector2d(double{it->high_side_x}, double{it->high_side_y});
-    end.height += double{it->height};
+    up += Eigen::Vector2d(double{v.high_side_x}, double{v.high_side_y});
+    end.height += double{v.height};
     n += 1;
   }
   end.height /= n;
   if (longest < kMinSure) return std::nullopt;
-  end.is_high = double{tip->height} >= std::max(kMinTip, kTip * end.height);
+  end.is_high = double{end.tip.height} >= std::max(kMinTip, kTip * end.height);
   mean /= n;
   scatter = scatter / n - mean * mean.transpose();
   const double angle = 0.5 * std::atan2(2 * scatter(0, 1), scatter(0, 0) - scatter(1, 1));
@@ -207,37 +207,62 @@ std::vector<Bridge> find_bridges(const std::vector<LineEnd>& ends, const std::ve
 }
 
 /// Of all lines the ends that may go on, and what has been measured.
-struct OpenEnds {
+class OpenEnds {
+ public:
   std::vector<LineEnd> ends;
   std::vector<LineEnd> begins;
   std::set<Cell> measured;
 
-  explicit OpenEnds(const std::vector<tile::CurbLine>& lines) {
-    std::set<std::pair<float, float>> first_places;
-    std::set<std::pair<float, float>> last_places;
-    for (const tile::CurbLine& line : lines) {
-      if (line.points.empty()) continue;
-      first_places.emplace(line.points.front().x, line.points.front().y);
-      last_places.emplace(line.points.back().x, line.points.back().y);
-      for (const tile::CurbVertex& v : line.points) measured.insert(cell_at(place(v)));
+  /// `flush`: for what is no curb. Where a line is shorter than the sight, those that share its other end say where it
+  /// points, too; and a line that is too short to point anywhere may be what is seen of the stones between two others.
+  OpenEnds(const std::vector<tile::CurbLine>& lines, bool flush) : lines_(lines) {
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      if (lines[k].points.empty()) continue;
+      first_places_.emplace(key_of(lines[k].points.front()), k);
+      last_places_.emplace(key_of(lines[k].points.back()), k);
+      if (flush && (place(lines[k].points.back()) - place(lines[k].points.front())).norm() < kMinSure) continue;
+      for (const tile::CurbVertex& v : lines[k].points) measured.insert(cell_at(place(v)));
     }
     // A line that is cut where the kerb is lowered shares a vertex with its neighbour.
-    const auto is_free = [](const std::set<std::pair<float, float>>& others, const tile::CurbVertex& v) {
-      return !others.contains({v.x, v.y});
-    };
     for (std::size_t k = 0; k < lines.size(); ++k) {
-      const tile::CurbLine& line = lines[k];
-      if (line.points.empty()) continue;
-      const auto take = [&](std::optional<LineEnd> end, std::vector<LineEnd>& all) {
-        if (!end) return;
-        end->line = k;
-        end->is_high = end->is_high && !line.dropped;
-        all.push_back(*end);
-      };
-      if (is_free(first_places, line.points.back())) take(end_of(line.points.rbegin(), line.points.rend()), ends);
-      if (is_free(last_places, line.points.front())) take(end_of(line.points.begin(), line.points.end()), begins);
+      if (lines[k].points.empty()) continue;
+      if (!first_places_.contains(key_of(lines[k].points.back()))) take(end_of(inwards<true>(k, flush)), k, ends);
+      if (!last_places_.contains(key_of(lines[k].points.front()))) take(end_of(inwards<false>(k, flush)), k, begins);
     }
   }
+
+ private:
+  using Place = std::pair<float, float>;
+  static Place key_of(const tile::CurbVertex& v) { return {v.x, v.y}; }
+
+  void take(std::optional<LineEnd> end, std::size_t line, std::vector<LineEnd>& all) const {
+    if (!end) return;
+    end->line = line;
+    end->is_high = end->is_high && !lines_[line].dropped;
+    all.push_back(*end);
+  }
+  /// The vertices within sight of a line's last (or first) one.
+  template <bool from_last>
+  [[nodiscard]] std::vector<tile::CurbVertex> inwards(std::size_t line, bool through_cuts) const {
+    std::vector<tile::CurbVertex> vertices;
+    for (std::size_t hops = 0; hops <= lines_.size(); ++hops) {
+      const std::vector<tile::CurbVertex>& points = lines_[line].points;
+      for (std::size_t i = vertices.empty() ? 0 : 1; i < points.size(); ++i) {
+        const tile::CurbVertex& v = from_last ? points[points.size() - 1 - i] : points[i];
+        if (!vertices.empty() && (place(v) - place(vertices.front())).norm() > kSight) return vertices;
+        vertices.push_back(v);
+      }
+      const auto& others = from_last ? last_places_ : first_places_;
+      const auto next = others.find(key_of(from_last ? points.front() : points.back()));
+      if (!through_cuts || next == others.end()) break;
+      line = next->second;
+    }
+    return vertices;
+  }
+
+  const std::vector<tile::CurbLine>& lines_;
+  std::map<Place, std::size_t> first_places_;
+  std::map<Place, std::size_t> last_places_;
 };
 
 /// Makes of each pair of ends what `make` says: `std::optional<tile::CurbLine> make(from, to)`; none is in two.
@@ -259,7 +284,7 @@ std::vector<tile::CurbLine> bridge(const OpenEnds& open, Make make) {
 }  // namespace
 
 void add_bridges(const SeenGround& ground, std::vector<tile::CurbLine>& lines) {
-  const OpenEnds open(lines);
+  const OpenEnds open(lines, false);
   std::vector<tile::CurbLine> bridges = bridge(open, [&](const LineEnd& from, const LineEnd& to) {
     auto line = line_between(ground, open.measured, from, to);
     if (line) line->confidence = 0.5F * std::min(lines[from.line].confidence, lines[to.line].confidence);
@@ -272,7 +297,7 @@ void add_bridges(const SeenGround& ground, std::vector<tile::CurbLine>& lines) {
 }
 
 std::vector<tile::CurbLine> flush_kerbs(const std::vector<tile::CurbLine>& lines) {
-  const OpenEnds open(lines);
+  const OpenEnds open(lines, true);
   return bridge(open, [&](const LineEnd& from, const LineEnd& to) -> std::optional<tile::CurbLine> {
     tile::CurbLine line;
     line.points = bridge_between(from, to);

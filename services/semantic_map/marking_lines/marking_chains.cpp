@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "common/tiles/tile.hpp"
 #include "services/semantic_map/marking_lines/ball_vote.hpp"
 
 namespace curbstone::semantic_map::marking_lines {
@@ -21,6 +22,8 @@ constexpr double kOffTangentShare = 0.2;
 constexpr double kAlikeTangents = 0.75;  // cosine between tangents
 constexpr double kArm = 0.8;             // m of a chain on either side of a corner
 constexpr double kCorner = 0.7;          // cosine between the two: where lines meet, the vote's tangents turn smoothly
+constexpr double kOtherWidth = 2.2;      // times: of one line it does not change
+constexpr double kBar = 0.35;            // m: at least as wide is the bar of a crossing
 constexpr double kAboutCorner = 0.3;     // m of a chain that belong to neither
 
 /// The middle of the paint across the line through `at`.
@@ -47,6 +50,7 @@ RidgePoint on_ridge(const MarkingField& field, const Eigen::Vector2d& at, const 
     point.at += across / weight * normal;
     point.z = z / weight;
     point.contrast = most;
+    point.width = weight * kCellSize * kCellSize / (2 * kAlongRidge * most);
   }
   return point;
 }
@@ -182,6 +186,37 @@ void cut_at_corners(const MarkingChain& chain, std::vector<MarkingChain>& parts)
   cut_at_corners(second, parts);
 }
 
+/// Puts a chain into `parts`, cut where it went over from a line to the bar of a crossing, or back: there its width
+/// changes.
+void cut_at_widths(const MarkingChain& chain, std::vector<MarkingChain>& parts) {
+  const std::vector<double> lengths = lengths_along(chain);
+  std::vector<double> sums(chain.size() + 1);
+  for (std::size_t i = 0; i < chain.size(); ++i) sums[i + 1] = sums[i] + chain[i].width;
+  const auto mean_width = [&](std::size_t from, std::size_t to) {
+    return (sums[to] - sums[from]) / static_cast<double>(to - from);
+  };
+  const auto index_at = [&](auto bound) { return static_cast<std::size_t>(bound - lengths.begin()); };
+  double most = kOtherWidth;
+  std::size_t cut = 0;
+  for (std::size_t i = 1; i < chain.size(); ++i) {
+    if (lengths[i - 1] < kArm || lengths.back() - lengths[i] < kArm) continue;
+    const double before =
+        mean_width(index_at(std::lower_bound(lengths.begin(), lengths.end(), lengths[i - 1] - kArm)), i);
+    const double behind = mean_width(i, index_at(std::upper_bound(lengths.begin(), lengths.end(), lengths[i] + kArm)));
+    const double ratio = std::max(before, behind) / std::max(std::min(before, behind), 1e-3);
+    if (std::max(before, behind) < kBar || ratio <= most) continue;
+    most = ratio;
+    cut = i;
+  }
+  if (cut == 0) {
+    parts.push_back(chain);
+    return;
+  }
+  const auto at = chain.begin() + static_cast<std::ptrdiff_t>(cut);
+  cut_at_widths({chain.begin(), at}, parts);
+  cut_at_widths({at, chain.end()}, parts);
+}
+
 }  // namespace
 
 std::vector<MarkingChain> chain_markings(const MarkingField& field, const ChainOptions& options) {
@@ -199,7 +234,9 @@ std::vector<MarkingChain> chain_markings(const MarkingField& field, const ChainO
   for (std::size_t i = 0; i < ridge.size(); ++i) {
     if (!follower.is_used(i)) cut_at_corners(follower.follow(i), chains);
   }
-  return chains;
+  std::vector<MarkingChain> parts;
+  for (const MarkingChain& chain : chains) cut_at_widths(chain, parts);
+  return parts;
 }
 
 }  // namespace curbstone::semantic_map::marking_lines

@@ -14,6 +14,7 @@ struct RidgePoint {
   double z = 0;
   double mass = 0;  ///< of the vote
   double contrast = 0;
+  double width = 0;  ///< m, of the paint about it
 };
 using MarkingChain = std::vector<RidgePoint>;
 
@@ -22,8 +23,8 @@ struct ChainOptions {
 };
 
 /// Strong cells that the vote finds on a line, moved onto its middle, thinned to one each decimetre and linked from one
-/// to the next along it, cut where the line turns a corner: the uninterrupted pieces of paint. The same cells in the
-/// same order give the same chains.
+/// to the next along it, cut where the line turns a corner and where its width changes: the uninterrupted pieces of
+/// paint. The same cells in the same order give the same chains.
 [[nodiscard]] std::vector<MarkingChain> chain_markings(const MarkingField& field, const ChainOptions& options);
 
 }  // namespace curbstone::semantic_map::marking_lines

@@ -33,8 +33,9 @@ std::vector<tile::MarkingLine> link_marking_cells(const std::vector<MapMarkingCe
     auto piece = measure_piece(field, chain);
     if (piece && is_paint(*piece, parameters)) pieces.push_back(std::move(*piece));
   }
-  std::vector<tile::MarkingLine> lines = take_crossings(pieces);
-  for (const MarkingString& string : join_pieces(pieces)) {
+  const std::vector<tile::MarkingLine> crossings = take_crossings(pieces);
+  std::vector<tile::MarkingLine> lines = crossings;
+  for (const MarkingString& string : join_pieces(pieces, crossings)) {
     if (string.size() == 1 && string.front().length() < kShortestAlone) continue;
     lines.push_back(line_of(string, path));
   }

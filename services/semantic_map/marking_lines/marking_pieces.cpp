@@ -16,8 +16,14 @@ constexpr double kBroadest = 0.5;
 constexpr double kLineWidth = 0.36;   // m: what is broader must be brighter, for mended asphalt is broad
 constexpr double kBesideFrom = 0.10;  // m from its edge, where its sides begin: its cells' own paint ends before
 constexpr double kBesideTo = 0.46;    // the next bar of a crossing begins behind
+constexpr double kDarkestRoad = 48;   // 0..255: three quarters of the road's median, and
+constexpr double kSeamTo = 0.25;      // m from its edge
+constexpr double kSeam = 0.08;        // of what lies along an edge: more tar is a seam
+constexpr double kMended = 1.3;       // as bright again must be what is broad along a seam
+constexpr double kTar = 20;           // below the ground around: what is darker is a seam full of tar
 constexpr double kSides = kBroadest / 2 + kBesideTo;  // m across that are looked at
 constexpr double kCore = 0.08;                        // m: where it is whole
+constexpr double kBesideMiddle = 0.12;                // m, of either line of a double one
 constexpr double kEndReach = 0.25;                    // m beyond the last sample that paint may go on
 constexpr double kEndInside = 0.30;                   // m before it, from where what is painted is counted
 constexpr double kHalfCell = 0.06;                    // m
@@ -73,6 +79,24 @@ std::vector<AlongCell> cells_along(const MarkingField& field, const SmoothingSpl
   return cells;
 }
 
+/// Darker than any road, where that is not so dark all around.
+bool is_tar(const AlongCell& cell, double level) {
+  return cell.contrast + cell.level < std::min(kDarkestRoad, level - kTar);
+}
+
+/// The share of tar in what lies along one edge of a piece; `sense` as of ground_beside().
+double tar_along(const std::vector<AlongCell>& cells, double last, double half_width, double sense, double level) {
+  double tar = 0;
+  double all = 0;
+  for (const AlongCell& cell : cells) {
+    const double beside = sense * cell.across - half_width;
+    if (cell.s < 0 || cell.s > last || beside < -kHalfCell || beside > kSeamTo) continue;
+    tar += is_tar(cell, level) ? 1 : 0;
+    all += 1;
+  }
+  return all > 0 ? tar / all : 0;
+}
+
 /// How bright the ground beside a piece is, `sense` 1 to its left, -1 to its right: within a patch the ground around is
 /// the patch, so all is measured over the piece's own `level`. Another line may lie there, so the darkest quarter of
 /// the points counts. Nothing where none is seen.
@@ -83,6 +107,7 @@ std::optional<double> ground_beside(const std::vector<AlongCell>& cells, double 
   for (const AlongCell& cell : cells) {
     const double beside = sense * cell.across - half_width;
     if (cell.s < 0 || cell.s > last || beside < kBesideFrom || beside > kBesideTo) continue;
+    if (is_tar(cell, level)) continue;
     seen.emplace_back(cell.contrast + cell.level - level, cell.count);
     all += cell.count;
   }
@@ -108,23 +133,40 @@ struct PaintAmount {
   double level = 0;      ///< 0..255, of the ground around the core
   double margin = 0;     ///< m at either end that is not counted here
   double per_metre = 0;  ///< contrast times cells, between the margins
+
+  [[nodiscard]] double width() const { return per_metre * kCellArea / contrast; }  ///< m
 };
 
+/// How bright the cells about a place across a piece are, and the ground around them.
+PaintAmount measure_core(const std::vector<AlongCell>& cells, double middle) {
+  PaintAmount core;
+  std::vector<double> contrasts;
+  for (const AlongCell& cell : cells) {
+    if (std::abs(cell.across - middle) > kCore) continue;
+    core.level += cell.level;
+    contrasts.push_back(cell.contrast);
+  }
+  core.contrast = quantile_of(contrasts, 0.7);
+  core.level /= static_cast<double>(std::max<std::size_t>(contrasts.size(), 1));
+  return core;
+}
+
 PaintAmount measure_paint(const std::vector<AlongCell>& cells, double last) {
-  PaintAmount paint;
+  PaintAmount paint = measure_core(cells, 0);
   paint.margin = std::min(kEndInside, last / 4);
-  std::vector<double> core;
   double painted = 0;
   for (const AlongCell& cell : cells) {
-    if (std::abs(cell.across) <= kCore) {
-      paint.level += cell.level;
-      core.push_back(cell.contrast);
-    }
     if (cell.s >= paint.margin && cell.s < last - paint.margin) painted += cell.contrast;
   }
-  paint.contrast = quantile_of(core, 0.7);
-  paint.level /= static_cast<double>(std::max<std::size_t>(core.size(), 1));
   paint.per_metre = painted / (last - 2 * paint.margin);
+  if (paint.width() <= kLineWidth) return paint;
+  // Two lines side by side have road in their middle.
+  const PaintAmount left = measure_core(cells, kBesideMiddle);
+  const PaintAmount right = measure_core(cells, -kBesideMiddle);
+  const PaintAmount& line = left.contrast < right.contrast ? left : right;
+  if (line.contrast <= paint.contrast) return paint;
+  paint.contrast = line.contrast;
+  paint.level = line.level;
   return paint;
 }
 
@@ -168,10 +210,12 @@ std::optional<MarkingPiece> measure_piece(const MarkingField& field, const Marki
   const PaintAmount paint = measure_paint(cells, last);
   if (paint.contrast <= 0 || paint.per_metre <= 0) return std::nullopt;
   piece.contrast = paint.contrast;
-  piece.width = paint.per_metre * kCellArea / paint.contrast;
+  piece.width = paint.width();
   find_ends(cells, paint, last, piece);
   place_ends(spline, last, piece);
   const double half_width = std::clamp(piece.width, kNarrowest, kBroadest) / 2;
+  piece.tar = std::max(tar_along(around, last, half_width, 1, paint.level),
+                       tar_along(around, last, half_width, -1, paint.level));
   piece.left = ground_beside(around, last, half_width, 1, paint.level);
   piece.right = ground_beside(around, last, half_width, -1, paint.level);
   return piece;
@@ -179,7 +223,8 @@ std::optional<MarkingPiece> measure_piece(const MarkingField& field, const Marki
 
 bool is_paint(const MarkingPiece& piece, const markings::MarkingParameters& parameters) {
   const double broad = std::clamp(piece.width / kLineWidth, 1.0, kBroadest / kLineWidth);
-  if (piece.contrast < broad * parameters.min_contrast) return false;
+  const double mended = broad > 1 && piece.tar > kSeam ? kMended : 1;
+  if (piece.contrast < mended * broad * parameters.min_contrast) return false;
   const double most = parameters.side_share * piece.contrast;
   const bool is_above_left = piece.left.value_or(0) <= most;
   const bool is_above_right = piece.right.value_or(0) <= most;

@@ -21,6 +21,7 @@ struct MarkingPiece {
   double contrast = 0;  ///< 0..255, of the paint
 
   std::optional<double> left, right;  ///< as `contrast`, of what lies 0.10 to 0.46 m from its edges, if seen
+  double tar = 0;                     ///< 0..1, of the cells along one of its edges: a seam that was filled
 
   [[nodiscard]] double length() const { return end - begin; }
   [[nodiscard]] Eigen::Vector2d middle() const { return 0.5 * (begin_at + end_at); }
@@ -32,8 +33,8 @@ struct MarkingPiece {
 [[nodiscard]] std::optional<MarkingPiece> measure_piece(const MarkingField& field, const MarkingChain& chain);
 
 /// Whether a piece is brighter, along all of it, than the ground on both its sides. The edge of a patch or of a
-/// pavement has one dark side, and so has the stone of a kerb. A broad piece must be brighter than a line. A side that
-/// is not seen says nothing.
+/// pavement has one dark side, and so has the stone of a kerb. A broad piece must be brighter than a line, and more so
+/// along a seam: there the asphalt was mended. A side that is not seen says nothing.
 [[nodiscard]] bool is_paint(const MarkingPiece& piece, const markings::MarkingParameters& parameters);
 
 }  // namespace curbstone::semantic_map::marking_lines

@@ -133,8 +133,22 @@ MarkingType type_of(const MarkingString& string, const std::vector<double>& dash
   return MarkingType::kUnknown;
 }
 
+/// Whether the way from a to b leads over a crossing's bars.
+bool is_across(const tile::MarkingLine& crossing, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const auto place = [](const tile::MarkingVertex& v) { return Eigen::Vector2d(double{v.x}, double{v.y}); };
+  const auto side = [](const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Eigen::Vector2d& at) {
+    const Eigen::Vector2d way = to - from;
+    const Eigen::Vector2d d = at - from;
+    return way.x() * d.y() - way.y() * d.x();
+  };
+  const Eigen::Vector2d first = place(crossing.points.front());
+  const Eigen::Vector2d last = place(crossing.points.back());
+  return side(first, last, a) * side(first, last, b) < 0 && side(a, b, first) * side(a, b, last) < 0;
+}
+
 /// Every two ends that point at each other.
-std::vector<Joint> find_joints(const std::vector<MarkingPiece>& pieces) {
+std::vector<Joint> find_joints(const std::vector<MarkingPiece>& pieces,
+                               const std::vector<tile::MarkingLine>& crossings) {
   const auto square = [&](std::size_t end) {
     const Eigen::Vector2d& p = at(pieces, end);
     return TileKey{static_cast<std::int32_t>(std::floor(p.x() / kLongestGap)),
@@ -149,7 +163,10 @@ std::vector<Joint> find_joints(const std::vector<MarkingPiece>& pieces) {
     for (const std::size_t b : it->second) {
       if (b <= a || curb_lines::piece_of(a) == curb_lines::piece_of(b)) continue;
       const double gap = gap_between(pieces, a, b);
-      if (std::isfinite(gap)) joints.push_back({gap, a, b});
+      const bool is_open = std::isfinite(gap) && std::none_of(crossings.begin(), crossings.end(), [&](const auto& c) {
+                             return is_across(c, at(pieces, a), at(pieces, b));
+                           });
+      if (is_open) joints.push_back({gap, a, b});
     }
   };
   for (std::size_t a = 0; a < 2 * pieces.size(); ++a) {
@@ -236,8 +253,10 @@ float confidence_of(double contrast, float length) {
   return static_cast<float>(squared / (squared + kHalf * kHalf) * (1 - std::exp(-double{length})));
 }
 
-std::vector<MarkingString> join_pieces(const std::vector<MarkingPiece>& pieces) {
-  const std::vector<std::size_t> partner = curb_lines::join_shortest_first(pieces.size(), find_joints(pieces));
+std::vector<MarkingString> join_pieces(const std::vector<MarkingPiece>& pieces,
+                                       const std::vector<tile::MarkingLine>& crossings) {
+  const std::vector<std::size_t> partner =
+      curb_lines::join_shortest_first(pieces.size(), find_joints(pieces, crossings));
   std::vector<MarkingString> strings;
   std::vector<bool> is_used(pieces.size());
   for (std::size_t end = 0; end < 2 * pieces.size(); ++end) {

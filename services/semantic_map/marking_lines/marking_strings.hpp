@@ -12,8 +12,10 @@ namespace curbstone::semantic_map::marking_lines {
 /// Pieces that follow each other along one line, each in the line's sense.
 using MarkingString = std::vector<MarkingPiece>;
 
-/// Joins pieces where both ends point across a gap, of up to 9 m, the shortest gaps first.
-[[nodiscard]] std::vector<MarkingString> join_pieces(const std::vector<MarkingPiece>& pieces);
+/// Joins pieces where both ends point across a gap, of up to 9 m, the shortest gaps first. Not across `crossings`:
+/// there a line ends.
+[[nodiscard]] std::vector<MarkingString> join_pieces(const std::vector<MarkingPiece>& pieces,
+                                                     const std::vector<tile::MarkingLine>& crossings);
 
 /// One spline through all its pieces; typed by its dashes and gaps. `path`: driven, m in map; a stop line lies across.
 [[nodiscard]] tile::MarkingLine line_of(const MarkingString& string, const tile::DrivenPath& path);

@@ -42,6 +42,20 @@ TEST(Kerbstones, LoweredOnesPartNothingAndThoseBehindParkedVehiclesDo) {
   EXPECT_TRUE(Kerbstones({inferred}).part({5, 0}, {5, 4}));
 }
 
+TEST(Kerbstones, LoweredOnesAndThoseThatLieFlushPartADrivewayFromTheRoadWhereAllCount) {
+  tile::CurbLine lowered = kerb(3);
+  lowered.dropped = true;
+  const auto all = Kerbstones::Which::kAll;
+  EXPECT_TRUE(Kerbstones({lowered}).part({5, 0}, {5, 4}, all));
+  EXPECT_FALSE(Kerbstones({lowered}).part({5, 0}, {5, 2.5}, all));
+  EXPECT_FALSE(Kerbstones({kerb(3), lowered, kerb(5, false)}).part({5, 0}, {5, 7}, all)) << "beyond an island";
+  tile::CurbLine before = kerb(-3, false);  // its high side is on its right
+  tile::CurbLine behind = before;
+  for (tile::CurbVertex& v : behind.points) v.x += 13;
+  EXPECT_FALSE(Kerbstones({before, behind}).part({11.5, 0}, {11.5, -4}));
+  EXPECT_TRUE(Kerbstones({before, behind}).part({11.5, 0}, {11.5, -4}, all)) << "flush between the two";
+}
+
 TEST(Kerbstones, NoWayIsTooSlantedToBeParted) {
   const Kerbstones kerbs({kerb(3)});
   for (int degrees = 10; degrees <= 170; ++degrees) {

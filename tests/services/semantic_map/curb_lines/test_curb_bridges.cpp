@@ -135,5 +135,34 @@ TEST(CurbBridges, EachEndHasOnePartnerTheNearest) {
   EXPECT_EQ(found[1].points.front().x, 4.0F);
 }
 
+TEST(FlushKerbs, LieWhereTwoCurbsPointAtEachOther) {
+  const auto found = flush_kerbs({curb(0, 5), curb(8, 14)});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].points.front().x, 5.0F);
+  EXPECT_EQ(found[0].points.back().x, 8.0F);
+  EXPECT_TRUE(flush_kerbs({curb(0, 5), curb(8, 8.8)}).empty()) << "too short to say";
+}
+
+TEST(FlushKerbs, AShortPieceBetweenTwoCurbsIsOneOfTheStones) {
+  const auto found = flush_kerbs({curb(0, 5), curb(6, 6.6, 0.03F), curb(9, 14)});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].points.front().x, 5.0F);
+  EXPECT_EQ(found[0].points.back().x, 9.0F);
+  EXPECT_TRUE(flush_kerbs({curb(0, 5), curb(6, 8, 0.12F, 0.4), curb(9, 14)}).empty()) << "a curb of another course";
+}
+
+TEST(FlushKerbs, ACurbThatIsCutWhereItIsLoweredPointsOnLikeAWholeOne) {
+  tile::CurbLine lowered = curb(8, 9, 0.03F);
+  lowered.dropped = true;
+  for (const auto& lines :
+       {std::vector{curb(0, 5), lowered, curb(9, 14)}, std::vector{curb(9, 14), curb(0, 5), lowered}}) {
+    const auto found = flush_kerbs(lines);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].points.front().x, 5.0F);
+    EXPECT_EQ(found[0].points.back().x, 8.0F);
+  }
+  EXPECT_TRUE(flush_kerbs({curb(0, 5), lowered}).empty()) << "nothing else says where it points to";
+}
+
 }  // namespace
 }  // namespace curbstone::semantic_map::curb_lines

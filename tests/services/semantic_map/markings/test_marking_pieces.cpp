@@ -40,6 +40,37 @@ TEST(MarkingPieces, WornPaintOnTheEdgeOfAPatchIsPaint) {
   EXPECT_NEAR(painted_length(lines[0]), 30, 1);
 }
 
+TEST(MarkingPieces, AStripOfAPatchBetweenTwoSeamsIsNoPaint) {
+  for (const double patch : {88.0, 92.0, 96.0})
+    EXPECT_TRUE(lines_of(road([&](double x, double y) {
+                  if (std::abs(x) > 4 || std::abs(y) > 0.43) return kRoad;
+                  return std::abs(y) < 0.03 || std::abs(y) > 0.37 ? 5.0 : patch;
+                })).empty())
+        << patch;
+}
+
+TEST(MarkingPieces, AWornDoubleLineIsPaint) {
+  const auto lines =
+      lines_of(road([](double, double y) { return std::abs(std::abs(y - 0.3) - 0.14) < 0.06 ? kRoad + 50 : kRoad; }));
+  ASSERT_FALSE(lines.empty());
+  for (const auto& line : lines) EXPECT_EQ(line.type, MarkingType::kSolid);
+  EXPECT_GT(painted_length(lines[0]), 28);
+}
+
+TEST(MarkingPieces, WhatIsBroadAlongASeamMustBeBrighter) {
+  marking_lines::MarkingPiece piece;
+  piece.width = 0.5;
+  piece.contrast = 30;
+  EXPECT_TRUE(marking_lines::is_paint(piece, {}));
+  piece.tar = 0.15;
+  EXPECT_FALSE(marking_lines::is_paint(piece, {}));
+  piece.contrast = 50;
+  EXPECT_TRUE(marking_lines::is_paint(piece, {}));
+  piece.contrast = 30;
+  piece.width = 0.15;
+  EXPECT_TRUE(marking_lines::is_paint(piece, {})) << "a line along the seam of the road's middle";
+}
+
 TEST(MarkingPieces, APieceIsPaintIfBothItsSidesAreDarker) {
   marking_lines::MarkingPiece piece;
   piece.width = 0.12;

@@ -101,6 +101,49 @@ TEST(RoadMarkings, TheStoneOfALoweredKerbIsNoPaint) {
   EXPECT_FALSE(all_markings(pipeline, {kerb}, path(), {}).empty());
 }
 
+TEST(RoadMarkings, BeyondALoweredKerbOnlyWhatIsLongerThanABrightStripOfALawnIsPaint) {
+  const auto count = [](double length, bool is_lowered) {
+    pipeline::TilePipeline pipeline({}, {});
+    for (const tile::VotedTile& tile :
+         road([&](double x, double y) { return std::abs(y - 4) < 0.1 && std::abs(x) < length / 2 ? kPaint : kRoad; }))
+      pipeline.set_voted(tile);
+    pipeline.settle();
+    tile::CurbLine kerb;
+    kerb.dropped = is_lowered;
+    for (int i = -75; i <= 75; ++i) kerb.points.push_back({0.2F * static_cast<float>(i), 2.5F, 0, 0.02F, 0, 1});
+    EXPECT_EQ(all_markings(pipeline, {}, path(), {}).size(), 1U) << length;
+    EXPECT_EQ(all_markings(pipeline, {kerb}, {}, {}).size(), 1U) << "nobody drove: who knows on which side the road is";
+    return all_markings(pipeline, {kerb}, path(), {}).size();
+  };
+  EXPECT_EQ(count(3, true), 0U);
+  EXPECT_EQ(count(8, true), 1U) << "a road may go on there";
+  EXPECT_EQ(count(8, false), 0U);
+}
+
+TEST(RoadMarkings, ALineEndsAtACrossing) {
+  const auto lines = lines_of(road([](double x, double y) {
+    const bool is_bar = std::abs(x) < 2 && std::abs(y) < 3.5 && std::fmod(y + 10, 1.0) < 0.5;
+    return is_bar || (std::abs(y - 0.25) < 0.06 && std::abs(x) > 3.5 && std::abs(x) < 8.6) ? kPaint : kRoad;
+  }));
+  ASSERT_EQ(lines.size(), 3U) << "two lines of 5.1 m, and not one of two dashes";
+  EXPECT_EQ(std::count_if(lines.begin(), lines.end(), [](const auto& l) { return l.type == MarkingType::kSolid; }), 2);
+}
+
+TEST(RoadMarkings, AnEdgeLineDoesNotBendIntoABarOfACrossing) {
+  const auto lines = lines_of(road([](double x, double y) {
+    const bool is_bar =
+        std::abs(x) < 2 && y > -3 && y < 1.56 && std::fmod(y + 10, 1.0) > 0.06 && std::fmod(y + 10, 1.0) < 0.56;
+    return is_bar || (std::abs(y - 1.2) < 0.06 && x < -2.6) ? kPaint : kRoad;
+  }));
+  ASSERT_EQ(lines.size(), 2U);
+  for (const MarkingLine& line : lines) {
+    if (line.type == MarkingType::kCrossing)
+      EXPECT_EQ(line.points.size(), 10U) << "all of its bars";
+    else
+      EXPECT_NEAR(painted_length(line), 12.4, 1.0);
+  }
+}
+
 TEST(RoadMarkings, WhereNoIntensityIsKnownThereIsNone) {
   auto tiles = road([](double, double y) { return std::abs(y) < 0.06 ? kPaint : kRoad; });
   for (tile::VotedTile& tile : tiles) tile.intensity.pop_back();  // of not all points: nobody knows which
