@@ -189,22 +189,6 @@ TEST_F(PipelineOfAStreet, UpdatesOneTileAtThePriceOfOne) {
   EXPECT_EQ(pipeline.num_evidence(), 1);
 }
 
-TEST_F(PipelineOfAStreet, CurbsOfTheSameEvidenceAreNotLookedForAgainButAreKnownToBeNewer) {
-  TilePipeline pipeline({}, {});
-  for (const tile::VotedTile& tile : tiles()) pipeline.set_voted(tile);
-  const TileKey key = tiles()[tiles().size() / 2].key;
-  const double first = update(pipeline, key).cost;
-  tile::VotedTile newer = tile_at(key);
-  newer.utime += 1000;
-  pipeline.set_voted(newer);
-  const WorkResult result = update(pipeline, key);
-  EXPECT_EQ(result.changed, std::set<TileKey>{key});
-  EXPECT_LT(result.cost, first - 0.04) << "without the curbs, and without the ground";
-  EXPECT_EQ(pipeline.classes(key)->curbs_utime, newer.utime);
-  pipeline.settle();
-  EXPECT_EQ(*pipeline.curbs(key), *at_once().curbs(key));
-}
-
 /// What the node does at each tick. A step is stale for a second before it is due, and makes the next one stale.
 TEST_F(PipelineOfAStreet, SettlesInTimeByTheSchedule) {
   TilePipeline pipeline({}, {});
