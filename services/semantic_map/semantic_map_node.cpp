@@ -13,7 +13,7 @@ namespace curbstone::semantic_map {
 namespace {
 
 constexpr std::int64_t kTilePeriod = 100'000;   // us between two messages about a tile that no new points came to
-constexpr std::int64_t kCurbsPeriod = 500'000;  // us
+constexpr std::int64_t kCurbsPeriod = 200'000;  // us; to link the lines takes a millisecond
 constexpr std::int64_t kMarkingsPeriod = 1'000'000;
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kWritePeriod = 1'000'000;

@@ -19,13 +19,19 @@ constexpr double kCurbLink = 0.45;    // m: cells between curb points this close
 class ColumnWindow {
  public:
   explicit ColumnWindow(const tile::Around<CellColumns>& columns) {
-    for (int row = -kReach; row < kCellsPerTile + kReach; ++row) {
-      for (int column = -kReach; column < kCellsPerTile + kReach; ++column) {
-        const int dx = tile_of(column);
-        const int dy = tile_of(row);
+    // Tile by tile, a row's part at a time.
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
         const CellColumns* tile = columns.at(dx, dy);
-        if (tile != nullptr)
-          cells_[index(column, row)] = &tile->at(column - dx * kCellsPerTile, row - dy * kCellsPerTile);
+        if (tile == nullptr) continue;
+        const int first = dx < 0 ? kCellsPerTile - kReach : 0;
+        const int num = dx == 0 ? kCellsPerTile : kReach;
+        const int row_end = dy > 0 ? kReach : kCellsPerTile;
+        for (int row = dy < 0 ? kCellsPerTile - kReach : 0; row < row_end; ++row) {
+          const CellColumn* const from = &tile->at(first, row);
+          const CellColumn** const to = &cells_[index(first + dx * kCellsPerTile, row + dy * kCellsPerTile)];
+          for (int i = 0; i < num; ++i) to[i] = from + i;
+        }
       }
     }
   }
@@ -42,7 +48,6 @@ class ColumnWindow {
  private:
   static constexpr int kReach = std::max({kShadow, kVehicleReach, 1});
   static constexpr int kSize = kCellsPerTile + 2 * kReach;
-  static int tile_of(int i) { return i < 0 ? -1 : (i >= kCellsPerTile ? 1 : 0); }
   static std::size_t index(int column, int row) {
     return static_cast<std::size_t>((row + kReach) * kSize + column + kReach);
   }

@@ -2,7 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "services/semantic_map/curbs/near_ground_points.hpp"
@@ -59,18 +61,19 @@ std::vector<FoundStep> find_steps(const NearGroundPoints& points, const TiltedCe
                                   const ground::GroundAt& ground, const tile::CurbParameters& parameters,
                                   StepWindow& window) {
   StepSearch search(points, cell.at, ground.layer_noise, parameters, window);
-  std::vector<std::pair<Eigen::Vector2d, double>> directions;  // how promising each is, straight ahead
+  std::array<std::pair<Eigen::Vector2d, double>, 2> directions;  // how promising each is, straight ahead
+  std::size_t num_directions = 0;
   const double length = parameters.half_length;
   if (!cell.is_thin) {
     const Eigen::Vector2d up = cell.tilt.normalized();
     if (search.look_close(up, length)) return search.found();
-    directions.emplace_back(up, search.look(up, kSparse * length));
+    directions[num_directions++] = {up, search.look(up, kSparse * length)};
   }
   if (ground.coarse_tilt.norm() > kMinCoarseTilt) {
     const Eigen::Vector2d up = ground.coarse_tilt.normalized();
-    directions.emplace_back(up, search.look(up, kSparse * length));
+    directions[num_directions++] = {up, search.look(up, kSparse * length)};
   }
-  for (const auto& [direction, promise] : directions) {
+  for (const auto& [direction, promise] : std::span(directions).first(num_directions)) {
     if (std::max(search.look(direction, kThin * length), promise) < kPromising) continue;
     for (const double turn : {-0.12, 0.12, -0.24, 0.24})
       search.look(Eigen::Rotation2Dd(turn) * direction, kThin * length);

@@ -32,7 +32,7 @@ constexpr double kOwnLean = 1.2;  // slope of the refined ground about a step, f
 
 /// What the fits at all places say; `spread` is the smaller variance of u of the two sides.
 struct StepFits {
-  Places level, spread, height, full_height, rss, scale, slope_u, slope_t, low_z, n;
+  Places level, spread, height, full_height, roughness, sigma, slope_u, slope_t, low_z;
 };
 
 /// Two half-planes at each place (docs/method.md, section 11): of z_0, h and the slope s that both share, those that
@@ -76,21 +76,29 @@ void fit_sides(const SideSums& low, const SideSums& high, double noise, StepFits
     const double slope_t = inverse_ut * uz + inverse_tt * tz;
     const double apart_u = hu - lu;
     const double apart_t = ht - lt;
-    fits.n[k] = low.n[k] + high.n[k];
     fits.slope_u[k] = slope_u;
     fits.slope_t[k] = slope_t;
-    fits.rss[k] = zz - (slope_u * uz + slope_t * tz);
+    const double rss = zz - (slope_u * uz + slope_t * tz);
+    fits.roughness[k] = (0 < rss ? rss : 0) / (low.n[k] + high.n[k] - 4) + kNoiseFloor * kNoiseFloor;
     fits.level[k] = hz - lz;
     fits.height[k] = hz - lz - (slope_u * apart_u + slope_t * apart_t);
     // The heights are above ground that climbs the step within about a metre: against it both sides fall, and as much
     // of that as was put down to noise is missing in the step.
     const double missing = kOwnLean * by_noise * (inverse_uu * apart_u + inverse_ut * apart_t);
     fits.full_height[k] = fits.height[k] / (1 - (missing < 0 ? 0 : missing > kMostMissing ? kMostMissing : missing));
-    fits.scale[k] = 1 / low.n[k] + 1 / high.n[k] +
+    fits.sigma[k] = 1 / low.n[k] + 1 / high.n[k] +
                     (apart_u * (inverse_uu * apart_u + inverse_ut * apart_t) +
                      apart_t * (inverse_ut * apart_u + inverse_tt * apart_t));
     fits.low_z[k] = lz + slope_u * (step_place(k) - lu) - slope_t * lt;
   }
+}
+
+/// What fit_sides() leaves squared. There, a root that might set errno would keep the loop from going side by side.
+void take_roots(StepFits& fits) {
+  Eigen::Map<Eigen::Array<double, kPlaces, 1>> roughness(fits.roughness.data());
+  Eigen::Map<Eigen::Array<double, kPlaces, 1>> sigma(fits.sigma.data());
+  roughness = roughness.sqrt();
+  sigma = roughness * sigma.sqrt();
 }
 
 HeightStep step_of(const StepFits& fits, std::size_t k) {
@@ -99,8 +107,8 @@ HeightStep step_of(const StepFits& fits, std::size_t k) {
   step.height = fits.height[k];
   step.level = fits.level[k];
   step.full_height = fits.full_height[k];
-  step.roughness = std::sqrt(std::max(0.0, fits.rss[k]) / (fits.n[k] - 4) + kNoiseFloor * kNoiseFloor);
-  step.sigma = step.roughness * std::sqrt(fits.scale[k]);
+  step.roughness = fits.roughness[k];
+  step.sigma = fits.sigma[k];
   step.low_z = fits.low_z[k];
   step.slope = {fits.slope_u[k], fits.slope_t[k]};
   return step;
@@ -108,13 +116,12 @@ HeightStep step_of(const StepFits& fits, std::size_t k) {
 
 /// The step of the largest h / sigma_h, among the places where both sides are wide enough.
 std::optional<HeightStep> most_certain(const StepFits& fits, const std::array<bool, kPlaces>& exist) {
-  std::optional<HeightStep> best;
-  for (std::size_t i = 0; i < kPlaces; ++i) {
-    if (!exist[i] || !(fits.spread[i] >= kMinSpread * kMinSpread)) continue;
-    const HeightStep step = step_of(fits, i);
-    if (!best || step.height * best->sigma > best->height * step.sigma) best = step;
+  std::optional<std::size_t> best;
+  for (std::size_t k = 0; k < kPlaces; ++k) {
+    if (!exist[k] || !(fits.spread[k] >= kMinSpread * kMinSpread)) continue;
+    if (!best || fits.height[k] * fits.sigma[*best] > fits.height[*best] * fits.sigma[k]) best = k;
   }
-  return best;
+  return best ? std::optional(step_of(fits, *best)) : std::nullopt;
 }
 
 /// A real step parts the heights of its two sides. Where scan lines lie in layers, one of which ends, both layers are
@@ -171,6 +178,7 @@ std::optional<HeightStep> find_height_step(const StepWindow& points, double nois
   if (!measure_sides(points, parameters, sides)) return std::nullopt;
   StepFits fits;
   fit_sides(sides.low, sides.high, std::max(noise, kNoiseFloor), fits);
+  take_roots(fits);
   return most_certain(fits, sides.exist);
 }
 

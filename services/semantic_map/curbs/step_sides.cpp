@@ -51,7 +51,10 @@ struct Strips {
   std::vector<Moments> moments;      ///< of each strip
   std::vector<double> sums;          ///< the same, moment by moment, so that many places are summed up side by side
 
+  std::vector<int> odd_points;  ///< scratch
+
   void sort(const StepWindow& points, int num_half);
+  void count(std::size_t n);
   void sum(const StepWindow& points);
   /// From one moment to the next; behind a moment's strips are as many zeros as may be read there.
   [[nodiscard]] std::size_t stride() const { return static_cast<std::size_t>(2 * half) + kPlaces; }
@@ -75,6 +78,22 @@ void find_strips(const double* u, const double* t, const double* unfit, std::siz
   }
 }
 
+/// Points side by side are often of one strip, and to count one would wait for the one before: so every other one is
+/// counted apart.
+void Strips::count(std::size_t n) {
+  odd_points.assign(points_before.size(), 0);
+  const int* const strip = of_point.data();
+  int* const even = points_before.data() + 1;
+  int* const odd = odd_points.data() + 1;
+  std::size_t i = 0;
+  for (; i + 1 < n; i += 2) {
+    ++even[strip[i]];
+    ++odd[strip[i + 1]];
+  }
+  if (i < n) ++even[strip[i]];
+  for (std::size_t b = 0; b < points_before.size(); ++b) points_before[b] += odd_points[b];
+}
+
 void Strips::sort(const StepWindow& points, int num_half) {
   half = num_half;
   const std::size_t n = points.size();
@@ -82,7 +101,7 @@ void Strips::sort(const StepWindow& points, int num_half) {
   find_strips(points.u.data(), points.t.data(), points.unfit.data(), n, points.half_length, half, of_point.data());
   points_before.assign(static_cast<std::size_t>(2 * half) + 1, 0);
   covered_before.resize(points_before.size());
-  for (std::size_t i = 0; i < n; ++i) ++points_before[static_cast<std::size_t>(of_point[i] + 1)];
+  count(n);
   points_before[0] = covered_before[0] = 0;  // those that are in no strip
   for (std::size_t b = 1; b < points_before.size(); ++b) {
     covered_before[b] = covered_before[b - 1] + (points_before[b] > 0 ? 1 : 0);

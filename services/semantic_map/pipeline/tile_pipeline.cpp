@@ -132,6 +132,7 @@ void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
   constexpr std::array kCost = {0.05, 0.2, 1.0, 0.05, 0.05, 0.05, 0.05, 0.05};
   if (!unmark(step, tile)) return;
   wake_for(step, key, tile);
+  if (step == kCurbs && !tile.is_other_evidence) return take_curbs_utime(key, tile);  // they are as they were
   result_.cost += kCost[step];
   num_evidence_ += step == kEvidence ? 1 : 0;
   std::visit([&](auto&& product) { take(key, tile, std::forward<decltype(product)>(product)); },
@@ -206,6 +207,7 @@ void TilePipeline::take(TileKey key, Tile& tile, std::vector<curbs::CurbCandidat
   if (evidence == tile.evidence) return;
   tile.evidence = std::move(evidence);
   mark_around(kCurbs, key);
+  for_around(key, [](TileKey, Tile& t) { t.is_other_evidence = true; });
 }
 
 void TilePipeline::refresh_columns(TileKey key, Tile& tile) {
@@ -227,12 +229,17 @@ void TilePipeline::measure_columns(TileKey key, Tile& tile) {
 }
 
 void TilePipeline::take(TileKey key, Tile& tile, std::vector<curbs::CurbPoint> curbs) {
-  if (std::exchange(tile.curbs_utime, tile.evidence_utime) != tile.evidence_utime) mark(kClasses, key, tile);
+  tile.is_other_evidence = false;
+  take_curbs_utime(key, tile);
   if (curbs == *tile.curbs) return;
   tile.curbs = std::make_shared<const std::vector<curbs::CurbPoint>>(std::move(curbs));
   note_change(key, tile);
   mark_around(kClasses, key);
   mark_around(kMarkings, key);
+}
+
+void TilePipeline::take_curbs_utime(TileKey key, Tile& tile) {
+  if (std::exchange(tile.curbs_utime, tile.evidence_utime) != tile.evidence_utime) mark(kClasses, key, tile);
 }
 
 void TilePipeline::take(TileKey key, Tile& tile, const tile::MapTile& classes) {

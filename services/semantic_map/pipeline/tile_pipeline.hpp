@@ -92,6 +92,7 @@ class TilePipeline {
     ground::GroundModel ground;
     std::vector<curbs::CurbCandidate> evidence;
     std::int64_t evidence_utime = 0;  ///< us, of the newest points that it was looked for in
+    bool is_other_evidence = true;    ///< here or around, than the curbs were made of
     std::shared_ptr<const std::vector<curbs::CurbPoint>> curbs = std::make_shared<std::vector<curbs::CurbPoint>>();
     std::int64_t curbs_utime = 0;  ///< us, of the evidence
     std::shared_ptr<const tile::MapTile> classes;
@@ -137,6 +138,7 @@ class TilePipeline {
   void take(TileKey key, Tile& tile, const tile::MapTile& classes);
   void take(TileKey key, Tile& tile, markings::PaintLayer paint);
   void take(TileKey key, Tile& tile, std::vector<markings::MarkingCell> markings);
+  void take_curbs_utime(TileKey key, Tile& tile);
   void settle_step(Step step, int threads);
   void refresh_columns(TileKey key, Tile& tile);
   void measure_columns(TileKey key, Tile& tile);

@@ -206,6 +206,25 @@ TEST_F(SemanticMapNodeTest, SaysNothingOfCurbsAndMarkingsWhileThereAreNoPointsTo
   EXPECT_EQ(said, 0);
 }
 
+TEST_F(SemanticMapNodeTest, CurbsOfTilesThatGoOnChangingAreSaidFiveTimesASecond) {
+  LocalBus bus;
+  SemanticMapNode node(config(""), bus);
+  node.connect(bus);
+  std::vector<std::int64_t> said;
+  std::int64_t now = kStart;
+  bus.subscribe<curb_lines_t>("CURBS", [&](const curb_lines_t&) { said.push_back(now); });
+  const auto pages = all_pages();
+  for (std::size_t i = 0; i < 100; ++i, now += 20'000) {
+    if (i % 5 == 0 && i / 5 < pages.size()) bus.publish("VOTED_POINTS", pages[i / 5]);
+    bus.dispatch();
+    node.tick(now);
+    bus.dispatch();
+  }
+  ASSERT_GE(said.size(), 3U);
+  for (std::size_t i = 1; i < said.size(); ++i) EXPECT_GE(said[i] - said[i - 1], 200'000);
+  EXPECT_LE(said[1] - said[0], 400'000);
+}
+
 TEST_F(SemanticMapNodeTest, ShowsWhatStandsWhereAtOnceAndLooksForCurbsWhileNothingComes) {
   LocalBus bus;
   SemanticMapNode node(config("map.db"), bus);

@@ -54,6 +54,8 @@ nlohmann::json report(const TimedVehicle& vehicle, const TileAges& ages, double 
   print_ages(json, "all points, to SEMANTIC_TILE", ages.news());
   fmt::print("\n");
   print_ages(json, "all points, to its curbs", ages.curb_news());
+  fmt::print("\n");
+  print_ages(json, "all points, to CURBS", ages.line_news());
   fmt::print("\n\n  CPU, in cores:");
   for (const auto& [name, process] : vehicle.processes()) {
     const double cores = static_cast<double>(process->cpu_us()) * 1e-6 / seconds;

@@ -40,16 +40,35 @@ void TileAges::hear(const TimedMessage& message) {
     if (!message.decode(m)) return;
     sent_tile(message.channel, {m.tile_x, m.tile_y}, m.utime, message.at);
     tiles_.out({m.tile_x, m.tile_y}, m.utime, message.at);
-    curbs_.out({m.tile_x, m.tile_y}, m.curbs_utime, message.at);
+    const std::vector<Measured> known = curbs_.out({m.tile_x, m.tile_y}, m.curbs_utime, message.at);
+    unsaid_.insert(unsaid_.end(), known.begin(), known.end());
+  } else if (message.channel == "CURBS") {
+    curb_lines_t m;
+    if (message.decode(m)) say_lines(m, message.at);
   }
 }
 
-void TileAges::News::out(TileKey key, std::int64_t utime, std::int64_t at) {
+std::vector<TileAges::Measured> TileAges::News::out(TileKey key, std::int64_t utime, std::int64_t at) {
+  std::vector<Measured> known;
   std::erase_if(waiting[key], [&](std::int64_t measured) {
     if (measured > utime) return false;
     ages.push_back(static_cast<double>(at - measured) * 1e-3);
+    known.push_back({key, measured});
     return true;
   });
+  return known;
+}
+
+/// A tile counts if its middle is in the box.
+void TileAges::say_lines(const curb_lines_t& message, std::int64_t at) {
+  for (const Measured& m : unsaid_) {
+    const double middle[2] = {(m.key.x + 0.5) * kTileSize, (m.key.y + 0.5) * kTileSize};
+    const auto is_in = [&](int axis) {
+      return middle[axis] >= double{message.box_min[axis]} && middle[axis] <= double{message.box_max[axis]};
+    };
+    if (is_in(0) && is_in(1)) said_ages_.push_back(static_cast<double>(at - m.utime) * 1e-3);
+  }
+  unsaid_.clear();
 }
 
 void TileAges::sent_tile(const std::string& channel, TileKey key, std::int64_t utime, std::int64_t at) {
@@ -72,6 +91,10 @@ AgeFigures TileAges::news() const {
 
 AgeFigures TileAges::curb_news() const {
   return figures(curbs_.ages);
+}
+
+AgeFigures TileAges::line_news() const {
+  return figures(said_ages_);
 }
 
 std::size_t TileAges::sent(const std::string& channel) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <curbstone/curb_lines_t.hpp>
 #include <map>
 #include <string>
 #include <vector>
@@ -18,8 +19,8 @@ struct AgeFigures {
 
 /// How old measurements are when they are on the bus: a tile's newest points when its MAP_POINTS, VOTED_POINTS (all
 /// pages) and SEMANTIC_TILE are sent. A tile that is sent again without newer points of its own, for its neighbours'
-/// sake, does not count. And from every MAP_POINTS to the first SEMANTIC_TILE of its tile that knows of them, and to
-/// the first whose curbs do.
+/// sake, does not count. And from every MAP_POINTS to the first SEMANTIC_TILE of its tile that knows of them, to the
+/// first whose curbs do, and to the CURBS that follows it, if that speaks of the tile.
 class TileAges {
  public:
   void hear(const TimedMessage& message);
@@ -29,6 +30,8 @@ class TileAges {
   [[nodiscard]] AgeFigures news() const;
   /// The same, when its curbs know of them.
   [[nodiscard]] AgeFigures curb_news() const;
+  /// The same, when the polylines do.
+  [[nodiscard]] AgeFigures line_news() const;
   /// Tiles sent, those for their neighbours' sake too.
   [[nodiscard]] std::size_t sent(const std::string& channel) const;
   /// What was sent on a channel, all pages of it.
@@ -43,13 +46,21 @@ class TileAges {
   };
   void sent_tile(const std::string& channel, TileKey key, std::int64_t utime, std::int64_t at);
   std::map<std::string, Channel> channels_;
+  struct Measured {
+    TileKey key;
+    std::int64_t utime = 0;  // us
+  };
   /// Points that are not out yet.
   struct News {
     std::map<TileKey, std::vector<std::int64_t>> waiting;  // us, measured
     std::vector<double> ages;                              // ms
-    void out(TileKey key, std::int64_t utime, std::int64_t at);
+    /// Returns what is out now.
+    std::vector<Measured> out(TileKey key, std::int64_t utime, std::int64_t at);
   };
+  void say_lines(const curb_lines_t& message, std::int64_t at);
   News tiles_, curbs_;
+  std::vector<Measured> unsaid_;   // of curbs_, since the last CURBS
+  std::vector<double> said_ages_;  // ms
 };
 
 }  // namespace curbstone::bench::latency

@@ -48,6 +48,10 @@ TEST_F(LatencyBench, SaysHowOldAMeasurementIsOnTheBus) {
     EXPECT_GT(json.at("ms").at(channel).at("p50").get<double>(), 0) << channel;
     EXPECT_LT(json.at("ms").at(channel).at("p50").get<double>(), 1000) << channel;
   }
+  const auto median = [&](const char* of) { return json.at("ms").at(of).at("p50").get<double>(); };
+  EXPECT_GT(json.at("ms").at("all points, to CURBS").at("count").get<int>(), 1000);
+  EXPECT_GT(median("all points, to CURBS"), median("all points, to its curbs"));
+  EXPECT_LT(median("all points, to CURBS"), median("all points, to its curbs") + 200) << "lines wait no longer";
 }
 
 TEST_F(LatencyBench, CutsALongDriveIntoParts) {
