@@ -13,6 +13,10 @@ namespace {
 constexpr double kMinScore = 0.80;
 constexpr double kMaxConflict = 0.34;
 constexpr double kMinContrast = 0.65;
+constexpr double kMinScoreOfPart = 0.65;
+constexpr double kMaxConflictOfPart = 0.15;
+constexpr double kMinOverlapOfPart = 0.4;
+constexpr double kMinInliersOfPart = 0.85;
 constexpr double kMinInliers = 0.7;
 constexpr double kMinOverlap = 0.25;
 constexpr double kMaxRise = 0.15;        // m
@@ -46,11 +50,23 @@ double contrast(const PlaceMatch& match) {
   return (match.score - match.runner_up) / std::max(1 - match.runner_up, 0.01);
 }
 
-bool is_place(const PlaceMatch& match) {
+bool fits_whole(const PlaceMatch& match) {
   const registration::RegistrationResult& r = match.registration;
-  return r.converged && (r.degenerate & registration::kPlanarAxes) == 0 && r.overlap >= kMinOverlap &&
-         r.inlier_ratio >= kMinInliers && r.residual <= kMaxResidual && std::abs(match.rise) <= kMaxRise &&
-         match.score >= kMinScore && match.conflict <= kMaxConflict && contrast(match) >= kMinContrast;
+  return r.overlap >= kMinOverlap && r.inlier_ratio >= kMinInliers && match.score >= kMinScore &&
+         match.conflict <= kMaxConflict;
+}
+
+bool fits_in_part(const PlaceMatch& match) {
+  const registration::RegistrationResult& r = match.registration;
+  return r.overlap >= kMinOverlapOfPart && r.inlier_ratio >= kMinInliersOfPart && match.score >= kMinScoreOfPart &&
+         match.conflict <= kMaxConflictOfPart;
+}
+
+bool is_place(const PlaceMatch& match, Known known) {
+  const registration::RegistrationResult& r = match.registration;
+  return r.converged && (r.degenerate & registration::kPlanarAxes) == 0 && r.residual <= kMaxResidual &&
+         std::abs(match.rise) <= kMaxRise && contrast(match) >= kMinContrast &&
+         (fits_whole(match) || (known == Known::kPart && fits_in_part(match)));
 }
 
 bool within(const PlaceGuess& guess, const Pose& T_map_base) {
@@ -60,7 +76,7 @@ bool within(const PlaceGuess& guess, const Pose& T_map_base) {
 }
 
 /// Registers the best, and whatever may be as good.
-std::optional<PlaceMatch> decide(const std::vector<scan::LidarPoint>& points, std::vector<Try> tries) {
+std::optional<PlaceMatch> decide(const std::vector<scan::LidarPoint>& points, std::vector<Try> tries, Known known) {
   if (tries.empty()) return std::nullopt;
   std::stable_sort(tries.begin(), tries.end(),
                    [](const Try& a, const Try& b) { return a.hypothesis.score > b.hypothesis.score; });
@@ -80,7 +96,7 @@ std::optional<PlaceMatch> decide(const std::vector<scan::LidarPoint>& points, st
     if (apart(tries[i].hypothesis.T_map_base, best.registration.T_map_base))
       best.runner_up = std::max(best.runner_up, tries[i].hypothesis.score);
   }
-  if (!is_place(best)) return std::nullopt;
+  if (!is_place(best, known)) return std::nullopt;
   return best;
 }
 
@@ -88,20 +104,20 @@ std::optional<PlaceMatch> decide(const std::vector<scan::LidarPoint>& points, st
 
 std::optional<PlaceMatch> verify_place(const std::vector<scan::LidarPoint>& points, const PlaceGuess& guess,
                                        const std::vector<const scan::Keyframe*>& nodes, const config::IcpConfig& config,
-                                       const Eigen::Vector3d& lidar) {
+                                       const Eigen::Vector3d& lidar, Known known) {
   PlaceGuess wide = guess;
   wide.reach = std::max(guess.reach, kLeastReach);
   CandidateSearch search(nodes, wide, config, lidar);
   std::vector<Try> tries;
   for (const PlaceHypothesis& hypothesis : search.hypotheses(points, kMostHypotheses))
     tries.push_back({&search, hypothesis});
-  const std::optional<PlaceMatch> match = decide(points, tries);
+  const std::optional<PlaceMatch> match = decide(points, tries, known);
   return match && within(guess, match->registration.T_map_base) ? match : std::nullopt;
 }
 
 std::optional<PlaceMatch> verify_place(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base,
                                        const ScanContext& index, const std::vector<const scan::Keyframe*>& nodes,
-                                       const config::IcpConfig& config, const Eigen::Vector3d& lidar) {
+                                       const config::IcpConfig& config, const Eigen::Vector3d& lidar, Known known) {
   std::vector<scan::KeyframePoint> scan;
   for (const scan::LidarPoint& point : points) {
     if (const auto packed = scan::pack(point.position)) scan.push_back(*packed);
@@ -126,7 +142,7 @@ std::optional<PlaceMatch> verify_place(const std::vector<scan::LidarPoint>& poin
     for (const PlaceHypothesis& hypothesis : searches.back()->hypotheses(points, 2))
       tries.push_back({searches.back().get(), hypothesis});
   }
-  return decide(points, tries);
+  return decide(points, tries, known);
 }
 
 }  // namespace curbstone::mapper::place_recognition

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <numbers>
 
-#include "services/mapper/place_recognition/verify_place.hpp"
-
 namespace curbstone::mapper::pose_graph {
 namespace {
 
@@ -12,16 +10,17 @@ constexpr double kSurroundings = 60.0;    // m along the graph, that one search 
 constexpr double kLeastSearch = 1.0;      // m, and
 constexpr double kFarthestSearch = 15.0;  // m, that a search about a guess reaches
 constexpr double kUnseenTurn = 0.3;       // rad, that the vehicle may have turned unseen,
-constexpr double kTurnPerMetre = 0.3;     // and rad more for each m that it may have gone
+constexpr auto kKnown = place_recognition::Known::kPart;
+constexpr double kTurnPerMetre = 0.3;  // and rad more for each m that it may have gone
 
 }  // namespace
 
 std::optional<FoundPlace> Relocalizer::find_at(const Atlas& atlas, int node,
                                                const std::vector<scan::LidarPoint>& points, const Pose& guess,
-                                               double reach, double turn) const {
+                                               double reach, double turn, place_recognition::Known known) const {
   std::vector<const scan::Keyframe*> nodes;
   for (const int id : atlas.connected(node, kSurroundings)) nodes.push_back(&atlas.node(id));
-  const auto match = place_recognition::verify_place(points, {guess, reach, turn}, nodes, config_, lidar_);
+  const auto match = place_recognition::verify_place(points, {guess, reach, turn}, nodes, config_, lidar_, known);
   if (!match) return std::nullopt;
   return FoundPlace{match->registration.T_map_base, match->registration.covariance, node};
 }
@@ -32,7 +31,7 @@ std::optional<FoundPlace> Relocalizer::find(const Atlas& atlas, const std::vecto
   const double turn = std::min(kUnseenTurn + kTurnPerMetre * doubt, std::numbers::pi);
   const std::vector<int> near = atlas.near(guess.translation(), reach + 10.0);
   if (!near.empty()) {
-    if (const auto found = find_at(atlas, near.front(), points, guess, reach, turn)) return found;
+    if (const auto found = find_at(atlas, near.front(), points, guess, reach, turn, kKnown)) return found;
   }
   return is_anywhere(doubt) ? find_anywhere(atlas, points, guess) : std::nullopt;
 }
@@ -51,7 +50,7 @@ std::optional<FoundPlace> Relocalizer::find_anywhere(const Atlas& atlas, const s
   for (; indexed_ < atlas.size(); ++indexed_) index_.add(indexed_, *atlas.node(indexed_).points.read());
   std::vector<const scan::Keyframe*> nodes;
   for (int id = 0; id < atlas.size(); ++id) nodes.push_back(&atlas.node(id));
-  const auto match = place_recognition::verify_place(points, guess, index_, nodes, config_, lidar_);
+  const auto match = place_recognition::verify_place(points, guess, index_, nodes, config_, lidar_, kKnown);
   if (!match) return std::nullopt;
   const Pose& T_map_base = match->registration.T_map_base;
   return FoundPlace{T_map_base, match->registration.covariance, atlas.near(T_map_base.translation(), 1e9).front()};

@@ -6,6 +6,7 @@
 #include "services/mapper/config/icp_config.hpp"
 #include "services/mapper/place_recognition/candidate_search.hpp"
 #include "services/mapper/place_recognition/scan_context.hpp"
+#include "services/mapper/place_recognition/verify_place.hpp"
 #include "services/mapper/pose_graph/atlas.hpp"
 
 namespace curbstone::mapper::pose_graph {
@@ -25,10 +26,11 @@ class Relocalizer {
   Relocalizer(const config::IcpConfig& config, const Eigen::Vector3d& lidar) : config_(config), lidar_(lidar) {}
 
   /// In the surroundings of one node, when the vehicle may be `reach` m and `turn` rad off the guess.
-  [[nodiscard]] std::optional<FoundPlace> find_at(const Atlas& atlas, int node,
-                                                  const std::vector<scan::LidarPoint>& points, const Pose& guess,
-                                                  double reach, double turn) const;
-  /// Near a guess that may be `doubt` m off; where that is too far to search, anywhere that looks like it.
+  [[nodiscard]] std::optional<FoundPlace> find_at(
+      const Atlas& atlas, int node, const std::vector<scan::LidarPoint>& points, const Pose& guess, double reach,
+      double turn, place_recognition::Known known = place_recognition::Known::kAll) const;
+  /// Near a guess that may be `doubt` m off; where that is too far to search, anywhere that looks like it. The vehicle
+  /// may have left the map a little way behind.
   [[nodiscard]] std::optional<FoundPlace> find(const Atlas& atlas, const std::vector<scan::LidarPoint>& points,
                                                const Pose& guess, double doubt);
   /// Whether so much doubt is too far to search. Much dearer.

@@ -1,9 +1,9 @@
 // Development tool, no test: how often verify_place() finds the place of a scan, and whether it ever takes another
 // for it. Towns of several seeds and, if it is there, the recorded street:
-//   bench_places [towns=4] [spacing=2] [few=0] [cars=0] [drift=0] [half=0] [global=0]
+//   bench_places [towns=4] [spacing=2] [few=0] [cars=0] [drift=0] [half=0] [part=0] [global=0]
 // `spacing`: m between nodes; `few`: that many nodes only, about the place (0: all); `cars`: so many stand about the
 // scan that did not when the nodes were made; `drift`: of the nodes, m a node; `half`: half of each scan is
-// lost; `global`: nothing is guessed.
+// lost; `part`: part of what a scan shows need not be known; `global`: nothing is guessed.
 #include <fmt/format.h>
 #include <time.h>
 
@@ -20,6 +20,8 @@ namespace {
 using namespace curbstone;
 using test::Changes, test::Places, test::View;
 constexpr double kPi = std::numbers::pi;
+
+auto known_part = mapper::place_recognition::Known::kAll;
 
 double cpu_ms() {
   timespec t{};
@@ -94,8 +96,8 @@ Tally seek(const Places& places, double reach, double turn, int few, simulate::n
                                 guess.T_map_base.linear();
     const auto nodes = nodes_about(places, view.T_map_base.translation(), few);
     const double begin = cpu_ms();
-    const auto match =
-        mapper::place_recognition::verify_place(view.points, guess, nodes, mapper::config::IcpConfig{}, places.lidar);
+    const auto match = mapper::place_recognition::verify_place(view.points, guess, nodes, mapper::config::IcpConfig{},
+                                                               places.lidar, known_part);
     count(view, match, true, cpu_ms() - begin, tally);
   }
   return tally;
@@ -114,8 +116,8 @@ Tally mistake(const Places& places, const std::vector<View>& elsewhere, double r
         rotation_from_rpy(rpy.x(), rpy.y(), roll_pitch_yaw(T.linear()).z() + (random.chance(0.5) ? kPi : 0));
     const auto nodes = nodes_about(places, T.translation(), few);
     const double begin = cpu_ms();
-    const auto match =
-        mapper::place_recognition::verify_place(view.points, guess, nodes, mapper::config::IcpConfig{}, places.lidar);
+    const auto match = mapper::place_recognition::verify_place(view.points, guess, nodes, mapper::config::IcpConfig{},
+                                                               places.lidar, known_part);
     count(view, match, false, cpu_ms() - begin, tally);
   }
   return tally;
@@ -131,8 +133,8 @@ void seek_everywhere(const std::vector<Places>& all) {
       Tally tally;
       for (const View& view : views) {
         const double begin = cpu_ms();
-        const auto match = mapper::place_recognition::verify_place(view.points, view.T_map_base, index, nodes,
-                                                                   mapper::config::IcpConfig{}, places.lidar);
+        const auto match = mapper::place_recognition::verify_place(
+            view.points, view.T_map_base, index, nodes, mapper::config::IcpConfig{}, places.lidar, known_part);
         count(view, match, known, cpu_ms() - begin, tally);
       }
       return tally;
@@ -163,6 +165,7 @@ int main(int argc, char** argv) {
     if (key == "cars") changes.cars = static_cast<int>(value);
     if (key == "drift") changes.drift = value;
     if (key == "half") changes.half = value != 0;
+    if (key == "part" && value != 0) known_part = mapper::place_recognition::Known::kPart;
     if (key == "global") everywhere = value != 0;
   }
   std::vector<Places> all;

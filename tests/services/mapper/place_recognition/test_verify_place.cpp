@@ -111,6 +111,41 @@ TEST(VerifyPlace, IsNotMisledByCarsThatStandThereNow) {
   EXPECT_NEAR(hypotheses[0].T_map_base.translation().z(), 0, 0.05) << "ground on ground, not car on ground";
 }
 
+/// Houses of which no two look alike, and a map that ends: beyond x = 6 m nothing was seen from its nodes.
+Remembered half_a_suburb() {
+  test::SyntheticWorld world;
+  for (int i = 0; i < 12; ++i) {
+    const double x = -30 + 8 * i, shift = i * 3 % 4, left = 6 + i * 7 % 5, right = 6 + i * 2 % 3, wide = 3 + i * 5 % 4;
+    world.boxes.push_back({{x, left, 0}, {x + wide, left + 8, 6}});
+    world.boxes.push_back({{x + shift, -right - 8, 0}, {x + shift + wide / 2 + 2, -right, 6}});
+  }
+  Remembered street(world, -20, -6);
+  street.nodes.clear();
+  for (double x = -20; x <= -6; x += 2) {
+    const Pose T = test::pose(x, 0, 0, 0, 0, 0);
+    std::vector<scan::LidarPoint> seen = street.scan_at(T);
+    std::erase_if(seen, [&](const scan::LidarPoint& p) { return double{p.position.x()} + x > 6; });
+    street.nodes.push_back(node_of(seen, T));
+  }
+  return street;
+}
+
+TEST(VerifyPlace, BeyondTheMapsEndAPartOfWhatIsSeenIsEnoughIfNothingContradictsIt) {
+  const Remembered street = half_a_suburb();
+  const auto find_part = [&](const std::vector<scan::LidarPoint>& points, double x) {
+    return verify_place(points, {test::pose(x - 4, 0, 0.4, 0, 0, 0), 8, 0.35}, street.all(), config::IcpConfig{},
+                        street.lidar, Known::kPart);
+  };
+  const Pose T = test::pose(-4, 0.5, 0, 0, 0, 0.1);
+  const auto match = find_part(street.scan_at(T), -4);
+  ASSERT_TRUE(match);
+  EXPECT_LT(error(T, *match), 0.05);
+  EXPECT_FALSE(street.find(street.scan_at(T), {T, 8, 0.35})) << "too little to be sure of a loop";
+  EXPECT_FALSE(find_part(street.scan_at(test::pose(4, 0.5, 0, 0, 0, 0.1)), 4)) << "nearly all is new";
+  const Remembered elsewhere(test::street(), 0, 0);
+  for (double x = -20; x < 0; x += 4) EXPECT_FALSE(find_part(elsewhere.scan_at(test::pose(x, 0, 0, 0, 0, 0)), x)) << x;
+}
+
 TEST(VerifyPlace, FindsItWithNothingKnownButTheAttitude) {
   const Remembered street(test::street(), -20, 20);
   for (const double yaw : {0.5, -2.5}) {
