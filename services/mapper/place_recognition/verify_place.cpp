@@ -15,7 +15,8 @@ constexpr double kMaxConflict = 0.34;
 constexpr double kMinContrast = 0.65;
 constexpr double kMinScoreOfPart = 0.65;
 constexpr double kMaxConflictOfPart = 0.15;
-constexpr double kMinOverlapOfPart = 0.4;
+constexpr double kMinOverlapOfPart = 0.3;
+constexpr double kMinLeadOfPart = 0.35;  // of its score, before the runner-up
 constexpr double kMinInliersOfPart = 0.85;
 constexpr double kMinInliers = 0.7;
 constexpr double kMinOverlap = 0.25;
@@ -52,21 +53,20 @@ double contrast(const PlaceMatch& match) {
 
 bool fits_whole(const PlaceMatch& match) {
   const registration::RegistrationResult& r = match.registration;
-  return r.overlap >= kMinOverlap && r.inlier_ratio >= kMinInliers && match.score >= kMinScore &&
-         match.conflict <= kMaxConflict;
+  return contrast(match) >= kMinContrast && r.overlap >= kMinOverlap && r.inlier_ratio >= kMinInliers &&
+         match.score >= kMinScore && match.conflict <= kMaxConflict;
 }
 
 bool fits_in_part(const PlaceMatch& match) {
   const registration::RegistrationResult& r = match.registration;
-  return r.overlap >= kMinOverlapOfPart && r.inlier_ratio >= kMinInliersOfPart && match.score >= kMinScoreOfPart &&
-         match.conflict <= kMaxConflictOfPart;
+  return match.score - match.runner_up >= kMinLeadOfPart * match.score && r.overlap >= kMinOverlapOfPart &&
+         r.inlier_ratio >= kMinInliersOfPart && match.score >= kMinScoreOfPart && match.conflict <= kMaxConflictOfPart;
 }
 
 bool is_place(const PlaceMatch& match, Known known) {
   const registration::RegistrationResult& r = match.registration;
   return r.converged && (r.degenerate & registration::kPlanarAxes) == 0 && r.residual <= kMaxResidual &&
-         std::abs(match.rise) <= kMaxRise && contrast(match) >= kMinContrast &&
-         (fits_whole(match) || (known == Known::kPart && fits_in_part(match)));
+         std::abs(match.rise) <= kMaxRise && (fits_whole(match) || (known == Known::kPart && fits_in_part(match)));
 }
 
 bool within(const PlaceGuess& guess, const Pose& T_map_base) {

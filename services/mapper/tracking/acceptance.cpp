@@ -6,19 +6,20 @@ namespace curbstone::mapper::tracking {
 namespace {
 
 constexpr double kFirmOverlap = 0.4;
+constexpr double kFoundOverlap = 0.3;
 constexpr double kFirmInliers = 0.75;
 
 }  // namespace
 
 std::string why_refused(const Fit& fit, const config::TrackerConfig& config, const registration::Matrix6& drift,
-                        bool firmly) {
+                        Certainty guess) {
   const registration::RegistrationResult& result = fit.result;
   if (!result.converged) return "refused.not_converged";
   if (result.overlap < config.min_overlap) return "refused.overlap";
   if (result.inlier_ratio < config.min_inliers) return "refused.inliers";
   if (result.residual > config.max_residual) return "refused.residual";
-  if (firmly) {  // the ground alone fits everywhere
-    if (result.overlap < kFirmOverlap) return "refused.overlap";
+  if (guess != Certainty::kFollowed) {  // the ground alone fits everywhere
+    if (result.overlap < (guess == Certainty::kFound ? kFoundOverlap : kFirmOverlap)) return "refused.overlap";
     if (result.inlier_ratio < kFirmInliers || (result.degenerate & registration::kPlanarAxes) != 0)
       return "refused.inliers";
   }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "services/mapper/tracking/acceptance.hpp"
 #include "services/mapper/tracking/levelled.hpp"
 
 namespace curbstone::mapper::tracking {
@@ -106,7 +105,7 @@ std::optional<Tracker::Attempt> Tracker::attempt_across(const Departure& from, c
   if (!trust_.tracking() || !last_->T_odom_base) return std::nullopt;
   const auto across = expect_across(config_, recent(), *last_->T_odom_base, scan, odometry);
   if (!across) return std::nullopt;
-  Attempt bridged = judged(matcher_.fit(from, scan, *across, motion_), true);
+  Attempt bridged = judged(matcher_.fit(from, scan, *across, motion_), Certainty::kGuessed);
   if (!bridged.believed) return std::nullopt;
   counters_.add("bridged");
   return bridged;
@@ -289,9 +288,14 @@ void Tracker::forget_start() {
   first_points_.clear();
 }
 
-Tracker::Attempt Tracker::judged(Fit fit, bool firmly) const {
+Certainty Tracker::certainty() const {
+  if (trust_.tracking()) return Certainty::kFollowed;
+  return trust_.fix() == Fix::kTentative ? Certainty::kFound : Certainty::kGuessed;
+}
+
+Tracker::Attempt Tracker::judged(Fit fit, Certainty guess) const {
   Attempt attempt{std::move(fit), {}, false};
-  attempt.refusal = why_refused(attempt.fit, config_, trust_.drift(), firmly || !trust_.tracking());
+  attempt.refusal = why_refused(attempt.fit, config_, trust_.drift(), guess);
   attempt.believed = attempt.refusal.empty();
   return attempt;
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/bus/counters.hpp"
@@ -15,6 +16,7 @@
 #include "services/mapper/scan/keyframe.hpp"
 #include "services/mapper/scan/odometry_history.hpp"
 #include "services/mapper/scan/scan.hpp"
+#include "services/mapper/tracking/acceptance.hpp"
 #include "services/mapper/tracking/motion_expectation.hpp"
 #include "services/mapper/tracking/motion_filter.hpp"
 #include "services/mapper/tracking/motion_jitter_covariance.hpp"
@@ -136,8 +138,9 @@ class Tracker {
   [[nodiscard]] bool contradicts_odometry(const Attempt& found, const scan::Scan& scan,
                                           const scan::OdometryHistory& odometry) const;
   [[nodiscard]] Attempt by_odometry(const scan::Scan& scan, const scan::OdometryHistory& odometry) const;
-  /// `firmly`: more must fit, where the guess is not sure to be near.
-  [[nodiscard]] Attempt judged(Fit fit, bool firmly = false) const;
+  [[nodiscard]] Attempt judged(Fit fit) const { return judged(std::move(fit), certainty()); }
+  [[nodiscard]] Attempt judged(Fit fit, Certainty guess) const;
+  [[nodiscard]] Certainty certainty() const;
   [[nodiscard]] Tracked start(const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] std::optional<Tracked::Earlier> prove_start(const Fit& second);
   void forget_start();

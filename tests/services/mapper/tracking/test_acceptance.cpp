@@ -19,13 +19,13 @@ Fit good_fit() {
   return fit;
 }
 
-std::string why(const Fit& fit, bool firmly = false, const Matrix6& drift = Matrix6::Zero()) {
-  return why_refused(fit, config::TrackerConfig{}, drift, firmly);
+std::string why(const Fit& fit, Certainty guess = Certainty::kFollowed, const Matrix6& drift = Matrix6::Zero()) {
+  return why_refused(fit, config::TrackerConfig{}, drift, guess);
 }
 
 TEST(Acceptance, AGoodFitIsBelieved) {
   EXPECT_EQ(why(good_fit()), "");
-  EXPECT_EQ(why(good_fit(), true), "");
+  EXPECT_EQ(why(good_fit(), Certainty::kGuessed), "");
 }
 
 TEST(Acceptance, EachWeaknessHasItsOwnCounter) {
@@ -47,18 +47,19 @@ TEST(Acceptance, MoreMustFitWhereTheGuessIsNotSureToBeNear) {
   Fit fit = good_fit();
   fit.result.overlap = 0.3;
   EXPECT_EQ(why(fit), "");
-  EXPECT_EQ(why(fit, true), "refused.overlap");
+  EXPECT_EQ(why(fit, Certainty::kFound), "") << "it was found, and may have left the map's end behind";
+  EXPECT_EQ(why(fit, Certainty::kGuessed), "refused.overlap");
   fit = good_fit();
   fit.result.degenerate = registration::kPlanarAxes;
   EXPECT_EQ(why(fit), "");
-  EXPECT_EQ(why(fit, true), "refused.inliers");
+  EXPECT_EQ(why(fit, Certainty::kGuessed), "refused.inliers");
 }
 
 TEST(Acceptance, AJumpIsBelievedAsFarAsOdometryAndDriftAllow) {
   Fit fit = good_fit();
   fit.result.T_map_base.translation().x() = 0.6;  // 0.5 m and 3 sigma of 1 cm are allowed
   EXPECT_EQ(why(fit), "refused.jump");
-  EXPECT_EQ(why(fit, false, 0.01 * Matrix6::Identity()), "") << "it may have drifted by 3 x 10 cm";
+  EXPECT_EQ(why(fit, Certainty::kFollowed, 0.01 * Matrix6::Identity()), "") << "it may have drifted by 3 x 10 cm";
   fit.result.T_map_base.translation().x() = 0.4;
   EXPECT_EQ(why(fit), "");
   fit.expected.with_odometry = false;
