@@ -71,13 +71,14 @@ double painted_length(const tile::MarkingLine& line) {
 /// a lawn, and a crossing, may be there.
 bool is_beyond_kerb(const tile::MarkingLine& line, const Kerbstones& kerbs, const tile::DrivenPath& path) {
   const bool is_sure = line.type == tile::MarkingType::kCrossing || painted_length(line) >= kSureLength;
-  const auto which = is_sure ? Kerbstones::Which::kRaised : Kerbstones::Which::kAll;
   int beyond = 0;
   for (const std::size_t i : {std::size_t{0}, line.points.size() / 2, line.points.size() - 1}) {
     const Eigen::Vector2d at(double{line.points[i].x}, double{line.points[i].y});
     const auto road = path.nearest(at);
-    const bool is_beyond = road && (kerbs.part(*road, at) || kerbs.part(*road, at, which));
-    beyond += is_beyond ? 1 : 0;
+    if (!road) continue;
+    const bool is_parted = kerbs.part(*road, at, Kerbstones::Which::kRaised) ||
+                           (!is_sure && kerbs.part(*road, at, Kerbstones::Which::kAll));
+    beyond += is_parted ? 1 : 0;
   }
   return beyond > 1;
 }

@@ -206,6 +206,10 @@ std::vector<Bridge> find_bridges(const std::vector<LineEnd>& ends, const std::ve
   return bridges;
 }
 
+/// What is looked for between two ends: a curb, or stones that lie flush.
+enum class Between { kCurb, kFlush };
+enum class Tip { kFirst, kLast };
+
 /// Of all lines the ends that may go on, and what has been measured.
 class OpenEnds {
  public:
@@ -213,9 +217,10 @@ class OpenEnds {
   std::vector<LineEnd> begins;
   std::set<Cell> measured;
 
-  /// `flush`: for what is no curb. Where a line is shorter than the sight, those that share its other end say where it
-  /// points, too; and a line that is too short to point anywhere may be what is seen of the stones between two others.
-  OpenEnds(const std::vector<tile::CurbLine>& lines, bool flush) : lines_(lines) {
+  /// For stones that lie flush a line that is shorter than the sight points where those that share its other end do,
+  /// too; and one that is too short to point anywhere may be what is seen of the stones between two others.
+  OpenEnds(const std::vector<tile::CurbLine>& lines, Between between) : lines_(lines) {
+    const bool flush = between == Between::kFlush;
     for (std::size_t k = 0; k < lines.size(); ++k) {
       if (lines[k].points.empty()) continue;
       first_places_.emplace(key_of(lines[k].points.front()), k);
@@ -226,8 +231,9 @@ class OpenEnds {
     // A line that is cut where the kerb is lowered shares a vertex with its neighbour.
     for (std::size_t k = 0; k < lines.size(); ++k) {
       if (lines[k].points.empty()) continue;
-      if (!first_places_.contains(key_of(lines[k].points.back()))) take(end_of(inwards<true>(k, flush)), k, ends);
-      if (!last_places_.contains(key_of(lines[k].points.front()))) take(end_of(inwards<false>(k, flush)), k, begins);
+      if (!first_places_.contains(key_of(lines[k].points.back()))) take(end_of(inwards(k, Tip::kLast, flush)), k, ends);
+      if (!last_places_.contains(key_of(lines[k].points.front())))
+        take(end_of(inwards(k, Tip::kFirst, flush)), k, begins);
     }
   }
 
@@ -241,9 +247,9 @@ class OpenEnds {
     end->is_high = end->is_high && !lines_[line].dropped;
     all.push_back(*end);
   }
-  /// The vertices within sight of a line's last (or first) one.
-  template <bool from_last>
-  [[nodiscard]] std::vector<tile::CurbVertex> inwards(std::size_t line, bool through_cuts) const {
+  /// The vertices within sight of a line's tip, itself first.
+  [[nodiscard]] std::vector<tile::CurbVertex> inwards(std::size_t line, Tip tip, bool through_cuts) const {
+    const bool from_last = tip == Tip::kLast;
     std::vector<tile::CurbVertex> vertices;
     for (std::size_t hops = 0; hops <= lines_.size(); ++hops) {
       const std::vector<tile::CurbVertex>& points = lines_[line].points;
@@ -284,7 +290,7 @@ std::vector<tile::CurbLine> bridge(const OpenEnds& open, Make make) {
 }  // namespace
 
 void add_bridges(const SeenGround& ground, std::vector<tile::CurbLine>& lines) {
-  const OpenEnds open(lines, false);
+  const OpenEnds open(lines, Between::kCurb);
   std::vector<tile::CurbLine> bridges = bridge(open, [&](const LineEnd& from, const LineEnd& to) {
     auto line = line_between(ground, open.measured, from, to);
     if (line) line->confidence = 0.5F * std::min(lines[from.line].confidence, lines[to.line].confidence);
@@ -297,7 +303,7 @@ void add_bridges(const SeenGround& ground, std::vector<tile::CurbLine>& lines) {
 }
 
 std::vector<tile::CurbLine> flush_kerbs(const std::vector<tile::CurbLine>& lines) {
-  const OpenEnds open(lines, true);
+  const OpenEnds open(lines, Between::kFlush);
   return bridge(open, [&](const LineEnd& from, const LineEnd& to) -> std::optional<tile::CurbLine> {
     tile::CurbLine line;
     line.points = bridge_between(from, to);

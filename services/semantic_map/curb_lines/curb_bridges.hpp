@@ -21,8 +21,8 @@ void add_bridges(const SeenGround& ground, std::vector<tile::CurbLine>& lines);
 
 /// Where `lines`, with their bridges, still go on where another points to, at most 8 m on, with nothing in between that
 /// is long enough to point anywhere: there the ground was seen without a step. At a driveway the kerbstones lie flush
-/// there. No curbs: only places, with the high side that the lines have and no confidence. A line that is cut where it
-/// is lowered points on as the whole of it.
+/// there. No curbs: only places, with the high side that the lines have and no confidence. Where a curb is cut
+/// because a part of it is lowered, the whole of it says where its end points.
 [[nodiscard]] std::vector<tile::CurbLine> flush_kerbs(const std::vector<tile::CurbLine>& lines);
 
 }  // namespace curbstone::semantic_map::curb_lines

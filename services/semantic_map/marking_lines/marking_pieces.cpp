@@ -16,11 +16,10 @@ constexpr double kBroadest = 0.5;
 constexpr double kLineWidth = 0.36;   // m: what is broader must be brighter, for mended asphalt is broad
 constexpr double kBesideFrom = 0.10;  // m from its edge, where its sides begin: its cells' own paint ends before
 constexpr double kBesideTo = 0.46;    // the next bar of a crossing begins behind
-constexpr double kDarkestRoad = 48;   // 0..255: three quarters of the road's median, and
 constexpr double kSeamTo = 0.25;      // m from its edge
-constexpr double kSeam = 0.08;        // of what lies along an edge: more tar is a seam
-constexpr double kMended = 1.3;       // as bright again must be what is broad along a seam
-constexpr double kTar = 20;           // below the ground around: what is darker is a seam full of tar
+constexpr double kTar = 20;           // 0..255, below the ground around: what is darker, and than any road, is tar
+constexpr double kSeam = 0.08;        // share of tar along an edge, from which it is a seam
+constexpr double kMended = 1.3;       // times as bright must be what is broad along a seam
 constexpr double kSides = kBroadest / 2 + kBesideTo;  // m across that are looked at
 constexpr double kCore = 0.08;                        // m: where it is whole
 constexpr double kBesideMiddle = 0.12;                // m, of either line of a double one
@@ -79,9 +78,9 @@ std::vector<AlongCell> cells_along(const MarkingField& field, const SmoothingSpl
   return cells;
 }
 
-/// Darker than any road, where that is not so dark all around.
+/// Darker than any road, and than what lies around.
 bool is_tar(const AlongCell& cell, double level) {
-  return cell.contrast + cell.level < std::min(kDarkestRoad, level - kTar);
+  return cell.contrast + cell.level < std::min(markings::kDarkestRoad, level - kTar);
 }
 
 /// The share of tar in what lies along one edge of a piece; `sense` as of ground_beside().

@@ -14,7 +14,6 @@ constexpr int kPatchSide = kCellsPerTile + 2 * kMargin;
 constexpr int kBlock = 5;  // cells a side that share their surroundings
 constexpr int kReach = 8;  // cells around a block: its cells are 1.0 to 1.5 m from the window's edge
 constexpr int kFewest = 30;
-constexpr double kDarkestRoad = 48;    // three quarters of the road's median: tar around does not make asphalt paint
 constexpr double kBrightestRoad = 96;  // half as bright again, and no paint between: grass
 constexpr double kMostSpread = 12;     // from cell to cell: more is tar among the asphalt
 constexpr int kDirections = 8;
@@ -95,6 +94,7 @@ std::optional<double> level_around(const Patch& patch, int column0, int row0) {
   const double middle = quantile(0.45);
   const double low = quantile(0.25);
   if (low > kBrightestRoad) return std::nullopt;
+  // Tar around does not make asphalt paint.
   if (middle > kBrightestRoad) return std::max(kDarkestRoad, low);
   const double spread = std::min(kMostSpread, (middle - low) / (0.674 - 0.126));
   return std::max(kDarkestRoad, middle + 0.126 * spread);

@@ -4,6 +4,9 @@
 
 namespace curbstone::semantic_map::markings {
 
+/// 0..255: no road is darker, three quarters of the median of roads. What is, is tar.
+inline constexpr double kDarkestRoad = 48;
+
 /// How road markings are found. Intensities: 0..255, the road's median is 64.
 struct MarkingParameters {
   bool enabled = true;
