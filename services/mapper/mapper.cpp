@@ -65,6 +65,7 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   update.has_moved = standstill_.has_moved;
   update.rearranged = (relocalised && relocalised->rolled_back) || (mapped && mapped->rearranged);
   update.start_is_over = mapped && mapped->start_is_over;
+  update.hopeless = is_hopeless(scan.end, is_sought && !relocalised, T_odom_base);
   update.points = tracked->points;
   return update;
 }
@@ -86,6 +87,17 @@ std::optional<Mapper::Relocalisation> Mapper::relocalise(const tracking::Tracked
   local_map_.rebuild(found->T_map_base, nearest != pose_graph::Atlas::kNone ? nearest : atlas_.size() - 1);
   tracker_.relocate(found->T_map_base);
   return Relocalisation{found->T_map_base, found->covariance, rolled_back};
+}
+
+/// Whether the vehicle, of whose way some is unknown, has been sought for long enough in what this drive has mapped. A
+/// map that was loaded is not given up: it is what the vehicle was to be found in.
+bool Mapper::is_hopeless(std::int64_t utime, bool is_sought, const std::optional<Pose>& T_odom_base) {
+  if (tracker_.fix() == tracking::Fix::kTracking) in_vain_ = {};
+  if (!is_sought || !tracker_.adrift() || config_.mode != config::MapMode::kMap) return false;
+  std::optional<Eigen::Vector3d> in_odom;
+  if (T_odom_base) in_odom = T_odom_base->translation();
+  in_vain_.add(utime, in_odom);
+  return in_vain_.is_hopeless();
 }
 
 /// If odometry held all along and says that the drive cannot have come to `T_map_base` from where it was last mapped,

@@ -26,6 +26,7 @@
 #include "services/mapper/storage/saved_map.hpp"
 #include "services/mapper/tracking/tracker.hpp"
 #include "services/mapper/trajectory.hpp"
+#include "services/mapper/vain_search.hpp"
 
 namespace curbstone::mapper {
 
@@ -45,6 +46,7 @@ struct MapperUpdate {
   bool has_moved = false;           ///< and whether it is over
   bool rearranged = false;          ///< a loop was closed, or the map rolled back: every tile may be another
   bool start_is_over = false;       ///< so it may be: the first standstill's map gives way to the drive's own
+  bool hopeless = false;            ///< lost, and not to be found in this map: another mapper should begin a new one
   scan::SharedPoints points;        ///< the scan's, de-skewed, in base_link; never null
 };
 
@@ -159,6 +161,7 @@ class Mapper {
   void take_up(const journal::RecordedPose& last, const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] std::optional<Relocalisation> relocalise(const tracking::Tracked& tracked,
                                                          const std::optional<Pose>& T_odom_base);
+  [[nodiscard]] bool is_hopeless(std::int64_t utime, bool is_sought, const std::optional<Pose>& T_odom_base);
   [[nodiscard]] bool roll_back_to_agreement(const Pose& T_map_base, std::int64_t utime,
                                             const std::optional<Pose>& T_odom_base);
   [[nodiscard]] Mapped map(const tracking::Tracked& tracked);
@@ -189,6 +192,7 @@ class Mapper {
   std::optional<journal::RecordedPose> left_off_;  // of the mapper that died, until the first scan
   scan::Twist left_off_twist_;                     // then
   std::int64_t searched_ = 0;                      // us
+  VainSearch in_vain_;
   Pose T_map_odom_ = Pose::Identity();
   Counters counters_;
 };

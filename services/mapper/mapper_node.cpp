@@ -41,7 +41,7 @@ MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
       packets_(bus, "mapper", "LIDAR_POINTS"),
       odometry_resend_(bus, "mapper", odometry_),
       far_(file_for_far(config)),
-      mapper_(config, far_),
+      mapper_(std::in_place, config, far_),
       watch_(config.vehicle) {
   if (!config_.folder.empty() && config_.mode != config::MapMode::kLocalise) saver_.emplace(config_.folder);
   if (!resume_drive() && config_.mode != config::MapMode::kMap) begin_map();
@@ -109,10 +109,10 @@ void MapperNode::queue(std::optional<scan::Scan> scan) {
 
 bool MapperNode::due(const Pending& pending) {
   if (odometry_.reaches(pending.scan.end)) return !odometry_resend_.is_waited_for(pending.scan);
-  const std::int64_t waited_for = mapper_.started() ? pending.since : first_heard_;
+  const std::int64_t waited_for = mapper_->started() ? pending.since : first_heard_;
   // Once it has been waited for in vain the filter is gone, rather than late: poses need not all be late, too.
   const double again = std::min(config_.odometry_wait_s, kNextWait);
-  const double wait = !mapper_.started()       ? config_.start_wait_s
+  const double wait = !mapper_->started()      ? config_.start_wait_s
                       : without_odometry_ == 0 ? config_.odometry_wait_s
                                                : again;
   return std::abs(packets_.newest() - waited_for) > microseconds(wait);
@@ -131,7 +131,7 @@ void MapperNode::process_due(bool last_call) {
 
 void MapperNode::process(scan::Scan scan) {
   odometry_.look_from(scan.end);
-  if (mapper_.begins() && odometry_.reaches(scan.end) && !odometry_.covers(scan.start, scan.end)) {
+  if (mapper_->begins() && odometry_.reaches(scan.end) && !odometry_.covers(scan.start, scan.end)) {
     // The filter runs and does not know its attitude yet: a map begun now would not be level.
     if (scan.end - first_lidar_ <= microseconds(config_.start_wait_s)) {
       counters_.add("skipped.odometry_not_ready");
@@ -140,7 +140,7 @@ void MapperNode::process(scan::Scan scan) {
   }
   const std::int64_t begin = steady_clock();
   watch_.clean(scan);
-  const std::optional<MapperUpdate> update = mapper_.process(scan, odometry_);
+  const std::optional<MapperUpdate> update = mapper_->process(scan, odometry_);
   latency_.add(static_cast<double>(steady_clock() - begin) * 1e-6);
   odometry_.forget_before(scan.start - kKeptOdometry);
   if (!update) return;
@@ -155,6 +155,7 @@ void MapperNode::process(scan::Scan scan) {
   keep_pose(*update);
   has_unsent_ = true;
   is_pause_ = false;
+  if (update->hopeless) begin_new_drive();
 }
 
 /// Where odometry coasts on the wheels, its turn is no measure of the LiDAR's.
@@ -179,17 +180,17 @@ void MapperNode::begin_epoch(std::int64_t utime) {
   note_loaded();
   std::vector<journal::RecordedPose> drive = drive_so_far();
   std::erase_if(drive, [&](const auto& pose) { return pose.utime >= utime; });  // MAP_POSE tells of the rest
-  mapper_.wait();
-  sender_.start_epoch(epoch_, mapper_.shown(), position_, points_of(drive));
+  mapper_->wait();
+  sender_.start_epoch(epoch_, mapper_->shown(), position_, points_of(drive));
   if (journal_) journal_->start_epoch(epoch_, drive);
-  if (mapper_.is_at_start()) start_drive_ = std::move(drive);
+  if (mapper_->is_at_start()) start_drive_ = std::move(drive);
 }
 
 /// All poses of a standstill that the drive began with: the mapper's own trajectory has one each few centimetres.
 std::vector<journal::RecordedPose> MapperNode::drive_so_far() {
   if (!resumed_drive_.empty()) return std::exchange(resumed_drive_, {});
   if (!start_drive_.empty()) return std::exchange(start_drive_, {});
-  return mapper_.recorded();
+  return mapper_->recorded();
 }
 
 void MapperNode::publish_pose(const MapperUpdate& update) {
@@ -218,34 +219,34 @@ void MapperNode::publish_pose(const MapperUpdate& update) {
 
 /// Poses that the map is sure of.
 void MapperNode::keep_pose(const MapperUpdate& update) {
-  const int node = mapper_.atlas().reference();
+  const int node = mapper_->atlas().reference();
   if (update.fix != tracking::Fix::kTracking || node == pose_graph::Atlas::kNone) return;
   const journal::RecordedPose pose{update.utime,          update.revolution, node,
                                    update.T_map_base,     update.T_map_odom, update.with_odometry,
                                    update.standing_since, update.has_moved};
   if (journal_) journal_->add(pose);
-  if (mapper_.is_at_start())
+  if (mapper_->is_at_start())
     start_drive_.push_back(pose);
   else
     start_drive_.clear();
 }
 
 void MapperNode::take_changes(std::int64_t now) {
-  mapper_.wait_grown();
-  const std::vector<TileKey> changed = mapper_.take_changed();
-  const std::vector<TileKey> evicted = mapper_.take_evicted();
-  sender_.changed(mapper_.shows_start() ? mapper_.take_changed_of_start() : changed);
+  mapper_->wait_grown();
+  const std::vector<TileKey> changed = mapper_->take_changed();
+  const std::vector<TileKey> evicted = mapper_->take_evicted();
+  sender_.changed(mapper_->shows_start() ? mapper_->take_changed_of_start() : changed);
   sender_.forget(evicted);
   if (!journal_) return;
-  if (journal_->wants_anew(now)) journal_->start_epoch(epoch_, mapper_.recorded());
-  journal_->set_rings(mapper_.rings());
-  journal_->write(mapper_.grown(), mapper_.atlas(), changed, evicted, now);
+  if (journal_->wants_anew(now)) journal_->start_epoch(epoch_, mapper_->recorded());
+  journal_->set_rings(mapper_->rings());
+  journal_->write(mapper_->grown(), mapper_->atlas(), changed, evicted, now);
 }
 
 void MapperNode::send_changes(std::int64_t now) {
   has_unsent_ = false;
   take_changes(now);
-  sender_.send_changes(mapper_.shown(), now);
+  sender_.send_changes(mapper_->shown(), now);
 }
 
 void MapperNode::send_index(std::int64_t now) {
@@ -264,10 +265,10 @@ void MapperNode::tick(std::int64_t now) {
   if (epoch_ == 0) return;
   sender_.send_trajectory();
   send_changes(now);
-  sender_.send_requested(mapper_.shown());
+  sender_.send_requested(mapper_->shown());
   if (std::abs(now - index_sent_) >= kIndexPeriod) send_index(now);
   keep_map();
-  if (std::exchange(is_pause_, true)) mapper_.use_the_pause();  // by now the others are done with the scan
+  if (std::exchange(is_pause_, true)) mapper_->use_the_pause();  // by now the others are done with the scan
 }
 
 void MapperNode::finish() {
@@ -276,9 +277,9 @@ void MapperNode::finish() {
   process_due(true);
   if (epoch_ == 0) return;
   take_changes(last_end_);
-  if (mapper_.show_drive()) begin_epoch(last_end_ + 1);
-  sender_.changed(mapper_.finish());
-  sender_.finish(mapper_.dense());
+  if (mapper_->show_drive()) begin_epoch(last_end_ + 1);
+  sender_.changed(mapper_->finish());
+  sender_.finish(mapper_->dense());
   send_index(last_end_);
   keep_map_at_the_end();
   if (journal_) journal_->remove();
@@ -287,7 +288,7 @@ void MapperNode::finish() {
 NodeReport MapperNode::report() const {
   NodeReport report;
   report.counters = counters_;
-  const Counters method = mapper_.counters();
+  const Counters method = mapper_->counters();
   for (const Counters* part : {&packets_.counters(), &odometry_resend_.counters(), &assembler_.counters(), &method}) {
     for (const auto& [name, value] : part->values()) report.counters.add(name, value);
   }
@@ -307,31 +308,31 @@ NodeReport MapperNode::report() const {
   if (!far_->fault().empty()) report.faults.push_back("far tiles stay in memory: " + far_->fault());
   if (saver_ && !saver_->fault().empty()) report.faults.push_back(saver_->fault());
   if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());
-  if (!not_resumed_.empty() && last_end_ - first_lidar_ < kReportedFor) report.faults.push_back(not_resumed_);
+  if (!not_gone_on_.empty() && last_end_ - first_lidar_ < kReportedFor) report.faults.push_back(not_gone_on_);
   packets_.add_faults(report.faults);
   watch_.add_faults(report.faults);
-  mapper_.add_faults(report.faults);
+  mapper_->add_faults(report.faults);
   if (epoch_ != 0 && without_odometry_ >= kOdometryMissing)
     report.faults.push_back("no usable ODOMETRY: assuming constant velocity");
   if (too_late_ != 0 && last_end_ - too_late_ < kReportedFor)
     report.faults.push_back(
         fmt::format("{} revolutions went without odometry that came too late: a replay makes another map",
                     counters_["odometry.too_late"]));
-  if (mapper_.turns_otherwise()) {
+  if (mapper_->turns_otherwise()) {
     report.faults.push_back(
         "LiDAR: it turns otherwise than wheels and gyro: does something large drive along beside it, or are its stamps "
         "late or early? Odometry alone is believed meanwhile");
-  } else if (const std::int64_t ago = last_end_ - mapper_.turned_otherwise();
-             mapper_.turned_otherwise() != 0 && ago >= 0 && ago < kReportedFor) {
+  } else if (const std::int64_t ago = last_end_ - mapper_->turned_otherwise();
+             mapper_->turned_otherwise() != 0 && ago >= 0 && ago < kReportedFor) {
     report.faults.push_back(
         fmt::format("LiDAR: it turned otherwise than wheels and gyro, {:.0f} s ago: did something large drive along "
                     "beside it, or are its stamps late or early? Where that was, the map has gaps or is bent",
                     static_cast<double>(ago) * 1e-6));
   }
-  if (epoch_ != 0 && mapper_.fix() != tracking::Fix::kTracking) {
+  if (epoch_ != 0 && mapper_->fix() != tracking::Fix::kTracking) {
     report.faults.push_back("lost: looking for where the vehicle is; nothing is mapped");
-  } else if (mapper_.refused_in_a_row() >= 10) {
-    report.faults.push_back(fmt::format("{} revolutions in a row do not fit the map", mapper_.refused_in_a_row()));
+  } else if (mapper_->refused_in_a_row() >= 10) {
+    report.faults.push_back(fmt::format("{} revolutions in a row do not fit the map", mapper_->refused_in_a_row()));
   }
   return report;
 }

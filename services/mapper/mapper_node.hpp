@@ -4,6 +4,7 @@
 #include <curbstone/odometry_t.hpp>
 #include <curbstone/tile_request_t.hpp>
 #include <deque>
+#include <optional>
 
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
@@ -45,7 +46,7 @@ class MapperNode final : public Node {
   void on_again(const odometry_t& message);
   void on(const tile_request_t& message);
 
-  [[nodiscard]] const Mapper& mapper() const { return mapper_; }
+  [[nodiscard]] const Mapper& mapper() const { return *mapper_; }
 
  private:
   struct Pending {
@@ -66,6 +67,7 @@ class MapperNode final : public Node {
   void take_changes(std::int64_t now);
   void send_changes(std::int64_t now);
   void send_index(std::int64_t now);
+  void begin_new_drive();
   void keep_map();
   void keep_map_at_the_end();
   void begin_map();
@@ -81,7 +83,7 @@ class MapperNode final : public Node {
   scan::OdometryHistory odometry_;
   scan::OdometryResend odometry_resend_;
   std::shared_ptr<SpillFile> far_;  // what is far from the vehicle
-  Mapper mapper_;
+  std::optional<Mapper> mapper_;    // never none
   detection::SensorWatch watch_;
   std::deque<Pending> pending_;
   std::int64_t first_lidar_ = 0;   // us, start of the first scan
@@ -93,7 +95,7 @@ class MapperNode final : public Node {
   std::optional<storage::MapVersions> loaded_;  // from its folder, until the first epoch, of which they are then
   std::int64_t kept_ = 0;                       // us, message time
   std::optional<journal::DriveJournal> journal_;
-  std::string not_resumed_;                           // why the drive before was not gone on with
+  std::string not_gone_on_;                           // why the drive before was not gone on with
   std::vector<journal::RecordedPose> resumed_drive_;  // of the mapper before, until it has gone out
   std::vector<journal::RecordedPose> start_drive_;    // of the first standstill, until it is over
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
@@ -105,7 +107,7 @@ class MapperNode final : public Node {
   std::deque<std::int64_t> missed_;  // us, ends of scans for which odometry had not come
   std::int64_t too_late_ = 0;        // us, the newest of those for which it came later
   LatencyWindow latency_;
-  Counters counters_;
+  Counters counters_;  // and those of mappers before this one
 };
 
 }  // namespace curbstone::mapper

@@ -23,17 +23,17 @@ constexpr std::int64_t kOdometryBefore = 100'000;  // us, of the first scan
 /// With the map of an earlier drive.
 void MapperNode::begin_map() {
   const storage::SavedMap map =
-      storage::load_map(config_.folder, {[this](const storage::SavedTile& tile) { mapper_.load(tile); },
-                                         [this](scan::Keyframe node) { mapper_.load(std::move(node)); }});
+      storage::load_map(config_.folder, {[this](const storage::SavedTile& tile) { mapper_->load(tile); },
+                                         [this](scan::Keyframe node) { mapper_->load(std::move(node)); }});
   if (std::abs(map.voxel - config_.dense.voxel) > 1e-9) {
     throw storage::MapFolderError(fmt::format("{}: its voxels are {} m, those of the configuration {}", config_.folder,
                                               map.voxel, config_.dense.voxel));
   }
-  if (mapper_.atlas().size() == 0)
+  if (mapper_->atlas().size() == 0)
     throw storage::MapFolderError(config_.folder + ": holds no nodes to find the vehicle by");
   epoch_before_ = map.epoch;
-  mapper_.load(map);
-  if (saver_) loaded_ = mapper_.snapshot(map.epoch, {}).versions;
+  mapper_->load(map);
+  if (saver_) loaded_ = mapper_->snapshot(map.epoch, {}).versions;
 }
 
 /// A loaded map stands fast: what is in its folder need not be written again.
@@ -67,13 +67,39 @@ bool MapperNode::resume_drive() {
     resumed_drive_ = drive->poses;
     packets_.begin_at(drive->poses.back().utime);
     odometry_.begin_at(drive->poses.back().utime - kOdometryBefore);
-    mapper_.resume(std::move(*drive));
+    mapper_->resume(std::move(*drive));
     return true;
   } catch (const journal::JournalError& error) {
     counters_.add("journal.refused");
-    not_resumed_ = fmt::format("a new map begins: {}", error.what());
+    not_gone_on_ = fmt::format("a new map begins: {}", error.what());
     return false;
   }
+}
+
+/// The vehicle is out of sight of what this drive has mapped, and nothing tells how it came here: what it sees from now
+/// on is another map, in a frame of its own. What was mapped stays in its folder, and semantic_map keeps its file.
+void MapperNode::begin_new_drive() {
+  if (saver_ && saver_->busy()) return;  // so it is with the next scan
+  counters_.add("new_drives");
+  const Counters method = mapper_->counters();
+  for (const auto& [name, value] : method.values()) counters_.add(name, value);
+  not_gone_on_ = "a new map begins: the vehicle was lost and is not to be found in what this drive had mapped";
+  if (saver_) {
+    (void)mapper_->finish();
+    const std::vector<TrajectoryPoint> drive = mapper_->trajectory();
+    const std::int64_t began = drive.empty() ? last_end_ : drive.front().utime;
+    const auto beside = saver_->set_aside(mapper_->snapshot(epoch_, saver_->on_disk()), began);
+    not_gone_on_ += fmt::format(", which stays in {}", beside.string());
+  }
+  mapper_.emplace(config_, far_);
+  watch_.begin_map();
+  watch_.interrupt();
+  epoch_before_ = std::exchange(epoch_, 0);
+  resumed_drive_.clear();
+  start_drive_.clear();
+  kept_ = 0;
+  first_lidar_ = last_end_;
+  if (without_odometry_ == 0) first_heard_ = packets_.newest();  // else none is waited for
 }
 
 /// Every so often of message time. Only what is new is copied here; another thread writes it.
@@ -81,16 +107,16 @@ void MapperNode::keep_map() {
   if (!saver_ || config_.save_every <= 0) return;
   if (kept_ == 0) kept_ = last_end_;
   if (saver_->busy() || std::abs(last_end_ - kept_) < microseconds(config_.save_every)) return;
-  if (mapper_.grown().is_moving()) return;  // not all of the map is there
+  if (mapper_->grown().is_moving()) return;  // not all of the map is there
   kept_ = last_end_;
-  mapper_.wait();
-  saver_->begin(mapper_.snapshot(epoch_, saver_->on_disk()));
+  mapper_->wait();
+  saver_->begin(mapper_->snapshot(epoch_, saver_->on_disk()));
 }
 
 void MapperNode::keep_map_at_the_end() {
   if (!saver_) return;
   saver_->finish();
-  saver_->begin(mapper_.snapshot(epoch_, saver_->on_disk()));
+  saver_->begin(mapper_->snapshot(epoch_, saver_->on_disk()));
   saver_->finish();
 }
 

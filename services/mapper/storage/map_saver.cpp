@@ -1,11 +1,30 @@
 #include "services/mapper/storage/map_saver.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <chrono>
+#include <ctime>
+#include <string>
+#include <system_error>
 #include <utility>
 
 namespace curbstone::mapper::storage {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A name that is free, beside the folder.
+fs::path name_beside(const fs::path& folder, std::int64_t began) {
+  const std::time_t second = began / 1'000'000;
+  const std::string stem = fmt::format("{}-{:%Y%m%dT%H%M%SZ}", folder.string(), fmt::gmtime(second));
+  std::string name = stem;
+  std::error_code ignored;
+  for (int i = 2; fs::exists(name, ignored); ++i) name = fmt::format("{}-{}", stem, i);
+  return name;
+}
+
+}  // namespace
 
 bool MapSaver::busy() {
   if (!writing_.valid()) return false;
@@ -27,12 +46,34 @@ void MapSaver::begin(MapSnapshot snapshot) {
   });
 }
 
+/// Where it cannot be written, what the folder held before is set aside.
+fs::path MapSaver::set_aside(MapSnapshot last, std::int64_t began) {
+  std::error_code ignored;
+  const fs::path folder = fs::weakly_canonical(folder_, ignored);
+  const fs::path beside = name_beside(folder, began);
+  is_of_another_ = false;
+  is_last_ = true;
+  writing_ = std::async(std::launch::async, [map = std::move(last.map), folder, beside]() -> Result {
+    Result result;
+    try {
+      result.left_out = save_map(map, folder);
+    } catch (const std::exception& error) {
+      result.fault = error.what();
+    }
+    std::error_code error;
+    if (fs::exists(folder, error)) fs::rename(folder, beside, error);
+    if (error && result.fault.empty()) result.fault = fmt::format("{}: {}", beside.string(), error.message());
+    return result;
+  });
+  return beside;
+}
+
 void MapSaver::finish() {
   if (!writing_.valid()) return;
   const Result result = writing_.get();
   fault_ = result.fault;
   counters_.add(fault_.empty() ? "folder.saved" : "faults.folder");
-  if (!fault_.empty()) {
+  if (std::exchange(is_last_, false) || !fault_.empty()) {
     on_disk_ = {};
     return;
   }

@@ -37,6 +37,9 @@ class MapSaver {
   [[nodiscard]] const MapVersions& on_disk() const { return on_disk_; }
   /// Takes what was made against on_disk(); one that has nothing new is not written. Not while busy.
   void begin(MapSnapshot snapshot);
+  /// The last one of a drive that another follows: it is written, and the folder then renamed to what this returns,
+  /// with the UTC of `began`, us, in its name. Not while busy.
+  std::filesystem::path set_aside(MapSnapshot last, std::int64_t began);
   /// Waits until it is written.
   void finish();
 
@@ -54,6 +57,7 @@ class MapSaver {
   };
   void forget(const LeftOut& left_out);
   bool is_of_another_ = false;  // whose epoch its head names
+  bool is_last_ = false;        // what is under way is set aside then
   std::future<Result> writing_;
   std::string fault_;
   Counters counters_;

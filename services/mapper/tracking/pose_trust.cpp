@@ -64,27 +64,32 @@ void PoseTrust::take_refusal(const Evidence& scan, Counters& counters) {
   if (fix_ == Fix::kTracking && scan.utime - fitted_ > kPatience) {
     counters.add("lost.refused");
     fix_ = Fix::kLost;
-    blind_ = !scan.with_odometry;
+    blind_ = false;
+    if (!scan.with_odometry) lose_sight();
   }
 }
 
 /// Lost, but odometry held all the while and the vehicle has driven on: what it sees is new, not displaced. Who was
 /// lifted and put down elsewhere has not driven.
 bool PoseTrust::sees_new_ground(const Evidence& scan) const {
-  return fix_ == Fix::kLost && !blind_ && scan.with_odometry && !scan.sparse && scan.utime - fitted_ > kNewGround &&
+  return fix_ == Fix::kLost && !was_blind_ && scan.with_odometry && !scan.sparse && scan.utime - fitted_ > kNewGround &&
          since_fitted_m_ > kNewGroundPath;
 }
 
 void PoseTrust::trust(std::int64_t utime) {
   fitted_ = utime;
   since_fitted_m_ = doubt_ = 0;
-  blind_ = false;
+  blind_ = was_blind_ = false;
+}
+
+void PoseTrust::lose_sight() {
+  blind_ = was_blind_ = true;
 }
 
 void PoseTrust::go_blind(Counters& counters) {
   if (fix_ != Fix::kLost) counters.add("lost.blind");
   fix_ = Fix::kLost;
-  blind_ = true;
+  lose_sight();
 }
 
 void PoseTrust::relocate() {
@@ -96,13 +101,13 @@ void PoseTrust::relocate() {
 
 void PoseTrust::begin_lost(double doubt) {
   fix_ = Fix::kLost;
-  blind_ = true;
+  lose_sight();
   doubt_ = doubt;
 }
 
 void PoseTrust::resume(std::int64_t utime, double path) {
   fix_ = Fix::kTracking;
-  blind_ = false;
+  blind_ = was_blind_ = false;
   fitted_ = utime;
   since_fitted_m_ = path;
   doubt_ = kGuidedDoubt * path;

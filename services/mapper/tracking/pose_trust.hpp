@@ -34,6 +34,8 @@ class PoseTrust {
   [[nodiscard]] bool tracking() const { return fix_ == Fix::kTracking; }
   /// Lost, and not even odometry says how far off: a registration from a mere guess fits somewhere.
   [[nodiscard]] bool groundless() const { return fix_ == Fix::kLost && blind_; }
+  /// Lost, and for some of the time since the last fit nothing told how the vehicle moved: no measurement leads here.
+  [[nodiscard]] bool adrift() const { return fix_ == Fix::kLost && was_blind_; }
   /// How far off the pose may be, m, since the last scan that fitted...
   [[nodiscard]] double doubt() const { return doubt_; }
   /// ...which ended then; us.
@@ -64,11 +66,13 @@ class PoseTrust {
   void take_fit(const Evidence& scan, Counters& counters);
   void take_refusal(const Evidence& scan, Counters& counters);
   [[nodiscard]] bool sees_new_ground(const Evidence& scan) const;
+  void lose_sight();
   void trust(std::int64_t utime);
 
   Fix fix_ = Fix::kTracking;
   int fitting_ = 0;            // scans in a row, while tentative
   bool blind_ = false;         // lost, and not even odometry says how far
+  bool was_blind_ = false;     // at some time since the last scan that fitted
   double since_fitted_m_ = 0;  // moved by odometry since the last one that fitted
   double doubt_ = 0;           // m, that the pose may be off by since then
   std::int64_t fitted_ = 0;    // us, the end of the last scan that fitted

@@ -76,6 +76,8 @@ class Tracker {
   [[nodiscard]] bool started() const { return last_.has_value(); }
   [[nodiscard]] Fix fix() const { return trust_.fix(); }
   [[nodiscard]] const Pose& T_map_base() const { return last_->T_map_base; }
+  /// Lost, and no measurement leads here from the last scan that fitted.
+  [[nodiscard]] bool adrift() const { return trust_.adrift(); }
   /// How far off the pose may be, m, since the last scan that fitted...
   [[nodiscard]] double doubt() const { return trust_.doubt(); }
   /// ...which ended then; us.

@@ -93,5 +93,28 @@ TEST_F(TrustOfADrive, NeverBeginsAnewWhenNothingMeasuredTheMotion) {
   EXPECT_FALSE(trust_.groundless());
 }
 
+TEST_F(TrustOfADrive, NorWhereItWasFoundInVainAfterThat) {
+  drive(10, true);
+  trust_.go_blind(counters_);
+  drive(200, false);
+  trust_.relocate();
+  drive(5, true);
+  EXPECT_FALSE(trust_.adrift());
+  EXPECT_FALSE(drive(400, false)) << "odometry did not lead from the map to there";
+  EXPECT_TRUE(trust_.adrift());
+  trust_.relocate();
+  drive(10, true);
+  EXPECT_TRUE(drive(200, false)) << "from where it was found for sure it did";
+}
+
+TEST_F(TrustOfADrive, IsAdriftOnlyWhereSomethingOfTheWayIsUnknown) {
+  drive(10, true);
+  drive(30, false);
+  EXPECT_EQ(trust_.fix(), Fix::kLost);
+  EXPECT_FALSE(trust_.adrift());
+  trust_.go_blind(counters_);
+  EXPECT_TRUE(trust_.adrift());
+}
+
 }  // namespace
 }  // namespace curbstone::mapper::tracking
