@@ -34,7 +34,7 @@ class MapSender {
     catalog_.request(message);
     drive_.request(message);
   }
-  /// A pose has gone out as MAP_POSE.
+  /// A pose of the drive has gone out as MAP_POSE; one that is LOST is a guess, and none of the drive's.
   void posed(const TrajectoryPoint& point) { drive_.add(point); }
 
   /// What has grown, as much as may go since the last call, a quarter of a second's at most. `now`: us.

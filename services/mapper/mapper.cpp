@@ -13,6 +13,7 @@ constexpr std::int64_t kMostRemovals = 400'000;      // records of what has gone
 constexpr double kStandsStill = 0.5;                 // s without a motion, from which a vehicle without odometry stands
 constexpr std::int64_t kSearchPeriod = 500'000;      // us between two searches for where the vehicle is,
 constexpr std::int64_t kSearchAnywhere = 2'000'000;  // and where it may be anywhere: that takes most of a second
+constexpr double kSettleAfter = 2;                   // s of that, after which what waits for more scans waits in vain
 
 }  // namespace
 
@@ -92,11 +93,15 @@ std::optional<Mapper::Relocalisation> Mapper::relocalise(const tracking::Tracked
 /// Whether the vehicle, of whose way some is unknown, has been sought for long enough in what this drive has mapped. A
 /// map that was loaded is not given up: it is what the vehicle was to be found in.
 bool Mapper::is_hopeless(std::int64_t utime, bool is_sought, const std::optional<Pose>& T_odom_base) {
-  if (tracker_.fix() == tracking::Fix::kTracking) in_vain_ = {};
+  if (tracker_.fix() == tracking::Fix::kTracking) {
+    in_vain_ = {};
+    is_settled_ = false;
+  }
   if (!is_sought || !tracker_.adrift() || config_.mode != config::MapMode::kMap) return false;
   std::optional<Eigen::Vector3d> in_odom;
   if (T_odom_base) in_odom = T_odom_base->translation();
   in_vain_.add(utime, in_odom);
+  if (in_vain_.seconds() >= kSettleAfter && !std::exchange(is_settled_, true)) settled_ = dense_->finish();
   return in_vain_.is_hopeless();
 }
 
@@ -221,6 +226,12 @@ std::optional<dense_map::DenseWork::Look> Mapper::look_after(const std::optional
   const auto end_of_known = look.present.begin() + atlas_.num_known();
   look.on_known_map = std::find(look.present.begin(), end_of_known, true) != end_of_known;
   return look;
+}
+
+std::vector<TileKey> Mapper::take_changed() {
+  std::vector<TileKey> changed = dense_->take_changed();
+  for (const TileKey& key : std::exchange(settled_, {})) changed.push_back(key);
+  return changed;
 }
 
 void Mapper::use_the_pause() {

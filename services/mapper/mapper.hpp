@@ -106,7 +106,7 @@ class Mapper {
   [[nodiscard]] const dense_map::DenseMap& dense() const { return dense_->map(); }
   /// Tiles of grown() that have changed since the last call, so far as they have been waited for; each may be there
   /// more than once.
-  [[nodiscard]] std::vector<TileKey> take_changed() { return dense_->take_changed(); }
+  [[nodiscard]] std::vector<TileKey> take_changed();
   /// The same of shown(), where that is another map.
   [[nodiscard]] std::vector<TileKey> take_changed_of_start() { return start_.map().take_changed(); }
   /// Tiles that were given up for memory since the last call. After wait_grown().
@@ -193,6 +193,8 @@ class Mapper {
   scan::Twist left_off_twist_;                     // then
   std::int64_t searched_ = 0;                      // us
   VainSearch in_vain_;
+  bool is_settled_ = false;       // since the vehicle was lost
+  std::vector<TileKey> settled_;  // tiles that this changed, until take_changed()
   Pose T_map_odom_ = Pose::Identity();
   Counters counters_;
 };

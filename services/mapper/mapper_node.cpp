@@ -214,7 +214,7 @@ void MapperNode::publish_pose(const MapperUpdate& update) {
                   (update.stationary ? map_pose_t::STATIONARY : 0) |
                   (update.fix == tracking::Fix::kTracking ? 0 : map_pose_t::LOST);
   bus_.publish("MAP_POSE", message);
-  sender_.posed({update.utime, update.revolution, update.T_map_base});
+  if ((message.flags & map_pose_t::LOST) == 0) sender_.posed({update.utime, update.revolution, update.T_map_base});
 }
 
 /// Poses that the map is sure of.

@@ -12,7 +12,8 @@ namespace curbstone::semantic_map {
 
 namespace {
 
-constexpr double kPathSpacing = 0.1;  // m, of the path in the picture
+constexpr double kPathSpacing = 0.1;          // m, of the path in the picture
+constexpr std::size_t kSteppedAtOnce = 4000;  // steps of tiles: most of a second
 
 }  // namespace
 
@@ -37,6 +38,9 @@ void SemanticMapNode::take(const map_pose_t& message) {
   last_pose_utime_ = message.utime;
   const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
   vehicle_ = T_map_base.translation().head<2>();
+  const bool is_guess = (message.flags & map_pose_t::LOST) != 0;
+  pause_.hear(message.utime, is_guess);
+  if (is_guess) return;  // it is no part of the drive
   if (path_.empty() || (path_.last() - vehicle_).norm() > kPathSpacing) add_to_path(message.utime, vehicle_);
   keeper_.put(tile::TrajectoryPose{message.utime, message.revolution, T_map_base});
   drive_.add(message.utime);
@@ -91,13 +95,26 @@ void SemanticMapNode::begin_drive(std::int64_t utime) {
   drive_started_ = true;
 }
 
-void SemanticMapNode::finish() {
+/// Whatever waited is computed and said.
+void SemanticMapNode::settle() {
   pipeline::WorkResult settled = pipeline_.settle();
-  ask_for_lost();  // nobody answers any more, but they are counted
+  ask_for_lost();
   unsent_.merge(settled.changed);
   if (settled.markings) markings_changed_ = true;
   schedule_.clear();
   for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(pipeline_.classes(key), newest_utime_);
+}
+
+/// The map is stored as it would be at the end of the drive: see LostPause.
+void SemanticMapNode::settle_while_lost() {
+  if (!pause_.take() || pipeline_.num_stale() > kSteppedAtOnce) return;
+  settle();
+  lines_unstored_ = true;
+  last_lines_stored_ = 0;
+}
+
+void SemanticMapNode::finish() {
+  settle();  // nobody answers any more, but what is lost is counted
   if (has_points()) say_last();
   MapLineSources sources = line_sources(pipeline_, path_, config_.markings);
   sources.before = keeper_.lines_before();

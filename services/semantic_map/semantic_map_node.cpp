@@ -88,6 +88,7 @@ void SemanticMapNode::enter_epoch(std::int32_t epoch) {
   epoch_ = epoch;
   drive_started_ = false;
   last_pose_utime_ = 0;
+  pause_.clear();
   assembler_.clear();
   pipeline_.clear();
   schedule_.clear();
@@ -163,6 +164,7 @@ void SemanticMapNode::tick(std::int64_t now) {
   if (has_points() && curbs_changed_ && now - last_curbs_ >= kCurbsPeriod) publish_curbs(now);
   if (has_points() && markings_changed_ && now - last_markings_ >= kMarkingsPeriod) publish_markings(now);
   if (now - last_index_ >= kIndexPeriod) publish_index(now);
+  settle_while_lost();
   if (now - last_write_ >= kWritePeriod) {
     last_write_ = now;
     if (drive_started_) store(now);

@@ -17,6 +17,7 @@
 #include "common/shell/latency.hpp"
 #include "common/tile_sync/drive_follower.hpp"
 #include "common/tile_sync/epoch_follower.hpp"
+#include "common/tile_sync/lost_pause.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/semantic_map/held_drive.hpp"
 #include "services/semantic_map/map_lines.hpp"
@@ -86,6 +87,8 @@ class SemanticMapNode final : public Node {
   void publish_index(std::int64_t now);
   /// Before the first points there is nothing to say of curbs and markings, and no time at which it is so.
   [[nodiscard]] bool has_points() const { return newest_utime_ > 0; }
+  void settle();
+  void settle_while_lost();
   void say_last();
   void publish_curbs(std::int64_t now);
   void publish_markings(std::int64_t now);
@@ -117,6 +120,7 @@ class SemanticMapNode final : public Node {
   bool has_epoch_ = false;
   bool drive_started_ = false;
   std::int64_t last_pose_utime_ = 0;
+  LostPause pause_{6'000'000};
   std::int64_t newest_utime_ = 0;  // of anything that came
   Eigen::Vector2d vehicle_ = Eigen::Vector2d::Zero();
   tile::DrivenPath path_;

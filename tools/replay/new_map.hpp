@@ -1,29 +1,34 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
-
-#include "tools/output/new_file.hpp"
+#include <vector>
 
 namespace curbstone::replay {
 
-/// The map that a replay makes: it has its name when it is whole, and until then an earlier map keeps it. What is no
-/// map is not replaced: it may be somebody's only recording. Everything throws std::runtime_error with one line that
-/// names the file.
+/// The map that a replay makes. It is written in a folder of its own beside its place, and gets its name once it is
+/// whole: until then an earlier map keeps it. A file that is no map is not replaced: it may be somebody's only
+/// recording. Where a log holds more than one drive, semantic_map keeps the earlier ones beside the last one; they move
+/// with it. Everything throws std::runtime_error with one line that names the file.
 class NewMap {
  public:
-  explicit NewMap(std::string file);
+  explicit NewMap(std::filesystem::path file);
   ~NewMap();
   NewMap(const NewMap&) = delete;
   NewMap& operator=(const NewMap&) = delete;
 
   /// Where to write until then. SQLite has files beside it.
-  [[nodiscard]] std::string part() const { return whole_.part(); }
-  /// Gives the map its name. Nobody may have it open.
-  void commit();
+  [[nodiscard]] std::string part() const { return (folder_ / file_.filename()).string(); }
+  /// `text` with the names that the files will have.
+  [[nodiscard]] std::string with_final_names(std::string text) const;
+  /// Gives the maps their names, and returns those of earlier drives. Nobody may have them open.
+  std::vector<std::string> commit();
 
  private:
-  std::string file_;
-  output::NewFile whole_;
+  void clear() const;
+
+  std::filesystem::path file_;
+  std::filesystem::path folder_;
 };
 
 }  // namespace curbstone::replay

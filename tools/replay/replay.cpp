@@ -145,10 +145,10 @@ std::string config_source(const ReplayOptions& options) {
   return options.assignments.empty() ? source : source + ", and --set";
 }
 
-void report(const Summary& summary, const VehicleLine& vehicle, double wall_seconds, const std::string& map_file,
+void report(const Summary& summary, const VehicleLine& vehicle, double wall_seconds, const NewMap& map,
             const std::string& configuration) {
   fmt::print("{:.1f} s of drive in {:.1f} s ({:.1f}x real time), {} messages -> {}\n", summary.seconds(), wall_seconds,
-             summary.seconds() / wall_seconds, summary.messages, map_file);
+             summary.seconds() / wall_seconds, summary.messages, map.with_final_names(map.part()));
   fmt::print("  configuration: {}\n", configuration);
   if (summary.refused > 0) fmt::print("  refused.time {}\n", summary.refused);
   for (const auto& stage : vehicle.stages()) {
@@ -157,12 +157,12 @@ void report(const Summary& summary, const VehicleLine& vehicle, double wall_seco
       const bool loss = name.starts_with("dropped.") || name.starts_with("refused.") || name.starts_with("lost.");
       if (loss && !is_harmless(name) && value != 0) fmt::print("  {}: {} {}\n", stage.name, name, value);
     }
-    for (const std::string& fault : report.faults) fmt::print("  {}: {}\n", stage.name, fault);
+    for (const std::string& fault : report.faults) fmt::print("  {}: {}\n", stage.name, map.with_final_names(fault));
   }
 }
 
 /// Returns whether the logs are damaged.
-bool make_map(const Arguments& arguments, output::WatchedLog& log, const std::string& map_file) {
+bool make_map(const Arguments& arguments, output::WatchedLog& log, const NewMap& map) {
   std::optional<output::NewFile> record;
   std::optional<LogWriter> recorder;
   StageLine::Options options{.threads = arguments.threads > 1, .everything = {}};
@@ -178,9 +178,9 @@ bool make_map(const Arguments& arguments, output::WatchedLog& log, const std::st
   const Summary summary = drive(log, vehicle);
   if (summary.messages == 0) throw std::runtime_error(arguments.logs[0] + ": holds no LIDAR_POINTS, IMU or WHEELS");
   if (recorder) recorder->flush();
-  report(summary, vehicle, static_cast<double>(steady_clock() - start) * 1e-6, map_file,
-         config_source(arguments.vehicle));
-  if (!is_map_whole(vehicle)) throw std::runtime_error(map_file + ": the map is not written whole: is the disk full?");
+  report(summary, vehicle, static_cast<double>(steady_clock() - start) * 1e-6, map, config_source(arguments.vehicle));
+  if (!is_map_whole(vehicle))
+    throw std::runtime_error(map.with_final_names(map.part()) + ": the map is not written whole: is the disk full?");
   if (record) record->commit();
   return log.damaged();
 }
@@ -211,11 +211,11 @@ int run_replay(int argc, char** argv) {
   arguments.vehicle.recorded = recorded_config(head);
   output::refuse_to_overwrite(head.names(), arguments.record);
   check_configuration(arguments.vehicle);  // before anything is written
-  const std::string map_file = arguments.vehicle.map_file;
-  NewMap map(map_file);
+  NewMap map(arguments.vehicle.map_file);
   arguments.vehicle.map_file = map.part();
-  const bool damaged = make_map(arguments, log, map_file);
-  map.commit();
+  arguments.vehicle.keep_earlier_drives = true;
+  const bool damaged = make_map(arguments, log, map);
+  for (const std::string& earlier : map.commit()) fmt::print("  an earlier drive of this log -> {}\n", earlier);
   return damaged ? 1 : 0;
 }
 

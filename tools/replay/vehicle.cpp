@@ -67,7 +67,7 @@ Configuration configure(const ReplayOptions& given) {
   all.mapper.value.journal.clear();
   semantic_map::SemanticMapConfig& semantic = all.semantic.value;
   if (!options.map_file.empty()) semantic.map = options.map_file;
-  semantic.keep_earlier_drives = false;  // the user says which file is to be made
+  semantic.keep_earlier_drives = options.keep_earlier_drives;
   if (options.config_file.empty() && options.recorded.sections.contains("semantic_map")) semantic.picture.clear();
   return all;
 }

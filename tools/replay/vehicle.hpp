@@ -18,6 +18,7 @@ struct ReplayOptions {
   RecordedConfig recorded = {};          ///< of the log
   std::vector<std::string> assignments;  ///< SECTION.KEY=VALUE, over the file
   std::string map_file;                  ///< where semantic_map keeps its store
+  bool keep_earlier_drives = false;      ///< in files beside, where the log holds more than one drive
   /// us of message time. Live, it is 20 ms: in a replay nobody waits for a tile, and what the map comes to does not
   /// depend on it.
   std::int64_t tick_period = 1'000'000;

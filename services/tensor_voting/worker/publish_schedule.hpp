@@ -45,6 +45,7 @@ class PublishSchedule {
   /// 0 if none was.
   [[nodiscard]] std::int32_t published_revision(TileKey key) const;
   [[nodiscard]] bool is_pending(TileKey key) const { return pending_.contains(key); }
+  [[nodiscard]] std::size_t num_pending() const { return pending_.size(); }
   /// Somebody lacks it.
   [[nodiscard]] bool is_wanted(TileKey key) const;
   /// When a tile that waits was first changed, or asked for, since it was published, us; nothing if it does not wait.

@@ -21,6 +21,7 @@ constexpr std::size_t kMaxBehind = 20'000;          // tiles that we lack and kn
 constexpr double kBurst = 50'000;                   // us: what may be saved up, of the bandwidth: a revolution's
 constexpr std::size_t kMovesPerTick = 8000;         // points taken over: 10 to 20 ms of work
 constexpr std::int64_t kListen = 1'500'000;         // us: in which every other worker has said that it lives
+constexpr std::size_t kAtOnce = 300;                // tiles: some 12 MB, while nothing else is sent
 constexpr double kJoinRadius = 40.0;                // m: what a worker must have around the vehicle before it joins
 
 /// Another one for each worker and each start of it.
@@ -89,6 +90,7 @@ void TensorVotingNode::on(const map_pose_t& message) {
   if (!follow_epoch(message.epoch, EpochFollower::Source::kMapper)) return;
   x_ = p[0];
   y_ = p[1];
+  pause_.hear(message.utime, (message.flags & map_pose_t::LOST) != 0);
 }
 
 void TensorVotingNode::on(const tile_index_t& message) {
@@ -147,6 +149,7 @@ void TensorVotingNode::start_epoch(std::int32_t epoch) {
   pages_.clear();
   bases_.clear();
   far_heard_.clear();
+  pause_.clear();
 }
 
 bool TensorVotingNode::owns(TileKey key) const {
@@ -276,6 +279,7 @@ void TensorVotingNode::tick(std::int64_t now) {
   if (others || (joins && workers_.count() > 1)) reassign();
   map_.move(kMovesPerTick);
   collect_changes();
+  if (pause_.take() && schedule_.num_pending() <= kAtOnce) publish_all();
   publish_paced();
   if (now - last_request_ >= kRequestInterval || now < last_request_) {
     last_request_ = now;
@@ -289,11 +293,15 @@ void TensorVotingNode::tick(std::int64_t now) {
   }
 }
 
-void TensorVotingNode::finish() {
+void TensorVotingNode::publish_all() {
   while (map_.is_moving()) map_.move(kMovesPerTick);
   collect_changes();
   while (const auto key = schedule_.any()) queue_pages(*key);
   while (!pages_.empty()) send_next_page();
+}
+
+void TensorVotingNode::finish() {
+  publish_all();
   announce();
 }
 

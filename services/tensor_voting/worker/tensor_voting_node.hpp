@@ -14,6 +14,7 @@
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
 #include "common/tile_sync/epoch_follower.hpp"
+#include "common/tile_sync/lost_pause.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/tensor_voting/worker/publish_schedule.hpp"
 #include "services/tensor_voting/worker/rendezvous_owners.hpp"
@@ -81,6 +82,7 @@ class TensorVotingNode final : public Node {
   void follow_vehicle();
   void announce();
   void publish_paced();
+  void publish_all();
   void queue_pages(TileKey key);
   void send_next_page();
 
@@ -98,6 +100,7 @@ class TensorVotingNode final : public Node {
   std::int64_t chain_ = 0;
 
   EpochFollower epochs_;
+  LostPause pause_{4'000'000};
   std::int32_t epoch_ = 0;  // the present one, once there is one
   double x_ = 0;            // the vehicle, m in map
   double y_ = 0;

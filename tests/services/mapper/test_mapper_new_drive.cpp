@@ -3,12 +3,16 @@
 
 #include <algorithm>
 #include <curbstone/map_pose_t.hpp>
+#include <curbstone/tile_index_t.hpp>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 #include "common/bus/local_bus.hpp"
 #include "common/config/config.hpp"
+#include "common/tile_sync/drive_pages.hpp"
 #include "services/mapper/journal/journal_file.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "services/mapper/storage/map_folder.hpp"
@@ -100,6 +104,9 @@ class MapperNodeNewDrive : public ::testing::Test {
     node_.reset();
     bus_ = std::make_unique<LocalBus>();
     bus_->subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { poses_.push_back(m); });
+    bus_->subscribe<tile_index_t>("TILE_INDEX", [this](const tile_index_t& m) {
+      if (m.channel == kDriveChannel) announced_[m.epoch] = std::accumulate(m.version.begin(), m.version.end(), 0);
+    });
     node_ = std::make_unique<MapperNode>(config_, *bus_);
     node_->connect(*bus_);
   }
@@ -135,6 +142,7 @@ class MapperNodeNewDrive : public ::testing::Test {
   std::unique_ptr<MapperNode> node_;
   const test::SyntheticWorld elsewhere_ = test::round_street();
   std::vector<map_pose_t> poses_;
+  std::map<std::int32_t, int> announced_;  // poses of the drive, in each epoch
   std::int32_t epoch_before_ = 0;
   int turn_ = 0;
   double odometry_began_ = 0;
@@ -152,6 +160,8 @@ TEST_F(MapperNodeNewDrive, IsAnotherMapInAFrameOfItsOwnAndTheEarlierOneStays) {
   node_->finish();
   bus_->dispatch();
 
+  EXPECT_GT(announced_[epoch_before_], 0);
+  EXPECT_LE(announced_[epoch_before_], kSeen) << "no guess is announced as a pose of the drive";
   const map_pose_t& last = poses_.back();
   EXPECT_EQ(last.flags & map_pose_t::LOST, 0);
   const auto first = std::find_if(poses_.begin(), poses_.end(), [&](const auto& p) { return p.epoch > epoch_before_; });

@@ -99,6 +99,20 @@ TEST_F(LostPoses, AProcessThatWasStoppedForSecondsAsksForThePosesOfThatTime) {
   }
 }
 
+TEST_F(LostPoses, APoseThatIsOnlyAGuessIsNoneOfTheDrive) {
+  begin();
+  say(0, 100);
+  for (int i = 100; i < 120; ++i) {
+    map_pose_t guess = pose_at(stamp(i), 50);
+    guess.flags = map_pose_t::LOST;
+    bus_.publish("MAP_POSE", guess);
+  }
+  say(120, 140);
+  const auto poses = stored();
+  ASSERT_EQ(poses.size(), 120U);
+  for (const auto& pose : poses) EXPECT_LT(pose.T_map_base.translation().x(), 0.15 * 140);
+}
+
 TEST_F(LostPoses, NothingIsAskedWhenNothingWasLost) {
   begin();
   say(0, 260);

@@ -14,6 +14,7 @@
 
 #include "common/log/log_reader.hpp"
 #include "common/log/log_writer.hpp"
+#include "services/semantic_map/store/map_store.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tools/command/run_subcommand.hpp"
 #include "tools/simulate/simulate.hpp"
@@ -52,11 +53,25 @@ class ReplayOnThreads : public ::testing::Test {
     EXPECT_EQ(run(run_replay, words), 0);
     return {bytes_of(map), bytes_of(all)};
   }
-  /// Without all sensors for a while, without the IMU for another, and with packets whose clock is off.
-  void damage() {
+  /// Without all sensors between these times, s of the log.
+  void silence(double from, double until) {
+    const std::vector<LogEvent> events = read_events();
+    LogWriter writer(log_);
+    for (const LogEvent& event : events) {
+      const double at = static_cast<double>(event.log_utime - events.front().log_utime) * 1e-6;
+      if (at < from || at > until)
+        writer.write(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()), event.log_utime);
+    }
+  }
+  [[nodiscard]] std::vector<LogEvent> read_events() const {
     std::vector<LogEvent> events;
     LogReader reader(log_);
     while (auto event = reader.next()) events.push_back(std::move(*event));
+    return events;
+  }
+  /// Without all sensors for a while, without the IMU for another, and with packets whose clock is off.
+  void damage() {
+    std::vector<LogEvent> events = read_events();
     const std::int64_t begin = events.front().log_utime;
     LogWriter writer(log_);
     for (std::size_t i = 0; i < events.size(); ++i) {
@@ -111,6 +126,29 @@ TEST_F(ReplayOnThreads, MakesTheSameMapWhereverFarTilesLie) {
   const auto in_a_file = replay("4", "mapper.far_folder=" + folder_.path().string(), few);
   EXPECT_GT(in_memory.first.size(), 100'000U);
   EXPECT_TRUE(in_memory.first == in_a_file.first) << "curbs, classes and all";
+}
+
+TEST_F(ReplayOnThreads, KeepsEachPartOfADriveThatTheMapperCouldNotJoin) {
+  ASSERT_EQ(run(simulate::run_simulate,
+                {"simulate", "--straight", "500", "--seconds", "38", "--set", "speed=10", "--log", log_}),
+            0);
+  silence(10, 19);
+  testing::internal::CaptureStdout();
+  const std::string last = replay("2").first;
+  const std::string said = testing::internal::GetCapturedStdout();
+  const std::string earlier = folder_ / "map2-20250615T150641Z-2.db";
+  EXPECT_THAT(said, ::testing::HasSubstr("what was mapped before is kept in " + earlier));
+  EXPECT_THAT(said, ::testing::HasSubstr("an earlier drive of this log -> " + earlier));
+  const semantic_map::store::MapReader first(earlier);
+  const semantic_map::store::MapReader second(folder_ / "map2.db");
+  EXPECT_LT(first.trajectory().back().utime, second.trajectory().front().utime);
+
+  silence(10, 1000);
+  (void)replay("1");
+  const semantic_map::store::MapReader alone(folder_ / "map1.db");
+  EXPECT_EQ(first.tile_keys(), alone.tile_keys());
+  EXPECT_EQ(first.curbs().size(), alone.curbs().size()) << "the part is as whole as if the drive had ended with it";
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "map2.db.part"));
 }
 
 TEST_F(ReplayOnThreads, RefusesToSetWhatNobodyReadsAndLeavesTheMapThatIsThere) {

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+
+namespace curbstone {
+
+/// A vehicle that is lost maps nothing, and the map that it goes on with may be another one: the mapper begins a new
+/// drive where it is not found. So each stage of the map computes and publishes then what it would else leave to the
+/// end of the drive, if that is not too much: the mapper after 2 s, the voters after 4 s, semantic_map after 6 s. A
+/// value, pure.
+class LostPause {
+ public:
+  /// `after`: us of MAP_POSE.
+  explicit LostPause(std::int64_t after) : after_(after) {}
+
+  /// Takes a MAP_POSE: its time, us, and whether it is LOST.
+  void hear(std::int64_t utime, bool is_lost) {
+    if (!is_lost) return clear();
+    if (since_ == 0) since_ = utime;
+    newest_ = utime;
+  }
+  /// Another epoch begins.
+  void clear() {
+    since_ = newest_ = 0;
+    is_used_ = false;
+  }
+  /// True once in each time that the vehicle is lost, when that has lasted for long enough.
+  [[nodiscard]] bool take() {
+    if (is_used_ || since_ == 0 || newest_ - since_ < after_) return false;
+    is_used_ = true;
+    return true;
+  }
+
+ private:
+  std::int64_t after_;
+  std::int64_t since_ = 0;  // us; 0: the vehicle is not lost
+  std::int64_t newest_ = 0;
+  bool is_used_ = false;
+};
+
+}  // namespace curbstone
