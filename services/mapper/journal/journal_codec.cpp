@@ -33,6 +33,12 @@ void require(bool holds, const char* what) {
   if (!holds) throw std::runtime_error(what);
 }
 
+constexpr double kMapReach = 50'000;                       // m: what a voxel's key can name is little more
+constexpr double kOdomReach = 1e7;                         // m: odometry drifts
+constexpr std::int32_t kMaxKey = 17'000;                   // of a tile: 51 km
+constexpr std::int32_t kMaxOrigin = 32'700;                // m
+constexpr std::int64_t kMaxUtime = std::int64_t{1} << 60;  // us
+
 /// Takes the bytes of a batch from left to right.
 class ItemBytes {
  public:
@@ -53,15 +59,22 @@ class ItemBytes {
     rest_.remove_prefix(size);
     return bytes;
   }
-  [[nodiscard]] Pose take_pose() {
+  /// `reach`: m from the origin, at most.
+  [[nodiscard]] Pose take_pose(double reach) {
     Pose pose = Pose::Identity();
     for (int i = 0; i < 12; ++i) pose.matrix()(i / 4, i % 4) = take<double>();
-    require(is_finite(pose), "holds a pose that is not finite");
+    const Eigen::Matrix3d R = pose.linear();
+    const bool is_rotation = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0;
+    const bool is_there = pose.translation().cwiseAbs().maxCoeff() <= reach;
+    require(is_finite(pose) && is_rotation && is_there, "holds a pose that no vehicle has");
     return pose;
   }
   [[nodiscard]] TileKey take_key() {
     const auto x = take<std::int32_t>();
-    return {x, take<std::int32_t>()};
+    const auto y = take<std::int32_t>();
+    const auto is_there = [](std::int32_t v) { return v >= -kMaxKey && v <= kMaxKey; };
+    require(is_there(x) && is_there(y), "holds a tile that no vehicle comes to");
+    return {x, y};
   }
   /// How many of `size` bytes each follow.
   [[nodiscard]] std::size_t take_count(std::size_t size) {
@@ -81,8 +94,9 @@ constexpr std::size_t kRunBytes = 16;
 RecordedNode take_node(ItemBytes& bytes) {
   RecordedNode node;
   node.kept.utime = bytes.take<std::int64_t>();
-  node.kept.T_map_base = bytes.take_pose();
+  node.kept.T_map_base = bytes.take_pose(kMapReach);
   node.driven = bytes.take<double>();
+  require(node.driven >= 0 && node.driven < kOdomReach, "holds a drive of no length");
   std::vector<scan::KeyframePoint> points(bytes.take_count(kNodePointBytes));
   for (scan::KeyframePoint& p : points) {
     p.x = bytes.take<std::int16_t>();
@@ -98,7 +112,7 @@ pose_graph::PoseEdge take_edge(ItemBytes& bytes) {
   edge.from = bytes.take<std::int32_t>();
   edge.to = bytes.take<std::int32_t>();
   edge.closes_loop = bytes.take<std::uint8_t>() != 0;
-  edge.T_from_to = bytes.take_pose();
+  edge.T_from_to = bytes.take_pose(kMapReach);
   for (int i = 0; i < 36; ++i) edge.information(i / 6, i % 6) = bytes.take<double>();
   return edge;
 }
@@ -108,8 +122,9 @@ RecordedPose take_pose(ItemBytes& bytes) {
   pose.utime = bytes.take<std::int64_t>();
   pose.revolution = bytes.take<std::int32_t>();
   pose.node = bytes.take<std::int32_t>();
-  pose.T_map_base = bytes.take_pose();
-  pose.T_map_odom = bytes.take_pose();
+  require(pose.utime >= 0 && pose.utime <= kMaxUtime, "holds a pose of no time");
+  pose.T_map_base = bytes.take_pose(kMapReach);
+  pose.T_map_odom = bytes.take_pose(kOdomReach);
   pose.with_odometry = bytes.take<std::uint8_t>() != 0;
   pose.standing_since = bytes.take<std::int64_t>();
   pose.has_moved = bytes.take<std::uint8_t>() != 0;
@@ -122,6 +137,7 @@ void take_tile(ItemBytes& bytes, RecordedDrive& drive, std::size_t batch) {
   tile.touched = batch;
   if (!tile.away.empty()) tile.content = std::exchange(tile.away, {}).read();
   tile.z_origin = bytes.take<std::int32_t>();
+  require(tile.z_origin >= -kMaxOrigin && tile.z_origin <= kMaxOrigin, "holds a tile of no height");
   require(bytes.take<std::uint32_t>() == tile.content.records.size(), "leaves out records of a tile");
   const std::size_t records = bytes.take_count(kRecordBytes);
   for (std::size_t i = 0; i < records; ++i) {

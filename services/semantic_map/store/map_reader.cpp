@@ -14,24 +14,31 @@
 namespace curbstone::semantic_map::store {
 namespace {
 
-TileKey key_of(SQLite::Statement& row) {
-  return {static_cast<std::int32_t>(row.getColumn(0).getInt64()),
-          static_cast<std::int32_t>(row.getColumn(1).getInt64())};
+constexpr std::int64_t kMaxKey = 1'000'000;  // of a tile: 3000 km
+constexpr double kMaxPlace = 3e6;            // m
+constexpr float kMaxHeight = 1e5F;           // m
+
+TileKey key_of(SQLite::Statement& row, const std::string& path) {
+  const std::int64_t x = row.getColumn(0).getInt64(), y = row.getColumn(1).getInt64();
+  if (std::abs(x) > kMaxKey || std::abs(y) > kMaxKey)
+    throw MapStoreError(fmt::format("{}: tile ({}, {}) is damaged: none is so far from the origin", path, x, y));
+  return {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
 }
 
 /// From a row of x, y, utime, z_origin, cells.
 tile::MapTile tile_of(SQLite::Statement& row, const std::string& path) {
   tile::MapTile tile;
-  tile.key = key_of(row);
+  tile.key = key_of(row, path);
   tile.utime = row.getColumn(2).getInt64();
   tile.z_origin = static_cast<float>(row.getColumn(3).getDouble());
-  if (!std::isfinite(tile.z_origin) || !unpack_cells(blob(row.getColumn(4)), tile))
+  const bool has_height = std::abs(tile.z_origin) <= kMaxHeight;  // false of NaN
+  if (!has_height || !unpack_cells(blob(row.getColumn(4)), tile))
     throw MapStoreError(fmt::format("{}: tile ({}, {}) is damaged", path, tile.key.x, tile.key.y));
   return tile;
 }
 
 bool is_sane(const tile::TrajectoryPose& pose) {
-  return is_finite(pose.T_map_base);
+  return is_finite(pose.T_map_base) && pose.T_map_base.translation().cwiseAbs().maxCoeff() <= kMaxPlace;
 }
 
 }  // namespace
@@ -70,7 +77,7 @@ std::vector<TileKey> MapReader::tile_keys() const {
   return for_file(path_, [&] {
     std::vector<TileKey> keys;
     SQLite::Statement rows(*db_, "SELECT x, y FROM tiles ORDER BY x, y");
-    while (rows.executeStep()) keys.push_back(key_of(rows));
+    while (rows.executeStep()) keys.push_back(key_of(rows, path_));
     return keys;
   });
 }
@@ -98,9 +105,11 @@ std::vector<tile::CurbLine> MapReader::curbs() const {
     while (rows.executeStep()) {
       const auto id = static_cast<std::int32_t>(rows.getColumn(0).getInt64());
       auto points = unpack_vertices(blob(rows.getColumn(3)));
-      if (!points) throw MapStoreError(fmt::format("{}: curb {} is damaged", path_, id));
-      lines.push_back({id, static_cast<float>(rows.getColumn(2).getDouble()), rows.getColumn(1).getInt64() != 0,
-                       std::move(*points), rows.getColumn(4).getInt64() != 0});
+      const auto confidence = static_cast<float>(rows.getColumn(2).getDouble());
+      if (!points || !(confidence >= 0 && confidence <= 1))
+        throw MapStoreError(fmt::format("{}: curb {} is damaged", path_, id));
+      lines.push_back(
+          {id, confidence, rows.getColumn(1).getInt64() != 0, std::move(*points), rows.getColumn(4).getInt64() != 0});
     }
     return lines;
   });

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
     write_line_seeds(folder);
     write_text_seeds(folder);
     write_bus_seeds(folder);
+    write_map_seeds(folder);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "fuzz_seeds: %s\n", error.what());
     return 1;

@@ -63,5 +63,6 @@ void write_lidar_seeds(const SeedFolder& folder);
 void write_line_seeds(const SeedFolder& folder);
 void write_text_seeds(const SeedFolder& folder);
 void write_bus_seeds(const SeedFolder& folder);
+void write_map_seeds(const SeedFolder& folder);
 
 }  // namespace curbstone::fuzz

@@ -135,6 +135,31 @@ TEST_F(MapStoreTest, LeavesForeignAndDamagedFilesUntouched) {
   EXPECT_EQ(bytes(path_), wine);
 }
 
+TEST_F(MapStoreTest, DamagedTilesCurbsAndPosesAreSaid) {
+  const std::vector<tile::CurbLine> curbs = {{0, 0.75F, false, {{1, 2, 3, 0.12F, 0, 1}, {1.1F, 2, 3, 0.11F, 0, 1}}}};
+  for (const char* damage :
+       {"UPDATE tiles SET x = 2000000", "UPDATE tiles SET y = 4294967298", "UPDATE tiles SET z_origin = 1e30",
+        "UPDATE tiles SET cells = x'0102'", "UPDATE curbs SET confidence = 1e300", "UPDATE curbs SET points = x'01'",
+        "UPDATE trajectory SET x = 1e300", "UPDATE trajectory SET qw = 0, qx = 0, qy = 0, qz = 0"}) {
+    fs::remove(path_);
+    {
+      MapStore store(path_);
+      store.write({.epoch = 1, .tiles = {tile(1, 2)}, .trajectory = {pose(50'000)}, .curbs = &curbs});
+    }
+    sqlite3* db = nullptr;
+    sqlite3_open(path_.c_str(), &db);
+    ASSERT_EQ(sqlite3_exec(db, damage, nullptr, nullptr, nullptr), SQLITE_OK) << damage;
+    sqlite3_close(db);
+    const auto read = [&] {
+      const MapReader map(path_);
+      (void)map.tiles();
+      (void)map.curbs();
+      (void)map.trajectory();
+    };
+    EXPECT_THAT(error_of(read), ::testing::HasSubstr("is damaged")) << damage;
+  }
+}
+
 TEST_F(MapStoreTest, RefusesANewerSchemaAndLeavesItUntouched) {
   { MapStore store(path_); }
   sqlite3* db = nullptr;
