@@ -44,7 +44,7 @@ const std::string& value_in(const Values& values, const std::string& key) {
 
 bool set_by_replay(const std::string& key) {
   return key == "semantic_map.map" || key == "semantic_map.keep_earlier_drives" || key == "ekf.state_file" ||
-         key == "mapper.journal";
+         key == "mapper.journal" || key == "mapper.folder";
 }
 
 }  // namespace

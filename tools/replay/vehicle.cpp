@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 
@@ -55,6 +56,20 @@ struct Configuration {
   Section<semantic_map::SemanticMapConfig> semantic;
 };
 
+/// A dense map on disk is the vehicle's: a replay leaves it alone, unless the user names it.
+void leave_folder_alone(const ReplayOptions& options, mapper::config::MapperConfig& mapper) {
+  const bool is_named = std::any_of(options.assignments.begin(), options.assignments.end(),
+                                    [](const std::string& a) { return a.starts_with("mapper.folder="); });
+  if (is_named || !options.config_file.empty() || mapper.folder.empty()) return;
+  if (mapper.mode == mapper::config::MapMode::kExtend)
+    throw ConfigError(
+        fmt::format("mapper.folder: the drive extended the map in {}, and so would the replay: --set "
+                    "mapper.folder=COPY takes a copy "
+                    "of what it was, --set mapper.mode=map makes a map of its own",
+                    mapper.folder));
+  if (mapper.mode == mapper::config::MapMode::kMap) mapper.folder.clear();
+}
+
 /// What the processes had, but for what another vehicle, or another time, left on the disk.
 Configuration configure(const ReplayOptions& given) {
   ReplayOptions options = given;
@@ -65,6 +80,7 @@ Configuration configure(const ReplayOptions& given) {
                     section_of<semantic_map::SemanticMapConfig>("semantic_map", options)};
   all.ekf.value.state_file.clear();
   all.mapper.value.journal.clear();
+  leave_folder_alone(options, all.mapper.value);
   semantic_map::SemanticMapConfig& semantic = all.semantic.value;
   if (!options.map_file.empty()) semantic.map = options.map_file;
   semantic.keep_earlier_drives = options.keep_earlier_drives;

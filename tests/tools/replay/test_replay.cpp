@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include <csignal>
+#include <curbstone/service_config_t.hpp>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -60,6 +61,21 @@ class ReplayOnThreads : public ::testing::Test {
     for (const LogEvent& event : events) {
       const double at = static_cast<double>(event.log_utime - events.front().log_utime) * 1e-6;
       if (at < from || at > until)
+        writer.write(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()), event.log_utime);
+    }
+  }
+  /// The log says that the mapper had this configuration.
+  void record_mapper(const std::string& yaml) {
+    const std::vector<LogEvent> events = read_events();
+    service_config_t config{};
+    config.section = "mapper";
+    config.yaml = yaml;
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(config.getEncodedSize()));
+    config.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    LogWriter writer(log_);
+    writer.write("CONFIG", bytes.data(), static_cast<int>(bytes.size()), events.front().log_utime);
+    for (const LogEvent& event : events) {
+      if (event.channel != "CONFIG")
         writer.write(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()), event.log_utime);
     }
   }
@@ -162,6 +178,21 @@ TEST_F(ReplayOnThreads, RefusesToSetWhatNobodyReadsAndLeavesTheMapThatIsThere) {
   EXPECT_FALSE(before.empty());
   for (const char* const wrong : {"vehicle.tyres=4", "maper.method=loam", "ekf.nonsense=1"}) EXPECT_EQ(set(wrong), 2);
   EXPECT_TRUE(bytes_of(map) == before);
+}
+
+TEST_F(ReplayOnThreads, LeavesTheDenseMapOfTheVehicleAlone) {
+  make_town("8");
+  const std::string site = folder_ / "site";
+  record_mapper("mapper:\n  folder: " + site + "\n");
+  (void)replay("1");
+  EXPECT_FALSE(std::filesystem::exists(site)) << "it is the drive's, not the replay's";
+  (void)replay("1", "mapper.folder=" + site);
+  EXPECT_TRUE(std::filesystem::exists(site)) << "the user names it";
+
+  record_mapper("mapper:\n  folder: " + site + "\n  mode: extend\n");
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run(run_replay, {"replay", log_, "--map", folder_ / "map.db"}), 2);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), ::testing::HasSubstr("--set mapper.folder=COPY"));
 }
 
 TEST_F(ReplayOnThreads, EndsWithoutAMapThatCannotBeWritten) {
