@@ -6,9 +6,9 @@
 
 namespace curbstone::replay {
 
-/// The map that a replay makes: it has its name when it is whole, and until then an earlier map keeps it. What is no
-/// map is not replaced: it may be somebody's only recording. Everything throws std::runtime_error with one line that
-/// names the file.
+/// The map file that a replay writes. It gets its name when it is complete; until then an earlier map keeps the name. A
+/// file that is not a map is not replaced: it may be a user's only recording. All functions throw std::runtime_error
+/// with a one-line message that names the file.
 class NewMap {
  public:
   explicit NewMap(std::string file);
@@ -16,9 +16,9 @@ class NewMap {
   NewMap(const NewMap&) = delete;
   NewMap& operator=(const NewMap&) = delete;
 
-  /// Where to write until then. SQLite has files beside it.
+  /// The path to write to before commit(). SQLite keeps further files beside it.
   [[nodiscard]] std::string part() const { return whole_.part(); }
-  /// Gives the map its name. Nobody may have it open.
+  /// Gives the map its name. It must not be open in any process.
   void commit();
 
  private:
