@@ -37,8 +37,7 @@ struct CalibrationResult {
   int segments = 0;                  ///< pieces of the drive that were used
   double distance = 0.0;             ///< m driven in them
   double turned = 0.0;               ///< rad, sum of the absolute turns in them
-  std::array<double, 3> noise = {};  ///< estimated, m, rad, m/s: wheels against LiDAR; gyro against LiDAR;
-                                     ///< accelerometer
+  std::array<double, 3> noise = {};  ///< estimated, m, rad, m/s: wheels and gyro against LiDAR; accelerometer
 
   [[nodiscard]] const CalibratedValue& operator[](Calibrated which) const {
     return values[static_cast<std::size_t>(which)];

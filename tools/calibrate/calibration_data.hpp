@@ -20,8 +20,7 @@ struct CalibrationData {
   std::vector<LidarPose> lidar;
   std::vector<ekf::base::WheelSample> wheels;
   std::vector<ekf::base::ImuSample> imu;
-  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  ///< rad/s, imu frame, approximate; subtracted before
-                                                        ///< integration
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  ///< rad/s, imu frame, rough; subtracted before integration
   bool log_is_damaged = false;                          ///< parts of the log could not be read
 };
 

@@ -44,8 +44,7 @@ class Sensor {
  private:
   LocalBus bus_;
   lidar::LidarNode node_;
-  std::unique_ptr<lidar::models::Model> model_;  ///< separate from the node's own, for data that the node does not
-                                                 ///< expose
+  std::unique_ptr<lidar::models::Model> model_;  ///< a second one, for data that the node does not expose
   lidar::decoding::DecodedPacket decoded_;
   std::string return_mode_;
   double rpm_ = 0;

@@ -36,7 +36,7 @@ void remove_beside(const std::string& file) {
 }  // namespace
 
 NewMap::NewMap(std::string file) : file_((refuse_what_is_no_map(file), std::move(file))), whole_(file_, true) {
-  std::remove(part().c_str());  // of a replay that was killed
+  std::remove(part().c_str());  // of an earlier replay that was killed
   remove_beside(part());
 }
 

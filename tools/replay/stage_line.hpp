@@ -31,8 +31,7 @@ class StageLine {
 
   struct Options {
     bool threads = true;         ///< one thread per group
-    StageGroup::Out everything;  ///< gets every message, including the input, in an order that does not depend on the
-                                 ///< threads
+    StageGroup::Out everything;  ///< gets every message, also the input, in an order independent of threads
   };
   /// All nodes must have been added to the groups.
   StageLine(std::vector<std::unique_ptr<StageGroup>> groups, Options options);

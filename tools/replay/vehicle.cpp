@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kSections = {"ekf", "mapper", "tensor_voting", "semantic_map"};
 
-/// One process's configuration, and its section with all values, as YAML.
+/// One process's configuration, and its section with all values as YAML.
 template <class Config>
 struct Section {
   Config value;
@@ -55,7 +55,7 @@ struct Configuration {
   Section<semantic_map::SemanticMapConfig> semantic;
 };
 
-/// What the processes had, but for what another vehicle, or another time, left on the disk.
+/// The configuration of the processes, without the files of another vehicle or time.
 Configuration configure(const ReplayOptions& given) {
   ReplayOptions options = given;
   options.assignments = assignments_for(kSections, given.assignments);
@@ -67,7 +67,7 @@ Configuration configure(const ReplayOptions& given) {
   all.mapper.value.journal.clear();
   semantic_map::SemanticMapConfig& semantic = all.semantic.value;
   if (!options.map_file.empty()) semantic.map = options.map_file;
-  semantic.keep_earlier_drives = false;  // the user says which file is to be made
+  semantic.keep_earlier_drives = false;  // the user names the file to write
   if (options.config_file.empty() && options.recorded.sections.contains("semantic_map")) semantic.picture.clear();
   return all;
 }
@@ -105,7 +105,7 @@ ReplayVehicle::~ReplayVehicle() = default;
 
 void ReplayVehicle::advance(std::int64_t now) {
   if (last_tick_ == 0) last_tick_ = now;
-  // A gap in the log is no reason to tick through it.
+  // Ticks are not made up across a gap in the log.
   if (std::abs(now - last_tick_) > 50 * tick_period_) last_tick_ = now - tick_period_;
   while (last_tick_ + tick_period_ <= now) tick(last_tick_ += tick_period_);
 }

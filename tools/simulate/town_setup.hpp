@@ -21,8 +21,7 @@ struct TownTour {
   double straight = 0;    ///< m of a straight street, bare along its middle half, instead of a town; 0: a town
   std::uint64_t day = 0;  ///< seed of the cars, the bins and all noise; 0: the town's seed
   double lane = -1.3;     ///< m left of the crown
-  bool opposite = false;  ///< begins and ends in a street that leads to the loop, so it returns in the opposite
-                          ///< direction
+  bool opposite = false;  ///< starts and ends in a street off the loop; returns in the opposite direction
 
   static constexpr double kAgain = 60.0;  ///< m of the first street driven again, in the same direction
 };

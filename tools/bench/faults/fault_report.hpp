@@ -14,8 +14,7 @@ struct FaultRow {
   /// Compared with the replay of an undisturbed drive of the same length: cells of a different class, and revolutions
   /// of that replay without a pose. Empty: that drive or this one was spoiled.
   std::optional<int> cells_differ{}, poses_missing{};
-  std::optional<double> back_s{};   ///< until all ran without a fault to the end of the drive; empty: not before the
-                                    ///< end
+  std::optional<double> back_s{};   ///< until all ran without a fault; empty: not before the drive's end
   std::vector<std::string> said{};  ///< reported faults, "service: fault"
   bool ended_cleanly = false;       ///< all processes, on request
   std::string map;                  ///< "ok", or what is wrong with the file

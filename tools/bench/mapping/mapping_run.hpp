@@ -19,8 +19,7 @@ struct MappingResult {
   double ms_median = 0, ms_p95 = 0;          ///< per revolution, wall time
   double ms_max = 0;                         ///< likewise; reached at a loop closure or at the start of a drive
   double cpu_ms_median = 0, cpu_ms_p95 = 0;  ///< CPU time of the whole process; comparable on a shared machine
-  double memory_mb = 0;                      ///< maximum growth of the heap since the method was constructed (glibc
-                                             ///< only)
+  double memory_mb = 0;                      ///< maximum heap growth since the method was constructed (glibc only)
   int revolutions = 0;                       ///< played
   int poses = 0;                             ///< found
   methods::MapContent content;

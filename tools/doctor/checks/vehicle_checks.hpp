@@ -55,8 +55,7 @@ struct LidarFacts {
   bool listened = false;  ///< false: another program has the port, and raw sockets are not permitted
   double seconds = 0;
   std::map<std::string, std::int64_t> packets;    ///< by sender
-  std::map<std::string, std::int64_t> elsewhere;  ///< of a LiDAR's packet size, to other ports: by "port 2368, from
-                                                  ///< 192.168.1.201"
+  std::map<std::string, std::int64_t> elsewhere;  ///< of LiDAR size, other ports: by "port 2368, from 192.168.1.201"
   std::string wanted_sender;                      ///< empty: any
   std::int64_t messages = 0;                      ///< LIDAR_POINTS received on the bus meanwhile
 };

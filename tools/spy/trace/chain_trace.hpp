@@ -34,8 +34,7 @@ class ChainTrace {
   static constexpr std::size_t kMostChannels = 500;
   static constexpr std::size_t kMostStatuses = 20'000;
   static constexpr std::size_t kMostTiles = 100'000;
-  static constexpr std::int64_t kOldest = 10'000'000;    ///< us in transit: older messages are from a log, or repeat a
-                                                         ///< state
+  static constexpr std::int64_t kOldest = 10'000'000;    ///< us in transit; older: from a log, or a repeated state
   static constexpr std::int64_t kEarliest = -1'000'000;  ///< us: the other host's clock is ahead
 
   void on_message(const std::string& channel, const void* data, std::size_t size, std::int64_t arrival);
