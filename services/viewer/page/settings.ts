@@ -58,7 +58,7 @@ export class Settings {
     if (off.length) words.push(`off=${off.join(".")}`);
     if (!this.panel) words.push("panel=0");
     const address = "#" + words.join("&");
-    if (address === this.written) return;  // browsers limit the rate
+    if (address === this.written) return;  // browsers limit the changes per minute
     this.written = address;
     history.replaceState(null, "", address);
   }

@@ -58,7 +58,8 @@ class StackDrive {
   void take_interface_down(double seconds);
   /// Runs so many busy loops for so many seconds.
   void keep_cpu_busy(int loops, double seconds);
-  /// Marks the end of the fault: back_within() counts from here, and faults_said() at the latest.
+  /// Marks the end of the fault, from which back_within() counts. Without an earlier injection, faults_said() starts
+  /// here too.
   void fault_is_over();
 
   /// Waits for the end of the drive and until all processes have stopped.
@@ -72,7 +73,7 @@ class StackDrive {
   [[nodiscard]] std::vector<std::string> faults_said() const;
   /// Whether the deputy, and so each process, ended by itself on request.
   [[nodiscard]] bool ended_cleanly() const { return clean_; }
-  /// s, delay of the emulator's latest packet; over 0.1 s the machine was too busy.
+  /// s, largest delay of the emulator's packets; over 0.1 s the machine was too busy.
   [[nodiscard]] double emulator_late() const;
   [[nodiscard]] std::string map_file() const { return options_.folder + "/map.db"; }
   [[nodiscard]] std::string log_file() const { return options_.folder + "/run.lcmlog"; }
