@@ -45,18 +45,18 @@ class StackDrive {
   [[nodiscard]] const std::vector<std::string>& commands() const { return commands_; }
   /// Sends SIGKILL. "deputy": the deputy itself, which is started again, as systemd does.
   void kill_command(const std::string& command);
-  /// Stops a command with SIGSTOP for so many seconds.
+  /// Stops a command with SIGSTOP for `seconds`.
   void freeze(const std::string& command, double seconds);
   /// Kills all processes at once, then starts all again.
   void lose_power();
   /// Kills two commands at the same moment.
   void kill_commands(const std::string& one, const std::string& other);
-  /// Fills the disk (StackOptions::disk_mb) for so many seconds.
+  /// Fills the disk (StackOptions::disk_mb) for `seconds`.
   void fill_disk(double seconds);
-  /// Takes the interface that carries the bus and the LiDAR's packets down for so many seconds. Then it comes up, with
+  /// Takes the interface that carries the bus and the LiDAR's packets down for `seconds`. Then it comes up, with
   /// the route of the bus set as the system's unit sets it.
   void take_interface_down(double seconds);
-  /// Runs so many busy loops for so many seconds.
+  /// Runs `loops` busy loops for `seconds`.
   void keep_cpu_busy(int loops, double seconds);
   /// Marks the end of the fault, from which back_within() counts. Without an earlier injection, faults_said() starts
   /// here too.

@@ -11,7 +11,7 @@ namespace curbstone::bench::curbs::scenes {
 struct ScanLoss {
   double range_noise = 0;  ///< m, 1 sigma, added along each ray
   double kept = 1;         ///< 0..1, share of the points kept, at random
-  int lasers = 1;          ///< one laser in so many is kept
+  int lasers = 1;          ///< one laser in `lasers` is kept
 };
 
 /// Degrades a scan that is stored laser by laser, each counter-clockwise from ahead, as in KITTI.
