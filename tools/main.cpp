@@ -15,8 +15,8 @@ namespace {
 
 using curbstone::command::Subcommand;
 
-// Linked in: what the demo runs, and `lidar`, whose program has that of the driver for a namesake. The others are
-// programs of their own, so that the demo is built soon.
+// Linked in: the demo's commands, and `lidar`, whose program name is that of the driver. The others are separate
+// programs, so that the demo builds quickly.
 constexpr std::array kSubcommands = {
     Subcommand{"simulate", "an emulated vehicle: sensor bytes or a log, and the truth",
                curbstone::simulate::run_simulate},

@@ -8,11 +8,11 @@
 
 namespace curbstone::viewer {
 
-/// The door for Foxglove, beside the page: the same world, by the protocol of Foxglove's programs. What costs the bus
-/// something (LIDAR_POINTS, MAP_POINTS) is taken once a client asks for it.
+/// The Foxglove server beside the page: the same state, in Foxglove's protocol. LIDAR_POINTS and MAP_POINTS load the
+/// bus, so they are subscribed to only once a client asks for them.
 class FoxgloveNode final : public Node {
  public:
-  /// All must outlive this. `session`: another one for each run of the process.
+  /// All arguments but `session` must outlive this. `session`: unique for each run of the process.
   FoxgloveNode(const ViewerConfig& config, ViewerNode& node, web::Audience& clients, const std::string& session)
       : node_(node), vehicle_(config.vehicle), show_(node, vehicle_), door_(clients, session) {}
 
@@ -26,8 +26,8 @@ class FoxgloveNode final : public Node {
   Show show_;
   foxglove::Door door_;
   Subscriber* subscriber_ = nullptr;
-  bool points_wanted_ = false;      // by a client, now
-  bool points_subscribed_ = false;  // a bus knows no end of it
+  bool points_wanted_ = false;      // by a client, at present
+  bool points_subscribed_ = false;  // stays true: the bus has no unsubscribe
 };
 
 }  // namespace curbstone::viewer

@@ -14,7 +14,7 @@ namespace {
 
 using namespace curbstone;
 
-/// The node and the server that it sends by.
+/// The node and its web server.
 class Viewer final : public Node {
  public:
   Viewer(const viewer::ViewerConfig& config, Publisher& bus)

@@ -8,23 +8,23 @@
 
 namespace curbstone::viewer {
 
-/// What a page wants of a log that is played; all are optional.
+/// A page's commands to the player of a log; all are optional.
 struct PlayOrder {
   std::optional<bool> pause;
-  std::optional<double> speed;     ///< times the pace of the drive; any positive number
+  std::optional<double> speed;     ///< times real time; any positive number
   std::optional<double> position;  ///< s since the first record; any number that is not negative
 };
 
-/// What a page said (frames/README.md); one that makes sense has one of these.
+/// One message of a page (frames/README.md). A valid message sets one of the members.
 struct PageWords {
-  bool resumes = false;                         ///< it begins, or has come again
-  std::optional<frames::PageFeed::Resume> has;  ///< with it: up to where it knows the map
-  std::optional<std::uint32_t> drawn;           ///< the frame that is on its screen
+  bool resumes = false;                         ///< the page opened, or it reconnected
+  std::optional<frames::PageFeed::Resume> has;  ///< with `resumes`: the state that the page kept
+  std::optional<std::uint32_t> drawn;           ///< the frame that it has drawn
   std::optional<PlayOrder> play;
   std::optional<bool> points;  ///< whether it shows the LiDAR's points
 };
 
-/// Anybody may write to the port: what is of another type, or out of all bounds, is as if it was not said.
+/// Anybody may write to the port: a value of the wrong type or out of bounds is ignored.
 [[nodiscard]] PageWords read_page_words(const std::string& text);
 
 }  // namespace curbstone::viewer

@@ -7,7 +7,7 @@
 namespace curbstone::viewer {
 namespace {
 
-constexpr float kFarthest = 320;  // m: in cm, an int16
+constexpr float kFarthest = 320;  // m: in cm it fits an int16
 
 }  // namespace
 
@@ -23,13 +23,13 @@ bool Scan::put(const lidar_points_t& message) {
   for (std::size_t i = 0; i < n; ++i) {
     if (counted_++ % stride_ != 0 || filling_.size() >= max_points_) continue;
     const Eigen::Vector3f p = T_base_lidar_ * Eigen::Vector3f(message.x[i], message.y[i], message.z[i]);
-    if (!(p.cwiseAbs().maxCoeff() < kFarthest)) continue;  // NaN too
+    if (!(p.cwiseAbs().maxCoeff() < kFarthest)) continue;  // also drops NaN
     filling_.push_back({cm(p.x()), cm(p.y()), cm(p.z()), message.intensity[i]});
   }
   return true;
 }
 
-/// The next revolution will have about as many points as this one. An odd stride takes points of all rings in turn.
+/// Ends a revolution. The next one will have about as many points. An odd stride takes points from all rings in turn.
 void Scan::finish(std::int32_t next) {
   if (max_points_ > 0) stride_ = (counted_ / max_points_) | 1U;
   counted_ = 0;

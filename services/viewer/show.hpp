@@ -9,8 +9,8 @@
 
 namespace curbstone::viewer {
 
-/// What Foxglove sees and the page does not, beside what the node knows: every counter, a log, the mapper's points.
-/// Live, and of a log. One thread.
+/// The state that only Foxglove shows, beside that of the node: all counters, a log, the mapper's points. Used live and
+/// for the export of a log. One thread.
 class Show {
  public:
   /// Both must outlive this.
@@ -19,10 +19,10 @@ class Show {
   void on(const service_status_t& message);
   void on(const map_points_t& message);
 
-  /// Valid until the node or this hears anything.
+  /// Valid until the node or this object takes the next message.
   [[nodiscard]] foxglove::World world() const;
   [[nodiscard]] const foxglove::StatusBook& status() const { return status_; }
-  /// dropped.status (too many processes), refused.map_points.
+  /// dropped.status (more processes than StatusBook keeps), refused.map_points.
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:

@@ -12,32 +12,33 @@ namespace curbstone::viewer {
 
 /// How far a log has been played.
 struct Playback {
-  double position = 0;  ///< s since its first record
-  double progress = 0;  ///< 0 .. 1, the part of it that has been read
-  double speed = 1;     ///< times the pace of the drive
+  double position = 0;  ///< s since the first record
+  double progress = 0;  ///< 0 .. 1, the share of the log that was read
+  double speed = 1;     ///< times real time
   bool paused = false;
   bool ended = false;
 };
 
-/// What the pages show of the present moment. Ages are in s since something came; NaN: it never did.
+/// The present state as the pages show it. Ages are in s since the last message; NaN: there was none.
 struct State {
   std::string source;  ///< "live", "map" (saved) or "replay"
-  std::string title;   ///< what is seen, for people: a file, say
+  std::string title;   ///< of what is shown, for people; for example a file name
   std::int32_t epoch = 0;
   std::size_t tiles = 0;
-  std::size_t behind = 0;  ///< tiles that were announced and did not come yet
+  std::size_t behind = 0;  ///< tiles announced but not received yet
   double bus_age = 0;      ///< of any message
   double tile_age = 0;
   double pose_age = 0;
-  double latency_p50 = 0;  ///< s, from the LiDAR's measurement to the drawn frame; NaN: none was drawn
+  double latency_p50 = 0;  ///< s, from the LiDAR's measurement to the drawn frame; NaN: no frame was drawn
   double latency_p95 = 0;
   std::optional<map_pose_t> pose;
-  std::optional<map_pose_t> localized;  ///< LOCALIZED_POSE; drawn where its map is the one that is seen
+  std::optional<map_pose_t> localized;  ///< LOCALIZED_POSE; drawn if its map is the one shown
   double localized_age = 0;
-  std::optional<Playback> playback;  ///< of a "replay"
+  std::optional<Playback> playback;  ///< only of a "replay"
 };
 
-/// JSON, UTF-8 whatever came from the bus. README.md of frames/ tells where it goes; page/world.ts reads it.
+/// As JSON, valid UTF-8 whatever the bus delivered. frames/README.md has the section it goes into; page/world.ts reads
+/// it.
 [[nodiscard]] std::string state_json(const State& state, const VehicleConfig& vehicle);
 [[nodiscard]] std::string services_json(const store::Services& services, std::int64_t now);
 

@@ -9,7 +9,7 @@
 namespace curbstone::viewer {
 namespace {
 
-/// The words between commas, without spaces.
+/// Splits at commas and drops spaces.
 std::vector<std::string> split_names(const std::string& list) {
   std::vector<std::string> names(1);
   for (const char c : list) {

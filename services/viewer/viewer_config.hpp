@@ -15,8 +15,8 @@ struct ViewerConfig {
   std::string address = "127.0.0.1";  ///< to listen at
   int port = 8088;
   int ports = 1;
-  std::string names;          ///< by which browsers may call it too, with commas between
-  int pages = 8;              ///< that may watch at a time
+  std::string names;          ///< further host names for browsers, separated by commas
+  int pages = 8;              ///< that may be connected at a time
   double frame_period = 0.1;  ///< s between two frames of a page
   int scan_points = 3000;     ///< of a LiDAR revolution, for pages that show it
   std::string network;        ///< file of the network namespace to listen in
@@ -43,11 +43,11 @@ struct ViewerConfig {
   }
 };
 
-/// Where and for whom the page is served.
+/// Settings of the server for the page.
 [[nodiscard]] web::WebSettings web_settings(const ViewerConfig& config);
-/// Where and for whom Foxglove's door is.
+/// Settings of the server for Foxglove.
 [[nodiscard]] web::WebSettings door_settings(const ViewerConfig& config);
-/// For people: "http://127.0.0.1:8088/".
+/// The address of the page: "http://127.0.0.1:8088/".
 [[nodiscard]] std::string page_address(const ViewerConfig& config, std::uint16_t port);
 
 }  // namespace curbstone::viewer

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::int64_t kRequestPeriod = 100'000;  // us
 constexpr std::int64_t kServicesPeriod = 500'000;
-constexpr std::int64_t kOldest = 60'000'000;  // us: a measurement that is older tells nothing of latency
+constexpr std::int64_t kOldest = 60'000'000;  // us: older measurements are left out of the latency
 constexpr std::size_t kMaxHeld = 64;          // pages of MAP_TRAJECTORY
 constexpr std::size_t kMaxBehind = store::LiveMap::kMaxTiles;
 
@@ -25,7 +25,7 @@ double seconds_since(std::int64_t then, std::int64_t now) {
   return static_cast<double>(std::max<std::int64_t>(0, now - then)) * 1e-6;
 }
 
-/// Names this run of the process: what pages have of another is void. A double holds it.
+/// Draws a random id of this process run, so that pages discard what they have from another run. It fits a double.
 double draw_run() {
   std::random_device entropy;
   return static_cast<double>(std::uniform_int_distribution<std::int64_t>(1, std::int64_t{1} << 52)(entropy));
@@ -58,7 +58,7 @@ void ViewerNode::connect(Subscriber& bus) {
   bus.subscribe<service_status_t>("SERVICE_STATUS", [this](const service_status_t& m) { on(m); });
 }
 
-/// The LiDAR's points are most of what is on the bus: nobody takes them until a page shows them.
+/// The LiDAR's points are most of the bus traffic, so they are subscribed to only once a page shows them.
 void ViewerNode::watch_scan() {
   const auto shows_it = [](const auto& entry) { return entry.second.feed && entry.second.feed->wants_points(); };
   scan_wanted_ = scan_wanted_elsewhere_ || std::any_of(pages_.begin(), pages_.end(), shows_it);
@@ -145,7 +145,7 @@ void ViewerNode::on(const map_pose_t& message) {
   if ((message.flags & map_pose_t::LOST) == 0) path_.put({message.utime, place.x(), place.y(), place.z()});
 }
 
-/// In the frame of the saved map that the localizer has, so its epoch says nothing of the live one.
+/// The pose is in the frame of the localizer's saved map, so its epoch is not an epoch of the live map.
 void ViewerNode::on_localized(const map_pose_t& message) {
   const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
   if (!is_finite(T_map_base) || message.utime <= 0) return counters_.add("refused.pose");
@@ -188,7 +188,7 @@ void ViewerNode::take_lines(const Message& message, store::BoxedLines<Message>& 
 }
 
 void ViewerNode::on(const service_status_t& message) {
-  if (!message.service.starts_with("viewer")) heard();  // its own comes back: no sign that anything else lives
+  if (!message.service.starts_with("viewer")) heard();  // the viewers' own status shows no other process
   if (!services_.put(message, now_)) counters_.add("dropped.service");
 }
 
@@ -246,15 +246,15 @@ void ViewerNode::tick(std::int64_t now) {
   send_frames();
 }
 
-/// Who is level gets a frame each period: also where nothing changed, so that silence means a dead connection. Who is
-/// behind gets one as soon as the last but one is drawn.
+/// A page that is up to date gets a frame each period, even if nothing changed, so that silence means a dead
+/// connection. A page that is behind gets one as soon as fewer than PageFeed::kMaxOut frames are unacknowledged.
 void ViewerNode::send_frames() {
   const auto period = static_cast<std::int64_t>(config_.frame_period * 1e6);
   const auto is_due = [&](const Page& page) { return std::abs(now_ - page.sent) >= period; };
   const bool any_due =
       std::any_of(pages_.begin(), pages_.end(), [&](const auto& entry) { return is_due(entry.second); });
   if (any_due) steps_.close(map_);
-  if (pages_.empty()) steps_.clear(map_);  // nobody is level
+  if (pages_.empty()) steps_.clear(map_);  // no page is up to date
   for (auto& [id, page] : pages_) {
     if (!page.feed || !page.feed->may_send()) continue;
     if (!is_due(page)) {

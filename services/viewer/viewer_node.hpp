@@ -28,17 +28,17 @@
 
 namespace curbstone::viewer {
 
-/// Shows the map to browsers. It follows the tiles of semantic_map whether or not a page is open: opening one asks
-/// nobody for anything. It changes nothing: all that it sends are requests for tiles that it missed. It is for people,
-/// so unlike other nodes it goes by when things came.
+/// Shows the map in browsers. It follows the tiles of semantic_map whether or not a page is open, so opening a page
+/// causes no requests. It is read-only: the only messages it sends are requests for missed tiles. It is for people, so
+/// unlike the other nodes it measures ages by the time of reception, not by the time of measurement.
 class ViewerNode final : public Node {
  public:
   using PlayOrder = viewer::PlayOrder;
-  /// What it shows, for the pages.
+  /// What is shown, for the pages.
   struct Source {
-    std::string kind = "live";  ///< or "map", which is never stale, or "replay"
+    std::string kind = "live";  ///< or "map" (saved, never stale) or "replay"
     std::string title;
-    std::function<void(const PlayOrder&)> on_order = {};  ///< none: pages may order nothing
+    std::function<void(const PlayOrder&)> on_order = {};  ///< empty: pages cannot control playback
   };
   ViewerNode(const ViewerConfig& config, Publisher& bus, web::Audience& audience, Source source);
 
@@ -46,15 +46,15 @@ class ViewerNode final : public Node {
   void tick(std::int64_t now) override;
   [[nodiscard]] NodeReport report() const override;
 
-  /// Forgets all that it received, as if it were started again; the pages stay.
+  /// Discards all received data, as after a restart; the pages stay connected.
   void begin_again();
-  /// Of the log that is played, for the pages.
+  /// The progress of the log that is played, for the pages.
   void set_playback(const Playback& playback) { playback_ = playback; }
 
-  /// All that it shows; valid until it hears anything.
+  /// The present state; valid until the next message.
   [[nodiscard]] frames::World world() const;
   [[nodiscard]] const std::optional<map_pose_t>& pose() const { return pose_; }
-  /// Whether somebody else than a page wants the LiDAR's points.
+  /// Whether a consumer other than the pages wants the LiDAR's points.
   void want_scan(bool wanted) { scan_wanted_elsewhere_ = wanted; }
 
   void on(const semantic_tile_t& message);
@@ -69,11 +69,11 @@ class ViewerNode final : public Node {
 
  private:
   struct Page {
-    std::optional<frames::PageFeed> feed;  // none until it has said what it has
+    std::optional<frames::PageFeed> feed;  // empty until the page has reported what it has
     std::int64_t sent = 0;                 // us, the last frame
     LatencyWindow latency{64};
   };
-  /// Whether a message that names this epoch is of the present one, which may begin with it.
+  /// Whether a message of this epoch belongs to the present epoch, which the message may start.
   bool follow_epoch(std::int32_t epoch, EpochFollower::Source source);
   void enter_epoch(std::int32_t epoch);
   void forget_map();
@@ -105,13 +105,13 @@ class ViewerNode final : public Node {
   store::Services services_;
   Scan scan_;
   bool scan_subscribed_ = false;
-  bool scan_wanted_ = false;  // now
+  bool scan_wanted_ = false;  // at present
   bool scan_wanted_elsewhere_ = false;
   std::vector<map_trajectory_t> held_;  // of an epoch that may begin
   std::optional<map_pose_t> pose_;
   std::optional<map_pose_t> localized_;
   std::optional<Playback> playback_;
-  std::int64_t newest_utime_ = 0;  // us, of the points in any tile
+  std::int64_t newest_utime_ = 0;  // us, of the newest points in any tile
   std::string services_json_;
   std::uint64_t services_number_ = 0;
 

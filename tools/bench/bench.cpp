@@ -26,7 +26,7 @@ struct Benchmark {
   std::string_view summary;
 };
 
-// One line a benchmark, each a library in its own folder.
+// One line per benchmark; each is a library in its own folder.
 const std::vector<Benchmark> kBenchmarks = {
     {"voting", voting::run_bench_voting, "tensor voting: beside PCL, against this machine's peak, on a growing map"},
     {"mapping", mapping::run_bench_mapping, "odometry and mapping: icp, loam and PCL's methods on the same drives"},

@@ -24,10 +24,10 @@ constexpr const char* kProgram = "/usr/bin/chromium-headless-shell";
 constexpr auto kPatience = std::chrono::minutes(1);
 constexpr int kRound = 5;  // ms between two calls of `meanwhile`
 
-/// An order that the browser refused, with the code that it gave.
+/// A command that the browser refused, with its error code.
 class DevToolsError : public std::runtime_error {
  public:
-  static constexpr int kNotNow = -32000;  ///< the page was left, or has no context for scripts yet
+  static constexpr int kNotNow = -32000;  ///< the page was left, or has no script context yet
   DevToolsError(const std::string& what, int code) : std::runtime_error(what), code_(code) {}
   [[nodiscard]] int code() const { return code_; }
 
@@ -35,13 +35,13 @@ class DevToolsError : public std::runtime_error {
   int code_;
 };
 
-/// Chromium reads orders at descriptor 3 and writes answers to 4, each message ended by a zero byte.
+/// Chromium reads commands at descriptor 3 and writes responses to 4, each message ended by a zero byte.
 int start(int orders, int answers, const std::string& profile) {
   const std::string user_data = "--user-data-dir=" + profile;
   const int process = fork();
   if (process != 0) return process;
   setpgid(0, 0);
-  // Twice, for either may be at 3 or 4 already.
+  // Duplicated twice, because either may already be at 3 or 4.
   const int in = fcntl(orders, F_DUPFD, 10), out = fcntl(answers, F_DUPFD, 10);
   dup2(in, 3);
   dup2(out, 4);
@@ -54,7 +54,7 @@ int start(int orders, int answers, const std::string& profile) {
   _exit(127);
 }
 
-/// An empty one that nobody else has.
+/// Creates a new empty folder.
 std::filesystem::path new_folder() {
   std::string pattern = (std::filesystem::temp_directory_path() / "curbstone_browser_XXXXXX").string();
   if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("mkdtemp " + pattern);
@@ -79,7 +79,7 @@ Browser::Browser(std::function<void()> meanwhile, int width, int height)
   const json page = call("Target.createTarget", {{"url", "about:blank"}});
   session_ = call("Target.attachToTarget", {{"targetId", page["targetId"]}, {"flatten", true}})["sessionId"];
   for (const char* domain : {"Page", "Runtime", "Log"}) call(std::string(domain) + ".enable");
-  // A picture drawn without a GPU takes its time: no transitions.
+  // Without a GPU drawing is slow, so transitions are switched off.
   call("Emulation.setEmulatedMedia", {{"features", {{{"name", "prefers-reduced-motion"}, {"value", "reduce"}}}}});
   resize(width, height);
 }
@@ -100,7 +100,7 @@ void Browser::resize(int width, int height, bool touch) {
 }
 
 void Browser::open(const std::string& url) {
-  call("Page.navigate", {{"url", "about:blank"}});  // else a new fragment alone would load nothing
+  call("Page.navigate", {{"url", "about:blank"}});  // otherwise a new fragment alone would load nothing
   const json answer = call("Page.navigate", {{"url", url}});
   if (answer.contains("errorText")) throw std::runtime_error(url + ": " + answer["errorText"].get<std::string>());
 }
@@ -116,10 +116,10 @@ json Browser::evaluate(const std::string& expression) {
 bool Browser::comes_to(const std::string& expression, double seconds) {
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
   do {
-    // A page that is still loading has not all that the expression asks for.
+    // While a page is loading, parts of the expression may not exist yet.
     try {
       if (evaluate("(() => { try { return !!(" + expression + "); } catch { return false; } })()") == true) return true;
-    } catch (const DevToolsError& error) {  // nor has one that was left meanwhile
+    } catch (const DevToolsError& error) {  // the same for a page that is being left
       if (error.code() != DevToolsError::kNotNow) throw;
     }
     pass(0.02);
@@ -191,7 +191,7 @@ void Browser::press(const std::string& key) {
 
 double Browser::memory() {
   call("HeapProfiler.enable");
-  for (int i = 0; i < 2; ++i) call("HeapProfiler.collectGarbage");  // what held a buffer goes first, then the buffer
+  for (int i = 0; i < 2; ++i) call("HeapProfiler.collectGarbage");  // frees first a buffer's owner, then the buffer
   const json usage = call("Runtime.getHeapUsage");
   return usage["usedSize"].get<double>() + usage.value("backingStorageSize", 0.0);
 }
@@ -201,8 +201,7 @@ void Browser::save_to(const std::string& folder) {
 }
 
 std::string Browser::png() {
-  // What a page has just drawn is on the screen two of its pictures later: without a graphics card the drawing goes on
-  // in another process.
+  // A drawn picture is on the screen two animation frames later: without a graphics card another process draws it.
   evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))");
   namespace base64 = boost::beast::detail::base64;
   const std::string text = call("Page.captureScreenshot", {{"format", "png"}})["data"];
@@ -260,7 +259,7 @@ void Browser::note(const json& event) {
   if (method == "Runtime.exceptionThrown") complaints_.push_back(event["params"]["exceptionDetails"].dump());
   if (method == "Log.entryAdded") {
     const json& entry = event["params"]["entry"];
-    // That the server is away is what some tests are about.
+    // Some tests stop the server on purpose, so network errors do not count.
     if (entry.value("level", "") == "error" && entry.value("source", "") != "network")
       complaints_.push_back(entry.value("text", ""));
   }

@@ -1,4 +1,5 @@
-// page_picture URL PNG SECONDS [WIDTH HEIGHT]: opens a page, lets it run, and draws it; with a size as a phone has it.
+// page_picture URL PNG SECONDS [WIDTH HEIGHT]: opens a page, lets it run, and saves its picture; with a size, as on a
+// phone.
 // scripts/page-picture calls it.
 #include <cstdio>
 #include <cstdlib>

@@ -9,7 +9,7 @@ namespace curbstone::browser {
 
 using Rgb = std::array<int, 3>;
 
-/// Pixels that were drawn; (0, 0) is the upper left one.
+/// The pixels of a picture; (0, 0) is the upper left one.
 class Picture {
  public:
   /// Throws std::runtime_error.
@@ -25,7 +25,7 @@ class Picture {
   std::vector<std::uint8_t> rgb_;
 };
 
-/// The largest difference of a channel.
+/// The largest difference of any channel.
 [[nodiscard]] int difference(const Rgb& a, const Rgb& b);
 
 }  // namespace curbstone::browser

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kDegrees = 57.29577951308232;
 
-/// What load_config() needs to read only `vehicle:`.
+/// A configuration with only the section `vehicle:`, for load_config().
 struct VehicleOnly {
   VehicleConfig vehicle;
   void visit(ConfigVisitor& v) { v.section("vehicle", vehicle, "what all processes share about the vehicle"); }

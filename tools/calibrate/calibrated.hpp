@@ -4,7 +4,7 @@
 
 namespace curbstone::calibrate {
 
-/// What is solved for, in this order. Lengths in m, angles in rad (roll, pitch, yaw about fixed axes).
+/// The estimated parameters, in this order. Lengths in m, angles in rad (roll, pitch, yaw about fixed axes).
 enum class Calibrated : int {
   kRadiusLeft,
   kRadiusRight,

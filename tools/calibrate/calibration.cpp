@@ -17,13 +17,13 @@ namespace {
 
 constexpr double kPiece = 0.5;  // s
 constexpr std::size_t kMinSegments = 20;
-constexpr double kShare = 0.9;  // of what is known, by the drive: observed
-constexpr double kOpen = 0.5;   // of the prior's variance left: the drive says nothing in that direction
+constexpr double kShare = 0.9;  // share of the information from the drive for a parameter to be observed
+constexpr double kOpen = 0.5;   // remaining share of the prior's variance for a direction to be open
 
 struct Described {
   const char* name;
   const char* unit;
-  double useful;  // 1 sigma that is of use; radii and track: share of themselves
+  double useful;  // largest useful value of 1 sigma; radii and track: relative
 };
 constexpr std::array<Described, kCalibratedCount> kDescribed = {{{"wheel_radius.left", "m", 0.005},
                                                                  {"wheel_radius.right", "m", 0.005},
@@ -66,7 +66,7 @@ Values configured_values(const VehicleConfig& vehicle) {
   return values;
 }
 
-/// Each value with its sigma, and whether the drive says it well enough. The result has its covariance by then.
+/// Fills in each value, its sigma, and whether it is observed. The result must have its covariance.
 void describe_values(const CalibrationSolver& solver, const Values& configured, CalibrationResult& result) {
   const auto found = solver.values();
   const auto prior = solver.prior_sigma();
@@ -83,7 +83,7 @@ void describe_values(const CalibrationSolver& solver, const Values& configured, 
   }
 }
 
-/// The vehicle with what was observed in place of what was configured.
+/// The vehicle with the observed parameters replaced.
 VehicleConfig with_observed(VehicleConfig vehicle, const CalibrationResult& result) {
   const CalibratedValue& left = result[Calibrated::kRadiusLeft];
   const CalibratedValue& right = result[Calibrated::kRadiusRight];

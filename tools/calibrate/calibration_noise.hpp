@@ -5,13 +5,13 @@
 
 namespace curbstone::calibrate {
 
-/// What a residual is of, and so what its noise is in.
+/// Kinds of residuals, each with its own noise level and unit.
 enum NoiseKind : std::size_t {
-  kAlong,     ///< m, of the way in a piece of the drive
+  kAlong,     ///< m, longitudinal, over a piece of the drive
   kSideways,  ///< m
   kUpwards,   ///< m
   kTilt,      ///< rad
-  kTurn,      ///< m that one wheel rolled more than the other
+  kTurn,      ///< m, difference of the wheels' paths
   kGyro,      ///< rad
   kSpeed,     ///< m/s
   kNoiseCount

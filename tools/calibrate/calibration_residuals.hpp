@@ -10,14 +10,14 @@
 #include "tools/calibrate/calibration_noise.hpp"
 #include "tools/calibrate/segment.hpp"
 
-/// What must vanish if wheels, LiDAR and IMU are where they are said to be, for Ceres to differentiate. Parameters:
+/// Residuals of the sensors' agreement, for automatic differentiation by Ceres. Parameters:
 ///   wheels              radii, left and right, and track, m
 ///   lidar, imu          T_base_lidar, T_base_imu: x y z in m, roll pitch yaw in rad
-///   gyro_bias           rad/s, beside what was taken off; accelerometer_bias m/s^2
+///   gyro_bias           rad/s, in addition to the one subtracted before; accelerometer_bias m/s^2
 ///   level               rad, about x and y: of the map against gravity
 ///   camber              rad, roll of the road under the vehicle: the same all drive long
-/// Each names the kinds of its residuals, kKinds, which are in sigmas of `noise`. Only calibration_solver.cpp sees
-/// this.
+/// Each lists the kinds of its residuals in kKinds; residuals are in sigmas of `noise`. Included by
+/// calibration_solver.cpp only.
 namespace curbstone::calibrate::residuals {
 
 template <class T>
@@ -48,9 +48,8 @@ Matrix3<T> exp_of(const Vector3<T>& v) {
   return R;
 }
 
-/// base_link's motion as the LiDAR saw it, against the arcs that the wheels rolled. A vehicle turns about the vertical,
-/// which is base_link's z on a flat road only. On one that falls to its side all along, the LiDAR seems mounted at that
-/// angle.
+/// base_link's motion by the LiDAR against the arcs that the wheels rolled. A vehicle turns about the vertical, which
+/// is base_link's z only on a flat road. On a road with constant camber, the LiDAR appears to be mounted at that angle.
 struct WheelsAgainstLidar {
   const CalibrationSegment& segment;
   double configured_track;
@@ -78,8 +77,8 @@ struct WheelsAgainstLidar {
     residual[2] = t_base.z() / noise[kUpwards];
     residual[3] = turned.x() / noise[kTilt];
     residual[4] = (turned.y() - camber[0] * turned.z()) / noise[kTilt];
-    // In metres of the wheels, which are what errs. A piece that hardly turns tells how the radii compare; of the track
-    // only noise would speak, and shrink or stretch it to make itself small.
+    // In metres of wheel path, which carry the error. A piece that hardly turns constrains the ratio of the radii. It
+    // would constrain the track by noise only, which would bias the track towards a smaller residual.
     const double seen = L.linear().trace() > kStraight ? 0.0 : 1.0;
     const T track = seen * wheels[2] + (1.0 - seen) * configured_track;
     residual[5] = (turned.z() * track - heading * wheels[2]) / noise[kTurn];
@@ -105,7 +104,8 @@ struct GyroAgainstLidar {
   static constexpr std::array kKinds = {kGyro, kGyro, kGyro};
 };
 
-/// The IMU's mean velocity in one piece and in the next: it changed by what the accelerometer felt, and gravity.
+/// The IMU's mean velocities in one piece and in the next: their difference is explained by the accelerometer and
+/// gravity.
 struct AccelerometerAgainstLidar {
   const CalibrationSegment& a;
   const CalibrationSegment& b;

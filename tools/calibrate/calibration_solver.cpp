@@ -12,23 +12,23 @@ namespace curbstone::calibrate {
 
 namespace {
 
-constexpr int kRounds = 4;            // of solving and of finding the noise
-constexpr double kRobustWidth = 4.0;  // sigma of a block beyond which it is an outlier
-constexpr double kCamber = 0.01;      // rad, 1 sigma: roads fall by 2 % to their sides, less in bends and crossings
+constexpr int kRounds = 4;            // of solving and estimating the noise
+constexpr double kRobustWidth = 4.0;  // sigma of a block beyond which it counts as an outlier
+constexpr double kCamber = 0.01;      // rad, 1 sigma: roads have a crossfall of 2 %, less in bends and at junctions
 constexpr NoiseLevels kFirstGuess = {0.01, 0.01, 0.01, 0.005, 0.002, 0.002, 0.05};
 
-/// Not less, however well all agrees: tyres, roads and maps bend by more, and always the same way.
+/// Lower bounds of the noise, however small the residuals: errors of tyres, roads and maps are larger, and systematic.
 constexpr NoiseLevels kLeast = {0.002, 0.003, 0.003, 0.002, 5e-4, 3e-4, 0.01};
 
 }  // namespace
 
 class CalibrationSolver::Problem {
-  /// Everything that is solved for; the first 15 are Calibrated's, in its order.
+  /// All estimated quantities; the first 15 are those of Calibrated, in its order.
   struct Unknowns {
     std::array<double, 3> wheels;                   // both radii, track, m
     std::array<double, 6> lidar;                    // T_base_lidar: x y z roll pitch yaw
     std::array<double, 6> imu;                      // T_base_imu
-    std::array<double, 3> gyro_bias = {};           // rad/s, beside what was taken off
+    std::array<double, 3> gyro_bias = {};           // rad/s, in addition to the one subtracted before
     std::array<double, 3> accelerometer_bias = {};  // m/s^2
     std::array<double, 2> level = {};               // rad, about x and y: of the map against gravity
     std::array<double, 1> camber = {};              // rad, roll of the road under the vehicle
@@ -76,7 +76,7 @@ class CalibrationSolver::Problem {
     }
   }
 
-  /// J^T J of everything, priors and weights of the robust loss included.
+  /// J^T J of all residuals, including priors and weights of the robust loss.
   [[nodiscard]] Eigen::MatrixXd information() {
     ceres::Problem::EvaluateOptions options;
     options.parameter_blocks = {
@@ -128,7 +128,7 @@ class CalibrationSolver::Problem {
     blocks_.push_back({id, {kinds.begin(), kinds.end()}});
   }
 
-  /// Median of the absolute residuals of each kind: outliers do not move it.
+  /// From the median of the absolute residuals of each kind, which is robust to outliers.
   void find_noise() {
     std::array<std::vector<double>, kNoiseCount> residuals;
     std::array<double, 6> r;

@@ -13,7 +13,7 @@
 namespace curbstone::calibrate {
 
 /// The least-squares problem of a drive: the residuals of calibration_residuals.hpp over all its pieces, Cauchy's loss,
-/// and a wide prior about what is configured. One thread.
+/// and a wide prior around the configuration. One thread.
 class CalibrationSolver {
  public:
   /// Keeps a reference to the segments.
@@ -22,15 +22,15 @@ class CalibrationSolver {
   CalibrationSolver(const CalibrationSolver&) = delete;
   CalibrationSolver& operator=(const CalibrationSolver&) = delete;
 
-  /// Solves, finds the noise from what is left, and again. Throws std::runtime_error if nothing fits.
+  /// Solves, estimates the noise from the residuals, and solves again. Throws std::runtime_error if nothing fits.
   void solve();
 
-  /// As found, in the order of Calibrated.
+  /// The estimates, in the order of Calibrated.
   [[nodiscard]] std::array<double, kCalibratedCount> values() const;
-  /// J^T J of everything, priors and weights of the robust loss included; Calibrated's first, then the biases and the
-  /// map's level.
+  /// J^T J of all residuals, including priors and the weights of the robust loss. The parameters of Calibrated come
+  /// first, then the biases and the map's level.
   [[nodiscard]] Eigen::MatrixXd information() const;
-  /// 1 sigma of the priors of Calibrated's.
+  /// 1 sigma of the priors of the parameters of Calibrated.
   [[nodiscard]] std::array<double, kCalibratedCount> prior_sigma() const;
   [[nodiscard]] const NoiseLevels& noise() const;
 

@@ -35,7 +35,7 @@ bool has_map_poses(const std::string& log) {
   return false;
 }
 
-/// Keeps what comes over a bus.
+/// Collects the messages of a bus.
 class Collector {
  public:
   Collector(LocalBus& bus, const Pose& T_base_lidar) : T_base_lidar_(T_base_lidar) {
@@ -73,12 +73,12 @@ class Collector {
 
 CalibrationData read_drive(const std::string& log, const std::string& config_file, bool map_anew) {
   auto mapper_config = load<mapper::config::MapperConfig>("mapper", config_file);
-  mapper_config.journal.clear();  // of the vehicle's own drive
+  mapper_config.journal.clear();  // would be of the vehicle's own drive
   const bool given = !map_anew && has_map_poses(log);
   LocalBus bus;
   Collector collector(bus, mapper_config.vehicle.T_base_lidar());
   auto ekf_config = load<ekf::base::EkfConfig>("ekf", config_file);
-  ekf_config.state_file.clear();  // of the vehicle's own drive
+  ekf_config.state_file.clear();  // would be of the vehicle's own drive
   ekf::EkfNode ekf(ekf_config, bus);
   mapper::MapperNode mapper(mapper_config, bus);
   ekf.connect(bus);

@@ -9,7 +9,7 @@ namespace curbstone::calibrate {
 namespace {
 
 constexpr double kMaxGap = 0.1;      // s, between samples of one sensor
-constexpr double kMinMotion = 0.02;  // rad of a wheel: less is a standstill, which tells nothing
+constexpr double kMinMotion = 0.02;  // rad of a wheel; less is a standstill, which gives no information
 
 template <class Sample>
 auto first_at_or_after(const std::vector<Sample>& samples, std::int64_t utime) {
@@ -27,7 +27,7 @@ ekf::base::ImuSample between(const ekf::base::ImuSample& a, const ekf::base::Imu
   return {utime, (1.0 - f) * a.angular_rate + f * b.angular_rate, (1.0 - f) * a.acceleration + f * b.acceleration};
 }
 
-/// The samples within from..to with interpolated ones at both ends; nothing if there is a gap.
+/// The samples within from..to with interpolated ones at both ends; empty if there is a gap.
 template <class Sample>
 std::optional<std::vector<Sample>> stretch(const std::vector<Sample>& samples, std::int64_t from, std::int64_t to) {
   auto it = first_at_or_after(samples, from);

@@ -5,11 +5,11 @@
 
 namespace curbstone::command {
 
-/// The folder of the running program, links to it resolved.
+/// The folder of the running program, with symbolic links resolved.
 [[nodiscard]] std::filesystem::path own_folder();
 
-/// Becomes the program curbstone-NAME of this folder, with the same arguments. Returns only if that fails: the exit
-/// status, once the reason has been printed. PATH is not searched, so the version is that of this build.
+/// Replaces this process by the program curbstone-NAME of `folder`, with the same arguments. Returns only on failure:
+/// prints the reason and returns the exit status. PATH is not searched, so the version is that of this build.
 int exec_program(std::string_view name, const std::filesystem::path& folder, char** argv);
 
 }  // namespace curbstone::command

@@ -8,8 +8,8 @@ namespace curbstone::detect {
 
 namespace {
 
-constexpr double kOutliers = 0.02;  // share at either end that is not looked at
-constexpr double kTall = 2.0;       // m: what is flatter has no up and down
+constexpr double kOutliers = 0.02;  // share at either end that is ignored
+constexpr double kTall = 2.0;       // m; the orientation of a flatter cloud cannot be told
 constexpr double kLopsided = 3.0;
 
 std::vector<double> coordinate(std::span<const Eigen::Vector3f> cloud, Eigen::Index axis) {

@@ -66,7 +66,7 @@ std::vector<Eigen::Vector3f> read_kitti(const fs::path& path, const Eigen::Vecto
   return points;
 }
 
-/// PCL crashes or allocates without bound on headers that lie: what it is given must look like a cloud.
+/// PCL crashes or allocates without bound on headers with false sizes, so headers are checked first.
 bool has_plausible_header(const fs::path& path) {
   constexpr int kMaxLines = 1000;
   const bool is_pcd = ending(path) == ".pcd";
@@ -96,14 +96,14 @@ bool has_plausible_header(const fs::path& path) {
 std::vector<Eigen::Vector3f> read_with_pcl(const fs::path& path, const Eigen::Vector3d& origin) {
   if (!has_plausible_header(path))
     throw CloudFileError(fmt::format("{}: is not a {} cloud", path.string(), ending(path).substr(1)));
-  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // it prints; we throw
+  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // it prints errors; this function throws instead
   pcl::PCLPointCloud2 blob;
   int result = -1;
   try {
     result = ending(path) == ".pcd" ? pcl::PCDReader().read(path.string(), blob)
                                     : pcl::PLYReader().read(path.string(), blob);
   } catch (const std::exception&) {
-    // said below
+    // reported below
   }
   const bool has_xyz = std::all_of(std::begin("xyz"), std::end("xyz") - 1, [&](char name) {
     return std::any_of(blob.fields.begin(), blob.fields.end(), [&](const pcl::PCLPointField& field) {
@@ -181,7 +181,7 @@ std::vector<Eigen::Vector3f> read_cloud_folder(const std::string& folder, const 
   std::vector<Eigen::Vector3f> points;
   for (std::size_t k = 0; k < scans.size(); ++k) {
     for (const Eigen::Vector3f& p : read_cloud(scans[k].string())) {
-      if (static_cast<double>(p.norm()) < min_range) continue;  // what is not finite is kept, to be counted
+      if (static_cast<double>(p.norm()) < min_range) continue;  // non-finite points are kept, to be counted
       points.push_back((poses[k] * p.cast<double>() - origin).cast<float>());
     }
   }

@@ -26,12 +26,12 @@ struct Arguments {
   std::string out;
   std::string steps;
   double min_range = 0;
-  std::vector<double> origin;  // X,Y,Z, or none
+  std::vector<double> origin;  // X,Y,Z; may be empty
   std::vector<std::string> assignments;
   cloud_map::CloudMapOptions options;
 };
 
-/// What can be set with --set.
+/// The parameters for --set.
 struct DetectConfig {
   semantic_map::tile::CurbParameters curb;
   semantic_map::cells::ClassParameters classes;
@@ -63,7 +63,7 @@ void write_curbs(const std::vector<cloud_map::CloudCurb>& curbs, const Eigen::Ve
   output::write_text(path, rows);
 }
 
-/// What is worth a picture: 40 m around, where a single scan still sees the ground.
+/// The part that is drawn: 40 m around, where a single scan still measures the ground.
 semantic_map::picture::MapPicture picture_of(const cloud_map::CloudMap& map, double range) {
   semantic_map::picture::MapPicture picture;
   for (const semantic_map::tile::MapTile& tile : map.tiles) {
@@ -73,7 +73,7 @@ semantic_map::picture::MapPicture picture_of(const cloud_map::CloudMap& map, dou
   return picture;
 }
 
-/// One picture a step of the method, and the result.
+/// One picture per step of the method, and the result.
 void write_steps(const std::vector<Eigen::Vector3f>& cloud, const Arguments& arguments,
                  const cloud_map::CloudMap& map) {
   output::OutputFolder outputs(arguments.steps);
@@ -92,7 +92,7 @@ void write_steps(const std::vector<Eigen::Vector3f>& cloud, const Arguments& arg
   outputs.commit();
 }
 
-/// Why no point of a cloud can be used, and what to do.
+/// The reason why no point of a cloud can be used, and what to do.
 std::string why_none(const std::vector<Eigen::Vector3f>& cloud, const cloud_map::CloudMap& map,
                      const Arguments& arguments) {
   std::string reason = fmt::format("{}: none of its {} points can be used ({} not finite, {} out of range)",

@@ -3,7 +3,7 @@
 namespace curbstone::detect {
 
 /// `curbstone detect CLOUD`: the method on any cloud. argv[0] is the subcommand's name. Returns the exit status: 0
-/// done, 1 the input or the output failed (one clear line, nothing half-written), 2 wrong usage.
+/// done, 1 input or output failed (one line of error, no partial output), 2 wrong usage.
 int run_detect(int argc, char** argv);
 
 }  // namespace curbstone::detect

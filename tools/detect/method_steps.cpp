@@ -68,7 +68,7 @@ semantic_map::tile::Around<T> around(const std::map<TileKey, T>& products, TileK
   return result;
 }
 
-/// What every step makes of every tile.
+/// The products of all steps for all tiles.
 struct MethodProducts {
   std::map<TileKey, semantic_map::tile::VotedTile> voted;
   std::map<TileKey, semantic_map::ground::GroundModel> ground;
@@ -76,7 +76,7 @@ struct MethodProducts {
   std::map<TileKey, std::vector<semantic_map::curbs::CurbPoint>> curbs;
   Eigen::Vector2d low = Eigen::Vector2d::Zero();
   Eigen::Vector2d high = Eigen::Vector2d::Constant(kTileSize);
-  double bottom = 0;  ///< m, of the ground's heights: 2 % and 98 %
+  double bottom = 0;  ///< m, 2 % and 98 % quantiles of the ground's heights
   double top = 1;
 
   [[nodiscard]] Plan plan() const { return {low, high}; }
@@ -123,7 +123,7 @@ MethodProducts run_steps(const std::vector<semantic_map::tile::VotedTile>& tiles
   return products;
 }
 
-/// value(point, ground) 0..1 of every point.
+/// Draws value(point, ground), 0..1, of every point.
 template <class Value>
 semantic_map::picture::Canvas draw_points(const MethodProducts& products, const std::string& title, Value value) {
   Plan plan = products.plan();
@@ -179,7 +179,7 @@ Eigen::Vector2d place_of(const semantic_map::curbs::CurbPoint& point) {
   return point.foot;
 }
 
-/// A tick for each, towards the higher side, coloured by the step's height: yellow is 15 cm.
+/// Draws a tick for each step, towards the higher side, coloured by the step's height: yellow is 15 cm.
 template <class Candidate>
 semantic_map::picture::Canvas draw_steps(const MethodProducts& products,
                                          const std::map<TileKey, std::vector<Candidate>>& steps,

@@ -21,7 +21,7 @@ namespace curbstone::doctor {
 namespace {
 
 constexpr double kUsualRate = 9e6;    // bytes/s of a recording: docs/deployment.md, "Record and replay"
-constexpr double kDrivingRate = 1e5;  // less on the bus, and nothing drives
+constexpr double kDrivingRate = 1e5;  // below this rate on the bus, no drive is going on
 
 std::string default_config() {
   const char* const file = std::getenv("CURBSTONE_CONFIG");
@@ -37,7 +37,7 @@ std::int64_t messages_on(const checks::BusProbeFacts& probe, const std::string& 
   return found == probe.messages.end() ? 0 : found->second;
 }
 
-/// The bus and the wire are listened to at the same time.
+/// Probes the bus and the LiDAR's port at the same time.
 checks::Verdicts examine(const std::string& url, const std::string& config, const std::string& procman,
                          double seconds) {
   facts::VehicleWishes wishes = facts::read_vehicle(config, procman);

@@ -40,7 +40,7 @@ std::vector<std::string> report_lines(const checks::Verdicts& verdicts, const Te
                    {verdict.check},
                    {verdict.what + (verdict.fix.empty() ? "" : "; fix: " + verdict.fix)}});
   }
-  std::vector<std::string> lines = table.lines({style.colours, 0});  // a command is to be copied: it is not cut
+  std::vector<std::string> lines = table.lines({style.colours, 0});  // not truncated, because commands are to be copied
   const auto findings = findings_of(verdicts);
   lines.push_back(findings == 0 ? styled_line("all is well", Colour::kGood, {style.colours, 0})
                                 : styled_line(fmt::format("{} of {} checks found something", findings, verdicts.size()),

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kBucket = 1.0;        // m
 constexpr double kJoin = 0.5;          // m
-constexpr double kLateralReach = 0.5;  // m: farther off is a false detection, not a lateral error
+constexpr double kLateralReach = 0.5;  // m; a larger distance is a false detection, not a lateral error
 
 Place nearest_on_segment(Place p, Place a, Place b) {
   const double dx = b.x - a.x;
@@ -50,7 +50,7 @@ TrueCurbs::TrueCurbs(const std::vector<truth::TrueCurbPoint>& points) {
 TrueCurbs::Nearest TrueCurbs::nearest(Place place, double reach) const {
   Nearest nearest;
   if (buckets_.empty()) return nearest;
-  const double span = reach + kJoin;  // a segment lies in the bucket of its first end
+  const double span = reach + kJoin;  // a segment is in the bucket of its first end
   const int first_column = std::max(0, static_cast<int>(std::floor((place.x - span - min_x_) / kBucket)));
   const int last_column = std::min(columns_ - 1, static_cast<int>(std::floor((place.x + span - min_x_) / kBucket)));
   const int first_row = std::max(0, static_cast<int>(std::floor((place.y - span - min_y_) / kBucket)));
@@ -131,7 +131,7 @@ void score_lowered(const CurbMap& map, const std::vector<truth::TrueCurbPoint>& 
                    const NearPath& near_path, CurbScore& score) {
   const PlaceGrid<Place> lowered(map.lowered, kTolerances.back());
   for (const truth::TrueCurbPoint& point : truth) {
-    const bool is_lowered = point.dropped && point.height > 0;  // a border of height 0 is none of a curb
+    const bool is_lowered = point.dropped && point.height > 0;  // a border of height 0 is not a curb
     if (!is_lowered || !near_path.any_near(point.x, point.y)) continue;
     ++score.lowered_points;
     score.lowered_found += lowered.any_near(point.x, point.y) ? 1 : 0;
@@ -143,7 +143,7 @@ void score_lowered(const CurbMap& map, const std::vector<truth::TrueCurbPoint>& 
   }
 }
 
-/// After score_recall(), which says what is missed.
+/// Call it after score_recall(), which sets the missed points.
 void score_inferred(const CurbMap& map, const TrueCurbs& curbs, const NearPath& near_path, CurbScore& score) {
   std::vector<Place> places;
   double right = 0;

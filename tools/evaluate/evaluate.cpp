@@ -54,7 +54,7 @@ void add_options(CommandLine& line, Arguments& arguments) {
   line.option("--json", arguments.json, "Write the figures here, for programs");
 }
 
-/// The drive begins at its first scan, with the lidar where a vehicle has it by default.
+/// The drive begins at its first scan, with the lidar at its default mounting.
 void add_labels(const std::string& folder, truth::Truth& truth) {
   truth::StreetLabels labels =
       truth::read_street_labels(folder, truth.poses.front().pose * VehicleConfig{}.T_base_lidar());
@@ -84,7 +84,7 @@ truth::Trajectory driven_path(const semantic_map::store::MapReader& map) {
   return path;
 }
 
-/// `picture`: the map as it is; the overlay goes on top.
+/// `picture`: the map; the overlay is drawn on top.
 void draw(semantic_map::picture::MapPicture picture, const Evaluation& evaluation, const truth::Truth& truth,
           const Arguments& arguments) {
   semantic_map::picture::PictureOptions drawing;

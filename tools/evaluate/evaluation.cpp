@@ -10,9 +10,9 @@ namespace curbstone::evaluate {
 
 namespace {
 
-constexpr double kFirm = 0.02;  // m: twice the error of one range, as the map's own margin
+constexpr double kFirm = 0.02;  // m, twice the error of one range, like the map's own margin
 
-/// Calls visit(class, centre in m in map) for every cell that points fell into.
+/// Calls visit(class, centre in m in map) for every cell that was hit by points.
 template <class Visit>
 void for_each_seen_cell(const std::vector<semantic_map::tile::MapTile>& tiles, Visit visit) {
   for (const semantic_map::tile::MapTile& tile : tiles) {
@@ -41,7 +41,7 @@ std::vector<CurbFoot> feet_of(const semantic_map::tile::CurbLine& line, const Po
   return feet;
 }
 
-/// Each foot stands for half the way to its neighbours.
+/// Each foot represents half the distance to its neighbours.
 template <class IsJudged>
 void add_inferred(const std::vector<CurbFoot>& feet, IsJudged is_judged, std::vector<CurbMap::Inferred>& inferred) {
   const std::size_t first = inferred.size();

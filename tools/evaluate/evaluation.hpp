@@ -14,22 +14,23 @@
 
 namespace curbstone::evaluate {
 
-/// How often the map says one class (column) where the truth is another (row); only cells that both know.
+/// Confusion matrix: counts by the truth's class (row) and the map's class (column), over cells known to both.
 struct Confusion {
   std::array<std::array<std::int64_t, semantic_map::tile::kNumClasses>, semantic_map::tile::kNumClasses> count{};
   [[nodiscard]] std::int64_t total() const;
   [[nodiscard]] double accuracy() const;  ///< 0 when empty
 };
 
-/// What became of the cells that truly are obstacle or wall, within the radius of the path, and that points fell into.
+/// The map's result for cells that are truly obstacle or wall, within the radius of the path, and that were hit by
+/// points.
 struct BlockingScore {
-  std::int64_t blocked = 0;        ///< the map says obstacle or wall
-  std::int64_t unknown = 0;        ///< not free either: too few points, or only above the vehicle
-  std::vector<Place> called_free;  ///< road or curb, m in truth: the misses that matter
-  /// A cell that truly blocks, and what the map says of it.
+  std::int64_t blocked = 0;        ///< obstacle or wall in the map
+  std::int64_t unknown = 0;        ///< unknown, so not free either: too few points, or only above the vehicle
+  std::vector<Place> called_free;  ///< road or curb in the map, m in truth: the dangerous misses
+  /// Counts a cell that is truly blocked, with its class in the map.
   void count(semantic_map::tile::CellClass cell_class, Place place);
   [[nodiscard]] std::int64_t free() const { return static_cast<std::int64_t>(called_free.size()); }
-  /// Of the cells that the map knows; 0 when there are none.
+  /// Over the cells known to the map; 0 if there are none.
   [[nodiscard]] double recall() const {
     return blocked + free() > 0 ? static_cast<double>(blocked) / static_cast<double>(blocked + free()) : 0;
   }
@@ -37,18 +38,19 @@ struct BlockingScore {
 
 struct Evaluation {
   truth::TrajectoryErrors trajectory;
-  Pose T_truth_map = Pose::Identity();  ///< what laid the map onto the truth: the alignment of the trajectories
-  std::optional<CurbScore> curbs;       ///< without true curbs: nothing
-  std::optional<Confusion> classes;     ///< without a true class image: nothing
-  /// Of these only cells that would be of the same class 2 cm wider and 2 cm narrower on each side: what is beyond
-  /// dispute. Without fine true classes: nothing.
+  Pose T_truth_map = Pose::Identity();  ///< from the alignment of the trajectories
+  std::optional<CurbScore> curbs;       ///< empty without true curbs
+  std::optional<Confusion> classes;     ///< empty without a true class image
+  /// The same over only those cells whose true class would be the same if they were 2 cm wider or 2 cm narrower on each
+  /// side, which makes it certain. Empty without fine true classes.
   std::optional<Confusion> firm_classes;
-  std::optional<BlockingScore> blocking;  ///< as `classes`
-  std::optional<RunFigures> run;          ///< without a recording: nothing
+  std::optional<BlockingScore> blocking;  ///< empty like `classes`
+  std::optional<RunFigures> run;          ///< empty without a recording
 };
 
-/// Compares a map with the truth. The map is laid on the truth by the rigid alignment of the two trajectories. Curbs
-/// count within `radius` m of the driven path. Throws std::runtime_error when the trajectories share no time.
+/// Compares a map with the truth. The map is aligned with the truth by the rigid alignment of the two trajectories.
+/// Curbs count within `radius` m of the driven path. Throws std::runtime_error if the trajectories have no time in
+/// common.
 [[nodiscard]] Evaluation evaluate(const std::vector<semantic_map::tile::MapTile>& tiles,
                                   const std::vector<semantic_map::tile::CurbLine>& curbs,
                                   const truth::Trajectory& trajectory, const truth::Truth& truth, double radius);

@@ -33,7 +33,7 @@ void add_curbs(const truth::Truth& truth, const Pose& T_map_truth, bool dropped,
     if (goes_on)
       lines.back().points.push_back(at);
     else
-      lines.push_back({{at, at}, dropped ? kDropped : kCurb, 3.0});  // twice: a point alone is a dot
+      lines.push_back({{at, at}, dropped ? kDropped : kCurb, 3.0});  // twice, so that a single point is drawn as a dot
     last = &point;
   }
 }

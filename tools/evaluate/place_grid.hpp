@@ -9,7 +9,7 @@
 
 namespace curbstone::evaluate {
 
-/// Points in the plane, by squares as wide as the reach that is asked for.
+/// Points in the plane in a hash grid whose squares are as wide as the search radius.
 template <class Place>
 class PlaceGrid {
  public:

@@ -72,7 +72,7 @@ std::string blocking_table(const BlockingScore& b) {
       b.recall(), b.free(), b.unknown, b.blocked + b.free() + b.unknown);
 }
 
-/// A line: the sum, and what each process has of it. Nothing of none.
+/// One line: the sum, and the share of each process. Empty without processes.
 std::string of_processes(const char* all, const char* each, const std::map<std::string, double>& values) {
   if (values.empty()) return "";
   double sum = 0;

@@ -32,19 +32,20 @@ bool is_driver(const std::string& service) {
   return service == "lidar" || service == "rslidar" || service == "imu" || service == "encoder";
 }
 
-/// A driver refuses what the sensor sent: that is lost. A service refuses an answer (a revolution that does not
-/// register, say): nothing was lost on the way, and it says so elsewhere; but a message that does not decode is.
+/// A driver's refused packet counts as lost, because the sensor sent it. A service's refusal (for example of a
+/// revolution that does not register) is no loss in transit and is reported elsewhere; but a message that does not
+/// decode is a loss.
 bool is_loss(const std::string& service, const std::string& counter) {
   if (is_harmless(counter)) return false;
   if (counter.starts_with("dropped.") || counter.starts_with("lost.")) return true;
   return is_driver(service) ? counter.starts_with("refused.") : counter == "refused.undecodable";
 }
 
-/// The statuses of one process, first and last: a respawned one counts anew.
+/// The first and the last status of one process; a respawned process is counted separately.
 struct ProcessSpan {
   service_status_t first;
   service_status_t last;
-  std::int64_t own_kb = 0;  ///< its memory.own_kb at the drive's end
+  std::int64_t own_kb = 0;  ///< its memory.own_kb at the end of the drive
 };
 
 std::int64_t counter_of(const service_status_t& status, const char* name) {
@@ -54,11 +55,12 @@ std::int64_t counter_of(const service_status_t& status, const char* name) {
              : status.counter_value[static_cast<std::size_t>(at - status.counter_name.begin())];
 }
 
-/// Counts the gaps in what counts up by one a message sent: lidar_points_t.packet, imu_t.sequence, wheels_t.sequence.
+/// Counts the gaps in sequence numbers that increase by one per message: lidar_points_t.packet, imu_t.sequence,
+/// wheels_t.sequence.
 class SequenceGaps {
  public:
   void see(std::int32_t number) {
-    if (last_ && number > *last_) missing_ += number - *last_ - 1;  // a smaller one: the driver was started anew
+    if (last_ && number > *last_) missing_ += number - *last_ - 1;  // a smaller one: the driver was restarted
     last_ = number;
   }
   [[nodiscard]] std::int64_t missing() const { return missing_; }
@@ -73,7 +75,7 @@ struct Sent {
   double age_ms;
 };
 
-/// When a message was logged, and how old its measurement was by then. Times in us.
+/// When a message was logged, and the age of its measurement then. Times in us.
 Sent sent(std::int64_t log_utime, std::int64_t utime) {
   return {log_utime, 1e-3 * static_cast<double>(log_utime - utime)};
 }
@@ -89,7 +91,7 @@ std::optional<RunFigures::Latency> latency_of(const std::vector<Sent>& messages,
                              static_cast<int>(ages.size())};
 }
 
-/// Takes in the messages of a recording, in the order in which they were logged.
+/// Collects the messages of a recording, in the order in which they were logged.
 class Recording {
  public:
   Recording() {
@@ -114,15 +116,15 @@ class Recording {
   Recording(const Recording&) = delete;
   Recording& operator=(const Recording&) = delete;
 
-  /// What does not decode counts for nothing.
+  /// Messages that do not decode are ignored.
   void take(const LogEvent& event) {
     if (const auto handler = handlers_.find(event.channel); handler != handlers_.end()) handler->second(event);
   }
 
   std::map<std::pair<std::string, int>, ProcessSpan> processes;
-  std::vector<Sent> tiles;                          ///< those that showed something new
+  std::vector<Sent> tiles;                          ///< those with new measurements
   std::map<std::string, std::vector<Sent>> stages;  ///< by channel between the sensor and the tile
-  std::map<std::string, SequenceGaps> gaps;         ///< by channel that counts its messages
+  std::map<std::string, SequenceGaps> gaps;         ///< by channel with sequence numbers
   std::int64_t lidar_end = 0;                       ///< us, when the last LIDAR_POINTS was logged
   std::map<std::string, std::int64_t> first;        ///< us, when the first message of a stage, or a tile, was logged
   std::optional<std::int64_t> set_off;              ///< us
@@ -151,7 +153,7 @@ class Recording {
   }
   void shown(const semantic_tile_t& tile, std::int64_t log_utime) {
     first.emplace("SEMANTIC_TILE", log_utime);
-    // A tile that is sent again for its neighbours' sake shows nothing that was measured since.
+    // A tile that is sent again because of its neighbours shows no new measurement.
     std::int64_t& newest = newest_shown_[{tile.tile_x, tile.tile_y}];
     if (tile.utime <= newest) return;
     newest = tile.utime;
@@ -160,7 +162,7 @@ class Recording {
   void reported(const service_status_t& status, std::int64_t log_utime) {
     const auto [it, is_new] = processes.try_emplace({status.service, status.pid});
     if (is_new) it->second.first = status;
-    // Work after the drive is not the cost of driving; losses count to the end.
+    // Work after the drive is not a cost of driving; losses count to the end.
     const bool driving = lidar_end == 0 || log_utime - lidar_end < 1'500'000;
     if (driving) {
       it->second.last = status;
@@ -173,10 +175,10 @@ class Recording {
 
   std::map<std::string, std::function<void(const LogEvent&)>> handlers_;
   std::optional<Eigen::Vector3d> began_at_;       // m, of base_link in map
-  std::map<TileKey, std::int64_t> newest_shown_;  // us, the newest measurement that a tile has shown
+  std::map<TileKey, std::int64_t> newest_shown_;  // us, the newest measurement that a tile showed
 };
 
-/// When there was what, after the first packet.
+/// Start-up times of the stages, from the first packet.
 void add_start(const Recording& recording, RunFigures& figures) {
   const auto lidar = recording.first.find("LIDAR_POINTS");
   if (lidar == recording.first.end()) return;
@@ -219,7 +221,7 @@ RunFigures read_run_log(const std::string& file) {
   }
   for (const auto& [channel, seen] : recording.gaps) {
     std::int64_t missing = seen.missing();
-    // The IMU counts its own packets: what its driver did not get either was lost on the wire.
+    // The IMU numbers its own packets: those missing at its driver too were lost on the wire.
     if (channel == "IMU") missing -= figures.losses["imu lost.packets"];
     if (missing > 0) figures.lost_by_recorder[channel] = missing;
   }

@@ -53,7 +53,7 @@ void write_pcd(const DenseCloud& cloud, const std::string& path) {
 }
 
 void write_ply(const DenseCloud& cloud, const std::string& path) {
-  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // it prints; we throw
+  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // it prints errors; this function throws instead
   int result = -1;
   std::string why;
   try {

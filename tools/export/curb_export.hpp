@@ -9,28 +9,28 @@
 
 namespace curbstone::map_export {
 
-/// What a planner wants to know of a whole curb line.
+/// Properties of a whole curb line for a planner.
 struct CurbSummary {
   double height = 0;            ///< m, median along the line
-  bool is_low = false;          ///< dropped, or lower than what counts as high
+  bool is_low = false;          ///< dropped, or lower than the threshold of a high curb
   bool high_side_left = false;  ///< seen along the line
   semantic_map::curb_lines::CurbRise rise = semantic_map::curb_lines::CurbRise::kUnknown;
 };
 
-inline constexpr double kHighCurb = 0.05;     ///< m: from here on a curb is `high` unless given otherwise
-inline constexpr float kFarthestCurb = 1e5F;  ///< m from the map's origin: farther is no drive
+inline constexpr double kHighCurb = 0.05;     ///< m: curbs of this height and above are `high` by default
+inline constexpr float kFarthestCurb = 1e5F;  ///< m from the map's origin: farther points are errors
 
-/// What curbs are looked at with.
+/// How curbs are summarised.
 struct CurbView {
   double high_curb = kHighCurb;              ///< m
-  semantic_map::tile::DrivenPath path = {};  ///< a curb rises or falls for whoever comes from there
+  semantic_map::tile::DrivenPath path = {};  ///< a curb rises or falls as seen from this path
 };
 
 [[nodiscard]] CurbSummary summarise(const semantic_map::tile::CurbLine& line, const CurbView& view);
 /// "up", "down", "unknown".
 [[nodiscard]] std::string rise_name(semantic_map::curb_lines::CurbRise rise);
 
-/// Those with two points or more, none of them out of reach. The rest is of no use to anybody.
+/// The lines with two or more points, all of them within kFarthestCurb.
 [[nodiscard]] std::vector<semantic_map::tile::CurbLine> usable_curbs(std::vector<semantic_map::tile::CurbLine> lines);
 
 }  // namespace curbstone::map_export

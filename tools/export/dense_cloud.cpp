@@ -42,7 +42,7 @@ std::vector<TilePoint> points_of(const map_points_t& message) {
   return points;
 }
 
-/// What stands at the end of a tile's list of records; a removal of what is missing does nothing.
+/// The points that remain after a tile's list of records; the removal of a missing point has no effect.
 std::vector<TilePoint> standing_points(const TilePoints& tile, std::int64_t& missing) {
   const auto place = [](const TilePoint& p) { return std::array{p.x, p.y, p.z}; };
   std::vector<std::optional<TilePoint>> points;

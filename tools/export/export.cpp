@@ -40,7 +40,7 @@ struct ExportArguments {
 
   [[nodiscard]] bool wants(const char* what) const { return only.empty() || names(what); }
   [[nodiscard]] bool names(const char* what) const { return std::find(only.begin(), only.end(), what) != only.end(); }
-  /// MCAP is made of a log, and of no map.
+  /// MCAP is made from a log only, without a map.
   [[nodiscard]] bool only_mcap() const { return names("mcap") && only.size() == 1; }
 };
 
@@ -155,7 +155,7 @@ bool export_log(const ExportArguments& arguments) {
   return is_damaged;
 }
 
-/// Returns whether the log, if there is one, is damaged.
+/// Returns whether the log (if any) is damaged.
 bool export_map(const ExportArguments& arguments, const std::optional<geo::TangentPlane>& plane) {
   const semantic_map::store::MapReader map(arguments.map);
   output::OutputFolder out(arguments.out);
@@ -210,7 +210,7 @@ void add_options(CommandLine& line, ExportArguments& arguments) {
             "mcap: leaves out the log's own messages, which only our tools read");
 }
 
-/// What is wrong with the arguments together; nothing if they fit.
+/// The contradiction between the arguments; empty if they are consistent.
 std::optional<std::string> contradiction_in(const ExportArguments& arguments) {
   if (!arguments.log.empty()) return std::nullopt;
   if (!arguments.only.empty() && arguments.wants("cloud"))

@@ -8,20 +8,20 @@
 
 namespace curbstone::map_export {
 
-/// Where a raster's cells lie: in map or, with a datum, in the datum's tangent plane (m east and north of it).
+/// The georeference of a raster: in map or, with a datum, in the datum's tangent plane (m east and north of it).
 class Georeference {
  public:
   Georeference(const MapGrid& grid, const std::optional<geo::TangentPlane>& plane);
 
-  /// ESRI world file: six lines, the affine map from (column, row) to the middle of the cell.
+  /// ESRI world file: six lines, the affine map from (column, row) to the centre of the cell.
   [[nodiscard]] std::string world_file() const;
-  /// GDAL's side-car (NAME.aux.xml) with the projection; nothing without a datum.
+  /// GDAL's side-car file (NAME.aux.xml) with the projection; empty without a datum.
   [[nodiscard]] std::optional<std::string> projection_file() const;
 
  private:
-  Eigen::Vector2d first_;   ///< middle of the top left cell
+  Eigen::Vector2d first_;   ///< centre of the top left cell
   Eigen::Vector2d column_;  ///< from a cell to the one on its right
-  Eigen::Vector2d row_;     ///< to the one below it
+  Eigen::Vector2d row_;     ///< from a cell to the one below it
   std::string wkt_;
 };
 

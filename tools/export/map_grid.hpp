@@ -8,7 +8,7 @@
 
 namespace curbstone::map_export {
 
-/// The map has no known cell, or more cells than one raster can hold.
+/// The map has no known cell, or too many cells for one raster.
 class MapGridError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -21,7 +21,7 @@ struct MapGrid {
   int columns = 0;
   int rows = 0;
   std::vector<semantic_map::tile::CellClass> cell_class;  ///< kUnknown where there is no tile
-  std::vector<float> height;                              ///< m in map; NaN: none
+  std::vector<float> height;                              ///< m in map; NaN: unknown
   std::vector<std::uint8_t> cost;                         ///< as in MapTile: 255 unknown
   std::vector<std::uint8_t> confidence;                   ///< as in MapTile
   std::vector<std::uint8_t> hits;                         ///< as in MapTile
@@ -39,7 +39,7 @@ inline constexpr std::int64_t kMaxGridCells = 200'000'000;  ///< 1.7 km square; 
 [[nodiscard]] MapGrid make_map_grid(const std::vector<semantic_map::tile::MapTile>& tiles);
 
 /// Rise over run of the ground by Horn's method (Proc. IEEE 69, 1981) over 3 x 3 cells. NaN unless all nine are road or
-/// curb: elsewhere a height may be that of something on the ground.
+/// curb: other cells may have the height of an object.
 [[nodiscard]] std::vector<float> ground_slope(const MapGrid& grid);
 
 }  // namespace curbstone::map_export

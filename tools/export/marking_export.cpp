@@ -15,10 +15,10 @@ using semantic_map::tile::MarkingLine;
 using semantic_map::tile::MarkingType;
 using semantic_map::tile::MarkingVertex;
 
-constexpr float kFarthest = 1e5F;  // m from the map's origin: farther is no drive
+constexpr float kFarthest = 1e5F;  // m from the map's origin: farther points are errors
 constexpr float kThick = 0.2F;     // m
 
-/// Nodes and ways so far.
+/// Collects nodes and ways.
 class OsmText {
  public:
   explicit OsmText(const std::optional<geo::TangentPlane>& plane) : plane_(plane) {}
@@ -41,7 +41,7 @@ class OsmText {
   std::string ways_;
 };
 
-/// A line beside another, `left` m from it.
+/// The line parallel to another one, `left` m to its left.
 std::vector<MarkingVertex> beside(const MarkingLine& line, float left) {
   std::vector<MarkingVertex> moved = line.points;
   for (std::size_t i = 0; i < moved.size(); ++i) {
@@ -78,7 +78,7 @@ void add_line(const MarkingLine& line, OsmText& osm) {
   for (const float side : {0.5F, -0.5F}) osm.add_way(beside(line, side * line.width), tags);
 }
 
-/// Ends of the painted pieces, m along the line.
+/// Both ends of each painted piece, m along the line.
 std::string dashes_of(const MarkingLine& line) {
   std::string text;
   double s = 0;

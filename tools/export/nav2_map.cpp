@@ -11,10 +11,10 @@ namespace curbstone::map_export {
 
 namespace {
 
-constexpr int kLethal = 254;  // a cell's highest cost
+constexpr int kLethal = 254;  // the highest cost of a known cell
 
-/// By class, not by cost: a map made with `unknown_is_free` gives unknown cells cost 0. A cell of a class without cost
-/// is unknown all the same.
+/// Decides by class, not by cost: a map made with `unknown_is_free` gives unknown cells cost 0. A cell with a class but
+/// no cost is unknown too.
 bool is_unknown(const MapGrid& grid, std::size_t i) {
   return grid.cell_class[i] == semantic_map::tile::CellClass::kUnknown || grid.cost[i] > kLethal;
 }

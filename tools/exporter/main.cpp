@@ -16,7 +16,7 @@ namespace {
 
 using namespace curbstone;  // NOLINT(google-build-using-namespace): this file is a program
 
-/// Each client is a descriptor: those beyond wait in the kernel's queue.
+/// Each client uses a descriptor; further ones wait in the kernel's queue.
 void limit_clients() {
   constexpr rlimit kDescriptors{64, 64};
   setrlimit(RLIMIT_NOFILE, &kDescriptors);
@@ -24,7 +24,7 @@ void limit_clients() {
 
 void run_exporter(const std::string& url, const exporter::ServerAddress& address) {
   limit_clients();
-  EventLoop loop;  // takes the signals before there are threads
+  EventLoop loop;  // blocks the signals before there are threads
   LcmBus bus(url);
   std::mutex mutex;
   spy::board::BusBoard board("");

@@ -47,7 +47,7 @@ class MetricsServer::Impl {
       server_.listen_after_bind();
       ended_ = true;
     });
-    // stop() does nothing before the server runs.
+    // stop() has no effect before the server runs.
     while (!server_.is_running() && !ended_) std::this_thread::yield();
   }
   ~Impl() {

@@ -7,18 +7,18 @@
 
 namespace curbstone::exporter {
 
-/// Where the server listens, and by what names it may be asked.
+/// The address of the server and the host names under which it answers.
 struct ServerAddress {
   std::string address = "127.0.0.1";
-  int port = 0;                    ///< 0: any that is free
-  std::vector<std::string> names;  ///< of this host, besides the address and localhost
+  int port = 0;                    ///< 0: any free port
+  std::vector<std::string> names;  ///< of this host, in addition to the address and localhost
 };
 
-/// GET /metrics over HTTP, in threads of its own. At most two requests are answered at a time, each connection for one
-/// request, and whoever says nothing for two seconds is dropped.
+/// Serves GET /metrics over HTTP, in its own threads. At most two requests are answered at a time, one request per
+/// connection; a client that is silent for two seconds is disconnected.
 class MetricsServer {
  public:
-  /// `metrics` is called from the server's threads. Throws std::runtime_error if the port cannot be had.
+  /// `metrics` is called from the server's threads. Throws std::runtime_error if the port cannot be opened.
   MetricsServer(const ServerAddress& address, std::function<std::string()> metrics);
   ~MetricsServer();
   MetricsServer(const MetricsServer&) = delete;

@@ -25,7 +25,7 @@ double in_seconds(std::int64_t us) {
   return static_cast<double>(us) * 1e-6;
 }
 
-/// A label's value. Names come from the bus: what is no text becomes '?'.
+/// Escapes a label's value. Names come from the bus: unprintable characters become '?'.
 std::string escaped(const std::string& value) {
   std::string text;
   for (const char c : printable(value)) {
@@ -37,7 +37,7 @@ std::string escaped(const std::string& value) {
 
 class MetricsWriter {
  public:
-  /// Begins a metric; its samples follow.
+  /// Begins a metric; its samples must follow.
   void metric(std::string_view name, std::string_view type, std::string_view help) {
     name_ = name;
     text_ += fmt::format("# HELP {} {}\n# TYPE {} {}\n", name, help, name, type);
@@ -80,7 +80,7 @@ Labels labels_of(const ServiceState& service) {
   return {{"service", service.status.service}, {"host", service.status.host}};
 }
 
-/// Of all services those counters that are levels, or those that are not.
+/// The counters of all services that are levels, or those that are not.
 void write_counters(const BusBoard& board, bool levels, MetricsWriter& out) {
   for (const auto& [key, service] : board.services().services()) {
     for (std::size_t k = 0; k < service.status.counter_name.size(); ++k) {

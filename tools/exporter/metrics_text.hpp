@@ -7,8 +7,8 @@
 
 namespace curbstone::exporter {
 
-/// What was heard on the bus, in Prometheus' text format, version 0.0.4 (prometheus.io, "Exposition formats"). `now`:
-/// us since the Unix epoch. Figures that are not known are left out. Pure.
+/// The state of the bus in Prometheus' text format, version 0.0.4 (prometheus.io, "Exposition formats"). `now`: us
+/// since the Unix epoch. Unknown figures are left out. Pure.
 [[nodiscard]] std::string metrics_text(const spy::board::BusBoard& board, std::int64_t now);
 
 }  // namespace curbstone::exporter

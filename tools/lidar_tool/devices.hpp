@@ -22,27 +22,27 @@ struct Stream {
   std::int64_t first = 0;  ///< us since the Unix epoch
   std::int64_t last = 0;
   [[nodiscard]] double seconds() const { return static_cast<double>(last - first) * 1e-6; }
-  /// packets/s; 0 of fewer than two.
+  /// packets/s; 0 for fewer than two packets.
   [[nodiscard]] double rate() const;
 };
 
-/// One that sends: a LiDAR, or something else.
+/// A sender: a LiDAR or another device.
 struct Device {
   lidar::sources::Ipv4 address = 0;
   std::vector<Stream> streams;  ///< the one with the most packets first
-  /// The model whose points it sends; nothing where it sends none that this driver speaks.
+  /// The model, if it sends points that this driver supports.
   std::optional<lidar::models::ModelName> model;
   [[nodiscard]] std::int64_t packets() const;
 };
 
-/// The model that sends such packets, if this driver speaks it. A Helios whose packets do not say how many lasers it
-/// has is taken for a 16P.
+/// The model that sends packets of this kind, if this driver supports it. A Helios whose packets do not state the
+/// number of lasers is taken for a 16P.
 [[nodiscard]] std::optional<lidar::models::ModelName> model_of(lidar::models::Sender kind);
 
-/// By its name in the configuration.
+/// By the model's name in the configuration.
 [[nodiscard]] std::optional<lidar::models::ModelName> model_named(const std::string& name);
 
-/// Who sends what, those with the most packets first. One pass.
+/// All senders and their streams, those with the most packets first. One pass.
 [[nodiscard]] std::vector<Device> devices_in(const Packets& packets);
 
 }  // namespace curbstone::lidar_tool

@@ -51,7 +51,7 @@ std::string stream_text(const Stream& stream) {
                      stream.seconds(), stream.rate(), kind_text(stream.kind));
 }
 
-/// us in the unit that people read.
+/// us in a readable unit.
 std::string span_text(std::int64_t us) {
   const double size = std::abs(static_cast<double>(us));
   if (size < 1e3) return fmt::format("{:.0f} us", size);
@@ -63,7 +63,7 @@ std::string span_text(std::int64_t us) {
 std::string clock_text(const Sensor& sensor) {
   const auto difference = sensor.clock_difference();
   if (!difference) return "the stamps are out of range: the device has no time";
-  constexpr std::int64_t kAgrees = 20'000;  // us, as the driver has it
+  constexpr std::int64_t kAgrees = 20'000;  // us, as in the driver
   const std::string apart =
       fmt::format("{} {} the host's", span_text(*difference), *difference < 0 ? "behind" : "ahead of");
   return fmt::format("device {}, {}: {}", utc(*sensor.last_stamp()), apart,

@@ -6,8 +6,8 @@
 
 namespace curbstone::lidar_tool {
 
-/// What the packets hold, in words: devices, models, ports, rates, losses, refusals, settings and clock of each device.
-/// `name` heads the text. Goes through the packets three times.
+/// Describes the packets: devices, models, ports, rates, losses, refusals, settings and clock of each device. `name`
+/// heads the text. Reads the packets three times.
 [[nodiscard]] std::string info_text(const Packets& packets, const std::string& name);
 
 }  // namespace curbstone::lidar_tool

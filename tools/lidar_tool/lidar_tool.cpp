@@ -31,7 +31,7 @@ struct Options {
   ListenOptions listen;
 };
 
-/// What is written goes to --out, or else to the standard output.
+/// Writes to the file of --out, or to the standard output.
 class Output {
  public:
   explicit Output(const std::string& file) : name_(file) {
@@ -75,7 +75,7 @@ void run_watch(const Options& options) {
   });
 }
 
-/// Returns whether the capture is damaged: then there may be more points than these.
+/// Returns whether the capture is damaged, so that points may be missing.
 bool run_points(const Options& options) {
   if (!options.out.empty()) output::refuse_to_overwrite({options.where}, options.out);
   const auto packets = packets_from(options.where, options.listen);
@@ -109,7 +109,7 @@ int run_lidar(int argc, char** argv) {
   if (const auto status = line.read(argc, argv)) return *status;
   seconds_given = line.given("--seconds");
   if (options.what == "watch" && !seconds_given) options.listen.seconds = 1e9;
-  spdlog::set_level(spdlog::level::err);  // the driver's node would say a second time what is said here
+  spdlog::set_level(spdlog::level::err);  // the driver's node would repeat this command's messages
   if (options.what == "info") {
     const auto packets = packets_from(options.where, options.listen);
     fmt::print("{}", info_text(*packets, options.where));

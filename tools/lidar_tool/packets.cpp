@@ -21,7 +21,7 @@ namespace {
 class CapturedPackets final : public Packets {
  public:
   explicit CapturedPackets(std::string file) : file_(std::move(file)) {
-    lidar::sources::PcapSource check(file_);  // throws what is wrong with the file
+    lidar::sources::PcapSource check(file_);  // throws if the file is invalid
   }
   void for_each(const Handler& handler) const override {
     lidar::sources::PcapSource source(file_);
@@ -39,7 +39,7 @@ class CapturedPackets final : public Packets {
 
  private:
   std::string file_;
-  mutable bool damaged_ = false;  // and said so
+  mutable bool damaged_ = false;  // and reported
   mutable std::string skipped_;
 };
 

@@ -28,7 +28,7 @@ void for_each_message(const Packets& packets, const PointSource& source, const S
   sensor.finish();
 }
 
-/// A point as it stands in the PCD file.
+/// A point of the PCD file.
 struct PcdPoint {
   float x, y, z;
   std::uint32_t intensity, ring;

@@ -15,7 +15,7 @@ lidar::LidarConfig config_of(lidar::models::ModelName model) {
   return config;
 }
 
-/// Nothing where the packet does not tell.
+/// Empty if the packet does not state the mode.
 std::string mode_in(Sender kind, std::span<const std::uint8_t> bytes) {
   if (kind == Sender::kVlp16) {
     const int mode = bytes[1204];
@@ -43,7 +43,7 @@ Sensor::Sensor(lidar::models::ModelName model, const OnPoints& on_points)
 void Sensor::prepare(const Packet& packet) {
   const Sender kind = lidar::models::sender_of(packet.bytes);
   if (model_->kind_of(kind) != PacketKind::kInfo) return;
-  // Twice: a driver believes what two packets agree on, and a short capture may have one.
+  // Sent twice: a driver accepts device information once two packets agree, and a short capture may have only one.
   for (int i = 0; i < 2; ++i) {
     node_.on_packet(packet.received, packet.port, packet.bytes);
     (void)model_->read_info(packet.received, packet.bytes);

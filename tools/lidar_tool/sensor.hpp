@@ -14,36 +14,37 @@
 
 namespace curbstone::lidar_tool {
 
-/// One device's packets through the driver's own node, and what they tell of the device. One thread.
+/// Runs one device's packets through the driver's own node, and collects what they tell about the device. One thread.
 class Sensor {
  public:
   using OnPoints = std::function<void(const lidar_points_t&)>;
 
   explicit Sensor(lidar::models::ModelName model, const OnPoints& on_points = {});
 
-  /// What the device says of itself, ahead of its points: so a capture's first points have the device's own angles.
+  /// Takes device information ahead of the points, so that a capture's first points already use the device's own
+  /// angles.
   void prepare(const Packet& packet);
   void on_packet(const Packet& packet);
-  /// Nothing more comes.
+  /// Ends the input.
   void finish();
 
   [[nodiscard]] const lidar::models::ModelTable& table() const { return model_->table(); }
   [[nodiscard]] const lidar::models::DeviceFacts& facts() const { return model_->facts(); }
   [[nodiscard]] Counters counters() const { return node_.report().counters; }
-  /// All "refused.*" together.
+  /// Sum of all "refused.*" counters.
   [[nodiscard]] std::int64_t refused() const;
   /// "strongest", "last", "dual", "first"; empty until the device has sent it.
   [[nodiscard]] const std::string& return_mode() const { return return_mode_; }
-  /// rpm, by the azimuths of the last packets; 0 until known.
+  /// rpm, by the azimuths of the last packets; 0 while unknown.
   [[nodiscard]] double rpm() const { return rpm_; }
-  /// The device's stamps minus the times of receipt, us: of the packet that was least late.
+  /// The device's stamps minus the times of reception, us, of the packet with the smallest delay.
   [[nodiscard]] std::optional<std::int64_t> clock_difference() const { return clock_difference_; }
   [[nodiscard]] std::optional<std::int64_t> last_stamp() const { return last_stamp_; }
 
  private:
   LocalBus bus_;
   lidar::LidarNode node_;
-  std::unique_ptr<lidar::models::Model> model_;  ///< beside the node's own: for what that does not tell
+  std::unique_ptr<lidar::models::Model> model_;  ///< a second one, for data that the node does not expose
   lidar::decoding::DecodedPacket decoded_;
   std::string return_mode_;
   double rpm_ = 0;

@@ -12,27 +12,26 @@
 
 namespace curbstone::lidar_tool {
 
-/// Says each second, of each device, whether it is sane. Pure: packets and times go in, lines come out.
+/// Reports for each device, every second, whether it works properly. Pure: packets and times in, lines out.
 class Watch {
  public:
   void on_packet(const Packet& packet);
-  /// The lines of the second that has ended by `now` (us); none while it lasts. A second in which nothing came has a
-  /// line as well.
+  /// The lines of the second that ended by `now` (us); none during a second. A second without packets has a line too.
   [[nodiscard]] std::vector<std::string> on_time(std::int64_t now);
 
  private:
   struct Watched {
-    std::unique_ptr<Sensor> sensor;  ///< none: not a LiDAR that this program reads
+    std::unique_ptr<Sensor> sensor;  ///< null: not a LiDAR that this program supports
     lidar::models::Sender kind = lidar::models::Sender::kUnknown;
-    std::int64_t packets = 0;  ///< of this second
-    std::int64_t lost = 0;     ///< up to the second before
+    std::int64_t packets = 0;  ///< in this second
+    std::int64_t lost = 0;     ///< up to the previous second
     std::int64_t refused = 0;
   };
   [[nodiscard]] static std::string line_of(lidar::sources::Ipv4 address, Watched& watched);
 
   static constexpr std::size_t kMostDevices = 32;
   std::map<lidar::sources::Ipv4, Watched> devices_;
-  std::int64_t began_ = 0;  ///< us, the second; 0: none yet
+  std::int64_t began_ = 0;  ///< us, start of the second; 0: none yet
 };
 
 }  // namespace curbstone::lidar_tool

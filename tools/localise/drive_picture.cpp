@@ -19,9 +19,9 @@ using semantic_map::picture::PictureLine;
 constexpr Colour kKnown{0, 90, 255}, kLost{255, 140, 0}, kEllipse{150, 0, 200};
 constexpr double kBetweenEllipses = 5.0;  // m
 constexpr double kSigmas = 3.0;
-constexpr double kTimes = 20.0;     // as wide as they are: centimetres are not seen
-constexpr double kUnknown = 100.0;  // m, 1 sigma: nothing is known yet
-constexpr double kMostJump = 5.0;   // m: from a guess to where it was found there is no way
+constexpr double kTimes = 20.0;     // magnification: ellipses of centimetres would not be visible
+constexpr double kUnknown = 100.0;  // m, 1 sigma: the pose is still unknown
+constexpr double kMostJump = 5.0;   // m; a jump from a guess to the localised pose is not drawn
 
 Eigen::Vector2d position(const map_pose_t& pose) {
   return {pose.map_base_position[0], pose.map_base_position[1]};
@@ -46,7 +46,7 @@ PictureLine ellipse(const map_pose_t& pose) {
   return line;
 }
 
-/// Pieces of one colour each, and an ellipse now and then.
+/// The path in pieces of one colour each, with ellipses at intervals.
 std::vector<PictureLine> overlays_of(const std::vector<map_pose_t>& poses) {
   std::vector<PictureLine> lines, ellipses;
   double since_ellipse = kBetweenEllipses;

@@ -41,13 +41,13 @@ struct Arguments {
   std::string config, truth, map_truth, csv, json, picture;
 };
 
-/// The drive through ekf and localizer, in message-time order: as live.
+/// The drive through ekf and localizer, in message-time order, as live.
 struct Localised {
   std::vector<map_pose_t> poses;
   NodeReport report;
 };
 
-/// As the log's own localizer said, live.
+/// The recorded output of the live localizer.
 Localised said_live(output::WatchedLog& log) {
   Localised out;
   LocalBus bus;
@@ -62,7 +62,7 @@ Localised said_live(output::WatchedLog& log) {
 
 Localised localise(output::WatchedLog& log, const Arguments& arguments, const localizer::LocalizerConfig& config) {
   auto ekf_config = config_of<ekf::base::EkfConfig>("ekf", kProcessSections, arguments.config, arguments.assignments);
-  ekf_config.state_file.clear();  // another vehicle's, or of another time
+  ekf_config.state_file.clear();  // its state is of another vehicle or time
   LocalBus bus;
   ekf::EkfNode ekf(ekf_config, bus);
   localizer::LocalizerNode node(config, bus);
@@ -112,7 +112,7 @@ std::string to_table(const PoseErrors& e) {
 }
 
 nlohmann::json to_json(const PoseErrors& e) {
-  // Not 0 where it is degenerate in every revolution: there is none to be the error of.
+  // null, not 0, if all revolutions are degenerate: there is no error to state.
   const auto where_observable = [&](double value) {
     return e.judged > e.degenerate ? nlohmann::json(value) : nlohmann::json();
   };
@@ -137,7 +137,7 @@ nlohmann::json to_json(const PoseErrors& e) {
           {"wrong_and_not_lost", e.wrong_and_sure}};
 }
 
-/// From --start or the true place; else as configured, which may be anywhere.
+/// Sets the start from --start or the true pose; otherwise it remains as configured, which may be unknown.
 void set_start(const Arguments& arguments, const std::optional<TrueMapPose>& truth,
                const evaluate::truth::Trajectory& poses, localizer::LocalizerConfig& config) {
   if (!arguments.start.empty()) config.start = arguments.start;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kWrong = 0.5;  // m
 constexpr int kFewPoses = 6;
-constexpr double kChi95 = 7.815;  // of three degrees of freedom
+constexpr double kChi95 = 7.815;  // for three degrees of freedom
 
 double rms(const std::vector<double>& values) {
   double sum = 0;
@@ -22,7 +22,7 @@ double rms(const std::vector<double>& values) {
   return values.empty() ? 0 : std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-/// Of x, y (map) and yaw.
+/// The covariance of x, y (map) and yaw.
 Eigen::Matrix3d covariance_of(const map_pose_t& pose) {
   constexpr int kRows[3] = {0, 1, 5};
   Eigen::Matrix3d covariance;
@@ -32,7 +32,7 @@ Eigen::Matrix3d covariance_of(const map_pose_t& pose) {
   return covariance;
 }
 
-/// Squares of the errors along and across base_link and of yaw, each over its own variance.
+/// Squared errors along and across base_link and of yaw, each divided by its own variance.
 Eigen::Vector3d nees_by_axis(const Eigen::Matrix3d& covariance, const Eigen::Vector3d& error, double heading) {
   Eigen::Matrix3d to_base = Eigen::Matrix3d::Identity();
   to_base.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(-heading).toRotationMatrix();
@@ -40,7 +40,7 @@ Eigen::Vector3d nees_by_axis(const Eigen::Matrix3d& covariance, const Eigen::Vec
   return (to_base * error).cwiseAbs2().cwiseQuotient(variances);
 }
 
-/// The errors of the poses that have a truth.
+/// Collects the errors of the poses that have a truth.
 class Judged {
  public:
   void add(const map_pose_t& pose, const Pose& T_map_base) {

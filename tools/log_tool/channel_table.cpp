@@ -17,7 +17,7 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
-/// "x" of "x[3]" and of "x.y[3]".
+/// The top-level field: "x" for "x[3]" and for "x.y[3]".
 std::string top_field(const std::string& name) {
   return name.substr(0, name.find_first_of(".["));
 }

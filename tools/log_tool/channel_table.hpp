@@ -10,9 +10,9 @@
 
 namespace curbstone::log_tool {
 
-/// Writes the messages of a channel as CSV (RFC 4180, lines end with a newline alone). The first column is the time of
-/// the record. A row is a message, with its fields of fixed size; or, with `elements`, a row is one element of the
-/// arrays of variable length that share the longest one's length, behind the fields of fixed size.
+/// Writes the messages of a channel as CSV (RFC 4180, but lines end with a newline only). The first column is the time
+/// of the record. A row is a message, with its fields of fixed size. With `elements`, a row is one element of the
+/// variable-length arrays that share the longest length, after the fields of fixed size.
 class ChannelTable {
  public:
   ChannelTable(std::ostream& out, bool elements) : out_(out), elements_(elements) {}
@@ -20,7 +20,7 @@ class ChannelTable {
   void write(const LogEvent& event);
   [[nodiscard]] std::int64_t rows() const { return rows_; }
   [[nodiscard]] std::int64_t undecodable() const { return undecodable_; }
-  /// Fields that are in no column.
+  /// Fields without a column.
   [[nodiscard]] const std::set<std::string>& left_out() const { return left_out_; }
 
  private:
@@ -31,11 +31,11 @@ class ChannelTable {
   std::ostream& out_;
   bool elements_;
   const MessageType* type_ = nullptr;
-  std::set<std::string> variable_;          // fields with a variable length
-  std::vector<std::string> array_columns_;  // of them, those with a column
+  std::set<std::string> variable_;          // fields of variable length
+  std::vector<std::string> array_columns_;  // of these, those with a column
   std::set<std::string> left_out_;
   bool header_written_ = false;
-  std::vector<std::vector<std::string>> arrays_;  // the present message's, a column each
+  std::vector<std::vector<std::string>> arrays_;  // of the present message, one per column
   std::int64_t rows_ = 0;
   std::int64_t undecodable_ = 0;
 };

@@ -19,8 +19,8 @@ struct CopyOptions {
   void declare(CommandLine& line);
 };
 
-/// The events that `wanted` chooses, as a new log with records numbered from 0. Their bytes and times stay. Says on
-/// stdout what it wrote, on stderr what was lost. Returns the loss.
+/// Writes the events that `wanted` selects as a new log with records numbered from 0. Their bytes and times are
+/// unchanged. Reports on stdout what it wrote, on stderr what was lost. Returns the loss.
 LogLoss copy_log(const CopyOptions& options, const std::string& command,
                  const std::function<bool(const LogEvent&)>& wanted);
 

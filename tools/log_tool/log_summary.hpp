@@ -17,13 +17,13 @@ struct ChannelSummary {
   std::int64_t first_utime = 0;  ///< us, of the records
   std::int64_t last_utime = 0;
   std::int64_t longest_gap = 0;         ///< us between two records
-  std::set<std::int64_t> fingerprints;  ///< kMostFingerprints at most
+  std::set<std::int64_t> fingerprints;  ///< at most kMostFingerprints
   static constexpr std::size_t kMostFingerprints = 5;
 
   [[nodiscard]] double hz() const;
 };
 
-/// What is in a log, gathered event by event.
+/// Statistics of a log, collected event by event.
 class LogSummary {
  public:
   void take(const LogEvent& event);
@@ -32,21 +32,21 @@ class LogSummary {
   [[nodiscard]] std::int64_t begin() const { return begin_; }  ///< us, the earliest record
   [[nodiscard]] std::int64_t end() const { return end_; }
   [[nodiscard]] std::int64_t messages() const { return messages_; }
-  /// Where nothing at all was recorded for a second or more, whatever order the records are in: "0.5 .. 12.1 s".
+  /// Where no channel was recorded for a second or more, whatever the order of the records: "0.5 .. 12.1 s".
   [[nodiscard]] std::vector<std::string> gaps() const;
-  /// "ekf on ugv, version 0.2.0", of those that said their configuration.
+  /// "ekf on ugv, version 0.2.0", for each process that published its configuration.
   [[nodiscard]] const std::set<std::string>& configs() const { return configs_; }
 
  private:
   static constexpr std::size_t kMostGaps = 100;
-  static constexpr std::size_t kMostSpans = 10'000;  // with wild times there is one a record
+  static constexpr std::size_t kMostSpans = 10'000;  // damaged times may give one span per record
   void cover(std::int64_t utime);
 
   std::map<std::string, ChannelSummary> channels_;
   std::int64_t begin_ = 0;
   std::int64_t end_ = 0;
   std::int64_t messages_ = 0;
-  std::map<std::int64_t, std::int64_t> spans_;  // us, from and to: records less than a gap apart
+  std::map<std::int64_t, std::int64_t> spans_;  // us, from and to: runs of records less than a gap apart
   std::set<std::string> configs_;
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kEndOfYears = 253'402'300'800'000'000;  // us: the year 10000
 
-/// The whole text as a number; nothing if it is none.
+/// The whole text as a number; empty if it is not one.
 std::optional<double> number_in(const std::string& text) {
   std::size_t used = 0;
   try {

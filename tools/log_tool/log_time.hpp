@@ -6,7 +6,7 @@
 
 namespace curbstone::log_tool {
 
-/// A time as a user gives it: seconds from the beginning of a log, "12.5", or UTC, "2026-11-23T20:52:00.5Z".
+/// A time given by the user: seconds from the beginning of a log, "12.5", or UTC, "2026-11-23T20:52:00.5Z".
 class LogTime {
  public:
   /// Throws std::runtime_error that names the option.
@@ -19,7 +19,7 @@ class LogTime {
   bool relative_ = true;
 };
 
-/// "2026-11-23T20:52:00.500Z". Of a time beyond the years 1 to 9999, as a damaged log may have it, the number itself.
+/// "2026-11-23T20:52:00.500Z". For a time outside the years 1 to 9999, as a damaged log may have, the number itself.
 [[nodiscard]] std::string utc_text(std::int64_t utime);
 
 }  // namespace curbstone::log_tool

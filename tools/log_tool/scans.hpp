@@ -14,7 +14,7 @@
 
 namespace curbstone::log_tool {
 
-/// A point as it stands in a PCD file: m, intensity 0..255, the ring, s from the scan's first point.
+/// A point of a PCD file: m, intensity 0..255, the ring, s after the scan's first point.
 struct ScanPoint {
   float x, y, z, intensity, ring, t;
 };
@@ -27,14 +27,14 @@ struct LoggedScan {
   std::vector<ScanPoint> points;
 };
 
-/// Puts the packets of LIDAR_POINTS together to revolutions. What is not finite is left out.
+/// Assembles the packets of LIDAR_POINTS into revolutions. Non-finite points are left out.
 class ScanCollector {
  public:
   using OnScan = std::function<void(const LoggedScan&)>;
 
   explicit ScanCollector(OnScan on_scan) : on_scan_(std::move(on_scan)) {}
   void take(const lidar_points_t& message);
-  /// The last one is over.
+  /// Completes the last revolution.
   void finish();
 
  private:
@@ -42,11 +42,11 @@ class ScanCollector {
   LoggedScan scan_;
 };
 
-/// Where the vehicle was, from MAP_POSE, between its messages too.
+/// The vehicle's trajectory from MAP_POSE, interpolated between its messages.
 class LoggedPath {
  public:
   void take(const map_pose_t& message);
-  /// T_map_base at that time, us. Nothing before the first pose, after the last, and where two are 1 s apart or more.
+  /// T_map_base at that time, us. Empty before the first pose, after the last, and where two are 1 s or more apart.
   [[nodiscard]] std::optional<Pose> at(std::int64_t utime) const;
   [[nodiscard]] bool empty() const { return poses_.empty(); }
 
@@ -54,7 +54,7 @@ class LoggedPath {
   std::map<std::int64_t, Pose> poses_;
 };
 
-/// Throws std::runtime_error when the file cannot be written.
+/// Throws std::runtime_error if the file cannot be written.
 void write_scan_pcd(const std::vector<ScanPoint>& points, const std::string& file);
 
 }  // namespace curbstone::log_tool

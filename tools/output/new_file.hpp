@@ -5,25 +5,25 @@
 
 namespace curbstone::output {
 
-/// A file that a command writes under another name, and that gets its own when it is whole. A device or a pipe
-/// (/dev/null, say) is written to as it is, and stays. Everything throws std::runtime_error with one line that names
-/// the file.
+/// A file that a command writes under a temporary name and that gets its final name when it is complete. A device or a
+/// pipe (such as /dev/null) is written directly, and is kept. All functions throw std::runtime_error with a one-line
+/// message that names the file.
 class NewFile {
  public:
-  /// Without `force` a file of that name is not replaced.
+  /// Without `force`, an existing file of that name is not replaced.
   NewFile(std::filesystem::path file, bool force);
   ~NewFile();
   NewFile(const NewFile&) = delete;
   NewFile& operator=(const NewFile&) = delete;
 
-  /// Where to write until then.
+  /// The path to write to before commit().
   [[nodiscard]] std::string part() const { return part_.string(); }
-  /// Gives the file its name.
+  /// Gives the file its final name.
   void commit();
 
  private:
   std::filesystem::path file_;
-  std::filesystem::path part_;  // the file itself, where it is no regular one
+  std::filesystem::path part_;  // the file itself, if it is not a regular file
 };
 
 }  // namespace curbstone::output

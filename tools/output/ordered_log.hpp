@@ -7,10 +7,10 @@
 
 namespace curbstone::output {
 
-/// Whether a driver publishes on the channel: LIDAR_POINTS, IMU and WHEELS are what a drive is made from.
+/// Whether a driver publishes on the channel: LIDAR_POINTS, IMU or WHEELS, the input of a drive.
 [[nodiscard]] bool is_of_a_driver(const std::string& channel);
 
-/// Hands each message of a `wanted` channel to `take`, in the order of message time (MessageOrder).
+/// Passes each message of a `wanted` channel to `take`, in the order of message time (MessageOrder).
 void read_in_order(WatchedLog& log, const std::function<bool(const std::string& channel)>& wanted,
                    const std::function<void(const LogEvent&)>& take);
 

@@ -9,8 +9,8 @@
 
 namespace curbstone::output {
 
-/// A folder that a command writes into. Files get their names when all are there: nothing half-written stays.
-/// Everything throws std::runtime_error with one line that names the file.
+/// A folder that a command writes into. Files get their final names when all are complete, so no partial output
+/// remains. All functions throw std::runtime_error with a one-line message that names the file.
 class OutputFolder {
  public:
   explicit OutputFolder(std::filesystem::path folder);
@@ -18,17 +18,18 @@ class OutputFolder {
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// `write` writes the path that it is given.
+  /// `write` writes to the path passed to it.
   void add(const std::string& name, const std::function<void(const std::string& path)>& write);
   void add_bytes(const std::string& name, std::string_view bytes);
-  /// This time there is no such file: one of an earlier export would mislead (a projection, say).
+  /// This export has no such file. commit() removes one of an earlier export, which would mislead (for example a
+  /// projection).
   void leave_out(const std::string& name);
-  /// Returns the names, in the order of adding.
+  /// Gives all files their names. Returns the names, in the order of adding.
   std::vector<std::string> commit();
 
  private:
   std::filesystem::path folder_;
-  std::vector<std::pair<std::filesystem::path, std::string>> parts_;  ///< written as, name
+  std::vector<std::pair<std::filesystem::path, std::string>> parts_;  ///< path written to, name
   std::vector<std::string> left_out_;
 };
 

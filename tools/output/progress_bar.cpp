@@ -29,7 +29,7 @@ std::string progress_line(const std::string& name, double fraction, double elaps
   const int filled = static_cast<int>(fraction * kWidth);
   std::string line =
       fmt::format("{} [{:#<{}}{:.<{}}] {:3.0f} %", name, "", filled, "", kWidth - filled, 100 * fraction);
-  // The first moments say nothing of the rest.
+  // The first moments do not predict the remaining time.
   if (fraction > 0.01 && elapsed > 1) line += fmt::format("  {} left", minutes(elapsed * (1 / fraction - 1)));
   if (!remark.empty()) line += "  " + remark;
   return line;

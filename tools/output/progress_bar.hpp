@@ -5,21 +5,21 @@
 
 namespace curbstone::output {
 
-/// How far a command is and how long it will take, on one line of stderr that is drawn anew ten times a second at most.
-/// Where stderr is not a terminal nothing is written.
+/// The progress of a command and the remaining time, on one line of stderr, redrawn at most ten times per second.
+/// Nothing is written if stderr is not a terminal.
 class ProgressBar {
  public:
   explicit ProgressBar(std::string name);
-  /// Takes the line away.
+  /// Removes the line.
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// Whether it is time to show something: for those who would work for it in vain.
+  /// Whether show() would draw now, so that a caller can skip preparing the remark.
   [[nodiscard]] bool is_due() const;
-  /// `fraction` is 0..1 of the work. `remark` stands behind it: "12.3 s of drive".
+  /// `fraction`: 0..1 of the work. `remark` follows the bar: "12.3 s of drive".
   void show(double fraction, const std::string& remark = {});
-  /// So that something else can be written.
+  /// Removes the line so that other text can be written.
   void clear();
 
  private:

@@ -9,11 +9,11 @@
 
 namespace curbstone::output {
 
-/// Logs as a command reads them: with a progress bar, and with a word on stderr at the end on what was damaged, missing
-/// or in two files at once.
+/// Reads logs for a command: with a progress bar, and with a note on stderr at the end about what was damaged, missing
+/// or duplicated in two files.
 class WatchedLog {
  public:
-  /// `command` stands before what is said: "replay". Throws as LogFiles does.
+  /// `command`: prefix of the notes, such as "replay". Throws as LogFiles does.
   WatchedLog(const std::vector<std::string>& paths, const std::string& command);
   WatchedLog(const std::string& path, const std::string& command) : WatchedLog(std::vector{path}, command) {}
 

@@ -7,8 +7,8 @@
 
 namespace curbstone::play {
 
-/// A terminal whose keys come one by one and are not shown, until this object goes. Without a terminal on the standard
-/// input there are no keys.
+/// Puts the terminal into unbuffered mode without echo until this object is destroyed. Without a terminal on the
+/// standard input there are no keys.
 class Keyboard {
  public:
   Keyboard();
@@ -17,9 +17,9 @@ class Keyboard {
   Keyboard& operator=(const Keyboard&) = delete;
 
   [[nodiscard]] bool is_there() const { return before_.has_value(); }
-  /// To wait for.
+  /// The descriptor to wait on.
   [[nodiscard]] static int fd();
-  /// What was pressed since, as bytes: an arrow is "\x1b[C". Does not wait.
+  /// The keys pressed since the last call, as bytes: an arrow is "\x1b[C". Does not wait.
   [[nodiscard]] std::string pressed() const;
 
  private:

@@ -6,7 +6,7 @@
 
 namespace curbstone::play {
 
-/// Does what the keys say. Returns false for q: the end.
+/// Executes the commands of the keys. Returns false for q: quit.
 ///
 ///     space  pause, go on          .      a tenth of a second, then pause
 ///     right  10 s on               left   10 s back

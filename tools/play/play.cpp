@@ -22,7 +22,7 @@ namespace curbstone::play {
 namespace {
 
 constexpr const char* kSensors = "LIDAR_POINTS|LIDAR_RAW|IMU|WHEELS";
-constexpr std::int64_t kListen = 1'500'000;  // us: all drivers speak more often
+constexpr std::int64_t kListen = 1'500'000;  // us; all drivers publish more often
 
 struct PlayOptions {
   std::vector<std::string> logs;
@@ -40,7 +40,7 @@ std::regex channel_regex(const std::string& text) {
   }
 }
 
-/// The channels among those that are to be played on which somebody speaks already.
+/// The channels to be played that already have a publisher.
 std::set<std::string> spoken_on(LcmBus& bus, const Player::Wanted& wanted) {
   std::set<std::string> channels;
   bool listening = true;
@@ -56,7 +56,7 @@ std::set<std::string> spoken_on(LcmBus& bus, const Player::Wanted& wanted) {
 }
 
 void refuse_a_bus_in_use(const std::string& url, const Player::Wanted& wanted) {
-  LcmBus bus(url);  // one that listens only: it is gone before anything is said
+  LcmBus bus(url);  // listens only, and is closed before anything is published
   const std::set<std::string> channels = spoken_on(bus, wanted);
   if (!channels.empty())
     throw std::runtime_error(
@@ -72,7 +72,7 @@ void play(Player& player, EventLoop& loop) {
     fmt::print(stderr, "space: pause; .: step; arrows: 10 s on or back; + -: speed; q: end\n");
     loop.watch(Keyboard::fd(), [&] {
       const std::string keys = keyboard.pressed();
-      if (keys.empty()) loop.unwatch(Keyboard::fd());  // the terminal is gone
+      if (keys.empty()) loop.unwatch(Keyboard::fd());  // the terminal was closed
       if (!apply_keys(keys, player)) loop.stop();
     });
   }
@@ -102,7 +102,7 @@ int run_play(int argc, char** argv) {
   if (const auto status = line.read(argc, argv)) return *status;
   const std::regex pattern = channel_regex(options.channels);
   const auto wanted = [&](const std::string& channel) { return std::regex_match(channel, pattern); };
-  EventLoop loop;  // before the threads of a bus, so that Ctrl-C ends the loop and the terminal is put right
+  EventLoop loop;  // before the threads of a bus, so that Ctrl-C ends the loop and the terminal is restored
   refuse_a_bus_in_use(options.url, wanted);
   LcmBus bus(options.url);
   Player player(options.logs, bus, wanted);

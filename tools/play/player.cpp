@@ -9,9 +9,9 @@ namespace curbstone::play {
 
 namespace {
 
-constexpr std::int64_t kMostAtOnce = 100'000;  // us of the caller's clock
+constexpr std::int64_t kMostAtOnce = 100'000;  // us of the caller's clock, caught up per call
 
-/// Bytes as a message, for Publisher.
+/// Wraps encoded bytes as a message, for Publisher.
 struct EncodedMessage {
   const std::vector<std::uint8_t>& bytes;
   [[nodiscard]] int getEncodedSize() const { return static_cast<int>(bytes.size()); }
@@ -51,7 +51,7 @@ void Player::publish_until(std::int64_t position) {
     position_ = std::max(position_, next_->log_utime - begin_);
     next_ = files_->next();
   }
-  if (next_) position_ = position;  // at the end there is no further
+  if (next_) position_ = position;  // at the end the position stays
 }
 
 void Player::set_speed(double speed) {

@@ -12,8 +12,8 @@
 
 namespace curbstone::play {
 
-/// Says the messages of logs on a bus, at the pace of their records. The messages stay as they are, their times too.
-/// Knows no clock: the time is an argument of advance(). One thread.
+/// Publishes the messages of logs on a bus, at the pace of their records. The messages and their times are unchanged.
+/// Independent of any clock: the time is an argument of advance(). One thread.
 class Player {
  public:
   using Wanted = std::function<bool(const std::string& channel)>;
@@ -21,25 +21,25 @@ class Player {
   /// Throws std::runtime_error as LogFiles does.
   Player(std::vector<std::string> logs, Publisher& bus, Wanted wanted);
 
-  /// Publishes what is due `now`, us of any clock that does not jump. A caller that is late makes up for at most 0.1 s.
+  /// Publishes what is due at `now`, us of any clock that does not jump. After a late call at most 0.1 s is caught up.
   void advance(std::int64_t now);
   void set_paused(bool paused) { paused_ = paused; }
   [[nodiscard]] bool paused() const { return paused_; }
-  /// Times the pace of the drive: 0.01 to 100.
+  /// Times real time: 0.01 to 100.
   void set_speed(double speed);
   [[nodiscard]] double speed() const { return speed_; }
   /// Publishes the next `us` of the log at once, and pauses.
   void step(std::int64_t us);
-  /// Goes on from there, us since the beginning, in either direction. The log is read up to there.
+  /// Continues from there, us since the beginning, in either direction. The log is read up to there.
   void seek(std::int64_t us);
 
-  /// us since the first record; at the end, of the last one.
+  /// us since the first record; at the end, the time of the last record.
   [[nodiscard]] std::int64_t position() const { return position_; }
-  /// us since the Unix epoch, the first record.
+  /// us since the Unix epoch, of the first record.
   [[nodiscard]] std::int64_t begin() const { return begin_; }
   [[nodiscard]] bool at_end() const { return !next_; }
   [[nodiscard]] std::int64_t published() const { return published_; }
-  /// The part of the logs that has been read, 0..1.
+  /// The share of the logs that was read, 0..1.
   [[nodiscard]] double progress() const { return files_->progress(); }
   [[nodiscard]] const LogFiles& files() const { return *files_; }
 

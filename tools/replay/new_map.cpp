@@ -37,12 +37,18 @@ void remove_beside(const fs::path& file) {
 
 }  // namespace
 
+<<<<<<< HEAD
 NewMap::NewMap(fs::path file)
     : file_((refuse_what_is_no_map(file), std::move(file))), folder_(file_.string() + ".part") {
   clear();  // of a replay that was killed
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) throw std::runtime_error(fmt::format("{}: cannot be written: {}", file_.string(), error.message()));
+=======
+NewMap::NewMap(std::string file) : file_((refuse_what_is_no_map(file), std::move(file))), whole_(file_, true) {
+  std::remove(part().c_str());  // of an earlier replay that was killed
+  remove_beside(part());
+>>>>>>> wordsD
 }
 
 NewMap::~NewMap() {

@@ -31,7 +31,7 @@ Values values_of(const std::string& yaml) {
   try {
     flatten(YAML::Load(yaml), "", values);
   } catch (const YAML::Exception&) {
-    values.clear();  // a log may hold anything
+    values.clear();  // a log may contain invalid YAML
   }
   return values;
 }

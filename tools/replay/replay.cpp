@@ -34,7 +34,7 @@ namespace curbstone::replay {
 
 namespace {
 
-/// What the drivers say: the rest is made anew from it.
+/// The drivers' channels, from which the rest is computed.
 constexpr std::array kSensorChannels = {"LIDAR_POINTS", "IMU", "WHEELS"};
 
 bool is_sensor(const std::string& channel) {
@@ -52,13 +52,13 @@ struct Arguments {
 
 struct Summary {
   std::int64_t messages = 0;
-  std::int64_t refused = 0;  // their times are none
+  std::int64_t refused = 0;  // with invalid times
   std::int64_t first_utime = 0;
   std::int64_t last_utime = 0;
   [[nodiscard]] double seconds() const { return static_cast<double>(last_utime - first_utime) * 1e-6; }
 };
 
-/// Says, once a process, where what was recorded is configured otherwise than this replay.
+/// Reports, once per process, differences between the recorded configuration and that of this replay.
 class ConfigWatch {
  public:
   explicit ConfigWatch(const VehicleLine& vehicle) : vehicle_(vehicle) {}
@@ -77,7 +77,7 @@ class ConfigWatch {
   }
 
  private:
-  static constexpr std::size_t kMost = 1000;  // a log may hold anything
+  static constexpr std::size_t kMost = 1000;  // bound, because a log may contain anything
 
   void say(const std::string& line) {
     if (std::find(lines_.begin(), lines_.end(), line) == lines_.end()) lines_.push_back(line);
@@ -88,7 +88,7 @@ class ConfigWatch {
   std::vector<std::string> lines_;
 };
 
-/// So that a log made by --record says what it was made with, as that of a recorder does.
+/// Writes the configurations to the record, as a recorder does, so that a log of --record states what it was made with.
 void note_configs(VehicleLine& vehicle, std::int64_t utime) {
   for (const auto& stage : vehicle.stages()) {
     const service_config_t message{utime, stage.name, stage.name, "replay", version(), stage.config};
@@ -127,7 +127,7 @@ Summary drive(output::WatchedLog& log, VehicleLine& vehicle) {
   return summary;
 }
 
-/// Whether the file has all of the map: the disk may have been full.
+/// Whether the file has the complete map; the disk may have been full.
 bool is_map_whole(const VehicleLine& vehicle) {
   for (const auto& stage : vehicle.stages()) {
     const Counters counters = stage.node->report().counters;

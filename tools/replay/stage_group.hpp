@@ -10,7 +10,7 @@
 
 namespace curbstone::replay {
 
-/// Nodes on a bus of their own, which messages enter and leave in a row: a part of a StageLine. One thread.
+/// Nodes on their own bus, which messages enter and leave in order: a part of a StageLine. One thread.
 class StageGroup {
  public:
   using Out = std::function<void(LineItem)>;
@@ -18,15 +18,15 @@ class StageGroup {
   explicit StageGroup(int beats_per_tick);
 
   [[nodiscard]] LocalBus& bus() { return bus_; }
-  /// Takes a node that was made with bus(). In the order in which they are ticked.
+  /// Takes a node that was constructed with bus(). Nodes are ticked in the order of adding.
   void add(Node& node);
   [[nodiscard]] bool hears(const std::string& channel) const { return bus_.hears(channel); }
 
-  /// Called with every message that the nodes publish, while they do.
+  /// Called with every message that the nodes publish, at the time of publishing.
   void when_published(Out out) { out_ = std::move(out); }
   void deliver(const LineItem& message);
   void beat(const LineItem& beat);
-  /// The drive is over: everything pending is finished.
+  /// Ends the drive: all pending work is finished.
   void finish();
 
  private:
@@ -36,8 +36,8 @@ class StageGroup {
   LocalBus bus_;
   std::vector<Node*> nodes_;
   Out out_;
-  bool injects_ = false;        // so that what comes is not taken for what goes
-  bool due_ = false;            // a beat at which the nodes should have been ticked did not tick
+  bool injects_ = false;        // set during delivery, so that an incoming message is not taken for an outgoing one
+  bool due_ = false;            // a tick is overdue: its beat did not advance message time
   std::int64_t last_beat_ = 0;  // us
 };
 

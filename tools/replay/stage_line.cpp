@@ -7,9 +7,9 @@ namespace curbstone::replay {
 
 namespace {
 
-constexpr std::size_t kAtOnce = 64;  // messages: to wake the next thread for each costs more than what it does with it
+constexpr std::size_t kAtOnce = 64;  // messages; waking the next thread for each one costs more than the work on it
 
-/// Thrown in the threads of the others when one has failed.
+/// Thrown in the other threads when one has failed.
 struct LineStopped {};
 
 }  // namespace
@@ -79,7 +79,7 @@ void StageLine::work(std::size_t at, LineItem item) {
   switch (item.kind) {
     case LineItem::Kind::kMessage:
       if (place.group->hears(item.channel)) {
-        // What is heard may be passed on as well, and before what is said of it.
+        // A message to this group may also be passed on, before the messages that result from it.
         if (is_wanted_after(at, item.channel)) place.out.push_back(item);
         place.group->deliver(item);
       } else {
@@ -145,7 +145,7 @@ void StageLine::note_done(std::size_t at, std::int64_t beat) {
   moved_.notify_all();
 }
 
-/// To the next group; behind the last is who wants everything.
+/// Passes the items to the next group; the last group's go to `everything`.
 void StageLine::flush(std::size_t at) {
   std::vector<LineItem> items = std::exchange(places_[at]->out, {});
   if (at + 1 == places_.size()) {
@@ -166,7 +166,7 @@ void StageLine::stop() {
   }
 }
 
-/// With nothing: only ends.
+/// A null error only stops the threads.
 void StageLine::fail(std::exception_ptr error) {
   {
     const std::lock_guard lock(mutex_);

@@ -9,23 +9,23 @@
 
 namespace curbstone::replay {
 
-/// What goes along the line of stages (StageLine), in the order in which it is to be seen.
+/// An item of the pipeline (StageLine), in order.
 struct LineItem {
   enum class Kind {
     kMessage,
-    kBeat,  ///< a piece of the drive is over
-    kEnd,   ///< the drive is
+    kBeat,  ///< end of a piece of the drive
+    kEnd,   ///< end of the drive
   };
   Kind kind = Kind::kMessage;
   std::string channel;              ///< of a message
-  std::vector<std::uint8_t> bytes;  ///< likewise, as encoded
+  std::vector<std::uint8_t> bytes;  ///< of a message, as encoded
   std::int64_t number = 0;          ///< of a beat, from 0
   std::int64_t now = 0;             ///< us of message time, of a beat
   bool ticks = false;               ///< a beat at which message time has gone on; else only the piece became long
 };
 
-/// From one thread to the next. It needs no bound of its own: nobody sends a beat that is many beats ahead of whoever
-/// is last (StageLine).
+/// A queue from one thread to the next. It needs no bound of its own: StageLine limits how many beats a group can be
+/// ahead of the slowest.
 class StageQueue {
  public:
   void push(std::vector<LineItem> items) {
@@ -35,14 +35,14 @@ class StageQueue {
     }
     some_.notify_one();
   }
-  /// All that has come; waits for it. Empty: closed.
+  /// Takes all items; waits for some. Empty: closed.
   [[nodiscard]] std::vector<LineItem> take() {
     std::unique_lock lock(mutex_);
     some_.wait(lock, [&] { return !items_.empty() || closed_; });
     if (closed_) return {};
     return std::exchange(items_, {});
   }
-  /// Nobody takes any more: what waits is forgotten.
+  /// Closes the queue: no more items are taken, and queued ones are discarded.
   void close() {
     {
       const std::lock_guard lock(mutex_);

@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kSections = {"ekf", "mapper", "tensor_voting", "semantic_map"};
 
-/// One process's configuration, and its section with all values, as YAML.
+/// One process's configuration, and its section with all values as YAML.
 template <class Config>
 struct Section {
   Config value;
@@ -56,6 +56,7 @@ struct Configuration {
   Section<semantic_map::SemanticMapConfig> semantic;
 };
 
+<<<<<<< HEAD
 /// A dense map on disk is the vehicle's: a replay leaves it alone, unless the user names it.
 void leave_folder_alone(const ReplayOptions& options, mapper::config::MapperConfig& mapper) {
   const bool is_named = std::any_of(options.assignments.begin(), options.assignments.end(),
@@ -71,6 +72,9 @@ void leave_folder_alone(const ReplayOptions& options, mapper::config::MapperConf
 }
 
 /// What the processes had, but for what another vehicle, or another time, left on the disk.
+=======
+/// The configuration of the processes, without the files of another vehicle or time.
+>>>>>>> wordsD
 Configuration configure(const ReplayOptions& given) {
   ReplayOptions options = given;
   options.assignments = assignments_for(kSections, given.assignments);
@@ -83,7 +87,11 @@ Configuration configure(const ReplayOptions& given) {
   leave_folder_alone(options, all.mapper.value);
   semantic_map::SemanticMapConfig& semantic = all.semantic.value;
   if (!options.map_file.empty()) semantic.map = options.map_file;
+<<<<<<< HEAD
   semantic.keep_earlier_drives = options.keep_earlier_drives;
+=======
+  semantic.keep_earlier_drives = false;  // the user names the file to write
+>>>>>>> wordsD
   if (options.config_file.empty() && options.recorded.sections.contains("semantic_map")) semantic.picture.clear();
   return all;
 }
@@ -121,7 +129,7 @@ ReplayVehicle::~ReplayVehicle() = default;
 
 void ReplayVehicle::advance(std::int64_t now) {
   if (last_tick_ == 0) last_tick_ = now;
-  // A gap in the log is no reason to tick through it.
+  // Ticks are not made up across a gap in the log.
   if (std::abs(now - last_tick_) > 50 * tick_period_) last_tick_ = now - tick_period_;
   while (last_tick_ + tick_period_ <= now) tick(last_tick_ += tick_period_);
 }

@@ -12,15 +12,15 @@
 
 namespace curbstone::replay {
 
-/// What to run in a replay.
+/// Options of a replay.
 struct ReplayOptions {
-  std::string config_file;               ///< the vehicle's file; empty: what was recorded, else defaults
-  RecordedConfig recorded = {};          ///< of the log
-  std::vector<std::string> assignments;  ///< SECTION.KEY=VALUE, over the file
-  std::string map_file;                  ///< where semantic_map keeps its store
-  bool keep_earlier_drives = false;      ///< in files beside, where the log holds more than one drive
-  /// us of message time. Live, it is 20 ms: in a replay nobody waits for a tile, and what the map comes to does not
-  /// depend on it.
+  std::string config_file;               ///< the vehicle's file; empty: the recorded configuration, else defaults
+  RecordedConfig recorded = {};          ///< from the log
+  std::vector<std::string> assignments;  ///< SECTION.KEY=VALUE, override the file
+  std::string map_file;                  ///< semantic_map's store
+  bool keep_earlier_drives = false;      ///< in files beside it, where the log holds more than one drive
+  /// us of message time. It is 20 ms live. A replay can use a longer period, because no consumer waits for a tile and
+  /// the resulting map does not depend on it.
   std::int64_t tick_period = 1'000'000;
 };
 
@@ -31,10 +31,10 @@ struct Stage {
   std::unique_ptr<Node> node;
 };
 
-/// Throws ConfigError where make_stages() would. Nothing is made.
+/// Throws ConfigError if make_stages() would. Makes nothing.
 void check_configuration(const ReplayOptions& options);
-/// ekf, mapper, one tensor-voting worker, semantic_map; not connected yet. `bus_of`: where a stage, by its name,
-/// publishes. Throws ConfigError, or std::runtime_error when the map cannot be written.
+/// Makes ekf, mapper, one tensor-voting worker and semantic_map, not connected yet. `bus_of`: the publisher of a stage,
+/// by its name. Throws ConfigError, or std::runtime_error if the map cannot be written.
 [[nodiscard]] std::vector<Stage> make_stages(const ReplayOptions& options,
                                              const std::function<Publisher&(const std::string& name)>& bus_of);
 
@@ -42,13 +42,13 @@ void check_configuration(const ReplayOptions& options);
 /// semantic_map. The drivers are left out: their messages come from the log.
 class ReplayVehicle {
  public:
-  /// Throws ConfigError, or std::runtime_error when the map cannot be written.
+  /// Throws ConfigError, or std::runtime_error if the map cannot be written.
   ReplayVehicle(const ReplayOptions& options, LocalBus& bus);
   ~ReplayVehicle();
 
   /// Advances message time to `now`: ticks every node each `tick_period`.
   void advance(std::int64_t now);
-  /// The drive is over: everything pending is finished, stage by stage.
+  /// Ends the drive: all pending work is finished, stage by stage.
   void finish();
 
   [[nodiscard]] const std::vector<Stage>& stages() const { return stages_; }

@@ -8,12 +8,12 @@ namespace curbstone::replay {
 
 namespace {
 
-constexpr std::int64_t kBeat = 250'000;   // us: in which the mapper sends what it has found in them
-constexpr int kMapperBeats = 1;           // between two ticks
-constexpr int kOtherBeats = 8;            // likewise: what is voted and computed rarely is done once (a voting worker
-                                          // that is ticked each 3 s takes the mapper for silent)
-constexpr std::int64_t kLongestGap = 50;  // beats: a gap in the log is no reason to tick through it
-constexpr std::int64_t kMostMessages = 20'000;  // of a beat: of a log whose time stands still
+constexpr std::int64_t kBeat = 250'000;         // us; the mapper publishes its changes once per beat
+constexpr int kMapperBeats = 1;                 // between two ticks
+constexpr int kOtherBeats = 8;                  // likewise; rare, so that each tile is computed once (at 3 s a voting
+                                                // worker takes the mapper for silent)
+constexpr std::int64_t kLongestGap = 50;        // beats; longer gaps in the log are not ticked through
+constexpr std::int64_t kMostMessages = 20'000;  // per beat; for a log whose time stands still
 
 enum Group : std::size_t { kMapping, kVoting, kSemantics, kNumGroups };
 

@@ -9,32 +9,33 @@
 
 namespace curbstone::replay {
 
-/// The services of the vehicle as a line: the filter and the mapper, a voting worker, the semantic map. A thread for
-/// each of the three or one for all: the same messages either way. ReplayOptions::tick_period is not used: in a replay
-/// nobody waits for a tile, and those that are looked at rarely are worked on once.
+/// The services of the vehicle as a pipeline: filter and mapper, a voting worker, the semantic map. One thread for each
+/// of the three or one for all, with the same messages either way. ReplayOptions::tick_period is not used: in a replay
+/// no consumer waits for a tile, and with rarer ticks a tile that changes often is computed less often.
 class VehicleLine {
  public:
-  /// Throws ConfigError, or std::runtime_error when the map cannot be written. So do the others, if it fails later.
+  /// Throws ConfigError, or std::runtime_error if the map cannot be written. So do the other functions, if that fails
+  /// later.
   VehicleLine(const ReplayOptions& options, StageLine::Options line);
 
-  /// A message of the drivers', of message time `now`, us.
+  /// A driver's message with message time `now`, us.
   void deliver(std::int64_t now, std::string channel, std::vector<std::uint8_t> bytes);
-  /// One that goes to the record alone.
+  /// A message for the record only.
   void note(std::string channel, std::vector<std::uint8_t> bytes);
-  /// The drive is over: everything pending is finished, stage by stage.
+  /// Ends the drive: all pending work is finished, stage by stage.
   void finish() { line_->finish(); }
 
-  /// Their nodes may be asked before the first message and after finish().
+  /// Their nodes may be accessed before the first message and after finish().
   [[nodiscard]] const std::vector<Stage>& stages() const { return stages_; }
 
  private:
   void advance(std::int64_t now);
 
-  std::vector<std::unique_ptr<StageGroup>> groups_;  // until the line has them
+  std::vector<std::unique_ptr<StageGroup>> groups_;  // moved into the line
   std::vector<Stage> stages_;
   std::unique_ptr<StageLine> line_;
   std::int64_t last_beat_ = 0;  // us
-  std::int64_t messages_ = 0;   // since then
+  std::int64_t messages_ = 0;   // since the last beat
 };
 
 }  // namespace curbstone::replay

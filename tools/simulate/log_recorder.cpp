@@ -19,13 +19,13 @@ namespace curbstone::simulate {
 
 namespace {
 
-constexpr std::int64_t kTick = 20'000;          // us, as the shell ticks a node
-constexpr std::int64_t kWarmUp = 3'000'000;     // us that the devices are on, and set up, before the log begins
-constexpr std::int64_t kUdpDelay = 120;         // us from a packet's last shot to the host's receiving it
-constexpr std::int64_t kSerialDelay = 500;      // us at least, of a USB serial line
-constexpr double kSerialJitter = 400e-6 * 1e6;  // us, mean of what comes on top
+constexpr std::int64_t kTick = 20'000;          // us, as in a real process
+constexpr std::int64_t kWarmUp = 3'000'000;     // us that the devices run and are configured before the log begins
+constexpr std::int64_t kUdpDelay = 120;         // us from a packet's last shot to its reception
+constexpr std::int64_t kSerialDelay = 500;      // us, minimum, of a USB serial line
+constexpr double kSerialJitter = 400e-6 * 1e6;  // us, mean of the additional delay
 
-/// Every message goes out with the time at which the driver sent it.
+/// Publishes every message with the time at which the driver sent it.
 class RecordPublisher final : public Publisher {
  public:
   RecordPublisher(const RecordSink& sink, std::int64_t begin) : sink_(sink), begin_(begin) {}
@@ -49,7 +49,7 @@ class RecordPublisher final : public Publisher {
   std::map<std::string, std::int64_t> counts_;
 };
 
-/// A serial line: what the device says reaches the host a little later, in order; what the host says is there at once.
+/// A serial line: data from the device reach the host with a delay, in order; data from the host arrive at once.
 class Line {
  public:
   using Receive = std::function<void(std::int64_t, std::span<const std::uint8_t>)>;
@@ -85,7 +85,7 @@ class Line {
   std::int64_t last_ = 0;
 };
 
-/// The emulated devices and the drivers' nodes on one made-up clock.
+/// The emulated devices and the drivers' nodes on one simulated clock.
 class Recorder {
  public:
   Recorder(const rig::Drive& drive, const RecordSink& sink)
@@ -100,7 +100,7 @@ class Recorder {
                                     numerics::Random(drive.seed).fork(12))),
         imu_line_(imu_, numerics::Random(drive.seed).fork(14)),
         can_line_(wheels_, numerics::Random(drive.seed).fork(15)),
-        lidar_node_(lidar_config(drive.lidar), log_, [] { return true; }),  // one made-up clock, of host and device
+        lidar_node_(lidar_config(drive.lidar), log_, [] { return true; }),  // one simulated clock for host and device
         imu_node_({}, log_, [this](std::span<const std::uint8_t> bytes) { imu_line_.to_device(bytes); }),
         encoder_node_(encoder_config(drive.config), log_,
                       [this](const encoder::can::CanFrame& frame) { channel_.send(frame); }),

@@ -43,17 +43,17 @@ struct Options {
   live::LiveOptions to_devices;
 };
 
-/// What a drive is driven through, whatever its source, with the truth about it.
+/// What a drive is simulated from, whatever its source, with the truth about it.
 struct Source {
   std::unique_ptr<TownSetup> town;
   std::unique_ptr<motion::Motion> recorded;
-  const motion::Motion* motion = nullptr;  ///< of one of them
+  const motion::Motion* motion = nullptr;  ///< one of the two above
   std::function<std::unique_ptr<sensors::Surroundings>()> make_surroundings;
   std::string name;
   double seconds = 0;
   double rpm = 0;
   double azimuth = 0;  ///< deg, of the LiDAR's head at t = 0
-  // Of a recorded drive:
+  // Only for a recorded drive:
   std::shared_ptr<const recorded::ScanSet> scans;
 };
 
@@ -77,7 +77,7 @@ Source town_source(const Options& options, const rig::SimulateConfig& config) {
 }
 
 Source recorded_source(const Options& options, const rig::SimulateConfig& config) {
-  constexpr double kRamp = 3.0;  // s from standing to the recording's own pace
+  constexpr double kRamp = 3.0;  // s from standstill to the recorded speed
   Source source;
   source.scans =
       std::make_shared<const recorded::ScanSet>(recorded::find_scans(options.scans, options.poses, options.times));
@@ -96,11 +96,11 @@ Source recorded_source(const Options& options, const rig::SimulateConfig& config
   source.name = options.scans;
   source.seconds = playback.drive_time(scans.times.back());
   if (options.seconds_given) source.seconds = std::min(source.seconds, options.seconds);
-  source.azimuth = -6.0 * source.rpm * playback.drive_time(0);  // looks forward when the recording's head did
+  source.azimuth = -6.0 * source.rpm * playback.drive_time(0);  // points forward when the recording's head did
   return source;
 }
 
-/// The truth folder, if one is wanted: what is known before the drive now, the rest by finish().
+/// Writes the truth folder, if it is wanted: at once what is known before the drive, the rest in finish().
 class TruthWriter {
  public:
   TruthWriter(const Options& options, const rig::SimulateConfig& config, const Source& source)
@@ -132,8 +132,8 @@ double way_of(const Source& source, double seconds) {
   return way;
 }
 
-/// Whether the file is a log of an emulated drive that begins then, or of nothing: it can be made again. A recorded
-/// drive cannot.
+/// Whether the file can be made again: it is empty, or a log of an emulated drive that begins at `start_utime`. A
+/// recorded drive cannot be made again.
 bool can_be_made_again(const std::string& file, std::int64_t start_utime) {
   constexpr std::int64_t kFirst = 10'000'000;  // us, within which a drive sends something
   std::error_code not_there;

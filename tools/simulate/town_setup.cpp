@@ -7,7 +7,7 @@ namespace curbstone::simulate {
 namespace {
 
 motion::TownMotion tour_motion(const world::Town& town, const TownTour& tour, const rig::SimulateConfig& config) {
-  constexpr double kBeforeEnd = 4.0;  // m of a route that are left: the spline cuts its corners
+  constexpr double kBeforeEnd = 4.0;  // m left at the end of a route, because the spline cuts its corners
   constexpr double kForGood = std::numeric_limits<double>::infinity();
   const motion::TownRoute route = tour.straight > 0 ? motion::TownRoute::along(town)
                                   : tour.opposite   ? motion::TownRoute::there_and_back(town)

@@ -9,25 +9,25 @@
 
 namespace curbstone::simulate {
 
-/// How fast, and how long standing first, as the configuration has it. After `distance` m it stands for good.
+/// The configured speed profile, including the initial standstill. After `distance` m the vehicle stops for good.
 [[nodiscard]] motion::SpeedProfile speed_profile(const rig::SimulateConfig& config, double seconds,
                                                  double distance = std::numeric_limits<double>::infinity());
 
-/// Which town, and the way through it.
+/// The town and the route through it.
 struct TownTour {
   std::uint64_t seed = 1;
-  double seconds = 0;     ///< 0: until it has come back and driven kAgain more
-  double loop = 0;        ///< m round a town of several blocks; 0: the demo's block
-  double straight = 0;    ///< m of a straight street, bare along its middle half, instead; 0: a town
-  std::uint64_t day = 0;  ///< seed of the cars, the bins and all noise; 0: as the town's
+  double seconds = 0;     ///< 0: until it has returned and driven another kAgain
+  double loop = 0;        ///< m around a town of several blocks; 0: the demo's block
+  double straight = 0;    ///< m of a straight street, bare along its middle half, instead of a town; 0: a town
+  std::uint64_t day = 0;  ///< seed of the cars, the bins and all noise; 0: the town's seed
   double lane = -1.3;     ///< m left of the crown
-  bool opposite = false;  ///< begins and ends in a street that leads to the loop: it comes back the other way
+  bool opposite = false;  ///< starts and ends in a street off the loop; returns in the opposite direction
 
-  static constexpr double kAgain = 60.0;  ///< m of the first street once more, in the same direction
+  static constexpr double kAgain = 60.0;  ///< m of the first street driven again, in the same direction
 };
 
-/// The town, the drive through it and the sensors' errors, as `curbstone simulate --town` has them. The drive refers to
-/// the rest: a setup stays where it is.
+/// The town, the drive through it and the sensors' errors, as in `curbstone simulate --town`. The drive refers to the
+/// other members, so a setup is neither copied nor moved.
 class TownSetup {
  public:
   /// `start_utime`: us since the Unix epoch, of t = 0.

@@ -9,8 +9,8 @@
 
 namespace curbstone::simulate {
 
-/// Casts the lasers' rays into a town, moving cars included. What is painted on the ground changes the intensity of a
-/// return and nothing else of it.
+/// Casts the lasers' rays into a town, including moving cars. Paint on the ground affects only the intensity of a
+/// return.
 class TownSurroundings final : public sensors::Surroundings {
  public:
   TownSurroundings(const world::Town& town, const sensors::LidarNoise& noise) : town_(town), noise_(noise) {}
@@ -20,7 +20,7 @@ class TownSurroundings final : public sensors::Surroundings {
 
   void prepare(const sensors::PacketView& view) override {
     town_.place_cars(view.t, moving_);
-    // What no ray of this packet can meet would be looked at by each.
+    // Skips cars that no ray of this packet can hit.
     const Eigen::Vector3f eye = view.T_world_lidar.translation().cast<float>();
     std::erase_if(moving_, [&](const world::Shape& shape) { return (shape.centre - eye).norm() > kReach + kMargin; });
   }
@@ -35,7 +35,7 @@ class TownSurroundings final : public sensors::Surroundings {
 
  private:
   static constexpr float kReach = 150.0F;  // m
-  static constexpr float kMargin = 10.0F;  // m: a car's size, and what the vehicle drives within a packet
+  static constexpr float kMargin = 10.0F;  // m: the size of a car, and the vehicle's motion within a packet
   const world::Town& town_;
   sensors::LidarNoise noise_;
   const paint::PaintedGround* ground_ = nullptr;

@@ -104,7 +104,7 @@ int run_spy(int argc, char** argv) {
   if (!options.trace.empty() && (options.once || !options.channel.empty()))
     return line.refuse("--trace goes with --seconds alone");
   if (!options.trace.empty()) return write_trace(options);
-  EventLoop loop;  // takes the signals before the bus starts its thread
+  EventLoop loop;  // blocks the signals before the bus starts its thread
   LcmBus bus(options.url);
   board::BusBoard board(options.channel);
   bus.tap([&](const std::string& channel, const void* data, int size,

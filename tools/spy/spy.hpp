@@ -2,8 +2,8 @@
 
 namespace curbstone::spy {
 
-/// `curbstone spy`: who sends what on the bus, how fast, and how the services are. Returns the exit status: 0, 1 the
-/// environment failed or, with --once, nothing came, 2 wrong usage.
+/// `curbstone spy`: the senders, channels and rates of the bus, and the health of the services. Returns the exit
+/// status: 0, 1 if the environment failed or, with --once, nothing was received, 2 wrong usage.
 int run_spy(int argc, char** argv);
 
 }  // namespace curbstone::spy

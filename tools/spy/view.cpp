@@ -17,10 +17,10 @@ using board::ServiceState;
 using Align = TerminalTable::Align;
 using Cell = TerminalTable::Cell;
 
-constexpr double kSilent = 2.0;             // s: a channel that is not heard so long is not well
-constexpr std::int64_t kClockOff = 50'000;  // us: clocks of two hosts that differ by more are a fault
+constexpr double kSilent = 2.0;             // s after which a channel counts as silent
+constexpr std::int64_t kClockOff = 50'000;  // us; a larger difference between two hosts' clocks is a fault
 
-/// With so many decimals; "-" for what is not known.
+/// With this number of decimals; "-" for NaN.
 std::string number(double value, int decimals) {
   return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, decimals);
 }
@@ -86,7 +86,7 @@ Cell state_cell(const ServiceState& service, std::int64_t now) {
   return {fmt::format("{}", fmt::join(service.status.fault, "; ")), Colour::kBad};
 }
 
-/// The state comes last: faults are words, of any length.
+/// The state is the last column, because fault texts have any length.
 TerminalTable service_table(const BusBoard& board, std::int64_t now) {
   TerminalTable table({{"service"},
                        {"host"},
@@ -131,7 +131,7 @@ TerminalTable deputy_table(const BusBoard& board, std::int64_t now) {
   return table;
 }
 
-/// The fields of the followed channel's last message; nothing if there is none that can be decoded.
+/// The fields of the followed channel's last message; empty if none can be decoded.
 std::optional<std::vector<NamedValue>> followed_values(const BusBoard& board) {
   const auto found = board.channels().find(board.followed());
   if (found == board.channels().end()) return std::nullopt;

@@ -69,7 +69,7 @@ Json deputy_json(const board::DeputyState& deputy, std::int64_t now) {
           {"commands", commands}};
 }
 
-/// Field by field, or null.
+/// The message field by field, or null.
 Json message_json(const board::BusBoard& board) {
   const auto found = board.channels().find(board.followed());
   if (found == board.channels().end()) return nullptr;

@@ -5,7 +5,7 @@
 
 namespace curbstone::output {
 
-/// All that a map file holds, to be drawn: tiles, curbs, markings and the driven path. Throws MapStoreError.
+/// The content of a map file, for drawing: tiles, curbs, markings and the driven path. Throws MapStoreError.
 [[nodiscard]] semantic_map::picture::MapPicture stored_picture(const semantic_map::store::MapReader& map);
 
 }  // namespace curbstone::output

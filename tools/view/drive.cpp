@@ -10,8 +10,8 @@
 namespace curbstone::view {
 namespace {
 
-constexpr std::int64_t kSearched = 20'000'000;  // us: a map that is made says something before
-constexpr std::int64_t kLeap = 1'000'000;       // us of the drive at once: the page is served between
+constexpr std::int64_t kSearched = 20'000'000;  // us within which a log with a map has a message of it
+constexpr std::int64_t kLeap = 1'000'000;       // us of the drive per call; the page is served in between
 constexpr std::int64_t kTick = 50'000;          // us of message time
 
 constexpr std::array<std::string_view, 10> kShown = {"SEMANTIC_TILE", "TILE_INDEX", "MAP_POSE",       "MAP_TRAJECTORY",
@@ -39,7 +39,7 @@ replay::ReplayOptions options_for(const std::vector<std::string>& logs) {
   LogFiles head(logs);
   replay::ReplayOptions options;
   options.recorded = replay::recorded_config(head);
-  options.assignments = {"semantic_map.map=", "mapper.folder=", "mapper.mode=map"};  // nothing is written
+  options.assignments = {"semantic_map.map=", "mapper.folder=", "mapper.mode=map"};  // writes nothing
   options.tick_period = kTick;
   return options;
 }

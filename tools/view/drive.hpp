@@ -11,26 +11,27 @@
 
 namespace curbstone::view {
 
-/// A recorded drive, played for the page. What the services said then is shown as they said it. A log of sensors alone
-/// is given to the services' nodes, here and now. One thread.
+/// Plays a recorded drive for the page. Recorded messages of the services are shown unchanged. A log with sensor data
+/// only is processed by the services' nodes in this process. One thread.
 class Drive {
  public:
-  /// `shown`: gets what the page can show; nobody else hears it. Throws std::runtime_error as LogFiles does, or
-  /// ConfigError.
+  /// `shown`: gets the messages that the page can show; it must have no other subscribers. Throws std::runtime_error as
+  /// LogFiles does, or ConfigError.
   Drive(std::vector<std::string> logs, LocalBus& shown);
 
-  /// Plays what is due `now`, us of any clock that does not jump; or the way to the place of go_to(), a piece at once.
+  /// Plays what is due at `now`, us of any clock that does not jump; after go_to(), processes the log up to that
+  /// position, one piece per call.
   void advance(std::int64_t now);
   void set_paused(bool paused) { player_.set_paused(paused); }
   void set_speed(double speed) { player_.set_speed(speed); }
-  /// Goes on to this place, us since the first record: all that was said until there is taken in at once. Only forward:
-  /// for an earlier place make another Drive.
+  /// Continues at this position, us since the first record: all messages up to there are processed at once. Only
+  /// forward: for an earlier position make another Drive.
   void go_to(std::int64_t us) { goal_ = us; }
 
   /// us since the first record.
   [[nodiscard]] std::int64_t position() const { return player_.position(); }
   [[nodiscard]] bool at_end() const { return player_.at_end(); }
-  /// Whether the services' nodes make the map anew.
+  /// Whether the services' nodes compute the map in this process.
   [[nodiscard]] bool makes_map() const { return vehicle_.has_value(); }
   [[nodiscard]] const play::Player& player() const { return player_; }
 

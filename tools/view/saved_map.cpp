@@ -18,10 +18,10 @@ namespace {
 
 using semantic_map::store::MapReader;
 
-constexpr float kAll = 1e6F;  // m, of a box about everything
+constexpr float kAll = 1e6F;  // m, half size of a box around everything
 constexpr std::string_view kSqlite = "SQLite format 3";
 
-/// All of the drive in one page: it goes to no bus.
+/// The whole drive in one page, because it is not sent over a bus.
 map_trajectory_t trajectory_of(const MapReader& file, std::int32_t epoch) {
   map_trajectory_t message{};
   message.epoch = epoch;
@@ -64,7 +64,7 @@ marking_lines_t markings_of(const MapReader& file, const map_trajectory_t& traje
 }  // namespace
 
 bool is_map_file(const std::string& file) {
-  if (std::filesystem::is_directory(file)) return false;  // of a session's logs
+  if (std::filesystem::is_directory(file)) return false;  // a session's folder of logs
   std::ifstream in(file, std::ios::binary);
   if (!in) throw std::runtime_error(file + ": " + std::generic_category().message(errno));
   std::array<char, kSqlite.size()> head{};
@@ -74,7 +74,7 @@ bool is_map_file(const std::string& file) {
 
 void show_saved_map(const std::string& file, std::int64_t now, viewer::ViewerNode& node) {
   const MapReader reader(file);
-  // A node enters no epoch that lies ahead of the clock; here there is no other.
+  // A node ignores an epoch ahead of the clock; there is no other epoch here.
   const auto epoch = static_cast<std::int32_t>(std::min<std::int64_t>(reader.epoch(), now / 1'000'000));
   const map_trajectory_t trajectory = trajectory_of(reader, epoch);
   node.on(trajectory);

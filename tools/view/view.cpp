@@ -40,7 +40,7 @@ struct ViewOptions {
   double from = 0;  // s
 };
 
-/// A drive for the page, and what the page orders of it.
+/// A drive that is played for the page, with the page's commands.
 class Playing {
  public:
   Playing(std::vector<std::string> logs, double speed, LocalBus& shown)
@@ -89,7 +89,7 @@ std::string title_of(const std::vector<std::string>& files) {
   return files.size() == 1 ? first : fmt::format("{} and {} more", first, files.size() - 1);
 }
 
-/// Until somebody ends it.
+/// Serves until it is stopped.
 void serve(EventLoop& loop, LocalBus& bus, viewer::ViewerNode& node, Playing* playing, viewer::FoxgloveNode* foxglove) {
   loop.every(std::chrono::milliseconds(20), [&] {
     if (playing != nullptr) {
@@ -121,7 +121,7 @@ int run_view(int argc, char** argv) {
 
   EventLoop loop;  // before the web server's thread
   auto config = config_of<viewer::ViewerConfig>("viewer", kProcessSections, options.config, options.assignments);
-  // Beside the viewer of a vehicle, which has the first port, and beside others of its own kind.
+  // Several viewers may run: that of a vehicle, which has the first port, and others like this one.
   if (!line.given("--config") && config.ports == 1) config.ports = 20;
   const bool is_map = is_map_file(options.files[0]);
   if (is_map && options.files.size() > 1) throw std::runtime_error("one map at a time");

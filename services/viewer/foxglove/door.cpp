@@ -71,7 +71,7 @@ void Door::hear(web::PageId id, Client& client, const std::string& text) {
   }
 }
 
-/// Tells of processes that were heard for the first time since.
+/// Advertises the processes first heard since the last call.
 void Door::introduce(web::PageId id, Client& client, const StatusBook& status) {
   std::vector<Channel> new_channels;
   for (; client.services < status.services().size(); ++client.services)

@@ -11,34 +11,36 @@
 
 namespace curbstone::viewer::foxglove {
 
-/// Foxglove's clients: tells each what there is, and sends what it subscribed to, the present state first. They can
-/// order nothing. A client gets no more than it takes: while kMostQueued bytes wait for it nothing is made for it, and
-/// nothing large while kMostForLarge wait or when it has had kMostASecond. One thread.
+/// The server side of the Foxglove protocol: advertises the channels to each client and sends what the client
+/// subscribed to, the present state first. Clients cannot command anything. Back-pressure: while kMostQueued bytes are
+/// queued for a client, no message is made for it; while kMostForLarge bytes are queued, or the client is above
+/// kMostASecond, no large message is made. One thread.
 class Door {
  public:
   static constexpr std::size_t kMostQueued = 4'000'000;
   static constexpr std::size_t kMostForLarge = 100'000;
-  /// Of a client, on average: whoever subscribes again and again would keep the node busy with maps.
+  /// Bytes per second and client, averaged. Without it, repeated subscriptions would keep the node busy encoding maps.
   static constexpr std::size_t kMostASecond = 20'000'000;
 
-  /// `clients` must outlive this. `session`: another one for each run of the process.
+  /// `clients` must outlive this. `session`: unique for each run of the process.
   Door(web::Audience& clients, std::string session) : clients_(clients), session_(std::move(session)) {}
 
-  /// Hears the clients and sends what is due. `now`: us since the Unix epoch.
+  /// Handles the clients' requests and sends the messages that are due. `now`: us since the Unix epoch.
   void tick(const World& world, std::int64_t now);
 
-  /// Whether a client subscribed to what costs the bus something: the LiDAR's points.
+  /// Whether any client subscribed to `topic`. The node subscribes to costly bus channels, such as the LiDAR's points,
+  /// only then.
   [[nodiscard]] bool wants(Topic topic) const;
-  /// foxglove.clients, foxglove.messages; refused.foxglove (requests that mean nothing); and those of the connections.
+  /// foxglove.clients, foxglove.messages; refused.foxglove (invalid requests); and the counters of the connections.
   [[nodiscard]] Counters counters() const;
 
  private:
   struct Client {
     Feed feed{Feed::For::kClient};
-    std::map<std::uint32_t, std::uint32_t> subscriptions;  // by channel: the client's id
-    std::size_t services = 0;                              // announced to it
-    std::int64_t large_sent = 0;                           // us
-    std::int64_t large_pause = 0;                          // us from then on
+    std::map<std::uint32_t, std::uint32_t> subscriptions;  // by channel: the client's id of the subscription
+    std::size_t services = 0;                              // how many were announced to the client
+    std::int64_t large_sent = 0;                           // us, of the last large message
+    std::int64_t large_pause = 0;                          // us after large_sent without another large message
   };
   void serve(web::PageId id, Client& client, const World& world, std::int64_t now);
   void hear(const web::Audience::Event& event);

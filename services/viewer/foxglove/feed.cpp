@@ -10,7 +10,7 @@
 namespace curbstone::viewer::foxglove {
 namespace {
 
-// us between two messages of a topic
+// us, minimum period of a topic
 constexpr std::int64_t kAtOnce = 0;
 constexpr std::int64_t kScanPeriod = 100'000;
 constexpr std::int64_t kWindowPeriod = 500'000;
@@ -34,7 +34,7 @@ std::vector<Message> Feed::due(const World& world, std::int64_t now, bool takes_
   send_lines(kMarkings, world.map.markings, markings_message, world.map.newest_utime, now, out);
   send_path(world, now, out);
   if (takes_large) {
-    // The rarest first: else the others would leave it no turn.
+    // The rarest first: otherwise the frequent ones would always be sent instead.
     (void)(send_map(world, now, out) || send_points(world, now, out) || send_window(world, now, out) ||
            send_scan(world, now, out));
   }

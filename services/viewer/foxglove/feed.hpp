@@ -15,10 +15,10 @@
 
 namespace curbstone::viewer::foxglove {
 
-/// All that is shown, as it is now.
+/// The present state of everything that is shown.
 struct World {
   frames::World map;
-  const std::optional<map_pose_t>& pose;  ///< sound
+  const std::optional<map_pose_t>& pose;  ///< must be valid (finite)
   const VehicleConfig& vehicle;
   const StatusBook& status;
   const NearPoints& points;
@@ -26,37 +26,39 @@ struct World {
 
 struct Message {
   std::uint32_t channel = 0;  ///< a Topic
-  std::int64_t utime = 0;     ///< us since the Unix epoch: of what was measured
+  std::int64_t utime = 0;     ///< us since the Unix epoch, of the measurement
   std::string payload;
 };
 
-/// What one listener was sent, be it a client or a file, and so what it lacks. A message is made of what is there when
-/// it goes: a slow listener gets fewer of them, and none is old. Pure; one thread.
+/// Keeps track of what one listener (a client or a file) was sent, and so of what it lacks. A message is made from the
+/// present state when it is sent: a slow listener gets fewer messages, but never old ones. Pure; one thread.
 class Feed {
  public:
-  /// A file is entered anywhere, so what changes by pieces (curbs, path) is repeated as a whole there, each 10 s.
+  /// A reader may start anywhere in a file, so there everything that is sent as changes (curbs, markings, path) is
+  /// repeated in full every 10 s.
   enum class For { kClient, kFile };
   explicit Feed(For listener) : listener_(listener) {}
 
-  /// From now on; the present state comes first, also when it was subscribed to before. Any channel.
+  /// Starts sending `channel`, which may be any channel. The present state is sent first, also after an earlier
+  /// subscription.
   void subscribe(std::uint32_t channel) { sent_.insert_or_assign(channel, Sent{}); }
   void unsubscribe(std::uint32_t channel) { sent_.erase(channel); }
   [[nodiscard]] bool wants(std::uint32_t channel) const { return sent_.contains(channel); }
 
-  /// The messages that are due at `now` (us, a jump of the clock delays nothing). Small ones are states and lines; of
-  /// the large ones, maps and clouds, one at most, and none unless `takes_large`.
+  /// The messages that are due at `now` (us; a jump of the clock delays none). States and lines are small. Of the large
+  /// messages (maps and clouds) at most one is returned, and none unless `takes_large`.
   [[nodiscard]] std::vector<Message> due(const World& world, std::int64_t now, bool takes_large);
 
  private:
   struct Sent {
-    std::optional<std::int64_t> at;     // us; nothing yet
-    std::optional<std::int64_t> whole;  // us, everything of it
-    std::uint64_t number = 0;           // of what was sent
-    std::size_t points = 0;             // of the path
-    TileKey middle;                     // of the window
+    std::optional<std::int64_t> at;     // us, of the last message; empty: none was sent
+    std::optional<std::int64_t> whole;  // us, of the last full message
+    std::uint64_t number = 0;           // revision of the data in the last message
+    std::size_t points = 0;             // of the path, sent so far
+    TileKey middle;                     // of the window in the last message
   };
   using Sink = std::vector<Message>;
-  /// Null unless the channel is subscribed to, and `period` us have passed since its last message.
+  /// Null unless the channel is subscribed to and `period` us have passed since its last message.
   Sent* ready(std::uint32_t channel, std::int64_t now, std::int64_t period);
   [[nodiscard]] bool is_whole_due(const Sent& sent, std::int64_t now) const;
 

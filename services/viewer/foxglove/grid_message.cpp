@@ -25,7 +25,7 @@ constexpr std::size_t kConfidence = 10;
 
 struct Look {
   std::array<std::uint8_t, 4> colour;  // red, green, blue, alpha
-  int rank;                            // who wins where cells are put together
+  int rank;                            // the highest counts where cells are merged
 };
 /// By class.
 constexpr std::array<Look, 5> kLooks = {{
@@ -36,7 +36,7 @@ constexpr std::array<Look, 5> kLooks = {{
     {{220, 40, 40, 255}, 3},
 }};
 
-/// Cells of the map, `scale` of them along a side to one of the grid's.
+/// A range of map cells; `scale` of them along a side make one cell of the grid.
 struct Layout {
   std::int64_t column0 = 0;  // cells of the map
   std::int64_t row0 = 0;

@@ -11,9 +11,10 @@
 
 namespace curbstone::viewer::foxglove {
 
-/// What several of Foxglove's messages are made of. Only the room's sources include it: protobuf is large.
+/// Parts shared by several of the Foxglove messages. Include it only in .cpp files of this room: the protobuf headers
+/// are large.
 
-/// us since the Unix epoch.
+/// `utime`: us since the Unix epoch.
 inline void set_time(google::protobuf::Timestamp& to, std::int64_t utime) {
   to.set_seconds(utime / 1'000'000);
   to.set_nanos(static_cast<std::int32_t>(utime % 1'000'000 * 1000));
@@ -39,7 +40,7 @@ inline void set_pose(::foxglove::Pose& to, const Pose& pose) {
   set_rotation(*to.mutable_orientation(), pose);
 }
 
-/// A grid or a cloud.
+/// Adds a field to a grid or a cloud.
 template <class Packed>
 void add_field(Packed& to, const std::string& name, std::uint32_t offset,
                ::foxglove::PackedElementField::NumericType type) {

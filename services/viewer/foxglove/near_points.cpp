@@ -19,7 +19,7 @@ bool NearPoints::put(const map_points_t& message) {
   return true;
 }
 
-/// Records that came before are passed over.
+/// Skips the records that were received before.
 void NearPoints::apply(const map_points_t& message, Tile& tile) {
   tile.z_origin = double{message.z_origin};
   const std::int64_t end = std::int64_t{message.first} + message.num_points;

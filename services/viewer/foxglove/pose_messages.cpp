@@ -24,7 +24,7 @@ void add(::foxglove::FrameTransforms& to, std::int64_t utime, const std::string&
 std::string transforms_message(const map_pose_t& pose, const VehicleConfig& vehicle) {
   const Pose T_map_base = pose_from_arrays(pose.map_base_position, pose.map_base_orientation);
   Pose T_map_odom = pose_from_arrays(pose.map_odom_position, pose.map_odom_orientation);
-  if (!is_finite(T_map_odom)) T_map_odom = Pose::Identity();  // the mapper has no odometry
+  if (!is_finite(T_map_odom)) T_map_odom = Pose::Identity();  // the mapper runs without odometry
   ::foxglove::FrameTransforms message;
   add(message, pose.utime, "map", "odom", T_map_odom);
   add(message, pose.utime, "odom", "base_link", T_map_odom.inverse() * T_map_base);

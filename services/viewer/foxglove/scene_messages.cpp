@@ -21,8 +21,8 @@ constexpr std::array<double, 3> kInferredColour = {0.60, 0.60, 0.65};
 constexpr std::array<double, 3> kPathColour = {0.20, 0.55, 1.00};
 constexpr std::array<double, 3> kPaintColour = {0.96, 0.97, 0.98};
 constexpr double kUnseen = 0.5;       // opacity
-constexpr double kPaintWidth = 0.12;  // m, where it is not known
-constexpr double kPaintRise = 0.02;   // m, over the road, or both would be drawn by turns
+constexpr double kPaintWidth = 0.12;  // m, if unknown
+constexpr double kPaintRise = 0.02;   // m, above the road, against z-fighting
 constexpr double kThick = 0.06;       // m
 constexpr double kThin = 0.02;
 
@@ -67,7 +67,7 @@ std::string id_of(const char* kind, std::uint32_t name) {
   return fmt::format("{} {}", kind, name);
 }
 
-/// What went since the listener heard last; all, where it knows nothing yet.
+/// Deletes the lines removed since the listener's last update, or all lines for a new listener.
 template <class Changes>
 void add_deletions(::foxglove::SceneUpdate& scene, const Changes& changes, const char* kind, std::int64_t utime) {
   if (changes.everything) delete_all(scene, utime);
@@ -112,7 +112,7 @@ std::string_view name_of(std::int8_t type) {
   return kNames.at(type > 0 && type < static_cast<std::int8_t>(kNames.size()) ? static_cast<std::size_t>(type) : 0);
 }
 
-/// From point to point, in the plane. Nothing: they are one.
+/// Unit vector from point to point, in the plane. Empty: the points coincide.
 std::optional<Eigen::Vector2d> direction_of(const marking_line_t& line, std::size_t from, std::size_t to) {
   const Eigen::Vector2d step(double{line.x[to]} - double{line.x[from]}, double{line.y[to]} - double{line.y[from]});
   const double length = step.norm();
@@ -120,7 +120,8 @@ std::optional<Eigen::Vector2d> direction_of(const marking_line_t& line, std::siz
   return step / length;
 }
 
-/// Half across the strip at a point: between the normals of both pieces that meet there, if both are painted.
+/// Half the width across the strip at a point, along the bisector of the normals of the pieces that meet there, if both
+/// are painted.
 Eigen::Vector2d half_across(const marking_line_t& line, std::size_t at, bool begins, bool ends, double half_width) {
   const auto before = begins ? std::nullopt : direction_of(line, at - 1, at);
   const auto after = ends ? std::nullopt : direction_of(line, at, at + 1);
@@ -128,12 +129,12 @@ Eigen::Vector2d half_across(const marking_line_t& line, std::size_t at, bool beg
       before && after ? Eigen::Vector2d(*before + *after) : before.value_or(after.value_or(Eigen::Vector2d::Zero()));
   const double length = along.norm();
   if (!(length > 0)) return Eigen::Vector2d::Zero();
-  // A corner reaches farther out; one that turns back has no outside.
+  // At a corner the offset is longer (miter), by a factor of 2 at most; where the line turns back it is zero.
   const double miter = before && after ? std::min(2.0, 2 / length) : 1;
   return Eigen::Vector2d(-along.y(), along.x()) / length * half_width * miter;
 }
 
-/// The paint from point `first` to `last` without a gap, as a strip.
+/// Adds the continuous paint from point `first` to `last` as a strip.
 void add_strip(::foxglove::TriangleListPrimitive& paint, const marking_line_t& line, std::size_t first,
                std::size_t last) {
   const double half_width = (line.width > 0 ? double{line.width} : kPaintWidth) / 2;
@@ -191,7 +192,7 @@ std::string path_message(const store::ThinnedPath& path, std::size_t first, bool
   if (everything) delete_all(scene, utime);
   const auto& points = path.points();
   const std::size_t from =
-      everything || first == 0 ? 0 : (first - 1) / kPathPiece;  // a piece ends with the next one's first
+      everything || first == 0 ? 0 : (first - 1) / kPathPiece;  // a piece ends with the first point of the next one
   for (std::size_t piece = from; piece * kPathPiece < points.size(); ++piece) {
     auto& entity = add_entity(scene, fmt::format("path {}", piece), utime);
     auto& line = add_line(entity, kPathColour, kThick);

@@ -9,20 +9,21 @@
 
 namespace curbstone::viewer::foxglove {
 
-/// foxglove.SceneUpdate in map, as protobuf. An entity that comes again under its id replaces the one before, and stays
-/// until then.
+/// Messages foxglove.SceneUpdate in map, as protobuf. An entity persists until another one with the same id replaces
+/// it.
 
-/// An entity a curb line: one line along its foot and one along its upper edge; lowered ones are orange, inferred ones
-/// grey and half transparent. Metadata: height, rise, confidence, lowered, inferred. `utime`: us since the Unix epoch.
+/// One entity per curb line: a line along its foot and a line along its upper edge. Lowered curbs are orange, inferred
+/// ones grey and half transparent. Metadata: height, rise, confidence, lowered, inferred. `utime`: us since the Unix
+/// epoch.
 [[nodiscard]] std::string curbs_message(const store::CurbLines::Changes& changes, std::int64_t utime);
 
-/// An entity a road marking: its painted pieces as flat strips, as wide as the paint, just over the road. Metadata:
+/// One entity per road marking: its painted pieces as flat strips of the paint's width, just above the road. Metadata:
 /// type, width, dash, gap, confidence. `utime`: us since the Unix epoch.
 [[nodiscard]] std::string markings_message(const store::MarkingLines::Changes& changes, std::int64_t utime);
 
-/// Points of the path in an entity; the next one begins with its last point.
+/// Points of the path per entity. Each entity begins with the last point of the one before.
 inline constexpr std::size_t kPathPiece = 200;
-/// The pieces in which points from `first` on stand. `everything`: what was sent before is void.
+/// The entities that hold the points from index `first` on. `everything`: they replace all that was sent before.
 [[nodiscard]] std::string path_message(const store::ThinnedPath& path, std::size_t first, bool everything,
                                        std::int64_t utime);
 

@@ -18,12 +18,12 @@ std::string text_of(const json& value) {
   return value.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-/// Short, and UTF-8 whatever came from the bus: protobuf takes nothing else.
+/// Shortened, and valid UTF-8 whatever the bus delivered: protobuf accepts nothing else.
 std::string cleaned(const std::string& text) {
   return json::parse(text_of(text.substr(0, StatusBook::kMaxText))).get<std::string>();
 }
 
-/// As a part of a path in a plot, which takes no other characters without quotes.
+/// Makes a name usable in a plot's path, which needs quotes for any other characters.
 std::string plain(std::string name) {
   for (char& c : name) {
     if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';

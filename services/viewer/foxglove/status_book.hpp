@@ -9,21 +9,21 @@
 
 namespace curbstone::viewer::foxglove {
 
-/// What the processes say of themselves, for plots and for a log: JSON of their last status, and a line whenever one
-/// starts, and a fault begins or ends. Bounded. Pure; one thread.
+/// The status of all processes, for plots and for a log: the last SERVICE_STATUS of each as JSON, and a log line
+/// whenever a process starts and whenever a fault begins or ends. Bounded. Pure; one thread.
 class StatusBook {
  public:
   static constexpr std::size_t kMaxServices = 64;
-  static constexpr std::size_t kMaxLines = 256;     ///< kept
+  static constexpr std::size_t kMaxLines = 256;     ///< the newest ones
   static constexpr std::size_t kMaxText = 300;      ///< bytes of a name or a fault
-  static constexpr std::size_t kMaxFaults = 16;     ///< of a process
-  static constexpr std::size_t kMaxCounters = 256;  ///< of a process
+  static constexpr std::size_t kMaxFaults = 16;     ///< per process
+  static constexpr std::size_t kMaxCounters = 256;  ///< per process
 
   struct Service {
     std::string name;
     std::string topic;         ///< "/status/tensor_voting_1"
     std::string json;          ///< of the last message
-    std::uint64_t number = 0;  ///< grows with each message
+    std::uint64_t number = 0;  ///< increases with each message
     std::int64_t utime = 0;    ///< us, of the last message
     std::int32_t pid = 0;
     std::int64_t uptime = 0;  ///< us
@@ -39,9 +39,9 @@ class StatusBook {
     std::string text;  ///< UTF-8
   };
 
-  /// False: there are too many processes already.
+  /// False: kMaxServices is reached and this process is not among them.
   bool put(const service_status_t& message);
-  /// In the order in which they were first heard; none ever goes.
+  /// In the order of their first message. None is ever removed.
   [[nodiscard]] const std::vector<Service>& services() const { return services_; }
   /// The newest kMaxLines.
   [[nodiscard]] const std::deque<Line>& lines() const { return lines_; }

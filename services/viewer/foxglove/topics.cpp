@@ -23,7 +23,7 @@ constexpr const char* kStatusSchema =
     R"("counters":{"type":"object","additionalProperties":{"type":"integer"}},)"
     R"("faults":{"type":"array","items":{"type":"string"}}}})";
 
-/// What is imported stands before what imports it.
+/// Adds a file after its imports.
 void add_file(const FileDescriptor& file, std::set<std::string>& added, FileDescriptorSet& set) {
   if (!added.insert(file.name()).second) return;
   for (int i = 0; i < file.dependency_count(); ++i) add_file(*file.dependency(i), added, set);

@@ -36,7 +36,7 @@ std::optional<std::uint32_t> id_of(const json& value) {
   return static_cast<std::uint32_t>(number);
 }
 
-/// Nothing: there is no such number.
+/// Empty: there is no valid id under `name`.
 std::optional<std::uint32_t> id_in(const json& object, const char* name) {
   if (!object.is_object()) return std::nullopt;
   const auto it = object.find(name);

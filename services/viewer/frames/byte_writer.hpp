@@ -10,7 +10,7 @@
 
 namespace curbstone::viewer::frames {
 
-/// Appends numbers, least significant byte first.
+/// Appends numbers in little-endian byte order.
 class ByteWriter {
  public:
   void u8(std::uint8_t value) { bytes_.push_back(value); }
@@ -24,7 +24,7 @@ class ByteWriter {
   void bytes(std::span<const std::uint8_t> more) { bytes_.insert(bytes_.end(), more.begin(), more.end()); }
   void text(std::string_view more) { bytes_.insert(bytes_.end(), more.begin(), more.end()); }
 
-  /// For a number that is known only when what follows it has been written.
+  /// Overwrites a number that is known only after the bytes that follow it were written.
   void set_u32(std::size_t place, std::uint32_t value) {
     write_little_endian(std::span<std::uint8_t>(bytes_).subspan(place), value);
   }

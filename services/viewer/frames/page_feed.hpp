@@ -10,30 +10,30 @@
 
 namespace curbstone::viewer::frames {
 
-/// All that pages show, as it is now.
+/// The present state of everything that pages show.
 struct World {
-  double run = 0;  ///< drawn at the start of the process
+  double run = 0;  ///< random id of this process run
   std::int32_t epoch = 0;
   const store::LiveMap& map;
-  const TileSteps& steps;  ///< closed
+  const TileSteps& steps;  ///< closed (TileSteps::close())
   const store::CurbLines& curbs;
   const store::MarkingLines& markings;
   const store::ThinnedPath& path;
   const std::vector<ScanPoint>& scan;
-  std::uint64_t scan_number = 0;  ///< grows with each scan
+  std::uint64_t scan_number = 0;  ///< increases with each scan
   std::string_view services;      ///< JSON
   std::uint64_t services_number = 0;
-  std::int64_t newest_utime = 0;  ///< us, of the map points that went into the newest tile
+  std::int64_t newest_utime = 0;  ///< us, of the map points in the newest tile
 };
 
-/// What one page has and lacks. It makes the page's frames. At most kMaxOut frames are out, which the page has not said
-/// to have drawn; so what a page costs is bounded, whatever it does. Pure; one thread.
+/// Keeps track of what one page has, and makes the frames with what it lacks. At most kMaxOut frames may be
+/// unacknowledged, so the cost of a page is bounded whatever it does. Pure; one thread.
 class PageFeed {
  public:
   static constexpr std::size_t kMaxOut = 2;
   static constexpr std::size_t kMaxWholeTiles = 64;  ///< in one frame: 200 kB
 
-  /// What a page says that it has, from a connection before.
+  /// What a page reports to have from an earlier connection.
   struct Resume {
     double run = 0;
     std::int32_t epoch = 0;
@@ -41,7 +41,7 @@ class PageFeed {
   };
   explicit PageFeed(std::optional<Resume> resume) : resume_(resume) {}
 
-  /// What was sent is void: the next frame begins with BEGIN, whatever the page has.
+  /// Makes the next frame begin with BEGIN, which discards everything the page has.
   void begin_again() {
     epoch_.reset();
     resume_.reset();
@@ -51,13 +51,13 @@ class PageFeed {
   [[nodiscard]] bool wants_points() const { return wants_points_; }
 
   [[nodiscard]] bool may_send() const { return out_.size() < kMaxOut; }
-  /// Whether it lacks tiles that are not in the steps of level pages.
+  /// Whether the page lacks tiles that the shared steps do not bring.
   [[nodiscard]] bool is_behind(const World& world) const;
-  /// The next frame; may_send() must be true.
+  /// Makes the next frame; may_send() must be true.
   [[nodiscard]] std::vector<std::uint8_t> make(const World& world, std::string_view state);
 
-  /// The page has drawn frame `frame`, and with it those before. Returns the newest utime that those showed for the
-  /// first time, us; 0 if none did. Nothing: no such frame is out.
+  /// The page acknowledges frame `frame` as drawn, and with it all earlier ones. Returns the newest utime that these
+  /// frames showed for the first time, us; 0 if none did. Empty: no such frame is unacknowledged.
   std::optional<std::int64_t> drawn(std::uint32_t frame);
 
  private:
@@ -65,10 +65,10 @@ class PageFeed {
 
   struct Out {
     std::uint32_t frame;
-    std::int64_t newest_utime;  // 0: nothing newer than in earlier frames
+    std::int64_t newest_utime;  // 0: no newer points than in earlier frames
   };
   std::optional<Resume> resume_;
-  std::optional<std::int32_t> epoch_;  // nothing was sent yet
+  std::optional<std::int32_t> epoch_;  // empty: nothing was sent yet
   std::uint64_t number_ = 0;
   std::uint32_t curbs_number_ = 0;
   std::uint32_t markings_number_ = 0;

@@ -10,7 +10,7 @@ namespace {
 
 enum Kind : std::uint8_t { kBegin = 1, kTiles, kCurbs, kPath, kPoints, kState, kServices, kMarkings };
 
-/// Writes the head of a section, and its length when the section is complete.
+/// Writes the head of a section, and fills in its length when the section is complete.
 class Section {
  public:
   Section(ByteWriter& out, Kind kind) : out_(out) {

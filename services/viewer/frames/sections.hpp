@@ -12,7 +12,7 @@
 
 namespace curbstone::viewer::frames {
 
-/// A point of the LiDAR in base_link.
+/// A LiDAR point in base_link.
 struct ScanPoint {
   std::int16_t x = 0, y = 0, z = 0;  ///< cm
   std::uint8_t intensity = 0;
@@ -22,15 +22,15 @@ struct ScanPoint {
 /// The sections of a frame; README.md has their layouts.
 
 void write_begin(ByteWriter& out, double run, std::int32_t epoch);
-/// What a page that has the tiles up to `number` lacks: steps if it is level, else whole tiles, `max_tiles` at most.
-/// Returns the number that it has afterwards. No section if it lacks nothing.
+/// Writes what a page that has the tiles up to `number` lacks: the shared steps if they start there, else whole tiles,
+/// at most `max_tiles`. Returns the page's new number. Writes no section if the page lacks nothing.
 std::uint64_t write_tiles(ByteWriter& out, const store::LiveMap& map, const TileSteps& steps, std::uint64_t number,
                           std::size_t max_tiles);
-/// The same of curbs.
+/// The same for curbs.
 std::uint32_t write_curbs(ByteWriter& out, const store::CurbLines& curbs, std::uint32_t number);
-/// The same of road markings.
+/// The same for road markings.
 std::uint32_t write_markings(ByteWriter& out, const store::MarkingLines& markings, std::uint32_t number);
-/// The points of the path from index `first` on. `everything`: the page forgets those it has.
+/// Writes the points of the path from index `first` on. `everything`: the page discards the points it has.
 void write_path(ByteWriter& out, const store::ThinnedPath& path, std::size_t first, bool everything);
 void write_points(ByteWriter& out, const std::vector<ScanPoint>& points);
 void write_state(ByteWriter& out, std::string_view json);

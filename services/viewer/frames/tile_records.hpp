@@ -9,9 +9,9 @@ namespace curbstone::viewer::frames {
 /// Bytes of a tile record in form 0.
 inline constexpr std::size_t kWholeTile = 33 + 5 * store::kCellsInTile;
 
-/// A tile record (README.md) of the whole tile.
+/// Writes a tile record (README.md) of the whole tile.
 void write_tile(ByteWriter& out, TileKey key, const store::TileCells& cells);
-/// Of what became other since `before`; the whole tile where that is shorter.
+/// Writes a tile record of what changed since `before`, or of the whole tile where that is shorter.
 void write_changes(ByteWriter& out, TileKey key, const store::TileCells& before, const store::TileCells& cells);
 
 }  // namespace curbstone::viewer::frames

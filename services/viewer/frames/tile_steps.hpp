@@ -11,8 +11,8 @@
 
 namespace curbstone::viewer::frames {
 
-/// The latest changes of the map, encoded once for all pages that are level: a step holds the tile records that take
-/// whoever has everything up to number `from` to number `to`. Bounded by kMaxSteps and kMaxBytes. Pure; one thread.
+/// The latest changes of the map, encoded once for all pages that are up to date. A step holds the tile records that
+/// take a page from number `from` to number `to`. Bounded by kMaxSteps and kMaxBytes. Pure; one thread.
 class TileSteps {
  public:
   static constexpr std::size_t kMaxSteps = 30;
@@ -24,18 +24,18 @@ class TileSteps {
     std::vector<std::uint8_t> records;
   };
 
-  /// To be called before a tile is put into the map: `before` is what the tile was until now, null if it was not there.
+  /// Call it before a tile is put into the map. `before`: the tile's present content, null if there is none.
   void will_change(TileKey key, const store::TileCells* before);
-  /// Makes a step of what changed since the last one. Nothing, if nothing did.
+  /// Makes a step of all changes since the last one, if there are any.
   void close(const store::LiveMap& map);
-  /// The map was cleared.
+  /// Call it after the map was cleared.
   void clear(const store::LiveMap& map);
 
-  /// The steps that lead from `number` to the last one, in order; nothing if there is no such way.
+  /// The steps that lead from `number` to the latest one, in order. Empty if the kept steps do not start at `number`.
   [[nodiscard]] std::optional<std::vector<const Step*>> from(std::uint64_t number) const;
 
  private:
-  std::uint64_t number_ = 0;  // up to which steps were made
+  std::uint64_t number_ = 0;  // of the map, at the last close()
   std::unordered_map<TileKey, std::optional<store::TileCells>, TileKeyHash> before_;
   std::deque<Step> steps_;
   std::size_t bytes_ = 0;

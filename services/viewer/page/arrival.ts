@@ -1,34 +1,34 @@
-// The first picture: the map comes in several frames, and to draw each of them takes longer than they do.
+// The first picture. The map arrives in several frames, and drawing each of them takes longer than receiving them.
 import { World } from "./world";
 
-const kPatience = 3000;  // ms: a map that grows while it comes may never be whole
+const kPatience = 3000;  // ms; a map that still grows may never be complete
 
 export class Arrival {
-  shown = false;  // whether the view was ever put where the map is
-  // For tests/services/viewer/page, until the whole is drawn or patience ends: drawings of a part of the map, and how
-  // often a part was asked for.
+  shown = false;  // whether the view was ever moved to the map
+  // For tests/services/viewer/page, until the whole map is drawn or kPatience ends: how often a part of the map was
+  // drawn, and how often it was requested.
   parts = 0;
   asked = 0;
   private counts = true;
 
   constructor(private world: World) {}
 
-  /// Whether each frame is drawn as it comes: the map is whole, or has been shown before. `now`: ms since the page was
-  /// asked for.
+  /// Whether each frame is drawn on arrival: once the map is complete or was shown before. `now`: ms since the page was
+  /// requested.
   drawsEachFrame(now: number): boolean {
     const { state, tiles } = this.world;
     if (this.shown || !state || tiles.size >= state.tiles) return true;
-    return state.source !== "map" && now > kPatience;  // of a saved one the whole is shown
+    return state.source !== "map" && now > kPatience;  // a saved map is drawn when it is complete
   }
 
-  /// Now and then: whether there is a part to be seen meanwhile.
+  /// Called periodically: whether there is a partial map to draw meanwhile.
   asksForPart(): boolean {
     const isPart = !this.shown && this.world.tiles.size > 0;
     if (isPart) ++this.asked;
     return isPart;
   }
 
-  /// The world as it is now, at `now`.
+  /// Called after the world was drawn, at `now`.
   drew(now: number): void {
     const { state, tiles } = this.world;
     if (!this.counts || tiles.size === 0) return;

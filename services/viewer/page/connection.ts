@@ -1,10 +1,10 @@
-// The WebSocket to the viewer: it comes back by itself, and goes on where it was.
+// The WebSocket to the viewer. It reconnects by itself and resumes from the state the page has.
 import { World } from "./world";
 
 const kRetry = 1000;    // ms
-const kSilence = 4000;  // ms without a frame: the connection is dead, whatever TCP thinks
+const kSilence = 4000;  // ms without a frame: the connection counts as dead, whatever TCP reports
 
-/// Who takes what comes. take() returns the frame's number.
+/// The receiver of the frames. take() returns the frame's number.
 export interface Receiver { live: World; take(bytes: ArrayBuffer): number }
 
 export class Connection {
@@ -20,15 +20,15 @@ export class Connection {
 
   get isOpen(): boolean { return this.socket?.readyState === WebSocket.OPEN; }
 
-  /// ms since the last frame. One that is not drawn yet is news: until it is drawn the server sends no other.
+  /// ms since the last frame; 0 while a frame is not drawn yet, because until then the server sends no other.
   age(): number { return this.undrawn === null ? performance.now() - this.lastFrame : 0; }
 
-  /// What was received is on the screen: the server may send more.
+  /// Acknowledges the received frame as drawn: the server may send more.
   drawn(): void {
     if (this.undrawn === null) return;
     this.say({ ack: this.undrawn });
     this.undrawn = null;
-    this.lastFrame = performance.now();  // however long it was drawn: the next one could not come before
+    this.lastFrame = performance.now();  // not earlier: no frame could arrive while this one was drawn
   }
 
   wantPoints(wanted: boolean): void {
@@ -36,7 +36,7 @@ export class Connection {
     this.say({ points: wanted });
   }
 
-  /// Of a log that is played: how it goes on.
+  /// Controls the playback of a log.
   order(play: { pause?: boolean; speed?: number; position?: number }): void {
     this.say({ play });
   }

@@ -1,4 +1,4 @@
-// Frames of the server: bytes in, a changed World out. frames/README.md has the layout.
+// Decodes the server's frames into the World. frames/README.md has the layout.
 import { CurbLine, kTileCells, MarkingLine, Tile, World } from "./world";
 
 class Reader {
@@ -30,7 +30,7 @@ function newTile(x: number, y: number): Tile {
     heights: new Int16Array(kTileCells), costs: new Uint8Array(kTileCells), confidences: new Uint8Array(kTileCells), kept: false };
 }
 
-/// A tile record: of all cells, or of those in the mask.
+/// A tile record: all cells, or those in the mask.
 function readTile(reader: Reader, world: World): void {
   const x = reader.i32(), y = reader.i32(), key = `${x},${y}`;
   let tile = world.tiles.get(key);
@@ -63,9 +63,9 @@ function readChanges(reader: Reader, tile: Tile): void {
   for (const i of cells) tile.confidences[i] = reader.u8();
 }
 
-/// What became of lines that the page knows by name.
+/// Reads which lines were removed, by name.
 function readGone(reader: Reader, lines: Map<number, unknown>): void {
-  reader.u32();  // the number: the server remembers it for us
+  reader.u32();  // the number: the server keeps it for the page
   if (reader.u8()) lines.clear();
   for (let gone = reader.u32(); gone > 0; --gone) lines.delete(reader.u32());
 }
@@ -112,7 +112,7 @@ function readScan(reader: Reader, world: World): void {
   world.scanChanged = true;
 }
 
-/// Returns the frame's number.
+/// Applies a frame and returns its number.
 export function readFrame(buffer: ArrayBuffer, world: World): number {
   const reader = new Reader(new DataView(buffer), 0, buffer.byteLength);
   const frame = reader.u32();

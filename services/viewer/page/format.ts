@@ -1,4 +1,4 @@
-// Numbers and small elements for people.
+// Formats numbers and makes small elements.
 
 export function seconds(s: number | null): string {
   if (s === null) return "–";
@@ -8,7 +8,7 @@ export function seconds(s: number | null): string {
   return s < 5400 ? `${Math.round(s / 60)} min` : `${(s / 3600).toFixed(1)} h`;
 }
 
-/// As toFixed(), with a minus sign in place of the hyphen.
+/// As toFixed(), with a minus sign instead of the hyphen.
 export function fixed(value: number, digits: number): string {
   return value.toFixed(digits).replace("-", "−");
 }
@@ -22,7 +22,7 @@ export function bytes(n: number): string {
   return n < 1e9 ? `${Math.round(n / 1e6)} MB` : `${(n / 1e9).toFixed(1)} GB`;
 }
 
-/// An element with text and children; never HTML from outside.
+/// An element with text and children; never parses HTML.
 export function make(tag: string, text = "", className = "", ...children: Node[]): HTMLElement {
   const element = document.createElement(tag);
   if (text) element.textContent = text;
@@ -43,12 +43,12 @@ export function closeButton(close: () => void): HTMLElement {
   return button;
 }
 
-/// Writes it there, unless it is there: a screen reader tells each change.
+/// Sets the text only if it differs: a screen reader reads each change aloud.
 export function say(element: HTMLElement, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
-/// Terms and what they are, in a <dl>.
+/// Fills a <dl> with terms and values.
 export function list(into: HTMLElement, rows: [string, string, boolean?][]): void {
   into.replaceChildren(...rows.flatMap(([term, value, bad]) => [make("dt", term), make("dd", value, bad ? "bad" : "")]));
 }

@@ -4,23 +4,23 @@ import { Camera } from "./drawing/camera";
 type Spot = [number, number];
 
 export interface GestureEvents {
-  moved(dragged: boolean): void;          // the view is another; dragged: it left where it was
+  moved(dragged: boolean): void;          // the view changed; dragged: it was moved away from where it was
   picked(sx: number, sy: number): void;   // click, or tap
   hovered(sx: number, sy: number): void;
 }
 
 const kLean = 0.006, kTurn = 0.005;  // rad a pixel
-const kDecide = 10;                  // pixels that two fingers go until it is decided what they do
-const kStill = 4, kStillFinger = 10; // pixels that are no drag yet
-const kLong = 500;                   // ms that a finger rests: it asks what is there
+const kDecide = 10;                  // pixels that two fingers move before the gesture is decided
+const kStill = 4, kStillFinger = 10; // pixels of motion that do not count as a drag
+const kLong = 500;                   // ms of a long press
 
 export function listen(element: HTMLElement, camera: Camera, events: GestureEvents): void {
   const fingers = new Map<number, Spot>();
-  let began: Spot[] = [];     // where each of two fingers began
+  let began: Spot[] = [];     // where each of two fingers touched down
   let isLeaning = false;      // the right button, or two fingers up or down side by side
   let isPinching = false;
   let start: Spot = [0, 0];
-  let isDragged = false;      // since the first finger came
+  let isDragged = false;      // since the first finger touched down
   let press = 0;              // the timer of a long press
 
   element.addEventListener("pointerdown", event => {
@@ -76,7 +76,7 @@ export function listen(element: HTMLElement, camera: Camera, events: GestureEven
     element.classList.remove("dragged");
     clearTimeout(press);
     if (event.type === "pointerup" && fingers.size === 0 && !isDragged && !isLeaning) events.picked(event.clientX, event.clientY);
-    if (fingers.size > 0) isDragged = true;  // the end of a pinch is no tap
+    if (fingers.size > 0) isDragged = true;  // the end of a pinch is not a tap
     isLeaning = isPinching = false;
   };
   element.addEventListener("pointerup", up);
@@ -91,7 +91,7 @@ export function listen(element: HTMLElement, camera: Camera, events: GestureEven
   element.addEventListener("contextmenu", event => event.preventDefault());
 }
 
-/// What two fingers do, once both have gone far enough or one has gone far.
+/// Decides the gesture of two fingers, once both have moved far enough or one has moved far.
 function meaning([a, b]: Spot[], [c, d]: Spot[]): "lean" | "pinch" | "" {
   const first: Spot = [c[0] - a[0], c[1] - a[1]], second: Spot = [d[0] - b[0], d[1] - b[1]];
   const [p, q] = [Math.hypot(...first), Math.hypot(...second)];
@@ -100,7 +100,7 @@ function meaning([a, b]: Spot[], [c, d]: Spot[]): "lean" | "pinch" | "" {
   return isUpright(first) && isUpright(second) && first[1] * second[1] > 0 ? "lean" : "pinch";
 }
 
-/// One finger went from `before` to `now` while the other one rests.
+/// Pinch: one finger moved from `before` to `now` while the other one rests.
 function pinch(camera: Camera, before: Spot, now: Spot, other: Spot): void {
   const from = Math.hypot(before[0] - other[0], before[1] - other[1]);
   const to = Math.hypot(now[0] - other[0], now[1] - other[1]);

@@ -1,4 +1,4 @@
-// The page: the world comes from the connection, the user looks at it through the camera.
+// The page: the connection updates the world, and the camera shows it.
 import { Arrival } from "./arrival";
 import { showTurn } from "./cards/compass";
 import { showServices, Verdict } from "./cards/health";
@@ -46,7 +46,7 @@ let ruler: Ruler;
 let connection: Connection;
 let timeline: Timeline;
 let rewind: Rewind;
-let isWell = true;  // what is live, whatever is shown
+let isWell = true;  // of the live data, whatever is shown
 let range: [number, number] = [-1, 3];
 let grey = 0;
 let verdict: Verdict = { faults: 0, silent: 0, all: 0 };
@@ -84,7 +84,7 @@ function draw(now: number): void {
   if (pace.allows(now, motion.isMoving(now) || isTilting) && !document.hidden) redraw();
 }
 
-/// A frame came.
+/// Called when a frame was received.
 function onFrame(): void {
   if (!rewind.isPast) return onNews();
   requestAnimationFrame(() => connection.drawn());
@@ -94,11 +94,11 @@ function onFrame(): void {
 function showTimeline(): void {
   const { state } = world;
   if (state?.playback) return timeline.show(state.playback);
-  const isAnything = rewind.isPast || world.tiles.size > 0 || !!state?.pose;  // else there is nothing to look back to
+  const isAnything = rewind.isPast || world.tiles.size > 0 || !!state?.pose;  // otherwise there is no past to show
   timeline.show(isAnything ? rewind.playback() : null, { isSeen: !rewind.isPast, isWell });
 }
 
-/// The past is another moment; `leapt`: not the next one.
+/// Called when the shown past changed. `leapt`: by a jump, not to the next moment.
 function onPast(leapt: boolean): void {
   if (leapt) {
     motion.clear();
@@ -109,7 +109,7 @@ function onPast(leapt: boolean): void {
   look();
 }
 
-/// What is shown is other than before.
+/// Called when the shown world changed.
 function onNews(): void {
   const { state } = world;
   state?.pose ? motion.add(state.pose, performance.now()) : motion.clear();
@@ -120,11 +120,11 @@ function onNews(): void {
   if (!arrival.shown && draws && world.tiles.size > 0) begin();
   const wasOpen = !byId("cell").hidden;
   inspector.show(settings.look, settings.mode);
-  if (wasOpen && byId("cell").hidden) inspector.pick(null);  // its map is gone
+  if (wasOpen && byId("cell").hidden) inspector.pick(null);  // the map of the cell is gone
   draws ? redraw() : connection.drawn();
 }
 
-/// The first tiles are there: look at them, unless the address says where.
+/// Called with the first tiles: looks at them, unless the address has a view.
 function begin(): void {
   arrival.shown = true;
   if (showSource(world.state)) resize();
@@ -138,7 +138,7 @@ function showWhole(): void {
   settingsChanged();
 }
 
-/// Twice a second: what depends on the time, and what need not be quicker.
+/// Twice a second: updates what depends on the time or is not urgent.
 function look(): void {
   const { state } = world, { isPast } = rewind;
   const age = isPast ? 0 : connection.age() / 1000;
@@ -147,7 +147,7 @@ function look(): void {
   const judged = isPast ? judgePast(judge(state, true, age), clock(rewind.behind / 1000)) : now;
   const status = byId("status");
   showTimeline();
-  if (arrival.asksForPart()) redraw();  // what has come of it so far
+  if (arrival.asksForPart()) redraw();  // the part received so far
   settings.write(camera);
   say(status, judged.word);
   status.className = `chip ${judged.mood}`;
@@ -187,7 +187,7 @@ function settingsChanged(): void {
   redraw();
 }
 
-/// The panel is shown or hidden; where it is a sheet over the map, it is drawn up by its handle.
+/// Shows or hides the panel; where it is a sheet over the map, pulls it up or down.
 function togglePanel(): void {
   if (matchMedia(kSheet).matches) return panel.open(!panel.isOpen);
   settings.panel = !settings.panel;
@@ -202,7 +202,7 @@ function resize(): void {
 
 function toggleNorth(): void {
   if (!settings.headingUp && camera.turn !== 0 && !settings.follow) {
-    camera.turn = 0;  // it was turned by hand or by a drive: the first press puts it upright
+    camera.turn = 0;  // turned by hand or by following: the first press turns it upright
   } else {
     settings.headingUp = !settings.headingUp;
     if (settings.headingUp) settings.follow = true;
@@ -227,17 +227,17 @@ function zoom(factor: number): void {
   redraw();
 }
 
-/// The user looks elsewhere.
+/// The user moved the view: stops following.
 function leave(): void {
   if (!settings.follow) return;
   settings.follow = settings.headingUp = false;
   settingsChanged();
 }
 
-/// As in page.css: where the panel is a sheet that is drawn up.
+/// As in page.css: where the panel is a sheet.
 const kSheet = "(max-width: 900px), (max-height: 500px)";
 
-/// By the arrow keys, a step on the screen; `leans`: turns and tilts.
+/// The arrow keys: a step on the screen. `leans`: turns and tilts.
 function walk(right: number, down: number, leans: boolean): void {
   const step = 80, [x, y] = [camera.width / 2 + camera.offsetX, camera.height / 2 + camera.offsetY];
   tilting.stop();
@@ -250,14 +250,15 @@ function walk(right: number, down: number, leans: boolean): void {
   redraw();
 }
 
-/// A click, a tap, a long press.
+/// A click, a tap or a long press.
 function touched(x: number, y: number): void {
   const place = placeUnder(world, camera, x, y);
   if (ruler.isOn) ruler.put(place);
   else inspector.pick(place);
 }
 
-/// Another cell was picked, or none: what is looked at stays in the middle of what the card leaves.
+/// Called when another cell is selected, or none: keeps the view's centre in the centre of the area that the card
+/// leaves free.
 function onPicked(): void {
   const { x, y } = camera, middle = camera.toScreen(x, y);
   inspector.show(settings.look, settings.mode);
@@ -267,7 +268,7 @@ function onPicked(): void {
   if (inspector.picked) uncover(camera, ...inspector.picked);
 }
 
-/// Another place is measured, or none: what lies between two is seen beside the card, which grows by the second.
+/// Called when the measured places changed. Both must be visible beside the card, which grows with the second one.
 function onMeasured(): void {
   ruler.show();
   if (!settings.follow && ruler.places.length === 2) for (const { x, y } of ruler.places) uncover(camera, x, y, "ruler");
@@ -276,7 +277,7 @@ function onMeasured(): void {
 
 function savePicture(): void {
   haste.end();
-  draw(performance.now());  // the ground can be read only in the task that drew it
+  draw(performance.now());  // the ground can only be read in the task that drew it
   saveCanvases([groundCanvas, marksCanvas], css(kBackground[settings.look]));
 }
 
@@ -310,9 +311,9 @@ function wire(): void {
     Escape: () => panel.isOpen ? panel.open(false) : ruler.isOn ? ruler.toggle() : inspector.pick(null),
   };
   listenToKeys(map, keys, walk, () => touched(camera.width / 2 + camera.offsetX, camera.height / 2 + camera.offsetY));
-  new ResizeObserver(resize).observe(map);  // a window made larger, a phone that is turned
-  addEventListener("resize", resize);       // and one that goes to a screen of finer pixels
-  addEventListener("hashchange", () => {    // another link was pasted, or the browser's Back
+  new ResizeObserver(resize).observe(map);  // the window was resized, or the phone was turned
+  addEventListener("resize", resize);       // the window moved to a screen of another pixel density
+  addEventListener("hashchange", () => {    // a link was pasted, or the browser's Back was used
     settings.read(camera);
     arrival.shown ||= settings.hasView;
     settingsChanged();
@@ -322,7 +323,7 @@ function wire(): void {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", settingsChanged);
 }
 
-// For the browser's console, and for tests/services/viewer/page.
+// For the browser's console and for tests/services/viewer/page.
 rewind = new Rewind(world, onPast);
 Object.assign(window, { curbstone: { world, camera, settings, rewind, arrival, redraw, get ruler() { return ruler; } } });
 

@@ -1,6 +1,6 @@
 #include "services/viewer/page/page_files.hpp"
 
-// The assembler includes a file of any size in no time; a list of numbers for the compiler takes seconds.
+// .incbin embeds a file of any size at once; compiling it as a list of numbers takes seconds.
 #define CURBSTONE_PAGE_FILE(name, path)                          \
   asm(".pushsection .rodata\n"                                   \
       ".global curbstone_page_" #name                            \

@@ -4,7 +4,7 @@
 
 namespace curbstone::viewer::page {
 
-/// The files of the page, as the build put them into the program.
+/// The files of the page, embedded in the program by the build.
 [[nodiscard]] std::string_view index_html();
 [[nodiscard]] std::string_view page_js();
 [[nodiscard]] std::string_view page_css();

@@ -1,4 +1,4 @@
-// What the user chose. It lives in the address (after #), so that a link shows the same.
+// The user's choices. They are kept in the address (after #), so that a link restores them.
 import { Camera } from "./drawing/camera";
 import { Mode, Theme } from "./drawing/palette";
 
@@ -11,17 +11,17 @@ export class Settings {
   headingUp = false;
   points: "height" | "intensity" = "height";  // what colours the LiDAR's points
   layers: Layers = { grid: true, relief: true, curbs: true, markings: true, path: true, points: true, localized: true };
-  panel = true;     // beside the map; on a small screen it is a sheet over it in any case
-  hasView = false;  // the address said where to look
+  panel = true;     // beside the map; on a small screen it is always a sheet over the map
+  hasView = false;  // the address has a view
   private written = "";
 
-  /// The theme that is in force.
+  /// The theme in use.
   get look(): Theme {
     if (this.theme !== "auto") return this.theme;
     return matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
   }
 
-  /// What the address does not tell is as at the beginning.
+  /// What the address does not hold gets its default.
   read(camera: Camera): void {
     const words = new URLSearchParams(location.hash.slice(1));
     this.hasView = false;
@@ -58,7 +58,7 @@ export class Settings {
     if (off.length) words.push(`off=${off.join(".")}`);
     if (!this.panel) words.push("panel=0");
     const address = "#" + words.join("&");
-    if (address === this.written) return;  // browsers bear only so many a minute
+    if (address === this.written) return;  // browsers limit the changes per minute
     this.written = address;
     history.replaceState(null, "", address);
   }

@@ -1,13 +1,13 @@
-// Whether what is seen is of now. A dead bus must look dead.
+// Whether the shown data are current. A dead bus must look dead.
 import { seconds } from "./format";
 import { State } from "./world";
 
 const kOld = 1.5;       // s
-const kPatience = 4;    // s, until the page says what it waits for
+const kPatience = 4;    // s, before the page states what it waits for
 
 export interface Judgement {
   word: string;      // for the chip
-  sentence: string;  // over the map: what is wrong, or what is waited for; empty: all is well
+  sentence: string;  // over the map: the fault, or what the page waits for; empty: all is well
   mood: "good" | "bad" | "past" | "";
   grey: number;      // 0 .. 1
 }
@@ -33,7 +33,7 @@ export function judge(state: State | null, isOpen: boolean, age: number): Judgem
   return { word: state.source === "replay" ? "Replay" : "Live", sentence, mood: "good", grey: 0 };
 }
 
-/// Of a world that is not of now: how it was then, but that it is past comes first.
+/// For a world of the past: the judgement of then, with the past stated first.
 export function judgePast(then: Judgement, ago: string): Judgement {
   return { ...then, word: `${ago} ago`, mood: "past" };
 }

@@ -1,4 +1,4 @@
-// Figures over the whole map: its bounds, the heights in view.
+// Figures of the whole map: its bounds, the heights in view.
 import { Camera } from "./drawing/camera";
 import { heightAt, heightOf, kTileCells, kTileSize, World } from "./world";
 
@@ -14,7 +14,7 @@ export function mapBounds(world: World): [number, number, number, number] {
   return [minX * kTileSize, minY * kTileSize, maxX * kTileSize, maxY * kTileSize];
 }
 
-/// Between which heights nearly all that is in view lies, m.
+/// The range of nearly all heights in view, m.
 export function heightRange(world: World, camera: Camera): [number, number] {
   const heights: number[] = [];
   const every = 7 * (1 + Math.floor(world.tiles.size / 2000));
@@ -32,14 +32,14 @@ export function heightRange(world: World, camera: Camera): [number, number] {
   return [at(0.01), Math.max(at(0.01) + 0.5, at(0.97))];
 }
 
-/// The place of the map that is seen there, on the ground as it rises and falls.
+/// The place of the map at a pixel, with the relief of the ground.
 export function placeUnder(world: World, camera: Camera, sx: number, sy: number): [number, number] {
   let place = camera.toMap(sx, sy);
   for (let i = 0; camera.isTilted && i < 4; ++i) place = camera.toMap(sx, sy, heightAt(world, ...place) ?? camera.z);
   return place;
 }
 
-/// us, from which the ages of cells count.
+/// us, reference time of the cells' ages.
 export function newestTime(world: World): number {
   let newest = world.state?.pose?.utime ?? 0;
   if (newest === 0) for (const tile of world.tiles.values()) newest = Math.max(newest, tile.utime);

@@ -1,4 +1,4 @@
-// What the page knows of the map, and how frames change it (frames/README.md has their layout).
+// The page's state of the map, and how frames change it (frames/README.md has their layout).
 
 export const kCells = 25;       // along a side of a tile
 export const kTileCells = 625;
@@ -17,23 +17,23 @@ export interface Tile {
   heights: Int16Array; // 2 mm steps from zOrigin
   costs: Uint8Array;
   confidences: Uint8Array;
-  kept: boolean;       // by a snapshot: who changes it copies it before
+  kept: boolean;       // held by a snapshot: to be copied before a change
 }
 
 export interface CurbLine {
   confidence: number;
   dropped: boolean;
-  inferred: boolean;       // nobody saw it
-  rise: number;        // 1 up, -1 down, 0 not known, from the driven path
+  inferred: boolean;       // not observed
+  rise: number;        // 1 up, -1 down, 0 unknown, seen from the driven path
   n: number;
   values: Float32Array;  // n each of x, y, z, height, high side x, high side y
 }
 
-/// As marking_line_t: a crossing runs across its bars, which are as long as it is wide.
+/// As marking_line_t: a crossing's line runs across its bars; its width is their length.
 export interface MarkingLine {
   type: number;            // kMarkingNames
   confidence: number;
-  width: number;           // m; 0: not known
+  width: number;           // m; 0: unknown
   n: number;
   values: Float32Array;    // n each of x, y, z, m
   painted: Uint8Array;     // whether there is paint up to the next point
@@ -47,7 +47,7 @@ export interface Pose {
   registered: boolean; without_odometry: boolean; stationary: boolean; lost: boolean;
 }
 
-/// Where the localizer sees the vehicle in its saved map. `here`: that is the map that is seen.
+/// The localizer's pose in its saved map. `here`: that map is the one shown.
 export interface Localized extends Pose { age: number; here: boolean }
 
 export interface Place { x: number; y: number; height: number | null }  // m in map
@@ -70,11 +70,11 @@ export interface Service {
   latency: [number | null, number | null]; faults: string[]; losses: [string, number, number][];
 }
 
-/// All that a world knows at a moment. It shares what does not change afterwards.
+/// The state of a world at one moment. It shares everything that does not change afterwards.
 export interface Snapshot {
   run: number; epoch: number; number: number;
   tiles: Map<string, Tile>; curbs: Map<number, CurbLine>; markings: Map<number, MarkingLine>;
-  path: number[]; pathLength: number;  // which may have grown since
+  path: number[]; pathLength: number;  // the array may have grown since
   scan: Float32Array; state: State | null; services: Service[];
 }
 
@@ -83,17 +83,17 @@ export class World {
   epoch = 0;
   number = 0;  // up to which it has all tiles
   tiles = new Map<string, Tile>();
-  changed = new Set<Tile>();  // since somebody cleared it
+  changed = new Set<Tile>();  // since Pages.upload() cleared it
   gone = new Set<Tile>();     // the same
   cleared = true;
-  copied = 0;                 // tiles, because a snapshot keeps them as they were
+  copied = 0;                 // number of tiles copied because a snapshot holds them
   curbs = new Map<number, CurbLine>();
   curbsChanged = true;
   markings = new Map<number, MarkingLine>();
   markingsChanged = true;
-  path: number[] = [];  // x, y, z by turns
+  path: number[] = [];  // x, y, z in turn
   pathChanged = true;
-  scan: Float32Array = new Float32Array();  // x, y, z in base_link, m, and intensity 0..1, by turns
+  scan: Float32Array = new Float32Array();  // x, y, z in base_link, m, and intensity 0..1, in turn
   scanChanged = false;
   state: State | null = null;
   services: Service[] = [];
@@ -116,7 +116,7 @@ export class World {
     this.cleared = this.curbsChanged = this.markingsChanged = this.pathChanged = this.scanChanged = true;
   }
 
-  /// The tile, to be changed.
+  /// The tile for writing: a copy if a snapshot holds it.
   own(tile: Tile): Tile {
     if (!tile.kept) return tile;
     const { classes, heights, costs, confidences } = tile;
@@ -132,7 +132,7 @@ export class World {
     return { run, epoch, number, tiles: new Map(this.tiles), curbs: new Map(this.curbs), markings: new Map(this.markings), path, pathLength: path.length, scan, state, services };
   }
 
-  /// Becomes what the snapshot holds; only what is other there counts as changed.
+  /// Takes the content of the snapshot; only differences count as changed.
   show(other: Snapshot): void {
     for (const [key, tile] of this.tiles) {
       if (other.tiles.has(key)) continue;
@@ -159,13 +159,13 @@ export function cellAt(world: World, x: number, y: number): { tile: Tile; index:
   return { tile, index: row * kCells + column };
 }
 
-/// m in map; null where none is known.
+/// m in map; null if unknown.
 export function heightOf(tile: Tile, index: number): number | null {
   const steps = tile.heights[index];
   return steps === kNoHeight ? null : tile.zOrigin + steps * 0.002;
 }
 
-/// The same of a place, m.
+/// The same at a place, m.
 export function heightAt(world: World, x: number, y: number): number | null {
   const hit = cellAt(world, x, y);
   return hit && heightOf(hit.tile, hit.index);

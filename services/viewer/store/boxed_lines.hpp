@@ -11,43 +11,43 @@
 
 namespace curbstone::viewer::store {
 
-/// The lines of the whole epoch, put together from messages each of which speaks of the box around the vehicle: CURBS,
-/// MARKINGS. A message replaces what lies within its box; lines that leave the box are cut there. A line never changes:
-/// it goes, and others come. So a listener needs the lines above a number, and the names of those that went since.
-/// Bounded. Pure; one thread.
+/// The lines of the whole epoch, merged from CURBS or MARKINGS messages, each of which covers the box around the
+/// vehicle. A message replaces all lines within its box; lines that cross the edge of the box are cut there. A line is
+/// never modified: it is removed, and new ones are added. So a listener needs the lines above its number, and the names
+/// of the lines removed since. Bounded. Pure; one thread.
 ///
-/// Of a line that its message holds, in the namespace curbstone:
+/// The namespace curbstone has to provide for the Line type of the message:
 ///   bool is_sound(const Line&): finite, lists of the same length
-///   bool is_same(const Line&, const Line&): but for its id
+///   bool is_same(const Line&, const Line&): equal in all but the id
 ///   Line piece_of(const Line&, std::size_t first, std::size_t last): its points from `first` up to before `last`
 template <class Message>
 class BoxedLines {
  public:
   using Line = typename decltype(Message::lines)::value_type;
   static constexpr std::size_t kMaxVertices = 500'000;  ///< 100 km of curb
-  static constexpr std::size_t kMaxGone = 20'000;       ///< names kept of lines that went
+  static constexpr std::size_t kMaxGone = 20'000;       ///< names of removed lines that are kept
 
   enum class Put {
     kTaken,
-    kRefused,  ///< not finite, or lists of other lengths
+    kRefused,  ///< not finite, or lists of different lengths
     kFull,
   };
   Put put(const Message& message);
-  /// Numbers go on.
+  /// Removes all lines; the numbers continue.
   void clear();
 
-  /// What happened after a number.
+  /// What changed after a number.
   struct Changes {
-    std::uint32_t number = 0;         ///< of the last event
-    bool everything = false;          ///< what the listener has is void: `added` is all there is
-    std::vector<std::uint32_t> gone;  ///< names
+    std::uint32_t number = 0;         ///< of the last change
+    bool everything = false;          ///< the listener discards all it has: `added` is complete
+    std::vector<std::uint32_t> gone;  ///< names of removed lines
     struct Added {
       std::uint32_t name;
       const Line* line;  ///< valid until the next put() or clear()
     };
     std::vector<Added> added;
   };
-  /// 0: from the beginning.
+  /// `number` 0: from the beginning.
   [[nodiscard]] Changes above(std::uint32_t number) const;
   [[nodiscard]] std::uint32_t number() const { return number_; }
 
@@ -55,14 +55,15 @@ class BoxedLines {
   using Lines = std::map<std::uint32_t, Line>;
   typename Lines::iterator remove(typename Lines::iterator line);
   void add(Line line);
-  /// Takes out what lies in the message's box, but for lines that the message repeats, which go from `added`.
+  /// Removes the lines within the message's box. Lines that the message repeats are kept, and erased from `added`
+  /// instead.
   void make_room(const Message& message, std::vector<Line>& added);
 
   static bool is_inside(const Message& box, float x, float y) {
     return x >= box.box_min[0] && x <= box.box_max[0] && y >= box.box_min[1] && y <= box.box_max[1];
   }
-  /// The parts of a line that lie outside of the box, and those with one vertex inside at their ends, so that they
-  /// touch what the box holds.
+  /// The parts of a line outside the box. Each part includes one vertex inside the box where the line enters it, so
+  /// that it touches the lines within the box.
   static std::vector<Line> pieces_outside(const Line& line, const Message& box);
 
   struct Gone {
@@ -70,8 +71,8 @@ class BoxedLines {
     std::uint32_t name;
   };
   std::uint32_t number_ = 0;
-  std::uint32_t forgotten_ = 0;  // what went up to this number is not known any more
-  Lines lines_;                  // by name, which is the number at which the line came
+  std::uint32_t forgotten_ = 0;  // removals up to this number are no longer kept
+  Lines lines_;                  // by name, which is the number at which the line was added
   std::deque<Gone> gone_;
   std::size_t vertices_ = 0;
 };
@@ -113,7 +114,7 @@ void BoxedLines<Message>::make_room(const Message& message, std::vector<Line>& a
       continue;
     }
     std::vector<Line> pieces = pieces_outside(line, message);
-    if (pieces.size() == 1 && pieces.front().x.size() == line.x.size()) {  // cut there before
+    if (pieces.size() == 1 && pieces.front().x.size() == line.x.size()) {  // only its ends are inside: already cut
       ++it;
       continue;
     }
@@ -157,7 +158,7 @@ typename BoxedLines<Message>::Changes BoxedLines<Message>::above(std::uint32_t n
   const std::uint32_t from = changes.everything ? 0 : number;
   for (auto it = lines_.upper_bound(from); it != lines_.end(); ++it) changes.added.push_back({it->first, &it->second});
   if (changes.everything) return changes;
-  // Names of lines that came after `number` mean nothing to the listener.
+  // Lines added after `number` are unknown to the listener, so their names are left out.
   for (const Gone& gone : gone_) {
     if (gone.number > number && gone.name <= number) changes.gone.push_back(gone.name);
   }

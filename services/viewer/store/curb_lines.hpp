@@ -7,7 +7,7 @@
 
 namespace curbstone {
 
-// What BoxedLines asks of a line.
+// What BoxedLines requires of a line.
 [[nodiscard]] bool is_sound(const curb_line_t& line);
 [[nodiscard]] bool is_same(const curb_line_t& a, const curb_line_t& b);
 [[nodiscard]] curb_line_t piece_of(const curb_line_t& line, std::size_t first, std::size_t last);

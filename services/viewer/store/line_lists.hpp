@@ -7,7 +7,7 @@
 
 namespace curbstone::viewer::store {
 
-/// Whether a list of a line's message can be drawn: n numbers, finite and of this planet.
+/// Whether a list of a line's message can be drawn: n numbers, finite and below 1e7 in magnitude.
 inline bool is_drawable(const std::vector<float>& list, std::size_t n) {
   return list.size() == n &&
          std::all_of(list.begin(), list.end(), [](float v) { return std::isfinite(v) && std::abs(v) < 1e7F; });

@@ -12,17 +12,17 @@
 namespace curbstone::viewer::store {
 
 /// The tiles of the present epoch as numbered changes. Each accepted change gets the next number, and a tile keeps the
-/// last of its numbers: whoever has everything up to number n lacks the tiles above n, however often they changed.
-/// Bounded by kMaxTiles. Pure; one thread.
+/// number of its last change: a listener that is complete up to number n lacks exactly the tiles above n, however often
+/// they changed. Bounded by kMaxTiles. Pure; one thread.
 class LiveMap {
  public:
   static constexpr std::size_t kMaxTiles = 200'000;  ///< as many as semantic_map keeps: 620 MB
 
   enum class Put { kTaken, kKnown, kFull };
 
-  /// Takes a tile unless this revision or a later one is there.
+  /// Takes a tile unless the same or a later revision is stored.
   Put put(TileKey key, const TileCells& cells);
-  /// Forgets everything; numbers go on.
+  /// Removes all tiles; the numbers continue.
   void clear();
 
   /// Of the last change; 0: there was none.

@@ -7,7 +7,7 @@
 
 namespace curbstone {
 
-// What BoxedLines asks of a line.
+// What BoxedLines requires of a line.
 [[nodiscard]] bool is_sound(const marking_line_t& line);
 [[nodiscard]] bool is_same(const marking_line_t& a, const marking_line_t& b);
 [[nodiscard]] marking_line_t piece_of(const marking_line_t& line, std::size_t first, std::size_t last);

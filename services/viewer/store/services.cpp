@@ -15,7 +15,7 @@ bool is_loss(const std::string& counter) {
          counter.starts_with("faults.");
 }
 
-/// Whether both are of one run of the process, in this order.
+/// Whether `now` follows `before` in the same run of the process.
 bool goes_on(const Services::Service& before, const service_status_t& now) {
   return before.pid == now.pid && before.uptime < now.uptime;
 }

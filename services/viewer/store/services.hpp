@@ -8,16 +8,16 @@
 
 namespace curbstone::viewer::store {
 
-/// How the processes are, by their last SERVICE_STATUS. A process that fell silent stays, and its age tells. Bounded in
-/// number, and in what is kept of each message. Pure; one thread.
+/// The state of the processes by their last SERVICE_STATUS. A silent process is kept and shows by its age. The number
+/// of processes and what is kept of each message are bounded. Pure; one thread.
 class Services {
  public:
   static constexpr std::size_t kMaxServices = 64;
   static constexpr std::size_t kMaxText = 300;     ///< bytes of a fault or a name
-  static constexpr std::size_t kMaxFaults = 16;    ///< of a process
-  static constexpr std::size_t kMaxCounters = 64;  ///< of a process, that count losses
+  static constexpr std::size_t kMaxFaults = 16;    ///< per process
+  static constexpr std::size_t kMaxCounters = 64;  ///< per process; only those that count losses
 
-  /// What a process loses or refuses.
+  /// A counter of lost or refused messages.
   struct Loss {
     std::string name;  ///< "dropped.queue"
     std::int64_t count = 0;
@@ -28,7 +28,7 @@ class Services {
     std::string host;
     std::string version;
     std::int32_t pid = 0;
-    std::int64_t heard = 0;     ///< us, when the last message came
+    std::int64_t heard = 0;     ///< us, when the last message was received
     std::int64_t uptime = 0;    ///< us
     std::int64_t cpu_time = 0;  ///< us
     double cpu = 0;             ///< cores, over the last two messages
@@ -39,7 +39,7 @@ class Services {
     std::vector<Loss> losses = {};
   };
 
-  /// False: there are too many processes already.
+  /// False: kMaxServices is reached and this process is not among them.
   bool put(const service_status_t& message, std::int64_t now);
   [[nodiscard]] const std::map<std::string, Service>& all() const { return services_; }
 

@@ -6,22 +6,22 @@
 
 namespace curbstone::viewer::store {
 
-/// Where the vehicle drove, in the present epoch. Pure; one thread.
+/// The driven path of the present epoch. Pure; one thread.
 class ThinnedPath {
  public:
   static constexpr float kSpacing = 0.25F;            ///< m
-  static constexpr std::size_t kMaxPoints = 200'000;  ///< 50 km; what comes after is left out
+  static constexpr std::size_t kMaxPoints = 200'000;  ///< 50 km; later points are dropped
 
   struct Point {
     std::int64_t utime = 0;     ///< us
     float x = 0, y = 0, z = 0;  ///< m in map
   };
 
-  /// Takes a pose that is `kSpacing` away from its neighbours in time. One between known points begins a new round.
+  /// Takes a pose if it is `kSpacing` away from its neighbours in time. A pose between known points begins a new round.
   void put(const Point& point);
   void clear();
 
-  /// In order of time. Within a round the list only grows at its end.
+  /// Ordered by time. Within a round, points are only appended.
   [[nodiscard]] const std::vector<Point>& points() const { return points_; }
   [[nodiscard]] std::uint32_t round() const { return round_; }
 

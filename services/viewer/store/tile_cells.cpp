@@ -6,7 +6,7 @@
 namespace curbstone::viewer::store {
 namespace {
 
-/// The page works in numbers of 53 bits, and its textures span some kilometres.
+/// Bounds: the page's numbers have 53 bits, and its textures span some kilometres.
 constexpr std::int32_t kFarthestTile = 1'000'000;        // 3000 km
 constexpr std::int64_t kLatest = 4'102'444'800'000'000;  // us: the year 2100
 

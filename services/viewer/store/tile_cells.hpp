@@ -12,10 +12,10 @@ namespace curbstone::viewer::store {
 
 inline constexpr std::size_t kCellsInTile = std::size_t{kCellsPerTile} * kCellsPerTile;
 
-/// What a page shows of one tile, as in semantic_tile_t: cell (column, row) is at index row * 25 + column, row 0 has
+/// What a page shows of one tile, as in semantic_tile_t: cell (column, row) is at index row * 25 + column; row 0 has
 /// the lowest y.
 struct TileCells {
-  std::int64_t utime = 0;        ///< us, of the newest map points that went in
+  std::int64_t utime = 0;        ///< us, of the newest map points that its curbs include
   std::int64_t curbs_utime = 0;  ///< us, of those that its curbs know of
   std::int32_t revision = 0;
   float z_origin = 0;                                   ///< m in map
@@ -27,7 +27,7 @@ struct TileCells {
   bool operator==(const TileCells&) const = default;
 };
 
-/// Nothing when a field is out of its range.
+/// Empty if a field is out of range.
 [[nodiscard]] std::optional<TileCells> cells_of(const semantic_tile_t& message);
 
 }  // namespace curbstone::viewer::store

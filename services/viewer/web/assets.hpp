@@ -12,8 +12,8 @@ struct Asset {
   std::string bytes;
 };
 
-/// The file of the page at `path`, "/" for the page itself; nothing for any other name. From the program, or, if
-/// `folder` is not empty, read anew from there: for who works on the page.
+/// The file of the page at `path` ("/": the page itself); empty for any other name. Embedded in the program, or, if
+/// `folder` is not empty, read from that folder at each call, for development of the page.
 [[nodiscard]] std::optional<Asset> find_asset(std::string_view path, const std::string& folder);
 
 }  // namespace curbstone::viewer::web

@@ -10,29 +10,29 @@
 
 namespace curbstone::viewer::web {
 
-/// Names a connection of a page; never used twice.
+/// The id of a page's connection; never reused.
 using PageId = std::uint64_t;
 using Frame = std::shared_ptr<const std::vector<std::uint8_t>>;
 
-/// The pages that watch. One thread calls.
+/// The connected pages. All calls come from one thread.
 class Audience {
  public:
   struct Event {
     enum class Kind { kCame, kSaid, kLeft };
     PageId page = 0;
     Kind kind = Kind::kCame;
-    std::string text;     ///< what it said; anything
+    std::string text;     ///< what the page sent; not validated
     std::int64_t at = 0;  ///< us since the Unix epoch
   };
 
   virtual ~Audience() = default;
   /// What happened since the last call, in order.
   [[nodiscard]] virtual std::vector<Event> take_events() = 0;
-  /// To a page that has left: nothing happens.
+  /// Sends a binary message. Does nothing if the page has left.
   virtual void send(PageId page, Frame frame) = 0;
-  /// A text message.
+  /// Sends a text message.
   virtual void say(PageId page, std::string text) = 0;
-  /// Bytes that were sent and not taken yet; 0 for a page that has left.
+  /// Bytes queued and not sent yet; 0 for a page that has left.
   [[nodiscard]] virtual std::size_t queued(PageId page) const = 0;
   [[nodiscard]] virtual Counters counters() const = 0;
 };

@@ -19,10 +19,10 @@ bool is_port(std::string_view text) {
          std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
-/// Without its port; nothing if what stands there is no port.
+/// The name without the port; empty if what follows the colon is not a port.
 std::optional<std::string> name_of(std::string_view host) {
   const std::size_t colon = host.rfind(':');
-  const std::size_t bracket = host.rfind(']');  // of an IPv6 address, which has colons of its own
+  const std::size_t bracket = host.rfind(']');  // of an IPv6 address, which itself contains colons
   if (colon == std::string_view::npos || (bracket != std::string_view::npos && colon < bracket)) return lower(host);
   if (!is_port(host.substr(colon + 1))) return std::nullopt;
   return lower(host.substr(0, colon));

@@ -20,7 +20,7 @@ std::runtime_error failure(const std::string& what) {
   return std::runtime_error(what + ": " + std::generic_category().message(errno));
 }
 
-/// The calling thread is in another network namespace as long as this lives.
+/// Moves the calling thread into another network namespace while it exists.
 class NetworkVisit {
  public:
   explicit NetworkVisit(const std::string& network) {
@@ -37,7 +37,7 @@ class NetworkVisit {
   }
   ~NetworkVisit() {
     if (home_ < 0) return;
-    // What would it mean to go on elsewhere? The bus is opened before, and nothing else is opened later.
+    // A failure is ignored: the bus is opened before, and no other socket is opened later.
     (void)!setns(home_, CLONE_NEWNET);
     close(home_);
   }
@@ -71,7 +71,7 @@ Address parse_address(const std::string& text, std::uint16_t port) {
   return address;
 }
 
-/// -1 and errno where that fails.
+/// Returns -1 and sets errno on failure.
 int listen_at(const Address& where) {
   const int fd = socket(where.bytes.ss_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (fd < 0) return -1;

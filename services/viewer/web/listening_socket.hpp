@@ -5,15 +5,15 @@
 
 namespace curbstone::viewer::web {
 
-/// Opens a TCP socket that listens at `address` (IPv4 or IPv6, as numbers) and the first of `ports` ports from `port`
-/// on that nobody has (0: any that is free). `network` is the file of the network namespace to listen in, as
-/// /proc/PID/ns/net; empty: the process's own. The bus of a demo has a namespace of its own, in which no browser runs;
-/// entering another one needs CAP_SYS_ADMIN. Returns the descriptor, which the caller owns. Throws std::runtime_error
-/// with one clear line.
+/// Opens a TCP socket that listens at `address` (numeric IPv4 or IPv6), on the first free one of `ports` ports from
+/// `port` on (0: any free port). `network`: file of the network namespace to listen in, such as /proc/PID/ns/net;
+/// empty: the process's own. The bus of a demo has its own namespace, in which no browser runs; entering another
+/// namespace needs CAP_SYS_ADMIN. Returns the descriptor, which the caller owns. Throws std::runtime_error with a
+/// one-line message.
 [[nodiscard]] int open_listening_socket(const std::string& address, std::uint16_t port, int ports,
                                         const std::string& network);
 
-/// Of a socket that listens.
+/// The port of a listening socket.
 [[nodiscard]] std::uint16_t port_of(int socket);
 
 }  // namespace curbstone::viewer::web

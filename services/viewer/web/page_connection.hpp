@@ -15,7 +15,7 @@
 #include "common/time/clock.hpp"
 #include "services/viewer/web/shared.hpp"
 
-/// Of web_server.cpp, which alone includes it: Beast takes most of a minute to compile.
+/// Part of web_server.cpp; no other file includes it, because Beast takes most of a minute to compile.
 namespace curbstone::viewer::web {
 
 namespace asio = boost::asio;
@@ -28,7 +28,7 @@ using boost::system::error_code;
 class Page;
 using Pages = std::map<PageId, std::shared_ptr<Page>>;
 
-/// A page that watches.
+/// The WebSocket connection of a page.
 class Page final : public std::enable_shared_from_this<Page> {
  public:
   Page(tcp::socket socket, std::unique_ptr<Place> place, PageId id, Shared& shared, Pages& pages)
@@ -39,7 +39,7 @@ class Page final : public std::enable_shared_from_this<Page> {
         shared_(shared),
         pages_(pages) {}
 
-  /// `subprotocol`: which is agreed to; empty: none.
+  /// `subprotocol`: the one agreed on; empty: none.
   void start(const http::request<http::empty_body>& request, const std::string& subprotocol) {
     const WebLimits& limits = shared_.settings.limits;
     websocket::stream_base::timeout timeout{};
@@ -75,8 +75,9 @@ class Page final : public std::enable_shared_from_this<Page> {
   }
 
  private:
-  /// What a page is sent shrinks to a third (docs/benchmarks/viewer.md). Each message by itself: it costs a little, and
-  /// a page is never bound to what it was sent before. Programs that speak a subprotocol unpack raw messages only.
+  /// Compresses messages to a third of their size (docs/benchmarks/viewer.md). Each message is compressed by itself:
+  /// that costs a little, but needs no compression state per page. Clients that speak a subprotocol only read
+  /// uncompressed messages.
   void compress() {
     websocket::permessage_deflate option;
     option.server_enable = true;
@@ -87,8 +88,8 @@ class Page final : public std::enable_shared_from_this<Page> {
     stream_.write_buffer_bytes(std::size_t{64} * 1024);
   }
 
-  /// In pieces: by its own limit Beast answers a message that is too big with a farewell, and waits for the other
-  /// side's.
+  /// Reads a message in pieces and checks its size here: Beast's own limit would send a close frame for a message that
+  /// is too big and wait for the peer's.
   void read() {
     const std::size_t room = shared_.settings.limits.message_bytes + 1 - buffer_.size();
     stream_.async_read_some(buffer_, room, [self = shared_from_this()](error_code error, std::size_t) {
@@ -159,7 +160,7 @@ class Page final : public std::enable_shared_from_this<Page> {
   beast::flat_buffer buffer_;
   std::deque<Outgoing> queue_;
   bool is_open_ = false;
-  std::int64_t second_ = 0;  // us, steady: when the present second of counting began
+  std::int64_t second_ = 0;  // us, steady clock: start of the present one-second window
   std::size_t said_ = 0;
 };
 

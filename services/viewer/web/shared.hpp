@@ -15,9 +15,9 @@
 
 namespace curbstone::viewer::web {
 
-inline constexpr std::size_t kMaxEvents = 4000;  ///< that the node has not taken; it takes them every 20 ms
+inline constexpr std::size_t kMaxEvents = 4000;  ///< not taken by the node yet, which takes them every 20 ms
 
-/// What connections share. The events and counters are also the node's: under the lock.
+/// State shared by the connections. The node also uses the events and counters, so they are under the lock.
 struct Shared {
   Shared(const WebSettings& its_settings, HostRules its_rules) : settings(its_settings), rules(std::move(its_rules)) {}
 
@@ -36,7 +36,7 @@ struct Shared {
     const std::scoped_lock lock(mutex);
     queued[page] += bytes;
   }
-  /// What was sent was taken, or dropped.
+  /// The bytes were sent or dropped.
   void unqueue(PageId page, std::size_t bytes) {
     const std::scoped_lock lock(mutex);
     const auto it = queued.find(page);
@@ -47,14 +47,14 @@ struct Shared {
 
   const WebSettings settings;
   const HostRules rules;
-  std::size_t connections = 0;  // of the web thread
+  std::size_t connections = 0;  // used by the web thread only
   std::mutex mutex;
   Counters counters;
   std::map<PageId, std::size_t> queued;  // bytes
   std::vector<Audience::Event> events;
 };
 
-/// Counts a connection as long as it lives.
+/// Counts a connection while it exists.
 class Place {
  public:
   explicit Place(Shared& shared) : shared_(shared) { ++shared_.connections; }

@@ -26,7 +26,7 @@ constexpr std::string_view kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' blob:; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// A connection that asks for files, until it becomes a page.
+/// An HTTP connection, until it is upgraded to a page's WebSocket.
 class Visit final : public std::enable_shared_from_this<Visit> {
  public:
   Visit(tcp::socket socket, Shared& shared, Pages& pages, PageId id)
@@ -105,7 +105,7 @@ class Visit final : public std::enable_shared_from_this<Visit> {
     const std::string origin(request[http::field::origin]);
     return request.count(http::field::origin) == 1 && shared_.rules.allows_origin(origin, host);
   }
-  /// A browser always names the origin of the page, other programs need not.
+  /// A browser always sends the page's origin; other programs need not.
   [[nodiscard]] bool is_known_program(const Request& request) const {
     const auto& origins = shared_.settings.origins;
     const std::string origin(request[http::field::origin]);
@@ -113,7 +113,7 @@ class Visit final : public std::enable_shared_from_this<Visit> {
            (request.count(http::field::origin) == 1 &&
             std::find(origins.begin(), origins.end(), origin) != origins.end());
   }
-  /// The first one offered that is known here; empty: none.
+  /// The first subprotocol offered that is known here; empty: none.
   [[nodiscard]] std::string agreed_subprotocol(const Request& request) const {
     const auto& known = shared_.settings.subprotocols;
     const std::string offer(request[http::field::sec_websocket_protocol]);
@@ -223,7 +223,7 @@ class WebServer::Impl {
     acceptor_.async_accept([this](error_code error, tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
       if (!error) greet(std::move(socket));
-      if (error) return rest();  // no descriptors left, say
+      if (error) return rest();  // for example no descriptors left
       accept();
     });
   }
@@ -242,7 +242,7 @@ class WebServer::Impl {
   }
 
   Shared shared_;
-  Pages pages_;  // of the web thread
+  Pages pages_;  // used by the web thread only
   PageId last_id_ = 0;
   std::uint16_t port_ = 0;
   asio::io_context loop_{1};

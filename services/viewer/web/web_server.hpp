@@ -10,45 +10,45 @@
 
 namespace curbstone::viewer::web {
 
-/// What a browser, or who pretends to be one, may take. Whoever exceeds them is disconnected and counted.
+/// Limits for a browser or any other client. A client that exceeds one is disconnected and counted.
 struct WebLimits {
-  std::size_t pages = 8;                     ///< that watch at a time
+  std::size_t pages = 8;                     ///< connected at a time
   std::size_t connections = 48;              ///< of any kind
   std::uint32_t head_bytes = 8192;           ///< of a request
-  std::size_t message_bytes = 4096;          ///< that a page says at once
-  std::size_t frames = 8;                    ///< that wait for a page; one that acknowledges has two
-  std::size_t messages_per_second = 50;      ///< of a page
-  std::chrono::milliseconds head{5000};      ///< for a request to be complete, and for the next one to begin
+  std::size_t message_bytes = 4096;          ///< of one message of a page
+  std::size_t frames = 8;                    ///< queued for a page; an acknowledging page has at most two
+  std::size_t messages_per_second = 50;      ///< per page
+  std::chrono::milliseconds head{5000};      ///< to receive a complete request, and to wait for the next one
   std::chrono::milliseconds silence{20000};  ///< of a page, pings included
-  std::chrono::milliseconds write{10000};    ///< for a response or a frame to be taken
+  std::chrono::milliseconds write{10000};    ///< to send a response or a frame
 };
 
-/// zlib's level of the messages to a browser (permessage-deflate, RFC 7692), each by itself.
+/// zlib level of the messages to a browser (permessage-deflate, RFC 7692); each message is compressed by itself.
 inline constexpr int kCompression = 1;
 
 struct WebSettings {
   std::string address = "127.0.0.1";
-  std::uint16_t port = 0;          ///< 0: any that is free
+  std::uint16_t port = 0;          ///< 0: any free port
   int ports = 1;                   ///< to try, from `port` on
   std::string network;             ///< see open_listening_socket()
   std::vector<std::string> names;  ///< see HostRules
   std::string folder;              ///< see find_asset()
-  /// Not empty: no page is served but a WebSocket alone, for programs that speak one of these protocols, and pages of
+  /// Not empty: serves no page, but only a WebSocket, to programs that speak one of these protocols and to pages from
   /// `origins` ("https://app.example.org").
   std::vector<std::string> subprotocols;
   std::vector<std::string> origins;
   WebLimits limits;
 };
 
-/// Serves the page (GET and HEAD of its files) and its WebSocket, /live. Read-only: nothing that a page says changes
-/// anything but what it is sent. A thread of its own does all of it, so that a slow browser delays nobody.
+/// Serves the page (GET and HEAD of its files) and its WebSocket, /live. Read-only: a page's messages change only what
+/// is sent to that page. It runs in its own thread, so a slow browser delays nothing else.
 ///
-/// Counters: pages.came, pages.bytes (before they were compressed); refused.host, .origin, .request (no such
-/// file, method or head), .pages, .connections (too many), .messages (too many or too large); dropped.slow_page (a
-/// frame or an answer that was not taken in time), dropped.frames.
+/// Counters: pages.came, pages.bytes (before compression); refused.host, .origin, .request (no such file, method or
+/// head), .pages, .connections (too many), .messages (too many or too large); dropped.slow_page (a frame or a response
+/// was not sent in time), dropped.frames.
 class WebServer final : public Audience {
  public:
-  /// Listens from here on. Throws std::runtime_error with one clear line.
+  /// Listens once constructed. Throws std::runtime_error with a one-line message.
   explicit WebServer(const WebSettings& settings);
   ~WebServer() override;
 

@@ -41,7 +41,7 @@ struct Arguments {
   }
 };
 
-/// What can be set with --set.
+/// The parameters for --set.
 struct CurbBenchConfig {
   semantic_map::tile::CurbParameters curb;
   semantic_map::cells::ClassParameters classes;
@@ -56,7 +56,7 @@ struct CurbMethod {
   detect::cloud_map::CloudMapOptions options;
 };
 
-/// The method and its halves: what does the vote bring?
+/// The method, and with `ablation` each of its two cues alone, to measure the benefit of the vote.
 std::vector<CurbMethod> methods(const detect::cloud_map::CloudMapOptions& options, bool ablation) {
   std::vector<CurbMethod> methods = {{"both cues", options}};
   if (!ablation) return methods;
@@ -74,7 +74,7 @@ detect::cloud_map::CloudMap map_of(const std::vector<semantic_map::tile::VotedTi
   return map;
 }
 
-/// With their heights: a sensor that stands on a slope has moved to the side of what it sees on the ground.
+/// Transforms heights too: a sensor on a slope is displaced sideways relative to what it measures on the ground.
 std::vector<semantic_map::tile::CurbLine> moved(std::vector<semantic_map::tile::CurbLine> lines, const Pose& T) {
   for (semantic_map::tile::CurbLine& line : lines) {
     for (semantic_map::tile::CurbVertex& v : line.points) {
@@ -155,8 +155,8 @@ std::vector<SceneFigures> bench_drives(const Arguments& arguments) {
   return figures;
 }
 
-/// True curbs magenta, lower steps pink, other borders blue; detections green where right, red where wrong, yellow
-/// where they do not count.
+/// Colours: true curbs magenta, lower steps pink, other borders blue; detections green if right, red if wrong, yellow
+/// if they do not count.
 std::vector<semantic_map::picture::PictureLine> verdict_lines(const evaluate::truth::StreetLabels& truth,
                                                               const std::vector<evaluate::CurbFoot>& feet) {
   std::vector<semantic_map::picture::PictureLine> lines;
@@ -191,7 +191,7 @@ void draw(const detect::cloud_map::CloudMap& map, const scenes::JudgedDrive& dri
   draw(map, lines, file);
 }
 
-/// The drives that `drive_of` makes of the seeds; curbs count within `radius` m of the path.
+/// Evaluates the drives that `drive_of` makes of the seeds; curbs count within `radius` m of the path.
 template <class DriveOf>
 void bench_whole_drives(const Arguments& arguments, const std::string& name, double radius, DriveOf drive_of,
                         std::vector<DriveFigures>& figures) {
@@ -211,7 +211,7 @@ void bench_whole_drives(const Arguments& arguments, const std::string& name, dou
   }
 }
 
-/// The street as it lies to the map's grid by chance, turned by `turn` deg about the sensor.
+/// The street turned by `turn` deg about the sensor, relative to the map's grid.
 std::vector<StreetFigures> bench_street(const Arguments& arguments, double turn) {
   std::vector<StreetFigures> figures;
   Pose T_world_first = Pose::Identity();
@@ -235,7 +235,7 @@ std::vector<StreetFigures> bench_street(const Arguments& arguments, double turn)
   return figures;
 }
 
-/// A square grid turned by 90 deg is itself.
+/// All turns within 90 deg: a square grid turned by 90 deg is unchanged.
 std::vector<StreetFigures> bench_street(const Arguments& arguments) {
   std::vector<StreetFigures> figures = bench_street(arguments, 0);
   for (int k = 1; k < arguments.turns; ++k) {

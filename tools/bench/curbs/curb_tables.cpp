@@ -46,7 +46,7 @@ double bias_cm(const scores::BinScore& s) {
   return 100 * s.bias;
 }
 
-/// At one tolerance, over all turns.
+/// Pools all turns at one tolerance.
 scores::StreetScore pooled_at(const StreetFigures& figures, std::size_t tolerance) {
   std::vector<scores::StreetScore> scores;
   for (const auto& turn : figures.turns) scores.push_back(turn[tolerance]);
@@ -59,7 +59,7 @@ double least_f1(const StreetFigures& figures) {
   return least;
 }
 
-/// What drives with truth came to on average.
+/// Mean figures of drives with truth.
 struct DriveMeans {
   std::array<evaluate::Score, evaluate::kTolerances.size()> at{};
   double least_f1 = 1;  ///< at the widest tolerance

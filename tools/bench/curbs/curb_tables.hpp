@@ -9,32 +9,32 @@
 
 namespace curbstone::bench::curbs {
 
-/// What one scene came to, one score a seed.
+/// Scores of one scene, one per seed.
 struct SceneFigures {
   std::string name;
   std::vector<scores::BinScore> scores;
 };
 
-/// One cloud of the labelled street, by one way of looking for curbs.
+/// Scores of one cloud of the labelled street with one method.
 struct StreetFigures {
   std::string cloud;
   std::string method;
-  std::vector<std::vector<scores::StreetScore>> turns;  ///< the way it lies on the grid, and of that by kTolerances
+  std::vector<std::vector<scores::StreetScore>> turns;  ///< by orientation on the grid, then by kTolerances
 };
 
-/// A kind of whole drive, by one way of looking for curbs: an evaluation a seed.
+/// Scores of one kind of complete drive with one method, one evaluation per seed.
 struct DriveFigures {
   std::string name;
   std::string method;
   std::vector<evaluate::Evaluation> seeds;
 };
 
-/// For people.
+/// As text, for people.
 [[nodiscard]] std::string to_table(const std::string& title, const std::vector<SceneFigures>& scenes);
 [[nodiscard]] std::string to_table(const std::vector<StreetFigures>& street);
 [[nodiscard]] std::string to_table(const std::vector<DriveFigures>& drives);
 
-/// All figures, for programs.
+/// All figures, for the JSON file.
 struct CurbFigures {
   std::vector<SceneFigures> scans, drives;
   std::vector<DriveFigures> towns;

@@ -16,7 +16,7 @@ namespace curbstone::bench::drivers {
 
 namespace {
 
-/// Where encoded messages end.
+/// Discards encoded messages and counts them.
 class DeadEnd final : public Publisher {
  public:
   [[nodiscard]] std::int64_t messages() const { return messages_; }
@@ -48,7 +48,7 @@ void copy_each(const std::vector<TimedFrame>& frames) {
   }
 }
 
-/// Everything once through a driver. Returns the messages that it sent.
+/// Passes all packets through a driver once. Returns the number of messages it sent.
 std::int64_t run_lidar(const LidarPackets& packets) {
   DeadEnd bus;
   lidar::LidarConfig config;
@@ -91,7 +91,7 @@ double pace_of(const std::vector<Unit>& stream) {
          static_cast<double>(stream.back().received - stream.front().received);
 }
 
-/// A driver that is silent would be fast, and tell nothing.
+/// A driver without output would look fast, but its time would be meaningless.
 void expect_messages(const std::string& name, std::int64_t messages) {
   if (messages == 0) throw std::runtime_error(name + ": the driver made no message of it");
 }

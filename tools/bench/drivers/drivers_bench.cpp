@@ -28,7 +28,7 @@ DriversReport measure_drivers(const DriversBenchOptions& o) {
     report.lidars.push_back(measure(emulated_packets(model, o.seconds), o.turns));
   for (const std::string& file : o.captures) report.lidars.push_back(measure(captured_packets(file), o.turns));
 
-  const double longer = 30 * o.seconds;  // they send less
+  const double longer = 30 * o.seconds;  // these devices send less data
   for (const auto& [name, model] : {std::pair{"xsens", imu::Model::kXsens}, {"witmotion", imu::Model::kWitMotion}})
     report.streams.push_back(measure(name, model, imu_stream(model, longer), o.turns));
   report.streams.push_back(measure("zlac8015d", encoder_stream(longer), o.turns));
@@ -55,7 +55,7 @@ int run_bench_drivers(int argc, char** argv) {
   line.option("--min-time", options.turns.min_time, "s that a turn lasts at least").within(0.001, 60.0).shows_default();
   line.option("--json", options.json, "Write the figures to this file too");
   if (const auto status = line.read(argc, argv)) return *status;
-  spdlog::set_level(spdlog::level::warn);  // not what each device is, in each round
+  spdlog::set_level(spdlog::level::warn);  // no log line per device in each round
   const DriversReport report = measure_drivers(options);
   print_report(report);
   if (!options.json.empty()) write_report(report, options.json);

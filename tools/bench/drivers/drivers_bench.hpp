@@ -2,7 +2,7 @@
 
 namespace curbstone::bench::drivers {
 
-/// curbstone bench drivers: packets, bytes and frames a second of the drivers on one core.
+/// curbstone bench drivers: packets, bytes and frames per second of the drivers on one core.
 int run_bench_drivers(int argc, char** argv);
 
 }  // namespace curbstone::bench::drivers

@@ -13,7 +13,7 @@ struct DriversReport {
 };
 
 void print_report(const DriversReport& report);
-/// As JSON. Throws std::runtime_error where the file cannot be written.
+/// Writes JSON. Throws std::runtime_error if the file cannot be written.
 void write_report(const DriversReport& report, const std::string& file);
 
 }  // namespace curbstone::bench::drivers

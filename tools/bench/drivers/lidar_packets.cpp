@@ -91,7 +91,7 @@ LidarPackets captured_packets(const std::string& file) {
     else if (kind == lidar::models::PacketKind::kPoints)
       packets.points.push_back(std::move(packet));
   }
-  // A driver believes what two packets agree on, and a short capture may have one.
+  // A driver accepts device information once two packets agree, and a short capture may have only one.
   if (packets.infos.size() == 1) packets.infos.push_back(packets.infos.front());
   if (packets.points.size() < 2) throw std::runtime_error(file + ": fewer than two point packets");
   return packets;

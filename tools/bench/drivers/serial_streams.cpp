@@ -16,7 +16,7 @@ namespace {
 using encoder::can::CanFrame;
 
 constexpr std::int64_t kStreamStart = 1'700'000'000'000'000;  // us
-constexpr std::int64_t kDelay = 200;                          // us on the way
+constexpr std::int64_t kDelay = 200;                          // us, transit time
 constexpr double kCountsPerSecond = 6519;                     // 10 rad/s
 
 template <class Device>
@@ -27,7 +27,7 @@ std::vector<TimedBytes> sampled(Device& device, std::int64_t period, double seco
     const std::int64_t taken = kStreamStart + i * period;
     simulate::devices::XsensSample sample;
     const double noise =
-        0.01 * static_cast<double>(i % 2);  // without any, an IMU is stuck and its samples are withheld
+        0.01 * static_cast<double>(i % 2);  // an IMU without noise counts as stuck, and its samples are withheld
     sample.acceleration = {0.1 * std::sin(0.01 * static_cast<double>(i)) + noise, noise, 9.8 + noise};
     sample.angular_rate = {noise, noise, noise};
     sample.orientation = std::array{1.0, 0.0, 0.0, 0.0};

@@ -8,7 +8,7 @@
 
 namespace curbstone::bench::drivers {
 
-/// The bytes of one sample of an IMU, and when they came, us since the Unix epoch.
+/// The bytes of one IMU sample and their time of reception, us since the Unix epoch.
 struct TimedBytes {
   std::int64_t received = 0;
   std::vector<std::uint8_t> bytes;
@@ -19,11 +19,11 @@ struct TimedFrame {
   encoder::can::CanFrame frame;
 };
 
-/// `seconds` of an emulated IMU that is set up: an MTi at 100 Hz, a WitMotion at 200 Hz.
+/// `seconds` of a configured emulated IMU: an MTi at 100 Hz, a WitMotion at 200 Hz.
 [[nodiscard]] std::vector<TimedBytes> imu_stream(imu::Model model, double seconds);
 
-/// `seconds` of all that an emulated ZLAC8015D sends while EncoderNode sets it up and listens: positions each 10 ms,
-/// status, heartbeat, answers.
+/// `seconds` of everything that an emulated ZLAC8015D sends while EncoderNode configures it and listens: positions
+/// every 10 ms, status, heartbeat, responses.
 [[nodiscard]] std::vector<TimedFrame> encoder_stream(double seconds);
 
 }  // namespace curbstone::bench::drivers

@@ -24,7 +24,7 @@ BackgroundProgram::BackgroundProgram(const std::string& line, std::string output
   pid_ = fork();
   if (pid_ != 0) return;
   prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (getppid() != parent) _exit(127);  // it died before that
+  if (getppid() != parent) _exit(127);  // the parent died before the prctl()
   const int output = open(output_file_.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
   if (output >= 0) {
     dup2(output, STDOUT_FILENO);

@@ -6,14 +6,14 @@
 
 namespace curbstone::bench::faults {
 
-/// How a process ended, as a shell has it: its exit status, or 128 + n when signal n ended it.
+/// The status of an ended process in the shell's convention: its exit status, or 128 + n if signal n ended it.
 [[nodiscard]] int shell_status(int wait_status);
 
-/// A program that runs while its owner does other things; it is ended with its owner, and gets SIGTERM where the thread
-/// that started it dies before that, by whatever signal.
+/// A program that runs in the background. It is ended with this object, and gets SIGTERM if the thread that started it
+/// dies earlier by any signal.
 class BackgroundProgram {
  public:
-  /// `line` is for sh, which replaces itself by the program. Output goes to the end of `output_file`.
+  /// `line`: a command for sh, which execs the program. Output is appended to `output_file`.
   BackgroundProgram(const std::string& line, std::string output_file);
   ~BackgroundProgram();
   BackgroundProgram(const BackgroundProgram&) = delete;
@@ -21,7 +21,7 @@ class BackgroundProgram {
 
   void send_signal(int signal) const;
   [[nodiscard]] bool running();
-  /// Waits at most `seconds` for the end; the shell status, -1 when it still runs.
+  /// Waits at most `seconds` for the end. Returns the shell status, -1 if it still runs.
   int wait(double seconds);
   [[nodiscard]] pid_t pid() const { return pid_; }
   [[nodiscard]] std::string output() const;

@@ -36,7 +36,7 @@ Fault both_killed(const std::string& one, const std::string& other) {
           }};
 }
 
-/// One deed after the other until the drive is nearly over.
+/// Injects one fault after the other until the drive is nearly over.
 void every(StackDrive& drive, double seconds, const std::function<void(std::size_t turn)>& deed) {
   double at = seconds;
   for (std::size_t turn = 0; !drive.over() && at < kLongDrive - seconds; ++turn, at += seconds) {
@@ -53,7 +53,7 @@ std::vector<std::pair<std::string, std::string>> all_pairs() {
   return pairs;
 }
 
-/// All 28 pairs take three drives.
+/// All 28 pairs need three drives.
 Fault pairs_killed(std::size_t part) {
   return {fmt::format("kill -9 of any two at once, every 5 s, part {} of {} of the pairs", part + 1, kPairDrives),
           [part](StackDrive& drive) {
@@ -123,7 +123,7 @@ Fault silent(const std::string& sensor) {
   return {sensor + " silent for 2 s",
           [](StackDrive& drive) {
             drive.go_on_until(kMidDrive);
-            drive.fault_is_over();  // it begins now: so the way back has the silence in it
+            drive.fault_is_over();  // the fault begins now, so the recovery time includes the silence
           },
           18, fmt::format("--fault {}-silent:{}-{}", sensor, kMidDrive, kMidDrive + 2)};
 }

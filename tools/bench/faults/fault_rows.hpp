@@ -8,16 +8,16 @@
 
 namespace curbstone::bench::faults {
 
-/// A row of the table: what goes wrong in a drive.
+/// A row of the table: a fault injected into a drive.
 struct Fault {
   std::string name;
-  std::function<void(StackDrive&)> happen;  ///< during the drive; may return before its end
+  std::function<void(StackDrive&)> happen;  ///< injects it during the drive; may return before the end
   double seconds = 18;                      ///< of driving
   std::string simulate = {};                ///< more options of `curbstone simulate`
   int disk_mb = 0;                          ///< StackOptions
 };
 
-/// All rows, from none to the worst.
+/// All rows, from no fault to the worst.
 [[nodiscard]] std::vector<Fault> all_faults();
 
 }  // namespace curbstone::bench::faults

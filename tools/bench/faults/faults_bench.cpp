@@ -28,14 +28,14 @@ namespace fs = std::filesystem;
 using semantic_map::store::MapReader;
 using semantic_map::tile::CellClass;
 
-constexpr int kAttempts = 2;  // of a drive that the machine spoils
+constexpr int kAttempts = 2;  // per drive, if the machine was busy
 
 struct FaultsBenchOptions {
   std::string procman_config = "procman/demo.cfg";
   std::string config = "config/ugv.yaml";
   std::string folder;
   std::string only, json;
-  double seconds = 0;  // 0: as long as the row says
+  double seconds = 0;  // 0: as given by the row
   bool list = false;
 };
 
@@ -51,14 +51,14 @@ int known_cells(const evaluate::StoredMap& map) {
   return static_cast<int>(known);
 }
 
-/// Of those between the first and the last pose, how many have none.
+/// Number of revolutions between the first and the last pose that have no pose.
 int revolutions_lost(const evaluate::StoredMap& map) {
   if (map.trajectory.empty()) return 0;
   const auto [first, last] = std::ranges::minmax(map.trajectory, {}, &semantic_map::tile::TrajectoryPose::revolution);
   return last.revolution - first.revolution + 1 - static_cast<int>(map.trajectory.size());
 }
 
-/// The rows that "part|other part" means: a part that is a row's name means that row alone.
+/// The rows selected by "part|other part". A part that equals a row's name selects only that row.
 std::vector<Fault> chosen(const std::vector<Fault>& faults, const std::string& parts) {
   if (parts.empty()) return faults;
   std::vector<Fault> found;
@@ -74,7 +74,7 @@ std::vector<Fault> chosen(const std::vector<Fault>& faults, const std::string& p
   return found;
 }
 
-/// Drives with faults, and the undisturbed drives that they are compared with.
+/// Runs the drives with faults, and the undisturbed drives that they are compared with.
 class FaultsBench {
  public:
   explicit FaultsBench(FaultsBenchOptions options) : options_(std::move(options)) {
@@ -126,7 +126,7 @@ class FaultsBench {
     return row;
   }
 
-  /// The replay of a drive in which nothing happened; driven when it is first asked for. Null: the machine spoiled it.
+  /// The replay of a drive without faults, driven at the first call. Null: the machine was too busy.
   const evaluate::StoredMap* undisturbed(double seconds) {
     for (int attempt = 1; attempt <= kAttempts && !undisturbed_.contains(seconds); ++attempt) {
       evaluate::StoredMap map = drive_undisturbed(seconds, attempt);
@@ -143,7 +143,7 @@ class FaultsBench {
 
   evaluate::StoredMap drive_undisturbed(double seconds, int attempt) {
     StackDrive drive(stack({"", {}, seconds}, fmt::format("undisturbed-{}-{}", seconds, attempt)));
-    drive.fault_is_over();  // what was said of the start does not count
+    drive.fault_is_over();  // ignores faults reported during start-up
     drive.finish();
     const std::string file = drive.map_file() + ".replayed";
     const std::string line = fmt::format("curbstone replay '{}' --map '{}' --config '{}' >'{}.out' 2>&1",
@@ -178,7 +178,7 @@ class FaultsBench {
   }
 
   FaultsBenchOptions options_;
-  std::map<double, std::optional<evaluate::StoredMap>> undisturbed_;  // by length; none: spoiled
+  std::map<double, std::optional<evaluate::StoredMap>> undisturbed_;  // by length; empty: spoiled
   FaultReport report_;
 };
 
@@ -187,7 +187,7 @@ int measure_all(const FaultsBenchOptions& options) {
   for (const Fault& fault : chosen(all_faults(), options.only)) {
     fmt::print(stderr, "bench faults: {}\n", fault.name);
     bench.measure(fault);
-    if (!options.json.empty()) write_report(bench.report(), options.json);  // what there is, if a later one fails
+    if (!options.json.empty()) write_report(bench.report(), options.json);  // kept if a later row fails
   }
   if (bench.report().rows.empty()) throw std::runtime_error("no row's name contains '" + options.only + "'");
   for (const Undisturbed& drive : bench.report().undisturbed) fmt::print("{}\n", to_line(drive));

@@ -2,7 +2,7 @@
 
 namespace curbstone::bench::faults {
 
-/// curbstone bench faults: what is lost when processes die, hang or starve in a drive of the demo's processes.
+/// curbstone bench faults: the losses when processes of the demo die, hang or starve during a drive.
 int run_bench_faults(int argc, char** argv);
 
 }  // namespace curbstone::bench::faults

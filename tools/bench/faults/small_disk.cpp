@@ -16,7 +16,8 @@ namespace curbstone::bench::faults {
 
 SmallDisk::SmallDisk(std::string folder, int megabytes) : folder_(std::move(folder)) {
   const std::string size = fmt::format("size={}m", megabytes);
-  // In a mount namespace of its own: nobody else sees it, and it goes with the last process that does.
+  // In its own mount namespace: other processes do not see it, and it is removed with the last process in the
+  // namespace.
   if (unshare(CLONE_NEWNS) != 0 || mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
       mount("tmpfs", folder_.c_str(), "tmpfs", 0, size.c_str()) != 0)
     throw std::runtime_error(fmt::format("{}: no small disk can be made: {}", folder_, std::strerror(errno)));

@@ -4,19 +4,19 @@
 
 namespace curbstone::bench::faults {
 
-/// A disk of a few hundred MB, in memory, that only this process and its children see. It goes with its owner, and with
-/// the process in any case. Throws std::runtime_error where the rights to make it are missing.
+/// A RAM disk of a few hundred MB that only this process and its children see. It is removed with this object, and at
+/// the latest with the process. Throws std::runtime_error without the rights to make it.
 class SmallDisk {
  public:
-  /// Lies over `folder`, which must exist.
+  /// Mounts over `folder`, which must exist.
   SmallDisk(std::string folder, int megabytes);
   ~SmallDisk();
   SmallDisk(const SmallDisk&) = delete;
   SmallDisk& operator=(const SmallDisk&) = delete;
 
-  /// Takes all the room that is left.
+  /// Fills all free space.
   void fill() const;
-  /// Gives it back.
+  /// Frees the space again.
   void free() const;
 
  private:

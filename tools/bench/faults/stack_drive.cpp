@@ -23,9 +23,9 @@ namespace curbstone::bench::faults {
 
 namespace {
 
-constexpr double kPatience = 120;          // s, for what takes seconds on an idle machine
-constexpr double kRendering = 900;         // s, until the emulated packets of a minute are rendered on a busy machine
-constexpr double kSettle = 8;              // s after the drive in which lost messages are asked for again
+constexpr double kPatience = 120;          // s, time-out for what takes seconds on an idle machine
+constexpr double kRendering = 900;         // s, time-out for rendering a minute of packets on a busy machine
+constexpr double kSettle = 8;              // s after the drive in which lost messages are requested again
 constexpr double kBeforeEnd = 0.3;         // s before the end of the drive at which it is no longer watched
 constexpr std::int64_t kSilent = 3000000;  // us: statuses come each second
 
@@ -115,7 +115,7 @@ void StackDrive::look() {
 }
 
 void StackDrive::deed_done() {
-  if (!done_) bus_.all_faults.clear();  // those of the start
+  if (!done_) bus_.all_faults.clear();  // those of the start-up
   done_ = true;
   fault_is_over();
 }
@@ -211,7 +211,7 @@ void StackDrive::fault_is_over() {
 
 void StackDrive::finish() {
   go_on_until(options_.seconds - kBeforeEnd);
-  const auto said = bus_.all_faults;  // that the devices are gone when the vehicle has arrived is no fault
+  const auto said = bus_.all_faults;  // taken now: missing devices after the vehicle's arrival are no fault
   if (!bus_.wait_until([&] { return over(); }, options_.seconds + kPatience))
     throw std::runtime_error("the emulated vehicle does not arrive: " + simulator_->output());
   bus_.wait_until([] { return false; }, kSettle);

@@ -17,8 +17,8 @@
 namespace curbstone::bench::faults {
 
 struct StackOptions {
-  std::string folder;          ///< for all that comes out; must exist
-  std::string spool;           ///< where the emulated packets are kept, for drives of the same length too
+  std::string folder;          ///< for all output; must exist
+  std::string spool;           ///< where the emulated packets are kept, for later drives of the same length too
   std::string procman_config;  ///< procman/demo.cfg: its script "stack" starts all but the vehicle
   std::string config;          ///< the vehicle's YAML file
   double seconds = 18;         ///< of driving
@@ -26,51 +26,54 @@ struct StackOptions {
   int disk_mb = 0;             ///< size of the disk that the folder lies on; 0: that of the machine
 };
 
-/// A drive of the demo's processes under their deputy, in real time over UDP, in which things go wrong. The emulated
-/// vehicle is none of them: it goes on whatever is killed. Everything throws std::runtime_error. For one thread.
+/// A drive of the demo's processes under their deputy, in real time over UDP, into which faults are injected. The
+/// emulated vehicle is not one of these processes and continues whatever is killed. All functions throw
+/// std::runtime_error. One thread.
 class StackDrive {
  public:
-  /// Returns when the first revolution has been mapped.
+  /// Returns when the first revolution was mapped.
   explicit StackDrive(const StackOptions& options);
   ~StackDrive();
 
-  /// Listens until `at` s of the drive, or its end.
+  /// Listens until `at` s of the drive, or until its end.
   void go_on_until(double at);
   [[nodiscard]] bool over();
   /// s since the first revolution.
   [[nodiscard]] double now() const;
 
-  /// The commands that should run.
+  /// The commands that are expected to run.
   [[nodiscard]] const std::vector<std::string>& commands() const { return commands_; }
-  /// kill -9. "deputy" is the deputy itself, which is started again, as systemd does it.
+  /// Sends SIGKILL. "deputy": the deputy itself, which is started again, as systemd does.
   void kill_command(const std::string& command);
-  /// SIGSTOP for so many seconds.
+  /// Stops a command with SIGSTOP for `seconds`.
   void freeze(const std::string& command, double seconds);
-  /// All processes at once and without a word, then all again.
+  /// Kills all processes at once, then starts all again.
   void lose_power();
-  /// Two commands at the same moment.
+  /// Kills two commands at the same moment.
   void kill_commands(const std::string& one, const std::string& other);
-  /// Nothing more fits on the disk (StackOptions::disk_mb) for so many seconds.
+  /// Fills the disk (StackOptions::disk_mb) for `seconds`.
   void fill_disk(double seconds);
-  /// The interface that carries the bus and the LiDAR's packets is down for so many seconds. Then it comes up, with the
-  /// route of the bus as the system's unit sets it.
+  /// Takes the interface that carries the bus and the LiDAR's packets down for `seconds`. Then it comes up, with
+  /// the route of the bus set as the system's unit sets it.
   void take_interface_down(double seconds);
-  /// So many busy loops for so many seconds.
+  /// Runs `loops` busy loops for `seconds`.
   void keep_cpu_busy(int loops, double seconds);
-  /// From here on faults and the way back count: what goes wrong, goes wrong now or until now.
+  /// Marks the end of the fault, from which back_within() counts. Without an earlier injection, faults_said() starts
+  /// here too.
   void fault_is_over();
 
-  /// Waits for the end of the drive, and until all have stopped.
+  /// Waits for the end of the drive and until all processes have stopped.
   void finish();
 
-  /// s from fault_is_over() until all commands ran, spoke and named no fault until the end; empty: not before the end.
+  /// s from fault_is_over() until all commands ran, reported and had no fault until the end of the drive; empty: not
+  /// before the end.
   [[nodiscard]] std::optional<double> back_within() const;
-  /// What the services said was wrong since the first deed, "service: fault", each once, numbers as '#';
-  /// and which of them said nothing at all for 3 s.
+  /// The faults that services reported since the first injection, "service: fault", each once, numbers as '#', and the
+  /// services that were silent for 3 s.
   [[nodiscard]] std::vector<std::string> faults_said() const;
-  /// Whether the deputy, and so each process, ended by itself when it was asked to.
+  /// Whether the deputy, and so each process, ended by itself on request.
   [[nodiscard]] bool ended_cleanly() const { return clean_; }
-  /// s: how late the emulator sent its latest packet; over 0.1 s the machine had too much to do.
+  /// s, largest delay of the emulator's packets; over 0.1 s the machine was too busy.
   [[nodiscard]] double emulator_late() const;
   [[nodiscard]] std::string map_file() const { return options_.folder + "/map.db"; }
   [[nodiscard]] std::string log_file() const { return options_.folder + "/run.lcmlog"; }
@@ -84,16 +87,16 @@ class StackDrive {
   void deed_done();
 
   StackOptions options_;
-  std::unique_ptr<SmallDisk> disk_;  // first: nothing else is open on it when it goes
+  std::unique_ptr<SmallDisk> disk_;  // first member: destroyed when nothing on it is open any more
   WatchedBus bus_;
   std::vector<std::string> commands_;
-  std::set<int> killed_;          // pids whose last words do not count
-  std::set<std::string> silent_;  // commands that said nothing for too long
+  std::set<int> killed_;          // pids whose last status does not count
+  std::set<std::string> silent_;  // commands that were silent for too long
   std::int64_t begin_ = 0;        // us, steady, of the first revolution
   std::int64_t over_ = 0;         // us, steady, of the fault
   std::int64_t last_bad_ = 0;     // us, steady
-  bool well_ = true;              // when last looked
-  bool done_ = false;             // something was done to it
+  bool well_ = true;              // at the last check
+  bool done_ = false;             // a fault was injected
   bool clean_ = false;
   std::vector<pid_t> loops_;
   std::unique_ptr<BackgroundProgram> simulator_, deputy_;

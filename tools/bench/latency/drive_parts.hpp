@@ -14,26 +14,26 @@
 
 namespace curbstone::bench::latency {
 
-/// A long drive part by part: what costs more the larger the map is, shows from row to row.
+/// Figures of one part of a long drive, as a table row. Costs that grow with the map show from row to row.
 struct DrivePart {
   double end = 0;                            ///< s since the drive began
-  double driven = 0;                         ///< m since then, by MAP_POSE
-  std::size_t tiles = 0;                     ///< of SEMANTIC_TILE, so far
+  double driven = 0;                         ///< m since the drive began, by MAP_POSE
+  std::size_t tiles = 0;                     ///< tiles of SEMANTIC_TILE, so far
   std::map<std::string, double> cores;       ///< by process: of its node's work in this part
-  std::map<std::string, double> longest_ms;  ///< by process: CPU time of the longest piece of that work
+  std::map<std::string, double> longest_ms;  ///< by process: CPU time of the longest work item
   double other_cores = 0;                    ///< of all other threads and of this bench, in this part
-  AgeFigures age;                            ///< ms: points of this part, when their tile is out
-  double memory_mb = 0;                      ///< resident, of all together, at the end
+  AgeFigures age;                            ///< ms: age of this part's points when their tile is sent
+  double memory_mb = 0;                      ///< resident, of all processes together, at the end
 };
 
-/// Cuts a drive into parts of equal time. Not for several threads.
+/// Splits a drive into parts of equal duration. Not thread-safe.
 class DriveParts {
  public:
   /// `seconds`: of a part.
   DriveParts(TimedVehicle& vehicle, double seconds);
 
   void hear(const TimedMessage& message);
-  /// The drive has come to `utime`, us. The part that ended with it, if one did.
+  /// The drive has reached `utime`, us. Returns the part that ended with it, if any.
   std::optional<DrivePart> reach(std::int64_t utime);
 
  private:

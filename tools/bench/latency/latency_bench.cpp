@@ -27,7 +27,7 @@ constexpr std::array<std::string_view, 4> kSections = {"ekf", "mapper", "tensor_
 
 struct LatencyBenchOptions {
   std::string log, json;
-  double every = 0;  // s; 0: the whole drive at once
+  double every = 0;  // s per row; 0: one row for the whole drive
   TimedVehicleOptions vehicle;
 };
 

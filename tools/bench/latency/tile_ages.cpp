@@ -59,7 +59,7 @@ std::vector<TileAges::Measured> TileAges::News::out(TileKey key, std::int64_t ut
   return known;
 }
 
-/// A tile counts if its middle is in the box.
+/// A tile counts if its centre is in the box.
 void TileAges::say_lines(const curb_lines_t& message, std::int64_t at) {
   for (const Measured& m : unsaid_) {
     const double middle[2] = {(m.key.x + 0.5) * kTileSize, (m.key.y + 0.5) * kTileSize};

@@ -11,35 +11,37 @@
 
 namespace curbstone::bench::latency {
 
-/// p50, p95 and the largest of some milliseconds.
+/// Median, 95th percentile and maximum, ms.
 struct AgeFigures {
   std::size_t count = 0;
   double p50 = 0, p95 = 0, max = 0;
 };
 
-/// How old measurements are when they are on the bus: a tile's newest points when its MAP_POINTS, VOTED_POINTS (all
-/// pages) and SEMANTIC_TILE are sent. A tile that is sent again without newer points of its own, for its neighbours'
-/// sake, does not count. And from every MAP_POINTS to the first SEMANTIC_TILE of its tile that knows of them, to the
-/// first whose curbs do, and to the CURBS that follows it, if that speaks of the tile.
+/// The age of measurements when they are sent: of a tile's newest points when its MAP_POINTS, VOTED_POINTS (all pages)
+/// and SEMANTIC_TILE are sent. A tile that is sent again only because of its neighbours, without newer points of its
+/// own, does not count. Also the age of the points of every MAP_POINTS when the first SEMANTIC_TILE of their tile
+/// includes them, when the first whose curbs include them is sent, and at the CURBS that follows it, if its box covers
+/// the tile.
 class TileAges {
  public:
   void hear(const TimedMessage& message);
 
   [[nodiscard]] AgeFigures age(const std::string& channel) const;
-  /// Of the points of each MAP_POINTS, when their tile is out. Those that changed nothing in it do not count.
+  /// Age of the points of each MAP_POINTS when their tile is sent. Points that changed nothing in the tile do not
+  /// count.
   [[nodiscard]] AgeFigures news() const;
-  /// The same, when its curbs know of them.
+  /// The same, when the tile's curbs include them.
   [[nodiscard]] AgeFigures curb_news() const;
-  /// The same, when the polylines do.
+  /// The same, when the polylines of CURBS include them.
   [[nodiscard]] AgeFigures line_news() const;
-  /// Tiles sent, those for their neighbours' sake too.
+  /// Tiles sent, including those sent because of their neighbours.
   [[nodiscard]] std::size_t sent(const std::string& channel) const;
-  /// What was sent on a channel, all pages of it.
+  /// Bytes sent on a channel, all pages included.
   [[nodiscard]] double megabytes(const std::string& channel) const;
 
  private:
   struct Channel {
-    std::map<TileKey, std::int64_t> newest;  // us, measured
+    std::map<TileKey, std::int64_t> newest;  // us, time of measurement
     std::vector<double> ages;                // ms
     std::size_t sent = 0;
     std::size_t bytes = 0;
@@ -50,16 +52,16 @@ class TileAges {
     TileKey key;
     std::int64_t utime = 0;  // us
   };
-  /// Points that are not out yet.
+  /// Points that are not sent yet.
   struct News {
-    std::map<TileKey, std::vector<std::int64_t>> waiting;  // us, measured
+    std::map<TileKey, std::vector<std::int64_t>> waiting;  // us, time of measurement
     std::vector<double> ages;                              // ms
-    /// Returns what is out now.
+    /// Returns the points that are sent with this tile.
     std::vector<Measured> out(TileKey key, std::int64_t utime, std::int64_t at);
   };
   void say_lines(const curb_lines_t& message, std::int64_t at);
   News tiles_, curbs_;
-  std::vector<Measured> unsaid_;   // of curbs_, since the last CURBS
+  std::vector<Measured> unsaid_;   // of curbs_, sent since the last CURBS
   std::vector<double> said_ages_;  // ms
 };
 

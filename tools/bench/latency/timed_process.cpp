@@ -46,7 +46,7 @@ std::int64_t TimedProcess::work(std::int64_t at) {
   } else {
     node_->tick(begun_);
     tick_ += kTick;
-    if (tick_ < begun_) tick_ = begun_ + kTick - (begun_ - tick_) % kTick;  // a timer that was missed is not made up
+    if (tick_ < begun_) tick_ = begun_ + kTick - (begun_ - tick_) % kTick;  // missed ticks are not made up
   }
   const std::int64_t took = spent();
   cpu_ += took;
@@ -55,7 +55,7 @@ std::int64_t TimedProcess::work(std::int64_t at) {
   return free_;
 }
 
-/// CPU time of the piece of work under way, us.
+/// CPU time of the present work item so far, us.
 std::int64_t TimedProcess::spent() const {
   return static_cast<std::int64_t>(cpu_us_of_thread() - cpu_begun_);
 }

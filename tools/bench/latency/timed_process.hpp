@@ -13,41 +13,41 @@
 
 namespace curbstone::bench::latency {
 
-/// A message on its way, or arrived.
+/// A message in transit or delivered.
 struct TimedMessage {
-  std::int64_t at = 0;  ///< us, when it was sent
+  std::int64_t at = 0;  ///< us, time of sending
   std::string channel;
   std::shared_ptr<const std::vector<std::uint8_t>> bytes;
 
-  /// False if the bytes are no `Message`.
+  /// False if the bytes are not a valid `Message`.
   template <class Message>
   [[nodiscard]] bool decode(Message& out) const {
     return out.decode(bytes->data(), 0, static_cast<int>(bytes->size())) >= 0;
   }
 };
 
-/// A node as the process that it is on the vehicle, but on a clock of its own, which goes on by the CPU time that the
-/// node's work takes: what it says is said as late as it would be live, however busy this machine is meanwhile.
+/// Runs a node as a simulated process with its own clock, which advances by the CPU time of the node's work. So its
+/// messages are sent as late as they would be live, however busy this machine is.
 class TimedProcess final : public Publisher, public Subscriber {
  public:
   using Send = std::function<void(TimedMessage)>;
-  /// `phase` us: its ticks are every 20 ms from there.
+  /// `phase`: us; ticks follow every 20 ms from there.
   TimedProcess(std::int64_t phase, Send send) : tick_(phase), send_(std::move(send)) {}
-  /// Takes the node, which must have been made with this as its Publisher.
+  /// Takes the node, which must have been constructed with this object as its Publisher.
   void run(std::unique_ptr<Node> node);
-  /// Sets the clock, once, before anything else happens.
+  /// Sets the clock. Call it once, before anything else.
   void start(std::int64_t now) { tick_ += now; }
 
-  /// A message that has come, or will have come at its time.
+  /// Queues a message that arrives now or later.
   void deliver(const TimedMessage& message);
-  /// When it begins its next piece of work, us.
+  /// The start time of its next work item, us.
   [[nodiscard]] std::int64_t next() const;
-  /// Does that: one message, one tick or what may wait, not before `at` us. Returns when it is done.
+  /// Executes that item (one message, one tick, or deferred work), not before `at` us. Returns its end time.
   std::int64_t work(std::int64_t at);
 
   [[nodiscard]] const Node& node() const { return *node_; }
   [[nodiscard]] std::int64_t cpu_us() const { return cpu_; }
-  /// CPU time of the longest piece of work since this was asked for last, us.
+  /// CPU time of the longest work item since the last call, us.
   std::int64_t take_longest_us() { return std::exchange(longest_, 0); }
   [[nodiscard]] Counters counters() const override { return counters_; }
 
@@ -62,10 +62,10 @@ class TimedProcess final : public Publisher, public Subscriber {
   Send send_;
   std::unique_ptr<Node> node_;
   std::map<std::string, BytesHandler, std::less<>> handlers_;
-  std::multimap<std::int64_t, TimedMessage> inbox_;  // equal times stay in order
-  std::int64_t free_ = 0;                            // us, when it has done what it does
-  bool may_idle_ = false;                            // the node may have work that waits until there is nothing else
-  std::int64_t begun_ = 0;                           // us, the piece of work under way
+  std::multimap<std::int64_t, TimedMessage> inbox_;  // equal times keep their order
+  std::int64_t free_ = 0;                            // us, end of the present work item
+  bool may_idle_ = false;                            // the node may have deferred work for idle times
+  std::int64_t begun_ = 0;                           // us, start of the present work item
   double cpu_begun_ = 0;
   std::int64_t cpu_ = 0;
   std::int64_t longest_ = 0;

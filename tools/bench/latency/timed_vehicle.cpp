@@ -19,7 +19,7 @@ TimedVehicle::TimedVehicle(const TimedVehicleOptions& options, Listener listener
     : listener_(std::move(listener)), cores_(static_cast<std::size_t>(options.cores)) {
   std::int64_t phase = 0;
   const auto add = [&](const std::string& name, auto make) {
-    phase += 7'000;  // us: nobody's timers go off together
+    phase += 7'000;  // us; staggers the timers of the processes
     auto process = std::make_unique<TimedProcess>(phase % 20'000, [this](const TimedMessage& m) { send(m); });
     process->run(make(*process));
     processes_.emplace_back(name, std::move(process));
@@ -33,7 +33,7 @@ TimedVehicle::TimedVehicle(const TimedVehicleOptions& options, Listener listener
   auto mapper =
       config_of<mapper::config::MapperConfig>("mapper", kProcessSections, options.config_file, options.assignments);
   mapper.journal.clear();
-  mapper.threads = 1;  // what another thread does is not on this process's clock
+  mapper.threads = 1;  // other threads are not on this process's clock
   add("mapper", [&](Publisher& bus) { return std::make_unique<mapper::MapperNode>(mapper, bus); });
   add("tensor_voting", [&](Publisher& bus) {
     return std::make_unique<tensor_voting::worker::TensorVotingNode>(
@@ -49,7 +49,7 @@ void TimedVehicle::send(const TimedMessage& message) {
   for (const auto& [name, process] : processes_) process->deliver(message);
 }
 
-/// Who begins first goes first: then nothing is said before what has been done already.
+/// The process with the earliest start works first, so no message is sent before work that is already done.
 void TimedVehicle::advance(std::int64_t to) {
   while (true) {
     const auto first = std::min_element(processes_.begin(), processes_.end(), [](const auto& a, const auto& b) {

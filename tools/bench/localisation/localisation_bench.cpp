@@ -23,8 +23,8 @@ namespace {
 
 constexpr std::array<std::string_view, 2> kSections = {"ekf", "localizer"};
 
-constexpr double kWithin = 20.0;   // m driven, in which a vehicle is to be found
-constexpr double kCarried = 15.0;  // m, at least, from where it was to where it is then
+constexpr double kWithin = 20.0;   // m driven within which the vehicle must be localised
+constexpr double kCarried = 15.0;  // m, minimum distance that it is carried
 constexpr std::int64_t kSecond = 1'000'000;
 constexpr std::int64_t kKnown = 3 * kSecond;  // before it is carried
 constexpr std::int64_t kFind = 10 * kSecond;  // after it
@@ -63,13 +63,13 @@ void take_costs(const std::vector<Said>& all, std::vector<double>& ms) {
   }
 }
 
-/// One begun somewhere along the drive.
+/// A trial that starts somewhere along the drive.
 struct Start {
   std::int64_t from = 0, until = 0;  // us
   std::vector<Said> said;
 };
 
-/// From places along the drive, nothing known.
+/// Trials without a prior, from places along the drive.
 std::vector<Start> tried_starts(Run& run, int count) {
   const RecordedDrive& drive = run.drive;
   std::int64_t last = drive.end();
@@ -120,11 +120,11 @@ nlohmann::json random_starts(Run& run, int count) {
           {"lost_ms", spread(ms)}};
 }
 
-/// The drive cut, and the vehicle elsewhere on it.
+/// A trial in which the vehicle is moved from the cut to another place of the drive.
 struct Carried {
   std::int64_t cut = 0, there = 0;  // us
-  std::vector<double> start;        // X, Y, YAW, kKnown before the cut
-  std::vector<Said> said;           // from then on
+  std::vector<double> start;        // X, Y, YAW at kKnown before the cut
+  std::vector<Said> said;           // after the cut
 };
 
 std::vector<Carried> tried_carrying(Run& run, int count) {
@@ -199,7 +199,7 @@ void print(const nlohmann::json& starts, const nlohmann::json& carried) {
 
 int measure(const Options& options) {
   auto ekf = config_of<ekf::base::EkfConfig>("ekf", kProcessSections, options.config, options.assignments);
-  ekf.state_file.clear();  // another vehicle's, or of another time
+  ekf.state_file.clear();  // its state is of another vehicle or time
   auto config =
       config_of<localizer::LocalizerConfig>("localizer", kProcessSections, options.config, options.assignments);
   config.map = options.map;
@@ -210,7 +210,7 @@ int measure(const Options& options) {
     run.truth.emplace(semantic_map::store::MapReader(options.map).trajectory(),
                       evaluate::truth::load_truth(options.map_truth).poses,
                       evaluate::truth::load_truth(options.truth).poses);
-  { const Trial says_what_is_wrong(run.config, run.drive, run.true_pose()); }  // with the map, before threads do
+  { const Trial says_what_is_wrong(run.config, run.drive, run.true_pose()); }  // throws before there are threads
   const nlohmann::json starts = random_starts(run, options.starts);
   const nlohmann::json carried = run.truth ? carried_away(run, options.carried) : nlohmann::json();
   print(starts, carried);

@@ -16,22 +16,22 @@ using DriveMessage = std::variant<lidar_points_t, odometry_t>;
 /// us since the Unix epoch.
 [[nodiscard]] std::int64_t time_of(const DriveMessage& message);
 
-/// What a localizer hears in a drive, in the order in which a replay delivers it: LIDAR_POINTS of the log, and ODOMETRY
-/// that the ekf makes of its IMU and WHEELS.
+/// The input of a localizer in a drive, in the order of a replay: LIDAR_POINTS of the log, and the ODOMETRY that the
+/// ekf computes from its IMU and WHEELS.
 class RecordedDrive {
  public:
-  /// Throws as WatchedLog does, and when the log gives no odometry.
+  /// Throws as WatchedLog does, and if the log gives no odometry.
   RecordedDrive(const std::string& log, const ekf::base::EkfConfig& config);
 
   [[nodiscard]] const std::vector<DriveMessage>& messages() const { return messages_; }
   /// Index of the first message at or after a time.
   [[nodiscard]] std::size_t first_at(std::int64_t utime) const;
-  /// Of the first and the last odometry, us.
+  /// Times of the first and the last odometry, us.
   [[nodiscard]] std::int64_t begin() const { return odometry_.front().utime; }
   [[nodiscard]] std::int64_t end() const { return odometry_.back().utime; }
   /// The odometry nearest to a time.
   [[nodiscard]] const odometry_t& odometry_at(std::int64_t utime) const;
-  /// m since the begin.
+  /// m driven since the begin.
   [[nodiscard]] double driven_at(std::int64_t utime) const;
 
  private:

@@ -7,7 +7,7 @@
 namespace curbstone::bench::localisation {
 namespace {
 
-constexpr std::int64_t kPause = 50'000;  // us from the last message before to the first one after
+constexpr std::int64_t kPause = 50'000;  // us between the last message of a piece and the first of the next
 
 double cpu_ms() {
   timespec now{};
@@ -15,7 +15,7 @@ double cpu_ms() {
   return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
-/// From above: level stays level.
+/// The pose with roll and pitch set to 0.
 Pose planar(const odometry_t& m) {
   const Pose pose = pose_from_arrays(m.position, m.orientation);
   Pose plane = Pose::Identity();

@@ -10,24 +10,25 @@
 
 namespace curbstone::bench::localisation {
 
-/// What the localizer said of a revolution.
+/// The localizer's output for a revolution.
 struct Said {
   std::int64_t utime = 0;  ///< us, in the drive
   bool sure = false;       ///< not LOST
   bool ambiguous = false;
-  double error = 0;  ///< m; infinite where the map is of another place
-  double ms = 0;     ///< of CPU, of the messages that the revolution took
+  double error = 0;  ///< m; infinite if the map is of another place
+  double ms = 0;     ///< CPU time of the messages that the revolution took
   [[nodiscard]] bool right() const { return sure && error < 0.5; }
   [[nodiscard]] bool wrong() const { return sure && !right(); }
 };
 
-/// A localizer that hears pieces of a drive.
+/// Runs a localizer on pieces of a drive.
 class Trial {
  public:
-  /// No truth: the map is of another place. Both outlive the trial.
+  /// `truth` null: the map is of another place. `drive` and `truth` must outlive the trial.
   Trial(const localizer::LocalizerConfig& config, const RecordedDrive& drive, const localise::TrueMapPose* truth);
 
-  /// The drive from one time to another; a second piece comes as if the vehicle were carried there while it stood.
+  /// Feeds the drive from one time to another. At the start of a further piece the vehicle is carried there while
+  /// standing.
   void hear(std::int64_t from, std::int64_t until);
   [[nodiscard]] const std::vector<Said>& said() const { return said_; }
 
@@ -42,7 +43,7 @@ class Trial {
   localizer::LocalizerNode node_;
   std::vector<Said> said_;
   double ms_ = 0;
-  // What carries a later piece on to where the one before ended.
+  // Offsets that make a further piece continue where the last one ended.
   std::int64_t late_ = 0;  // us
   std::int32_t packets_ = 0, revolutions_ = 0;
   Pose T_heard_odom_ = Pose::Identity();

@@ -30,15 +30,15 @@ struct BenchMappingOptions {
   double town_seconds = 40;
   double town_lidar_from = 0;  // s
   std::vector<std::string> town_set;
-  double sweep_seconds = 0;  // 0: by the times
+  double sweep_seconds = 0;  // 0: from the times file
   std::vector<std::uint64_t> seeds = {1};
-  double loop = 0;  // m; 0: the usual drives
+  double loop = 0;  // m; 0: the standard drives
   bool opposite = false;
-  double hours = 0;  // of a loop; 0: once round
-  double slips = 3;  // a minute
+  double hours = 0;  // duration of a loop drive; 0: one lap
+  double slips = 3;  // per minute
 };
 
-/// What LOAM itself would keep of the drive, in a file, for the paper's table of sizes.
+/// Writes the map that LOAM itself would keep of the drive, for the paper's table of sizes.
 void write_loam_cloud(const drives::MappingDrive& drive, const methods::LoamCloud& cloud, const std::string& folder) {
   const std::string file = fmt::format("{}/{}-{}-loam.pcd", folder, drive.name, drive.prior);
   map_export::write_cloud(cloud.cloud(), map_export::CloudFormat::kPcd, file);
@@ -46,7 +46,7 @@ void write_loam_cloud(const drives::MappingDrive& drive, const methods::LoamClou
              std::filesystem::file_size(file));
 }
 
-/// One drive with every method, as its results come.
+/// Runs one drive with every method, and prints each result at once.
 void run_all(const drives::MappingDrive& drive, const BenchMappingOptions& options,
              std::vector<MappingResult>& results) {
   if (std::find(options.priors.begin(), options.priors.end(), drive.prior) == options.priors.end()) return;

@@ -11,7 +11,7 @@
 namespace curbstone::bench::mapping {
 namespace {
 
-/// The number in size="..." of the last such element of malloc_info()'s text; 0 if there is none.
+/// The number in size="..." of the last element of this name in malloc_info()'s text; 0 if there is none.
 double last_size(const std::string& info, const char* element) {
   const std::size_t found = info.rfind(element);
   if (found == std::string::npos) return 0;
@@ -35,7 +35,7 @@ double heap_mb() {
   malloc_info(0, out);
   std::fclose(out);
   const std::string info(text, size);
-  std::free(text);  // NOLINT: open_memstream's
+  std::free(text);  // NOLINT: allocated by open_memstream
   // The sums over all arenas come last.
   const double held = last_size(info, "<system type=\"current\"") + last_size(info, "<total type=\"mmap\"");
   const double unused = last_size(info, "<total type=\"fast\"") + last_size(info, "<total type=\"rest\"");

@@ -4,11 +4,11 @@
 
 namespace curbstone::bench::mapping {
 
-/// ms: CLOCK_MONOTONIC for the wall, CLOCK_PROCESS_CPUTIME_ID for what the process used.
+/// ms: CLOCK_MONOTONIC for wall time, CLOCK_PROCESS_CPUTIME_ID for CPU time of the process.
 [[nodiscard]] double now_ms(clockid_t clock);
-/// MB of heap in use in the whole process, whichever thread asked for them (glibc only, else 0).
+/// MB of heap in use by all threads of the process (glibc only, else 0).
 [[nodiscard]] double heap_mb();
-/// MB of the process that lie in memory (Linux only, else 0).
+/// MB of resident memory of the process (Linux only, else 0).
 [[nodiscard]] double resident_mb();
 
 }  // namespace curbstone::bench::mapping

@@ -11,8 +11,7 @@
 namespace curbstone::bench::mapping {
 namespace {
 
-/// Lagrange's polynomial through the two poses on either side, in the log of SE(3) about the one before; nothing
-/// outside of them.
+/// Lagrange interpolation through two poses on either side, in the log of SE(3) about the pose before; empty outside.
 std::optional<Pose> cubic_at(const evaluate::truth::Trajectory& truth, std::int64_t utime) {
   const auto after =
       std::lower_bound(truth.begin(), truth.end(), utime,

@@ -9,25 +9,26 @@
 namespace curbstone::bench::mapping {
 
 /// Normalised estimation error squared, NEES (Bar-Shalom, Li, Kirubarajan: Estimation with Applications to Tracking and
-/// Navigation, 2001, 5.4), means over all increments: 6 of the six together, 3 of three, where a method claims what is
-/// true; more where the covariance is overconfident, less where it is careful. 0 where there are none.
+/// Navigation, 2001, 5.4), mean over all increments. A consistent covariance gives 6 for all six components and 3 for
+/// three of them; higher values mean it is overconfident, lower ones that it is conservative. 0 if there are no
+/// increments.
 struct Nees {
   double all = 0;
-  double translation = 0;  ///< alone, by the covariance claimed for it
+  double translation = 0;  ///< alone, by its own covariance
   double rotation = 0;
   int increments = 0;
 };
 
-/// Whether what a method claims for its poses is honest: how base_link moved over `span` us, against the truth. It is
-/// what a filter takes from a map (services/ekf, MapIncrements), with the errors of both poses held for independent, as
-/// there. Between its stamps the truth lies on a cubic through four poses.
+/// Checks the consistency of a method's claimed pose covariance: the motion of base_link over `span` us against the
+/// truth. A filter takes such increments from a map (services/ekf, MapIncrements); as there, the errors of both poses
+/// count as independent. Between its stamps the truth is interpolated by a cubic through four poses.
 class IncrementConsistency {
  public:
-  /// `truth` outlives it.
+  /// `truth` must outlive this.
   IncrementConsistency(const evaluate::truth::Trajectory& truth, std::int64_t span) : truth_(truth), span_(span) {}
 
-  /// The next pose, and its covariance in base_link axes. Without a truth about it, or a pose about `span` before it,
-  /// there is nothing to compare.
+  /// Adds the next pose and its covariance in base_link axes. It is compared only if the truth covers it and there is a
+  /// pose about `span` earlier.
   void add(const evaluate::truth::StampedPose& pose, const mapper::registration::Matrix6& covariance);
   [[nodiscard]] Nees mean() const;
 

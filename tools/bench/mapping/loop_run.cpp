@@ -7,7 +7,7 @@
 namespace curbstone::bench::mapping {
 namespace {
 
-/// Follows one estimate along the drive.
+/// Tracks the error of one estimate along the drive.
 class ErrorTracker {
  public:
   explicit ErrorTracker(const drives::LoopDrive& drive) : drive_(drive) {}

@@ -9,7 +9,7 @@
 namespace curbstone::bench::mapping {
 namespace {
 
-constexpr std::int64_t kIncrement = 500'000;  // us: `map.baseline` of the ekf
+constexpr std::int64_t kIncrement = 500'000;  // us; `map.baseline` of the ekf
 
 }  // namespace
 
@@ -23,7 +23,7 @@ MappingResult run_mapping(const drives::MappingDrive& drive, const std::string& 
   evaluate::truth::Trajectory track;
   IncrementConsistency consistency(drive.truth(), kIncrement);
   std::vector<double> wall, cpu;
-  // Asked for beforehand, so that it does not count as the mapper's.
+  // Reserved beforehand, so that it does not count as the mapper's memory.
   track.reserve(drive.truth().size());
   wall.reserve(drive.truth().size());
   cpu.reserve(drive.truth().size());
@@ -40,7 +40,7 @@ MappingResult run_mapping(const drives::MappingDrive& drive, const std::string& 
     const auto pose = mapper->process(scan, odometry);
     wall.push_back(now_ms(CLOCK_MONOTONIC) - wall_before);
     cpu.push_back(now_ms(CLOCK_PROCESS_CPUTIME_ID) - cpu_before);
-    // The drive's own share is as large as before the first revolution, about: it keeps no more than a few seconds.
+    // The drive's own memory stays about as before the first revolution: it keeps no more than a few seconds.
     const double held = heap_mb() - heap_without;
     result.memory_mb = std::max(result.memory_mb, held);
     if (pose) track.push_back(*pose);
@@ -59,7 +59,7 @@ MappingResult run_mapping(const drives::MappingDrive& drive, const std::string& 
         evaluate::truth::trajectory_errors(evaluate::truth::pair_up(drive.truth(), mapper->trajectory())).ate_m;
   }
   result.poses = static_cast<int>(track.size());
-  // The truth speaks of its own stamps: the estimate is interpolated, between the ends of two revolutions.
+  // The truth is compared at its own stamps; the estimate is interpolated between the ends of two revolutions.
   const evaluate::truth::PosePairs swapped = evaluate::truth::pair_up(track, drive.truth());
   result.track = {swapped.estimate, swapped.truth};
   result.nees = consistency.mean();

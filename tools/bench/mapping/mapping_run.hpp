@@ -11,30 +11,30 @@
 
 namespace curbstone::bench::mapping {
 
-/// What one method came to on one drive.
+/// Figures of one method on one drive.
 struct MappingResult {
   std::string name, method, prior;
   evaluate::truth::TrajectoryErrors errors;
-  Nees nees;  ///< of increments over half a second, as a filter takes them; none of a method that claims nothing
-  double ms_median = 0, ms_p95 = 0;          ///< of a revolution, by the clock on the wall
-  double ms_max = 0;                         ///< likewise: where a loop is closed, or a drive begins
-  double cpu_ms_median = 0, cpu_ms_p95 = 0;  ///< CPU of the whole process meanwhile: the machine may be shared
-  double memory_mb = 0;                      ///< most that the heap had grown by since the method was made (glibc only)
+  Nees nees;  ///< of increments over 0.5 s, as a filter takes them; none for a method without a covariance
+  double ms_median = 0, ms_p95 = 0;          ///< per revolution, wall time
+  double ms_max = 0;                         ///< likewise; reached at a loop closure or at the start of a drive
+  double cpu_ms_median = 0, cpu_ms_p95 = 0;  ///< CPU time of the whole process; comparable on a shared machine
+  double memory_mb = 0;                      ///< maximum heap growth since the method was constructed (glibc only)
   int revolutions = 0;                       ///< played
   int poses = 0;                             ///< found
   methods::MapContent content;
-  int rearranged = 0;                ///< times that the method put right what it had said before
-  double corrected_m = 0;            ///< ATE of the drive's poses as it has them at the end; 0 if it never changes them
+  int rearranged = 0;                ///< how often the method corrected its earlier poses
+  double corrected_m = 0;            ///< ATE of the method's final poses of the drive; 0 if it never corrects them
   evaluate::truth::PosePairs track;  ///< at the truth's stamps
 };
 
-/// What is known after a revolution.
+/// State after a revolution.
 struct MappingMoment {
-  std::optional<evaluate::truth::StampedPose> pose;      ///< that the method found
-  std::optional<evaluate::truth::StampedPose> odometry;  ///< T_odom_base at the revolution's end
-  double held_mb = 0;                                    ///< what the heap has grown by since the method was made
-  double cpu_ms = 0;                                     ///< that it took
-  const mapper::scan::Scan* scan = nullptr;              ///< while the watch is called
+  std::optional<evaluate::truth::StampedPose> pose;      ///< found by the method
+  std::optional<evaluate::truth::StampedPose> odometry;  ///< T_odom_base at the end of the revolution
+  double held_mb = 0;                                    ///< growth of the heap since the method was constructed
+  double cpu_ms = 0;                                     ///< of this revolution
+  const mapper::scan::Scan* scan = nullptr;              ///< valid during the call of the watch
 };
 
 [[nodiscard]] MappingResult run_mapping(const drives::MappingDrive& drive, const std::string& method,

@@ -41,7 +41,7 @@ struct Arguments {
   }
 };
 
-/// What can be set with --set.
+/// The parameters for --set.
 struct MarkingBenchConfig {
   MarkingParameters markings;
   void visit(ConfigVisitor& v) { v.section("markings", markings, "how the paint on the road is found"); }
@@ -73,7 +73,7 @@ detect::cloud_map::CloudMap map_of(const std::vector<VotedTile>& tiles, const Ar
   return map;
 }
 
-/// Streets of one name are one: the cells of all count.
+/// Adds the cells of streets of the same name.
 void add_score(std::vector<StreetFigures>& figures, const std::string& street, const std::string& method,
                const CellScore& score) {
   const auto it = std::find_if(figures.begin(), figures.end(),
@@ -118,7 +118,7 @@ Pose align(const evaluate::truth::Trajectory& truth, const curbs::scenes::DriveT
   return evaluate::truth::align(evaluate::truth::pair_up(truth, made.trajectory));
 }
 
-/// The street through the emulated RS16, which sees of it what a vehicle would.
+/// The street as measured by the emulated RS16 of a vehicle.
 std::vector<StreetFigures> bench_driven(const Arguments& arguments) {
   std::vector<StreetFigures> figures;
   const PaintTruth truth = read_street_paint(arguments.data);
@@ -133,7 +133,7 @@ std::vector<StreetFigures> bench_driven(const Arguments& arguments) {
   return figures;
 }
 
-/// Places that a map shows as ground, no farther than 8 m from where the vehicle drove.
+/// Places that are ground in a map, at most 8 m from the driven path.
 class JudgedPlaces {
  public:
   JudgedPlaces(const detect::cloud_map::CloudMap& map, const evaluate::truth::Trajectory& path, const Pose& T_map_truth)

@@ -14,8 +14,8 @@ namespace {
 using semantic_map::picture::Canvas;
 using semantic_map::picture::Colour;
 
-constexpr int kPixels = 6;       // a cell
-constexpr int kMostCells = 700;  // a side
+constexpr int kPixels = 6;       // per cell
+constexpr int kMostCells = 700;  // per side
 constexpr std::array<Colour, semantic_map::tile::kNumMarkingTypes> kColours = {
     {{90, 120, 255}, {40, 230, 60}, {40, 220, 230}, {255, 150, 30}, {250, 240, 40}, {255, 50, 30}}};
 

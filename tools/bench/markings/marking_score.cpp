@@ -12,7 +12,7 @@ namespace {
 using semantic_map::tile::MarkingLine;
 using semantic_map::tile::MarkingType;
 
-/// visit(cell) of a band `width` m wide from a to b.
+/// Calls visit(cell) for a band `width` m wide from a to b.
 template <class Visit>
 void for_band(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double width, Visit visit) {
   constexpr double kStep = 0.04;  // m
@@ -47,7 +47,7 @@ double distance_to(const std::vector<Eigen::Vector2d>& line, const Eigen::Vector
   return best;
 }
 
-/// What is painted at a place.
+/// The true paint at a place.
 struct PaintAt {
   const TrueLine* line = nullptr;
   double beside = std::numeric_limits<double>::infinity();       ///< m from the paint

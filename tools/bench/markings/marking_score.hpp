@@ -17,13 +17,13 @@ inline constexpr double kTolerance = 0.24;  ///< m: labels are blobs wider than 
 using PaintCells = std::unordered_set<TileKey, TileKeyHash>;
 [[nodiscard]] TileKey cell_of(const Eigen::Vector2d& at);
 
-/// Paint cell by cell, where nobody says of which line it is.
+/// Cell-wise truth of the paint, without an assignment to lines.
 struct PaintTruth {
   PaintCells painted;
-  PaintCells judged;  ///< where it is known whether there is paint
+  PaintCells judged;  ///< cells with known truth
 };
 
-/// A painted band about a polyline. m, the truth's frame.
+/// A painted band around a polyline. m, the truth's frame.
 struct TruePiece {
   std::vector<Eigen::Vector2d> centre;
   double width = 0;
@@ -31,12 +31,12 @@ struct TruePiece {
 struct TrueLine {
   semantic_map::tile::MarkingType type = semantic_map::tile::MarkingType::kUnknown;
   std::vector<TruePiece> pieces;
-  std::vector<Eigen::Vector2d> middle = {};  ///< of a double line; as good as either of the two
+  std::vector<Eigen::Vector2d> middle = {};  ///< centre line of a double line; counts like either of the two
 };
 
-/// Shares of cells; a cell is right with one of the other side within kTolerance.
+/// Counts of cells; a cell is right if the other side has one within kTolerance.
 struct CellScore {
-  double found = 0, found_right = 0;  ///< cells that were found to be painted, and are judged
+  double found = 0, found_right = 0;  ///< detected as painted, and judged
   double painted = 0, painted_found = 0;
   [[nodiscard]] double precision() const { return found > 0 ? found_right / found : 1; }
   [[nodiscard]] double recall() const { return painted > 0 ? painted_found / painted : 1; }
@@ -52,13 +52,13 @@ struct LineScore {
   double right_metres = 0;  ///< painted, on paint
   double false_metres = 0;
   double typed_metres = 0;      ///< of the right ones, with the right type
-  std::vector<double> lateral;  ///< m, each 0.2 m of lines along solid and dashed ones
+  std::vector<double> lateral;  ///< m, one per 0.2 m along solid and dashed lines
   double driven = 0;            ///< m
   [[nodiscard]] double type_share() const { return right_metres > 0 ? typed_metres / right_metres : 0; }
   void add(const LineScore& other);
 };
 
-/// The cells that lines cover where they are painted. `T`: to the frame wanted.
+/// The cells that lines cover where they are painted. `T`: to the wanted frame.
 [[nodiscard]] PaintCells cells_of(const std::vector<semantic_map::tile::MarkingLine>& lines, const Pose& T);
 
 [[nodiscard]] CellScore score_cells(const PaintCells& found, const PaintTruth& truth);

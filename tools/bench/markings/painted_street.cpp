@@ -10,8 +10,8 @@
 namespace curbstone::bench::markings {
 namespace {
 
-constexpr double kReach = 15.0;          // m: labels are of these scans, farther ones are thin
-constexpr double kScannerHeight = 1.73;  // m: of KITTI's car
+constexpr double kReach = 15.0;          // m: labels are of these scans; farther points are sparse
+constexpr double kScannerHeight = 1.73;  // m, of KITTI's car
 constexpr int kCuts = 4;                 // one laser in so many
 
 }  // namespace

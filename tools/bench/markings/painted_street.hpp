@@ -9,20 +9,20 @@
 
 namespace curbstone::bench::markings {
 
-/// A recorded street's scans in one frame.
+/// The scans of a recorded street in one frame.
 struct PaintedStreet {
   std::string name;
   std::vector<Eigen::Vector3f> points;
   std::vector<std::uint8_t> raw;      ///< intensities as recorded
-  std::vector<std::uint8_t> by_ring;  ///< on the scale that the mapper learns of them
+  std::vector<std::uint8_t> by_ring;  ///< on the scale that the mapper learns from them
 };
 
-/// SemanticKITTI's, of `folder` (scans/, labels/, reference_poses.txt): all lasers of all scans; four times one laser
-/// in four. Throws std::runtime_error with one clear line.
+/// Reads SemanticKITTI scans from `folder` (scans/, labels/, reference_poses.txt): once with all lasers of all scans,
+/// and four times with one laser in four. Throws std::runtime_error with a one-line message.
 [[nodiscard]] std::vector<PaintedStreet> read_painted_streets(const std::string& folder);
 
-/// What is labelled as lane marking (class 60) within 15 m of a labelled scan, and where anything on the ground is
-/// labelled at all: elsewhere nothing is judged.
+/// Cells labelled as lane marking (class 60) within 15 m of a labelled scan. Only cells with any label on the ground
+/// are judged.
 [[nodiscard]] PaintTruth read_street_paint(const std::string& folder);
 
 }  // namespace curbstone::bench::markings

@@ -8,7 +8,7 @@
 
 namespace curbstone::bench::markings {
 
-/// A drive through an emulated town, up to the vote, and what is painted there.
+/// A drive through an emulated town, up to the vote, and the true paint.
 struct PaintedTown {
   curbs::scenes::DriveTiles made;
   evaluate::truth::Trajectory poses;  ///< true, T_world_base

@@ -8,7 +8,7 @@ namespace curbstone::bench::timing {
 
 namespace {
 
-/// Keeps what Google Benchmark measures instead of printing it.
+/// Collects Google Benchmark's results instead of printing them.
 class Collector final : public benchmark::BenchmarkReporter {
  public:
   bool ReportContext(const Context& /*context*/) override { return true; }

@@ -12,23 +12,23 @@
 
 namespace curbstone::bench::viewer {
 
-/// The viewer on a bus of its own with a page of it in Chromium, which draws in software. A mapper says poses, so that
-/// the page is live. One thread; what goes wrong is a std::runtime_error.
+/// The viewer on its own bus, and a page of it in Chromium, which renders in software. Poses are published as by a
+/// mapper, so that the page is live. One thread. Errors are std::runtime_error.
 class LivePage {
  public:
   LivePage();
 
-  /// A new revision of a tile, measured now.
+  /// Publishes a new revision of a tile, measured now.
   void put(semantic_tile_t tile);
-  /// `fragment`: what the page's address says after #.
+  /// `fragment`: the part of the page's address after #.
   void open(const std::string& fragment);
-  /// Lets the viewer run meanwhile.
+  /// Waits; the viewer runs meanwhile.
   void pass(double seconds) { browser_.pass(seconds); }
-  /// A number, of a promise too.
+  /// The number that an expression yields; a promise is awaited.
   double evaluate(const std::string& expression) { return browser_.evaluate(expression).get<double>(); }
-  /// Waits four minutes at most: a large map on a busy machine.
+  /// Waits at most four minutes, for a large map on a busy machine.
   void wait_for(const std::string& condition);
-  /// What is to be done while the browser is waited for.
+  /// Called while waiting for the browser.
   std::function<void()> meanwhile = [] {};
 
  private:

@@ -16,9 +16,9 @@ namespace curbstone::bench::viewer {
 namespace {
 
 constexpr int kAside = 139;                   // tiles: 12.1 million cells
-constexpr int kOpened = 5;                    // times that a page is opened for the first picture's median
+constexpr int kOpened = 5;                    // page loads for the median of the first picture
 constexpr std::int64_t kTilePeriod = 50'000;  // us
-constexpr double kWatched = 12;               // s of tiles, whose last 64 frames the viewer keeps
+constexpr double kWatched = 12;               // s of tiles; the viewer keeps the last 64 frames
 constexpr std::pair<const char*, const char*> kViews[] = {
     {"whole", "scale: 1.6, tilt: 0"}, {"near", "scale: 14, tilt: 0"}, {"tilted", "scale: 14, tilt: 0.96"}};
 
@@ -26,11 +26,10 @@ std::string has_drawn(std::size_t tiles) {
   return fmt::format("curbstone.world.tiles.size >= {} && curbstone.world.changed.size === 0", tiles);
 }
 
-/// ms from the request for the page until the whole map is drawn: the answer to readPixels comes after all that was to
-/// be drawn before it.
+/// ms from the request for the page until the whole map is drawn: readPixels returns only after all earlier drawing.
 double first_picture(LivePage& page, std::size_t tiles) {
   page.open("follow=0&theme=light");
-  // performance.now() counts from the request on.
+  // performance.now() counts from the request.
   return page.evaluate(fmt::format(
       "new Promise(done => {{ const look = () => {{ if (typeof curbstone !== 'object' || !({})) return "
       "setTimeout(look, "
@@ -43,7 +42,7 @@ double first_picture(LivePage& page, std::size_t tiles) {
 void measure_map(const std::vector<semantic_tile_t>& map, nlohmann::json& figures) {
   LivePage page;
   for (const semantic_tile_t& tile : map) page.put(tile);
-  // The first page of a browser waits for the browser, too: for its processes, and the first context of WebGL.
+  // The first page of a browser also waits for the browser's processes and for the first WebGL context.
   figures["first_picture_cold_ms"] = first_picture(page, map.size());
   std::vector<double> pictures(kOpened);
   for (double& picture : pictures) picture = first_picture(page, map.size());
@@ -62,7 +61,7 @@ void measure_map(const std::vector<semantic_tile_t>& map, nlohmann::json& figure
                           {"p95", 1e3 * page.evaluate("curbstone.world.state.latency[1]")}};
 }
 
-/// Hills, with roads, walls and what is unknown by lot.
+/// Hills with random roads, walls and unknown cells.
 semantic_tile_t made_tile(int x, int y, std::mt19937& random) {
   semantic_tile_t tile{};
   tile.tile_x = x;
@@ -82,10 +81,10 @@ void measure_large_map(nlohmann::json& figures) {
   for (int y = 0; y < kAside; ++y)
     for (int x = 0; x < kAside; ++x) page.put(made_tile(x - kAside / 2, y - kAside / 2, random));
   figures["cells"] = kAside * kAside * 625;
-  page.open("at=0,0,14,0&follow=0&theme=light&off=grid");  // cells are not drawn while they come
+  page.open("at=0,0,14,0&follow=0&theme=light&off=grid");  // cells are not drawn while they arrive
   page.wait_for("typeof curbstone === 'object' && " + has_drawn(kAside * kAside));
   (void)page.evaluate("+(curbstone.settings.layers.grid = true)");
-  // The whole map once, so that all cells have been painted: to turn it paints none.
+  // Draws the whole map once so that all cells are painted; turning it then paints none.
   (void)page.evaluate(
       "new Promise(done => { Object.assign(curbstone.camera, { scale: 1.6, tilt: 0 }); curbstone.redraw(); "
       "setTimeout(() => done(0), 5000); })");

@@ -36,7 +36,8 @@ std::uint32_t u32_at(const std::vector<std::uint8_t>& bytes, std::size_t at) {
   return value;
 }
 
-/// As permessage-deflate makes it (RFC 7692 7.2.1): raw deflate, each message by itself, without the last four bytes.
+/// The size after permessage-deflate (RFC 7692 7.2.1): raw deflate, each message by itself, without the last four
+/// bytes.
 std::int64_t compressed_size(const std::vector<std::uint8_t>& message) {
   z_stream stream{};
   if (deflateInit2(&stream, web::kCompression, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
@@ -51,7 +52,7 @@ std::int64_t compressed_size(const std::vector<std::uint8_t>& message) {
   return size;
 }
 
-/// Three pages that draw at once what they get, but the last, which never says that it has.
+/// Three pages that acknowledge each frame at once, except the last one, which never does.
 class CountingAudience final : public web::Audience {
  public:
   CountingAudience() {
@@ -97,7 +98,7 @@ DriveTraffic measure_traffic(const std::string& log) {
   ViewerNode node(config, bus, audience, {});
   node.connect(bus);
   replay::ReplayOptions options;
-  options.assignments = {"mapper.folder=", "semantic_map.map="};  // nothing to the disk
+  options.assignments = {"mapper.folder=", "semantic_map.map="};  // writes nothing to the disk
   options.tick_period = kTick;
   replay::ReplayVehicle vehicle(options, bus);
   std::map<std::pair<std::int32_t, std::int32_t>, semantic_tile_t> tiles;

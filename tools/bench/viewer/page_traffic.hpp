@@ -8,25 +8,26 @@
 
 namespace curbstone::bench::viewer {
 
-/// What one page was sent.
+/// The traffic to one page.
 struct PageTraffic {
   std::int64_t bytes = 0;
-  std::int64_t compressed = 0;  ///< what a browser gets of them
+  std::int64_t compressed = 0;  ///< after compression, as a browser gets them
   std::int64_t frames = 0;
-  std::int64_t largest = 0;                           ///< bytes of a frame
-  std::map<std::string, std::int64_t> sections = {};  ///< bytes of what they hold, by its name
+  std::int64_t largest = 0;                           ///< bytes of the largest frame
+  std::map<std::string, std::int64_t> sections = {};  ///< bytes of content, by name of the section
 };
 
-/// Of a drive that makes its map in the time of its messages, so that every machine counts the same.
+/// The traffic of a drive that is mapped on the clock of its messages, so that the figures are the same on every
+/// machine.
 struct DriveTraffic {
   double seconds = 0;
-  PageTraffic map;                     ///< a page that reads
-  PageTraffic points;                  ///< one that shows the LiDAR's points too
-  PageTraffic unread;                  ///< one that acknowledges nothing from its first frame on
+  PageTraffic map;                     ///< a page that reads everything
+  PageTraffic points;                  ///< one that also shows the LiDAR's points
+  PageTraffic unread;                  ///< one that acknowledges nothing after its first frame
   std::vector<semantic_tile_t> tiles;  ///< of the map at the end
 };
 
-/// Throws std::runtime_error when the log cannot be read or holds nothing of a drive.
+/// Throws std::runtime_error if the log cannot be read or has no data of a drive.
 [[nodiscard]] DriveTraffic measure_traffic(const std::string& log);
 
 }  // namespace curbstone::bench::viewer

@@ -9,17 +9,17 @@
 
 namespace curbstone::bench::voting {
 
-/// A GPU beside this machine's CPU on one street cloud.
+/// Figures of a GPU and of this machine's CPU on one street cloud.
 struct CudaRow {
   BatchRow cpu;  ///< measured
   tensor_voting::cuda::CudaTimings gpu;
 };
 
-/// For each row of the CPU's; none without a device.
+/// Measures each of the CPU's rows on the GPU; empty without a device.
 [[nodiscard]] std::vector<CudaRow> measure_cuda(std::span<const BatchRow> rows, int repeats);
 
 void print_cuda(std::span<const CudaRow> rows);
-/// null for no rows.
+/// null if there are no rows.
 [[nodiscard]] nlohmann::json cuda_json(std::span<const CudaRow> rows);
 
 }  // namespace curbstone::bench::voting

@@ -42,7 +42,7 @@ void CudaFields::end_revolution(bool counts) {
 
 CudaGrowth CudaFields::growth(std::span<const tensor_voting::voting::VotingField> fields,
                               std::span<const TileKey> keys) {
-  end_revolution(false);  // what came after the last one
+  end_revolution(false);  // points after the last revolution
   CudaGrowth growth{scan_times(add_ms_), scan_times(votes_ms_)};
   for (std::size_t i = 0; i < fields_.size(); ++i) {
     for (const TileKey& key : keys) {

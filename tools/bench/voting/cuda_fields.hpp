@@ -10,21 +10,21 @@
 
 namespace curbstone::bench::voting {
 
-/// A growing map on a GPU, beside the CPU's: wall time of the calls, with all that goes up and comes down.
+/// Voting on a growing map on a GPU, next to the CPU's: wall time of the calls, including transfers in both directions.
 struct CudaGrowth {
-  ScanTimes add;              ///< a revolution's points into all fields
-  ScanTimes votes;            ///< the changed tiles' votes out of them
+  ScanTimes add;              ///< adding a revolution's points to all fields
+  ScanTimes votes;            ///< reading the changed tiles' votes
   std::size_t compared = 0;   ///< voters, at the end
-  std::size_t different = 0;  ///< of them, whose sums have other bits than VotingField's
+  std::size_t different = 0;  ///< voters whose sums are not bit-identical to VotingField's
 };
 
-/// The fields of CudaVotingField, fed as a worker would: what a revolution brought, at once.
+/// The fields of CudaVotingField, fed once per revolution with all its points, as a worker does.
 class CudaFields {
  public:
-  /// Empty ones, one a scale. All functions throw what they do.
+  /// `fields`: empty ones, one per scale. All functions throw what theirs throw.
   explicit CudaFields(std::vector<tensor_voting::cuda::CudaVotingField> fields);
 
-  /// Kept until the revolution ends. Of a tile that is `replaced`, `points` are all there are.
+  /// Collects points until the revolution ends. If a tile is `replaced`, `points` are its full content.
   void add(TileKey key, std::int32_t z_origin, bool replaced, std::span<const TilePoint> points);
   void end_revolution(bool counts);
   /// `fields`: the CPU's, in the order of the scales, fed with the same points.

@@ -17,13 +17,13 @@ namespace curbstone::bench::voting {
 
 namespace {
 
-constexpr int kChains = 12;  // latency 4 times 2 units is 8; what is left hides the loop
+constexpr int kChains = 12;  // latency 4 times 2 units is 8; the others hide the loop overhead
 
 /// Runs `rounds` times kChains operations on registers; returns something that depends on all of them.
 using Loop = float (*)(std::int64_t rounds);
 struct Machine {
   const char* isa;
-  int flops;  // of one operation
+  int flops;  // per operation
   Loop loop;
 };
 
@@ -70,7 +70,7 @@ float loop_neon(std::int64_t rounds) {
 }
 #endif
 
-/// Four lanes that multiply, then add: any machine.
+/// Four lanes, multiplication then addition: for any machine.
 float loop_baseline(std::int64_t rounds) {
   using Four [[gnu::vector_size(16)]] = float;
   Four chain[kChains];
@@ -83,7 +83,7 @@ float loop_baseline(std::int64_t rounds) {
   return chain[0][0];
 }
 
-/// The widest, or the one of that name.
+/// The widest instruction set, or the one of that name.
 Machine this_machine(const std::string& isa) {
   const auto wanted = [&](const char* name) { return isa.empty() || isa == name; };
 #ifdef __x86_64__
@@ -96,7 +96,7 @@ Machine this_machine(const std::string& isa) {
   return {"baseline", 8, loop_baseline};
 }
 
-/// s for `rounds` on every thread, from the moment when all are ready until the last one is done.
+/// s for `rounds` on every thread, from when all are ready until the last one is done.
 double time_all(const Machine& machine, int threads, std::int64_t rounds) {
   using Clock = std::chrono::steady_clock;
   std::barrier ready(threads);
@@ -107,7 +107,7 @@ double time_all(const Machine& machine, int threads, std::int64_t rounds) {
     begin[t] = Clock::now();
     const float value = machine.loop(rounds);
     end[t] = Clock::now();
-    if (value == 12345.0F) sink = value;  // never: keeps the loop
+    if (value == 12345.0F) sink = value;  // never true; keeps the loop
   };
   {
     std::vector<std::jthread> helpers;

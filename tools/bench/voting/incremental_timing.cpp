@@ -36,7 +36,7 @@ tensor_voting::worker::TensorVotingConfig two_scales() {
   return config;
 }
 
-/// The fields alone, fed as a worker feeds them.
+/// Times only the fields, fed as by a worker.
 class FieldTimer {
  public:
   FieldTimer() {
@@ -81,7 +81,7 @@ class FieldTimer {
   double ms_ = 0;
 };
 
-/// A real worker alone on a bus.
+/// Times a complete worker on its own bus.
 class WorkerTimer {
  public:
   WorkerTimer() : node_(two_scales(), "tensor_voting:1", bus_) {
@@ -101,12 +101,12 @@ class WorkerTimer {
     const double begin = cpu_ms();
     node_.tick(now);
     tick_ms_ += cpu_ms() - begin;
-    bus_.dispatch();  // what it published
+    bus_.dispatch();  // the messages it published
   }
   double take_ms() { return std::exchange(ms_, 0.0) + tick_ms(); }
   [[nodiscard]] double mean_tick_ms(int revolutions) const { return all_ticks_ms_ / std::max(1, revolutions); }
 
-  std::vector<double> pacing_ms;  // of each tile published
+  std::vector<double> pacing_ms;  // one per published tile
 
  private:
   double tick_ms() {
@@ -128,7 +128,7 @@ Eigen::Matrix3d matrix(const tensor_voting::kernels::BasicTensor<Scalar>& t) {
   return m.template cast<double>();
 }
 
-/// The voters of a field, and what they have received.
+/// The voters of a field and the votes they received.
 struct VotersOfField {
   std::vector<tensor_voting::kernels::StepPoint> points;
   std::vector<tensor_voting::kernels::Tensor> tensors;
@@ -152,8 +152,8 @@ VotersOfField voters_of(const tensor_voting::voting::VotingField& field, const t
 }
 
 double max_difference(const VotersOfField& voters, tensor_voting::voting::VotingParameters parameters) {
-  parameters.voxel = 0;           // they are what is left of the thinning
-  parameters.radius *= 1 - 1e-6;  // the field leaves out a pair at the very cut-off; rounding must not let it in here
+  parameters.voxel = 0;           // the voters are thinned already
+  parameters.radius *= 1 - 1e-6;  // the field excludes a pair exactly at the cut-off; rounding must not include it here
   std::vector<Eigen::Vector3d> cloud;
   for (const tensor_voting::kernels::StepPoint& p : voters.points)
     cloud.push_back(Eigen::Vector3d(p.x, p.y, p.z) * kPositionStep);

@@ -17,7 +17,7 @@ struct Column {
   auto operator<=>(const Column&) const = default;
 };
 
-/// Points sorted by vertical column of edge `radius`: streets are flat.
+/// Points sorted by vertical column of edge `radius`; no bins along z, because streets are flat.
 struct Columns {
   std::vector<Column> keys;
   std::vector<std::size_t> begins;  // one more than keys
@@ -64,7 +64,7 @@ std::int64_t count_pair_votes(std::span<const Eigen::Vector3d> points, double ra
   const auto work = [&] {
     for (std::size_t a = next++; a < columns.keys.size(); a = next++) {
       const auto own = static_cast<std::int64_t>(columns.begins[a + 1] - columns.begins[a]);
-      total += columns.pairs(a, a, radius2) - own;  // nobody votes for itself
+      total += columns.pairs(a, a, radius2) - own;  // no point votes for itself
       for (const Column& step : kOneHalf) {
         const Column key{columns.keys[a].x + step.x, columns.keys[a].y + step.y};
         const auto it = std::lower_bound(columns.keys.begin(), columns.keys.end(), key);

@@ -6,8 +6,8 @@
 
 namespace curbstone::bench::voting {
 
-/// The peer: what a user takes from PCL who wants to know which way a surface lies. Surface normals and curvature from
-/// the covariance of all neighbours within a radius (pcl::NormalEstimationOMP), as Debian builds it.
+/// The comparison with PCL: surface normals and curvature from the covariance of all neighbours within a radius
+/// (pcl::NormalEstimationOMP), as Debian builds it. PCL users determine the orientation of a surface this way.
 class PclNormals {
  public:
   PclNormals(std::span<const Eigen::Vector3d> points, double radius, int threads);

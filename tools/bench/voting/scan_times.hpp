@@ -7,7 +7,7 @@
 
 namespace curbstone::bench::voting {
 
-/// ms a revolution.
+/// ms per revolution.
 struct ScanTimes {
   double mean_ms = 0;
   double p99_ms = 0;

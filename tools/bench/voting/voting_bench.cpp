@@ -102,7 +102,7 @@ VotingReport measure(const VotingBenchOptions& o) {
     say(o.drive.log.empty() ? fmt::format("a drive of {} s", o.drive.seconds) : o.drive.log);
     report.incremental = time_incremental(o.drive);
   }
-  const FmaPeak again = measure_fma_peak(o.threads, 0.5, o.kernel);  // the machine at its best, before or after
+  const FmaPeak again = measure_fma_peak(o.threads, 0.5, o.kernel);  // takes the higher of the peaks before and after
   if (again.flops_per_s > report.peak.flops_per_s) report.peak = again;
   return report;
 }

@@ -11,13 +11,13 @@
 
 namespace curbstone::bench::voting {
 
-/// All that `curbstone bench voting` has measured.
+/// All measurements of `curbstone bench voting`.
 struct VotingReport {
-  std::string kernel;  ///< that this machine runs
+  std::string kernel;  ///< used on this machine
   FmaPeak peak;
   std::vector<BatchRow> batch;
-  std::vector<BatchRow> growth;  ///< ours alone: longer streets of one density, denser streets, threads
-  std::vector<CudaRow> cuda;     ///< the batch again, on a GPU; none where there is none
+  std::vector<BatchRow> growth;  ///< ours alone: longer streets of equal density, denser streets, threads
+  std::vector<CudaRow> cuda;     ///< the batch on a GPU; empty without one
   double stick_sum = 0;
   std::optional<IncrementalTiming> incremental;
 };
@@ -25,7 +25,7 @@ struct VotingReport {
 /// Tables for people, on stdout.
 void print_report(const VotingReport& report);
 
-/// The same figures for programs; what was not measured is null. Throws std::runtime_error when the file cannot be
+/// Writes the same figures as JSON; what was not measured is null. Throws std::runtime_error if the file cannot be
 /// written.
 void write_report(const VotingReport& report, const std::string& file);
 

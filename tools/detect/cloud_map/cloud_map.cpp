@@ -27,7 +27,7 @@ struct VoxelHash {
   }
 };
 
-/// Points of a cloud that are used, and which ones they are.
+/// Usable points of a cloud and their indices in it.
 struct UsablePoints {
   std::vector<Eigen::Vector3d> positions;
   std::vector<std::size_t> indices;
@@ -55,7 +55,7 @@ UsablePoints usable_points(std::span<const Eigen::Vector3f> points, const CloudM
   return used;
 }
 
-/// A point of the cloud takes its cell's class if it is of the layer that made the cell what it is.
+/// A point takes its cell's class if it belongs to the layer that determined the cell's class.
 semantic_map::tile::CellClass label_of(const semantic_map::tile::VotedPoint& p, const semantic_map::tile::MapTile& tile,
                                        const semantic_map::cells::ClassParameters& parameters) {
   const int column = std::clamp(static_cast<int>(double{p.x} / kCellSize), 0, kCellsPerTile - 1);

@@ -14,15 +14,15 @@
 
 namespace curbstone::detect::cloud_map {
 
-/// The method on one cloud, without the stack around it: vote, ground, curbs, classes. The map's frame is the cloud's;
-/// its z must point up, more or less.
+/// Options of the method on one cloud, without the stack around it: vote, ground, curbs, classes. The map's frame is
+/// the cloud's; its z must point roughly up.
 struct CloudMapOptions {
   tensor_voting::voting::VotingParameters voting;
   semantic_map::tile::CurbParameters curb;
   semantic_map::cells::ClassParameters classes;
   semantic_map::markings::MarkingParameters markings;
-  std::vector<Eigen::Vector2d> path;  ///< driven, m in the cloud's frame: stop lines lie across
-  double thin = 0.03;  ///< m, > 0: of all points in a cube of this edge the first is used, as a mapper would
+  std::vector<Eigen::Vector2d> path;  ///< driven path, m in the cloud's frame: stop lines lie across it
+  double thin = 0.03;  ///< m, > 0: the first point in each cube of this edge is used, as a mapper would do
   double range = 80;   ///< m from the cloud's origin (0: all)
   int threads = 2;
 };
@@ -34,7 +34,7 @@ struct CloudCurb {
   Eigen::Vector2d up = Eigen::Vector2d::UnitX();  ///< towards the higher side
 };
 
-/// A point that was used, labelled.
+/// A point of the thinned cloud with its label.
 struct DetectedPoint {
   Eigen::Vector3f position;
   Eigen::Vector3f normal;
@@ -52,15 +52,15 @@ struct CloudMap {
   std::size_t out_of_range = 0;
 };
 
-/// Without intensities, and so without markings.
+/// The same without intensities, and so without markings.
 [[nodiscard]] CloudMap map_cloud(std::span<const Eigen::Vector3f> points, const CloudMapOptions& options);
 
-/// The voted tiles of a cloud: the part of map_cloud() that costs, apart for those who try several parameters on it.
-/// `intensities`: of the points, as VotedTile has them, or none.
+/// Computes the voted tiles of a cloud. It is the expensive part of map_cloud(), separate so that several parameters
+/// can be tried on its result. `intensities`: of the points, as in VotedTile, or empty.
 [[nodiscard]] std::vector<semantic_map::tile::VotedTile> vote_tiles(std::span<const Eigen::Vector3f> points,
                                                                     const CloudMapOptions& options, CloudMap& counts,
                                                                     std::span<const std::uint8_t> intensities = {});
-/// The rest of map_cloud().
+/// The remaining part of map_cloud().
 void map_tiles(const std::vector<semantic_map::tile::VotedTile>& tiles, const CloudMapOptions& options, CloudMap& map);
 
 }  // namespace curbstone::detect::cloud_map

@@ -10,23 +10,23 @@
 
 namespace curbstone::doctor::checks {
 
-/// The way that the bus takes out of the host.
+/// The route of the bus out of this host.
 struct RouteFacts {
   std::string interface;
   bool is_loopback = false;
-  bool is_default = false;  ///< no route for the group; it takes the one of everything else
+  bool is_default = false;  ///< there is no route for the group, so it takes the default route
 };
 
-/// What was seen when a message was sent and the port listened to for a while.
+/// Results of sending one message and listening on the port for a while.
 struct BusProbeFacts {
-  std::string error;                                 ///< why nothing could be sent or heard; empty: it could
-  std::optional<std::int64_t> round_trip;            ///< us until the own message was heard
-  int granted_buffer = 0;                            ///< bytes that the kernel gave of those asked for
+  std::string error;                                 ///< why sending or listening failed; empty: it worked
+  std::optional<std::int64_t> round_trip;            ///< us until the own message was received
+  int granted_buffer = 0;                            ///< bytes granted by the kernel of those requested
   std::map<std::string, std::int64_t> other_groups;  ///< datagrams on the port that were sent to other groups
   std::int64_t kernel_drops = 0;                     ///< of all sockets on this port, since they were opened
   double seconds = 0;                                ///< of listening
-  std::int64_t bytes = 0;                            ///< on the bus that a recorder would write, while listening
-  std::map<std::string, std::int64_t> messages;      ///< by channel, while listening
+  std::int64_t bytes = 0;                            ///< received on the bus that a recorder would write
+  std::map<std::string, std::int64_t> messages;      ///< received, by channel
 };
 
 struct BusFacts {

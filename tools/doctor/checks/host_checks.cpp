@@ -8,7 +8,7 @@ namespace curbstone::doctor::checks {
 
 namespace {
 
-constexpr std::int64_t kMostOffset = 50'000;  // us: the distance of a map point at 20 m/s is then wrong by 1 m
+constexpr std::int64_t kMostOffset = 50'000;  // us; at 20 m/s this shifts a map point by 1 m
 constexpr int kFewestCores = 2;
 
 Verdict check_clock(const ClockFacts& clock) {
@@ -27,7 +27,7 @@ Verdict check_clock(const ClockFacts& clock) {
               fmt::format("synchronised by {}: {:+} us, at most {} us wrong", who, clock.offset, clock.greatest_error));
 }
 
-/// intel_pstate and amd-pstate-epp go to full speed in "powersave" too; the other drivers stay at the lowest.
+/// intel_pstate and amd-pstate-epp reach full speed in "powersave" too; with other drivers the CPU stays at its lowest.
 Verdict check_processor(const ProcessorFacts& processor) {
   if (processor.cores < kFewestCores) {
     return finding("processor", fmt::format("{} core: the stack needs two", processor.cores),

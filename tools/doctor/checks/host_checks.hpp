@@ -9,18 +9,18 @@
 
 namespace curbstone::doctor::checks {
 
-/// The clock of the host, as adjtimex(2) has it.
+/// The host's clock, as reported by adjtimex(2).
 struct ClockFacts {
   bool is_synchronised = false;
-  std::int64_t offset = 0;            ///< us, that the kernel still corrects
+  std::int64_t offset = 0;            ///< us, correction in progress in the kernel
   std::int64_t greatest_error = 0;    ///< us
-  std::vector<std::string> programs;  ///< that run and set clocks: chronyd, ptp4l, ...
+  std::vector<std::string> programs;  ///< running programs that set the clock: chronyd, ptp4l, ...
 };
 
 struct ProcessorFacts {
-  int cores = 0;         ///< that this process may use
-  std::string governor;  ///< of the first; empty: not known (a virtual machine)
-  std::string driver;    ///< of its frequency: "intel_pstate"
+  int cores = 0;         ///< available to this process
+  std::string governor;  ///< of the first core; empty: unknown (a virtual machine)
+  std::string driver;    ///< of the frequency scaling: "intel_pstate"
 };
 
 struct HostFacts {

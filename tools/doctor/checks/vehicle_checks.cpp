@@ -8,7 +8,7 @@ namespace curbstone::doctor::checks {
 
 namespace {
 
-constexpr double kLeastHours = 1.0;  // of recording: a drive
+constexpr double kLeastHours = 1.0;  // of recording, for one drive
 
 Verdict check_config(const ConfigFacts& config) {
   if (config.error.empty()) return good("config", config.file);

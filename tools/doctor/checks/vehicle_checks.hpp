@@ -10,10 +10,10 @@
 
 namespace curbstone::doctor::checks {
 
-/// A file that describes the vehicle.
+/// A configuration file of the vehicle.
 struct ConfigFacts {
   std::string file;
-  std::string error;  ///< why it cannot be used, one line; empty: it can
+  std::string error;  ///< one line, why it cannot be used; empty: it is valid
 };
 
 /// A program that the procman file starts.
@@ -28,7 +28,7 @@ struct FolderFacts {
   std::string setting;  ///< "recorder.file"
   std::string folder;
   bool is_there = false;
-  bool is_writable = false;  ///< by the user who asks
+  bool is_writable = false;  ///< by the current user
 };
 
 /// A serial port.
@@ -36,36 +36,36 @@ struct DeviceFacts {
   std::string setting;  ///< "imu.device"
   std::string file;
   bool is_there = false;
-  bool is_usable = false;  ///< by the user who asks, for reading and writing
-  std::string group;       ///< that may use it
+  bool is_usable = false;  ///< by the current user, for reading and writing
+  std::string group;       ///< the group that may use it
 };
 
-/// A CAN interface of the kernel, as `ip -details link show` has it.
+/// A CAN interface of the kernel, as reported by `ip -details link show`.
 struct CanFacts {
   std::string interface;
   bool is_there = false;
   bool is_up = false;
-  int bitrate = 0;    ///< bit/s; 0: not known (a virtual one)
+  int bitrate = 0;    ///< bit/s; 0: unknown (a virtual one)
   std::string state;  ///< "ERROR-ACTIVE"
 };
 
-/// Who sends to the LiDAR's port.
+/// The senders to the LiDAR's port.
 struct LidarFacts {
   int port = 0;
-  bool listened = false;  ///< false: somebody else has the port, and raw sockets are not permitted
+  bool listened = false;  ///< false: another program has the port, and raw sockets are not permitted
   double seconds = 0;
   std::map<std::string, std::int64_t> packets;    ///< by sender
-  std::map<std::string, std::int64_t> elsewhere;  ///< of a LiDAR's size, to others: by "port 2368, from 192.168.1.201"
+  std::map<std::string, std::int64_t> elsewhere;  ///< of LiDAR size, other ports: by "port 2368, from 192.168.1.201"
   std::string wanted_sender;                      ///< empty: any
-  std::int64_t messages = 0;                      ///< LIDAR_POINTS heard on the bus meanwhile
+  std::int64_t messages = 0;                      ///< LIDAR_POINTS received on the bus meanwhile
 };
 
-/// What is left of the disk that the recorder writes to.
+/// Free space on the disk that the recorder writes to.
 struct DiskFacts {
   std::string folder;
-  std::int64_t free_bytes = 0;  ///< for the user who asks
+  std::int64_t free_bytes = 0;  ///< for the current user
   double rate = 0;              ///< bytes/s, of a recording
-  bool is_measured = false;     ///< on the bus just now; else the usual rate
+  bool is_measured = false;     ///< on the bus just now; otherwise the usual rate
 };
 
 struct VehicleFacts {
@@ -75,7 +75,7 @@ struct VehicleFacts {
   std::vector<FolderFacts> folders;
   std::vector<DeviceFacts> devices;
   std::optional<CanFacts> can;
-  int can_bitrate = 0;  ///< bit/s wanted
+  int can_bitrate = 0;  ///< bit/s configured
   std::optional<LidarFacts> lidar;
   std::optional<DiskFacts> disk;
 };

@@ -6,17 +6,17 @@
 
 namespace curbstone::doctor::checks {
 
-/// What one check says. A finding has a fix: what to do about it, a command where there is one.
+/// The result of one check. A finding has a fix: what to do about it, with a command if there is one.
 struct Verdict {
   enum class Kind {
     kGood,
     kFinding,
-    kUnknown  ///< could not be looked at; `fix` says how it could
+    kUnknown  ///< could not be checked; `fix` says how it can be
   };
   Kind kind = Kind::kGood;
   std::string check;  ///< "route"
   std::string what;   ///< one line
-  std::string fix;    ///< one line; empty where all is well
+  std::string fix;    ///< one line; empty if the check is good
 };
 using Verdicts = std::vector<Verdict>;
 

@@ -10,7 +10,7 @@ namespace curbstone::doctor::facts {
 
 namespace {
 
-/// An empty list where ip(8) fails, or says nothing.
+/// An empty list if ip(8) fails or prints nothing.
 nlohmann::json ip_json(std::vector<std::string> words) {
   words.insert(words.begin(), {"ip", "-4", "-json"});
   const auto text = program_output(words);
@@ -31,7 +31,7 @@ std::optional<checks::RouteFacts> read_route(const std::string& address) {
   for (const auto& taken : ip_json({"route", "get", address})) route.interface = taken.value("dev", "");
   if (route.interface.empty()) return std::nullopt;
   route.is_loopback = route.interface == "lo";
-  // All routes that match: if the default route is the only one, the group has none of its own.
+  // All matching routes: if the default route is the only one, there is no route for the group.
   route.is_default = true;
   for (const auto& match : ip_json({"route", "show", "match", address})) {
     if (match.value("dst", "") != "default") route.is_default = false;

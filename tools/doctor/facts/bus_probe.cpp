@@ -56,7 +56,7 @@ class ProbeSocket {
   ProbeSocket(const ProbeSocket&) = delete;
   ProbeSocket& operator=(const ProbeSocket&) = delete;
 
-  /// bytes; the kernel counts its own book-keeping in, twice the size (socket(7)).
+  /// bytes, including the kernel's book-keeping, so twice the requested size (socket(7)).
   [[nodiscard]] int granted_buffer() const {
     int size = 0;
     socklen_t length = sizeof size;
@@ -71,7 +71,7 @@ class ProbeSocket {
     std::string_view bytes;
     in_addr group{};
   };
-  /// Waits at most `timeout` us. Its bytes are valid until the next call.
+  /// Waits at most `timeout` us. The bytes are valid until the next call.
   std::optional<Datagram> receive(std::int64_t timeout) {
     pollfd waiting{fd_, POLLIN, 0};
     if (poll(&waiting, 1, static_cast<int>(timeout / 1000) + 1) <= 0) return std::nullopt;
@@ -103,13 +103,13 @@ class ProbeSocket {
   std::array<char, 65536> bytes_{};
 };
 
-/// A whole message of LCM 1.3.1, lcm_udpm.c: "LC02", sequence number, channel, 0, data.
+/// A complete message of LCM 1.3.1, lcm_udpm.c: "LC02", sequence number, channel, 0, data.
 std::string own_message() {
   std::string bytes("LC02\0\0\0\0", 8);
   return bytes.append(kChannel).append(1, '\0').append(fmt::format("{}:{}", getpid(), steady_clock()));
 }
 
-/// The channel of a whole message or of the first fragment; empty for others.
+/// The channel of a complete message or of the first fragment; empty for others.
 std::string channel_of(std::string_view bytes) {
   const std::size_t header = bytes.starts_with("LC03") ? 20 : 8;
   if (bytes.size() <= header) return "";
@@ -138,7 +138,7 @@ std::int64_t drops_at(int port) {
 }
 
 void listen(ProbeSocket& socket, double seconds, const std::string& unrecorded, checks::BusProbeFacts& facts) {
-  constexpr std::size_t kMostNames = 1000;  // anybody can send anything
+  constexpr std::size_t kMostNames = 1000;  // any sender may use any names
   const std::string own = own_message();
   const std::int64_t begin = steady_clock(), end = begin + static_cast<std::int64_t>(seconds * 1e6);
   socket.send(own);

@@ -4,7 +4,7 @@
 
 namespace curbstone::doctor::facts {
 
-/// adjtimex(2), /proc and /sys of this host.
+/// Reads adjtimex(2), /proc and /sys of this host.
 [[nodiscard]] checks::HostFacts read_host();
 
 }  // namespace curbstone::doctor::facts

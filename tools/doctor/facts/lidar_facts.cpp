@@ -53,7 +53,7 @@ void count(checks::LidarFacts& facts, lidar::sources::Ipv4 sender) {
   count(facts.packets, lidar::sources::to_text(sender));
 }
 
-/// The payload of RoboSense's and Velodyne's points.
+/// The payload size of RoboSense's and Velodyne's point packets.
 bool is_points_packet(std::size_t bytes) {
   return bytes == 1248 || bytes == 1206;
 }
@@ -79,7 +79,7 @@ checks::LidarFacts probe_lidar(int port, double seconds) {
     receive_for(wire, seconds, [&](Bytes packet, const sockaddr_storage& from) {
       sockaddr_ll link{};
       std::memcpy(&link, &from, sizeof link);
-      if (link.sll_pkttype == PACKET_OUTGOING) return;  // on loopback each packet is seen twice
+      if (link.sll_pkttype == PACKET_OUTGOING) return;  // on loopback each packet appears twice
       const auto udp = lidar::sources::udp_in_ip(packet);
       if (udp.kind != lidar::sources::FrameKind::kUdp) return;
       if (udp.port == port)

@@ -4,9 +4,8 @@
 
 namespace curbstone::doctor::facts {
 
-/// Counts the UDP packets to a port for `seconds`, by sender, without taking them from a driver that runs: by a packet
-/// socket (packet(7)), which sees copies. That needs CAP_NET_RAW; without it the port itself is opened, if nobody has
-/// it.
+/// Counts the UDP packets to a port for `seconds`, by sender, without taking them from a running driver: a packet
+/// socket (packet(7)) gets copies. That needs CAP_NET_RAW; without it the port itself is opened, if it is free.
 [[nodiscard]] checks::LidarFacts probe_lidar(int port, double seconds);
 
 }  // namespace curbstone::doctor::facts

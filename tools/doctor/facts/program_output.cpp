@@ -13,7 +13,7 @@ std::optional<std::string> program_output(const std::vector<std::string>& words)
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return std::nullopt;
   std::vector<char*> argv;
-  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));  // as POSIX has it
+  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));  // POSIX requires non-const
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);

@@ -6,7 +6,7 @@
 
 namespace curbstone::doctor::facts {
 
-/// What a program writes to its standard output; nothing if it cannot be started or fails. No shell is involved.
+/// The standard output of a program; empty if it cannot be started or fails. No shell is involved.
 [[nodiscard]] std::optional<std::string> program_output(const std::vector<std::string>& words);
 
 }  // namespace curbstone::doctor::facts

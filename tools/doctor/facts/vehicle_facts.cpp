@@ -36,10 +36,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Reads section by section, and keeps what is wrong, each thing once.
+/// Reads section by section, and collects each error once.
 class SectionReader {
  public:
-  /// `assignments`: SECTION.KEY=VALUE, of the command lines.
+  /// `assignments`: SECTION.KEY=VALUE, from the command lines.
   SectionReader(std::string file, std::vector<std::string> assignments)
       : file_(std::move(file)), assignments_(std::move(assignments)) {}
 
@@ -96,7 +96,7 @@ checks::CanFacts can_at(const std::string& interface) {
   return can;
 }
 
-/// As the deputy looks for it: in its own folder, then in $PATH.
+/// Searches as the deputy does: in its own folder, then in $PATH.
 bool program_exists(const std::string& program) {
   if (program.find('/') != std::string::npos) return access(program.c_str(), X_OK) == 0;
   const char* const path = std::getenv("PATH");
@@ -116,8 +116,8 @@ std::vector<checks::ProgramFacts> programs_of(const procman::config::Config& con
   return programs;
 }
 
-/// What a command line sets beside the file, as SECTION.KEY=VALUE. `words`: of the command, or of what it has a shell
-/// execute.
+/// The settings of a command line that override the file, as SECTION.KEY=VALUE. `words`: of the command, or of the
+/// command that its shell executes.
 std::vector<std::string> assignments_of(const std::vector<std::string>& words) {
   constexpr std::string_view kPrefix = "curbstone-";
   std::vector<std::string> assignments;
@@ -146,7 +146,7 @@ std::vector<std::string> assignments_of(const procman::config::Config& config) {
   return all;
 }
 
-/// What it sets for the processes.
+/// Returns the settings for the processes.
 std::vector<std::string> read_procman(const std::string& file, checks::VehicleFacts& facts) {
   try {
     const auto config = procman::config::load_config_file(file);

@@ -15,8 +15,8 @@ namespace curbstone::evaluate::truth {
 namespace {
 
 constexpr double kSpacing = 0.1;       // m
-constexpr double kBeside = 3.0;        // m that a clicked line speaks for
-constexpr double kUsualHeight = 0.12;  // m, of a curb whose height was not given
+constexpr double kBeside = 3.0;        // m beside a clicked line in which there is no other curb
+constexpr double kUsualHeight = 0.12;  // m, of a curb without a given height
 
 TrueCurbPoint point_of(const std::string& line, const std::string& file, int number) {
   std::istringstream row(line);
@@ -56,7 +56,7 @@ std::vector<TrueCurbPoint> read_clicks(const std::string& file) {
   return clicks;
 }
 
-/// From one click to the next of its line, a point each 0.1 m.
+/// Visits a point every 0.1 m from each click to the next of its line.
 template <class Visit>
 void walk(const std::vector<TrueCurbPoint>& clicks, Visit visit) {
   for (std::size_t i = 0; i < clicks.size(); ++i) {

@@ -30,7 +30,7 @@ std::vector<Pose> read_poses(const std::string& file) {
   return poses;
 }
 
-/// The whole of a file of `Record`s.
+/// Reads a whole file of `Record`s.
 template <class Record>
 std::vector<Record> read_records(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
@@ -42,13 +42,13 @@ std::vector<Record> read_records(const std::string& file) {
   return records;
 }
 
-/// A scan and its labels, by their name without what follows the dot.
+/// A scan and its labels, which share the file name without its extension.
 struct LabelledScan {
   std::string name;
   Pose T_first_scan = Pose::Identity();
 };
 
-/// With poses, a scan's name is its number among them; a scan alone may have any name, and needs no pose.
+/// With poses, a scan's name is its index among them; a single scan may have any name and needs no pose.
 std::vector<LabelledScan> find_labelled(const std::string& folder) {
   namespace fs = std::filesystem;
   const std::string labels = folder + "/labels";

@@ -9,16 +9,16 @@
 
 namespace curbstone::evaluate::truth {
 
-/// A point that somebody said what it is of.
+/// A point with a semantic label.
 struct LabelledPoint {
   Eigen::Vector3d at;  ///< m
   std::uint16_t label =
       0;  ///< SemanticKITTI: 40 road, 44 parking, 48 sidewalk, 50 building, 70 vegetation, 72 terrain...
 };
 
-/// All points within `reach` m of the lidar of those scans of a folder that are labelled: scans/NNNNNN.bin,
-/// labels/NNNNNN.label, reference_poses.txt. One scan alone needs no pose and may have any name. Moved by
-/// `T_world_first` from the lidar frame of scan 0. Throws std::runtime_error with one clear line.
+/// Reads all points within `reach` m of the lidar from the labelled scans of a folder: scans/NNNNNN.bin,
+/// labels/NNNNNN.label, reference_poses.txt. A single scan needs no pose and may have any name. The points are
+/// transformed by `T_world_first` from the lidar frame of scan 0. Throws std::runtime_error with a one-line message.
 [[nodiscard]] std::vector<LabelledPoint> read_labelled_scans(const std::string& folder, const Pose& T_world_first,
                                                              double reach);
 

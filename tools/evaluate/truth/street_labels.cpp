@@ -19,18 +19,18 @@ namespace curbstone::evaluate::truth {
 
 namespace {
 
-constexpr double kReach = 30.0;     // m from the lidar: farther, points are too sparse to meet
-constexpr double kApart = 0.30;     // m, at most, between the two sides' points
+constexpr double kReach = 30.0;     // m from the lidar; beyond it, points are too sparse for borders
+constexpr double kApart = 0.30;     // m, maximum distance between the points of the two sides
 constexpr double kFitRadius = 0.6;  // m
 constexpr double kSmoothing = 0.75 / 2;
-constexpr double kCompany = 0.8;  // m: a curb's points are no farther apart
+constexpr double kCompany = 0.8;  // m, maximum distance to the next points of the same curb
 constexpr double kLowestStep = 0.04;
 
 bool is_ground(Surface s) {
   return s == Surface::kRoad || s == Surface::kParking || s == Surface::kSidewalk || s == Surface::kTerrain;
 }
 
-/// Whether `high` begins with a curb where `low` ends.
+/// Whether a curb rises from `low` to `high` where the two meet.
 bool makes_curb(Surface low, Surface high) {
   return (high == Surface::kSidewalk && (low == Surface::kRoad || low == Surface::kParking)) ||
          (low == Surface::kRoad && high == Surface::kTerrain);
@@ -61,7 +61,7 @@ Surfaces all_that(Accept accept) {
   return surfaces;
 }
 
-/// Neighbours in the plane.
+/// Neighbour search in the plane.
 class Neighbours {
  public:
   explicit Neighbours(const std::vector<SurfacePoint>& points) : points_(points) {
@@ -79,7 +79,7 @@ class Neighbours {
     for (std::int32_t cx = low.x; cx <= high.x; ++cx) {
       for (std::int32_t cy = low.y; cy <= high.y; ++cy) {
         const auto it = cells_.find({cx, cy});
-        if (it == cells_.end() || (it->second.surfaces & surfaces) == 0) continue;  // most ground has no border
+        if (it == cells_.end() || (it->second.surfaces & surfaces) == 0) continue;  // most ground is far from a border
         for (const std::size_t i : it->second.points) {
           const double distance = (points_[i].at - at).head<2>().norm();
           if (distance <= radius && (one(points_[i].surface) & surfaces) != 0) visit(i, distance);
@@ -87,7 +87,7 @@ class Neighbours {
       }
     }
   }
-  /// The nearest point of these surfaces, unless it is beyond kApart.
+  /// The nearest point of these surfaces within kApart.
   [[nodiscard]] std::optional<std::size_t> nearest(const Eigen::Vector3d& at, Surfaces surfaces) const {
     std::optional<std::size_t> best;
     double best_distance = std::numeric_limits<double>::max();
@@ -111,7 +111,7 @@ class Neighbours {
   std::unordered_map<TileKey, Cell, TileKeyHash> cells_;
 };
 
-/// How much higher `high` lies than `low` about a place: z = a + step * [is high] + slope . (x, y).
+/// Fits how much higher `high` lies than `low` around a place: z = a + step * [is high] + slope . (x, y).
 std::optional<double> fit_step(const std::vector<SurfacePoint>& points, const Neighbours& neighbours,
                                const Eigen::Vector3d& at, Surface low, Surface high) {
   constexpr int kEnough = 6;
@@ -127,11 +127,11 @@ std::optional<double> fit_step(const std::vector<SurfacePoint>& points, const Ne
     b += row * (p.at.z() - at.z());
   });
   if (lows < kEnough || highs < kEnough) return std::nullopt;
-  A.diagonal().tail<2>().array() += 0.01;  // no slope where the points do not tell
+  A.diagonal().tail<2>().array() += 0.01;  // regularises the slope to zero where the points do not determine it
   return Ldlt<4>(A).solve(b)(1);
 }
 
-/// Where two surfaces meet, one point a cell of 0.1 m. Borders that are no curbs have height 0.
+/// Points where two surfaces meet, one per cell of 0.1 m. Borders that are not curbs have height 0.
 std::vector<TrueCurbPoint> find_borders(const std::vector<SurfacePoint>& points, const Neighbours& neighbours) {
   std::vector<TrueCurbPoint> borders;
   std::set<std::pair<int, int>> taken;
@@ -154,7 +154,7 @@ std::vector<TrueCurbPoint> find_borders(const std::vector<SurfacePoint>& points,
   return borders;
 }
 
-/// The median height along a curb; a curb point without company is none.
+/// Median-smooths the height along a curb, and removes isolated curb points.
 std::vector<TrueCurbPoint> smoothed(const std::vector<TrueCurbPoint>& borders) {
   constexpr int kEnough = 5;
   std::vector<TrueCurbPoint> result;
@@ -181,8 +181,8 @@ std::vector<TrueCurbPoint> smoothed(const std::vector<TrueCurbPoint>& borders) {
   return result;
 }
 
-/// A line instead of points where scan lines cross it: neighbours are joined unless a third point lies between them
-/// (their relative neighbourhood graph), one point each 0.1 m.
+/// Replaces the points, which lie where scan lines cross a curb, by lines: two points are joined unless a third lies
+/// between them (their relative neighbourhood graph), with one point every 0.1 m.
 void link(std::vector<TrueCurbPoint>& borders) {
   constexpr double kSpacing = 0.1;  // m
   const std::vector<TrueCurbPoint> points = borders;

@@ -47,8 +47,8 @@ Pose align(const PosePairs& pairs) {
   for (std::size_t i = 0; i < pairs.truth.size(); ++i) {
     correlation +=
         (pairs.truth[i].translation() - mean_truth) * (pairs.estimate[i].translation() - mean_estimate).transpose() / n;
-    // Half a metre of lever arm along each body axis: decides what a straight or flat path leaves open, and weighs
-    // little else.
+    // A lever arm of half a metre along each body axis: it fixes what a straight or flat path leaves undetermined, and
+    // has little weight otherwise.
     constexpr double kLever = 0.5;
     correlation += kLever * kLever * pairs.truth[i].linear() * pairs.estimate[i].linear().transpose() / n;
   }
@@ -60,7 +60,7 @@ Pose align(const PosePairs& pairs) {
 
 namespace {
 
-/// Distance driven up to each pose. Standing still does not count: jitter of less than a millimetre is left out.
+/// Distance driven up to each pose. Jitter of less than a millimetre is left out, so standing still adds nothing.
 std::vector<double> distances(const std::vector<Pose>& path) {
   std::vector<double> driven(path.size(), 0.0);
   Eigen::Vector3d last = path.empty() ? Eigen::Vector3d::Zero() : Eigen::Vector3d(path.front().translation());

@@ -12,10 +12,10 @@ struct StampedPose {
   std::int64_t utime = 0;
   Pose pose = Pose::Identity();
 };
-/// By utime, ascending.
+/// In ascending order of utime.
 using Trajectory = std::vector<StampedPose>;
 
-/// Pose at a time between two of the trajectory's; nothing outside of it or across a gap of more than `max_gap` us.
+/// The pose interpolated between two of the trajectory's; empty outside it or across a gap of more than `max_gap` us.
 [[nodiscard]] std::optional<Pose> pose_at(const Trajectory& trajectory, std::int64_t utime,
                                           std::int64_t max_gap = 500'000);
 
@@ -26,19 +26,19 @@ struct PosePairs {
 };
 [[nodiscard]] PosePairs pair_up(const Trajectory& truth, const Trajectory& estimate);
 
-/// The rigid transform, without scale, that takes the estimate's positions nearest to the truth's in the least-squares
-/// sense (Horn 1987, Umeyama 1991). A path too straight to fix its roll gets it from the poses' own attitudes.
+/// The rigid transform, without scale, that aligns the estimate's positions to the truth's in the least-squares sense
+/// (Horn 1987, Umeyama 1991). If a path is too straight to fix its roll, the attitudes of the poses fix it.
 [[nodiscard]] Pose align(const PosePairs& pairs);
 
 struct TrajectoryErrors {
   double distance_m = 0;     ///< driven, by the truth
   double ate_m = 0;          ///< RMS of position after alignment
-  double rpe_percent = 0;    ///< mean translation error of sub-paths, in % of their length (KITTI's measure)
-  double rpe_deg_per_m = 0;  ///< mean rotation error of them
-  double end_percent = 0;    ///< error of the last position when the first poses coincide, in % of the distance
-  int segments = 0;          ///< sub-paths measured
+  double rpe_percent = 0;    ///< mean translation error of sub-paths, in % of their length (KITTI metric)
+  double rpe_deg_per_m = 0;  ///< mean rotation error of the sub-paths
+  double end_percent = 0;    ///< error of the last position with the first poses aligned, in % of the distance
+  int segments = 0;          ///< number of sub-paths
 };
-/// Sub-paths of 10, 20, 30, 40, 50, 60 m begin at every metre; of a shorter drive, half its length.
+/// Sub-paths of 10, 20, 30, 40, 50, 60 m begin at every metre; for a shorter drive, sub-paths of half its length.
 [[nodiscard]] TrajectoryErrors trajectory_errors(const PosePairs& pairs);
 
 }  // namespace curbstone::evaluate::truth

@@ -6,7 +6,7 @@
 
 namespace curbstone::evaluate::truth {
 
-/// A painted piece of a street: a band `width` m wide about a polyline, cut off square at both ends. Frame: world, m.
+/// A painted piece of a street: a band `width` m wide around a polyline, cut off square at both ends. Frame: world, m.
 struct TrueMarkingPiece {
   std::vector<Eigen::Vector3d> centre;  ///< two points or more
   double width = 0;
@@ -19,9 +19,9 @@ struct TrueMarking {
   std::vector<TrueMarkingPiece> pieces;
 };
 
-/// Reads markings.csv of a truth folder: line,piece,type,width,x,y,z, a row a vertex, those of a piece one after the
-/// other. Empty where there is no such file: nobody says what is painted. Throws std::runtime_error with file, line and
-/// what was expected.
+/// Reads markings.csv of a truth folder: line,piece,type,width,x,y,z, one row per vertex, the vertices of a piece in
+/// succession. Empty without that file: the true paint is unknown. Throws std::runtime_error with the file, the line
+/// and what was expected.
 [[nodiscard]] std::vector<TrueMarking> read_markings(const std::string& folder);
 
 }  // namespace curbstone::evaluate::truth

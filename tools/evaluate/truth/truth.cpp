@@ -16,7 +16,7 @@ namespace curbstone::evaluate::truth {
 
 namespace {
 
-/// Rows of numbers of a CSV file; a first line that does not begin with a number is a heading.
+/// Reads rows of numbers from a CSV file; a first line that does not begin with a number is a heading.
 std::vector<std::vector<double>> read_csv(const std::string& file, std::size_t columns) {
   std::ifstream in(file);
   if (!in) throw std::runtime_error(fmt::format("{}: cannot be read", file));

@@ -29,7 +29,7 @@ std::optional<GeoDatum> parse_datum(const std::string& text) {
   }
   if (*at != '\0' || count < 2) return std::nullopt;
   const auto [latitude, longitude, altitude, heading] = values;
-  // Written so that NaN fails too.
+  // Negated, so that NaN fails too.
   if (!(std::abs(latitude) <= 90 && std::abs(longitude) <= 180 && std::abs(altitude) <= 1e5 &&
         std::abs(heading) <= 360))
     return std::nullopt;
@@ -38,7 +38,7 @@ std::optional<GeoDatum> parse_datum(const std::string& text) {
 
 TangentPlane::TangentPlane(const GeoDatum& datum)
     : datum_(datum), enu_(datum.latitude, datum.longitude, datum.altitude) {
-  // The usual heading shall give exact zeros: rasters stay upright.
+  // Exact zeros for the default heading keep rasters upright.
   const double s = datum.heading == 90 ? 1 : std::sin(datum.heading * kDegree);
   const double c = datum.heading == 90 ? 0 : std::cos(datum.heading * kDegree);
   R_enu_map_ << s, -c, c, s;

@@ -7,15 +7,15 @@
 
 namespace curbstone::map_export::geo {
 
-/// Where the map's origin lies on the Earth and which way its x axis points.
+/// The position of the map's origin on the Earth and the heading of its x axis.
 struct GeoDatum {
   double latitude = 0;   ///< deg, WGS84
   double longitude = 0;  ///< deg, east positive
-  double altitude = 0;   ///< m above the ellipsoid (not above the sea)
+  double altitude = 0;   ///< m above the ellipsoid (not above sea level)
   double heading = 90;   ///< deg from north, clockwise, of the map's x axis; 90: x east, y north (REP-103)
 };
 
-/// "LAT,LON[,ALT[,HEADING]]"; nothing if it is not that, or off the Earth.
+/// Parses "LAT,LON[,ALT[,HEADING]]"; empty if that fails, or if it is not on the Earth.
 [[nodiscard]] std::optional<GeoDatum> parse_datum(const std::string& text);
 
 struct GeoPoint {
@@ -24,10 +24,10 @@ struct GeoPoint {
   double altitude = 0;   ///< m above the ellipsoid
 };
 
-/// The map's frame as the plane that touches the ellipsoid's normal direction at the datum: x, y, z to east, north, up,
-/// to Earth-centred coordinates, to WGS84 (GeographicLib). Rounding apart (well below 0.1 mm) that is exact. What
-/// remains is the datum's own error, and that gravity, which levels the map, differs from the ellipsoid's normal by up
-/// to some 0.1 mrad.
+/// Converts the map's frame by the tangent plane of the ellipsoid at the datum: x, y, z to east, north, up, to
+/// Earth-centred coordinates, to WGS84 (GeographicLib). Apart from rounding (well below 0.1 mm) that is exact. The
+/// remaining errors are that of the datum, and that gravity, which levels the map, differs from the ellipsoid's normal
+/// by up to some 0.1 mrad.
 class TangentPlane {
  public:
   explicit TangentPlane(const GeoDatum& datum);
@@ -37,8 +37,8 @@ class TangentPlane {
   [[nodiscard]] Eigen::Vector2d east_north(double x, double y) const;
   /// m in map -> WGS84.
   [[nodiscard]] GeoPoint to_wgs84(const Eigen::Vector3d& in_map) const;
-  /// The plane's x (east), y (north) as a projection, in WKT: what a raster needs to find its place. Orthographic: it
-  /// sees the plane along its normal, so that heights do not shift anything.
+  /// The plane's x (east), y (north) as a projection, in WKT, which a raster needs for its georeference. Orthographic:
+  /// it projects along the plane's normal, so that heights cause no shift.
   [[nodiscard]] std::string wkt() const;
 
  private:

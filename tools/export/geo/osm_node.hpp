@@ -11,7 +11,7 @@
 
 namespace curbstone::map_export::geo {
 
-/// A node of Lanelet2's OSM XML; lanelet2_osm() says what it carries. `at`: m in map.
+/// A node of Lanelet2's OSM XML; lanelet2_osm() describes its tags. `at`: m in map.
 [[nodiscard]] inline std::string osm_node(std::size_t id, const Eigen::Vector3d& at,
                                           const std::optional<TangentPlane>& plane) {
   double elevation = at.z();

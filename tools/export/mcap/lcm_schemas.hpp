@@ -9,12 +9,12 @@
 
 namespace curbstone::map_export::mcap {
 
-/// What our LCM messages are, for files that hold them: encoding "lcm", data is the text of the type's .lcm file and,
-/// behind it, of those that it is made of. (MCAP's registry has no name for LCM.)
+/// The schemas of our LCM messages for files that hold them: encoding "lcm", data is the text of the type's .lcm file
+/// followed by those of its nested types. (MCAP's registry has no name for LCM.)
 class LcmSchemas {
  public:
   LcmSchemas();
-  /// By the eight bytes with which a message begins. Nothing: it is none of our types.
+  /// Finds the schema by the first eight bytes of a message. Empty: not one of our types.
   [[nodiscard]] std::optional<McapSchema> of(const void* message, std::size_t size) const;
 
  private:

@@ -8,9 +8,9 @@ namespace {
 
 using viewer::foxglove::Message;
 
-constexpr std::int64_t kTick = 20'000;          // us, as live
-constexpr std::int64_t kMostLate = 10'000'000;  // records of a log that `replay` made are in the order of their making
-constexpr std::int64_t kLast = 9'000'000'000'000'000;  // us; damaged records may say anything
+constexpr std::int64_t kTick = 20'000;                 // us, as live
+constexpr std::int64_t kMostLate = 10'000'000;         // a log of `replay` has its records in the order of computation
+constexpr std::int64_t kLast = 9'000'000'000'000'000;  // us; damaged records may have any time
 constexpr std::int64_t kEnd = 60'000'000;
 
 }  // namespace
@@ -35,7 +35,7 @@ std::vector<Message> LogShow::take(const LogEvent& event) {
   return messages;
 }
 
-/// Long after the last record everything is due; large messages come one a tick.
+/// Long after the last record everything is due; one large message is sent per tick.
 std::vector<Message> LogShow::finish() {
   std::vector<Message> messages;
   for (std::vector<Message> more = tick(ticked_ + kEnd); !more.empty(); more = tick(ticked_ + kTick))
@@ -46,7 +46,7 @@ std::vector<Message> LogShow::finish() {
 std::vector<Message> LogShow::tick(std::int64_t now) {
   ticked_ = now;
   node_.tick(now);
-  bus_.dispatch();  // requests, which nobody hears
+  bus_.dispatch();  // drops tile requests, which have no receiver
   for (; subscribed_services_ < services().size(); ++subscribed_services_)
     feed_.subscribe(viewer::foxglove::kFirstStatus + static_cast<std::uint32_t>(subscribed_services_));
   return feed_.due(show_.world(), now, true);

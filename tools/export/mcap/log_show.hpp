@@ -11,29 +11,29 @@
 
 namespace curbstone::map_export::mcap {
 
-/// What curbstone-viewer would have sent to a Foxglove client while a log was recorded, at the log's own pace. Memory
-/// is that of the viewer, which is bounded. One thread.
+/// Plays a log to produce the messages that curbstone-viewer would have sent to a Foxglove client during the recording,
+/// at the log's own rate. Memory is that of the viewer, which is bounded. One thread.
 class LogShow {
  public:
   explicit LogShow(const viewer::ViewerConfig& config);
 
-  /// The messages that the event brings, in order.
+  /// The messages that result from the event, in order.
   [[nodiscard]] std::vector<viewer::foxglove::Message> take(const LogEvent& event);
-  /// What came last and had not been due.
+  /// The remaining messages that were not due yet.
   [[nodiscard]] std::vector<viewer::foxglove::Message> finish();
 
-  /// In the order of first being heard: what the channels from kFirstStatus on are.
+  /// In the order of their first message, as for the channels from kFirstStatus on.
   [[nodiscard]] const std::vector<viewer::foxglove::StatusBook::Service>& services() const {
     return show_.status().services();
   }
   [[nodiscard]] bool has_map() const { return node_.world().map.size() > 0; }
-  /// us since the Unix epoch: when the messages of the last call would have been sent.
+  /// us since the Unix epoch: the sending time of the last call's messages.
   [[nodiscard]] std::int64_t now() const { return now_; }
-  /// What was not sound in the log.
+  /// Counts of invalid messages in the log.
   [[nodiscard]] Counters counters() const;
 
  private:
-  /// A file has no pages.
+  /// An audience without pages: a file has none.
   class NoPages final : public viewer::web::Audience {
    public:
     std::vector<Event> take_events() override { return {}; }

@@ -22,11 +22,11 @@ namespace {
 namespace foxglove = viewer::foxglove;
 
 std::uint64_t nanoseconds(std::int64_t utime) {
-  constexpr std::int64_t kLast = 9'000'000'000'000'000;  // us: beyond, ns do not fit
+  constexpr std::int64_t kLast = 9'000'000'000'000'000;  // us; later times do not fit in ns
   return static_cast<std::uint64_t>(std::clamp<std::int64_t>(utime, 0, kLast)) * 1000;
 }
 
-/// Ids of the file's schemas and channels; each is written once.
+/// The ids of the file's schemas and channels; each is written once.
 class Channels {
  public:
   explicit Channels(McapWriter& writer) : writer_(writer) {
@@ -39,7 +39,7 @@ class Channels {
     const std::size_t index = message.channel - foxglove::kFirstStatus;
     return add(foxglove::status_channel(index, show.services().at(index).topic));
   }
-  /// Nothing: there are too many.
+  /// Empty: there are too many channels.
   [[nodiscard]] std::optional<std::uint16_t> of(const LogEvent& event) {
     const auto size = std::min<std::size_t>(event.bytes.size(), 8);
     const std::string fingerprint(event.bytes.begin(), event.bytes.begin() + static_cast<std::ptrdiff_t>(size));

@@ -7,15 +7,15 @@
 
 namespace curbstone::simulate::devices {
 
-/// How one laser is mounted in the turning head, and when it fires.
+/// The mounting of one laser in the rotating head, and when it fires.
 struct LaserMount {
   double time = 0;       ///< s after the firing's first shot
   double elevation = 0;  ///< deg above the horizon
-  double azimuth = 0;    ///< deg beside the head's azimuth, clockwise
-  double height = 0;     ///< m of its lens above the optical centre
+  double azimuth = 0;    ///< deg relative to the head's azimuth, clockwise
+  double height = 0;     ///< m, of the lens above the optical centre
 };
 
-/// Where the lasers of a turning head look.
+/// The beams of a rotating head.
 class BeamTable {
  public:
   /// `lens_offset` in m, in the direction of the head; `rate` in deg/s, clockwise.

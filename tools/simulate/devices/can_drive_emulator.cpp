@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint8_t kMaxMapped = 8;
 
-/// Bytes that a write command carries; 0 for what is no such command.
+/// Number of bytes that a write command carries; 0 for other commands.
 std::uint8_t written_size(encoder::canopen::SdoCommand command) {
   switch (command) {
     case encoder::canopen::SdoCommand::kWrite1:
@@ -60,7 +60,7 @@ void CanDriveEmulator::load_defaults() {
     dictionary_[{pdo.communication, 2}] = {1, true, 0xFF};
     dictionary_[{pdo.communication, 3}] = {2, true, 0};
     dictionary_[{pdo.communication, 5}] = {2, true, 0};
-    dictionary_[{mapping, 0}] = {1, true, 0};  // empty: nothing is sent until somebody maps
+    dictionary_[{mapping, 0}] = {1, true, 0};  // empty: nothing is sent until objects are mapped
     for (std::uint8_t sub = 1; sub <= kMaxMapped; ++sub) dictionary_[{mapping, sub}] = {4, true, 0};
   }
   update_status();
@@ -139,7 +139,7 @@ CanDriveEmulator::Frames CanDriveEmulator::tick(std::int64_t now) {
     const auto at = due(pdo);
     if (!at || *at > now) continue;
     pdo.last_data = pdo_data(pdo);
-    // The timer runs on: a late tick is jitter, not a slower clock. After a long pause it starts anew.
+    // The timer keeps its phase: a late tick is jitter, not a slower clock. After a long pause it restarts.
     pdo.last_sent = now - *at < 1'000'000 ? *at : now;
     encoder::can::CanFrame frame;
     frame.id = pdo.id;

@@ -10,39 +10,39 @@
 
 namespace curbstone::simulate::devices {
 
-/// A ZLAC8015D wheel drive as the CAN bus sees it: boot-up, NMT, SDO server, heartbeat, two TPDOs with event and
-/// inhibit timers, EMCY. A frame state machine without a clock: whoever uses it passes the time (us, any monotonic
-/// clock).
+/// A ZLAC8015D wheel drive seen from the CAN bus: boot-up, NMT, SDO server, heartbeat, two TPDOs with event and inhibit
+/// timers, EMCY. A frame state machine without a clock: the caller passes the time (us, any monotonic clock).
 ///
-/// To simulate: set_counts() to the truth of the instant, then on_frame() with what the host sends (a start answers
-/// with positions at once) or, at next_due(), tick(). Settings that a power cycle or a reset loses are lost here too.
+/// Usage: set_counts() to the true counts at that time, then on_frame() with each frame from the host (a start command
+/// is answered with positions at once) or, at next_due(), tick(). Settings that a power cycle or a reset loses are lost
+/// here too.
 class CanDriveEmulator {
  public:
   struct Settings {
     std::uint8_t node = 1;
-    std::int64_t event_timer_unit = 500;  ///< us; the ZLAC's, the standard says 1000
-    std::int64_t heartbeat_unit = 500;    ///< us; so measured, the manual says 1000
-    double clock_error = 0.0;             ///< of the drive's oscillator: 50e-6 runs fast by 50 ppm
+    std::int64_t event_timer_unit = 500;  ///< us; of the ZLAC; the standard says 1000
+    std::int64_t heartbeat_unit = 500;    ///< us; as measured; the manual says 1000
+    double clock_error = 0.0;             ///< of the drive's oscillator: 50e-6 is 50 ppm fast
   };
   using Frames = std::vector<encoder::can::CanFrame>;
 
   explicit CanDriveEmulator(const Settings& settings);
   CanDriveEmulator() : CanDriveEmulator(Settings{}) {}
 
-  /// The supply comes on, or on again: counts start at 0, the configuration is lost. Sends boot-up.
+  /// Switches the supply on, or off and on: counts start at 0, the configuration is lost. Sends boot-up.
   Frames power_on(std::int64_t now);
-  /// A frame on the bus; returns the answers. Frames for others are ignored.
+  /// Takes a frame from the bus; returns the responses. Frames for other nodes are ignored.
   Frames on_frame(std::int64_t now, const encoder::can::CanFrame& frame);
   /// Everything that is due up to `now`: TPDOs, heartbeat.
   Frames tick(std::int64_t now);
-  /// When tick() has something next, us; empty while nothing is timed.
+  /// us, when tick() is due next; empty while no timer runs.
   [[nodiscard]] std::optional<std::int64_t> next_due() const;
 
-  /// The encoders, as the drive counts them (raw: the right wheel is mounted mirrored). Wrap as int32.
+  /// Encoder counts in the drive's convention (raw: the right wheel is mounted mirrored). They wrap as int32.
   void set_counts(std::int32_t left, std::int32_t right);
   /// 0.1 rpm, raw.
   void set_speeds(std::int16_t left, std::int16_t right);
-  /// Is somebody driving? Status word 0x27 (operation enabled), else 0x21 (ready).
+  /// Whether the motors are enabled. Status word 0x27 (operation enabled), else 0x21 (ready).
   void set_enabled(bool enabled);
   /// A fault (603F bits) on a wheel, 0 clears: sends EMCY.
   Frames set_faults(std::uint16_t left, std::uint16_t right);

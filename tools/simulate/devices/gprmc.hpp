@@ -5,8 +5,8 @@
 
 namespace curbstone::simulate::devices {
 
-/// The sentence of a GPS that has its fix, with checksum and line end, for the second of `utime` (us). The place is
-/// made up. Source: NMEA 0183, sentence RMC.
+/// The sentence of a GPS with a fix, with checksum and line end, for the second of `utime` (us). The position is
+/// arbitrary. Source: NMEA 0183, sentence RMC.
 [[nodiscard]] std::string gprmc(std::int64_t utime);
 
 }  // namespace curbstone::simulate::devices

@@ -22,11 +22,11 @@ constexpr std::size_t kBlockSize = 100;
 constexpr std::size_t kStampAt = 20;
 constexpr std::size_t kTables = 32;
 
-// us after the firing's first shot, 16P: the lasers do not fire evenly.
+// us after the firing's first shot, 16P: the lasers do not fire at even intervals.
 constexpr std::array<double, 16> kTimes16 = {0,     3.15,  6.30,  9.45,  13.26, 17.08, 20.56, 23.71,
                                              26.53, 27.77, 31.49, 32.73, 36.46, 38.94, 41.42, 43.91};
 
-// Of no device in particular: made up in the way of one.
+// Invented, but typical angles, not those of a real device.
 constexpr std::array<HeliosAngles, 16> kAngles16 = {{{14.94, -4.02},
                                                      {12.97, 3.61},
                                                      {11.03, -3.98},
@@ -44,7 +44,7 @@ constexpr std::array<HeliosAngles, 16> kAngles16 = {{{14.94, -4.02},
                                                      {-12.96, -3.97},
                                                      {-15.03, 3.59}}};
 
-// Those that the recorded device tells.
+// Those stated by the recorded device.
 constexpr std::array<HeliosAngles, 32> kAngles32 = {
     {{14.94, -4.05},  {13.03, 3.61},  {10.92, -4.00},  {8.90, 3.58},   {6.96, -3.97},   {5.46, 3.56},
      {3.98, -3.96},   {2.67, 3.55},   {1.33, -3.95},   {0.00, 3.55},   {-1.33, -3.95},  {-2.67, 3.55},
@@ -95,7 +95,7 @@ void put_time(std::span<std::uint8_t> bytes, std::size_t at, std::int64_t utime)
   put_big_endian(bytes, at + 6, 4, static_cast<std::uint64_t>(utime % 1'000'000));
 }
 
-/// A sign and 0.01 deg.
+/// Writes a sign and the magnitude in 0.01 deg.
 void put_angle(std::span<std::uint8_t> bytes, std::size_t at, double angle_deg) {
   bytes[at] = angle_deg < 0 ? 1 : 0;
   put_big_endian(bytes, at + 1, 2, static_cast<std::uint64_t>(std::lround(std::abs(angle_deg) * 100)));
@@ -119,7 +119,7 @@ std::optional<LidarEmulator::Bytes> HeliosEmulator::add_firing(std::int64_t utim
 void HeliosEmulator::begin_packet(std::int64_t utime) {
   packet_.assign(kPacketSize, 0);
   put_big_endian(packet_, 0, 4, 0x55AA055A);
-  put_big_endian(packet_, 4, 2, 1);         // version of the protocol
+  put_big_endian(packet_, 4, 2, 1);         // protocol version
   put_big_endian(packet_, 8, 4, packets_);  // counters of the top and the bottom board
   put_big_endian(packet_, 12, 4, packets_);
   packet_[17] = 1;  // ranges in 2.5 mm
@@ -183,14 +183,14 @@ LidarEmulator::Bytes HeliosEmulator::info(std::int64_t utime) const {
   put_big_endian(packet, 26, 2, 6699);
   put_big_endian(packet, 28, 2, 7788);
   put_big_endian(packet, 30, 2, 7788);
-  put_big_endian(packet, 34, 2, 36000);  // the field of view ends
+  put_big_endian(packet, 34, 2, 36000);  // end of the field of view
   put_big_endian(packet, 40, 5, 0x0001050009);
   put_big_endian(packet, 45, 5, 0x0003072001);
   put_big_endian(packet, 292, 6, 0x2410BAC9D50B);  // serial number
   packet[300] = code_of(config_.mode);
   packet[302] = 1;  // synchronised with the GPS
   put_time(packet, 303, utime);
-  put_big_endian(packet, 352, 2, rpm);  // as it turns
+  put_big_endian(packet, 352, 2, rpm);  // actual speed
   packet[359] = 0x07;                   // PPS, GPRMC, UTC
   const std::string text = gprmc(utime);
   std::copy(text.begin(), text.end(), packet.begin() + 382);

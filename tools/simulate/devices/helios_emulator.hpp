@@ -5,21 +5,21 @@
 
 namespace curbstone::simulate::devices {
 
-/// Where a laser of a Helios looks, in steps of 0.01 deg.
+/// The direction of a laser of a Helios, in steps of 0.01 deg.
 struct HeliosAngles {
   double elevation = 0;  ///< deg above the horizon
-  double azimuth = 0;    ///< deg beside the head's azimuth, clockwise
+  double azimuth = 0;    ///< deg relative to the head's azimuth, clockwise
 };
 
 struct HeliosEmulatorConfig {
   int lasers = 16;  ///< 16 (16P) or 32
   double rpm = 1200;
   ReturnMode mode = ReturnMode::kStrongest;
-  std::vector<HeliosAngles> angles;  ///< by laser; empty: those of some device
+  std::vector<HeliosAngles> angles;  ///< by laser; empty: those of a sample device
 };
 
-/// A RoboSense RS-Helios of 16 lasers (16P) or 32, with its GPS locked. Which half of a dual packet is which is not
-/// documented: here the strongest comes first. Source: RS-Helios-16P user manual; rs_driver 4eeadace; the recording
+/// A RoboSense RS-Helios with 16 lasers (16P) or 32, with its GPS locked. The order of the halves of a dual packet is
+/// not documented: here the strongest comes first. Source: RS-Helios-16P user manual; rs_driver 4eeadace; the recording
 /// shared/data/rs16/helios16p.pcap, which is of 32 lasers.
 class HeliosEmulator final : public LidarEmulator {
  public:

@@ -34,7 +34,7 @@ std::uint16_t modbus_crc(std::span<const std::uint8_t> bytes) {
   return static_cast<std::uint16_t>(crc);
 }
 
-/// A request that follows damaged bytes is found again: it is the eight bytes with the right checksum.
+/// Resynchronises after damaged bytes: a request is any eight bytes with the right checksum.
 bool ModbusDriveEmulator::on_bytes(std::span<const std::uint8_t> bytes) {
   for (const std::uint8_t byte : bytes) {
     if (request_.size() == kRequestSize) request_.erase(request_.begin());

@@ -8,19 +8,20 @@
 
 namespace curbstone::simulate::devices {
 
-/// A ZLAC8015D wheel drive as its RS485 line sees it: a Modbus slave with the feedback registers. It knows function 03
-/// alone, for nobody may move an emulated wheel; another function is exception 01. A request with a wrong checksum, or
-/// for another slave, is not answered. A byte stream state machine without a clock. Source: Modbus over serial line
-/// V1.02; ZLAC8015D RS485 Communication Instruction V1.06.
+/// A ZLAC8015D wheel drive seen from its RS485 line: a Modbus slave with the feedback registers. It supports only
+/// function 03, because an emulated wheel must not be commanded; other functions return exception 01. A request with a
+/// wrong checksum, or for another slave, is not answered. A byte stream state machine without a clock. Source: Modbus
+/// over serial line V1.02; ZLAC8015D RS485 Communication Instruction V1.06.
 class ModbusDriveEmulator {
  public:
   explicit ModbusDriveEmulator(std::uint8_t slave = 1) : slave_(slave) {}
 
-  /// What the host wrote. True if a request is whole: then answer() has the reply, with the counts of that moment.
+  /// Takes bytes from the host. True if a request is complete: then answer() returns the reply, with the counts at that
+  /// time.
   bool on_bytes(std::span<const std::uint8_t> bytes);
   [[nodiscard]] std::vector<std::uint8_t> answer();
 
-  /// The encoders, as the drive counts them (raw: the right wheel is mounted mirrored). Wrap as int32.
+  /// Encoder counts in the drive's convention (raw: the right wheel is mounted mirrored). They wrap as int32.
   void set_counts(std::int32_t left, std::int32_t right) { counts_ = {left, right}; }
   /// 0.1 rpm, raw.
   void set_speeds(std::int16_t left, std::int16_t right) { speeds_ = {left, right}; }

@@ -17,7 +17,7 @@ namespace {
 constexpr double kRadiansADegree = std::numbers::pi / 180.0;
 constexpr double kDistanceStep = 0.005;  // m
 
-/// Two returns take both halves of a block.
+/// In dual return mode the two returns use both halves of a block.
 LidarTable table_of(ReturnMode mode) {
   using namespace lidar::models::rs16;
   const int sequences = mode == ReturnMode::kDual ? kSequencesPerPacket / kSequencesPerBlock : kSequencesPerPacket;

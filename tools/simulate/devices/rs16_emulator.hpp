@@ -14,18 +14,18 @@ namespace curbstone::simulate::devices {
 struct Rs16EmulatorConfig {
   double rpm = 1200;
   ReturnMode mode = ReturnMode::kStrongest;
-  /// deg, by laser in firing order: a device's own, slightly off the nominal table, so that DIFOP matters.
+  /// deg, by laser in firing order: those of a device, slightly off the nominal table, so that DIFOP matters.
   lidar::models::rs16::ElevationTable elevations = {-15.0031, -12.9874, -11.0212, -8.9956, -7.0103, -4.9891,
                                                     -3.0067,  -0.9985,  14.9860,  12.9630, 11.0127, 8.9934,
                                                     7.0088,   4.9912,   3.0145,   1.0133};
 };
 
-/// Builds the packets of an RS-LiDAR-16 (single or dual return, 5 mm, current firmware) from what its lasers measured.
-/// Pure: whoever simulates casts the rays, keeps the time and sends the packets.
+/// Builds the packets of an RS-LiDAR-16 (single or dual return, 5 mm, current firmware) from the returns of its lasers.
+/// Pure: the simulator casts the rays, keeps the time and sends the packets.
 ///
-/// The sequences come every kSequencePeriod; the head turns `360 * rpm / 60 * kSequencePeriod` deg meanwhile. A packet
-/// carries the time and the azimuths (0.01 deg) of its blocks' first shots only: a decoder interpolates the rest, which
-/// is exact while the sequences keep that pace.
+/// The interval between sequences is kSequencePeriod; the head turns by `360 * rpm / 60 * kSequencePeriod` deg
+/// meanwhile. A packet has only the time and the azimuths (0.01 deg) of its blocks' first shots: a decoder interpolates
+/// the rest, which is exact while the sequences keep that interval.
 class Rs16Emulator final : public LidarEmulator {
  public:
   explicit Rs16Emulator(const Rs16EmulatorConfig& config = {});
@@ -43,8 +43,8 @@ class Rs16Emulator final : public LidarEmulator {
   /// Beams of the sequence that starts at `azimuth_deg` (clockwise from above; 0 is x), by laser in firing order.
   [[nodiscard]] std::array<LidarRay, lidar::models::rs16::kLasers> rays(double azimuth_deg) const;
 
-  /// Adds the sequence whose first shot is at `utime`, of a device with single return. A packet comes out with the
-  /// 24th.
+  /// Adds the sequence whose first shot is at `utime`, for a device with single return. Returns a packet with every
+  /// 24th sequence.
   std::optional<lidar::models::rs16::Rs16Packet> add_sequence(
       std::int64_t utime, double azimuth_deg, std::span<const LidarShot, lidar::models::rs16::kLasers> by_laser);
 

@@ -9,23 +9,22 @@
 
 namespace curbstone::simulate::devices {
 
-/// A serial CAN adapter (Lawicel's ASCII protocol) as the host's serial port sees it. Pure: bytes and frames in and
-/// out.
+/// A serial CAN adapter (Lawicel's ASCII protocol) seen from the host's serial port. Pure: bytes and frames in and out.
 class SlcanEmulator {
  public:
   struct Result {
-    std::vector<std::uint8_t> to_host;           ///< answers: CR, or BELL where the command is refused
+    std::vector<std::uint8_t> to_host;           ///< responses: CR, or BELL if the command is refused
     std::vector<encoder::can::CanFrame> to_bus;  ///< frames the host sends
   };
 
-  /// What the host wrote.
+  /// Takes bytes from the host.
   Result on_bytes(std::span<const std::uint8_t> bytes);
-  /// A frame on the bus; nothing while the channel is closed.
+  /// Takes a frame from the bus; returns nothing while the channel is closed.
   [[nodiscard]] std::vector<std::uint8_t> on_frame(const encoder::can::CanFrame& frame) const;
-  /// The adapter loses power, or is plugged in again: the channel is closed and has no speed.
+  /// The adapter loses power or is plugged in again: the channel is closed and has no bit rate.
   void reset() { *this = {}; }
 
-  /// Error flags, until the host has asked for them: encoder::can::SlcanFlag.
+  /// Error flags, kept until the host reads them: encoder::can::SlcanFlag.
   void set_flags(std::uint8_t flags) { flags_ = flags; }
 
   [[nodiscard]] bool is_open() const { return open_; }

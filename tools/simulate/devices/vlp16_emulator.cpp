@@ -29,7 +29,7 @@ constexpr std::size_t kPpsAt = 202;
 constexpr std::uint8_t kPpsLocked = 2;
 constexpr std::size_t kTextAt = 206;
 
-// By laser in firing order: deg above the horizon, mm of its lens above the centre. Manual, table 9-1.
+// By laser in firing order: deg above the horizon, mm of the lens above the centre. Manual, table 9-1.
 constexpr std::array<std::pair<int, double>, kLasers> kMounts = {{{-15, 11.2},
                                                                   {1, -0.7},
                                                                   {-13, 9.7},
@@ -57,7 +57,7 @@ std::vector<LaserMount> mounts() {
 
 LidarTable table_of(ReturnMode mode) {
   const int firings = mode == ReturnMode::kDual ? 12 : 24;
-  // A position packet for each 14 point packets.
+  // One position packet per 14 point packets.
   const auto period = static_cast<std::int64_t>(14 * firings * kFiringPeriod * 1e6);
   return {"vlp16", kLasers, kFiringPeriod, firings, kPacketSize, 0.0, 2368, 8308, period};
 }

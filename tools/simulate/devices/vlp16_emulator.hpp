@@ -10,7 +10,7 @@ struct Vlp16EmulatorConfig {
   ReturnMode mode = ReturnMode::kStrongest;
 };
 
-/// A Velodyne VLP-16 whose GPS has its fix. Source: VLP-16 User Manual 63-9243 Rev D, chapter 9.
+/// A Velodyne VLP-16 whose GPS has a fix. Source: VLP-16 User Manual 63-9243 Rev D, chapter 9.
 class Vlp16Emulator final : public LidarEmulator {
  public:
   explicit Vlp16Emulator(const Vlp16EmulatorConfig& config = {});

@@ -8,11 +8,11 @@
 
 namespace curbstone::simulate::devices {
 
-/// A WitMotion IMU as its serial line sees it: streams from power-up, obeys the registers for its frames (02) and rate
-/// (03) once it is unlocked, and forgets both with its supply. A byte state machine without a clock, as XsensEmulator.
+/// A WitMotion IMU seen from its serial line: streams from power-up, accepts the registers for its frames (02) and rate
+/// (03) once it is unlocked, and loses both with its supply. A byte state machine without a clock, like XsensEmulator.
 class WitEmulator {
  public:
-  /// The supply comes on: its time of day begins at midnight.
+  /// Switches the supply on: its time of day begins at midnight.
   void power_on(std::int64_t now);
   void on_bytes(std::span<const std::uint8_t> bytes);
   /// The frames of one sample.
@@ -24,7 +24,7 @@ class WitEmulator {
   void on_command(std::uint8_t reg, std::uint16_t value);
 
   std::int64_t powered_ = 0;       // us
-  std::uint16_t frames_ = 0x001E;  // register 02: as it is bought
+  std::uint16_t frames_ = 0x001E;  // register 02, factory default
   std::uint8_t rate_ = 6;          // register 03: 10 Hz
   bool unlocked_ = false;
   std::vector<std::uint8_t> received_;

@@ -10,8 +10,8 @@ namespace curbstone::simulate::devices {
 
 namespace {
 
-constexpr std::int64_t kBootTime = 500'000;  // us in which WakeUpAck must come
-constexpr std::uint16_t kUnrated = 0xFFFF;   // outputs that come with every message
+constexpr std::int64_t kBootTime = 500'000;  // us within which WakeUpAck must arrive
+constexpr std::uint16_t kUnrated = 0xFFFF;   // outputs without a rate, sent with every message
 
 void append_floats(std::vector<std::uint8_t>& payload, std::span<const double> values) {
   for (const double value : values) append_big_endian(payload, std::bit_cast<std::uint32_t>(static_cast<float>(value)));
@@ -80,7 +80,8 @@ void XsensEmulator::on_frame(const imu::xsens::XbusFrame& frame, std::int64_t no
   }
 }
 
-/// The device answers with what it will really do: unrated ids say FFFF, rates are held to what it can.
+/// Responds with the effective settings: FFFF for outputs without a rate, other rates limited to what the device
+/// supports.
 std::vector<std::uint8_t> XsensEmulator::configure(std::span<const std::uint8_t> list) {
   std::vector<std::uint8_t> effective;
   outputs_.clear();

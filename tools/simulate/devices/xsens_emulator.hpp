@@ -10,7 +10,7 @@
 
 namespace curbstone::simulate::devices {
 
-/// What the emulated sensor measures at one instant, in its own frame (x forward, y left, z up when mounted so).
+/// A measurement of the emulated sensor, in its own frame (x forward, y left, z up when mounted so).
 struct XsensSample {
   std::array<double, 3> acceleration{};                ///< specific force, m/s^2 (+g upwards at rest)
   std::array<double, 3> angular_rate{};                ///< rad/s
@@ -19,34 +19,36 @@ struct XsensSample {
   std::uint32_t clipping = 0;                          ///< bits 8..13 of the status word
 };
 
-/// A Xsens MTi as its serial line sees it: boots, is configured, streams MTData2 in float32. A byte state machine
-/// without a clock: whoever uses it passes the time (us, any monotonic clock) and moves the bytes. When measuring() it
-/// expects sample() every `period()`; a frame takes `transmission_time()` on a real line, which a simulator may honour.
+/// An Xsens MTi seen from its serial line: boots, is configured, streams MTData2 in float32. A byte state machine
+/// without a clock: the caller passes the time (us, any monotonic clock) and transfers the bytes. While measuring() it
+/// expects sample() every `period()`; a frame takes `transmission_time()` on a real line, which a simulator may
+/// respect.
 class XsensEmulator {
  public:
-  /// A device that was set up before sends everything the driver needs on its own; a new one only counter and time.
+  /// A configured device sends everything the driver needs from power-up; a new one sends only counter and time.
   struct Settings {
     bool configured = false;
-    int rate = 100;                         ///< Hz, until it is configured otherwise
+    int rate = 100;                         ///< Hz, until configured otherwise
     std::uint32_t first_tick = 0;           ///< SampleTimeFine at power-up, 0.1 ms
-    std::uint32_t tick_wrap = 864'000'000;  ///< ticks after which SampleTimeFine starts again; 0: after 2^32
-    double clock_error = 0.0;               ///< of the device's oscillator, e.g. 30e-6: it runs fast by 30 ppm
+    std::uint32_t tick_wrap = 864'000'000;  ///< ticks after which SampleTimeFine restarts; 0: after 2^32
+    double clock_error = 0.0;               ///< of the device's oscillator: 30e-6 is 30 ppm fast
   };
 
   explicit XsensEmulator(const Settings& settings) : settings_(settings) {}
   XsensEmulator() : XsensEmulator(Settings{}) {}
 
-  /// The supply comes on, or on again: sends WakeUp. Unless the host answers within 0.5 s it starts to measure.
+  /// Switches the supply on, or off and on: sends WakeUp. Without a reply from the host within 0.5 s it starts to
+  /// measure.
   std::vector<std::uint8_t> power_on(std::int64_t now);
-  /// What the host wrote; returns the answers.
+  /// Takes bytes from the host; returns the responses.
   std::vector<std::uint8_t> on_bytes(std::int64_t now, std::span<const std::uint8_t> bytes);
-  /// One MTData2 message, or nothing while the device does not measure.
+  /// One MTData2 message; empty while the device does not measure.
   std::vector<std::uint8_t> sample(std::int64_t now, const XsensSample& sample);
 
   [[nodiscard]] bool measuring(std::int64_t now) const;
   /// us between samples, as configured.
   [[nodiscard]] std::int64_t period() const { return 1'000'000 / rate_; }
-  /// us that `size` bytes take on a line of `baud`, 8N1.
+  /// us to transmit `size` bytes on a line of `baud`, 8N1.
   [[nodiscard]] static std::int64_t transmission_time(std::size_t size, int baud) {
     return static_cast<std::int64_t>(size) * 10'000'000 / baud;
   }

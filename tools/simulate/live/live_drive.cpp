@@ -30,7 +30,7 @@ namespace {
 constexpr std::int64_t kNever = INT64_MAX;
 constexpr std::int64_t kSecond = 1'000'000;  // us
 
-/// SIGINT and SIGTERM as something to poll.
+/// SIGINT and SIGTERM as a descriptor for poll().
 class Signals {
  public:
   Signals() {
@@ -61,15 +61,15 @@ std::unique_ptr<rig::WheelDevice> make_wheels(const rig::Drive& drive, bool modb
   return std::make_unique<rig::EmulatedWheels>(std::move(model));
 }
 
-/// Devices are hardware: they wait for no program. Only where the rights are there; LiveReport::latest says how well it
-/// went.
+/// Raises the priority, because real devices do not wait for any program. It needs the rights; LiveReport::latest shows
+/// the result.
 void run_before_others() {
   sched_param priority{};
   priority.sched_priority = sched_get_priority_min(SCHED_RR);
   (void)sched_setscheduler(0, SCHED_RR | SCHED_RESET_ON_FORK, &priority);
 }
 
-/// The emulated vehicle on the real clock, one thread.
+/// The emulated vehicle on the real-time clock, one thread.
 class LiveDrive {
  public:
   LiveDrive(const rig::Drive& drive, const LiveOptions& options)
@@ -91,7 +91,7 @@ class LiveDrive {
   }
 
   LiveReport run(const std::function<void(std::int64_t)>& on_start) {
-    // The vehicle stands, with its devices on, until the packets are rendered.
+    // The vehicle stands with its devices on until the packets are rendered.
     const int threads = 2;
     auto rendering = std::async(std::launch::async, [&] {
       return std::make_unique<rig::PacketSpool>(drive_, options_.spool, options_.fingerprint, threads, cancel_);
@@ -122,11 +122,11 @@ class LiveDrive {
   }
   [[nodiscard]] std::int64_t packet_due() const {
     if (!spool_ || report_.packets >= spool_->size()) return kNever;
-    // A packet leaves the device when its last shot is in.
+    // A packet is sent after its last shot.
     return start_ + std::llround(static_cast<double>(report_.packets + 1) * lidar_->table().packet_period() * 1e6);
   }
 
-  /// Sleeps until something is due (at most until `limit`) or the host writes, and does it.
+  /// Waits until something is due (at most until `limit`) or the host writes, and handles it.
   void serve(std::int64_t limit) {
     const std::int64_t due = std::min({limit, packet_due(), next_difop_, imu_.next_due(), wheels_->next_due()});
     const std::int64_t wait = std::clamp<std::int64_t>(due - wall_clock(), 0, kSecond);
@@ -140,7 +140,7 @@ class LiveDrive {
       if (ports[2].revents != 0) report_.interrupted = true;
     }
     const std::int64_t now = wall_clock();
-    // A device samples by its own timer however late we are: the bytes come late then, the measurement does not.
+    // A device samples by its own timer: if this loop is late, the bytes are late but the time of measurement is not.
     for (auto at = imu_.next_due(); at <= now; at = imu_.next_due())
       send(imu_port_, imu_.run(at, time(at)), rig::SensorFault::Sensor::kImu);
     for (auto at = wheels_->next_due(); at <= now; at = wheels_->next_due())

@@ -28,7 +28,7 @@ Pty::Pty(const std::string& link) : link_(link), fd_(posix_openpt(O_RDWR | O_NOC
   cfmakeraw(&raw);
   tcsetattr(fd_, TCSANOW, &raw);
 
-  // Put the link in place at once: whoever waits for it never sees half of it. Only a link is ever replaced.
+  // Creates the link atomically, so that a waiting process never finds it half made. Only an existing link is replaced.
   std::error_code error;
   const bool taken = std::filesystem::exists(std::filesystem::symlink_status(link, error)) &&
                      !std::filesystem::is_symlink(std::filesystem::symlink_status(link, error));
@@ -59,7 +59,7 @@ std::vector<std::uint8_t> Pty::read() {
 }
 
 std::size_t Pty::write(std::span<const std::uint8_t> bytes) {
-  // What nobody has read for long is lost on a real line: a host that opens it now must not get old bytes.
+  // Bytes that stay unread are lost on a real line: a host that opens the port now must not get old bytes.
   constexpr int kUnread = 2048;
   int unread = 0;
   if (ioctl(host_end_, FIONREAD, &unread) == 0 && unread > kUnread) tcflush(host_end_, TCIFLUSH);

@@ -31,7 +31,7 @@ UdpSender::~UdpSender() {
 }
 
 void UdpSender::send(std::span<const std::uint8_t> bytes) const {
-  // A refusal by the port of an earlier datagram is reported here, and that one is not sent: try once more.
+  // A refusal of an earlier datagram by the port is reported by this call, which then sends nothing: retry once.
   if (::send(fd_, bytes.data(), bytes.size(), 0) < 0 && errno == ECONNREFUSED)
     (void)!::send(fd_, bytes.data(), bytes.size(), 0);
 }

@@ -6,10 +6,10 @@
 
 namespace curbstone::simulate::live {
 
-/// Sends datagrams to one address. That nobody listens is no error to a sender.
+/// Sends datagrams to one address. A missing receiver is not an error.
 class UdpSender {
  public:
-  /// `host` is an IPv4 address. Throws std::runtime_error with one clear line.
+  /// `host`: an IPv4 address. Throws std::runtime_error with a one-line message.
   UdpSender(const std::string& host, int port);
   ~UdpSender();
   UdpSender(const UdpSender&) = delete;

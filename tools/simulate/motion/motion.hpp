@@ -7,8 +7,8 @@
 
 namespace curbstone::simulate::motion {
 
-/// Where the vehicle truly is at any time: the source of everything that its sensors say. Twice differentiable.
-/// Immutable; safe from any thread.
+/// The true pose of the vehicle at any time, from which all sensor data are simulated. Twice differentiable. Immutable;
+/// safe from any thread.
 class Motion {
  public:
   virtual ~Motion() = default;
@@ -16,14 +16,15 @@ class Motion {
   [[nodiscard]] virtual Pose T_world_base(double t) const = 0;
 };
 
-/// What an ideal IMU, rigidly mounted, would measure.
+/// The measurement of an ideal, rigidly mounted IMU.
 struct Inertia {
   Eigen::Vector3d specific_force;  ///< m/s^2, imu frame: +g on the up axis at rest
   Eigen::Vector3d angular_rate;    ///< rad/s, imu frame
 };
 [[nodiscard]] Inertia inertia_at(const Motion& motion, const Pose& T_base_imu, double t);
 
-/// Signed way of a point of the vehicle along the vehicle's heading from t0 to t1, m: what a wheel there rolls.
+/// Signed distance that a point of the vehicle moves along the vehicle's heading from t0 to t1, m; a wheel at that
+/// point rolls that distance.
 [[nodiscard]] double rolled_distance(const Motion& motion, const Eigen::Vector3d& point_base, double t0, double t1);
 
 }  // namespace curbstone::simulate::motion

@@ -10,11 +10,11 @@ SpeedProfile::SpeedProfile(const Options& options, double seconds) : cruise_(opt
   double t = options.standstill, distance = 0;
   while (t < seconds + 60.0 && end_ > t) {
     ramps_.push_back({t, ramp, 0.0, options.speed, distance});
-    // Starting and braking are half as fast on average: a leg covers what it would at full speed without its end's
-    // ramp.
+    // During both ramps the speed is half on average, so a leg covers the distance at full speed over its duration
+    // without the final ramp.
     const double rest = (options.distance - distance) / options.speed;
-    const double leg = std::max(ramp, options.drive);  // it brakes once it is as fast as it shall be
-    const bool last = rest < leg + 2.0 * ramp;         // rather one longer leg than a last one that is too short
+    const double leg = std::max(ramp, options.drive);  // it brakes only after it has reached its speed
+    const bool last = rest < leg + 2.0 * ramp;         // one longer leg, rather than a last one that is too short
     const double drive = last ? std::max(ramp, rest) : leg;
     distance += options.speed * (drive - 0.5 * ramp);
     t += drive;

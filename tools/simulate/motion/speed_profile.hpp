@@ -5,17 +5,17 @@
 
 namespace curbstone::simulate::motion {
 
-/// Speed over time made of smooth ramps: starts at rest, drives, stops in between, drives on. The acceleration is
-/// continuous.
+/// Speed over time as a series of smooth ramps: starts at rest, drives, stops in between, drives on. The acceleration
+/// is continuous.
 class SpeedProfile {
  public:
   struct Options {
     double speed = 3.0;         ///< m/s
     double standstill = 4.0;    ///< s at the start, for the levelling of the IMU
     double acceleration = 0.9;  ///< m/s^2, at most
-    double drive = 26.0;        ///< s from a start to the next braking; longer where it speeds up for longer
-    double stop = 2.5;          ///< s that a stop in between lasts
-    double distance = std::numeric_limits<double>::infinity();  ///< m after which it stands for good
+    double drive = 26.0;        ///< s from a start to the next braking; longer if accelerating takes longer
+    double stop = 2.5;          ///< s, duration of a stop in between
+    double distance = std::numeric_limits<double>::infinity();  ///< m after which it stops for good
   };
   SpeedProfile(const Options& options, double seconds);
 
@@ -23,7 +23,7 @@ class SpeedProfile {
   [[nodiscard]] double speed(double t) const;              ///< m/s
   [[nodiscard]] double acceleration(double t) const;       ///< m/s^2
   [[nodiscard]] double cruise() const { return cruise_; }  ///< m/s
-  [[nodiscard]] double end() const { return end_; }        ///< s, when it stands for good
+  [[nodiscard]] double end() const { return end_; }        ///< s, when it stops for good
 
  private:
   struct Ramp {  // from v0 to v1 within `duration`, then v1 until the next

@@ -7,15 +7,15 @@ namespace curbstone::simulate::motion {
 namespace {
 
 constexpr double kWayStep = 0.125;
-constexpr double kNodPerAcceleration = 0.006;   // rad per m/s^2: the nose rises when it accelerates
-constexpr double kNodTime = 0.1;                // s, over which springs take the acceleration up
+constexpr double kNodPerAcceleration = 0.006;   // rad per m/s^2: the nose rises under acceleration
+constexpr double kNodTime = 0.1;                // s, over which the springs respond
 constexpr double kLeanPerAcceleration = 0.005;  // rad per m/s^2: it leans out of bends
 
 double speed_of(const numerics::Spline<Eigen::Matrix<double, 5, 1>>& path, double u) {
   return path.derivative(u).head<2>().norm();
 }
 
-/// Simpson's rule over one step of the way table, or a part of it.
+/// Path length over one step of the table or a part of it, by Simpson's rule.
 double way_between(const numerics::Spline<Eigen::Matrix<double, 5, 1>>& path, double a, double b) {
   return (b - a) / 6.0 * (speed_of(path, a) + 4.0 * speed_of(path, 0.5 * (a + b)) + speed_of(path, b));
 }
@@ -69,7 +69,7 @@ Pose TownMotion::T_world_base(double t) const {
   const double bounce = 1.2e-3 * v * std::sin(2.1 * 6.2832 * t);
   const double rock = 1.5e-3 * v * std::sin(1.3 * 6.2832 * t + 1.0) + 0.5e-3 * v * std::sin(4.7 * 6.2832 * t);
   const double nod = 1.8e-3 * v * std::sin(1.7 * 6.2832 * t + 2.0) + 0.5e-3 * v * std::sin(5.9 * 6.2832 * t);
-  // As the mean acceleration of that time: an IMU would feel a nod that began at once as a leap.
+  // The mean acceleration of that time: a pitch that began at once would be a step to an IMU.
   const double acceleration = (profile_.speed(t) - profile_.speed(t - kNodTime)) / kNodTime;
   Pose T = Pose::Identity();
   T.translation() = Eigen::Vector3d(state[0], state[1], state[2] + bounce);

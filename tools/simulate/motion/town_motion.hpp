@@ -12,13 +12,13 @@
 
 namespace curbstone::simulate::motion {
 
-/// Along a route through a town: on the ground with all wheels, leaning with slopes and camber, nodding with
-/// its suspension when it accelerates, and shaking a little while it rolls.
+/// A motion along a route through a town: all wheels on the ground, with roll and pitch from slopes and camber, pitch
+/// of the suspension when it accelerates, and slight vibration while it rolls.
 class TownMotion final : public Motion {
  public:
   TownMotion(const world::Town& town, const VehicleConfig& vehicle, const SpeedProfile& profile,
              const TownRoute& route);
-  /// Round the loop.
+  /// Around the loop.
   TownMotion(const world::Town& town, const VehicleConfig& vehicle, const SpeedProfile& profile)
       : TownMotion(town, vehicle, profile, TownRoute::around(town)) {}
   [[nodiscard]] Pose T_world_base(double t) const override;
@@ -30,7 +30,7 @@ class TownMotion final : public Motion {
 
   numerics::Spline<State> path_;
   SpeedProfile profile_;
-  std::vector<double> way_;  // m from the start to each place kWayStep apart in the spline's parameter
+  std::vector<double> way_;  // m from the start to places kWayStep apart in the spline's parameter
 };
 
 }  // namespace curbstone::simulate::motion

@@ -9,9 +9,9 @@ namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
 
-/// Round a corner from a lane into another that it meets at `corner`: tangent to both, near enough to an arc.
+/// Turns from one lane into another that meets it at `corner`: tangent to both, close to an arc.
 void turn(Points& points, const Eigen::Vector2d& from, const Eigen::Vector2d& corner, const Eigen::Vector2d& to) {
-  constexpr double kHandle = 0.5523;  // of a Bezier curve that follows a quarter of a circle
+  constexpr double kHandle = 0.5523;  // handle length of a Bezier curve for a quarter circle
   const Eigen::Vector2d a = from + kHandle * (corner - from), b = to + kHandle * (corner - to);
   const int n = static_cast<int>(0.8 * ((corner - from).norm() + (to - corner).norm()));
   for (int i = 1; i < n; ++i) {
@@ -20,7 +20,7 @@ void turn(Points& points, const Eigen::Vector2d& from, const Eigen::Vector2d& co
   }
 }
 
-/// Where two lanes cross.
+/// The intersection of two lanes.
 Eigen::Vector2d crossing(const Eigen::Vector2d& p, const Eigen::Vector2d& along_p, const Eigen::Vector2d& q,
                          const Eigen::Vector2d& along_q) {
   Eigen::Matrix2d directions;
@@ -43,14 +43,14 @@ TownRoute TownRoute::around(const world::Town& town) {
 
 TownRoute TownRoute::there_and_back(const world::Town& town) {
   constexpr double kBegin = 100.0;  // m from the loop
-  constexpr double kTurn = 9.0;     // m before and after a corner: the curb's 6 m and the lane's way from it
+  constexpr double kTurn = 9.0;     // m before and after a corner: 6 m of the curb, and the lane's offset from it
   const world::Street &loop = town.streets.front(), &gate = town.streets.at(1);
   const double lane = town.options.lane_offset;
   const auto on_loop = [&](double s) -> Eigen::Vector2d { return loop.at(s).point + lane * loop.at(s).normal(); };
   const auto on_gate = [&](double s, double side) -> Eigen::Vector2d {
     return gate.at(s).point + side * lane * gate.at(s).normal();
   };
-  // Where the gate's crown meets the loop, along the loop.
+  // Where the gate's crown meets the loop, m along the loop.
   double meets = 0;
   for (const world::Street::Sample& at : loop.samples()) {
     if ((at.point - gate.at(0).point).norm() < (loop.at(meets).point - gate.at(0).point).norm()) meets = at.s;
@@ -60,7 +60,7 @@ TownRoute TownRoute::there_and_back(const world::Town& town) {
   const Eigen::Vector2d corner_out = crossing(on_gate(0, 1), along_gate, on_loop(meets), along_loop);
 
   Points points;
-  const auto gate_way = [&](const Eigen::Vector2d& corner) {  // along the gate, to where the turn begins
+  const auto gate_way = [&](const Eigen::Vector2d& corner) {  // along the gate, to the start of the turn
     return (corner + kTurn * along_gate - gate.at(0).point).dot(along_gate);
   };
   const auto loop_way = [&](const Eigen::Vector2d& corner) {  // along the loop, from where the gate meets it
@@ -68,7 +68,7 @@ TownRoute TownRoute::there_and_back(const world::Town& town) {
   };
   const double in = gate_way(corner_in), out = gate_way(corner_out);
   const double begin = meets + loop_way(corner_in) + kTurn, end = meets + loop.length() + loop_way(corner_out) - kTurn;
-  const auto straight_on = [&](double from, double to, const auto& place) {  // even steps: the spline has them as speed
+  const auto straight_on = [&](double from, double to, const auto& place) {  // equal steps: they set the spline's speed
     const int n = static_cast<int>(std::abs(to - from));
     for (int i = 0; i <= n; ++i) points.push_back(place(from + (to - from) * i / n));
   };

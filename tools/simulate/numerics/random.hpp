@@ -5,8 +5,8 @@
 
 namespace curbstone::simulate::numerics {
 
-/// splitmix64's finaliser: turns any 64-bit number into a well-mixed one. Noise by counter is hash(seed, index): it
-/// does not depend on the order in which it is drawn, nor on a standard library's distributions.
+/// splitmix64's finaliser: mixes the bits of any 64-bit number. Counter-based noise is hash(seed, index): it depends
+/// neither on the order of the draws nor on a standard library's distributions.
 [[nodiscard]] constexpr std::uint64_t mix_bits(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15ULL;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -19,18 +19,18 @@ namespace curbstone::simulate::numerics {
   return static_cast<double>(bits >> 11) * (1.0 / 9007199254740992.0);
 }
 
-/// About normal, mean 0, deviation 1, never beyond 3.5: the sum of four 16-bit uniforms (Irwin-Hall). Fast.
+/// Approximately normal, mean 0, deviation 1, never beyond 3.5: the sum of four 16-bit uniforms (Irwin-Hall). Fast.
 [[nodiscard]] constexpr float normal_from_bits(std::uint64_t bits) {
   const auto sum =
       static_cast<float>((bits & 0xffff) + ((bits >> 16) & 0xffff) + ((bits >> 32) & 0xffff) + (bits >> 48));
   return (sum - 131070.0F) * (1.7320508F / 65536.0F);
 }
 
-/// A stream of reproducible random numbers: the same on every machine.
+/// A stream of reproducible random numbers, identical on every machine.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(mix_bits(seed)) {}
-  /// A stream of its own for a named purpose, so that one more draw here changes nothing there.
+  /// A separate stream for a named purpose, so that an additional draw in one stream does not change another.
   [[nodiscard]] Random fork(std::uint64_t purpose) const { return Random(mix_bits(state_ ^ mix_bits(purpose))); }
 
   std::uint64_t bits() { return mix_bits(state_ += 0x9e3779b97f4a7c15ULL); }

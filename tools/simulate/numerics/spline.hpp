@@ -9,8 +9,8 @@
 
 namespace curbstone::simulate::numerics {
 
-/// Weights of the four control points around a place of a uniform cubic B-spline; `f` 0..1 within the span. Twice
-/// continuously differentiable, which is what an IMU needs of a path.
+/// Weights of the four control points around a place of a uniform cubic B-spline; `f`: 0..1 within the span. Twice
+/// continuously differentiable, as an IMU requires of a path.
 [[nodiscard]] inline std::array<double, 4> cubic_b_spline_weights(double f) {
   const double g = 1.0 - f;
   return {g * g * g / 6.0, (3.0 * f * f * f - 6.0 * f * f + 4.0) / 6.0,
@@ -18,7 +18,7 @@ namespace curbstone::simulate::numerics {
 }
 
 /// A uniform cubic B-spline through a vector space: at integer u it is near control point u (it smooths, it does not
-/// interpolate). Closed: u wraps at the number of points. Open: it goes on straight beyond its ends.
+/// interpolate). Closed: u wraps at the number of points. Open: it continues straight beyond its ends.
 template <class Value>
 class Spline {
  public:
@@ -27,7 +27,7 @@ class Spline {
 
   [[nodiscard]] bool closed() const { return closed_; }
   [[nodiscard]] std::size_t size() const { return points_.size(); }
-  /// Where u starts to repeat (closed), or ends.
+  /// The u at which it repeats (closed), or ends.
   [[nodiscard]] double length() const { return static_cast<double>(closed_ ? points_.size() : points_.size() - 1); }
 
   [[nodiscard]] Value at(double u) const {

@@ -11,14 +11,14 @@ enum class MarkingType { kSolid, kDashed, kDouble, kStopLine, kCrossing, kOther 
 /// As in the type column of markings.csv.
 [[nodiscard]] const char* name_of(MarkingType type);
 
-/// A painted piece: a band `width` m wide about a polyline, cut off square at both ends. A dash, a bar of a crossing, a
-/// stroke of an arrow, or all of a solid line. Frame: world, plan view, m.
+/// A painted piece: a band `width` m wide around a polyline, cut off square at both ends. A dash, a bar of a crossing,
+/// a stroke of an arrow, or a whole solid line. Frame: world, plan view, m.
 struct MarkingPiece {
   std::vector<Eigen::Vector2d> centre;  ///< two points or more
   double width = 0.12;
 };
 
-/// Pieces that a driver takes for one thing: a line with all its dashes, a crossing with all its bars.
+/// Pieces that belong together: a line with all its dashes, a crossing with all its bars.
 struct Marking {
   MarkingType type = MarkingType::kSolid;
   std::vector<MarkingPiece> pieces;

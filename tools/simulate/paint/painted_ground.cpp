@@ -13,7 +13,7 @@ namespace {
 
 using world::Surface;
 
-constexpr std::uint64_t kStream = 7;  // of the town's random numbers; it uses those up to 6
+constexpr std::uint64_t kStream = 7;  // index of the stream; the town itself uses those up to 6
 constexpr double kFreshPaint = 0.55F;
 constexpr float kHoles = 0.25F;       // share of worn paint
 constexpr double kTar = 0.02F;        // bitumen in cracks and joints
@@ -27,7 +27,7 @@ Stroke band(const std::vector<Eigen::Vector2d>& centre, double width, double ref
   return stroke;
 }
 
-/// Mended places with tar about them, cracks across and a joint along the crown here and there.
+/// Adds mended patches with tar around them, cracks across, and a joint along the crown in places.
 void add_repairs(const world::Street& street, numerics::Random random, Strokes& strokes) {
   const auto at = [&](double s, double left) -> Eigen::Vector2d {
     const world::Street::Sample sample = street.at(s);
@@ -75,7 +75,7 @@ PaintedGround::PaintedGround(const world::Town& town, Paint paint) {
   markings_ = plan_markings(town, random.fork(1));
   numerics::Random wear = random.fork(2);
   for (const Marking& marking : markings_) {
-    const double faded = wear.uniform(0.25, 0.35);  // those of one line are of one age
+    const double faded = wear.uniform(0.25, 0.35);  // the pieces of one marking have the same age
     for (const MarkingPiece& piece : marking.pieces) {
       Stroke stroke = band(piece.centre, piece.width, paint == Paint::kFresh ? kFreshPaint : faded);
       if (paint == Paint::kWorn) stroke.holes = kHoles;
@@ -108,7 +108,7 @@ float PaintedGround::reflectivity(const world::Ray& ray, const world::Hit& hit) 
   if (hit.surface < Surface::kAsphalt || hit.surface > Surface::kGrass) return hit.reflectivity;
   const float x = ray.origin.x() + hit.range * ray.direction.x(), y = ray.origin.y() + hit.range * ray.direction.y();
   if (hit.surface != Surface::kAsphalt || !on_road_.near(x, y)) return at(x, y, hit.surface);
-  // The beam's spot, drawn out along the ray: at its edge a marking is no longer as bright as paint.
+  // The beam's spot, elongated along the ray: at the edge of a marking only a part of it is on paint.
   constexpr int kSpots = 5;
   const float half = kHalfBeam * hit.range / std::max(hit.incidence, 0.05F);
   const float flat = std::hypot(ray.direction.x(), ray.direction.y());

@@ -10,18 +10,18 @@ namespace curbstone::simulate::paint {
 
 enum class Paint { kNone, kFresh, kWorn };
 
-/// How bright a town's ground is: asphalt with patches, tar in its joints and cracks, slabs of pavement, and markings.
-/// From the town's seed, by draws of its own: a town's shape is the same with or without. Immutable; safe from any
-/// thread.
+/// The reflectivity of a town's ground: asphalt with patches, tar in its joints and cracks, slabs of pavement, and
+/// markings. From the town's seed, with separate draws, so that the town's shape is the same with or without paint.
+/// Immutable; safe from any thread.
 class PaintedGround {
  public:
   PaintedGround(const world::Town& town, Paint paint);
 
-  /// What is painted on the streets; none of Paint::kNone.
+  /// The markings of the streets; empty for Paint::kNone.
   [[nodiscard]] const std::vector<Marking>& markings() const { return markings_; }
-  /// 0..1, of what a beam met: the ground as it is in the beam's spot, other things as the hit says.
+  /// 0..1, of what a beam hit: the ground averaged over the beam's spot, other objects as given by the hit.
   [[nodiscard]] float reflectivity(const world::Ray& ray, const world::Hit& hit) const;
-  /// 0..1, of the ground of that kind at a place.
+  /// 0..1, of ground of this kind at a place.
   [[nodiscard]] float at(float x, float y, world::Surface surface) const;
 
  private:

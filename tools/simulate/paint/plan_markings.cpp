@@ -20,7 +20,7 @@ constexpr double kBesideParked = 2.25;  // m from the curb, of the line along pa
 constexpr double kZebraLength = 4.0;    // m along the street
 constexpr double kBar = 0.5;            // m, of a crossing's bars and of the gaps between
 constexpr double kStopWidth = 0.4;      // m
-constexpr double kBend = 1.0 / 40.0;    // 1/m: no overtaking
+constexpr double kBend = 1.0 / 40.0;    // 1/m; sharper bends have no overtaking
 
 struct Dashes {
   double dash, gap;  // m
@@ -31,13 +31,13 @@ struct Interval {
   [[nodiscard]] bool holds(double s) const { return s >= from && s <= to; }
 };
 
-/// Paints along one street.
+/// Paints the markings along one street.
 class StreetPainter {
  public:
   StreetPainter(const Street& street, const world::Ground& ground, std::vector<Marking>& markings)
       : street_(street), ground_(ground), markings_(markings) {}
 
-  /// A line `left` m from the crown wherever `wanted`, broken where streets meet. Two lines where `apart` > 0.
+  /// A line `left` m from the crown wherever `wanted`, interrupted at junctions. Two lines if `apart` > 0.
   void line(double left, const Interval& part, const std::function<bool(double)>& wanted, MarkingType type,
             Dashes dashes = {0, 0}, double apart = 0) {
     std::vector<double> run;
@@ -55,7 +55,7 @@ class StreetPainter {
     finish();
   }
 
-  /// Bars along the street, as far across as the edge lines leave room.
+  /// Bars along the street, across the width between the edge lines.
   void crossing(double s) {
     Marking marking{MarkingType::kCrossing, {}};
     const double reach = street_.half_width() - 0.9;
@@ -67,14 +67,14 @@ class StreetPainter {
     markings_.push_back(std::move(marking));
   }
 
-  /// Across the lane on the `side` of the crown: the right one is that of who drives with s.
+  /// Across the lane on the `side` of the crown: the right one for traffic in direction of s.
   void stop_line(double s, world::Side side) {
     const double sign = static_cast<int>(side);
     markings_.push_back(
         {MarkingType::kStopLine, {{{at(s, 0.1 * sign), at(s, sign * (street_.half_width() - 0.7))}, kStopWidth}}});
   }
 
-  /// An arrow of 4 m from s on, for who drives in direction `way` (1 or -1 along s).
+  /// An arrow of 4 m from s on, for traffic in direction `way` (1 or -1 along s).
   void arrow(double s, double way) {
     const double left = -way * 0.5 * street_.half_width(), tip = s + way * 4.0;
     markings_.push_back({MarkingType::kOther,
@@ -91,7 +91,7 @@ class StreetPainter {
     constexpr double kHalf = 3.0;
     return (street_.at(s + kHalf).tangent - street_.at(s - kHalf).tangent).norm() / (2.0 * kHalf);
   }
-  /// Whether the nearest curb is the street's own: not where another street leads in, nor outside the world.
+  /// Whether the nearest curb is the street's own: not at a junction, nor outside the world.
   [[nodiscard]] bool between_curbs(double s, double left) const {
     const Eigen::Vector2d p = at(s, left);
     if (!ground_.inside(p.x(), p.y())) return false;
@@ -107,7 +107,7 @@ class StreetPainter {
     }
     return true;
   }
-  /// Whether a street goes on `beyond` m after s.
+  /// Whether another street continues `beyond` m after s.
   [[nodiscard]] bool meets_street(double s, double beyond) const {
     const Street::Sample end = street_.at(s);
     const Eigen::Vector2d p = end.point + beyond * end.tangent;
@@ -145,7 +145,7 @@ bool in_one_of(const std::vector<Interval>& parts, double s) {
   return std::any_of(parts.begin(), parts.end(), [&](const Interval& part) { return part.holds(s); });
 }
 
-/// What is painted from one stretch's beginning to its end.
+/// The lines of one stretch.
 void paint_stretch(StreetPainter& painter, const Street& street, const Interval& part,
                    const std::vector<Interval>& crossings, numerics::Random random) {
   constexpr double kBefore = 12.0;  // m of solid line before a crossing
@@ -178,7 +178,7 @@ void paint_main_street(const world::Town& town, numerics::Random random, std::ve
   StreetPainter painter(street, town.scene->ground(), markings);
   std::vector<Interval> crossings;
   for (double s = random.uniform(20.0, 50.0); s < street.length() - 10.0; s += random.uniform(80.0, 130.0)) {
-    // The next place where nothing leads in, and no bend.
+    // The next place without a junction or a bend.
     double where = s;
     while (where < s + 40.0 && (!painter.clear_street({where - 8.0, where + 8.0}) || painter.curvature(where) > kBend))
       where += 1.0;
@@ -201,7 +201,7 @@ void paint_main_street(const world::Town& town, numerics::Random random, std::ve
   }
 }
 
-/// The end of a street that leads into another, `way` along s towards it (1 or -1).
+/// Markings at the end of a street that leads into another, `way` along s towards it (1 or -1).
 double paint_mouth(StreetPainter& painter, double end, double way, numerics::Random random) {
   constexpr double kCornerEnds = 7.5;  // m before the other street's edge
   const bool crossing = random.chance(0.4), arrow = random.chance(0.5);
@@ -253,7 +253,7 @@ std::vector<Marking> plan_markings(const world::Town& town, numerics::Random ran
   paint_main_street(town, random.fork(0), markings);
   for (std::size_t i = 1; i < town.streets.size(); ++i)
     paint_side_street(town, town.streets[i], random.fork(i), markings);
-  // Nothing outside the world, where no ray gets.
+  // Nothing outside the world, where no ray reaches.
   const world::Ground& ground = town.scene->ground();
   std::erase_if(markings, [&](const Marking& marking) {
     return std::any_of(marking.pieces.begin(), marking.pieces.end(), [&](const MarkingPiece& piece) {

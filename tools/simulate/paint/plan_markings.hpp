@@ -8,10 +8,10 @@
 
 namespace curbstone::simulate::paint {
 
-/// The markings of a town, right-hand traffic. Along the street that is driven: centre line (dashed, solid in bends and
+/// Plans the markings of a town with right-hand traffic. On the driven street: centre line (dashed, solid in bends and
 /// before crossings, double on some bends), lines along the curb or the parked cars, zebra crossings, half of them with
-/// stop lines. Along the others: centre line, and where they meet the first a stop line, some with a crossing and an
-/// arrow. Nothing is painted where streets meet. Some stretches have none.
+/// stop lines. On the others: centre line, and a stop line where they meet the first, some with a crossing and an
+/// arrow. Nothing is painted within junctions. Some stretches have none.
 [[nodiscard]] std::vector<Marking> plan_markings(const world::Town& town, numerics::Random random);
 
 }  // namespace curbstone::simulate::paint

@@ -7,7 +7,7 @@
 
 namespace curbstone::simulate::paint {
 
-/// 0..1 of a place's raster cell; `kind` tells textures apart.
+/// 0..1, the value of a raster cell; `kind` distinguishes textures.
 [[nodiscard]] inline float cell_value(int ix, int iy, std::uint64_t kind) {
   const auto key = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(ix)) << 32) | static_cast<std::uint32_t>(iy);
   return static_cast<float>(numerics::mix_bits(key ^ (kind * 0x9e3779b97f4a7c15ULL)) >> 40) * (1.0F / 16777216.0F);

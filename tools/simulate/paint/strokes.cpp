@@ -9,7 +9,7 @@ namespace curbstone::simulate::paint {
 
 namespace {
 
-/// Wear comes in grains and in larger spots: about uniform from 0 to 1 over the ground.
+/// Wear in grains and in larger spots: approximately uniform from 0 to 1 over the ground.
 float wear(float x, float y) {
   const float grain = speckle(x, y, 0.06F, 11), spot = speckle(x, y, 0.45F, 12);
   return std::clamp(0.5F + 2.5F * (0.55F * grain + 0.45F * spot - 0.5F), 0.0F, 1.0F);

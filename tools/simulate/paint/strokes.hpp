@@ -7,27 +7,27 @@
 
 namespace curbstone::simulate::paint {
 
-/// Something on a road that is brighter or darker than it: a band about a polyline. Frame: world, plan view, m.
+/// A brighter or darker part of a road: a band around a polyline. Frame: world, plan view, m.
 struct Stroke {
   std::vector<Eigen::Vector2f> centre;
   float width = 0.12F;
   float reflectivity = 0.5F;
-  float holes = 0.0F;  ///< share of it that is worn through
+  float holes = 0.0F;  ///< share that is worn through
 };
 
-/// Strokes by where they are. What was added later lies on top. Immutable once filled; then safe from any thread.
+/// Strokes in a spatial grid. A later one covers an earlier one. Immutable once filled; then safe from any thread.
 class Strokes {
  public:
   void add(const Stroke& stroke);
 
   /// Whether a stroke may be within half a metre.
   [[nodiscard]] bool near(float x, float y) const { return cells_.contains(key(x, y)); }
-  /// What is on top at a place; `bare` where nothing is.
+  /// Reflectivity of the topmost stroke at a place; `bare` if there is none.
   [[nodiscard]] float reflectivity(float x, float y, float bare) const;
 
  private:
   static constexpr float kCell = 1.0F;    // m
-  static constexpr float kMargin = 0.5F;  // m about a stroke in which its cells know it
+  static constexpr float kMargin = 0.5F;  // m around a stroke in which cells refer to it
   struct Segment {
     Eigen::Vector2f from, along;  // unit
     float length, half_width, reflectivity, holes;

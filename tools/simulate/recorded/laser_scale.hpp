@@ -5,10 +5,9 @@
 
 namespace curbstone::simulate::recorded {
 
-/// One scale for the intensities of all lasers of a recording, as the mapper has it: learned on the strip of road ahead
-/// and behind, `height` m below the lidar, of up to 40 of its scans. An emulated beam takes the intensity of the
-/// nearest laser, so without it one ring would mix the scales of several. A laser that sees too little road keeps its
-/// own.
+/// A common intensity scale for all lasers of a recording, as in the mapper: learned on the strip of road ahead and
+/// behind, `height` m below the lidar, from up to 40 of its scans. An emulated beam takes the intensity of the nearest
+/// laser, so without a common scale one ring would mix several. A laser that hits too little road keeps its own scale.
 class LaserScale {
  public:
   LaserScale(const ScanSet& scans, double height);

@@ -8,8 +8,8 @@ namespace curbstone::simulate::recorded {
 
 namespace {
 
-/// Normal of the ground near the vehicle, in the lidar frame: a plane through the points where ground should be, again
-/// through those near that plane, a few times.
+/// Normal of the ground near the vehicle, in the lidar frame: a plane fitted to the points where ground is expected,
+/// and refitted a few times to those near that plane.
 Eigen::Vector3d ground_normal(const std::vector<ScanPoint>& points, double height) {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double offset = -height, width = 0.35;  // normal . p = offset
@@ -41,7 +41,7 @@ Eigen::Matrix3d level(const ScanSet& scans, double height) {
   const std::size_t step = std::max<std::size_t>(1, scans.files.size() / 8);
   for (std::size_t i = 0; i < scans.files.size(); i += step)
     up += scans.T_first_scan[i].linear() * ground_normal(read_scan(scans.files[i]), height);
-  const Eigen::Vector3d n = up.normalized();  // which the shortest turn takes to z
+  const Eigen::Vector3d n = up.normalized();  // the rotation by the smallest angle takes it to z
   return Eigen::Quaterniond(1.0 + n.z(), n.y(), -n.x(), 0.0).normalized().toRotationMatrix();
 }
 

@@ -6,8 +6,8 @@
 
 namespace curbstone::simulate::recorded {
 
-/// Which way is up in the lidar frame of the first scan, by the ground around the vehicle in several scans: good to the
-/// slope of the street, a degree or two. `height` m is the lidar's above the ground. Yaw stays as it is.
+/// The rotation that levels the lidar frame of the first scan, from the ground around the vehicle in several scans:
+/// accurate to the slope of the street, a degree or two. `height`: of the lidar above the ground, m. Yaw is unchanged.
 [[nodiscard]] Eigen::Matrix3d level(const ScanSet& scans, double height);
 
 }  // namespace curbstone::simulate::recorded

@@ -9,7 +9,7 @@ namespace curbstone::simulate::recorded {
 
 namespace {
 
-/// Value at `at` of the parabola fitted to samples around it, the nearer the weightier.
+/// Value at `at` of a parabola fitted to the samples around it, with higher weights for nearer ones.
 Eigen::Matrix<double, 6, 1> smoothed(const std::vector<double>& times,
                                      const std::vector<Eigen::Matrix<double, 6, 1>>& states, double at) {
   constexpr double kReach = 0.55;  // s
@@ -36,7 +36,7 @@ double Playback::recording_time(double t) const {
   const double since = t - standstill_;
   if (since <= 0) return 0.0;
   const double f = std::min(1.0, since / ramp_);
-  return ramp_ * f * f * f * (1.0 - 0.5 * f) + std::max(0.0, since - ramp_);  // smooth-step speed
+  return ramp_ * f * f * f * (1.0 - 0.5 * f) + std::max(0.0, since - ramp_);  // integral of a smooth-step speed
 }
 
 double Playback::drive_time(double recorded) const {
@@ -46,7 +46,7 @@ double Playback::drive_time(double recorded) const {
 RecordedMotion::RecordedMotion(const ScanSet& scans, const VehicleConfig& vehicle, const Eigen::Matrix3d& R_world_first,
                                const Playback& playback)
     : T_world_first_(Pose::Identity()), playback_(playback) {
-  // Roll, pitch and a yaw that goes on beyond half a turn.
+  // Roll, pitch and an unwrapped yaw.
   std::vector<State> states;
   const Pose T_base_lidar = vehicle.T_base_lidar();
   double last_yaw = 0;

@@ -9,27 +9,27 @@
 
 namespace curbstone::simulate::recorded {
 
-/// When in the recording the emulated drive is: it holds the first pose for a while, so that the IMU can be levelled,
-/// gets going, and then runs at the recording's own pace.
+/// The time in the recording for a time of the emulated drive. The drive holds the first pose for a while, so that the
+/// IMU can be levelled, accelerates, and then runs at the recorded speed.
 class Playback {
  public:
   Playback(double standstill, double ramp) : standstill_(standstill), ramp_(ramp) {}
   [[nodiscard]] double recording_time(double t) const;     ///< s from the first scan
-  [[nodiscard]] double drive_time(double recorded) const;  ///< the inverse, for what is beyond the ramp
+  [[nodiscard]] double drive_time(double recorded) const;  ///< the inverse, for times after the ramp
 
  private:
   double standstill_, ramp_;
 };
 
-/// The recorded poses as a smooth motion of the vehicle: a centimetre of noise from pose to pose would be metres per
-/// second squared to an IMU. The world is levelled by `R_world_first`; its origin is base_link at the start.
+/// The recorded poses as a smooth motion of the vehicle: a centimetre of noise between poses would be metres per second
+/// squared to an IMU. The world is levelled by `R_world_first`; its origin is base_link at the start.
 class RecordedMotion final : public motion::Motion {
  public:
   RecordedMotion(const ScanSet& scans, const VehicleConfig& vehicle, const Eigen::Matrix3d& R_world_first,
                  const Playback& playback);
   [[nodiscard]] Pose T_world_base(double t) const override;
 
-  /// Of the lidar frame of the first scan, in which the recording's poses are.
+  /// The lidar frame of the first scan, in which the recorded poses are given.
   [[nodiscard]] const Pose& T_world_first() const { return T_world_first_; }
 
  private:
@@ -41,7 +41,7 @@ class RecordedMotion final : public motion::Motion {
   Playback playback_;
 };
 
-/// The recording's own poses, interpolated: lidar in the lidar frame of the first scan, at seconds from the first scan.
+/// The recorded poses, interpolated: lidar in the lidar frame of the first scan, at seconds from the first scan.
 [[nodiscard]] Pose recorded_pose(const ScanSet& scans, double recorded);
 
 }  // namespace curbstone::simulate::recorded

@@ -25,7 +25,7 @@ std::vector<std::string> scans_in(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     if (entry.path().extension() == ".bin") files.push_back(entry.path().string());
   }
-  std::sort(files.begin(), files.end(),  // 2.bin stands before 10.bin
+  std::sort(files.begin(), files.end(),  // 2.bin before 10.bin
             [](const std::string& a, const std::string& b) { return strverscmp(a.c_str(), b.c_str()) < 0; });
   return files;
 }
@@ -69,7 +69,7 @@ ScanSet find_scans(const std::string& folder, const std::string& poses_file, con
   fs::path scans = folder;
   for (const char* below : {"", "velodyne", "scans"}) {
     scans = fs::path(folder) / below;
-    if (!scans.has_filename()) scans = scans.parent_path();  // of "velodyne/" the parent is itself
+    if (!scans.has_filename()) scans = scans.parent_path();  // a trailing slash, as in "velodyne/", is removed
     set.files = scans_in(scans);
     if (!set.files.empty()) break;
   }
@@ -102,7 +102,7 @@ std::vector<ScanPoint> read_scan(const std::string& file) {
   constexpr std::size_t kRecord = 4 * sizeof(float);
   if (!in || bytes.size() % kRecord != 0)
     throw std::runtime_error(fmt::format("{}: no scan of float32 x y z intensity", file));
-  // KITTI's intensity is 0..1 as published, 0..255 in some conversions.
+  // KITTI's intensity is 0..1 as published, and 0..255 in some conversions.
   std::vector<std::array<float, 4>> records(bytes.size() / kRecord);
   std::memcpy(records.data(), bytes.data(), bytes.size());
   const bool unit = std::all_of(records.begin(), records.end(), [](const auto& r) { return !(r[3] > 1.0F); });

@@ -10,19 +10,19 @@ namespace curbstone::simulate::recorded {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kColumn = 0.1 * kDegree;  // width in which points are sorted by azimuth
-constexpr double kParallax = 7 * kDegree;  // how far a near point can be from where its scan saw it
+constexpr double kColumn = 0.1 * kDegree;  // width of the azimuth bins
+constexpr double kParallax = 7 * kDegree;  // largest change of a near point's bearing from its scan's position
 constexpr std::size_t kLoaded = 4;         // scans in memory
 
 double wrap(double angle) {
   return std::remainder(angle, 2.0 * std::numbers::pi);
 }
 
-/// How near a point must be to a beam, by the density of the recording.
+/// Tolerances between points and a beam, by the density of the recording.
 struct Nearness {
   float azimuth;  ///< rad
-  float nearest;  ///< rad of elevation: so near, a point's own surface is met
-  float apart;    ///< rad: two points at most so far apart hold a surface between them
+  float nearest;  ///< rad of elevation within which a beam hits a point's own surface
+  float apart;    ///< rad: two points at most this far apart have a surface between them
 };
 Nearness nearness(const ScanSet& scans) {
   constexpr auto kDeg = static_cast<float>(kDegree);
@@ -55,7 +55,7 @@ const ScanSurroundings::LoadedScan& ScanSurroundings::load(std::size_t index) {
   scan.index = index;
   for (const auto& point : read_scan(scans_.files[index])) {
     const double bearing = std::atan2(static_cast<double>(point.position.y()), static_cast<double>(point.position.x()));
-    // KITTI's head turns clockwise and looks forward at the scan's time.
+    // KITTI's head turns clockwise and points forward at the scan's time.
     const Pose T =
         scans_.swept ? recorded_pose(scans_, scans_.times[index] - bearing / (2.0 * std::numbers::pi) * scans_.period())
                      : scans_.T_first_scan[index];
@@ -68,7 +68,7 @@ const ScanSurroundings::LoadedScan& ScanSurroundings::load(std::size_t index) {
 }
 
 std::size_t ScanSurroundings::scan_for(double recorded, double bearing) const {
-  // The scan that looked that way at about this time.
+  // The scan whose head pointed that way at about this time.
   const double looked = -bearing / (2.0 * std::numbers::pi) * scans_.period();
   const auto after =
       std::lower_bound(scans_.times.begin(), scans_.times.end(), recorded - looked) - scans_.times.begin();
@@ -85,7 +85,7 @@ void ScanSurroundings::prepare(const sensors::PacketView& view) {
   for (auto& column : columns_) column.clear();
   first_column_ = view.azimuth - 6 * kColumn;
   origin_ = view.T_world_lidar.translation();
-  // Where that sector was in the scan's own frame.
+  // The direction of that sector in the scan's own frame.
   const Pose T_scan_lidar = (motion_.T_world_first() * scans_.T_first_scan[scan.index]).inverse() * view.T_world_lidar;
   const double turned = roll_pitch_yaw(T_scan_lidar.linear()).z();
   const double from = wrap(-middle + turned - 0.5 * view.azimuth_span - kParallax);
@@ -130,7 +130,7 @@ devices::LidarShot ScanSurroundings::measure(const sensors::Shot& shot) {
   }
   devices::LidarShot report = meet(below, above, elevation);
   if (report.range_m <= 0) return report;
-  // The vehicle has moved on a little since prepare().
+  // Corrects for the vehicle's motion since prepare().
   const Eigen::Vector3d flat(shot.direction_world.x(), shot.direction_world.y(), 0);
   const Eigen::Vector3d lens = origin_ + lens_offset_ * flat.normalized();
   report.range_m -= static_cast<float>((shot.origin_world - lens).dot(shot.direction_world));
@@ -147,7 +147,7 @@ devices::LidarShot ScanSurroundings::meet(const Candidate* below, const Candidat
   const bool one_surface =
       bracketed && (std::abs(above->height - below->height) < 0.25F || std::abs(above->reach - below->reach) < 0.4F);
   if (one_surface) {
-    // Where the beam crosses the straight line between the two.
+    // The intersection of the beam with the straight line between the two.
     const float dr = above->reach - below->reach, dh = above->height - below->height;
     const float denominator = dh - slope * dr;
     const float f = std::abs(denominator) > 1e-6F
@@ -156,7 +156,7 @@ devices::LidarShot ScanSurroundings::meet(const Candidate* below, const Candidat
     return {(below->reach + f * dr) * stretch, nearest->intensity};
   }
   if (off(nearest) > near.nearest) return {};
-  // On the nearest point's own surface: level if it is ground, else upright.
+  // On the nearest point's own surface: horizontal if it is ground, else vertical.
   if (is_ground(nearest->height) && slope < -0.03F) return {nearest->height / slope * stretch, nearest->intensity};
   return {nearest->reach * stretch, nearest->intensity};
 }

@@ -11,12 +11,11 @@
 
 namespace curbstone::simulate::recorded {
 
-/// What a LiDAR would have seen where other scans were recorded: each shot finds the recorded points just below and
-/// above it and meets the surface between them. No return where nothing is near. Nothing is added: the recording has
-/// its own noise.
+/// Simulates a LiDAR where other scans were recorded: each shot takes the recorded points just below and above it and
+/// hits the surface between them. No return if none is near. No noise is added: the recording has its own.
 class ScanSurroundings final : public sensors::Surroundings {
  public:
-  /// `scale`: of the recording's intensities; without it they are as recorded.
+  /// `scale`: for the recorded intensities; null: they are used as recorded.
   ScanSurroundings(const ScanSet& scans, const RecordedMotion& motion, const Playback& playback,
                    const devices::LidarEmulator& lidar, std::shared_ptr<const LaserScale> scale = nullptr);
 
@@ -26,14 +25,14 @@ class ScanSurroundings final : public sensors::Surroundings {
  private:
   struct FixedPoint {
     float bearing;             ///< rad, counter-clockwise, in its scan's lidar frame
-    Eigen::Vector3f position;  ///< m, in the lidar frame of the first scan, where it really is
+    Eigen::Vector3f position;  ///< m, in the lidar frame of the first scan, de-skewed
     std::uint8_t intensity;
   };
   struct LoadedScan {
     std::size_t index = 0;
     std::vector<FixedPoint> points;  ///< by bearing
   };
-  /// A recorded point as the lens sees it now.
+  /// A recorded point relative to the lens at present.
   struct Candidate {
     float azimuth;  ///< rad, clockwise
     float elevation;
@@ -56,7 +55,7 @@ class ScanSurroundings final : public sensors::Surroundings {
   std::deque<LoadedScan> loaded_;
   std::vector<std::vector<Candidate>> columns_;
   double first_column_ = 0;  ///< rad, clockwise
-  Eigen::Vector3d origin_;   ///< m, of the lidar when the points were put in its frame
+  Eigen::Vector3d origin_;   ///< m, of the lidar when the points were transformed to its frame
 };
 
 }  // namespace curbstone::simulate::recorded

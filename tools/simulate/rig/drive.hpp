@@ -11,10 +11,10 @@
 
 namespace curbstone::simulate::rig {
 
-/// What one emulated drive is made of, whether it is sent live or written to a log.
+/// The parts of one emulated drive, for live sending or for a log.
 struct Drive {
   const motion::Motion& motion;
-  std::function<std::unique_ptr<sensors::Surroundings>()> make_surroundings;  ///< one for each thread that casts rays
+  std::function<std::unique_ptr<sensors::Surroundings>()> make_surroundings;  ///< one per thread that casts rays
   const SimulateConfig& config;
   double rpm = 1200;
   double azimuth = 0;  ///< deg, clockwise, of the LiDAR's head at t = 0

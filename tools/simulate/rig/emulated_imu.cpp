@@ -7,7 +7,7 @@ namespace curbstone::simulate::rig {
 
 namespace {
 
-constexpr double kClockError = 20e-6;  // the device's oscillator runs fast by 20 ppm
+constexpr double kClockError = 20e-6;  // the device's oscillator is 20 ppm fast
 
 devices::XsensEmulator::Settings imu_settings() {
   devices::XsensEmulator::Settings settings;
@@ -29,7 +29,7 @@ SerialDevice::Bytes EmulatedImu::power_on(std::int64_t now) {
 
 SerialDevice::Bytes EmulatedImu::on_bytes(std::int64_t now, std::span<const std::uint8_t> bytes) {
   if (!witmotion_) return xsens_.on_bytes(now, bytes);
-  wit_.on_bytes(bytes);  // it answers nothing
+  wit_.on_bytes(bytes);  // it does not respond
   return {};
 }
 

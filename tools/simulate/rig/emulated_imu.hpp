@@ -7,7 +7,7 @@
 
 namespace curbstone::simulate::rig {
 
-/// An Xsens MTi on the vehicle, or a WitMotion.
+/// An Xsens MTi or a WitMotion on the vehicle.
 class EmulatedImu final : public SerialDevice {
  public:
   explicit EmulatedImu(sensors::ImuModel model, bool witmotion = false);

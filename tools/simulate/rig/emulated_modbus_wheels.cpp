@@ -5,7 +5,7 @@
 namespace curbstone::simulate::rig {
 
 namespace {
-// us, at 115200 baud: 87 us a byte. The drive takes the counts when it has the request, and answers a little later.
+// us, at 115200 baud: 87 us per byte. The drive samples the counts when it has the request, and replies a little later.
 constexpr std::int64_t kRequest = 700;
 constexpr std::int64_t kReply = 2'800;
 }  // namespace

@@ -8,8 +8,8 @@
 
 namespace curbstone::simulate::rig {
 
-/// The wheel drive on an RS485 line: it speaks only when it is asked, after the time that a request and a reply take on
-/// the wire at 115200 baud. The right wheel is mounted mirrored.
+/// The wheel drive on an RS485 line: it only responds to requests, after the time that request and reply take on the
+/// wire at 115200 baud. The right wheel is mounted mirrored.
 class EmulatedModbusWheels final : public WheelDevice {
  public:
   explicit EmulatedModbusWheels(sensors::WheelModel model) : model_(std::move(model)) {}

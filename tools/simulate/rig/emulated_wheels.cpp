@@ -26,7 +26,7 @@ EmulatedWheels::EmulatedWheels(sensors::WheelModel model) : model_(std::move(mod
 SerialDevice::Bytes EmulatedWheels::power_on(std::int64_t now) {
   drive_.set_enabled(true);
   Bytes bytes = to_host(drive_.power_on(now));
-  drive_.set_enabled(true);  // a power cycle forgets it
+  drive_.set_enabled(true);  // a power cycle disables it
   return bytes;
 }
 
@@ -47,7 +47,7 @@ SerialDevice::Bytes EmulatedWheels::run(std::int64_t now, double t) {
   const auto counts = model_.counts(t);
   const auto speeds = model_.speeds();
   drive_.set_counts(static_cast<std::int32_t>(counts[0]),
-                    static_cast<std::int32_t>(-counts[1]));  // wraps as the drive does
+                    static_cast<std::int32_t>(-counts[1]));  // wraps like the drive's counter
   drive_.set_speeds(decirpm(speeds[0]), decirpm(-speeds[1]));
   return to_host(drive_.tick(now));
 }

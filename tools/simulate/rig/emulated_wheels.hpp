@@ -7,10 +7,10 @@
 
 namespace curbstone::simulate::rig {
 
-/// The wheel drive, whatever the line.
+/// The wheel drive, on any line.
 class WheelDevice : public SerialDevice {
  public:
-  /// That the host could receive: frames, or replies.
+  /// Number of messages for the host: frames, or replies.
   [[nodiscard]] virtual std::int64_t messages() const = 0;
 
  protected:

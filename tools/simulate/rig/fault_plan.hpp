@@ -6,7 +6,7 @@
 
 namespace curbstone::simulate::rig {
 
-/// Something that goes wrong with a sensor for a while: "imu-silent:10-12" is seconds 10 to 12 of the drive.
+/// A temporary fault of a sensor: "imu-silent:10-12" lasts from second 10 to 12 of the drive.
 struct SensorFault {
   enum class Sensor { kLidar, kImu, kWheels };
   enum class Kind { kSilent, kGarbage };
@@ -16,13 +16,13 @@ struct SensorFault {
   double to = 0;
 };
 
-/// Nothing if the text is no fault.
+/// Empty if the text is not a fault.
 [[nodiscard]] std::optional<SensorFault> parse_fault(const std::string& text);
 
 class FaultPlan {
  public:
   void add(const SensorFault& fault) { faults_.push_back(fault); }
-  /// What is wrong with the sensor at t, if anything.
+  /// The fault of the sensor at t, if any.
   [[nodiscard]] std::optional<SensorFault::Kind> at(SensorFault::Sensor sensor, double t) const {
     for (const auto& fault : faults_) {
       if (fault.sensor == sensor && t >= fault.from && t < fault.to) return fault.kind;

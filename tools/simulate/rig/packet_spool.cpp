@@ -30,7 +30,7 @@ struct Header {
   std::int64_t packets = 0;
   bool operator==(const Header&) const = default;
 };
-constexpr std::int64_t kBatch = 64;  // packets: one write
+constexpr std::int64_t kBatch = 64;  // packets per write
 
 bool write_all(int fd, const void* data, std::size_t size, std::size_t offset) {
   return pwrite(fd, data, size, static_cast<off_t>(offset)) == static_cast<ssize_t>(size);
@@ -40,7 +40,7 @@ int open_file(const std::string& file) {
   if (!file.empty()) return open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   std::string name = std::filesystem::temp_directory_path() / "curbstone-spool-XXXXXX";
   const int fd = mkostemp(name.data(), O_CLOEXEC);
-  if (fd >= 0) unlink(name.c_str());  // gone with the process, whatever happens to it
+  if (fd >= 0) unlink(name.c_str());  // removed with the process, however it ends
   return fd;
 }
 
@@ -89,7 +89,8 @@ void PacketSpool::render(const Drive& drive, int threads, const std::atomic<bool
   std::atomic<std::int64_t> next{0};
   std::atomic<bool> failed{false};
   const auto work = [&] {
-    // The devices are on already, and who listens to them comes before us. On Linux this is the thread's own priority.
+    // The devices run already, and their listeners have priority over rendering. On Linux this is the thread's own
+    // priority.
     setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 10);
     const auto surroundings = drive.make_surroundings();
     sensors::LidarModel lidar({drive.rpm, drive.seed, drive.azimuth, drive.start_utime, drive.lidar},

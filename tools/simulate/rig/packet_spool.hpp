@@ -10,13 +10,12 @@
 
 namespace curbstone::simulate::rig {
 
-/// A drive's LiDAR packets, made ahead in a file, so that sending them in real time costs next to nothing. Their times
-/// are relative: the packet's clock reads the drive's start_utime, and is set anew when it is sent.
+/// A drive's LiDAR packets, rendered ahead into a file, so that sending them in real time costs little. Their times are
+/// relative: the packets' stamps start at the drive's start_utime, and are replaced when they are sent.
 class PacketSpool {
  public:
-  /// Renders into `file`, or takes what is there if it was made from the same `fingerprint`. An empty name is a
-  /// temporary file. Throws std::runtime_error (disk full,
-  /// cancelled).
+  /// Renders into `file`, or reuses it if it was rendered from the same `fingerprint`. An empty name means a temporary
+  /// file. Throws std::runtime_error (disk full, cancelled).
   PacketSpool(const Drive& drive, const std::string& file, std::uint64_t fingerprint, int threads,
               const std::atomic<bool>& cancel);
   ~PacketSpool();
@@ -24,7 +23,7 @@ class PacketSpool {
   PacketSpool& operator=(const PacketSpool&) = delete;
 
   [[nodiscard]] std::int64_t size() const { return packets_; }
-  /// The packet with its clock set to `utime`.
+  /// The packet with its stamp set to `utime`.
   [[nodiscard]] std::vector<std::uint8_t> packet(std::int64_t index, std::int64_t utime) const;
   [[nodiscard]] bool reused() const { return reused_; }
 

@@ -9,7 +9,7 @@
 
 namespace curbstone::simulate::sensors {
 
-/// A MEMS IMU of the MTi class at 100 Hz: white noise, a bias from its switching on, and its slow walk.
+/// A MEMS IMU of the MTi class at 100 Hz: white noise, a turn-on bias, and its slow random walk.
 struct ImuNoise {
   double gyro_sigma = 0.0012;          ///< rad/s, of one sample
   double accelerometer_sigma = 0.012;  ///< m/s^2, of one sample
@@ -30,12 +30,12 @@ struct ImuNoise {
   }
 };
 
-/// Samples in time order, each with the noise of its turn.
+/// Samples in time order, each with its own noise.
 class ImuModel {
  public:
   ImuModel(const ImuNoise& noise, const VehicleConfig& vehicle, const motion::Motion& motion, numerics::Random random);
   [[nodiscard]] motion::Inertia sample(double t);
-  /// What the device itself makes of it: right in roll and pitch, its heading anywhere. w x y z.
+  /// The device's own orientation estimate: correct in roll and pitch, arbitrary heading. w x y z.
   [[nodiscard]] std::array<double, 4> orientation(double t) const;
 
  private:

@@ -13,7 +13,7 @@ constexpr double kAsphalt = 0.14;      // reflectivity
 constexpr double kUsual = 0.15;        // cosine of incidence on a road, about 10 m away
 constexpr double kGrain = 0.10;        // 1 sigma, of the power: speckle
 constexpr double kReadOut = 1.2;       // of 255, 1 sigma
-constexpr std::uint64_t kDevice = 64;  // whose lasers' scales these are
+constexpr std::uint64_t kDevice = 64;  // seed of the device whose lasers have these scales
 
 struct LaserScale {
   double gain = 64;  ///< of 255, for asphalt
@@ -23,7 +23,7 @@ struct LaserScale {
 
 LaserScale scale_of(int laser) {
   numerics::Random random = numerics::Random(kDevice).fork(static_cast<std::uint64_t>(laser));
-  // Steps of golden ratios: however many lasers, they fill the ranges.
+  // Multiples of irrational numbers fill the ranges evenly for any number of lasers.
   const auto share = [&](double turn) { return turn * laser - std::floor(turn * laser); };
   const double median = 10.0 + 77.0 * share(0.6180339887498949), dim = share(0.7548776662466927);
   const double offset = random.uniform(-0.15, 0.25) * median;

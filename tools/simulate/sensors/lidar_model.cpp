@@ -23,7 +23,7 @@ LidarModel::Packet LidarModel::next() {
   const double period = table.packet_period();
   Packet packet;
   packet.t = static_cast<double>(firing_) * table.firing_period;
-  // Within a millisecond a vehicle's motion is a straight line with a constant turn.
+  // Within a millisecond the vehicle's motion is linear with a constant angular rate.
   const Pose T_first = motion_.T_world_base(packet.t) * T_base_lidar_;
   const Pose T_last = motion_.T_world_base(packet.t + period) * T_base_lidar_;
   const Eigen::Vector3d velocity = (T_last.translation() - T_first.translation()) / period;

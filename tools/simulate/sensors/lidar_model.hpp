@@ -11,7 +11,7 @@
 
 namespace curbstone::simulate::sensors {
 
-/// Fires the lasers of a LiDAR one by one from the moving vehicle and packs what comes back. Packets follow each other
+/// Fires the lasers of a LiDAR one by one from the moving vehicle and packs the returns. Packets follow each other
 /// without a gap.
 class LidarModel {
  public:
@@ -24,7 +24,7 @@ class LidarModel {
   };
   struct Packet {
     double t = 0;       ///< s, of its first shot
-    double t_last = 0;  ///< s, of its last: when it can be sent
+    double t_last = 0;  ///< s, of its last shot, after which it can be sent
     std::vector<std::uint8_t> bytes;
   };
 
@@ -33,9 +33,9 @@ class LidarModel {
 
   /// The next packet; the first starts at t = 0.
   Packet next();
-  /// Goes on with the packet of that number: packets do not depend on those before.
+  /// Continues with the packet of that number: packets do not depend on earlier ones.
   void skip_to(std::int64_t packet) { firing_ = packet * device_->table().firings_per_packet; }
-  /// What the device says of itself at t.
+  /// The device information packet at t.
   [[nodiscard]] std::vector<std::uint8_t> info(double t) const;
   [[nodiscard]] const devices::LidarTable& table() const { return device_->table(); }
 

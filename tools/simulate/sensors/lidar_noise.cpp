@@ -9,7 +9,7 @@ namespace curbstone::simulate::sensors {
 
 namespace {
 
-/// m, 1 sigma: how uneven a surface is at the scale of the laser's spot.
+/// m, 1 sigma: roughness of a surface at the scale of the laser's spot.
 float texture(world::Surface surface) {
   switch (surface) {
     case world::Surface::kAsphalt:
@@ -35,7 +35,8 @@ devices::LidarShot LidarNoise::report(const world::Hit& hit, std::uint64_t noise
   if (hit.surface == world::Surface::kNone) return {};
   const std::uint64_t dice = numerics::mix_bits(noise ^ 0x5eedULL);
   if (numerics::unit_from_bits(dice) < drop_out) return {};
-  // Echo power falls with distance squared; rough surfaces send more back at a grazing angle than Lambert says.
+  // Echo power falls with the square of distance; rough surfaces return more at a grazing angle than Lambert's law
+  // predicts.
   const double distance = static_cast<double>(hit.range);
   const double shine = static_cast<double>(hit.reflectivity) * std::sqrt(static_cast<double>(hit.incidence));
   const double power = shine / 0.2 * (reach_at_20_percent / distance) * (reach_at_20_percent / distance);

@@ -8,13 +8,13 @@
 
 namespace curbstone::simulate::sensors {
 
-/// How a LiDAR differs from a perfect ruler.
+/// The errors of a LiDAR.
 struct LidarNoise {
   double range_sigma = 0.01;        ///< m
-  double drop_out = 0.01;           ///< share of the echoes that get lost whatever they come from
-  double reach_at_20_percent = 80;  ///< m, on a target of 20 % reflectivity seen head-on
+  double drop_out = 0.01;           ///< share of the echoes that are lost at random, whatever the target
+  double reach_at_20_percent = 80;  ///< m, on a target of 20 % reflectivity at normal incidence
   double min_range = 0.4;           ///< m
-  double mixed_pixels = 0.002;      ///< share of shots that fall short in front of something: dust, edges
+  double mixed_pixels = 0.002;      ///< share of shots with a range short of the target: dust, edges
 
   void visit(ConfigVisitor& v) {
     v.field("range_sigma", range_sigma, {0.0, 0.5}, "m, noise of one range");
@@ -24,7 +24,7 @@ struct LidarNoise {
     v.field("mixed_pixels", mixed_pixels, {0.0, 0.2}, "share of shots with a range between two surfaces");
   }
 
-  /// The sensor's report of a hit, by the shot's own random bits.
+  /// The sensor's report of a hit, from the shot's own random bits.
   [[nodiscard]] devices::LidarShot report(const world::Hit& hit, std::uint64_t noise) const;
 };
 

@@ -11,7 +11,7 @@ WheelModel::WheelModel(const WheelNoise& noise, const VehicleConfig& vehicle, co
     : noise_(noise), motion_(motion), half_track_(0.5 * vehicle.track_width) {
   for (auto& radius : radius_)
     radius = vehicle.wheel_radius * (1.0 + std::clamp(random.normal(noise.radius_error), -0.005, 0.005));
-  // Slip comes with a change of speed: look where the vehicle speeds up or brakes, pick some of those moments.
+  // Slip occurs when the speed changes: finds the times of acceleration and braking, and picks some of them.
   const auto way = [&](double t) { return motion::rolled_distance(motion, Eigen::Vector3d::Zero(), t, t + 0.1); };
   std::vector<double> moments;
   for (double t = 0; t + 0.6 < seconds; t += 0.25) {

@@ -12,10 +12,10 @@
 namespace curbstone::simulate::sensors {
 
 struct WheelNoise {
-  int counts_per_revolution = 4096;  // what the drive's 1024 lines make
-  double radius_error = 0.003;       ///< 1 sigma, at most 0.5 %: tyres are never quite the radius one believes
+  int counts_per_revolution = 4096;  // from the drive's 1024 lines
+  double radius_error = 0.003;       ///< 1 sigma, at most 0.5 %: each tyre's deviation from the configured radius
   double slips_per_minute = 3;       ///< short events while accelerating or braking
-  double slip = 0.12;                ///< share by which a slipping wheel turns too fast or too slow
+  double slip = 0.12;                ///< share by which a slipping wheel turns too fast or too slowly
 
   void visit(ConfigVisitor& v) {
     v.field("counts_per_revolution", counts_per_revolution, {16, 1 << 20}, "encoder counts a turn of the wheel");
@@ -31,7 +31,7 @@ class WheelModel {
   WheelModel(const WheelNoise& noise, const VehicleConfig& vehicle, const motion::Motion& motion, double seconds,
              numerics::Random random);
 
-  /// Counts of the left and the right wheel at `t`; times must not go back.
+  /// Counts of the left and the right wheel at `t`; times must not decrease.
   [[nodiscard]] std::array<std::int64_t, 2> counts(double t);
   /// rad/s at the last call, left and right.
   [[nodiscard]] std::array<double, 2> speeds() const { return speed_; }

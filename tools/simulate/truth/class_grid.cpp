@@ -10,9 +10,9 @@ namespace curbstone::simulate::truth {
 
 namespace {
 
-constexpr double kSampleApart = 0.02;    // m: a curb's face is not missed between two of them
+constexpr double kSampleApart = 0.02;    // m; close enough not to miss a curb's face
 constexpr float kObstacleHeight = 1.2F;  // m
-constexpr float kBehind = 12.0F;         // m behind a curb: gardens beyond have no truth
+constexpr float kBehind = 12.0F;         // m behind a curb; gardens beyond have no truth
 
 std::uint8_t ground_class(const world::Ground& ground, double x, double y, double size) {
   const world::GroundVertex middle = ground.at(static_cast<float>(x + 0.5 * size), static_cast<float>(y + 0.5 * size));

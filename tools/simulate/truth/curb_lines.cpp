@@ -10,7 +10,7 @@ namespace curbstone::simulate::truth {
 
 namespace {
 
-/// A grid edge that the contour crosses, named by its first node and direction.
+/// A grid edge that the contour crosses, identified by its first node and its direction.
 using EdgeKey = std::int64_t;
 
 class Contours {
@@ -32,7 +32,7 @@ class Contours {
       extend(line, done, false);
       std::vector<Eigen::Vector2d> points;
       for (const EdgeKey key : line) points.push_back(points_.at(key));
-      const auto& around = next_.at(line.front());  // closed where the last touches the first
+      const auto& around = next_.at(line.front());  // closed if the last point is adjacent to the first
       if (line.size() > 2 && std::find(around.begin(), around.end(), line.back()) != around.end())
         points.push_back(points.front());
       all.push_back(std::move(points));

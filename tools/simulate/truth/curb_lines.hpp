@@ -14,7 +14,7 @@ struct TrueCurbVertex {
   bool dropped = false;  ///< lowered for a driveway: less than 4 cm
 };
 
-/// Curbs lower than this are dropped kerbs: no step to speak of.
+/// Curbs lower than this count as lowered.
 inline constexpr double kDroppedBelow = 0.04;  // m
 
 /// The feet of all curbs of a ground, line by line, points `spacing` m apart: contours of its distance field.

@@ -18,7 +18,7 @@ struct GrayImage {
   }
 };
 
-/// Throws std::runtime_error when the file cannot be written.
+/// Throws std::runtime_error if the file cannot be written.
 void write_png(const std::string& file, const GrayImage& image);
 
 }  // namespace curbstone::simulate::truth

@@ -16,7 +16,7 @@ namespace curbstone::simulate::truth {
 
 namespace {
 
-/// Writes a whole file or throws: nothing half-written stays behind.
+/// Writes a complete file or throws, and leaves no partial file.
 void write_file(const std::string& folder, const std::string& name, const std::string& text) {
   const std::string file = folder + "/" + name;
   std::ofstream out(file, std::ios::binary);
@@ -42,7 +42,7 @@ void write_poses(const std::string& folder, const TruthInfo& info, const motion:
   write_file(folder, "poses.csv", text);
 }
 
-/// A row a vertex of a piece's centre line.
+/// One row per vertex of a piece's centre line.
 void write_markings(const std::string& folder, const world::Ground& ground, std::span<const paint::Marking> markings) {
   std::string text = "line,piece,type,width,x,y,z\n";
   for (std::size_t line = 0; line < markings.size(); ++line) {
@@ -83,7 +83,7 @@ ClassImageInfo write_town_truth(const std::string& folder, const world::Town& to
   if (has_fine)
     write_png(fine_file, make_class_grid(*town.scene, vehicle_height, fine).image);
   else
-    std::filesystem::remove(fine_file);  // of a smaller town, written here before
+    std::filesystem::remove(fine_file);  // of a smaller town written here before
   std::string text = "line,x,y,z,height,dropped\n";
   int line = 0;
   for (const auto& curb : trace_curbs(town.scene->ground())) {

@@ -10,7 +10,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// Control points of a street around a block: straight sides, round corners, one long side or two that swing.
+/// Control points of a street around a block: straight sides, round corners, one or two long sides that curve.
 std::vector<Eigen::Vector2d> block(numerics::Random& random) {
   const double width = random.uniform(112.0, 136.0), depth = random.uniform(78.0, 92.0);
   const double radius = random.uniform(15.0, 20.0), step = 5.0;
@@ -30,7 +30,7 @@ std::vector<Eigen::Vector2d> block(numerics::Random& random) {
       points.push_back(centre + radius * Eigen::Vector2d(std::cos(a), std::sin(a)));
     }
   };
-  // Counter-clockwise, from the middle of the south side's beginning.
+  // Counter-clockwise, from the beginning of the south side.
   const double w = width - 2 * radius, d = depth - 2 * radius;
   const double south = random.uniform(-7.0, -3.0), north = random.uniform(3.0, 8.0);
   side({0, 0}, 0.0, w, south);

@@ -15,14 +15,14 @@ namespace {
 
 using std::numbers::pi;
 constexpr double kCorner = 17.0;             // m, radius of the loop's bends
-constexpr double kBetweenCrossings = 115.0;  // m along the loop, about
+constexpr double kBetweenCrossings = 115.0;  // m along the loop, approximately
 
 using Points = std::vector<Eigen::Vector2d>;
 
 /// Draws a line leg by leg, as control points about 5 m apart.
 class Pen {
  public:
-  /// Swings to the side, in bows of their own, and comes back to the straight line.
+  /// Curves to the side in several bows, and returns to the straight line.
   void go(double length, numerics::Random random) {
     const int bows = std::max(1, static_cast<int>(std::lround(length / 110.0)));
     std::vector<double> swings;
@@ -58,8 +58,8 @@ class Pen {
   Points points_;
 };
 
-/// An L: east, north, west, north, west, south. `a`..`d` are the distances between the corners of the first four legs,
-/// in m; the last two close it.
+/// An L-shaped loop: east, north, west, north, west, south. `a`..`d`: distances between the corners of the first four
+/// legs, m; the last two legs close it.
 Points l_shape(double a, double b, double c, double d, const numerics::Random& random) {
   const double r = 2.0 * kCorner;
   Pen pen;
@@ -82,7 +82,7 @@ Street make_loop(double round, double half_width, numerics::Random& random) {
   const double a = random.uniform(0.23, 0.25), b = random.uniform(0.12, 0.14), c = random.uniform(0.115, 0.125),
                d = random.uniform(0.12, 0.14);
   const numerics::Random swings = random.fork(1);
-  // Bends shorten it, bows lengthen it: a few rounds find the size that comes to the length wanted.
+  // Bends shorten it and bows lengthen it: a few iterations find the size for the wanted length.
   double size = round;
   for (int i = 0;; ++i) {
     const numerics::Spline<Eigen::Vector2d> line(l_shape(a * size, b * size, c * size, d * size, swings), true);
@@ -92,12 +92,12 @@ Street make_loop(double round, double half_width, numerics::Random& random) {
   }
 }
 
-/// Whether the loop runs straight for `half` m before and after s.
+/// Whether the loop is straight for `half` m before and after s.
 bool straight(const Street& loop, double s, double half) {
   return loop.at(s - half).tangent.dot(loop.at(s + half).tangent) > std::cos(0.35);
 }
 
-/// Across the blocks from a place on the loop to where it is met again at about right angles.
+/// A street across the blocks from a place on the loop to where it meets the loop again at about a right angle.
 std::optional<Street> street_across(const Street& loop, double s, double half_width, numerics::Random& random) {
   const Street::Sample from = loop.at(s);
   const Eigen::Vector2d along = Eigen::Rotation2Dd(random.uniform(-0.05, 0.05)) * from.normal();
@@ -118,7 +118,7 @@ std::optional<Street> street_across(const Street& loop, double s, double half_wi
   return std::nullopt;
 }
 
-/// Whether a street begins, ends or passes nearer than `apart` to a place.
+/// Whether any street comes nearer than `apart` to a place.
 bool near(const std::vector<Street>& streets, const Eigen::Vector2d& place, double apart) {
   return std::any_of(streets.begin() + 1, streets.end(), [&](const Street& street) {
     return std::any_of(street.samples().begin(), street.samples().end(),
@@ -126,7 +126,7 @@ bool near(const std::vector<Street>& streets, const Eigen::Vector2d& place, doub
   });
 }
 
-/// Ways to build: besides the suburb, terraces, villas, a park and blocks of flats.
+/// The building styles: suburb, terraces, villas, a park and blocks of flats.
 Quarter quarter_of(int kind) {
   Quarter quarter;
   switch (kind) {
@@ -175,7 +175,7 @@ Quarter quarter_of(int kind) {
   return quarter;
 }
 
-/// Stretches of 60 to 90 m, none built like the one before.
+/// Stretches of 60 to 90 m, each in another style than the one before.
 Quarters::Row row_of_quarters(double length, numerics::Random& random) {
   Quarters::Row row;
   const int n = std::max(1, static_cast<int>(length / random.uniform(60.0, 90.0)));
@@ -194,7 +194,7 @@ TownPlan plan_blocks(double round, double half_width, numerics::Random& random) 
   TownPlan plan;
   plan.streets.push_back(make_loop(round, half_width, random));
   const Street loop = plan.streets.front();
-  // The way in and out, from the first leg.
+  // The way in and out, off the first leg.
   const double gate = round * random.uniform(0.10, 0.12);
   {
     const Street::Sample from = loop.at(gate);

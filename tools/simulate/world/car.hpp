@@ -7,7 +7,7 @@
 
 namespace curbstone::simulate::world {
 
-/// A car's body, cabin and wheels with the middle of its contact patch at (x, y, z).
+/// Adds a car's body, cabin and wheels, with the centre of its footprint at `ground`.
 void add_car(std::vector<Shape>& shapes, const Eigen::Vector3d& ground, double yaw, float reflectivity);
 
 }  // namespace curbstone::simulate::world

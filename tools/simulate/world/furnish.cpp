@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kDrivewayHalf = 1.7;
 
-/// Puts things beside a street, and refuses what would stand in the way of something else.
+/// Places objects beside a street, and rejects those that would collide with others.
 class Furnisher {
  public:
   Furnisher(const std::vector<Street>& streets, const Quarters& quarters, const Ground& ground, numerics::Random random)
@@ -29,7 +29,7 @@ class Furnisher {
     if (!free(walls, 3.2, 0.8)) return;
     shapes_.push_back(walls);
     houses_.push_back(walls);
-    // A porch gives the front some relief.
+    // A porch adds relief to the front.
     const Place front = place(plot.street, plot.side, s + random_.uniform(-2.0, 2.0), setback - 0.6);
     shapes_.push_back(make_box(Surface::kWall, 0.45F, {front.x, front.y, front.z + 1.2}, {2.2, 1.3, 2.8}, front.yaw));
   }
@@ -45,7 +45,7 @@ class Furnisher {
       const Place at = place(plot.street, plot.side, s, ground_.profile().pavement + (fence ? 0.15 : 0.45));
       const Place next = place(plot.street, plot.side, s + 2.0, ground_.profile().pavement);
       const Place here = place(plot.street, plot.side, s, ground_.profile().pavement);
-      const double length = std::hypot(next.x - here.x, next.y - here.y) + 0.04;  // bends are longer outside
+      const double length = std::hypot(next.x - here.x, next.y - here.y) + 0.04;  // the outside of a bend is longer
       const Shape piece =
           make_box(fence ? Surface::kFence : Surface::kFoliage, fence ? 0.4F : 0.3F,
                    {at.x, at.y, at.z + 0.5 * height - 0.1}, {length, fence ? 0.10 : 0.6, height + 0.2}, at.yaw);
@@ -74,7 +74,7 @@ class Furnisher {
     const double off = -(0.88 + random_.uniform(0.15, 0.35));
     const Place at = place(street, side, s, off);
     if (in_driveway(street, side, s, 2.7)) return;
-    for (const double along : {-5.0, 0.0, 5.0}) {  // not in or near the mouth of another street
+    for (const double along : {-5.0, 0.0, 5.0}) {  // not at or near a junction
       const Place check = place(street, side, s + along, off);
       if (!ground_.inside(check.x, check.y)) return;
       if (std::abs(static_cast<double>(ground_.at(static_cast<float>(check.x), static_cast<float>(check.y)).distance) -
@@ -118,7 +118,7 @@ class Furnisher {
     return {p.x(), p.y(), z, std::atan2(at.tangent.y(), at.tangent.x())};
   }
 
-  /// Every corner and edge is `clear` m behind any curb, inside the world, and `apart` m from every house.
+  /// Whether every corner and edge is `clear` m behind any curb, inside the world, and `apart` m from every house.
   [[nodiscard]] bool free(const Shape& shape, double clear, double apart) const {
     for (int i = -3; i <= 3; ++i) {
       for (int j = -3; j <= 3; ++j) {
@@ -214,7 +214,7 @@ std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Stree
       put_bins(i, side);
     }
   }
-  if (passing) {  // what stays was drawn as on the first day; now what does not
+  if (passing) {  // the permanent objects are drawn as on the first day; now the others are drawn again
     furnisher.clear_passing();
     dice = *passing;
     for (std::size_t i = 0; i < streets.size(); ++i) {

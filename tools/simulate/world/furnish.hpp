@@ -30,7 +30,7 @@ struct Driveway {
   double height = 0.02;  ///< m, of the dropped kerb
 };
 
-/// What is decided before the ground exists: plots, and the driveways for which kerbs are dropped.
+/// What is decided before the ground exists: plots, and the driveways for which curbs are lowered.
 struct Furnishing {
   std::vector<Plot> plots;
   std::vector<Driveway> driveways;
@@ -39,8 +39,9 @@ struct Furnishing {
 [[nodiscard]] Furnishing plan_furnishing(const std::vector<Street>& streets, const Quarters& quarters,
                                          numerics::Random random);
 
-/// Houses, fences, hedges, trees, lamps, parked cars, bins and boxes; nothing stands in another street or in a house.
-/// With `passing`, cars and bins are drawn from it, and all else is as without it: the same town on another day.
+/// Makes houses, fences, hedges, trees, lamps, parked cars, bins and boxes; none stands in another street or in a
+/// house. With `passing`, cars and bins are drawn from it, and everything else is unchanged: the same town on another
+/// day.
 [[nodiscard]] std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Street>& streets,
                                          const Quarters& quarters, const Ground& ground, numerics::Random random,
                                          const std::optional<numerics::Random>& passing = {});

@@ -7,10 +7,10 @@ namespace curbstone::simulate::world {
 namespace {
 
 constexpr float kLawnPitch = 0.12F;    // m, size of the tufts
-constexpr float kTuftSlope = 26.0F;    // at most, for each m that the tufts are high
-constexpr float kSlope = 0.07F;        // at most, of terrain and crossfall together
-constexpr float kLargestStep = 0.25F;  // m that the ground can rise across curb, ramp and lawn, slopes apart
-constexpr float kTouching = 5e-4F;     // m above the ground at which a ray has arrived
+constexpr float kTuftSlope = 26.0F;    // maximum, per metre of tuft height
+constexpr float kSlope = 0.07F;        // maximum, of terrain and crossfall together
+constexpr float kLargestStep = 0.25F;  // m, maximum rise across curb, ramp and lawn, in addition to slopes
+constexpr float kTouching = 5e-4F;     // m above the ground at which a ray counts as a hit
 
 float smooth_step(float t) {
   t = std::clamp(t, 0.0F, 1.0F);
@@ -62,7 +62,7 @@ GroundVertex Ground::at(float x, float y) const {
 
 float Ground::height_of(const GroundVertex& node) const {
   const float d = node.distance;
-  if (d <= 0) {  // carriageway: a parabola whose top lies a little beyond the middle
+  if (d <= 0) {  // carriageway: a parabola with its vertex slightly beyond the centre
     const float reach = 1.25F * static_cast<float>(profile_.half_width);
     const float in = std::min(-d, reach);
     return node.terrain + static_cast<float>(profile_.crossfall) * in * (1.0F - in / (2.0F * reach));
@@ -94,13 +94,13 @@ Surface Ground::surface_of(const GroundVertex& node) const {
   if (node.distance <= 0) return Surface::kAsphalt;
   if (node.distance < static_cast<float>(profile_.stone)) return Surface::kCurbStone;
   if (node.distance < static_cast<float>(profile_.pavement)) return Surface::kPavement;
-  // Where the kerb is dropped a driveway goes on through the garden.
+  // Where the curb is lowered a driveway continues through the garden.
   return node.pavement - node.curb > 0.03F ? Surface::kPavement : Surface::kGrass;
 }
 
 float Ground::cast(float x, float y, float z, float dx, float dy, float dz, float reach) const {
-  // Bounds of how fast the ground can rise, zone by zone across the street; between zones the distance to the next
-  // bounds the step, because the distance to a curb changes by no more than a metre a metre.
+  // Bounds on the ground's slope, zone by zone across the street. The distance to the next zone bounds the step,
+  // because the distance to a curb changes by at most one metre per metre.
   struct Zone {
     float from, to, slope;
   };
@@ -116,7 +116,7 @@ float Ground::cast(float x, float y, float z, float dx, float dy, float dz, floa
   const float descent = -dz;
 
   float u = 0.0F;
-  if (z > highest_) {  // nothing to meet before the ray is as low as the highest ground
+  if (z > highest_) {  // no hit before the ray is as low as the highest ground
     if (descent <= 0) return -1.0F;
     u = (z - highest_) / descent;
   }
@@ -126,7 +126,7 @@ float Ground::cast(float x, float y, float z, float dx, float dy, float dz, floa
     if (px < static_cast<float>(x0_) || py < static_cast<float>(y0_) || px >= x_end || py >= y_end) return -1.0F;
     const GroundVertex node = at(px, py);
     const float smooth_gap = z + u * dz - height_of(node);
-    // As far up as that, neither a curb nor a lawn can be in the way.
+    // This far above the ground neither a curb nor a lawn can be hit.
     const float over_all = (smooth_gap - kLargestStep) / std::max(1e-3F, descent + kSlope);
     int k = 0;
     while (node.distance > zones[k].to) ++k;
@@ -138,7 +138,7 @@ float Ground::cast(float x, float y, float z, float dx, float dy, float dz, floa
       within = (smooth_gap - tufts) / std::max(1e-3F, descent + kSlope);
     } else {
       const float gap = smooth_gap - (on_lawn ? lawn(node, px, py) : 0.0F);
-      if (gap < 0) return u - last_step * gap / (gap - last_gap);  // between the last two places
+      if (gap < 0) return u - last_step * gap / (gap - last_gap);  // interpolates between the last two steps
       if (gap < kTouching) return u + gap / std::max(descent + 0.02F, 0.05F);
       last_gap = gap;
       within = gap / std::max(1e-3F, descent + zone.slope);

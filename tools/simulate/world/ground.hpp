@@ -7,7 +7,7 @@
 
 namespace curbstone::simulate::world {
 
-/// What a ray hit. The ground's kinds come first.
+/// The surface that a ray hit. The kinds of ground come first.
 enum class Surface : std::uint8_t {
   kNone,
   kAsphalt,
@@ -23,30 +23,30 @@ enum class Surface : std::uint8_t {
   kBin
 };
 
-/// The cross-section of every street, from the crown over the curb to the gardens; the same height function serves the
-/// rays, the vehicle's wheels and the truth.
+/// The cross-section of every street, from the crown over the curb to the gardens. The rays, the vehicle's wheels and
+/// the truth use the same height function.
 struct StreetProfile {
   double half_width = 4.5;      ///< m, crown to the foot of the curb
   double crossfall = 0.022;     ///< at the gutter; less towards the crown
-  double face = 0.035;          ///< m, how far the battered curb face leans back; its top is rounded
+  double face = 0.035;          ///< m, setback of the inclined curb face; its top is rounded
   double stone = 0.14;          ///< m, width of the curb stone
-  double ramp = 1.20;           ///< m behind the foot, where the ramp of a dropped kerb ends
-  double pavement = 2.30;       ///< m behind the foot, where the gardens begin
+  double ramp = 1.20;           ///< m behind the foot, end of the ramp at a lowered curb
+  double pavement = 2.30;       ///< m behind the foot, start of the gardens
   double pavement_fall = 0.02;  ///< towards the road
-  double tufts = 0.03;          ///< m, the highest of the gardens' lawns
+  double tufts = 0.03;          ///< m, maximum height of the lawns
 };
 
-/// One node of the ground's raster. All of it is smooth enough to be interpolated.
+/// One node of the ground's raster. All members are smooth enough for interpolation.
 struct GroundVertex {
   float distance = 30.0F;  ///< m to the foot of the nearest curb, negative on the road
   float terrain = 0.0F;    ///< m, height of the gutter
   float curb = 0.12F;      ///< m, height of the nearest curb
   float pavement =
-      0.12F;  ///< m, height of the pavement behind it above the gutter: more than `curb` where it is dropped
+      0.12F;  ///< m, height of the pavement behind it above the gutter: more than `curb` where that is lowered
 };
 
-/// The ground as a height field: raster nodes, interpolated, and the street profile on top, analytic, so that curbs are
-/// as sharp as they are. Frame: world. Immutable after building; safe from any thread.
+/// The ground as a height field: interpolated raster nodes plus the analytic street profile, so that curbs are sharp.
+/// Frame: world. Immutable after building; safe from any thread.
 class Ground {
  public:
   static constexpr double kPitch = 0.25;  ///< m between nodes
@@ -64,9 +64,9 @@ class Ground {
   }
   [[nodiscard]] const StreetProfile& profile() const { return profile_; }
 
-  /// The raster interpolated; outside, that of the nearest border.
+  /// The interpolated raster; outside it, the value at the nearest border.
   [[nodiscard]] GroundVertex at(float x, float y) const;
-  /// Height of the ground. `rough` adds the texture of lawns (which no wheel and no truth needs).
+  /// Height of the ground. `rough` adds the texture of lawns (not used for wheels and truth).
   [[nodiscard]] float height_at(float x, float y, bool rough = false) const {
     const GroundVertex node = at(x, y);
     return height_of(node) + (rough ? lawn(node, x, y) : 0.0F);
@@ -74,11 +74,11 @@ class Ground {
   [[nodiscard]] float height_of(const GroundVertex& node) const;
   [[nodiscard]] Surface surface_of(const GroundVertex& node) const;
 
-  /// Where a ray of slope dz per horizontal metre first meets the ground: horizontal metres from its origin, or a
-  /// negative number if it does not within `reach`. (dx, dy) is a unit vector.
+  /// First intersection of a ray of slope dz per horizontal metre with the ground: horizontal metres from its origin,
+  /// negative if there is none within `reach`. (dx, dy) is a unit vector.
   [[nodiscard]] float cast(float x, float y, float z, float dx, float dy, float dz, float reach) const;
 
-  /// To be called once all nodes are set: bounds of the height, for skipping.
+  /// Call it once all nodes are set: computes the height bounds that speed up cast().
   void finish();
 
  private:

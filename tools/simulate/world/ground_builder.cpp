@@ -9,10 +9,10 @@ namespace curbstone::simulate::world {
 namespace {
 
 constexpr double kMargin = 40.0;       // m of ground around the streets
-constexpr double kFar = 16.0;          // m: beyond, the distance to a curb is no longer distinguished
+constexpr double kFar = 16.0;          // m; larger distances to a curb are not distinguished
 constexpr double kCornerRadius = 6.0;  // m, of the curb where streets meet
 
-/// Rolling ground: a few long waves, no steeper than 4 % together.
+/// Rolling ground: a few long waves, together at most 4 % steep.
 class Terrain {
  public:
   explicit Terrain(numerics::Random random) {
@@ -37,9 +37,9 @@ class Terrain {
   std::array<Wave, 3> waves_;
 };
 
-/// Distance of every node to one street's edge, and the curb it would meet there.
+/// Distance of every node to one street's edge, and the place along that edge.
 struct StreetField {
-  std::vector<float> distance;  // squared to the crown while it is filled, then signed to the edge
+  std::vector<float> distance;  // first the squared distance to the crown, then the signed distance to the edge
   std::vector<float> s;
   std::vector<std::int8_t> side;
 };
@@ -81,7 +81,7 @@ StreetField measure(const Street& street, const Ground& ground) {
   return field;
 }
 
-/// The union of two areas by their signed distances, with inner corners rounded (exact for streets at right angles).
+/// Union of two areas by their signed distances, with rounded inner corners (exact for streets at right angles).
 double join(double a, double b) {
   const double u = std::max(kCornerRadius - a, 0.0), v = std::max(kCornerRadius - b, 0.0);
   return std::max(kCornerRadius, std::min(a, b)) - std::hypot(u, v);
@@ -103,7 +103,8 @@ Ground build_ground(const std::vector<Street>& streets, std::size_t inside, cons
   high.array() += kMargin;
   Ground ground(low.x(), low.y(), static_cast<int>((high.x() - low.x()) / Ground::kPitch) + 1,
                 static_cast<int>((high.y() - low.y()) / Ground::kPitch) + 1, profile);
-  // What all streets together make of a node, street by street: the fields of a large town do not fit at once.
+  // The combined values of a node, accumulated street by street, because all fields of a large town do not fit in
+  // memory.
   struct Blend {
     double distance = kFar, weights = 0, curb = 0, pavement = 0;
   };
@@ -117,7 +118,7 @@ Ground build_ground(const std::vector<Street>& streets, std::size_t inside, cons
       blend.distance = i == 0 ? own : join(blend.distance, own);
       const Side side = field.side[k] > 0 ? Side::kLeft : Side::kRight;
       const auto s = static_cast<double>(field.s[k]);
-      // Around a corner one street's curb becomes the other's.
+      // Blends the curbs of two streets around a corner.
       const double weight = 1.0 / ((0.2 + std::abs(own)) * (0.2 + std::abs(own)));
       blend.weights += weight;
       blend.curb += weight * streets[i].curb(side).height(s, streets[i].length(), streets[i].closed());

@@ -8,8 +8,8 @@
 
 namespace curbstone::simulate::world {
 
-/// Lays streets over rolling terrain: where they meet, their curbs join in arcs. The first `inside` of the streets lie
-/// within the world with room around them; the others may run off its edge.
+/// Builds rolling terrain with the streets; where streets meet, their curbs join in arcs. The first `inside` streets
+/// lie within the world with a margin; the others may run off its edge.
 [[nodiscard]] Ground build_ground(const std::vector<Street>& streets, std::size_t inside, const StreetProfile& profile,
                                   numerics::Random random);
 

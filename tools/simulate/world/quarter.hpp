@@ -7,27 +7,26 @@
 
 namespace curbstone::simulate::world {
 
-/// How a part of a town is built. The defaults are the demo's suburb.
+/// The style of a part of a town. The defaults are the demo's suburb.
 struct Quarter {
   struct Bounds {
     double from, to;
     [[nodiscard]] double draw(numerics::Random& random) const { return random.uniform(from, to); }
   };
   Bounds plot{13.5, 18.5};          ///< m along the street
-  double houses = 1.0;              ///< share of the plots that have one
+  double houses = 1.0;              ///< share of the plots with a house
   Bounds width{9.0, 13.0};          ///< m, of a house
   Bounds height{5.0, 8.5};          ///< m
   Bounds setback{5.5, 8.5};         ///< m behind the curb
   double fences = 0.45;             ///< share of the fronts
-  double fences_and_hedges = 0.80;  ///< share of the fronts; the rest is open
-  double garden_trees = 0.35;       ///< a plot
-  double parking = 1.0;             ///< times as many parked cars as in the suburb
+  double fences_and_hedges = 0.80;  ///< share of the fronts with either; the rest is open
+  double garden_trees = 0.35;       ///< per plot
+  double parking = 1.0;             ///< number of parked cars relative to the suburb
   bool lamps_and_bins = true;
   Bounds between_trees{14.0, 24.0};  ///< m, along the pavement
 };
 
-/// Which part of a street is built in which way: equal stretches, street by street. Streets that are not named are
-/// suburb.
+/// The style of each part of a street: equal stretches, street by street. Streets without a row are suburb.
 struct Quarters {
   struct Row {
     double stretch = 1e9;  ///< m

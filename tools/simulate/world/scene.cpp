@@ -24,7 +24,7 @@ Scene::Scene(Ground ground, std::vector<Shape> shapes) : ground_(std::move(groun
       for (int ix = column(shape.centre.x() - ex); ix <= column(shape.centre.x() + ex); ++ix) {
         const float mx = x0 + (static_cast<float>(ix) + 0.5F) * kCellSize,
                     my = y0 + (static_cast<float>(iy) + 0.5F) * kCellSize;
-        if (!shape.covers(mx, my, 1.5F)) continue;  // half the diagonal of a cell, and some
+        if (!shape.covers(mx, my, 1.5F)) continue;  // half the diagonal of a cell, plus a margin
         const auto index = static_cast<std::size_t>(iy * columns_ + ix);
         lists[index].push_back(i);
         cells_[index].bottom = std::min(cells_[index].bottom, shape.bottom());
@@ -43,7 +43,7 @@ Hit Scene::cast(const Ray& ray, float reach, std::span<const Shape> moving, std:
   Hit hit;
   hit.range = reach;
   cast_shapes(ray, noise, hit);
-  cast_ground(ray, hit);  // the dearer one last: what stands on it bounds how far it is looked for
+  cast_ground(ray, hit);  // last, because it is the most expensive and the hit on a shape bounds its range
   for (const Shape& shape : moving) {
     const Eigen::Vector3f to = shape.centre - ray.origin;
     const float along = to.dot(ray.direction);
@@ -73,7 +73,7 @@ void Scene::cast_ground(const Ray& ray, Hit& hit) const {
 }
 
 void Scene::cast_shapes(const Ray& ray, std::uint64_t noise, Hit& hit) const {
-  // Amanatides and Woo: walk the cells that the ray crosses, nearest first.
+  // Amanatides and Woo: visits the cells that the ray crosses, nearest first.
   const float x = (ray.origin.x() - static_cast<float>(ground_.x_of(0))) / kCellSize;
   const float y = (ray.origin.y() - static_cast<float>(ground_.y_of(0))) / kCellSize;
   const float dx = ray.direction.x() / kCellSize, dy = ray.direction.y() / kCellSize;

@@ -8,14 +8,14 @@
 
 namespace curbstone::simulate::world {
 
-/// Everything that stands still, arranged for casting rays: about a million a second. Immutable after building; cast()
-/// is safe from any thread.
+/// All static objects, organised for ray casting: about a million rays per second. Immutable after building; cast() is
+/// safe from any thread.
 class Scene {
  public:
   Scene() = default;
   Scene(Ground ground, std::vector<Shape> shapes);
 
-  /// The nearest thing along the ray within `reach` metres, `moving` shapes included. `noise` are this ray's own bits.
+  /// The nearest hit of the ray within `reach` metres, including `moving` shapes. `noise`: random bits of this ray.
   [[nodiscard]] Hit cast(const Ray& ray, float reach, std::span<const Shape> moving, std::uint64_t noise) const;
 
   [[nodiscard]] const Ground& ground() const { return ground_; }
@@ -41,7 +41,7 @@ class Scene {
   int rows_ = 0;
 };
 
-/// 0..1, diffuse, of the ground's kinds.
+/// 0..1, diffuse, of the kinds of ground.
 [[nodiscard]] float ground_reflectivity(Surface surface);
 
 }  // namespace curbstone::simulate::world

@@ -30,7 +30,7 @@ void intersect_box(const Shape& shape, const Ray& ray, Hit& hit) {
   float enter = 0.0F, leave = hit.range;
   int axis = -1;
   for (int i = 0; i < 3; ++i) {
-    const float inverse = 1.0F / local.direction[i];  // infinite is fine: the slab is then all or nothing
+    const float inverse = 1.0F / local.direction[i];  // infinity is fine: the slab test is then all or nothing
     float a = (-shape.half[i] - local.origin[i]) * inverse;
     float b = (shape.half[i] - local.origin[i]) * inverse;
     if (a > b) std::swap(a, b);
@@ -67,7 +67,7 @@ void intersect_ellipsoid(const Shape& shape, const Ray& ray, std::uint64_t noise
   const float root = std::sqrt(discriminant);
   const float enter = (-b - root) / a, leave = (-b + root) / a;
   if (enter <= 0 || enter >= hit.range) return;
-  // Leaves: a ray gets in to some depth, and may get through.
+  // Foliage: a ray penetrates to a random depth, and may pass through.
   const float depth = -0.45F * std::log(1.0F - static_cast<float>(numerics::unit_from_bits(noise)));
   if (enter + depth > leave || enter + depth >= hit.range) return;
   keep(shape, enter + depth, 0.7F, hit);

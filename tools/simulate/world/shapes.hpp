@@ -12,7 +12,7 @@ struct Ray {
   Eigen::Vector3f direction;
 };
 
-/// Where a ray met something; nothing if `surface` is kNone.
+/// The hit of a ray; there is none if `surface` is kNone.
 struct Hit {
   float range = 1e9F;         ///< m
   float incidence = 1.0F;     ///< cosine of the angle between the ray and the surface's normal
@@ -20,7 +20,7 @@ struct Hit {
   Surface surface = Surface::kNone;
 };
 
-/// What things in a town are made of: upright boxes, upright cylinders and ellipsoids.
+/// The building blocks of a town: upright boxes, upright cylinders and ellipsoids.
 struct Shape {
   enum class Kind : std::uint8_t { kBox, kCylinder, kEllipsoid };
   Kind kind = Kind::kBox;
@@ -42,13 +42,14 @@ struct Shape {
 
 [[nodiscard]] Shape make_box(Surface surface, float reflectivity, const Eigen::Vector3d& centre,
                              const Eigen::Vector3d& size, double yaw);
-/// `base` is the middle of the bottom.
+/// `base`: the centre of the bottom.
 [[nodiscard]] Shape make_cylinder(Surface surface, float reflectivity, const Eigen::Vector3d& base, double radius,
                                   double height);
 [[nodiscard]] Shape make_ellipsoid(Surface surface, float reflectivity, const Eigen::Vector3d& centre,
                                    const Eigen::Vector3d& half);
 
-/// Shortens `hit` if the ray meets the shape nearer than that. `noise` picks how deep into foliage this very ray gets.
+/// Shortens `hit` if the ray hits the shape at a smaller range. `noise` determines how deep this ray penetrates
+/// foliage.
 void intersect(const Shape& shape, const Ray& ray, std::uint64_t noise, Hit& hit);
 
 }  // namespace curbstone::simulate::world

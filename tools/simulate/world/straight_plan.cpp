@@ -6,7 +6,7 @@ namespace curbstone::simulate::world {
 
 namespace {
 
-/// Nothing stands beside it: a road between fields, with its curbs.
+/// No objects: a road between fields, with its curbs.
 Quarter bare() {
   Quarter quarter;
   quarter.houses = quarter.fences = quarter.fences_and_hedges = quarter.garden_trees = quarter.parking = 0;

@@ -11,8 +11,8 @@ double smooth_blend(double t) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-constexpr double kRamp = 0.7;   // m along the street from full height to dropped
-constexpr double kBlend = 2.0;  // m along the street from one stretch's height to the next
+constexpr double kRamp = 0.7;   // m along the street from full height to lowered
+constexpr double kBlend = 2.0;  // m along the street over which the heights of two stretches are blended
 
 }  // namespace
 

@@ -9,16 +9,16 @@ namespace curbstone::simulate::world {
 
 enum class Side { kLeft = 1, kRight = -1 };
 
-/// Where the kerb is lowered for a driveway.
+/// A lowered curb at a driveway.
 struct DroppedKerb {
   double s = 0;       ///< m along the street
   double half = 1.7;  ///< m, half the opening; ramps of 0.7 m beyond
   double height = 0.02;
 };
 
-/// One side's curb along a street: heights that change from stretch to stretch, and where it is dropped.
+/// One side's curb along a street: its heights by stretch, and where it is lowered.
 struct CurbSide {
-  std::vector<double> heights;  ///< m, one a stretch, blended between
+  std::vector<double> heights;  ///< m, one per stretch, blended between
   double stretch = 25.0;        ///< m
   std::vector<DroppedKerb> dropped;
 
@@ -43,7 +43,7 @@ class Street {
   [[nodiscard]] double length() const { return length_; }
   [[nodiscard]] bool closed() const { return closed_; }
   [[nodiscard]] double half_width() const { return half_width_; }
-  /// By linear interpolation between samples half a metre apart; wraps or clamps.
+  /// Linear interpolation between samples half a metre apart; wraps or clamps.
   [[nodiscard]] Sample at(double s) const;
   [[nodiscard]] CurbSide& curb(Side side) { return side == Side::kLeft ? left_ : right_; }
   [[nodiscard]] const CurbSide& curb(Side side) const { return side == Side::kLeft ? left_ : right_; }

@@ -43,7 +43,7 @@ Town::Town(const TownOptions& town_options) : options(town_options) {
   std::vector<Shape> shapes = furnish(furnishing, streets, planned.quarters, ground, random.fork(4), passing);
   scene = std::make_unique<const Scene>(std::move(ground), std::move(shapes));
 
-  if (options.straight > 0) return;  // cars circle
+  if (options.straight > 0) return;  // moving cars need a loop
   const double around = streets.front().length();
   const int traffic_density = std::max(4, static_cast<int>(around / 110.0));
   numerics::Random traffic = day.fork(5);

@@ -12,18 +12,18 @@ namespace curbstone::simulate::world {
 struct TownPlan {
   std::vector<Street> streets;  ///< 0 is the loop, counter-clockwise, or the straight street
   Quarters quarters;
-  std::size_t inside = 1;  ///< of the streets: those that end within the world
+  std::size_t inside = 1;  ///< number of streets that end within the world
 };
 
-/// The demo's: a street round one block, three side streets.
+/// The demo's town: a street around one block, three side streets.
 [[nodiscard]] TownPlan plan_block(double half_width, numerics::Random& random);
 
-/// A loop of `round` metres through streets of several blocks, at least a tenth of it apart from each other but at
-/// corners. Street 1, off the loop, ends in the world: the way in and out. Other streets lead out of the town or across
-/// its blocks. One part of the town is not built like the next.
+/// A loop of `round` metres through streets of several blocks, which are at least a tenth of `round` apart except at
+/// corners. Street 1, off the loop, ends within the world: the way in and out. Other streets lead out of the town or
+/// across its blocks. Neighbouring parts of the town differ in style.
 [[nodiscard]] TownPlan plan_blocks(double round, double half_width, numerics::Random& random);
 
-/// A straight street, open at both ends: suburb along its first and last quarter, and nothing but curbs between.
+/// A straight street, open at both ends: suburb along its first and last quarter, and only curbs between.
 [[nodiscard]] TownPlan plan_straight(double length, double half_width, numerics::Random& random);
 
 }  // namespace curbstone::simulate::world

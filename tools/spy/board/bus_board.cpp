@@ -37,7 +37,7 @@ void BusBoard::on_message(const std::string& channel, const void* data, std::siz
   std::optional<std::int64_t> sequence;
   if (type != nullptr) {
     state.type = type->name;
-    // Large messages are not decoded whole: 750 of LIDAR_POINTS a second would cost a core.
+    // Large messages are not decoded completely: 750 LIDAR_POINTS per second would cost a core.
     if (has_sequence(*type)) {
       const auto values = decode_values(table, data, size);
       is_whole = values.has_value();

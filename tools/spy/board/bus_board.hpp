@@ -12,23 +12,23 @@
 
 namespace curbstone::spy::board {
 
-/// A channel: who it is, how fast, and its last message.
+/// State of a channel: its type, statistics and last message.
 struct ChannelState {
   std::string type;              ///< "curbstone.imu_t"; empty: not one of lcmtypes/
-  std::int64_t undecodable = 0;  ///< messages of no known type, or damaged
+  std::int64_t undecodable = 0;  ///< messages of an unknown type, or damaged
   ChannelStatistics statistics;
-  std::vector<std::uint8_t> last;  ///< bytes of the last message; of the followed channel only
+  std::vector<std::uint8_t> last;  ///< bytes of the last message; only for the followed channel
 };
 
 /// A deputy, by its PM_INFO.
 struct DeputyState {
   procman_lcm::deputy_info_t info;
-  std::int64_t heard = 0;  ///< us, when it came
-  std::int64_t clock = 0;  ///< us: the clock of its host minus ours, less the way here
+  std::int64_t heard = 0;  ///< us, time of reception
+  std::int64_t clock = 0;  ///< us: the clock of its host minus ours, less the transit time
 };
 
-/// Everything that is heard on a bus. Messages and times of arrival (us since the Unix epoch) go in. Pure; any bytes
-/// may come, and memory is bounded.
+/// The state of everything received on a bus. Messages and their times of reception (us since the Unix epoch) go in.
+/// Pure; invalid bytes are tolerated, and memory is bounded.
 class BusBoard {
  public:
   static constexpr std::size_t kMostChannels = 500;

@@ -22,8 +22,8 @@ ChannelRates ChannelStatistics::rates(std::int64_t now) const {
   const auto first = std::ranges::find_if(arrivals_, [&](const Arrival& a) { return now - a.time <= kWindow; });
   const auto count = arrivals_.end() - first;
   if (count < 2) return rates;
-  // A channel that falls silent is not as fast as it was: the time since its last message counts once it is longer
-  // than an interval.
+  // The rate of a channel that falls silent must decrease: the time since its last message counts once it exceeds an
+  // interval.
   const auto span = static_cast<double>(arrivals_.back().time - first->time) * 1e-6;
   const double interval = span / static_cast<double>(count - 1);
   const double whole = std::max(span, span - interval + static_cast<double>(rates.age) * 1e-6);

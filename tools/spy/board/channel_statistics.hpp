@@ -8,7 +8,7 @@
 
 namespace curbstone::spy::board {
 
-/// What is said of a channel, over the last kWindow.
+/// The figures of a channel over the last kWindow.
 struct ChannelRates {
   double rate = 0;  ///< Hz
   double jitter =
@@ -17,21 +17,21 @@ struct ChannelRates {
   std::int64_t age = 0;                          ///< us since the last message
 };
 
-/// Rate, jitter and bandwidth of a channel, and gaps in its sequence numbers. Pure: times in us of one clock, which
-/// does not go back. Memory is bounded: of a fast channel the window is the last kMost messages.
+/// Rate, jitter and bandwidth of a channel, and gaps in its sequence numbers. Pure: times in us of one monotonic clock.
+/// Memory is bounded: for a fast channel the window is the last kMost messages.
 class ChannelStatistics {
  public:
   static constexpr std::int64_t kWindow = 5'000'000;  ///< us
   static constexpr std::size_t kMost = 2000;          ///< messages
 
-  /// A message came. `sequence`: of messages that have one.
+  /// Adds a received message. `sequence`: for messages with a sequence number.
   void add(std::int64_t now, std::size_t size, std::optional<std::int64_t> sequence);
   [[nodiscard]] ChannelRates rates(std::int64_t now) const;
 
   [[nodiscard]] std::int64_t messages() const { return messages_; }
   [[nodiscard]] std::size_t last_size() const { return arrivals_.empty() ? 0 : arrivals_.back().size; }
-  /// Messages that are missing by their sequence numbers. Nothing if they have none. A number that goes back, or jumps
-  /// by more than kWholeGap, is a new count: its sender was restarted.
+  /// Messages missing by their sequence numbers; empty if the messages have none. A number that decreases, or jumps by
+  /// more than kWholeGap, restarts the count: the sender was restarted.
   [[nodiscard]] std::optional<std::int64_t> lost() const { return lost_; }
 
  private:

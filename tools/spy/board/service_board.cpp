@@ -18,7 +18,7 @@ std::int64_t sum_of(const service_status_t& status, std::initializer_list<std::s
   return sum;
 }
 
-/// A second; counts of a process that was restarted begin anew.
+/// Per second; the counts of a restarted process start again, which gives 0.
 double per_second(std::int64_t before, std::int64_t after, double seconds) {
   return static_cast<double>(std::max<std::int64_t>(after - before, 0)) / seconds;
 }

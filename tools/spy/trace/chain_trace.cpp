@@ -16,7 +16,7 @@ namespace {
 
 /// The measurement that a message is about.
 struct Measurement {
-  std::int64_t key = 0;    // the same of all messages of a span
+  std::int64_t key = 0;    // common to all messages of a span
   std::int64_t utime = 0;  // us
 };
 
@@ -25,7 +25,7 @@ std::optional<Measurement> measurement_of(const std::string& channel, const void
   if (type == nullptr || type->fields.empty() || type->fields.front().name != "utime" || size < 16) return std::nullopt;
   const auto utime = static_cast<std::int64_t>(
       read_big_endian<std::uint64_t>({static_cast<const std::uint8_t*>(data) + 8, sizeof(std::uint64_t)}));
-  if (channel != "LIDAR_POINTS") return Measurement{utime, utime};  // a packet is one of many of a revolution
+  if (channel != "LIDAR_POINTS") return Measurement{utime, utime};  // the packets of a revolution form one span
   lidar_points_t points{};
   if (!decode(data, static_cast<int>(size), points)) return std::nullopt;
   return Measurement{points.revolution, utime};
@@ -35,7 +35,7 @@ std::optional<Measurement> measurement_of(const std::string& channel, const void
 
 void ChainTrace::on_message(const std::string& channel, const void* data, std::size_t size, std::int64_t arrival) {
   const std::optional<Measurement> measurement = measurement_of(channel, data, size);
-  // A stamp may be anything: compared before it is subtracted.
+  // A stamp may have any value, so it is compared without overflow.
   if (!measurement || measurement->utime < arrival - kOldest || measurement->utime > arrival - kEarliest) {
     ++left_out_;
     return;

@@ -12,29 +12,29 @@ namespace curbstone::spy::trace {
 
 /// The messages of one measurement on a channel. Times in us since the Unix epoch.
 struct Span {
-  std::int64_t measured = 0;  ///< of a revolution of the LiDAR: its first shot
+  std::int64_t measured = 0;  ///< for a LiDAR revolution: its first shot
   std::int64_t first_arrival = 0;
   std::int64_t last_arrival = 0;
   std::int64_t messages = 0;
   std::int64_t bytes = 0;
 };
 
-/// A SERVICE_STATUS, and when it came, us.
+/// A SERVICE_STATUS and its time of reception, us.
 struct HeardStatus {
   std::int64_t arrival = 0;
   service_status_t status;
 };
 
-/// From stamp to arrival, channel by channel: where the time goes on the way from packets to tiles. Messages of one
-/// channel and one stamp are a span; packets are put together by their revolution, and a tile counts when it first
-/// shows a measurement. Pure; any bytes may come, and memory is bounded.
+/// Latency from stamp to reception, channel by channel: where time is spent from packets to tiles. Messages of one
+/// channel with one stamp form a span; packets are grouped by their revolution, and a tile counts when it first shows a
+/// measurement. Pure; invalid bytes are tolerated, and memory is bounded.
 class ChainTrace {
  public:
-  static constexpr std::size_t kMostSpans = 200'000;  ///< a minute of a whole vehicle
+  static constexpr std::size_t kMostSpans = 200'000;  ///< one minute of a whole vehicle
   static constexpr std::size_t kMostChannels = 500;
   static constexpr std::size_t kMostStatuses = 20'000;
   static constexpr std::size_t kMostTiles = 100'000;
-  static constexpr std::int64_t kOldest = 10'000'000;    ///< us under way: what is older is of a log, or state again
+  static constexpr std::int64_t kOldest = 10'000'000;    ///< us in transit; older: from a log, or a repeated state
   static constexpr std::int64_t kEarliest = -1'000'000;  ///< us: the other host's clock is ahead
 
   void on_message(const std::string& channel, const void* data, std::size_t size, std::int64_t arrival);
@@ -43,11 +43,12 @@ class ChainTrace {
   [[nodiscard]] const std::map<std::string, std::map<std::int64_t, Span>>& channels() const { return channels_; }
   [[nodiscard]] const std::vector<HeardStatus>& statuses() const { return statuses_; }
   [[nodiscard]] std::size_t spans() const { return num_spans_; }
-  /// Messages without a stamp, of another time, or too many.
+  /// Messages without a stamp, outside kEarliest .. kOldest, or beyond the bounds.
   [[nodiscard]] std::int64_t left_out() const { return left_out_; }
 
  private:
-  /// Tiles go out again and again: for their curbs, for their neighbours, for who asked. What was not measured before?
+  /// Whether a tile shows a new measurement. Tiles are also sent again for their curbs, for their neighbours, and on
+  /// request.
   bool shows_news(const void* data, std::size_t size);
 
   std::map<std::string, std::map<std::int64_t, Span>> channels_;

@@ -18,10 +18,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kProcess = 1;  // all rows belong to one: the bus
-constexpr int kLanes = 100;  // rows of a channel, at most
+constexpr int kProcess = 1;  // all rows belong to one process: the bus
+constexpr int kLanes = 100;  // maximum rows of a channel
 
-/// From packets to tiles; other channels below, by name.
+/// The order from packets to tiles; other channels follow by name.
 constexpr std::array<std::string_view, 11> kChain = {
     "LIDAR_POINTS", "IMU",           "WHEELS", "ODOMETRY",       "MAP_POSE",  "MAP_POINTS",
     "VOTED_POINTS", "SEMANTIC_TILE", "CURBS",  "LOCALIZED_POSE", "TILE_INDEX"};
@@ -45,10 +45,10 @@ Json row_order(int row) {
   return {{"ph", "M"}, {"pid", kProcess}, {"tid", row}, {"name", "thread_sort_index"}, {"args", {{"sort_index", row}}}};
 }
 
-/// Rows in which no two spans overlap: viewers want spans of one row one after the other.
+/// Rows without overlapping spans, because viewers require the spans of a row to be sequential.
 class Lanes {
  public:
-  /// The first row that is free from `begin` on, and taken until `end`; the last one if none is.
+  /// The first row that is free from `begin` on, then occupied until `end`; the last row if none is free.
   int take(std::int64_t begin, std::int64_t end) {
     for (std::size_t lane = 0; lane < free_from_.size(); ++lane) {
       if (free_from_[lane] > begin) continue;
@@ -95,7 +95,7 @@ Json curve(const std::string& name, const std::string& unit, std::int64_t at, do
   return {{"ph", "C"}, {"pid", kProcess}, {"name", name}, {"ts", at}, {"args", {{unit, value}}}};
 }
 
-/// CPU between two statuses of a process, latency, and faults.
+/// Adds CPU between two statuses of a process, latency, and faults.
 void add_statuses(const std::vector<HeardStatus>& statuses, std::int64_t begin, Json& events) {
   std::map<std::string, const service_status_t*> before;
   for (const HeardStatus& heard : statuses) {

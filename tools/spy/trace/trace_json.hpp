@@ -6,8 +6,8 @@
 
 namespace curbstone::spy::trace {
 
-/// The trace in Chrome's format (Trace Event Format, JSON object), which Perfetto opens. Times are from the first
-/// measurement, us.
+/// The trace in Chrome's format (Trace Event Format, JSON object), which Perfetto opens. Times are relative to the
+/// first measurement, us.
 [[nodiscard]] std::string trace_json(const ChainTrace& trace);
 
 }  // namespace curbstone::spy::trace

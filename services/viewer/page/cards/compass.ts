@@ -1,4 +1,4 @@
-// The buttons that show how the camera is turned and tilted.
+// The buttons that show the camera's turn and tilt.
 import { Camera } from "../drawing/camera";
 import { byId } from "../format";
 

@@ -1,22 +1,22 @@
-// A curb cut across: the map's cells along its normal, and the step that was fitted to the points there.
+// The cross-section of a curb: the map's cells along its normal, and the step fitted to the points there.
 import { make } from "../format";
 import { CurbLine, heightOf, kCellSize, kCells, kTileSize, World } from "../world";
 
-const kReach = 1.5;  // m, to each side
-const kBand = 0.15;  // m, to each side of the normal
-const kNear = 0.25;  // m: a click so near means the curb
+const kReach = 1.5;  // m, to either side
+const kBand = 0.15;  // m, to either side of the normal
+const kNear = 0.25;  // m: a click this close selects the curb
 
-/// At the vertex of a curb. `side`: unit vector towards the higher side.
+/// A vertex of a curb. `side`: unit vector towards the higher side.
 export interface CurbPlace {
   line: CurbLine;
   x: number; y: number; foot: number; height: number;  // m
   side: [number, number];
 }
 
-/// A cell beside the normal: m from the foot line towards the higher side, m over the foot.
+/// A cell near the normal: m from the foot line towards the higher side, m above the foot.
 export interface CutCell { across: number; up: number; kind: number }
 
-/// The vertex nearest to a place, if the curb passes there.
+/// The vertex nearest to a place, if the curb passes within `near`.
 export function curbAt(world: World, x: number, y: number, near = kNear): CurbPlace | null {
   let best: CurbPlace | null = null, closest = Infinity;
   for (const line of world.curbs.values()) {
@@ -32,7 +32,7 @@ export function curbAt(world: World, x: number, y: number, near = kNear): CurbPl
   return best;
 }
 
-/// From a place to the line's pieces that begin or end at vertex i, m.
+/// Distance from a place to the line's pieces that begin or end at vertex i, m.
 function segmentDistance({ n, values }: CurbLine, i: number, x: number, y: number): number {
   const to = (j: number) => {
     if (j < 0 || j >= n) return Math.hypot(values[i] - x, values[n + i] - y);
@@ -62,7 +62,7 @@ export function cutAcross(world: World, curb: CurbPlace): CutCell[] {
   return found.sort((a, b) => a.across - b.across);
 }
 
-/// m from foot to foot along the line.
+/// Length of the line's foot, m.
 export function lengthOf({ n, values }: CurbLine): number {
   let length = 0;
   for (let i = 1; i < n; ++i) length += Math.hypot(values[i] - values[i - 1], values[n + i] - values[n + i - 1]);
@@ -70,10 +70,10 @@ export function lengthOf({ n, values }: CurbLine): number {
 }
 
 const kSvg = "http://www.w3.org/2000/svg";
-const kWide = 232, kHigh = 96, kLowest = -0.15, kHighest = 0.45;  // pixels; m over the foot
+const kWide = 232, kHigh = 96, kLowest = -0.15, kHighest = 0.45;  // pixels; m above the foot
 
-/// Cells as dots of their class's colour, the fitted step as a line, a rule of 10 cm. The step of a lowered curb is dashed
-/// and that of an inferred one dotted, as on the map.
+/// Draws the cells as dots in the colour of their class, the fitted step as a line, and a 10 cm scale. The step of a
+/// lowered curb is dashed and that of an inferred one dotted, as on the map.
 export function drawCut(cells: CutCell[], curb: CurbPlace, colourOf: (kind: number) => string): HTMLElement {
   const x = (across: number) => (across / kReach + 1) / 2 * kWide;
   const y = (up: number) => kHigh * (kHighest - Math.min(kHighest, Math.max(kLowest, up))) / (kHighest - kLowest);

@@ -1,4 +1,4 @@
-// The processes, with their faults in words.
+// The processes and their faults.
 import { byId, bytes, make, seconds } from "../format";
 import { Service } from "../world";
 import { LossHistory } from "./loss_history";

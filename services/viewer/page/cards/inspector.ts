@@ -1,4 +1,4 @@
-// The card of the cell, or of the curb, that was clicked.
+// The card of the selected cell or curb.
 import { classColours, css, kClassNames, Mode, Theme } from "../drawing/palette";
 import { byId, closeButton, fixed, list, make, metres, say, seconds } from "../format";
 import { newestTime } from "../survey";
@@ -8,7 +8,7 @@ import { CurbPlace, curbAt, CutCell, cutAcross, drawCut, lengthOf } from "./cros
 export class Inspector {
   picked: [number, number] | null = null;  // m in map
   private card = byId("cell");
-  // Frames come ten times a second: what is clicked, focused or read aloud must stay the same element.
+  // Frames arrive ten times a second: an element that is clicked, focused or read aloud must not be replaced.
   private key = make("i");
   private name = make("span");
   private body = make("div");
@@ -42,12 +42,12 @@ export class Inspector {
     ]);
     const curb = curbAt(this.world, ...this.picked);
     say(this.name, kClassNames[kind]);
-    // What was aimed at comes first: a phone shows no more without scrolling.
+    // The curb comes first: a phone shows no more without scrolling.
     const above = curb ? [...this.curb(curb, colours.map(c => c ? css(c) : "transparent")), make("h4", "Cell")] : [];
     this.body.replaceChildren(...above, facts);
   }
 
-  /// A saved map does not know when its curbs were computed, and has one revision of each tile.
+  /// A saved map has no time of its curbs and one revision of each tile.
   private ages(tile: Tile): [string, string][] {
     const { state } = this.world, name = `${tile.x}, ${tile.y}`;
     if (state?.source === "map") {
@@ -81,7 +81,7 @@ export class Inspector {
   }
 }
 
-/// What kind of curb that is, in words.
+/// The kind of curb, in words.
 function meaningOf({ line }: CurbPlace, cells: CutCell[]): [string, string] {
   if (line.inferred) {
     const hides = cells.some(({ kind }) => kind > 2) ? " What stands there hides it." : "";

@@ -1,15 +1,15 @@
-// What each process lost in the last minute, and its line.
+// The loss rates of each process in the last minute, and their plot.
 import { Service } from "../world";
 
-const kKept = 60;  // values, one a SERVICE_STATUS: a second each
+const kKept = 60;  // values, one per SERVICE_STATUS, so 60 s
 const kSvg = "http://www.w3.org/2000/svg";
 
-interface History { uptime: number; rates: number[] }  // s; messages and the like a second
+interface History { uptime: number; rates: number[] }  // s; messages and other losses per second
 
 export class LossHistory {
   private histories = new Map<string, History>();
 
-  /// Each status once, however often it is shown.
+  /// Adds each status once, however often it is shown.
   note(services: Service[]): void {
     for (const { name, uptime, losses } of services) {
       const known = this.histories.get(name);
@@ -21,7 +21,7 @@ export class LossHistory {
     for (const name of this.histories.keys()) if (!services.some(s => s.name === name)) this.histories.delete(name);
   }
 
-  /// Null where nothing was lost.
+  /// The plot of a process; null if nothing was lost.
   line(name: string): SVGElement | null {
     const rates = this.histories.get(name)?.rates ?? [], most = Math.max(0, ...rates);
     if (most === 0) return null;

@@ -1,4 +1,4 @@
-// The controls: colours with their legend, layers, theme, facts of the vehicle.
+// The controls: colours with their legend, layers, theme, data of the vehicle.
 import { byId, fixed, list, make, metres, say, seconds } from "../format";
 import { classColours, css, kClassNames, kModes, Mode, ramp, Theme } from "../drawing/palette";
 import { kInk } from "../drawing/ink";
@@ -9,14 +9,14 @@ const kSvg = "http://www.w3.org/2000/svg";
 const kLayers: [keyof Layers, string][] =
   [["grid", "Cells"], ["relief", "Relief"], ["curbs", "Curbs"], ["markings", "Paint"], ["path", "Path"], ["points", "LiDAR"], ["localized", "Localizer"]];
 const kPointColours: [Settings["points"], string][] = [["height", "Points by height"], ["intensity", "By intensity"]];
-/// What is drawn as lines: layer, words, dashes.
+/// The legend of the lines: layer, label, dashes.
 const kLineKeys: [keyof Layers, string, string][] =
   [["curbs", "Curb", "none"], ["curbs", "Lowered", "4 3"], ["curbs", "Inferred", "0.5 3.5"], ["path", "Driven", "none"], ["markings", "Road paint", "none"]];
 const kKeys: [string, string][] = [
   ["F", "follow the vehicle"], ["N", "north or heading up"], ["T", "tilt"], ["M", "measure"], ["P", "save a picture"], ["L", "back to what is live"],
   ["Space", "pause, go on"], ["0", "the whole map"], ["H", "hide or show the panel"], ["+ −", "zoom"], ["Arrows", "move; with Shift tilt and turn"], ["Enter", "what is in the middle"], ["Esc", "close"],
   ["Drag", "move; right button: tilt"], ["Two fingers", "zoom; side by side upwards: tilt"], ["Long press", "what is there"]];
-const kDraw = 24;  // pixels that a finger goes to draw the sheet
+const kDraw = 24;  // pixels a finger moves before it pulls the sheet
 const kThemes: ["auto" | Theme, string][] = [["auto", "Auto"], ["light", "Light"], ["dark", "Dark"]];
 
 export class Panel {
@@ -36,7 +36,7 @@ export class Panel {
     this.listen(byId("handle"));
   }
 
-  /// On a small screen: a tap on the handle, or a finger that draws it up or down.
+  /// On a small screen: a tap on the handle, or a finger that pulls it up or down.
   private listen(handle: HTMLElement): void {
     let from = 0, isDrawn = false;
     handle.onpointerdown = event => { from = event.clientY; isDrawn = false; handle.setPointerCapture(event.pointerId); };
@@ -66,7 +66,7 @@ export class Panel {
     return make("label", "", "", box, document.createTextNode(title));
   }
 
-  /// After the settings changed.
+  /// Call it after the settings changed.
   refresh(range: [number, number]): void {
     for (const refresh of refreshers) refresh();
     const { mode, look, layers } = this.settings;
@@ -101,13 +101,13 @@ function registration(pose: NonNullable<State["pose"]>): string {
   return words.join(", ") || (pose.stationary ? "good, standing" : "good");
 }
 
-/// 1 sigma of the worst direction, and of the heading.
+/// One sigma in the worst direction, and of the heading.
 function uncertainty({ covariance: [xx, xy, yy, turn] }: Pose): string {
   const worst = Math.sqrt(Math.max(0, (xx + yy) / 2 + Math.hypot((xx - yy) / 2, xy)));
   return `${metres(worst)}, ${(Math.sqrt(Math.max(0, turn)) * 180 / Math.PI).toFixed(2)}°`;
 }
 
-/// What the localizer says, if there is one.
+/// The localizer's state, if there is one.
 function localization({ localized, pose }: State): [string, string, boolean?][] {
   if (!localized) return [];
   if (localized.age > 1.5) return [["Localizer", `silent for ${seconds(localized.age)}`, true]];
@@ -134,7 +134,7 @@ function segments<T extends string>(id: string, choices: [T, string][], get: () 
   });
   const group = byId(id);
   group.append(...buttons);
-  group.addEventListener("keydown", event => {  // as radio buttons do: Tab comes to the chosen one, arrows choose another
+  group.addEventListener("keydown", event => {  // like radio buttons: Tab focuses the chosen one, arrows choose another
     const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
     if (!step) return;
     event.preventDefault();
@@ -160,7 +160,7 @@ function keys(theme: Theme, mode: Mode): HTMLElement {
   }));
 }
 
-/// A piece of the line as it is on the map, and what it is.
+/// A legend entry: a piece of the line as on the map, and its label.
 function lineKey(theme: Theme, layer: keyof Layers, title: string, dashes: string): HTMLElement {
   const svg = document.createElementNS(kSvg, "svg");
   svg.setAttribute("viewBox", "0 0 22 8");
@@ -182,7 +182,7 @@ function scale(mode: Mode, [low, high]: [number, number]): HTMLElement {
   return make("div", "", "", bar, make("div", "", "ends", make("span", from), make("span", to)));
 }
 
-/// The line of the folded panel on a phone.
+/// The summary line of the folded panel on a phone.
 export function showSummary(isFile: boolean, speed: number | null, latency: number | null, faults: number, silent: number): void {
   const [title, news] = byId("summary").children as unknown as [HTMLElement, HTMLElement];
   say(title, isFile ? "Layers" : "Layers and health");

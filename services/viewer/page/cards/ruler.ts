@@ -1,4 +1,4 @@
-// Two places and what lies between them: distance, height, slope.
+// Measures between two places: distance, height, slope.
 import { byId, closeButton, list, make, metres } from "../format";
 import { cellAt, heightOf, Place, World } from "../world";
 
@@ -15,7 +15,7 @@ export class Ruler {
     this.changed();
   }
 
-  /// The first place, then the second one; a third begins again.
+  /// Sets the first place, then the second; a third call starts again.
   put([x, y]: [number, number]): void {
     const hit = cellAt(this.world, x, y);
     if (this.places.length === 2) this.places = [];

@@ -1,7 +1,7 @@
 // The scale bar of the map.
 import { byId } from "../format";
 
-/// `scale`: pixels a m.
+/// `scale`: pixels per m.
 export function showScale(scale: number): void {
   const steps = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
   const step = steps.find(s => s * scale > 70) ?? 1000;

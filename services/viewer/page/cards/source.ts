@@ -1,8 +1,8 @@
-// Where the map comes from: a vehicle, its log, or a file. What a saved map does not have is not offered.
+// The source of the map: a vehicle, its log, or a file. Controls without data in a saved map are hidden.
 import { byId } from "../format";
 import { State } from "../world";
 
-/// True: a saved map is seen now and none was before, or the other way about. Then other cards lie on the map.
+/// True: the source changed to or from a saved map, so other cards now lie on the map.
 export function showSource(state: State | null): boolean {
   const isFile = state?.source === "map", { classList } = document.documentElement;
   const isOther = classList.contains("file") !== isFile;

@@ -1,4 +1,4 @@
-// The bar of a log that is played, or of the minutes before now: pause, pace, and where in the drive.
+// The time line of a log that is played, or of the last minutes: pause, speed, position.
 import { byId } from "../format";
 import { Playback } from "../world";
 
@@ -10,7 +10,7 @@ export function clock(s: number): string {
   return `${Math.floor(s / 60)}:${String(Math.floor(s % 60)).padStart(2, "0")}`;
 }
 
-/// Of what is live: whether that is what is seen, and whether it is well.
+/// State of the live data: whether they are the ones shown, and whether they are healthy.
 export interface Live { isSeen: boolean; isWell: boolean }
 
 export class Timeline {
@@ -18,7 +18,7 @@ export class Timeline {
   private slider = byId<HTMLInputElement>("position");
   private playback: Playback | null = null;
   private live: Live | null = null;
-  private length = 0;      // s, as far as the bytes that were read tell
+  private length = 0;      // s, estimated from the share of bytes read
   private sliding = false;
 
   constructor(order: (order: PlayOrder) => void, goLive: () => void) {
@@ -30,7 +30,7 @@ export class Timeline {
     this.slider.oninput = () => {
       this.sliding = true;
       this.showPlace(this.wanted());
-      if (this.live) order({ position: this.wanted() });  // a log has to be read up to there: when the user lets go
+      if (this.live) order({ position: this.wanted() });  // only on release: a log must be read up to there
     };
     this.slider.onchange = () => {
       this.sliding = false;
@@ -41,7 +41,7 @@ export class Timeline {
     byId("live").onclick = goLive;
   }
 
-  /// `live`: the bar is of the minutes before now.
+  /// `live`: the bar is for the last minutes.
   show(playback: Playback | null, live: Live | null = null): void {
     this.playback = playback;
     this.live = live;

@@ -1,19 +1,20 @@
-// The map between the cards: where its middle is, and that what was asked about is seen beside its card.
+// The free area between the cards: where its centre is, and how a selected place is kept out from under its card.
 import { Camera } from "../drawing/camera";
 import { byId } from "../format";
 
-const kMargin = 24;  // pixels about the place
+const kMargin = 24;  // pixels around the place
 
-/// As in page.css: where the card lies across the screen, and the map is seen above it.
+/// As in page.css: where the card spans the screen and the map is visible above it.
 const kPhone = "(max-width: 600px) and (min-height: 501px)";
 
-/// Pixels at the bottom of the screen that the card takes from the map.
+/// Pixels at the bottom of the screen that the card covers.
 function takenBelow(): number {
   const card = byId("cell");
   return card.hidden || !matchMedia(kPhone).matches ? 0 : innerHeight - card.getBoundingClientRect().top;
 }
 
-/// Gives the camera the size of the map, and what of it no card takes: page.css says how much the standing ones do.
+/// Gives the camera the size of the map and the area not covered by cards; page.css says how much the permanent ones
+/// cover.
 export function fit(camera: Camera, map: HTMLElement): void {
   const style = getComputedStyle(document.documentElement);
   const [above, beside, below, air] = ["above", "beside", "below", "air"].map(edge => parseFloat(style.getPropertyValue(`--${edge}`)) || 0);
@@ -23,7 +24,7 @@ export function fit(camera: Camera, map: HTMLElement): void {
   [camera.roomWidth, camera.roomHeight] = [camera.width - beside - 2 * air, camera.height - above - low - 2 * air];
 }
 
-/// Moves the map so that the place, m in map, is not behind the card that tells of it.
+/// Moves the map so that the place, m in map, is not hidden by its card.
 export function uncover(camera: Camera, x: number, y: number, id: "cell" | "ruler" = "cell"): void {
   const element = byId(id), card = element.getBoundingClientRect(), [sx, sy] = camera.toScreen(x, y);
   const isBeside = sx < card.left - kMargin || sx > card.right + kMargin || sy < card.top - kMargin || sy > card.bottom + kMargin;

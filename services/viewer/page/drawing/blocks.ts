@@ -1,18 +1,18 @@
-// What blocks, as boxes. The map knows the class of a cell and not its height: an obstacle is lower than the vehicle, a
-// wall is not; so the boxes are symbols of the class, of one height each. From far, five by five cells are one box.
+// Obstacles and walls as boxes. The map has the class of a cell but no object height: an obstacle is lower than the
+// vehicle, a wall is not. So boxes have one fixed height per class. Far away, one box stands for five by five cells.
 import { kTilesAside } from "./page";
 import { heightOf, kCells, kNoHeight, kTileCells, Tile, World } from "../world";
 
 const kObstacle = 3, kWall = 4;
-const kHighs = [0, 0, 0, 0.7, 2];  // m, by class
-const kCoarse = 5;                 // cells that are one box from far
-const kEnough = 4;                 // of its 25 cells that block: a wall is a cell or two thick
-export const kFaceFloats = 4 * 6;  // of four points each: column and row in the page, m; light; column, row of the cell
+const kHighs = [0, 0, 0, 0.7, 2];  // m, per class
+const kCoarse = 5;                 // cells along a side of a far box
+const kEnough = 4;                 // blocking cells out of 25 that make a box: a wall is a cell or two thick
+export const kFaceFloats = 4 * 6;  // four points each: column, row in the page; m; brightness; cell's column, row
 
-/// Sides: x and y of their two ends on a box of one, the step to what lies beside, light.
+/// Side faces: x and y of both ends on a unit box, the step to the neighbouring cell, brightness.
 const kSides: [number, number, number, number, number, number, number][] =
   [[1, 0, 1, 1, 1, 0, 0.76], [0, 1, 0, 0, -1, 0, 0.94], [1, 1, 0, 1, 0, 1, 0.94], [0, 0, 1, 0, 0, -1, 0.76]];
-const kTop = 1.08, kFoot = 0.84;  // light; of a side, at its foot
+const kTop = 1.08, kFoot = 0.84;  // brightness; factor at the foot of a side
 
 interface Known { revision: number; ground?: number; faces: (Float32Array | undefined)[] }
 
@@ -21,13 +21,13 @@ export class Blocks {
 
   constructor(private world: World) {}
 
-  /// `level`: 0 a box a cell, 1 coarse ones.
+  /// `level`: 0 one box per cell, 1 coarse boxes.
   facesOf(tile: Tile, level: number): Float32Array {
     const known = this.of(tile);
     return known.faces[level] ??= this.make(tile, level === 0 ? 1 : kCoarse);
   }
 
-  /// m: the mean of the cells that show ground; of a tile without any, its neighbours'; else its lowest cell.
+  /// m: the mean over the ground cells; for a tile without any, that of its neighbours, else its lowest cell.
   groundOf(tile: Tile): number {
     return this.of(tile).ground ??= this.ground(tile);
   }
@@ -79,7 +79,7 @@ export class Blocks {
   }
 }
 
-/// The class of each box of five by five cells: the higher one, if there are enough of them.
+/// The class of each box of five by five cells: the taller one, if enough cells have it.
 function coarse(classes: Uint8Array): Uint8Array {
   const n = kCells / kCoarse, walls = new Uint8Array(n * n), all = new Uint8Array(n * n);
   for (let i = 0; i < kTileCells; ++i) {
@@ -91,7 +91,7 @@ function coarse(classes: Uint8Array): Uint8Array {
   return all.map((count, box) => count < kEnough ? 0 : 2 * walls[box] >= count ? kWall : kObstacle);
 }
 
-/// A cell of that class in a coarse box, whose colour it gets.
+/// A cell of that class in a coarse box; it gives the box its colour.
 function cellOf(classes: Uint8Array, x: number, y: number, kind: number): number {
   for (let i = 0; i < kCoarse * kCoarse; ++i) {
     const cell = (y * kCoarse + Math.floor(i / kCoarse)) * kCells + x * kCoarse + i % kCoarse;

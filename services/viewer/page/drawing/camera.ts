@@ -1,29 +1,29 @@
-// Where the screen looks: a point of the map, a scale, a turn and a tilt. Tilted it is a perspective about that point;
-// from straight above the ground looks the same in both.
+// The view of the map: a point of the map, a scale, a turn and a tilt. Tilted, it is a perspective about that point; at
+// tilt 0 the ground looks the same as in the view from above.
 
-export interface View { x: number; y: number; scale: number; turn: number }  // m, m, CSS pixels a m, rad
+export interface View { x: number; y: number; scale: number; turn: number }  // m, m, CSS pixels per m, rad
 
 export const kMinScale = 0.2;
 export const kMaxScale = 800;
 export const kMaxTilt = 1.1;  // rad: the horizon stays above the screen
-const kFocus = 1.25;          // of the screen's height: from the eye to the point looked at
+const kFocus = 1.25;          // of the screen's height: distance from the eye to the point looked at
 
-// Depth is kDepth[0] + kDepth[1] / w: -1 at a fifth of the eye's distance, 1 at 30 of them.
+// Depth is kDepth[0] + kDepth[1] / w: -1 at a fifth of the eye's distance, 1 at 30 times that distance.
 const kDepth = [1.01342, -0.40268];
 
 export class Camera implements View {
   x = 0;
   y = 0;
-  z = 0;  // of the ground there
+  z = 0;  // of the ground at (x, y)
   scale = 14;
-  turn = 0;  // by which the map is turned, counter-clockwise
+  turn = 0;  // of the map, counter-clockwise
   tilt = 0;  // 0: from above
   width = 1;  // CSS pixels
   height = 1;
-  // The middle of what no card hides, from the middle of the screen, CSS pixels.
+  // The centre of the area that no card covers, relative to the centre of the screen, CSS pixels.
   offsetX = 0;
   offsetY = 0;
-  // As wide and high as that is.
+  // The size of that area.
   roomWidth = 1;
   roomHeight = 1;
 
@@ -43,14 +43,14 @@ export class Camera implements View {
     return [this.width / 2 + this.offsetX + u * this.scale, this.height / 2 + this.offsetY - v * this.scale];
   }
 
-  /// The place at a height that is seen there.
+  /// The place at height `z` that is seen at a pixel.
   toMap(sx: number, sy: number, z = this.z): [number, number] {
     const [c, s] = [Math.cos(this.turn), Math.sin(this.turn)];
     let u = (sx - this.width / 2 - this.offsetX) / this.scale;
     let v = -(sy - this.height / 2 - this.offsetY) / this.scale;
     if (this.isTilted) {
       const [rise, lie] = [Math.sin(this.tilt), Math.cos(this.tilt)], dz = z - this.z, far = this.distance;
-      const slope = Math.max(0.02, lie - v * rise / far);  // how steeply the ray comes down
+      const slope = Math.max(0.02, lie - v * rise / far);  // slope of the ray
       const along = (v * (1 - dz * lie / far) - dz * rise) / slope;
       u *= 1 + (along * rise - dz * lie) / far;
       v = along;
@@ -58,13 +58,13 @@ export class Camera implements View {
     return [this.x + c * u + s * v, this.y - s * u + c * v];
   }
 
-  /// From m in map to clip space, by columns.
+  /// From m in map to clip space, column-major.
   matrix(): number[] {
     const [c, s] = [Math.cos(this.turn), Math.sin(this.turn)];
     const [rise, lie] = [Math.sin(this.tilt), Math.cos(this.tilt)];
     const [kx, ky] = [2 * this.scale / this.width, 2 * this.scale / this.height];
     const [ox, oy] = [2 * this.offsetX / this.width, -2 * this.offsetY / this.height];
-    // Rows: what a step in x, y and z moves to the right, up, and away from the eye.
+    // Rows: how a step in x, y and z moves right, up, and away from the eye.
     const right = [c, -s, 0], high = [s * lie, c * lie, rise], deep = [s * rise, c * rise, -lie];
     const columns = [0, 1, 2].map(i => {
       const w = this.isTilted ? deep[i] / this.distance : 0;
@@ -75,14 +75,14 @@ export class Camera implements View {
     return [...columns.flat(), shift[0] + ox, shift[1] + oy, shift[2] + kDepth[0] + kDepth[1], shift[3] + 1];
   }
 
-  /// Moves so that the map's point (x, y) is at this place of the screen.
+  /// Moves the camera so that the map's point (x, y) appears at this pixel.
   hold(x: number, y: number, sx: number, sy: number): void {
     const [nowX, nowY] = this.toMap(sx, sy);
     this.x += x - nowX;
     this.y += y - nowY;
   }
 
-  /// A scale at which there is something to see.
+  /// Clamps a scale to the useful range.
   bounded(scale: number): number { return Math.min(kMaxScale, Math.max(kMinScale, scale)); }
 
   zoom(factor: number, sx: number, sy: number): void {
@@ -91,13 +91,13 @@ export class Camera implements View {
     this.hold(x, y, sx, sy);
   }
 
-  /// By rad.
+  /// Tilts and turns by rad.
   lean(tilt: number, turn: number): void {
     this.tilt = Math.min(kMaxTilt, Math.max(0, this.tilt + tilt));
     this.turn = Math.atan2(Math.sin(this.turn + turn), Math.cos(this.turn + turn));
   }
 
-  /// Shows this part of the map as a whole, where no card is.
+  /// Shows the whole of this part of the map in the area that no card covers.
   show(minX: number, minY: number, maxX: number, maxY: number): void {
     this.x = (minX + maxX) / 2;
     this.y = (minY + maxY) / 2;

@@ -2,9 +2,9 @@
 import { CurbLine } from "../world";
 
 const kStone = 0.1;  // m, wide
-const kSide = 0.78, kTop = 1.06;  // light
+const kSide = 0.78, kTop = 1.06;  // brightness
 
-/// Triangles, of x, y, z and light; negative light: a lowered curb, or one that nobody saw.
+/// Triangles of x, y, z and brightness. Negative brightness: a lowered or inferred curb.
 export function wallsOf(curbs: Iterable<CurbLine>): Float32Array {
   const points: number[] = [];
   for (const { n, values: v, dropped, inferred } of curbs) {

@@ -1,4 +1,4 @@
-// The map's cells and the LiDAR's points, drawn by WebGL2: from above here, tilted by Relief.
+// The map's cells and the LiDAR's points in WebGL2: the view from above; Relief draws the tilted one.
 import { Camera } from "./camera";
 import { Painter } from "./painter";
 import { kCellsAside, kPageSize, Page } from "./page";
@@ -12,11 +12,11 @@ import { kCellSize, Pose, World } from "../world";
 
 export interface Look {
   theme: Theme; mode: Mode; grid: boolean; relief: boolean; points: boolean; curbs: boolean; markings: boolean;
-  byIntensity: boolean;     // points; else by height
-  range: [number, number];  // m, of the height ramp
-  now: number;              // us, from which ages count
-  grey: number;             // 0 .. 1: old
-  hasty: boolean;           // the tilted view coarser, but sooner
+  byIntensity: boolean;     // points; otherwise by height
+  range: [number, number];  // m, ends of the height ramp
+  now: number;              // us, reference time of the ages
+  grey: number;             // 0 .. 1: how stale the data are
+  hasty: boolean;           // draws the tilted view coarser and faster
   paper: Rgb;
 }
 
@@ -24,15 +24,15 @@ export class Ground {
   private gl!: WebGL2RenderingContext;
   private pages!: Pages;
   private painter!: Painter;
-  private relief: Relief | null = null;  // made when it is first tilted: shaders take their time
+  private relief: Relief | null = null;  // made at the first tilt: compiling shaders takes time
   private isSlow = false;
-  private flat!: { any: Program; far: Program; near: Program };  // of every look, and those that are drawn sooner
+  private flat!: { any: Program; far: Program; near: Program };  // for every look, and the faster ones
   private point!: Program;
   private points!: WebGLBuffer;
   private numPoints = 0;
   private lost = false;
 
-  /// Throws where there is no WebGL2.
+  /// Throws if there is no WebGL2.
   constructor(private canvas: HTMLCanvasElement, private world: World, redraw: () => void) {
     this.setUp();
     canvas.addEventListener("webglcontextlost", event => { event.preventDefault(); this.lost = true; });
@@ -114,7 +114,7 @@ export class Ground {
     gl.uniform3fv(program.at("ramp"), ramp(look.mode).flatMap(unit));
   }
 
-  /// The uniforms of kPicture, and the textures that the nets need.
+  /// Sets the uniforms of kPicture, and the textures that the meshes need.
   private style(program: Program, look: Look): void {
     const { gl } = this;
     ["cells", "heights", "times", "picture"].forEach((name, i) => gl.uniform1i(program.at(name), i));
@@ -125,7 +125,7 @@ export class Ground {
     gl.uniform1f(program.at("cellsAside"), kCellsAside);
   }
 
-  /// Pixels of the screen.
+  /// Width of a cell in pixels of the screen.
   private cellWidth(camera: Camera): number {
     return camera.scale * kCellSize * this.canvas.width / camera.width;
   }
@@ -168,12 +168,12 @@ export class Ground {
   }
 }
 
-/// The pictures of the pages are shown as they are.
+/// Whether the pictures of the pages are shown unchanged.
 function isPlain(look: Look): boolean {
   return look.grey === 0 && look.mode !== "age";
 }
 
-/// From base_link to map, by columns: yaw, pitch, roll.
+/// Rotation and translation from base_link to map, column-major: yaw, pitch, roll.
 function matrixOf({ x, y, z, roll, pitch, yaw }: Pose): number[] {
   const [cr, sr, cp, sp, cy, sy] = [roll, pitch, yaw].flatMap(a => [Math.cos(a), Math.sin(a)]);
   return [cy * cp, sy * cp, -sp, 0, cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr, 0,

@@ -1,19 +1,19 @@
-// Without a graphics card a tilted picture takes a tenth of a second. While the user moves the view it is drawn coarser,
-// and when the view rests as fine as the screen is.
+// Without a graphics card a tilted picture takes 0.1 s. So it is drawn coarser while the user moves the view, and at
+// full resolution once the view rests.
 import { Camera } from "./camera";
 import { drawsInSoftware } from "./software";
 
-const kRests = 200;  // ms, after the last motion
-const kShare = 0.5;  // of the screen's pixels, each way
+const kRests = 200;  // ms after the last motion
+const kShare = 0.5;  // share of the screen's pixels, each way
 
 export class Haste {
-  private left: number[] | null = null;  // where the view was after the last picture
+  private left: number[] | null = null;  // the view after the last picture
   private moved = -kRests;               // ms
   private timer = 0;
 
   constructor(private camera: Camera, private canvases: HTMLCanvasElement[], private redraw: () => void) {}
 
-  /// At the beginning of a picture: whether it is a coarse one, for which the canvases then have their size.
+  /// Called at the start of a picture. Returns whether it is a coarse one, and sizes the canvases for it.
   begin(now: number): boolean {
     const { camera, left } = this;
     if (left && placeOf(camera).some((value, i) => value !== left[i])) this.moved = now;
@@ -24,16 +24,17 @@ export class Haste {
     return isHasty;
   }
 
-  /// Before the page itself tilts the view, and after it has followed the vehicle, which goes on for hours.
+  /// Call it before the page tilts the view by itself, and after the camera followed the vehicle: neither counts as a
+  /// motion.
   follow(): void { this.left = placeOf(this.camera); }
 
-  /// The next picture is a fine one.
+  /// Makes the next picture a full one.
   end(): void {
     this.left = null;
     this.moved = -kRests;
   }
 
-  /// A canvas that is given a size, the same too, is empty until it is drawn.
+  /// Setting a canvas's size, even to the same value, clears the canvas, so it is set only if it differs.
   private fit(dots: number): void {
     const [width, height] = [this.camera.width, this.camera.height].map(pixels => Math.round(pixels * dots));
     for (const canvas of this.canvases) {

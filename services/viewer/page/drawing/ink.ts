@@ -1,4 +1,4 @@
-// What the marks over the ground are drawn in, and the ellipse of a pose.
+// The colours of the marks above the ground, and the ellipse of a pose.
 import { css, kPaint, Theme } from "./palette";
 import { Pose } from "../world";
 
@@ -9,7 +9,7 @@ export const kInk: Record<Theme, Ink> = {
   dark: { curb: "#ffe2ae", halo: "#000000a0", paint: css(kPaint.dark), path: "#eef1f4", vehicle: "#ff5fae", body: "#14181d", localized: "#4fe0cf" },
 };
 
-/// 95 % of where the vehicle may be: half axes, m, and the turn of the long one.
+/// The 95 % ellipse of the vehicle's position: half axes, m, and the direction of the long one, rad.
 export function ellipseOf({ covariance: [xx, xy, yy] }: Pose): { long: number; short: number; turn: number } {
   const mean = (xx + yy) / 2, spread = Math.hypot((xx - yy) / 2, xy);
   return { long: Math.sqrt(Math.max(0, mean + spread) * 5.99), short: Math.sqrt(Math.max(0, mean - spread) * 5.99),

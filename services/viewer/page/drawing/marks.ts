@@ -1,4 +1,4 @@
-// What lies over the ground seen from above: curbs, path, vehicles, the picked cell; Canvas 2D.
+// The marks above the ground in the view from above: curbs, path, vehicles, the selected cell; Canvas 2D.
 import { Layers } from "../settings";
 import { Camera } from "./camera";
 import { ellipseOf, Ink, kInk } from "./ink";
@@ -37,7 +37,7 @@ export class Marks {
     this.sheet.show();
   }
 
-  /// From here on the canvas takes m in map.
+  /// Sets the canvas's coordinates to m in map.
   private toMap(camera: Camera): void {
     const dots = this.sheet.width / camera.width;
     const k = camera.scale * dots;
@@ -46,7 +46,7 @@ export class Marks {
     this.context.setTransform(c, -s, -s, -c, x * dots, y * dots);
   }
 
-  /// Takes what became other in the world; before each drawing.
+  /// Takes the changes of the world; call it before each drawing.
   refresh(): void {
     const { world } = this;
     if (world.curbsChanged) {
@@ -64,7 +64,7 @@ export class Marks {
     }
   }
 
-  /// To scale, from far as thin lines; a dark edge keeps it apart from a light road.
+  /// To scale; thin lines from far away. A dark edge separates it from a light road.
   private drawPaint(ink: Ink, pixel: number): void {
     const { context } = this;
     context.lineCap = "butt";
@@ -90,7 +90,8 @@ export class Marks {
     context.globalAlpha = 1;
   }
 
-  /// A line along the foot; lowered ones dashed, inferred ones dotted and thin; from near, ticks towards the higher side.
+  /// A line along the foot: lowered ones dashed, inferred ones dotted and thin. Close up, ticks point towards the
+  /// higher side.
   private drawCurbs(ink: Ink, pixel: number, scale: number): void {
     const { context } = this;
     context.strokeStyle = ink.halo;
@@ -125,7 +126,7 @@ export class Marks {
     }
   }
 
-  /// From place to place, a ring around each.
+  /// A line from place to place, with a ring around each.
   private drawMeasured(places: Place[], ink: Ink, pixel: number): void {
     const { context } = this;
     for (const [colour, width] of [[ink.halo, 5], [ink.vehicle, 2]] as const) {
@@ -157,7 +158,7 @@ export class Marks {
     context.globalAlpha = 1;
   }
 
-  /// To scale; from far, an arrow of 22 pixels.
+  /// To scale; from far away an arrow of 22 pixels.
   private drawVehicle(pose: Pose, colour: string, ink: Ink, pixel: number): void {
     const { context } = this;
     const [length, width, middle] = this.world.state?.vehicle ?? [1.8, 1.2, 0];
@@ -192,7 +193,7 @@ export class Marks {
   }
 }
 
-/// What roundRect() does, which browsers before 2023 lack.
+/// Replaces roundRect(), which browsers before 2023 lack.
 function roundedBox(context: CanvasRenderingContext2D, x: number, y: number, wide: number, high: number, radius: number): void {
   const corners = [[x, y], [x + wide, y], [x + wide, y + high], [x, y + high]];
   context.beginPath();

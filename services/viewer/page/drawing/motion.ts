@@ -1,14 +1,14 @@
-// The vehicle between two poses: frames come ten times a second, the screen is drawn more often.
+// Interpolates the vehicle's pose: frames arrive ten times a second, the screen is drawn more often.
 import { Pose } from "../world";
 
-const kLongest = 400;  // ms between two poses that are one motion
+const kLongest = 400;  // ms between two poses that are interpolated
 
 export class Motion {
   speed: number | null = null;  // m/s
   private from: Pose | null = null;
   private to: Pose | null = null;
-  private began = 0;   // ms, when `to` came
-  private lasts = 0;   // ms
+  private began = 0;   // ms, when `to` was received
+  private lasts = 0;   // ms, duration
 
   add(pose: Pose, now: number): void {
     if (this.to && pose.utime === this.to.utime) return;

@@ -1,14 +1,14 @@
-// Whether the machine is quick enough to draw between what comes. One that is not would fall behind in drawing alone.
+// Whether the machine is fast enough to draw between frames. A slow one would fall behind by drawing alone.
 
-const kSlow = 90;       // ms a picture
-const kForget = 0.985;  // so that it is tried again
+const kSlow = 90;       // ms per picture
+const kForget = 0.985;  // decay, so that it is tried again
 
 export class Pace {
-  private ms = 16;       // a picture, when one followed the other
+  private ms = 16;       // per picture, while pictures follow each other
   private last = 0;      // ms
   private goesOn = false;
 
-  /// At each picture; `wants`: something moves.
+  /// Call it at each picture. `wants`: something moves.
   allows(now: number, wants: boolean): boolean {
     if (this.goesOn) this.ms += 0.3 * (now - this.last - this.ms);
     else this.ms *= kForget;

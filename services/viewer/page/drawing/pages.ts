@@ -1,22 +1,22 @@
-// The map's cells in textures: of a page each, a square of tiles.
+// The map's cells as textures, one set per page (a square of tiles).
 import { Area, kCellsAside, kTilesAside, Page } from "./page";
 import { touch, touchBeside } from "./terrain";
 import { kCells, kNoHeight, kTileCells, Tile, World } from "../world";
 
-const kSizes = 1 + Math.floor(Math.log2(kCellsAside));  // of a picture, each half of the one before
-const kNone = 0;                             // height where none is known: what a new texture is full of
-const kZero = 1e-6;                          // m, for a height of 0
+const kSizes = 1 + Math.floor(Math.log2(kCellsAside));  // mipmap levels of a picture
+const kNone = 0;                             // unknown height: the initial content of a texture
+const kZero = 1e-6;                          // m, stands for a height of exactly 0
 
 export class Pages {
   readonly all = new Map<string, Page>();
-  epoch = 0;  // us, from which the times count
+  epoch = 0;  // us, origin of the times
 
-  /// `smooth`: how pictures are drawn smaller (a texture's filter).
+  /// `smooth`: the texture filter for pictures drawn smaller.
   constructor(private gl: WebGL2RenderingContext, private world: World, private smooth: number) {
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
   }
 
-  /// Takes what became other in the world into the textures.
+  /// Uploads the changes of the world to the textures.
   upload(): void {
     const { gl, world } = this;
     if (world.cleared) {
@@ -105,12 +105,12 @@ export class Pages {
   }
 }
 
-/// By the places of their units.
+/// In the order of their texture units.
 function texturesOf(page: Page): WebGLTexture[] {
   return [page.cells, page.heights, page.times, page.picture];
 }
 
-/// With that tile, and the cells about it, whose relief it changes.
+/// Extends the area by a tile and the cells around it, because the tile changes their relief.
 function around(area: Area | null, column: number, row: number): Area {
   const { left, low, right, high } = area ?? { left: kCellsAside, low: kCellsAside, right: 0, high: 0 };
   return { left: Math.max(0, Math.min(left, column - 1)), low: Math.max(0, Math.min(low, row - 1)),

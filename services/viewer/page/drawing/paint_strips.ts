@@ -1,9 +1,9 @@
-// Paint on the road for the tilted view: a flat strip a painted piece.
+// Road paint in the tilted view: one flat strip per painted piece.
 import { MarkingLine } from "../world";
 
-export const kPaintWidth = 0.12;  // m, where it is not known
+export const kPaintWidth = 0.12;  // m, if unknown
 
-/// Triangles, of x, y, z and light, as of curb_walls.
+/// Triangles of x, y, z and brightness, as in curb_walls.
 export function stripsOf(markings: Iterable<MarkingLine>): Float32Array {
   const points: number[] = [];
   for (const { n, values: v, painted, width } of markings) for (let i = 0; i + 1 < n; ++i) {

@@ -1,5 +1,5 @@
-// The cells' colours as a picture of each page. A cell is painted when it or the look becomes other; then to draw a page
-// costs one look into its picture a pixel, which machines without a graphics card can do too.
+// The cells' colours as one picture per page. A cell is painted when it or the look changes; after that, drawing a page
+// costs one texture read per pixel, which is fast enough without a graphics card.
 import { kCellsAside, Page } from "./page";
 import { Pages } from "./pages";
 import { Program } from "./program";
@@ -14,8 +14,8 @@ export class Painter {
     this.canvas = gl.createFramebuffer()!;
   }
 
-  /// Brings the page's picture up to date. `look` names all that the colours depend on but the cells; `style` sets the
-  /// uniforms of kPaintFragment; `isSmall`: it is drawn smaller than it is.
+  /// Brings the page's picture up to date. `look` names everything but the cells that the colours depend on; `style`
+  /// sets the uniforms of kPaintFragment; `isSmall`: the picture is drawn smaller than it is.
   paint(page: Page, look: string, style: (program: Program) => void, isSmall: boolean): void {
     const { gl } = this;
     if (page.paintedAs !== look) page.unpainted = { left: 0, low: 0, right: kCellsAside, high: kCellsAside };

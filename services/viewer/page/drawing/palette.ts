@@ -1,5 +1,5 @@
-// Colours of the map. The clear palette differs in lightness as well as in hue, and has no pair of red and green: one
-// man in twelve cannot tell these apart. The paper's is that of its Table I.
+// Colours of the map. The clear palette differs in lightness as well as in hue and has no red-green pair, which one man
+// in twelve cannot tell apart. The paper's palette is that of its Table I.
 
 export type Rgb = [number, number, number];
 export type Theme = "light" | "dark";
@@ -16,13 +16,13 @@ const kClear: Record<Theme, (Rgb | null)[]> = {
 };
 const kPaper: (Rgb | null)[] = [[0, 70, 30], [150, 150, 150], [0, 190, 0], [0, 0, 0], [200, 20, 20]];
 
-/// Of what is not known; --paper in page.css.
+/// The colour of unknown; --paper in page.css.
 export const kBackground: Record<Theme, Rgb> = { light: [243, 244, 241], dark: [14, 17, 20] };
 
-/// Paint on the road, as kInk has it.
+/// Road paint, as in kInk.
 export const kPaint: Record<Theme, Rgb> = { light: [255, 255, 255], dark: [217, 226, 234] };
 
-/// By class; null: nothing is drawn.
+/// Colour per class; null: not drawn.
 export function classColours(theme: Theme, mode: Mode): (Rgb | null)[] {
   return mode === "paper" ? kPaper : kClear[theme];
 }
@@ -39,7 +39,7 @@ export function ramp(mode: Mode): Rgb[] {
   return mode === "cost" || mode === "confidence" || mode === "age" ? kRamps[mode] : kRamps.height;
 }
 
-/// Of the LiDAR's points, low to high or faint to bright; none is the paper's.
+/// For the LiDAR's points, low to high or faint to bright; the paper has no such colours.
 export function pointRamp(theme: Theme): Rgb[] {
   return kPointRamps[theme];
 }

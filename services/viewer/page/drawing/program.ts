@@ -1,22 +1,22 @@
-// Of WebGL2: programs, and their uniforms by name.
+// WebGL2 programs, and their uniforms by name.
 import { Rgb } from "./palette";
 
-/// Compiled when it is first used: without a graphics card that takes a second, and a view uses few of them.
+/// Compiled at the first use: that takes a second without a graphics card, and a view uses few of them.
 export class Program {
   private begun: { program: WebGLProgram; shaders: WebGLShader[] } | null = null;
   private made: WebGLProgram | null = null;
   private places = new Map<string, WebGLUniformLocation | null>();
 
-  /// `attributes`: by place, from 0.
+  /// `attributes`: by location, from 0.
   constructor(private gl: WebGL2RenderingContext, private vertex: string, private fragment: string, private attributes: string[] = []) {}
 
-  /// Lets the browser compile it beside the page's script, as it will be wanted soon.
+  /// Starts compiling in parallel to the page's script, for a program that is needed soon.
   prepare(): this {
     this.begun ??= this.begin();
     return this;
   }
 
-  /// Throws where a shader does not compile.
+  /// Throws if a shader does not compile.
   use(): void { this.gl.useProgram(this.made ??= this.make()); }
 
   at(name: string): WebGLUniformLocation | null {
@@ -47,7 +47,7 @@ export class Program {
   }
 }
 
-/// 0 .. 1.
+/// Scales a colour to 0 .. 1.
 export function unit(colour: Rgb): Rgb {
   return colour.map(v => v / 255) as Rgb;
 }

@@ -1,5 +1,5 @@
-// The tilted view by WebGL2: the ground as nets, boxes on what blocks, curbs as walls of their height. What is far is
-// coarser; beyond the reach there is nothing.
+// The tilted view in WebGL2: the ground as meshes, obstacles and walls as boxes, curbs as walls of their height.
+// Distant parts are coarser; nothing is drawn beyond kReach.
 import { Blocks, kFaceFloats } from "./blocks";
 import { Camera } from "./camera";
 import { wallsOf } from "./curb_walls";
@@ -11,25 +11,25 @@ import { kBlockFragment, kBlockVertex, kNetFragment, kNetVertex, kPlainNetFragme
 import { netIndices, netPoints, Seen, squaresInView } from "./terrain";
 import { World } from "../world";
 
-const kReach = 6;             // of the eye's distance
-const kMostNets = 600;        // that are kept
-const kMostFaces = 16_383;    // of one square, by 16 bit indices
-const kCoarseNet = 5;         // in haste, each fifth point of a net
-const kFineCell = 1, kCoarseCell = 0.5;  // pixels that a cell must be wide for boxes
+const kReach = 6;             // times the eye's distance
+const kMostNets = 600;        // bound of the kept ones
+const kMostFaces = 16_383;    // per square, for 16 bit indices
+const kCoarseNet = 5;         // in haste, every fifth point of a mesh
+const kFineCell = 1, kCoarseCell = 0.5;  // pixels per cell from which boxes are drawn
 
-/// What a machine draws between two pictures.
+/// What a machine can draw in time.
 interface Budget { widest: number; faces: number }  // pixels of a square; boxes' faces
 const kWithCard: Budget = { widest: 260, faces: 60_000 };
 const kInSoftware: Budget = { widest: 700, faces: 6_000 };
 
 interface Indices { buffer: WebGLBuffer; n: number }
 
-/// Curbs, or paint. `points`: how many are in the buffer; kOther: of lines that became other.
+/// Curbs or paint. `points`: number in the buffer; kOther: the lines changed.
 interface Solid { buffer: WebGLBuffer; points: number }
 const kOther = -1;
 
 export class Relief {
-  private net: { any: Program; plain: Program };  // of every look, and the one that is drawn sooner
+  private net: { any: Program; plain: Program };  // for every look, and the faster one
   private block: Program;
   private solid: Program;
   private nets: { fine: Indices; coarse: Indices };
@@ -58,8 +58,8 @@ export class Relief {
   curbsChanged(): void { this.walls.points = kOther; }
   markingsChanged(): void { this.strips.points = kOther; }
 
-  /// `style` sets the uniforms of kPicture, `paint` brings a page's picture up to date; `isPlain`: what is seen is neither coloured
-  /// by age nor grey; `curbs`, `markings`: their colours, or null; `isHasty`: coarser.
+  /// `style` sets the uniforms of kPicture; `paint` brings a page's picture up to date; `isPlain`: not coloured by age
+  /// and not grey; `curbs`, `markings`: their colours, or null; `isHasty`: coarser.
   draw(camera: Camera, style: (program: Program) => void, paint: (page: Page) => void, cells: boolean, isPlain: boolean, curbs: number[] | null, markings: number[] | null, grey: number, isHasty: boolean): void {
     const { gl } = this, toClip = camera.matrix();
     ++this.picture;
@@ -112,7 +112,7 @@ export class Relief {
     gl.drawElements(gl.TRIANGLES, indices.n, gl.UNSIGNED_SHORT, 0);
   }
 
-  /// Fine boxes where there is room for them; returns how many faces were drawn.
+  /// Draws fine boxes if there is room for them. Returns the number of faces drawn.
   private drawBoxes({ square, width }: Seen, room: number): number {
     const { gl } = this, cell = width / (25 << square.level);
     let boxes: Boxes | null = null;
@@ -144,7 +144,7 @@ export class Relief {
     return { buffer: this.buffer(this.gl.ARRAY_BUFFER, all), faces: size / kFaceFloats };
   }
 
-  /// What was made of tiles that became other is made anew.
+  /// Discards what was made from tiles that changed.
   private renew(square: Square): void {
     if (square.stale) this.drop(square);
     square.stale = false;
@@ -159,7 +159,7 @@ export class Relief {
     this.kept.delete(square);
   }
 
-  /// What was not seen for long, when there is too much.
+  /// When too much is kept, discards what was not drawn for the longest time.
   private forget(): void {
     if (this.kept.size <= kMostNets) return;
     const oldest = [...this.kept].sort((a, b) => a.used - b.used).slice(0, kMostNets / 4);

@@ -1,4 +1,4 @@
-// GLSL of the tilted view: the ground as a net over the cells' heights, what blocks as boxes, curbs as walls.
+// GLSL of the tilted view: the ground as a mesh over the cells' heights, obstacles and walls as boxes, curbs as walls.
 import { kColourOf, kPicture } from "./shaders";
 
 export const kNetVertex = `#version 300 es
@@ -15,7 +15,7 @@ void main() {
   shown = 1.0 - smoothstep(0.55 * reach, reach, gl_Position.w);
 }`;
 
-/// A point of a box on cells that block, in the colour of one of them.
+/// A point of a box on blocking cells, in the colour of one of them.
 export const kBlockVertex = `${kPicture}
 uniform mat4 toClip;
 uniform vec2 corner;      // of the page, m in map
@@ -39,7 +39,7 @@ void main() {
   colour = greyed(c) * shown;
 }`;
 
-/// The same for the picture as it is, neither by age nor grey: without a graphics card it is drawn sooner.
+/// The same for the unchanged picture, neither by age nor grey: faster without a graphics card.
 export const kPlainNetFragment = `#version 300 es
 precision highp float;
 precision highp sampler2D;

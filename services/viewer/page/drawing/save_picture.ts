@@ -1,6 +1,6 @@
-// The map as a picture file.
+// Saves the map as a picture file.
 
-/// The map as it is seen, without the cards, as a file.
+/// The visible map without the cards, as a file.
 export function saveCanvases(canvases: HTMLCanvasElement[], paper: string): void {
   const picture = document.createElement("canvas");
   [picture.width, picture.height] = [canvases[0].width, canvases[0].height];

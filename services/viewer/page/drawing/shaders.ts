@@ -1,4 +1,4 @@
-// GLSL of the map's cells: painted into a picture of each page, and the picture drawn; and of the LiDAR's points.
+// GLSL of the map's cells (painted into one picture per page, which is then drawn) and of the LiDAR's points.
 
 const kRamp = `uniform int mode;            // 0 class, 1 height, 2 cost, 3 confidence, 4 age
 uniform vec3 ramp[8];
@@ -9,14 +9,14 @@ vec3 onRamp(float share) {
 }
 `;
 
-/// Over a whole page, a pixel a cell.
+/// Covers a whole page, one pixel per cell.
 export const kPaintVertex = `#version 300 es
 void main() {
   gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0, 0, 1);
 }`;
 
-/// The colour of a cell. The page's textures: `cells` has class, cost, confidence, 255 where a tile is; `heights` m, 0
-/// where none is known. By age only which cells are known: their colours change all the time.
+/// The colour of a cell. The page's textures: `cells` has class, cost, confidence, and 255 where a tile is; `heights`
+/// has m, 0 if unknown. In the mode age only the known cells are marked: their colours change all the time.
 export const kPaintFragment = `#version 300 es
 precision highp float;
 precision highp usampler2D;
@@ -53,7 +53,7 @@ void main() {
   colour = vec4(c.rgb * c.a, c.a);
 }`;
 
-/// For a shader that shows the picture of a page; `times`: of tiles, s.
+/// For a shader that shows the picture of a page. `times`: of the tiles, s.
 export const kPicture = `#version 300 es
 precision highp float;
 precision highp sampler2D;
@@ -79,13 +79,13 @@ vec4 greyed(vec4 c) {
 }
 `;
 
-/// Of a fragment. Where cells are smaller than pixels, their mean: the picture has it in smaller sizes.
+/// The colour of a fragment. Where cells are smaller than pixels it is their mean, from the picture's mipmaps.
 export const kColourOf = `vec4 colourOf(vec2 cell) {
   return aged(texture(picture, cell / cellsAside, -0.4), cell);
 }
 `;
 
-/// A page is a square of tiles: one quad.
+/// A page is one quad.
 export const kPageVertex = `#version 300 es
 uniform mat4 toClip;      // from m in map
 uniform vec2 corner;      // of the page, m in map
@@ -98,11 +98,11 @@ void main() {
   gl_Position = vec4((toClip * vec4(corner + unit * side, 0, 1)).xy, 0, 1);
 }`;
 
-/// As it is laid on the paper, so that nothing below need be read: without a graphics card that counts.
+/// Blended with the paper here, so that the frame buffer need not be read: that matters without a graphics card.
 const kOnPaper = `vec4 onPaper(vec4 c) { return vec4(c.rgb + paper * (1.0 - c.a), 1); }
 `;
 
-/// In every look.
+/// For every look.
 export const kPageFragment = `${kPicture}${kColourOf}${kOnPaper}
 in highp vec2 cell;
 out vec4 colour;
@@ -110,7 +110,7 @@ void main() {
   colour = onPaper(greyed(colourOf(cell)));
 }`;
 
-/// The picture as it is: neither by age nor grey. `look`: into it.
+/// The unchanged picture: neither by age nor grey. `look`: GLSL that reads it.
 const asItIs = (look: string) => `#version 300 es
 precision highp float;
 precision highp sampler2D;
@@ -123,7 +123,7 @@ out vec4 colour;
 void main() {
   colour = onPaper(${look});
 }`;
-/// Where cells are smaller than pixels, and where none is: there a pixel has one cell's colour.
+/// For cells smaller than pixels, and for larger ones, where a pixel has the colour of one cell.
 export const kFarFragment = asItIs("texture(picture, cell / cellsAside, -0.4)");
 export const kNearFragment = asItIs("texelFetch(picture, ivec2(min(cell, cellsAside - 1.0)), 0)");
 

@@ -1,9 +1,9 @@
-// The canvas of paths and marks, drawn by Canvas 2D and shown when a picture is done. Where there is no graphics card
-// the processor draws them. A canvas of the document would then go through the emulation of a card three times: into
-// its memory, into the page's tiles, and onto the screen. A finished bitmap goes straight to the screen.
+// The canvas of paths and marks, drawn in Canvas 2D and shown when the picture is complete. Without a graphics card the
+// processor draws it. A visible canvas would then pass through the emulated card three times: into its memory, into the
+// page's tiles, and onto the screen. A finished bitmap goes to the screen directly.
 import { drawsInSoftware } from "./software";
 
-/// As Debian's TypeScript does not know it yet.
+/// Debian's TypeScript does not declare it yet.
 declare class OffscreenCanvas {
   constructor(width: number, height: number);
   width: number;
@@ -19,7 +19,7 @@ export class Sheet {
 
   constructor(private canvas: HTMLCanvasElement) {
     const isSlow = drawsInSoftware();
-    if (isSlow && typeof OffscreenCanvas === "function") {  // Safari has it since 16.4
+    if (isSlow && typeof OffscreenCanvas === "function") {  // in Safari since 16.4
       this.hidden = new OffscreenCanvas(canvas.width, canvas.height);
       this.screen = canvas.getContext("bitmaprenderer");
     }
@@ -30,7 +30,7 @@ export class Sheet {
 
   get width(): number { return this.canvas.width; }
 
-  /// An empty picture, in pixels of the screen.
+  /// Starts an empty picture, in pixels of the screen.
   begin(): void {
     const { canvas, context, hidden } = this, { width, height } = canvas;
     if (hidden && (hidden.width !== width || hidden.height !== height)) [hidden.width, hidden.height] = [width, height];
@@ -38,7 +38,7 @@ export class Sheet {
     context.clearRect(0, 0, width, height);
   }
 
-  /// It is done.
+  /// Shows the complete picture.
   show(): void {
     if (this.screen && this.hidden) this.screen.transferFromImageBitmap(this.hidden.transferToImageBitmap());
   }

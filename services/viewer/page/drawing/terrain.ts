@@ -1,24 +1,24 @@
-// The ground of a page as a tree of nets: a square of 2^k tiles aside has 25 squares aside, whatever its size. What is
-// near is drawn by small squares and what is far by large ones, so that a picture has as many triangles as the screen
-// is worth and not as many as the map has cells. A net's edge hangs down a little, which closes the gap to a coarser one.
+// The ground of a page as a quadtree of meshes: a node of 2^k tiles a side has 25 x 25 squares, whatever its size. Near
+// ground is drawn by small nodes and distant ground by large ones, so the number of triangles depends on the screen and
+// not on the map. The edge of a mesh is extended downwards a little, which closes the gap to a coarser one.
 import { Blocks } from "./blocks";
 import { Camera } from "./camera";
 import { kTilesAside, Page, Square } from "./page";
 import { kCells, kNoHeight, kTileSize, Tile } from "../world";
 
-export const kLevels = 6;           // of squares: 1, 2 .. 32 tiles aside
-const kAside = kCells + 1;          // points of a net
-const kHill = 5;                    // m, that ground may be higher or lower than where the camera looks
-const kFloats = 3;                  // of a point: column and row in the page, m
+export const kLevels = 6;           // of squares: 1, 2 .. 32 tiles a side
+const kAside = kCells + 1;          // points along a side of a mesh
+const kHill = 5;                    // m, that ground may be above or below the point looked at
+const kFloats = 3;                  // per point: column and row in the page, m
 
-/// As it is seen: pixels that it is wide.
+/// A visible square and its width in pixels.
 export interface Seen { square: Square; width: number; w: number }
 
 export function squareKey(level: number, column: number, row: number): number {
   return (level * kTilesAside + (row >> level)) * kTilesAside + (column >> level);
 }
 
-/// The squares of all sizes over a tile of a page that became other.
+/// Marks the squares of all sizes over a changed tile of the page.
 export function touch(page: Page, column: number, row: number): void {
   for (let level = 0; level < kLevels; ++level) {
     const key = squareKey(level, column, row), known = page.squares.get(key);
@@ -28,7 +28,7 @@ export function touch(page: Page, column: number, row: number): void {
   }
 }
 
-/// Those of the page that end at a tile beyond its edge, which they take heights from.
+/// Marks the squares at the page's edge that take heights from a changed tile beyond it.
 export function touchBeside(page: Page, column: number, row: number): void {
   for (let level = 0; level < kLevels; ++level) {
     const inside = (place: number) => Math.min(kTilesAside - 1, Math.max(0, place));
@@ -37,8 +37,8 @@ export function touchBeside(page: Page, column: number, row: number): void {
   }
 }
 
-/// The squares of the pages that cover what is in view, the nearest first; none is wider than `widest` pixels, but for
-/// single tiles. `reach`: of the eye's distance.
+/// The squares that cover the visible area, the nearest first. None is wider than `widest` pixels, except single tiles.
+/// `reach`: times the eye's distance.
 export function squaresInView(pages: Iterable<Page>, camera: Camera, widest: number, reach: number): Seen[] {
   const [c, s] = [Math.cos(camera.turn), Math.sin(camera.turn)];
   const [rise, far] = [Math.sin(camera.tilt), camera.distance], seen: Seen[] = [];
@@ -63,13 +63,13 @@ export function squaresInView(pages: Iterable<Page>, camera: Camera, widest: num
   return seen.sort((a, b) => a.w - b.w);
 }
 
-/// Where on the screen lies what is so far ahead of the camera's point, m.
+/// The screen row of ground that is `ahead` of the camera's point, m.
 function screenRow(ahead: number, camera: Camera): number {
   const w = Math.max(0.02, 1 + ahead * Math.sin(camera.tilt) / camera.distance);
   return camera.height / 2 + camera.offsetY - ahead * Math.cos(camera.tilt) * camera.scale / w;
 }
 
-/// Points of a net: its own, and those of its edge again, lower.
+/// Points of a mesh: the grid, and the edge points again, lower.
 export function netPoints({ page, level, column, row }: Square, blocks: Blocks): Float32Array {
   const step = 1 << level, [left, low] = [column * kCells, row * kCells], heights = new Float32Array(kAside * kAside);
   for (let i = 0; i < heights.length; ++i) heights[i] = groundAt(page, left + i % kAside * step, low + Math.floor(i / kAside) * step, blocks);
@@ -82,7 +82,7 @@ export function netPoints({ page, level, column, row }: Square, blocks: Blocks):
   return points;
 }
 
-/// Triangles of every net, of each `step`th of its points, which divides kCells.
+/// Triangles of a mesh over every `step`th point; `step` divides kCells.
 export function netIndices(step: number): Uint16Array {
   const indices: number[] = [], edge = edgeOf(kAside), row = step * kAside, low = kAside * kAside;
   for (let y = 0; y < kCells; y += step) for (let x = 0; x < kCells; x += step) {
@@ -96,7 +96,7 @@ export function netIndices(step: number): Uint16Array {
   return new Uint16Array(indices);
 }
 
-/// The points of a square's edge, around.
+/// The points along a square's edge, in order.
 function edgeOf(n: number): number[] {
   const last = n - 1, edge: number[] = [];
   for (let i = 0; i < last; ++i) edge.push(i);
@@ -106,14 +106,15 @@ function edgeOf(n: number): number[] {
   return edge;
 }
 
-/// The mean of the four cells that meet at a corner, of those that show ground: under what blocks nobody saw it. Where
-/// none does, that of a tile there; NaN where there is no tile.
+/// The mean over those of the four cells at a corner that show ground; ground under an obstacle was never observed. If
+/// none does, the ground of a tile there; NaN if there is no tile.
 function groundAt(page: Page, column: number, row: number, blocks: Blocks): number {
   let sum = 0, n = 0, beside: Tile | undefined;
   for (let i = 0; i < 4; ++i) {
     const [x, y] = [column - (i & 1), row - (i >> 1)];
     const [tx, ty] = [Math.floor(x / kCells), Math.floor(y / kCells)];
-    const isBeyond = tx < 0 || ty < 0 || tx >= kTilesAside || ty >= kTilesAside;  // the next page's: both have this corner as high
+    // A tile beyond the edge is the next page's; both pages get the same height at this corner.
+    const isBeyond = tx < 0 || ty < 0 || tx >= kTilesAside || ty >= kTilesAside;
     const tile = isBeyond ? blocks.tileAt(page.x * kTilesAside + tx, page.y * kTilesAside + ty) : page.tiles[ty * kTilesAside + tx];
     if (!tile) continue;
     beside ??= tile;
@@ -125,7 +126,7 @@ function groundAt(page: Page, column: number, row: number, blocks: Blocks): numb
   return n > 0 ? sum / n : beside ? blocks.groundOf(beside) : NaN;
 }
 
-/// Where there is no tile, as high as what is beside it.
+/// Fills in the heights where there is no tile from the neighbouring points.
 function fillGaps(heights: Float32Array): void {
   const pass = (from: number, to: number) => { if (Number.isNaN(heights[to])) heights[to] = heights[from]; };
   for (let y = 0; y < kAside; ++y) {

@@ -1,4 +1,5 @@
-// What lies over the tilted view: path, vehicles as boxes, picked and measured places; Canvas 2D. Nothing hides them.
+// The marks in the tilted view: path, vehicles as boxes, selected and measured places; Canvas 2D. The ground does not
+// hide them.
 import { Layers } from "../settings";
 import { Camera } from "./camera";
 import { ellipseOf, Ink, kInk } from "./ink";
@@ -7,7 +8,7 @@ import { Sheet } from "./sheet";
 import { heightAt, kCellSize, Place, Pose, World } from "../world";
 
 type Spot = [number, number];
-const kBody = [0.12, 0.75];   // m over the ground: the box's bottom and top
+const kBody = [0.12, 0.75];   // m above the ground: the box's bottom and top
 const kArrow: Spot[] = [[1, 0], [-0.8, 0.72], [-0.45, 0], [-0.8, -0.72]];
 
 export class TiltedMarks {
@@ -101,7 +102,7 @@ export class TiltedMarks {
     context.globalAlpha = 1;
   }
 
-  /// A box to scale; from far an arrow of 22 pixels.
+  /// A box to scale; from far away an arrow of 22 pixels.
   private drawVehicle(camera: Camera, pose: Pose, colour: string, ink: Ink): void {
     const { context } = this, [length, width, middle] = this.world.state?.vehicle ?? [1.8, 1.2, 0];
     const [c, s] = [Math.cos(pose.yaw), Math.sin(pose.yaw)];
@@ -130,11 +131,11 @@ export class TiltedMarks {
     if (isFar) context.stroke();
   }
 
-  /// Of the box, if it is towards the eye; darker than its top.
+  /// Draws a side of the box if it faces the eye; darker than the top.
   private drawSide(a: Spot, b: Spot, at: (u: number, v: number, up: number) => Spot, colour: string, camera: Camera, yaw: number): void {
     const spots = [at(...a, kBody[0]), at(...b, kBody[0]), at(...b, kBody[1]), at(...a, kBody[1])];
     const [p, q, r] = spots;
-    if ((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]) > 0) return;  // its back
+    if ((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]) > 0) return;  // faces away
     const { context } = this, facing = Math.atan2(a[0] - b[0], b[1] - a[1]) + yaw + camera.turn;
     this.outline(spots);
     context.fillStyle = colour;
@@ -144,7 +145,7 @@ export class TiltedMarks {
   }
 }
 
-/// What is behind the eye, or far away, is left out.
+/// False for what is behind the eye or far away.
 function isSeen(camera: Camera, x: number, y: number): boolean {
   const ahead = Math.sin(camera.turn) * (x - camera.x) + Math.cos(camera.turn) * (y - camera.y);
   const w = 1 + ahead * Math.sin(camera.tilt) / camera.distance;

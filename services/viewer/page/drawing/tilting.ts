@@ -1,10 +1,10 @@
-// The way from the view from above to the tilted one and back, and the height that the tilted one turns about.
+// The transition between the view from above and the tilted view, and the height of the tilted view's pivot.
 import { heightAt, Pose, World } from "../world";
 import { Camera } from "./camera";
 
-const kTilted = 0.96;  // rad, by the button
+const kTilted = 0.96;  // rad, the tilt of the button
 const kLasts = 350;    // ms
-const kRise = 0.15;    // of the way to the ground's height, a frame
+const kRise = 0.15;    // share of the remaining height difference, per picture
 
 export class Tilting {
   private from = 0;
@@ -21,10 +21,10 @@ export class Tilting {
     if (still) this.camera.tilt = this.to;
   }
 
-  /// The user tilts it by hand.
+  /// Stops the transition: the user tilts by hand.
   stop(): void { this.began = -kLasts; }
 
-  /// True: it is under way.
+  /// Advances the transition. True: it is under way.
   step(now: number, world: World, followed: Pose | null): boolean {
     const { camera } = this, share = (now - this.began) / kLasts;
     const z = followed ? followed.z : heightAt(world, camera.x, camera.y);

@@ -1,42 +1,42 @@
-// The page shows what comes, or what came before. What comes is taken in any case.
+// Switches the page between the live world and the history. Received frames are always processed.
 import { PlayOrder } from "../cards/timeline";
 import { readFrame } from "../decode";
 import { Playback, World } from "../world";
 import { History } from "./history";
 
-const kRound = 50;  // ms, of playing
+const kRound = 50;  // ms between two steps of playing
 
 export class Rewind {
-  live: World;  // has all that came; the shown world, unless that is of the past
+  live: World;  // the live world; it is the shown one, unless the past is shown
   history = new History();
-  private place: number | null = null;  // ms of performance.now(), what the past shows; null: live
-  private newest = 0;                   // ms, when the newest frame of the past came
+  private place: number | null = null;  // ms of performance.now(), the shown time of the past; null: live
+  private newest = 0;                   // ms, when the newest frame of the shown past was received
   private isPaused = false;
   private speed = 1;
   private timer = 0;
-  private round = 0;  // ms, the last one
+  private round = 0;  // ms, the last step
 
-  /// `changed`: the shown world is another by playing or by a leap.
+  /// `changed`: the shown world changed, by playing or by a jump.
   constructor(private shown: World, private changed: (leapt: boolean) => void) {
     this.live = shown;
   }
 
   get isPast(): boolean { return this.place !== null; }
-  /// ms from what is shown to now.
+  /// ms between the shown time and now.
   get behind(): number { return this.place === null ? 0 : performance.now() - this.place; }
 
-  /// A frame came. Returns its number.
+  /// Takes a received frame. Returns its number.
   take(bytes: ArrayBuffer): number {
     const now = performance.now(), { live, history } = this;
     if (live.state && live.state.source !== "live") return readFrame(bytes, live);
     history.expect(live, now);
     const frame = readFrame(bytes, live);
     history.add(live, bytes, now);
-    if (live.state?.source !== "live") history.clear();  // a saved map has no past, and a log a bar of its own
+    if (live.state?.source !== "live") history.clear();  // a saved map has no past, and a log has its own time line
     return frame;
   }
 
-  /// For the bar; null: there is nothing to look back to.
+  /// For the time line; null: there is no history yet.
   playback(): Playback | null {
     const { oldest, newest } = this.history;
     if (oldest === null || newest - oldest < 2000) return null;
@@ -76,7 +76,7 @@ export class Rewind {
     this.changed(true);
   }
 
-  /// From now on what comes goes into a world that is not shown.
+  /// Starts showing the past: from now on frames update a world that is not shown.
   private leave(): void {
     this.live = new World();
     this.live.show(this.shown.snapshot());

@@ -1,8 +1,9 @@
-// A frame for the history: of the LiDAR's points, which are more than all else together, every fourth is kept.
+// Thins a frame for the history: keeps every fourth LiDAR point, because these are more bytes than everything else
+// together.
 
 const kPointsKind = 5;
 const kPointBytes = 7;
-const kHead = 5;   // bytes of a section before its content
+const kHead = 5;   // bytes of a section's head
 const kStride = 4;
 
 export function thinScan(frame: ArrayBuffer): ArrayBuffer {
@@ -10,7 +11,7 @@ export function thinScan(frame: ArrayBuffer): ArrayBuffer {
   const out = new Uint8Array(frame.byteLength);
   let to = 0;
   const copy = (from: number, n: number) => { out.set(bytes.subarray(from, from + n), to); to += n; };
-  copy(0, 4);  // its number
+  copy(0, 4);  // the frame's number
   for (let at = 4; at < frame.byteLength;) {
     const length = view.getUint32(at + 1, true), start = at + kHead;
     copy(at, kHead);

@@ -14,7 +14,7 @@ constexpr double kAhead = 45.0;
 constexpr double kAside = 20.0;
 constexpr double kHouses = 6.5;  // m behind the curb
 
-/// (s, y) of a point of a road that bends with `curvature` from the origin on.
+/// (s, y) of a point on a road with constant `curvature` from the origin on.
 Eigen::Vector2d road_frame(double curvature, double x, double y) {
   if (std::abs(curvature) < 1e-9) return {x, y};
   const double radius = 1 / curvature;
@@ -35,7 +35,7 @@ simulate::world::Ground make_ground(const CurbSceneOptions& o) {
   profile.pavement = o.pavement;
   profile.ramp = std::min(profile.ramp, o.pavement);
   profile.tufts = o.tufts;
-  if (o.height > 0.15) profile.face *= o.height / 0.15;  // no steeper than rays are cast for
+  if (o.height > 0.15) profile.face *= o.height / 0.15;  // bounds the steepness for which rays are cast
   const double reach = std::abs(o.curvature) > 1e-9 ? kAhead : kAside;
   simulate::world::Ground ground(-kBehind, -reach,
                                  static_cast<int>((kBehind + kAhead) / simulate::world::Ground::kPitch) + 1,
@@ -55,7 +55,7 @@ simulate::world::Ground make_ground(const CurbSceneOptions& o) {
   return ground;
 }
 
-/// What stands in a scene, placed along the road.
+/// The objects in a scene, placed along the road.
 class SceneFurniture {
  public:
   SceneFurniture(const CurbSceneOptions& options, const simulate::world::Ground& ground, std::uint64_t seed)

@@ -10,30 +10,30 @@
 
 namespace curbstone::bench::curbs::scenes {
 
-/// A street with one curb on each side, or none, and exact truth. The road runs along x from the origin, or bends with
-/// it; the vehicle stands or drives on the line y = 0 (of the bent road: its own circle).
+/// A street with exact truth, with one curb on each side or none. The road runs along x from the origin, or bends; the
+/// vehicle stands or drives on the line y = 0 (on a bent road: on a circle).
 struct CurbSceneOptions {
   std::string name;
-  double height = 0.15;  ///< m, of both curbs; 0: the road's edge is flush, and no place is right for a curb
-  double noise = 0.02;   ///< m, of one range
+  double height = 0.15;  ///< m, of both curbs; 0: the road's edge is flush, and every detection is wrong
+  double noise = 0.02;   ///< m, 1 sigma of a range
   double left = 4.0;     ///< m from the vehicle's line to the foot of the left curb
   double right = 4.0;
   double crossfall = 0.02;   ///< of the carriageway at the gutter
-  double tilt = 0;           ///< slope of everything to the left
-  double slope = 0;          ///< slope of everything ahead
+  double tilt = 0;           ///< slope of the whole scene to the left
+  double slope = 0;          ///< slope of the whole scene ahead
   double curvature = 0;      ///< 1/m, positive to the left
-  double pavement = 2.3;     ///< m behind the foot, where grass begins; 0.15 or more
-  double tufts = 0.03;       ///< m, the highest of the grass
+  double pavement = 2.3;     ///< m from the foot to the grass; 0.15 or more
+  double tufts = 0.03;       ///< m, maximum height of the grass
   bool parked_cars = false;  ///< along both curbs, with gaps
   bool hedges = false;       ///< 0.5 m behind both curbs
 };
 
-/// The six scenes of the peers' table.
+/// The six scenes of the comparison with other methods.
 [[nodiscard]] std::vector<CurbSceneOptions> peer_scenes();
-/// Others: what no parameter was chosen on.
+/// Further scenes, on which no parameter was tuned.
 [[nodiscard]] std::vector<CurbSceneOptions> varied_scenes();
 
-/// The scene itself. Frame: world, z up, the vehicle's line begins at the origin.
+/// The generated scene. Frame: world, z up; the vehicle's line begins at the origin.
 class CurbScene {
  public:
   explicit CurbScene(const CurbSceneOptions& options, std::uint64_t seed = 1);
@@ -42,13 +42,13 @@ class CurbScene {
   [[nodiscard]] const simulate::world::Scene& scene() const { return scene_; }
   [[nodiscard]] bool has_curbs() const { return options_.height > 0; }
 
-  /// A place on the ground along the road: s m along the vehicle's line, y m to its left.
+  /// A point on the ground: s m along the vehicle's line, y m to its left.
   [[nodiscard]] Eigen::Vector3d place(double s, double y) const;
-  /// base_link on the vehicle's line, s m along it, standing on the ground.
+  /// base_link on the vehicle's line, s m along it, on the ground.
   [[nodiscard]] Pose T_world_base(double s) const;
   /// The inverse of place(): (s, y) of a point.
   [[nodiscard]] Eigen::Vector2d along_road(double x, double y) const;
-  /// Whether the face of the curb at s on a side (+1 left, -1 right) can be seen from a place.
+  /// Whether the face of the curb at s on a side (+1 left, -1 right) is visible from a point.
   [[nodiscard]] bool sees_curb(const Eigen::Vector3d& from, double s, int side) const;
 
  private:

@@ -13,7 +13,7 @@ namespace curbstone::bench::curbs::scenes {
 
 namespace {
 
-/// A file that goes when it is no longer needed.
+/// A temporary file that is removed with this object.
 class TemporaryLog {
  public:
   TemporaryLog()

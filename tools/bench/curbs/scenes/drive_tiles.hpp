@@ -5,8 +5,8 @@
 
 namespace curbstone::bench::curbs::scenes {
 
-/// Emulates the drive through the drivers, the filter, the mapper and one voting worker, in this process. Uses (and
-/// removes) a log in the temporary folder. Throws std::runtime_error when that cannot be written.
+/// Emulates the drive through drivers, filter, mapper and one voting worker in this process. Writes and removes a log
+/// in the temporary folder. Throws std::runtime_error if that cannot be written.
 [[nodiscard]] DriveTiles drive_tiles(const simulate::rig::Drive& drive);
 
 /// T_world_base at 20 Hz.

@@ -9,8 +9,9 @@
 
 namespace curbstone::bench::curbs::scenes {
 
-/// One revolution of a standing Velodyne HDL-64E (its manual: 32 beams from +2 to -8.33 deg, 32 from -8.83 to -24.33
-/// deg; 10 Hz, 0.1728 deg between shots) in a scene. Points in the lidar frame, m; `noise` m is the range's, 1 sigma.
+/// Simulates one revolution of a standing Velodyne HDL-64E (its manual: 32 beams from +2 to -8.33 deg, 32 from -8.83 to
+/// -24.33 deg; 10 Hz, 0.1728 deg between shots) in a scene. Points in the lidar frame, m; `noise`: of the range, m, 1
+/// sigma.
 [[nodiscard]] std::vector<Eigen::Vector3f> scan_hdl64(const simulate::world::Scene& scene, const Pose& T_world_lidar,
                                                       double noise, std::uint64_t seed);
 

@@ -11,7 +11,7 @@ namespace {
 constexpr double kWay = 24.0;      // m
 constexpr double kReach = 150.0F;  // m, of the LiDAR
 
-/// Along the scene's road, wheels on the ground.
+/// A motion along the scene's road, with the wheels on the ground.
 class SceneMotion final : public simulate::motion::Motion {
  public:
   SceneMotion(const CurbScene& scene, const simulate::motion::SpeedProfile& profile)

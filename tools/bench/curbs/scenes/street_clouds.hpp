@@ -15,10 +15,10 @@ struct StreetCloud {
   std::vector<Eigen::Vector3f> points;
 };
 
-/// All scans of `folder` (scans/, reference_poses.txt) merged; the first alone; and merged, of each only the beams that
-/// an RS-LiDAR-16 has too (every 2 deg from -15). Without poses there must be one scan, and it is the first alone.
-/// `T_world_first` takes them from the lidar frame of the first scan. Scans are read as a worse sensor would have taken
-/// them. Throws std::runtime_error with one clear line.
+/// Reads three clouds from `folder` (scans/, reference_poses.txt): all scans merged, the first scan alone, and all
+/// scans merged with only the beams that an RS-LiDAR-16 has too (every 2 deg from -15). Without poses there must be
+/// exactly one scan, which is the first alone. `T_world_first` transforms from the lidar frame of the first scan.
+/// `loss` degrades the scans to those of a worse sensor. Throws std::runtime_error with a one-line message.
 [[nodiscard]] std::vector<StreetCloud> read_street_clouds(const std::string& folder, const Pose& T_world_first,
                                                           const ScanLoss& loss = {});
 

@@ -44,7 +44,7 @@ JudgedDrive drive_town(std::uint64_t seed, double seconds) {
 }
 
 JudgedDrive drive_recorded(const std::string& folder, std::uint64_t seed) {
-  constexpr double kRamp = 3.0;  // s from standing to the recording's own pace
+  constexpr double kRamp = 3.0;  // s from standstill to the recorded speed
   const simulate::recorded::ScanSet scans =
       simulate::recorded::find_scans(folder, folder + "/reference_poses.txt", folder + "/times.txt");
   const simulate::rig::SimulateConfig config;
@@ -62,7 +62,7 @@ JudgedDrive drive_recorded(const std::string& folder, std::uint64_t seed) {
           },
       .config = config,
       .rpm = rpm,
-      .azimuth = -6.0 * rpm * playback.drive_time(0),  // looks forward when the recording's head did
+      .azimuth = -6.0 * rpm * playback.drive_time(0),  // points forward when the recording's head did
       .seed = seed,
       .seconds = playback.drive_time(scans.times.back()),
       .start_utime = kStart};

@@ -7,17 +7,16 @@
 
 namespace curbstone::bench::curbs::scenes {
 
-/// A drive with its truth.
+/// A drive and its truth.
 struct JudgedDrive {
   DriveTiles made;
   evaluate::truth::Truth truth;
   Pose T_world_first = Pose::Identity();  ///< of a recording's first scan
 };
-/// The demo: round a block of a town made from the seed.
+/// The demo: around a block of a town generated from the seed.
 [[nodiscard]] JudgedDrive drive_town(std::uint64_t seed, double seconds);
 
-/// A recorded street (KITTI scans with poses) through the emulated RS16, at the recording's own pace. Truth: its
-/// labels.
+/// A recorded street (KITTI scans with poses) through the emulated RS16, at the recorded speed. Truth: its labels.
 [[nodiscard]] JudgedDrive drive_recorded(const std::string& folder, std::uint64_t seed);
 
 }  // namespace curbstone::bench::curbs::scenes

@@ -18,7 +18,7 @@ namespace curbstone::bench::curbs::scenes {
 
 namespace {
 
-/// Filter, mapper and voting worker on one bus; collects what comes out.
+/// Filter, mapper and voting worker on one bus; collects their output.
 class VotingChain {
  public:
   VotingChain() : ekf_({}, bus_), mapper_({}, bus_), voting_(config(), "tensor_voting", bus_) {
@@ -60,7 +60,7 @@ class VotingChain {
   }
 
  private:
-  static constexpr std::int64_t kTick = 1'000'000;  // us: nobody waits for a tile
+  static constexpr std::int64_t kTick = 1'000'000;  // us; no consumer waits for a tile
   static tensor_voting::worker::TensorVotingConfig config() {
     tensor_voting::worker::TensorVotingConfig config;
     config.bandwidth = 100;

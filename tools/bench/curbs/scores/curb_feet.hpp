@@ -7,7 +7,7 @@
 
 namespace curbstone::bench::curbs::scores {
 
-/// Places along the feet of curb lines, at most `spacing` m apart: what is scored, as it is what a planner gets.
+/// Points along the feet of curb lines, at most `spacing` m apart. These are scored because a planner uses them.
 [[nodiscard]] std::vector<evaluate::CurbFoot> feet_along(const std::vector<semantic_map::tile::CurbLine>& lines,
                                                          double spacing = 0.1);
 

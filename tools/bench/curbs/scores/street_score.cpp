@@ -7,14 +7,14 @@ namespace curbstone::bench::curbs::scores {
 
 namespace {
 
-constexpr double kBlindDisc = 4.0;     // m around the sensor: it does not see the ground there
+constexpr double kBlindDisc = 4.0;     // m around the sensor, where it cannot measure the ground
 constexpr double kBorderReach = 0.24;  // m around other borders
 
 double distance(const evaluate::Place& a, const evaluate::truth::TrueCurbPoint& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
-/// The nearest true point that `accept`s, within `reach`; nullptr if none.
+/// The nearest true point that fulfils `accept`, within `reach`; nullptr if none.
 template <class Accept>
 const evaluate::truth::TrueCurbPoint* nearest_truth(const std::vector<evaluate::truth::TrueCurbPoint>& truth,
                                                     const evaluate::Place& at, double reach, Accept accept) {
@@ -41,7 +41,7 @@ void score_recall(const std::vector<evaluate::CurbFoot>& detections, const evalu
   std::array<int, kTrueStepBounds.size() + 1> hit{};
   for (const evaluate::truth::TrueCurbPoint& t : truth.curbs) {
     const double r = std::hypot(t.x, t.y);
-    if (t.height == 0 || r > range || r < kBlindDisc) continue;  // a border of height 0 is none of a curb
+    if (t.height == 0 || r > range || r < kBlindDisc) continue;  // a border of height 0 is not a curb
     const bool found = std::any_of(detections.begin(), detections.end(),
                                    [&](const evaluate::CurbFoot& d) { return distance(d.at, t) <= tolerance; });
     const auto step = static_cast<std::size_t>(

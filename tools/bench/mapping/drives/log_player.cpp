@@ -16,7 +16,7 @@
 namespace curbstone::bench::mapping::drives {
 namespace {
 
-/// Ekf and assembler on a bus; a revolution goes on once odometry has passed its end.
+/// Ekf and assembler on a bus; a revolution is passed on once odometry has reached its end.
 class LogFeed {
  public:
   LogFeed(bool with_odometry, const MappingDrive::Take& take) : take_(take), with_odometry_(with_odometry) {
@@ -50,7 +50,7 @@ class LogFeed {
     while (!pending_.empty() && (all || !with_odometry_ || history_.reaches(pending_.front().end))) {
       const mapper::scan::Scan& next = pending_.front();
       history_.look_from(next.end);
-      // Standing, the filter finds its level; a map begun before would hang askew.
+      // The filter levels itself while standing; a map begun earlier would be tilted.
       const bool level = !with_odometry_ || started_ || history_.covers(next.start, next.end);
       if (level) take_(next, history_);
       started_ = started_ || level;

@@ -8,12 +8,11 @@
 
 namespace curbstone::bench::mapping::drives {
 
-/// A log's LIDAR_POINTS as revolutions; its IMU and WHEELS, if wanted, through our filter as odometry. Throws
-/// std::runtime_error when the file is no log.
+/// Plays a log's LIDAR_POINTS as revolutions; if wanted, its IMU and WHEELS through our filter as odometry. Throws
+/// std::runtime_error if the file is not a log.
 void play_log(const std::string& file, bool with_odometry, const MappingDrive::Take& take);
 
-/// The same of events that come from elsewhere, in the order in which a log would hold them: `source` hands each to
-/// what it is given.
+/// The same for events from another source, in the order of a log. `source` passes each event to its argument.
 using EventSource = std::function<void(const std::function<void(LogEvent)>& take)>;
 void play_events(const EventSource& source, bool with_odometry, const MappingDrive::Take& take);
 

@@ -21,7 +21,7 @@ simulate::rig::SimulateConfig slipping(double slips) {
 }
 
 double first_return(const LoopDrive& drive) {
-  std::vector<std::pair<double, Eigen::Vector3d>> places;  // by way, a metre apart
+  std::vector<std::pair<double, Eigen::Vector3d>> places;  // by distance driven, one per metre
   for (const evaluate::truth::StampedPose& at : drive.truth()) {
     const double way = drive.way(at.utime);
     if (!places.empty() && way < places.back().first + 1.0) continue;

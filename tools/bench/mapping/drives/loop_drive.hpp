@@ -7,24 +7,24 @@
 
 namespace curbstone::bench::mapping::drives {
 
-/// A simulated drive that comes back to where it began, by streets that are far from each other. It is rendered anew
-/// while it is played: no log.
+/// A simulated drive that returns to its start along streets far from each other. It is rendered while it is played,
+/// without a log.
 class LoopDrive final : public MappingDrive {
  public:
-  /// `slips`: slip events of the wheels a minute.
+  /// `slips`: wheel slip events per minute.
   LoopDrive(const simulate::TownTour& tour, double slips);
 
   void play(const Take& take) const override;
   [[nodiscard]] const evaluate::truth::Trajectory& truth() const override { return truth_; }
   [[nodiscard]] Pose T_world_base(std::int64_t utime) const { return setup_.motion().T_world_base(seconds(utime)); }
-  /// m driven since the beginning.
+  /// m driven since the start.
   [[nodiscard]] double way(std::int64_t utime) const { return setup_.motion().profile().distance(seconds(utime)); }
-  /// m of way after which it is within kNear of a place that it passed at least kApart m of way before: what is known
-  /// of the pose until then is what was carried round.
+  /// Distance driven, m, until the vehicle is within kNear of a place that it passed at least kApart m earlier. Until
+  /// then the pose is dead reckoning without loop closure.
   [[nodiscard]] double returns() const { return returns_; }
   static constexpr double kNear = 60.0;
   static constexpr double kApart = 200.0;
-  /// m, once round.
+  /// m, one lap.
   [[nodiscard]] double lap() const { return lap_; }
   [[nodiscard]] double length() const { return way(truth_.back().utime); }
 

@@ -7,14 +7,14 @@
 
 namespace curbstone::bench::mapping::drives {
 
-/// How bad odometry is.
+/// Errors of the odometry.
 struct OdometryErrors {
-  double scale = 1.02;                 ///< of the distance: wheels that are smaller than believed
-  double yaw_rate = 0.2 / 57.2957795;  ///< rad/s: a gyro's bias
+  double scale = 1.02;                 ///< of the distance: wheels smaller than configured
+  double yaw_rate = 0.2 / 57.2957795;  ///< rad/s, gyro bias
 };
 
-/// Odometry at 100 Hz as poor sensors would have it: the truth's motion (steady between its poses, and beyond its ends
-/// for `beyond` us) with errors, integrated. The truth needs two poses at least.
+/// Simulates the odometry of poor sensors at 100 Hz: the truth's motion with errors, integrated. The motion is constant
+/// between the truth's poses and for `beyond` us past its ends. The truth needs at least two poses.
 [[nodiscard]] std::vector<mapper::scan::OdometrySample> poor_odometry(const evaluate::truth::Trajectory& truth,
                                                                       const OdometryErrors& errors,
                                                                       std::int64_t beyond);

@@ -16,9 +16,9 @@
 namespace curbstone::bench::mapping::drives {
 namespace {
 
-constexpr std::int64_t kEpoch = 1'317'000'000'000'000;  // us, of the first scan: times in the files begin at 0
-constexpr std::int64_t kLongestSweep = 100'000;         // us: scans farther apart have been thinned out
-constexpr float kMinRange = 0.4F, kMaxRange = 120.0F;   // m, as the assembler has them
+constexpr std::int64_t kEpoch = 1'317'000'000'000'000;  // us, of the first scan: the times in the files begin at 0
+constexpr std::int64_t kLongestSweep = 100'000;         // us; scans farther apart were thinned out
+constexpr float kMinRange = 0.4F, kMaxRange = 120.0F;   // m, as in the assembler
 
 std::string bytes_of(const std::string& file) {
   std::ifstream in(file, std::ios::binary);

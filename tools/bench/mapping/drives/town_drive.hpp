@@ -8,17 +8,17 @@
 
 namespace curbstone::bench::mapping::drives {
 
-/// A drive round the block of the simulated town: the RS16's packets through our driver, IMU and wheels through our
+/// A drive around the block of the simulated town: the RS16's packets through our driver, IMU and wheels through our
 /// filter.
 class TownDrive final : public MappingDrive {
  public:
   struct Options {
     std::uint64_t seed = 1;
     double seconds = 40;
-    double lidar_from = 0;  ///< s: the LiDAR is switched on so late
+    double lidar_from = 0;  ///< s, time at which the LiDAR is switched on
     simulate::rig::SimulateConfig config = {};
   };
-  /// Simulates it. Throws std::runtime_error when there is no room for its log in the folder for temporary files.
+  /// Simulates the drive. Throws std::runtime_error if the temporary folder has no room for its log.
   explicit TownDrive(const Options& options);
   ~TownDrive() override;
   TownDrive(const TownDrive&) = delete;
@@ -26,7 +26,7 @@ class TownDrive final : public MappingDrive {
 
   void play(const Take& take) const override;
   [[nodiscard]] const evaluate::truth::Trajectory& truth() const override { return truth_; }
-  /// Leaves the IMU and the wheels out.
+  /// Leaves out the IMU and the wheels.
   void without_odometry() { prior = "none"; }
 
  private:

@@ -8,7 +8,7 @@
 namespace curbstone::bench::mapping::methods {
 namespace {
 
-constexpr double kFarthest = 50'000;  // m: the lattice has an end
+constexpr double kFarthest = 50'000;  // m; bound of the lattice
 
 }  // namespace
 

@@ -11,14 +11,14 @@
 
 namespace curbstone::bench::mapping::methods {
 
-/// The map that LOAM itself keeps of a drive (Zhang, Singh, RSS 2014): edge features a point each 0.2 m, plane features
-/// a point each 0.4 m, as its authors' program thins them; all of the drive's, where theirs forgets what is far.
+/// The map that LOAM itself keeps of a drive (Zhang, Singh, RSS 2014): edge features thinned to 0.2 m, plane features
+/// to 0.4 m, as in its authors' program. It keeps the whole drive, where theirs discards distant points.
 class LoamCloud {
  public:
   explicit LoamCloud(const VehicleConfig& vehicle, const mapper::config::LoamConfig& config = {});
 
-  /// A revolution, and where the vehicle was at its end. It is de-skewed by steady motion since the one before; the
-  /// first has none and is left out.
+  /// Adds a revolution with the vehicle's pose at its end. It is de-skewed with constant motion since the revolution
+  /// before; the first one has none and is left out.
   void add(const mapper::scan::Scan& scan, const evaluate::truth::StampedPose& pose);
 
   [[nodiscard]] const map_export::DenseCloud& cloud() const { return cloud_; }

@@ -9,9 +9,10 @@
 
 namespace curbstone::bench::mapping::methods {
 
-/// Names of all methods: ours first, then the peers.
+/// Names of all methods: ours first, then those of PCL.
 [[nodiscard]] std::vector<std::string> mapping_methods();
-/// A fresh one for a drive. `settings`: KEY=VALUE of section mapper, for ours. Throws ConfigError for a wrong name.
+/// Makes a method for a new drive. `settings`: KEY=VALUE of section mapper, for our methods. Throws ConfigError for an
+/// unknown name.
 [[nodiscard]] std::unique_ptr<MappingMethod> make_mapping_method(const std::string& name,
                                                                  const drives::MappingDrive& drive,
                                                                  const std::vector<std::string>& settings);

@@ -15,8 +15,8 @@ std::optional<evaluate::truth::StampedPose> MapperMethod::process(const mapper::
   if (!update) return std::nullopt;
   covariance_ = update->registered ? std::optional(update->registration.covariance) : std::nullopt;
   rearranged_ += update->rearranged ? 1 : 0;
-  // Whoever sends tiles empties the list of those that have changed; not each time here, as that means to wait for the
-  // dense map, which nobody waits for to know the pose.
+  // A sender of tiles empties the list of changed tiles. It is not emptied at each revolution here, because that waits
+  // for the dense map, which the pose does not depend on.
   if (update->revolution % kEmptyListEach == 0) {
     mapper_.wait_grown();
     (void)mapper_.take_changed();

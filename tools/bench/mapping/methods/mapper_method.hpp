@@ -8,7 +8,7 @@
 
 namespace curbstone::bench::mapping::methods {
 
-/// Our mapper with one of its methods.
+/// Our mapper with one of its registration methods.
 class MapperMethod final : public MappingMethod {
  public:
   explicit MapperMethod(const mapper::config::MapperConfig& config) : mapper_(config, mapper::file_for_far(config)) {}

@@ -17,9 +17,9 @@ using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
 constexpr float kSourceVoxel = 0.3F, kMapVoxel = 0.2F;  // m
 constexpr float kMaxRange = 60.0F;                      // m
-constexpr float kWindow = 60.0F;                        // m, of the local map about the vehicle
+constexpr float kWindow = 60.0F;                        // m, size of the local map around the vehicle
 constexpr double kInsertEvery = 1.0;                    // m
-constexpr int kFirstInsertions = 3;                     // revolutions of the start that the map takes anyhow
+constexpr int kFirstInsertions = 3;                     // revolutions at the start that are always inserted
 
 Cloud::Ptr thinned(const Cloud::Ptr& cloud, float leaf) {
   auto out = std::make_shared<Cloud>();
@@ -57,7 +57,7 @@ struct PclMethod::Parts {
   std::shared_ptr<pcl::Registration<pcl::PointXYZ, pcl::PointXYZ>> registration;
   Cloud::Ptr local = std::make_shared<Cloud>();
   int insertions = 0;
-  std::set<std::array<int, 3>> all;       // voxels of 0.2 m that ever held a point
+  std::set<std::array<int, 3>> all;       // voxels of 0.2 m that have held a point
   std::set<std::array<int, 2>> all_flat;  // cells of 0.12 m
 
   void insert(const Cloud::Ptr& cloud, const Pose& T_map_base) {

@@ -10,8 +10,8 @@
 
 namespace curbstone::bench::mapping::methods {
 
-/// A registration of PCL's against a local map, as one would put it together from its parts: de-skew and first guess by
-/// odometry or steady motion, source and map thinned by VoxelGrid, the map cut to what is near and given to PCL anew
+/// A PCL registration against a local map, as a user would assemble it: de-skew and initial guess by odometry or
+/// constant motion, source and map thinned by VoxelGrid, the map cropped to its surroundings and passed to PCL again
 /// after each metre.
 class PclMethod final : public MappingMethod {
  public:

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::int64_t kTick = 20'000;  // us
 
-/// A log that goes away with its owner.
+/// A temporary log that is removed with this object.
 class TemporaryLog {
  public:
   TemporaryLog() : path_(std::filesystem::temp_directory_path() / fmt::format("bench_voting_{}.lcmlog", getpid())) {}
@@ -38,7 +38,7 @@ class TemporaryLog {
   std::filesystem::path path_;
 };
 
-/// Filter and mapper on a bus of their own.
+/// Filter and mapper on their own bus.
 class MappingVehicle {
  public:
   explicit MappingVehicle(const DriveListener& listener) : listener_(listener), ekf_({}, bus_), mapper_({}, bus_) {
@@ -53,7 +53,7 @@ class MappingVehicle {
 
   void hear(const LogEvent& event) {
     const std::int64_t now = message_time(event);
-    if (now - ticked_ > 50 * kTick) ticked_ = now - kTick;  // the beginning, or a gap
+    if (now - ticked_ > 50 * kTick) ticked_ = now - kTick;  // at the beginning, or after a gap
     while (ticked_ + kTick <= now) tick(ticked_ += kTick);
     bus_.inject(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));
     bus_.dispatch();

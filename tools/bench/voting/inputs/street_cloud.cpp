@@ -12,7 +12,7 @@ std::vector<Eigen::Vector3d> street_cloud(std::size_t points, double length, uns
   for (Eigen::Vector3d& p : cloud) {
     p.x() = length * (unit(random) - 0.5);
     const double side = unit(random) < 0.5 ? -1 : 1;
-    double s = kStreetArea * unit(random);  // along the profile of the street, both sides of it counted
+    double s = kStreetArea * unit(random);  // along the profile of the street, both sides included
     if (s < 7) {
       p.y() = s - 3.5, p.z() = 0;
     } else if ((s -= 7) < 2 * 0.15) {

@@ -5,8 +5,8 @@
 
 namespace curbstone::bench::voting::inputs {
 
-/// Writes a drive through the demo town as a log: what `curbstone simulate --town --log FILE` does with its defaults.
-/// Throws std::runtime_error when it cannot be written.
+/// Records a drive through the demo town as a log, like `curbstone simulate --town --log FILE` with its defaults.
+/// Throws std::runtime_error if it cannot be written.
 void record_town_log(std::uint64_t seed, double seconds, const std::string& file);
 
 }  // namespace curbstone::bench::voting::inputs
