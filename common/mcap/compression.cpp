@@ -7,7 +7,7 @@
 namespace curbstone {
 namespace {
 
-/// Fast: a log is written once, on the machine that has to drive.
+/// The fastest level, because a log may be written on the vehicle's computer.
 constexpr int kLevel = 1;
 
 }  // namespace

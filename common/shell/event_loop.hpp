@@ -12,7 +12,8 @@ namespace curbstone {
 /// SIGTERM end it.
 class EventLoop {
  public:
-  /// Blocks SIGINT and SIGTERM for the process and receives them through a signalfd. Create it before any thread.
+  /// Blocks SIGINT and SIGTERM for the process, receives them through a signalfd, and ignores SIGPIPE. Create it before
+  /// any thread.
   EventLoop();
   ~EventLoop();
   EventLoop(const EventLoop&) = delete;

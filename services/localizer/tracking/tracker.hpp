@@ -7,10 +7,10 @@
 
 namespace curbstone::localizer::tracking {
 
-/// Tracks one pose through the saved map. The vehicle is lost until the map has fitted for kInARow revolutions, and
-/// again when it has not fitted for as many: a lost pose continues with odometry and is reported as lost. The vehicle
-/// is also lost when a nearby place fits clearly better; the tracker then continues from that place, which must fit as
-/// long. Pure; one thread.
+/// Tracks one pose through the saved map. The vehicle is lost until the map has fitted for kInARow revolutions in a
+/// row, and again when it has not fitted for as many. A lost pose continues with odometry and is reported as lost. The
+/// vehicle is also lost when a nearby place fits clearly better; the tracker then continues from that place. A vehicle
+/// that was found before is found again after kInARowAgain revolutions that fit. Pure; one thread.
 class Tracker final : public PoseTracker {
  public:
   static constexpr int kInARow = 10;       ///< consecutive revolutions that fit, or do not
