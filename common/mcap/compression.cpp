@@ -7,7 +7,7 @@
 namespace curbstone {
 namespace {
 
-/// The fastest level, because a log may be written on the vehicle's computer.
+/// The fastest level: a log is written once, on the computer that drives the vehicle.
 constexpr int kLevel = 1;
 
 }  // namespace

@@ -48,7 +48,7 @@ class EpochFollower {
 
   struct Candidate {
     std::int32_t epoch = 0;
-    int named = 0;      // by anybody
+    int named = 0;      // by any process
     int announced = 0;  // by the mapper
   };
   std::optional<std::int32_t> epoch_;

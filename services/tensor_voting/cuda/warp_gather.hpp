@@ -46,11 +46,11 @@ struct GatherMemory {
 ///
 /// `Warp` runs `each(f)` for its 32 lanes, with Lanes<T> a T for each; sync() separates the writes of lanes from the
 /// reads of others. A device's warp runs the lanes in parallel, the host runs them one after the other. `Votes` has
-///   Voter, Votee, Sums                what is kept of them
+///   Voter, Votee, Sums                the data kept of each
 ///   position(i)                       of votee i, in steps
-///   votee(i, origin), voter(i, origin)  as they are seen from a position near by, where floats are exact
+///   votee(i, origin), voter(i, origin)  relative to a nearby position, where floats are exact
 ///   add(voter, votee, sums)
-///   store(i, sums)                    when all is added
+///   store(i, sums)                    after the last add()
 template <class Warp, class Votes>
 class WarpGather {
  public:
